@@ -154,7 +154,44 @@ void KeepLooks(std::vector<std::optional<Result<BandFacts>>>& facts, Flight& fli
   flight.warnings.push_back(fmt::format("{} thermal photos give no temperatures. {}", kept, reason));
 }
 
+// Captures that show a calibration panel, as the camera or a list says of one of their pictures.
+void SetMarkedPanelsApart(Captures& apart, Flight& flight) {
+  std::vector<bool> shows_panel;
+  for (const Capture& capture : apart.captures) {
+    shows_panel.push_back(std::any_of(capture.photos.begin(), capture.photos.end(),
+                                      [](const BandPhoto& photo) { return photo.facts.is_panel; }));
+  }
+  if (!SetPanelsApart(shows_panel, apart, flight)) {
+    flight.warnings.push_back(fmt::format(
+        "Every capture is said to show a calibration panel, by the camera or in {}: none is taken for one.",
+        flight::kReflectanceListName));
+  }
+}
+
 }  // namespace
+
+bool SetPanelsApart(const std::vector<bool>& shows_panel, Captures& apart, Flight& flight) {
+  if (std::find(shows_panel.begin(), shows_panel.end(), false) == shows_panel.end())
+    return shows_panel.empty();
+  std::vector<Capture> ground;
+  for (std::size_t i = 0; i < shows_panel.size(); ++i) {
+    Capture& capture = apart.captures[i];
+    if (!shows_panel[i]) {
+      ground.push_back(std::move(capture));
+      continue;
+    }
+    std::erase_if(flight.photos, [&](const Photo& photo) { return photo.name == capture.reference; });
+    for (BandPhoto& photo : capture.photos) {
+      flight.left_out.push_back({photo.photo.name, ErrorCode::kUnprocessable,
+                                 "A picture of a calibration panel, not of the ground."});
+      apart.panels.push_back(std::move(photo));
+    }
+  }
+  apart.captures = std::move(ground);
+  std::sort(flight.left_out.begin(), flight.left_out.end(),
+            [](const auto& a, const auto& b) { return a.name < b.name; });
+  return true;
+}
 
 Captures SetBandsApart(Flight& flight, int threads) {
   Captures apart;
@@ -165,7 +202,13 @@ Captures SetBandsApart(Flight& flight, int threads) {
     if (one && one->ok() && !IsOfUnknownScale(**one)) names.insert((**one).name);
   }
   // A band alone is a grey picture, unless it has temperatures.
-  if (names.size() < 2 && !names.contains(kThermalBand)) return apart;
+  if (names.size() < 2 && !names.contains(kThermalBand)) {
+    for (const flight::ReflectanceList& list : flight.reflectance_lists)
+      flight.warnings.push_back(list.file_name + " is not used: the flight has no photos of several bands.");
+    return apart;
+  }
+  for (const flight::ReflectanceList& list : flight.reflectance_lists)
+    apart.targets.insert(apart.targets.end(), list.targets.begin(), list.targets.end());
 
   std::vector<BandPhoto> band_photos;
   std::vector<Photo> others;
@@ -182,13 +225,14 @@ Captures SetBandsApart(Flight& flight, int threads) {
       leave_out(
           photo, ErrorCode::kUnsupportedFormat,
           "A thermal picture that does not say how many kelvins a level is (FLIR:TLinearGain in its XMP).");
-    } else if ((**facts[i]).is_panel) {
-      leave_out(photo, ErrorCode::kUnprocessable, "A picture of the calibration panel, not of the ground.");
     } else {
       band_photos.push_back({std::move(photo), **std::move(facts[i])});
+      BandPhoto& taken = band_photos.back();
+      taken.facts.is_panel |= flight::FindPanelRow(flight.reflectance_lists, taken.photo.name) != nullptr;
     }
   }
   apart.captures = Grouped(std::move(band_photos));
+  SetMarkedPanelsApart(apart, flight);
   apart.reference_band = ReferenceBand(apart.captures);
   for (Capture& capture : apart.captures) {
     for (const BandPhoto& photo : capture.photos) {

@@ -36,10 +36,16 @@ struct Band {
 struct Captures {
   std::vector<Band> bands;  // by wavelength, then by name
   std::string reference_band;
-  std::vector<Capture> captures;  // in the order of the flight
+  std::vector<Capture> captures;              // in the order of the flight
+  std::vector<flight::GroundTarget> targets;  // ground of known reflectance
+  std::vector<BandPhoto> panels;              // pictures of calibration panels, left out of the flight
   bool empty() const { return captures.empty(); }
 };
 
 Captures SetBandsApart(flight::Flight& flight, int threads);
+
+// Captures of which `shows_panel` says so go to `panels`, their photos out of the flight. Where that would be
+// all of them nothing is changed: false.
+bool SetPanelsApart(const std::vector<bool>& shows_panel, Captures& apart, flight::Flight& flight);
 
 }  // namespace skyquilt::bands

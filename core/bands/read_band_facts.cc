@@ -1,5 +1,7 @@
 #include "core/bands/read_band_facts.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <string_view>
 #include <vector>
@@ -38,6 +40,18 @@ void ReadBandFrequency(const std::string& text, BandFacts& facts) {
   if (facts.width_nm || digit == std::string::npos || digit > close) return;
   if (const auto half = flight::ParseXmpNumber(text.substr(digit, close - digit)); half && *half > 0.0)
     facts.width_nm = 2.0 * *half;
+}
+
+PanelTags ReadPanelTags(const XmpTags& xmp) {
+  PanelTags tags;
+  // x and y of four corners
+  if (const auto corners =
+          flight::AllXmpNumbers(FirstOf(xmp, {"Camera:ReflectArea", "MicaSense:ReflectArea"}), 8))
+    std::copy(corners->begin(), corners->end(), tags.area_px.emplace().begin());
+  const auto albedo = flight::ParseXmpNumber(FirstOf(xmp, {"Camera:Albedo", "MicaSense:Albedo"}));
+  if (albedo && *albedo > 0.0 && *albedo <= 1.2) tags.reflectance = albedo;
+  tags.serial = FirstOf(xmp, {"Camera:PanelSerial", "MicaSense:PanelSerial"}).substr(0, kMaxIdBytes);
+  return tags;
 }
 
 // Of a JPEG with a thermal sensor's levels in it. Where those are damaged, the method says so.
@@ -88,6 +102,7 @@ Result<BandFacts> ReadBandFacts(flight::ByteSource& source) {
   facts.capture_id = FirstOf(xmp, {"MicaSense:CaptureId", "Camera:CaptureUUID", "drone-dji:CaptureUUID"})
                          .substr(0, kMaxIdBytes);
   facts.is_panel = xmp.Number("Camera:CalibrationPicture").value_or(0.0) > 0.0;
+  if (facts.is_panel) facts.panel = ReadPanelTags(xmp);
   facts.radiometry =
       facts.name == kThermalBand ? ReadThermalRadiometry(header.exif, xmp) : ReadRadiometry(header.exif, xmp);
   return facts;

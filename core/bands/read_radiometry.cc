@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/bands/sunshine.h"
+#include "core/flight/metadata/exif.h"
 
 namespace skyquilt::bands {
 namespace {
@@ -17,7 +18,7 @@ using flight::ExifIfd;
 using flight::ExifTable;
 using flight::XmpTags;
 
-constexpr std::uint16_t kBlackLevelTag = 0xC61A, kExposureTimeTag = 0x829A, kIsoTag = 0x8827;
+constexpr std::uint16_t kBlackLevelTag = 0xC61A;
 constexpr double kLevels16 = 65536.0;
 constexpr double kLevelsOfTenBits = 64.0;  // 16-bit levels in one of 10 bits
 
@@ -31,8 +32,8 @@ struct Exposure {
   double gain = 1.0;
 };
 std::optional<Exposure> ExposureOf(const ExifTable& exif) {
-  const auto time_s = Positive(exif.Number(ExifIfd::kExif, kExposureTimeTag));
-  const auto iso = Positive(exif.Number(ExifIfd::kExif, kIsoTag));
+  const auto time_s = flight::ExposureTimeS(exif);
+  const auto iso = flight::IsoOf(exif);
   if (!time_s) return std::nullopt;
   constexpr double kIsoOfGainOne = 100.0;
   return Exposure{*time_s, iso ? *iso / kIsoOfGainOne : 1.0};

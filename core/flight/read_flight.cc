@@ -44,6 +44,19 @@ std::vector<std::optional<Result<Photo>>> ReadAll(const std::vector<InputFile>& 
   return read;
 }
 
+// What a list says, its doubts to the notes; what cannot be read is a warning.
+template <typename List>
+void KeepList(Result<List> list, std::vector<List>& lists, std::vector<std::string>& warnings,
+              std::vector<std::string>& notes) {
+  if (!list) {
+    warnings.push_back(list.error().message);
+    return;
+  }
+  for (const std::string& warning : list->warnings)
+    notes.push_back(fmt::format("{}: {}", list->file_name, warning));
+  lists.push_back(*std::move(list));
+}
+
 // One after the other: a long log takes the memory it is allowed only once.
 void ReadLogs(const SortedFiles& files, Flight& flight, Progress& progress) {
   flight.warnings.insert(flight.warnings.end(), files.refused.begin(), files.refused.end());
@@ -72,23 +85,17 @@ void ReadLogs(const SortedFiles& files, Flight& flight, Progress& progress) {
     }
     flight.logs.push_back(*std::move(log));
   }
-  for (const InputFile& file : files.gcp_lists) {
-    Result<GcpList> list = ReadGcpList(file);
-    if (!list) {
-      flight.warnings.push_back(list.error().message);
-      continue;
-    }
-    for (const std::string& warning : list->warnings) {
-      notes.push_back(fmt::format("{}: {}", file.name, warning));
-    }
-    flight.gcp_lists.push_back(*std::move(list));
-  }
+  for (const InputFile& file : files.gcp_lists)
+    KeepList(ReadGcpList(file), flight.gcp_lists, flight.warnings, notes);
+  for (const InputFile& file : files.reflectance_lists)
+    KeepList(ReadReflectanceList(file), flight.reflectance_lists, flight.warnings, notes);
   // What cannot be read stands above what was read and is only doubted.
   if (!files.unused.empty()) flight.warnings.push_back(files.unused);
   flight.warnings.insert(flight.warnings.end(), notes.begin(), notes.end());
   const auto by_name = [](const auto& a, const auto& b) { return a.file_name < b.file_name; };
   std::stable_sort(flight.logs.begin(), flight.logs.end(), by_name);
   std::stable_sort(flight.gcp_lists.begin(), flight.gcp_lists.end(), by_name);
+  std::stable_sort(flight.reflectance_lists.begin(), flight.reflectance_lists.end(), by_name);
   for (const InputFile& file : files.elevation_models) flight.elevation_models.push_back(file.name);
   std::sort(flight.elevation_models.begin(), flight.elevation_models.end());
   if (flight.elevation_models.size() > 1) {

@@ -39,6 +39,9 @@ struct MosaicOptions {
   std::optional<geo::Boundary> boundary;  // --boundary: the map is cut to it; photos are placed as without
   std::optional<double> takeoff_height_amsl_m;  // --takeoff-height-m: of the take-off place
   std::string title;                            // name written into the tileset
+  // Of the flight's files: a finished map of others, which becomes the map as it is (server/imports). Empty:
+  // the map is made of photos. BuildMosaic knows nothing of it.
+  std::string import_file;
 
   Result<void> Validate() const;
   // The ground size of an output pixel where those of the photos show `photos_gsd_m`.

@@ -12,6 +12,7 @@
 #include "core/alignment/baselines/align_by_features.h"
 #include "core/alignment/baselines/align_by_pose.h"
 #include "core/alignment/baselines/align_directly.h"
+#include "core/bands/panels/calibrate_by_panels.h"
 #include "core/base/large_blocks_apart.h"
 #include "core/base/parallel_for.h"
 #include "core/base/try.h"
@@ -379,7 +380,10 @@ Result<PlacedFlight> PlaceFlight(const std::vector<InputFile>& files, const Mosa
     if (memory != nullptr || !found.digests.empty())
       inputs = DigestsOf(files, found.digests, options.threads);
     Result<flight::Flight> flight = flight::ReadFlight(files, {options.threads}, progress);
-    if (flight) captures = bands::SetBandsApart(*flight, options.threads);
+    if (flight) {
+      captures = bands::SetBandsApart(*flight, options.threads);
+      bands::CalibrateByPanels(*flight, captures, source);
+    }
     if (!flight || !options.readout_s) return flight;
     for (flight::Photo& photo : flight->photos) photo.readout_s = options.readout_s;
     return flight;

@@ -10,6 +10,7 @@
 #include "core/base/try.h"
 #include "core/flight/lists/elevation_model_file.h"
 #include "core/flight/lists/film_file.h"
+#include "core/flight/lists/reflectance_list.h"
 #include "core/flight/logs/csv/unknown_table.h"
 #include "core/flight/logs/read_log.h"
 #include "core/flight/photos/byte_source.h"
@@ -83,8 +84,8 @@ Result<Kind> KindOf(const InputFile& file) {
 std::string NotUsed(const std::vector<std::string>& names) {
   constexpr std::size_t kMaxNamed = 10;
   std::string words =
-      "Not used, because nothing in it is known as a log, a list of positions or surveyed points, or "
-      "an elevation model: " +
+      "Not used, because nothing in it is known as a log, a list of positions, surveyed points or "
+      "reflectances, or an elevation model: " +
       names.front();
   for (std::size_t i = 1; i < std::min(names.size(), kMaxNamed); ++i) words += ", " + names[i];
   if (names.size() > kMaxNamed) words += " and " + std::to_string(names.size() - kMaxNamed) + " more";
@@ -100,6 +101,10 @@ SortedFiles SortFiles(const std::vector<InputFile>& files) {
   constexpr std::size_t kMaxTablesExplained = 10;
   for (const InputFile& file : files) {
     if (IsMapNotes(file.name)) continue;  // for who looks at the map
+    if (IsReflectanceList(file.name)) {
+      sorted.reflectance_lists.push_back(file);
+      continue;
+    }
     const auto kind = KindOf(file);
     if (!kind && kind.error().code == ErrorCode::kUnsupportedFormat &&
         ++unread_tables > kMaxTablesExplained) {

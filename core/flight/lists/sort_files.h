@@ -1,6 +1,7 @@
-// SortFiles: which of the files given are photos, which are logs, lists of control points, elevation
-// models or films, and which are none of these and may be ignored. By content: the first bytes decide,
-// whatever the name; the ending only says whether an unknown file is worth a complaint. Any thread.
+// SortFiles: which of the files given are photos, which are logs, lists of control points or of
+// known reflectances, elevation models or films, and which are none of these and may be ignored. By content:
+// the first bytes decide, whatever the name; the ending only says whether an unknown file is worth a
+// complaint. Any thread.
 #pragma once
 
 #include <string>
@@ -15,6 +16,7 @@ struct SortedFiles {
   std::vector<InputFile> photos;  // and what cannot be told apart from one: reading it says what is wrong
   std::vector<InputFile> logs;
   std::vector<InputFile> gcp_lists;
+  std::vector<InputFile> reflectance_lists;
   std::vector<InputFile> elevation_models;
   std::vector<InputFile> films;
   std::vector<std::string> refused;  // what is known but cannot be read, or looks like a log, with advice

@@ -6,8 +6,10 @@
 #include <set>
 #include <utility>
 
+#include "core/bands/panels/scale_band.h"
 #include "core/base/try.h"
 #include "core/pipeline/memory_budget.h"
+#include "core/render/bands/measure_targets.h"
 #include "core/render/bands/register_bands.h"
 #include "core/render/bands/render_bands.h"
 #include "core/render/exposure/estimate_exposure.h"
@@ -22,18 +24,40 @@ std::set<std::string> ReferencesOf(const bands::Captures& captures) {
   return names;
 }
 
-bands::BandsReport Describe(const BandedMap& map, const render::BandCameras& cameras, double gsd_m) {
+bands::BandsReport Describe(const BandedMap& map, const bands::Captures& captures,
+                            const render::BandCameras& cameras, double gsd_m) {
   bands::BandsReport report;
-  report.reference_band = map.captures.reference_band;
+  report.reference_band = captures.reference_band;
   report.captures = static_cast<int>(map.references.photos.size());
-  report.captures_total = static_cast<int>(map.captures.captures.size());
+  report.captures_total = static_cast<int>(captures.captures.size());
   report.gsd_m = gsd_m;
-  for (std::size_t i = 0; i < map.captures.bands.size(); ++i) {
+  for (std::size_t i = 0; i < captures.bands.size(); ++i) {
     const render::BandRegistration& registration = cameras.registrations[i];
-    report.bands.push_back({map.captures.bands[i], registration.pictures, registration.measured,
+    report.bands.push_back({captures.bands[i], registration.pictures, registration.measured,
                             registration.patches, registration.residual_px});
   }
   return report;
+}
+
+// Ground of known reflectance outweighs panels: it was seen from the air, in the flight's own light.
+void CalibrateByTargets(const BandedMap& map, const ground::GroundSurface& ground,
+                        const flight::PhotoSource& source, bands::Captures& captures,
+                        render::BandCameras& cameras) {
+  if (captures.targets.empty()) return;
+  const render::TargetFactors factors =
+      render::MeasureTargets(map.references, ground, captures, cameras, source);
+  cameras.warnings.insert(cameras.warnings.end(), factors.warnings.begin(), factors.warnings.end());
+  for (std::size_t i = 0; i < captures.bands.size(); ++i) {
+    const std::vector<double>& all = factors.by_band[i];
+    if (all.empty()) continue;
+    const double factor =
+        bands::ScaleBand(captures, captures.bands[i].name, all, "Targets of known reflectance",
+                         fmt::format("by {} target{} on the ground", all.size(), all.size() == 1 ? "" : "s"),
+                         cameras.warnings);
+    for (render::BandedCapture& capture : cameras.captures) {
+      if (capture.cameras[i]) capture.cameras[i]->radiometry.per_level *= factor;
+    }
+  }
 }
 
 }  // namespace
@@ -82,17 +106,19 @@ Result<BuiltBands> BuildBands(const BandedMap& map, const ground::GroundSurface&
   const RenderBudget budget = BudgetFor(options, plan);
   const std::int64_t left_bytes = std::max(
       budget.cache_bytes / 4, budget.cache_bytes - render::BandBlockBytes(plan, map.captures.bands.size()));
-  SKYQUILT_TRY_ASSIGN(const render::BandCameras cameras,
+  SKYQUILT_TRY_ASSIGN(render::BandCameras cameras,
                       render::RegisterBands(map.references, ground, map.captures, source,
                                             {options.threads, left_bytes}, progress));
+  bands::Captures captures = map.captures;
+  CalibrateByTargets(map, ground, source, captures, cameras);
   const render::ExposureModel exposure = render::EstimateExposure(map.references, ground, map.thumbnails);
   render::SeamOptions seam_options;
   seam_options.threads = options.threads;
   const render::SeamMap seams =
       render::BuildSeamMap(map.references, ground, plan, exposure, map.thumbnails, seam_options);
-  SKYQUILT_TRY(render::RenderBands({map.references, ground, seams, plan, cameras, map.captures}, source,
+  SKYQUILT_TRY(render::RenderBands({map.references, ground, seams, plan, cameras, captures}, source,
                                    {options.threads, left_bytes}, sink, progress));
-  BuiltBands built{Describe(map, cameras, plan.gsd_m), cameras.warnings};
+  BuiltBands built{Describe(map, captures, cameras, plan.gsd_m), cameras.warnings};
   const int missing = built.report.captures_total - built.report.captures;
   if (missing > 0) {
     built.warnings.push_back(fmt::format(

@@ -9,11 +9,13 @@
 
 #include "core/alignment/aligned_flight.h"
 #include "core/bands/captures.h"
+#include "core/render/bands/pixel_field.h"
 
 namespace skyquilt::render {
 
 struct BandCamera {
   alignment::AlignedPhoto photo;  // as placed; its recorded photo is the band's own
+  PixelField field;               // what its lens does besides
   bands::Radiometry radiometry;
 };
 

@@ -10,12 +10,15 @@
 namespace skyquilt::render {
 namespace {
 
-// Many small patches where few pixels are, by denominator.
+// Smaller patches where few pixels are; spread so that there are about as many as wanted.
 struct PatchSize {
   int patch_px, step_px;
 };
-constexpr PatchSize SizeAt(int denominator) {
-  return denominator == 4 ? PatchSize{40, 20} : denominator == 2 ? PatchSize{56, 48} : PatchSize{48, 64};
+PatchSize SizeOf(const PatchSearch& search, const cv::Mat1f& picture) {
+  const int patch_px = search.denominator == 4 ? 40 : search.denominator == 2 ? 56 : 48;
+  const double pixels = picture.cols * static_cast<double>(picture.rows);
+  const int step_px = static_cast<int>(std::sqrt(pixels / search.patches));
+  return {patch_px, std::clamp(step_px, patch_px / 2, 2 * patch_px)};
 }
 constexpr float kMinCorrelation = 0.4F;
 constexpr int kFilterPx = 3;  // at the picture's edge nothing but the edge is seen
@@ -64,18 +67,19 @@ double Larger(double at, int denominator) { return (at + 0.5) * denominator - 0.
 
 struct BandEdges::Levels {
   std::array<cv::Mat1f, 3> edges;  // at 1/1, 1/2, 1/4
-  const cv::Mat1f& At(int denominator) const {
-    return edges[denominator == 4 ? 2 : denominator == 2 ? 1 : 0];
-  }
+  cv::Mat1f& At(int denominator) { return edges[denominator == 4 ? 2 : denominator == 2 ? 1 : 0]; }
+  const cv::Mat1f& At(int denominator) const { return const_cast<Levels*>(this)->At(denominator); }
 };
 
-BandEdges::BandEdges(const image::SampleImage& picture) : levels_(std::make_unique<Levels>()) {
+BandEdges::BandEdges(const image::SampleImage& picture, int from, int to)
+    : levels_(std::make_unique<Levels>()) {
   const cv::Mat stored(picture.height_px, picture.width_px, CV_16UC1,
                        const_cast<std::uint16_t*>(picture.samples.data()));
   cv::Mat1f level;
   stored.convertTo(level, CV_32F, 1.0 / 65536.0);
-  for (cv::Mat1f& edges : levels_->edges) {
-    edges = EdgesOf(level);
+  for (int denominator = 1; denominator <= to; denominator *= 2) {
+    if (denominator >= from) levels_->At(denominator) = EdgesOf(level);
+    if (denominator == to) break;
     cv::Mat1f smaller;
     // Sides that are odd lose a row: the same scale in both directions.
     const cv::Rect even(0, 0, std::max(2, level.cols / 2 * 2), std::max(2, level.rows / 2 * 2));
@@ -88,8 +92,10 @@ BandEdges::~BandEdges() = default;
 BandEdges::BandEdges(BandEdges&&) noexcept = default;
 
 BandMeasurement MeasureBand(const alignment::AlignedPhoto& reference, const BandEdges& reference_edges,
-                            const alignment::AlignedPhoto& band, const BandEdges& band_edges,
-                            const ground::GroundSurface& ground, int denominator, int reach_px) {
+                            const alignment::AlignedPhoto& band, const PixelField& field,
+                            const BandEdges& band_edges, const ground::GroundSurface& ground,
+                            const PatchSearch& search) {
+  const int denominator = search.denominator, reach_px = search.reach_px;
   const cv::Mat1f& from = reference_edges.levels().At(denominator);
   const cv::Mat1f& to = band_edges.levels().At(denominator);
   BandMeasurement measured;
@@ -101,9 +107,10 @@ BandMeasurement MeasureBand(const alignment::AlignedPhoto& reference, const Band
     if (in_cam != nullptr) *in_cam = *point;
     const auto pixel = band.intrinsics.Project(band_from_reference * *point);
     if (!pixel) return std::nullopt;
-    return Eigen::Vector2d(Smaller(pixel->x(), denominator), Smaller(pixel->y(), denominator));
+    const Eigen::Vector2d at = *pixel + field.At(*pixel);
+    return Eigen::Vector2d(Smaller(at.x(), denominator), Smaller(at.y(), denominator));
   };
-  const auto [patch_px, step_px] = SizeAt(denominator);
+  const auto [patch_px, step_px] = SizeOf(search, from);
   const int half = patch_px / 2, searched = patch_px + 2 * reach_px;
   const int first = half + kFilterPx;
   cv::Mat1f patch, correlation;

@@ -11,13 +11,15 @@
 #include "core/alignment/aligned_flight.h"
 #include "core/ground/ground_surface.h"
 #include "core/image/sample_image.h"
+#include "core/render/bands/pixel_field.h"
 
 namespace skyquilt::render {
 
-// The edges of a picture at 1/1, 1/2 and 1/4 of its size. Sixteen bytes a pixel while it is made, six later.
+// The edges of a picture at some of 1/1, 1/2 and 1/4 of its size. Sixteen bytes a pixel while it is made, six
+// later. `from`, `to`: the smallest and the largest denominator.
 class BandEdges {
  public:
-  explicit BandEdges(const image::SampleImage& picture);
+  BandEdges(const image::SampleImage& picture, int from, int to);
   ~BandEdges();
   BandEdges(BandEdges&&) noexcept;
 
@@ -39,10 +41,16 @@ struct BandMeasurement {
   int looked_at = 0;
 };
 
-// `band`: how its camera is believed to stand. At 1/denominator (1, 2 or 4) of the size; up to `reach_px` of
-// that size are searched.
+struct PatchSearch {
+  int denominator;  // 1, 2 or 4: at that part of the pictures' size
+  int reach_px;     // so far around the expected place, pixels of that size
+  double patches;   // about so many all over the picture
+};
+
+// `band`, `field`: how its camera is believed to stand, and through what it looks.
 BandMeasurement MeasureBand(const alignment::AlignedPhoto& reference, const BandEdges& reference_edges,
-                            const alignment::AlignedPhoto& band, const BandEdges& band_edges,
-                            const ground::GroundSurface& ground, int denominator, int reach_px);
+                            const alignment::AlignedPhoto& band, const PixelField& field,
+                            const BandEdges& band_edges, const ground::GroundSurface& ground,
+                            const PatchSearch& search);
 
 }  // namespace skyquilt::render

@@ -23,9 +23,12 @@ Eigen::Quaterniond Turned(const Eigen::Vector3d& by_rad, const Eigen::Quaternion
   return (geo::RotationFromVector(by_rad) * rotation).normalized();
 }
 
-std::optional<Eigen::Vector2d> Foretold(const camera::Intrinsics& lens, const BandStand& stand,
+std::optional<Eigen::Vector2d> Foretold(const BandLens& lens, const BandStand& stand,
                                         const BandSighting& sighting) {
-  return lens.Project(stand.band_from_reference * sighting.in_reference_cam + stand.shift_in_band_m);
+  const auto pixel =
+      lens.intrinsics.Project(stand.band_from_reference * sighting.in_reference_cam + stand.shift_in_band_m);
+  if (!pixel) return std::nullopt;
+  return Eigen::Vector2d(*pixel + lens.field.At(*pixel));
 }
 
 // Without its sightings.
@@ -54,13 +57,13 @@ camera::Intrinsics Changed(camera::Intrinsics lens, const Eigen::Matrix<double, 
 
 }  // namespace
 
-double MissOf(const camera::Intrinsics& lens, const BandStand& stand, const BandSighting& sighting) {
+double MissOf(const BandLens& lens, const BandStand& stand, const BandSighting& sighting) {
   constexpr double kNowhere = 1e9;
   const auto foretold = Foretold(lens, stand, sighting);
   return foretold ? (sighting.pixel_in_band - *foretold).norm() : kNowhere;
 }
 
-bool FitStand(const camera::Intrinsics& lens, double scale_px, BandStand& stand) {
+bool FitStand(const BandLens& lens, double scale_px, BandStand& stand) {
   if (stand.sightings.size() < kFewestSightings) return false;
   // Most must say the same shift before wrong ones can be told from right ones.
   std::vector<double> across, down;
@@ -74,7 +77,8 @@ bool FitStand(const camera::Intrinsics& lens, double scale_px, BandStand& stand)
   const Eigen::Vector2d shift(Median(std::move(across)), Median(std::move(down)));
   BandStand tried = stand;
   tried.band_from_reference =
-      Turned({-shift.y() / lens.focal_y_px, shift.x() / lens.focal_x_px, 0.0}, stand.band_from_reference);
+      Turned({-shift.y() / lens.intrinsics.focal_y_px, shift.x() / lens.intrinsics.focal_x_px, 0.0},
+             stand.band_from_reference);
   for (int round = 0; round < kGaussNewtonSteps; ++round) {
     // Rotation, then the shift across the view; along it nothing moves in a few milliseconds.
     using Numbers = Eigen::Matrix<double, 5, 1>;
@@ -116,7 +120,7 @@ bool FitStand(const camera::Intrinsics& lens, double scale_px, BandStand& stand)
   return true;
 }
 
-camera::Intrinsics FitBandLens(const camera::Intrinsics& lens, const std::vector<BandStand>& stands) {
+BandLens FitBandLens(const BandLens& lens, const std::vector<BandStand>& stands) {
   using Numbers = Eigen::Matrix<double, kLensNumbers, 1>;
   Numbers by = Numbers::Zero();
   for (int round = 0; round < kGaussNewtonSteps; ++round) {
@@ -129,7 +133,7 @@ camera::Intrinsics FitBandLens(const camera::Intrinsics& lens, const std::vector
       normal(at, at) = stiffness;
       right[at] = -stiffness * by[at];
     }
-    const camera::Intrinsics now = Changed(lens, by);
+    const BandLens now{Changed(lens.intrinsics, by), lens.field};
     for (const BandStand& stand : stands) {
       // The capture's own numbers are free: what they can take up says nothing of the lens (Schur's
       // complement).
@@ -150,7 +154,8 @@ camera::Intrinsics FitBandLens(const camera::Intrinsics& lens, const std::vector
           if (moved) column = (*moved - *foretold) / kStep;
         };
         for (int k = 0; k < static_cast<int>(kLensNumbers); ++k)
-          fill(slope.col(k), Foretold(Changed(lens, by + kStep * Numbers::Unit(k)), stand, sighting));
+          fill(slope.col(k), Foretold({Changed(lens.intrinsics, by + kStep * Numbers::Unit(k)), lens.field},
+                                      stand, sighting));
         for (int k = 0; k < 5; ++k)
           fill(own_slope.col(k),
                Foretold(now, Stepped(kStep * Eigen::Matrix<double, 5, 1>::Unit(k), stand), sighting));
@@ -171,7 +176,20 @@ camera::Intrinsics FitBandLens(const camera::Intrinsics& lens, const std::vector
     by += step;
     if (step.norm() < 1e-10) break;
   }
-  return Changed(lens, by);
+  return {Changed(lens.intrinsics, by), lens.field};
+}
+
+PixelField FitBandField(const camera::Intrinsics& intrinsics, const std::vector<BandStand>& stands) {
+  std::vector<PixelMiss> misses;
+  for (const BandStand& stand : stands) {
+    for (const BandSighting& sighting : stand.sightings) {
+      const auto foretold = Foretold({intrinsics, {}}, stand, sighting);
+      if (!foretold) continue;
+      const Eigen::Vector2d miss = sighting.pixel_in_band - *foretold;
+      if (miss.norm() <= 2.0 * kWrongSightingPx) misses.push_back({*foretold, miss});
+    }
+  }
+  return FitPixelField(intrinsics.width_px, intrinsics.height_px, misses);
 }
 
 }  // namespace skyquilt::render

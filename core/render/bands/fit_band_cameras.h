@@ -9,8 +9,15 @@
 
 #include "core/camera/intrinsics.h"
 #include "core/render/bands/band_patches.h"
+#include "core/render/bands/pixel_field.h"
 
 namespace skyquilt::render {
+
+// Through what a band's camera looks.
+struct BandLens {
+  camera::Intrinsics intrinsics;
+  PixelField field;
+};
 
 // Sightings of one capture, and what is sought.
 struct BandStand {
@@ -23,12 +30,16 @@ struct BandStand {
 inline constexpr double kWrongSightingPx = 2.0;
 
 // False where the sightings do not say it: fewer than six that agree within `scale_px`.
-bool FitStand(const camera::Intrinsics& lens, double scale_px, BandStand& stand);
+bool FitStand(const BandLens& lens, double scale_px, BandStand& stand);
 
-// Focal length and distortion, over all captures; stays near what it was where sightings say little.
-camera::Intrinsics FitBandLens(const camera::Intrinsics& lens, const std::vector<BandStand>& stands);
+// Focal length and distortion, over all captures; stays near what it was where sightings say little. The
+// field stays.
+BandLens FitBandLens(const BandLens& lens, const std::vector<BandStand>& stands);
+
+// The field, over all captures, from what focal length and distortion leave.
+PixelField FitBandField(const camera::Intrinsics& intrinsics, const std::vector<BandStand>& stands);
 
 // Pixels between where a sighting is and where it is foretold; a large number where nothing is foretold.
-double MissOf(const camera::Intrinsics& lens, const BandStand& stand, const BandSighting& sighting);
+double MissOf(const BandLens& lens, const BandStand& stand, const BandSighting& sighting);
 
 }  // namespace skyquilt::render

@@ -28,22 +28,28 @@ constexpr std::int64_t kBytesAPixel = 4 * 20;  // of four pictures, with their e
 // Where lenses and rigs are as recorded, a hundredth of the picture; bands without any record of their rig
 // are found too.
 struct Search {
-  int denominator;
-  int reach_px;
+  PatchSearch patches;
   double scale_px;  // of the full size: how far sightings of one capture may differ
 };
-constexpr std::array<Search, 3> kSearches = {{{4, 16, 6.0}, {2, 8, 3.0}, {1, 6, 1.5}}};
-constexpr Search kLastSearch = {1, 4, 1.0};
+constexpr std::array<Search, 2> kSearches = {{{{4, 16, 200.0}, 6.0}, {{2, 8, 130.0}, 3.0}}};
+// A peak is seen truly where it lies near the middle of what is searched: so full size is searched twice.
+constexpr double kLastScalePx = 1.0;
+constexpr std::array<Search, 2> kLastSearches = {{{{1, 6, 150.0}, 1.5}, {{1, 3, 500.0}, kLastScalePx}}};
+// So many captures are searched from the recorded rig; the others from where those found the bands.
+constexpr std::size_t kFirstCaptures = 4;
+// So many, all over the flight, tell how the lenses are before all are searched at full size.
+constexpr std::size_t kLensCaptures = 8;
 
 struct Picture {
   std::optional<BandEdges> edges;
   std::string failure;
 };
 
-Picture EdgesOf(const flight::PhotoSource& source, const flight::Photo& photo) {
+Picture EdgesOf(const flight::PhotoSource& source, const flight::Photo& photo,
+                std::span<const Search> searches) {
   Result<image::SampleImage> samples = source.DecodeSamples(photo);
   if (!samples) return {std::nullopt, samples.error().message};
-  return {BandEdges(*samples), ""};
+  return {BandEdges(*samples, searches.back().patches.denominator, searches.front().patches.denominator), ""};
 }
 
 // One band of one capture while it is registered.
@@ -59,7 +65,7 @@ struct Member {
 
 struct Work {
   std::vector<std::vector<Member>> captures;  // by reference, then by band
-  std::vector<camera::Intrinsics> lenses;     // by physical camera
+  std::vector<BandLens> lenses;               // by physical camera
 };
 
 AlignedPhoto CameraOf(const AlignedPhoto& reference, const bands::BandPhoto& photo,
@@ -84,31 +90,52 @@ camera::Intrinsics FirstLens(const AlignedPhoto& reference, const flight::Photo&
   return lens;
 }
 
-// Searches of one capture, each from where the one before left the camera.
+// Which captures are searched, and how: the whole way, or its last steps alone from where the bands are known
+// to stand. What is not found so is searched the whole way.
+struct Pass {
+  std::span<const Search> searches;  // coarse to fine
+  std::size_t first_step = 0;        // of searches
+  std::vector<std::size_t> captures;
+  double progress_from = 0.0, progress_to = 1.0;
+};
+
+// The searches of one picture from a step on, each from where the one before left the camera.
+void SearchPicture(const AlignedPhoto& reference, const BandEdges& reference_edges, const BandEdges& edges,
+                   const ground::GroundSurface& ground, const BandLens& lens, const Pass& pass,
+                   std::size_t first_step, Member& member) {
+  for (const Search& search : pass.searches.subspan(first_step)) {
+    const AlignedPhoto camera = CameraOf(reference, *member.photo, lens.intrinsics, member.stand);
+    BandMeasurement measured =
+        MeasureBand(reference, reference_edges, camera, lens.field, edges, ground, search.patches);
+    member.stand.sightings = std::move(measured.sightings);
+    member.looked_at = measured.looked_at;
+    // A coarse search that finds too little may still be followed by a finer one that does.
+    member.is_measured = FitStand(lens, search.scale_px, member.stand);
+  }
+}
+
 void RegisterCapture(const AlignedPhoto& reference, const ground::GroundSurface& ground,
-                     const flight::PhotoSource& source, const std::vector<camera::Intrinsics>& lenses,
-                     std::span<const Search> searches, std::vector<Member>& members) {
-  const Picture reference_picture = EdgesOf(source, reference.photo);
+                     const flight::PhotoSource& source, const std::vector<BandLens>& lenses, const Pass& pass,
+                     std::vector<Member>& members) {
+  const Picture reference_picture = EdgesOf(source, reference.photo, pass.searches);
   for (Member& member : members) {
     if (member.photo == nullptr || member.is_reference) continue;
-    const Picture picture = EdgesOf(source, member.photo->photo);
+    const Picture picture = EdgesOf(source, member.photo->photo, pass.searches);
     member.failure = picture.failure;
     if (!picture.edges || !reference_picture.edges) continue;
-    for (const Search& search : searches) {
-      const AlignedPhoto camera = CameraOf(reference, *member.photo, lenses[member.lens], member.stand);
-      BandMeasurement measured = MeasureBand(reference, *reference_picture.edges, camera, *picture.edges,
-                                             ground, search.denominator, search.reach_px);
-      member.stand.sightings = std::move(measured.sightings);
-      member.looked_at = measured.looked_at;
-      // A coarse search that finds too little may still be followed by a finer one that does.
-      member.is_measured = FitStand(lenses[member.lens], search.scale_px, member.stand);
-    }
+    const BandStand known = member.stand;
+    SearchPicture(reference, *reference_picture.edges, *picture.edges, ground, lenses[member.lens], pass,
+                  pass.first_step, member);
+    if (member.is_measured || pass.first_step == 0) continue;
+    member.stand = known;
+    SearchPicture(reference, *reference_picture.edges, *picture.edges, ground, lenses[member.lens], pass, 0,
+                  member);
   }
 }
 
 bool RegisterAll(const alignment::AlignedFlight& references, const ground::GroundSurface& ground,
-                 const flight::PhotoSource& source, const RegisterOptions& options,
-                 std::span<const Search> searches, double progress_from, Work& work, Progress& progress) {
+                 const flight::PhotoSource& source, const RegisterOptions& options, const Pass& pass,
+                 Work& work, Progress& progress) {
   std::int64_t largest_pixels = 1;
   for (const AlignedPhoto& photo : references.photos) {
     largest_pixels =
@@ -117,12 +144,14 @@ bool RegisterAll(const alignment::AlignedFlight& references, const ground::Groun
   const std::int64_t fit = std::max<std::int64_t>(1, options.max_bytes / (kBytesAPixel * largest_pixels));
   const int threads = static_cast<int>(std::min<std::int64_t>(fit, ThreadCount(options.threads)));
   std::atomic<std::size_t> done{0};
-  const std::size_t count = references.photos.size();
-  ParallelFor(count, threads, [&](std::size_t i) {
+  const std::size_t count = pass.captures.size();
+  ParallelFor(count, threads, [&](std::size_t k) {
     if (progress.IsCancelled()) return;
-    RegisterCapture(references.photos[i], ground, source, work.lenses, searches, work.captures[i]);
+    const std::size_t i = pass.captures[k];
+    RegisterCapture(references.photos[i], ground, source, work.lenses, pass, work.captures[i]);
     const std::size_t finished = ++done;
-    progress.Report(progress_from + 0.5 * static_cast<double>(finished) / static_cast<double>(count),
+    const double share = static_cast<double>(finished) / static_cast<double>(count);
+    progress.Report(pass.progress_from + share * (pass.progress_to - pass.progress_from),
                     fmt::format("bands of capture {} of {}", finished, count));
   });
   return !progress.IsCancelled();
@@ -199,19 +228,24 @@ void TakeUsual(std::size_t lens, Work& work) {
   });
 }
 
-// Stands and lens in turn, from the sightings that are there.
+// Stands and lens in turn, from the sightings that are there; the field last, from what the lens leaves.
 void Refine(std::size_t lens, Work& work) {
-  constexpr int kTurns = 10;
+  constexpr int kLensTurns = 10, kTurns = 14;
   TakeUsual(lens, work);
+  work.lenses[lens].field = {};
   for (int turn = 0; turn < kTurns; ++turn) {
     std::vector<BandStand> stands;
     VisitMembers(work, lens, [&](const Member& member) {
       if (member.is_measured) stands.push_back(member.stand);
     });
     if (stands.empty()) return;
-    work.lenses[lens] = FitBandLens(work.lenses[lens], stands);
+    if (turn < kLensTurns) {
+      work.lenses[lens] = FitBandLens(work.lenses[lens], stands);
+    } else {
+      work.lenses[lens].field = FitBandField(work.lenses[lens].intrinsics, stands);
+    }
     VisitMembers(work, lens, [&](Member& member) {
-      if (member.is_measured) FitStand(work.lenses[lens], kLastSearch.scale_px, member.stand);
+      if (member.is_measured) FitStand(work.lenses[lens], kLastScalePx, member.stand);
     });
   }
   TakeUsual(lens, work);
@@ -238,6 +272,20 @@ BandRegistration Describe(std::size_t band, const Work& work) {
   return registration;
 }
 
+std::vector<std::size_t> Between(std::size_t from, std::size_t to) {
+  std::vector<std::size_t> captures;
+  for (std::size_t i = from; i < to; ++i) captures.push_back(i);
+  return captures;
+}
+
+// At most so many, evenly over the flight.
+std::vector<std::size_t> Spread(std::size_t count, std::size_t most) {
+  std::vector<std::size_t> captures;
+  for (std::size_t k = 0; k < std::min(count, most); ++k)
+    captures.push_back(count <= most ? k : k * count / most);
+  return captures;
+}
+
 Work Prepare(const alignment::AlignedFlight& references, const bands::Captures& captures) {
   Work work;
   std::map<std::string, const bands::Capture*> by_reference;
@@ -255,7 +303,7 @@ Work Prepare(const alignment::AlignedFlight& references, const bands::Captures& 
       members[band].is_reference = photo.photo.name == reference.photo.name;
       const auto [lens, is_new] =
           lens_of.try_emplace(photo.photo.camera_key + "|" + photo.facts.name, work.lenses.size());
-      if (is_new) work.lenses.push_back(FirstLens(reference, photo.photo));
+      if (is_new) work.lenses.push_back({FirstLens(reference, photo.photo), {}});
       members[band].lens = lens->second;
     }
   }
@@ -271,11 +319,22 @@ Result<BandCameras> RegisterBands(const alignment::AlignedFlight& references,
   Work work = Prepare(references, captures);
   const Error cancelled{ErrorCode::kCancelled, "The job was cancelled.", ""};
   const std::size_t bands = captures.bands.size();
-  if (!RegisterAll(references, ground, source, options, kSearches, 0.0, work, progress)) return cancelled;
-  for (std::size_t lens = 0; lens < work.lenses.size(); ++lens) Refine(lens, work);
-  if (!RegisterAll(references, ground, source, options, {&kLastSearch, 1}, 0.5, work, progress))
-    return cancelled;
-  for (std::size_t lens = 0; lens < work.lenses.size(); ++lens) Refine(lens, work);
+  const std::size_t count = references.photos.size();
+  const auto run = [&](const Pass& pass) {
+    return RegisterAll(references, ground, source, options, pass, work, progress);
+  };
+  const auto refine = [&] {
+    for (std::size_t lens = 0; lens < work.lenses.size(); ++lens) Refine(lens, work);
+  };
+  const std::size_t first = std::min(count, kFirstCaptures);
+  if (!run({kSearches, 0, Between(0, first), 0.0, 0.1})) return cancelled;
+  for (std::size_t lens = 0; lens < work.lenses.size(); ++lens) TakeUsual(lens, work);
+  if (!run({kSearches, kSearches.size() - 1, Between(first, count), 0.1, 0.3})) return cancelled;
+  refine();
+  if (!run({kLastSearches, 0, Spread(count, kLensCaptures), 0.3, 0.4})) return cancelled;
+  refine();
+  if (!run({kLastSearches, 0, Between(0, count), 0.4, 1.0})) return cancelled;
+  refine();
   BandCameras cameras;
   for (std::size_t band = 0; band < bands; ++band) {
     cameras.registrations.push_back(Describe(band, work));
@@ -300,10 +359,11 @@ Result<BandCameras> RegisterBands(const alignment::AlignedFlight& references,
         continue;
       }
       const AlignedPhoto& reference = references.photos[i];
-      camera = BandCamera{member.is_reference
-                              ? reference
-                              : CameraOf(reference, *member.photo, work.lenses[member.lens], member.stand),
-                          member.photo->facts.radiometry};
+      const BandLens& lens = work.lenses[member.lens];
+      camera = member.is_reference
+                   ? BandCamera{reference, {}, member.photo->facts.radiometry}
+                   : BandCamera{CameraOf(reference, *member.photo, lens.intrinsics, member.stand), lens.field,
+                                member.photo->facts.radiometry};
     }
   }
   return cameras;

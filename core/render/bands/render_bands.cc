@@ -76,7 +76,9 @@ std::vector<float> BandOfBlock(const BandsContext& context, std::size_t band, co
   for (const PhotoShare& share : weighed.shares.photos) {
     const std::optional<BandCamera>& camera = context.cameras.captures[share.photo].cameras[band];
     if (!camera || share.squares.empty()) continue;
-    const PhotoView view = ViewBlock(camera->photo, weighed.geometry);
+    PhotoView view = ViewBlock(camera->photo, weighed.geometry);
+    for (Eigen::Vector2f& pixel : view.pixel_in_image)
+      pixel += camera->field.At(pixel.cast<double>()).cast<float>();
     const int denominator = DenominatorFor(camera->photo, pixel_m);
     const auto picture = cache.Get(share.photo, *camera, denominator);
     if (!picture) continue;  // read while the bands were registered: gone from the disk since

@@ -116,6 +116,27 @@ TEST_F(CapturesTest, PanelsAndWarmthAreLeftOut) {
   EXPECT_EQ(flight.left_out[1].name, "warm.TIF");
 }
 
+TEST_F(CapturesTest, AListTellsWhichShowAPanelUnlessItNamesAll) {
+  for (const char* id : {"a", "b"}) {
+    for (const char* band : {"Green", "NIR"})
+      Add(std::string(id) + "_" + band + ".TIF", band, fmt::format("Camera:CaptureUUID=\"{}\"", id));
+  }
+  std::ofstream(folder_ / "reflectance.csv") << "photo,reflectance\nB_nir.tif,0.5\n";
+  flight::Flight flight = Read();
+  const Captures apart = SetBandsApart(flight, 1);
+  EXPECT_EQ(NamesOf(flight), (std::vector<std::string>{"a_Green.TIF"}));
+  EXPECT_EQ(apart.panels.size(), 2U) << "the whole capture";
+  EXPECT_EQ(flight.left_out.size(), 2U);
+
+  std::ofstream(folder_ / "reflectance.csv") << "photo,reflectance\nb_NIR.TIF,0.5\na_NIR.TIF,0.5\n";
+  flight = Read();
+  EXPECT_TRUE(SetBandsApart(flight, 1).panels.empty());
+  EXPECT_EQ(NamesOf(flight).size(), 2U);
+  EXPECT_TRUE(flight.left_out.empty());
+  ASSERT_FALSE(flight.warnings.empty());
+  EXPECT_NE(flight.warnings.back().find("Every capture"), std::string::npos);
+}
+
 TEST_F(CapturesTest, ABandAloneIsAGreyPicture) {
   for (const char* id : {"a", "b"})
     Add(std::string(id) + ".TIF", "Green", fmt::format("Camera:CaptureUUID=\"{}\"", id));

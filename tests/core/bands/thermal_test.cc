@@ -28,7 +28,7 @@ using flight::FlirPhoto;
 using flight::FlirRecordBytes;
 using flight::WithFlirRecord;
 
-constexpr int kWidth = 64, kHeight = 48;
+constexpr int kThermalWidth = 64, kThermalHeight = 48;
 
 // What a sensor with those constants stores of an object: the light that reaches it, term by term.
 double LevelOf(const FlirConstants& c, double object_k) {
@@ -50,13 +50,15 @@ double LevelOf(const FlirConstants& c, double object_k) {
 }
 
 // From 10 degrees of frost to 80 degrees Celsius.
-double TrueKelvin(int x, int y) { return 263.15 + 90.0 * (x + kWidth * y) / (kWidth * kHeight - 1.0); }
+double TrueKelvin(int x, int y) {
+  return 263.15 + 90.0 * (x + kThermalWidth * y) / (kThermalWidth * kThermalHeight - 1.0);
+}
 
 Bytes EncodedPng(const std::vector<std::uint16_t>& levels, bool is_swapped) {
-  cv::Mat1w picture(kHeight, kWidth);
-  for (int i = 0; i < kWidth * kHeight; ++i) {
+  cv::Mat1w picture(kThermalHeight, kThermalWidth);
+  for (int i = 0; i < kThermalWidth * kThermalHeight; ++i) {
     const std::uint16_t level = levels[static_cast<std::size_t>(i)];
-    picture(i / kWidth, i % kWidth) =
+    picture(i / kThermalWidth, i % kThermalWidth) =
         is_swapped ? static_cast<std::uint16_t>((level << 8) | (level >> 8)) : level;
   }
   Bytes png;
@@ -67,11 +69,11 @@ Bytes EncodedPng(const std::vector<std::uint16_t>& levels, bool is_swapped) {
 FlirPhoto TruePhoto(FlirLevels kind = FlirLevels::kLittleEndian, bool is_swapped = true) {
   FlirPhoto photo;
   photo.constants = flight::UsualFlirConstants();
-  photo.width_px = kWidth;
-  photo.height_px = kHeight;
+  photo.width_px = kThermalWidth;
+  photo.height_px = kThermalHeight;
   photo.kind = kind;
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x)
+  for (int y = 0; y < kThermalHeight; ++y) {
+    for (int x = 0; x < kThermalWidth; ++x)
       photo.levels.push_back(
           static_cast<std::uint16_t>(std::lround(LevelOf(photo.constants, TrueKelvin(x, y)))));
   }
@@ -79,7 +81,7 @@ FlirPhoto TruePhoto(FlirLevels kind = FlirLevels::kLittleEndian, bool is_swapped
   return photo;
 }
 
-Bytes Jpeg(int width_px = kWidth, int height_px = kHeight) {
+Bytes Jpeg(int width_px = kThermalWidth, int height_px = kThermalHeight) {
   Bytes jpeg;
   EXPECT_TRUE(cv::imencode(".jpg", cv::Mat3b(height_px, width_px, cv::Vec3b(40, 90, 200)), jpeg));
   return jpeg;
@@ -96,11 +98,11 @@ void ExpectTrueKelvins(const Bytes& jpeg, int scale = 1) {
   const BandFacts facts = FactsOf(jpeg);
   EXPECT_EQ(facts.name, "lwir");
   ASSERT_EQ(facts.radiometry.calibration, Calibration::kKelvin) << facts.radiometry.method;
-  const auto levels = flight::DecodeSampleBytes(jpeg, kWidth * scale, kHeight * scale);
+  const auto levels = flight::DecodeSampleBytes(jpeg, kThermalWidth * scale, kThermalHeight * scale);
   ASSERT_TRUE(levels.ok()) << levels.error().message;
   const image::FloatImage kelvins = ValuesOf(*levels, facts.radiometry);
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
+  for (int y = 0; y < kThermalHeight; ++y) {
+    for (int x = 0; x < kThermalWidth; ++x) {
       const int at = y * scale * kelvins.width_px + x * scale;
       ASSERT_NEAR(kelvins.values[static_cast<std::size_t>(at)], TrueKelvin(x, y), 0.1) << x << " " << y;
     }
@@ -118,19 +120,22 @@ TEST(FlirTemperatureTest, IsTrueToATenthOfAKelvinInAllWaysToStoreIt) {
 }
 
 TEST(FlirTemperatureTest, LevelsOfAnotherSizeAreBroughtToThePicturesSize) {
-  const Bytes jpeg = WithFlirRecord(Jpeg(2 * kWidth, 2 * kHeight), FlirRecordBytes(TruePhoto()));
-  const auto levels = flight::DecodeSampleBytes(jpeg, 2 * kWidth, 2 * kHeight);
+  const Bytes jpeg =
+      WithFlirRecord(Jpeg(2 * kThermalWidth, 2 * kThermalHeight), FlirRecordBytes(TruePhoto()));
+  const auto levels = flight::DecodeSampleBytes(jpeg, 2 * kThermalWidth, 2 * kThermalHeight);
   ASSERT_TRUE(levels.ok());
   const image::FloatImage kelvins = ValuesOf(*levels, FactsOf(jpeg).radiometry);
   // Between four levels, along a row.
-  const float between = kelvins.values[static_cast<std::size_t>(20 * 2 * kWidth + 21)];
+  const float between = kelvins.values[static_cast<std::size_t>(20 * 2 * kThermalWidth + 21)];
   EXPECT_NEAR(
       between,
       0.25 * TrueKelvin(10, 9) + 0.75 * TrueKelvin(10, 10) + 0.25 * (TrueKelvin(11, 10) - TrueKelvin(10, 10)),
       0.1);
-  const Bytes odd = WithFlirRecord(Jpeg(2 * kWidth, kHeight), FlirRecordBytes(TruePhoto()));
-  EXPECT_EQ(flight::DecodeSampleBytes(odd, 2 * kWidth, kHeight).error().code, ErrorCode::kUnsupportedFormat);
-  EXPECT_EQ(flight::DecodeSampleBytes(Jpeg(), kWidth, kHeight).error().code, ErrorCode::kUnsupportedFormat);
+  const Bytes odd = WithFlirRecord(Jpeg(2 * kThermalWidth, kThermalHeight), FlirRecordBytes(TruePhoto()));
+  EXPECT_EQ(flight::DecodeSampleBytes(odd, 2 * kThermalWidth, kThermalHeight).error().code,
+            ErrorCode::kUnsupportedFormat);
+  EXPECT_EQ(flight::DecodeSampleBytes(Jpeg(), kThermalWidth, kThermalHeight).error().code,
+            ErrorCode::kUnsupportedFormat);
 }
 
 TEST(FlirTemperatureTest, EmissivityCounts) {
@@ -185,16 +190,18 @@ TEST(FlirTemperatureTest, DamagedRecordsSaySo) {
   const BandFacts facts = FactsOf(photo);
   EXPECT_TRUE(facts.is_look_too);
   EXPECT_EQ(facts.radiometry.calibration, Calibration::kLevels);
-  EXPECT_FALSE(flight::DecodeSampleBytes(photo, kWidth, kHeight).ok());
+  EXPECT_FALSE(flight::DecodeSampleBytes(photo, kThermalWidth, kThermalHeight).ok());
   // Levels and a PNG that are not what the record says.
   FlirPhoto wrong = TruePhoto(FlirLevels::kPng);
   wrong.width_px = 63;
   EXPECT_FALSE(
-      flight::DecodeSampleBytes(WithFlirRecord(Jpeg(), FlirRecordBytes(wrong)), kWidth, kHeight).ok());
+      flight::DecodeSampleBytes(WithFlirRecord(Jpeg(), FlirRecordBytes(wrong)), kThermalWidth, kThermalHeight)
+          .ok());
   wrong = TruePhoto();
   wrong.levels.resize(100);
   EXPECT_FALSE(
-      flight::DecodeSampleBytes(WithFlirRecord(Jpeg(), FlirRecordBytes(wrong)), kWidth, kHeight).ok());
+      flight::DecodeSampleBytes(WithFlirRecord(Jpeg(), FlirRecordBytes(wrong)), kThermalWidth, kThermalHeight)
+          .ok());
 }
 
 std::string OutputOf(const std::string& command) {

@@ -14,21 +14,22 @@ namespace {
 using geo::DegToRad;
 using geo::RadToDeg;
 
-struct Read {
+struct AttitudeRead {
   std::optional<RecordedAttitude> attitude;
   std::vector<std::string> notes;
 };
 
-Read ReadXmp(const std::string& attributes, const std::string& elements = "", const std::string& make = "",
-             const std::optional<DjiMakerNote>& note = std::nullopt) {
+AttitudeRead ReadXmp(const std::string& attributes, const std::string& elements = "",
+                     const std::string& make = "", const std::optional<DjiMakerNote>& note = std::nullopt) {
   XmpTags xmp;
   EXPECT_TRUE(xmp.AddPacket(XmpPacket(attributes, elements)));
-  Read read;
+  AttitudeRead read;
   read.attitude = AttitudeFromTags(xmp, note, make, read.notes);
   return read;
 }
 
-void ExpectAngles(const Read& read, AttitudeKind kind, double yaw_deg, double pitch_deg, double roll_deg) {
+void ExpectAngles(const AttitudeRead& read, AttitudeKind kind, double yaw_deg, double pitch_deg,
+                  double roll_deg) {
   ASSERT_TRUE(read.attitude);
   EXPECT_EQ(read.attitude->kind, kind);
   EXPECT_NEAR(RadToDeg(read.attitude->yaw_rad), yaw_deg, 1e-9);
@@ -70,7 +71,7 @@ TEST(AttitudeFromTags, ReadsTheElementFormAndForeignPrefixes) {
 }
 
 TEST(AttitudeFromTags, ReadsAGimbalRollOf180AsAHalfTurnOfTheYaw) {
-  const Read read = ReadXmp(Dji("170.0", "-89.9", "180.0"));
+  const AttitudeRead read = ReadXmp(Dji("170.0", "-89.9", "180.0"));
   ExpectAngles(read, AttitudeKind::kGimbal, -10.0, -90.1, 0.0);
   EXPECT_TRUE(read.notes.empty()) << "it is the same rotation, only written otherwise";
   RecordedAttitude as_written;
@@ -84,7 +85,8 @@ TEST(AttitudeFromTags, KeepsTheRotationWhateverTheRoll) {
   for (double yaw = -180.0; yaw < 180.0; yaw += 37.0) {
     for (double pitch = -120.0; pitch <= 30.0; pitch += 17.0) {
       for (double roll = -180.0; roll <= 180.0; roll += 29.0) {
-        const Read read = ReadXmp(Dji(std::to_string(yaw), std::to_string(pitch), std::to_string(roll)));
+        const AttitudeRead read =
+            ReadXmp(Dji(std::to_string(yaw), std::to_string(pitch), std::to_string(roll)));
         ASSERT_TRUE(read.attitude);
         EXPECT_LE(std::abs(read.attitude->roll_rad), DegToRad(90.0) + 1e-9);
         RecordedAttitude as_written;
@@ -98,7 +100,7 @@ TEST(AttitudeFromTags, KeepsTheRotationWhateverTheRoll) {
 }
 
 TEST(AttitudeFromTags, RefusesAllZeroGimbalAnglesAndSaysSo) {
-  const Read read = ReadXmp(Dji("0.0", "+0.00", "0"));
+  const AttitudeRead read = ReadXmp(Dji("0.0", "+0.00", "0"));
   EXPECT_FALSE(read.attitude);
   ASSERT_EQ(read.notes.size(), 1u);
   EXPECT_NE(read.notes[0].find("exactly zero"), std::string::npos);
@@ -108,7 +110,7 @@ TEST(AttitudeFromTags, TakesOnlyTheHeadingOfADjiAirframe) {
   const std::string flight =
       "drone-dji:FlightYawDegree=\"33\" drone-dji:FlightPitchDegree=\"-14\" "
       "drone-dji:FlightRollDegree=\"3\" ";
-  const Read without_gimbal = ReadXmp(kDjiNamespace + flight);
+  const AttitudeRead without_gimbal = ReadXmp(kDjiNamespace + flight);
   ExpectAngles(without_gimbal, AttitudeKind::kAirframe, 33.0, 0.0, 0.0);
   EXPECT_EQ(without_gimbal.notes.size(), 1u);
   ExpectAngles(ReadXmp(Dji("12", "-90", "0") + flight), AttitudeKind::kGimbal, 12.0, -90.0, 0.0);
@@ -123,10 +125,11 @@ TEST(AttitudeFromTags, CountsParrotAnafiFromTheHorizon) {
 
 TEST(AttitudeFromTags, CountsThePix4dSchemeFromNadir) {
   const std::string uri = "xmlns:Camera=\"http://pix4d.com/camera/1.0/\" ";
-  const Read down = ReadXmp(uri + "Camera:Yaw=\"350\" Camera:Pitch=\"0.5\" Camera:Roll=\"-7\"", "", "Parrot");
+  const AttitudeRead down =
+      ReadXmp(uri + "Camera:Yaw=\"350\" Camera:Pitch=\"0.5\" Camera:Roll=\"-7\"", "", "Parrot");
   ExpectAngles(down, AttitudeKind::kAirframe, -10.0, 0.5, -7.0);
   // 90 degrees of pitch look at the horizon, along the heading, with the picture upright.
-  const Read ahead = ReadXmp(uri + "Camera:Yaw=\"90\" Camera:Pitch=\"90\" Camera:Roll=\"0\"");
+  const AttitudeRead ahead = ReadXmp(uri + "Camera:Yaw=\"90\" Camera:Pitch=\"90\" Camera:Roll=\"0\"");
   ASSERT_TRUE(ahead.attitude);
   const Eigen::Matrix3d ned_from_cam = NedFromCam(*ahead.attitude);
   EXPECT_LT((ned_from_cam.col(2) - Eigen::Vector3d(0, 1, 0)).norm(), 1e-9);  // towards east
@@ -137,9 +140,9 @@ TEST(AttitudeFromTags, AgreesForOldAutelsGimbalAndThePix4dSchemeWithoutRoll) {
   const std::string tags =
       "xmlns:Camera=\"http://www.pix4d.com/camera/1.0\" Camera:Yaw=\"123\" Camera:Pitch=\"14\" "
       "Camera:Roll=\"0\"";
-  const Read autel = ReadXmp(tags, "", "Autel Robotics");
+  const AttitudeRead autel = ReadXmp(tags, "", "Autel Robotics");
   ExpectAngles(autel, AttitudeKind::kGimbal, 123.0, -76.0, 0.0);
-  const Read other = ReadXmp(tags);
+  const AttitudeRead other = ReadXmp(tags);
   ASSERT_TRUE(other.attitude);
   EXPECT_LT((NedFromCam(*autel.attitude) - NedFromCam(*other.attitude)).norm(), 1e-12);
 }

@@ -44,24 +44,24 @@ std::string Written(const std::vector<Record>& records) {
   return Base64(bytes);
 }
 
-struct Read {
+struct GyroRead {
   std::optional<RecordedTurning> turning;
   std::vector<std::string> notes;
 };
 
-Read ReadText(const std::string& text, const std::string& offset_ns = "10000000") {
+GyroRead ReadText(const std::string& text, const std::string& offset_ns = "10000000") {
   XmpTags xmp;
   EXPECT_TRUE(
       xmp.AddPacket(XmpPacket(kCameraNamespace + ("Camera:IMUTimeOffset=\"" + offset_ns +
                                                   "\" Camera:IMUAngularVelocity=\"" + text + "\" "))));
-  Read read;
+  GyroRead read;
   read.turning = TurningFromTags(xmp, read.notes);
   return read;
 }
 
 // The first three records of a photo by a Parrot Sequoia, with the line ends that stand around them.
 TEST(TurningFromTags, ReadsWhatASequoiaWrites) {
-  const Read read = ReadText(
+  const GyroRead read = ReadText(
       "&#xA;G2qNEAAAAAAcYco9yLNVO6Ow6L0BAAAAA26NEAAAAACVPd49AGDcNh/S1r0BAAAA63GNEAAAAABKRuk9bJ4xvJGF3b0BAAAA"
       "&#xA;",
       "10417635");
@@ -80,14 +80,14 @@ TEST(TurningFromTags, ReadsWhatASequoiaWrites) {
 TEST(TurningFromTags, ReadsAsManyRecordsAsAPhotoNeeds) {
   std::vector<Record> records;
   for (std::uint64_t i = 0; i < 600; ++i) records.push_back({5'000'000 + 1000 * i, 0.1F, 0.0F, 0.0F});
-  const Read read = ReadText(Written(records));
+  const GyroRead read = ReadText(Written(records));
   ASSERT_TRUE(read.turning);
   EXPECT_EQ(read.turning->samples.size(), 600U);
 }
 
 TEST(TurningFromTags, RefusesWhatNoGyroWrites) {
   const auto expect_refused = [](const std::string& text, const std::string& offset_ns, const char* why) {
-    const Read read = ReadText(text, offset_ns);
+    const GyroRead read = ReadText(text, offset_ns);
     EXPECT_FALSE(read.turning) << why;
     ASSERT_EQ(read.notes.size(), 1U) << why;
     EXPECT_NE(read.notes.front().find(why), std::string::npos) << read.notes.front();

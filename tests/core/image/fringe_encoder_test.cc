@@ -8,13 +8,12 @@
 #include <functional>
 
 #include "core/image/picture_codec.h"
+#include "tests/support/bytes_of.h"
 
 namespace skyquilt::image {
 namespace {
 
-std::string_view Text(const std::vector<std::uint8_t>& bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
+using test::Text;
 
 std::uint32_t Next(std::uint32_t& state) { return state = state * 1'664'525 + 1'013'904'223; }
 

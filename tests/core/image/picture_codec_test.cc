@@ -5,12 +5,12 @@
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 
+#include "tests/support/bytes_of.h"
+
 namespace skyquilt::image {
 namespace {
 
-std::string_view Text(const std::vector<std::uint8_t>& bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
+using test::Text;
 
 // Smooth colours; alpha grows from nothing at the left to full at the right.
 RgbaImage Painted(int width_px, int height_px) {

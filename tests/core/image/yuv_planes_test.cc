@@ -13,11 +13,11 @@
 namespace skyquilt::image {
 namespace {
 
-struct Filled {
+struct WithPlanes {
   int halves_x, halves_y;
   std::vector<std::uint8_t> y, u, v, alpha;
 
-  explicit Filled(const RgbaImage& image)
+  explicit WithPlanes(const RgbaImage& image)
       : halves_x((image.width_px + 1) / 2),
         halves_y((image.height_px + 1) / 2),
         y(image.rgba.size() / 4),
@@ -42,7 +42,7 @@ TEST(FillYuvPlanes, IsTheStandardsMatrixForOpaquePixelsOfAnySize) {
     RgbaImage image = RgbaImage::Transparent(width_px, height_px);
     for (std::size_t i = 0; i < image.rgba.size(); ++i)
       image.rgba[i] = i % 4 == 3 ? 255 : static_cast<std::uint8_t>(random() % 256);
-    const Filled made(image);
+    const WithPlanes made(image);
     const auto colour = [&](int x, int y, int c) {
       return static_cast<double>(image.Pixel(std::min(x, width_px - 1), std::min(y, height_px - 1))[c]);
     };
@@ -74,7 +74,7 @@ TEST(FillYuvPlanes, TransparentPixelsDoNotBleedIntoTheEdgesColour) {
   std::copy(red.begin(), red.end(), image.Pixel(1, 1));  // alone in its four
   std::copy(red.begin(), red.end(), image.Pixel(2, 0));
   std::copy(faint.begin(), faint.end(), image.Pixel(3, 0));
-  const Filled made(image);
+  const WithPlanes made(image);
   const auto alone = YuvOf(220, 20, 30), mixed = YuvOf((220 * 5 + 20) / 6.0, (20 * 5 + 220) / 6.0, 30);
   EXPECT_NEAR(made.u[0], alone[1], 0.6);
   EXPECT_NEAR(made.v[0], alone[2], 0.6);

@@ -16,7 +16,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-constexpr geo::LatLon kField{47.4, 8.5};
+constexpr geo::LatLon kMeadow{47.4, 8.5};
 
 // North at 8 m/s, 60 m above where it began; the table counts from `counter_s`.
 FlightLog Gnss(double counter_s) {
@@ -24,7 +24,7 @@ FlightLog Gnss(double counter_s) {
   log.format = "tolerant_csv";
   log.file_name = "gnss.csv";
   log.counter_at_zero_s = counter_s;
-  const geo::LocalFrame frame({kField.lat_deg, kField.lon_deg, 0.0});
+  const geo::LocalFrame frame({kMeadow.lat_deg, kMeadow.lon_deg, 0.0});
   for (int i = 0; i <= 300; ++i) {
     flight::GnssSample fix;
     fix.t_s = 0.2 * i;
@@ -127,7 +127,7 @@ TEST(EstimatePoses, SaysWhichFilesPlacedNothing) {
   flight::Flight flight = PhotosWithoutPositions(3);
   for (flight::Photo& photo : flight.photos) {
     photo.position.emplace();
-    photo.position->position = kField;
+    photo.position->position = kMeadow;
     photo.position->height_above_takeoff_m = 60.0;
     photo.captured_at = flight::UtcTime(std::chrono::seconds(1717243200));
   }
@@ -137,7 +137,7 @@ TEST(EstimatePoses, SaysWhichFilesPlacedNothing) {
   rows.events.resize(1);
   rows.events[0].has_time = false;
   rows.events[0].image_name = "DSC_7.JPG";
-  rows.events[0].position = kField;
+  rows.events[0].position = kMeadow;
   FlightLog empty;
   empty.format = "tolerant_csv";
   empty.file_name = "empty.csv";

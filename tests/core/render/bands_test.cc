@@ -11,6 +11,7 @@
 #include "core/geo/web_mercator.h"
 #include "core/render/bands/band_cache.h"
 #include "core/render/bands/fit_band_cameras.h"
+#include "core/render/bands/measure_targets.h"
 #include "core/render/bands/register_bands.h"
 #include "core/render/bands/render_bands.h"
 #include "core/render/exposure/estimate_exposure.h"
@@ -246,8 +247,61 @@ TEST(RegisterBandsTest, AReferenceWithoutEdgesLeavesBandsToTheOthers) {
   ASSERT_FALSE(cameras.warnings.empty());
 }
 
+// A round target on the ground of the flight, of which the list says the truth.
+flight::GroundTarget TargetAt(const RigFlight& flown, const Eigen::Vector2d& place, double radius_m) {
+  const geo::Wgs84 center = flown.references.frame.Wgs84FromEnu({place.x(), place.y(), 0.0});
+  flight::GroundTarget target{{center.lat_deg, center.lon_deg}, radius_m, {}};
+  for (const std::string& band : kBands) target.reflectance.bands[band] = Reflectance(band, place);
+  return target;
+}
+
+TEST(MeasureTargetsTest, FindsTheFactorOfEachBandByGroundOfKnownReflectance) {
+  const RigSource source(MakeRig());
+  RigFlight flown = Fly(3);
+  const std::map<std::string, double> wrong_by = {{"green", 1.0}, {"red", 0.5}, {"nir", 1.8}};
+  for (bands::Band& band : flown.captures.bands) band.calibration = bands::Calibration::kRelative;
+  for (bands::Capture& capture : flown.captures.captures) {
+    for (bands::BandPhoto& photo : capture.photos)
+      photo.facts.radiometry.per_level *= wrong_by.at(photo.facts.name);
+  }
+  const BandCameras cameras = Register(flown, source);
+  flown.captures.targets = {TargetAt(flown, {10.0, 2.0}, 0.15), TargetAt(flown, {14.0, -3.0}, 0.15)};
+  const auto measured = [&] {
+    return MeasureTargets(flown.references, ground::GroundSurface::Plane(0.0), flown.captures, cameras,
+                          source);
+  };
+  const TargetFactors factors = measured();
+  EXPECT_TRUE(factors.warnings.empty());
+  for (std::size_t band = 0; band < kBands.size(); ++band) {
+    ASSERT_EQ(factors.by_band[band].size(), 2U) << kBands[band];
+    for (const double factor : factors.by_band[band])
+      EXPECT_NEAR(factor * wrong_by.at(kBands[band]), 1.0, 0.03) << kBands[band];
+  }
+  // One that lies outside, one that says nothing of red, and levels that nobody can scale.
+  flown.captures.targets = {TargetAt(flown, {4000.0, 0.0}, 1.0), TargetAt(flown, {10.0, 2.0}, 0.15)};
+  flown.captures.targets[1].reflectance.bands.erase("red");
+  flown.captures.bands[2].calibration = bands::Calibration::kLevels;
+  const TargetFactors fewer = measured();
+  EXPECT_EQ(fewer.by_band[0].size(), 1U);
+  EXPECT_TRUE(fewer.by_band[1].empty() && fewer.by_band[2].empty());
+  ASSERT_EQ(fewer.warnings.size(), 1U);
+  EXPECT_NE(fewer.warnings[0].find("Target 1"), std::string::npos);
+}
+
+TEST(MeasureTargetsTest, AnUnevenTargetIsSaid) {
+  const RigSource source(MakeRig());
+  RigFlight flown = Fly(3);
+  for (bands::Band& band : flown.captures.bands) band.calibration = bands::Calibration::kRelative;
+  const BandCameras cameras = Register(flown, source);
+  flown.captures.targets = {TargetAt(flown, {12.0, 0.0}, 8.0)};
+  const TargetFactors factors =
+      MeasureTargets(flown.references, ground::GroundSurface::Plane(0.0), flown.captures, cameras, source);
+  ASSERT_EQ(factors.warnings.size(), 1U);
+  EXPECT_NE(factors.warnings[0].find("uneven"), std::string::npos);
+}
+
 TEST(FitBandCamerasTest, TooFewOrContradictingSightingsSayNothing) {
-  const camera::Intrinsics lens = camera::Intrinsics::Centered(kWidth, kHeight, 620.0);
+  const BandLens lens{camera::Intrinsics::Centered(kWidth, kHeight, 620.0), {}};
   BandStand stand;
   EXPECT_FALSE(FitStand(lens, 1.0, stand));
   for (int i = 0; i < 30; ++i) {
@@ -260,7 +314,8 @@ TEST(FitBandCamerasTest, TooFewOrContradictingSightingsSayNothing) {
   EXPECT_TRUE(stand.band_from_reference.isApprox(Eigen::Quaterniond::Identity()));
   for (BandSighting& sighting : stand.sightings) sighting.in_reference_cam.z() = -10.0;  // behind
   EXPECT_FALSE(FitStand(lens, 1.0, stand));
-  EXPECT_EQ(FitBandLens(lens, {stand}), lens);
+  EXPECT_EQ(FitBandLens(lens, {stand}).intrinsics, lens.intrinsics);
+  EXPECT_TRUE(FitBandField(lens.intrinsics, {stand}).IsZero());
 }
 
 TEST(BandCacheTest, ReadsBetweenValuesAndNothingBeyond) {
