@@ -16,6 +16,7 @@ extern const std::string_view kCatalogue15To16;  // storage/db/steps/schema_16.s
 extern const std::string_view kCatalogue16To17;  // storage/db/steps/schema_17.sql
 extern const std::string_view kCatalogue17To18;  // storage/db/steps/schema_18.sql
 extern const std::string_view kCatalogue18To19;  // storage/db/steps/schema_19.sql
+extern const std::string_view kCatalogue19To20;  // storage/db/steps/schema_20.sql
 
 namespace {
 
@@ -66,6 +67,9 @@ Result<void> PrepareSchema(SqliteDb& db) {
   }
   if (version >= 13 && version <= 18) {
     SKYQUILT_TRY(db.Exec(std::string(kCatalogue18To19)));
+  }
+  if (version >= 13 && version <= 19) {
+    SKYQUILT_TRY(db.Exec(std::string(kCatalogue19To20)));
   }
   SKYQUILT_TRY(db.Exec(fmt::format("PRAGMA user_version={}", kSchemaVersion)));
   return transaction.Commit();

@@ -132,6 +132,7 @@ CREATE TABLE unit(
   lease_until_us INTEGER NOT NULL DEFAULT 0,
   lease_token INTEGER NOT NULL DEFAULT 0,      -- grows with every claim, as that of a job
   worker TEXT NOT NULL DEFAULT '',
+  waiting_us INTEGER NOT NULL DEFAULT 0,       -- since when it waits, or last did
   PRIMARY KEY(job_id, kind, number)
 ) STRICT;
 CREATE INDEX unit_open ON unit(state) WHERE state <> 'done';

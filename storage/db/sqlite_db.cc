@@ -82,11 +82,8 @@ SqliteDb& SqliteDb::operator=(SqliteDb&& other) noexcept {
 }
 
 Result<void> SqliteDb::Exec(const std::string& sql) {
-  char* message = nullptr;
-  const int code = sqlite3_exec(handle_, sql.c_str(), nullptr, nullptr, &message);
-  const std::string said = message != nullptr ? message : "";
-  sqlite3_free(message);
-  if (code != SQLITE_OK) return SqliteError(code, sql, said);
+  const int code = sqlite3_exec(handle_, sql.c_str(), nullptr, nullptr, nullptr);
+  if (code != SQLITE_OK) return SqliteErrorOf(handle_, code, sql);
   return {};
 }
 

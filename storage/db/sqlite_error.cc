@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
+#include <cerrno>
+
 namespace skyquilt::storage {
 
 Error SqliteError(int sqlite_code, std::string_view what, std::string_view library_message) {
@@ -35,6 +37,11 @@ Error SqliteError(int sqlite_code, std::string_view what, std::string_view libra
     default:
       return {ErrorCode::kIo, "The database could not be read or written.", detail};
   }
+}
+
+Error SqliteErrorOf(sqlite3* db, int sqlite_code, std::string_view what) {
+  const bool is_beyond_limit = sqlite_code == SQLITE_IOERR_WRITE && sqlite3_system_errno(db) == EFBIG;
+  return SqliteError(is_beyond_limit ? SQLITE_FULL : sqlite_code, what, sqlite3_errmsg(db));
 }
 
 }  // namespace skyquilt::storage

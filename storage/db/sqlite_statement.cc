@@ -13,8 +13,8 @@ void RequireBound(int code) { SKYQUILT_CHECK(code == SQLITE_OK, "a parameter tha
 Error StepError(sqlite3_stmt* handle, int code) {
   sqlite3* db = sqlite3_db_handle(handle);
   const char* sql = sqlite3_sql(handle);
-  return SqliteError(sqlite3_extended_errcode(db) != SQLITE_OK ? sqlite3_extended_errcode(db) : code,
-                     sql != nullptr ? sql : "", sqlite3_errmsg(db));
+  return SqliteErrorOf(db, sqlite3_extended_errcode(db) != SQLITE_OK ? sqlite3_extended_errcode(db) : code,
+                       sql != nullptr ? sql : "");
 }
 
 }  // namespace

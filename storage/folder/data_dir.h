@@ -8,6 +8,7 @@
 //   uploads/                        resumable uploads that are not complete
 //   incoming/                       uploads in progress
 //   work/                           jobs in progress, and what is being deleted
+//   watch/sent.jsonl                what was taken from watched folders (serve --watch)
 //   lost/<time>/                    files that belonged to nothing, under the path they had
 //   blobs.json, cache/              where photos and maps lie elsewhere (serve --blobs): where, and what of
 //                                   them was fetched; flights/<id>/ has no files and no maps then
@@ -62,6 +63,7 @@ class DataDir {
 inline constexpr const char* kUploadKind = "upload";
 inline constexpr const char* kUnpackKind = "unpack";
 inline constexpr const char* kExportKind = "export";
+inline constexpr const char* kPackKind = "pack";
 inline constexpr const char* kImportKind = "import";
 inline constexpr const char* kDeletedKind = "deleted";
 

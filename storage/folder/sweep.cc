@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // What this server writes below incoming/.
-constexpr const char* kIncomingKinds[] = {kUploadKind, kUnpackKind, kExportKind, kImportKind};
+constexpr const char* kIncomingKinds[] = {kUploadKind, kUnpackKind, kExportKind, kImportKind, kPackKind};
 
 std::vector<fs::path> EntriesOf(const fs::path& folder) {
   std::vector<fs::path> entries;

@@ -141,12 +141,10 @@ Result<JobCounts> JobQueue::Count() const {
       Statement query,
       db->Prepare("SELECT count(*) FILTER (WHERE state='accepted'), count(*) FILTER (WHERE state='running'),"
                   " count(*) FILTER (WHERE state='successful'), count(*) FILTER (WHERE state='failed'),"
-                  " count(*) FILTER (WHERE state='dismissed'),"
-                  " (SELECT count(*) FROM unit WHERE state='waiting'),"
-                  " (SELECT count(*) FROM unit WHERE state='running') FROM job"));
+                  " count(*) FILTER (WHERE state='dismissed') FROM job"));
   SKYQUILT_TRY(query.Step());
   const auto column = [&](int i) { return static_cast<int>(query.ColumnInt64(i)); };
-  return JobCounts{column(0), column(1), column(2), column(3), column(4), column(5), column(6)};
+  return JobCounts{column(0), column(1), column(2), column(3), column(4)};
 }
 
 Result<int> JobQueue::CountUnfinished(int most) const {

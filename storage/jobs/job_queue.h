@@ -83,15 +83,13 @@ struct JobProgress {
   std::string message;
 };
 
-// How many jobs there are of each state, and units of those that are cut.
+// How many jobs there are of each state.
 struct JobCounts {
   int accepted = 0;
   int running = 0;
   int successful = 0;
   int failed = 0;
   int dismissed = 0;
-  int waiting_units = 0;
-  int running_units = 0;
 };
 
 class JobQueue {

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <utility>
+
 #include "core/base/try.h"
 #include "storage/db/machine_boot.h"
 #include "storage/jobs/job_rows.h"
@@ -104,13 +107,15 @@ Result<bool> UnitQueue::Cut(const Lease& lease, std::string_view kind, int count
       SKYQUILT_TRY_ASSIGN(Statement dismiss,
                           db->Prepare("UPDATE job SET state='dismissed', worker='', finished_us=?2"
                                       " WHERE id=?1 AND state='running' AND cancel=1"));
-      SKYQUILT_TRY(dismiss.Bind(1, lease.job_id).Bind(2, ToUs(db_.SharedTime(Now(), *db))).Run());
+      const std::int64_t now_us = ToUs(db_.SharedTime(Now(), *db));
+      SKYQUILT_TRY(dismiss.Bind(1, lease.job_id).Bind(2, now_us).Run());
       const bool is_dismissed = db->Changes() > 0;
       SKYQUILT_TRY_ASSIGN(Statement add,
-                          db->Prepare("INSERT INTO unit(job_id,kind,number,items,state)"
-                                      " VALUES(?1,?2,?3,?4,'waiting') ON CONFLICT DO NOTHING"));
+                          db->Prepare("INSERT INTO unit(job_id,kind,number,items,state,waiting_us)"
+                                      " VALUES(?1,?2,?3,?4,'waiting',?5) ON CONFLICT DO NOTHING"));
       for (int number = 0; number < count && !is_dismissed; ++number) {
-        SKYQUILT_TRY(add.Bind(1, lease.job_id).Bind(2, kind).Bind(3, number).Bind(4, items).Run());
+        SKYQUILT_TRY(
+            add.Bind(1, lease.job_id).Bind(2, kind).Bind(3, number).Bind(4, items).Bind(5, now_us).Run());
       }
       SKYQUILT_TRY(GoOn(*db, lease.job_id, kind));
     }
@@ -131,6 +136,32 @@ Result<std::vector<UnitCount>> UnitQueue::Of(const std::string& job_id) const {
     if (!row) return counts;
     counts.push_back({std::string(query.ColumnText(0)), static_cast<int>(query.ColumnInt64(1)),
                       static_cast<int>(query.ColumnInt64(2)), query.ColumnInt64(3)});
+  }
+}
+
+Result<std::vector<UnitsOfKind>> UnitQueue::Count(Time by_machine) const {
+  const auto db = db_.Read();
+  const Time now = db_.SharedTime(by_machine, *db);
+  SKYQUILT_TRY_ASSIGN(
+      Statement query,
+      db->Prepare("WITH seen AS (SELECT kind, attempts,"
+                  " CASE WHEN state='running' AND lease_until_us<?1 THEN 'waiting' ELSE state END AS state,"
+                  " CASE WHEN state='running' AND lease_until_us>waiting_us THEN lease_until_us"
+                  " ELSE waiting_us END AS since_us FROM unit)"
+                  " SELECT kind, count(*) FILTER (WHERE state='waiting'),"
+                  " count(*) FILTER (WHERE state='running'), count(*) FILTER (WHERE state='done'),"
+                  " sum(CASE state WHEN 'waiting' THEN attempts ELSE attempts-1 END),"
+                  " min(CASE state WHEN 'waiting' THEN since_us END) FROM seen GROUP BY kind ORDER BY kind"));
+  query.Bind(1, ToUs(now));
+  std::vector<UnitsOfKind> kinds;
+  while (true) {
+    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
+    if (!row) return kinds;
+    const auto column = [&](int i) { return static_cast<int>(query.ColumnInt64(i)); };
+    UnitsOfKind kind{std::string(query.ColumnText(0)), column(1), column(2), column(3), column(4)};
+    if (kind.waiting > 0)
+      kind.longest_waiting_s = std::max(0.0, static_cast<double>(ToUs(now) - query.ColumnInt64(5)) * 1e-6);
+    kinds.push_back(std::move(kind));
   }
 }
 
@@ -221,11 +252,12 @@ Result<bool> UnitQueue::Fail(const UnitLease& unit, const Error& error, bool may
     const Time now = db_.SharedTime(by_machine, *db);
     SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
     {
-      SKYQUILT_TRY_ASSIGN(Statement update,
-                          db->Prepare(std::string("UPDATE unit SET state='waiting', worker=''") + kHeldUnit +
-                                      " AND attempts<?5"));
+      SKYQUILT_TRY_ASSIGN(
+          Statement update,
+          db->Prepare(std::string("UPDATE unit SET state='waiting', worker='', waiting_us=?6") + kHeldUnit +
+                      " AND attempts<?5"));
       if (may_retry) {
-        SKYQUILT_TRY(BindUnit(update, unit).Bind(5, kMaxUnitAttempts).Run());
+        SKYQUILT_TRY(BindUnit(update, unit).Bind(5, kMaxUnitAttempts).Bind(6, ToUs(now)).Run());
       }
       if (!may_retry || db->Changes() == 0) {
         SKYQUILT_TRY_ASSIGN(Statement held, db->Prepare(std::string("SELECT 1 FROM unit") + kHeldUnit));
@@ -240,21 +272,24 @@ Result<bool> UnitQueue::Fail(const UnitLease& unit, const Error& error, bool may
   });
 }
 
-Result<bool> UnitQueue::GiveBack(const UnitLease& unit) {
+Result<bool> UnitQueue::GiveBack(const UnitLease& unit, Time by_machine) {
   const auto db = db_.Lock();
+  const Time now = db_.SharedTime(by_machine, *db);
   SKYQUILT_TRY_ASSIGN(
       Statement update,
-      db->Prepare(std::string("UPDATE unit SET state='waiting', worker='', attempts=attempts-1") +
-                  kHeldUnit));
-  SKYQUILT_TRY(BindUnit(update, unit).Run());
+      db->Prepare(
+          std::string("UPDATE unit SET state='waiting', worker='', attempts=attempts-1, waiting_us=?5") +
+          kHeldUnit));
+  SKYQUILT_TRY(BindUnit(update, unit).Bind(5, ToUs(now)).Run());
   return db->Changes() > 0;
 }
 
-Result<int> UnitQueue::ReleaseWorker(const std::string& worker) {
+Result<int> UnitQueue::ReleaseWorker(const std::string& worker, Time by_machine) {
   const auto db = db_.Lock();
-  SKYQUILT_TRY_ASSIGN(Statement update,
-                      db->Prepare("UPDATE unit SET lease_until_us=0 WHERE state='running' AND worker=?"));
-  SKYQUILT_TRY(update.Bind(1, worker).Run());
+  const Time now = db_.SharedTime(by_machine, *db);
+  SKYQUILT_TRY_ASSIGN(Statement update, db->Prepare("UPDATE unit SET lease_until_us=0, waiting_us=?2"
+                                                    " WHERE state='running' AND worker=?1"));
+  SKYQUILT_TRY(update.Bind(1, worker).Bind(2, ToUs(now)).Run());
   return static_cast<int>(db->Changes());
 }
 

@@ -41,6 +41,16 @@ struct UnitCount {
   std::int64_t items = 0;
 };
 
+// The units of one kind of all jobs that are cut and have not ended.
+struct UnitsOfKind {
+  std::string kind;
+  int waiting = 0;  // those whose workers are gone among them
+  int running = 0;
+  int done = 0;
+  int failed_attempts = 0;         // of these units: attempts that came to nothing
+  double longest_waiting_s = 0.0;  // of those that wait
+};
+
 // Where the job is in its progress while its units are at work.
 struct UnitProgress {
   double from = 0.0;  // 0..1 over the whole job, when none is done
@@ -57,6 +67,8 @@ class UnitQueue {
   Result<bool> Cut(const Lease& lease, std::string_view kind, int count, std::int64_t items,
                    const UnitProgress& progress);
   Result<std::vector<UnitCount>> Of(const std::string& job_id) const;
+  // Kinds of which there are none are left out.
+  Result<std::vector<UnitsOfKind>> Count(Time now) const;
 
   Result<std::optional<UnitLease>> Claim(std::string_view worker, Time now);
   Result<LeaseState> Renew(const UnitLease& unit, Time now);
@@ -66,9 +78,9 @@ class UnitQueue {
   // was lost.
   Result<bool> Fail(const UnitLease& unit, const Error& error, bool may_retry, Time now);
   // The worker must stop, through no fault of the unit's.
-  Result<bool> GiveBack(const UnitLease& unit);
+  Result<bool> GiveBack(const UnitLease& unit, Time now);
   // A worker process ended: its units wait for the next one now. Answers how many it held.
-  Result<int> ReleaseWorker(const std::string& worker);
+  Result<int> ReleaseWorker(const std::string& worker, Time now);
 
  private:
   CatalogueDb& db_;

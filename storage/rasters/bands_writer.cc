@@ -8,7 +8,9 @@
 #include <ogr_spatialref.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <string>
 #include <utility>
@@ -53,6 +55,15 @@ image::PixelBox Covered(const std::vector<std::vector<float>>& values, int side)
   return box;
 }
 
+// Fourteen binary digits, as many as the sensors have and two more: the rest is noise that packs badly.
+float WithoutNoise(float value) {
+  constexpr std::uint32_t kDropped = 0x3FF, kHalf = 0x200, kExponent = 0x7F800000;
+  auto bits = std::bit_cast<std::uint32_t>(value);
+  if ((bits & kExponent) == kExponent) return value;  // nothing known
+  bits = (bits + kHalf) & ~kDropped;
+  return std::bit_cast<float>(bits);
+}
+
 }  // namespace
 
 struct BandsWriter::Work {
@@ -76,7 +87,7 @@ Result<void> BandsWriter::Begin(const bands::BandRaster& raster) {
   SKYQUILT_CHECK(driver != nullptr, "GDAL writes GeoTIFF");
   CPLStringList options;
   for (const char* option :
-       {"TILED=YES", "BLOCKXSIZE=512", "BLOCKYSIZE=512", "INTERLEAVE=BAND", "COMPRESS=DEFLATE", "ZLEVEL=1",
+       {"TILED=YES", "BLOCKXSIZE=512", "BLOCKYSIZE=512", "INTERLEAVE=BAND", "COMPRESS=ZSTD", "ZSTD_LEVEL=1",
         "PREDICTOR=3", "SPARSE_OK=TRUE", "BIGTIFF=IF_SAFER"})
     options.AddString(option);
   work_->dataset.reset(driver->Create(work_->raw.c_str(), raster.width_px, raster.height_px,
@@ -102,11 +113,13 @@ Result<void> BandsWriter::Put(int left_px, int top_px, const std::vector<std::ve
   if (box.IsEmpty()) return {};
   work_->covered =
       work_->covered.With({left_px + box.left, top_px + box.top, left_px + box.right, top_px + box.bottom});
+  std::vector<float> kept;
   for (std::size_t i = 0; i < values.size(); ++i) {
-    // GDAL takes no const buffers, and leaves this one alone.
+    kept.resize(values[i].size());
+    std::transform(values[i].begin(), values[i].end(), kept.begin(), WithoutNoise);
     if (work_->dataset->GetRasterBand(static_cast<int>(i) + 1)
-            ->RasterIO(GF_Write, left_px, top_px, side, side, const_cast<float*>(values[i].data()), side,
-                       side, GDT_Float32, 0, 0, nullptr) != CE_None)
+            ->RasterIO(GF_Write, left_px, top_px, side, side, kept.data(), side, side, GDT_Float32, 0, 0,
+                       nullptr) != CE_None)
       return LastGdalError(work_->progress);
   }
   return {};
@@ -124,9 +137,10 @@ Result<void> BandsWriter::Publish() {
   for (const std::string& word :
        {std::string("-of"), std::string("COG"), std::string("-srcwin"), std::to_string(box.left),
         std::to_string(box.top), std::to_string(box.right - box.left), std::to_string(box.bottom - box.top),
-        std::string("-co"), std::string("COMPRESS=DEFLATE"), std::string("-co"), std::string("PREDICTOR=YES"),
-        std::string("-co"), std::string("OVERVIEW_RESAMPLING=AVERAGE"), std::string("-co"),
-        std::string("BIGTIFF=IF_SAFER"), std::string("-co"), "NUM_THREADS=" + threads})
+        std::string("-co"), std::string("COMPRESS=DEFLATE"), std::string("-co"), std::string("LEVEL=1"),
+        std::string("-co"), std::string("PREDICTOR=YES"), std::string("-co"),
+        std::string("OVERVIEW_RESAMPLING=AVERAGE"), std::string("-co"), std::string("BIGTIFF=IF_SAFER"),
+        std::string("-co"), "NUM_THREADS=" + threads})
     words.AddString(word.c_str());
   const std::unique_ptr<GDALTranslateOptions, void (*)(GDALTranslateOptions*)> translate(
       GDALTranslateOptionsNew(words.List(), nullptr), GDALTranslateOptionsFree);

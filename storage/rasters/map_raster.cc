@@ -37,18 +37,18 @@ CPLStringList Words(std::initializer_list<std::string> words) {
   return list;
 }
 
-Error RasterError(ErrorCode code, const std::filesystem::path& path, const std::string& rest) {
-  return {code, path.string() + " " + rest, CPLGetLastErrorMsg()};
+Error RasterError(ErrorCode code, const std::string& name, const std::string& rest) {
+  return {code, name + " " + rest, CPLGetLastErrorMsg()};
 }
 
-Result<void> CheckPixels(GDALDataset& raster, const std::filesystem::path& path) {
+Result<void> CheckPixels(GDALDataset& raster, const std::string& name) {
   const int bands = raster.GetRasterCount();
-  if (bands < 1) return RasterError(ErrorCode::kUnsupportedFormat, path, "holds no picture.");
+  if (bands < 1) return RasterError(ErrorCode::kUnsupportedFormat, name, "holds no picture.");
   for (int band = 1; band <= std::min(bands, 4); ++band) {
     const GDALDataType type = raster.GetRasterBand(band)->GetRasterDataType();
     if (type == GDT_Byte) continue;
     return RasterError(
-        ErrorCode::kUnsupportedFormat, path,
+        ErrorCode::kUnsupportedFormat, name,
         fmt::format("has pixels of type {}; a map has 8 bits a colour. Make it so first: \"gdal_translate "
                     "-ot Byte -scale IN.tif OUT.tif\". Elevation models go with the photos of a flight.",
                     GDALGetDataTypeName(type)));
@@ -56,29 +56,29 @@ Result<void> CheckPixels(GDALDataset& raster, const std::filesystem::path& path)
   return {};
 }
 
-Result<void> CheckPlace(GDALDataset& raster, const std::filesystem::path& path) {
+Result<void> CheckPlace(GDALDataset& raster, const std::string& name) {
   std::array<double, 6> transform{};
   if (raster.GetGeoTransform(transform.data()) != CE_None)
     return RasterError(
-        ErrorCode::kUnprocessable, path,
+        ErrorCode::kUnprocessable, name,
         "is not georeferenced: it does not say where on Earth it lies. If a world file (.tfw) belongs to "
-        "it, put that beside it; if it has control points, run \"gdalwarp -t_srs EPSG:3857 IN.tif "
+        "it, put both into one: \"gdal_translate -a_srs EPSG:CODE IN.tif OUT.tif\"; if it has control points, run \"gdalwarp -t_srs EPSG:3857 IN.tif "
         "OUT.tif\" first.");
   const OGRSpatialReference* reference = raster.GetSpatialRef();
   if (reference == nullptr || reference->IsEmpty())
     return RasterError(
-        ErrorCode::kUnprocessable, path,
+        ErrorCode::kUnprocessable, name,
         "does not say its coordinate system. Say it first: \"gdal_translate -a_srs EPSG:CODE IN.tif "
         "OUT.tif\".");
   if (reference->IsLocal())
-    return RasterError(ErrorCode::kUnprocessable, path,
+    return RasterError(ErrorCode::kUnprocessable, name,
                        "is in a local coordinate system that has no place on Earth. Say the true one first: "
                        "\"gdal_translate -a_srs EPSG:CODE IN.tif OUT.tif\".");
   return {};
 }
 
 // As red, green, blue and what says which of them are covered.
-Result<DatasetPointer> AsColours(GDALDataset& raster, const std::filesystem::path& path) {
+Result<DatasetPointer> AsColours(GDALDataset& raster, const std::string& name) {
   const int bands = raster.GetRasterCount();
   const auto interpretation = [&](int band) { return raster.GetRasterBand(band)->GetColorInterpretation(); };
   const bool ends_in_alpha = (bands == 2 || bands == 4) && interpretation(bands) == GCI_AlphaBand;
@@ -101,7 +101,7 @@ Result<DatasetPointer> AsColours(GDALDataset& raster, const std::filesystem::pat
       GDALDataset::FromHandle(GDALTranslate("", GDALDataset::ToHandle(&raster), options, nullptr)));
   GDALTranslateOptionsFree(options);
   if (!made)
-    return RasterError(ErrorCode::kUnsupportedFormat, path, "has pixels that cannot be read as colours.");
+    return RasterError(ErrorCode::kUnsupportedFormat, name, "has pixels that cannot be read as colours.");
   return made;
 }
 
@@ -110,7 +110,7 @@ struct MercExtent {
   double west_m = 0.0, south_m = 0.0, east_m = 0.0, north_m = 0.0;  // merc
 };
 
-Result<MercExtent> ExtentOfRaster(GDALDataset& raster, const std::filesystem::path& path) {
+Result<MercExtent> ExtentOfRaster(GDALDataset& raster, const std::string& name) {
   OGRSpatialReference merc;
   merc.importFromEPSG(3857);
   char* text = nullptr;
@@ -120,7 +120,7 @@ Result<MercExtent> ExtentOfRaster(GDALDataset& raster, const std::filesystem::pa
   void* transformer = GDALCreateGenImgProjTransformer(GDALDataset::ToHandle(&raster), nullptr, nullptr,
                                                       wkt.c_str(), FALSE, 0.0, 1);
   const Error lost =
-      RasterError(ErrorCode::kUnprocessable, path,
+      RasterError(ErrorCode::kUnprocessable, name,
                   "lies where its coordinate system cannot be brought to the web map's. Check that the "
                   "system it names is the true one.");
   if (transformer == nullptr) return lost;
@@ -143,7 +143,7 @@ Result<MercExtent> ExtentOfRaster(GDALDataset& raster, const std::filesystem::pa
 }  // namespace
 
 struct MapRaster::Dataset {
-  std::filesystem::path path;
+  std::string name;  // of the file, for errors
   // Each reads from the one before.
   DatasetPointer file, colours, warped;
 };
@@ -154,25 +154,26 @@ MapRaster::~MapRaster() {
   dataset_->colours.reset();
 }
 
-Result<std::unique_ptr<MapRaster>> MapRaster::Open(const std::filesystem::path& path) {
+Result<std::unique_ptr<MapRaster>> MapRaster::Open(const std::filesystem::path& path,
+                                                   const std::string& name) {
   std::error_code missing;
   if (!std::filesystem::is_regular_file(path, missing))
-    return RasterError(ErrorCode::kNotFound, path, "is no file that is there. Check its path.");
+    return RasterError(ErrorCode::kNotFound, name, "is no file that is there. Check its path.");
   RegisterGdalOnce();
   const QuietGdal quiet;
   auto made = std::make_unique<Dataset>();
-  made->path = path;
+  made->name = name;
   constexpr std::array<const char*, 2> kDrivers = {"GTiff", nullptr};
   made->file.reset(GDALDataset::Open(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, kDrivers.data()));
   if (!made->file)
     return RasterError(
-        ErrorCode::kUnsupportedFormat, path,
+        ErrorCode::kUnsupportedFormat, name,
         "cannot be read as a GeoTIFF: it is damaged, cut off or of another kind. Take a GeoTIFF or an "
         "MBTiles.");
-  SKYQUILT_TRY(CheckPixels(*made->file, path));
-  SKYQUILT_TRY(CheckPlace(*made->file, path));
-  SKYQUILT_TRY_ASSIGN(made->colours, AsColours(*made->file, path));
-  SKYQUILT_TRY_ASSIGN(const MercExtent extent, ExtentOfRaster(*made->file, path));
+  SKYQUILT_TRY(CheckPixels(*made->file, name));
+  SKYQUILT_TRY(CheckPlace(*made->file, name));
+  SKYQUILT_TRY_ASSIGN(made->colours, AsColours(*made->file, name));
+  SKYQUILT_TRY_ASSIGN(const MercExtent extent, ExtentOfRaster(*made->file, name));
 
   std::unique_ptr<MapRaster> raster(new MapRaster(std::move(made)));
   raster->bounds_ =
@@ -199,7 +200,7 @@ Result<std::unique_ptr<MapRaster>> MapRaster::Open(const std::filesystem::path& 
                              (raster->last_row_ - raster->first_row_ + 1);
   if (tiles > kMaxTiles)
     return RasterError(
-        ErrorCode::kTooLarge, path,
+        ErrorCode::kTooLarge, name,
         fmt::format("would become {} tiles, more than the {} that are taken. Make it coarser or cut it "
                     "first: \"gdalwarp -tr METRES METRES IN.tif OUT.tif\".",
                     tiles, kMaxTiles));
@@ -225,7 +226,7 @@ Result<std::unique_ptr<MapRaster>> MapRaster::Open(const std::filesystem::path& 
   GDALWarpAppOptionsFree(options);
   if (!raster->dataset_->warped || raster->dataset_->warped->GetRasterCount() != 4)
     return RasterError(
-        ErrorCode::kUnprocessable, path,
+        ErrorCode::kUnprocessable, name,
         "cannot be brought to the web map's grid. Try \"gdalwarp -t_srs EPSG:3857 IN.tif OUT.tif\" first.");
   return raster;
 }
@@ -243,7 +244,7 @@ Result<image::RgbaImage> MapRaster::Read(int column, int row, int columns, int r
                                       pixels.Pixel(from_x - left, from_y - top), to_x - from_x, to_y - from_y,
                                       GDT_Byte, 4, nullptr, 4, GSpacing{4} * pixels.width_px, 1, nullptr);
   if (read != CE_None || CPLGetLastErrorType() >= CE_Failure)
-    return RasterError(ErrorCode::kCorrupt, dataset_->path,
+    return RasterError(ErrorCode::kCorrupt, dataset_->name,
                        "is damaged: some of its pixels cannot be read. Copy or download it again.");
   std::uint8_t* pixel = pixels.rgba.data();
   for (std::size_t i = 0; i < pixels.rgba.size(); i += 4, pixel += 4) {

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "core/base/result.h"
 #include "core/geo/lat_lon_bounds.h"
@@ -22,7 +23,8 @@ class MapRaster {
   static constexpr int kUsualTileSizePx = 256;
   static constexpr std::int64_t kMaxTiles = 2'000'000;  // of the finest zoom
 
-  static Result<std::unique_ptr<MapRaster>> Open(const std::filesystem::path& path);
+  // `name`: what errors call the file.
+  static Result<std::unique_ptr<MapRaster>> Open(const std::filesystem::path& path, const std::string& name);
   ~MapRaster();
 
   // The coarsest zoom whose pixels are not larger than the raster's; beyond zoom 22 tiles grow instead.

@@ -30,15 +30,15 @@ std::string Store(const OpenedDataFolder& opened, Catalogue& catalogue, const st
 }
 
 // Two flights: one with a map and a file that was removed again, one without; a third that was deleted.
-struct Sample {
+struct FilledFolder {
   std::string mapped, plain, deleted;
 };
 
-Sample Fill(const fs::path& root) {
+FilledFolder Fill(const fs::path& root) {
   auto opened = OpenDataFolder(root);
   EXPECT_TRUE(opened) << opened.error().message;
   Catalogue catalogue(*opened->db, FlightRecords(opened->dir));
-  Sample sample;
+  FilledFolder sample;
   sample.mapped = catalogue.AddFlight("mapped", R"({"gsd_m":0.1})", FromUs(1'000'000), "someone")->id;
   Store(*opened, catalogue, sample.mapped, "a.jpg");
   Store(*opened, catalogue, sample.mapped, "b.jpg");
@@ -60,7 +60,7 @@ Sample Fill(const fs::path& root) {
   return sample;
 }
 
-void ExpectAllBack(const fs::path& root, const Sample& sample) {
+void ExpectAllBack(const fs::path& root, const FilledFolder& sample) {
   auto opened = OpenDataFolder(root);
   ASSERT_TRUE(opened) << opened.error().message;
   const Catalogue catalogue(*opened->db);
@@ -99,7 +99,7 @@ TEST(RepairData, MakesALostCatalogueAnew) {
       }};
   for (const auto& lose : losses) {
     ScratchDir scratch;
-    const Sample sample = Fill(scratch.path());
+    const FilledFolder sample = Fill(scratch.path());
     lose(scratch.path() / "catalogue.db");
     const auto repaired = RepairData(scratch.path(), Now());
     ASSERT_TRUE(repaired) << repaired.error().message;
@@ -119,7 +119,7 @@ TEST(RepairData, CompletesACatalogueFromAnOlderBackup) {
   { ASSERT_TRUE(OpenDataFolder(scratch.path())); }
   const fs::path copy = scratch.path().string() + ".copy";
   fs::copy_file(scratch.path() / "catalogue.db", copy);
-  const Sample sample = Fill(scratch.path());
+  const FilledFolder sample = Fill(scratch.path());
   fs::copy_file(copy, scratch.path() / "catalogue.db", fs::copy_options::overwrite_existing);
   fs::remove(copy);
   EXPECT_FALSE(OpenDataFolder(scratch.path()));
@@ -193,7 +193,7 @@ TEST(RepairData, TakesTheLaterOfTwoFilesOfOneName) {
 
 TEST(RepairData, BringsBackWhatWentToLost) {
   ScratchDir scratch;
-  const Sample sample = Fill(scratch.path());
+  const FilledFolder sample = Fill(scratch.path());
   const auto dir = DataDir::At(scratch.path());
   {
     LostFolder lost(dir, Now());
@@ -210,7 +210,7 @@ TEST(RepairData, BringsBackWhatWentToLost) {
 
 TEST(RepairData, RecoversPhotosOfFlightsWithoutARecordUnderTheirStoredNames) {
   ScratchDir scratch;
-  const Sample sample = Fill(scratch.path());
+  const FilledFolder sample = Fill(scratch.path());
   const auto dir = DataDir::At(scratch.path());
   fs::remove(dir.Flight(sample.plain) / kFlightRecordName);
   fs::remove(dir.Catalogue());
@@ -234,7 +234,7 @@ TEST(RepairData, RefusesFoldersOfOthersAndThoseInUse) {
 
 TEST(CheckData, ListsWhatIsMissingAndWhatIsUnknown) {
   ScratchDir scratch;
-  const Sample sample = Fill(scratch.path());
+  const FilledFolder sample = Fill(scratch.path());
   auto opened = OpenDataFolder(scratch.path());
   ASSERT_TRUE(opened);
   ASSERT_TRUE(

@@ -34,6 +34,7 @@ struct UnderWay {
   CURL* transfer;
   HttpAnswer answer;
   std::size_t sent = 0;
+  bool is_taking = false;
   std::optional<Error> refusal;
 };
 
@@ -58,10 +59,13 @@ int Rewind(void* of, curl_off_t offset, int origin) {
 std::size_t TakeBytes(char* bytes, std::size_t size, std::size_t count, void* of) {
   auto& under_way = *static_cast<UnderWay*>(of);
   const std::string_view came(bytes, size * count);
-  long status = 0;
-  curl_easy_getinfo(under_way.transfer, CURLINFO_RESPONSE_CODE, &status);
-  if (under_way.exchange.take && status >= 200 && status < 300) {
-    const Result<void> taken = under_way.exchange.take(came);
+  curl_easy_getinfo(under_way.transfer, CURLINFO_RESPONSE_CODE, &under_way.answer.status);
+  const HttpExchange& exchange = under_way.exchange;
+  if (exchange.take && under_way.answer.IsGood()) {
+    Result<void> taken;
+    if (exchange.begin && !under_way.is_taking) taken = exchange.begin(under_way.answer);
+    under_way.is_taking = true;
+    if (taken) taken = exchange.take(came);
     if (taken) return came.size();
     under_way.refusal = taken.error();
     return 0;
@@ -162,7 +166,7 @@ Result<HttpAnswer> HttpTransfers::Perform(const HttpExchange& exchange) {
   CURL* transfer = owner.get();
   SKYQUILT_CHECK(transfer != nullptr, "out of memory");
   curl_easy_reset(transfer);  // its connections stay
-  UnderWay under_way{exchange, transfer, {}, 0, std::nullopt};
+  UnderWay under_way{exchange, transfer, {}, 0, false, std::nullopt};
   const auto headers = ListOf(exchange.headers);
   std::array<char, CURL_ERROR_SIZE> said{};
   SetOption(transfer, CURLOPT_URL, exchange.url.c_str());

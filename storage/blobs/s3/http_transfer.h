@@ -19,18 +19,6 @@
 
 namespace skyquilt::storage {
 
-struct HttpExchange {
-  std::string method;
-  std::string url;
-  NamedValues headers;
-  std::string_view body;  // lives as long as the exchange
-  // Takes the body of a 2xx answer as it comes; absent: it is in the answer.
-  std::function<Result<void>(std::string_view)> take;
-  std::size_t max_answer_bytes = std::size_t{16} << 20;  // of a body that is in the answer
-  std::chrono::milliseconds connect_patience{5'000};
-  std::chrono::seconds stall_patience{10};
-};
-
 struct HttpAnswer {
   long status = 0;
   std::map<std::string, std::string> headers;  // names in lower case
@@ -39,6 +27,20 @@ struct HttpAnswer {
   // Empty when absent.
   std::string Header(const std::string& name) const;
   bool IsGood() const { return status >= 200 && status < 300; }
+};
+
+struct HttpExchange {
+  std::string method;
+  std::string url;
+  NamedValues headers;
+  std::string_view body;  // lives as long as the exchange
+  // Takes the body of a 2xx answer as it comes; absent: it is in the answer.
+  std::function<Result<void>(std::string_view)> take;
+  // Before the first byte of such a body: status and headers are there.
+  std::function<Result<void>(const HttpAnswer&)> begin;
+  std::size_t max_answer_bytes = std::size_t{16} << 20;  // of a body that is in the answer
+  std::chrono::milliseconds connect_patience{5'000};
+  std::chrono::seconds stall_patience{10};
 };
 
 class HttpTransfers {

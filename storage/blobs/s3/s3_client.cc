@@ -142,6 +142,7 @@ Result<HttpAnswer> S3Client::PerformOnce(const Ask& ask, const std::string& payl
                              query.empty() ? "" : "?", query);
   exchange.body = ask.body;
   exchange.take = ask.take;
+  exchange.begin = ask.begin;
   exchange.connect_patience = settings_.connect_patience;
   exchange.stall_patience = std::max(ask.stall_patience, settings_.stall_patience);
   ++requests_;
@@ -219,9 +220,16 @@ Error S3Client::Meaning(const Ask& ask, const HttpAnswer& answer, bool& may_retr
       detail};
 }
 
-Result<HttpAnswer> S3Client::Perform(const Ask& ask, int* attempts_made) {
+Result<HttpAnswer> S3Client::Perform(Ask ask, int* attempts_made) {
   const std::string payload = ask.body.empty() ? kEmptySha256 : Sha256Hex(ask.body);
   const int attempts = ask.attempts > 0 ? ask.attempts : settings_.attempts;
+  bool is_begun = false;
+  if (ask.begin) {
+    ask.begin = [&, begin = std::move(ask.begin)](const HttpAnswer& answer) {
+      is_begun = true;
+      return begin(answer);
+    };
+  }
   for (int attempt = 1;; ++attempt) {
     if (attempts_made != nullptr) *attempts_made = attempt;
     Result<HttpAnswer> answer = PerformOnce(ask, payload);
@@ -244,7 +252,7 @@ Result<HttpAnswer> S3Client::Perform(const Ask& ask, int* attempts_made) {
                   fmt::format("{} {}: {}", ask.method, ask.key, answer.error().detail)};
       }
     }
-    if (!may_retry || attempt >= attempts) return *error;
+    if (!may_retry || is_begun || attempt >= attempts) return *error;
     Pause(attempt);
   }
 }
@@ -287,21 +295,32 @@ Result<std::string> S3Client::Get(const std::string& key, std::int64_t offset, s
 Result<S3Object> S3Client::GetToFile(const std::string& key, const std::filesystem::path& path) {
   Target target(path);
   if (!target.is_open()) return FileTrouble(path);
-  SKYQUILT_TRY_ASSIGN(S3Object object, Head(key));
-  for (int attempt = 1; target.bytes() < object.bytes; ++attempt) {
+  std::optional<S3Object> object;
+  const auto know = [&](const HttpAnswer& answer) -> Result<void> {
+    if (!object) object = ObjectOf(answer);
+    if (object->bytes < 0)
+      return Error{ErrorCode::kCorrupt, "The store does not say how long an object is.", key};
+    return {};
+  };
+  for (int attempt = 1;; ++attempt) {
     Ask ask{"GET", key};
-    ask.attempts = 1;
-    ask.headers = {{"Range", fmt::format("bytes={}-{}", target.bytes(), object.bytes - 1)},
-                   {"If-Match", object.etag}};
+    ask.begin = know;
     ask.take = [&](std::string_view came) -> Result<void> {
-      if (target.bytes() + static_cast<std::int64_t>(came.size()) > object.bytes)
+      if (target.bytes() + static_cast<std::int64_t>(came.size()) > object->bytes)
         return Error{ErrorCode::kCorrupt, "The store sent more than was asked for.", key};
       return target.Write(came);
     };
+    if (object) {
+      ask.attempts = 1;
+      ask.headers = {{"Range", fmt::format("bytes={}-{}", target.bytes(), object->bytes - 1)},
+                     {"If-Match", object->etag}};
+    }
     const std::int64_t before = target.bytes();
     const Result<HttpAnswer> answer = Perform(ask);
-    if (target.bytes() == object.bytes) break;
-    if (target.bytes() > before) attempt = 0;  // it goes on
+    if (answer) SKYQUILT_TRY(know(*answer));  // of an empty one no byte came
+    if (object && target.bytes() == object->bytes) break;
+    if (!answer && !object) return answer.error();  // it was tried again as often as is usual
+    if (target.bytes() > before) attempt = 0;       // it goes on
     const bool may_retry = answer.ok() || answer.error().code == ErrorCode::kUnavailable;
     if (!may_retry) return answer.error();
     if (attempt >= settings_.attempts)
@@ -310,13 +329,13 @@ Result<S3Object> S3Client::GetToFile(const std::string& key, const std::filesyst
     Pause(attempt);
   }
   const std::string sum = target.Finish();
-  if (!object.sha256.empty() && sum != object.sha256) {
+  if (!object->sha256.empty() && sum != object->sha256) {
     return Error{ErrorCode::kCorrupt,
                  fmt::format("{}{} came with other bytes than were put there.", settings_.Address(), key),
-                 sum + " instead of " + object.sha256};
+                 sum + " instead of " + object->sha256};
   }
-  object.sha256 = sum;
-  return object;
+  object->sha256 = sum;
+  return *std::move(object);
 }
 
 Result<void> S3Client::Put(const std::string& key, std::string_view bytes, const S3PutOptions& options) {

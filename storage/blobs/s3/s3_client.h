@@ -52,8 +52,8 @@ class S3Client {
   Result<S3Object> Head(const std::string& key);
   // `length` bytes from `offset` on, or as many as there are.
   Result<std::string> Get(const std::string& key, std::int64_t offset, std::int64_t length);
-  // The whole object into a file that is made or emptied, and its checksum held against what is stated. A
-  // transfer that breaks off goes on where it was.
+  // The whole object into a file that is made or emptied, and its checksum held against what is stated, by
+  // one request. A transfer that breaks off goes on where it was.
   Result<S3Object> GetToFile(const std::string& key, const std::filesystem::path& path);
   // kConflict: with `if_absent`, where it is there already.
   Result<void> Put(const std::string& key, std::string_view bytes, const S3PutOptions& options);
@@ -91,10 +91,12 @@ class S3Client {
     NamedValues headers = {};
     std::string_view body = {};
     std::function<Result<void>(std::string_view)> take = nullptr;
+    // Of a good answer with a body, before that is taken; its request is not repeated after that.
+    std::function<Result<void>(const HttpAnswer&)> begin = nullptr;
     std::chrono::seconds stall_patience{0};  // 0: the usual
     int attempts = 0;                        // 0: the usual
   };
-  Result<HttpAnswer> Perform(const Ask& ask, int* attempts_made = nullptr);
+  Result<HttpAnswer> Perform(Ask ask, int* attempts_made = nullptr);
   Result<HttpAnswer> PerformOnce(const Ask& ask, const std::string& payload_sha256);
   // What an answer that is not good means; `may_retry` says whether it may pass.
   Error Meaning(const Ask& ask, const HttpAnswer& answer, bool& may_retry);

@@ -14,6 +14,7 @@
 #include "storage/blobs/sha256.h"
 #include "storage/catalogue/catalogue.h"
 #include "storage/folder/disk_flights.h"
+#include "storage/folder/elsewhere/pack_maps.h"
 #include "storage/folder/elsewhere/settle_blobs.h"
 
 namespace skyquilt::storage {
@@ -33,6 +34,21 @@ Result<std::vector<BlobInfo>> Moved(BlobStore& blobs) {
   SKYQUILT_TRY_ASSIGN(std::vector<BlobInfo> all, blobs.List("flights/"));
   std::erase_if(all, [](const BlobInfo& blob) { return !IsMoved(blob.key); });
   return all;
+}
+
+std::vector<std::string> MapsAmong(const std::vector<BlobInfo>& blobs) {
+  std::vector<std::string> maps;
+  for (const BlobInfo& blob : blobs)
+    if (blob.key.ends_with("/mosaic.mbtiles")) maps.push_back(blob.key);
+  return maps;
+}
+
+// What PackMaps makes anew wherever it is wanted: in a folder, tiles and mosaic.pmtiles itself are read out
+// of the map beside it.
+void LeavePacks(std::vector<BlobInfo>& blobs) {
+  std::set<std::string> packs;
+  for (const std::string& map : MapsAmong(blobs)) packs.insert(PackOf(map));
+  std::erase_if(blobs, [&](const BlobInfo& blob) { return packs.contains(blob.key); });
 }
 
 // A move would hide what is missing: it is said before.
@@ -131,10 +147,11 @@ Result<MoveReport> MoveBlobs(const DataDir& dir, const std::string& catalogue_id
     SKYQUILT_TRY(ClaimBlobs(catalogue_id, *place));
   }
   MoveReport report;
-  SKYQUILT_TRY_ASSIGN(const std::vector<BlobInfo> blobs, Moved(from));
+  SKYQUILT_TRY_ASSIGN(std::vector<BlobInfo> blobs, Moved(from));
   if (!is_done) {
     SKYQUILT_TRY(CheckComplete(db, blobs, from));
   }
+  if (to.IsFolder()) LeavePacks(blobs);
   for (const BlobInfo& blob : blobs) report.bytes += blob.bytes;
   progress.BeginStage("move");
   std::mutex mutex;
@@ -157,6 +174,9 @@ Result<MoveReport> MoveBlobs(const DataDir& dir, const std::string& catalogue_id
                     static_cast<double>(bytes_done) / 1e6, static_cast<double>(report.bytes) / 1e6));
   });
   if (failure) return *failure;
+  if (!to.IsFolder()) {
+    SKYQUILT_TRY_ASSIGN(report.pack, PackMaps(dir, MapsAmong(blobs), from, to, progress));
+  }
   SKYQUILT_TRY(SettleAt(dir, moves_to));
   if (removes_source) {
     SKYQUILT_TRY_ASSIGN(report.removed, RemoveSource(from));

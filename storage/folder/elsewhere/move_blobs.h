@@ -1,10 +1,11 @@
 // MoveBlobs: all photos and maps of a data folder to another place, from the folder to S3 or back. Each is
 // copied, and the copy is held against the original by size and SHA-256 as its place gives it back; what is
-// there already and is the same is not copied again, so that a move that was cut off goes on. Only when all
-// are there does the folder say that they lie there (storage/folder/elsewhere/settle_blobs), and only then
-// are the originals removed, if that was asked for. For a folder that no server uses at the moment. Errors:
-// those of both places; kConflict (the other place is another catalogue's); kCorrupt (a copy that is not the
-// same).
+// there already and is the same is not copied again, so that a move that was cut off goes on. In a store,
+// maps are packed for reading by ranges (storage/folder/elsewhere/pack_maps); such packs are not copied back.
+// Only when all are there does the folder say that they lie there (storage/folder/elsewhere/settle_blobs),
+// and only then are the originals removed, if that was asked for. For a folder that no server uses at the
+// moment. Errors: those of both places; kConflict (the other place is another catalogue's); kCorrupt (a copy
+// that is not the same).
 #pragma once
 
 #include <cstdint>
@@ -15,6 +16,7 @@
 #include "storage/blobs/blob_store.h"
 #include "storage/db/catalogue_db.h"
 #include "storage/folder/data_dir.h"
+#include "storage/folder/elsewhere/pack_maps.h"
 
 namespace skyquilt::storage {
 
@@ -23,6 +25,7 @@ struct MoveReport {
   std::int64_t there_already = 0;
   std::int64_t bytes = 0;    // of all
   std::int64_t removed = 0;  // originals
+  PackReport pack;           // where it went to a store
 };
 
 // `catalogue_id`: of the folder. `db`: what is in it; every file and map that it names must be in `from`.

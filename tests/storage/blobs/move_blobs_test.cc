@@ -7,8 +7,10 @@
 #include "storage/blobs/folder_blobs.h"
 #include "storage/catalogue/catalogue.h"
 #include "storage/db/ids.h"
+#include "storage/exports/pmtiles_writer.h"
 #include "storage/folder/elsewhere/settle_blobs.h"
 #include "tests/storage/blobs/far_folder.h"
+#include "tests/storage/painted_tileset.h"
 #include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
@@ -105,6 +107,29 @@ TEST_F(MovedBlobs, SayWhatIsMissingBeforeAnythingIsMoved) {
   EXPECT_EQ(moved.error().code, ErrorCode::kNotFound);
   EXPECT_NE(moved.error().message.find("a.jpg"), std::string::npos);
   EXPECT_TRUE(far_.List("flights/")->empty());
+}
+
+TEST_F(MovedBlobs, ArePackedWhereTilesAreReadByRanges) {
+  const test::PaintedTileset painted{.first_column = 137'000, .first_row = 90'000, .columns = 5, .rows = 4};
+  test::WritePaintedTileset(folder_ / "map", painted);
+  ASSERT_TRUE(near_.Put(RevisionPrefix(flight_, 1) + "mosaic.mbtiles", folder_ / "map"));
+  Put(near_, RevisionPrefix(flight_, 2) + "mosaic.mbtiles", "damaged");
+  const auto out = Move(near_, far_);
+  ASSERT_TRUE(out) << out.error().message;
+  EXPECT_EQ(out->pack.packed, 1);
+  ASSERT_EQ(out->pack.left_whole.size(), 1U);
+  EXPECT_TRUE(out->pack.left_whole[0].starts_with(RevisionPrefix(flight_, 2))) << out->pack.left_whole[0];
+  EXPECT_FALSE(near_.Find(RevisionPrefix(flight_, 1) + "mosaic.pmtiles"));
+  ASSERT_TRUE(WritePmtiles(folder_ / "map", folder_ / "archive", progress_));
+  const BlobInfo archive = *far_.Find(RevisionPrefix(flight_, 1) + "mosaic.pmtiles");
+  std::ifstream file(folder_ / "archive", std::ios::binary);
+  const std::string bytes((std::istreambuf_iterator<char>(file)), {});
+  EXPECT_TRUE(*far_.ReadRange(archive.key, 0, archive.bytes) == bytes);
+  EXPECT_TRUE(std::filesystem::is_empty(dir_.Incoming()));
+
+  EXPECT_EQ(Move(near_, far_)->pack.packed, 0);  // it is there
+  ASSERT_TRUE(Move(far_, near_));
+  EXPECT_FALSE(near_.Find(RevisionPrefix(flight_, 1) + "mosaic.pmtiles"));
 }
 
 TEST_F(MovedBlobs, DoNotGoWhereAnotherCatalogueIs) {

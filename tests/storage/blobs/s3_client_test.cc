@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <map>
@@ -129,32 +130,58 @@ TEST(S3Client, BelievesNoStoreThatSendsMoreThanWasAskedFor) {
   EXPECT_EQ(store->Get("k", 0, 10).error().code, ErrorCode::kCorrupt);
 }
 
+std::string TagsOf(const std::string& bytes) {
+  return "ETag: \"e\"\r\nx-amz-meta-sha256: " + Sha256Hex(bytes) + "\r\n";
+}
+
 TEST(S3Client, GoesOnWithAFileWhereItBrokeOff) {
   const std::string bytes(50'000, 'q');
   ScriptedStore store([&](int n, const std::string& request) {
-    const std::string tags = "ETag: \"e\"\r\nx-amz-meta-sha256: " + Sha256Hex(bytes) + "\r\n";
-    if (n == 0) return HttpText(200, bytes, tags).substr(0, HttpText(200, bytes, tags).find("\r\n\r\n") + 4);
-    const std::size_t from = std::stoul(request.substr(request.find("bytes=") + 6));
-    std::string answer = HttpText(206, bytes.substr(from), tags);
-    if (n == 1) answer.resize(answer.size() / 2);
+    if (n == 0) return HttpText(503, Refusal("SlowDown"));
+    const std::size_t range = request.find("bytes=");
+    const std::size_t from = range == std::string::npos ? 0 : std::stoul(request.substr(range + 6));
+    std::string answer = HttpText(from == 0 ? 200 : 206, bytes.substr(from), TagsOf(bytes));
+    if (n < 3) answer.resize(answer.size() - 20'000);
     return answer;
   });
   const test::TemporaryFolder folder;
   const auto got = store->GetToFile("k", folder / "file");
   ASSERT_TRUE(got) << got.error().detail;
+  EXPECT_EQ(got->bytes, 50'000);
+  EXPECT_EQ(got->etag, "\"e\"");
   std::ifstream file(folder / "file", std::ios::binary);
   EXPECT_EQ(std::string(std::istreambuf_iterator<char>(file), {}), bytes);
-  ASSERT_EQ(store.requests().size(), 3U);
-  EXPECT_EQ(store.requests()[2].find("Range: bytes=0-"), std::string::npos);
-  EXPECT_NE(store.requests()[2].find("If-Match: \"e\""), std::string::npos);
+  const std::vector<std::string> requests = store.requests();
+  ASSERT_EQ(requests.size(), 4U);
+  EXPECT_EQ(requests[1].find("Range:"), std::string::npos);
+  EXPECT_NE(requests[2].find("Range: bytes=30000-49999"), std::string::npos);
+  EXPECT_NE(requests[3].find("Range: bytes=30000-49999"), std::string::npos);  // of the third nothing came
+  EXPECT_NE(requests[3].find("If-Match: \"e\""), std::string::npos);
+}
+
+TEST(S3Client, FetchesAFileByOneRequest) {
+  for (const std::string& bytes : {std::string(), std::string("few"), std::string(3 << 20, 'x')}) {
+    ScriptedStore store([&](int, const std::string&) { return HttpText(200, bytes, TagsOf(bytes)); });
+    const test::TemporaryFolder folder;
+    const auto got = store->GetToFile("k", folder / "file");
+    ASSERT_TRUE(got) << got.error().detail;
+    EXPECT_EQ(std::filesystem::file_size(folder / "file"), bytes.size());
+    EXPECT_EQ(store.requests().size(), 1U);
+  }
+}
+
+TEST(S3Client, RefusesAFileThatHasNoLengthOrIsNotThere) {
+  const test::TemporaryFolder folder;
+  ScriptedStore endless([](int, const std::string&) {
+    return "HTTP/1.1 200 OK\r\nConnection: close\r\nETag: \"e\"\r\n\r\n" + std::string(1000, 'x');
+  });
+  EXPECT_EQ(endless->GetToFile("k", folder / "file").error().code, ErrorCode::kCorrupt);
+  ScriptedStore empty([](int, const std::string&) { return HttpText(404, Refusal("NoSuchKey")); });
+  EXPECT_EQ(empty->GetToFile("k", folder / "file").error().code, ErrorCode::kNotFound);
 }
 
 TEST(S3Client, RefusesAFileWithOtherBytesThanItsWriterStated) {
-  ScriptedStore store([](int n, const std::string&) {
-    const std::string tags = "ETag: \"e\"\r\nx-amz-meta-sha256: " + Sha256Hex("right") + "\r\n";
-    const std::string answer = HttpText(n == 0 ? 200 : 206, "wrong", tags);
-    return n == 0 ? answer.substr(0, answer.size() - 5) : answer;
-  });
+  ScriptedStore store([](int, const std::string&) { return HttpText(200, "wrong", TagsOf("right")); });
   const test::TemporaryFolder folder;
   EXPECT_EQ(store->GetToFile("k", folder / "file").error().code, ErrorCode::kCorrupt);
 }

@@ -71,13 +71,47 @@ TEST_F(UnitQueueTest, AJobWaitsForItsUnitsAndIsThenClaimedAgain) {
   EXPECT_EQ(counts[0].done, 2);
 }
 
-TEST_F(UnitQueueTest, AreCountedBesideTheJobsUntilTheyAreDone) {
-  CutJob(3);
+TEST_F(UnitQueueTest, AreCountedByKindUntilTheirJobEnds) {
+  EXPECT_TRUE(units_.Count(now_)->empty());
+  CutJob(4);
+  const Lease rendered = CutJob(2, "render");
   Claimed();
   EXPECT_TRUE(*units_.Done(Claimed()));
-  const JobCounts counts = *queue_.Count();
-  EXPECT_EQ(counts.waiting_units, 1);
-  EXPECT_EQ(counts.running_units, 1);
+  const std::vector<UnitsOfKind> kinds = *units_.Count(now_);
+  ASSERT_EQ(kinds.size(), 2U);
+  EXPECT_EQ(kinds[0].kind, "look");
+  EXPECT_EQ(kinds[0].waiting, 2);
+  EXPECT_EQ(kinds[0].running, 1);
+  EXPECT_EQ(kinds[0].done, 1);
+  EXPECT_EQ(kinds[0].failed_attempts, 0);
+  EXPECT_EQ(kinds[1].kind, "render");
+  EXPECT_EQ(kinds[1].waiting, 2);
+  EXPECT_TRUE(queue_.Cancel(rendered.job_id, now_).ok());
+  EXPECT_EQ(units_.Count(now_)->size(), 1U);
+}
+
+TEST_F(UnitQueueTest, TellsHowLongTheyWaitAndHowOftenTheyFailed) {
+  CutJob(2);
+  const auto count = [&] { return units_.Count(now_)->at(0); };
+  now_ += seconds(60);
+  EXPECT_NEAR(count().longest_waiting_s, 60.0, 5.0);
+  const UnitLease first = Claimed("a"), second = Claimed("b");
+  EXPECT_EQ(count().waiting, 0);
+  EXPECT_EQ(count().longest_waiting_s, 0.0);
+  EXPECT_TRUE(*units_.Fail(first, {ErrorCode::kIo, "disk", ""}, true, now_));
+  EXPECT_EQ(count().failed_attempts, 1);
+  EXPECT_NEAR(count().longest_waiting_s, 0.0, 5.0);
+  now_ += kLeaseTime + seconds(40);  // the worker of the second is gone
+  EXPECT_EQ(count().waiting, 2);
+  EXPECT_EQ(count().running, 0);
+  EXPECT_EQ(count().failed_attempts, 2);
+  EXPECT_NEAR(count().longest_waiting_s, 55.0, 5.0);  // of the first; the second waits for 40
+  EXPECT_TRUE(*units_.GiveBack(Claimed(), now_));
+  EXPECT_TRUE(*units_.Done(Claimed()));
+  Claimed("c");
+  EXPECT_EQ(*units_.ReleaseWorker("c", now_), 1);
+  EXPECT_EQ(count().waiting, 1);
+  EXPECT_NEAR(count().longest_waiting_s, 0.0, 5.0);
 }
 
 TEST_F(UnitQueueTest, TheLeaseOfWhoCutItIsOver) {
@@ -95,7 +129,7 @@ TEST_F(UnitQueueTest, AUnitThatIsLostGoesToAnotherWhoAloneMayEndIt) {
   const UnitLease next = Claimed("b");
   EXPECT_EQ(*units_.Renew(lost, now_), LeaseState::kLost);
   EXPECT_FALSE(*units_.Done(lost));
-  EXPECT_FALSE(*units_.GiveBack(lost));
+  EXPECT_FALSE(*units_.GiveBack(lost, now_));
   EXPECT_FALSE(*units_.Fail(lost, {ErrorCode::kIo, "late", ""}, false, now_));
   EXPECT_EQ(*units_.Renew(next, now_), LeaseState::kHeld);
   EXPECT_TRUE(*units_.Done(next));
@@ -104,8 +138,8 @@ TEST_F(UnitQueueTest, AUnitThatIsLostGoesToAnotherWhoAloneMayEndIt) {
 TEST_F(UnitQueueTest, AWorkerThatIsKnownToBeGoneIsNotWaitedFor) {
   CutJob(1);
   Claimed("a");
-  EXPECT_EQ(*units_.ReleaseWorker("b"), 0);
-  EXPECT_EQ(*units_.ReleaseWorker("a"), 1);
+  EXPECT_EQ(*units_.ReleaseWorker("b", now_), 0);
+  EXPECT_EQ(*units_.ReleaseWorker("a", now_), 1);
   EXPECT_TRUE(*units_.Claim("b", now_));
 }
 
@@ -129,7 +163,7 @@ TEST_F(UnitQueueTest, AFailureIsTriedAgainOnlyWhereItMayPass) {
   EXPECT_EQ(queue_.Get(lease.job_id)->state, JobState::kRunning);
   const UnitLease again = Claimed();
   const UnitLease other = Claimed();
-  EXPECT_TRUE(*units_.GiveBack(again));
+  EXPECT_TRUE(*units_.GiveBack(again, now_));
   EXPECT_TRUE(*units_.Fail(other, {ErrorCode::kUnprocessable, "no photo", ""}, false, now_));
   const Job job = *queue_.Get(lease.job_id);
   EXPECT_EQ(job.state, JobState::kFailed);
