@@ -33,10 +33,14 @@ Result<std::string> ReadStoredList(Service& service, const std::string& flight_i
 Result<KeptControl> ReadControlOf(Service& service, const std::string& flight_id) {
   SKYQUILT_TRY(CheckId(flight_id, "flight"));
   SKYQUILT_TRY(RequireFlight(service, flight_id));
-  SKYQUILT_TRY_ASSIGN(const auto list, FindDocument(service, flight_id, kListName));
-  if (!list) return KeptControl{NoControlJson(), EtagOfDocument(list)};
-  SKYQUILT_TRY_ASSIGN(std::string json, ReadStoredList(service, flight_id, list->stored_name));
-  return KeptControl{std::move(json), EtagOfDocument(list)};
+  KeptControl kept{NoControlJson(), EtagOfDocument("")};
+  SKYQUILT_TRY(ReadDocument(service, flight_id, kListName, [&](const auto& list) -> Result<void> {
+    kept = {NoControlJson(), EtagOfDocument(list)};
+    if (!list) return {};
+    SKYQUILT_TRY_ASSIGN(kept.json, ReadStoredList(service, flight_id, list->stored_name));
+    return {};
+  }));
+  return kept;
 }
 
 // Points that the list's reader left out would be lost without a word.

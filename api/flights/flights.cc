@@ -15,7 +15,7 @@ namespace skyquilt::api {
 namespace {
 
 constexpr int kDefaultPage = 50;
-constexpr int kLargestPage = 200;
+constexpr int kLargestPage = 500;  // the page lists hundreds of flights by one request
 
 Result<FlightView> WithJobAndMap(Service& service, storage::Flight flight) {
   FlightView view;
@@ -37,8 +37,9 @@ Result<int> PageSize(const Request& request) {
   const auto parsed = std::from_chars(text->data(), text->data() + text->size(), limit);
   if (parsed.ec != std::errc() || parsed.ptr != text->data() + text->size() || limit < 1 ||
       limit > kLargestPage) {
-    return Error{ErrorCode::kInvalidArgument, "The parameter \"limit\" must be a whole number from 1 to 200.",
-                 ""};
+    return Error{
+        ErrorCode::kInvalidArgument,
+        "The parameter \"limit\" must be a whole number from 1 to " + std::to_string(kLargestPage) + ".", ""};
   }
   return limit;
 }

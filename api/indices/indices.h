@@ -1,19 +1,12 @@
 // What can be known of the indices of a map: GET /api/v1/flights/{flight}/bands (its bands, the indices that
-// can be made of them, the colours there are), /legend.svg, /zones. Index tiles are tiles (api/tiles), values
-// at a place and within a polygon are api/flights' point and statistics. Any thread.
+// can be made of them, the colours there are), /legend.svg and .png, /zones. Index tiles are tiles
+// (api/tiles), values at a place and within a polygon are api/flights' point and statistics. Any thread.
 #pragma once
-
-#include <string>
-#include <string_view>
 
 #include "api/http/router.h"
 #include "api/service.h"
 
 namespace skyquilt::api {
-
-inline constexpr int kLegendWidthPx = 320, kLegendHeightPx = 64;
-// Of a named index in its usual colours.
-std::string LegendPath(std::string_view flight_id, std::string_view index);
 
 void AddIndexRoutes(Router& router, Service& service);
 

@@ -1,11 +1,32 @@
 #include "api/jobs/queue_job.h"
 
+#include <algorithm>
+#include <string>
+#include <vector>
+
 #include "api/auth/flight_access.h"
 #include "api/http/responses.h"
+#include "api/json/job_options.h"
 #include "api/json/json_codec.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {
+namespace {
+
+// A map of others that is to become the flight's has to be there.
+Result<void> CheckImported(Service& service, const std::string& flight_id, const std::string& options) {
+  SKYQUILT_TRY_ASSIGN(const pipeline::MosaicOptions parsed, ParseJobOptions(options));
+  if (parsed.import_file.empty()) return {};
+  SKYQUILT_TRY_ASSIGN(const std::vector<storage::StoredFile> files, service.catalogue.ListFiles(flight_id));
+  const bool is_there = std::any_of(files.begin(), files.end(), [&](const storage::StoredFile& file) {
+    return file.name == parsed.import_file;
+  });
+  if (is_there) return {};
+  return Error{ErrorCode::kConflict,
+               "This flight has no file \"" + parsed.import_file + "\" to be imported. Upload it first.", ""};
+}
+
+}  // namespace
 
 Result<storage::Job> QueueJob(Service& service, const Request& request, const std::string& flight_id,
                               const std::string& body) {
@@ -19,8 +40,9 @@ Result<storage::Job> QueueJob(Service& service, const Request& request, const st
   if (flight.file_count == 0) {
     return Error{ErrorCode::kConflict, "This flight has no files yet. Upload photos first.", ""};
   }
-  return service.queue.Add(flight_id, wish.options.value_or(flight.options), storage::Now(),
-                           {wish.priority, request.owner});
+  const std::string options = wish.options.value_or(flight.options);
+  SKYQUILT_TRY(CheckImported(service, flight_id, options));
+  return service.queue.Add(flight_id, options, storage::Now(), {wish.priority, request.owner});
 }
 
 }  // namespace skyquilt::api

@@ -10,6 +10,7 @@
 #include "api/json/json_text.h"
 #include "core/base/try.h"
 #include "storage/exports/custom/boundary.h"
+#include "storage/uploads/photo_store.h"
 
 namespace skyquilt::api {
 namespace {
@@ -170,6 +171,26 @@ Result<void> SetLayers(const json& value, pipeline::MosaicOptions* options) {
   return {};
 }
 
+Result<void> SetImport(const json& value, pipeline::MosaicOptions* options) {
+  if (value.is_null()) return {};
+  if (!value.is_string()) return Refuse("import_file", "must be the name of one of the flight's files");
+  const auto name = value.get<std::string>();
+  if (!storage::CheckFileName(name))
+    return Refuse("import_file", "must be the name of one of the flight's files");
+  options->import_file = name;
+  return {};
+}
+
+// What else is said of a map that is not made but taken over would be said in vain.
+Result<void> CheckImport(const json& given, const pipeline::MosaicOptions& options) {
+  if (options.import_file.empty()) return {};
+  for (const auto& [field, value] : given.items()) {
+    if (field != "import_file" && field != "quality")
+      return Refuse(field, "says how a map is made of photos; with \"import_file\" goes \"quality\" alone");
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<pipeline::MosaicOptions> ParseJobOptions(std::string_view text) {
@@ -206,14 +227,17 @@ Result<pipeline::MosaicOptions> ParseJobOptions(std::string_view text) {
       set = SetPlace(value, &options);
     } else if (field == "layers") {
       set = SetLayers(value, &options);
+    } else if (field == "import_file") {
+      set = SetImport(value, &options);
     } else {
       set = Refuse(
           field,
           "is not known; known are gsd_m, not_finer_than_photos, max_look_deg, readout_ms, format, quality, method, origin, "
-          "boundary, takeoff_height_m, landed_at_start, place and layers");
+          "boundary, takeoff_height_m, landed_at_start, place, layers and import_file");
     }
     if (!set) return set.error();
   }
+  SKYQUILT_TRY(CheckImport(parsed, options));
   return options;
 }
 

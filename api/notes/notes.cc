@@ -41,10 +41,14 @@ Result<NotesText> ReadStoredNotes(Service& service, const std::string& flight_id
 Result<KeptNotes> ReadNotesOf(Service& service, const std::string& flight_id) {
   SKYQUILT_TRY(CheckId(flight_id, "flight"));
   SKYQUILT_TRY(RequireFlight(service, flight_id));
-  SKYQUILT_TRY_ASSIGN(const auto file, FindDocument(service, flight_id, flight::kMapNotesName));
-  if (!file) return KeptNotes{NoNotes(), EtagOfDocument(file)};
-  SKYQUILT_TRY_ASSIGN(NotesText text, ReadStoredNotes(service, flight_id, *file));
-  return KeptNotes{std::move(text), EtagOfDocument(file)};
+  KeptNotes kept{NoNotes(), EtagOfDocument("")};
+  SKYQUILT_TRY(ReadDocument(service, flight_id, flight::kMapNotesName, [&](const auto& file) -> Result<void> {
+    kept = {NoNotes(), EtagOfDocument(file)};
+    if (!file) return {};
+    SKYQUILT_TRY_ASSIGN(kept.text, ReadStoredNotes(service, flight_id, *file));
+    return {};
+  }));
+  return kept;
 }
 
 // Who does not say what he replaces may replace nothing that somebody wrote.

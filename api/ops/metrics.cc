@@ -4,11 +4,50 @@
 
 #include <algorithm>
 #include <iterator>
+#include <map>
 
 namespace skyquilt::api {
 namespace {
 
 constexpr std::array kClassNames = {"tile", "api", "upload", "page"};
+
+// Kinds that are named also while there are none, so that a series is zero and not absent.
+constexpr std::array kUnitKinds = {"look", "render"};
+
+std::map<std::string, storage::UnitsOfKind> ByKind(const std::vector<storage::UnitsOfKind>& units) {
+  std::map<std::string, storage::UnitsOfKind> by_kind;
+  for (const char* kind : kUnitKinds) by_kind[kind].kind = kind;
+  for (const storage::UnitsOfKind& units_of_kind : units) by_kind[units_of_kind.kind] = units_of_kind;
+  return by_kind;
+}
+
+void WriteUnits(const std::vector<storage::UnitsOfKind>& units, std::string& text) {
+  const auto out = std::back_inserter(text);
+  const auto by_kind = ByKind(units);
+  fmt::format_to(out,
+                 "# HELP skyquilt_units Units of jobs that are cut and have not ended, by kind and state.\n"
+                 "# TYPE skyquilt_units gauge\n");
+  for (const auto& [kind, count] : by_kind) {
+    const auto line = [&, &name = kind](const char* state, int value) {
+      fmt::format_to(out, "skyquilt_units{{kind=\"{}\",state=\"{}\"}} {}\n", name, state, value);
+    };
+    line("waiting", count.waiting);
+    line("running", count.running);
+    line("done", count.done);
+  }
+  fmt::format_to(out,
+                 "# HELP skyquilt_unit_failed_attempts Attempts at these units that came to nothing.\n"
+                 "# TYPE skyquilt_unit_failed_attempts gauge\n");
+  for (const auto& [kind, count] : by_kind)
+    fmt::format_to(out, "skyquilt_unit_failed_attempts{{kind=\"{}\"}} {}\n", kind, count.failed_attempts);
+  fmt::format_to(out,
+                 "# HELP skyquilt_unit_longest_waiting_seconds How long the oldest waiting unit has waited.\n"
+                 "# TYPE skyquilt_unit_longest_waiting_seconds gauge\n");
+  for (const auto& [kind, count] : by_kind) {
+    fmt::format_to(out, "skyquilt_unit_longest_waiting_seconds{{kind=\"{}\"}} {:.3f}\n", kind,
+                   count.longest_waiting_s);
+  }
+}
 
 }  // namespace
 
@@ -25,7 +64,8 @@ void Metrics::CountRequest(RouteClass route_class, int status, std::chrono::nano
   bytes_out_.fetch_add(bytes_out, std::memory_order_relaxed);
 }
 
-std::string Metrics::Text(const storage::JobCounts& jobs) const {
+std::string Metrics::Text(const storage::JobCounts& jobs,
+                          const std::vector<storage::UnitsOfKind>& units) const {
   std::string text;
   const auto out = std::back_inserter(text);
   fmt::format_to(
@@ -68,12 +108,7 @@ std::string Metrics::Text(const storage::JobCounts& jobs) const {
   state("successful", jobs.successful);
   state("failed", jobs.failed);
   state("dismissed", jobs.dismissed);
-  fmt::format_to(
-      out,
-      "# HELP skyquilt_units Units of jobs that are cut, by state; those that are done are not counted.\n"
-      "# TYPE skyquilt_units gauge\n"
-      "skyquilt_units{{state=\"waiting\"}} {}\nskyquilt_units{{state=\"running\"}} {}\n",
-      jobs.waiting_units, jobs.running_units);
+  WriteUnits(units, text);
   return text;
 }
 

@@ -7,8 +7,10 @@
 #include <chrono>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "storage/jobs/job_queue.h"
+#include "storage/jobs/unit_queue.h"
 
 namespace skyquilt::api {
 
@@ -21,7 +23,8 @@ class Metrics {
   void CountBytesIn(std::uint64_t bytes) { bytes_in_.fetch_add(bytes, std::memory_order_relaxed); }
   void ConnectionOpened() { connections_.fetch_add(1, std::memory_order_relaxed); }
   void ConnectionClosed() { connections_.fetch_sub(1, std::memory_order_relaxed); }
-  std::string Text(const storage::JobCounts& jobs) const;
+  // `units`: of the jobs that are cut.
+  std::string Text(const storage::JobCounts& jobs, const std::vector<storage::UnitsOfKind>& units) const;
 
  private:
   static constexpr int kClasses = 4;

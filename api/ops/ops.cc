@@ -38,7 +38,9 @@ void AddOpsRoutes(Router& router, Service& service) {
   router.Add(Method::kGet, "/metrics", [&](const Request& request) {
     const Result<storage::JobCounts> jobs = service.queue.Count();
     if (!jobs) return Problem(jobs.error(), request);
-    return Text(200, service.metrics.Text(*jobs), "text/plain; version=0.0.4; charset=utf-8");
+    const auto units = storage::UnitQueue(service.db).Count(storage::Now());
+    if (!units) return Problem(units.error(), request);
+    return Text(200, service.metrics.Text(*jobs, *units), "text/plain; version=0.0.4; charset=utf-8");
   });
   router.AddQuick(Method::kGet, "/version", [&](const Request&) {
     return Json(200,

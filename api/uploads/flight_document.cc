@@ -1,6 +1,7 @@
 #include "api/uploads/flight_document.h"
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "api/auth/quota.h"
@@ -26,6 +27,20 @@ Result<std::optional<storage::StoredFile>> FindDocument(Service& service, const 
     if (EqualsIgnoringCase(file.name, name)) return std::optional(file);
   }
   return std::optional<storage::StoredFile>();
+}
+
+Result<void> ReadDocument(
+    Service& service, const std::string& flight_id, std::string_view name,
+    const std::function<Result<void>(const std::optional<storage::StoredFile>&)>& read) {
+  constexpr int kMaxTurns = 5;
+  SKYQUILT_TRY_ASSIGN(std::optional<storage::StoredFile> file, FindDocument(service, flight_id, name));
+  for (int turn = 1;; ++turn) {
+    Result<void> done = read(file);
+    if (done || !file || turn == kMaxTurns) return done;
+    SKYQUILT_TRY_ASSIGN(std::optional<storage::StoredFile> now, FindDocument(service, flight_id, name));
+    if (now && now->stored_name == file->stored_name) return done;
+    file = std::move(now);
+  }
 }
 
 std::string EtagOfDocument(const std::string& stored_name) {

@@ -18,6 +18,11 @@ namespace skyquilt::api {
 Result<std::optional<storage::StoredFile>> FindDocument(Service& service, const std::string& flight_id,
                                                         std::string_view name);
 
+// Runs `read` with that file. One that is replaced between being found and being read is gone: what is in its
+// place is read then.
+Result<void> ReadDocument(Service& service, const std::string& flight_id, std::string_view name,
+                          const std::function<Result<void>(const std::optional<storage::StoredFile>&)>& read);
+
 // "none" in quotes where there is no file.
 std::string EtagOfDocument(const std::string& stored_name);
 std::string EtagOfDocument(const std::optional<storage::StoredFile>& file);

@@ -4,6 +4,8 @@
 
 #include "api/flights/point.h"
 #include "api/http/problem.h"
+#include "api/http/responses.h"
+#include "api/indices/index_legend.h"
 #include "api/indices/index_values.h"
 #include "api/maps/background.h"
 #include "api/ogc/feature_info.h"
@@ -131,6 +133,26 @@ Response GetFeatureInfo(Service& service, const Request& request) {
   return InfoResponse(points, wanted->type);
 }
 
+// OGC 05-078r4. The map in its own colours has nothing to explain.
+Response GetLegendGraphic(Service& service, const Request& request) {
+  const Result<WmsLegend> wanted = ParseGetLegendGraphic(request);
+  if (!wanted) return WmsException(request, wanted.error());
+  const Result<std::string> flight_id = FlightOfWmsLayer(request, wanted->layer);
+  if (!flight_id) return WmsException(request, flight_id.error());
+  const Result<MapView> map = FindMap(service, request, *flight_id);
+  if (!map) return WmsException(request, map.error());
+  const Result<std::optional<IndexLook>> look = LookOfStyle(wanted->style);
+  if (!look) return WmsException(request, 400, "StyleNotDefined", look.error().message);
+  if (!*look)
+    return WmsException(
+        request, 400, "StyleNotDefined",
+        "The style default has no legend: it is the map in its own colours. STYLE names an index, "
+        "such as ndvi.");
+  Response response = LegendOf(**look, wanted->format);
+  response.headers.Add("Cache-Control", "public, max-age=3600");
+  return Tagged(request, std::move(response));
+}
+
 Response DescribeWms(Service& service, const Request& request) {
   const Result<ListedMaps> listed = ListMapsOf(service, request);
   if (!listed) return WmsException(request, listed.error());
@@ -144,9 +166,10 @@ Response AnswerWms(Service& service, const Request& request) {
     return GetMap(service, request);
   if (EqualsIgnoringCase(operation, "GetFeatureInfo") || EqualsIgnoringCase(operation, "feature_info"))
     return GetFeatureInfo(service, request);
+  if (EqualsIgnoringCase(operation, "GetLegendGraphic")) return GetLegendGraphic(service, request);
   if (AsksForCapabilities(operation)) return DescribeWms(service, request);
   return WmsException(request, 400, "OperationNotSupported",
-                      "Operations are GetCapabilities, GetMap and GetFeatureInfo.");
+                      "Operations are GetCapabilities, GetMap, GetFeatureInfo and GetLegendGraphic.");
 }
 
 }  // namespace

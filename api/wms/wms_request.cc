@@ -153,4 +153,16 @@ Result<WmsInfo> ParseGetFeatureInfo(const Request& request) {
   return info;
 }
 
+Result<WmsLegend> ParseGetLegendGraphic(const Request& request) {
+  WmsLegend legend;
+  legend.layer = Parameter(request, "LAYER").value_or(Parameter(request, "LAYERS").value_or(""));
+  if (legend.layer.empty()) return BadWms("LayerNotDefined", "LAYER must name a layer.");
+  legend.style = Parameter(request, "STYLE").value_or(Parameter(request, "STYLES").value_or(""));
+  const std::optional<LegendFormat> format =
+      LegendFormatOf(Parameter(request, "FORMAT").value_or("image/png"));
+  if (!format) return BadWms("InvalidFormat", "Formats of legends are image/png and image/svg+xml.");
+  legend.format = *format;
+  return legend;
+}
+
 }  // namespace skyquilt::api

@@ -1,11 +1,12 @@
-// The parameters of WMS' operations, checked. OGC 01-068r3 (1.1.1) and 06-042 (1.3.0). Pure; any thread.
-// Errors: kInvalidArgument, whose detail is WMS' own code or empty.
+// The parameters of WMS' operations, checked. OGC 01-068r3 (1.1.1), 06-042 (1.3.0) and 05-078r4 (legends).
+// Pure; any thread. Errors: kInvalidArgument, whose detail is WMS' own code or empty.
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "api/http/http_message.h"
+#include "api/indices/index_legend.h"
 #include "core/image/picture_format.h"
 
 namespace skyquilt::api {
@@ -30,6 +31,14 @@ struct WmsInfo {
   std::string type;
 };
 Result<WmsInfo> ParseGetFeatureInfo(const Request& request);
+
+// The legend of one layer in one style. WIDTH and HEIGHT say what a legend would like to be, and are not
+// taken.
+struct WmsLegend {
+  std::string layer, style;
+  LegendFormat format = LegendFormat::kPng;
+};
+Result<WmsLegend> ParseGetLegendGraphic(const Request& request);
 
 // 1.3.0, which is also meant where no version is said.
 bool IsNewerWms(const Request& request);

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "api/indices/indices.h"
+#include "api/indices/index_legend.h"
 #include "api/ogc/feature_info.h"
 #include "api/wms/wms_request.h"
 #include "core/geo/web_mercator.h"
@@ -42,7 +42,7 @@ std::string StylesText(const ListedMaps& listed, const ListedMap& map) {
   std::string text = "<Style><Name>default</Name><Title>The map</Title></Style>";
   for (const indices::SpectralIndex* index : indices::IndicesOf(map.tiles.bands)) {
     text += fmt::format(
-        R"(<Style><Name>{}</Name><Title>{}</Title><LegendURL width="{}" height="{}"><Format>image/svg+xml</Format>)"
+        R"(<Style><Name>{}</Name><Title>{}</Title><LegendURL width="{}" height="{}"><Format>image/png</Format>)"
         R"(<OnlineResource xmlns:xlink="http://www.w3.org/1999/xlink" xlink:type="simple" xlink:href="{}"/>)"
         R"(</LegendURL></Style>)",
         index->name, index->title, kLegendWidthPx, kLegendHeightPx,
@@ -70,6 +70,7 @@ std::string WmsCapabilities(const ListedMaps& listed, bool is_newer) {
       href);
   const std::string root = is_newer
                                ? R"(<WMS_Capabilities version="1.3.0" xmlns="http://www.opengis.net/wms" )"
+                                 R"(xmlns:sld="http://www.opengis.net/sld" )"
                                  R"(xmlns:xlink="http://www.w3.org/1999/xlink">)"
                                : R"(<WMT_MS_Capabilities version="1.1.1">)";
   std::string info_formats;
@@ -88,6 +89,7 @@ std::string WmsCapabilities(const ListedMaps& listed, bool is_newer) {
 <GetCapabilities><Format>{5}</Format>{6}</GetCapabilities>
 <GetMap><Format>image/png</Format><Format>image/jpeg</Format><Format>image/webp</Format>{6}</GetMap>
 <GetFeatureInfo>{14}{6}</GetFeatureInfo>
+<{15}><Format>image/png</Format><Format>image/svg+xml</Format>{6}</{15}>
 </Request><Exception><Format>{7}</Format></Exception>
 <Layer><Title>{2}</Title><{8}>EPSG:3857</{8}><{8}>EPSG:4326</{8}>{9}{10}
 {11}</Layer>
@@ -102,7 +104,8 @@ std::string WmsCapabilities(const ListedMaps& listed, bool is_newer) {
       is_newer ? "XML" : "application/vnd.ogc.se_xml", is_newer ? "CRS" : "SRS",
       is_newer ? "<CRS>CRS:84</CRS>" : "", BoxesText(WholeOf(listed), is_newer), layers,
       is_newer ? "</WMS_Capabilities>" : "</WMT_MS_Capabilities>",
-      listed.next_cursor ? "<Abstract>" + XmlText(listed.Note()) + "</Abstract>" : "", info_formats);
+      listed.next_cursor ? "<Abstract>" + XmlText(listed.Note()) + "</Abstract>" : "", info_formats,
+      is_newer ? "sld:GetLegendGraphic" : "GetLegendGraphic");
 }
 
 }  // namespace skyquilt::api

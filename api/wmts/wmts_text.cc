@@ -6,7 +6,7 @@
 #include <map>
 #include <vector>
 
-#include "api/indices/indices.h"
+#include "api/indices/index_legend.h"
 #include "api/ogc/feature_info.h"
 #include "api/tiles/cut_tile.h"
 #include "core/geo/web_mercator.h"
@@ -79,7 +79,7 @@ std::string WmtsLayer(const ListedMaps& listed, const ListedMap& map) {
   for (const indices::SpectralIndex* index : indices::IndicesOf(map.tiles.bands)) {
     text += fmt::format(
         "      <Style><ows:Title>{}</ows:Title><ows:Identifier>{}</ows:Identifier>"
-        "<LegendURL format=\"image/svg+xml\" width=\"{}\" height=\"{}\" xlink:href=\"{}\"/></Style>\n",
+        "<LegendURL format=\"image/png\" width=\"{}\" height=\"{}\" xlink:href=\"{}\"/></Style>\n",
         index->title, index->name, kLegendWidthPx, kLegendHeightPx,
         XmlText(listed.Link(LegendPath(map.shown.flight_id, index->name))));
   }

@@ -5,6 +5,7 @@
 
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "api/control/control_list.h"
 #include "core/base/try.h"
@@ -155,6 +156,24 @@ TEST_F(Control, ListTextIsBounded) {
   for (std::size_t i = 0; i <= kMaxControlPoints; ++i)
     many["points"].push_back({{"name", std::to_string(i)}, {"x", i}, {"y", i}});
   EXPECT_THAT(ControlListText(many.dump()).error().message, HasSubstr("more than 2000 points"));
+}
+
+TEST_F(Control, ThatAreReplacedWhileTheyAreReadAreReadAnew) {
+  ASSERT_EQ(Put(Example()).status, 200);
+  json changed = Example();
+  changed["points"].erase(1);
+  bool is_replaced = false;
+  server_.service().read_control = [&](const std::filesystem::path& path) {
+    if (!std::exchange(is_replaced, true)) {
+      EXPECT_EQ(Put(changed).status, 200);
+      EXPECT_FALSE(std::filesystem::exists(path));
+    }
+    return ReadHere(path);
+  };
+  Response got = server_.Get(Address());
+  ASSERT_EQ(got.status, 200) << BodyOf(got);
+  EXPECT_EQ(json::parse(BodyOf(got))["points"].size(), 1u);
+  EXPECT_EQ(Put(changed, std::string(got.headers.Find("ETag"))).status, 200);
 }
 
 TEST_F(Control, AreChangedByWhoMayUploadAndReadByWhoMayRead) {

@@ -15,7 +15,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr geo::LatLon kAlps{.lat_deg = 47.1, .lon_deg = 8.3}, kTasmania{.lat_deg = -42.9, .lon_deg = 147.3};
+constexpr geo::LatLon kValais{.lat_deg = 47.1, .lon_deg = 8.3}, kTasmania{.lat_deg = -42.9, .lon_deg = 147.3};
 
 // By the register: opengeospatial/2D-Tile-Matrix-Set, registry/json/UTM31WGS84Quad.json and so on.
 TEST(MapGrid, UtmIsAsRegistered) {
@@ -180,8 +180,8 @@ TEST_P(GridTiles, LoseNothingOfTheFinestZoom) {
 }
 
 INSTANTIATE_TEST_SUITE_P(NorthAndSouth, GridTiles,
-                         testing::Values(std::tuple(kAlps, 256), std::tuple(kTasmania, 256),
-                                         std::tuple(kAlps, 512)));
+                         testing::Values(std::tuple(kValais, 256), std::tuple(kTasmania, 256),
+                                         std::tuple(kValais, 512)));
 
 class GridAddresses : public testing::Test {
  protected:
@@ -197,7 +197,7 @@ class GridAddresses : public testing::Test {
   }
   static constexpr int kLevel = 18;
   SampleService sample_;
-  TexturedMap map_{sample_, kAlps};
+  TexturedMap map_{sample_, kValais};
   std::string ogc_ = "/ogc/collections/" + map_.flight() + "/map/tiles/";
   std::string wmts_ = "/wmts/" + map_.flight() + "/map/default/";
 };

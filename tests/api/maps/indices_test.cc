@@ -192,6 +192,7 @@ TEST_F(IndicesTest, DocumentsSayWhichIndicesThereAre) {
   EXPECT_EQ(legend.headers.Find("Content-Type"), "image/svg+xml");
   EXPECT_NE(legend.body.find(">1.5</text>"), std::string::npos) << legend.body;
   EXPECT_EQ(sample_.Get("/api/v1/flights/nothing/legend.svg?index=vari").status, 404);
+  EXPECT_EQ(sample_.Get("/api/v1/flights/nothing/legend.png?index=vari").status, 404);
 }
 
 TEST_F(IndicesTest, PlacesAndPolygonsHaveValues) {
@@ -308,6 +309,7 @@ TEST_F(IndicesTest, AreForWhoMayRead) {
   const Headers other = sample_.MakeToken("other", storage::Scope::kRead, {}, sample_.NewFlight());
   for (const std::string& path : {Tile("index=vari"), "/api/v1/flights/" + flight_ + "/bands",
                                   "/api/v1/flights/" + flight_ + "/legend.svg?index=vari",
+                                  "/api/v1/flights/" + flight_ + "/legend.png?index=vari",
                                   "/api/v1/flights/" + flight_ + "/zones?index=vari"}) {
     EXPECT_EQ(sample_.Get(path, share).status, 200) << path;
     EXPECT_EQ(sample_.Get(path).status, 401) << path;

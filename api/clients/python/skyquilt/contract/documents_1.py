@@ -54,6 +54,10 @@ class JobOptions(TypedDict, total=False):
     # Tilesets of their own beside the map: which photo a pixel came from, how far off it may lie, how high the ground
     # is
     layers: List[Literal['photo', 'error', 'height']]
+    # Name of one of the flight's files that is a finished map of others: a georeferenced GeoTIFF (8 bits a colour,
+    # any coordinate system) or an MBTiles of pictures. It becomes the flight's map; no photo is looked at. Of the
+    # other options only quality goes with it, for tiles that are made from a GeoTIFF
+    import_file: Optional[str]
 
 
 class FlightFields(TypedDict, total=False):
@@ -268,7 +272,7 @@ class MapIndex(MapIndexForSure, total=False):
     """An index that a map has the bands for, and how it is coloured unless somebody says otherwise."""
     # For "index"; absent: an expression of the user's own
     id: str
-    # Where its legend is
+    # Where its legend is, as SVG; at .png instead of .svg as PNG
     legend: str
     # Where its tiles are described
     tilejson: str
@@ -424,12 +428,3 @@ class MapStatistics(MapStatisticsForSure, total=False):
     """What a map shows within a polygon."""
     # Of the index asked for
     index: MapStatisticsIndex
-
-
-class ControlMark(TypedDict):
-    # Name of the photo
-    photo: str
-    # Column in pixels; the centre of the first is 0
-    x: float
-    # Row in pixels; the centre of the first is 0
-    y: float

@@ -71,6 +71,14 @@ class Flights(Calls):
                             query={"index": index, "expression": expression, "rescale": rescale, "colormap": colormap},
                             headers=headers)
 
+    def index_legend_png(self, flight: str, *, index: Optional[str] = None, expression: Optional[str] = None,
+                         rescale: Optional[str] = None, colormap: Optional[str] = None,
+                         headers: Optional[Mapping[str, str]] = None) -> Answer:
+        """The colours of an index with their values, as a picture in pixels, 320 x 64."""
+        return self._stream("GET", "/api/v1/flights/{flight}/legend.png", path={"flight": flight},
+                            query={"index": index, "expression": expression, "rescale": rescale, "colormap": colormap},
+                            headers=headers)
+
     def inspect_flight(self, flight: str) -> Dict[str, Any]:
         """What is in the files, what is missing, what a map of them will be and cost; before any map is made."""
         return cast("Dict[str, Any]", self._send("GET", "/api/v1/flights/{flight}/verdict", path={"flight": flight}))

@@ -6,6 +6,15 @@ from typing import Any, Dict, List, Literal, Optional, TypedDict, Union
 from .documents_1 import *  # noqa: F401,F403
 
 
+class ControlMark(TypedDict):
+    # Name of the photo
+    photo: str
+    # Column in pixels; the centre of the first is 0
+    x: float
+    # Row in pixels; the centre of the first is 0
+    y: float
+
+
 class ControlPointForSure(TypedDict):
     """What ControlPoint always has."""
     name: str

@@ -1,0 +1,30 @@
+// The legend of an index: its ramp from the least value to the greatest, with values below, as SVG or PNG. On
+// white, so that it is read on light and on dark. Pure; any thread.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "api/http/http_message.h"
+#include "api/indices/index_look.h"
+#include "core/indices/colour_ramp.h"
+
+namespace skyquilt::api {
+
+inline constexpr int kLegendWidthPx = 320, kLegendHeightPx = 64;
+
+enum class LegendFormat { kSvg, kPng };
+// "image/png", "image/svg+xml"; nothing: another one.
+std::optional<LegendFormat> LegendFormatOf(std::string_view content_type);
+
+// 200, with its content type.
+Response LegendOf(const IndexLook& look, LegendFormat format);
+// Address of the legend of a named index in its usual colours, as PNG.
+std::string LegendPath(std::string_view flight_id, std::string_view index);
+
+// Colours of a ramp, evenly, for who draws it: "#a50026".
+std::vector<std::string> StopsOf(const indices::ColourRamp& ramp);
+
+}  // namespace skyquilt::api
