@@ -162,6 +162,12 @@ Result<void> SendFile(ServerClient& client, const std::string& flight_id, const 
   return {};
 }
 
+// The member "options" of a flight or a job, where any are given.
+json Wish(const UploadOptions& options) {
+  if (options.job_options.empty()) return json::object();
+  return {{"options", json::parse(options.job_options)}};
+}
+
 Result<void> WaitForJob(ServerClient& client, const std::string& job_id, Progress& progress) {
   std::string stage_before;
   ClientRequest ask;
@@ -219,6 +225,7 @@ Result<UploadedFlight> UploadFlight(const std::vector<flight::InputFile>& files,
     // Servers of before know neither: they are asked for nothing that nobody wants.
     if (!options.tags.empty()) fields["tags"] = options.tags;
     if (options.is_kept) fields["keep"] = true;
+    fields.update(Wish(options));
     SKYQUILT_TRY_ASSIGN(const json made,
                         PostJson(client, "/api/v1/flights", fields, options.flight_once_key));
     SKYQUILT_TRY_ASSIGN(uploaded.flight_id, TextAt(made, "id"));
@@ -240,7 +247,7 @@ Result<UploadedFlight> UploadFlight(const std::vector<flight::InputFile>& files,
   counting = nullptr;
   if (!options.makes_map) return uploaded;
   SKYQUILT_TRY_ASSIGN(const json job, PostJson(client, "/api/v1/flights/" + uploaded.flight_id + "/jobs",
-                                               json::object(), options.job_once_key));
+                                               Wish(options), options.job_once_key));
   SKYQUILT_TRY_ASSIGN(uploaded.job_id, TextAt(job, "id"));
   if (options.waits) SKYQUILT_TRY(WaitForJob(client, uploaded.job_id, progress));
   return uploaded;

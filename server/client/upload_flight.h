@@ -20,6 +20,8 @@ struct UploadOptions {
   std::vector<std::string> tags;  // of a new flight
   bool is_kept = false;           // a new flight never goes to the trash by itself
   std::string flight_id;          // of one that is there; empty: a new one
+  // JSON, of the job and of a new flight; empty: those of the flight.
+  std::string job_options = {};
   bool makes_map = true;
   bool waits = true;
   // By which a flight or a job that is asked for again is known to be the same; empty: it is another.

@@ -49,6 +49,7 @@ namespace {
 // last the process ends whatever it computes. Supervisors kill after ten seconds or more.
 constexpr std::chrono::milliseconds kDrainTime{7'000};
 constexpr std::chrono::milliseconds kWorkerGrace{7'000};
+constexpr std::chrono::milliseconds kWatchGrace{1'000};
 constexpr std::chrono::milliseconds kStopTime{9'000};
 // Connections that read the catalogue. A read takes microseconds: a thread that finds none idle waits for
 // one.
@@ -114,6 +115,15 @@ Result<HttpSettings> SettingsFrom(const ServeOptions& options, bool has_tokens) 
   return settings;
 }
 
+// How this machine reaches the server.
+std::string OwnUrl(const HttpSettings& settings, int port) {
+  std::string host = settings.address;
+  if (host == "0.0.0.0") host = "127.0.0.1";
+  if (host == "::") host = "::1";
+  if (host.find(':') != std::string::npos) host = "[" + host + "]";
+  return fmt::format("http://{}:{}{}", host, port, settings.base_path);
+}
+
 // Many connections need many descriptors.
 void RaiseDescriptorLimit() {
   rlimit limit{};
@@ -134,7 +144,8 @@ sigset_t BlockSignals() {
 
 // Until a signal stops it: workers that ended are collected and started again, but not while the data folder
 // is gone: then the running ones are stopped and their jobs return to the queue.
-void SuperviseWorkers(WorkerPool& workers, const storage::DataDirWatch& watch, const sigset_t& signals) {
+void SuperviseWorkers(WorkerPool& workers, WatchProcess& watching, const storage::DataDirWatch& watch,
+                      const sigset_t& signals) {
   bool was_in_place = true;
   while (true) {
     const Result<void> in_place = watch.Check();
@@ -144,9 +155,11 @@ void SuperviseWorkers(WorkerPool& workers, const storage::DataDirWatch& watch, c
       was_in_place = in_place.ok();
     }
     if (in_place) workers.StartMissing();
+    if (in_place) watching.StartMissing();
     const int number = sigtimedwait(&signals, nullptr, &kSupervisionInterval);
     if (number == SIGTERM || number == SIGINT || number == SIGHUP) return;
     workers.Reap();
+    watching.Reap();
   }
 }
 
@@ -200,9 +213,11 @@ void FinishUploads(api::Service& service) {
 }
 
 // By default the C library gives memory back to the system after every tile and asks for it again at the
-// next: a tenth of a tile's cost.
+// next. Setting one threshold keeps it from adapting the other, so that both are set: a tile's planes are no
+// blocks of their own, whose pages the kernel would clear for every tile (half the cost of an index tile).
 void KeepFreedMemory() {
-  constexpr int kTrimAbove = 8 << 20;
+  constexpr int kOwnBlockAbove = 8 << 20, kTrimAbove = 8 << 20;
+  mallopt(M_MMAP_THRESHOLD, kOwnBlockAbove);
   mallopt(M_TRIM_THRESHOLD, kTrimAbove);
 }
 
@@ -231,6 +246,8 @@ void RunServer(const ServeOptions& options) {
   const bool requires_token = RequiresToken(*opened.db, options.open);
   const Result<HttpSettings> settings = SettingsFrom(options, requires_token);
   if (!settings) Fail("skyquilt serve", settings.error());
+  const Result<void> may_watch = CheckWatched(options.watched, opened.dir.root(), requires_token);
+  if (!may_watch) Fail("skyquilt serve", may_watch.error());
   // A folder of one machine among many holds no flights: backups of the database stand for the records.
   std::optional<storage::FlightRecords> records;
   if (!place.IsOfManyFolders()) records.emplace(opened.dir);
@@ -278,7 +295,7 @@ void RunServer(const ServeOptions& options) {
   (*server)->Start();
   const std::string host =
       settings->address.find(':') == std::string::npos ? settings->address : "[" + settings->address + "]";
-  fmt::print("Skyquilt is serving at http://{}:{}/\n", host, (*server)->port());
+  fmt::print("Skyquilt is serving at http://{}:{}{}/\n", host, (*server)->port(), settings->base_path);
   std::fflush(stdout);
 
   const Housekeeper housekeeper(service);
@@ -296,7 +313,8 @@ void RunServer(const ServeOptions& options) {
   words.insert(words.end(), catalogue_words.begin(), catalogue_words.end());
   WorkerPool workers(opened.dir, options.workers, options.previews && options.workers > 0, queue, units,
                      std::move(words));
-  SuperviseWorkers(workers, opened.watch, signals);
+  WatchProcess watching(WatchWords(options.watched, opened.dir.root(), OwnUrl(*settings, (*server)->port())));
+  SuperviseWorkers(workers, watching, opened.watch, signals);
   fmt::print("Skyquilt is stopping.\n");
   std::fflush(stdout);
   const auto deadline = std::chrono::steady_clock::now() + kStopTime;
@@ -305,6 +323,7 @@ void RunServer(const ServeOptions& options) {
     if (!server.Drain(kDrainTime)) LogEvent("some connections did not finish in time and were cut");
     EndAllApart();
   });
+  watching.Stop(kWatchGrace);
   workers.Stop(kWorkerGrace);
   draining.join();
   if (!(*server)->End(deadline)) ExitNow();

@@ -82,6 +82,8 @@ void RefuseUnknownVariables() {
                                            "tile-cache-mb",
                                            "trash-days",
                                            "keep-days",
+                                           "watch",
+                                           "watch-token-file",
                                            "host",
                                            "cors-origin"};
   for (char** variable = environ; *variable != nullptr; ++variable) {
@@ -207,6 +209,17 @@ void AddServeOptions(CLI::App& command, ServeOptions& options) {
           "Permit an address that other machines can reach, without any token; lets everybody in again where "
           "the last token was revoked")
       ->envname(VariableOf("open"));
+  CLI::Option* watched =
+      command
+          .add_option(
+              "--watch", options.watched.folders,
+              "Folder that fills, or where cards are mounted: what is in it becomes flights, as by \"skyquilt "
+              "watch\"; may be given several times")
+          ->envname(VariableOf("watch"));
+  command
+      .add_option("--watch-token-file", options.watched.token_file,
+                  "File with the token for these flights, where the server asks for one")
+      ->envname(VariableOf("watch-token-file"));
   AddBounds(command, options);
   CLI::Option* hosts =
       command
@@ -234,7 +247,7 @@ void AddServeOptions(CLI::App& command, ServeOptions& options) {
     if (option->check_name("--trusted-proxy")) continue;
     option->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
   }
-  for (CLI::Option* option : {hosts, cors_origins})
+  for (CLI::Option* option : {hosts, cors_origins, watched})
     option->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)->allow_extra_args(false);
 }
 

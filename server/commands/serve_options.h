@@ -10,6 +10,7 @@
 #include "api/nodeodm/nodeodm.h"
 #include "server/http/http_server.h"
 #include "server/jobs/worker_context.h"
+#include "server/watch/watch_process.h"
 #include "storage/blobs/open_blobs.h"
 #include "storage/tilesets/made_tiles.h"
 
@@ -32,6 +33,7 @@ struct ServeOptions {
   std::string basemap_attribution;
   std::string webhooks = "off";
   std::string node_engine = api::kUsualNodeEngine;
+  WatchedFolders watched;
   std::vector<std::string> hosts;
   std::vector<std::string> cors_origins;
   std::string config;  // read before the options are (ExpandConfig)

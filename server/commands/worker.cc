@@ -142,7 +142,7 @@ void RunWorker(const WorkerOptions& options) {
     if (may_hold_a_job) {
       // A claim was made and its answer lost; nobody works on that job.
       may_hold_a_job = !queue.ReleaseWorker(name, storage::WorkerEnd::kInterrupted, storage::Now()) ||
-                       !units.ReleaseWorker(name);
+                       !units.ReleaseWorker(name, storage::Now());
     }
     const Result<bool> worked = WorkOnce(context, name);
     if (!worked) {

@@ -36,17 +36,17 @@ storage::TilesetMetadata MetadataOfImport(const pipeline::MosaicReport& report,
   return metadata;
 }
 
-Result<pipeline::MosaicReport> ImportMap(const fs::path& file, const fs::path& out_dir,
+Result<pipeline::MosaicReport> ImportMap(const flight::InputFile& file, const fs::path& out_dir,
                                          const ImportOptions& options, Progress& progress) {
   pipeline::MosaicReport report;
   report.title = options.title;
   report.height_rule = "none: an imported map";
-  report.warnings = {"This map was imported from " + file.filename().string() +
+  report.warnings = {"This map was imported from " + fs::path(file.name).filename().string() +
                      ". Where it lies and how accurate it is, that file says; no photo was looked at here."};
   const fs::path mbtiles = out_dir / "mosaic.mbtiles";
   progress.BeginStage("import");
-  SKYQUILT_TRY(IsSqlite(file) ? ImportTiles(file, mbtiles, report, progress)
-                              : ImportRaster(file, mbtiles, options, report, progress));
+  SKYQUILT_TRY(IsSqlite(file.path) ? ImportTiles(file, mbtiles, report, progress)
+                                   : ImportRaster(file, mbtiles, options, report, progress));
   progress.BeginStage("export");
   SKYQUILT_TRY(storage::WriteTilesThumbnail(mbtiles, out_dir / "thumbnail.png", kImportThumbnailPx));
   for (const auto& [name, text] :

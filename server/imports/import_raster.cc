@@ -139,15 +139,15 @@ class RasterTiles {
 
 }  // namespace
 
-Result<void> ImportRaster(const std::filesystem::path& file, const std::filesystem::path& mbtiles,
+Result<void> ImportRaster(const flight::InputFile& file, const std::filesystem::path& mbtiles,
                           const ImportOptions& options, pipeline::MosaicReport& report, Progress& progress) {
-  SKYQUILT_TRY_ASSIGN(const auto raster, storage::MapRaster::Open(file));
+  SKYQUILT_TRY_ASSIGN(const auto raster, storage::MapRaster::Open(file.path, file.name));
   SKYQUILT_TRY_ASSIGN(const auto writer, storage::MbtilesWriter::Create(mbtiles));
   RasterTiles tiles(*raster, *writer, options);
   SKYQUILT_TRY(tiles.TakeAll(progress));
   if (tiles.tiles() == 0)
     return Error{ErrorCode::kUnprocessable,
-                 file.string() + " is empty: all of its pixels are transparent or \"no data\".", ""};
+                 file.name + " is empty: all of its pixels are transparent or \"no data\".", ""};
   report.min_zoom = CoarsestZoom(*raster);
   report.max_zoom = raster->zoom();
   report.tile_size_px = raster->tile_size_px();

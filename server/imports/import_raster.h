@@ -8,13 +8,14 @@
 
 #include "core/base/progress.h"
 #include "core/base/result.h"
+#include "core/flight/lists/input_file.h"
 #include "core/pipeline/report/mosaic_report.h"
 #include "server/imports/import_map.h"
 
 namespace skyquilt::server {
 
 // Fills in what the report says of the map's ground and tiles.
-Result<void> ImportRaster(const std::filesystem::path& file, const std::filesystem::path& mbtiles,
+Result<void> ImportRaster(const flight::InputFile& file, const std::filesystem::path& mbtiles,
                           const ImportOptions& options, pipeline::MosaicReport& report, Progress& progress);
 
 }  // namespace skyquilt::server

@@ -11,6 +11,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "core/base/try.h"
 #include "core/geo/tile_id.h"
@@ -31,7 +32,7 @@ constexpr const char* kTakeAnother = " Take an MBTiles of pictures (PNG, JPEG or
 // The file as a person names it, in front of what is wrong with it.
 class Refusals {
  public:
-  explicit Refusals(const std::filesystem::path& file) : file_(file.string()) {}
+  explicit Refusals(std::string file) : file_(std::move(file)) {}
   Error Kind(const std::string& rest) const {
     return {ErrorCode::kUnsupportedFormat, file_ + " " + rest + kTakeAnother, ""};
   }
@@ -153,10 +154,10 @@ void NarrowBounds(const std::string& text, geo::LatLonBounds& bounds) {
 
 }  // namespace
 
-Result<void> ImportTiles(const std::filesystem::path& file, const std::filesystem::path& mbtiles,
+Result<void> ImportTiles(const flight::InputFile& file, const std::filesystem::path& mbtiles,
                          pipeline::MosaicReport& report, Progress& progress) {
-  const Refusals refusals(file);
-  auto db = storage::SqliteDb::Open(file, storage::OpenMode::kReadOnlyImmutable);
+  const Refusals refusals(file.name);
+  auto db = storage::SqliteDb::Open(file.path, storage::OpenMode::kReadOnlyImmutable);
   if (!db && db.error().code != ErrorCode::kCorrupt) return db.error();
   if (!db) return refusals.Damaged("is no MBTiles, or a damaged one.", db.error().detail);
   SKYQUILT_TRY_ASSIGN(const Metadata metadata, MetadataOf(*db, refusals));
@@ -169,7 +170,7 @@ Result<void> ImportTiles(const std::filesystem::path& file, const std::filesyste
     return Error{
         ErrorCode::kTooLarge,
         fmt::format("{} has {} tiles, more than the {} that are taken. Cut it, or leave out its finest zoom.",
-                    file.string(), *count, kMaxImportedTiles),
+                    file.name, *count, kMaxImportedTiles),
         ""};
   SKYQUILT_TRY_ASSIGN(const auto writer, storage::MbtilesWriter::Create(mbtiles));
   TileTaker taker(*writer, refusals);

@@ -8,12 +8,13 @@
 
 #include "core/base/progress.h"
 #include "core/base/result.h"
+#include "core/flight/lists/input_file.h"
 #include "core/pipeline/report/mosaic_report.h"
 
 namespace skyquilt::server {
 
 // Fills in what the report says of the map's ground and tiles.
-Result<void> ImportTiles(const std::filesystem::path& file, const std::filesystem::path& mbtiles,
+Result<void> ImportTiles(const flight::InputFile& file, const std::filesystem::path& mbtiles,
                          pipeline::MosaicReport& report, Progress& progress);
 
 }  // namespace skyquilt::server

@@ -23,6 +23,8 @@ StageShares UsualShares() {
           {"render", 0.34}, {"measure", 0.02}, {"export", 0.10}};
 }
 
+StageShares SharesOfImport() { return {{"import", 0.95}, {"export", 0.05}}; }
+
 StageShares SharesOf(const storage::Expectation& expectation) {
   StageShares shares;
   for (const auto& [stage, usual] : UsualShares()) {

@@ -22,6 +22,8 @@ namespace skyquilt::server {
 using StageShares = std::vector<std::pair<std::string, double>>;
 // Of a flight of some hundred photos, where none has been measured.
 StageShares UsualShares();
+// Of taking over a map of others.
+StageShares SharesOfImport();
 // As measured here.
 StageShares SharesOf(const storage::Expectation& expectation);
 

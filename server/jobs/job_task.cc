@@ -8,12 +8,19 @@
 
 namespace skyquilt::server {
 
+bool IsImport(const std::string& options) {
+  const Result<pipeline::MosaicOptions> parsed = api::ParseJobOptions(options);
+  return parsed && !parsed->import_file.empty();
+}
+
 Result<LimitedTask> TaskOf(const WorkerContext& context, const std::string& flight_id,
                            const std::string& options, const ShareOfFiles& share, Progress& progress) {
   SKYQUILT_TRY_ASSIGN(const storage::Flight flight, context.catalogue.GetFlight(flight_id));
   SKYQUILT_TRY_ASSIGN(std::vector<storage::StoredFile> files, context.catalogue.ListFiles(flight_id));
   SKYQUILT_TRY_ASSIGN(const pipeline::MosaicOptions parsed, api::ParseJobOptions(options));
   LimitedTask made;
+  if (!parsed.import_file.empty())
+    std::erase_if(files, [&](const storage::StoredFile& file) { return file.name != parsed.import_file; });
   std::int64_t bytes = 0;
   for (const storage::StoredFile& file : files) bytes += file.bytes;
   made.limits = LimitsOfJob(static_cast<std::int64_t>(files.size()), bytes, parsed, context.limits);

@@ -1,4 +1,6 @@
-// TaskOf: what a worker asks the confined process that works on a job for: the flight's files, where they are
+// IsImport: is a job to take over a map of others (its option "import_file")?
+// TaskOf: what a worker asks the confined process that works on a job for: the flight's files, or the one
+// that is to be imported, where they are
 // on this machine (fetched, where photos lie elsewhere), the options, and the limits. Blocking. Errors: those
 // of the catalogue and of blobs; kInvalidArgument (the options); kCancelled.
 #pragma once
@@ -28,6 +30,8 @@ struct ShareOfFiles {
   int count = 1;
   std::optional<std::set<std::string>> names = std::nullopt;
 };
+
+bool IsImport(const std::string& options);
 
 Result<LimitedTask> TaskOf(const WorkerContext& context, const std::string& flight_id,
                            const std::string& options, const ShareOfFiles& share, Progress& progress);

@@ -122,8 +122,10 @@ StitchedApart Stitch(WorkerContext& context, const storage::Lease& lease, const 
   if (!swept) return {swept.error()};
   Result<LimitedTask> made = TaskOf(context, lease.flight_id, lease.options, {}, progress);
   if (!made) return {made.error()};
-  const Result<void> fetched = FetchShown(context, lease.flight_id, *made, progress);
-  if (!fetched) return {fetched.error()};
+  if (!IsImport(lease.options)) {
+    const Result<void> fetched = FetchShown(context, lease.flight_id, *made, progress);
+    if (!fetched) return {fetched.error()};
+  }
   made->task.out_dir = out_dir;
   made->task.with_pmtiles = !context.blobs.IsFolder();
   if (cut.step == CutStep::kPutTogether) {
@@ -211,6 +213,7 @@ Result<bool> Publish(WorkerContext& context, const storage::Lease& lease, const 
 // What the jobs before took says how long this one will; nothing before the first one. Costs are a comfort: a
 // job goes on without them.
 std::optional<storage::Expectation> Expect(WorkerContext& context, const storage::Lease& lease) {
+  if (IsImport(lease.options)) return std::nullopt;  // what was measured is of photos
   constexpr int kJobsToGoBy = 30;
   const Result<std::vector<storage::JobCost>> costs = context.costs.Latest(kJobsToGoBy);
   const Result<storage::Flight> flight = context.catalogue.GetFlight(lease.flight_id);
@@ -225,6 +228,7 @@ std::optional<storage::Expectation> Expect(WorkerContext& context, const storage
 }
 
 void KeepCost(WorkerContext& context, const storage::Lease& lease, const StitchOutcome& outcome) {
+  if (IsImport(lease.options)) return;
   const storage::JobCost cost{lease.job_id, outcome.figures.photos_total, outcome.stages_s};
   const Result<void> kept = context.costs.Add(cost);
   if (!kept) LogFailure(lease.job_id, "cost", kept.error().detail);
@@ -242,8 +246,9 @@ void RunJob(WorkerContext& context, const storage::Lease& lease) {
     ScopedFolder work(context.dir.Work() / storage::WorkName(lease));
     const CutJob cut = CutOf(context, lease);
     const std::optional<storage::Expectation> expectation = Expect(context, lease);
+    const StageShares usual = IsImport(lease.options) ? SharesOfImport() : UsualShares();
     JobProgress progress(context.queue, lease, context.is_stopping,
-                         expectation ? SharesOf(*expectation) : UsualShares(), ProgressOf(cut.step));
+                         expectation ? SharesOf(*expectation) : usual, ProgressOf(cut.step));
     try {
       if (cut.step == CutStep::kLook || cut.step == CutStep::kPlace) {
         const Result<bool> waits = cut.step == CutStep::kLook ? CutIntoLooks(context, lease, cut)

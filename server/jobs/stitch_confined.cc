@@ -1,5 +1,6 @@
 // The confined side of StitchApart.
 #include <fcntl.h>
+#include <signal.h>
 #include <sys/file.h>
 #include <unistd.h>
 
@@ -14,6 +15,7 @@
 #include "server/confinement/confined_child.h"
 #include "server/confinement/process_limits.h"
 #include "server/confinement/sandbox.h"
+#include "server/imports/import_for_job.h"
 #include "server/jobs/pipe_progress.h"
 #include "server/jobs/stitch_apart.h"
 #include "server/jobs/stitch_job.h"
@@ -55,9 +57,7 @@ StitchOutcome OutcomeOf(const pipeline::MosaicReport& report) {
   return outcome;
 }
 
-Result<StitchOutcome> Stitch(const StitchTask& task, Progress& progress) {
-  SKYQUILT_TRY_ASSIGN(pipeline::MosaicOptions options, api::ParseJobOptions(task.options));
-  options.title = task.title;
+Result<StitchOutcome> Stitch(const StitchTask& task, pipeline::MosaicOptions options, Progress& progress) {
   const UnitFiles units(task.units_dir);
   if (task.unit) {
     SKYQUILT_TRY_ASSIGN(UnitDone done,
@@ -80,11 +80,17 @@ Result<StitchOutcome> Stitch(const StitchTask& task, Progress& progress) {
 
 Result<StitchOutcome> RunStitchTask(const std::string& text, MessageWriter& writer) {
   SKYQUILT_TRY_ASSIGN(const StitchTask task, ParseTask(text));
+  SKYQUILT_TRY_ASSIGN(pipeline::MosaicOptions options, api::ParseJobOptions(task.options));
+  options.title = task.title;
+  const bool is_import = !options.import_file.empty();
   if (!TakeFolder(task.out_dir))
     return Error{ErrorCode::kIo, "The server could not use the folder of the job.", task.out_dir.string()};
   KeepTemporaryFilesIn(task.out_dir);
+  const std::int64_t file_bytes = is_import ? RoomForImport(task.out_dir) : kFileBytes;
+  // A file that grows beyond its limit is an error of writing, which the import tells of.
+  if (is_import) signal(SIGXFSZ, SIG_IGN);
   LimitThisProcess(
-      {.more_memory_bytes = task.memory_bytes, .more_cpu_s = task.cpu_s, .file_bytes = kFileBytes});
+      {.more_memory_bytes = task.memory_bytes, .more_cpu_s = task.cpu_s, .file_bytes = file_bytes});
   FileAccess access{.reads = {task.files_dir}, .writes = {task.out_dir}};
   for (const std::filesystem::path& more : {task.previous_dir, task.units_dir}) {
     if (!more.empty()) access.reads.push_back(more);
@@ -92,7 +98,13 @@ Result<StitchOutcome> RunStitchTask(const std::string& text, MessageWriter& writ
   SKYQUILT_TRY(Confine(std::move(access)));
   PipeProgress progress(writer);
   try {
-    return Stitch(task, progress);
+    if (is_import) {
+      const ImportJob import{task.out_dir, task.with_pmtiles};
+      SKYQUILT_TRY_ASSIGN(const pipeline::MosaicReport report,
+                          ImportForJob(task.files, options, import, progress));
+      return OutcomeOf(report);
+    }
+    return Stitch(task, std::move(options), progress);
   } catch (const std::exception& thrown) {
     return Error{ErrorCode::kInternal, "The worker ran out of memory or another means. It tries again.",
                  thrown.what()};

@@ -142,6 +142,7 @@ Result<void> HandIn(const WorkerContext& context, const std::string& flight_id, 
 }
 
 CutJob CutOf(const WorkerContext& context, const storage::Lease& lease) {
+  if (IsImport(lease.options)) return {};
   const Result<CutJob> cut = Find(context, lease);
   if (cut) return *cut;
   LogFailure(lease.job_id, "cut", cut.error().message + " " + cut.error().detail);

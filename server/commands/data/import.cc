@@ -3,15 +3,19 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <system_error>
 #include <vector>
 
 #include "core/base/scoped_folder.h"
+#include "server/client/upload_flight.h"
 #include "server/commands/fail.h"
 #include "server/commands/terminal_progress.h"
+#include "server/commands/uploads/server_address.h"
 #include "server/imports/enter_map.h"
 #include "server/imports/import_map.h"
 #include "storage/folder/elsewhere/settle_blobs.h"
@@ -28,7 +32,10 @@ constexpr const char* kImportCommand = "skyquilt import";
 
 struct ImportArguments {
   fs::path file;
-  fs::path data_dir;
+  fs::path data_dir;  // or, of a server:
+  UploadOptions upload;
+  int patience_s = 600;
+  bool no_wait = false;
   ImportOptions options;
   std::vector<std::string> tags;
 };
@@ -62,19 +69,16 @@ storage::OpenedDataFolder OpenForImport(const fs::path& data_dir) {
   return *std::move(opened);
 }
 
-void Run(ImportArguments& arguments) {
-  ImportOptions& options = arguments.options;
-  if (options.title.empty()) options.title = arguments.file.stem().string();
-  auto tags = storage::CheckedTags(arguments.tags);
-  if (!tags) Fail(kImportCommand, {ErrorCode::kInvalidArgument, "--tag: " + tags.error().message, ""});
+void ImportIntoFolder(ImportArguments& arguments) {
+  const ImportOptions& options = arguments.options;
   const storage::OpenedDataFolder opened = OpenForImport(arguments.data_dir);
   const ImportFolder folder(opened.dir);
   const Result<pipeline::MosaicReport> report = [&] {
     TerminalProgress progress;
-    return ImportMap(arguments.file, folder.path(), options, progress);
+    return ImportMap({arguments.file.string(), arguments.file}, folder.path(), options, progress);
   }();
   if (!report) Fail(kImportCommand, report.error());
-  const Result<std::string> flight_id = EnterMap(opened, folder.path(), options.title, *tags);
+  const Result<std::string> flight_id = EnterMap(opened, folder.path(), options.title, arguments.tags);
   if (!flight_id) Fail(kImportCommand, flight_id.error());
   fmt::print("{:.2f} ha at {:.3g} cm a pixel, {} tiles of zoom {} to {}\nflight {}\n", report->area_m2 / 1e4,
              report->gsd_m * 100.0, report->tile_count, report->min_zoom, report->max_zoom, *flight_id);
@@ -82,12 +86,55 @@ void Run(ImportArguments& arguments) {
              *flight_id);
 }
 
+// The server has the file looked at by a process that reaches nothing else, as it has photos.
+void ImportByServer(ImportArguments& arguments) {
+  UploadOptions& upload = arguments.upload;
+  CheckServerAddress(kImportCommand, upload.server.url);
+  const std::string name = arguments.file.filename().string();
+  upload.server.patience = std::chrono::seconds(arguments.patience_s);
+  upload.name = arguments.options.title;
+  upload.tags = arguments.tags;
+  upload.waits = !arguments.no_wait;
+  upload.job_options = nlohmann::json({{"import_file", name}, {"quality", arguments.options.quality}})
+                           .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  std::string flight_id;
+  const Result<UploadedFlight> uploaded = [&] {
+    TerminalProgress progress;
+    return UploadFlight(
+        {{name, arguments.file}}, upload, [&](const std::string& id) { flight_id = id; }, progress);
+  }();
+  if (!uploaded) {
+    if (!flight_id.empty())
+      fmt::print(stderr, "To go on where this ended: the same command with --flight {}\n", flight_id);
+    Fail(kImportCommand, uploaded.error());
+  }
+  fmt::print("flight {}\nTo see it: {}/#/flights/{}\n", uploaded->flight_id, upload.server.url,
+             uploaded->flight_id);
+}
+
+void Run(ImportArguments& arguments) {
+  if (arguments.data_dir.empty() && arguments.upload.server.url.empty())
+    Fail(kImportCommand, {ErrorCode::kInvalidArgument,
+                          "Say where the map goes: --server with the address of a running server, or --data "
+                          "with the data folder of one that does not run.",
+                          ""});
+  if (arguments.options.title.empty()) arguments.options.title = arguments.file.stem().string();
+  auto tags = storage::CheckedTags(arguments.tags);
+  if (!tags) Fail(kImportCommand, {ErrorCode::kInvalidArgument, "--tag: " + tags.error().message, ""});
+  arguments.tags = *std::move(tags);
+  if (arguments.data_dir.empty()) {
+    ImportByServer(arguments);
+  } else {
+    ImportIntoFolder(arguments);
+  }
+}
+
 }  // namespace
 
 void AddImportCommand(CLI::App& app) {
   const auto arguments = std::make_shared<ImportArguments>();
   CLI::App* command =
-      app.add_subcommand("import", "Take a finished map of others into a data folder, to be served");
+      app.add_subcommand("import", "Take a finished map of others onto a server, or into its data folder");
   command
       ->add_option(
           "FILE", arguments->file,
@@ -95,10 +142,15 @@ void AddImportCommand(CLI::App& app) {
           "stays as it is")
       ->required()
       ->check(CLI::ExistingFile);
+  CLI::Option* server = command->add_option("--server", arguments->upload.server.url,
+                                            "Address of a running server, to which the file is sent");
+  CLI::Option* data = command->add_option(
+      "--data", arguments->data_dir,
+      "Instead: data folder of \"serve\", which must not be running; made where it is missing");
+  data->excludes(server);
   command
-      ->add_option("--data", arguments->data_dir,
-                   "Data folder of \"serve\", which must not be running; made where it is missing")
-      ->required();
+      ->add_option("--token", arguments->upload.server.token, "With --server: token, where it asks for one")
+      ->envname("SKYQUILT_TOKEN");
   command->add_option("--name", arguments->options.title, "Name of the flight (default: that of the file)");
   command
       ->add_option("--tag", arguments->tags,
@@ -109,11 +161,26 @@ void AddImportCommand(CLI::App& app) {
                    "JPEG quality of tiles that are made from a GeoTIFF")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
-  command->add_option("--threads", arguments->options.threads, "Threads; 0 takes all cores")
+  command->add_option("--threads", arguments->options.threads, "With --data: threads; 0 takes all cores")
       ->capture_default_str();
+  command
+      ->add_option("--flight", arguments->upload.flight_id,
+                   "With --server: id of a flight that is there, whose map it becomes")
+      ->needs(server);
+  command
+      ->add_option("--patience", arguments->patience_s,
+                   "With --server: seconds that one which does not answer is asked again")
+      ->check(CLI::Range(0, 86'400))
+      ->capture_default_str();
+  command
+      ->add_flag("--no-wait", arguments->no_wait,
+                 "With --server: end when the file is sent and the import is queued")
+      ->needs(server);
   command->footer(
       "\nThe map becomes a flight without photos: it is served, shared and exported like any other.\n"
-      "Example:\n"
+      "On a server the file stays among the flight's files until it is deleted there.\n"
+      "Examples:\n"
+      "  skyquilt import orthophoto.tif --server http://maps.example:8080\n"
       "  skyquilt import orthophoto.tif --data data --name \"Field 7, 2019\"");
   command->callback([arguments] { Run(*arguments); });
 }

@@ -1,4 +1,4 @@
-// `skyquilt import`: a map of others as a flight of a data folder.
+// `skyquilt import`: a map of others as a flight of a running server, or of a data folder.
 #pragma once
 
 namespace CLI {

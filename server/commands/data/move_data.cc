@@ -43,6 +43,11 @@ void Move(const MoveOptions& options) {
   fmt::print(
       "{} files were copied and {} were there already, {:.1f} MB in all; each was read back and is the same\n",
       moved->copied, moved->there_already, static_cast<double>(moved->bytes) / 1e6);
+  if (moved->pack.packed > 0)
+    fmt::print("{} maps were packed beside, so that their tiles are read there without fetching the map\n",
+               moved->pack.packed);
+  for (const std::string& map : moved->pack.left_whole)
+    fmt::print("Not packed, its tiles need the whole map fetched: {}\n", map);
   if (moved->removed > 0) fmt::print("{} originals were removed\n", moved->removed);
   if (moved->removed == 0 && moved->bytes > 0)
     fmt::print("The originals are still there; the same command with --remove-source removes them.\n");

@@ -13,6 +13,7 @@
 #include "server/client/upload_flight.h"
 #include "server/commands/fail.h"
 #include "server/commands/terminal_progress.h"
+#include "server/commands/uploads/server_address.h"
 #include "storage/tags/flight_tags.h"
 
 namespace skyquilt::server {
@@ -40,12 +41,7 @@ void Run(UploadArguments& arguments) {
   if (options.name.empty()) options.name = NameOf(arguments.inputs.front());
   options.server.patience = std::chrono::seconds(arguments.patience_s);
   options.makes_map = !arguments.no_map;
-  while (options.server.url.ends_with('/')) options.server.url.pop_back();
-  if (!options.server.url.starts_with("http://") && !options.server.url.starts_with("https://")) {
-    Fail(kCommandName,
-         {ErrorCode::kInvalidArgument,
-          options.server.url + " is no address of a server; one looks like http://127.0.0.1:8080.", ""});
-  }
+  CheckServerAddress(kCommandName, options.server.url);
   const auto tags = storage::CheckedTags(options.tags);
   if (!tags) Fail(kCommandName, {ErrorCode::kInvalidArgument, "--tag: " + tags.error().message, ""});
   options.waits = !arguments.no_wait;

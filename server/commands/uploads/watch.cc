@@ -1,18 +1,22 @@
 #include "server/commands/uploads/watch.h"
 
 #include <fmt/format.h>
+#include <signal.h>
 
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <string>
 #include <system_error>
 
 #include "core/base/digest.h"
 #include "server/commands/fail.h"
+#include "server/commands/uploads/server_address.h"
+#include "server/confinement/process_limits.h"
 #include "server/watch/watch_folders.h"
 
 namespace skyquilt::server {
@@ -24,7 +28,8 @@ constexpr const char* kWatchCommand = "skyquilt watch";
 
 struct WatchArguments {
   WatchOptions options;
-  std::string state_dir;
+  std::string state_dir, ledger, token_file;
+  int parent = 0;
   double settle_s = 20.0, gap_min = 30.0;
   int patience_s = 600;
   bool no_map = false;
@@ -45,14 +50,27 @@ std::string FileNameOf(const std::string& url) {
   return "sent-" + HexOf(hasher.Add(std::string_view(url)).Finish()).substr(0, 16) + ".jsonl";
 }
 
+fs::path LedgerOf(const WatchArguments& arguments) {
+  if (!arguments.ledger.empty()) return arguments.ledger;
+  return (arguments.state_dir.empty() ? StateFolder() : fs::path(arguments.state_dir)) /
+         FileNameOf(arguments.options.send.server.url);
+}
+
+// The first line of the file.
+std::string TokenIn(const std::string& path) {
+  std::string token;
+  if (std::ifstream file(path); !std::getline(file, token))
+    Fail(kWatchCommand, {ErrorCode::kIo, "--token-file " + path + ": no token can be read from it.", ""});
+  while (!token.empty() && (token.back() == '\r' || token.back() == ' ')) token.pop_back();
+  return token;
+}
+
 void Run(WatchArguments& arguments) {
+  if (arguments.parent != 0 && !FollowParent(arguments.parent, SIGTERM)) return;
   WatchOptions& options = arguments.options;
+  if (!arguments.token_file.empty()) options.send.server.token = TokenIn(arguments.token_file);
   ClientSettings& server = options.send.server;
-  while (server.url.ends_with('/')) server.url.pop_back();
-  if (!server.url.starts_with("http://") && !server.url.starts_with("https://"))
-    Fail(kWatchCommand,
-         {ErrorCode::kInvalidArgument,
-          server.url + " is no address of a server; one looks like http://127.0.0.1:8080.", ""});
+  CheckServerAddress(kWatchCommand, server.url);
   // A break of this length within one file is waited out there; a longer one by the watch itself.
   server.patience = std::chrono::seconds(30);
   options.patience = std::chrono::seconds(arguments.patience_s);
@@ -68,8 +86,7 @@ void Run(WatchArguments& arguments) {
            {ErrorCode::kInvalidArgument,
             folder.string() + " is a file. Name a folder; \"skyquilt upload\" sends files.", ""});
   }
-  options.ledger =
-      (arguments.state_dir.empty() ? StateFolder() : fs::path(arguments.state_dir)) / FileNameOf(server.url);
+  options.ledger = LedgerOf(arguments);
   const Result<WatchEnd> ended = [&] {
     WatchTalk talk;
     return WatchFolders(options, talk);
@@ -92,6 +109,7 @@ void AddWatchCommand(CLI::App& app) {
   command->add_option("--server", options.send.server.url, "Address of the server")->capture_default_str();
   command->add_option("--token", options.send.server.token, "Token, where the server asks for one")
       ->envname("SKYQUILT_TOKEN");
+  command->add_option("--token-file", arguments->token_file, "File with the token, instead of --token");
   command->add_flag("--once", options.once, "Send what is there and end, for cron or udev");
   command
       ->add_option("--settle", arguments->settle_s,
@@ -117,6 +135,9 @@ void AddWatchCommand(CLI::App& app) {
   command->add_option("--state", arguments->state_dir,
                       "Folder that remembers what was sent (default: skyquilt in $XDG_STATE_HOME, or "
                       "in ~/.local/state)");
+  // For the watch of a server, which starts it.
+  command->add_option("--ledger", arguments->ledger)->group("");
+  command->add_option("--parent", arguments->parent)->group("");
   command->footer(
       "\nA flight is what one camera took in one folder without a pause of --gap minutes; folders that a camera\n"
       "numbers as they fill (100MEDIA, 101MEDIA) count as one. Logs, lists and elevation models beside the photos\n"

@@ -2,6 +2,7 @@
 disk that comes and goes and photos that are still being written. Nothing on the card changes."""
 import os
 import pathlib
+import re
 import shutil
 import signal
 import struct
@@ -20,6 +21,12 @@ def at_hour(photo, hour):
     clock, gps = b"2024:06:01 10:", struct.pack("<IIII", 10, 1, 0, 1)
     assert clock in photo and photo.count(gps) == 1
     return photo.replace(clock, b"2024:06:01 %02d:" % hour).replace(gps, struct.pack("<IIII", hour, 1, 0, 1))
+
+
+def catches(pid, number):
+    """Whether a process has a handler for a signal."""
+    caught = re.search(r"^SigCgt:\s*([0-9a-f]+)$", pathlib.Path(f"/proc/{pid}/status").read_text(), re.MULTILINE)
+    return bool(int(caught[1], 16) >> (number - 1) & 1)
 
 
 class Watch(ServerTestCase):
@@ -66,6 +73,8 @@ class Watch(ServerTestCase):
             self.assertTrue(line, f"it ended and never said {words!r}")
 
     def end(self, watch):
+        # One that has only just begun is ended by the signal itself.
+        wait_until(lambda: watch.poll() is not None or catches(watch.pid, signal.SIGTERM), "it never got ready to be stopped")
         watch.send_signal(signal.SIGTERM)
         said = watch.communicate(timeout=30)[0]
         self.assertEqual(watch.returncode, 0, said)

@@ -8,6 +8,7 @@ import sys
 import tempfile
 import unittest
 import urllib.parse
+from xml.etree import ElementTree
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from server_support import BINARY, Server  # noqa: E402
@@ -214,6 +215,51 @@ class Indices(unittest.TestCase):
         solid = tile[tile[..., 3] == 255][:, :3]
         found = {tuple(colour) for colour in colours[:, :3]}
         self.assertGreater(np.mean([tuple(colour) in found for colour in solid[::97]]), 0.95)
+
+    def test_legends_show_the_ramp_and_its_values(self):
+        flight = self.flights[1]
+        legend = f"/api/v1/flights/{flight}/legend.png?index=ndvi"
+        status, headers, body = self.server.request("GET", legend)
+        self.assertEqual((status, headers["Content-Type"]), (200, "image/png"), body)
+        shown = pixels(body)
+        self.assertEqual(shown.shape, (64, 320, 4))
+        self.assertTrue((shown[..., 3] == 255).all())  # on a card of its own, for light and dark
+        np.testing.assert_allclose(shown[32, 16:304, :3], rdylgn()[np.rint(np.linspace(0, 255, 288)).astype(int)], atol=3)
+        self.assertLess(shown[4:18, 16:120, :3].min(), 60)   # title
+        for left in (4, 78, 148, 222, 290):                  # values
+            self.assertLess(shown[42:58, left:left + 26, :3].min(), 90, left)
+        _, _, other = self.server.request("GET", legend + "&rescale=-1,3")
+        np.testing.assert_array_equal(pixels(other)[:41], shown[:41])
+        self.assertFalse((pixels(other)[41:] == shown[41:]).all())
+        for text in ("red+" * 60 + "red", "(red" + "+(red" * 20 + ")" * 21):
+            status, _, body = self.server.request("GET", f"/api/v1/flights/{flight}/legend.png?" + urllib.parse.urlencode({"expression": text}))
+            self.assertEqual(status, 200, body)
+            self.assertTrue((pixels(body)[4:18, 306:316, :3] == 255).all())  # the title ends before the margin
+
+    def test_wms_has_legends(self):
+        flight = self.flights[1]
+        for version, tag in (("1.3.0", "sld:GetLegendGraphic"), ("1.1.1", "GetLegendGraphic")):
+            status, _, told = self.server.request("GET", f"/wms/{flight}?SERVICE=WMS&REQUEST=GetCapabilities&VERSION={version}")
+            document = ElementTree.fromstring(told)
+            self.assertIn(f"<{tag}>".encode(), told)
+            address = next(element.get("{http://www.w3.org/1999/xlink}href") for element in document.iter()
+                           if element.tag.endswith("OnlineResource") and "legend" in (element.get("{http://www.w3.org/1999/xlink}href") or ""))
+            status, headers, by_address = self.server.request("GET", address.split(f":{self.server.port}", 1)[1])
+            self.assertEqual((status, headers["Content-Type"]), (200, "image/png"))
+            ask = f"/wms/{flight}?SERVICE=WMS&REQUEST=GetLegendGraphic&VERSION={version}&SLD_VERSION=1.1.0&LAYER=map&FORMAT="
+            style = urllib.parse.parse_qs(urllib.parse.urlparse(address).query)["index"][0]
+            status, headers, by_wms = self.server.request("GET", f"{ask}image/png&STYLE={style}&WIDTH=20&HEIGHT=20")
+            self.assertEqual((status, by_wms), (200, by_address))
+            status, headers, _ = self.server.request("GET", f"{ask}image/svg%2Bxml&STYLE={style}")
+            self.assertEqual((status, headers["Content-Type"]), (200, "image/svg+xml"))
+            for wrong, code in ((f"{ask}image/png&STYLE=nothing", b"StyleNotDefined"), (f"{ask}image/png", b"StyleNotDefined"),
+                                (f"{ask}image/gif&STYLE=ndvi", b"InvalidFormat"),
+                                (f"{ask}image/png&STYLE=ndvi".replace("LAYER=map", "LAYER="), b"LayerNotDefined"),
+                                (f"{ask}image/png&STYLE=ndvi".replace("LAYER=map", "LAYER=%3Cother%3E"), b"LayerNotDefined")):
+                status, _, said = self.server.request("GET", wrong)
+                self.assertEqual(status, 400, wrong)
+                self.assertIn(code, said)
+                ElementTree.fromstring(said)
 
     def test_hostile_expressions_are_refused(self):
         for text in ("(" * 300, "-" * 511 + "red", "red" + "**red" * 120, "red+" * 127 + "red", "a" * 513, "__import__('os')",

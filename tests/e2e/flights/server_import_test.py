@@ -1,0 +1,159 @@
+"""A map of others sent to a running server becomes a flight's map; what cannot be one, costs too much or comes from somebody
+who may not is refused in words, and the server goes on."""
+import json
+import pathlib
+import shutil
+import sqlite3
+import subprocess
+import sys
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from server_support import BINARY, ServerTestCase, tile_of  # noqa: E402
+
+HAS_GDAL = all(shutil.which(tool) for tool in ("gdal_translate", "gdalwarp"))
+
+
+def run(*words):
+    return subprocess.run([str(word) for word in words], check=True, capture_output=True, text=True).stdout
+
+
+@unittest.skipUnless(HAS_GDAL, "gdal-bin is not installed: it makes the maps of others for this test")
+class ServerImport(ServerTestCase):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.folder = pathlib.Path(cls.scratch)
+        run(BINARY, "stitch", cls.folder / "sim/photos", "-o", cls.folder / "map", "--formats", "geotiff")
+        cls.mbtiles = cls.folder / "map/mosaic.mbtiles"
+        cls.utm = cls.folder / "north field.tif"
+        run("gdalwarp", "-q", "-t_srs", "EPSG:32632", "-dstalpha", "-r", "cubic", cls.folder / "map/mosaic.tif", cls.utm)
+        cls.bounds = json.loads((cls.folder / "map/report.json").read_text())["bounds"]
+
+    def import_(self, server, file, *words, env=None):
+        return subprocess.run([BINARY, "import", file, "--server", f"http://127.0.0.1:{server.port}/", *map(str, words)],
+                              capture_output=True, text=True, env=env, timeout=240)
+
+    def imported(self, server, file, *words):
+        done = self.import_(server, file, *words)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        return next(line.split()[1] for line in done.stdout.splitlines() if line.startswith("flight "))
+
+    def token(self, name, *words):
+        made = subprocess.run([BINARY, "token", "add", name, "--data", self.data, *words], check=True, capture_output=True, text=True)
+        return next(word for word in made.stdout.split() if word.startswith("sq_"))
+
+    def middle_of(self, server, flight):
+        about = server.json("GET", f"/api/v1/flights/{flight}")[1]
+        west, south, east, north = about["bounds"]
+        zoom = server.json("GET", f"/tiles/{flight}.json")[1]["maxzoom"]
+        x, y = tile_of((west + east) / 2, (south + north) / 2, zoom)
+        return server.request("GET", f"/tiles/{flight}/{zoom}/{x}/{y}")
+
+    def test_a_geotiff_and_an_mbtiles_become_maps(self):
+        server = self.serve("--workers", "1")
+        flight = self.imported(server, self.utm, "--name", "North field, 2019", "--tag", "archive", "--quality", "70")
+        about = server.json("GET", f"/api/v1/flights/{flight}")[1]
+        self.assertEqual((about["name"], about["state"], about["tags"], about["photos"]["total"]), ("North field, 2019", "ready", ["archive"], 0))
+        self.assertEqual(about["options"], {"import_file": "north field.tif", "quality": 70})
+        for got, wanted in zip(about["bounds"], self.bounds):
+            self.assertAlmostEqual(got, wanted, delta=5e-5)
+        status, headers, _ = self.middle_of(server, flight)
+        self.assertEqual((status, headers["Content-Type"]), (200, "image/jpeg"))
+        for address in (f"/api/v1/flights/{flight}/download.tif", f"/api/v1/flights/{flight}/download.zip", f"/api/v1/flights/{flight}/thumbnail.png",
+                        f"/stac/{flight}", f"/wmts/{flight}", f"/connect/{flight}/qgis.qlr"):
+            self.assertEqual(server.request("GET", address)[0], 200, address)
+        said = " ".join(server.json("GET", f"/api/v1/flights/{flight}/report")[1]["warnings"])
+        self.assertIn("imported from north field.tif", said)
+        self.assertNotIn(str(self.data), said)
+        # Another file takes its place, as another revision; its tiles are its own bytes.
+        self.assertEqual(self.imported(server, self.mbtiles, "--flight", flight), flight)
+        self.assertEqual(server.json("GET", f"/api/v1/flights/{flight}")[1]["revision"], 2)
+        zoom = server.json("GET", f"/tiles/{flight}.json")[1]["maxzoom"]
+        x, y = tile_of(sum(self.bounds[::2]) / 2, sum(self.bounds[1::2]) / 2, zoom)
+        row = sqlite3.connect(self.mbtiles).execute("SELECT tile_data FROM tiles WHERE zoom_level=? AND tile_column=? AND tile_row=?",
+                                                    (zoom, x, 2 ** zoom - 1 - y)).fetchone()[0]
+        self.assertEqual(server.request("GET", f"/tiles/{flight}/{zoom}/{x}/{y}")[2], row)
+        # The files stay until somebody deletes them; the map needs none of them.
+        files = server.json("GET", f"/api/v1/flights/{flight}/files")[1]["files"]
+        self.assertEqual(sorted(file["name"] for file in files), ["mosaic.mbtiles", "north field.tif"])
+        for file in ("mosaic.mbtiles", "north%20field.tif"):
+            self.assertEqual(server.request("DELETE", f"/api/v1/flights/{flight}/files/{file}")[0], 204)
+        self.assertEqual(self.middle_of(server, flight)[0], 200)
+        self.assertEqual(server.garbage(), [])
+
+    def test_one_form_is_enough(self):
+        server = self.serve("--workers", "1")
+        status, made = server.upload([("old.mbtiles", self.mbtiles.read_bytes())], name="By a form", options='{"import_file": "old.mbtiles"}')
+        self.assertEqual(status, 202, made)
+        job = server.wait_for_job(made["job"]["id"])
+        self.assertEqual((job["state"], job["options"]), ("successful", {"import_file": "old.mbtiles"}), job)
+        self.assertEqual(self.middle_of(server, made["flight"]["id"])[0], 200)
+
+    def test_what_is_asked_wrongly_is_refused_at_once(self):
+        server = self.serve("--workers", "0")
+        for options, words in (({"import_file": 7}, "name of one"), ({"import_file": "a/b.tif"}, "name of one"), ({"import_file": ""}, "name of one"),
+                               ({"import_file": "a.tif", "gsd_m": 0.1}, "gsd_m"), ({"import_file": "a.tif", "place": "control"}, "place")):
+            status, problem = server.json("POST", "/api/v1/flights", {"name": "f", "options": options})
+            self.assertEqual((status, words in problem["detail"]), (422, True), (options, problem))
+        flight = server.json("POST", "/api/v1/flights", {"name": "f", "options": {"import_file": "there.tif"}})[1]["id"]
+        self.assertEqual(server.request("PUT", f"/api/v1/flights/{flight}/files/other.tif", b"II*\0")[0], 201)
+        status, problem = server.json("POST", f"/api/v1/flights/{flight}/jobs", {})
+        self.assertEqual((status, "there.tif" in problem["detail"]), (409, True), problem)
+        neither = subprocess.run([BINARY, "import", self.utm], capture_output=True, text=True)
+        self.assertEqual(neither.returncode, 1)
+        self.assertIn("--server", neither.stderr)
+        both = subprocess.run([BINARY, "import", self.utm, "--data", self.data, "--server", "http://127.0.0.1:1"], capture_output=True, text=True)
+        self.assertNotEqual(both.returncode, 0)
+        self.assertIn("excludes", both.stderr)
+
+    def test_what_cannot_be_a_map_fails_its_job_and_nothing_else(self):
+        server = self.serve("--workers", "1", "--job-timeout", "20")
+        good = self.imported(server, self.mbtiles)
+        whole = self.utm.read_bytes()
+        bad = {"cut.tif": (whole[:len(whole) // 3], "damaged"), "noise.tif": (b"II*\0" + bytes(range(256)) * 4, "damaged")}
+        # A picture that names other files of the machine is no GeoTIFF, whatever it calls itself.
+        catalogue = pathlib.Path(self.data, "catalogue.db")
+        bad["links.tif"] = (f'<VRTDataset rasterXSize="8" rasterYSize="8"><VRTRasterBand dataType="Byte" band="1"><SourceFilename>{catalogue}'
+                            f'</SourceFilename></VRTRasterBand></VRTDataset>'.encode(), "GeoTIFF")
+        endless = self.folder / "endless.mbtiles"
+        shutil.copy(self.mbtiles, endless)
+        with sqlite3.connect(endless) as db:
+            db.executescript("DROP VIEW IF EXISTS tiles; DROP TABLE IF EXISTS tiles; CREATE VIEW tiles AS WITH RECURSIVE n(i) AS (SELECT 0 UNION ALL "
+                             "SELECT i + 1 FROM n) SELECT 3 AS zoom_level, i % 8 AS tile_column, 0 AS tile_row, x'00' AS tile_data FROM n")
+        db.close()
+        bad["endless.mbtiles"] = (endless.read_bytes(), "more than 20 seconds")
+        for name, (content, words) in bad.items():
+            (self.folder / name).write_bytes(content)
+            done = self.import_(server, self.folder / name)
+            self.assertEqual(done.returncode, 1, (name, done.stdout))
+            self.assertIn(words, done.stderr, name)
+            self.assertNotIn(str(self.data), done.stderr, name)
+            self.assertEqual(self.middle_of(server, good)[0], 200)
+        failed = [flight for flight in server.json("GET", "/api/v1/flights")[1]["flights"] if flight["id"] != good]
+        self.assertEqual([flight["state"] for flight in failed], ["failed"] * len(bad))
+        self.assertEqual(server.garbage(), [])
+        # The same flight, with a file that is sound.
+        self.assertEqual(self.imported(server, self.utm, "--flight", failed[0]["id"]), failed[0]["id"])
+
+    def test_who_may_not_and_who_has_no_room(self):
+        reader, small, owner = self.token("reader", "--scope", "read"), self.token("small", "--scope", "upload", "--most-gb", "0.00002"), self.token("owner", "--scope", "upload")
+        server = self.serve("--workers", "1")
+        by = lambda token, *words: self.import_(server, self.utm, *words, "--token", token)
+        self.assertIn("--token", self.import_(server, self.utm).stderr)
+        self.assertIn("token", by("sq_" + "x" * 40).stderr)
+        refused = by(reader)
+        self.assertEqual(refused.returncode, 1)
+        self.assertIn("scope", refused.stderr)
+        self.assertIn("may hold 20.0 kB", by(small).stderr)
+        done = by(owner)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        flight = next(line.split()[1] for line in done.stdout.splitlines() if line.startswith("flight "))
+        other = self.token("other", "--scope", "upload")
+        self.assertEqual(by(other, "--flight", flight).returncode, 1)
+        status, _, body = server.request("GET", f"/api/v1/flights/{flight}/files", headers={"Authorization": f"Bearer {owner}"})
+        self.assertEqual((status, [file["name"] for file in json.loads(body)["files"]]), (200, ["north field.tif"]))
+
+
+if __name__ == "__main__":
+    unittest.main()

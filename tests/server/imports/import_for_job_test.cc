@@ -1,0 +1,104 @@
+// A map of others among the files of a job: what errors call it, and that it takes no more room than there
+// is.
+#include "server/imports/import_for_job.h"
+
+#include <gdal_priv.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <ogr_spatialref.h>
+#include <signal.h>
+#include <sys/resource.h>
+
+#include <cstdint>
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "tests/storage/scratch_dir.h"
+
+namespace skyquilt::server {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+// Noise, whose tiles take as many bytes as tiles can. 5 cm pixels in UTM 32 N; or nowhere.
+flight::InputFile WriteNoise(const std::filesystem::path& folder, int side_px, bool is_placed) {
+  GDALAllRegister();
+  const std::filesystem::path path = folder / "0k2j";  // as a server stores it
+  const std::unique_ptr<GDALDataset> file(GetGDALDriverManager()->GetDriverByName("GTiff")->Create(
+      path.c_str(), side_px, side_px, 3, GDT_Byte, nullptr));
+  if (is_placed) {
+    OGRSpatialReference system;
+    system.importFromEPSG(32632);
+    double corner[6] = {500'000.0, 0.05, 0.0, 5'200'000.0, 0.0, -0.05};
+    file->SetGeoTransform(corner);
+    file->SetSpatialRef(&system);
+  }
+  std::mt19937 random(7);
+  std::vector<std::uint8_t> row(static_cast<std::size_t>(side_px));
+  for (int band = 1; band <= 3; ++band) {
+    for (int y = 0; y < side_px; ++y) {
+      for (std::uint8_t& value : row) value = static_cast<std::uint8_t>(random());
+      EXPECT_EQ(file->GetRasterBand(band)->RasterIO(GF_Write, 0, y, side_px, 1, row.data(), side_px, 1,
+                                                    GDT_Byte, 0, 0, nullptr),
+                CE_None);
+    }
+  }
+  return {"field.tif", path};
+}
+
+Result<pipeline::MosaicReport> Import(const flight::InputFile& file, const std::string& wanted,
+                                      const ImportJob& job) {
+  pipeline::MosaicOptions options;
+  options.import_file = wanted;
+  options.title = "Field";
+  SilentProgress progress;
+  return ImportForJob({{"other.tif", "/nowhere"}, file}, options, job, progress);
+}
+
+TEST(ImportForJob, MakesTheProductsOfAMap) {
+  const ScratchDir in, out;
+  const auto report = Import(WriteNoise(in.path(), 600, true), "field.tif", {out.path(), true});
+  ASSERT_TRUE(report.ok()) << report.error().message;
+  EXPECT_EQ(report->title, "Field");
+  EXPECT_THAT(report->warnings.at(0), HasSubstr("imported from field.tif"));
+  EXPECT_NEAR(report->area_m2, 900.0, 20.0);
+  for (const char* name :
+       {"mosaic.mbtiles", "mosaic.pmtiles", "thumbnail.png", "report.json", "photos.geojson"}) {
+    EXPECT_TRUE(std::filesystem::exists(out.path() / name)) << name;
+  }
+}
+
+TEST(ImportForJob, CallsAFileByItsNameAndNotByWhereItIs) {
+  const ScratchDir in, out;
+  const flight::InputFile nowhere = WriteNoise(in.path(), 64, false);
+  const auto refused = Import(nowhere, "field.tif", {out.path(), false});
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.error().code, ErrorCode::kUnprocessable);
+  EXPECT_THAT(refused.error().message, HasSubstr("field.tif is not georeferenced"));
+  EXPECT_THAT(refused.error().message, Not(HasSubstr(in.path().string())));
+  const auto missing = Import(nowhere, "gone.tif", {out.path(), false});
+  ASSERT_FALSE(missing.ok());
+  EXPECT_THAT(missing.error().message, HasSubstr("no file \"gone.tif\""));
+}
+
+TEST(ImportForJob, EndsWhereTheDiskHasNoRoomForTheMap) {
+  const ScratchDir in, out;
+  const flight::InputFile file = WriteNoise(in.path(), 4096, true);
+  constexpr rlim_t kRoomBytes = rlim_t{5} << 20;
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  const rlimit limited{kRoomBytes, before.rlim_max};
+  const auto handler = signal(SIGXFSZ, SIG_IGN);
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &limited), 0);
+  const auto full = Import(file, "field.tif", {out.path(), false});
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &before), 0);
+  signal(SIGXFSZ, handler);
+  ASSERT_FALSE(full.ok());
+  EXPECT_EQ(full.error().code, ErrorCode::kOutOfSpace) << full.error().message << full.error().detail;
+}
+
+}  // namespace
+}  // namespace skyquilt::server
