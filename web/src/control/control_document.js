@@ -4,6 +4,8 @@
 import { authorization } from '../shared/token.js';
 import { ApiError, problem } from '../shared/api.js';
 import { strings } from '../shared/flight_strings.js';
+import { at } from '../shared/router.js';
+import { SavedDocument } from '../shared/saved_document.js';
 
 /** @typedef {{reference_system: string, points: ControlPoint[]}} ControlPoints */
 
@@ -11,7 +13,10 @@ const kPause_ms = 500;
 const kPatience_ms = 5000;  // until a server that was away, or a flight that was being stitched, is asked again
 const kMaxUndo = 200;
 
-const address = (/** @type {string} */ id) => `/api/v1/flights/${encodeURIComponent(id)}/control`;
+const address = (/** @type {string} */ id) => at(`/api/v1/flights/${encodeURIComponent(id)}/control`);
+
+/** What a panel that was closed still sends: who opens the flight's points next waits for it. @type {Map<string, Promise<void>>} */
+const leaving = new Map();
 
 /**
  * @param {string} id of the flight
@@ -30,7 +35,7 @@ async function ask(id, init = {}) {
   return { document: JSON.parse(text), etag: response.headers.get('ETag') ?? '' };
 }
 
-export class ControlDocument extends EventTarget {
+export class ControlDocument extends SavedDocument {
   /** @type {ControlPoints} */
   #now = { reference_system: '', points: [] };
   #etag = '';
@@ -42,9 +47,6 @@ export class ControlDocument extends EventTarget {
   /** @type {Promise<void>|null} */
   #saving = null;
   #is_closed = false;
-  /** @type {'saved'|'saving'|'waiting'|'failed'} */
-  state = 'saved';
-  failure = '';
 
   /** @param {string} id of the flight */
   constructor(id) {
@@ -62,13 +64,15 @@ export class ControlDocument extends EventTarget {
     return this.#before.length > 0;
   }
 
+  /** Reads the points. Nothing may be changed before: what the flight has would be overwritten. */
   async load() {
+    if (!this.#is_closed) await leaving.get(this.id);
     const { document, etag } = await ask(this.id);
     this.#now = document;
     this.#etag = etag;
     this.#before = [];
     this.#is_dirty = false;
-    this.#tell('saved');
+    this.tell('saved');
     this.dispatchEvent(new Event('change'));
   }
 
@@ -112,7 +116,7 @@ export class ControlDocument extends EventTarget {
   #put(next) {
     this.#now = next;
     this.#is_dirty = true;
-    this.#tell('saving');
+    this.tell('saving');
     this.dispatchEvent(new Event('change'));
     this.#later(kPause_ms);
   }
@@ -154,7 +158,7 @@ export class ControlDocument extends EventTarget {
         const said = placed.get(point.name);
         return said && said.x === point.x && said.y === point.y ? { ...point, lon: said.lon, lat: said.lat } : point;
       }) };
-      if (!this.#is_dirty) this.#tell('saved');
+      if (!this.#is_dirty) this.tell('saved');
       this.dispatchEvent(new Event('change'));
     } catch (error) {
       await this.#onRefused(error);
@@ -169,25 +173,22 @@ export class ControlDocument extends EventTarget {
     if (status === 412) {
       // Somebody else was first: what is there now is shown.
       await this.load().catch(() => undefined);
-      this.#tell('failed', strings.control.changed_elsewhere);
+      this.tell('failed', strings.control.changed_elsewhere);
       return;
     }
     this.#is_dirty = true;
     const is_passing = status === 409 || (error instanceof ApiError && error.is_passing);
-    this.#tell(is_passing ? 'waiting' : 'failed', words);
-    if (is_passing && !this.#is_closed) this.#later(kPatience_ms);
-  }
-
-  /** @param {'saved'|'saving'|'waiting'|'failed'} state */
-  #tell(state, failure = '') {
-    this.state = state;
-    this.failure = failure;
-    this.dispatchEvent(new Event('saved'));
+    this.tell(is_passing ? 'waiting' : 'failed', words);
+    if (is_passing) this.#later(kPatience_ms);
   }
 
   /** Saves what is left. */
   close() {
     this.#is_closed = true;
-    if (this.#is_dirty) void this.flush().catch(() => undefined);
+    if (!this.#is_dirty && !this.#saving) return;
+    const last = this.flush().catch(() => undefined).then(() => {
+      if (leaving.get(this.id) === last) leaving.delete(this.id);
+    });
+    leaving.set(this.id, last);
   }
 }

@@ -50,13 +50,13 @@ export function controlPanel({ flight, report, photos, stage, may_change, apply 
   const state = h('p', { class: 'control-state', id: 'control-state', role: 'status' });
   const advice = h('p', { class: 'muted', id: 'control-advice' });
   const go = button('control-apply', 'move', words.apply, () => void start(), 'primary');
+  const tools = h('div', { class: 'row no-print', hidden: true },
+    button('control-import-open', 'upload', words.import, () => openImport(control, names)),
+    button('control-add', 'plus', words.add, () => openPointForm(control, null)));
   const element = h(
     'div',
     {},
-    may_change &&
-      h('div', { class: 'row no-print' },
-        button('control-import-open', 'upload', words.import, () => openImport(control, names)),
-        button('control-add', 'plus', words.add, () => openPointForm(control, null))),
+    tools,
     hint,
     h('div', { class: 'control-scroll', role: 'group', 'aria-label': words.heading, tabindex: 0 }, table),
     state,
@@ -154,13 +154,22 @@ export function controlPanel({ flight, report, photos, stage, may_change, apply 
     if (!is_closed) draw();
   };
 
+  const read = async () => {
+    hint.textContent = strings.photo.loading;
+    try {
+      await control.load();
+      tools.hidden = !may_change;
+    } catch (error) {
+      if (is_closed) return;
+      put(hint, error instanceof Error ? error.message : String(error), ' ',
+        h('button', { type: 'button', class: 'text-button', id: 'control-retry', on: { click: () => void read() } }, strings.errors.retry));
+    }
+  };
+
   control.addEventListener('change', draw);
   control.addEventListener('saved', drawState);
-  hint.textContent = strings.photo.loading;
   go.hidden = true;
-  control.load().catch((error) => {
-    hint.textContent = error instanceof Error ? error.message : String(error);
-  });
+  void read();
   return {
     element,
     close() {

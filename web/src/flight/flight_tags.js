@@ -19,13 +19,14 @@ const kMaxLength = 40;
 export const typedTags = (text) => [...new Set(text.split(/[,;\n]/).map((tag) => tag.trim().replace(/\s+/g, ' ')).filter(Boolean))];
 
 /**
- * @param {Flight} flight
+ * @param {() => Flight} current the flight as it is known when it is changed
  * @param {() => string[]} known tags of other flights, to be proposed
  * @param {(changed: Flight) => void} on_change
  * @returns {HTMLElement|null} null where there is nothing to see and nothing to change
  */
-export function tagRow(flight, known, on_change) {
+export function tagRow(current, known, on_change) {
   const words = strings.tags;
+  const flight = current();
   const tags = flight.tags ?? [];
   const may_change = mayChange(flight);
   if (!may_change && tags.length === 0) return null;
@@ -43,14 +44,15 @@ export function tagRow(flight, known, on_change) {
     if (!may_change) return h('li', { class: 'tag' }, tag);
     const label = words.remove(tag);
     const cross = h('button', { type: 'button', class: 'tag-remove no-print', 'aria-label': label, title: label }, icon('close'));
-    cross.addEventListener('click', () => void save({ tags: tags.filter((other) => other !== tag) }, 'tag-add'));
+    cross.addEventListener('click', () => void save({ tags: (current().tags ?? []).filter((other) => other !== tag) }, 'tag-add'));
     return h('li', { class: 'tag' }, h('span', { class: 'tag-word' }, tag), cross);
   };
   const list = h('ul', { class: 'tags', id: 'flight-tags', 'aria-label': words.heading }, ...tags.map(chip));
   const row = h('div', { class: 'flight-tags' }, list);
   if (may_change && tags.length < kMaxTags) {
     const add = h('button', { type: 'button', class: 'tag tag-button no-print', id: 'tag-add' }, icon('plus'), words.add);
-    add.addEventListener('click', () => askTag(flight, add, known().filter((tag) => !tags.includes(tag)), (typed) => save({ tags: [...new Set([...tags, ...typed])].slice(0, kMaxTags) }, 'tag-add')));
+    const addTo = (/** @type {string[]} */ typed) => save({ tags: [...new Set([...(current().tags ?? []), ...typed])].slice(0, kMaxTags) }, 'tag-add');
+    add.addEventListener('click', () => askTag(flight, add, known().filter((tag) => !tags.includes(tag)), addTo));
     row.append(add);
   }
   if (may_change) void ownAccess().then((access) => (access?.keep_days || flight.keep) && row.after(keepSwitch(flight, access?.keep_days ?? 0, (keep) => save({ keep }, 'flight-keep'))));

@@ -42,7 +42,12 @@ export class FlightView {
   /** @type {Flight|null} */
   flight = null;
   element = h('div', { class: 'flight-view' });
-  #head = h('div', { class: 'flight-head' });
+  #name = h('div', {});
+  #tags = h('div', {});
+  #ways = h('div', {});
+  #head = h('div', { class: 'flight-head' }, this.#name, this.#tags, this.#ways);
+  /** What is drawn of the tags. */
+  #drawn_tags = '';
   #work = h('div', { class: 'work' });
   #result = h('div', { class: 'result' });
   #abort = new AbortController();
@@ -143,7 +148,7 @@ export class FlightView {
     const focused = this.#head.contains(document.activeElement) ? document.activeElement?.id : '';
     document.title = `${flight.name} · Skyquilt`;
     put(
-      this.#head,
+      this.#name,
       h(
         'div',
         { class: 'row between top' },
@@ -162,13 +167,22 @@ export class FlightView {
         ),
       ),
       h('p', { class: 'flight-facts' }, stateChip(flight), ' ', flightFacts(flight)),
-      tagRow(flight, this.actions.tags, (changed) => {
-        Object.assign(flight, { tags: changed.tags, keep: changed.keep });
-        this.drawHead(flight);
-      }),
-      flight.tilejson && flightActions(flight, this.actions.share, () => this.stage.outlines()),
     );
-    if (focused) document.getElementById(focused)?.focus();
+    this.#drawTags(flight);
+    put(this.#ways, flight.tilejson && flightActions(flight, this.actions.share, () => this.stage.outlines()));
+    if (focused && document.activeElement?.id !== focused) document.getElementById(focused)?.focus();
+  }
+
+  // Whatever else of the flight is drawn anew: what is being typed stays, and the focus where it is.
+  #drawTags(/** @type {Flight} */ flight) {
+    const drawn = JSON.stringify([flight.tags, flight.keep, mayChange(flight)]);
+    if (drawn === this.#drawn_tags || this.#tags.querySelector('.tag-form')) return;
+    this.#drawn_tags = drawn;
+    const current = () => this.flight ?? flight;
+    put(this.#tags, tagRow(current, this.actions.tags, (changed) => {
+      Object.assign(current(), { tags: changed.tags, keep: changed.keep });
+      this.drawHead(current());
+    }));
   }
 
   /** @param {Flight} flight */
@@ -253,6 +267,8 @@ export class FlightView {
   /** What can be done after a failure. @param {Flight} flight */
   #waysOn(flight) {
     if (isImported(flight) && flight.file_count === 0) return [];
+    // A map of others is taken over as it is.
+    if (flight.job?.options?.import_file) return [this.#startButton(flight, strings.job.again)];
     if (!placing_jobs.has(flight.job?.id ?? '')) return [this.#startButton(flight, strings.job.again), optionsButton(flight.id, () => this.stage.outlines()), this.#addButton()];
     const change = h('button', { type: 'button', class: 'button small primary', id: 'place-again' }, strings.place.change);
     change.addEventListener('click', () => {
@@ -337,7 +353,8 @@ export class FlightView {
     button.addEventListener('click', async () => {
       button.disabled = true;
       try {
-        await startJob(flight.id, chosenOptions(flight.id));
+        const before = flight.job?.options;
+        await startJob(flight.id, before?.import_file ? before : chosenOptions(flight.id));
         forgetUpload(flight.id);
       } catch (error) {
         showError(error);

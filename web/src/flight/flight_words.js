@@ -42,6 +42,8 @@ export function stateChip(flight) {
  * @returns {string}
  */
 export function flightFacts(flight) {
+  // What has arrived so far, the upload itself says.
+  if (!flight.photos && uploadOf(flight.id)) return formatDate(flight.created_at);
   const photos = flight.photos ? strings.flights.photos(flight.photos.total) : strings.flights.files(flight.file_count);
   return [takenDay(flight), photos, flight.bytes > 0 ? formatBytes(flight.bytes) : '', flight.file_count > 0 ? strings.flights.uploaded(formatDate(flight.created_at)) : formatDate(flight.created_at)]
     .filter(Boolean)

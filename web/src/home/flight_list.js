@@ -146,7 +146,7 @@ export function flightList(actions) {
     const picture = JSON.stringify([flight.name, flight.tags, shortFacts(flight), chip.className, chip.textContent]);
     let entry = rows.get(flight.id);
     if (!entry) {
-      entry = { row: h('li'), shown: '', picture: h('span', { class: 'thumb', 'aria-hidden': 'true' }), drawn: '' };
+      entry = { row: h('li'), shown: '', picture: h('span', { class: 'thumb', 'aria-hidden': 'true' }, icon('photo')), drawn: '' };
       rows.set(flight.id, entry);
       entry.row.addEventListener('pointerenter', () => actions.on_point(flight));
       entry.row.addEventListener('focusin', () => actions.on_point(flight));
@@ -179,7 +179,7 @@ export function flightList(actions) {
       entry.drawn = address;
       entry.picture.dataset.address = address;
       if (address) in_sight.observe(entry.picture);
-      else put(entry.picture);
+      else put(entry.picture, icon('photo'));
     }
     return entry.row;
   };
@@ -204,7 +204,7 @@ export function flightList(actions) {
 function showPicture(place) {
   const image = h('img', { class: 'thumb-image', alt: '', decoding: 'async', fetchpriority: 'low', draggable: 'false', src: place.dataset.address });
   // A missing picture is no loss the user must hear of.
-  image.addEventListener('error', () => image.remove());
+  image.addEventListener('error', () => put(place, icon('photo')));
   put(place, image);
 }
 

@@ -6,7 +6,7 @@ import { h, put } from '../shared/dom.js';
 import { formatDistance } from '../shared/format.js';
 import { icon } from '../shared/icons.js';
 import { parseRoute, routeHash } from '../shared/router.js';
-import { number } from '../shared/language.js';
+import { fixed, number } from '../shared/language.js';
 import { strings } from '../shared/strings.js';
 
 // World units: Web Mercator, 0..1 from 180 degrees west and from north to south.
@@ -15,7 +15,7 @@ import { strings } from '../shared/strings.js';
 /** @typedef {{flight: Flight, box: Box}} Placed */
 /** @typedef {{members: Placed[], x_px: number, y_px: number, box: Box}} Group around a place of the screen */
 
-const kMargin_px = 70;
+const kMargin_px = 80;  // the tools do not cover a mark
 const kStep = 2;
 const kNames = 14;  // of marks in sight that are named; more would cover each other
 const kPicture_px = 44;
@@ -26,6 +26,8 @@ const kClosest = 256 * 2 ** 18;
 // A flight alone is shown with its surroundings.
 const kFitClosest = 256 * 2 ** 17;
 const kApart_px = 38;
+const kGrid_px = 150;  // between two lines of the grid, at least
+const kLabel_px = 64;  // what a label of them may take
 const kAround_m = 40_075_016.686;  // the equator
 
 /**
@@ -232,7 +234,8 @@ function drawFootprint(mark, group, is_picture, width_px, height_px) {
 function drawScale(bar, view) {
   const metres = metresOfPixel(view);
   const power = 10 ** Math.floor(Math.log10(metres * kScale_px));
-  const length_m = power * (metres * kScale_px >= 5 * power ? 5 : metres * kScale_px >= 2 * power ? 2 : 1);
+  // Steps so close that the bar is never shorter than its own words.
+  const length_m = power * ([7, 5, 3, 2, 1.5].find((step) => metres * kScale_px >= step * power) ?? 1);
   bar.textContent = formatDistance(length_m);
   bar.style.width = `${length_m / metres}px`;
 }
@@ -254,15 +257,35 @@ function pathOf(land) {
   for (const { geometry } of land.type === 'FeatureCollection' ? land.features : [land]) {
     const polygons = geometry.type === 'MultiPolygon' ? geometry.coordinates : geometry.type === 'Polygon' ? [geometry.coordinates] : [];
     for (const ring of polygons.flat()) {
-      ring.forEach(([lon, lat], i) => {
-        const { x, y } = worldPosition(lon, Math.min(kSteepest_deg, Math.max(-kSteepest_deg, lat)));
-        if (i === 0) path.moveTo(x, y);
-        else path.lineTo(x, y);
-      });
-      path.closePath();
+      for (const outline of outlinesOf(ring)) {
+        outline.forEach(({ x, y }, i) => (i === 0 ? path.moveTo(x, y) : path.lineTo(x, y)));
+        path.closePath();
+      }
     }
   }
   return path;
+}
+
+/**
+ * A ring in world units, of one piece where it crosses the antimeridian: there it leaves the world, and enters it once
+ * more from the other side. One round a pole goes by way of the pole.
+ * @param {GeoJSON.Position[]} ring
+ * @returns {{x: number, y: number}[][]}
+ */
+export function outlinesOf(ring) {
+  let turns = 0;
+  const outline = ring.map(([lon, lat], i) => {
+    const step = i === 0 ? 0 : lon - ring[i - 1][0];
+    if (Math.abs(step) > 180) turns -= Math.sign(step);
+    const { x, y } = worldPosition(lon, Math.min(kSteepest_deg, Math.max(-kSteepest_deg, lat)));
+    return { x: x + turns, y };
+  });
+  if (turns !== 0) {
+    const pole = outline[0].y > 0.5 ? 1 : 0;
+    outline.push({ x: outline[outline.length - 1].x, y: pole }, { x: outline[0].x, y: pole });
+  }
+  const at = (/** @type {number} */ worlds) => outline.map(({ x, y }) => ({ x: x + worlds, y }));
+  return [outline, ...(outline.some(({ x }) => x > 1) ? [at(-1)] : []), ...(outline.some(({ x }) => x < 0) ? [at(1)] : [])];
 }
 
 /**
@@ -286,16 +309,92 @@ function drawLand(canvas, land, view, width, height) {
   context.fillRect(0, 0, canvas.width, canvas.height);
   // Close up the coarse outline would be wrong by kilometres.
   const zoom = Math.log2(view.scale / 512);
-  context.globalAlpha = Math.min(1, Math.max(0, (10 - zoom) / 2));
-  if (!land || context.globalAlpha === 0) return;
+  const strength = Math.min(1, Math.max(0, (10 - zoom) / 2));
+  if (land && strength > 0) fillLand(context, land, strength, view, width, height, fine);
+  drawGrid(context, view, width, height, fine);
+}
+
+/**
+ * @param {CanvasRenderingContext2D} context
+ * @param {Path2D} land
+ * @param {number} strength 0 to 1
+ * @param {View} view
+ * @param {number} width
+ * @param {number} height
+ * @param {number} fine pixels of the screen in one of the page
+ */
+function fillLand(context, land, strength, view, width, height, fine) {
+  const style = getComputedStyle(document.documentElement);
+  context.globalAlpha = strength;
   context.setTransform(view.scale * fine, 0, 0, view.scale * fine, (width / 2 - view.x * view.scale) * fine, (height / 2 - view.y * view.scale) * fine);
+  context.save();
+  context.beginPath();
+  context.rect(0, 0, 1, 1);
+  context.clip();
   context.fillStyle = style.getPropertyValue('--land');
   context.fill(land);
   context.strokeStyle = style.getPropertyValue('--line-strong');
   context.lineWidth = 0.7 / view.scale;
   context.globalAlpha *= 0.7;
   context.stroke(land);
+  context.restore();
   context.globalAlpha = 1;
+}
+
+/**
+ * Meridians and parallels with their degrees: also a part of the world without coasts says where it is.
+ * @param {CanvasRenderingContext2D} context
+ * @param {View} view
+ * @param {number} width
+ * @param {number} height
+ * @param {number} fine pixels of the screen in one of the page
+ */
+function drawGrid(context, view, width, height, fine) {
+  const { line_digits, step_deg } = gridOf(view.scale);
+  const style = getComputedStyle(document.documentElement);
+  const [north, south, east, west] = strings.overview.sides;
+  const label = (/** @type {number} */ degrees, /** @type {string} */ above, /** @type {string} */ below) =>
+    `${fixed(Math.abs(degrees), line_digits)}°${degrees === 0 ? '' : `\u00a0${degrees > 0 ? above : below}`}`;
+  const steps = (/** @type {number} */ from, /** @type {number} */ to) => {
+    const first = Math.ceil(from / step_deg);
+    return Array.from({ length: Math.max(0, Math.floor(to / step_deg) - first + 1) }, (_, i) => (first + i) * step_deg);
+  };
+  const lon_of = (/** @type {number} */ x_px) => (view.x + (x_px - width / 2) / view.scale) * 360 - 180;
+  const lat_of = (/** @type {number} */ y_px) => (180 / Math.PI) * Math.asin(Math.tanh(2 * Math.PI * (0.5 - view.y - (y_px - height / 2) / view.scale)));
+  context.setTransform(fine, 0, 0, fine, 0, 0);
+  context.font = '11px system-ui, sans-serif';
+  context.textBaseline = 'top';
+  context.fillStyle = style.getPropertyValue('--muted');
+  context.strokeStyle = style.getPropertyValue('--line-strong');
+  context.lineWidth = 1 / fine;
+  context.globalAlpha = 0.45;
+  context.beginPath();
+  const meridians = steps(Math.max(-180, lon_of(0)), Math.min(180, lon_of(width)));
+  const parallels = steps(Math.max(-kSteepest_deg, lat_of(height)), Math.min(kSteepest_deg, lat_of(0)));
+  const x_of = (/** @type {number} */ lon) => width / 2 + (worldPosition(lon, 0).x - view.x) * view.scale;
+  const y_of = (/** @type {number} */ lat) => height / 2 + (worldPosition(0, lat).y - view.y) * view.scale;
+  for (const lon of meridians) {
+    context.moveTo(x_of(lon), 0);
+    context.lineTo(x_of(lon), height);
+  }
+  for (const lat of parallels) {
+    context.moveTo(0, y_of(lat));
+    context.lineTo(width, y_of(lat));
+  }
+  context.stroke();
+  context.globalAlpha = 1;
+  // Not below the tools, the scale and each other.
+  for (const lon of meridians) if (x_of(lon) > kLabel_px && x_of(lon) < width - 2 * kLabel_px) context.fillText(label(lon, east, west), x_of(lon) + 4, 5);
+  for (const lat of parallels) if (y_of(lat) > 20 && y_of(lat) < height - kLabel_px) context.fillText(label(lat, north, south), 6, y_of(lat) + 4);
+}
+
+/** How far apart the lines of a grid are, at least kGrid_px. @param {number} scale pixels a world */
+export function gridOf(scale) {
+  const least_deg = (kGrid_px / scale) * 360;
+  if (least_deg > 20) return { step_deg: least_deg > 45 ? 90 : 45, line_digits: 0 };
+  const power = 10 ** Math.floor(Math.log10(least_deg));
+  const step_deg = power * (least_deg <= 2 * power ? 2 : least_deg <= 5 * power ? 5 : 10);
+  return { step_deg, line_digits: Math.max(0, -Math.floor(Math.log10(step_deg) + 1e-9)) };
 }
 
 // What part of the world is shown, and which marks fall together there: pure functions.

@@ -121,7 +121,7 @@ export function placeTool(view, listener) {
     const move = movement(known);
     if (!move) return words.same;
     if (known.length === 1) return words.moves(formatLength(move.shift_m));
-    const text = words.turns(formatLength(move.shift_m), move.turn_deg, number(move.scale, { maximumSignificantDigits: 3 }));
+    const text = words.turns(formatLength(move.shift_m), move.turn_deg, number(move.scale, { minimumSignificantDigits: move.scale < 1 ? 3 : 4, maximumSignificantDigits: move.scale < 1 ? 3 : 4 }));
     return known.length > 2 ? `${text} ${words.miss(formatLength(move.miss_m))}` : text;
   };
 

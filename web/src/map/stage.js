@@ -25,6 +25,7 @@ import { uploadOf } from '../upload/drop_zone.js';
 const kPreview = 'preview';
 /** Names of notes on the map; all are in the list. */
 const kMaxNoteMarks = 200;
+const kBelowNote_px = 8;  // between the note of a preview and the map
 
 /**
  * @typedef {object} Shown
@@ -93,7 +94,10 @@ export class Stage {
 
   /** @param {MapView} view */
   #addParts(view) {
-    const fit = (/** @type {boolean} */ animated) => view.fit(kStagePadding, animated);
+    const fit = (/** @type {boolean} */ animated) => {
+      const below_note_px = this.preview_note.offsetTop + this.preview_note.offsetHeight + kBelowNote_px;
+      view.fit({ ...kStagePadding, top: Math.max(kStagePadding.top, below_note_px) }, animated);
+    };
     const card = photoCard({
       on_show: (record) => {
         view.select(record?.name ?? '');

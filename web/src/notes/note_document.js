@@ -5,6 +5,7 @@
 import { ApiError, problem } from '../shared/api.js';
 import { strings } from '../shared/flight_strings.js';
 import { at } from '../shared/router.js';
+import { SavedDocument } from '../shared/saved_document.js';
 import { authorization } from '../shared/token.js';
 import { rebased, withChanges } from './note_merge.js';
 
@@ -45,7 +46,7 @@ function remembered(id) {
   }
 }
 
-export class NoteDocument extends EventTarget {
+export class NoteDocument extends SavedDocument {
   /** @type {Note[]} */
   #kept = [];
   #etag = '';
@@ -57,9 +58,6 @@ export class NoteDocument extends EventTarget {
   #saving = null;
   #is_closed = false;
   #online = () => this.#later(0);
-  /** @type {'saved'|'saving'|'waiting'|'failed'} */
-  state = 'saved';
-  failure = '';
 
   /** @param {string} id of the flight @param {boolean} may_change */
   constructor(id, may_change) {
@@ -116,7 +114,7 @@ export class NoteDocument extends EventTarget {
     else this.#changes.delete(id);
     this.#remember();
     this.dispatchEvent(new Event('change'));
-    this.#tell('saving');
+    this.tell('saving');
     this.#later(kPause_ms);
   }
 
@@ -146,7 +144,7 @@ export class NoteDocument extends EventTarget {
 
   async #save() {
     for (let turn = 1; this.#changes.size > 0; turn += 1) {
-      this.#tell('saving');
+      this.tell('saving');
       const sent = this.#changes;
       this.#changes = new Map(sent);
       try {
@@ -170,7 +168,7 @@ export class NoteDocument extends EventTarget {
         await this.#read();
       }
     }
-    this.#tell('saved');
+    this.tell('saved');
     this.dispatchEvent(new Event('change'));
   }
 
@@ -178,15 +176,8 @@ export class NoteDocument extends EventTarget {
   #onRefused(error) {
     const words = error instanceof Error ? error.message : String(error);
     const is_passing = error instanceof ApiError && (error.is_passing || error.status === 409 || error.status === 412);
-    this.#tell(is_passing ? 'waiting' : 'failed', words);
+    this.tell(is_passing ? 'waiting' : 'failed', words);
     if (is_passing) this.#later(kPatience_ms);
-  }
-
-  /** @param {'saved'|'saving'|'waiting'|'failed'} state */
-  #tell(state, failure = '') {
-    this.state = state;
-    this.failure = failure;
-    this.dispatchEvent(new Event('saved'));
   }
 
   /** Sends what is left, once; what the server does not take now stays in this browser. */

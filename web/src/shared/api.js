@@ -103,7 +103,7 @@ export async function listFlights(signal) {
   const flights = [];
   let cursor = '';
   do {
-    const page = await request('GET', `/api/v1/flights?limit=200${cursor}`, undefined, signal);
+    const page = await request('GET', `/api/v1/flights?limit=500${cursor}`, undefined, signal);
     flights.push(...page.flights);
     cursor = page.next_cursor ? `&cursor=${encodeURIComponent(page.next_cursor)}` : '';
   } while (cursor);

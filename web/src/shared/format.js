@@ -93,7 +93,7 @@ export function formatArea(square_metres) {
  * @returns {string}
  */
 export function formatPercent(fraction) {
-  return `${number(Math.floor(Math.min(1, Math.max(0, fraction)) * 100))}\u00a0%`;
+  return number(Math.floor(Math.min(1, Math.max(0, fraction)) * 100) / 100, { style: 'percent', maximumFractionDigits: 0 });
 }
 
 /**

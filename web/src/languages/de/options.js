@@ -43,14 +43,14 @@ export const option_words = {
   hints: {
     resolution_cm: 'Eine gröbere Karte entsteht schneller und ist kleiner.',
     method: '„Automatisch“ prüft die Metadaten der Fotos an dem, was die Fotos zeigen.',
-    layers: 'Entstehen neben der Karte, je etwa ein Zehntel ihrer Größe.',
+    layers: 'Werden zusätzlich zur Karte erstellt, je etwa ein Zehntel ihrer Größe.',
     max_look_deg: 'Was Fotos schräger sehen, wird nicht gezeichnet. 10 bis 75, gemessen von senkrecht nach unten.',
     readout_ms: 'Zeit vom Auslesen der ersten Zeile des Sensors bis zur letzten. 0 bei einem Global Shutter.',
     format: 'WebP ist kleiner; manche Programme, die heruntergeladene Kacheln öffnen, können es nicht lesen.',
     quality: '1 bis 100. Höher ist schärfer und größer.',
     origin: 'Breite, Länge. Nur für Flüge ohne aufgezeichnete Position.',
-    takeoff_height_m: 'Über Meer. Für Fotos, die nur Höhen über dem Startort oder falsche Höhen über Meer aufzeichnen.',
-    boundary: 'Die Karte wird darauf zugeschnitten. Zeichnen Sie sie mit dem Flächenwerkzeug, oder wählen Sie eine GeoJSON- oder KML-Datei.',
+    takeoff_height_m: 'Über dem Meeresspiegel. Für Fotos, die nur Höhen über dem Startort oder falsche Meereshöhen aufzeichnen.',
+    boundary: 'Die Karte wird darauf zugeschnitten. Zeichnen Sie sie mit dem Flächenwerkzeug oder wählen Sie eine GeoJSON- oder KML-Datei.',
   },
   not_finer: 'Nie feiner als die Fotos',
   methods: {

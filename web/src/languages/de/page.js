@@ -17,7 +17,7 @@ export const page_words = {
     language: 'Sprache',
     language_later: 'Die Sprache wechselt, wenn Sie die Seite neu öffnen. Das Hochladen läuft weiter.',
   },
-  quantities: { below_second: 'weniger als 1\u00a0s', acres: 'acres' },
+  quantities: { below_second: 'weniger als 1\u00a0s', acres: 'Acres' },
   welcome: {
     title: 'Drohnenfotos hier ablegen',
     lead: 'Legen Sie alle Fotos eines Fluges ab, am besten den ganzen Ordner. Daraus entsteht eine georeferenzierte Karte.',
@@ -38,6 +38,7 @@ export const page_words = {
     zoom_out: 'Verkleinern',
     group: (n) => `${count(n, { one: 'Flug', other: 'Flüge' })} an dieser Stelle: vergrößern`,
     makers: 'Küstenlinien: Natural Earth',
+    sides: ['N', 'S', 'O', 'W'],
   },
   flights: {
     heading: 'Flüge',

@@ -14,7 +14,7 @@ export const page_words = {
     copy: (/** @type {string} */ what) => `Copy URL: ${what}`,
     copied: 'Copied.',
     language: 'Language',
-    language_later: 'The page changes its language when you open it again. Uploads continue.',
+    language_later: 'The new language applies when you reopen the page. Uploads continue.',
   },
   quantities: { below_second: 'less than 1\u00a0s', acres: 'acres' },
   welcome: {
@@ -37,6 +37,7 @@ export const page_words = {
     zoom_out: 'Zoom out',
     group: (/** @type {number} */ n) => `${count(n, { one: 'flight', other: 'flights' })} here: zoom in`,
     makers: 'Coastlines: Natural Earth',
+    sides: ['N', 'S', 'E', 'W'],
   },
   flights: {
     heading: 'Flights',
@@ -130,7 +131,7 @@ export const page_words = {
     no_position: 'Position unknown',
     not_found: 'Not found',
     conflict: 'Conflict with another file or process',
-    precondition_failed: 'Changed meanwhile',
+    precondition_failed: 'Changed in the meantime',
     too_large: 'Too large',
     out_of_space: 'Not enough disk space on the server',
     unauthorized: 'Not signed in',
