@@ -1,6 +1,6 @@
 // Renews the gallery: every state of the page, on laptop, phone and 4K screens, light and dark, against the real server
 // and real photos where they are at hand (SKYQUILT_DATA or ../shared/data), else simulated ones.
-//   node tests/web/gallery.js [FOLDER] [ONLY-NAMES-CONTAINING]
+//   node tests/web/gallery.js [FOLDER] [ONLY-NAMES-CONTAINING,...]
 import { spawnSync } from 'node:child_process';
 import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
@@ -10,7 +10,10 @@ import { launchBrowser, mapIdle, openPage } from './support/browser.js';
 import { binary, findPhotos, realPhotos, startServer } from './support/real_server.js';
 
 const out = process.argv[2] ?? join(dirname(fileURLToPath(import.meta.url)), 'gallery');
-const only = process.argv[3] ?? '';
+const only = (process.argv[3] ?? '').split(',');
+const isWanted = (/** @type {string} */ name) => only.some((part) => name.includes(part));
+/** Is any picture of it wanted? @param {string} state */
+const isStateWanted = (state) => only.some((part) => state.includes(part.split('-')[0]));
 const screens = {
   laptop: { viewport: { width: 1366, height: 768 } },
   phone: { viewport: { width: 390, height: 844 }, deviceScaleFactor: 2, isMobile: true, hasTouch: true },
@@ -167,7 +170,7 @@ const kManyFlights = 36;
 
 // The other language, the dark scheme and the large screen are told by a few.
 const languages = (/** @type {string} */ state, /** @type {string} */ screen, /** @type {string} */ scheme) =>
-  scheme === 'light' && screen !== '4k' && ['home', 'map', 'options', 'report', 'error'].includes(state) ? ['en', 'de'] : ['en'];
+  scheme === 'light' && screen !== '4k' && ['home', 'map', 'options'].includes(state) ? ['en', 'de'] : ['en'];
 const shows = (/** @type {string} */ state, /** @type {string} */ screen, /** @type {string} */ scheme) => {
   if (state in flights_of || state === 'many') return scheme === 'light' && screen !== '4k';
   if (screen === '4k') return scheme === 'light' && ['home', 'map', 'report'].includes(state);
@@ -180,8 +183,8 @@ async function shoot(browser, url, state, reach, after = async () => {}) {
     for (const colorScheme of ['light', 'dark']) {
       for (const locale of languages(state, screen, colorScheme)) {
         const name = `${state}-${screen}-${colorScheme}${locale === 'en' ? '' : `-${locale}`}`;
-        if (!shows(state, screen, colorScheme) || !name.includes(only)) continue;
-        const { page, context, console_errors } = await openPage(browser, url, { ...options, colorScheme, locale });
+        if (!shows(state, screen, colorScheme) || !isWanted(name)) continue;
+        const { page, context, console_errors } = await openPage(browser, url, { ...options, colorScheme, locale, reducedMotion: 'reduce' });
         page.on('dialog', (/** @type {any} */ dialog) => dialog.accept());
         await reach(page);
         await page.screenshot({ path: join(out, `${name}.jpg`), quality: 70, type: 'jpeg' });
@@ -213,9 +216,6 @@ async function shootGuest(browser, photos) {
 async function shootMapAlone(browser, url, flight) {
   const { page, context } = await openPage(browser, url, { viewport: { width: 1500, height: 900 } });
   await openFlight(page, flight);
-  await page.click('#tool-layers');
-  await page.uncheck('#show-footprints');
-  await page.keyboard.press('Escape');
   const box = await page.locator('#map').boundingBox();
   await page.mouse.move(box.x + 20, box.y + 20);
   await mapIdle(page);
@@ -245,11 +245,11 @@ try {
     });
   }
   for (const [state, photos_of] of Object.entries(flights_of)) {
-    if (!state.includes(only.split('-')[0])) continue;
+    if (!isStateWanted(state)) continue;
     const flight = await makeFlight(server.url, state, photos_of());
     await shoot(browser, server.url, state, (page) => openFlight(page, flight));
   }
-  if ('many'.includes(only.split('-')[0])) {
+  if (isStateWanted('many')) {
     const sites = ['North field', 'Orchard', 'Quarry', 'River bank', 'Solar park', 'Vineyard'];
     for (let i = 0; i < kManyFlights; i += 1) {
       const made = simulated(`many-${i}`, ['--photos', '8', '--size', '480x360', '--seed', String(i + 1)]);
@@ -259,8 +259,8 @@ try {
     }
     await shoot(browser, server.url, 'many', states.home);
   }
-  if ('brighton_beach'.includes(only)) await shootMapAlone(browser, server.url, beach);
-  if ('guest'.includes(only.split('-')[0])) await shootGuest(browser, photos);
+  if (isWanted('brighton_beach')) await shootMapAlone(browser, server.url, beach);
+  if (isStateWanted('guest')) await shootGuest(browser, photos);
 } finally {
   await browser.close();
   await server.stop();

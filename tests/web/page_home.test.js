@@ -2,13 +2,14 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { matches, orders, plain } from '../../web/src/home/flight_list.js';
-import { boxOf, fitted, groups, parted } from '../../web/src/home/overview_map.js';
+import { boxOf, fitted, gridOf, groups, outlinesOf, parted } from '../../web/src/home/overview_map.js';
 import { mapIdle } from './support/browser.js';
 import { assertAccessible, assertQuiet, options, usePages } from './support/pages.js';
 import { seedMany } from './support/many_flights.js';
 
 const { setUp } = usePages();
 const laptop = { viewport: { width: 1440, height: 900 } };
+const desk = { viewport: { width: 1920, height: 1080 } };
 const phone = { viewport: { width: 390, height: 844 }, isMobile: true, hasTouch: true };
 
 test('a search knows neither accents nor capitals, and finds words in any order and dates', () => {
@@ -43,7 +44,7 @@ test('marks that would cover each other are one until the view parts them', () =
 });
 
 test('three hundred flights are a light first view: 30 requests, 400 kB, pictures only in sight', options, async () => {
-  const opened = await setUp({ page_limit: 200 }, laptop);
+  const opened = await setUp({ page_limit: 500 }, desk);
   const { page, mock } = opened;
   seedMany(mock, 300);
   const context = page.context();
@@ -58,7 +59,7 @@ test('three hundred flights are a light first view: 30 requests, 400 kB, picture
   await fresh.waitForFunction(() => document.querySelectorAll('.thumb-image').length >= 4);
   await fresh.waitForLoadState('networkidle');
   const pictures = requests.filter((path) => path.endsWith('/thumbnail.webp'));
-  assert.ok(pictures.length >= 4 && pictures.length <= 7, `${pictures.length} pictures`);
+  assert.ok(pictures.length >= 4 && pictures.length <= 8, `${pictures.length} pictures`);
   assert.equal(new Set(pictures).size, pictures.length, 'one request a picture');
   assert.ok(requests.length <= 30, `${requests.length} requests: ${requests.join(' ')}`);
   assert.ok(bytes < 400_000, `${bytes} bytes`);
@@ -121,4 +122,25 @@ test('flights of one field are one mark that tells them apart, and a search leav
   await page.waitForSelector('.flights li');
   assert.equal(await page.inputValue('#flight-order'), 'area', 'the order is kept');
   await assertQuiet(opened);
+});
+
+test('land across the antimeridian is drawn on both sides of the world, and nothing runs across it', () => {
+  const across = outlinesOf([[170, 60], [-170, 60], [-170, 70], [170, 70], [170, 60]]);
+  assert.equal(across.length, 2);
+  for (const outline of across) {
+    for (const [i, { x }] of outline.entries()) assert.ok(i === 0 || Math.abs(x - outline[i - 1].x) < 0.1);
+  }
+  assert.deepEqual(across.map((outline) => outline.some(({ x }) => x < 0.1)), [false, true]);
+  assert.equal(outlinesOf([[0, 0], [10, 0], [10, 10], [0, 0]]).length, 1);
+  const round_pole = outlinesOf([[0, -70], [120, -70], [-120, -70], [0, -70]]);
+  assert.ok(round_pole.every((outline) => outline.filter(({ y }) => y === 1).length === 2));
+});
+
+test('the lines of the grid lie at round degrees, neither close together nor out of sight', () => {
+  for (let scale = 256; scale <= 256 * 2 ** 18; scale *= 1.7) {
+    const { step_deg, line_digits } = gridOf(scale);
+    const apart_px = (step_deg * scale) / 360;
+    assert.ok(step_deg === 90 || (apart_px >= 149 && apart_px <= 400), `${step_deg} degrees are ${apart_px} px`);
+    assert.equal(Number((step_deg * 3).toFixed(line_digits)).toPrecision(8), (step_deg * 3).toPrecision(8), 'no digit is lost');
+  }
 });

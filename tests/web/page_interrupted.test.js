@@ -103,11 +103,11 @@ test('a server that is away for long fails no file; that it is away is said at o
   await page.click('#upload-pause');
   await page.click('#upload-pause');
   await page.waitForSelector('#upload-trouble', { timeout: 4000 });
-  assert.match((await page.textContent('#upload-trouble')) ?? '', /cannot be reached.*Trying again/);
+  assert.match((await page.textContent('#upload-trouble')) ?? '', /cannot be reached.*Retrying/);
   await assertAccessible(page, 'upload without a server');
   for (let i = 0; i < 30; i += 1) await page.clock.runFor(10_000);
   assert.equal(await page.locator('#upload-failures .callout').count(), 0, 'five minutes later no file has failed');
-  assert.match((await page.textContent('#upload-trouble')) ?? '', /Trying again/);
+  assert.match((await page.textContent('#upload-trouble')) ?? '', /Retrying/);
   // Whoever sees the server come back need not wait for the next try.
   const before = tries;
   await page.evaluate(() => /** @type {HTMLElement|null} */ (document.querySelector('#upload-retry-now'))?.click());

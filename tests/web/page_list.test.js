@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { mapIdle } from './support/browser.js';
-import { assertAccessible, assertQuiet, options, usePages } from './support/pages.js';
+import { assertAccessible, assertQuiet, openReady, options, usePages } from './support/pages.js';
 
 const { setUp } = usePages();
 
@@ -43,9 +43,7 @@ test('a long list is searched and sorted', options, async () => {
 test('a flight is renamed by keyboard', options, async () => {
   const opened = await setUp();
   const { page, mock } = opened;
-  const flight = mock.seedReady('Old name');
-  await page.goto(`${mock.url}#/flights/${flight.id}`);
-  await mapIdle(page);
+  const flight = await openReady({ page, mock }, 'Old name');
   await page.focus('#flight-rename');
   await page.keyboard.press('Enter');
   await page.waitForSelector('#rename-input');
@@ -60,9 +58,7 @@ test('a flight is renamed by keyboard', options, async () => {
 test('a deleted flight is in the trash at once, whatever happens to the page, and comes back from there', options, async () => {
   const opened = await setUp();
   const { page, mock } = opened;
-  const flight = mock.seedReady('Meadow');
-  await page.goto(`${mock.url}#/flights/${flight.id}`);
-  await mapIdle(page);
+  const flight = await openReady({ page, mock }, 'Meadow');
   await page.click('#flight-delete');
   await page.waitForSelector('.note-action');
   assert.equal(mock.flights.size, 0);
@@ -119,9 +115,7 @@ test('the first view is light, and the map library comes only with the first map
   const { page, mock } = opened;
   await page.waitForLoadState('networkidle');
   assert.ok(opened.transferred() < 400_000, `${opened.transferred()} bytes for the first view`);
-  const flight = mock.seedReady('Meadow');
-  await page.goto(`${mock.url}#/flights/${flight.id}`);
-  await mapIdle(page);
+  await openReady({ page, mock }, 'Meadow');
   await assertQuiet(opened);
 });
 

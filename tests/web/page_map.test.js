@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
 import { mapIdle } from './support/browser.js';
-import { assertAccessible, assertQuiet, options, usePages } from './support/pages.js';
+import { assertAccessible, assertQuiet, openReady, options, usePages } from './support/pages.js';
 import { screenshotPixels } from './support/pixels.js';
 
 const { setUp } = usePages();
@@ -11,9 +11,7 @@ const { setUp } = usePages();
 test('measuring by keyboard gives the true distance', options, async () => {
   const opened = await setUp({}, { locale: 'en-GB' });
   const { page, mock } = opened;
-  const flight = mock.seedReady('Meadow');
-  await page.goto(`${mock.url}#/flights/${flight.id}`);
-  await mapIdle(page);
+  await openReady({ page, mock }, 'Meadow');
   const jump = (lon, lat) => page.evaluate((c) => /** @type {any} */ (window).skyquilt.map.jumpTo({ center: c }), [lon, lat]);
   await page.click('#tool-distance');
   await page.locator('#map canvas').focus();
@@ -31,9 +29,7 @@ test('measuring by keyboard gives the true distance', options, async () => {
 test('an area after a distance starts anew, and an outline that crosses itself has none', options, async () => {
   const opened = await setUp({}, { locale: 'en-GB' });
   const { page, mock } = opened;
-  const flight = mock.seedReady('Meadow');
-  await page.goto(`${mock.url}#/flights/${flight.id}`);
-  await mapIdle(page);
+  await openReady({ page, mock }, 'Meadow');
   const add = async (/** @type {[number, number][]} */ places) => {
     for (const place of places) {
       await page.evaluate((c) => /** @type {any} */ (window).skyquilt.map.jumpTo({ center: c }), place);
@@ -131,9 +127,7 @@ test('the basemap of the server names its makers, and what they wrote is text', 
   const makers = 'Makers <b>& "Sons"</b><img src=x onerror=alert(1)>';
   const opened = await setUp({ basemap_makers: makers });
   const { page, mock } = opened;
-  const flight = mock.seedReady('Meadow');
-  await page.goto(`${mock.url}#/flights/${flight.id}`);
-  await mapIdle(page);
+  await openReady({ page, mock }, 'Meadow');
   await page.click('#tool-layers');
   await page.selectOption('#basemap', 'server');
   await page.waitForFunction((text) => document.querySelector('#map .maplibregl-ctrl-attrib-inner')?.textContent === text, makers);
@@ -147,9 +141,7 @@ test('the basemap of the server names its makers, and what they wrote is text', 
 test('the view is in the address once it was moved, and a reload or a link shows it again', options, async () => {
   const opened = await setUp();
   const { page, mock } = opened;
-  const flight = mock.seedReady('Meadow');
-  await page.goto(`${mock.url}#/flights/${flight.id}`);
-  await mapIdle(page);
+  const flight = await openReady({ page, mock }, 'Meadow');
   assert.equal(page.url(), `${mock.url}#/flights/${flight.id}`);
   const view = () => page.evaluate(() => {
     const { map } = /** @type {any} */ (window).skyquilt;
@@ -177,9 +169,7 @@ test('the view is in the address once it was moved, and a reload or a link shows
 test('from afar a mark shows where the map is, and a click on it goes there', options, async () => {
   const opened = await setUp();
   const { page, mock } = opened;
-  const flight = mock.seedReady('Meadow');
-  await page.goto(`${mock.url}#/flights/${flight.id}`);
-  await mapIdle(page);
+  const flight = await openReady({ page, mock }, 'Meadow');
   const marks = () => page.evaluate(() => /** @type {any} */ (window).skyquilt.map.queryRenderedFeatures({ layers: ['place-mark'] }).length);
   assert.equal(await marks(), 0);
   await page.evaluate(() => /** @type {any} */ (window).skyquilt.map.jumpTo({ zoom: 7 }));

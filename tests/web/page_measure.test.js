@@ -7,7 +7,7 @@ import { boundsOfData, OwnDataError, readOwnData } from '../../web/src/map/own_d
 import { loadFlightStrings } from '../../web/src/shared/flight_strings.js';
 import { areaIn, lengthIn, usualUnits } from '../../web/src/shared/units.js';
 import { mapIdle } from './support/browser.js';
-import { assertAccessible, assertQuiet, options, usePages } from './support/pages.js';
+import { assertAccessible, assertQuiet, openReady, options, usePages } from './support/pages.js';
 
 await loadFlightStrings();
 
@@ -67,9 +67,7 @@ test('GeoJSON of every kind is read, and what is none is refused with what to do
 test('points are dragged and undone, parts have their lengths, units are kept, the result is saved', options, async () => {
   const opened = await setUp({}, { viewport: { width: 1440, height: 900 }, locale: 'en-GB' });
   const { page, mock } = opened;
-  const flight = mock.seedReady('Meadow');
-  await page.goto(`${mock.url}#/flights/${flight.id}`);
-  await mapIdle(page);
+  await openReady({ page, mock }, 'Meadow');
   await page.click('#tool-distance');
   const box = await page.locator('#map').boundingBox();
   const click = (/** @type {number} */ x, /** @type {number} */ y) => page.mouse.click(box.x + x, box.y + y);
@@ -150,9 +148,7 @@ test('points are dragged and undone, parts have their lengths, units are kept, t
 test('a file that cannot be laid over the map is named with what to do', options, async () => {
   const opened = await setUp({}, { viewport: { width: 390, height: 844 }, isMobile: true, hasTouch: true });
   const { page, mock } = opened;
-  const flight = mock.seedReady('Meadow');
-  await page.goto(`${mock.url}#/flights/${flight.id}`);
-  await mapIdle(page);
+  await openReady({ page, mock }, 'Meadow');
   await page.click('#tool-layers');
   const kml = (/** @type {string} */ inside) => `<?xml version="1.0"?><kml xmlns="http://www.opengis.net/kml/2.2"><Document>${inside}</Document></kml>`;
   for (const [text, says] of /** @type {[string, RegExp][]} */ ([

@@ -5,7 +5,7 @@ import { test } from 'node:test';
 import { formOf, jobArea, kFormats, kLayers, kLimits, kMethods, kPresets, kStandard, optionsOf } from '../../web/src/flight/job_options.js';
 import { mapIdle } from './support/browser.js';
 import { photoFiles } from './support/photo_files.js';
-import { assertAccessible, assertQuiet, options, usePages } from './support/pages.js';
+import { assertAccessible, assertQuiet, openReady, options, usePages } from './support/pages.js';
 
 const { setUp } = usePages();
 const contract = JSON.parse(readFileSync(new URL('../../api/openapi.json', import.meta.url), 'utf8')).components.schemas.JobOptions.properties;
@@ -54,9 +54,7 @@ test('an area is sent with as many digits as mean anything, or refused', () => {
 
 test('a map is made again within an area from a file', options, async () => {
   const { page, mock } = await setUp({ job_ms: 300 });
-  const flight = mock.seedReady('Meadow');
-  await page.goto(`${mock.url}#/flights/${flight.id}`);
-  await mapIdle(page);
+  const flight = await openReady({ page, mock }, 'Meadow');
   await page.click('#processing-details summary');
   await page.click('#run-again');
   await page.waitForSelector('#options-dialog[open]');
@@ -76,9 +74,7 @@ for (const [screen, context] of /** @type {const} */ ([['laptop', {}], ['phone',
   test(`a map is made again with other options on a ${screen}, and a preset is kept`, options, async () => {
     const opened = await setUp({ job_ms: 300 }, context);
     const { page, mock } = opened;
-    const flight = mock.seedReady('Meadow');
-    await page.goto(`${mock.url}#/flights/${flight.id}`);
-    await mapIdle(page);
+    const flight = await openReady({ page, mock }, 'Meadow');
     await page.click('#processing-details summary');
     assert.match((await page.textContent('#processing-details')) ?? '', /Options\s*standard/);
     await page.click('#run-again');

@@ -2,8 +2,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { embeddedPicture } from '../../web/src/upload/exif_reader.js';
-import { mapIdle } from './support/browser.js';
-import { assertAccessible, assertQuiet, options, usePages } from './support/pages.js';
+import { assertAccessible, assertQuiet, openReady, options, usePages } from './support/pages.js';
 
 const { setUp } = usePages();
 
@@ -39,9 +38,7 @@ for (const [screen, context] of Object.entries({ laptop: { viewport: { width: 14
   test(`the photos of a place, the most vertical first, are stepped through on a ${screen}`, options, async () => {
     const opened = await setUp({}, context);
     const { page, mock } = opened;
-    const flight = mock.seedReady('Meadow');
-    await page.goto(`${mock.url}#/flights/${flight.id}`);
-    await mapIdle(page);
+    await openReady({ page, mock }, 'Meadow');
     await page.locator('#map canvas').focus();
     await page.keyboard.press('Enter');
     await page.waitForSelector('#photo-card:not([hidden])');

@@ -4,7 +4,7 @@ import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
 import { mapIdle } from './support/browser.js';
-import { assertAccessible, assertQuiet, options, usePages } from './support/pages.js';
+import { assertAccessible, assertQuiet, openReady, options, usePages } from './support/pages.js';
 import { photoFiles } from './support/photo_files.js';
 
 const { setUp } = usePages();
@@ -155,9 +155,7 @@ test('the panel says what counts first, and what to do with the map', options, a
 test('QGIS is given a token of its own where the server asks for one', options, async () => {
   const opened = await setUp({ has_tokens: true });
   const { page, mock } = opened;
-  const flight = mock.seedReady('Meadow');
-  await page.goto(`${mock.url}#/flights/${flight.id}`);
-  await mapIdle(page);
+  const flight = await openReady({ page, mock }, 'Meadow');
   await page.click('#flight-qgis');
   await page.click('#qgis-body #links-make');
   await page.waitForSelector('#qgis-file');

@@ -5,7 +5,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { test } from 'node:test';
 import { mapIdle } from './support/browser.js';
-import { assertAccessible, assertQuiet, options, usePages } from './support/pages.js';
+import { assertAccessible, assertQuiet, openReady, options, usePages } from './support/pages.js';
 import { photoFiles } from './support/photo_files.js';
 import { screenshotPixels } from './support/pixels.js';
 
@@ -176,9 +176,7 @@ test('a paused upload waits and goes on', options, async () => {
 test('a new revision of a map takes the place of the old one', options, async () => {
   const opened = await setUp({ job_ms: 800 });
   const { page, mock } = opened;
-  const flight = mock.seedReady('Meadow');
-  await page.goto(`${mock.url}#/flights/${flight.id}`);
-  await mapIdle(page);
+  const flight = await openReady({ page, mock }, 'Meadow');
   await page.setInputFiles('#files-input', photoFiles(20));
   await page.click('text=Add to this flight');
   await page.waitForSelector('#job');

@@ -210,6 +210,18 @@ test('the preview grows while photos arrive and gives way to the map without a f
     });
     await page.setInputFiles('#files-input', photos);
     assert.ok((await drawn(1)) > 60, 'the first photo is on the map while the others wait');
+    const phone = await openPage(browser, server.url, { viewport: { width: 390, height: 560 } });
+    const [flight] = (await (await fetch(`${server.url}api/v1/flights`)).json()).flights;
+    await phone.page.goto(`${server.url}#/flights/${flight.id}`);
+    await phone.page.waitForSelector('#preview-note:not([hidden])');
+    await mapIdle(phone.page);
+    const room_px = await phone.page.evaluate(([west, , , north]) => {
+      const map = /** @type {any} */ (window).skyquilt.map;
+      const note = /** @type {HTMLElement} */ (document.getElementById('preview-note')).getBoundingClientRect();
+      return map.project([west, north]).y + map.getContainer().getBoundingClientRect().top - note.bottom;
+    }, flight.preview.bounds);
+    assert.ok(room_px >= 0, `the note covers ${-room_px} px of the preview on a phone`);
+    await phone.context.close();
     const zoom_of_one = await page.evaluate(() => /** @type {any} */ (window).skyquilt.map.getZoom());
     release?.();
     // The middle of what has come may be where no photo has come yet. With all of them, and from there to the map, it

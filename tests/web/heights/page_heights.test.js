@@ -5,7 +5,7 @@ import { chartRange, knownRuns, roundTicks, sampleNear } from '../../../web/src/
 import { loadFlightStrings } from '../../../web/src/shared/flight_strings.js';
 import { heightIn } from '../../../web/src/shared/units.js';
 import { mapIdle } from '../support/browser.js';
-import { assertAccessible, assertQuiet, options, usePages } from '../support/pages.js';
+import { assertAccessible, assertQuiet, openReady, options, usePages } from '../support/pages.js';
 
 await loadFlightStrings();
 const { setUp } = usePages();
@@ -59,9 +59,7 @@ async function clickMap(page, at) {
 test('a distance has the heights of the ground below it; pointer and keys show the place on the map', options, async () => {
   const opened = await setUp({}, laptop);
   const { page, mock } = opened;
-  const flight = mock.seedReady('Hill');
-  await page.goto(`${mock.url}#/flights/${flight.id}`);
-  await mapIdle(page);
+  const flight = await openReady({ page, mock }, 'Hill');
   await page.selectOption('#language', 'en').catch(() => undefined);
   await page.waitForSelector('#tool-distance');
   await mapIdle(page);
@@ -79,7 +77,7 @@ test('a distance has the heights of the ground below it; pointer and keys show t
   const box = await page.locator('.height-picture').boundingBox();
   await page.mouse.move(box.x + box.width * 0.56, box.y + box.height / 2);
   await page.waitForSelector('.height-mark');
-  assert.match((await page.textContent('.height-told')) ?? '', /^56\d\.\d\sm after/);
+  assert.match((await page.textContent('.height-told')) ?? '', /^56\d\.\d\sm at/);
   const [mark, canvas] = [await page.locator('.height-mark').boundingBox(), await page.locator('.maplibregl-canvas').boundingBox()];
   assert.ok(Math.abs((mark.x + mark.width / 2 - canvas.x) / canvas.width - 0.5) < 0.02, 'the mark lies below the middle of the line');
   assert.ok(Math.abs((mark.y + mark.height / 2 - canvas.y) / canvas.height - 0.5) < 0.01);
@@ -107,9 +105,7 @@ test('a distance has the heights of the ground below it; pointer and keys show t
 test('the server is asked when a line rests, not at each step of a drag', options, async () => {
   const opened = await setUp({}, laptop);
   const { page, mock } = opened;
-  const flight = mock.seedReady('Drag');
-  await page.goto(`${mock.url}#/flights/${flight.id}`);
-  await mapIdle(page);
+  const flight = await openReady({ page, mock }, 'Drag');
   await page.click('#tool-distance');
   await clickMap(page, [[0.4, 0.5], [0.6, 0.5]]);
   await page.waitForSelector('#height-chart');
@@ -129,7 +125,7 @@ test('the server is asked when a line rests, not at each step of a drag', option
 test('maps without heights say so: made on level ground, or older', options, async () => {
   const opened = await setUp({}, phone);
   const { page, mock } = opened;
-  for (const [ground, says] of /** @type {['plane'|'none', RegExp][]} */ ([['plane', /ebenem Gelände|level ground/], ['none', /keine Geländehöhen|no ground heights/]])) {
+  for (const [ground, says] of /** @type {['plane'|'none', RegExp][]} */ ([['plane', /ebenes Gelände|level ground/], ['none', /keine Geländehöhen|no ground heights/]])) {
     const flight = mock.seedReady(ground);
     flight.ground = ground;
     await page.goto(`${mock.url}#/flights/${flight.id}`);
@@ -150,9 +146,7 @@ test('maps without heights say so: made on level ground, or older', options, asy
 test('on a phone the profile lies within the card, which scrolls', options, async () => {
   const opened = await setUp({}, phone);
   const { page, mock } = opened;
-  const flight = mock.seedReady('Phone');
-  await page.goto(`${mock.url}#/flights/${flight.id}`);
-  await mapIdle(page);
+  await openReady({ page, mock }, 'Phone');
   await page.click('#tool-distance');
   await clickMap(page, [[0.3, 0.85], [0.7, 0.8]]);
   await page.waitForSelector('#height-chart');

@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { mapIdle } from '../support/browser.js';
-import { assertAccessible, assertQuiet, options, usePages } from '../support/pages.js';
+import { assertAccessible, assertQuiet, openReady, options, usePages } from '../support/pages.js';
 import { photoFiles } from '../support/photo_files.js';
 
 const { setUp } = usePages();
@@ -104,9 +104,7 @@ test('an error of the server says in German what its code means, then its own se
 test('the language is switched on the page, and stays', options, async () => {
   const opened = await setUp({}, german);
   const { page, mock } = opened;
-  const flight = mock.seedReady('Wiese');
-  await page.goto(`${mock.url}#/flights/${flight.id}`);
-  await mapIdle(page);
+  const flight = await openReady({ page, mock }, 'Wiese');
   assert.deepEqual(await page.locator('#language option').allTextContents(), ['English', 'Deutsch']);
   assert.equal(await page.inputValue('#language'), 'de');
   const fetched = fetchedLanguages(page);

@@ -193,7 +193,7 @@ test('without the server notes wait in this browser, through a reload, and are s
   await page.route('**/notes', (route) => (route.request().method() === 'PUT' ? route.abort() : route.continue()));
   await write(page, 'Well', 'Deep.');
   await page.waitForSelector('#notes-state[data-state="waiting"]');
-  assert.match((await page.textContent('#notes-state')) ?? '', /kept in this browser/);
+  assert.match((await page.textContent('#notes-state')) ?? '', /Kept in this browser/);
   assert.equal(flight.notes.features.length, 0);
   await open(opened, flight);
   await page.waitForSelector('#note-list li');

@@ -4,8 +4,7 @@ import { test } from 'node:test';
 import { exportWords, wishOf } from '../../../web/src/flight/export_view.js';
 import { outlineOf } from '../../../web/src/map/outlines.js';
 import { loadFlightStrings } from '../../../web/src/shared/flight_strings.js';
-import { mapIdle } from '../support/browser.js';
-import { assertAccessible, assertQuiet, options, usePages } from '../support/pages.js';
+import { assertAccessible, assertQuiet, openReady, options, usePages } from '../support/pages.js';
 
 await loadFlightStrings();
 
@@ -36,9 +35,7 @@ for (const [screen, context] of /** @type {const} */ ([['laptop', {}], ['phone',
   test(`a map is exported, downloaded and deleted on a ${screen}, and refusals are said`, options, async () => {
     const opened = await setUp({}, context);
     const { page, mock } = opened;
-    const flight = mock.seedReady('Meadow');
-    await page.goto(`${mock.url}#/flights/${flight.id}`);
-    await mapIdle(page);
+    const flight = await openReady({ page, mock }, 'Meadow');
     await page.click('#flight-download');
     assert.equal(await page.locator('.download').count(), 4);
     await page.click('#export-open');
@@ -79,9 +76,7 @@ for (const [screen, context] of /** @type {const} */ ([['laptop', {}], ['phone',
 test('a map is cut to what is drawn, to a loaded file, or to one that is chosen there', options, async () => {
   const opened = await setUp();
   const { page, mock } = opened;
-  const flight = mock.seedReady('Meadow');
-  await page.goto(`${mock.url}#/flights/${flight.id}`);
-  await mapIdle(page);
+  const flight = await openReady({ page, mock }, 'Meadow');
   const file = (/** @type {string} */ name, /** @type {any} */ geometry) => ({ name, mimeType: 'application/geo+json', buffer: Buffer.from(JSON.stringify(geometry)) });
   await page.click('#tool-layers');
   await page.setInputFiles('#own-data-input', [file('field.geojson', { type: 'Polygon', coordinates: [ring] }), file('path.geojson', { type: 'LineString', coordinates: ring })]);

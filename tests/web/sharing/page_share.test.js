@@ -2,16 +2,14 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { mapIdle } from '../support/browser.js';
-import { assertAccessible, assertQuiet, options, usePages } from '../support/pages.js';
+import { assertAccessible, assertQuiet, openReady, options, usePages } from '../support/pages.js';
 
 const { setUp } = usePages();
 
 test('a link is made for as long as chosen, listed, and revoked', options, async () => {
   const opened = await setUp({ has_tokens: true });
   const { page, mock } = opened;
-  const flight = mock.seedReady('Meadow');
-  await page.goto(`${mock.url}#/flights/${flight.id}`);
-  await mapIdle(page);
+  const flight = await openReady({ page, mock }, 'Meadow');
   await page.click('#flight-share');
   await page.selectOption('#share-days', '7');
   await page.click('#share-make');
@@ -36,9 +34,7 @@ test('a link is made for as long as chosen, listed, and revoked', options, async
 test('where nobody needs a token the address itself is the link', options, async () => {
   const opened = await setUp();
   const { page, mock } = opened;
-  const flight = mock.seedReady('Meadow');
-  await page.goto(`${mock.url}#/flights/${flight.id}`);
-  await mapIdle(page);
+  const flight = await openReady({ page, mock }, 'Meadow');
   await page.click('#flight-share');
   await page.waitForSelector('#share-body input');
   assert.equal(await page.inputValue('#share-body input'), `${mock.url}#/flights/${flight.id}`);

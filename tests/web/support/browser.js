@@ -48,6 +48,7 @@ export async function launchBrowser() {
 export async function openPage(browser, url, options = {}) {
   const context = await browser.newContext({ viewport: { width: 1366, height: 768 }, ...options });
   const page = await context.newPage();
+  page.setDefaultTimeout(60_000);  // other tests may have the processor meanwhile
   const host = new URL(url).host;
   /** @type {string[]} */
   const foreign_requests = [];

@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { after, afterEach, before } from 'node:test';
-import { launchBrowser, missingForBrowser, openPage, packageFile } from './browser.js';
+import { launchBrowser, mapIdle, missingForBrowser, openPage, packageFile } from './browser.js';
 import { startMockServer } from './mock_server.js';
 
 const missing = missingForBrowser();
@@ -33,12 +33,22 @@ export function usePages() {
   return { setUp, cleanUp: (/** @type {() => Promise<void>} */ clean) => cleanups.push(clean) };
 }
 
+/** A flight whose map is there, opened. @param {{page: any, mock: any}} opened @param {string} name @param {number} [photos] */
+export async function openReady({ page, mock }, name, photos) {
+  const flight = mock.seedReady(name, photos);
+  await page.goto(`${mock.url}#/flights/${flight.id}`);
+  await mapIdle(page);
+  return flight;
+}
+
 export async function assertQuiet(opened, expected_errors = []) {
   assert.deepEqual(opened.foreign_requests, []);
   assert.deepEqual(opened.console_errors.filter((text) => !expected_errors.some((pattern) => pattern.test(text))), []);
 }
 
 export async function assertAccessible(page, where) {
+  // A colour on its way to another has the contrast of neither.
+  await page.evaluate(() => Promise.allSettled(document.getAnimations().filter((one) => one.effect?.getComputedTiming().iterations !== Infinity).map((one) => one.finished)));
   if (!(await page.evaluate(() => 'axe' in window))) await page.evaluate(readFileSync(packageFile('axe-core/axe.min.js'), 'utf8'));
   const { violations } = await page.evaluate(() => /** @type {any} */ (window).axe.run(document, { resultTypes: ['violations'], rules: { 'target-size': { enabled: true } } }));
   const found = violations.map((v) => `${v.id}: ${v.nodes.map((n) => n.target.join(' ')).join(', ')} (${v.nodes[0].failureSummary})`);

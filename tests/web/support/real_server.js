@@ -35,7 +35,7 @@ export async function startServer(data, listen = '127.0.0.1:0', options = []) {
   const url = await new Promise((resolve, reject) => {
     const read = (/** @type {Buffer} */ chunk) => {
       output += chunk;
-      const match = output.match(/serving at (http:\/\/127\.0\.0\.1:\d+\/)/);
+      const match = output.match(/serving at (http:\/\/127\.0\.0\.1:\d+\/(?:\w+\/)?)/);
       if (match) resolve(match[1]);
     };
     child.stdout.on('data', read);

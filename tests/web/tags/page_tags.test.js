@@ -6,7 +6,7 @@ import { hasTags, tagCounts } from '../../../web/src/home/flight_list.js';
 import { typedTags } from '../../../web/src/flight/flight_tags.js';
 import { parseRoute, routeHash } from '../../../web/src/shared/router.js';
 import { mapIdle } from '../support/browser.js';
-import { assertAccessible, assertQuiet, options, usePages } from '../support/pages.js';
+import { assertAccessible, assertQuiet, openReady, options, usePages } from '../support/pages.js';
 
 const { setUp } = usePages();
 const laptop = { viewport: { width: 1440, height: 900 } };
@@ -83,9 +83,8 @@ test('a tag is added by keyboard and taken off by its cross', options, async () 
   await assertAccessible(page, 'a tag is being typed');
   await page.keyboard.type('north, Größe');
   await page.keyboard.press('Enter');
-  await page.waitForFunction(() => document.querySelectorAll('#flight-tags .tag').length === 2);
+  await page.waitForFunction(() => document.querySelectorAll('#flight-tags .tag').length === 2 && document.activeElement?.id === 'tag-add');
   assert.deepEqual(flight.tags, ['north', 'Größe']);
-  assert.equal(await page.evaluate(() => document.activeElement?.id), 'tag-add');
   await page.keyboard.press('Enter');
   await page.keyboard.type('never');
   await page.keyboard.press('Escape');
@@ -96,11 +95,29 @@ test('a tag is added by keyboard and taken off by its cross', options, async () 
   await assertQuiet(opened);
 });
 
+test('a tag that is being typed when a job ends is taken whole', options, async () => {
+  const opened = await setUp({ job_ms: 1500 }, laptop);
+  const { page, mock } = opened;
+  const flight = await openReady({ page, mock }, 'Again');
+  await page.click('#processing-details summary');
+  await page.click('#run-again');
+  await page.click('#options-submit');
+  await page.waitForSelector('#options-dialog', { state: 'detached' });
+  await page.click('#tag-add');
+  await page.keyboard.type('nor');
+  await page.waitForFunction(() => document.querySelector('.flight-view .work')?.childElementCount === 0);
+  assert.equal(flight.job?.state, 'successful');
+  await page.keyboard.type('th');
+  await page.keyboard.press('Enter');
+  await page.waitForFunction(() => document.querySelectorAll('#flight-tags .tag').length === 1 && document.activeElement?.id === 'tag-add');
+  assert.deepEqual(flight.tags, ['north']);
+  await assertQuiet(opened);
+});
+
 test('where old flights go to the trash, one is marked to be kept', options, async () => {
   const opened = await setUp({ keep_days: 90 }, phone);
   const { page, mock } = opened;
-  const flight = mock.seedReady('Old');
-  await page.goto(`${mock.url}#/flights/${flight.id}`);
+  const flight = await openReady({ page, mock }, 'Old');
   await page.waitForSelector('#flight-keep');
   assert.match((await page.textContent('#flight-keep-hint')) ?? '', /90 days/);
   await page.focus('#flight-keep');
