@@ -67,7 +67,8 @@ function(skyquilt_library name)
 endfunction()
 
 # skyquilt_test(name SOURCES ... DEPS ... LABELS ... [TIMEOUT seconds])
-# One executable a folder; every GoogleTest case in it becomes a ctest test.
+# One executable a folder; every GoogleTest case in it becomes a ctest test. Where SKYQUILT_UNITY is on, a few sources are
+# compiled as one: most of the time of each goes into reading the same headers.
 function(skyquilt_test name)
   cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;DEPS;LABELS" ${ARGN})
   if(NOT SKYQUILT_TESTS)
@@ -78,6 +79,9 @@ function(skyquilt_test name)
   endif()
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE skyquilt_flags ${ARG_DEPS} GTest::gmock GTest::gtest GTest::gtest_main)
+  if(SKYQUILT_UNITY)
+    set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+  endif()
   if("concurrency" IN_LIST ARG_LABELS)
     if(NOT TARGET skyquilt_concurrency_tests)
       add_custom_target(skyquilt_concurrency_tests)  # what ThreadSanitizer is built for

@@ -1,13 +1,13 @@
-"""Fails when two sources of a library (of a LARGE one: in the same folder) define the same name in their unnamed namespaces:
-the release configuration compiles them as one (cmake/Skyquilt.cmake), where such names meet. What is the same thing belongs in one
-header; what is not deserves a name that tells it apart."""
+"""Fails when two sources of a library (of a LARGE one: in the same folder) or of a test program define the same name in their
+unnamed namespaces: the release configuration compiles them as one (cmake/Skyquilt.cmake), where such names meet. What is the
+same thing belongs in one header; what is not deserves a name that tells it apart."""
 import collections
 import pathlib
 import re
 import sys
 
 ROOT = pathlib.Path(sys.argv[1])
-LIBRARY = re.compile(r"skyquilt_library\((\w+)( LARGE)?([^)]*)\)")
+LIBRARY = re.compile(r"skyquilt_(?:library|test)\((\w+)( LARGE)?([^)]*)\)")
 OPENING = re.compile(r"^namespace \{$.*?^\}  // namespace$", re.M | re.S)
 # Definitions at the left margin; overloads that differ in their parameters may share a name.
 DEFINED = [
@@ -53,7 +53,9 @@ for lists in sorted(ROOT.rglob("CMakeLists.txt")):
             if path.exists():
                 for name, meaning in names_of(path).items():
                     owners[path.parent if is_large else "", *name].append((path.relative_to(ROOT).as_posix(), meaning))
-        for (_, name, parameters), places in sorted(owners.items()):
+        for (group, name, parameters), places in sorted(owners.items()):
+            if parameters:  # a function meets a type or a constant of its name
+                places = places + owners.get((group, name, ""), [])
             if len({meaning for _, meaning in places}) > 1:
                 paths = [path for path, _ in places]
                 problems.append(f"{library}: {name}{parameters} is defined in {', '.join(paths)}")

@@ -82,13 +82,14 @@ class Catalogue(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.postgres = PostgresServer()
-        with Server("--catalogue", cls.postgres.url) as server:
-            for _ in range(4):
-                asked = urllib.request.Request(f"{server.url}/api/v1/flights", b"{}", {"Content-Type": "application/json"})
-                urllib.request.urlopen(asked, timeout=60).close()
+        cls.server = Server("--catalogue", cls.postgres.url)
+        for _ in range(4):
+            asked = urllib.request.Request(f"{cls.server.url}/api/v1/flights", b"{}", {"Content-Type": "application/json"})
+            urllib.request.urlopen(asked, timeout=60).close()
 
     @classmethod
     def tearDownClass(cls):
+        cls.server.__exit__()
         cls.postgres.close()
 
     def rows(self, sql):
@@ -114,6 +115,24 @@ class Catalogue(unittest.TestCase):
         self.rows("INSERT INTO stage_cost VALUES('a', 'check', 10, 5), ('b', 'check', 10, 15), ('b', 'render', 10, 40)")
         self.assertEqual(len(IN_POSTGRES), 2)
         self.assertEqual([self.rows(sql) for sql in IN_POSTGRES], [["look|waiting|3|0"], ["render|4", "check|1"]])
+
+    def test_a_node_counts_the_units_of_all(self):
+        self.add_job("cut", "running", "units", 1 << 53)
+        self.add_units("cut", "waiting", 3)
+        self.rows("UPDATE unit SET waiting_us = now_us() - 90000000 WHERE number = 1; UPDATE unit SET waiting_us = now_us() WHERE number > 1")
+        self.add_units("cut", "running", 2)
+        self.rows("UPDATE unit SET attempts = 3, lease_until_us = now_us() + 60000000 WHERE state = 'running'")
+        self.add_units("cut", "done", 4)
+        self.rows("UPDATE unit SET attempts = 1 WHERE state = 'done'")
+        text = urllib.request.urlopen(f"{self.server.url}/metrics", timeout=60).read().decode()
+        values = {key: float(value) for key, value in re.findall(r"^(skyquilt_unit\S+) (\S+)$", text, re.M)}
+        self.assertGreaterEqual(values.pop('skyquilt_unit_longest_waiting_seconds{kind="look"}'), 90)
+        self.assertEqual(values, {
+            'skyquilt_units{kind="look",state="waiting"}': 3, 'skyquilt_units{kind="look",state="running"}': 2,
+            'skyquilt_units{kind="look",state="done"}': 4, 'skyquilt_unit_failed_attempts{kind="look"}': 4,
+            'skyquilt_units{kind="render",state="waiting"}': 0, 'skyquilt_units{kind="render",state="running"}': 0,
+            'skyquilt_units{kind="render",state="done"}': 0, 'skyquilt_unit_failed_attempts{kind="render"}': 0,
+            'skyquilt_unit_longest_waiting_seconds{kind="render"}': 0})
 
     def test_kubernetes_starts_one_worker_for_each_thing_to_do(self):
         try:
