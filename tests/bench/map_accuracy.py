@@ -1,7 +1,7 @@
 """How true finished maps are: simulates flights, stitches them with the real program and compares every map with
 the world it shows, patch by patch.
 
-    python3 tests/bench/map_accuracy.py PROGRAM [--seeds N] [--only NAME] [--photos N] [--method M] [--keep DIR]
+    python3 tests/bench/map_accuracy.py PROGRAM [--seeds N] [--first-seed N] [--only NAME] [--photos N] [--method M] [--keep DIR]
 
 Scenarios whose photos or records are spoilt on purpose (harsh_flights.py) come after the plain ones; --only harsh
 takes all of those.
@@ -196,7 +196,8 @@ TOLD = {"rolling": ["--readout-ms", "60"]}
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program")
-    parser.add_argument("--seeds", type=int, default=1)
+    parser.add_argument("--seeds", type=int, default=1, help="how many")
+    parser.add_argument("--first-seed", type=int, default=1)
     parser.add_argument("--only", action="append", choices=[*SCENARIOS, *harsh_flights.HARSH, "harsh"])
     parser.add_argument("--photos", default="24")
     parser.add_argument("--method", default=None)
@@ -209,7 +210,7 @@ def main():
     if "harsh" in wanted:
         wanted = [name for name in wanted if name != "harsh"] + [*harsh_flights.HARSH]
     for name in wanted:
-        for seed in range(1, options.seeds + 1):
+        for seed in range(options.first_seed, options.first_seed + options.seeds):
             folder = scratch / f"{name}_{seed}"
             if not (folder / "truth").is_dir():
                 if name in SCENARIOS:

@@ -22,6 +22,7 @@ import time
 import urllib.request
 
 
+WHOLE = ["--cut-above", "0"]
 TESTS = pathlib.Path(__file__).resolve().parents[2]
 sys.path += [str(TESTS / "support"), str(TESTS / "e2e")]
 
@@ -90,16 +91,20 @@ def main():
     parser.add_argument("photos")
     parser.add_argument("workers", nargs="+", type=int)
     parser.add_argument("--machines", action="store_true", help="a data folder for each worker, PostgreSQL and S3 between them")
+    parser.add_argument("--cut-above", type=int, help="files from which on the flight is cut, for a smaller one")
+    parser.add_argument("--part-files", type=int, help="files of a unit that looks")
     parser.add_argument("--uncut-cpu-s", type=float, help="what the flight takes uncut, if that was measured a moment ago")
     options = parser.parse_args()
     print(f"{'workers':12} {'wall s':>8} {'CPU s':>8} {'ratio':>6} {'peak MiB':>9}  mbtiles       pmtiles")
+    cut = [word for name in ("cut_above", "part_files") if (value := getattr(options, name)) is not None
+           for word in (f"--{name.replace(chr(95), chr(45))}", str(value))]
     whole = options.uncut_cpu_s
-    runs = [] if whole else [(1, ["--cut-above", "0"])]
-    for workers, words in [*runs, *((count, []) for count in options.workers)]:
+    runs = [] if whole else [(1, WHOLE)]
+    for workers, words in [*runs, *((count, cut) for count in options.workers)]:
         with machines() if options.machines else contextlib.nullcontext([]) as storage:
             state, wall_s, cpu_s, peak_mib, mbtiles, pmtiles = run(options.program, options.photos, workers, words, storage)
         whole = whole or cpu_s
-        name = "1, not cut" if words else str(workers)
+        name = "1, not cut" if words == WHOLE else str(workers)
         print(f"{name:12} {wall_s:8.0f} {cpu_s:8.1f} {cpu_s / whole:6.2f} {peak_mib:9.0f}  {mbtiles}  {pmtiles}  {state}",
               flush=True)
 

@@ -10,7 +10,7 @@ const count = Number(process.argv[2] ?? 300);
 const rounds = Number(process.argv[3] ?? 5);
 const median = (/** @type {number[]} */ values) => values.sort((a, b) => a - b)[Math.floor(values.length / 2)];
 
-const mock = await startMockServer({ page_limit: 200 });
+const mock = await startMockServer({ page_limit: 500 });
 seedMany(mock, count);
 const browser = await launchBrowser();
 try {

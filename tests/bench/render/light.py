@@ -6,6 +6,9 @@ own gradient the map has.
 
     python3 tests/bench/render/light.py PROGRAM [--seeds N] [--photos N] [--by PROGRAM]
 
+"Recorded": the photos' exposure times say how each was exposed. Where they do not, overlaps cannot tell the plane in exposures
+that differ at random by 5 % from one of the field: about 5 % x sqrt(2 / photos) rms, 0.9 % for 60 photos.
+
 Needs numpy and GDAL.
 """
 import argparse
@@ -25,6 +28,9 @@ FLIGHTS = {
     "lens, exposure": ["--vignetting", "0.25", "--exposure-jitter", "0.05"],
     "lens, exposure, sun": ["--vignetting", "0.25", "--exposure-jitter", "0.05", "--hot-spot", "0.25"],
     "field": ["--gradient-per-km", "1.5"],
+    "recorded exposure, sun": ["--vignetting", "0.25", "--exposure-jitter", "0.05", "--exposure-recorded", "--hot-spot", "0.25"],
+    "recorded exposure, sun, field": ["--vignetting", "0.25", "--exposure-jitter", "0.05", "--exposure-recorded", "--hot-spot", "0.25",
+                                      "--gradient-per-km", "1.5"],
     "lens, exposure, sun, field": ["--vignetting", "0.25", "--exposure-jitter", "0.05", "--hot-spot", "0.25", "--gradient-per-km", "1.5"],
 }
 
@@ -66,7 +72,7 @@ def main():
     parser.add_argument("--photos", default="60")
     parser.add_argument("--by", help="another skyquilt, which stitches the flights that PROGRAM simulates")
     options = parser.parse_args()
-    print(f"{'flight':28}{'seed':>5}{'rms':>9}{'plane':>9}{'rest':>9}{'gradient kept':>15}", flush=True)
+    print(f"{'flight':30}{'seed':>5}{'rms':>9}{'plane':>9}{'rest':>9}{'gradient kept':>15}", flush=True)
     for name, words in FLIGHTS.items():
         for seed in range(1, options.seeds + 1):
             with tempfile.TemporaryDirectory(prefix="skyquilt_light_") as scratch:
@@ -78,7 +84,7 @@ def main():
                                capture_output=True)
                 gradient = float(words[words.index("--gradient-per-km") + 1]) if "--gradient-per-km" in words else 0.0
                 rms, plane, rest, kept = measure(folder, gradient)
-            print(f"{name:28}{seed:5}{100 * rms:8.2f}%{100 * plane:8.2f}%{100 * rest:8.2f}%"
+            print(f"{name:30}{seed:5}{100 * rms:8.2f}%{100 * plane:8.2f}%{100 * rest:8.2f}%"
                   f"{'' if kept is None else f'{100 * kept:.1f}%':>15}", flush=True)
 
 
