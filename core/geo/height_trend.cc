@@ -8,6 +8,7 @@
 
 #include "core/base/median.h"
 #include "core/geo/bounds.h"
+#include "core/geo/solvers/dense_solvers.h"
 
 namespace skyquilt::geo {
 namespace {
@@ -83,7 +84,7 @@ HeightTrend FitShape(const std::vector<Eigen::Vector3d>& points_in_enu, Shape sh
       right += weight * points_in_enu[i].z() * row;
     }
     Row solved = Row::Zero();
-    solved.head(terms) = normal.ldlt().solve(right);
+    solved.head(terms) = SolveSymmetric(normal, right);
     trend.height_m = solved[0];
     trend.slope = solved.segment<2>(1) / reach_m;
     trend.bowl_per_m = solved[3] / (reach_m * reach_m);

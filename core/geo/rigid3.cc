@@ -35,4 +35,14 @@ Eigen::Vector3d VectorFromRotation(const Eigen::Quaterniond& rotation) {
   return (2.0 * std::atan2(sine, q.w()) / sine) * q.vec();
 }
 
+Eigen::Quaterniond RotationToZ(const Eigen::Vector3d& direction) {
+  const Eigen::Vector3d from = direction.normalized();
+  const Eigen::Vector3d to = Eigen::Vector3d::UnitZ();
+  const double cosine = to.dot(from);
+  if (cosine < -1.0 + 1e-12) return {0.0, 1.0, 0.0, 0.0};  // opposite: half a turn about any level axis
+  const double twice = std::sqrt((1.0 + cosine) * 2.0);
+  const Eigen::Vector3d axis = from.cross(to) * (1.0 / twice);
+  return {0.5 * twice, axis.x(), axis.y(), axis.z()};
+}
+
 }  // namespace skyquilt::geo

@@ -27,4 +27,8 @@ struct Rigid3 {
 Eigen::Quaterniond RotationFromVector(const Eigen::Vector3d& omega_rad);
 Eigen::Vector3d VectorFromRotation(const Eigen::Quaterniond& rotation);
 
+// The shortest rotation of this direction (of any length but 0) into that of z. Eigen's FromTwoVectors brings
+// a decomposition along for each kind of argument, which takes its callers 15 seconds to compile.
+Eigen::Quaterniond RotationToZ(const Eigen::Vector3d& direction);
+
 }  // namespace skyquilt::geo

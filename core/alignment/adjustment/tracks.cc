@@ -6,6 +6,8 @@
 #include <limits>
 #include <numeric>
 
+#include "core/geo/solvers/dense_solvers.h"
+
 namespace skyquilt::alignment {
 namespace {
 
@@ -105,7 +107,7 @@ bool Triangulate(const std::vector<View>& views, Track& track) {
     normal += across;
     right += across * cam_from_enu.TargetOriginInSource();
   }
-  track.point_in_enu = normal.ldlt().solve(right);
+  track.point_in_enu = geo::SolveSymmetric(normal, right);
   for (const Observation& seen : track.observations) {
     const View& view = views[seen.photo];
     const double depth = (view.cam_from_enu * track.point_in_enu).z();

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <opencv2/calib3d.hpp>
 
+#include "core/geo/solvers/dense_solvers.h"
+
 namespace skyquilt::alignment {
 namespace {
 
@@ -67,10 +69,10 @@ std::optional<Eigen::Matrix3d> FitHomography(const std::vector<PlanePair>& pairs
         from.transpose(), Eigen::RowVector3d::Zero(), -to.x() * from.transpose();
     square += rows.transpose() * rows;
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 9, 9>> solver(square);
+  const geo::SymmetricEigen eigen = geo::EigenOfSymmetric(square);
   // A second vanishing eigenvalue: the pairs leave the map open.
-  if (solver.eigenvalues()[1] < 1e-12 * solver.eigenvalues()[8]) return std::nullopt;
-  const Eigen::Matrix<double, 9, 1> h = solver.eigenvectors().col(0);
+  if (!eigen.converged || eigen.values[1] < 1e-12 * eigen.values[8]) return std::nullopt;
+  const Eigen::Matrix<double, 9, 1> h = eigen.vectors.col(0);
   Eigen::Matrix3d normal;
   normal << h[0], h[1], h[2], h[3], h[4], h[5], h[6], h[7], h[8];
   Eigen::Matrix3d to_from = normal_to->inverse() * normal * *normal_from;

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "core/alignment/view_graph/sampler.h"
+#include "core/geo/solvers/dense_solvers.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -27,11 +28,11 @@ std::vector<double> RealRoots(const std::array<double, 5>& polynomial) {  // of 
   Eigen::Matrix4d companion = Eigen::Matrix4d::Zero();
   for (int k = 0; k < 4; ++k) companion(0, k) = -polynomial[static_cast<std::size_t>(k + 1)] / leading;
   for (int k = 0; k < 3; ++k) companion(k + 1, k) = 1.0;
-  const Eigen::EigenSolver<Eigen::Matrix4d> solver(companion, false);
-  if (solver.info() != Eigen::Success) return {};
+  const geo::ComplexEigen eigen = geo::EigenOfSquare(companion, false);
+  if (!eigen.converged) return {};
   std::vector<double> roots;
   for (int k = 0; k < 4; ++k) {
-    const std::complex<double> root = solver.eigenvalues()[k];
+    const std::complex<double> root = eigen.values[k];
     if (std::abs(root.imag()) < 1e-4 * (1.0 + std::abs(root.real()))) roots.push_back(root.real());
   }
   return roots;
@@ -152,7 +153,7 @@ geo::Rigid3 RefineResection(const camera::Intrinsics& lens, const geo::Rigid3& s
       right -= weight * slope.transpose() * residual;
     }
     normal.diagonal() *= 1.0 + damping;
-    const geo::Rigid3 next = nudged(pose, normal.ldlt().solve(right));
+    const geo::Rigid3 next = nudged(pose, geo::SolveSymmetric(normal, right));
     const double then = cost(next);
     if (!(then < now)) {
       damping *= 10.0;

@@ -9,6 +9,7 @@
 
 #include "core/base/median.h"
 #include "core/base/parallel_for.h"
+#include "core/geo/solvers/dense_solvers.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -113,7 +114,7 @@ void Block::Triangulate(int track) {
       for (std::size_t m = 0; m < k; ++m) min_cosine = std::min(min_cosine, rays[k].dot(rays[m]));
     }
     if (min_cosine > std::cos(kMinAngleOfPointRad)) break;
-    const Eigen::Vector3d point = normal.ldlt().solve(right);
+    const Eigen::Vector3d point = geo::SolveSymmetric(normal, right);
     double most = 0.0;
     std::size_t worst = 0;
     for (std::size_t k = 0; k < kept.size(); ++k) {

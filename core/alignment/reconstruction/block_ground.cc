@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/base/median.h"
+#include "core/geo/rigid3.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -33,7 +34,7 @@ BlockGround::BlockGround(const Block& block) : block_(&block), level_(block.inpu
       above += up.dot(block.Pose(static_cast<int>(i)).TargetOriginInSource() - middle_);
   }
   if (above < 0.0) up = -up;
-  ground_from_world_ = Eigen::Quaterniond::FromTwoVectors(up, Vector3d::UnitZ());
+  ground_from_world_ = geo::RotationToZ(up);
   std::vector<std::vector<double>> seen(level_.size());
   for (const int t : points) {
     const auto& track = block.scene().tracks[static_cast<std::size_t>(t)];

@@ -7,6 +7,7 @@
 
 #include "core/alignment/view_graph/sampler.h"
 #include "core/base/median.h"
+#include "core/geo/solvers/dense_solvers.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -96,7 +97,7 @@ Similarity3 Refine(const Similarity3& start, const std::vector<PlacePair>& pairs
       right -= weight * slope.transpose() * leaning.head<2>();
     }
     normal.diagonal().array() += 1e-12 * normal.diagonal().maxCoeff() + 1e-15;
-    const Vector7d by = normal.ldlt().solve(right);
+    const Vector7d by = geo::SolveSymmetric(normal, right);
     if (!by.allFinite()) break;
     const Eigen::Quaterniond turn = geo::RotationFromVector(by.head<3>());
     const double grow = std::exp(std::clamp(by[3], -1.0, 1.0));
@@ -151,8 +152,7 @@ std::optional<FittedSimilarity> FitRobustly(const std::vector<PlacePair>& pairs,
                                             const std::optional<UpDirection>& up, double max_residual_share) {
   const int count = static_cast<int>(pairs.size());
   if (count < (up ? 2 : 3)) return std::nullopt;
-  const Eigen::Quaterniond level = up ? Eigen::Quaterniond::FromTwoVectors(up->in_source, Vector3d::UnitZ())
-                                      : Eigen::Quaterniond::Identity();
+  const Eigen::Quaterniond level = up ? geo::RotationToZ(up->in_source) : Eigen::Quaterniond::Identity();
   Sampler sampler(static_cast<std::uint64_t>(count));
   std::optional<Similarity3> best;
   double least = 0.0;

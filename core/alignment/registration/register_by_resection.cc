@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "core/base/parallel_for.h"
+#include "core/geo/solvers/dense_solvers.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -167,7 +168,7 @@ class Resection {
       }
       const double climbed_m = pose.TargetOriginInSource().z() - believed.TargetOriginInSource().z();
       add(Eigen::Matrix<double, 1, 6>::Unit(5), climbed_m, kSigmaHeightShare * height_m_);
-      pose = Nudged(pose, normal.ldlt().solve(right));
+      pose = Nudged(pose, geo::SolveSymmetric(normal, right));
     }
     return pose;
   }

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "core/geo/rigid3.h"
+#include "core/geo/solvers/dense_solvers.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -92,11 +93,10 @@ std::optional<Matrix3d> FitHomography(const std::vector<RayPair>& pairs, const s
         a.transpose(), -b.y() * a.transpose();
     normal += rows.transpose() * rows;
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 9, 9>> solver(normal);
+  const geo::SymmetricEigen eigen = geo::EigenOfSymmetric(normal);
   // Two ways to map them alike well: three of four lie on a line.
-  if (solver.info() != Eigen::Success || solver.eigenvalues()[1] < 1e-9 * solver.eigenvalues()[8])
-    return std::nullopt;
-  const Eigen::Matrix<double, 9, 1> found = solver.eigenvectors().col(0);
+  if (!eigen.converged || eigen.values[1] < 1e-9 * eigen.values[8]) return std::nullopt;
+  const Eigen::Matrix<double, 9, 1> found = eigen.vectors.col(0);
   Matrix3d unit;
   unit << found[0], found[1], found[2], found[3], found[4], found[5], found[6], found[7], found[8];
   const Matrix3d homography = of_second.inverse() * unit * of_first;
@@ -170,8 +170,7 @@ std::vector<Matrix3d> EssentialsOfFive(const std::array<RayPair, 5>& pairs) {
     const Vector3d b = pairs[static_cast<std::size_t>(k)].second.homogeneous();
     for (int r = 0; r < 3; ++r) rows.block<1, 3>(k, 3 * r) = b[r] * a.transpose();
   }
-  const Eigen::FullPivHouseholderQR<Eigen::Matrix<double, 9, 5>> qr(rows.topRows<5>().transpose());
-  const Eigen::Matrix<double, 9, 9> q = qr.matrixQ();
+  const Eigen::Matrix<double, 9, 9> q = geo::OrthonormalBasis(rows.topRows<5>().transpose());
   // The matrix's entries, each linear in the unknowns.
   Linear entry[3][3];
   for (int r = 0; r < 3; ++r) {
@@ -203,19 +202,19 @@ std::vector<Matrix3d> EssentialsOfFive(const std::array<RayPair, 5>& pairs) {
       (Times(minor(1, 2), entry[0][0]) + Times(minor(2, 0), entry[0][1]) + Times(minor(0, 1), entry[0][2]))
           .transpose();
   // The cubic terms by the others, and with that what multiplying by x does to the ten others.
-  const Eigen::FullPivLU<Eigen::Matrix<double, 10, 10>> lu(constraints.leftCols<10>());
-  if (!lu.isInvertible()) return {};
-  const Eigen::Matrix<double, 10, 10> reduced = lu.solve(constraints.rightCols<10>());
-  Eigen::Matrix<double, 10, 10> action = Eigen::Matrix<double, 10, 10>::Zero();
-  for (int r = 0; r < 6; ++r) action.row(r) = -reduced.row(r);
+  const std::optional<Eigen::MatrixXd> reduced =
+      geo::SolveSquare(constraints.leftCols<10>(), constraints.rightCols<10>());
+  if (!reduced) return {};
+  Eigen::MatrixXd action = Eigen::MatrixXd::Zero(10, 10);
+  for (int r = 0; r < 6; ++r) action.row(r) = -reduced->row(r);
   action(6, 0) = action(7, 1) = action(8, 2) = action(9, 6) = 1.0;
-  const Eigen::EigenSolver<Eigen::Matrix<double, 10, 10>> solver(action);
-  if (solver.info() != Eigen::Success) return {};
+  const geo::ComplexEigen eigen = geo::EigenOfSquare(action, true);
+  if (!eigen.converged) return {};
   std::vector<Matrix3d> found;
   for (int k = 0; k < 10; ++k) {
-    const std::complex<double> value = solver.eigenvalues()[k];
+    const std::complex<double> value = eigen.values[k];
     if (std::abs(value.imag()) > 1e-8 * (1.0 + std::abs(value.real()))) continue;
-    const Eigen::Matrix<double, 10, 1> vector = solver.eigenvectors().col(k).real();
+    const Eigen::Matrix<double, 10, 1> vector = eigen.vectors.col(k).real();
     if (std::abs(vector[9]) < 1e-12) continue;
     Linear at;
     at << vector[6] / vector[9], vector[7] / vector[9], vector[8] / vector[9], 1.0;
@@ -315,7 +314,7 @@ RelativePose RefinePose(const RelativePose& start, const std::vector<RayPair>& p
     Eigen::Matrix<double, 5, 5> damped = normal;
     damped.diagonal() *= 1.0 + damping;
     damped.diagonal().array() += 1e-12 * normal.diagonal().maxCoeff();
-    const Vector5d by = damped.ldlt().solve(right);
+    const Vector5d by = geo::SolveSymmetric(damped, right);
     const RelativePose next = nudged(pose, by);
     const double then = cost(next);
     if (then < now) {

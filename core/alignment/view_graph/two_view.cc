@@ -7,6 +7,7 @@
 
 #include "core/alignment/view_graph/sampler.h"
 #include "core/base/median.h"
+#include "core/geo/solvers/dense_solvers.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -87,7 +88,7 @@ std::vector<int> FollowLoosely(const TwoViewPhoto& first, const TwoViewPhoto& se
       right += a * to[static_cast<std::size_t>(m)].transpose();
     }
     normal.diagonal().array() += 1e-9 * normal.trace();
-    const Eigen::Matrix<double, 3, 2> fitted = normal.ldlt().solve(right);
+    const Eigen::Matrix<double, 3, 2> fitted = geo::SolveSymmetric(normal, right);
     Motion motion;
     motion.linear = fitted.topRows<2>().transpose();
     motion.shift = fitted.row(2).transpose();
@@ -242,7 +243,7 @@ double Frontal(const RelativePose& pose, const std::vector<RayPair>& pairs, cons
     right += ray / depths->x();
   }
   normal.diagonal().array() += 1e-12;
-  const Vector3d of_plane = normal.ldlt().solve(right).normalized();
+  const Vector3d of_plane = Vector3d(geo::SolveSymmetric(normal, right)).normalized();
   return std::min(std::abs(of_plane.z()), std::abs((pose.rotation * of_plane).z()));
 }
 

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "core/geo/lat_lon.h"
+#include "core/geo/rigid3.h"
 #include "core/poses/smoother/chain_timeline.h"
 #include "core/poses/so3.h"
 
@@ -81,7 +82,7 @@ class Guesser {
     }
     if (count < 20) return;
     rate /= count;
-    const Quaterniond level = Quaterniond::FromTwoVectors(force, Vector3d::UnitZ());
+    const Quaterniond level = geo::RotationToZ(force);
     double heading = 0.0;
     for (const Marker& m : input_.markers) {
       if (m.yaw_rad) {

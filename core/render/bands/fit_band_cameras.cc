@@ -8,6 +8,7 @@
 
 #include "core/base/median.h"
 #include "core/geo/rigid3.h"
+#include "core/geo/solvers/dense_solvers.h"
 
 namespace skyquilt::render {
 namespace {
@@ -104,7 +105,7 @@ bool FitStand(const BandLens& lens, double scale_px, BandStand& stand) {
       normal += weight * slope.transpose() * slope;
       right += weight * slope.transpose() * miss;
     }
-    const Numbers step = normal.ldlt().solve(right);
+    const Numbers step = geo::SolveSymmetric(normal, right);
     if (!step.allFinite()) return false;
     const BandStand stepped = Stepped(step, tried);
     tried.band_from_reference = stepped.band_from_reference;
@@ -167,11 +168,10 @@ BandLens FitBandLens(const BandLens& lens, const std::vector<BandStand>& stands)
         own_right += weight * own_slope.transpose() * miss;
         mixed += weight * slope.transpose() * own_slope;
       }
-      const auto solver = own.ldlt();
-      normal -= mixed * solver.solve(mixed.transpose());
-      right -= mixed * solver.solve(own_right);
+      normal -= mixed * geo::SolveSymmetric(own, mixed.transpose());
+      right -= mixed * geo::SolveSymmetric(own, own_right);
     }
-    const Numbers step = normal.ldlt().solve(right);
+    const Numbers step = geo::SolveSymmetric(normal, right);
     if (!step.allFinite()) break;
     by += step;
     if (step.norm() < 1e-10) break;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/check.h"
+#include "core/geo/solvers/dense_solvers.h"
 
 namespace skyquilt::render {
 namespace {
@@ -91,7 +92,7 @@ PixelField FitPixelField(int width_px, int height_px, const std::vector<PixelMis
         for (const auto& [other, other_share] : around) normal(node, other) += weight * share * other_share;
       }
     }
-    nodes = normal.ldlt().solve(right);
+    nodes = geo::SolveSymmetric(normal, right);
   }
   std::vector<Eigen::Vector2d> fitted;
   for (int node = 0; node < kFieldNodes; ++node) fitted.emplace_back(nodes.row(node).transpose());

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "core/base/median.h"
+#include "core/geo/solvers/dense_solvers.h"
 
 namespace skyquilt::render {
 namespace {
@@ -187,7 +188,7 @@ bool Solve(const Normal& normal, SolvedLight& light) {
   Eigen::MatrixXd left = normal.terms.selfadjointView<Eigen::Lower>();
   left -= normal.mixed.transpose() * eliminated;
   const Eigen::VectorXd terms =
-      left.ldlt().solve(normal.terms_right - eliminated.transpose() * normal.gains_right);
+      geo::SolveSymmetric(left, normal.terms_right - eliminated.transpose() * normal.gains_right);
   const Eigen::VectorXd log_gains = of_gains.solve(normal.gains_right - normal.mixed * terms);
   if (!terms.allFinite() || !log_gains.allFinite()) return false;
   light = {log_gains, terms};
