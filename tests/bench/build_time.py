@@ -14,6 +14,8 @@ import sys
 import tempfile
 import time
 
+import proof
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
@@ -48,6 +50,8 @@ def main():
         processor_s = used.ru_utime + used.ru_stime - used_before.ru_utime - used_before.ru_stime
         print(f"{seconds:.0f} s with {arguments.jobs} jobs, {processor_s:.0f} s of processor time; "
               f"load before {load_before:.1f}, after {os.getloadavg()[0]:.1f}")
+        if arguments.target == "skyquilt" and arguments.unity == "ON":
+            print(proof.beside_recorded("cold_build_cpu_s", processor_s))
         for object_s, output in slowest(pathlib.Path(folder, ".ninja_log"), 10):
             print(f"{object_s:7.1f} s  {output}")
     return 1 if arguments.most is not None and seconds > arguments.most else 0

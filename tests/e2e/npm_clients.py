@@ -1,36 +1,37 @@
-"""Independent clients from npm, installed once for all tests that hold the server against them."""
-import fcntl
+"""Independent clients from npm that the server is held against. The build installs them (`python3 npm_clients.py FOLDER`); no
+test downloads anything."""
 import os
 import pathlib
 import shutil
 import subprocess
-import tempfile
+import sys
 
 CLIENTS = pathlib.Path(__file__).resolve().parent / "clients"
+FOLDER = pathlib.Path(os.environ.get("SKYQUILT_TEST_CLIENTS", CLIENTS.parents[2] / "build/release/test_clients"))
 
 
-def install_clients():
+def installed_clients():
     """The folder with the clients' modules, or None."""
-    given = os.environ.get("SKYQUILT_TEST_CLIENTS")
-    if given:
-        return pathlib.Path(given)
-    if not shutil.which("npm"):
-        return None
-    folder = pathlib.Path(tempfile.gettempdir(), f"skyquilt_test_clients_{os.getuid()}")
-    folder.mkdir(exist_ok=True)
-    wanted, installed = CLIENTS / "package-lock.json", folder / "installed.json"
-    with (folder / "lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)  # tests run side by side
-        if not installed.exists() or installed.read_text() != wanted.read_text():
-            for name in ("package.json", "package-lock.json"):
-                shutil.copy(CLIENTS / name, folder)
-            done = subprocess.run(["npm", "ci", "--no-audit", "--no-fund"], cwd=folder, capture_output=True)
-            if done.returncode != 0:
-                return None
-            shutil.copy(wanted, installed)
-    return folder
+    return FOLDER if (FOLDER / "installed").exists() else None
 
 
 def script(folder, name):
     """A module finds its packages beside itself."""
     return shutil.copy(CLIENTS / name, folder)
+
+
+def install(folder):
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "installed").unlink(missing_ok=True)
+    for name in ("package.json", "package-lock.json"):
+        shutil.copy(CLIENTS / name, folder)
+    try:
+        subprocess.run(["npm", "ci", "--no-audit", "--no-fund", "--loglevel=error"], cwd=folder, check=True, stdout=subprocess.DEVNULL)
+    except (OSError, subprocess.CalledProcessError) as error:
+        print(f"The clients from npm cannot be installed, tests that want them are skipped: {error}")
+        return
+    (folder / "installed").touch()
+
+
+if __name__ == "__main__":
+    install(pathlib.Path(sys.argv[1]))

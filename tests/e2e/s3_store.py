@@ -38,10 +38,10 @@ class NoStore(Exception):
 
 class S3Store:
     def __init__(self):
-        modules = npm_clients.install_clients()
+        modules = npm_clients.installed_clients()
         program = modules and modules / "node_modules" / "s3rver" / "bin" / "s3rver.js"
         if not shutil.which("node") or not program or not program.exists():
-            raise NoStore("s3rver cannot be had: there is no node or npm here, or no registry")
+            raise NoStore("s3rver is not installed: python3 tests/e2e/npm_clients.py build/release/test_clients")
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="skyquilt_s3_"))
         self.bucket = self.folder / "data" / BUCKET
         self.log = self.folder / "s3rver.log"

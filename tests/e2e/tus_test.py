@@ -13,7 +13,7 @@ import tempfile
 import time
 import unittest
 
-from npm_clients import install_clients, script
+from npm_clients import installed_clients, script
 from server_support import BINARY, BLOBS, Server, ServerTestCase, catalogue_words, photos_of, wait_until
 
 MIB = 1 << 20
@@ -41,7 +41,7 @@ class Tus(ServerTestCase):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.clients = install_clients()
+        cls.clients = installed_clients()
 
     def start(self, port=0):
         server = Server(self.data, "--workers", "0", listen=f"127.0.0.1:{port}")

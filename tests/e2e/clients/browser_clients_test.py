@@ -12,7 +12,7 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from gis_support import WORLD_M, has_gdal  # noqa: E402
-from npm_clients import install_clients, script  # noqa: E402
+from npm_clients import installed_clients, script  # noqa: E402
 from server_support import BINARY, Server, ServerTestCase  # noqa: E402
 
 WEB = pathlib.Path(__file__).resolve().parents[3] / "web"
@@ -36,7 +36,7 @@ class BrowserTestCase(ServerTestCase):
 
     @classmethod
     def setUpClass(cls):
-        cls.npm = install_clients()
+        cls.npm = installed_clients()
         if cls.npm is None:
             raise unittest.SkipTest("npm's clients cannot be had")
         if not pathlib.Path(CHROMIUM).exists() or not (WEB / "node_modules/playwright-core").is_dir():

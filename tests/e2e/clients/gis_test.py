@@ -14,7 +14,7 @@ import xml.etree.ElementTree as xml_parser
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 import older_ogcapi  # noqa: E402
 from gis_support import GDAL_XYZ, WORLD_M, GdalTestCase, MapFileTestCase  # noqa: E402
-from npm_clients import install_clients, script  # noqa: E402
+from npm_clients import installed_clients, script  # noqa: E402
 
 class Gis(MapFileTestCase):
     def url(self):
@@ -251,7 +251,7 @@ class Gis(MapFileTestCase):
         self.assertEqual(self.server.json("GET", "/stac/search?bbox=0,0,1,1")[1]["numberReturned"], 0)
 
     def test_openlayers_reads_the_capabilities(self):
-        clients = install_clients()
+        clients = installed_clients()
         if clients is None:
             self.skipTest("npm's OpenLayers cannot be had")
         column, row, west, north, pixel_m, side = self.inner_window(1)

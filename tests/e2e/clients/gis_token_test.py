@@ -12,7 +12,7 @@ import xml.etree.ElementTree as xml_parser
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from gis_support import GDAL_XYZ, WORLD_M, GdalTestCase, MapFileTestCase  # noqa: E402
-from npm_clients import install_clients, script  # noqa: E402
+from npm_clients import installed_clients, script  # noqa: E402
 from server_support import BINARY, Server, tile_of  # noqa: E402
 
 
@@ -102,7 +102,7 @@ class Guarded(MapFileTestCase):
             self.assertTrue(picture.read().startswith(b"\x89PNG"))
 
     def test_readers_of_map_files_find_the_stored_tiles(self):
-        clients = install_clients()
+        clients = installed_clients()
         if clients is None:
             self.skipTest("npm's clients cannot be had")
         column, row, *_ = self.inner_window()
