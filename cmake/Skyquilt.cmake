@@ -79,16 +79,15 @@ endfunction()
 
 # skyquilt_test(name SOURCES ... DEPS ... LABELS ... [TIMEOUT seconds] [SHARDS n] [LONG "Suite.Case:Suite.*"])
 # One program a folder, and one test of ctest for all its cases, SHARDS tests where that would keep one core busy for long.
-# The cases of LONG are no part of the short suite: they are the test NAME.long, labelled long, and a program that has no
-# other is built for the long suite alone. Where SKYQUILT_UNITY is on, a few sources are compiled as one: most of the time of
-# each goes into reading the same headers.
+# The cases of LONG are no part of the short suite: they are the test NAME.long, labelled long. Where SKYQUILT_UNITY is on, a
+# few sources are compiled as one: most of the time of each goes into reading the same headers.
 function(skyquilt_test name)
   cmake_parse_arguments(ARG "" "TIMEOUT;SHARDS;LONG" "SOURCES;DEPS;LABELS" ${ARGN})
   if(NOT SKYQUILT_TESTS)
     return()
   endif()
   if(NOT ARG_TIMEOUT)
-    set(ARG_TIMEOUT 600)
+    set(ARG_TIMEOUT 1800)
   endif()
   if(NOT ARG_SHARDS)
     set(ARG_SHARDS 1)
@@ -109,10 +108,6 @@ function(skyquilt_test name)
     add_test(NAME ${name}.long COMMAND ${name} --gtest_filter=${ARG_LONG})
     set_tests_properties(${name}.long PROPERTIES TIMEOUT 3600 LABELS "${ARG_LABELS};long")
   endif()
-  if(ARG_LONG STREQUAL "*")
-    skyquilt_long_only(${name})
-    return()
-  endif()
   set(only)
   if(ARG_LONG)
     set(only --gtest_filter=-${ARG_LONG})
@@ -128,15 +123,6 @@ function(skyquilt_test name)
     add_test(NAME ${test} COMMAND ${name} ${only})
     set_tests_properties(${test} PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}" ENVIRONMENT "${environment}")
   endforeach()
-endfunction()
-
-# skyquilt_long_only(target): only the long suite wants this program.
-function(skyquilt_long_only target)
-  if(NOT TARGET skyquilt_long_tests)
-    add_custom_target(skyquilt_long_tests)
-  endif()
-  set_target_properties(${target} PROPERTIES EXCLUDE_FROM_ALL ON)
-  add_dependencies(skyquilt_long_tests ${target})
 endfunction()
 
 # skyquilt_bench(name SOURCES ... DEPS ...)
