@@ -3,6 +3,8 @@
 # a library or us do wrong, ends the process instead of running on.
 set(CMAKE_CXX_FLAGS_RELEASE "-O2 -g1 -DNDEBUG")
 set(CMAKE_C_FLAGS_RELEASE "-O2 -g1 -DNDEBUG")
+# The same bytes from any folder, which a compiler's cache can then answer for every clone.
+add_compile_options(-fdebug-prefix-map=${CMAKE_SOURCE_DIR}=.)
 
 if(CMAKE_BUILD_TYPE STREQUAL "Release" AND NOT SKYQUILT_SANITIZE AND NOT SKYQUILT_FUZZ)
   # -U first: some compilers come with a level of their own.
