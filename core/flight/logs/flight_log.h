@@ -97,9 +97,10 @@ struct FlightLog {
   double utc_sigma_s = 0.0;
   // What a table's column of times counts at t_s = 0; two tables of one recorder may count alike.
   std::optional<double> counter_at_zero_s;
-  std::optional<UtcTime> local_at_zero;  // a clock of unknown zone, where the format has no better one
-  std::string written_system;            // of `written` in `events`, as PROJ knows it; empty: none is named
-  bool written_order_is_named = false;   // a header says which column is which
+  std::optional<UtcTime> local_at_zero;   // a clock of unknown zone, where the format has no better one
+  std::string written_system;             // of `written` in `events`, as PROJ knows it; empty: none is named
+  bool written_order_is_named = false;    // a header says which column is which
+  bool written_order_is_assumed = false;  // neither a header nor the format says it
   std::map<std::string, std::uint64_t> message_counts;  // by the format's own message names
   std::vector<std::string> mapping;                     // for tolerant formats: "column -> meaning, unit"
   std::vector<std::string> warnings;                    // damage, drop-outs, what was skipped and why

@@ -33,7 +33,10 @@ bool HasColumn(const std::vector<CsvColumn>& columns, M meaning) {
 CameraEvent EventOf(const CsvRow& row) {
   CameraEvent event;
   event.image_name = std::string(row.image.substr(0, 512));
-  if (row[M::kLat] && row[M::kLon]) event.position = geo::LatLon{*row[M::kLat], *row[M::kLon]};
+  if (row[M::kLat] && row[M::kLon]) {
+    event.written = WrittenPlace{*row[M::kLon], *row[M::kLat]};
+    event.position = geo::LatLon{*row[M::kLat], *row[M::kLon]};
+  }
   event.height_ellipsoid_m = row[M::kHeightEllipsoid];
   event.height_amsl_m = row[M::kHeightAmsl];
   event.height_above_takeoff_m = row[M::kHeightAboveTakeoff];
@@ -143,6 +146,7 @@ Result<FlightLog> ReadImageRows(const std::vector<CsvColumn>& columns, char sepa
   if (rows == 0) return Error{ErrorCode::kCorrupt, fmt::format("{} names no photo in its rows.", name), ""};
   builder.Count("row", rows);
   builder.log().utc_at_zero = first;
+  builder.log().written_order_is_named = true;
   if (has_time) builder.log().counter_at_zero_s = 0.0;
   builder.log().utc_sigma_s = 0.05;
   builder.log().mapping = DescribeColumns(columns);
