@@ -17,6 +17,7 @@
 #include "core/ground/ground_surface.h"
 #include "core/pipeline/memory_budget.h"
 #include "core/poses/estimate_poses.h"
+#include "core/poses/lists/compare_sources.h"
 #include "core/render/plan_mosaic.h"
 
 namespace skyquilt::pipeline {
@@ -114,7 +115,9 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
                                     Progress& progress, const geo::DemSource* dem) {
   auto flight = flight::ReadFlight(files, {options.threads}, progress);
   if (!flight) return flight.error();
+  const Result<void> compared = poses::CompareSources(*flight);
   FlightVerdict verdict;
+  verdict.lists = flight->list_uses;
   double input_megapixels = 0.0;
   for (const flight::Photo& photo : flight->photos) {
     const auto& lens = photo.intrinsics;
@@ -138,6 +141,12 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
                                             list.sightings.size()));
   }
   verdict.elevation_models = flight->elevation_models;
+  if (!compared) {
+    verdict.left_out = flight->left_out;
+    verdict.warnings = flight->warnings;
+    verdict.warnings.push_back(compared.error().message);
+    return verdict;
+  }
   constexpr bool kKeepUnplaced = true;
   auto posed = poses::EstimatePoses(
       *flight, {options.origin, options.landed_at_start, dem, kKeepUnplaced, options.takeoff_height_amsl_m});

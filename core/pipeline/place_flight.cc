@@ -27,6 +27,7 @@
 #include "core/pipeline/placing/place_by_lists.h"
 #include "core/pipeline/placing/place_known.h"
 #include "core/poses/estimate_poses.h"
+#include "core/poses/lists/compare_sources.h"
 #include "core/poses/plausible_poses.h"
 #include "core/render/plan_mosaic.h"
 
@@ -381,6 +382,7 @@ Result<PlacedFlight> PlaceFlight(const std::vector<InputFile>& files, const Mosa
       inputs = DigestsOf(files, found.digests, options.threads);
     Result<flight::Flight> flight = flight::ReadFlight(files, {options.threads}, progress);
     if (flight) {
+      SKYQUILT_TRY(poses::CompareSources(*flight));
       captures = bands::SetBandsApart(*flight, options.threads);
       bands::CalibrateByPanels(*flight, captures, source);
     }
