@@ -182,9 +182,16 @@ PjPtr CreateSystem(PJ_CONTEXT* context, std::string_view line) {
   if (const auto utm = UtmIn(lower)) {
     return utm->starts_with("EPSG:") ? create(*utm) : FindByName(context, *utm);
   }
-  const bool is_name = letters.size() >= kShortestName && lower.find('=') == std::string::npos &&
-                       lower.find_first_of("{[") == std::string::npos &&
-                       lower.find("//") == std::string::npos &&
+  if (const std::size_t colon = lower.find(':'); colon != std::string::npos) {  // another authority's code
+    const bool is_code =
+        colon >= 3 &&
+        std::all_of(lower.begin(), lower.begin() + static_cast<std::ptrdiff_t>(colon), IsSmallLetter) &&
+        colon + 1 < lower.size() && DigitsAt(lower, colon + 1).size() == lower.size() - colon - 1;
+    return is_code && lower.compare(0, 4, "epsg") != 0 ? create(std::string(line)) : Owned(nullptr);
+  }
+  // Names are looked up among thousands: only what may be one.
+  const bool is_name = letters.size() >= kShortestName && lower.find("utm") == std::string::npos &&
+                       lower.find_first_of("={[\"\\") == std::string::npos &&
                        std::any_of(letters.begin(), letters.end(), IsSmallLetter);
   return is_name ? FindByName(context, std::string(line)) : Owned(nullptr);
 }

@@ -89,6 +89,8 @@ Result<GcpList> ParseWrittenGcpList(std::string_view name, LogBytes bytes) {
   GcpList list;
   list.file_name = name;
   list.reference_system = Trim(top->system);
+  for (const std::size_t number : top->skipped_lines)
+    list.warnings.push_back(fmt::format("line {}: not \"x y z pixel_x pixel_y image\"", number));
   std::map<std::tuple<double, double, double>, std::size_t> known;
   std::vector<std::string_view> words;
   LineReader lines(text.substr(top->row_offset));

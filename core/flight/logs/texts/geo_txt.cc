@@ -85,7 +85,9 @@ Result<FlightLog> ParseGeoTxt(std::string_view name, LogBytes bytes, const Consu
   LineReader lines(text.substr(top->row_offset));
   std::string_view line = top->row_line;
   std::uint64_t rows = 0;
-  std::uint64_t bad = 0;
+  std::uint64_t bad = top->skipped_lines.size();
+  for (const std::size_t number : top->skipped_lines)
+    builder.Warn(fmt::format("line {} is not \"image x y z\"", number));
   // Counted with the bad ones: each may cost a transformation.
   do {
     if (Trim(line).empty() || line.front() == '#') continue;

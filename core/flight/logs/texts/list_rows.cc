@@ -106,6 +106,14 @@ bool LooksLikeImageName(std::string_view word) {
          !ParseListNumber(word);
 }
 
+bool LooksLikePhotoFile(std::string_view cell) {
+  const std::string lower = LowerCase(cell);
+  for (const std::string_view end : {".jpg", ".jpeg", ".tif", ".tiff", ".png", ".dng"}) {
+    if (lower.size() > end.size() && lower.ends_with(end)) return true;
+  }
+  return false;
+}
+
 bool SplitListRow(std::string_view line, const IsListRow& is_row, std::vector<std::string_view>& cells) {
   for (const char separator : {'\t', ';', ','}) {
     if (line.find(separator) == std::string_view::npos) continue;
@@ -137,8 +145,8 @@ std::optional<ListTop> ReadListTop(std::string_view text, const IsListRow& is_ro
       top.columns = std::move(columns);
     } else if (top.system.empty() && (!is_comment || LowerCase(line).find("epsg") != std::string::npos)) {
       top.system = WholeSystem(line, lines);
-    } else if (!is_comment && top.columns.empty()) {
-      return std::nullopt;
+    } else if (!is_comment) {
+      top.skipped_lines.push_back(lines.line_number());
     }
   }
   return std::nullopt;

@@ -18,6 +18,9 @@ std::optional<double> ParseListNumber(std::string_view cell);
 // A file name with an ending, and no number.
 bool LooksLikeImageName(std::string_view word);
 
+// That of a picture, by its ending.
+bool LooksLikePhotoFile(std::string_view word);
+
 using IsListRow = std::function<bool(const std::vector<std::string_view>& cells)>;
 
 // Cuts the line so that it is a row; at blanks, and false, where no way of cutting makes it one.
@@ -28,11 +31,12 @@ struct ListTop {
   std::vector<std::string_view> columns;  // their names; empty: none are named
   std::vector<std::string_view> row;      // the first
   std::string_view row_line;
-  std::size_t row_number = 0;  // of the line, from 1
-  std::size_t row_offset = 0;  // of the text behind that line
+  std::vector<std::size_t> skipped_lines;  // above the first row, that are none of these
+  std::size_t row_number = 0;              // of the line, from 1
+  std::size_t row_offset = 0;              // of the text behind that line
 };
 
-// Nothing where no row stands among the first lines, or more than a system and names of columns above it.
+// Nothing where no row stands among the first lines.
 std::optional<ListTop> ReadListTop(std::string_view text, const IsListRow& is_row);
 
 // The order that names of columns give a pair of coordinates; nothing where they name none, or only "x" and

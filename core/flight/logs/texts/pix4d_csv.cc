@@ -27,17 +27,9 @@ struct Columns {
   Order order = Order::kOfFormat;
 };
 
-bool IsPhotoName(std::string_view cell) {
-  const std::string lower = LowerCase(cell);
-  for (const std::string_view end : {".jpg", ".jpeg", ".tif", ".tiff", ".png", ".dng"}) {
-    if (lower.size() > end.size() && lower.ends_with(end)) return true;
-  }
-  return false;
-}
-
 bool IsRow(const std::vector<std::string_view>& cells) {
-  return cells.size() >= 4 && cells.size() <= 12 && IsPhotoName(cells[0]) && ParseListNumber(cells[1]) &&
-         ParseListNumber(cells[2]) && ParseListNumber(cells[3]);
+  return cells.size() >= 4 && cells.size() <= 12 && LooksLikePhotoFile(cells[0]) &&
+         ParseListNumber(cells[1]) && ParseListNumber(cells[2]) && ParseListNumber(cells[3]);
 }
 
 bool IsInDegrees(double first, double second) {
