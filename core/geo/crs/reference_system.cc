@@ -221,6 +221,7 @@ bool AreaOfUse::Contains(const LatLon& place, double margin_deg) const {
 
 struct ReferenceSystem::Impl {
   std::string name;
+  std::string definition;
   PJ_CONTEXT* context = proj_context_create();
   PJ* transform = nullptr;
   bool is_geographic = false;
@@ -292,7 +293,11 @@ Result<ReferenceSystem> ReferenceSystem::Parse(std::string_view line) {
             "WGS84 UTM 15N, a +proj= string or WKT",
         ""};
   }
-  impl->name = TrimmedLine(line);
+  impl->name = impl->definition = TrimmedLine(line);
+  const char* authority = proj_get_id_auth_name(system.get(), 0);
+  const char* code = proj_get_id_code(system.get(), 0);
+  if (authority != nullptr && code != nullptr && std::string_view(authority) == "EPSG")
+    impl->definition = std::string(authority) + ":" + code;
   return ReferenceSystem(std::move(impl));
 }
 
@@ -316,6 +321,7 @@ std::vector<std::optional<LatLon>> ReferenceSystem::ToLatLons(
 bool ReferenceSystem::is_geographic() const { return impl_->is_geographic; }
 double ReferenceSystem::metres_per_height_unit() const { return impl_->metres_per_height_unit; }
 const AreaOfUse& ReferenceSystem::area() const { return impl_->area; }
+const std::string& ReferenceSystem::definition() const { return impl_->definition; }
 const std::string& ReferenceSystem::name() const { return impl_->name; }
 
 int UtmCodeOf(const LatLon& place) {

@@ -39,8 +39,10 @@ class ReferenceSystem {
 
   bool is_geographic() const;  // in degrees
   double metres_per_height_unit()
-      const;                        // heights of lists are in the unit of x and y unless the system says
-  const AreaOfUse& area() const;    // the whole Earth where PROJ knows none
+      const;                      // heights of lists are in the unit of x and y unless the system says
+  const AreaOfUse& area() const;  // the whole Earth where PROJ knows none
+  // By which the same system is found again at once: its code where it has one, else as written.
+  const std::string& definition() const;
   const std::string& name() const;  // as written
 
  private:

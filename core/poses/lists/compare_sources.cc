@@ -218,38 +218,49 @@ OwnPlaces PlacesAround(const flight::GcpList& list, const NamedPhotos& named, co
   return places;
 }
 
-void CompareControl(const NamedPhotos& named, const OwnRecords& own, Flight& flight) {
-  std::erase_if(flight.gcp_lists, [&](flight::GcpList& list) {
-    WrittenList written{.system = list.reference_system,
-                        .order_is_named = false,
-                        .order_is_assumed = false,
-                        .is_one_of_photos = false,
-                        .rows = {}};
-    for (const flight::GcpPoint& point : list.points) written.rows.push_back({point.x, point.y});
-    const ListVerdict verdict = JudgeList(written, PlacesAround(list, named, own));
-    ListUse use = UseOf(verdict, own.is_stale);
-    use.kind = flight::ListKind::kControl;
-    use.file_name = list.file_name;
-    use.system = list.reference_system;
-    use.rows = list.points.size();
-    // A survey is good to centimetres, a guessed datum to metres: its system is asked for.
-    if (use.system.empty()) use.fault = ListFault::kNoSystem;
-    for (std::size_t i = 0; use.fault == ListFault::kNone && i < list.points.size(); ++i) {
-      list.points[i].has_position = verdict.places[i].has_value();
-      if (verdict.places[i]) list.points[i].position = *verdict.places[i];
-    }
-    const bool is_used = use.fault == ListFault::kNone;
-    if (is_used) {
-      auto placed = flight::OnlyPlaced(std::move(list));
-      if (!placed) {
-        flight.warnings.push_back(placed.error().message);
-        return true;
-      }
-      list = *std::move(placed);
-    }
+// The list where it serves.
+std::optional<flight::GcpList> JudgedControl(flight::GcpList list, const NamedPhotos& named,
+                                             const OwnRecords& own, Flight& flight) {
+  WrittenList written{.system = list.reference_system,
+                      .order_is_named = false,
+                      .order_is_assumed = false,
+                      .is_one_of_photos = false,
+                      .rows = {}};
+  for (const flight::GcpPoint& point : list.points) written.rows.push_back({point.x, point.y});
+  const ListVerdict verdict = JudgeList(written, PlacesAround(list, named, own));
+  ListUse use = UseOf(verdict, own.is_stale);
+  use.kind = flight::ListKind::kControl;
+  use.file_name = list.file_name;
+  use.system = list.reference_system;
+  use.rows = list.points.size();
+  // A survey is good to centimetres, a guessed datum to metres: its system is asked for.
+  if (use.system.empty()) use.fault = ListFault::kNoSystem;
+  if (use.fault != ListFault::kNone) {
+    use.rows_used = 0;
     Tell(std::move(use), flight);
-    return !is_used;
-  });
+    return std::nullopt;
+  }
+  for (std::size_t i = 0; i < list.points.size(); ++i) {
+    list.points[i].has_position = verdict.places[i].has_value();
+    if (verdict.places[i]) list.points[i].position = *verdict.places[i];
+  }
+  const std::size_t told = list.warnings.size();
+  auto placed = flight::OnlyPlaced(std::move(list));
+  if (!placed) {
+    flight.warnings.push_back(placed.error().message);
+    return std::nullopt;
+  }
+  for (std::size_t i = told; i < placed->warnings.size(); ++i)
+    flight.warnings.push_back(placed->file_name + ": " + placed->warnings[i]);
+  Tell(std::move(use), flight);
+  return *std::move(placed);
+}
+
+void CompareControl(const NamedPhotos& named, const OwnRecords& own, Flight& flight) {
+  for (flight::GcpList& list : std::exchange(flight.gcp_lists, {})) {
+    if (auto judged = JudgedControl(std::move(list), named, own, flight))
+      flight.gcp_lists.push_back(*std::move(judged));
+  }
 }
 
 }  // namespace

@@ -47,6 +47,7 @@ TEST(ReferenceSystem, KnowsItsUnitsAndItsArea) {
   EXPECT_NEAR(feet->metres_per_height_unit(), 1200.0 / 3937.0, 1e-9);
   EXPECT_TRUE(feet->area().Contains({46.84, -91.99}, 0.0));
   EXPECT_FALSE(feet->area().Contains({46.84, 8.0}, 1.0));
+  EXPECT_EQ(feet->definition(), "EPSG:26849");
   const auto metres_up = ReferenceSystem::Parse("EPSG:26849+5703");  // feet east and north, NAVD88 in metres
   ASSERT_TRUE(metres_up.ok());
   EXPECT_DOUBLE_EQ(metres_up->metres_per_height_unit(), 1.0);

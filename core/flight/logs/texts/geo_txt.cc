@@ -116,7 +116,7 @@ Result<FlightLog> ParseGeoTxt(std::string_view name, LogBytes bytes, const Consu
   if (bad > 0) builder.Warn(fmt::format("{} rows could not be read", bad));
   if (rows + bad == kMaxRows && lines.Next(line))
     builder.Warn(fmt::format("more than {} rows; the rest was left out", kMaxRows));
-  builder.log().written_system = top->system;
+  if (system) builder.log().written_system = system->definition();
   builder.log().written_order_is_named = order.has_value();
   builder.log().mapping = {fmt::format("x, y -> {}", system ? system->name() : "no system is named"),
                            "z -> height above the ellipsoid"};
