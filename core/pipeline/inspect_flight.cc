@@ -115,9 +115,7 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
                                     Progress& progress, const geo::DemSource* dem) {
   auto flight = flight::ReadFlight(files, {options.threads}, progress);
   if (!flight) return flight.error();
-  const Result<void> compared = poses::CompareSources(*flight);
   FlightVerdict verdict;
-  verdict.lists = flight->list_uses;
   double input_megapixels = 0.0;
   for (const flight::Photo& photo : flight->photos) {
     const auto& lens = photo.intrinsics;
@@ -134,6 +132,8 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
   }
   // Of each capture of several bands one photo is placed.
   bands::SetBandsApart(*flight, options.threads);
+  const Result<void> compared = poses::CompareSources(*flight);
+  verdict.lists = flight->list_uses;
   verdict.photos_readable = static_cast<int>(flight->photos.size());
   for (const flight::FlightLog& log : flight->logs) verdict.logs.push_back(flight::DescribeLog(log));
   for (const flight::GcpList& list : flight->gcp_lists) {

@@ -382,8 +382,8 @@ Result<PlacedFlight> PlaceFlight(const std::vector<InputFile>& files, const Mosa
       inputs = DigestsOf(files, found.digests, options.threads);
     Result<flight::Flight> flight = flight::ReadFlight(files, {options.threads}, progress);
     if (flight) {
-      SKYQUILT_TRY(poses::CompareSources(*flight));
       captures = bands::SetBandsApart(*flight, options.threads);
+      SKYQUILT_TRY(poses::CompareSources(*flight));
       bands::CalibrateByPanels(*flight, captures, source);
     }
     if (!flight || !options.readout_s) return flight;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "core/base/try.h"
@@ -21,8 +22,14 @@ using flight::ListFault;
 using flight::ListUse;
 using geo::LatLon;
 
-// More photos than these at one and the same place: the receiver repeats its last fix.
+// More photos of one camera than these at one and the same place: the receiver repeats its last fix.
 constexpr int kMaxAtOnePlace = 2;
+
+using CameraPlace = std::tuple<std::string, double, double>;
+
+CameraPlace CameraPlaceOf(const flight::Photo& photo) {
+  return {photo.camera_key, photo.position->position.lat_deg, photo.position->position.lon_deg};
+}
 
 // What photos say of themselves, and whether it moves with them.
 struct OwnRecords {
@@ -39,9 +46,9 @@ std::optional<LatLon> PlaceOfTracks(const std::vector<FlightLog>& logs) {
 }
 
 OwnRecords OwnRecordsOf(const Flight& flight) {
-  std::map<std::pair<double, double>, int> at_place;
+  std::map<CameraPlace, int> at_place;
   for (const flight::Photo& photo : flight.photos) {
-    if (photo.position) ++at_place[{photo.position->position.lat_deg, photo.position->position.lon_deg}];
+    if (photo.position) ++at_place[CameraPlaceOf(photo)];
   }
   OwnRecords own;
   std::vector<LatLon> moving, shared;
@@ -49,7 +56,7 @@ OwnRecords OwnRecordsOf(const Flight& flight) {
     std::optional<LatLon>& place = own.moving.emplace_back();
     if (!photo.position) continue;
     const LatLon& at = photo.position->position;
-    if (at_place[{at.lat_deg, at.lon_deg}] > kMaxAtOnePlace) {
+    if (at_place[CameraPlaceOf(photo)] > kMaxAtOnePlace) {
       shared.push_back(at);
       continue;
     }

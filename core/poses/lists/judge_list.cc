@@ -31,8 +31,7 @@ constexpr double kWanderM = 15.0;
 constexpr double kShareOfExtent = 0.5;
 constexpr double kMinExtentM = 5.0;  // photos that stand still have no layout
 constexpr std::size_t kMinRowsOfShape = 4;
-constexpr double kWithinSightM =
-    100'000.0;  // further away no shape is compared: one plane does not hold both
+constexpr double kOnePlaneM = 100'000.0;  // further away no shape is compared: one plane does not hold both
 // A flight, its take-off and its last fix lie within this; surveyed points are seen by the photos.
 constexpr double kFlightM = 50'000.0;
 constexpr double kSurveyM = 20'000.0;
@@ -152,7 +151,7 @@ std::optional<TriedReading> TryReading(const ListReading& reading, const std::ve
 // Layout: what is left of the differences row by row when the list is shifted as a whole.
 void CompareShape(const Places& own, TriedReading& tried) {
   const auto own_middle = MiddleOf(own);
-  if (!own_middle || MetresApart(*own_middle, tried.middle) > kWithinSightM) return;
+  if (!own_middle || MetresApart(*own_middle, tried.middle) > kOnePlaneM) return;
   const geo::LocalFrame frame({own_middle->lat_deg, own_middle->lon_deg, 0.0});
   std::vector<Eigen::Vector2d> differences, own_at;
   for (std::size_t i = 0; i < own.size(); ++i) {

@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kLinesAboveRows = 24;  // a system, names of columns, comments
 constexpr std::size_t kLongestSystem = 16'384;
-constexpr int kMostWktLines = 200;
+constexpr int kMaxWktLines = 200;
 constexpr std::size_t kLongestColumnName = 64;
 
 std::string LettersOfColumn(std::string_view name) {
@@ -76,7 +76,7 @@ std::string_view WholeSystem(std::string_view first, LineReader& lines) {
   if (depth <= 0) return first;
   LineReader ahead = lines;
   std::string_view line;
-  for (int i = 0; i < kMostWktLines && ahead.Next(line); ++i) {
+  for (int i = 0; i < kMaxWktLines && ahead.Next(line); ++i) {
     const auto length = static_cast<std::size_t>(line.data() + line.size() - first.data());
     if (length > kLongestSystem) break;
     depth += Depth(line);

@@ -13,7 +13,7 @@ namespace skyquilt::flight {
 namespace {
 
 constexpr std::size_t kCellsOfPoint = 5;  // x y z pixel_x pixel_y, before the photo's name
-constexpr std::size_t kMostLetters = 40;
+constexpr std::size_t kMaxLettersOfCell = 40;
 
 struct BadCell {
   std::size_t column = 0;  // from 1
@@ -32,10 +32,10 @@ std::optional<BadCell> FirstBadCell(const std::vector<std::string_view>& cells, 
 
 std::string InWords(std::string_view name, std::string_view kind, std::size_t line_number, const BadCell& bad,
                     std::string_view form) {
-  const std::string what =
-      bad.cell.empty()
-          ? "is missing"
-          : fmt::format("is no number: \"{}\"", Printable(std::string(bad.cell.substr(0, kMostLetters))));
+  const std::string what = bad.cell.empty()
+                               ? "is missing"
+                               : fmt::format("is no number: \"{}\"",
+                                             Printable(std::string(bad.cell.substr(0, kMaxLettersOfCell))));
   return fmt::format("{} looks like a list of {}, but is not used: column {} of line {} {}. Its rows are {}.",
                      name, kind, bad.column, line_number, what, form);
 }
