@@ -50,6 +50,7 @@ constexpr std::array kFormats = {
     Format{LogFormat::kGcpList, "gcp_list", LooksLikeGcpList, nullptr},
     Format{LogFormat::kFlightCsv, "flight_csv", LooksLikeFlightCsv, ParseFlightCsv},
     Format{LogFormat::kImagesCsv, "images_csv", LooksLikeImagesCsv, ParseImagesCsv},
+    Format{LogFormat::kTolerantCsv, "tolerant_csv", LooksLikeNamedPlaces, ParseTolerantCsv},
     Format{LogFormat::kPix4dCsv, "pix4d_csv", LooksLikePix4dCsv, ParsePix4dCsv},
     Format{LogFormat::kTolerantCsv, "tolerant_csv", LooksLikeTolerantCsv, ParseTolerantCsv},
 };
