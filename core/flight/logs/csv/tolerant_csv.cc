@@ -145,8 +145,8 @@ bool LooksLikeNamedPlaces(LogBytes head) {
     return std::find_if(columns.begin(), columns.end(),
                         [&](const CsvColumn& c) { return c.meaning == meaning; });
   };
-  if (at(M::kLat) == columns.end() || at(M::kLon) == columns.end() || at(M::kImage) == columns.end())
-    return false;
+  const bool names_photos = at(M::kImage) != columns.end() || at(M::kIsPhoto) != columns.end();
+  if (at(M::kLat) == columns.end() || at(M::kLon) == columns.end() || !names_photos) return false;
   const bool is_image_lat_lon = columns.size() > 3 && columns[0].meaning == M::kImage &&
                                 columns[1].meaning == M::kLat && columns[2].meaning == M::kLon;
   const auto is_metres = [](const CsvColumn& column) {

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "core/base/try.h"
+#include "core/flight/logs/log_text.h"
 #include "core/flight/logs/mapped_file.h"
 #include "core/flight/logs/text_fields.h"
 #include "core/flight/logs/texts/srs.h"
@@ -124,7 +125,8 @@ Result<GcpList> ParseGcpList(std::string_view name, LogBytes bytes) {
 
 Result<GcpList> ReadGcpList(const InputFile& file) {
   SKYQUILT_TRY_ASSIGN(const auto mapped, MappedFile::Open(file.path));
-  return ParseGcpList(file.name, mapped.bytes());
+  SKYQUILT_TRY_ASSIGN(const auto text, LogText::Of(file.name, mapped.bytes()));
+  return ParseGcpList(file.name, text.bytes());
 }
 
 }  // namespace skyquilt::flight
