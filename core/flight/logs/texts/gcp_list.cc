@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/base/try.h"
+#include "core/flight/logs/log_text.h"
 #include "core/flight/logs/mapped_file.h"
 #include "core/flight/logs/text_fields.h"
 #include "core/flight/logs/texts/list_rows.h"
@@ -27,7 +28,8 @@ constexpr std::size_t kMaxGcpWarnings = 100;
 bool IsSighting(const std::vector<std::string_view>& words) {
   if (words.size() < 6) return false;
   for (std::size_t i = 0; i < 5; ++i) {
-    if (!ParseListNumber(words[i]) && !(i == 2 && LowerCase(words[i]) == "nan")) return false;
+    const auto number = i < 2 ? ParseListCoordinate(words[i]) : ParseListNumber(words[i]);
+    if (!number && !(i == 2 && LowerCase(words[i]) == "nan")) return false;
   }
   return !words[5].empty() && !ParseListNumber(words[5]);
 }
@@ -106,8 +108,8 @@ Result<GcpList> ParseWrittenGcpList(std::string_view name, LogBytes bytes) {
       }
       continue;
     }
-    const double x = *ParseListNumber(words[is_north_first ? 1 : 0]);
-    const double y = *ParseListNumber(words[is_north_first ? 0 : 1]);
+    const double x = *ParseListCoordinate(words[is_north_first ? 1 : 0]);
+    const double y = *ParseListCoordinate(words[is_north_first ? 0 : 1]);
     const auto z = ParseListNumber(words[2]);
     const auto [entry, is_new] = known.try_emplace({x, y, z.value_or(-1e9)}, list.points.size());
     if (is_new) {
@@ -175,7 +177,8 @@ Result<GcpList> ParseGcpList(std::string_view name, LogBytes bytes) {
 
 Result<GcpList> ReadGcpList(const InputFile& file) {
   SKYQUILT_TRY_ASSIGN(const auto mapped, MappedFile::Open(file.path));
-  return ParseGcpList(file.name, mapped.bytes());
+  SKYQUILT_TRY_ASSIGN(const auto text, LogText::Of(file.name, mapped.bytes()));
+  return ParseGcpList(file.name, text.bytes());
 }
 
 Result<GcpList> ReadWrittenGcpList(const InputFile& file) {

@@ -18,8 +18,8 @@ namespace {
 constexpr std::uint64_t kMaxRows = 200'000;
 
 bool IsGeoRow(const std::vector<std::string_view>& cells) {
-  return cells.size() >= 3 && LooksLikeImageName(cells[0]) && ParseListNumber(cells[1]) &&
-         ParseListNumber(cells[2]);
+  return cells.size() >= 3 && LooksLikeImageName(cells[0]) && ParseListCoordinate(cells[1]) &&
+         ParseListCoordinate(cells[2]);
 }
 
 bool IsCutAtBlanks(std::string_view line) { return line.find_first_of(",;\t") == std::string_view::npos; }
@@ -98,7 +98,7 @@ Result<FlightLog> ParseGeoTxt(std::string_view name, LogBytes bytes, const Consu
       }
       continue;
     }
-    WrittenPlace written{*ParseListNumber(cells[1]), *ParseListNumber(cells[2])};
+    WrittenPlace written{*ParseListCoordinate(cells[1]), *ParseListCoordinate(cells[2])};
     if (order == NamedOrder::kNorthFirst) std::swap(written.x, written.y);
     CameraEvent event;
     event.t_s = static_cast<double>(rows);

@@ -4,6 +4,8 @@
 #include <array>
 #include <string>
 
+#include "core/flight/logs/coordinate_cell.h"
+
 namespace skyquilt::flight {
 namespace {
 
@@ -98,6 +100,12 @@ std::optional<double> ParseListNumber(std::string_view cell) {
   std::string point(cell);
   std::replace(point.begin(), point.end(), ',', '.');
   return ParseNumber(point);
+}
+
+std::optional<double> ParseListCoordinate(std::string_view cell) {
+  if (const auto number = ParseListNumber(cell)) return number;
+  const auto coordinate = ReadCoordinateCell(cell);
+  return coordinate ? std::optional<double>(coordinate->value) : std::nullopt;
 }
 
 bool LooksLikeImageName(std::string_view word) {

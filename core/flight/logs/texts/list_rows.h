@@ -15,6 +15,9 @@ namespace skyquilt::flight {
 // A number, also with a decimal comma.
 std::optional<double> ParseListNumber(std::string_view cell);
 
+// A coordinate, also with degrees, minutes and seconds or a letter of the hemisphere.
+std::optional<double> ParseListCoordinate(std::string_view cell);
+
 // A file name with an ending, and no number.
 bool LooksLikeImageName(std::string_view word);
 

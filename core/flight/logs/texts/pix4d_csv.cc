@@ -29,7 +29,7 @@ struct Columns {
 
 bool IsRow(const std::vector<std::string_view>& cells) {
   return cells.size() >= 4 && cells.size() <= 12 && LooksLikePhotoFile(cells[0]) &&
-         ParseListNumber(cells[1]) && ParseListNumber(cells[2]) && ParseListNumber(cells[3]);
+         ParseListCoordinate(cells[1]) && ParseListCoordinate(cells[2]) && ParseListNumber(cells[3]);
 }
 
 bool IsInDegrees(double first, double second) {
@@ -149,13 +149,14 @@ Result<FlightLog> ParsePix4dCsv(std::string_view name, LogBytes bytes, const Con
     const auto number = [&](std::size_t i) {
       return i < cells.size() ? ParseListNumber(cells[i]) : std::nullopt;
     };
-    is_in_degrees = is_in_degrees && IsInDegrees(*number(1), *number(2));
+    const double first = *ParseListCoordinate(cells[1]), second = *ParseListCoordinate(cells[2]);
+    is_in_degrees = is_in_degrees && IsInDegrees(first, second);
     CameraEvent event;
     event.t_s = static_cast<double>(rows);
     event.has_time = false;
     event.image_name = std::string(cells[0].substr(0, kMaxNameLength));
-    event.written = PlaceOfCells(*number(1), *number(2), columns->order);
-    if (IsInDegrees(*number(1), *number(2))) event.position = geo::LatLon{event.written->y, event.written->x};
+    event.written = PlaceOfCells(first, second, columns->order);
+    if (IsInDegrees(first, second)) event.position = geo::LatLon{event.written->y, event.written->x};
     event.height_ellipsoid_m = number(3);
     const auto a = number(columns->angles_at);
     const auto b = number(columns->angles_at + 1);

@@ -25,7 +25,7 @@ std::optional<BadCell> FirstBadCell(const std::vector<std::string_view>& cells, 
                                     std::size_t count) {
   for (std::size_t i = begin; i < begin + count; ++i) {
     if (i >= cells.size()) return BadCell{i + 1, {}};
-    if (!ParseListNumber(cells[i])) return BadCell{i + 1, cells[i]};
+    if (!ParseListCoordinate(cells[i])) return BadCell{i + 1, cells[i]};
   }
   return std::nullopt;
 }
