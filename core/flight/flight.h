@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/flight/lists/list_use.h"
 #include "core/flight/lists/reflectance_list.h"
 #include "core/flight/logs/flight_log.h"
 #include "core/flight/logs/texts/gcp_list.h"
@@ -15,6 +16,7 @@ struct Flight {
   std::vector<Photo> photos;                       // readable photos, by time of capture, then by name
   std::vector<FlightLog> logs;                     // readable logs and lists of positions, by name
   std::vector<GcpList> gcp_lists;                  // by name
+  std::vector<ListUse> list_uses;                  // what became of the lists, once they were compared
   std::vector<ReflectanceList> reflectance_lists;  // by name
   std::vector<std::string> elevation_models;       // names of the files; the first holds
   std::vector<std::string> films;                  // names; their frames are photos only where they are taken

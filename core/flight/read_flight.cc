@@ -86,7 +86,7 @@ void ReadLogs(const SortedFiles& files, Flight& flight, Progress& progress) {
     flight.logs.push_back(*std::move(log));
   }
   for (const InputFile& file : files.gcp_lists)
-    KeepList(ReadGcpList(file), flight.gcp_lists, flight.warnings, notes);
+    KeepList(ReadWrittenGcpList(file), flight.gcp_lists, flight.warnings, notes);
   for (const InputFile& file : files.reflectance_lists)
     KeepList(ReadReflectanceList(file), flight.reflectance_lists, flight.warnings, notes);
   // What cannot be read stands above what was read and is only doubted.

@@ -17,6 +17,7 @@
 #include "core/ground/ground_surface.h"
 #include "core/pipeline/memory_budget.h"
 #include "core/poses/estimate_poses.h"
+#include "core/poses/lists/compare_sources.h"
 #include "core/render/plan_mosaic.h"
 
 namespace skyquilt::pipeline {
@@ -131,6 +132,8 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
   }
   // Of each capture of several bands one photo is placed.
   bands::SetBandsApart(*flight, options.threads);
+  const Result<void> compared = poses::CompareSources(*flight);
+  verdict.lists = flight->list_uses;
   verdict.photos_readable = static_cast<int>(flight->photos.size());
   for (const flight::FlightLog& log : flight->logs) verdict.logs.push_back(flight::DescribeLog(log));
   for (const flight::GcpList& list : flight->gcp_lists) {
@@ -138,6 +141,12 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
                                             list.sightings.size()));
   }
   verdict.elevation_models = flight->elevation_models;
+  if (!compared) {
+    verdict.left_out = flight->left_out;
+    verdict.warnings = flight->warnings;
+    verdict.warnings.push_back(compared.error().message);
+    return verdict;
+  }
   constexpr bool kKeepUnplaced = true;
   auto posed = poses::EstimatePoses(
       *flight, {options.origin, options.landed_at_start, dem, kKeepUnplaced, options.takeoff_height_amsl_m});

@@ -25,6 +25,7 @@ struct FlightVerdict {
   std::map<std::string, int> position_sources;
   std::map<std::string, int> attitude_sources;
   std::vector<flight::LogFacts> logs;
+  std::vector<flight::ListUse> lists;         // of positions and of surveyed points: what became of each
   std::vector<std::string> gcp_lists;         // "gcp_list.txt: 5 points, 23 sightings"
   std::vector<std::string> elevation_models;  // names of files
   poses::PoseReport poses;                    // how the poses were found; empty when none could be

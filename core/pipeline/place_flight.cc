@@ -27,6 +27,7 @@
 #include "core/pipeline/placing/place_by_lists.h"
 #include "core/pipeline/placing/place_known.h"
 #include "core/poses/estimate_poses.h"
+#include "core/poses/lists/compare_sources.h"
 #include "core/poses/plausible_poses.h"
 #include "core/render/plan_mosaic.h"
 
@@ -382,6 +383,7 @@ Result<PlacedFlight> PlaceFlight(const std::vector<InputFile>& files, const Mosa
     Result<flight::Flight> flight = flight::ReadFlight(files, {options.threads}, progress);
     if (flight) {
       captures = bands::SetBandsApart(*flight, options.threads);
+      SKYQUILT_TRY(poses::CompareSources(*flight));
       bands::CalibrateByPanels(*flight, captures, source);
     }
     if (!flight || !options.readout_s) return flight;

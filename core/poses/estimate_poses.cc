@@ -15,6 +15,7 @@
 #include "core/poses/heights/flight_heights.h"
 #include "core/poses/heights/ground_from_dem.h"
 #include "core/poses/heights/takeoff.h"
+#include "core/poses/lists/list_words.h"
 #include "core/poses/photo_rows.h"
 #include "core/poses/place_by_log.h"
 #include "core/poses/place_by_records.h"
@@ -302,6 +303,7 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
   tie.photos = flight.photos;
   PhotoRowsUse rows = ApplyPhotoRows(flight.logs, tie.photos);
   posed.report.logs = std::move(rows.lines);
+  for (const flight::ListUse& use : flight.list_uses) posed.report.logs.push_back(UseInWords(use));
   posed.warnings = std::move(rows.warnings);
   Append(WarnOfEmptyLogs(flight.logs), posed.warnings);
   if (options.dem != nullptr && !flight.elevation_models.empty()) {

@@ -12,13 +12,6 @@ namespace {
 using flight::CameraEvent;
 using flight::Photo;
 
-std::string PlainName(const std::string& name) {
-  std::string plain = name.substr(name.find_last_of("/\\") + 1);
-  std::transform(plain.begin(), plain.end(), plain.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return plain;
-}
-
 void TakePosition(const CameraEvent& event, const std::string& source, Photo& photo) {
   flight::RecordedPosition position;
   position.position = *event.position;
@@ -49,17 +42,24 @@ void TakeAngles(const CameraEvent& event, const std::string& source, Photo& phot
 
 }  // namespace
 
+std::string PlainPhotoName(const std::string& name) {
+  std::string plain = name.substr(name.find_last_of("/\\") + 1);
+  std::transform(plain.begin(), plain.end(), plain.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return plain;
+}
+
 PhotoRowsUse ApplyPhotoRows(const std::vector<flight::FlightLog>& logs, std::vector<Photo>& photos) {
   PhotoRowsUse use;
   for (const flight::FlightLog& log : logs) {
     std::map<std::string, const CameraEvent*> rows;
     for (const CameraEvent& event : log.events) {
-      if (!event.has_time && event.image_name) rows.emplace(PlainName(*event.image_name), &event);
+      if (!event.has_time && event.image_name) rows.emplace(PlainPhotoName(*event.image_name), &event);
     }
     if (rows.empty()) continue;
     int matched = 0;
     for (Photo& photo : photos) {
-      const std::string name = PlainName(photo.name);
+      const std::string name = PlainPhotoName(photo.name);
       auto row = rows.find(name);
       if (row == rows.end()) row = rows.find(name.substr(0, name.rfind('.')));  // lists without endings
       if (row == rows.end()) continue;

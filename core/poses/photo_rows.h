@@ -1,5 +1,6 @@
 // What lists and camera events say of single photos, written over what the photos say of themselves: a user
-// who brings geo.txt, a geolocation CSV or an MRK means it to be better than EXIF. Pure; any thread.
+// who brings geo.txt, a geolocation CSV or an MRK means it to be better than EXIF. Whether the list is of
+// this flight at all, lists/compare_sources.h has found out before. Pure; any thread.
 #pragma once
 
 #include <string>
@@ -10,6 +11,9 @@
 #include "core/poses/time/time_sync.h"
 
 namespace skyquilt::poses {
+
+// As names of photos are compared: the file's own, in small letters.
+std::string PlainPhotoName(const std::string& name);
 
 struct PhotoRowsUse {
   std::vector<std::string> lines;     // one a list, in words

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/base/try.h"
+#include "core/flight/logs/log_text.h"
 #include "core/flight/logs/mapped_file.h"
 #include "core/flight/logs/text_fields.h"
 
@@ -192,7 +193,8 @@ Result<ReflectanceList> ReadReflectanceList(const InputFile& file) {
   const auto bytes = mapped.bytes();
   if (bytes.size() > kMaxBytes)
     return Error{ErrorCode::kTooLarge, file.name + " is larger than a list of panels is.", ""};
-  return ParseReflectanceList(file.name, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  SKYQUILT_TRY_ASSIGN(const auto text, LogText::Of(file.name, bytes));
+  return ParseReflectanceList(file.name, TextOf(text.bytes()));
 }
 
 }  // namespace skyquilt::flight

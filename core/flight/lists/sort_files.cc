@@ -13,6 +13,7 @@
 #include "core/flight/lists/reflectance_list.h"
 #include "core/flight/logs/csv/unknown_table.h"
 #include "core/flight/logs/read_log.h"
+#include "core/flight/logs/texts/unknown_list.h"
 #include "core/flight/photos/byte_source.h"
 
 namespace skyquilt::flight {
@@ -75,6 +76,8 @@ Result<Kind> KindOf(const InputFile& file) {
   }
   if (!format && unknown == Kind::kNothing) {
     if (auto why = ExplainUnknownTable(head, file.name))
+      return Error{ErrorCode::kUnsupportedFormat, *std::move(why), ""};
+    if (auto why = ExplainUnknownList(head, file.name))
       return Error{ErrorCode::kUnsupportedFormat, *std::move(why), ""};
   }
   if (!format) return unknown;

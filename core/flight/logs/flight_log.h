@@ -52,12 +52,20 @@ struct RangeSample {
   double distance_m = 0.0;  // along the body's down axis
 };
 
+// A place as the columns of a list give it, before any reading of them is believed: x stands for east or
+// longitude, y for north or latitude, in the unit of the list's system.
+struct WrittenPlace {
+  double x = 0.0;
+  double y = 0.0;
+};
+
 // One exposure as the recorder saw it.
 struct CameraEvent {
   double t_s = 0.0;
   bool is_feedback = true;  // measured shutter; false: only the command to trigger
   std::optional<std::int64_t> sequence;
   std::optional<std::string> image_name;
+  std::optional<WrittenPlace> written;  // of rows that name a photo, also where it can be no place as written
   std::optional<geo::LatLon> position;
   std::optional<double> height_ellipsoid_m;
   std::optional<double> height_amsl_m;
@@ -89,7 +97,10 @@ struct FlightLog {
   double utc_sigma_s = 0.0;
   // What a table's column of times counts at t_s = 0; two tables of one recorder may count alike.
   std::optional<double> counter_at_zero_s;
-  std::optional<UtcTime> local_at_zero;  // a clock of unknown zone, where the format has no better one
+  std::optional<UtcTime> local_at_zero;   // a clock of unknown zone, where the format has no better one
+  std::string written_system;             // of `written` in `events`, as PROJ knows it; empty: none is named
+  bool written_order_is_named = false;    // a header says which column is which
+  bool written_order_is_assumed = false;  // neither a header nor the format says it
   std::map<std::string, std::uint64_t> message_counts;  // by the format's own message names
   std::vector<std::string> mapping;                     // for tolerant formats: "column -> meaning, unit"
   std::vector<std::string> warnings;                    // damage, drop-outs, what was skipped and why

@@ -10,6 +10,7 @@
 #include "core/flight/logs/autopilots/ulog.h"
 #include "core/flight/logs/csv/canonical_csv.h"
 #include "core/flight/logs/csv/tolerant_csv.h"
+#include "core/flight/logs/log_text.h"
 #include "core/flight/logs/mapped_file.h"
 #include "core/flight/logs/text_fields.h"
 #include "core/flight/logs/texts/dji_mrk.h"
@@ -50,6 +51,7 @@ constexpr std::array kFormats = {
     Format{LogFormat::kGcpList, "gcp_list", LooksLikeGcpList, nullptr},
     Format{LogFormat::kFlightCsv, "flight_csv", LooksLikeFlightCsv, ParseFlightCsv},
     Format{LogFormat::kImagesCsv, "images_csv", LooksLikeImagesCsv, ParseImagesCsv},
+    Format{LogFormat::kTolerantCsv, "tolerant_csv", LooksLikeNamedPlaces, ParseTolerantCsv},
     Format{LogFormat::kPix4dCsv, "pix4d_csv", LooksLikePix4dCsv, ParsePix4dCsv},
     Format{LogFormat::kTolerantCsv, "tolerant_csv", LooksLikeTolerantCsv, ParseTolerantCsv},
 };
@@ -92,7 +94,8 @@ std::string_view LogFormatName(LogFormat format) {
 }
 
 Result<std::optional<LogFormat>> RecogniseLog(LogBytes head, std::string_view name) {
-  SKYQUILT_TRY_ASSIGN(const auto format, RecogniseOrExplain(head, name));
+  SKYQUILT_TRY_ASSIGN(const auto text, LogText::Of(name, head));
+  SKYQUILT_TRY_ASSIGN(const auto format, RecogniseOrExplain(text.bytes(), name));
   if (format == nullptr) return std::optional<LogFormat>();
   return std::optional<LogFormat>(format->format);
 }
@@ -101,8 +104,9 @@ Result<FlightLog> ParseLog(std::string_view name, LogBytes bytes, const Consumed
   if (bytes.empty()) {
     return Error{ErrorCode::kCorrupt, fmt::format("{} is empty; copy it from the aircraft again.", name), ""};
   }
-  SKYQUILT_TRY_ASSIGN(const auto format,
-                      RecogniseOrExplain(bytes.first(std::min(bytes.size(), kRecogniseBytes)), name));
+  SKYQUILT_TRY_ASSIGN(const auto text, LogText::Of(name, bytes));
+  const LogBytes head = text.bytes().first(std::min(text.bytes().size(), kRecogniseBytes));
+  SKYQUILT_TRY_ASSIGN(const auto format, RecogniseOrExplain(head, name));
   if (format == nullptr) {
     return Error{ErrorCode::kUnsupportedFormat,
                  fmt::format("{} is no flight log of a kind that is read.", name), ""};
@@ -111,7 +115,8 @@ Result<FlightLog> ParseLog(std::string_view name, LogBytes bytes, const Consumed
     return Error{ErrorCode::kUnsupportedFormat,
                  fmt::format("{} is a list of ground control points, not a flight log.", name), ""};
   }
-  return format->parse(name, bytes, consumed);
+  // Offsets into decoded text are none into the file.
+  return format->parse(name, text.bytes(), text.is_decoded() ? ConsumedUpTo() : consumed);
 }
 
 Result<FlightLog> ReadLog(const InputFile& file) {

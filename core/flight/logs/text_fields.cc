@@ -19,6 +19,20 @@ std::string_view Unquote(std::string_view field) {
   return Trim(field);
 }
 
+// Where the field ends whose opening quote stands before `from`: at a separator or the line's end behind a
+// closing quote; doubled quotes are part of the field. npos where the quote is none that closes.
+std::size_t EndOfQuotedField(std::string_view line, std::size_t from, char separator) {
+  while (true) {
+    const std::size_t quote = line.find('"', from);
+    if (quote == std::string_view::npos) return quote;
+    from = std::min(line.find_first_not_of('"', quote), line.size());
+    if ((from - quote) % 2 == 0) continue;
+    std::size_t end = from;
+    while (end < line.size() && line[end] != separator && IsBlank(line[end])) ++end;
+    if (end == line.size() || line[end] == separator) return end;
+  }
+}
+
 }  // namespace
 
 std::string_view Trim(std::string_view text) {
@@ -89,15 +103,20 @@ bool LineReader::Next(std::string_view& line) {
 }
 
 void SplitFields(std::string_view line, char separator, std::vector<std::string_view>& fields) {
+  if (separator == ' ') return SplitBlanks(line, fields);
   fields.clear();
-  std::size_t start = 0;
-  bool quoted = false;
-  for (std::size_t i = 0; i <= line.size() && fields.size() < kMaxFields; ++i) {
-    if (i < line.size() && line[i] == '"') quoted = !quoted;
-    if (i == line.size() || (line[i] == separator && !quoted)) {
-      fields.push_back(Unquote(line.substr(start, i - start)));
-      start = i + 1;
+  bool quotes_close = true;  // false from the first that does not: each is looked at once
+  for (std::size_t start = 0; start <= line.size() && fields.size() < kMaxFields;) {
+    std::size_t first = start;
+    while (first < line.size() && line[first] != separator && IsBlank(line[first])) ++first;
+    std::size_t end = std::string_view::npos;
+    if (quotes_close && first < line.size() && line[first] == '"') {
+      end = EndOfQuotedField(line, first + 1, separator);
+      quotes_close = end != std::string_view::npos;
     }
+    if (end == std::string_view::npos) end = std::min(line.find(separator, first), line.size());
+    fields.push_back(Unquote(line.substr(start, end - start)));
+    start = end + 1;
   }
 }
 
@@ -113,11 +132,20 @@ void SplitBlanks(std::string_view line, std::vector<std::string_view>& fields) {
 }
 
 char GuessSeparator(std::string_view header) {
-  const auto count = [&](char c) { return std::count(header.begin(), header.end(), c); };
-  const auto commas = count(',');
-  const auto semicolons = count(';');
-  const auto tabs = count('\t');
-  if (tabs > commas && tabs >= semicolons) return '\t';
+  // What stands in brackets is a unit: "Latitude (deg, WGS84)".
+  int depth = 0;
+  std::ptrdiff_t commas = 0, semicolons = 0, tabs = 0, pipes = 0;
+  for (const char c : header) {
+    if (c == '(' || c == '[') ++depth;
+    if ((c == ')' || c == ']') && depth > 0) --depth;
+    if (depth > 0 && c != '\t') continue;
+    commas += c == ',';
+    semicolons += c == ';';
+    tabs += c == '\t';
+    pipes += c == '|';
+  }
+  if (tabs > commas && tabs >= semicolons && tabs >= pipes) return '\t';
+  if (pipes > commas && pipes > semicolons) return '|';
   return semicolons > commas ? ';' : ',';
 }
 

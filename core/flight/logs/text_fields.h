@@ -54,11 +54,12 @@ inline bool NextFilledLine(LineReader& lines, ConsumedSteps& steps, std::string_
   return false;
 }
 
-// Cuts at `separator`; fields in double quotes may hold it. At most 1024 fields; fields are trimmed.
+// Cuts at `separator`; fields that begin and end with double quotes may hold it (a quote elsewhere is a
+// letter: 33.4"). A blank as separator: at runs of blanks. At most 1024 fields; fields are trimmed.
 void SplitFields(std::string_view line, char separator, std::vector<std::string_view>& fields);
 // Cuts at runs of blanks and tabs.
 void SplitBlanks(std::string_view line, std::vector<std::string_view>& fields);
-// The separator that a header line uses: ',', ';' or tab.
+// The separator that a header line uses: ',', ';', '|' or tab.
 char GuessSeparator(std::string_view header);
 
 // True where the first bytes look like text rather than a binary file.

@@ -6,6 +6,7 @@
 #include "core/base/printable.h"
 #include "core/pipeline/inspect_flight.h"
 #include "core/pipeline/report/report_codec.h"
+#include "core/poses/lists/list_words.h"
 
 namespace skyquilt::pipeline {
 namespace {
@@ -49,6 +50,36 @@ nlohmann::ordered_json LogJson(const flight::LogFacts& log) {
   return json;
 }
 
+std::string_view FaultWord(flight::ListFault fault) {
+  switch (fault) {
+    case flight::ListFault::kNone:
+      return "none";
+    case flight::ListFault::kNamesNoPhoto:
+      return "names_no_photo";
+    case flight::ListFault::kNoSystem:
+      return "no_system";
+    case flight::ListFault::kNoPlace:
+      return "no_place";
+    case flight::ListFault::kFarAway:
+      return "far_away";
+    case flight::ListFault::kOtherShape:
+      return "other_shape";
+  }
+  return "none";
+}
+
+nlohmann::ordered_json ListJson(const flight::ListUse& use) {
+  return {{"name", use.file_name},
+          {"kind", use.kind == flight::ListKind::kControl ? "control" : "positions"},
+          {"read_as", poses::ReadingInWords(use, use.reading)},
+          {"as_written", use.is_as_written},
+          {"rows", use.rows},
+          {"rows_used", use.rows_used},
+          {"apart_m", use.apart_m ? nlohmann::ordered_json(*use.apart_m) : nlohmann::ordered_json()},
+          {"fault", FaultWord(use.fault)},
+          {"words", poses::UseInWords(use)}};
+}
+
 }  // namespace
 
 std::string VerdictText(const FlightVerdict& v) {
@@ -60,6 +91,8 @@ std::string VerdictText(const FlightVerdict& v) {
   if (!v.position_sources.empty()) text += "Positions   " + Counts(v.position_sources) + "\n";
   if (!v.attitude_sources.empty()) text += "Angles      " + Counts(v.attitude_sources) + "\n";
   for (const flight::LogFacts& log : v.logs) text += LogText(log);
+  for (const flight::ListUse& use : v.lists)
+    text += fmt::format("List        {}\n", Printable(poses::UseInWords(use)));
   for (const std::string& list : v.gcp_lists) text += fmt::format("Control     {}\n", list);
   for (const std::string& model : v.elevation_models)
     text += fmt::format("Heights     {}: an elevation model of the ground\n", model);
@@ -104,6 +137,8 @@ std::string VerdictJson(const FlightVerdict& v) {
   }
   nlohmann::ordered_json logs = nlohmann::ordered_json::array();
   for (const flight::LogFacts& log : v.logs) logs.push_back(LogJson(log));
+  nlohmann::ordered_json lists = nlohmann::ordered_json::array();
+  for (const flight::ListUse& use : v.lists) lists.push_back(ListJson(use));
   const nlohmann::ordered_json json{{"photos_readable", v.photos_readable},
                                     {"photos_placeable", v.photos_placeable},
                                     {"photos_by_images", v.photos_by_images},
@@ -111,6 +146,7 @@ std::string VerdictJson(const FlightVerdict& v) {
                                     {"position_sources", v.position_sources},
                                     {"attitude_sources", v.attitude_sources},
                                     {"logs", logs},
+                                    {"lists", lists},
                                     {"gcp_lists", v.gcp_lists},
                                     {"elevation_models", v.elevation_models},
                                     {"poses", JsonOf<nlohmann::ordered_json>(v.poses)},

@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
+#include "core/base/try.h"
 #include "core/flight/logs/csv/csv_rows.h"
 #include "core/flight/logs/text_fields.h"
 
@@ -30,15 +32,21 @@ bool HasColumn(const std::vector<CsvColumn>& columns, M meaning) {
   return false;
 }
 
-CameraEvent EventOf(const CsvRow& row) {
+CameraEvent EventOf(const CsvRow& row, AttitudeKind kind) {
   CameraEvent event;
-  event.image_name = std::string(row.image.substr(0, 512));
-  if (row[M::kLat] && row[M::kLon]) event.position = geo::LatLon{*row[M::kLat], *row[M::kLon]};
+  event.image_name = std::string(row.image.substr(0, kMaxNameLength));
+  event.written = WrittenPlaceOf(row);
+  if (event.written)
+    event.position = geo::LatLon{event.written->y, event.written->x};  // LogBuilder looks at it
   event.height_ellipsoid_m = row[M::kHeightEllipsoid];
   event.height_amsl_m = row[M::kHeightAmsl];
   event.height_above_takeoff_m = row[M::kHeightAboveTakeoff];
   if (row.Has(M::kRoll, M::kYaw)) {
     event.yaw_pitch_roll_rad = Eigen::Vector3d(*row[M::kYaw], *row[M::kPitch], *row[M::kRoll]);
+    event.attitude_kind = kind;
+  } else if (row[M::kGimbalPitch] && row[M::kGimbalYaw]) {
+    event.yaw_pitch_roll_rad =
+        Eigen::Vector3d(*row[M::kGimbalYaw], *row[M::kGimbalPitch], row[M::kGimbalRoll].value_or(0.0));
     event.attitude_kind = AttitudeKind::kGimbal;
   }
   const auto horizontal = row[M::kSigmaHorizontal];
@@ -50,6 +58,26 @@ CameraEvent EventOf(const CsvRow& row) {
   event.sigma_yaw_rad = row[M::kSigmaYaw];
   return event;
 }
+
+// Rows whose place cannot be one as the columns are named.
+struct OffTheEarth {
+  std::uint64_t rows = 0;
+  std::size_t first_line = 0;
+  WrittenPlace first;
+
+  void Look(const CameraEvent& event, std::size_t line) {
+    if (!event.written || geo::LatLon::Make(event.written->y, event.written->x)) return;
+    if (++rows > 1) return;
+    first_line = line;
+    first = *event.written;
+  }
+  void Tell(LogBuilder& builder) const {
+    if (rows == 0) return;
+    builder.Warn(fmt::format(
+        "{} rows name no place on the Earth; the first, in line {}, has latitude {:.6f} and longitude {:.6f}",
+        rows, first_line, first.y, first.x));
+  }
+};
 
 }  // namespace
 
@@ -77,12 +105,13 @@ Result<FlightLog> ParseFlightCsv(std::string_view name, LogBytes bytes, const Co
   std::string_view line;
   std::uint64_t rows = 0;
   std::uint64_t bad = 0;
+  UnreadCells unread;
   ConsumedSteps steps(consumed);
   while (lines.Next(line)) {
     steps.At(lines.offset());
     if (Trim(line).empty() || line.front() == '#') continue;
     SplitFields(line, ',', cells);
-    if (sampler.Take(ReadCsvRow(columns, cells)))
+    if (sampler.Take(ReadCsvRow(columns, cells, &unread, lines.line_number())))
       ++rows;
     else
       ++bad;
@@ -95,6 +124,7 @@ Result<FlightLog> ParseFlightCsv(std::string_view name, LogBytes bytes, const Co
   sampler.Finish();
   builder.Count("row", rows);
   builder.log().mapping = DescribeColumns(columns);
+  unread.Tell(columns, builder);
   if (bad > 0) builder.Warn(fmt::format("{} rows without a time were skipped", bad));
   return std::move(builder).Finish();
 }
@@ -103,36 +133,47 @@ Result<FlightLog> ParseImagesCsv(std::string_view name, LogBytes bytes, const Co
   LineReader lines(TextOf(bytes));
   std::vector<std::string_view> cells;
   if (!ReadHeader(lines, cells)) return Error{ErrorCode::kCorrupt, fmt::format("{} is empty.", name), ""};
-  return ReadImageRows(MapCanonicalColumns(cells), ',', lines, LogBuilder("images_csv", name));
+  std::vector<CsvColumn> columns = MapCanonicalColumns(cells);
+  SKYQUILT_TRY_ASSIGN(SettledColumns settled, SettleColumns(name, lines, ',', columns));
+  settled.pitch_is_level = false;  // the format counts from the horizon
+  return ReadImageRows(columns, settled, ',', lines, LogBuilder("images_csv", name));
 }
 
-Result<FlightLog> ReadImageRows(const std::vector<CsvColumn>& columns, char separator, LineReader lines,
-                                LogBuilder builder) {
+Result<FlightLog> ReadImageRows(const std::vector<CsvColumn>& columns, const SettledColumns& settled,
+                                char separator, LineReader lines, LogBuilder builder) {
   const std::string name = builder.log().file_name;
   std::vector<std::string_view> cells;
   const bool has_time = HasColumn(columns, M::kTime);
+  const bool says_utc = std::any_of(columns.begin(), columns.end(), [](const CsvColumn& column) {
+    return column.says_utc && column.meaning >= M::kUtc && column.meaning <= M::kTimeOfDay;
+  });
+  const AttitudeKind kind = settled.pitch_is_level ? AttitudeKind::kAirframe : AttitudeKind::kGimbal;
   std::string_view line;
   std::optional<UtcTime> first;
   std::uint64_t rows = 0;
   std::uint64_t bad = 0;
+  UnreadCells unread;
+  OffTheEarth off;
   while (lines.Next(line)) {
     if (Trim(line).empty() || line.front() == '#') continue;
     SplitFields(line, separator, cells);
-    const CsvRow row = ReadCsvRow(columns, cells);
+    const CsvRow row = ReadCsvRow(columns, cells, &unread, lines.line_number());
     if (row.image.empty()) {
       ++bad;
       continue;
     }
-    CameraEvent event = EventOf(row);
-    const auto written = row.utc.empty() ? std::nullopt : ParseWrittenTime(row.utc);
+    CameraEvent event = EventOf(row, kind);
+    off.Look(event, lines.line_number());
+    // A local clock says nothing that the name does not say better.
+    const bool is_utc = row.written && (says_utc || row.written->names_zone);
     event.has_time = true;
     if (has_time && row[M::kTime]) {
       event.t_s = *row[M::kTime];
-      if (written && !first && std::abs(event.t_s) < 1e9)
-        first = written->time - std::chrono::microseconds(std::llround(event.t_s * 1e6));
-    } else if (!has_time && written) {
-      if (!first) first = written->time;
-      event.t_s = std::chrono::duration<double>(written->time - *first).count();
+      if (is_utc && !first && std::abs(event.t_s) < 1e9)
+        first = row.written->time - std::chrono::microseconds(std::llround(event.t_s * 1e6));
+    } else if (!has_time && is_utc) {
+      if (!first) first = row.written->time;
+      event.t_s = std::chrono::duration<double>(row.written->time - *first).count();
     } else {
       event.has_time = false;
       event.t_s = static_cast<double>(rows);
@@ -145,7 +186,14 @@ Result<FlightLog> ReadImageRows(const std::vector<CsvColumn>& columns, char sepa
   builder.log().utc_at_zero = first;
   if (has_time) builder.log().counter_at_zero_s = 0.0;
   builder.log().utc_sigma_s = 0.05;
+  builder.log().written_order_is_named = HasColumn(columns, M::kLat) && HasColumn(columns, M::kLon);
   builder.log().mapping = DescribeColumns(columns);
+  builder.log().mapping.insert(builder.log().mapping.end(), settled.notes.begin(), settled.notes.end());
+  if (settled.pitch_is_level)
+    builder.log().mapping.emplace_back("pitch -> 0 is straight down, as most of its cells are near 0");
+  unread.Tell(columns, builder);
+  off.Tell(builder);
+  for (const std::string& warning : settled.warnings) builder.Warn(warning);
   if (bad > 0) builder.Warn(fmt::format("{} rows without an image were skipped", bad));
   return std::move(builder).Finish();
 }

@@ -10,6 +10,7 @@
 
 #include "core/base/result.h"
 #include "core/flight/logs/csv/csv_columns.h"
+#include "core/flight/logs/csv/settle_columns.h"
 #include "core/flight/logs/flight_log.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/log_bytes.h"
@@ -23,8 +24,9 @@ bool LooksLikeImagesCsv(LogBytes head);
 Result<FlightLog> ParseFlightCsv(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed = {});
 Result<FlightLog> ParseImagesCsv(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed = {});
 
-// The rows below a header whose columns are known; `builder` is empty and has the log's name and format.
-Result<FlightLog> ReadImageRows(const std::vector<CsvColumn>& columns, char separator, LineReader lines,
-                                LogBuilder builder);
+// The rows below a header whose columns are known and settled; `builder` is empty and has the log's name and
+// format.
+Result<FlightLog> ReadImageRows(const std::vector<CsvColumn>& columns, const SettledColumns& settled,
+                                char separator, LineReader lines, LogBuilder builder);
 
 }  // namespace skyquilt::flight

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 
 #include "core/flight/logs/csv/csv_units.h"
 #include "core/flight/logs/text_fields.h"
@@ -21,13 +22,55 @@ std::string Letters(std::string_view text) {
   return letters;
 }
 
-// "acc_x [m/s^2]" -> "acc_x ", "m/s^2".
+// "acc_x [m/s^2]" -> "acc_x ", "m/s^2"; "altitude (amsl) [ft]" -> "altitude  ", "amsl ft".
 std::pair<std::string, std::string> CutBrackets(const std::string& lower) {
-  const std::size_t open = lower.find_first_of("([");
-  if (open == std::string::npos) return {lower, ""};
-  const std::size_t close = lower.find_first_of(")]", open);
-  const std::string inside = lower.substr(open + 1, close == std::string::npos ? close : close - open - 1);
-  return {lower.substr(0, open), std::string(Trim(inside))};
+  std::string base, inside;
+  std::size_t at = 0;
+  while (at < lower.size()) {
+    const std::size_t open = std::min(lower.find_first_of("([", at), lower.size());
+    base += lower.substr(at, open - at);
+    if (open == lower.size()) break;
+    const std::size_t close = std::min(lower.find_first_of(")]", open), lower.size());
+    const std::string_view words = Trim(std::string_view(lower).substr(open + 1, close - open - 1));
+    if (!inside.empty() && !words.empty()) inside += ' ';
+    inside += words;
+    at = close + 1;
+  }
+  return {base, inside};
+}
+
+// Words beside the unit that say above what a height counts: "ft amsl", "m, ellipsoidal", "wgs84".
+struct HeightWords {
+  M meaning = M::kIgnored;  // not said
+  std::string unit;
+};
+
+std::optional<HeightWords> ReadHeightWords(std::string words) {
+  constexpr std::array<std::string_view, 6> kSea = {"amsl", "msl", "asl", "orthometric", "egm96", "nn"};
+  constexpr std::array<std::string_view, 6> kEllipsoid = {"hae",         "ellipsoidal", "ellipsoid",
+                                                          "ellipsoidic", "wgs84",       "ell"};
+  const auto is_one_of = [](const auto& names, std::string_view word) {
+    return std::find(names.begin(), names.end(), word) != names.end();
+  };
+  std::replace(words.begin(), words.end(), ',', ' ');
+  std::vector<std::string_view> parts;
+  SplitBlanks(words, parts);
+  HeightWords read;
+  for (const std::string_view word : parts) {
+    M said = M::kIgnored;
+    if (is_one_of(kSea, word)) said = M::kHeightAmsl;
+    if (is_one_of(kEllipsoid, word)) said = M::kHeightEllipsoid;
+    if (word == "agl") said = M::kHeightAboveGround;
+    if (said == M::kIgnored && (!read.unit.empty() || FindUnit(word, Dimension::kLength) == nullptr))
+      return std::nullopt;
+    if (said == M::kIgnored)
+      read.unit = word;
+    else if (read.meaning != M::kIgnored && read.meaning != said)
+      return std::nullopt;
+    else
+      read.meaning = said;
+  }
+  return read;
 }
 
 // "lonDeg" and "TimeUS" as "lon_deg" and "time_us": a capital behind a small letter or a digit begins a word.
@@ -77,6 +120,29 @@ NameWithUnit CutUnit(const std::string& words) {
   return {};
 }
 
+// "deg, wgs 84", "deg min sec", "n/s": the cells are degrees. Not "w": it is not said which sign that asks
+// for.
+bool SaysDegrees(std::string words) {
+  constexpr std::array<std::string_view, 11> kBeside = {"wgs", "84",      "min",     "sec", "dms",  "n/s",
+                                                        "e/w", "minutes", "seconds", "n",   "north"};
+  std::replace(words.begin(), words.end(), ',', ' ');
+  std::vector<std::string_view> parts;
+  SplitBlanks(words, parts);
+  return std::all_of(parts.begin(), parts.end(), [&](std::string_view word) {
+    const CsvUnit* unit = FindUnit(word, Dimension::kCoordinate);
+    return unit != nullptr ? unit->factor == 1.0
+                           : std::find(kBeside.begin(), kBeside.end(), word) != kBeside.end();
+  });
+}
+
+// "Time (UTC)", "timestamp [local]", "time (hh:mm:ss)": the cells say how they count.
+bool SaysClock(std::string_view words) {
+  for (const std::string_view word : {"utc", "gmt", "local", "iso", "hh:mm"}) {
+    if (words.find(word) != std::string_view::npos) return true;
+  }
+  return false;
+}
+
 CsvColumn MapTolerantColumn(std::string_view header) {
   CsvColumn column;
   column.header = Trim(header);
@@ -90,6 +156,17 @@ CsvColumn MapTolerantColumn(std::string_view header) {
     unit = std::move(found.unit);
   }
   const Dimension dimension = CsvMeaningDimension(column.meaning);
+  if (dimension == Dimension::kLength && !unit.empty() && FindUnit(unit, dimension) == nullptr) {
+    const auto height = ReadHeightWords(unit);
+    const bool is_height = column.meaning >= M::kHeightEllipsoid && column.meaning <= M::kHeightAboveGround;
+    if (height && is_height) {
+      if (height->meaning != M::kIgnored) column.meaning = height->meaning;
+      unit = height->unit;
+    }
+  }
+  if (FindUnit(unit, dimension) == nullptr && ((dimension == Dimension::kCoordinate && SaysDegrees(unit)) ||
+                                               (dimension == Dimension::kTime && SaysClock(unit))))
+    unit.clear();
   const auto [scale, name] = DefaultUnit(dimension);
   column.scale = scale;
   column.unit = name;
@@ -154,7 +231,6 @@ bool IsCanonicalImagesHeader(const std::vector<std::string_view>& header) {
 std::vector<CsvColumn> MapTolerantColumns(const std::vector<std::string_view>& header) {
   std::vector<CsvColumn> columns;
   for (const std::string_view name : header) columns.push_back(MapTolerantColumn(name));
-  DropRepeated(columns);
   return columns;
 }
 

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "core/flight/logs/csv/csv_meanings.h"
+#include "core/flight/logs/csv/number_cell.h"
+#include "core/flight/logs/written_time.h"
 
 namespace skyquilt::flight {
 
@@ -18,6 +20,10 @@ struct CsvColumn {
   std::string unit;    // as understood, for the user
   bool unit_is_written = false;
   bool says_utc = false;
+  // What only the cells tell (settle_columns.h).
+  DecimalMark mark = DecimalMark::kUnknown;
+  DateOrder date_order = DateOrder::kYearFirst;
+  bool is_elapsed_text = false;  // "0:12:05" or "12m 5s" as a time
 };
 
 // flight.csv and images.csv: lower-case names exactly as documented, in any order; unknown columns are
@@ -27,7 +33,7 @@ std::vector<CsvColumn> MapCanonicalColumns(const std::vector<std::string_view>& 
 bool IsCanonicalFlightHeader(const std::vector<std::string_view>& header);
 bool IsCanonicalImagesHeader(const std::vector<std::string_view>& header);
 
-// Any other header. Of two columns with the same meaning the first counts.
+// Any other header. Several columns may have one meaning until SettleColumns has seen their cells.
 std::vector<CsvColumn> MapTolerantColumns(const std::vector<std::string_view>& header);
 
 // "column -> meaning, unit" for each column that is used.

@@ -1,6 +1,10 @@
 #include "core/flight/logs/csv/csv_meanings.h"
 
 #include <array>
+#include <unordered_map>
+#include <vector>
+
+#include "core/flight/logs/text_fields.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -16,8 +20,12 @@ constexpr std::array kFacts = {
     MeaningFacts{M::kIgnored, "ignored", Dimension::kNone},
     MeaningFacts{M::kTime, "time", Dimension::kTime},
     MeaningFacts{M::kUtc, "date and time", Dimension::kNone},
+    MeaningFacts{M::kDate, "date", Dimension::kNone},
+    MeaningFacts{M::kTimeOfDay, "time of day", Dimension::kNone},
     MeaningFacts{M::kLat, "latitude", Dimension::kCoordinate},
     MeaningFacts{M::kLon, "longitude", Dimension::kCoordinate},
+    MeaningFacts{M::kLatLetter, "north or south", Dimension::kNone},
+    MeaningFacts{M::kLonLetter, "east or west", Dimension::kNone},
     MeaningFacts{M::kHeightEllipsoid, "height above the ellipsoid", Dimension::kLength},
     MeaningFacts{M::kHeightAmsl, "height above mean sea level", Dimension::kLength},
     MeaningFacts{M::kHeightAboveTakeoff, "height above take-off", Dimension::kLength},
@@ -93,192 +101,100 @@ constexpr std::array kCanonicalFlight = {Name{"t", M::kTime},
                                          Name{"s_rp", M::kSigmaTilt},
                                          Name{"s_yaw", M::kSigmaYaw}};
 
-// Names without blanks, underscores and units, lower case.
-constexpr std::array kSynonyms = {Name{"t", M::kTime},
-                                  Name{"time", M::kTime},
-                                  Name{"timestamp", M::kTime},
-                                  Name{"elapsed", M::kTime},
-                                  Name{"elapsedtime", M::kTime},
-                                  Name{"flytime", M::kTime},
-                                  Name{"offsettime", M::kTime},
-                                  Name{"timeboot", M::kTime},
-                                  Name{"utc", M::kUtc},
-                                  Name{"datetime", M::kUtc},
-                                  Name{"gpsdatetime", M::kUtc},
-                                  Name{"utctime", M::kUtc},
-                                  Name{"lat", M::kLat},
-                                  Name{"latitude", M::kLat},
-                                  Name{"gpslat", M::kLat},
-                                  Name{"gpslatitude", M::kLat},
-                                  Name{"osdlatitude", M::kLat},
-                                  Name{"lon", M::kLon},
-                                  Name{"lng", M::kLon},
-                                  Name{"long", M::kLon},
-                                  Name{"longitude", M::kLon},
-                                  Name{"gpslon", M::kLon},
-                                  Name{"gpslng", M::kLon},
-                                  Name{"gpslongitude", M::kLon},
-                                  Name{"longtitude", M::kLon},
-                                  Name{"osdlongitude", M::kLon},
-                                  Name{"altell", M::kHeightEllipsoid},
-                                  Name{"ellipsoidalheight", M::kHeightEllipsoid},
-                                  Name{"altitudewgs84", M::kHeightEllipsoid},
-                                  Name{"altellipsoid", M::kHeightEllipsoid},
-                                  Name{"altmsl", M::kHeightAmsl},
-                                  Name{"alt", M::kHeightAmsl},
-                                  Name{"altitude", M::kHeightAmsl},
-                                  Name{"altitudeabovesealevel", M::kHeightAmsl},
-                                  Name{"altitudemsl", M::kHeightAmsl},
-                                  Name{"altitudeamsl", M::kHeightAmsl},
-                                  Name{"gpsaltitude", M::kHeightAmsl},
-                                  Name{"absolutealtitude", M::kHeightAmsl},
-                                  Name{"absalt", M::kHeightAmsl},
-                                  Name{"heightabovetakeoff", M::kHeightAboveTakeoff},
-                                  Name{"relalt", M::kHeightAboveTakeoff},
-                                  Name{"relativealtitude", M::kHeightAboveTakeoff},
-                                  Name{"height", M::kHeightAboveTakeoff},
-                                  Name{"osdheight", M::kHeightAboveTakeoff},
-                                  Name{"relativeheight", M::kHeightAboveTakeoff},
-                                  Name{"heightabovegroundatdronelocation", M::kHeightAboveGround},
-                                  Name{"agl", M::kHeightAboveGround},
-                                  Name{"heightaboveground", M::kHeightAboveGround},
-                                  Name{"range", M::kRange},
-                                  Name{"rangefinder", M::kRange},
-                                  Name{"heightsonar", M::kRange},
-                                  Name{"sonar", M::kRange},
-                                  Name{"distancesensor", M::kRange},
-                                  Name{"lidar", M::kRange},
-                                  Name{"ultrasonic", M::kRange},
-                                  Name{"baroalt", M::kBaroHeight},
-                                  Name{"baroheight", M::kBaroHeight},
-                                  Name{"barometricaltitude", M::kBaroHeight},
-                                  Name{"baroaltitude", M::kBaroHeight},
-                                  Name{"barometer", M::kBaroHeight},
-                                  Name{"press", M::kPressure},
-                                  Name{"pressure", M::kPressure},
-                                  Name{"airpressure", M::kPressure},
-                                  Name{"baro", M::kPressure},
-                                  Name{"vn", M::kVelocityNorth},
-                                  Name{"velocitynorth", M::kVelocityNorth},
-                                  Name{"veln", M::kVelocityNorth},
-                                  Name{"xspeed", M::kVelocityNorth},
-                                  Name{"vnorth", M::kVelocityNorth},
-                                  Name{"osdxspeed", M::kVelocityNorth},
-                                  Name{"ve", M::kVelocityEast},
-                                  Name{"velocityeast", M::kVelocityEast},
-                                  Name{"vele", M::kVelocityEast},
-                                  Name{"yspeed", M::kVelocityEast},
-                                  Name{"veast", M::kVelocityEast},
-                                  Name{"osdyspeed", M::kVelocityEast},
-                                  Name{"vd", M::kVelocityDown},
-                                  Name{"velocitydown", M::kVelocityDown},
-                                  Name{"veld", M::kVelocityDown},
-                                  Name{"zspeed", M::kVelocityDown},
-                                  Name{"vdown", M::kVelocityDown},
-                                  Name{"osdzspeed", M::kVelocityDown},
-                                  Name{"sh", M::kSigmaHorizontal},
-                                  Name{"hacc", M::kSigmaHorizontal},
-                                  Name{"horizontalaccuracy", M::kSigmaHorizontal},
-                                  Name{"eph", M::kSigmaHorizontal},
-                                  Name{"sv", M::kSigmaVertical},
-                                  Name{"vacc", M::kSigmaVertical},
-                                  Name{"verticalaccuracy", M::kSigmaVertical},
-                                  Name{"epv", M::kSigmaVertical},
-                                  Name{"fix", M::kFix},
-                                  Name{"fixtype", M::kFix},
-                                  Name{"gpsfix", M::kFix},
-                                  Name{"wx", M::kGyroX},
-                                  Name{"gx", M::kGyroX},
-                                  Name{"gyrox", M::kGyroX},
-                                  Name{"gyrx", M::kGyroX},
-                                  Name{"xgyro", M::kGyroX},
-                                  Name{"angularvelocityx", M::kGyroX},
-                                  Name{"gyroscopex", M::kGyroX},
-                                  Name{"omegax", M::kGyroX},
-                                  Name{"wy", M::kGyroY},
-                                  Name{"gy", M::kGyroY},
-                                  Name{"gyroy", M::kGyroY},
-                                  Name{"gyry", M::kGyroY},
-                                  Name{"ygyro", M::kGyroY},
-                                  Name{"angularvelocityy", M::kGyroY},
-                                  Name{"gyroscopey", M::kGyroY},
-                                  Name{"omegay", M::kGyroY},
-                                  Name{"wz", M::kGyroZ},
-                                  Name{"gz", M::kGyroZ},
-                                  Name{"gyroz", M::kGyroZ},
-                                  Name{"gyrz", M::kGyroZ},
-                                  Name{"zgyro", M::kGyroZ},
-                                  Name{"angularvelocityz", M::kGyroZ},
-                                  Name{"gyroscopez", M::kGyroZ},
-                                  Name{"omegaz", M::kGyroZ},
-                                  Name{"ax", M::kAccelX},
-                                  Name{"accx", M::kAccelX},
-                                  Name{"accelx", M::kAccelX},
-                                  Name{"xacc", M::kAccelX},
-                                  Name{"accelerometerx", M::kAccelX},
-                                  Name{"accelerationx", M::kAccelX},
-                                  Name{"linearaccelerationx", M::kAccelX},
-                                  Name{"ay", M::kAccelY},
-                                  Name{"accy", M::kAccelY},
-                                  Name{"accely", M::kAccelY},
-                                  Name{"yacc", M::kAccelY},
-                                  Name{"accelerometery", M::kAccelY},
-                                  Name{"accelerationy", M::kAccelY},
-                                  Name{"linearaccelerationy", M::kAccelY},
-                                  Name{"az", M::kAccelZ},
-                                  Name{"accz", M::kAccelZ},
-                                  Name{"accelz", M::kAccelZ},
-                                  Name{"zacc", M::kAccelZ},
-                                  Name{"accelerometerz", M::kAccelZ},
-                                  Name{"accelerationz", M::kAccelZ},
-                                  Name{"linearaccelerationz", M::kAccelZ},
-                                  Name{"qw", M::kQw},
-                                  Name{"q0", M::kQw},
-                                  Name{"qx", M::kQx},
-                                  Name{"q1", M::kQx},
-                                  Name{"qy", M::kQy},
-                                  Name{"q2", M::kQy},
-                                  Name{"qz", M::kQz},
-                                  Name{"q3", M::kQz},
-                                  Name{"roll", M::kRoll},
-                                  Name{"osdroll", M::kRoll},
-                                  Name{"pitch", M::kPitch},
-                                  Name{"osdpitch", M::kPitch},
-                                  Name{"yaw", M::kYaw},
-                                  Name{"heading", M::kYaw},
-                                  Name{"compassheading", M::kYaw},
-                                  Name{"osdyaw", M::kYaw},
-                                  Name{"gimbalroll", M::kGimbalRoll},
-                                  Name{"gimbalpitch", M::kGimbalPitch},
-                                  Name{"gimbalheading", M::kGimbalYaw},
-                                  Name{"gimbalyaw", M::kGimbalYaw},
-                                  Name{"event", M::kEvent},
-                                  Name{"cameratrigger", M::kEvent},
-                                  Name{"isphoto", M::kIsPhoto},
-                                  Name{"photo", M::kIsPhoto},
-                                  Name{"cameraisphoto", M::kIsPhoto},
-                                  Name{"photoname", M::kIsPhoto},
-                                  Name{"photofile", M::kIsPhoto},
-                                  Name{"photonumber", M::kIsPhoto},
-                                  Name{"picture", M::kIsPhoto},
-                                  Name{"shot", M::kIsPhoto},
-                                  Name{"trigger", M::kIsPhoto},
-                                  Name{"image", M::kImage},
-                                  Name{"imagename", M::kImage},
-                                  Name{"imagefile", M::kImage},
-                                  Name{"img", M::kImage},
-                                  Name{"filename", M::kImage},
-                                  Name{"file", M::kImage}};
+struct Synonyms {
+  M meaning;
+  std::string_view names;  // apart by blanks
+};
+
+// Names without blanks, underscores, units and letters beyond a to z, lower case; English, and the common
+// words of German, French and Spanish (Höhe is "hhe" here).
+constexpr std::array kSynonyms = {
+    Synonyms{M::kTime,
+             "t time timestamp elapsed elapsedtime flytime offsettime timeboot osdflytime "
+             "timeoffset elapsedseconds zeit tiempo"},
+    Synonyms{M::kUtc,
+             "utc datetime gpsdatetime utctime datetimeoriginal createdate gpsdatetimeutc "
+             "dateandtime datetimeutc captured capturetime capturedat datetaken phototime "
+             "timeutc gpstimestamp zeitstempel datumuhrzeit datumzeit fechahora fechayhora "
+             "dateheure horodatage customdatetime"},
+    Synonyms{M::kDate,
+             "date datum fecha customdate gpsdate gpsdatestamp dateutc localdate "
+             "dateofflight"},
+    Synonyms{M::kTimeOfDay, "timeofday uhrzeit hora heure customupdatetime"},
+    Synonyms{M::kLat,
+             "lat latitude gpslat gpslatitude osdlatitude latitudens latitudedms latitudedd "
+             "latitudedeg latwgs84 ylatitude latitudey breite breitengrad "
+             "geographischebreite latitud exifgpslatitude xmpgpslatitude "
+             "compositegpslatitude dronelatitude"},
+    Synonyms{M::kLon,
+             "lon lng long longitude gpslon gpslng gpslongitude longtitude osdlongitude "
+             "longitudeew longitudedms longitudedd lonwgs84 xlongitude longitudex lnge "
+             "laenge lngengrad laengengrad geographischelnge geographischelaenge longitud "
+             "exifgpslongitude xmpgpslongitude compositegpslongitude dronelongitude"},
+    Synonyms{M::kLatLetter, "latituderef gpslatituderef latref ns latituden latitudedirection"},
+    Synonyms{M::kLonLetter, "longituderef gpslongituderef lonref ew longitudedirection"},
+    Synonyms{M::kHeightEllipsoid,
+             "altell ellipsoidalheight altitudewgs84 altellipsoid ellipsoidheight "
+             "heightellipsoid heightellipsoidal ellipsoidischehhe ellipsoidischehoehe "
+             "ellipsoidhhe hauteurellipsodale hauteurellipsoidale alturaelipsoidal hae "
+             "altitudeellipsoidal altitudeellipsoid"},
+    Synonyms{M::kHeightAmsl,
+             "altmsl alt altitude altitudeabovesealevel altitudemsl altitudeamsl gpsaltitude "
+             "absolutealtitude absalt osdaltitude zaltitude mslaltitude amsl "
+             "altitudeabovemeansealevel hhe hoehe meereshhe meereshoehe hhenn altitud "
+             "elevation elev orthometricheight exifgpsaltitude compositegpsaltitude"},
+    Synonyms{M::kHeightAboveTakeoff,
+             "heightabovetakeoff relalt relativealtitude height osdheight relativeheight "
+             "relativealt altituderelative heightrelative relativehhe"},
+    Synonyms{M::kHeightAboveGround, "heightabovegroundatdronelocation agl heightaboveground"},
+    Synonyms{M::kRange,
+             "range rangefinder heightsonar sonar distancesensor lidar ultrasonic "
+             "osdvpsheight ultrasonicheight"},
+    Synonyms{M::kBaroHeight, "baroalt baroheight barometricaltitude baroaltitude barometer"},
+    Synonyms{M::kPressure, "press pressure airpressure baro"},
+    Synonyms{M::kVelocityNorth, "vn velocitynorth veln xspeed vnorth osdxspeed"},
+    Synonyms{M::kVelocityEast, "ve velocityeast vele yspeed veast osdyspeed"},
+    Synonyms{M::kVelocityDown, "vd velocitydown veld zspeed vdown osdzspeed"},
+    Synonyms{M::kSigmaHorizontal, "sh hacc horizontalaccuracy eph accuracyhorizontal"},
+    Synonyms{M::kSigmaVertical, "sv vacc verticalaccuracy epv accuracyvertical"},
+    Synonyms{M::kFix, "fix fixtype gpsfix"},
+    Synonyms{M::kGyroX, "wx gx gyrox gyrx xgyro angularvelocityx gyroscopex omegax"},
+    Synonyms{M::kGyroY, "wy gy gyroy gyry ygyro angularvelocityy gyroscopey omegay"},
+    Synonyms{M::kGyroZ, "wz gz gyroz gyrz zgyro angularvelocityz gyroscopez omegaz"},
+    Synonyms{M::kAccelX, "ax accx accelx xacc accelerometerx accelerationx linearaccelerationx"},
+    Synonyms{M::kAccelY, "ay accy accely yacc accelerometery accelerationy linearaccelerationy"},
+    Synonyms{M::kAccelZ, "az accz accelz zacc accelerometerz accelerationz linearaccelerationz"},
+    Synonyms{M::kQw, "qw q0"},
+    Synonyms{M::kQx, "qx q1"},
+    Synonyms{M::kQy, "qy q2"},
+    Synonyms{M::kQz, "qz q3"},
+    Synonyms{M::kRoll, "roll osdroll"},
+    Synonyms{M::kPitch, "pitch osdpitch"},
+    Synonyms{M::kYaw, "yaw heading compassheading osdyaw"},
+    Synonyms{M::kGimbalRoll, "gimbalroll gimbalrolldegree"},
+    Synonyms{M::kGimbalPitch, "gimbalpitch gimbalpitchdegree"},
+    Synonyms{M::kGimbalYaw, "gimbalheading gimbalyaw gimbalyawdegree"},
+    Synonyms{M::kEvent, "event cameratrigger"},
+    Synonyms{M::kIsPhoto,
+             "isphoto photo cameraisphoto photoname photofile photonumber picture shot "
+             "trigger istakingphoto customisphoto foto"},
+    Synonyms{M::kImage,
+             "image imagename imagefile img filename file sourcefile label imagelabel "
+             "picturename picturefile photofilename imagefilename bild bildname bilddatei "
+             "datei dateiname fichier nomfichier nomdufichier nomimage nomdelimage imagen "
+             "archivo nombrearchivo nombredelarchivo nombreimagen name nom nombre"}};
+
+std::unordered_map<std::string_view, M> MeaningsByName() {
+  std::unordered_map<std::string_view, M> meanings;
+  std::vector<std::string_view> names;
+  for (const Synonyms& each : kSynonyms) {
+    SplitBlanks(each.names, names);
+    for (const std::string_view name : names) meanings.emplace(name, each.meaning);
+  }
+  return meanings;
+}
 
 const MeaningFacts& FactsOf(M meaning) { return kFacts[static_cast<std::size_t>(meaning)]; }
-
-template <std::size_t N>
-M Find(const std::array<Name, N>& names, std::string_view wanted) {
-  for (const Name& name : names) {
-    if (name.name == wanted) return name.meaning;
-  }
-  return M::kIgnored;
-}
 
 }  // namespace
 
@@ -286,8 +202,17 @@ std::string_view CsvMeaningName(CsvMeaning meaning) { return FactsOf(meaning).wo
 
 Dimension CsvMeaningDimension(CsvMeaning meaning) { return FactsOf(meaning).dimension; }
 
-CsvMeaning FindCanonicalCsvName(std::string_view name) { return Find(kCanonicalFlight, name); }
+CsvMeaning FindCanonicalCsvName(std::string_view name) {
+  for (const Name& each : kCanonicalFlight) {
+    if (each.name == name) return each.meaning;
+  }
+  return M::kIgnored;
+}
 
-CsvMeaning FindCsvSynonym(std::string_view letters) { return Find(kSynonyms, letters); }
+CsvMeaning FindCsvSynonym(std::string_view letters) {
+  static const std::unordered_map<std::string_view, M> kMeanings = MeaningsByName();
+  const auto found = kMeanings.find(letters);
+  return found == kMeanings.end() ? M::kIgnored : found->second;
+}
 
 }  // namespace skyquilt::flight

@@ -12,8 +12,12 @@ enum class CsvMeaning {
   kIgnored,
   kTime,  // s
   kUtc,   // text, or local time where the header does not say UTC
+  kDate,
+  kTimeOfDay,  // the two halves of kUtc
   kLat,
   kLon,  // deg
+  kLatLetter,
+  kLonLetter,  // "N" or "South", where it stands in a column of its own
   kHeightEllipsoid,
   kHeightAmsl,
   kHeightAboveTakeoff,

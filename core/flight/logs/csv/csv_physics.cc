@@ -154,8 +154,7 @@ double FactorOfRecorderStep(double step) {
 
 bool HoldsExposuresAlone(std::vector<CsvColumn>& columns) {
   return std::all_of(columns.begin(), columns.end(), [](const CsvColumn& column) {
-    return column.meaning == M::kIgnored || column.meaning == M::kTime || column.meaning == M::kUtc ||
-           column.meaning >= M::kEvent;
+    return column.meaning <= M::kTimeOfDay || column.meaning >= M::kEvent;
   });
 }
 
@@ -200,24 +199,23 @@ Result<double> CheckTime(std::vector<CsvColumn>& columns, const CsvPreview& prev
 }
 
 void CheckDate(const std::vector<CsvColumn>& columns, const CsvPreview& preview, CsvFindings& findings) {
+  bool has_date = false;
+  bool says_utc = false;
   for (const CsvColumn& column : columns) {
-    if (column.meaning == M::kUtc) findings.clock.utc_is_utc = column.says_utc;
+    const bool is_clock = column.meaning >= M::kUtc && column.meaning <= M::kTimeOfDay;
+    has_date = has_date || is_clock;
+    says_utc = says_utc || (is_clock && column.says_utc);
   }
+  if (has_date) findings.clock.utc_is_utc = says_utc;
   std::size_t ticks = 0;
   std::size_t rows = 0;
-  std::string_view last;
-  bool zone = false;
+  std::optional<UtcTime> last;
   for (const CsvRow& row : preview.rows) {
-    if (row.utc.empty()) continue;
-    ++rows;
-    if (row.utc != last) ++ticks;
-    if (rows == 1) {
-      const auto written = ParseWrittenTime(row.utc);
-      zone = written && written->names_zone;
-    }
-    last = row.utc;
+    if (!row.written) continue;
+    if (++rows == 1 && row.written->names_zone) findings.clock.utc_is_utc = true;
+    if (row.written->time != last) ++ticks;
+    last = row.written->time;
   }
-  if (zone) findings.clock.utc_is_utc = true;
   if (ticks > 2) findings.clock.rows_per_tick = static_cast<double>(rows) / static_cast<double>(ticks);
 }
 

@@ -1,8 +1,10 @@
 #include "core/flight/logs/csv/csv_rows.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
+#include "core/flight/logs/coordinate_cell.h"
 #include "core/flight/logs/text_fields.h"
 
 namespace skyquilt::flight {
@@ -17,6 +19,22 @@ bool IsRtkFixed(std::string_view fix) {
 }
 
 bool IsYes(const CsvRow& row, M meaning) { return row[meaning].value_or(0.0) != 0.0; }
+
+// 'N' of "N", "north" and "Nord"; 0 for what names no hemisphere.
+char LetterOf(std::string_view cell) {
+  std::string angle("1 ");
+  const auto read = ReadCoordinateCell(angle.append(cell.substr(0, 16)));
+  return read ? read->hemisphere : '\0';
+}
+
+// A column of letters beside it makes an angle without a sign negative; beside "-46" it says the same again.
+void TurnByLetter(char letter, char negative, std::optional<double>& angle_deg) {
+  if (letter == 0 || !angle_deg) return;
+  if (letter == negative)
+    angle_deg = -std::abs(*angle_deg);
+  else if (*angle_deg < 0.0)
+    angle_deg.reset();
+}
 
 // "1", "true" or nothing of the kind: then it is the photo's name.
 void TakePhotoCell(std::string_view cell, CsvRow& row) {
@@ -42,16 +60,55 @@ bool CsvRow::Has(CsvMeaning first, CsvMeaning last) const {
   return true;
 }
 
-CsvRow ReadCsvRow(const std::vector<CsvColumn>& columns, const std::vector<std::string_view>& cells) {
+std::optional<double> ReadCsvNumber(const CsvColumn& column, std::string_view cell) {
+  if (column.meaning == M::kLat || column.meaning == M::kLon) {
+    const auto read = ReadCoordinateCell(cell);
+    const std::string_view fitting = column.meaning == M::kLat ? "NS" : "EW";
+    if (!read || (read->hemisphere != 0 && fitting.find(read->hemisphere) == std::string_view::npos))
+      return std::nullopt;
+    return read->value * column.scale;
+  }
+  if (column.is_elapsed_text) return ParseElapsed(cell);
+  const auto number = ReadNumber(cell, column.mark);
+  if (!number) return std::nullopt;
+  if (number->unit.empty()) return number->value * column.scale;
+  const auto factor = FactorOfUnitBehind(number->unit, CsvMeaningDimension(column.meaning));
+  return factor ? std::optional(number->value * *factor) : std::nullopt;
+}
+
+CsvRow ReadCsvRow(const std::vector<CsvColumn>& columns, const std::vector<std::string_view>& cells,
+                  UnreadCells* unread, std::size_t line) {
   CsvRow row;
+  std::string_view date, time_of_day;
+  std::array<char, 2> letters{};  // of latitude and longitude
+  DateOrder date_order = DateOrder::kYearFirst;
   const std::size_t count = std::min(columns.size(), cells.size());
   for (std::size_t i = 0; i < count; ++i) {
     const CsvColumn& column = columns[i];
     if (column.meaning == M::kIgnored || cells[i].empty()) continue;
+    bool is_read = true;
     switch (column.meaning) {
       case M::kUtc:
-        row.utc = cells[i];
+        row.written = ParseWrittenTime(cells[i], column.date_order);
+        is_read = row.written.has_value();
         break;
+      case M::kDate:
+        date = cells[i];
+        date_order = column.date_order;
+        is_read = ParseDate(date, date_order).has_value();
+        break;
+      case M::kTimeOfDay:
+        time_of_day = cells[i];
+        is_read = IsTimeOfDay(time_of_day);
+        break;
+      case M::kLatLetter:
+      case M::kLonLetter: {
+        const bool is_lat = column.meaning == M::kLatLetter;
+        const char letter = LetterOf(cells[i]);
+        is_read = std::string_view(is_lat ? "NS" : "EW").find(letter) != std::string_view::npos;
+        if (is_read) letters[is_lat ? 0 : 1] = letter;
+        break;
+      }
       case M::kEvent:
         row.event = cells[i];
         break;
@@ -64,16 +121,28 @@ CsvRow ReadCsvRow(const std::vector<CsvColumn>& columns, const std::vector<std::
       case M::kIsPhoto:
         TakePhotoCell(cells[i], row);
         break;
-      default:
-        if (const auto value = ParseNumber(cells[i]))
-          row.number[static_cast<std::size_t>(column.meaning)] = *value * column.scale;
+      default: {
+        const auto value = ReadCsvNumber(column, cells[i]);
+        row.number[static_cast<std::size_t>(column.meaning)] = value;
+        is_read = value.has_value();
+      }
     }
+    if (unread != nullptr && (is_read || !IsEmptyCell(cells[i]))) unread->Count(i, is_read, line, cells[i]);
   }
+  if (!row.written && !date.empty() && !time_of_day.empty())
+    row.written = ParseWrittenTime(date, time_of_day, date_order);
+  TurnByLetter(letters[0], 'S', row.number[static_cast<std::size_t>(M::kLat)]);
+  TurnByLetter(letters[1], 'W', row.number[static_cast<std::size_t>(M::kLon)]);
   return row;
 }
 
+std::optional<WrittenPlace> WrittenPlaceOf(const CsvRow& row) {
+  if (!row[M::kLat] || !row[M::kLon]) return std::nullopt;
+  return WrittenPlace{*row[M::kLon], *row[M::kLat]};
+}
+
 std::optional<double> CsvSampler::PlaceInTime(const CsvRow& row) {
-  const auto written = row.utc.empty() ? std::nullopt : ParseWrittenTime(row.utc);
+  const auto& written = row.written;
   if (rule_.has_time_column) {
     const auto t = row[M::kTime];
     if (!t) return std::nullopt;
@@ -179,6 +248,7 @@ void CsvSampler::TakeEvent(const CsvRow& row, double t_s) {
     event.is_feedback = false;  // the app's note of the command
   }
   if (row[M::kLat] && row[M::kLon]) event.position = geo::LatLon{*row[M::kLat], *row[M::kLon]};
+  if (event.image_name) event.written = WrittenPlaceOf(row);
   event.height_ellipsoid_m = row[M::kHeightEllipsoid];
   event.height_amsl_m = row[M::kHeightAmsl];
   event.height_above_takeoff_m = row[M::kHeightAboveTakeoff];
@@ -194,6 +264,7 @@ void CsvSampler::TakeEvent(const CsvRow& row, double t_s) {
 }
 
 void CsvSampler::Finish() {
+  builder_.log().written_order_is_named = true;
   if (rule_.has_time_column) builder_.log().counter_at_zero_s = rule_.first_time_s;
   std::optional<UtcTime> zero;
   double sigma_s = 0.0;

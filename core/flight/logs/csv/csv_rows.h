@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/flight/logs/csv/csv_columns.h"
+#include "core/flight/logs/csv/unread_cells.h"
 #include "core/flight/logs/gps_time.h"
 #include "core/flight/logs/log_builder.h"
 
@@ -15,7 +16,7 @@ namespace skyquilt::flight {
 // The cells of one row by meaning, in our units.
 struct CsvRow {
   std::array<std::optional<double>, static_cast<std::size_t>(CsvMeaning::kCount)> number;
-  std::string_view utc;
+  std::optional<WrittenTime> written;  // its date and time of day
   std::string_view event;
   std::string_view image;  // a name, also where the column of exposures holds names
   std::string_view fix;
@@ -26,7 +27,12 @@ struct CsvRow {
   bool Has(CsvMeaning first, CsvMeaning last) const;
 };
 
-CsvRow ReadCsvRow(const std::vector<CsvColumn>& columns, const std::vector<std::string_view>& cells);
+// The value of a cell in the unit of its column's meaning; nothing where it cannot be read.
+std::optional<double> ReadCsvNumber(const CsvColumn& column, std::string_view cell);
+
+// `unread` is told of each cell of a known column; may be null.
+CsvRow ReadCsvRow(const std::vector<CsvColumn>& columns, const std::vector<std::string_view>& cells,
+                  UnreadCells* unread = nullptr, std::size_t line = 0);
 
 // What must be known of a whole file before its rows can be placed in time.
 struct CsvClockRule {
@@ -36,6 +42,9 @@ struct CsvClockRule {
   double rows_per_tick = 1.0;  // above 1: the date column ticks coarser than the rows come
   bool utc_is_utc = true;      // false: a local clock of unknown zone
 };
+
+// Longitude and latitude of a row as its cells give them.
+std::optional<WrittenPlace> WrittenPlaceOf(const CsvRow& row);
 
 // Turns rows into samples. Also the axes of the IMU: flips y and z where the file's z points up.
 class CsvSampler {

@@ -1,7 +1,9 @@
 #include "core/flight/logs/csv/csv_units.h"
 
+#include <algorithm>
 #include <array>
 
+#include "core/flight/logs/text_fields.h"
 #include "core/geo/lat_lon.h"
 
 namespace skyquilt::flight {
@@ -23,6 +25,8 @@ constexpr std::array kUnits = {CsvUnit{"s", Dimension::kTime, 1.0},
                                CsvUnit{"nsec", Dimension::kTime, 1e-9},
                                CsvUnit{"nanoseconds", Dimension::kTime, 1e-9},
                                CsvUnit{"m", Dimension::kLength, 1.0},
+                               CsvUnit{"metre", Dimension::kLength, 1.0},
+                               CsvUnit{"metros", Dimension::kLength, 1.0},
                                CsvUnit{"meter", Dimension::kLength, 1.0},
                                CsvUnit{"meters", Dimension::kLength, 1.0},
                                CsvUnit{"metres", Dimension::kLength, 1.0},
@@ -30,6 +34,11 @@ constexpr std::array kUnits = {CsvUnit{"s", Dimension::kTime, 1.0},
                                CsvUnit{"cm", Dimension::kLength, 1e-2},
                                CsvUnit{"ft", Dimension::kLength, 0.3048},
                                CsvUnit{"feet", Dimension::kLength, 0.3048},
+                               CsvUnit{"foot", Dimension::kLength, 0.3048},
+                               CsvUnit{"usft", Dimension::kLength, 1200.0 / 3937.0},
+                               CsvUnit{"us ft", Dimension::kLength, 1200.0 / 3937.0},
+                               CsvUnit{"ftus", Dimension::kLength, 1200.0 / 3937.0},
+                               CsvUnit{"us survey feet", Dimension::kLength, 1200.0 / 3937.0},
                                CsvUnit{"m/s", Dimension::kSpeed, 1.0},
                                CsvUnit{"mps", Dimension::kSpeed, 1.0},
                                CsvUnit{"cm/s", Dimension::kSpeed, 1e-2},
@@ -43,6 +52,8 @@ constexpr std::array kUnits = {CsvUnit{"s", Dimension::kTime, 1.0},
                                CsvUnit{"deg", Dimension::kAngle, kDeg},
                                CsvUnit{"degrees", Dimension::kAngle, kDeg},
                                CsvUnit{"degree", Dimension::kAngle, kDeg},
+                               CsvUnit{"\xC2\xB0", Dimension::kAngle, kDeg},
+                               CsvUnit{"\xB0", Dimension::kAngle, kDeg},
                                CsvUnit{"rad", Dimension::kAngle, 1.0},
                                CsvUnit{"radians", Dimension::kAngle, 1.0},
                                CsvUnit{"deg/s", Dimension::kRate, kDeg},
@@ -66,6 +77,14 @@ constexpr std::array kUnits = {CsvUnit{"s", Dimension::kTime, 1.0},
                                CsvUnit{"degree", Dimension::kCoordinate, 1.0},
                                CsvUnit{"degrees", Dimension::kCoordinate, 1.0},
                                CsvUnit{"dd", Dimension::kCoordinate, 1.0},
+                               CsvUnit{"\xC2\xB0", Dimension::kCoordinate, 1.0},
+                               CsvUnit{"\xB0", Dimension::kCoordinate, 1.0},
+                               CsvUnit{"decimal degrees", Dimension::kCoordinate, 1.0},
+                               CsvUnit{"decimal", Dimension::kCoordinate, 1.0},
+                               CsvUnit{"grad", Dimension::kCoordinate, 1.0},  // German for degrees
+                               CsvUnit{"dms", Dimension::kCoordinate, 1.0},   // the cell says so itself
+                               CsvUnit{"wgs 84", Dimension::kCoordinate, 1.0},
+                               CsvUnit{"epsg:4326", Dimension::kCoordinate, 1.0},
                                CsvUnit{"wgs84", Dimension::kCoordinate, 1.0},
                                CsvUnit{"e7", Dimension::kCoordinate, 1e-7},
                                CsvUnit{"dege7", Dimension::kCoordinate, 1e-7},
@@ -80,6 +99,20 @@ const CsvUnit* FindUnit(std::string_view name, Dimension dimension) {
     if (unit.name == name && unit.dimension == dimension) return &unit;
   }
   return nullptr;
+}
+
+std::optional<double> FactorOfUnitBehind(std::string_view words, Dimension dimension) {
+  const std::string lower = LowerCase(Trim(words));
+  if (const CsvUnit* unit = FindUnit(lower, dimension)) return unit->factor;
+  if (dimension != Dimension::kLength) return std::nullopt;
+  const std::size_t blank = lower.find(' ');
+  const CsvUnit* unit = FindUnit(lower.substr(0, blank), dimension);
+  if (unit == nullptr) return std::nullopt;
+  const std::string_view behind = Trim(std::string_view(lower).substr(blank));
+  if (behind == "below sea level") return -unit->factor;
+  constexpr std::array<std::string_view, 4> kAboveTheSea = {"above sea level", "amsl", "asl", "msl"};
+  const bool is_known = std::find(kAboveTheSea.begin(), kAboveTheSea.end(), behind) != kAboveTheSea.end();
+  return is_known ? std::optional(unit->factor) : std::nullopt;
 }
 
 std::pair<double, std::string_view> DefaultUnit(Dimension dimension) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -9,6 +10,7 @@
 #include "core/base/try.h"
 #include "core/flight/logs/csv/canonical_csv.h"
 #include "core/flight/logs/csv/csv_physics.h"
+#include "core/flight/logs/csv/settle_columns.h"
 #include "core/flight/logs/text_fields.h"
 
 namespace skyquilt::flight {
@@ -36,13 +38,22 @@ std::optional<CsvHeader> FindHeader(LineReader& lines) {
     header.separator = GuessSeparator(line);
     SplitFields(line, header.separator, cells);
     header.columns = MapTolerantColumns(cells);
+    // Names apart by blanks are columns only where all of them are known: prose has such words too.
+    if (cells.size() == 1) {
+      SplitBlanks(line, cells);
+      header.separator = ' ';
+      header.columns = MapTolerantColumns(cells);
+      if (std::any_of(header.columns.begin(), header.columns.end(),
+                      [](const CsvColumn& column) { return column.meaning == M::kIgnored; }))
+        continue;
+    }
     const auto has = [&](M meaning) {
       for (const CsvColumn& column : header.columns) {
         if (column.meaning == meaning) return true;
       }
       return false;
     };
-    const bool timed = has(M::kTime) || has(M::kUtc);
+    const bool timed = has(M::kTime) || has(M::kUtc) || has(M::kDate);
     const bool has_position = has(M::kLat) && has(M::kLon);
     const bool names_photos = has(M::kImage) || has(M::kIsPhoto);
     const bool useful = has_position || (has(M::kGyroX) && has(M::kAccelX)) || has(M::kQw) ||
@@ -124,6 +135,26 @@ Result<FlightLog> ParseReplay(std::string_view name, LogBytes bytes, const Consu
 
 }  // namespace
 
+bool LooksLikeNamedPlaces(LogBytes head) {
+  if (!LooksLikeText(TextOf(head))) return false;
+  LineReader lines(TextOf(head));
+  const auto header = FindHeader(lines);
+  if (!header) return false;
+  const std::vector<CsvColumn>& columns = header->columns;
+  const auto at = [&](M meaning) {
+    return std::find_if(columns.begin(), columns.end(),
+                        [&](const CsvColumn& c) { return c.meaning == meaning; });
+  };
+  const bool names_photos = at(M::kImage) != columns.end() || at(M::kIsPhoto) != columns.end();
+  if (at(M::kLat) == columns.end() || at(M::kLon) == columns.end() || !names_photos) return false;
+  const bool is_image_lat_lon = columns.size() > 3 && columns[0].meaning == M::kImage &&
+                                columns[1].meaning == M::kLat && columns[2].meaning == M::kLon;
+  const auto is_metres = [](const CsvColumn& column) {
+    return CsvMeaningDimension(column.meaning) == Dimension::kLength && column.scale == 1.0;
+  };
+  return !is_image_lat_lon || columns[1].scale != 1.0 || !is_metres(columns[3]);
+}
+
 bool LooksLikeTolerantCsv(LogBytes head) {
   if (!LooksLikeText(TextOf(head))) return false;
   LineReader lines(TextOf(head));
@@ -140,10 +171,11 @@ Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const 
         ErrorCode::kUnsupportedFormat,
         fmt::format("{} has no header with a time and a position, an attitude, an IMU or photos.", name), ""};
   }
-  if (!header->is_timed) {
-    LogBuilder rows("tolerant_csv", name);
-    return ReadImageRows(header->columns, header->separator, lines, std::move(rows));
-  }
+  SKYQUILT_TRY_ASSIGN(const SettledColumns settled,
+                      SettleColumns(name, lines, header->separator, header->columns));
+  if (!header->is_timed || settled.rows_are_photos)
+    return ReadImageRows(header->columns, settled, header->separator, lines,
+                         LogBuilder("tolerant_csv", name));
   CsvPreview preview;
   std::string_view line;
   std::vector<std::string_view> cells;
@@ -163,20 +195,28 @@ Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const 
   CsvSampler sampler(builder, findings.clock, findings.imu_z_is_up, relative);
   std::uint64_t rows = 0;
   std::uint64_t bad = 0;
+  UnreadCells unread;
   ConsumedSteps steps(consumed);
   while (NextFilledLine(lines, steps, line)) {
     SplitFields(line, header->separator, cells);
-    if (sampler.Take(ReadCsvRow(header->columns, cells)))
+    if (sampler.Take(ReadCsvRow(header->columns, cells, &unread, lines.line_number())))
       ++rows;
     else
       ++bad;
   }
-  if (rows == 0) return Error{ErrorCode::kCorrupt, fmt::format("{} has no row with a time.", name), ""};
+  if (rows == 0) {
+    const std::string why = unread.WhyNothing(header->columns, M::kTime, M::kTimeOfDay);
+    return Error{ErrorCode::kCorrupt,
+                 fmt::format("{} has no row with a time{}{}.", name, why.empty() ? "" : ": ", why), ""};
+  }
   if (!relative) builder.BaroStartsAtZero();
   sampler.Finish();
   builder.Count("row", rows);
   builder.log().mapping = DescribeColumns(header->columns);
-  builder.log().mapping.insert(builder.log().mapping.end(), findings.notes.begin(), findings.notes.end());
+  for (const auto* notes : {&settled.notes, &findings.notes})
+    builder.log().mapping.insert(builder.log().mapping.end(), notes->begin(), notes->end());
+  for (const std::string& warning : settled.warnings) builder.Warn(warning);
+  unread.Tell(header->columns, builder);
   if (bad > 0) builder.Warn(fmt::format("{} rows without a time were skipped", bad));
   return std::move(builder).Finish();
 }

@@ -3,13 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
+#include <optional>
 #include <tuple>
+#include <utility>
 
 #include "core/base/try.h"
+#include "core/flight/logs/log_text.h"
 #include "core/flight/logs/mapped_file.h"
 #include "core/flight/logs/text_fields.h"
-#include "core/flight/logs/texts/srs.h"
+#include "core/flight/logs/texts/list_rows.h"
+#include "core/geo/crs/reference_system.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -17,31 +22,26 @@ namespace {
 constexpr std::size_t kMaxSightings = 100'000;
 constexpr std::size_t kMaxGcpPoints = 100'000;
 constexpr std::size_t kMinFlatPoints = 3;
-constexpr std::ptrdiff_t kTabsOfWholeRow = 6;
-
-// With a tab between all seven fields blanks are part of names.
-void SplitRow(std::string_view line, std::vector<std::string_view>& words) {
-  words.clear();
-  if (std::count(line.begin(), line.end(), '\t') >= kTabsOfWholeRow) {
-    std::size_t at = 0;
-    for (std::ptrdiff_t field = 0; field <= kTabsOfWholeRow && at <= line.size(); ++field) {
-      const std::size_t tab = std::min(line.find('\t', at), line.size());
-      words.push_back(Trim(line.substr(at, tab - at)));
-      at = tab + 1;
-    }
-    const auto is_empty = [](std::string_view word) { return word.empty(); };
-    if (std::none_of(words.begin(), words.end(), is_empty)) return;  // else they only align columns
-  }
-  SplitBlanks(line, words);
-}
+constexpr std::size_t kMaxGcpWarnings = 100;
 
 // x y z px py image: five numbers, then a name.
 bool IsSighting(const std::vector<std::string_view>& words) {
   if (words.size() < 6) return false;
   for (std::size_t i = 0; i < 5; ++i) {
-    if (!ParseNumber(words[i]) && !(i == 2 && LowerCase(words[i]) == "nan")) return false;
+    const auto number = i < 2 ? ParseListCoordinate(words[i]) : ParseListNumber(words[i]);
+    if (!number && !(i == 2 && LowerCase(words[i]) == "nan")) return false;
   }
-  return true;
+  return !words[5].empty() && !ParseListNumber(words[5]);
+}
+
+// Columns of pixels: what tells surveyed points from a log without a line that names a system.
+bool HasPixelColumns(const std::vector<std::string_view>& columns) {
+  constexpr std::array<std::string_view, 9> kNames = {"im_x",    "imx", "px", "pixel_x", "pixelx",
+                                                      "pixel x", "col", "u",  "image_x"};
+  return std::any_of(columns.begin(), columns.end(), [&](std::string_view column) {
+    const std::string lower = LowerCase(column);
+    return std::find(kNames.begin(), kNames.end(), lower) != kNames.end();
+  });
 }
 
 // A column has to stand there, and who surveyed no heights fills it with zeros. Points that truly all lie at
@@ -61,70 +61,129 @@ void DropHeightsThatAreFillers(GcpList& list) {
 }  // namespace
 
 bool LooksLikeGcpList(LogBytes head) {
-  const std::vector<std::string_view> words = FirstReferencedRow(head);
-  return IsSighting(words) && !ParseNumber(words[5]);
+  if (!LooksLikeText(TextOf(head))) return false;
+  const std::optional<ListTop> top = ReadListTop(TextOf(head), IsSighting);
+  if (!top) return false;
+  const bool names_photo = LooksLikeImageName(top->row[5]);
+  if (top->system.empty()) return names_photo && (top->columns.empty() || HasPixelColumns(top->columns));
+  if (names_photo && (top->columns.empty() || HasPixelColumns(top->columns))) return true;
+  return geo::ReferenceSystem::Parse(top->system).ok();
 }
 
-Result<GcpList> ParseGcpList(std::string_view name, LogBytes bytes) {
-  LineReader lines(TextOf(bytes));
-  std::string_view line;
-  if (!lines.Next(line)) return Error{ErrorCode::kCorrupt, fmt::format("{} is empty.", name), ""};
-  SKYQUILT_TRY_ASSIGN(const auto srs, ReferenceSystem::Parse(line));
+Result<GcpList> ParseWrittenGcpList(std::string_view name, LogBytes bytes) {
+  const std::string_view text = TextOf(bytes);
+  const std::optional<ListTop> top = ReadListTop(text, IsSighting);
+  if (!top) {
+    return Error{
+        ErrorCode::kCorrupt,
+        fmt::format("{} holds no ground control point; rows are \"x y z pixel_x pixel_y image\" below a line "
+                    "such as EPSG:32615",
+                    name),
+        ""};
+  }
+  std::optional<geo::ReferenceSystem> srs;
+  if (!top->system.empty()) {
+    auto named = geo::ReferenceSystem::Parse(top->system);
+    if (!named) return Error{named.error().code, fmt::format("{}: {}.", name, named.error().message), ""};
+    srs = *std::move(named);
+  }
+  const bool is_north_first = OrderOfColumns(top->columns) == NamedOrder::kNorthFirst;
   GcpList list;
   list.file_name = name;
-  list.reference_system = Trim(line);
+  list.reference_system = Trim(top->system);
+  for (const std::size_t number : top->skipped_lines)
+    list.warnings.push_back(fmt::format("line {}: not \"x y z pixel_x pixel_y image\"", number));
   std::map<std::tuple<double, double, double>, std::size_t> known;
   std::vector<std::string_view> words;
-  while (lines.Next(line) && list.sightings.size() < kMaxSightings && list.points.size() < kMaxGcpPoints) {
-    SplitRow(line, words);
-    if (words.empty() || words[0].front() == '#') continue;
-    const auto refuse = [&](std::string_view why) {
-      if (list.warnings.size() < 100)
-        list.warnings.push_back(fmt::format("line {}: {}", lines.line_number(), why));
-    };
-    if (!IsSighting(words)) {
-      refuse("not \"x y z pixel_x pixel_y image\"");
+  LineReader lines(text.substr(top->row_offset));
+  std::string_view line = top->row_line;
+  bool has_more = true;
+  for (; has_more && list.sightings.size() < kMaxSightings && list.points.size() < kMaxGcpPoints;
+       has_more = lines.Next(line)) {
+    if (Trim(line).empty() || line.front() == '#') continue;
+    if (!SplitListRow(line, IsSighting, words)) {
+      if (list.warnings.size() < kMaxGcpWarnings) {
+        list.warnings.push_back(fmt::format("line {}: not \"x y z pixel_x pixel_y image\"",
+                                            top->row_number + lines.line_number()));
+      }
       continue;
     }
-    const double x = *ParseNumber(words[0]);
-    const double y = *ParseNumber(words[1]);
-    const auto z = ParseNumber(words[2]);
+    const double x = *ParseListCoordinate(words[is_north_first ? 1 : 0]);
+    const double y = *ParseListCoordinate(words[is_north_first ? 0 : 1]);
+    const auto z = ParseListNumber(words[2]);
     const auto [entry, is_new] = known.try_emplace({x, y, z.value_or(-1e9)}, list.points.size());
     if (is_new) {
-      const auto position = srs.ToLatLon(x, y);
-      if (!position) {
-        known.erase(entry);
-        refuse(position.error().message);
-        continue;
-      }
       GcpPoint point;
-      point.name = words.size() > 6 ? std::string(words[6].substr(0, kMaxNameLength))
-                                    : fmt::format("gcp{}", list.points.size() + 1);
-      point.position = *position;
+      point.name = words.size() > 6 && !words[6].empty() ? std::string(words[6].substr(0, kMaxNameLength))
+                                                         : fmt::format("gcp{}", list.points.size() + 1);
+      const auto position = srs ? srs->ToLatLon(x, y) : std::nullopt;
+      point.has_position = position.has_value();
+      if (position) point.position = *position;
       point.x = x;
       point.y = y;
       point.height = z;
-      if (z) point.height_m = *z * srs.metres_per_unit();
+      if (z) point.height_m = *z * (srs ? srs->metres_per_height_unit() : 1.0);
       list.points.push_back(std::move(point));
     }
     if (words[5] == kNoImage) continue;
-    list.sightings.push_back({std::string(words[5].substr(0, kMaxNameLength)), *ParseNumber(words[3]),
-                              *ParseNumber(words[4]), entry->second});
+    list.sightings.push_back({std::string(words[5].substr(0, kMaxNameLength)), *ParseListNumber(words[3]),
+                              *ParseListNumber(words[4]), entry->second});
   }
-  if ((list.sightings.size() == kMaxSightings || list.points.size() == kMaxGcpPoints) && lines.Next(line))
+  if (has_more && (list.sightings.size() == kMaxSightings || list.points.size() == kMaxGcpPoints))
     list.warnings.push_back(fmt::format("more than {} sightings; the rest was left out", kMaxSightings));
-  if (list.points.empty()) {
-    return Error{
-        ErrorCode::kCorrupt,
-        fmt::format("{} holds no ground control point; rows are \"x y z pixel_x pixel_y image\"", name), ""};
-  }
   DropHeightsThatAreFillers(list);
   return list;
 }
 
+std::string NoSystemWords(std::string_view file_name) {
+  return fmt::format(
+      "{} names no reference system, so that its numbers are no places: write one into its first line, such as "
+      "EPSG:4326 (longitude, latitude), EPSG:32632 (WGS 84 / UTM zone 32N) or the EPSG code of the survey",
+      file_name);
+}
+
+Result<GcpList> OnlyPlaced(GcpList list) {
+  if (list.reference_system.empty())
+    return Error{ErrorCode::kUnsupportedFormat, NoSystemWords(list.file_name) + ".", ""};
+  std::vector<std::optional<std::size_t>> now(list.points.size());
+  std::vector<GcpPoint> placed;
+  for (std::size_t i = 0; i < list.points.size(); ++i) {
+    GcpPoint& point = list.points[i];
+    if (point.has_position) {
+      now[i] = placed.size();
+      placed.push_back(std::move(point));
+    } else if (list.warnings.size() < kMaxGcpWarnings) {
+      list.warnings.push_back(fmt::format("{}: ({}, {}) lies outside the area of {}", point.name, point.x,
+                                          point.y, list.reference_system.substr(0, 80)));
+    }
+  }
+  std::erase_if(list.sightings, [&](GcpSighting& sighting) {
+    const std::optional<std::size_t> point = now[sighting.point];
+    if (point) sighting.point = *point;
+    return !point;
+  });
+  list.points = std::move(placed);
+  if (!list.points.empty()) return list;
+  return Error{ErrorCode::kCorrupt,
+               fmt::format("{} holds no ground control point that lies within {}", list.file_name,
+                           list.reference_system.substr(0, 80)),
+               ""};
+}
+
+Result<GcpList> ParseGcpList(std::string_view name, LogBytes bytes) {
+  SKYQUILT_TRY_ASSIGN(GcpList list, ParseWrittenGcpList(name, bytes));
+  return OnlyPlaced(std::move(list));
+}
+
 Result<GcpList> ReadGcpList(const InputFile& file) {
   SKYQUILT_TRY_ASSIGN(const auto mapped, MappedFile::Open(file.path));
-  return ParseGcpList(file.name, mapped.bytes());
+  SKYQUILT_TRY_ASSIGN(const auto text, LogText::Of(file.name, mapped.bytes()));
+  return ParseGcpList(file.name, text.bytes());
+}
+
+Result<GcpList> ReadWrittenGcpList(const InputFile& file) {
+  SKYQUILT_TRY_ASSIGN(const auto mapped, MappedFile::Open(file.path));
+  return ParseWrittenGcpList(file.name, mapped.bytes());
 }
 
 }  // namespace skyquilt::flight

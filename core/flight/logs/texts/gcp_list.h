@@ -1,7 +1,8 @@
 // Ground control points as ODM lists them (gcp_list.txt): a reference system in the first line, then
-// "x y z pixel_x pixel_y image [name]" per sighting, cut at tabs or blanks. A row whose six tabs or more cut
-// it may have blanks within its names; one whose image is "-" is a point that no photo is marked with yet.
-// Any thread.
+// "x y z pixel_x pixel_y image [name]" per sighting, cut at tabs, semicolons, commas or blanks; a line of
+// column names may stand below the system, and say that the northing comes first. Rows that are not cut at
+// blanks may have blanks within their names; one whose image is "-" is a point that no photo is marked with
+// yet. Any thread.
 #pragma once
 
 #include <optional>
@@ -30,6 +31,7 @@ struct GcpSighting {
 struct GcpPoint {
   std::string name;  // as written, else "gcp1", ... in the order of the file
   geo::LatLon position;
+  bool has_position = true;  // false: as written it can be no place, or no system is named
   std::optional<double>
       height_m;             // above the zero of the file's system: the ellipsoid unless it says otherwise
   double x = 0.0, y = 0.0;  // as written, in the file's system
@@ -38,7 +40,7 @@ struct GcpPoint {
 
 struct GcpList {
   std::string file_name;
-  std::string reference_system;  // the first line
+  std::string reference_system;  // as the line above the rows names it; empty: none does
   std::vector<GcpPoint> points;
   std::vector<GcpSighting> sightings;
   std::vector<std::string> warnings;
@@ -46,8 +48,19 @@ struct GcpList {
 
 bool LooksLikeGcpList(LogBytes head);
 
-// Errors: kUnsupportedFormat (unknown reference system), kCorrupt (no row could be read).
+// The points that have a place as written. Errors: kUnsupportedFormat (unknown reference system, or none),
+// kCorrupt (no row could be read).
 Result<GcpList> ParseGcpList(std::string_view name, LogBytes bytes);
 Result<GcpList> ReadGcpList(const InputFile& file);
+
+// All points, also of a list that names no system: core/poses/lists judges what they are.
+Result<GcpList> ParseWrittenGcpList(std::string_view name, LogBytes bytes);
+Result<GcpList> ReadWrittenGcpList(const InputFile& file);
+
+// Without the points that have no place. Errors as of ParseGcpList.
+Result<GcpList> OnlyPlaced(GcpList list);
+
+// That a list names no reference system, and what to do: a sentence without its end.
+std::string NoSystemWords(std::string_view file_name);
 
 }  // namespace skyquilt::flight

@@ -2,94 +2,127 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
-#include "core/base/try.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/text_fields.h"
-#include "core/flight/logs/texts/srs.h"
+#include "core/flight/logs/texts/list_rows.h"
+#include "core/geo/crs/reference_system.h"
 
 namespace skyquilt::flight {
 namespace {
 
 constexpr std::uint64_t kMaxRows = 200'000;
 
-bool LooksLikeImageName(std::string_view word) {
-  const std::size_t dot = word.rfind('.');
-  return dot != std::string_view::npos && word.size() - dot >= 3 && word.size() - dot <= 6 &&
-         !ParseNumber(word);
+bool IsGeoRow(const std::vector<std::string_view>& cells) {
+  return cells.size() >= 3 && LooksLikeImageName(cells[0]) && ParseListCoordinate(cells[1]) &&
+         ParseListCoordinate(cells[2]);
+}
+
+bool IsCutAtBlanks(std::string_view line) { return line.find_first_of(",;\t") == std::string_view::npos; }
+
+bool HasColumnLike(const std::vector<std::string_view>& columns, std::string_view word) {
+  return std::any_of(columns.begin(), columns.end(), [&](std::string_view column) {
+    return LowerCase(column).find(word) != std::string::npos;
+  });
+}
+
+void TakeAnglesAndSigmas(const std::vector<std::string_view>& cells, bool has_angles, CameraEvent& event) {
+  const auto number = [&](std::size_t i) {
+    return i < cells.size() ? ParseListNumber(cells[i]) : std::nullopt;
+  };
+  const auto yaw = number(4), pitch = number(5), roll = number(6);
+  if (has_angles && yaw && pitch && roll) {
+    event.yaw_pitch_roll_rad =
+        Eigen::Vector3d(geo::DegToRad(*yaw), geo::DegToRad(*pitch), geo::DegToRad(*roll));
+    event.attitude_kind = AttitudeKind::kAirframe;
+  }
+  const auto sigma_h = number(7), sigma_v = number(8);
+  if (sigma_h && *sigma_h > 0.0) {
+    event.sigma_in_ned_m =
+        Eigen::Vector3d(*sigma_h, *sigma_h, sigma_v && *sigma_v > 0.0 ? *sigma_v : 2.0 * *sigma_h);
+  }
 }
 
 }  // namespace
 
+// Without a line that names the system the rows must be cut at blanks: others are read as CSV. Below names of
+// columns the line above them must name one, else it is the title of some other table.
 bool LooksLikeGeoTxt(LogBytes head) {
-  const std::vector<std::string_view> words = FirstReferencedRow(head);
-  return words.size() >= 3 && LooksLikeImageName(words[0]) && ParseNumber(words[1]) && ParseNumber(words[2]);
+  if (!LooksLikeText(TextOf(head))) return false;
+  const std::optional<ListTop> top = ReadListTop(TextOf(head), IsGeoRow);
+  if (!top) return false;
+  if (top->system.empty()) return IsCutAtBlanks(top->row_line);
+  if (top->columns.empty() && IsCutAtBlanks(top->row_line)) return true;
+  return geo::ReferenceSystem::Parse(top->system).ok();
 }
 
 Result<FlightLog> ParseGeoTxt(std::string_view name, LogBytes bytes, const ConsumedUpTo&) {
   LogBuilder builder("geo_txt", name);
-  LineReader lines(TextOf(bytes));
-  std::string_view line;
-  if (!lines.Next(line)) return Error{ErrorCode::kCorrupt, fmt::format("{} is empty.", name), ""};
-  SKYQUILT_TRY_ASSIGN(const auto srs, ReferenceSystem::Parse(line));
-  std::vector<std::string_view> words;
+  const std::string_view text = TextOf(bytes);
+  const std::optional<ListTop> top = ReadListTop(text, IsGeoRow);
+  if (!top) {
+    return Error{
+        ErrorCode::kCorrupt,
+        fmt::format(
+            "{} names no photo with a position; rows are \"image x y z\" below a line such as EPSG:4326.",
+            name),
+        ""};
+  }
+  std::optional<geo::ReferenceSystem> system;
+  if (!top->system.empty()) {
+    auto named = geo::ReferenceSystem::Parse(top->system);
+    if (!named) return Error{named.error().code, fmt::format("{}: {}.", name, named.error().message), ""};
+    system = *std::move(named);
+  }
+  const auto order = OrderOfColumns(top->columns);
+  const bool has_angles = top->columns.empty() || HasColumnLike(top->columns, "yaw");
+  const double metres_per_height_unit = system ? system->metres_per_height_unit() : 1.0;
+  std::vector<std::string_view> cells = top->row;
+  LineReader lines(text.substr(top->row_offset));
+  std::string_view line = top->row_line;
   std::uint64_t rows = 0;
-  std::uint64_t bad = 0;
+  std::uint64_t bad = top->skipped_lines.size();
+  for (const std::size_t number : top->skipped_lines)
+    builder.Warn(fmt::format("line {} is not \"image x y z\"", number));
   // Counted with the bad ones: each may cost a transformation.
-  while (rows + bad < kMaxRows && lines.Next(line)) {
-    SplitBlanks(line, words);
-    if (words.empty() || words[0].front() == '#') continue;
-    const auto x = words.size() >= 3 ? ParseNumber(words[1]) : std::nullopt;
-    const auto y = words.size() >= 3 ? ParseNumber(words[2]) : std::nullopt;
-    if (!x || !y) {
-      ++bad;
+  do {
+    if (Trim(line).empty() || line.front() == '#') continue;
+    if (!SplitListRow(line, IsGeoRow, cells)) {
+      if (bad++ == 0) {
+        builder.Warn(fmt::format("line {} is not \"image x y z\": {}", top->row_number + lines.line_number(),
+                                 Trim(line).substr(0, 80)));
+      }
       continue;
     }
-    const auto position = srs.ToLatLon(*x, *y);
-    if (!position) {
-      ++bad;
-      continue;
-    }
-    const auto number = [&](std::size_t i) {
-      return i < words.size() ? ParseNumber(words[i]) : std::nullopt;
-    };
+    WrittenPlace written{*ParseListCoordinate(cells[1]), *ParseListCoordinate(cells[2])};
+    if (order == NamedOrder::kNorthFirst) std::swap(written.x, written.y);
     CameraEvent event;
     event.t_s = static_cast<double>(rows);
     event.has_time = false;
-    event.image_name = std::string(words[0].substr(0, kMaxNameLength));
-    event.position = *position;
-    if (const auto z = number(3)) event.height_ellipsoid_m = *z * srs.metres_per_unit();
-    const auto yaw = number(4);
-    const auto pitch = number(5);
-    const auto roll = number(6);
-    if (yaw && pitch && roll) {
-      event.yaw_pitch_roll_rad =
-          Eigen::Vector3d(geo::DegToRad(*yaw), geo::DegToRad(*pitch), geo::DegToRad(*roll));
-      event.attitude_kind = AttitudeKind::kAirframe;
-    }
-    const auto sigma_h = number(7);
-    const auto sigma_v = number(8);
-    if (sigma_h && *sigma_h > 0.0) {
-      event.sigma_in_ned_m =
-          Eigen::Vector3d(*sigma_h, *sigma_h, sigma_v && *sigma_v > 0.0 ? *sigma_v : 2.0 * *sigma_h);
-    }
+    event.image_name = std::string(cells[0].substr(0, kMaxNameLength));
+    event.written = written;
+    if (system) event.position = system->ToLatLon(written.x, written.y);
+    const auto z = cells.size() > 3 ? ParseListNumber(cells[3]) : std::nullopt;
+    if (z) event.height_ellipsoid_m = *z * metres_per_height_unit;
+    TakeAnglesAndSigmas(cells, has_angles, event);
     ++rows;
     builder.Add(std::move(event));
-  }
-  if (rows == 0) {
-    return Error{ErrorCode::kCorrupt,
-                 fmt::format("{} names no photo with a position; rows are \"image x y z\".", name), ""};
-  }
+  } while (rows + bad < kMaxRows && lines.Next(line));
   builder.Count("row", rows);
   if (bad > 0) builder.Warn(fmt::format("{} rows could not be read", bad));
   if (rows + bad == kMaxRows && lines.Next(line))
     builder.Warn(fmt::format("more than {} rows; the rest was left out", kMaxRows));
-  builder.log().mapping = {fmt::format("x, y -> {}", srs.name()), "z -> height above the ellipsoid",
-                           "yaw, pitch, roll -> degrees, pitch 0 = straight down"};
-  if (srs.metres_per_unit() != 1.0) {
-    builder.log().mapping.push_back(
-        fmt::format("z -> times {} to metres, as x and y", srs.metres_per_unit()));
+  if (system) builder.log().written_system = system->definition();
+  builder.log().written_order_is_named = order.has_value();
+  builder.log().mapping = {fmt::format("x, y -> {}", system ? system->name() : "no system is named"),
+                           "z -> height above the ellipsoid"};
+  if (has_angles) builder.log().mapping.emplace_back("yaw, pitch, roll -> degrees, pitch 0 = straight down");
+  if (metres_per_height_unit != 1.0) {
+    builder.log().mapping.push_back(fmt::format("z -> times {} to metres", metres_per_height_unit));
   }
   return std::move(builder).Finish();
 }

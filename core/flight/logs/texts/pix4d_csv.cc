@@ -2,62 +2,97 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <initializer_list>
+#include <optional>
 
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/text_fields.h"
+#include "core/flight/logs/texts/list_rows.h"
 
 namespace skyquilt::flight {
 namespace {
 
 enum class Angles { kNone, kUnnamed, kYawPitchRoll, kOmegaPhiKappa };
 
+// How the two coordinates stand: as the format has it (degrees: latitude first; metres: east first), or as
+// the header names them.
+enum class Order { kOfFormat, kUnnamed, kEastFirst, kNorthFirst };
+
 struct Columns {
   std::size_t angles_at = 0;
   std::size_t accuracy_at = 0;  // 0: none
   Angles angles = Angles::kNone;
+  Order order = Order::kOfFormat;
 };
 
-bool IsImageName(std::string_view cell) {
-  const std::string lower = LowerCase(cell);
-  for (const std::string_view end : {".jpg", ".jpeg", ".tif", ".tiff", ".png", ".dng"}) {
-    if (lower.size() > end.size() && lower.ends_with(end)) return true;
-  }
-  return false;
-}
-
 bool IsRow(const std::vector<std::string_view>& cells) {
-  if (cells.size() < 4 || cells.size() > 12 || !IsImageName(cells[0])) return false;
-  const auto lat = ParseNumber(cells[1]);
-  const auto lon = ParseNumber(cells[2]);
-  return lat && lon && std::abs(*lat) <= 90.0 && std::abs(*lon) <= 180.0 && ParseNumber(cells[3]);
+  return cells.size() >= 4 && cells.size() <= 12 && LooksLikePhotoFile(cells[0]) &&
+         ParseListCoordinate(cells[1]) && ParseListCoordinate(cells[2]) && ParseListNumber(cells[3]);
 }
 
-bool IsHeader(std::string_view line) {
+bool IsInDegrees(double first, double second) {
+  return std::abs(first) <= 180.0 && std::abs(second) <= 180.0;
+}
+
+// The names of the columns where the line has them: image, two coordinates, a height, in this order. Others
+// are read as CSV, by their names.
+std::vector<std::string> HeaderOf(std::string_view line) {
+  std::vector<std::string_view> cells;
   const std::string lower = LowerCase(line);
-  return lower.find("image") != std::string::npos && lower.find("latitude") != std::string::npos;
+  SplitFields(lower, GuessSeparator(lower), cells);
+  std::vector<std::string> names;
+  for (const std::string_view cell : cells) {
+    const std::size_t begin = cell.find_first_not_of("# \"");
+    names.emplace_back(begin == std::string_view::npos ? cell : cell.substr(begin));
+  }
+  const auto starts = [&](std::size_t i, std::initializer_list<std::string_view> words) {
+    return std::any_of(words.begin(), words.end(),
+                       [&](std::string_view w) { return names[i].starts_with(w); });
+  };
+  const bool is_header = names.size() >= 4 && names[0].starts_with("image") &&
+                         starts(1, {"latitude", "longitude", "east", "north", "x", "y", "coordinate"}) &&
+                         starts(2, {"latitude", "longitude", "east", "north", "x", "y", "coordinate"}) &&
+                         starts(3, {"alt", "z", "height", "elev", "coordinate"}) &&
+                         names[3].find("ft") == std::string::npos &&
+                         names[3].find("feet") == std::string::npos;
+  if (!is_header) names.clear();
+  return names;
 }
 
 // The header decides what columns five to nine mean; without one their number does.
-Columns ColumnsOf(std::string_view header, std::size_t count) {
+Columns ColumnsOf(const std::vector<std::string>& header, std::size_t count) {
   Columns columns;
-  const std::string lower = LowerCase(header);
   if (header.empty()) {
     if (count >= 7) columns.angles = Angles::kUnnamed;
     columns.angles_at = 4;
     columns.accuracy_at = count >= 9 ? 7 : (count == 6 ? 4 : 0);
     return columns;
   }
-  std::vector<std::string_view> cells;
-  SplitFields(lower, GuessSeparator(lower), cells);
-  for (std::size_t i = 4; i < cells.size(); ++i) {
-    if (cells[i].find("yaw") != std::string_view::npos && i + 2 < cells.size())
-      columns = {i, columns.accuracy_at, Angles::kYawPitchRoll};
-    if (cells[i].find("omega") != std::string_view::npos && i + 2 < cells.size())
-      columns = {i, columns.accuracy_at, Angles::kOmegaPhiKappa};
-    if (cells[i].find("acc") != std::string_view::npos && columns.accuracy_at == 0) columns.accuracy_at = i;
+  for (std::size_t i = 4; i < header.size(); ++i) {
+    const auto has = [&](std::string_view word) { return header[i].find(word) != std::string::npos; };
+    if (has("yaw") && i + 2 < header.size()) {
+      columns.angles_at = i;
+      columns.angles = Angles::kYawPitchRoll;
+    }
+    if (has("omega") && i + 2 < header.size()) {
+      columns.angles_at = i;
+      columns.angles = Angles::kOmegaPhiKappa;
+    }
+    if (has("acc") && columns.accuracy_at == 0) columns.accuracy_at = i;
   }
+  const auto order = OrderOfColumns({header[1], header[2]});
+  columns.order = !order                             ? Order::kUnnamed
+                  : *order == NamedOrder::kEastFirst ? Order::kEastFirst
+                                                     : Order::kNorthFirst;
   return columns;
+}
+
+WrittenPlace PlaceOfCells(double first, double second, Order order) {
+  const bool is_north_first =
+      order == Order::kNorthFirst || (order != Order::kEastFirst && IsInDegrees(first, second));
+  return is_north_first ? WrittenPlace{second, first} : WrittenPlace{first, second};
 }
 
 // Omega-phi-kappa turns the photogrammetric camera (x right, y up, z back) into east, north, up. The body
@@ -83,7 +118,7 @@ bool LooksLikePix4dCsv(LogBytes head) {
     if (Trim(line).empty()) continue;
     SplitFields(line, GuessSeparator(line), cells);
     if (IsRow(cells)) return true;
-    if (line.front() != '#' && !IsHeader(line)) return false;
+    if (line.front() != '#' && HeaderOf(line).empty()) return false;
   }
   return false;
 }
@@ -92,30 +127,36 @@ Result<FlightLog> ParsePix4dCsv(std::string_view name, LogBytes bytes, const Con
   LogBuilder builder("pix4d_csv", name);
   LineReader lines(TextOf(bytes));
   std::string_view line;
-  std::string header;
+  std::vector<std::string> header;
   std::optional<Columns> columns;
   std::vector<std::string_view> cells;
   std::uint64_t rows = 0;
   std::uint64_t bad = 0;
+  bool is_in_degrees = true;
   while (lines.Next(line)) {
     if (Trim(line).empty()) continue;
     SplitFields(line, GuessSeparator(line), cells);
     if (!IsRow(cells)) {
-      if (rows == 0 && IsHeader(line))
-        header = line;
-      else if (line.front() != '#')
-        ++bad;
+      if (rows == 0 && header.empty()) header = HeaderOf(line);
+      if (rows > 0 && line.front() != '#') {
+        if (bad++ > 0) continue;
+        builder.Warn(fmt::format("line {} is not \"image,latitude,longitude,height\": {}",
+                                 lines.line_number(), Trim(line).substr(0, 80)));
+      }
       continue;
     }
     if (!columns) columns = ColumnsOf(header, cells.size());
     const auto number = [&](std::size_t i) {
-      return i < cells.size() ? ParseNumber(cells[i]) : std::nullopt;
+      return i < cells.size() ? ParseListNumber(cells[i]) : std::nullopt;
     };
+    const double first = *ParseListCoordinate(cells[1]), second = *ParseListCoordinate(cells[2]);
+    is_in_degrees = is_in_degrees && IsInDegrees(first, second);
     CameraEvent event;
     event.t_s = static_cast<double>(rows);
     event.has_time = false;
-    event.image_name = std::string(cells[0].substr(0, 512));
-    event.position = geo::LatLon{*number(1), *number(2)};
+    event.image_name = std::string(cells[0].substr(0, kMaxNameLength));
+    event.written = PlaceOfCells(first, second, columns->order);
+    if (IsInDegrees(first, second)) event.position = geo::LatLon{event.written->y, event.written->x};
     event.height_ellipsoid_m = number(3);
     const auto a = number(columns->angles_at);
     const auto b = number(columns->angles_at + 1);
@@ -142,6 +183,9 @@ Result<FlightLog> ParsePix4dCsv(std::string_view name, LogBytes bytes, const Con
     builder.Warn(
         "the angles have no header and are left out: write yaw,pitch,roll or omega,phi,kappa above them");
   }
+  builder.log().written_order_is_named =
+      columns->order == Order::kEastFirst || columns->order == Order::kNorthFirst;
+  builder.log().written_order_is_assumed = columns->order == Order::kUnnamed && is_in_degrees;
   builder.log().mapping = {"height -> above the ellipsoid",
                            columns->angles == Angles::kOmegaPhiKappa ? "omega, phi, kappa -> degrees"
                            : columns->angles == Angles::kYawPitchRoll

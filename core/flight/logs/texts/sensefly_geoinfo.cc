@@ -51,6 +51,7 @@ Result<FlightLog> ParseSenseflyGeoinfo(std::string_view name, LogBytes bytes, co
     event.t_s = static_cast<double>(rows);
     event.has_time = false;
     event.image_name = std::string(cells[name_column].substr(0, 512));
+    event.written = WrittenPlace{*lon, *lat};
     event.position = geo::LatLon{*lat, *lon};
     event.height_amsl_m = number("altitude_amsl");
     event.height_ellipsoid_m = number("altitude_wgs84");
@@ -67,6 +68,7 @@ Result<FlightLog> ParseSenseflyGeoinfo(std::string_view name, LogBytes bytes, co
   if (rows == 0)
     return Error{ErrorCode::kCorrupt, fmt::format("{} names no photo with a position.", name), ""};
   builder.Count("row", rows);
+  builder.log().written_order_is_named = true;
   builder.log().mapping = {"heading, pitch, roll -> the airframe's, degrees, camera looking down"};
   if (bad > 0) builder.Warn(fmt::format("{} rows could not be read", bad));
   return std::move(builder).Finish();

@@ -13,7 +13,7 @@
 #include "core/flight/logs/texts/pix4d_csv.h"
 #include "core/flight/logs/texts/rtklib_pos.h"
 #include "core/flight/logs/texts/sensefly_geoinfo.h"
-#include "core/flight/logs/texts/srs.h"
+#include "core/flight/logs/texts/unknown_list.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -177,17 +177,6 @@ TEST(WriteGeoTxt, IsReadBackAsWritten) {
   EXPECT_FALSE(WriteGeoTxt(events).ok());
 }
 
-TEST(ReferenceSystem, RefusesStringsThatOpenFiles) {
-  for (const char* line : {"", "hello", "EPSG:", "EPSG:999999999", "+proj=longlat +nadgrids=/etc/passwd",
-                           "+proj=pipeline", "WGS84 UTM 61N", "WGS84 UTM", "+proj=nonsense"}) {
-    EXPECT_FALSE(ReferenceSystem::Parse(line).ok()) << line;
-  }
-  for (const char* line : {"EPSG:32616", "epsg:2180", "WGS84", "WGS84 UTM 33S", "WGS 84 / UTM zone 33N",
-                           "+proj=utm +zone=11 +ellps=WGS84 +datum=WGS84 +units=m +no_defs"}) {
-    EXPECT_TRUE(ReferenceSystem::Parse(line).ok()) << line;
-  }
-}
-
 TEST(ParseGcpList, JoinsSightingsOfOnePoint) {
   const std::string text =
       "EPSG:4326\n16.47592207\t47.64350399\t463.662\t2501.09\t2452.00\tMAX_0029.JPG\tA\n"
@@ -203,6 +192,107 @@ TEST(ParseGcpList, JoinsSightingsOfOnePoint) {
   EXPECT_EQ(list->sightings[2].point, 1u);
   EXPECT_DOUBLE_EQ(list->points[0].position.lat_deg, 47.64350399);
   EXPECT_EQ(list->warnings.size(), 1u);
+}
+
+// As surveyors' programs and spreadsheets write them.
+TEST(ParseGcpList, ReadsRowsBelowNamesOfColumnsHoweverTheyAreCut) {
+  for (const std::string& text :
+       {std::string("EPSG:32615\r\nx\ty\tz\tim_x\tim_y\timage\tname\r\n"
+                    "576691.665\t5188169.628\t158.5\t297.01\t377.82\tA.JPG\tgcp1\r\n"),
+        std::string("EPSG:32615+5773\n576691.665,5188169.628,158.5,297.01,377.82,A.JPG,gcp1\n"),
+        std::string("wgs84 utm zone 15 north\n576691,665;5188169,628;158,5;297,01;377,82;A.JPG;gcp1\n"),
+        std::string("EPSG:32615\nnorthing easting z px py image name\n"
+                    "5188169.628 576691.665 158.5 297.01 377.82 A.JPG gcp1\n"),
+        std::string("PROJCS[\"WGS 84 / UTM zone 15N\",\n GEOGCS[\"WGS 84\",DATUM[\"WGS_1984\",\n"
+                    "SPHEROID[\"WGS 84\",6378137,298.257223563]],PRIMEM[\"Greenwich\",0],\n"
+                    "UNIT[\"degree\",0.0174532925199433]],PROJECTION[\"Transverse_Mercator\"],\n"
+                    "PARAMETER[\"latitude_of_origin\",0],PARAMETER[\"central_meridian\",-93],\n"
+                    "PARAMETER[\"scale_factor\",0.9996],PARAMETER[\"false_easting\",500000],\n"
+                    "PARAMETER[\"false_northing\",0],UNIT[\"metre\",1]]\n"
+                    "576691.665 5188169.628 158.5 297.01 377.82 A.JPG gcp1\n")}) {
+    ASSERT_TRUE(LooksLikeGcpList(BytesOf(text))) << text;
+    const auto list = ParseGcpList("gcp_list.txt", BytesOf(text));
+    ASSERT_TRUE(list.ok()) << text << list.error().message;
+    ASSERT_EQ(list->points.size(), 1u) << text;
+    EXPECT_EQ(list->points[0].name, "gcp1") << text;
+    EXPECT_NEAR(list->points[0].position.lat_deg, 46.84265, 1e-4) << text;
+    EXPECT_NEAR(list->points[0].position.lon_deg, -91.99418, 1e-4) << text;
+    EXPECT_DOUBLE_EQ(*list->points[0].height_m, 158.5) << text;
+    ASSERT_EQ(list->sightings.size(), 1u) << text;
+    EXPECT_DOUBLE_EQ(list->sightings[0].pixel_y, 377.82) << text;
+  }
+}
+
+TEST(ParseGcpList, AsksForASystemThatIsMissingOrUnknown) {
+  const std::string without = "576691.665 5188169.628 158.5 297.01 377.82 A.JPG gcp1\n";
+  ASSERT_TRUE(LooksLikeGcpList(BytesOf(without)));
+  const auto refused = ParseGcpList("gcp_list.txt", BytesOf(without));
+  ASSERT_FALSE(refused.ok());
+  EXPECT_NE(refused.error().message.find("EPSG:32632"), std::string::npos) << refused.error().message;
+  const auto written = ParseWrittenGcpList("gcp_list.txt", BytesOf(without));
+  ASSERT_TRUE(written.ok());
+  EXPECT_FALSE(written->points[0].has_position);
+  const std::string unknown = "EPSG:99999\n" + without;
+  ASSERT_TRUE(LooksLikeGcpList(BytesOf(unknown)));
+  EXPECT_NE(ParseGcpList("gcp_list.txt", BytesOf(unknown)).error().message.find("\"EPSG:99999\""),
+            std::string::npos);
+}
+
+TEST(ParseGcpList, IsNoTableOfALog) {
+  for (const char* text : {"time_s,lat,lon,alt,speed,photo\n1.0,47.5,8.5,500,5,A.JPG\n",
+                           "1.0,47.5,8.5,500,5,AUTO\n2.0,47.5,8.5,500,5,AUTO\n"}) {
+    EXPECT_FALSE(LooksLikeGcpList(BytesOf(text))) << text;
+    EXPECT_FALSE(LooksLikeGeoTxt(BytesOf(text))) << text;
+  }
+}
+
+TEST(ParseGeoTxt, KeepsWhatWasWrittenWhereItIsNoPlace) {
+  const auto log = ParseGeoTxt("geo.txt", BytesOf("EPSG:4326\n\na.jpg 46.8 -91.9 198.3\n"));
+  ASSERT_TRUE(log.ok());
+  ASSERT_EQ(log->events.size(), 1u);
+  EXPECT_FALSE(log->events[0].position);
+  EXPECT_DOUBLE_EQ(log->events[0].written->x, 46.8);
+  EXPECT_EQ(log->written_system, "EPSG:4326");
+  const auto named =
+      ParseGeoTxt("geo.txt", BytesOf("EPSG:4326\nimage latitude longitude\na.jpg 46.8 -91.9\n"));
+  ASSERT_TRUE(named.ok());
+  EXPECT_DOUBLE_EQ(named->events[0].position->lat_deg, 46.8) << "the names of the columns hold";
+  const std::string bare = "a.jpg 576667.1 5188164.6 198.3\n";
+  ASSERT_TRUE(LooksLikeGeoTxt(BytesOf(bare)));
+  EXPECT_FALSE(ParseGeoTxt("geo.txt", BytesOf(bare))->events[0].position) << "no system is named";
+  const auto unknown = ParseGeoTxt("geo.txt", BytesOf("my own grid\na.jpg 1 2 3\n"));
+  ASSERT_FALSE(unknown.ok());
+  EXPECT_NE(unknown.error().message.find("\"my own grid\""), std::string::npos);
+}
+
+TEST(ParsePix4dCsv, ReadsTheTwoCoordinatesAsItsHeaderNamesThem) {
+  const std::string east_first = "image,longitude,latitude,altitude\na.jpg,8.5,47.4,500\n";
+  ASSERT_TRUE(LooksLikePix4dCsv(BytesOf(east_first)));
+  const auto log = ParsePix4dCsv("p.csv", BytesOf(east_first));
+  ASSERT_TRUE(log.ok());
+  EXPECT_DOUBLE_EQ(log->events[0].position->lat_deg, 47.4);
+  EXPECT_TRUE(log->written_order_is_named);
+  const std::string projected = "#imagename,coordinate1,coordinate2,z\na.jpg,576667.1,5188164.6,198.3\n";
+  ASSERT_TRUE(LooksLikePix4dCsv(BytesOf(projected)));
+  const auto metres = ParsePix4dCsv("p.csv", BytesOf(projected));
+  ASSERT_TRUE(metres.ok());
+  EXPECT_FALSE(metres->events[0].position);
+  EXPECT_DOUBLE_EQ(metres->events[0].written->x, 576667.1);
+  EXPECT_FALSE(metres->written_order_is_assumed);
+  const auto open = ParsePix4dCsv("p.csv", BytesOf("image,coordinate1,coordinate2,z\na.jpg,8.5,47.4,500\n"));
+  ASSERT_TRUE(open.ok());
+  EXPECT_TRUE(open->written_order_is_assumed);
+}
+
+TEST(ExplainUnknownList, NamesTheCellThatIsNoNumber) {
+  const auto why = [](const char* text) {
+    return ExplainUnknownList(BytesOf(text), "list.txt").value_or("");
+  };
+  EXPECT_NE(why("EPSG:4326\na.jpg here 46.8\n").find("column 2 of line 2 is no number: \"here\""),
+            std::string::npos);
+  EXPECT_NE(why("EPSG:32632\n1 2 3 4 five a.jpg\n").find("column 5 of line 2"), std::string::npos);
+  EXPECT_NE(why("a.jpg,46.8\n").find("column 3 of line 1 is missing"), std::string::npos);
+  EXPECT_EQ(why("notes of the day\nwind from the west\n"), "");
 }
 
 TEST(ParseGcpList, KeepsPointsThatNoPhotoIsMarkedWithAndNamesWithBlanks) {

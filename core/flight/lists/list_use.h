@@ -1,0 +1,64 @@
+// ListUse: what was made of one list that was given, be it of positions or of surveyed points: as what it was
+// read, how many of its rows serve, how far it lies from the photos' own positions, or why it does not serve.
+// A value; core/poses/lists makes it and has its words. Degrees and metres as named; any thread.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace skyquilt::flight {
+
+// What the two numbers of a row count in.
+enum class CountsIn {
+  kSystem,       // the system that the list names
+  kDegrees,      // longitude and latitude
+  kUtmOfFlight,  // metres of the UTM zone in which the photos lie by their own positions
+};
+
+// One way to read a list. The plain one: in the named system (in degrees without one), nothing turned round.
+struct ListReading {
+  CountsIn counts_in = CountsIn::kDegrees;
+  bool is_swapped = false;  // what stands for east is north, and the other way round
+  bool west_is_positive = false;
+  bool south_is_positive = false;
+  int utm_code = 0;  // of EPSG, of kUtmOfFlight
+
+  bool operator==(const ListReading&) const = default;
+};
+
+enum class ListFault {
+  kNone,
+  kNamesNoPhoto,
+  kNoSystem,    // metres, and nothing says of which system
+  kNoPlace,     // no reading makes most rows places of one flight
+  kFarAway,     // every reading lies further from the photos' own positions than receivers err
+  kOtherShape,  // near enough, but laid out otherwise: rows of another flight, or names in another order
+};
+
+enum class ListKind { kPositions, kControl };
+
+struct ListUse {
+  ListKind kind = ListKind::kPositions;
+  std::string file_name;
+  std::string format;
+  std::string system;  // as written; empty: none
+  bool order_is_named = false;
+  ListReading reading;
+  bool is_as_written = true;  // `reading` is the plain one
+  bool is_in_area = true;     // within the system's area of use
+  std::size_t rows = 0;
+  std::size_t rows_used = 0;  // 0 where it does not serve
+  std::size_t photos_named = 0;
+  std::optional<double> apart_m;             // median, of the reading, to the photos' own positions
+  std::optional<double> as_written_apart_m;  // likewise, of the plain reading
+  std::optional<double> off_shape_m;         // median, after the median shift
+  bool own_are_stale = false;                // most of the photos' own positions are one and the same
+  // Nothing but the order that the format documents speaks against the other order of the two numbers, which
+  // would put the list so far away.
+  std::optional<double> other_order_apart_m;
+  ListFault fault = ListFault::kNone;
+};
+
+}  // namespace skyquilt::flight

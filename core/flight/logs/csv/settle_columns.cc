@@ -1,0 +1,298 @@
+#include "core/flight/logs/csv/settle_columns.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <tuple>
+
+#include "core/flight/logs/csv/csv_rows.h"
+#include "core/flight/logs/csv/settle_dates.h"
+
+namespace skyquilt::flight {
+namespace {
+
+using M = CsvMeaning;
+constexpr std::size_t kRowsLookedAt = 5000;
+constexpr std::size_t kBytesLookedAt = std::size_t{16} << 20;
+constexpr std::uint64_t kClocksLookedAt = 200;  // cells a column: each is tried as all kinds of times
+constexpr std::array kAllOrders = {DateOrder::kYearFirst, DateOrder::kDayFirst, DateOrder::kMonthFirst,
+                                   DateOrder::kShortYearFirst};
+
+bool IsClock(M meaning) { return meaning >= M::kTime && meaning <= M::kTimeOfDay; }
+
+// What the cells of one column are.
+struct CellCounts {
+  std::uint64_t filled = 0;
+  std::uint64_t numbers = 0;
+  std::array<std::uint64_t, 5> marks{};  // by MarkEvidence
+  std::uint64_t changes = 0;             // cells unlike the one above
+  std::uint64_t names = 0;               // neither numbers nor flags
+  std::uint64_t level_pitches = 0;
+  std::string_view last;
+  // Of the first ones of a column of times:
+  std::uint64_t clocks = 0;
+  std::uint64_t clock_numbers = 0;
+  std::uint64_t stamps = 0;
+  std::uint64_t dates = 0;
+  std::uint64_t times_of_day = 0;
+  std::uint64_t elapsed = 0;
+  std::uint64_t year_first = 0;
+
+  std::uint64_t Marks(MarkEvidence evidence) const { return marks[static_cast<std::size_t>(evidence)]; }
+  bool AreMostly(std::uint64_t kind) const { return clocks > 0 && 2 * kind >= clocks; }
+};
+
+void CountClock(std::string_view cell, CellCounts& counts) {
+  if (counts.clocks >= kClocksLookedAt) return;
+  ++counts.clocks;
+  const auto number = ReadNumber(cell);
+  counts.clock_numbers += number && !ParseElapsed(cell) &&
+                          (number->unit.empty() || FactorOfUnitBehind(number->unit, Dimension::kTime));
+  counts.times_of_day += IsTimeOfDay(cell);
+  counts.elapsed += ParseElapsed(cell).has_value();
+  const auto reads = [&](auto parse) { return std::any_of(kAllOrders.begin(), kAllOrders.end(), parse); };
+  counts.stamps += reads([&](DateOrder order) { return ParseWrittenTime(cell, order).has_value(); });
+  counts.dates += reads([&](DateOrder order) { return ParseDate(cell, order).has_value(); });
+  counts.year_first += ParseDate(cell, DateOrder::kYearFirst).has_value();
+}
+
+void CountCell(const CsvColumn& column, std::string_view cell, CellCounts& counts) {
+  ++counts.filled;
+  counts.changes += cell != counts.last;
+  counts.last = cell;
+  if (IsClock(column.meaning)) CountClock(cell, counts);
+  const Dimension dimension = CsvMeaningDimension(column.meaning);
+  if (dimension == Dimension::kNone) {
+    const std::string lower = LowerCase(cell.substr(0, 8));
+    counts.names +=
+        !ParseNumber(cell) && lower != "true" && lower != "false" && lower != "yes" && lower != "no";
+    return;
+  }
+  const auto number = ReadCsvNumber(column, cell);
+  counts.numbers += number.has_value();
+  counts.level_pitches += column.meaning == M::kPitch && number && std::abs(*number) < geo::DegToRad(45.0);
+  MarkEvidence evidence = EvidenceOfMark(cell);
+  if (dimension == Dimension::kCoordinate && evidence == MarkEvidence::kLoneComma)
+    evidence = MarkEvidence::kComma;
+  if (dimension == Dimension::kCoordinate && evidence == MarkEvidence::kLonePoint)
+    evidence = MarkEvidence::kPoint;
+  ++counts.marks[static_cast<std::size_t>(evidence)];
+}
+
+struct TableCounts {
+  std::uint64_t rows = 0;
+  std::uint64_t rows_too_long = 0;
+  std::size_t first_long_line = 0;
+  std::size_t first_long_cells = 0;
+  std::vector<CellCounts> columns;
+};
+
+TableCounts CountCells(LineReader lines, char separator, const std::vector<CsvColumn>& columns) {
+  TableCounts table;
+  table.columns.resize(columns.size());
+  const std::size_t begin = lines.offset();
+  std::string_view line;
+  std::vector<std::string_view> cells;
+  while (table.rows < kRowsLookedAt && lines.offset() - begin < kBytesLookedAt && lines.Next(line)) {
+    if (Trim(line).empty() || line.front() == '#') continue;
+    ++table.rows;
+    SplitFields(line, separator, cells);
+    while (!cells.empty() && cells.back().empty()) cells.pop_back();
+    if (cells.size() > columns.size() && ++table.rows_too_long == 1) {
+      table.first_long_line = lines.line_number();
+      table.first_long_cells = cells.size();
+    }
+    for (std::size_t i = 0; i < std::min(cells.size(), columns.size()); ++i) {
+      if (columns[i].meaning != M::kIgnored && !IsEmptyCell(cells[i]))
+        CountCell(columns[i], cells[i], table.columns[i]);
+    }
+  }
+  return table;
+}
+
+void MakeSeconds(CsvColumn& column, bool is_text) {
+  column.meaning = M::kTime;
+  column.scale = 1.0;
+  column.unit = "s";
+  column.unit_is_written = is_text;
+  column.is_elapsed_text = is_text;
+}
+
+void MakeClock(CsvColumn& column, M meaning) {
+  column.meaning = meaning;
+  column.scale = 1.0;
+  column.unit.clear();
+}
+
+// A column of times by its cells rather than by its name.
+void SettleClock(const CellCounts& counts, bool has_date, CsvColumn& column) {
+  const bool is_numeric = counts.AreMostly(counts.clock_numbers);
+  if (counts.AreMostly(counts.stamps)) return MakeClock(column, M::kUtc);
+  if (column.meaning == M::kDate) return;
+  if (has_date && counts.clocks > 0 && counts.times_of_day == counts.clocks)
+    return MakeClock(column, M::kTimeOfDay);
+  if (column.meaning == M::kTime && is_numeric) return;
+  if (has_date && counts.AreMostly(counts.times_of_day)) return MakeClock(column, M::kTimeOfDay);
+  if (counts.AreMostly(counts.dates) && !is_numeric) return MakeClock(column, M::kDate);
+  if (counts.AreMostly(counts.elapsed)) return MakeSeconds(column, true);
+  if (is_numeric) MakeSeconds(column, false);
+}
+
+void SettleClocks(const TableCounts& table, std::vector<CsvColumn>& columns) {
+  bool has_date = false;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const CellCounts& counts = table.columns[i];
+    has_date = has_date || (columns[i].meaning == M::kDate && counts.AreMostly(counts.dates) &&
+                            !counts.AreMostly(counts.stamps));
+  }
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    if (IsClock(columns[i].meaning)) SettleClock(table.columns[i], has_date, columns[i]);
+  }
+}
+
+bool IsReadable(const CsvColumn& column, const CellCounts& counts) {
+  switch (column.meaning) {
+    case M::kUtc:
+      return counts.AreMostly(counts.stamps);
+    case M::kDate:
+      return counts.AreMostly(counts.dates);
+    case M::kTimeOfDay:
+      return counts.AreMostly(counts.times_of_day);
+    case M::kTime:
+      return counts.AreMostly(column.is_elapsed_text ? counts.elapsed : counts.clock_numbers);
+    default:
+      break;
+  }
+  if (CsvMeaningDimension(column.meaning) == Dimension::kNone) return counts.filled > 0;
+  return counts.filled > 0 && 2 * counts.numbers >= counts.filled;
+}
+
+// Of columns with one meaning the first that can be read counts; of clocks one that says UTC before others.
+void ChooseAmongRepeated(const TableCounts& table, std::vector<CsvColumn>& columns) {
+  std::array<std::optional<std::size_t>, static_cast<std::size_t>(M::kCount)> best{};
+  const auto worth = [&](std::size_t i) {
+    const bool is_date = IsClock(columns[i].meaning) && columns[i].meaning != M::kTime;
+    return std::tuple(IsReadable(columns[i], table.columns[i]), is_date && columns[i].says_utc);
+  };
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    auto& kept = best[static_cast<std::size_t>(columns[i].meaning)];
+    if (!kept || worth(i) > worth(*kept)) kept = i;
+  }
+  const auto has = [&](M meaning) {
+    const auto& column = best[static_cast<std::size_t>(meaning)];
+    return column && IsReadable(columns[*column], table.columns[*column]);
+  };
+  // A whole stamp does better than its halves, and half a stamp is none.
+  const bool has_halves = !has(M::kUtc) && has(M::kDate) && has(M::kTimeOfDay);
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const M meaning = columns[i].meaning;
+    const bool is_half = meaning == M::kDate || meaning == M::kTimeOfDay;
+    if (best[static_cast<std::size_t>(meaning)] != i || (is_half && has(M::kUtc)))
+      columns[i].meaning = M::kIgnored;
+    else if (meaning == M::kUtc && has_halves)
+      columns[i].meaning = M::kIgnored;
+  }
+}
+
+DecimalMark MarkOfColumn(const CellCounts& cells, std::uint64_t file_points, std::uint64_t file_commas,
+                         char separator) {
+  const bool has_points = cells.Marks(MarkEvidence::kPoint) > 0;
+  const bool has_commas = cells.Marks(MarkEvidence::kComma) > 0;
+  if (has_points != has_commas) return has_points ? DecimalMark::kPoint : DecimalMark::kComma;
+  const bool lone_points = cells.Marks(MarkEvidence::kLonePoint) > 0;
+  const bool lone_commas = cells.Marks(MarkEvidence::kLoneComma) > 0;
+  if ((has_points && has_commas) || (lone_points && lone_commas)) return DecimalMark::kUnclear;
+  if (lone_points && file_commas > 0) return DecimalMark::kUnclear;
+  if (lone_commas && file_points > 0 && file_commas == 0)
+    return separator == ',' ? DecimalMark::kPoint : DecimalMark::kUnclear;
+  return DecimalMark::kUnknown;
+}
+
+void SettleMarks(const TableCounts& table, char separator, std::vector<CsvColumn>& columns) {
+  std::uint64_t points = 0, commas = 0;
+  for (const CellCounts& cells : table.columns) {
+    points += cells.Marks(MarkEvidence::kPoint);
+    commas += cells.Marks(MarkEvidence::kComma);
+  }
+  for (std::size_t i = 0; i < columns.size(); ++i)
+    columns[i].mark = MarkOfColumn(table.columns[i], points, commas, separator);
+}
+
+CsvColumn* ColumnOf(std::vector<CsvColumn>& columns, M meaning) {
+  const auto found = std::find_if(columns.begin(), columns.end(),
+                                  [&](const CsvColumn& column) { return column.meaning == meaning; });
+  return found == columns.end() ? nullptr : &*found;
+}
+
+void SettleDates(const TableCounts& table, LineReader lines, char separator, std::vector<CsvColumn>& columns,
+                 SettledColumns& settled) {
+  CsvColumn* date = ColumnOf(columns, M::kUtc);
+  if (date == nullptr) date = ColumnOf(columns, M::kDate);
+  if (date == nullptr) return;
+  const auto date_at = static_cast<std::size_t>(date - columns.data());
+  if (2 * table.columns[date_at].year_first >= table.columns[date_at].clocks) return;
+  const CsvColumn* time_of_day = date->meaning == M::kDate ? ColumnOf(columns, M::kTimeOfDay) : nullptr;
+  const auto time_at = static_cast<std::size_t>(time_of_day == nullptr ? 0 : time_of_day - columns.data());
+  DateOrderFinder finder;
+  std::string_view line;
+  std::vector<std::string_view> cells;
+  while (lines.Next(line)) {
+    if (Trim(line).empty() || line.front() == '#') continue;
+    SplitFields(line, separator, cells);
+    if (date_at >= cells.size() || cells[date_at].empty()) continue;
+    const bool has_time = time_of_day != nullptr && time_at < cells.size();
+    finder.Take(cells[date_at], has_time ? cells[time_at] : std::string_view(), lines.line_number());
+  }
+  const auto found = finder.Find();
+  if (!found) return;
+  date->date_order = found->order;
+  std::string words = fmt::format("dates of column {} -> {}", QuotedCell(date->header), found->why);
+  if (!found->is_decided) settled.warnings.push_back(words);
+  settled.notes.push_back(std::move(words));
+}
+
+bool RowsArePhotos(const TableCounts& table, std::vector<CsvColumn>& columns) {
+  const CsvColumn* image = ColumnOf(columns, M::kImage);
+  if (image == nullptr) image = ColumnOf(columns, M::kIsPhoto);
+  if (image == nullptr || ColumnOf(columns, M::kTime) != nullptr || ColumnOf(columns, M::kLat) == nullptr ||
+      ColumnOf(columns, M::kLon) == nullptr)
+    return false;
+  const CellCounts& cells = table.columns[static_cast<std::size_t>(image - columns.data())];
+  return table.rows > 0 && 10 * cells.changes >= 9 * table.rows && 10 * cells.names >= 9 * table.rows;
+}
+
+}  // namespace
+
+Result<SettledColumns> SettleColumns(std::string_view name, LineReader lines, char separator,
+                                     std::vector<CsvColumn>& columns) {
+  const TableCounts table = CountCells(lines, separator, columns);
+  const bool has_points =
+      std::any_of(table.columns.begin(), table.columns.end(), [](const CellCounts& cells) {
+        return cells.Marks(MarkEvidence::kPoint) + cells.Marks(MarkEvidence::kLonePoint) > 0;
+      });
+  if (separator == ',' && 2 * table.rows_too_long > table.rows && !has_points) {
+    return Error{
+        ErrorCode::kUnprocessable,
+        fmt::format("{} has {} cells in line {} below {} names of columns, and no decimal point: its decimal "
+                    "commas cannot be told from the commas between cells; save it with semicolons or tabs "
+                    "between the cells, or with decimal points.",
+                    name, table.first_long_cells, table.first_long_line, columns.size()),
+        ""};
+  }
+  SettledColumns settled;
+  SettleClocks(table, columns);
+  ChooseAmongRepeated(table, columns);
+  SettleMarks(table, separator, columns);
+  SettleDates(table, lines, separator, columns, settled);
+  settled.rows_are_photos = RowsArePhotos(table, columns);
+  if (const CsvColumn* pitch = ColumnOf(columns, M::kPitch)) {
+    const CellCounts& cells = table.columns[static_cast<std::size_t>(pitch - columns.data())];
+    settled.pitch_is_level = 2 * cells.level_pitches > cells.numbers;
+  }
+  return settled;
+}
+
+}  // namespace skyquilt::flight

@@ -1,0 +1,31 @@
+// SettleColumns: what the cells of a table say about its columns beyond their names: which marks its decimals
+// have, whether a column called "time" holds dates, times of day, elapsed times or numbers, whether dates
+// have the day or the month first, and which of two columns with one meaning can be read. Pure; any thread.
+// Looks at the first 5000 rows (16 MiB), and at all rows where the order of dates asks for it; holds a few
+// numbers a column.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/flight/logs/csv/csv_columns.h"
+#include "core/flight/logs/text_fields.h"
+
+namespace skyquilt::flight {
+
+struct SettledColumns {
+  // Each row names a photo of its own and says where it was taken; times, if any, are dates.
+  bool rows_are_photos = false;
+  bool pitch_is_level = false;        // most pitches lie within 45 degrees of zero
+  std::vector<std::string> notes;     // for FlightLog::mapping
+  std::vector<std::string> warnings;  // what was assumed
+};
+
+// `lines` stands below the header. Error: kUnprocessable where decimal commas cannot be told from the commas
+// between cells, with the line.
+Result<SettledColumns> SettleColumns(std::string_view name, LineReader lines, char separator,
+                                     std::vector<CsvColumn>& columns);
+
+}  // namespace skyquilt::flight

@@ -1,0 +1,106 @@
+#include "core/flight/logs/csv/unread_cells.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "core/flight/logs/text_fields.h"
+
+namespace skyquilt::flight {
+namespace {
+
+constexpr std::size_t kCellsNamed = 3;
+
+std::string_view FormsRead(CsvMeaning meaning) {
+  switch (meaning) {
+    case CsvMeaning::kLat:
+      return "46.8426, 46,8426, N46.8426, -46.8426, 46°50'33.4\" N or 46 50 33.4 N";
+    case CsvMeaning::kLon:
+      return "91.9945, 91,9945, W91.9945, -91.9945, 91°59'40.4\" W or 91 59 40.4 W";
+    case CsvMeaning::kUtc:
+      return "2016-06-23T21:31:09Z, 2016-06-23 21:31:09, 23.06.2016 21:31:09 or 6/23/2016 9:31:09 PM";
+    case CsvMeaning::kDate:
+      return "2016-06-23, 23.06.2016 or 6/23/2016";
+    case CsvMeaning::kTimeOfDay:
+      return "21:31:09 or 9:31:09 PM";
+    case CsvMeaning::kLatLetter:
+      return "N or S";
+    case CsvMeaning::kLonLetter:
+      return "E or W";
+    case CsvMeaning::kTime:
+      return "12.5, 12,5, 0:00:12.5 or 12.5s";
+    default:
+      return "1234.5, 1234,5 or 1,234.5, with a unit of its kind behind it or in the column's name";
+  }
+}
+
+}  // namespace
+
+bool IsEmptyCell(std::string_view cell) {
+  constexpr std::size_t kLongest = 5;
+  if (cell.size() > kLongest) return false;
+  constexpr std::array<std::string_view, 11> kWords = {"",     "-",    "--",  "n/a", "#n/a", "na",
+                                                       "none", "null", "nan", "nil", "?"};
+  return std::find(kWords.begin(), kWords.end(), LowerCase(cell)) != kWords.end();
+}
+
+std::string QuotedCell(std::string_view cell) {
+  constexpr std::size_t kLongest = 40;
+  const bool is_cut = cell.size() > kLongest;
+  cell = cell.substr(0, kLongest);
+  const auto is_inside_letter = [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U; };
+  if (is_cut) {
+    while (!cell.empty() && is_inside_letter(cell.back())) cell.remove_suffix(1);
+    if (!cell.empty() && static_cast<unsigned char>(cell.back()) >= 0xC0U) cell.remove_suffix(1);
+  }
+  return fmt::format("\"{}{}\"", cell, is_cut ? "..." : "");
+}
+
+void UnreadCells::Count(std::size_t column, bool is_read, std::size_t line, std::string_view cell) {
+  if (column >= columns_.size()) columns_.resize(column + 1);
+  Column& cells = columns_[column];
+  if (is_read) {
+    ++cells.read;
+    return;
+  }
+  if (++cells.unread <= kCellsNamed) cells.first.push_back({line, QuotedCell(cell)});
+}
+
+std::string UnreadCells::NothingRead(const CsvColumn& column, const Column& cells) const {
+  return fmt::format(
+      "none of the {} cells of column {} can be read as {}; the first, in line {}, is {}; what is read is {}",
+      cells.unread, QuotedCell(column.header), CsvMeaningName(column.meaning), cells.first.front().line,
+      cells.first.front().text, FormsRead(column.meaning));
+}
+
+void UnreadCells::Tell(const std::vector<CsvColumn>& columns, LogBuilder& builder) const {
+  for (std::size_t i = 0; i < std::min(columns.size(), columns_.size()); ++i) {
+    const Column& cells = columns_[i];
+    if (cells.unread == 0) continue;
+    if (cells.read == 0 && cells.unread > 1) {
+      builder.Warn(NothingRead(columns[i], cells));
+      continue;
+    }
+    for (const Cell& cell : cells.first) {
+      builder.Warn(fmt::format("line {}: column {} holds {}, which cannot be read as {}", cell.line,
+                               QuotedCell(columns[i].header), cell.text, CsvMeaningName(columns[i].meaning)));
+    }
+    if (cells.unread > cells.first.size()) {
+      builder.Warn(fmt::format("{} more cells of column {} cannot be read", cells.unread - cells.first.size(),
+                               QuotedCell(columns[i].header)));
+    }
+  }
+}
+
+std::string UnreadCells::WhyNothing(const std::vector<CsvColumn>& columns, CsvMeaning first,
+                                    CsvMeaning last) const {
+  for (std::size_t i = 0; i < std::min(columns.size(), columns_.size()); ++i) {
+    const bool is_meant = columns[i].meaning >= first && columns[i].meaning <= last;
+    if (is_meant && columns_[i].read == 0 && columns_[i].unread > 0)
+      return NothingRead(columns[i], columns_[i]);
+  }
+  return {};
+}
+
+}  // namespace skyquilt::flight

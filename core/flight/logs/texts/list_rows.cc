@@ -1,0 +1,174 @@
+#include "core/flight/logs/texts/list_rows.h"
+
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include "core/flight/logs/coordinate_cell.h"
+
+namespace skyquilt::flight {
+namespace {
+
+constexpr int kLinesAboveRows = 24;  // a system, names of columns, comments
+constexpr std::size_t kLongestSystem = 16'384;
+constexpr int kMaxWktLines = 200;
+constexpr std::size_t kLongestColumnName = 64;
+
+std::string LettersOfColumn(std::string_view name) {
+  std::string letters;
+  for (const char c : LowerCase(name.substr(0, kLongestColumnName))) {
+    if (c >= 'a' && c <= 'z') letters += c;
+  }
+  return letters;
+}
+
+template <std::size_t kCount>
+bool IsOneOf(const std::string& word, const std::array<std::string_view, kCount>& words) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+bool IsEastName(const std::string& letters) {
+  constexpr std::array<std::string_view, 8> kNames = {"lon",  "long",    "lng",  "longitude",
+                                                      "east", "easting", "geox", "longitud"};
+  return IsOneOf(letters, kNames) || letters.starts_with("longitude") || letters.starts_with("easting");
+}
+
+bool IsNorthName(const std::string& letters) {
+  constexpr std::array<std::string_view, 6> kNames = {"lat",      "latitude", "north",
+                                                      "northing", "geoy",     "latitud"};
+  return IsOneOf(letters, kNames) || letters.starts_with("latitude") || letters.starts_with("northing");
+}
+
+bool IsColumnName(std::string_view word) {
+  constexpr std::array<std::string_view, 36> kNames = {
+      "x",        "y",      "z",         "mapx",    "mapy",  "mapz",  "geoz",      "alt",   "altitude",
+      "h",        "height", "elevation", "elev",    "px",    "py",    "imx",       "imy",   "pixelx",
+      "pixely",   "u",      "v",         "col",     "row",   "image", "imagename", "photo", "file",
+      "filename", "name",   "gcp",       "gcpname", "label", "point", "yaw",       "pitch", "roll"};
+  const std::string letters = LettersOfColumn(word);
+  return IsOneOf(letters, kNames) || IsEastName(letters) || IsNorthName(letters);
+}
+
+// Names of columns, however they are separated: two that are known at least, and no numbers.
+std::vector<std::string_view> ColumnNames(std::string_view line) {
+  std::vector<std::string_view> words;
+  const std::size_t begin = line.find_first_not_of("# \t");
+  if (begin == std::string_view::npos) return {};
+  line = line.substr(begin);
+  const bool is_cut = line.find_first_of(",;\t") != std::string_view::npos;
+  if (is_cut) {
+    SplitFields(line, GuessSeparator(line), words);
+  } else {
+    SplitBlanks(line, words);
+  }
+  const auto known = std::count_if(words.begin(), words.end(), IsColumnName);
+  const bool has_number =
+      std::any_of(words.begin(), words.end(), [](std::string_view w) { return ParseNumber(w).has_value(); });
+  if (has_number || known < 2) words.clear();
+  return words;
+}
+
+std::ptrdiff_t Depth(std::string_view text) {
+  return std::count(text.begin(), text.end(), '[') - std::count(text.begin(), text.end(), ']');
+}
+
+// WKT may go on over several lines: to where its brackets are closed.
+std::string_view WholeSystem(std::string_view first, LineReader& lines) {
+  std::ptrdiff_t depth = Depth(first);
+  if (depth <= 0) return first;
+  LineReader ahead = lines;
+  std::string_view line;
+  for (int i = 0; i < kMaxWktLines && ahead.Next(line); ++i) {
+    const auto length = static_cast<std::size_t>(line.data() + line.size() - first.data());
+    if (length > kLongestSystem) break;
+    depth += Depth(line);
+    if (depth > 0) continue;
+    lines = ahead;
+    return {first.data(), length};
+  }
+  return first;
+}
+
+}  // namespace
+
+std::optional<double> ParseListNumber(std::string_view cell) {
+  if (const auto number = ParseNumber(cell)) return number;
+  constexpr std::size_t kLongestNumber = 40;
+  if (cell.size() > kLongestNumber || std::count(cell.begin(), cell.end(), ',') != 1 ||
+      cell.find('.') != std::string_view::npos)
+    return std::nullopt;
+  std::string point(cell);
+  std::replace(point.begin(), point.end(), ',', '.');
+  return ParseNumber(point);
+}
+
+std::optional<double> ParseListCoordinate(std::string_view cell) {
+  if (const auto number = ParseListNumber(cell)) return number;
+  const auto coordinate = ReadCoordinateCell(cell);
+  return coordinate ? std::optional<double>(coordinate->value) : std::nullopt;
+}
+
+bool LooksLikeImageName(std::string_view word) {
+  const std::size_t dot = word.rfind('.');
+  return dot != std::string_view::npos && word.size() - dot >= 3 && word.size() - dot <= 6 &&
+         !ParseListNumber(word);
+}
+
+bool LooksLikePhotoFile(std::string_view cell) {
+  const std::string lower = LowerCase(cell);
+  for (const std::string_view end : {".jpg", ".jpeg", ".tif", ".tiff", ".png", ".dng"}) {
+    if (lower.size() > end.size() && lower.ends_with(end)) return true;
+  }
+  return false;
+}
+
+bool SplitListRow(std::string_view line, const IsListRow& is_row, std::vector<std::string_view>& cells) {
+  for (const char separator : {'\t', ';', ','}) {
+    if (line.find(separator) == std::string_view::npos) continue;
+    SplitFields(line, separator, cells);
+    const bool has_gaps =
+        std::any_of(cells.begin(), cells.end(), [](std::string_view c) { return c.empty(); });
+    if (separator == '\t' && has_gaps) continue;  // they only align columns
+    if (is_row(cells)) return true;
+  }
+  SplitBlanks(line, cells);
+  return is_row(cells);
+}
+
+std::optional<ListTop> ReadListTop(std::string_view text, const IsListRow& is_row) {
+  ListTop top;
+  LineReader lines(text);
+  std::string_view line;
+  for (int i = 0; i < kLinesAboveRows && lines.Next(line); ++i) {
+    if (Trim(line).empty()) continue;
+    const bool is_comment = line.front() == '#';
+    if (!is_comment && SplitListRow(line, is_row, top.row)) {
+      top.row_line = line;
+      top.row_number = lines.line_number();
+      top.row_offset = lines.offset();
+      return top;
+    }
+    std::vector<std::string_view> columns = ColumnNames(line);
+    if (!columns.empty() && top.columns.empty()) {
+      top.columns = std::move(columns);
+    } else if (top.system.empty() && (!is_comment || LowerCase(line).find("epsg") != std::string::npos)) {
+      top.system = WholeSystem(line, lines);
+    } else if (!is_comment) {
+      top.skipped_lines.push_back(lines.line_number());
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<NamedOrder> OrderOfColumns(const std::vector<std::string_view>& columns) {
+  std::optional<std::size_t> east, north;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const std::string letters = LettersOfColumn(columns[i]);
+    if (!east && IsEastName(letters)) east = i;
+    if (!north && IsNorthName(letters)) north = i;
+  }
+  if (!east || !north) return std::nullopt;
+  return *east < *north ? NamedOrder::kEastFirst : NamedOrder::kNorthFirst;
+}
+
+}  // namespace skyquilt::flight

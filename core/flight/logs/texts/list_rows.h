@@ -1,0 +1,50 @@
+// Lists below a line that names their reference system (geo.txt, control points): what stands above the rows,
+// and rows cut at whatever separates them: tabs, semicolons, commas or blanks; numbers may have a decimal
+// comma where commas do not separate. Bounded like text_fields.h; any thread.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "core/flight/logs/text_fields.h"
+
+namespace skyquilt::flight {
+
+// A number, also with a decimal comma.
+std::optional<double> ParseListNumber(std::string_view cell);
+
+// A coordinate, also with degrees, minutes and seconds or a letter of the hemisphere.
+std::optional<double> ParseListCoordinate(std::string_view cell);
+
+// A file name with an ending, and no number.
+bool LooksLikeImageName(std::string_view word);
+
+// That of a picture, by its ending.
+bool LooksLikePhotoFile(std::string_view word);
+
+using IsListRow = std::function<bool(const std::vector<std::string_view>& cells)>;
+
+// Cuts the line so that it is a row; at blanks, and false, where no way of cutting makes it one.
+bool SplitListRow(std::string_view line, const IsListRow& is_row, std::vector<std::string_view>& cells);
+
+struct ListTop {
+  std::string_view system;                // the line that names it, or WKT over several; empty: none does
+  std::vector<std::string_view> columns;  // their names; empty: none are named
+  std::vector<std::string_view> row;      // the first
+  std::string_view row_line;
+  std::vector<std::size_t> skipped_lines;  // above the first row, that are none of these
+  std::size_t row_number = 0;              // of the line, from 1
+  std::size_t row_offset = 0;              // of the text behind that line
+};
+
+// Nothing where no row stands among the first lines.
+std::optional<ListTop> ReadListTop(std::string_view text, const IsListRow& is_row);
+
+// The order that names of columns give a pair of coordinates; nothing where they name none, or only "x" and
+// "y".
+enum class NamedOrder { kEastFirst, kNorthFirst };
+std::optional<NamedOrder> OrderOfColumns(const std::vector<std::string_view>& columns);
+
+}  // namespace skyquilt::flight

@@ -1,0 +1,73 @@
+#include "core/flight/logs/texts/unknown_list.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "core/base/printable.h"
+#include "core/flight/logs/text_fields.h"
+#include "core/flight/logs/texts/list_rows.h"
+
+namespace skyquilt::flight {
+namespace {
+
+constexpr std::size_t kCellsOfPoint = 5;  // x y z pixel_x pixel_y, before the photo's name
+constexpr std::size_t kMaxLettersOfCell = 40;
+
+struct BadCell {
+  std::size_t column = 0;  // from 1
+  std::string_view cell;   // empty: the row ends before it
+};
+
+// The first of `count` cells from `begin` that is no number.
+std::optional<BadCell> FirstBadCell(const std::vector<std::string_view>& cells, std::size_t begin,
+                                    std::size_t count) {
+  for (std::size_t i = begin; i < begin + count; ++i) {
+    if (i >= cells.size()) return BadCell{i + 1, {}};
+    if (!ParseListCoordinate(cells[i])) return BadCell{i + 1, cells[i]};
+  }
+  return std::nullopt;
+}
+
+std::string InWords(std::string_view name, std::string_view kind, std::size_t line_number, const BadCell& bad,
+                    std::string_view form) {
+  const std::string what = bad.cell.empty()
+                               ? "is missing"
+                               : fmt::format("is no number: \"{}\"",
+                                             Printable(std::string(bad.cell.substr(0, kMaxLettersOfCell))));
+  return fmt::format("{} looks like a list of {}, but is not used: column {} of line {} {}. Its rows are {}.",
+                     name, kind, bad.column, line_number, what, form);
+}
+
+}  // namespace
+
+std::optional<std::string> ExplainUnknownList(LogBytes head, std::string_view name) {
+  constexpr int kLinesLookedAt = 24;
+  if (!LooksLikeText(TextOf(head))) return std::nullopt;
+  LineReader lines(TextOf(head));
+  std::string_view line;
+  std::vector<std::string_view> cells;
+  const auto names_a_photo = [](const std::vector<std::string_view>& row) {
+    return row.size() >= 2 && std::any_of(row.begin(), row.end(), LooksLikePhotoFile);
+  };
+  for (int i = 0; i < kLinesLookedAt && lines.Next(line); ++i) {
+    if (Trim(line).empty() || line.front() == '#' || !SplitListRow(line, names_a_photo, cells)) continue;
+    const auto photo = std::find_if(cells.begin(), cells.end(), LooksLikePhotoFile);
+    if (photo == cells.begin()) {
+      if (const auto bad = FirstBadCell(cells, 1, 2)) {
+        return InWords(name, "positions", lines.line_number(), *bad,
+                       "\"image x y z\" below a line such as EPSG:4326, or image,latitude,longitude,height");
+      }
+    } else if (static_cast<std::size_t>(photo - cells.begin()) <= kCellsOfPoint) {
+      const auto bad = FirstBadCell(cells, 0, kCellsOfPoint);
+      if (bad) {
+        return InWords(name, "surveyed points", lines.line_number(), *bad,
+                       "\"x y z pixel_x pixel_y image\" below a line such as EPSG:32632");
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace skyquilt::flight

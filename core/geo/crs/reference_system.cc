@@ -1,0 +1,332 @@
+#include "core/geo/crs/reference_system.h"
+
+#include <proj.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <utility>
+
+namespace skyquilt::geo {
+namespace {
+
+constexpr std::size_t kLongestLine = 512;
+constexpr std::size_t kLongestWkt = 16'384;
+constexpr std::size_t kShortestName = 5;
+
+std::string LowerOf(std::string_view text) {
+  std::string lower(text);
+  std::transform(lower.begin(), lower.end(), lower.begin(),
+                 [](unsigned char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+  return lower;
+}
+
+bool IsDigit(char c) { return c >= '0' && c <= '9'; }
+bool IsSmallLetter(char c) { return c >= 'a' && c <= 'z'; }
+
+// Letters and digits alone: how names are compared.
+std::string LettersOf(std::string_view text) {
+  std::string letters = LowerOf(text);
+  std::erase_if(letters, [](char c) { return !IsDigit(c) && !IsSmallLetter(c); });
+  return letters;
+}
+
+std::string_view TrimmedLine(std::string_view line) {
+  constexpr std::string_view kAround = " \t\r\n\"'#;,";
+  if (line.starts_with("\xEF\xBB\xBF")) line.remove_prefix(3);
+  const std::size_t begin = line.find_first_not_of(kAround);
+  if (begin == std::string_view::npos) return {};
+  return line.substr(begin, line.find_last_not_of(kAround) - begin + 1);
+}
+
+// The digits at `at`, or nothing.
+std::string_view DigitsAt(std::string_view text, std::size_t at) {
+  std::size_t end = at;
+  while (end < text.size() && IsDigit(text[end])) ++end;
+  return text.substr(std::min(at, text.size()), end - std::min(at, end));
+}
+
+// "epsg:32615+5773", "epsg 32615", "urn:ogc:def:crs:epsg::32615", ".../crs/epsg/0/32615".
+std::optional<std::string> EpsgCodeIn(const std::string& lower) {
+  const std::size_t begin = lower.find("epsg");
+  if (begin == std::string::npos) return std::nullopt;
+  const auto code_at = [&](std::size_t from) {
+    std::size_t at = from;
+    if (lower.compare(at, 4, "epsg") == 0) at += 4;
+    if (lower.compare(at, 3, "/0/") == 0) at += 3;
+    while (at < lower.size() && std::string_view(" :=-_/.").find(lower[at]) != std::string_view::npos) ++at;
+    return DigitsAt(lower, at);
+  };
+  const auto is_code = [](std::string_view digits) { return digits.size() >= 4 && digits.size() <= 6; };
+  const std::string_view code = code_at(begin);
+  if (!is_code(code)) return std::nullopt;
+  std::string definition = "EPSG:" + std::string(code);
+  std::size_t next = static_cast<std::size_t>(code.data() - lower.data()) + code.size();
+  while (next < lower.size() && lower[next] == ' ') ++next;
+  if (next >= lower.size() || lower[next] != '+') return definition;
+  const std::string_view vertical = code_at(lower.find_first_not_of(' ', next + 1) == std::string::npos
+                                                ? lower.size()
+                                                : lower.find_first_not_of(' ', next + 1));
+  if (!is_code(vertical)) return std::nullopt;
+  return definition + "+" + std::string(vertical);
+}
+
+// Words of letters and of digits: "utm zone16n" as utm, zone, 16, n.
+std::vector<std::string> WordsIn(const std::string& lower) {
+  std::vector<std::string> words;
+  char before = ' ';
+  for (const char c : lower) {
+    const bool is_digit = IsDigit(c), is_letter = IsSmallLetter(c);
+    if (is_digit || is_letter) {
+      const bool goes_on = is_digit ? IsDigit(before) : IsSmallLetter(before);
+      if (!goes_on) words.emplace_back();
+      words.back() += c;
+    }
+    before = c;
+  }
+  return words;
+}
+
+// "wgs84 utm 15n", "etrs89 / utm zone 32 north": the name that PROJ has for it, or WGS84's code.
+std::optional<std::string> UtmIn(const std::string& lower) {
+  const std::vector<std::string> words = WordsIn(lower);
+  const auto utm = std::find(words.begin(), words.end(), "utm");
+  if (utm == words.end()) return std::nullopt;
+  auto next = utm + 1;
+  if (next != words.end() && *next == "zone") ++next;
+  if (next == words.end() || next->size() > 2 || !IsDigit(next->front())) return std::nullopt;
+  int zone = 0;
+  std::from_chars(next->data(), next->data() + next->size(), zone);
+  if (zone < 1 || zone > 60) return std::nullopt;
+  ++next;
+  if (next == words.end()) return std::nullopt;  // which half of the Earth must be said
+  const bool is_north = *next == "n" || *next == "north" || *next == "northern";
+  const bool is_south = *next == "s" || *next == "south" || *next == "southern";
+  if (!is_north && !is_south) return std::nullopt;
+  constexpr std::string_view kBetween = " /_-:,";
+  std::string datum = lower.substr(0, lower.find("utm"));
+  const std::size_t last = datum.find_last_not_of(kBetween);
+  datum.resize(last == std::string::npos ? 0 : last + 1);
+  const std::string letters = LettersOf(datum);
+  if (letters.empty() || letters == "wgs84" || letters == "wgs1984") {
+    return "EPSG:" + std::to_string((is_north ? 32600 : 32700) + zone);
+  }
+  return datum + " / UTM zone " + std::to_string(zone) + (is_north ? "N" : "S");
+}
+
+bool IsWkt(const std::string& lower) {
+  constexpr std::array<std::string_view, 10> kBegin = {
+      "projcs[",   "projcrs[",     "geogcs[",   "geogcrs[",       "geodcrs[",
+      "compd_cs[", "compoundcrs[", "boundcrs[", "geographiccrs[", "projectedcrs["};
+  return std::any_of(kBegin.begin(), kBegin.end(),
+                     [&](std::string_view begin) { return lower.starts_with(begin); });
+}
+
+// Files that the string could make PROJ open, and other than plain systems, are not for strangers to name.
+bool IsForbidden(const std::string& lower, bool is_proj_string) {
+  constexpr std::array<std::string_view, 7> kNowhere = {
+      "grids", "pipeline", "+init", "parameterfile", "abridgedtransformation", "coordinateoperation",
+      "+step"};
+  constexpr std::array<std::string_view, 4> kNotInStrings = {"/", "@", "file", "+inv"};
+  const auto is_in = [&](std::string_view word) { return lower.find(word) != std::string::npos; };
+  return std::any_of(kNowhere.begin(), kNowhere.end(), is_in) ||
+         (is_proj_string && std::any_of(kNotInStrings.begin(), kNotInStrings.end(), is_in));
+}
+
+using PjPtr = std::unique_ptr<PJ, decltype(&proj_destroy)>;
+PjPtr Owned(PJ* object) { return {object, proj_destroy}; }
+
+// The one horizontal system whose name is written so, also without the datum in front of it.
+PjPtr FindByName(PJ_CONTEXT* context, const std::string& name) {
+  const std::string letters = LettersOf(name);
+  constexpr std::array kTypes = {PJ_TYPE_PROJECTED_CRS, PJ_TYPE_GEOGRAPHIC_2D_CRS};
+  constexpr std::size_t kMaxFound = 16;
+  const std::unique_ptr<PJ_OBJ_LIST, decltype(&proj_list_destroy)> found(
+      proj_create_from_name(context, nullptr, name.c_str(), kTypes.data(), kTypes.size(), 1, kMaxFound,
+                            nullptr),
+      proj_list_destroy);
+  PjPtr ending = Owned(nullptr);
+  int endings = 0;
+  for (int k = 0; found && k < proj_list_get_count(found.get()); ++k) {
+    PjPtr one = Owned(proj_list_get(context, found.get(), k));
+    if (!one || proj_is_deprecated(one.get()) != 0 || proj_get_name(one.get()) == nullptr) continue;
+    const std::string own = LettersOf(proj_get_name(one.get()));
+    if (own == letters) return one;
+    if (letters.size() < 2 * kShortestName || !own.ends_with(letters)) continue;
+    ++endings;
+    ending = std::move(one);
+  }
+  return endings == 1 ? std::move(ending) : Owned(nullptr);
+}
+
+PjPtr CreateSystem(PJ_CONTEXT* context, std::string_view line) {
+  line = TrimmedLine(line);
+  if (line.empty() || line.size() > kLongestWkt) return Owned(nullptr);
+  const std::string lower = LowerOf(line);
+  const auto create = [&](const std::string& definition) {
+    return Owned(proj_create(context, definition.c_str()));
+  };
+  if (IsWkt(lower)) {
+    return IsForbidden(lower, false) ? Owned(nullptr) : create(std::string(line));
+  }
+  if (line.size() > kLongestLine) return Owned(nullptr);
+  if (lower.starts_with("+proj=")) {
+    return IsForbidden(lower, true) ? Owned(nullptr) : create(std::string(line) + " +type=crs");
+  }
+  if (const auto code = EpsgCodeIn(lower)) return create(*code);
+  const bool is_bare_code = DigitsAt(line, 0).size() == line.size() && line.size() >= 4 && line.size() <= 6;
+  if (is_bare_code) return create("EPSG:" + std::string(line));
+  const std::string letters = LettersOf(line);
+  if (letters == "wgs84" || letters == "crs84" || letters == "ogccrs84") return create("EPSG:4326");
+  if (const auto utm = UtmIn(lower)) {
+    return utm->starts_with("EPSG:") ? create(*utm) : FindByName(context, *utm);
+  }
+  if (const std::size_t colon = lower.find(':'); colon != std::string::npos) {  // another authority's code
+    const bool is_code =
+        colon >= 3 &&
+        std::all_of(lower.begin(), lower.begin() + static_cast<std::ptrdiff_t>(colon), IsSmallLetter) &&
+        colon + 1 < lower.size() && DigitsAt(lower, colon + 1).size() == lower.size() - colon - 1;
+    return is_code && lower.compare(0, 4, "epsg") != 0 ? create(std::string(line)) : Owned(nullptr);
+  }
+  // Names are looked up among thousands: only what may be one.
+  const bool is_name = letters.size() >= kShortestName && lower.find("utm") == std::string::npos &&
+                       lower.find_first_of("={[\"\\") == std::string::npos &&
+                       std::any_of(letters.begin(), letters.end(), IsSmallLetter);
+  return is_name ? FindByName(context, std::string(line)) : Owned(nullptr);
+}
+
+bool IsHorizontal(PJ_TYPE type) {
+  return type == PJ_TYPE_PROJECTED_CRS || type == PJ_TYPE_GEOGRAPHIC_2D_CRS ||
+         type == PJ_TYPE_GEOGRAPHIC_3D_CRS;
+}
+
+// Of the axis; 1 where it has none that makes sense.
+double UnitOfAxis(PJ_CONTEXT* context, const PJ* system, int axis) {
+  const PjPtr axes = Owned(proj_crs_get_coordinate_system(context, system));
+  double factor = 1.0;
+  const bool is_known = axes && proj_cs_get_axis_info(context, axes.get(), axis, nullptr, nullptr, nullptr,
+                                                      &factor, nullptr, nullptr, nullptr) != 0;
+  return is_known && factor > 1e-3 && factor < 1e4 ? factor : 1.0;
+}
+
+}  // namespace
+
+bool AreaOfUse::Contains(const LatLon& place, double margin_deg) const {
+  if (place.lat_deg < south_deg - margin_deg || place.lat_deg > north_deg + margin_deg) return false;
+  const double middle_deg = 0.5 * (west_deg + east_deg);
+  return std::abs(std::remainder(place.lon_deg - middle_deg, 360.0)) <=
+         0.5 * (east_deg - west_deg) + margin_deg;
+}
+
+struct ReferenceSystem::Impl {
+  std::string name;
+  std::string definition;
+  PJ_CONTEXT* context = proj_context_create();
+  PJ* transform = nullptr;
+  bool is_geographic = false;
+  double metres_per_height_unit = 1.0;
+  AreaOfUse area;
+
+  Impl() {
+    proj_log_level(context, PJ_LOG_NONE);
+    proj_context_set_enable_network(context, 0);
+  }
+  ~Impl() {
+    proj_destroy(transform);
+    proj_context_destroy(context);
+  }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
+  // False where `system` is none that places.
+  bool Take(const PJ* system) {
+    PjPtr horizontal = Owned(nullptr), vertical = Owned(nullptr);
+    if (proj_get_type(system) == PJ_TYPE_COMPOUND_CRS) {
+      horizontal = Owned(proj_crs_get_sub_crs(context, system, 0));
+      vertical = Owned(proj_crs_get_sub_crs(context, system, 1));
+      if (!horizontal) return false;
+      system = horizontal.get();
+    }
+    PjPtr unbound = Owned(nullptr);
+    const PJ* plain = system;
+    if (proj_get_type(plain) == PJ_TYPE_BOUND_CRS) {
+      unbound = Owned(proj_get_source_crs(context, plain));
+      plain = unbound.get();
+    }
+    if (plain == nullptr || !IsHorizontal(proj_get_type(plain))) return false;
+    is_geographic = proj_get_type(plain) != PJ_TYPE_PROJECTED_CRS;
+    if (vertical) {
+      metres_per_height_unit = UnitOfAxis(context, vertical.get(), 0);
+    } else if (!is_geographic) {
+      metres_per_height_unit = UnitOfAxis(context, plain, 0);
+    }
+    AreaOfUse used;
+    if (proj_get_area_of_use(context, plain, &used.west_deg, &used.south_deg, &used.east_deg, &used.north_deg,
+                             nullptr) != 0 &&
+        used.west_deg >= -360.0 && used.south_deg >= -90.0 && used.north_deg <= 90.0) {
+      if (used.east_deg < used.west_deg) used.east_deg += 360.0;
+      area = used;
+    }
+    const PjPtr wgs84 = Owned(proj_create(context, "EPSG:4326"));
+    const PjPtr raw = Owned(
+        wgs84 ? proj_create_crs_to_crs_from_pj(context, system, wgs84.get(), nullptr, nullptr) : nullptr);
+    // Always x = east or longitude first, whatever the authority's order of axes.
+    if (raw) transform = proj_normalize_for_visualization(context, raw.get());
+    return transform != nullptr;
+  }
+};
+
+ReferenceSystem::ReferenceSystem(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+ReferenceSystem::ReferenceSystem(ReferenceSystem&&) noexcept = default;
+ReferenceSystem& ReferenceSystem::operator=(ReferenceSystem&&) noexcept = default;
+ReferenceSystem::~ReferenceSystem() = default;
+
+Result<ReferenceSystem> ReferenceSystem::Parse(std::string_view line) {
+  auto impl = std::make_unique<Impl>();
+  const PjPtr system = CreateSystem(impl->context, line);
+  if (!system || !impl->Take(system.get())) {
+    return Error{
+        ErrorCode::kUnsupportedFormat,
+        "\"" + std::string(TrimmedLine(line).substr(0, 80)) +
+            "\" names no reference system that is known; write its EPSG code (EPSG:32615), a name such as "
+            "WGS84 UTM 15N, a +proj= string or WKT",
+        ""};
+  }
+  impl->name = impl->definition = TrimmedLine(line);
+  const char* authority = proj_get_id_auth_name(system.get(), 0);
+  const char* code = proj_get_id_code(system.get(), 0);
+  if (authority != nullptr && code != nullptr && std::string_view(authority) == "EPSG")
+    impl->definition = std::string(authority) + ":" + code;
+  return ReferenceSystem(std::move(impl));
+}
+
+std::optional<LatLon> ReferenceSystem::ToLatLon(double x, double y) const {
+  const PJ_COORD out = proj_trans(impl_->transform, PJ_FWD, proj_coord(x, y, 0.0, HUGE_VAL));
+  const bool has_failed = proj_errno(impl_->transform) != 0;
+  if (has_failed) proj_errno_reset(impl_->transform);
+  const auto position = LatLon::Make(out.xy.y, out.xy.x);
+  if (has_failed || !position) return std::nullopt;
+  return *position;
+}
+
+std::vector<std::optional<LatLon>> ReferenceSystem::ToLatLons(
+    const std::vector<Eigen::Vector2d>& places) const {
+  std::vector<std::optional<LatLon>> positions;
+  positions.reserve(places.size());
+  for (const Eigen::Vector2d& place : places) positions.push_back(ToLatLon(place.x(), place.y()));
+  return positions;
+}
+
+bool ReferenceSystem::is_geographic() const { return impl_->is_geographic; }
+double ReferenceSystem::metres_per_height_unit() const { return impl_->metres_per_height_unit; }
+const AreaOfUse& ReferenceSystem::area() const { return impl_->area; }
+const std::string& ReferenceSystem::definition() const { return impl_->definition; }
+const std::string& ReferenceSystem::name() const { return impl_->name; }
+
+int UtmCodeOf(const LatLon& place) {
+  const int zone = std::clamp(static_cast<int>(std::floor((place.lon_deg + 180.0) / 6.0)) + 1, 1, 60);
+  return (place.lat_deg < 0.0 ? 32700 : 32600) + zone;
+}
+
+}  // namespace skyquilt::geo

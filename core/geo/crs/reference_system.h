@@ -1,0 +1,57 @@
+// ReferenceSystem: coordinates of lists in any horizontal system, brought to WGS84, by the line that names
+// it: "EPSG:32616" (also "epsg 32616", "EPSG:32616+5773", URNs), "WGS84 UTM 16N", "wgs84 utm zone 16 north",
+// "ETRS89 / UTM zone 32N" and any other name that PROJ knows, WKT, "+proj=..." strings. Of a compound system
+// the horizontal part places, the vertical one tells the unit of heights. Through PROJ, without network;
+// strings that name grid files or pipelines are refused. One object a thread. Errors: kUnsupportedFormat for
+// a line that names no system.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/geo/lat_lon.h"
+
+namespace skyquilt::geo {
+
+// In degrees; east is above 180 where the area crosses the date line.
+struct AreaOfUse {
+  double west_deg = -180.0, south_deg = -90.0, east_deg = 180.0, north_deg = 90.0;
+
+  bool Contains(const LatLon& place, double margin_deg) const;
+};
+
+class ReferenceSystem {
+ public:
+  static Result<ReferenceSystem> Parse(std::string_view line);
+  ReferenceSystem(ReferenceSystem&&) noexcept;
+  ReferenceSystem& operator=(ReferenceSystem&&) noexcept;
+  ~ReferenceSystem();
+
+  // x is east or longitude, y north or latitude, in the unit of the system, whatever order its authority has
+  // them in. Absent where the system has no such place.
+  std::optional<LatLon> ToLatLon(double x, double y) const;
+  std::vector<std::optional<LatLon>> ToLatLons(const std::vector<Eigen::Vector2d>& places) const;
+
+  bool is_geographic() const;  // in degrees
+  double metres_per_height_unit()
+      const;                      // heights of lists are in the unit of x and y unless the system says
+  const AreaOfUse& area() const;  // the whole Earth where PROJ knows none
+  // By which the same system is found again at once: its code where it has one, else as written.
+  const std::string& definition() const;
+  const std::string& name() const;  // as written
+
+ private:
+  struct Impl;
+  explicit ReferenceSystem(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+// WGS84's UTM zone of a place, as a code of EPSG (32601 to 32660, 32701 to 32760).
+int UtmCodeOf(const LatLon& place);
+
+}  // namespace skyquilt::geo

@@ -1,0 +1,283 @@
+#include "core/poses/lists/compare_sources.h"
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <tuple>
+#include <utility>
+
+#include "core/base/try.h"
+#include "core/poses/heights/flight_heights.h"
+#include "core/poses/lists/judge_list.h"
+#include "core/poses/lists/list_words.h"
+#include "core/poses/photo_rows.h"
+
+namespace skyquilt::poses {
+namespace {
+
+using flight::CameraEvent;
+using flight::Flight;
+using flight::FlightLog;
+using flight::ListFault;
+using flight::ListUse;
+using geo::LatLon;
+
+// More photos of one camera than these at one and the same place: the receiver repeats its last fix.
+constexpr int kMaxAtOnePlace = 2;
+
+using CameraPlace = std::tuple<std::string, double, double>;
+
+CameraPlace CameraPlaceOf(const flight::Photo& photo) {
+  return {photo.camera_key, photo.position->position.lat_deg, photo.position->position.lon_deg};
+}
+
+// What photos say of themselves, and whether it moves with them.
+struct OwnRecords {
+  std::vector<std::optional<LatLon>> moving;  // by photo
+  std::optional<LatLon> anywhere;             // of the flight
+  bool is_stale = false;
+};
+
+std::optional<LatLon> PlaceOfTracks(const std::vector<FlightLog>& logs) {
+  for (const FlightLog& log : logs) {
+    if (!log.gnss.empty()) return log.gnss[log.gnss.size() / 2].position;
+  }
+  return std::nullopt;
+}
+
+OwnRecords OwnRecordsOf(const Flight& flight) {
+  std::map<CameraPlace, int> at_place;
+  for (const flight::Photo& photo : flight.photos) {
+    if (photo.position) ++at_place[CameraPlaceOf(photo)];
+  }
+  OwnRecords own;
+  std::vector<LatLon> moving, shared;
+  for (const flight::Photo& photo : flight.photos) {
+    std::optional<LatLon>& place = own.moving.emplace_back();
+    if (!photo.position) continue;
+    const LatLon& at = photo.position->position;
+    if (at_place[CameraPlaceOf(photo)] > kMaxAtOnePlace) {
+      shared.push_back(at);
+      continue;
+    }
+    place = at;
+    moving.push_back(at);
+  }
+  if (moving.size() < shared.size()) {  // the few that differ may be of before it was lost
+    own.is_stale = true;
+    std::fill(own.moving.begin(), own.moving.end(), std::nullopt);
+    own.anywhere = shared.front();
+  } else {
+    own.anywhere = MedianPosition(moving);
+  }
+  if (!own.anywhere || own.is_stale) {
+    if (const auto track = PlaceOfTracks(flight.logs)) {
+      own.anywhere = track;
+      own.is_stale = false;
+    }
+  }
+  return own;
+}
+
+// The photos of a flight as lists name them.
+class NamedPhotos {
+ public:
+  explicit NamedPhotos(const std::vector<flight::Photo>& photos) {
+    for (std::size_t i = 0; i < photos.size(); ++i) {
+      const std::string name = PlainPhotoName(photos[i].name);
+      number_of_.emplace(name, i);
+      number_of_.emplace(name.substr(0, name.rfind('.')), i);
+    }
+  }
+  std::optional<std::size_t> Find(const std::string& name) const {
+    const auto found = number_of_.find(PlainPhotoName(name));
+    if (found == number_of_.end()) return std::nullopt;
+    return found->second;
+  }
+
+ private:
+  std::map<std::string, std::size_t> number_of_;
+};
+
+struct JudgedList {
+  ListUse use;
+  ListVerdict verdict;
+  std::vector<std::size_t> events;  // of the log: those that were judged
+  std::vector<std::size_t> photos;  // that they name
+};
+
+ListUse UseOf(const ListVerdict& verdict, bool own_are_stale) {
+  ListUse use;
+  use.reading = verdict.reading;
+  use.fault = verdict.fault;
+  use.is_as_written = verdict.is_as_written;
+  use.is_in_area = verdict.is_in_area;
+  use.apart_m = verdict.apart_m;
+  use.as_written_apart_m = verdict.as_written_apart_m;
+  use.off_shape_m = verdict.off_shape_m;
+  use.other_order_apart_m = verdict.other_order_apart_m;
+  use.own_are_stale = own_are_stale;
+  use.rows_used = static_cast<std::size_t>(std::count_if(
+      verdict.places.begin(), verdict.places.end(), [](const auto& place) { return place.has_value(); }));
+  return use;
+}
+
+// Nothing for a log without rows that name photos and say where they were taken.
+std::optional<JudgedList> Judge(const FlightLog& log, const NamedPhotos& named, const OwnRecords& own) {
+  JudgedList judged;
+  WrittenList list{.system = log.written_system,
+                   .order_is_named = log.written_order_is_named,
+                   .order_is_assumed = log.written_order_is_assumed,
+                   .is_one_of_photos = true,
+                   .rows = {}};
+  OwnPlaces places{.of_row = {}, .of_flight = own.anywhere, .is_stale = own.is_stale};
+  std::size_t rows = 0;
+  for (std::size_t i = 0; i < log.events.size(); ++i) {
+    const CameraEvent& event = log.events[i];
+    if (!event.written || !event.image_name) continue;
+    ++rows;
+    const auto photo = named.Find(*event.image_name);
+    if (!photo) continue;
+    judged.events.push_back(i);
+    judged.photos.push_back(*photo);
+    list.rows.push_back(*event.written);
+    places.of_row.push_back(own.moving[*photo]);
+  }
+  if (rows == 0) return std::nullopt;
+  if (!judged.events.empty()) judged.verdict = JudgeList(list, places);
+  judged.use = UseOf(judged.verdict, own.is_stale);
+  if (judged.events.empty()) judged.use.fault = ListFault::kNamesNoPhoto;
+  judged.use.file_name = log.file_name;
+  judged.use.format = log.format;
+  judged.use.system = log.written_system;
+  judged.use.order_is_named = log.written_order_is_named;
+  judged.use.rows = rows;
+  judged.use.photos_named = judged.events.size();
+  return judged;
+}
+
+void TakeReading(const JudgedList& judged, FlightLog& log) {
+  for (std::size_t k = 0; k < judged.events.size(); ++k) {
+    CameraEvent& event = log.events[judged.events[k]];
+    if (judged.use.fault == ListFault::kNone) {
+      event.position = judged.verdict.places[k];
+    } else {
+      event.position.reset();
+      event.yaw_pitch_roll_rad.reset();
+    }
+  }
+}
+
+// What one list says of photos without a position of their own is a source for the others.
+void Learn(const JudgedList& judged, OwnRecords& own) {
+  if (judged.use.fault != ListFault::kNone || judged.use.apart_m) return;
+  for (std::size_t k = 0; k < judged.events.size(); ++k) {
+    if (!own.moving[judged.photos[k]]) own.moving[judged.photos[k]] = judged.verdict.places[k];
+  }
+  if (!own.anywhere || own.is_stale) own.anywhere = judged.verdict.middle;
+  own.is_stale = false;
+}
+
+void Tell(ListUse use, Flight& flight) {
+  if (auto note = NoteOf(use)) flight.warnings.push_back(*std::move(note));
+  flight.list_uses.push_back(std::move(use));
+}
+
+// Those that can be read in two ways wait for what the others say.
+Result<void> CompareLists(const NamedPhotos& named, OwnRecords& own, Flight& flight) {
+  std::vector<std::size_t> open;
+  for (std::size_t i = 0; i < flight.logs.size(); ++i) {
+    FlightLog& log = flight.logs[i];
+    auto judged = Judge(log, named, own);
+    if (!judged) continue;
+    if (judged->verdict.is_ambiguous) {
+      open.push_back(i);
+      continue;
+    }
+    TakeReading(*judged, log);
+    Learn(*judged, own);
+    Tell(std::move(judged->use), flight);
+  }
+  for (const std::size_t i : open) {
+    auto judged = Judge(flight.logs[i], named, own);
+    const ListVerdict& verdict = judged->verdict;
+    if (verdict.is_ambiguous) {
+      return Error{ErrorCode::kUnprocessable,
+                   QuestionOf(judged->use, *verdict.middle, *verdict.other, *verdict.other_middle), ""};
+    }
+    TakeReading(*judged, flight.logs[i]);
+    Learn(*judged, own);
+    Tell(std::move(judged->use), flight);
+  }
+  return {};
+}
+
+// Where the photos that show the points were taken, else where any was.
+OwnPlaces PlacesAround(const flight::GcpList& list, const NamedPhotos& named, const OwnRecords& own) {
+  std::vector<LatLon> seen;
+  for (const flight::GcpSighting& sighting : list.sightings) {
+    const auto photo = named.Find(sighting.image_name);
+    if (photo && own.moving[*photo]) seen.push_back(*own.moving[*photo]);
+  }
+  OwnPlaces places{.of_row = {}, .of_flight = MedianPosition(seen), .is_stale = own.is_stale};
+  if (!places.of_flight) places.of_flight = own.anywhere;
+  places.of_row.resize(list.points.size());
+  return places;
+}
+
+// The list where it serves.
+std::optional<flight::GcpList> JudgedControl(flight::GcpList list, const NamedPhotos& named,
+                                             const OwnRecords& own, Flight& flight) {
+  WrittenList written{.system = list.reference_system,
+                      .order_is_named = false,
+                      .order_is_assumed = false,
+                      .is_one_of_photos = false,
+                      .rows = {}};
+  for (const flight::GcpPoint& point : list.points) written.rows.push_back({point.x, point.y});
+  const ListVerdict verdict = JudgeList(written, PlacesAround(list, named, own));
+  ListUse use = UseOf(verdict, own.is_stale);
+  use.kind = flight::ListKind::kControl;
+  use.file_name = list.file_name;
+  use.system = list.reference_system;
+  use.rows = list.points.size();
+  // A survey is good to centimetres, a guessed datum to metres: its system is asked for.
+  if (use.system.empty()) use.fault = ListFault::kNoSystem;
+  if (use.fault != ListFault::kNone) {
+    use.rows_used = 0;
+    Tell(std::move(use), flight);
+    return std::nullopt;
+  }
+  for (std::size_t i = 0; i < list.points.size(); ++i) {
+    list.points[i].has_position = verdict.places[i].has_value();
+    if (verdict.places[i]) list.points[i].position = *verdict.places[i];
+  }
+  const std::size_t told = list.warnings.size();
+  auto placed = flight::OnlyPlaced(std::move(list));
+  if (!placed) {
+    flight.warnings.push_back(placed.error().message);
+    return std::nullopt;
+  }
+  for (std::size_t i = told; i < placed->warnings.size(); ++i)
+    flight.warnings.push_back(placed->file_name + ": " + placed->warnings[i]);
+  Tell(std::move(use), flight);
+  return *std::move(placed);
+}
+
+void CompareControl(const NamedPhotos& named, const OwnRecords& own, Flight& flight) {
+  for (flight::GcpList& list : std::exchange(flight.gcp_lists, {})) {
+    if (auto judged = JudgedControl(std::move(list), named, own, flight))
+      flight.gcp_lists.push_back(*std::move(judged));
+  }
+}
+
+}  // namespace
+
+Result<void> CompareSources(Flight& flight) {
+  OwnRecords own = OwnRecordsOf(flight);
+  const NamedPhotos named(flight.photos);
+  SKYQUILT_TRY(CompareLists(named, own, flight));
+  CompareControl(named, own, flight);
+  return {};
+}
+
+}  // namespace skyquilt::poses

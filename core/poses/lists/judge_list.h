@@ -1,0 +1,56 @@
+// JudgeList: which way to read the two numbers of each row of a list. Every reading is a hypothesis: as
+// written, the two exchanged, degrees where a system in metres is named, metres of the UTM zone of the photos
+// where degrees are expected, west or south without a sign. Each is held against what else is known: whether
+// its rows are places at all, of one flight, within the system's area of use (PROJ), how far they lie from
+// the photos' own positions, and whether they are laid out as these. Without any other source the plain
+// reading holds unless another fits and it does not. Cost: at most 2,000 rows are compared, one
+// transformation a system. Pure; any thread.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/flight/lists/list_use.h"
+#include "core/flight/logs/flight_log.h"
+#include "core/geo/lat_lon.h"
+
+namespace skyquilt::poses {
+
+struct WrittenList {
+  std::string system;             // empty: none is named
+  bool order_is_named = false;    // by a header
+  bool order_is_assumed = false;  // neither by a header nor by the format
+  bool is_one_of_photos = true;   // false: of surveyed points, which lie beside the photos
+  std::vector<flight::WrittenPlace> rows;
+};
+
+// What the other sources say.
+struct OwnPlaces {
+  // By row: where its photo says it was; nothing of photos that share their position with others, as they do
+  // when a receiver has lost its fix.
+  std::vector<std::optional<geo::LatLon>> of_row;
+  // Where the flight was, by other photos, a track, or a fix that all photos share; nothing: nobody knows.
+  std::optional<geo::LatLon> of_flight;
+  bool is_stale = false;  // `of_flight` is such a fix: it says roughly where, and refuses no list
+};
+
+struct ListVerdict {
+  flight::ListReading reading;
+  flight::ListFault fault = flight::ListFault::kNone;
+  bool is_as_written = true;
+  bool is_in_area = true;
+  bool is_ambiguous = false;  // another reading is as likely: `other`, with its place
+  std::optional<double> apart_m, as_written_apart_m, off_shape_m, other_order_apart_m;
+  std::optional<geo::LatLon> middle;  // of the list as it is read
+  std::optional<flight::ListReading> other;
+  std::optional<geo::LatLon> other_middle;
+  std::vector<std::optional<geo::LatLon>> places;  // by row; empty with a fault
+};
+
+ListVerdict JudgeList(const WrittenList& list, const OwnPlaces& own);
+
+// Along a round Earth.
+double MetresApart(const geo::LatLon& a, const geo::LatLon& b);
+
+}  // namespace skyquilt::poses
