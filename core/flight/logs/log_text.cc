@@ -8,7 +8,7 @@
 namespace skyquilt::flight {
 namespace {
 
-constexpr std::size_t kMostUtf16Bytes = std::size_t{64} << 20;
+constexpr std::size_t kMaxUtf16Bytes = std::size_t{64} << 20;
 
 struct Utf16 {
   bool is_big_endian = false;
@@ -17,8 +17,8 @@ struct Utf16 {
 
 // Without a mark: at least 16 bytes, of which one of each two is zero and the other a letter of text.
 std::optional<Utf16> RecogniseUnmarked(LogBytes bytes) {
-  constexpr std::size_t kLeast = 16, kLooked = 256;
-  if (bytes.size() < kLeast) return std::nullopt;
+  constexpr std::size_t kMinBytes = 16, kLooked = 256;
+  if (bytes.size() < kMinBytes) return std::nullopt;
   const std::size_t looked = std::min(bytes.size(), kLooked) / 2 * 2;
   for (const bool is_big_endian : {false, true}) {
     bool fits = true;
@@ -85,10 +85,10 @@ Result<LogText> LogText::Of(std::string_view name, LogBytes bytes) {
   text.raw_ = TextOf(bytes).starts_with(kUtf8Mark) ? bytes.subspan(kUtf8Mark.size()) : bytes;
   const auto kind = RecogniseUtf16(bytes);
   if (!kind) return text;
-  if (bytes.size() > kMostUtf16Bytes) {
+  if (bytes.size() > kMaxUtf16Bytes) {
     return Error{ErrorCode::kUnsupportedFormat,
                  fmt::format("{} is UTF-16 of {} MiB, and at most {} MiB of it are read; save it as UTF-8.",
-                             name, bytes.size() >> 20U, kMostUtf16Bytes >> 20U),
+                             name, bytes.size() >> 20U, kMaxUtf16Bytes >> 20U),
                  ""};
   }
   text.decoded_ = DecodeUtf16(bytes, *kind);

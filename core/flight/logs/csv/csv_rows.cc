@@ -137,7 +137,8 @@ CsvRow ReadCsvRow(const std::vector<CsvColumn>& columns, const std::vector<std::
 }
 
 std::optional<WrittenPlace> WrittenPlaceOf(const CsvRow& row) {
-  if (!row[M::kLat] || !row[M::kLon]) return std::nullopt;
+  const bool is_whole = row[M::kLat] && row[M::kLon];
+  if (!is_whole || !std::isfinite(*row[M::kLat]) || !std::isfinite(*row[M::kLon])) return std::nullopt;
   return WrittenPlace{*row[M::kLon], *row[M::kLat]};
 }
 

@@ -16,14 +16,14 @@ namespace {
 
 using M = CsvMeaning;
 
-constexpr std::size_t kMostNames = 8;
+constexpr std::size_t kMaxNamesSaid = 8;
 
 // Names in a sentence: few, short and printable.
 std::string Listed(const std::vector<std::string>& names) {
   std::string words;
-  for (std::size_t i = 0; i < std::min(names.size(), kMostNames); ++i)
+  for (std::size_t i = 0; i < std::min(names.size(), kMaxNamesSaid); ++i)
     words += (i == 0 ? "" : ", ") + names[i];
-  return names.size() > kMostNames ? words + ", ..." : words;
+  return names.size() > kMaxNamesSaid ? words + ", ..." : words;
 }
 
 bool IsMeasured(std::string_view cell) {
@@ -81,7 +81,7 @@ std::string_view WhatIsMissing(const TakenFor& taken) {
 
 std::optional<std::string> ExplainUnknownTable(LogBytes head, std::string_view name) {
   constexpr int kRowsLookedAt = 20;
-  constexpr int kRowsNeeded = 2;
+  constexpr int kMinRows = 2;
   const auto text = LogText::Of(name, head);
   if (!text || !LooksLikeText(TextOf(text->bytes()))) return std::nullopt;
   LineReader lines(TextOf(text->bytes()));
@@ -98,14 +98,14 @@ std::optional<std::string> ExplainUnknownTable(LogBytes head, std::string_view n
   int rows = IsRowOfNumbers(header, header.size()) ? 1 : 0;
   if (header.size() < 2 || (!has_names && rows == 0)) return std::nullopt;
   std::size_t row_number = 0;
-  for (int i = 0; i < kRowsLookedAt && rows < kRowsNeeded && lines.Next(line); ++i) {
+  for (int i = 0; i < kRowsLookedAt && rows < kMinRows && lines.Next(line); ++i) {
     SplitFields(line, separator, cells);
     if (!IsRowOfNumbers(cells, header.size())) continue;
     if (++rows > 1) continue;
     row = cells;
     row_number = lines.line_number();
   }
-  if (rows < kRowsNeeded) return std::nullopt;
+  if (rows < kMinRows) return std::nullopt;
   constexpr std::string_view kAdvice =
       "as in time_s, lat_deg, lon_deg, alt_m (positions), time_s, photo (exposures) or image, lat_deg, lon_deg, "
       "alt_m (photos).";

@@ -53,6 +53,49 @@ TEST(ParseWrittenTime, RefusesWhatIsNoDate) {
   }
 }
 
+TEST(ParseWrittenTime, ReadsDatesOfTablesInTheirOrder) {
+  struct Case {
+    DateOrder order;
+    const char* text;
+  };
+  for (const Case& c :
+       {Case{DateOrder::kMonthFirst, "6/3/2016 09:31:09 PM"},
+        Case{DateOrder::kMonthFirst, "6/3/2016, 9:31:09 p.m."},
+        Case{DateOrder::kDayFirst, "3/6/2016 21:31:09"}, Case{DateOrder::kDayFirst, "03.06.16 21:31:09"},
+        Case{DateOrder::kDayFirst, "3-6-2016 21:31:09"}, Case{DateOrder::kDayFirst, "3 Jun 2016 21:31:09"},
+        Case{DateOrder::kDayFirst, "Jun 3, 2016 9:31:09 PM"}, Case{DateOrder::kDayFirst, "20160603T213109Z"},
+        Case{DateOrder::kDayFirst, "2016-06-03 21:31:09 UTC"},
+        Case{DateOrder::kShortYearFirst, "16-06-03 21:31:09"},
+        Case{DateOrder::kMonthFirst, "2016-06-03T23:31:09+02:00"}}) {
+    const auto time = ParseWrittenTime(c.text, c.order);
+    ASSERT_TRUE(time.has_value()) << c.text;
+    EXPECT_EQ(time->time, *UtcFromCivil(2016, 6, 3, 21, 31, 9.0)) << c.text;
+  }
+  EXPECT_EQ(ParseWrittenTime("6/23/2016", "4:31:19.50 PM", DateOrder::kMonthFirst)->time,
+            *UtcFromCivil(2016, 6, 23, 16, 31, 19.5));
+  EXPECT_EQ(ParseWrittenTime("23.06.2016", "12:00:00 AM", DateOrder::kDayFirst)->time,
+            *UtcFromCivil(2016, 6, 23, 0, 0, 0.0));
+}
+
+TEST(ParseWrittenTime, RefusesDatesInAnotherOrder) {
+  EXPECT_FALSE(ParseWrittenTime("6/23/2016 21:31:09"));
+  EXPECT_FALSE(ParseWrittenTime("6/23/2016 21:31:09", DateOrder::kDayFirst));
+  EXPECT_FALSE(ParseWrittenTime("23/6/2016 21:31:09", DateOrder::kMonthFirst));
+  EXPECT_FALSE(ParseWrittenTime("6/3/2016 13:31:09 PM", DateOrder::kMonthFirst));
+  EXPECT_FALSE(ParseWrittenTime("3 Foo 2016 21:31:09", DateOrder::kDayFirst));
+  EXPECT_FALSE(ParseWrittenTime("6/3/2016", "25:00:00", DateOrder::kMonthFirst));
+  EXPECT_FALSE(ParseDate("46.8426", DateOrder::kDayFirst));
+}
+
+TEST(ParseElapsed, ReadsClocksThatCountFromTheStart) {
+  EXPECT_DOUBLE_EQ(*ParseElapsed("0m 12.5s"), 12.5);
+  EXPECT_DOUBLE_EQ(*ParseElapsed("1h 2m 3s"), 3723.0);
+  EXPECT_DOUBLE_EQ(*ParseElapsed("0:12:05.5"), 725.5);
+  EXPECT_DOUBLE_EQ(*ParseElapsed("12:05"), 725.0);
+  for (const char* text : {"", "12.5", "12 apples", "1:2:3:4", "m", "0:75"})
+    EXPECT_FALSE(ParseElapsed(text)) << text;
+}
+
 TEST(ParseWrittenTime, RefusesZonesThatAreNone) {
   for (const char* zone :
        {"+", "+16", "+15:01", "+1501", "+02:75", "+0275", "-951022222:00", "+999999999", "+00:999999999"}) {
