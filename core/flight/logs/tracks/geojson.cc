@@ -51,6 +51,7 @@ class FeatureReader final : public nlohmann::json_sax<Json> {
     Level& level = stack_.back();
     level.is_type = name == "type";
     in_places_ = name == "coordinates";
+    if (name == "features") times_ = best_ = {};  // of the document, not of a feature
     std::string bare = LowerCase(std::string_view(name).substr(0, kLongestJsonTime));
     std::erase_if(bare, [](char c) { return c == '-' || c == '_'; });
     in_times_ = std::find(kTimeNames.begin(), kTimeNames.end(), bare) != kTimeNames.end();
@@ -139,7 +140,7 @@ class FeatureReader final : public nlohmann::json_sax<Json> {
     SettleTimes();
     const std::vector<std::string>& times = best_.written;
     const bool is_timed = times.size() == places_.size();
-    if (!is_timed && times.size() > 1 && unequal_.empty())
+    if (!is_timed && times.size() > 1 && !places_.empty() && unequal_.empty())
       unequal_ = fmt::format("a line of {} places has {} times", places_.size(), times.size());
     for (std::size_t i = 0; i < places_.size(); ++i) {
       const auto& [lon_deg, lat_deg, height_m, fourth] = places_[i];

@@ -97,6 +97,7 @@ bool XmlScanner::TakeTag() {
   const std::size_t end = std::min(tag.find_first_of(kXmlBlanks), tag.size());
   name_ = WithoutPrefix(tag.substr(0, end));
   attributes_ = tag.substr(end);
+  closes_itself_ = closes_itself_ && !name_.empty();
   return !name_.empty();
 }
 
