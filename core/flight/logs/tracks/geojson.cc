@@ -16,9 +16,9 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::size_t kDeepest = 64;
+constexpr std::size_t kMaxJsonDepth = 64;
 constexpr std::size_t kLongestJsonTime = 64;
-constexpr std::size_t kMostOfFeature = 500'000;  // places, and times
+constexpr std::size_t kMaxOfFeature = 500'000;  // places, and times
 
 // Names of members that hold times, in lower case without - and _.
 constexpr std::array<std::string_view, 12> kTimeNames = {
@@ -78,7 +78,7 @@ class FeatureReader final : public nlohmann::json_sax<Json> {
     return Push(Level{false, false, true, in_places_, in_times_});
   }
   bool end_array() override {
-    if (in_places_ && place_size_ >= 2 && places_.size() < kMostOfFeature) places_.push_back(place_);
+    if (in_places_ && place_size_ >= 2 && places_.size() < kMaxOfFeature) places_.push_back(place_);
     place_size_ = 0;
     Pop();
     return true;
@@ -105,7 +105,7 @@ class FeatureReader final : public nlohmann::json_sax<Json> {
   };
 
   bool Push(const Level& level) {
-    is_too_deep_ = stack_.size() >= kDeepest;
+    is_too_deep_ = stack_.size() >= kMaxJsonDepth;
     if (!is_too_deep_) stack_.push_back(level);
     return !is_too_deep_;
   }
@@ -121,7 +121,7 @@ class FeatureReader final : public nlohmann::json_sax<Json> {
   bool Value(std::string_view words, std::optional<double> number) {
     if (in_places_ && place_size_ < place_.size()) {
       place_[place_size_++] = number.value_or(std::numeric_limits<double>::quiet_NaN());
-    } else if (in_times_ && times_.written.size() < kMostOfFeature) {
+    } else if (in_times_ && times_.written.size() < kMaxOfFeature) {
       times_.written.emplace_back(words.substr(0, kLongestJsonTime));
       times_.is_read = times_.is_read || TrackTime(words).has_value();
     }
@@ -192,7 +192,8 @@ Result<FlightLog> ParseGeoJson(std::string_view name, LogBytes bytes, const Cons
   auto log = std::move(points).Finish({"third coordinate -> height above mean sea level, m (assumed)"});
   if (reader.is_too_deep()) {
     return Error{ErrorCode::kCorrupt,
-                 fmt::format("{} is not used: its values are nested more than {} deep.", name, kDeepest), ""};
+                 fmt::format("{} is not used: its values are nested more than {} deep.", name, kMaxJsonDepth),
+                 ""};
   }
   if (!reader.unequal().empty() && !log)
     return Error{ErrorCode::kNoPosition, fmt::format("{} is not used: {}.", name, reader.unequal()), ""};

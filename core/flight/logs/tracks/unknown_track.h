@@ -1,5 +1,5 @@
-// ExplainUnknownTrack: why a file that is named like a track or subtitles is read as none, in the words of what it
-// lacks and with its first line. Pure; any thread.
+// ExplainUnknownTrack: why a file that is named like a track or subtitles is read as none, in the words of
+// what it lacks and with its first line. Pure; any thread.
 #pragma once
 
 #include <optional>
