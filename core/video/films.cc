@@ -57,7 +57,8 @@ Result<FlightFiles> WithFramesOfFilms(const std::vector<flight::InputFile>& file
   FlightFiles result;
   std::map<std::string, flight::InputFile> subtitles;
   for (const flight::InputFile& file : files) {
-    if (Lower(fs::path(file.name).extension().string()) == ".srt") subtitles.emplace(Stem(file), file);
+    const std::string ending = Lower(fs::path(file.name).extension().string());
+    if (ending == ".srt" || ending == ".ass") subtitles.emplace(Stem(file), file);
   }
   progress.BeginStage("frames");
   std::set<fs::path> used;

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "core/base/try.h"
-#include "core/flight/logs/read_log.h"
-#include "core/flight/logs/texts/dji_srt.h"
+#include "core/flight/logs/mapped_file.h"
+#include "core/flight/logs/subtitles/subtitles.h"
 #include "core/image/picture_codec.h"
 #include "core/video/frame_motion.h"
 #include "core/video/video_file.h"
@@ -109,18 +109,23 @@ class Taking {
   std::int64_t candidate_number_ = 0;
 };
 
+Result<flight::FlightLog> LogBeside(const flight::InputFile& subtitles) {
+  SKYQUILT_TRY_ASSIGN(const auto mapped, flight::MappedFile::Open(subtitles.path));
+  return flight::ParseFilmSubtitles(subtitles.name, mapped.bytes());
+}
+
 // What the camera wrote of its way, beside the film or within it. Nothing where it wrote nothing.
 std::optional<flight::FlightLog> LogOf(const flight::InputFile& film,
                                        const std::optional<flight::InputFile>& subtitles,
                                        std::vector<std::string>& warnings) {
   if (subtitles) {
-    Result<flight::FlightLog> log = flight::ReadLog(*subtitles);
+    Result<flight::FlightLog> log = LogBeside(*subtitles);
     if (log) return *std::move(log);
     warnings.push_back(subtitles->name + ": " + log.error().message);
   }
   const Result<std::string> text = VideoFile::Subtitles(film.path);
   if (!text || text->empty()) return std::nullopt;
-  Result<flight::FlightLog> log = flight::ParseDjiSrt(
+  Result<flight::FlightLog> log = flight::ParseFilmSubtitles(
       film.name, flight::LogBytes(reinterpret_cast<const std::uint8_t*>(text->data()), text->size()));
   if (!log) return std::nullopt;  // subtitles of another kind are nobody's fault
   return *std::move(log);

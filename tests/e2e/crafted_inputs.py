@@ -306,6 +306,10 @@ def log_inputs():
     yield "csv_columns", "a.csv", (b"t,lat,lon," + b",".join(b"c%d" % i for i in range(100_000)) + b"\n") * 8
     yield "csv_rows", "a.csv", csv_rows(100_000)
     yield "csv_quotes", "a.csv", b"t,lat,lon\n" + b'"' * (20 * MIB)
+    yield "kml_deep", "a.kml", b"<kml>" + b"<gx:Track><when>" * 100_000 + b"<" * 200_000
+    yield "geojson_deep", "a.geojson", b'{"type":"Feature","x":' + b"[" * 1_000_000
+    yield "geojson_line", "a.geojson", b'{"type":"Feature","geometry":{"coordinates":[' + b"[8,47,1,1466717469]," * 100_000 + b"[8,47]]}}"
+    yield "ass_calls", "a.ass", b"[Events]\n" + b"Dialogue: 0,0:00:01.00,0:00:02.00,,,,,,,gps(gps(gps(gps(\n" * 30_000
     yield "srt_endless", "a.srt", b"1\n00:00:01,000 --> 00:00:02,000\ngps(8.5,47.4,19) H 5.0m\n\n" * 60_000
     yield "srt_one_cue", "a.srt", b"1\n00:00:01,000 --> 00:00:02,000\n" + b"gps(8.5,47.4,19) h:::: " * 200_000
     yield "mrk_cells", "a.mrk", (b"1\t100000.5\t[2300]\t" + b"1,N\t1,E\t1,V\t47.4,Lat\t8.5,Lon\t400,Ellh\t1,1,1\t"

@@ -14,6 +14,7 @@
 #include "core/flight/logs/csv/unknown_table.h"
 #include "core/flight/logs/read_log.h"
 #include "core/flight/logs/texts/unknown_list.h"
+#include "core/flight/logs/tracks/unknown_track.h"
 #include "core/flight/photos/byte_source.h"
 
 namespace skyquilt::flight {
@@ -30,13 +31,13 @@ bool IsPicture(const std::vector<std::uint8_t>& head) {
 }
 
 // Endings of the logs that are read here, of the formats that nothing else uses them for.
-constexpr std::array<std::string_view, 5> kLogEndings = {".bin", ".ulg", ".tlog", ".mrk", ".srt"};
+constexpr std::array<std::string_view, 6> kLogEndings = {".bin", ".ulg", ".tlog", ".mrk", ".srt", ".ass"};
 
 // Endings of what else lies in a flight's folder and is nobody's fault: side files, notes.
-constexpr std::array<std::string_view, 31> kSideEndings = {
-    ".log", ".csv", ".tsv", ".txt", ".nav", ".obs", ".pos", ".dat",     ".json",     ".kml", ".kmz",
-    ".gpx", ".xml", ".p4d", ".rtk", ".ubx", ".rnx", ".md",  ".rtcm3",   ".pdf",      ".ini", ".db",
-    ".prj", ".xmp", ".rtb", ".rpt", ".bbx", ".bb3", ".sbf", ".geojson", ".waypoints"};
+constexpr std::array<std::string_view, 32> kSideEndings = {
+    ".log", ".csv", ".tsv", ".txt", ".nav", ".obs", ".pos", ".dat",     ".json",      ".kml", ".kmz",
+    ".gpx", ".xml", ".p4d", ".rtk", ".ubx", ".rnx", ".md",  ".rtcm3",   ".pdf",       ".ini", ".db",
+    ".prj", ".xmp", ".rtb", ".rpt", ".bbx", ".bb3", ".sbf", ".geojson", ".waypoints", ".nmea"};
 
 bool EndsWithOneOf(std::string_view name, std::span<const std::string_view> endings) {
   std::string lower(name);
@@ -70,6 +71,10 @@ Result<Kind> KindOf(const InputFile& file) {
   if (IsPicture(head)) return Kind::kPhoto;
   head = (*source)->ReadUpTo(0, kRecogniseBytes);
   SKYQUILT_TRY_ASSIGN(const auto format, RecogniseLog(head, file.name));
+  if (!format) {
+    if (auto why = ExplainUnknownTrack(head, file.name))
+      return Error{ErrorCode::kUnsupportedFormat, *std::move(why), ""};
+  }
   if (!format && is_log_by_name) {
     return Error{ErrorCode::kUnsupportedFormat,
                  file.name + " is named like a flight log but is none that can be read; copy it again.", ""};

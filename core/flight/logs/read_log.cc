@@ -12,16 +12,18 @@
 #include "core/flight/logs/csv/tolerant_csv.h"
 #include "core/flight/logs/log_text.h"
 #include "core/flight/logs/mapped_file.h"
+#include "core/flight/logs/subtitles/subtitles.h"
 #include "core/flight/logs/text_fields.h"
 #include "core/flight/logs/texts/dji_mrk.h"
-#include "core/flight/logs/texts/dji_srt.h"
 #include "core/flight/logs/texts/gcp_list.h"
 #include "core/flight/logs/texts/geo_txt.h"
-#include "core/flight/logs/texts/gpx.h"
-#include "core/flight/logs/texts/nmea.h"
 #include "core/flight/logs/texts/pix4d_csv.h"
 #include "core/flight/logs/texts/rtklib_pos.h"
 #include "core/flight/logs/texts/sensefly_geoinfo.h"
+#include "core/flight/logs/tracks/geojson.h"
+#include "core/flight/logs/tracks/gpx.h"
+#include "core/flight/logs/tracks/kml.h"
+#include "core/flight/logs/tracks/nmea.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -42,9 +44,12 @@ constexpr std::array kFormats = {
     Format{LogFormat::kDataflash, "dataflash", LooksLikeDataflash, ParseDataflash},
     Format{LogFormat::kMavlinkTlog, "mavlink_tlog", LooksLikeMavlinkTlog, ParseMavlinkTlog},
     Format{LogFormat::kGpx, "gpx", LooksLikeGpx, ParseGpx},
+    Format{LogFormat::kKml, "kml", LooksLikeKml, ParseKml},
+    Format{LogFormat::kGeoJson, "geojson", LooksLikeGeoJson, ParseGeoJson},
     Format{LogFormat::kSenseflyGeoinfo, "sensefly_geoinfo", LooksLikeSenseflyGeoinfo, ParseSenseflyGeoinfo},
     Format{LogFormat::kDjiMrk, "dji_mrk", LooksLikeDjiMrk, ParseDjiMrk},
     Format{LogFormat::kDjiSrt, "dji_srt", LooksLikeDjiSrt, ParseDjiSrt},
+    Format{LogFormat::kAss, "ass", LooksLikeAss, ParseAss},
     Format{LogFormat::kRtklibPos, "rtklib_pos", LooksLikeRtklibPos, ParseRtklibPos},
     Format{LogFormat::kNmea, "nmea", LooksLikeNmea, ParseNmea},
     Format{LogFormat::kGeoTxt, "geo_txt", LooksLikeGeoTxt, ParseGeoTxt},

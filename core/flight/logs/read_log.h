@@ -24,11 +24,14 @@ enum class LogFormat {
   kTolerantCsv,
   kDjiMrk,
   kDjiSrt,
+  kAss,
   kRtklibPos,
   kGeoTxt,
   kPix4dCsv,
   kSenseflyGeoinfo,
   kGpx,
+  kKml,
+  kGeoJson,
   kNmea,
   kGcpList,  // known, but not a flight log: ReadGcpList (gcp_list.h) reads it
 };

@@ -8,7 +8,7 @@ import { strings } from '../shared/strings.js';
 /** @typedef {{chosen: ChosenFile[], ignored: IgnoredFile[], folder: string}} Selection */
 
 const kPhotos = new Set(['jpg', 'jpeg', 'tif', 'tiff', 'png', 'dng']);
-const kLogs = new Set(['csv', 'txt', 'log', 'bin', 'ulg', 'tlog', 'srt', 'mrk', 'pos', 'json', 'gpx', 'nmea']);
+const kLogs = new Set(['csv', 'txt', 'log', 'bin', 'ulg', 'tlog', 'srt', 'ass', 'mrk', 'pos', 'json', 'gpx', 'kml', 'geojson', 'nmea']);
 const kFilms = new Set(['mp4', 'mov']);
 // What cameras write beside a film for their own screens, and films in other containers.
 const kOtherFilms = new Set(['avi', 'mkv', 'lrf', 'lrv', 'ts']);

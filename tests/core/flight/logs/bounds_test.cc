@@ -7,7 +7,7 @@
 #include "core/flight/logs/autopilots/ulog_types.h"
 #include "core/flight/logs/texts/gcp_list.h"
 #include "core/flight/logs/texts/geo_txt.h"
-#include "core/flight/logs/texts/gpx.h"
+#include "core/flight/logs/tracks/gpx.h"
 #include "tests/core/flight/logs/log_writers.h"
 
 namespace skyquilt::flight {

@@ -57,6 +57,16 @@ std::vector<Named> SmallFiles() {
                                      "Ellh\t0.01, 0.01, 0.02\t50,Q\n")});
   files.push_back({"a.srt", FromText("1\n00:00:01,500 --> 00:00:02,000\n2021-01-01 "
                                      "00:00:00\nGPS(149.0251,-20.2533,16) BAROMETER:1.9\n")});
+  files.push_back(
+      {"a.ass", FromText("[Events]\nFormat: Layer, Start, End, Text\nDialogue: 0,0:00:01.50,0:00:02.00,"
+                         "2021.1.1 00:00:00\\NGPS(W: -91.99, N: 46.84, 198) ReH:40\n")});
+  files.push_back(
+      {"a.kml",
+       FromText("<kml><gx:Track><altitudeMode>absolute</altitudeMode><when>2021-06-01T10:00:00Z</when>"
+                "<gx:coord>8.5 47.5 400</gx:coord></gx:Track></kml>")});
+  files.push_back(
+      {"a.geojson", FromText("{\"type\":\"Feature\",\"properties\":{\"time\":\"2021-06-01T10:00:00Z\"},"
+                             "\"geometry\":{\"type\":\"Point\",\"coordinates\":[8.5,47.5,400]}}")});
   files.push_back({"a.pos", FromText("%  GPST  latitude(deg) longitude(deg)  height(m)   Q  ns\n1316 "
                                      "518400.0 35.1 139.6 31.9 2 7 1 2 3\n")});
   files.push_back({"geo.txt", FromText("EPSG:4326\nb.jpg 16.5 47.5 400 10 0 -5 0.02 0.03\n")});

@@ -1,4 +1,4 @@
-#include "core/flight/logs/texts/nmea.h"
+#include "core/flight/logs/tracks/nmea.h"
 
 #include <fmt/format.h>
 
@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/base/printable.h"
 #include "core/flight/logs/gps_time.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/text_fields.h"
@@ -14,6 +15,8 @@ namespace skyquilt::flight {
 namespace {
 
 constexpr double kDayS = 86'400.0;
+constexpr std::size_t kQuotedSentence = 100;
+constexpr int kLinesLookedAt = 200;  // until the first sentence
 
 // "hhmmss.ss" as seconds of the day.
 std::optional<double> SecondsOfDay(std::string_view text) {
@@ -39,12 +42,16 @@ std::optional<double> Degrees(std::string_view text, std::string_view hemisphere
   return std::nullopt;
 }
 
-// The fields between $ and *, if the checksum (where written) is right.
-bool SplitSentence(std::string_view line, std::vector<std::string_view>& fields) {
-  line = Trim(line);
-  if (line.size() < 7 || line.front() != '$') return false;
+enum class Sentence { kNone, kDamaged, kWhole };
+
+// The fields between $ and * of the sentence in a line, whatever a recorder puts before it (time stamps, the
+// words of logcat) and behind it. Its checksum, where written, must be right.
+Sentence SplitSentence(std::string_view line, std::vector<std::string_view>& fields) {
+  const std::size_t dollar = line.find('$');
+  if (dollar == std::string_view::npos) return Sentence::kNone;
+  line = Trim(line.substr(dollar + 1));
   const std::size_t star = line.find('*');
-  const std::string_view body = line.substr(1, star == std::string_view::npos ? star : star - 1);
+  const std::string_view body = line.substr(0, star);
   if (star != std::string_view::npos) {
     unsigned written = 0;
     const std::string_view digits = line.substr(star + 1, 2);
@@ -52,10 +59,10 @@ bool SplitSentence(std::string_view line, std::vector<std::string_view>& fields)
     unsigned sum = 0;
     for (const char c : body) sum ^= static_cast<unsigned char>(c);
     if (digits.size() != 2 || error != std::errc() || end != digits.data() + 2 || sum != written)
-      return false;
+      return Sentence::kDamaged;
   }
   SplitFields(body, ',', fields);
-  return fields[0].size() >= 5;
+  return fields[0].size() >= 5 ? Sentence::kWhole : Sentence::kNone;
 }
 
 class NmeaReader {
@@ -64,7 +71,12 @@ class NmeaReader {
 
   void Take(const std::vector<std::string_view>& f) {
     const std::string_view kind = f[0].substr(f[0].size() - 3);
-    if (kind == "GGA" && f.size() >= 12) TakeGga(f);
+    if (kind == "GGA" && f.size() >= 12) TakeFix(f, ParseInteger(f[6]).value_or(0) >= 1, f[6] == "4", f[11]);
+    // A letter for each system of satellites: N without a fix, R with whole wavelengths.
+    if (kind == "GNS" && f.size() >= 11) {
+      TakeFix(f, f[6].find_first_not_of('N') != std::string_view::npos,
+              f[6].find('R') != std::string_view::npos, f[10]);
+    }
     if (kind == "RMC" && f.size() >= 10) TakeRmc(f);
     if (kind == "GST" && f.size() >= 9) TakeGst(f);
     if (kind == "ZDA" && f.size() >= 5) {
@@ -110,28 +122,42 @@ class NmeaReader {
     sample_.reset();
   }
 
-  void TakeGga(const std::vector<std::string_view>& f) {
+  // GGA and GNS. Receivers that speak for several systems say an epoch more than once: its first fix counts.
+  void TakeFix(const std::vector<std::string_view>& f, bool has_fix, bool is_rtk_fixed,
+               std::string_view separation_m) {
     const auto seconds = SecondsOfDay(f[1]);
     const auto lat = Degrees(f[2], f[3]);
     const auto lon = Degrees(f[4], f[5]);
-    const auto quality = ParseInteger(f[6]);
-    if (!seconds || !lat || !lon || !quality || *quality < 1) return;
-    Flush();
+    if (!seconds || !lat || !lon || !has_fix) return;
+    has_heights_ = true;
     GnssSample sample;
     sample.t_s = Continuous(*seconds);
     sample.position = {*lat, *lon};
     sample.height_amsl_m = ParseNumber(f[9]);
-    const auto separation = ParseNumber(f[11]);
+    const auto separation = ParseNumber(separation_m);
     if (sample.height_amsl_m && separation) sample.height_ellipsoid_m = *sample.height_amsl_m + *separation;
-    sample.is_rtk_fixed = *quality == 4;
+    sample.is_rtk_fixed = is_rtk_fixed;
+    const bool is_same_epoch = sample_ && sample_->t_s == sample.t_s;
+    if (is_same_epoch && sample_->height_amsl_m) return;
+    if (!is_same_epoch) Flush();
     sample_ = sample;
   }
 
+  // The place of an epoch only where no sentence with a height tells it.
   void TakeRmc(const std::vector<std::string_view>& f) {
     const auto seconds = SecondsOfDay(f[1]);
     const auto date = f[9].size() == 6 ? ParseInteger(f[9]) : std::nullopt;
     if (!seconds || f[2] != "A") return;
     if (date) SetDate(*seconds, 2000 + *date % 100, *date / 100 % 100, *date / 10000);
+    const auto lat = Degrees(f[3], f[4]);
+    const auto lon = Degrees(f[5], f[6]);
+    if (has_heights_ || !lat || !lon) return;
+    GnssSample sample;
+    sample.t_s = Continuous(*seconds);
+    sample.position = {*lat, *lon};
+    if (sample_ && sample_->t_s == sample.t_s) return;
+    Flush();
+    sample_ = sample;
   }
 
   void TakeGst(const std::vector<std::string_view>& f) {
@@ -145,6 +171,7 @@ class NmeaReader {
 
   LogBuilder& builder_;
   ClockPairs clock_;
+  bool has_heights_ = false;
   std::optional<GnssSample> sample_;  // waits for the GST of its epoch
   std::optional<double> last_seconds_;
   std::optional<double> first_s_;
@@ -158,10 +185,10 @@ bool LooksLikeNmea(LogBytes head) {
   LineReader lines(TextOf(head));
   std::string_view line;
   std::vector<std::string_view> fields;
-  for (int i = 0; i < 20 && lines.Next(line); ++i) {
-    if (!SplitSentence(line, fields)) continue;
+  for (int i = 0; i < kLinesLookedAt && lines.Next(line); ++i) {
+    if (SplitSentence(line, fields) != Sentence::kWhole) continue;
     const std::string_view kind = fields[0].substr(fields[0].size() - 3);
-    for (const std::string_view known : {"GGA", "RMC", "GSA", "GSV", "VTG", "GLL", "ZDA", "GST"}) {
+    for (const std::string_view known : {"GGA", "RMC", "GNS", "GSA", "GSV", "VTG", "GLL", "ZDA", "GST"}) {
       if (kind == known) return true;
     }
   }
@@ -175,13 +202,15 @@ Result<FlightLog> ParseNmea(std::string_view name, LogBytes bytes, const Consume
   std::string_view line;
   std::vector<std::string_view> fields;
   std::uint64_t bad = 0;
+  std::string first_bad;
   std::map<std::string, std::uint64_t, std::less<>> counts;
   ConsumedSteps steps(consumed);
   while (NextFilledLine(lines, steps, line)) {
-    if (!SplitSentence(line, fields)) {
-      ++bad;
-      continue;
-    }
+    const Sentence found_sentence = SplitSentence(line, fields);
+    if (found_sentence == Sentence::kDamaged && ++bad == 1)
+      first_bad = fmt::format("line {}: \"{}\"", lines.line_number(),
+                              Printable(std::string(line.substr(0, kQuotedSentence))));
+    if (found_sentence != Sentence::kWhole) continue;
     const std::string_view sentence = fields[0].substr(0, 8);
     const auto found = counts.find(sentence);
     if (found != counts.end())
@@ -193,10 +222,14 @@ Result<FlightLog> ParseNmea(std::string_view name, LogBytes bytes, const Consume
   reader.Finish();
   for (const auto& [sentence, count] : counts) builder.Count(sentence, count);
   if (builder.gnss_count() == 0) {
-    return Error{ErrorCode::kCorrupt, fmt::format("{} holds no GGA sentence with a fix.", name),
-                 fmt::format("{} bad lines", bad)};
+    const std::string damage =
+        bad == 0 ? std::string()
+                 : fmt::format(" {} sentences have a wrong checksum, first in {}.", bad, first_bad);
+    return Error{ErrorCode::kCorrupt,
+                 fmt::format("{} holds no sentence with a fix (GGA, GNS, RMC).{}", name, damage), ""};
   }
-  if (bad > 0) builder.Warn(fmt::format("{} damaged sentences were skipped", bad));
+  if (bad > 0)
+    builder.Warn(fmt::format("{} sentences with a wrong checksum were skipped, first {}", bad, first_bad));
   return std::move(builder).Finish();
 }
 

@@ -1,0 +1,135 @@
+#include "core/flight/logs/tracks/kml.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "core/flight/logs/text_fields.h"
+#include "core/flight/logs/tracks/track_points.h"
+#include "core/flight/logs/tracks/xml_scanner.h"
+
+namespace skyquilt::flight {
+namespace {
+
+constexpr std::size_t kLongestTime = 64;
+
+class KmlReader {
+ public:
+  explicit KmlReader(TrackPoints& points) : points_(points) {}
+
+  void Open(std::string_view name) {
+    if (name == "Track") {
+      in_track_ = true;
+      whens_.clear();
+      coords_.clear();
+      mode_.clear();
+    } else if (name == "Placemark") {
+      time_.clear();
+      place_.clear();
+    } else if (name == "Point" || name == "LineString" || name == "LinearRing") {
+      in_point_ = name == "Point";
+      mode_.clear();
+    }
+  }
+
+  void Close(std::string_view name, std::string_view words) {
+    if (name == "altitudeMode") {
+      mode_ = words;
+    } else if (name == "coord" && in_track_) {
+      if (coords_.size() < kMaxTrackPoints) coords_.push_back(PointOf(words, false));
+    } else if (name == "when" && in_track_) {
+      if (whens_.size() < kMaxTrackPoints) whens_.emplace_back(words.substr(0, kLongestTime));
+    } else if (name == "Track") {
+      TakeTrack();
+    } else if ((name == "when" || name == "begin") && time_.empty()) {
+      time_ = words;
+    } else if (name == "coordinates" && in_point_) {
+      place_ = words;
+    } else if (name == "coordinates") {
+      ++shapes_;
+    } else if (name == "Placemark" && !place_.empty()) {
+      points_.Add(WithHeight(PointOf(place_, true)), time_);
+      place_.clear();
+    }
+  }
+
+  std::uint64_t shapes() const { return shapes_; }
+
+ private:
+  // "lon,lat,height" of a Point, "lon lat height" of a track.
+  std::optional<TrackPoint> PointOf(std::string_view words, bool has_commas) {
+    if (has_commas)
+      SplitFields(words, ',', parts_);
+    else
+      SplitBlanks(words, parts_);
+    if (parts_.size() < 2) return std::nullopt;
+    const auto lon = ParseNumber(parts_[0]);
+    const auto lat = ParseNumber(parts_[1]);
+    if (!lon || !lat) return std::nullopt;
+    return TrackPoint{*lat, *lon, parts_.size() > 2 ? ParseNumber(parts_[2]) : std::nullopt, {}, {}};
+  }
+
+  // What altitudeMode says of a height. Programs that have none write 0 and no mode.
+  std::optional<TrackPoint> WithHeight(std::optional<TrackPoint> point) const {
+    if (!point) return point;
+    if (mode_.starts_with("relative")) std::swap(point->height_amsl_m, point->height_above_takeoff_m);
+    if (mode_.starts_with("clamp") || (mode_.empty() && point->height_amsl_m == 0.0))
+      point->height_amsl_m.reset();
+    return point;
+  }
+
+  void TakeTrack() {
+    in_track_ = false;
+    for (std::size_t i = 0; i < std::max(whens_.size(), coords_.size()); ++i) {
+      points_.Add(i < coords_.size() ? WithHeight(coords_[i]) : std::nullopt,
+                  i < whens_.size() ? std::string_view(whens_[i]) : std::string_view());
+    }
+    whens_ = {};
+    coords_ = {};
+  }
+
+  TrackPoints& points_;
+  std::vector<std::string_view> parts_;
+  bool in_track_ = false;
+  bool in_point_ = false;
+  std::string mode_;
+  std::vector<std::string> whens_;
+  std::vector<std::optional<TrackPoint>> coords_;
+  std::string time_;   // of the Placemark
+  std::string place_;  // of its Point
+  std::uint64_t shapes_ = 0;
+};
+
+}  // namespace
+
+bool LooksLikeKml(LogBytes head) { return LooksLikeText(TextOf(head)) && XmlRootName(TextOf(head)) == "kml"; }
+
+Result<FlightLog> ParseKml(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed) {
+  TrackPoints points("kml", name, TrackPoints::BareTime::kLocal);
+  KmlReader reader(points);
+  XmlScanner xml(TextOf(bytes));
+  ConsumedSteps steps(consumed);
+  while (xml.Next()) {
+    steps.At(xml.offset());
+    if (xml.opens())
+      reader.Open(xml.name());
+    else
+      reader.Close(xml.name(), xml.words());
+  }
+  const bool has_points = points.count() > 0;
+  auto log =
+      std::move(points).Finish({"altitude -> height above mean sea level, m; above take-off where "
+                                "altitudeMode is relative"});
+  if (has_points || reader.shapes() == 0) return log;
+  return Error{
+      ErrorCode::kNoPosition,
+      fmt::format(
+          "{} is not used: it holds {} lines or areas, which have no times, and no track that has (gx:Track, "
+          "or a Placemark with TimeStamp and Point). An area that the map is to be cut to is given by "
+          "--boundary.",
+          name, reader.shapes()),
+      log.error().detail};
+}
+
+}  // namespace skyquilt::flight

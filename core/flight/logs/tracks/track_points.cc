@@ -1,0 +1,120 @@
+#include "core/flight/logs/tracks/track_points.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/printable.h"
+#include "core/flight/logs/log_builder.h"
+#include "core/flight/logs/text_fields.h"
+
+namespace skyquilt::flight {
+
+std::optional<double> TrackNumber(std::string_view text) {
+  constexpr std::size_t kLongestNumber = 64;
+  if (const auto number = ParseNumber(text)) return number;
+  std::string with_point(text.substr(0, kLongestNumber));
+  if (std::count(with_point.begin(), with_point.end(), ',') != 1 || with_point.find('.') != std::string::npos)
+    return std::nullopt;
+  std::replace(with_point.begin(), with_point.end(), ',', '.');
+  return ParseNumber(with_point);
+}
+
+std::optional<WrittenTime> TrackTime(std::string_view text) {
+  if (const auto written = ParseWrittenTime(text)) return written;
+  const auto number = ParseNumber(text);
+  // Of 1973 to 2286, in whichever unit.
+  constexpr double kEarliest = 1e8, kLatest = 1e10;
+  if (!number) return std::nullopt;
+  for (const double unit_s : {1.0, 1e-3, 1e-6}) {
+    const double seconds = *number * unit_s;
+    if (seconds < kEarliest || seconds >= kLatest) continue;
+    return WrittenTime{UtcTime(std::chrono::microseconds(std::llround(seconds * 1e6))), true, unit_s};
+  }
+  return std::nullopt;
+}
+
+TrackPoints::TrackPoints(std::string_view format, std::string_view file_name, BareTime bare_time)
+    : format_(format), file_name_(file_name), bare_time_(bare_time) {}
+
+void TrackPoints::Add(const std::optional<TrackPoint>& point, std::string_view written_time) {
+  constexpr std::size_t kQuoted = 40;
+  ++points_;
+  const auto time = TrackTime(written_time);
+  const bool is_on_earth = point && geo::LatLon::Make(point->lat_deg, point->lon_deg).ok();
+  if (Trim(written_time).empty()) {
+    ++without_time_;
+  } else if (!time && ++unread_times_ == 1) {
+    first_unread_time_ = Printable(std::string(Trim(written_time).substr(0, kQuoted)));
+  }
+  if (!is_on_earth) ++without_place_;
+  if (!is_on_earth || !time || placed_.size() >= kMaxTrackPoints) return;
+  if (!time->names_zone) ++without_zone_;
+  placed_.push_back({time->time, *point});
+}
+
+Error TrackPoints::WhyNone() const {
+  const auto why = [&](std::string_view words) {
+    return Error{ErrorCode::kNoPosition, fmt::format("{} is not used: {}.", file_name_, words), ""};
+  };
+  if (points_ == 0) return why("it holds no point of a track");
+  if (without_place_ == points_) {
+    return why(fmt::format("none of its {} points has a latitude and a longitude in degrees", points_));
+  }
+  if (without_time_ == points_) {
+    return why(fmt::format(
+        "its {} points have no times, so that no photo can be placed by them. Export the track with "
+        "the time of each point",
+        points_));
+  }
+  if (unread_times_ > 0) {
+    return why(
+        fmt::format("{} of its {} points have a time that cannot be read, first \"{}\". Write times as "
+                    "2016-06-23T21:31:09Z",
+                    unread_times_, points_, first_unread_time_));
+  }
+  return why(fmt::format("none of its {} points has both a time and a position with a fix", points_));
+}
+
+Result<FlightLog> TrackPoints::Finish(std::vector<std::string> mapping) && {
+  std::stable_sort(placed_.begin(), placed_.end(),
+                   [](const Placed& a, const Placed& b) { return a.time < b.time; });
+  LogBuilder builder(format_, file_name_);
+  for (const Placed& placed : placed_) {
+    const double t_s = std::chrono::duration<double>(placed.time - placed_.front().time).count();
+    GnssSample sample;
+    sample.t_s = t_s;
+    sample.position = {placed.point.lat_deg, placed.point.lon_deg};
+    sample.height_amsl_m = placed.point.height_amsl_m;
+    sample.height_ellipsoid_m = placed.point.height_ellipsoid_m;
+    builder.Add(sample);
+    if (placed.point.height_above_takeoff_m)
+      builder.Add(BaroSample{t_s, *placed.point.height_above_takeoff_m});
+  }
+  if (builder.gnss_count() == 0) return WhyNone();
+  builder.Count("point", points_);
+  FlightLog& log = builder.log();
+  log.mapping = std::move(mapping);
+  log.utc_sigma_s = 0.5;  // most recorders write whole seconds
+  if (without_zone_ == placed_.size() && bare_time_ == BareTime::kLocal) {
+    log.local_at_zero = placed_.front().time;
+    builder.Warn("its times name no zone: they are taken for a local clock");
+  } else {
+    log.utc_at_zero = placed_.front().time;
+    if (without_zone_ > 0)
+      builder.Warn(fmt::format("{} times name no zone: they are taken for UTC", without_zone_));
+  }
+  if (const auto bad = points_ - placed_.size(); bad > 0) {
+    builder.Warn(fmt::format("{} of {} points were skipped: {} without a position, {} without a time{}", bad,
+                             points_, without_place_, without_time_,
+                             unread_times_ == 0 ? std::string()
+                                                : fmt::format(", {} whose time cannot be read, first \"{}\"",
+                                                              unread_times_, first_unread_time_)));
+  }
+  if (placed_.size() == kMaxTrackPoints)
+    builder.Warn(fmt::format("no more than {} points are read", kMaxTrackPoints));
+  return std::move(builder).Finish();
+}
+
+}  // namespace skyquilt::flight
