@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 
 namespace skyquilt::flight {
 namespace {
@@ -90,6 +91,22 @@ std::string OneCameraInWords(Aside why, std::size_t pictures, std::string_view o
                                                              : "there are more thermal than visible pictures";
   return fmt::format("The map is made of one camera ({}); {} picture{} of another ({}) lie{} aside: {}.",
                      instead, pictures, pictures == 1 ? "" : "s", of, pictures == 1 ? "s" : "", reason);
+}
+
+std::vector<std::string> LeftOutInLines(const std::vector<LeftOutPhoto>& left_out) {
+  constexpr std::size_t kMostNamed = 3;
+  std::map<std::string_view, std::size_t> all, said;
+  for (const LeftOutPhoto& photo : left_out) ++all[photo.reason];
+  std::vector<std::string> lines;
+  for (const LeftOutPhoto& photo : left_out) {
+    const std::size_t count = all[photo.reason];
+    if (count <= kMostNamed) {
+      lines.push_back(photo.name + ": " + photo.reason);
+    } else if (said[photo.reason]++ == 0) {
+      lines.push_back(fmt::format("{} and {} more: {}", photo.name, count - 1, photo.reason));
+    }
+  }
+  return lines;
 }
 
 }  // namespace skyquilt::flight

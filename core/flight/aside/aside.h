@@ -3,6 +3,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/base/result.h"
 #include "core/flight/photos/photo.h"
@@ -31,5 +32,8 @@ std::string CameraInWords(const Photo& photo, Lens lens);
 
 // What a flight says once about the pictures of one camera that lie aside: "18 of 36 pictures ...".
 std::string OneCameraInWords(Aside why, std::size_t pictures, std::string_view of, std::string_view instead);
+
+// What is left out, a line a photo; of more than three with one reason the first is named, and how many more.
+std::vector<std::string> LeftOutInLines(const std::vector<LeftOutPhoto>& left_out);
 
 }  // namespace skyquilt::flight

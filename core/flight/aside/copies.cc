@@ -60,7 +60,8 @@ bool MayBeOneExposure(const Photo& a, const Photo& b) {
 // One picture in search of its original.
 struct Picture {
   PictureName name;
-  int marks = 0;  // of copies, in its name
+  std::string plain;  // the stem without all marks of copies
+  int marks = 0;      // how many these are
 };
 
 // The better is nearer to what the camera wrote. Of a file and what exiftool kept of it the changed one is
@@ -93,11 +94,16 @@ bool IsReducedTo(const Photo& copy, const Photo& original) {
          AreNear(AspectOf(copy), AspectOf(original), kSameAspect) && SeeAlike(copy, original);
 }
 
+// One shutter opens a thermal and a visible sensor, and writes one name into two folders.
+bool AreOfTwoSensors(const Photo& a, const Photo& b) {
+  return (a.lens == Lens::kThermal) != (b.lens == Lens::kThermal) || a.band_name != b.band_name;
+}
+
 // `mark`: the surest of those that one of the two names has more than the other.
-bool IsCopyByName(const Photo& copy, const Photo& original, CopyMark mark, bool is_kept_by_tool) {
+bool IsCopyByName(const Photo& copy, const Photo& original, CopyMark mark) {
   const Moments moments = MomentsOf(copy, original);
   if (moments == Moments::kDiffer || !MayBeOneExposure(copy, original)) return false;
-  if (is_kept_by_tool) return true;
+  if (mark == CopyMark::kNone && AreOfTwoSensors(copy, original)) return false;
   if (moments == Moments::kUnknown) {
     // Its records are gone: another flight's photo of that name would look the same but for its mark.
     return mark == CopyMark::kWord ||
@@ -126,8 +132,10 @@ class CopyFinder {
  public:
   explicit CopyFinder(const std::vector<Photo>& photos) : photos_(photos) {
     for (std::size_t i = 0; i < photos.size(); ++i) {
-      Picture picture{PictureNameOf(photos[i].name)};
+      Picture picture;
+      picture.name = PictureNameOf(photos[i].name);
       const std::vector<Unmarked> stems = StemsOf(picture);
+      picture.plain = stems.back().stem;
       picture.marks = static_cast<int>(stems.size()) - 1;
       for (const Unmarked& stem : stems) by_stem_[stem.stem].push_back({i, stem.mark});
       if (photos[i].origin.clock) by_second_[SecondOf(i)].push_back(i);
@@ -144,7 +152,7 @@ class CopyFinder {
   }
 
   bool IsBeforeAChange(std::size_t i, std::size_t of) const {
-    return pictures_[i].name.is_before_a_change && pictures_[i].name.stem == pictures_[of].name.stem;
+    return pictures_[i].name.is_before_a_change && AreOneFile(i, of);
   }
 
  private:
@@ -170,6 +178,13 @@ class CopyFinder {
     return std::chrono::floor<std::chrono::seconds>(*photos_[i].origin.clock).time_since_epoch().count();
   }
 
+  // One is what exiftool kept of the other. What it changed may be the clock and the camera's name.
+  bool AreOneFile(std::size_t i, std::size_t other) const {
+    return pictures_[i].name.is_before_a_change != pictures_[other].name.is_before_a_change &&
+           pictures_[i].name.file == pictures_[other].name.file &&
+           PhotoPixels(photos_[i]) == PhotoPixels(photos_[other]);
+  }
+
   // A total order: of two that equal in all else the first given.
   bool IsBetter(std::size_t i, std::size_t than) const {
     const auto a = RankOf(photos_[i], pictures_[i]), b = RankOf(photos_[than], pictures_[than]);
@@ -190,10 +205,10 @@ class CopyFinder {
         // Two copies of one that is not there: only where both are known to be copies.
         const bool are_both_marked = stem.mark != CopyMark::kNone && others[k].mark != CopyMark::kNone;
         if (are_both_marked && (!photo.origin.is_edited || !photos_[other].origin.is_edited)) continue;
-        const CopyMark mark = std::max(stem.mark, others[k].mark);
-        const bool is_kept = mark == CopyMark::kNone && pictures_[copy].name.is_before_a_change !=
-                                                            pictures_[other].name.is_before_a_change;
-        if (IsCopyByName(photo, photos_[other], mark, is_kept)) Take(other, best);
+        const bool is_one_kept =
+            pictures_[copy].name.is_before_a_change != pictures_[other].name.is_before_a_change;
+        const CopyMark mark = is_one_kept ? CopyMark::kWord : std::max(stem.mark, others[k].mark);
+        if (AreOneFile(copy, other) || IsCopyByName(photo, photos_[other], mark)) Take(other, best);
       }
     }
   }
@@ -213,9 +228,9 @@ class CopyFinder {
           photo.software != original.software || PhotoPixels(photo) != PhotoPixels(original);
       if (other == copy || !is_different || !IsBetter(other, copy) || !LostRecords(photo, original) ||
           photo.make != original.make || photo.model != original.model ||
-          !MayBeOneExposure(photo, original) || MomentsOf(photo, original) == Moments::kDiffer ||
-          AreOfOneCounter(pictures_[copy].name.stem, pictures_[other].name.stem) ||
-          !SeeAlike(photo, original))
+          !MayBeOneExposure(photo, original) || AreOfTwoSensors(photo, original) ||
+          MomentsOf(photo, original) == Moments::kDiffer ||
+          AreOfOneCounter(pictures_[copy].plain, pictures_[other].plain) || !SeeAlike(photo, original))
         continue;
       ++candidates;
       const Places places = PlacesOf(photo, original);

@@ -61,19 +61,18 @@ std::optional<std::string_view> BeforeNumber(std::string_view stem) {
 
 PictureName PictureNameOf(std::string_view name) {
   PictureName read;
-  std::string lower = LowerCase(name);
-  lower.erase(0, lower.find_last_of("/\\") + 1);
+  read.file = LowerCase(name);
   constexpr std::string_view kBefore = "_original";
-  const std::size_t dot = lower.rfind('.');
-  if (lower.ends_with(kBefore) && dot != std::string::npos && dot < lower.size() - kBefore.size()) {
+  const std::size_t dot = read.file.rfind('.');
+  if (read.file.ends_with(kBefore) && dot != std::string::npos && dot < read.file.size() - kBefore.size()) {
     read.is_before_a_change = true;
-    lower.erase(lower.size() - kBefore.size());
+    read.file.erase(read.file.size() - kBefore.size());
   }
-  if (const auto numbered = BeforeBrackets(lower); numbered && dot != std::string::npos) {
-    lower.erase(numbered->size());  // "a.jpg (2)": the second file of that name
+  std::string_view stem = std::string_view(read.file).substr(read.file.find_last_of("/\\") + 1);
+  if (const std::size_t ending = stem.rfind('.'); ending != std::string_view::npos && ending > 0) {
+    stem = stem.substr(0, ending);  // with what follows: "a.jpg (2)" is the second file of that name
   }
-  if (dot != std::string::npos && dot > 0) lower.erase(std::min(dot, lower.size()));
-  read.stem = std::move(lower);
+  read.stem = stem;
   return read;
 }
 
@@ -99,6 +98,10 @@ std::string_view LensMark(std::string_view stem) {
 }
 
 bool AreOfOneCounter(std::string_view stem, std::string_view other) {
+  if (const std::string_view mark = LensMark(stem); !mark.empty() && mark == LensMark(other)) {
+    stem.remove_suffix(mark.size() + 1);
+    other.remove_suffix(mark.size() + 1);
+  }
   const std::size_t a = CounterOf(stem), b = CounterOf(other);
   return a < stem.size() && b < other.size() && stem.substr(0, a) == other.substr(0, b) &&
          stem.substr(a) != other.substr(b);

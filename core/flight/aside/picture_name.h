@@ -17,8 +17,9 @@ enum class CopyMark {
 };
 
 struct PictureName {
-  std::string stem;                 // lower case, without folders and ending
-  bool is_before_a_change = false;  // "DJI_0001.JPG_original", as exiftool keeps it
+  std::string file;                 // lower case, with folders, without exiftool's "_original"
+  std::string stem;                 // the same without folders and ending
+  bool is_before_a_change = false;  // "DJI_0001.JPG_original"
 };
 PictureName PictureNameOf(std::string_view name);
 
@@ -32,7 +33,8 @@ std::optional<Unmarked> WithoutCopyMark(std::string_view stem);
 // "w" of "dji_0001_w", as cameras with several lenses end their names; empty for others.
 std::string_view LensMark(std::string_view stem);
 
-// Whether both are a word and a counter, the word the same and the counters not: a camera's own names.
+// Whether both are a word and a counter (and the mark of a lens), the word the same and the counters not: a
+// camera's own names of two exposures.
 bool AreOfOneCounter(std::string_view stem, std::string_view other);
 
 }  // namespace skyquilt::flight

@@ -26,7 +26,7 @@
 namespace skyquilt::flight {
 namespace {
 
-constexpr std::uint16_t kMakerNoteTag = 0x927C;
+constexpr std::uint16_t kMakerNoteTag = 0x927C, kTimeTag = 0x9003, kDigitizedTag = 0x9004;
 constexpr double kLongestReadoutS = 0.5;
 
 std::optional<DjiMakerNote> ReadMakerNote(const ExifTable& exif) {
@@ -91,7 +91,11 @@ PictureOrigin OriginOf(const ImageHeader& header, const ExifRecord& exif, const 
   constexpr std::array<std::string_view, 8> kMakers = {
       "drone-", "Camera:", "sensefly:", "MicaSense:", "DLS:", "FLIR:", "Autel", "autel"};
   PictureOrigin origin;
-  origin.clock = exif.taken_at;
+  // A file's own date is that of its last change.
+  const bool is_of_exposure = header.exif.Find(ExifIfd::kExif, kTimeTag) != nullptr ||
+                              header.exif.Find(ExifIfd::kExif, kDigitizedTag) != nullptr ||
+                              header.exif.Find(ExifIfd::kImage, kTimeTag) != nullptr;
+  if (is_of_exposure) origin.clock = exif.taken_at;
   origin.is_edited = NamesAnEditor(exif.software) || NamesAnEditor(xmp.Text("xmp:CreatorTool"));
   const bool has_xmp = std::any_of(xmp.values().begin(), xmp.values().end(), [&](const auto& value) {
     return std::any_of(kMakers.begin(), kMakers.end(),
