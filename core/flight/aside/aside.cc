@@ -94,13 +94,13 @@ std::string OneCameraInWords(Aside why, std::size_t pictures, std::string_view o
 }
 
 std::vector<std::string> LeftOutInLines(const std::vector<LeftOutPhoto>& left_out) {
-  constexpr std::size_t kMostNamed = 3;
+  constexpr std::size_t kMaxNamedApart = 3;
   std::map<std::string_view, std::size_t> all, said;
   for (const LeftOutPhoto& photo : left_out) ++all[photo.reason];
   std::vector<std::string> lines;
   for (const LeftOutPhoto& photo : left_out) {
     const std::size_t count = all[photo.reason];
-    if (count <= kMostNamed) {
+    if (count <= kMaxNamedApart) {
       lines.push_back(photo.name + ": " + photo.reason);
     } else if (said[photo.reason]++ == 0) {
       lines.push_back(fmt::format("{} and {} more: {}", photo.name, count - 1, photo.reason));

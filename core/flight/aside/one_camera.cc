@@ -241,10 +241,10 @@ void KeepOneCamera(Flight& flight) {
     said[{why, cameras[k].words, instead}] += cameras[k].photos.size();
   }
   if (said.empty()) return;
-  constexpr std::size_t kMostSaid = 5;
+  constexpr std::size_t kMaxSaid = 5;
   std::size_t cameras_said = 0;
   for (const auto& [words, pictures] : said) {
-    if (++cameras_said > kMostSaid) break;
+    if (++cameras_said > kMaxSaid) break;
     const auto& [why, of, instead] = words;
     flight.warnings.push_back(OneCameraInWords(why, pictures, of, instead));
   }

@@ -90,9 +90,9 @@ std::optional<Error> WhyPanorama(int width_px, int height_px, const XmpTags& xmp
   const bool is_plain = projection == "rectilinear" || projection == "perspective";
   if (!projection.empty() && !is_plain)
     return AsideError(Aside::kPanorama, "its XMP says " + projection.substr(0, 40));
-  constexpr int kMostAspect = 3;
+  constexpr int kMaxAspect = 3;
   const auto [shorter, longer] = std::minmax(width_px, height_px);
-  if (longer > static_cast<std::int64_t>(kMostAspect) * shorter)
+  if (longer > static_cast<std::int64_t>(kMaxAspect) * shorter)
     return AsideError(Aside::kPanorama, fmt::format("{} x {} px", width_px, height_px));
   return std::nullopt;
 }

@@ -22,9 +22,8 @@ std::optional<std::string_view> BeforeBrackets(std::string_view stem) {
   if (!stem.ends_with(")")) return std::nullopt;
   const std::string_view inner = stem.substr(0, stem.size() - 1);
   const std::size_t digits = CounterOf(inner);
-  constexpr std::size_t kMostDigits = 3;
-  if (digits == inner.size() || inner.size() - digits > kMostDigits || digits == 0 ||
-      inner[digits - 1] != '(')
+  constexpr std::size_t kMaxDigits = 3;
+  if (digits == inner.size() || inner.size() - digits > kMaxDigits || digits == 0 || inner[digits - 1] != '(')
     return std::nullopt;
   return WithoutSeparators(inner.substr(0, digits - 1));
 }
@@ -46,8 +45,8 @@ std::optional<std::string_view> BeforeWord(std::string_view stem) {
 // it ends as a camera's name does, or with a word of a copy.
 std::optional<std::string_view> BeforeNumber(std::string_view stem) {
   const std::size_t digits = CounterOf(stem);
-  constexpr std::size_t kMostDigits = 2;
-  if (digits == stem.size() || stem.size() - digits > kMostDigits || digits == 0 || stem[digits] == '0' ||
+  constexpr std::size_t kMaxDigits = 2;
+  if (digits == stem.size() || stem.size() - digits > kMaxDigits || digits == 0 || stem[digits] == '0' ||
       kNameSeparators.find(stem[digits - 1]) == std::string_view::npos)
     return std::nullopt;
   const std::string_view before = WithoutSeparators(stem.substr(0, digits));
