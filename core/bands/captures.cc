@@ -14,6 +14,7 @@
 #include "core/bands/read_band_facts.h"
 #include "core/base/parallel_for.h"
 #include "core/base/try.h"
+#include "core/flight/aside/one_camera.h"
 
 namespace skyquilt::bands {
 namespace {
@@ -141,17 +142,21 @@ bool IsOfUnknownScale(const BandFacts& facts) {
   return facts.name == kThermalBand && facts.radiometry.calibration != Calibration::kKelvin;
 }
 
-// A thermal camera's JPEG without temperatures still is a picture: it stays in the flight as one.
-void KeepLooks(std::vector<std::optional<Result<BandFacts>>>& facts, Flight& flight) {
+// A thermal camera's JPEG without temperatures still is a picture: it stays in the flight as one, unless the
+// map is made of visible pictures.
+void KeepLooks(int threads, std::vector<std::optional<Result<BandFacts>>>& facts, Flight& flight) {
   std::size_t kept = 0;
   std::string reason;
-  for (auto& one : facts) {
+  for (std::size_t i = 0; i < facts.size(); ++i) {
+    const auto& one = facts[i];
     if (!one || !one->ok() || !(**one).is_look_too || !IsOfUnknownScale(**one)) continue;
     if (kept++ == 0) reason = (**one).radiometry.method;
-    one.reset();
+    flight.photos[i].band_name.clear();
   }
   if (kept == 0) return;
   flight.warnings.push_back(fmt::format("{} thermal photos give no temperatures. {}", kept, reason));
+  flight::KeepOneCamera(flight);
+  facts = ReadAllFacts(flight.photos, threads);
 }
 
 // Captures that show a calibration panel, as the camera or a list says of one of their pictures.
@@ -196,7 +201,7 @@ bool SetPanelsApart(const std::vector<bool>& shows_panel, Captures& apart, Fligh
 Captures SetBandsApart(Flight& flight, int threads) {
   Captures apart;
   std::vector<std::optional<Result<BandFacts>>> facts = ReadAllFacts(flight.photos, threads);
-  KeepLooks(facts, flight);
+  KeepLooks(threads, facts, flight);
   std::set<std::string> names;
   for (const auto& one : facts) {
     if (one && one->ok() && !IsOfUnknownScale(**one)) names.insert((**one).name);

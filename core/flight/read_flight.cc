@@ -9,6 +9,8 @@
 #include <tuple>
 
 #include "core/base/parallel_for.h"
+#include "core/flight/aside/copies.h"
+#include "core/flight/aside/one_camera.h"
 #include "core/flight/lists/duplicates.h"
 #include "core/flight/lists/sort_files.h"
 #include "core/flight/logs/read_log.h"
@@ -187,12 +189,12 @@ Result<Flight> ReadFlight(const std::vector<InputFile>& files, const ReadFlightO
       flight.left_out.push_back({candidates[i].name, photo.error().code, photo.error().message});
     } else if (duplicate_of[i]) {
       flight.left_out.push_back(
-          {candidates[i].name, ErrorCode::kConflict,
-           "The same bytes as " + candidates[*duplicate_of[i]].name + "; one copy is enough."});
+          LeftAside(candidates[i].name, Aside::kSameBytes, candidates[*duplicate_of[i]].name));
     } else {
       flight.photos.push_back(std::move(*photo));
     }
   }
+  LeaveOutCopies(flight.photos, flight.left_out);
   for (const InputFile& film : sorted.films) {
     flight.films.push_back(film.name);
     flight.warnings.push_back(
@@ -201,6 +203,7 @@ Result<Flight> ReadFlight(const std::vector<InputFile>& files, const ReadFlightO
   }
   const int timed_by_name = TakeTimesFromNames(flight.photos);
   std::sort(flight.photos.begin(), flight.photos.end(), ComesBefore);
+  KeepOneCamera(flight);
   std::sort(flight.left_out.begin(), flight.left_out.end(),
             [](const LeftOutPhoto& a, const LeftOutPhoto& b) { return a.name < b.name; });
   WarnAboutFlight(timed_by_name, flight);

@@ -1,8 +1,9 @@
 // ReadFlight: files in, a Flight out. Of photos it reads headers only (EXIF, XMP, image size), never pixels;
 // logs, lists of positions and elevation models are recognised by content; the former are read whole, in
-// bounded memory. Photos that cannot be read are listed in left_out, logs that cannot in the warnings; one
-// bad file never fails the flight. Files are read on `threads` threads; the result does not depend on how
-// many. Fails only when nothing at all was given.
+// bounded memory. Photos that cannot be read, and those that lie aside (aside/README.md: copies, panoramas,
+// raw pictures, other cameras), are listed in left_out, logs that cannot be read in the warnings; one bad
+// file never fails the flight. Files are read on `threads` threads; the result does not depend on how many.
+// Fails only when nothing at all was given.
 #pragma once
 
 #include <filesystem>
@@ -25,7 +26,7 @@ Result<std::vector<InputFile>> ListInputFiles(const std::vector<std::filesystem:
 Result<Flight> ReadFlight(const std::vector<InputFile>& files, const ReadFlightOptions& options,
                           Progress& progress);
 
-// One photo. Errors: kUnsupportedFormat, kCorrupt, kIo.
+// One photo. Errors: kUnsupportedFormat, kCorrupt, kUnprocessable (a panorama), kIo.
 Result<Photo> ReadPhoto(const InputFile& file);
 
 }  // namespace skyquilt::flight

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "core/base/try.h"
+#include "core/flight/aside/other_pictures.h"
 #include "core/flight/lists/elevation_model_file.h"
 #include "core/flight/lists/film_file.h"
 #include "core/flight/lists/reflectance_list.h"
@@ -26,8 +27,9 @@ bool IsPicture(const std::vector<std::uint8_t>& head) {
                                                       std::string_view("MM\0*", 4), "\x89PNG", "RIFF"};
   const std::string_view text(reinterpret_cast<const char*>(head.data()), head.size());
   return text.substr(std::min<std::size_t>(4, text.size())).starts_with("ftyp") ||
-         std::any_of(kMagic.begin(), kMagic.end(),
-                     [&](std::string_view magic) { return text.starts_with(magic); });
+         !RawFormatOf(head).empty() || std::any_of(kMagic.begin(), kMagic.end(), [&](std::string_view magic) {
+           return text.starts_with(magic);
+         });
 }
 
 // Endings of the logs that are read here, of the formats that nothing else uses them for.

@@ -76,6 +76,10 @@ ExifTable ReadExifSegment(std::span<const std::uint8_t> tiff_block);
 // The first image of a TIFF file and its EXIF and GPS directories. Errors: kCorrupt, kUnsupportedFormat.
 Result<ExifTable> ReadTiffTags(ByteSource& source);
 
+// The pictures of a TIFF file, each with its tags as of the image: the first, those below it (SubIFDs), those
+// behind it; `most` at most, and none where the first cannot be read.
+std::vector<ExifTable> ReadTiffPictures(ByteSource& source, int most);
+
 // The directories in the chain that begins at the header of a TIFF file; `most` + 1 where there are more, or
 // where the chain closes on itself. Errors: kCorrupt, kUnsupportedFormat.
 Result<int> CountTiffDirectories(ByteSource& source, int most);

@@ -1,6 +1,6 @@
-// Our bounded walker over the directories of a TIFF file: first image, EXIF, GPS. Every directory is visited
-// once, at most 1024 entries per directory, values above 1 MiB are skipped. Classic TIFF and BigTIFF. Source:
-// TIFF 6.0, section 2; BigTIFF as described by libtiff.
+// Our bounded walker over the directories of a TIFF file: first image, EXIF, GPS, and where asked the other
+// images. Every directory is visited once, at most 1024 entries per directory, values above 1 MiB are
+// skipped. Classic TIFF and BigTIFF. Source: TIFF 6.0, section 2; BigTIFF as described by libtiff.
 #include <algorithm>
 #include <set>
 #include <utility>
@@ -16,6 +16,7 @@ constexpr std::uint64_t kMaxValueBytes = 1u << 20;
 constexpr std::uint64_t kMaxTotalBytes = 8u << 20;
 constexpr std::uint16_t kExifPointer = 0x8769;
 constexpr std::uint16_t kGpsPointer = 0x8825;
+constexpr std::uint16_t kSubIfdPointers = 0x014A;
 
 class TiffWalker {
  public:
@@ -135,6 +136,31 @@ Result<ExifTable> ReadTiffTags(ByteSource& source) {
     if (offset && *offset > 0.0) walker.ReadDirectory(static_cast<std::uint64_t>(*offset), ifd, table);
   }
   return table;
+}
+
+std::vector<ExifTable> ReadTiffPictures(ByteSource& source, int most) {
+  auto start = ReadStart(source);
+  std::vector<ExifTable> pictures;
+  if (!start) return pictures;
+  // True where there was a new one.
+  const auto read = [&](std::uint64_t offset) {
+    ExifTable table;
+    if (std::ssize(pictures) >= most || !start->walker.ReadDirectory(offset, ExifIfd::kImage, table))
+      return false;
+    pictures.push_back(std::move(table));
+    return true;
+  };
+  const std::uint64_t first = start->first.value_or(0);
+  if (first == 0 || !read(first)) return pictures;
+  if (const ExifValue* below = pictures.front().Find(ExifIfd::kImage, kSubIfdPointers)) {
+    const ExifValue offsets = *below;
+    constexpr double kLargestOffset = 1e18;  // files end before
+    for (std::size_t i = 0; i < std::min<std::size_t>(offsets.count, static_cast<std::size_t>(most)); ++i)
+      read(static_cast<std::uint64_t>(std::clamp(offsets.Number(i).value_or(0.0), 0.0, kLargestOffset)));
+  }
+  for (std::uint64_t at = start->walker.NextAfter(first); at != 0 && read(at);)
+    at = start->walker.NextAfter(at);
+  return pictures;
 }
 
 // libexif is not used on what others made: it copies the values of each entry, however many entries share

@@ -39,6 +39,8 @@ constexpr std::array kKnownNamespaces = {
     KnownNamespace{"ns.adobe.com/exif/1.0", "exif"},
     KnownNamespace{"ns.adobe.com/tiff/1.0", "tiff"},
     KnownNamespace{"ns.adobe.com/xap/1.0", "xmp"},
+    KnownNamespace{"ns.google.com/photos/1.0/panorama", "GPano"},
+    KnownNamespace{"ns.flir.com/flir/1.0", "FLIR"},
 };
 
 std::string NormalUri(std::string_view uri) {

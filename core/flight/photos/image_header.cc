@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "core/base/try.h"
+#include "core/flight/aside/aside.h"
+#include "core/flight/aside/other_pictures.h"
 #include "core/flight/metadata/tiff_number.h"
 #include "core/flight/photos/jpeg_segments.h"
 #include "core/flight/photos/read_photo.h"
@@ -84,11 +86,9 @@ bool HoldsItsPixels(const ExifTable& table, std::uint64_t file_size) {
 }
 
 Result<ImageHeader> ReadTiff(ByteSource& source) {
-  constexpr std::uint16_t kWidth = 0x0100, kHeight = 0x0101, kDngVersion = 0xC612;
+  constexpr std::uint16_t kWidth = 0x0100, kHeight = 0x0101;
   SKYQUILT_TRY_ASSIGN(auto table, ReadTiffTags(source));
-  if (table.Find(ExifIfd::kImage, kDngVersion)) {
-    return Unsupported("This is a raw picture (DNG). Export it as JPEG or TIFF, keeping the metadata.");
-  }
+  if (auto raw = WhyRaw(table, source)) return *std::move(raw);
   const auto width = table.Number(ExifIfd::kImage, kWidth);
   const auto height = table.Number(ExifIfd::kImage, kHeight);
   if (!width || !height || *width < 1.0 || *height < 1.0) {
@@ -154,6 +154,7 @@ Result<ImageHeader> ReadByKind(ByteSource& source) {
   const std::vector<std::uint8_t> start = source.ReadUpTo(0, 512);
   if (start.empty()) return Error{ErrorCode::kIo, "The file cannot be read from the disk.", ""};
   if (Has(start, 0, "\xFF\xD8\xFF")) return ReadJpeg(source);
+  if (const auto raw = RawFormatOf(start); !raw.empty()) return AsideError(Aside::kRawPicture, raw);
   if (Has(start, 0, std::string_view("II*\0", 4)) || Has(start, 0, std::string_view("MM\0*", 4)) ||
       Has(start, 0, std::string_view("II+\0", 4)) || Has(start, 0, std::string_view("MM\0+", 4))) {
     return ReadTiff(source);

@@ -72,6 +72,16 @@ enum class FocalSource {
   kAssumed
 };
 
+// Which of the lenses of one aircraft took a picture, as its maker writes it.
+enum class Lens { kUnsaid, kWide, kZoom, kThermal };
+
+// What tells a picture as the camera wrote it from what another program made of it.
+struct PictureOrigin {
+  std::optional<UtcTime> clock;  // the camera's as it was written, of whatever zone
+  bool is_edited = false;        // its tags name a program that changes pictures
+  int makers_records = 0;        // how many kinds of what only makers write: a note, XMP, a sensor's levels
+};
+
 struct Photo {
   std::string name;            // as the user named the file, without folders
   std::filesystem::path path;  // where the bytes are
@@ -80,6 +90,8 @@ struct Photo {
   std::string software;
   std::string camera_key;  // photos with the same key share one physical camera at one image size
   std::string band_name;   // as a camera of one band a picture writes it; empty for colour
+  Lens lens = Lens::kUnsaid;
+  PictureOrigin origin;
   camera::Intrinsics intrinsics;
   FocalSource focal_source = FocalSource::kAssumed;
   std::optional<UtcTime> captured_at;

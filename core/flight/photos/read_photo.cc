@@ -2,10 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <initializer_list>
 #include <string_view>
 
 #include "core/base/try.h"
 #include "core/camera/sensor_database.h"
+#include "core/flight/aside/other_pictures.h"
+#include "core/flight/logs/text_fields.h"
 #include "core/flight/metadata/attitude_tags.h"
 #include "core/flight/metadata/capture_time.h"
 #include "core/flight/metadata/dji_maker_note.h"
@@ -20,7 +26,7 @@
 namespace skyquilt::flight {
 namespace {
 
-constexpr std::uint16_t kMakerNoteTag = 0x927C;
+constexpr std::uint16_t kMakerNoteTag = 0x927C, kTimeTag = 0x9003, kDigitizedTag = 0x9004;
 constexpr double kLongestReadoutS = 0.5;
 
 std::optional<DjiMakerNote> ReadMakerNote(const ExifTable& exif) {
@@ -49,6 +55,55 @@ std::string BandNameOf(const ImageHeader& header, const XmpTags& xmp) {
   std::string name = xmp.Text("Camera:BandName");
   if (name.empty()) name = xmp.Text("drone-dji:BandName");
   return name.find_first_of(",;") == std::string::npos ? name : "";
+}
+
+Lens LensOf(const ImageHeader& header, const XmpTags& xmp) {
+  if (!header.flir.empty()) return Lens::kThermal;
+  const std::string band = LowerCase(xmp.Text("Camera:BandName") + ";" + xmp.Text("drone-dji:BandName"));
+  const std::string source = LowerCase(xmp.Text("drone-dji:ImageSource"));
+  const auto says = [&](std::initializer_list<std::string_view> words) {
+    return std::any_of(words.begin(), words.end(),
+                       [&](std::string_view word) { return source.find(word) != std::string::npos; });
+  };
+  if (says({"infrared", "thermal"}) || band.find("lwir") != std::string::npos) return Lens::kThermal;
+  if (says({"zoom", "tele"})) return Lens::kZoom;
+  return says({"wide", "visible"}) ? Lens::kWide : Lens::kUnsaid;
+}
+
+bool NamesAnEditor(const std::string& program) {
+  const std::string lower = LowerCase(program);
+  constexpr std::array<std::string_view, 39> kEditors = {
+      "photoshop",     "lightroom",    "adobe",         "gimp",
+      "snapseed",      "capture one",  "darktable",     "rawtherapee",
+      "affinity",      "luminar",      "photolab",      "dxo",
+      "pixelmator",    "paint.net",    "paintshop",     "irfanview",
+      "xnview",        "faststone",    "imagemagick",   "graphicsmagick",
+      "photoscape",    "digikam",      "krita",         "polarr",
+      "picsart",       "vsco",         "canva",         "acdsee",
+      "picasa",        "photo viewer", "windows photo", "microsoft photo",
+      "google photos", "apple photos", "aurora hdr",    "photomatix",
+      "topaz",         "zoner",        "photodirector"};
+  return std::any_of(kEditors.begin(), kEditors.end(),
+                     [&](std::string_view editor) { return lower.find(editor) != std::string::npos; });
+}
+
+PictureOrigin OriginOf(const ImageHeader& header, const ExifRecord& exif, const XmpTags& xmp) {
+  constexpr std::array<std::string_view, 8> kMakers = {
+      "drone-", "Camera:", "sensefly:", "MicaSense:", "DLS:", "FLIR:", "Autel", "autel"};
+  PictureOrigin origin;
+  // A file's own date is that of its last change.
+  const bool is_of_exposure = header.exif.Find(ExifIfd::kExif, kTimeTag) != nullptr ||
+                              header.exif.Find(ExifIfd::kExif, kDigitizedTag) != nullptr ||
+                              header.exif.Find(ExifIfd::kImage, kTimeTag) != nullptr;
+  if (is_of_exposure) origin.clock = exif.taken_at;
+  origin.is_edited = NamesAnEditor(exif.software) || NamesAnEditor(xmp.Text("xmp:CreatorTool"));
+  const bool has_xmp = std::any_of(xmp.values().begin(), xmp.values().end(), [&](const auto& value) {
+    return std::any_of(kMakers.begin(), kMakers.end(),
+                       [&](std::string_view maker) { return value.first.starts_with(maker); });
+  });
+  origin.makers_records = static_cast<int>(header.exif.Find(ExifIfd::kExif, kMakerNoteTag) != nullptr) +
+                          static_cast<int>(has_xmp) + static_cast<int>(!header.flir.empty());
+  return origin;
 }
 
 void NoteSoftware(Photo& photo) {
@@ -104,6 +159,7 @@ Result<Photo> ReadPhotoFrom(const std::string& name, ByteSource& source) {
   ExifRecord exif = InterpretExif(header.exif);
   const XmpTags xmp = ReadXmp(header, source, photo.notes);
   photo.notes.insert(photo.notes.end(), exif.notes.begin(), exif.notes.end());
+  if (auto panorama = WhyPanorama(header.width_px, header.height_px, xmp)) return *std::move(panorama);
   if (exif.make.empty()) exif.make = xmp.Text("tiff:Make");
   if (exif.model.empty()) exif.model = xmp.Text("tiff:Model");
   photo.make = exif.make;
@@ -115,6 +171,8 @@ Result<Photo> ReadPhotoFrom(const std::string& name, ByteSource& source) {
   photo.intrinsics = chosen.intrinsics;
   photo.focal_source = chosen.source;
   photo.band_name = BandNameOf(header, xmp);
+  photo.lens = LensOf(header, xmp);
+  photo.origin = OriginOf(header, exif, xmp);
   photo.camera_key = CameraKey(photo, exif, xmp);
   const CaptureTime time = ChooseCaptureTime(exif, xmp, photo.notes);
   photo.captured_at = time.captured_at;

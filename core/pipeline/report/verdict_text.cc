@@ -4,6 +4,7 @@
 
 #include "core/base/error_code.h"
 #include "core/base/printable.h"
+#include "core/flight/aside/aside.h"
 #include "core/pipeline/inspect_flight.h"
 #include "core/pipeline/report/report_codec.h"
 #include "core/poses/lists/list_words.h"
@@ -123,9 +124,8 @@ std::string VerdictText(const FlightVerdict& v) {
     text += fmt::format("Cost        about {:.0f} s and {:.0f} MiB of memory on this machine\n",
                         v.expected_seconds, v.expected_memory_mib);
   }
-  for (const auto& photo : v.left_out) {
-    text += fmt::format("Left out    {}\n", Printable(photo.name + ": " + photo.reason));
-  }
+  for (const std::string& line : flight::LeftOutInLines(v.left_out))
+    text += fmt::format("Left out    {}\n", Printable(line));
   for (const std::string& warning : v.warnings) text += fmt::format("Note        {}\n", Printable(warning));
   return text;
 }

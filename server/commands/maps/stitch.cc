@@ -19,6 +19,7 @@
 #include "core/base/digest.h"
 #include "core/base/printable.h"
 #include "core/base/trace.h"
+#include "core/flight/aside/aside.h"
 #include "server/commands/fail.h"
 #include "server/commands/maps/parse_lat_lon.h"
 #include "server/commands/terminal_progress.h"
@@ -56,8 +57,8 @@ struct StitchArguments {
 void PrintOutcome(const pipeline::MosaicReport& report, const std::filesystem::path& out_dir) {
   fmt::print("{} photos: {} aligned, {} by pose alone, {} left out\n", report.photos_total,
              report.photos_aligned, report.photos_pose_only, report.photos_left_out);
-  for (const flight::LeftOutPhoto& photo : report.left_out_photos)
-    fmt::print("  left out: {}\n", Printable(photo.name + ": " + photo.reason));
+  for (const std::string& line : flight::LeftOutInLines(report.left_out_photos))
+    fmt::print("  left out: {}\n", Printable(line));
   for (const std::string& warning : report.warnings) fmt::print("  note: {}\n", Printable(warning));
   if (!report.is_placed)
     fmt::print("  not placed: the map is whole, but nothing says where on Earth it lies\n");

@@ -177,18 +177,30 @@ TEST_F(CapturesTest, TemperaturesFollowTheirRig) {
 }
 
 TEST_F(CapturesTest, AThermalPictureWithoutTemperaturesStaysAPicture) {
-  for (const char* name : {"a.JPG", "b.JPG"}) {
-    flight::JpegParts parts;
-    parts.exif = UsualExif(name[0] == 'a' ? "2024:06:01 10:00:00" : "2024:06:01 10:00:02").Write();
-    const flight::Bytes bytes = flight::WithFlirRecord(flight::JpegHeader(parts), {'F', 'F', 'F', 0});
+  const auto write = [&](const std::string& name, const flight::Bytes& bytes) {
     std::ofstream(folder_ / name, std::ios::binary)
         .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  };
+  flight::JpegParts parts;
+  for (const char* name : {"a.JPG", "b.JPG"}) {
+    parts.exif = UsualExif(name[0] == 'a' ? "2024:06:01 10:00:00" : "2024:06:01 10:00:02").Write();
+    write(name, flight::WithFlirRecord(flight::JpegHeader(parts), {'F', 'F', 'F', 0}));
   }
   flight::Flight flight = Read();
   EXPECT_TRUE(SetBandsApart(flight, 1).empty());
   EXPECT_EQ(flight.photos.size(), 2U);
   ASSERT_FALSE(flight.warnings.empty());
   EXPECT_NE(flight.warnings.back().find("give no temperatures"), std::string::npos);
+
+  // Beside visible pictures it is none of the map's.
+  for (const char* name : {"c.JPG", "d.JPG"}) {
+    parts.exif = UsualExif(name[0] == 'c' ? "2024:06:01 10:00:00" : "2024:06:01 10:00:02").Write();
+    write(name, flight::JpegHeader(parts));
+  }
+  flight = Read();
+  EXPECT_TRUE(SetBandsApart(flight, 1).empty());
+  EXPECT_EQ(NamesOf(flight), (std::vector<std::string>{"c.JPG", "d.JPG"}));
+  EXPECT_EQ(flight.left_out.size(), 2U);
 }
 
 TEST_F(CapturesTest, ABandsValuesMeanTheSameInAllItsPhotos) {

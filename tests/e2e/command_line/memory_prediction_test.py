@@ -24,7 +24,7 @@ SCENARIOS = [
     ("large, twenty", "--photos 20 --size 4000x3000"),
     ("very large, two", "--photos 2 --size 8000x6000"),
     ("upright", "--photos 20 --size 1200x1600"),
-    ("panorama", "--photos 12 --size 4000x1000"),
+    ("very wide", "--photos 12 --size 3000x1000"),
     ("low flight, fine pixels", "--photos 12 --size 2000x1500 --height 8"),
     ("very low, large tiles", "--photos 6 --size 2000x1500 --height 4"),
     ("high flight", "--photos 20 --size 1600x1200 --height 400"),

@@ -22,7 +22,7 @@ export const page_words = {
     title: 'Drohnenfotos hier ablegen',
     lead: 'Legen Sie alle Fotos eines Fluges ab, am besten den ganzen Ordner. Daraus entsteht eine georeferenzierte Karte.',
     guest_lead: 'Sie haben nur Lesezugriff. Öffnen Sie einen Flug, um seine Karte zu sehen. Um Flüge hinzuzufügen, melden Sie sich mit einem Token an, das Hochladen erlaubt.',
-    kinds: 'JPEG, TIFF, PNG oder DNG mit GPS, als Dateien oder in einem ZIP- oder TAR-Archiv. Flugprotokolle erhöhen die Genauigkeit.',
+    kinds: 'JPEG, TIFF oder PNG mit GPS, als Dateien oder in einem ZIP- oder TAR-Archiv. Flugprotokolle erhöhen die Genauigkeit.',
     steps: [
       ['Hochladen', 'Fotos und Protokolle bleiben auf diesem Server.'],
       ['Verarbeiten', 'Jedes Foto wird nach seiner GPS-Position platziert und dann an seinen Nachbarn ausgerichtet.'],

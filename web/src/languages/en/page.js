@@ -21,7 +21,7 @@ export const page_words = {
     title: 'Drop your drone photos here',
     lead: 'Drop all photos of a flight, as a whole folder, and get one georeferenced map.',
     guest_lead: 'You have view-only access. Open a flight to see its map. To add flights, sign in with a token that allows uploads.',
-    kinds: 'JPEG, TIFF, PNG or DNG with GPS, as files or in a zip or tar archive. Add flight logs for better accuracy.',
+    kinds: 'JPEG, TIFF or PNG with GPS, as files or in a zip or tar archive. Add flight logs for better accuracy.',
     steps: /** @type {[string, string][]} */ ([
       ['Upload', 'Photos and logs stay on this server.'],
       ['Process', 'Every photo is placed by its GPS position, then aligned with its neighbours.'],

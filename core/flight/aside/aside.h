@@ -1,0 +1,39 @@
+// Aside: why a picture that could be read takes no part in a map, and the words for it. Pure; any thread.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/flight/photos/photo.h"
+
+namespace skyquilt::flight {
+
+enum class Aside {
+  kSameBytes = 1,       // `of`: the file that has them too
+  kPanorama = 2,        // `of`: what shows it
+  kRawPicture = 3,      // `of`: its format
+  kThumbnailFirst = 4,  // a TIFF that begins with a thumbnail
+  kCopy = 5,            // `of`: the original
+  kOlderMetadata = 6,   // the file from before its tags were changed; `of`: the one with the new tags
+  kOtherCamera = 7,     // `of`: its camera, `instead`: the map's
+  kThermal = 8,         // beside visible pictures; `of` and `instead` as above
+  kVisible = 9,         // beside more thermal pictures; the same
+};
+
+// The reason as an error of reading it, and as an entry of a flight's list.
+Error AsideError(Aside why, std::string_view of, std::string_view instead = "");
+LeftOutPhoto LeftAside(const std::string& name, Aside why, std::string_view of,
+                       std::string_view instead = "");
+
+// "DJI M3T, wide, 4000 x 3000 px"
+std::string CameraInWords(const Photo& photo, Lens lens);
+
+// What a flight says once about the pictures of one camera that lie aside: "18 of 36 pictures ...".
+std::string OneCameraInWords(Aside why, std::size_t pictures, std::string_view of, std::string_view instead);
+
+// What is left out, a line a photo; of more than three with one reason the first is named, and how many more.
+std::vector<std::string> LeftOutInLines(const std::vector<LeftOutPhoto>& left_out);
+
+}  // namespace skyquilt::flight
