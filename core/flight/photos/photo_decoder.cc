@@ -58,8 +58,8 @@ SampleFormat FormatOf(const std::vector<std::uint8_t>& bytes) {
 
 // Numbers below any temperature or reflectance, and beyond any, mark what was not measured, tag or no tag.
 bool IsMeasured(double value, const SampleFormat& format) {
-  constexpr double kLeast = -9998.0, kMost = 1e30;
-  return value > kLeast && value < kMost && value != format.no_data;
+  constexpr double kMin = -9998.0, kMax = 1e30;
+  return value > kMin && value < kMax && value != format.no_data;
 }
 
 // Evenly over the picture's rows, each offset so that columns are met evenly too.

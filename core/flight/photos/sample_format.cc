@@ -10,7 +10,7 @@
 namespace skyquilt::flight {
 namespace {
 
-constexpr std::uint16_t kBitsTag = 0x0102, kPhotometricTag = 0x0106, kSamplesPerPixelTag = 0x0115,
+constexpr std::uint16_t kBitsTag = 0x0102, kPhotometricTag = 0x0106, kChannelsTag = 0x0115,
                         kSampleFormatTag = 0x0153, kNoDataTag = 42113;
 constexpr int kZeroIsWhite = 0, kZeroIsBlack = 1, kRgb = 2;
 constexpr int kFormatUnsigned = 1, kFormatSigned = 2, kFormatFloating = 3, kFormatUndefined = 4;
@@ -27,12 +27,12 @@ constexpr const char* kAsWholeNumbers =
 
 Result<SampleFormat> SampleFormatOfTiff(const ExifTable& tags) {
   const auto number = [&](std::uint16_t tag, int otherwise) {
-    constexpr double kMost = 65535.0;
-    return static_cast<int>(std::clamp(tags.Number(ExifIfd::kImage, tag).value_or(otherwise), 0.0, kMost));
+    constexpr double kMaxTag = 65535.0;
+    return static_cast<int>(std::clamp(tags.Number(ExifIfd::kImage, tag).value_or(otherwise), 0.0, kMaxTag));
   };
   // A TIFF that does not say is left to the decoder, which knows more kinds of small samples.
   const int bits = number(kBitsTag, 8);
-  const int channels = number(kSamplesPerPixelTag, 1);
+  const int channels = number(kChannelsTag, 1);
   const int format = number(kSampleFormatTag, kFormatUnsigned);
   const int photometric = number(kPhotometricTag, channels == 1 ? kZeroIsBlack : kRgb);
   if (channels < 1 || channels > 4) {
