@@ -16,6 +16,7 @@
 #include "core/base/large_blocks_apart.h"
 #include "core/base/parallel_for.h"
 #include "core/base/try.h"
+#include "core/flight/photos/sample_ranges.h"
 #include "core/ground/dem_grid.h"
 #include "core/ground/model_ground.h"
 #include "core/pipeline/append_photos.h"
@@ -122,6 +123,18 @@ bool MayMove(const Recalled& recalled, const flight::Flight& read, const MosaicO
   return lists.size() == recalled.added.size() &&
          std::all_of(recalled.added.begin(), recalled.added.end(),
                      [&](const NamedDigest& input) { return lists.contains(input.file.name); });
+}
+
+// New photos of a camera are drawn in the range of those that are drawn already.
+void KeepSampleRanges(const alignment::AlignedFlight& known, flight::Flight& read) {
+  std::map<std::string, flight::SampleRange> ranges;
+  for (const alignment::AlignedPhoto& photo : known.photos) {
+    if (photo.photo.sample_range) ranges.emplace(photo.photo.camera_key, *photo.photo.sample_range);
+  }
+  for (flight::Photo& photo : read.photos) {
+    const auto range = ranges.find(photo.camera_key);
+    if (range != ranges.end() && photo.sample_range) photo.sample_range = range->second;
+  }
 }
 
 void FillPhotos(const flight::Flight& read, alignment::AlignedFlight& flight) {
@@ -385,6 +398,7 @@ Result<PlacedFlight> PlaceFlight(const std::vector<InputFile>& files, const Mosa
       captures = bands::SetBandsApart(*flight, options.threads);
       SKYQUILT_TRY(poses::CompareSources(*flight));
       bands::CalibrateByPanels(*flight, captures, source);
+      flight::ChooseSampleRanges(flight->photos, source, options.threads);
     }
     if (!flight || !options.readout_s) return flight;
     for (flight::Photo& photo : flight->photos) photo.readout_s = options.readout_s;
@@ -405,6 +419,7 @@ Result<PlacedFlight> PlaceFlight(const std::vector<InputFile>& files, const Mosa
     }
   } else if (memory != nullptr) {
     if (std::optional<Recalled> recalled = Recall(*memory, options, inputs)) {
+      KeepSampleRanges(recalled->facts.flight, *read);
       if (recalled->added.empty()) {
         facts = std::move(recalled->facts);
         FillPhotos(*read, facts->flight);

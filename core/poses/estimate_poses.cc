@@ -309,7 +309,7 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
   if (options.dem != nullptr && !flight.elevation_models.empty()) {
     posed.report.logs.push_back(flight.elevation_models.front() + ": heights of the ground");
   }
-  const std::optional<JoinedLog> log = JoinLogs(flight.logs);
+  const std::optional<JoinedLog> log = JoinLogs(flight.logs, tie.photos);
   if (log) {
     Append(log->notes, posed.report.logs);
     Append(log->warnings, posed.warnings);

@@ -30,4 +30,10 @@ PhotoRowsUse ApplyPhotoRows(const std::vector<flight::FlightLog>& logs, std::vec
 int ApplyEvents(const flight::FlightLog& log, const TimeSync& sync, bool log_has_track,
                 std::vector<flight::Photo>& photos);
 
+// Photos that know their time on the log's clock, but have no position: the place between the camera events
+// before and after, which are no further from each other than some usual intervals, with an error that grows
+// with the way between them. Answers how many there are.
+int PlaceBetweenEvents(const flight::FlightLog& log, const TimeSync& sync,
+                       std::vector<flight::Photo>& photos);
+
 }  // namespace skyquilt::poses

@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
+#include <string>
+#include <utility>
 
 #include "core/camera/fit_fisheye.h"
 #include "core/camera/sensor_database.h"
@@ -168,6 +171,56 @@ std::optional<double> FromSensorTable(int width_px, int height_px, const ExifRec
          camera::ScaleFromNative(width_px, height_px, sensor->native_width_px, sensor->native_height_px);
 }
 
+bool IsNear(double ratio, double wanted) {
+  constexpr double kTolerance = 1.2;  // equivalents are whole millimetres, and of the width or the diagonal
+  return ratio > wanted / kTolerance && ratio < wanted * kTolerance;
+}
+
+// Inches for centimetres and the like: why the focal plane's resolution is not what it says, by the sensor
+// and the lens that the other tags tell of, or by a sensor that no camera has.
+std::optional<std::string> WhyPlaneIsWrong(int width_px, int height_px, const ExifRecord& exif) {
+  if (!exif.focal_plane_x_px_per_mm) return std::nullopt;
+  const double side_px = std::max(width_px, height_px);
+  const double recorded_px = exif.recorded_width_px.value_or(side_px);
+  const double sensor_mm = recorded_px / *exif.focal_plane_x_px_per_mm;
+  struct Other {
+    std::optional<double> px_per_mm;
+    const char* name;
+  };
+  const auto sensor = camera::FindSensor(exif.model);
+  std::optional<double> of_table, of_equivalent;
+  if (sensor) {
+    of_table =
+        sensor->native_width_px / sensor->width_mm *
+        camera::ScaleFromNative(width_px, height_px, sensor->native_width_px, sensor->native_height_px);
+  }
+  if (exif.focal_length_35mm_mm && exif.focal_length_mm && exif.digital_zoom <= 1.0)
+    of_equivalent = FocalPxFrom35mm(*exif.focal_length_35mm_mm, width_px, height_px) / *exif.focal_length_mm;
+  std::optional<std::string> why;
+  for (const Other& other :
+       {Other{of_table, "the camera's sensor is known"}, Other{of_equivalent, "the 35 mm equivalent says"}}) {
+    if (!other.px_per_mm) continue;
+    const double as_written = *exif.focal_plane_x_px_per_mm / *other.px_per_mm;
+    // A crop keeps the pixels of the tag, a smaller copy does not.
+    const double as_smaller_copy = as_written * side_px / recorded_px;
+    if (IsNear(as_written, 1.0) || IsNear(as_smaller_copy, 1.0)) return std::nullopt;
+    constexpr double kUnits[] = {2.54, 10.0, 25.4};
+    if (std::any_of(std::begin(kUnits), std::end(kUnits), [&](double factor) {
+          return IsNear(as_smaller_copy, factor) || IsNear(as_smaller_copy, 1.0 / factor);
+        })) {
+      why = fmt::format(
+          "By its focal plane resolution the sensor would be {:.1f} mm wide, and it is {:.1f} mm as {}: its unit "
+          "is wrong (inches for centimetres, or the like), and it is left aside.",
+          sensor_mm, sensor_mm * as_smaller_copy, other.name);
+    }
+  }
+  constexpr double kNarrowestMm = 2.5, kWidestMm = 60.0;
+  if (why || (sensor_mm > kNarrowestMm && sensor_mm < kWidestMm)) return why;
+  return fmt::format(
+      "By its focal plane resolution the sensor would be {:.1f} mm wide, which none is: it is left aside.",
+      sensor_mm);
+}
+
 }  // namespace
 
 double FocalPxFrom35mm(double focal_35mm, int width_px, int height_px) {
@@ -177,12 +230,18 @@ double FocalPxFrom35mm(double focal_35mm, int width_px, int height_px) {
   return focal_35mm / std::hypot(36.0, 24.0) * std::hypot(width, height);
 }
 
-ChosenIntrinsics ChooseIntrinsics(int width_px, int height_px, const ExifRecord& exif, const XmpTags& xmp,
+ChosenIntrinsics ChooseIntrinsics(int width_px, int height_px, const ExifRecord& recorded, const XmpTags& xmp,
                                   std::vector<std::string>& notes) {
   if (const auto camera = FromDewarpData(width_px, height_px, xmp))
     return {*camera, FocalSource::kDewarpData};
   if (const auto camera = FromCalibratedFocalLength(width_px, height_px, xmp)) {
     return {*camera, FocalSource::kCalibrated};
+  }
+  ExifRecord exif = recorded;
+  if (auto why = WhyPlaneIsWrong(width_px, height_px, recorded)) {
+    notes.push_back(*std::move(why));
+    exif.focal_plane_x_px_per_mm.reset();
+    exif.focal_plane_y_px_per_mm.reset();
   }
   if (const auto camera = FromXmpCamera(width_px, height_px, exif, xmp, notes)) {
     return {*camera, FocalSource::kXmpCamera};

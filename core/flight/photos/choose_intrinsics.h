@@ -3,7 +3,8 @@
 //   drone-dji:CalibratedFocalLength    pixels, often only nominal
 //   Camera:PerspectiveFocalLength      mm (or pixels), with the focal plane resolution
 //   Camera:FisheyePolynomial           our lens model fitted to the calibrated fisheye
-//   EXIF focal length and FocalPlaneXResolution
+//   EXIF focal length and FocalPlaneXResolution, unless its unit is wrong: by 2.54, 10 or 25.4 off from all
+//     that the next two say, or a sensor's size that does not exist; said in a note
 //   EXIF focal length and the table of sensors
 //   EXIF 35 mm equivalent
 //   a usual drone lens (focal length 0.8 of the longer side), said in a note
@@ -25,7 +26,7 @@ struct ChosenIntrinsics {
   FocalSource source = FocalSource::kAssumed;
 };
 
-ChosenIntrinsics ChooseIntrinsics(int width_px, int height_px, const ExifRecord& exif, const XmpTags& xmp,
+ChosenIntrinsics ChooseIntrinsics(int width_px, int height_px, const ExifRecord& recorded, const XmpTags& xmp,
                                   std::vector<std::string>& notes);
 
 // Pixels from a 35 mm equivalent, by its definition over the diagonal (CIPA DCG-001: 43.27 mm). Cameras keep

@@ -13,6 +13,7 @@
 #include "core/flight/metadata/tiff_number.h"
 #include "core/flight/photos/jpeg_segments.h"
 #include "core/flight/photos/read_photo.h"
+#include "core/flight/photos/sample_format.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -99,7 +100,9 @@ Result<ImageHeader> ReadTiff(ByteSource& source) {
                  "The TIFF is cut off: part of its picture is missing. Copy the file from the camera again.",
                  ""};
   }
+  SKYQUILT_TRY_ASSIGN(const SampleFormat format, SampleFormatOfTiff(table));
   ImageHeader header;
+  header.sample_kind = format.kind;
   header.width_px = static_cast<int>(std::min(*width, 1e9));
   header.height_px = static_cast<int>(std::min(*height, 1e9));
   header.exif = std::move(table);
@@ -113,6 +116,8 @@ Result<ImageHeader> ReadPng(ByteSource& source) {
   constexpr std::size_t kMaxPackets = 4;
   ImageHeader header;
   std::uint64_t offset = 8;
+  constexpr std::size_t kEnoughForSamples = 26;
+  header.sample_kind = SampleKindOfPng(source.ReadUpTo(0, kEnoughForSamples));
   bool has_end = false, has_exif = false;
   for (int chunk = 0; chunk < kMaxChunks && !has_end; ++chunk) {
     std::uint8_t head[8];

@@ -10,6 +10,7 @@
 #include "core/flight/metadata/flir_record.h"
 #include "core/flight/metadata/xmp.h"
 #include "core/flight/photos/byte_source.h"
+#include "core/flight/photos/photo.h"
 
 namespace skyquilt::flight {
 
@@ -17,6 +18,7 @@ struct ImageHeader {
   int width_px = 0;
   int height_px = 0;
   ExifTable exif;
+  SampleKind sample_kind = SampleKind::kBytes;
   std::vector<std::string> xmp_packets;
   std::vector<FlirPart> flir;  // of a JPEG with a thermal camera's levels in it
 };

@@ -82,6 +82,21 @@ struct PictureOrigin {
   int makers_records = 0;        // how many kinds of what only makers write: a note, XMP, a sensor's levels
 };
 
+// What a sample of a picture is.
+enum class SampleKind {
+  kBytes,         // 8 bits, drawn as they are
+  kLevels,        // whole numbers above zero of up to 16 bits, one channel
+  kColourLevels,  // the same, three channels or four
+  kSigned,        // whole numbers of either sign, one channel
+  kFloating,      // one channel
+};
+
+// Of samples that are more than bytes: drawn black at `low` and below, white from `high` on.
+struct SampleRange {
+  double low = 0.0;
+  double high = 65536.0;
+};
+
 struct Photo {
   std::string name;            // as the user named the file, without folders
   std::filesystem::path path;  // where the bytes are
@@ -92,6 +107,8 @@ struct Photo {
   std::string band_name;   // as a camera of one band a picture writes it; empty for colour
   Lens lens = Lens::kUnsaid;
   PictureOrigin origin;
+  SampleKind sample_kind = SampleKind::kBytes;
+  std::optional<SampleRange> sample_range;  // the camera's of a whole flight (sample_ranges.h)
   camera::Intrinsics intrinsics;
   FocalSource focal_source = FocalSource::kAssumed;
   std::optional<UtcTime> captured_at;

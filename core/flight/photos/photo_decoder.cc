@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <new>
 #include <opencv2/core.hpp>
+#include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
@@ -14,7 +15,8 @@
 #include "core/base/try.h"
 #include "core/flight/metadata/exif_table.h"
 #include "core/flight/photos/byte_source.h"
-#include "core/flight/photos/read_photo.h"
+#include "core/flight/photos/sample_format.h"
+#include "core/flight/photos/sample_ranges.h"
 #include "core/flight/photos/thermal_picture.h"
 #include "core/image/decode_errors.h"
 #include "core/image/jpeg_decoder.h"
@@ -30,6 +32,9 @@ int CeilDiv(int a, int b) { return (a + b - 1) / b; }
 
 // As stored, or as OpenCV's `flags` ask.
 Result<cv::Mat> ReadByOpenCv(const std::vector<std::uint8_t>& bytes, int width_px, int height_px, int flags) {
+  // What is wrong is said in the error, not on the terminal.
+  static const auto before = cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
+  static_cast<void>(before);
   cv::Mat picture;
   try {
     picture = cv::imdecode(bytes, flags | cv::IMREAD_IGNORE_ORIENTATION);
@@ -42,48 +47,72 @@ Result<cv::Mat> ReadByOpenCv(const std::vector<std::uint8_t>& bytes, int width_p
   return picture;
 }
 
-// Grey of sixteen bits to colours of eight. A thermal camera's levels fill a hundredth of them: those are
-// spread, from what a thousandth of the pixels lies below to what a thousandth lies above.
-cv::Mat EightBits(const cv::Mat& levels) {
-  constexpr std::size_t kLevels = std::size_t{1} << 16;
-  std::vector<std::int64_t> counts(kLevels, 0);
-  for (int y = 0; y < levels.rows; ++y) {
-    const std::uint16_t* row = levels.ptr<std::uint16_t>(y);
-    for (int x = 0; x < levels.cols; ++x) ++counts[row[x]];
+// What the header says of the samples; a picture that says nothing of use is left to the decoder.
+SampleFormat FormatOf(const std::vector<std::uint8_t>& bytes) {
+  if (image::IsPng(bytes)) return {SampleKindOfPng(bytes), false, std::nullopt};
+  MemoryBytes source(bytes);
+  const auto tags = ReadTiffTags(source);
+  const auto format = tags ? SampleFormatOfTiff(*tags) : Result<SampleFormat>(tags.error());
+  return format ? *format : SampleFormat();
+}
+
+// Numbers below any temperature or reflectance, and beyond any, mark what was not measured, tag or no tag.
+bool IsMeasured(double value, const SampleFormat& format) {
+  constexpr double kMin = -9998.0, kMax = 1e30;
+  return value > kMin && value < kMax && value != format.no_data;
+}
+
+// Evenly over the picture's rows, each offset so that columns are met evenly too.
+std::vector<float> ValuesOf(const cv::Mat& stored, const SampleFormat& format, std::size_t most) {
+  cv::Mat one_channel = stored.reshape(1), row;
+  const std::size_t step = std::max<std::size_t>(1, one_channel.total() / most);
+  std::vector<float> values;
+  values.reserve(one_channel.total() / step + 1);
+  const auto columns = static_cast<std::size_t>(one_channel.cols);
+  for (std::size_t y = 0, at = 0; y < static_cast<std::size_t>(one_channel.rows); ++y) {
+    one_channel.row(static_cast<int>(y)).convertTo(row, CV_32F);
+    for (; at < (y + 1) * columns; at += step) {
+      const float value = row.at<float>(static_cast<int>(at - y * columns));
+      if (IsMeasured(value, format)) values.push_back(value);
+    }
   }
-  const std::int64_t rare = static_cast<std::int64_t>(levels.total()) / 1000;
-  std::size_t low = 0, high = kLevels - 1;
-  for (std::int64_t below = counts[low]; below <= rare && low < high; below += counts[low]) ++low;
-  for (std::int64_t above = counts[high]; above <= rare && high > low; above += counts[high]) --high;
-  constexpr double kNarrow = kLevels / 16.0, kMaxByte = 255.0;
-  const auto range = static_cast<double>(high - low);
+  return values;
+}
+
+// Samples that are more than bytes, in colours of eight bits. What was not measured is black.
+cv::Mat EightBits(const cv::Mat& stored, const SampleFormat& format, std::optional<SampleRange> range) {
+  if (!range) range = RangeOf(ValuesOf(stored, format, kSampleValues), format.kind);
+  if (!range) range.emplace();
+  constexpr double kLevels = 256.0, kRoundDown = -0.498;
+  const double scale = kLevels / (range->high - range->low);
   cv::Mat eight, bgr;
-  if (range >= kNarrow || range < 1.0) {
-    constexpr double kRoundDown = -0.498;
-    levels.convertTo(eight, CV_8U, 1.0 / 256.0, kRoundDown);
-  } else {
-    levels.convertTo(eight, CV_8U, kMaxByte / range, -kMaxByte / range * static_cast<double>(low));
-  }
-  cv::cvtColor(eight, bgr, cv::COLOR_GRAY2BGR);
+  stored.convertTo(eight, CV_8U, scale, kRoundDown - scale * range->low);
+  if (format.zero_is_white) cv::bitwise_not(eight, eight);
+  if (format.no_data && stored.channels() == 1) eight.setTo(0, stored == *format.no_data);
+  if (stored.channels() == 3) return eight;
+  cv::cvtColor(eight, bgr, stored.channels() == 1 ? cv::COLOR_GRAY2BGR : cv::COLOR_BGRA2BGR);
   return bgr;
 }
 
-bool IsGreyOf16Bits(const std::vector<std::uint8_t>& tiff) {
-  constexpr std::uint16_t kBitsTag = 0x0102, kSamplesPerPixelTag = 0x0115;
-  MemoryBytes source(tiff);
-  const auto tags = ReadTiffTags(source);
-  return tags && tags->Number(ExifIfd::kImage, kBitsTag) == 16.0 &&
-         tags->Number(ExifIfd::kImage, kSamplesPerPixelTag).value_or(1.0) == 1.0;
+// Whole, as stored, of samples that are more than bytes.
+Result<cv::Mat> ReadStored(const std::vector<std::uint8_t>& bytes, int width_px, int height_px,
+                           SampleKind kind) {
+  SKYQUILT_TRY_ASSIGN(cv::Mat stored, ReadByOpenCv(bytes, width_px, height_px, cv::IMREAD_UNCHANGED));
+  const bool is_colour = kind == SampleKind::kColourLevels;
+  if (stored.depth() == CV_8U || (stored.channels() == 1) == is_colour || stored.channels() == 2)
+    return image::PictureDamaged("the samples are not of the kind that the header says");
+  return stored;
 }
 
 Result<DecodedImage> DecodeByOpenCv(const std::vector<std::uint8_t>& bytes, int width_px, int height_px,
-                                    int denominator) {
-  const bool is_grey = IsGreyOf16Bits(bytes);
-  SKYQUILT_TRY_ASSIGN(cv::Mat bgr, ReadByOpenCv(bytes, width_px, height_px,
-                                                is_grey ? cv::IMREAD_UNCHANGED : cv::IMREAD_COLOR));
-  if (is_grey) {
-    if (bgr.type() != CV_16UC1) return image::PictureDamaged("the picture is not grey of 16 bits");
-    bgr = EightBits(bgr);
+                                    int denominator, const std::optional<SampleRange>& range) {
+  const SampleFormat format = FormatOf(bytes);
+  cv::Mat bgr;
+  if (format.kind == SampleKind::kBytes) {
+    SKYQUILT_TRY_ASSIGN(bgr, ReadByOpenCv(bytes, width_px, height_px, cv::IMREAD_COLOR));
+  } else {
+    SKYQUILT_TRY_ASSIGN(const cv::Mat stored, ReadStored(bytes, width_px, height_px, format.kind));
+    bgr = EightBits(stored, format, range);
   }
   if (denominator > 1) {
     const int width = CeilDiv(width_px, denominator);
@@ -111,8 +140,11 @@ bool IsJpeg(const std::vector<std::uint8_t>& bytes) {
 std::int64_t WorkBytes(const std::vector<std::uint8_t>& bytes, int width_px, int height_px) {
   const std::int64_t pixels = std::int64_t{width_px} * height_px;
   if (IsJpeg(bytes)) return image::JpegWorkBytes(bytes, width_px, height_px);
-  if (image::IsPng(bytes)) return image::PngWorkBytes(bytes, width_px, height_px);
-  return 9 * pixels;  // OpenCV's picture, its samples of 16 bits, and ours
+  const SampleFormat format = FormatOf(bytes);
+  if (image::IsPng(bytes) && format.kind == SampleKind::kBytes)
+    return image::PngWorkBytes(bytes, width_px, height_px);
+  // OpenCV's picture, its samples of 16 bits (four channels) or 64 (one), and ours.
+  return (format.kind == SampleKind::kBytes ? 9 : 18) * pixels;
 }
 
 Error NeedsTooMuch(std::int64_t needed_bytes, std::int64_t max_bytes) {
@@ -141,7 +173,8 @@ Result<std::vector<std::uint8_t>> ReadFile(const Photo& photo, std::int64_t max_
 
 Result<DecodedPart> DecodePhotoPart(const std::vector<std::uint8_t>& bytes, int width_px, int height_px,
                                     int denominator, const std::optional<image::PixelBox>& box,
-                                    PixelBytes memory, std::int64_t max_bytes) {
+                                    PixelBytes memory, std::int64_t max_bytes,
+                                    const std::optional<SampleRange>& range) {
   SKYQUILT_CHECK(denominator == 1 || denominator == 2 || denominator == 4 || denominator == 8,
                  "photos are decoded at 1, 1/2, 1/4 or 1/8");
   const std::int64_t needed_bytes =
@@ -149,9 +182,9 @@ Result<DecodedPart> DecodePhotoPart(const std::vector<std::uint8_t>& bytes, int 
   if (needed_bytes > max_bytes) return NeedsTooMuch(needed_bytes, max_bytes);
   if (IsJpeg(bytes))
     return image::DecodeJpeg(bytes, width_px, height_px, denominator, box, std::move(memory));
-  if (image::IsPng(bytes))
+  if (image::IsPng(bytes) && SampleKindOfPng(bytes) == SampleKind::kBytes)
     return image::DecodePng(bytes, width_px, height_px, denominator, box, std::move(memory));
-  SKYQUILT_TRY_ASSIGN(DecodedImage image, DecodeByOpenCv(bytes, width_px, height_px, denominator));
+  SKYQUILT_TRY_ASSIGN(DecodedImage image, DecodeByOpenCv(bytes, width_px, height_px, denominator, range));
   return DecodedPart{std::move(image)};
 }
 
@@ -188,7 +221,7 @@ Result<DecodedImage> FilePhotoSource::Decode(const Photo& photo, int denominator
   SKYQUILT_TRY_ASSIGN(const auto bytes, ReadFile(photo, max_bytes_));
   SKYQUILT_TRY_ASSIGN(DecodedPart whole,
                       DecodePhotoPart(bytes, photo.intrinsics.width_px, photo.intrinsics.height_px,
-                                      denominator, std::nullopt, {}, max_bytes_));
+                                      denominator, std::nullopt, {}, max_bytes_, photo.sample_range));
   return std::move(whole.image);
 }
 
@@ -196,7 +229,19 @@ Result<DecodedPart> FilePhotoSource::DecodePart(const Photo& photo, int denomina
                                                 const image::PixelBox& box, PixelBytes memory) const {
   SKYQUILT_TRY_ASSIGN(const auto bytes, ReadFile(photo, max_bytes_));
   return DecodePhotoPart(bytes, photo.intrinsics.width_px, photo.intrinsics.height_px, denominator, box,
-                         std::move(memory), max_bytes_);
+                         std::move(memory), max_bytes_, photo.sample_range);
+}
+
+Result<std::vector<float>> FilePhotoSource::SampleValues(const Photo& photo, std::size_t most) const {
+  SKYQUILT_TRY_ASSIGN(const auto bytes, ReadFile(photo, max_bytes_));
+  const int width_px = photo.intrinsics.width_px, height_px = photo.intrinsics.height_px;
+  const SampleFormat format = FormatOf(bytes);
+  if (format.kind == SampleKind::kBytes) return PhotoSource::SampleValues(photo, most);
+  const std::int64_t needed_bytes =
+      static_cast<std::int64_t>(bytes.size()) + WorkBytes(bytes, width_px, height_px);
+  if (needed_bytes > max_bytes_) return NeedsTooMuch(needed_bytes, max_bytes_);
+  SKYQUILT_TRY_ASSIGN(const cv::Mat stored, ReadStored(bytes, width_px, height_px, format.kind));
+  return ValuesOf(stored, format, most);
 }
 
 Result<image::SampleImage> FilePhotoSource::DecodeSamples(const Photo& photo) const {

@@ -1,9 +1,10 @@
 // FilePhotoSource: decodes photos from the files their records name. JPEG by libjpeg-turbo, which makes the
-// smaller sizes while decoding; PNG by libpng, row by row; TIFF by OpenCV, whole (16 bits are brought to 8,
-// few levels spread). Grey and CMYK become RGB. EXIF orientation is not applied. At 1/d every output pixel
-// covers exactly d x d source pixels; the last row and column may hang over the edge. Any number of threads
-// at a time; memory: one file's bytes and the picture or part that is asked for a call, and what a format
-// that cannot be read by parts takes beside it, which is bounded.
+// smaller sizes while decoding; PNG by libpng, row by row; TIFF, and PNG of 16 bits, by OpenCV, whole.
+// Samples that are more than bytes are drawn in the photo's range (sample_ranges.h), or in their own without
+// one. Grey and CMYK become RGB. EXIF orientation is not applied. At 1/d every output pixel covers exactly d
+// x d source pixels; the last row and column may hang over the edge. Any number of threads at a time; memory:
+// one file's bytes and the picture or part that is asked for a call, and what a format that cannot be read by
+// parts takes beside it, which is bounded.
 #pragma once
 
 #include <cstdint>
@@ -28,6 +29,7 @@ class FilePhotoSource final : public PhotoSource {
   Result<image::DecodedPart> DecodePart(const Photo& photo, int denominator, const image::PixelBox& box,
                                         PixelBytes memory) const override;
   Result<image::SampleImage> DecodeSamples(const Photo& photo) const override;
+  Result<std::vector<float>> SampleValues(const Photo& photo, std::size_t most) const override;
 
  private:
   const std::int64_t max_bytes_;
@@ -42,10 +44,12 @@ Result<image::DecodedImage> DecodePhotoBytes(const std::vector<std::uint8_t>& by
 Result<image::SampleImage> DecodeSampleBytes(const std::vector<std::uint8_t>& bytes, int width_px,
                                              int height_px, std::int64_t max_bytes = kMaxDecodeBytes);
 
-// Of a JPEG no more than `box` and a little around it; of anything else, or with no box, everything.
+// Of a JPEG no more than `box` and a little around it; of anything else, or with no box, everything. `range`:
+// of samples that are more than bytes.
 Result<image::DecodedPart> DecodePhotoPart(const std::vector<std::uint8_t>& bytes, int width_px,
                                            int height_px, int denominator,
                                            const std::optional<image::PixelBox>& box, PixelBytes memory = {},
-                                           std::int64_t max_bytes = kMaxDecodeBytes);
+                                           std::int64_t max_bytes = kMaxDecodeBytes,
+                                           const std::optional<SampleRange>& range = {});
 
 }  // namespace skyquilt::flight

@@ -2,7 +2,9 @@
 // and by sources that hold pictures in memory.
 #pragma once
 
+#include <cstddef>
 #include <utility>
+#include <vector>
 
 #include "core/base/result.h"
 #include "core/base/try.h"
@@ -29,6 +31,12 @@ class PhotoSource {
   // where the picture has colours, or the source holds none of one channel.
   virtual Result<image::SampleImage> DecodeSamples(const Photo& photo) const {
     return Error{ErrorCode::kUnsupportedFormat, photo.name + " is no picture of one band.", ""};
+  }
+  // Of a photo whose samples are more than bytes: about `most` of them, spread evenly over the picture, of
+  // all channels, without what stands where nothing was measured. Errors: as Decode; kUnsupportedFormat where
+  // samples are bytes, or the source holds no others.
+  virtual Result<std::vector<float>> SampleValues(const Photo& photo, std::size_t /*most*/) const {
+    return Error{ErrorCode::kUnsupportedFormat, photo.name + " has no samples beyond 8 bits.", ""};
   }
 };
 

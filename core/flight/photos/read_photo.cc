@@ -51,7 +51,9 @@ std::string CameraKey(const Photo& photo, const ExifRecord& exif, const XmpTags&
 std::string BandNameOf(const ImageHeader& header, const XmpTags& xmp) {
   constexpr std::uint16_t kSamplesPerPixelTag = 0x0115;
   if (!header.flir.empty()) return "LWIR";  // in colours for looking, with the sensor's levels beside
-  if (header.exif.Number(ExifIfd::kImage, kSamplesPerPixelTag) != 1.0) return "";
+  const bool is_stored_as_levels =
+      header.sample_kind == SampleKind::kBytes || header.sample_kind == SampleKind::kLevels;
+  if (header.exif.Number(ExifIfd::kImage, kSamplesPerPixelTag) != 1.0 || !is_stored_as_levels) return "";
   std::string name = xmp.Text("Camera:BandName");
   if (name.empty()) name = xmp.Text("drone-dji:BandName");
   return name.find_first_of(",;") == std::string::npos ? name : "";
@@ -173,6 +175,7 @@ Result<Photo> ReadPhotoFrom(const std::string& name, ByteSource& source) {
   photo.band_name = BandNameOf(header, xmp);
   photo.lens = LensOf(header, xmp);
   photo.origin = OriginOf(header, exif, xmp);
+  photo.sample_kind = header.sample_kind;
   photo.camera_key = CameraKey(photo, exif, xmp);
   const CaptureTime time = ChooseCaptureTime(exif, xmp, photo.notes);
   photo.captured_at = time.captured_at;

@@ -147,6 +147,12 @@ geo::Boundary ToBoundary(const Cbor& polygons) {
   return boundary;
 }
 
+flight::SampleRange ToSampleRange(const Cbor& json) {
+  const flight::SampleRange range{json.at(0).get<double>(), json.at(1).get<double>()};
+  if (!(range.high > range.low)) throw Cbor::other_error::create(500, "a range of samples is empty", nullptr);
+  return range;
+}
+
 FlightFacts Parse(std::string_view bytes) {
   const Cbor json = Cbor::from_cbor(bytes);
   FlightFacts facts;
@@ -175,6 +181,8 @@ FlightFacts Parse(std::string_view bytes) {
     alignment::AlignedPhoto photo;
     photo.photo.name = TextOfCbor(photos[i].at("name"));
     photo.photo.camera_key = TextOfCbor(photos[i].at("camera_key"));
+    if (photos[i].contains("sample_range"))
+      photo.photo.sample_range = ToSampleRange(photos[i]["sample_range"]);
     photo.intrinsics = camera.intrinsics;
     photo.cam_from_enu = camera.cam_from_enu;
     photo.placement = camera.placement;
@@ -259,6 +267,8 @@ std::string WriteFacts(const FlightFacts& facts) {
          {"tied_look_rad", photo.tied_look_rad},
          {"thumbnail_size", {thumbnail.width_px, thumbnail.height_px}},
          {"thumbnail", CborOfBytes<Cbor>(thumbnail.jpeg.data(), thumbnail.jpeg.size())}});
+    if (const auto& range = photo.photo.sample_range)
+      json["photos"].back()["sample_range"] = {range->low, range->high};
   }
   json["height_rule"] = facts.height_rule;
   json["is_placed"] = facts.is_placed;

@@ -88,7 +88,9 @@ Result<FoundFiles> FindInPhotos(const std::vector<flight::InputFile>& files, con
   flight::Flight part;
   for (std::size_t i = 0; i < files.size(); ++i) {
     if (digests[i]) found.digests.emplace(files[i].name, *digests[i]);
-    if (photos[i]) part.photos.push_back(*std::move(photos[i]));
+    // Photos that are drawn in a range of the whole flight are looked at where the whole flight is.
+    if (photos[i] && photos[i]->sample_kind == flight::SampleKind::kBytes)
+      part.photos.push_back(*std::move(photos[i]));
   }
   SKYQUILT_TRY_ASSIGN(CheckedFlight checked, CheckPhotos(std::move(part), source, FeaturesToFind(options),
                                                          options.threads, progress));

@@ -107,15 +107,14 @@ std::optional<double> EllipsoidHeightM(const RecordedPosition& position) {
   return *position.height_amsl_m + geo::GeoidHeightM(position.position).value_or(0.0);
 }
 
-namespace {
-
-// Metres, good enough to tell one flight from another.
 double ApartM(const geo::LatLon& a, const geo::LatLon& b) {
   constexpr double kMetresPerDegree = 111'320.0;
   const double east_deg =
       std::remainder(a.lon_deg - b.lon_deg, 360.0) * std::cos(geo::DegToRad(0.5 * (a.lat_deg + b.lat_deg)));
   return kMetresPerDegree * std::hypot(a.lat_deg - b.lat_deg, east_deg);
 }
+
+namespace {
 
 std::size_t CountNear(const geo::LatLon& middle, const std::vector<geo::LatLon>& positions) {
   constexpr double kOneFlightM = 20'000.0;

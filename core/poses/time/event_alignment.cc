@@ -9,7 +9,6 @@ namespace skyquilt::poses {
 namespace {
 
 constexpr double kReward = 4.0;  // of a pair, against half its squared normalised error
-constexpr std::size_t kMaxVotes = 4'000'000;
 constexpr std::size_t kCandidates = 12;
 constexpr std::size_t kMaxEventsPerStamp = 16;
 constexpr double kTriggerJitterS = 0.03;  // a constant interval is constant to this
@@ -21,8 +20,8 @@ double HalfWindow(const StampModel& model) { return 0.5 * model.resolution_s + 4
 
 // Offsets that many pairs vote for, best first.
 std::vector<double> VoteForOffsets(std::span<const double> stamps, std::span<const double> events,
-                                   const StampModel& model) {
-  const std::size_t step = std::max<std::size_t>(1, stamps.size() * events.size() / kMaxVotes);
+                                   const StampModel& model, std::size_t max_votes) {
+  const std::size_t step = std::max<std::size_t>(1, stamps.size() * events.size() / max_votes);
   std::vector<double> votes;
   votes.reserve(stamps.size() / step * events.size() + events.size());
   for (std::size_t i = 0; i < stamps.size(); i += step) {
@@ -192,11 +191,11 @@ OffsetFit FitOffset(std::span<const double> differences, const StampModel& model
 }
 
 std::optional<EventAlignment> AlignEvents(std::span<const double> stamps, std::span<const double> events,
-                                          const StampModel& model) {
+                                          const StampModel& model, std::size_t max_votes) {
   if (stamps.empty() || events.empty()) return std::nullopt;
   std::optional<Candidate> best;
   std::vector<Candidate> all;
-  for (const double middle : VoteForOffsets(stamps, events, model))
+  for (const double middle : VoteForOffsets(stamps, events, model, max_votes))
     all.push_back(Settle(stamps, events, middle, model));
   for (const Candidate& candidate : all) {
     if (!best || candidate.pairing.score > best->pairing.score) best = candidate;
@@ -205,16 +204,17 @@ std::optional<EventAlignment> AlignEvents(std::span<const double> stamps, std::s
   const std::size_t shorter = std::min(stamps.size(), events.size());
   if (matched < 3 || 2 * matched < shorter) return std::nullopt;
   EventAlignment alignment;
-  alignment.offset = FitOffset(best->pairing.differences, model);
   alignment.event = best->pairing.event;
   alignment.matched = matched;
   // Within one pair's reward the rival cannot be told from the truth.
   for (const Candidate& candidate : all) {
     const double apart = std::abs(candidate.middle - best->middle);
-    if (apart > HalfWindow(model) && candidate.pairing.score > best->pairing.score - 0.5 * kReward &&
-        (alignment.ambiguous_by_s == 0.0 || apart < alignment.ambiguous_by_s)) {
-      alignment.ambiguous_by_s = apart;
-    }
+    if (apart <= HalfWindow(model) || candidate.pairing.score <= best->pairing.score - 0.5 * kReward)
+      continue;
+    if (std::find(alignment.rivals.begin(), alignment.rivals.end(), candidate.pairing.event) ==
+        alignment.rivals.end())
+      alignment.rivals.push_back(candidate.pairing.event);
+    if (alignment.ambiguous_by_s == 0.0 || apart < alignment.ambiguous_by_s) alignment.ambiguous_by_s = apart;
   }
   return alignment;
 }

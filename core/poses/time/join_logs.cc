@@ -6,8 +6,10 @@
 #include <chrono>
 #include <iterator>
 #include <limits>
+#include <list>
 
 #include "core/base/median.h"
+#include "core/poses/time/event_list.h"
 
 namespace skyquilt::poses {
 namespace {
@@ -235,15 +237,23 @@ std::vector<std::string> WarnOfEmptyLogs(const std::vector<FlightLog>& logs) {
   return warnings;
 }
 
-std::optional<JoinedLog> JoinLogs(const std::vector<FlightLog>& logs) {
+std::optional<JoinedLog> JoinLogs(const std::vector<FlightLog>& logs,
+                                  const std::vector<flight::Photo>& photos) {
   std::vector<const FlightLog*> useful;
+  std::list<FlightLog> event_lists;
+  JoinedLog out;
   for (const FlightLog& log : logs) {
-    if (Worth(log) > 0) useful.push_back(&log);
+    if (auto list = AsEventList(log, photos)) {
+      out.notes.push_back(fmt::format("{} ({}): its {} positions are those of camera events", log.file_name,
+                                      log.format, list->events.size()));
+      useful.push_back(&event_lists.emplace_back(*std::move(list)));
+    } else if (Worth(log) > 0) {
+      useful.push_back(&log);
+    }
   }
   if (useful.empty()) return std::nullopt;
   std::stable_sort(useful.begin(), useful.end(),
                    [](const FlightLog* a, const FlightLog* b) { return Worth(*a) > Worth(*b); });
-  JoinedLog out;
   Joiner joiner(*useful.front(), out);
   for (std::size_t i = 1; i < useful.size(); ++i) joiner.Take(*useful[i]);
   return out;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/flight/logs/flight_log.h"
+#include "core/flight/photos/photo.h"
 
 namespace skyquilt::poses {
 
@@ -23,7 +24,9 @@ struct JoinedLog {
 // Logs in which nothing is that a photo could be placed by, in words.
 std::vector<std::string> WarnOfEmptyLogs(const std::vector<flight::FlightLog>& logs);
 
-// Nothing where no log has a series or an event with a time.
-std::optional<JoinedLog> JoinLogs(const std::vector<flight::FlightLog>& logs);
+// Nothing where no log has a series or an event with a time. `photos`: lists of positions that are those of
+// camera events (event_list.h) are known by them.
+std::optional<JoinedLog> JoinLogs(const std::vector<flight::FlightLog>& logs,
+                                  const std::vector<flight::Photo>& photos = {});
 
 }  // namespace skyquilt::poses

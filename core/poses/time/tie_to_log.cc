@@ -1,5 +1,7 @@
 #include "core/poses/time/tie_to_log.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -49,7 +51,15 @@ LogTie TieToLog(const flight::FlightLog& log, std::vector<flight::Photo> photos)
     return tie;
   }
   tie.sync = *std::move(sync);
-  const int placed_by_events = ApplyEvents(log, *tie.sync, log.gnss.size() >= 2, tie.photos);
+  int placed_by_events = ApplyEvents(log, *tie.sync, log.gnss.size() >= 2, tie.photos);
+  if (!HasTrackSeries(log)) {
+    if (const int between = PlaceBetweenEvents(log, *tie.sync, tie.photos); between > 0) {
+      placed_by_events += between;
+      tie.sync->notes.push_back(
+          fmt::format("{} without an event of {} own stand{} between those before and after", between,
+                      between == 1 ? "its" : "their", between == 1 ? "s" : ""));
+    }
+  }
   tie.clock_sigma_s = kEventClockSigmaS;
   if (!HasTrackSeries(log)) return tie;
   const auto [begin_s, end_s] = MotionSpanOf(log);

@@ -7,7 +7,9 @@
 #include <iterator>
 #include <map>
 
+#include "core/base/median.h"
 #include "core/base/try.h"
+#include "core/poses/heights/flight_heights.h"
 #include "core/poses/time/event_alignment.h"
 #include "core/poses/time/find_clock_offset.h"
 #include "core/poses/time/stamped_photos.h"
@@ -52,13 +54,8 @@ class Synchroniser {
     const std::vector<StampedPhotos> cameras = StampsByCamera(photos_);
     const bool done = ByNames() || ByEvents(cameras) || (!cameras.empty() && BySearch(cameras.front()));
     if (!done) {
-      return Error{
-          ErrorCode::kUnprocessable,
-          fmt::format(
-              "{} photos cannot be tied to {}: give photos with capture times, a log with camera events, or "
-              "set the camera's clock.",
-              photos_.size(), log_.file_name),
-          fmt::format("{} events, {} stamped cameras", event_s_.size(), cameras.size())};
+      return Error{ErrorCode::kUnprocessable, WhyNotTied(!cameras.empty()),
+                   fmt::format("{} events, {} stamped cameras", event_s_.size(), cameras.size())};
     }
     FillFromOffset(cameras);
     if (first_ && log_.utc_at_zero) {
@@ -68,6 +65,29 @@ class Synchroniser {
   }
 
  private:
+  std::string WhyNotTied(bool has_stamps) const {
+    const std::string what = fmt::format("{} photos cannot be tied to {}", photos_.size(), log_.file_name);
+    if (event_s_.empty()) {
+      return fmt::format(
+          "{} ({} positions): give photos with capture times, a log with camera events, or set the camera's "
+          "clock.",
+          what, log_.gnss.size());
+    }
+    const std::string events = fmt::format("{}, which holds {} camera events", what, event_s_.size());
+    constexpr const char* kWhatToDo =
+        "Give the photos and the events of one flight, as many of the one as of the other.";
+    if (open_by_s_ > 0.0) {
+      return fmt::format(
+          "{}: the intervals hardly vary, so that the events fit as well {:.1f} s later or earlier, and nothing "
+          "says which event is which photo's. {}",
+          events, open_by_s_, kWhatToDo);
+    }
+    return fmt::format("{}: {}. {}", events,
+                       has_stamps ? "the intervals between the photos are not those between the events"
+                                  : "the photos carry no capture times, and the numbers differ",
+                       kWhatToDo);
+  }
+
   void Place(std::size_t photo, std::size_t event, double sigma_s) {
     sync_.photos[photo] = PhotoTime{log_.events[event].t_s, sigma_s, event};
   }
@@ -145,7 +165,7 @@ class Synchroniser {
       std::vector<double> differences;
       for (std::size_t k = 0; k < count; ++k) differences.push_back(camera.stamp_s[k] - event_s_[k]);
       const auto [least, most] = std::minmax_element(differences.begin(), differences.end());
-      if (*most - *least <= model.resolution_s + 8.0 * model.jitter_s + 0.05) {
+      if (*most - *least <= model.Spread()) {
         for (std::size_t k = 0; k < count; ++k) Place(camera.photo[k], event_index_[k], jitter_s_);
         if (is_first) {
           SetOffset(FitOffset(differences, model), 0.0);
@@ -156,14 +176,30 @@ class Synchroniser {
         return true;
       }
     }
-    const auto alignment = AlignEvents(camera.stamp_s, event_s_, model);
+    auto alignment = AlignEvents(camera.stamp_s, event_s_, model);
     if (!alignment) return false;
+    // Without a track a photo stands where its event does, and by chance many of another flight's fit too.
+    const bool decides_places = log_.gnss.empty() && HasPlacedEvents();
+    if (decides_places && 4 * alignment->matched < 3 * std::min(count, event_s_.size())) return false;
+    if (!alignment->rivals.empty() && DecideByPositions(camera, *alignment)) {
+      alignment->ambiguous_by_s = 0.0;
+      sync_.notes.emplace_back("the photos' own positions say which of several shifts it is");
+    }
+    // A wrong shift would put every photo at the place of its neighbour.
+    if (decides_places && alignment->ambiguous_by_s > 0.0) {
+      open_by_s_ = alignment->ambiguous_by_s;
+      return false;
+    }
     const double sigma_s = std::hypot(jitter_s_, alignment->ambiguous_by_s);
     for (std::size_t k = 0; k < count; ++k) {
       if (alignment->event[k]) Place(camera.photo[k], event_index_[*alignment->event[k]], sigma_s);
     }
     if (is_first) {
-      SetOffset(alignment->offset, alignment->ambiguous_by_s);
+      std::vector<double> differences;
+      for (std::size_t k = 0; k < count; ++k) {
+        if (alignment->event[k]) differences.push_back(camera.stamp_s[k] - event_s_[*alignment->event[k]]);
+      }
+      SetOffset(FitOffset(differences, model), alignment->ambiguous_by_s);
       sync_.method = TimeSyncMethod::kEventPattern;
       sync_.method_in_words =
           fmt::format("{} of {} photos matched to {} events by the pattern of their intervals",
@@ -174,6 +210,49 @@ class Synchroniser {
                         alignment->ambiguous_by_s));
       }
     }
+    return true;
+  }
+
+  bool HasPlacedEvents() const {
+    return std::any_of(event_index_.begin(), event_index_.end(),
+                       [&](std::size_t i) { return log_.events[i].position.has_value(); });
+  }
+
+  // The median distance of the photos' own positions from those of the events that they would be.
+  std::optional<double> MedianApartM(const StampedPhotos& camera, const EventOfStamp& event_of) const {
+    constexpr std::size_t kEnough = 3;
+    std::vector<double> apart_m;
+    for (std::size_t k = 0; k < event_of.size(); ++k) {
+      const auto& own = photos_[camera.photo[k]].position;
+      if (!own || !event_of[k]) continue;
+      const auto& there = log_.events[event_index_[*event_of[k]]].position;
+      if (there) apart_m.push_back(ApartM(own->position, *there));
+    }
+    if (apart_m.size() < kEnough) return std::nullopt;
+    return Median(std::move(apart_m));
+  }
+
+  // Takes the pairing in which photos lie clearly closest to their events.
+  bool DecideByPositions(const StampedPhotos& camera, EventAlignment& alignment) const {
+    std::optional<double> nearest_m = MedianApartM(camera, alignment.event), next_m;
+    if (!nearest_m) return false;
+    EventOfStamp* nearest = &alignment.event;
+    for (EventOfStamp& rival : alignment.rivals) {
+      const auto apart_m = MedianApartM(camera, rival);
+      if (!apart_m) return false;
+      if (*apart_m < *nearest_m) {
+        next_m = nearest_m;
+        nearest_m = apart_m;
+        nearest = &rival;
+      } else if (!next_m || *apart_m < *next_m) {
+        next_m = apart_m;
+      }
+    }
+    constexpr double kClearly = 1.5, kClearlyM = 1.0;
+    if (*next_m < kClearly * *nearest_m + kClearlyM) return false;
+    if (nearest != &alignment.event) std::swap(alignment.event, *nearest);
+    alignment.matched = static_cast<std::size_t>(std::count_if(
+        alignment.event.begin(), alignment.event.end(), [](const auto& event) { return event.has_value(); }));
     return true;
   }
 
@@ -217,6 +296,7 @@ class Synchroniser {
   std::vector<std::size_t> event_index_;
   std::vector<double> event_s_;
   double jitter_s_ = 0.02;
+  double open_by_s_ = 0.0;  // shifts of events by this fit as well, and nothing decides
 };
 
 }  // namespace

@@ -1,10 +1,12 @@
 // MatchPhotosToLog: when, on the log's clock, each photo was taken, and which camera event it is.
 // In this order: names that events carry; as many events as photos; the pattern of intervals where some
-// events were lost or doubled; without events, the offset of the camera's clock from positions of the photos
+// events were lost or doubled, of several shifts that fit as well the one by which the photos' own positions
+// are those of the events; without events, the offset of the camera's clock from positions of the photos
 // against the track, from distances between photos, or from the two clocks as they stand. Stamps cut to whole
 // seconds are first refined by the constant trigger interval. What was done is said in words, with a sigma;
 // ambiguity raises the sigma. Photos in the order of capture. Deterministic; any thread. Error:
-// kUnprocessable when nothing ties the two together, with advice.
+// kUnprocessable when nothing ties the two together, with advice; also where positions of events are all that
+// the log has, and several shifts of them fit as well.
 #pragma once
 
 #include <optional>

@@ -127,6 +127,50 @@ TEST(ChooseIntrinsics, TurnsThe35mmEquivalentByTheDiagonal) {
   EXPECT_EQ(FocalPxFrom35mm(24.0, 3000, 4000), focal);
 }
 
+// An FC300S: 6.17 mm of 4000 pixels, 20 mm as an equivalent.
+ExifRecord ExifInUnit(double factor) {
+  ExifRecord exif;
+  exif.focal_length_mm = 3.61;
+  exif.focal_plane_x_px_per_mm = exif.focal_plane_y_px_per_mm = factor * 4000.0 / 6.17;
+  return exif;
+}
+
+TEST(ChooseIntrinsics, LeavesAFocalPlaneOfTheWrongUnitAside) {
+  for (const double factor : {2.54, 1.0 / 2.54}) {
+    for (const bool is_listed : {true, false}) {
+      SCOPED_TRACE(testing::Message() << factor << " " << is_listed);
+      ExifRecord exif = ExifInUnit(factor);
+      if (is_listed) exif.model = "FC300S";
+      if (!is_listed) exif.focal_length_35mm_mm = 20.0;
+      std::vector<std::string> notes;
+      const auto chosen = ChooseIntrinsics(4000, 3000, exif, XmpTags(), notes);
+      EXPECT_EQ(chosen.source, is_listed ? FocalSource::kSensorTable : FocalSource::k35mmEquivalent);
+      EXPECT_NEAR(chosen.intrinsics.focal_x_px, 3.61 / 6.17 * 4000, 60.0);
+      ASSERT_EQ(notes.size(), 1u);
+      EXPECT_NE(notes[0].find("unit"), std::string::npos);
+    }
+  }
+}
+
+TEST(ChooseIntrinsics, KeepsAFocalPlaneThatAnyOtherSourceConfirms) {
+  ExifRecord exif = ExifInUnit(1.0);
+  exif.model = "FC300S";
+  exif.focal_length_35mm_mm = 50.0;  // wrong
+  EXPECT_EQ(Choose(4000, 3000, exif).source, FocalSource::kFocalPlane);
+  // A copy of 1600 pixels is 2.5 times smaller: no unit.
+  exif.focal_length_35mm_mm = 20.0;
+  exif.recorded_width_px = 4000;
+  EXPECT_EQ(Choose(1600, 1200, exif).source, FocalSource::kFocalPlane);
+  // Nothing beside it, and a sensor that may be.
+  EXPECT_EQ(Choose(4000, 3000, ExifInUnit(1.0 / 2.54)).source, FocalSource::kFocalPlane);
+}
+
+TEST(ChooseIntrinsics, LeavesASensorThatNoCameraHasAside) {
+  std::vector<std::string> notes;
+  EXPECT_EQ(ChooseIntrinsics(4000, 3000, ExifInUnit(2.6), XmpTags(), notes).source, FocalSource::kAssumed);
+  EXPECT_NE(notes.at(0).find("2.4 mm wide"), std::string::npos) << notes.at(0);
+}
+
 TEST(ChooseIntrinsics, SaysWhenItHadToAssume) {
   XmpTags xmp;
   std::vector<std::string> notes;

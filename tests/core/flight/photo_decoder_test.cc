@@ -186,9 +186,10 @@ TEST(DecodePhotoPart, AveragesAPngRowByRow) {
 }
 
 TEST(DecodePhotoBytes, ReadsEveryKindOfPng) {
-  const cv::Mat grey(30, 40, CV_8U, cv::Scalar(90)),
-      deep(30, 40, CV_16UC3, cv::Scalar(10 << 8, 20 << 8, 30 << 8)),
+  const cv::Mat grey(30, 40, CV_8U, cv::Scalar(90));
+  cv::Mat deep(30, 40, CV_16UC3, cv::Scalar(10 << 8, 20 << 8, 30 << 8)),
       clear(30, 40, CV_8UC4, cv::Scalar(10, 20, 30, 77));
+  deep.row(29).setTo(cv::Scalar::all(65535));  // of all 16 bits
   Bytes file;
   ASSERT_TRUE(cv::imencode(".png", grey, file));
   EXPECT_EQ(DecodePhotoBytes(file, 40, 30, 2)->rgb, PixelBytes(20 * 15 * 3, 90));

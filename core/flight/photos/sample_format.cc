@@ -1,0 +1,89 @@
+#include "core/flight/photos/sample_format.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+
+#include "core/flight/logs/text_fields.h"
+
+namespace skyquilt::flight {
+namespace {
+
+constexpr std::uint16_t kBitsTag = 0x0102, kPhotometricTag = 0x0106, kChannelsTag = 0x0115,
+                        kSampleFormatTag = 0x0153, kNoDataTag = 42113;
+constexpr int kZeroIsWhite = 0, kZeroIsBlack = 1, kRgb = 2;
+constexpr int kFormatUnsigned = 1, kFormatSigned = 2, kFormatFloating = 3, kFormatUndefined = 4;
+
+Error NotDrawn(const std::string& what, const char* instead) {
+  return {ErrorCode::kUnsupportedFormat,
+          fmt::format("The TIFF holds {}, which is not read. {}", what, instead), ""};
+}
+
+constexpr const char* kAsWholeNumbers =
+    "Export it with 8 or 16 bits a sample, or as 32-bit floating point, keeping the metadata.";
+
+}  // namespace
+
+Result<SampleFormat> SampleFormatOfTiff(const ExifTable& tags) {
+  const auto number = [&](std::uint16_t tag, int otherwise) {
+    constexpr double kMaxTag = 65535.0;
+    return static_cast<int>(std::clamp(tags.Number(ExifIfd::kImage, tag).value_or(otherwise), 0.0, kMaxTag));
+  };
+  // A TIFF that does not say is left to the decoder, which knows more kinds of small samples.
+  const int bits = number(kBitsTag, 8);
+  const int channels = number(kChannelsTag, 1);
+  const int format = number(kSampleFormatTag, kFormatUnsigned);
+  const int photometric = number(kPhotometricTag, channels == 1 ? kZeroIsBlack : kRgb);
+  if (channels < 1 || channels > 4) {
+    return NotDrawn(fmt::format("{} bands in one file", channels),
+                    "Give each band as a file of its own, as the camera wrote it.");
+  }
+  SampleFormat found;
+  found.zero_is_white = photometric == kZeroIsWhite;
+  found.no_data = ParseNumber(tags.Text(ExifIfd::kImage, kNoDataTag));
+  if (format == kFormatFloating) {
+    const std::string what = fmt::format("{}-bit floating point numbers", bits);
+    if (bits != 32 && bits != 64) return NotDrawn(what, kAsWholeNumbers);
+    if (channels != 1) {
+      return NotDrawn(fmt::format("{} in {} bands", what, channels),
+                      "Give each band as a file of its own, or colours with 8 or 16 bits a sample.");
+    }
+    found.kind = SampleKind::kFloating;
+    return found;
+  }
+  if (format != kFormatUnsigned && format != kFormatSigned && format != kFormatUndefined)
+    return NotDrawn("complex numbers", kAsWholeNumbers);
+  if (format != kFormatSigned && (bits == 1 || bits == 8)) return found;
+  if (format == kFormatSigned) {
+    const std::string what = fmt::format("{}-bit whole numbers with a sign", bits);
+    if (bits != 16 && bits != 32) return NotDrawn(what, kAsWholeNumbers);
+    if (channels != 1) return NotDrawn(fmt::format("{} in {} bands", what, channels), kAsWholeNumbers);
+    found.kind = SampleKind::kSigned;
+    return found;
+  }
+  if (bits != 10 && bits != 12 && bits != 14 && bits != 16)
+    return NotDrawn(fmt::format("{}-bit whole numbers", bits), kAsWholeNumbers);
+  if (channels == 1 && (photometric == kZeroIsBlack || photometric == kZeroIsWhite)) {
+    found.kind = SampleKind::kLevels;
+    return found;
+  }
+  if (channels >= 3 && photometric == kRgb) {
+    found.kind = SampleKind::kColourLevels;
+    return found;
+  }
+  if (channels == 1 || photometric > kRgb) return found;  // palettes and such, which the decoder knows
+  return NotDrawn(fmt::format("{} bands of {} bits in one file that are no colours", channels, bits),
+                  "Give each band as a file of its own, as the camera wrote it.");
+}
+
+SampleKind SampleKindOfPng(std::span<const std::uint8_t> start) {
+  constexpr std::size_t kDepthAt = 24, kColourAt = 25;
+  constexpr int kGrey = 0, kColour = 2, kColourAndAlpha = 6;
+  if (start.size() <= kColourAt || start[kDepthAt] != 16) return SampleKind::kBytes;
+  if (start[kColourAt] == kGrey) return SampleKind::kLevels;
+  return start[kColourAt] == kColour || start[kColourAt] == kColourAndAlpha ? SampleKind::kColourLevels
+                                                                            : SampleKind::kBytes;
+}
+
+}  // namespace skyquilt::flight
