@@ -345,7 +345,10 @@ class Gis(MapFileTestCase):
         tile_m, compared = 2 * WORLD_M / 2**zoom, 0
         with contextlib.closing(sqlite3.connect(self.path("mbtiles"))) as mbtiles:
             self.assertEqual(dict(mbtiles.execute("SELECT name, value FROM metadata WHERE name IN ('format', 'fringe')")),
-                             {"format": "jpg", "fringe": "webp"})
+                             {"format": "webp", "fringe": "webp"})
+            # Strict servers take these for the format of all.
+            self.assertEqual({bytes(mbtiles.execute(f"SELECT tile_data FROM tiles {where} LIMIT 1").fetchone()[0])[8:12]
+                              for where in ("", *(f"WHERE zoom_level={z}" for z in range(self.tilejson["minzoom"], zoom + 1)))}, {b"WEBP"})
             rows = mbtiles.execute("SELECT tile_column, tile_row, tile_data FROM tiles WHERE zoom_level=?", (zoom,)).fetchall()
         self.assertEqual({content[:4] for *_, content in rows}, {b"\xff\xd8\xff\xe0", b"RIFF"})
         for column, row, content in rows:
