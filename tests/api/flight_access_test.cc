@@ -288,6 +288,7 @@ TEST(FlightAccess, ATokenOfOneFlightReadsThatOneAlone) {
           {"{export}", w.job},
           {"{item}", flight + "-r1"},
           {"{feature}", "a.jpg"},
+          {"{operation}", "identify"},
           {"{process}", "stitch"}};
       for (const auto& [name, value] : values) {
         for (std::size_t found = text.find(name); found != std::string::npos; found = text.find(name)) {

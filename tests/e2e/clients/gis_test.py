@@ -104,7 +104,11 @@ class Gis(MapFileTestCase):
         _, described = self.server.json("GET", path)
         self.assertEqual((status, layer["id"], layer["extent"]), (200, described["layers"][0]["id"], described["fullExtent"]))
         self.assertEqual(layer["extent"]["spatialReference"], {"wkid": 102100, "latestWkid": 3857})
+        self.assertEqual(self.server.json("GET", path + "/layers?f=json"), (200, {"layers": [layer], "tables": []}))
+        status, legend = self.server.json("GET", path + "/legend?f=pjson")
+        self.assertEqual((status, [(each["layerId"], each["legend"]) for each in legend["layers"]]), (200, [(0, [])]))
         self.assertEqual(self.server.request("GET", path + "?f=kmz")[0], 400)
+        self.assertEqual(self.server.request("GET", path + "/identify?f=json")[0], 404)
 
     def test_gdals_ogcapi_driver_reads_the_collection(self):
         collection, options = f"/ogc/collections/{self.flight_id}", ["API=TILES", "TILEMATRIXSET=WebMercatorQuad"]
