@@ -139,6 +139,35 @@ Value ArcgisLayer(const MapView& map) {
   return answer;
 }
 
+Value ArcgisLayers(const MapView& map) {
+  return {{"layers", Value::array({ArcgisLayer(map)})}, {"tables", Value::array()}};
+}
+
+// A picture of the ground has no classes to explain.
+Value ArcgisLegend(const MapView& map) {
+  Value layer;
+  layer["layerId"] = 0;
+  layer["layerName"] = map.name;
+  layer["layerType"] = "Raster Layer";
+  layer["minScale"] = 0;
+  layer["maxScale"] = 0;
+  layer["legend"] = Value::array();
+  Value answer;
+  answer["layers"] = Value::array({layer});
+  return answer;
+}
+
+// Identify, find, export and what else a map service may have.
+Response ArcgisUnknown(const Request& request) {
+  return Problem(
+      {ErrorCode::kNotFound,
+       fmt::format("A map service of this server has no \"{}\": it has tiles, 0, layers and legend. "
+                   "What is at a place is told by /api/v1/flights/{}/point?lon=...&lat=...",
+                   request.Parameter("operation"), request.Parameter("flight")),
+       ""},
+      request);
+}
+
 Result<Response> ArcgisTile(Service& service, const Request& request) {
   SKYQUILT_TRY_ASSIGN(const TilePath path, ParseTilePath(request.Parameter("z"), request.Parameter("column"),
                                                          request.Parameter("row")));
@@ -165,6 +194,10 @@ void AddArcgisRoutes(Router& router, Service& service) {
   };
   add("", MapServer);
   add("/0", ArcgisLayer);
+  add("/layers", ArcgisLayers);
+  add("/legend", ArcgisLegend);
+  router.AddQuick(Method::kGet, "/arcgis/rest/services/{flight}/MapServer/{operation}",
+                  [](const Request& r) { return ArcgisUnknown(r); });
   router.AddQuick(Method::kGet, "/arcgis/rest/services/{flight}/MapServer/tile/{z}/{row}/{column}",
                   [&](const Request& r) { return TileResponse(ArcgisTile(service, r), r); });
 }

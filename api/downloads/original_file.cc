@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 #include "api/downloads/send_file.h"
 #include "api/flights/flights.h"
@@ -57,10 +57,9 @@ Result<Response> Send(Service& service, const Request& request) {
   const std::string& name = request.Parameter("name");
   SKYQUILT_TRY(CheckId(flight_id, "flight"));
   SKYQUILT_TRY(RequireFlight(service, flight_id));
-  SKYQUILT_TRY_ASSIGN(const std::vector<storage::StoredFile> files, service.catalogue.ListFiles(flight_id));
-  const auto file = std::find_if(files.begin(), files.end(),
-                                 [&](const storage::StoredFile& stored) { return stored.name == name; });
-  if (file == files.end()) return SendFrame(service, request, flight_id, name);
+  SKYQUILT_TRY_ASSIGN(const std::optional<storage::StoredFile> file,
+                      service.catalogue.FindFile(flight_id, name));
+  if (!file) return SendFrame(service, request, flight_id, name);
   const char* image_type = ImageTypeOf(name);
   // Stored names are never used again: the bytes behind one never change.
   Result<Response> sent = SendBlob(

@@ -1,5 +1,9 @@
+#include <fmt/format.h>
+
 #include <memory>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include "api/flights/flights.h"
 #include "api/http/digest.h"
@@ -7,12 +11,72 @@
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
 #include "api/uploads/files.h"
+#include "api/uploads/flight_document.h"
 #include "api/uploads/unpack.h"
 #include "core/base/try.h"
 #include "storage/uploads/unpack_archive.h"
 
 namespace skyquilt::api {
 namespace {
+
+using storage::StoredFile;
+
+// A second card has other photos under the names of the first one's.
+Error AnotherIsThere(const StoredFile& known) {
+  return {ErrorCode::kConflict,
+          fmt::format(
+              "This flight has another file \"{0}\" already, of {1} bytes. To keep both, send this one "
+              "under another name, with its folder's in front, say: .../files/101MEDIA_{0}. To put it in the "
+              "other's place, send the header If-Match: * with it.",
+              known.name, known.bytes),
+          ""};
+}
+
+bool MayReplace(const Request& request) { return !request.headers.Find("If-Match").empty(); }
+
+// What lies where the file is to go. kPreconditionFailed where it is not what If-Match names.
+Result<std::optional<StoredFile>> FindInItsPlace(Service& service, const Request& request) {
+  SKYQUILT_TRY_ASSIGN(std::optional<StoredFile> known,
+                      service.catalogue.FindFile(request.Parameter("flight"), request.Parameter("name")));
+  SKYQUILT_TRY(CheckIfMatch(request, known, "The file is not, or no more, the one that If-Match names."));
+  return known;
+}
+
+Result<bool> HaveSameBytes(Service& service, const std::string& flight_id, const StoredFile& one,
+                           const StoredFile& other) {
+  constexpr std::int64_t kSlice = std::int64_t{4} << 20;
+  if (one.bytes != other.bytes) return false;
+  const std::string prefix = storage::FilesPrefix(flight_id);
+  for (std::int64_t at = 0; at < one.bytes; at += kSlice) {
+    SKYQUILT_TRY_ASSIGN(const std::string here,
+                        service.store.blobs().ReadRange(prefix + one.stored_name, at, kSlice));
+    SKYQUILT_TRY_ASSIGN(const std::string there,
+                        service.store.blobs().ReadRange(prefix + other.stored_name, at, kSlice));
+    if (here != there) return false;
+  }
+  return true;
+}
+
+// Nothing: the flight has the same bytes under this name already.
+Result<std::optional<storage::AddedFile>> AddInItsPlace(Service& service, const Request& request,
+                                                        const StoredFile& file) {
+  const std::string& flight_id = request.Parameter("flight");
+  constexpr int kMaxTurns = 5;
+  for (int turn = 1;; ++turn) {
+    SKYQUILT_TRY_ASSIGN(const std::optional<StoredFile> known, FindInItsPlace(service, request));
+    if (known && !MayReplace(request)) {
+      SKYQUILT_TRY_ASSIGN(const bool is_same, HaveSameBytes(service, flight_id, *known, file));
+      if (!is_same) return AnotherIsThere(*known);
+      return std::optional<storage::AddedFile>();
+    }
+    const Result<storage::AddedFile> added = service.catalogue.AddFile(
+        flight_id, file, storage::Now(), known ? known->stored_name : std::string());
+    if (added) return std::optional(*added);
+    // Another request was faster.
+    const bool came_between = added.error().code == ErrorCode::kPreconditionFailed;
+    if (!came_between || turn == kMaxTurns) return added.error();
+  }
+}
 
 // One raw body into one file of a flight.
 class PutFile final : public BodySink {
@@ -33,7 +97,6 @@ class PutFile final : public BodySink {
   }
 
   Response Finish() override {
-    const std::string& flight_id = request_.Parameter("flight");
     const std::int64_t bytes = upload_.bytes();
     if (sha256_ && digest_.Finish() != *sha256_) {
       return Problem({ErrorCode::kDigestMismatch,
@@ -42,21 +105,34 @@ class PutFile final : public BodySink {
     }
     Result<std::string> stored = upload_.Finish();
     if (!stored) return Problem(stored.error(), request_);
-    const storage::StoredFile file{request_.Parameter("name"), *stored, bytes};
-    const Result<storage::AddedFile> added = service_.catalogue.AddFile(flight_id, file, storage::Now());
-    if (!added) {
-      service_.store.Remove(flight_id, *stored);
-      return Problem(added.error(), request_);
-    }
-    incoming_.Kept(bytes);
-    if (added->replaced) service_.store.Remove(flight_id, added->replaced_stored_name);
-    if (!storage::IsArchiveName(file.name)) return Json(added->replaced ? 200 : 201, FileJson(file));
-    const Result<std::vector<FileOutcome>> outcomes = UnpackStored(service_, flight_id, file);
-    if (!outcomes) return Problem(outcomes.error(), request_);
-    return Json(201, JsonObject({{"files", FileOutcomesJson(*outcomes)}}));
+    const StoredFile file{request_.Parameter("name"), *stored, bytes};
+    Result<Response> kept = storage::IsArchiveName(file.name) ? KeepContent(file) : Keep(file);
+    return kept ? *std::move(kept) : Problem(kept.error(), request_);
   }
 
  private:
+  Result<Response> Keep(const StoredFile& file) {
+    const std::string& flight_id = request_.Parameter("flight");
+    const Result<std::optional<storage::AddedFile>> added = AddInItsPlace(service_, request_, file);
+    if (!added || !*added) service_.store.Remove(flight_id, file.stored_name);
+    if (!added) return added.error();
+    if (!*added) return Json(200, FileJson(file));
+    incoming_.Kept(file.bytes);
+    if ((*added)->replaced) service_.store.Remove(flight_id, (*added)->replaced_stored_name);
+    return Json((*added)->replaced ? 200 : 201, FileJson(file));
+  }
+
+  // An archive's own name is there only until it is unpacked.
+  Result<Response> KeepContent(const StoredFile& file) {
+    const std::string& flight_id = request_.Parameter("flight");
+    const Result<StoredFile> added = service_.catalogue.AddFileUnderFreeName(flight_id, file, storage::Now());
+    if (!added) service_.store.Remove(flight_id, file.stored_name);
+    if (!added) return added.error();
+    incoming_.Kept(file.bytes);
+    SKYQUILT_TRY_ASSIGN(const std::vector<FileOutcome> outcomes, UnpackStored(service_, flight_id, *added));
+    return Json(201, JsonObject({{"files", FileOutcomesJson(outcomes)}}));
+  }
+
   Service& service_;
   Request request_;
   storage::Upload upload_;
@@ -74,6 +150,14 @@ std::variant<std::unique_ptr<BodySink>, Response> BeginPut(Service& service, con
   const Result<bool> known = service.catalogue.HasFlight(flight_id);
   if (!known) return Problem(known.error(), request);
   if (!*known) return Problem({ErrorCode::kNotFound, "There is no such flight.", ""}, request);
+  if (!storage::IsArchiveName(request.Parameter("name"))) {
+    const Result<std::optional<StoredFile>> there = FindInItsPlace(service, request);
+    if (!there) return Problem(there.error(), request);
+    // Told before the bytes are sent where their number tells.
+    const bool is_other = *there && request.content_length &&
+                          *request.content_length != static_cast<std::uint64_t>((*there)->bytes);
+    if (is_other && !MayReplace(request)) return Problem(AnotherIsThere(**there), request);
+  }
   Result<IncomingBytes> incoming = IncomingBytes::Into(service, flight_id);
   if (!incoming) return Problem(incoming.error(), request);
   const Result<void> fits = incoming->CheckRoom(request.content_length);
@@ -99,11 +183,10 @@ Response ListFiles(Service& service, const Request& request) {
   if (!checked) return Problem(checked.error(), request);
   const Result<void> there = RequireFlight(service, request.Parameter("flight"));
   if (!there) return Problem(there.error(), request);
-  const Result<std::vector<storage::StoredFile>> files =
-      service.catalogue.ListFiles(request.Parameter("flight"));
+  const Result<std::vector<StoredFile>> files = service.catalogue.ListFiles(request.Parameter("flight"));
   if (!files) return Problem(files.error(), request);
   std::vector<std::string> items;
-  for (const storage::StoredFile& file : *files) items.push_back(FileJson(file));
+  for (const StoredFile& file : *files) items.push_back(FileJson(file));
   return Json(200, JsonObject({{"files", JsonArray(items)}}));
 }
 
@@ -111,7 +194,7 @@ Response DeleteFile(Service& service, const Request& request) {
   const std::string& flight_id = request.Parameter("flight");
   const Result<void> checked = CheckId(flight_id, "flight");
   if (!checked) return Problem(checked.error(), request);
-  const Result<storage::StoredFile> removed =
+  const Result<StoredFile> removed =
       service.db.Free([&] { return service.catalogue.RemoveFile(flight_id, request.Parameter("name")); });
   if (!removed) return Problem(removed.error(), request);
   service.store.Remove(flight_id, removed->stored_name);

@@ -68,13 +68,17 @@ std::vector<std::optional<std::string>> WhyImplausible(const std::vector<CameraS
     const Eigen::Vector3d center = stands[i].cam_from_enu.TargetOriginInSource();
     const double height_m = stands[i].height_above_ground_m;
     const double far_m = (center.head<2>() - middle).norm();
+    const double lat_deg = frame.Wgs84FromEnu(center).lat_deg;
     if (far_m > kFarthestM) {
       why[i] = fmt::format(
           "was taken {:.0f} km away from the rest of the flight. If the position is right, stitch it as a "
           "flight of its own.",
           far_m / 1000.0);
-    } else if (!(std::abs(frame.Wgs84FromEnu(center).lat_deg) <= kHighestLatDeg)) {
-      why[i] = "was taken beyond 85 degrees of latitude, where web maps end.";
+    } else if (!(std::abs(lat_deg) <= kHighestLatDeg)) {
+      why[i] = fmt::format(
+          "was taken at {:.2f} degrees {}, and no map is drawn beyond {:.0f} degrees of "
+          "latitude, where web maps (Web Mercator) end.",
+          std::abs(lat_deg), lat_deg < 0.0 ? "south" : "north", kHighestLatDeg);
     } else if (height_m < kMinHeightM) {
       why[i] = fmt::format(
           "stood {:.1f} m {} the ground by its recorded height and the ground's. Check what its height counts "

@@ -405,6 +405,15 @@ Result<std::vector<StoredFile>> FilesOf(Statement& query) {
   }
 }
 
+Result<std::optional<StoredFile>> Catalogue::FindFile(const std::string& flight_id,
+                                                      const std::string& name) const {
+  const auto db = db_.Read();
+  SKYQUILT_TRY_ASSIGN(Statement query, db->Prepare("SELECT name, stored_name, bytes FROM file"
+                                                   " WHERE flight_id=? AND name=?"));
+  SKYQUILT_TRY_ASSIGN(const std::vector<StoredFile> found, FilesOf(query.Bind(1, flight_id).Bind(2, name)));
+  return found.empty() ? std::nullopt : std::optional(found.front());
+}
+
 Result<std::vector<StoredFile>> Catalogue::ListFiles(const std::string& flight_id) const {
   const auto db = db_.Read();
   SKYQUILT_TRY_ASSIGN(const bool known, Exists(*db, "SELECT 1 FROM flight WHERE id=?", flight_id));

@@ -129,6 +129,7 @@ class Catalogue {
   Result<StoredFile> AddFileUnderFreeName(const std::string& flight_id, const StoredFile& file, Time now,
                                           const std::optional<std::string>& upload_id = std::nullopt);
   Result<StoredFile> RemoveFile(const std::string& flight_id, const std::string& name);
+  Result<std::optional<StoredFile>> FindFile(const std::string& flight_id, const std::string& name) const;
   // Also of a flight in the trash, whose files are kept.
   Result<std::vector<StoredFile>> ListFiles(const std::string& flight_id) const;
 

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 #include <xxhash.h>
 
+#include <array>
 #include <cstring>
 #include <set>
 #include <utility>
@@ -124,12 +125,21 @@ Result<void> MbtilesWriter::Put(const geo::TileId& tile, image::PictureFormat fo
 
 Result<void> MbtilesWriter::Commit() { return state_->db.Exec("COMMIT; BEGIN;"); }
 
+// Strict programs (Martin) take the first tile of all and of each zoom for what all are, and refuse a file
+// that names another format. Where tiles of two formats are, those come first that lie at the edge.
+Result<const char*> MbtilesWriter::NamedFormat() {
+  const bool has_jpeg = state_->formats.contains(image::PictureFormat::kJpeg);
+  if (!has_jpeg) return state_->formats.contains(image::PictureFormat::kWebp) ? "webp" : "png";
+  if (state_->has_opaque_webp) return "jpg";
+  SKYQUILT_TRY_ASSIGN(auto first, state_->db.Prepare("SELECT tile_format FROM tiles_shallow"
+                                                     " ORDER BY zoom_level, tile_column, tile_row LIMIT 1"));
+  SKYQUILT_TRY(first.Step());
+  return std::array{"jpg", "webp", "png"}.at(static_cast<std::size_t>(first.ColumnInt64(0)));
+}
+
 Result<void> MbtilesWriter::Publish(const TilesetMetadata& metadata) {
-  // Readers take the format as the kind of most tiles; the fringe is WebP or PNG whatever it says.
   const bool has_webp = state_->formats.contains(image::PictureFormat::kWebp);
-  const char* format = state_->formats.contains(image::PictureFormat::kJpeg) ? "jpg"
-                       : has_webp                                            ? "webp"
-                                                                             : "png";
+  SKYQUILT_TRY_ASSIGN(const char* format, NamedFormat());
   const auto& b = metadata.bounds;
   const std::vector<std::pair<std::string, std::string>> rows = {
       {"name", metadata.name},

@@ -45,6 +45,7 @@ class MbtilesWriter final : public pyramid::TileSink {
  private:
   struct State;
   explicit MbtilesWriter(std::unique_ptr<State> state);
+  Result<const char*> NamedFormat();
   std::unique_ptr<State> state_;
 };
 

@@ -30,7 +30,7 @@ class TileSource {
 };
 
 // As MBTiles names them. Beside its names: `tile_size`, and `fringe`, "webp" where partly transparent tiles
-// are WebP and opaque ones are not (`format` is that of the opaque ones, or of all where there are none).
+// are WebP and opaque ones are JPEG or PNG. `format` is that of the first tile then, which lies at the edge.
 using TilesetFacts = std::map<std::string, std::string>;
 
 // A finished map, or a layer of one: immutable, and it says what it is.

@@ -67,8 +67,9 @@ void TileJudge::JudgePictures(const TilesetClaims& claims, FileVerdict& verdict)
     if (said == 0) {
       verdict.Add(Severity::kError, fmt::format("it says that its tiles are {}, and none is", claims.format));
     } else if (said < all) {
-      verdict.Add(Severity::kNote, fmt::format("{} of {} tiles are not {}, as tiles at the edge often are",
-                                               all - said, all, claims.format));
+      verdict.Add(Severity::kNote,
+                  fmt::format("{} of {} tiles are not {}; the edge of a map often has a format of its own",
+                              all - said, all, claims.format));
     }
   }
   if (side_px_ > 0 && !std::has_single_bit(static_cast<unsigned>(side_px_)))

@@ -122,7 +122,7 @@ std::map<std::pair<Method, std::string>, Ask> Asks() {
   asks[{M::kPost, "/api/v1/flights/{flight}/files"}] =
       Sends(M::kPost, at_flight("/files"), kFormBody, {{"Content-Type", FormType()}});
   asks[{M::kPut, "/api/v1/flights/{flight}/files/{name}"}] =
-      Sends(M::kPut, at_flight("/files/a.jpg"), "other");
+      Sends(M::kPut, at_flight("/files/a.jpg"), "other", {{"If-Match", "*"}});
   asks[{M::kPut, "/api/v1/flights/{flight}/control"}] = [](World& w, const Headers& who) {
     w.sample.service().read_control = [](const std::filesystem::path&) {
       return Result<std::string>(std::string("{}"));
@@ -288,6 +288,7 @@ TEST(FlightAccess, ATokenOfOneFlightReadsThatOneAlone) {
           {"{export}", w.job},
           {"{item}", flight + "-r1"},
           {"{feature}", "a.jpg"},
+          {"{operation}", "identify"},
           {"{process}", "stitch"}};
       for (const auto& [name, value] : values) {
         for (std::size_t found = text.find(name); found != std::string::npos; found = text.find(name)) {

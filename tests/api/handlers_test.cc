@@ -70,14 +70,68 @@ TEST(Flights, RefuseBadParameters) {
 TEST(Files, ArePutReplacedListedAndRemoved) {
   SampleService sample;
   const std::string files = "/api/v1/flights/" + sample.NewFlight() + "/files";
+  Headers replaces;
+  replaces.Add("If-Match", "*");
   EXPECT_EQ(sample.Send(Method::kPut, files + "/a%20b.jpg", "one").status, 201);
-  EXPECT_EQ(sample.Send(Method::kPut, files + "/a%20b.jpg", "three").status, 200);
+  EXPECT_EQ(sample.Send(Method::kPut, files + "/a%20b.jpg", "three", replaces).status, 200);
   const json listed = JsonOf(sample.Get(files));
   ASSERT_EQ(listed["files"].size(), 1u);
   EXPECT_EQ(listed["files"][0], (json{{"name", "a b.jpg"}, {"bytes", 5}}));
   EXPECT_EQ(sample.Send(Method::kDelete, files + "/a%20b.jpg").status, 204);
   EXPECT_EQ(sample.Send(Method::kDelete, files + "/a%20b.jpg").status, 404);
   EXPECT_EQ(CountIn(sample.dir().Incoming()), 0);
+}
+
+TEST(Files, OfAnotherCardTakeNobodysPlace) {
+  SampleService sample;
+  const std::string flight = sample.NewFlight();
+  const std::string at = "/api/v1/flights/" + flight + "/files/DJI_0001.JPG";
+  ASSERT_EQ(sample.Send(Method::kPut, at, "first").status, 201);
+  const std::string stored = sample.catalogue.FindFile(flight, "DJI_0001.JPG")->value().stored_name;
+  for (const bool says_length : {true, false}) {
+    // Of the same length too: the bytes count.
+    for (const char* other : {"other", "longer"}) {
+      const Response refused = sample.Send(Method::kPut, at, other, {}, says_length);
+      EXPECT_EQ(refused.status, 409);
+      const std::string said = JsonOf(refused)["detail"];
+      EXPECT_NE(said.find("101MEDIA_DJI_0001.JPG"), std::string::npos) << said;
+      EXPECT_NE(said.find("If-Match: *"), std::string::npos) << said;
+    }
+    // What came twice changes nothing.
+    EXPECT_EQ(sample.Send(Method::kPut, at, "first", {}, says_length).status, 200);
+  }
+  EXPECT_EQ(sample.catalogue.FindFile(flight, "DJI_0001.JPG")->value().stored_name, stored);
+  EXPECT_EQ(CountIn(sample.dir().Files(flight)), 1);
+  EXPECT_EQ(CountIn(sample.dir().Incoming()), 0);
+  EXPECT_EQ(sample.Send(Method::kPut, at + ".txt", "other").status, 201);
+}
+
+TEST(Files, AreReplacedByTheirEtag) {
+  SampleService sample;
+  const std::string flight = sample.NewFlight();
+  const std::string at = "/api/v1/flights/" + flight + "/files/geo.txt";
+  ASSERT_EQ(sample.Send(Method::kPut, at, "one").status, 201);
+  Headers known;
+  known.Add("If-Match", std::string(sample.Get(at).headers.Find("ETag")));
+  EXPECT_EQ(sample.Send(Method::kPut, at, "two", known).status, 200);
+  EXPECT_EQ(sample.Send(Method::kPut, at, "three", known).status, 412) << "it was replaced meanwhile";
+  Response got = sample.Get(at);
+  EXPECT_EQ(BodyOf(got), "two");
+  EXPECT_EQ(CountIn(sample.dir().Files(flight)), 1);
+}
+
+TEST(Files, ThatAJobReadsMayComeAgainButNotChange) {
+  SampleService sample;
+  const std::string flight = sample.NewFlight();
+  const std::string at = "/api/v1/flights/" + flight + "/files/a.jpg";
+  ASSERT_EQ(sample.Send(Method::kPut, at, "one").status, 201);
+  ASSERT_TRUE(sample.queue.Add(flight, "{}", storage::Now()));
+  ASSERT_TRUE(sample.queue.Claim("w", storage::Now())->has_value());
+  Headers replaces;
+  replaces.Add("If-Match", "*");
+  EXPECT_EQ(sample.Send(Method::kPut, at, "one").status, 200);
+  EXPECT_EQ(sample.Send(Method::kPut, at, "two", replaces).status, 409);
+  EXPECT_EQ(CountIn(sample.dir().Files(flight)), 1);
 }
 
 TEST(Files, RefuseEmptyOnesAndUnknownFlights) {

@@ -49,6 +49,28 @@ class CurlSlips(ServerTestCase):
         done = subprocess.run(["bash", "-c", script], capture_output=True, text=True, cwd=self.folder)
         self.assertEqual(json.loads(done.stdout)["flight"]["file_count"], 2, done.stdout)
 
+    def test_a_second_card_of_the_same_names(self):
+        (_, first), (_, second) = self.photos[:2]
+        cards = self.folder.with_name("cards")
+        for folder, content in (("100MEDIA", first), ("101MEDIA", second)):
+            (cards / folder).mkdir(parents=True)
+            (cards / folder / "DJI_0001.JPG").write_bytes(content)
+        files = f"/api/v1/flights/{self.flight['id']}/files/"
+        one, other = cards / "100MEDIA/DJI_0001.JPG", cards / "101MEDIA/DJI_0001.JPG"
+        self.assertEqual(self.curl(self.server, files, "-T", one)["bytes"], len(first))
+        refused = self.curl(self.server, files, "-T", other)
+        self.assertEqual((refused["status"], refused["code"]), (409, "conflict"))
+        self.assertIn(".../files/101MEDIA_DJI_0001.JPG", refused["detail"])
+        self.assertEqual(self.curl(self.server, files, "-T", one)["bytes"], len(first))
+        self.assertEqual(self.server.request("GET", files + "DJI_0001.JPG")[2], first)
+        self.assertEqual(self.curl(self.server, files, "-T", other, "-H", "If-Match: *")["bytes"], len(second))
+        self.assertEqual(self.server.request("GET", files + "DJI_0001.JPG")[2], second)
+        # As the manual keeps both.
+        script = (f'cd 101MEDIA; for photo in *.JPG; do curl -sS -T "$photo" http://127.0.0.1:{self.server.port}{files}'
+                  '101MEDIA_"$photo"; done')
+        subprocess.run(["bash", "-c", script], check=True, capture_output=True, cwd=cards)
+        self.assertEqual(self.server.request("GET", f"{files}101MEDIA_DJI_0001.JPG")[2], second)
+
     def test_a_wrong_token_is_told_from_none(self):
         subprocess.run([BINARY, "token", "add", "one", "--data", self.server.data, *catalogue_words(self.server.data)], check=True, capture_output=True)
         wait_until(lambda: self.server.request("GET", "/api/v1/flights")[0] == 401, "the token is not asked for")

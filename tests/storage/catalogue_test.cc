@@ -141,7 +141,9 @@ TEST_F(CatalogueTest, ReplacesAFileOfTheSameNameAndSaysWhichBytesToDrop) {
   EXPECT_TRUE(second->replaced);
   EXPECT_EQ(second->replaced_stored_name, old_name);
   ASSERT_EQ(catalogue_.ListFiles(id)->size(), 1u);
-  EXPECT_EQ(catalogue_.ListFiles(id)->front().bytes, 2);
+  EXPECT_EQ(catalogue_.FindFile(id, "a.jpg")->value().bytes, 2);
+  EXPECT_FALSE(catalogue_.FindFile(id, "A.jpg")->has_value());
+  EXPECT_FALSE(catalogue_.FindFile("x", "a.jpg")->has_value());
 }
 
 TEST_F(CatalogueTest, KeepsBothFilesOfOneNameWhenAsked) {

@@ -83,7 +83,18 @@ TEST_P(StandardsTest, ArcgisFindsServiceLayerAndLevels) {
   EXPECT_NEAR(levels[0]["resolution"].get<double>() * map["tileInfo"]["cols"].get<int>(), 40075016.68557849,
               1e-6);
   EXPECT_EQ(map["maxScale"], levels.back()["scale"]);
-  EXPECT_EQ(json::parse(Body(at + "/0"))["extent"], map["fullExtent"]);
+  const json layer = json::parse(Body(at + "/0"));
+  EXPECT_EQ(layer["extent"], map["fullExtent"]);
+  EXPECT_EQ(json::parse(Body(at + "/layers?f=json")),
+            (json{{"layers", json::array({layer})}, {"tables", json::array()}}));
+  const json legend = json::parse(Body(at + "/legend?f=pjson"));
+  ASSERT_EQ(legend["layers"].size(), 1u);
+  EXPECT_EQ(legend["layers"][0]["layerId"], map["layers"][0]["id"]);
+  EXPECT_EQ(legend["layers"][0]["legend"], json::array());
+  for (const char* rest : {"/layers", "/legend"}) EXPECT_EQ(sample_.Get(at + rest + "?f=kmz").status, 400);
+  const Response unknown = sample_.Get(at + "/identify?geometry=1,2&f=json");
+  EXPECT_EQ(unknown.status, 404);
+  EXPECT_NE(unknown.body.find("has no \\\"identify\\\""), std::string::npos) << unknown.body;
   EXPECT_EQ(sample_.Get(at + "?f=kmz").status, 400);
   EXPECT_EQ(sample_.Get("/arcgis/rest/services/" + sample_.NewFlight() + "/MapServer/0").status, 404);
 }

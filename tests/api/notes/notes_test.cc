@@ -168,7 +168,11 @@ TEST_F(Notes, ThatAreNoTextOfNotesAreRefusedBeforeTheyAreRead) {
 
 TEST_F(Notes, InAFileThatAUserSentAreReadAsStrictly) {
   const auto send = [&](const std::string& text) {
-    return server_.Send(Method::kPut, "/api/v1/flights/" + flight_ + "/files/Map_Notes.geojson", text).status;
+    Headers replaces;
+    replaces.Add("If-Match", "*");
+    return server_
+        .Send(Method::kPut, "/api/v1/flights/" + flight_ + "/files/Map_Notes.geojson", text, replaces)
+        .status;
   };
   ASSERT_EQ(send(ExampleNotes().dump()), 201);
   EXPECT_EQ(json::parse(server_.Get(Address()).body), ExampleNotes());

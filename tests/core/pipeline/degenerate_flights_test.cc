@@ -220,7 +220,7 @@ TEST_F(DegenerateFlights, NearThePoles) {
   for (const double lat_deg : {89.999, -89.9999, 85.3}) {
     for (int i = 0; i < 3; ++i) Add({.at = {lat_deg, 20.0 * i}});
   }
-  ExpectRefusal("85 degrees");
+  ExpectRefusal("beyond 85 degrees");
 }
 
 TEST_F(DegenerateFlights, JustWhereWebMapsEnd) {

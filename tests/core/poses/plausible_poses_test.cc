@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 namespace skyquilt::poses {
@@ -24,7 +25,7 @@ std::vector<std::optional<std::string>> WhyBesideFive(const std::vector<CameraSt
   for (int i = 0; i < 5; ++i) all.push_back(LookingDown(10.0 * i, 0.0, 50.0));
   all.insert(all.end(), stands.begin(), stands.end());
   auto why = WhyImplausible(all, geo::LocalFrame({lat_deg, 7.1, 500.0}));
-  for (int i = 0; i < 5 && lat_deg < 85.0; ++i) EXPECT_FALSE(why[static_cast<std::size_t>(i)]);
+  for (int i = 0; i < 5 && std::abs(lat_deg) < 85.0; ++i) EXPECT_FALSE(why[static_cast<std::size_t>(i)]);
   why.erase(why.begin(), why.begin() + 5);
   return why;
 }
@@ -40,7 +41,11 @@ TEST(WhyImplausible, NamesWhatIsWrong) {
   EXPECT_THAT(Why(LookingDown(0.0, 0.0, 0.1)), HasSubstr("0.1 m above the ground"));
   EXPECT_THAT(Why(LookingDown(1e6, 0.0, 50.0)), HasSubstr("km away"));
   EXPECT_THAT(Why(LookingDown(0.0, 0.0, 5000.0)), HasSubstr("10000 times as much ground"));
-  EXPECT_THAT(*WhyBesideFive({LookingDown(0.0, 0.0, 50.0)}, 89.0)[0], HasSubstr("85 degrees"));
+  for (const auto& [lat_deg, where] :
+       {std::pair{86.5, "at 86.50 degrees north"}, {-89.0, "89.00 degrees south"}}) {
+    const std::string why = *WhyBesideFive({LookingDown(0.0, 0.0, 50.0)}, lat_deg)[0];
+    EXPECT_THAT(why, testing::AllOf(HasSubstr(where), HasSubstr("beyond 85 degrees")));
+  }
 }
 
 TEST(WhyImplausible, AFlightThatIsTogetherElsewhereThanOnEarthIsNowhere) {

@@ -104,7 +104,11 @@ class Gis(MapFileTestCase):
         _, described = self.server.json("GET", path)
         self.assertEqual((status, layer["id"], layer["extent"]), (200, described["layers"][0]["id"], described["fullExtent"]))
         self.assertEqual(layer["extent"]["spatialReference"], {"wkid": 102100, "latestWkid": 3857})
+        self.assertEqual(self.server.json("GET", path + "/layers?f=json"), (200, {"layers": [layer], "tables": []}))
+        status, legend = self.server.json("GET", path + "/legend?f=pjson")
+        self.assertEqual((status, [(each["layerId"], each["legend"]) for each in legend["layers"]]), (200, [(0, [])]))
         self.assertEqual(self.server.request("GET", path + "?f=kmz")[0], 400)
+        self.assertEqual(self.server.request("GET", path + "/identify?f=json")[0], 404)
 
     def test_gdals_ogcapi_driver_reads_the_collection(self):
         collection, options = f"/ogc/collections/{self.flight_id}", ["API=TILES", "TILEMATRIXSET=WebMercatorQuad"]
@@ -345,7 +349,10 @@ class Gis(MapFileTestCase):
         tile_m, compared = 2 * WORLD_M / 2**zoom, 0
         with contextlib.closing(sqlite3.connect(self.path("mbtiles"))) as mbtiles:
             self.assertEqual(dict(mbtiles.execute("SELECT name, value FROM metadata WHERE name IN ('format', 'fringe')")),
-                             {"format": "jpg", "fringe": "webp"})
+                             {"format": "webp", "fringe": "webp"})
+            # Strict servers take these for the format of all.
+            self.assertEqual({bytes(mbtiles.execute(f"SELECT tile_data FROM tiles {where} LIMIT 1").fetchone()[0])[8:12]
+                              for where in ("", *(f"WHERE zoom_level={z}" for z in range(self.tilejson["minzoom"], zoom + 1)))}, {b"WEBP"})
             rows = mbtiles.execute("SELECT tile_column, tile_row, tile_data FROM tiles WHERE zoom_level=?", (zoom,)).fetchall()
         self.assertEqual({content[:4] for *_, content in rows}, {b"\xff\xd8\xff\xe0", b"RIFF"})
         for column, row, content in rows:

@@ -24,9 +24,11 @@ class Files(Calls):
         return cast("models.ListFilesAnswer", self._send("GET", "/api/v1/flights/{flight}/files",
                                                          path={"flight": flight}))
 
-    def put_file(self, flight: str, name: str, body: Body, *,
-                 content_digest: Optional[str] = None) -> Union[models.File, models.PutFileAnswer2011]:
-        """Store one file (curl -T). An archive (.zip, .tar, .tar.gz, .tgz) becomes the files in it."""
+    def put_file(self, flight: str, name: str, body: Body, *, content_digest: Optional[str] = None,
+                 if_match: Optional[str] = None) -> Union[models.File, models.PutFileAnswer2011]:
+        """Store one file (curl -T). An archive (.zip, .tar, .tar.gz, .tgz) becomes the files in it. The same bytes
+        under the same name again are answered 200 and change nothing. Other bytes, as a second card has under the
+        same name, are refused (409) unless If-Match says that they replace what is there."""
         return cast("Union[models.File, models.PutFileAnswer2011]", self._send("PUT",
                 "/api/v1/flights/{flight}/files/{name}", body=body, path={"flight": flight, "name": name},
-                headers={"Content-Digest": content_digest}))
+                headers={"Content-Digest": content_digest, "If-Match": if_match}))
