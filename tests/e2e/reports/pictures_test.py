@@ -12,11 +12,12 @@ class Pictures(ReportedFlight):
     def test_raw_files_beside_the_photos(self):
         photos = [f"photos/{name}" for name in NAMES[:4]]
         alone, answer = self.stitch(*photos), self.stitch(*photos, "nef-beside-jpeg")
-        self.assertEqual((answer.report["photos"]["total"], answer.report["photos"]["aligned"]), (alone.report["photos"]["total"], 4), answer.said)
+        self.assertEqual(answer.report["photos"], {"total": 8, "aligned": 4, "pose_only": 0, "left_out": 4}, answer.said)
         self.assertAlmostEqual(answer.report["gsd_m"], alone.report["gsd_m"], delta=0.0005)
         self.assertAlmostEqual(answer.report["gsd_m"], 0.063, delta=0.003)
         self.assert_cameras(answer, within_m=(0.05, 0.1), names=NAMES[:4], places=alone.cameras)
-        self.assertRegex(answer.said, r"(?i)\braw\b")
+        for name, reason in self.left_out(answer).items():
+            self.assertRegex(reason, r"(?i)\braw\b", name)
         told = self.inspect(*photos, "nef-beside-jpeg")
         self.assertEqual(len(told["cameras"]), 1, told["cameras"])
         self.assertEqual([photo["name"].rsplit(".")[1] for photo in told["left_out"]], ["NEF"] * 4)

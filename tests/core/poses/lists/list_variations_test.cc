@@ -13,6 +13,7 @@
 #include "core/flight/read_flight.h"
 #include "core/geo/local_frame.h"
 #include "core/poses/estimate_poses.h"
+#include "core/poses/lists/compare_sources.h"
 #include "tests/core/poses/lists/generated_list.h"
 #include "tests/support/temporary_folder.h"
 
@@ -58,6 +59,13 @@ Outcome ReadAndPlace(const GeneratedList& list, bool is_control, const test::Tem
     outcome.words.push_back(file.name + ": " + file.reason);
   flight->left_out.clear();
   flight->photos = list.photos;
+  const std::size_t said = flight->warnings.size();
+  if (const Result<void> compared = poses::CompareSources(*flight); !compared) {
+    outcome.words.push_back(compared.error().message);
+    return outcome;
+  }
+  outcome.words.insert(outcome.words.end(), flight->warnings.begin() + static_cast<std::ptrdiff_t>(said),
+                       flight->warnings.end());
   if (!is_control) {
     TakePoses(*flight, outcome);
     return outcome;

@@ -145,7 +145,7 @@ GeneratedList GeneratePositions(std::uint32_t seed) {
 GeneratedList GenerateTable(std::uint32_t seed) {
   Dice dice(seed);
   GeneratedList list;
-  const bool in_degrees = !dice.OneIn(4);
+  const bool in_degrees = !dice.OneIn(8);
   const PlaceOnEarth place = in_degrees ? AnywhereInDegrees(dice) : AnywhereOnAGrid(dice);
   const System& system = place.system;
   // A table of eastings alone says nothing of its system; the photos' own positions do.
