@@ -23,6 +23,7 @@ constexpr std::array kTokens = {
     TokenText{"degree", CellToken::kDegree},
     TokenText{"deg.", CellToken::kDegree},
     TokenText{"deg", CellToken::kDegree},
+    TokenText{"grad", CellToken::kDegree},  // German
     TokenText{"d", CellToken::kDegree},
     TokenText{"\xC3\x82\xC2\xB0", CellToken::kDegree},  // UTF-8 taken for Latin-1 and written as UTF-8
     TokenText{"\xC2\xB0", CellToken::kDegree},

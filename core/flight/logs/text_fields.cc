@@ -132,18 +132,24 @@ void SplitBlanks(std::string_view line, std::vector<std::string_view>& fields) {
 }
 
 char GuessSeparator(std::string_view header) {
-  // What stands in brackets is a unit: "Latitude (deg, WGS84)".
+  // What stands in brackets is a unit: "Latitude (deg, WGS84)"; a comma between digits may be a decimal one.
   int depth = 0;
-  std::ptrdiff_t commas = 0, semicolons = 0, tabs = 0, pipes = 0;
-  for (const char c : header) {
+  std::ptrdiff_t commas = 0, decimal_commas = 0, semicolons = 0, tabs = 0, pipes = 0;
+  const auto is_digit_at = [&](std::size_t i) {
+    return i < header.size() && header[i] >= '0' && header[i] <= '9';
+  };
+  for (std::size_t i = 0; i < header.size(); ++i) {
+    const char c = header[i];
     if (c == '(' || c == '[') ++depth;
     if ((c == ')' || c == ']') && depth > 0) --depth;
     if (depth > 0 && c != '\t') continue;
     commas += c == ',';
+    decimal_commas += c == ',' && i > 0 && is_digit_at(i - 1) && is_digit_at(i + 1);
     semicolons += c == ';';
     tabs += c == '\t';
     pipes += c == '|';
   }
+  if (semicolons + tabs + pipes > 0) commas -= decimal_commas;
   if (tabs > commas && tabs >= semicolons && tabs >= pipes) return '\t';
   if (pipes > commas && pipes > semicolons) return '|';
   return semicolons > commas ? ';' : ',';

@@ -17,6 +17,7 @@ namespace {
 using M = CsvMeaning;
 constexpr std::size_t kRowsLookedAt = 5000;
 constexpr std::size_t kBytesLookedAt = std::size_t{16} << 20;
+constexpr std::size_t kDateBytesLookedAt = std::size_t{64} << 20;
 constexpr std::uint64_t kClocksLookedAt = 200;  // cells a column: each is tried as all kinds of times
 constexpr std::array kAllOrders = {DateOrder::kYearFirst, DateOrder::kDayFirst, DateOrder::kMonthFirst,
                                    DateOrder::kShortYearFirst};
@@ -136,8 +137,8 @@ void SettleClock(const CellCounts& counts, bool has_date, CsvColumn& column) {
     return MakeClock(column, M::kTimeOfDay);
   if (column.meaning == M::kTime && is_numeric) return;
   if (has_date && counts.AreMostly(counts.times_of_day)) return MakeClock(column, M::kTimeOfDay);
-  if (counts.AreMostly(counts.dates) && !is_numeric) return MakeClock(column, M::kDate);
   if (counts.AreMostly(counts.elapsed)) return MakeSeconds(column, true);
+  if (counts.AreMostly(counts.dates) && !is_numeric) return MakeClock(column, M::kDate);
   if (is_numeric) MakeSeconds(column, false);
 }
 
@@ -239,7 +240,8 @@ void SettleDates(const TableCounts& table, LineReader lines, char separator, std
   DateOrderFinder finder;
   std::string_view line;
   std::vector<std::string_view> cells;
-  while (lines.Next(line)) {
+  const std::size_t begin = lines.offset();
+  while (lines.offset() - begin < kDateBytesLookedAt && lines.Next(line)) {
     if (Trim(line).empty() || line.front() == '#') continue;
     SplitFields(line, separator, cells);
     if (date_at >= cells.size() || cells[date_at].empty()) continue;

@@ -1,8 +1,8 @@
 // SettleColumns: what the cells of a table say about its columns beyond their names: which marks its decimals
 // have, whether a column called "time" holds dates, times of day, elapsed times or numbers, whether dates
 // have the day or the month first, and which of two columns with one meaning can be read. Pure; any thread.
-// Looks at the first 5000 rows (16 MiB), and at all rows where the order of dates asks for it; holds a few
-// numbers a column.
+// Looks at the first 5000 rows (16 MiB), and at all (64 MiB) where the order of dates asks for it; holds a
+// few numbers a column.
 #pragma once
 
 #include <string>

@@ -78,6 +78,12 @@ std::optional<DateOrderFinder::Found> DateOrderFinder::Find() const {
   std::size_t best = ranked[0];
   if (readings_[best].rows == 0) return std::nullopt;
   Found found;
+  const bool is_all_one = readings_[best].rows == readings_[ranked[1]].rows &&
+                          readings_[best].first == readings_[ranked[1]].first &&
+                          readings_[best].last == readings_[ranked[1]].last;
+  found.order = kOrders[best];
+  found.why = "the same in any order";
+  if (is_all_one) return found;
   found.is_decided = badness(best) < badness(ranked[1]);
   if (!found.is_decided) {
     const auto usual = std::find(kOrders.begin(), kOrders.end(), UsualOrder(first_cell_)) - kOrders.begin();

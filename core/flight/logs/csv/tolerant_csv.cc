@@ -152,7 +152,23 @@ bool LooksLikeNamedPlaces(LogBytes head) {
   const auto is_metres = [](const CsvColumn& column) {
     return CsvMeaningDimension(column.meaning) == Dimension::kLength && column.scale == 1.0;
   };
-  return !is_image_lat_lon || columns[1].scale != 1.0 || !is_metres(columns[3]);
+  if (!is_image_lat_lon || columns[1].scale != 1.0 || !is_metres(columns[3])) return true;
+  // Pix4D's own order, but cells that its lists do not have.
+  if (std::any_of(columns.begin(), columns.end(), [](const CsvColumn& column) {
+        return LowerCase(column.header).find("omega") != std::string::npos;
+      }))
+    return false;
+  std::string_view line;
+  std::vector<std::string_view> cells;
+  while (lines.Next(line) && !lines.last_line_is_open()) {
+    if (Trim(line).empty() || line.front() == '#') continue;
+    SplitFields(line, header->separator, cells);
+    if (cells.size() > columns.size()) return true;
+    for (std::size_t i = 1; i < std::min<std::size_t>(4, cells.size()); ++i) {
+      if (!cells[i].empty() && !ParseNumber(cells[i])) return true;
+    }
+  }
+  return false;
 }
 
 bool LooksLikeTolerantCsv(LogBytes head) {

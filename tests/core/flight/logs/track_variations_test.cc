@@ -14,7 +14,7 @@ namespace skyquilt::flight {
 namespace {
 
 constexpr int kVariations = 500;
-constexpr int kPlaces = 12;
+constexpr int kTrackPlaces = 12;
 
 struct Spot {
   int second = 0;  // after 10:20:00 on 2023-04-05
@@ -27,7 +27,7 @@ class Variation {
  public:
   explicit Variation(unsigned seed) : random_(seed) {
     const double lat_deg = Uniform(-80.0, 80.0), lon_deg = Uniform(-179.0, 179.0);
-    for (int i = 0; i < kPlaces; ++i)
+    for (int i = 0; i < kTrackPlaces; ++i)
       spots_.push_back({2 * i, lat_deg + i * 2e-5, lon_deg - i * 3e-5, std::round(Uniform(20.0, 900.0))});
   }
 
