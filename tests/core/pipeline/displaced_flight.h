@@ -61,12 +61,10 @@ struct Displaced {
     for (std::size_t k = 0; k < points; ++k) {
       const geo::Wgs84 place =
           truth.frame.Wgs84FromEnu(k == 0 ? Eigen::Vector3d(places[k] + first_off_by) : places[k]);
-      list.points.push_back({"point" + std::to_string(k),
-                             {place.lat_deg, place.lon_deg},
-                             place.height_ellipsoid_m,
-                             0.0,
-                             0.0,
-                             {}});
+      list.points.push_back({.name = "point" + std::to_string(k),
+                             .position = {place.lat_deg, place.lon_deg},
+                             .height_m = place.height_ellipsoid_m,
+                             .height = std::nullopt});
       for (const simulate::SimulatedPhoto& photo : truth.photos) {
         const auto pixel = truth.options.intrinsics.Project(photo.pose.cam_from_enu * places[k]);
         if (pixel && truth.options.intrinsics.IsInImage(*pixel)) {

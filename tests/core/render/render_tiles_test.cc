@@ -80,7 +80,9 @@ TEST(RenderTiles, DoesNotDependOnBlockSizeOrThreads) {
       EXPECT_EQ(tiles.tiles.size(), expected.tiles.size());
       EXPECT_TRUE(up_to(tiles, block_levels) == up_to(expected, block_levels))
           << block_levels << " block levels, " << threads << " threads";
-      if (block_levels == 2) EXPECT_TRUE(tiles.tiles == expected.tiles) << threads << " threads";
+      if (block_levels == 2) {
+        EXPECT_TRUE(tiles.tiles == expected.tiles) << threads << " threads";
+      }
     }
   }
 }

@@ -180,6 +180,11 @@ std::optional<NumberCell> ReadNumber(std::string_view cell, DecimalMark mark) {
   return NumberCell{number->is_negative ? -*value : *value, number->rest};
 }
 
+std::optional<double> ReadBareNumber(std::string_view cell) {
+  const auto number = ReadNumber(cell);
+  return number && number->unit.empty() ? std::optional(number->value) : std::nullopt;
+}
+
 std::optional<double> ReadNumberCell(std::string_view cell) {
   const auto number = ReadNumber(cell);
   if (!number) return std::nullopt;

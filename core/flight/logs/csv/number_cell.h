@@ -36,6 +36,8 @@ struct NumberCell {
 // "1234.5", "1234,5", "1,234.5", "1.234,5", "1 234,5", "1'234.5", "\"198.3\"", "650.62 ft", "198.3m".
 std::optional<NumberCell> ReadNumber(std::string_view cell, DecimalMark mark = DecimalMark::kUnknown);
 
+// The same as one value, where nothing stands behind it.
+std::optional<double> ReadBareNumber(std::string_view cell);
 // The same as one value: lengths in metres where a unit of length stands behind, degree signs dropped.
 // Nothing where anything else stands behind the number.
 std::optional<double> ReadNumberCell(std::string_view cell);

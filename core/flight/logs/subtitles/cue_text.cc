@@ -22,11 +22,11 @@ struct CueNumber {
 
 // The number at the start of a text, after blanks and a colon.
 std::optional<CueNumber> LeadingNumber(std::string_view text) {
-  constexpr std::size_t kLongestNumber = 40;
+  constexpr std::size_t kLongestCueNumber = 40;
   text.remove_prefix(std::min(text.find_first_not_of(" :+"), text.size()));
   double value = 0.0;
   const auto [end, error] =
-      std::from_chars(text.data(), text.data() + std::min(text.size(), kLongestNumber), value);
+      std::from_chars(text.data(), text.data() + std::min(text.size(), kLongestCueNumber), value);
   if (error != std::errc() || !std::isfinite(value)) return std::nullopt;
   const auto size = static_cast<std::size_t>(end - text.data());
   std::string_view behind = Trim(text.substr(size));

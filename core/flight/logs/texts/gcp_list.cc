@@ -28,10 +28,10 @@ constexpr std::size_t kMaxGcpWarnings = 100;
 bool IsSighting(const std::vector<std::string_view>& words) {
   if (words.size() < 6) return false;
   for (std::size_t i = 0; i < 5; ++i) {
-    const auto number = i < 2 ? ParseListCoordinate(words[i]) : ParseListNumber(words[i]);
+    const auto number = i < 2 ? ParseListCoordinate(words[i]) : ReadBareNumber(words[i]);
     if (!number && !(i == 2 && LowerCase(words[i]) == "nan")) return false;
   }
-  return !words[5].empty() && !ParseListNumber(words[5]);
+  return !words[5].empty() && !ReadBareNumber(words[5]);
 }
 
 // Columns of pixels: what tells surveyed points from a log without a line that names a system.
@@ -110,7 +110,7 @@ Result<GcpList> ParseWrittenGcpList(std::string_view name, LogBytes bytes) {
     }
     const double x = *ParseListCoordinate(words[is_north_first ? 1 : 0]);
     const double y = *ParseListCoordinate(words[is_north_first ? 0 : 1]);
-    const auto z = ParseListNumber(words[2]);
+    const auto z = ReadBareNumber(words[2]);
     const auto [entry, is_new] = known.try_emplace({x, y, z.value_or(-1e9)}, list.points.size());
     if (is_new) {
       GcpPoint point;
@@ -126,8 +126,8 @@ Result<GcpList> ParseWrittenGcpList(std::string_view name, LogBytes bytes) {
       list.points.push_back(std::move(point));
     }
     if (words[5] == kNoImage) continue;
-    list.sightings.push_back({std::string(words[5].substr(0, kMaxNameLength)), *ParseListNumber(words[3]),
-                              *ParseListNumber(words[4]), entry->second});
+    list.sightings.push_back({std::string(words[5].substr(0, kMaxNameLength)), *ReadBareNumber(words[3]),
+                              *ReadBareNumber(words[4]), entry->second});
   }
   if (has_more && (list.sightings.size() == kMaxSightings || list.points.size() == kMaxGcpPoints))
     list.warnings.push_back(fmt::format("more than {} sightings; the rest was left out", kMaxSightings));

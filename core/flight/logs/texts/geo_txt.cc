@@ -32,7 +32,7 @@ bool HasColumnLike(const std::vector<std::string_view>& columns, std::string_vie
 
 void TakeAnglesAndSigmas(const std::vector<std::string_view>& cells, bool has_angles, CameraEvent& event) {
   const auto number = [&](std::size_t i) {
-    return i < cells.size() ? ParseListNumber(cells[i]) : std::nullopt;
+    return i < cells.size() ? ReadBareNumber(cells[i]) : std::nullopt;
   };
   const auto yaw = number(4), pitch = number(5), roll = number(6);
   if (has_angles && yaw && pitch && roll) {
@@ -106,7 +106,7 @@ Result<FlightLog> ParseGeoTxt(std::string_view name, LogBytes bytes, const Consu
     event.image_name = std::string(cells[0].substr(0, kMaxNameLength));
     event.written = written;
     if (system) event.position = system->ToLatLon(written.x, written.y);
-    const auto z = cells.size() > 3 ? ParseListNumber(cells[3]) : std::nullopt;
+    const auto z = cells.size() > 3 ? ReadBareNumber(cells[3]) : std::nullopt;
     if (z) event.height_ellipsoid_m = *z * metres_per_height_unit;
     TakeAnglesAndSigmas(cells, has_angles, event);
     ++rows;

@@ -91,19 +91,8 @@ std::string_view WholeSystem(std::string_view first, LineReader& lines) {
 
 }  // namespace
 
-std::optional<double> ParseListNumber(std::string_view cell) {
-  if (const auto number = ParseNumber(cell)) return number;
-  constexpr std::size_t kLongestNumber = 40;
-  if (cell.size() > kLongestNumber || std::count(cell.begin(), cell.end(), ',') != 1 ||
-      cell.find('.') != std::string_view::npos)
-    return std::nullopt;
-  std::string point(cell);
-  std::replace(point.begin(), point.end(), ',', '.');
-  return ParseNumber(point);
-}
-
 std::optional<double> ParseListCoordinate(std::string_view cell) {
-  if (const auto number = ParseListNumber(cell)) return number;
+  if (const auto number = ReadBareNumber(cell)) return number;
   const auto coordinate = ReadCoordinateCell(cell);
   return coordinate ? std::optional<double>(coordinate->value) : std::nullopt;
 }
@@ -111,7 +100,7 @@ std::optional<double> ParseListCoordinate(std::string_view cell) {
 bool LooksLikeImageName(std::string_view word) {
   const std::size_t dot = word.rfind('.');
   return dot != std::string_view::npos && word.size() - dot >= 3 && word.size() - dot <= 6 &&
-         !ParseListNumber(word);
+         !ReadBareNumber(word);
 }
 
 bool LooksLikePhotoFile(std::string_view cell) {

@@ -8,12 +8,10 @@
 #include <string_view>
 #include <vector>
 
+#include "core/flight/logs/csv/number_cell.h"
 #include "core/flight/logs/text_fields.h"
 
 namespace skyquilt::flight {
-
-// A number, also with a decimal comma.
-std::optional<double> ParseListNumber(std::string_view cell);
 
 // A coordinate, also with degrees, minutes and seconds or a letter of the hemisphere.
 std::optional<double> ParseListCoordinate(std::string_view cell);

@@ -29,7 +29,7 @@ struct Columns {
 
 bool IsRow(const std::vector<std::string_view>& cells) {
   return cells.size() >= 4 && cells.size() <= 12 && LooksLikePhotoFile(cells[0]) &&
-         ParseListCoordinate(cells[1]) && ParseListCoordinate(cells[2]) && ParseListNumber(cells[3]);
+         ParseListCoordinate(cells[1]) && ParseListCoordinate(cells[2]) && ReadBareNumber(cells[3]);
 }
 
 bool IsInDegrees(double first, double second) {
@@ -147,7 +147,7 @@ Result<FlightLog> ParsePix4dCsv(std::string_view name, LogBytes bytes, const Con
     }
     if (!columns) columns = ColumnsOf(header, cells.size());
     const auto number = [&](std::size_t i) {
-      return i < cells.size() ? ParseListNumber(cells[i]) : std::nullopt;
+      return i < cells.size() ? ReadBareNumber(cells[i]) : std::nullopt;
     };
     const double first = *ParseListCoordinate(cells[1]), second = *ParseListCoordinate(cells[2]);
     is_in_degrees = is_in_degrees && IsInDegrees(first, second);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "core/flight/logs/csv/number_cell.h"
 #include "core/flight/logs/text_fields.h"
 #include "core/flight/logs/tracks/track_points.h"
 #include "core/flight/logs/tracks/xml_scanner.h"
@@ -39,14 +40,14 @@ void ForEachGpxPoint(LogBytes bytes, const ConsumedUpTo& consumed, Take take) {
       in_extensions = false;
       if (!xml.opens()) continue;
       point = GpxPoint{kind, {}, {}, {}, {}, {}};
-      if (const auto lat = xml.Attribute("lat")) point->lat_deg = TrackNumber(*lat);
-      if (const auto lon = xml.Attribute("lon")) point->lon_deg = TrackNumber(*lon);
+      if (const auto lat = xml.Attribute("lat")) point->lat_deg = ReadBareNumber(*lat);
+      if (const auto lon = xml.Attribute("lon")) point->lon_deg = ReadBareNumber(*lon);
     } else if (xml.name() == "extensions") {
       in_extensions = xml.opens();
     } else if (point && !xml.opens() && !in_extensions) {
       if (xml.name() == "time") point->time = xml.words();
-      if (xml.name() == "ele") point->height_amsl_m = TrackNumber(xml.words());
-      if (xml.name() == "geoidheight") point->geoid_above_ellipsoid_m = TrackNumber(xml.words());
+      if (xml.name() == "ele") point->height_amsl_m = ReadBareNumber(xml.words());
+      if (xml.name() == "geoidheight") point->geoid_above_ellipsoid_m = ReadBareNumber(xml.words());
     }
   }
   if (point) take(*point);

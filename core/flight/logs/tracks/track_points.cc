@@ -11,16 +11,6 @@
 
 namespace skyquilt::flight {
 
-std::optional<double> TrackNumber(std::string_view text) {
-  constexpr std::size_t kLongestNumber = 64;
-  if (const auto number = ParseNumber(text)) return number;
-  std::string with_point(text.substr(0, kLongestNumber));
-  if (std::count(with_point.begin(), with_point.end(), ',') != 1 || with_point.find('.') != std::string::npos)
-    return std::nullopt;
-  std::replace(with_point.begin(), with_point.end(), ',', '.');
-  return ParseNumber(with_point);
-}
-
 std::optional<WrittenTime> TrackTime(std::string_view text) {
   if (const auto written = ParseWrittenTime(text)) return written;
   const auto number = ParseNumber(text);

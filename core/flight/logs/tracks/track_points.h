@@ -18,9 +18,6 @@ namespace skyquilt::flight {
 
 inline constexpr std::size_t kMaxTrackPoints = 2'000'000;
 
-// A number as tracks hold it, with a point or a comma before its decimals.
-std::optional<double> TrackNumber(std::string_view text);
-
 // "2016-06-23T21:31:09Z" and its likes, or seconds, milli- or microseconds since 1970.
 std::optional<WrittenTime> TrackTime(std::string_view text);
 
