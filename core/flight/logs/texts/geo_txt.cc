@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/flight/logs/csv/csv_columns.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/text_fields.h"
 #include "core/flight/logs/texts/list_rows.h"
@@ -17,17 +18,29 @@ namespace {
 
 constexpr std::uint64_t kMaxRows = 200'000;
 
+// Names may lack their endings.
 bool IsGeoRow(const std::vector<std::string_view>& cells) {
-  return cells.size() >= 3 && LooksLikeImageName(cells[0]) && ParseListCoordinate(cells[1]) &&
-         ParseListCoordinate(cells[2]);
+  return cells.size() >= 3 && !cells[0].empty() && !ParseListCoordinate(cells[0]) &&
+         ParseListCoordinate(cells[1]) && ParseListCoordinate(cells[2]);
 }
 
-bool IsCutAtBlanks(std::string_view line) { return line.find_first_of(",;\t") == std::string_view::npos; }
+bool IsCutAtBlanks(std::string_view line) { return line.find_first_of(",;|\t") == std::string_view::npos; }
 
 bool HasColumnLike(const std::vector<std::string_view>& columns, std::string_view word) {
   return std::any_of(columns.begin(), columns.end(), [&](std::string_view column) {
     return LowerCase(column).find(word) != std::string::npos;
   });
+}
+
+// Of the heights: by the name of their column, else by the system.
+double MetresPerHeightUnit(const std::vector<std::string_view>& columns,
+                           const std::optional<geo::ReferenceSystem>& system) {
+  if (columns.size() > 3) {
+    const CsvColumn column = MapTolerantColumns({columns[3]}).front();
+    if (column.unit_is_written && CsvMeaningDimension(column.meaning) == Dimension::kLength)
+      return column.scale;
+  }
+  return system ? system->metres_per_height_unit() : 1.0;
 }
 
 void TakeAnglesAndSigmas(const std::vector<std::string_view>& cells, bool has_angles, CameraEvent& event) {
@@ -50,13 +63,14 @@ void TakeAnglesAndSigmas(const std::vector<std::string_view>& cells, bool has_an
 }  // namespace
 
 // Without a line that names the system the rows must be cut at blanks: others are read as CSV. Below names of
-// columns the line above them must name one, else it is the title of some other table.
+// columns, or above names without endings, the line must name one, else it is the title of some other table.
 bool LooksLikeGeoTxt(LogBytes head) {
   if (!LooksLikeText(TextOf(head))) return false;
   const std::optional<ListTop> top = ReadListTop(TextOf(head), IsGeoRow);
   if (!top) return false;
-  if (top->system.empty()) return IsCutAtBlanks(top->row_line);
-  if (top->columns.empty() && IsCutAtBlanks(top->row_line)) return true;
+  const bool names_file = LooksLikeImageName(top->row[0]);
+  if (top->system.empty()) return names_file && IsCutAtBlanks(top->row_line);
+  if (names_file && top->columns.empty() && IsCutAtBlanks(top->row_line)) return true;
   return geo::ReferenceSystem::Parse(top->system).ok();
 }
 
@@ -80,7 +94,7 @@ Result<FlightLog> ParseGeoTxt(std::string_view name, LogBytes bytes, const Consu
   }
   const auto order = OrderOfColumns(top->columns);
   const bool has_angles = top->columns.empty() || HasColumnLike(top->columns, "yaw");
-  const double metres_per_height_unit = system ? system->metres_per_height_unit() : 1.0;
+  const double metres_per_height_unit = MetresPerHeightUnit(top->columns, system);
   std::vector<std::string_view> cells = top->row;
   LineReader lines(text.substr(top->row_offset));
   std::string_view line = top->row_line;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <string>
 
 #include "core/flight/logs/coordinate_cell.h"
@@ -99,8 +100,12 @@ std::optional<double> ParseListCoordinate(std::string_view cell) {
 
 bool LooksLikeImageName(std::string_view word) {
   const std::size_t dot = word.rfind('.');
-  return dot != std::string_view::npos && word.size() - dot >= 3 && word.size() - dot <= 6 &&
-         !ReadBareNumber(word);
+  if (dot == std::string_view::npos || word.size() - dot < 3 || word.size() - dot > 6) return false;
+  const std::string_view ending = word.substr(dot + 1);
+  const auto is_letter = [](unsigned char c) { return std::isalpha(c) != 0; };
+  const auto is_letter_or_digit = [](unsigned char c) { return std::isalnum(c) != 0; };
+  return std::any_of(ending.begin(), ending.end(), is_letter) &&
+         std::all_of(ending.begin(), ending.end(), is_letter_or_digit) && !ReadBareNumber(word);
 }
 
 bool LooksLikePhotoFile(std::string_view cell) {

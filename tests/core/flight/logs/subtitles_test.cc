@@ -63,7 +63,7 @@ TEST(ReadCue, KnowsTheDialectsOfDjiAndAutel) {
 TEST(CueDate, IsFoundAmidOtherWords) {
   EXPECT_EQ(CueDate("HOME(-91.9, 46.8) 2016.6.23 16:31:59\nGPS")->time,
             *UtcFromCivil(2016, 6, 23, 16, 31, 59.0));
-  EXPECT_EQ(CueDate("x\n2016-06-23 16:31:09,123,456\n")->time, *UtcFromCivil(2016, 6, 23, 16, 31, 9.123));
+  EXPECT_EQ(CueDate("x\n2016-06-23 16:31:09,123,456\n")->time, *UtcFromCivil(2016, 6, 23, 16, 31, 9.123456));
   EXPECT_FALSE(CueDate("ISO 2000 and 2016.6.23"));
 }
 

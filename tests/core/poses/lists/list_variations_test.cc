@@ -149,7 +149,8 @@ Verdict Judge(const GeneratedList& list, const Outcome& outcome) {
   return {false, "it is not used, and no word names the cause"};
 }
 
-void ExpectRightOrRefused(GeneratedList (*generate)(std::uint32_t), bool is_control = false) {
+// `share`: of the lists, what is right at least: refusing everything would be no answer either.
+void ExpectRightOrRefused(GeneratedList (*generate)(std::uint32_t), double share, bool is_control = false) {
   const test::TemporaryFolder folder;
   std::size_t wrong = 0, right = 0;
   for (std::uint32_t seed = 1; seed <= kListsOfAKind; ++seed) {
@@ -164,14 +165,14 @@ void ExpectRightOrRefused(GeneratedList (*generate)(std::uint32_t), bool is_cont
                   << said << list.text.substr(0, 1200);
   }
   EXPECT_EQ(wrong, 0u) << "of " << kListsOfAKind << " lists";
-  // Refusing everything would be no answer either.
-  EXPECT_GE(right, kListsOfAKind * 3 / 4);
+  EXPECT_GE(static_cast<double>(right), share * kListsOfAKind);
 }
 
-TEST(ListVariations, ListsOfPositions) { ExpectRightOrRefused(GeneratePositions); }
-TEST(ListVariations, TablesWithHeaders) { ExpectRightOrRefused(GenerateTable); }
-TEST(ListVariations, TracksAndEvents) { ExpectRightOrRefused(GenerateTrack); }
-TEST(ListVariations, SurveyedPoints) { ExpectRightOrRefused(GenerateControl, true); }
+TEST(ListVariations, ListsOfPositions) { ExpectRightOrRefused(GeneratePositions, 0.75); }
+TEST(ListVariations, TablesWithHeaders) { ExpectRightOrRefused(GenerateTable, 0.75); }
+TEST(ListVariations, TracksAndEvents) { ExpectRightOrRefused(GenerateTrack, 0.75); }
+// An eighth names no system, an eighth is in another unit than its system: for neither is a datum guessed.
+TEST(ListVariations, SurveyedPoints) { ExpectRightOrRefused(GenerateControl, 2.0 / 3.0, true); }
 
 }  // namespace
 }  // namespace skyquilt::testing
