@@ -14,7 +14,7 @@
 #include "api/json/json_text.h"
 #include "api/tiles/tiles.h"
 #include "core/base/try.h"
-#include "core/geo/geodesic_area.h"
+#include "core/geo/geodesic.h"
 #include "core/geo/web_mercator.h"
 #include "core/image/picture_codec.h"
 #include "core/indices/value_summary.h"

@@ -10,6 +10,7 @@
 
 #include "core/base/median.h"
 #include "core/base/try.h"
+#include "core/flight/aside/aside.h"
 #include "core/geo/geoid.h"
 #include "core/poses/conventions/choose_convention.h"
 #include "core/poses/heights/flight_heights.h"
@@ -151,6 +152,20 @@ std::string WhyWithoutPosition(bool has_log) {
   }
   return "has no position: no GPS in its EXIF or XMP and no log that covers it. "
          "Add the flight log or a geo.txt with its position.";
+}
+
+// Every picture was left out before any was placed.
+Error NoPhotoLeft(const std::vector<LeftOutPhoto>& left_out) {
+  constexpr std::size_t kMaxSaid = 3;
+  std::string message =
+      left_out.size() == 1
+          ? std::string("The one picture given can take no part in a map.")
+          : fmt::format("None of the {} pictures given can take part in a map.", left_out.size());
+  const std::vector<std::string> lines = flight::LeftOutInLines(left_out);
+  for (std::size_t i = 0; i < std::min(kMaxSaid, lines.size()); ++i) message += " " + lines[i];
+  if (lines.size() > kMaxSaid)
+    message += fmt::format(" And so for {} other reasons.", lines.size() - kMaxSaid);
+  return {ErrorCode::kUnprocessable, message, ""};
 }
 
 Error NothingPlaced(bool has_log_and_photos, bool any_without_height,
@@ -365,6 +380,7 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
     LeaveUnplaced(flight, options, given_takeoff_m, posed);
     return posed;
   }
+  if (flight.photos.empty() && !flight.left_out.empty()) return NoPhotoLeft(flight.left_out);
   if (posed.photos.empty()) {
     return NothingPlaced(log && !tie.photos.empty(), any_without_height, posed.warnings, posed.left_out);
   }

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "core/base/median.h"
-#include "core/poses/heights/flight_heights.h"
+#include "core/geo/geodesic.h"
 
 namespace skyquilt::poses {
 namespace {
@@ -61,7 +61,7 @@ CameraEvent Between(const CameraEvent& from, const CameraEvent& to, double share
   event.height_ellipsoid_m = Between(from.height_ellipsoid_m, to.height_ellipsoid_m, share);
   event.height_amsl_m = Between(from.height_amsl_m, to.height_amsl_m, share);
   event.height_above_takeoff_m = Between(from.height_above_takeoff_m, to.height_above_takeoff_m, share);
-  const double way_m = ApartM(a, b);
+  const double way_m = geo::MetresApart(a, b);
   const double off_m = std::hypot(kOffStraight * 4.0 * share * (1.0 - share), sigma_share) * way_m;
   const Eigen::Vector3d unknown = Eigen::Vector3d::Constant(kUnknownSigmaM);
   const Eigen::Vector3d worse =

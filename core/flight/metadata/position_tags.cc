@@ -6,6 +6,8 @@
 #include <cmath>
 #include <string_view>
 
+#include "core/geo/geodesic.h"
+
 namespace skyquilt::flight {
 namespace {
 
@@ -65,14 +67,6 @@ std::optional<geo::LatLon> XmpPosition(const XmpTags& xmp) {
                   ParseXmpExifAngle(xmp.Text("exif:GPSLongitude")));
 }
 
-// Metres, good enough to compare two readings of one position.
-double DistanceM(const geo::LatLon& a, const geo::LatLon& b) {
-  double east_deg = std::abs(a.lon_deg - b.lon_deg);
-  east_deg = std::min(east_deg, 360.0 - east_deg);
-  return kMetresPerDegree *
-         std::hypot(a.lat_deg - b.lat_deg, east_deg * std::cos(geo::DegToRad(0.5 * (a.lat_deg + b.lat_deg))));
-}
-
 std::optional<RecordedPosition> ChoosePosition(const ExifRecord& exif, const XmpTags& xmp,
                                                std::vector<std::string>& notes) {
   const auto from_xmp = XmpPosition(xmp);
@@ -92,7 +86,7 @@ std::optional<RecordedPosition> ChoosePosition(const ExifRecord& exif, const Xmp
     }
     return recorded;
   }
-  const double apart_m = DistanceM(*exif.position, *from_xmp);
+  const double apart_m = geo::MetresApart(*exif.position, *from_xmp);
   constexpr double kFineStepM = 0.02;
   constexpr double kFarApartM = 50.0;
   if (!exif.is_hemisphere_known ||

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/base/median.h"
+#include "core/geo/geodesic.h"
 #include "core/geo/geoid.h"
 #include "core/geo/local_frame.h"
 
@@ -107,20 +108,13 @@ std::optional<double> EllipsoidHeightM(const RecordedPosition& position) {
   return *position.height_amsl_m + geo::GeoidHeightM(position.position).value_or(0.0);
 }
 
-double ApartM(const geo::LatLon& a, const geo::LatLon& b) {
-  constexpr double kMetresPerDegree = 111'320.0;
-  const double east_deg =
-      std::remainder(a.lon_deg - b.lon_deg, 360.0) * std::cos(geo::DegToRad(0.5 * (a.lat_deg + b.lat_deg)));
-  return kMetresPerDegree * std::hypot(a.lat_deg - b.lat_deg, east_deg);
-}
-
 namespace {
 
 std::size_t CountNear(const geo::LatLon& middle, const std::vector<geo::LatLon>& positions) {
   constexpr double kOneFlightM = 20'000.0;
-  return static_cast<std::size_t>(
-      std::count_if(positions.begin(), positions.end(),
-                    [&](const geo::LatLon& position) { return ApartM(position, middle) < kOneFlightM; }));
+  return static_cast<std::size_t>(std::count_if(
+      positions.begin(), positions.end(),
+      [&](const geo::LatLon& position) { return geo::MetresApart(position, middle) < kOneFlightM; }));
 }
 
 }  // namespace

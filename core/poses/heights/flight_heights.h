@@ -37,9 +37,6 @@ double GuessHeightFromSpacing(const std::vector<flight::Photo>& photos);
 // The height above the ellipsoid that a record means, through the geoid where it counts from sea level.
 std::optional<double> EllipsoidHeightM(const flight::RecordedPosition& position);
 
-// Along the ground, to half a per cent.
-double ApartM(const geo::LatLon& a, const geo::LatLon& b);
-
 // Component by component, safe across the date line; of photos of several places the middle of most of them.
 // Nothing without positions.
 std::optional<geo::LatLon> MedianPosition(const std::vector<geo::LatLon>& positions);

@@ -8,7 +8,9 @@
 #include "core/base/median.h"
 #include "core/geo/crs/map_projection.h"
 #include "core/geo/crs/reference_system.h"
+#include "core/geo/geodesic.h"
 #include "core/geo/local_frame.h"
+#include "core/poses/heights/flight_heights.h"
 
 namespace skyquilt::poses {
 namespace {
@@ -18,6 +20,7 @@ using flight::ListFault;
 using flight::ListReading;
 using flight::WrittenPlace;
 using geo::LatLon;
+using geo::MetresApart;
 using Places = std::vector<std::optional<LatLon>>;
 
 constexpr std::size_t kMaxRowsCompared = 2000;
@@ -116,16 +119,11 @@ class ListReader {
 };
 
 std::optional<LatLon> MiddleOf(const Places& places) {
-  std::vector<double> lats, lons;
-  double lon_zero_deg = 0.0;
+  std::vector<LatLon> known;
   for (const std::optional<LatLon>& place : places) {
-    if (!place) continue;
-    if (lats.empty()) lon_zero_deg = place->lon_deg;
-    lats.push_back(place->lat_deg);
-    lons.push_back(std::remainder(place->lon_deg - lon_zero_deg, 360.0));
+    if (place) known.push_back(*place);
   }
-  if (lats.empty()) return std::nullopt;
-  return LatLon{Median(std::move(lats)), std::remainder(lon_zero_deg + Median(std::move(lons)), 360.0)};
+  return MedianPosition(known);
 }
 
 // Nothing where most rows are no places, or lie further apart than a flight does.
@@ -284,14 +282,6 @@ Choice ChooseAlone(const WrittenList& list, const ListReader& reader, const std:
 }
 
 }  // namespace
-
-double MetresApart(const LatLon& a, const LatLon& b) {
-  constexpr double kEarthRadiusM = 6'371'000.0;
-  const double chord_m =
-      (geo::EcefFromWgs84({a.lat_deg, a.lon_deg, 0.0}) - geo::EcefFromWgs84({b.lat_deg, b.lon_deg, 0.0}))
-          .norm();
-  return 2.0 * kEarthRadiusM * std::asin(std::min(1.0, 0.5 * chord_m / kEarthRadiusM));
-}
 
 ListVerdict JudgeList(const WrittenList& list, const OwnPlaces& own) {
   ListVerdict verdict;

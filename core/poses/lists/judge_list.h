@@ -50,7 +50,4 @@ struct ListVerdict {
 
 ListVerdict JudgeList(const WrittenList& list, const OwnPlaces& own);
 
-// Along a round Earth.
-double MetresApart(const geo::LatLon& a, const geo::LatLon& b);
-
 }  // namespace skyquilt::poses

@@ -9,7 +9,7 @@
 
 #include "core/base/median.h"
 #include "core/base/try.h"
-#include "core/poses/heights/flight_heights.h"
+#include "core/geo/geodesic.h"
 #include "core/poses/time/event_alignment.h"
 #include "core/poses/time/find_clock_offset.h"
 #include "core/poses/time/stamped_photos.h"
@@ -226,7 +226,7 @@ class Synchroniser {
       const auto& own = photos_[camera.photo[k]].position;
       if (!own || !event_of[k]) continue;
       const auto& there = log_.events[event_index_[*event_of[k]]].position;
-      if (there) apart_m.push_back(ApartM(own->position, *there));
+      if (there) apart_m.push_back(geo::MetresApart(own->position, *there));
     }
     if (apart_m.size() < kEnough) return std::nullopt;
     return Median(std::move(apart_m));

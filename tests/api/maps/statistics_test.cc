@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "api/tiles/transcode_tile.h"
-#include "core/geo/geodesic_area.h"
+#include "core/geo/geodesic.h"
 #include "core/geo/tile_id.h"
 #include "tests/api/sample_service.h"
 

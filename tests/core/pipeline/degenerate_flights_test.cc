@@ -167,9 +167,16 @@ TEST_F(DegenerateFlights, NoOverlap) {
 }
 
 TEST_F(DegenerateFlights, LongThinPhotos) {
+  AddLine(4, 2.0, {.width_px = 2400, .height_px = 800});
+  AddLine(4, 2.0, {.width_px = 800, .height_px = 2400});
+  ExpectMap();
+}
+
+TEST_F(DegenerateFlights, PhotosThinnerThanCamerasTakeThem) {
   AddLine(4, 2.0, {.width_px = 9000, .height_px = 16});
   AddLine(4, 2.0, {.width_px = 16, .height_px = 9000});
-  ExpectMap();
+  ExpectRefusal("None of the 8 pictures given can take part in a map.");
+  ExpectRefusal("panorama");
 }
 
 TEST_F(DegenerateFlights, TheSmallestPhotos) {

@@ -9,6 +9,7 @@
 
 #include "core/geo/crs/map_projection.h"
 #include "core/geo/crs/reference_system.h"
+#include "core/geo/geodesic.h"
 #include "core/poses/lists/judge_list.h"
 #include "core/poses/lists/list_words.h"
 
@@ -99,7 +100,7 @@ void ExpectTaken(const Flight& flight, const LatLon& place, const std::string& w
   for (std::size_t k = 0; k < flight.logs[0].events.size(); ++k) {
     const auto& at = flight.logs[0].events[k].position;
     ASSERT_TRUE(at) << what;
-    EXPECT_LT(MetresApart(*at, Beside(TakenAt(place, static_cast<int>(k)), 4.0, 0.0)), 1.0) << what;
+    EXPECT_LT(geo::MetresApart(*at, Beside(TakenAt(place, static_cast<int>(k)), 4.0, 0.0)), 1.0) << what;
   }
 }
 
@@ -331,7 +332,7 @@ TEST(CompareSources, JudgesSurveyedPointsByThePhotosThatShowThem) {
     ASSERT_TRUE(CompareSources(flight).ok());
     ASSERT_EQ(flight.gcp_lists.size(), 1u);
     ASSERT_EQ(flight.gcp_lists[0].points.size(), 5u);
-    EXPECT_LT(MetresApart(flight.gcp_lists[0].points[0].position, kDuluth), 0.5);
+    EXPECT_LT(geo::MetresApart(flight.gcp_lists[0].points[0].position, kDuluth), 0.5);
     EXPECT_EQ(flight.warnings.empty(), !is_swapped);
   }
   Flight unnamed = FlightAt(kDuluth);
@@ -388,7 +389,7 @@ TEST(CompareSources, NeverBelievesAReadingThatIsWrong) {
     for (int k = 0; k < 12; ++k) {
       const auto& at = flight.logs[0].events[static_cast<std::size_t>(k)].position;
       ASSERT_TRUE(at) << round;
-      ASSERT_LT(MetresApart(*at, Beside(TakenAt(place, k), 4.0, 0.0)), 1.0)
+      ASSERT_LT(geo::MetresApart(*at, Beside(TakenAt(place, k), 4.0, 0.0)), 1.0)
           << round << " " << UseInWords(flight.list_uses[0]);
     }
   }

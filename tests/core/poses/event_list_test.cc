@@ -10,8 +10,8 @@
 #include <random>
 #include <string>
 
+#include "core/geo/geodesic.h"
 #include "core/poses/estimate_poses.h"
-#include "core/poses/heights/flight_heights.h"
 #include "core/poses/time/time_sync.h"
 
 namespace skyquilt::poses {
@@ -83,7 +83,7 @@ std::vector<double> Without(std::vector<double> times_s, std::size_t row) {
 }
 
 double OffM(const Photo& photo, double t_s) {
-  return photo.position ? ApartM(photo.position->position, PlaceAt(t_s)) : 1e9;
+  return photo.position ? geo::MetresApart(photo.position->position, PlaceAt(t_s)) : 1e9;
 }
 
 TEST(AsEventList, KnowsAListByItsNameOrByItsRhythm) {

@@ -1,10 +1,18 @@
-#include "core/geo/geodesic_area.h"
+#include "core/geo/geodesic.h"
 
 #include <geodesic.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace skyquilt::geo {
+
+double MetresApart(const LatLon& a, const LatLon& b) {
+  constexpr double kEarthRadiusM = 6'371'000.0;
+  const double chord_m =
+      (EcefFromWgs84({a.lat_deg, a.lon_deg, 0.0}) - EcefFromWgs84({b.lat_deg, b.lon_deg, 0.0})).norm();
+  return 2.0 * kEarthRadiusM * std::asin(std::min(1.0, 0.5 * chord_m / kEarthRadiusM));
+}
 
 double GeodesicAreaM2(const std::vector<LatLon>& ring) {
   geod_geodesic earth;
