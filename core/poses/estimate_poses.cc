@@ -159,8 +159,8 @@ Error NoPhotoLeft(const std::vector<LeftOutPhoto>& left_out) {
   constexpr std::size_t kMaxSaid = 3;
   std::string message =
       left_out.size() == 1
-          ? std::string("The one picture given can take no part in a map.")
-          : fmt::format("None of the {} pictures given can take part in a map.", left_out.size());
+          ? std::string("The one file given is no photo that a map can be made of.")
+          : fmt::format("None of the {} files given is a photo that a map can be made of.", left_out.size());
   const std::vector<std::string> lines = flight::LeftOutInLines(left_out);
   for (std::size_t i = 0; i < std::min(kMaxSaid, lines.size()); ++i) message += " " + lines[i];
   if (lines.size() > kMaxSaid)

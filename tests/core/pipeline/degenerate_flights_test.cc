@@ -175,7 +175,7 @@ TEST_F(DegenerateFlights, LongThinPhotos) {
 TEST_F(DegenerateFlights, PhotosThinnerThanCamerasTakeThem) {
   AddLine(4, 2.0, {.width_px = 9000, .height_px = 16});
   AddLine(4, 2.0, {.width_px = 16, .height_px = 9000});
-  ExpectRefusal("None of the 8 pictures given can take part in a map.");
+  ExpectRefusal("None of the 8 files given is a photo that a map can be made of.");
   ExpectRefusal("panorama");
 }
 
