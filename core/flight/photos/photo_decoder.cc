@@ -112,6 +112,11 @@ Result<DecodedImage> DecodeByOpenCv(const std::vector<std::uint8_t>& bytes, int 
     SKYQUILT_TRY_ASSIGN(bgr, ReadByOpenCv(bytes, width_px, height_px, cv::IMREAD_COLOR));
   } else {
     SKYQUILT_TRY_ASSIGN(const cv::Mat stored, ReadStored(bytes, width_px, height_px, format.kind));
+    const bool may_lack_numbers = format.kind == SampleKind::kFloating || format.kind == SampleKind::kSigned;
+    if (may_lack_numbers && ValuesOf(stored, format, kSampleValues).empty()) {
+      return Error{ErrorCode::kCorrupt,
+                   "The picture holds no measurement: none of its samples is a number that one can be.", ""};
+    }
     bgr = EightBits(stored, format, range);
   }
   if (denominator > 1) {

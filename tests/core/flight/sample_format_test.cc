@@ -201,7 +201,9 @@ TEST(DecodePhotoBytes, DrawsWhatWasNotMeasuredBlack) {
   EXPECT_LE(image->Row(0)[0], 2) << "the range is that of what was measured";
   EXPECT_GE(image->rgb.back(), 252);
   const cv::Mat nothing(kHeight, kWidth, CV_32F, cv::Scalar(kNotANumber));
-  EXPECT_TRUE(DecodePhotoBytes(Tiff(nothing), kWidth, kHeight, 2).ok());
+  const auto without = DecodePhotoBytes(Tiff(nothing), kWidth, kHeight, 2);
+  ASSERT_FALSE(without.ok());
+  EXPECT_THAT(without.error().message, HasSubstr("holds no measurement"));
 }
 
 TEST_F(SampleFiles, OneCameraIsDrawnInOneRangeWhateverTheThreads) {
