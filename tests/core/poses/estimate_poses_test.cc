@@ -351,6 +351,18 @@ TEST(JoinLogs, RefusesLogsWhoseClocksCannotBeCompared) {
   EXPECT_THAT(joined->warnings, Contains(HasSubstr("loose.csv")));
 }
 
+TEST(EstimatePoses, NamesWhatWasLeftOutBeforeWhereTheRestHasNoPlace) {
+  Flight flight;
+  flight.photos = PhotosEvery2s(5);
+  for (int k = 0; k < 95; ++k)
+    flight.left_out.push_back({"PANO_" + std::to_string(k), ErrorCode::kUnprocessable, "A panorama."});
+  const auto posed = Estimate(flight);
+  ASSERT_FALSE(posed.ok());
+  EXPECT_THAT(posed.error().message, HasSubstr("None of the files is a photo with a position"));
+  EXPECT_THAT(posed.error().message, HasSubstr("95 of the pictures given can take no part in a map: "
+                                               "PANO_0 and 94 more: A panorama."));
+}
+
 TEST(EstimatePoses, HangsTheFlightOnAGivenTakeoffHeight) {
   Flight by_records;
   by_records.photos = PhotosEvery2s(6);
