@@ -81,7 +81,7 @@ Result<std::string> ReplaceDocument(
   incoming.Kept(bytes);
   if (added->replaced) {
     service.store.Remove(flight_id, added->replaced_stored_name);
-    incoming.Freed(known ? known->bytes : 0);
+    incoming.Freed(added->replaced_bytes);
   }
   return stored;
 }

@@ -65,8 +65,12 @@ Result<std::optional<storage::AddedFile>> AddInItsPlace(Service& service, const 
   for (int turn = 1;; ++turn) {
     SKYQUILT_TRY_ASSIGN(const std::optional<StoredFile> known, FindInItsPlace(service, request));
     if (known && !MayReplace(request)) {
-      SKYQUILT_TRY_ASSIGN(const bool is_same, HaveSameBytes(service, flight_id, *known, file));
-      if (!is_same) return AnotherIsThere(*known);
+      const Result<bool> is_same = HaveSameBytes(service, flight_id, *known, file);
+      // Replaced or removed since it was found; one whose bytes are lost can only be replaced.
+      const bool is_gone = !is_same && is_same.error().code == ErrorCode::kNotFound;
+      if (is_gone && turn < kMaxTurns) continue;
+      if (!is_same && !is_gone) return is_same.error();
+      if (is_gone || !*is_same) return AnotherIsThere(*known);
       return std::optional<storage::AddedFile>();
     }
     const Result<storage::AddedFile> added = service.catalogue.AddFile(
@@ -118,7 +122,10 @@ class PutFile final : public BodySink {
     if (!added) return added.error();
     if (!*added) return Json(200, FileJson(file));
     incoming_.Kept(file.bytes);
-    if ((*added)->replaced) service_.store.Remove(flight_id, (*added)->replaced_stored_name);
+    if ((*added)->replaced) {
+      service_.store.Remove(flight_id, (*added)->replaced_stored_name);
+      incoming_.Freed((*added)->replaced_bytes);
+    }
     return Json((*added)->replaced ? 200 : 201, FileJson(file));
   }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <limits>
 #include <map>
 #include <optional>
@@ -144,19 +145,23 @@ bool IsOfUnknownScale(const BandFacts& facts) {
 
 // A thermal camera's JPEG without temperatures still is a picture: it stays in the flight as one, unless the
 // map is made of visible pictures.
-void KeepLooks(int threads, std::vector<std::optional<Result<BandFacts>>>& facts, Flight& flight) {
+void KeepLooks(std::vector<std::optional<Result<BandFacts>>>& facts, Flight& flight) {
   std::size_t kept = 0;
   std::string reason;
   for (std::size_t i = 0; i < facts.size(); ++i) {
-    const auto& one = facts[i];
+    auto& one = facts[i];
     if (!one || !one->ok() || !(**one).is_look_too || !IsOfUnknownScale(**one)) continue;
     if (kept++ == 0) reason = (**one).radiometry.method;
     flight.photos[i].band_name.clear();
+    one.reset();
   }
   if (kept == 0) return;
   flight.warnings.push_back(fmt::format("{} thermal photos give no temperatures. {}", kept, reason));
+  std::map<std::filesystem::path, std::optional<Result<BandFacts>>> by_path;
+  for (std::size_t i = 0; i < facts.size(); ++i) by_path[flight.photos[i].path] = std::move(facts[i]);
   flight::KeepOneCamera(flight);
-  facts = ReadAllFacts(flight.photos, threads);
+  facts.clear();
+  for (const Photo& photo : flight.photos) facts.push_back(std::move(by_path[photo.path]));
 }
 
 // Captures that show a calibration panel, as the camera or a list says of one of their pictures.
@@ -201,7 +206,7 @@ bool SetPanelsApart(const std::vector<bool>& shows_panel, Captures& apart, Fligh
 Captures SetBandsApart(Flight& flight, int threads) {
   Captures apart;
   std::vector<std::optional<Result<BandFacts>>> facts = ReadAllFacts(flight.photos, threads);
-  KeepLooks(threads, facts, flight);
+  KeepLooks(facts, flight);
   std::set<std::string> names;
   for (const auto& one : facts) {
     if (one && one->ok() && !IsOfUnknownScale(**one)) names.insert((**one).name);

@@ -182,4 +182,28 @@ Result<std::optional<FlightFacts>> AppendPhotos(const FlightFacts& known, const 
   return std::optional<FlightFacts>(std::move(grown));
 }
 
+void FillPhotos(const flight::Flight& read, alignment::AlignedFlight& flight) {
+  std::map<std::string, const flight::Photo*> by_name;
+  for (const flight::Photo& photo : read.photos) by_name[photo.name] = &photo;
+  for (alignment::AlignedPhoto& photo : flight.photos) {
+    const auto found = by_name.find(photo.photo.name);
+    if (found == by_name.end()) continue;
+    const std::optional<flight::SampleRange> drawn_in = photo.photo.sample_range;
+    photo.photo = *found->second;
+    if (drawn_in) photo.photo.sample_range = drawn_in;
+  }
+}
+
+void KeepSampleRanges(const alignment::AlignedFlight& known, std::vector<flight::Photo>& photos) {
+  std::map<std::pair<std::string, flight::SampleKind>, flight::SampleRange> ranges;
+  for (const alignment::AlignedPhoto& photo : known.photos) {
+    if (photo.photo.sample_range)
+      ranges.emplace(std::pair(photo.photo.camera_key, photo.photo.sample_kind), *photo.photo.sample_range);
+  }
+  for (flight::Photo& photo : photos) {
+    const auto range = ranges.find({photo.camera_key, photo.sample_kind});
+    if (range != ranges.end() && photo.sample_range) photo.sample_range = range->second;
+  }
+}
+
 }  // namespace skyquilt::pipeline

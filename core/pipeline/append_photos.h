@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/base/progress.h"
+#include "core/flight/flight.h"
 #include "core/flight/photos/photo_source.h"
 #include "core/pipeline/report/flight_facts.h"
 #include "core/poses/posed_flight.h"
@@ -23,5 +24,11 @@ Result<std::optional<FlightFacts>> AppendPhotos(const FlightFacts& known, const 
 
 // The photos that came after the first `finished` ones, and those around them.
 alignment::AlignedFlight AddedAndAround(const alignment::AlignedFlight& flight, std::size_t finished);
+
+// The photos of a recalled flight as they were read now (where their files are), drawn as they were.
+void FillPhotos(const flight::Flight& read, alignment::AlignedFlight& flight);
+
+// New photos of a camera are drawn in the range of those of their kind that are drawn already.
+void KeepSampleRanges(const alignment::AlignedFlight& known, std::vector<flight::Photo>& photos);
 
 }  // namespace skyquilt::pipeline

@@ -1,6 +1,7 @@
 #include "core/pipeline/place_flight.h"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <numbers>
 #include <optional>
@@ -123,27 +124,6 @@ bool MayMove(const Recalled& recalled, const flight::Flight& read, const MosaicO
   return lists.size() == recalled.added.size() &&
          std::all_of(recalled.added.begin(), recalled.added.end(),
                      [&](const NamedDigest& input) { return lists.contains(input.file.name); });
-}
-
-// New photos of a camera are drawn in the range of those that are drawn already.
-void KeepSampleRanges(const alignment::AlignedFlight& known, flight::Flight& read) {
-  std::map<std::string, flight::SampleRange> ranges;
-  for (const alignment::AlignedPhoto& photo : known.photos) {
-    if (photo.photo.sample_range) ranges.emplace(photo.photo.camera_key, *photo.photo.sample_range);
-  }
-  for (flight::Photo& photo : read.photos) {
-    const auto range = ranges.find(photo.camera_key);
-    if (range != ranges.end() && photo.sample_range) photo.sample_range = range->second;
-  }
-}
-
-void FillPhotos(const flight::Flight& read, alignment::AlignedFlight& flight) {
-  std::map<std::string, const flight::Photo*> by_name;
-  for (const flight::Photo& photo : read.photos) by_name[photo.name] = &photo;
-  for (alignment::AlignedPhoto& photo : flight.photos) {
-    if (const auto found = by_name.find(photo.photo.name); found != by_name.end())
-      photo.photo = *found->second;
-  }
 }
 
 Result<poses::PosedFlight> Pose(const flight::Flight& flight, const MosaicOptions& options,
@@ -325,10 +305,10 @@ Result<std::optional<FlightFacts>> PlaceAdded(Recalled recalled, const flight::F
   std::set<std::string> names;
   for (const NamedDigest& input : recalled.added) names.insert(input.file.name);
   flight::Flight whole = read, added;
+  KeepSampleRanges(known.flight, whole.photos);
+  std::copy_if(whole.photos.begin(), whole.photos.end(), std::back_inserter(added.photos),
+               [&](const flight::Photo& photo) { return names.contains(photo.name); });
   std::erase_if(whole.photos, [&](const flight::Photo& photo) { return names.contains(photo.name); });
-  for (const flight::Photo& photo : read.photos) {
-    if (names.contains(photo.name)) added.photos.push_back(photo);
-  }
   SKYQUILT_TRY_ASSIGN(auto checked, stages.Run("check", [&] {
     return CheckPhotos(std::move(added), source, {}, options.threads, progress);
   }));
@@ -419,7 +399,6 @@ Result<PlacedFlight> PlaceFlight(const std::vector<InputFile>& files, const Mosa
     }
   } else if (memory != nullptr) {
     if (std::optional<Recalled> recalled = Recall(*memory, options, inputs)) {
-      KeepSampleRanges(recalled->facts.flight, *read);
       if (recalled->added.empty()) {
         facts = std::move(recalled->facts);
         FillPhotos(*read, facts->flight);

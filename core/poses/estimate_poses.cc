@@ -156,37 +156,37 @@ std::string WhyWithoutPosition(bool has_log) {
 
 // Every picture was left out before any was placed.
 Error NoPhotoLeft(const std::vector<LeftOutPhoto>& left_out) {
-  constexpr std::size_t kMaxSaid = 3;
-  std::string message =
+  const std::string message =
       left_out.size() == 1
           ? std::string("The one file given is no photo that a map can be made of.")
           : fmt::format("None of the {} files given is a photo that a map can be made of.", left_out.size());
-  const std::vector<std::string> lines = flight::LeftOutInLines(left_out);
-  for (std::size_t i = 0; i < std::min(kMaxSaid, lines.size()); ++i) message += " " + lines[i];
-  if (lines.size() > kMaxSaid)
-    message += fmt::format(" And so for {} other reasons.", lines.size() - kMaxSaid);
-  return {ErrorCode::kUnprocessable, message, ""};
+  return {ErrorCode::kUnprocessable, message + " " + flight::LeftOutInWords(left_out), ""};
 }
 
+// `left_out`: what begins with the `before` pictures that were left out before any was placed.
 Error NothingPlaced(bool has_log_and_photos, bool any_without_height,
-                    const std::vector<std::string>& warnings, const std::vector<LeftOutPhoto>& left_out) {
+                    const std::vector<std::string>& warnings, const std::vector<LeftOutPhoto>& left_out,
+                    std::size_t before) {
+  const auto split = left_out.begin() + static_cast<std::ptrdiff_t>(before);
+  std::string message;
   if (any_without_height) {
-    return {ErrorCode::kUnprocessable,
-            "No photo has a usable height above the ground: " + InWords(left_out) +
-                " Add the flight's log, a geo.txt with heights, or an elevation model (--dem).",
-            ""};
+    message = "No photo has a usable height above the ground: " + InWords({split, left_out.end()}) +
+              " Add the flight's log, a geo.txt with heights, or an elevation model (--dem).";
+  } else if (!has_log_and_photos) {
+    message =
+        "None of the files is a photo with a position, so there is nothing to place on the ground. "
+        "Check that the photos come straight from the drone (editing and messengers remove GPS data), "
+        "or add the flight log.";
+  } else {
+    message =
+        "No photo could be tied to the log, and none has a position of its own, "
+        "so there is nothing to place on the ground.";
+    for (const std::string& warning : warnings) message += " " + warning;
   }
-  if (!has_log_and_photos) {
-    return {ErrorCode::kUnprocessable,
-            "None of the files is a photo with a position, so there is nothing to place on the ground. "
-            "Check that the photos come straight from the drone (editing and messengers remove GPS data), "
-            "or add the flight log.",
-            ""};
+  if (before > 0) {
+    message += fmt::format(" {} of the pictures given can take no part in a map: {}", before,
+                           flight::LeftOutInWords({left_out.begin(), split}));
   }
-  std::string message =
-      "No photo could be tied to the log, and none has a position of its own, "
-      "so there is nothing to place on the ground.";
-  for (const std::string& warning : warnings) message += " " + warning;
   return {ErrorCode::kUnprocessable, message, ""};
 }
 
@@ -382,7 +382,8 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
   }
   if (flight.photos.empty() && !flight.left_out.empty()) return NoPhotoLeft(flight.left_out);
   if (posed.photos.empty()) {
-    return NothingPlaced(log && !tie.photos.empty(), any_without_height, posed.warnings, posed.left_out);
+    return NothingPlaced(log && !tie.photos.empty(), any_without_height, posed.warnings, posed.left_out,
+                         flight.left_out.size());
   }
   if (given_takeoff_m) {
     dem_zero = DemZero::kSeaLevel;

@@ -19,7 +19,7 @@ std::optional<MethodOutcome> ReckonRow(const std::vector<flight::InputFile>& fil
   SilentProgress progress;
   const auto flight = flight::ReadFlight(files, {}, progress);
   if (!flight) return std::nullopt;  // the methods' rows say why
-  const auto joined = poses::JoinLogs(flight->logs);
+  const auto joined = poses::JoinLogs(flight->logs, flight->photos);
   if (!joined || joined->log.imu.empty()) return std::nullopt;
   const poses::LogTie tie = poses::TieToLog(joined->log, flight->photos);
   std::vector<poses::Capture> captures;

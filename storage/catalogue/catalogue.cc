@@ -107,6 +107,14 @@ Result<void> InsertFile(SqlConnection& db, const std::string& flight_id, const S
       .Run();
 }
 
+Result<std::optional<StoredFile>> FileNamed(SqlConnection& db, const std::string& flight_id,
+                                            const std::string& name) {
+  SKYQUILT_TRY_ASSIGN(Statement query, db.Prepare("SELECT name, stored_name, bytes FROM file"
+                                                  " WHERE flight_id=? AND name=?"));
+  SKYQUILT_TRY_ASSIGN(const std::vector<StoredFile> found, FilesOf(query.Bind(1, flight_id).Bind(2, name)));
+  return found.empty() ? std::nullopt : std::optional(found.front());
+}
+
 Result<std::vector<std::string>> UploadsOf(SqlConnection& db, const std::string& flight_id) {
   SKYQUILT_TRY_ASSIGN(Statement query, db.Prepare("SELECT id FROM upload WHERE flight_id=?"));
   return query.Bind(1, flight_id).AllText();
@@ -311,13 +319,8 @@ Result<AddedFile> Catalogue::AddFile(const std::string& flight_id, const StoredF
     SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db, flight_id));
     SKYQUILT_TRY(RequireFlight(*db, flight_id));
     AddedFile added;
-    {
-      SKYQUILT_TRY_ASSIGN(Statement old,
-                          db->Prepare("SELECT stored_name FROM file WHERE flight_id=? AND name=?"));
-      SKYQUILT_TRY_ASSIGN(const bool row, old.Bind(1, flight_id).Bind(2, file.name).Step());
-      added.replaced = row;
-      if (row) added.replaced_stored_name = old.ColumnText(0);
-    }
+    SKYQUILT_TRY_ASSIGN(const std::optional<StoredFile> old, FileNamed(*db, flight_id, file.name));
+    if (old) added = {true, old->stored_name, old->bytes};
     if (expected && *expected != added.replaced_stored_name) {
       return Error{ErrorCode::kPreconditionFailed,
                    fmt::format("The file {} was changed elsewhere meanwhile.", file.name), ""};
@@ -408,10 +411,7 @@ Result<std::vector<StoredFile>> FilesOf(Statement& query) {
 Result<std::optional<StoredFile>> Catalogue::FindFile(const std::string& flight_id,
                                                       const std::string& name) const {
   const auto db = db_.Read();
-  SKYQUILT_TRY_ASSIGN(Statement query, db->Prepare("SELECT name, stored_name, bytes FROM file"
-                                                   " WHERE flight_id=? AND name=?"));
-  SKYQUILT_TRY_ASSIGN(const std::vector<StoredFile> found, FilesOf(query.Bind(1, flight_id).Bind(2, name)));
-  return found.empty() ? std::nullopt : std::optional(found.front());
+  return FileNamed(*db, flight_id, name);
 }
 
 Result<std::vector<StoredFile>> Catalogue::ListFiles(const std::string& flight_id) const {

@@ -85,6 +85,7 @@ struct MapPage {
 struct AddedFile {
   bool replaced = false;
   std::string replaced_stored_name;  // the caller removes this file now
+  std::int64_t replaced_bytes = 0;
 };
 
 class Catalogue {

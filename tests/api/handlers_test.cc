@@ -106,6 +106,20 @@ TEST(Files, OfAnotherCardTakeNobodysPlace) {
   EXPECT_EQ(sample.Send(Method::kPut, at + ".txt", "other").status, 201);
 }
 
+TEST(Files, WhoseBytesAreLostCanBeReplaced) {
+  SampleService sample;
+  const std::string flight = sample.NewFlight();
+  const std::string at = "/api/v1/flights/" + flight + "/files/DJI_0001.JPG";
+  ASSERT_EQ(sample.Send(Method::kPut, at, "first").status, 201);
+  const std::string stored = sample.catalogue.FindFile(flight, "DJI_0001.JPG")->value().stored_name;
+  std::filesystem::remove(sample.dir().Files(flight) / stored);
+  EXPECT_EQ(sample.Send(Method::kPut, at, "again").status, 409);
+  Headers replaces;
+  replaces.Add("If-Match", "*");
+  EXPECT_EQ(sample.Send(Method::kPut, at, "again", replaces).status, 200);
+  EXPECT_EQ(CountIn(sample.dir().Files(flight)), 1);
+}
+
 TEST(Files, AreReplacedByTheirEtag) {
   SampleService sample;
   const std::string flight = sample.NewFlight();

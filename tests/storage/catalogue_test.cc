@@ -140,6 +140,7 @@ TEST_F(CatalogueTest, ReplacesAFileOfTheSameNameAndSaysWhichBytesToDrop) {
   const auto second = catalogue_.AddFile(id, {"a.jpg", NewId(), 2}, Now());
   EXPECT_TRUE(second->replaced);
   EXPECT_EQ(second->replaced_stored_name, old_name);
+  EXPECT_EQ(second->replaced_bytes, 1);
   ASSERT_EQ(catalogue_.ListFiles(id)->size(), 1u);
   EXPECT_EQ(catalogue_.FindFile(id, "a.jpg")->value().bytes, 2);
   EXPECT_FALSE(catalogue_.FindFile(id, "A.jpg")->has_value());

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <utility>
 
 namespace skyquilt::flight {
 namespace {
@@ -64,6 +65,34 @@ std::string ReasonInWords(Aside why, std::string_view of, std::string_view inste
   return "";
 }
 
+struct SomeLines {
+  std::vector<std::string> lines;
+  std::size_t more = 0;  // pictures of which none speaks
+};
+
+SomeLines FirstLines(const std::vector<LeftOutPhoto>& left_out, std::size_t most) {
+  constexpr std::size_t kMaxNamedApart = 3;
+  std::map<std::string_view, std::size_t> all, seen;
+  for (const LeftOutPhoto& photo : left_out) ++all[photo.reason];
+  SomeLines some;
+  std::size_t told = 0;
+  for (const LeftOutPhoto& photo : left_out) {
+    const std::size_t count = all[photo.reason];
+    const bool is_named_apart = count <= kMaxNamedApart;
+    if (some.lines.size() == most || (seen[photo.reason]++ > 0 && !is_named_apart)) continue;
+    some.lines.push_back(is_named_apart
+                             ? photo.name + ": " + photo.reason
+                             : fmt::format("{} and {} more: {}", photo.name, count - 1, photo.reason));
+    told += is_named_apart ? 1 : count;
+  }
+  some.more = left_out.size() - told;
+  return some;
+}
+
+std::string MorePictures(std::size_t count) {
+  return fmt::format("{} more picture{}", count, count == 1 ? "" : "s");
+}
+
 }  // namespace
 
 Error AsideError(Aside why, std::string_view of, std::string_view instead) {
@@ -94,19 +123,18 @@ std::string OneCameraInWords(Aside why, std::size_t pictures, std::string_view o
 }
 
 std::vector<std::string> LeftOutInLines(const std::vector<LeftOutPhoto>& left_out) {
-  constexpr std::size_t kMaxNamedApart = 3;
-  std::map<std::string_view, std::size_t> all, said;
-  for (const LeftOutPhoto& photo : left_out) ++all[photo.reason];
-  std::vector<std::string> lines;
-  for (const LeftOutPhoto& photo : left_out) {
-    const std::size_t count = all[photo.reason];
-    if (count <= kMaxNamedApart) {
-      lines.push_back(photo.name + ": " + photo.reason);
-    } else if (said[photo.reason]++ == 0) {
-      lines.push_back(fmt::format("{} and {} more: {}", photo.name, count - 1, photo.reason));
-    }
-  }
-  return lines;
+  constexpr std::size_t kMaxLines = 20;
+  SomeLines some = FirstLines(left_out, kMaxLines);
+  if (some.more > 0) some.lines.push_back("and " + MorePictures(some.more));
+  return std::move(some.lines);
+}
+
+std::string LeftOutInWords(const std::vector<LeftOutPhoto>& left_out) {
+  constexpr std::size_t kMaxSentences = 3;
+  const SomeLines some = FirstLines(left_out, kMaxSentences);
+  std::string words = fmt::format("{}", fmt::join(some.lines, " "));
+  if (some.more > 0) words += fmt::format(" And {}.", MorePictures(some.more));
+  return words;
 }
 
 }  // namespace skyquilt::flight

@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <map>
+#include <set>
 #include <string>
 #include <tuple>
 #include <unordered_map>
 #include <utility>
 
 #include "core/flight/aside/picture_name.h"
+#include "core/geo/geodesic.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -120,13 +123,13 @@ enum class Places { kUnknown, kSame, kMoved, kImpossible };
 // Of two pictures of one second.
 Places PlacesOf(const Photo& a, const Photo& b) {
   if (!a.position || !b.position) return Places::kUnknown;
-  const auto at = [](const geo::LatLon& position) {
-    return geo::EcefFromWgs84({position.lat_deg, position.lon_deg, 0.0});
-  };
-  const double moved_m = (at(a.position->position) - at(b.position->position)).norm();
+  const double moved_m = geo::MetresApart(a.position->position, b.position->position);
   constexpr double kRoundingM = 0.5, kFastestM = 100.0;  // nothing that maps flies faster: a stale fix
   return moved_m <= kRoundingM ? Places::kSame : moved_m > kFastestM ? Places::kImpossible : Places::kMoved;
 }
+
+// Unlike a picture as its camera wrote it.
+bool IsReworked(const Photo& photo) { return photo.origin.is_edited || photo.origin.makers_records == 0; }
 
 class CopyFinder {
  public:
@@ -139,6 +142,8 @@ class CopyFinder {
       picture.marks = static_cast<int>(stems.size()) - 1;
       for (const Unmarked& stem : stems) by_stem_[stem.stem].push_back({i, stem.mark});
       if (photos[i].origin.clock) by_second_[SecondOf(i)].push_back(i);
+      if (photos[i].origin.clock && photos[i].position && IsReworked(photos[i]))
+        reworked_at_[PlaceKey(photos[i])].insert(SecondOf(i));
       pictures_.push_back(std::move(picture));
     }
   }
@@ -176,6 +181,17 @@ class CopyFinder {
 
   std::int64_t SecondOf(std::size_t i) const {
     return std::chrono::floor<std::chrono::seconds>(*photos_[i].origin.clock).time_since_epoch().count();
+  }
+
+  static std::pair<double, double> PlaceKey(const Photo& photo) {
+    return {photo.position->position.lat_deg, photo.position->position.lon_deg};
+  }
+
+  // One that reworked pictures of several moments share. Alone, a place that is far away is that of another
+  // aircraft in the same second.
+  bool HasStalePosition(std::size_t i) const {
+    const auto found = reworked_at_.find(PlaceKey(photos_[i]));
+    return found != reworked_at_.end() && found->second.size() > 1;
   }
 
   // One is what exiftool kept of the other. What it changed may be the clock and the camera's name.
@@ -217,7 +233,7 @@ class CopyFinder {
   void LookByMoment(std::size_t copy, std::optional<std::size_t>& best) const {
     const Photo& photo = photos_[copy];
     if (!photo.origin.clock || photo.make.empty() || photo.model.empty()) return;
-    if (!photo.origin.is_edited && photo.origin.makers_records > 0) return;
+    if (!IsReworked(photo)) return;
     const std::vector<std::size_t>& others = by_second_.at(SecondOf(copy));
     if (others.size() > kMaxLookedAt) return;  // a clock that stands still tells nothing
     std::optional<std::size_t> elsewhere;
@@ -235,7 +251,8 @@ class CopyFinder {
       ++candidates;
       const Places places = PlacesOf(photo, original);
       if (places == Places::kSame) Take(other, best);
-      if (places == Places::kUnknown || places == Places::kImpossible) elsewhere = other;
+      if (places == Places::kUnknown || (places == Places::kImpossible && HasStalePosition(copy)))
+        elsewhere = other;
     }
     if (!best && candidates == 1) best = elsewhere;
   }
@@ -244,6 +261,7 @@ class CopyFinder {
   std::vector<Picture> pictures_;
   std::unordered_map<std::string, std::vector<Named>> by_stem_;
   std::unordered_map<std::int64_t, std::vector<std::size_t>> by_second_;
+  std::map<std::pair<double, double>, std::set<std::int64_t>> reworked_at_;  // by place, in which seconds
 };
 
 }  // namespace

@@ -14,6 +14,7 @@
 
 #include "core/flight/aside/aside.h"
 #include "core/flight/aside/picture_name.h"
+#include "core/geo/geodesic.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -76,18 +77,31 @@ std::vector<CameraOfFlight> CamerasOf(const std::vector<Photo>& photos) {
 }
 
 auto PreferenceOf(const CameraOfFlight& camera) {
-  return std::tuple(camera.lens != Lens::kThermal, camera.lens == Lens::kWide, camera.view.value_or(0.0),
-                    camera.pixels);
+  return std::tuple(camera.lens == Lens::kWide, camera.view.value_or(0.0), camera.pixels);
 }
 
-// The map's camera first, then those with most photos.
+// However many cameras each kind is spread over.
+bool IsOfThermalPictures(const std::vector<CameraOfFlight>& cameras) {
+  std::size_t thermal = 0, visible = 0;
+  for (const CameraOfFlight& camera : cameras)
+    (camera.lens == Lens::kThermal ? thermal : visible) += camera.photos.size();
+  return 9 * thermal > 10 * visible;
+}
+
+// The map's camera first, then those of its kind, of these those with most photos.
 void PutInOrderOfUse(std::vector<CameraOfFlight>& cameras) {
-  std::stable_sort(cameras.begin(), cameras.end(), [](const CameraOfFlight& a, const CameraOfFlight& b) {
-    return std::tuple(a.photos.size(), PreferenceOf(a)) > std::tuple(b.photos.size(), PreferenceOf(b));
-  });
+  const bool is_thermal_map = IsOfThermalPictures(cameras);
+  const auto is_of_kind = [&](const CameraOfFlight& camera) {
+    return (camera.lens == Lens::kThermal) == is_thermal_map;
+  };
+  const auto use_of = [&](const CameraOfFlight& camera) {
+    return std::tuple(is_of_kind(camera), camera.photos.size(), PreferenceOf(camera));
+  };
+  std::stable_sort(cameras.begin(), cameras.end(),
+                   [&](const CameraOfFlight& a, const CameraOfFlight& b) { return use_of(a) > use_of(b); });
   const std::size_t most = cameras.front().photos.size();
   const auto rivals = std::find_if(cameras.begin(), cameras.end(), [&](const CameraOfFlight& camera) {
-    return 10 * camera.photos.size() < 9 * most;
+    return !is_of_kind(camera) || 10 * camera.photos.size() < 9 * most;
   });
   const auto best = std::max_element(
       cameras.begin(), rivals,
@@ -117,8 +131,13 @@ bool LookTheSameWay(const Photo& a, const Photo& b) {
   return axis(*a.attitude).dot(axis(*b.attitude)) >= kCosSameWay;
 }
 
-Eigen::Vector3d PlaceOf(const geo::LatLon& position) {
-  return geo::EcefFromWgs84({position.lat_deg, position.lon_deg, 0.0});
+bool SaysWhereItLooks(const Photo& photo) {
+  return photo.attitude && photo.attitude->kind == AttitudeKind::kGimbal;
+}
+
+// By all but the focal length one camera: of an oblique rig the one that looks down has another.
+bool MayBeOfOneRig(const CameraOfFlight& a, const CameraOfFlight& b) {
+  return a.lens == b.lens && a.mark == b.mark && a.maker_and_model == b.maker_and_model;
 }
 
 // The photos that stay, by moment and by name.
@@ -188,9 +207,11 @@ class StayingPhotos {
     const Photo& staying = photos_[other];
     if (photo.captured_at_is_local != staying.captured_at_is_local || !LookTheSameWay(photo, staying))
       return false;
-    if (photo.position && staying.position) {
-      return (PlaceOf(photo.position->position) - PlaceOf(staying.position->position)).norm() <= kSamePlaceM;
-    }
+    if (MayBeOfOneRig(cameras_[camera], cameras_[its_camera]) &&
+        !(SaysWhereItLooks(photo) && SaysWhereItLooks(staying)))
+      return false;
+    if (photo.position && staying.position)
+      return geo::MetresApart(photo.position->position, staying.position->position) <= kSamePlaceM;
     return cameras_[camera].maker_and_model == cameras_[its_camera].maker_and_model &&
            photo.lens != Lens::kUnsaid && staying.lens != Lens::kUnsaid && photo.lens != staying.lens;
   }
@@ -204,7 +225,7 @@ class StayingPhotos {
         std::chrono::abs(*a.captured_at - *b.captured_at) > kOneName)
       return false;
     return !a.position || !b.position ||
-           (PlaceOf(a.position->position) - PlaceOf(b.position->position)).norm() <= kOneNameM;
+           geo::MetresApart(a.position->position, b.position->position) <= kOneNameM;
   }
 
   const std::vector<Photo>& photos_;

@@ -93,7 +93,7 @@ std::optional<Error> WhyPanorama(int width_px, int height_px, const XmpTags& xmp
   constexpr int kMaxAspect = 3;
   const auto [shorter, longer] = std::minmax(width_px, height_px);
   if (longer > static_cast<std::int64_t>(kMaxAspect) * shorter)
-    return AsideError(Aside::kPanorama, fmt::format("{} x {} px", width_px, height_px));
+    return AsideError(Aside::kPanorama, "its long side is over three times its short one");
   return std::nullopt;
 }
 

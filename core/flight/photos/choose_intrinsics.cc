@@ -214,10 +214,10 @@ std::optional<std::string> WhyPlaneIsWrong(int width_px, int height_px, const Ex
           sensor_mm, sensor_mm * as_smaller_copy, other.name);
     }
   }
-  constexpr double kNarrowestMm = 2.5, kWidestMm = 60.0;
+  constexpr double kNarrowestMm = 1.5, kWidestMm = 60.0;
   if (why || (sensor_mm > kNarrowestMm && sensor_mm < kWidestMm)) return why;
   return fmt::format(
-      "By its focal plane resolution the sensor would be {:.1f} mm wide, which none is: it is left aside.",
+      "By its focal plane resolution the sensor would be {:.1f} mm wide, which hardly any is: it is left aside.",
       sensor_mm);
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <new>
+#include <numeric>
 #include <opencv2/core.hpp>
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -62,16 +63,20 @@ bool IsMeasured(double value, const SampleFormat& format) {
   return value > kMin && value < kMax && value != format.no_data;
 }
 
-// Evenly over the picture's rows, each offset so that columns are met evenly too.
+// Evenly over the picture's rows, each offset so that columns and colours are met evenly too.
 std::vector<float> ValuesOf(const cv::Mat& stored, const SampleFormat& format, std::size_t most) {
   cv::Mat one_channel = stored.reshape(1), row;
-  const std::size_t step = std::max<std::size_t>(1, one_channel.total() / most);
+  const auto channels = static_cast<std::size_t>(stored.channels());
+  std::size_t step = std::max<std::size_t>(1, one_channel.total() / most);
+  while (std::gcd(step, channels) > 1) ++step;
   std::vector<float> values;
   values.reserve(one_channel.total() / step + 1);
   const auto columns = static_cast<std::size_t>(one_channel.cols);
   for (std::size_t y = 0, at = 0; y < static_cast<std::size_t>(one_channel.rows); ++y) {
     one_channel.row(static_cast<int>(y)).convertTo(row, CV_32F);
     for (; at < (y + 1) * columns; at += step) {
+      constexpr std::size_t kWithOpacity = 4;
+      if (channels == kWithOpacity && at % kWithOpacity == kWithOpacity - 1) continue;
       const float value = row.at<float>(static_cast<int>(at - y * columns));
       if (IsMeasured(value, format)) values.push_back(value);
     }

@@ -5,18 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/geo/geodesic.h"
+
 namespace skyquilt::pipeline {
 namespace {
 
 // A grid is bilinear between its nodes: half a cell misses none of its bends.
 constexpr double kStepsPerCell = 2.0;
 constexpr int kChunksToMeasure = 64;
-
-double ChordM(const geo::LatLon& from, const geo::LatLon& to) {
-  return (geo::EcefFromWgs84({to.lat_deg, to.lon_deg, 0.0}) -
-          geo::EcefFromWgs84({from.lat_deg, from.lon_deg, 0.0}))
-      .norm();
-}
 
 // Across the antimeridian the short way.
 geo::LatLon Between(const geo::LatLon& from, const geo::LatLon& to, double share) {
@@ -31,7 +27,7 @@ double LengthM(const geo::LatLon& from, const geo::LatLon& to, int chunks) {
   geo::LatLon before = from;
   for (int i = 1; i <= chunks; ++i) {
     const geo::LatLon next = Between(from, to, static_cast<double>(i) / chunks);
-    length_m += ChordM(before, next);
+    length_m += geo::MetresApart(before, next);
     before = next;
   }
   return length_m;

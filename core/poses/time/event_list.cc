@@ -1,11 +1,11 @@
 #include "core/poses/time/event_list.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <string>
 
 #include "core/base/median.h"
+#include "core/poses/photo_rows.h"
 #include "core/poses/time/event_alignment.h"
 #include "core/poses/time/stamped_photos.h"
 
@@ -25,10 +25,7 @@ bool HoldsPositionsAlone(const FlightLog& log) {
 }
 
 bool IsNamedSo(const std::string& file_name) {
-  std::string lower = file_name.substr(file_name.find_last_of("/\\") + 1);
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return lower.find("_event") != std::string::npos;
+  return PlainPhotoName(file_name).find("_event") != std::string::npos;
 }
 
 std::vector<double> IntervalsOf(const std::vector<double>& times_s) {

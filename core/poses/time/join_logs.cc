@@ -29,6 +29,7 @@ int Worth(const FlightLog& log) {
 struct LogSpan {
   double begin_s = std::numeric_limits<double>::infinity();
   double end_s = -std::numeric_limits<double>::infinity();
+  bool Meets(const LogSpan& other) const { return begin_s <= other.end_s && other.begin_s <= end_s; }
   template <typename Sample>
   void Take(const std::vector<Sample>& samples) {
     if (samples.empty()) return;
@@ -46,8 +47,7 @@ LogSpan SpanOf(const FlightLog& log) {
   return span;
 }
 
-LogSpan SpanWithEvents(const FlightLog& log) {
-  LogSpan span = SpanOf(log);
+LogSpan SpanOfEvents(const FlightLog& log, LogSpan span = {}) {
   for (const flight::CameraEvent& event : log.events) {
     if (!event.has_time) continue;
     span.begin_s = std::min(span.begin_s, event.t_s);
@@ -55,6 +55,11 @@ LogSpan SpanWithEvents(const FlightLog& log) {
   }
   return span;
 }
+
+LogSpan SpanWithEvents(const FlightLog& log) { return SpanOfEvents(log, SpanOf(log)); }
+
+// Two lists of the same exposures, where one of them has nothing else.
+bool EventsMeet(const FlightLog& a, const FlightLog& b) { return SpanOfEvents(a).Meets(SpanOfEvents(b)); }
 
 bool ShareASeries(const FlightLog& a, const FlightLog& b) {
   return (!a.imu.empty() && !b.imu.empty()) || (!a.attitude.empty() && !b.attitude.empty()) ||
@@ -129,12 +134,10 @@ class Joiner {
     }
     const double shift_s = std::chrono::duration<double>(*other.utc_at_zero - *log.utc_at_zero).count();
     FlightLog moved = Shifted(other, shift_s);
-    const LogSpan here = SpanOf(log);
-    const LogSpan there = SpanOf(moved);
-    if (there.begin_s > here.end_s || there.end_s < here.begin_s) {
-      Lengthen(std::move(moved));
-    } else {
+    if (SpanOf(log).Meets(SpanOf(moved)) || EventsMeet(log, moved)) {
       Complete(std::move(moved));
+    } else {
+      Lengthen(std::move(moved));
     }
     log.utc_sigma_s = std::max(log.utc_sigma_s, other.utc_sigma_s);
   }

@@ -27,6 +27,6 @@ std::vector<std::string> WarnOfEmptyLogs(const std::vector<flight::FlightLog>& l
 // Nothing where no log has a series or an event with a time. `photos`: lists of positions that are those of
 // camera events (event_list.h) are known by them.
 std::optional<JoinedLog> JoinLogs(const std::vector<flight::FlightLog>& logs,
-                                  const std::vector<flight::Photo>& photos = {});
+                                  const std::vector<flight::Photo>& photos);
 
 }  // namespace skyquilt::poses

@@ -114,7 +114,7 @@ void Run(const ReckonArguments& arguments) {
   const auto flight = flight::ReadFlight(*files, {}, progress);
   if (!flight) Fail("skyquilt reckon", flight.error());
   for (const std::string& warning : flight->warnings) fmt::print(stderr, "Warning: {}\n", warning);
-  const auto joined = poses::JoinLogs(flight->logs);
+  const auto joined = poses::JoinLogs(flight->logs, flight->photos);
   if (!joined) {
     Fail("skyquilt reckon",
          {ErrorCode::kUnprocessable,

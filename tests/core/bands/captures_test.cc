@@ -201,6 +201,19 @@ TEST_F(CapturesTest, AThermalPictureWithoutTemperaturesStaysAPicture) {
   EXPECT_TRUE(SetBandsApart(flight, 1).empty());
   EXPECT_EQ(NamesOf(flight), (std::vector<std::string>{"c.JPG", "d.JPG"}));
   EXPECT_EQ(flight.left_out.size(), 2U);
+
+  // What the pictures of a rig say of their bands stays theirs.
+  for (const char* id : {"e", "f"}) {
+    for (const char* band : {"Green", "NIR"})
+      Add(std::string(id) + "_" + band + ".TIF", band, fmt::format("Camera:CaptureUUID=\"{}\"", id));
+  }
+  flight = Read();
+  const Captures apart = SetBandsApart(flight, 2);
+  ASSERT_EQ(apart.captures.size(), 2U);
+  ASSERT_EQ(apart.captures[1].photos.size(), 2U);
+  EXPECT_EQ(apart.captures[1].photos[0].photo.name, "f_Green.TIF");
+  EXPECT_EQ(apart.captures[1].photos[0].facts.name, "green");
+  EXPECT_EQ(apart.captures[1].photos[1].facts.name, "nir");
 }
 
 TEST_F(CapturesTest, ABandsValuesMeanTheSameInAllItsPhotos) {

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <optional>
 
 #include "core/flight/aside/copies.h"
 #include "core/flight/aside/one_camera.h"
@@ -114,6 +115,24 @@ TEST(FindCopies, KnowsARenamedCopyByItsMoment) {
   // Elsewhere in that second: the one before or after it.
   small.lat_deg += 0.00005;
   EXPECT_EQ(Left({Picture("DJI_0021.JPG", {}), Picture("IMG-WA17.jpg", small)}).size(), 2U);
+}
+
+TEST(FindCopies, BelievesAFarPlaceUnlessSeveralCopiesShareIt) {
+  Taken far = Edited({});
+  far.lat_deg = 46.53;
+  // Another aircraft's, in the same second.
+  EXPECT_EQ(Left({Picture("DJI_0021.JPG", {}), Picture("north meadow.jpg", far)}).size(), 2U);
+  Taken next = far, next_original;
+  next.time = next_original.time = "2024:06:01 10:00:05";
+  EXPECT_THAT(Left({Picture("DJI_0021.JPG", {}), Picture("DJI_0022.JPG", next_original),
+                    Picture("north meadow.jpg", far), Picture("the barn.jpg", next)}),
+              ElementsAre("DJI_0021.JPG", "DJI_0022.JPG"));
+  // The second aircraft goes on.
+  next.lat_deg += 0.0003;
+  EXPECT_EQ(Left({Picture("DJI_0021.JPG", {}), Picture("DJI_0022.JPG", next_original),
+                  Picture("north meadow.jpg", far), Picture("the barn.jpg", next)})
+                .size(),
+            4U);
 }
 
 TEST(FindCopies, KeepsTheOriginalUnderAnotherName) {
@@ -270,6 +289,17 @@ TEST(KeepOneCamera, MakesAThermalMapOfThermalPictures) {
   EXPECT_THAT(flight.left_out[0].reason, HasSubstr("visible"));
 }
 
+TEST(KeepOneCamera, CountsVisiblePicturesOverAllTheirCameras) {
+  Flight flight;
+  AddCamera("_T", kThermal, 14, flight);
+  AddCamera("", {.model = "FC6310", .source = "", .focal_35mm = 35}, 12, flight, 20);
+  AddCamera("", {.model = "M3E", .source = ""}, 12, flight, 40);
+  KeepOneCamera(flight);
+  EXPECT_EQ(flight.photos.size(), 24U);
+  ASSERT_EQ(flight.left_out.size(), 14U);
+  EXPECT_THAT(flight.left_out[0].reason, HasSubstr("A thermal picture"));
+}
+
 TEST(KeepOneCamera, KeepsCamerasThatFlewApart) {
   Flight flight;
   AddCamera("", {}, 6, flight);
@@ -292,6 +322,24 @@ TEST(KeepOneCamera, KeepsRigsOfLikeCamerasAndBands) {
   EXPECT_EQ(flight.photos.size(), 15U);
 }
 
+TEST(KeepOneCamera, KeepsTheCameraOfAnObliqueRigThatLooksDown) {
+  const auto rig = [](std::optional<AttitudeKind> kind) {
+    Flight flight;
+    for (const char* mark : {"_a", "_b", "_c", "_d"})
+      AddCamera(mark, {.model = "Rig", .source = "", .focal_35mm = 50}, 5, flight);
+    AddCamera("_e", {.model = "Rig", .source = "", .focal_35mm = 35}, 5, flight);
+    for (Photo& photo : flight.photos) {
+      photo.attitude.reset();
+      if (kind) photo.attitude = RecordedAttitude{.kind = *kind, .pitch_rad = -1.5, .source = ""};
+    }
+    KeepOneCamera(flight);
+    return flight.photos.size();
+  };
+  EXPECT_EQ(rig(std::nullopt), 25U);
+  EXPECT_EQ(rig(AttitudeKind::kAirframe), 25U) << "the aircraft's angles do not say where a camera looks";
+  EXPECT_EQ(rig(AttitudeKind::kGimbal), 20U) << "all look down: a second focal length of one moment";
+}
+
 TEST(KeepOneCamera, LeavesASecondCameraOfTheSameMoments) {
   Flight flight;
   AddCamera("", {.model = "A", .source = ""}, 8, flight);
@@ -308,6 +356,16 @@ TEST(LeftOutInLines, SaysAReasonOfManyOnce) {
   for (const char* name : {"a", "b", "c", "d"}) photos.push_back({name, ErrorCode::kConflict, "Often."});
   photos.push_back({"e", ErrorCode::kCorrupt, "Once."});
   EXPECT_THAT(LeftOutInLines(photos), ElementsAre("a and 3 more: Often.", "e: Once."));
+}
+
+TEST(LeftOutInLines, EndsAfterTwentyLines) {
+  std::vector<LeftOutPhoto> photos(60, {"many", ErrorCode::kConflict, "Often."});
+  for (int i = 0; i < 500; ++i)
+    photos.push_back(LeftAside(fmt::format("{}-2", i), Aside::kCopy, fmt::format("{}", i)));
+  const auto lines = LeftOutInLines(photos);
+  ASSERT_EQ(lines.size(), 21U);
+  EXPECT_EQ(lines.back(), "and 481 more pictures");
+  EXPECT_THAT(LeftOutInWords(photos), ::testing::EndsWith(" And 498 more pictures."));
 }
 
 std::string Refused(const Bytes& bytes) {
@@ -328,7 +386,7 @@ TEST(WhyPanorama, KnowsPanoramasByTagsAndShape) {
   EXPECT_EQ(with("rectilinear", 4000, 3000), "");
   EXPECT_EQ(with("", 3000, 1000), "");
   EXPECT_THAT(with("", 3001, 1000), HasSubstr("panorama"));
-  EXPECT_THAT(with("", 1000, 3001), HasSubstr("3001"));
+  EXPECT_THAT(with("", 1000, 3001), HasSubstr("over three times its short one"));
 }
 
 // A directory of numbers behind a TIFF.

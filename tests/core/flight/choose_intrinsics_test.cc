@@ -152,6 +152,17 @@ TEST(ChooseIntrinsics, LeavesAFocalPlaneOfTheWrongUnitAside) {
   }
 }
 
+TEST(ChooseIntrinsics, BelievesTheSmallestThermalSensors) {
+  ExifRecord exif;
+  exif.focal_length_mm = 1.77;
+  exif.focal_plane_x_px_per_mm = exif.focal_plane_y_px_per_mm = 1000.0 / 12.0;  // 12 um: 160 px are 1.92 mm
+  const auto chosen = Choose(160, 120, exif);
+  EXPECT_EQ(chosen.source, FocalSource::kFocalPlane);
+  EXPECT_NEAR(chosen.intrinsics.focal_x_px, 147.5, 0.1);
+  exif.focal_plane_x_px_per_mm = 1000.0 / 5.0;
+  EXPECT_NE(Choose(160, 120, exif).source, FocalSource::kFocalPlane) << "0.8 mm";
+}
+
 TEST(ChooseIntrinsics, KeepsAFocalPlaneThatAnyOtherSourceConfirms) {
   ExifRecord exif = ExifInUnit(1.0);
   exif.model = "FC300S";

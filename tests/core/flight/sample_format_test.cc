@@ -173,6 +173,22 @@ TEST(DecodePhotoBytes, DrawsTwelveBitsOfColourInTheirColours) {
   }
 }
 
+TEST(DecodePhotoBytes, FindsTheDepthByEveryColourButNotByOpacity) {
+  // As large that every third number is looked at: of blue alone, were the colours not met evenly.
+  constexpr int kSide = 256;
+  Bytes file;
+  ASSERT_TRUE(cv::imencode(".tif", cv::Mat(kSide, kSide, CV_16UC3, cv::Scalar(100, 100, 3200)), file));
+  auto image = DecodePhotoBytes(file, kSide, kSide, 1);
+  ASSERT_TRUE(image.ok()) << image.error().message;
+  EXPECT_EQ(image->rgb[0], 200);
+  ASSERT_TRUE(
+      cv::imencode(".png", cv::Mat(kHeight, kWidth, CV_16UC4, cv::Scalar(800, 1600, 3200, 65535)), file));
+  image = DecodePhotoBytes(file, kWidth, kHeight, 1);
+  ASSERT_TRUE(image.ok()) << image.error().message;
+  EXPECT_EQ(image->rgb[0], 200);
+  EXPECT_EQ(image->rgb[2], 50);
+}
+
 TEST(DecodePhotoBytes, DrawsNumbersWithASign) {
   const cv::Mat numbers = Slope(CV_16S, -500.0, 3000.0);
   Bytes file = Tiff(cv::Mat(kHeight, kWidth, CV_16U, numbers.data));

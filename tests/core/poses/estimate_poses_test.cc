@@ -322,7 +322,7 @@ TEST(JoinLogs, LaysLogsOnOneClockAndFillsWhatTheLeaderLacks) {
   other.file_name = "b.csv";
   other.attitude.clear();
   for (flight::GnssSample& fix : other.gnss) fix.is_rtk_fixed = true;
-  const auto joined = JoinLogs({other, inertial});
+  const auto joined = JoinLogs({other, inertial}, {});
   ASSERT_TRUE(joined.has_value());
   EXPECT_THAT(joined->notes[0], HasSubstr("a.bin"));
   EXPECT_TRUE(joined->log.gnss[0].is_rtk_fixed) << "the better track is taken";
@@ -334,7 +334,7 @@ TEST(JoinLogs, AppendsAnotherFlightWithItsOwnBarometersZero) {
   FlightLog first = Track(0.0, 30.0);
   FlightLog second = Track(40.0, 60.0, 40.0);
   for (flight::BaroSample& sample : second.baro) sample.height_above_takeoff_m -= 60.0;
-  const auto joined = JoinLogs({first, second});
+  const auto joined = JoinLogs({first, second}, {});
   ASSERT_TRUE(joined.has_value());
   EXPECT_NEAR(joined->log.gnss.back().t_s, 60.0, 0.3);
   EXPECT_NEAR(joined->log.baro.back().height_above_takeoff_m, 60.0, 0.1);
@@ -346,9 +346,21 @@ TEST(JoinLogs, RefusesLogsWhoseClocksCannotBeCompared) {
   second.utc_at_zero.reset();
   second.attitude.clear();
   second.file_name = "loose.csv";
-  const auto joined = JoinLogs({first, second});
+  const auto joined = JoinLogs({first, second}, {});
   ASSERT_TRUE(joined.has_value());
   EXPECT_THAT(joined->warnings, Contains(HasSubstr("loose.csv")));
+}
+
+TEST(EstimatePoses, NamesWhatWasLeftOutBeforeWhereTheRestHasNoPlace) {
+  Flight flight;
+  flight.photos = PhotosEvery2s(5);
+  for (int k = 0; k < 95; ++k)
+    flight.left_out.push_back({"PANO_" + std::to_string(k), ErrorCode::kUnprocessable, "A panorama."});
+  const auto posed = Estimate(flight);
+  ASSERT_FALSE(posed.ok());
+  EXPECT_THAT(posed.error().message, HasSubstr("None of the files is a photo with a position"));
+  EXPECT_THAT(posed.error().message, HasSubstr("95 of the pictures given can take no part in a map: "
+                                               "PANO_0 and 94 more: A panorama."));
 }
 
 TEST(EstimatePoses, HangsTheFlightOnAGivenTakeoffHeight) {

@@ -52,7 +52,7 @@ FlightLog Triggers(double counter_s, double first_s = 20.0) {
 }
 
 TEST(JoinLogs, LaysTablesThatCountTheSameSecondsOnOneClock) {
-  const auto joined = JoinLogs({Triggers(1000.0), Gnss(1000.0)});
+  const auto joined = JoinLogs({Triggers(1000.0), Gnss(1000.0)}, {});
   ASSERT_TRUE(joined);
   EXPECT_THAT(joined->warnings, IsEmpty());
   EXPECT_THAT(joined->notes, Contains(HasSubstr("its times being those that gnss.csv counts")));
@@ -61,7 +61,7 @@ TEST(JoinLogs, LaysTablesThatCountTheSameSecondsOnOneClock) {
 }
 
 TEST(JoinLogs, SaysWhenTwoTablesCountDifferently) {
-  const auto joined = JoinLogs({Gnss(1000.0), Triggers(5.0)});
+  const auto joined = JoinLogs({Gnss(1000.0), Triggers(5.0)}, {});
   ASSERT_TRUE(joined);
   EXPECT_THAT(joined->log.events, IsEmpty());
   EXPECT_THAT(joined->warnings, Contains(HasSubstr("its times (25.0 to 43.0 s) are not those of gnss.csv")));
@@ -70,7 +70,7 @@ TEST(JoinLogs, SaysWhenTwoTablesCountDifferently) {
 TEST(JoinLogs, DoesNotTakeTwoTracksForOneClock) {
   FlightLog other = Gnss(1000.0);
   other.file_name = "other.csv";
-  const auto joined = JoinLogs({Gnss(1000.0), other});
+  const auto joined = JoinLogs({Gnss(1000.0), other}, {});
   ASSERT_TRUE(joined);
   EXPECT_THAT(joined->warnings, Contains(HasSubstr("other.csv is not used")));
 }
@@ -83,7 +83,7 @@ TEST(JoinLogs, PrefersEventsThatNameThePhotos) {
     event.sequence = i;
     numbered.events.push_back(event);
   }
-  const auto joined = JoinLogs({numbered, Triggers(1000.0)});
+  const auto joined = JoinLogs({numbered, Triggers(1000.0)}, {});
   ASSERT_TRUE(joined);
   EXPECT_TRUE(joined->log.events.front().image_name);
 }
@@ -92,9 +92,50 @@ TEST(JoinLogs, SaysWhatAddsNothing) {
   FlightLog leader = Gnss(0.0), second = Gnss(0.0);
   leader.utc_at_zero = second.utc_at_zero = flight::UtcTime(std::chrono::seconds(1717243200));
   second.file_name = "second.csv";
-  const auto joined = JoinLogs({leader, second});
+  const auto joined = JoinLogs({leader, second}, {});
   ASSERT_TRUE(joined);
   EXPECT_THAT(joined->warnings, Contains(HasSubstr("second.csv is not used")));
+}
+
+constexpr flight::UtcTime kAtZero{std::chrono::seconds(1717243200)};
+
+// Ten exposures from `first_s` on, as a list beside a track has them.
+FlightLog ListedFrom(double first_s, bool is_surveyed) {
+  FlightLog log = Triggers(0.0, first_s);
+  log.file_name = std::to_string(static_cast<int>(first_s)) + ".MRK";
+  log.utc_at_zero = kAtZero + std::chrono::seconds(static_cast<int>(first_s));
+  for (flight::CameraEvent& event : log.events) {
+    event.image_name.reset();
+    event.position = kMeadow;
+    event.is_rtk_fixed = is_surveyed;
+  }
+  return log;
+}
+
+TEST(JoinLogs, TakesSurveyedEventsInThePlaceOfTheLogsOwn) {
+  FlightLog leader = Gnss(0.0);
+  leader.utc_at_zero = kAtZero;
+  leader.events = ListedFrom(0.0, false).events;
+  for (flight::CameraEvent& event : leader.events) event.t_s += 20.1;
+  const auto joined = JoinLogs({leader, ListedFrom(20.0, true)}, {});
+  ASSERT_TRUE(joined);
+  ASSERT_EQ(joined->log.events.size(), 10u);
+  for (const flight::CameraEvent& event : joined->log.events) EXPECT_TRUE(event.is_rtk_fixed);
+  EXPECT_NEAR(joined->log.events.front().t_s, 20.0, 1e-9);
+  // What the log has already, and no better.
+  const auto same = JoinLogs({leader, ListedFrom(20.0, false)}, {});
+  ASSERT_TRUE(same);
+  EXPECT_EQ(same->log.events.size(), 10u);
+  EXPECT_THAT(same->warnings, Contains(HasSubstr("20.MRK is not used")));
+}
+
+TEST(JoinLogs, TakesListsOfTwoPartsBesideOneTrack) {
+  FlightLog track = Gnss(0.0);
+  track.utc_at_zero = kAtZero;
+  const auto joined = JoinLogs({track, ListedFrom(5.0, true), ListedFrom(30.0, true)}, {});
+  ASSERT_TRUE(joined);
+  EXPECT_EQ(joined->log.events.size(), 20u);
+  EXPECT_THAT(joined->warnings, IsEmpty());
 }
 
 flight::Flight PhotosWithoutPositions(int count) {
