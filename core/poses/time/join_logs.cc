@@ -103,6 +103,20 @@ void Append(std::vector<Sample>& into, std::vector<Sample> more) {
   std::stable_sort(into.begin(), into.end(), [](const Sample& a, const Sample& b) { return a.t_s < b.t_s; });
 }
 
+// Those that lie more than what two clocks differ by before or behind a span.
+std::vector<flight::CameraEvent> TakeOutEventsBeside(const LogSpan& span,
+                                                     std::vector<flight::CameraEvent>& events) {
+  constexpr double kClocksApartS = 2.0;
+  const auto beside =
+      std::stable_partition(events.begin(), events.end(), [&](const flight::CameraEvent& event) {
+        return event.t_s >= span.begin_s - kClocksApartS && event.t_s <= span.end_s + kClocksApartS;
+      });
+  std::vector<flight::CameraEvent> out(std::make_move_iterator(beside),
+                                       std::make_move_iterator(events.end()));
+  events.erase(beside, events.end());
+  return out;
+}
+
 // The median of GNSS height minus barometric height: every log's barometer has its own zero.
 std::optional<double> BaroZero(const FlightLog& log) {
   std::vector<double> zeros;
@@ -202,8 +216,8 @@ class Joiner {
       taken += fmt::format("{}{}", taken.empty() ? "" : ", ", what);
     };
     const bool better_track = IsMostlyFixed(more.gnss) && !IsMostlyFixed(log.gnss);
-    const auto surveyed = [](const FlightLog& l) {
-      return std::any_of(l.events.begin(), l.events.end(),
+    const auto surveyed = [](const std::vector<flight::CameraEvent>& events) {
+      return std::any_of(events.begin(), events.end(),
                          [](const auto& e) { return e.is_rtk_fixed && e.position; });
     };
     fill(log.gnss, more.gnss, "positions", better_track);
@@ -212,8 +226,13 @@ class Joiner {
     fill(log.baro, more.baro, "barometer", false);
     fill(log.range, more.range, "range finder", false);
     fill(log.gimbal, more.gimbal, "gimbal", false);
-    const bool better_named = NamesPhotos(more) && !NamesPhotos(log) && !surveyed(log);
-    fill(log.events, more.events, "camera events", better_named || (surveyed(more) && !surveyed(log)));
+    // A surveyed list may be of one battery only: of other times the log's own events stay.
+    std::vector<flight::CameraEvent> elsewhere;
+    if (surveyed(more.events)) elsewhere = TakeOutEventsBeside(SpanOfEvents(more), log.events);
+    const bool better_named = NamesPhotos(more) && !NamesPhotos(log) && !surveyed(log.events);
+    fill(log.events, more.events, "camera events",
+         better_named || (surveyed(more.events) && !surveyed(log.events)));
+    Append(log.events, std::move(elsewhere));
     if (taken.empty()) {
       out_.notes.push_back(fmt::format("{} ({}) adds nothing", more.file_name, more.format));
       out_.warnings.push_back(fmt::format(

@@ -129,6 +129,28 @@ TEST(JoinLogs, TakesSurveyedEventsInThePlaceOfTheLogsOwn) {
   EXPECT_THAT(same->warnings, Contains(HasSubstr("20.MRK is not used")));
 }
 
+TEST(JoinLogs, KeepsTheLogsOwnEventsWhereNoSurveyedListReaches) {
+  FlightLog leader = Gnss(0.0);
+  leader.utc_at_zero = kAtZero;
+  leader.events = ListedFrom(0.0, false).events;
+  const std::vector<flight::CameraEvent> first = leader.events;
+  for (flight::CameraEvent event : first) {
+    event.t_s += 200.0;
+    leader.events.push_back(event);
+  }
+  const auto fixed = [](const FlightLog& log) {
+    return std::count_if(log.events.begin(), log.events.end(), [](const auto& e) { return e.is_rtk_fixed; });
+  };
+  const auto one = JoinLogs({leader, ListedFrom(0.0, true)}, {});
+  ASSERT_TRUE(one);
+  EXPECT_EQ(one->log.events.size(), 20u);
+  EXPECT_EQ(fixed(one->log), 10);
+  const auto both = JoinLogs({leader, ListedFrom(0.0, true), ListedFrom(200.0, true)}, {});
+  ASSERT_TRUE(both);
+  EXPECT_EQ(both->log.events.size(), 20u);
+  EXPECT_EQ(fixed(both->log), 20);
+}
+
 TEST(JoinLogs, TakesListsOfTwoPartsBesideOneTrack) {
   FlightLog track = Gnss(0.0);
   track.utc_at_zero = kAtZero;
