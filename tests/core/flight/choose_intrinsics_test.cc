@@ -178,8 +178,8 @@ TEST(ChooseIntrinsics, KeepsAFocalPlaneThatAnyOtherSourceConfirms) {
 
 TEST(ChooseIntrinsics, LeavesASensorThatNoCameraHasAside) {
   std::vector<std::string> notes;
-  EXPECT_EQ(ChooseIntrinsics(4000, 3000, ExifInUnit(2.6), XmpTags(), notes).source, FocalSource::kAssumed);
-  EXPECT_NE(notes.at(0).find("2.4 mm wide"), std::string::npos) << notes.at(0);
+  EXPECT_EQ(ChooseIntrinsics(4000, 3000, ExifInUnit(4.4), XmpTags(), notes).source, FocalSource::kAssumed);
+  EXPECT_NE(notes.at(0).find("1.4 mm wide"), std::string::npos) << notes.at(0);
 }
 
 TEST(ChooseIntrinsics, SaysWhenItHadToAssume) {
