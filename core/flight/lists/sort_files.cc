@@ -13,6 +13,7 @@
 #include "core/flight/lists/film_file.h"
 #include "core/flight/lists/reflectance_list.h"
 #include "core/flight/logs/csv/unknown_table.h"
+#include "core/flight/logs/log_text.h"
 #include "core/flight/logs/read_log.h"
 #include "core/flight/logs/texts/unknown_list.h"
 #include "core/flight/logs/tracks/unknown_track.h"
@@ -73,8 +74,9 @@ Result<Kind> KindOf(const InputFile& file) {
   if (IsPicture(head)) return Kind::kPhoto;
   head = (*source)->ReadUpTo(0, kRecogniseBytes);
   SKYQUILT_TRY_ASSIGN(const auto format, RecogniseLog(head, file.name));
+  SKYQUILT_TRY_ASSIGN(const auto text, LogText::Of(file.name, head));
   if (!format) {
-    if (auto why = ExplainUnknownTrack(head, file.name))
+    if (auto why = ExplainUnknownTrack(text.bytes(), file.name))
       return Error{ErrorCode::kUnsupportedFormat, *std::move(why), ""};
   }
   if (!format && is_log_by_name) {
@@ -82,9 +84,9 @@ Result<Kind> KindOf(const InputFile& file) {
                  file.name + " is named like a flight log but is none that can be read; copy it again.", ""};
   }
   if (!format && unknown == Kind::kNothing) {
-    if (auto why = ExplainUnknownTable(head, file.name))
+    if (auto why = ExplainUnknownTable(text.bytes(), file.name))
       return Error{ErrorCode::kUnsupportedFormat, *std::move(why), ""};
-    if (auto why = ExplainUnknownList(head, file.name))
+    if (auto why = ExplainUnknownList(text.bytes(), file.name))
       return Error{ErrorCode::kUnsupportedFormat, *std::move(why), ""};
   }
   if (!format) return unknown;

@@ -4,6 +4,8 @@
 #include <charconv>
 #include <cmath>
 
+#include "core/base/printable.h"
+
 namespace skyquilt::flight {
 namespace {
 
@@ -153,6 +155,17 @@ char GuessSeparator(std::string_view header) {
   if (tabs > commas && tabs >= semicolons && tabs >= pipes) return '\t';
   if (pipes > commas && pipes > semicolons) return '|';
   return semicolons > commas ? ';' : ',';
+}
+
+std::string Quoted(std::string_view text, std::size_t longest) {
+  const bool is_cut = text.size() > longest;
+  text = text.substr(0, longest);
+  const auto is_inside_letter = [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U; };
+  if (is_cut) {
+    while (!text.empty() && is_inside_letter(text.back())) text.remove_suffix(1);
+    if (!text.empty() && static_cast<unsigned char>(text.back()) >= 0xC0U) text.remove_suffix(1);
+  }
+  return "\"" + Printable(std::string(text)) + (is_cut ? "...\"" : "\"");
 }
 
 bool LooksLikeText(std::string_view head) {

@@ -62,6 +62,10 @@ void SplitBlanks(std::string_view line, std::vector<std::string_view>& fields);
 // The separator that a header line uses: ',', ';', '|' or tab.
 char GuessSeparator(std::string_view header);
 
+// What a file holds as it may stand in a sentence: printable, between quotes, of `longest` bytes at most and
+// without the half of a letter at its end.
+std::string Quoted(std::string_view text, std::size_t longest = 40);
+
 // True where the first bytes look like text rather than a binary file.
 bool LooksLikeText(std::string_view head);
 

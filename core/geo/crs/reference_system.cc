@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 namespace skyquilt::geo {
 namespace {
@@ -104,6 +105,9 @@ std::optional<std::string> UtmIn(const std::string& lower) {
   const bool is_north = *next == "n" || *next == "north" || *next == "northern";
   const bool is_south = *next == "s" || *next == "south" || *next == "southern";
   if (!is_north && !is_south) return std::nullopt;
+  std::string behind;  // a datum here is one that PROJ must know
+  for (++next; next != words.end(); ++next) behind += *next;
+  if (!behind.empty() && behind != "wgs84" && behind != "wgs1984") return std::nullopt;
   constexpr std::string_view kBetween = " /_-:,";
   std::string datum = lower.substr(0, lower.find("utm"));
   const std::size_t last = datum.find_last_not_of(kBetween);
@@ -226,6 +230,7 @@ struct ReferenceSystem::Impl {
   PJ* transform = nullptr;
   bool is_geographic = false;
   double metres_per_height_unit = 1.0;
+  bool heights_are_above_sea = false;
   AreaOfUse area;
 
   Impl() {
@@ -258,6 +263,7 @@ struct ReferenceSystem::Impl {
     is_geographic = proj_get_type(plain) != PJ_TYPE_PROJECTED_CRS;
     if (vertical) {
       metres_per_height_unit = UnitOfAxis(context, vertical.get(), 0);
+      heights_are_above_sea = true;
     } else if (!is_geographic) {
       metres_per_height_unit = UnitOfAxis(context, plain, 0);
     }
@@ -310,23 +316,22 @@ std::optional<LatLon> ReferenceSystem::ToLatLon(double x, double y) const {
   return *position;
 }
 
-std::vector<std::optional<LatLon>> ReferenceSystem::ToLatLons(
-    const std::vector<Eigen::Vector2d>& places) const {
-  std::vector<std::optional<LatLon>> positions;
-  positions.reserve(places.size());
-  for (const Eigen::Vector2d& place : places) positions.push_back(ToLatLon(place.x(), place.y()));
-  return positions;
-}
-
 bool ReferenceSystem::is_geographic() const { return impl_->is_geographic; }
 double ReferenceSystem::metres_per_height_unit() const { return impl_->metres_per_height_unit; }
+bool ReferenceSystem::heights_are_above_sea() const { return impl_->heights_are_above_sea; }
 const AreaOfUse& ReferenceSystem::area() const { return impl_->area; }
 const std::string& ReferenceSystem::definition() const { return impl_->definition; }
 const std::string& ReferenceSystem::name() const { return impl_->name; }
 
 int UtmCodeOf(const LatLon& place) {
-  const int zone = std::clamp(static_cast<int>(std::floor((place.lon_deg + 180.0) / 6.0)) + 1, 1, 60);
-  return (place.lat_deg < 0.0 ? 32700 : 32600) + zone;
+  const double lat_deg = place.lat_deg;
+  const double lon_deg = std::remainder(place.lon_deg, 360.0);
+  int zone = static_cast<int>(std::floor((lon_deg + 180.0) / 6.0)) % 60 + 1;
+  if (lat_deg >= 56.0 && lat_deg < 64.0 && lon_deg >= 3.0 && lon_deg < 12.0) zone = 32;
+  if (lat_deg >= 72.0 && lon_deg >= 0.0 && lon_deg < 42.0) {
+    zone = lon_deg < 9.0 ? 31 : lon_deg < 21.0 ? 33 : lon_deg < 33.0 ? 35 : 37;
+  }
+  return (lat_deg < 0.0 ? 32700 : 32600) + zone;
 }
 
 }  // namespace skyquilt::geo

@@ -6,12 +6,10 @@
 // a line that names no system.
 #pragma once
 
-#include <Eigen/Core>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "core/base/result.h"
 #include "core/geo/lat_lon.h"
@@ -35,11 +33,11 @@ class ReferenceSystem {
   // x is east or longitude, y north or latitude, in the unit of the system, whatever order its authority has
   // them in. Absent where the system has no such place.
   std::optional<LatLon> ToLatLon(double x, double y) const;
-  std::vector<std::optional<LatLon>> ToLatLons(const std::vector<Eigen::Vector2d>& places) const;
 
   bool is_geographic() const;  // in degrees
-  double metres_per_height_unit()
-      const;                      // heights of lists are in the unit of x and y unless the system says
+  // Heights of lists are in the unit of x and y, and above the ellipsoid, unless the system says otherwise.
+  double metres_per_height_unit() const;
+  bool heights_are_above_sea() const;
   const AreaOfUse& area() const;  // the whole Earth where PROJ knows none
   // By which the same system is found again at once: its code where it has one, else as written.
   const std::string& definition() const;
@@ -51,7 +49,8 @@ class ReferenceSystem {
   std::unique_ptr<Impl> impl_;
 };
 
-// WGS84's UTM zone of a place, as a code of EPSG (32601 to 32660, 32701 to 32760).
+// WGS84's UTM zone of a place, as a code of EPSG (32601 to 32660, 32701 to 32760), with the exceptions of
+// Norway and Svalbard.
 int UtmCodeOf(const LatLon& place);
 
 }  // namespace skyquilt::geo

@@ -36,7 +36,7 @@ TEST(ReferenceSystem, RefusesWhatIsNoneAndStringsThatOpenFiles) {
        {"", "hello", "EPSG:", "EPSG:999999999", "EPSG:5773", "EPSG:4978", "EPSG:32615+32615",
         "+proj=longlat +nadgrids=/etc/passwd", "+proj=pipeline", "WGS84 UTM 61N", "WGS84 UTM", "WGS84 UTM 15",
         "+proj=nonsense", "x y z im_x im_y image name", "no such system", "{\"type\": \"GeographicCRS\"}",
-        "PROJCS[\"a\",EXTENSION[\"PROJ4\",\"+nadgrids=a\"]]"}) {
+        "UTM 16N (ftUS)", "PROJCS[\"a\",EXTENSION[\"PROJ4\",\"+nadgrids=a\"]]"}) {
     EXPECT_FALSE(ReferenceSystem::Parse(line).ok()) << line;
   }
 }
@@ -51,16 +51,28 @@ TEST(ReferenceSystem, KnowsItsUnitsAndItsArea) {
   const auto metres_up = ReferenceSystem::Parse("EPSG:26849+5703");  // feet east and north, NAVD88 in metres
   ASSERT_TRUE(metres_up.ok());
   EXPECT_DOUBLE_EQ(metres_up->metres_per_height_unit(), 1.0);
+  EXPECT_TRUE(metres_up->heights_are_above_sea());
+  EXPECT_FALSE(feet->heights_are_above_sea());
   const AreaOfUse fiji{.west_deg = 176.0, .south_deg = -20.0, .east_deg = 182.0, .north_deg = -12.0};
   EXPECT_TRUE(fiji.Contains({-16.0, -179.0}, 0.0));
   EXPECT_FALSE(fiji.Contains({-16.0, -177.0}, 0.5));
 }
 
+TEST(ReferenceSystem, TakesNoOtherDatumForWgs84) {
+  for (const char* line : {"UTM 15N NAD27", "UTM zone 15N / NAD27"}) {
+    const auto system = ReferenceSystem::Parse(line);
+    if (system) EXPECT_NE(system->definition(), "EPSG:32615") << line;
+  }
+  EXPECT_EQ(ReferenceSystem::Parse("UTM 15N WGS 84")->definition(), "EPSG:32615");
+}
+
 TEST(UtmCodeOf, CountsZonesFromTheDateLine) {
   EXPECT_EQ(UtmCodeOf({46.8, -92.0}), 32615);
   EXPECT_EQ(UtmCodeOf({-33.9, 151.2}), 32756);
-  EXPECT_EQ(UtmCodeOf({0.0, 180.0}), 32660);
+  EXPECT_EQ(UtmCodeOf({0.0, 180.0}), 32601);
   EXPECT_EQ(UtmCodeOf({0.0, -180.0}), 32601);
+  EXPECT_EQ(UtmCodeOf({60.0, 4.0}), 32632);   // Bergen
+  EXPECT_EQ(UtmCodeOf({78.2, 15.6}), 32633);  // Longyearbyen
 }
 
 }  // namespace

@@ -41,9 +41,7 @@ void TakePhotoCell(std::string_view cell, CsvRow& row) {
   const std::string lower = LowerCase(cell);
   std::optional<double> flag = ParseNumber(cell);
   if (lower == "true" || lower == "yes") flag = 1.0;
-  if (lower == "false" || lower == "no" || lower == "none" || lower == "nan" || lower == "null" ||
-      lower == "-")
-    flag = 0.0;
+  if (lower == "false" || lower == "no" || IsEmptyCell(cell)) flag = 0.0;
   if (flag) {
     row.number[static_cast<std::size_t>(M::kIsPhoto)] = *flag;
   } else if (row.image.empty()) {
@@ -110,10 +108,10 @@ CsvRow ReadCsvRow(const std::vector<CsvColumn>& columns, const std::vector<std::
         break;
       }
       case M::kEvent:
-        row.event = cells[i];
+        if (!IsEmptyCell(cells[i])) row.event = cells[i];
         break;
       case M::kImage:
-        row.image = cells[i];
+        if (!IsEmptyCell(cells[i])) row.image = cells[i];
         break;
       case M::kFix:
         row.fix = cells[i];

@@ -251,7 +251,7 @@ void SettleDates(const TableCounts& table, LineReader lines, char separator, std
   const auto found = finder.Find();
   if (!found) return;
   date->date_order = found->order;
-  std::string words = fmt::format("dates of column {} -> {}", QuotedCell(date->header), found->why);
+  std::string words = fmt::format("dates of column {} -> {}", Quoted(date->header), found->why);
   if (!found->is_decided) settled.warnings.push_back(words);
   settled.notes.push_back(std::move(words));
 }

@@ -57,7 +57,7 @@ void DateOrderFinder::Take(std::string_view date, std::string_view time_of_day, 
   for (std::size_t i = 0; i < kOrders.size(); ++i) {
     for (std::size_t k = 0; k < kOrders.size(); ++k) {
       auto& against = readings_[i].against[k];
-      if (is_read[i] && !is_read[k] && !against) against = Evidence{line, QuotedCell(date)};
+      if (is_read[i] && !is_read[k] && !against) against = Evidence{line, Quoted(date)};
     }
   }
 }

@@ -198,6 +198,7 @@ Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const 
   LineReader ahead = lines;
   const std::size_t begin = ahead.offset();
   while (preview.rows.size() < kPreviewRows && ahead.offset() - begin < kPreviewBytes && ahead.Next(line)) {
+    if (Trim(line).empty() || line.front() == '#') continue;
     SplitFields(line, header->separator, cells);
     preview.rows.push_back(ReadCsvRow(header->columns, cells));
   }
@@ -214,6 +215,7 @@ Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const 
   UnreadCells unread;
   ConsumedSteps steps(consumed);
   while (NextFilledLine(lines, steps, line)) {
+    if (line.front() == '#') continue;
     SplitFields(line, header->separator, cells);
     if (sampler.Take(ReadCsvRow(header->columns, cells, &unread, lines.line_number())))
       ++rows;

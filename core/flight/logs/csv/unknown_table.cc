@@ -8,7 +8,6 @@
 #include "core/flight/logs/coordinate_cell.h"
 #include "core/flight/logs/csv/csv_columns.h"
 #include "core/flight/logs/csv/unread_cells.h"
-#include "core/flight/logs/log_text.h"
 #include "core/flight/logs/text_fields.h"
 
 namespace skyquilt::flight {
@@ -61,7 +60,7 @@ TakenFor TakeColumns(const std::vector<std::string_view>& header, const std::vec
     taken.has_lon = taken.has_lon || meaning == M::kLon;
     std::string name = columns[i].header.substr(0, kMaxLetters);
     if (meaning == M::kIgnored && taken.unknown.size() < kValuesSaid && i < row.size())
-      name += fmt::format(" ({} in line {})", QuotedCell(row[i]), line);
+      name += fmt::format(" ({} in line {})", Quoted(row[i]), line);
     (meaning == M::kIgnored ? taken.unknown : taken.known).push_back(std::move(name));
   }
   return taken;
@@ -82,9 +81,8 @@ std::string_view WhatIsMissing(const TakenFor& taken) {
 std::optional<std::string> ExplainUnknownTable(LogBytes head, std::string_view name) {
   constexpr int kRowsLookedAt = 20;
   constexpr int kMinRows = 2;
-  const auto text = LogText::Of(name, head);
-  if (!text || !LooksLikeText(TextOf(text->bytes()))) return std::nullopt;
-  LineReader lines(TextOf(text->bytes()));
+  if (!LooksLikeText(TextOf(head))) return std::nullopt;
+  LineReader lines(TextOf(head));
   std::string_view line;
   while (lines.Next(line)) {
     if (!Trim(line).empty() && line.front() != '#' && !StartsWithIgnoringCase(line, "sep=")) break;
@@ -113,7 +111,7 @@ std::optional<std::string> ExplainUnknownTable(LogBytes head, std::string_view n
     return fmt::format(
         "{} is a table, but not used: line {}, {}, holds no names of columns and is no list that is read "
         "without them. Write names above it {}",
-        name, first_number, QuotedCell(first_line), kAdvice);
+        name, first_number, Quoted(first_line), kAdvice);
   }
   const TakenFor taken = TakeColumns(header, row, row_number);
   std::string words = fmt::format("{} is a table, but not used: {}", name, WhatIsMissing(taken));

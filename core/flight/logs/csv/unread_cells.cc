@@ -45,18 +45,6 @@ bool IsEmptyCell(std::string_view cell) {
   return std::find(kWords.begin(), kWords.end(), LowerCase(cell)) != kWords.end();
 }
 
-std::string QuotedCell(std::string_view cell) {
-  constexpr std::size_t kLongest = 40;
-  const bool is_cut = cell.size() > kLongest;
-  cell = cell.substr(0, kLongest);
-  const auto is_inside_letter = [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U; };
-  if (is_cut) {
-    while (!cell.empty() && is_inside_letter(cell.back())) cell.remove_suffix(1);
-    if (!cell.empty() && static_cast<unsigned char>(cell.back()) >= 0xC0U) cell.remove_suffix(1);
-  }
-  return fmt::format("\"{}{}\"", cell, is_cut ? "..." : "");
-}
-
 void UnreadCells::Count(std::size_t column, bool is_read, std::size_t line, std::string_view cell) {
   if (column >= columns_.size()) columns_.resize(column + 1);
   Column& cells = columns_[column];
@@ -64,13 +52,13 @@ void UnreadCells::Count(std::size_t column, bool is_read, std::size_t line, std:
     ++cells.read;
     return;
   }
-  if (++cells.unread <= kCellsNamed) cells.first.push_back({line, QuotedCell(cell)});
+  if (++cells.unread <= kCellsNamed) cells.first.push_back({line, Quoted(cell)});
 }
 
 std::string UnreadCells::NothingRead(const CsvColumn& column, const Column& cells) const {
   return fmt::format(
       "none of the {} cells of column {} can be read as {}; the first, in line {}, is {}; what is read is {}",
-      cells.unread, QuotedCell(column.header), CsvMeaningName(column.meaning), cells.first.front().line,
+      cells.unread, Quoted(column.header), CsvMeaningName(column.meaning), cells.first.front().line,
       cells.first.front().text, FormsRead(column.meaning));
 }
 
@@ -84,11 +72,11 @@ void UnreadCells::Tell(const std::vector<CsvColumn>& columns, LogBuilder& builde
     }
     for (const Cell& cell : cells.first) {
       builder.Warn(fmt::format("line {}: column {} holds {}, which cannot be read as {}", cell.line,
-                               QuotedCell(columns[i].header), cell.text, CsvMeaningName(columns[i].meaning)));
+                               Quoted(columns[i].header), cell.text, CsvMeaningName(columns[i].meaning)));
     }
     if (cells.unread > cells.first.size()) {
       builder.Warn(fmt::format("{} more cells of column {} cannot be read", cells.unread - cells.first.size(),
-                               QuotedCell(columns[i].header)));
+                               Quoted(columns[i].header)));
     }
   }
 }

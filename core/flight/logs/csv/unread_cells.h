@@ -15,9 +15,6 @@ namespace skyquilt::flight {
 // A cell without a value: empty, or a word for it ("-", "n/a", "nan").
 bool IsEmptyCell(std::string_view cell);
 
-// A cell as it may stand in a sentence: short, without the half of a letter at its end.
-std::string QuotedCell(std::string_view cell);
-
 class UnreadCells {
  public:
   void Count(std::size_t column, bool is_read, std::size_t line, std::string_view cell);

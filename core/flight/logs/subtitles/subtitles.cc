@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 
-#include "core/base/printable.h"
+#include "core/base/try.h"
 #include "core/flight/logs/gps_time.h"
 #include "core/flight/logs/log_builder.h"
+#include "core/flight/logs/log_text.h"
 #include "core/flight/logs/subtitles/cue_text.h"
 #include "core/flight/logs/text_fields.h"
 
@@ -23,33 +23,10 @@ constexpr std::string_view kCueArrow = "-->";
 using TakeCue = std::function<void(double start_s, const std::string& cue)>;
 using ForEachCue = void (*)(LogBytes bytes, const ConsumedUpTo& consumed, const TakeCue& take);
 
-// "00:07:47,000" or "0:07:47.00" as seconds.
-std::optional<double> CueTime(std::string_view text) {
-  std::array<std::string_view, 3> parts;
-  text = Trim(text);
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    const std::size_t colon = i + 1 < parts.size() ? text.find(':') : text.size();
-    if (colon == std::string_view::npos) return std::nullopt;
-    parts[i] = text.substr(0, colon);
-    text.remove_prefix(std::min(text.size(), colon + 1));
-  }
-  const std::size_t point = std::min(parts[2].find_first_of(",."), parts[2].size());
-  const auto hours = ParseInteger(parts[0]);
-  const auto minutes = ParseInteger(parts[1]);
-  const auto seconds = ParseInteger(parts[2].substr(0, point));
-  const std::string_view digits = parts[2].substr(std::min(point + 1, parts[2].size()));
-  const bool are_digits =
-      digits.size() <= 9 && digits.find_first_not_of("0123456789") == std::string_view::npos;
-  const auto fraction = are_digits ? ParseNumber(fmt::format("0.{}", digits)) : std::nullopt;
-  const auto is_small = [](const auto& value) { return value && *value >= 0 && *value <= 9999; };
-  if (!is_small(hours) || !is_small(minutes) || !is_small(seconds) || !fraction) return std::nullopt;
-  return static_cast<double>(*hours * 3600 + *minutes * 60 + *seconds) + *fraction;
-}
-
 // Of "00:07:47,000 --> 00:07:48,000".
 std::optional<double> SrtStart(std::string_view line) {
   const std::size_t arrow = line.find(kCueArrow);
-  return arrow == std::string_view::npos ? std::nullopt : CueTime(line.substr(0, arrow));
+  return arrow == std::string_view::npos ? std::nullopt : ParseElapsed(line.substr(0, arrow));
 }
 
 void ForEachSrtCue(LogBytes bytes, const ConsumedUpTo& consumed, const TakeCue& take) {
@@ -116,7 +93,7 @@ void ForEachAssCue(LogBytes bytes, const ConsumedUpTo& consumed, const TakeCue& 
     std::optional<double> start_s;
     for (std::size_t i = 0; i < format.text; ++i) {
       const std::size_t comma = std::min(rest.find(','), rest.size());
-      if (i == format.start) start_s = CueTime(rest.substr(0, comma));
+      if (i == format.start) start_s = ParseElapsed(rest.substr(0, comma));
       rest.remove_prefix(std::min(rest.size(), comma + 1));
     }
     if (start_s) take(*start_s, PlainAssText(rest.substr(0, kLongestCue)));
@@ -208,7 +185,7 @@ Result<FlightLog> ParseCues(std::string_view format, std::string_view name, LogB
   std::uint64_t fixes = 0;
   std::string first_words;
   for_each(bytes, consumed, [&](double start_s, const std::string& cue) {
-    if (++cues == 1) first_words = Printable(std::string(Trim(cue).substr(0, kQuotedOfCue)));
+    if (++cues == 1) first_words = Quoted(Trim(cue), kQuotedOfCue);
     const CueFacts facts = ReadCue(cue);
     if (facts.position) ++fixes;
     AddCue(clock.At(start_s, CueDate(cue), follows_clock), facts, builder);
@@ -218,12 +195,11 @@ Result<FlightLog> ParseCues(std::string_view format, std::string_view name, LogB
                  fmt::format("{} holds no subtitle; copy it from the camera's card again.", name), ""};
   }
   if (fixes == 0) {
-    return Error{
-        ErrorCode::kNoPosition,
-        fmt::format("{} holds no position that can be read: the first of its {} subtitles says \"{}\". "
-                    "Switch on video captions in the camera's settings.",
-                    name, cues, first_words),
-        ""};
+    return Error{ErrorCode::kNoPosition,
+                 fmt::format("{} holds no position that can be read: the first of its {} subtitles says {}. "
+                             "Switch on video captions in the camera's settings.",
+                             name, cues, first_words),
+                 ""};
   }
   builder.Count("subtitle", cues);
   clock.Tell(builder);
@@ -265,6 +241,8 @@ Result<FlightLog> ParseAss(std::string_view name, LogBytes bytes, const Consumed
 }
 
 Result<FlightLog> ParseFilmSubtitles(std::string_view name, LogBytes bytes) {
+  SKYQUILT_TRY_ASSIGN(const auto text, LogText::Of(name, bytes));
+  bytes = text.bytes();
   if (LooksLikeAss(bytes.first(std::min(bytes.size(), kHeadBytes))))
     return ParseCues("ass", name, bytes, {}, ForEachAssCue, false);
   return ParseCues("dji_srt", name, bytes, {}, ForEachSrtCue, false);

@@ -87,7 +87,9 @@ Result<GcpList> ParseWrittenGcpList(std::string_view name, LogBytes bytes) {
     if (!named) return Error{named.error().code, fmt::format("{}: {}.", name, named.error().message), ""};
     srs = *std::move(named);
   }
-  const bool is_north_first = OrderOfColumns(top->columns) == NamedOrder::kNorthFirst;
+  auto order = OrderOfColumns(top->columns);
+  if (!order) order = OrderOfLetters(top->row[0], top->row[1]);
+  const bool is_north_first = order == NamedOrder::kNorthFirst;
   GcpList list;
   list.file_name = name;
   list.reference_system = Trim(top->system);
@@ -135,16 +137,9 @@ Result<GcpList> ParseWrittenGcpList(std::string_view name, LogBytes bytes) {
   return list;
 }
 
-std::string NoSystemWords(std::string_view file_name) {
-  return fmt::format(
-      "{} names no reference system, so that its numbers are no places: write one into its first line, such as "
-      "EPSG:4326 (longitude, latitude), EPSG:32632 (WGS 84 / UTM zone 32N) or the EPSG code of the survey",
-      file_name);
-}
-
 Result<GcpList> OnlyPlaced(GcpList list) {
   if (list.reference_system.empty())
-    return Error{ErrorCode::kUnsupportedFormat, NoSystemWords(list.file_name) + ".", ""};
+    return Error{ErrorCode::kUnsupportedFormat, fmt::format("{} {}.", list.file_name, kNoSystemWords), ""};
   std::vector<std::optional<std::size_t>> now(list.points.size());
   std::vector<GcpPoint> placed;
   for (std::size_t i = 0; i < list.points.size(); ++i) {
@@ -176,14 +171,14 @@ Result<GcpList> ParseGcpList(std::string_view name, LogBytes bytes) {
 }
 
 Result<GcpList> ReadGcpList(const InputFile& file) {
-  SKYQUILT_TRY_ASSIGN(const auto mapped, MappedFile::Open(file.path));
-  SKYQUILT_TRY_ASSIGN(const auto text, LogText::Of(file.name, mapped.bytes()));
-  return ParseGcpList(file.name, text.bytes());
+  SKYQUILT_TRY_ASSIGN(GcpList list, ReadWrittenGcpList(file));
+  return OnlyPlaced(std::move(list));
 }
 
 Result<GcpList> ReadWrittenGcpList(const InputFile& file) {
   SKYQUILT_TRY_ASSIGN(const auto mapped, MappedFile::Open(file.path));
-  return ParseWrittenGcpList(file.name, mapped.bytes());
+  SKYQUILT_TRY_ASSIGN(const auto text, LogText::Of(file.name, mapped.bytes()));
+  return ParseWrittenGcpList(file.name, text.bytes());
 }
 
 }  // namespace skyquilt::flight

@@ -32,6 +32,16 @@ bool HasColumnLike(const std::vector<std::string_view>& columns, std::string_vie
   });
 }
 
+// Whether the columns are those that the format has, as far as they are named: image, two coordinates.
+bool CoordinatesComeSecond(const std::vector<std::string_view>& columns) {
+  if (!OrderOfColumns(columns)) return true;
+  return columns.size() >= 3 && OrderOfColumns({columns[1], columns[2]}).has_value();
+}
+
+bool IsNamed(const std::vector<std::string_view>& columns, std::size_t i, std::string_view word) {
+  return i < columns.size() && LowerCase(columns[i]).find(word) != std::string::npos;
+}
+
 // Of the heights: by the name of their column, else by the system.
 double MetresPerHeightUnit(const std::vector<std::string_view>& columns,
                            const std::optional<geo::ReferenceSystem>& system) {
@@ -43,7 +53,8 @@ double MetresPerHeightUnit(const std::vector<std::string_view>& columns,
   return system ? system->metres_per_height_unit() : 1.0;
 }
 
-void TakeAnglesAndSigmas(const std::vector<std::string_view>& cells, bool has_angles, CameraEvent& event) {
+void TakeAnglesAndSigmas(const std::vector<std::string_view>& cells, bool has_angles, bool has_sigmas,
+                         CameraEvent& event) {
   const auto number = [&](std::size_t i) {
     return i < cells.size() ? ReadBareNumber(cells[i]) : std::nullopt;
   };
@@ -53,6 +64,7 @@ void TakeAnglesAndSigmas(const std::vector<std::string_view>& cells, bool has_an
         Eigen::Vector3d(geo::DegToRad(*yaw), geo::DegToRad(*pitch), geo::DegToRad(*roll));
     event.attitude_kind = AttitudeKind::kAirframe;
   }
+  if (!has_sigmas) return;
   const auto sigma_h = number(7), sigma_v = number(8);
   if (sigma_h && *sigma_h > 0.0) {
     event.sigma_in_ned_m =
@@ -67,7 +79,7 @@ void TakeAnglesAndSigmas(const std::vector<std::string_view>& cells, bool has_an
 bool LooksLikeGeoTxt(LogBytes head) {
   if (!LooksLikeText(TextOf(head))) return false;
   const std::optional<ListTop> top = ReadListTop(TextOf(head), IsGeoRow);
-  if (!top) return false;
+  if (!top || !CoordinatesComeSecond(top->columns)) return false;
   const bool names_file = LooksLikeImageName(top->row[0]);
   if (top->system.empty()) return names_file && IsCutAtBlanks(top->row_line);
   if (names_file && top->columns.empty() && IsCutAtBlanks(top->row_line)) return true;
@@ -92,8 +104,16 @@ Result<FlightLog> ParseGeoTxt(std::string_view name, LogBytes bytes, const Consu
     if (!named) return Error{named.error().code, fmt::format("{}: {}.", name, named.error().message), ""};
     system = *std::move(named);
   }
-  const auto order = OrderOfColumns(top->columns);
-  const bool has_angles = top->columns.empty() || HasColumnLike(top->columns, "yaw");
+  const std::vector<std::string_view>& columns = top->columns;
+  auto order = OrderOfColumns(columns);
+  if (!order) order = OrderOfLetters(top->row[1], top->row[2]);
+  const bool has_angles = columns.empty() || (IsNamed(columns, 4, "yaw") && IsNamed(columns, 5, "pitch") &&
+                                              IsNamed(columns, 6, "roll"));
+  const bool has_sigmas = columns.size() < 8 || IsNamed(columns, 7, "sigma") || IsNamed(columns, 7, "acc") ||
+                          IsNamed(columns, 7, "sh");
+  const bool is_above_sea = system && system->heights_are_above_sea();
+  if (!has_angles && HasColumnLike(columns, "yaw"))
+    builder.Warn("angles are read where the columns five to seven are yaw, pitch, roll; here they are not");
   const double metres_per_height_unit = MetresPerHeightUnit(top->columns, system);
   std::vector<std::string_view> cells = top->row;
   LineReader lines(text.substr(top->row_offset));
@@ -108,7 +128,7 @@ Result<FlightLog> ParseGeoTxt(std::string_view name, LogBytes bytes, const Consu
     if (!SplitListRow(line, IsGeoRow, cells)) {
       if (bad++ == 0) {
         builder.Warn(fmt::format("line {} is not \"image x y z\": {}", top->row_number + lines.line_number(),
-                                 Trim(line).substr(0, 80)));
+                                 Quoted(Trim(line), 80)));
       }
       continue;
     }
@@ -121,8 +141,8 @@ Result<FlightLog> ParseGeoTxt(std::string_view name, LogBytes bytes, const Consu
     event.written = written;
     if (system) event.position = system->ToLatLon(written.x, written.y);
     const auto z = cells.size() > 3 ? ReadBareNumber(cells[3]) : std::nullopt;
-    if (z) event.height_ellipsoid_m = *z * metres_per_height_unit;
-    TakeAnglesAndSigmas(cells, has_angles, event);
+    if (z) (is_above_sea ? event.height_amsl_m : event.height_ellipsoid_m) = *z * metres_per_height_unit;
+    TakeAnglesAndSigmas(cells, has_angles, has_sigmas, event);
     ++rows;
     builder.Add(std::move(event));
   } while (rows + bad < kMaxRows && lines.Next(line));
@@ -133,7 +153,7 @@ Result<FlightLog> ParseGeoTxt(std::string_view name, LogBytes bytes, const Consu
   if (system) builder.log().written_system = system->definition();
   builder.log().written_order_is_named = order.has_value();
   builder.log().mapping = {fmt::format("x, y -> {}", system ? system->name() : "no system is named"),
-                           "z -> height above the ellipsoid"};
+                           is_above_sea ? "z -> height above the sea" : "z -> height above the ellipsoid"};
   if (has_angles) builder.log().mapping.emplace_back("yaw, pitch, roll -> degrees, pitch 0 = straight down");
   if (metres_per_height_unit != 1.0) {
     builder.log().mapping.push_back(fmt::format("z -> times {} to metres", metres_per_height_unit));

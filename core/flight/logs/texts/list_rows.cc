@@ -165,4 +165,14 @@ std::optional<NamedOrder> OrderOfColumns(const std::vector<std::string_view>& co
   return *east < *north ? NamedOrder::kEastFirst : NamedOrder::kNorthFirst;
 }
 
+std::optional<NamedOrder> OrderOfLetters(std::string_view first, std::string_view second) {
+  const auto has_one_of = [](std::string_view cell, std::string_view letters) {
+    const auto read = ReadCoordinateCell(cell);
+    return read && read->hemisphere != 0 && letters.find(read->hemisphere) != std::string_view::npos;
+  };
+  if (has_one_of(first, "NS") || has_one_of(second, "EW")) return NamedOrder::kNorthFirst;
+  if (has_one_of(first, "EW") || has_one_of(second, "NS")) return NamedOrder::kEastFirst;
+  return std::nullopt;
+}
+
 }  // namespace skyquilt::flight

@@ -45,4 +45,7 @@ std::optional<ListTop> ReadListTop(std::string_view text, const IsListRow& is_ro
 enum class NamedOrder { kEastFirst, kNorthFirst };
 std::optional<NamedOrder> OrderOfColumns(const std::vector<std::string_view>& columns);
 
+// The order that the letters of the hemispheres tell, as in "N46.8", "8.1 E"; nothing without them.
+std::optional<NamedOrder> OrderOfLetters(std::string_view first, std::string_view second);
+
 }  // namespace skyquilt::flight

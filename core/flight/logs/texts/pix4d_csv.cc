@@ -141,11 +141,16 @@ Result<FlightLog> ParsePix4dCsv(std::string_view name, LogBytes bytes, const Con
       if (rows > 0 && line.front() != '#') {
         if (bad++ > 0) continue;
         builder.Warn(fmt::format("line {} is not \"image,latitude,longitude,height\": {}",
-                                 lines.line_number(), Trim(line).substr(0, 80)));
+                                 lines.line_number(), Quoted(Trim(line), 80)));
       }
       continue;
     }
-    if (!columns) columns = ColumnsOf(header, cells.size());
+    if (!columns) {
+      columns = ColumnsOf(header, cells.size());
+      const auto told = OrderOfLetters(cells[1], cells[2]);
+      if (told && columns->order != Order::kEastFirst && columns->order != Order::kNorthFirst)
+        columns->order = *told == NamedOrder::kEastFirst ? Order::kEastFirst : Order::kNorthFirst;
+    }
     const auto number = [&](std::size_t i) {
       return i < cells.size() ? ReadBareNumber(cells[i]) : std::nullopt;
     };

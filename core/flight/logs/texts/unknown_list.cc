@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <vector>
 
-#include "core/base/printable.h"
 #include "core/flight/logs/text_fields.h"
 #include "core/flight/logs/texts/list_rows.h"
 
@@ -13,7 +12,6 @@ namespace skyquilt::flight {
 namespace {
 
 constexpr std::size_t kCellsOfPoint = 5;  // x y z pixel_x pixel_y, before the photo's name
-constexpr std::size_t kMaxLettersOfCell = 40;
 
 struct BadCell {
   std::size_t column = 0;  // from 1
@@ -32,10 +30,7 @@ std::optional<BadCell> FirstBadCell(const std::vector<std::string_view>& cells, 
 
 std::string InWords(std::string_view name, std::string_view kind, std::size_t line_number, const BadCell& bad,
                     std::string_view form) {
-  const std::string what = bad.cell.empty()
-                               ? "is missing"
-                               : fmt::format("is no number: \"{}\"",
-                                             Printable(std::string(bad.cell.substr(0, kMaxLettersOfCell))));
+  const std::string what = bad.cell.empty() ? "is missing" : "is no number: " + Quoted(bad.cell);
   return fmt::format("{} looks like a list of {}, but is not used: column {} of line {} {}. Its rows are {}.",
                      name, kind, bad.column, line_number, what, form);
 }

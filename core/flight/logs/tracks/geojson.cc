@@ -78,7 +78,13 @@ class FeatureReader final : public nlohmann::json_sax<Json> {
     return Push(Level{false, false, true, in_places_, in_times_});
   }
   bool end_array() override {
-    if (in_places_ && place_size_ >= 2 && places_.size() < kMaxOfFeature) places_.push_back(place_);
+    if (in_places_ && place_size_ >= 2) {
+      if (places_.size() < kMaxOfFeature) {
+        places_.push_back(place_);
+      } else {
+        ++left_out_;
+      }
+    }
     place_size_ = 0;
     Pop();
     return true;
@@ -90,6 +96,7 @@ class FeatureReader final : public nlohmann::json_sax<Json> {
 
   // What a document that ends early, or is no Feature, has gathered.
   void Finish() { Flush(); }
+  std::size_t left_out() const { return left_out_; }  // places beyond the bound of a feature
   std::optional<std::size_t> damaged_at() const { return damaged_at_; }
   bool is_too_deep() const { return is_too_deep_; }
   // In words, where a line has fewer or more times than places; empty elsewhere.
@@ -161,6 +168,7 @@ class FeatureReader final : public nlohmann::json_sax<Json> {
   std::vector<std::array<double, 4>> places_;  // longitude, latitude, height, what stands behind it
   std::array<double, 4> place_{};
   std::size_t place_size_ = 0;
+  std::size_t left_out_ = 0;
   struct Times {
     std::string name;
     std::vector<std::string> written;
@@ -198,6 +206,10 @@ Result<FlightLog> ParseGeoJson(std::string_view name, LogBytes bytes, const Cons
   if (!reader.unequal().empty() && !log)
     return Error{ErrorCode::kNoPosition, fmt::format("{} is not used: {}.", name, reader.unequal()), ""};
   if (!reader.unequal().empty()) log->warnings.push_back(reader.unequal());
+  if (log && reader.left_out() > 0) {
+    log->warnings.push_back(fmt::format("{} places beyond the first {} of a feature are not used",
+                                        reader.left_out(), kMaxOfFeature));
+  }
   if (!reader.damaged_at()) return log;
   if (!log) {
     return Error{ErrorCode::kCorrupt,

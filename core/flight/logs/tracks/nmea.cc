@@ -6,7 +6,6 @@
 #include <cmath>
 #include <map>
 
-#include "core/base/printable.h"
 #include "core/flight/logs/gps_time.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/text_fields.h"
@@ -208,8 +207,7 @@ Result<FlightLog> ParseNmea(std::string_view name, LogBytes bytes, const Consume
   while (NextFilledLine(lines, steps, line)) {
     const Sentence found_sentence = SplitSentence(line, fields);
     if (found_sentence == Sentence::kDamaged && ++bad == 1)
-      first_bad = fmt::format("line {}: \"{}\"", lines.line_number(),
-                              Printable(std::string(line.substr(0, kQuotedSentence))));
+      first_bad = fmt::format("line {}: {}", lines.line_number(), Quoted(line, kQuotedSentence));
     if (found_sentence != Sentence::kWhole) continue;
     const std::string_view sentence = fields[0].substr(0, 8);
     const auto found = counts.find(sentence);

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/printable.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/text_fields.h"
 
@@ -29,14 +28,13 @@ TrackPoints::TrackPoints(std::string_view format, std::string_view file_name, Ba
     : format_(format), file_name_(file_name), bare_time_(bare_time) {}
 
 void TrackPoints::Add(const std::optional<TrackPoint>& point, std::string_view written_time) {
-  constexpr std::size_t kQuoted = 40;
   ++points_;
   const auto time = TrackTime(written_time);
   const bool is_on_earth = point && geo::LatLon::Make(point->lat_deg, point->lon_deg).ok();
   if (Trim(written_time).empty()) {
     ++without_time_;
   } else if (!time && ++unread_times_ == 1) {
-    first_unread_time_ = Printable(std::string(Trim(written_time).substr(0, kQuoted)));
+    first_unread_time_ = Quoted(Trim(written_time));
   }
   if (!is_on_earth) ++without_place_;
   if (!is_on_earth || !time || placed_.size() >= kMaxTrackPoints) return;
@@ -60,7 +58,7 @@ Error TrackPoints::WhyNone() const {
   }
   if (unread_times_ > 0) {
     return why(
-        fmt::format("{} of its {} points have a time that cannot be read, first \"{}\". Write times as "
+        fmt::format("{} of its {} points have a time that cannot be read, first {}. Write times as "
                     "2016-06-23T21:31:09Z",
                     unread_times_, points_, first_unread_time_));
   }
@@ -99,7 +97,7 @@ Result<FlightLog> TrackPoints::Finish(std::vector<std::string> mapping) && {
     builder.Warn(fmt::format("{} of {} points were skipped: {} without a position, {} without a time{}", bad,
                              points_, without_place_, without_time_,
                              unread_times_ == 0 ? std::string()
-                                                : fmt::format(", {} whose time cannot be read, first \"{}\"",
+                                                : fmt::format(", {} whose time cannot be read, first {}",
                                                               unread_times_, first_unread_time_)));
   }
   if (placed_.size() == kMaxTrackPoints)

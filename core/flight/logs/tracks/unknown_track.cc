@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 
-#include "core/base/printable.h"
 #include "core/flight/logs/text_fields.h"
 
 namespace skyquilt::flight {
@@ -41,8 +40,8 @@ std::optional<std::string> ExplainUnknownTrack(LogBytes head, std::string_view n
   std::string begins = "its first bytes are no text";
   if (LooksLikeText(TextOf(head))) {
     std::string_view line = Trim(TextOf(head));
-    line = line.substr(0, std::min(line.find_first_of("\r\n"), kQuotedLine));
-    begins = fmt::format("its first line is \"{}\"", Printable(std::string(line)));
+    begins =
+        fmt::format("its first line is {}", Quoted(line.substr(0, line.find_first_of("\r\n")), kQuotedLine));
   }
   return fmt::format("{} is not used: it is named like {}, but lacks {}; {}.", name, named->what, named->mark,
                      begins);

@@ -2,10 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <string>
 
 #include "core/flight/logs/csv/unknown_table.h"
 #include "core/flight/logs/read_log.h"
+#include "core/flight/logs/subtitles/subtitles.h"
+#include "core/flight/logs/texts/gcp_list.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -74,7 +78,20 @@ TEST(ReadLog, ReadsAnySortOfTextInUtf16) {
       true, true);
   EXPECT_EQ(ParseLog("a.gpx", BytesOf(gpx))->gnss.size(), 1u);
   const auto unknown = Utf16(u"stamp,lat_deg,lon_deg\n1,46.8,7.1\n2,46.8,7.1\n", false, true);
-  EXPECT_TRUE(ExplainUnknownTable(BytesOf(unknown), "a.csv"));
+  EXPECT_TRUE(ExplainUnknownTable(LogText::Of("a.csv", BytesOf(unknown))->bytes(), "a.csv"));
+  const auto subtitles = Utf16(u"1\n00:00:01,000 --> 00:00:02,000\nGPS(7.1,46.8,15)\n\n", false, true);
+  EXPECT_EQ(ParseFilmSubtitles("a.srt", BytesOf(subtitles))->gnss.size(), 1u);
+}
+
+TEST(ReadGcpList, ReadsUtf16) {
+  const test::TemporaryFolder folder;
+  const auto path = folder.path() / "gcp_list.txt";
+  std::ofstream(path, std::ios::binary)
+      << Utf16(u"EPSG:32615\n576667.1 5188164.6 198.3 100 200 a.jpg gcp1\n", false, true);
+  for (const auto& list : {ReadGcpList({"gcp_list.txt", path}), ReadWrittenGcpList({"gcp_list.txt", path})}) {
+    ASSERT_TRUE(list.ok()) << list.error().message;
+    EXPECT_EQ(list->sightings.size(), 1u);
+  }
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include "core/flight/logs/gps_time.h"
 #include "core/flight/logs/log_builder.h"
+#include "core/flight/logs/read_log.h"
 #include "core/flight/logs/subtitles/subtitles.h"
 #include "core/flight/logs/texts/dji_mrk.h"
 #include "core/flight/logs/texts/gcp_list.h"
@@ -244,6 +245,50 @@ TEST(ParseGcpList, IsNoTableOfALog) {
     EXPECT_FALSE(LooksLikeGcpList(BytesOf(text))) << text;
     EXPECT_FALSE(LooksLikeGeoTxt(BytesOf(text))) << text;
   }
+}
+
+TEST(ParseGeoTxt, LeavesColumnsInAnotherPlaceToTheReaderOfNames) {
+  const std::string timed =
+      "image time lat lon alt\na.jpg 12:00:05 46.8 8.1 500\nb.jpg 12:00:07 46.9 8.1 500\n";
+  EXPECT_FALSE(LooksLikeGeoTxt(BytesOf(timed)));
+  const std::string height_first = "image alt lat lon\na.jpg 500 46.8 8.1\nb.jpg 500 46.9 8.1\n";
+  EXPECT_FALSE(LooksLikeGeoTxt(BytesOf(height_first)));
+  for (const std::string& text : {timed, height_first}) {
+    const auto log = ParseLog("list.txt", BytesOf(text));
+    ASSERT_TRUE(log.ok()) << text << log.error().message;
+    ASSERT_EQ(log->events.size(), 2u) << text;
+    ASSERT_TRUE(log->events[0].position) << text;
+    EXPECT_DOUBLE_EQ(log->events[0].position->lat_deg, 46.8) << text;
+    EXPECT_DOUBLE_EQ(log->events[0].position->lon_deg, 8.1) << text;
+  }
+}
+
+TEST(ParseGeoTxt, TakesTheOrderOfTheHemispheresLetters) {
+  const auto log = ParseGeoTxt("geo.txt", BytesOf("EPSG:4326\na.jpg N46.8 E8.1 500\n"));
+  ASSERT_TRUE(log.ok()) << log.error().message;
+  ASSERT_TRUE(log->events[0].position);
+  EXPECT_DOUBLE_EQ(log->events[0].position->lat_deg, 46.8);
+  EXPECT_DOUBLE_EQ(log->events[0].position->lon_deg, 8.1);
+  const auto pix4d = ParsePix4dCsv("p.csv", BytesOf("a.jpg,E8.1,N46.8,500\n"));
+  ASSERT_TRUE(pix4d.ok()) << pix4d.error().message;
+  ASSERT_TRUE(pix4d->events[0].position);
+  EXPECT_DOUBLE_EQ(pix4d->events[0].position->lat_deg, 46.8);
+}
+
+TEST(ParseGeoTxt, TakesAnglesOnlyWhereTheirNamesSay) {
+  const auto log = ParseGeoTxt("geo.txt", BytesOf("EPSG:4326\nimage lon lat alt roll pitch yaw\n"
+                                                  "a.jpg 8.1 46.8 500 1 2 90\n"));
+  ASSERT_TRUE(log.ok()) << log.error().message;
+  EXPECT_FALSE(log->events[0].yaw_pitch_roll_rad);
+  EXPECT_FALSE(log->warnings.empty());
+}
+
+TEST(ParseGeoTxt, CountsHeightsOfACompoundSystemFromTheSea) {
+  const auto log = ParseGeoTxt("geo.txt", BytesOf("EPSG:32615+5773\na.jpg 576667.1 5188164.6 198.3\n"));
+  ASSERT_TRUE(log.ok()) << log.error().message;
+  ASSERT_TRUE(log->events[0].height_amsl_m);
+  EXPECT_DOUBLE_EQ(*log->events[0].height_amsl_m, 198.3);
+  EXPECT_FALSE(log->events[0].height_ellipsoid_m);
 }
 
 TEST(ParseGeoTxt, KeepsWhatWasWrittenWhereItIsNoPlace) {
