@@ -54,7 +54,8 @@ struct ListUse {
   std::optional<double> apart_m;             // median, of the reading, to the photos' own positions
   std::optional<double> as_written_apart_m;  // likewise, of the plain reading
   std::optional<double> off_shape_m;         // median, after the median shift
-  bool own_are_stale = false;                // most of the photos' own positions are one and the same
+  bool own_are_photos = false;  // their own positions were compared with; else tracks, other lists
+  bool own_are_stale = false;   // most of the photos' own positions are one and the same
   // Nothing but the order that the format documents speaks against the other order of the two numbers, which
   // would put the list so far away.
   std::optional<double> other_order_apart_m;

@@ -35,6 +35,7 @@ CameraPlace CameraPlaceOf(const flight::Photo& photo) {
 struct OwnRecords {
   std::vector<std::optional<LatLon>> moving;  // by photo
   std::optional<LatLon> anywhere;             // of the flight
+  bool is_of_photos = false;                  // what they say themselves, not a track or a list
   bool is_stale = false;
 };
 
@@ -70,10 +71,12 @@ OwnRecords OwnRecordsOf(const Flight& flight) {
   } else {
     own.anywhere = MedianPosition(moving);
   }
+  own.is_of_photos = own.anywhere.has_value();
   if (!own.anywhere || own.is_stale) {
     if (const auto track = PlaceOfTracks(flight.logs)) {
       own.anywhere = track;
       own.is_stale = false;
+      own.is_of_photos = false;
     }
   }
   return own;
@@ -104,9 +107,10 @@ struct JudgedList {
   ListVerdict verdict;
   std::vector<std::size_t> events;  // of the log: those that were judged
   std::vector<std::size_t> photos;  // that they name
+  std::vector<std::size_t> others;  // events of photos that are not here
 };
 
-ListUse UseOf(const ListVerdict& verdict, bool own_are_stale) {
+ListUse UseOf(const ListVerdict& verdict, const OwnRecords& own) {
   ListUse use;
   use.reading = verdict.reading;
   use.fault = verdict.fault;
@@ -116,7 +120,8 @@ ListUse UseOf(const ListVerdict& verdict, bool own_are_stale) {
   use.as_written_apart_m = verdict.as_written_apart_m;
   use.off_shape_m = verdict.off_shape_m;
   use.other_order_apart_m = verdict.other_order_apart_m;
-  use.own_are_stale = own_are_stale;
+  use.own_are_photos = own.is_of_photos;
+  use.own_are_stale = own.is_stale;
   use.rows_used = static_cast<std::size_t>(std::count_if(
       verdict.places.begin(), verdict.places.end(), [](const auto& place) { return place.has_value(); }));
   return use;
@@ -129,7 +134,8 @@ std::optional<JudgedList> Judge(const FlightLog& log, const NamedPhotos& named, 
                    .order_is_named = log.written_order_is_named,
                    .order_is_assumed = log.written_order_is_assumed,
                    .is_one_of_photos = true,
-                   .rows = {}};
+                   .rows = {},
+                   .others = {}};
   OwnPlaces places{.of_row = {}, .of_flight = own.anywhere, .is_stale = own.is_stale};
   std::size_t rows = 0;
   for (std::size_t i = 0; i < log.events.size(); ++i) {
@@ -137,7 +143,11 @@ std::optional<JudgedList> Judge(const FlightLog& log, const NamedPhotos& named, 
     if (!event.written || !event.image_name) continue;
     ++rows;
     const auto photo = named.Find(*event.image_name);
-    if (!photo) continue;
+    if (!photo) {
+      judged.others.push_back(i);
+      list.others.push_back(*event.written);
+      continue;
+    }
     judged.events.push_back(i);
     judged.photos.push_back(*photo);
     list.rows.push_back(*event.written);
@@ -145,7 +155,7 @@ std::optional<JudgedList> Judge(const FlightLog& log, const NamedPhotos& named, 
   }
   if (rows == 0) return std::nullopt;
   if (!judged.events.empty()) judged.verdict = JudgeList(list, places);
-  judged.use = UseOf(judged.verdict, own.is_stale);
+  judged.use = UseOf(judged.verdict, own);
   if (judged.events.empty()) judged.use.fault = ListFault::kNamesNoPhoto;
   judged.use.file_name = log.file_name;
   judged.use.format = log.format;
@@ -157,15 +167,20 @@ std::optional<JudgedList> Judge(const FlightLog& log, const NamedPhotos& named, 
 }
 
 void TakeReading(const JudgedList& judged, FlightLog& log) {
-  for (std::size_t k = 0; k < judged.events.size(); ++k) {
-    CameraEvent& event = log.events[judged.events[k]];
-    if (judged.use.fault == ListFault::kNone) {
-      event.position = judged.verdict.places[k];
-    } else {
-      event.position.reset();
-      event.yaw_pitch_roll_rad.reset();
+  const auto take = [&](const std::vector<std::size_t>& events,
+                        const std::vector<std::optional<LatLon>>& places) {
+    for (std::size_t k = 0; k < events.size(); ++k) {
+      CameraEvent& event = log.events[events[k]];
+      if (judged.use.fault == ListFault::kNone) {
+        event.position = places[k];
+      } else {
+        event.position.reset();
+        event.yaw_pitch_roll_rad.reset();
+      }
     }
-  }
+  };
+  take(judged.events, judged.verdict.places);
+  take(judged.others, judged.verdict.other_places);
 }
 
 // What one list says of photos without a position of their own is a source for the others.
@@ -174,7 +189,10 @@ void Learn(const JudgedList& judged, OwnRecords& own) {
   for (std::size_t k = 0; k < judged.events.size(); ++k) {
     if (!own.moving[judged.photos[k]]) own.moving[judged.photos[k]] = judged.verdict.places[k];
   }
-  if (!own.anywhere || own.is_stale) own.anywhere = judged.verdict.middle;
+  if (!own.anywhere || own.is_stale) {
+    own.anywhere = judged.verdict.middle;
+    own.is_of_photos = false;
+  }
   own.is_stale = false;
 }
 
@@ -232,10 +250,11 @@ std::optional<flight::GcpList> JudgedControl(flight::GcpList list, const NamedPh
                       .order_is_named = false,
                       .order_is_assumed = false,
                       .is_one_of_photos = false,
-                      .rows = {}};
+                      .rows = {},
+                      .others = {}};
   for (const flight::GcpPoint& point : list.points) written.rows.push_back({point.x, point.y});
   const ListVerdict verdict = JudgeList(written, PlacesAround(list, named, own));
-  ListUse use = UseOf(verdict, own.is_stale);
+  ListUse use = UseOf(verdict, own);
   use.kind = flight::ListKind::kControl;
   use.file_name = list.file_name;
   use.system = list.reference_system;

@@ -335,7 +335,10 @@ ListVerdict JudgeList(const WrittenList& list, const OwnPlaces& own) {
     verdict.other_middle = choice.other->middle;
     verdict.other_order_apart_m = MetresApart(choice.other->middle, taken.middle);
   }
-  if (verdict.fault == ListFault::kNone) verdict.places = reader.PlacesOf(list.rows, verdict.reading);
+  if (verdict.fault == ListFault::kNone) {
+    verdict.places = reader.PlacesOf(list.rows, verdict.reading);
+    verdict.other_places = reader.PlacesOf(list.others, verdict.reading);
+  }
   return verdict;
 }
 

@@ -18,11 +18,12 @@
 namespace skyquilt::poses {
 
 struct WrittenList {
-  std::string system;             // empty: none is named
-  bool order_is_named = false;    // by a header
-  bool order_is_assumed = false;  // neither by a header nor by the format
-  bool is_one_of_photos = true;   // false: of surveyed points, which lie beside the photos
-  std::vector<flight::WrittenPlace> rows;
+  std::string system;                        // empty: none is named
+  bool order_is_named = false;               // by a header
+  bool order_is_assumed = false;             // neither by a header nor by the format
+  bool is_one_of_photos = true;              // false: of surveyed points, which lie beside the photos
+  std::vector<flight::WrittenPlace> rows;    // that are compared
+  std::vector<flight::WrittenPlace> others;  // of photos that are not here: read as `rows` are
 };
 
 // What the other sources say.
@@ -45,7 +46,7 @@ struct ListVerdict {
   std::optional<geo::LatLon> middle;  // of the list as it is read
   std::optional<flight::ListReading> other;
   std::optional<geo::LatLon> other_middle;
-  std::vector<std::optional<geo::LatLon>> places;  // by row; empty with a fault
+  std::vector<std::optional<geo::LatLon>> places, other_places;  // by row; empty with a fault
 };
 
 ListVerdict JudgeList(const WrittenList& list, const OwnPlaces& own);

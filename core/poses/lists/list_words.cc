@@ -52,16 +52,22 @@ std::string UtmInWords(int code) {
 }
 
 std::string_view OwnInWords(const ListUse& use) {
+  if (!use.own_are_photos) return "where the other lists and tracks place the flight";
   return use.kind == ListKind::kControl || use.own_are_stale
              ? "where the photos were taken by their own records"
              : "the photos' own positions";
+}
+
+std::string_view WithoutIt(const ListUse& use) {
+  return use.own_are_photos ? "Without it the photos' own positions hold"
+                            : "Check which of the files is of this flight";
 }
 
 std::string WhyNotUsed(const ListUse& use) {
   const bool lacks_system = use.system.empty() && (use.fault == ListFault::kNoSystem ||
                                                    use.reading.counts_in == CountsIn::kUtmOfFlight);
   if (use.kind == ListKind::kControl && use.system.empty()) {
-    std::string words = flight::NoSystemWords(use.file_name);
+    std::string words = fmt::format("it {}", flight::kNoSystemWords);
     if (use.reading.counts_in == CountsIn::kUtmOfFlight && use.apart_m) {
       words += fmt::format("; read as {} its points would lie {} from {}", ReadingInWords(use, use.reading),
                            LengthInWords(*use.apart_m), OwnInWords(use));
@@ -88,15 +94,15 @@ std::string WhyNotUsed(const ListUse& use) {
                          use.system.empty() ? std::string("on Earth") : "in " + use.system.substr(0, 80));
     case ListFault::kFarAway:
       return fmt::format(
-          "read as {}, which comes nearest, it lies {} from {}, further than any receiver errs. Is it the list of "
-          "another flight, or names another reference system? Without it the photos' own positions hold",
-          ReadingInWords(use, use.reading), LengthInWords(use.apart_m.value_or(0.0)), OwnInWords(use));
+          "read as {}, which comes nearest, it lies {} from {}, further than {}. Is it the list of another flight, "
+          "or names another reference system? {}",
+          ReadingInWords(use, use.reading), LengthInWords(use.apart_m.value_or(0.0)), OwnInWords(use),
+          use.own_are_photos ? "any receiver errs" : "a flight reaches", WithoutIt(use));
     case ListFault::kOtherShape:
       return fmt::format(
           "its rows are laid out otherwise than {}: shifted as a whole to fit, half of them still lie more than {} "
-          "off. Is it the list of another flight with the same names, or are its rows in another order? Without it "
-          "the photos' own positions hold",
-          OwnInWords(use), LengthInWords(use.off_shape_m.value_or(0.0)));
+          "off. Is it the list of another flight with the same names, or are its rows in another order? {}",
+          OwnInWords(use), LengthInWords(use.off_shape_m.value_or(0.0)), WithoutIt(use));
   }
   return {};
 }
@@ -135,9 +141,7 @@ std::string UseInWords(const ListUse& use) {
 std::optional<std::string> NoteOf(const ListUse& use) {
   if (use.fault == ListFault::kNamesNoPhoto) return std::nullopt;  // said where rows are joined with photos
   if (use.fault != ListFault::kNone) {
-    const std::string why = WhyNotUsed(use);
-    return why.starts_with(use.file_name) ? fmt::format("{}. It is not used.", why)
-                                          : fmt::format("{} is not used: {}.", use.file_name, why);
+    return fmt::format("{} is not used: {}.", use.file_name, WhyNotUsed(use));
   }
   std::string words = fmt::format("{}: read as {}", use.file_name, ReadingInWords(use, use.reading));
   if (!use.is_as_written) {
