@@ -204,7 +204,7 @@ Result<pipeline::MosaicReport> StitchToDirectory(const std::vector<flight::Input
   }
   built.report.timings.push_back(exported_in);
   if (auto written = storage::WriteFileAtomically(out_dir / "photos.geojson",
-                                                  pipeline::PhotosGeoJson(built.flight, built.ground));
+                                                  pipeline::PhotosGeoJson(built.flight, built.ground, built.report.quality.absolute));
       !written) {
     return written.error();
   }
