@@ -61,6 +61,7 @@ TEST(FlightJson, SaysWhenThePhotosWereTakenWhereThatIsKnown) {
   view.revision.emplace();
   EXPECT_TRUE(captured().is_null());
   view.revision->first_capture = "2015-10-27T09:31:02-04:00";
+  view.revision->quality = R"({"status":"ready"})";
   view.revision->last_capture = "2015-10-27T09:40:12-04:00";
   EXPECT_EQ(captured()["first"], "2015-10-27T09:31:02-04:00");
   EXPECT_EQ(captured()["last"], "2015-10-27T09:40:12-04:00");

@@ -83,15 +83,18 @@ double LeverOf(const JudgedMap& map, const std::vector<Vector2d>& places) {
   return 1.0 / static_cast<double>(places.size()) + mean_of_map / std::max(kOnOnePlaceM2, of_positions);
 }
 
+double MedianRadiusM(const JudgedMap& map) {
+  std::vector<double> radii_m;
+  for (const AlignedPhoto& photo : map.flight.photos) radii_m.push_back(photo.error_radius_m);
+  return MedianIfAny(std::move(radii_m)).value_or(0.0);
+}
+
 // Without alignment every photo has its own error, its angles' on the ground with it.
 double OwnErrorM(const JudgedMap& map) {
   const bool is_any_aligned =
       std::any_of(map.flight.photos.begin(), map.flight.photos.end(),
                   [](const AlignedPhoto& photo) { return photo.placement == Placement::kAligned; });
-  if (map.is_forecast || is_any_aligned) return 0.0;
-  std::vector<double> radii_m;
-  for (const AlignedPhoto& photo : map.flight.photos) radii_m.push_back(photo.error_radius_m);
-  return MedianIfAny(std::move(radii_m)).value_or(0.0);
+  return map.is_forecast || is_any_aligned ? 0.0 : MedianRadiusM(map);
 }
 
 AbsoluteAccuracy StatedRadius(double sigma_of_axis_m, AbsoluteSupport by, std::size_t count) {
@@ -149,6 +152,9 @@ AbsoluteAccuracy ByPositions(const JudgedMap& map) {
     const double of_noise_m = noise_m * std::sqrt(2.0 / static_cast<double>(count));
     return StatedRadius(std::max(own_m, std::hypot(*map.poses.log_position_sigma_m, of_noise_m)), by, count);
   }
+  // Reckoned from a given place: each photo says how far that may have led it astray.
+  if (positions.records.empty() && by_log > 0)
+    return {OfTwoDigits(MedianRadiusM(map)), AbsoluteSupport::kHand, static_cast<int>(by_log)};
   if (positions.records.empty()) return {};
   const poses::CommonError common = poses::CommonErrorOf(positions.records);
   const AbsoluteSupport by = common.is_corrected ? AbsoluteSupport::kRtk : AbsoluteSupport::kGnss;
@@ -198,7 +204,8 @@ std::vector<MapLimit> LimitsOf(const JudgedMap& map, const AbsoluteAccuracy& abs
     limits.push_back({LimitKind::kScaleGuessed});
   if (is_placed_by_few) limits.push_back({LimitKind::kFewPositions, absolute.count, placed});
   if (absolute.sigma_m && *absolute.sigma_m > kFarOffM) limits.push_back({LimitKind::kFarOff});
-  if (absolute.by == AbsoluteSupport::kHand) limits.push_back({LimitKind::kPlacedByHand});
+  if (absolute.by == AbsoluteSupport::kHand && !absolute.sigma_m)
+    limits.push_back({LimitKind::kPlacedByHand});
   if (left_out > 0) limits.push_back({LimitKind::kLeftOut, left_out, placed + left_out});
   if (map.is_forecast) return limits;
   const int pose_only = static_cast<int>(
@@ -227,7 +234,7 @@ MapQuality JudgeMap(const JudgedMap& map) {
 }
 
 void TellPhotos(const MapQuality& quality, alignment::AlignedFlight& flight) {
-  if (!quality.absolute.sigma_m) return;
+  if (!quality.absolute.sigma_m || quality.absolute.by == AbsoluteSupport::kHand) return;
   for (AlignedPhoto& photo : flight.photos) {
     if (photo.placement == Placement::kAligned) photo.error_radius_m = *quality.absolute.sigma_m;
   }

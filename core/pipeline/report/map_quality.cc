@@ -162,7 +162,9 @@ std::string AbsoluteInWords(const MapQuality& quality) {
     case AbsoluteSupport::kNone:
       return "unknown: no positions";
     case AbsoluteSupport::kHand:
-      return "unknown: placed by hand";
+      if (!absolute.sigma_m) return "unknown: placed by hand";
+      by = "reckoning from a given place";
+      break;
     case AbsoluteSupport::kGnss:
       by = Counted(count, "position") + " of GNSS";
       break;
@@ -184,7 +186,7 @@ std::string RelativeInWords(const MapQuality& quality) {
   const RelativeAccuracy& relative = quality.relative;
   if (relative.by == RelativeSupport::kNone || !relative.error_px)
     return "unknown: no photos are tied to each other";
-  const std::string pixels = Number(*relative.error_px) + " pixels";
+  const std::string pixels = Number(*relative.error_px) + " px";
   return fmt::format(
       "{}, {}", relative.error_m ? fmt::format("{} ({})", AccuracyText(*relative.error_m), pixels) : pixels,
       relative.by == RelativeSupport::kSeams ? "at " + Counted(relative.count, "place") + " along seams"

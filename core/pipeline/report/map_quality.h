@@ -16,7 +16,7 @@ namespace skyquilt::pipeline {
 
 enum class AbsoluteSupport : std::uint8_t {
   kNone,           // no position places it
-  kHand,           // somebody said where it lies
+  kHand,           // somebody said where it lies; with a number, reckoned by a log from there
   kGnss,           // photos' positions or a log's, of a receiver without corrections
   kRtk,            // corrected ones (RTK, PPK)
   kControlPoints,  // surveyed points that place it
@@ -110,7 +110,7 @@ std::string AccuracyText(double metres);
 
 // "+-2.3 m (1 sigma), by 42 positions of GNSS"; "unknown: no positions".
 std::string AbsoluteInWords(const MapQuality& quality);
-// "1.2 cm (0.4 pixels), at 31 places along seams"; "unknown: no photos are tied to each other".
+// "1.2 cm (0.4 px), at 31 places along seams"; "unknown: no photos are tied to each other".
 std::string RelativeInWords(const MapQuality& quality);
 // "Ready to use", "Usable, with limits", "Place in doubt", "Not georeferenced".
 std::string_view StatusInWords(MapStatus status);
