@@ -61,10 +61,23 @@ TEST(FlightJson, SaysWhenThePhotosWereTakenWhereThatIsKnown) {
   view.revision.emplace();
   EXPECT_TRUE(captured().is_null());
   view.revision->first_capture = "2015-10-27T09:31:02-04:00";
-  view.revision->quality = R"({"status":"ready"})";
   view.revision->last_capture = "2015-10-27T09:40:12-04:00";
   EXPECT_EQ(captured()["first"], "2015-10-27T09:31:02-04:00");
   EXPECT_EQ(captured()["last"], "2015-10-27T09:40:12-04:00");
+}
+
+TEST(FlightJson, SaysHowTrueTheMapIsWhereThatIsKnown) {
+  FlightView view;
+  view.flight.options = "{}";
+  const auto quality = [&] { return json::parse(FlightJson(view, storage::Now()))["quality"]; };
+  EXPECT_TRUE(quality().is_null());
+  view.revision.emplace();
+  for (const char* none : {"", "{", "7"}) {
+    view.revision->quality = none;
+    EXPECT_TRUE(quality().is_null()) << none;
+  }
+  view.revision->quality = R"({"status":"ready","absolute":{"sigma_m":2.3}})";
+  EXPECT_EQ(quality()["absolute"]["sigma_m"], 2.3);
 }
 
 TEST(FlightJson, SaysWhetherTheMapHasAPlaceOnEarth) {

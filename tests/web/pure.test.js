@@ -137,7 +137,7 @@ test('the page says of a map what the server judged, in the list and in the repo
 
 // tests/core/pipeline/map_quality_test.cc holds the other programs' words to the same file.
 test('an accuracy has the digits that every surface gives it', () => {
-  for (const [metres, text] of JSON.parse(readFileSync(new URL('accuracy_texts.json', import.meta.url), 'utf8'))) assert.equal(formatError(metres), text.replace(' ', '\u00a0'), String(metres));
+  for (const [metres, text] of JSON.parse(readFileSync(new URL('support/accuracy_texts.json', import.meta.url), 'utf8'))) assert.equal(formatError(metres), text.replace(' ', '\u00a0'), String(metres));
 });
 
 test('times of capture are those of the place, with their zone where it is known', () => {

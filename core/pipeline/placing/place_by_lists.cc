@@ -27,8 +27,8 @@ void EraseWordsOfControl(std::vector<std::string>& warnings) {
   });
 }
 
-// Where the finished map has points that did not place it, against where they were surveyed; east and north alone,
-// since survey and flight seldom share their zero of heights.
+// Where the finished map has points that did not place it, against where they were surveyed; east and north
+// alone, since survey and flight seldom share their zero of heights.
 std::vector<alignment::ControlReport> CompareWithSurvey(const FlightFacts& facts,
                                                         const std::vector<alignment::ControlPoint>& checks) {
   std::vector<alignment::ControlReport> reports;

@@ -105,7 +105,7 @@ std::string_view NameOf(LimitKind kind);
 // The nearest number of two significant digits; what is not finite or not above zero is 0.
 double OfTwoDigits(double value);
 
-// "2.3 m", "3.4 cm". The page's formatError writes the same digits (tests/web/accuracy_texts.json).
+// "2.3 m", "3.4 cm". The page's formatError writes the same digits (tests/web/support/accuracy_texts.json).
 std::string AccuracyText(double metres);
 
 // "+-2.3 m (1 sigma), by 42 positions of GNSS"; "unknown: no positions".

@@ -12,7 +12,7 @@
 
 namespace skyquilt::pipeline {
 
-extern const std::string_view kAccuracyTexts;  // tests/web/accuracy_texts.json
+extern const std::string_view kAccuracyTexts;  // tests/web/support/accuracy_texts.json
 
 namespace {
 

@@ -22,7 +22,7 @@ def said_in(text):
 
 
 def digits(metres):
-    """As core/pipeline/report/map_quality.cc and web/src/shared/format.js write it (tests/web/accuracy_texts.json)."""
+    """As core/pipeline/report/map_quality.cc and web/src/shared/format.js write it (tests/web/support/accuracy_texts.json)."""
     return f"{metres * 100:.2g} cm" if metres < 1 else f"{metres:.2g} m" if metres < 100 else f"{metres:.0f} m"
 
 

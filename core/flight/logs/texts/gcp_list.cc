@@ -46,7 +46,8 @@ bool HasPixelColumns(const std::vector<std::string_view>& columns) {
   });
 }
 
-// The number of the column that says which points are only to check the map; past all columns where none does.
+// The number of the column that says which points are only to check the map; past all columns where none
+// does.
 std::size_t CheckColumn(const std::vector<std::string_view>& columns) {
   std::size_t number = 0;
   while (number < columns.size() && LowerCase(Trim(columns[number])) != kCheckEnding) ++number;
@@ -64,8 +65,9 @@ std::string NameOfPoint(const std::vector<std::string_view>& words, std::size_t 
   constexpr std::size_t kNameColumn = 6;
   const bool has_name =
       words.size() > kNameColumn && !words[kNameColumn].empty() && check_column != kNameColumn;
-  std::string name = has_name ? std::string(words[kNameColumn].substr(0, kMaxNameLength - kMarkOfCheck.size()))
-                              : fmt::format("gcp{}", number);
+  std::string name = has_name
+                         ? std::string(words[kNameColumn].substr(0, kMaxNameLength - kMarkOfCheck.size()))
+                         : fmt::format("gcp{}", number);
   const bool is_said = (check_column < words.size() && SaysYes(words[check_column])) ||
                        (words.size() == kNameColumn + 2 && LowerCase(words.back()) == kCheckEnding);
   return is_said && !IsCheckPoint(name) ? name + std::string(kMarkOfCheck) : name;
@@ -87,9 +89,7 @@ void DropHeightsThatAreFillers(GcpList& list) {
 
 }  // namespace
 
-bool IsCheckPoint(std::string_view point_name) {
-  return LowerCase(point_name).ends_with(kCheckEnding);
-}
+bool IsCheckPoint(std::string_view point_name) { return LowerCase(point_name).ends_with(kCheckEnding); }
 
 bool LooksLikeGcpList(LogBytes head) {
   if (!LooksLikeText(TextOf(head))) return false;
