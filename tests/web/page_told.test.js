@@ -70,7 +70,7 @@ test('flights show when they were flown, by the clock of the place', options, as
   await page.waitForSelector('.flights li');
   const facts = await page.locator('.flight-facts').allTextContents();
   // The one whose photos know no time lies by its upload.
-  assert.deepEqual(facts.map((text) => text.replaceAll('\u00a0', ' ')), ['uploaded 12 May 2026', '19 photos · 1.73 cm/px', '27 Oct 2015', '19 photos · 1.73 cm/px']);
+  assert.deepEqual(facts.map((text) => text.replaceAll('\u00a0', ' ')), ['uploaded 12 May 2026', '19 photos · 1.73 cm/px · ±2.3 m', '27 Oct 2015', '19 photos · 1.73 cm/px · ±2.3 m']);
   await page.goto(`${mock.url}#/flights/${flight.id}`);
   await page.waitForSelector('#report');
   assert.match((await page.textContent('.flight-head .flight-facts')) ?? '', /27 Oct 2015/);
