@@ -199,6 +199,11 @@ std::string FlightJson(const FlightView& view, storage::Time now) {
     value["captured"] = {{"first", revision->first_capture}, {"last", revision->last_capture}};
   }
   value["gsd_m"] = revision ? ordered_json(revision->gsd_m) : ordered_json(nullptr);
+  value["quality"] = nullptr;
+  if (revision && !revision->quality.empty()) {
+    const ordered_json quality = ordered_json::parse(revision->quality, nullptr, false);
+    if (quality.is_object()) value["quality"] = quality;
+  }
   value["tilejson"] = revision ? ordered_json(fmt::format("{}/tiles/{}.json", view.base_path, view.flight.id))
                                : ordered_json(nullptr);
   value["preview"] = nullptr;

@@ -44,6 +44,16 @@ ItemJson PropertiesOf(const storage::ShownFlight& map) {
     properties["start_datetime"] = times->first;
     properties["end_datetime"] = times->last;
   }
+  // The same number that report.json and the flight's document have; left out where nothing supports one.
+  const ItemJson quality = ItemJson::parse(map.revision.quality, nullptr, false);
+  if (quality.is_object()) {
+    const ItemJson absolute = quality.value("absolute", ItemJson::object());
+    if (absolute.contains("sigma_m") && absolute["sigma_m"].is_number()) {
+      properties["skyquilt:accuracy_m"] = absolute["sigma_m"];
+      properties["skyquilt:accuracy_by"] = absolute["by"];
+    }
+    properties["skyquilt:status"] = quality["status"];
+  }
   // Of imported maps the resolution may not be known; STAC wants one above zero or none.
   if (!(map.revision.gsd_m > 0.0)) properties.erase("gsd");
   return properties;

@@ -39,7 +39,6 @@ struct AlignPhotoReport {
   double residual_rms_px = 0.0;
   double moved_m = 0.0;  // how far the image centre moved on the ground against the recorded pose
   double turned_deg = 0.0;
-  double error_radius_m = 0.0;
   bool is_by_images = false;  // its place started from what it shows, not from its record
   std::vector<PhotoFault> faults;
 

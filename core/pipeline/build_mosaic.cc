@@ -14,6 +14,7 @@
 #include "core/pipeline/place_flight.h"
 #include "core/pipeline/plan_map.h"
 #include "core/pipeline/report/flight_facts.h"
+#include "core/pipeline/report/judge_map.h"
 #include "core/pipeline/stage_runner.h"
 #include "core/render/blocks/photo_regions.h"
 #include "core/render/blocks/render_block.h"
@@ -131,6 +132,14 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   report.poses_report = facts.poses_report;
   report.is_placed = facts.is_placed;
   report.gsd_m = plan.gsd_m;
+  report.quality = JudgeMap({.flight = aligned,
+                             .poses = facts.poses_report,
+                             .alignment = facts.align_report ? &*facts.align_report : nullptr,
+                             .seams = seam_shift,
+                             .gsd_m = plan.gsd_m,
+                             .is_placed = facts.is_placed,
+                             .is_by_images = facts.is_by_images,
+                             .is_by_hand = facts.is_by_hand});
   const double lat_deg = aligned.frame.origin().lat_deg;
   const double ground_per_merc = geo::GroundMetresPerMercMetre(lat_deg);
   report.area_m2 = rendered->covered_merc_m2 * ground_per_merc * ground_per_merc;
@@ -144,8 +153,10 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   report.peak_memory_bytes = PeakMemoryBytes();
   std::optional<BandedMap> banded =
       BandedMapOf(facts, std::move(placed.captures), geo::DegToRad(options.max_look_deg));
-  return BuiltMosaic{aligned,           ground,           std::move(planned.plan), std::move(planned.seams),
-                     std::move(banded), std::move(report)};
+  BuiltMosaic built{aligned,           ground,           std::move(planned.plan), std::move(planned.seams),
+                    std::move(banded), std::move(report)};
+  TellPhotos(built.report.quality, built.flight);
+  return built;
 }
 
 }  // namespace skyquilt::pipeline

@@ -3,8 +3,10 @@
 #include <utility>
 
 namespace skyquilt::pipeline {
+namespace {
 
-std::vector<alignment::ControlPoint> ControlPointsOf(const std::vector<flight::GcpList>& lists) {
+std::vector<alignment::ControlPoint> MarkedPointsIn(const std::vector<flight::GcpList>& lists,
+                                                    bool are_checks) {
   std::vector<alignment::ControlPoint> points;
   for (const flight::GcpList& list : lists) {
     const std::size_t first = points.size();
@@ -21,8 +23,20 @@ std::vector<alignment::ControlPoint> ControlPointsOf(const std::vector<flight::G
           {sighting.image_name, {sighting.pixel_x - 0.5, sighting.pixel_y - 0.5}});
     }
   }
-  std::erase_if(points, [](const alignment::ControlPoint& point) { return point.sightings.empty(); });
+  std::erase_if(points, [&](const alignment::ControlPoint& point) {
+    return point.sightings.empty() || flight::IsCheckPoint(point.name) != are_checks;
+  });
   return points;
+}
+
+}  // namespace
+
+std::vector<alignment::ControlPoint> ControlPointsOf(const std::vector<flight::GcpList>& lists) {
+  return MarkedPointsIn(lists, false);
+}
+
+std::vector<alignment::ControlPoint> CheckPointsOf(const std::vector<flight::GcpList>& lists) {
+  return MarkedPointsIn(lists, true);
 }
 
 }  // namespace skyquilt::pipeline

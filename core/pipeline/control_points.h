@@ -11,4 +11,7 @@ namespace skyquilt::pipeline {
 
 std::vector<alignment::ControlPoint> ControlPointsOf(const std::vector<flight::GcpList>& lists);
 
+// Those that are named check points: compared with the finished map, which they do not place.
+std::vector<alignment::ControlPoint> CheckPointsOf(const std::vector<flight::GcpList>& lists);
+
 }  // namespace skyquilt::pipeline

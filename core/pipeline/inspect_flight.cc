@@ -16,6 +16,7 @@
 #include "core/geo/web_mercator.h"
 #include "core/ground/ground_surface.h"
 #include "core/pipeline/memory_budget.h"
+#include "core/pipeline/report/judge_map.h"
 #include "core/poses/estimate_poses.h"
 #include "core/poses/lists/compare_sources.h"
 #include "core/render/plan_mosaic.h"
@@ -97,6 +98,25 @@ void DescribeCoverage(const alignment::AlignedFlight& flight, FlightVerdict& ver
   }
   verdict.area_m2 = static_cast<double>(cells.size()) * cell_m * cell_m;
   verdict.mean_photos_per_point = verdict.area_m2 > 0.0 ? sum_m2 / verdict.area_m2 : 0.0;
+}
+
+// Photos that only what they show may place count among those that hang on the others' positions.
+MapQuality ForetoldQuality(const poses::PosedFlight& posed, alignment::AlignedFlight placed) {
+  for (const flight::Photo& photo : posed.unplaced) {
+    alignment::AlignedPhoto one;
+    one.photo = photo;
+    one.cam_from_enu = placed.photos.front().cam_from_enu;
+    placed.photos.push_back(std::move(one));
+  }
+  std::erase_if(placed.left_out, [&](const flight::LeftOutPhoto& left_out) {
+    return std::any_of(posed.unplaced.begin(), posed.unplaced.end(),
+                       [&](const flight::Photo& photo) { return photo.name == left_out.name; });
+  });
+  return JudgeMap({.flight = placed,
+                   .poses = posed.report,
+                   .is_placed = posed.is_placed,
+                   .is_by_images = !posed.unplaced.empty(),
+                   .is_forecast = true});
 }
 
 void AddAdvice(FlightVerdict& verdict) {
@@ -182,14 +202,12 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
   }
   verdict.poses = posed->report;
   verdict.height_rule = posed->report.height_rule;
-  std::vector<double> errors_m;
   verdict.lowest_m = placed.photos.front().height_above_ground_m;
   for (const auto& photo : placed.photos) {
     verdict.lowest_m = std::min(verdict.lowest_m, photo.height_above_ground_m);
     verdict.highest_m = std::max(verdict.highest_m, photo.height_above_ground_m);
-    errors_m.push_back(photo.error_radius_m);
   }
-  verdict.expected_error_m = Median(std::move(errors_m));
+  verdict.quality = ForetoldQuality(*posed, placed);
   DescribeCoverage(placed, verdict);
   const auto plan =
       render::PlanMosaic(placed, ground::GroundSurface::Plane(placed.ground_z_in_enu_m), PlanWithin(options));

@@ -13,6 +13,7 @@
 #include "core/flight/read_flight.h"
 #include "core/geo/dem_source.h"
 #include "core/pipeline/mosaic_options.h"
+#include "core/pipeline/report/map_quality.h"
 #include "core/poses/pose_report.h"
 
 namespace skyquilt::pipeline {
@@ -36,7 +37,7 @@ struct FlightVerdict {
   double area_m2 = 0.0;          // of the ground that some photo sees
   double forward_overlap = 0.0;  // median, 0..1, with the next photo in time
   double mean_photos_per_point = 0.0;
-  double expected_error_m = 0.0;  // median 1-sigma ground error by the recorded poses alone
+  MapQuality quality;  // as foretold by the records alone: of the map once all photos are aligned
   int max_zoom = 0;
   int tile_size_px = 256;
   double output_megapixels = 0.0;

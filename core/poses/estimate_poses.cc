@@ -13,6 +13,7 @@
 #include "core/flight/aside/aside.h"
 #include "core/geo/geoid.h"
 #include "core/poses/conventions/choose_convention.h"
+#include "core/poses/evidence/common_error.h"
 #include "core/poses/heights/flight_heights.h"
 #include "core/poses/heights/ground_from_dem.h"
 #include "core/poses/heights/takeoff.h"
@@ -301,10 +302,6 @@ void LeaveOutNonsense(bool keep_unplaced, PosedFlight& posed) {
 void Summarise(PosedFlight& posed) {
   PoseReport& report = posed.report;
   report.is_placed = posed.is_placed;
-  std::vector<double> radii;
-  for (const PosedPhoto& photo : posed.photos) radii.push_back(photo.error_radius_m);
-  report.largest_error_radius_m = *std::max_element(radii.begin(), radii.end());
-  report.median_error_radius_m = Median(std::move(radii));
   std::sort(posed.left_out.begin(), posed.left_out.end(),
             [](const LeftOutPhoto& a, const LeftOutPhoto& b) { return a.name < b.name; });
 }
@@ -346,6 +343,11 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
     Result<LoggedPart> logged = PlaceLogged(log->log, tie, options, given_takeoff_m);
     if (logged) {
       for (const TiedPhoto& p : tie.tied) is_on_log[p.photo] = 1;
+      if (!log->log.gnss.empty()) {
+        const CommonError common = CommonErrorOf(log->log.gnss);
+        posed.report.log_position_sigma_m = common.sigma_m;
+        posed.report.log_is_corrected = common.is_corrected;
+      }
       takeoff = logged->takeoff.position ? logged->takeoff.position : options.origin;
       TakeLogged(*std::move(logged), options.origin.has_value(), posed);
     } else {

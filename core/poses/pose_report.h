@@ -23,8 +23,10 @@ struct PoseReport {
   int photos_by_records = 0;
   int knots = 0;  // of the smoothed chain
   int iterations = 0;
-  double median_error_radius_m = 0.0;
-  double largest_error_radius_m = 0.0;
+  // Of the log's own positions, where it has any: the error that all share, one sigma a horizontal axis, and
+  // whether they are corrected ones (common_error.h).
+  std::optional<double> log_position_sigma_m;
+  bool log_is_corrected = false;
 
   bool operator==(const PoseReport&) const = default;
 };

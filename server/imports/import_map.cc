@@ -47,6 +47,7 @@ Result<pipeline::MosaicReport> ImportMap(const flight::InputFile& file, const fs
   progress.BeginStage("import");
   SKYQUILT_TRY(IsSqlite(file.path) ? ImportTiles(file, mbtiles, report, progress)
                                    : ImportRaster(file, mbtiles, options, report, progress));
+  report.quality.status = pipeline::MapStatus::kReady;
   progress.BeginStage("export");
   SKYQUILT_TRY(storage::WriteTilesThumbnail(mbtiles, out_dir / "thumbnail.png", kImportThumbnailPx));
   for (const auto& [name, text] :

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "core/pipeline/report/map_quality.h"
 #include "server/confinement/message_checks.h"
 
 namespace skyquilt::server {
@@ -15,6 +16,7 @@ using Json = nlohmann::json;
 
 constexpr std::size_t kMaxStageBytes = 32;
 constexpr std::size_t kMaxStages = 64;
+constexpr std::size_t kMaxQualityBytes = 2000;
 constexpr std::size_t kMaxTimeBytes = 25;  // "2015-10-27T09:31:02-04:00"
 constexpr std::size_t kMaxMessageChars = 500;
 // A byte that is no UTF-8 is sent as the three of the replacement character.
@@ -39,6 +41,12 @@ std::optional<Error> WhatIsWrong(const StitchOutcome& outcome) {
     if (!IsWithin(count, 0, kMaxPhotos)) return Untrue("a number of photos that no flight has");
   }
   if (!IsTime(map.first_capture) || !IsTime(map.last_capture)) return Untrue("a time that is none");
+  if (map.quality.size() > kMaxQualityBytes) return Untrue("a quality that no map has");
+  if (!map.quality.empty()) {
+    const Result<pipeline::MapQuality> quality = pipeline::ParseQuality(map.quality);
+    if (!quality || pipeline::QualityJson(*quality) != map.quality)
+      return Untrue("a quality that no map has");
+  }
   constexpr std::int64_t kMaxBlocks = std::int64_t{1} << 32;
   if (outcome.blocks < 0 || outcome.blocks > kMaxBlocks) return Untrue("a number of blocks that no map has");
   if (outcome.stages_s.size() > kMaxStages) return Untrue("too many stages");
@@ -61,6 +69,7 @@ StitchOutcome OutcomeOf(const Json& json) {
   map.photos_left_out = CountOf(json.at("photos_left_out"));
   map.first_capture = json.at("first_capture").get<std::string>();
   map.last_capture = json.at("last_capture").get<std::string>();
+  map.quality = json.at("quality").get<std::string>();
   outcome.blocks = json.at("blocks");
   outcome.stages_s = json.at("stages_s").get<std::vector<std::pair<std::string, double>>>();
   return outcome;
@@ -78,6 +87,7 @@ Json JsonOf(const StitchOutcome& outcome) {
           {"photos_left_out", map.photos_left_out},
           {"first_capture", map.first_capture},
           {"last_capture", map.last_capture},
+          {"quality", map.quality},
           {"blocks", outcome.blocks},
           {"stages_s", outcome.stages_s}};
 }

@@ -53,6 +53,7 @@ StitchOutcome OutcomeOf(const pipeline::MosaicReport& report) {
     outcome.figures.first_capture = report.captured->first;
     outcome.figures.last_capture = report.captured->last;
   }
+  outcome.figures.quality = pipeline::QualityJson(report.quality);
   for (const auto& timing : report.timings) outcome.stages_s.emplace_back(timing.stage, timing.wall_s);
   return outcome;
 }

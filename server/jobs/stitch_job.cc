@@ -203,8 +203,9 @@ Result<pipeline::MosaicReport> StitchToDirectory(const std::vector<flight::Input
     SKYQUILT_TRY(WriteBands(built, options.mosaic, photos, out_dir, progress));
   }
   built.report.timings.push_back(exported_in);
-  if (auto written = storage::WriteFileAtomically(out_dir / "photos.geojson",
-                                                  pipeline::PhotosGeoJson(built.flight, built.ground));
+  if (auto written = storage::WriteFileAtomically(
+          out_dir / "photos.geojson",
+          pipeline::PhotosGeoJson(built.flight, built.ground, built.report.quality.absolute));
       !written) {
     return written.error();
   }

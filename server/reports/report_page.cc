@@ -11,6 +11,7 @@
 #include "api/ogc/map_view.h"
 #include "core/base/median.h"
 #include "core/base/try.h"
+#include "core/pipeline/report/map_quality.h"
 
 namespace skyquilt::server {
 namespace {
@@ -106,7 +107,7 @@ std::string Figure(const MapPicture& picture, bool is_placed) {
   return svg + "</svg></figure>\n";
 }
 
-Table Facts(const Json& report, bool is_placed) {
+Table Facts(const Json& report, bool is_placed, bool is_scale_known) {
   Table table;
   const std::string first = TextAt(report, {"captured", "first"}),
                     last = TextAt(report, {"captured", "last"});
@@ -126,9 +127,11 @@ Table Facts(const Json& report, bool is_placed) {
                           *total, NumberAt(report, {"photos", "aligned"}).value_or(0),
                           NumberAt(report, {"photos", "pose_only"}).value_or(0),
                           NumberAt(report, {"photos", "left_out"}).value_or(0)));
-  if (const auto area = NumberAt(report, {"area_m2"})) table.Row("Ground covered", Area(*area));
+  constexpr const char* kNoScale = "unknown: the scale is a guess";
+  if (const auto area = NumberAt(report, {"area_m2"}))
+    table.Row("Ground covered", is_scale_known ? Area(*area) : kNoScale);
   if (const auto gsd = NumberAt(report, {"gsd_m"}); gsd && *gsd > 0)
-    table.Row("Ground sample distance", Metres(*gsd));
+    table.Row("Ground sample distance", is_scale_known ? Metres(*gsd) : kNoScale);
   const Json& bounds = At(report, {"bounds"});
   if (is_placed && bounds.is_array() && bounds.size() == 4 &&
       std::all_of(bounds.begin(), bounds.end(), [](const Json& one) { return one.is_number(); }))
@@ -159,19 +162,12 @@ std::string PredictionInWords(const Json& control) {
                      misses.size(), Metres(worst_m), worst);
 }
 
-Table Accuracy(const Json& report) {
+Table Accuracy(const Json& report, const std::optional<pipeline::MapQuality>& quality) {
   Table table;
-  if (const auto px = NumberAt(report, {"alignment", "residual_rms_px"}))
-    table.Row("Tie points", fmt::format("missed by {:.2f} pixels (root mean square)", *px));
-  if (const auto metres = NumberAt(report, {"alignment", "position_residual_m"}))
-    table.Row("Recorded positions", "lie " + Metres(*metres) + " from the adjusted ones");
-  if (const auto metres = NumberAt(report, {"poses", "median_error_radius_m"}))
-    table.Row("Estimated error of the records", Metres(*metres) + " (median of the photos)");
-  const auto median = NumberAt(report, {"seams", "median_m"}), p90 = NumberAt(report, {"seams", "p90_m"});
-  if (median && p90 && NumberAt(report, {"seams", "reliable"}).value_or(0) > 0)
-    table.Row("At the seams",
-              fmt::format("neighbouring photos show things {} apart in the median, nine of ten within {}",
-                          Metres(*median), Metres(*p90)));
+  if (quality) {
+    table.Row("Absolute", pipeline::AbsoluteInWords(*quality));
+    table.Row("Relative", pipeline::RelativeInWords(*quality));
+  }
   const Json& control = At(report, {"alignment", "ground_control"});
   if (control.is_array() && !control.empty())
     table.Row("Ground control points",
@@ -209,6 +205,20 @@ std::string LeftOut(const Json& report) {
          "</table>\n";
 }
 
+// Nothing for a report of before there was one.
+std::optional<pipeline::MapQuality> QualityIn(const Json& report) {
+  const auto quality = pipeline::ParseQuality(At(report, {"quality"}).dump());
+  return quality ? std::optional(*quality) : std::nullopt;
+}
+
+std::string Verdict(const pipeline::MapQuality& quality) {
+  const bool is_bad =
+      quality.status == pipeline::MapStatus::kDoubtful || quality.status == pipeline::MapStatus::kUnplaced;
+  std::string text = fmt::format("{}.", pipeline::StatusInWords(quality.status));
+  for (const pipeline::MapLimit& limit : quality.limits) text += " " + pipeline::LimitInWords(limit);
+  return fmt::format("<p class=\"{}\">{}</p>\n", is_bad ? "bad" : "sub", Html(text));
+}
+
 }  // namespace
 
 Result<std::string> ReportPage(std::string_view report_json, const std::optional<MapPicture>& picture,
@@ -227,13 +237,12 @@ Result<std::string> ReportPage(std::string_view report_json, const std::optional
       Html(TextAt(report, {"captured", "first"}).empty()
                ? "date not known"
                : TextAt(report, {"captured", "first"}).substr(0, 10)));
-  if (!is_placed)
-    page +=
-        "<p class=\"bad\">This map is not georeferenced: nothing says where on Earth it lies. Scale and north may be "
-        "guesses.</p>\n";
-  if (picture) page += Figure(*picture, is_placed);
-  page += Facts(report, is_placed).Text("The map") + Accuracy(report).Text("Accuracy") + Warnings(report) +
-          LeftOut(report);
+  const std::optional<pipeline::MapQuality> quality = QualityIn(report);
+  const bool is_scale_known = quality ? !quality->IsLimitedBy(pipeline::LimitKind::kScaleGuessed) : is_placed;
+  if (quality) page += Verdict(*quality);
+  if (picture) page += Figure(*picture, is_placed && is_scale_known);
+  page += Facts(report, is_placed, is_scale_known).Text("The map") +
+          Accuracy(report, quality).Text("Accuracy") + Warnings(report) + LeftOut(report);
   return page + fmt::format("<footer>Report of {}, by Skyquilt.</footer>\n</body>\n</html>\n", Html(made));
 }
 

@@ -130,7 +130,7 @@ std::string MarkedName(const std::string& name, std::string_view mark) {
 // Of the revision that each flight shows, in the order of RevisionFrom.
 constexpr const char* kRevisionColumns =
     "r.revision, r.created_us, west, south, east, north, min_zoom, max_zoom, gsd_m, photos_total,"
-    " photos_aligned, photos_pose_only, photos_left_out, first_capture, last_capture";
+    " photos_aligned, photos_pose_only, photos_left_out, first_capture, last_capture, quality";
 constexpr const char* kShownRevisions =
     " FROM flight f JOIN revision r ON r.flight_id=f.id AND r.revision=f.active_revision ";
 
@@ -149,6 +149,7 @@ Revision RevisionFrom(const Statement& query) {
   revision.photos_left_out = static_cast<int>(query.ColumnInt64(12));
   revision.first_capture = query.ColumnText(13);
   revision.last_capture = query.ColumnText(14);
+  revision.quality = query.ColumnText(15);
   return revision;
 }
 

@@ -53,6 +53,7 @@ struct Revision {
   // When its photos were taken: ISO 8601 by the clock on the wall there (core/pipeline/report/capture_span);
   // empty where that is not known.
   std::string first_capture, last_capture;
+  std::string quality;  // JSON (core/pipeline/report/map_quality.h); empty where it is not known
 };
 
 struct FlightPage {

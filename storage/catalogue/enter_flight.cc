@@ -145,14 +145,14 @@ Result<void> ShowMap(SqlConnection& db, const std::string& flight_id, const Revi
   SKYQUILT_TRY_ASSIGN(Statement forget, db.Prepare("DELETE FROM revision WHERE flight_id=? AND revision=?"));
   SKYQUILT_TRY(forget.Bind(1, flight_id).Bind(2, map.revision).Run());
   SKYQUILT_TRY_ASSIGN(Statement insert,
-                      db.Prepare("INSERT INTO revision VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)"));
+                      db.Prepare("INSERT INTO revision VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)"));
   insert.Bind(1, flight_id).Bind(2, map.revision).Bind(3, ToUs(map.created));
   insert.Bind(4, map.bounds.west_deg).Bind(5, map.bounds.south_deg);
   insert.Bind(6, map.bounds.east_deg).Bind(7, map.bounds.north_deg);
   insert.Bind(8, map.min_zoom).Bind(9, map.max_zoom).Bind(10, map.gsd_m);
   insert.Bind(11, map.photos_total).Bind(12, map.photos_aligned);
   insert.Bind(13, map.photos_pose_only).Bind(14, map.photos_left_out);
-  insert.Bind(15, map.first_capture).Bind(16, map.last_capture);
+  insert.Bind(15, map.first_capture).Bind(16, map.last_capture).Bind(17, map.quality);
   SKYQUILT_TRY(insert.Run());
   for (const char* sql :
        {"DELETE FROM preview WHERE flight_id=?", "UPDATE file SET preview_state=2 WHERE flight_id=?"}) {

@@ -17,6 +17,7 @@ extern const std::string_view kCatalogue16To17;  // storage/db/steps/schema_17.s
 extern const std::string_view kCatalogue17To18;  // storage/db/steps/schema_18.sql
 extern const std::string_view kCatalogue18To19;  // storage/db/steps/schema_19.sql
 extern const std::string_view kCatalogue19To20;  // storage/db/steps/schema_20.sql
+extern const std::string_view kCatalogue20To21;  // storage/db/steps/schema_21.sql
 
 namespace {
 
@@ -70,6 +71,9 @@ Result<void> PrepareSchema(SqliteDb& db) {
   }
   if (version >= 13 && version <= 19) {
     SKYQUILT_TRY(db.Exec(std::string(kCatalogue19To20)));
+  }
+  if (version >= 13 && version <= 20) {
+    SKYQUILT_TRY(db.Exec(std::string(kCatalogue20To21)));
   }
   SKYQUILT_TRY(db.Exec(fmt::format("PRAGMA user_version={}", kSchemaVersion)));
   return transaction.Commit();

@@ -43,6 +43,7 @@ CREATE TABLE revision(
   photos_left_out INTEGER NOT NULL,
   first_capture TEXT NOT NULL DEFAULT '',      -- of its photos, ISO 8601; '' where it is not known
   last_capture TEXT NOT NULL DEFAULT '',
+  quality TEXT NOT NULL DEFAULT '',            -- JSON, as report.json has it; '' where it is not known
   PRIMARY KEY(flight_id, revision)
 ) STRICT;
 

@@ -164,6 +164,8 @@ Result<Revision> RevisionOnDisk(const fs::path& revision_folder, std::int64_t nu
   const Json captured = report.contains("captured") ? report["captured"] : Json::object();
   revision.first_capture = TextOr(captured, "first");
   revision.last_capture = TextOr(captured, "last");
+  if (report.contains("quality") && report["quality"].is_object())
+    revision.quality = report["quality"].dump();
   return revision;
 }
 

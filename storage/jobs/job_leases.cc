@@ -223,14 +223,14 @@ Result<bool> JobQueue::PublishOnce(const Lease& lease, const Revision& revision,
       SKYQUILT_TRY(end.Bind(1, lease.job_id).Bind(2, lease.token).Bind(3, ToUs(now)).Run());
       if (db->Changes() == 0) return false;
       SKYQUILT_TRY_ASSIGN(Statement insert,
-                          db->Prepare("INSERT INTO revision VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)"));
+                          db->Prepare("INSERT INTO revision VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)"));
       insert.Bind(1, lease.flight_id).Bind(2, revision.revision).Bind(3, ToUs(now));
       insert.Bind(4, revision.bounds.west_deg).Bind(5, revision.bounds.south_deg);
       insert.Bind(6, revision.bounds.east_deg).Bind(7, revision.bounds.north_deg);
       insert.Bind(8, revision.min_zoom).Bind(9, revision.max_zoom).Bind(10, revision.gsd_m);
       insert.Bind(11, revision.photos_total).Bind(12, revision.photos_aligned);
       insert.Bind(13, revision.photos_pose_only).Bind(14, revision.photos_left_out);
-      insert.Bind(15, revision.first_capture).Bind(16, revision.last_capture);
+      insert.Bind(15, revision.first_capture).Bind(16, revision.last_capture).Bind(17, revision.quality);
       SKYQUILT_TRY(insert.Run());
       // The one shown until now stays readable for whoever looked it up a moment ago; older ones go.
       SKYQUILT_TRY_ASSIGN(

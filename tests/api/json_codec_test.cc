@@ -66,6 +66,20 @@ TEST(FlightJson, SaysWhenThePhotosWereTakenWhereThatIsKnown) {
   EXPECT_EQ(captured()["last"], "2015-10-27T09:40:12-04:00");
 }
 
+TEST(FlightJson, SaysHowTrueTheMapIsWhereThatIsKnown) {
+  FlightView view;
+  view.flight.options = "{}";
+  const auto quality = [&] { return json::parse(FlightJson(view, storage::Now()))["quality"]; };
+  EXPECT_TRUE(quality().is_null());
+  view.revision.emplace();
+  for (const char* none : {"", "{", "7"}) {
+    view.revision->quality = none;
+    EXPECT_TRUE(quality().is_null()) << none;
+  }
+  view.revision->quality = R"({"status":"ready","absolute":{"sigma_m":2.3}})";
+  EXPECT_EQ(quality()["absolute"]["sigma_m"], 2.3);
+}
+
 TEST(FlightJson, SaysWhetherTheMapHasAPlaceOnEarth) {
   FlightView view;
   view.flight.options = "{}";

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "core/pipeline/report/map_quality.h"
 #include "server/confinement/message_pipe.h"
 #include "server/jobs/job_limits.h"
 #include "server/jobs/job_messages.h"
@@ -91,6 +92,7 @@ StitchOutcome Outcome() {
   outcome.figures.photos_aligned = 6;
   outcome.figures.photos_left_out = 1;
   outcome.figures.first_capture = "2015-10-27T09:31:02-04:00";
+  outcome.figures.quality = pipeline::QualityJson({});
   outcome.stages_s = {{"read", 0.5}, {"align", 2.0}};
   return outcome;
 }
@@ -126,6 +128,7 @@ TEST(JobMessages, ComeAsTheyWereSent) {
   EXPECT_EQ(made.figures.photos_aligned, 6);
   EXPECT_EQ(made.figures.first_capture, "2015-10-27T09:31:02-04:00");
   EXPECT_EQ(made.figures.last_capture, "");
+  EXPECT_EQ(made.figures.quality, Outcome().figures.quality);
   EXPECT_EQ(made.stages_s, Outcome().stages_s);
   const auto error = ParseJobMessage(ToText(JobMessage(Error{ErrorCode::kOutOfSpace, "full", "disk"})));
   EXPECT_EQ(std::get<Error>(*error).code, ErrorCode::kOutOfSpace);
@@ -156,6 +159,9 @@ TEST(JobMessages, FiguresThatNoMapHasAreRefused) {
                                                 {"/done/first_capture", "2015<img onerror=x>"},
                                                 {"/done/last_capture", std::string(26, '1')},
                                                 {"/done/last_capture", nullptr},
+                                                {"/done/quality", "{\"status\":\"<b>\"}"},
+                                                {"/done/quality", std::string(3000, ' ')},
+                                                {"/done/quality", 7},
                                                 {"/done/stages_s/0/0", "read\n"},
                                                 {"/done/stages_s/0/1", -1.0},
                                                 {"/done/stages_s", Json::array({1})},

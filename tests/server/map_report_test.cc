@@ -13,7 +13,8 @@ constexpr const char* kReport =
     R"({"title":"Field <7>","photos":{"total":3,"aligned":2,"pose_only":0,"left_out":1},
   "left_out_photos":[{"name":"<script>alert(1)</script>.jpg","code":"corrupt","reason":"it is \"cut off\" & torn"}],
   "captured":{"first":"2024-06-01T10:00:00Z","last":"2024-06-01T10:09:00Z"},"gsd_m":0.025,"area_m2":25000,
-  "bounds":[7.1,46.8,7.2,46.9],"is_placed":true,"height_rule":"take-off","warnings":["Mind the <gap>"],
+  "bounds":[7.1,46.8,7.2,46.9],"is_placed":true,"quality":{"status":"limited","absolute":{"sigma_m":2.3,"by":"gnss","count":2},
+  "relative":{"error_m":0.01,"error_px":0.42,"by":"tie_points","count":90},"limits":[{"kind":"left_out","count":1,"of":3}]},"height_rule":"take-off","warnings":["Mind the <gap>"],
   "alignment":{"residual_rms_px":0.42,"position_residual_m":0.5,"cameras":[{"camera_key":"DJI|FC220"}]}})";
 
 bool Has(const std::string& page, const char* words) { return page.find(words) != std::string::npos; }
@@ -22,13 +23,15 @@ TEST(ReportPage, SaysWhatTheReportHasAndEscapesIt) {
   const auto page = ReportPage(kReport, std::nullopt, "2026-01-01");
   ASSERT_TRUE(page.ok());
   for (const char* words :
-       {"Field &lt;7&gt;", "3: 2 placed by what they show", "2.50 ha", "2.5 cm", "DJI FC220", "0.42 pixels",
+       {"Field &lt;7&gt;", "3: 2 placed by what they show", "2.50 ha", "2.5 cm", "DJI FC220", "0.42 px",
+        "+-2.3 m (1 sigma), by 2 positions of GNSS", "Usable, with limits. 1 of 3 photos was left out",
         "EPSG:3857", "2024-06-01", "&lt;script&gt;alert(1)&lt;/script&gt;.jpg",
         "it is &quot;cut off&quot; &amp; torn", "Mind the &lt;gap&gt;",
         "46.800000, 7.100000 to 46.900000, 7.200000"})
     EXPECT_TRUE(Has(*page, words)) << words;
   EXPECT_FALSE(Has(*page, "<script"));
   EXPECT_FALSE(Has(*page, "not georeferenced"));
+  EXPECT_FALSE(Has(*page, "adjusted ones"));
 }
 
 TEST(ReportPage, HasAScaleBarAndANorthArrowOnlyWhereTheyAreTrue) {
@@ -45,10 +48,26 @@ TEST(ReportPage, HasAScaleBarAndANorthArrowOnlyWhereTheyAreTrue) {
   EXPECT_FALSE(Has(*unplaced, " m</text>"));
 }
 
+TEST(ReportPage, SaysNoSizeAndNoAccuracyOfAMapWithoutScale) {
+  std::string report = kReport;
+  const std::string was = R"("limits":[)";
+  report.insert(report.find(was) + was.size(), R"({"kind":"scale_guessed","count":0,"of":0},)");
+  const std::string sigma = R"("sigma_m":2.3,"by":"gnss","count":2)";
+  report.replace(report.find(sigma), sigma.size(), R"("sigma_m":null,"by":"none","count":0)");
+  const auto page = ReportPage(report, std::nullopt, "");
+  ASSERT_TRUE(page.ok());
+  EXPECT_TRUE(Has(*page, "unknown: no positions"));
+  EXPECT_TRUE(Has(*page, "unknown: the scale is a guess"));
+  EXPECT_FALSE(Has(*page, "1 sigma"));
+  EXPECT_FALSE(Has(*page, "2.50 ha"));
+}
+
 TEST(ReportPage, TakesAnyJsonAndRefusesTheRest) {
-  for (const char* text :
-       {"{}", R"({"photos":[],"bounds":"x","alignment":7,"warnings":{"a":1},"left_out_photos":[1,null]})",
-        R"({"title":5,"captured":{"first":"x"},"bounds":[1,2,3,"4"],"alignment":{"cameras":[3]}})"})
+  for (
+      const char* text :
+      {"{}",
+       R"({"photos":[],"bounds":"x","alignment":7,"warnings":{"a":1},"quality":{"status":7},"left_out_photos":[1,null]})",
+       R"({"title":5,"captured":{"first":"x"},"bounds":[1,2,3,"4"],"alignment":{"cameras":[3]}})"})
     EXPECT_TRUE(ReportPage(text, std::nullopt, "").ok()) << text;
   for (const char* text : {"", "[]", "{\"a\":"})
     EXPECT_FALSE(ReportPage(text, std::nullopt, "").ok()) << text;

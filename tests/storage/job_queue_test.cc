@@ -44,6 +44,7 @@ Revision Made(std::int64_t number) {
   revision.photos_left_out = 1;
   revision.first_capture = "2015-10-27T09:31:02-04:00";
   revision.last_capture = "2015-10-27T09:40:12-04:00";
+  revision.quality = R"({"status":"ready"})";
   return revision;
 }
 
@@ -174,6 +175,7 @@ TEST_F(JobQueueTest, PublishesWhenThePhotosWereTaken) {
   ASSERT_TRUE(shown);
   EXPECT_EQ(shown->first_capture, "2015-10-27T09:31:02-04:00");
   EXPECT_EQ(shown->last_capture, "2015-10-27T09:40:12-04:00");
+  EXPECT_EQ(shown->quality, R"({"status":"ready"})");
 }
 
 TEST_F(JobQueueTest, RefusesToCancelWhatIsFinished) {

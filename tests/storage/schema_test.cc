@@ -108,17 +108,22 @@ TEST_F(SchemaTest, OpensItsOwnCatalogueAgain) {
 TEST_F(SchemaTest, BringsVersion17ToThisOneWithAllThatIsInIt) {
   ExpectToBeBroughtToThisOne(
       "DROP TABLE idle_flight; ALTER TABLE flight DROP COLUMN tags;"
-      "ALTER TABLE flight DROP COLUMN is_kept; ALTER TABLE unit DROP COLUMN waiting_us; PRAGMA user_version=17;");
+      "ALTER TABLE flight DROP COLUMN is_kept; ALTER TABLE unit DROP COLUMN waiting_us; ALTER TABLE revision DROP COLUMN quality; PRAGMA user_version=17;");
 }
 
 TEST_F(SchemaTest, BringsVersion18ToThisOneWithAllThatIsInIt) {
   ExpectToBeBroughtToThisOne(
       "ALTER TABLE flight DROP COLUMN tags; ALTER TABLE flight DROP COLUMN is_kept;"
-      "ALTER TABLE unit DROP COLUMN waiting_us; PRAGMA user_version=18;");
+      "ALTER TABLE unit DROP COLUMN waiting_us; ALTER TABLE revision DROP COLUMN quality; PRAGMA user_version=18;");
 }
 
 TEST_F(SchemaTest, BringsVersion19ToThisOneWithAllThatIsInIt) {
-  ExpectToBeBroughtToThisOne("ALTER TABLE unit DROP COLUMN waiting_us; PRAGMA user_version=19;");
+  ExpectToBeBroughtToThisOne(
+      "ALTER TABLE unit DROP COLUMN waiting_us; ALTER TABLE revision DROP COLUMN quality; PRAGMA user_version=19;");
+}
+
+TEST_F(SchemaTest, BringsVersion20ToThisOneWithAllThatIsInIt) {
+  ExpectToBeBroughtToThisOne("ALTER TABLE revision DROP COLUMN quality; PRAGMA user_version=20;");
 }
 
 TEST_F(SchemaTest, RefusesOlderAndNewerVersionsAndLeavesThemAsTheyAre) {

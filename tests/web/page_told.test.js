@@ -38,13 +38,13 @@ test('a map with photos left out or placed by record alone is amber and says so;
     const flight = mock.seedReady('Meadow');
     await page.reload();
     await page.waitForSelector('.flights .chip');
-    assert.equal(await page.textContent('.flights .chip'), is_whole ? 'Ready' : 'Ready, 1 left out');
+    assert.equal(await page.textContent('.flights .chip'), is_whole ? 'Ready to use' : 'Usable, with limits');
     assert.equal(await page.locator('.flights .chip-amber').count(), is_whole ? 0 : 1);
     await page.goto(`${mock.url}#/flights/${flight.id}`);
     await page.waitForSelector('#result-verdict');
     assert.equal(await page.getAttribute('#result-verdict', 'class'), `result-verdict result-${is_whole ? 'good' : 'amber'}`);
     const text = (await page.textContent('#result-verdict')) ?? '';
-    if (is_whole) assert.match(text, /Ready to use.*±\d.*All 18 photos are aligned/);
+    if (is_whole) assert.match(text, /Ready to use.*All 18 photos are aligned/);
     else assert.match(text, /1 of 19 photos was left out.*2 photos were placed by their recorded position only/);
     // What was noted of single photos, and how it was made, are for who looks for it.
     assert.doesNotMatch(await page.innerText('#report .callout'), /46 m/);
@@ -70,7 +70,7 @@ test('flights show when they were flown, by the clock of the place', options, as
   await page.waitForSelector('.flights li');
   const facts = await page.locator('.flight-facts').allTextContents();
   // The one whose photos know no time lies by its upload.
-  assert.deepEqual(facts.map((text) => text.replaceAll('\u00a0', ' ')), ['uploaded 12 May 2026', '19 photos · 1.73 cm/px', '27 Oct 2015', '19 photos · 1.73 cm/px']);
+  assert.deepEqual(facts.map((text) => text.replaceAll('\u00a0', ' ')), ['uploaded 12 May 2026', '19 photos · 1.73 cm/px · ±2.3 m', '27 Oct 2015', '19 photos · 1.73 cm/px · ±2.3 m']);
   await page.goto(`${mock.url}#/flights/${flight.id}`);
   await page.waitForSelector('#report');
   assert.match((await page.textContent('.flight-head .flight-facts')) ?? '', /27 Oct 2015/);
@@ -139,8 +139,9 @@ test('the panel says what counts first, and what to do with the map', options, a
   await mapIdle(page);
   await page.waitForFunction(() => /CameraFC300S/.test(document.querySelector('#report')?.textContent ?? ''));
   const terms = await page.locator('#report > .facts dt').allTextContents();
-  assert.deepEqual(terms, ['Captured', 'Area', 'Resolution', 'Camera', 'Photos placed']);
-  assert.match((await page.innerText('#result-verdict')).replace(/\s+/g, ' '), /^Ready to use\. Estimated horizontal accuracy ±\d+ cm \(1σ, median of all photos\), not verified with check points\./);
+  assert.deepEqual(terms, ['Captured', 'Area', 'Resolution', 'Absolute accuracy', 'Relative accuracy', 'Camera', 'Photos placed']);
+  assert.match((await page.innerText('#result-verdict')).replace(/\s+/g, ' '), /^Ready to use\. All 18 photos are aligned\./);
+  assert.match(await page.innerText('#report > .facts'), /±2\.3.m \(1σ\), by 18 GNSS positions/);
   assert.equal(await page.locator('#processing-details').getAttribute('open'), null);
   assert.deepEqual(await page.locator('.flight-actions > *').evaluateAll((all) => all.map(({ id }) => id)), ['flight-share', 'flight-download', 'flight-qgis']);
   await page.click('#flight-download');

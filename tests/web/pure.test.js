@@ -2,16 +2,18 @@
 // upload queue against a sender that fails.
 import assert from 'node:assert/strict';
 import { File } from 'node:buffer';
+import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { test } from 'node:test';
 import { formatCoordinates, utm, utmZone, wrapLongitude } from '../../web/src/map/coordinates.js';
 import { tilesIn, zoomOfFew } from '../../web/src/map/tile_addresses.js';
 import { geodesicLength, isInside, pathLength, polygonArea } from '../../web/src/map/geodesy.js';
 import { at, baseOf } from '../../web/src/shared/router.js';
-import { clipName, formatArea, formatBytes, formatCaptureDay, formatCaptureTime, formatDuration, formatGsd, formatLength } from '../../web/src/shared/format.js';
+import { clipName, formatArea, formatBytes, formatCaptureDay, formatCaptureTime, formatDuration, formatError, formatGsd, formatLength } from '../../web/src/shared/format.js';
 import { parseRoute, routeHash } from '../../web/src/shared/router.js';
 import { looksLikePhoto, selectFiles } from '../../web/src/upload/drop_files.js';
 import { coverageGrid, histogram } from '../../web/src/flight/report_pictures.js';
+import { absoluteWords, accuracyMark, isScaleKnown, relativeWords, statusWords } from '../../web/src/flight/quality_words.js';
 import { resultWords } from '../../web/src/flight/result_verdict.js';
 import { crossesItself } from '../../web/src/map/ring_crossing.js';
 import { hashWithPlace, placeOfHash } from '../../web/src/map/view_address.js';
@@ -111,18 +113,31 @@ test('numbers are said as people say them', () => {
   assert.equal(formatArea(24_310), '2.43\u00a0ha');
 });
 
-test('a map is called good only when every photo is aligned and it lies where it belongs', () => {
-  const words = (/** @type {object} */ photos, /** @type {object} */ more = {}, radius_m = 0.28) =>
-    resultWords(/** @type {any} */ ({ photos: { total: 9, aligned: 9, pose_only: 0, left_out: 0, ...photos }, ...more }), /** @type {any} */ ({ features: [{ properties: { error_radius_m: radius_m } }] }));
-  assert.equal(words({}).grade, 'good');
-  assert.match(words({}).sentences.join(' '), /All 9 photos are aligned/);
-  assert.match(words({}).accuracy, /horizontal accuracy \u00b128\u00a0cm \(1\u03c3.*check points/);
-  assert.deepEqual([words({ aligned: 8, left_out: 1 }).grade, words({ aligned: 8, pose_only: 1 }).grade, words({}, {}, 35.3).grade], ['amber', 'amber', 'amber']);
-  assert.match(words({}, {}, 35.3).sentences.join(' '), /far from its true position/);
-  assert.match(words({}, {}, 35.3).accuracy, /\u00b135\u00a0m/);
-  assert.match(words({ aligned: 0, pose_only: 9 }).sentences.join(' '), /No photo could be aligned/);
-  assert.equal(words({}, { is_placed: false }).grade, 'bad');
-  assert.doesNotMatch(words({}, { is_placed: false }).sentences.join(' '), /\u00b1/);
+/** @param {object} [more] @returns {any} */
+const qualityWith = (more = {}) => ({ status: 'ready', absolute: { sigma_m: 2.3, by: 'gnss', count: 9 }, relative: { error_m: 0.012, error_px: 0.7, by: 'seams', count: 31 }, limits: [], ...more });
+
+test('the page says of a map what the server judged, in the list and in the report alike', () => {
+  const report = (/** @type {object} */ quality, more = {}) => /** @type {any} */ ({ photos: { total: 9, aligned: 9, pose_only: 0, left_out: 0 }, quality: qualityWith(quality), ...more });
+  assert.deepEqual(resultWords(report({})), { grade: 'good', title: 'Ready to use', sentences: ['All 9 photos are aligned.'] });
+  const few = { status: 'doubtful', absolute: { sigma_m: null, by: 'gnss', count: 1 }, limits: [{ kind: 'few_positions', count: 1, of: 42 }] };
+  assert.equal(resultWords(report(few)).grade, 'bad');
+  assert.match(resultWords(report(few)).sentences[0], /Only 1 of 42 photos has a position/);
+  assert.equal(statusWords(qualityWith(few)), resultWords(report(few)).title);
+  assert.equal(absoluteWords(qualityWith(few)), 'unknown: only 1 of 42 photos with a position');
+  assert.equal(accuracyMark(qualityWith(few)), '');
+  assert.equal(accuracyMark(null), '');
+  assert.equal(absoluteWords(qualityWith()), '\u00b12.3\u00a0m (1\u03c3), by 9 GNSS positions');
+  assert.equal(absoluteWords(qualityWith({ absolute: { sigma_m: null, by: 'none', count: 0 } })), 'unknown: no positions');
+  assert.equal(relativeWords(qualityWith()), '1.2\u00a0cm (0.7\u00a0px), at 31 places along seams');
+  const guessed = { status: 'unplaced', limits: [{ kind: 'not_georeferenced', count: 0, of: 0 }, { kind: 'scale_guessed', count: 0, of: 0 }] };
+  assert.equal(isScaleKnown(qualityWith(guessed)), false);
+  assert.equal(resultWords(report(guessed, { is_placed: false })).sentences.length, 2);
+  assert.match(resultWords(report({ status: 'unplaced', limits: [{ kind: 'not_georeferenced', count: 0, of: 0 }] }, { is_placed: false })).sentences.join(' '), /Scale and north are known/);
+});
+
+// tests/core/pipeline/map_quality_test.cc holds the other programs' words to the same file.
+test('an accuracy has the digits that every surface gives it', () => {
+  for (const [metres, text] of JSON.parse(readFileSync(new URL('support/accuracy_texts.json', import.meta.url), 'utf8'))) assert.equal(formatError(metres), text.replace(' ', '\u00a0'), String(metres));
 });
 
 test('times of capture are those of the place, with their zone where it is known', () => {

@@ -49,7 +49,8 @@ struct ControlReport {
   std::string name;
   int sightings = 0;  // in photos of this flight
   bool is_used = false;
-  std::string reason;  // why it is not used
+  bool is_check = false;  // compared with the finished map alone
+  std::string reason;     // why it is not used
   double miss_east_m = 0.0, miss_north_m = 0.0, miss_up_m = 0.0;
   double residual_px = 0.0;
   std::optional<ControlPrediction> left_out;  // nothing: too few points, or not asked

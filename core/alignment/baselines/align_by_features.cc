@@ -193,7 +193,6 @@ Result<AlignedFlight> AlignByFeatures(const poses::PosedFlight& posed, const fli
          .links = chained.links,
          .observations = chained.inliers,
          .residual_rms_px = chained.inliers > 0 ? std::sqrt(chained.square_px / chained.inliers) : 0.0,
-         .error_radius_m = photo.error_radius_m,
          .faults = {}});
     square_px += chained.square_px;
     report.observations += chained.inliers;

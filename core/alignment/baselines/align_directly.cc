@@ -87,7 +87,6 @@ Result<AlignedFlight> AlignDirectly(const poses::PosedFlight& posed, const fligh
     told.placement = photo.placement;
     told.reason = photo.placement_reason;
     told.links = told.observations = support[i].ties;
-    told.error_radius_m = photo.error_radius_m;
     report.observations += support[i].ties;
     report.photo_reports.push_back(std::move(told));
   }

@@ -303,7 +303,6 @@ AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
                     AxisOnGround(before.cam_from_enu, posed.ground_z_in_enu_m))
                        .norm();
     told.turned_deg = geo::RadToDeg(TurnAgainst(photo.cam_from_enu, before.cam_from_enu).norm());
-    told.error_radius_m = photo.error_radius_m;
     told.faults = Faults(corrected[i], doubt);
     report.aligned += photo.placement == Placement::kAligned ? 1 : 0;
     flight.photos.push_back(std::move(photo));

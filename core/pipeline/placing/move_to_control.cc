@@ -86,6 +86,8 @@ alignment::Similarity3 InSpace(const GroundSimilarity& move, double ground_z_m) 
 std::optional<FlightFacts> MoveToControl(const FlightFacts& known,
                                          const std::vector<flight::GcpList>& lists) {
   const std::vector<alignment::ControlPoint> control = ControlPointsOf(lists);
+  // Points that only check the map leave it where it is.
+  if (control.empty() && !CheckPointsOf(lists).empty()) return known;
   if (control.empty() || control.size() > kMaxPoints || known.flight.photos.empty()) return std::nullopt;
   const double gsd_m = MedianGsdM(known);
   std::vector<alignment::ControlReport> reports;

@@ -274,6 +274,7 @@ Result<FlightFacts> PlaceKnown(const FlightFacts& known, const PlaceRequest& req
                                           : !request.pairs.empty() ? PlaceByPairs(known, request.pairs)
                                                                    : PlaceByControl(known, request.control));
   placed.is_placed = true;
+  placed.is_by_hand = request.control.empty();
   placed.poses_report.is_placed = true;
   poses::EraseUnplacedWords(placed.flight.warnings);
   return placed;

@@ -17,7 +17,7 @@ using Cbor = nlohmann::json;
 
 // Raised whenever the meaning or a name changes (those of report_fields.h too), or alignment so much that a
 // flight should be aligned anew.
-constexpr int kVersion = 7;
+constexpr int kVersion = 8;
 
 Cbor OfExposure(const render::KnownExposure& exposure) {
   const render::HotSpot& spot = exposure.light.directions.hot_spot;
@@ -201,6 +201,7 @@ FlightFacts Parse(std::string_view bytes) {
   facts.height_rule = json.at("height_rule");
   facts.is_placed = json.at("is_placed");
   facts.is_by_images = json.at("is_by_images");
+  facts.is_by_hand = json.at("is_by_hand");
   const Cbor& align_report = json.at("alignment");
   if (align_report != "") facts.align_report = OfReportText<alignment::AlignReport>(align_report);
   facts.ground_report = OfReportText<ground::ModelGroundReport>(json.at("ground"));
@@ -273,6 +274,7 @@ std::string WriteFacts(const FlightFacts& facts) {
   json["height_rule"] = facts.height_rule;
   json["is_placed"] = facts.is_placed;
   json["is_by_images"] = facts.is_by_images;
+  json["is_by_hand"] = facts.is_by_hand;
   json["alignment"] = facts.align_report ? ReportText(*facts.align_report) : "";
   json["ground"] = ReportText(facts.ground_report);
   json["poses"] = ReportText(facts.poses_report);

@@ -48,6 +48,7 @@ struct FlightFacts {
   std::string height_rule;
   bool is_placed = true;
   bool is_by_images = false;  // some photos were placed by what they show, against or without their records
+  bool is_by_hand = false;    // somebody said where it lies; no position or surveyed point does
   poses::PoseReport poses_report;
   ground::ModelGroundReport ground_report;
   std::optional<alignment::AlignReport> align_report;  // nothing where photos lie by their poses alone

@@ -101,6 +101,7 @@ std::string ReportJson(const MosaicReport& report) {
   json["blocks"] = {{"total", report.blocks}, {"kept", report.blocks_kept}};
   json["height_rule"] = report.height_rule;
   json["is_placed"] = report.is_placed;
+  json["quality"] = Json::parse(QualityJson(report.quality));
   json["timings"] = timings;
   json["peak_memory_bytes"] = report.peak_memory_bytes;
   json["warnings"] = report.warnings;
@@ -112,7 +113,8 @@ std::string ReportJson(const MosaicReport& report) {
   return Printed(json);
 }
 
-std::string PhotosGeoJson(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground) {
+std::string PhotosGeoJson(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground,
+                          const AbsoluteAccuracy& absolute) {
   Json features = Json::array();
   for (const alignment::AlignedPhoto& photo : flight.photos) {
     const Eigen::Vector3d camera_in_enu = photo.cam_from_enu.TargetOriginInSource();
@@ -123,7 +125,9 @@ std::string PhotosGeoJson(const alignment::AlignedFlight& flight, const ground::
     properties["name"] = photo.photo.name;
     properties["placement"] = alignment::PlacementName(photo.placement);
     properties["reason"] = photo.placement_reason;
-    properties["error_radius_m"] = Rounded(photo.error_radius_m, 3);
+    properties["error_radius_m"] = absolute.sigma_m || photo.placement == alignment::Placement::kPoseOnly
+                                       ? Json(Rounded(photo.error_radius_m, 3))
+                                       : Json(nullptr);
     properties["camera_lon"] = Rounded(camera.lon_deg, 9);
     properties["camera_lat"] = Rounded(camera.lat_deg, 9);
     properties["camera_height_above_ground_m"] =

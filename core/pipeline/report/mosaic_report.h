@@ -15,6 +15,7 @@
 #include "core/ground/ground_surface.h"
 #include "core/ground/model_ground_report.h"
 #include "core/pipeline/report/capture_span.h"
+#include "core/pipeline/report/map_quality.h"
 #include "core/poses/pose_report.h"
 #include "core/render/seams/seam_shift.h"
 
@@ -45,6 +46,7 @@ struct MosaicReport {
   std::int64_t blocks_kept = 0;  // of those, taken over from an earlier run
   std::string height_rule;
   bool is_placed = true;  // false: nothing says where on Earth the flight was; scale and north are right
+  MapQuality quality;
   std::vector<StageTiming> timings;
   std::int64_t peak_memory_bytes = 0;
   std::vector<std::string> warnings;
@@ -56,7 +58,9 @@ struct MosaicReport {
 };
 
 std::string ReportJson(const MosaicReport& report);
-// A FeatureCollection with one footprint polygon a photo, on the modelled ground.
-std::string PhotosGeoJson(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground);
+// A FeatureCollection with one footprint polygon a photo, on the modelled ground. Where nothing supports the
+// map's place (`absolute` without a number), nothing is said of how far off aligned photos are.
+std::string PhotosGeoJson(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground,
+                          const AbsoluteAccuracy& absolute);
 
 }  // namespace skyquilt::pipeline

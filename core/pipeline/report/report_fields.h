@@ -38,8 +38,8 @@ void VisitFields(Report& report, Visit& visit) {
   visit("photos_by_records", report.photos_by_records);
   visit("knots", report.knots);
   visit("iterations", report.iterations);
-  visit("median_error_radius_m", report.median_error_radius_m);
-  visit("largest_error_radius_m", report.largest_error_radius_m);
+  visit("log_position_sigma_m", report.log_position_sigma_m);
+  visit.OneOf("log_positions", report.log_is_corrected, "corrected", "plain");
 }
 
 template <IsA<ground::ModelGroundReport> Report, typename Visit>
@@ -111,7 +111,6 @@ void VisitFields(Photo& photo, Visit& visit) {
   visit("residual_rms_px", photo.residual_rms_px);
   visit("moved_m", photo.moved_m);
   visit("turned_deg", photo.turned_deg);
-  visit("error_radius_m", photo.error_radius_m);
   VisitPlacedBy(photo.is_by_images, visit);
   visit("faults", photo.faults);
 }
@@ -152,6 +151,7 @@ void VisitFields(Point& point, Visit& visit) {
   visit("name", point.name);
   visit("sightings", point.sightings);
   visit("is_used", point.is_used);
+  visit("is_check", point.is_check);
   visit("reason", point.reason);
   visit("miss_east_m", point.miss_east_m);
   visit("miss_north_m", point.miss_north_m);

@@ -116,9 +116,7 @@ std::string VerdictText(const FlightVerdict& v) {
     text += fmt::format(
         "Ground      {:.2f} ha at {:.1f} cm a pixel, {:.0f} % forward overlap, {:.1f} photos a point\n",
         v.area_m2 / 1e4, 100.0 * v.gsd_m, 100.0 * v.forward_overlap, v.mean_photos_per_point);
-    text +=
-        fmt::format("Error       about {:.1f} m (1 sigma) by the recorded poses alone, before alignment\n",
-                    v.expected_error_m);
+    text += fmt::format("Accuracy    {}, as foretold by the records\n", AbsoluteInWords(v.quality));
     text += fmt::format("Map         {:.0f} megapixels, finest zoom {} with tiles of {} px\n",
                         v.output_megapixels, v.max_zoom, v.tile_size_px);
     text += fmt::format("Cost        about {:.0f} s and {:.0f} MiB of memory on this machine\n",
@@ -159,7 +157,7 @@ std::string VerdictJson(const FlightVerdict& v) {
                                     {"area_m2", v.area_m2},
                                     {"forward_overlap", v.forward_overlap},
                                     {"mean_photos_per_point", v.mean_photos_per_point},
-                                    {"expected_error_m", v.expected_error_m},
+                                    {"quality", nlohmann::ordered_json::parse(QualityJson(v.quality))},
                                     {"max_zoom", v.max_zoom},
                                     {"tile_size_px", v.tile_size_px},
                                     {"output_megapixels", v.output_megapixels},

@@ -60,10 +60,17 @@ void PrintOutcome(const pipeline::MosaicReport& report, const std::filesystem::p
   for (const std::string& line : flight::LeftOutInLines(report.left_out_photos))
     fmt::print("  left out: {}\n", Printable(line));
   for (const std::string& warning : report.warnings) fmt::print("  note: {}\n", Printable(warning));
-  if (!report.is_placed)
-    fmt::print("  not placed: the map is whole, but nothing says where on Earth it lies\n");
-  fmt::print("{:.2f} ha at {:.1f} cm a pixel, zoom {} to {}, {} tiles\n", report.area_m2 / 1e4,
-             report.gsd_m * 100.0, report.min_zoom, report.max_zoom, report.tile_count);
+  for (const pipeline::MapLimit& limit : report.quality.limits)
+    fmt::print("  limit: {}\n", pipeline::LimitInWords(limit));
+  if (report.quality.IsLimitedBy(pipeline::LimitKind::kScaleGuessed)) {
+    fmt::print("size unknown, zoom {} to {}, {} tiles\n", report.min_zoom, report.max_zoom,
+               report.tile_count);
+  } else {
+    fmt::print("{:.2f} ha at {:.1f} cm a pixel, zoom {} to {}, {} tiles\n", report.area_m2 / 1e4,
+               report.gsd_m * 100.0, report.min_zoom, report.max_zoom, report.tile_count);
+  }
+  fmt::print("{}. Absolute accuracy: {}. Relative: {}.\n", pipeline::StatusInWords(report.quality.status),
+             pipeline::AbsoluteInWords(report.quality), pipeline::RelativeInWords(report.quality));
   fmt::print("{}\n", (out_dir / "mosaic.mbtiles").string());
 }
 

@@ -16,6 +16,7 @@ extern const std::string_view kPostgres16To17;     // storage/db/postgres/schema
 extern const std::string_view kPostgres17To18;     // storage/db/postgres/schema_18_postgres.sql
 extern const std::string_view kPostgres18To19;     // storage/db/postgres/schema_19_postgres.sql
 extern const std::string_view kPostgres19To20;     // storage/db/postgres/schema_20_postgres.sql
+extern const std::string_view kPostgres20To21;     // storage/db/postgres/schema_21_postgres.sql
 
 namespace {
 
@@ -64,7 +65,7 @@ Result<void> PreparePostgres(PostgresDb& db, const CataloguePlace& place, bool m
   }
   SKYQUILT_TRY_ASSIGN(const int version, PostgresVersion(db));
   if (version == kSchemaVersion) return {};
-  if (version >= 16 && version <= 19) {
+  if (version >= 16 && version <= 20) {
     if (version == 16) {
       SKYQUILT_TRY(db.Exec(std::string(kPostgres16To17)));
     }
@@ -74,7 +75,10 @@ Result<void> PreparePostgres(PostgresDb& db, const CataloguePlace& place, bool m
     if (version <= 18) {
       SKYQUILT_TRY(db.Exec(std::string(kPostgres18To19)));
     }
-    SKYQUILT_TRY(db.Exec(std::string(kPostgres19To20)));
+    if (version <= 19) {
+      SKYQUILT_TRY(db.Exec(std::string(kPostgres19To20)));
+    }
+    SKYQUILT_TRY(db.Exec(std::string(kPostgres20To21)));
     SKYQUILT_TRY(db.Exec(fmt::format("UPDATE catalogue_version SET version={}", kSchemaVersion)));
     return transaction.Commit();
   }
@@ -92,6 +96,7 @@ Result<void> PreparePostgres(PostgresDb& db, const CataloguePlace& place, bool m
   SKYQUILT_TRY(db.Exec(std::string(kPostgres17To18)));
   SKYQUILT_TRY(db.Exec(std::string(kPostgres18To19)));
   SKYQUILT_TRY(db.Exec(std::string(kPostgres19To20)));
+  SKYQUILT_TRY(db.Exec(std::string(kPostgres20To21)));
   SKYQUILT_TRY(db.Exec(std::string(kPostgresFunctions)));
   SKYQUILT_TRY(db.Exec(fmt::format("INSERT INTO catalogue_version VALUES(1, {}, pg_postmaster_start_time())",
                                    kSchemaVersion)));

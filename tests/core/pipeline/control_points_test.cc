@@ -55,6 +55,26 @@ TEST(ControlPoints, ThatNoPhotoIsMarkedWithAreLeftOut) {
   EXPECT_EQ(points[0].name, "b");
 }
 
+TEST(ControlPoints, WhoseNamesEndInCheckPlaceNothing) {
+  const std::vector<flight::GcpList> lists{
+      Read("EPSG:4326\n7.1 46.8 500 100 200 A.JPG a\n7.2 46.8 500 100 200 A.JPG b_Check\n"
+           "7.3 46.8 500 100 200 A.JPG c check\n7.4 46.8 500 100 200 A.JPG checkerboard\n")};
+  ASSERT_EQ(ControlPointsOf(lists).size(), 2u);
+  EXPECT_EQ(ControlPointsOf(lists)[1].name, "checkerboard");
+  ASSERT_EQ(CheckPointsOf(lists).size(), 2u);
+  EXPECT_EQ(CheckPointsOf(lists)[0].name, "b_Check");
+  EXPECT_EQ(CheckPointsOf(lists)[1].name, "c_check");
+}
+
+TEST(ControlPoints, MayBeNamedCheckPointsByAColumn) {
+  const std::vector<flight::GcpList> lists{
+      Read("EPSG:4326\nlon,lat,z,px,py,image,name,check\n7.1,46.8,500,100,200,A.JPG,a,yes\n"
+           "7.2,46.8,500,100,200,A.JPG,b,0\n7.3,46.8,500,100,200,A.JPG,c,\n")};
+  EXPECT_EQ(ControlPointsOf(lists).size(), 2u);
+  ASSERT_EQ(CheckPointsOf(lists).size(), 1u);
+  EXPECT_EQ(CheckPointsOf(lists)[0].name, "a_check");
+}
+
 TEST(ControlPoints, OfNoListAreNone) { EXPECT_TRUE(ControlPointsOf({}).empty()); }
 
 }  // namespace

@@ -26,8 +26,8 @@ inline poses::PoseReport FullPoseReport() {
   report.photos_by_records = 3;
   report.knots = std::numeric_limits<int>::max();
   report.iterations = 5;
-  report.median_error_radius_m = 0.1;
-  report.largest_error_radius_m = 1.0 / 7.0;
+  report.log_position_sigma_m = 1.0 / 7.0;
+  report.log_is_corrected = true;
   return report;
 }
 
@@ -60,7 +60,6 @@ inline alignment::AlignPhotoReport FullPhotoReport() {
   photo.residual_rms_px = 0.6;
   photo.moved_m = 1.0 / 3.0;
   photo.turned_deg = -2.5;
-  photo.error_radius_m = 0.07;
   photo.is_by_images = true;
   photo.faults = {alignment::kAllPhotoFaults.begin(), alignment::kAllPhotoFaults.end()};
   return photo;
@@ -108,8 +107,17 @@ inline alignment::AlignReport FullAlignReport() {
   report.rejected_pairs = {FullPairReport()};
   report.rejected_pairs[0].rms_px = 0.0;  // which is of pairs in use alone, as is the next
   report.rejected_pairs[0].is_by_direct = false;
-  report.control = {
-      {"point1", 3, true, "lies off", 0.1, -0.2, 0.3, 1.5, alignment::ControlPrediction{0.4, -0.5, 0.6}, {}}};
+  report.control = {{"point1",
+                     3,
+                     true,
+                     true,
+                     "lies off",
+                     0.1,
+                     -0.2,
+                     0.3,
+                     1.5,
+                     alignment::ControlPrediction{0.4, -0.5, 0.6},
+                     {}}};
   report.position_bias_m = {0.1, -0.2, 0.3};
   report.corrections = {"DJI_1.JPG was stored turned"};
   report.second_leg.why = "positions doubted";

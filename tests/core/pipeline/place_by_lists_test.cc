@@ -118,5 +118,23 @@ TEST(TellMarks, SaysHowFarEachMarkLiesOffAndWhichIsContradicted) {
   EXPECT_TRUE(nowhere.align_report->control[0].marks.empty());
 }
 
+TEST(TellMarks, ComparesCheckPointsWithTheMapWhichTheyDoNotMove) {
+  const Shifted flight;
+  std::vector<flight::GcpList> lists = flight.Survey(5, {0.5, 0.0, 0.0});
+  lists[0].points[0].name = "point0_check";
+  Result<FlightFacts> placed = PlaceByLists(flight.known, lists);
+  ASSERT_TRUE(placed);
+  EXPECT_LT(flight.WorstCameraM(*placed), 0.05);
+  for (int again = 0; again < 2; ++again) {
+    TellMarks(lists, *placed);
+    const auto& told = placed->align_report->control;
+    ASSERT_EQ(told.size(), 5u);
+    EXPECT_TRUE(told.back().is_check);
+    EXPECT_NEAR(told.back().miss_east_m, -0.5, 0.05);
+    EXPECT_GE(told.back().marks.size(), 2u);
+    EXPECT_FALSE(told.front().is_check);
+  }
+}
+
 }  // namespace
 }  // namespace skyquilt::pipeline

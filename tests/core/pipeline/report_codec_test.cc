@@ -85,7 +85,7 @@ TEST(ReportCodec, KeepsTheNamesThatFilesHave) {
       R"("flight.bin: angles"],"series":["gnss"],"time_match":"by events","time_offset_s":-0.3333333333333333,)"
       R"("time_sigma_s":1e-09,"camera_ahead_of_utc_s":7200.25,"convention":"gimbal",)"
       R"("height_rule":"barometer","photos_by_log":17,"photos_by_records":3,"knots":2147483647,)"
-      R"("iterations":5,"median_error_radius_m":0.1,"largest_error_radius_m":0.14285714285714285})");
+      R"("iterations":5,"log_position_sigma_m":0.14285714285714285,"log_positions":"corrected"})");
   EXPECT_EQ(JsonOf<Json>(FullGroundReport()).dump(),
             R"({"model":"grid","reason":"held-back points lie nearer","points_given":900,)"
             R"("points_used":870,"plane_error_m":0.3333333333333333,"grid_error_m":0.05,)"
@@ -107,13 +107,13 @@ TEST(ReportCodec, KeepsTheNamesThatFilesHave) {
       R"("k3":0.3,"p1":0.0001,"p2":-0.0002},"sigma_focal_px":0.4,"focal_is_held":false}],)"
       R"("photo_reports":[{"name":"DJI_1.JPG","placement":"aligned","reason":"moved",)"
       R"("features":4000,"links":6,"observations":321,"residual_rms_px":0.6,"moved_m":0.3333333333333333,)"
-      R"("turned_deg":-2.5,"error_radius_m":0.07,"placed_by":"images","faults":["position_wrong",)"
+      R"("turned_deg":-2.5,"placed_by":"images","faults":["position_wrong",)"
       R"("yaw_wrong","stored_turned","copy","blurred","other_place","far_away"]}],)"
       R"("pairs":[{"first":"DJI_1.JPG","second":"DJI_2.JPG","matches":88,"rms_m":0.02,)"
       R"("rms_px":0.9,"by_direct":true},{"first":"DJI_1.JPG","second":"DJI_2.JPG",)"
       R"("matches":88,"rms_m":0.02,"rms_px":0.9,"by_direct":true}],"rejected_pairs":[{"first":"DJI_1.JPG",)"
       R"("second":"DJI_2.JPG","matches":88,"rms_m":0.02}],"ground_control":[{"name":"point1",)"
-      R"("sightings":3,"is_used":true,"reason":"lies off","miss_east_m":0.1,"miss_north_m":-0.2,)"
+      R"("sightings":3,"is_used":true,"is_check":true,"reason":"lies off","miss_east_m":0.1,"miss_north_m":-0.2,)"
       R"("miss_up_m":0.3,"residual_px":1.5,"left_out":{"miss_east_m":0.4,"miss_north_m":-0.5,"miss_up_m":0.6}}],"position_bias_m":[0.1,-0.2,0.3],"placed_by":"images",)"
       R"("second_leg":{"why":"positions doubted","outcome":"taken","is_taken":true,)"
       R"("registered":18,"groups":2,"pairs_compared":100,"pairs_verified":60,"pairs_refused":9,)"

@@ -62,6 +62,25 @@ export function photosGeoJson(place, names) {
   return { type: 'FeatureCollection', features };
 }
 
+/** As core/pipeline/report/judge_map.cc has it. @param {number} total @param {number} pose_only @param {number} left_out */
+function qualityOf(total, pose_only, left_out) {
+  const limits = [];
+  if (left_out > 0) limits.push({ kind: 'left_out', count: left_out, of: total + left_out });
+  if (pose_only > 0) limits.push({ kind: 'pose_only', count: pose_only, of: total });
+  const of_photos = { status: limits.length > 0 ? 'limited' : 'ready', limits };
+  if (total === 0) return { ...of_photos, absolute: { sigma_m: null, by: 'none', count: 0 }, relative: { error_m: null, error_px: null, by: 'none', count: 0 } };
+  return { ...of_photos, absolute: { sigma_m: 2.3, by: 'gnss', count: total - pose_only }, relative: { error_m: 0.012, error_px: 0.7, by: 'seams', count: 31 } };
+}
+
+/** Of a map that nothing places. @param {any} quality */
+export const unplacedQuality = (quality) => ({
+  ...quality,
+  status: 'unplaced',
+  absolute: { sigma_m: null, by: 'none', count: 0 },
+  relative: { ...quality.relative, error_m: null },
+  limits: [{ kind: 'not_georeferenced', count: 0, of: 0 }, { kind: 'scale_guessed', count: 0, of: 0 }, ...quality.limits],
+});
+
 /** @param {Place} place @param {string[]} names @param {number} max_zoom @param {boolean} [is_whole] */
 export function reportOf(place, names, max_zoom, is_whole = false) {
   const total = names.length;
@@ -70,6 +89,7 @@ export function reportOf(place, names, max_zoom, is_whole = false) {
   return {
     photos: { total: total + left_out.length, aligned: total - pose_only, pose_only, left_out: left_out.length },
     left_out_photos: left_out,
+    quality: qualityOf(total, pose_only, left_out.length),
     gsd_m: 0.0173,
     area_m2: (place.half_m * 2) ** 2 * 0.55,
     bounds: boundsOf(place),

@@ -10,7 +10,7 @@ import { setTimeout as delay } from 'node:timers/promises';
 import { fileURLToPath } from 'node:url';
 import { gzipSync } from 'node:zlib';
 import { tilePosition } from '../../../web/src/map/tile_addresses.js';
-import { boundsOf, moveByPairs, photosGeoJson, reportOf } from './mock_flight.js';
+import { boundsOf, moveByPairs, photosGeoJson, reportOf, unplacedQuality } from './mock_flight.js';
 import { answerExports } from './mock_exports.js';
 import { heightsOf } from './mock_heights.js';
 import { answerIndices, index_facts, indexTile } from './mock_indices.js';
@@ -108,6 +108,8 @@ export async function startMockServer(options = {}) {
     return rest;
   }
 
+  const mapQuality = (flight, report) => (options.is_unplaced && !flight.is_placed ? unplacedQuality(report.quality) : report.quality);
+
   function flightJson(flight) {
     const job = jobJson(flight.job);
     const names = [...flight.files.keys()];
@@ -120,7 +122,7 @@ export async function startMockServer(options = {}) {
       id: flight.id, name: flight.name, state, created_at: flight.created_at, file_count: names.length,
       bytes: [...flight.files.values()].reduce((a, b) => a + b, 0), revision: flight.revision, job,
       bounds: report?.bounds ?? null, georeferenced: report ? report.bounds.some((/** @type {number} */ degrees) => Math.abs(degrees) >= 0.1) : null, min_zoom: report?.min_zoom ?? null, max_zoom: report?.max_zoom ?? null,
-      photos: report?.photos ?? null, captured: flight.ready ? flight.captured : null, gsd_m: report?.gsd_m ?? null,
+      photos: report?.photos ?? null, captured: flight.ready ? flight.captured : null, gsd_m: report?.gsd_m ?? null, quality: report ? mapQuality(flight, report) : null,
       tilejson: flight.ready ? `/tiles/${flight.id}.json` : null, preview: null, error: flight.error, tags: flight.tags, keep: flight.keep, may_change: flight.may_change ?? options.scope !== 'read',
     };
   }
@@ -290,7 +292,7 @@ export async function startMockServer(options = {}) {
       if (!flight.ready) return problem(404, 'No map yet', 'The map of this flight has not been made.');
       const of_indices = answerIndices(rest, url.searchParams);
       if (of_indices) return of_indices.detail ? problem(of_indices.status, 'Bad request', of_indices.detail) : send(of_indices.status, of_indices.body ?? null);
-      if (rest === '/report') return send(200, { ...reportOf(flight.place, names, max_zoom, options.is_whole), is_placed: !(options.is_unplaced && !flight.is_placed), alignment: { placed_by: options.is_unplaced ? 'images' : 'records' } });
+      if (rest === '/report') return send(200, { ...reportOf(flight.place, names, max_zoom, options.is_whole), quality: mapQuality(flight, reportOf(flight.place, names, max_zoom, options.is_whole)), is_placed: !(options.is_unplaced && !flight.is_placed), alignment: { placed_by: options.is_unplaced ? 'images' : 'records' } });
       if (rest === '/photos.geojson') return send(200, photosGeoJson(flight.place, names), 'application/geo+json');
       if (rest === '/thumbnail.webp' || rest === '/thumbnail.png') return send(200, countrysidePicture(flight.place, url.searchParams.get('size') === '1024' ? 1000 : 160), 'image/png');
       if (rest.startsWith('/download.')) return send(200, Buffer.from('mock'), 'application/octet-stream');

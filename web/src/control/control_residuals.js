@@ -22,7 +22,7 @@ export function residualsOf(report) {
   /** @type {ControlFigures[]} */
   const points = report?.alignment?.ground_control ?? [];
   const horizontal = (/** @type {ControlFigures} */ point) => Math.hypot(point.miss_east_m, point.miss_north_m);
-  const usual_m = median(points.filter(({ is_used }) => is_used).map(horizontal)) || 0;
+  const usual_m = median(points.filter(({ is_used, is_check }) => is_used && !is_check).map(horizontal)) || 0;
   const usual_px = median(points.flatMap(({ marks = [] }) => marks.filter(({ is_used }) => is_used).map(({ residual_px }) => residual_px))) || 0;
   return points.map((point) => ({
     name: point.name,

@@ -3,7 +3,7 @@
 import { announce } from '../shared/announce.js';
 import { formatCoordinates } from '../map/coordinates.js';
 import { h, put } from '../shared/dom.js';
-import { formatDate, formatLength } from '../shared/format.js';
+import { formatDate, formatError, formatLength } from '../shared/format.js';
 import { icon } from '../shared/icons.js';
 import { openPhotos } from './photo_viewer.js';
 import { fixed } from '../shared/language.js';
@@ -25,7 +25,7 @@ function facts(record, off_vertical_deg) {
   /** @type {[string, string][]} */
   const rows = [[words.placement, strings.placement[record.placement] ?? record.placement]];
   if (record.reason) rows.push([words.reason, record.reason]);
-  if (known(record.error_radius_m)) rows.push([words.error, `± ${formatLength(Number(record.error_radius_m))}`]);
+  if (known(record.error_radius_m)) rows.push([words.error, `± ${formatError(Number(record.error_radius_m))}`]);
   if (off_vertical_deg !== null) rows.push([words.view, words.off_vertical(off_vertical_deg)]);
   if (record.captured_at) rows.push([words.captured, formatDate(record.captured_at, { with_time: true }) || record.captured_at]);
   rows.push([words.position, formatCoordinates(record.camera_lon, record.camera_lat, 'decimal')]);

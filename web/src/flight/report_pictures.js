@@ -1,7 +1,7 @@
 // The report as pictures: how many photos see each spot, how far the photos may be off, where the time went.
 /** @import { PhotoCollection, PhotoRecord, Report } from '../shared/types.js' */
 import { h, svg } from '../shared/dom.js';
-import { formatDuration, formatLength } from '../shared/format.js';
+import { formatDuration, formatError, formatLength } from '../shared/format.js';
 import { isInside } from '../map/geodesy.js';
 import { stageName } from './job_view.js';
 import { number } from '../shared/language.js';
@@ -98,7 +98,7 @@ export function errorPicture(photos) {
   if (radii.length < 2) return null;
   const bars = histogram(radii, 10);
   const most = Math.max(...bars.map(({ count }) => count));
-  const text = strings.report.errors_text(formatLength(radii[Math.floor((radii.length - 1) / 2)]), formatLength(radii[radii.length - 1]));
+  const text = strings.report.errors_text(formatError(radii[Math.floor((radii.length - 1) / 2)]), formatError(radii[radii.length - 1]));
   const chart = svg('svg', { class: 'histogram', viewBox: '0 0 200 66', role: 'img', 'aria-label': text });
   bars.forEach(({ from, to, count }, i) => {
     const height = (count / most) * 48;

@@ -8,6 +8,7 @@ import { coveragePicture, errorPicture, timingPicture } from './report_pictures.
 import { number } from '../shared/language.js';
 import { strings } from '../shared/flight_strings.js';
 import { areaIn, chosenUnits, units_chosen } from '../shared/units.js';
+import { absoluteWords, isScaleKnown, relativeWords } from './quality_words.js';
 import { resultView } from './result_verdict.js';
 import { glanceAtPhoto } from '../upload/exif_reader.js';
 import { lastOptions, optionWords } from './options_dialog.js';
@@ -106,6 +107,7 @@ export function reportView(flight, report, photos, change) {
   const words = strings.report;
   const left_out = report.left_out_photos ?? [];
   const { of_flight, of_photos } = sortedWarnings(report.warnings ?? [], photos);
+  const is_scale_known = isScaleKnown(report.quality);
   const placed = report.photos.aligned + report.photos.pose_only;
   return h(
     'section',
@@ -121,15 +123,17 @@ export function reportView(flight, report, photos, change) {
         iconButton('print', words.print, () => print()),
       ),
     ),
-    resultView(report, photos),
+    resultView(report),
     place && report.is_placed === false &&
       h('button', { type: 'button', class: 'button primary place-button no-print', id: 'flight-place', on: { click: (/** @type {Event} */ event) => place(/** @type {HTMLElement} */ (event.currentTarget)) } }, icon('move'), strings.place.place),
     h(
       'dl',
       { class: 'facts' },
       flight.captured && fact(words.taken, formatCaptureTime(flight.captured)),
-      areaFact(report.area_m2),
-      fact(words.gsd, formatGsd(report.gsd_m)),
+      is_scale_known ? areaFact(report.area_m2) : fact(words.area, words.no_scale),
+      fact(words.gsd, is_scale_known ? formatGsd(report.gsd_m) : words.no_scale),
+      report.quality && fact(words.absolute, absoluteWords(report.quality)),
+      report.quality && fact(words.relative, relativeWords(report.quality)),
       cameraFact(flight, photos),
       fact(words.photos, `${number(placed)} / ${number(report.photos.total)}`),
     ),

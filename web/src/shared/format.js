@@ -66,7 +66,7 @@ export const formatDistance = (metres) => (metres < 1000 ? `${fixed(metres, metr
  */
 export function formatError(metres) {
   const [value, unit] = metres < 1 ? [metres * 100, 'cm'] : [metres, 'm'];
-  return `${number(value, { maximumSignificantDigits: 2 })}\u00a0${unit}`;
+  return `${number(value, { maximumSignificantDigits: 2, useGrouping: false })}\u00a0${unit}`;
 }
 
 /**

@@ -45,6 +45,7 @@
  * @property {PhotoCounts|null} [photos]
  * @property {Captured|null} [captured] when the photos in the map were taken; null where that is not known
  * @property {number|null} [gsd_m]
+ * @property {MapQuality|null} [quality] null of maps of before it was known
  * @property {string[]} [tags]
  * @property {boolean} [keep] the server never puts it into the trash by itself
  * @property {string|null} [tilejson]
@@ -133,6 +134,17 @@
  * @typedef {{edition: number, photos: number, bounds: Bounds, tilejson: string}} Preview
  */
 
+/** @typedef {{kind: 'not_georeferenced'|'scale_guessed'|'few_positions'|'far_off'|'placed_by_hand'|'left_out'|'none_aligned'|'pose_only', count: number, of: number}} MapLimit */
+
+/**
+ * How true a map is and whether it is fit for use.
+ * @typedef {object} MapQuality
+ * @property {'ready'|'limited'|'doubtful'|'unplaced'} status
+ * @property {{sigma_m: number|null, by: 'none'|'hand'|'gnss'|'rtk'|'control_points'|'check_points', count: number}} absolute where it lies
+ * @property {{error_m: number|null, error_px: number|null, by: 'none'|'tie_points'|'seams', count: number}} relative how well it fits itself
+ * @property {MapLimit[]} limits the weightiest first
+ */
+
 /**
  * @typedef {object} Report
  * @property {PhotoCounts} photos
@@ -146,6 +158,7 @@
  * @property {number} peak_memory_bytes
  * @property {string[]} warnings
  * @property {boolean} [is_placed] false: nothing says where on Earth the flight was
+ * @property {MapQuality} [quality]
  * @property {{placed_by?: 'images'|'records', ground_control?: ControlFigures[]}|null} [alignment]
  */
 
@@ -160,6 +173,7 @@
  * @property {number} miss_north_m
  * @property {number} miss_up_m
  * @property {number} residual_px
+ * @property {boolean} [is_check] compared with the finished map, which it does not place
  * @property {{miss_east_m: number, miss_north_m: number, miss_up_m: number}} [left_out] where a map placed by the other points alone puts it
  * @property {{photo: string, residual_px: number, residual_m: number, is_used: boolean}[]} [marks]
  */

@@ -23,6 +23,8 @@ constexpr std::size_t kMaxSightings = 100'000;
 constexpr std::size_t kMaxGcpPoints = 100'000;
 constexpr std::size_t kMinFlatPoints = 3;
 constexpr std::size_t kMaxGcpWarnings = 100;
+constexpr std::string_view kCheckEnding = "check";
+constexpr std::string_view kMarkOfCheck = "_check";
 
 // x y z px py image: five numbers, then a name.
 bool IsSighting(const std::vector<std::string_view>& words) {
@@ -44,6 +46,33 @@ bool HasPixelColumns(const std::vector<std::string_view>& columns) {
   });
 }
 
+// The number of the column that says which points are only to check the map; past all columns where none
+// does.
+std::size_t CheckColumn(const std::vector<std::string_view>& columns) {
+  std::size_t number = 0;
+  while (number < columns.size() && LowerCase(Trim(columns[number])) != kCheckEnding) ++number;
+  return columns.empty() ? std::string_view::npos : number;
+}
+
+bool SaysYes(std::string_view word) {
+  const std::string lower = LowerCase(Trim(word));
+  return lower == "1" || lower == "yes" || lower == "true" || lower == "x" || lower == kCheckEnding;
+}
+
+// As written, else by its number; a word after it, or a column, may say that it is to check the map.
+std::string NameOfPoint(const std::vector<std::string_view>& words, std::size_t check_column,
+                        std::size_t number) {
+  constexpr std::size_t kNameColumn = 6;
+  const bool has_name =
+      words.size() > kNameColumn && !words[kNameColumn].empty() && check_column != kNameColumn;
+  std::string name = has_name
+                         ? std::string(words[kNameColumn].substr(0, kMaxNameLength - kMarkOfCheck.size()))
+                         : fmt::format("gcp{}", number);
+  const bool is_said = (check_column < words.size() && SaysYes(words[check_column])) ||
+                       (words.size() == kNameColumn + 2 && LowerCase(words.back()) == kCheckEnding);
+  return is_said && !IsCheckPoint(name) ? name + std::string(kMarkOfCheck) : name;
+}
+
 // A column has to stand there, and who surveyed no heights fills it with zeros. Points that truly all lie at
 // zero lose nothing by it: the map's heights have a zero of their own.
 void DropHeightsThatAreFillers(GcpList& list) {
@@ -59,6 +88,8 @@ void DropHeightsThatAreFillers(GcpList& list) {
 }
 
 }  // namespace
+
+bool IsCheckPoint(std::string_view point_name) { return LowerCase(point_name).ends_with(kCheckEnding); }
 
 bool LooksLikeGcpList(LogBytes head) {
   if (!LooksLikeText(TextOf(head))) return false;
@@ -90,6 +121,7 @@ Result<GcpList> ParseWrittenGcpList(std::string_view name, LogBytes bytes) {
   auto order = OrderOfColumns(top->columns);
   if (!order) order = OrderOfLetters(top->row[0], top->row[1]);
   const bool is_north_first = order == NamedOrder::kNorthFirst;
+  const std::size_t check_column = CheckColumn(top->columns);
   GcpList list;
   list.file_name = name;
   list.reference_system = Trim(top->system);
@@ -116,8 +148,7 @@ Result<GcpList> ParseWrittenGcpList(std::string_view name, LogBytes bytes) {
     const auto [entry, is_new] = known.try_emplace({x, y, z.value_or(-1e9)}, list.points.size());
     if (is_new) {
       GcpPoint point;
-      point.name = words.size() > 6 && !words[6].empty() ? std::string(words[6].substr(0, kMaxNameLength))
-                                                         : fmt::format("gcp{}", list.points.size() + 1);
+      point.name = NameOfPoint(words, check_column, list.points.size() + 1);
       const auto position = srs ? srs->ToLatLon(x, y) : std::nullopt;
       point.has_position = position.has_value();
       if (position) point.position = *position;

@@ -17,6 +17,10 @@
 
 namespace skyquilt::flight {
 
+// A point whose name ends in "check", in any case, is compared with the finished map and places nothing. A
+// column "check" that says yes gives a name that ending.
+bool IsCheckPoint(std::string_view point_name);
+
 // Stands for the image of a point that is surveyed and not marked yet.
 inline constexpr std::string_view kNoImage = "-";
 

@@ -1,5 +1,5 @@
 // German: what the first view and every part of the page say.
-import { count, number } from '../../shared/language.js';
+import { count, number, plural } from '../../shared/language.js';
 
 const photos = { one: 'Foto', other: 'Fotos' };
 const files = { one: 'Datei', other: 'Dateien' };
@@ -81,10 +81,40 @@ export const page_words = {
     queued: 'Wartet',
     processing: 'In Verarbeitung',
     ready: 'Fertig',
-    ready_without: (n) => `Fertig, ohne ${count(n, photos)}`,
-    ready_unaligned: (n) => `Fertig, ${number(n)} nicht ausgerichtet`,
     failed: 'Fehlgeschlagen',
     uploading: 'Wird hochgeladen',
+  },
+  quality: {
+    statuses: { ready: 'Bereit zur Verwendung', limited: 'Eingeschränkt verwendbar', doubtful: 'Lage zweifelhaft', unplaced: 'Nicht georeferenziert' },
+    limits: {
+      not_georeferenced: () => 'Nichts sagt, wo auf der Erde die Karte liegt.',
+      scale_guessed: () => 'Maßstab und Nordrichtung sind geschätzt: Messen Sie auf dieser Karte erst, wenn sie platziert ist.',
+      few_positions: (n, all) => `Nur ${number(n)} von ${count(all, photos)} ${plural(n, { one: 'hat', other: 'haben' })} eine Position, die die Karte platziert: Sie kann anderswo liegen, verdreht und von anderer Größe sein.`,
+      far_off: () => 'Die aufgezeichneten Positionen sind ungenau oder widersprechen den Fotos: Die Karte kann weit von ihrer wahren Lage entfernt sein.',
+      placed_by_hand: () => 'Die Karte wurde von Hand platziert: Nichts sagt, wie weit sie daneben liegt.',
+      left_out: (n, all) => `${number(n)} von ${count(all, photos)} ${plural(n, { one: 'wurde', other: 'wurden' })} nicht verwendet: Dort kann die Karte Lücken haben.`,
+      none_aligned: () => 'Kein Foto ließ sich an einem anderen ausrichten. Die Fotos liegen an ihren aufgezeichneten Positionen, mit sichtbaren Übergängen.',
+      pose_only: (n) => `${count(n, { one: 'Foto ist', other: 'Fotos sind' })} nur nach der aufgezeichneten Lage platziert: Dort sind sichtbare Übergänge zu erwarten.`,
+    },
+    unknown: (why) => `unbekannt: ${why}`,
+    no_positions: 'keine Positionen',
+    by_hand: 'von Hand platziert',
+    few: (n, all) => `nur ${number(n)} von ${count(all, photos)} mit Position`,
+    no_ties: 'keine Fotos sind miteinander verknüpft',
+    absolute: (radius, by) => `${radius} (1\u03c3), nach ${by}`,
+    by: {
+      hand: () => 'Koppelung von einem angegebenen Ort aus',
+      gnss: (n) => count(n, { one: 'GNSS-Position', other: 'GNSS-Positionen' }),
+      rtk: (n) => count(n, { one: 'RTK- oder PPK-Position', other: 'RTK- oder PPK-Positionen' }),
+      control_points: (n) => count(n, { one: 'Passpunkt', other: 'Passpunkten' }),
+      check_points: (n) => count(n, { one: 'Kontrollpunkt', other: 'Kontrollpunkten' }),
+    },
+    relative: (error, by) => `${error}, ${by}`,
+    pixels: (value) => `${value}\u00a0px`,
+    seen: {
+      tie_points: (n) => `an ${count(n, { one: 'Verknüpfungspunkt', other: 'Verknüpfungspunkten' })}`,
+      seams: (n) => `an ${count(n, { one: 'Stelle', other: 'Stellen' })} entlang der Übergänge`,
+    },
   },
   drop: {
     drop_here: 'Dateien ablegen, um eine Karte zu erstellen',

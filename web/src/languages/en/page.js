@@ -3,7 +3,7 @@
 // Another language: copy this folder, translate it (plural and count take every form that Intl.PluralRules has for it),
 // name it in kLanguages of shared/language.js and in kFiles of shared/strings.js and shared/flight_strings.js.
 // tests/web/languages/words.test.js says what is missing.
-import { count, number } from '../../shared/language.js';
+import { count, number, plural } from '../../shared/language.js';
 
 export const page_words = {
   page: {
@@ -80,10 +80,40 @@ export const page_words = {
     queued: 'Waiting',
     processing: 'Processing',
     ready: 'Ready',
-    ready_without: (/** @type {number} */ n) => `Ready, ${number(n)} left out`,
-    ready_unaligned: (/** @type {number} */ n) => `Ready, ${number(n)} not aligned`,
     failed: 'Failed',
     uploading: 'Uploading',
+  },
+  quality: {
+    statuses: { ready: 'Ready to use', limited: 'Usable, with limits', doubtful: 'Place in doubt', unplaced: 'Not georeferenced' },
+    limits: {
+      not_georeferenced: () => 'Nothing says where on Earth the map lies.',
+      scale_guessed: () => 'Scale and north are guesses: do not measure on this map before you place it.',
+      few_positions: (/** @type {number} */ n, /** @type {number} */ all) => `Only ${number(n)} of ${count(all, { one: 'photo', other: 'photos' })} ${plural(n, { one: 'has', other: 'have' })} a position that places the map: it may lie elsewhere, turned and of another size.`,
+      far_off: () => 'The recorded positions are poor or contradict the photos: the map may be far from its true position.',
+      placed_by_hand: () => 'The map was placed by hand: nothing tells how far off it lies.',
+      left_out: (/** @type {number} */ n, /** @type {number} */ all) => `${number(n)} of ${count(all, { one: 'photo', other: 'photos' })} ${plural(n, { one: 'was', other: 'were' })} left out: the map may have gaps there.`,
+      none_aligned: () => 'No photo could be aligned with another. The photos lie at their recorded positions, with visible seams between them.',
+      pose_only: (/** @type {number} */ n) => `${count(n, { one: 'photo was', other: 'photos were' })} placed by ${plural(n, { one: 'its', other: 'their' })} recorded position only: expect visible seams there.`,
+    },
+    unknown: (/** @type {string} */ why) => `unknown: ${why}`,
+    no_positions: 'no positions',
+    by_hand: 'placed by hand',
+    few: (/** @type {number} */ n, /** @type {number} */ all) => `only ${number(n)} of ${count(all, { one: 'photo', other: 'photos' })} with a position`,
+    no_ties: 'no photos are tied to each other',
+    absolute: (/** @type {string} */ radius, /** @type {string} */ by) => `${radius} (1\u03c3), by ${by}`,
+    by: {
+      hand: () => 'reckoning from a given place',
+      gnss: (/** @type {number} */ n) => count(n, { one: 'GNSS position', other: 'GNSS positions' }),
+      rtk: (/** @type {number} */ n) => count(n, { one: 'RTK or PPK position', other: 'RTK or PPK positions' }),
+      control_points: (/** @type {number} */ n) => count(n, { one: 'control point', other: 'control points' }),
+      check_points: (/** @type {number} */ n) => count(n, { one: 'check point', other: 'check points' }),
+    },
+    relative: (/** @type {string} */ error, /** @type {string} */ by) => `${error}, ${by}`,
+    pixels: (/** @type {string} */ value) => `${value}\u00a0px`,
+    seen: {
+      tie_points: (/** @type {number} */ n) => `at ${count(n, { one: 'tie point', other: 'tie points' })}`,
+      seams: (/** @type {number} */ n) => `at ${count(n, { one: 'place', other: 'places' })} along seams`,
+    },
   },
   drop: {
     drop_here: 'Drop files to create a map',

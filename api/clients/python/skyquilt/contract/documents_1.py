@@ -95,6 +95,44 @@ class Job(TypedDict):
     options: JobOptions
 
 
+class MapQualityAbsolute(TypedDict):
+    """Where it lies on Earth."""
+    # Horizontal, one sigma: 68 % of the map's places lie within this many metres of the truth; null where nothing
+    # supports a number
+    sigma_m: Optional[float]
+    # What supports it
+    by: Literal['none', 'hand', 'gnss', 'rtk', 'control_points', 'check_points']
+    # Positions or points
+    count: int
+
+
+class MapQualityRelative(TypedDict):
+    """How well it fits itself."""
+    # Null where the scale is a guess too
+    error_m: Optional[float]
+    error_px: Optional[float]
+    by: Literal['none', 'tie_points', 'seams']
+    count: int
+
+
+class MapQualityLimitsItem(TypedDict):
+    kind: Literal['not_georeferenced', 'scale_guessed', 'few_positions', 'far_off', 'placed_by_hand', 'left_out', 'none_aligned', 'pose_only']
+    count: int
+    of: int
+
+
+class MapQuality(TypedDict):
+    """How true the map is and whether it is fit for use, as report.json has it under the same name."""
+    # ready; of use but for its limits; placed by so little that nobody should rely on where it lies; not
+    # georeferenced
+    status: Literal['ready', 'limited', 'doubtful', 'unplaced']
+    # Where it lies on Earth
+    absolute: MapQualityAbsolute
+    # How well it fits itself
+    relative: MapQualityRelative
+    limits: List[MapQualityLimitsItem]
+
+
 class FlightPhotos(TypedDict):
     total: int
     aligned: int
@@ -147,6 +185,7 @@ class FlightForSure(TypedDict):
     # no photo knows it, and for maps made before version 15 of the catalogue
     captured: Optional[FlightCaptured]
     gsd_m: Optional[float]
+    quality: Optional[MapQuality]
     tilejson: Optional[str]
     error: Optional[JobError]
     preview: Optional[Preview]
@@ -392,39 +431,3 @@ class MapStatisticsIndexPercentiles(TypedDict):
     p90: Optional[float]
     p95: Optional[float]
     p98: Optional[float]
-
-
-class MapStatisticsIndex(TypedDict):
-    """Of the index asked for."""
-    title: str
-    expression: str
-    # That have a value
-    pixels: int
-    min: Optional[float]
-    max: Optional[float]
-    mean: Optional[float]
-    std: Optional[float]
-    percentiles: MapStatisticsIndexPercentiles
-    # Pixels in 64 equal steps from min to max
-    histogram: List[int]
-
-
-class MapStatisticsForSure(TypedDict):
-    """What MapStatistics always has."""
-    revision: int
-    # Of the pixels that were counted: the finest at which they are at most 8 million
-    zoom: int
-    # Of such a pixel, on the ground
-    pixel_m: float
-    # Of the polygon, on the ellipsoid
-    area_m2: float
-    # Of the ground within it that the map shows
-    covered_m2: float
-    pixels: int
-    bands: List[MapStatisticsBandsItem]
-
-
-class MapStatistics(MapStatisticsForSure, total=False):
-    """What a map shows within a polygon."""
-    # Of the index asked for
-    index: MapStatisticsIndex

@@ -6,6 +6,42 @@ from typing import Any, Dict, List, Literal, Optional, TypedDict, Union
 from .documents_1 import *  # noqa: F401,F403
 
 
+class MapStatisticsIndex(TypedDict):
+    """Of the index asked for."""
+    title: str
+    expression: str
+    # That have a value
+    pixels: int
+    min: Optional[float]
+    max: Optional[float]
+    mean: Optional[float]
+    std: Optional[float]
+    percentiles: MapStatisticsIndexPercentiles
+    # Pixels in 64 equal steps from min to max
+    histogram: List[int]
+
+
+class MapStatisticsForSure(TypedDict):
+    """What MapStatistics always has."""
+    revision: int
+    # Of the pixels that were counted: the finest at which they are at most 8 million
+    zoom: int
+    # Of such a pixel, on the ground
+    pixel_m: float
+    # Of the polygon, on the ellipsoid
+    area_m2: float
+    # Of the ground within it that the map shows
+    covered_m2: float
+    pixels: int
+    bands: List[MapStatisticsBandsItem]
+
+
+class MapStatistics(MapStatisticsForSure, total=False):
+    """What a map shows within a polygon."""
+    # Of the index asked for
+    index: MapStatisticsIndex
+
+
 class ControlMark(TypedDict):
     # Name of the photo
     photo: str

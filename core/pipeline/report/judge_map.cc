@@ -1,0 +1,243 @@
+#include "core/pipeline/report/judge_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/base/median.h"
+#include "core/poses/evidence/common_error.h"
+
+namespace skyquilt::pipeline {
+namespace {
+
+using alignment::AlignedPhoto;
+using alignment::Placement;
+using Eigen::Vector2d;
+
+constexpr double kCircleSigmas = 1.515;      // sqrt(-2 ln(1 - 0.683))
+constexpr double kSurveySigmaM = 0.02;       // of surveyed points, each axis
+constexpr int kFreedomOfMove = 4;            // shift, turn and scale
+constexpr std::size_t kFewestPositions = 3;  // for turn and scale, and a miss that shows
+constexpr double kFewPositionsShare = 0.1;
+constexpr double kFarOffM = 10.0;  // what a receiver of a phone or a drone is good for
+constexpr int kFewestSeams = 5;
+
+bool IsJudged(const JudgedMap& map, const AlignedPhoto& photo) {
+  return map.is_forecast || map.alignment == nullptr || photo.placement == Placement::kAligned;
+}
+
+struct SupportingPositions {
+  std::vector<Vector2d> places;  // of the cameras, as the map has them
+  std::vector<Vector2d> misses;  // recorded minus that
+  std::vector<const flight::RecordedPosition*> records;
+};
+
+// Of photos that count; a position that the pictures refute places nothing.
+SupportingPositions PositionsOf(const JudgedMap& map) {
+  std::set<std::string> refuted;
+  if (map.alignment != nullptr) {
+    for (const alignment::AlignPhotoReport& photo : map.alignment->photo_reports) {
+      const auto& faults = photo.faults;
+      if (std::find(faults.begin(), faults.end(), alignment::PhotoFault::kPositionWrong) != faults.end())
+        refuted.insert(photo.name);
+    }
+  }
+  SupportingPositions positions;
+  for (const AlignedPhoto& photo : map.flight.photos) {
+    if (!photo.photo.position || !IsJudged(map, photo) || refuted.contains(photo.photo.name)) continue;
+    const Eigen::Vector3d camera = photo.cam_from_enu.TargetOriginInSource();
+    const Eigen::Vector3d recorded = map.flight.frame.EnuAtHeight(photo.photo.position->position, camera.z());
+    positions.places.emplace_back(camera.head<2>());
+    positions.misses.emplace_back((recorded - camera).head<2>());
+    positions.records.push_back(&*photo.photo.position);
+  }
+  return positions;
+}
+
+// Of each axis; nothing to learn from fewer positions than a move has freedom.
+double NoiseM(const std::vector<Vector2d>& misses) {
+  const int freedom = 2 * static_cast<int>(misses.size()) - kFreedomOfMove;
+  if (freedom <= 0) return 0.0;
+  double square = 0.0;
+  for (const Vector2d& miss : misses) square += miss.squaredNorm();
+  return std::sqrt(square / freedom);
+}
+
+// 1/n + how much more than the positions' own the map spreads about their middle.
+double LeverOf(const JudgedMap& map, const std::vector<Vector2d>& places) {
+  Vector2d middle = Vector2d::Zero();
+  for (const Vector2d& place : places) middle += place / static_cast<double>(places.size());
+  double of_positions = 0.0, of_map = 0.0;
+  for (const Vector2d& place : places) of_positions += (place - middle).squaredNorm();
+  int count = 0;
+  for (const AlignedPhoto& photo : map.flight.photos) {
+    if (!IsJudged(map, photo)) continue;
+    of_map += (photo.cam_from_enu.TargetOriginInSource().head<2>() - middle).squaredNorm();
+    ++count;
+  }
+  const double mean_of_map = count > 0 ? of_map / count : 0.0;
+  constexpr double kOnOnePlaceM2 = 1.0;
+  return 1.0 / static_cast<double>(places.size()) + mean_of_map / std::max(kOnOnePlaceM2, of_positions);
+}
+
+double MedianRadiusM(const JudgedMap& map) {
+  std::vector<double> radii_m;
+  for (const AlignedPhoto& photo : map.flight.photos) radii_m.push_back(photo.error_radius_m);
+  return MedianIfAny(std::move(radii_m)).value_or(0.0);
+}
+
+// Without alignment every photo has its own error, its angles' on the ground with it.
+double OwnErrorM(const JudgedMap& map) {
+  const bool is_any_aligned =
+      std::any_of(map.flight.photos.begin(), map.flight.photos.end(),
+                  [](const AlignedPhoto& photo) { return photo.placement == Placement::kAligned; });
+  return map.is_forecast || is_any_aligned ? 0.0 : MedianRadiusM(map);
+}
+
+AbsoluteAccuracy StatedRadius(double sigma_of_axis_m, AbsoluteSupport by, std::size_t count) {
+  return {OfTwoDigits(kCircleSigmas * sigma_of_axis_m), by, static_cast<int>(count)};
+}
+
+// Per axis; nothing without points.
+std::optional<double> RootMeanSquareOfAxis(const std::vector<Vector2d>& misses, double freedom) {
+  if (misses.empty() || freedom <= 0.0) return std::nullopt;
+  double square = 0.0;
+  for (const Vector2d& miss : misses) square += miss.squaredNorm();
+  return std::sqrt(square / freedom);
+}
+
+std::optional<AbsoluteAccuracy> BySurvey(const JudgedMap& map) {
+  if (map.alignment == nullptr) return std::nullopt;
+  std::vector<Vector2d> checks, residuals, predicted;
+  for (const alignment::ControlReport& point : map.alignment->control) {
+    if (!point.is_used) continue;
+    (point.is_check ? checks : residuals).emplace_back(point.miss_east_m, point.miss_north_m);
+    if (point.left_out && !point.is_check)
+      predicted.emplace_back(point.left_out->miss_east_m, point.left_out->miss_north_m);
+  }
+  if (const auto sigma = RootMeanSquareOfAxis(checks, 2.0 * static_cast<double>(checks.size())))
+    return StatedRadius(*sigma, AbsoluteSupport::kCheckPoints, checks.size());
+  // One point has nothing to be checked against.
+  if (residuals.size() < 2) return std::nullopt;
+  const double count = static_cast<double>(residuals.size());
+  const double survey_m = std::hypot(kSurveySigmaM, map.gsd_m) / std::sqrt(count);
+  // Predictions are by a point less than the map is.
+  std::optional<double> sigma =
+      RootMeanSquareOfAxis(predicted, 2.0 * static_cast<double>(predicted.size()) * count / (count - 1.0));
+  if (!sigma) sigma = RootMeanSquareOfAxis(residuals, 2.0 * count - kFreedomOfMove);
+  return StatedRadius(std::max(sigma.value_or(0.0), survey_m), AbsoluteSupport::kControlPoints,
+                      residuals.size());
+}
+
+// Turn and scale of the others hang on them.
+bool AreFewPositions(std::size_t count, std::size_t placed) {
+  return count < placed && (count < kFewestPositions ||
+                            static_cast<double>(count) < kFewPositionsShare * static_cast<double>(placed));
+}
+
+AbsoluteAccuracy ByPositions(const JudgedMap& map) {
+  const double own_m = OwnErrorM(map) / kCircleSigmas;
+  const std::size_t placed = map.flight.photos.size();
+  const SupportingPositions positions = PositionsOf(map);
+  const auto by_log = static_cast<std::size_t>(std::max(0, map.poses.photos_by_log));
+  if (map.poses.log_position_sigma_m && (2 * by_log >= placed || by_log >= positions.records.size())) {
+    const std::size_t count = std::min(by_log, placed);
+    const AbsoluteSupport by = map.poses.log_is_corrected ? AbsoluteSupport::kRtk : AbsoluteSupport::kGnss;
+    if (count == 0 || AreFewPositions(count, placed)) return {std::nullopt, by, static_cast<int>(count)};
+    const double noise_m =
+        map.alignment == nullptr ? 0.0 : map.alignment->position_residual_m / std::sqrt(2.0);
+    const double of_noise_m = noise_m * std::sqrt(2.0 / static_cast<double>(count));
+    return StatedRadius(std::max(own_m, std::hypot(*map.poses.log_position_sigma_m, of_noise_m)), by, count);
+  }
+  // Reckoned from a given place: each photo says how far that may have led it astray.
+  if (positions.records.empty() && by_log > 0)
+    return {OfTwoDigits(MedianRadiusM(map)), AbsoluteSupport::kHand, static_cast<int>(by_log)};
+  if (positions.records.empty()) return {};
+  const poses::CommonError common = poses::CommonErrorOf(positions.records);
+  const AbsoluteSupport by = common.is_corrected ? AbsoluteSupport::kRtk : AbsoluteSupport::kGnss;
+  const std::size_t count = positions.records.size();
+  if (AreFewPositions(count, placed)) return {std::nullopt, by, static_cast<int>(count)};
+  const double noise_m = map.is_forecast || own_m > 0.0 ? 0.0 : NoiseM(positions.misses);
+  const double of_noise_m = noise_m * std::sqrt(LeverOf(map, positions.places));
+  return StatedRadius(std::max(own_m, std::hypot(common.sigma_m, of_noise_m)), by, count);
+}
+
+AbsoluteAccuracy AbsoluteOf(const JudgedMap& map) {
+  if (!map.is_placed) return {};
+  if (const auto surveyed = BySurvey(map)) return *surveyed;
+  if (map.is_by_hand) return {std::nullopt, AbsoluteSupport::kHand, 0};
+  return ByPositions(map);
+}
+
+RelativeAccuracy RelativeOf(const JudgedMap& map, bool is_scale_guessed) {
+  RelativeAccuracy relative;
+  if (map.alignment == nullptr || map.gsd_m <= 0.0) return relative;
+  if (map.seams.reliable >= kFewestSeams) {
+    relative = {map.seams.median_m, map.seams.median_m / map.gsd_m, RelativeSupport::kSeams,
+                map.seams.reliable};
+  } else if (map.alignment->tie_points > 0) {
+    const double error_px = map.alignment->residual_rms_px;
+    relative = {error_px * map.gsd_m, error_px, RelativeSupport::kTiePoints, map.alignment->tie_points};
+  } else {
+    return relative;
+  }
+  relative.error_px = OfTwoDigits(*relative.error_px);
+  relative.error_m = OfTwoDigits(*relative.error_m);
+  if (is_scale_guessed) relative.error_m.reset();
+  return relative;
+}
+
+bool IsByPositions(const AbsoluteAccuracy& absolute) {
+  return absolute.by == AbsoluteSupport::kGnss || absolute.by == AbsoluteSupport::kRtk;
+}
+
+std::vector<MapLimit> LimitsOf(const JudgedMap& map, const AbsoluteAccuracy& absolute) {
+  std::vector<MapLimit> limits;
+  const int placed = static_cast<int>(map.flight.photos.size());
+  const int left_out = static_cast<int>(map.flight.left_out.size());
+  if (!map.is_placed) limits.push_back({LimitKind::kNotGeoreferenced});
+  const bool is_placed_by_few = IsByPositions(absolute) && !absolute.sigma_m;
+  if (map.is_by_images && (!map.is_placed || (is_placed_by_few && absolute.count < 2)))
+    limits.push_back({LimitKind::kScaleGuessed});
+  if (is_placed_by_few) limits.push_back({LimitKind::kFewPositions, absolute.count, placed});
+  if (absolute.sigma_m && *absolute.sigma_m > kFarOffM) limits.push_back({LimitKind::kFarOff});
+  if (absolute.by == AbsoluteSupport::kHand && !absolute.sigma_m)
+    limits.push_back({LimitKind::kPlacedByHand});
+  if (left_out > 0) limits.push_back({LimitKind::kLeftOut, left_out, placed + left_out});
+  if (map.is_forecast) return limits;
+  const int pose_only = static_cast<int>(
+      std::count_if(map.flight.photos.begin(), map.flight.photos.end(),
+                    [](const AlignedPhoto& photo) { return photo.placement == Placement::kPoseOnly; }));
+  if (pose_only == placed && placed > 1) {
+    limits.push_back({LimitKind::kNoneAligned, pose_only, placed});
+  } else if (pose_only > 0 && placed > 1) {
+    limits.push_back({LimitKind::kPoseOnly, pose_only, placed});
+  }
+  return limits;
+}
+
+}  // namespace
+
+MapQuality JudgeMap(const JudgedMap& map) {
+  MapQuality quality;
+  quality.absolute = AbsoluteOf(map);
+  quality.limits = LimitsOf(map, quality.absolute);
+  quality.relative = RelativeOf(map, quality.IsLimitedBy(LimitKind::kScaleGuessed));
+  quality.status = !map.is_placed                                  ? MapStatus::kUnplaced
+                   : quality.IsLimitedBy(LimitKind::kFewPositions) ? MapStatus::kDoubtful
+                   : quality.limits.empty()                        ? MapStatus::kReady
+                                                                   : MapStatus::kLimited;
+  return quality;
+}
+
+void TellPhotos(const MapQuality& quality, alignment::AlignedFlight& flight) {
+  if (!quality.absolute.sigma_m || quality.absolute.by == AbsoluteSupport::kHand) return;
+  for (AlignedPhoto& photo : flight.photos) {
+    if (photo.placement == Placement::kAligned) photo.error_radius_m = *quality.absolute.sigma_m;
+  }
+}
+
+}  // namespace skyquilt::pipeline

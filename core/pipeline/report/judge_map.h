@@ -1,0 +1,40 @@
+// JudgeMap: how true a map is and what limits it: the one place where that is computed, for finished maps
+// and, as a forecast, for flights that are only inspected. What supports the absolute accuracy, the first
+// that there is: check points; control points that fit each other (each left out in turn, from four on);
+// recorded positions; nothing.
+//
+// By positions, of each horizontal axis: sigma^2 = common^2 + noise^2 (1/n + spread of the map / spread of
+// the n positions), where `common` is what all positions of a flight share
+// (core/poses/evidence/common_error.h: assumed, since no comparison among them shows it) and `noise` what the
+// adjusted cameras miss them by, with the four degrees of freedom of a similarity taken off. Fewer than three
+// positions say nothing of turn and scale. The stated radius is 1.515 sigma: a circle that holds 68.3 % of a
+// normal error of two axes. Pure; any thread.
+#pragma once
+
+#include "core/alignment/align_report.h"
+#include "core/alignment/aligned_flight.h"
+#include "core/pipeline/report/map_quality.h"
+#include "core/poses/pose_report.h"
+#include "core/render/seams/seam_shift.h"
+
+namespace skyquilt::pipeline {
+
+struct JudgedMap {
+  const alignment::AlignedFlight& flight;  // its photos with their records
+  const poses::PoseReport& poses;
+  const alignment::AlignReport* alignment = nullptr;  // null: no photos were compared
+  render::SeamShift seams = {};
+  double gsd_m = 0.0;
+  bool is_placed = true;
+  bool is_by_images = false;
+  bool is_by_hand = false;
+  bool is_forecast = false;  // nothing was aligned yet: as if all will be
+};
+
+MapQuality JudgeMap(const JudgedMap& map);
+
+// Aligned photos are as far off as the map is; those that lie by their records may be further off, and say so
+// already. Where nothing says how far, the photos' own numbers stay.
+void TellPhotos(const MapQuality& quality, alignment::AlignedFlight& flight);
+
+}  // namespace skyquilt::pipeline

@@ -1,0 +1,264 @@
+#include "core/pipeline/report/map_quality.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace skyquilt::pipeline {
+namespace {
+
+using QualityDocument = nlohmann::ordered_json;
+
+constexpr double kMaxSigmaM = 1e8;
+constexpr int kMaxSupportCount = 100'000'000;
+
+std::string Number(double value) {
+  return value < 100.0 ? fmt::format("{:.2g}", value) : fmt::format("{:.0f}", value);
+}
+
+std::string Counted(int count, const char* what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
+template <typename Kinds>
+auto KindNamed(const Kinds& all, const QualityDocument& json) {
+  const auto& name = json.get_ref<const std::string&>();
+  const auto found = std::find_if(all.begin(), all.end(), [&](auto kind) { return NameOf(kind) == name; });
+  if (found == all.end()) throw QualityDocument::other_error::create(500, "an unknown word", nullptr);
+  return *found;
+}
+
+int SupportCount(const QualityDocument& json) {
+  const auto count = json.get<double>();
+  if (!(count >= 0.0 && count <= kMaxSupportCount) || count != std::floor(count))
+    throw QualityDocument::other_error::create(500, "a count is none", nullptr);
+  return static_cast<int>(count);
+}
+
+std::optional<double> SupportedNumber(const QualityDocument& json) {
+  if (json.is_null()) return std::nullopt;
+  const auto value = json.get<double>();
+  if (!(value >= 0.0 && value <= kMaxSigmaM))
+    throw QualityDocument::other_error::create(500, "an accuracy that no map has", nullptr);
+  return value;
+}
+
+QualityDocument NumberOrNull(const std::optional<double>& value) {
+  return value ? QualityDocument(*value) : QualityDocument(nullptr);
+}
+
+MapQuality QualityOf(const QualityDocument& json) {
+  MapQuality quality;
+  quality.status = KindNamed(kAllMapStatuses, json.at("status"));
+  const QualityDocument& absolute = json.at("absolute");
+  quality.absolute = {SupportedNumber(absolute.at("sigma_m")),
+                      KindNamed(kAllAbsoluteSupports, absolute.at("by")), SupportCount(absolute.at("count"))};
+  const QualityDocument& relative = json.at("relative");
+  quality.relative = {SupportedNumber(relative.at("error_m")), SupportedNumber(relative.at("error_px")),
+                      KindNamed(kAllRelativeSupports, relative.at("by")), SupportCount(relative.at("count"))};
+  const QualityDocument& limits = json.at("limits");
+  if (!limits.is_array() || limits.size() > kAllLimitKinds.size())
+    throw QualityDocument::other_error::create(500, "limits are none", nullptr);
+  for (const QualityDocument& limit : limits) {
+    quality.limits.push_back({KindNamed(kAllLimitKinds, limit.at("kind")), SupportCount(limit.at("count")),
+                              SupportCount(limit.at("of"))});
+  }
+  return quality;
+}
+
+}  // namespace
+
+bool MapQuality::IsLimitedBy(LimitKind kind) const {
+  return std::any_of(limits.begin(), limits.end(), [&](const MapLimit& limit) { return limit.kind == kind; });
+}
+
+std::string_view NameOf(AbsoluteSupport support) {
+  switch (support) {
+    case AbsoluteSupport::kNone:
+      return "none";
+    case AbsoluteSupport::kHand:
+      return "hand";
+    case AbsoluteSupport::kGnss:
+      return "gnss";
+    case AbsoluteSupport::kRtk:
+      return "rtk";
+    case AbsoluteSupport::kControlPoints:
+      return "control_points";
+    case AbsoluteSupport::kCheckPoints:
+      return "check_points";
+  }
+  return "none";
+}
+
+std::string_view NameOf(RelativeSupport support) {
+  switch (support) {
+    case RelativeSupport::kNone:
+      return "none";
+    case RelativeSupport::kTiePoints:
+      return "tie_points";
+    case RelativeSupport::kSeams:
+      return "seams";
+  }
+  return "none";
+}
+
+std::string_view NameOf(MapStatus status) {
+  switch (status) {
+    case MapStatus::kReady:
+      return "ready";
+    case MapStatus::kLimited:
+      return "limited";
+    case MapStatus::kDoubtful:
+      return "doubtful";
+    case MapStatus::kUnplaced:
+      return "unplaced";
+  }
+  return "unplaced";
+}
+
+std::string_view NameOf(LimitKind kind) {
+  switch (kind) {
+    case LimitKind::kNotGeoreferenced:
+      return "not_georeferenced";
+    case LimitKind::kScaleGuessed:
+      return "scale_guessed";
+    case LimitKind::kFewPositions:
+      return "few_positions";
+    case LimitKind::kFarOff:
+      return "far_off";
+    case LimitKind::kPlacedByHand:
+      return "placed_by_hand";
+    case LimitKind::kLeftOut:
+      return "left_out";
+    case LimitKind::kNoneAligned:
+      return "none_aligned";
+    case LimitKind::kPoseOnly:
+      return "pose_only";
+  }
+  return "not_georeferenced";
+}
+
+double OfTwoDigits(double value) {
+  if (!std::isfinite(value) || !(value > 0.0)) return 0.0;
+  const std::string text = fmt::format("{:.1e}", value);
+  double rounded = 0.0;
+  std::from_chars(text.data(), text.data() + text.size(), rounded);
+  return rounded;
+}
+
+std::string AccuracyText(double metres) {
+  const double of_two = OfTwoDigits(metres);
+  return of_two < 1.0 ? Number(OfTwoDigits(100.0 * of_two)) + " cm" : Number(of_two) + " m";
+}
+
+std::string AbsoluteInWords(const MapQuality& quality) {
+  const AbsoluteAccuracy& absolute = quality.absolute;
+  const int count = absolute.count;
+  std::string by;
+  switch (absolute.by) {
+    case AbsoluteSupport::kNone:
+      return "unknown: no positions";
+    case AbsoluteSupport::kHand:
+      if (!absolute.sigma_m) return "unknown: placed by hand";
+      by = "reckoning from a given place";
+      break;
+    case AbsoluteSupport::kGnss:
+      by = Counted(count, "position") + " of GNSS";
+      break;
+    case AbsoluteSupport::kRtk:
+      by = Counted(count, "position") + " of RTK or PPK";
+      break;
+    case AbsoluteSupport::kControlPoints:
+      by = Counted(count, "control point");
+      break;
+    case AbsoluteSupport::kCheckPoints:
+      by = Counted(count, "check point");
+      break;
+  }
+  if (!absolute.sigma_m) return fmt::format("unknown: only {}", by);
+  return fmt::format("+-{} (1 sigma), by {}", AccuracyText(*absolute.sigma_m), by);
+}
+
+std::string RelativeInWords(const MapQuality& quality) {
+  const RelativeAccuracy& relative = quality.relative;
+  if (relative.by == RelativeSupport::kNone || !relative.error_px)
+    return "unknown: no photos are tied to each other";
+  const std::string pixels = Number(*relative.error_px) + " px";
+  return fmt::format(
+      "{}, {}", relative.error_m ? fmt::format("{} ({})", AccuracyText(*relative.error_m), pixels) : pixels,
+      relative.by == RelativeSupport::kSeams ? "at " + Counted(relative.count, "place") + " along seams"
+                                             : "at " + Counted(relative.count, "tie point"));
+}
+
+std::string_view StatusInWords(MapStatus status) {
+  switch (status) {
+    case MapStatus::kReady:
+      return "Ready to use";
+    case MapStatus::kLimited:
+      return "Usable, with limits";
+    case MapStatus::kDoubtful:
+      return "Place in doubt";
+    case MapStatus::kUnplaced:
+      return "Not georeferenced";
+  }
+  return "Not georeferenced";
+}
+
+std::string LimitInWords(const MapLimit& limit) {
+  const int count = limit.count, of = limit.of;
+  switch (limit.kind) {
+    case LimitKind::kNotGeoreferenced:
+      return "Nothing says where on Earth the map lies.";
+    case LimitKind::kScaleGuessed:
+      return "Scale and north are guesses: do not measure on the map before it is placed.";
+    case LimitKind::kFewPositions:
+      return fmt::format(
+          "Only {} of {} photos {} a position that places the map: it may lie, and be turned and scaled, "
+          "otherwise.",
+          count, of, count == 1 ? "has" : "have");
+    case LimitKind::kFarOff:
+      return "The recorded positions are poor or contradict the photos: the map may be far from its true place.";
+    case LimitKind::kPlacedByHand:
+      return "The map was placed by hand: nothing tells how far off it lies.";
+    case LimitKind::kLeftOut:
+      return fmt::format("{} of {} photos {} left out: the map may have gaps there.", count, of,
+                         count == 1 ? "was" : "were");
+    case LimitKind::kNoneAligned:
+      return "No photo could be aligned with another: they lie where they were recorded, with visible seams.";
+    case LimitKind::kPoseOnly:
+      return fmt::format("{} of {} photos {} only where recorded: expect visible seams there.", count, of,
+                         count == 1 ? "lies" : "lie");
+  }
+  return {};
+}
+
+std::string QualityJson(const MapQuality& quality) {
+  QualityDocument limits = QualityDocument::array();
+  for (const MapLimit& limit : quality.limits)
+    limits.push_back({{"kind", NameOf(limit.kind)}, {"count", limit.count}, {"of", limit.of}});
+  const AbsoluteAccuracy& absolute = quality.absolute;
+  const RelativeAccuracy& relative = quality.relative;
+  QualityDocument json;
+  json["status"] = NameOf(quality.status);
+  json["absolute"] = {
+      {"sigma_m", NumberOrNull(absolute.sigma_m)}, {"by", NameOf(absolute.by)}, {"count", absolute.count}};
+  json["relative"] = {{"error_m", NumberOrNull(relative.error_m)},
+                      {"error_px", NumberOrNull(relative.error_px)},
+                      {"by", NameOf(relative.by)},
+                      {"count", relative.count}};
+  json["limits"] = limits;
+  return json.dump();
+}
+
+Result<MapQuality> ParseQuality(std::string_view json) {
+  try {
+    return QualityOf(QualityDocument::parse(json));
+  } catch (const QualityDocument::exception& broken) {
+    return Error{ErrorCode::kCorrupt, "What is said of the map's quality is damaged.", broken.what()};
+  }
+}
+
+}  // namespace skyquilt::pipeline

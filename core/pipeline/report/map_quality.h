@@ -1,0 +1,125 @@
+// MapQuality: how true a map is and whether it is fit for use, as every surface says it: report.json, command
+// line, report page, API, STAC and page. Judged in judge_map.h alone; here are its words and its JSON. A
+// number that nothing supports is absent. Values; any thread. Errors of parsing: kCorrupt.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/result.h"
+
+namespace skyquilt::pipeline {
+
+enum class AbsoluteSupport : std::uint8_t {
+  kNone,           // no position places it
+  kHand,           // somebody said where it lies; with a number, reckoned by a log from there
+  kGnss,           // photos' positions or a log's, of a receiver without corrections
+  kRtk,            // corrected ones (RTK, PPK)
+  kControlPoints,  // surveyed points that place it
+  kCheckPoints,    // surveyed points that do not
+};
+inline constexpr std::array kAllAbsoluteSupports = {
+    AbsoluteSupport::kNone, AbsoluteSupport::kHand,          AbsoluteSupport::kGnss,
+    AbsoluteSupport::kRtk,  AbsoluteSupport::kControlPoints, AbsoluteSupport::kCheckPoints};
+
+// Where the map lies on Earth.
+struct AbsoluteAccuracy {
+  // Horizontal: within this radius lie 68.3 % of the map's places, as within one standard deviation of one
+  // number. Two significant digits.
+  std::optional<double> sigma_m;
+  AbsoluteSupport by = AbsoluteSupport::kNone;
+  int count = 0;  // positions or points
+
+  bool operator==(const AbsoluteAccuracy&) const = default;
+};
+
+enum class RelativeSupport : std::uint8_t {
+  kNone,
+  kTiePoints,  // root mean square of what photos miss shared points by
+  kSeams,      // median of what neighbouring photos show apart along seams
+};
+inline constexpr std::array kAllRelativeSupports = {RelativeSupport::kNone, RelativeSupport::kTiePoints,
+                                                    RelativeSupport::kSeams};
+
+// How well the map fits itself, wherever it lies. Two significant digits.
+struct RelativeAccuracy {
+  std::optional<double> error_m;  // absent where the map's scale is a guess
+  std::optional<double> error_px;
+  RelativeSupport by = RelativeSupport::kNone;
+  int count = 0;
+
+  bool operator==(const RelativeAccuracy&) const = default;
+};
+
+enum class MapStatus : std::uint8_t {
+  kReady,
+  kLimited,   // of use, but for its limits
+  kDoubtful,  // so little places it that nobody should rely on where it lies
+  kUnplaced,  // nothing says where on Earth it lies
+};
+inline constexpr std::array kAllMapStatuses = {MapStatus::kReady, MapStatus::kLimited, MapStatus::kDoubtful,
+                                               MapStatus::kUnplaced};
+
+enum class LimitKind : std::uint8_t {
+  kNotGeoreferenced,
+  kScaleGuessed,  // lengths, areas and the resolution mean nothing
+  kFewPositions,  // `count` of `of` photos place it
+  kFarOff,        // its accuracy is worse than any receiver's
+  kPlacedByHand,
+  kLeftOut,      // `count` of `of` photos
+  kNoneAligned,  // `count` photos lie by their records, none of them compared with success
+  kPoseOnly,     // `count` of `of` photos lie by their records
+};
+inline constexpr std::array kAllLimitKinds = {
+    LimitKind::kNotGeoreferenced, LimitKind::kScaleGuessed, LimitKind::kFewPositions, LimitKind::kFarOff,
+    LimitKind::kPlacedByHand,     LimitKind::kLeftOut,      LimitKind::kNoneAligned,  LimitKind::kPoseOnly};
+
+struct MapLimit {
+  LimitKind kind = LimitKind::kNotGeoreferenced;
+  int count = 0;
+  int of = 0;
+
+  bool operator==(const MapLimit&) const = default;
+};
+
+struct MapQuality {
+  MapStatus status = MapStatus::kUnplaced;
+  AbsoluteAccuracy absolute;
+  RelativeAccuracy relative;
+  std::vector<MapLimit> limits;  // the weightiest first
+
+  bool IsLimitedBy(LimitKind kind) const;
+  bool operator==(const MapQuality&) const = default;
+};
+
+// Names in JSON.
+std::string_view NameOf(AbsoluteSupport support);  // "gnss"
+std::string_view NameOf(RelativeSupport support);
+std::string_view NameOf(MapStatus status);
+std::string_view NameOf(LimitKind kind);
+
+// The nearest number of two significant digits; what is not finite or not above zero is 0.
+double OfTwoDigits(double value);
+
+// "2.3 m", "3.4 cm". The page's formatError writes the same digits (tests/web/support/accuracy_texts.json).
+std::string AccuracyText(double metres);
+
+// "+-2.3 m (1 sigma), by 42 positions of GNSS"; "unknown: no positions".
+std::string AbsoluteInWords(const MapQuality& quality);
+// "1.2 cm (0.4 px), at 31 places along seams"; "unknown: no photos are tied to each other".
+std::string RelativeInWords(const MapQuality& quality);
+// "Ready to use", "Usable, with limits", "Place in doubt", "Not georeferenced".
+std::string_view StatusInWords(MapStatus status);
+// A sentence.
+std::string LimitInWords(const MapLimit& limit);
+
+// One line, as report.json has it under "quality".
+std::string QualityJson(const MapQuality& quality);
+// Refuses numbers that no map can have, for texts of processes that are not trusted.
+Result<MapQuality> ParseQuality(std::string_view json);
+
+}  // namespace skyquilt::pipeline

@@ -1,0 +1,28 @@
+// CommonErrorOf: what the recorded positions of one flight have in common: of which kind they are, and how
+// far off all of them lie together, which no comparison among them can show. Assumed, one sigma a horizontal
+// axis: 1.5 m without corrections (consumer receivers are off by 1 to 3 m for minutes to hours: DJI and
+// u-blox state 1.5 m), what the records state of themselves where they do, and 0.02 m with corrections (RTK,
+// PPK; base and antenna). Pure; any thread.
+#pragma once
+
+#include <vector>
+
+#include "core/flight/photos/photo.h"
+
+namespace skyquilt::flight {
+struct GnssSample;
+}
+
+namespace skyquilt::poses {
+
+struct CommonError {
+  bool is_corrected = false;  // RTK or PPK
+  double sigma_m = 1.5;       // of each horizontal axis
+
+  bool operator==(const CommonError&) const = default;
+};
+
+CommonError CommonErrorOf(const std::vector<const flight::RecordedPosition*>& positions);
+CommonError CommonErrorOf(const std::vector<flight::GnssSample>& samples);
+
+}  // namespace skyquilt::poses

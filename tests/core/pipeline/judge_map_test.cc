@@ -1,0 +1,217 @@
+// What supports a map's accuracy, and that over many simulated flights the stated one sigma is one.
+#include "core/pipeline/report/judge_map.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <string>
+
+#include "core/alignment/adjustment/ground_control.h"
+
+namespace skyquilt::pipeline {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+// Photos on a grid, aligned where the best move of the recorded positions puts them, as alignment does.
+struct JudgedFlight {
+  alignment::AlignedFlight flight;
+  poses::PoseReport poses;
+  alignment::AlignReport report;
+
+  explicit JudgedFlight(int photos) {
+    flight.frame = geo::LocalFrame({46.8, 7.1, 500.0});
+    report.tie_points = 1000;
+    report.residual_rms_px = 0.5;
+    for (int i = 0; i < photos; ++i) {
+      alignment::AlignedPhoto photo;
+      photo.photo.name = "p" + std::to_string(i);
+      photo.placement = alignment::Placement::kAligned;
+      photo.error_radius_m = 9.0;
+      flight.photos.push_back(photo);
+      Stand(static_cast<std::size_t>(i), {20.0 * (i % 6), 20.0 * (i / 6)});
+      Record(static_cast<std::size_t>(i), {20.0 * (i % 6), 20.0 * (i / 6)});
+    }
+  }
+
+  void Stand(std::size_t i, const Vector2d& place) {
+    flight.photos[i].cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(Eigen::Quaterniond::Identity(),
+                                                                             {place.x(), place.y(), 60.0});
+  }
+  void Record(std::size_t i, const Vector2d& place) {
+    const geo::Wgs84 at = flight.frame.Wgs84FromEnu({place.x(), place.y(), 60.0});
+    flight.photos[i].photo.position.emplace().position = {at.lat_deg, at.lon_deg};
+  }
+  void Surveyed(bool is_check, double east_m, double north_m, bool is_predicted = false) {
+    alignment::ControlReport point;
+    point.is_used = true;
+    point.is_check = is_check;
+    point.miss_east_m = east_m;
+    point.miss_north_m = north_m;
+    if (is_predicted) point.left_out = alignment::ControlPrediction{east_m, north_m, 0.0};
+    report.control.push_back(point);
+  }
+  JudgedMap Map() const { return {.flight = flight, .poses = poses, .alignment = &report, .gsd_m = 0.02}; }
+  MapQuality Judge() const { return JudgeMap(Map()); }
+};
+
+TEST(JudgeMap, StatesWhatThePositionsShareWhereTheyAgree) {
+  JudgedFlight flight(18);
+  const MapQuality plain = flight.Judge();
+  EXPECT_EQ(plain.absolute, (AbsoluteAccuracy{2.3, AbsoluteSupport::kGnss, 18}));  // 1.515 x 1.5 m
+  EXPECT_EQ(plain.relative, (RelativeAccuracy{0.01, 0.5, RelativeSupport::kTiePoints, 1000}));
+  EXPECT_EQ(plain.status, MapStatus::kReady);
+  for (auto& photo : flight.flight.photos) photo.photo.position->is_rtk_fixed = true;
+  EXPECT_EQ(flight.Judge().absolute, (AbsoluteAccuracy{0.03, AbsoluteSupport::kRtk, 18}));
+}
+
+TEST(JudgeMap, IsForetoldAsItTurnsOutWhereThePositionsAgree) {
+  const JudgedFlight flight(18);
+  alignment::AlignedFlight recorded = flight.flight;
+  for (auto& photo : recorded.photos) photo.placement = alignment::Placement::kPoseOnly;
+  EXPECT_EQ(JudgeMap({.flight = recorded, .poses = flight.poses, .is_forecast = true}).absolute,
+            flight.Judge().absolute);
+}
+
+TEST(JudgeMap, SaysNoNumberWithoutPositions) {
+  JudgedFlight flight(18);
+  for (auto& photo : flight.flight.photos) photo.photo.position.reset();
+  JudgedMap map = flight.Map();
+  map.is_placed = false;
+  map.is_by_images = true;
+  const MapQuality quality = JudgeMap(map);
+  EXPECT_EQ(quality.absolute, AbsoluteAccuracy());
+  EXPECT_EQ(quality.status, MapStatus::kUnplaced);
+  EXPECT_TRUE(quality.IsLimitedBy(LimitKind::kScaleGuessed));
+  EXPECT_FALSE(quality.relative.error_m);
+  EXPECT_EQ(quality.relative.error_px, 0.5);
+  // Photos that a log without positions places by dead reckoning have their scale.
+  map.is_by_images = false;
+  EXPECT_FALSE(JudgeMap(map).IsLimitedBy(LimitKind::kScaleGuessed));
+}
+
+TEST(JudgeMap, NeverCallsUsableWhatAHandfulOfPhotosPlaces) {
+  for (const std::size_t with : {1u, 2u, 3u, 4u}) {
+    JudgedFlight flight(42);
+    for (std::size_t i = with; i < 42; ++i) flight.flight.photos[i].photo.position.reset();
+    JudgedMap map = flight.Map();
+    map.is_by_images = true;
+    const MapQuality quality = JudgeMap(map);
+    EXPECT_EQ(quality.status, MapStatus::kDoubtful) << with;
+    EXPECT_FALSE(quality.absolute.sigma_m);
+    ASSERT_TRUE(quality.IsLimitedBy(LimitKind::kFewPositions));
+    EXPECT_EQ(quality.limits.back(), (MapLimit{LimitKind::kFewPositions, static_cast<int>(with), 42}));
+    EXPECT_EQ(quality.IsLimitedBy(LimitKind::kScaleGuessed), with == 1);
+  }
+  JudgedFlight half(42);
+  for (std::size_t i = 21; i < 42; ++i) half.flight.photos[i].photo.position.reset();
+  EXPECT_EQ(half.Judge().status, MapStatus::kReady);
+  EXPECT_EQ(JudgedFlight(1).Judge().status, MapStatus::kReady) << "its own position places a single photo";
+}
+
+TEST(JudgeMap, LetsARefutedPositionPlaceNothing) {
+  JudgedFlight flight(18);
+  flight.Record(3, {5000.0, 0.0});
+  EXPECT_GT(*flight.Judge().absolute.sigma_m, 10.0);
+  alignment::AlignPhotoReport& refuted = flight.report.photo_reports.emplace_back();
+  refuted.name = "p3";
+  refuted.faults = {alignment::PhotoFault::kPositionWrong};
+  EXPECT_EQ(flight.Judge().absolute, (AbsoluteAccuracy{2.3, AbsoluteSupport::kGnss, 17}));
+}
+
+TEST(JudgeMap, BelievesCheckPointsFirstThenControlPointsThatFit) {
+  JudgedFlight flight(18);
+  flight.Surveyed(false, 0.0, 0.0);
+  EXPECT_EQ(flight.Judge().absolute.by, AbsoluteSupport::kGnss)
+      << "one point has nothing to be checked against";
+  for (int i = 0; i < 4; ++i) flight.Surveyed(false, 0.03, -0.04, true);
+  const AbsoluteAccuracy by_control = flight.Judge().absolute;
+  EXPECT_EQ(by_control.by, AbsoluteSupport::kControlPoints);
+  EXPECT_EQ(by_control.count, 5);
+  EXPECT_NEAR(*by_control.sigma_m, 0.048, 0.002);  // 1.515 x 0.05 m / sqrt(2) x sqrt(4/5)
+  flight.Surveyed(true, 0.3, 0.4);
+  EXPECT_EQ(flight.Judge().absolute, (AbsoluteAccuracy{0.54, AbsoluteSupport::kCheckPoints, 1}));
+}
+
+TEST(JudgeMap, OfAMapThatWasPlacedByHandSaysNothing) {
+  const JudgedFlight flight(18);
+  JudgedMap map = flight.Map();
+  map.is_by_hand = true;
+  const MapQuality quality = JudgeMap(map);
+  EXPECT_EQ(quality.absolute, (AbsoluteAccuracy{std::nullopt, AbsoluteSupport::kHand, 0}));
+  EXPECT_EQ(quality.status, MapStatus::kLimited);
+}
+
+TEST(JudgeMap, TakesALogsPositionsForThePhotosOfTheLog) {
+  JudgedFlight flight(18);
+  for (auto& photo : flight.flight.photos) photo.photo.position.reset();
+  flight.poses.photos_by_log = 18;
+  EXPECT_EQ(flight.Judge().absolute, (AbsoluteAccuracy{9.0, AbsoluteSupport::kHand, 18}));
+  flight.poses.log_position_sigma_m = 0.02;
+  flight.poses.log_is_corrected = true;
+  EXPECT_EQ(flight.Judge().absolute, (AbsoluteAccuracy{0.03, AbsoluteSupport::kRtk, 18}));
+}
+
+TEST(JudgeMap, TellsPhotosWhatTheMapIsToldAndLeavesOthers) {
+  JudgedFlight flight(18);
+  flight.flight.photos[4].placement = alignment::Placement::kPoseOnly;
+  const MapQuality quality = flight.Judge();
+  EXPECT_EQ(quality.limits, (std::vector<MapLimit>{{LimitKind::kPoseOnly, 1, 18}}));
+  TellPhotos(quality, flight.flight);
+  EXPECT_EQ(flight.flight.photos[0].error_radius_m, *quality.absolute.sigma_m);
+  EXPECT_EQ(flight.flight.photos[4].error_radius_m, 9.0);
+}
+
+// Recorded places with noise and a common error; the map is moved, turned and scaled to fit them best.
+double CoveredShare(double noise_m, double common_m, bool is_corrected, int photos) {
+  constexpr int kFlights = 400;
+  std::mt19937 random(7);
+  std::normal_distribution<double> normal;
+  int covered = 0;
+  for (int run = 0; run < kFlights; ++run) {
+    JudgedFlight flight(photos);
+    const Vector2d common(common_m * normal(random), common_m * normal(random));
+    Eigen::MatrixXd design(2 * photos, 4);
+    Eigen::VectorXd off(2 * photos);
+    std::vector<Vector2d> truth, recorded;
+    for (int i = 0; i < photos; ++i) {
+      const Vector3d place =
+          flight.flight.photos[static_cast<std::size_t>(i)].cam_from_enu.TargetOriginInSource();
+      truth.emplace_back(place.head<2>());
+      const Vector2d error = common + noise_m * Vector2d(normal(random), normal(random));
+      recorded.emplace_back(truth.back() + error);
+      design.row(2 * i) << 1.0, 0.0, place.x(), -place.y();
+      design.row(2 * i + 1) << 0.0, 1.0, place.y(), place.x();
+      off.segment<2>(2 * i) = error;
+    }
+    const Eigen::VectorXd moved =
+        design * (design.transpose() * design).ldlt().solve(design.transpose() * off);
+    for (int i = 0; i < photos; ++i) {
+      const auto photo = static_cast<std::size_t>(i);
+      flight.Stand(photo, truth[photo] + moved.segment<2>(2 * i));
+      flight.Record(photo, recorded[photo]);
+      flight.flight.photos[photo].photo.position->is_rtk_fixed = is_corrected;
+    }
+    const double sigma_m = *flight.Judge().absolute.sigma_m;
+    const Eigen::Index any = 2 * static_cast<Eigen::Index>(random() % static_cast<unsigned>(photos));
+    covered += moved.segment<2>(any).norm() <= sigma_m ? 1 : 0;
+  }
+  return static_cast<double>(covered) / kFlights;
+}
+
+TEST(JudgeMap, CoversTwoThirdsOfTheErrorsWhereTheCommonErrorIsAsAssumed) {
+  for (const int photos : {9, 24, 60}) {
+    for (const auto& [noise_m, is_corrected] : {std::pair{0.02, true}, {1.0, false}, {3.0, false}}) {
+      const double share = CoveredShare(noise_m, is_corrected ? 0.02 : 1.5, is_corrected, photos);
+      EXPECT_GT(share, 0.62) << noise_m << " m, " << photos << " photos";
+      EXPECT_LT(share, 0.75) << noise_m << " m, " << photos << " photos";
+    }
+  }
+}
+
+TEST(JudgeMap, CoversMoreWithoutTheAssumedCommonError) { EXPECT_GT(CoveredShare(1.0, 0.0, false, 24), 0.95); }
+
+}  // namespace
+}  // namespace skyquilt::pipeline
