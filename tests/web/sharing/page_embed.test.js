@@ -18,7 +18,7 @@ test('a map in a frame has its name, scale and makers, moves, and opens the page
   await page.click('#share-make');
   await page.waitForSelector('#share-made input');
   const snippet = await page.locator('#share-made input').nth(1).inputValue();
-  assert.match(snippet, /^<iframe src="http:\/\/127\.0\.0\.1:\d+\/embed\/\w+" title="Meadow &lt;1&gt;"/);
+  assert.match(snippet, /^<iframe src="http:\/\/127\.0\.0\.1:\d+\/embed\/\w+#token=\w+" title="Meadow &lt;1&gt;"/);
   await assertAccessible(page, 'share dialog');
   const outer = await startOuterPage(snippet);
   cleanUp(outer.close);
