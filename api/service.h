@@ -77,6 +77,8 @@ struct Service {
   std::atomic<bool> is_draining = false;
   // kUnavailable while the data folder is not where and what it was: then nothing may be stored.
   std::function<Result<void>()> storage_in_place = [] { return Result<void>(); };
+  // Where other machines reach this server, the likeliest first; none: it listens to its own machine alone.
+  std::function<std::vector<std::string>()> addresses_for_others = [] { return std::vector<std::string>(); };
   Basemap basemap{};
   // What is in these files, as JSON, without making a map; `options`: the flight's, as JSON. Reading them
   // takes a second or two. The server has it done by a process apart, once for each set of files.

@@ -17,6 +17,8 @@ namespace {
 
 using storage::Scope;
 
+constexpr std::string_view kShareText = "sq_share_";  // begins so
+
 struct Rule {
   Method method;
   std::string_view pattern;  // a '*' at the end stands for anything
@@ -107,13 +109,14 @@ const storage::Token* Recognise(const storage::TokenSet& set, std::string_view t
 }
 
 Response Unauthorized(const Request& request, std::string_view pattern, bool has_live_token,
-                      bool has_shown_one) {
+                      std::string_view shown) {
   if (IsNode(pattern)) {
     return NodeAnswer(
         R"({"error":"Invalid authentication token: the token does not match one that this node's operator made."})");
   }
   const char* how =
-      has_live_token && has_shown_one
+      shown.starts_with(kShareText) ? "This link has ended or was revoked. Ask whoever sent it for another."
+      : has_live_token && !shown.empty()
           ? "The token that came with this request is not good here: it is mistyped, was revoked or has ended. The "
             "server's operator makes another with \"skyquilt token add\"."
       : has_live_token
@@ -131,6 +134,17 @@ Response Forbidden(const Request& request, std::string_view pattern, Scope neede
       std::string("This token may not do that: it needs the scope \"") + storage::ScopeName(needed) + "\".",
       ""};
   return IsNode(pattern) ? NodeRefusal(error.message) : Problem(error, request);
+}
+
+std::string NewTextAfter(std::string_view beginning) {
+  std::array<std::uint8_t, 32> random{};
+  if (getrandom(random.data(), random.size(), 0) != static_cast<ssize_t>(random.size())) {
+    throw std::runtime_error("the kernel gave no random bytes");
+  }
+  std::string text = EncodeBase64({reinterpret_cast<const char*>(random.data()), random.size()});
+  for (char& c : text) c = c == '+' ? '-' : c == '/' ? '_' : c;
+  while (text.ends_with('=')) text.pop_back();
+  return std::string(beginning) + text;
 }
 
 }  // namespace
@@ -151,14 +165,15 @@ std::optional<Response> CheckAccess(Service& service, Request& request, std::str
   if (!needed) return std::nullopt;
   const auto tokens = service.tokens.Known();
   if (!tokens) return Problem(tokens.error(), request);
-  if (!(*tokens)->requires_token) {
+  const ShownToken shown = ShownBy(request);
+  const storage::Token* token = shown.text.empty() ? nullptr : Recognise(**tokens, shown.text);
+  const bool is_share = shown.text.starts_with(kShareText) || (token != nullptr && !token->flight_id.empty());
+  if (!(*tokens)->requires_token && !is_share) {
     request.is_admin = true;
     return std::nullopt;
   }
-  const ShownToken shown = ShownBy(request);
-  const storage::Token* token = shown.text.empty() ? nullptr : Recognise(**tokens, shown.text);
   if (token == nullptr)
-    return Unauthorized(request, pattern, (*tokens)->HasLiveOne(storage::Now()), !shown.text.empty());
+    return Unauthorized(request, pattern, (*tokens)->HasLiveOne(storage::Now()), shown.text);
   // What stands in an address gets into histories and logs of others: it opens nothing but reading.
   const bool only_reads = (shown.is_in_query && !IsNode(pattern)) || !token->flight_id.empty();
   const Scope granted = only_reads ? Scope::kRead : token->scope;
@@ -174,23 +189,16 @@ std::optional<Response> CheckAccess(Service& service, Request& request, std::str
 bool IsStillGood(Service& service, const Request& request) {
   const auto tokens = service.tokens.Known();
   if (!tokens) return false;
-  if (!(*tokens)->requires_token) return true;
+  if (!(*tokens)->requires_token && request.only_flight.empty()) return true;
   for (const storage::Token& token : (*tokens)->tokens) {
     if (token.id == request.owner) return !token.HasEnded(storage::Now());
   }
   return false;
 }
 
-std::string NewTokenText() {
-  std::array<std::uint8_t, 32> random{};
-  if (getrandom(random.data(), random.size(), 0) != static_cast<ssize_t>(random.size())) {
-    throw std::runtime_error("the kernel gave no random bytes");
-  }
-  std::string text = EncodeBase64({reinterpret_cast<const char*>(random.data()), random.size()});
-  for (char& c : text) c = c == '+' ? '-' : c == '/' ? '_' : c;
-  while (text.ends_with('=')) text.pop_back();
-  return "sq_" + text;
-}
+std::string NewTokenText() { return NewTextAfter("sq_"); }
+
+std::string NewShareText() { return NewTextAfter(kShareText); }
 
 std::string HashToken(std::string_view text) {
   Digest digest(DigestAlgorithm::kSha256);

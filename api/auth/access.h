@@ -2,6 +2,7 @@
 // then listens to its own machine only, or was started with --open). From then on each route requires a
 // scope, shown as "Authorization: Bearer ...", also after the last token is revoked or has expired. "?token="
 // is for clients that cannot set headers, for reading only, and for NodeODM clients, whose protocol uses it.
+// A share only reads its flight also where everything is open, and nothing once it has ended.
 // Which flights a request may be about is decided in api/auth/flight_access.
 #pragma once
 
@@ -32,6 +33,8 @@ bool IsStillGood(Service& service, const Request& request);
 
 // 256 random bits as text. Shown once, stored nowhere.
 std::string NewTokenText();
+// That of a share, which is known as one when it has ended, too.
+std::string NewShareText();
 std::string HashToken(std::string_view text);
 
 }  // namespace skyquilt::api

@@ -78,7 +78,10 @@ Response ListShares(Service& service, const Request& request) {
   for (const storage::Token& share : SharesOf(*set, flight_id, storage::Now())) {
     items.push_back(JsonObject(Described(share)));
   }
+  std::vector<std::string> addresses;
+  for (const std::string& address : service.addresses_for_others()) addresses.push_back(JsonString(address));
   return Json(200, JsonObject({{"needs_token", set->requires_token ? "true" : "false"},
+                               {"addresses", JsonArray(addresses)},
                                {"shares", JsonArray(items)}}));
 }
 
@@ -106,19 +109,10 @@ Response AddShare(Service& service, const Request& request, const std::string& b
   if (!days) return Problem(days.error(), request);
   const Result<storage::TokenSet> set = service.tokens.Read();
   if (!set) return Problem(set.error(), request);
-  if (!set->requires_token) {
-    // A first token would close the server to everybody else.
-    return Problem(
-        {ErrorCode::kConflict,
-         "This server asks nobody for a token: the address of the flight alone shows it to whoever can reach "
-         "the server.",
-         ""},
-        request);
-  }
   const storage::Time now = storage::Now();
   const Result<void> has_room = MakeRoom(service, *set, flight_id, now);
   if (!has_room) return Problem(has_room.error(), request);
-  const std::string text = NewTokenText();
+  const std::string text = NewShareText();
   storage::Token token;
   token.id = storage::NewId();
   token.name = "share-" + token.id;
@@ -126,7 +120,7 @@ Response AddShare(Service& service, const Request& request, const std::string& b
   token.created = now;
   if (*days) token.expires = now + std::chrono::hours(24) * **days;
   token.flight_id = flight_id;
-  const Result<void> added = service.tokens.Add(token);
+  const Result<void> added = service.tokens.AddShare(token);
   if (!added) return Problem(added.error(), request);
   auto members = Described(token);
   members.emplace_back("token", JsonString(text));

@@ -36,6 +36,7 @@
 #include "server/open_blobs.h"
 #include "server/open_storage.h"
 #include "server/routing/address_range.h"
+#include "server/routing/network_addresses.h"
 #include "server/routing/request_log.h"
 #include "server/routing/static_files.h"
 #include "server/usage/blob_options.h"
@@ -292,6 +293,9 @@ void RunServer(const ServeOptions& options) {
   });
   Result<std::unique_ptr<HttpServer>> server = HttpServer::Listen(*settings, router, service);
   if (!server) Fail("skyquilt serve", server.error());
+  service.addresses_for_others = [&settings = *settings, port = (*server)->port()] {
+    return AddressesForOthers(settings, port);
+  };
   (*server)->Start();
   const std::string host =
       settings->address.find(':') == std::string::npos ? settings->address : "[" + settings->address + "]";

@@ -86,7 +86,7 @@ void Add(const TokenOptions& options) {
            {ErrorCode::kInvalidArgument, "A token for one flight only reads: leave --scope out.", ""});
     }
   }
-  const std::string text = api::NewTokenText();
+  const std::string text = options.flight.empty() ? api::NewTokenText() : api::NewShareText();
   storage::Token token;
   token.id = storage::NewId();
   token.name = options.name;

@@ -1,17 +1,13 @@
 #include "server/routing/origin_policy.h"
 
-#include <arpa/inet.h>
-#include <ifaddrs.h>
-#include <netinet/in.h>
-
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <mutex>
 #include <optional>
 #include <vector>
 
 #include "server/routing/address_range.h"
+#include "server/routing/network_addresses.h"
 
 namespace skyquilt::server {
 namespace {
@@ -32,24 +28,6 @@ std::string_view WithoutPort(std::string_view host) {
   return host.substr(0, host.find(':'));
 }
 
-std::vector<AddressBytes> AddressesOfThisMachine() {
-  std::vector<AddressBytes> addresses;
-  ifaddrs* list = nullptr;
-  if (getifaddrs(&list) != 0) return addresses;
-  std::array<char, INET6_ADDRSTRLEN> text{};
-  for (const ifaddrs* one = list; one != nullptr; one = one->ifa_next) {
-    if (one->ifa_addr == nullptr) continue;
-    const int family = one->ifa_addr->sa_family;
-    const void* bytes = nullptr;
-    if (family == AF_INET) bytes = &reinterpret_cast<const sockaddr_in*>(one->ifa_addr)->sin_addr;
-    if (family == AF_INET6) bytes = &reinterpret_cast<const sockaddr_in6*>(one->ifa_addr)->sin6_addr;
-    if (bytes == nullptr || inet_ntop(family, bytes, text.data(), text.size()) == nullptr) continue;
-    if (const std::optional<AddressBytes> address = ParseAddress(text.data())) addresses.push_back(*address);
-  }
-  freeifaddrs(list);
-  return addresses;
-}
-
 // Networks come and go while the server runs; a few seconds are soon enough.
 bool IsAddressOfThisMachine(const AddressBytes& address) {
   constexpr std::chrono::seconds kFreshFor{5};
@@ -59,7 +37,10 @@ bool IsAddressOfThisMachine(const AddressBytes& address) {
   const auto now = std::chrono::steady_clock::now();
   const std::lock_guard lock(mutex);
   if (!read_at || now - *read_at > kFreshFor) {
-    known = AddressesOfThisMachine();
+    known.clear();
+    for (const std::string& text : AddressesOfThisMachine()) {
+      if (const std::optional<AddressBytes> parsed = ParseAddress(text)) known.push_back(*parsed);
+    }
     read_at = now;
   }
   return std::find(known.begin(), known.end(), address) != known.end();

@@ -18,6 +18,31 @@ std::span<const std::uint8_t> Bytes(const std::string& text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
+Result<void> InsertToken(SqlConnection& db, const Token& token) {
+  SKYQUILT_TRY_ASSIGN(
+      Statement insert,
+      db.Prepare("INSERT INTO token(id,name,hash,scope,created_us,expires_us,most_bytes,requests_per_minute,"
+                 "flight_id) VALUES(?,?,?,?,?,?,?,?,?)"));
+  insert.Bind(1, token.id).Bind(2, token.name).Bind(3, Bytes(token.hash)).Bind(4, ScopeName(token.scope));
+  insert.Bind(5, ToUs(token.created)).BindNull(6);
+  if (token.expires) insert.Bind(6, ToUs(*token.expires));
+  insert.BindNull(7).BindNull(8).BindNull(9);
+  if (token.max_bytes) insert.Bind(7, *token.max_bytes);
+  if (token.requests_per_minute) insert.Bind(8, *token.requests_per_minute);
+  if (!token.flight_id.empty()) insert.Bind(9, token.flight_id);
+  Result<void> inserted = insert.Run();
+  if (!inserted && inserted.error().code == ErrorCode::kConflict) {
+    return Error{ErrorCode::kConflict, fmt::format("There is a token named \"{}\" already.", token.name), ""};
+  }
+  return inserted;
+}
+
+Result<bool> AsksForToken(SqlConnection& db) {
+  SKYQUILT_TRY_ASSIGN(Statement policy, db.Prepare("SELECT asks_for_token FROM token_policy"));
+  SKYQUILT_TRY_ASSIGN(const bool row, policy.Step());
+  return !row || policy.ColumnInt64(0) != 0;
+}
+
 }  // namespace
 
 const char* ScopeName(Scope scope) { return kScopeNames[static_cast<std::size_t>(scope)]; }
@@ -35,23 +60,23 @@ bool TokenSet::HasLiveOne(Time now) const {
 
 Result<void> Tokens::Add(const Token& token) {
   const auto db = db_.Lock();
-  SKYQUILT_TRY_ASSIGN(
-      Statement insert,
-      db->Prepare("INSERT INTO token(id,name,hash,scope,created_us,expires_us,most_bytes,requests_per_minute,"
-                  "flight_id) VALUES(?,?,?,?,?,?,?,?,?)"));
-  insert.Bind(1, token.id).Bind(2, token.name).Bind(3, Bytes(token.hash)).Bind(4, ScopeName(token.scope));
-  insert.Bind(5, ToUs(token.created)).BindNull(6);
-  if (token.expires) insert.Bind(6, ToUs(*token.expires));
-  insert.BindNull(7).BindNull(8).BindNull(9);
-  if (token.max_bytes) insert.Bind(7, *token.max_bytes);
-  if (token.requests_per_minute) insert.Bind(8, *token.requests_per_minute);
-  if (!token.flight_id.empty()) insert.Bind(9, token.flight_id);
-  Result<void> inserted = insert.Run();
+  const Result<void> inserted = InsertToken(*db, token);
   has_changed_ = true;
-  if (!inserted && inserted.error().code == ErrorCode::kConflict) {
-    return Error{ErrorCode::kConflict, fmt::format("There is a token named \"{}\" already.", token.name), ""};
-  }
   return inserted;
+}
+
+Result<void> Tokens::AddShare(const Token& token) {
+  const auto db = db_.Lock();
+  SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
+  // Held from here on: a first token that is made elsewhere meanwhile comes before or after, and closes the
+  // server either way. The catalogue takes every new token for a first one; a share is none.
+  SKYQUILT_TRY(db->Exec("UPDATE token_policy SET asks_for_token=asks_for_token"));
+  SKYQUILT_TRY_ASSIGN(const bool asked, AsksForToken(*db));
+  SKYQUILT_TRY(InsertToken(*db, token));
+  if (!asked) SKYQUILT_TRY(db->Exec("UPDATE token_policy SET asks_for_token=0"));
+  SKYQUILT_TRY(transaction.Commit());
+  has_changed_ = true;
+  return {};
 }
 
 Result<void> Tokens::Revoke(const std::string& name) {
@@ -109,9 +134,7 @@ Result<TokenSet> Tokens::Read() const {
   }
   // Asked after the list: a token that is made in between closes the server, and never is one left out that
   // opens it.
-  SKYQUILT_TRY_ASSIGN(Statement policy, db->Prepare("SELECT asks_for_token FROM token_policy"));
-  SKYQUILT_TRY_ASSIGN(const bool row, policy.Step());
-  set.requires_token = !row || policy.ColumnInt64(0) != 0;
+  SKYQUILT_TRY_ASSIGN(set.requires_token, AsksForToken(*db));
   return set;
 }
 

@@ -50,6 +50,8 @@ class Tokens {
  public:
   explicit Tokens(CatalogueDb& db) : db_(db) {}
   Result<void> Add(const Token& token);
+  // One that opens a flight. It closes no server that asks nobody for a token.
+  Result<void> AddShare(const Token& token);
   Result<void> Revoke(const std::string& name);
   // A token of this flight alone; kNotFound for any other.
   Result<void> RevokeShare(const std::string& flight_id, const std::string& id);

@@ -117,6 +117,39 @@ TEST(Access, TheLastTokenRevokedOrEndedOpensNothing) {
   EXPECT_EQ(sample.Get("/api/v1/flights").status, 401);
 }
 
+TEST(Access, AShareOnlyReadsAlsoWhereNobodyNeedsAToken) {
+  SampleService sample;
+  const std::string flight = sample.NewFlight();
+  const std::string other = sample.NewFlight();
+  const std::string share = NewShareText();
+  ASSERT_TRUE(sample.service().tokens.AddShare(
+      {"one", "one", HashToken(share), Scope::kRead, storage::Now(), {}, {}, {}, flight}));
+  EXPECT_FALSE(sample.service().tokens.Read()->requires_token);
+  for (const auto& [method, pattern] : sample.router().Routes()) {
+    const std::optional<Scope> scope = ScopeOf(method, pattern);
+    const std::string what = std::string(MethodName(method)) + " " + pattern;
+    EXPECT_EQ(StatusFor(sample, method, pattern, ""), 0) << what;
+    for (const bool in_query : {false, true}) {
+      EXPECT_EQ(StatusFor(sample, method, pattern, share, in_query), scope > Scope::kRead ? 403 : 0) << what;
+    }
+  }
+  Headers shown;
+  shown.Add("Authorization", "Bearer " + share);
+  EXPECT_EQ(sample.Get("/api/v1/access", shown).body,
+            R"({"needs_token":false,"scope":"read","flight":")" + flight + R"(","keep_days":0})");
+  EXPECT_EQ(sample.Get("/api/v1/flights", shown).body.find(other), std::string::npos);
+  // Revoked, it is still no more than it was.
+  ASSERT_TRUE(sample.service().tokens.RevokeShare(flight, "one"));
+  EXPECT_EQ(sample.Get("/api/v1/access", shown).status, 401);
+  EXPECT_EQ(sample.Get("/api/v1/access").status, 200);
+  // A first token closes the server as ever, and a share opens none that is closed.
+  MakeToken(sample, "two", Scope::kRead);
+  ASSERT_TRUE(sample.service().tokens.AddShare(
+      {"three", "three", HashToken(share), Scope::kRead, storage::Now(), {}, {}, {}, flight}));
+  EXPECT_EQ(sample.Get("/api/v1/flights").status, 401);
+  EXPECT_EQ(sample.Get("/api/v1/access", shown).status, 200);
+}
+
 TEST(Access, TokensAreLongAndNeverTheSame) {
   EXPECT_GE(NewTokenText().size(), 46u);
   EXPECT_NE(NewTokenText(), NewTokenText());

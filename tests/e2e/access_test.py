@@ -218,14 +218,25 @@ class OneFlight(AccessCase):
             self.assertNotEqual(refused.returncode, 0, wrong)
             self.assertNotEqual(refused.stderr + refused.stdout, "", wrong)
 
-    def test_an_open_server_has_nothing_to_share(self):
+    def test_a_share_of_an_open_server_only_reads_and_ends(self):
         server = self.serve("--workers", "0")
         _, flight = server.json("POST", "/api/v1/flights", {})
         at = f"/api/v1/flights/{flight['id']}/shares"
-        self.assertEqual(server.json("GET", at), (200, {"needs_token": False, "shares": []}))
-        status, refused = server.json("POST", at, {})
-        self.assertEqual((status, "address" in refused["detail"]), (409, True), refused)
+        self.assertEqual(server.json("GET", at), (200, {"needs_token": False, "addresses": [], "shares": []}))
+        status, made = server.json("POST", at, {})
+        self.assertEqual(status, 201, made)
+        share = {"Authorization": f"Bearer {made['token']}"}
+        one = f"/api/v1/flights/{flight['id']}"
+        self.assertEqual(server.request("GET", one, headers=share)[0], 200)
+        self.assertEqual(server.request("DELETE", one, headers=share)[0], 403)
+        self.assertEqual(server.request("DELETE", f"{one}?token={made['token']}")[0], 403)
+        self.assertEqual(json.loads(server.request("GET", "/api/v1/access", headers=share)[2])["scope"], "read")
+        # It has closed the server to nobody; revoked, it opens nothing, and no more than it did.
         self.assertEqual(server.request("GET", "/api/v1/flights")[0], 200)
+        self.assertEqual(server.request("DELETE", f"{at}/{made['id']}")[0], 204)
+        self.assertEqual(server.request("GET", one, headers=share)[0], 401)
+        self.assertEqual(server.request("DELETE", one, headers=share)[0], 401)
+        self.assertEqual(server.request("GET", one)[0], 200)
 
 
 class Secrets(AccessCase):

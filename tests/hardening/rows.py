@@ -67,6 +67,9 @@ ACCESS = ("Who may do what", [
     ("one flight shared with a read token", "every flight open", "tokens of one flight with an end; Share on the page",
      ["FlightAccess.ATokenOfOneFlightReadsThatOneAlone", "access_test.py test_a_flight_is_shared_for_a_while_and_no_longer",
       "page_share.test.js a link is made for as long as chosen, listed, and revoked"]),
+    ("a link of a server that asks nobody for a token: delete by it, read by it after its end", "done; there were none",
+     "reads its flight alone, 401 once it has ended", ["Access.AShareOnlyReadsAlsoWhereNobodyNeedsAToken",
+                                                        "access_test.py test_a_share_of_an_open_server_only_reads_and_ends"]),
     ("a webhook's secret asked for", "world-readable catalogue", "told once; the data folder is 0700",
      ["access_test.py test_a_webhook_tells_its_secret_once", "data_safety_test.py test_the_folder_is_its_owners_alone"]),
 ])

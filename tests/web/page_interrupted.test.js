@@ -1,12 +1,15 @@
 // Uploads that do not run through, in Chromium against the mock server: stopped, deleted and taken back, paused, and a
 // server that is away.
 import assert from 'node:assert/strict';
+import { mkdirSync, mkdtempSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
 import { test } from 'node:test';
 import { mapIdle } from './support/browser.js';
 import { assertAccessible, assertQuiet, options, usePages } from './support/pages.js';
 import { photoFiles } from './support/photo_files.js';
 
-const { setUp } = usePages();
+const { setUp, cleanUp } = usePages();
 const only = (/** @type {any} */ mock) => [...mock.flights.values()][0];
 
 /** Sends photos of which the server takes so many and holds the rest. */
@@ -18,6 +21,43 @@ async function uploadPart(page, mock, taken, all) {
   await page.setInputFiles('#files-input', photoFiles(all));
   await page.waitForFunction((n) => Number(document.querySelector('#upload-counts')?.textContent?.split(' ')[0]) >= n, taken);
 }
+
+test('a new flight during an upload is a flight of its own, and photos of another card are asked about', options, async () => {
+  const opened = await setUp();
+  const { page, mock } = opened;
+  const release = mock.holdUploads();
+  await page.setInputFiles('#files-input', photoFiles(6));
+  await page.waitForSelector('#upload-progress');
+  const [first] = mock.flights.values();
+  // Cards number their photos alike.
+  const folder = mkdtempSync(join(tmpdir(), 'skyquilt-web-'));
+  cleanUp(async () => rmSync(folder, { recursive: true, force: true }));
+  mkdirSync(join(folder, 'Dunes'));
+  const dunes = photoFiles(4, 30_000);
+  for (const { name, buffer } of dunes) writeFileSync(join(folder, 'Dunes', name), buffer);
+  const [chooser] = await Promise.all([page.waitForEvent('filechooser'), page.click('#new-flight')]);
+  await chooser.setFiles(join(folder, 'Dunes'));
+  await page.waitForFunction((id) => /flights\/\w/.test(location.hash) && !location.hash.includes(id), first.id);
+  assert.equal(await page.locator('dialog').count(), 0, 'who says so is not asked');
+  await page.waitForSelector('#upload-counts:has-text("of 4 files")');
+  assert.equal(mock.flights.size, 2);
+  // Without a word, photos of the names that are being sent are not taken for those.
+  await page.setInputFiles('#files-input', photoFiles(3, 40_000));
+  await page.waitForSelector('dialog #where-title');
+  assert.doesNotMatch((await page.textContent('dialog')) ?? '', /rebuild/, 'there is no map yet');
+  await page.click('dialog >> text=Cancel');
+  // The same again is the same upload.
+  await page.setInputFiles('#files-input', dunes);
+  await page.waitForTimeout(300);
+  assert.equal(await page.locator('dialog').count(), 0);
+  release();
+  await mapIdle(page);
+  const second = [...mock.flights.values()].find((flight) => flight !== first);
+  while (first.files.size < 6 || !first.job) await page.waitForTimeout(50);
+  assert.deepEqual([first.files.size, second.files.size, second.name], [6, 4, 'Dunes']);
+  assert.ok(second.job, 'each has its own job');
+  await assertQuiet(opened);
+});
 
 test('a stopped upload says what the server lacks, there and after a reload, and goes on', options, async () => {
   const opened = await setUp({ upload_ms: 40 });

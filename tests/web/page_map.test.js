@@ -159,9 +159,9 @@ test('the view is in the address once it was moved, and a reload or a link shows
   await mapIdle(page);
   const after = await view();
   before.forEach((value, i) => assert.ok(Math.abs(value - after[i]) < (i === 0 ? 0.01 : 1e-6), `${before} ${after}`));
-  await page.goto(`${mock.url}?x=1#/flights/${flight.id}?token=sq_given&at=12/46.9/7.4`);
+  await page.goto(`${mock.url}?x=1#/flights/${flight.id}?token=sq_given&at=12/46.94/7.42`);
   await mapIdle(page);
-  assert.deepEqual((await view()).map((value) => Number(value.toFixed(4))), [12, 7.4, 46.9]);
+  assert.deepEqual((await view()).map((value) => Number(value.toFixed(4))), [12, 7.42, 46.94]);
   assert.ok(!page.url().includes('sq_given'));
   await assertQuiet(opened);
 });
@@ -180,5 +180,39 @@ test('from afar a mark shows where the map is, and a click on it goes there', op
   await page.mouse.click(box.x + spot.x, box.y + spot.y);
   await page.waitForFunction(() => /** @type {any} */ (window).skyquilt.map.getZoom() > 16);
   assert.ok(await page.locator('#photo-card').isHidden());
+  await assertQuiet(opened);
+});
+
+test('a map that a job moves is seen where the page was loaded meanwhile, and where its old place is in the address', options, async () => {
+  const opened = await setUp({ is_unplaced: true, job_ms: 60_000 });
+  const { page, mock } = opened;
+  const flight = mock.seedReady('Nowhere');
+  Object.assign(flight.place, { lon: 0.0004, lat: 0.0003 });
+  const old_place = 'at=19.00/0.0003000/0.0004000';
+  const is_seen = () => page.evaluate(([lon, lat]) => {
+    const { map } = /** @type {any} */ (window).skyquilt;
+    return map.getBounds().contains([lon, lat]);
+  }, [7.44, 46.95]);
+  // Begun in another window; this one is loaded while it runs, once by itself and once where it was moved.
+  for (const place of ['', `?${old_place}`]) {
+    Object.assign(flight.place, { lon: 0.0004, lat: 0.0003 });
+    const body = JSON.stringify({ options: { place: [{ shown: [0.0003, 0.0004], is: [46.95, 7.44] }] } });
+    await fetch(`${mock.url}api/v1/flights/${flight.id}/jobs`, { method: 'POST', headers: { 'Content-Type': 'application/json' }, body });
+    await page.goto('about:blank');
+    await page.goto(`${mock.url}#/flights/${flight.id}${place}`);
+    await mapIdle(page);
+    assert.equal(await page.locator('#job').count(), 1, 'it runs');
+    assert.ok(!(await is_seen()), 'until it is there, the map that was is shown');
+    flight.job.at -= 60_000;  // and now it ends
+    await page.waitForSelector('#job', { state: 'detached' });
+    await page.waitForFunction(() => Math.abs(/** @type {any} */ (window).skyquilt.map.getCenter().lng - 7.44) < 0.001);
+    await mapIdle(page);
+    assert.ok(await is_seen());
+    assert.ok(!page.url().includes('at='), page.url());
+  }
+  await page.goto('about:blank');
+  await page.goto(`${mock.url}#/flights/${flight.id}?${old_place}`);
+  await mapIdle(page);
+  assert.ok(await is_seen(), 'a view that has nothing of the map is none');
   await assertQuiet(opened);
 });

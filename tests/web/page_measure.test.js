@@ -168,3 +168,61 @@ test('a file that cannot be laid over the map is named with what to do', options
   await page.waitForFunction(() => Math.abs(/** @type {any} */ (window).skyquilt.map.getCenter().lng + 70) < 0.01);
   await assertQuiet(opened, [/inline style/]);  // Chromium's own words on damaged XML
 });
+
+for (const [screen, context] of /** @type {const} */ ([['laptop', {}], ['phone', { viewport: { width: 390, height: 844 }, isMobile: true, hasTouch: true }]])) {
+  test(`what is measured is covered by nothing on a ${screen}; a band follows, and an area is offered for an export`, options, async () => {
+    const opened = await setUp({}, { locale: 'en-GB', ...context });
+    const { page, mock } = opened;
+    const flight = await openReady({ page, mock }, 'Meadow');
+    await page.click('#tool-area');
+    const view = () => page.evaluate(() => {
+      const { left, top, width, height } = /** @type {HTMLElement} */ (document.querySelector('#map')).getBoundingClientRect();
+      return { left, top, width, height };
+    });
+    await page.waitForFunction(() => /** @type {any} */ (window).skyquilt.map.getCanvas().clientHeight === document.querySelector('#map')?.clientHeight);
+    // Near the corners, where cards used to lie.
+    const box = await view();
+    const press = (/** @type {number} */ x, /** @type {number} */ y) => (screen === 'phone' ? page.touchscreen.tap(box.left + x, box.top + y) : page.mouse.click(box.left + x, box.top + y));
+    await press(30, 40);
+    const band = () => page.evaluate(async () => {
+      const { map } = /** @type {any} */ (window).skyquilt;
+      const found = (await map.getSource('measure').getData()).features.find((/** @type {any} */ f) => f.properties.band);
+      return found ? found.geometry.coordinates.map((/** @type {any} */ place) => map.project(place)) : null;
+    });
+    if (screen === 'laptop') {
+      await page.mouse.move(box.left + 300, box.top + 200);
+      const [from, to] = await band();
+      assert.ok(Math.hypot(from.x - 30, from.y - 40) < 1 && Math.hypot(to.x - 300, to.y - 200) < 1, JSON.stringify([from, to]));
+    } else {
+      // A finger moves the map below the cross, which is where the next point would be.
+      await page.evaluate(() => /** @type {any} */ (window).skyquilt.map.panBy([-20, -30], { duration: 0 }));
+      const [from, to] = await band();
+      assert.ok(Math.hypot(from.x - 50, from.y - 70) < 1 && Math.hypot(to.x - box.width / 2, to.y - box.height / 2) < 1, JSON.stringify([from, to, box]));
+      await page.evaluate(() => /** @type {any} */ (window).skyquilt.map.panBy([20, 30], { duration: 0 }));
+    }
+    await press(30, box.height - 60);
+    await press(box.width - 90, box.height - 60);
+    assert.equal(await page.locator('.measure-point').count(), 3);
+    const covered = await page.locator('.measure-point').evaluateAll((points) => points.map((point) => {
+      const { left, top, width, height } = point.getBoundingClientRect();
+      return point.contains(document.elementFromPoint(left + width / 2, top + height / 2));
+    }));
+    assert.deepEqual(covered, [true, true, true], 'each point can be seen and taken');
+    const card = await page.locator('#measure-card').boundingBox();
+    const now = await view();
+    assert.deepEqual([now.left, now.top, now.width, now.height], [box.left, box.top, box.width, box.height], 'the map stays as it is while one measures');
+    assert.ok(card.x + card.width <= now.left + 1 || card.y >= now.top + now.height - 17, `${JSON.stringify(card)} beside ${JSON.stringify(now)}`);
+    await assertAccessible(page, `measuring on a ${screen}`);
+    await page.click('#measure-export');
+    await page.waitForSelector('#export-area');
+    assert.match(await page.locator('#export-area option:checked').textContent(), /^Area drawn on the map/);
+    await page.click('#export-start');
+    await page.waitForSelector('#exports li');
+    assert.equal(flight.exports[0].boundary.coordinates[0].length, 4);
+    await page.keyboard.press('Escape');
+    await page.click('#measure-card .card-head .icon-button');
+    assert.equal(await page.locator('#measure-card').isVisible(), false);
+    assert.equal(await page.evaluate(() => 'measuring' in document.body.dataset), false);
+    await assertQuiet(opened);
+  });
+}

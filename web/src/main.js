@@ -4,6 +4,7 @@
 /** @import { FlightView } from './flight/flight_view.js' */
 /** @import { Route } from './shared/router.js' */
 /** @import { Selection } from './upload/drop_files.js' */
+/** @import { Wish } from './upload/drop_zone.js' */
 import { takeSharedToken } from './shared/token.js';
 import { announce, showError, showNote } from './shared/announce.js';
 import { createFlight, getFlight, getTrash, listFiles, listFlights, mayUpload, renameFlight } from './shared/api.js';
@@ -16,7 +17,7 @@ import { icon } from './shared/icons.js';
 import { keepLanguage, kLanguages, language } from './shared/language.js';
 import { go, routeHash, watchRoute } from './shared/router.js';
 import { strings } from './shared/strings.js';
-import { dropZone, holdsUploads, isUploading, uploadOf } from './upload/drop_zone.js';
+import { dropZone, holdsUploads, isUploading, stoppedUploadOf, uploadOf } from './upload/drop_zone.js';
 
 takeSharedToken();
 // A share link that is opened while the page is open: everything is loaded again, with its token.
@@ -55,7 +56,7 @@ const welcome = byId('welcome');
 /** @type {FlightView|null} */
 let open_view = null;
 
-const pickers = dropZone((selection) => void takeFiles(selection));
+const pickers = dropZone((selection, wish) => void takeFiles(selection, wish));
 const list = flightList({
   rename,
   remove: (flight) => void remove(flight).catch(showError),
@@ -78,7 +79,7 @@ const drop_bar = h(
 const list_end = h('div', { class: 'list-end' });
 list.element.prepend(drop_bar, h('p', { class: 'reads-only muted', id: 'reads-only' }, strings.welcome.guest_lead));
 list.element.append(list_end);
-byId('new-flight').addEventListener('click', pickers.choose_folder);
+byId('new-flight').addEventListener('click', pickers.new_flight);
 
 /** @typedef {Awaited<ReturnType<typeof loadParts>>} Parts */
 /** @type {Promise<Parts>|null} */
@@ -167,18 +168,18 @@ function focusList() {
   focus_list = false;
 }
 
-/** @param {Selection} selection */
-async function takeFiles(selection) {
+/** @param {Selection} selection @param {Wish} wish */
+async function takeFiles(selection, wish) {
   try {
     if (!(await mayUpload())) {
       showNote(strings.access.reads_only, { is_error: true });
       return;
     }
     const { askWhereTo, startUpload } = await needParts();
-    const open = open_view?.flight && mayChange(open_view.flight) ? open_view.flight : null;
+    const open = wish !== 'new' && open_view?.flight && mayChange(open_view.flight) ? open_view.flight : null;
     let id = open?.id ?? '';
-    if (open && open.state !== 'empty' && !uploadOf(open.id) && !(await isRest(open, selection))) {
-      const answer = await askWhereTo(selection.chosen.length, open.name);
+    if (open && (await mayBeOfAnother(open, selection, wish))) {
+      const answer = await askWhereTo(selection.chosen.length, open.name, Boolean(open.tilejson));
       if (answer === '') return;
       if (answer === 'new') id = '';
     }
@@ -193,14 +194,21 @@ async function takeFiles(selection) {
 }
 
 /**
- * Is this the rest of an upload that was broken off? Then no dialog is needed.
- * @param {Flight} flight
+ * Two flights in one make a map of neither: whoever has not said where files go is asked, but for the first of a flight
+ * and for the rest of an upload, of which some are there already. Cards number their photos alike: a file is known by
+ * its size too.
+ * @param {Flight} flight that is open
  * @param {Selection} selection
+ * @param {Wish} wish
  */
-async function isRest(flight, selection) {
-  if (flight.state !== 'uploaded') return false;
-  const stored = new Set((await listFiles(flight.id)).map(({ name }) => name));
-  return selection.chosen.some(({ name }) => stored.has(name));
+async function mayBeOfAnother(flight, { chosen }, wish) {
+  const upload = uploadOf(flight.id) ?? stoppedUploadOf(flight.id);
+  if (flight.state !== 'empty' && flight.state !== 'uploaded') return !(upload && wish === 'add');
+  if (wish === 'add' || (flight.state === 'empty' && !upload)) return false;
+  const known = new Map((upload?.queue.items ?? []).map(({ name, bytes }) => [name, bytes]));
+  for (const { name, bytes } of await listFiles(flight.id)) known.set(name, bytes);
+  const again = chosen.filter(({ name }) => known.has(name));
+  return again.length === 0 || again.some(({ name, file }) => known.get(name) !== file.size);
 }
 
 /** By the day its first photo was taken, as the camera's clock had it; else by that of the oldest file. @param {Selection} selection */
@@ -253,7 +261,7 @@ async function openFlight(route) {
       rename,
       remove: (flight) => void remove(flight).catch(showError),
       share: showShareDialog,
-      add_photos: pickers.choose_folder,
+      add_photos: pickers.add_photos,
       home: homeHash,
       tags: list.known_tags,
       show_map: sheet.close,

@@ -86,10 +86,12 @@ test('a map without any position is placed by points that are imported and click
     await choosePhoto(page, first.photo);
     await clickPixel(page, first);
     await assertAccessible(page, 'marking dialog');
-    // The keyboard moves the mark, and a step is undone.
+    // The keyboard moves the cross, Enter the mark to it, and the next is undone.
     const kept = async () => (await get(server.url, `flights/${id}/control`)).points[0].marks[0];
     await page.keyboard.press('Shift+ArrowRight');
+    await page.keyboard.press('Enter');
     await page.keyboard.press('ArrowUp');
+    await page.keyboard.press('Enter');
     await page.keyboard.press('Control+z');
     await saved(page);
     const moved = await kept();

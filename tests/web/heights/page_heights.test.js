@@ -47,6 +47,8 @@ test('heights have a decimetre and no minus before a zero', () => {
 
 /** @param {any} page @param {[number, number][]} at shares of the map's size */
 async function clickMap(page, at) {
+  // On a phone the map has less room while one measures.
+  await page.waitForFunction(() => document.querySelector('.maplibregl-canvas')?.clientHeight === document.querySelector('#map')?.clientHeight);
   const box = await page.locator('.maplibregl-canvas').boundingBox();
   for (const [x, y] of at) {
     const [left, top] = [box.x + x * box.width, box.y + y * box.height];

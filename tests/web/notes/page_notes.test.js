@@ -5,6 +5,7 @@ import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
 import { measurementsGeoJson, measurementsGpx, measurementsKml } from '../../../web/src/map/measurement_files.js';
 import { rebased, withChanges } from '../../../web/src/notes/note_merge.js';
+import { withRoom } from '../../../web/src/notes/note_labels.js';
 import { boundsOfNote, labelPlace, measurementOf, noteOf } from '../../../web/src/notes/note_shape.js';
 import { mapIdle } from '../support/browser.js';
 import { assertAccessible, assertQuiet, options, usePages } from '../support/pages.js';
@@ -51,6 +52,12 @@ test('notes are files that other programs open, with their words', () => {
   assert.match(gpx, /<wpt lat="46\.9512" lon="7\.4391">[^]*<desc>Cover &amp; lid[^]*<\/wpt>\s*<trk>[^]*Fence &lt;1&gt;/, 'waypoints before tracks');
   assert.deepEqual(boundsOfNote(area), [7.4, 46.9, 7.41, 46.91]);
   assert.deepEqual(labelPlace(line), [7.4391, 46.9512]);
+});
+
+test('of names that would overlap the first is shown', () => {
+  const box = (/** @type {number} */ x, /** @type {number} */ y) => ({ x, y, width: 50, height: 20 });
+  assert.deepEqual(withRoom([box(0, 0), box(40, 10), box(80, 20), box(50, 0), box(0, 20)]), [true, false, true, true, true]);
+  assert.deepEqual(withRoom([]), []);
 });
 
 async function open(opened, flight) {
@@ -239,5 +246,21 @@ test('a name that is no markup stays text, one that is too long is refused, and 
   assert.equal(await page.locator('#note-form').count(), 0);
   await page.$eval('#notes', (notes) => notes.scrollIntoView({ block: 'start' }));
   await assertAccessible(page, 'German notes on a phone');
+  await assertQuiet(opened);
+});
+
+test('names on the map do not overlap: the later one comes when one zooms in, and is in the list all along', options, async () => {
+  const opened = await setUp({}, { locale: 'en-GB' });
+  const { page, mock } = opened;
+  const flight = mock.seedReady('Meadow');
+  const near = noteOf('Gate that is always open', '', { type: 'Point', coordinates: [7.43915, 46.95122] }, 'b');
+  flight.notes = { features: [pointAt('a', 'Well at the old mill'), near], number: 1 };
+  await open(opened, flight);
+  await page.waitForSelector('.note-mark');
+  const shown = () => page.locator('.note-mark:visible').allTextContents();
+  assert.deepEqual(await shown(), ['Well at the old mill']);
+  assert.equal(await page.locator('#note-list li').count(), 2);
+  await page.evaluate(() => /** @type {any} */ (window).skyquilt.map.jumpTo({ center: [7.43912, 46.95121], zoom: 23 }));
+  await page.waitForFunction(() => document.querySelectorAll('.note-mark:not([hidden])').length === 2);
   await assertQuiet(opened);
 });

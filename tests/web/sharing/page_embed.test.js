@@ -15,9 +15,10 @@ test('a map in a frame has its name, scale and makers, moves, and opens the page
   await page.goto(`${mock.url}#/flights/${flight.id}`);
   await mapIdle(page);
   await page.click('#flight-share');
-  await page.waitForSelector('#share-body input');
-  const snippet = await page.locator('#share-body input').nth(1).inputValue();
-  assert.match(snippet, /^<iframe src="http:\/\/127\.0\.0\.1:\d+\/embed\/\w+" title="Meadow &lt;1&gt;"/);
+  await page.click('#share-make');
+  await page.waitForSelector('#share-made input');
+  const snippet = await page.locator('#share-made input').nth(1).inputValue();
+  assert.match(snippet, /^<iframe src="http:\/\/127\.0\.0\.1:\d+\/embed\/\w+#token=\w+" title="Meadow &lt;1&gt;"/);
   await assertAccessible(page, 'share dialog');
   const outer = await startOuterPage(snippet);
   cleanUp(outer.close);
@@ -38,7 +39,7 @@ test('a map in a frame has its name, scale and makers, moves, and opens the page
   await page.mouse.wheel(0, 300);
   await page.waitForTimeout(400);
   assert.equal(await zoom(), zoomed);
-  assert.match(String(await frame.getAttribute('.embed-caption', 'href')), new RegExp(`#/flights/${flight.id}$`));
+  assert.match(String(await frame.getAttribute('.embed-caption', 'href')), new RegExp(`#/flights/${flight.id}\\?token=${flight.shares[0].token}$`));
   opened.foreign_requests = opened.foreign_requests.filter((url) => !url.startsWith(outer.url));
   await assertQuiet(opened);
   await page.goto(`${mock.url}embed/${flight.id}`);

@@ -1,6 +1,7 @@
 // Sharing a flight on the page, in Chromium against the mock server.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
+import { isLoopback } from '../../../web/src/flight/share_dialog.js';
 import { mapIdle } from '../support/browser.js';
 import { assertAccessible, assertQuiet, openReady, options, usePages } from '../support/pages.js';
 
@@ -31,15 +32,71 @@ test('a link is made for as long as chosen, listed, and revoked', options, async
   await assertQuiet(opened);
 });
 
-test('where nobody needs a token the address itself is the link', options, async () => {
+/** Opens what is shared without a map being drawn. */
+async function openShare({ page, mock }) {
+  const flight = mock.seedReady('Meadow');
+  await page.goto(`${mock.url}#/flights/${flight.id}`);
+  await page.click('#flight-share');
+  await page.waitForSelector('#share-make');
+  return flight;
+}
+
+test('on a server of this computer alone a link says so, and how others see the map', options, async () => {
   const opened = await setUp();
   const { page, mock } = opened;
-  const flight = await openReady({ page, mock }, 'Meadow');
-  await page.click('#flight-share');
-  await page.waitForSelector('#share-body input');
-  assert.equal(await page.inputValue('#share-body input'), `${mock.url}#/flights/${flight.id}`);
-  assert.equal(await page.locator('#share-make').count(), 0);
+  const flight = await openShare(opened);
+  assert.match(await page.textContent('#share-who'), /this computer only/);
+  await page.click('#share-make');
+  await page.waitForSelector('#share-made input');
+  assert.match(await page.textContent('#share-made label'), /this computer only/);
+  assert.equal(await page.inputValue('#share-made input'), `${mock.url}#/flights/${flight.id}?token=${flight.shares[0].token}`);
+  const { port } = new URL(mock.url);
+  assert.equal(await page.textContent('#share-local code'), `skyquilt token add me --data data --scope admin\nskyquilt serve --data data --listen 0.0.0.0:${port}`);
+  await assertAccessible(page, 'share dialog of a local server');
+  await page.click('#share-file');
+  await page.waitForSelector('#download-dialog .download');
+  assert.equal(await page.locator('#share-dialog').count(), 0);
   await assertQuiet(opened);
+});
+
+test('on an open server a link is one that others reach and that only reads, and what the server itself allows is said', options, async () => {
+  const opened = await setUp({ addresses: ['http://192.168.1.20:8080/maps', 'http://10.0.0.3:8080/maps'] });
+  const { page } = opened;
+  const flight = await openShare(opened);
+  assert.doesNotMatch(await page.textContent('#share-body'), /this computer/);
+  assert.match(await page.textContent('#share-open'), /asks nobody for a token.*change and delete/);
+  await page.click('#share-make');
+  await page.waitForSelector('#share-made input');
+  const { token } = flight.shares[0];
+  assert.equal(await page.inputValue('#share-made input'), `http://192.168.1.20:8080/maps/#/flights/${flight.id}?token=${token}`);
+  assert.match(await page.locator('#share-made input').nth(1).inputValue(), new RegExp(`src="http://192\\.168\\.1\\.20:8080/maps/embed/${flight.id}#token=${token}"`));
+  await assertQuiet(opened);
+});
+
+test('a link that is over says so to its reader, in German too', options, async () => {
+  const opened = await setUp({ has_tokens: true }, { locale: 'de-CH' });
+  const { page, mock } = opened;
+  const flight = mock.seedReady('Wiese');
+  await page.route('**/*', (route) => {
+    const { authorization } = route.request().headers();
+    if (authorization !== 'Bearer sq_share_over') return route.continue();
+    return route.fulfill({ status: 401, contentType: 'application/problem+json', json: { title: 'Unauthorized', status: 401, code: 'unauthorized', detail: 'This server asks for a token.' } });
+  });
+  await page.goto(`${mock.url}?from=mail#/flights/${flight.id}?token=sq_share_over`);
+  await page.waitForSelector('#token-dialog');
+  assert.equal(await page.textContent('#token-dialog .dialog-title'), 'Dieser Link gilt nicht mehr');
+  assert.match(await page.textContent('#token-dialog'), /abgelaufen oder wurde widerrufen/);
+  await assertAccessible(page, 'link that is over');
+  await page.keyboard.press('Escape');
+  await page.waitForSelector('.callout-error');
+  assert.match(await page.textContent('.callout-error'), /abgelaufen oder wurde widerrufen/);
+  assert.doesNotMatch(await page.textContent('body'), /asks for a token|Token angenommen/);
+  await assertQuiet(opened, [/status of 401/]);
+});
+
+test('this computer is known by its names', () => {
+  for (const host of ['localhost', 'maps.localhost', '127.0.0.1', '127.1.2.3', '[::1]']) assert.ok(isLoopback(host), host);
+  for (const host of ['192.168.1.20', 'localhost.example.org', '[fd00::1]', '127.example.org']) assert.ok(!isLoopback(host), host);
 });
 
 test('a shared link shows the flight, sends its token and keeps it out of the address', options, async () => {

@@ -35,7 +35,8 @@ export const security_headers = {
 const stages = ['read', 'pose', 'align', 'expose', 'render', 'export'];
 
 /**
- * @param {{port?: number, job_ms?: number, upload_ms?: number, basemap_makers?: string, has_tokens?: boolean, scope?: 'read'|'upload'|'admin', trash_days?: number, keep_days?: number, is_whole?: boolean, is_unplaced?: boolean, has_indices?: boolean, page_limit?: number}} [options] upload_ms: time each file takes at least;
+ * @param {{port?: number, job_ms?: number, upload_ms?: number, basemap_makers?: string, has_tokens?: boolean, scope?: 'read'|'upload'|'admin', trash_days?: number, keep_days?: number, is_whole?: boolean, is_unplaced?: boolean, has_indices?: boolean, page_limit?: number, addresses?: string[]}} [options] upload_ms: time each file takes at least;
+ *   addresses: where other machines reach it;
  *   basemap_makers: there is a basemap, of theirs; has_tokens: it asks for tokens where flights are shared; scope: what
  *   every token may do; page_limit: flights in one answer, few so that paging is used; is_whole: maps have all photos; is_unplaced: they lie nowhere until they are placed
  */
@@ -249,7 +250,7 @@ export async function startMockServer(options = {}) {
         return send(200, { photos: names.map((name, i) => ({ name, x: 40 + 10 * i, y: 60, off_nadir_deg: [21, 3, 9][i], placement: 'aligned', sigma_m: 0.2 })) });
       }
       if (rest === '/shares' && request.method === 'GET') {
-        return send(200, { needs_token: Boolean(options.has_tokens), shares: flight.shares.map(({ token, page, embed, ...share }) => share) });
+        return send(200, { needs_token: Boolean(options.has_tokens), addresses: options.addresses ?? [], shares: flight.shares.map(({ token, page, embed, ...share }) => share) });
       }
       if (rest === '/shares' && request.method === 'POST') {
         const { expires_in_days: days } = JSON.parse((await readBody()).toString());

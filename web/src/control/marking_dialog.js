@@ -1,5 +1,6 @@
 // Marking a surveyed point in photos, over the whole window: where the map expects it is circled; a click puts the mark,
-// which can be dragged or moved with the arrow keys (Shift: ten pixels, Ctrl: a tenth). A loupe shows what is marked.
+// which can be dragged. The arrow keys move a cross (Shift: ten pixels, Ctrl: a tenth), which becomes the mark by Enter
+// and until then is saved nowhere. A loupe shows what is marked, or below the cross.
 // Page Up and Page Down step through the photos, Delete removes the mark, Ctrl+Z undoes, Escape closes.
 /** @import { SeenPhoto } from '../flight/photo_card.js' */
 /** @import { Spot } from '../flight/photo_plane.js' */
@@ -16,6 +17,7 @@ import { loupe } from './loupe.js';
 
 const kExpected_px = 44;
 const kMark_px = 32;
+const kCross_px = 40;
 const kNear = 1;  // pixels of the screen for one of the photo, where it is marked
 
 /** @type {Record<string, [number, number]>} */
@@ -32,9 +34,10 @@ export function openMarking(control, name, photos, listener) {
   const image = h('img', { class: 'viewer-image', draggable: 'false' });
   const expected = h('div', { class: 'viewer-mark marking-expected', hidden: true, 'aria-hidden': 'true' });
   const mark = h('button', { type: 'button', class: 'marking-mark', id: 'marking-mark', hidden: true, 'aria-label': words.mark_label, tabindex: -1 });
+  const cross = h('div', { class: 'marking-cross', id: 'marking-cross', hidden: true, 'aria-hidden': 'true' });
   const note = h('p', { class: 'viewer-note', role: 'status' });
   const glass = loupe(image);
-  const view = h('div', { class: 'viewer-view marking-view', tabindex: 0, role: 'application', 'aria-label': words.marking_hint, id: 'marking-view' }, image, expected, mark, glass.element, note);
+  const view = h('div', { class: 'viewer-view marking-view', tabindex: 0, role: 'application', 'aria-label': words.marking_hint, id: 'marking-view' }, image, expected, mark, cross, glass.element, note);
   const button = (/** @type {Node} */ picture, /** @type {string} */ label, /** @type {() => void} */ run, /** @type {string} */ id) =>
     h('button', { type: 'button', class: 'icon-button', id, 'aria-label': label, title: label, on: { click: run } }, picture);
   const title = h('h2', { class: 'card-title' }, words.marking_title(name));
@@ -59,12 +62,15 @@ export function openMarking(control, name, photos, listener) {
 
   let shown = 0;
   let is_loaded = false;
+  /** @type {Spot|null} where the keys have moved to */
+  let aim = null;
   const photo = () => photos[shown].record.name;
   const markIn = (/** @type {string} */ of) => control.point(name)?.marks.find((one) => photoKey(one.photo) === photoKey(of)) ?? null;
   const plane = photoPlane(view, image, {
     on_draw: () => {
       place(expected, photos[shown].pixel, kExpected_px);
       place(mark, markIn(photo()), kMark_px);
+      place(cross, aim, kCross_px);
     },
   });
   /** @param {HTMLElement} element @param {Spot|null} pixel @param {number} size_px */
@@ -79,8 +85,19 @@ export function openMarking(control, name, photos, listener) {
   /** @param {Spot|null} pixel @param {boolean} [is_going_on] */
   const put = (pixel, is_going_on = false) => {
     if (!is_loaded || (pixel ? !isWithin(pixel) : !markIn(photo()))) return;
+    aim = null;
     control.mark(name, markIn(photo())?.photo ?? photo(), pixel, is_going_on);
     if (!is_going_on) announce(pixel ? words.marked(photo()) : words.mark_removed);
+  };
+  /** The cross goes on from where it is, from the mark, or from where the point is expected. @param {[number, number]} by pixels */
+  const move = ([x, y]) => {
+    const from = aim ?? markIn(photo()) ?? photos[shown].pixel ?? plane.pixelAt(middleOf(view));
+    const next = { x: from.x + x, y: from.y + y };
+    if (!is_loaded || !isWithin(next)) return;
+    aim = next;
+    const at = plane.onScreen(next);
+    if (at.x < 0 || at.y < 0 || at.x > view.clientWidth || at.y > view.clientHeight) plane.show(next);
+    draw();
   };
   const draw = () => {
     const own = markIn(photo());
@@ -88,8 +105,9 @@ export function openMarking(control, name, photos, listener) {
       photo(),
       strings.photo.of(shown + 1, photos.length),
       photos[shown].off_vertical_deg === null ? '' : strings.photo.off_vertical(Number(photos[shown].off_vertical_deg)),
-      own ? words.pixel(fixed(own.x, 1), fixed(own.y, 1)) : '',
-      own ? listener.residual_of(photo()) : '',
+      aim ? words.aimed(fixed(aim.x, 1), fixed(aim.y, 1)) : '',
+      own && !aim ? words.pixel(fixed(own.x, 1), fixed(own.y, 1)) : '',
+      own && !aim ? listener.residual_of(photo()) : '',
     ].filter(Boolean).join(' · ');
     undo.disabled = !control.can_undo;
     remove.disabled = !own;
@@ -99,11 +117,13 @@ export function openMarking(control, name, photos, listener) {
       frame.setAttribute('aria-description', is_marked ? words.is_marked : '');
     });
     plane.draw();
-    glass.show(own);
+    glass.show(aim ?? own);
+    if (aim) announce(words.aimed(fixed(aim.x, 1), fixed(aim.y, 1)), { is_progress: true });
   };
   const show = (/** @type {number} */ index) => {
     shown = (index + photos.length) % photos.length;
     is_loaded = false;
+    aim = null;
     note.textContent = strings.photo.loading;
     note.hidden = false;
     image.hidden = true;
@@ -130,7 +150,7 @@ export function openMarking(control, name, photos, listener) {
   view.addEventListener('pointermove', (event) => {
     if (is_loaded && !is_dragging) glass.show(plane.pixelAt(event));
   });
-  view.addEventListener('pointerleave', () => glass.show(markIn(photo())));
+  view.addEventListener('pointerleave', () => glass.show(aim ?? markIn(photo())));
 
   let is_dragging = false;
   let grip = { x: 0, y: 0 };
@@ -170,10 +190,10 @@ export function openMarking(control, name, photos, listener) {
     const arrow = arrows[event.key];
     if (arrow) {
       const step = event.shiftKey ? 10 : event.ctrlKey ? 0.1 : 1;
-      const from = markIn(photo());
-      // Without a mark yet the expected place, or the middle of the view, is where it begins.
-      return () => put(from ? { x: from.x + step * arrow[0], y: from.y + step * arrow[1] } : (photos[shown].pixel ?? plane.pixelAt(middleOf(view))), event.repeat);
+      return () => move([step * arrow[0], step * arrow[1]]);
     }
+    // Enter on a button or a photo of the strip is theirs.
+    if (event.key === 'Enter') return aim && (event.target === view || event.target === mark) ? () => put(aim) : undefined;
     return event.ctrlKey || event.metaKey || event.altKey ? undefined : keys[event.key];
   };
   dialog.addEventListener('keydown', (event) => {

@@ -45,9 +45,10 @@ export function exportWords({ format, crs, resolution_m, boundary, is_current })
  * @param {Flight} flight with a map
  * @param {Outline[]} outlines on the map now
  * @param {AbortSignal} signal the view is gone
+ * @param {number} [cut_to] which of the outlines is chosen; -1: none
  * @returns {HTMLElement}
  */
-export function exportView(flight, outlines, signal) {
+export function exportView(flight, outlines, signal, cut_to = -1) {
   const words = strings.exports;
   const list = h('ul', { class: 'shares exports', id: 'exports' });
   const refusal = h('div', { 'aria-live': 'assertive' });
@@ -70,7 +71,7 @@ export function exportView(flight, outlines, signal) {
     put(area, option('', words.whole), ...known.map(({ name }, i) => option(String(i), name)));
     area.value = chosen < 0 ? '' : String(chosen);
   };
-  drawAreas(-1);
+  drawAreas(cut_to);
   const file = h('input', { type: 'file', accept: '.geojson,.json,.kml', hidden: true, id: 'export-file' });
   file.addEventListener('change', async () => {
     const [chosen] = file.files ?? [];

@@ -50,8 +50,12 @@ function showDialog(id, title, body) {
   return dialog;
 }
 
-/** @param {Flight} flight @param {import('../map/outlines.js').Outline[]} outlines */
-function showDownloads(flight, outlines) {
+/**
+ * @param {Flight} flight
+ * @param {import('../map/outlines.js').Outline[]} outlines
+ * @param {number} [cut_to] which of them an export is to be cut to: it alone is asked for
+ */
+export function showDownloads(flight, outlines, cut_to = -1) {
   const words = strings.actions;
   const link = (/** @type {import('../shared/api.js').DownloadKind} */ kind) => {
     const [name, hint] = words.files[kind];
@@ -66,22 +70,24 @@ function showDownloads(flight, outlines) {
   const downloads = h('div', { class: 'downloads' }, ...kinds.map(link));
   const exports = h('div', { class: 'export-part' });
   const open = h('button', { type: 'button', class: 'text-button', id: 'export-open' }, strings.exports.open);
-  open.addEventListener('click', async () => {
+  const openExports = async () => {
     open.disabled = true;
     try {
       const { exportView } = await import('./export_view.js');
       downloads.remove();  // the exports themselves would be out of sight below
-      put(exports, exportView(flight, outlines, closed.signal));
+      put(exports, exportView(flight, outlines, closed.signal, cut_to));
       put(dialog.querySelector('h2') ?? dialog, strings.exports.open);
       exports.querySelector('select')?.focus();
     } catch (error) {
       open.disabled = false;
       showError(error);
     }
-  });
+  };
+  open.addEventListener('click', () => void openExports());
   put(exports, open);
   const dialog = showDialog('download-dialog', words.download, h('div', {}, downloads, exports));
   dialog.addEventListener('close', () => closed.abort());
+  if (cut_to >= 0) void openExports();
 }
 
 /** Says what to do, with the file that does it. @param {Flight} flight */

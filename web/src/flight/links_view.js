@@ -93,7 +93,9 @@ const made_tokens = new Map();
  */
 export async function tokenForPrograms(flight, element, again) {
   const access = await ownAccess();
-  const asks = access?.needs_token ?? pageToken() !== '';
+  // A guest's link only reads also where nobody needs a token.
+  const is_guest = access?.scope === 'read' && pageToken() !== '';
+  const asks = is_guest || (access?.needs_token ?? pageToken() !== '');
   if (!asks) return '';
   const token = access?.scope === 'read' ? pageToken() : (made_tokens.get(flight.id) ?? '');
   if (token) return token;

@@ -1,27 +1,30 @@
-// Shares a flight: makes a link that opens this one alone, for a while, lists those that were made, and revokes them.
+// Shares a flight: makes a link that opens this one alone, for reading and for a while, lists those that were made, and
+// revokes them. Says who can open it: a server that listens to its own machine alone has links for that machine.
 /** @import { Flight, Share } from '../shared/types.js' */
 import { addShare, listShares, removeShare } from '../shared/api.js';
-import { at } from '../shared/router.js';
+import { serverAddress } from '../shared/router.js';
 import { h, put } from '../shared/dom.js';
 import { formatDate } from '../shared/format.js';
 import { xmlText } from './connect_files.js';
+import { showDownloads } from './flight_actions.js';
 import { addressField } from './links_view.js';
 import { strings } from '../shared/flight_strings.js';
 
 const kDays = /** @type {(number|null)[]} */ ([1, 7, 30, 365, null]);
 const kUsualDays = 30;
 
-/** @param {string} page as the server names it, "/#/flights/..." */
-const absolute = (page) => new URL(at(page), location.origin).href;
+/** @param {string} host @returns {boolean} whether it is this computer, for whoever opens it */
+export const isLoopback = (host) => /^(localhost|.+\.localhost|127(\.\d+){3}|\[::1\])$/i.test(host);
 
 /**
  * What a website takes to show the map in a frame, at the place that is shown now where the map was moved.
  * @param {Flight} flight
- * @param {string} embed as the server names it, "/embed/..."
+ * @param {string} server its address
+ * @param {string} token
  */
-function embedField(flight, embed) {
+function embedField(flight, server, token) {
   const view = new URLSearchParams(location.hash.split('?')[1] ?? '').get('at');
-  const address = absolute(embed) + (view ? `${embed.includes('#') ? '&' : '#'}at=${view}` : '');
+  const address = `${server}/embed/${encodeURIComponent(flight.id)}#token=${token}${view ? `&at=${view}` : ''}`;
   return addressField(strings.share.embed, `<iframe src="${xmlText(address)}" title="${xmlText(flight.name)}" width="800" height="500" style="border:0" loading="lazy" allowfullscreen></iframe>`);
 }
 
@@ -50,11 +53,9 @@ export function showShareDialog(flight) {
 /** @param {Flight} flight @param {HTMLElement} body @param {(error: unknown) => void} showFailure */
 async function fillIn(flight, body, showFailure) {
   const words = strings.share;
-  const { needs_token, shares } = await listShares(flight.id);
-  if (!needs_token) {
-    put(body, h('p', {}, words.open), addressField(words.link, absolute(`/#/flights/${flight.id}`)), embedField(flight, `/embed/${flight.id}`));
-    return;
-  }
+  const { needs_token, addresses, shares } = await listShares(flight.id);
+  const reached_at = isLoopback(location.hostname) ? addresses[0] : serverAddress();
+  const server = reached_at ?? serverAddress();
   const again = () => fillIn(flight, body, showFailure).catch(showFailure);
   const choice = h(
     'select',
@@ -68,7 +69,8 @@ async function fillIn(flight, body, showFailure) {
     try {
       const share = await addShare(flight.id, choice.value === 'null' ? null : Number(choice.value));
       await again();
-      body.querySelector('#share-made')?.append(h('p', { class: 'muted' }, words.once), addressField(words.link, absolute(share.page)), embedField(flight, share.embed));
+      const link = `${server}/#/flights/${encodeURIComponent(flight.id)}?token=${share.token}`;
+      body.querySelector('#share-made')?.append(h('p', { class: 'muted' }, words.once), addressField(reached_at ? words.link : words.link_local, link), embedField(flight, server, share.token));
     } catch (error) {
       make.disabled = false;
       showFailure(error);
@@ -76,11 +78,35 @@ async function fillIn(flight, body, showFailure) {
   });
   put(
     body,
-    h('p', {}, words.text),
+    h('p', { id: 'share-who' }, reached_at ? words.text : words.local),
+    reached_at && !needs_token && h('p', { class: 'callout callout-warning', id: 'share-open' }, words.open),
     h('div', { class: 'share-row' }, h('label', { for: 'share-days' }, words.expiry), choice, make),
     made,
+    !reached_at && localPart(flight, needs_token),
     shares.length > 0 && h('h3', { class: 'share-heading' }, words.active),
     shares.length > 0 && h('ul', { class: 'shares' }, ...shares.map((share) => shareRow(flight, share, again, showFailure))),
+  );
+}
+
+/**
+ * How others see it all the same.
+ * @param {Flight} flight
+ * @param {boolean} needs_token
+ */
+function localPart(flight, needs_token) {
+  const words = strings.share;
+  const commands = [...(needs_token ? [] : ['skyquilt token add me --data data --scope admin']), `skyquilt serve --data data --listen 0.0.0.0:${location.port || '80'}`];
+  const file = h('button', { type: 'button', class: 'button small', id: 'share-file' }, words.choose_file);
+  file.addEventListener('click', () => {
+    file.closest('dialog')?.close();
+    showDownloads(flight, []);
+  });
+  return h(
+    'div',
+    { id: 'share-local' },
+    h('p', { class: 'muted' }, words.local_how(needs_token)),
+    h('pre', { class: 'command' }, h('code', {}, commands.join('\n'))),
+    flight.tilejson && h('p', { class: 'row' }, h('span', { class: 'muted' }, words.local_file), file),
   );
 }
 

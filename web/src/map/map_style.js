@@ -136,13 +136,20 @@ export function measureLayers() {
       type: 'line',
       source: 'measure',
       filter: ['==', ['geometry-type'], 'LineString'],
-      paint: { 'line-color': '#10201c', 'line-width': 5, 'line-opacity': 0.8 },
+      paint: { 'line-color': '#10201c', 'line-width': 5, 'line-opacity': ['case', ['has', 'band'], 0.4, 0.8] },
+    },
+    {
+      id: 'measure-band',
+      type: 'line',
+      source: 'measure',
+      filter: ['has', 'band'],
+      paint: { 'line-color': '#ffe14d', 'line-width': 2, 'line-dasharray': [3, 2] },
     },
     {
       id: 'measure-line',
       type: 'line',
       source: 'measure',
-      filter: ['==', ['geometry-type'], 'LineString'],
+      filter: ['all', ['==', ['geometry-type'], 'LineString'], ['!', ['has', 'band']]],
       paint: { 'line-color': '#ffe14d', 'line-width': 2.5 },
     },
   ];

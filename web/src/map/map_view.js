@@ -300,6 +300,12 @@ export class MapView {
     this.map.fitBounds(this.bounds, { padding, animate: animated && !reduced, duration: 500, bearing: 0, maxZoom: kMaxZoom });
   }
 
+  /** @param {Bounds} bounds @returns {boolean} whether any of it may be seen */
+  sees([west, south, east, north]) {
+    const seen = this.map.getBounds();
+    return west < seen.getEast() && east > seen.getWest() && south < seen.getNorth() && north > seen.getSouth();
+  }
+
   /** @param {number} opacity 0..1 */
   setOpacity(opacity) {
     this.opacity = opacity;

@@ -1,5 +1,6 @@
 // Measuring on the map: a path's length with that of each part, or an outline's area, by pointer or by keyboard (the
-// map's centre). Points can be dragged; what was done is undone step by step; the result is saved as a file.
+// map's centre). A band runs from the last point to where the next would be. Points can be dragged; what was done is
+// undone step by step; the result is saved as a file, kept as a note, an area taken to cut an export.
 /** @import { LonLat } from './geodesy.js' */
 /** @import { MapView } from './map_view.js' */
 /** @import { Measurement } from './measurement_files.js' */
@@ -7,6 +8,7 @@
 import { announce } from '../shared/announce.js';
 import { h } from '../shared/dom.js';
 import { saveText } from '../flight/connect_files.js';
+import { showDownloads } from '../flight/flight_actions.js';
 import { geodesicLength, pathLength, polygonArea } from './geodesy.js';
 import { icon } from '../shared/icons.js';
 import { heightProfile } from '../heights/height_profile.js';
@@ -23,20 +25,26 @@ import { areaIn, chosenUnits, keepUnits, lengthIn } from '../shared/units.js';
 /**
  * @param {LonLat[]} places
  * @param {MeasureKind} kind
+ * @param {LonLat|null} next where another place would be
  * @returns {GeoJSON.FeatureCollection}
  */
-function drawing(places, kind) {
+function drawing(places, kind, next) {
   const ring = kind === 'area' && places.length > 2 ? [...places, places[0]] : places;
   /** @type {GeoJSON.Feature[]} */
   const features = places.map((place) => ({ type: 'Feature', properties: {}, geometry: { type: 'Point', coordinates: place } }));
   if (ring.length > 1) features.push({ type: 'Feature', properties: {}, geometry: { type: 'LineString', coordinates: ring } });
   if (ring.length > 3) features.push({ type: 'Feature', properties: {}, geometry: { type: 'Polygon', coordinates: [ring] } });
+  if (next && places.length > 0) {
+    const band = [places[places.length - 1], next, ...(kind === 'area' && places.length > 1 ? [places[0]] : [])];
+    features.push({ type: 'Feature', properties: { band: true }, geometry: { type: 'LineString', coordinates: band } });
+  }
   return { type: 'FeatureCollection', features };
 }
 
 /**
  * @param {MapView} view
- * @param {{on_change: (kind: MeasureKind|null) => void}} listener
+ * @param {{on_change: (kind: MeasureKind|null) => void, outlines: () => import('./outlines.js').Outline[]}} listener outlines: on
+ *   the map, the one that is drawn first
  */
 export function measureTool(view, listener) {
   const words = strings.measure;
@@ -46,6 +54,11 @@ export function measureTool(view, listener) {
   let places = [];
   /** @type {LonLat[][]} what the points were before each change */
   let before = [];
+  /** @type {LonLat|null} below the pointer, or in the middle of a map that fingers or keys move */
+  let next_place = null;
+  let is_pointed = false;
+  /** @type {import('../shared/types.js').Flight|null} whose map it is */
+  let flight = null;
   /** @type {Units} */
   let units = chosenUnits();
 
@@ -72,9 +85,10 @@ export function measureTool(view, listener) {
   /** @type {Keeper|null} */
   let keeper = null;
   const keep_button = button(strings.notes.keep, () => keep(), 'measure-keep');
+  const export_button = button(strings.exports.drawn_go, () => flight && showDownloads(flight, listener.outlines(), 0), 'measure-export');
   const element = h(
     'section',
-    { class: 'measure-card floating', id: 'measure-card', 'aria-label': words.distance, hidden: true },
+    { class: 'measure-card no-print', id: 'measure-card', 'aria-label': words.distance, hidden: true },
     h(
       'div',
       { class: 'row between card-head' },
@@ -86,12 +100,15 @@ export function measureTool(view, listener) {
     more,
     h('div', { class: 'row' }, button(words.add, () => add([view.map.getCenter().lng, view.map.getCenter().lat])), undo_button, button(words.clear, () => change([]))),
     saving,
-    keep_button,
+    h('div', { class: 'row measure-save' }, keep_button, export_button),
     heights.element,
   );
   const cross = h('div', { class: 'centre-cross', 'aria-hidden': 'true', hidden: true });
   const marks = measureMarks(view, {
-    on_grab: () => before.push([...places]),
+    on_grab: () => {
+      before.push([...places]);
+      next_place = null;
+    },
     on_move: (index, place) => {
       places[index] = place;
       draw(false);
@@ -115,10 +132,13 @@ export function measureTool(view, listener) {
     else if (result.textContent) announce(result.textContent);
   };
   const showHeights = () => heights.show(kind === 'distance' ? [...places] : [], units);
+  const drawLines = () => {
+    const source = view.map.getSource('measure');
+    if (source) /** @type {any} */ (source).setData(drawing(places, kind ?? 'distance', next_place));
+  };
   /** @param {boolean} [tells] false: while a point is dragged */
   const draw = (tells = true) => {
-    const source = view.map.getSource('measure');
-    if (source) /** @type {any} */ (source).setData(drawing(places, kind ?? 'distance'));
+    drawLines();
     const is_ring = kind === 'area' && places.length > 2;
     const ends = is_ring ? [...places, places[0]] : places;
     marks.show(places, ends.slice(1).map((to, i) => ({ from: ends[i], to, text: lengthIn(geodesicLength(ends[i], to), units) })));
@@ -131,6 +151,7 @@ export function measureTool(view, listener) {
     more.classList.toggle('amber', is_crossing);
     saving.hidden = !found;
     keep_button.hidden = !found || !keeper;
+    export_button.hidden = !found || found.area_m2 === null || !flight;
     undo_button.disabled = before.length === 0;
     if (tells) tell();
   };
@@ -138,6 +159,7 @@ export function measureTool(view, listener) {
   const change = (next) => {
     before.push([...places]);
     places = next;
+    next_place = null;
     draw();
   };
   const undo = () => {
@@ -178,8 +200,10 @@ export function measureTool(view, listener) {
     kind = null;
     places = [];
     before = [];
+    next_place = null;
     draw();
     element.hidden = true;
+    document.body.removeAttribute('data-measuring');
     cross.hidden = true;
     view.map.getCanvas().style.removeProperty('cursor');
     view.map.doubleClickZoom.enable();
@@ -193,8 +217,32 @@ export function measureTool(view, listener) {
     event.preventDefault();
     undo();
   };
+  /** @param {LonLat|null} place */
+  const aimAt = (place) => {
+    if (!kind || places.length === 0) return;
+    next_place = place;
+    drawLines();
+  };
+  const canvas = view.map.getCanvasContainer();
+  canvas.addEventListener('pointermove', (event) => {
+    // With a button down the map comes along, or a point does. Fingers point at nothing between two taps.
+    if (event.pointerType === 'touch' || event.buttons !== 0) return;
+    is_pointed = true;
+    const box = canvas.getBoundingClientRect();
+    const { lng, lat } = view.map.unproject([event.clientX - box.left, event.clientY - box.top]);
+    aimAt([lng, lat]);
+  });
+  canvas.addEventListener('pointerleave', (event) => {
+    if (event.pointerType === 'touch') return;
+    is_pointed = false;
+    aimAt(null);
+  });
+  view.map.on('move', () => {
+    const { lng, lat } = view.map.getCenter();
+    if (!is_pointed) aimAt([lng, lat]);
+  });
   element.addEventListener('keydown', onKey);
-  view.map.getCanvasContainer().addEventListener('keydown', onKey);
+  canvas.addEventListener('keydown', onKey);
 
   return {
     element,
@@ -214,7 +262,11 @@ export function measureTool(view, listener) {
       keeper = next;
       draw(false);
     },
-    ofFlight: heights.of,
+    /** @param {import('../shared/types.js').Flight|null} next null: a preview */
+    ofFlight(next) {
+      flight = next;
+      heights.of(next);
+    },
     /** @param {MeasureKind} next */
     start(next) {
       if (kind === next) {
@@ -228,7 +280,7 @@ export function measureTool(view, listener) {
       units = chosenUnits();
       unit_choice.value = units;
       if (!view.map.getSource('measure')) {
-        view.map.addSource('measure', { type: 'geojson', data: drawing([], next) });
+        view.map.addSource('measure', { type: 'geojson', data: drawing([], next, null) });
         for (const layer of measureLayers()) view.map.addLayer(layer);
       } else {
         for (const layer of measureLayers()) view.map.moveLayer(layer.id);
@@ -236,6 +288,7 @@ export function measureTool(view, listener) {
       title.textContent = words[next];
       element.setAttribute('aria-label', words[next]);
       element.hidden = false;
+      document.body.setAttribute('data-measuring', '');
       cross.hidden = false;
       view.map.getCanvas().style.cursor = 'crosshair';
       view.map.doubleClickZoom.disable();

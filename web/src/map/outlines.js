@@ -1,6 +1,10 @@
-// Areas on the map that a map can be cut to: what is drawn with the area tool, and the polygons of a user's own files.
+// Areas on the map that a map can be cut to: what is drawn with the area tool, noted areas, and the polygons of a user's own
+// files.
 
 /** @typedef {{name: string, geometry: GeoJSON.Polygon|GeoJSON.MultiPolygon}} Outline */
+
+/** @param {import('../notes/note_shape.js').Note[]} notes @returns {Outline[]} */
+export const outlinesOfNotes = (notes) => notes.flatMap(({ geometry, properties }) => (geometry.type === 'Polygon' ? [{ name: properties.name, geometry }] : []));
 
 /**
  * @param {string} name of the file

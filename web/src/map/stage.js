@@ -11,20 +11,18 @@ import { controlMark } from './control_mark.js';
 import { compareChooser, compareView, overlap } from './compare_view.js';
 import { mapTools } from './map_tools.js';
 import { measureTool } from './measure_tool.js';
-import { noteMark } from '../notes/note_mark.js';
+import { noteLabels } from '../notes/note_labels.js';
+import { outlinesOfNotes } from './outlines.js';
 import { placeTool } from './place_tool.js';
 import { kStagePadding } from '../first_view/poster_place.js';
 import { dropPoster, uncoverMap } from '../first_view/poster.js';
 import { photoCard } from '../flight/photo_card.js';
 import { byQuality } from './sighting_order.js';
 import { strings } from '../shared/flight_strings.js';
-import { labelPlace } from '../notes/note_shape.js';
 import { hashWithPlace, placeOfHash } from './view_address.js';
 import { uploadOf } from '../upload/drop_zone.js';
 
 const kPreview = 'preview';
-/** Names of notes on the map; all are in the list. */
-const kMaxNoteMarks = 200;
 const kBelowNote_px = 8;  // between the note of a preview and the map
 
 /**
@@ -50,8 +48,10 @@ export class Stage {
   #place_turn = 0;
   /** @type {{remove: () => void}[]} */
   #control = [];
-  /** @type {{remove: () => void}[]} */
+  /** @type {import('../notes/note_shape.js').Note[]} */
   #notes = [];
+  /** @type {{remove: () => void}|null} */
+  #note_labels = null;
   /** @type {((place: [number, number]) => void)|null} */
   #taker = null;
 
@@ -105,6 +105,7 @@ export class Stage {
       },
     });
     const measure = measureTool(view, {
+      outlines: () => this.outlines(),
       on_change: (kind) => {
         tools.showMeasuring(kind);
         if (kind) {
@@ -132,7 +133,9 @@ export class Stage {
       layers: () => this.makeRoom(),
     });
     this.#parts = { fit, card, measure, place, tools };
-    this.area.append(measure.cross, place.cross, tools.column, tools.layers, card.element, measure.element, place.element, tools.coordinates);
+    this.area.append(measure.cross, place.cross, tools.column, tools.layers, card.element, place.element, tools.coordinates);
+    // Beside the map, on a phone below it: a card over it covers what is measured.
+    byId('panel-head').after(measure.element);
 
     view.map.on('click', (event) => {
       if (this.#taker) this.#taker([event.lngLat.lng, event.lngLat.lat]);
@@ -195,10 +198,10 @@ export class Stage {
     return ordered.length;
   }
 
-  /** Areas that are drawn on the map or laid over it. @returns {import('./outlines.js').Outline[]} */
+  /** Areas that are drawn on the map, noted or laid over it; the first one is drawn if any is. @returns {import('./outlines.js').Outline[]} */
   outlines() {
     const drawn = this.#parts?.measure.outline ?? null;
-    return [...(drawn ? [drawn] : []), ...(this.#view?.own_outlines.values() ?? [])];
+    return [...(drawn ? [drawn] : []), ...outlinesOfNotes(this.#notes), ...(this.#view?.own_outlines.values() ?? [])];
   }
 
   /**
@@ -298,19 +301,22 @@ export class Stage {
     this.#parts?.measure.ofFlight(is_preview ? null : flight);
     const fits = this.#fits_next;
     this.#fits_next = false;
+    const before = is_new ? null : view.bounds;
     await view.showMosaic(tilejson, bounds, is_preview, flight.id);
     view.map.resize();
     const place = is_new && !fits ? placeOfHash(location.hash) : null;
-    if (fits) {
-      history.replaceState(null, '', location.hash.split('?')[0]);
-      view.is_moved = false;
-      this.#parts?.fit(false);
-    } else if (place) {
+    if (place) {
       view.map.jumpTo({ center: [place.lon, place.lat], zoom: place.zoom, bearing: place.bearing });
       view.is_moved = true;
     } else if (is_new) this.#parts?.fit(false);
     // The last photos may have come to the map without having been in the preview.
-    else if (was_preview && !view.is_moved) this.#parts?.fit(true);
+    else if ((was_preview || String(before) !== String(bounds)) && !view.is_moved) this.#parts?.fit(true);
+    // Whoever had it moved, here, elsewhere or before a reload: nobody looks at where the map no longer is.
+    if (fits || !view.sees(bounds)) {
+      history.replaceState(null, '', location.hash.split('?')[0]);
+      view.is_moved = false;
+      this.#parts?.fit(false);
+    }
     uncoverMap(view.map, view.first_source);
     const found = await photos;
     if (this.#shown?.id !== flight.id || this.#shown.revision !== revision) return;
@@ -376,15 +382,12 @@ export class Stage {
    * @param {(id: string) => void} on_choose
    */
   showNotes(notes, on_choose) {
-    for (const mark of this.#notes) mark.remove();
-    this.#notes = [];
+    this.#note_labels?.remove();
+    this.#notes = notes;
     const view = this.#view;
     if (!view) return;
     void view.showNotes({ type: 'FeatureCollection', features: notes });
-    this.#notes = notes.slice(0, kMaxNoteMarks).map((note) => {
-      const { name, text } = note.properties;
-      return noteMark(view, { id: note.id, name, label: text ? `${name}: ${text}` : name, place: labelPlace(note) }, on_choose);
-    });
+    this.#note_labels = noteLabels(view, notes, on_choose);
   }
 
   /** Who gets the clicks on the map; null: it itself. @param {((place: [number, number]) => void)|null} taker */

@@ -1,7 +1,8 @@
-// Asks for the access token that a shared server requires (token.js) where a request came without a good one.
+// Asks for the access token that a shared server requires (token.js) where a request came without a good one. Who came by a
+// link is told that it is over: a token is asked for where one is at hand.
 import { h } from './dom.js';
 import { strings } from './strings.js';
-import { isTokenHeld, keepToken, pageToken } from './token.js';
+import { isFromLink, isTokenHeld, keepToken, pageToken } from './token.js';
 
 let is_asking = false;
 
@@ -10,15 +11,18 @@ export function askForToken() {
   if (is_asking || isTokenHeld()) return;
   is_asking = true;
   const words = strings.access;
+  const is_link = isFromLink();
+  const title = is_link ? words.link_title : words.title;
   const input = h('input', { type: 'password', id: 'token-input', class: 'field mono', required: true, autocomplete: 'current-password' });
   const dialog = h(
     'dialog',
-    { class: 'dialog', 'aria-label': words.title, id: 'token-dialog' },
+    { class: 'dialog', 'aria-label': title, id: 'token-dialog' },
     h(
       'form',
       { method: 'dialog' },
-      h('label', { for: 'token-input', class: 'dialog-title' }, words.title),
-      h('p', { class: 'muted' }, pageToken() ? words.refused : words.hint),
+      is_link ? h('h2', { class: 'dialog-title' }, title) : h('label', { for: 'token-input', class: 'dialog-title' }, title),
+      h('p', { class: 'muted' }, is_link ? words.link_over : pageToken() ? words.refused : words.hint),
+      is_link && h('label', { for: 'token-input', class: 'small-label' }, words.link_token),
       input,
       h('div', { class: 'dialog-actions' }, h('button', { type: 'submit', class: 'button primary', value: 'go' }, words.go)),
     ),

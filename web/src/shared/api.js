@@ -3,7 +3,7 @@
 import { kFallback, language } from './language.js';
 import { at } from './router.js';
 import { strings } from './strings.js';
-import { authorization, readable, takeEarly } from './token.js';
+import { authorization, isFromLink, readable, takeEarly } from './token.js';
 
 /** What went wrong, in the server's words where it gave some (RFC 9457). */
 export class ApiError extends Error {
@@ -47,6 +47,7 @@ export function serverWords(code, text) {
  * @returns {ApiError}
  */
 export function problem(status, text) {
+  if (status === 401 && isFromLink()) return new ApiError(status, strings.access.link_over);
   try {
     const body = JSON.parse(text);
     if (body && (body.title || body.detail)) return new ApiError(status, body.title ?? '', serverWords(body.code, body.detail || body.title));
@@ -286,7 +287,7 @@ export async function getIndexValue(id, query, lon, lat) {
 /** @param {string} id @param {string} query which index, how many classes, which format @returns {string} */
 export const zonesPath = (id, query) => readable(`${flight_path(id)}/zones?${query}`);
 
-/** @param {string} id @returns {Promise<{needs_token: boolean, shares: Share[]}>} */
+/** @param {string} id @returns {Promise<{needs_token: boolean, addresses: string[], shares: Share[]}>} addresses: where other machines reach the server */
 export const listShares = (id) => request('GET', `${flight_path(id)}/shares`);
 
 /** @param {string} id @param {number|null} days null: it never ends @returns {Promise<Share & {token: string, page: string, embed: string}>} */

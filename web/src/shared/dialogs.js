@@ -48,15 +48,16 @@ export async function askName(name) {
 /**
  * @param {number} count of files
  * @param {string} flight_name
+ * @param {boolean} has_map that would be made anew
  * @returns {Promise<'add'|'new'|''>}
  */
-export async function askWhereTo(count, flight_name) {
+export async function askWhereTo(count, flight_name, has_map) {
   const choose = (/** @type {string} */ value) => () => dialog.close(value);
   const dialog = h(
     'dialog',
     { class: 'dialog', 'aria-labelledby': 'where-title' },
     h('h2', { id: 'where-title', class: 'dialog-title' }, strings.drop.choice_title),
-    h('p', {}, strings.drop.choice_text(count, flight_name)),
+    h('p', {}, (has_map ? strings.drop.choice_text : strings.drop.choice_text_first)(count, flight_name)),
     h(
       'div',
       { class: 'dialog-actions' },

@@ -40,6 +40,9 @@ export const isTokenHeld = () => held !== null;
 
 const token = () => held ?? sessionStorage.getItem(kKey) ?? localStorage.getItem(kKey) ?? '';
 
+/** Came the token with a link? Then whoever reads this knows of links, and nothing of tokens. */
+export const isFromLink = () => held === null && sessionStorage.getItem(kKey) !== null;
+
 /** @returns {Record<string, string>} headers */
 export const authorization = () => (token() ? { Authorization: `Bearer ${token()}` } : {});
 

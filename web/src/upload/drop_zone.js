@@ -31,9 +31,11 @@ export const holdsUploads = () => sessions.size > 0 || held.size > 0;
 /** @returns {boolean} whether leaving the page would break an upload */
 export const isUploading = () => [...sessions.values()].some(({ queue }) => queue.picture.state === 'running');
 
+/** @typedef {'new'|'add'|''} Wish a flight of its own; more of the one that is open; '' where nobody said */
+
 /**
- * @param {(selection: Selection) => void} on_files
- * @returns {{choose_folder: () => void, choose_files: () => void}}
+ * @param {(selection: Selection, wish: Wish) => void} on_files
+ * @returns {{choose_folder: () => void, choose_files: () => void, new_flight: () => void, add_photos: () => void}}
  */
 export function dropZone(on_files) {
   const cover = byId('drop-cover');
@@ -64,17 +66,17 @@ export function dropZone(on_files) {
     if (!event.dataTransfer || !holdsFiles(event)) return;
     event.preventDefault();
     showCover(false);
-    take(filesOfDrop(event.dataTransfer));
+    take(filesOfDrop(event.dataTransfer), '');
   });
 
-  /** @param {Promise<FoundFile[]>|FoundFile[]} found */
-  const take = async (found) => {
+  /** @param {Promise<FoundFile[]>|FoundFile[]} found @param {Wish} wish */
+  const take = async (found, wish) => {
     const close = showNote(strings.drop.reading, { duration_ms: 600_000 });
     try {
       const { selectFiles } = await import('./drop_files.js');
       const selection = await selectFiles(await found);
       close();
-      if (selection.chosen.length > 0) on_files(selection);
+      if (selection.chosen.length > 0) on_files(selection, wish);
       else showNote([strings.drop.nothing, ...new Set(selection.ignored.map(({ reason }) => reason))].join(' '), { is_error: true });
     } catch (error) {
       close();
@@ -82,19 +84,26 @@ export function dropZone(on_files) {
     }
   };
 
+  /** @type {Wish} of who opened the browser's dialog last */
+  let wished = '';
   const input = (/** @type {boolean} */ is_folder) => {
     const element = h('input', { type: 'file', multiple: true, hidden: true, id: is_folder ? 'folder-input' : 'files-input', webkitdirectory: is_folder });
     element.addEventListener('change', () => {
       const found = filesOfInput(element.files ?? new DataTransfer().files);
       element.value = '';
-      if (found.length > 0) void take(found);
+      if (found.length > 0) void take(found, wished);
+      wished = '';
     });
     document.body.append(element);
     return element;
   };
   const folder_input = input(true);
   const files_input = input(false);
-  return { choose_folder: () => folder_input.click(), choose_files: () => files_input.click() };
+  const choose = (/** @type {HTMLInputElement} */ from, /** @type {Wish} */ wish) => () => {
+    wished = wish;
+    from.click();
+  };
+  return { choose_folder: choose(folder_input, ''), choose_files: choose(files_input, ''), new_flight: choose(folder_input, 'new'), add_photos: choose(folder_input, 'add') };
 }
 
 /**

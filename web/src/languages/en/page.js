@@ -125,6 +125,7 @@ export const page_words = {
     choice_title: 'Where should these files go?',
     choice_text: (/** @type {number} */ n, /** @type {string} */ name) =>
       `Add ${count(n, { one: 'file', other: 'files' })} to “${name}” and rebuild its map, or create a new flight?`,
+    choice_text_first: (/** @type {number} */ n, /** @type {string} */ name) => `Add ${count(n, { one: 'file', other: 'files' })} to “${name}”, or create a new flight?`,
     choice_add: 'Add to this flight',
     choice_new: 'New flight',
     more: 'Add photos',
@@ -141,6 +142,9 @@ export const page_words = {
     title: 'Access token',
     hint: 'This server requires an access token. Ask its administrator for one.',
     refused: 'The server did not accept this token. It may have been revoked, or not copied completely.',
+    link_title: 'This link no longer works',
+    link_over: 'The link has expired or was revoked. Ask whoever sent it to you for a new one.',
+    link_token: 'Or sign in with an access token',
     go: 'Sign in',
     reads_only: 'You have view-only access. To add flights, sign in with a token that allows uploads.',
   },

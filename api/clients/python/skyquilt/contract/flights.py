@@ -11,8 +11,8 @@ class Flights(Calls):
     """Flights and their state."""
 
     def add_share(self, flight: str, body: models.AddShareBody) -> models.AddShareAnswer:
-        """Make a token that opens this flight alone, for reading. The token is told here and nowhere again. 409 where
-        the server asks nobody for a token, or the flight has 100 shares."""
+        """Make a token that opens this flight alone, for reading. The token is told here and nowhere again; it only
+        reads also where the server asks nobody for one. 409 where the flight has 100 shares."""
         return cast("models.AddShareAnswer", self._send("POST", "/api/v1/flights/{flight}/shares", json_body=body,
                                                         path={"flight": flight}))
 

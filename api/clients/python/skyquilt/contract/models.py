@@ -232,8 +232,11 @@ class ListSharesAnswerSharesItem(TypedDict):
 
 
 class ListSharesAnswer(TypedDict):
-    # false: this server asks nobody for a token, so the flight's address alone shows it
+    # false: this server asks nobody for a token; whoever reaches it may change and delete flights. A share only reads
+    # all the same
     needs_token: bool
+    # Where other machines reach this server, the likeliest first; empty: it listens to its own machine alone
+    addresses: List[str]
     shares: List[ListSharesAnswerSharesItem]
 
 

@@ -1,0 +1,20 @@
+// NetworkAddresses: the IP addresses of this machine, and where other machines reach this server. Asks the
+// system each time (a laptop changes its network while the server runs); empty where that fails. Any thread.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "server/http/http_settings.h"
+
+namespace skyquilt::server {
+
+// As text, of all interfaces, that of loopback among them.
+std::vector<std::string> AddressesOfThisMachine();
+
+// "http://192.168.1.20:8080/skyquilt", without a slash at the end, the likeliest first: what links begin with
+// that are handed to others. The operator's --public-url alone where there is one; none where the server
+// listens to its own machine alone.
+std::vector<std::string> AddressesForOthers(const HttpSettings& settings, int port);
+
+}  // namespace skyquilt::server
