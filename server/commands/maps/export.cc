@@ -99,8 +99,9 @@ void AddExportCommand(CLI::App& app) {
       ->check(OneOf({"geotiff", "pmtiles", "mbtiles", "kmz"}));
   command->add_option(
       "--crs", arguments->crs,
-      "Coordinate system of a GeoTIFF: \"utm\" (the zone of the map's middle) or a code such as "
-      "EPSG:2056. Default: Web Mercator, as the map's tiles, which are copied");
+      "Coordinate system of a GeoTIFF: \"utm\" (the zone of the map's middle: to measure, for GIS and CAD) or a "
+      "code such as EPSG:2056. Default: Web Mercator, as the map's tiles, which are copied: for web maps, its "
+      "metres are too long");
   command
       ->add_option("--clip", arguments->clip,
                    "GeoJSON or KML file with a polygon: what lies outside is left out")

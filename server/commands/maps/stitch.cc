@@ -245,11 +245,10 @@ void AddStitchCommand(CLI::App& app) {
   command
       ->add_option(
           "--formats", arguments->formats,
-          "Also the map in other files, each as large as mosaic.mbtiles: geotiff (mosaic.tif, a "
-          "cloud-optimised GeoTIFF), pmtiles (mosaic.pmtiles), utm (mosaic_utm.tif: a GeoTIFF in its "
-          "UTM zone, for measuring in metres), kmz (mosaic.kmz, for Google Earth). \"skyquilt export\" "
-          "makes each of them later, and a server offers both of the first for download without storing "
-          "them. Those that the folder has of an earlier map are written again")
+          "Also the map in other files, each as large as mosaic.mbtiles: utm (mosaic_utm.tif: a GeoTIFF in "
+          "its UTM zone, to measure, for GIS and CAD), geotiff (mosaic.tif: a cloud-optimised GeoTIFF in "
+          "Web Mercator, for web maps), pmtiles (mosaic.pmtiles), kmz (mosaic.kmz, for Google Earth). \"skyquilt export\" "
+          "makes each of them later, and a server offers geotiff and pmtiles for download without storing them. Those that the folder has of an earlier map are written again")
       ->delimiter(',')
       ->transform(OneOf(std::vector<std::pair<std::string, OtherFormat>>{{"geotiff", OtherFormat::kGeotiff},
                                                                          {"pmtiles", OtherFormat::kPmtiles},
@@ -291,7 +290,7 @@ void AddStitchCommand(CLI::App& app) {
       "  skyquilt stitch /media/sd/DCIM -o map\n"
       "  skyquilt stitch photos/ flight.BIN -o map\n"
       "  skyquilt stitch more/ -o map --append\n"
-      "  skyquilt stitch photos/ -o map --formats geotiff && gdalinfo map/mosaic.tif");
+      "  skyquilt stitch photos/ -o map --formats utm && gdalinfo map/mosaic_utm.tif");
   command->callback([arguments] { Run(*arguments); });
 }
 
