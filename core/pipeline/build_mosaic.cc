@@ -130,7 +130,7 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   report.height_rule = facts.height_rule;
   report.poses_report = facts.poses_report;
   report.is_placed = facts.is_placed;
-  report.gsd_m = plan.gsd_m;
+  report.gsd_m = std::max({plan.gsd_m, planned.gsd_m.value_or(0.0), render::OutputPixelM(plan, aligned)});
   const double lat_deg = aligned.frame.origin().lat_deg;
   const double ground_per_merc = geo::GroundMetresPerMercMetre(lat_deg);
   report.area_m2 = rendered->covered_merc_m2 * ground_per_merc * ground_per_merc;

@@ -198,6 +198,8 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
     return verdict;
   }
   verdict.gsd_m = plan->gsd_m;
+  if (const Result<void> sane = options.CheckGsd(plan->gsd_m); !sane)
+    verdict.warnings.push_back(sane.error().message);
   verdict.max_zoom = plan->base_zoom;
   verdict.tile_size_px = plan->tile_size_px;
   const double pixel_m = geo::PixelSizeInMercM(plan->base_zoom, plan->tile_size_px) *

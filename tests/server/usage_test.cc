@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 
 #include "server/usage/explain_usage.h"
+#include "server/usage/length.h"
 #include "server/usage/near_word.h"
 #include "server/usage/one_of.h"
 
@@ -119,6 +120,33 @@ TEST(OneOf, ListsTheWordsThatItTakes) {
     }
   }
   EXPECT_NE(app.help().find("first or second"), std::string::npos);
+}
+
+TEST(ParseLengthM, TakesMetresAndUnits) {
+  EXPECT_EQ(ParseLengthM("0.05"), 0.05);
+  EXPECT_EQ(ParseLengthM("0.05m"), 0.05);
+  EXPECT_EQ(ParseLengthM("5cm"), 0.05);
+  EXPECT_EQ(ParseLengthM("5 cm"), 0.05);
+  EXPECT_NEAR(*ParseLengthM("17.3mm"), 0.0173, 1e-12);
+  EXPECT_NEAR(*ParseLengthM("2in"), 0.0508, 1e-12);
+  EXPECT_NEAR(*ParseLengthM("1e-1ft"), 0.03048, 1e-12);
+  EXPECT_EQ(ParseLengthM("-1"), -1.0);  // for the option to refuse
+  for (const char* text :
+       {"", "m", "cm5", "5 km", "5  cm", "5cm ", "nan", "inf", "1e999", "0,05", "5,cm", "0x5"})
+    EXPECT_FALSE(ParseLengthM(text)) << text;
+}
+
+TEST(Length, BecomesMetresWithoutLosingDigits) {
+  CLI::App app{"test"};
+  std::optional<double> gsd_m;
+  bool any_gsd = false;
+  AddGsdOptions(app, gsd_m, any_gsd);
+  app.parse("--gsd 1.7320508075688772cm --any-gsd");
+  EXPECT_EQ(gsd_m, 1.7320508075688772 * 0.01);
+  EXPECT_TRUE(any_gsd);
+  app.parse("--gsd=0.017320508075688772");
+  EXPECT_EQ(gsd_m, 0.017320508075688772);
+  EXPECT_THROW(app.parse("--gsd 5furlongs"), CLI::ValidationError);
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "server/commands/terminal_progress.h"
 #include "server/commands/work_beside.h"
 #include "server/inputs/read_boundary.h"
+#include "server/usage/length.h"
 #include "server/usage/one_of.h"
 #include "storage/exports/custom/export_map.h"
 
@@ -109,8 +110,9 @@ void AddExportCommand(CLI::App& app) {
   command
       ->add_option(
           "--resolution", arguments->resolution_m,
-          "Ground that a pixel shows, in metres. A GeoTIFF has it exactly; of tiles the zooms down to it are "
+          "Ground that a pixel shows, in metres (0.1) or with its unit (10cm). A GeoTIFF has it exactly; of tiles the zooms down to it are "
           "written. Default: the map's own, the finest there is")
+      ->transform(Length())
       ->check(CLI::PositiveNumber);
   command->add_option("--quality", arguments->quality, "JPEG quality of what has to be encoded anew")
       ->check(CLI::Range(1, 100))

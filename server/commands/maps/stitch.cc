@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <optional>
@@ -26,6 +27,7 @@
 #include "server/inputs/read_boundary.h"
 #include "server/jobs/out_folder.h"
 #include "server/jobs/stitch_job.h"
+#include "server/usage/length.h"
 #include "server/usage/one_of.h"
 #include "storage/tilesets/publish_file.h"
 
@@ -39,7 +41,6 @@ struct StitchArguments {
   std::vector<std::filesystem::path> inputs;
   std::filesystem::path out_dir;
   StitchJobOptions job;
-  std::optional<double> gsd_m;
   std::optional<double> readout_ms;
   double max_memory_gib = 1.0;
   std::string origin;
@@ -118,7 +119,6 @@ void CheckTraceCanBeWritten(const std::filesystem::path& trace) {
 void Run(StitchArguments& arguments) {
   if (!arguments.origin.empty())
     arguments.job.mosaic.origin = ParseLatLon("skyquilt", "--origin", arguments.origin);
-  if (arguments.gsd_m) arguments.job.mosaic.gsd_m = arguments.gsd_m;
   if (arguments.readout_ms) arguments.job.mosaic.readout_s = 1e-3 * *arguments.readout_ms;
   if (!arguments.boundary.empty())
     arguments.job.mosaic.boundary = ReadBoundary("skyquilt", arguments.boundary);
@@ -145,7 +145,7 @@ void Run(StitchArguments& arguments) {
     const Result<void> kept = CheckNoInputIsReplaced(arguments.out_dir, *files);
     if (!kept) Fail("skyquilt", kept.error());
   } else {
-    const Result<void> free = CheckOutFolder(arguments.out_dir, *files);
+    const Result<void> free = CheckOutFolder(arguments.out_dir, *files, arguments.job.mosaic);
     if (!free) Fail("skyquilt", free.error());
   }
   if (arguments.job.mosaic.title.empty()) {
@@ -183,8 +183,7 @@ void AddStitchCommand(CLI::App& app) {
                    "Folder for mosaic.mbtiles, report.json, photos.geojson, cameras.json and geo.txt, and "
                    "bands.tif of cameras with several bands; made if missing")
       ->required();
-  command->add_option("--gsd", arguments->gsd_m,
-                      "Ground size of a map pixel in metres (default: that of the photos)");
+  AddGsdOptions(*command, arguments->job.mosaic.gsd_m, arguments->job.mosaic.any_gsd);
   command->add_option(
       "--readout-ms", arguments->readout_ms,
       "Rolling shutter: milliseconds from the first row to the last (0: none; default: as known of "
@@ -196,10 +195,8 @@ void AddStitchCommand(CLI::App& app) {
                    "Of the tiles. auto: JPEG inside, WebP with alpha at the fringe, which is smallest; "
                    "jpeg-png: PNG at the fringe, for programs that open mosaic.mbtiles or mosaic.pmtiles "
                    "themselves and know no WebP; webp: WebP throughout")
-      ->transform(OneOf(std::vector<std::pair<std::string, image::TileEncoding>>{
-          {"auto", image::TileEncoding::kJpegWebp},
-          {"jpeg-png", image::TileEncoding::kJpegPng},
-          {"webp", image::TileEncoding::kWebp}}));
+      ->transform(OneOf(std::vector<std::pair<std::string, image::TileEncoding>>(
+          std::begin(pipeline::kTileFormats), std::end(pipeline::kTileFormats))));
   command
       ->add_option(
           "--max-look-deg", arguments->job.mosaic.max_look_deg,
@@ -212,12 +209,8 @@ void AddStitchCommand(CLI::App& app) {
           "photos placed by what they show alone; images: all photos placed by what they show alone; imu: recorded poses alone, no pixel compared; "
           "features: homographies chained from photo to photo, poses not looked at; "
           "direct: recorded poses refined by comparing whole pictures")
-      ->transform(OneOf(std::vector<std::pair<std::string, pipeline::AlignMethod>>{
-          {"auto", pipeline::AlignMethod::kAuto},
-          {"images", pipeline::AlignMethod::kImages},
-          {"imu", pipeline::AlignMethod::kImu},
-          {"features", pipeline::AlignMethod::kFeatures},
-          {"direct", pipeline::AlignMethod::kDirect}}));
+      ->transform(OneOf(std::vector<std::pair<std::string, pipeline::AlignMethod>>(
+          std::begin(pipeline::kAlignMethods), std::end(pipeline::kAlignMethods))));
   command
       ->add_option("--boundary", arguments->boundary,
                    "GeoJSON or KML file with a polygon: the map is cut to it. Photos are placed as without")
@@ -277,7 +270,8 @@ void AddStitchCommand(CLI::App& app) {
   command
       ->add_flag(
           "--overwrite", arguments->overwrite,
-          "Replace whatever map the folder has. Without it the map of other photos stays, and nothing is done")
+          "Replace whatever map the folder has. Without it a map of other photos, or one made with other "
+          "options, stays, and nothing is done")
       ->excludes(append);
   command->add_flag(
       "--fresh", arguments->job.is_fresh,
