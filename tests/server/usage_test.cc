@@ -23,6 +23,10 @@ struct Program {
     stitch->add_option("-o,--out", out);
     stitch->add_flag("--previews,!--no-previews", previews);
     stitch->add_option("--method", method)->check(OneOf({"auto", "imu"}));
+    CLI::App* report = app.add_subcommand("report", "");
+    report->add_option("MAP", inputs)->required();
+    report->add_option("-o,--out", out)->required();
+    report->add_flag("--overwrite", previews);
     app.add_subcommand("inspect", "");
     CLI::App* token = app.add_subcommand("token", "");
     token->require_subcommand(1);
@@ -120,6 +124,39 @@ TEST(OneOf, ListsTheWordsThatItTakes) {
     }
   }
   EXPECT_NE(app.help().find("first or second"), std::string::npos);
+}
+
+TEST(WhatWasToBeWritten, IsTheLastWordThatIsNotThere) {
+  const Program program;
+  const auto of = [&](const std::vector<std::string>& words) {
+    return WhatWasToBeWritten(program.app, words).value_or("");
+  };
+  EXPECT_EQ(
+      of({"report", "/", "no_such_map9"}),
+      "skyquilt report: there is nothing at no_such_map9. If that is what to write, say -o no_such_map9. "
+      "\"skyquilt report --help\" explains what it takes.");
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{},
+        {"report"},
+        {"report", "no_such_map9"},  // the input, more likely
+        {"report", "/", "/"},
+        {"report", "/", "-o", "no_such_map9"},
+        {"report", "/", "--out=no_such_map9"},
+        {"report", "/", "--picture-px", "800"},
+        {"report", "/", "--help"},
+        {"stitch", "/", "no_such_map9"},  // of which no --out is wanted here
+        {"inspect", "/", "no_such_map9"},
+        {"reprt", "/", "no_such_map9"}}) {
+    EXPECT_EQ(of(words), "") << testing::PrintToString(words);
+  }
+}
+
+TEST(HelpAsOption, IsThatOfTheCommandNamed) {
+  using Words = std::vector<std::string>;
+  EXPECT_EQ(HelpAsOption({"help"}), Words{"--help"});
+  EXPECT_EQ(HelpAsOption({"help", "token", "add"}), (Words{"token", "add", "--help"}));
+  EXPECT_EQ(HelpAsOption({"stitch", "help"}), (Words{"stitch", "help"}));  // a folder
+  EXPECT_EQ(HelpAsOption({}), Words{});
 }
 
 TEST(ParseLengthM, TakesMetresAndUnits) {

@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cstdint>
 #include <cstdlib>
@@ -14,6 +15,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <vector>
 
@@ -55,8 +57,32 @@ struct StitchArguments {
   std::filesystem::path trace;
 };
 
+// As a shell takes it for one word.
+std::string ShellWord(const std::filesystem::path& path) {
+  const std::string text = path.string();
+  const auto is_plain = [](unsigned char c) {
+    return std::isalnum(c) != 0 ||
+           std::string_view("._-/+,:@%").find(static_cast<char>(c)) != std::string_view::npos;
+  };
+  if (!text.empty() && std::all_of(text.begin(), text.end(), is_plain)) return text;
+  std::string word = "'";
+  for (const char c : text) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return word + "'";
+}
+
+void PrintNextSteps(const std::filesystem::path& out_dir) {
+  const auto word = [&](const char* name) { return Printable(ShellWord(out_dir / name)); };
+  const std::string map = Printable(ShellWord(out_dir));
+  fmt::print(
+      "What next:\n"
+      "  skyquilt report {} -o {}\n"
+      "  skyquilt export {} -o {} --crs utm\n"
+      "  skyquilt import {} --data maps && skyquilt serve --data maps\n",
+      map, word("report.html"), map, word("utm.tif"), word("mosaic.mbtiles"));
+}
+
 void PrintOutcome(const pipeline::MosaicReport& report, const std::filesystem::path& out_dir) {
-  fmt::print("{} photos: {} aligned, {} by pose alone, {} left out\n", report.photos_total,
+  fmt::print("{}: {} aligned, {} by pose alone, {} left out\n", Counted(report.photos_total, "photo"),
              report.photos_aligned, report.photos_pose_only, report.photos_left_out);
   for (const std::string& line : flight::LeftOutInLines(report.left_out_photos))
     fmt::print("  left out: {}\n", Printable(line));
@@ -66,6 +92,7 @@ void PrintOutcome(const pipeline::MosaicReport& report, const std::filesystem::p
   fmt::print("{:.2f} ha at {:.1f} cm a pixel, zoom {} to {}, {} tiles\n", report.area_m2 / 1e4,
              report.gsd_m * 100.0, report.min_zoom, report.max_zoom, report.tile_count);
   fmt::print("{}\n", (out_dir / "mosaic.mbtiles").string());
+  PrintNextSteps(out_dir);
 }
 
 // The files of the finished map, then the others; one that is given again counts once.

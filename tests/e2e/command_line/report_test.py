@@ -64,6 +64,18 @@ class Report(unittest.TestCase):
         self.assertFalse((self.scratch / "none" / "mosaic.mbtiles").exists())
         self.assertAlmostEqual(self.stitch("--gsd=5m", "--any-gsd")["gsd_m"], 5.0)
 
+    def test_it_ends_with_what_to_do_next_as_one_can_type_it(self):
+        out = self.scratch / "a map's folder"
+        done = subprocess.run([BINARY, "stitch", self.scratch / "sim" / "photos", "-o", out, "--method", "imu"], check=True, capture_output=True,
+                              text=True)
+        steps = done.stdout.split("What next:\n")[1].splitlines()
+        self.assertEqual([step.split()[1] for step in steps], ["report", "export", "import"])
+        for step in steps:
+            step = step.split(" && ")[0].replace("skyquilt", str(BINARY), 1).replace("--data maps", f"--data '{self.scratch / 'maps'}'")
+            subprocess.run(step, shell=True, check=True, capture_output=True)
+        self.assertLessEqual({"report.html", "utm.tif"}, {path.name for path in out.iterdir()})
+        self.assertTrue((self.scratch / "maps" / "skyquilt-data.json").exists())
+
     def test_by_poses_alone(self):
         report = self.stitch("--method=imu")
         self.assertEqual((report["photos"]["pose_only"], report["alignment"]), (5, None))
