@@ -11,7 +11,7 @@ namespace skyquilt::pipeline {
 namespace {
 
 // More metres for a pixel than so many of the photos' own are centimetres, more likely.
-constexpr double kMostTimesCoarser = 20.0;
+constexpr double kMaxTimesCoarser = 20.0;
 
 template <typename Names, typename Value>
 std::string NameIn(const Names& names, Value value) {
@@ -63,7 +63,7 @@ Result<void> MosaicOptions::Validate() const {
 }
 
 Result<void> MosaicOptions::CheckGsd(double photos_gsd_m) const {
-  if (!gsd_m || any_gsd || !(*gsd_m > kMostTimesCoarser * photos_gsd_m)) return {};
+  if (!gsd_m || any_gsd || !(*gsd_m > kMaxTimesCoarser * photos_gsd_m)) return {};
   return Error{
       ErrorCode::kInvalidArgument,
       fmt::format("The option gsd_m asks for pixels of {:g} m, but those of the photos show {:.3g} cm of the "
