@@ -5,6 +5,7 @@
 #include "api/exports/exports.h"
 #include "api/flights/retention.h"
 #include "api/flights/trash.h"
+#include "core/base/printable.h"
 #include "server/routing/request_log.h"
 #include "storage/folder/elsewhere/sweep_blobs.h"
 #include "storage/folder/sweep_exports.h"
@@ -67,7 +68,8 @@ void Housekeeper::Round() {
   const Result<int> removed = api::RemoveOldTrash(service_);
   if (!removed) LogFailure("-", "trash", removed.error().detail);
   if (removed && *removed > 0)
-    LogEvent(fmt::format("{} flights were deleted {} days ago and are removed now", *removed,
+    LogEvent(fmt::format("{} {} days ago and removed now",
+                         Counted(*removed, "flight was deleted", "flights were deleted"),
                          service_.trash_days));
   TrashIdle();
   const Result<int> exports = api::RemoveExpiredExports(service_);

@@ -24,13 +24,18 @@ int main(int argc, char** argv) {
   skyquilt::server::AddCommands(app);
   skyquilt::server::AddManualCommands(app, SKYQUILT_VERSION);
   try {
-    auto words = skyquilt::server::ExpandConfig(std::vector<std::string>(argv + 1, argv + argc));
+    auto words = skyquilt::server::ExpandConfig(
+        skyquilt::server::HelpAsOption(std::vector<std::string>(argv + 1, argv + argc)));
     if (!words) {
       fmt::print(stderr, "skyquilt: {}\n", words.error().message);
       return 1;
     }
     if (const auto unknown = skyquilt::server::WhatIsUnknown(app, *words)) {
       fmt::print(stderr, "{}\n", *unknown);
+      return kUsageError;
+    }
+    if (const auto out = skyquilt::server::WhatWasToBeWritten(app, *words)) {
+      fmt::print(stderr, "{}\n", *out);
       return kUsageError;
     }
     const std::string command = skyquilt::server::CommandOf(app, *words);

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/printable.h"
 #include "core/base/try.h"
 #include "server/routing/request_log.h"
 #include "storage/folder/lost_folder.h"
@@ -31,7 +32,8 @@ Result<void> Recover(const storage::DataDir& dir, const storage::Catalogue& cata
                      storage::Time age) {
   const storage::Time now = storage::Now();
   SKYQUILT_TRY_ASSIGN(const int released, queue.TakeUpAfterRestart(now));
-  if (released > 0) LogEvent(fmt::format("after an unclean stop: {} jobs taken up again", released));
+  if (released > 0)
+    LogEvent(fmt::format("after an unclean stop: {} taken up again", Counted(released, "job")));
   SKYQUILT_TRY_ASSIGN(const storage::SweepReport swept, storage::Sweep(dir, catalogue, queue, previews, now));
   SKYQUILT_TRY_ASSIGN(const int expired, spool.RemoveExpired(age));
   if (swept.removed + expired > 0) {

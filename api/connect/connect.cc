@@ -7,9 +7,10 @@
 #include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/ogc/map_view.h"
-#include "api/tiles/cut_tile.h"
+#include "api/wmts/wmts_text.h"
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
+#include "storage/tilesets/tile_source.h"
 
 namespace skyquilt::api {
 namespace {
@@ -32,24 +33,20 @@ std::string PercentEncoded(std::string_view text) {
   return encoded;
 }
 
-// QGIS takes an XYZ tile to have 256 pixels, or 512 where it is told so; of larger ones it gets the smaller.
+// WMTS, because QGIS takes every XYZ source to be as large as the world, and "Zoom to Layer" then shows
+// nothing.
 std::string QgisSource(const MapView& map) {
-  const int side_px = map.tile_size_px();
-  if (side_px == kUsualTilePx || side_px == 2 * kUsualTilePx) {
-    return fmt::format("type=xyz&url={}&zmin={}&zmax={}{}", PercentEncoded(Tiles(map, "{z}", "{x}", "{y}")),
-                       map.revision().min_zoom, map.revision().max_zoom,
-                       side_px == kUsualTilePx ? "" : "&tilePixelRatio=2");
-  }
-  const std::vector<TileMatrix> matrices = MatricesOf(map, map.tile_sizes_px().front());
-  return fmt::format("type=xyz&url={}&zmin={}&zmax={}",
-                     PercentEncoded(map.Link(
-                         fmt::format("/tiles/{}/{}/{{z}}/{{x}}/{{y}}", map.id, map.tile_sizes_px().front()))),
-                     matrices.front().zoom, matrices.back().zoom);
+  const bool is_webp = storage::EncodingOf(map.tileset->reader->metadata()) == image::TileEncoding::kWebp;
+  const std::string capabilities = map.Link("/wmts/" + map.id + "?SERVICE=WMTS&REQUEST=GetCapabilities");
+  return fmt::format("crs=EPSG:3857&format={}&layers=map&styles=default&tileMatrixSet={}&url={}",
+                     is_webp ? "image/webp" : kStoredTileType, MatrixSetName(map.tile_size_px()),
+                     PercentEncoded(capabilities));
 }
 
 std::string Qgis(const MapView& map) {
   const std::string source = QgisSource(map);
   const std::string id = "skyquilt_" + map.id;
+  const geo::Bounds2 extent = geo::MercFromLatLonBounds(map.revision().bounds);
   return fmt::format(
       R"(<!DOCTYPE qgis-layer-definition>
 <qlr>
@@ -60,6 +57,7 @@ std::string Qgis(const MapView& map) {
     <maplayer type="raster" hasScaleBasedVisibilityFlag="0">
       <id>{0}</id>
       <datasource>{2}</datasource>
+      <extent><xmin>{3:.3f}</xmin><ymin>{4:.3f}</ymin><xmax>{5:.3f}</xmax><ymax>{6:.3f}</ymax></extent>
       <layername>{1}</layername>
       <provider>wms</provider>
       <srs><spatialrefsys><authid>EPSG:3857</authid></spatialrefsys></srs>
@@ -68,7 +66,7 @@ std::string Qgis(const MapView& map) {
   </maplayers>
 </qlr>
 )",
-      id, XmlText(map.name), XmlText(source));
+      id, XmlText(map.name), XmlText(source), extent.min.x(), extent.min.y(), extent.max.x(), extent.max.y());
 }
 
 std::string Josm(const MapView& map) {

@@ -204,6 +204,11 @@ Result<std::vector<std::string>> BandsOf(Service& service, const storage::Tilese
   return raster ? raster->bands() : ColourBands();
 }
 
+Result<std::optional<geo::Bounds2>> BoundsOfBands(Service& service, const storage::Tileset& tileset) {
+  SKYQUILT_TRY_ASSIGN(const auto raster, RasterOf(service, tileset));
+  return raster ? std::optional(raster->BoundsInMerc()) : std::nullopt;
+}
+
 std::vector<std::string> BandsAtHand(Service& service, const storage::Tileset& tileset) {
   if (!service.store.blobs().IsFolder()) return ColourBands();
   const Result<std::vector<std::string>> bands = BandsOf(service, tileset);

@@ -14,6 +14,7 @@
 #include "api/indices/index_look.h"
 #include "api/service.h"
 #include "api/tiles/map_window.h"
+#include "core/geo/bounds.h"
 #include "core/geo/tile_id.h"
 #include "core/image/rgba_image.h"
 
@@ -37,7 +38,11 @@ std::vector<std::string> BandsAtHand(Service& service, const storage::Tileset& t
 Result<void> CheckBands(Service& service, const storage::Tileset& tileset,
                         const indices::BandExpression& expression);
 
-// Of a tile with so many pixels on a side. Where the map stores no such tile there are no values.
+// Where indices may have values: in merc, of bands.tif, which may reach further than the map's tiles do.
+// Absent: where these are.
+Result<std::optional<geo::Bounds2>> BoundsOfBands(Service& service, const storage::Tileset& tileset);
+
+// Of a tile with so many pixels on a side. Where nothing is known there are no values.
 Result<IndexValues> ValuesOfTile(Service& service, const storage::Tileset& tileset,
                                  const indices::BandExpression& expression, const geo::TileId& tile,
                                  int side_px);

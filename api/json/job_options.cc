@@ -30,6 +30,12 @@ Result<void> SetGsd(const json& value, pipeline::MosaicOptions* options) {
   return {};
 }
 
+Result<void> SetAnyGsd(const json& value, pipeline::MosaicOptions* options) {
+  if (!value.is_boolean()) return Refuse("any_gsd", "must be true or false");
+  options->any_gsd = value.get<bool>();
+  return {};
+}
+
 Result<void> SetNotFiner(const json& value, pipeline::MosaicOptions* options) {
   if (!value.is_boolean()) return Refuse("not_finer_than_photos", "must be true or false");
   options->not_finer_than_photos = value.get<bool>();
@@ -56,16 +62,13 @@ Result<void> SetMaxLook(const json& value, pipeline::MosaicOptions* options) {
 }
 
 Result<void> SetFormat(const json& value, pipeline::MosaicOptions* options) {
-  if (value == "auto") {
-    options->encoding = image::TileEncoding::kJpegWebp;
-  } else if (value == "jpeg-png") {
-    options->encoding = image::TileEncoding::kJpegPng;
-  } else if (value == "webp") {
-    options->encoding = image::TileEncoding::kWebp;
-  } else {
-    return Refuse("format", "must be \"auto\", \"jpeg-png\" or \"webp\"");
+  for (const auto& [name, encoding] : pipeline::kTileFormats) {
+    if (value == name) {
+      options->encoding = encoding;
+      return {};
+    }
   }
-  return {};
+  return Refuse("format", "must be \"auto\", \"jpeg-png\" or \"webp\"");
 }
 
 Result<void> SetQuality(const json& value, pipeline::MosaicOptions* options) {
@@ -77,13 +80,7 @@ Result<void> SetQuality(const json& value, pipeline::MosaicOptions* options) {
 }
 
 Result<void> SetMethod(const json& value, pipeline::MosaicOptions* options) {
-  constexpr std::pair<const char*, pipeline::AlignMethod> kMethods[] = {
-      {"auto", pipeline::AlignMethod::kAuto},
-      {"images", pipeline::AlignMethod::kImages},
-      {"imu", pipeline::AlignMethod::kImu},
-      {"features", pipeline::AlignMethod::kFeatures},
-      {"direct", pipeline::AlignMethod::kDirect}};
-  for (const auto& [name, method] : kMethods) {
+  for (const auto& [name, method] : pipeline::kAlignMethods) {
     if (value == name) {
       options->method = method;
       return {};
@@ -203,6 +200,8 @@ Result<pipeline::MosaicOptions> ParseJobOptions(std::string_view text) {
     Result<void> set;
     if (field == "gsd_m") {
       set = SetGsd(value, &options);
+    } else if (field == "any_gsd") {
+      set = SetAnyGsd(value, &options);
     } else if (field == "not_finer_than_photos") {
       set = SetNotFiner(value, &options);
     } else if (field == "max_look_deg") {
@@ -232,7 +231,7 @@ Result<pipeline::MosaicOptions> ParseJobOptions(std::string_view text) {
     } else {
       set = Refuse(
           field,
-          "is not known; known are gsd_m, not_finer_than_photos, max_look_deg, readout_ms, format, quality, method, origin, "
+          "is not known; known are gsd_m, any_gsd, not_finer_than_photos, max_look_deg, readout_ms, format, quality, method, origin, "
           "boundary, takeoff_height_m, landed_at_start, place, layers and import_file");
     }
     if (!set) return set.error();

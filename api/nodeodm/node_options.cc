@@ -71,7 +71,9 @@ Result<Value> JobOptionsOf(const NodeOption& option, const Value& value) {
     const auto centimetres = value.get<double>();
     if (centimetres < 0.0) return MustBe("between 0 and 10000 cm");
     if (centimetres == 0.0) return Value(Value::object());
-    chosen = {{"gsd_m", std::max(centimetres / 100.0, kFinestGsdM)}, {"not_finer_than_photos", true}};
+    chosen = {{"gsd_m", std::max(centimetres / 100.0, kFinestGsdM)},
+              {"any_gsd", true},
+              {"not_finer_than_photos", true}};  // in centimetres
   }
   if (name == "boundary") {
     if (value == "") return Value(Value::object());

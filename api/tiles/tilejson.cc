@@ -15,6 +15,7 @@
 #include "api/tiles/tiles.h"
 #include "core/base/try.h"
 #include "core/geo/lat_lon_bounds.h"
+#include "core/geo/web_mercator.h"
 #include "storage/db/ids.h"
 
 namespace skyquilt::api {
@@ -74,6 +75,10 @@ Value IndexEntry(const Request& request, const std::string& flight_id, const Ind
 void AddIndices(Service& service, const Request& request, const storage::Tileset& tileset, Value& document) {
   const std::vector<std::string> bands = BandsAtHand(service, tileset);
   document["bands"] = bands;
+  if (service.store.blobs().IsFolder()) {  // as BandsAtHand
+    const Result<std::optional<geo::Bounds2>> bounds = BoundsOfBands(service, tileset);
+    if (bounds && *bounds) document["bands_bounds"] = geo::LatLonBoundsFromMerc(**bounds).ToArray();
+  }
   document["indices"] = Value::array();
   for (const indices::SpectralIndex* index : indices::IndicesOf(bands)) {
     Value entry = IndexEntry(request, tileset.flight_id, LookOf(*index));
@@ -105,6 +110,8 @@ Result<Value> MapDocument(Service& service, const Request& request, const storag
   SKYQUILT_TRY_ASSIGN(const std::optional<IndexLook> look, LookIn(request));
   if (look) {
     SKYQUILT_TRY(CheckBands(service, *tileset, look->expression));
+    SKYQUILT_TRY_ASSIGN(const auto bands, BoundsOfBands(service, *tileset));
+    if (bands) shown.bounds = geo::LatLonBoundsFromMerc(*bands);
     shown.ending = ".png";
     shown.parameters = "&" + look->Query();
   }

@@ -197,6 +197,12 @@ Result<Response> AnswerFrom(const ShownTiles& shown, Service& service, const Req
   const TileCut cut = CutOf(wanted.tile, shown.depth, shown.side_px);
   if (request.work < Work::kRead && !shown.source.IsAtHand(cut.stored)) return DeferTo(Work::kRead);
   SKYQUILT_TRY_ASSIGN(std::optional<storage::FoundTile> found, shown.source.Find(cut.stored));
+  if (!found && wanted.look) {
+    if (request.work < Work::kRead) return DeferTo(Work::kRead);
+    SKYQUILT_TRY_ASSIGN(const auto bands, BoundsOfBands(service, *shown.tileset));
+    if (bands && bands->Intersects(wanted.tile.BoundsInMerc()))
+      return IndexTile(service, request, *shown.tileset, wanted, side_px);
+  }
   if (!found) {
     if (shown.tileset != nullptr && !wanted.is_of_world && !Touches(wanted.tile, shown.tileset->revision)) {
       return Error{ErrorCode::kNotFound, "This tile lies outside the map.", ""};

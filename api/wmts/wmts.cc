@@ -46,21 +46,23 @@ Response AnswerCapabilities(Service& service, const Request& request) {
   return listed ? Xml(WmtsCapabilities(*listed)) : Exception(listed.error());
 }
 
-std::optional<std::string> ExtensionOfType(std::string_view type) {
-  if (type == "image/png") return "png";
-  if (type == "image/jpeg") return "jpg";
-  if (type == "image/webp") return "webp";
+// What an address has behind the column for tiles of this type.
+std::optional<std::string> EndingOfType(std::string_view type) {
+  if (type == "image/png") return ".png";
+  if (type == "image/jpeg") return ".jpg";
+  if (type == "image/webp") return ".webp";
+  if (type == kStoredTileType) return "";
   return std::nullopt;
 }
 
 Response AnswerTileAt(Service& service, const Request& request, const std::string& flight_id,
                       const MapSet& set, const std::string& style, std::string_view matrix,
-                      std::string_view row, std::string_view column_and_extension) {
+                      std::string_view row, std::string_view column_and_ending) {
   // Column and row stand the other way round in our own addresses.
-  const std::size_t dot = column_and_extension.find('.');
+  const std::size_t dot = column_and_ending.find('.');
   std::string y(row);
-  if (dot != std::string_view::npos) y += column_and_extension.substr(dot);
-  const std::string_view column = column_and_extension.substr(0, dot);
+  if (dot != std::string_view::npos) y += column_and_ending.substr(dot);
+  const std::string_view column = column_and_ending.substr(0, dot);
   Result<std::optional<IndexLook>> look = LookOfStyle(style);
   if (!look) return Exception(400, "InvalidParameterValue", "Style", look.error().message);
   if (set.grid) {
@@ -93,7 +95,7 @@ std::string_view MatrixName(std::string_view text) { return text.substr(text.rfi
 struct WmtsTile {
   std::string flight_id;
   MapSet set;
-  std::string style, matrix, row, column, extension;
+  std::string style, matrix, row, column, ending;
 };
 std::variant<WmtsTile, Response> ParseKvpTile(Service& service, const Request& request) {
   for (const char* name : {"Layer", "Format", "TileMatrixSet", "TileMatrix", "TileRow", "TileCol"}) {
@@ -103,10 +105,10 @@ std::variant<WmtsTile, Response> ParseKvpTile(Service& service, const Request& r
   const Result<std::string> flight_id = FlightOfLayer(request, *Parameter(request, "Layer"));
   if (!flight_id) return Exception(400, "InvalidParameterValue", "Layer", flight_id.error().message);
   const std::string style = Parameter(request, "Style").value_or("default");
-  const std::optional<std::string> extension = ExtensionOfType(*Parameter(request, "Format"));
-  if (!extension) {
+  const std::optional<std::string> ending = EndingOfType(*Parameter(request, "Format"));
+  if (!ending) {
     return Exception(400, "InvalidParameterValue", "Format",
-                     "Formats are image/png, image/jpeg and image/webp.");
+                     fmt::format("Formats are image/png, image/jpeg, image/webp and {}.", kStoredTileType));
   }
   const Result<MapView> map = FindMap(service, request, *flight_id);
   if (!map) return Exception(map.error());
@@ -119,7 +121,7 @@ std::variant<WmtsTile, Response> ParseKvpTile(Service& service, const Request& r
                   std::string(MatrixName(matrix)),
                   *Parameter(request, "TileRow"),
                   *Parameter(request, "TileCol"),
-                  *extension};
+                  *ending};
 }
 
 Response KvpTile(Service& service, const Request& request) {
@@ -127,7 +129,7 @@ Response KvpTile(Service& service, const Request& request) {
   if (auto* refused = std::get_if<Response>(&parsed)) return std::move(*refused);
   const WmtsTile& tile = std::get<WmtsTile>(parsed);
   return AnswerTileAt(service, request, tile.flight_id, tile.set, tile.style, tile.matrix, tile.row,
-                      tile.column + "." + tile.extension);
+                      tile.column + tile.ending);
 }
 
 std::optional<int> PixelIn(std::string_view text, int side_px) {

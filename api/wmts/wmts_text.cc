@@ -31,13 +31,17 @@ std::string WmtsOperation(const char* name,
 
 struct TileType {
   const char* type;
-  const char* extension;
+  const char* ending;
 };
 // Programs take the first. That is what is stored, where all tiles are of one format; maps of JPEG have PNG
 // at their fringe, and a JPEG there would be black where nothing was seen: of them PNG comes first.
 std::vector<TileType> TypesOf(const TileFacts& tiles) {
-  std::vector<TileType> types = {{"image/png", "png"}, {"image/jpeg", "jpg"}, {"image/webp", "webp"}};
-  if (tiles.is_webp) std::rotate(types.begin(), types.end() - 1, types.end());
+  std::vector<TileType> types = {{"image/png", ".png"}, {"image/jpeg", ".jpg"}, {"image/webp", ".webp"}};
+  if (tiles.is_webp) {
+    std::rotate(types.begin(), types.end() - 1, types.end());
+  } else {
+    types.push_back({kStoredTileType, ""});
+  }
   return types;
 }
 
@@ -95,11 +99,11 @@ std::string WmtsLayer(const ListedMaps& listed, const ListedMap& map) {
     text += "      </TileMatrixSetLimits></TileMatrixSetLink>\n";
   }
   for (const MapGrid& grid : GridsOf(revision)) text += GridLink(grid, revision, map.tiles.side_px);
-  for (const auto& [type, extension] : types) {
+  for (const auto& [type, ending] : types) {
     // Tiles have the address of their own map's service also in the document of all.
     const std::string path =
-        fmt::format("/wmts/{}/map/{{Style}}/{{TileMatrixSet}}/{{TileMatrix}}/{{TileRow}}/{{TileCol}}.{}",
-                    map.shown.flight_id, extension);
+        fmt::format("/wmts/{}/map/{{Style}}/{{TileMatrixSet}}/{{TileMatrix}}/{{TileRow}}/{{TileCol}}{}",
+                    map.shown.flight_id, ending);
     text += fmt::format("      <ResourceURL format=\"{}\" resourceType=\"tile\" template=\"{}\"/>\n", type,
                         XmlText(listed.Link(path)));
   }

@@ -7,6 +7,10 @@
 
 namespace skyquilt::api {
 
+// As GeoWebCache names tiles that are JPEG inside and PNG at the edge: sent as they are stored, which costs
+// neither the server nor the network anything.
+inline constexpr const char* kStoredTileType = "image/vnd.jpeg-png";
+
 std::string WmtsCapabilities(const ListedMaps& listed);
 
 }  // namespace skyquilt::api

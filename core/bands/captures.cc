@@ -14,6 +14,7 @@
 #include "core/bands/band_name.h"
 #include "core/bands/read_band_facts.h"
 #include "core/base/parallel_for.h"
+#include "core/base/printable.h"
 #include "core/base/try.h"
 #include "core/flight/aside/one_camera.h"
 
@@ -133,9 +134,9 @@ void DropOddCalibrations(const std::vector<Band>& bands, std::vector<Capture>& c
   }
   if (dropped == 0) return;
   flight.warnings.push_back(fmt::format(
-      "{} photos of bands give no values to bands.tif: their tags lack what makes levels values, or "
-      "have it where those of most others lack it.",
-      dropped));
+      "{} no values to bands.tif: tags lack what makes levels values, or have it where those of most "
+      "others lack it.",
+      Counted(dropped, "photo of a band gives", "photos of bands give")));
 }
 
 // Thermal levels that nobody can make temperatures of.

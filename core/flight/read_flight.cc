@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "core/base/parallel_for.h"
+#include "core/base/printable.h"
 #include "core/flight/aside/copies.h"
 #include "core/flight/aside/one_camera.h"
 #include "core/flight/lists/duplicates.h"
@@ -207,7 +208,8 @@ Result<Flight> ReadFlight(const std::vector<InputFile>& files, const ReadFlightO
   std::sort(flight.left_out.begin(), flight.left_out.end(),
             [](const LeftOutPhoto& a, const LeftOutPhoto& b) { return a.name < b.name; });
   WarnAboutFlight(timed_by_name, flight);
-  progress.Report(1.0, fmt::format("{} photos and {} logs read", flight.photos.size(), flight.logs.size()));
+  progress.Report(1.0, fmt::format("{} and {} read", Counted(flight.photos.size(), "photo"),
+                                   Counted(flight.logs.size(), "log")));
   return flight;
 }
 

@@ -25,6 +25,7 @@ struct LatLon {
 
   // Refuses what is not a position on Earth (NaN, |lat| > 90, |lon| > 180).
   static Result<LatLon> Make(double lat_deg, double lon_deg);
+  friend bool operator==(const LatLon&, const LatLon&) = default;
 };
 
 struct Wgs84 {

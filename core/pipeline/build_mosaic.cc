@@ -131,12 +131,12 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   report.height_rule = facts.height_rule;
   report.poses_report = facts.poses_report;
   report.is_placed = facts.is_placed;
-  report.gsd_m = plan.gsd_m;
+  report.gsd_m = std::max({plan.gsd_m, planned.gsd_m.value_or(0.0), render::OutputPixelM(plan, aligned)});
   report.quality = JudgeMap({.flight = aligned,
                              .poses = facts.poses_report,
                              .alignment = facts.align_report ? &*facts.align_report : nullptr,
                              .seams = seam_shift,
-                             .gsd_m = plan.gsd_m,
+                             .gsd_m = report.gsd_m,
                              .is_placed = facts.is_placed,
                              .is_by_images = facts.is_by_images,
                              .is_by_hand = facts.is_by_hand});

@@ -11,6 +11,7 @@
 #include "core/bands/captures.h"
 #include "core/base/median.h"
 #include "core/base/parallel_for.h"
+#include "core/base/printable.h"
 #include "core/camera/footprint.h"
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
@@ -157,8 +158,9 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
   verdict.photos_readable = static_cast<int>(flight->photos.size());
   for (const flight::FlightLog& log : flight->logs) verdict.logs.push_back(flight::DescribeLog(log));
   for (const flight::GcpList& list : flight->gcp_lists) {
-    verdict.gcp_lists.push_back(fmt::format("{}: {} points, {} sightings", list.file_name, list.points.size(),
-                                            list.sightings.size()));
+    verdict.gcp_lists.push_back(fmt::format("{}: {}, {}", list.file_name,
+                                            Counted(list.points.size(), "point"),
+                                            Counted(list.sightings.size(), "sighting")));
   }
   verdict.elevation_models = flight->elevation_models;
   if (!compared) {
@@ -196,9 +198,8 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
   verdict.warnings = placed.warnings;
   if (verdict.photos_by_images > 0) {
     verdict.warnings.push_back(fmt::format(
-        "{} photos have no usable position or height: they join the others by what they show, where they "
-        "overlap.",
-        verdict.photos_by_images));
+        "{} no usable position or height: what they show joins them to the others, where they overlap.",
+        Counted(verdict.photos_by_images, "photo has", "photos have")));
   }
   verdict.poses = posed->report;
   verdict.height_rule = posed->report.height_rule;
@@ -216,6 +217,8 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
     return verdict;
   }
   verdict.gsd_m = plan->gsd_m;
+  if (const Result<void> sane = options.CheckGsd(plan->gsd_m); !sane)
+    verdict.warnings.push_back(sane.error().message);
   verdict.max_zoom = plan->base_zoom;
   verdict.tile_size_px = plan->tile_size_px;
   const double pixel_m = geo::PixelSizeInMercM(plan->base_zoom, plan->tile_size_px) *

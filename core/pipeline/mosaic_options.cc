@@ -4,8 +4,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <iterator>
 
 namespace skyquilt::pipeline {
+namespace {
+
+// More metres for a pixel than so many of the photos' own are centimetres, more likely.
+constexpr double kMaxTimesCoarser = 20.0;
+
+template <typename Names, typename Value>
+std::string NameIn(const Names& names, Value value) {
+  const auto found = std::find_if(std::begin(names), std::end(names),
+                                  [&](const auto& name) { return name.second == value; });
+  return found == std::end(names) ? "" : found->first;
+}
+
+}  // namespace
 
 Result<void> MosaicOptions::Validate() const {
   const auto refuse = [](std::string message) {
@@ -45,6 +60,32 @@ Result<void> MosaicOptions::Validate() const {
   if (threads < 0 || threads > 1024)
     return refuse(fmt::format("The number of threads is {} but must be 0 (all cores) to 1024.", threads));
   return {};
+}
+
+Result<void> MosaicOptions::CheckGsd(double photos_gsd_m) const {
+  if (!gsd_m || any_gsd || !(*gsd_m > kMaxTimesCoarser * photos_gsd_m)) return {};
+  return Error{
+      ErrorCode::kInvalidArgument,
+      fmt::format("The option gsd_m asks for pixels of {:g} m, but those of the photos show {:.3g} cm of the "
+                  "ground, {:.0f} times less. It counts in metres (0.05), at the command line also with "
+                  "a unit (5cm). If so coarse a map is meant, say --any-gsd, or \"any_gsd\": true in the "
+                  "options of a job.",
+                  *gsd_m, 100.0 * photos_gsd_m, *gsd_m / photos_gsd_m),
+      ""};
+}
+
+std::map<std::string, std::string> MosaicOptions::InWords() const {
+  std::map<std::string, std::string> words = {
+      {"--method", NameIn(kAlignMethods, method)},
+      {"--format", NameIn(kTileFormats, encoding)},
+      {"--quality", std::to_string(jpeg_quality)},
+      {"--max-look-deg", fmt::format("{:g}", max_look_deg)},
+      {"--readout-ms", readout_s ? fmt::format("{:g}", 1e3 * *readout_s) : ""},
+      {"--origin", origin ? fmt::format("{:.7f},{:.7f}", origin->lat_deg, origin->lon_deg) : ""},
+      {"--landed-at-start", landed_at_start ? "yes" : ""},
+      {"--takeoff-height-m", takeoff_height_amsl_m ? fmt::format("{:g}", *takeoff_height_amsl_m) : ""},
+      {"--dem", std::filesystem::path(dem_path).filename().string()}};
+  return words;
 }
 
 double MosaicOptions::OutputGsdM(double photos_gsd_m) const {

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/base/result.h"
@@ -18,9 +20,21 @@ namespace skyquilt::pipeline {
 
 enum class AlignMethod { kAuto, kImu, kFeatures, kDirect, kImages };
 
+// As users write them.
+inline constexpr std::pair<const char*, AlignMethod> kAlignMethods[] = {{"auto", AlignMethod::kAuto},
+                                                                        {"images", AlignMethod::kImages},
+                                                                        {"imu", AlignMethod::kImu},
+                                                                        {"features", AlignMethod::kFeatures},
+                                                                        {"direct", AlignMethod::kDirect}};
+inline constexpr std::pair<const char*, image::TileEncoding> kTileFormats[] = {
+    {"auto", image::TileEncoding::kJpegWebp},
+    {"jpeg-png", image::TileEncoding::kJpegPng},
+    {"webp", image::TileEncoding::kWebp}};
+
 struct MosaicOptions {
-  AlignMethod method = AlignMethod::kAuto;  // --method auto|images|imu|features|direct
+  AlignMethod method = AlignMethod::kAuto;  // --method
   std::optional<double> gsd_m;         // --gsd: ground size of an output pixel; default: that of the photos
+  bool any_gsd = false;                // --any-gsd: also one far from what the photos show
   bool not_finer_than_photos = false;  // gsd_m counts only where it is coarser than the photos
   std::optional<double>
       readout_s;               // --readout-ms: of the cameras, first row to last; default: as known of them
@@ -28,7 +42,7 @@ struct MosaicOptions {
   std::optional<geo::LatLon> origin;  // --origin: where a flight without any position starts
   bool landed_at_start = false;       // --landed-at-start: a flight without any position ended where it began
   std::string dem_path;               // --dem: a GeoTIFF of the ground's heights; empty: flat ground
-  image::TileEncoding encoding = image::TileEncoding::kJpegWebp;  // --format auto|jpeg-png|webp
+  image::TileEncoding encoding = image::TileEncoding::kJpegWebp;  // --format
   int jpeg_quality = 85;                                          // --quality 1..100
   double feather_m = 0.0;  // width of the seams' transition; 0 = chosen from the GSD
   std::int64_t max_memory_bytes = std::int64_t{1} << 30;  // --max-memory: budget for decoded photos and tiles
@@ -44,6 +58,12 @@ struct MosaicOptions {
   std::string import_file;
 
   Result<void> Validate() const;
+  // Whether gsd_m is a mistake (5 for 5 cm) beside what the photos show. Error: kInvalidArgument, with both
+  // and how to insist.
+  Result<void> CheckGsd(double photos_gsd_m) const;
+  // What decides where photos lie and how the map is written, by the options of the command line, to tell two
+  // runs apart. Without gsd_m and boundary, which are numbers that the map knows.
+  std::map<std::string, std::string> InWords() const;
   // The ground size of an output pixel where those of the photos show `photos_gsd_m`.
   double OutputGsdM(double photos_gsd_m) const;
 };

@@ -1,6 +1,7 @@
 #include "core/pipeline/place_flight.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <map>
 #include <numbers>
@@ -15,6 +16,7 @@
 #include "core/alignment/baselines/align_directly.h"
 #include "core/bands/panels/calibrate_by_panels.h"
 #include "core/base/large_blocks_apart.h"
+#include "core/base/median.h"
 #include "core/base/parallel_for.h"
 #include "core/base/try.h"
 #include "core/flight/photos/sample_ranges.h"
@@ -216,6 +218,16 @@ Result<void> CheckBoundaryIsNear(const poses::PosedFlight& posed, const geo::Bou
   return render::BoundaryElsewhere(boundary, {origin.lat_deg, origin.lon_deg});
 }
 
+// By the heights that were recorded: better said before photos are compared. PlanMap looks again.
+Result<void> CheckGsdByRecords(const poses::PosedFlight& posed, const MosaicOptions& options) {
+  std::vector<double> gsds_m;
+  for (const poses::PosedPhoto& photo : posed.photos)
+    gsds_m.push_back(photo.height_above_ground_m / photo.photo.intrinsics.MeanFocalPx());
+  std::erase_if(gsds_m, [](double gsd_m) { return !(gsd_m > 0.0 && std::isfinite(gsd_m)); });
+  if (!posed.is_placed || gsds_m.empty()) return {};
+  return options.CheckGsd(Median(std::move(gsds_m)));
+}
+
 Result<FlightFacts> PlaceAnew(flight::Flight read, const MosaicOptions& options,
                               const flight::PhotoSource& source, const geo::DemSource* dem,
                               StageRunner& stages, Progress& progress, CheckedPhotos known) {
@@ -226,6 +238,7 @@ Result<FlightFacts> PlaceAnew(flight::Flight read, const MosaicOptions& options,
   SKYQUILT_TRY_ASSIGN(auto posed, Pose(checked.flight, options, dem, stages, MayGoByImages(options)));
   if (options.boundary && checked.flight.gcp_lists.empty())
     SKYQUILT_TRY(CheckBoundaryIsNear(posed, *options.boundary));
+  SKYQUILT_TRY(CheckGsdByRecords(posed, options));
   alignment::AlignReport report;
   SKYQUILT_TRY_ASSIGN(auto aligned, stages.Run("align", [&] {
     return Align(posed, checked.flight.gcp_lists, options, source, std::move(checked.features), report,
@@ -429,6 +442,7 @@ Result<PlacedFlight> PlaceFlight(const std::vector<InputFile>& files, const Mosa
     }
     DrawColourAlone(placed.captures, placed.facts.flight);
     placed.facts.options = DigestOfPlacing(options);
+    placed.facts.asked = options.InWords();
   }
   placed.facts.inputs = inputs;
   std::map<std::string, Digest> by_path;

@@ -28,6 +28,7 @@ Result<PlannedMap> PlanMap(const FlightFacts& facts, const std::optional<double>
   plan_options.boundary = facts.boundary ? &*facts.boundary : nullptr;
   SKYQUILT_TRY_ASSIGN(map.plan,
                       stages.Run("plan", [&] { return render::PlanMosaic(aligned, ground, plan_options); }));
+  SKYQUILT_TRY(options.CheckGsd(map.plan.gsd_m));
   if (options.not_finer_than_photos && map.gsd_m) map.gsd_m = std::max(*map.gsd_m, map.plan.gsd_m);
 
   if (range) {

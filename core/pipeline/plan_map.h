@@ -1,6 +1,7 @@
 // PlanMap: what is decided of a map before the first of its pixels is rendered: the tiles, the light and
 // which photo shows what. From the facts of a placed flight alone, so that every process that has these
-// decides the same. Blocking; the result does not depend on threads. Errors: those of PlanMosaic.
+// decides the same. Blocking; the result does not depend on threads. Errors: those of PlanMosaic and of
+// MosaicOptions::CheckGsd.
 #pragma once
 
 #include <optional>

@@ -9,7 +9,9 @@
 #include <utility>
 
 #include "core/base/median.h"
+#include "core/base/printable.h"
 #include "core/geo/geodesic.h"
+#include "core/poses/heights/flight_heights.h"
 
 namespace skyquilt::poses {
 namespace {
@@ -101,8 +103,8 @@ PhotoRowsUse ApplyPhotoRows(const std::vector<flight::FlightLog>& logs, std::vec
         fmt::format("{} ({}) names {} of {} photos", log.file_name, log.format, matched, photos.size()));
     if (matched > 0 || photos.empty()) continue;
     use.warnings.push_back(fmt::format(
-        "{} is not used: its rows name {} photos (the first is {}), and none of the photos given is called so.",
-        log.file_name, rows.size(), rows.begin()->first));
+        "{} is not used: its rows name {} (the first is {}), and none of the photos given is called so.",
+        log.file_name, Counted(rows.size(), "photo"), rows.begin()->first));
   }
   return use;
 }

@@ -21,7 +21,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using nlohmann::json;
 
-constexpr std::chrono::seconds kFirstPatience{5};
 constexpr long kConnectPatienceMs = 10'000;
 constexpr long kSlowestBytesPerS = 1, kSlowForS = 60;  // a connection that stands still for so long is dead
 constexpr std::size_t kMaxAnswerBytes = std::size_t{64} << 20;
@@ -131,7 +130,6 @@ struct ServerClient::State {
   CURL* transfer = nullptr;
   std::optional<Clock::time_point> failing_since = std::nullopt;
   std::chrono::milliseconds pause{500};
-  bool has_answered = false;
 };
 
 ServerClient::ServerClient(ClientSettings settings, Progress& progress,
@@ -219,11 +217,10 @@ Result<void> ServerClient::WaitAfter(const Error& failure) {
   constexpr std::chrono::milliseconds kLongestPause{15'000}, kStep{100};
   const Clock::time_point now = Clock::now();
   if (!state_->failing_since) state_->failing_since = now;
-  // One that never answered is more likely not there than away.
-  const auto patience =
-      state_->has_answered ? state_->settings.patience : std::min(state_->settings.patience, kFirstPatience);
-  if (now - *state_->failing_since > patience) return failure;
-  state_->waits(failure.message + " Trying again.");
+  const auto left =
+      std::chrono::ceil<std::chrono::seconds>(state_->settings.patience - (now - *state_->failing_since));
+  if (left <= std::chrono::seconds(0)) return failure;
+  state_->waits(fmt::format("{} Trying again for {} s.", failure.message, left.count()));
   for (std::chrono::milliseconds slept{0}; slept < state_->pause; slept += kStep) {
     if (state_->progress.IsCancelled()) return Error{ErrorCode::kCancelled, "Cancelled.", ""};
     std::this_thread::sleep_for(kStep);
@@ -233,7 +230,6 @@ Result<void> ServerClient::WaitAfter(const Error& failure) {
 }
 
 void ServerClient::Succeeded() {
-  state_->has_answered = true;
   state_->failing_since.reset();
   state_->pause = std::chrono::milliseconds(500);
 }

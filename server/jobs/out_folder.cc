@@ -1,7 +1,9 @@
 #include "server/jobs/out_folder.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <cmath>
 #include <map>
 #include <optional>
 #include <set>
@@ -63,6 +65,30 @@ std::vector<std::string> MissingPhotos(const fs::path& out_dir, const pipeline::
   return missing;
 }
 
+// What the finished map was made with that was not asked for now: "--quality 60 (now 85)". A ground size of
+// which nothing is said now stays that of the map. Empty: nothing.
+std::string OtherOptions(const pipeline::FlightFacts& facts, const pipeline::MosaicOptions& options) {
+  constexpr double kSameGsd = 1e-3;  // of it
+  std::vector<std::string> others;
+  const std::map<std::string, std::string> now = options.InWords();
+  const auto said = [](const std::string& value) { return value.empty() ? std::string("none") : value; };
+  for (const auto& [name, was] : facts.asked) {
+    const auto is = now.find(name);
+    if (is != now.end() && is->second != was)
+      others.push_back(fmt::format("{} {} (now {})", name, said(was), said(is->second)));
+  }
+  if (options.gsd_m && facts.appearance) {
+    const double was_m = facts.appearance->gsd_m;
+    if (std::abs(*options.gsd_m - was_m) > kSameGsd * was_m)
+      others.push_back(fmt::format("--gsd {:.4g} (now {:.4g})", was_m, *options.gsd_m));
+  }
+  if (facts.boundary != options.boundary)
+    others.push_back(!facts.boundary    ? "no --boundary"
+                     : options.boundary ? "another --boundary"
+                                        : "a --boundary");
+  return fmt::format("{}", fmt::join(others, ", "));
+}
+
 Error Refusal(const fs::path& out_dir, const std::string& what) {
   return {ErrorCode::kConflict,
           fmt::format(
@@ -73,7 +99,8 @@ Error Refusal(const fs::path& out_dir, const std::string& what) {
 
 }  // namespace
 
-Result<void> CheckOutFolder(const fs::path& out_dir, const std::vector<flight::InputFile>& files) {
+Result<void> CheckOutFolder(const fs::path& out_dir, const std::vector<flight::InputFile>& files,
+                            const pipeline::MosaicOptions& options) {
   const std::optional<std::string> product = FirstProductIn(out_dir);
   if (!product) return {};
   const Result<std::string> bytes = storage::MapKeeper::StatedFacts(out_dir);
@@ -86,7 +113,10 @@ Result<void> CheckOutFolder(const fs::path& out_dir, const std::vector<flight::I
   if (!facts)
     return Refusal(out_dir, "has a map whose mosaic.state cannot be read, so its photos are not known.");
   const std::vector<std::string> missing = MissingPhotos(out_dir, *facts, files);
-  if (missing.empty()) return {};
+  const std::string others = OtherOptions(*facts, options);
+  if (missing.empty() && others.empty()) return {};
+  if (missing.empty())
+    return Refusal(out_dir, fmt::format("has the finished map of these photos, made with {}.", others));
   return Refusal(out_dir,
                  fmt::format("has the finished map of other photos: {} of its {} photos are not among "
                              "those given (first {}). To add photos to it, say --append.",

@@ -1,8 +1,8 @@
 // CheckOutFolder: whether the map of these files can be written to a folder without destroying anything. A
-// finished map of other photos is not replaced, nor is a file that merely has the name of one of our
-// products. Accepted are an empty folder, what a killed run left, and a map all of whose photos are among the
-// files (it is rebuilt, or grows). Reads the files' bytes when there is a map. Errors: kConflict, with what
-// to do.
+// finished map of other photos or made with other options is not replaced, nor is a file that merely has the
+// name of one of our products. Accepted are an empty folder, what a killed run left, and a map all of whose
+// photos are among the files (it is rebuilt, or grows). Reads the files' bytes when there is a map. Errors:
+// kConflict, with what to do.
 #pragma once
 
 #include <filesystem>
@@ -10,11 +10,12 @@
 
 #include "core/base/result.h"
 #include "core/flight/lists/input_file.h"
+#include "core/pipeline/mosaic_options.h"
 
 namespace skyquilt::server {
 
-Result<void> CheckOutFolder(const std::filesystem::path& out_dir,
-                            const std::vector<flight::InputFile>& files);
+Result<void> CheckOutFolder(const std::filesystem::path& out_dir, const std::vector<flight::InputFile>& files,
+                            const pipeline::MosaicOptions& options);
 
 // Even where the user said to overwrite: no file that the map is to be made from. Errors: kConflict.
 Result<void> CheckNoInputIsReplaced(const std::filesystem::path& out_dir,

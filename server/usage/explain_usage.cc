@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
 #include <string_view>
+#include <system_error>
 
 #include "server/usage/near_word.h"
 
@@ -98,6 +101,32 @@ std::optional<std::string> WhatIsUnknown(const CLI::App& app, const std::vector<
                        near ? Meant("--" + *near) : "", reached.name);
   }
   return std::nullopt;
+}
+
+std::optional<std::string> WhatWasToBeWritten(const CLI::App& app, const std::vector<std::string>& words) {
+  const Reached reached = Follow(app, words);
+  const CLI::Option* out = reached.command->get_option_no_throw("--out");
+  if (reached.unknown || out == nullptr || !out->get_required() || words.size() < reached.words + 2)
+    return std::nullopt;
+  const auto of_command = words.begin() + static_cast<std::ptrdiff_t>(reached.words);
+  const bool says_out = std::any_of(of_command, words.end(), [](const std::string& word) {
+    return word.starts_with("--out") || (word.starts_with("-o") && !word.starts_with("--"));
+  });
+  // The last word may be the value of an option before it.
+  if (says_out || words.back().starts_with('-') || words[words.size() - 2].starts_with('-'))
+    return std::nullopt;
+  std::error_code none;  // what cannot be looked at is there
+  if (std::filesystem::exists(words.back(), none) || none) return std::nullopt;
+  return fmt::format(
+      "{}: there is nothing at {}. If that is what to write, say -o {}. \"{} --help\" explains what it takes.",
+      reached.name, Shown(words.back()), Shown(words.back()), reached.name);
+}
+
+std::vector<std::string> HelpAsOption(std::vector<std::string> words) {
+  if (words.empty() || words.front() != "help") return words;
+  words.erase(words.begin());
+  words.emplace_back("--help");
+  return words;
 }
 
 }  // namespace skyquilt::server

@@ -1,7 +1,8 @@
 // WhatIsUnknown: the first word of a command line that names no command or option of the program, in a
-// sentence that says which was meant and where the list is; nothing where all are known. Asked before the
-// library parses, which would complain of whatever it meets first. SayWhatIsWrong: how the library's own
-// complaints are told. Pure; any thread.
+// sentence that says which was meant and where the list is; nothing where all are known. WhatWasToBeWritten:
+// the last word, where a command that writes is given no --out and nothing is there. Both asked before the
+// library parses, which would complain of whatever it meets first. HelpAsOption: "help stitch" as
+// "stitch --help". Any thread; but for a look whether a file is there, pure.
 #pragma once
 
 #include <optional>
@@ -16,6 +17,10 @@ namespace skyquilt::server {
 
 // words: without the program's name.
 std::optional<std::string> WhatIsUnknown(const CLI::App& app, const std::vector<std::string>& words);
+
+std::optional<std::string> WhatWasToBeWritten(const CLI::App& app, const std::vector<std::string>& words);
+
+std::vector<std::string> HelpAsOption(std::vector<std::string> words);
 
 // The command that `words` are of: "skyquilt stitch".
 std::string CommandOf(const CLI::App& app, const std::vector<std::string>& words);

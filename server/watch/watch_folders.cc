@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "core/base/printable.h"
 #include "core/base/try.h"
 #include "server/watch/folder_events.h"
 
@@ -95,7 +96,8 @@ class Watch {
     const auto films = std::count_if(card_.files().begin(), card_.files().end(),
                                      [](const auto& entry) { return entry.second.kind == CardKind::kFilm; });
     if (films > 0)
-      talk_.SayOnce("films", fmt::format("{} films stay there; \"skyquilt upload\" sends films.", films));
+      talk_.SayOnce("films", fmt::format("{} there; \"skyquilt upload\" sends films.",
+                                         Counted(films, "film stays", "films stay")));
   }
 
   // Sends it, or says what keeps it from that and when it is tried again.
@@ -147,18 +149,17 @@ class Watch {
 
   void Tell(const CardFlight& flight, const SentNow& sent) {
     if (sent.flight_id.empty()) {
-      talk_.Say(fmt::format("{}: {} photos, sent before", flight.name, flight.photos.size()));
+      talk_.Say(fmt::format("{}: {}, sent before", flight.name, Counted(flight.photos.size(), "photo")));
       return;
     }
     end_.flights += sent.is_new ? 1 : 0;
     end_.files += sent.files;
-    talk_.Say(fmt::format("{}: {} files sent{}: {}/#/flights/{}", flight.name, sent.files,
+    talk_.Say(fmt::format("{}: {} sent{}: {}/#/flights/{}", flight.name, Counted(sent.files, "file"),
                           sent.is_new ? "" : " to the flight they belong to", options_.send.server.url,
                           sent.flight_id));
     if (flight.cut_photos > 0)
-      talk_.Say(fmt::format(
-          "{}: {} photos are cut off or cannot be read, and stay there; they follow when they are whole",
-          flight.name, flight.cut_photos));
+      talk_.Say(fmt::format("{}: {} cut off or cannot be read; what is whole later follows", flight.name,
+                            Counted(flight.cut_photos, "photo is", "photos are")));
   }
 
   // Until something happens in the folders, a disk comes or goes, a pause is over or a signal comes.

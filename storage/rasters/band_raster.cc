@@ -85,6 +85,10 @@ struct BandRaster::Handle {
 };
 
 BandRaster::BandRaster(std::filesystem::path path) : path_(std::move(path)) {}
+geo::Bounds2 BandRaster::BoundsInMerc() const {
+  return {{west_m_, north_m_ - height_px_ * pixel_m_}, {west_m_ + width_px_ * pixel_m_, north_m_}};
+}
+
 BandRaster::~BandRaster() = default;
 
 Error BandRaster::Damaged(const std::string& what) const {

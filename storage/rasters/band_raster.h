@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/geo/bounds.h"
 
 namespace skyquilt::storage {
 
@@ -38,6 +39,7 @@ class BandRaster {
 
   // In the file's order.
   const std::vector<std::string>& bands() const { return bands_; }
+  geo::Bounds2 BoundsInMerc() const;
 
   // One plane for each of `bands` (places in bands()), rows from the north; NaN where nothing is known.
   Result<std::vector<std::vector<float>>> Read(const MercGrid& grid, std::span<const std::size_t> bands);

@@ -114,6 +114,8 @@ TEST(ParseFlightFields, TakesWhatItKnows) {
   const auto options = ParseJobOptions(*fields->options);
   ASSERT_TRUE(options);
   EXPECT_DOUBLE_EQ(*options->gsd_m, 0.1);
+  EXPECT_FALSE(options->any_gsd);
+  EXPECT_TRUE(ParseJobOptions(R"({"any_gsd":true})")->any_gsd);
   EXPECT_EQ(options->encoding, image::TileEncoding::kWebp);
   EXPECT_EQ(options->jpeg_quality, 90);
   EXPECT_DOUBLE_EQ(*options->readout_s, 0.033);
@@ -160,9 +162,9 @@ INSTANTIATE_TEST_SUITE_P(
                     R"({"keep":null})", "{\"name\":\"" + std::string(300, 'a') + "\"}", R"({"options":1})",
                     R"({"options":{"gsd":1}})", R"({"options":{"gsd_m":0}})", R"({"options":{"gsd_m":-1}})",
                     R"({"options":{"gsd_m":1e400}})", R"({"options":{"gsd_m":"1"}})",
-                    R"({"options":{"max_look_deg":80}})", R"({"options":{"max_look_deg":null}})",
-                    R"({"options":{"readout_ms":-1}})", R"({"options":{"readout_ms":501}})",
-                    R"({"options":{"readout_ms":"33"}})",
+                    R"({"options":{"any_gsd":1}})", R"({"options":{"max_look_deg":80}})",
+                    R"({"options":{"max_look_deg":null}})", R"({"options":{"readout_ms":-1}})",
+                    R"({"options":{"readout_ms":501}})", R"({"options":{"readout_ms":"33"}})",
                     R"({"options":{"place":[{"shown":[1,2],"is":[1,2]}]}})", R"({"options":{"quality":0}})",
                     R"({"options":{"quality":85.5}})", R"({"options":{"quality":9999999999999999999999}})",
                     R"({"options":{"format":"gif"}})", R"({"options":{"method":"magic"}})",

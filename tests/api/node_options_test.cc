@@ -68,6 +68,7 @@ TEST(NodeOptions, ResolutionIsNeverFinerThanThePhotos) {
   ASSERT_TRUE(options);
   EXPECT_DOUBLE_EQ(*options->gsd_m, 0.001);
   EXPECT_TRUE(options->not_finer_than_photos);
+  EXPECT_TRUE(options->any_gsd);  // its unit is said
   EXPECT_EQ(Chosen(R"([{"name":"orthophoto-resolution","value":0}])").job_options, "{}");
   EXPECT_EQ(json::parse(Chosen(R"([{"name":"orthophoto-resolution","value":5}])").job_options)["gsd_m"],
             0.05);

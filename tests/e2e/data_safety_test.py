@@ -123,7 +123,7 @@ class DataSafety(ServerTestCase):
             self.assertEqual(catalogue.read_bytes() if catalogue.exists() else None, left)
             self.assertEqual(digests(self.data), bytes_before)
             self.data_command("check", code=2)
-            self.assertIn("2 flights, 7 files and 1 maps were entered into a new catalogue", self.data_command("repair"))
+            self.assertIn("2 flights, 7 files and 1 map were entered into a new catalogue", self.data_command("repair"))
             again = self.serve()
             self.assertEqual(self.view(again, mapped), before[mapped])
             _, flight = again.json("GET", f"/api/v1/flights/{plain['id']}")

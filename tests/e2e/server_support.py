@@ -276,8 +276,8 @@ class ServerTestCase(unittest.TestCase):
         self.assertNotEqual(refused.returncode, 0)
         return refused.stderr
 
-    def serve(self, *arguments):
-        server = Server(self.data, *arguments)
+    def serve(self, *arguments, **where):
+        server = Server(self.data, *arguments, **where)
         self.servers.append(server)
         return server
 

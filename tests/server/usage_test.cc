@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 
 #include "server/usage/explain_usage.h"
+#include "server/usage/length.h"
 #include "server/usage/near_word.h"
 #include "server/usage/one_of.h"
 
@@ -22,6 +23,10 @@ struct Program {
     stitch->add_option("-o,--out", out);
     stitch->add_flag("--previews,!--no-previews", previews);
     stitch->add_option("--method", method)->check(OneOf({"auto", "imu"}));
+    CLI::App* report = app.add_subcommand("report", "");
+    report->add_option("MAP", inputs)->required();
+    report->add_option("-o,--out", out)->required();
+    report->add_flag("--overwrite", previews);
     app.add_subcommand("inspect", "");
     CLI::App* token = app.add_subcommand("token", "");
     token->require_subcommand(1);
@@ -119,6 +124,66 @@ TEST(OneOf, ListsTheWordsThatItTakes) {
     }
   }
   EXPECT_NE(app.help().find("first or second"), std::string::npos);
+}
+
+TEST(WhatWasToBeWritten, IsTheLastWordThatIsNotThere) {
+  const Program program;
+  const auto of = [&](const std::vector<std::string>& words) {
+    return WhatWasToBeWritten(program.app, words).value_or("");
+  };
+  EXPECT_EQ(
+      of({"report", "/", "no_such_map9"}),
+      "skyquilt report: there is nothing at no_such_map9. If that is what to write, say -o no_such_map9. "
+      "\"skyquilt report --help\" explains what it takes.");
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{},
+        {"report"},
+        {"report", "no_such_map9"},  // the input, more likely
+        {"report", "/", "/"},
+        {"report", "/", "-o", "no_such_map9"},
+        {"report", "/", "--out=no_such_map9"},
+        {"report", "/", "--picture-px", "800"},
+        {"report", "/", "--help"},
+        {"stitch", "/", "no_such_map9"},  // of which no --out is wanted here
+        {"inspect", "/", "no_such_map9"},
+        {"reprt", "/", "no_such_map9"}}) {
+    EXPECT_EQ(of(words), "") << testing::PrintToString(words);
+  }
+}
+
+TEST(HelpAsOption, IsThatOfTheCommandNamed) {
+  using Words = std::vector<std::string>;
+  EXPECT_EQ(HelpAsOption({"help"}), Words{"--help"});
+  EXPECT_EQ(HelpAsOption({"help", "token", "add"}), (Words{"token", "add", "--help"}));
+  EXPECT_EQ(HelpAsOption({"stitch", "help"}), (Words{"stitch", "help"}));  // a folder
+  EXPECT_EQ(HelpAsOption({}), Words{});
+}
+
+TEST(ParseLengthM, TakesMetresAndUnits) {
+  EXPECT_EQ(ParseLengthM("0.05"), 0.05);
+  EXPECT_EQ(ParseLengthM("0.05m"), 0.05);
+  EXPECT_EQ(ParseLengthM("5cm"), 0.05);
+  EXPECT_EQ(ParseLengthM("5 cm"), 0.05);
+  EXPECT_NEAR(*ParseLengthM("17.3mm"), 0.0173, 1e-12);
+  EXPECT_NEAR(*ParseLengthM("2in"), 0.0508, 1e-12);
+  EXPECT_NEAR(*ParseLengthM("1e-1ft"), 0.03048, 1e-12);
+  EXPECT_EQ(ParseLengthM("-1"), -1.0);  // for the option to refuse
+  for (const char* text :
+       {"", "m", "cm5", "5 km", "5  cm", "5cm ", "nan", "inf", "1e999", "0,05", "5,cm", "0x5"})
+    EXPECT_FALSE(ParseLengthM(text)) << text;
+}
+
+TEST(Length, BecomesMetresWithoutLosingDigits) {
+  CLI::App app{"test"};
+  std::optional<double> gsd_m;
+  bool any_gsd = false;
+  AddGsdOptions(app, gsd_m, any_gsd);
+  app.parse("--gsd 1.7320508075688772cm --any-gsd");
+  EXPECT_EQ(gsd_m, 1.7320508075688772 * 0.01);
+  EXPECT_TRUE(any_gsd);
+  app.parse("--gsd=0.017320508075688772");
+  EXPECT_EQ(gsd_m, 0.017320508075688772);
+  EXPECT_THROW(app.parse("--gsd 5furlongs"), CLI::ValidationError);
 }
 
 }  // namespace

@@ -64,7 +64,7 @@ test('settings for other programs are saved and the download sizes are told', op
   const flight = mock.seedReady('Meadow & "brook"');
   await page.goto(`${mock.url}#/flights/${flight.id}`);
   await page.click('#flight-download');
-  await page.waitForFunction(() => /4\s*B,/.test(document.querySelector('.download small')?.textContent ?? ''));
+  await page.waitForFunction(() => /4\s*B,/.test(document.querySelector('a.download small')?.textContent ?? ''));
   await page.keyboard.press('Escape');
   const download = page.waitForEvent('download');
   await page.click('text=Settings for QGIS');

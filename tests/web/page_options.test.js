@@ -29,7 +29,7 @@ test('what was typed is what is asked for, and comes back into the form', () => 
   const form = { ...kStandard, resolution_cm: '2,5', not_finer: false, method: 'features', layers: ['height'], max_look_deg: '55', readout_ms: '0', format: 'webp', quality: '90', origin: '46.95, 7.44', takeoff_height_m: '-3.5', boundary: kArea };
   const { options: asked, faults } = optionsOf(form);
   assert.deepEqual(faults, []);
-  assert.deepEqual(asked, { gsd_m: 0.025, not_finer_than_photos: false, method: 'features', layers: ['height'], max_look_deg: 55, readout_ms: 0, format: 'webp', quality: 90, origin: [46.95, 7.44], takeoff_height_m: -3.5, boundary: kArea });
+  assert.deepEqual(asked, { gsd_m: 0.025, any_gsd: true, not_finer_than_photos: false, method: 'features', layers: ['height'], max_look_deg: 55, readout_ms: 0, format: 'webp', quality: 90, origin: [46.95, 7.44], takeoff_height_m: -3.5, boundary: kArea });
   assert.deepEqual(formOf(asked), { ...form, resolution_cm: '2.5' });
   assert.deepEqual(optionsOf(kStandard).options, { layers: kLayers }, 'nothing chosen is nothing asked for');
   for (const preset of Object.values(kPresets)) assert.deepEqual(formOf(optionsOf(preset).options), preset);
@@ -100,7 +100,7 @@ for (const [screen, context] of /** @type {const} */ ([['laptop', {}], ['phone',
     flight.refuses_jobs = null;
     await page.click('#options-submit');
     await page.waitForSelector('#options-dialog', { state: 'detached' });
-    assert.deepEqual(flight.job.options, { layers: [], gsd_m: 0.15, not_finer_than_photos: true });
+    assert.deepEqual(flight.job.options, { layers: [], gsd_m: 0.15, any_gsd: true, not_finer_than_photos: true });
     await page.waitForFunction(() => document.querySelector('#processing-details')?.textContent?.includes('15 cm'));
 
     // A reload later the preset is there, until it is deleted.

@@ -145,7 +145,7 @@ test('the panel says what counts first, and what to do with the map', options, a
   assert.equal(await page.locator('#processing-details').getAttribute('open'), null);
   assert.deepEqual(await page.locator('.flight-actions > *').evaluateAll((all) => all.map(({ id }) => id)), ['flight-share', 'flight-download', 'flight-qgis']);
   await page.click('#flight-download');
-  assert.deepEqual(await page.locator('.download span').allTextContents(), ['GeoTIFF', 'MBTiles', 'PMTiles', 'All files']);
+  assert.deepEqual(await page.locator('.download span').allTextContents(), ['GeoTIFF in UTM', 'GeoTIFF in Web Mercator', 'MBTiles', 'PMTiles', 'All files']);
   await page.keyboard.press('Escape');
   await page.click('#flight-qgis');
   assert.equal(await page.getAttribute('#qgis-file', 'href'), `/connect/${flight.id}/qgis.qlr`);

@@ -11,6 +11,7 @@
 #include "core/bands/band_name.h"
 #include "core/bands/panels/find_panel.h"
 #include "core/bands/panels/scale_band.h"
+#include "core/base/printable.h"
 #include "core/base/result.h"
 #include "core/base/try.h"
 
@@ -132,8 +133,9 @@ void CalibrateByPanels(Flight& flight, Captures& captures, const PhotoSource& so
     }
   }
   if (unused > 0)
-    flight.warnings.push_back(
-        fmt::format("{} pictures of calibration panels are not used. {}", unused, reason));
+    flight.warnings.push_back(fmt::format(
+        "{} not used. {}",
+        Counted(unused, "picture of a calibration panel is", "pictures of calibration panels are"), reason));
   std::vector<std::string> without;
   for (const Band& band : std::vector<Band>(captures.bands)) {
     const auto found = by_band.find(band.name);

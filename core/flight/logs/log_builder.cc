@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/base/median.h"
+#include "core/base/printable.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -285,10 +286,18 @@ FlightLog LogBuilder::Finish() && {
   const std::size_t duplicates = SortAndDropDuplicates(log_.imu) + SortAndDropDuplicates(log_.attitude) +
                                  SortAndDropDuplicates(log_.gimbal) + SortAndDropDuplicates(log_.gnss) +
                                  SortAndDropDuplicates(log_.baro) + SortAndDropDuplicates(log_.range);
-  if (duplicates > 0) Warn(fmt::format("{} samples with the time of another were dropped", duplicates));
-  if (not_finite_ > 0) Warn(fmt::format("{} samples without usable numbers were dropped", not_finite_));
-  if (bad_positions_ > 0) Warn(fmt::format("{} positions without a fix were dropped", bad_positions_));
-  if (stray_stamps_ > 0) Warn(fmt::format("{} samples with a stray time stamp were dropped", stray_stamps_));
+  if (duplicates > 0)
+    Warn(Counted(duplicates, "sample with the time of another was dropped",
+                 "samples with the time of another were dropped"));
+  if (not_finite_ > 0)
+    Warn(Counted(not_finite_, "sample without usable numbers was dropped",
+                 "samples without usable numbers were dropped"));
+  if (bad_positions_ > 0)
+    Warn(Counted(bad_positions_, "position without a fix was dropped",
+                 "positions without a fix were dropped"));
+  if (stray_stamps_ > 0)
+    Warn(Counted(stray_stamps_, "sample with a stray time stamp was dropped",
+                 "samples with a stray time stamp were dropped"));
   if (events_dropped_ > 0) {
     Warn(fmt::format("more than {} camera events; the last {} were dropped", kMaxEvents, events_dropped_));
   }

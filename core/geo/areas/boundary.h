@@ -19,6 +19,7 @@ struct Boundary {
   std::vector<Polygon> polygons;      // at least one
 
   LatLonBounds Bounds() const;
+  friend bool operator==(const Boundary&, const Boundary&) = default;
 };
 
 enum class Cover { kNone, kPart, kAll };

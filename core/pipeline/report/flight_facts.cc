@@ -158,6 +158,7 @@ FlightFacts Parse(std::string_view bytes) {
   FlightFacts facts;
   if (json.at("version") != kVersion) return facts;
   facts.options = DigestOfCbor(json.at("options"));
+  if (json.contains("asked")) facts.asked = json.at("asked").get<std::map<std::string, std::string>>();
   for (const Cbor& input : json.at("inputs")) {
     facts.inputs.push_back(
         {{TextOfCbor(input.at("name")), TextOfCbor(input.at("path"))}, DigestOfCbor(input.at("digest"))});
@@ -240,6 +241,7 @@ std::string WriteFacts(const FlightFacts& facts) {
   Cbor json;
   json["version"] = kVersion;
   json["options"] = CborOfDigest<Cbor>(facts.options);
+  json["asked"] = facts.asked;
   json["inputs"] = Cbor::array();
   for (const NamedDigest& input : facts.inputs) {
     json["inputs"].push_back({{"name", CborOfText<Cbor>(input.file.name)},

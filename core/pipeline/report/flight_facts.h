@@ -40,8 +40,9 @@ struct MapAppearance {
 };
 
 struct FlightFacts {
-  Digest options{};                 // of what alignment was asked to do
-  std::vector<NamedDigest> inputs;  // all files, also those that are no photos
+  Digest options{};                          // of what alignment was asked to do
+  std::map<std::string, std::string> asked;  // MosaicOptions::InWords; none in maps of earlier versions
+  std::vector<NamedDigest> inputs;           // all files, also those that are no photos
   alignment::AlignedFlight flight;  // without tie points; photos hold their name, camera and lens alone
   ground::GroundSurface ground = ground::GroundSurface::Plane(0.0);
   std::vector<render::Thumbnail> thumbnails;  // one per photo

@@ -35,8 +35,10 @@ struct MosaicReport {
   int photos_left_out = 0;
   std::vector<flight::LeftOutPhoto> left_out_photos;
   std::optional<CaptureSpan> captured;  // of the photos in the map
-  double gsd_m = 0.0;                   // of the photos (median at the image centres)
-  double area_m2 = 0.0;                 // covered ground
+  // What the map shows of the ground: as was asked for, never finer than its photos (median at the image
+  // centres) nor than its pixels.
+  double gsd_m = 0.0;
+  double area_m2 = 0.0;  // covered ground
   geo::LatLonBounds bounds;
   int min_zoom = 0;
   int max_zoom = 0;

@@ -21,7 +21,8 @@ std::string Counts(const std::map<std::string, int>& counts) {
 
 std::string LogText(const flight::LogFacts& log) {
   std::string text = fmt::format("Log         {} ({})", log.file_name, log.format);
-  if (log.events_by_name > 0) text += fmt::format(", {} rows that name a photo", log.events_by_name);
+  if (log.events_by_name > 0)
+    text += fmt::format(", {} a photo", Counted(log.events_by_name, "row that names", "rows that name"));
   if (!log.begins_at.empty()) text += ", from " + log.begins_at;
   text += "\n";
   for (const auto& [name, series] : log.series) {
@@ -84,8 +85,8 @@ nlohmann::ordered_json ListJson(const flight::ListUse& use) {
 }  // namespace
 
 std::string VerdictText(const FlightVerdict& v) {
-  std::string text = fmt::format("Photos      {} readable, {} can be placed, {} files left out\n",
-                                 v.photos_readable, v.photos_placeable, v.left_out.size());
+  std::string text = fmt::format("Photos      {} readable, {} can be placed, {} left out\n",
+                                 v.photos_readable, v.photos_placeable, Counted(v.left_out.size(), "file"));
   for (const auto& [camera, count] : v.cameras) text += fmt::format("Camera      {} ({})\n", camera, count);
   if (!v.first_capture.empty())
     text += fmt::format("Taken       {} to {}\n", v.first_capture, v.last_capture);
@@ -106,8 +107,8 @@ std::string VerdictText(const FlightVerdict& v) {
     text += "\n";
   }
   if (!v.poses.method.empty()) {
-    text += fmt::format("Poses       {}: {} photos by the log, {} by their own records\n", v.poses.method,
-                        v.poses.photos_by_log, v.poses.photos_by_records);
+    text += fmt::format("Poses       {}: {} by the log, {} by their own records\n", v.poses.method,
+                        Counted(v.poses.photos_by_log, "photo"), v.poses.photos_by_records);
   }
   if (!v.poses.convention.empty()) text += fmt::format("Convention  {}\n", v.poses.convention);
   if (v.photos_placeable > 0) {

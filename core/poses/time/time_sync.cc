@@ -8,6 +8,7 @@
 #include <map>
 
 #include "core/base/median.h"
+#include "core/base/printable.h"
 #include "core/base/try.h"
 #include "core/geo/geodesic.h"
 #include "core/poses/time/event_alignment.h"
@@ -66,7 +67,8 @@ class Synchroniser {
 
  private:
   std::string WhyNotTied(bool has_stamps) const {
-    const std::string what = fmt::format("{} photos cannot be tied to {}", photos_.size(), log_.file_name);
+    const std::string what =
+        fmt::format("{} cannot be tied to {}", Counted(photos_.size(), "photo"), log_.file_name);
     if (event_s_.empty()) {
       return fmt::format(
           "{} ({} positions): give photos with capture times, a log with camera events, or set the camera's "
@@ -150,8 +152,8 @@ class Synchroniser {
     if (photos_.size() != event_s_.size() || photos_.empty()) return false;
     for (std::size_t i = 0; i < photos_.size(); ++i) Place(i, event_index_[i], jitter_s_);
     sync_.method = TimeSyncMethod::kEventCount;
-    sync_.method_in_words = fmt::format("{} events and {} photos without capture times, paired in order",
-                                        event_s_.size(), photos_.size());
+    sync_.method_in_words = fmt::format("{} and {} without capture times, paired in order",
+                                        Counted(event_s_.size(), "event"), Counted(photos_.size(), "photo"));
     sync_.sigma_s = jitter_s_;
     sync_.notes.emplace_back("the pairing rests on the order of names alone");
     return true;
@@ -170,8 +172,8 @@ class Synchroniser {
         if (is_first) {
           SetOffset(FitOffset(differences, model), 0.0);
           sync_.method = TimeSyncMethod::kEventCount;
-          sync_.method_in_words =
-              fmt::format("{} events for {} photos, paired in order", event_s_.size(), count);
+          sync_.method_in_words = fmt::format("{} for {}, paired in order", Counted(event_s_.size(), "event"),
+                                              Counted(count, "photo"));
         }
         return true;
       }
@@ -285,7 +287,8 @@ class Synchroniser {
     }
     const auto missing = std::count(sync_.photos.begin(), sync_.photos.end(), std::nullopt);
     if (missing > 0)
-      sync_.notes.push_back(fmt::format("{} photos have neither an event nor a capture time", missing));
+      sync_.notes.push_back(fmt::format("{} neither an event nor a capture time",
+                                        Counted(missing, "photo has", "photos have")));
   }
 
   const std::vector<Photo>& photos_;

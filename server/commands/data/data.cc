@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "core/base/printable.h"
 #include "server/commands/data/move_data.h"
 #include "server/commands/fail.h"
 #include "server/usage/catalogue_options.h"
@@ -67,7 +68,7 @@ Held Hold(const DataOptions& options) {
 
 void PrintLost(const std::vector<storage::LostItem>& lost) {
   for (const storage::LostItem& item : lost) {
-    fmt::print("  lost/{}: {} files, {:.1f} MB\n", item.folder.filename().string(), item.files,
+    fmt::print("  lost/{}: {}, {:.1f} MB\n", item.folder.filename().string(), Counted(item.files, "file"),
                static_cast<double>(item.bytes) / 1e6);
   }
 }
@@ -103,8 +104,9 @@ void Check(const DataOptions& options) {
   if (!blobs) Fail("skyquilt data", blobs.error());
   const Result<storage::DataCheck> check = storage::CheckData(held.dir, **db, blobs->get());
   if (!check) Fail("skyquilt data", check.error());
-  fmt::print("{}: {} flights, {} files of {:.1f} MB and {} maps in the catalogue\n", held.dir.root().string(),
-             check->flights, check->files, static_cast<double>(check->bytes) / 1e6, check->maps);
+  fmt::print("{}: {}, {} of {:.1f} MB and {} in the catalogue\n", held.dir.root().string(),
+             Counted(check->flights, "flight"), Counted(check->files, "file"),
+             static_cast<double>(check->bytes) / 1e6, Counted(check->maps, "map"));
   PrintLines("in the catalogue, but not (whole) on disk", check->missing);
   PrintLines("on disk, but not in the catalogue", check->unknown);
   if (!check->lost.empty()) {
@@ -141,8 +143,9 @@ void Repair(const DataOptions& options) {
       storage::RepairData(options.data_dir, storage::Now(), PlaceIn(options));
   if (!report) Fail("skyquilt data", report.error());
   for (const std::string& line : report->lines) fmt::print("{}\n", line);
-  fmt::print("{} flights, {} files and {} maps were entered into {} catalogue\n", report->flights,
-             report->files, report->maps, report->made_catalogue ? "a new" : "the");
+  fmt::print("{}, {} and {} were entered into {} catalogue\n", Counted(report->flights, "flight"),
+             Counted(report->files, "file"), Counted(report->maps, "map"),
+             report->made_catalogue ? "a new" : "the");
 }
 
 void Purge(const DataOptions& options) {

@@ -11,6 +11,7 @@
 #include <system_error>
 #include <vector>
 
+#include "core/base/printable.h"
 #include "core/base/scoped_folder.h"
 #include "server/client/upload_flight.h"
 #include "server/commands/fail.h"
@@ -80,8 +81,9 @@ void ImportIntoFolder(ImportArguments& arguments) {
   if (!report) Fail(kImportCommand, report.error());
   const Result<std::string> flight_id = EnterMap(opened, folder.path(), options.title, arguments.tags);
   if (!flight_id) Fail(kImportCommand, flight_id.error());
-  fmt::print("{:.2f} ha at {:.3g} cm a pixel, {} tiles of zoom {} to {}\nflight {}\n", report->area_m2 / 1e4,
-             report->gsd_m * 100.0, report->tile_count, report->min_zoom, report->max_zoom, *flight_id);
+  fmt::print("{:.2f} ha at {:.3g} cm a pixel, {} of zoom {} to {}\nflight {}\n", report->area_m2 / 1e4,
+             report->gsd_m * 100.0, Counted(report->tile_count, "tile"), report->min_zoom, report->max_zoom,
+             *flight_id);
   fmt::print("To see it: skyquilt serve --data {}, then /#/flights/{}\n", opened.dir.root().string(),
              *flight_id);
 }

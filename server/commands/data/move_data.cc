@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "core/base/printable.h"
 #include "server/commands/fail.h"
 #include "server/commands/terminal_progress.h"
 #include "storage/blobs/folder_blobs.h"
@@ -40,15 +41,16 @@ void Move(const MoveOptions& options) {
       opened->dir, opened->dir.id(), *opened->db, goes_out ? static_cast<storage::BlobStore&>(near) : **far,
       goes_out ? **far : static_cast<storage::BlobStore&>(near), options.remove_source, progress);
   if (!moved) Fail("skyquilt data move", moved.error());
-  fmt::print(
-      "{} files were copied and {} were there already, {:.1f} MB in all; each was read back and is the same\n",
-      moved->copied, moved->there_already, static_cast<double>(moved->bytes) / 1e6);
+  fmt::print("{} copied and {} there already, {:.1f} MB in all; each was read back and is the same\n",
+             Counted(moved->copied, "file was", "files were"), Counted(moved->there_already, "was", "were"),
+             static_cast<double>(moved->bytes) / 1e6);
   if (moved->pack.packed > 0)
-    fmt::print("{} maps were packed beside, so that their tiles are read there without fetching the map\n",
-               moved->pack.packed);
+    fmt::print("{} packed beside, so that tiles are read there without fetching the map\n",
+               Counted(moved->pack.packed, "map was", "maps were"));
   for (const std::string& map : moved->pack.left_whole)
     fmt::print("Not packed, its tiles need the whole map fetched: {}\n", map);
-  if (moved->removed > 0) fmt::print("{} originals were removed\n", moved->removed);
+  if (moved->removed > 0)
+    fmt::print("{} removed\n", Counted(moved->removed, "original was", "originals were"));
   if (moved->removed == 0 && moved->bytes > 0)
     fmt::print("The originals are still there; the same command with --remove-source removes them.\n");
   if (goes_out) fmt::print("Start the server with --blobs {}\n", (*far)->Address());

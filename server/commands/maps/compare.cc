@@ -15,6 +15,7 @@
 #include "server/commands/fail.h"
 #include "server/comparison/compare_methods.h"
 #include "server/comparison/comparison_picture.h"
+#include "server/usage/length.h"
 #include "storage/tilesets/publish_file.h"
 
 namespace skyquilt::server {
@@ -27,7 +28,6 @@ struct CompareArguments {
   fs::path out_dir;
   fs::path truth;
   pipeline::MosaicOptions options;
-  double gsd_m = 0.0;
   double max_memory_gib = 1.0;
 };
 
@@ -47,7 +47,6 @@ fs::path TruthBeside(const std::vector<fs::path>& inputs) {
 void Run(CompareArguments& arguments) {
   const auto files = flight::ListInputFiles(arguments.inputs);
   if (!files) Fail("skyquilt", files.error());
-  if (arguments.gsd_m > 0.0) arguments.options.gsd_m = arguments.gsd_m;
   arguments.options.max_memory_bytes = static_cast<std::int64_t>(arguments.max_memory_gib * (1 << 30));
   if (arguments.truth.empty()) arguments.truth = TruthBeside(arguments.inputs);
   std::ostringstream truth_json;
@@ -84,8 +83,7 @@ void AddCompareCommand(CLI::App& app) {
       ->add_option("--truth", arguments->truth,
                    "truth/poses.json of a simulated flight (default: found beside the photos)")
       ->check(CLI::ExistingFile);
-  command->add_option("--gsd", arguments->gsd_m,
-                      "Ground size of a map pixel in metres (default: that of the photos)");
+  AddGsdOptions(*command, arguments->options.gsd_m, arguments->options.any_gsd);
   command
       ->add_option("--threads", arguments->options.threads,
                    "Threads; 0 takes all cores. The maps are the same with any number")

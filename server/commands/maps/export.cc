@@ -13,6 +13,7 @@
 #include "server/commands/terminal_progress.h"
 #include "server/commands/work_beside.h"
 #include "server/inputs/read_boundary.h"
+#include "server/usage/length.h"
 #include "server/usage/one_of.h"
 #include "storage/exports/custom/export_map.h"
 
@@ -99,8 +100,9 @@ void AddExportCommand(CLI::App& app) {
       ->check(OneOf({"geotiff", "pmtiles", "mbtiles", "kmz"}));
   command->add_option(
       "--crs", arguments->crs,
-      "Coordinate system of a GeoTIFF: \"utm\" (the zone of the map's middle) or a code such as "
-      "EPSG:2056. Default: Web Mercator, as the map's tiles, which are copied");
+      "Coordinate system of a GeoTIFF: \"utm\" (the zone of the map's middle: to measure, for GIS and CAD) or a "
+      "code such as EPSG:2056. Default: Web Mercator, as the map's tiles, which are copied: for web maps, its "
+      "metres are too long");
   command
       ->add_option("--clip", arguments->clip,
                    "GeoJSON or KML file with a polygon: what lies outside is left out")
@@ -108,8 +110,9 @@ void AddExportCommand(CLI::App& app) {
   command
       ->add_option(
           "--resolution", arguments->resolution_m,
-          "Ground that a pixel shows, in metres. A GeoTIFF has it exactly; of tiles the zooms down to it are "
+          "Ground that a pixel shows, in metres (0.1) or with its unit (10cm). A GeoTIFF has it exactly; of tiles the zooms down to it are "
           "written. Default: the map's own, the finest there is")
+      ->transform(Length())
       ->check(CLI::PositiveNumber);
   command->add_option("--quality", arguments->quality, "JPEG quality of what has to be encoded anew")
       ->check(CLI::Range(1, 100))

@@ -3,8 +3,8 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
+#include <cctype>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -21,6 +21,7 @@
 #include "server/commands/maps/parse_lat_lon.h"
 #include "server/commands/terminal_progress.h"
 #include "server/jobs/stitch_job.h"
+#include "server/usage/length.h"
 #include "storage/tilesets/mbtiles_reader.h"
 
 namespace skyquilt::server {
@@ -50,16 +51,17 @@ struct PlaceArguments {
 // "0.03" is metres a pixel, "2.5x" so many times larger.
 void TakeScale(const std::string& text, pipeline::PlaceRequest& request) {
   if (text.empty()) return;
-  char* end = nullptr;
-  const double value = std::strtod(text.c_str(), &end);
-  const std::string_view rest(end);
-  if (end == text.c_str() || !std::isfinite(value) || !(value > 0.0) || !(rest.empty() || rest == "x")) {
+  const bool is_factor = text.ends_with('x');
+  const std::string number = is_factor ? text.substr(0, text.size() - 1) : text;
+  const bool has_unit = !number.empty() && std::isalpha(static_cast<unsigned char>(number.back())) != 0;
+  const std::optional<double> value = ParseLengthM(number);
+  if (!value || !(*value > 0.0) || (is_factor && has_unit)) {
     Refuse(
         "--scale is '" + text +
-        "'; write the ground that a photo's pixel shows in metres, like 0.03, or by how many times the map is "
-        "to become larger, like 2.5x.");
+        "'; write the ground that a photo's pixel shows in metres, like 0.03 or 3cm, or by how many times the map "
+        "is to become larger, like 2.5x.");
   }
-  (rest.empty() ? request.photo_pixel_m : request.factor) = value;
+  (is_factor ? request.factor : request.photo_pixel_m) = *value;
 }
 
 geo::LatLon PlaceFrom(const char* option, const std::string& text) {
@@ -177,7 +179,7 @@ void AddPlaceCommand(CLI::App& app) {
   command
       ->add_option(
           "--scale", arguments->scale,
-          "How large things are: ground that a photo's pixel shows in metres (0.03: the flying height "
+          "How large things are: ground that a photo's pixel shows in metres (0.03, or 3cm: the flying height "
           "divided by the focal length in pixels), or a factor (2.5x: all distances on the map are to "
           "become 2.5 times as long). Default: as the map is")
       ->needs(origin);

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/printable.h"
 #include "core/flight/read_flight.h"
 #include "core/geo/lat_lon.h"
 #include "core/poses/reckoning/reckon.h"
@@ -123,7 +124,7 @@ void Run(const ReckonArguments& arguments) {
   const std::vector<poses::Capture> captures = CapturesOf(joined->log, *flight, arguments.every_s);
   const auto reckoning = poses::ReckonBetween(joined->log, captures);
   if (!reckoning) Fail("skyquilt reckon", reckoning.error());
-  fmt::print("{}: {} inertial samples, {} captures\n{}", joined->log.file_name, joined->log.imu.size(),
+  fmt::print("{}: {}, {}\n{}", joined->log.file_name, Counted(joined->log.imu.size(), "inertial sample"),
              captures.size(), TableText(*reckoning));
   if (!arguments.table.empty()) Write(arguments.table, Csv(*reckoning));
   if (!arguments.plot.empty()) Write(arguments.plot, ReckoningSvg(*reckoning, joined->log.file_name));

@@ -4,7 +4,10 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cctype>
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -34,7 +37,19 @@ struct ReportArguments {
   bool overwrite = false;
 };
 
-bool IsPdf(const fs::path& out) { return out.extension() == ".pdf" || out.extension() == ".PDF"; }
+enum class ReportFormat : std::uint8_t { kHtml, kPdf };
+
+ReportFormat FormatOf(const fs::path& out) {
+  std::string ending = out.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  if (ending == ".html" || ending == ".htm") return ReportFormat::kHtml;
+  if (ending == ".pdf") return ReportFormat::kPdf;
+  Fail(kReportCommand,
+       {ErrorCode::kInvalidArgument,
+        out.string() + " would be of a kind that is not written here; reports end in .html, .htm or .pdf.",
+        ""});
+}
 
 Result<void> WritePdf(const std::string& page, const fs::path& out, const fs::path& work_dir) {
   const fs::path html = work_dir / "report.html", pdf = work_dir / "report.pdf";
@@ -48,6 +63,7 @@ Result<void> WritePdf(const std::string& page, const fs::path& out, const fs::pa
 
 void Run(const ReportArguments& arguments) {
   const fs::path out = fs::absolute(arguments.out);
+  const ReportFormat format = FormatOf(arguments.out);
   CheckOutFile(kReportCommand, out, arguments.overwrite);
   const Result<std::string> report = storage::ReadWholeFile(arguments.map_dir / "report.json");
   if (!report)
@@ -65,8 +81,8 @@ void Run(const ReportArguments& arguments) {
   const Result<std::string> page =
       ReportPage(*report, *picture, fmt::format("{:%Y-%m-%d}", fmt::gmtime(now)));
   if (!page) Fail(kReportCommand, page.error());
-  const Result<void> written =
-      IsPdf(out) ? WritePdf(*page, out, work.path()) : storage::WriteFileAtomically(out, *page);
+  const Result<void> written = format == ReportFormat::kPdf ? WritePdf(*page, out, work.path())
+                                                            : storage::WriteFileAtomically(out, *page);
   if (!written) Fail(kReportCommand, written.error());
   fmt::print("{} ({:.1f} MB)\n", out.string(), static_cast<double>(fs::file_size(out)) / 1e6);
 }

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/printable.h"
 #include "core/simulate/simulate_flight.h"
 #include "server/commands/fail.h"
 #include "server/commands/terminal_progress.h"
@@ -95,8 +96,9 @@ void Run(SimulateArguments& arguments) {
     return simulate::SimulateFlight(options, arguments.out_dir, progress);
   }();
   if (!flight) Fail("skyquilt", flight.error());
-  fmt::print("{} photos of {} x {} pixels, {:.2f} cm a pixel on the ground\n", flight->photos.size(),
-             options.intrinsics.width_px, options.intrinsics.height_px, 100.0 * flight->GsdM());
+  fmt::print("{} of {} x {} pixels, {:.2f} cm a pixel on the ground\n",
+             Counted(flight->photos.size(), "photo"), options.intrinsics.width_px,
+             options.intrinsics.height_px, 100.0 * flight->GsdM());
   fmt::print("{}\n{}\n", (arguments.out_dir / "photos").string(), (arguments.out_dir / "truth").string());
 }
 

@@ -5,14 +5,17 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <vector>
 
@@ -26,6 +29,7 @@
 #include "server/inputs/read_boundary.h"
 #include "server/jobs/out_folder.h"
 #include "server/jobs/stitch_job.h"
+#include "server/usage/length.h"
 #include "server/usage/one_of.h"
 #include "storage/tilesets/publish_file.h"
 
@@ -39,7 +43,6 @@ struct StitchArguments {
   std::vector<std::filesystem::path> inputs;
   std::filesystem::path out_dir;
   StitchJobOptions job;
-  std::optional<double> gsd_m;
   std::optional<double> readout_ms;
   double max_memory_gib = 1.0;
   std::string origin;
@@ -54,8 +57,32 @@ struct StitchArguments {
   std::filesystem::path trace;
 };
 
+// As a shell takes it for one word.
+std::string ShellWord(const std::filesystem::path& path) {
+  const std::string text = path.string();
+  const auto is_plain = [](unsigned char c) {
+    return std::isalnum(c) != 0 ||
+           std::string_view("._-/+,:@%").find(static_cast<char>(c)) != std::string_view::npos;
+  };
+  if (!text.empty() && std::all_of(text.begin(), text.end(), is_plain)) return text;
+  std::string word = "'";
+  for (const char c : text) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return word + "'";
+}
+
+void PrintNextSteps(const std::filesystem::path& out_dir) {
+  const auto word = [&](const char* name) { return Printable(ShellWord(out_dir / name)); };
+  const std::string map = Printable(ShellWord(out_dir));
+  fmt::print(
+      "What next:\n"
+      "  skyquilt report {} -o {}\n"
+      "  skyquilt export {} -o {} --crs utm\n"
+      "  skyquilt import {} --data maps && skyquilt serve --data maps\n",
+      map, word("report.html"), map, word("utm.tif"), word("mosaic.mbtiles"));
+}
+
 void PrintOutcome(const pipeline::MosaicReport& report, const std::filesystem::path& out_dir) {
-  fmt::print("{} photos: {} aligned, {} by pose alone, {} left out\n", report.photos_total,
+  fmt::print("{}: {} aligned, {} by pose alone, {} left out\n", Counted(report.photos_total, "photo"),
              report.photos_aligned, report.photos_pose_only, report.photos_left_out);
   for (const std::string& line : flight::LeftOutInLines(report.left_out_photos))
     fmt::print("  left out: {}\n", Printable(line));
@@ -72,6 +99,7 @@ void PrintOutcome(const pipeline::MosaicReport& report, const std::filesystem::p
   fmt::print("{}. Absolute accuracy: {}. Relative: {}.\n", pipeline::StatusInWords(report.quality.status),
              pipeline::AbsoluteInWords(report.quality), pipeline::RelativeInWords(report.quality));
   fmt::print("{}\n", (out_dir / "mosaic.mbtiles").string());
+  PrintNextSteps(out_dir);
 }
 
 // The files of the finished map, then the others; one that is given again counts once.
@@ -125,7 +153,6 @@ void CheckTraceCanBeWritten(const std::filesystem::path& trace) {
 void Run(StitchArguments& arguments) {
   if (!arguments.origin.empty())
     arguments.job.mosaic.origin = ParseLatLon("skyquilt", "--origin", arguments.origin);
-  if (arguments.gsd_m) arguments.job.mosaic.gsd_m = arguments.gsd_m;
   if (arguments.readout_ms) arguments.job.mosaic.readout_s = 1e-3 * *arguments.readout_ms;
   if (!arguments.boundary.empty())
     arguments.job.mosaic.boundary = ReadBoundary("skyquilt", arguments.boundary);
@@ -152,7 +179,7 @@ void Run(StitchArguments& arguments) {
     const Result<void> kept = CheckNoInputIsReplaced(arguments.out_dir, *files);
     if (!kept) Fail("skyquilt", kept.error());
   } else {
-    const Result<void> free = CheckOutFolder(arguments.out_dir, *files);
+    const Result<void> free = CheckOutFolder(arguments.out_dir, *files, arguments.job.mosaic);
     if (!free) Fail("skyquilt", free.error());
   }
   if (arguments.job.mosaic.title.empty()) {
@@ -190,8 +217,7 @@ void AddStitchCommand(CLI::App& app) {
                    "Folder for mosaic.mbtiles, report.json, photos.geojson, cameras.json and geo.txt, and "
                    "bands.tif of cameras with several bands; made if missing")
       ->required();
-  command->add_option("--gsd", arguments->gsd_m,
-                      "Ground size of a map pixel in metres (default: that of the photos)");
+  AddGsdOptions(*command, arguments->job.mosaic.gsd_m, arguments->job.mosaic.any_gsd);
   command->add_option(
       "--readout-ms", arguments->readout_ms,
       "Rolling shutter: milliseconds from the first row to the last (0: none; default: as known of "
@@ -203,10 +229,8 @@ void AddStitchCommand(CLI::App& app) {
                    "Of the tiles. auto: JPEG inside, WebP with alpha at the fringe, which is smallest; "
                    "jpeg-png: PNG at the fringe, for programs that open mosaic.mbtiles or mosaic.pmtiles "
                    "themselves and know no WebP; webp: WebP throughout")
-      ->transform(OneOf(std::vector<std::pair<std::string, image::TileEncoding>>{
-          {"auto", image::TileEncoding::kJpegWebp},
-          {"jpeg-png", image::TileEncoding::kJpegPng},
-          {"webp", image::TileEncoding::kWebp}}));
+      ->transform(OneOf(std::vector<std::pair<std::string, image::TileEncoding>>(
+          std::begin(pipeline::kTileFormats), std::end(pipeline::kTileFormats))));
   command
       ->add_option(
           "--max-look-deg", arguments->job.mosaic.max_look_deg,
@@ -219,12 +243,8 @@ void AddStitchCommand(CLI::App& app) {
           "photos placed by what they show alone; images: all photos placed by what they show alone; imu: recorded poses alone, no pixel compared; "
           "features: homographies chained from photo to photo, poses not looked at; "
           "direct: recorded poses refined by comparing whole pictures")
-      ->transform(OneOf(std::vector<std::pair<std::string, pipeline::AlignMethod>>{
-          {"auto", pipeline::AlignMethod::kAuto},
-          {"images", pipeline::AlignMethod::kImages},
-          {"imu", pipeline::AlignMethod::kImu},
-          {"features", pipeline::AlignMethod::kFeatures},
-          {"direct", pipeline::AlignMethod::kDirect}}));
+      ->transform(OneOf(std::vector<std::pair<std::string, pipeline::AlignMethod>>(
+          std::begin(pipeline::kAlignMethods), std::end(pipeline::kAlignMethods))));
   command
       ->add_option("--boundary", arguments->boundary,
                    "GeoJSON or KML file with a polygon: the map is cut to it. Photos are placed as without")
@@ -252,11 +272,10 @@ void AddStitchCommand(CLI::App& app) {
   command
       ->add_option(
           "--formats", arguments->formats,
-          "Also the map in other files, each as large as mosaic.mbtiles: geotiff (mosaic.tif, a "
-          "cloud-optimised GeoTIFF), pmtiles (mosaic.pmtiles), utm (mosaic_utm.tif: a GeoTIFF in its "
-          "UTM zone, for measuring in metres), kmz (mosaic.kmz, for Google Earth). \"skyquilt export\" "
-          "makes each of them later, and a server offers both of the first for download without storing "
-          "them. Those that the folder has of an earlier map are written again")
+          "Also the map in other files, each as large as mosaic.mbtiles: utm (mosaic_utm.tif: a GeoTIFF in "
+          "its UTM zone, to measure, for GIS and CAD), geotiff (mosaic.tif: a cloud-optimised GeoTIFF in "
+          "Web Mercator, for web maps), pmtiles (mosaic.pmtiles), kmz (mosaic.kmz, for Google Earth). \"skyquilt export\" "
+          "makes each of them later, and a server offers geotiff and pmtiles for download without storing them. Those that the folder has of an earlier map are written again")
       ->delimiter(',')
       ->transform(OneOf(std::vector<std::pair<std::string, OtherFormat>>{{"geotiff", OtherFormat::kGeotiff},
                                                                          {"pmtiles", OtherFormat::kPmtiles},
@@ -285,7 +304,8 @@ void AddStitchCommand(CLI::App& app) {
   command
       ->add_flag(
           "--overwrite", arguments->overwrite,
-          "Replace whatever map the folder has. Without it the map of other photos stays, and nothing is done")
+          "Replace whatever map the folder has. Without it a map of other photos, or one made with other "
+          "options, stays, and nothing is done")
       ->excludes(append);
   command->add_flag(
       "--fresh", arguments->job.is_fresh,
@@ -298,7 +318,7 @@ void AddStitchCommand(CLI::App& app) {
       "  skyquilt stitch /media/sd/DCIM -o map\n"
       "  skyquilt stitch photos/ flight.BIN -o map\n"
       "  skyquilt stitch more/ -o map --append\n"
-      "  skyquilt stitch photos/ -o map --formats geotiff && gdalinfo map/mosaic.tif");
+      "  skyquilt stitch photos/ -o map --formats utm && gdalinfo map/mosaic_utm.tif");
   command->callback([arguments] { Run(*arguments); });
 }
 

@@ -34,22 +34,19 @@ int CountOf(const std::vector<FileVerdict>& verdicts, Severity severity) {
   return count;
 }
 
-std::string Plural(int count, const char* word) {
-  return fmt::format("{} {}{}", count, word, count == 1 ? "" : "s");
-}
-
 void PrintText(const std::vector<FileVerdict>& verdicts, bool is_sound) {
   for (const FileVerdict& verdict : verdicts) {
     std::string line = verdict.file + ": " + verdict.kind;
     if (verdict.tiles)
-      line += fmt::format(", {} tiles, zoom {} to {}", *verdict.tiles, verdict.min_zoom, verdict.max_zoom);
+      line += fmt::format(", {}, zoom {} to {}", Counted(*verdict.tiles, "tile"), verdict.min_zoom,
+                          verdict.max_zoom);
     fmt::print("{}\n", Printable(line));
     for (const storage::Finding& finding : verdict.findings)
       fmt::print("  {}: {}\n", storage::SeverityName(finding.severity), Printable(finding.what));
   }
   fmt::print("{}: {}, {}\n", is_sound ? "Sound" : "Not sound",
-             Plural(CountOf(verdicts, Severity::kError), "error"),
-             Plural(CountOf(verdicts, Severity::kWarning), "warning"));
+             Counted(CountOf(verdicts, Severity::kError), "error"),
+             Counted(CountOf(verdicts, Severity::kWarning), "warning"));
 }
 
 void PrintJson(const std::vector<FileVerdict>& verdicts, const std::string& map, bool is_sound) {

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/printable.h"
 #include "core/flight/read_flight.h"
 #include "server/client/upload_flight.h"
 #include "server/commands/fail.h"
@@ -56,8 +57,8 @@ void Run(UploadArguments& arguments) {
       fmt::print(stderr, "To go on where this ended: the same command with --flight {}\n", flight_id);
     Fail(kCommandName, uploaded.error());
   }
-  fmt::print("{} files sent", uploaded->sent);
-  if (uploaded->skipped > 0) fmt::print(", {} were there", uploaded->skipped);
+  fmt::print("{} sent", Counted(uploaded->sent, "file"));
+  if (uploaded->skipped > 0) fmt::print(", {} there", Counted(uploaded->skipped, "was", "were"));
   fmt::print("\n{}/#/flights/{}\n", options.server.url, uploaded->flight_id);
 }
 

@@ -14,6 +14,7 @@
 #include <system_error>
 
 #include "core/base/digest.h"
+#include "core/base/printable.h"
 #include "server/commands/fail.h"
 #include "server/commands/uploads/server_address.h"
 #include "server/confinement/process_limits.h"
@@ -72,7 +73,7 @@ void Run(WatchArguments& arguments) {
   ClientSettings& server = options.send.server;
   CheckServerAddress(kWatchCommand, server.url);
   // A break of this length within one file is waited out there; a longer one by the watch itself.
-  server.patience = std::chrono::seconds(30);
+  server.patience = std::chrono::seconds(std::min(30, arguments.patience_s));
   options.patience = std::chrono::seconds(arguments.patience_s);
   options.rules.settle = std::chrono::milliseconds(std::lround(1000.0 * arguments.settle_s));
   options.rules.gap = std::chrono::seconds(std::lround(60.0 * arguments.gap_min));
@@ -92,7 +93,7 @@ void Run(WatchArguments& arguments) {
     return WatchFolders(options, talk);
   }();
   if (!ended) Fail(kWatchCommand, ended.error());
-  fmt::print("{} new flights, {} files sent\n", ended->flights, ended->files);
+  fmt::print("{}, {} sent\n", Counted(ended->flights, "new flight"), Counted(ended->files, "file"));
   if (options.once && ended->refused > 0) throw CLI::RuntimeError(1);
 }
 

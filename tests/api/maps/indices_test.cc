@@ -47,13 +47,13 @@ class IndicesTest : public testing::Test {
   }
 
   // Near infrared grows from west to east, red is a tenth; the northern half is not known.
-  void AddBands(std::string fourth = "rededge") {
+  void AddBands(std::string fourth = "rededge", int width_px = 256) {
     const double pixel_m = geo::PixelSizeInMercM(10, 256);
     test::WriteBandFile(sample_.dir().Revision(flight_, revision_) / "bands.tif",
                         {0.0,
                          256 * pixel_m,
                          pixel_m,
-                         256,
+                         width_px,
                          256,
                          {"green", "red", std::move(fourth), "nir"},
                          [](int band, int column, int row) {
@@ -147,6 +147,21 @@ TEST_F(IndicesTest, TilesAreTaggedCachedAndToBeHadInOtherSizes) {
   EXPECT_EQ(sample_.Get("/tiles/" + flight_ + "/10/600/511.png?index=vari").status, 404);
   const Response immutable = sample_.Get(Tile("index=vari&rev=" + std::to_string(revision_)));
   EXPECT_NE(immutable.headers.Find("Cache-Control").find("immutable"), std::string::npos);
+}
+
+TEST_F(IndicesTest, TilesReachAsFarAsTheBandsDo) {
+  const std::string east = "/tiles/" + flight_ + "/10/513/511.png?index=ndvi";
+  AddBands("rededge", 512);  // one more tile to the east, of which the map has nothing
+  EXPECT_EQ(sample_.Get("/tiles/" + flight_ + "/10/513/511.png").status, 404);
+  EXPECT_EQ(Picture(east).Pixel(9, 200)[3], 255);
+  EXPECT_EQ(Picture(east).Pixel(9, 9)[3], 0);
+  EXPECT_EQ(sample_.Get("/tiles/" + flight_ + "/10/516/511.png?index=ndvi").status, 404);
+  const json bounds = Json("/tiles/" + flight_ + ".json?index=ndvi")["bounds"];
+  EXPECT_NEAR(bounds[0], 0.0, 1e-9);
+  EXPECT_NEAR(bounds[2], 2 * kTileDeg, 1e-9);
+  const json map = Json("/tiles/" + flight_ + ".json");
+  EXPECT_EQ(map["bands_bounds"], bounds);
+  EXPECT_NEAR(map["bounds"][2], kTileDeg, 1e-9);
 }
 
 TEST_F(IndicesTest, HostileRequestsAreTaughtBetter) {

@@ -1,6 +1,7 @@
 // What the documents of the map standards say of maps with usual and with larger tiles.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -56,6 +57,40 @@ TEST_P(StandardsTest, WmtsNamesTheUsualSizeFirst) {
             text.find("<TileMatrixSet>WebMercatorQuad" + std::to_string(GetParam()) + "</TileMatrixSet>"));
   EXPECT_NE(text.find("<TileMatrixLimits><TileMatrix>" + std::to_string(3 + depth_) + "<"),
             std::string::npos);
+}
+
+TEST_P(StandardsTest, WmtsHasTilesAsTheyAreStored) {
+  const std::string set = "WebMercatorQuad" + (depth_ > 0 ? std::to_string(GetParam()) : "");
+  const std::string text = Body("/wmts/" + flight_);
+  EXPECT_LT(text.find("<Format>image/png</Format>"), text.find("<Format>image/vnd.jpeg-png</Format>"));
+  EXPECT_NE(text.find("format=\"image/vnd.jpeg-png\" resourceType=\"tile\""), std::string::npos);
+  const std::string tile = "/wmts/" + flight_ +
+                           "?REQUEST=GetTile&LAYER=map&STYLE=default&TILEMATRIX=3&TILEROW=5&TILECOL=2"
+                           "&TILEMATRIXSET=" +
+                           set + "&FORMAT=image/";
+  const Response stored = sample_.Get(tile + "vnd.jpeg-png");
+  EXPECT_EQ(stored.status, 200) << stored.body;
+  EXPECT_EQ(stored.body, sample_.Get("/tiles/" + flight_ + "/3/2/5").body);
+  EXPECT_EQ(sample_.Get(tile + "vnd.jpeg").status, 400);
+}
+
+TEST_P(StandardsTest, TheLayerOfQgisIsAsLargeAsTheMap) {
+  const std::string text = Body("/connect/" + flight_ + "/qgis.qlr?token=abc");
+  EXPECT_EQ(text.find("type=xyz"), std::string::npos);  // which QGIS takes to be as large as the world
+  EXPECT_NE(
+      text.find("tileMatrixSet=WebMercatorQuad" + (depth_ > 0 ? std::to_string(GetParam()) : "") + "&amp;"),
+      std::string::npos);
+  EXPECT_NE(text.find("%26token%3Dabc"), std::string::npos);
+  const auto [west, south, east, north] =
+      json::parse(Body("/tiles/" + flight_ + ".json"))["bounds"].get<std::array<double, 4>>();
+  const double metres_a_degree = 20037508.342789244 / 180.0;
+  const auto number = [&](const std::string& name) {
+    const std::size_t at = text.find("<" + name + ">");
+    return at == std::string::npos ? NAN : std::stod(text.substr(at + name.size() + 2));
+  };
+  EXPECT_NEAR(number("xmin"), west * metres_a_degree, 0.01);
+  EXPECT_NEAR(number("xmax"), east * metres_a_degree, 0.01);
+  EXPECT_LT(number("ymin"), number("ymax"));
 }
 
 TEST_P(StandardsTest, TmsCountsFromTheWorld) {

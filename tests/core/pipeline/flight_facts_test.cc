@@ -12,6 +12,7 @@ namespace {
 FlightFacts SomeFacts() {
   FlightFacts facts;
   facts.options = DigestOfPlacing({});
+  facts.asked = MosaicOptions{}.InWords();
   facts.inputs = {{{"DJI_1.JPG", "/card/DJI_1.JPG"}, Digest{1, 2, 3}}, {{"n\xff.csv", "/card/n"}, Digest{4}}};
   facts.flight.frame = geo::LocalFrame({46.8, 7.1, 512.25});
   facts.flight.ground_z_in_enu_m = -0.125;
@@ -52,6 +53,7 @@ TEST(FlightFacts, AreReadAgainExactly) {
   const Result<FlightFacts> read = ParseFacts(WriteFacts(facts));
   ASSERT_TRUE(read.ok());
   EXPECT_EQ(read->options, facts.options);
+  EXPECT_EQ(read->asked, facts.asked);
   ASSERT_EQ(read->inputs.size(), 2U);
   EXPECT_EQ(read->inputs[1].file.name, "n\xff.csv");
   EXPECT_EQ(read->inputs[0].digest, facts.inputs[0].digest);

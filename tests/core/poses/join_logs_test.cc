@@ -215,7 +215,7 @@ TEST(EstimatePoses, SaysWhichFilesPlacedNothing) {
   flight.logs = {rows, empty, earlier};
   const auto posed = EstimatePoses(flight, {});
   ASSERT_TRUE(posed.ok()) << posed.error().message;
-  EXPECT_THAT(posed->warnings, Contains(HasSubstr("geo.txt is not used: its rows name 1 photos")));
+  EXPECT_THAT(posed->warnings, Contains(HasSubstr("geo.txt is not used: its rows name 1 photo ")));
   EXPECT_THAT(posed->warnings, Contains(HasSubstr("empty.csv is not used")));
   EXPECT_THAT(posed->warnings, Contains(HasSubstr("earlier.csv is not used: none of the photos was taken")));
 }

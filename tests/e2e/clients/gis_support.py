@@ -1,5 +1,6 @@
 """What the tests of GIS programs share: a map, made anew, and the pixels that programs must find in it."""
 import json
+import math
 import os
 import pathlib
 import subprocess
@@ -42,6 +43,38 @@ for number, source in enumerate(sources):
     painter.end()
     assert not job.errors(), [error.message for error in job.errors()]
     image.save(f"{out}/{number}.png")
+"""
+
+# What "Open" and "Zoom to Layer" do: the layer's extent is printed, and drawn only where it lies within the box given.
+QGIS_ZOOM_SCRIPT = r"""
+import json
+import sys
+from qgis.core import QgsApplication, QgsCoordinateReferenceSystem, QgsLayerDefinition, QgsMapRendererParallelJob, QgsMapSettings, QgsProject, QgsRectangle
+from qgis.PyQt.QtCore import QSize
+definition, out, side, *box = sys.argv[1:]
+application = QgsApplication([], False)
+application.initQgis()
+is_loaded, error = QgsLayerDefinition.loadLayerDefinition(definition, QgsProject.instance(), QgsProject.instance().layerTreeRoot())
+assert is_loaded, error
+[layer] = QgsProject.instance().mapLayers().values()
+assert layer.isValid(), layer.error().message()
+settings = QgsMapSettings()
+settings.setLayers([layer])
+settings.setDestinationCrs(QgsCoordinateReferenceSystem("EPSG:3857"))
+settings.setOutputSize(QSize(int(side), int(side)))
+settings.setOutputDpi(96)
+extent = settings.layerExtentToOutputExtent(layer, layer.extent())
+print(json.dumps([extent.xMinimum(), extent.yMinimum(), extent.xMaximum(), extent.yMaximum()]))
+extent.scale(1.05)
+if QgsRectangle(*map(float, box)).contains(extent):
+    settings.setExtent(extent)
+    job = QgsMapRendererParallelJob(settings)
+    job.start()
+    job.waitForFinished()
+    assert not job.errors(), [error.message for error in job.errors()]
+    job.renderedImage().save(out)
+    extent = settings.visibleExtent()
+    print(json.dumps([extent.xMinimum(), extent.yMinimum(), extent.xMaximum(), extent.yMaximum()]))
 """
 
 
@@ -141,3 +174,34 @@ class MapFileTestCase(GdalTestCase):
             got = self.gdal.Open(f"{self.data}/{number}.png").ReadAsArray()[:3]
             off = abs(got.astype(int) - want)
             self.assertLessEqual(off.max() if most_off == 0.0 else off.mean(), most_off, source)
+
+    def check_qgis_zooms_to(self, definition):
+        """QGIS opens a layer definition (bytes), zooms to it and shows the map, whole and in its colours."""
+        if not has_qgis():
+            self.skipTest("python3-qgis is not here")
+        file, picture, side = pathlib.Path(self.data, "zoom.qlr"), pathlib.Path(self.data, "zoom.png"), 600
+        file.write_bytes(definition)
+        west, south, east, north = self.bounds_m()
+        width_m, height_m = east - west, north - south
+        said = subprocess.run([sys.executable, "-c", QGIS_ZOOM_SCRIPT, file, picture, str(side), repr(west - width_m), repr(south - height_m),
+                               repr(east + width_m), repr(north + height_m)], check=True, capture_output=True, text=True, timeout=300,
+                              env={**os.environ, "QT_QPA_PLATFORM": "offscreen"}).stdout
+        extent, *drawn = [json.loads(line) for line in said.splitlines() if line.startswith("[")]
+        for got, want in zip(extent, (west, south, east, north)):
+            self.assertAlmostEqual(got, want, delta=0.01 * max(width_m, height_m))
+        west, south, east, north = drawn[0]
+        want = self.gdal.Translate("", self.gdal.Open(str(self.path("mbtiles"))), format="MEM", projWin=[west, north, east, south],
+                                   width=side, height=side, resampleAlg="average").ReadAsArray().astype(int)
+        got = self.gdal.Open(str(picture)).ReadAsArray()[:3].astype(int)
+        seen = want[3] == 255
+        self.assertGreater(seen.mean(), 0.3)
+        self.assertGreater(got[:, seen].std(), 3.0)  # a picture, not a blank
+        self.assertLess(abs(got[:, seen].mean(axis=1) - want[:3, seen].mean(axis=1)).max(), 3.0)
+        self.assertLess(abs(got - want[:3])[:, seen].mean(), 10.0)
+
+    def bounds_m(self):
+        """The map's, in Web Mercator: west, south, east, north."""
+        x = lambda lon: lon / 180 * WORLD_M  # noqa: E731
+        y = lambda lat: math.asinh(math.tan(math.radians(lat))) / math.pi * WORLD_M  # noqa: E731
+        west, south, east, north = self.tilejson["bounds"]
+        return x(west), y(south), x(east), y(north)

@@ -395,6 +395,9 @@ class Gis(MapFileTestCase):
                    f"{layer}&styles=&url={quoted(wms)}", f"{layer}&styles=&IgnoreGetMapUrl=1&url={quoted(wms + '?VERSION=1.1.1')}"]
         self.check_qgis(sources)
 
+    def test_qgis_zooms_to_the_layer_of_the_file(self):
+        self.check_qgis_zooms_to(self.server.request("GET", f"/connect/{self.flight_id}/qgis.qlr")[2])
+
 
 class LargeTiles(GdalTestCase):
     """A map of 512-pixel tiles through programs that take 256 for granted: the same pixels at the same places."""

@@ -76,6 +76,7 @@ class Guarded(MapFileTestCase):
         xml = self.server.request("GET", f"/connect/{self.flight_id}/gdal.xml?token={self.token}")[2].decode()
         self.check_against_mbtiles(self.gdal.Open(xml))
         self.check_qgis([qlr_source(self.server, self.flight_id, self.token)])
+        self.check_qgis_zooms_to(self.server.request("GET", f"/connect/{self.flight_id}/qgis.qlr?token={self.token}")[2])
 
     def test_qgis_reads_with_the_token_alone(self):
         zoom, layer = self.tilejson["maxzoom"], "layers=map&format=image/png&crs=EPSG:3857"
@@ -145,17 +146,16 @@ class WebpMap(GdalTestCase):
 
 
 class VeryLargeTiles(MapFileTestCase):
-    """A map of 1024-pixel tiles, which QGIS has no setting for: its layer definition names those of 256."""
+    """A map of 1024-pixel tiles, which QGIS has no setting for as XYZ: its layer definition names the WMTS set of just these."""
     photo_count, options = 2, {"gsd_m": 0.007}
 
     def test_qgis_shows_the_map_pixel_for_pixel(self):
-        """But at edges of tiles of 256, which JPEG's coarser colours look across (gis_test.LargeTiles)."""
         self.assertEqual(self.tilejson["tileSize"], 1024)
         _, told = self.server.json("GET", f"/tiles/{self.flight_id}/256.json")
         self.assertEqual((told["tileSize"], told["maxzoom"]), (256, self.tilejson["maxzoom"] + 2))
         self.assertIn(f"/tiles/{self.flight_id}/256/", told["tiles"][0])
         source = qlr_source(self.server, self.flight_id)
-        self.assertIn(f"/tiles/{self.flight_id}/256/", urllib.parse.unquote(source))
+        self.assertIn("tileMatrixSet=WebMercatorQuad1024&", source)
         west, south, east, north = self.tilejson["bounds"]
         zoom = self.tilejson["maxzoom"]
         column, row = tile_of((west + east) / 2, (south + north) / 2, zoom)

@@ -53,8 +53,8 @@ class Plugin(MapFileTestCase):
     def test_a_map_becomes_layers(self):
         _, _, west, north, pixel_m, side = self.inner_window()
         window = (west, north - side * pixel_m, west + side * pixel_m, north, side)
-        rows, may_add, tiles, extent, _, geotiff, _, outlines, _, _, again = self.session(
-            self.address(""), ["rows"], ["choose", self.flight_id], ["add", "tiles"], ["extent"], ["render", "tiles.png", *window],
+        rows, may_add, tiles, extent, zoomed, _, geotiff, _, outlines, _, _, again = self.session(
+            self.address(""), ["rows"], ["choose", self.flight_id], ["add", "tiles"], ["extent"], ["zoom"], ["render", "tiles.png", *window],
             ["add", "geotiff"], ["render", "geotiff.png", *window], ["add", "footprints"], ["render", "outlines.png", *window],
             ["grab", "window.png"], ["go"])
         _, flight = self.server.json("GET", f"/api/v1/flights/{self.flight_id}")
@@ -63,7 +63,7 @@ class Plugin(MapFileTestCase):
         self.assertEqual((tiles[0], tiles[2], geotiff[0], geotiff[2]), ("wms", True, "gdal", True))
         self.assertEqual(outlines[0::2] + outlines[3:], ["ogr", True, len(self.photos)])
         self.assertNotIn("token", tiles[1] + geotiff[1] + outlines[1])
-        for shown in (extent, again):
+        for shown in (extent, zoomed, again):
             for got, want, less in zip(shown, flight["bounds"], (1, 1, -1, -1)):
                 self.assertLessEqual(less * got, less * want)  # all of it is to be seen
             self.assertLess(shown[2] - shown[0], 4 * (flight["bounds"][2] - flight["bounds"][0]))

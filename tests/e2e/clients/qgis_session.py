@@ -149,6 +149,12 @@ class Session:
         job.waitForFinished()
         job.renderedImage().save(os.path.join(OUT, name))
 
+    def zoom(self):
+        """"Zoom to Layer" of the last one; what the canvas shows then, in degrees."""
+        settings = self.iface.canvas.mapSettings()
+        self.iface.canvas.setExtent(settings.layerExtentToOutputExtent(self.shown, self.shown.extent()))
+        return self.extent()
+
     def extent(self):
         """What the canvas shows, in degrees, once nothing is on its way."""
         self.settle()

@@ -108,13 +108,13 @@ class Append(unittest.TestCase):
         self.stitch(self.first, out, "--format", "jpeg-png")
         before = tiles_of(out)
         self.assertEqual({tile[:4] for tile in before.values()}, {b"\xff\xd8\xff\xe0", b"\x89PNG"})
-        report = self.stitch(self.first, out)
+        report = self.stitch(self.first, out, "--overwrite")
         self.assertEqual(report["blocks"]["kept"], report["blocks"]["total"])
         self.assertEqual(tiles_of(out), tiles_of(self.finished))
         again = self.stitch(self.first, out)
         self.assertEqual(again["blocks"]["kept"], again["blocks"]["total"])
         # Who wants PNG again has it rendered: what WebP lost is gone.
-        report = self.stitch(self.first, out, "--format", "jpeg-png")
+        report = self.stitch(self.first, out, "--format", "jpeg-png", "--overwrite")
         self.assertEqual(report["blocks"]["kept"], 0)
         self.assertEqual(tiles_of(out), before)
 

@@ -27,6 +27,14 @@ class Mistakes(unittest.TestCase):
                 if "data" in os.listdir(scratch):  # where the data folder is opened before what is asked of it is refused
                     self.assertFalse([path for path in (pathlib.Path(scratch) / "data").rglob("*.jpg")])
 
+    def test_help_is_a_word_too(self):
+        for words, option in ((["help"], ["--help"]), (["help", "stitch"], ["stitch", "--help"]), (["help", "token", "add"], ["token", "add", "--help"])):
+            said = subprocess.run([BINARY, *words], capture_output=True, text=True)
+            self.assertEqual(said.returncode, 0, said.stderr)
+            self.assertEqual(said.stdout, subprocess.run([BINARY, *option], capture_output=True, text=True).stdout)
+        unknown = subprocess.run([BINARY, "help", "stich"], capture_output=True, text=True)
+        self.assertEqual((unknown.returncode, unknown.stderr.split(" \"sky")[0]), (64, 'skyquilt has no command "stich". Did you mean skyquilt stitch?'))
+
 
 if __name__ == "__main__":
     unittest.main()

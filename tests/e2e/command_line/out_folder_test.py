@@ -61,8 +61,24 @@ class OutFolder(unittest.TestCase):
         out = self.copy_of_map("again")
         elsewhere = self.scratch / "elsewhere"
         shutil.copytree(self.scratch / "one", elsewhere)
-        done = self.stitch(elsewhere, out, "--quality", "60")
+        done = self.stitch(elsewhere, out)
         self.assertEqual(done.returncode, 0, done.stderr)
+
+    def test_a_map_made_with_other_options_stays(self):
+        out = self.copy_of_map("other_options")
+        before = contents(out)
+        area = self.scratch / "area.geojson"
+        area.write_text(json.dumps({"type": "Polygon", "coordinates": [[[7.0, 46.0], [8.0, 46.0], [8.0, 47.0], [7.0, 46.0]]]}))
+        for words, said in ((["--quality", "60"], "--quality 85 (now 60)"), (["--gsd", "30cm"], "(now 0.3)"), (["--boundary", area], "no --boundary"),
+                            (["--max-look-deg", "40"], "--max-look-deg 65 (now 40)")):
+            self.check_refused(out, self.stitch(self.scratch / "one", out, *words), "finished map of these photos", said, "--overwrite")
+            self.assertEqual(contents(out), before)
+        done = self.stitch(self.scratch / "one", out, "--gsd", "30cm", "--overwrite")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        # The resolution that is told is the map's, and it stays that where nothing is said of it.
+        for again in (done, self.stitch(self.scratch / "one", out)):
+            self.assertIn(" at 30.0 cm a pixel", again.stdout)
+            self.assertEqual(json.loads((out / "report.json").read_text())["gsd_m"], 0.3)
 
     def test_more_photos_with_all_of_the_map_make_it_grow(self):
         out = self.copy_of_map("grown")

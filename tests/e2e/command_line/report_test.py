@@ -48,12 +48,33 @@ class Report(unittest.TestCase):
         self.assertEqual(self.stitch()["photos"]["aligned"], 5)
 
     def test_a_size_of_pixels_that_none_can_have_is_refused(self):
-        for size in ("nan", "0", "-1"):
+        for size, said in (("nan", "no length"), ("5furlong", "no length"), ("0", "gsd_m is"), ("-1", "gsd_m is")):
             refused = subprocess.run([BINARY, "stitch", self.scratch / "sim" / "photos", "-o", self.scratch / "none", f"--gsd={size}"],
                                      capture_output=True, text=True)
             self.assertNotEqual(refused.returncode, 0)
-            self.assertIn("gsd_m is", refused.stderr)
+            self.assertIn(said, refused.stderr)
             self.assertFalse((self.scratch / "none" / "mosaic.mbtiles").exists())
+
+    def test_centimetres_said_as_metres_are_asked_about(self):
+        self.assertAlmostEqual(self.stitch("--gsd=50cm")["gsd_m"], 0.5)
+        refused = subprocess.run([BINARY, "stitch", self.scratch / "sim" / "photos", "-o", self.scratch / "none", "--gsd", "5"],
+                                 capture_output=True, text=True)
+        self.assertEqual(refused.returncode, 1)
+        self.assertRegex(refused.stderr, r"pixels of 5 m, but those of the photos show [0-9.]+ cm of the ground, \d+ times less.*5cm.*--any-gsd")
+        self.assertFalse((self.scratch / "none" / "mosaic.mbtiles").exists())
+        self.assertAlmostEqual(self.stitch("--gsd=5m", "--any-gsd")["gsd_m"], 5.0)
+
+    def test_it_ends_with_what_to_do_next_as_one_can_type_it(self):
+        out = self.scratch / "a map's folder"
+        done = subprocess.run([BINARY, "stitch", self.scratch / "sim" / "photos", "-o", out, "--method", "imu"], check=True, capture_output=True,
+                              text=True)
+        steps = done.stdout.split("What next:\n")[1].splitlines()
+        self.assertEqual([step.split()[1] for step in steps], ["report", "export", "import"])
+        for step in steps:
+            step = step.split(" && ")[0].replace("skyquilt", str(BINARY), 1).replace("--data maps", f"--data '{self.scratch / 'maps'}'")
+            subprocess.run(step, shell=True, check=True, capture_output=True)
+        self.assertLessEqual({"report.html", "utm.tif"}, {path.name for path in out.iterdir()})
+        self.assertTrue((self.scratch / "maps" / "skyquilt-data.json").exists())
 
     def test_by_poses_alone(self):
         report = self.stitch("--method=imu")

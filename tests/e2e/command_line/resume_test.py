@@ -99,7 +99,7 @@ class Resume(unittest.TestCase):
         report = self.stitch(out)
         self.assertEqual(report["blocks"]["kept"], report["blocks"]["total"])
         self.assertEqual(tiles_of(out), tiles_of(self.reference))
-        self.assertEqual(self.stitch(out, "--quality", "70")["blocks"]["kept"], 0)
+        self.assertEqual(self.stitch(out, "--quality", "70", "--overwrite")["blocks"]["kept"], 0)
         # The state of another map is not believed.
         shutil.copy(self.reference / "mosaic.state", out / "mosaic.state")
         with sqlite3.connect(out / "mosaic.mbtiles") as mbtiles:

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import tempfile
 import threading
+import time
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
@@ -68,7 +69,7 @@ class Upload(ServerTestCase):
         (self.card / "log.txt").write_text("nothing of interest")
         again = self.upload(server, "--flight", flight["id"], "--no-map")
         self.assertEqual(again.returncode, 0, again.stderr)
-        self.assertIn("1 files sent, 6 were there", again.stdout)
+        self.assertIn("1 file sent, 6 were there", again.stdout)
 
     def test_goes_on_where_the_connection_broke(self):
         (self.card / "long.bin").write_bytes(bytes(range(256)) * (160 << 10))  # 40 MB
@@ -83,6 +84,19 @@ class Upload(ServerTestCase):
         self.assertEqual(sorted(file["name"] for file in files), sorted(path.name for path in self.card.iterdir()))
         whole = server.request("GET", f"/api/v1/flights/{flight['id']}/files/long.bin")[2]
         self.assertEqual(whole, (self.card / "long.bin").read_bytes())
+
+    def test_a_server_that_is_not_there_yet_is_waited_for(self):
+        with socket.create_server(("127.0.0.1", 0)) as free:
+            port = free.getsockname()[1]
+        upload = subprocess.Popen([BINARY, "upload", self.card, "--server", f"http://127.0.0.1:{port}", "--no-map"], stdout=subprocess.PIPE,
+                                  stderr=subprocess.PIPE, text=True)
+        time.sleep(9)  # longer than a start takes
+        self.assertIsNone(upload.poll())
+        server = self.serve(listen=f"127.0.0.1:{port}")
+        out, said = upload.communicate(timeout=240)
+        self.assertEqual(upload.returncode, 0, said)
+        self.assertIn("6 files sent", out)
+        self.assertEqual(server.json("GET", "/api/v1/flights")[1]["flights"][0]["file_count"], 6)
 
     def test_refusals_are_in_words(self):
         server = self.serve()

@@ -122,7 +122,7 @@ class Watch(ServerTestCase):
         # One photo more joins its flight.
         self.fill("DCIM/field_7/images", [("more.JPG", self.photos[3][1])])
         more = self.once(server)
-        self.assertIn("0 new flights, 1 files sent", more.stdout)
+        self.assertIn("0 new flights, 1 file sent", more.stdout)
         self.assertEqual(self.flights(server)[field], sorted(flights[field] + ["more.JPG"]))
         # Deleted there, it does not come back by itself.
         for flight in server.json("GET", "/api/v1/flights")[1]["flights"]:
@@ -130,7 +130,7 @@ class Watch(ServerTestCase):
         self.assertIn("0 new flights, 0 files sent", self.once(server).stdout)
         self.assertEqual(self.flights(server), {})
         self.fill("DCIM/field_7/images", [("last.JPG", self.photos[0][1] + b"\0")])
-        self.assertIn("1 new flights, 4 files sent", self.once(server).stdout)
+        self.assertIn("1 new flight, 4 files sent", self.once(server).stdout)
 
     def test_a_folder_that_fills_is_sent_when_it_rests(self):
         server = self.serve()
@@ -149,7 +149,7 @@ class Watch(ServerTestCase):
         self.hear(watch, "2 files sent to the flight they belong to")
         self.assertEqual(len(list(self.flights(server).values())[0]), 5)
         self.assertEqual(len(self.flights(server)), 1)
-        self.assertIn("1 new flights, 5 files sent", self.end(watch))
+        self.assertIn("1 new flight, 5 files sent", self.end(watch))
 
     def test_a_photo_that_never_ends_holds_up_nobody(self):
         self.fill("job", self.photos[:2])
@@ -192,13 +192,13 @@ class Watch(ServerTestCase):
         (elsewhere / "a").mkdir()
         (elsewhere / "a" / "1.JPG").write_bytes(self.photos[0][1])
         elsewhere.rename(self.card)
-        self.hear(watch, "a, 2024-06-01 10:00: 1 files sent")
+        self.hear(watch, "a, 2024-06-01 10:00: 1 file sent")
         self.card.rename(elsewhere)
         self.hear(watch, "is not there; waiting for it")
         (elsewhere / "b").mkdir()
         (elsewhere / "b" / "2.JPG").write_bytes(self.photos[1][1])
         elsewhere.rename(self.card)
-        self.hear(watch, "b, 2024-06-01 10:00: 1 files sent")
+        self.hear(watch, "b, 2024-06-01 10:00: 1 file sent")
         self.assertIn("2 new flights, 2 files sent", self.end(watch))
         self.assertEqual(sorted(self.flights(server).values()), [["1.JPG"], ["2.JPG"]])
 

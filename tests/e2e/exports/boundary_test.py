@@ -83,7 +83,7 @@ class BoundaryTest(unittest.TestCase):
     def test_a_finished_map_is_cut_without_placing_it_anew(self):
         out = self.scratch / "later"
         shutil.copytree(self.whole, out)
-        report = self.stitch(out, "--boundary", self.geojson("later.geojson", [(-14, -12), (15, -10), (2, 16)]))
+        report = self.stitch(out, "--overwrite", "--boundary", self.geojson("later.geojson", [(-14, -12), (15, -10), (2, 16)]))
         self.assertNotIn("check", [stage["stage"] for stage in report["timings"]])
         self.stitch(self.scratch / "at_once", "--boundary", self.scratch / "later.geojson")
         self.assertEqual(tiles_of(out), tiles_of(self.scratch / "at_once"))

@@ -22,9 +22,9 @@ test('a range is two numbers, the lesser first, with the comma of German too', (
   assert.equal(roundTo(-1234.5, 900), -1230);
 });
 
-/** @param {object} [context] */
-async function openIndices(context = { locale: 'en-GB' }) {
-  const opened = await setUp({ has_indices: true }, context);
+/** @param {object} [context] @param {object} [facts] of the stand-in server */
+async function openIndices(context = { locale: 'en-GB' }, facts = {}) {
+  const opened = await setUp({ has_indices: true, ...facts }, context);
   const { page, mock } = opened;
   const flight = mock.seedReady('Meadow');
   /** @type {string[]} */
@@ -36,6 +36,19 @@ async function openIndices(context = { locale: 'en-GB' }) {
   await page.waitForSelector('#index option[value="vari"]', { state: 'attached' });
   return { ...opened, asked };
 }
+
+test('an index reaches as far as its bands do', options, async () => {
+  const opened = await openIndices(undefined, { bands_bounds: [-180, -85, 180, 85] });
+  const { page, asked } = opened;
+  const tiles = (/** @type {RegExp} */ of) => new Set(asked.filter((url) => of.test(url)).map((url) => new URL(url).pathname.replace('.png', '')));
+  await page.selectOption('#index', 'vari');
+  await page.waitForSelector('#index-histogram rect');
+  await mapIdle(page);
+  const of_map = tiles(/\/tiles\/[^?]*\?rev=\d+$/);
+  const beyond = [...tiles(/index=vari/)].filter((path) => !of_map.has(path));
+  assert.ok(beyond.length > 0, 'no tile beside those of the map was asked for');
+  await assertQuiet(opened);
+});
 
 test('an index lies over the map in its colours, which follow what is chosen and typed', options, async () => {
   const opened = await openIndices();

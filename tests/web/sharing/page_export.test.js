@@ -37,7 +37,7 @@ for (const [screen, context] of /** @type {const} */ ([['laptop', {}], ['phone',
     const { page, mock } = opened;
     const flight = await openReady({ page, mock }, 'Meadow');
     await page.click('#flight-download');
-    assert.equal(await page.locator('.download').count(), 4);
+    assert.equal(await page.locator('.download').count(), 5);
     await page.click('#export-open');
     await page.selectOption('#export-crs', 'epsg');
     await page.click('#export-start');
@@ -72,6 +72,21 @@ for (const [screen, context] of /** @type {const} */ ([['laptop', {}], ['phone',
     await assertQuiet(opened, [/422/]);
   });
 }
+
+test('the first download is what one measures in', options, async () => {
+  const opened = await setUp();
+  const { page, mock } = opened;
+  const flight = await openReady({ page, mock }, 'Meadow');
+  await page.click('#flight-download');
+  assert.match(await page.locator('.download').first().innerText(), /^GeoTIFF in UTM\s+to measure, for GIS and CAD$/);
+  assert.match(await page.locator('a.download[href*="download.tif"]').innerText(), /^GeoTIFF in Web Mercator\s.*for web maps/s);
+  await page.click('#download-utm');
+  await page.waitForSelector('#exports li a');
+  assert.deepEqual(flight.exports.map((/** @type {any} */ { format, crs, resolution_m, boundary }) => ({ format, crs, resolution_m, boundary })), [{ format: 'geotiff', crs: 'utm', resolution_m: undefined, boundary: undefined }]);
+  assert.equal(await page.inputValue('#export-crs'), 'utm', 'an export is to measure in, unless one says otherwise');
+  await assertAccessible(page, 'download in UTM');
+  await assertQuiet(opened);
+});
 
 test('a map is cut to what is drawn, to a loaded file, or to one that is chosen there', options, async () => {
   const opened = await setUp();

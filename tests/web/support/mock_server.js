@@ -35,7 +35,7 @@ export const security_headers = {
 const stages = ['read', 'pose', 'align', 'expose', 'render', 'export'];
 
 /**
- * @param {{port?: number, job_ms?: number, upload_ms?: number, basemap_makers?: string, has_tokens?: boolean, scope?: 'read'|'upload'|'admin', trash_days?: number, keep_days?: number, is_whole?: boolean, is_unplaced?: boolean, has_indices?: boolean, page_limit?: number, addresses?: string[]}} [options] upload_ms: time each file takes at least;
+ * @param {{port?: number, job_ms?: number, upload_ms?: number, basemap_makers?: string, has_tokens?: boolean, scope?: 'read'|'upload'|'admin', trash_days?: number, keep_days?: number, is_whole?: boolean, is_unplaced?: boolean, has_indices?: boolean, bands_bounds?: number[], page_limit?: number, addresses?: string[]}} [options] upload_ms: time each file takes at least;
  *   addresses: where other machines reach it;
  *   basemap_makers: there is a basemap, of theirs; has_tokens: it asks for tokens where flights are shared; scope: what
  *   every token may do; page_limit: flights in one answer, few so that paging is used; is_whole: maps have all photos; is_unplaced: they lie nowhere until they are placed
@@ -303,6 +303,7 @@ export async function startMockServer(options = {}) {
       return send(200, {
         tilejson: '3.0.0', version: `${flight.revision}.0.0`, tiles: [`http://${request.headers.host}/tiles/${flight.id}/{z}/{x}/{y}?rev=${flight.revision}`], tileSize: 256,
         minzoom: 14, maxzoom: max_zoom, bounds: boundsOf(flight.place), name: flight.name, attribution: flight.attribution, ...(options.has_indices ? index_facts : {}),
+        ...(options.bands_bounds ? { bands_bounds: options.bands_bounds } : {}),
       });
     }
     if ((match = path.match(/^\/tiles\/([^/]+)\/(\d+)\/(\d+)\/(\d+)(?:\.png)?$/)) && flights.get(match[1])?.ready) {

@@ -2,7 +2,7 @@
 /** @import { Flight } from '../shared/types.js' */
 import { readable, withToken } from '../shared/token.js';
 import { showError } from '../shared/announce.js';
-import { downloadPath, downloadSize } from '../shared/api.js';
+import { downloadPath, downloadSize, startExport } from '../shared/api.js';
 import { at } from '../shared/router.js';
 import { h, put } from '../shared/dom.js';
 import { formatBytes } from '../shared/format.js';
@@ -67,27 +67,32 @@ export function showDownloads(flight, outlines, cut_to = -1) {
   };
   const kinds = /** @type {import('../shared/api.js').DownloadKind[]} */ (Object.keys(words.files));
   const closed = new AbortController();
-  const downloads = h('div', { class: 'downloads' }, ...kinds.map(link));
   const exports = h('div', { class: 'export-part' });
-  const open = h('button', { type: 'button', class: 'text-button', id: 'export-open' }, strings.exports.open);
-  const openExports = async () => {
-    open.disabled = true;
+  const showExports = async (/** @type {HTMLButtonElement} */ button, /** @type {import('../shared/api.js').ExportWish|null} */ wish) => {
+    button.disabled = true;
     try {
       const { exportView } = await import('./export_view.js');
+      if (wish) await startExport(flight.id, wish);  // one that is there already is what this gives
       downloads.remove();  // the exports themselves would be out of sight below
       put(exports, exportView(flight, outlines, closed.signal, cut_to));
       put(dialog.querySelector('h2') ?? dialog, strings.exports.open);
       exports.querySelector('select')?.focus();
     } catch (error) {
-      open.disabled = false;
+      button.disabled = false;
       showError(error);
     }
   };
-  open.addEventListener('click', () => void openExports());
+  const open = h('button', { type: 'button', class: 'text-button', id: 'export-open' }, strings.exports.open);
+  open.addEventListener('click', () => void showExports(open, null));
+  // What the tiles lie in is not what distances are measured in: that one is made when somebody wants it.
+  const [utm_name, utm_hint] = words.utm;
+  const utm = h('button', { type: 'button', class: 'download', id: 'download-utm' }, icon('download'), h('span', {}, utm_name), h('small', {}, utm_hint));
+  utm.addEventListener('click', () => void showExports(utm, { format: 'geotiff', crs: 'utm' }));
+  const downloads = h('div', { class: 'downloads' }, utm, ...kinds.map(link));
   put(exports, open);
   const dialog = showDialog('download-dialog', words.download, h('div', {}, downloads, exports));
   dialog.addEventListener('close', () => closed.abort());
-  if (cut_to >= 0) void openExports();
+  if (cut_to >= 0) void showExports(open, null);
 }
 
 /** Says what to do, with the file that does it. @param {Flight} flight */

@@ -66,7 +66,7 @@ export function optionsOf(form) {
   return {
     options: {
       layers: kLayers.filter((layer) => form.layers.includes(layer)),
-      ...(resolution_cm === null ? {} : { gsd_m: resolution_cm / 100, not_finer_than_photos: form.not_finer }),
+      ...(resolution_cm === null ? {} : { gsd_m: resolution_cm / 100, any_gsd: true, not_finer_than_photos: form.not_finer }),
       ...(form.method === 'auto' ? {} : { method: form.method }),
       ...(max_look_deg === null ? {} : { max_look_deg }),
       ...(readout_ms === null ? {} : { readout_ms }),

@@ -11,7 +11,7 @@ import { strings } from '../shared/strings.js';
  */
 export function welcomeView(actions) {
   const words = strings.welcome;
-  const command = `photos=(); for f in *.JPG; do photos+=(-F "files=@$f"); done; curl -F name="${words.curl_flight}" "\${photos[@]}" ${serverAddress()}/api/v1/flights`;
+  const command = `photos=(); for f in DCIM/*/*.JPG; do photos+=(-F "files=@$f"); done; curl -F name="${words.curl_flight}" "\${photos[@]}" ${serverAddress()}/api/v1/flights`;
   return h(
     'div',
     { class: 'welcome-inner' },

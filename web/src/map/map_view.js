@@ -50,6 +50,8 @@ export class MapView {
   #basemap_turn = 0;
   /** @type {[number, number]} of the mosaic */
   #zooms = [0, 0];
+  /** @type {Bounds|null} where indices have tiles */
+  #index_bounds = null;
   #drawn_from_zoom = 0;
   #tile_size = 256;
   is_moved = false;  // by the user, since the flight was opened
@@ -119,6 +121,7 @@ export class MapView {
     this.hideIndex();
     this.layers = tilejson.layers ?? [];
     this.bands = grows ? [] : (tilejson.bands ?? []);
+    this.#index_bounds = tilejson.bands_bounds ?? bounds;
     this.indices = tilejson.indices ?? [];
     this.flight_id = flight_id;
     this.tile_template = ownHost(tilejson.tiles[0]);
@@ -189,8 +192,8 @@ export class MapView {
       source.setTiles([template]);
       return;
     }
-    if (!this.bounds) return;
-    this.map.addSource(kIndex, { type: 'raster', tiles: [template], tileSize: this.#tile_size, minzoom: this.#zooms[0], maxzoom: this.#zooms[1], bounds: this.bounds });
+    if (!this.#index_bounds) return;
+    this.map.addSource(kIndex, { type: 'raster', tiles: [template], tileSize: this.#tile_size, minzoom: this.#zooms[0], maxzoom: this.#zooms[1], bounds: this.#index_bounds });
     const above = this.map.getStyle().layers.find(({ id }) => id === kOverlay || photo_layers.includes(id) || path_layers.includes(id))?.id;
     this.map.addLayer({ id: kIndex, type: 'raster', source: kIndex, paint: { 'raster-opacity': this.opacity, 'raster-resampling': 'nearest', 'raster-fade-duration': 0 } }, above);
   }

@@ -190,6 +190,7 @@
  * @property {number} [tileSize] side of a tile's picture in pixels; 256 when not said
  * @property {MapLayer[]} [layers] beside the map
  * @property {string[]} [bands] that expressions can name
+ * @property {Bounds} [bands_bounds] where indices have tiles, if that is not where the map has
  * @property {MapIndex[]} [indices] that the bands are enough for
  */
 

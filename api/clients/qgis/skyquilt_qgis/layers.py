@@ -2,7 +2,7 @@
 layers themselves are made in the main thread from what it answers."""
 import dataclasses
 from typing import List, Optional
-from urllib.parse import quote
+from xml.etree import ElementTree
 
 from qgis.core import QgsFillSymbol, QgsRasterLayer, QgsVectorLayer
 
@@ -18,9 +18,7 @@ class Described:
     name: str
     address: str  # of the server
     flight_id: str
-    tile_url: str
-    min_zoom: int
-    max_zoom: int
+    tiles: str  # as QGIS' provider of tiles takes it
     token: Optional[str]
     bounds: List[float]
 
@@ -50,18 +48,17 @@ def reading_token(client, flight, known):
 def described(client, flight_id, known_tokens):
     """What layers of a flight are made of. Asks the server."""
     flight = client.flight(flight_id)
-    tiles = flight.tile_json(is_256=True)
-    is_cut = flight.tile_json().get("tileSize", 256) != 256
     token = reading_token(client, flight, known_tokens)
-    return Described(flight.name, client.url, flight.id, flight.tile_url(tile_px=256 if is_cut else None, with_token=False) +
-                     (f"?token={token}" if token else ""), tiles["minzoom"], tiles["maxzoom"], token, tiles["bounds"])
+    with client.transport.request("GET", f"/connect/{flight.id}/qgis.qlr" + (f"?token={token}" if token else "")) as answer:
+        definition = ElementTree.fromstring(answer.read_all())
+    return Described(flight.name, client.url, flight.id, definition.findtext("maplayers/maplayer/datasource"), token,
+                     flight.tile_json()["bounds"])
 
 
 def layer_of(map_of, kind):
     """The layer; its `isValid()` is to be asked."""
     if kind == TILES:
-        uri = f"type=xyz&zmin={map_of.min_zoom}&zmax={map_of.max_zoom}&url={quote(map_of.tile_url, safe='')}"
-        return QgsRasterLayer(uri, map_of.name, "wms")
+        return QgsRasterLayer(map_of.tiles, map_of.name, "wms")
     if kind == GEOTIFF:
         return QgsRasterLayer("/vsicurl/" + map_of.below("download.tif"), f"{map_of.name} (GeoTIFF)", "gdal")
     layer = QgsVectorLayer("/vsicurl/" + map_of.below("photos.geojson"), f"{map_of.name} (photos)", "ogr")

@@ -131,7 +131,7 @@ class SkyquiltPlugin:
             self.complain(f"The map of {map_of.name} cannot be opened: {layer.error().summary() or 'no reason is known'}")
             return
         QgsProject.instance().addMapLayer(layer)
-        # After QGIS itself, which shows all of a first layer: of tiles that is the world.
+        # After QGIS itself, which shows all of a first layer and stays where it is at others.
         QTimer.singleShot(0, lambda: self.go_to(map_of.bounds))
 
     def go_to(self, bounds):

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "core/base/printable.h"
 #include "core/flight/logs/autopilots/ulog_topics.h"
 #include "core/flight/logs/text_fields.h"
 
@@ -200,7 +201,9 @@ class UlogParser {
                                 static_cast<double>(dropout_ms_) * 1e-3));
     }
     if (damaged_ > 0) builder_.Warn(fmt::format("{} damaged bytes were skipped", damaged_));
-    if (unknown_ > 0) builder_.Warn(fmt::format("{} messages of unknown topics were skipped", unknown_));
+    if (unknown_ > 0)
+      builder_.Warn(Counted(unknown_, "message of an unknown topic was skipped",
+                            "messages of unknown topics were skipped"));
     if (subscribed_ > kMaxSubscriptions)
       builder_.Warn(fmt::format("more than {} subscriptions; the rest was left out", kMaxSubscriptions));
     if (cut_) builder_.Warn("the file ends inside a message: it was cut off");

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/printable.h"
 #include "core/base/try.h"
 #include "core/flight/logs/csv/csv_rows.h"
 #include "core/flight/logs/text_fields.h"
@@ -125,7 +126,8 @@ Result<FlightLog> ParseFlightCsv(std::string_view name, LogBytes bytes, const Co
   builder.Count("row", rows);
   builder.log().mapping = DescribeColumns(columns);
   unread.Tell(columns, builder);
-  if (bad > 0) builder.Warn(fmt::format("{} rows without a time were skipped", bad));
+  if (bad > 0)
+    builder.Warn(Counted(bad, "row without a time was skipped", "rows without a time were skipped"));
   return std::move(builder).Finish();
 }
 
@@ -194,7 +196,8 @@ Result<FlightLog> ReadImageRows(const std::vector<CsvColumn>& columns, const Set
   unread.Tell(columns, builder);
   off.Tell(builder);
   for (const std::string& warning : settled.warnings) builder.Warn(warning);
-  if (bad > 0) builder.Warn(fmt::format("{} rows without an image were skipped", bad));
+  if (bad > 0)
+    builder.Warn(Counted(bad, "row without an image was skipped", "rows without an image were skipped"));
   return std::move(builder).Finish();
 }
 

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/base/printable.h"
 #include "core/flight/logs/csv/csv_columns.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/text_fields.h"
@@ -147,7 +148,7 @@ Result<FlightLog> ParseGeoTxt(std::string_view name, LogBytes bytes, const Consu
     builder.Add(std::move(event));
   } while (rows + bad < kMaxRows && lines.Next(line));
   builder.Count("row", rows);
-  if (bad > 0) builder.Warn(fmt::format("{} rows could not be read", bad));
+  if (bad > 0) builder.Warn(fmt::format("{} could not be read", Counted(bad, "row")));
   if (rows + bad == kMaxRows && lines.Next(line))
     builder.Warn(fmt::format("more than {} rows; the rest was left out", kMaxRows));
   if (system) builder.log().written_system = system->definition();

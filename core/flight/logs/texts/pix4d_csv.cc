@@ -7,6 +7,7 @@
 #include <initializer_list>
 #include <optional>
 
+#include "core/base/printable.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/text_fields.h"
 #include "core/flight/logs/texts/list_rows.h"
@@ -196,7 +197,7 @@ Result<FlightLog> ParsePix4dCsv(std::string_view name, LogBytes bytes, const Con
                            : columns->angles == Angles::kYawPitchRoll
                                ? "yaw, pitch, roll -> degrees, pitch 0 = straight down"
                                : "no angles"};
-  if (bad > 0) builder.Warn(fmt::format("{} rows could not be read", bad));
+  if (bad > 0) builder.Warn(fmt::format("{} could not be read", Counted(bad, "row")));
   return std::move(builder).Finish();
 }
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "core/base/printable.h"
 #include "core/flight/logs/gps_time.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/text_fields.h"
@@ -167,7 +168,7 @@ Result<FlightLog> ParseRtklibPos(std::string_view name, LogBytes bytes, const Co
   builder.log().utc_sigma_s = 1e-3;
   builder.log().mapping = {fmt::format("time -> {}", header.is_utc ? "UTC" : "GPS time"),
                            "position -> the antenna"};
-  if (bad > 0) builder.Warn(fmt::format("{} rows could not be read", bad));
+  if (bad > 0) builder.Warn(fmt::format("{} could not be read", Counted(bad, "row")));
   return std::move(builder).Finish();
 }
 

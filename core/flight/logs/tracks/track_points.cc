@@ -51,10 +51,10 @@ Error TrackPoints::WhyNone() const {
     return why(fmt::format("none of its {} points has a latitude and a longitude in degrees", points_));
   }
   if (without_time_ == points_) {
-    return why(fmt::format(
-        "its {} points have no times, so that no photo can be placed by them. Export the track with "
-        "the time of each point",
-        points_));
+    return why(
+        fmt::format("its {} no times, so that no photo can be placed by them. Export the track with "
+                    "the time of each point",
+                    Counted(points_, "point has", "points have")));
   }
   if (unread_times_ > 0) {
     return why(

@@ -171,7 +171,7 @@ TEST(ParseKml, SaysThatLinesHaveNoTimes) {
   EXPECT_THAT(line.error().message, HasSubstr("--boundary"));
   const auto point = ParseKml(
       "a.kml", BytesOf("<kml><Placemark><Point><coordinates>8,47</coordinates></Point></Placemark></kml>"));
-  EXPECT_THAT(point.error().message, HasSubstr("1 points have no times"));
+  EXPECT_THAT(point.error().message, HasSubstr("1 point has no times"));
 }
 
 std::string FeatureOf(const std::string& geometry, const std::string& properties) {
@@ -215,7 +215,7 @@ TEST(ParseGeoJson, SaysWhyItIsNoTrack) {
     return log.ok() ? std::string("read") : log.error().message;
   };
   EXPECT_THAT(said(FeatureOf(R"({"type":"Point","coordinates":[8,47]})", "{}")),
-              HasSubstr("1 points have no times"));
+              HasSubstr("1 point has no times"));
   EXPECT_THAT(said(FeatureOf(R"({"type":"LineString","coordinates":[[8,47],[8,47],[8,47]]})",
                              R"({"times":["2016-06-23T21:31:09Z","2016-06-23T21:31:10Z"]})")),
               HasSubstr("a line of 3 places has 2 times"));

@@ -328,8 +328,9 @@ export const flight_words = {
   },
   actions: {
     download: 'Download',
+    utm: ['GeoTIFF in UTM-Koordinaten', 'zum Messen, für GIS und CAD'],
     files: {
-      tif: ['GeoTIFF', 'für GIS und CAD'],
+      tif: ['GeoTIFF in Web-Mercator', 'für Webkarten; Strecken sind darin zu lang'],
       mbtiles: ['MBTiles', 'für Karten ohne Netz'],
       pmtiles: ['PMTiles', 'für Webkarten'],
       zip: ['Alle Dateien', 'mit dem Bericht, in einem ZIP'],
@@ -348,7 +349,7 @@ export const flight_words = {
     format: 'Format',
     formats: { geotiff: 'GeoTIFF', pmtiles: 'PMTiles', mbtiles: 'MBTiles', kmz: 'KMZ (Google Earth)' },
     crs: 'Koordinatensystem',
-    systems: { stored: 'Web-Mercator (wie Karte)', utm: 'UTM-Zone der Karte', epsg: 'EPSG-Code' },
+    systems: { utm: 'UTM-Zone der Karte, zum Messen', epsg: 'EPSG-Code', stored: 'Web-Mercator, für Webkarten' },
     epsg: 'EPSG-Code',
     epsg_hint: 'Die Nummer des Koordinatensystems, etwa 25832.',
     resolution: 'Bodenauflösung (cm pro Pixel)',

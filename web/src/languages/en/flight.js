@@ -327,8 +327,9 @@ export const flight_words = {
   },
   actions: {
     download: 'Download',
+    utm: ['GeoTIFF in UTM', 'to measure, for GIS and CAD'],
     files: {
-      tif: ['GeoTIFF', 'for GIS and CAD'],
+      tif: ['GeoTIFF in Web Mercator', 'for web maps; distances are too long in it'],
       mbtiles: ['MBTiles', 'for offline maps'],
       pmtiles: ['PMTiles', 'for web maps'],
       zip: ['All files', 'with the report, in one zip'],
@@ -343,7 +344,7 @@ export const flight_words = {
     format: 'Format',
     formats: /** @type {Record<string, string>} */ ({ geotiff: 'GeoTIFF', pmtiles: 'PMTiles', mbtiles: 'MBTiles', kmz: 'KMZ (Google Earth)' }),
     crs: 'Coordinate system',
-    systems: { stored: 'Web Mercator, as stored', utm: 'UTM zone of the map', epsg: 'EPSG code' },
+    systems: { utm: 'UTM zone of the map, to measure', epsg: 'EPSG code', stored: 'Web Mercator, for web maps' },
     epsg: 'EPSG code',
     epsg_hint: 'The number of the coordinate system, such as 2056.',
     resolution: 'Resolution (cm per pixel)',

@@ -23,8 +23,11 @@ JobOptionsPlaceItem = TypedDict("JobOptionsPlaceItem", {"shown": List[float], "i
 
 
 class JobOptions(TypedDict, total=False):
-    # Ground size of a pixel in metres
+    # Ground size of a pixel in metres. More than 20 times that of the photos is refused, unless any_gsd says that it
+    # is meant
     gsd_m: Optional[float]
+    # A gsd_m far coarser than the photos is meant
+    any_gsd: bool
     # gsd_m counts only where it is coarser than the photos' own pixels
     not_finer_than_photos: bool
     # Nothing is drawn that a photo sees further off the vertical than this, in degrees
@@ -344,6 +347,8 @@ class TileJson(TileJsonForSure, total=False):
     encoding: Literal['terrarium']
     # That expressions can name
     bands: List[str]
+    # Where indices have tiles, if that is not where the map has: west, south, east, north
+    bands_bounds: List[float]
     # That the bands are enough for
     indices: List[MapIndex]
     index: MapIndex

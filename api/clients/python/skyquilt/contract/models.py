@@ -148,8 +148,8 @@ class AddExportBodyForSure(TypedDict):
 
 
 class AddExportBody(AddExportBodyForSure, total=False):
-    # Of a GeoTIFF: "utm" (the zone of the map's middle) or a code such as EPSG:2056. Without it Web Mercator, the
-    # tiles' own bytes
+    # Of a GeoTIFF: "utm" (the zone of the map's middle: to measure, for GIS and CAD) or a code such as EPSG:2056.
+    # Without it Web Mercator, the tiles' own bytes, for web maps
     crs: Optional[str]
     # GeoJSON Polygon or MultiPolygon (or a Feature or FeatureCollection of them) with longitudes and latitudes of WGS
     # 84
