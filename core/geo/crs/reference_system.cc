@@ -6,6 +6,8 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <list>
+#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -138,6 +140,22 @@ bool IsForbidden(const std::string& lower, bool is_proj_string) {
          (is_proj_string && std::any_of(kNotInStrings.begin(), kNotInStrings.end(), is_in));
 }
 
+// Objects of one context are for one thread at a time: what is made, used or destroyed holds the mutex.
+struct Proj {
+  std::mutex mutex;
+  PJ_CONTEXT* context = proj_context_create();
+
+  Proj() {
+    proj_log_level(context, PJ_LOG_NONE);
+    proj_context_set_enable_network(context, 0);
+  }
+};
+
+Proj& TheProj() {
+  static auto& proj = *new Proj;  // stays for what is destroyed when the program ends
+  return proj;
+}
+
 using PjPtr = std::unique_ptr<PJ, decltype(&proj_destroy)>;
 PjPtr Owned(PJ* object) { return {object, proj_destroy}; }
 
@@ -226,20 +244,17 @@ bool AreaOfUse::Contains(const LatLon& place, double margin_deg) const {
 struct ReferenceSystem::Impl {
   std::string name;
   std::string definition;
-  PJ_CONTEXT* context = proj_context_create();
+  PJ_CONTEXT* context = TheProj().context;
   PJ* transform = nullptr;
   bool is_geographic = false;
   double metres_per_height_unit = 1.0;
   bool heights_are_above_sea = false;
   AreaOfUse area;
 
-  Impl() {
-    proj_log_level(context, PJ_LOG_NONE);
-    proj_context_set_enable_network(context, 0);
-  }
+  Impl() = default;
   ~Impl() {
+    const std::lock_guard lock(TheProj().mutex);
     proj_destroy(transform);
-    proj_context_destroy(context);
   }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
@@ -281,33 +296,49 @@ struct ReferenceSystem::Impl {
     if (raw) transform = proj_normalize_for_visualization(context, raw.get());
     return transform != nullptr;
   }
+
+  // Nothing where `line` names no system.
+  static std::shared_ptr<const Impl> Make(const std::string& line) {
+    const auto impl = std::make_shared<Impl>();
+    const std::lock_guard lock(TheProj().mutex);
+    const PjPtr system = CreateSystem(impl->context, line);
+    if (!system || !impl->Take(system.get())) return nullptr;
+    impl->name = impl->definition = line;
+    const char* authority = proj_get_id_auth_name(system.get(), 0);
+    const char* code = proj_get_id_code(system.get(), 0);
+    if (authority != nullptr && code != nullptr && std::string_view(authority) == "EPSG")
+      impl->definition = std::string(authority) + ":" + code;
+    return impl;
+  }
 };
 
-ReferenceSystem::ReferenceSystem(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-ReferenceSystem::ReferenceSystem(ReferenceSystem&&) noexcept = default;
-ReferenceSystem& ReferenceSystem::operator=(ReferenceSystem&&) noexcept = default;
-ReferenceSystem::~ReferenceSystem() = default;
+ReferenceSystem::ReferenceSystem(std::shared_ptr<const Impl> impl) : impl_(std::move(impl)) {}
 
 Result<ReferenceSystem> ReferenceSystem::Parse(std::string_view line) {
-  auto impl = std::make_unique<Impl>();
-  const PjPtr system = CreateSystem(impl->context, line);
-  if (!system || !impl->Take(system.get())) {
-    return Error{
-        ErrorCode::kUnsupportedFormat,
-        "\"" + std::string(TrimmedLine(line).substr(0, 80)) +
-            "\" names no reference system that is known; write its EPSG code (EPSG:32615), a name such as "
-            "WGS84 UTM 15N, a +proj= string or WKT",
-        ""};
+  constexpr std::size_t kLinesKept = 16;
+  static std::mutex mutex;
+  static auto& kept = *new std::list<std::pair<std::string, std::shared_ptr<const Impl>>>;  // latest first
+  const std::string text(TrimmedLine(line).substr(0, kLongestWkt + 1));
+  const std::lock_guard lock(mutex);
+  const auto found =
+      std::find_if(kept.begin(), kept.end(), [&](const auto& parsed) { return parsed.first == text; });
+  if (found != kept.end()) {
+    kept.splice(kept.begin(), kept, found);
+  } else {
+    kept.emplace_front(text, Impl::Make(text));
+    if (kept.size() > kLinesKept) kept.pop_back();
   }
-  impl->name = impl->definition = TrimmedLine(line);
-  const char* authority = proj_get_id_auth_name(system.get(), 0);
-  const char* code = proj_get_id_code(system.get(), 0);
-  if (authority != nullptr && code != nullptr && std::string_view(authority) == "EPSG")
-    impl->definition = std::string(authority) + ":" + code;
-  return ReferenceSystem(std::move(impl));
+  if (kept.front().second) return ReferenceSystem(kept.front().second);
+  return Error{
+      ErrorCode::kUnsupportedFormat,
+      "\"" + text.substr(0, 80) +
+          "\" names no reference system that is known; write its EPSG code (EPSG:32615), a name such as "
+          "WGS84 UTM 15N, a +proj= string or WKT",
+      ""};
 }
 
 std::optional<LatLon> ReferenceSystem::ToLatLon(double x, double y) const {
+  const std::lock_guard lock(TheProj().mutex);
   const PJ_COORD out = proj_trans(impl_->transform, PJ_FWD, proj_coord(x, y, 0.0, HUGE_VAL));
   const bool has_failed = proj_errno(impl_->transform) != 0;
   if (has_failed) proj_errno_reset(impl_->transform);

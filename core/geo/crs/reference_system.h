@@ -2,8 +2,9 @@
 // it: "EPSG:32616" (also "epsg 32616", "EPSG:32616+5773", URNs), "WGS84 UTM 16N", "wgs84 utm zone 16 north",
 // "ETRS89 / UTM zone 32N" and any other name that PROJ knows, WKT, "+proj=..." strings. Of a compound system
 // the horizontal part places, the vertical one tells the unit of heights. Through PROJ, without network;
-// strings that name grid files or pipelines are refused. One object a thread. Errors: kUnsupportedFormat for
-// a line that names no system.
+// strings that name grid files or pipelines are refused. Any thread. PROJ looks up to a tenth of a second
+// through its database for one system: the last ones stay at hand. Errors: kUnsupportedFormat for a line that
+// names none.
 #pragma once
 
 #include <memory>
@@ -26,9 +27,6 @@ struct AreaOfUse {
 class ReferenceSystem {
  public:
   static Result<ReferenceSystem> Parse(std::string_view line);
-  ReferenceSystem(ReferenceSystem&&) noexcept;
-  ReferenceSystem& operator=(ReferenceSystem&&) noexcept;
-  ~ReferenceSystem();
 
   // x is east or longitude, y north or latitude, in the unit of the system, whatever order its authority has
   // them in. Absent where the system has no such place.
@@ -45,8 +43,8 @@ class ReferenceSystem {
 
  private:
   struct Impl;
-  explicit ReferenceSystem(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+  explicit ReferenceSystem(std::shared_ptr<const Impl> impl);
+  std::shared_ptr<const Impl> impl_;
 };
 
 // WGS84's UTM zone of a place, as a code of EPSG (32601 to 32660, 32701 to 32760), with the exceptions of
