@@ -472,8 +472,9 @@ Result<MapPage> Catalogue::ListMaps(int limit, const std::optional<std::string>&
                   "WHERE (CAST(?1 AS TEXT) IS NULL OR f.id < ?1) AND f.deleted_us IS NULL "
                   "ORDER BY f.id DESC LIMIT ?2"));
   const auto map_from = [](const Statement& row) {
-    return ShownFlight{std::string(row.ColumnText(15)), std::string(row.ColumnText(16)), RevisionFrom(row),
-                       TagsFrom(row.ColumnText(17))};
+    constexpr int kNext = 16;  // behind what RevisionFrom reads
+    return ShownFlight{std::string(row.ColumnText(kNext)), std::string(row.ColumnText(kNext + 1)),
+                       RevisionFrom(row), TagsFrom(row.ColumnText(kNext + 2))};
   };
   MapPage page;
   SKYQUILT_TRY_ASSIGN(page.next_cursor, ReadPage(query, limit, cursor, page.maps, map_from,

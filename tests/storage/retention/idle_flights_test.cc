@@ -224,6 +224,7 @@ TEST_F(IdleFlightsTest, ACatalogueOfVersion17GetsItsTable) {
   ASSERT_TRUE(db_->Lock()->Exec("ALTER TABLE flight DROP COLUMN tags"));
   ASSERT_TRUE(db_->Lock()->Exec("ALTER TABLE flight DROP COLUMN is_kept"));
   ASSERT_TRUE(db_->Lock()->Exec("ALTER TABLE unit DROP COLUMN waiting_us"));
+  ASSERT_TRUE(db_->Lock()->Exec("ALTER TABLE revision DROP COLUMN quality"));
   ASSERT_TRUE(db_->Lock()->Exec(TestsPostgres() ? "UPDATE catalogue_version SET version=17"
                                                 : "PRAGMA user_version=17"));
   const auto reopened = OpenTestCatalogue(data_.Catalogue());
@@ -238,6 +239,7 @@ TEST_F(IdleFlightsTest, DaysOfACatalogueOfVersion18GoOnAsTheyWere) {
   ASSERT_TRUE(db_->Lock()->Exec("ALTER TABLE flight DROP COLUMN tags"));
   ASSERT_TRUE(db_->Lock()->Exec("ALTER TABLE flight DROP COLUMN is_kept"));
   ASSERT_TRUE(db_->Lock()->Exec("ALTER TABLE unit DROP COLUMN waiting_us"));
+  ASSERT_TRUE(db_->Lock()->Exec("ALTER TABLE revision DROP COLUMN quality"));
   ASSERT_TRUE(db_->Lock()->Exec(TestsPostgres() ? "UPDATE catalogue_version SET version=18"
                                                 : "PRAGMA user_version=18"));
   const auto reopened = OpenTestCatalogue(data_.Catalogue());
