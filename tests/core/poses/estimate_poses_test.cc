@@ -169,6 +169,35 @@ TEST(EstimatePoses, TakesPositionsFromAListThatNamesThePhotos) {
   EXPECT_THAT(posed->report.logs, Contains(HasSubstr("names 3 of 3 photos")));
 }
 
+// A row a photo, of angles alone.
+FlightLog ListOfAngles(int count, const Eigen::Vector3d& yaw_pitch_roll_rad, flight::AttitudeKind kind) {
+  FlightLog list;
+  list.format = "pix4d_csv";
+  list.file_name = "geolocation.csv";
+  for (int k = 0; k < count; ++k) {
+    CameraEvent& row = list.events.emplace_back();
+    row.has_time = false;
+    row.t_s = k;
+    row.image_name = "IMG_" + std::to_string(k) + ".JPG";
+    row.yaw_pitch_roll_rad = yaw_pitch_roll_rad;
+    row.attitude_kind = kind;
+  }
+  return list;
+}
+
+TEST(ApplyPhotoRows, AsksForFoldersWhereTwoCardsShareTheirNames) {
+  std::vector<Photo> photos = PhotosEvery2s(2);
+  photos[0].name = "100MEDIA/IMG_0.JPG";
+  photos[1].name = "101MEDIA/IMG_0.JPG";
+  FlightLog list = ListOfAngles(1, {0.7, 0.0, 0.0}, flight::AttitudeKind::kAirframe);
+  const auto open = ApplyPhotoRows({list}, photos);
+  EXPECT_FALSE(photos[0].attitude || photos[1].attitude);
+  EXPECT_THAT(open.warnings, Contains(HasSubstr("of 1 row (the first is img_0.jpg)")));
+  list.events[0].image_name = "DCIM/101MEDIA/IMG_0.JPG";
+  EXPECT_TRUE(ApplyPhotoRows({list}, photos).warnings.empty());
+  EXPECT_TRUE(!photos[0].attitude && photos[1].attitude);
+}
+
 TEST(EstimatePoses, KnowsNeighboursBetterAgainstEachOtherThanAgainstTheGround) {
   Flight flight;
   flight.photos = PhotosEvery2s(4);
