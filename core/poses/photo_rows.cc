@@ -9,6 +9,7 @@
 #include "core/base/median.h"
 #include "core/base/printable.h"
 #include "core/geo/geodesic.h"
+#include "core/poses/conventions/attitude_convention.h"
 #include "core/poses/heights/flight_heights.h"
 #include "core/poses/lists/named_photos.h"
 
@@ -46,6 +47,12 @@ flight::RecordedAttitude AnglesOfEvent(const CameraEvent& event, const std::stri
   return {event.attitude_kind, angles.x(), angles.y(), angles.z(), source};
 }
 
+// What the camera says of itself is not given up for what may be the airframe's.
+bool MayTakeAngles(const CameraEvent& event, const Photo& photo) {
+  return !photo.attitude || photo.attitude->kind != flight::AttitudeKind::kGimbal ||
+         event.attitude_kind == flight::AttitudeKind::kGimbal;
+}
+
 std::optional<double> Between(const std::optional<double>& from, const std::optional<double>& to,
                               double share) {
   if (!from || !to) return std::nullopt;
@@ -71,6 +78,22 @@ CameraEvent Between(const CameraEvent& from, const CameraEvent& to, double share
   return event;
 }
 
+// `apart_rad`: by photo, the list's angles from the camera's own.
+void SayWhoseAngles(const std::string& list, std::vector<double> apart_rad, PhotoRowsUse& use) {
+  constexpr double kContradictDeg = 8.0;  // more than a gimbal, its compass and the rounding of a list err by
+  const std::size_t count = apart_rad.size();
+  const double apart_deg = Median(std::move(apart_rad)) * (180.0 / geo::kPi);
+  std::string& line = use.lines.back();
+  line +=
+      fmt::format("; {} keep{} the angles of {} own gimbal, {:.1f} degrees from the list's",
+                  Counted(count, "photo"), count == 1 ? "s" : "", count == 1 ? "its" : "their", apart_deg);
+  if (apart_deg < kContradictDeg) return;
+  use.warnings.push_back(fmt::format(
+      "{}: its angles lie {:.0f} degrees (median of {}) from those that the cameras' own gimbals recorded, as the "
+      "airframe's do, and are not taken; its positions are.",
+      list, apart_deg, Counted(count, "photo")));
+}
+
 }  // namespace
 
 PhotoRowsUse ApplyPhotoRows(const std::vector<flight::FlightLog>& logs, std::vector<Photo>& photos) {
@@ -80,6 +103,7 @@ PhotoRowsUse ApplyPhotoRows(const std::vector<flight::FlightLog>& logs, std::vec
     std::size_t rows = 0, open_rows = 0;
     std::string first_name, first_open;
     std::vector<char> is_named(photos.size(), 0);
+    std::vector<double> angles_apart_rad;  // where both know them
     for (const CameraEvent& event : log.events) {
       if (event.has_time || !event.image_name) continue;
       if (rows++ == 0) first_name = PlainFileName(*event.image_name);
@@ -90,13 +114,20 @@ PhotoRowsUse ApplyPhotoRows(const std::vector<flight::FlightLog>& logs, std::vec
         is_named[i] = 1;
         Photo& photo = photos[i];
         if (event.position) TakePosition(event, log.file_name, photo);
-        if (event.yaw_pitch_roll_rad) photo.attitude = AnglesOfEvent(event, log.file_name);
+        if (!event.yaw_pitch_roll_rad) continue;
+        const flight::RecordedAttitude angles = AnglesOfEvent(event, log.file_name);
+        if (MayTakeAngles(event, photo)) {
+          photo.attitude = angles;
+        } else {
+          angles_apart_rad.push_back(CamFromEnu(*photo.attitude).angularDistance(CamFromEnu(angles)));
+        }
       }
     }
     if (rows == 0) continue;
     const auto matched = std::count(is_named.begin(), is_named.end(), 1);
     use.lines.push_back(
         fmt::format("{} ({}) names {} of {} photos", log.file_name, log.format, matched, photos.size()));
+    if (!angles_apart_rad.empty()) SayWhoseAngles(log.file_name, std::move(angles_apart_rad), use);
     if (open_rows > 0) {
       use.warnings.push_back(fmt::format(
           "{}: of {} (the first is {}) it is not told which photo is meant, for several folders have one of that "

@@ -14,7 +14,7 @@ namespace skyquilt::poses {
 
 struct PhotoRowsUse {
   std::vector<std::string> lines;     // one a list, in words
-  std::vector<std::string> warnings;  // lists that name no photo, rows of several
+  std::vector<std::string> warnings;  // lists that name no photo, rows of several, angles that contradict
 };
 
 // Rows that name a photo (lists/named_photos.h) and have no time.

@@ -185,6 +185,38 @@ FlightLog ListOfAngles(int count, const Eigen::Vector3d& yaw_pitch_roll_rad, fli
   return list;
 }
 
+TEST(ApplyPhotoRows, LeavesCamerasTheAnglesOfTheirOwnGimbal) {
+  const flight::RecordedAttitude own{flight::AttitudeKind::kGimbal, 0.8, -0.5 * geo::kPi, 0.0, "drone-dji"};
+  std::vector<Photo> photos = PhotosEvery2s(3);
+  for (Photo& photo : photos) photo.attitude = own;
+
+  // The same from nadir, as lists write it: nothing to say but whose hold.
+  const auto same =
+      ApplyPhotoRows({ListOfAngles(3, {0.8, 0.0, 0.0}, flight::AttitudeKind::kAirframe)}, photos);
+  EXPECT_EQ(photos[2].attitude->source, "drone-dji");
+  EXPECT_THAT(same.lines, Contains(HasSubstr("3 photos keep the angles of their own gimbal, 0.0 degrees")));
+  EXPECT_TRUE(same.warnings.empty());
+
+  // An aircraft that leans.
+  const auto other =
+      ApplyPhotoRows({ListOfAngles(3, {0.8, -0.3, 0.1}, flight::AttitudeKind::kAirframe)}, photos);
+  EXPECT_EQ(photos[2].attitude->source, "drone-dji");
+  EXPECT_THAT(other.warnings, Contains(HasSubstr("geolocation.csv: its angles lie 18 degrees")));
+}
+
+TEST(ApplyPhotoRows, TakesAnglesThatAreBetterOrTheOnlyOnes) {
+  std::vector<Photo> photos = PhotosEvery2s(3);
+  photos[0].attitude = flight::RecordedAttitude{flight::AttitudeKind::kGimbal, 0.8, -1.5, 0.0, "drone-dji"};
+  photos[1].attitude = flight::RecordedAttitude{flight::AttitudeKind::kAirframe, 0.8, 0.0, 0.0, "Camera"};
+  std::vector<Photo> others = photos;
+  ApplyPhotoRows({ListOfAngles(3, {0.7, 0.0, 0.0}, flight::AttitudeKind::kAirframe)}, photos);
+  EXPECT_EQ(photos[0].attitude->source, "drone-dji");
+  EXPECT_EQ(photos[1].attitude->source, "geolocation.csv");
+  EXPECT_EQ(photos[2].attitude->source, "geolocation.csv");
+  ApplyPhotoRows({ListOfAngles(3, {0.7, -1.5, 0.0}, flight::AttitudeKind::kGimbal)}, others);
+  EXPECT_EQ(others[0].attitude->source, "geolocation.csv") << "the camera's own, as a recorder wrote them";
+}
+
 TEST(ApplyPhotoRows, AsksForFoldersWhereTwoCardsShareTheirNames) {
   std::vector<Photo> photos = PhotosEvery2s(2);
   photos[0].name = "100MEDIA/IMG_0.JPG";
