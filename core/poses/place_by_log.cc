@@ -72,6 +72,7 @@ Result<PlacedByLog> PlaceByLog(const std::vector<PhotoAtTime>& photos, const fli
     pose.error_radius_m = cameras[k].error_radius_m;
     pose.attitude_origin = cameras[k].attitude_origin;
     pose.velocity_in_enu_mps = cameras[k].velocity_in_enu_mps;
+    pose.clock_sigma_s = smoothed.border_sigma(kAtTauCamera);
     placed.photos.push_back(std::move(pose));
   }
   return placed;

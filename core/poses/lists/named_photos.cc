@@ -9,7 +9,7 @@ namespace skyquilt::poses {
 namespace {
 
 constexpr std::size_t kShortestEnding = 2, kLongestEnding = 5;
-constexpr std::size_t kMostOfOneName = 100;  // whose folders are compared with those of each row
+constexpr std::size_t kMaxOfOneName = 100;  // whose folders are compared with those of each row
 
 std::string PathInSmallLetters(std::string_view name) {
   std::string path = flight::LowerCase(name);
@@ -66,7 +66,7 @@ NamedPhotos::Found NamedPhotos::Find(std::string_view name) const {
   auto called = photos_of_.find(plain);
   if (called == photos_of_.end() && HasEndingOfFile(plain)) called = photos_of_.find(WithoutEnding(plain));
   if (called == photos_of_.end()) return {};
-  if (called->second.size() > kMostOfOneName) return {.photos = {}, .is_open = true};
+  if (called->second.size() > kMaxOfOneName) return {.photos = {}, .is_open = true};
   Found found;
   int most = 0;
   for (const std::size_t i : called->second) {

@@ -90,6 +90,7 @@ TEST(EstimatePoses, PlacesPhotosWithoutGpsByALogsTrack) {
     // Clocks as they stand: the camera's is held for good to two seconds, and the radius says so.
     EXPECT_LT(OffM(*posed, photo, TimeOf(k)), 1.0);
     EXPECT_GT(photo.error_radius_m, 8.0);
+    EXPECT_NEAR(photo.clock_sigma_s, 2.0, 0.1);
     EXPECT_NEAR(photo.height_above_ground_m, 60.0, 0.5);
   }
 }
