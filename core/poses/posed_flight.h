@@ -37,6 +37,7 @@ struct PosedPhoto {
   double height_above_ground_m = 0.0;
   double error_radius_m = 0.0;  // 1-sigma horizontal ground error of the image centre
   AttitudeOrigin attitude_origin = AttitudeOrigin::kRecorded;
+  std::string position_source;  // "exif", a list's or a log's file; empty: reckoned, or placed by images
 };
 
 struct PosedFlight {

@@ -91,8 +91,27 @@ TEST(EstimatePoses, PlacesPhotosWithoutGpsByALogsTrack) {
     EXPECT_LT(OffM(*posed, photo, TimeOf(k)), 1.0);
     EXPECT_GT(photo.error_radius_m, 8.0);
     EXPECT_NEAR(photo.clock_sigma_s, 2.0, 0.1);
+    EXPECT_EQ(photo.position_source, "track.log");
     EXPECT_NEAR(photo.height_above_ground_m, 60.0, 0.5);
   }
+}
+
+TEST(EstimatePoses, TellsWhatCameOfALogAndHowItAgreesWithThePhotos) {
+  Flight flight;
+  flight.photos = PhotosEvery2s(10);
+  flight.logs = {Track(0.0, 60.0)};
+  EXPECT_THAT(Estimate(flight)->report.logs,
+              Contains("track.log (test): 10 of 10 photos placed by its series"));
+  for (int k = 0; k < 10; ++k) {
+    const geo::Wgs84 at = TrueAt(TimeOf(k));
+    flight::RecordedPosition& own = flight.photos[static_cast<std::size_t>(k)].position.emplace();
+    own.position = {at.lat_deg, at.lon_deg + 4.0 / 75'400.0};  // beside the track, so that no other time fits
+    own.source = "exif";
+  }
+  EXPECT_THAT(
+      Estimate(flight)->report.logs,
+      Contains(
+          "track.log (test): 10 of 10 photos placed by its series, 4.0 m from the photos' own positions"));
 }
 
 TEST(EstimatePoses, TiesPhotosToCameraEventsHoweverWrongTheClock) {
@@ -129,6 +148,7 @@ TEST(EstimatePoses, LeavesALogOfAnotherFlightAlone) {
   EXPECT_EQ(posed->report.photos_by_log, 0);
   EXPECT_EQ(posed->report.photos_by_records, 10);
   EXPECT_THAT(posed->warnings, Contains(HasSubstr("track.log")));
+  EXPECT_THAT(posed->report.logs, Contains("track.log (test): no photo is placed by it"));
 }
 
 TEST(EstimatePoses, LeavesOutPhotosOutsideTheLogThatHaveNoPositionOfTheirOwn) {
@@ -166,7 +186,7 @@ TEST(EstimatePoses, TakesPositionsFromAListThatNamesThePhotos) {
   const auto posed = Estimate(flight);
   ASSERT_TRUE(posed.ok());
   ASSERT_EQ(posed->photos.size(), 3u);
-  EXPECT_EQ(posed->photos[0].photo.position->source, "geo.txt");
+  EXPECT_EQ(posed->photos[0].position_source, "geo.txt");
   EXPECT_THAT(posed->report.logs, Contains(HasSubstr("names 3 of 3 photos")));
 }
 
