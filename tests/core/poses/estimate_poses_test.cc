@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 
 #include "core/geo/geoid.h"
 #include "core/poses/conventions/attitude_convention.h"
@@ -94,6 +95,21 @@ TEST(EstimatePoses, PlacesPhotosWithoutGpsByALogsTrack) {
     EXPECT_EQ(photo.position_source, "track.log");
     EXPECT_NEAR(photo.height_above_ground_m, 60.0, 0.5);
   }
+}
+
+TEST(EstimatePoses, TakesASparseTrackToHoldForHalfOfItsInterval) {
+  Flight flight;
+  flight.photos = PhotosEvery2s(10);
+  FlightLog log = Track(0.0, 60.0);
+  log.baro.clear();
+  log.attitude.clear();
+  const std::vector<flight::GnssSample> all = std::exchange(log.gnss, {});
+  for (const flight::GnssSample& fix : all) {
+    if (log.gnss.empty() || fix.t_s - log.gnss.back().t_s > 5.9) log.gnss.push_back(fix);
+  }
+  std::erase_if(log.gnss, [](const flight::GnssSample& fix) { return fix.t_s > 37.0; });  // to 36 s
+  flight.logs = {log};
+  EXPECT_EQ(Estimate(flight)->report.photos_by_log, 8) << "the photo of 37.1 s, not that of 39.1 s";
 }
 
 TEST(EstimatePoses, TellsWhatCameOfALogAndHowItAgreesWithThePhotos) {

@@ -85,7 +85,8 @@ class Inspect(ReportedFlight):
             with self.subTest(case):
                 said = self.lines_about(name, "photos-nogps", case)
                 self.assertRegex(said, rf"Used +{re.escape(name)} \(\w+\): 18 of 18 photos placed")
-                self.assertRegex(self.lines_about(name, "photos", case), r"\d\.\d m from the photos' own positions")
+                if name != "MAX_0001.SRT":  # seven seconds between its positions: too few to fit the photos' own to
+                    self.assertRegex(self.lines_about(name, "photos", case), r"\d\.\d m from the photos' own positions")
         events = "raw_201606231916_UBX_events.pos"
         self.assertRegex(self.lines_about(events, "photos-nogps", f"one-event-missing/{events}"), r"18 of 18 photos stand where")
 
