@@ -120,6 +120,34 @@ MapQuality ForetoldQuality(const poses::PosedFlight& posed, alignment::AlignedFl
                    .is_forecast = true});
 }
 
+// Where the angles of a photo come from; those of a log's airframe bear its name.
+std::string AngleSourceOf(const poses::PosedPhoto& photo, const flight::Flight& flight) {
+  using poses::AttitudeOrigin;
+  const auto& own = photo.photo.attitude;
+  if (photo.attitude_origin == AttitudeOrigin::kCourse) return "none";
+  const bool is_own = photo.attitude_origin != AttitudeOrigin::kSmoothed ||
+                      (own && own->kind == flight::AttitudeKind::kGimbal);
+  if (is_own && own) return own->source;
+  const auto log = std::find_if(flight.logs.begin(), flight.logs.end(), [](const flight::FlightLog& one) {
+    return !one.attitude.empty() || !one.imu.empty();
+  });
+  return log == flight.logs.end() ? "log" : log->file_name;
+}
+
+// What the map will stand on: after lists and logs, which may take the place of what photos record.
+void CountSources(const poses::PosedFlight& posed, const flight::Flight& flight, FlightVerdict& verdict) {
+  verdict.position_sources.clear();
+  verdict.attitude_sources.clear();
+  for (const poses::PosedPhoto& photo : posed.photos) {
+    ++verdict.position_sources[photo.position_source.empty() ? "none" : photo.position_source];
+    ++verdict.attitude_sources[AngleSourceOf(photo, flight)];
+  }
+  for (const flight::Photo& photo : posed.unplaced) {
+    ++verdict.position_sources[photo.position ? photo.position->source : "none"];
+    ++verdict.attitude_sources[photo.attitude ? photo.attitude->source : "none"];
+  }
+}
+
 void AddAdvice(FlightVerdict& verdict) {
   if (verdict.photos_placeable >= 3 && verdict.forward_overlap < 0.4) {
     verdict.warnings.push_back(
@@ -180,6 +208,8 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
     return verdict;
   }
   verdict.photos_by_images = static_cast<int>(posed->unplaced.size());
+  CountSources(*posed, *flight, verdict);
+  verdict.poses = posed->report;
   if (posed->photos.empty()) {
     verdict.left_out = flight->left_out;
     verdict.warnings = posed->warnings;
@@ -201,7 +231,6 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
         "{} no usable position or height: what they show joins them to the others, where they overlap.",
         Counted(verdict.photos_by_images, "photo has", "photos have")));
   }
-  verdict.poses = posed->report;
   verdict.height_rule = posed->report.height_rule;
   verdict.lowest_m = placed.photos.front().height_above_ground_m;
   for (const auto& photo : placed.photos) {

@@ -23,6 +23,7 @@ struct FlightVerdict {
   int photos_placeable = 0;            // by their records
   int photos_by_images = 0;            // no record places them; what they show may
   std::map<std::string, int> cameras;  // "make model, 4000 x 2250 px, focal 2340 px (sensor_table)"
+  // Photos by where what is used of them comes from: "exif", a file, "none".
   std::map<std::string, int> position_sources;
   std::map<std::string, int> attitude_sources;
   std::vector<flight::LogFacts> logs;

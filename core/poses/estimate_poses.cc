@@ -11,6 +11,7 @@
 #include "core/base/median.h"
 #include "core/base/try.h"
 #include "core/flight/aside/aside.h"
+#include "core/geo/geodesic.h"
 #include "core/geo/geoid.h"
 #include "core/poses/conventions/choose_convention.h"
 #include "core/poses/evidence/common_error.h"
@@ -63,6 +64,45 @@ std::optional<double> GivenTakeoffM(const EstimatePosesOptions& options, const s
   if (positions.empty() && options.origin) positions.push_back(*options.origin);
   const double geoid_m = positions.empty() ? 0.0 : geo::GeoidHeightM(positions.front()).value_or(0.0);
   return *options.takeoff_height_amsl_m + geoid_m;
+}
+
+// By which of its positions a photo stands; its own ones, and those of lists, are another witness.
+std::optional<double> ApartFromRecordsM(const PosedFlight& by_log) {
+  std::vector<double> apart_m;
+  for (const PosedPhoto& photo : by_log.photos) {
+    if (!photo.photo.position || photo.position_source.empty() ||
+        photo.photo.position->source.starts_with(photo.position_source))
+      continue;
+    const geo::Wgs84 at = by_log.frame.Wgs84FromEnu(photo.cam_from_enu.TargetOriginInSource());
+    apart_m.push_back(geo::MetresApart({at.lat_deg, at.lon_deg}, photo.photo.position->position));
+  }
+  if (apart_m.empty()) return std::nullopt;
+  return Median(std::move(apart_m));
+}
+
+// What came of the log that leads, for its line. `by_log`: the photos on its series, before others are added.
+void DescribeUse(const flight::FlightLog& log, const LogTie& tie, const PosedFlight& by_log,
+                 PoseReport& report) {
+  const auto by_events = std::count_if(tie.photos.begin(), tie.photos.end(), [&](const Photo& photo) {
+    return photo.position && photo.position->source.starts_with(log.file_name);
+  });
+  std::string use;
+  if (!by_log.photos.empty()) {
+    use = fmt::format("{} of {} photos placed by its series", by_log.photos.size(), tie.photos.size());
+    if (const auto apart_m = ApartFromRecordsM(by_log))
+      use += fmt::format(", {} from the photos' own positions", LengthInWords(*apart_m));
+  }
+  if (by_events > 0) {
+    use += fmt::format("{}{} of {} photos stand where its camera events say", use.empty() ? "" : "; ",
+                       by_events, tie.photos.size());
+  }
+  if (use.empty()) use = "no photo is placed by it";
+  const std::string name = fmt::format("{} ({})", log.file_name, log.format);
+  const auto line = std::find(report.logs.begin(), report.logs.end(), name);
+  if (line == report.logs.end())
+    report.logs.push_back(name + ": " + use);
+  else
+    *line += ": " + use;
 }
 
 // The photos that the log covers, in the frame that its take-off sets.
@@ -354,6 +394,8 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
       posed.warnings.push_back("The log could not be used: " + logged.error().message);
     }
   }
+
+  if (log && !tie.photos.empty()) DescribeUse(log->log, tie, posed, posed.report);
 
   std::vector<Photo> rest;
   for (std::size_t i = 0; i < tie.photos.size(); ++i) {

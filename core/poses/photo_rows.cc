@@ -3,15 +3,15 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
-#include <map>
 #include <utility>
 
 #include "core/base/median.h"
 #include "core/base/printable.h"
 #include "core/geo/geodesic.h"
+#include "core/poses/conventions/attitude_convention.h"
 #include "core/poses/heights/flight_heights.h"
+#include "core/poses/lists/named_photos.h"
 
 namespace skyquilt::poses {
 namespace {
@@ -42,9 +42,15 @@ void TakePosition(const CameraEvent& event, const std::string& source, Photo& ph
   photo.position = position;
 }
 
-void TakeAngles(const CameraEvent& event, const std::string& source, Photo& photo) {
+flight::RecordedAttitude AnglesOfEvent(const CameraEvent& event, const std::string& source) {
   const Eigen::Vector3d& angles = *event.yaw_pitch_roll_rad;
-  photo.attitude = flight::RecordedAttitude{event.attitude_kind, angles.x(), angles.y(), angles.z(), source};
+  return {event.attitude_kind, angles.x(), angles.y(), angles.z(), source};
+}
+
+// What the camera says of itself is not given up for what may be the airframe's.
+bool MayTakeAngles(const CameraEvent& event, const Photo& photo) {
+  return !photo.attitude || photo.attitude->kind != flight::AttitudeKind::kGimbal ||
+         event.attitude_kind == flight::AttitudeKind::kGimbal;
 }
 
 std::optional<double> Between(const std::optional<double>& from, const std::optional<double>& to,
@@ -72,39 +78,66 @@ CameraEvent Between(const CameraEvent& from, const CameraEvent& to, double share
   return event;
 }
 
-}  // namespace
-
-std::string PlainPhotoName(const std::string& name) {
-  std::string plain = name.substr(name.find_last_of("/\\") + 1);
-  std::transform(plain.begin(), plain.end(), plain.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return plain;
+// `apart_rad`: by photo, the list's angles from the camera's own.
+void SayWhoseAngles(const std::string& list, std::vector<double> apart_rad, PhotoRowsUse& use) {
+  constexpr double kContradictDeg = 8.0;  // more than a gimbal, its compass and the rounding of a list err by
+  const std::size_t count = apart_rad.size();
+  const double apart_deg = Median(std::move(apart_rad)) * (180.0 / geo::kPi);
+  std::string& line = use.lines.back();
+  line +=
+      fmt::format("; {} keep{} the angles of {} own gimbal, {:.1f} degrees from the list's",
+                  Counted(count, "photo"), count == 1 ? "s" : "", count == 1 ? "its" : "their", apart_deg);
+  if (apart_deg < kContradictDeg) return;
+  use.warnings.push_back(fmt::format(
+      "{}: its angles lie {:.0f} degrees (median of {}) from those that the cameras' own gimbals recorded, as the "
+      "airframe's do, and are not taken; its positions are.",
+      list, apart_deg, Counted(count, "photo")));
 }
+
+}  // namespace
 
 PhotoRowsUse ApplyPhotoRows(const std::vector<flight::FlightLog>& logs, std::vector<Photo>& photos) {
   PhotoRowsUse use;
+  const NamedPhotos named(photos);
   for (const flight::FlightLog& log : logs) {
-    std::map<std::string, const CameraEvent*> rows;
+    std::size_t rows = 0, open_rows = 0;
+    std::string first_name, first_open;
+    std::vector<char> is_named(photos.size(), 0);
+    std::vector<double> angles_apart_rad;  // where both know them
     for (const CameraEvent& event : log.events) {
-      if (!event.has_time && event.image_name) rows.emplace(PlainPhotoName(*event.image_name), &event);
+      if (event.has_time || !event.image_name) continue;
+      if (rows++ == 0) first_name = PlainFileName(*event.image_name);
+      const NamedPhotos::Found found = named.Find(*event.image_name);
+      if (found.is_open && open_rows++ == 0) first_open = PlainFileName(*event.image_name);
+      for (const std::size_t i : found.photos) {
+        if (is_named[i]) continue;  // the first row holds
+        is_named[i] = 1;
+        Photo& photo = photos[i];
+        if (event.position) TakePosition(event, log.file_name, photo);
+        if (!event.yaw_pitch_roll_rad) continue;
+        const flight::RecordedAttitude angles = AnglesOfEvent(event, log.file_name);
+        if (MayTakeAngles(event, photo)) {
+          photo.attitude = angles;
+        } else {
+          angles_apart_rad.push_back(CamFromEnu(*photo.attitude).angularDistance(CamFromEnu(angles)));
+        }
+      }
     }
-    if (rows.empty()) continue;
-    int matched = 0;
-    for (Photo& photo : photos) {
-      const std::string name = PlainPhotoName(photo.name);
-      auto row = rows.find(name);
-      if (row == rows.end()) row = rows.find(name.substr(0, name.rfind('.')));  // lists without endings
-      if (row == rows.end()) continue;
-      ++matched;
-      if (row->second->position) TakePosition(*row->second, log.file_name, photo);
-      if (row->second->yaw_pitch_roll_rad) TakeAngles(*row->second, log.file_name, photo);
-    }
+    if (rows == 0) continue;
+    const auto matched = std::count(is_named.begin(), is_named.end(), 1);
     use.lines.push_back(
         fmt::format("{} ({}) names {} of {} photos", log.file_name, log.format, matched, photos.size()));
-    if (matched > 0 || photos.empty()) continue;
+    if (!angles_apart_rad.empty()) SayWhoseAngles(log.file_name, std::move(angles_apart_rad), use);
+    if (open_rows > 0) {
+      use.warnings.push_back(fmt::format(
+          "{}: of {} (the first is {}) it is not told which photo is meant, for several folders have one of that "
+          "name: write the folders into the list too, as in 100MEDIA/{}.",
+          log.file_name, Counted(open_rows, "row"), first_open, first_open));
+    }
+    if (matched > 0 || open_rows > 0 || photos.empty()) continue;
     use.warnings.push_back(fmt::format(
         "{} is not used: its rows name {} (the first is {}), and none of the photos given is called so.",
-        log.file_name, Counted(rows.size(), "photo"), rows.begin()->first));
+        log.file_name, Counted(rows, "photo"), first_name));
   }
   return use;
 }
@@ -124,7 +157,7 @@ int ApplyEvents(const flight::FlightLog& log, const TimeSync& sync, bool log_has
     const bool lacks_angles = !photos[i].attitude || event.attitude_kind == flight::AttitudeKind::kGimbal;
     if (event.yaw_pitch_roll_rad && lacks_angles &&
         (log.attitude.empty() || event.attitude_kind == flight::AttitudeKind::kGimbal)) {
-      TakeAngles(event, log.file_name, photos[i]);
+      photos[i].attitude = AnglesOfEvent(event, log.file_name);
     }
   }
   return placed;

@@ -12,16 +12,12 @@
 
 namespace skyquilt::poses {
 
-// As names of photos are compared: the file's own, in small letters.
-std::string PlainPhotoName(const std::string& name);
-
 struct PhotoRowsUse {
   std::vector<std::string> lines;     // one a list, in words
-  std::vector<std::string> warnings;  // lists that name no photo
+  std::vector<std::string> warnings;  // lists that name no photo, rows of several, angles that contradict
 };
 
-// Rows that name a photo (case and folders do not matter, nor endings where the list has none) and have no
-// time.
+// Rows that name a photo (lists/named_photos.h) and have no time.
 PhotoRowsUse ApplyPhotoRows(const std::vector<flight::FlightLog>& logs, std::vector<flight::Photo>& photos);
 
 // Camera events matched to photos. An event's position is taken where it was surveyed (RTK), where the photo

@@ -72,6 +72,11 @@ Result<PlacedByLog> PlaceByLog(const std::vector<PhotoAtTime>& photos, const fli
     pose.error_radius_m = cameras[k].error_radius_m;
     pose.attitude_origin = cameras[k].attitude_origin;
     pose.velocity_in_enu_mps = cameras[k].velocity_in_enu_mps;
+    if (!log.gnss.empty())
+      pose.position_source = log.file_name;
+    else if (pose.photo.position)
+      pose.position_source = pose.photo.position->source;
+    pose.clock_sigma_s = smoothed.border_sigma(kAtTauCamera);
     placed.photos.push_back(std::move(pose));
   }
   return placed;

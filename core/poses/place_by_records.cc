@@ -109,6 +109,7 @@ PlacedByRecords PlaceByRecords(const std::vector<Photo>& photos, const FlightHei
     pose.height_above_ground_m = centers[k].z();
     pose.error_radius_m = std::hypot(sigma_h, pose.height_above_ground_m * attitude.sigma_tilt_rad);
     pose.attitude_origin = attitude.origin;
+    pose.position_source = position.source;
     if (photo.velocity)
       pose.velocity_in_enu_mps = {photo.velocity->east_mps, photo.velocity->north_mps,
                                   photo.velocity->up_mps};

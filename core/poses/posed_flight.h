@@ -29,11 +29,15 @@ struct PosedPhoto {
   // Cross-covariance with the next photo in time (this row, next column); zero for the last.
   Matrix6d covariance_with_next = Matrix6d::Zero();
   std::optional<Eigen::Vector3d> velocity_in_enu_mps;  // recorded, or by a log
+  // Of the clock that all photos on a log have in common: the covariance has it, by the velocity, but photos
+  // err by it together.
+  double clock_sigma_s = 0.0;
   // While the rows were read, where a finished flight knows it; otherwise speed and gyro say it.
   std::optional<camera::RowMotion> readout_motion;
   double height_above_ground_m = 0.0;
   double error_radius_m = 0.0;  // 1-sigma horizontal ground error of the image centre
   AttitudeOrigin attitude_origin = AttitudeOrigin::kRecorded;
+  std::string position_source;  // "exif", a list's or a log's file; empty: reckoned, or placed by images
 };
 
 struct PosedFlight {

@@ -62,6 +62,11 @@ int DropOutliers(const std::vector<View>& views, double cut_px, std::vector<Trac
 
 }  // namespace
 
+Eigen::Vector3d ExpectedCenter(const BundleProblem& problem, const BundlePhoto& photo) {
+  return photo.prior_cam_from_enu.TargetOriginInSource() + problem.position_bias_m +
+         problem.clock_error_s * photo.by_clock_mps;
+}
+
 std::vector<View> ViewsOf(const BundleProblem& problem) {
   std::vector<View> views;
   views.reserve(problem.photos.size());

@@ -20,7 +20,10 @@ namespace skyquilt::alignment {
 struct BundlePhoto {
   geo::Rigid3 cam_from_enu;        // in: start; out: adjusted
   geo::Rigid3 prior_cam_from_enu;  // as recorded, or as corrected where the images proved the record wrong
-  Eigen::Vector3d sigma_position_m = Eigen::Vector3d::Ones();
+  Eigen::Vector3d sigma_position_m = Eigen::Vector3d::Ones();  // apart from the clock's error
+  // By how much the recorded place moves with the error of the clock that photos on a log share; zero: it
+  // hangs on none.
+  Eigen::Vector3d by_clock_mps = Eigen::Vector3d::Zero();
   Eigen::Vector3d sigma_attitude_rad = Eigen::Vector3d::Constant(0.05);  // apart from the line's common error
   int lens = 0;
   int line = 0;
@@ -76,9 +79,16 @@ struct BundleProblem {
   std::vector<BundleControl> control;
   // What all recorded positions err by alike; found by control, zero without it.
   Eigen::Vector3d position_bias_m = Eigen::Vector3d::Zero();
+  // Photos were taken this much later than they were looked up on the track of a log: found where they fly to
+  // and fro, zero where nothing shows it.
+  double clock_error_s = 0.0;
+  double sigma_clock_s = 0.0;  // of it beforehand; 0: no photo hangs on a clock
   double ground_z_in_enu_m = 0.0;
   std::optional<BundlePlane> plane;
 };
+
+// Where its record puts a photo, with what was found that all records err by.
+Eigen::Vector3d ExpectedCenter(const BundleProblem& problem, const BundlePhoto& photo);
 
 struct BundleOptions {
   // At a picture 4000 pixels wide; a round each. 0: what stands out from the others' own spread.

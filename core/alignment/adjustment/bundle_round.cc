@@ -18,6 +18,7 @@ namespace {
 constexpr std::size_t kBiasSize = 3;
 constexpr std::size_t kPointSize = 3;
 constexpr std::size_t kReadoutSize = 1;
+constexpr std::size_t kClockSize = 1;
 
 constexpr double kLossSigmas = 2.5;
 constexpr int kDenseUpToPhotos = 25;
@@ -62,7 +63,8 @@ class Round {
         first_correction_(first_point_ + kPointSize * (problem.tracks.size() + problem.soft_tracks.size() +
                                                        problem.control.size())),
         first_readout_(first_correction_ + kCorrectionSize * problem.photos.size()),
-        state_(first_readout_ + kReadoutSize * problem.lenses.size(), 0.0),
+        clock_(first_readout_ + kReadoutSize * problem.lenses.size()),
+        state_(clock_ + kClockSize, 0.0),
         starts_(problem.photos.size()) {}
 
   void Solve(std::vector<Eigen::Vector3d>& line_bias, BundleSummary& summary) {
@@ -87,6 +89,7 @@ class Round {
       if (ceres_.HasParameterBlock(Correction(i))) AddCorrectionPrior(i);
     }
     AddPositionBias();
+    AddClock();
     for (int l = 0; l < bundle_.lines; ++l) {
       if (!ceres_.HasParameterBlock(Bias(l))) continue;
       PriorResidual<3> prior{Eigen::Vector3d::Zero(), Eigen::Vector3d::Constant(bundle_.sigma_line_bias_rad)};
@@ -119,6 +122,7 @@ class Round {
     if (ceres_.HasParameterBlock(PositionBias())) {
       options.linear_solver_ordering->AddElementToGroup(PositionBias(), 1);
     }
+    if (ceres_.HasParameterBlock(Clock())) options.linear_solver_ordering->AddElementToGroup(Clock(), 1);
     ceres::Solver::Summary solved;
     const TraceSpan span("adjust");
     ceres::Solve(options, &ceres_, &solved);
@@ -240,6 +244,18 @@ class Round {
         PositionBias());
   }
 
+  void AddClock() {
+    if (!ceres_.HasParameterBlock(Clock())) return;
+    *Clock() = bundle_.clock_error_s;
+    PriorResidual<kClockSize> prior;
+    prior.expected << 0.0;
+    prior.sigma << bundle_.sigma_clock_s;
+    ceres_.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<PriorResidual<kClockSize>, kClockSize, kClockSize>(
+            new PriorResidual<kClockSize>(prior)),
+        nullptr, Clock());
+  }
+
   void AddObservation(double* point, const Observation& seen) {
     const BundlePhoto& photo = bundle_.photos[seen.photo];
     const camera::Intrinsics& lens = recorded_[photo.lens];
@@ -289,9 +305,17 @@ class Round {
     ceres_.AddResidualBlock(new ceres::AutoDiffCostFunction<AttitudeResidual, 3, kPoseSize, 3>(
                                 new AttitudeResidual{turned, photo.sigma_attitude_rad}),
                             new ceres::HuberLoss(3.0), Pose(i), Bias(photo.line));
-    ceres_.AddResidualBlock(new ceres::AutoDiffCostFunction<PositionResidual, 3, kPoseSize, 3>(
-                                new PositionResidual{moved, photo.sigma_position_m}),
-                            new ceres::HuberLoss(3.0), Pose(i), PositionBias());
+    const PositionResidual position{moved, photo.sigma_position_m};
+    if (bundle_.sigma_clock_s > 0.0 && photo.has_record && !photo.by_clock_mps.isZero()) {
+      ceres_.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<TimedPositionResidual, 3, kPoseSize, 3, kClockSize>(
+              new TimedPositionResidual{position, photo.by_clock_mps}),
+          new ceres::HuberLoss(3.0), Pose(i), PositionBias(), Clock());
+      return;
+    }
+    ceres_.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<PositionResidual, 3, kPoseSize, 3>(new PositionResidual(position)),
+        new ceres::HuberLoss(3.0), Pose(i), PositionBias());
   }
 
   // The record was right so far; what earlier rounds took off counts too.
@@ -346,6 +370,7 @@ class Round {
     }
     for (int l = 0; l < bundle_.lines; ++l) line_bias[l] = Eigen::Map<Eigen::Vector3d>(Bias(l));
     if (!bundle_.control.empty()) bundle_.position_bias_m = Eigen::Map<Eigen::Vector3d>(PositionBias());
+    if (ceres_.HasParameterBlock(Clock())) bundle_.clock_error_s = *Clock();
     std::size_t number = 0;
     for (auto* list : {&bundle_.tracks, &bundle_.soft_tracks}) {
       for (Track& track : *list) track.point_in_enu = Eigen::Map<Eigen::Vector3d>(Point(number++));
@@ -366,6 +391,7 @@ class Round {
   double* PositionBias() { return state_.data() + position_bias_; }
   double* Correction(std::size_t i) { return state_.data() + first_correction_ + kCorrectionSize * i; }
   double* Readout(std::size_t c) { return state_.data() + first_readout_ + kReadoutSize * c; }
+  double* Clock() { return state_.data() + clock_; }
   double* Point(std::size_t t) { return state_.data() + first_point_ + kPointSize * t; }
 
   BundleProblem& bundle_;
@@ -373,7 +399,8 @@ class Round {
   const BundleOptions& options_;
   // One buffer for all unknowns: Ceres orders blocks by address, and an order that hangs on where the
   // allocator put things would change the last digits from run to run.
-  std::size_t first_lens_, first_bias_, position_bias_, first_point_, first_correction_, first_readout_;
+  std::size_t first_lens_, first_bias_, position_bias_, first_point_, first_correction_, first_readout_,
+      clock_;
   std::vector<double> state_;
   std::vector<std::shared_ptr<const CameraStart>> starts_;  // by photo, each made when it is first needed
   ceres::LossFunction* tie_loss_ = nullptr;                 // owned by ceres_

@@ -17,6 +17,9 @@ constexpr double kMinSigmaM = 0.01;
 constexpr double kMinSigmaRad = 0.003;
 constexpr int kFewPhotos = 30;
 constexpr double kMaxAttitudeGrowth = 8.0;
+constexpr double kSharedClockS = 0.05;  // clocks that are surer move no photo by more than its own error
+// Of the way that the clock is unsure by: so far nobody flies straight and at one speed.
+constexpr double kClockBend = 0.1;
 
 double SigmaHorizontalM(const poses::PosedPhoto& photo) {
   return std::max(kMinSigmaM, std::sqrt(0.5 * (photo.covariance(3, 3) + photo.covariance(4, 4))));
@@ -24,6 +27,12 @@ double SigmaHorizontalM(const poses::PosedPhoto& photo) {
 
 double SigmaTiltRad(const poses::PosedPhoto& photo) {
   return std::max(kMinSigmaRad, std::sqrt(0.5 * (photo.covariance(0, 0) + photo.covariance(1, 1))));
+}
+
+// Of one coordinate's variance, what is not the clock's that all photos share.
+double SigmaApartM(double variance_m2, double by_clock_m) {
+  return std::max({kMinSigmaM, kClockBend * std::abs(by_clock_m),
+                   std::sqrt(std::max(0.0, variance_m2 - by_clock_m * by_clock_m))});
 }
 
 BundleLens MakeLens(const flight::Photo& photo, int photos) {
@@ -124,8 +133,12 @@ BundlePhoto MakeBundlePhoto(const poses::PosedPhoto& posed, const CorrectedPose&
   bundled.readout_motion = ReadoutMotion(posed, corrected.quarter_turns);
   if (!posed.readout_motion && !bundled.readout_motion.turns_rad.empty())
     bundled.readout_doubt = DoubtOfReadout(posed, corrected.quarter_turns);
-  const double sigma_h = SigmaHorizontalM(posed);
-  const double sigma_v = std::max(kMinSigmaM, std::sqrt(posed.covariance(5, 5)));
+  if (posed.clock_sigma_s > kSharedClockS && posed.velocity_in_enu_mps && !corrected.position_was_wrong)
+    bundled.by_clock_mps = *posed.velocity_in_enu_mps;
+  const Eigen::Vector3d by_clock_m = posed.clock_sigma_s * bundled.by_clock_mps;
+  const double sigma_h = SigmaApartM(0.5 * (posed.covariance(3, 3) + posed.covariance(4, 4)),
+                                     std::sqrt(0.5) * by_clock_m.head<2>().norm());
+  const double sigma_v = SigmaApartM(posed.covariance(5, 5), by_clock_m.z());
   bundled.sigma_position_m = {sigma_h, sigma_h, sigma_v};
   if (corrected.position_was_wrong) bundled.sigma_position_m.head<2>().setConstant(5.0 * sigma_h + 5.0);
   // In cam: x and y are tilts, z is the turn about the optical axis (yaw for a camera that looks down).
@@ -148,6 +161,7 @@ BundleProblem MakeBundle(const poses::PosedFlight& posed, const std::vector<Corr
     const auto [lens, is_new] = lens_of_key.emplace(key, static_cast<int>(problem.lenses.size()));
     if (is_new) problem.lenses.push_back(MakeLens(photo.photo, photos_of_key[key]));
     problem.photos.push_back(MakeBundlePhoto(photo, corrected[i], lens->second, lines[i]));
+    problem.sigma_clock_s = std::max(problem.sigma_clock_s, photo.clock_sigma_s);
   }
   problem.lines = lines.empty() ? 1 : *std::max_element(lines.begin(), lines.end()) + 1;
   return problem;
@@ -192,8 +206,7 @@ void ReweighPriors(BundleProblem& problem) {
   for (std::size_t i = 0; i < problem.photos.size(); ++i) {
     if (!seen[i] || !problem.photos[i].has_record) continue;
     const BundlePhoto& photo = problem.photos[i];
-    const Eigen::Vector3d moved = photo.cam_from_enu.TargetOriginInSource() -
-                                  photo.prior_cam_from_enu.TargetOriginInSource() - problem.position_bias_m;
+    const Eigen::Vector3d moved = photo.cam_from_enu.TargetOriginInSource() - ExpectedCenter(problem, photo);
     horizontal.push_back(std::abs(moved.x()));
     horizontal.push_back(std::abs(moved.y()));
     vertical.push_back(std::abs(moved.z()));

@@ -36,6 +36,19 @@ struct PositionResidual {
   }
 };
 
+// The same of a photo that was looked up by its time on a track: its clock's error is shared as well.
+struct TimedPositionResidual {
+  PositionResidual position;
+  Eigen::Vector3d by_clock_mps;
+
+  template <typename T>
+  bool operator()(const T* pose, const T* bias, const T* clock_error_s, T* residual) const {
+    position(pose, bias, residual);
+    for (int k = 0; k < 3; ++k) residual[k] -= clock_error_s[0] * by_clock_mps[k] / position.sigma_m[k];
+    return true;
+  }
+};
+
 template <int kSize>
 struct PriorResidual {
   Eigen::Matrix<double, kSize, 1> expected;

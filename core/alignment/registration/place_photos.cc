@@ -210,6 +210,10 @@ AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
   std::map<int, int> component_sizes;
   std::map<int, std::vector<Eigen::Vector3d>> turns, shifts;
   std::vector<Eigen::Vector3d> all_turns, all_shifts;
+  // What the clock of a log is to blame for is not the positions' error.
+  const auto by_clock_m = [&problem](std::size_t i) {
+    return Eigen::Vector3d(problem.clock_error_s * problem.photos[i].by_clock_mps);
+  };
   for (std::size_t i = 0; i < component.size(); ++i) {
     if (component[i] < 0) continue;
     ++component_sizes[component[i]];
@@ -217,7 +221,7 @@ AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
     const geo::Rigid3& prior = corrected[i].prior_cam_from_enu;
     const geo::Rigid3& now = problem.photos[i].cam_from_enu;
     all_turns.push_back(TurnAgainst(now, prior));
-    all_shifts.push_back(now.TargetOriginInSource() - prior.TargetOriginInSource());
+    all_shifts.push_back(now.TargetOriginInSource() - prior.TargetOriginInSource() - by_clock_m(i));
     turns[problem.photos[i].line].push_back(all_turns.back());
     shifts[problem.photos[i].line].push_back(all_shifts.back());
   }
@@ -267,7 +271,7 @@ AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
       if (learnt_enough) {
         photo.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(
             (geo::RotationFromVector(learnt.turn_rad) * prior.rotation).normalized(),
-            prior.TargetOriginInSource() + learnt.shift_m);
+            prior.TargetOriginInSource() + by_clock_m(i) + learnt.shift_m);
         photo.error_radius_m = std::min(
             before.error_radius_m,
             std::hypot(sigma_position, before.height_above_ground_m * std::max(0.003, learnt.scatter_rad)));

@@ -134,8 +134,9 @@ std::optional<PositionLag> FindPositionLag(const BundleProblem& adjusted,
   for (std::size_t i = 0; i < records.size(); ++i) {
     const BundlePhoto& photo = adjusted.photos[i];
     if (!is_tied[i] || !velocities[i] || !records[i].center_in_enu || photo.is_fixed) continue;
-    const Eigen::Vector2d off_m =
-        (*records[i].center_in_enu - photo.cam_from_enu.TargetOriginInSource()).head<2>();
+    const Eigen::Vector2d off_m = (*records[i].center_in_enu + adjusted.clock_error_s * photo.by_clock_mps -
+                                   photo.cam_from_enu.TargetOriginInSource())
+                                      .head<2>();
     samples.push_back({*velocities[i], off_m, lines[i]});
     sigmas_m.push_back(records[i].sigma_m.head<2>().mean());
     speeds_mps.push_back(velocities[i]->norm());

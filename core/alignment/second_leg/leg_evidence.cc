@@ -89,8 +89,9 @@ LegEvidence Weigh(const WeighedLeg& leg) {
     const PhotoRecord& record = (*leg.records)[i];
     const geo::Rigid3& pose = leg.problem->photos[i].cam_from_enu;
     if (record.center_in_enu) {
-      const Eigen::Vector3d error =
-          pose.TargetOriginInSource() - *record.center_in_enu - leg.problem->position_bias_m;
+      const Eigen::Vector3d error = pose.TargetOriginInSource() - *record.center_in_enu -
+                                    leg.problem->position_bias_m -
+                                    leg.problem->clock_error_s * leg.problem->photos[i].by_clock_mps;
       errors_m.push_back(error.head<2>().norm());
       errors_sigmas.push_back(errors_m.back() / std::max(1e-3, record.sigma_m.x()));
       ++evidence.positions;

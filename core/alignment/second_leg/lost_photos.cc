@@ -19,6 +19,7 @@ CorrectedPose PlaceUnrecorded(const geo::Rigid3& cam_from_enu, double ground_z_m
   const double unknown_m = kUnknownShare * photo.height_above_ground_m;
   photo.covariance.setZero();
   photo.covariance_with_next.setZero();
+  photo.clock_sigma_s = 0.0;
   photo.covariance.diagonal() << Eigen::Vector3d::Constant(kSigmaTurnRad * kSigmaTurnRad),
       Eigen::Vector3d::Constant(unknown_m * unknown_m);
   photo.error_radius_m = unknown_m;

@@ -224,6 +224,7 @@ void TakeOver(const Registration& registration, const BlockPlace& place, const P
   photo.cam_from_enu = pose;
   photo.covariance.setZero();
   photo.covariance_with_next.setZero();
+  photo.clock_sigma_s = 0.0;
   photo.covariance.diagonal() << Eigen::Vector3d::Constant(kSigmaTurnRad * kSigmaTurnRad), sigma.cwiseAbs2();
   if (attitude_holds) photo.covariance.topLeftCorner<3, 3>() = attitude;
   photo.error_radius_m = sigma.head<2>().norm();

@@ -51,6 +51,22 @@ std::string ContradictedControl(const std::vector<ControlReport>& control) {
       errors_m.size(), median_m);
 }
 
+// Empty where no clock was found wrong by what can be seen on a map.
+std::string ClockInWords(const BundleProblem& problem) {
+  constexpr double kSeenS = 0.1, kSeenM = 0.1;
+  std::vector<double> speeds_mps;
+  for (const BundlePhoto& photo : problem.photos) {
+    if (!photo.by_clock_mps.isZero()) speeds_mps.push_back(photo.by_clock_mps.norm());
+  }
+  if (speeds_mps.empty() || std::abs(problem.clock_error_s) < kSeenS) return {};
+  const double moved_m = std::abs(problem.clock_error_s) * Median(std::move(speeds_mps));
+  if (moved_m < kSeenM) return {};
+  return fmt::format(
+      "By how they lie to each other the photos were taken {:.1f} s {} than the clocks of camera and log say: each was "
+      "moved along the log's track by that ({:.1f} m in the median).",
+      std::abs(problem.clock_error_s), problem.clock_error_s > 0.0 ? "later" : "earlier", moved_m);
+}
+
 AlignPhotoReport PhotoReport(const ExtractedFlight& extracted, const Leg& leg, std::size_t i) {
   AlignPhotoReport told;
   told.name = extracted.posed.photos[i].photo.name;
@@ -78,6 +94,8 @@ void ReportLeg(const ExtractedFlight& extracted, Leg& leg, AlignReport& report) 
   report.corrections = DescribeCorrections(leg.matched.corrected, names, extracted.lines);
   report.corrections.insert(report.corrections.begin(), leg.corrected_records.begin(),
                             leg.corrected_records.end());
+  if (std::string words = ClockInWords(leg.problem); !words.empty())
+    report.corrections.insert(report.corrections.begin(), std::move(words));
   report.pairs = PairsInUse(leg.problem, names);
   report.control = std::move(leg.control);
   ReportControl(leg.problem, report.control);

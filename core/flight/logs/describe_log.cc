@@ -67,7 +67,11 @@ void Advise(const FlightLog& log, LogFacts& facts) {
     advise("no positions: the flight can only be reckoned from its start");
   }
   if (!facts.series.empty() && !log.utc_at_zero) {
-    advise("it does not know UTC: photos are tied to it by its camera events alone");
+    advise(
+        log.local_at_zero
+            ? "its clock is local, of no known zone: photos are tied to it by their clocks, whole quarter hours "
+              "apart, if nothing better does"
+            : "it knows no time of day: photos are tied to it by its camera events or their own positions");
   }
 }
 

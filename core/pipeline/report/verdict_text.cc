@@ -1,5 +1,6 @@
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "core/base/error_code.h"
@@ -82,6 +83,21 @@ nlohmann::ordered_json ListJson(const flight::ListUse& use) {
           {"words", poses::UseInWords(use)}};
 }
 
+// A line each of what came of the given files; what is said of lists already stands there.
+std::string UsesText(const FlightVerdict& v) {
+  std::string text;
+  std::vector<std::string> uses;
+  for (const flight::ListUse& use : v.lists) {
+    uses.push_back(poses::UseInWords(use));
+    text += fmt::format("List        {}\n", Printable(uses.back()));
+  }
+  for (const std::string& line : v.poses.logs) {
+    if (std::find(uses.begin(), uses.end(), line) == uses.end())
+      text += fmt::format("Used        {}\n", Printable(line));
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string VerdictText(const FlightVerdict& v) {
@@ -93,8 +109,7 @@ std::string VerdictText(const FlightVerdict& v) {
   if (!v.position_sources.empty()) text += "Positions   " + Counts(v.position_sources) + "\n";
   if (!v.attitude_sources.empty()) text += "Angles      " + Counts(v.attitude_sources) + "\n";
   for (const flight::LogFacts& log : v.logs) text += LogText(log);
-  for (const flight::ListUse& use : v.lists)
-    text += fmt::format("List        {}\n", Printable(poses::UseInWords(use)));
+  text += UsesText(v);
   for (const std::string& list : v.gcp_lists) text += fmt::format("Control     {}\n", list);
   for (const std::string& model : v.elevation_models)
     text += fmt::format("Heights     {}: an elevation model of the ground\n", model);

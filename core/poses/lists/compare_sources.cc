@@ -10,7 +10,7 @@
 #include "core/poses/heights/flight_heights.h"
 #include "core/poses/lists/judge_list.h"
 #include "core/poses/lists/list_words.h"
-#include "core/poses/photo_rows.h"
+#include "core/poses/lists/named_photos.h"
 
 namespace skyquilt::poses {
 namespace {
@@ -82,26 +82,6 @@ OwnRecords OwnRecordsOf(const Flight& flight) {
   return own;
 }
 
-// The photos of a flight as lists name them.
-class NamedPhotos {
- public:
-  explicit NamedPhotos(const std::vector<flight::Photo>& photos) {
-    for (std::size_t i = 0; i < photos.size(); ++i) {
-      const std::string name = PlainPhotoName(photos[i].name);
-      number_of_.emplace(name, i);
-      number_of_.emplace(name.substr(0, name.rfind('.')), i);
-    }
-  }
-  std::optional<std::size_t> Find(const std::string& name) const {
-    const auto found = number_of_.find(PlainPhotoName(name));
-    if (found == number_of_.end()) return std::nullopt;
-    return found->second;
-  }
-
- private:
-  std::map<std::string, std::size_t> number_of_;
-};
-
 struct JudgedList {
   ListUse use;
   ListVerdict verdict;
@@ -142,16 +122,16 @@ std::optional<JudgedList> Judge(const FlightLog& log, const NamedPhotos& named, 
     const CameraEvent& event = log.events[i];
     if (!event.written || !event.image_name) continue;
     ++rows;
-    const auto photo = named.Find(*event.image_name);
-    if (!photo) {
+    const std::vector<std::size_t> photos = named.Find(*event.image_name).photos;
+    if (photos.empty()) {
       judged.others.push_back(i);
       list.others.push_back(*event.written);
       continue;
     }
     judged.events.push_back(i);
-    judged.photos.push_back(*photo);
+    judged.photos.push_back(photos.front());
     list.rows.push_back(*event.written);
-    places.of_row.push_back(own.moving[*photo]);
+    places.of_row.push_back(own.moving[photos.front()]);
   }
   if (rows == 0) return std::nullopt;
   if (!judged.events.empty()) judged.verdict = JudgeList(list, places);
@@ -234,8 +214,8 @@ Result<void> CompareLists(const NamedPhotos& named, OwnRecords& own, Flight& fli
 OwnPlaces PlacesAround(const flight::GcpList& list, const NamedPhotos& named, const OwnRecords& own) {
   std::vector<LatLon> seen;
   for (const flight::GcpSighting& sighting : list.sightings) {
-    const auto photo = named.Find(sighting.image_name);
-    if (photo && own.moving[*photo]) seen.push_back(*own.moving[*photo]);
+    const std::vector<std::size_t> photos = named.Find(sighting.image_name).photos;
+    if (!photos.empty() && own.moving[photos.front()]) seen.push_back(*own.moving[photos.front()]);
   }
   OwnPlaces places{.of_row = {}, .of_flight = MedianPosition(seen), .is_stale = own.is_stale};
   if (!places.of_flight) places.of_flight = own.anywhere;

@@ -25,12 +25,6 @@ std::string Grouped(double number) {
   return digits;
 }
 
-std::string LengthInWords(double metres) {
-  if (metres < 100.0) return fmt::format("{:.1f} m", metres);
-  if (metres < 10'000.0) return Grouped(metres) + " m";
-  return Grouped(metres / 1000.0) + " km";
-}
-
 std::string PlaceInWords(const geo::LatLon& place) {
   return fmt::format("{:.4f} {} {:.4f} {}", std::abs(place.lat_deg), place.lat_deg < 0.0 ? "S" : "N",
                      std::abs(place.lon_deg), place.lon_deg < 0.0 ? "W" : "E");
@@ -108,6 +102,12 @@ std::string WhyNotUsed(const ListUse& use) {
 }
 
 }  // namespace
+
+std::string LengthInWords(double metres) {
+  if (metres < 100.0) return fmt::format("{:.1f} m", metres);
+  if (metres < 10'000.0) return Grouped(metres) + " m";
+  return Grouped(metres / 1000.0) + " km";
+}
 
 std::string ReadingInWords(const ListUse& use, const ListReading& reading) {
   std::string words;

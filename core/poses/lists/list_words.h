@@ -9,6 +9,9 @@
 
 namespace skyquilt::poses {
 
+// "4.0 m", "5,232 km".
+std::string LengthInWords(double metres);
+
 // "longitude, latitude in degrees": what the two numbers were taken for.
 std::string ReadingInWords(const flight::ListUse& use, const flight::ListReading& reading);
 

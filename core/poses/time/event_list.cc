@@ -5,7 +5,7 @@
 #include <string>
 
 #include "core/base/median.h"
-#include "core/poses/photo_rows.h"
+#include "core/poses/lists/named_photos.h"
 #include "core/poses/time/event_alignment.h"
 #include "core/poses/time/stamped_photos.h"
 
@@ -25,7 +25,7 @@ bool HoldsPositionsAlone(const FlightLog& log) {
 }
 
 bool IsNamedSo(const std::string& file_name) {
-  return PlainPhotoName(file_name).find("_event") != std::string::npos;
+  return PlainFileName(file_name).find("_event") != std::string::npos;
 }
 
 std::vector<double> IntervalsOf(const std::vector<double>& times_s) {

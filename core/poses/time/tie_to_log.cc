@@ -6,13 +6,15 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/median.h"
 #include "core/poses/photo_rows.h"
 
 namespace skyquilt::poses {
 namespace {
 
-// A log covers a photo up to this long before its first and after its last sample.
-constexpr double kBeyondLogS = 1.0;
+// A log covers a photo up to this long before its first and after its last sample, and up to half of the
+// usual interval of sparse positions: a caption holds until the next one begins.
+constexpr double kBeyondLogS = 1.0, kFurthestBeyondLogS = 5.0;
 constexpr double kEventClockSigmaS = 0.005;
 
 bool HasTrackSeries(const flight::FlightLog& log) {
@@ -31,6 +33,14 @@ std::pair<double, double> MotionSpanOf(const flight::FlightLog& log) {
   take(log.attitude);
   take(log.imu);
   return {begin_s, end_s};
+}
+
+double BeyondLogS(const flight::FlightLog& log) {
+  std::vector<double> intervals_s;
+  for (std::size_t i = 1; i < log.gnss.size(); ++i)
+    intervals_s.push_back(log.gnss[i].t_s - log.gnss[i - 1].t_s);
+  return std::clamp(0.5 * MedianIfAny(std::move(intervals_s)).value_or(0.0), kBeyondLogS,
+                    kFurthestBeyondLogS);
 }
 
 // Of this photo's time alone: what all share by the camera's clock is stated apart.
@@ -63,9 +73,10 @@ LogTie TieToLog(const flight::FlightLog& log, std::vector<flight::Photo> photos)
   tie.clock_sigma_s = kEventClockSigmaS;
   if (!HasTrackSeries(log)) return tie;
   const auto [begin_s, end_s] = MotionSpanOf(log);
+  const double beyond_s = BeyondLogS(log);
   for (std::size_t i = 0; i < tie.photos.size(); ++i) {
     const auto& time = tie.sync->photos[i];
-    if (!time || time->t_s < begin_s - kBeyondLogS || time->t_s > end_s + kBeyondLogS) continue;
+    if (!time || time->t_s < begin_s - beyond_s || time->t_s > end_s + beyond_s) continue;
     tie.tied.push_back({i, time->t_s, OwnSigmaS(*time, tie.sync->sigma_s)});
     if (!time->event) tie.clock_sigma_s = tie.sync->sigma_s;
   }

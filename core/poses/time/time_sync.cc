@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <map>
 
 #include "core/base/median.h"
 #include "core/base/printable.h"
 #include "core/base/try.h"
 #include "core/geo/geodesic.h"
+#include "core/poses/lists/named_photos.h"
 #include "core/poses/time/event_alignment.h"
 #include "core/poses/time/find_clock_offset.h"
 #include "core/poses/time/stamped_photos.h"
@@ -21,17 +21,6 @@ namespace {
 using flight::CameraEvent;
 using flight::FlightLog;
 using flight::Photo;
-
-// Lower case, without folders and extension: "DCIM/IMG_1.JPG" and "img_1.jpg" are one photo.
-std::string PlainName(std::string_view name) {
-  name = name.substr(name.find_last_of("/\\") + 1);
-  if (const auto dot = name.rfind('.'); dot != std::string_view::npos && dot > 0) name = name.substr(0, dot);
-  std::string plain(name);
-  for (char& c : plain) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  }
-  return plain;
-}
 
 class Synchroniser {
  public:
@@ -112,17 +101,16 @@ class Synchroniser {
   }
 
   bool ByNames() {
-    std::map<std::string, std::size_t> events;
+    const NamedPhotos named(photos_);
+    std::size_t matched = 0;
     for (std::size_t i = 0; i < log_.events.size(); ++i) {
       const CameraEvent& event = log_.events[i];
-      if (event.has_time && event.image_name) events.emplace(PlainName(*event.image_name), i);
-    }
-    std::size_t matched = 0;
-    for (std::size_t i = 0; i < photos_.size(); ++i) {
-      const auto found = events.find(PlainName(photos_[i].name));
-      if (found == events.end()) continue;
-      Place(i, found->second, jitter_s_);
-      ++matched;
+      if (!event.has_time || !event.image_name) continue;
+      for (const std::size_t photo : named.Find(*event.image_name).photos) {
+        if (sync_.photos[photo]) continue;
+        Place(photo, i, jitter_s_);
+        ++matched;
+      }
     }
     if (matched == 0 || 2 * matched < photos_.size()) {
       sync_.photos.assign(photos_.size(), std::nullopt);

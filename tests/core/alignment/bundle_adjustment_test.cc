@@ -5,6 +5,8 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "core/alignment/adjustment/bundle_setup.h"
+
 namespace skyquilt::alignment {
 namespace {
 
@@ -144,6 +146,81 @@ TEST(AdjustBundle, GoesOnOnceThePointThatFailedIsDropped) {
   EXPECT_EQ(summary.solver, "dense_schur");
   EXPECT_EQ(scene.problem.tracks.size(), 63u);
   EXPECT_LT(scene.FarOffM(3), 0.05);
+}
+
+// Looked up on a track `early_s` too early: two photos eastwards, two back or eastwards too.
+void LookUpEarly(double early_s, bool is_to_and_fro, Scene& scene) {
+  constexpr double kSpeedMps = 2.0;
+  scene.problem.sigma_clock_s = 2.0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    BundlePhoto& photo = scene.problem.photos[i];
+    photo.by_clock_mps = Eigen::Vector3d(i >= 2 && is_to_and_fro ? -kSpeedMps : kSpeedMps, 0.0, 0.0);
+    photo.prior_cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(
+        scene.truth[i].rotation, scene.truth[i].TargetOriginInSource() - early_s * photo.by_clock_mps);
+  }
+}
+
+TEST(AdjustBundle, FindsTheErrorOfAClockThatPhotosShare) {
+  for (const double early_s : {0.4, -0.5}) {
+    Scene scene;
+    LookUpEarly(early_s, true, scene);
+    AdjustBundle(scene.problem, {.cuts_px = {20.0, 6.0}});
+    EXPECT_NEAR(scene.problem.clock_error_s, early_s, 0.03);
+    for (std::size_t i = 0; i < 4; ++i) {
+      EXPECT_LT(scene.FarOffM(i), 0.1) << i;
+      EXPECT_LT(
+          (ExpectedCenter(scene.problem, scene.problem.photos[i]) - scene.truth[i].TargetOriginInSource())
+              .norm(),
+          0.1)
+          << i;
+    }
+  }
+}
+
+TEST(AdjustBundle, LeavesAClockThatNothingShowsToBeWrong) {
+  Scene right;
+  LookUpEarly(0.0, true, right);
+  AdjustBundle(right.problem, {.cuts_px = {20.0, 6.0}});
+  EXPECT_NEAR(right.problem.clock_error_s, 0.0, 0.01);
+
+  Scene one_course;  // a shift of all alike
+  LookUpEarly(0.4, false, one_course);
+  AdjustBundle(one_course.problem, {.cuts_px = {20.0, 6.0}});
+  EXPECT_NEAR(one_course.problem.clock_error_s, 0.0, 0.05);
+
+  Scene by_events;  // no clock in doubt
+  LookUpEarly(0.4, true, by_events);
+  by_events.problem.sigma_clock_s = 0.0;
+  AdjustBundle(by_events.problem, {.cuts_px = {20.0, 6.0}});
+  EXPECT_EQ(by_events.problem.clock_error_s, 0.0);
+}
+
+TEST(MakeBundlePhoto, HoldsPhotosOfALogApartFromTheirClock) {
+  poses::PosedPhoto posed;
+  posed.cam_from_enu = Downwards(0, 0);
+  posed.covariance.setIdentity();
+  posed.covariance(3, 3) += 100.0;  // 2 s at 5 m/s
+  posed.velocity_in_enu_mps = Eigen::Vector3d(5.0, 0.0, 0.0);
+  CorrectedPose corrected;
+  corrected.start_cam_from_enu = corrected.prior_cam_from_enu = posed.cam_from_enu;
+
+  BundlePhoto photo = MakeBundlePhoto(posed, corrected, 0, 0);
+  EXPECT_NEAR(photo.sigma_position_m.x(), std::sqrt(51.0), 1e-9) << "nothing is said of a clock";
+  EXPECT_TRUE(photo.by_clock_mps.isZero());
+
+  posed.clock_sigma_s = 2.0;
+  photo = MakeBundlePhoto(posed, corrected, 0, 0);
+  EXPECT_NEAR(photo.sigma_position_m.x(), 1.0, 1e-9);
+  EXPECT_NEAR(photo.sigma_position_m.z(), 1.0, 1e-9);
+  EXPECT_EQ(photo.by_clock_mps, *posed.velocity_in_enu_mps);
+
+  posed.covariance(3, 3) = 90.0;  // less than the clock alone would make it
+  EXPECT_GT(MakeBundlePhoto(posed, corrected, 0, 0).sigma_position_m.x(), 0.5)
+      << "nobody flies that straight";
+
+  posed.covariance(3, 3) = 101.0;
+  corrected.position_was_wrong = true;
+  EXPECT_TRUE(MakeBundlePhoto(posed, corrected, 0, 0).by_clock_mps.isZero());
 }
 
 TEST(AdjustBundle, TakesAProblemWithoutObservations) {

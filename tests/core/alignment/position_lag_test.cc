@@ -90,6 +90,16 @@ TEST(FindPositionLag, IsNotMisledByReceiversThatWander) {
   EXPECT_LE(found, 3);
 }
 
+TEST(FindPositionLag, FindsNothingMoreWhereTheClockIsKnownToBeWrong) {
+  LaggingFlight flown(2.0);
+  flown.problem.clock_error_s = 2.0;
+  for (int i = 0; i < 4 * kPerLine; ++i) {
+    const double course = (i / kPerLine) % 2 == 1 ? -1.0 : 1.0;
+    flown.problem.photos[static_cast<std::size_t>(i)].by_clock_mps = {0.0, course * kSpeedMps, 0.0};
+  }
+  EXPECT_FALSE(flown.Find());
+}
+
 TEST(FindPositionLag, IsNotToldFromAShiftOnOneCourse) {
   EXPECT_FALSE(LaggingFlight(2.0, 0.3, 4, false).Find());
   EXPECT_FALSE(LaggingFlight(2.0, 0.3, 1).Find());

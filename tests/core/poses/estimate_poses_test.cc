@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 
 #include "core/geo/geoid.h"
 #include "core/poses/conventions/attitude_convention.h"
@@ -90,8 +91,43 @@ TEST(EstimatePoses, PlacesPhotosWithoutGpsByALogsTrack) {
     // Clocks as they stand: the camera's is held for good to two seconds, and the radius says so.
     EXPECT_LT(OffM(*posed, photo, TimeOf(k)), 1.0);
     EXPECT_GT(photo.error_radius_m, 8.0);
+    EXPECT_NEAR(photo.clock_sigma_s, 2.0, 0.1);
+    EXPECT_EQ(photo.position_source, "track.log");
     EXPECT_NEAR(photo.height_above_ground_m, 60.0, 0.5);
   }
+}
+
+TEST(EstimatePoses, TakesASparseTrackToHoldForHalfOfItsInterval) {
+  Flight flight;
+  flight.photos = PhotosEvery2s(10);
+  FlightLog log = Track(0.0, 60.0);
+  log.baro.clear();
+  log.attitude.clear();
+  const std::vector<flight::GnssSample> all = std::exchange(log.gnss, {});
+  for (const flight::GnssSample& fix : all) {
+    if (log.gnss.empty() || fix.t_s - log.gnss.back().t_s > 5.9) log.gnss.push_back(fix);
+  }
+  std::erase_if(log.gnss, [](const flight::GnssSample& fix) { return fix.t_s > 37.0; });  // to 36 s
+  flight.logs = {log};
+  EXPECT_EQ(Estimate(flight)->report.photos_by_log, 8) << "the photo of 37.1 s, not that of 39.1 s";
+}
+
+TEST(EstimatePoses, TellsWhatCameOfALogAndHowItAgreesWithThePhotos) {
+  Flight flight;
+  flight.photos = PhotosEvery2s(10);
+  flight.logs = {Track(0.0, 60.0)};
+  EXPECT_THAT(Estimate(flight)->report.logs,
+              Contains("track.log (test): 10 of 10 photos placed by its series"));
+  for (int k = 0; k < 10; ++k) {
+    const geo::Wgs84 at = TrueAt(TimeOf(k));
+    flight::RecordedPosition& own = flight.photos[static_cast<std::size_t>(k)].position.emplace();
+    own.position = {at.lat_deg, at.lon_deg + 4.0 / 75'400.0};  // beside the track, so that no other time fits
+    own.source = "exif";
+  }
+  EXPECT_THAT(
+      Estimate(flight)->report.logs,
+      Contains(
+          "track.log (test): 10 of 10 photos placed by its series, 4.0 m from the photos' own positions"));
 }
 
 TEST(EstimatePoses, TiesPhotosToCameraEventsHoweverWrongTheClock) {
@@ -128,6 +164,7 @@ TEST(EstimatePoses, LeavesALogOfAnotherFlightAlone) {
   EXPECT_EQ(posed->report.photos_by_log, 0);
   EXPECT_EQ(posed->report.photos_by_records, 10);
   EXPECT_THAT(posed->warnings, Contains(HasSubstr("track.log")));
+  EXPECT_THAT(posed->report.logs, Contains("track.log (test): no photo is placed by it"));
 }
 
 TEST(EstimatePoses, LeavesOutPhotosOutsideTheLogThatHaveNoPositionOfTheirOwn) {
@@ -165,8 +202,69 @@ TEST(EstimatePoses, TakesPositionsFromAListThatNamesThePhotos) {
   const auto posed = Estimate(flight);
   ASSERT_TRUE(posed.ok());
   ASSERT_EQ(posed->photos.size(), 3u);
-  EXPECT_EQ(posed->photos[0].photo.position->source, "geo.txt");
+  EXPECT_EQ(posed->photos[0].position_source, "geo.txt");
   EXPECT_THAT(posed->report.logs, Contains(HasSubstr("names 3 of 3 photos")));
+}
+
+// A row a photo, of angles alone.
+FlightLog ListOfAngles(int count, const Eigen::Vector3d& yaw_pitch_roll_rad, flight::AttitudeKind kind) {
+  FlightLog list;
+  list.format = "pix4d_csv";
+  list.file_name = "geolocation.csv";
+  for (int k = 0; k < count; ++k) {
+    CameraEvent& row = list.events.emplace_back();
+    row.has_time = false;
+    row.t_s = k;
+    row.image_name = "IMG_" + std::to_string(k) + ".JPG";
+    row.yaw_pitch_roll_rad = yaw_pitch_roll_rad;
+    row.attitude_kind = kind;
+  }
+  return list;
+}
+
+TEST(ApplyPhotoRows, LeavesCamerasTheAnglesOfTheirOwnGimbal) {
+  const flight::RecordedAttitude own{flight::AttitudeKind::kGimbal, 0.8, -0.5 * geo::kPi, 0.0, "drone-dji"};
+  std::vector<Photo> photos = PhotosEvery2s(3);
+  for (Photo& photo : photos) photo.attitude = own;
+
+  // The same from nadir, as lists write it: nothing to say but whose hold.
+  const auto same =
+      ApplyPhotoRows({ListOfAngles(3, {0.8, 0.0, 0.0}, flight::AttitudeKind::kAirframe)}, photos);
+  EXPECT_EQ(photos[2].attitude->source, "drone-dji");
+  EXPECT_THAT(same.lines, Contains(HasSubstr("3 photos keep the angles of their own gimbal, 0.0 degrees")));
+  EXPECT_TRUE(same.warnings.empty());
+
+  // An aircraft that leans.
+  const auto other =
+      ApplyPhotoRows({ListOfAngles(3, {0.8, -0.3, 0.1}, flight::AttitudeKind::kAirframe)}, photos);
+  EXPECT_EQ(photos[2].attitude->source, "drone-dji");
+  EXPECT_THAT(other.warnings, Contains(HasSubstr("geolocation.csv: its angles lie 18 degrees")));
+}
+
+TEST(ApplyPhotoRows, TakesAnglesThatAreBetterOrTheOnlyOnes) {
+  std::vector<Photo> photos = PhotosEvery2s(3);
+  photos[0].attitude = flight::RecordedAttitude{flight::AttitudeKind::kGimbal, 0.8, -1.5, 0.0, "drone-dji"};
+  photos[1].attitude = flight::RecordedAttitude{flight::AttitudeKind::kAirframe, 0.8, 0.0, 0.0, "Camera"};
+  std::vector<Photo> others = photos;
+  ApplyPhotoRows({ListOfAngles(3, {0.7, 0.0, 0.0}, flight::AttitudeKind::kAirframe)}, photos);
+  EXPECT_EQ(photos[0].attitude->source, "drone-dji");
+  EXPECT_EQ(photos[1].attitude->source, "geolocation.csv");
+  EXPECT_EQ(photos[2].attitude->source, "geolocation.csv");
+  ApplyPhotoRows({ListOfAngles(3, {0.7, -1.5, 0.0}, flight::AttitudeKind::kGimbal)}, others);
+  EXPECT_EQ(others[0].attitude->source, "geolocation.csv") << "the camera's own, as a recorder wrote them";
+}
+
+TEST(ApplyPhotoRows, AsksForFoldersWhereTwoCardsShareTheirNames) {
+  std::vector<Photo> photos = PhotosEvery2s(2);
+  photos[0].name = "100MEDIA/IMG_0.JPG";
+  photos[1].name = "101MEDIA/IMG_0.JPG";
+  FlightLog list = ListOfAngles(1, {0.7, 0.0, 0.0}, flight::AttitudeKind::kAirframe);
+  const auto open = ApplyPhotoRows({list}, photos);
+  EXPECT_FALSE(photos[0].attitude || photos[1].attitude);
+  EXPECT_THAT(open.warnings, Contains(HasSubstr("of 1 row (the first is img_0.jpg)")));
+  list.events[0].image_name = "DCIM/101MEDIA/IMG_0.JPG";
+  EXPECT_TRUE(ApplyPhotoRows({list}, photos).warnings.empty());
+  EXPECT_TRUE(!photos[0].attitude && photos[1].attitude);
 }
 
 TEST(EstimatePoses, KnowsNeighboursBetterAgainstEachOtherThanAgainstTheGround) {

@@ -1,5 +1,6 @@
 """Lists of positions as users were reported to have them: the map where the list says, or words that name what in the list
 cannot be read. Never a map elsewhere without a word."""
+import re
 import subprocess
 import unittest
 
@@ -76,6 +77,26 @@ class Inspect(ReportedFlight):
                 said = self.lines_about(case.split("/")[1], "photos", case)
                 self.assertRegex(said, rf"\b{rows} (of {rows} )?rows")
                 self.assertRegex(said, r"\d(\.\d+)? (m|cm|metres|km)\b")
+
+    def test_it_tells_of_each_track(self):
+        for case in ("tracks/us-dates.csv", "tracks/gpx-prefix.gpx", "tracks/nmea-without-checksums.nmea",
+                     "autel-subtitles/MAX_0001.SRT"):
+            name = case.split("/")[1]
+            with self.subTest(case):
+                said = self.lines_about(name, "photos-nogps", case)
+                self.assertRegex(said, rf"Used +{re.escape(name)} \(\w+\): 18 of 18 photos placed")
+                if name != "MAX_0001.SRT":  # seven seconds between its positions: too few to fit the photos' own to
+                    self.assertRegex(self.lines_about(name, "photos", case), r"\d\.\d m from the photos' own positions")
+        events = "raw_201606231916_UBX_events.pos"
+        self.assertRegex(self.lines_about(events, "photos-nogps", f"one-event-missing/{events}"), r"18 of 18 photos stand where")
+
+    def test_positions_are_those_that_the_map_stands_on(self):
+        for photos, case, sources in (("photos", "pix4d-projected/geolocation.csv", {"geolocation.csv": 18}),
+                                      ("photos", "half-a-list/geo.txt", {"geo.txt": 9, "exif": 9}),
+                                      ("photos-nogps", "tracks/us-dates.csv", {"us-dates.csv": 18}),
+                                      ("photos-nogps", "half-a-list/geo.txt", {"geo.txt": 9, "none": 9})):
+            with self.subTest(case):
+                self.assertEqual(self.inspect(photos, case)["position_sources"], sources)
 
     def test_what_it_says_is_what_stitch_does(self):
         verdict = self.inspect("photos-nogps", "decimal-comma/images.csv")

@@ -184,6 +184,35 @@ constexpr std::array kSynonyms = {
              "datei dateiname fichier nomfichier nomdufichier nomimage nomdelimage imagen "
              "archivo nombrearchivo nombredelarchivo nombreimagen name nom nombre"}};
 
+struct ListNames {
+  ListColumn column;
+  std::string_view names;
+};
+
+// "x" and "y" are columns, but say no order: surveyors' x is north in half of the world.
+constexpr std::array kListNames = {
+    ListNames{
+        ListColumn::kEast,
+        "east easting eastings eastingm geox e ost ostwert rechts rechtswert este est xeast utmeast utmeasting "
+        "coordeast mapeast"},
+    ListNames{ListColumn::kNorth,
+              "north northing northings northingm geoy n nord nordwert hoch hochwert norte ynorth utmnorth "
+              "utmnorthing coordnorth mapnorth"},
+    ListNames{
+        ListColumn::kOther,
+        "x y z h mapx mapy mapz geoz xcoord ycoord zcoord px py imx imy pixelx pixely u v col row photo gcp "
+        "gcpname point pointname pointid punkt punktnummer omega phi kappa"}};
+
+std::unordered_map<std::string_view, ListColumn> ListColumnsByName() {
+  std::unordered_map<std::string_view, ListColumn> columns;
+  std::vector<std::string_view> names;
+  for (const ListNames& each : kListNames) {
+    SplitBlanks(each.names, names);
+    for (const std::string_view name : names) columns.emplace(name, each.column);
+  }
+  return columns;
+}
+
 std::unordered_map<std::string_view, M> MeaningsByName() {
   std::unordered_map<std::string_view, M> meanings;
   std::vector<std::string_view> names;
@@ -213,6 +242,12 @@ CsvMeaning FindCsvSynonym(std::string_view letters) {
   static const std::unordered_map<std::string_view, M> kMeanings = MeaningsByName();
   const auto found = kMeanings.find(letters);
   return found == kMeanings.end() ? M::kIgnored : found->second;
+}
+
+ListColumn FindListColumn(std::string_view letters) {
+  static const std::unordered_map<std::string_view, ListColumn> kColumns = ListColumnsByName();
+  const auto found = kColumns.find(letters);
+  return found == kColumns.end() ? ListColumn::kNone : found->second;
 }
 
 }  // namespace skyquilt::flight

@@ -64,4 +64,9 @@ CsvMeaning FindCanonicalCsvName(std::string_view name);
 // By one of the names that other programs use, lower case, without blanks, underscores and units.
 CsvMeaning FindCsvSynonym(std::string_view letters);
 
+// Columns of lists beside those that logs have: coordinates in a plane, places in a picture, names of points.
+enum class ListColumn { kNone, kEast, kNorth, kOther };
+// By the same letters; a letter alone ("E") must be the whole name.
+ListColumn FindListColumn(std::string_view letters);
+
 }  // namespace skyquilt::flight

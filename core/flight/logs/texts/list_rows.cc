@@ -1,11 +1,12 @@
 #include "core/flight/logs/texts/list_rows.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <string>
 
 #include "core/flight/logs/coordinate_cell.h"
+#include "core/flight/logs/csv/csv_columns.h"
+#include "core/flight/logs/csv/csv_meanings.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -14,6 +15,7 @@ constexpr int kLinesAboveRows = 24;  // a system, names of columns, comments
 constexpr std::size_t kLongestSystem = 16'384;
 constexpr int kMaxWktLines = 200;
 constexpr std::size_t kLongestColumnName = 64;
+constexpr std::size_t kLongestLineOfNames = 16'384;
 
 std::string LettersOfColumn(std::string_view name) {
   std::string letters;
@@ -23,38 +25,41 @@ std::string LettersOfColumn(std::string_view name) {
   return letters;
 }
 
-template <std::size_t kCount>
-bool IsOneOf(const std::string& word, const std::array<std::string_view, kCount>& words) {
-  return std::find(words.begin(), words.end(), word) != words.end();
-}
-
-bool IsEastName(const std::string& letters) {
-  constexpr std::array<std::string_view, 8> kNames = {"lon",  "long",    "lng",  "longitude",
-                                                      "east", "easting", "geox", "longitud"};
-  return IsOneOf(letters, kNames) || letters.starts_with("longitude") || letters.starts_with("easting");
-}
-
-bool IsNorthName(const std::string& letters) {
-  constexpr std::array<std::string_view, 6> kNames = {"lat",      "latitude", "north",
-                                                      "northing", "geoy",     "latitud"};
-  return IsOneOf(letters, kNames) || letters.starts_with("latitude") || letters.starts_with("northing");
-}
-
-bool IsColumnName(std::string_view word) {
-  constexpr std::array<std::string_view, 36> kNames = {
-      "x",        "y",      "z",         "mapx",    "mapy",  "mapz",  "geoz",      "alt",   "altitude",
-      "h",        "height", "elevation", "elev",    "px",    "py",    "imx",       "imy",   "pixelx",
-      "pixely",   "u",      "v",         "col",     "row",   "image", "imagename", "photo", "file",
-      "filename", "name",   "gcp",       "gcpname", "label", "point", "yaw",       "pitch", "roll"};
-  const std::string letters = LettersOfColumn(word);
-  return IsOneOf(letters, kNames) || IsEastName(letters) || IsNorthName(letters);
+// As tables name their columns, and as lists do.
+ListColumn KindOfColumn(std::string_view name) {
+  name = name.substr(0, kLongestColumnName);
+  switch (MapTolerantColumns({name}).front().meaning) {
+    case CsvMeaning::kLon:
+      return ListColumn::kEast;
+    case CsvMeaning::kLat:
+      return ListColumn::kNorth;
+    case CsvMeaning::kHeightEllipsoid:
+    case CsvMeaning::kHeightAmsl:
+    case CsvMeaning::kHeightAboveTakeoff:
+    case CsvMeaning::kHeightAboveGround:
+    case CsvMeaning::kSigmaHorizontal:
+    case CsvMeaning::kSigmaVertical:
+    case CsvMeaning::kRoll:
+    case CsvMeaning::kPitch:
+    case CsvMeaning::kYaw:
+    case CsvMeaning::kImage:
+      return ListColumn::kOther;
+    default:
+      break;
+  }
+  const std::string letters = LettersOfColumn(name);
+  if (letters.size() == 1 && Trim(name).size() > 1) return ListColumn::kNone;  // the "n" of "32N"
+  if (const ListColumn column = FindListColumn(letters); column != ListColumn::kNone) return column;
+  if (letters.starts_with("longitude") || letters.starts_with("easting")) return ListColumn::kEast;
+  if (letters.starts_with("latitude") || letters.starts_with("northing")) return ListColumn::kNorth;
+  return ListColumn::kNone;
 }
 
 // Names of columns, however they are separated: two that are known at least, and no numbers.
 std::vector<std::string_view> ColumnNames(std::string_view line) {
   std::vector<std::string_view> words;
   const std::size_t begin = line.find_first_not_of("# \t");
-  if (begin == std::string_view::npos) return {};
+  if (begin == std::string_view::npos || line.size() > kLongestLineOfNames) return {};
   line = line.substr(begin);
   const bool is_cut = line.find_first_of(",;\t") != std::string_view::npos;
   if (is_cut) {
@@ -62,10 +67,10 @@ std::vector<std::string_view> ColumnNames(std::string_view line) {
   } else {
     SplitBlanks(line, words);
   }
-  const auto known = std::count_if(words.begin(), words.end(), IsColumnName);
   const bool has_number =
       std::any_of(words.begin(), words.end(), [](std::string_view w) { return ParseNumber(w).has_value(); });
-  if (has_number || known < 2) words.clear();
+  const auto is_known = [](std::string_view word) { return KindOfColumn(word) != ListColumn::kNone; };
+  if (has_number || std::count_if(words.begin(), words.end(), is_known) < 2) words.clear();
   return words;
 }
 
@@ -157,9 +162,9 @@ std::optional<ListTop> ReadListTop(std::string_view text, const IsListRow& is_ro
 std::optional<NamedOrder> OrderOfColumns(const std::vector<std::string_view>& columns) {
   std::optional<std::size_t> east, north;
   for (std::size_t i = 0; i < columns.size(); ++i) {
-    const std::string letters = LettersOfColumn(columns[i]);
-    if (!east && IsEastName(letters)) east = i;
-    if (!north && IsNorthName(letters)) north = i;
+    const ListColumn kind = KindOfColumn(columns[i]);
+    if (!east && kind == ListColumn::kEast) east = i;
+    if (!north && kind == ListColumn::kNorth) north = i;
   }
   if (!east || !north) return std::nullopt;
   return *east < *north ? NamedOrder::kEastFirst : NamedOrder::kNorthFirst;
