@@ -110,8 +110,11 @@ Result<void> CheckOutFolder(const fs::path& out_dir, const std::vector<flight::I
         fmt::format("has {} already, and no readable mosaic.state that says of which photos.", *product));
   }
   const Result<pipeline::FlightFacts> facts = pipeline::ParseFacts(*bytes);
-  if (!facts)
-    return Refusal(out_dir, "has a map whose mosaic.state cannot be read, so its photos are not known.");
+  // Of another version nothing is read, and no map is of no photos.
+  if (!facts || facts->flight.photos.empty())
+    return Refusal(out_dir,
+                   "has a map whose mosaic.state is damaged or of another version of Skyquilt, so its photos "
+                   "are not known.");
   const std::vector<std::string> missing = MissingPhotos(out_dir, *facts, files);
   const std::string others = OtherOptions(*facts, options);
   if (missing.empty() && others.empty()) return {};

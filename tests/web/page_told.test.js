@@ -58,6 +58,21 @@ test('a map with photos left out or placed by record alone is amber and says so;
   }
 });
 
+test('of a map that was made before anything judged it, nothing is claimed', options, async () => {
+  const opened = await setUp();
+  const { page, mock } = opened;
+  const flight = mock.seedReady('Meadow');
+  await page.route('**/report', async (route) => {
+    const { quality, ...report } = await (await route.fetch()).json();
+    await route.fulfill({ json: report });
+  });
+  await page.goto(`${mock.url}#/flights/${flight.id}`);
+  await page.waitForSelector('#report .facts');
+  assert.equal(await page.locator('#result-verdict').count(), 0);
+  assert.doesNotMatch(await page.textContent('#report'), /aligned\.|accuracy/);
+  await assertQuiet(opened);
+});
+
 test('flights show when they were flown, by the clock of the place', options, async () => {
   // Whoever reads it is half a day away.
   const opened = await setUp({}, { timezoneId: 'Pacific/Auckland', locale: 'en-GB' });

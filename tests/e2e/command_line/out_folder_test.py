@@ -1,7 +1,9 @@
 """A finished map and files of others in the folder of -o are replaced only by those who say so."""
+import contextlib
 import json
 import pathlib
 import shutil
+import sqlite3
 import subprocess
 import sys
 import tempfile
@@ -103,6 +105,16 @@ class OutFolder(unittest.TestCase):
         (out / "mosaic.state").write_bytes(b"no database at all")
         self.check_refused(out, self.stitch(self.scratch / "one", out), "--overwrite")
         self.assertEqual(self.stitch(self.scratch / "one", out, "--overwrite").returncode, 0)
+
+    def test_a_map_of_another_version_stays(self):
+        out = self.copy_of_map("earlier")
+        with contextlib.closing(sqlite3.connect(out / "mosaic.state")) as state, state:
+            [facts] = state.execute("SELECT bytes FROM facts WHERE name='flight'").fetchone()
+            at = facts.index(b"gversion") + len(b"gversion")  # CBOR: a text of 7 bytes, then a small number
+            state.execute("UPDATE facts SET bytes=? WHERE name='flight'", (facts[:at] + bytes([facts[at] - 1]) + facts[at + 1:],))
+        before = contents(out)
+        self.check_refused(out, self.stitch(self.scratch / "other", out), "another version", "--overwrite")
+        self.assertEqual(contents(out), before)
 
     def test_files_of_others_are_not_taken_for_products(self):
         for name in ("geo.txt", "report.json", "layers.json", "mosaic.tif"):

@@ -10,18 +10,13 @@ import { count, kLanguages, languageFor, list, localeFor, speak } from '../../..
 import { loadFlightWords } from '../../../web/src/shared/flight_strings.js';
 import { loadPageWords } from '../../../web/src/shared/strings.js';
 import { web_root } from '../support/mock_server.js';
+import { leavesOf as leaves } from '../support/word_leaves.js';
 import { literalsIn } from './text_literals.js';
 
 /** @typedef {import('../../../web/src/shared/language.js').Language} Language */
 const tags = /** @type {Language[]} */ (Object.keys(kLanguages));
 
 const loadStrings = async (/** @type {Language} */ tag) => ({ ...(await loadPageWords(tag)), ...(await loadFlightWords(tag)) });
-
-/** @param {any} words @param {string} [path] @returns {[string, any][]} every text and function by its path */
-const leaves = (words, path = '') =>
-  typeof words === 'object' && words !== null
-    ? Object.entries(words).flatMap(([key, value]) => leaves(value, path === '' ? key : `${path}.${key}`))
-    : [[path, words]];
 
 /** Far apart, so that each is found again in what a function says. */
 const kNumbers = [1011, 2022, 3033];

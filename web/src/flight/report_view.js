@@ -123,7 +123,7 @@ export function reportView(flight, report, photos, change) {
         iconButton('print', words.print, () => print()),
       ),
     ),
-    resultView(report),
+    report.quality && resultView(report),  // of maps of before there was a word on it, nothing is said
     place && report.is_placed === false &&
       h('button', { type: 'button', class: 'button primary place-button no-print', id: 'flight-place', on: { click: (/** @type {Event} */ event) => place(/** @type {HTMLElement} */ (event.currentTarget)) } }, icon('move'), strings.place.place),
     h(

@@ -1,0 +1,119 @@
+"""The accuracy of real flights, the same to the digit wherever it is said: in report.json, at the command line, in the report and
+its PDF, in the API's list and flight, in STAC, in the page's list, head and report. Prints a table of all of it."""
+import json
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent)]
+from accuracy_test import digits  # noqa: E402
+from server_support import BINARY, DATA, Server  # noqa: E402
+
+PAGE_READER = HERE.parents[1] / "web" / "support" / "flight_texts.js"
+STATUSES = {"ready": "Ready to use", "limited": "Usable, with limits", "doubtful": "Place in doubt", "unplaced": "Not georeferenced"}
+COPR = DATA / "copr_41"
+FLIGHTS = {
+    "brighton": [DATA / "brighton_beach" / "images"],
+    "caliterra_75": [DATA / "caliterra_75"],
+    "copr_41 with its list": [COPR / "images", COPR / "gcp_list.txt"],
+    "copr_41 without": [COPR / "images"],
+    "garfield, colours": [DATA / "garfield_rgb_8"],
+    "garfield, bands": [DATA / "garfield_msp_5"],
+    "copr_41, check points": [COPR / "images", "checks"],
+}
+
+
+def of_quality(quality):
+    """What JSON says, as (status, absolute, relative in metres, in pixels)."""
+    sigma_m, error_m, error_px = quality["absolute"]["sigma_m"], quality["relative"]["error_m"], quality["relative"]["error_px"]
+    return (STATUSES[quality["status"]], "unknown" if sigma_m is None else digits(sigma_m), "unknown" if error_m is None else digits(error_m),
+            "unknown" if error_px is None else f"{error_px:.2g}" if error_px < 100 else f"{error_px:.0f}")
+
+
+def of_words(status, absolute, relative):
+    """The same of sentences."""
+    radius, metres, pixels = (re.search(pattern, text.replace("\u00a0", " ")) for pattern, text in (
+        (r"(?:\+-|\u00b1)([\d.]+ c?m)\b", absolute), (r"([\d.]+ c?m) \(", relative), (r"([\d.]+) px", relative)))
+    return (status, *("unknown" if found is None else found[1] for found in (radius, metres, pixels)))
+
+
+def of_report(text):
+    """Of the report's text, however its lines are broken."""
+    text = " ".join(text.split())
+    status = next((words for words in STATUSES.values() if f"{words}." in text), "none")
+    return of_words(status, *(re.search(pattern, text)[1] for pattern in (r"Absolute (.*?) Relative ", r"Absolute .*? Relative (.*?)(?: Ground | Each of| To be known|$)")))
+
+
+def with_checks(folder):
+    """The flight's own list, every third of its points one that only checks the map."""
+    rows = (COPR / "gcp_list.txt").read_text().splitlines()
+    names = sorted({row.split()[6] for row in rows if len(row.split()) > 6})
+    checks = set(names[1::3])
+    path = pathlib.Path(folder, "gcp_list.txt")
+    path.write_text("\n".join(f"{row}_check" if (row.split() + [""] * 7)[6] in checks else row for row in rows) + "\n")
+    return path
+
+
+class RealAccuracy(unittest.TestCase):
+    def said_of(self, name, inputs, scratch):
+        """Every surface's word on it, by its name; '' where it has none."""
+        out = scratch / "map"
+        line = subprocess.run([BINARY, "stitch", *inputs, "-o", out], check=True, capture_output=True, text=True).stdout
+        report = json.loads((out / "report.json").read_text())
+        said = {"report.json": of_quality(report["quality"])}
+        found = re.search(r"^(.*?)\. Absolute accuracy: (.*?)\. Relative: (.*)\.$", line, re.MULTILINE)
+        said["command line"] = of_words(*found.groups())
+        subprocess.run([BINARY, "report", out, "-o", scratch / "report.html"], check=True, capture_output=True)
+        said["report"] = of_report(re.sub(r"<svg.*?</svg>|<style>.*?</style>|<[^>]*>", " ", (scratch / "report.html").read_text(), flags=re.DOTALL))
+        if shutil.which("pdftotext") and any(shutil.which(tool) for tool in ("weasyprint", "chromium", "google-chrome", "wkhtmltopdf")):
+            subprocess.run([BINARY, "report", out, "-o", scratch / "report.pdf"], check=True, capture_output=True)
+            text = subprocess.run(["pdftotext", "-layout", scratch / "report.pdf", "-"], check=True, capture_output=True, text=True).stdout
+            said["PDF"] = of_report(text)
+        # The server makes the map anew, of the same files.
+        server = Server(scratch / "data")
+        try:
+            url = f"http://127.0.0.1:{server.port}/"
+            subprocess.run([BINARY, "upload", *inputs, "--server", url, "--name", name], check=True, capture_output=True)
+            [listed] = server.json("GET", "/api/v1/flights")[1]["flights"]
+            flight = listed["id"]
+            said["API, list"] = of_quality(listed["quality"])
+            said["API, flight"] = of_quality(server.json("GET", f"/api/v1/flights/{flight}")[1]["quality"])
+            said["API, report"] = of_quality(server.json("GET", f"/api/v1/flights/{flight}/report")[1]["quality"])
+            properties = server.json("GET", f"/stac/{flight}")[1]["properties"]
+            sigma_m = properties.get("skyquilt:accuracy_m")
+            said["STAC"] = (STATUSES[properties["skyquilt:status"]], "unknown" if sigma_m is None else digits(sigma_m), "", "")
+            page = subprocess.run(["node", PAGE_READER, url, flight], capture_output=True, text=True) if shutil.which("node") else None
+            if page and page.returncode != 77:
+                self.assertEqual(page.returncode, 0, page.stderr)
+                page = json.loads(page.stdout)
+                said["page, list"], said["page, head"] = ((*of_words(page[part]["status"], page[part]["facts"], "")[:2], "", "") for part in ("list", "head"))
+                said["page, report"] = of_words(*page["report"].values())
+        finally:
+            server.stop()
+        return said
+
+    def test_every_surface_says_the_same_of_each_flight(self):
+        here = {name: paths for name, paths in FLIGHTS.items() if all(path == "checks" or path.exists() for path in paths)}
+        if not here:
+            self.skipTest(f"no flights in {DATA}")
+        for name in FLIGHTS.keys() - here.keys():
+            print(f"skipped: {name} is not in {DATA}", file=sys.stderr)
+        for name, paths in here.items():
+            with self.subTest(name), tempfile.TemporaryDirectory() as scratch:
+                inputs = [with_checks(scratch) if path == "checks" else path for path in paths]
+                said = self.said_of(name, inputs, pathlib.Path(scratch))
+                print(f"\n{name}\n" + "\n".join(f"  {surface:14}" + "".join(f"{value or '-':22}" for value in values) for surface, values in said.items()))
+                wanted = said["report.json"]
+                for surface, values in said.items():
+                    self.assertEqual([value or want for value, want in zip(values, wanted)], list(wanted), surface)
+                if name == "copr_41 without":
+                    self.assertEqual(wanted[:3], ("Not georeferenced", "unknown", "unknown"))
+
+
+if __name__ == "__main__":
+    unittest.main()
