@@ -69,6 +69,7 @@ struct Service {
   std::string node_engine = kUsualNodeEngine;  // as which the NodeODM-compatible node answers
   bool sends_webhooks = false;                 // the operator lets this server speak to others
   storage::Tokens tokens{db};
+  bool has_keyed_cache = false;  // the operator's cache in front has Authorization and the query in its key
   storage::IdempotentAnswers idempotent_answers{db};
   RateLimiter rate_limiter{};
   ByteLedger quotas{};

@@ -281,6 +281,7 @@ void RunServer(const ServeOptions& options) {
   service.basemap = *basemap;
   service.trash_days = options.trash_days;
   service.keep_days = options.keep_days;
+  service.has_keyed_cache = options.keyed_cache;
   service.node_engine = options.node_engine;
   service.sends_webhooks = options.webhooks != "off";
   api::Router router = api::BuildApi(service);
