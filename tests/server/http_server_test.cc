@@ -72,6 +72,8 @@ TEST_F(HttpServerTest, RefusesWhatIsNotGoodHttp) {
       {400, get + kHost + kHost + "\r\n"},
       {400, get + "Host: a b\r\n\r\n"},
       {400, get + "Host: \r\n\r\n"},
+      {400, get + "Host: [::1]evil.example\r\n\r\n"},
+      {400, get + "Host: 127.0.0.1:99999999999\r\n\r\n"},
       {400, get + kHost + "X: a\r\n b\r\n\r\n"},
       {400, get + kHost + "X : a\r\n\r\n"},
       {400, "GET /healthz\xc3\xa6 HTTP/1.1\r\n" + kHost + "\r\n"},
@@ -178,6 +180,25 @@ TEST_F(HttpServerTest, AnswersToTheNamesThatItsOperatorGaveIt) {
   EXPECT_EQ(status("maps.example.org.evil.example"), 421);
   EXPECT_NE(Ask("GET /healthz HTTP/1.1\r\nHost: evil.example\r\n\r\n").body.find("--host"),
             std::string::npos);
+}
+
+TEST_F(HttpServerTest, AnswersToNoOtherNameThatAProxyPassesOn) {
+  settings_.trusted_proxies.push_back(*AddressRange::From("127.0.0.1"));
+  settings_.hosts = {"maps.example.org"};
+  Start();
+  const auto ask = [&](const std::string& host) {
+    return Ask("GET /stac HTTP/1.1\r\n" + kHost + "X-Forwarded-Host: " + host + "\r\n\r\n");
+  };
+  EXPECT_EQ(ask("evil.example").status, 421);
+  EXPECT_NE(ask("maps.example.org").body.find("http://maps.example.org/stac"), std::string::npos);
+  // Where tokens are asked for, any name is answered, and links do not follow it.
+  const std::string text = api::NewTokenText();
+  ASSERT_TRUE(
+      service_.tokens.Add({"one", "one", api::HashToken(text), storage::Scope::kAdmin, storage::Now()}));
+  const RawAnswer closed = ask("evil.example\r\nAuthorization: Bearer " + text);
+  EXPECT_EQ(closed.status, 200);
+  EXPECT_EQ(closed.body.find("evil"), std::string::npos);
+  EXPECT_NE(closed.body.find("http://localhost/stac"), std::string::npos);
 }
 
 TEST_F(HttpServerTest, ListeningAtAllAddressesAnswersToThoseOfTheMachineAlone) {

@@ -59,7 +59,7 @@ class Proxy(ServerTestCase):
     def setUpClass(cls):
         super().setUpClass()
         cls.kept = Server(tempfile.mkdtemp(dir=cls.scratch), "--base-path", "/skyquilt")
-        cls.stripped = Server(tempfile.mkdtemp(dir=cls.scratch), "--trusted-proxy", "127.0.0.1")
+        cls.stripped = Server(tempfile.mkdtemp(dir=cls.scratch), "--trusted-proxy", "127.0.0.1", "--host", "maps.example.org")
         cls.port = free_port()
         cls.nginx = start_nginx(tempfile.mkdtemp(dir=cls.scratch), cls.port,
                                 BELOW_PATHS.format(kept=cls.kept.port, stripped=cls.stripped.port),
