@@ -234,6 +234,13 @@ class Session : public std::enable_shared_from_this<Session> {
       } else if (slice.fault == BodySlice::Fault::kNotHttp) {
         *response = api::ProblemWithStatus(400, "The body is not HTTP: " + slice.reason + ".", request.path,
                                            request_id_);
+      } else if (slice.fault == BodySlice::Fault::kTooSlow) {
+        *response = api::ProblemWithStatus(
+            408,
+            fmt::format("The body came too slowly: {}. Send it again; what is sent in parts (tus, at "
+                        "/api/v1/uploads, as \"skyquilt upload\" and the page do) goes on where it was.",
+                        slice.reason),
+            request.path, request_id_);
       }
       if (slice.fault != BodySlice::Fault::kNone) co_return false;
       if (slice.size == 0) continue;

@@ -339,6 +339,53 @@ TEST_F(HttpServerTest, ForgetsAnUploadWhoseClientWentAway) {
   EXPECT_TRUE(catalogue_.ListFiles(flight)->empty());
 }
 
+TEST_F(HttpServerTest, TellsWhoeverSendsABodyTooSlowly) {
+  settings_.slice_deadline = std::chrono::seconds(1);
+  Start();
+  const std::string flight = catalogue_.AddFlight("f", "{}", storage::Now())->id;
+  RawClient stalled(port()), dripping(port());
+  for (RawClient* client : {&stalled, &dripping}) {
+    client->Send("PUT /api/v1/flights/" + flight + "/files/a.jpg HTTP/1.1\r\n" + kHost +
+                 "Content-Length: 1000000\r\n\r\n" + std::string(300'000, 'x'));
+  }
+  for (int i = 0; i < 4; ++i) {
+    dripping.Send("x");
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  for (RawClient* client : {&stalled, &dripping}) {
+    const RawAnswer answer = client->Receive();
+    EXPECT_EQ(answer.status, 408);
+    EXPECT_NE(answer.body.find("128 KiB"), std::string::npos) << answer.body;
+    EXPECT_NE(answer.body.find("1 s"), std::string::npos) << answer.body;
+    EXPECT_TRUE(client->IsClosed());
+  }
+  EXPECT_TRUE(WaitForNoIncoming());
+  EXPECT_TRUE(catalogue_.ListFiles(flight)->empty());
+}
+
+TEST_F(HttpServerTest, KeepsWhatCameTooSlowlyOfAResumableUpload) {
+  settings_.slice_deadline = std::chrono::seconds(1);
+  Start();
+  const std::string flight = catalogue_.AddFlight("f", "{}", storage::Now())->id;
+  storage::SpooledUpload wish;
+  wish.flight_id = flight;
+  wish.name = "a.jpg";
+  wish.length = 500'000;
+  const std::string upload = service_.spool.Create(wish, service_.db.ages().Now())->id;
+  const std::string tus = "/api/v1/uploads/" + upload + " HTTP/1.1\r\n" + kHost + "Tus-Resumable: 1.0.0\r\n";
+  const std::string patch = "PATCH " + tus + "Content-Type: application/offset+octet-stream\r\n";
+  EXPECT_EQ(
+      Ask(patch + "Upload-Offset: 0\r\nContent-Length: 500000\r\n\r\n" + std::string(300'000, 'x')).status,
+      408);
+  RawClient client(port());
+  client.Send("HEAD " + tus + "\r\n");
+  EXPECT_NE(client.Receive(false).head.find("Upload-Offset: 300000\r\n"), std::string::npos);
+  EXPECT_EQ(Ask(patch + "Upload-Offset: 300000\r\nContent-Length: 200000\r\n\r\n" + std::string(200'000, 'x'))
+                .status,
+            204);
+  EXPECT_EQ(catalogue_.ListFiles(flight)->at(0).bytes, 500'000);
+}
+
 TEST_F(HttpServerTest, RefusesAnUploadBeforeItsBodyIsSent) {
   Start();
   RawClient client(port());
