@@ -68,7 +68,12 @@ struct Service {
   storage::NodeDeliveries node_deliveries{db};
   std::string node_engine = kUsualNodeEngine;  // as which the NodeODM-compatible node answers
   bool sends_webhooks = false;                 // the operator lets this server speak to others
+  // To this address, too; asked when one is named, and once more by whoever sends.
+  std::function<Result<void>(const std::string& url)> check_receiver = [](const std::string&) {
+    return Result<void>();
+  };
   storage::Tokens tokens{db};
+  bool has_keyed_cache = false;  // the operator's cache in front has Authorization and the query in its key
   storage::IdempotentAnswers idempotent_answers{db};
   RateLimiter rate_limiter{};
   ByteLedger quotas{};

@@ -186,6 +186,22 @@ std::optional<Response> CheckAccess(Service& service, Request& request, std::str
   return IsNode(pattern) ? NodeRefusal(within.error().message) : Problem(within.error(), request);
 }
 
+void KeepToAsker(const Service& service, const Request& request, Response& response) {
+  if (request.owner.empty() || response.wants) return;
+  response.headers.AddVary("Authorization");
+  constexpr std::string_view kPublic = "public";
+  std::string control(response.headers.Find("Cache-Control"));
+  if (control.starts_with(kPublic)) {
+    if (service.has_keyed_cache) return;
+    control.replace(0, kPublic.size(), "private");
+  } else if (control.empty()) {
+    control = "private, no-cache";
+  } else if (!control.starts_with("private") && control != "no-store") {
+    control.insert(0, "private, ");
+  }
+  response.headers.Set("Cache-Control", std::move(control));
+}
+
 bool IsStillGood(Service& service, const Request& request) {
   const auto tokens = service.tokens.Known();
   if (!tokens) return false;

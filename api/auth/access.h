@@ -28,6 +28,10 @@ bool IsNode(std::string_view pattern);
 // else the request knows whose it is.
 std::optional<Response> CheckAccess(Service& service, Request& request, std::string_view pattern);
 
+// What a token opened is for whoever shows it: caches between are told (private, Vary), but where the
+// operator said that theirs keeps tokens apart (Service::has_keyed_cache).
+void KeepToAsker(const Service& service, const Request& request, Response& response);
+
 // For answers that go on for long: false from when the token it came with was revoked or has ended.
 bool IsStillGood(Service& service, const Request& request);
 

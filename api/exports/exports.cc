@@ -89,6 +89,7 @@ Result<std::string> QueueExport(Service& service, const Request& request, const 
   wanted.request = nlohmann::json::parse(body).dump();  // so that the same wish is known again
   wanted.format = storage::NameOf(wish.format);
   wanted.owner = request.owner;
+  wanted.is_of_link = !request.only_flight.empty();
   SKYQUILT_TRY_ASSIGN(const MapExport added,
                       service.db.Again([&] { return service.exports.Add(wanted, storage::Now()); }));
   address = AddressOfExport(added);
@@ -114,7 +115,9 @@ Result<std::string> ListExports(Service& service, const Request& request, const 
   SKYQUILT_TRY_ASSIGN(const std::int64_t shown, ShownRevisionOf(service, flight_id));
   SKYQUILT_TRY_ASSIGN(const std::vector<MapExport> exports, service.exports.List(flight_id));
   std::vector<std::string> items;
-  for (const MapExport& one : exports) items.push_back(ExportJson(service, request, one, shown));
+  for (const MapExport& one : exports) {
+    if (!service.exports.HasExpired(one)) items.push_back(ExportJson(service, request, one, shown));
+  }
   return JsonObject({{"exports", JsonArray(items)}});
 }
 
@@ -195,6 +198,7 @@ void AddExportRoutes(Router& router, Service& service) {
 }
 
 Result<int> RemoveExpiredExports(Service& service) {
+  SKYQUILT_TRY(service.exports.EndThoseOfEndedLinks(storage::Now()));
   SKYQUILT_TRY_ASSIGN(const std::vector<MapExport> expired, service.exports.Expired());
   for (const MapExport& one : expired) {
     // The file first: a row without one says what it is, a file without a row nobody knows.

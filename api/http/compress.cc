@@ -82,7 +82,7 @@ Result<void> CompressAnswer(const Request& request, Response& response) {
   }
   const std::uint64_t size = response.source != nullptr ? response.source->length() : response.body.size();
   if (size < kMinBytes || size > kMaxBytes) return {};
-  response.headers.Add("Vary", "Accept-Encoding");
+  response.headers.AddVary("Accept-Encoding");
   if (!TakesCoding(request, "gzip") || request.headers.Has("Range")) return {};
   if (response.source != nullptr) {
     SKYQUILT_TRY_ASSIGN(response.body, Whole(*response.source));

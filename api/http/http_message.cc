@@ -32,6 +32,12 @@ void Headers::Set(std::string_view name, std::string value) {
   list_.emplace_back(std::string(name), std::move(value));
 }
 
+void Headers::AddVary(std::string_view field) {
+  std::string fields(Find("Vary"));
+  if (!fields.empty()) fields += ", ";
+  Set("Vary", fields.append(field));
+}
+
 void Headers::Remove(std::string_view name) {
   std::erase_if(list_, [&](const auto& header) { return EqualsIgnoringCase(header.first, name); });
 }

@@ -42,6 +42,8 @@ class Headers {
   void Add(std::string name, std::string value) { list_.emplace_back(std::move(name), std::move(value)); }
   void Set(std::string_view name, std::string value);
   void Remove(std::string_view name);
+  // One more field of the request that the answer depends on; in one line, since some caches read one alone.
+  void AddVary(std::string_view field);
   // Empty when absent.
   std::string_view Find(std::string_view name) const;
   bool Has(std::string_view name) const;

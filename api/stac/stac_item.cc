@@ -87,11 +87,13 @@ std::string StacItem(const Request& request, const storage::ShownFlight& map) {
   links.push_back(ItemLink(to("/ogc/collections/" + id), "related", "application/json"));
   links.push_back(ItemLink(to(fmt::format("/tiles/{}/{{z}}/{{x}}/{{y}}", id)), "xyz", "image/jpeg"));
   links.push_back(ItemLink(to(fmt::format("/tiles/{}.json", id)), "tilejson", "application/json"));
-  ItemJson wmts = ItemLink(to("/wmts/" + id + "/1.0.0/WMTSCapabilities.xml"), "wmts", "application/xml");
+  // Of these two the type is what clients are to ask tiles and pictures as (web-map-links).
+  ItemJson wmts = ItemLink(to("/wmts/" + id + "/1.0.0/WMTSCapabilities.xml"), "wmts", "image/png");
   wmts["wmts:layer"] = "map";
   links.push_back(wmts);
   ItemJson wms = ItemLink(to("/wms/" + id), "wms", "image/png");
   wms["wms:layers"] = {"map"};
+  wms["wms:transparent"] = true;
   links.push_back(wms);
   const std::string api = "/api/v1/flights/" + id;
   constexpr const char* kPmtiles = "application/vnd.pmtiles";

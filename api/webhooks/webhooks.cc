@@ -61,6 +61,8 @@ Response AddWebhook(Service& service, const Request& request, const std::string&
   }
   const Result<NewWebhook> wanted = ParseNewWebhook(body);
   if (!wanted) return Problem(wanted.error(), request);
+  const Result<void> may_be_told = service.check_receiver(wanted->url);
+  if (!may_be_told) return Problem(may_be_told.error(), request);
   const Result<storage::Webhook> made = service.webhooks.Add(wanted->url, wanted->secret, storage::Now());
   if (!made) return Problem(made.error(), request);
   return Json(201, Described(*made, true));

@@ -13,6 +13,7 @@
 
 #include "core/base/check.h"
 #include "core/base/try.h"
+#include "core/image/png_decoder.h"
 #include "core/image/png_encoder.h"
 #include "core/image/png_tile.h"
 
@@ -49,7 +50,7 @@ Result<RgbaImage> DecodeRgbaJpeg(std::string_view bytes) {
   SKYQUILT_TRY_ASSIGN(RgbaImage image, PictureOf(width_px, height_px));
   // Alpha is set to 255.
   if (tjDecompress2(decoder.get(), Raw(bytes), bytes.size(), image.rgba.data(), width_px, 0, height_px,
-                    TJPF_RGBA, TJFLAG_ACCURATEDCT) != 0) {
+                    TJPF_RGBA, TJFLAG_ACCURATEDCT | TJFLAG_LIMITSCANS) != 0) {
     return Damaged();
   }
   return image;
@@ -72,6 +73,10 @@ Result<RgbaImage> DecodeRgbaPng(std::string_view bytes) {
     }
   }
   header.format = PNG_FORMAT_RGBA;
+  if (!CheckPngEnds({Raw(bytes), bytes.size()})) {
+    png_image_free(&header);
+    return Damaged();
+  }
   if (png_image_finish_read(&header, nullptr, image->rgba.data(), 0, nullptr) == 0) return Damaged();
   return image;
 }
@@ -130,7 +135,8 @@ Result<std::vector<std::uint8_t>> CutJpeg(std::string_view bytes, int left_px, i
   square.options = TJXOPT_CROP | TJXOPT_COPYNONE;
   unsigned char* cut = nullptr;
   unsigned long size = 0;
-  const int failed = tjTransform(cutter.get(), Raw(bytes), bytes.size(), 1, &cut, &size, &square, 0);
+  const int failed =
+      tjTransform(cutter.get(), Raw(bytes), bytes.size(), 1, &cut, &size, &square, TJFLAG_LIMITSCANS);
   const std::unique_ptr<unsigned char, void (*)(unsigned char*)> owner(cut, tjFree);
   if (failed != 0) return Damaged();
   return std::vector<std::uint8_t>(cut, cut + size);

@@ -1,6 +1,7 @@
 // DecodePng: a PNG row by row, so that memory holds the picture that is asked for and one row, whatever its
 // size. Interlaced ones come in seven passes over the whole picture and take all of it. Grey and palettes
-// become RGB, 16 bits 8, alpha is dropped. Any thread.
+// become RGB, 16 bits 8, alpha is dropped. What goes on behind the rows that the header has, as of a bomb,
+// ends it; libpng would unpack all of it and throw it away. Any thread.
 #pragma once
 
 #include <array>
@@ -16,6 +17,10 @@ namespace skyquilt::image {
 inline constexpr std::array<std::uint8_t, 8> kPngSignature{0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
 
 bool IsPng(std::span<const std::uint8_t> bytes);
+
+// For PNGs that another reader decodes: kCorrupt where the compressed rows go on behind those that the header
+// has. Unpacks them for it, in bounded memory. What else may be wrong is the reader's to find.
+Result<void> CheckPngEnds(std::span<const std::uint8_t> bytes);
 
 // What DecodePng takes beside the picture that it returns.
 std::int64_t PngWorkBytes(std::span<const std::uint8_t> bytes, int width_px, int height_px);

@@ -41,6 +41,7 @@
 #include "server/routing/static_files.h"
 #include "server/usage/blob_options.h"
 #include "server/usage/catalogue_options.h"
+#include "server/webhooks/post_message.h"
 #include "server/webhooks/webhook_sender.h"
 
 namespace skyquilt::server {
@@ -281,8 +282,10 @@ void RunServer(const ServeOptions& options) {
   service.basemap = *basemap;
   service.trash_days = options.trash_days;
   service.keep_days = options.keep_days;
+  service.has_keyed_cache = options.keyed_cache;
   service.node_engine = options.node_engine;
   service.sends_webhooks = options.webhooks != "off";
+  if (options.webhooks == "public") service.check_receiver = CheckReceiver;
   api::Router router = api::BuildApi(service);
   const std::optional<std::filesystem::path> page = FindPageFolder(options.web_dir);
   if (!page && !options.web_dir.empty()) {

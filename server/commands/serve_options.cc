@@ -48,6 +48,12 @@ void AddBounds(CLI::App& command, ServeOptions& options) {
              "Requests that wait for a thread, of each kind; more are answered 429");
   add_number("tile-cache-mb", options.tile_cache_mb, 0,
              "Megabytes of memory for tiles in other formats and sizes than they are stored in");
+  command
+      .add_flag(
+          "--keyed-cache", options.keyed_cache,
+          "Tiles that a token opened say \"public\": for a cache in front whose key has Authorization and "
+          "the query")
+      ->envname(VariableOf("keyed-cache"));
 }
 
 }  // namespace
@@ -80,6 +86,7 @@ void RefuseUnknownVariables() {
                                            "requests-per-address",
                                            "waiting-requests",
                                            "tile-cache-mb",
+                                           "keyed-cache",
                                            "trash-days",
                                            "keep-days",
                                            "watch",

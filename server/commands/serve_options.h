@@ -46,6 +46,7 @@ struct ServeOptions {
   int photo_timeout_s = 60;
   bool previews = true;
   bool open = false;
+  bool keyed_cache = false;  // of the operator's, in front, by token
   std::vector<std::string> trusted_proxies;
   std::size_t connections_per_address = HttpSettings().connections_of_client;
   std::size_t listeners_per_address = api::EventHub::kUsualMostOfClient;

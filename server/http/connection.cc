@@ -1,5 +1,7 @@
 #include "server/http/connection.h"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -36,7 +38,7 @@ class SocketConnection : public Connection, public std::enable_shared_from_this<
  public:
   SocketConnection(net::io_context& io, net::ip::tcp::socket socket, std::string peer,
                    const HttpSettings& settings)
-      : io_(io), stream_(std::move(socket)), settings_(settings), head_deadline_(io), rest_(io) {
+      : io_(io), stream_(std::move(socket)), settings_(settings), deadline_(io), rest_(io) {
     peer_ = std::move(peer);
   }
 
@@ -45,7 +47,7 @@ class SocketConnection : public Connection, public std::enable_shared_from_this<
     head_ = RequestHead();
     bool has_begun = buffer_.size() > 0;
     const bool is_due = has_begun || is_first_;
-    SetHeadDeadline(is_due ? settings_.header_deadline : settings_.idle_deadline);
+    SetDeadline(is_due ? settings_.header_deadline : settings_.idle_deadline);
     HeadParser reading(settings_);
     HeadState state = reading.Examine(Buffered());
     while (state == HeadState::kNeedsMore) {
@@ -57,8 +59,7 @@ class SocketConnection : public Connection, public std::enable_shared_from_this<
       buffer_.commit(got);
       state = reading.Examine(Buffered());
       // Most heads come whole, and setting a timer that is sooner than all others costs a system call.
-      if (state == HeadState::kNeedsMore && !has_begun && !is_first_)
-        SetHeadDeadline(settings_.header_deadline);
+      if (state == HeadState::kNeedsMore && !has_begun && !is_first_) SetDeadline(settings_.header_deadline);
       has_begun = true;
     }
     // What is known of a refused head still shapes the answer to it.
@@ -77,9 +78,10 @@ class SocketConnection : public Connection, public std::enable_shared_from_this<
   Awaitable<BodySlice> ReadBody(std::span<std::uint8_t> into) override {
     parser_->get().body().data = into.data();
     parser_->get().body().size = into.size();
-    // One deadline for so many bytes, however many pieces they come in: dripping does not help.
-    if (since_deadline_ >= kDeadlineBytes) {
-      stream_.expires_after(settings_.slice_deadline);
+    // One deadline for so many bytes, however many pieces they come in: dripping does not help. One that rang
+    // while nothing was read was the disk's time, not the client's.
+    if (since_deadline_ >= kDeadlineBytes || is_late_) {
+      SetDeadline(settings_.slice_deadline);
       since_deadline_ = 0;
     }
     SystemError error;
@@ -87,18 +89,26 @@ class SocketConnection : public Connection, public std::enable_shared_from_this<
                                    net::redirect_error(net::use_awaitable, error));
     const std::size_t size = into.size() - parser_->get().body().size;
     since_deadline_ += size;
-    if (!error || error == http::error::need_buffer) co_return BodySlice{.size = size};
+    const bool is_read = !error || error == http::error::need_buffer;
+    if (!is_read || parser_->is_done()) EndDeadline();
+    if (is_read) co_return BodySlice{.size = size};
     if (error == http::error::body_limit) co_return BodySlice{.fault = BodySlice::Fault::kTooLarge};
     const bool is_bad_http = error.category() == http::make_error_code(http::error::bad_chunk).category() &&
                              error != http::error::partial_message && error != http::error::end_of_stream;
     if (is_bad_http) co_return BodySlice{.fault = BodySlice::Fault::kNotHttp, .reason = error.message()};
-    has_failed_ = true;  // the client is gone, or too slow
+    if (is_late_ && error == net::error::operation_aborted) {
+      co_return BodySlice{.fault = BodySlice::Fault::kTooSlow,
+                          .reason = fmt::format("less than {} KiB of it in {} s", kDeadlineBytes / 1024,
+                                                settings_.slice_deadline.count())};
+    }
+    has_failed_ = true;  // the client is gone
     co_return BodySlice{.fault = BodySlice::Fault::kConnection};
   }
 
   Awaitable<void> Write(std::string_view head, std::span<const std::uint8_t> body) override {
     const std::array<net::const_buffer, 2> buffers = {net::buffer(head.data(), head.size()),
                                                       net::buffer(body.data(), body.size())};
+    if (since_deadline_ < kDeadlineBytes) EndDeadline();  // of a body that is answered before it was read
     stream_.expires_after(settings_.slice_deadline);
     SystemError error;
     co_await net::async_write(stream_, buffers, net::redirect_error(net::use_awaitable, error));
@@ -197,12 +207,12 @@ class SocketConnection : public Connection, public std::enable_shared_from_this<
         net::use_awaitable);
   }
 
-  // At the deadline the read is given up, but the socket stays: who sent a part of a head is told.
-  void SetHeadDeadline(std::chrono::seconds time) {
+  // At the deadline the read is given up, but the socket stays: who sent a part of a request is told.
+  void SetDeadline(std::chrono::seconds time) {
     stream_.expires_never();
     is_late_ = false;
-    head_deadline_.expires_after(time);
-    head_deadline_.async_wait([weak = weak_from_this(), round = ++deadline_round_](const SystemError& error) {
+    deadline_.expires_after(time);
+    deadline_.async_wait([weak = weak_from_this(), round = ++deadline_round_](const SystemError& error) {
       const std::shared_ptr<SocketConnection> self = weak.lock();
       if (error || self == nullptr || round != self->deadline_round_) return;
       self->is_late_ = true;
@@ -210,9 +220,13 @@ class SocketConnection : public Connection, public std::enable_shared_from_this<
     });
   }
 
-  void EndHeadDeadline() {
+  void EndDeadline() {
     ++deadline_round_;  // one that has rung already, but was not heard, is too late
-    head_deadline_.cancel();
+    deadline_.cancel();
+  }
+
+  void EndHeadDeadline() {
+    EndDeadline();
     is_idle_ = false;
     is_first_ = false;
   }
@@ -228,7 +242,7 @@ class SocketConnection : public Connection, public std::enable_shared_from_this<
   const HttpSettings& settings_;
   beast::flat_buffer buffer_;
   std::unique_ptr<RequestParser> parser_;
-  net::steady_timer head_deadline_;
+  net::steady_timer deadline_;
   net::steady_timer rest_;
   bool is_woken_ = false;
   int deadline_round_ = 0;

@@ -31,10 +31,10 @@ using Awaitable = boost::asio::awaitable<T>;
 
 // What became of a slice of a request's body.
 struct BodySlice {
-  enum class Fault { kNone, kTooLarge, kNotHttp, kConnection };
+  enum class Fault { kNone, kTooLarge, kNotHttp, kTooSlow, kConnection };
   std::size_t size = 0;
   Fault fault = Fault::kNone;
-  std::string reason = {};  // of kNotHttp
+  std::string reason = {};  // of kNotHttp and kTooSlow
 };
 
 class Connection {

@@ -119,6 +119,7 @@ class Session : public std::enable_shared_from_this<Session> {
           is_checked = true;
         }
         api::Response answer = route.handler(request);
+        api::KeepToAsker(context_.service, request, answer);
         if (request.work != api::Work::kQuick) {
           if (auto packed = api::CompressAnswer(request, answer); !packed)
             return api::Problem(packed.error(), request);
@@ -233,6 +234,13 @@ class Session : public std::enable_shared_from_this<Session> {
       } else if (slice.fault == BodySlice::Fault::kNotHttp) {
         *response = api::ProblemWithStatus(400, "The body is not HTTP: " + slice.reason + ".", request.path,
                                            request_id_);
+      } else if (slice.fault == BodySlice::Fault::kTooSlow) {
+        *response = api::ProblemWithStatus(
+            408,
+            fmt::format("The body came too slowly: {}. Send it again; what is sent in parts (tus, at "
+                        "/api/v1/uploads, as \"skyquilt upload\" and the page do) goes on where it was.",
+                        slice.reason),
+            request.path, request_id_);
       }
       if (slice.fault != BodySlice::Fault::kNone) co_return false;
       if (slice.size == 0) continue;
@@ -263,7 +271,13 @@ class Session : public std::enable_shared_from_this<Session> {
 
   Awaitable<void> Send(api::Response response, bool is_quick) {
     const RequestHead& request_head = connection_->head();
-    for (const auto& [name, value] : cors_.list()) response.headers.Add(name, value);
+    for (const auto& [name, value] : cors_.list()) {
+      if (name == "Vary") {
+        response.headers.AddVary(value);
+      } else {
+        response.headers.Add(name, value);
+      }
+    }
     PutBasePath(response.headers, base_path_);
     AddTiming(response.headers);
     const bool is_live = response.live != nullptr;

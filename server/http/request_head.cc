@@ -1,17 +1,13 @@
 #include "server/http/request_head.h"
 
-#include <algorithm>
 #include <charconv>
+
+#include "server/routing/host_name.h"
 
 namespace skyquilt::server {
 namespace {
 
 Refusal BadRequest(const char* reason) { return {400, reason}; }
-
-bool IsHostCharacter(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-         std::string_view(".-_:[]").find(c) != std::string_view::npos;
-}
 
 std::optional<std::string> OnlyValue(const api::Headers& headers, std::string_view name, int* count) {
   std::optional<std::string> value;
@@ -102,19 +98,9 @@ std::optional<Refusal> CheckFields(RequestHead& head) {
   if (count > 1) return BadRequest("Host comes more than once.");
   if (count == 0 && head.version >= 11) return BadRequest("Host is missing.");
   head.host = host.value_or("");
-  if (count == 1 && (head.host.empty() || head.host.size() > 255 ||
-                     !std::all_of(head.host.begin(), head.host.end(), IsHostCharacter))) {
-    return BadRequest("Host is not a host.");
-  }
+  if (count == 1 && !NameOfHost(head.host)) return BadRequest("Host is not a host.");
   if (auto refusal = CheckTarget(head)) return refusal;
   return CheckFraming(head);
-}
-
-bool IsLoopbackHost(std::string_view host) {
-  if (host.starts_with('[')) return host.substr(0, host.find(']')) == "[::1";
-  const std::string_view name = host.substr(0, host.find(':'));
-  if (api::EqualsIgnoringCase(name, "localhost")) return true;
-  return name.starts_with("127.") && name.find_first_not_of("0123456789.") == std::string_view::npos;
 }
 
 }  // namespace skyquilt::server

@@ -39,7 +39,4 @@ struct RequestHead {
 // turns an absolute-form target into origin form.
 std::optional<Refusal> CheckFields(RequestHead& head);
 
-// 127.0.0.0/8, ::1, or localhost, with or without a port.
-bool IsLoopbackHost(std::string_view host);
-
 }  // namespace skyquilt::server

@@ -1,13 +1,6 @@
 #include "server/routing/origin_policy.h"
 
 #include <algorithm>
-#include <chrono>
-#include <mutex>
-#include <optional>
-#include <vector>
-
-#include "server/routing/address_range.h"
-#include "server/routing/network_addresses.h"
 
 namespace skyquilt::server {
 namespace {
@@ -23,29 +16,6 @@ constexpr const char* kMayRead =
     "Retry-After, Tus-Checksum-Algorithm, Tus-Extension, Tus-Max-Size, Tus-Resumable, Tus-Version, Upload-Defer-Length, "
     "Upload-Expires, Upload-Length, Upload-Metadata, Upload-Offset, WWW-Authenticate, X-Request-Id";
 
-std::string_view WithoutPort(std::string_view host) {
-  if (host.starts_with('[')) return host.substr(1, host.find(']') - 1);
-  return host.substr(0, host.find(':'));
-}
-
-// Networks come and go while the server runs; a few seconds are soon enough.
-bool IsAddressOfThisMachine(const AddressBytes& address) {
-  constexpr std::chrono::seconds kFreshFor{5};
-  static std::mutex mutex;
-  static std::vector<AddressBytes> known;
-  static std::optional<std::chrono::steady_clock::time_point> read_at;
-  const auto now = std::chrono::steady_clock::now();
-  const std::lock_guard lock(mutex);
-  if (!read_at || now - *read_at > kFreshFor) {
-    known.clear();
-    for (const std::string& text : AddressesOfThisMachine()) {
-      if (const std::optional<AddressBytes> parsed = ParseAddress(text)) known.push_back(*parsed);
-    }
-    read_at = now;
-  }
-  return std::find(known.begin(), known.end(), address) != known.end();
-}
-
 // What pages of this server have as their origin.
 std::string OwnOrigin(const RequestHead& head, const HttpSettings& settings) {
   if (!settings.public_url.empty()) {
@@ -58,19 +28,6 @@ std::string OwnOrigin(const RequestHead& head, const HttpSettings& settings) {
 }
 
 }  // namespace
-
-bool IsOwnHost(std::string_view host, const HttpSettings& settings) {
-  if (IsLoopbackHost(host)) return true;
-  const std::string_view name = WithoutPort(host);
-  for (const std::string& known : settings.hosts) {
-    if (api::EqualsIgnoringCase(known, name) || api::EqualsIgnoringCase(known, host)) return true;
-  }
-  const std::optional<AddressBytes> address = ParseAddress(name);
-  if (!address) return false;
-  if (address == ParseAddress(settings.address)) return true;
-  const bool is_any = settings.address == "0.0.0.0" || settings.address == "::";
-  return is_any && IsAddressOfThisMachine(*address);
-}
 
 bool IsFromForeignPage(const RequestHead& head, const HttpSettings& settings) {
   const std::string_view site = head.headers.Find("Sec-Fetch-Site");

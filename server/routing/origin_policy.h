@@ -1,8 +1,7 @@
-// Which names this server goes by, and what pages of other sites may do. A page can make a name of its own
-// point at this machine (DNS rebinding) and then speak to it as to itself: where no token is asked for, only
-// names that the server knows as its own are answered. Other pages may read answers, and send changes, where
-// tokens are asked for (a page has none unless it was given one) or where the operator named them. Pure but
-// for the list of this machine's addresses; any thread.
+// What pages of other sites may do. A page can make a name of its own point at this machine (DNS rebinding)
+// and then speak to it as to itself: where no token is asked for, only names that the server knows as its own
+// are answered (host_name.h). Other pages may read answers, and send changes, where tokens are asked for (a
+// page has none unless it was given one) or where the operator named them. Pure; any thread.
 #pragma once
 
 #include <string>
@@ -13,10 +12,6 @@
 #include "server/http/request_head.h"
 
 namespace skyquilt::server {
-
-// A host without its port: a loopback name, the address that is listened at (or any of this machine's where
-// that is 0.0.0.0 or ::), or one that the operator named.
-bool IsOwnHost(std::string_view host, const HttpSettings& settings);
 
 // A page that is not this server's sent this: by Sec-Fetch-Site where the browser says it, else by Origin,
 // whose scheme, host and port must be those that the request was sent to.

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "server/routing/client_address.h"
+#include "server/routing/host_name.h"
 
 namespace skyquilt::server {
 namespace {
@@ -11,13 +12,6 @@ constexpr std::size_t kLongestName = 255;
 
 bool IsLetterOrDigit(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
-}
-
-// A host with or without its port; what else a proxy may pass on does not get into documents.
-bool IsHostText(std::string_view text) {
-  return !text.empty() && text.size() <= kLongestName && std::all_of(text.begin(), text.end(), [](char c) {
-    return IsLetterOrDigit(c) || std::string_view("-._:[]").find(c) != std::string_view::npos;
-  });
 }
 
 // Of a list, which each proxy on the way adds to, the one that spoke to the client: the first.
@@ -35,6 +29,12 @@ bool IsBelow(std::string_view target, std::string_view base_path) {
 
 }  // namespace
 
+std::string ForwardedHost(const RequestHead& head, const std::string& peer, const HttpSettings& settings) {
+  if (!IsTrustedProxy(peer, settings)) return "";
+  std::string host = FirstOf(head.headers.Find("X-Forwarded-Host"));
+  return NameOfHost(host) ? host : "";
+}
+
 PublicAddress PublicAddressOf(const RequestHead& head, const std::string& peer,
                               const HttpSettings& settings) {
   PublicAddress address;
@@ -43,8 +43,8 @@ PublicAddress PublicAddressOf(const RequestHead& head, const std::string& peer,
   std::string host = head.host;
   if (IsTrustedProxy(peer, settings)) {
     if (api::EqualsIgnoringCase(FirstOf(head.headers.Find("X-Forwarded-Proto")), "https")) scheme = "https";
-    const std::string forwarded = FirstOf(head.headers.Find("X-Forwarded-Host"));
-    if (IsHostText(forwarded)) host = forwarded;
+    const std::string forwarded = ForwardedHost(head, peer, settings);
+    if (IsOwnHost(forwarded, settings)) host = forwarded;
     std::string prefix = FirstOf(head.headers.Find("X-Forwarded-Prefix"));
     while (prefix.ends_with('/')) prefix.pop_back();
     if (!prefix.empty() && IsBasePath(prefix)) address.base_path = prefix;

@@ -1,7 +1,8 @@
 // PublicAddress: how others reach this server, as its answers name it: the operator's --public-url, else the
 // name that the request came to, below --base-path. Where the other end is a proxy that the operator trusts
 // (--trusted-proxy), what that says counts before the request: X-Forwarded-Proto, -Host and -Prefix. From
-// anybody else these are passed over, for they end up in documents. Pure; any thread.
+// anybody else these are passed over, for they end up in documents, and so is a host that is not this
+// server's (host_name.h): proxies pass on what their clients say. Any thread.
 #pragma once
 
 #include <string>
@@ -17,6 +18,8 @@ struct PublicAddress {
   std::string base_url;   // "https://maps.example.org/skyquilt"; no slash at the end
   std::string base_path;  // "/skyquilt", or empty
 };
+// What a trusted proxy says that it was asked by; empty: nothing, or no host.
+std::string ForwardedHost(const RequestHead& head, const std::string& peer, const HttpSettings& settings);
 PublicAddress PublicAddressOf(const RequestHead& head, const std::string& peer, const HttpSettings& settings);
 
 // "/skyquilt" or "/a/b": segments of letters, digits and -._~; empty is none.

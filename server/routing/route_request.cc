@@ -7,6 +7,7 @@
 
 #include "api/http/problem.h"
 #include "api/http/target.h"
+#include "server/routing/host_name.h"
 #include "server/routing/origin_policy.h"
 #include "server/routing/public_address.h"
 
@@ -60,13 +61,15 @@ Routed RouteRequest(RequestHead& head, const api::Router& router, const HttpSett
     return api::Problem({code, message, ""}, path, request_id);
   };
   const bool requires_token = service.tokens.RequiresToken();
-  if ((!requires_token || settings.always_checks_host) && !head.host.empty() &&
-      !IsOwnHost(head.host, settings)) {
-    return answer(api::ProblemWithStatus(
-        421,
-        fmt::format("This server does not go by the name \"{}\". Its operator adds names with --host.",
-                    head.host),
-        path, request_id));
+  if (!requires_token || settings.always_checks_host) {
+    for (const std::string& host : {head.host, ForwardedHost(head, peer, settings)}) {
+      if (host.empty() || IsOwnHost(host, settings)) continue;
+      return answer(api::ProblemWithStatus(
+          421,
+          fmt::format("This server does not go by the name \"{}\". Its operator adds names with --host.",
+                      host),
+          path, request_id));
+    }
   }
   routed.cors = CorsHeaders(head, settings, requires_token);
   if (head.target == "*") return answer(Options("GET, HEAD, POST, PUT, PATCH, DELETE, OPTIONS"));

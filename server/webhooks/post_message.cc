@@ -3,6 +3,7 @@
 #include <arpa/inet.h>
 #include <curl/curl.h>
 #include <fmt/format.h>
+#include <netdb.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -57,6 +58,19 @@ bool IsPublic(const in6_addr& address) {
   return bytes[2] >= 0x02 && !is_for_documents;  // below: Teredo and other protocols
 }
 
+// `place`: of a sockaddr of this family.
+bool IsPublic(int family, const void* place) {
+  if (family == AF_INET) {
+    sockaddr_in address{};
+    std::memcpy(&address, place, sizeof(address));
+    return IsPublic(address.sin_addr);
+  }
+  if (family != AF_INET6) return false;
+  sockaddr_in6 address{};
+  std::memcpy(&address, place, sizeof(address));
+  return IsPublic(address.sin6_addr);
+}
+
 // Of what a connection is about to be made to.
 struct Gate {
   bool may_go_private = false;
@@ -66,18 +80,9 @@ struct Gate {
 // libcurl asks for each socket with the very address that it will connect to.
 curl_socket_t OpenIfAllowed(void* gate_of, curlsocktype, curl_sockaddr* to) {
   auto& gate = *static_cast<Gate*>(gate_of);
-  bool is_public = false;
-  if (to->family == AF_INET) {
-    sockaddr_in address{};
-    std::memcpy(&address, &to->addr, sizeof(address));
-    is_public = IsPublic(address.sin_addr);
-  } else if (to->family == AF_INET6) {
-    // curl_sockaddr ends with a short sockaddr, behind which libcurl keeps the rest of a longer one.
-    sockaddr_in6 address{};
-    std::memcpy(&address, reinterpret_cast<const char*>(to) + offsetof(curl_sockaddr, addr), sizeof(address));
-    is_public = IsPublic(address.sin6_addr);
-  }
-  if (!is_public && !gate.may_go_private) {
+  // curl_sockaddr ends with a short sockaddr, behind which libcurl keeps the rest of a longer one.
+  const char* place = reinterpret_cast<const char*>(to) + offsetof(curl_sockaddr, addr);
+  if (!gate.may_go_private && !IsPublic(to->family, place)) {
     gate.has_refused = true;
     return CURL_SOCKET_BAD;
   }
@@ -125,6 +130,29 @@ bool IsPublicAddress(const std::string& address) {
   in6_addr six{};
   if (inet_pton(AF_INET, address.c_str(), &four) == 1) return IsPublic(four);
   return inet_pton(AF_INET6, address.c_str(), &six) == 1 && IsPublic(six);
+}
+
+Result<void> CheckReceiver(const std::string& url) {
+  const std::string written = HostOf(url);
+  if (written.empty()) return Error{ErrorCode::kUnprocessable, "The address has no host.", url};
+  std::string host = written;
+  if (host.front() == '[') host = host.substr(1, host.find_first_of("%]") - 1);
+  addrinfo hints{};
+  hints.ai_socktype = SOCK_STREAM;
+  addrinfo* found = nullptr;
+  // A name that is not known now may be when there is something to tell, and is looked at then.
+  if (getaddrinfo(host.c_str(), nullptr, &hints, &found) != 0) return {};
+  const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> owner(found, &freeaddrinfo);
+  for (const addrinfo* one = found; one != nullptr; one = one->ai_next) {
+    if (IsPublic(one->ai_family, one->ai_addr)) return {};
+  }
+  return Error{
+      ErrorCode::kUnprocessable,
+      fmt::format(
+          "{} leads to a private address, which this server tells nothing. Its operator changes that with "
+          "serve --webhooks any.",
+          written),
+      ""};
 }
 
 Result<void> PostMessage(const OutgoingMessage& message) {

@@ -23,6 +23,10 @@ struct OutgoingMessage {
 
 Result<void> PostMessage(const OutgoingMessage& message);
 
+// For who names a receiver: that its address, or one of those its name has now, is public. Looks the name up,
+// which may take the resolver's seconds. Errors: kUnprocessable.
+Result<void> CheckReceiver(const std::string& url);
+
 // False for loopback, link-local, private, multicast, reserved and translated addresses, in text form.
 bool IsPublicAddress(const std::string& address);
 

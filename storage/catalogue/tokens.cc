@@ -7,6 +7,7 @@
 
 #include "core/base/check.h"
 #include "core/base/try.h"
+#include "storage/jobs/map_exports.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -81,20 +82,29 @@ Result<void> Tokens::AddShare(const Token& token) {
 
 Result<void> Tokens::Revoke(const std::string& name) {
   const auto db = db_.Lock();
+  SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
+  SKYQUILT_TRY_ASSIGN(Statement link,
+                      db->Prepare("SELECT id FROM token WHERE name=? AND flight_id IS NOT NULL"));
+  SKYQUILT_TRY_ASSIGN(const std::vector<std::string> links, link.Bind(1, name).AllText());
+  for (const std::string& id : links) SKYQUILT_TRY(EndExportsOf(*db, id));
   SKYQUILT_TRY_ASSIGN(Statement remove, db->Prepare("DELETE FROM token WHERE name=?"));
   SKYQUILT_TRY(remove.Bind(1, name).Run());
   if (db->Changes() == 0)
     return Error{ErrorCode::kNotFound, fmt::format("There is no token named \"{}\".", name), ""};
+  SKYQUILT_TRY(transaction.Commit());
   has_changed_ = true;
   return {};
 }
 
 Result<void> Tokens::RevokeShare(const std::string& flight_id, const std::string& id) {
   const auto db = db_.Lock();
+  SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
   SKYQUILT_TRY_ASSIGN(Statement remove, db->Prepare("DELETE FROM token WHERE id=? AND flight_id=?"));
   SKYQUILT_TRY(remove.Bind(1, id).Bind(2, flight_id).Run());
   if (db->Changes() == 0)
     return Error{ErrorCode::kNotFound, "This flight has no such share. It may have been revoked.", ""};
+  SKYQUILT_TRY(EndExportsOf(*db, id));
+  SKYQUILT_TRY(transaction.Commit());
   has_changed_ = true;
   return {};
 }

@@ -52,8 +52,9 @@ class Tokens {
   Result<void> Add(const Token& token);
   // One that opens a flight. It closes no server that asks nobody for a token.
   Result<void> AddShare(const Token& token);
+  // A link's exports end with it (storage/jobs/map_exports.h).
   Result<void> Revoke(const std::string& name);
-  // A token of this flight alone; kNotFound for any other.
+  // A token of this flight alone, and its exports; kNotFound for any other.
   Result<void> RevokeShare(const std::string& flight_id, const std::string& id);
   Result<TokenSet> Read() const;
   // Until the next token is made, nobody needs one. What `serve --open` says where no token is left.

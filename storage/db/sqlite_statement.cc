@@ -8,6 +8,9 @@
 namespace skyquilt::storage {
 namespace {
 
+// NOLINTNEXTLINE(performance-no-int-to-ptr): SQLite's own constant, which no caller may do without
+const sqlite3_destructor_type kCopied = SQLITE_TRANSIENT;
+
 void RequireBound(int code) { SKYQUILT_CHECK(code == SQLITE_OK, "a parameter that the SQL does not have"); }
 
 Error StepError(sqlite3_stmt* handle, int code) {
@@ -31,13 +34,13 @@ void SqliteStatement::BindDouble(int index, double value) {
 
 void SqliteStatement::BindText(int index, std::string_view value) {
   const char* text = value.data() != nullptr ? value.data() : "";
-  RequireBound(sqlite3_bind_text64(handle_, index, text, value.size(), SQLITE_STATIC, SQLITE_UTF8));
+  RequireBound(sqlite3_bind_text64(handle_, index, text, value.size(), kCopied, SQLITE_UTF8));
 }
 
 void SqliteStatement::BindBlob(int index, std::span<const std::uint8_t> value) {
   static constexpr std::uint8_t kNothing = 0;
   const void* bytes = value.data() != nullptr ? value.data() : &kNothing;
-  RequireBound(sqlite3_bind_blob64(handle_, index, bytes, value.size(), SQLITE_STATIC));
+  RequireBound(sqlite3_bind_blob64(handle_, index, bytes, value.size(), kCopied));
 }
 
 void SqliteStatement::BindNull(int index) { RequireBound(sqlite3_bind_null(handle_, index)); }

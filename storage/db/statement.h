@@ -1,5 +1,5 @@
 // Statement: one prepared SQL statement of a SqlConnection. Bind (1-based), Step until false, Reset, use
-// again. Text and blobs are bound without a copy: what they point to must live until Reset or the last Step.
+// again. What is bound is copied, so that a temporary may be bound: no engine keeps a view of it.
 // Views that ColumnText and ColumnBlob return live until the next Step or Reset. One thread at a time; must
 // not outlive its database. Parameters are written ? or ?1, in every engine. Errors: kOutOfSpace, kCorrupt,
 // kConflict (a constraint), kUnavailable (locked, or the connection was lost), kInvalidArgument (text that

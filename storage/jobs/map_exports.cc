@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 
 #include "core/base/try.h"
@@ -15,7 +16,8 @@ constexpr std::array<const char*, 4> kStates = {"accepted", "running", "successf
 
 constexpr const char* kExportColumns =
     "e.id, e.flight_id, e.revision, e.request, e.format, e.owner, e.state, e.progress, e.attempts, e.lease_token, "
-    "e.bytes, e.error_code, e.error_message, e.created_us, e.finished_us, e.expires_us";
+    "e.bytes, e.error_code, e.error_message, e.created_us, e.finished_us, e.expires_us, "
+    "EXISTS(SELECT 1 FROM token t WHERE t.id=e.owner AND t.flight_id IS NOT NULL) AS is_of_link";
 
 MapExport ExportOf(const Statement& row) {
   MapExport made;
@@ -37,6 +39,7 @@ MapExport ExportOf(const Statement& row) {
   made.created = FromUs(row.ColumnInt64(13));
   if (!row.IsNull(14)) made.finished = FromUs(row.ColumnInt64(14));
   if (!row.IsNull(15)) made.expires = FromUs(row.ColumnInt64(15));
+  made.is_of_link = row.ColumnInt64(16) != 0;
   return made;
 }
 
@@ -54,6 +57,21 @@ Result<std::int64_t> CountOpen(SqlConnection& db) {
                       db.Prepare("SELECT count(*) FROM map_export WHERE state IN ('accepted','running')"));
   SKYQUILT_TRY(query.Step());
   return query.ColumnInt64(0);
+}
+
+// Room for the next export of a link, of which it has one.
+Result<void> MakeRoomForLink(SqlConnection& db, const MapExport& wish, const std::vector<MapExport>& known) {
+  SKYQUILT_TRY_ASSIGN(Statement link, db.Prepare("SELECT 1 FROM token WHERE id=? AND flight_id IS NOT NULL"));
+  SKYQUILT_TRY_ASSIGN(const bool is_there, link.Bind(1, wish.owner).Step());
+  if (!is_there)
+    return Error{ErrorCode::kForbidden, "This link has ended. Ask whoever sent it for another.", ""};
+  for (const MapExport& one : known) {
+    if (one.owner == wish.owner && !one.HasEnded())
+      return Error{
+          ErrorCode::kConflict,
+          "A link has one export at a time, and this one's is not made yet. Wait for it, or delete it.", ""};
+  }
+  return EndExportsOf(db, wish.owner);
 }
 
 Result<std::vector<MapExport>> ListOf(SqlConnection& db, const std::string& flight_id) {
@@ -74,16 +92,30 @@ Result<MapExport> MapExports::Add(const MapExport& wish, Time now) {
   SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db, wish.flight_id));
   SKYQUILT_TRY_ASSIGN(const std::vector<MapExport> known, ListOf(*db, wish.flight_id));
   for (const MapExport& one : known) {
-    if (one.revision == wish.revision && one.request == wish.request && one.state != ExportState::kFailed)
-      return one;
+    const bool is_the_same =
+        one.revision == wish.revision && one.request == wish.request && one.state != ExportState::kFailed;
+    if (!is_the_same || HasExpired(one)) continue;
+    MapExport there = one;
+    if (one.is_of_link && !wish.is_of_link) {
+      SKYQUILT_TRY_ASSIGN(Statement take, db->Prepare("UPDATE map_export SET owner=?2 WHERE id=?1"));
+      SKYQUILT_TRY(take.Bind(1, one.id).Bind(2, wish.owner).Run());
+      SKYQUILT_TRY(transaction.Commit());
+      there.owner = wish.owner;
+      there.is_of_link = false;
+    }
+    return there;
   }
-  if (known.size() >= static_cast<std::size_t>(kMaxOfFlight))
+  if (wish.is_of_link) {
+    SKYQUILT_TRY(MakeRoomForLink(*db, wish, known));
+  } else if (std::count_if(known.begin(), known.end(),
+                           [](const MapExport& one) { return !one.is_of_link; }) >= kMaxOfFlight) {
     return Error{
         ErrorCode::kConflict,
         fmt::format("This flight has {} exports already. Delete one, or wait: each goes a day after it "
                     "was made.",
-                    known.size()),
+                    kMaxOfFlight),
         ""};
+  }
   SKYQUILT_TRY_ASSIGN(const std::int64_t open, CountOpen(*db));
   if (open >= kMaxOpen)
     return Error{ErrorCode::kRateLimited, "Too many exports wait on this server. Try again later.", ""};
@@ -109,10 +141,12 @@ Result<MapExport> MapExports::Get(const std::string& flight_id, const std::strin
                                               kExportColumns)));
   query.Bind(1, id).Bind(2, flight_id);
   SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
-  if (!row)
+  std::optional<MapExport> found;
+  if (row) found = ExportOf(query);
+  if (!found || HasExpired(*found))
     return Error{ErrorCode::kNotFound,
                  "This flight has no such export: it was deleted, or its day is over. Ask for it again.", ""};
-  return ExportOf(query);
+  return *std::move(found);
 }
 
 Result<std::vector<MapExport>> MapExports::List(const std::string& flight_id) const {
@@ -136,7 +170,7 @@ Result<std::optional<MapExport>> MapExports::Claim(Time now) {
           Statement query,
           db->Prepare(fmt::format("SELECT {} FROM map_export e JOIN flight f ON f.id=e.flight_id"
                                   " WHERE e.state IN ('accepted','running') AND e.lease_until_us<?"
-                                  " AND f.deleted_us IS NULL ORDER BY e.id LIMIT 1",
+                                  " AND f.deleted_us IS NULL ORDER BY is_of_link, e.id LIMIT 1",
                                   kExportColumns)));
       query.Bind(1, ToUs(time));
       SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
@@ -213,6 +247,20 @@ Result<void> MapExports::TakeUpAfterRestart() {
   return db->Exec("UPDATE map_export SET state='accepted', lease_until_us=0 WHERE state='running'");
 }
 
+Result<void> MapExports::EndThoseOfEndedLinks(Time now) {
+  const auto db = db_.Lock();
+  SKYQUILT_TRY_ASSIGN(
+      Statement query,
+      db->Prepare(
+          "SELECT id FROM token WHERE flight_id IS NOT NULL AND expires_us<=? AND EXISTS("
+          "SELECT 1 FROM map_export e WHERE e.owner=token.id AND (e.expires_us IS NULL OR e.expires_us>0))"));
+  SKYQUILT_TRY_ASSIGN(const std::vector<std::string> ended, query.Bind(1, ToUs(now)).AllText());
+  if (ended.empty()) return {};
+  SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
+  for (const std::string& owner : ended) SKYQUILT_TRY(EndExportsOf(*db, owner));
+  return transaction.Commit();
+}
+
 Result<std::vector<MapExport>> MapExports::Expired() const {
   const auto db = db_.Read();
   SKYQUILT_TRY_ASSIGN(Statement query,
@@ -220,6 +268,15 @@ Result<std::vector<MapExport>> MapExports::Expired() const {
                           "SELECT {} FROM map_export e WHERE e.expires_us<? ORDER BY e.id", kExportColumns)));
   query.Bind(1, ToUs(db_.ages().Now()));
   return AllOf(query);
+}
+
+Result<void> EndExportsOf(SqlConnection& db, const std::string& owner) {
+  for (const char* sql : {"DELETE FROM map_export WHERE owner=? AND state IN ('accepted','running')",
+                          "UPDATE map_export SET expires_us=0 WHERE owner=?"}) {
+    SKYQUILT_TRY_ASSIGN(Statement end, db.Prepare(sql));
+    SKYQUILT_TRY(end.Bind(1, owner).Run());
+  }
+  return {};
 }
 
 std::string ExportKey(const MapExport& made) {

@@ -1,8 +1,10 @@
 // MapExports: which exports of maps were asked for, who makes them, and until when they are kept. One that
 // waits is claimed by one server of the catalogue, under a lease with a fencing token; the files are the
-// caller's matter (ExportKey says where). Bounded: kMaxOfFlight of a flight, kMaxOpen that wait or run.
-// Expiry counts by the AgeClock. Any thread, any number of processes. Errors: kNotFound, kConflict (the
-// flight has too many), kRateLimited (too many wait), kOutOfSpace, kUnavailable, kIo.
+// caller's matter (ExportKey says where). Bounded: kMaxOfFlight of a flight, kMaxOpen that wait or run. A
+// link to one flight (a token for it alone) has one besides, which takes no place of these, is made when no
+// other waits, and goes with the link. Expiry counts by the AgeClock. Any thread, any number of processes.
+// Errors: kNotFound, kConflict (the flight has too many, or the link one that is not made yet), kForbidden
+// (the link has ended), kRateLimited (too many wait), kOutOfSpace, kUnavailable, kIo.
 #pragma once
 
 #include <chrono>
@@ -26,7 +28,8 @@ struct MapExport {
   std::int64_t revision = 0;
   std::string request;  // JSON, as ParseExportRequest reads it
   std::string format;   // as its NameOf has it
-  std::string owner;
+  std::string owner;    // id of the token that asked for it
+  bool is_of_link = false;
   ExportState state = ExportState::kAccepted;
   double progress = 0.0;
   int attempts = 0;
@@ -50,7 +53,9 @@ class MapExports {
 
   explicit MapExports(CatalogueDb& db) : db_(db) {}
 
-  // The same wish for the same map again is answered with the export that is there, unless that failed.
+  // The same wish for the same map again is answered with the export that is there, unless that failed; one
+  // of a link becomes that of whoever asks with more rights. A link's next export takes the place of its
+  // last.
   Result<MapExport> Add(const MapExport& wish, Time now);
   Result<MapExport> Get(const std::string& flight_id, const std::string& id) const;
   // Newest first.
@@ -58,7 +63,8 @@ class MapExports {
   // Whoever makes it learns of it at its next heartbeat. The caller removes its file.
   Result<void> Remove(const std::string& id);
 
-  // The oldest that waits, or whose server has died. One that did not survive kMaxAttempts has failed.
+  // The oldest that waits, or whose server has died; those of links last. One that did not survive
+  // kMaxAttempts has failed.
   Result<std::optional<MapExport>> Claim(Time now);
   // False: it was removed, or is another's by now.
   Result<bool> Heartbeat(const MapExport& claimed, double progress, Time now);
@@ -68,14 +74,21 @@ class MapExports {
   Result<bool> GiveBack(const MapExport& claimed);
   // The only server of a catalogue starts: what ran waits again.
   Result<void> TakeUpAfterRestart();
+  // Of links whose time is over, as EndExportsOf.
+  Result<void> EndThoseOfEndedLinks(Time now);
   // Those whose time is over.
   Result<std::vector<MapExport>> Expired() const;
+  bool HasExpired(const MapExport& made) const { return made.expires && *made.expires <= db_.ages().Now(); }
 
  private:
   Result<bool> End(const MapExport& claimed, ExportState state, std::int64_t bytes, const Error& error,
                    Time now);
   CatalogueDb& db_;
 };
+
+// For the transaction that ends a link: what it asked for and was not made yet is forgotten, whose maker
+// learns of it at its next heartbeat; what was made has expired.
+Result<void> EndExportsOf(SqlConnection& db, const std::string& owner);
 
 // The key of an export's blob, "flights/<flight>/exports/<id>.tif", and the folder of such.
 std::string ExportKey(const MapExport& made);

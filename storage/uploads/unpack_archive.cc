@@ -194,6 +194,8 @@ Result<std::vector<UnpackedFile>> UnpackArchive(const PhotoStore& store, const s
   if (error) return Error{ErrorCode::kIo, "The archive could not be read.", error.message()};
   if (CountZipEntries(path, limits.entries) > limits.entries)
     return Refuse(fmt::format("it has more than {} entries", limits.entries));
+  if (HasZipNameWithNul(path))
+    return Refuse("the name of a file in it has a NUL character, which no name can have");
   const Archive archive(archive_read_new(), &archive_read_free);
   archive_read_support_format_zip_seekable(archive.get());
   archive_read_support_format_tar(archive.get());

@@ -44,7 +44,11 @@ class SampleService {
     if (says_length) request.content_length = body.size();
     request.base_url = "http://127.0.0.1:1";
     if (auto refused = CheckAccess(service_, request, match.route->pattern)) return *std::move(refused);
-    if (match.route->handler) return match.route->handler(request);
+    if (match.route->handler) {
+      Response answer = match.route->handler(request);
+      KeepToAsker(service_, request, answer);
+      return answer;
+    }
     auto begun = match.route->upload(request);
     if (auto* refused = std::get_if<Response>(&begun)) return std::move(*refused);
     auto& sink = std::get<std::unique_ptr<BodySink>>(begun);

@@ -156,6 +156,34 @@ TEST_F(TilesTest, MayBeKeptForEverUnderTheirRevision) {
   EXPECT_EQ(sample_.Get(Path("2/1/1")).headers.Find("Cache-Control").find("immutable"), std::string::npos);
 }
 
+TEST_F(TilesTest, AreForTheirTokenAloneWhereOneIsNeeded) {
+  const std::string paths[] = {Path("2/1/1?rev=1"), Path("2/1/1"), Path("2/2/2?rev=1"),
+                               "/tiles/" + flight_ + ".json", "/wmts"};
+  for (const std::string& path : {paths[0], paths[1], paths[2]}) {
+    const Response open = sample_.Get(path);
+    EXPECT_TRUE(open.headers.Find("Cache-Control").starts_with("public")) << path;
+    EXPECT_EQ(open.headers.Find("Vary").find("Authorization"), std::string::npos) << path;
+  }
+  const Headers token = sample_.MakeToken("one", storage::Scope::kRead);
+  for (const std::string& path : paths) {
+    const Response guarded = sample_.Get(path, token);
+    ASSERT_EQ(guarded.status, 200) << path;
+    EXPECT_TRUE(guarded.headers.Find("Cache-Control").starts_with("private")) << path;
+    EXPECT_NE(guarded.headers.Find("Vary").find("Authorization"), std::string::npos) << path;
+    Headers again = token;
+    again.Add("If-None-Match", std::string(guarded.headers.Find("ETag")));
+    EXPECT_TRUE(sample_.Get(path, again).headers.Find("Cache-Control").starts_with("private")) << path;
+  }
+  EXPECT_EQ(sample_.Get(paths[0], token).headers.Find("Cache-Control"),
+            "private, max-age=31536000, immutable");
+  // A cache that keeps them apart by token is told that it may.
+  sample_.service().has_keyed_cache = true;
+  const Response kept = sample_.Get(paths[0], token);
+  EXPECT_EQ(kept.headers.Find("Cache-Control"), "public, max-age=31536000, immutable");
+  EXPECT_EQ(kept.headers.Find("Vary"), "Authorization");
+  EXPECT_TRUE(sample_.Get(paths[3], token).headers.Find("Cache-Control").starts_with("private"));
+}
+
 TEST_F(TilesTest, AreDescribedAsTileJson) {
   const Response response = sample_.Get("/tiles/" + flight_ + ".json");
   ASSERT_EQ(response.status, 200);

@@ -99,9 +99,10 @@ class Archives(ServerTestCase):
         lying = bytearray(good)
         for offset in (18, 22):
             struct.pack_into("<I", lying, offset, 0xFFFFFF)
+        with_nul = good.replace(b"b.jpg", b"b\0jpg")
         many = zip_of(*((f"{number}.jpg", b"") for number in range(20_100)))
         for name, content in (("bomb", bomb), ("cut", good[: len(good) // 2]), ("nonsense", b"PK\3\4" + b"\xff" * 500),
-                              ("encrypted", bytes(encrypted)), ("sum", bytes(wrong_sum)), ("many", many)):
+                              ("encrypted", bytes(encrypted)), ("sum", bytes(wrong_sum)), ("nul", with_nul), ("many", many)):
             status, problem = self.put(f"{name}.zip", content)
             self.assertEqual(status, 422, (name, problem))
             self.assertIn("archive", problem["detail"], name)

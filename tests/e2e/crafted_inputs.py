@@ -67,11 +67,12 @@ def exif_huge_counts():
                        (0x8769, 4, 0xFFFFFFFF, struct.pack("<I", 0xFFFFFFFF))]) + bytes(1000)
 
 
-def png(width, height, *chunks):
+def png(width, height, *chunks, more_mib=0):
+    """Black; with `more_mib` its compressed rows go on behind the last."""
     def chunk(kind, body):
         return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
     row = zlib.compressobj(9)
-    pixels = b"".join(row.compress(bytes(MIB)) for _ in range(width * height * 3 // MIB + 1)) + row.flush()
+    pixels = b"".join(row.compress(bytes(MIB)) for _ in range(width * height * 3 // MIB + 1 + more_mib)) + row.flush()
     return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0))
             + b"".join(chunk(kind, body) for kind, body in chunks) + chunk(b"IDAT", pixels) + chunk(b"IEND", b""))
 
@@ -280,6 +281,7 @@ def photo_inputs():
     yield "jpeg_stray_bytes", "a.jpg", b"\xff\xd8" + (bytes(60_000) + segment(0xE5, b"")) * 500
     yield "jpeg_padding", "a.jpg", b"\xff\xd8" + b"\xff" * (30 * MIB)
     yield "png_400_mpx", "a.png", png(20_000, 20_000)
+    yield "png_goes_on", "a.png", png(400, 300, more_mib=1024)
     yield "png_exif_chunks", "a.png", png(4000, 3000, *[(b"eXIf", exif_sharing_values())] * 300)
     yield "png_text_chunks", "a.png", png(
         4000, 3000, *[(b"iTXt", b"XML:com.adobe.xmp\0\0\0\0\0" + xmp_packet(attributes(60_000)))] * 40)

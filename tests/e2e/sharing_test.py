@@ -191,7 +191,16 @@ class Sharing(ServerTestCase):
         server = self.serve("--webhooks", "public")
         for bad in ("ftp://example.org/", "http://a b/", "http://user@host/", "javascript:alert(1)"):
             self.assertEqual(server.json("POST", "/api/v1/webhooks", {"url": bad})[0], 422, bad)
-        server.json("POST", "/api/v1/webhooks", {"url": f"http://localhost:{receiver.server_port}/"})
+        private = {"url": f"http://localhost:{receiver.server_port}/"}
+        status, problem = server.json("POST", "/api/v1/webhooks", private)
+        self.assertEqual((status, "private address" in problem["detail"]), (422, True), problem)
+        self.assertEqual(server.json("GET", "/api/v1/webhooks")[1]["webhooks"], [])
+        # One of before, where any were allowed, is not told either.
+        server.stop()
+        server = self.serve("--webhooks", "any")
+        self.assertEqual(server.json("POST", "/api/v1/webhooks", private)[0], 201)
+        server.stop()
+        server = self.serve("--webhooks", "public")
         _, made = server.upload([("notes.jpg", b"no picture")])
         server.wait_for_job(made["job"]["id"])
         wait_until(lambda: "private address" in server.errors(), "nothing was said of the private address")

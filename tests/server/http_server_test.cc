@@ -72,6 +72,8 @@ TEST_F(HttpServerTest, RefusesWhatIsNotGoodHttp) {
       {400, get + kHost + kHost + "\r\n"},
       {400, get + "Host: a b\r\n\r\n"},
       {400, get + "Host: \r\n\r\n"},
+      {400, get + "Host: [::1]evil.example\r\n\r\n"},
+      {400, get + "Host: 127.0.0.1:99999999999\r\n\r\n"},
       {400, get + kHost + "X: a\r\n b\r\n\r\n"},
       {400, get + kHost + "X : a\r\n\r\n"},
       {400, "GET /healthz\xc3\xa6 HTTP/1.1\r\n" + kHost + "\r\n"},
@@ -178,6 +180,25 @@ TEST_F(HttpServerTest, AnswersToTheNamesThatItsOperatorGaveIt) {
   EXPECT_EQ(status("maps.example.org.evil.example"), 421);
   EXPECT_NE(Ask("GET /healthz HTTP/1.1\r\nHost: evil.example\r\n\r\n").body.find("--host"),
             std::string::npos);
+}
+
+TEST_F(HttpServerTest, AnswersToNoOtherNameThatAProxyPassesOn) {
+  settings_.trusted_proxies.push_back(*AddressRange::From("127.0.0.1"));
+  settings_.hosts = {"maps.example.org"};
+  Start();
+  const auto ask = [&](const std::string& host) {
+    return Ask("GET /stac HTTP/1.1\r\n" + kHost + "X-Forwarded-Host: " + host + "\r\n\r\n");
+  };
+  EXPECT_EQ(ask("evil.example").status, 421);
+  EXPECT_NE(ask("maps.example.org").body.find("http://maps.example.org/stac"), std::string::npos);
+  // Where tokens are asked for, any name is answered, and links do not follow it.
+  const std::string text = api::NewTokenText();
+  ASSERT_TRUE(
+      service_.tokens.Add({"one", "one", api::HashToken(text), storage::Scope::kAdmin, storage::Now()}));
+  const RawAnswer closed = ask("evil.example\r\nAuthorization: Bearer " + text);
+  EXPECT_EQ(closed.status, 200);
+  EXPECT_EQ(closed.body.find("evil"), std::string::npos);
+  EXPECT_NE(closed.body.find("http://localhost/stac"), std::string::npos);
 }
 
 TEST_F(HttpServerTest, ListeningAtAllAddressesAnswersToThoseOfTheMachineAlone) {
@@ -316,6 +337,53 @@ TEST_F(HttpServerTest, ForgetsAnUploadWhoseClientWentAway) {
   }
   EXPECT_TRUE(WaitForNoIncoming());
   EXPECT_TRUE(catalogue_.ListFiles(flight)->empty());
+}
+
+TEST_F(HttpServerTest, TellsWhoeverSendsABodyTooSlowly) {
+  settings_.slice_deadline = std::chrono::seconds(1);
+  Start();
+  const std::string flight = catalogue_.AddFlight("f", "{}", storage::Now())->id;
+  RawClient stalled(port()), dripping(port());
+  for (RawClient* client : {&stalled, &dripping}) {
+    client->Send("PUT /api/v1/flights/" + flight + "/files/a.jpg HTTP/1.1\r\n" + kHost +
+                 "Content-Length: 1000000\r\n\r\n" + std::string(300'000, 'x'));
+  }
+  for (int i = 0; i < 4; ++i) {
+    dripping.Send("x");
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  for (RawClient* client : {&stalled, &dripping}) {
+    const RawAnswer answer = client->Receive();
+    EXPECT_EQ(answer.status, 408);
+    EXPECT_NE(answer.body.find("128 KiB"), std::string::npos) << answer.body;
+    EXPECT_NE(answer.body.find("1 s"), std::string::npos) << answer.body;
+    EXPECT_TRUE(client->IsClosed());
+  }
+  EXPECT_TRUE(WaitForNoIncoming());
+  EXPECT_TRUE(catalogue_.ListFiles(flight)->empty());
+}
+
+TEST_F(HttpServerTest, KeepsWhatCameTooSlowlyOfAResumableUpload) {
+  settings_.slice_deadline = std::chrono::seconds(1);
+  Start();
+  const std::string flight = catalogue_.AddFlight("f", "{}", storage::Now())->id;
+  storage::SpooledUpload wish;
+  wish.flight_id = flight;
+  wish.name = "a.jpg";
+  wish.length = 500'000;
+  const std::string upload = service_.spool.Create(wish, service_.db.ages().Now())->id;
+  const std::string tus = "/api/v1/uploads/" + upload + " HTTP/1.1\r\n" + kHost + "Tus-Resumable: 1.0.0\r\n";
+  const std::string patch = "PATCH " + tus + "Content-Type: application/offset+octet-stream\r\n";
+  EXPECT_EQ(
+      Ask(patch + "Upload-Offset: 0\r\nContent-Length: 500000\r\n\r\n" + std::string(300'000, 'x')).status,
+      408);
+  RawClient client(port());
+  client.Send("HEAD " + tus + "\r\n");
+  EXPECT_NE(client.Receive(false).head.find("Upload-Offset: 300000\r\n"), std::string::npos);
+  EXPECT_EQ(Ask(patch + "Upload-Offset: 300000\r\nContent-Length: 200000\r\n\r\n" + std::string(200'000, 'x'))
+                .status,
+            204);
+  EXPECT_EQ(catalogue_.ListFiles(flight)->at(0).bytes, 500'000);
 }
 
 TEST_F(HttpServerTest, RefusesAnUploadBeforeItsBodyIsSent) {

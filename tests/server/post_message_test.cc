@@ -57,6 +57,22 @@ TEST(IsPublicAddress, LetsThePublicThrough) {
   }
 }
 
+TEST(CheckReceiver, RefusesPrivateAddressesHoweverTheyAreWritten) {
+  for (const char* host : {"127.0.0.1", "localhost:8080", "[::1]:80", "10.0.0.1", "2130706433", "0x7f.1",
+                           "192.168.1", "[::ffff:127.0.0.1]", "169.254.169.254"}) {
+    const auto checked = CheckReceiver(std::string("http://") + host + "/hook");
+    ASSERT_FALSE(checked) << host;
+    EXPECT_EQ(checked.error().code, ErrorCode::kUnprocessable) << host;
+    EXPECT_NE(checked.error().message.find("--webhooks any"), std::string::npos) << checked.error().message;
+  }
+  EXPECT_FALSE(CheckReceiver("http:///hook"));
+}
+
+TEST(CheckReceiver, LetsPublicOnesThroughAndNamesThatNobodyKnowsYet) {
+  for (const char* host : {"8.8.8.8", "[2606:4700::1111]:8443", "nowhere.invalid"})
+    EXPECT_TRUE(CheckReceiver(std::string("https://") + host + "/hook")) << host;
+}
+
 // Listens on loopback, gives everyone the same answer and keeps what the last one said.
 class Receiver {
  public:

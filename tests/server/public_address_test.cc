@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "server/routing/host_name.h"
 #include "server/routing/network_addresses.h"
 
 namespace skyquilt::server {
@@ -20,6 +21,7 @@ RequestHead Head(std::initializer_list<std::pair<const char*, const char*>> head
 HttpSettings Trusting() {
   HttpSettings settings;
   settings.trusted_proxies.push_back(*AddressRange::From("10.0.0.0/8"));
+  settings.hosts = {"maps.example.org"};
   return settings;
 }
 
@@ -70,7 +72,8 @@ TEST(PublicAddress, BelievesTrustedProxiesAlone) {
 }
 
 TEST(PublicAddress, PassesOverWhatIsNoAddress) {
-  for (const char* host : {"", "a\"b", "<script>", "a/b", "a b", "a@b"}) {
+  for (const char* host : {"", "a\"b", "<script>", "a/b", "a b", "a@b", "maps.example.org:99999999999",
+                           "[::1]evil.example", "evil.example", "maps.example.org.evil.example"}) {
     const auto head = Head({{"X-Forwarded-Host", host}});
     EXPECT_EQ(PublicAddressOf(head, "10.1.1.1", Trusting()).base_url, "http://inner:8080") << host;
   }
@@ -79,6 +82,56 @@ TEST(PublicAddress, PassesOverWhatIsNoAddress) {
     const auto head = Head({{"X-Forwarded-Prefix", prefix}});
     EXPECT_EQ(PublicAddressOf(head, "10.1.1.1", Trusting()).base_path, "") << prefix;
   }
+}
+
+TEST(HostName, IsTheNameWithoutItsPort) {
+  const std::pair<const char*, const char*> hosts[] = {{"localhost", "localhost"},
+                                                       {"maps.example.org:8443", "maps.example.org"},
+                                                       {"a_b-c.local.", "a_b-c.local."},
+                                                       {"192.0.2.7:1", "192.0.2.7"},
+                                                       {"[::1]", "::1"},
+                                                       {"[::1]:65535", "::1"},
+                                                       {"[2001:db8::7]:80", "2001:db8::7"}};
+  for (const auto& [host, name] : hosts) EXPECT_EQ(NameOfHost(host), name) << host;
+}
+
+TEST(HostName, IsNothingElse) {
+  const std::string long_label = std::string(64, 'a') + ".org";
+  for (const std::string& host : {std::string(),
+                                  std::string("[::1]evil.example"),
+                                  std::string("[::1]:80:80"),
+                                  std::string("[::1"),
+                                  std::string("[]"),
+                                  std::string("[127.0.0.1]"),
+                                  std::string("[::g]"),
+                                  std::string("::1"),
+                                  std::string("127.0.0.1:99999999999"),
+                                  std::string("a:65536"),
+                                  std::string("a:0"),
+                                  std::string("a:"),
+                                  std::string("a:8o"),
+                                  std::string(":80"),
+                                  std::string("."),
+                                  std::string("a..b"),
+                                  std::string(".a"),
+                                  std::string("a b"),
+                                  std::string("a]"),
+                                  std::string("a@b"),
+                                  std::string("::1\0", 4),
+                                  std::string("[::1\0]", 6),
+                                  long_label,
+                                  std::string(256, 'a')}) {
+    EXPECT_FALSE(NameOfHost(host)) << host;
+    EXPECT_FALSE(IsOwnHost(host, Trusting())) << host;
+  }
+}
+
+TEST(HostName, IsOneOfTheServersOwn) {
+  const HttpSettings settings = Trusting();
+  for (const char* host : {"localhost:80", "127.0.0.1", "[::1]:80", "MAPS.example.org:8443"})
+    EXPECT_TRUE(IsOwnHost(host, settings)) << host;
+  for (const char* host : {"localhost.evil.example", "127.evil.example", "192.0.2.7", "org", "[2001:db8::7]"})
+    EXPECT_FALSE(IsOwnHost(host, settings)) << host;
 }
 
 TEST(PublicAddress, BasePathsAreTakenOffTargets) {

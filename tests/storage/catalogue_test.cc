@@ -65,6 +65,11 @@ TEST_F(CatalogueTest, ChangesWhatIsSaidAndNothingElse) {
   EXPECT_EQ(changed.options, R"({"quality":80})");
   EXPECT_EQ(changed.tags, *marks.tags);
   EXPECT_TRUE(changed.is_kept);
+  FlightChange longer;  // than a string that needs no memory of its own
+  longer.tags = {"farm 3 north of the river", "maize"};
+  ASSERT_TRUE(catalogue_.ChangeFlight(id, longer));
+  EXPECT_EQ(catalogue_.GetFlight(id)->tags, *longer.tags);
+  EXPECT_EQ(catalogue_.ListFlights(3, {}, longer.tags->front())->flights.size(), 1u);
   FlightChange none;
   none.tags.emplace();
   none.is_kept = false;

@@ -51,7 +51,7 @@ FilledFolder Fill(const fs::path& root) {
   Store(*opened, catalogue, sample.plain, "c.jpg");
   EXPECT_TRUE(catalogue.RenameFlight(sample.plain, "renamed"));
   FlightChange marks;
-  marks.tags = {"maize", "north"};
+  marks.tags = {"maize", "north of the river"};
   marks.is_kept = true;
   EXPECT_TRUE(catalogue.ChangeFlight(sample.plain, marks));
   sample.deleted = catalogue.AddFlight("deleted", "{}", Now())->id;
@@ -79,7 +79,8 @@ void ExpectAllBack(const fs::path& root, const FilledFolder& sample) {
               static_cast<std::uintmax_t>(file.bytes));
   }
   EXPECT_EQ(catalogue.GetFlight(sample.plain)->name, "renamed");
-  EXPECT_EQ(catalogue.GetFlight(sample.plain)->tags, (std::vector<std::string>{"maize", "north"}));
+  EXPECT_EQ(catalogue.GetFlight(sample.plain)->tags,
+            (std::vector<std::string>{"maize", "north of the river"}));
   EXPECT_TRUE(catalogue.GetFlight(sample.plain)->is_kept);
   EXPECT_FALSE(mapped->is_kept);
   EXPECT_EQ(catalogue.ListFiles(sample.plain)->at(0).name, "c.jpg");

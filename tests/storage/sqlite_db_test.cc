@@ -36,6 +36,25 @@ TEST(SqliteDb, GivesBackWhatWasBound) {
   EXPECT_FALSE(*select->Step());
 }
 
+TEST(SqliteDb, KeepsWhatWasBoundThoughItIsGone) {
+  ScratchDir dir;
+  auto db = SqliteDb::Open(dir.path() / "a.db", OpenMode::kReadWriteCreate);
+  auto query = db->Prepare("SELECT ?1, ?2");
+  ASSERT_TRUE(query);
+  const std::string text(100, 't');
+  const std::vector<std::uint8_t> bytes(100, 7);
+  {
+    std::string short_lived = text;
+    std::vector<std::uint8_t> short_lived_bytes = bytes;
+    query->Bind(1, short_lived).Bind(2, short_lived_bytes);
+    short_lived.assign(100, 'x');  // as whoever is given the memory next would
+    short_lived_bytes.assign(100, 9);
+  }
+  ASSERT_TRUE(*query->Step());
+  EXPECT_EQ(query->ColumnText(0), text);
+  EXPECT_TRUE(std::ranges::equal(query->ColumnBlob(1), bytes));
+}
+
 TEST(SqliteDb, RollsBackATransactionThatWasNotCommitted) {
   ScratchDir dir;
   auto db = SqliteDb::Open(dir.path() / "a.db", OpenMode::kReadWriteCreate);

@@ -56,6 +56,20 @@ TEST_F(UnpackArchiveTest, TakesFilesAsTheyAre) {
   EXPECT_EQ(files->front().file.bytes, 3);
 }
 
+// libarchive would take it as "a", whatever it goes on with.
+TEST_F(UnpackArchiveTest, RefusesNamesWithANul) {
+  const std::string zip = StoredZip();
+  const std::size_t before_file = zip.find("a.jpg");
+  for (const std::size_t at : {before_file, zip.find("a.jpg", before_file + 1)}) {
+    std::string with_nul = zip;
+    with_nul[at + 1] = '\0';
+    const auto files = Unpack(with_nul);
+    ASSERT_FALSE(files) << at;
+    EXPECT_EQ(files.error().code, ErrorCode::kUnprocessable);
+    EXPECT_NE(files.error().message.find("NUL"), std::string::npos) << files.error().message;
+  }
+}
+
 // Such an entry takes what memory it asks for before a byte of it is out: here 8 MiB, and more than three
 // gigabytes.
 TEST_F(UnpackArchiveTest, RefusesZipsThatAskForMemory) {

@@ -36,6 +36,7 @@ Result<cv::Mat> ReadByOpenCv(const std::vector<std::uint8_t>& bytes, int width_p
   // What is wrong is said in the error, not on the terminal.
   static const auto before = cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   static_cast<void>(before);
+  SKYQUILT_TRY(image::CheckPngEnds(bytes));
   cv::Mat picture;
   try {
     picture = cv::imdecode(bytes, flags | cv::IMREAD_IGNORE_ORIENTATION);

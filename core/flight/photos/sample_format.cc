@@ -3,15 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
+#include "core/base/try.h"
 #include "core/flight/logs/text_fields.h"
 
 namespace skyquilt::flight {
 namespace {
 
 constexpr std::uint16_t kBitsTag = 0x0102, kPhotometricTag = 0x0106, kChannelsTag = 0x0115,
-                        kSampleFormatTag = 0x0153, kNoDataTag = 42113;
+                        kSampleFormatTag = 0x0153, kNoDataTag = 42113, kWidthTag = 0x0100,
+                        kHeightTag = 0x0101, kTileWidthTag = 0x0142, kTileHeightTag = 0x0143;
 constexpr int kZeroIsWhite = 0, kZeroIsBlack = 1, kRgb = 2;
 constexpr int kFormatUnsigned = 1, kFormatSigned = 2, kFormatFloating = 3, kFormatUndefined = 4;
 
@@ -23,9 +26,25 @@ Error NotDrawn(const std::string& what, const char* instead) {
 constexpr const char* kAsWholeNumbers =
     "Export it with 8 or 16 bits a sample, or as 32-bit floating point, keeping the metadata.";
 
+// Tiles are decoded whole, however little of them the picture shows: some are made to keep a decoder busy.
+Result<void> CheckTiles(const ExifTable& tags) {
+  const auto size = [&](std::uint16_t tag) { return tags.Number(ExifIfd::kImage, tag).value_or(0.0); };
+  const double width = size(kWidthTag), height = size(kHeightTag);
+  const double tile_width = size(kTileWidthTag), tile_height = size(kTileHeightTag);
+  if (!(tile_width > 0.0 && tile_height > 0.0)) return {};
+  constexpr double kMaxTimes = 4.0, kAlways = 4096.0 * 4096.0;
+  const double decoded =
+      std::ceil(width / tile_width) * tile_width * std::ceil(height / tile_height) * tile_height;
+  if (decoded <= kMaxTimes * width * height + kAlways) return {};
+  return NotDrawn(fmt::format("tiles of {:.0f} x {:.0f} pixels for a picture of {:.0f} x {:.0f}", tile_width,
+                              tile_height, width, height),
+                  "Export it again, with tiles no larger than the picture or in strips.");
+}
+
 }  // namespace
 
 Result<SampleFormat> SampleFormatOfTiff(const ExifTable& tags) {
+  SKYQUILT_TRY(CheckTiles(tags));
   const auto number = [&](std::uint16_t tag, int otherwise) {
     constexpr double kMaxTag = 65535.0;
     return static_cast<int>(std::clamp(tags.Number(ExifIfd::kImage, tag).value_or(otherwise), 0.0, kMaxTag));

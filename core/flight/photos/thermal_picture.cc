@@ -44,6 +44,7 @@ Result<cv::Mat1w> LevelsOfPng(const FlirRecord& record) {
       BigEndian32(record.picture.data() + kSizeAt) != static_cast<std::uint32_t>(record.width_px) ||
       BigEndian32(record.picture.data() + kSizeAt + 4) != static_cast<std::uint32_t>(record.height_px))
     return image::PictureDamaged("the levels' PNG is of another size");
+  SKYQUILT_TRY(image::CheckPngEnds(record.picture));
   cv::Mat decoded;
   try {
     decoded = cv::imdecode(record.picture, cv::IMREAD_UNCHANGED);

@@ -35,7 +35,7 @@ using PgResult = std::unique_ptr<pg_result, PgResultCloser>;
 struct PgParameter {
   std::uint32_t type = 0;  // oid; 0: by the statement, for NULL
   bool is_null = true;
-  std::string_view bytes;
+  std::string bytes;  // its own: what was bound may be gone when the statement runs
 };
 
 class PostgresDb final : public SqlConnection {

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <bit>
 #include <charconv>
-#include <cstring>
 
 #include "core/base/check.h"
 
@@ -43,10 +42,7 @@ NumberedSql NumberParameters(std::string_view sql) {
 }
 
 PostgresStatement::PostgresStatement(PostgresDb& db, std::string_view sql)
-    : db_(db),
-      sql_(NumberParameters(sql)),
-      parameters_(static_cast<std::size_t>(sql_.parameters)),
-      numbers_(parameters_.size()) {}
+    : db_(db), sql_(NumberParameters(sql)), parameters_(static_cast<std::size_t>(sql_.parameters)) {}
 
 PgParameter& PostgresStatement::At(int index) {
   SKYQUILT_CHECK(index >= 1 && index <= sql_.parameters, "a parameter that the SQL does not have");
@@ -54,11 +50,8 @@ PgParameter& PostgresStatement::At(int index) {
 }
 
 void PostgresStatement::BindNumber(int index, std::uint32_t type, std::uint64_t bits) {
-  PgParameter& parameter = At(index);
-  std::array<char, 8>& bytes = numbers_[static_cast<std::size_t>(index - 1)];
   const std::uint64_t big_endian = htobe64(bits);
-  std::memcpy(bytes.data(), &big_endian, bytes.size());
-  parameter = {type, false, {bytes.data(), bytes.size()}};
+  At(index) = {type, false, {reinterpret_cast<const char*>(&big_endian), sizeof big_endian}};
 }
 
 void PostgresStatement::BindInt64(int index, std::int64_t value) {
@@ -70,12 +63,11 @@ void PostgresStatement::BindDouble(int index, double value) {
 }
 
 void PostgresStatement::BindText(int index, std::string_view value) {
-  At(index) = {kText, false, value.data() != nullptr ? value : std::string_view("")};
+  At(index) = {kText, false, std::string(value)};
 }
 
 void PostgresStatement::BindBlob(int index, std::span<const std::uint8_t> value) {
-  const char* bytes = value.data() != nullptr ? reinterpret_cast<const char*>(value.data()) : "";
-  At(index) = {kBytea, false, {bytes, value.size()}};
+  At(index) = {kBytea, false, std::string(value.begin(), value.end())};
 }
 
 void PostgresStatement::BindNull(int index) { At(index) = {0, true, {}}; }

@@ -42,7 +42,6 @@ class PostgresStatement final : public StatementDriver {
   PostgresDb& db_;
   NumberedSql sql_;
   std::vector<PgParameter> parameters_;
-  std::vector<std::array<char, 8>> numbers_;  // what the parameters of these types point to
   PgResult result_;
   int row_ = -1;
   mutable std::vector<std::vector<std::uint8_t>> blobs_;  // of this row

@@ -146,6 +146,20 @@ TEST_F(StacTest, DocumentsLeadToEachOther) {
   EXPECT_EQ(sample_.Get("/stac/collections/flights/items/..x").status, 404);
 }
 
+// As web-map-links has it: the type of a WMTS or WMS link is the format of its pictures, not of the document.
+TEST_F(StacTest, LinksToServicesNameAFormatThatTheyHave) {
+  const std::string flight = Add({1, 1, 2, 2});
+  const json item = json::parse(sample_.Get("/stac/" + flight).body);
+  for (const json& link : item["links"]) {
+    if (link["rel"] != "wms" && link["rel"] != "wmts") continue;
+    const std::string path = link["href"].get<std::string>().substr(std::string("http://127.0.0.1:1").size());
+    const std::string capabilities = sample_.Get(path).body;
+    EXPECT_NE(capabilities.find("<Format>" + link["type"].get<std::string>() + "</Format>"),
+              std::string::npos)
+        << capabilities;
+  }
+}
+
 TEST_F(StacTest, MapsThatLieNowhereAreNotFound) {
   Add({-0.001, -0.001, 0.001, 0.001});
   const std::string bern = Add({7.40, 46.90, 7.50, 46.95});

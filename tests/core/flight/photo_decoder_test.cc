@@ -12,6 +12,7 @@
 
 #include "core/flight/photos/read_photo.h"
 #include "tests/core/flight/synthetic_photo.h"
+#include "tests/support/long_png.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -205,6 +206,32 @@ TEST(DecodePhotoBytes, ReadsEveryKindOfPng) {
     EXPECT_FALSE(
         DecodePhotoBytes(Bytes(file.begin(), file.begin() + static_cast<std::ptrdiff_t>(length)), 40, 30, 1)
             .ok());
+}
+
+// Of libpng as of OpenCV, which would unpack all that comes and throw it away.
+TEST(DecodePhotoBytes, EndsAPngThatGoesOnBehindItsRows) {
+  struct Case {
+    test::LongPngHeader header;
+    std::size_t row_bytes;
+  };
+  const Case cases[] = {{{64, 48, 8, 2, 0}, 48 * (1 + 3 * 64)},                           // ours
+                        {{8, 8, 8, 2, 1}, 4 + 4 + 7 + 2 * 7 + 2 * 13 + 4 * 13 + 4 * 25},  // interlaced
+                        {{4, 1, 8, 2, 1}, 4 + 4 + 7},                                     // of three passes
+                        {{64, 48, 16, 0, 0}, 48 * (1 + 2 * 64)}};                         // OpenCV's
+  for (const Case& one : cases) {
+    const int width_px = static_cast<int>(one.header.width_px);
+    const int height_px = static_cast<int>(one.header.height_px);
+    for (const std::size_t more : {std::size_t{0}, std::size_t{100}}) {
+      const auto image =
+          DecodePhotoBytes(test::LongPng(one.header, one.row_bytes, more), width_px, height_px, 1);
+      EXPECT_TRUE(image.ok()) << width_px << " " << more << " " << image.error().detail;
+    }
+    const auto bomb =
+        DecodePhotoBytes(test::LongPng(one.header, one.row_bytes, 300'000), width_px, height_px, 1);
+    ASSERT_FALSE(bomb.ok()) << width_px << " " << int{one.header.depth};
+    EXPECT_EQ(bomb.error().code, ErrorCode::kCorrupt);
+    EXPECT_THAT(bomb.error().detail, ::testing::HasSubstr("go on"));
+  }
 }
 
 TEST(DecodePhotoPart, RefusesWhatTakesMoreThanItMay) {

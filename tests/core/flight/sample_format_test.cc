@@ -82,6 +82,27 @@ class SampleFiles : public ::testing::Test {
   const FilePhotoSource source_;
 };
 
+TEST(SampleFormatOfTiff, RefusesTilesFarLargerThanThePicture) {
+  const auto with = [](int width, int height, int tile_width, int tile_height) {
+    ExifTable tags = Tags(8, 3, 1, 2);
+    for (const auto& [tag, value] : {std::pair{0x0100, width}, std::pair{0x0101, height},
+                                     std::pair{0x0142, tile_width}, std::pair{0x0143, tile_height}}) {
+      std::vector<std::uint8_t> bytes;
+      for (int i = 0; i < 4; ++i) bytes.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
+      tags.Set(ExifIfd::kImage, static_cast<std::uint16_t>(tag),
+               {static_cast<std::uint16_t>(ExifType::kLong), 1, false, bytes});
+    }
+    return SampleFormatOfTiff(tags);
+  };
+  EXPECT_TRUE(with(100, 80, 512, 512));
+  EXPECT_TRUE(with(4000, 3000, 256, 256));
+  EXPECT_TRUE(with(30'000, 12'000, 4096, 4096));
+  const auto refused = with(30'000, 16, 16, 1 << 22);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kUnsupportedFormat);
+  EXPECT_THAT(refused.error().message, HasSubstr("16 x 4194304"));
+}
+
 TEST(SampleFormatOfTiff, TellsWhatIsDrawn) {
   EXPECT_EQ(SampleFormatOfTiff(Tags(8, 3, 1, 2))->kind, SampleKind::kBytes);
   EXPECT_EQ(SampleFormatOfTiff(Tags(16, 1, 1, 1))->kind, SampleKind::kLevels);

@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 
 #include "tests/support/bytes_of.h"
+#include "tests/support/long_png.h"
 
 namespace skyquilt::image {
 namespace {
@@ -99,6 +101,32 @@ TEST(PictureCodec, ReadsWhatOthersWrite) {
   EXPECT_EQ(decoded->width_px, 30);
   EXPECT_EQ(decoded->Pixel(3, 3)[3], 255);
   EXPECT_EQ(decoded->Pixel(3, 3)[0], decoded->Pixel(3, 3)[2]);
+}
+
+TEST(PictureCodec, EndsWhatIsMadeToKeepADecoderBusy) {
+  for (const std::uint32_t height_px : {64U, 48U}) {  // a tile, and another picture
+    const std::size_t row_bytes = height_px * (1 + 4 * 64);
+    EXPECT_TRUE(DecodePicture(Text(test::LongPng({64, height_px, 8, 6, 0}, row_bytes, 0))));
+    EXPECT_EQ(DecodePicture(Text(test::LongPng({64, height_px, 8, 6, 0}, row_bytes, 300'000))).error().code,
+              ErrorCode::kCorrupt);
+  }
+  // The last scan of a JPEG again and again.
+  std::vector<std::uint8_t> jpeg;
+  ASSERT_TRUE(cv::imencode(".jpg", cv::Mat(48, 64, CV_8UC3, cv::Scalar(10, 90, 200)), jpeg,
+                           {cv::IMWRITE_JPEG_PROGRESSIVE, 1}));
+  EXPECT_TRUE(DecodePicture(Text(jpeg)));
+  const std::vector<std::uint8_t> start{0xFF, 0xDA}, end{0xFF, 0xD9};
+  const std::vector<std::uint8_t> scan(std::find_end(jpeg.begin(), jpeg.end(), start.begin(), start.end()),
+                                       jpeg.end() - 2);
+  jpeg.resize(jpeg.size() - 2);
+  for (int i = 0; i < 600; ++i) jpeg.insert(jpeg.end(), scan.begin(), scan.end());
+  jpeg.insert(jpeg.end(), end.begin(), end.end());
+  EXPECT_EQ(DecodePicture(Text(jpeg)).error().code, ErrorCode::kCorrupt);
+  // A WebP has no more pixels than its header: what stands behind them is passed over.
+  std::vector<std::uint8_t> webp = EncodePicture(Painted(64, 48), PictureFormat::kWebp);
+  webp.resize(webp.size() + 300'000);
+  const auto decoded = DecodePicture(Text(webp));
+  EXPECT_TRUE(!decoded || (decoded->width_px == 64 && decoded->height_px == 48));
 }
 
 TEST(PictureCodec, RefusesWhatIsDamagedOrTooLarge) {

@@ -1,4 +1,5 @@
 """The server behind nginx, below a path: one that leaves the path in place, and one that takes it off and says so."""
+import http.client
 import json
 import pathlib
 import shutil
@@ -12,7 +13,7 @@ import urllib.parse
 import urllib.request
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from server_support import BINARY, Server, ServerTestCase  # noqa: E402
+from server_support import BINARY, Server, ServerTestCase, catalogue_words, path_of, tile_of, wait_until  # noqa: E402
 
 NGINX = shutil.which("nginx") or shutil.which("nginx", path="/usr/sbin")
 CONF = """daemon off; worker_processes 1; pid {folder}/pid; error_log {folder}/error.log;
@@ -20,14 +21,17 @@ events {{ worker_connections 64; }}
 http {{
   access_log off; client_max_body_size 0; client_body_temp_path {folder}/body; proxy_temp_path {folder}/proxy;
   fastcgi_temp_path {folder}/f; uwsgi_temp_path {folder}/u; scgi_temp_path {folder}/s;
-  proxy_set_header Host $http_host; proxy_request_buffering off; proxy_buffering off;
-  server {{
-    listen 127.0.0.1:{port};
+  {more}
+  server {{ listen 127.0.0.1:{port}; {locations} }}
+}}
+"""
+BELOW_PATHS = """
     location /skyquilt {{ proxy_pass http://127.0.0.1:{kept}; }}
     location /stripped/ {{ proxy_pass http://127.0.0.1:{stripped}/; proxy_set_header X-Forwarded-Prefix /stripped;
                            proxy_set_header X-Forwarded-Proto https; proxy_set_header X-Forwarded-Host maps.example.org; }}
-  }}
-}}
+"""
+KEEPING = """
+    location / {{ proxy_pass http://127.0.0.1:{server}; proxy_cache kept; add_header X-Cache $upstream_cache_status; }}
 """
 
 
@@ -37,23 +41,29 @@ def free_port():
         return taken.getsockname()[1]
 
 
+def start_nginx(folder, port, locations, more):
+    conf = pathlib.Path(folder, "nginx.conf")
+    conf.write_text(CONF.format(folder=folder, port=port, locations=locations, more=more))
+    nginx = subprocess.Popen([NGINX, "-c", str(conf), "-p", folder, "-e", f"{folder}/error.log"])
+    for _ in range(100):
+        with socket.socket() as probe:
+            if probe.connect_ex(("127.0.0.1", port)) == 0:
+                break
+        time.sleep(0.1)
+    return nginx
+
+
 @unittest.skipIf(NGINX is None, "nginx is not here")
 class Proxy(ServerTestCase):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
         cls.kept = Server(tempfile.mkdtemp(dir=cls.scratch), "--base-path", "/skyquilt")
-        cls.stripped = Server(tempfile.mkdtemp(dir=cls.scratch), "--trusted-proxy", "127.0.0.1")
+        cls.stripped = Server(tempfile.mkdtemp(dir=cls.scratch), "--trusted-proxy", "127.0.0.1", "--host", "maps.example.org")
         cls.port = free_port()
-        folder = tempfile.mkdtemp(dir=cls.scratch)
-        conf = pathlib.Path(folder, "nginx.conf")
-        conf.write_text(CONF.format(folder=folder, port=cls.port, kept=cls.kept.port, stripped=cls.stripped.port))
-        cls.nginx = subprocess.Popen([NGINX, "-c", str(conf), "-p", folder, "-e", f"{folder}/error.log"])
-        for _ in range(100):
-            with socket.socket() as probe:
-                if probe.connect_ex(("127.0.0.1", cls.port)) == 0:
-                    break
-            time.sleep(0.1)
+        cls.nginx = start_nginx(tempfile.mkdtemp(dir=cls.scratch), cls.port,
+                                BELOW_PATHS.format(kept=cls.kept.port, stripped=cls.stripped.port),
+                                "proxy_set_header Host $http_host; proxy_request_buffering off; proxy_buffering off;")
         photos = pathlib.Path(tempfile.mkdtemp(dir=cls.scratch))
         for name, content in cls.photos[:4]:
             photos.joinpath(name).write_bytes(content)
@@ -138,6 +148,46 @@ class Proxy(ServerTestCase):
         # Who is no trusted proxy is not believed.
         _, _, body = self.kept.request("GET", "/stac", headers={"X-Forwarded-Host": "evil.example.org", "X-Forwarded-Prefix": "/evil"})
         self.assertNotIn(b"evil", body)
+
+
+@unittest.skipIf(NGINX is None, "nginx is not here")
+class Keeping(ServerTestCase):
+    """nginx with a cache and its usual key, which knows of no tokens."""
+
+    def test_what_a_token_opened_is_never_answered_without_one(self):
+        server = self.serve()
+        status, made = server.upload(self.photos[:4])
+        self.assertEqual(status, 201, made)
+        server.wait_for_job(made["job"]["id"])
+        flight = made["flight"]["id"]
+        tilejson = server.json("GET", f"/tiles/{flight}.json")[1]
+        zoom, (west, south, east, north) = tilejson["minzoom"], tilejson["bounds"]
+        x, y = tile_of((west + east) / 2, (south + north) / 2, zoom)
+        tile = path_of(tilejson["tiles"][0].replace("{z}", str(zoom)).replace("{x}", str(x)).replace("{y}", str(y)))
+        paths = [tile + "&empty=blank", tile.split("?")[0], f"/tiles/{flight}.json", f"/api/v1/flights/{flight}/thumbnail.png", "/wmts",
+                 f"/api/v1/flights/{flight}/download.mbtiles", "/wms?service=WMS&request=GetCapabilities"]
+        port, folder = free_port(), tempfile.mkdtemp(dir=self.scratch)
+        nginx = start_nginx(folder, port, KEEPING.format(server=server.port), f"proxy_cache_path {folder}/kept keys_zone=kept:1m;")
+        self.addCleanup(lambda: (nginx.terminate(), nginx.wait()))
+
+        def get(path, **headers):
+            connection = http.client.HTTPConnection("127.0.0.1", port, timeout=60)
+            try:
+                connection.request("GET", path, headers=headers)
+                answer = connection.getresponse()
+                answer.read()
+                return answer.status, answer.headers["X-Cache"]
+            finally:
+                connection.close()
+
+        self.assertEqual([get(tile)[1] for _ in range(2)], ["MISS", "HIT"])  # of an open server it keeps them
+        token = subprocess.run([BINARY, "token", "add", "one", "--scope", "read", "--data", self.data, *catalogue_words(self.data)],
+                               check=True, capture_output=True, text=True).stdout.strip()
+        wait_until(lambda: server.request("GET", tile)[0] == 401, "the token closes nothing")
+        for path in paths:
+            self.assertEqual(get(path, Authorization=f"Bearer {token}")[0], 200, path)
+            self.assertEqual(get(path)[0], 401, path)
+            self.assertEqual(get(path, Authorization="Bearer sq_guess")[0], 401, path)
 
 
 if __name__ == "__main__":

@@ -256,6 +256,14 @@ class Exports(ServerTestCase):
             self.assertEqual(server.request("DELETE", of_reader["href"], headers=who)[0], 403)
         self.assertEqual(server.request("DELETE", of_reader["href"], headers=reader)[0], 204)
         self.assertEqual(server.request("DELETE", of_guest["href"], headers=owner)[0], 204)
+        # What a link asked for goes with it, out of the list at once.
+        status, of_guest = self.ask(server, flight, guest, format="mbtiles")
+        self.assertEqual(status, 202, of_guest)
+        shares = f"/api/v1/flights/{flight}/shares"
+        link = json.loads(server.request("GET", shares, headers=owner)[2])["shares"][0]["id"]
+        self.assertEqual(server.request("DELETE", f"{shares}/{link}", headers=owner)[0], 204)
+        self.assertEqual(server.request("GET", of_guest["href"], headers=owner)[0], 404)
+        self.assertEqual(json.loads(server.request("GET", f"/api/v1/flights/{flight}/exports", headers=owner)[2])["exports"], [])
 
 
 if __name__ == "__main__":

@@ -42,6 +42,9 @@ class Tags(ServerTestCase):
         status, changed = server.json("PATCH", f"/api/v1/flights/{first['id']}", {"tags": [], "keep": True})
         self.assertEqual((status, changed["tags"], changed["keep"], changed["name"]), (200, [], True, "first"))
         self.assertEqual(len(self.tagged(server, "north")["flights"]), 3)
+        long = ["farm 3 north of the river", "maize"]
+        self.assertEqual(server.json("PATCH", f"/api/v1/flights/{first['id']}", {"tags": long})[1]["tags"], long)
+        self.assertEqual([one["id"] for one in self.tagged(server, long[0])["flights"]], [first["id"]])
 
     def test_what_is_no_tag_is_refused_in_words(self):
         server = self.serve("--workers", "0")

@@ -12,6 +12,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   HttpSettings settings;
   settings.trusted_proxies.push_back(*AddressRange::From("10.0.0.0/8"));
   RequestHead head;
+  settings.hosts = {text.substr(0, half)};
   head.host = "inner";
   head.headers.Add("X-Forwarded-Host", text.substr(0, half));
   head.headers.Add("X-Forwarded-Prefix", text.substr(half));

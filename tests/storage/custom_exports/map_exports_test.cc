@@ -9,6 +9,7 @@
 
 #include "storage/blobs/folder_blobs.h"
 #include "storage/catalogue/catalogue.h"
+#include "storage/catalogue/tokens.h"
 #include "storage/db/ids.h"
 #include "storage/folder/sweep_exports.h"
 #include "tests/storage/postgres/test_catalogue.h"
@@ -23,21 +24,39 @@ class MapExportsTest : public testing::Test {
       : db_(*OpenTestCatalogue(dir_.path() / "catalogue.db")), catalogue_(*db_), exports_(*db_) {}
 
   std::string Flight() { return catalogue_.AddFlight("field", "{}", Now())->id; }
-  MapExport Ask(const std::string& flight, const std::string& request = R"({"format":"kmz"})",
-                int revision = 1) {
+  static MapExport Wish(const std::string& flight, const std::string& request, int revision = 1) {
     MapExport wish;
     wish.flight_id = flight;
     wish.revision = revision;
     wish.request = request;
     wish.format = "kmz";
     wish.owner = "me";
-    return *exports_.Add(wish, Now());
+    return wish;
+  }
+  MapExport Ask(const std::string& flight, const std::string& request = R"({"format":"kmz"})",
+                int revision = 1) {
+    return *exports_.Add(Wish(flight, request, revision), Now());
+  }
+  // By a link to the flight, which there is from then on.
+  Result<MapExport> AskByLink(const std::string& flight, const std::string& link,
+                              const std::string& request) {
+    if (links_.insert(link).second) {
+      Token token{link, link, std::string(32, 'h') + link, Scope::kRead, Now()};
+      token.flight_id = flight;
+      EXPECT_TRUE(tokens_.AddShare(token));
+    }
+    MapExport wish = Wish(flight, request);
+    wish.owner = link;
+    wish.is_of_link = true;
+    return exports_.Add(wish, Now());
   }
 
   ScratchDir dir_;
   std::unique_ptr<CatalogueDb> db_;
   Catalogue catalogue_;
   MapExports exports_;
+  Tokens tokens_{*db_};
+  std::set<std::string> links_;
 };
 
 TEST_F(MapExportsTest, GoesItsWayAndIsKeptForADay) {
@@ -88,6 +107,61 @@ TEST_F(MapExportsTest, AFlightHasSoManyAndNoMore) {
   ASSERT_TRUE(exports_.Remove(exports_.List(flight)->front().id));
   EXPECT_TRUE(exports_.Add(wish, Now()));
   EXPECT_EQ(exports_.List(flight)->size(), static_cast<std::size_t>(MapExports::kMaxOfFlight));
+}
+
+TEST_F(MapExportsTest, ALinkHasOneThatTakesNoPlaceAndComesLast) {
+  const std::string flight = Flight();
+  const auto first = AskByLink(flight, "one", "a");
+  ASSERT_TRUE(first) << first.error().detail;
+  const auto second = AskByLink(flight, "one", "b");
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().code, ErrorCode::kConflict);
+  EXPECT_EQ(AskByLink(flight, "one", "a")->id, first->id);
+  ASSERT_TRUE(AskByLink(flight, "two", "c"));
+  for (int i = 0; i < MapExports::kMaxOfFlight; ++i) {
+    Ask(flight, std::to_string(i));
+    EXPECT_FALSE((*exports_.Claim(Now()))->is_of_link);  // though those of links were first
+  }
+  // Once made, it gives its place to the next.
+  const auto claimed = *exports_.Claim(Now());
+  ASSERT_TRUE(claimed);
+  EXPECT_EQ(claimed->id, first->id);
+  EXPECT_TRUE(claimed->is_of_link);
+  ASSERT_TRUE(*exports_.Succeed(*claimed, 7, Now()));
+  ASSERT_TRUE(exports_.Get(flight, first->id));
+  ASSERT_TRUE(AskByLink(flight, "one", "b"));
+  EXPECT_FALSE(exports_.Get(flight, first->id));
+  ASSERT_EQ(exports_.Expired()->size(), 1u);
+  EXPECT_EQ(exports_.Expired()->front().id, first->id);
+  // Whoever has more rights and wants the same has it as their own.
+  const MapExport taken = Ask(flight, "c");
+  EXPECT_TRUE(tokens_.Revoke("two"));
+  EXPECT_EQ(exports_.Get(flight, taken.id)->owner, "me");
+}
+
+TEST_F(MapExportsTest, ThoseOfALinkGoWithIt) {
+  const std::string flight = Flight();
+  const MapExport of_owner = Ask(flight, "mine");
+  ASSERT_TRUE(*exports_.Claim(Now()));
+  const MapExport made = *AskByLink(flight, "one", "a");
+  ASSERT_TRUE(*exports_.Succeed(**exports_.Claim(Now()), 7, Now()));
+  const MapExport under_way = *AskByLink(flight, "two", "b");
+  const auto claimed = *exports_.Claim(Now());
+  const MapExport by_its_day = *AskByLink(flight, "three", "c");
+  ASSERT_TRUE(tokens_.RevokeShare(flight, "one"));
+  ASSERT_TRUE(tokens_.Revoke("two"));
+  EXPECT_FALSE(*exports_.Heartbeat(*claimed, 0.5, Now()));
+  EXPECT_FALSE(*exports_.Succeed(*claimed, 7, Now()));
+  ASSERT_TRUE(exports_.EndThoseOfEndedLinks(Now()));
+  EXPECT_TRUE(exports_.Get(flight, by_its_day.id));
+  ASSERT_TRUE(db_->Lock()->Exec("UPDATE token SET expires_us=1 WHERE id='three'"));
+  ASSERT_TRUE(exports_.EndThoseOfEndedLinks(Now()));
+  for (const MapExport& gone : {made, under_way, by_its_day}) EXPECT_FALSE(exports_.Get(flight, gone.id));
+  ASSERT_EQ(exports_.Expired()->size(), 1u);  // whose file is to be removed
+  EXPECT_EQ(exports_.Expired()->front().id, made.id);
+  EXPECT_TRUE(exports_.Get(flight, of_owner.id));
+  // A request that was on its way when its link ended leaves nothing.
+  EXPECT_EQ(AskByLink(flight, "two", "b").error().code, ErrorCode::kForbidden);
 }
 
 TEST_F(MapExportsTest, WhoeverMakesWhatWasRemovedHearsOfIt) {

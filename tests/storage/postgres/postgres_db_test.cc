@@ -49,6 +49,19 @@ TEST_F(PostgresTest, KeepsValuesOfEveryKind) {
   EXPECT_TRUE(nulls.ColumnBlob(1).empty());
 }
 
+TEST_F(PostgresTest, KeepsWhatWasBoundThoughItIsGone) {
+  const auto db = Connection();
+  auto query = *db->Prepare("SELECT ?1, ?2");
+  std::string short_lived(100, 't');
+  std::vector<std::uint8_t> short_lived_bytes(100, 7);
+  query.Bind(1, short_lived).Bind(2, short_lived_bytes);
+  short_lived.assign(100, 'x');
+  short_lived_bytes.assign(100, 9);
+  ASSERT_TRUE(*query.Step());
+  EXPECT_EQ(query.ColumnText(0), std::string(100, 't'));
+  EXPECT_TRUE(std::ranges::equal(query.ColumnBlob(1), std::vector<std::uint8_t>(100, 7)));
+}
+
 TEST_F(PostgresTest, RefusesTextThatItCannotStore) {
   const auto zero = Catalogue(*db_).AddFlight(std::string("a\0b", 3), "{}", Now());
   ASSERT_FALSE(zero);

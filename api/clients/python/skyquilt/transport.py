@@ -19,7 +19,7 @@ from .errors import InputError, NotASkyquilt, Refused, ServerAway, refusal
 
 Body = Union[bytes, BinaryIO]
 Waiting = Callable[[str], None]
-RETRIED = (429, 502, 503, 504)
+RETRIED = (408, 429, 502, 503, 504)
 LONGEST_PAUSE_S = 15.0
 BLOCK_BYTES = 1 << 16
 LARGEST_PROBLEM_BYTES = 1 << 20
@@ -59,7 +59,7 @@ class Answer:
 
 class Transport:
     """Where a server is, and how it is talked to. `patience_s`: for how long a request is tried again while the server is
-    away (refused, broken off, 429, 502, 503, 504); `on_waiting` is told, with a sentence, before each pause."""
+    away (refused, broken off, 408, 429, 502, 503, 504); `on_waiting` is told, with a sentence, before each pause."""
 
     def __init__(self, url: str, token: Optional[str] = None, *, patience_s: float = 5.0, timeout_s: float = 60.0,
                  context: Optional[ssl.SSLContext] = None) -> None:

@@ -424,15 +424,3 @@ class MapStatisticsBandsItem(TypedDict):
     std: Optional[float]
     # Pixels of each value from 0 to 255
     histogram: List[int]
-
-
-class MapStatisticsIndexPercentiles(TypedDict):
-    p2: Optional[float]
-    p5: Optional[float]
-    p10: Optional[float]
-    p25: Optional[float]
-    p50: Optional[float]
-    p75: Optional[float]
-    p90: Optional[float]
-    p95: Optional[float]
-    p98: Optional[float]

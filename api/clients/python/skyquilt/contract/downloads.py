@@ -15,7 +15,8 @@ class Downloads(Calls):
         requests, one at a time, and kept for a day. Who may read the flight may ask. The same wish for the same map
         is answered with the export that is there. 422 says what of the wish cannot be: a map that is not
         georeferenced, a boundary outside it, a coordinate system of elsewhere, a resolution finer than the map's.
-        409: the flight has 12 exports."""
+        409: the flight has 12 exports, or the share that asks has one that is not made yet. Those of shares come
+        last and go with them."""
         return cast("models.Export", self._send("POST", "/api/v1/flights/{flight}/exports", json_body=body,
                                                 path={"flight": flight}))
 

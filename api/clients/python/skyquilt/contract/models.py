@@ -6,6 +6,18 @@ from typing import Any, Dict, List, Literal, Optional, TypedDict, Union
 from .documents_1 import *  # noqa: F401,F403
 
 
+class MapStatisticsIndexPercentiles(TypedDict):
+    p2: Optional[float]
+    p5: Optional[float]
+    p10: Optional[float]
+    p25: Optional[float]
+    p50: Optional[float]
+    p75: Optional[float]
+    p90: Optional[float]
+    p95: Optional[float]
+    p98: Optional[float]
+
+
 class MapStatisticsIndex(TypedDict):
     """Of the index asked for."""
     title: str
