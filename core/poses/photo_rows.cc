@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "core/base/median.h"
-#include "core/base/printable.h"
 #include "core/geo/geodesic.h"
 #include "core/poses/heights/flight_heights.h"
 
@@ -102,9 +101,9 @@ PhotoRowsUse ApplyPhotoRows(const std::vector<flight::FlightLog>& logs, std::vec
     use.lines.push_back(
         fmt::format("{} ({}) names {} of {} photos", log.file_name, log.format, matched, photos.size()));
     if (matched > 0 || photos.empty()) continue;
-    use.warnings.push_back(fmt::format(
-        "{} is not used: its rows name {} (the first is {}), and none of the photos given is called so.",
-        log.file_name, Counted(rows.size(), "photo"), rows.begin()->first));
+    use.warnings.push_back(
+        {flight::RemarkCode::kListNamesNoPhoto,
+         {{"file", log.file_name}, {"rows", rows.size()}, {"first", rows.begin()->first}}});
   }
   return use;
 }

@@ -8,6 +8,7 @@
 
 #include "core/flight/logs/flight_log.h"
 #include "core/flight/photos/photo.h"
+#include "core/flight/remarks/remark.h"
 #include "core/poses/time/time_sync.h"
 
 namespace skyquilt::poses {
@@ -16,8 +17,8 @@ namespace skyquilt::poses {
 std::string PlainPhotoName(const std::string& name);
 
 struct PhotoRowsUse {
-  std::vector<std::string> lines;     // one a list, in words
-  std::vector<std::string> warnings;  // lists that name no photo
+  std::vector<std::string> lines;        // one a list, in words
+  std::vector<flight::Remark> warnings;  // lists that name no photo
 };
 
 // Rows that name a photo (case and folders do not matter, nor endings where the list has none) and have no

@@ -17,6 +17,8 @@
 namespace skyquilt::alignment {
 namespace {
 
+using flight::Remark;
+
 void ReportLenses(const poses::PosedFlight& posed, const BundleProblem& problem, AlignReport& report) {
   for (std::size_t c = 0; c < problem.lenses.size(); ++c) {
     const BundleLens& lens = problem.lenses[c];
@@ -36,19 +38,17 @@ void ReportLenses(const poses::PosedFlight& posed, const BundleProblem& problem,
   }
 }
 
-// Surveyed points further from where the photos agree they are than any survey errs; empty: they fit.
-std::string ContradictedControl(const std::vector<ControlReport>& control) {
+// Surveyed points further from where the photos agree they are than any survey errs; nothing: they fit.
+std::optional<Remark> ContradictedControl(const std::vector<ControlReport>& control) {
   std::vector<double> errors_m;
   for (const ControlReport& point : control) {
     if (point.is_used) errors_m.push_back(std::hypot(point.miss_east_m, point.miss_north_m));
   }
-  if (errors_m.size() < kMinContradicted) return {};
+  if (errors_m.size() < kMinContradicted) return std::nullopt;
   const double median_m = Median(errors_m);
-  if (median_m < kNoSurveyM) return {};
-  return fmt::format(
-      "the surveyed points CONTRADICT the photos: half of the {} used lie {:.1f} m or more from where all photos together "
-      "show them. Check the list's coordinates, their zone and the marks",
-      errors_m.size(), median_m);
+  if (median_m < kNoSurveyM) return std::nullopt;
+  return Remark{flight::RemarkCode::kControlContradicts,
+                {{"points", errors_m.size()}, {"apart_m", median_m}}};
 }
 
 AlignPhotoReport PhotoReport(const ExtractedFlight& extracted, const Leg& leg, std::size_t i) {
@@ -94,15 +94,21 @@ void ReportLeg(const ExtractedFlight& extracted, Leg& leg, AlignReport& report) 
 
 // What the user must know, the most important first, and what was corrected last.
 void Warn(const AlignReport& report, const LegEvidence& evidence, AlignedFlight& flight) {
-  std::vector<std::string> first{
-      ContradictedControl(report.control), DroppedInWords(report.observations, report.observations_dropped),
-      report.second_leg.is_taken ? SecondLegInWords(report.second_leg) : ContradictionInWords(evidence)};
-  std::erase(first, "");
-  flight.warnings.insert(flight.warnings.begin(), first.begin(), first.end());
-  for (const ControlReport& point : report.control) {
-    if (std::string words = ControlInWords(point); !words.empty()) flight.warnings.push_back(words + ".");
-  }
-  flight.warnings.insert(flight.warnings.end(), report.corrections.begin(), report.corrections.end());
+  std::vector<Remark> remarks;
+  const auto add = [&](std::optional<Remark> remark) {
+    if (remark) remarks.push_back(*std::move(remark));
+  };
+  const auto add_all = [&](const std::vector<Remark>& more) {
+    remarks.insert(remarks.end(), more.begin(), more.end());
+  };
+  add(ContradictedControl(report.control));
+  add(DroppedOf(report.observations, report.observations_dropped));
+  if (!report.second_leg.is_taken) add(ContradictionOf(evidence));
+  add_all(RemarksOn(report.second_leg));
+  add_all(flight.warnings);
+  add_all(RemarksOn(report.control));
+  add_all(report.corrections);
+  flight.warnings = std::move(remarks);
 }
 
 }  // namespace
