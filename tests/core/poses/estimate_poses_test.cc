@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "core/flight/remarks/remark_words.h"
 #include "core/geo/geoid.h"
 #include "core/poses/conventions/attitude_convention.h"
 #include "core/poses/photo_rows.h"
@@ -127,7 +128,7 @@ TEST(EstimatePoses, LeavesALogOfAnotherFlightAlone) {
   ASSERT_TRUE(posed.ok());
   EXPECT_EQ(posed->report.photos_by_log, 0);
   EXPECT_EQ(posed->report.photos_by_records, 10);
-  EXPECT_THAT(posed->warnings, Contains(HasSubstr("track.log")));
+  EXPECT_THAT(InWords(posed->warnings), Contains(HasSubstr("track.log")));
 }
 
 TEST(EstimatePoses, LeavesOutPhotosOutsideTheLogThatHaveNoPositionOfTheirOwn) {
@@ -142,7 +143,7 @@ TEST(EstimatePoses, LeavesOutPhotosOutsideTheLogThatHaveNoPositionOfTheirOwn) {
   EXPECT_EQ(posed->report.photos_by_log, 5);
   EXPECT_EQ(posed->report.photos_by_records, 1);
   ASSERT_EQ(posed->left_out.size(), 4u);
-  EXPECT_THAT(posed->left_out[0].reason, HasSubstr("does not cover"));
+  EXPECT_THAT(InWords(posed->left_out[0].reason), HasSubstr("does not cover"));
 }
 
 TEST(EstimatePoses, TakesPositionsFromAListThatNamesThePhotos) {
@@ -212,8 +213,7 @@ TEST(EstimatePoses, GuessesTheHeightFromTheSpacingWhereNothingSaysIt) {
       EXPECT_NEAR(photo.height_above_ground_m, 78.2, 0.5);
       EXPECT_NEAR(photo.cam_from_enu.TargetOriginInSource().z() - posed->ground_z_in_enu_m, 78.2, 0.5);
     }
-    EXPECT_THAT(posed->assumptions,
-                Contains(::testing::Field(&Assumption::assumed, HasSubstr("78 m is assumed"))));
+    EXPECT_THAT(InWords(AssumptionsByPoses(posed->assumptions)), Contains(HasSubstr("78 m is assumed")));
   }
 }
 
@@ -276,7 +276,7 @@ TEST(EstimatePoses, HandsOnPhotosThatNoMapCanBeDrawnWithWhereTheyWereRecorded) {
   ASSERT_EQ(posed->unplaced.size(), 1U);
   EXPECT_EQ(posed->unplaced.front().name, "IMG_3.JPG");
   ASSERT_EQ(posed->left_out.size(), 1U);
-  EXPECT_THAT(posed->left_out.front().reason, HasSubstr("times as much ground"));
+  EXPECT_THAT(InWords(posed->left_out.front().reason), HasSubstr("times as much ground"));
 }
 
 TEST(EstimatePoses, CountsHeightsFromTheElevationModel) {
@@ -348,7 +348,7 @@ TEST(JoinLogs, RefusesLogsWhoseClocksCannotBeCompared) {
   second.file_name = "loose.csv";
   const auto joined = JoinLogs({first, second}, {});
   ASSERT_TRUE(joined.has_value());
-  EXPECT_THAT(joined->warnings, Contains(HasSubstr("loose.csv")));
+  EXPECT_THAT(InWords(joined->warnings), Contains(HasSubstr("loose.csv")));
 }
 
 TEST(EstimatePoses, NamesWhatWasLeftOutBeforeWhereTheRestHasNoPlace) {
