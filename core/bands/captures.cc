@@ -173,9 +173,8 @@ void SetMarkedPanelsApart(Captures& apart, Flight& flight) {
                                       [](const BandPhoto& photo) { return photo.facts.is_panel; }));
   }
   if (!SetPanelsApart(shows_panel, apart, flight)) {
-    flight.warnings.push_back(fmt::format(
-        "Every capture is said to show a calibration panel, by the camera or in {}: none is taken for one.",
-        flight::kReflectanceListName));
+    flight.warnings.push_back(
+        {flight::RemarkCode::kEveryCaptureAPanel, {{"file", std::string(flight::kReflectanceListName)}}});
   }
 }
 

@@ -140,6 +140,13 @@ enum class RemarkCode : std::uint8_t {
   kImported,
   kCoarserPixels,
   kNoBands,
+  kBandLaidAsOthers,
+  kBandLaidAsReference,
+  kCapturesNotPlaced,
+  kTargetUnseen,
+  kTargetUneven,
+  kEveryCaptureAPanel,
+  kBandsWithoutPanel,
   // What is foretold.
   kAllByImages,
   kAllByImagesAndControl,

@@ -305,6 +305,24 @@ constexpr std::array kSentences = std::to_array<RemarkSentence>({
      "The map's pixels are {pixel_mm:.1f} mm where {wanted_mm:.1f} mm were wanted: tiles as large as "
      "that takes do not fit in the memory. Raise --max-memory for a finer map."},
     {RemarkCode::kNoBands, "no_bands", "There is no bands.tif. {error_words}"},
+    {RemarkCode::kBandLaidAsOthers, "band_laid_as_others",
+     "In {failed} of {captures} captures the band {band} could not be laid on the reference by what it shows; "
+     "there it stands as in the others."},
+    {RemarkCode::kBandLaidAsReference, "band_laid_as_reference",
+     "In {failed} of {captures} captures the band {band} could not be laid on the reference by what it shows; "
+     "there it stands as the reference does."},
+    {RemarkCode::kCapturesNotPlaced, "captures_not_placed",
+     "{missing} of {captures} captures of bands were not placed and are not in bands.tif; their reference "
+     "photos are among those left out."},
+    {RemarkCode::kTargetUnseen, "target_unseen",
+     "Target {target} of known reflectance is not used: no capture shows all of it."},
+    {RemarkCode::kTargetUneven, "target_uneven",
+     "Target {target} of known reflectance is uneven: check its place and radius in {file}."},
+    {RemarkCode::kEveryCaptureAPanel, "every_capture_a_panel",
+     "Every capture is said to show a calibration panel, by the camera or in {file}: none is taken for one."},
+    {RemarkCode::kBandsWithoutPanel, "bands_without_panel",
+     "No picture of a calibration panel could be used for {bands}: an index of these bands and others is not "
+     "calibrated."},
     {RemarkCode::kAllByImages, "all_by_images",
      "No photo records where it was taken. Where they overlap, they are laid to each other by what they "
      "show; the map is then whole, but lies nowhere on Earth: add the flight log, a geo.txt with "
