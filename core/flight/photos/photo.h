@@ -130,7 +130,7 @@ struct Photo {
 struct LeftOutPhoto {
   std::string name;
   ErrorCode code = ErrorCode::kCorrupt;
-  Remark reason;  // for the user, says what to do
+  Remark reason = "";  // for the user, says what to do
 };
 
 // The order of a flight: by time of capture, then by name; photos without a time come last.
