@@ -11,6 +11,7 @@
 #include "core/alignment/adjustment/ground_control.h"
 #include "core/alignment/aligned_flight.h"
 #include "core/camera/intrinsics.h"
+#include "core/flight/remarks/remark.h"
 
 namespace skyquilt::alignment {
 
@@ -124,7 +125,7 @@ struct AlignReport {
   std::vector<AlignPairReport> rejected_pairs;
   std::vector<ControlReport> control;
   Eigen::Vector3d position_bias_m = Eigen::Vector3d::Zero();  // of the recorded positions; known with control
-  std::vector<std::string> corrections;                       // in words, a photo or a line each
+  std::vector<flight::Remark> corrections;                    // of a photo or a line each
   SecondLegReport second_leg;
   std::vector<GyroReport> gyros;
 

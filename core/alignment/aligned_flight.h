@@ -12,6 +12,7 @@
 #include "core/camera/intrinsics.h"
 #include "core/camera/rolling_shutter.h"
 #include "core/flight/photos/photo.h"
+#include "core/flight/remarks/remark.h"
 #include "core/geo/local_frame.h"
 #include "core/geo/rigid3.h"
 
@@ -46,7 +47,7 @@ struct AlignedFlight {
   double ground_z_in_enu_m = 0.0;
   std::vector<AlignedPhoto> photos;
   std::vector<flight::LeftOutPhoto> left_out;
-  std::vector<std::string> warnings;
+  std::vector<flight::Remark> warnings;
   // Points on the ground seen by several photos, in enu; empty without alignment. Input of model_ground.
   std::vector<Eigen::Vector3d> tie_points_in_enu;
 };

@@ -173,9 +173,8 @@ void SetMarkedPanelsApart(Captures& apart, Flight& flight) {
                                       [](const BandPhoto& photo) { return photo.facts.is_panel; }));
   }
   if (!SetPanelsApart(shows_panel, apart, flight)) {
-    flight.warnings.push_back(fmt::format(
-        "Every capture is said to show a calibration panel, by the camera or in {}: none is taken for one.",
-        flight::kReflectanceListName));
+    flight.warnings.push_back(
+        {flight::RemarkCode::kEveryCaptureAPanel, {{"file", std::string(flight::kReflectanceListName)}}});
   }
 }
 
@@ -193,8 +192,8 @@ bool SetPanelsApart(const std::vector<bool>& shows_panel, Captures& apart, Fligh
     }
     std::erase_if(flight.photos, [&](const Photo& photo) { return photo.name == capture.reference; });
     for (BandPhoto& photo : capture.photos) {
-      flight.left_out.push_back({photo.photo.name, ErrorCode::kUnprocessable,
-                                 "A picture of a calibration panel, not of the ground."});
+      flight.left_out.push_back(
+          {photo.photo.name, ErrorCode::kUnprocessable, flight::RemarkCode::kLeftPanel});
       apart.panels.push_back(std::move(photo));
     }
   }
@@ -215,7 +214,7 @@ Captures SetBandsApart(Flight& flight, int threads) {
   // A band alone is a grey picture, unless it has temperatures.
   if (names.size() < 2 && !names.contains(kThermalBand)) {
     for (const flight::ReflectanceList& list : flight.reflectance_lists)
-      flight.warnings.push_back(list.file_name + " is not used: the flight has no photos of several bands.");
+      flight.warnings.push_back({flight::RemarkCode::kNoBandsForList, {{"file", list.file_name}}});
     return apart;
   }
   for (const flight::ReflectanceList& list : flight.reflectance_lists)

@@ -9,6 +9,7 @@
 #include "core/flight/logs/flight_log.h"
 #include "core/flight/logs/texts/gcp_list.h"
 #include "core/flight/photos/photo.h"
+#include "core/flight/remarks/remark.h"
 
 namespace skyquilt::flight {
 
@@ -21,7 +22,7 @@ struct Flight {
   std::vector<std::string> elevation_models;       // names of the files; the first holds
   std::vector<std::string> films;                  // names; their frames are photos only where they are taken
   std::vector<LeftOutPhoto> left_out;              // by name
-  std::vector<std::string> warnings;               // about the flight as a whole
+  std::vector<Remark> warnings;                    // about the flight as a whole
 };
 
 }  // namespace skyquilt::flight

@@ -47,23 +47,26 @@ std::vector<std::optional<Result<Photo>>> ReadAll(const std::vector<InputFile>& 
   return read;
 }
 
+// Such errors name their file.
+Remark NotRead(const Error& error) { return {RemarkCode::kFileNotRead, {{"error_words", error.message}}}; }
+
 // What a list says, its doubts to the notes; what cannot be read is a warning.
 template <typename List>
-void KeepList(Result<List> list, std::vector<List>& lists, std::vector<std::string>& warnings,
-              std::vector<std::string>& notes) {
+void KeepList(Result<List> list, std::vector<List>& lists, std::vector<Remark>& warnings,
+              std::vector<Remark>& notes) {
   if (!list) {
-    warnings.push_back(list.error().message);
+    warnings.push_back(NotRead(list.error()));
     return;
   }
   for (const std::string& warning : list->warnings)
-    notes.push_back(fmt::format("{}: {}", list->file_name, warning));
+    notes.push_back({RemarkCode::kOfFile, {{"file", list->file_name}, {"said_words", warning}}});
   lists.push_back(*std::move(list));
 }
 
 // One after the other: a long log takes the memory it is allowed only once.
 void ReadLogs(const SortedFiles& files, Flight& flight, Progress& progress) {
   flight.warnings.insert(flight.warnings.end(), files.refused.begin(), files.refused.end());
-  std::vector<std::string> notes;
+  std::vector<Remark> notes;
   std::vector<std::filesystem::path> paths;
   for (const InputFile& file : files.logs) paths.push_back(file.path);
   const auto duplicate_of = FindDuplicates(paths);
@@ -72,19 +75,17 @@ void ReadLogs(const SortedFiles& files, Flight& flight, Progress& progress) {
     if (progress.IsCancelled()) continue;
     if (duplicate_of[i]) {
       notes.push_back(
-          fmt::format("{} is not used: it is the same as {}.", file.name, files.logs[*duplicate_of[i]].name));
+          {RemarkCode::kSameFile, {{"file", file.name}, {"other", files.logs[*duplicate_of[i]].name}}});
       continue;
     }
     progress.Report(0.0, fmt::format("reading the log {}", file.name));
     Result<FlightLog> log = ReadLog(file);
     if (!log) {
-      const std::string& message = log.error().message;
-      const bool names_it = message.find(file.name) != std::string::npos;
-      flight.warnings.push_back(names_it ? message : fmt::format("{} is not used. {}", file.name, message));
+      flight.warnings.push_back(NotRead(log.error()));
       continue;
     }
     for (const std::string& warning : log->warnings) {
-      notes.push_back(fmt::format("{}: {}", file.name, warning));
+      notes.push_back({RemarkCode::kOfFile, {{"file", file.name}, {"said_words", warning}}});
     }
     flight.logs.push_back(*std::move(log));
   }
@@ -93,7 +94,7 @@ void ReadLogs(const SortedFiles& files, Flight& flight, Progress& progress) {
   for (const InputFile& file : files.reflectance_lists)
     KeepList(ReadReflectanceList(file), flight.reflectance_lists, flight.warnings, notes);
   // What cannot be read stands above what was read and is only doubted.
-  if (!files.unused.empty()) flight.warnings.push_back(files.unused);
+  if (files.unused) flight.warnings.push_back(*files.unused);
   flight.warnings.insert(flight.warnings.end(), notes.begin(), notes.end());
   const auto by_name = [](const auto& a, const auto& b) { return a.file_name < b.file_name; };
   std::stable_sort(flight.logs.begin(), flight.logs.end(), by_name);
@@ -102,8 +103,9 @@ void ReadLogs(const SortedFiles& files, Flight& flight, Progress& progress) {
   for (const InputFile& file : files.elevation_models) flight.elevation_models.push_back(file.name);
   std::sort(flight.elevation_models.begin(), flight.elevation_models.end());
   if (flight.elevation_models.size() > 1) {
-    flight.warnings.push_back(fmt::format("{} elevation models were given; {} is taken.",
-                                          flight.elevation_models.size(), flight.elevation_models.front()));
+    flight.warnings.push_back(
+        {RemarkCode::kElevationModels,
+         {{"models", flight.elevation_models.size()}, {"file", flight.elevation_models.front()}}});
   }
 }
 
@@ -132,13 +134,19 @@ void TellNotes(Flight& flight) {
                    [](const Told& a, const Told& b) { return a.photos > b.photos; });
   for (std::size_t k = 0; k < std::min(told.size(), kMaxKindsOfNotes); ++k) {
     const Told& one = told[k];
-    flight.warnings.push_back(one.photos == 1 ? fmt::format("{}: {}", one.first_photo, one.note)
-                                              : fmt::format("{} of {} photos ({} first): {}", one.photos,
-                                                            flight.photos.size(), one.first_photo, one.note));
+    if (one.photos == 1) {
+      flight.warnings.push_back(
+          {RemarkCode::kOfPhoto, {{"photo", one.first_photo}, {"said", Remark(one.note)}}});
+      continue;
+    }
+    flight.warnings.push_back({RemarkCode::kOfPhotos,
+                               {{"photos", one.photos},
+                                {"total", flight.photos.size()},
+                                {"photo", one.first_photo},
+                                {"said", Remark(one.note)}}});
   }
   if (told.size() > kMaxKindsOfNotes) {
-    flight.warnings.push_back(fmt::format("{} more remarks like these on single photos are left out here.",
-                                          told.size() - kMaxKindsOfNotes));
+    flight.warnings.push_back({RemarkCode::kMoreOfPhotos, {{"remarks", told.size() - kMaxKindsOfNotes}}});
   }
 }
 
@@ -147,17 +155,17 @@ void WarnAboutFlight(std::ptrdiff_t timed_by_name, Flight& flight) {
     return std::count_if(flight.photos.begin(), flight.photos.end(), predicate);
   };
   const auto total = static_cast<std::ptrdiff_t>(flight.photos.size());
-  const auto warn = [&](std::ptrdiff_t photos, std::string_view what) {
-    if (photos > 0) flight.warnings.push_back(fmt::format("{} of {} photos {}", photos, total, what));
+  const auto warn = [&](std::ptrdiff_t photos, RemarkCode what) {
+    if (photos > 0) flight.warnings.push_back({what, {{"photos", photos}, {"total", total}}});
   };
   if (flight.logs.empty()) {
-    warn(count([](const Photo& p) { return !p.position; }), "carry no usable position.");
+    warn(count([](const Photo& p) { return !p.position; }), RemarkCode::kPhotosWithoutPosition);
   }
-  warn(timed_by_name, "carry no time in their metadata; the one in their names is taken.");
-  warn(count([](const Photo& p) { return !p.captured_at; }), "carry no time; they stand last, by name.");
+  warn(timed_by_name, RemarkCode::kPhotosTimedByName);
+  warn(count([](const Photo& p) { return !p.captured_at; }), RemarkCode::kPhotosWithoutTime);
   const auto local = count([](const Photo& p) { return p.captured_at && p.captured_at_is_local; });
   if (local > 0 && local < count([](const Photo& p) { return p.captured_at.has_value(); })) {
-    warn(local, "have a clock of unknown zone while others have UTC: their order in time is doubtful.");
+    warn(local, RemarkCode::kPhotosOfUnknownZone);
   }
   TellNotes(flight);
 }
@@ -198,9 +206,7 @@ Result<Flight> ReadFlight(const std::vector<InputFile>& files, const ReadFlightO
   LeaveOutCopies(flight.photos, flight.left_out);
   for (const InputFile& film : sorted.films) {
     flight.films.push_back(film.name);
-    flight.warnings.push_back(
-        film.name +
-        " is a film. Frames of it become photos when the map is made; they are not looked at here.");
+    flight.warnings.push_back({RemarkCode::kFilm, {{"file", film.name}}});
   }
   const int timed_by_name = TakeTimesFromNames(flight.photos);
   std::sort(flight.photos.begin(), flight.photos.end(), ComesBefore);

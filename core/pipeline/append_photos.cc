@@ -176,9 +176,7 @@ Result<std::optional<FlightFacts>> AppendPhotos(const FlightFacts& known, const 
   for (const flight::LeftOutPhoto& photo : aligned.left_out) {
     if (names.contains(photo.name)) grown.flight.left_out.push_back(photo);
   }
-  grown.flight.warnings.push_back(
-      fmt::format("{} photo{} placed against the finished flight, of which nothing was moved.", placed.size(),
-                  placed.size() == 1 ? " was added and" : "s were added and"));
+  grown.flight.warnings.push_back({flight::RemarkCode::kPhotosAdded, {{"photos", placed.size()}}});
   return std::optional<FlightFacts>(std::move(grown));
 }
 

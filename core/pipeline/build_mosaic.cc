@@ -49,10 +49,8 @@ void WarnOfCoarserPixels(const render::MosaicPlan& plan, const alignment::Aligne
                          const std::optional<double>& gsd_m, MosaicReport& report) {
   const double wanted_m = gsd_m.value_or(plan.gsd_m), pixel_m = render::OutputPixelM(plan, flight);
   if (pixel_m <= 1.001 * wanted_m) return;
-  report.warnings.push_back(fmt::format(
-      "The map's pixels are {:.1f} mm where {:.1f} mm were wanted: tiles as large as that takes do not fit in the "
-      "memory. Raise --max-memory for a finer map.",
-      1e3 * pixel_m, 1e3 * wanted_m));
+  report.warnings.push_back(
+      {flight::RemarkCode::kCoarserPixels, {{"pixel_mm", 1e3 * pixel_m}, {"wanted_mm", 1e3 * wanted_m}}});
 }
 
 }  // namespace

@@ -25,6 +25,8 @@
 namespace skyquilt::pipeline {
 namespace {
 
+using flight::RemarkCode;
+
 // CPU seconds, measured with tests/bench on two cores of 2020s laptop class: an order of magnitude, not a
 // promise.
 constexpr double kAlignSecondsPerPhoto = 0.45;
@@ -151,10 +153,7 @@ void CountSources(const poses::PosedFlight& posed, const flight::Flight& flight,
 void AddAdvice(FlightVerdict& verdict) {
   if (verdict.photos_placeable >= 3 && verdict.forward_overlap < 0.4) {
     verdict.warnings.push_back(
-        fmt::format("Neighbouring photos share only {:.0f} % of their ground: expect gaps and few places "
-                    "where photos can be matched. "
-                    "75 % is usual.",
-                    100.0 * verdict.forward_overlap));
+        {RemarkCode::kLittleOverlap, {{"overlap_percent", 100.0 * verdict.forward_overlap}}});
   }
 }
 
@@ -213,13 +212,8 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
   if (posed->photos.empty()) {
     verdict.left_out = flight->left_out;
     verdict.warnings = posed->warnings;
-    verdict.warnings.push_back(fmt::format(
-        "No photo records where it was taken. Where they overlap, they are laid to each other by what they show; the map "
-        "is then whole{}.",
-        flight->gcp_lists.empty()
-            ? ", but lies nowhere on Earth: add the flight log, a geo.txt with positions or surveyed "
-              "points (gcp_list.txt) to place it"
-            : " and lies where the surveyed points say"));
+    verdict.warnings.push_back(flight->gcp_lists.empty() ? RemarkCode::kAllByImages
+                                                         : RemarkCode::kAllByImagesAndControl);
     return verdict;
   }
   const alignment::AlignedFlight placed = alignment::AlignByPoseOnly(*posed);
@@ -227,9 +221,7 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
   verdict.left_out = placed.left_out;
   verdict.warnings = placed.warnings;
   if (verdict.photos_by_images > 0) {
-    verdict.warnings.push_back(fmt::format(
-        "{} no usable position or height: what they show joins them to the others, where they overlap.",
-        Counted(verdict.photos_by_images, "photo has", "photos have")));
+    verdict.warnings.push_back({RemarkCode::kSomeByImages, {{"photos", verdict.photos_by_images}}});
   }
   verdict.height_rule = posed->report.height_rule;
   verdict.lowest_m = placed.photos.front().height_above_ground_m;

@@ -11,6 +11,7 @@
 #include "core/base/result.h"
 #include "core/flight/logs/describe_log.h"
 #include "core/flight/read_flight.h"
+#include "core/flight/remarks/remark.h"
 #include "core/geo/dem_source.h"
 #include "core/pipeline/mosaic_options.h"
 #include "core/pipeline/report/map_quality.h"
@@ -45,7 +46,7 @@ struct FlightVerdict {
   double expected_seconds = 0.0;  // on this machine's cores
   double expected_memory_mib = 0.0;
   std::vector<flight::LeftOutPhoto> left_out;
-  std::vector<std::string> warnings;
+  std::vector<flight::Remark> warnings;
 };
 
 Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files, const MosaicOptions& options,

@@ -11,6 +11,7 @@
 #include "core/base/median.h"
 #include "core/base/try.h"
 #include "core/flight/aside/aside.h"
+#include "core/flight/remarks/remark_words.h"
 #include "core/geo/geodesic.h"
 #include "core/geo/geoid.h"
 #include "core/poses/conventions/choose_convention.h"
@@ -25,16 +26,17 @@
 #include "core/poses/plausible_poses.h"
 #include "core/poses/time/join_logs.h"
 #include "core/poses/time/tie_to_log.h"
-#include "core/poses/unplaced_words.h"
 
 namespace skyquilt::poses {
 namespace {
 
 using flight::LeftOutPhoto;
 using flight::Photo;
+using flight::Remark;
+using flight::RemarkCode;
 
-template <typename T>
-void Append(std::vector<T> more, std::vector<T>& all) {
+template <typename From, typename To>
+void Append(std::vector<From> more, std::vector<To>& all) {
   std::move(more.begin(), more.end(), std::back_inserter(all));
 }
 
@@ -90,7 +92,7 @@ void DescribeUse(const flight::FlightLog& log, const LogTie& tie, const PosedFli
   if (!by_log.photos.empty()) {
     use = fmt::format("{} of {} photos placed by its series", by_log.photos.size(), tie.photos.size());
     if (const auto apart_m = ApartFromRecordsM(by_log))
-      use += fmt::format(", {} from the photos' own positions", LengthInWords(*apart_m));
+      use += fmt::format(", {} from the photos' own positions", flight::LengthInWords(*apart_m));
   }
   if (by_events > 0) {
     use += fmt::format("{}{} of {} photos stand where its camera events say", use.empty() ? "" : "; ",
@@ -156,9 +158,7 @@ void TakeLogged(LoggedPart part, bool has_origin, PosedFlight& posed) {
   if (part.takeoff.assumption) posed.assumptions.push_back(*std::move(part.takeoff.assumption));
   if (part.placed.is_placed) return;
   report.method = "reckoned from the start without any position";
-  constexpr const char* kFromOrigin =
-      "No position anywhere: the flight is reckoned from the given origin, and its error grows with time.";
-  posed.warnings.push_back(has_origin ? std::string(kFromOrigin) : ReckonedFromNowhereWords());
+  posed.warnings.push_back(has_origin ? RemarkCode::kReckonedFromOrigin : RemarkCode::kReckonedFromNowhere);
 }
 
 // Photos outside the log, or all of them without one. The frame is theirs where no log has set it.
@@ -176,23 +176,14 @@ PlacedByRecords PlaceRest(const std::vector<Photo>& rest, const FlightHeights& h
   }
   PlacedByRecords placed = PlaceByRecords(rest, heights, posed.frame);
   if (placed.without_angles > 0) {
-    posed.assumptions.push_back({fmt::format("{} of {} photos recorded no camera angles.",
-                                             placed.without_angles, placed.photos.size()),
-                                 "They are taken as looking straight down, turned along the flight's course.",
-                                 std::nullopt});
+    posed.assumptions.push_back(
+        {{RemarkCode::kNoAngles, {{"photos", placed.without_angles}, {"total", placed.photos.size()}}},
+         RemarkCode::kAnglesAssumed,
+         std::nullopt});
   }
   report.photos_by_records = static_cast<int>(placed.photos.size());
   if (report.method.empty()) report.method = "what the photos record of themselves";
   return placed;
-}
-
-std::string WhyWithoutPosition(bool has_log) {
-  if (has_log) {
-    return "has no position: no GPS in its EXIF or XMP, and the log does not cover the time it was taken. "
-           "Add the log of its flight or a geo.txt with its position.";
-  }
-  return "has no position: no GPS in its EXIF or XMP and no log that covers it. "
-         "Add the flight log or a geo.txt with its position.";
 }
 
 // Every picture was left out before any was placed.
@@ -205,9 +196,8 @@ Error NoPhotoLeft(const std::vector<LeftOutPhoto>& left_out) {
 }
 
 // `left_out`: what begins with the `before` pictures that were left out before any was placed.
-Error NothingPlaced(bool has_log_and_photos, bool any_without_height,
-                    const std::vector<std::string>& warnings, const std::vector<LeftOutPhoto>& left_out,
-                    std::size_t before) {
+Error NothingPlaced(bool has_log_and_photos, bool any_without_height, const std::vector<Remark>& warnings,
+                    const std::vector<LeftOutPhoto>& left_out, std::size_t before) {
   const auto split = left_out.begin() + static_cast<std::ptrdiff_t>(before);
   std::string message;
   if (any_without_height) {
@@ -222,7 +212,7 @@ Error NothingPlaced(bool has_log_and_photos, bool any_without_height,
     message =
         "No photo could be tied to the log, and none has a position of its own, "
         "so there is nothing to place on the ground.";
-    for (const std::string& warning : warnings) message += " " + warning;
+    for (const Remark& warning : warnings) message += " " + flight::InWords(warning);
   }
   if (before > 0) {
     message += fmt::format(" {} of the pictures given can take no part in a map: {}", before,
@@ -293,17 +283,9 @@ void PutGroundBelow(PosedFlight& posed) {
   for (PosedPhoto& photo : posed.photos)
     photo.height_above_ground_m = photo.cam_from_enu.TargetOriginInSource().z() - ground_z_m;
   posed.report.height_rule = "height above ground guessed from the spacing of the photos";
-  posed.assumptions.push_back(
-      {fmt::format(
-           "By the recorded heights most photos stand on or below the ground (half of them lower than "
-           "{:.0f} m above it), which cannot be: the ground below them is not as high as the place of "
-           "take-off, or the heights count from something else.",
-           height_m),
-       fmt::format(
-           "{:.0f} m above the ground is assumed from the photos' spacing; the map's scale depends on it. "
-           "Add an elevation model (--dem) if the ground lies lower than take-off.",
-           guessed_m),
-       guessed_m});
+  posed.assumptions.push_back({{RemarkCode::kOnTheGround, {{"height_m", height_m}}},
+                               {RemarkCode::kHeightBySpacingOnTheGround, {{"height_m", guessed_m}}},
+                               guessed_m});
 }
 
 // What no map can be drawn with goes, and what the last photo before it shared with it. `keep_unplaced`: what
@@ -372,8 +354,7 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
   const ConventionChoice reading = ChooseReading(log ? &log->log : nullptr, tie);
   posed.report.convention = reading.words;
   if (reading.is_changed) {
-    posed.warnings.push_back("As recorded, the camera angles would not show the ground: " + reading.words +
-                             ".");
+    posed.warnings.push_back({RemarkCode::kAnglesReadOtherwise, {{"reading_words", reading.words}}});
   }
 
   const std::optional<double> given_takeoff_m = GivenTakeoffM(options, tie.photos, log);
@@ -391,7 +372,7 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
       takeoff = logged->takeoff.position ? logged->takeoff.position : options.origin;
       TakeLogged(*std::move(logged), options.origin.has_value(), posed);
     } else {
-      posed.warnings.push_back("The log could not be used: " + logged.error().message);
+      posed.warnings.push_back({RemarkCode::kLogUnusable, {{"error_words", logged.error().message}}});
     }
   }
 
@@ -404,7 +385,8 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
     if (photo.position) {
       rest.push_back(photo);
     } else {
-      posed.left_out.push_back({photo.name, ErrorCode::kNoPosition, WhyWithoutPosition(log.has_value())});
+      posed.left_out.push_back({photo.name, ErrorCode::kNoPosition,
+                                log ? RemarkCode::kLeftOutsideLog : RemarkCode::kLeftWithoutPosition});
       if (options.keep_unplaced) posed.unplaced.push_back(photo);
     }
   }
@@ -435,10 +417,11 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
         fmt::format("; take-off {:.1f} m above sea level, as given", *options.takeoff_height_amsl_m);
   }
   if (options.dem != nullptr && posed.is_placed) {
-    if (const auto dem_ground = GroundFromDem(*options.dem, posed, takeoff, dem_zero)) {
-      TakeElevations(*dem_ground, dem_zero, takeoff.has_value(), posed);
+    const auto dem_ground = GroundFromDem(*options.dem, posed, takeoff, dem_zero);
+    if (const auto* ground = std::get_if<DemGround>(&dem_ground)) {
+      TakeElevations(*ground, dem_zero, takeoff.has_value(), posed);
     } else {
-      posed.warnings.push_back(dem_ground.error().message);
+      posed.warnings.push_back(std::get<RemarkCode>(dem_ground));
     }
   }
   posed.warnings.insert(posed.warnings.begin(), flight.warnings.begin(), flight.warnings.end());

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "core/base/median.h"
-#include "core/base/printable.h"
 #include "core/geo/geodesic.h"
 #include "core/poses/conventions/attitude_convention.h"
 #include "core/poses/heights/flight_heights.h"
@@ -88,10 +87,8 @@ void SayWhoseAngles(const std::string& list, std::vector<double> apart_rad, Phot
       fmt::format("; {} keep{} the angles of {} own gimbal, {:.1f} degrees from the list's",
                   Counted(count, "photo"), count == 1 ? "s" : "", count == 1 ? "its" : "their", apart_deg);
   if (apart_deg < kContradictDeg) return;
-  use.warnings.push_back(fmt::format(
-      "{}: its angles lie {:.0f} degrees (median of {}) from those that the cameras' own gimbals recorded, as the "
-      "airframe's do, and are not taken; its positions are.",
-      list, apart_deg, Counted(count, "photo")));
+  use.warnings.push_back({flight::RemarkCode::kListAnglesContradict,
+                          {{"file", list}, {"apart_deg", apart_deg}, {"photos", count}}});
 }
 
 }  // namespace
@@ -129,15 +126,12 @@ PhotoRowsUse ApplyPhotoRows(const std::vector<flight::FlightLog>& logs, std::vec
         fmt::format("{} ({}) names {} of {} photos", log.file_name, log.format, matched, photos.size()));
     if (!angles_apart_rad.empty()) SayWhoseAngles(log.file_name, std::move(angles_apart_rad), use);
     if (open_rows > 0) {
-      use.warnings.push_back(fmt::format(
-          "{}: of {} (the first is {}) it is not told which photo is meant, for several folders have one of that "
-          "name: write the folders into the list too, as in 100MEDIA/{}.",
-          log.file_name, Counted(open_rows, "row"), first_open, first_open));
+      use.warnings.push_back({flight::RemarkCode::kListRowsOfSeveralPhotos,
+                              {{"file", log.file_name}, {"rows", open_rows}, {"first", first_open}}});
     }
     if (matched > 0 || open_rows > 0 || photos.empty()) continue;
-    use.warnings.push_back(fmt::format(
-        "{} is not used: its rows name {} (the first is {}), and none of the photos given is called so.",
-        log.file_name, Counted(rows, "photo"), first_name));
+    use.warnings.push_back({flight::RemarkCode::kListNamesNoPhoto,
+                            {{"file", log.file_name}, {"rows", rows}, {"first", first_name}}});
   }
   return use;
 }

@@ -8,13 +8,14 @@
 
 #include "core/flight/logs/flight_log.h"
 #include "core/flight/photos/photo.h"
+#include "core/flight/remarks/remark.h"
 #include "core/poses/time/time_sync.h"
 
 namespace skyquilt::poses {
 
 struct PhotoRowsUse {
-  std::vector<std::string> lines;     // one a list, in words
-  std::vector<std::string> warnings;  // lists that name no photo, rows of several, angles that contradict
+  std::vector<std::string> lines;        // one a list, in words
+  std::vector<flight::Remark> warnings;  // lists that name no photo, rows of several, angles that contradict
 };
 
 // Rows that name a photo (lists/named_photos.h) and have no time.

@@ -72,11 +72,11 @@ PlacedByRecords PlaceByRecords(const std::vector<Photo>& photos, const FlightHei
   std::vector<Eigen::Vector2d> track;
   for (std::size_t i = 0; i < photos.size(); ++i) {
     const Photo& photo = photos[i];
-    const auto leave_out = [&](std::string reason) {
+    const auto leave_out = [&](flight::Remark reason) {
       placed.left_out.push_back({photo.name, ErrorCode::kNoPosition, std::move(reason)});
     };
     if (!heights.above_ground_m[i]) {
-      leave_out("has no usable height above the ground, so its scale is unknown.");
+      leave_out(flight::RemarkCode::kLeftWithoutHeight);
       placed.without_height.push_back(photo);
       continue;
     }
@@ -84,10 +84,7 @@ PlacedByRecords PlaceByRecords(const std::vector<Photo>& photos, const FlightHei
     const Eigen::Vector3d center = frame.EnuFromWgs84(
         {at.lat_deg, at.lon_deg, frame.origin().height_ellipsoid_m + *heights.above_ground_m[i]});
     if (center.head<2>().norm() > kFarthestFromFlightM) {
-      leave_out(fmt::format(
-          "was taken {:.0f} km away from the rest of the flight. If the position is right, stitch it "
-          "as a flight of its own.",
-          center.head<2>().norm() / 1000.0));
+      leave_out({flight::RemarkCode::kLeftFarFromFlight, {{"apart_km", center.head<2>().norm() / 1000.0}}});
       continue;
     }
     used.push_back(i);

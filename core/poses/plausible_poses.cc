@@ -7,9 +7,13 @@
 
 #include "core/base/median.h"
 #include "core/camera/footprint.h"
+#include "core/flight/remarks/remark_words.h"
 
 namespace skyquilt::poses {
 namespace {
+
+using flight::Remark;
+using flight::RemarkCode;
 
 constexpr double kMinHeightM = 0.5;  // above the ground: a drone about to land
 // Further from the middle of the flight its flat ground leaves the Earth by more than the drone is high.
@@ -47,13 +51,13 @@ double GroundSeenM2(const CameraStand& stand) {
 
 }  // namespace
 
-std::vector<std::optional<std::string>> WhyImplausible(const std::vector<CameraStand>& stands,
-                                                       const geo::LocalFrame& frame) {
-  std::vector<std::optional<std::string>> why(stands.size());
+std::vector<std::optional<Remark>> WhyImplausible(const std::vector<CameraStand>& stands,
+                                                  const geo::LocalFrame& frame) {
+  std::vector<std::optional<Remark>> why(stands.size());
   std::vector<double> easts, norths;
   for (std::size_t i = 0; i < stands.size(); ++i) {
     if (!IsOnEarth(stands[i])) {
-      why[i] = "has a position, height, angle or focal length that is not a number, or none that can be.";
+      why[i] = RemarkCode::kLeftNoNumbers;
       continue;
     }
     const Eigen::Vector3d center = stands[i].cam_from_enu.TargetOriginInSource();
@@ -70,20 +74,12 @@ std::vector<std::optional<std::string>> WhyImplausible(const std::vector<CameraS
     const double far_m = (center.head<2>() - middle).norm();
     const double lat_deg = frame.Wgs84FromEnu(center).lat_deg;
     if (far_m > kFarthestM) {
-      why[i] = fmt::format(
-          "was taken {:.0f} km away from the rest of the flight. If the position is right, stitch it as a "
-          "flight of its own.",
-          far_m / 1000.0);
+      why[i] = Remark{RemarkCode::kLeftFarFromFlight, {{"apart_km", far_m / 1000.0}}};
     } else if (!(std::abs(lat_deg) <= kHighestLatDeg)) {
-      why[i] = fmt::format(
-          "was taken at {:.2f} degrees {}, and no map is drawn beyond {:.0f} degrees of "
-          "latitude, where web maps (Web Mercator) end.",
-          std::abs(lat_deg), lat_deg < 0.0 ? "south" : "north", kHighestLatDeg);
+      why[i] = Remark{RemarkCode::kLeftBeyondMaps, {{"lat_deg", lat_deg}, {"highest_deg", kHighestLatDeg}}};
     } else if (height_m < kMinHeightM) {
-      why[i] = fmt::format(
-          "stood {:.1f} m {} the ground by its recorded height and the ground's. Check what its height counts "
-          "from; where the ground differs from take-off, add an elevation model (--dem).",
-          std::abs(height_m), height_m < 0.0 ? "below" : "above");
+      why[i] = Remark{height_m < 0.0 ? RemarkCode::kLeftBelowGround : RemarkCode::kLeftOnTheGround,
+                      {{"height_m", std::abs(height_m)}}};
     } else {
       seen_m2[i] = GroundSeenM2(stands[i]);
       if (seen_m2[i] > 0.0) some_m2.push_back(seen_m2[i]);
@@ -93,10 +89,8 @@ std::vector<std::optional<std::string>> WhyImplausible(const std::vector<CameraS
   const double typical_m2 = Median(std::move(some_m2));
   for (std::size_t i = 0; i < stands.size(); ++i) {
     if (seen_m2[i] <= kMaxTimesTheGround * typical_m2) continue;
-    why[i] = fmt::format(
-        "would show {:.0f} times as much ground as the others, from {:.0f} m above it. If its height and "
-        "angles are right, stitch it as a flight of its own.",
-        seen_m2[i] / typical_m2, stands[i].height_above_ground_m);
+    why[i] = Remark{RemarkCode::kLeftTooMuchGround,
+                    {{"times", seen_m2[i] / typical_m2}, {"height_m", stands[i].height_above_ground_m}}};
   }
   return why;
 }
@@ -105,7 +99,7 @@ std::string InWords(const std::vector<flight::LeftOutPhoto>& left_out) {
   constexpr std::size_t kNamed = 3;
   std::string words;
   for (std::size_t i = 0; i < std::min(kNamed, left_out.size()); ++i)
-    words += (i == 0 ? "" : " ") + left_out[i].name + " " + left_out[i].reason;
+    words += (i == 0 ? "" : " ") + left_out[i].name + " " + flight::InWords(left_out[i].reason);
   if (left_out.size() > kNamed) words += fmt::format(" So it is with {} more.", left_out.size() - kNamed);
   return words;
 }

@@ -23,9 +23,9 @@ struct CameraStand {
   double height_above_ground_m = 0.0;
 };
 
-// By stand: why, as a sentence that goes on from the photo's name; nothing where all is well.
-std::vector<std::optional<std::string>> WhyImplausible(const std::vector<CameraStand>& stands,
-                                                       const geo::LocalFrame& frame);
+// By stand: why, as a remark that goes on from the photo's name; nothing where all is well.
+std::vector<std::optional<flight::Remark>> WhyImplausible(const std::vector<CameraStand>& stands,
+                                                          const geo::LocalFrame& frame);
 
 // "A.JPG was ...; B.JPG was ...; 12 more": for a flight of which nothing is left.
 std::string InWords(const std::vector<flight::LeftOutPhoto>& left_out);
@@ -37,10 +37,10 @@ std::size_t LeaveOutImplausible(const geo::LocalFrame& frame, const StandOf& sta
   std::vector<CameraStand> stands;
   stands.reserve(photos.size());
   for (const Placed& photo : photos) stands.push_back(stand_of(photo));
-  const std::vector<std::optional<std::string>> why = WhyImplausible(stands, frame);
+  const std::vector<std::optional<flight::Remark>> why = WhyImplausible(stands, frame);
   std::size_t number = 0;
   return std::erase_if(photos, [&](const Placed& photo) {
-    const std::optional<std::string>& reason = why[number++];
+    const std::optional<flight::Remark>& reason = why[number++];
     if (reason) left_out.push_back({photo.photo.name, ErrorCode::kNoPosition, *reason});
     return reason.has_value();
   });

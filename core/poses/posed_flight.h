@@ -9,6 +9,7 @@
 
 #include "core/camera/rolling_shutter.h"
 #include "core/flight/photos/photo.h"
+#include "core/flight/remarks/remark.h"
 #include "core/geo/local_frame.h"
 #include "core/geo/rigid3.h"
 #include "core/poses/evidence/assumption.h"
@@ -48,7 +49,7 @@ struct PosedFlight {
   // Photos whose records place them nowhere, where that was asked for: what they show may. Listed in left_out
   // too.
   std::vector<flight::Photo> unplaced;
-  std::vector<std::string> warnings;
+  std::vector<flight::Remark> warnings;
   std::vector<Assumption> assumptions;  // not among the warnings: what becomes of them, the alignment says
   // The elevation model's height at enu z = 0; nothing without a model that covers the flight.
   std::optional<double> dem_zero_m;

@@ -41,8 +41,8 @@ Result<pipeline::MosaicReport> ImportMap(const flight::InputFile& file, const fs
   pipeline::MosaicReport report;
   report.title = options.title;
   report.height_rule = "none: an imported map";
-  report.warnings = {"This map was imported from " + fs::path(file.name).filename().string() +
-                     ". Where it lies and how accurate it is, that file says; no photo was looked at here."};
+  report.warnings.push_back(
+      {flight::RemarkCode::kImported, {{"file", fs::path(file.name).filename().string()}}});
   const fs::path mbtiles = out_dir / "mosaic.mbtiles";
   progress.BeginStage("import");
   SKYQUILT_TRY(IsSqlite(file.path) ? ImportTiles(file, mbtiles, report, progress)

@@ -21,8 +21,8 @@ Result<GivenElevations> OpenElevationModel(const std::string& dem_path,
     SKYQUILT_TRY_ASSIGN(auto opened, Open(dem_path));
     given.source = std::move(opened);
     for (const flight::InputFile& model : flight::ElevationModelsAmong(files)) {
-      given.warnings.push_back(model.name + " is not used: the ground's heights are those of " + dem_path +
-                               ".");
+      given.warnings.push_back(
+          {flight::RemarkCode::kElevationModelGiven, {{"file", model.name}, {"given", dem_path}}});
     }
     return given;
   }
@@ -32,7 +32,8 @@ Result<GivenElevations> OpenElevationModel(const std::string& dem_path,
       given.source = *std::move(opened);
       return given;
     }
-    given.warnings.push_back(model.name + " is not used for the ground's heights. " + opened.error().message);
+    given.warnings.push_back({flight::RemarkCode::kElevationModelNotRead,
+                              {{"file", model.name}, {"error_words", opened.error().message}}});
   }
   return given;
 }

@@ -9,13 +9,14 @@
 
 #include "core/base/result.h"
 #include "core/flight/lists/input_file.h"
+#include "core/flight/remarks/remark.h"
 #include "core/geo/dem_source.h"
 
 namespace skyquilt::server {
 
 struct GivenElevations {
   std::unique_ptr<geo::DemSource> source;  // null: none
-  std::vector<std::string> warnings;
+  std::vector<flight::Remark> warnings;
 };
 
 Result<GivenElevations> OpenElevationModel(const std::string& dem_path,

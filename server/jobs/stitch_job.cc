@@ -134,7 +134,7 @@ Result<void> WriteBands(pipeline::BuiltMosaic& built, const pipeline::MosaicOpti
   Result<pipeline::BuiltBands> bands =
       pipeline::BuildBands(*built.bands, built.ground, options, photos, writer, progress);
   if (!bands && bands.error().code == ErrorCode::kUnprocessable) {
-    built.report.warnings.push_back("There is no bands.tif. " + bands.error().message);
+    built.report.warnings.push_back({flight::RemarkCode::kNoBands, {{"error_words", bands.error().message}}});
     return {};
   }
   if (!bands) return bands.error();

@@ -125,7 +125,7 @@ std::map<std::pair<Method, std::string>, Ask> Asks() {
       Sends(M::kPut, at_flight("/files/a.jpg"), "other", {{"If-Match", "*"}});
   asks[{M::kPut, "/api/v1/flights/{flight}/control"}] = [](World& w, const Headers& who) {
     w.sample.service().read_control = [](const std::filesystem::path&) {
-      return Result<std::string>(std::string("{}"));
+      return Result<std::string>(std::string(R"({"points":[{"name":"a"}]})"));
     };
     const std::string point = R"({"points":[{"name":"a","x":7.1,"y":46.8}]})";
     return w.sample.Send(M::kPut, "/api/v1/flights/" + w.free_flight + "/control", point, who);

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <ogr_spatialref.h>
 
+#include "core/flight/remarks/remark_words.h"
 #include "tests/storage/scratch_dir.h"
 
 namespace skyquilt::server {
@@ -42,12 +43,12 @@ TEST(OpenElevationModel, TakesTheFirstThatCanBeReadAndWarnsOfTheOthers) {
   ASSERT_TRUE(both.ok());
   ASSERT_NE(both->source, nullptr);
   EXPECT_NEAR(both->source->GroundHeightM({47.4, 8.5}).value_or(0.0), 300.0, 1e-3);
-  EXPECT_THAT(both->warnings, ElementsAre(HasSubstr("a.tif is not used")));
+  EXPECT_THAT(InWords(both->warnings), ElementsAre(HasSubstr("a.tif is not used")));
 
   const auto none = OpenElevationModel("", {bad});
   ASSERT_TRUE(none.ok());
   EXPECT_EQ(none->source, nullptr);
-  EXPECT_THAT(none->warnings, ElementsAre(HasSubstr("a.tif is not used")));
+  EXPECT_THAT(InWords(none->warnings), ElementsAre(HasSubstr("a.tif is not used")));
 }
 
 // A block of 256 MiB in a file of a few kB: none of it was ever written.
@@ -69,7 +70,7 @@ TEST(OpenElevationModel, RefusesBlocksThatAreTooLargeToBeRead) {
   const auto given = OpenElevationModel("", {{"a.tif", path}});
   ASSERT_TRUE(given.ok());
   EXPECT_EQ(given->source, nullptr);
-  EXPECT_THAT(given->warnings, ElementsAre(HasSubstr("blocks of 256 MiB")));
+  EXPECT_THAT(InWords(given->warnings), ElementsAre(HasSubstr("blocks of 256 MiB")));
 }
 
 TEST(OpenElevationModel, RefusesTheOneThatWasAskedFor) {
@@ -79,7 +80,8 @@ TEST(OpenElevationModel, RefusesTheOneThatWasAskedFor) {
   EXPECT_FALSE(OpenElevationModel(bad.path.string(), {good}).ok());
   const auto named = OpenElevationModel(good.path.string(), {bad});
   ASSERT_TRUE(named.ok());
-  EXPECT_THAT(named->warnings, ElementsAre(HasSubstr("a.tif"))) << "it is not used, and that is said";
+  EXPECT_THAT(InWords(named->warnings), ElementsAre(HasSubstr("a.tif")))
+      << "it is not used, and that is said";
 }
 
 }  // namespace

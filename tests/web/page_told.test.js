@@ -51,7 +51,7 @@ test('a map with photos left out or placed by record alone is amber and says so;
     assert.equal(await page.innerText('#photo-notes'), '1 note on a single photo');
     assert.equal(await page.innerText('#processing-details'), 'Processing details');
     await page.click('#photo-notes summary');
-    assert.match(await page.innerText('#photo-notes'), /DJI_0001\.JPG: recorded position is 46 m/);
+    assert.match(await page.innerText('#photo-notes'), /DJI_0001\.JPG: the recorded position is 46\sm/);
     await mapIdle(page);
     await assertAccessible(page, 'result');
     await assertQuiet(opened);

@@ -217,18 +217,25 @@ void ReportControl(const BundleProblem& problem, std::vector<ControlReport>& rep
   }
 }
 
-std::string ControlInWords(const ControlReport& point) {
-  if (!point.is_used)
-    return fmt::format("Ground control point {} is not used: it {}", point.name, point.reason);
-  const double residual_m = std::hypot(point.miss_east_m, point.miss_north_m);
-  if (residual_m > kNoSurveyM) {
-    return fmt::format(
-        "Ground control point {} lies {:.1f} m from where the photos and the other points put it: check its "
-        "coordinates and its marks{}{}",
-        point.name, residual_m, point.reason.empty() ? "" : "; it ", point.reason);
+std::vector<flight::Remark> RemarksOn(const std::vector<ControlReport>& points) {
+  using flight::RemarkCode;
+  std::vector<flight::Remark> remarks;
+  for (const ControlReport& point : points) {
+    const double residual_m = std::hypot(point.miss_east_m, point.miss_north_m);
+    std::map<std::string, flight::RemarkValue> values{{"point", point.name}};
+    if (!point.reason.empty()) values.emplace("reason_words", point.reason);
+    if (!point.is_used) {
+      remarks.push_back({RemarkCode::kControlNotUsed, std::move(values)});
+    } else if (residual_m > kNoSurveyM) {
+      values.emplace("apart_m", residual_m);
+      remarks.push_back(
+          {point.reason.empty() ? RemarkCode::kControlFarOff : RemarkCode::kControlFarOffAndNoted,
+           std::move(values)});
+    } else if (!point.reason.empty()) {
+      remarks.push_back({RemarkCode::kControlNoted, std::move(values)});
+    }
   }
-  if (!point.reason.empty()) return fmt::format("Ground control point {} {}", point.name, point.reason);
-  return {};
+  return remarks;
 }
 
 }  // namespace skyquilt::alignment

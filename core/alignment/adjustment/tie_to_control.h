@@ -10,6 +10,7 @@
 
 #include "core/alignment/adjustment/bundle_adjustment.h"
 #include "core/alignment/adjustment/ground_control.h"
+#include "core/flight/remarks/remark.h"
 #include "core/poses/posed_flight.h"
 
 namespace skyquilt::alignment {
@@ -54,7 +55,7 @@ bool BelieveContradictedControlLess(BundleProblem& problem);
 
 void ReportControl(const BundleProblem& problem, std::vector<ControlReport>& reports);
 
-// What the user is to know of a point, as a sentence without its end; empty: nothing.
-std::string ControlInWords(const ControlReport& point);
+// What the user is to know of surveyed points.
+std::vector<flight::Remark> RemarksOn(const std::vector<ControlReport>& points);
 
 }  // namespace skyquilt::alignment

@@ -152,7 +152,8 @@ Result<AlignedFlight> AlignByFeatures(const poses::PosedFlight& posed, const fli
   flight.ground_z_in_enu_m = posed.ground_z_in_enu_m;
   flight.left_out = posed.left_out;
   flight.warnings = posed.warnings;
-  for (const poses::Assumption& one : posed.assumptions) flight.warnings.push_back(one.InWords());
+  const std::vector<flight::Remark> assumed = poses::AssumptionsByPoses(posed.assumptions);
+  flight.warnings.insert(flight.warnings.end(), assumed.begin(), assumed.end());
   double square_px = 0.0;
   for (std::size_t i = 0; i < posed.photos.size(); ++i) {
     const poses::PosedPhoto& before = posed.photos[i];
@@ -206,9 +207,7 @@ Result<AlignedFlight> AlignByFeatures(const poses::PosedFlight& posed, const fli
                  "No two photos match by their features alone; --method auto needs no matches.", ""};
   }
   if (report.components > 1) {
-    flight.warnings.push_back(fmt::format(
-        "The features join the photos into {} connected components, each placed on its recorded positions.",
-        report.components));
+    flight.warnings.push_back({flight::RemarkCode::kGroupsOfFeatures, {{"groups", report.components}}});
   }
   progress.Report(1.0, "aligned");
   return flight;

@@ -10,7 +10,8 @@ AlignedFlight AlignByPoseOnly(const poses::PosedFlight& posed) {
   aligned.ground_z_in_enu_m = posed.ground_z_in_enu_m;
   aligned.left_out = posed.left_out;
   aligned.warnings = posed.warnings;
-  for (const poses::Assumption& one : posed.assumptions) aligned.warnings.push_back(one.InWords());
+  const std::vector<flight::Remark> assumed = poses::AssumptionsByPoses(posed.assumptions);
+  aligned.warnings.insert(aligned.warnings.end(), assumed.begin(), assumed.end());
   aligned.photos.reserve(posed.photos.size());
   for (const poses::PosedPhoto& photo : posed.photos) {
     aligned.photos.push_back({.photo = photo.photo,

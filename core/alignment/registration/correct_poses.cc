@@ -1,7 +1,5 @@
 #include "core/alignment/registration/correct_poses.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -11,6 +9,9 @@
 
 namespace skyquilt::alignment {
 namespace {
+
+using flight::Remark;
+using flight::RemarkCode;
 
 constexpr double kNearQuarterRad = 0.35;
 constexpr double kGrossShiftSigmas = 6.0;
@@ -30,14 +31,11 @@ Eigen::Vector2d AxisOnGround(const Eigen::Quaterniond& enu_from_cam, const Eigen
   return (center + (ground_z_m - center.z()) / axis.z() * axis).head<2>();
 }
 
-constexpr const char* kCourse = "the flight's course";
-
-// What photos from one up to the next lie turned against.
-const char* YawOfAll(const std::vector<CorrectedPose>& corrected, std::size_t first, std::size_t end) {
-  const bool is_course = std::all_of(corrected.begin() + static_cast<std::ptrdiff_t>(first),
-                                     corrected.begin() + static_cast<std::ptrdiff_t>(end),
-                                     [](const CorrectedPose& one) { return one.yaw_is_course; });
-  return is_course ? kCourse : "their recorded yaw";
+// Do photos from one up to the next lie turned against the course, and not against a recorded yaw?
+bool IsCourseOfAll(const std::vector<CorrectedPose>& corrected, std::size_t first, std::size_t end) {
+  return std::all_of(corrected.begin() + static_cast<std::ptrdiff_t>(first),
+                     corrected.begin() + static_cast<std::ptrdiff_t>(end),
+                     [](const CorrectedPose& one) { return one.yaw_is_course; });
 }
 
 }  // namespace
@@ -49,7 +47,7 @@ CorrectedPose CorrectPose(const poses::PosedPhoto& posed, const GroundPrior& pri
                           0,
                           false,
                           false,
-                          "",
+                          {},
                           posed.attitude_origin == poses::AttitudeOrigin::kCourse};
   if (correction.component < 0 && correction.component != kInheritedComponent) return corrected;
   const double turn = std::arg(correction.turn_and_scale);
@@ -63,16 +61,16 @@ CorrectedPose CorrectPose(const poses::PosedPhoto& posed, const GroundPrior& pri
       // The picture was stored turned, so it turns about its own axis and the tilt stays right.
       corrected.quarter_turns = (static_cast<int>(quarters) + 4) % 4;
       rotation = AboutUp(quarters * 0.5 * std::numbers::pi) * rotation;  // about z of cam
-      corrected.note = fmt::format("found turned by {} degrees against {} and turned back",
-                                   Degrees(corrected.quarter_turns),
-                                   corrected.yaw_is_course ? kCourse : "its recorded yaw");
+      corrected.notes.push_back(
+          {corrected.yaw_is_course ? RemarkCode::kFoundTurnedAgainstCourse : RemarkCode::kFoundTurned,
+           {{"turn_deg", Degrees(corrected.quarter_turns)}}});
     } else {
       rotation = rotation * AboutUp(-turn);
       rest = 0.0;
       corrected.yaw_was_wrong = true;
-      corrected.note = fmt::format("{} was {:.0f} degrees off and was corrected from its neighbours",
-                                   corrected.yaw_is_course ? "yaw taken from the course" : "recorded yaw",
-                                   std::abs(geo::RadToDeg(turn)));
+      corrected.notes.push_back(
+          {corrected.yaw_is_course ? RemarkCode::kCourseYawCorrected : RemarkCode::kYawCorrected,
+           {{"off_deg", std::abs(geo::RadToDeg(turn))}}});
     }
   }
   const double shift_m = std::abs(correction.shift);
@@ -80,9 +78,7 @@ CorrectedPose CorrectPose(const poses::PosedPhoto& posed, const GroundPrior& pri
   if (shift_m > kGrossShiftSigmas * prior.sigma_m) {
     corrected.position_was_wrong = true;
     center += shift;
-    if (!corrected.note.empty()) corrected.note += "; ";
-    corrected.note +=
-        fmt::format("recorded position was {:.0f} m off and was corrected from its neighbours", shift_m);
+    corrected.notes.push_back({RemarkCode::kPositionCorrected, {{"off_m", shift_m}}});
   }
   corrected.prior_cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(rotation, center);
 
@@ -131,20 +127,19 @@ CorrectedPose CorrectToPose(const poses::PosedPhoto& posed, const GroundPrior& p
   return corrected;
 }
 
-std::vector<std::string> DescribeCorrections(const std::vector<CorrectedPose>& corrected,
-                                             const std::vector<std::string>& names,
-                                             const std::vector<int>& lines) {
-  std::vector<std::string> sentences;
+std::vector<Remark> DescribeCorrections(const std::vector<CorrectedPose>& corrected,
+                                        const std::vector<std::string>& names,
+                                        const std::vector<int>& lines) {
+  std::vector<Remark> remarks;
   const std::size_t count = corrected.size();
   const bool is_mount = count > 1 && corrected.front().quarter_turns != 0 &&
                         std::all_of(corrected.begin(), corrected.end(), [&](const CorrectedPose& one) {
                           return one.quarter_turns == corrected.front().quarter_turns;
                         });
   if (is_mount) {
-    sentences.push_back(
-        fmt::format("all photos lie turned by {} degrees against {}, as of a camera mounted sideways; "
-                    "the mount was taken as that",
-                    Degrees(corrected.front().quarter_turns), YawOfAll(corrected, 0, count)));
+    remarks.push_back({IsCourseOfAll(corrected, 0, count) ? RemarkCode::kMountTurnedAgainstCourse
+                                                          : RemarkCode::kMountTurned,
+                       {{"turn_deg", Degrees(corrected.front().quarter_turns)}}});
   }
   for (std::size_t i = 0; i < count;) {
     std::size_t end = i + 1;
@@ -154,16 +149,16 @@ std::vector<std::string> DescribeCorrections(const std::vector<CorrectedPose>& c
       ++end;
     }
     if (end - i > 1) {
-      sentences.push_back(fmt::format(
-          "Photos {} to {} are stored turned by {} degrees against {}; they were "
-          "turned back. A viewer that saves pictures upright does this: use the originals if you can.",
-          names[i], names[end - 1], Degrees(quarters), YawOfAll(corrected, i, end)));
-    } else if (!corrected[i].note.empty() && !(is_mount && !corrected[i].position_was_wrong)) {
-      sentences.push_back(names[i] + ": " + corrected[i].note);
+      remarks.push_back({IsCourseOfAll(corrected, i, end) ? RemarkCode::kPhotosStoredTurnedAgainstCourse
+                                                          : RemarkCode::kPhotosStoredTurned,
+                         {{"first", names[i]}, {"last", names[end - 1]}, {"turn_deg", Degrees(quarters)}}});
+    } else if (!(is_mount && !corrected[i].position_was_wrong)) {
+      for (const Remark& note : corrected[i].notes)
+        remarks.push_back({RemarkCode::kOfPhoto, {{"photo", names[i]}, {"said", note}}});
     }
     i = end;
   }
-  return sentences;
+  return remarks;
 }
 
 }  // namespace skyquilt::alignment

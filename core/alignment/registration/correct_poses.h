@@ -8,6 +8,7 @@
 
 #include "core/alignment/adjustment/bundle_adjustment.h"
 #include "core/alignment/registration/ground_graph.h"
+#include "core/flight/remarks/remark.h"
 #include "core/poses/posed_flight.h"
 
 namespace skyquilt::alignment {
@@ -18,8 +19,8 @@ struct CorrectedPose {
   int quarter_turns = 0;           // counter-clockwise on the ground, 0..3
   bool yaw_was_wrong = false;      // by something else than quarter turns
   bool position_was_wrong = false;
-  std::string note;            // what was corrected, for the user; empty: nothing
-  bool yaw_is_course = false;  // no yaw was recorded: the flight's course stood for it
+  std::vector<flight::Remark> notes;  // what was corrected, for the user, each going on from the photo's name
+  bool yaw_is_course = false;         // no yaw was recorded: the flight's course stood for it
 };
 
 CorrectedPose CorrectPose(const poses::PosedPhoto& posed, const GroundPrior& prior,
@@ -32,9 +33,9 @@ GroundCorrection GroundMotion(const poses::PosedPhoto& posed, const GroundPrior&
 CorrectedPose CorrectToPose(const poses::PosedPhoto& posed, const GroundPrior& prior,
                             const geo::Rigid3& cam_from_enu);
 
-// "2 of 18 photos ..." sentences for whole lines and single photos.
-std::vector<std::string> DescribeCorrections(const std::vector<CorrectedPose>& corrected,
-                                             const std::vector<std::string>& names,
-                                             const std::vector<int>& lines);
+// For whole lines and single photos.
+std::vector<flight::Remark> DescribeCorrections(const std::vector<CorrectedPose>& corrected,
+                                                const std::vector<std::string>& names,
+                                                const std::vector<int>& lines);
 
 }  // namespace skyquilt::alignment

@@ -116,16 +116,13 @@ std::vector<PhotoDoubt> DoubtPhotos(const MatchingInput& input, const std::vecto
   return doubts;
 }
 
-std::string DoubtInWords(const PhotoDoubt& doubt, const std::vector<std::string>& names) {
-  std::string words;
-  const auto add = [&](const std::string& part) { words += (words.empty() ? "" : "; ") + part; };
-  if (doubt.copy_of) add(fmt::format("shows the same picture as {}", names[*doubt.copy_of]));
-  if (doubt.is_blurred) add("is blurred");
-  if (doubt.shows_other_place) {
-    add("has nothing in common with the photos around its recorded place: of another place, or of something "
-        "that moves; used only where no other photo is");
-  }
-  return words;
+std::vector<flight::Remark> DoubtsInRemarks(const PhotoDoubt& doubt, const std::vector<std::string>& names) {
+  using flight::RemarkCode;
+  std::vector<flight::Remark> remarks;
+  if (doubt.copy_of) remarks.push_back({RemarkCode::kDoubtCopy, {{"other", names[*doubt.copy_of]}}});
+  if (doubt.is_blurred) remarks.push_back(RemarkCode::kDoubtBlurred);
+  if (doubt.shows_other_place) remarks.push_back(RemarkCode::kDoubtOtherPlace);
+  return remarks;
 }
 
 std::vector<char> LeaveOutFarAway(AlignedFlight& flight) {
@@ -163,12 +160,9 @@ std::vector<char> LeaveOutFarAway(AlignedFlight& flight) {
       near.push_back(std::move(flight.photos[i]));
       continue;
     }
-    flight.left_out.push_back(
-        {flight.photos[i].photo.name, ErrorCode::kNoPosition,
-         fmt::format(
-             "was recorded {:.1f} km away from the other photos and has nothing in common with them. If the "
-             "place is right, make a map of its own from it.",
-             (places[i] - middle).norm() / 1000.0)});
+    flight.left_out.push_back({flight.photos[i].photo.name, ErrorCode::kNoPosition,
+                               flight::Remark(flight::RemarkCode::kLeftFarAway,
+                                              {{"apart_km", (places[i] - middle).norm() / 1000.0}})});
   }
   flight.photos = std::move(near);
   return is_far;

@@ -26,8 +26,8 @@ struct PhotoDoubt {
 std::vector<PhotoDoubt> DoubtPhotos(const MatchingInput& input, const std::vector<CandidatePair>& pairs,
                                     const std::vector<VerifiedPair>& verified, const Relief& relief);
 
-// A sentence for the user, empty without doubt.
-std::string DoubtInWords(const PhotoDoubt& doubt, const std::vector<std::string>& names);
+// What the user is to know of it, each going on from the photo's name.
+std::vector<flight::Remark> DoubtsInRemarks(const PhotoDoubt& doubt, const std::vector<std::string>& names);
 
 // Takes photos out that no verified pair ties to the others and that lie so far away that the map would be
 // mostly empty; each is listed with the reason. Never takes out more than a tenth. By photo: whether it was.

@@ -1,6 +1,6 @@
 #include "core/alignment/registration/place_photos.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,10 +11,14 @@
 #include "core/alignment/registration/direct_registration.h"
 #include "core/alignment/registration/registration_rounds.h"
 #include "core/base/median.h"
+#include "core/flight/remarks/remark_words.h"
 #include "core/geo/lat_lon.h"
 
 namespace skyquilt::alignment {
 namespace {
+
+using flight::Remark;
+using flight::RemarkCode;
 
 constexpr double kGoodAngleRad = 0.087;  // 5 degrees: flatter rays leave the height open
 
@@ -178,15 +182,17 @@ void FindTiedLooks(const std::vector<Track>& tracks, const std::vector<int>& com
   }
 }
 
+std::string Joined(const std::vector<Remark>& notes) {
+  return fmt::format("{}", fmt::join(flight::InWords(notes), "; "));
+}
+
 void TellAssumptions(const poses::PosedFlight& posed, int aligned, AlignedFlight& flight) {
   const std::optional<double> found_m = FoundHeightM(flight);
-  if (!found_m) {
-    for (const poses::Assumption& one : posed.assumptions) flight.warnings.push_back(one.InWords());
-    return;
-  }
-  const std::vector<std::string> words = poses::AssumptionsAfterAlignment(
-      posed.assumptions, *found_m, static_cast<int>(flight.photos.size()) - aligned);
-  flight.warnings.insert(flight.warnings.end(), words.begin(), words.end());
+  const std::vector<Remark> assumed =
+      found_m ? poses::AssumptionsAfterAlignment(posed.assumptions, *found_m,
+                                                 static_cast<int>(flight.photos.size()) - aligned)
+              : poses::AssumptionsByPoses(posed.assumptions);
+  flight.warnings.insert(flight.warnings.end(), assumed.begin(), assumed.end());
 }
 
 }  // namespace
@@ -249,7 +255,7 @@ AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
     const double sigma_position = std::sqrt(before.covariance(3, 3) + before.covariance(4, 4));
     if (component[i] >= 0) {
       photo.placement = Placement::kAligned;
-      photo.placement_reason = corrected[i].note;
+      photo.placement_reason = Joined(corrected[i].notes);
       // What all photos share no comparison among them can show; the rest averages out over the component.
       photo.error_radius_m = shared_error_m.value_or(sigma_position);
       photo.height_above_ground_m =
@@ -260,7 +266,7 @@ AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
           "points in "
           "common ({})",
           direct[i].ties, direct[i].ties == 1 ? "" : "s", support[i].observations);
-      if (!corrected[i].note.empty()) photo.placement_reason += "; " + corrected[i].note;
+      for (const Remark& note : corrected[i].notes) photo.placement_reason += "; " + InWords(note);
     } else {
       const auto of_line = turns.find(problem.photos[i].line);
       const bool line_known = of_line != turns.end() && of_line->second.size() >= 2;
@@ -283,14 +289,16 @@ AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
               : fmt::format("placed by its recorded pose{}: too few points in common with other photos ({})",
                             learnt_enough ? ", corrected as its neighbours were" : "",
                             support[i].observations);
-      if (!corrected[i].note.empty()) photo.placement_reason += "; " + corrected[i].note;
+      for (const Remark& note : corrected[i].notes) photo.placement_reason += "; " + InWords(note);
     }
     const PhotoDoubt& doubt = (*input.doubts)[i];
     photo.sharpness = doubt.sharpness;
     if (doubt.IsAny()) {
-      const std::string words = DoubtInWords(doubt, names);
-      photo.placement_reason += (photo.placement_reason.empty() ? "" : "; ") + words;
-      report.corrections.push_back(fmt::format("{}: {}", before.photo.name, words));
+      for (Remark& remark : DoubtsInRemarks(doubt, names)) {
+        photo.placement_reason += (photo.placement_reason.empty() ? "" : "; ") + InWords(remark);
+        report.corrections.push_back(
+            {RemarkCode::kOfPhoto, {{"photo", before.photo.name}, {"said", std::move(remark)}}});
+      }
       // As good as nowhere: the map takes it only where it has nothing else.
       if (doubt.shows_other_place) {
         photo.error_radius_m = std::max(photo.error_radius_m, before.height_above_ground_m);
@@ -313,15 +321,10 @@ AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
   }
   report.components = static_cast<int>(component_sizes.size());
   if (report.components == 0 && flight.photos.size() > 1) {
-    flight.warnings.push_back(
-        "No two photos could be tied together by what they show: the map is by the recorded poses alone, and "
-        "may show steps. If the ground is not water or bare, check that positions, heights and angles are "
-        "those of this flight.");
+    flight.warnings.push_back(RemarkCode::kNoTies);
   }
   if (report.components > 1) {
-    flight.warnings.push_back(fmt::format(
-        "The photos form {} groups without ties between them; each lies where its recorded positions say.",
-        report.components));
+    flight.warnings.push_back({RemarkCode::kGroups, {{"groups", report.components}}});
   }
   for (const Track& track : *input.ground_tracks) {
     if (track.angle_rad < kGoodAngleRad) continue;

@@ -209,22 +209,18 @@ LegChoice ChooseLeg(const LegEvidence& by_records, const LegEvidence& by_images)
           fmt::format("it ties {} photos together, the recorded poses {}", by_images.tied, by_records.tied)};
 }
 
-std::string ContradictionInWords(const LegEvidence& evidence) {
-  if (!evidence.ContradictsPositions()) return {};
-  return fmt::format(
-      "the recorded positions CONTRADICT what the photos show: half of the {} photos lie {:.0f} m or more from where "
-      "they were recorded, which is {:.0f} times what the records claim: the map as a whole may be as far off",
-      evidence.positions, evidence.median_error_m, evidence.median_error_sigmas);
+std::optional<flight::Remark> ContradictionOf(const LegEvidence& evidence) {
+  if (!evidence.ContradictsPositions()) return std::nullopt;
+  return flight::Remark{flight::RemarkCode::kPositionsContradict,
+                        {{"photos", evidence.positions},
+                         {"apart_m", evidence.median_error_m},
+                         {"times", evidence.median_error_sigmas}}};
 }
 
-std::string DroppedInWords(int observations, int dropped) {
+std::optional<flight::Remark> DroppedOf(int observations, int dropped) {
   const int all = observations + dropped;
-  if (all == 0 || dropped <= kMaxDroppedShare * all) return {};
-  return fmt::format(
-      "only {} of {} points found in several photos fit the poses: the records CONTRADICT what the photos show, and the "
-      "map may be torn. Check that every photo has a position of its own and that heights and angles are those of this "
-      "flight, or leave the records out (--method images)",
-      observations, all);
+  if (all == 0 || dropped <= kMaxDroppedShare * all) return std::nullopt;
+  return flight::Remark{flight::RemarkCode::kPointsDropped, {{"used", observations}, {"points", all}}};
 }
 
 }  // namespace skyquilt::alignment

@@ -12,6 +12,7 @@
 #include "core/alignment/features/features.h"
 #include "core/alignment/matching/verified_pair.h"
 #include "core/alignment/reconstruction/georeference.h"
+#include "core/flight/remarks/remark.h"
 
 namespace skyquilt::alignment {
 
@@ -66,11 +67,11 @@ struct LegChoice {
 };
 LegChoice ChooseLeg(const LegEvidence& by_records, const LegEvidence& by_images);
 
-// Recorded positions that most of an alignment contradicts by far more than they claim; empty: they agree.
-std::string ContradictionInWords(const LegEvidence& evidence);
+// Recorded positions that most of an alignment contradicts by far more than they claim; nothing: they agree.
+std::optional<flight::Remark> ContradictionOf(const LegEvidence& evidence);
 
 // An adjustment that had to drop most observations fits the few it kept, whatever its residual: what the
-// records say holds the photos apart, or together, against what they show. Empty: it kept enough.
-std::string DroppedInWords(int observations, int dropped);
+// records say holds the photos apart, or together, against what they show. Nothing: it kept enough.
+std::optional<flight::Remark> DroppedOf(int observations, int dropped);
 
 }  // namespace skyquilt::alignment

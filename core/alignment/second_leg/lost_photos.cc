@@ -25,7 +25,7 @@ CorrectedPose PlaceUnrecorded(const geo::Rigid3& cam_from_enu, double ground_z_m
   photo.error_radius_m = unknown_m;
   CorrectedPose corrected;
   corrected.start_cam_from_enu = corrected.prior_cam_from_enu = cam_from_enu;
-  corrected.note = "records no usable position or height and was placed by what it shows";
+  corrected.notes = {flight::RemarkCode::kPlacedWithoutRecord};
   return corrected;
 }
 

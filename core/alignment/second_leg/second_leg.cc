@@ -16,7 +16,6 @@
 #include "core/alignment/reconstruction/register_photos.h"
 #include "core/base/median.h"
 #include "core/base/scoped_timer.h"
-#include "core/poses/unplaced_words.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -212,9 +211,8 @@ void TakeOver(const Registration& registration, const BlockPlace& place, const P
     }
   } else if (record.center_in_enu && place.placing == Placing::kByPositions && !place.position_holds[i]) {
     corrected.position_was_wrong = true;
-    corrected.note =
-        fmt::format("recorded position is {:.0f} m from where the photo was taken by what it shows",
-                    (record.center_in_enu->head<2>() - center.head<2>()).norm());
+    corrected.notes.push_back({flight::RemarkCode::kPositionElsewhere,
+                               {{"off_m", (record.center_in_enu->head<2>() - center.head<2>()).norm()}}});
   }
   // A recorded attitude that agrees goes on to hold, where north is the flight's own.
   const double turned =
@@ -376,8 +374,11 @@ Result<void> SettleUnplaced(const poses::PosedFlight& recorded, AlignedFlight& f
     return found.contains(photo.name) || (is_nowhere(photo.name) && !told.insert(photo.name).second);
   });
   for (flight::LeftOutPhoto& photo : flight.left_out) {
-    if (is_nowhere(photo.name))
-      photo.reason += " It shows too little in common with the other photos to be placed by that.";
+    if (is_nowhere(photo.name)) {
+      photo.reason = {
+          flight::RemarkCode::kSentences,
+          {{"first", photo.reason}, {"then", flight::Remark(flight::RemarkCode::kLeftNothingInCommon)}}};
+    }
   }
   if (!flight.photos.empty()) return {};
   return Error{
@@ -387,13 +388,16 @@ Result<void> SettleUnplaced(const poses::PosedFlight& recorded, AlignedFlight& f
       report.second_leg.outcome};
 }
 
-std::string SecondLegInWords(const SecondLegReport& report) {
-  if (!report.is_taken) return {};
-  std::string words = report.why + ": " + report.outcome + ".";
-  if (!report.is_placed) {
-    words += " " + poses::NotGeoreferencedWords(GeoreferenceRecords().guessed_width_m);
-  }
-  return words;
+std::vector<flight::Remark> RemarksOn(const SecondLegReport& report) {
+  using flight::RemarkCode;
+  std::vector<flight::Remark> remarks;
+  if (!report.is_taken) return remarks;
+  if (!report.is_placed)
+    remarks.push_back({RemarkCode::kNotGeoreferenced, {{"width_m", GeoreferenceRecords().guessed_width_m}}});
+  remarks.push_back(
+      {RemarkCode::kPlacedByImages,
+       {{"photos", report.registered}, {"why_words", report.why}, {"outcome_words", report.outcome}}});
+  return remarks;
 }
 
 }  // namespace skyquilt::alignment

@@ -66,6 +66,6 @@ std::optional<SecondLeg> PlaceByImages(const FirstLeg& first, std::size_t tied_b
 Result<void> SettleUnplaced(const poses::PosedFlight& recorded, AlignedFlight& flight, AlignReport& report);
 
 // What the user must know of it; empty where the records held.
-std::string SecondLegInWords(const SecondLegReport& report);
+std::vector<flight::Remark> RemarksOn(const SecondLegReport& report);
 
 }  // namespace skyquilt::alignment

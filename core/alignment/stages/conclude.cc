@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "core/alignment/adjustment/predict_control.h"
@@ -16,6 +17,8 @@
 
 namespace skyquilt::alignment {
 namespace {
+
+using flight::Remark;
 
 void ReportLenses(const poses::PosedFlight& posed, const BundleProblem& problem, AlignReport& report) {
   for (std::size_t c = 0; c < problem.lenses.size(); ++c) {
@@ -36,35 +39,33 @@ void ReportLenses(const poses::PosedFlight& posed, const BundleProblem& problem,
   }
 }
 
-// Surveyed points further from where the photos agree they are than any survey errs; empty: they fit.
-std::string ContradictedControl(const std::vector<ControlReport>& control) {
+// Surveyed points further from where the photos agree they are than any survey errs; nothing: they fit.
+std::optional<Remark> ContradictedControl(const std::vector<ControlReport>& control) {
   std::vector<double> errors_m;
   for (const ControlReport& point : control) {
     if (point.is_used) errors_m.push_back(std::hypot(point.miss_east_m, point.miss_north_m));
   }
-  if (errors_m.size() < kMinContradicted) return {};
+  if (errors_m.size() < kMinContradicted) return std::nullopt;
   const double median_m = Median(errors_m);
-  if (median_m < kNoSurveyM) return {};
-  return fmt::format(
-      "the surveyed points CONTRADICT the photos: half of the {} used lie {:.1f} m or more from where all photos together "
-      "show them. Check the list's coordinates, their zone and the marks",
-      errors_m.size(), median_m);
+  if (median_m < kNoSurveyM) return std::nullopt;
+  return Remark{flight::RemarkCode::kControlContradicts,
+                {{"points", errors_m.size()}, {"apart_m", median_m}}};
 }
 
-// Empty where no clock was found wrong by what can be seen on a map.
-std::string ClockInWords(const BundleProblem& problem) {
+// Nothing where no clock was found wrong by what can be seen on a map.
+std::optional<flight::Remark> RemarkOfClock(const BundleProblem& problem) {
   constexpr double kSeenS = 0.1, kSeenM = 0.1;
   std::vector<double> speeds_mps;
   for (const BundlePhoto& photo : problem.photos) {
     if (!photo.by_clock_mps.isZero()) speeds_mps.push_back(photo.by_clock_mps.norm());
   }
-  if (speeds_mps.empty() || std::abs(problem.clock_error_s) < kSeenS) return {};
-  const double moved_m = std::abs(problem.clock_error_s) * Median(std::move(speeds_mps));
-  if (moved_m < kSeenM) return {};
-  return fmt::format(
-      "By how they lie to each other the photos were taken {:.1f} s {} than the clocks of camera and log say: each was "
-      "moved along the log's track by that ({:.1f} m in the median).",
-      std::abs(problem.clock_error_s), problem.clock_error_s > 0.0 ? "later" : "earlier", moved_m);
+  const double clock_s = std::abs(problem.clock_error_s);
+  if (speeds_mps.empty() || clock_s < kSeenS) return std::nullopt;
+  const double moved_m = clock_s * Median(std::move(speeds_mps));
+  if (moved_m < kSeenM) return std::nullopt;
+  return flight::Remark{
+      problem.clock_error_s > 0.0 ? flight::RemarkCode::kClockBehind : flight::RemarkCode::kClockAhead,
+      {{"clock_s", clock_s}, {"moved_m", moved_m}}};
 }
 
 AlignPhotoReport PhotoReport(const ExtractedFlight& extracted, const Leg& leg, std::size_t i) {
@@ -94,8 +95,8 @@ void ReportLeg(const ExtractedFlight& extracted, Leg& leg, AlignReport& report) 
   report.corrections = DescribeCorrections(leg.matched.corrected, names, extracted.lines);
   report.corrections.insert(report.corrections.begin(), leg.corrected_records.begin(),
                             leg.corrected_records.end());
-  if (std::string words = ClockInWords(leg.problem); !words.empty())
-    report.corrections.insert(report.corrections.begin(), std::move(words));
+  if (auto remark = RemarkOfClock(leg.problem))
+    report.corrections.insert(report.corrections.begin(), *std::move(remark));
   report.pairs = PairsInUse(leg.problem, names);
   report.control = std::move(leg.control);
   ReportControl(leg.problem, report.control);
@@ -112,15 +113,21 @@ void ReportLeg(const ExtractedFlight& extracted, Leg& leg, AlignReport& report) 
 
 // What the user must know, the most important first, and what was corrected last.
 void Warn(const AlignReport& report, const LegEvidence& evidence, AlignedFlight& flight) {
-  std::vector<std::string> first{
-      ContradictedControl(report.control), DroppedInWords(report.observations, report.observations_dropped),
-      report.second_leg.is_taken ? SecondLegInWords(report.second_leg) : ContradictionInWords(evidence)};
-  std::erase(first, "");
-  flight.warnings.insert(flight.warnings.begin(), first.begin(), first.end());
-  for (const ControlReport& point : report.control) {
-    if (std::string words = ControlInWords(point); !words.empty()) flight.warnings.push_back(words + ".");
-  }
-  flight.warnings.insert(flight.warnings.end(), report.corrections.begin(), report.corrections.end());
+  std::vector<Remark> remarks;
+  const auto add = [&](std::optional<Remark> remark) {
+    if (remark) remarks.push_back(*std::move(remark));
+  };
+  const auto add_all = [&](const std::vector<Remark>& more) {
+    remarks.insert(remarks.end(), more.begin(), more.end());
+  };
+  add(ContradictedControl(report.control));
+  add(DroppedOf(report.observations, report.observations_dropped));
+  if (!report.second_leg.is_taken) add(ContradictionOf(evidence));
+  add_all(RemarksOn(report.second_leg));
+  add_all(flight.warnings);
+  add_all(RemarksOn(report.control));
+  add_all(report.corrections);
+  flight.warnings = std::move(remarks);
 }
 
 }  // namespace

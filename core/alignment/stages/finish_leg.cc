@@ -58,11 +58,10 @@ Leg WithReadoutFound(Leg leg, const BundleOptions& bundle_options, const AlignOp
       ++photos;
       camera = found.posed.photos[i].photo.model;
     }
-    found.corrected_records.push_back(
-        fmt::format("{}: the photos show that it reads its rows one after the other, in {:.0f} ms from the "
-                    "first to the last ({} photo{}); the camera is not listed and nothing recorded says so",
-                    camera.empty() ? "The camera" : camera,
-                    1e3 * std::abs(found.problem.lenses[lens].readout_s), photos, photos == 1 ? "" : "s"));
+    found.corrected_records.push_back({flight::RemarkCode::kRollingShutterFound,
+                                       {{"camera", camera.empty() ? "The camera" : camera},
+                                        {"readout_ms", 1e3 * std::abs(found.problem.lenses[lens].readout_s)},
+                                        {"photos", photos}}});
   }
   return found;
 }

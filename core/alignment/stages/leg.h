@@ -10,6 +10,7 @@
 #include "core/alignment/relief.h"
 #include "core/alignment/second_leg/leg_evidence.h"
 #include "core/alignment/stages/extract_flight.h"
+#include "core/flight/remarks/remark.h"
 
 namespace skyquilt::alignment {
 
@@ -24,8 +25,8 @@ struct Leg {
   bool is_adjusted = false;
   std::vector<char> by_images;         // by photo: placed by what it shows
   std::vector<ControlReport> control;  // by surveyed point, once tied to them
-  // In words: heights of all that were not believed, positions of all that were late.
-  std::vector<std::string> corrected_records;
+  // Heights of all that were not believed, positions of all that were late.
+  std::vector<flight::Remark> corrected_records;
   int iterations = 0;  // of all adjustments
   int pairs_by_direct = 0;
   double matching_s = 0.0, adjustment_s = 0.0;  // wall

@@ -198,11 +198,9 @@ Leg Levelled(const ExtractedFlight& extracted, Leg leg, const AlignOptions& opti
   Level(*levelling, extracted.records, leg.by_images, leg.problem);
   leg.input.views = ViewsOf(leg.problem);
   leg = Adjusted(std::move(leg), SettledAdjustment(), options);
-  leg.corrected_records.push_back(fmt::format(
-      "The recorded heights would have the flight lie tilted by {:.0f} degrees against the recorded camera angles, as after "
-      "a second take-off from another height or by a barometer that drifted: they differ by up to {:.0f} m from how the "
-      "photos lie to each other, and were believed only from each photo to the next.",
-      levelling->tilt_rad * 180.0 / std::numbers::pi, levelling->height_range_m));
+  leg.corrected_records.push_back({flight::RemarkCode::kHeightsTilted,
+                                   {{"tilt_deg", levelling->tilt_rad * 180.0 / std::numbers::pi},
+                                    {"apart_m", levelling->height_range_m}}});
   return leg;
 }
 
@@ -257,17 +255,17 @@ PlacedFlight WithoutPositionLag(const ExtractedFlight& extracted, PlacedFlight p
     leg = Adjusted(std::move(leg), SettledAdjustment(), options);
   }
   if (lag_s == 0.0) return placed;
-  const std::string words = fmt::format(
-      "those of {:.1f} {} {} the photos, {:.1f} m off in the median; each was moved along its flight line by "
-      "that",
-      std::abs(lag_s), times.are_seconds ? "seconds" : "photos", lag_s > 0.0 ? "before" : "after", off_m);
+  flight::Remark late{
+      lag_s > 0.0 ? flight::RemarkCode::kPositionsOfBefore : flight::RemarkCode::kPositionsOfAfter,
+      {{"lag", std::abs(lag_s)},
+       {"unit", flight::Remark(times.are_seconds ? flight::RemarkCode::kSecondsApart
+                                                 : flight::RemarkCode::kPhotosApart)},
+       {"apart_m", off_m}}};
   if (placed.second_leg.is_taken) {
     placed.second_leg.outcome =
-        fmt::format("{} of {} photos placed by what they show; the recorded positions are {}",
-                    placed.second_leg.registered, records.size(), words);
-  } else {
-    leg.corrected_records.push_back("The recorded positions are " + words + ".");
+        fmt::format("{} of {} photos placed by what they show", placed.second_leg.registered, records.size());
   }
+  leg.corrected_records.push_back(std::move(late));
   return placed;
 }
 

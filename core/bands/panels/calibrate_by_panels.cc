@@ -152,10 +152,8 @@ void CalibrateByPanels(Flight& flight, Captures& captures, const PhotoSource& so
         flight.warnings);
   }
   if (!without.empty() && without.size() < captures.bands.size()) {
-    flight.warnings.push_back(fmt::format(
-        "No picture of a calibration panel could be used for {}: an index of these bands and others is not "
-        "calibrated.",
-        fmt::join(without, ", ")));
+    flight.warnings.push_back(
+        {flight::RemarkCode::kBandsWithoutPanel, {{"bands", fmt::format("{}", fmt::join(without, ", "))}}});
   }
 }
 

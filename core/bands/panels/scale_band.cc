@@ -10,7 +10,7 @@
 namespace skyquilt::bands {
 
 double ScaleBand(Captures& captures, const std::string& band, std::vector<double> factors,
-                 const std::string& witnesses, const std::string& by, std::vector<std::string>& warnings) {
+                 const std::string& witnesses, const std::string& by, std::vector<flight::Remark>& warnings) {
   SKYQUILT_CHECK(!factors.empty(), "a band is scaled by what somebody says");
   std::sort(factors.begin(), factors.end());
   const double factor = (factors[(factors.size() - 1) / 2] + factors[factors.size() / 2]) / 2.0;

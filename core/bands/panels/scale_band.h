@@ -8,12 +8,13 @@
 #include <vector>
 
 #include "core/bands/captures.h"
+#include "core/flight/remarks/remark.h"
 
 namespace skyquilt::bands {
 
 // Multiplies all values of the band in `captures`; `by` is added to the band's method. The factor.
 double ScaleBand(Captures& captures, const std::string& band, std::vector<double> factors,
-                 const std::string& witnesses, const std::string& by, std::vector<std::string>& warnings);
+                 const std::string& witnesses, const std::string& by, std::vector<flight::Remark>& warnings);
 
 // What a list says of a band; nothing where it says nothing.
 std::optional<double> ReflectanceOf(const flight::KnownReflectance& known, const std::string& band);

@@ -6,6 +6,8 @@
 #include <map>
 #include <utility>
 
+#include "core/flight/remarks/remark_words.h"
+
 namespace skyquilt::flight {
 namespace {
 
@@ -27,42 +29,29 @@ ErrorCode CodeOf(Aside why) {
   return ErrorCode::kUnprocessable;
 }
 
-std::string ReasonInWords(Aside why, std::string_view of, std::string_view instead) {
+Remark ReasonOf(Aside why, std::string_view of, std::string_view instead) {
+  const std::string its_own(of), other(instead);
   switch (why) {
     case Aside::kSameBytes:
-      return fmt::format("The same bytes as {}; one copy is enough.", of);
+      return {RemarkCode::kLeftSameBytes, {{"other", its_own}}};
     case Aside::kPanorama:
-      return fmt::format("This is a panorama ({}): a map is made of single photos. Give those instead.", of);
+      return {RemarkCode::kLeftPanorama, {{"evidence_words", its_own}}};
     case Aside::kRawPicture:
-      return fmt::format(
-          "This is a raw picture ({}). Give the JPEG that the camera wrote beside it, or export it as JPEG or "
-          "TIFF, keeping the metadata.",
-          of);
+      return {RemarkCode::kLeftRawPicture, {{"format", its_own}}};
     case Aside::kThumbnailFirst:
-      return "The first picture in this TIFF is a thumbnail of a larger one behind it, as in raw pictures. Give "
-             "the JPEG that the camera wrote, or export it as JPEG or TIFF, keeping the metadata.";
+      return RemarkCode::kLeftThumbnailFirst;
     case Aside::kCopy:
-      return fmt::format("A copy of {}, which is used: it is nearer to what the camera wrote.", of);
+      return {RemarkCode::kLeftCopy, {{"other", its_own}}};
     case Aside::kOlderMetadata:
-      return fmt::format(
-          "The file as it was before its metadata were changed; {}, which has the new ones, is used.", of);
+      return {RemarkCode::kLeftOlderMetadata, {{"other", its_own}}};
     case Aside::kOtherCamera:
-      return fmt::format(
-          "Taken by another camera ({}) at the same moments as the map's ({}). For a map of it give its "
-          "pictures alone.",
-          of, instead);
+      return {RemarkCode::kLeftOtherCamera, {{"camera", its_own}, {"instead", other}}};
     case Aside::kThermal:
-      return fmt::format(
-          "A thermal picture ({}); the map is made of the visible ones ({}). For a thermal map give the thermal "
-          "pictures alone.",
-          of, instead);
+      return {RemarkCode::kLeftThermal, {{"camera", its_own}, {"instead", other}}};
     case Aside::kVisible:
-      return fmt::format(
-          "A visible picture ({}); the map is made of the thermal ones ({}), of which there are more. For a map "
-          "of the visible ones give them alone.",
-          of, instead);
+      break;
   }
-  return "";
+  return {RemarkCode::kLeftVisible, {{"camera", its_own}, {"instead", other}}};
 }
 
 struct SomeLines {
@@ -72,17 +61,17 @@ struct SomeLines {
 
 SomeLines FirstLines(const std::vector<LeftOutPhoto>& left_out, std::size_t most) {
   constexpr std::size_t kMaxNamedApart = 3;
-  std::map<std::string_view, std::size_t> all, seen;
-  for (const LeftOutPhoto& photo : left_out) ++all[photo.reason];
+  std::map<std::string, std::size_t> all, seen;
+  for (const LeftOutPhoto& photo : left_out) ++all[InWords(photo.reason)];
   SomeLines some;
   std::size_t told = 0;
   for (const LeftOutPhoto& photo : left_out) {
-    const std::size_t count = all[photo.reason];
+    const std::string reason = InWords(photo.reason);
+    const std::size_t count = all[reason];
     const bool is_named_apart = count <= kMaxNamedApart;
-    if (some.lines.size() == most || (seen[photo.reason]++ > 0 && !is_named_apart)) continue;
-    some.lines.push_back(is_named_apart
-                             ? photo.name + ": " + photo.reason
-                             : fmt::format("{} and {} more: {}", photo.name, count - 1, photo.reason));
+    if (some.lines.size() == most || (seen[reason]++ > 0 && !is_named_apart)) continue;
+    some.lines.push_back(is_named_apart ? photo.name + ": " + reason
+                                        : fmt::format("{} and {} more: {}", photo.name, count - 1, reason));
     told += is_named_apart ? 1 : count;
   }
   some.more = left_out.size() - told;
@@ -96,11 +85,11 @@ std::string MorePictures(std::size_t count) {
 }  // namespace
 
 Error AsideError(Aside why, std::string_view of, std::string_view instead) {
-  return {CodeOf(why), ReasonInWords(why, of, instead), ""};
+  return {CodeOf(why), InWords(ReasonOf(why, of, instead)), ""};
 }
 
 LeftOutPhoto LeftAside(const std::string& name, Aside why, std::string_view of, std::string_view instead) {
-  return {name, CodeOf(why), ReasonInWords(why, of, instead)};
+  return {name, CodeOf(why), ReasonOf(why, of, instead)};
 }
 
 std::string CameraInWords(const Photo& photo, Lens lens) {
@@ -112,14 +101,6 @@ std::string CameraInWords(const Photo& photo, Lens lens) {
   if (lens == Lens::kThermal) words += ", thermal";
   const auto [shorter, longer] = std::minmax(photo.intrinsics.width_px, photo.intrinsics.height_px);
   return fmt::format("{}, {} x {} px", words, longer, shorter);
-}
-
-std::string OneCameraInWords(Aside why, std::size_t pictures, std::string_view of, std::string_view instead) {
-  const std::string_view reason = why == Aside::kOtherCamera ? "both saw the same moments"
-                                  : why == Aside::kThermal   ? "thermal and visible pictures do not mix"
-                                                             : "there are more thermal than visible pictures";
-  return fmt::format("The map is made of one camera ({}); {} picture{} of another ({}) lie{} aside: {}.",
-                     instead, pictures, pictures == 1 ? "" : "s", of, pictures == 1 ? "s" : "", reason);
 }
 
 std::vector<std::string> LeftOutInLines(const std::vector<LeftOutPhoto>& left_out) {

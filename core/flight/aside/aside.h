@@ -30,9 +30,6 @@ LeftOutPhoto LeftAside(const std::string& name, Aside why, std::string_view of,
 // "DJI M3T, wide, 4000 x 3000 px"
 std::string CameraInWords(const Photo& photo, Lens lens);
 
-// What a flight says once about the pictures of one camera that lie aside: "18 of 36 pictures ...".
-std::string OneCameraInWords(Aside why, std::size_t pictures, std::string_view of, std::string_view instead);
-
 // What is left out, a line a photo; of more than three with one reason the first is named, and how many more.
 // At most 20, then how many pictures remain.
 std::vector<std::string> LeftOutInLines(const std::vector<LeftOutPhoto>& left_out);

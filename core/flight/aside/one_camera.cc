@@ -267,7 +267,10 @@ void KeepOneCamera(Flight& flight) {
   for (const auto& [words, pictures] : said) {
     if (++cameras_said > kMaxSaid) break;
     const auto& [why, of, instead] = words;
-    flight.warnings.push_back(OneCameraInWords(why, pictures, of, instead));
+    const RemarkCode code = why == Aside::kOtherCamera ? RemarkCode::kOtherCameraAside
+                            : why == Aside::kThermal   ? RemarkCode::kThermalAside
+                                                       : RemarkCode::kVisibleAside;
+    flight.warnings.push_back({code, {{"pictures", pictures}, {"camera", of}, {"instead", instead}}});
   }
   std::vector<Photo> kept;
   for (std::size_t i = 0; i < flight.photos.size(); ++i) {

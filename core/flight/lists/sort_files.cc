@@ -93,15 +93,12 @@ Result<Kind> KindOf(const InputFile& file) {
   return *format == LogFormat::kGcpList ? Kind::kGcpList : Kind::kLog;
 }
 
-std::string NotUsed(const std::vector<std::string>& names) {
+Remark NotUsed(const std::vector<std::string>& names) {
   constexpr std::size_t kMaxNamed = 10;
-  std::string words =
-      "Not used, because nothing in it is known as a log, a list of positions, surveyed points or "
-      "reflectances, or an elevation model: " +
-      names.front();
-  for (std::size_t i = 1; i < std::min(names.size(), kMaxNamed); ++i) words += ", " + names[i];
-  if (names.size() > kMaxNamed) words += " and " + std::to_string(names.size() - kMaxNamed) + " more";
-  return words + ".";
+  std::string files = names.front();
+  for (std::size_t i = 1; i < std::min(names.size(), kMaxNamed); ++i) files += ", " + names[i];
+  if (names.size() <= kMaxNamed) return {RemarkCode::kFilesUnknown, {{"files", files}}};
+  return {RemarkCode::kFilesUnknownAndMore, {{"files", files}, {"more", names.size() - kMaxNamed}}};
 }
 
 }  // namespace
@@ -122,7 +119,7 @@ SortedFiles SortFiles(const std::vector<InputFile>& files) {
         ++unread_tables > kMaxTablesExplained) {
       unused.push_back(file.name);
     } else if (!kind) {
-      sorted.refused.push_back(kind.error().message);
+      sorted.refused.push_back({RemarkCode::kFileNotRead, {{"error_words", kind.error().message}}});
     } else if (*kind == Kind::kPhoto) {
       sorted.photos.push_back(file);
     } else if (*kind == Kind::kLog) {

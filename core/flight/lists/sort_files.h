@@ -4,11 +4,12 @@
 // complaint. Any thread.
 #pragma once
 
-#include <string>
+#include <optional>
 #include <vector>
 
 #include "core/flight/photos/photo.h"
 #include "core/flight/read_flight.h"
+#include "core/flight/remarks/remark.h"
 
 namespace skyquilt::flight {
 
@@ -19,8 +20,8 @@ struct SortedFiles {
   std::vector<InputFile> reflectance_lists;
   std::vector<InputFile> elevation_models;
   std::vector<InputFile> films;
-  std::vector<std::string> refused;  // what is known but cannot be read, or looks like a log, with advice
-  std::string unused;                // in words, what else is not used; empty where nothing is
+  std::vector<Remark> refused;   // what is known but cannot be read, or looks like a log, with advice
+  std::optional<Remark> unused;  // what else is not used
 };
 
 SortedFiles SortFiles(const std::vector<InputFile>& files);

@@ -12,6 +12,7 @@
 
 #include "core/base/error_code.h"
 #include "core/camera/intrinsics.h"
+#include "core/flight/remarks/remark.h"
 #include "core/geo/lat_lon.h"
 
 namespace skyquilt::flight {
@@ -129,7 +130,7 @@ struct Photo {
 struct LeftOutPhoto {
   std::string name;
   ErrorCode code = ErrorCode::kCorrupt;
-  std::string reason;  // for the user, says what to do
+  Remark reason = "";  // for the user, says what to do
 };
 
 // The order of a flight: by time of capture, then by name; photos without a time come last.

@@ -121,10 +121,8 @@ Result<BuiltBands> BuildBands(const BandedMap& map, const ground::GroundSurface&
   BuiltBands built{Describe(map, captures, cameras, plan.gsd_m), cameras.warnings};
   const int missing = built.report.captures_total - built.report.captures;
   if (missing > 0) {
-    built.warnings.push_back(fmt::format(
-        "{} of {} captures of bands were not placed and are not in bands.tif; their reference photos "
-        "are among those left out.",
-        missing, built.report.captures_total));
+    built.warnings.push_back({flight::RemarkCode::kCapturesNotPlaced,
+                              {{"missing", missing}, {"captures", built.report.captures_total}}});
   }
   return built;
 }

@@ -14,6 +14,7 @@
 #include "core/bands/captures.h"
 #include "core/base/progress.h"
 #include "core/flight/photos/photo_source.h"
+#include "core/flight/remarks/remark.h"
 #include "core/ground/ground_surface.h"
 #include "core/pipeline/mosaic_options.h"
 #include "core/pipeline/report/flight_facts.h"
@@ -37,7 +38,7 @@ std::optional<BandedMap> BandedMapOf(const FlightFacts& facts, bands::Captures c
 
 struct BuiltBands {
   bands::BandsReport report;
-  std::vector<std::string> warnings;
+  std::vector<flight::Remark> warnings;
 };
 Result<BuiltBands> BuildBands(const BandedMap& map, const ground::GroundSurface& ground,
                               const MosaicOptions& options, const flight::PhotoSource& source,

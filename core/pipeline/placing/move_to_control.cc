@@ -111,10 +111,8 @@ std::optional<FlightFacts> MoveToControl(const FlightFacts& known,
     told.residual_px = std::abs(residual) / gsd_m;
   }
   Predict(tied, ExtentM(known), reports);
-  for (const alignment::ControlReport& point : reports) {
-    if (std::string words = alignment::ControlInWords(point); !words.empty())
-      moved.flight.warnings.push_back(words + ".");
-  }
+  const std::vector<flight::Remark> on_points = alignment::RemarksOn(reports);
+  moved.flight.warnings.insert(moved.flight.warnings.end(), on_points.begin(), on_points.end());
   const Complex middle =
       EastNorth(known.flight.photos[known.flight.photos.size() / 2].cam_from_enu.TargetOriginInSource());
   const Complex shift = move * middle - middle;
@@ -130,11 +128,12 @@ std::optional<FlightFacts> MoveToControl(const FlightFacts& known,
       if (photo.placement == alignment::Placement::kAligned) photo.error_radius_m = residual_m;
     }
   }
-  moved.flight.warnings.push_back(fmt::format(
-      "The finished flight was moved as a whole to {} ground control point{}: {:.2f} m east, {:.2f} m north, "
-      "turned by {:.2f} degrees, {:.2f} % larger.",
-      tied.size(), tied.size() == 1 ? "" : "s", shift.real(), shift.imag(),
-      geo::RadToDeg(std::arg(move.turn_and_scale)), 100.0 * (std::abs(move.turn_and_scale) - 1.0)));
+  moved.flight.warnings.push_back({flight::RemarkCode::kMovedToControl,
+                                   {{"points", tied.size()},
+                                    {"east_m", shift.real()},
+                                    {"north_m", shift.imag()},
+                                    {"turn_deg", geo::RadToDeg(std::arg(move.turn_and_scale))},
+                                    {"growth_percent", 100.0 * (std::abs(move.turn_and_scale) - 1.0)}}});
   return moved;
 }
 

@@ -4,7 +4,6 @@
 #include <array>
 #include <map>
 #include <string>
-#include <string_view>
 #include <utility>
 
 #include "core/pipeline/control_points.h"
@@ -15,16 +14,13 @@
 namespace skyquilt::pipeline {
 namespace {
 
-// How the sentences begin that control points are told in, here and by alignment::ControlInWords.
-constexpr std::array<std::string_view, 3> kWordsOfControl = {"Ground control point ",
-                                                             "The finished map was placed by ",
-                                                             "The finished flight was moved as a whole to "};
-
-void EraseWordsOfControl(std::vector<std::string>& warnings) {
-  std::erase_if(warnings, [](const std::string& warning) {
-    return std::any_of(kWordsOfControl.begin(), kWordsOfControl.end(),
-                       [&](std::string_view begin) { return warning.starts_with(begin); });
-  });
+// What an earlier survey had the map say.
+bool IsOfControl(const flight::Remark& said) {
+  using flight::RemarkCode;
+  constexpr std::array kCodes = {RemarkCode::kControlNotUsed,        RemarkCode::kControlFarOff,
+                                 RemarkCode::kControlFarOffAndNoted, RemarkCode::kControlNoted,
+                                 RemarkCode::kPlacedByControl,       RemarkCode::kMovedToControl};
+  return std::find(kCodes.begin(), kCodes.end(), said.code) != kCodes.end();
 }
 
 // Where the finished map has points that did not place it, against where they were surveyed; east and north
@@ -63,7 +59,7 @@ Result<FlightFacts> PlaceByLists(FlightFacts known, const std::vector<flight::Gc
         "or more, spread over the map.",
         ""};
   }
-  EraseWordsOfControl(known.flight.warnings);
+  std::erase_if(known.flight.warnings, IsOfControl);
   if (known.is_placed) {
     std::optional<FlightFacts> moved = MoveToControl(known, lists);
     if (moved && IsAnyUsed(*moved)) return *std::move(moved);

@@ -15,7 +15,6 @@
 #include "core/pipeline/control_points.h"
 #include "core/pipeline/placing/move_by_pairs.h"
 #include "core/pipeline/placing/move_flight.h"
-#include "core/poses/unplaced_words.h"
 
 namespace skyquilt::pipeline {
 namespace {
@@ -25,6 +24,8 @@ using alignment::FittedSimilarity;
 using alignment::PlacePair;
 using alignment::Similarity3;
 using Eigen::Vector3d;
+using flight::Remark;
+using flight::RemarkCode;
 
 constexpr double kFinestPixelM = 0.0005, kCoarsestPixelM = 50.0;
 constexpr std::size_t kMinPoints = 3;
@@ -91,11 +92,16 @@ Result<FlightFacts> PlaceByOrigin(const FlightFacts& known, const PlaceRequest& 
   MoveFlight(move, placed);
   placed.flight.frame = geo::LocalFrame(
       {request.origin->lat_deg, request.origin->lon_deg, known.flight.frame.origin().height_ellipsoid_m});
-  placed.flight.warnings.push_back(fmt::format(
-      "The map was placed by hand: {} lies at {:.7f}, {:.7f}; it was turned by {:.1f} degrees and became {:.4g} "
-      "times as large. How far off it may be, the flight cannot tell: check it over known places.",
-      request.origin_photo.empty() ? "its origin" : request.origin_photo, request.origin->lat_deg,
-      request.origin->lon_deg, TurnDeg(move), move.scale));
+  Remark said{RemarkCode::kPlacedByOrigin,
+              {{"lat_deg", request.origin->lat_deg},
+               {"lon_deg", request.origin->lon_deg},
+               {"turn_deg", TurnDeg(move)},
+               {"times", move.scale}}};
+  if (!request.origin_photo.empty()) {
+    said.code = RemarkCode::kPlacedByPhoto;
+    said.values.emplace("photo", request.origin_photo);
+  }
+  placed.flight.warnings.push_back(std::move(said));
   return placed;
 }
 
@@ -105,12 +111,15 @@ Result<FlightFacts> PlaceByPairs(const FlightFacts& known, const std::vector<Sho
   FlightFacts placed = known;
   MoveFlight(move.new_from_old, placed);
   placed.flight.frame = move.frame;
-  std::string words = fmt::format(
-      "The map was placed by hand, by {} place{} on it; it was turned by {:.1f} degrees and became {:.4g} "
-      "times as large.",
-      pairs.size(), pairs.size() == 1 ? "" : "s", TurnDeg(move.new_from_old), move.new_from_old.scale);
-  if (pairs.size() > 2) words += fmt::format(" It misses them by up to {:.2f} m.", move.miss_m);
-  placed.flight.warnings.push_back(words);
+  Remark said{RemarkCode::kPlacedByPairs,
+              {{"points", pairs.size()},
+               {"turn_deg", TurnDeg(move.new_from_old)},
+               {"times", move.new_from_old.scale}}};
+  if (pairs.size() > 2) {
+    Remark apart{RemarkCode::kPairsDisagree, {{"apart_m", move.miss_m}}};
+    said = {RemarkCode::kSentences, {{"first", std::move(said)}, {"then", std::move(apart)}}};
+  }
+  placed.flight.warnings.push_back(std::move(said));
   return placed;
 }
 
@@ -236,20 +245,19 @@ Result<FlightFacts> PlaceByControl(const FlightFacts& known, const std::vector<f
   SKYQUILT_TRY_ASSIGN(move, CheckedScale(known, move));
   MoveFlight(move, placed);
   placed.flight.frame = frame;
-  for (const alignment::ControlReport& report : reports) {
-    if (std::string words = alignment::ControlInWords(report); !words.empty())
-      placed.flight.warnings.push_back(words + ".");
-  }
+  const std::vector<Remark> on_points = alignment::RemarksOn(reports);
+  placed.flight.warnings.insert(placed.flight.warnings.end(), on_points.begin(), on_points.end());
   const double miss_m = Median(misses_m);
   for (AlignedPhoto& photo : placed.flight.photos) {
     if (photo.placement == alignment::Placement::kAligned)
       photo.error_radius_m = std::max(kMinSigmaM, miss_m);
   }
   TellOfControl(reports, Vector3d::Zero(), placed);
-  placed.flight.warnings.push_back(fmt::format(
-      "The finished map was placed by {} surveyed points, which it misses by {:.2f} m in the median; it was turned by "
-      "{:.1f} degrees and became {:.4g} times as large. No photo was compared again.",
-      misses_m.size(), miss_m, TurnDeg(move), move.scale));
+  placed.flight.warnings.push_back({RemarkCode::kPlacedByControl,
+                                    {{"points", misses_m.size()},
+                                     {"apart_m", miss_m},
+                                     {"turn_deg", TurnDeg(move)},
+                                     {"times", move.scale}}});
   return placed;
 }
 
@@ -276,7 +284,9 @@ Result<FlightFacts> PlaceKnown(const FlightFacts& known, const PlaceRequest& req
   placed.is_placed = true;
   placed.is_by_hand = request.control.empty();
   placed.poses_report.is_placed = true;
-  poses::EraseUnplacedWords(placed.flight.warnings);
+  std::erase_if(placed.flight.warnings, [](const Remark& said) {
+    return said.code == RemarkCode::kNotGeoreferenced || said.code == RemarkCode::kReckonedFromNowhere;
+  });
   return placed;
 }
 

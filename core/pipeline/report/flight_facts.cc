@@ -8,6 +8,7 @@
 
 #include "core/pipeline/report/cbor_values.h"
 #include "core/pipeline/report/locate.h"
+#include "core/pipeline/report/remark_json.h"
 #include "core/pipeline/report/report_codec.h"
 
 namespace skyquilt::pipeline {
@@ -17,7 +18,7 @@ using Cbor = nlohmann::json;
 
 // Raised whenever the meaning or a name changes (those of report_fields.h too), or alignment so much that a
 // flight should be aligned anew.
-constexpr int kVersion = 8;
+constexpr int kVersion = 9;
 
 Cbor OfExposure(const render::KnownExposure& exposure) {
   const render::HotSpot& spot = exposure.light.directions.hot_spot;
@@ -168,10 +169,10 @@ FlightFacts Parse(std::string_view bytes) {
   facts.ground = located->ground;
   facts.flight.frame = located->frame;
   facts.flight.ground_z_in_enu_m = json.at("ground_z_m");
-  facts.flight.warnings = json.at("warnings").get<std::vector<std::string>>();
+  facts.flight.warnings = RemarksOfJson(json.at("warnings"));
   for (const Cbor& left_out : json.at("left_out")) {
     facts.flight.left_out.push_back({TextOfCbor(left_out.at("name")), left_out.at("code").get<ErrorCode>(),
-                                     TextOfCbor(left_out.at("reason"))});
+                                     RemarkOfJson(left_out.at("reason"))});
   }
   const Cbor& photos = json.at("photos");
   if (photos.size() != located->cameras.size()) {
@@ -250,12 +251,12 @@ std::string WriteFacts(const FlightFacts& facts) {
   }
   json["locate"] = LocateJson(facts.flight, facts.ground);
   json["ground_z_m"] = facts.flight.ground_z_in_enu_m;
-  json["warnings"] = facts.flight.warnings;
+  json["warnings"] = JsonOfRemarks<Cbor>(facts.flight.warnings);
   json["left_out"] = Cbor::array();
   for (const flight::LeftOutPhoto& photo : facts.flight.left_out) {
     json["left_out"].push_back({{"name", CborOfText<Cbor>(photo.name)},
                                 {"code", photo.code},
-                                {"reason", CborOfText<Cbor>(photo.reason)}});
+                                {"reason", JsonOfRemark<Cbor>(photo.reason)}});
   }
   json["photos"] = Cbor::array();
   for (std::size_t i = 0; i < facts.flight.photos.size(); ++i) {

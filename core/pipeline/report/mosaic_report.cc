@@ -9,6 +9,7 @@
 #include "core/base/error_code.h"
 #include "core/geo/lat_lon.h"
 #include "core/ground/footprint_on_ground.h"
+#include "core/pipeline/report/remark_json.h"
 #include "core/pipeline/report/report_codec.h"
 #include "core/poses/conventions/attitude_convention.h"
 
@@ -72,7 +73,10 @@ Json BandsJson(const bands::BandsReport& report) {
 std::string ReportJson(const MosaicReport& report) {
   Json left_out = Json::array();
   for (const flight::LeftOutPhoto& photo : report.left_out_photos) {
-    left_out.push_back({{"name", photo.name}, {"code", ErrorCodeName(photo.code)}, {"reason", photo.reason}});
+    left_out.push_back({{"name", photo.name},
+                        {"code", ErrorCodeName(photo.code)},
+                        {"reason", flight::InWords(photo.reason)},
+                        {"remark", JsonOfRemark<Json>(photo.reason)}});
   }
   Json timings = Json::array();
   for (const StageTiming& timing : report.timings) {
@@ -104,7 +108,8 @@ std::string ReportJson(const MosaicReport& report) {
   json["quality"] = Json::parse(QualityJson(report.quality));
   json["timings"] = timings;
   json["peak_memory_bytes"] = report.peak_memory_bytes;
-  json["warnings"] = report.warnings;
+  json["warnings"] = flight::InWords(report.warnings);
+  json["remarks"] = JsonOfRemarks<Json>(report.warnings);
   json["poses"] = JsonOf<Json>(report.poses_report);
   json["ground"] = JsonOf<Json>(report.ground_report);
   json["seams"] = JsonOf<Json>(report.seam_shift);

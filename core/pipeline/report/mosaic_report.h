@@ -11,6 +11,7 @@
 #include "core/alignment/aligned_flight.h"
 #include "core/bands/bands_report.h"
 #include "core/flight/photos/photo.h"
+#include "core/flight/remarks/remark.h"
 #include "core/geo/lat_lon_bounds.h"
 #include "core/ground/ground_surface.h"
 #include "core/ground/model_ground_report.h"
@@ -51,7 +52,7 @@ struct MosaicReport {
   MapQuality quality;
   std::vector<StageTiming> timings;
   std::int64_t peak_memory_bytes = 0;
-  std::vector<std::string> warnings;
+  std::vector<flight::Remark> warnings;
   poses::PoseReport poses_report;
   ground::ModelGroundReport ground_report;
   render::SeamShift seam_shift;

@@ -18,6 +18,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/flight/remarks/remark_words.h"
 #include "core/pipeline/report/report_fields.h"
 
 namespace skyquilt::pipeline {
@@ -82,6 +83,8 @@ template <typename Json, typename Value>
 Json JsonOf(const Value& value) {
   if constexpr (std::is_arithmetic_v<Value> || std::same_as<Value, std::string>) {
     return Json(value);
+  } else if constexpr (std::same_as<Value, flight::Remark>) {
+    return Json(flight::InWords(value));
   } else if constexpr (std::same_as<Value, std::optional<double>>) {
     return value ? Json(*value) : Json(nullptr);
   } else if constexpr (std::is_enum_v<Value>) {
@@ -179,7 +182,13 @@ void ReadJson(const Json& json, Value& value) {
   } else if constexpr (kIsList<Value>) {
     if (!json.is_array()) ThrowDamaged<Json>("a list is none");
     value.clear();
-    for (const Json& one : json) ReadJson(one, value.emplace_back());
+    for (const Json& one : json) {
+      if constexpr (std::same_as<Value, std::vector<flight::Remark>>) {
+        value.push_back(one.template get<std::string>());  // its sentence alone is kept
+      } else {
+        ReadJson(one, value.emplace_back());
+      }
+    }
   } else {
     FieldReader<Json> fields(json);
     VisitFields(value, fields);

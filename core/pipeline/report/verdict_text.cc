@@ -7,6 +7,7 @@
 #include "core/base/printable.h"
 #include "core/flight/aside/aside.h"
 #include "core/pipeline/inspect_flight.h"
+#include "core/pipeline/report/remark_json.h"
 #include "core/pipeline/report/report_codec.h"
 #include "core/poses/lists/list_words.h"
 
@@ -140,14 +141,18 @@ std::string VerdictText(const FlightVerdict& v) {
   }
   for (const std::string& line : flight::LeftOutInLines(v.left_out))
     text += fmt::format("Left out    {}\n", Printable(line));
-  for (const std::string& warning : v.warnings) text += fmt::format("Note        {}\n", Printable(warning));
+  for (const std::string& warning : flight::InWords(v.warnings))
+    text += fmt::format("Note        {}\n", Printable(warning));
   return text;
 }
 
 std::string VerdictJson(const FlightVerdict& v) {
   nlohmann::ordered_json left_out = nlohmann::ordered_json::array();
   for (const auto& photo : v.left_out) {
-    left_out.push_back({{"name", photo.name}, {"code", ErrorCodeName(photo.code)}, {"reason", photo.reason}});
+    left_out.push_back({{"name", photo.name},
+                        {"code", ErrorCodeName(photo.code)},
+                        {"reason", flight::InWords(photo.reason)},
+                        {"remark", JsonOfRemark<nlohmann::ordered_json>(photo.reason)}});
   }
   nlohmann::ordered_json logs = nlohmann::ordered_json::array();
   for (const flight::LogFacts& log : v.logs) logs.push_back(LogJson(log));
@@ -180,7 +185,8 @@ std::string VerdictJson(const FlightVerdict& v) {
                                     {"expected_seconds", v.expected_seconds},
                                     {"expected_memory_mib", v.expected_memory_mib},
                                     {"left_out", left_out},
-                                    {"warnings", v.warnings}};
+                                    {"warnings", flight::InWords(v.warnings)},
+                                    {"remarks", JsonOfRemarks<nlohmann::ordered_json>(v.warnings)}};
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 

@@ -1,28 +1,40 @@
 #include "core/poses/evidence/assumption.h"
 
-#include <fmt/format.h>
-
 namespace skyquilt::poses {
+namespace {
 
-std::vector<std::string> AssumptionsAfterAlignment(const std::vector<Assumption>& assumptions,
-                                                   double found_height_m, int by_pose) {
-  std::vector<std::string> words;
+using flight::Remark;
+using flight::RemarkCode;
+
+Remark InTurn(Remark first, Remark then) {
+  return {RemarkCode::kSentences, {{"first", std::move(first)}, {"then", std::move(then)}}};
+}
+
+}  // namespace
+
+std::vector<Remark> AssumptionsByPoses(const std::vector<Assumption>& assumptions) {
+  std::vector<Remark> remarks;
+  for (const Assumption& one : assumptions) remarks.push_back(InTurn(one.missing, one.assumed));
+  return remarks;
+}
+
+std::vector<Remark> AssumptionsAfterAlignment(const std::vector<Assumption>& assumptions,
+                                              double found_height_m, int by_pose) {
+  std::vector<Remark> remarks;
   for (const Assumption& one : assumptions) {
-    std::string now = one.missing;
+    Remark found = RemarkCode::kAnglesFound;
     if (one.height_above_ground_m) {
-      now += fmt::format(
-          " {:.0f} m above the ground was assumed to begin with; by what the photos show it was {:.0f} m.",
-          *one.height_above_ground_m, found_height_m);
-    } else {
-      now += " Their angles were found from what they show.";
+      found = {RemarkCode::kHeightFound,
+               {{"assumed_m", *one.height_above_ground_m}, {"found_m", found_height_m}}};
     }
+    Remark said = InTurn(one.missing, std::move(found));
     if (by_pose > 0) {
-      now += fmt::format(" For the {} photos that are placed by their poses alone the assumption stands: {}",
-                         by_pose, one.assumed);
+      said = InTurn(std::move(said),
+                    {RemarkCode::kAssumedByPoses, {{"photos", by_pose}, {"assumed", one.assumed}}});
     }
-    words.push_back(std::move(now));
+    remarks.push_back(std::move(said));
   }
-  return words;
+  return remarks;
 }
 
 }  // namespace skyquilt::poses

@@ -187,13 +187,9 @@ FlightHeights ChooseHeights(const std::vector<Photo>& photos, const geo::DemSour
     heights.rule = HeightRule::kSpacing;
     heights.rule_in_words = "height above ground guessed from the spacing of the photos";
     heights.sigma_m = 0.3 * above_ground_m;
-    heights.assumption = Assumption{
-        "No photo says how high it was above the ground.",
-        fmt::format(
-            "{:.0f} m is assumed from the photos' spacing; the map's scale depends on it. Photos with a "
-            "relative height (DJI RelativeAltitude) do better.",
-            above_ground_m),
-        above_ground_m};
+    heights.assumption = Assumption{flight::RemarkCode::kNoHeights,
+                                    {flight::RemarkCode::kHeightBySpacing, {{"height_m", above_ground_m}}},
+                                    above_ground_m};
   }
   // Surveyed heights differ from each other far more truly than a barometer's; it only sets their common
   // zero.

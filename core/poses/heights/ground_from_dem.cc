@@ -5,8 +5,9 @@
 
 namespace skyquilt::poses {
 
-Result<DemGround> GroundFromDem(const geo::DemSource& dem, const PosedFlight& posed,
-                                const std::optional<geo::LatLon>& takeoff, DemZero zero) {
+std::variant<DemGround, flight::RemarkCode> GroundFromDem(const geo::DemSource& dem, const PosedFlight& posed,
+                                                          const std::optional<geo::LatLon>& takeoff,
+                                                          DemZero zero) {
   const auto below = [&](const PosedPhoto& photo) {
     const geo::Wgs84 at = posed.frame.Wgs84FromEnu(photo.cam_from_enu.TargetOriginInSource());
     return geo::LatLon{at.lat_deg, at.lon_deg};
@@ -18,11 +19,7 @@ Result<DemGround> GroundFromDem(const geo::DemSource& dem, const PosedFlight& po
   } else {
     zero_m = dem.GroundHeightM(takeoff.value_or(below(posed.photos.front())));
   }
-  if (!zero_m) {
-    return Error{ErrorCode::kUnprocessable,
-                 "The elevation model does not cover the place of take-off; the ground is taken as flat.",
-                 ""};
-  }
+  if (!zero_m) return flight::RemarkCode::kElevationModelBesideTakeoff;
   DemGround ground;
   ground.zero_m = *zero_m;
   std::vector<double> grounds;
@@ -31,10 +28,7 @@ Result<DemGround> GroundFromDem(const geo::DemSource& dem, const PosedFlight& po
     ground.ground_z_in_enu_m.push_back(height_m ? std::optional(*height_m - ground.zero_m) : std::nullopt);
     if (height_m) grounds.push_back(*height_m - ground.zero_m);
   }
-  if (2 * grounds.size() < posed.photos.size()) {
-    return Error{ErrorCode::kUnprocessable,
-                 "The elevation model covers less than half of the photos; the ground is taken as flat.", ""};
-  }
+  if (2 * grounds.size() < posed.photos.size()) return flight::RemarkCode::kElevationModelTooSmall;
   ground.median_ground_z_in_enu_m = Median(std::move(grounds));
   return ground;
 }

@@ -5,9 +5,10 @@
 #pragma once
 
 #include <optional>
-#include <string>
+#include <variant>
 #include <vector>
 
+#include "core/flight/remarks/remark.h"
 #include "core/geo/dem_source.h"
 #include "core/poses/posed_flight.h"
 
@@ -21,9 +22,9 @@ struct DemGround {
   double median_ground_z_in_enu_m = 0.0;
 };
 
-// takeoff: where it is known. Error (kUnprocessable, in words for the user): the model does not cover the
-// flight.
-Result<DemGround> GroundFromDem(const geo::DemSource& dem, const PosedFlight& posed,
-                                const std::optional<geo::LatLon>& takeoff, DemZero zero);
+// takeoff: where it is known. Otherwise why not: the model does not cover the flight.
+std::variant<DemGround, flight::RemarkCode> GroundFromDem(const geo::DemSource& dem, const PosedFlight& posed,
+                                                          const std::optional<geo::LatLon>& takeoff,
+                                                          DemZero zero);
 
 }  // namespace skyquilt::poses

@@ -177,7 +177,7 @@ void Learn(const JudgedList& judged, OwnRecords& own) {
 }
 
 void Tell(ListUse use, Flight& flight) {
-  if (auto note = NoteOf(use)) flight.warnings.push_back(*std::move(note));
+  if (auto remark = RemarkOf(use)) flight.warnings.push_back(*std::move(remark));
   flight.list_uses.push_back(std::move(use));
 }
 
@@ -253,11 +253,12 @@ std::optional<flight::GcpList> JudgedControl(flight::GcpList list, const NamedPh
   const std::size_t told = list.warnings.size();
   auto placed = flight::OnlyPlaced(std::move(list));
   if (!placed) {
-    flight.warnings.push_back(placed.error().message);
+    flight.warnings.push_back({flight::RemarkCode::kFileNotRead, {{"error_words", placed.error().message}}});
     return std::nullopt;
   }
   for (std::size_t i = told; i < placed->warnings.size(); ++i)
-    flight.warnings.push_back(placed->file_name + ": " + placed->warnings[i]);
+    flight.warnings.push_back(
+        {flight::RemarkCode::kOfFile, {{"file", placed->file_name}, {"said_words", placed->warnings[i]}}});
   Tell(std::move(use), flight);
   return *std::move(placed);
 }

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "core/flight/logs/texts/gcp_list.h"
+#include "core/flight/remarks/remark_words.h"
 
 namespace skyquilt::poses {
 namespace {
@@ -14,16 +14,11 @@ using flight::ListFault;
 using flight::ListKind;
 using flight::ListReading;
 using flight::ListUse;
+using flight::Remark;
+using flight::RemarkCode;
 
 // Lists that agree with what the cameras' receivers say lie within this; further off it is said.
 constexpr double kSaidFromM = 50.0;
-
-std::string Grouped(double number) {
-  std::string digits = fmt::format("{:.0f}", number);
-  for (auto at = static_cast<std::ptrdiff_t>(digits.size()) - 3; at > 0; at -= 3)
-    digits.insert(static_cast<std::size_t>(at), ",");
-  return digits;
-}
 
 std::string PlaceInWords(const geo::LatLon& place) {
   return fmt::format("{:.4f} {} {:.4f} {}", std::abs(place.lat_deg), place.lat_deg < 0.0 ? "S" : "N",
@@ -33,149 +28,133 @@ std::string PlaceInWords(const geo::LatLon& place) {
 // Two numbers in degrees stand as x, y in geo.txt, and latitude first in Pix4D's lists.
 bool IsEastFirst(const ListUse& use) { return use.format != "pix4d_csv"; }
 
-std::string DegreesInWords(const ListUse& use, const ListReading& reading) {
-  if (use.order_is_named && reading.is_swapped)
-    return "degrees, the column named latitude as longitude and the other way round";
-  if (use.order_is_named) return "latitude and longitude in degrees, as its columns are named";
-  return IsEastFirst(use) != reading.is_swapped ? "longitude, latitude in degrees"
-                                                : "latitude, longitude in degrees";
+RemarkCode DegreesOf(const ListUse& use, const ListReading& reading) {
+  if (use.order_is_named)
+    return reading.is_swapped ? RemarkCode::kReadingDegreesAgainstNames : RemarkCode::kReadingDegreesAsNamed;
+  return IsEastFirst(use) != reading.is_swapped ? RemarkCode::kReadingDegreesEastFirst
+                                                : RemarkCode::kReadingDegreesNorthFirst;
 }
 
-std::string UtmInWords(int code) {
-  return fmt::format("WGS 84 / UTM zone {}{} (EPSG:{})", code % 100, code >= 32700 ? 'S' : 'N', code);
-}
+std::string SystemOf(const ListUse& use) { return use.system.substr(0, 80); }
 
-std::string_view OwnInWords(const ListUse& use) {
-  if (!use.own_are_photos) return "where the other lists and tracks place the flight";
-  return use.kind == ListKind::kControl || use.own_are_stale
-             ? "where the photos were taken by their own records"
-             : "the photos' own positions";
-}
-
-std::string_view WithoutIt(const ListUse& use) {
-  return use.own_are_photos ? "Without it the photos' own positions hold"
-                            : "Check which of the files is of this flight";
-}
-
-std::string WhyNotUsed(const ListUse& use) {
-  const bool lacks_system = use.system.empty() && (use.fault == ListFault::kNoSystem ||
-                                                   use.reading.counts_in == CountsIn::kUtmOfFlight);
-  if (use.kind == ListKind::kControl && use.system.empty()) {
-    std::string words = fmt::format("it {}", flight::kNoSystemWords);
-    if (use.reading.counts_in == CountsIn::kUtmOfFlight && use.apart_m) {
-      words += fmt::format("; read as {} its points would lie {} from {}", ReadingInWords(use, use.reading),
-                           LengthInWords(*use.apart_m), OwnInWords(use));
-    }
-    return words;
+// What the two numbers were taken for, in parts.
+std::vector<Remark> ReadingOf(const ListUse& use, const ListReading& reading) {
+  std::vector<Remark> parts;
+  switch (reading.counts_in) {
+    case CountsIn::kSystem:
+      parts.push_back({RemarkCode::kReadingSystem, {{"system", SystemOf(use)}}});
+      break;
+    case CountsIn::kDegrees:
+      parts.push_back(DegreesOf(use, reading));
+      break;
+    case CountsIn::kUtmOfFlight:
+      parts.push_back(
+          {RemarkCode::kReadingUtm,
+           {{"zone", fmt::format("{}{}", reading.utm_code % 100, reading.utm_code >= 32700 ? 'S' : 'N')},
+            {"epsg", reading.utm_code}}});
+      break;
   }
-  if (lacks_system) {
-    return fmt::format(
-        "its numbers are metres of a projected system that it does not name{}: write the system's EPSG code, such "
-        "as EPSG:32632, into a first line of its own",
-        use.apart_m ? fmt::format(", and as {} they would lie {} from {}", UtmInWords(use.reading.utm_code),
-                                  LengthInWords(*use.apart_m), OwnInWords(use))
-                    : "");
+  if (reading.is_swapped && reading.counts_in != CountsIn::kDegrees)
+    parts.push_back(RemarkCode::kReadingNorthFirst);
+  if (reading.west_is_positive) parts.push_back(RemarkCode::kReadingWestPositive);
+  if (reading.south_is_positive) parts.push_back(RemarkCode::kReadingSouthPositive);
+  return parts;
+}
+
+Remark OwnOf(const ListUse& use) {
+  if (!use.own_are_photos) return RemarkCode::kOwnLists;
+  return use.kind == ListKind::kControl || use.own_are_stale ? RemarkCode::kOwnRecords
+                                                             : RemarkCode::kOwnPhotos;
+}
+
+// With the file, as what it was read, and what it was compared with.
+std::map<std::string, flight::RemarkValue> ValuesOf(const ListUse& use) {
+  return {{"file", use.file_name}, {"reading", ReadingOf(use, use.reading)}, {"own", OwnOf(use)}};
+}
+
+std::map<std::string, flight::RemarkValue> ApartValuesOf(const ListUse& use, double apart_m) {
+  auto values = ValuesOf(use);
+  values.emplace("apart_m", apart_m);
+  return values;
+}
+
+// Metres of a system that nothing names.
+Remark WithoutSystem(const ListUse& use) {
+  const bool is_apart_known =
+      use.apart_m && (use.kind != ListKind::kControl || use.reading.counts_in == CountsIn::kUtmOfFlight);
+  if (use.kind == ListKind::kControl) {
+    if (is_apart_known) return {RemarkCode::kPointsWithoutSystemApart, ApartValuesOf(use, *use.apart_m)};
+    return {RemarkCode::kPointsWithoutSystem, {{"file", use.file_name}}};
   }
+  if (is_apart_known) return {RemarkCode::kListWithoutSystemApart, ApartValuesOf(use, *use.apart_m)};
+  return {RemarkCode::kListWithoutSystem, {{"file", use.file_name}}};
+}
+
+std::optional<Remark> WhyNotUsed(const ListUse& use) {
+  const bool lacks_system =
+      use.system.empty() && (use.kind == ListKind::kControl || use.fault == ListFault::kNoSystem ||
+                             use.reading.counts_in == CountsIn::kUtmOfFlight);
+  if (lacks_system) return WithoutSystem(use);
   switch (use.fault) {
     case ListFault::kNone:
-      return {};
-    case ListFault::kNamesNoPhoto:
-      return fmt::format("its {} rows name none of the photos", use.rows);
+    case ListFault::kNamesNoPhoto:  // said where rows are joined with photos
+      break;
     case ListFault::kNoSystem:
     case ListFault::kNoPlace:
-      return fmt::format("most of its {} rows are no places {}, whichever way the two numbers are read",
-                         use.rows,
-                         use.system.empty() ? std::string("on Earth") : "in " + use.system.substr(0, 80));
+      if (use.system.empty())
+        return Remark{RemarkCode::kListNowhere, {{"file", use.file_name}, {"rows", use.rows}}};
+      return Remark{RemarkCode::kListOutsideSystem,
+                    {{"file", use.file_name}, {"rows", use.rows}, {"system", SystemOf(use)}}};
     case ListFault::kFarAway:
-      return fmt::format(
-          "read as {}, which comes nearest, it lies {} from {}, further than {}. Is it the list of another flight, "
-          "or names another reference system? {}",
-          ReadingInWords(use, use.reading), LengthInWords(use.apart_m.value_or(0.0)), OwnInWords(use),
-          use.own_are_photos ? "any receiver errs" : "a flight reaches", WithoutIt(use));
+      return Remark{use.own_are_photos ? RemarkCode::kListFarFromPhotos : RemarkCode::kListFarFromLists,
+                    ApartValuesOf(use, use.apart_m.value_or(0.0))};
     case ListFault::kOtherShape:
-      return fmt::format(
-          "its rows are laid out otherwise than {}: shifted as a whole to fit, half of them still lie more than {} "
-          "off. Is it the list of another flight with the same names, or are its rows in another order? {}",
-          OwnInWords(use), LengthInWords(use.off_shape_m.value_or(0.0)), WithoutIt(use));
+      return Remark{
+          use.own_are_photos ? RemarkCode::kListOfOtherShape : RemarkCode::kListOfOtherShapeThanLists,
+          {{"file", use.file_name}, {"own", OwnOf(use)}, {"off_m", use.off_shape_m.value_or(0.0)}}};
   }
-  return {};
+  return std::nullopt;
 }
 
 }  // namespace
 
-std::string LengthInWords(double metres) {
-  if (metres < 100.0) return fmt::format("{:.1f} m", metres);
-  if (metres < 10'000.0) return Grouped(metres) + " m";
-  return Grouped(metres / 1000.0) + " km";
-}
-
 std::string ReadingInWords(const ListUse& use, const ListReading& reading) {
   std::string words;
-  switch (reading.counts_in) {
-    case CountsIn::kSystem:
-      words = use.system.substr(0, 80);
-      if (reading.is_swapped) words += ", north before east";
-      break;
-    case CountsIn::kDegrees:
-      words = DegreesInWords(use, reading);
-      break;
-    case CountsIn::kUtmOfFlight:
-      words = UtmInWords(reading.utm_code) + (reading.is_swapped ? ", north before east" : "");
-      break;
-  }
-  if (reading.west_is_positive) words += ", west counted as positive";
-  if (reading.south_is_positive) words += ", south counted as positive";
+  for (const Remark& part : ReadingOf(use, reading)) words += flight::InWords(part);
   return words;
 }
 
 std::string UseInWords(const ListUse& use) {
   std::string words = use.file_name;
   if (!use.format.empty()) words += fmt::format(" ({})", use.format);
-  if (use.fault != ListFault::kNone) return fmt::format("{}: not used: {}", words, WhyNotUsed(use));
+  if (use.fault == ListFault::kNamesNoPhoto)
+    return fmt::format("{}: not used: its {} rows name none of the photos", words, use.rows);
+  if (const auto why = WhyNotUsed(use); why && use.fault != ListFault::kNone) return flight::InWords(*why);
   words += fmt::format(": read as {}, {} of {} {} used", ReadingInWords(use, use.reading), use.rows_used,
                        use.rows, use.kind == ListKind::kControl ? "points" : "rows");
-  if (use.apart_m) words += fmt::format(", {} from {}", LengthInWords(*use.apart_m), OwnInWords(use));
+  if (use.apart_m) {
+    words += fmt::format(", {} from {}", flight::LengthInWords(*use.apart_m), flight::InWords(OwnOf(use)));
+  }
   return words;
 }
 
-std::optional<std::string> NoteOf(const ListUse& use) {
-  if (use.fault == ListFault::kNamesNoPhoto) return std::nullopt;  // said where rows are joined with photos
-  if (use.fault != ListFault::kNone) {
-    return fmt::format("{} is not used: {}.", use.file_name, WhyNotUsed(use));
-  }
-  std::string words = fmt::format("{}: read as {}", use.file_name, ReadingInWords(use, use.reading));
+std::optional<Remark> RemarkOf(const ListUse& use) {
+  if (use.fault != ListFault::kNone) return WhyNotUsed(use);
   if (!use.is_as_written) {
-    if (use.system.empty() && use.reading.counts_in == CountsIn::kUtmOfFlight) {
-      return words + fmt::format(", which it does not name: so it lies {} from {}.",
-                                 LengthInWords(use.apart_m.value_or(0.0)), OwnInWords(use));
-    }
-    if (use.as_written_apart_m) {
-      words += fmt::format(": as written it would lie {} from {}", LengthInWords(*use.as_written_apart_m),
-                           OwnInWords(use));
-    } else if (!use.system.empty()) {
-      words += fmt::format(": as written its rows are no places within {}", use.system.substr(0, 80));
-    } else {
-      words += ": as written its rows are no places on Earth";
-    }
-    return words + ".";
+    if (use.system.empty() && use.reading.counts_in == CountsIn::kUtmOfFlight)
+      return Remark{RemarkCode::kListReadInUnnamedZone, ApartValuesOf(use, use.apart_m.value_or(0.0))};
+    if (use.as_written_apart_m)
+      return Remark{RemarkCode::kListReadOtherwise, ApartValuesOf(use, *use.as_written_apart_m)};
+    if (use.system.empty()) return Remark{RemarkCode::kListReadOtherwiseNowhere, ValuesOf(use)};
+    auto values = ValuesOf(use);
+    values.emplace("system", SystemOf(use));
+    return Remark{RemarkCode::kListReadOtherwiseOutsideSystem, std::move(values)};
   }
-  if (use.other_order_apart_m && !use.apart_m) {
-    return words + fmt::format(
-                       ", the order of its format: nothing else says where the flight was, and the other way "
-                       "round it would lie {} away. Check the map's place; a line of column names (image "
-                       "longitude latitude) settles it.",
-                       LengthInWords(*use.other_order_apart_m));
-  }
-  if (!use.is_in_area && !use.apart_m) {
-    return words +
-           ", though it lies outside the area that this system is made for. Check the map's place, and the "
-           "system.";
-  }
-  if (use.kind == ListKind::kPositions && !use.own_are_stale && use.apart_m.value_or(0.0) > kSaidFromM) {
-    return words +
-           fmt::format(", it lies {} from {}. It is believed all the same; if they are right, leave it out.",
-                       LengthInWords(*use.apart_m), OwnInWords(use));
-  }
+  if (use.other_order_apart_m && !use.apart_m)
+    return Remark{RemarkCode::kListOrderAssumed, ApartValuesOf(use, *use.other_order_apart_m)};
+  if (!use.is_in_area && !use.apart_m) return Remark{RemarkCode::kListOutsideArea, ValuesOf(use)};
+  if (use.kind == ListKind::kPositions && !use.own_are_stale && use.apart_m.value_or(0.0) > kSaidFromM)
+    return Remark{RemarkCode::kListFarFromOthers, ApartValuesOf(use, *use.apart_m)};
   return std::nullopt;
 }
 

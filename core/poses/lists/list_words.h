@@ -1,16 +1,14 @@
-// Every sentence about what a list was read as. Pure; any thread.
+// What is said of the lists of a flight. Pure; any thread.
 #pragma once
 
 #include <optional>
 #include <string>
 
 #include "core/flight/lists/list_use.h"
+#include "core/flight/remarks/remark.h"
 #include "core/geo/lat_lon.h"
 
 namespace skyquilt::poses {
-
-// "4.0 m", "5,232 km".
-std::string LengthInWords(double metres);
 
 // "longitude, latitude in degrees": what the two numbers were taken for.
 std::string ReadingInWords(const flight::ListUse& use, const flight::ListReading& reading);
@@ -18,8 +16,9 @@ std::string ReadingInWords(const flight::ListUse& use, const flight::ListReading
 // One line for a verdict: "geo.txt (geo_txt): read as ..., 18 of 18 rows used, 4.0 m from ...".
 std::string UseInWords(const flight::ListUse& use);
 
-// What the user is to know before the map is believed; nothing where the list is as it should be.
-std::optional<std::string> NoteOf(const flight::ListUse& use);
+// What the user is to know before the map is believed; nothing where the list is as it should be, or where
+// its rows name no photo (ApplyPhotoRows says that).
+std::optional<flight::Remark> RemarkOf(const flight::ListUse& use);
 
 // The question of a list that two readings fit.
 std::string QuestionOf(const flight::ListUse& use, const geo::LatLon& as_read,

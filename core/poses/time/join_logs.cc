@@ -15,6 +15,7 @@ namespace skyquilt::poses {
 namespace {
 
 using flight::FlightLog;
+using flight::RemarkCode;
 
 bool HasTimedEvents(const FlightLog& log) {
   return std::any_of(log.events.begin(), log.events.end(), [](const auto& e) { return e.has_time; });
@@ -164,9 +165,7 @@ class Joiner {
     const std::string& without_utc = log.utc_at_zero ? other.file_name : log.file_name;
     if (!log.counter_at_zero_s || !other.counter_at_zero_s || ShareASeries(log, other)) {
       out_.warnings.push_back(
-          fmt::format("{} is not used: {} does not say its UTC, so that the two cannot be laid "
-                      "side by side. Give one of them alone.",
-                      other.file_name, without_utc));
+          {RemarkCode::kLogWithoutUtc, {{"file", other.file_name}, {"without", without_utc}}});
       return;
     }
     FlightLog moved = Shifted(other, *other.counter_at_zero_s - *log.counter_at_zero_s);
@@ -176,11 +175,14 @@ class Joiner {
     const double shorter_s = std::min(here.end_s - here.begin_s, there.end_s - there.begin_s);
     if (shared_s < 0.5 * shorter_s) {
       const double zero_s = *log.counter_at_zero_s;
-      out_.warnings.push_back(fmt::format(
-          "{} is not used: its times ({:.1f} to {:.1f} s) are not those of {} ({:.1f} to {:.1f} s), and {} does "
-          "not say its UTC, so that the two cannot be laid side by side. Let both count the same seconds.",
-          other.file_name, there.begin_s + zero_s, there.end_s + zero_s, log.file_name, here.begin_s + zero_s,
-          here.end_s + zero_s, without_utc));
+      out_.warnings.push_back({RemarkCode::kLogOfOtherSeconds,
+                               {{"file", other.file_name},
+                                {"from_s", there.begin_s + zero_s},
+                                {"until_s", there.end_s + zero_s},
+                                {"other", log.file_name},
+                                {"other_from_s", here.begin_s + zero_s},
+                                {"other_until_s", here.end_s + zero_s},
+                                {"without", without_utc}}});
       return;
     }
     Complete(std::move(moved));
@@ -235,8 +237,7 @@ class Joiner {
     Append(log.events, std::move(elsewhere));
     if (taken.empty()) {
       out_.notes.push_back(fmt::format("{} ({}) adds nothing", more.file_name, more.format));
-      out_.warnings.push_back(fmt::format(
-          "{} is not used: the other logs cover the same time with all that it holds.", more.file_name));
+      out_.warnings.push_back({RemarkCode::kLogAddsNothing, {{"file", more.file_name}}});
     } else {
       out_.notes.push_back(fmt::format("{} ({}) for {}", more.file_name, more.format, taken));
     }
@@ -247,14 +248,11 @@ class Joiner {
 
 }  // namespace
 
-std::vector<std::string> WarnOfEmptyLogs(const std::vector<FlightLog>& logs) {
-  std::vector<std::string> warnings;
+std::vector<flight::Remark> WarnOfEmptyLogs(const std::vector<FlightLog>& logs) {
+  std::vector<flight::Remark> warnings;
   for (const FlightLog& log : logs) {
     if (Worth(log) > 0 || !log.events.empty()) continue;
-    warnings.push_back(fmt::format(
-        "{} is not used: it was read as a log ({}), but no row of it holds a position, an attitude, inertial "
-        "samples or a photo together with its time.",
-        log.file_name, log.format));
+    warnings.push_back({RemarkCode::kLogEmpty, {{"file", log.file_name}, {"format", log.format}}});
   }
   return warnings;
 }

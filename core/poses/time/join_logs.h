@@ -12,17 +12,18 @@
 
 #include "core/flight/logs/flight_log.h"
 #include "core/flight/photos/photo.h"
+#include "core/flight/remarks/remark.h"
 
 namespace skyquilt::poses {
 
 struct JoinedLog {
   flight::FlightLog log;
-  std::vector<std::string> notes;     // what came from which file, in words
-  std::vector<std::string> warnings;  // what could not be used
+  std::vector<std::string> notes;        // what came from which file, in words
+  std::vector<flight::Remark> warnings;  // what could not be used
 };
 
-// Logs in which nothing is that a photo could be placed by, in words.
-std::vector<std::string> WarnOfEmptyLogs(const std::vector<flight::FlightLog>& logs);
+// Logs in which nothing is that a photo could be placed by.
+std::vector<flight::Remark> WarnOfEmptyLogs(const std::vector<flight::FlightLog>& logs);
 
 // Nothing where no log has a series or an event with a time. `photos`: lists of positions that are those of
 // camera events (event_list.h) are known by them.

@@ -81,9 +81,7 @@ LogTie TieToLog(const flight::FlightLog& log, std::vector<flight::Photo> photos)
     if (!time->event) tie.clock_sigma_s = tie.sync->sigma_s;
   }
   if (tie.tied.empty() && placed_by_events == 0) {
-    tie.warnings.push_back(log.file_name +
-                           " is not used: none of the photos was taken in the time that it covers. Give the "
-                           "log of this flight.");
+    tie.warnings.push_back({flight::RemarkCode::kLogOfOtherTime, {{"file", log.file_name}}});
   }
   std::stable_sort(tie.tied.begin(), tie.tied.end(),
                    [](const TiedPhoto& a, const TiedPhoto& b) { return a.t_s < b.t_s; });

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/flight/remarks/remark.h"
 #include "core/poses/time/join_logs.h"
 #include "core/poses/time/time_sync.h"
 
@@ -22,7 +23,7 @@ struct LogTie {
   std::vector<TiedPhoto> tied;        // that the log's series cover; times rising
   std::optional<TimeSync> sync;       // nothing where nothing ties the two together
   double clock_sigma_s = 0.0;         // of all times together; events are on the log's own clock
-  std::vector<std::string> warnings;
+  std::vector<flight::Remark> warnings;
 };
 
 LogTie TieToLog(const flight::FlightLog& log, std::vector<flight::Photo> photos);

@@ -9,6 +9,7 @@
 
 #include "core/alignment/aligned_flight.h"
 #include "core/bands/captures.h"
+#include "core/flight/remarks/remark.h"
 #include "core/render/bands/pixel_field.h"
 
 namespace skyquilt::render {
@@ -35,7 +36,7 @@ struct BandRegistration {
 struct BandCameras {
   std::vector<BandedCapture> captures;          // by photo of the references' flight
   std::vector<BandRegistration> registrations;  // by band
-  std::vector<std::string> warnings;
+  std::vector<flight::Remark> warnings;
 };
 
 }  // namespace skyquilt::render

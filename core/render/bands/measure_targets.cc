@@ -122,12 +122,10 @@ TargetFactors MeasureTargets(const alignment::AlignedFlight& references, const g
       factors.by_band[band].push_back(*reflectance / Median(values));
     }
     if (!is_seen) {
-      factors.warnings.push_back(
-          fmt::format("Target {} of known reflectance is not used: no capture shows all of it.", t + 1));
+      factors.warnings.push_back({flight::RemarkCode::kTargetUnseen, {{"target", t + 1}}});
     } else if (!is_even) {
-      factors.warnings.push_back(
-          fmt::format("Target {} of known reflectance is uneven: check its place and radius in {}.", t + 1,
-                      flight::kReflectanceListName));
+      factors.warnings.push_back({flight::RemarkCode::kTargetUneven,
+                                  {{"target", t + 1}, {"file", std::string(flight::kReflectanceListName)}}});
     }
   }
   return factors;

@@ -10,6 +10,7 @@
 #include "core/alignment/aligned_flight.h"
 #include "core/bands/captures.h"
 #include "core/flight/photos/photo_source.h"
+#include "core/flight/remarks/remark.h"
 #include "core/ground/ground_surface.h"
 #include "core/render/bands/band_cameras.h"
 
@@ -17,7 +18,7 @@ namespace skyquilt::render {
 
 struct TargetFactors {
   std::vector<std::vector<double>> by_band;  // of captures.bands; one a target that says something of it
-  std::vector<std::string> warnings;
+  std::vector<flight::Remark> warnings;
 };
 
 TargetFactors MeasureTargets(const alignment::AlignedFlight& references, const ground::GroundSurface& ground,

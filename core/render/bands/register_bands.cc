@@ -340,11 +340,11 @@ Result<BandCameras> RegisterBands(const alignment::AlignedFlight& references,
     cameras.registrations.push_back(Describe(band, work));
     const BandRegistration& registration = cameras.registrations.back();
     if (registration.measured < registration.pictures) {
-      cameras.warnings.push_back(fmt::format(
-          "In {} of {} captures the band {} could not be laid on the reference by what it shows; there it stands as "
-          "{}.",
-          registration.pictures - registration.measured, registration.pictures, captures.bands[band].name,
-          registration.patches > 0 ? "in the others" : "the reference does"));
+      cameras.warnings.push_back({registration.patches > 0 ? flight::RemarkCode::kBandLaidAsOthers
+                                                           : flight::RemarkCode::kBandLaidAsReference,
+                                  {{"failed", registration.pictures - registration.measured},
+                                   {"captures", registration.pictures},
+                                   {"band", captures.bands[band].name}}});
     }
   }
   for (std::size_t i = 0; i < references.photos.size(); ++i) {

@@ -16,6 +16,7 @@
 
 #include "core/base/printable.h"
 #include "core/flight/logs/texts/gcp_list.h"
+#include "core/flight/remarks/remark_words.h"
 #include "core/render/map_layer.h"
 #include "server/commands/fail.h"
 #include "server/commands/maps/parse_lat_lon.h"
@@ -152,7 +153,7 @@ void Run(const PlaceArguments& arguments) {
     return StitchToDirectory(*files, options, arguments.map_dir, progress);
   }();
   if (!report) Fail(kCommand, report.error());
-  if (!report->warnings.empty()) fmt::print("{}\n", Printable(report->warnings.back()));
+  if (!report->warnings.empty()) fmt::print("{}\n", Printable(flight::InWords(report->warnings.back())));
   fmt::print("{:.2f} ha at {:.1f} cm a pixel, {:.7f},{:.7f} to {:.7f},{:.7f} (LAT,LON)\n{}\n",
              report->area_m2 / 1e4, report->gsd_m * 100.0, report->bounds.south_deg, report->bounds.west_deg,
              report->bounds.north_deg, report->bounds.east_deg,

@@ -11,6 +11,7 @@
 
 #include "core/base/printable.h"
 #include "core/flight/read_flight.h"
+#include "core/flight/remarks/remark_words.h"
 #include "core/geo/lat_lon.h"
 #include "core/poses/reckoning/reckon.h"
 #include "core/poses/time/join_logs.h"
@@ -38,7 +39,8 @@ std::vector<poses::Capture> CapturesOf(const flight::FlightLog& log, const fligh
   std::vector<poses::Capture> captures;
   if (!flight.photos.empty()) {
     const poses::LogTie tie = poses::TieToLog(log, flight.photos);
-    for (const std::string& warning : tie.warnings) fmt::print(stderr, "Warning: {}\n", warning);
+    for (const std::string& warning : flight::InWords(tie.warnings))
+      fmt::print(stderr, "Warning: {}\n", warning);
     for (const poses::TiedPhoto& photo : tie.tied)
       captures.push_back({photo.t_s, tie.photos[photo.photo].name});
     return captures;
@@ -114,7 +116,8 @@ void Run(const ReckonArguments& arguments) {
   SilentProgress progress;
   const auto flight = flight::ReadFlight(*files, {}, progress);
   if (!flight) Fail("skyquilt reckon", flight.error());
-  for (const std::string& warning : flight->warnings) fmt::print(stderr, "Warning: {}\n", warning);
+  for (const std::string& warning : flight::InWords(flight->warnings))
+    fmt::print(stderr, "Warning: {}\n", warning);
   const auto joined = poses::JoinLogs(flight->logs, flight->photos);
   if (!joined) {
     Fail("skyquilt reckon",

@@ -23,6 +23,7 @@
 #include "core/base/printable.h"
 #include "core/base/trace.h"
 #include "core/flight/aside/aside.h"
+#include "core/flight/remarks/remark_words.h"
 #include "server/commands/fail.h"
 #include "server/commands/maps/parse_lat_lon.h"
 #include "server/commands/terminal_progress.h"
@@ -86,7 +87,8 @@ void PrintOutcome(const pipeline::MosaicReport& report, const std::filesystem::p
              report.photos_aligned, report.photos_pose_only, report.photos_left_out);
   for (const std::string& line : flight::LeftOutInLines(report.left_out_photos))
     fmt::print("  left out: {}\n", Printable(line));
-  for (const std::string& warning : report.warnings) fmt::print("  note: {}\n", Printable(warning));
+  for (const std::string& warning : flight::InWords(report.warnings))
+    fmt::print("  note: {}\n", Printable(warning));
   for (const pipeline::MapLimit& limit : report.quality.limits)
     fmt::print("  limit: {}\n", pipeline::LimitInWords(limit));
   if (report.quality.IsLimitedBy(pipeline::LimitKind::kScaleGuessed)) {

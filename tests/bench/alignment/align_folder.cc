@@ -8,6 +8,7 @@
 #include "core/alignment/align_flight.h"
 #include "core/alignment/baselines/align_by_pose.h"
 #include "core/flight/photos/photo_decoder.h"
+#include "core/flight/remarks/remark_words.h"
 #include "core/ground/model_ground.h"
 #include "core/pipeline/report/report_codec.h"
 #include "core/poses/estimate_poses.h"
@@ -56,7 +57,7 @@ int main(int argc, char** argv) {
   fmt::print("seams {}\n", seams(*aligned, surface));
   fmt::print("seams by pose alone {}\n", seams(alignment::AlignByPoseOnly(*posed),
                                                ground::GroundSurface::Plane(posed->ground_z_in_enu_m)));
-  for (const std::string& warning : aligned->warnings) fmt::print("warning: {}\n", warning);
+  for (const std::string& warning : flight::InWords(aligned->warnings)) fmt::print("warning: {}\n", warning);
   fmt::print("cpu {:.2f} s, {:.3f} s a photo; {} of {} aligned; rms {:.2f} px; {} ground points\n", cpu_s,
              cpu_s / report.photos, report.aligned, report.photos, report.residual_rms_px,
              aligned->tie_points_in_enu.size());

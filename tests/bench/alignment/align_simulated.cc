@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/alignment/align_flight.h"
+#include "core/flight/remarks/remark_words.h"
 #include "core/ground/model_ground.h"
 #include "tests/bench/alignment/cpu_seconds.h"
 #include "tests/bench/alignment/judge_alignment.h"
@@ -116,7 +117,7 @@ void PrintFates(const Lies& lies, const Run& run) {
         fate = fmt::format("{}: {}", PlacementName(photo.placement), photo.placement_reason);
       }
       for (const flight::LeftOutPhoto& out : run.aligned.left_out) {
-        if (out.name == name) fate = "left out: " + out.reason;
+        if (out.name == name) fate = "left out: " + flight::InWords(out.reason);
       }
       fmt::print("  {:<10} {}: {}\n", lie, name, fate);
     }

@@ -7,6 +7,7 @@
 
 #include "core/alignment/adjustment/readout_motion.h"
 #include "core/alignment/baselines/align_by_pose.h"
+#include "core/flight/remarks/remark_words.h"
 #include "core/ground/model_ground.h"
 #include "core/simulate/sensors/shaking.h"
 #include "tests/core/alignment/simulated_case.h"
@@ -63,8 +64,8 @@ TEST(AlignFlight, FindsTheRollingShutterThatNobodyRecorded) {
   EXPECT_EQ(found.report.aligned, 12);
   EXPECT_LT(found.error.relative_ce90_m, truth.GsdM());
   const auto& told = found.report.corrections;
-  EXPECT_TRUE(std::any_of(told.begin(), told.end(), [](const std::string& one) {
-    return one.find("reads its rows one after the other") != std::string::npos;
+  EXPECT_TRUE(std::any_of(told.begin(), told.end(), [](const flight::Remark& one) {
+    return one.code == flight::RemarkCode::kRollingShutterFound;
   }));
 }
 
@@ -162,7 +163,7 @@ TEST(AlignFlight, FindsALineThatIsStoredTurnedUpsideDown) {
   const Outcome outcome = Align(truth, posed);
   EXPECT_EQ(outcome.report.aligned, 12);
   ASSERT_FALSE(outcome.report.corrections.empty());
-  EXPECT_NE(outcome.report.corrections.front().find("180"), std::string::npos);
+  EXPECT_NE(InWords(outcome.report.corrections.front()).find("180"), std::string::npos);
   EXPECT_LT(outcome.error.relative_ce90_m, 2.0 * truth.GsdM());
 }
 
@@ -358,7 +359,8 @@ TEST(AlignFlight, IsNotBentToASurveyThatContradictsThePhotos) {
       AlignFlight(PosesOf(truth), simulate::SimulatedPhotoSource(truth), options, report, progress);
   ASSERT_TRUE(aligned.ok());
   ASSERT_FALSE(aligned->warnings.empty());
-  EXPECT_NE(aligned->warnings.front().find("CONTRADICT"), std::string::npos) << aligned->warnings.front();
+  EXPECT_NE(InWords(aligned->warnings.front()).find("CONTRADICT"), std::string::npos)
+      << InWords(aligned->warnings.front());
   ground::ModelGroundReport ground_report;
   const GroundError error = MeasureGroundError(truth, *aligned, ground::ModelGround(*aligned, ground_report));
   EXPECT_LT(error.relative_ce90_m, 1.5 * truth.GsdM());
@@ -375,8 +377,8 @@ TEST(AlignFlight, NamesSurveyedPointsThatMissByFar) {
       AlignFlight(PosesOf(truth), simulate::SimulatedPhotoSource(truth), options, report, progress);
   ASSERT_TRUE(aligned.ok());
   const auto names = [&](const std::string& point) {
-    return std::count_if(aligned->warnings.begin(), aligned->warnings.end(), [&](const std::string& text) {
-      return text.find(point + " lies 1.5 m") != std::string::npos;
+    return std::count_if(aligned->warnings.begin(), aligned->warnings.end(), [&](const flight::Remark& said) {
+      return InWords(said).find(point + " lies 1.5 m") != std::string::npos;
     });
   };
   EXPECT_EQ(names("point2"), 1);

@@ -7,6 +7,7 @@
 #include "core/alignment/baselines/align_by_features.h"
 #include "core/alignment/baselines/align_by_pose.h"
 #include "core/alignment/baselines/align_directly.h"
+#include "core/flight/remarks/remark_words.h"
 #include "tests/core/alignment/simulated_case.h"
 
 namespace skyquilt::alignment {
@@ -98,7 +99,7 @@ TEST(AlignByFeatures, LeavesOutAPhotoThatMatchesNoOther) {
   EXPECT_EQ(flight->photos.size(), 7U);
   ASSERT_EQ(flight->left_out.size(), 1U);
   EXPECT_EQ(flight->left_out.front().name, odd);
-  EXPECT_FALSE(flight->left_out.front().reason.empty());
+  EXPECT_FALSE(InWords(flight->left_out.front().reason).empty());
 }
 
 TEST(AlignDirectly, MovesPhotosTogetherThatPosesLeaveApart) {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/alignment/view.h"
+#include "core/flight/remarks/remark_words.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -55,7 +56,7 @@ TEST(CorrectPose, LeavesAPhotoWithoutVerifiedPairsAsItWasRecorded) {
   const poses::PosedPhoto posed = Leaning(0.1);
   const CorrectedPose corrected = CorrectPose(posed, {{0.0, 0.0}, 2.0, 0.1}, {{0.0, 1.0}, {9.0, 9.0}, -1});
   EXPECT_TRUE(corrected.start_cam_from_enu.rotation.isApprox(posed.cam_from_enu.rotation));
-  EXPECT_TRUE(corrected.note.empty());
+  EXPECT_TRUE(corrected.notes.empty());
 }
 
 // Nothing was recorded that a photo could contradict where the course of the flight stood for its yaw.
@@ -67,8 +68,8 @@ TEST(CorrectPose, SaysAgainstWhatPhotosLieTurned) {
                                       std::pair{poses::AttitudeOrigin::kCourse, "the flight's course"}}) {
     posed.attitude_origin = origin;
     const CorrectedPose turned = CorrectPose(posed, prior, half_turn);
-    const auto sentences =
-        DescribeCorrections({turned, turned, CorrectPose(posed, prior, kept)}, {"a", "b", "c"}, {0, 0, 0});
+    const auto sentences = InWords(
+        DescribeCorrections({turned, turned, CorrectPose(posed, prior, kept)}, {"a", "b", "c"}, {0, 0, 0}));
     ASSERT_EQ(sentences.size(), 1u);
     EXPECT_NE(sentences[0].find(std::string("turned by 180 degrees against ") + words), std::string::npos)
         << sentences[0];

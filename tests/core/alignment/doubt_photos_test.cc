@@ -4,6 +4,8 @@
 
 #include <cstdint>
 
+#include "core/flight/remarks/remark_words.h"
+
 namespace skyquilt::alignment {
 namespace {
 
@@ -29,7 +31,7 @@ TEST(LeaveOutFarAway, TakesOutASinglePhotoKilometresOffAndSaysWhy) {
   EXPECT_EQ(flight.photos.size(), 24u);
   ASSERT_EQ(flight.left_out.size(), 1u);
   EXPECT_EQ(flight.left_out.front().name, "photo7");
-  EXPECT_NE(flight.left_out.front().reason.find("3.0 km"), std::string::npos);
+  EXPECT_NE(InWords(flight.left_out.front().reason).find("3.0 km"), std::string::npos);
 }
 
 TEST(LeaveOutFarAway, KeepsWhatIsTiedToOthersAndWhatIsNear) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/flight/remarks/remark_words.h"
 #include "core/ground/model_ground.h"
 #include "tests/core/alignment/simulated_case.h"
 
@@ -131,8 +132,8 @@ TEST(AlignFlight, IsNotTiltedByASecondTakeOffFromLowerGround) {
   ASSERT_TRUE(aligned.ok()) << aligned.error().message;
   EXPECT_EQ(report.aligned, 16);
   ASSERT_FALSE(report.corrections.empty());
-  EXPECT_NE(report.corrections.front().find("second take-off"), std::string::npos)
-      << report.corrections.front();
+  EXPECT_NE(InWords(report.corrections.front()).find("second take-off"), std::string::npos)
+      << InWords(report.corrections.front());
   ground::ModelGroundReport ground_report;
   const GroundError error = MeasureGroundError(truth, *aligned, ground::ModelGround(*aligned, ground_report));
   EXPECT_LT(error.absolute_ce90_m, 4.0);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/flight/remarks/remark_words.h"
 #include "core/ground/model_ground.h"
 #include "tests/core/alignment/simulated_case.h"
 
@@ -78,8 +79,8 @@ TEST(AlignFlight, TurnsAFlightWhoseCameraIsMountedSideways) {
   ASSERT_TRUE(aligned.ok());
   EXPECT_EQ(report.aligned, 12);
   ASSERT_FALSE(report.corrections.empty());
-  EXPECT_NE(report.corrections.front().find("mounted sideways"), std::string::npos)
-      << report.corrections.front();
+  EXPECT_NE(InWords(report.corrections.front()).find("mounted sideways"), std::string::npos)
+      << InWords(report.corrections.front());
   ground::ModelGroundReport ground_report;
   const GroundError error = MeasureGroundError(truth, *aligned, ground::ModelGround(*aligned, ground_report));
   EXPECT_LT(error.relative_ce90_m, 3.0 * truth.GsdM());

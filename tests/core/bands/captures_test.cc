@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "core/flight/read_flight.h"
+#include "core/flight/remarks/remark_words.h"
 #include "tests/core/bands/band_photos.h"
 #include "tests/core/flight/flir_photo.h"
 
@@ -101,7 +102,7 @@ TEST_F(CapturesTest, TheReferenceIsTheBandOfMostCaptures) {
   EXPECT_EQ(apart.captures.size(), 3U);
   ASSERT_EQ(flight.left_out.size(), 1U);  // a capture without the reference band
   EXPECT_EQ(flight.left_out[0].name, "d_green.TIF");
-  EXPECT_NE(flight.left_out[0].reason.find("nir"), std::string::npos);
+  EXPECT_NE(InWords(flight.left_out[0].reason).find("nir"), std::string::npos);
 }
 
 TEST_F(CapturesTest, PanelsAndWarmthAreLeftOut) {
@@ -134,7 +135,7 @@ TEST_F(CapturesTest, AListTellsWhichShowAPanelUnlessItNamesAll) {
   EXPECT_EQ(NamesOf(flight).size(), 2U);
   EXPECT_TRUE(flight.left_out.empty());
   ASSERT_FALSE(flight.warnings.empty());
-  EXPECT_NE(flight.warnings.back().find("Every capture"), std::string::npos);
+  EXPECT_NE(InWords(flight.warnings.back()).find("Every capture"), std::string::npos);
 }
 
 TEST_F(CapturesTest, ABandAloneIsAGreyPicture) {
@@ -158,7 +159,7 @@ TEST_F(CapturesTest, TemperaturesAloneAreABand) {
   EXPECT_EQ(apart.bands[0].calibration, Calibration::kKelvin);
   EXPECT_EQ(apart.captures.size(), 2U);
   ASSERT_EQ(flight.left_out.size(), 1U);
-  EXPECT_NE(flight.left_out[0].reason.find("TLinearGain"), std::string::npos);
+  EXPECT_NE(InWords(flight.left_out[0].reason).find("TLinearGain"), std::string::npos);
 }
 
 TEST_F(CapturesTest, TemperaturesFollowTheirRig) {
@@ -190,7 +191,7 @@ TEST_F(CapturesTest, AThermalPictureWithoutTemperaturesStaysAPicture) {
   EXPECT_TRUE(SetBandsApart(flight, 1).empty());
   EXPECT_EQ(flight.photos.size(), 2U);
   ASSERT_FALSE(flight.warnings.empty());
-  EXPECT_NE(flight.warnings.back().find("give no temperatures"), std::string::npos);
+  EXPECT_NE(InWords(flight.warnings.back()).find("give no temperatures"), std::string::npos);
 
   // Beside visible pictures it is none of the map's.
   for (const char* name : {"c.JPG", "d.JPG"}) {
@@ -233,7 +234,7 @@ TEST_F(CapturesTest, ABandsValuesMeanTheSameInAllItsPhotos) {
   EXPECT_EQ(nirs, 2);
   EXPECT_EQ(flight.photos.size(), 3U);
   ASSERT_FALSE(flight.warnings.empty());
-  EXPECT_NE(flight.warnings.back().find("bands.tif"), std::string::npos);
+  EXPECT_NE(InWords(flight.warnings.back()).find("bands.tif"), std::string::npos);
 }
 
 TEST_F(CapturesTest, AFileThatIsGoneIsLeftOut) {

@@ -11,6 +11,7 @@
 #include "core/bands/panels/calibrate_by_panels.h"
 #include "core/bands/panels/find_panel.h"
 #include "core/bands/panels/panel_code.h"
+#include "core/flight/remarks/remark_words.h"
 
 namespace skyquilt::bands {
 namespace {
@@ -209,7 +210,7 @@ TEST_F(CalibrateByPanelsTest, APanelAmongTheFirstCapturesIsFoundByItsCode) {
   EXPECT_THAT(captures_.captures, SizeIs(7));
   EXPECT_THAT(flight_.photos, SizeIs(7)) << "its reference is no photo of the ground";
   ASSERT_THAT(flight_.left_out, SizeIs(2));
-  EXPECT_THAT(flight_.left_out[0].reason, HasSubstr("calibration panel"));
+  EXPECT_THAT(InWords(flight_.left_out[0].reason), HasSubstr("calibration panel"));
   EXPECT_TRUE(flight_.warnings.empty());
   EXPECT_EQ(captures_.bands[0].calibration, Calibration::kReflectance);
   EXPECT_EQ(captures_.bands[0].method, "by Maker, by 1 picture of RP04-1924106-OB");
@@ -268,8 +269,8 @@ TEST_F(CalibrateByPanelsTest, PicturesThatCannotBeUsedAreTold) {
     CalibrateByPanels(flight, captures, source_);
     EXPECT_EQ(captures.captures.back().photos[0].facts.radiometry.per_level, 1.0 / 50'000.0);
     EXPECT_THAT(flight.warnings, SizeIs(2));
-    EXPECT_THAT(flight.warnings.back(), HasSubstr("for red"));
-    return flight.warnings.front();
+    EXPECT_THAT(InWords(flight.warnings.back()), HasSubstr("for red"));
+    return InWords(flight.warnings.front());
   };
   EXPECT_THAT(told(Draw({.side_px = 20.0})), HasSubstr("1_red.tif: no code of a panel can be read"));
   EXPECT_THAT(told(Draw({.grey = 65'400})), HasSubstr("overexposed"));
@@ -290,7 +291,7 @@ TEST_F(CalibrateByPanelsTest, PicturesThatContradictAreTold) {
   source_.pictures["second.tif"] = Draw({.grey = 16'000});
   CalibrateByPanels(flight_, captures_, source_);
   ASSERT_THAT(flight_.warnings, SizeIs(1));
-  EXPECT_THAT(flight_.warnings[0], HasSubstr("the band red"));
+  EXPECT_THAT(InWords(flight_.warnings[0]), HasSubstr("the band red"));
   EXPECT_NEAR(FactorOf("red"), (kRed / 0.5 + kRed / 0.3) / 2.0, 1e-6);
 }
 

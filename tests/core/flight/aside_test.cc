@@ -14,6 +14,7 @@
 #include "core/flight/aside/other_pictures.h"
 #include "core/flight/aside/picture_name.h"
 #include "core/flight/photos/read_photo.h"
+#include "core/flight/remarks/remark_words.h"
 #include "tests/core/flight/synthetic_photo.h"
 
 namespace skyquilt::flight {
@@ -100,7 +101,7 @@ TEST(FindCopies, NamesTheOriginalAndTheReason) {
   ASSERT_EQ(left_out.size(), 1U);
   EXPECT_EQ(left_out[0].name, "a_0001-2.jpg");
   EXPECT_EQ(left_out[0].code, ErrorCode::kConflict);
-  EXPECT_THAT(left_out[0].reason, HasSubstr("a_0001.jpg"));
+  EXPECT_THAT(InWords(left_out[0].reason), HasSubstr("a_0001.jpg"));
 }
 
 TEST(FindCopies, KnowsARenamedCopyByItsMoment) {
@@ -201,7 +202,7 @@ TEST(FindCopies, TakesTheFileWhoseMetadataWereChanged) {
   LeaveOutCopies(photos, left_out);
   EXPECT_THAT(NamesOf(photos), ElementsAre("DJI_0001.JPG"));
   ASSERT_EQ(left_out.size(), 1U);
-  EXPECT_THAT(left_out[0].reason, HasSubstr("metadata"));
+  EXPECT_THAT(InWords(left_out[0].reason), HasSubstr("metadata"));
   // Unless it lost its position, or what the maker wrote.
   EXPECT_THAT(Left({Picture("a.JPG", {.lat_deg = 0.0}), Picture("a.JPG_original", {})}),
               ElementsAre("a.JPG_original"));
@@ -263,7 +264,8 @@ TEST(KeepOneCamera, TakesTheWideOneOfSeveralLenses) {
       ASSERT_EQ(flight.left_out.size(), 12U);
       EXPECT_EQ(flight.left_out[0].code, ErrorCode::kUnprocessable);
       ASSERT_EQ(flight.warnings.size(), 2U);
-      EXPECT_THAT(flight.warnings[0], ::testing::AllOf(HasSubstr("6 pictures"), HasSubstr("4000 x 3000 px")));
+      EXPECT_THAT(InWords(flight.warnings[0]),
+                  ::testing::AllOf(HasSubstr("6 pictures"), HasSubstr("4000 x 3000 px")));
     }
   }
 }
@@ -286,7 +288,7 @@ TEST(KeepOneCamera, MakesAThermalMapOfThermalPictures) {
   KeepOneCamera(flight);
   EXPECT_EQ(flight.photos.size(), 6U);
   ASSERT_EQ(flight.left_out.size(), 2U);
-  EXPECT_THAT(flight.left_out[0].reason, HasSubstr("visible"));
+  EXPECT_THAT(InWords(flight.left_out[0].reason), HasSubstr("visible"));
 }
 
 TEST(KeepOneCamera, CountsVisiblePicturesOverAllTheirCameras) {
@@ -297,7 +299,7 @@ TEST(KeepOneCamera, CountsVisiblePicturesOverAllTheirCameras) {
   KeepOneCamera(flight);
   EXPECT_EQ(flight.photos.size(), 24U);
   ASSERT_EQ(flight.left_out.size(), 14U);
-  EXPECT_THAT(flight.left_out[0].reason, HasSubstr("A thermal picture"));
+  EXPECT_THAT(InWords(flight.left_out[0].reason), HasSubstr("A thermal picture"));
 }
 
 TEST(KeepOneCamera, KeepsCamerasThatFlewApart) {
@@ -348,7 +350,7 @@ TEST(KeepOneCamera, LeavesASecondCameraOfTheSameMoments) {
   ASSERT_EQ(flight.photos.size(), 8U);
   EXPECT_EQ(flight.photos[0].model, "A");
   ASSERT_FALSE(flight.left_out.empty());
-  EXPECT_THAT(flight.left_out[0].reason, HasSubstr("DJI B"));
+  EXPECT_THAT(InWords(flight.left_out[0].reason), HasSubstr("DJI B"));
 }
 
 TEST(LeftOutInLines, SaysAReasonOfManyOnce) {

@@ -11,6 +11,7 @@
 #include <fstream>
 
 #include "core/flight/lists/film_file.h"
+#include "core/flight/remarks/remark_words.h"
 #include "tests/core/flight/synthetic_photo.h"
 
 namespace skyquilt::flight {
@@ -93,10 +94,11 @@ TEST(ReadFlight, LeavesOutBadFilesWithTheirReasonsAndKeepsTheRest) {
   ASSERT_EQ(flight.left_out.size(), 3u);
   EXPECT_EQ(flight.left_out[0].name, "cut.jpg");
   EXPECT_EQ(flight.left_out[0].code, ErrorCode::kCorrupt);
-  EXPECT_THAT(flight.left_out[1].reason, HasSubstr("empty"));
-  EXPECT_THAT(flight.left_out[2].reason, HasSubstr("text file"));
-  EXPECT_THAT(flight.warnings, ::testing::Contains(HasSubstr("film.mp4 is a film")));
-  EXPECT_THAT(flight.warnings, ::testing::Contains(HasSubstr("1 of 2 photos carry no usable position")));
+  EXPECT_THAT(InWords(flight.left_out[1].reason), HasSubstr("empty"));
+  EXPECT_THAT(InWords(flight.left_out[2].reason), HasSubstr("text file"));
+  EXPECT_THAT(InWords(flight.warnings), ::testing::Contains(HasSubstr("film.mp4 is a film")));
+  EXPECT_THAT(InWords(flight.warnings),
+              ::testing::Contains(HasSubstr("1 of 2 photos carry no usable position")));
 }
 
 TEST(ReadFlight, KeepsTwoPhotosOfOneNameAndDropsTrueDoubles) {
@@ -108,7 +110,7 @@ TEST(ReadFlight, KeepsTwoPhotosOfOneNameAndDropsTrueDoubles) {
   EXPECT_EQ(Names(flight), (std::vector<std::string>{"DJI_0001.JPG", "101/DJI_0001.JPG"}));
   ASSERT_EQ(flight.left_out.size(), 1u);
   EXPECT_EQ(flight.left_out[0].name, "copy/DJI_0001.JPG");
-  EXPECT_THAT(flight.left_out[0].reason, HasSubstr("DJI_0001.JPG"));
+  EXPECT_THAT(InWords(flight.left_out[0].reason), HasSubstr("DJI_0001.JPG"));
 }
 
 TEST(ReadFlight, MakesGivenNamesUnique) {
@@ -160,8 +162,8 @@ TEST(ReadFlight, ListsWhatIsNoFileAtAll) {
   ASSERT_EQ(::mkfifo((folder.path() / "pipe.jpg").c_str(), 0600), 0);
   const Flight flight = Read(folder);
   ASSERT_EQ(flight.left_out.size(), 2u);
-  EXPECT_THAT(flight.left_out[0].reason, HasSubstr("No such file"));
-  EXPECT_THAT(flight.left_out[1].reason, HasSubstr("not a regular file"));
+  EXPECT_THAT(InWords(flight.left_out[0].reason), HasSubstr("No such file"));
+  EXPECT_THAT(InWords(flight.left_out[1].reason), HasSubstr("not a regular file"));
   EXPECT_EQ(flight.photos.size(), 1u);
 }
 
@@ -173,8 +175,8 @@ TEST(ReadFlight, WarnsOfLogsByNameThatHoldNone) {
     noise[i] = static_cast<std::uint8_t>((i * 2654435761u) >> 13);
   folder.Write("00000012.BIN", noise);
   folder.Write("notes.dat", noise);
-  EXPECT_THAT(Read(folder).warnings, Contains(HasSubstr("00000012.BIN is named like a flight log")));
-  EXPECT_THAT(Read(folder).warnings,
+  EXPECT_THAT(InWords(Read(folder).warnings), Contains(HasSubstr("00000012.BIN is named like a flight log")));
+  EXPECT_THAT(InWords(Read(folder).warnings),
               Contains(::testing::AllOf(HasSubstr("Not used"), HasSubstr("notes.dat"))));
 }
 
@@ -185,7 +187,7 @@ TEST(ReadFlight, SaysNothingOfNotesOnTheMap) {
   folder.Write("Map_Notes.geojson", Bytes(notes.begin(), notes.end()));
   const Flight flight = Read(folder);
   EXPECT_EQ(flight.photos.size(), 1u);
-  EXPECT_THAT(flight.warnings, ::testing::Not(Contains(HasSubstr("Not used"))));
+  EXPECT_THAT(InWords(flight.warnings), ::testing::Not(Contains(HasSubstr("Not used"))));
 }
 
 TEST(ReadFlight, ExplainsATableThatItCannotUseAboveAllElse) {
@@ -196,8 +198,8 @@ TEST(ReadFlight, ExplainsATableThatItCannotUseAboveAllElse) {
   folder.Write("letter.txt", {'h', 'e', 'l', 'l', 'o'});
   const Flight flight = Read(folder);
   ASSERT_GE(flight.warnings.size(), 2u);
-  EXPECT_THAT(flight.warnings[0], HasSubstr("track.csv is a table, but not used: no column"));
-  EXPECT_THAT(flight.warnings[1], ::testing::AllOf(HasSubstr("Not used"), HasSubstr("letter.txt")));
+  EXPECT_THAT(InWords(flight.warnings[0]), HasSubstr("track.csv is a table, but not used: no column"));
+  EXPECT_THAT(InWords(flight.warnings[1]), ::testing::AllOf(HasSubstr("Not used"), HasSubstr("letter.txt")));
 }
 
 TEST(ReadFlight, SaysWhichLogIsADouble) {
@@ -208,7 +210,8 @@ TEST(ReadFlight, SaysWhichLogIsADouble) {
   folder.Write("copy.csv", Bytes(table.begin(), table.end()));
   const Flight flight = Read(folder);
   EXPECT_EQ(flight.logs.size(), 1u);
-  EXPECT_THAT(flight.warnings, Contains(HasSubstr("gnss.csv is not used: it is the same as copy.csv")));
+  EXPECT_THAT(InWords(flight.warnings),
+              Contains(HasSubstr("gnss.csv is not used: it is the same as copy.csv")));
 }
 
 TEST(ReadFlight, TakesTimesFromNamesWhereNothingElseTellsThem) {
@@ -220,7 +223,7 @@ TEST(ReadFlight, TakesTimesFromNamesWhereNothingElseTellsThem) {
   ASSERT_TRUE(flight.photos[0].captured_at);
   EXPECT_FALSE(flight.photos[0].captured_at_is_local);
   EXPECT_EQ(flight.photos[1].captured_at->time_since_epoch().count() % 60'000'000, 44'800'000);
-  EXPECT_THAT(flight.warnings, Contains(HasSubstr("2 of 2 photos carry no time in their metadata")));
+  EXPECT_THAT(InWords(flight.warnings), Contains(HasSubstr("2 of 2 photos carry no time in their metadata")));
 }
 
 TEST(ReadFlight, NamesAListThatCannotBeReadAsOne) {
@@ -228,7 +231,7 @@ TEST(ReadFlight, NamesAListThatCannotBeReadAsOne) {
   folder.Write("a.jpg", PhotoAt(1.0, ""));
   const std::string nonsense = "EPSG:4326\nnan 46.8 1 10 10 a.jpg p1\n1e300 46.8 1 10 10 a.jpg p1\n";
   folder.Write("gcp_list.txt", Bytes(nonsense.begin(), nonsense.end()));
-  EXPECT_THAT(Read(folder).warnings, Contains(HasSubstr("gcp_list.txt")));
+  EXPECT_THAT(InWords(Read(folder).warnings), Contains(HasSubstr("gcp_list.txt")));
 }
 
 TEST(ReadFlight, SaysOnceWhatItDoubtedOfSeveralPhotos) {
@@ -245,10 +248,11 @@ TEST(ReadFlight, SaysOnceWhatItDoubtedOfSeveralPhotos) {
   ASSERT_EQ(flight.photos.size(), 3U);
   const auto of = [&](const char* what) {
     return std::count_if(flight.warnings.begin(), flight.warnings.end(),
-                         [&](const std::string& text) { return text.find(what) != std::string::npos; });
+                         [&](const Remark& said) { return InWords(said).find(what) != std::string::npos; });
   };
   EXPECT_EQ(of("gyro"), 1);
-  EXPECT_THAT(flight.warnings, Contains(HasSubstr("2 of 3 photos (b.jpg first): The gyro's records")));
+  EXPECT_THAT(InWords(flight.warnings),
+              Contains(HasSubstr("2 of 3 photos (b.jpg first): The gyro's records")));
   EXPECT_EQ(of("focal length"), 1) << "one remark of it, not two";
 }
 
@@ -263,8 +267,8 @@ TEST(ReadFlight, KeepsRemarksOnSinglePhotosFew) {
   }
   const Flight flight = Read(folder);
   ASSERT_EQ(flight.photos.size(), 40U);
-  EXPECT_THAT(flight.warnings, Contains(HasSubstr("EXIF and XMP put the photo")));
-  EXPECT_THAT(flight.warnings, Contains(HasSubstr("more remarks like these")));
+  EXPECT_THAT(InWords(flight.warnings), Contains(HasSubstr("EXIF and XMP put the photo")));
+  EXPECT_THAT(InWords(flight.warnings), Contains(HasSubstr("more remarks like these")));
   EXPECT_LT(flight.warnings.size(), 14U);
 }
 
@@ -276,7 +280,7 @@ TEST(ReadFlight, NamesTheTableThatCannotBeRead) {
   folder.Write("gnss.csv", Bytes(back.begin(), back.end()));
   const Flight flight = Read(folder);
   EXPECT_TRUE(flight.logs.empty());
-  EXPECT_THAT(flight.warnings, Contains(HasSubstr("gnss.csv is not used")));
+  EXPECT_THAT(InWords(flight.warnings), Contains(HasSubstr("gnss.csv is not used")));
 }
 
 TEST(LooksLikeFilm, TellsFilmsFromPicturesInTheSameContainer) {

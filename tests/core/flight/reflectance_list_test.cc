@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "core/flight/read_flight.h"
+#include "core/flight/remarks/remark_words.h"
 #include "tests/support/temporary_folder.h"
 
 namespace skyquilt::flight {
@@ -112,7 +113,8 @@ TEST(ReflectanceList, ThatCannotBeReadIsToldAndHarmsNothing) {
       {{"reflectance.csv", folder / "reflectance.csv"}, {"x.jpg", folder / "x.jpg"}}, {1}, progress);
   ASSERT_TRUE(flight.ok());
   EXPECT_TRUE(flight->reflectance_lists.empty());
-  EXPECT_THAT(flight->warnings, ::testing::Contains(HasSubstr("has no columns by which its rows are found")));
+  EXPECT_THAT(InWords(flight->warnings),
+              ::testing::Contains(HasSubstr("has no columns by which its rows are found")));
 }
 
 }  // namespace

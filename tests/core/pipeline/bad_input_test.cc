@@ -6,6 +6,7 @@
 
 #include "core/flight/photos/photo_decoder.h"
 #include "core/flight/read_flight.h"
+#include "core/flight/remarks/remark_words.h"
 #include "core/pipeline/build_mosaic.h"
 #include "core/simulate/simulate_flight.h"
 #include "tests/support/memory_sink.h"
@@ -51,7 +52,7 @@ class BadInput : public testing::Test {
     EXPECT_EQ(built->report.photos_pose_only, 4);
     ASSERT_EQ(built->report.photos_left_out, 1);
     EXPECT_EQ(built->report.left_out_photos[0].name, name);
-    EXPECT_GT(built->report.left_out_photos[0].reason.size(), 15u);
+    EXPECT_GT(InWords(built->report.left_out_photos[0].reason).size(), 15u);
   }
 
   test::TemporaryFolder folder_;

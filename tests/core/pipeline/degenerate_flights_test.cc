@@ -8,6 +8,7 @@
 #include "core/camera/ground_projection.h"
 #include "core/flight/photos/photo_decoder.h"
 #include "core/flight/read_flight.h"
+#include "core/flight/remarks/remark_words.h"
 #include "core/pipeline/build_mosaic.h"
 #include "core/simulate/writers/write_photo.h"
 #include "tests/support/memory_sink.h"
@@ -106,7 +107,8 @@ class DegenerateFlights : public testing::Test {
 
   static void ExpectEveryPhotoAccountedFor(const MosaicReport& report, int photos) {
     EXPECT_EQ(report.photos_aligned + report.photos_pose_only + report.photos_left_out, photos);
-    for (const flight::LeftOutPhoto& photo : report.left_out_photos) EXPECT_GT(photo.reason.size(), 15U);
+    for (const flight::LeftOutPhoto& photo : report.left_out_photos)
+      EXPECT_GT(InWords(photo.reason).size(), 15U);
     EXPECT_LT(report.peak_memory_bytes, std::int64_t{3} << 30);
     EXPECT_LE(report.tile_size_px, 4096);
   }

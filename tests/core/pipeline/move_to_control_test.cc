@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/flight/remarks/remark_words.h"
 #include "tests/core/pipeline/displaced_flight.h"
 
 namespace skyquilt::pipeline {
@@ -88,7 +89,7 @@ TEST(MoveToControl, NamesAPointThatItCannotUse) {
   ASSERT_TRUE(moved.has_value());
   EXPECT_LT(flight.WorstCameraM(*moved), 0.01);
   ASSERT_EQ(moved->flight.warnings.size(), 2u);
-  EXPECT_NE(moved->flight.warnings.front().find("point1 is not used"), std::string::npos);
+  EXPECT_NE(InWords(moved->flight.warnings.front()).find("point1 is not used"), std::string::npos);
 }
 
 TEST(MoveToControl, ASinglePointMakesNoOneSurer) {

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/flight/remarks/remark_words.h"
 #include "tests/core/pipeline/displaced_flight.h"
 
 namespace skyquilt::pipeline {
@@ -56,11 +57,12 @@ TEST(PlaceByLists, SaysWhatIsSoNowAndNotWhatWasSoBefore) {
   const Shifted flight;
   const auto once = PlaceByLists(flight.known, flight.Survey(5, {25.0, -18.0, 0.0}));
   ASSERT_TRUE(once.ok());
-  EXPECT_THAT(once->flight.warnings, Contains(StartsWith("Ground control point point0 is not used")));
+  EXPECT_THAT(InWords(once->flight.warnings),
+              Contains(StartsWith("Ground control point point0 is not used")));
   const auto again = PlaceByLists(*once, flight.Survey(5));
   ASSERT_TRUE(again.ok());
-  EXPECT_EQ(CountOf(again->flight.warnings, "Ground control point "), 0);
-  EXPECT_EQ(CountOf(again->flight.warnings, "The finished map was placed by 5 surveyed points"), 1);
+  EXPECT_EQ(CountOf(InWords(again->flight.warnings), "Ground control point "), 0);
+  EXPECT_EQ(CountOf(InWords(again->flight.warnings), "The finished map was placed by 5 surveyed points"), 1);
 }
 
 TEST(PlaceByLists, PlacesAMapThatLiesNowhereByThreePoints) {

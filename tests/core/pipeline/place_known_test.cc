@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/poses/unplaced_words.h"
+#include "core/flight/remarks/remark_words.h"
 #include "tests/core/pipeline/displaced_flight.h"
 
 namespace skyquilt::pipeline {
@@ -26,7 +26,8 @@ struct Nowhere : Displaced {
     known.poses_report.is_placed = false;
     known.align_report.emplace().position_bias_m = {1.0, 2.0, 3.0};
     known.flight.warnings = {"3 photos are blurred.",
-                             "No records: 20 photos placed. " + poses::NotGeoreferencedWords(100.0)};
+                             {flight::RemarkCode::kNotGeoreferenced, {{"width_m", 100.0}}},
+                             "No records: 20 photos placed."};
   }
 
   PlaceRequest BySurvey(std::size_t points, const Eigen::Vector3d& first_off_by = {0, 0, 0}) const {
@@ -81,9 +82,9 @@ TEST(PlaceKnown, SurveyedPointsGivePlaceScaleAndNorth) {
     EXPECT_EQ(placed->align_report->control.size(), points);
     EXPECT_TRUE(placed->align_report->control[0].is_used);
     EXPECT_EQ(placed->align_report->position_bias_m, Eigen::Vector3d::Zero());
-    EXPECT_THAT(placed->flight.warnings, Each(Not(HasSubstr("NOT GEOREFERENCED"))));
-    EXPECT_THAT(placed->flight.warnings, Contains("No records: 20 photos placed."));
-    EXPECT_THAT(placed->flight.warnings, Contains("3 photos are blurred."));
+    EXPECT_THAT(InWords(placed->flight.warnings), Each(Not(HasSubstr("NOT GEOREFERENCED"))));
+    EXPECT_THAT(InWords(placed->flight.warnings), Contains("No records: 20 photos placed."));
+    EXPECT_THAT(InWords(placed->flight.warnings), Contains("3 photos are blurred."));
   }
 }
 
@@ -128,7 +129,7 @@ TEST(PlaceKnown, LeavesOutAPointThatTheOthersContradict) {
   const auto placed = PlaceKnown(flight.known, flight.BySurvey(5, {25.0, -18.0, 0.0}));
   ASSERT_TRUE(placed.ok()) << placed.error().message;
   EXPECT_LT(flight.WorstOnEarthM(*placed), 0.1);
-  EXPECT_THAT(placed->flight.warnings, Contains(HasSubstr("point0 is not used: it lies 30.")));
+  EXPECT_THAT(InWords(placed->flight.warnings), Contains(HasSubstr("point0 is not used: it lies 30.")));
 }
 
 TEST(PlaceKnown, RefusesPointsThatContradictEachOther) {
@@ -261,8 +262,8 @@ TEST(PlaceKnown, TwoPlacesOnTheMapGivePlaceScaleAndNorth) {
     EXPECT_LT(flight.WorstTurnRad(*placed), 1e-3);
     EXPECT_TRUE(placed->is_placed);
     EXPECT_FALSE(placed->appearance);
-    EXPECT_THAT(placed->flight.warnings, Each(Not(HasSubstr("NOT GEOREFERENCED"))));
-    EXPECT_THAT(placed->flight.warnings, Contains(HasSubstr("placed by hand")));
+    EXPECT_THAT(InWords(placed->flight.warnings), Each(Not(HasSubstr("NOT GEOREFERENCED"))));
+    EXPECT_THAT(InWords(placed->flight.warnings), Contains(HasSubstr("placed by hand")));
   }
 }
 

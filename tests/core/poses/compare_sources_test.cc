@@ -7,6 +7,7 @@
 #include <cmath>
 #include <random>
 
+#include "core/flight/remarks/remark_words.h"
 #include "core/geo/crs/map_projection.h"
 #include "core/geo/crs/reference_system.h"
 #include "core/geo/geodesic.h"
@@ -107,7 +108,7 @@ void ExpectTaken(const Flight& flight, const LatLon& place, const std::string& w
 void ExpectRefused(const Flight& flight, ListFault fault, const std::string& words) {
   ASSERT_EQ(flight.list_uses.size(), 1u);
   EXPECT_EQ(flight.list_uses[0].fault, fault);
-  EXPECT_THAT(flight.warnings, Contains(HasSubstr(words)));
+  EXPECT_THAT(InWords(flight.warnings), Contains(HasSubstr(words)));
   for (const flight::CameraEvent& event : flight.logs[0].events) {
     EXPECT_FALSE(event.position);
     EXPECT_FALSE(event.yaw_pitch_roll_rad) << "angles of another flight are as wrong";
@@ -135,7 +136,7 @@ TEST(CompareSources, ReadsDegreesBelowASystemOfMetresInEitherOrder) {
       ExpectTaken(flight, kZurich, is_swapped ? "latitude first" : "longitude first");
       EXPECT_EQ(flight.list_uses[0].reading.counts_in, CountsIn::kDegrees);
       EXPECT_EQ(flight.list_uses[0].reading.is_swapped, is_swapped);
-      EXPECT_THAT(flight.warnings, Contains(HasSubstr("as written")));
+      EXPECT_THAT(InWords(flight.warnings), Contains(HasSubstr("as written")));
     }
   }
 }
@@ -144,7 +145,7 @@ TEST(CompareSources, SaysHowFarOffTheListWouldLieAsWritten) {
   Flight flight = FlightAt(kDuluth);
   flight.logs = {ListOf(kDuluth, 18, AsLatLon, "EPSG:32615")};
   ASSERT_TRUE(CompareSources(flight).ok());
-  EXPECT_THAT(flight.warnings,
+  EXPECT_THAT(InWords(flight.warnings),
               Contains(HasSubstr("list.txt: read as latitude, longitude in degrees: as written it "
                                  "would lie 5,2")));
 }
@@ -175,7 +176,7 @@ TEST(CompareSources, ReadsMetresOfTheZoneOfThePhotos) {
       ASSERT_TRUE(CompareSources(flight).ok());
       ExpectTaken(flight, place, "zone " + std::to_string(code));
       EXPECT_EQ(flight.list_uses[0].reading.utm_code, code);
-      EXPECT_THAT(flight.warnings, Contains(HasSubstr("EPSG:" + std::to_string(code))));
+      EXPECT_THAT(InWords(flight.warnings), Contains(HasSubstr("EPSG:" + std::to_string(code))));
     }
   }
   // At a zone's edge the neighbour's counts too.
@@ -271,7 +272,7 @@ TEST(CompareSources, TakesTheDocumentedOrderAloneAndSaysWhereTheOtherWouldLie) {
   flight.logs = {ListOf(kZurich, 18, AsDegrees, "EPSG:4326")};
   ASSERT_TRUE(CompareSources(flight).ok());
   ExpectTaken(flight, kZurich, "longitude first, as geo.txt has it");
-  EXPECT_THAT(flight.warnings, Contains(HasSubstr("the order of its format")));
+  EXPECT_THAT(InWords(flight.warnings), Contains(HasSubstr("the order of its format")));
   Flight far_west = FlightAt(kDuluth, 18, false);
   far_west.logs = {ListOf(kDuluth, 18, AsLatLon, "EPSG:4326")};
   ASSERT_TRUE(CompareSources(far_west).ok());
@@ -339,7 +340,7 @@ TEST(CompareSources, JudgesSurveyedPointsByThePhotosThatShowThem) {
   unnamed.gcp_lists = {Survey(kDuluth, "", false)};
   ASSERT_TRUE(CompareSources(unnamed).ok());
   EXPECT_TRUE(unnamed.gcp_lists.empty());
-  EXPECT_THAT(unnamed.warnings, Contains(HasSubstr("EPSG:32615")));
+  EXPECT_THAT(InWords(unnamed.warnings), Contains(HasSubstr("EPSG:32615")));
   Flight elsewhere = FlightAt(kDuluth);
   elsewhere.gcp_lists = {Survey(Beside(kDuluth, 0.0, 90'000.0), "EPSG:32615", false)};
   ASSERT_TRUE(CompareSources(elsewhere).ok());

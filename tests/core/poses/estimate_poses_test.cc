@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/flight/remarks/remark_words.h"
 #include "core/geo/geoid.h"
 #include "core/poses/conventions/attitude_convention.h"
 #include "core/poses/photo_rows.h"
@@ -163,7 +164,7 @@ TEST(EstimatePoses, LeavesALogOfAnotherFlightAlone) {
   ASSERT_TRUE(posed.ok());
   EXPECT_EQ(posed->report.photos_by_log, 0);
   EXPECT_EQ(posed->report.photos_by_records, 10);
-  EXPECT_THAT(posed->warnings, Contains(HasSubstr("track.log")));
+  EXPECT_THAT(InWords(posed->warnings), Contains(HasSubstr("track.log")));
   EXPECT_THAT(posed->report.logs, Contains("track.log (test): no photo is placed by it"));
 }
 
@@ -179,7 +180,7 @@ TEST(EstimatePoses, LeavesOutPhotosOutsideTheLogThatHaveNoPositionOfTheirOwn) {
   EXPECT_EQ(posed->report.photos_by_log, 5);
   EXPECT_EQ(posed->report.photos_by_records, 1);
   ASSERT_EQ(posed->left_out.size(), 4u);
-  EXPECT_THAT(posed->left_out[0].reason, HasSubstr("does not cover"));
+  EXPECT_THAT(InWords(posed->left_out[0].reason), HasSubstr("does not cover"));
 }
 
 TEST(EstimatePoses, TakesPositionsFromAListThatNamesThePhotos) {
@@ -238,7 +239,7 @@ TEST(ApplyPhotoRows, LeavesCamerasTheAnglesOfTheirOwnGimbal) {
   const auto other =
       ApplyPhotoRows({ListOfAngles(3, {0.8, -0.3, 0.1}, flight::AttitudeKind::kAirframe)}, photos);
   EXPECT_EQ(photos[2].attitude->source, "drone-dji");
-  EXPECT_THAT(other.warnings, Contains(HasSubstr("geolocation.csv: its angles lie 18 degrees")));
+  EXPECT_THAT(InWords(other.warnings), Contains(HasSubstr("geolocation.csv: its angles lie 18 degrees")));
 }
 
 TEST(ApplyPhotoRows, TakesAnglesThatAreBetterOrTheOnlyOnes) {
@@ -261,7 +262,7 @@ TEST(ApplyPhotoRows, AsksForFoldersWhereTwoCardsShareTheirNames) {
   FlightLog list = ListOfAngles(1, {0.7, 0.0, 0.0}, flight::AttitudeKind::kAirframe);
   const auto open = ApplyPhotoRows({list}, photos);
   EXPECT_FALSE(photos[0].attitude || photos[1].attitude);
-  EXPECT_THAT(open.warnings, Contains(HasSubstr("of 1 row (the first is img_0.jpg)")));
+  EXPECT_THAT(InWords(open.warnings), Contains(HasSubstr("of 1 row (img_0.jpg)")));
   list.events[0].image_name = "DCIM/101MEDIA/IMG_0.JPG";
   EXPECT_TRUE(ApplyPhotoRows({list}, photos).warnings.empty());
   EXPECT_TRUE(!photos[0].attitude && photos[1].attitude);
@@ -310,8 +311,7 @@ TEST(EstimatePoses, GuessesTheHeightFromTheSpacingWhereNothingSaysIt) {
       EXPECT_NEAR(photo.height_above_ground_m, 78.2, 0.5);
       EXPECT_NEAR(photo.cam_from_enu.TargetOriginInSource().z() - posed->ground_z_in_enu_m, 78.2, 0.5);
     }
-    EXPECT_THAT(posed->assumptions,
-                Contains(::testing::Field(&Assumption::assumed, HasSubstr("78 m is assumed"))));
+    EXPECT_THAT(InWords(AssumptionsByPoses(posed->assumptions)), Contains(HasSubstr("78 m is assumed")));
   }
 }
 
@@ -374,7 +374,7 @@ TEST(EstimatePoses, HandsOnPhotosThatNoMapCanBeDrawnWithWhereTheyWereRecorded) {
   ASSERT_EQ(posed->unplaced.size(), 1U);
   EXPECT_EQ(posed->unplaced.front().name, "IMG_3.JPG");
   ASSERT_EQ(posed->left_out.size(), 1U);
-  EXPECT_THAT(posed->left_out.front().reason, HasSubstr("times as much ground"));
+  EXPECT_THAT(InWords(posed->left_out.front().reason), HasSubstr("times as much ground"));
 }
 
 TEST(EstimatePoses, CountsHeightsFromTheElevationModel) {
@@ -446,7 +446,7 @@ TEST(JoinLogs, RefusesLogsWhoseClocksCannotBeCompared) {
   second.file_name = "loose.csv";
   const auto joined = JoinLogs({first, second}, {});
   ASSERT_TRUE(joined.has_value());
-  EXPECT_THAT(joined->warnings, Contains(HasSubstr("loose.csv")));
+  EXPECT_THAT(InWords(joined->warnings), Contains(HasSubstr("loose.csv")));
 }
 
 TEST(EstimatePoses, NamesWhatWasLeftOutBeforeWhereTheRestHasNoPlace) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/flight/remarks/remark_words.h"
 #include "core/geo/geoid.h"
 
 namespace skyquilt::poses {
@@ -95,8 +96,8 @@ TEST(ChooseHeights, GuessesFromTheSpacingAndWarns) {
   for (const auto& height_m : heights.above_ground_m) EXPECT_NEAR(*height_m, 80.0, 0.5);
   ASSERT_TRUE(heights.assumption.has_value());
   EXPECT_NEAR(*heights.assumption->height_above_ground_m, 80.0, 0.5);
-  EXPECT_NE(heights.assumption->assumed.find("80 m is assumed"), std::string::npos)
-      << heights.assumption->assumed;
+  EXPECT_NE(InWords(heights.assumption->assumed).find("80 m is assumed"), std::string::npos)
+      << InWords(heights.assumption->assumed);
 }
 
 TEST(ChooseHeights, TakesPhotosWithoutAnyPosition) {

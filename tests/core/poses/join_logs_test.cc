@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/flight/remarks/remark_words.h"
 #include "core/poses/estimate_poses.h"
 
 namespace skyquilt::poses {
@@ -64,7 +65,8 @@ TEST(JoinLogs, SaysWhenTwoTablesCountDifferently) {
   const auto joined = JoinLogs({Gnss(1000.0), Triggers(5.0)}, {});
   ASSERT_TRUE(joined);
   EXPECT_THAT(joined->log.events, IsEmpty());
-  EXPECT_THAT(joined->warnings, Contains(HasSubstr("its times (25.0 to 43.0 s) are not those of gnss.csv")));
+  EXPECT_THAT(InWords(joined->warnings),
+              Contains(HasSubstr("its times (25.0 to 43.0 s) are not those of gnss.csv")));
 }
 
 TEST(JoinLogs, DoesNotTakeTwoTracksForOneClock) {
@@ -72,7 +74,7 @@ TEST(JoinLogs, DoesNotTakeTwoTracksForOneClock) {
   other.file_name = "other.csv";
   const auto joined = JoinLogs({Gnss(1000.0), other}, {});
   ASSERT_TRUE(joined);
-  EXPECT_THAT(joined->warnings, Contains(HasSubstr("other.csv is not used")));
+  EXPECT_THAT(InWords(joined->warnings), Contains(HasSubstr("other.csv is not used")));
 }
 
 TEST(JoinLogs, PrefersEventsThatNameThePhotos) {
@@ -94,7 +96,7 @@ TEST(JoinLogs, SaysWhatAddsNothing) {
   second.file_name = "second.csv";
   const auto joined = JoinLogs({leader, second}, {});
   ASSERT_TRUE(joined);
-  EXPECT_THAT(joined->warnings, Contains(HasSubstr("second.csv is not used")));
+  EXPECT_THAT(InWords(joined->warnings), Contains(HasSubstr("second.csv is not used")));
 }
 
 constexpr flight::UtcTime kAtZero{std::chrono::seconds(1717243200)};
@@ -126,7 +128,7 @@ TEST(JoinLogs, TakesSurveyedEventsInThePlaceOfTheLogsOwn) {
   const auto same = JoinLogs({leader, ListedFrom(20.0, false)}, {});
   ASSERT_TRUE(same);
   EXPECT_EQ(same->log.events.size(), 10u);
-  EXPECT_THAT(same->warnings, Contains(HasSubstr("20.MRK is not used")));
+  EXPECT_THAT(InWords(same->warnings), Contains(HasSubstr("20.MRK is not used")));
 }
 
 TEST(JoinLogs, KeepsTheLogsOwnEventsWhereNoSurveyedListReaches) {
@@ -215,9 +217,10 @@ TEST(EstimatePoses, SaysWhichFilesPlacedNothing) {
   flight.logs = {rows, empty, earlier};
   const auto posed = EstimatePoses(flight, {});
   ASSERT_TRUE(posed.ok()) << posed.error().message;
-  EXPECT_THAT(posed->warnings, Contains(HasSubstr("geo.txt is not used: its rows name 1 photo ")));
-  EXPECT_THAT(posed->warnings, Contains(HasSubstr("empty.csv is not used")));
-  EXPECT_THAT(posed->warnings, Contains(HasSubstr("earlier.csv is not used: none of the photos was taken")));
+  EXPECT_THAT(InWords(posed->warnings), Contains(HasSubstr("geo.txt is not used: its rows name 1 photo ")));
+  EXPECT_THAT(InWords(posed->warnings), Contains(HasSubstr("empty.csv is not used")));
+  EXPECT_THAT(InWords(posed->warnings),
+              Contains(HasSubstr("earlier.csv is not used: none of the photos was taken")));
 }
 
 }  // namespace

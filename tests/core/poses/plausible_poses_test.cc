@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/flight/remarks/remark_words.h"
+
 namespace skyquilt::poses {
 namespace {
 
@@ -19,8 +21,8 @@ CameraStand LookingDown(double east_m, double north_m, double height_m) {
 }
 
 // Five that are well, then those given.
-std::vector<std::optional<std::string>> WhyBesideFive(const std::vector<CameraStand>& stands,
-                                                      double lat_deg = 46.8) {
+std::vector<std::optional<flight::Remark>> WhyBesideFive(const std::vector<CameraStand>& stands,
+                                                         double lat_deg = 46.8) {
   std::vector<CameraStand> all;
   for (int i = 0; i < 5; ++i) all.push_back(LookingDown(10.0 * i, 0.0, 50.0));
   all.insert(all.end(), stands.begin(), stands.end());
@@ -30,7 +32,7 @@ std::vector<std::optional<std::string>> WhyBesideFive(const std::vector<CameraSt
   return why;
 }
 
-std::string Why(const CameraStand& stand) { return WhyBesideFive({stand})[0].value_or(""); }
+std::string Why(const CameraStand& stand) { return InWords(WhyBesideFive({stand})[0].value_or("")); }
 
 TEST(WhyImplausible, NamesWhatIsWrong) {
   EXPECT_THAT(Why(LookingDown(0.0, 0.0, std::numeric_limits<double>::quiet_NaN())),
@@ -41,9 +43,8 @@ TEST(WhyImplausible, NamesWhatIsWrong) {
   EXPECT_THAT(Why(LookingDown(0.0, 0.0, 0.1)), HasSubstr("0.1 m above the ground"));
   EXPECT_THAT(Why(LookingDown(1e6, 0.0, 50.0)), HasSubstr("km away"));
   EXPECT_THAT(Why(LookingDown(0.0, 0.0, 5000.0)), HasSubstr("10000 times as much ground"));
-  for (const auto& [lat_deg, where] :
-       {std::pair{86.5, "at 86.50 degrees north"}, {-89.0, "89.00 degrees south"}}) {
-    const std::string why = *WhyBesideFive({LookingDown(0.0, 0.0, 50.0)}, lat_deg)[0];
+  for (const auto& [lat_deg, where] : {std::pair{86.5, "at 86.50 degrees"}, {-89.0, "at -89.00 degrees"}}) {
+    const std::string why = InWords(*WhyBesideFive({LookingDown(0.0, 0.0, 50.0)}, lat_deg)[0]);
     EXPECT_THAT(why, testing::AllOf(HasSubstr(where), HasSubstr("beyond 85 degrees")));
   }
 }
@@ -51,9 +52,9 @@ TEST(WhyImplausible, NamesWhatIsWrong) {
 TEST(WhyImplausible, AFlightThatIsTogetherElsewhereThanOnEarthIsNowhere) {
   const std::vector<CameraStand> far(3, LookingDown(0.0, 1e298, 50.0));
   for (const auto& why : WhyImplausible(far, geo::LocalFrame({46.8, 7.1, 500.0})))
-    EXPECT_THAT(why.value_or(""), HasSubstr("none that can be"));
+    EXPECT_THAT(InWords(why.value_or("")), HasSubstr("none that can be"));
   for (const auto& why : WhyBesideFive(std::vector<CameraStand>(9, LookingDown(0.0, 0.0, 1e298))))
-    EXPECT_THAT(why.value_or(""), HasSubstr("none that can be"));
+    EXPECT_THAT(InWords(why.value_or("")), HasSubstr("none that can be"));
 }
 
 TEST(WhyImplausible, AFocalLengthThatNoLensHas) {

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "core/bands/radiometry.h"
+#include "core/flight/remarks/remark_words.h"
 #include "core/geo/web_mercator.h"
 #include "core/render/bands/band_cache.h"
 #include "core/render/bands/fit_band_cameras.h"
@@ -235,7 +236,7 @@ TEST(RegisterBandsTest, ADamagedPictureCostsItsBandThereAlone) {
   EXPECT_TRUE(cameras.captures[1].cameras[1].has_value());
   EXPECT_TRUE(cameras.captures[0].cameras[2].has_value());
   ASSERT_EQ(cameras.warnings.size(), 1U);
-  EXPECT_NE(cameras.warnings[0].find("1_nir"), std::string::npos);
+  EXPECT_NE(InWords(cameras.warnings[0]).find("1_nir"), std::string::npos);
 }
 
 TEST(RegisterBandsTest, AReferenceWithoutEdgesLeavesBandsToTheOthers) {
@@ -285,7 +286,7 @@ TEST(MeasureTargetsTest, FindsTheFactorOfEachBandByGroundOfKnownReflectance) {
   EXPECT_EQ(fewer.by_band[0].size(), 1U);
   EXPECT_TRUE(fewer.by_band[1].empty() && fewer.by_band[2].empty());
   ASSERT_EQ(fewer.warnings.size(), 1U);
-  EXPECT_NE(fewer.warnings[0].find("Target 1"), std::string::npos);
+  EXPECT_NE(InWords(fewer.warnings[0]).find("Target 1"), std::string::npos);
 }
 
 TEST(MeasureTargetsTest, AnUnevenTargetIsSaid) {
@@ -297,7 +298,7 @@ TEST(MeasureTargetsTest, AnUnevenTargetIsSaid) {
   const TargetFactors factors =
       MeasureTargets(flown.references, ground::GroundSurface::Plane(0.0), flown.captures, cameras, source);
   ASSERT_EQ(factors.warnings.size(), 1U);
-  EXPECT_NE(factors.warnings[0].find("uneven"), std::string::npos);
+  EXPECT_NE(InWords(factors.warnings[0]).find("uneven"), std::string::npos);
 }
 
 TEST(FitBandCamerasTest, TooFewOrContradictingSightingsSayNothing) {

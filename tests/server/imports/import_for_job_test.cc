@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "core/flight/remarks/remark_words.h"
 #include "tests/storage/scratch_dir.h"
 
 namespace skyquilt::server {
@@ -63,7 +64,7 @@ TEST(ImportForJob, MakesTheProductsOfAMap) {
   const auto report = Import(WriteNoise(in.path(), 600, true), "field.tif", {out.path(), true});
   ASSERT_TRUE(report.ok()) << report.error().message;
   EXPECT_EQ(report->title, "Field");
-  EXPECT_THAT(report->warnings.at(0), HasSubstr("imported from field.tif"));
+  EXPECT_THAT(InWords(report->warnings.at(0)), HasSubstr("imported from field.tif"));
   EXPECT_NEAR(report->area_m2, 900.0, 20.0);
   for (const char* name :
        {"mosaic.mbtiles", "mosaic.pmtiles", "thumbnail.png", "report.json", "photos.geojson"}) {

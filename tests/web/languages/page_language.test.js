@@ -75,6 +75,7 @@ test('a German browser gets the page in German: numbers, dates, plurals, and no 
   assert.match(report, /1 von 19 Fotos wurde nicht verwendet/);
   assert.match(report, /2 Fotos sind nur nach der aufgezeichneten Lage platziert/);
   assert.match(report, /1 Foto nicht verwendet/);
+  assert.match((await page.textContent('#photo-notes')) ?? '', /DJI_0001\.JPG: die aufgezeichnete Position liegt 46\sm/);
   // What the server says in a sentence of its own is marked as English for who listens.
   assert.equal(await page.getAttribute('#report .warnings li', 'lang'), 'en');
   await page.click('#flight-share');

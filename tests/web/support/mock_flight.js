@@ -104,6 +104,8 @@ export function reportOf(place, names, max_zoom, is_whole = false) {
     ],
     peak_memory_bytes: 611_000_000,
     warnings: ['Two strips at the west edge overlap by less than 30 %: the seam there may show a step.',
-      `${names[0]}: recorded position is 46 m from where the photo was taken by what it shows.`],
+      `${names[0]}: recorded position is 46 m from where the photo was taken by what it shows`],
+    remarks: [{ code: 'text', values: { text_words: 'Two strips at the west edge overlap by less than 30 %: the seam there may show a step.' } },
+      { code: 'of_photo', values: { photo: names[0], said: [{ code: 'position_elsewhere', values: { off_m: 46.2 } }] } }],
   };
 }

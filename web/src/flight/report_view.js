@@ -1,11 +1,12 @@
 // What was made and how good it is, in plain words first, then in pictures.
 /** @import { Flight, PhotoCollection, PhotoCounts, Report } from '../shared/types.js' */
-import { photoPath, serverWords, thumbnailPath } from '../shared/api.js';
+import { photoPath, thumbnailPath } from '../shared/api.js';
 import { h } from '../shared/dom.js';
 import { formatBytes, formatCaptureTime, formatDate, formatGsd } from '../shared/format.js';
 import { icon } from '../shared/icons.js';
 import { coveragePicture, errorPicture, timingPicture } from './report_pictures.js';
 import { number } from '../shared/language.js';
+import { saidOf, whyLeftOut } from '../shared/remarks.js';
 import { strings } from '../shared/flight_strings.js';
 import { areaIn, chosenUnits, units_chosen } from '../shared/units.js';
 import { absoluteWords, isScaleKnown, relativeWords } from './quality_words.js';
@@ -74,17 +75,8 @@ function cameraFact(flight, photos) {
   return row;
 }
 
-/**
- * What was noted of one photo alone ("DJI_0001.JPG: ...") is for who looks for it.
- * @param {string[]} warnings
- * @param {PhotoCollection|null} photos
- * @returns {{of_flight: string[], of_photos: string[]}}
- */
-function sortedWarnings(warnings, photos) {
-  const names = new Set((photos?.features ?? []).map(({ properties }) => properties.name));
-  const isOfPhoto = (/** @type {string} */ text) => names.has(text.slice(0, Math.max(0, text.indexOf(': '))));
-  return { of_flight: warnings.filter((text) => !isOfPhoto(text)), of_photos: warnings.filter(isOfPhoto) };
-}
+/** @param {ReturnType<typeof saidOf>} said */
+const remarkList = (said) => h('ul', { class: 'warnings' }, ...said.map(({ text, language }) => h('li', { lang: language }, text)));
 
 /**
  * The map itself for the printed report, since the live map is not printed.
@@ -106,7 +98,9 @@ export function reportView(flight, report, photos, change) {
   const place = change?.place;
   const words = strings.report;
   const left_out = report.left_out_photos ?? [];
-  const { of_flight, of_photos } = sortedWarnings(report.warnings ?? [], photos);
+  const said = saidOf(report);
+  const of_flight = said.filter(({ photo }) => photo === null);
+  const of_photos = said.filter(({ photo }) => photo !== null);  // for who looks for it
   const is_scale_known = isScaleKnown(report.quality);
   const placed = report.photos.aligned + report.photos.pose_only;
   return h(
@@ -143,12 +137,12 @@ export function reportView(flight, report, photos, change) {
         'div',
         { class: 'callout callout-warning' },
         h('p', { class: 'callout-title' }, icon('warning'), words.warnings),
-        h('ul', { class: 'warnings' }, ...of_flight.map((text) => h('li', { lang: 'en' }, text))),
+        remarkList(of_flight),
       ),
     of_photos.length > 0 &&
-      h('details', { class: 'left-out', id: 'photo-notes' }, h('summary', {}, words.corrections(of_photos.length)), h('ul', { class: 'warnings' }, ...of_photos.map((text) => h('li', { lang: 'en' }, text)))),
+      h('details', { class: 'left-out', id: 'photo-notes' }, h('summary', {}, words.corrections(of_photos.length)), remarkList(of_photos)),
     left_out.length > 0 &&
-      h('details', { class: 'left-out', id: 'left-out' }, h('summary', {}, words.left_out(left_out.length)), reasonList(left_out.map(({ name, code, reason }) => ({ name, reason: serverWords(code, reason) })))),
+      h('details', { class: 'left-out', id: 'left-out' }, h('summary', {}, words.left_out(left_out.length)), reasonList(left_out.map((one) => ({ name: one.name, reason: whyLeftOut(one) })))),
     h(
       'div',
       { class: 'pictures' },

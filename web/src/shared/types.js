@@ -4,7 +4,12 @@
  * @typedef {'empty'|'uploaded'|'queued'|'processing'|'ready'|'failed'} FlightState
  * @typedef {'accepted'|'running'|'successful'|'failed'|'dismissed'} JobState
  * @typedef {{code: string, message: string}} ServerError
- * @typedef {{name: string, code?: string, reason: string}} LeftOut a photo that is not in the map, and why
+ * What the server remarks, as a code of core/flight/remarks/remark.h with its values; a list is to be said within.
+ * @typedef {{code: string, values: Record<string, any>}} Remark
+ */
+
+/**
+ * @typedef {{name: string, code?: string, reason: string, remark?: Remark}} LeftOut a photo that is not in the map, and why
  * @typedef {[number, number, number, number]} Bounds west, south, east, north in degrees
  * @typedef {{total: number, aligned: number, pose_only: number, left_out: number}} PhotoCounts
  */
@@ -76,7 +81,8 @@
  * @property {number} area_m2
  * @property {number} expected_seconds
  * @property {LeftOut[]} left_out
- * @property {string[]} warnings
+ * @property {string[]} warnings in English
+ * @property {Remark[]} [remarks] the same, one for each
  */
 
 /**
@@ -156,7 +162,8 @@
  * @property {number} max_zoom
  * @property {{stage: string, wall_s: number}[]} timings
  * @property {number} peak_memory_bytes
- * @property {string[]} warnings
+ * @property {string[]} warnings in English
+ * @property {Remark[]} [remarks] the same, one for each
  * @property {boolean} [is_placed] false: nothing says where on Earth the flight was
  * @property {MapQuality} [quality]
  * @property {{placed_by?: 'images'|'records', ground_control?: ControlFigures[]}|null} [alignment]

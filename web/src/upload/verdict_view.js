@@ -2,11 +2,11 @@
 // the files that it has. Only the server, which will make the map, can say that all is well.
 /** @import { ServerVerdict } from '../shared/types.js' */
 /** @import { Verdict } from './verdict.js' */
-import { serverWords } from '../shared/api.js';
 import { h } from '../shared/dom.js';
 import { formatArea, formatDuration, formatGsd, formatLength } from '../shared/format.js';
 import { icon } from '../shared/icons.js';
 import { list } from '../shared/language.js';
+import { saidOf, whyLeftOut } from '../shared/remarks.js';
 import { strings } from '../shared/flight_strings.js';
 
 const kNamed = 3;
@@ -67,8 +67,8 @@ export function serverVerdictWords(verdict, is_of_all) {
   const by_images = verdict.photos_by_images ?? 0;
   const warnings = [
     ...(left_out.length > 0 ? [words.left_out(left_out.length)] : []),
-    ...left_out.slice(0, kShownReasons).map(({ name, code, reason }) => `${name}: ${serverWords(code, reason)}`),
-    ...verdict.warnings,
+    ...left_out.slice(0, kShownReasons).map((one) => `${one.name}: ${whyLeftOut(one)}`),
+    ...saidOf(verdict).map(({ text }) => text),
   ];
   const is_good = warnings.length === 0 && by_images === 0 && verdict.photos_placeable > 0;
   const facts = [

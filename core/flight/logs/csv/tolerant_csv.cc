@@ -203,7 +203,11 @@ Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const 
     SplitFields(line, header->separator, cells);
     preview.rows.push_back(ReadCsvRow(header->columns, cells));
   }
-  SKYQUILT_TRY_ASSIGN(const auto findings, CheckCsvPhysics(header->columns, preview));
+  const auto found = CheckCsvPhysics(header->columns, preview);
+  if (!found) {
+    return Error{found.error().code, fmt::format("{} is not used. {}", name, found.error().message), ""};
+  }
+  const CsvFindings& findings = *found;
   preview.rows.clear();
   preview.rows.shrink_to_fit();
 

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/flight/remarks/remark_words.h"
+
 namespace skyquilt::alignment {
 namespace {
 
@@ -119,14 +121,14 @@ TEST(ChooseLeg, AsManyThatLieWhereTheyWereRecordedWin) {
   EXPECT_EQ(WhyDoubted(records, 0.1), "") << "four positions are too few for a verdict";
 }
 
-TEST(ContradictionInWords, IsSaidOfMostPositionsOnly) {
+TEST(ContradictionOf, IsSaidOfMostPositionsOnly) {
   LegEvidence evidence = Evidence(30, 28);
   evidence.median_error_m = 8.0;
   evidence.median_error_sigmas = 5.3;
   evidence.positions_contradicted = 14;
-  EXPECT_EQ(ContradictionInWords(evidence), "");
+  EXPECT_FALSE(ContradictionOf(evidence));
   evidence.positions_contradicted = 15;
-  EXPECT_THAT(ContradictionInWords(evidence), HasSubstr("half of the 28 photos lie 8 m or more"));
+  EXPECT_THAT(InWords(ContradictionOf(evidence).value()), HasSubstr("half of the 28 photos lie 8 m or more"));
 }
 
 // Photos side by side, tied in a row by pairs of one point each.
@@ -162,9 +164,9 @@ TEST(Weigh, CountsWhatTheRecordsClaim) {
 }
 
 TEST(LegEvidence, SaysWhenAnAdjustmentKeptButAFewObservations) {
-  EXPECT_EQ(DroppedInWords(0, 0), "");
-  EXPECT_EQ(DroppedInWords(2563, 1361), "");
-  EXPECT_NE(DroppedInWords(687, 3070).find("687 of 3757"), std::string::npos);
+  EXPECT_FALSE(DroppedOf(0, 0));
+  EXPECT_FALSE(DroppedOf(2563, 1361));
+  EXPECT_THAT(InWords(DroppedOf(687, 3070).value()), HasSubstr("687 of 3757"));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "core/alignment/align_flight.h"
 #include "core/alignment/view_graph/sampler.h"
+#include "core/flight/remarks/remark_words.h"
 #include "core/ground/model_ground.h"
 #include "tests/core/alignment/simulated_case.h"
 
@@ -95,7 +96,7 @@ TEST(SecondLeg, AFlightWithoutAnyRecordBecomesAWholeMapThatIsNotGeoreferenced) {
   EXPECT_FALSE(outcome.report.second_leg.is_placed);
   EXPECT_LT(outcome.error.relative_ce90_m, 1.5 * truth.GsdM());
   ASSERT_FALSE(outcome.flight.warnings.empty());
-  EXPECT_NE(outcome.flight.warnings.front().find("NOT GEOREFERENCED"), std::string::npos);
+  EXPECT_NE(InWords(outcome.flight.warnings.front()).find("NOT GEOREFERENCED"), std::string::npos);
 }
 
 TEST(SecondLeg, SurveyedPointsAlonePlaceIt) {

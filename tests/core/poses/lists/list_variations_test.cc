@@ -11,6 +11,7 @@
 #include <map>
 
 #include "core/flight/read_flight.h"
+#include "core/flight/remarks/remark_words.h"
 #include "core/geo/local_frame.h"
 #include "core/poses/estimate_poses.h"
 #include "core/poses/lists/compare_sources.h"
@@ -37,7 +38,7 @@ void TakePoses(const flight::Flight& flight, Outcome& outcome) {
     outcome.words.push_back(posed.error().message);
     return;
   }
-  outcome.words.insert(outcome.words.end(), posed->warnings.begin(), posed->warnings.end());
+  for (const flight::Remark& said : posed->warnings) outcome.words.push_back(InWords(said));
   if (!posed->is_placed) return;
   for (const poses::PosedPhoto& photo : posed->photos)
     outcome.places.emplace(photo.photo.name,
@@ -54,9 +55,9 @@ Outcome ReadAndPlace(const GeneratedList& list, bool is_control, const test::Tem
     outcome.words.push_back(flight.error().message);
     return outcome;
   }
-  outcome.words = flight->warnings;
+  outcome.words = InWords(flight->warnings);
   for (const flight::LeftOutPhoto& file : flight->left_out)
-    outcome.words.push_back(file.name + ": " + file.reason);
+    outcome.words.push_back(file.name + ": " + InWords(file.reason));
   flight->left_out.clear();
   flight->photos = list.photos;
   const std::size_t said = flight->warnings.size();
@@ -64,8 +65,8 @@ Outcome ReadAndPlace(const GeneratedList& list, bool is_control, const test::Tem
     outcome.words.push_back(compared.error().message);
     return outcome;
   }
-  outcome.words.insert(outcome.words.end(), flight->warnings.begin() + static_cast<std::ptrdiff_t>(said),
-                       flight->warnings.end());
+  for (std::size_t i = said; i < flight->warnings.size(); ++i)
+    outcome.words.push_back(InWords(flight->warnings[i]));
   if (!is_control) {
     TakePoses(*flight, outcome);
     return outcome;

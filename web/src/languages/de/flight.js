@@ -3,6 +3,7 @@ import { count, fixed, number, plural } from '../../shared/language.js';
 import { option_words } from './options.js';
 import { control_words } from './control.js';
 import { note_words } from './notes.js';
+import { remark_words } from './remarks.js';
 
 const photos = { one: 'Foto', other: 'Fotos' };
 const files = { one: 'Datei', other: 'Dateien' };
@@ -11,6 +12,7 @@ const files = { one: 'Datei', other: 'Dateien' };
 export const flight_words = {
   options: option_words,
   notes: note_words,
+  remarks: remark_words,
   verdict: {
     good: 'Alle Fotos haben eine Position.',
     span: (length) => `Ausdehnung ${length}`,

@@ -1,0 +1,427 @@
+#include <array>
+
+#include "core/flight/remarks/remark_words.h"
+
+namespace skyquilt::flight {
+namespace {
+
+constexpr std::array kSentences = std::to_array<RemarkSentence>({
+    {RemarkCode::kText, "text", "{text_words}"},
+    {RemarkCode::kSentences, "sentences", "{first} {then}"},
+    {RemarkCode::kOfPhoto, "of_photo", "{photo}: {said}"},
+    {RemarkCode::kOfPhotos, "of_photos", "{photos} of {total} photos ({photo} first): {said}"},
+    {RemarkCode::kMoreOfPhotos, "more_of_photos",
+     "{remarks} more remarks like these on single photos are left out here."},
+    {RemarkCode::kOfFile, "of_file", "{file}: {said_words}"},
+    {RemarkCode::kSameFile, "same_file", "{file} is not used: it is the same as {other}."},
+    {RemarkCode::kFileNotRead, "file_not_read", "{error_words}"},
+    {RemarkCode::kFilesUnknown, "files_unknown",
+     "Not used, because nothing in it is known as a log, a list of positions, surveyed points or "
+     "reflectances, or an elevation model: {files}."},
+    {RemarkCode::kFilesUnknownAndMore, "files_unknown_and_more",
+     "Not used, because nothing in it is known as a log, a list of positions, surveyed points or "
+     "reflectances, or an elevation model: {files} and {more} more."},
+    {RemarkCode::kElevationModels, "elevation_models",
+     "{models} elevation models were given; {file} is taken."},
+    {RemarkCode::kElevationModelGiven, "elevation_model_given",
+     "{file} is not used: the ground's heights are those of {given}."},
+    {RemarkCode::kElevationModelNotRead, "elevation_model_not_read",
+     "{file} is not used for the ground's heights. {error_words}"},
+    {RemarkCode::kFilm, "film",
+     "{file} is a film. Frames of it become photos when the map is made; they are not looked at here."},
+    {RemarkCode::kNoBandsForList, "no_bands_for_list",
+     "{file} is not used: the flight has no photos of several bands."},
+    {RemarkCode::kPhotosWithoutPosition, "photos_without_position",
+     "{photos} of {total} photos carry no usable position."},
+    {RemarkCode::kPhotosTimedByName, "photos_timed_by_name",
+     "{photos} of {total} photos carry no time in their metadata; the one in their names is taken."},
+    {RemarkCode::kPhotosWithoutTime, "photos_without_time",
+     "{photos} of {total} photos carry no time; they stand last, by name."},
+    {RemarkCode::kPhotosOfUnknownZone, "photos_of_unknown_zone",
+     "{photos} of {total} photos have a clock of unknown zone while others have UTC: their order in "
+     "time is doubtful."},
+    {RemarkCode::kOtherCameraAside, "other_camera_aside",
+     "The map is made of one camera ({instead}); {pictures} pictures of another ({camera}) lie aside: "
+     "both saw the same moments.",
+     "pictures",
+     "The map is made of one camera ({instead}); 1 picture of another ({camera}) lies aside: both saw "
+     "the same moments."},
+    {RemarkCode::kThermalAside, "thermal_aside",
+     "The map is made of one camera ({instead}); {pictures} pictures of another ({camera}) lie aside: "
+     "thermal and visible pictures do not mix.",
+     "pictures",
+     "The map is made of one camera ({instead}); 1 picture of another ({camera}) lies aside: thermal "
+     "and visible pictures do not mix."},
+    {RemarkCode::kVisibleAside, "visible_aside",
+     "The map is made of one camera ({instead}); {pictures} pictures of another ({camera}) lie aside: "
+     "there are more thermal than visible pictures.",
+     "pictures",
+     "The map is made of one camera ({instead}); 1 picture of another ({camera}) lies aside: there are "
+     "more thermal than visible pictures."},
+    {RemarkCode::kReadingSystem, "reading_system", "{system}"},
+    {RemarkCode::kReadingDegreesEastFirst, "reading_degrees_east_first", "longitude, latitude in degrees"},
+    {RemarkCode::kReadingDegreesNorthFirst, "reading_degrees_north_first", "latitude, longitude in degrees"},
+    {RemarkCode::kReadingDegreesAsNamed, "reading_degrees_as_named",
+     "latitude and longitude in degrees, as its columns are named"},
+    {RemarkCode::kReadingDegreesAgainstNames, "reading_degrees_against_names",
+     "degrees, the column named latitude as longitude and the other way round"},
+    {RemarkCode::kReadingUtm, "reading_utm", "WGS 84 / UTM zone {zone} (EPSG:{epsg})"},
+    {RemarkCode::kReadingNorthFirst, "reading_north_first", ", north before east"},
+    {RemarkCode::kReadingWestPositive, "reading_west_positive", ", west counted as positive"},
+    {RemarkCode::kReadingSouthPositive, "reading_south_positive", ", south counted as positive"},
+    {RemarkCode::kOwnLists, "own_lists", "where the other lists and tracks place the flight"},
+    {RemarkCode::kOwnPhotos, "own_photos", "the photos' own positions"},
+    {RemarkCode::kOwnRecords, "own_records", "where the photos were taken by their own records"},
+    {RemarkCode::kListNamesNoPhoto, "list_names_no_photo",
+     "{file} is not used: its rows name {rows} photos (the first is {first}), and none of the photos "
+     "given is called so.",
+     "rows",
+     "{file} is not used: its rows name 1 photo (the first is {first}), and none of the photos given is "
+     "called so."},
+    {RemarkCode::kListRowsOfSeveralPhotos, "list_rows_of_several_photos",
+     "{file}: of {rows} rows (the first is {first}) it is not told which photo is meant, for several folders have "
+     "one of that name: write the folders into the list too, as in 100MEDIA/{first}.",
+     "rows",
+     "{file}: of 1 row ({first}) it is not told which photo is meant, for several folders have one of that name: "
+     "write the folders into the list too, as in 100MEDIA/{first}."},
+    {RemarkCode::kListAnglesContradict, "list_angles_contradict",
+     "{file}: its angles lie {apart_deg:.0f} degrees (median of {photos} photos) from those that the cameras' own "
+     "gimbals recorded, as the airframe's do, and are not taken; its positions are.",
+     "photos",
+     "{file}: its angles lie {apart_deg:.0f} degrees from those that the camera's own gimbal recorded, as the "
+     "airframe's do, and are not taken; its positions are."},
+    {RemarkCode::kListReadInUnnamedZone, "list_read_in_unnamed_zone",
+     "{file}: read as {reading}, which it does not name: so it lies {apart_m:length} from {own}."},
+    {RemarkCode::kListReadOtherwise, "list_read_otherwise",
+     "{file}: read as {reading}: as written it would lie {apart_m:length} from {own}."},
+    {RemarkCode::kListReadOtherwiseOutsideSystem, "list_read_otherwise_outside_system",
+     "{file}: read as {reading}: as written its rows are no places within {system}."},
+    {RemarkCode::kListReadOtherwiseNowhere, "list_read_otherwise_nowhere",
+     "{file}: read as {reading}: as written its rows are no places on Earth."},
+    {RemarkCode::kListOrderAssumed, "list_order_assumed",
+     "{file}: read as {reading}, the order of its format: nothing else says where the flight was, and "
+     "the other way round it would lie {apart_m:length} away. Check the map's place; a line of column "
+     "names (image longitude latitude) settles it."},
+    {RemarkCode::kListOutsideArea, "list_outside_area",
+     "{file}: read as {reading}, though it lies outside the area that this system is made for. Check "
+     "the map's place, and the system."},
+    {RemarkCode::kListFarFromOthers, "list_far_from_others",
+     "{file}: read as {reading}, it lies {apart_m:length} from {own}. It is believed all the same; if "
+     "they are right, leave it out."},
+    {RemarkCode::kPointsWithoutSystem, "points_without_system",
+     "{file} is not used: it names no reference system, so that its numbers are no places: write one "
+     "into its first line, such as EPSG:4326 (longitude, latitude), EPSG:32632 (WGS 84 / UTM zone 32N) "
+     "or the EPSG code of the survey."},
+    {RemarkCode::kPointsWithoutSystemApart, "points_without_system_apart",
+     "{file} is not used: it names no reference system, so that its numbers are no places: write one "
+     "into its first line, such as EPSG:4326 (longitude, latitude), EPSG:32632 (WGS 84 / UTM zone 32N) "
+     "or the EPSG code of the survey; read as {reading} its points would lie {apart_m:length} from "
+     "{own}."},
+    {RemarkCode::kListWithoutSystem, "list_without_system",
+     "{file} is not used: its numbers are metres of a projected system that it does not name: write the "
+     "system's EPSG code, such as EPSG:32632, into a first line of its own."},
+    {RemarkCode::kListWithoutSystemApart, "list_without_system_apart",
+     "{file} is not used: its numbers are metres of a projected system that it does not name, and as "
+     "{reading} they would lie {apart_m:length} from {own}: write the system's EPSG code, such as "
+     "EPSG:32632, into a first line of its own."},
+    {RemarkCode::kListNowhere, "list_nowhere",
+     "{file} is not used: most of its {rows} rows are no places on Earth, whichever way the two numbers "
+     "are read."},
+    {RemarkCode::kListOutsideSystem, "list_outside_system",
+     "{file} is not used: most of its {rows} rows are no places in {system}, whichever way the two "
+     "numbers are read."},
+    {RemarkCode::kListFarFromPhotos, "list_far_from_photos",
+     "{file} is not used: read as {reading}, which comes nearest, it lies {apart_m:length} from {own}, "
+     "further than any receiver errs. Is it the list of another flight, or names another reference "
+     "system? Without it the photos' own positions hold."},
+    {RemarkCode::kListFarFromLists, "list_far_from_lists",
+     "{file} is not used: read as {reading}, which comes nearest, it lies {apart_m:length} from {own}, "
+     "further than a flight reaches. Is it the list of another flight, or names another reference "
+     "system? Check which of the files is of this flight."},
+    {RemarkCode::kListOfOtherShape, "list_of_other_shape",
+     "{file} is not used: its rows are laid out otherwise than {own}: shifted as a whole to fit, half "
+     "of them still lie more than {off_m:length} off. Is it the list of another flight with the same "
+     "names, or are its rows in another order? Without it the photos' own positions hold."},
+    {RemarkCode::kListOfOtherShapeThanLists, "list_of_other_shape_than_lists",
+     "{file} is not used: its rows are laid out otherwise than {own}: shifted as a whole to fit, half "
+     "of them still lie more than {off_m:length} off. Is it the list of another flight with the same "
+     "names, or are its rows in another order? Check which of the files is of this flight."},
+    {RemarkCode::kLogEmpty, "log_empty",
+     "{file} is not used: it was read as a log ({format}), but no row of it holds a position, an "
+     "attitude, inertial samples or a photo together with its time."},
+    {RemarkCode::kLogAddsNothing, "log_adds_nothing",
+     "{file} is not used: the other logs cover the same time with all that it holds."},
+    {RemarkCode::kLogWithoutUtc, "log_without_utc",
+     "{file} is not used: {without} does not say its UTC, so that the two cannot be laid side by side. "
+     "Give one of them alone."},
+    {RemarkCode::kLogOfOtherSeconds, "log_of_other_seconds",
+     "{file} is not used: its times ({from_s:.1f} to {until_s:.1f} s) are not those of {other} "
+     "({other_from_s:.1f} to {other_until_s:.1f} s), and {without} does not say its UTC, so that the "
+     "two cannot be laid side by side. Let both count the same seconds."},
+    {RemarkCode::kLogOfOtherTime, "log_of_other_time",
+     "{file} is not used: none of the photos was taken in the time that it covers. Give the log of this "
+     "flight."},
+    {RemarkCode::kLogUnusable, "log_unusable", "The log could not be used: {error_words}"},
+    {RemarkCode::kAnglesReadOtherwise, "angles_read_otherwise",
+     "As recorded, the camera angles would not show the ground: {reading_words}."},
+    {RemarkCode::kReckonedFromOrigin, "reckoned_from_origin",
+     "No position anywhere: the flight is reckoned from the given origin, and its error grows with time."},
+    {RemarkCode::kReckonedFromNowhere, "reckoned_from_nowhere",
+     "No position anywhere: the map has the right scale and north, but its place on Earth is not known; "
+     "it is drawn at 0 degrees north, 0 degrees east. Give --origin LAT,LON of the take-off to place "
+     "it, also later with `skyquilt place`."},
+    {RemarkCode::kNotGeoreferenced, "not_georeferenced",
+     "The map is whole but NOT GEOREFERENCED: it lies at a local origin, its north is a guess and its "
+     "scale is as if a photo showed {width_m:.0f} m of ground. Add the flight log, surveyed points "
+     "(gcp_list.txt) or positions (geo.txt), or give `skyquilt place` what is known to place it without "
+     "aligning it again."},
+    {RemarkCode::kNoAngles, "no_angles", "{photos} of {total} photos recorded no camera angles."},
+    {RemarkCode::kAnglesAssumed, "angles_assumed",
+     "They are taken as looking straight down, turned along the flight's course."},
+    {RemarkCode::kAnglesFound, "angles_found", "Their angles were found from what they show."},
+    {RemarkCode::kNoHeights, "no_heights", "No photo says how high it was above the ground."},
+    {RemarkCode::kHeightBySpacing, "height_by_spacing",
+     "{height_m:.0f} m is assumed from the photos' spacing; the map's scale depends on it. Photos with "
+     "a relative height (DJI RelativeAltitude) do better."},
+    {RemarkCode::kOnTheGround, "on_the_ground",
+     "By the recorded heights most photos stand on or below the ground (half of them lower than "
+     "{height_m:.0f} m above it), which cannot be: the ground below them is not as high as the place of "
+     "take-off, or the heights count from something else."},
+    {RemarkCode::kHeightBySpacingOnTheGround, "height_by_spacing_on_the_ground",
+     "{height_m:.0f} m above the ground is assumed from the photos' spacing; the map's scale depends on "
+     "it. Add an elevation model (--dem) if the ground lies lower than take-off."},
+    {RemarkCode::kHeightFound, "height_found",
+     "{assumed_m:.0f} m above the ground was assumed to begin with; by what the photos show it was "
+     "{found_m:.0f} m."},
+    {RemarkCode::kAssumedByPoses, "assumed_by_poses",
+     "For the {photos} photos that are placed by their poses alone the assumption stands: {assumed}",
+     "photos", "For the 1 photo that is placed by its pose alone the assumption stands: {assumed}"},
+    {RemarkCode::kElevationModelBesideTakeoff, "elevation_model_beside_takeoff",
+     "The elevation model does not cover the place of take-off; the ground is taken as flat."},
+    {RemarkCode::kElevationModelTooSmall, "elevation_model_too_small",
+     "The elevation model covers less than half of the photos; the ground is taken as flat."},
+    {RemarkCode::kNoTies, "no_ties",
+     "No two photos could be tied together by what they show: the map is by the recorded poses alone, "
+     "and may show steps. If the ground is not water or bare, check that positions, heights and angles "
+     "are those of this flight."},
+    {RemarkCode::kGroups, "groups",
+     "The photos form {groups} groups without ties between them; each lies where its recorded positions "
+     "say."},
+    {RemarkCode::kGroupsOfFeatures, "groups_of_features",
+     "The features join the photos into {groups} connected components, each placed on its recorded "
+     "positions."},
+    {RemarkCode::kControlContradicts, "control_contradicts",
+     "the surveyed points CONTRADICT the photos: half of the {points} used lie {apart_m:.1f} m or more "
+     "from where all photos together show them. Check the list's coordinates, their zone and the marks"},
+    {RemarkCode::kPointsDropped, "points_dropped",
+     "only {used} of {points} points found in several photos fit the poses: the records CONTRADICT what "
+     "the photos show, and the map may be torn. Check that every photo has a position of its own and "
+     "that heights and angles are those of this flight, or leave the records out (--method images)"},
+    {RemarkCode::kPositionsContradict, "positions_contradict",
+     "the recorded positions CONTRADICT what the photos show: half of the {photos} photos lie "
+     "{apart_m:.0f} m or more from where they were recorded, which is {times:.0f} times what the "
+     "records claim: the map as a whole may be as far off"},
+    {RemarkCode::kPlacedByImages, "placed_by_images", "{why_words}: {outcome_words}."},
+    {RemarkCode::kHeightsTilted, "heights_tilted",
+     "The recorded heights would have the flight lie tilted by {tilt_deg:.0f} degrees against the "
+     "recorded camera angles, as after a second take-off from another height or by a barometer that "
+     "drifted: they differ by up to {apart_m:.0f} m from how the photos lie to each other, and were "
+     "believed only from each photo to the next."},
+    {RemarkCode::kPositionsOfBefore, "positions_of_before",
+     "The recorded positions are those of {lag:.1f} {unit} before the photos, {apart_m:.1f} m off in the median; "
+     "each was moved along its flight line by that."},
+    {RemarkCode::kPositionsOfAfter, "positions_of_after",
+     "The recorded positions are those of {lag:.1f} {unit} after the photos, {apart_m:.1f} m off in the median; "
+     "each was moved along its flight line by that."},
+    {RemarkCode::kClockBehind, "clock_behind",
+     "By how they lie to each other the photos were taken {clock_s:.1f} s later than the clocks of camera and log "
+     "say: each was moved along the log's track by that ({moved_m:.1f} m in the median)."},
+    {RemarkCode::kClockAhead, "clock_ahead",
+     "By how they lie to each other the photos were taken {clock_s:.1f} s earlier than the clocks of camera and log "
+     "say: each was moved along the log's track by that ({moved_m:.1f} m in the median)."},
+    {RemarkCode::kSecondsApart, "seconds_apart", "seconds"},
+    {RemarkCode::kPhotosApart, "photos_apart", "photos"},
+    {RemarkCode::kRollingShutterFound, "rolling_shutter_found",
+     "{camera}: the photos show that it reads its rows one after the other, in {readout_ms:.0f} ms from "
+     "the first to the last ({photos} photos); the camera is not listed and nothing recorded says so",
+     "photos",
+     "{camera}: the photos show that it reads its rows one after the other, in {readout_ms:.0f} ms from "
+     "the first to the last (1 photo); the camera is not listed and nothing recorded says so"},
+    {RemarkCode::kMountTurned, "mount_turned",
+     "all photos lie turned by {turn_deg} degrees against their recorded yaw, as of a camera mounted "
+     "sideways; the mount was taken as that"},
+    {RemarkCode::kMountTurnedAgainstCourse, "mount_turned_against_course",
+     "all photos lie turned by {turn_deg} degrees against the flight's course, as of a camera mounted "
+     "sideways; the mount was taken as that"},
+    {RemarkCode::kPhotosStoredTurned, "photos_stored_turned",
+     "Photos {first} to {last} are stored turned by {turn_deg} degrees against their recorded yaw; they "
+     "were turned back. A viewer that saves pictures upright does this: use the originals if you can."},
+    {RemarkCode::kPhotosStoredTurnedAgainstCourse, "photos_stored_turned_against_course",
+     "Photos {first} to {last} are stored turned by {turn_deg} degrees against the flight's course; "
+     "they were turned back. A viewer that saves pictures upright does this: use the originals if you "
+     "can."},
+    {RemarkCode::kFoundTurned, "found_turned",
+     "found turned by {turn_deg} degrees against its recorded yaw and turned back"},
+    {RemarkCode::kFoundTurnedAgainstCourse, "found_turned_against_course",
+     "found turned by {turn_deg} degrees against the flight's course and turned back"},
+    {RemarkCode::kYawCorrected, "yaw_corrected",
+     "recorded yaw was {off_deg:.0f} degrees off and was corrected from its neighbours"},
+    {RemarkCode::kCourseYawCorrected, "course_yaw_corrected",
+     "yaw taken from the course was {off_deg:.0f} degrees off and was corrected from its neighbours"},
+    {RemarkCode::kPositionCorrected, "position_corrected",
+     "recorded position was {off_m:.0f} m off and was corrected from its neighbours"},
+    {RemarkCode::kPositionElsewhere, "position_elsewhere",
+     "recorded position is {off_m:.0f} m from where the photo was taken by what it shows"},
+    {RemarkCode::kPlacedWithoutRecord, "placed_without_record",
+     "records no usable position or height and was placed by what it shows"},
+    {RemarkCode::kDoubtCopy, "doubt_copy", "shows the same picture as {other}"},
+    {RemarkCode::kDoubtBlurred, "doubt_blurred", "is blurred"},
+    {RemarkCode::kDoubtOtherPlace, "doubt_other_place",
+     "has nothing in common with the photos around its recorded place: of another place, or of "
+     "something that moves; used only where no other photo is"},
+    {RemarkCode::kControlNotUsed, "control_not_used",
+     "Ground control point {point} is not used: it {reason_words}."},
+    {RemarkCode::kControlFarOff, "control_far_off",
+     "Ground control point {point} lies {apart_m:.1f} m from where the photos and the other points put "
+     "it: check its coordinates and its marks."},
+    {RemarkCode::kControlFarOffAndNoted, "control_far_off_and_noted",
+     "Ground control point {point} lies {apart_m:.1f} m from where the photos and the other points put "
+     "it: check its coordinates and its marks; it {reason_words}."},
+    {RemarkCode::kControlNoted, "control_noted", "Ground control point {point} {reason_words}."},
+    {RemarkCode::kPhotosAdded, "photos_added",
+     "{photos} photos were added and placed against the finished flight, of which nothing was moved.",
+     "photos", "1 photo was added and placed against the finished flight, of which nothing was moved."},
+    {RemarkCode::kMovedToControl, "moved_to_control",
+     "The finished flight was moved as a whole to {points} ground control points: {east_m:.2f} m east, "
+     "{north_m:.2f} m north, turned by {turn_deg:.2f} degrees, {growth_percent:.2f} % larger.",
+     "points",
+     "The finished flight was moved as a whole to 1 ground control point: {east_m:.2f} m east, "
+     "{north_m:.2f} m north, turned by {turn_deg:.2f} degrees, {growth_percent:.2f} % larger."},
+    {RemarkCode::kPlacedByControl, "placed_by_control",
+     "The finished map was placed by {points} surveyed points, which it misses by {apart_m:.2f} m in "
+     "the median; it was turned by {turn_deg:.1f} degrees and became {times:.4g} times as large. No "
+     "photo was compared again."},
+    {RemarkCode::kPlacedByPairs, "placed_by_pairs",
+     "The map was placed by hand, by {points} places on it; it was turned by {turn_deg:.1f} degrees and "
+     "became {times:.4g} times as large.",
+     "points",
+     "The map was placed by hand, by 1 place on it; it was turned by {turn_deg:.1f} degrees and became "
+     "{times:.4g} times as large."},
+    {RemarkCode::kPairsDisagree, "pairs_disagree", "It misses them by up to {apart_m:.2f} m."},
+    {RemarkCode::kPlacedByOrigin, "placed_by_origin",
+     "The map was placed by hand: its origin lies at {lat_deg:.7f}, {lon_deg:.7f}; it was turned by "
+     "{turn_deg:.1f} degrees and became {times:.4g} times as large. How far off it may be, the flight "
+     "cannot tell: check it over known places."},
+    {RemarkCode::kPlacedByPhoto, "placed_by_photo",
+     "The map was placed by hand: {photo} lies at {lat_deg:.7f}, {lon_deg:.7f}; it was turned by "
+     "{turn_deg:.1f} degrees and became {times:.4g} times as large. How far off it may be, the flight "
+     "cannot tell: check it over known places."},
+    {RemarkCode::kImported, "imported",
+     "This map was imported from {file}. Where it lies and how accurate it is, that file says; no photo "
+     "was looked at here."},
+    {RemarkCode::kCoarserPixels, "coarser_pixels",
+     "The map's pixels are {pixel_mm:.1f} mm where {wanted_mm:.1f} mm were wanted: tiles as large as "
+     "that takes do not fit in the memory. Raise --max-memory for a finer map."},
+    {RemarkCode::kNoBands, "no_bands", "There is no bands.tif. {error_words}"},
+    {RemarkCode::kBandLaidAsOthers, "band_laid_as_others",
+     "In {failed} of {captures} captures the band {band} could not be laid on the reference by what it shows; "
+     "there it stands as in the others."},
+    {RemarkCode::kBandLaidAsReference, "band_laid_as_reference",
+     "In {failed} of {captures} captures the band {band} could not be laid on the reference by what it shows; "
+     "there it stands as the reference does."},
+    {RemarkCode::kCapturesNotPlaced, "captures_not_placed",
+     "{missing} of {captures} captures of bands were not placed and are not in bands.tif; their reference "
+     "photos are among those left out."},
+    {RemarkCode::kTargetUnseen, "target_unseen",
+     "Target {target} of known reflectance is not used: no capture shows all of it."},
+    {RemarkCode::kTargetUneven, "target_uneven",
+     "Target {target} of known reflectance is uneven: check its place and radius in {file}."},
+    {RemarkCode::kEveryCaptureAPanel, "every_capture_a_panel",
+     "Every capture is said to show a calibration panel, by the camera or in {file}: none is taken for one."},
+    {RemarkCode::kBandsWithoutPanel, "bands_without_panel",
+     "No picture of a calibration panel could be used for {bands}: an index of these bands and others is not "
+     "calibrated."},
+    {RemarkCode::kAllByImages, "all_by_images",
+     "No photo records where it was taken. Where they overlap, they are laid to each other by what they "
+     "show; the map is then whole, but lies nowhere on Earth: add the flight log, a geo.txt with "
+     "positions or surveyed points (gcp_list.txt) to place it."},
+    {RemarkCode::kAllByImagesAndControl, "all_by_images_and_control",
+     "No photo records where it was taken. Where they overlap, they are laid to each other by what they "
+     "show; the map is then whole and lies where the surveyed points say."},
+    {RemarkCode::kSomeByImages, "some_by_images",
+     "{photos} photos have no usable position or height: what they show joins them to the others, where "
+     "they overlap.",
+     "photos",
+     "1 photo has no usable position or height: what they show joins them to the others, where they "
+     "overlap."},
+    {RemarkCode::kLittleOverlap, "little_overlap",
+     "Neighbouring photos share only {overlap_percent:.0f} % of their ground: expect gaps and few "
+     "places where photos can be matched. 75 % is usual."},
+    {RemarkCode::kLeftSameBytes, "left_same_bytes", "The same bytes as {other}; one copy is enough."},
+    {RemarkCode::kLeftPanorama, "left_panorama",
+     "This is a panorama ({evidence_words}): a map is made of single photos. Give those instead."},
+    {RemarkCode::kLeftRawPicture, "left_raw_picture",
+     "This is a raw picture ({format}). Give the JPEG that the camera wrote beside it, or export it as JPEG or "
+     "TIFF, keeping the metadata."},
+    {RemarkCode::kLeftThumbnailFirst, "left_thumbnail_first",
+     "The first picture in this TIFF is a thumbnail of a larger one behind it, as in raw pictures. Give "
+     "the JPEG that the camera wrote, or export it as JPEG or TIFF, keeping the metadata."},
+    {RemarkCode::kLeftCopy, "left_copy",
+     "A copy of {other}, which is used: it is nearer to what the camera wrote."},
+    {RemarkCode::kLeftOlderMetadata, "left_older_metadata",
+     "The file as it was before its metadata were changed; {other}, which has the new ones, is used."},
+    {RemarkCode::kLeftOtherCamera, "left_other_camera",
+     "Taken by another camera ({camera}) at the same moments as the map's ({instead}). For a map of it "
+     "give its pictures alone."},
+    {RemarkCode::kLeftThermal, "left_thermal",
+     "A thermal picture ({camera}); the map is made of the visible ones ({instead}). For a thermal map "
+     "give the thermal pictures alone."},
+    {RemarkCode::kLeftVisible, "left_visible",
+     "A visible picture ({camera}); the map is made of the thermal ones ({instead}), of which there are "
+     "more. For a map of the visible ones give them alone."},
+    {RemarkCode::kLeftPanel, "left_panel", "A picture of a calibration panel, not of the ground."},
+    {RemarkCode::kLeftWithoutPosition, "left_without_position",
+     "has no position: no GPS in its EXIF or XMP and no log that covers it. Add the flight log or a "
+     "geo.txt with its position."},
+    {RemarkCode::kLeftOutsideLog, "left_outside_log",
+     "has no position: no GPS in its EXIF or XMP, and the log does not cover the time it was taken. Add "
+     "the log of its flight or a geo.txt with its position."},
+    {RemarkCode::kLeftWithoutHeight, "left_without_height",
+     "has no usable height above the ground, so its scale is unknown."},
+    {RemarkCode::kLeftNoNumbers, "left_no_numbers",
+     "has a position, height, angle or focal length that is not a number, or none that can be."},
+    {RemarkCode::kLeftFarFromFlight, "left_far_from_flight",
+     "was taken {apart_km:.0f} km away from the rest of the flight. If the position is right, stitch it "
+     "as a flight of its own."},
+    {RemarkCode::kLeftBeyondMaps, "left_beyond_maps",
+     "was taken at {lat_deg:.2f} degrees of latitude, and no map is drawn beyond {highest_deg:.0f} "
+     "degrees, where web maps (Web Mercator) end."},
+    {RemarkCode::kLeftOnTheGround, "left_on_the_ground",
+     "stood {height_m:.1f} m above the ground by its recorded height and the ground's. Check what its "
+     "height counts from; where the ground differs from take-off, add an elevation model (--dem)."},
+    {RemarkCode::kLeftBelowGround, "left_below_ground",
+     "stood {height_m:.1f} m below the ground by its recorded height and the ground's. Check what its "
+     "height counts from; where the ground differs from take-off, add an elevation model (--dem)."},
+    {RemarkCode::kLeftTooMuchGround, "left_too_much_ground",
+     "would show {times:.0f} times as much ground as the others, from {height_m:.0f} m above it. If its "
+     "height and angles are right, stitch it as a flight of its own."},
+    {RemarkCode::kLeftFarAway, "left_far_away",
+     "was recorded {apart_km:.1f} km away from the other photos and has nothing in common with them. If "
+     "the place is right, make a map of its own from it."},
+    {RemarkCode::kLeftNothingInCommon, "left_nothing_in_common",
+     "It shows too little in common with the other photos to be placed by that."},
+});
+
+constexpr bool StandInOrder() {
+  for (std::size_t i = 0; i < kSentences.size(); ++i) {
+    if (static_cast<std::size_t>(kSentences[i].code) != i) return false;
+  }
+  return kSentences.size() == static_cast<std::size_t>(RemarkCode::kLeftNothingInCommon) + 1;
+}
+static_assert(StandInOrder(), "every code has a sentence, in the order of the codes");
+
+}  // namespace
+
+std::span<const RemarkSentence> RemarkSentences() { return kSentences; }
+
+}  // namespace skyquilt::flight

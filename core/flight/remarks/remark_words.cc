@@ -1,0 +1,99 @@
+#include "core/flight/remarks/remark_words.h"
+
+#include <fmt/args.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace skyquilt::flight {
+namespace {
+
+struct SaidNumber {
+  double is = 0.0;
+};
+
+std::string GroupedDigits(double number) {
+  std::string digits = fmt::format("{:.0f}", number);
+  for (auto at = static_cast<std::ptrdiff_t>(digits.size()) - 3; at > 0; at -= 3)
+    digits.insert(static_cast<std::size_t>(at), ",");
+  return digits;
+}
+
+bool IsOne(const Remark& remark, std::string_view counted) {
+  const auto value = remark.values.find(std::string(counted));
+  if (value == remark.values.end()) return false;
+  const auto* number = std::get_if<std::int64_t>(&value->second.is);
+  return number != nullptr && *number == 1;
+}
+
+}  // namespace
+}  // namespace skyquilt::flight
+
+// As a number, or as a length in words.
+template <>
+struct fmt::formatter<skyquilt::flight::SaidNumber> : fmt::formatter<double> {
+  constexpr auto parse(format_parse_context& context) {
+    constexpr std::string_view kLength = "length";
+    const auto begin = context.begin();
+    const std::string_view spec(begin, static_cast<std::size_t>(context.end() - begin));
+    if (!spec.starts_with(kLength)) return fmt::formatter<double>::parse(context);
+    is_length_ = true;
+    return begin + kLength.size();
+  }
+  auto format(const skyquilt::flight::SaidNumber& number, format_context& context) const {
+    if (!is_length_) return fmt::formatter<double>::format(number.is, context);
+    return fmt::format_to(context.out(), "{}", skyquilt::flight::LengthInWords(number.is));
+  }
+
+ private:
+  bool is_length_ = false;
+};
+
+namespace skyquilt::flight {
+
+std::string LengthInWords(double metres) {
+  if (metres < 100.0) return fmt::format("{:.1f} m", metres);
+  if (metres < 10'000.0) return GroupedDigits(metres) + " m";
+  return GroupedDigits(metres / 1000.0) + " km";
+}
+
+std::string_view NameOf(RemarkCode code) { return RemarkSentences()[static_cast<std::size_t>(code)].name; }
+
+std::optional<RemarkCode> RemarkCodeOf(std::string_view name) {
+  const auto all = RemarkSentences();
+  const auto found =
+      std::find_if(all.begin(), all.end(), [&](const RemarkSentence& one) { return one.name == name; });
+  if (found == all.end()) return std::nullopt;
+  return found->code;
+}
+
+std::string InWords(const Remark& remark) {
+  const RemarkSentence& said = RemarkSentences()[static_cast<std::size_t>(remark.code)];
+  fmt::dynamic_format_arg_store<fmt::format_context> values;
+  for (const auto& [name, value] : remark.values) {
+    if (const auto* whole = std::get_if<std::int64_t>(&value.is)) {
+      values.push_back(fmt::arg(name.c_str(), *whole));
+    } else if (const auto* number = std::get_if<double>(&value.is)) {
+      values.push_back(fmt::arg(name.c_str(), SaidNumber{*number}));
+    } else if (const auto* text = std::get_if<std::string>(&value.is)) {
+      values.push_back(fmt::arg(name.c_str(), *text));
+    } else {
+      std::string within;
+      for (const Remark& one : std::get<std::vector<Remark>>(value.is)) within += InWords(one);
+      values.push_back(fmt::arg(name.c_str(), within));
+    }
+  }
+  try {
+    return fmt::vformat(said.one.empty() || !IsOne(remark, said.counted) ? said.sentence : said.one, values);
+  } catch (const fmt::format_error&) {
+    return std::string(said.name);
+  }
+}
+
+std::vector<std::string> InWords(const std::vector<Remark>& remarks) {
+  std::vector<std::string> sentences;
+  for (const Remark& remark : remarks) sentences.push_back(InWords(remark));
+  return sentences;
+}
+
+}  // namespace skyquilt::flight

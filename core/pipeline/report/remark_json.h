@@ -1,0 +1,71 @@
+// Remarks in JSON: a code by its name, and its values, of which what is to be said within the sentence is a
+// list of remarks. `Json` is whichever JSON library's value the including source works with; what is of
+// another kind, or a code that is not known, throws its own exceptions. Any thread.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "core/flight/remarks/remark_words.h"
+
+namespace skyquilt::pipeline {
+
+template <typename Json>
+Json JsonOfRemark(const flight::Remark& remark) {
+  Json values = Json::object();
+  for (const auto& [name, value] : remark.values) {
+    values[name] = std::visit(
+        [](const auto& is) {
+          if constexpr (std::is_same_v<std::decay_t<decltype(is)>, std::vector<flight::Remark>>) {
+            Json within = Json::array();
+            for (const flight::Remark& one : is) within.push_back(JsonOfRemark<Json>(one));
+            return within;
+          } else {
+            return Json(is);
+          }
+        },
+        value.is);
+  }
+  return {{"code", flight::NameOf(remark.code)}, {"values", std::move(values)}};
+}
+
+template <typename Json>
+Json JsonOfRemarks(const std::vector<flight::Remark>& remarks) {
+  Json all = Json::array();
+  for (const flight::Remark& one : remarks) all.push_back(JsonOfRemark<Json>(one));
+  return all;
+}
+
+template <typename Json>
+flight::Remark RemarkOfJson(const Json& json) {
+  const auto code = flight::RemarkCodeOf(json.at("code").template get_ref<const std::string&>());
+  if (!code) throw Json::other_error::create(500, "a remark is not known", nullptr);
+  flight::Remark remark(*code);
+  for (const auto& [name, value] : json.at("values").items()) {
+    if (value.is_number_integer()) {
+      remark.values.emplace(name, value.template get<std::int64_t>());
+    } else if (value.is_number()) {
+      remark.values.emplace(name, value.template get<double>());
+    } else if (value.is_array()) {
+      std::vector<flight::Remark> within;
+      for (const Json& one : value) within.push_back(RemarkOfJson<Json>(one));
+      remark.values.emplace(name, std::move(within));
+    } else {
+      remark.values.emplace(name, value.template get<std::string>());
+    }
+  }
+  return remark;
+}
+
+template <typename Json>
+std::vector<flight::Remark> RemarksOfJson(const Json& json) {
+  std::vector<flight::Remark> remarks;
+  for (const Json& one : json) remarks.push_back(RemarkOfJson<Json>(one));
+  return remarks;
+}
+
+}  // namespace skyquilt::pipeline

@@ -1,0 +1,61 @@
+#include "core/flight/remarks/remark_words.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace skyquilt::flight {
+namespace {
+
+TEST(RemarkSentences, HaveNamesThatAreFoundAgain) {
+  std::set<std::string_view> names;
+  for (const RemarkSentence& one : RemarkSentences()) {
+    EXPECT_TRUE(names.insert(one.name).second) << one.name;
+    EXPECT_EQ(RemarkCodeOf(one.name), one.code);
+    EXPECT_EQ(NameOf(one.code), one.name);
+    EXPECT_EQ(one.one.empty(), one.counted.empty()) << one.name;
+  }
+  EXPECT_FALSE(RemarkCodeOf("no such remark"));
+  EXPECT_FALSE(RemarkCodeOf(""));
+}
+
+TEST(InWords, CountsAndMeasures) {
+  const auto rows = [](std::size_t count) {
+    return InWords(
+        Remark{RemarkCode::kListNamesNoPhoto, {{"file", "geo.txt"}, {"rows", count}, {"first", "a.jpg"}}});
+  };
+  EXPECT_THAT(rows(1),
+              ::testing::StartsWith("geo.txt is not used: its rows name 1 photo (the first is a.jpg)"));
+  EXPECT_THAT(rows(2), ::testing::HasSubstr("name 2 photos"));
+  const auto apart = [](double apart_m) {
+    return InWords(
+        Remark{RemarkCode::kListReadOtherwise,
+               {{"file", "geo.txt"},
+                {"reading", std::vector<Remark>{{RemarkCode::kReadingSystem, {{"system", "EPSG:32632"}}},
+                                                RemarkCode::kReadingNorthFirst}},
+                {"apart_m", apart_m},
+                {"own", Remark(RemarkCode::kOwnPhotos)}}});
+  };
+  EXPECT_EQ(
+      apart(12.34),
+      "geo.txt: read as EPSG:32632, north before east: as written it would lie 12.3 m from the photos' own "
+      "positions.");
+  EXPECT_THAT(apart(1234.0), ::testing::HasSubstr("lie 1,234 m from"));
+  EXPECT_THAT(apart(5.2e6), ::testing::HasSubstr("lie 5,200 km from"));
+}
+
+TEST(InWords, SaysBracesOfNamesAsTheyAre) {
+  EXPECT_EQ(InWords(Remark("50 % {of} {0} it")), "50 % {of} {0} it");
+  EXPECT_THAT(InWords(Remark{RemarkCode::kFilm, {{"file", "{x}.mp4"}}}),
+              ::testing::StartsWith("{x}.mp4 is a film."));
+}
+
+// As a damaged file of an earlier run may have them.
+TEST(InWords, FallsBackToTheCodeWhereValuesAreMissingOrOfAnotherKind) {
+  EXPECT_EQ(InWords(Remark(RemarkCode::kGroups)), "groups");
+  EXPECT_EQ(InWords(Remark{RemarkCode::kPositionCorrected, {{"off_m", "far"}}}), "position_corrected");
+}
+
+}  // namespace
+}  // namespace skyquilt::flight

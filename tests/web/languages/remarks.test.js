@@ -1,0 +1,87 @@
+// What the server remarks: every code of core/flight/remarks/remark.h has its English sentence there and words in every
+// language of the page, which say the same values; and the page shows them in place of the server's sentences.
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { test } from 'node:test';
+import { kLanguages, speak } from '../../../web/src/shared/language.js';
+import { loadFlightWords } from '../../../web/src/shared/flight_strings.js';
+import { strings } from '../../../web/src/shared/strings.js';
+import { remarkWords, saidOf, whyLeftOut } from '../../../web/src/shared/remarks.js';
+import { web_root } from '../support/mock_server.js';
+
+/** @typedef {import('../../../web/src/shared/language.js').Language} Language */
+const tags = /** @type {Language[]} */ (Object.keys(kLanguages));
+
+const source = (/** @type {string} */ name) => readFileSync(join(web_root, '../core/flight/remarks', name), 'utf8').replace(/\/\/.*/g, '');
+const snake = (/** @type {string} */ name) => name.replace(/(?<!^)([A-Z])/g, '_$1').toLowerCase();
+
+/** Every code, as its name in JSON. */
+const codes = [...(source('remark.h').match(/enum class RemarkCode[^{]*\{([^}]*)\}/)?.[1] ?? '').matchAll(/\bk(\w+)/g)].map(([, name]) => snake(name));
+
+/** @type {Map<string, Set<string>>} by code, the values that its English sentence says */
+const said_there = new Map(
+  source('remark_sentences.cc').split('{RemarkCode::k').slice(1).map((row) => {
+    const literals = [...row.matchAll(/"((?:[^"\\]|\\.)*)"/g)].map(([, text]) => text);
+    const values = [...literals.slice(1).join('').matchAll(/\{(\w+)(?::[^}]*)?\}/g)].map(([, name]) => name);
+    return [literals[0], new Set(values)];
+  }),
+);
+
+/** What the server says only in English may be left out. @param {Iterable<string>} values */
+const withoutEnglish = (values) => [...values].filter((name) => !name.endsWith('_words')).sort();
+
+/** Of each kind of value one, far from all others. @param {string} name */
+const example = (name) => (/_(m|km|mm|ms|s|deg|percent|px)$|^(photos|total|points|used|groups|rows|models|more|remarks|pictures|times|lag|epsg|failed|captures|missing|target)$/.test(name) ? 7 : `<${name}>`);
+
+/** @param {(values: any) => string} say @returns {{text: string, asked: Set<string>}} */
+function ask(say) {
+  const asked = /** @type {Set<string>} */ (new Set());
+  const text = say(new Proxy({}, { get: (_, name) => (asked.add(String(name)), example(String(name))) }));
+  return { text, asked };
+}
+
+test('every code has an English sentence', () => {
+  assert.ok(codes.length > 100, 'the codes were found');
+  assert.deepEqual([...said_there.keys()], codes);
+});
+
+for (const tag of tags) {
+  test(`${tag} has words for every code, with the values of its sentence`, async () => {
+    const { remarks } = await loadFlightWords(tag);
+    assert.deepEqual(Object.keys(remarks).sort(), [...codes].sort());
+    for (const code of codes) {
+      const there = said_there.get(code) ?? new Set();
+      const { text, asked } = ask(remarks[code]);
+      const is_detail = code === 'placed_by_images' || code === 'left_panorama';
+      assert.deepEqual(withoutEnglish(asked), withoutEnglish(there), code);
+      for (const name of asked) assert.ok(there.has(name), `${code}: the server gives no ${name}`);
+      if (!is_detail) assert.doesNotMatch(text, /undefined|NaN|null|\[object/, code);
+      assert.doesNotMatch(text, /`|--[a-z]|skyquilt /, `${code}: what the page shows names no commands`);
+    }
+  });
+}
+
+test('no two languages say the same sentence', async () => {
+  const [english, german] = [(await loadFlightWords('en')).remarks, (await loadFlightWords('de')).remarks];
+  const same = codes.filter((code) => ask(english[code]).text === ask(german[code]).text);
+  assert.deepEqual(same, ['text', 'sentences', 'of_photo', 'of_file', 'reading_system']);
+});
+
+test('a remark is said in the language of the page, one that it does not know as the server says it', async () => {
+  speak('de');
+  Object.assign(strings, await loadFlightWords('de'));
+  const groups = { code: 'groups', values: { groups: 3 } };
+  const blurred = { code: 'of_photo', values: { photo: 'a.jpg', said: [{ code: 'doubt_blurred', values: {} }] } };
+  const noted = { code: 'of_photo', values: { photo: 'a.jpg', said: [{ code: 'text', values: { text_words: 'A note.' } }] } };
+  const unknown = { code: 'of_photo', values: { photo: 'a.jpg', said: [{ code: 'constructor', values: {} }] } };
+  assert.equal(remarkWords(blurred), 'a.jpg: ist unscharf');
+  const said = saidOf({ warnings: ['Three groups.', 'a.jpg: is blurred', 'a.jpg: A note.', 'New.', 'Old.'], remarks: [groups, blurred, noted, unknown] });
+  assert.match(said[0].text, /^Die Fotos bilden 3 Gruppen/);
+  assert.deepEqual(said.map(({ photo }) => photo), [null, 'a.jpg', 'a.jpg', 'a.jpg', null]);
+  assert.deepEqual(said.map(({ language }) => language), [null, null, 'en', 'en', 'en']);
+  assert.deepEqual(said.slice(2).map(({ text }) => text), ['a.jpg: A note.', 'New.', 'Old.']);
+  assert.equal(whyLeftOut({ name: 'b.jpg', code: 'conflict', reason: 'The same bytes as a.jpg.', remark: { code: 'left_same_bytes', values: { other: 'a.jpg' } } }), 'Dieselbe Datei wie a.jpg.');
+  assert.match(whyLeftOut({ name: 'c.jpg', code: 'corrupt', reason: 'It ends early.', remark: { code: 'text', values: { text_words: 'It ends early.' } } }), /: It ends early\.$/);
+  speak('en');
+});
