@@ -23,6 +23,7 @@
 #include "server/usage/catalogue_options.h"
 #include "storage/db/ids.h"
 #include "storage/db/machine_boot.h"
+#include "storage/folder/elsewhere/settle_blobs.h"
 #include "storage/folder/open_data_folder.h"
 
 namespace skyquilt::server {
@@ -111,15 +112,15 @@ void RunWorker(const WorkerOptions& options) {
   if (options.parent != 0 && !FollowParent(options.parent, SIGTERM)) return;
   StepBack();
   LimitThisProcess({});
-  storage::CataloguePlace place =
-      PlaceOf("skyquilt worker", options.catalogue, options.catalogue_password_file);
-  place.has_files_elsewhere = !options.blobs.address.empty();
-  Result<storage::OpenedDataFolder> opened = storage::JoinDataFolder(options.data_dir, place);
+  const Result<storage::CataloguePlace> place = storage::WithFilesAt(
+      PlaceOf("skyquilt worker", options.catalogue, options.catalogue_password_file), options.blobs);
+  if (!place) Fail("skyquilt worker", place.error());
+  Result<storage::OpenedDataFolder> opened = storage::JoinDataFolder(options.data_dir, *place);
   if (!opened) Fail("skyquilt worker", opened.error());
   const storage::DataDir* const dir = &opened->dir;
   storage::CatalogueDb* const db = opened->db.get();
   db->SetPatience(kPatience);
-  const Result<std::shared_ptr<storage::BlobStore>> blobs = OpenBlobsOf(*dir, options.blobs);
+  const Result<std::shared_ptr<storage::BlobStore>> blobs = OpenBlobsOf(*dir, *db, options.blobs);
   if (!blobs) Fail("skyquilt worker", blobs.error());
   if (options.previews) {
     DrawPreviews(*dir, **blobs, *db, options);
