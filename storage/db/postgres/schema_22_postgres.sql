@@ -10,3 +10,5 @@ CREATE TABLE worker_aside(
   code TEXT COLLATE "C" NOT NULL,
   message TEXT COLLATE "C" NOT NULL
 );
+-- Jobs that waited for their units when their flight went to the trash: nobody would ever end them.
+UPDATE job SET state = 'dismissed', finished_us = now_us() WHERE state = 'running' AND worker = 'units' AND cancel = 1;

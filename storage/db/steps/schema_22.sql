@@ -10,3 +10,6 @@ CREATE TABLE worker_aside(
   code TEXT NOT NULL,
   message TEXT NOT NULL
 ) STRICT;
+-- Jobs that waited for their units when their flight went to the trash: nobody would ever end them.
+UPDATE job SET state = 'dismissed', finished_us = CAST(strftime('%s', 'now') AS INTEGER) * 1000000
+  WHERE state = 'running' AND worker = 'units' AND cancel = 1;

@@ -6,6 +6,7 @@
 #include <set>
 #include <thread>
 
+#include "storage/catalogue/trash.h"
 #include "tests/storage/postgres/test_catalogue.h"
 #include "tests/storage/scratch_dir.h"
 
@@ -179,6 +180,23 @@ TEST_F(UnitQueueTest, CancellingEndsTheUnits) {
   EXPECT_FALSE(*units_.Done(unit));
   EXPECT_FALSE(*units_.Claim("w", now_));
   EXPECT_TRUE(units_.Of(lease.job_id)->empty());
+}
+
+TEST_F(UnitQueueTest, TheTrashEndsTheJobAndItsUnits) {
+  const Lease lease = CutJob(3);
+  const UnitLease at_work = Claimed();
+  Trash trash(*db_);
+  ASSERT_TRUE(trash.Put(lease.flight_id, now_));
+  EXPECT_TRUE(units_.Count(now_)->empty());
+  EXPECT_EQ(*units_.Renew(at_work, now_), LeaseState::kLost);
+  EXPECT_FALSE(*units_.Done(at_work));
+  EXPECT_FALSE(*units_.Claim("w", now_ + hours(1)));
+  ASSERT_TRUE(trash.Restore(lease.flight_id));
+  EXPECT_EQ(queue_.Get(lease.job_id)->state, JobState::kDismissed);
+  EXPECT_TRUE(queue_.Get(lease.job_id)->finished.has_value());
+  const auto again = queue_.Add(lease.flight_id, "{}", now_);
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_EQ((*queue_.Claim("w", now_ + seconds(1)))->job_id, again->id);
 }
 
 TEST_F(UnitQueueTest, AJobThatWasCancelledBeforeItIsCutEnds) {
