@@ -77,6 +77,10 @@ std::int64_t PartBytesFor(std::int64_t bytes) {
 
 Result<void> S3Blobs::Put(const std::string& key, const fs::path& file) {
   RequireKey(key);
+  if (key.ends_with(".pmtiles")) {
+    SKYQUILT_TRY_ASSIGN(const std::string sums, RangeSumsOfFile(file));
+    SKYQUILT_TRY(client_->Put(RangeSumsKey(key), sums, {Sha256Hex(sums)}));
+  }
   SKYQUILT_TRY_ASSIGN(const std::string sha256, Sha256OfFile(file));
   std::error_code error;
   const auto bytes = static_cast<std::int64_t>(fs::file_size(file, error));
@@ -121,6 +125,34 @@ Result<std::string> S3Blobs::ReadRange(const std::string& key, std::int64_t offs
   RequireKey(key);
   if (length == 0) return std::string();
   return client_->Get(key, offset, length);
+}
+
+Result<std::shared_ptr<const std::string>> S3Blobs::SumsOf(const std::string& key) {
+  constexpr std::size_t kMaxKept = 256;
+  {
+    const std::lock_guard lock(sums_mutex_);
+    const auto found = sums_.find(key);
+    if (found != sums_.end()) return found->second;
+  }
+  std::shared_ptr<const std::string> sums;
+  const Result<LocalBlob> local = Local(RangeSumsKey(key));
+  if (local) {
+    SKYQUILT_TRY_ASSIGN(std::string text, ReadWholeFile(local->path));
+    sums = std::make_shared<const std::string>(std::move(text));
+  } else if (local.error().code == ErrorCode::kCorrupt) {
+    return Error{ErrorCode::kUnavailable, local.error().message, local.error().detail};
+  } else if (local.error().code != ErrorCode::kNotFound) {
+    return local.error();
+  }
+  const std::lock_guard lock(sums_mutex_);
+  if (sums_.size() >= kMaxKept) sums_.clear();
+  sums_[key] = sums;
+  return sums;
+}
+
+void S3Blobs::DoubtNear(const std::string& key) {
+  const auto sums = SumsOf(key);
+  if (!sums || *sums == nullptr) ranges_.Forget(key);
 }
 
 Result<BlobInfo> S3Blobs::Find(const std::string& key) {

@@ -236,6 +236,36 @@ class Places(S3TestCase):
 
 
 class Faults(S3TestCase):
+    def test_a_wrong_answer_is_neither_shown_nor_kept(self):
+        server = self.serve_s3()
+        flight_id = self.make_map(server)
+        sound = self.tiles_of(server, flight_id)
+        harms = [lambda content: content[:len(content) // 3],
+                 lambda content: content[:len(content) // 2] + bytes([content[len(content) // 2] ^ 1]) + content[len(content) // 2 + 1:]]
+        for harm in harms:
+            self.assertEqual(server.stop(), 0)
+            shutil.rmtree(pathlib.Path(self.data, "cache"))
+            left = [6]
+
+            def some(path, content):
+                if "mosaic.pmtiles" not in path or left[0] == 0 or left[0] % 4 == 0 or not content:
+                    left[0] = max(0, left[0] - 1)
+                    return content
+                left[0] -= 1
+                return harm(content)
+            self.proxy.harm = some
+            server = self.serve_s3()
+            self.assertEqual(self.tiles_of(server, flight_id), sound)
+            self.assertEqual(left, [0], "the proxy was too kind for this test")
+        # A store that is never right: 503, and all is well once it is.
+        self.assertEqual(server.stop(), 0)
+        shutil.rmtree(pathlib.Path(self.data, "cache"))
+        self.proxy.harm = lambda path, content: harms[1](content) if "mosaic.pmtiles" in path else content
+        server = self.serve_s3()
+        self.assertEqual(server.request("GET", f"/tiles/{flight_id}.json")[0], 503)
+        self.proxy.harm = None
+        self.assertEqual(self.tiles_of(server, flight_id), sound)
+
     def test_a_store_that_fails_and_stalls_changes_no_byte(self):
         server = self.serve_s3()
         sound = self.tiles_of(server, self.make_map(server))
