@@ -21,7 +21,7 @@ Response Ready(Service& service, const Request& request) {
   if (service.is_draining) return refuse("The server is shutting down.");
   if (const Result<void> in_place = service.storage_in_place(); !in_place)
     return Problem(in_place.error(), request);
-  if (!service.queue.Count()) return refuse("The catalogue cannot be read.");
+  if (!service.tilesets.CheckCatalogue()) return refuse("The catalogue cannot be read.");
   struct statvfs disk {};
   const bool has_disk = statvfs(service.store.dir().root().c_str(), &disk) == 0;
   if (!has_disk || std::uint64_t{disk.f_bavail} * disk.f_frsize < kMinFreeBytes) {
@@ -34,7 +34,8 @@ Response Ready(Service& service, const Request& request) {
 
 void AddOpsRoutes(Router& router, Service& service) {
   router.AddQuick(Method::kGet, "/healthz", [](const Request&) { return Json(200, R"({"status":"ok"})"); });
-  router.Add(Method::kGet, "/readyz", [&](const Request& request) { return Ready(service, request); });
+  // Not behind what waits for the catalogue.
+  router.AddQuick(Method::kGet, "/readyz", [&](const Request& request) { return Ready(service, request); });
   router.Add(Method::kGet, "/metrics", [&](const Request& request) {
     const Result<storage::JobCounts> jobs = service.queue.Count();
     if (!jobs) return Problem(jobs.error(), request);

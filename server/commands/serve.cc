@@ -260,7 +260,7 @@ void RunServer(const ServeOptions& options) {
   storage::Catalogue tiles_catalogue(*opened.tiles_db);
   storage::JobQueue queue(*opened.db);
   storage::PhotoStore store(opened.dir, *blobs);
-  storage::TilesetCache tilesets(opened.dir, tiles_catalogue, *blobs);
+  storage::TilesetCache tilesets(opened.dir, tiles_catalogue, *blobs, given.IsPostgres());
   api::Metrics metrics;
   api::Service service{catalogue,        queue,          store, tilesets, metrics, *opened.db,
                        SKYQUILT_VERSION, options.workers};
