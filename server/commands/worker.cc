@@ -10,6 +10,7 @@
 #include <random>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "core/base/try.h"
 #include "server/commands/fail.h"
@@ -31,6 +32,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kPoll{200};
 constexpr std::chrono::seconds kPatience{30};  // with a database that is restarted
+constexpr std::chrono::minutes kPatienceAtStart{15};
 
 struct WorkerOptions {
   std::string data_dir;
@@ -56,6 +58,23 @@ constexpr int kNothingToDo = 3;
 std::atomic<bool> is_stopping{false};
 
 void OnStopSignal(int) { is_stopping = true; }
+
+// What is away when a worker starts is waited for, as it is in the middle of a job.
+template <typename Open>
+auto Patiently(Open open) {
+  const auto end = std::chrono::steady_clock::now() + kPatienceAtStart;
+  bool is_said = false;
+  while (true) {
+    auto opened = open();
+    const bool may_pass = !opened && opened.error().code == ErrorCode::kUnavailable;
+    if (!may_pass || std::chrono::steady_clock::now() > end) return opened;
+    if (!std::exchange(is_said, true)) LogEvent("the worker waits: " + opened.error().message);
+    for (int polls = 0; polls < 5; ++polls) {
+      if (is_stopping) throw CLI::RuntimeError(0);
+      std::this_thread::sleep_for(kPoll);
+    }
+  }
+}
 
 void DrawPreviews(const storage::DataDir& dir, storage::BlobStore& blobs, storage::CatalogueDb& db,
                   const WorkerOptions& options) {
@@ -112,15 +131,19 @@ void RunWorker(const WorkerOptions& options) {
   if (options.parent != 0 && !FollowParent(options.parent, SIGTERM)) return;
   StepBack();
   LimitThisProcess({});
-  const Result<storage::CataloguePlace> place = storage::WithFilesAt(
-      PlaceOf("skyquilt worker", options.catalogue, options.catalogue_password_file), options.blobs);
+  const storage::CataloguePlace given =
+      PlaceOf("skyquilt worker", options.catalogue, options.catalogue_password_file);
+  const Result<storage::CataloguePlace> place =
+      Patiently([&] { return storage::WithFilesAt(given, options.blobs); });
   if (!place) Fail("skyquilt worker", place.error());
-  Result<storage::OpenedDataFolder> opened = storage::JoinDataFolder(options.data_dir, *place);
+  Result<storage::OpenedDataFolder> opened =
+      Patiently([&] { return storage::JoinDataFolder(options.data_dir, *place); });
   if (!opened) Fail("skyquilt worker", opened.error());
   const storage::DataDir* const dir = &opened->dir;
   storage::CatalogueDb* const db = opened->db.get();
   db->SetPatience(kPatience);
-  const Result<std::shared_ptr<storage::BlobStore>> blobs = OpenBlobsOf(*dir, *db, options.blobs);
+  const Result<std::shared_ptr<storage::BlobStore>> blobs =
+      Patiently([&] { return OpenBlobsOf(*dir, *db, options.blobs); });
   if (!blobs) Fail("skyquilt worker", blobs.error());
   if (options.previews) {
     DrawPreviews(*dir, **blobs, *db, options);

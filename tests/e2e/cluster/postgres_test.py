@@ -90,6 +90,21 @@ class SharedCatalogue(SharedCatalogueCase):
         wait_until(lambda: server.request("GET", "/readyz")[0] == 200, "the server is not ready again: " + server.errors())
         self.assertEqual(server.request("GET", tile)[2], sound)
 
+    def test_a_worker_that_starts_before_the_database_waits_for_it(self):
+        server = self.serve_shared()
+        _, job_id = self.upload(server)
+        self.postgres.stop()
+        worker = self.work("--once")
+        time.sleep(6)
+        self.assertIsNone(worker.process.poll(), worker.errors())
+        stopped = self.work()
+        time.sleep(1)
+        self.assertEqual(stopped.stop(), 0, stopped.errors())
+        self.postgres.start()
+        self.assertEqual(worker.process.wait(timeout=240), 0, worker.errors())
+        wait_until(lambda: server.json("GET", "/api/v1/flights")[0] == 200, "the server did not come back")
+        self.assertEqual(server.wait_for_job(job_id)["state"], "successful", worker.errors())
+
     def test_the_job_of_a_killed_worker_is_anothers(self):
         server = self.serve_shared()
         first = self.work()

@@ -11,6 +11,7 @@ import subprocess
 import sys
 import tempfile
 import threading
+import time
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
@@ -236,6 +237,18 @@ class Places(S3TestCase):
 
 
 class Faults(S3TestCase):
+    def test_a_worker_that_starts_before_the_store_waits_for_it(self):
+        server = self.serve_s3("--workers", "0")
+        status, made = server.upload(self.photos)
+        self.assertEqual(status, 202, made)
+        self.proxy.is_cut.set()
+        worker = subprocess.Popen([BINARY, "worker", "--once", "--data", self.data, "--blobs", self.address()])
+        time.sleep(8)
+        self.assertIsNone(worker.poll())
+        self.proxy.is_cut.clear()
+        self.assertEqual(worker.wait(timeout=240), 0)
+        self.assertEqual(server.wait_for_job(made["job"]["id"])["state"], "successful")
+
     def test_a_wrong_answer_is_neither_shown_nor_kept(self):
         server = self.serve_s3()
         flight_id = self.make_map(server)
