@@ -41,7 +41,9 @@ void AddOpsRoutes(Router& router, Service& service) {
     if (!jobs) return Problem(jobs.error(), request);
     const auto units = storage::UnitQueue(service.db).Count(storage::Now());
     if (!units) return Problem(units.error(), request);
-    return Text(200, service.metrics.Text(*jobs, *units), "text/plain; version=0.0.4; charset=utf-8");
+    const auto aside = storage::WorkersAside(service.db).List();
+    if (!aside) return Problem(aside.error(), request);
+    return Text(200, service.metrics.Text(*jobs, *units, *aside), "text/plain; version=0.0.4; charset=utf-8");
   });
   router.AddQuick(Method::kGet, "/version", [&](const Request&) {
     return Json(200,

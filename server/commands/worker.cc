@@ -26,6 +26,7 @@
 #include "storage/db/machine_boot.h"
 #include "storage/folder/elsewhere/settle_blobs.h"
 #include "storage/folder/open_data_folder.h"
+#include "storage/jobs/workers_aside.h"
 
 namespace skyquilt::server {
 namespace {
@@ -123,6 +124,37 @@ Result<bool> WorkOnce(WorkerContext& context, const std::string& name) {
   return false;
 }
 
+// After trouble of this machine it takes nothing for a while, and says so where its work is seen; what it had
+// is another's by now.
+class Aside {
+ public:
+  Aside(storage::CatalogueDb& db, std::string name) : workers_(db), name_(std::move(name)) {}
+  ~Aside() { Clear(); }
+  Aside(const Aside&) = delete;
+  Aside& operator=(const Aside&) = delete;
+
+  void After(const Error& fault) {
+    const auto pause = storage::PauseAside(++times_);
+    LogFailure("-", "machine",
+               fmt::format("{} {} What this worker had was given back; it takes nothing for {} s.",
+                           fault.message, fault.detail, pause.count()));
+    const Result<void> put = workers_.Put(name_, times_, fault, storage::Now());
+    if (!put) LogFailure("-", "aside", put.error().detail);
+    const auto end = std::chrono::steady_clock::now() + pause;
+    while (!is_stopping && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(kPoll);
+  }
+  void Clear() {
+    if (std::exchange(times_, 0) == 0) return;
+    const Result<void> cleared = workers_.Clear(name_);
+    if (!cleared) LogFailure("-", "aside", cleared.error().detail);
+  }
+
+ private:
+  storage::WorkersAside workers_;
+  const std::string name_;
+  int times_ = 0;
+};
+
 void RunWorker(const WorkerOptions& options) {
   signal(SIGTERM, OnStopSignal);
   signal(SIGINT, OnStopSignal);
@@ -156,12 +188,14 @@ void RunWorker(const WorkerOptions& options) {
   WorkerContext context{*dir, **blobs, catalogue, queue, costs, units, is_stopping};
   context.cut_above_files = options.cut_above;
   context.files_per_unit = options.part_files;
+  context.is_shared = db->IsShared();
   if (options.job_timeout_s > 0) context.limits.timeout = std::chrono::seconds(options.job_timeout_s);
   context.limits.machine_memory_bytes = MemoryOfThisMachine();
   if (options.job_memory_mib > 0) context.limits.memory_bytes = std::int64_t{options.job_memory_mib} << 20;
   const int jobs = options.once ? 1 : options.jobs;
   const std::string name = options.name.empty() ? NameOfWorker(*db) : options.name;
   bool may_hold_a_job = false;
+  Aside aside(*db, name);
   for (int done = 0; !is_stopping && (jobs == 0 || done < jobs);) {
     if (may_hold_a_job) {
       // A claim was made and its answer lost; nobody works on that job.
@@ -174,7 +208,12 @@ void RunWorker(const WorkerOptions& options) {
       LogFailure("-", "claim", worked.error().detail);
       may_hold_a_job = db->IsShared();
       std::this_thread::sleep_for(std::chrono::seconds(2));
+    } else if (*worked && context.fault) {
+      // Whoever started one that works once decides when to start the next.
+      if (options.once) Fail("skyquilt worker", *context.fault);
+      aside.After(*std::exchange(context.fault, std::nullopt));
     } else if (*worked) {
+      aside.Clear();
       ++done;
     } else if (options.once || options.until_empty) {
       if (options.once) throw CLI::RuntimeError(kNothingToDo);

@@ -197,8 +197,13 @@ Result<int> S3Blobs::RemoveBelow(const std::string& prefix) {
 
 Result<LocalBlob> S3Blobs::Local(const std::string& key) {
   return cache_->Get(key, [&](const fs::path& to) -> Result<void> {
-    SKYQUILT_TRY(client_->GetToFile(key, to));
-    return {};
+    // A wrong byte may have come on the way: it is read again before the store is believed to have it.
+    constexpr int kReads = 3;
+    for (int reads = 1;; ++reads) {
+      const Result<S3Object> got = client_->GetToFile(key, to);
+      if (got) return {};
+      if (got.error().code != ErrorCode::kCorrupt || reads == kReads) return got.error();
+    }
   });
 }
 

@@ -123,8 +123,8 @@ class JobQueue {
   Result<bool> Fail(const Lease& lease, const Error& error, bool may_retry, Time now);
   // The worker saw the wish to cancel and stopped. False: the lease was lost.
   Result<bool> Dismiss(const Lease& lease, Time now);
-  // The worker must stop, through no fault of the job's: the attempt does not count. False: the lease was
-  // lost.
+  // The worker must stop, or its machine is in trouble, through no fault of the job's: the attempt does not
+  // count. False: the lease was lost.
   Result<bool> GiveBack(const Lease& lease, Time now);
 
   // Publishing, in two steps around the move of the files. Absent or false: the lease was lost.

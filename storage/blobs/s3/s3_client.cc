@@ -138,7 +138,7 @@ std::chrono::system_clock::time_point S3Client::StoreTime() const {
   return std::chrono::system_clock::now() + std::chrono::seconds(skew_s_.load());
 }
 
-Result<HttpAnswer> S3Client::PerformOnce(const Ask& ask, const std::string& payload_sha256) {
+Result<HttpAnswer> S3Client::PerformOnce(const Ask& ask, const std::string& payload_sha256, int attempt) {
   SKYQUILT_TRY_ASSIGN(const S3Credentials keys, credentials_.Get(std::chrono::system_clock::now()));
   RequestToSign request{
       ask.method,    settings_.HostOfRequests(), settings_.PathOf(ask.key), ask.query, ask.headers,
@@ -154,6 +154,8 @@ Result<HttpAnswer> S3Client::PerformOnce(const Ask& ask, const std::string& payl
   exchange.begin = ask.begin;
   exchange.connect_patience = settings_.connect_patience;
   exchange.stall_patience = std::max(ask.stall_patience, settings_.stall_patience);
+  // A store that is slow to store is waited for longer each time, or nothing would ever be put.
+  if (ask.method != "GET" && ask.method != "HEAD") exchange.stall_patience *= attempt;
   ++requests_;
   return transfers_.Perform(exchange);
 }
@@ -241,7 +243,7 @@ Result<HttpAnswer> S3Client::Perform(Ask ask, int* attempts_made) {
   }
   for (int attempt = 1;; ++attempt) {
     if (attempts_made != nullptr) *attempts_made = attempt;
-    Result<HttpAnswer> answer = PerformOnce(ask, payload);
+    Result<HttpAnswer> answer = PerformOnce(ask, payload, attempt);
     if (answer && answer->IsGood()) {
       has_worked_ = true;
       return answer;

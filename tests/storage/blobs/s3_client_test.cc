@@ -136,6 +136,15 @@ TEST(S3Client, ReadsARangeAgainThatIsShorterThanTheObjectAllows) {
   EXPECT_EQ(*end->Get("k", 98, 10), "01");
 }
 
+TEST(S3Client, WaitsLongerEachTimeForAStoreThatIsSlowToStore) {
+  ScriptedStore store([](int, const std::string&) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1'500));
+    return HttpText(200, "", "ETag: \"e\"\r\n");
+  });
+  const auto put = store->Put("k", "bytes", {});
+  EXPECT_TRUE(put) << put.error().message;
+}
+
 TEST(S3Client, BelievesNoStoreThatSendsMoreThanWasAskedFor) {
   ScriptedStore store([](int, const std::string&) { return HttpText(206, std::string(100, 'x')); });
   EXPECT_EQ(store->Get("k", 0, 10).error().code, ErrorCode::kCorrupt);

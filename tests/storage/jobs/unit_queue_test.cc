@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "storage/catalogue/trash.h"
+#include "storage/jobs/workers_aside.h"
 #include "tests/storage/postgres/test_catalogue.h"
 #include "tests/storage/scratch_dir.h"
 
@@ -113,6 +114,27 @@ TEST_F(UnitQueueTest, TellsHowLongTheyWaitAndHowOftenTheyFailed) {
   EXPECT_EQ(*units_.ReleaseWorker("c", now_), 1);
   EXPECT_EQ(count().waiting, 1);
   EXPECT_NEAR(count().longest_waiting_s, 0.0, 5.0);
+}
+
+TEST_F(UnitQueueTest, WorkersStandAsideForLongerEachTimeUntilTheirWorkGoesWell) {
+  EXPECT_EQ(PauseAside(1), seconds(5));
+  EXPECT_EQ(PauseAside(2), seconds(10));
+  EXPECT_EQ(PauseAside(1'000'000), seconds(600));
+  WorkersAside aside(*db_);
+  EXPECT_TRUE(aside.List()->empty());
+  ASSERT_TRUE(aside.Put("a", 1, {ErrorCode::kOutOfSpace, "full", ""}, now_));
+  ASSERT_TRUE(aside.Put("a", 2, {ErrorCode::kIo, "broken", ""}, now_));
+  ASSERT_TRUE(aside.Put("b", 1, {ErrorCode::kUnavailable, "away", ""}, now_));
+  const auto listed = *aside.List();
+  ASSERT_EQ(listed.size(), 2U);
+  EXPECT_EQ(listed[0].worker, "a");
+  EXPECT_EQ(listed[0].times, 2);
+  EXPECT_EQ(listed[0].code, ErrorCodeName(ErrorCode::kIo));
+  EXPECT_EQ(listed[0].until - listed[0].since, seconds(10));
+  ASSERT_TRUE(aside.Clear("a"));
+  EXPECT_EQ(aside.List()->size(), 1U);
+  ASSERT_TRUE(aside.Put("b", 1, {ErrorCode::kUnavailable, "away", ""}, now_ - hours(2)));  // nobody came back
+  EXPECT_TRUE(aside.List()->empty());
 }
 
 TEST_F(UnitQueueTest, TheLeaseOfWhoCutItIsOver) {
