@@ -75,7 +75,8 @@ void Metrics::CountRequest(RouteClass route_class, int status, std::chrono::nano
 }
 
 std::string Metrics::Text(const storage::JobCounts& jobs, const std::vector<storage::UnitsOfKind>& units,
-                          const std::vector<storage::WorkerAside>& aside) const {
+                          const std::vector<storage::WorkerAside>& aside,
+                          const std::vector<storage::HeldUnit>& held) const {
   std::string text;
   const auto out = std::back_inserter(text);
   fmt::format_to(
@@ -119,6 +120,16 @@ std::string Metrics::Text(const storage::JobCounts& jobs, const std::vector<stor
   state("failed", jobs.failed);
   state("dismissed", jobs.dismissed);
   WriteUnits(units, text);
+  fmt::format_to(
+      out,
+      "# HELP skyquilt_unit_held_seconds For how long a worker has had the unit that it works on.\n"
+      "# TYPE skyquilt_unit_held_seconds gauge\n");
+  for (const storage::HeldUnit& unit : held) {
+    fmt::format_to(
+        out,
+        "skyquilt_unit_held_seconds{{job=\"{}\",kind=\"{}\",part=\"{}\",worker=\"{}\",attempt=\"{}\"}} {:.3f}\n",
+        unit.job_id, unit.kind, unit.number + 1, InLabel(unit.worker), unit.attempt, unit.held_s);
+  }
   fmt::format_to(
       out,
       "# HELP skyquilt_worker_aside_times How often in a row a worker gave back what it had for trouble "

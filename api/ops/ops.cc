@@ -39,11 +39,15 @@ void AddOpsRoutes(Router& router, Service& service) {
   router.Add(Method::kGet, "/metrics", [&](const Request& request) {
     const Result<storage::JobCounts> jobs = service.queue.Count();
     if (!jobs) return Problem(jobs.error(), request);
-    const auto units = storage::UnitQueue(service.db).Count(storage::Now());
+    const storage::UnitQueue queue(service.db);
+    const auto units = queue.Count(storage::Now());
     if (!units) return Problem(units.error(), request);
+    const auto held = queue.Held();
+    if (!held) return Problem(held.error(), request);
     const auto aside = storage::WorkersAside(service.db).List();
     if (!aside) return Problem(aside.error(), request);
-    return Text(200, service.metrics.Text(*jobs, *units, *aside), "text/plain; version=0.0.4; charset=utf-8");
+    return Text(200, service.metrics.Text(*jobs, *units, *aside, *held),
+                "text/plain; version=0.0.4; charset=utf-8");
   });
   router.AddQuick(Method::kGet, "/version", [&](const Request&) {
     return Json(200,

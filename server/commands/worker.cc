@@ -219,7 +219,8 @@ void RunWorker(const WorkerOptions& options) {
       if (options.once) throw CLI::RuntimeError(kNothingToDo);
       return;
     } else {
-      queue.WaitForJobs();
+      // What nobody tells, such as a lease that ran out, is looked for by itself every ten seconds.
+      for (int listened = 0; listened < 5 && !is_stopping && !queue.WaitForJobs();) ++listened;
     }
   }
 }

@@ -140,8 +140,8 @@ class JobQueue {
   Result<int> TakeUpAfterRestart(Time now);
   // What the names of this server's workers begin with.
   const std::string& served_prefix() const { return db_.served_prefix(); }
-  // Until there may be a job to claim.
-  void WaitForJobs() { db_.WaitForJobs(); }
+  // Until there may be a job to claim, or for two seconds (false).
+  bool WaitForJobs() { return db_.WaitForJobs(); }
   // Flights that a live lease may be publishing into, with the lease as "<job>-<token>".
   struct LiveLease {
     std::string flight_id;

@@ -5,6 +5,7 @@
 // flight has too many), kRateLimited (too many wait), kOutOfSpace, kUnavailable, kIo.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <optional>
@@ -58,6 +59,8 @@ class MapExports {
   // Whoever makes it learns of it at its next heartbeat. The caller removes its file.
   Result<void> Remove(const std::string& id);
 
+  // True once for what was asked for here since.
+  bool HasNew() { return has_new_.exchange(false); }
   // The oldest that waits, or whose server has died. One that did not survive kMaxAttempts has failed.
   Result<std::optional<MapExport>> Claim(Time now);
   // False: it was removed, or is another's by now.
@@ -75,6 +78,7 @@ class MapExports {
   Result<bool> End(const MapExport& claimed, ExportState state, std::int64_t bytes, const Error& error,
                    Time now);
   CatalogueDb& db_;
+  std::atomic<bool> has_new_{true};
 };
 
 // The key of an export's blob, "flights/<flight>/exports/<id>.tif", and the folder of such.

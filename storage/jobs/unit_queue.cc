@@ -61,6 +61,12 @@ Result<void> FailExhausted(SqlConnection& db, Time now) {
   return {};
 }
 
+// There is something to claim: workers that sleep are told, at the end of the transaction.
+Result<void> WakeWorkers(SqlConnection& db) {
+  if (db.dialect() != Dialect::kPostgres) return {};
+  return db.Exec("SELECT pg_notify(current_schema() || '.jobs', '')");
+}
+
 // Shown while units are at work, and given to a worker once all are done.
 Result<void> GoOn(SqlConnection& db, const std::string& job_id, std::string_view kind) {
   SKYQUILT_TRY_ASSIGN(
@@ -70,6 +76,7 @@ Result<void> GoOn(SqlConnection& db, const std::string& job_id, std::string_view
   SKYQUILT_TRY(query.Bind(1, job_id).Bind(2, kind).Step());
   const std::int64_t count = query.ColumnInt64(0), done = query.ColumnInt64(1);
   query.Reset();
+  if (done == count) SKYQUILT_TRY(WakeWorkers(db));
   SKYQUILT_TRY_ASSIGN(
       Statement tell,
       db.Prepare("UPDATE job SET progress=units_from+(units_to-units_from)*?2, message=?3,"
@@ -275,6 +282,8 @@ Result<bool> UnitQueue::Fail(const UnitLease& unit, const Error& error, bool may
         held.Reset();
         if (!is_held) return false;
         SKYQUILT_TRY(FailJobOf(*db, unit.job_id, error, now));
+      } else {
+        SKYQUILT_TRY(WakeWorkers(*db));
       }
     }
     SKYQUILT_TRY(transaction.Commit());
@@ -291,7 +300,9 @@ Result<bool> UnitQueue::GiveBack(const UnitLease& unit, Time by_machine) {
           std::string("UPDATE unit SET state='waiting', worker='', attempts=attempts-1, waiting_us=?5") +
           kHeldUnit));
   SKYQUILT_TRY(BindUnit(update, unit).Bind(5, ToUs(now)).Run());
-  return db->Changes() > 0;
+  const bool was_held = db->Changes() > 0;
+  if (was_held) SKYQUILT_TRY(WakeWorkers(*db));
+  return was_held;
 }
 
 Result<int> UnitQueue::ReleaseWorker(const std::string& worker, Time by_machine) {
@@ -300,7 +311,9 @@ Result<int> UnitQueue::ReleaseWorker(const std::string& worker, Time by_machine)
   SKYQUILT_TRY_ASSIGN(Statement update, db->Prepare("UPDATE unit SET lease_until_us=0, waiting_us=?2"
                                                     " WHERE state='running' AND worker=?1"));
   SKYQUILT_TRY(update.Bind(1, worker).Bind(2, ToUs(now)).Run());
-  return static_cast<int>(db->Changes());
+  const int held = static_cast<int>(db->Changes());
+  if (held > 0) SKYQUILT_TRY(WakeWorkers(*db));
+  return held;
 }
 
 Result<std::vector<HeldUnit>> UnitQueue::Held(const std::string& job_id) const {

@@ -137,6 +137,27 @@ TEST_F(UnitQueueTest, WorkersStandAsideForLongerEachTimeUntilTheirWorkGoesWell) 
   EXPECT_TRUE(aside.List()->empty());
 }
 
+TEST_F(UnitQueueTest, TellsWhoHasWhichSinceWhenAtWhichAttempt) {
+  const Lease lease = CutJob(3);
+  EXPECT_TRUE(units_.Held()->empty());
+  const UnitLease first = Claimed("a");
+  EXPECT_TRUE(*units_.Fail(first, {ErrorCode::kIo, "disk", ""}, true, now_));
+  const UnitLease again = Claimed("b");
+  ASSERT_EQ(again.number, first.number);
+  Claimed("c");
+  const auto held = *units_.Held(lease.job_id);
+  ASSERT_EQ(held.size(), 2U);
+  EXPECT_EQ(held[0].worker, "b");
+  EXPECT_EQ(held[0].attempt, 2);
+  EXPECT_EQ(held[0].number, again.number);
+  EXPECT_EQ(held[1].worker, "c");
+  EXPECT_EQ(held[1].attempt, 1);
+  EXPECT_NEAR(held[1].held_s, 0.0, 5.0);
+  EXPECT_TRUE(*units_.Done(again));
+  EXPECT_EQ(units_.Held()->size(), 1U);
+  EXPECT_TRUE(units_.Held("another")->empty());
+}
+
 TEST_F(UnitQueueTest, TheLeaseOfWhoCutItIsOver) {
   const Lease lease = CutJob(1);
   EXPECT_EQ(*queue_.Renew(lease, now_), LeaseState::kLost);
