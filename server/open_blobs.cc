@@ -5,10 +5,10 @@
 
 namespace skyquilt::server {
 
-Result<std::shared_ptr<storage::BlobStore>> OpenBlobsOf(const storage::DataDir& dir,
+Result<std::shared_ptr<storage::BlobStore>> OpenBlobsOf(const storage::DataDir& dir, storage::CatalogueDb& db,
                                                         const storage::BlobPlace& place) {
   SKYQUILT_TRY_ASSIGN(std::shared_ptr<storage::BlobStore> blobs, storage::OpenBlobs(place, dir.root()));
-  SKYQUILT_TRY(storage::SettleBlobs(dir, dir.id(), *blobs));
+  SKYQUILT_TRY(storage::SettleBlobs(dir, db, *blobs));
   return blobs;
 }
 

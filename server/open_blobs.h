@@ -6,11 +6,12 @@
 
 #include "core/base/result.h"
 #include "storage/blobs/open_blobs.h"
+#include "storage/db/catalogue_db.h"
 #include "storage/folder/data_dir.h"
 
 namespace skyquilt::server {
 
-Result<std::shared_ptr<storage::BlobStore>> OpenBlobsOf(const storage::DataDir& dir,
+Result<std::shared_ptr<storage::BlobStore>> OpenBlobsOf(const storage::DataDir& dir, storage::CatalogueDb& db,
                                                         const storage::BlobPlace& place);
 
 }  // namespace skyquilt::server

@@ -27,7 +27,12 @@ Response GetJob(Service& service, const Request& request) {
   if (!checked) return Problem(checked.error(), request);
   const Result<storage::Job> job = service.queue.Get(request.Parameter("job"));
   if (!job) return Problem(job.error(), request);
-  return Json(200, JobJson(*job, storage::Now()));
+  // Names of machines are for who runs them.
+  if (!request.is_admin || job->state != storage::JobState::kRunning)
+    return Json(200, JobJson(*job, storage::Now()));
+  const Result<std::vector<storage::HeldUnit>> held = storage::UnitQueue(service.db).Held(job->id);
+  if (!held) return Problem(held.error(), request);
+  return Json(200, JobJson(*job, storage::Now(), *held));
 }
 
 Response ListJobs(Service& service, const Request& request) {

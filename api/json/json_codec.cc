@@ -167,7 +167,20 @@ std::string FormatTime(storage::Time time) {
   return fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z", fmt::gmtime(whole), ms);
 }
 
-std::string JobJson(const storage::Job& job, storage::Time now) { return Dump(JobValue(job, now)); }
+std::string JobJson(const storage::Job& job, storage::Time now,
+                    const std::optional<std::vector<storage::HeldUnit>>& held) {
+  ordered_json value = JobValue(job, now);
+  if (!held) return Dump(value);
+  value["parts"] = ordered_json::array();
+  for (const storage::HeldUnit& unit : *held) {
+    value["parts"].push_back({{"kind", unit.kind},
+                              {"part", unit.number + 1},
+                              {"worker", unit.worker},
+                              {"since", FormatTime(unit.since)},
+                              {"attempt", unit.attempt}});
+  }
+  return Dump(value);
+}
 
 std::string FlightJson(const FlightView& view, storage::Time now) {
   ordered_json value;

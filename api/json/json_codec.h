@@ -13,6 +13,7 @@
 #include "storage/catalogue/catalogue.h"
 #include "storage/catalogue/previews.h"
 #include "storage/jobs/job_queue.h"
+#include "storage/jobs/unit_queue.h"
 
 namespace skyquilt::api {
 
@@ -41,7 +42,9 @@ struct FileOutcome {
 bool LiesSomewhere(const geo::LatLonBounds& bounds);
 
 std::string FlightJson(const FlightView& view, storage::Time now);
-std::string JobJson(const storage::Job& job, storage::Time now);
+// `held`: which worker has which of its parts, for whoever may know; absent: nobody asked.
+std::string JobJson(const storage::Job& job, storage::Time now,
+                    const std::optional<std::vector<storage::HeldUnit>>& held = std::nullopt);
 std::string FileJson(const storage::StoredFile& file);
 std::string FileOutcomesJson(const std::vector<FileOutcome>& files);
 

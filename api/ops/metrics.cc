@@ -21,6 +21,16 @@ std::map<std::string, storage::UnitsOfKind> ByKind(const std::vector<storage::Un
   return by_kind;
 }
 
+// Names of workers are their operators' own.
+std::string InLabel(const std::string& value) {
+  std::string escaped;
+  for (const char c : value) {
+    if (c == '\\' || c == '"') escaped += '\\';
+    escaped += c == '\n' ? ' ' : c;
+  }
+  return escaped;
+}
+
 void WriteUnits(const std::vector<storage::UnitsOfKind>& units, std::string& text) {
   const auto out = std::back_inserter(text);
   const auto by_kind = ByKind(units);
@@ -64,8 +74,9 @@ void Metrics::CountRequest(RouteClass route_class, int status, std::chrono::nano
   bytes_out_.fetch_add(bytes_out, std::memory_order_relaxed);
 }
 
-std::string Metrics::Text(const storage::JobCounts& jobs,
-                          const std::vector<storage::UnitsOfKind>& units) const {
+std::string Metrics::Text(const storage::JobCounts& jobs, const std::vector<storage::UnitsOfKind>& units,
+                          const std::vector<storage::WorkerAside>& aside,
+                          const std::vector<storage::HeldUnit>& held) const {
   std::string text;
   const auto out = std::back_inserter(text);
   fmt::format_to(
@@ -109,6 +120,24 @@ std::string Metrics::Text(const storage::JobCounts& jobs,
   state("failed", jobs.failed);
   state("dismissed", jobs.dismissed);
   WriteUnits(units, text);
+  fmt::format_to(
+      out,
+      "# HELP skyquilt_unit_held_seconds For how long a worker has had the unit that it works on.\n"
+      "# TYPE skyquilt_unit_held_seconds gauge\n");
+  for (const storage::HeldUnit& unit : held) {
+    fmt::format_to(
+        out,
+        "skyquilt_unit_held_seconds{{job=\"{}\",kind=\"{}\",part=\"{}\",worker=\"{}\",attempt=\"{}\"}} {:.3f}\n",
+        unit.job_id, unit.kind, unit.number + 1, InLabel(unit.worker), unit.attempt, unit.held_s);
+  }
+  fmt::format_to(
+      out,
+      "# HELP skyquilt_worker_aside_times How often in a row a worker gave back what it had for trouble "
+      "of its machine.\n# TYPE skyquilt_worker_aside_times gauge\n");
+  for (const storage::WorkerAside& worker : aside) {
+    fmt::format_to(out, "skyquilt_worker_aside_times{{worker=\"{}\",code=\"{}\"}} {}\n",
+                   InLabel(worker.worker), worker.code, worker.times);
+  }
   return text;
 }
 

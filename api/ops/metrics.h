@@ -11,6 +11,7 @@
 
 #include "storage/jobs/job_queue.h"
 #include "storage/jobs/unit_queue.h"
+#include "storage/jobs/workers_aside.h"
 
 namespace skyquilt::api {
 
@@ -23,8 +24,11 @@ class Metrics {
   void CountBytesIn(std::uint64_t bytes) { bytes_in_.fetch_add(bytes, std::memory_order_relaxed); }
   void ConnectionOpened() { connections_.fetch_add(1, std::memory_order_relaxed); }
   void ConnectionClosed() { connections_.fetch_sub(1, std::memory_order_relaxed); }
-  // `units`: of the jobs that are cut.
-  std::string Text(const storage::JobCounts& jobs, const std::vector<storage::UnitsOfKind>& units) const;
+  // `units`: of the jobs that are cut. `aside`: workers whose machines are in trouble. `held`: which
+  // worker has which unit.
+  std::string Text(const storage::JobCounts& jobs, const std::vector<storage::UnitsOfKind>& units,
+                   const std::vector<storage::WorkerAside>& aside = {},
+                   const std::vector<storage::HeldUnit>& held = {}) const;
 
  private:
   static constexpr int kClasses = 4;

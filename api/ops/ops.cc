@@ -21,7 +21,7 @@ Response Ready(Service& service, const Request& request) {
   if (service.is_draining) return refuse("The server is shutting down.");
   if (const Result<void> in_place = service.storage_in_place(); !in_place)
     return Problem(in_place.error(), request);
-  if (!service.queue.Count()) return refuse("The catalogue cannot be read.");
+  if (!service.tilesets.CheckCatalogue()) return refuse("The catalogue cannot be read.");
   struct statvfs disk {};
   const bool has_disk = statvfs(service.store.dir().root().c_str(), &disk) == 0;
   if (!has_disk || std::uint64_t{disk.f_bavail} * disk.f_frsize < kMinFreeBytes) {
@@ -34,13 +34,20 @@ Response Ready(Service& service, const Request& request) {
 
 void AddOpsRoutes(Router& router, Service& service) {
   router.AddQuick(Method::kGet, "/healthz", [](const Request&) { return Json(200, R"({"status":"ok"})"); });
-  router.Add(Method::kGet, "/readyz", [&](const Request& request) { return Ready(service, request); });
+  // Not behind what waits for the catalogue.
+  router.AddQuick(Method::kGet, "/readyz", [&](const Request& request) { return Ready(service, request); });
   router.Add(Method::kGet, "/metrics", [&](const Request& request) {
     const Result<storage::JobCounts> jobs = service.queue.Count();
     if (!jobs) return Problem(jobs.error(), request);
-    const auto units = storage::UnitQueue(service.db).Count(storage::Now());
+    const storage::UnitQueue queue(service.db);
+    const auto units = queue.Count(storage::Now());
     if (!units) return Problem(units.error(), request);
-    return Text(200, service.metrics.Text(*jobs, *units), "text/plain; version=0.0.4; charset=utf-8");
+    const auto held = queue.Held();
+    if (!held) return Problem(held.error(), request);
+    const auto aside = storage::WorkersAside(service.db).List();
+    if (!aside) return Problem(aside.error(), request);
+    return Text(200, service.metrics.Text(*jobs, *units, *aside, *held),
+                "text/plain; version=0.0.4; charset=utf-8");
   });
   router.AddQuick(Method::kGet, "/version", [&](const Request&) {
     return Json(200,

@@ -43,6 +43,7 @@
 #include "server/usage/catalogue_options.h"
 #include "server/webhooks/post_message.h"
 #include "server/webhooks/webhook_sender.h"
+#include "storage/folder/elsewhere/settle_blobs.h"
 
 namespace skyquilt::server {
 namespace {
@@ -235,14 +236,17 @@ void RunServer(const ServeOptions& options) {
   const sigset_t signals = BlockSignals();
   RaiseDescriptorLimit();
   KeepFreedMemory();
-  storage::CataloguePlace place =
+  const storage::CataloguePlace given =
       PlaceOf("skyquilt serve", options.catalogue, options.catalogue_password_file);
-  place.has_files_elsewhere = !options.blobs.address.empty();
-  const std::vector<std::string> catalogue_words = WordsOfPlace(place);
-  Result<Storage> storage = OpenStorage(options.data_dir, kReaders, kTileReaders, place);
+  const std::vector<std::string> catalogue_words = WordsOfPlace(given);
+  // The store is looked at before anything is made beside it.
+  const Result<storage::CataloguePlace> place = storage::WithFilesAt(given, options.blobs);
+  if (!place) Fail("skyquilt serve", place.error());
+  Result<Storage> storage = OpenStorage(options.data_dir, kReaders, kTileReaders, *place);
   if (!storage) Fail("skyquilt serve", storage.error());
   Storage& opened = *storage;
-  const Result<std::shared_ptr<storage::BlobStore>> blobs = OpenBlobsOf(opened.dir, options.blobs);
+  const Result<std::shared_ptr<storage::BlobStore>> blobs =
+      OpenBlobsOf(opened.dir, *opened.db, options.blobs);
   if (!blobs) Fail("skyquilt serve", blobs.error());
   if (!(*blobs)->IsFolder()) LogEvent("photos and maps lie at " + (*blobs)->Address());
   const bool requires_token = RequiresToken(*opened.db, options.open);
@@ -252,12 +256,12 @@ void RunServer(const ServeOptions& options) {
   if (!may_watch) Fail("skyquilt serve", may_watch.error());
   // A folder of one machine among many holds no flights: backups of the database stand for the records.
   std::optional<storage::FlightRecords> records;
-  if (!place.IsOfManyFolders()) records.emplace(opened.dir);
+  if (!place->IsOfManyFolders()) records.emplace(opened.dir);
   storage::Catalogue catalogue(*opened.db, std::move(records));
   storage::Catalogue tiles_catalogue(*opened.tiles_db);
   storage::JobQueue queue(*opened.db);
   storage::PhotoStore store(opened.dir, *blobs);
-  storage::TilesetCache tilesets(opened.dir, tiles_catalogue, *blobs);
+  storage::TilesetCache tilesets(opened.dir, tiles_catalogue, *blobs, given.IsPostgres());
   api::Metrics metrics;
   api::Service service{catalogue,        queue,          store, tilesets, metrics, *opened.db,
                        SKYQUILT_VERSION, options.workers};

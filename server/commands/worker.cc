@@ -10,6 +10,7 @@
 #include <random>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "core/base/try.h"
 #include "server/commands/fail.h"
@@ -23,13 +24,16 @@
 #include "server/usage/catalogue_options.h"
 #include "storage/db/ids.h"
 #include "storage/db/machine_boot.h"
+#include "storage/folder/elsewhere/settle_blobs.h"
 #include "storage/folder/open_data_folder.h"
+#include "storage/jobs/workers_aside.h"
 
 namespace skyquilt::server {
 namespace {
 
 constexpr std::chrono::milliseconds kPoll{200};
 constexpr std::chrono::seconds kPatience{30};  // with a database that is restarted
+constexpr std::chrono::minutes kPatienceAtStart{15};
 
 struct WorkerOptions {
   std::string data_dir;
@@ -55,6 +59,23 @@ constexpr int kNothingToDo = 3;
 std::atomic<bool> is_stopping{false};
 
 void OnStopSignal(int) { is_stopping = true; }
+
+// What is away when a worker starts is waited for, as it is in the middle of a job.
+template <typename Open>
+auto Patiently(Open open) {
+  const auto end = std::chrono::steady_clock::now() + kPatienceAtStart;
+  bool is_said = false;
+  while (true) {
+    auto opened = open();
+    const bool may_pass = !opened && opened.error().code == ErrorCode::kUnavailable;
+    if (!may_pass || std::chrono::steady_clock::now() > end) return opened;
+    if (!std::exchange(is_said, true)) LogEvent("the worker waits: " + opened.error().message);
+    for (int polls = 0; polls < 5; ++polls) {
+      if (is_stopping) throw CLI::RuntimeError(0);
+      std::this_thread::sleep_for(kPoll);
+    }
+  }
+}
 
 void DrawPreviews(const storage::DataDir& dir, storage::BlobStore& blobs, storage::CatalogueDb& db,
                   const WorkerOptions& options) {
@@ -103,6 +124,37 @@ Result<bool> WorkOnce(WorkerContext& context, const std::string& name) {
   return false;
 }
 
+// After trouble of this machine it takes nothing for a while, and says so where its work is seen; what it had
+// is another's by now.
+class Aside {
+ public:
+  Aside(storage::CatalogueDb& db, std::string name) : workers_(db), name_(std::move(name)) {}
+  ~Aside() { Clear(); }
+  Aside(const Aside&) = delete;
+  Aside& operator=(const Aside&) = delete;
+
+  void After(const Error& fault) {
+    const auto pause = storage::PauseAside(++times_);
+    LogFailure("-", "machine",
+               fmt::format("{} {} What this worker had was given back; it takes nothing for {} s.",
+                           fault.message, fault.detail, pause.count()));
+    const Result<void> put = workers_.Put(name_, times_, fault, storage::Now());
+    if (!put) LogFailure("-", "aside", put.error().detail);
+    const auto end = std::chrono::steady_clock::now() + pause;
+    while (!is_stopping && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(kPoll);
+  }
+  void Clear() {
+    if (std::exchange(times_, 0) == 0) return;
+    const Result<void> cleared = workers_.Clear(name_);
+    if (!cleared) LogFailure("-", "aside", cleared.error().detail);
+  }
+
+ private:
+  storage::WorkersAside workers_;
+  const std::string name_;
+  int times_ = 0;
+};
+
 void RunWorker(const WorkerOptions& options) {
   signal(SIGTERM, OnStopSignal);
   signal(SIGINT, OnStopSignal);
@@ -111,15 +163,19 @@ void RunWorker(const WorkerOptions& options) {
   if (options.parent != 0 && !FollowParent(options.parent, SIGTERM)) return;
   StepBack();
   LimitThisProcess({});
-  storage::CataloguePlace place =
+  const storage::CataloguePlace given =
       PlaceOf("skyquilt worker", options.catalogue, options.catalogue_password_file);
-  place.has_files_elsewhere = !options.blobs.address.empty();
-  Result<storage::OpenedDataFolder> opened = storage::JoinDataFolder(options.data_dir, place);
+  const Result<storage::CataloguePlace> place =
+      Patiently([&] { return storage::WithFilesAt(given, options.blobs); });
+  if (!place) Fail("skyquilt worker", place.error());
+  Result<storage::OpenedDataFolder> opened =
+      Patiently([&] { return storage::JoinDataFolder(options.data_dir, *place); });
   if (!opened) Fail("skyquilt worker", opened.error());
   const storage::DataDir* const dir = &opened->dir;
   storage::CatalogueDb* const db = opened->db.get();
   db->SetPatience(kPatience);
-  const Result<std::shared_ptr<storage::BlobStore>> blobs = OpenBlobsOf(*dir, options.blobs);
+  const Result<std::shared_ptr<storage::BlobStore>> blobs =
+      Patiently([&] { return OpenBlobsOf(*dir, *db, options.blobs); });
   if (!blobs) Fail("skyquilt worker", blobs.error());
   if (options.previews) {
     DrawPreviews(*dir, **blobs, *db, options);
@@ -132,12 +188,14 @@ void RunWorker(const WorkerOptions& options) {
   WorkerContext context{*dir, **blobs, catalogue, queue, costs, units, is_stopping};
   context.cut_above_files = options.cut_above;
   context.files_per_unit = options.part_files;
+  context.is_shared = db->IsShared();
   if (options.job_timeout_s > 0) context.limits.timeout = std::chrono::seconds(options.job_timeout_s);
   context.limits.machine_memory_bytes = MemoryOfThisMachine();
   if (options.job_memory_mib > 0) context.limits.memory_bytes = std::int64_t{options.job_memory_mib} << 20;
   const int jobs = options.once ? 1 : options.jobs;
   const std::string name = options.name.empty() ? NameOfWorker(*db) : options.name;
   bool may_hold_a_job = false;
+  Aside aside(*db, name);
   for (int done = 0; !is_stopping && (jobs == 0 || done < jobs);) {
     if (may_hold_a_job) {
       // A claim was made and its answer lost; nobody works on that job.
@@ -150,13 +208,19 @@ void RunWorker(const WorkerOptions& options) {
       LogFailure("-", "claim", worked.error().detail);
       may_hold_a_job = db->IsShared();
       std::this_thread::sleep_for(std::chrono::seconds(2));
+    } else if (*worked && context.fault) {
+      // Whoever started one that works once decides when to start the next.
+      if (options.once) Fail("skyquilt worker", *context.fault);
+      aside.After(*std::exchange(context.fault, std::nullopt));
     } else if (*worked) {
+      aside.Clear();
       ++done;
     } else if (options.once || options.until_empty) {
       if (options.once) throw CLI::RuntimeError(kNothingToDo);
       return;
     } else {
-      queue.WaitForJobs();
+      // What nobody tells, such as a lease that ran out, is looked for by itself every ten seconds.
+      for (int listened = 0; listened < 5 && !is_stopping && !queue.WaitForJobs();) ++listened;
     }
   }
 }

@@ -23,6 +23,8 @@ using storage::MapExport;
 
 constexpr std::chrono::milliseconds kExportPause{500};
 constexpr std::chrono::seconds kBeatEvery{1};
+// A shared catalogue is asked at once for what came in here, and now and then for what others could not make.
+constexpr std::chrono::seconds kAskSharedEvery{10};
 
 Error Replaced() {
   return {ErrorCode::kConflict, "The map was replaced before its export began. Ask for the export again.",
@@ -75,9 +77,18 @@ bool ExportRunner::IsEnded() {
 }
 
 void ExportRunner::Run() {
+  auto asked = std::chrono::steady_clock::now() - kAskSharedEvery;
+  bool made_one = false;  // others may wait behind it
   while (!IsEnded()) {
     Result<std::optional<MapExport>> claimed = std::optional<MapExport>();
-    if (service_.storage_in_place()) claimed = service_.exports.Claim(storage::Now());
+    const auto now = std::chrono::steady_clock::now();
+    const bool has_new = service_.exports.HasNew();
+    const bool asks = has_new || made_one || !service_.db.IsShared() || now - asked >= kAskSharedEvery;
+    if (asks && service_.storage_in_place()) {
+      claimed = service_.exports.Claim(storage::Now());
+      asked = now;
+    }
+    made_one = claimed && claimed->has_value();
     if (!claimed) LogFailure("-", "exports", claimed.error().detail);
     if (claimed && *claimed) {
       Make(**claimed);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <optional>
 
 #include "core/pipeline/units/flight_cut.h"
 #include "server/jobs/job_limits.h"
@@ -27,6 +28,8 @@ struct WorkerContext {
   GivenLimits limits = {};
   int files_per_unit = static_cast<int>(pipeline::kFilesPerLook);
   int cut_above_files = kCutAboveFiles;  // 0: no job is cut
+  bool is_shared = false;                // other machines work on the same queue
+  std::optional<Error> fault = {};       // of this machine, that the last work was given back for
 };
 
 }  // namespace skyquilt::server

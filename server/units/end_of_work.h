@@ -16,6 +16,13 @@ inline bool MayRetry(ErrorCode code) {
          code == ErrorCode::kTimeout;
 }
 
+// Trouble that another machine may not have: its disk, its network, its store. What is given back for it
+// costs no attempt where other machines work on the same queue; on one alone it is the job's, which says what
+// to do.
+inline bool IsOfMachine(ErrorCode code) {
+  return code == ErrorCode::kIo || code == ErrorCode::kUnavailable || code == ErrorCode::kOutOfSpace;
+}
+
 // The end of a job must reach the queue, even when the database is busy or the disk was full a moment ago.
 template <typename Tell>
 void TellUntilHeard(std::string_view job_id, Tell tell) {

@@ -46,6 +46,8 @@ class BlobStore {
   // The same, for reads that come again and go on near by: where the blob is far away, its surroundings come
   // along and are kept.
   virtual Result<std::string> ReadNear(const std::string& key, std::int64_t offset, std::int64_t length) = 0;
+  // What ReadNear gave makes no sense: what was kept of it without a proof is read anew by the next who asks.
+  virtual void DoubtNear(const std::string&) {}
   virtual Result<BlobInfo> Find(const std::string& key) = 0;
   // All blobs whose keys begin so, in the order of their keys.
   virtual Result<std::vector<BlobInfo>> List(const std::string& prefix) = 0;

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/base/try.h"
+#include "storage/blobs/s3/sign_request.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -38,7 +39,41 @@ Result<void> WriteChunk(const std::filesystem::path& to, std::string_view bytes)
   return {};
 }
 
+// The n-th chunk of bytes that begin with one; empty behind their end.
+std::string_view ChunkIn(std::string_view bytes, std::int64_t n) {
+  const auto begin = static_cast<std::size_t>(n * kRangeChunkBytes);
+  return begin < bytes.size() ? bytes.substr(begin, kRangeChunkBytes) : std::string_view();
+}
+
+constexpr std::size_t kSumLength = 64;
+
+bool AreAsPut(const std::string& sums, std::int64_t first_chunk, std::int64_t last_chunk,
+              std::string_view bytes) {
+  for (std::int64_t chunk = first_chunk; chunk <= last_chunk; ++chunk) {
+    const std::string_view part = ChunkIn(bytes, chunk - first_chunk);
+    const std::size_t at = static_cast<std::size_t>(chunk) * kSumLength;
+    if (at >= sums.size() ? !part.empty() : sums.compare(at, kSumLength, Sha256Hex(part)) != 0) return false;
+  }
+  return true;
+}
+
 }  // namespace
+
+std::string RangeSumsKey(const std::string& key) {
+  const std::size_t name = key.rfind('/') + 1;
+  return key.substr(0, name) + "ranges/" + key.substr(name, key.rfind('.') - name) + ".sums";
+}
+
+Result<std::string> RangeSumsOfFile(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::string sums, chunk(static_cast<std::size_t>(kRangeChunkBytes), '\0');
+  while (in.read(chunk.data(), kRangeChunkBytes) || in.gcount() > 0) {
+    sums += Sha256Hex(std::string_view(chunk.data(), static_cast<std::size_t>(in.gcount())));
+  }
+  if (!in.eof() || in.bad())
+    return Error{ErrorCode::kIo, "The server could not read a file that it stores.", file.string()};
+  return sums;
+}
 
 std::string RangeCache::ChunkKey(const std::string& key, std::int64_t chunk) {
   return fmt::format("{}{}{:08}", key, kFolder, chunk);
@@ -47,7 +82,29 @@ std::string RangeCache::ChunkKey(const std::string& key, std::int64_t chunk) {
 Result<std::string> RangeCache::Kept(const std::string& key, std::int64_t chunk, std::int64_t from,
                                      std::int64_t until) {
   SKYQUILT_TRY_ASSIGN(const LocalBlob kept, cache_.Find(ChunkKey(key, chunk)));
-  return SliceOf(kept, from, until - from);
+  SKYQUILT_TRY_ASSIGN(std::string slice, SliceOf(kept, from, until - from));
+  if (slice.size() == static_cast<std::size_t>(until - from)) return slice;
+  // The blob's last chunk, or one of which a power cut left a part.
+  SKYQUILT_TRY_ASSIGN(const std::shared_ptr<const std::string> sums, sums_(key));
+  SKYQUILT_TRY_ASSIGN(const std::string whole, SliceOf(kept, 0, kRangeChunkBytes));
+  if (sums == nullptr || AreAsPut(*sums, chunk, chunk, whole)) return slice;
+  cache_.Forget(ChunkKey(key, chunk));
+  return Error{ErrorCode::kNotFound, "A chunk in the cache was cut off.", key};
+}
+
+Result<std::string> RangeCache::ReadChunks(const std::string& key, std::int64_t first_chunk,
+                                           std::int64_t last_chunk) {
+  constexpr int kReads = 4;
+  SKYQUILT_TRY_ASSIGN(const std::shared_ptr<const std::string> sums, sums_(key));
+  const std::int64_t offset = first_chunk * kRangeChunkBytes;
+  const std::int64_t length = (last_chunk - first_chunk + 1) * kRangeChunkBytes;
+  for (int reads = 0; reads < kReads; ++reads) {
+    Result<std::string> bytes = read_(key, offset, length);
+    if (!bytes && bytes.error().code != ErrorCode::kCorrupt) return bytes.error();
+    if (bytes && (sums == nullptr || AreAsPut(*sums, first_chunk, last_chunk, *bytes))) return bytes;
+  }
+  return Error{ErrorCode::kUnavailable,
+               "The store of photos and maps gives other bytes than were put there. Try again later.", key};
 }
 
 // Into the cache.
@@ -55,20 +112,15 @@ Result<void> RangeCache::Fetch(const std::string& key, std::int64_t first_chunk,
   if (first_chunk == last_chunk) {
     // One of those who want the same chunk reads it; the others wait for that.
     const auto fetch = [&](const std::filesystem::path& to) -> Result<void> {
-      SKYQUILT_TRY_ASSIGN(const std::string bytes,
-                          read_(key, first_chunk * kRangeChunkBytes, kRangeChunkBytes));
+      SKYQUILT_TRY_ASSIGN(const std::string bytes, ReadChunks(key, first_chunk, first_chunk));
       return WriteChunk(to, bytes);
     };
     SKYQUILT_TRY(cache_.Get(ChunkKey(key, first_chunk), fetch));
     return {};
   }
-  const std::int64_t offset = first_chunk * kRangeChunkBytes;
-  SKYQUILT_TRY_ASSIGN(const std::string bytes,
-                      read_(key, offset, (last_chunk - first_chunk + 1) * kRangeChunkBytes));
+  SKYQUILT_TRY_ASSIGN(const std::string bytes, ReadChunks(key, first_chunk, last_chunk));
   for (std::int64_t chunk = first_chunk; chunk <= last_chunk; ++chunk) {
-    const auto begin = static_cast<std::size_t>(chunk * kRangeChunkBytes - offset);
-    const std::string_view part =
-        begin < bytes.size() ? std::string_view(bytes).substr(begin, kRangeChunkBytes) : std::string_view();
+    const std::string_view part = ChunkIn(bytes, chunk - first_chunk);
     SKYQUILT_TRY(cache_.Get(ChunkKey(key, chunk),
                             [&](const std::filesystem::path& to) { return WriteChunk(to, part); }));
   }
@@ -95,8 +147,13 @@ Result<std::string> RangeCache::Get(const std::string& key, std::int64_t offset,
       Result<std::string> bytes = slice(chunk);
       if (!bytes) {
         // What another pushes out of the cache at this very moment is read past it.
-        const std::int64_t begin = std::max(offset, chunk * kRangeChunkBytes);
-        bytes = read_(key, begin, std::min(end, (chunk + 1) * kRangeChunkBytes) - begin);
+        SKYQUILT_TRY_ASSIGN(const std::string whole, ReadChunks(key, chunk, chunk));
+        const std::int64_t begin = std::max<std::int64_t>(0, offset - chunk * kRangeChunkBytes);
+        const auto until =
+            std::min<std::int64_t>(end - chunk * kRangeChunkBytes, static_cast<std::int64_t>(whole.size()));
+        bytes = begin < until
+                    ? whole.substr(static_cast<std::size_t>(begin), static_cast<std::size_t>(until - begin))
+                    : std::string();
       }
       if (!bytes) return bytes.error();
       all += *bytes;

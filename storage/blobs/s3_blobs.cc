@@ -77,6 +77,10 @@ std::int64_t PartBytesFor(std::int64_t bytes) {
 
 Result<void> S3Blobs::Put(const std::string& key, const fs::path& file) {
   RequireKey(key);
+  if (key.ends_with(".pmtiles")) {
+    SKYQUILT_TRY_ASSIGN(const std::string sums, RangeSumsOfFile(file));
+    SKYQUILT_TRY(client_->Put(RangeSumsKey(key), sums, {Sha256Hex(sums)}));
+  }
   SKYQUILT_TRY_ASSIGN(const std::string sha256, Sha256OfFile(file));
   std::error_code error;
   const auto bytes = static_cast<std::int64_t>(fs::file_size(file, error));
@@ -123,6 +127,34 @@ Result<std::string> S3Blobs::ReadRange(const std::string& key, std::int64_t offs
   return client_->Get(key, offset, length);
 }
 
+Result<std::shared_ptr<const std::string>> S3Blobs::SumsOf(const std::string& key) {
+  constexpr std::size_t kMaxKept = 256;
+  {
+    const std::lock_guard lock(sums_mutex_);
+    const auto found = sums_.find(key);
+    if (found != sums_.end()) return found->second;
+  }
+  std::shared_ptr<const std::string> sums;
+  const Result<LocalBlob> local = Local(RangeSumsKey(key));
+  if (local) {
+    SKYQUILT_TRY_ASSIGN(std::string text, ReadWholeFile(local->path));
+    sums = std::make_shared<const std::string>(std::move(text));
+  } else if (local.error().code == ErrorCode::kCorrupt) {
+    return Error{ErrorCode::kUnavailable, local.error().message, local.error().detail};
+  } else if (local.error().code != ErrorCode::kNotFound) {
+    return local.error();
+  }
+  const std::lock_guard lock(sums_mutex_);
+  if (sums_.size() >= kMaxKept) sums_.clear();
+  sums_[key] = sums;
+  return sums;
+}
+
+void S3Blobs::DoubtNear(const std::string& key) {
+  const auto sums = SumsOf(key);
+  if (!sums || *sums == nullptr) ranges_.Forget(key);
+}
+
 Result<BlobInfo> S3Blobs::Find(const std::string& key) {
   RequireKey(key);
   SKYQUILT_TRY_ASSIGN(const S3Object object, client_->Head(key));
@@ -165,8 +197,13 @@ Result<int> S3Blobs::RemoveBelow(const std::string& prefix) {
 
 Result<LocalBlob> S3Blobs::Local(const std::string& key) {
   return cache_->Get(key, [&](const fs::path& to) -> Result<void> {
-    SKYQUILT_TRY(client_->GetToFile(key, to));
-    return {};
+    // A wrong byte may have come on the way: it is read again before the store is believed to have it.
+    constexpr int kReads = 3;
+    for (int reads = 1;; ++reads) {
+      const Result<S3Object> got = client_->GetToFile(key, to);
+      if (got) return {};
+      if (got.error().code != ErrorCode::kCorrupt || reads == kReads) return got.error();
+    }
   });
 }
 

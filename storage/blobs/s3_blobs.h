@@ -1,10 +1,13 @@
 // S3Blobs: blobs as objects of S3, fetched to this machine where a file is wanted (LocalCache). Files of
 // more than kSinglePutBytes go up in parts side by side; every object keeps the SHA-256 of its bytes, against
-// which it is held when it is fetched whole. Any thread. Errors: those of S3Client and LocalCache.
+// which it is held when it is fetched whole; archives of tiles, read by ranges, keep one for each chunk
+// beside them ("ranges/mosaic.sums"). Any thread. Errors: those of S3Client and LocalCache.
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -25,9 +28,12 @@ class S3Blobs final : public BlobStore {
   S3Blobs(std::unique_ptr<S3Client> client, std::unique_ptr<LocalCache> cache)
       : client_(std::move(client)),
         cache_(std::move(cache)),
-        ranges_(*cache_, [this](const std::string& key, std::int64_t offset, std::int64_t length) {
-          return client_->Get(key, offset, length);
-        }) {}
+        ranges_(
+            *cache_,
+            [this](const std::string& key, std::int64_t offset, std::int64_t length) {
+              return client_->Get(key, offset, length);
+            },
+            [this](const std::string& key) { return SumsOf(key); }) {}
 
   Result<void> Put(const std::string& key, const std::filesystem::path& file) override;
   Result<void> PutIfAbsent(const std::string& key, std::string_view bytes) override;
@@ -35,6 +41,7 @@ class S3Blobs final : public BlobStore {
   Result<std::string> ReadNear(const std::string& key, std::int64_t offset, std::int64_t length) override {
     return ranges_.Get(key, offset, length);
   }
+  void DoubtNear(const std::string& key) override;
   Result<BlobInfo> Find(const std::string& key) override;
   Result<std::vector<BlobInfo>> List(const std::string& prefix) override;
   Result<void> Remove(const std::string& key) override;
@@ -53,9 +60,13 @@ class S3Blobs final : public BlobStore {
  private:
   Result<void> PutInParts(const std::string& key, const std::filesystem::path& file, std::int64_t bytes,
                           const std::string& sha256);
+  // Of the chunks of a blob that is read by ranges; null for one of a version that put none.
+  Result<std::shared_ptr<const std::string>> SumsOf(const std::string& key);
   std::unique_ptr<S3Client> client_;
   std::unique_ptr<LocalCache> cache_;
   RangeCache ranges_;
+  std::mutex sums_mutex_;
+  std::map<std::string, std::shared_ptr<const std::string>> sums_;  // of those asked for lately
 };
 
 }  // namespace skyquilt::storage

@@ -148,19 +148,38 @@ Result<TokenSet> Tokens::Read() const {
   return set;
 }
 
-Result<std::shared_ptr<const TokenSet>> Tokens::Known() {
+Result<void> Tokens::ReadIntoMemory() {
   const auto now = std::chrono::steady_clock::now();
-  const std::lock_guard lock(mutex_);
-  if (!has_changed_.exchange(false) && known_ != nullptr && now - read_at_ < kFreshFor) return known_;
+  has_changed_ = false;
   Result<TokenSet> tokens = Read();
-  if (!tokens) {
-    has_changed_ = true;  // what is in memory may be too old
-    return tokens.error();
-  }
+  if (!tokens) return tokens.error();
+  const std::lock_guard lock(mutex_);
   known_ = std::make_shared<const TokenSet>(*std::move(tokens));
   read_at_ = now;
   requires_token_ = known_->requires_token;
   was_read_ = true;
+  return {};
+}
+
+Result<std::shared_ptr<const TokenSet>> Tokens::Known() {
+  const auto now = std::chrono::steady_clock::now();
+  const bool has_changed = has_changed_;
+  std::shared_ptr<const TokenSet> known;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!has_changed && known_ != nullptr && now - read_at_ < kFreshFor) return known_;
+    if (now - read_at_ < kTrusted) known = known_;
+  }
+  // What was changed here is never answered from before.
+  const bool may_be_late = db_.IsShared() && !has_changed && known != nullptr;
+  const Result<void> read =
+      may_be_late ? again_.Ask("tokens", [this] { return ReadIntoMemory(); }) : ReadIntoMemory();
+  if (!read && may_be_late && read.error().code == ErrorCode::kUnavailable) return known;
+  if (!read) {
+    has_changed_ = true;  // what is in memory may be too old
+    return read.error();
+  }
+  const std::lock_guard lock(mutex_);
   return known_;
 }
 

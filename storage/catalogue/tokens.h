@@ -16,6 +16,7 @@
 #include "core/base/result.h"
 #include "storage/db/catalogue_db.h"
 #include "storage/db/clock.h"
+#include "storage/db/outage/read_again.h"
 
 namespace skyquilt::storage {
 
@@ -48,6 +49,7 @@ struct TokenSet {
 
 class Tokens {
  public:
+  static constexpr std::chrono::minutes kTrusted{10};
   explicit Tokens(CatalogueDb& db) : db_(db) {}
   Result<void> Add(const Token& token);
   // One that opens a flight. It closes no server that asks nobody for a token.
@@ -59,19 +61,22 @@ class Tokens {
   Result<TokenSet> Read() const;
   // Until the next token is made, nobody needs one. What `serve --open` says where no token is left.
   Result<void> LetEverybodyIn();
-  // The same, from memory where it is younger than a second: for every request.
+  // The same, from memory where it is younger than a second: for every request. While a database that many
+  // machines share does not answer, what was read in the last kTrusted holds.
   Result<std::shared_ptr<const TokenSet>> Known();
   // Whether the server requires a token, as Known found it last; read from memory except the first time.
   bool RequiresToken();
 
  private:
+  Result<void> ReadIntoMemory();
   CatalogueDb& db_;
-  std::mutex mutex_;
+  std::mutex mutex_;                       // of known_ and read_at_
   std::atomic<bool> has_changed_ = false;  // since known_ was read
   std::atomic<bool> was_read_ = false;
   std::atomic<bool> requires_token_ = true;
   std::shared_ptr<const TokenSet> known_;
   std::chrono::steady_clock::time_point read_at_;
+  ReadAgain again_;  // last: its thread uses all of the above
 };
 
 }  // namespace skyquilt::storage

@@ -52,11 +52,13 @@ Result<bool> Trash::PutIf(const std::string& flight_id, Time now, const Conditio
     if (!wanted) return false;
     const std::int64_t age = ToUs(db_.ages().Now());
     {
+      // One that waits for its units has no worker that would notice.
       SKYQUILT_TRY_ASSIGN(
           Statement cancel,
           db->Prepare(
-              "UPDATE job SET cancel=1, finished_us=CASE state WHEN 'accepted' THEN ?2 ELSE finished_us END,"
-              " state=CASE state WHEN 'accepted' THEN 'dismissed' ELSE state END"
+              "UPDATE job SET cancel=1,"
+              " finished_us=CASE WHEN state='accepted' OR worker='units' THEN ?2 ELSE finished_us END,"
+              " state=CASE WHEN state='accepted' OR worker='units' THEN 'dismissed' ELSE state END"
               " WHERE flight_id=?1 AND state IN ('accepted','running')"));
       SKYQUILT_TRY(cancel.Bind(1, flight_id).Bind(2, ToUs(now)).Run());
       // Whoever restores it begins anew to count how long nothing has changed.

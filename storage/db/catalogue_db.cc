@@ -123,15 +123,16 @@ void CatalogueDb::SetPatience(std::chrono::milliseconds time) {
   for (const auto& reader : idle_readers_) static_cast<PostgresDb&>(*reader).SetPatience(time);
 }
 
-void CatalogueDb::WaitForJobs() {
+bool CatalogueDb::WaitForJobs() {
   constexpr std::chrono::milliseconds kPoll{200};
-  constexpr std::chrono::milliseconds kPollShared{2'000};  // a notice may be lost with its connection
+  constexpr std::chrono::milliseconds kListen{2'000};  // it asks the database nothing
   if (!listener_) {
     std::this_thread::sleep_for(kPoll);
-    return;
+    return true;
   }
-  const Result<bool> heard = static_cast<PostgresDb&>(*listener_).WaitForNotice("jobs", kPollShared);
+  const Result<bool> heard = static_cast<PostgresDb&>(*listener_).WaitForNotice("jobs", kListen);
   if (!heard) std::this_thread::sleep_for(kPoll);
+  return !heard || *heard;
 }
 
 std::unique_ptr<SqlConnection> CatalogueDb::TakeReader() {

@@ -113,8 +113,9 @@ class CatalogueDb {
   // Prefix of the names of workers that this server supervises: it releases what they held when they die.
   const std::string& served_prefix() const { return served_prefix_; }
   // Until there may be a job to claim, a signal, or the end of the time: with PostgreSQL by LISTEN, over a
-  // connection of its own; in a data folder the queue is cheap to look at, and looked at often.
-  void WaitForJobs();
+  // connection of its own; in a data folder the queue is cheap to look at, and looked at often. False:
+  // nothing was heard in two seconds.
+  bool WaitForJobs();
 
  private:
   CatalogueDb(std::unique_ptr<SqlConnection> db, const AgeClock& ages) : db_(std::move(db)), ages_(ages) {}

@@ -18,6 +18,7 @@ extern const std::string_view kCatalogue17To18;  // storage/db/steps/schema_18.s
 extern const std::string_view kCatalogue18To19;  // storage/db/steps/schema_19.sql
 extern const std::string_view kCatalogue19To20;  // storage/db/steps/schema_20.sql
 extern const std::string_view kCatalogue20To21;  // storage/db/steps/schema_21.sql
+extern const std::string_view kCatalogue21To22;  // storage/db/steps/schema_22.sql
 
 namespace {
 
@@ -74,6 +75,9 @@ Result<void> PrepareSchema(SqliteDb& db) {
   }
   if (version >= 13 && version <= 20) {
     SKYQUILT_TRY(db.Exec(std::string(kCatalogue20To21)));
+  }
+  if (version >= 13 && version <= 21) {
+    SKYQUILT_TRY(db.Exec(std::string(kCatalogue21To22)));
   }
   SKYQUILT_TRY(db.Exec(fmt::format("PRAGMA user_version={}", kSchemaVersion)));
   return transaction.Commit();

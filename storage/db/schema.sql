@@ -134,6 +134,7 @@ CREATE TABLE unit(
   lease_token INTEGER NOT NULL DEFAULT 0,      -- grows with every claim, as that of a job
   worker TEXT NOT NULL DEFAULT '',
   waiting_us INTEGER NOT NULL DEFAULT 0,       -- since when it waits, or last did
+  since_us INTEGER NOT NULL DEFAULT 0,         -- since when its present worker has it
   PRIMARY KEY(job_id, kind, number)
 ) STRICT;
 CREATE INDEX unit_open ON unit(state) WHERE state <> 'done';
@@ -141,6 +142,16 @@ CREATE INDEX unit_open ON unit(state) WHERE state <> 'done';
 CREATE TRIGGER units_end AFTER UPDATE OF state ON job WHEN NEW.state NOT IN ('accepted','running') BEGIN
   DELETE FROM unit WHERE job_id = NEW.id;
 END;
+
+-- Workers whose machines were in trouble: they take nothing until then.
+CREATE TABLE worker_aside(
+  worker TEXT PRIMARY KEY,                     -- as in job and unit
+  since_us INTEGER NOT NULL,                   -- since its first trouble with nothing done since
+  until_us INTEGER NOT NULL,                   -- then it tries again
+  times INTEGER NOT NULL,                      -- that trouble came, one after the other
+  code TEXT NOT NULL,
+  message TEXT NOT NULL
+) STRICT;
 
 -- What the stages of jobs have cost, for predictions.
 CREATE TABLE stage_cost(
@@ -403,5 +414,6 @@ INSERT INTO age_clock VALUES(1, CAST((julianday('now') - 2440587.5) * 8640000000
 -- The id of the data folder that this catalogue belongs to: the one in its marker, skyquilt-data.json.
 CREATE TABLE data_dir(
   one INTEGER PRIMARY KEY CHECK(one = 1),
-  id TEXT NOT NULL
+  id TEXT NOT NULL,
+  blobs TEXT NOT NULL DEFAULT ''               -- where photos and maps lie, in PostgreSQL alone: a folder knows it by blobs.json
 ) STRICT;

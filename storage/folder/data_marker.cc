@@ -89,4 +89,16 @@ Result<void> SetCatalogueId(SqlConnection& db, const std::string& id) {
   return insert.Bind(1, id).Run();
 }
 
+Result<std::string> CatalogueBlobs(SqlConnection& db) {
+  SKYQUILT_TRY_ASSIGN(Statement query, db.Prepare("SELECT blobs FROM data_dir"));
+  SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
+  return row ? std::string(query.ColumnText(0)) : std::string();
+}
+
+Result<std::string> SayCatalogueBlobs(SqlConnection& db, const std::string& where) {
+  SKYQUILT_TRY_ASSIGN(Statement say, db.Prepare("UPDATE data_dir SET blobs=? WHERE blobs=''"));
+  SKYQUILT_TRY(say.Bind(1, where).Run());
+  return CatalogueBlobs(db);
+}
+
 }  // namespace skyquilt::storage

@@ -26,4 +26,11 @@ bool HasSharedCatalogue(const DataDir& dir);
 Result<std::optional<std::string>> CatalogueId(SqlConnection& db);
 Result<void> SetCatalogueId(SqlConnection& db, const std::string& id);
 
+// Where the photos and maps of a catalogue in PostgreSQL lie, as its first server said: "s3://bucket/prefix/"
+// or kInDataFolder; empty where none has yet.
+inline constexpr const char* kInDataFolder = "folder";
+Result<std::string> CatalogueBlobs(SqlConnection& db);
+// Unless it was said before; what holds now.
+Result<std::string> SayCatalogueBlobs(SqlConnection& db, const std::string& where);
+
 }  // namespace skyquilt::storage

@@ -15,6 +15,7 @@
 #include "storage/db/ids.h"
 #include "storage/folder/data_marker.h"
 #include "storage/folder/disk_flights.h"
+#include "storage/folder/elsewhere/settle_blobs.h"
 #include "storage/folder/shared_catalogue.h"
 #include "storage/tilesets/publish_file.h"
 
@@ -192,15 +193,21 @@ Result<int> WriteMissingRecords(const DataDir& dir, CatalogueDb& db) {
 }
 
 Result<OpenedDataFolder> MakeNewBesideShared(const DataDir& at, const CataloguePlace& place, int readers) {
-  SKYQUILT_TRY_ASSIGN(std::unique_ptr<CatalogueDb> db, MakeSharedCatalogue(at, place, readers));
-  SKYQUILT_TRY_ASSIGN(const std::string id, IdForNewFolder(*db, place.has_files_elsewhere));
+  // Whose photos are there already has a catalogue: none is made for them.
+  Result<std::unique_ptr<CatalogueDb>> db =
+      place.files_of ? OpenCatalogueOf(at, place, readers) : MakeSharedCatalogue(at, place, readers);
+  if (!db && db.error().code == ErrorCode::kNotFound && place.files_of)
+    return OfAnotherCatalogue(place.files_at, *place.files_of, std::nullopt);
+  if (!db) return db.error();
+  SKYQUILT_TRY_ASSIGN(const std::string id, IdForNewFolder(**db, place));
   SKYQUILT_TRY_ASSIGN(DataDir dir, DataDir::Open(at.root(), id));
   SKYQUILT_TRY_ASSIGN(DataDirLock lock, DataDirLock::Take(dir));
   SKYQUILT_TRY(WriteMarker(dir, id, /*is_shared=*/true));
-  return OpenedDataFolder{std::move(dir), std::optional(std::move(lock)), std::move(db), {}};
+  return OpenedDataFolder{std::move(dir), std::optional(std::move(lock)), *std::move(db), {}};
 }
 
-Result<OpenedDataFolder> MakeNew(const DataDir& at, int readers) {
+Result<OpenedDataFolder> MakeNew(const DataDir& at, const CataloguePlace& place, int readers) {
+  if (place.files_of) return OfAnotherCatalogue(place.files_at, *place.files_of, std::nullopt);
   const std::string id = NewId();
   SKYQUILT_TRY_ASSIGN(DataDir dir, DataDir::Open(at.root(), id));
   SKYQUILT_TRY_ASSIGN(DataDirLock lock, DataDirLock::Take(dir));
@@ -285,7 +292,7 @@ Result<OpenedDataFolder> OpenDataFolder(const fs::path& root, int readers, const
   }
   if (!marker) return marker.error();
   if (!*marker && survey.is_new)
-    return place.IsPostgres() ? MakeNewBesideShared(at, place, readers) : MakeNew(at, readers);
+    return place.IsPostgres() ? MakeNewBesideShared(at, place, readers) : MakeNew(at, place, readers);
   if (!*marker && !survey.has_catalogue && !survey.has_flights) {
     FolderSurvey others = survey;
     if (others.strangers.empty()) others.strangers = {"flights, uploads or work that are not Skyquilt's"};
@@ -338,6 +345,11 @@ Result<OpenedDataFolder> JoinDataFolder(const fs::path& root, const CataloguePla
     SKYQUILT_TRY_ASSIGN(OpenedDataFolder made, MakeNewBesideShared(at, place, 2));
     made.lock.reset();
     return made;
+  }
+  if (!marker && place.IsPostgres()) {
+    // Who forgot --blobs is told that.
+    const Result<std::unique_ptr<CatalogueDb>> db = OpenCatalogue(at, place);
+    if (db) SKYQUILT_TRY(CheckBlobsOf(*(*db)->Lock(), std::nullopt, place.files_at, place.files_of));
   }
   if (!marker) {
     return Error{

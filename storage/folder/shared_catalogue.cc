@@ -9,6 +9,7 @@
 #include "storage/db/ids.h"
 #include "storage/db/machine_boot.h"
 #include "storage/folder/data_marker.h"
+#include "storage/folder/elsewhere/settle_blobs.h"
 
 namespace skyquilt::storage {
 
@@ -49,13 +50,14 @@ Result<std::unique_ptr<CatalogueDb>> MakeSharedCatalogue(const DataDir& dir, con
   return CatalogueDb::OpenPostgres(place, NodeOf(dir), /*may_make=*/true, readers);
 }
 
-Result<std::string> IdForNewFolder(CatalogueDb& db, bool has_files_elsewhere) {
+Result<std::string> IdForNewFolder(CatalogueDb& db, const CataloguePlace& place) {
   const auto access = db.Lock();
   SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*access));
   SKYQUILT_TRY_ASSIGN(const std::optional<std::string> known, CatalogueId(*access));
+  SKYQUILT_TRY(CheckBlobsOf(*access, known, place.files_at, place.files_of));
   SKYQUILT_TRY_ASSIGN(Statement query, access->Prepare("SELECT 1 FROM flight LIMIT 1"));
   SKYQUILT_TRY_ASSIGN(const bool has_flights, query.Step());
-  if (known && has_flights && !has_files_elsewhere) {
+  if (known && has_flights && place.files_at.empty()) {
     return Error{
         ErrorCode::kConflict,
         "The catalogue in the database of --catalogue has flights whose files are in another data folder. "

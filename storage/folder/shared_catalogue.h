@@ -19,8 +19,8 @@ Result<std::unique_ptr<CatalogueDb>> MakeSharedCatalogue(const DataDir& dir, con
                                                          int readers = 2);
 // For a new folder: the id that it has to have: that of the catalogue, which gets one where it has none. A
 // catalogue with flights belongs to the folder that has their files, and is refused, unless no folder has
-// them.
-Result<std::string> IdForNewFolder(CatalogueDb& db, bool has_files_elsewhere);
+// them; so is one whose photos lie elsewhere than `place` says.
+Result<std::string> IdForNewFolder(CatalogueDb& db, const CataloguePlace& place);
 // The refusal of a folder whose catalogue is in PostgreSQL, where that was not said: a second catalogue
 // beside it would know neither its tokens nor its jobs.
 Error WantsItsCatalogue(const DataDir& dir);

@@ -1,15 +1,12 @@
 // The workers' half of JobQueue: claim, renew, end, publish. Every statement that writes names the lease's
 // token.
-#include <fmt/format.h>
-
-#include <thread>
-
 #include "core/base/try.h"
 #include "storage/db/machine_boot.h"
 #include "storage/jobs/claim_in_postgres.h"
 #include "storage/jobs/job_queue.h"
 #include "storage/jobs/job_turns.h"
 #include "storage/jobs/lost_leases.h"
+#include "storage/jobs/patiently.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -23,19 +20,6 @@ Result<LeaseState> ReadLease(SqlConnection& db, const Lease& lease) {
   SKYQUILT_TRY_ASSIGN(const bool row, query.Bind(1, lease.job_id).Bind(2, lease.token).Step());
   if (!row) return LeaseState::kLost;
   return query.ColumnInt64(0) != 0 ? LeaseState::kCancelRequested : LeaseState::kHeld;
-}
-
-// Hours of work must not end with a restart of the database: what may be said twice is, for a minute.
-template <typename Call>
-auto Patiently(const CatalogueDb& db, Call call) {
-  constexpr std::chrono::minutes kPatience{1};
-  const auto end = std::chrono::steady_clock::now() + kPatience;
-  while (true) {
-    auto outcome = call();
-    const bool may_pass = !outcome && outcome.error().code == ErrorCode::kUnavailable;
-    if (!db.IsShared() || !may_pass || std::chrono::steady_clock::now() > end) return outcome;
-    std::this_thread::sleep_for(std::chrono::milliseconds(500));
-  }
 }
 
 }  // namespace

@@ -123,8 +123,8 @@ class JobQueue {
   Result<bool> Fail(const Lease& lease, const Error& error, bool may_retry, Time now);
   // The worker saw the wish to cancel and stopped. False: the lease was lost.
   Result<bool> Dismiss(const Lease& lease, Time now);
-  // The worker must stop, through no fault of the job's: the attempt does not count. False: the lease was
-  // lost.
+  // The worker must stop, or its machine is in trouble, through no fault of the job's: the attempt does not
+  // count. False: the lease was lost.
   Result<bool> GiveBack(const Lease& lease, Time now);
 
   // Publishing, in two steps around the move of the files. Absent or false: the lease was lost.
@@ -140,8 +140,8 @@ class JobQueue {
   Result<int> TakeUpAfterRestart(Time now);
   // What the names of this server's workers begin with.
   const std::string& served_prefix() const { return db_.served_prefix(); }
-  // Until there may be a job to claim.
-  void WaitForJobs() { db_.WaitForJobs(); }
+  // Until there may be a job to claim, or for two seconds (false).
+  bool WaitForJobs() { return db_.WaitForJobs(); }
   // Flights that a live lease may be publishing into, with the lease as "<job>-<token>".
   struct LiveLease {
     std::string flight_id;

@@ -130,6 +130,7 @@ Result<MapExport> MapExports::Add(const MapExport& wish, Time now) {
   insert.Bind(1, added.id).Bind(2, added.flight_id).Bind(3, added.revision).Bind(4, added.request);
   SKYQUILT_TRY(insert.Bind(5, added.format).Bind(6, added.owner).Bind(7, ToUs(now)).Run());
   SKYQUILT_TRY(transaction.Commit());
+  has_new_ = true;
   return added;
 }
 

@@ -7,6 +7,7 @@
 // (the link has ended), kRateLimited (too many wait), kOutOfSpace, kUnavailable, kIo.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <optional>
@@ -63,6 +64,8 @@ class MapExports {
   // Whoever makes it learns of it at its next heartbeat. The caller removes its file.
   Result<void> Remove(const std::string& id);
 
+  // True once for what was asked for here since.
+  bool HasNew() { return has_new_.exchange(false); }
   // The oldest that waits, or whose server has died; those of links last. One that did not survive
   // kMaxAttempts has failed.
   Result<std::optional<MapExport>> Claim(Time now);
@@ -84,6 +87,7 @@ class MapExports {
   Result<bool> End(const MapExport& claimed, ExportState state, std::int64_t bytes, const Error& error,
                    Time now);
   CatalogueDb& db_;
+  std::atomic<bool> has_new_{true};
 };
 
 // For the transaction that ends a link: what it asked for and was not made yet is forgotten, whose maker

@@ -8,6 +8,7 @@
 #include "core/base/try.h"
 #include "storage/db/machine_boot.h"
 #include "storage/jobs/job_rows.h"
+#include "storage/jobs/patiently.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -60,6 +61,12 @@ Result<void> FailExhausted(SqlConnection& db, Time now) {
   return {};
 }
 
+// There is something to claim: workers that sleep are told, at the end of the transaction.
+Result<void> WakeWorkers(SqlConnection& db) {
+  if (db.dialect() != Dialect::kPostgres) return {};
+  return db.Exec("SELECT pg_notify(current_schema() || '.jobs', '')");
+}
+
 // Shown while units are at work, and given to a worker once all are done.
 Result<void> GoOn(SqlConnection& db, const std::string& job_id, std::string_view kind) {
   SKYQUILT_TRY_ASSIGN(
@@ -69,6 +76,7 @@ Result<void> GoOn(SqlConnection& db, const std::string& job_id, std::string_view
   SKYQUILT_TRY(query.Bind(1, job_id).Bind(2, kind).Step());
   const std::int64_t count = query.ColumnInt64(0), done = query.ColumnInt64(1);
   query.Reset();
+  if (done == count) SKYQUILT_TRY(WakeWorkers(db));
   SKYQUILT_TRY_ASSIGN(
       Statement tell,
       db.Prepare("UPDATE job SET progress=units_from+(units_to-units_from)*?2, message=?3,"
@@ -86,6 +94,11 @@ Result<void> GoOn(SqlConnection& db, const std::string& job_id, std::string_view
 
 Result<bool> UnitQueue::Cut(const Lease& lease, std::string_view kind, int count, std::int64_t items,
                             const UnitProgress& progress) {
+  return Patiently(db_, [&] { return CutOnce(lease, kind, count, items, progress); });
+}
+
+Result<bool> UnitQueue::CutOnce(const Lease& lease, std::string_view kind, int count, std::int64_t items,
+                                const UnitProgress& progress) {
   return db_.Again([&]() -> Result<bool> {
     const auto db = db_.Lock();
     SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
@@ -189,7 +202,7 @@ Result<std::optional<UnitLease>> UnitQueue::Claim(std::string_view worker, Time 
                         " ORDER BY j.priority DESC, j.id, u.number LIMIT 1") +
             PassOverLocked(*db) +
             ") UPDATE unit SET state='running', lease_token=lease_token+1, attempts=attempts+1, worker=?1,"
-            " lease_until_us=?2 FROM next WHERE job_id=a_job AND kind=a_kind AND number=a_number"
+            " lease_until_us=?2, since_us=?3 FROM next WHERE job_id=a_job AND kind=a_kind AND number=a_number"
             " RETURNING job_id, kind, number, items, lease_token"));
     claim.Bind(1, worker).Bind(2, ToUs(now + kLeaseTime)).Bind(3, ToUs(now));
     UnitLease unit;
@@ -231,6 +244,10 @@ Result<LeaseState> UnitQueue::Renew(const UnitLease& unit, Time by_machine) {
 }
 
 Result<bool> UnitQueue::Done(const UnitLease& unit) {
+  return Patiently(db_, [&] { return DoneOnce(unit); });
+}
+
+Result<bool> UnitQueue::DoneOnce(const UnitLease& unit) {
   return db_.Again([&]() -> Result<bool> {
     const auto db = db_.Lock();
     SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
@@ -265,6 +282,8 @@ Result<bool> UnitQueue::Fail(const UnitLease& unit, const Error& error, bool may
         held.Reset();
         if (!is_held) return false;
         SKYQUILT_TRY(FailJobOf(*db, unit.job_id, error, now));
+      } else {
+        SKYQUILT_TRY(WakeWorkers(*db));
       }
     }
     SKYQUILT_TRY(transaction.Commit());
@@ -281,7 +300,9 @@ Result<bool> UnitQueue::GiveBack(const UnitLease& unit, Time by_machine) {
           std::string("UPDATE unit SET state='waiting', worker='', attempts=attempts-1, waiting_us=?5") +
           kHeldUnit));
   SKYQUILT_TRY(BindUnit(update, unit).Bind(5, ToUs(now)).Run());
-  return db->Changes() > 0;
+  const bool was_held = db->Changes() > 0;
+  if (was_held) SKYQUILT_TRY(WakeWorkers(*db));
+  return was_held;
 }
 
 Result<int> UnitQueue::ReleaseWorker(const std::string& worker, Time by_machine) {
@@ -290,7 +311,30 @@ Result<int> UnitQueue::ReleaseWorker(const std::string& worker, Time by_machine)
   SKYQUILT_TRY_ASSIGN(Statement update, db->Prepare("UPDATE unit SET lease_until_us=0, waiting_us=?2"
                                                     " WHERE state='running' AND worker=?1"));
   SKYQUILT_TRY(update.Bind(1, worker).Bind(2, ToUs(now)).Run());
-  return static_cast<int>(db->Changes());
+  const int held = static_cast<int>(db->Changes());
+  if (held > 0) SKYQUILT_TRY(WakeWorkers(*db));
+  return held;
+}
+
+Result<std::vector<HeldUnit>> UnitQueue::Held(const std::string& job_id) const {
+  constexpr int kMaxHeld = 1'000;
+  const auto db = db_.Read();
+  const Time now = db_.SharedTime(Now(), *db);
+  SKYQUILT_TRY_ASSIGN(Statement query,
+                      db->Prepare("SELECT job_id, kind, number, worker, since_us, attempts FROM unit"
+                                  " WHERE state='running' AND lease_until_us>=?1 AND (?2='' OR job_id=?2)"
+                                  " ORDER BY job_id, kind, number LIMIT ?3"));
+  query.Bind(1, ToUs(now)).Bind(2, job_id).Bind(3, kMaxHeld);
+  std::vector<HeldUnit> units;
+  while (true) {
+    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
+    if (!row) return units;
+    units.push_back({std::string(query.ColumnText(0)), std::string(query.ColumnText(1)),
+                     static_cast<int>(query.ColumnInt64(2)), std::string(query.ColumnText(3)),
+                     FromUs(query.ColumnInt64(4)),
+                     std::max(0.0, static_cast<double>(ToUs(now) - query.ColumnInt64(4)) * 1e-6),
+                     static_cast<int>(query.ColumnInt64(5))});
+  }
 }
 
 }  // namespace skyquilt::storage

@@ -51,6 +51,17 @@ struct UnitsOfKind {
   double longest_waiting_s = 0.0;  // of those that wait
 };
 
+// A unit that a worker has.
+struct HeldUnit {
+  std::string job_id;
+  std::string kind;
+  int number = 0;
+  std::string worker;
+  Time since;         // it has it
+  double held_s = 0;  // by the database's clock
+  int attempt = 1;
+};
+
 // Where the job is in its progress while its units are at work.
 struct UnitProgress {
   double from = 0.0;  // 0..1 over the whole job, when none is done
@@ -72,17 +83,24 @@ class UnitQueue {
 
   Result<std::optional<UnitLease>> Claim(std::string_view worker, Time now);
   Result<LeaseState> Renew(const UnitLease& unit, Time now);
-  // The last one of its kind lets the job be claimed. False: the lease was lost.
+  // The last one of its kind lets the job be claimed. As Cut, tries for a minute while a shared catalogue's
+  // database cannot be reached. False: the lease was lost.
   Result<bool> Done(const UnitLease& unit);
   // With `may_retry` the unit waits for another attempt if any is left; else its job fails. False: the lease
   // was lost.
   Result<bool> Fail(const UnitLease& unit, const Error& error, bool may_retry, Time now);
-  // The worker must stop, through no fault of the unit's.
+  // The worker must stop, or its machine is in trouble, through no fault of the unit's.
   Result<bool> GiveBack(const UnitLease& unit, Time now);
   // A worker process ended: its units wait for the next one now. Answers how many it held.
   Result<int> ReleaseWorker(const std::string& worker, Time now);
 
+  // Who has which, of one job or (empty) of all.
+  Result<std::vector<HeldUnit>> Held(const std::string& job_id = "") const;
+
  private:
+  Result<bool> CutOnce(const Lease& lease, std::string_view kind, int count, std::int64_t items,
+                       const UnitProgress& progress);
+  Result<bool> DoneOnce(const UnitLease& unit);
   CatalogueDb& db_;
 };
 

@@ -18,15 +18,20 @@ Result<std::shared_ptr<PmtilesReader>> PmtilesReader::Open(std::shared_ptr<BlobS
   std::shared_ptr<PmtilesReader> reader(new PmtilesReader(std::move(blobs), key, std::move(memory)));
   SKYQUILT_TRY_ASSIGN(const std::string head,
                       reader->blobs_->ReadNear(key, 0, static_cast<std::int64_t>(kPmtilesHeadBytes)));
-  SKYQUILT_TRY_ASSIGN(reader->header_, ParsePmtilesHeader(head));
-  const PmtilesHeader& header = reader->header_;
-  if (header.root.offset + header.root.bytes > head.size())
-    return Error{ErrorCode::kCorrupt, "The map's file mosaic.pmtiles is cut off. Stitch the flight again.",
-                 key};
-  SKYQUILT_TRY_ASSIGN(reader->root_, ParsePmtilesDirectory(std::string_view(head).substr(header.root.offset,
-                                                                                         header.root.bytes)));
-  SKYQUILT_TRY_ASSIGN(const std::string metadata, reader->Read(header.metadata, 0, header.metadata.bytes));
-  SKYQUILT_TRY_ASSIGN(reader->metadata_, ParsePmtilesMetadata(metadata, header));
+  const auto understand = [&]() -> Result<void> {
+    SKYQUILT_TRY_ASSIGN(reader->header_, ParsePmtilesHeader(head));
+    const PmtilesHeader& header = reader->header_;
+    if (header.root.offset + header.root.bytes > head.size())
+      return Error{ErrorCode::kCorrupt, "The map's file mosaic.pmtiles is cut off. Stitch the flight again.",
+                   key};
+    SKYQUILT_TRY_ASSIGN(reader->root_, ParsePmtilesDirectory(std::string_view(head).substr(
+                                           header.root.offset, header.root.bytes)));
+    SKYQUILT_TRY_ASSIGN(const std::string metadata, reader->Read(header.metadata, 0, header.metadata.bytes));
+    SKYQUILT_TRY_ASSIGN(reader->metadata_, ParsePmtilesMetadata(metadata, header));
+    return {};
+  };
+  const Result<void> understood = understand();
+  if (!understood) return reader->Doubted(understood.error());
   return reader;
 }
 
@@ -38,17 +43,28 @@ Result<std::string> PmtilesReader::Read(const PmtilesSection& section, std::uint
   SKYQUILT_TRY_ASSIGN(std::string bytes,
                       blobs_->ReadNear(key_, static_cast<std::int64_t>(section.offset + offset),
                                        static_cast<std::int64_t>(length)));
-  if (bytes.size() != length) return outside;
+  if (bytes.size() != length) return Doubted(outside);
   return bytes;
+}
+
+Error PmtilesReader::Doubted(const Error& error) const {
+  if (blobs_->IsFolder() || error.code != ErrorCode::kCorrupt) return error;
+  blobs_->DoubtNear(key_);
+  return {
+      ErrorCode::kUnavailable,
+      "A part of the map came damaged from the store of photos and maps. Try again later; if it stays so, "
+      "stitch the flight again.",
+      key_ + ": " + error.message};
 }
 
 Result<PmtilesReader::Directory> PmtilesReader::Leaf(const PmtilesEntry& entry) const {
   const std::string name = NameOf('/', entry.offset);
   if (Directory kept = memory_->leaves.Find(name)) return kept;
   SKYQUILT_TRY_ASSIGN(const std::string packed, Read(header_.leaves, entry.offset, entry.length));
-  SKYQUILT_TRY_ASSIGN(std::vector<PmtilesEntry> entries, ParsePmtilesDirectory(packed));
-  const std::size_t bytes = sizeof(PmtilesEntry) * entries.size();
-  const auto leaf = std::make_shared<const std::vector<PmtilesEntry>>(std::move(entries));
+  Result<std::vector<PmtilesEntry>> entries = ParsePmtilesDirectory(packed);
+  if (!entries) return Doubted(entries.error());
+  const std::size_t bytes = sizeof(PmtilesEntry) * entries->size();
+  const auto leaf = std::make_shared<const std::vector<PmtilesEntry>>(*std::move(entries));
   memory_->leaves.Keep(name, leaf, bytes);
   return Directory(leaf);
 }

@@ -1,7 +1,7 @@
 // PmtilesReader: tiles out of one finished PMTiles archive, wherever it lies, by ranges: header, root and
 // metadata are read once; a tile takes one read, and another where its leaf directory is not in memory; tiles
 // that were asked for lately are in memory. Any number of threads. Errors: kNotFound, kCorrupt,
-// kUnsupportedFormat and those of the store.
+// kUnsupportedFormat and those of the store; kUnavailable too where what a store gave is damaged.
 #pragma once
 
 #include <map>
@@ -32,6 +32,8 @@ class PmtilesReader final : public MapTiles {
   PmtilesReader(std::shared_ptr<BlobStore> blobs, std::string key, std::shared_ptr<PmtilesMemory> memory)
       : blobs_(std::move(blobs)), key_(std::move(key)), memory_(std::move(memory)) {}
   Result<std::string> Read(const PmtilesSection& section, std::uint64_t offset, std::uint64_t length) const;
+  // What is wrong in what a store gave is doubted before the map is.
+  Error Doubted(const Error& error) const;
   using Directory = std::shared_ptr<const std::vector<PmtilesEntry>>;
   Result<Directory> Leaf(const PmtilesEntry& entry) const;
   // In memory: names of what lies there in the archive.

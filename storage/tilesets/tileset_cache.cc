@@ -79,22 +79,45 @@ Result<Tileset> OpenElsewhere(const std::string& flight_id, const Revision& revi
 
 }  // namespace
 
-TilesetCache::TilesetCache(DataDir dir, Catalogue& catalogue, std::shared_ptr<BlobStore> blobs)
+TilesetCache::TilesetCache(DataDir dir, Catalogue& catalogue, std::shared_ptr<BlobStore> blobs,
+                           bool is_shared)
     : dir_(std::move(dir)),
       catalogue_(catalogue),
-      blobs_(blobs == nullptr || blobs->IsFolder() ? nullptr : std::move(blobs)) {}
+      blobs_(blobs == nullptr || blobs->IsFolder() ? nullptr : std::move(blobs)),
+      is_shared_(is_shared) {}
 
 Result<std::shared_ptr<const Tileset>> TilesetCache::Get(const std::string& flight_id) {
   const auto now = std::chrono::steady_clock::now();
+  std::shared_ptr<const Tileset> shown;
   {
     const std::lock_guard lock(mutex_);
     const auto found = entries_.find(flight_id);
-    if (found != entries_.end() && now - found->second.checked < kFreshFor) {
-      found->second.used = now;
-      return found->second.tileset;
+    if (found != entries_.end()) {
+      shown = found->second.tileset;
+      if (now - found->second.checked < kFreshFor) {
+        found->second.used = now;
+        return shown;
+      }
     }
   }
-  return Refresh(flight_id);
+  if (!is_shared_ || shown == nullptr) return Refresh(flight_id);
+  const Result<void> read = again_.Ask(flight_id, [this, flight_id]() -> Result<void> {
+    SKYQUILT_TRY(Refresh(flight_id));
+    return {};
+  });
+  if (!read && read.error().code == ErrorCode::kUnavailable) return shown;
+  if (!read) return read.error();
+  const std::lock_guard lock(mutex_);
+  const auto found = entries_.find(flight_id);
+  return found != entries_.end() ? found->second.tileset : shown;
+}
+
+Result<void> TilesetCache::CheckCatalogue() const {
+  const auto read = [this]() -> Result<void> {
+    SKYQUILT_TRY(catalogue_.HasFlight(""));
+    return {};
+  };
+  return is_shared_ ? looks_.Ask("catalogue", read) : read();
 }
 
 Result<std::shared_ptr<const Tileset>> TilesetCache::Refresh(const std::string& flight_id) {
@@ -141,7 +164,8 @@ bool TilesetCache::IsOpen(const std::string& flight_id) const {
   const auto found = entries_.find(flight_id);
   if (found == entries_.end()) return false;
   // Where opening a newer revision means waiting for the network, only what need not be looked up is open.
-  return blobs_ == nullptr || std::chrono::steady_clock::now() - found->second.checked < kFreshFor / 2;
+  return blobs_ == nullptr || (is_shared_ && !again_.IsWell()) ||
+         std::chrono::steady_clock::now() - found->second.checked < kFreshFor / 2;
 }
 
 void TilesetCache::Forget(const std::string& flight_id) {

@@ -1,6 +1,7 @@
 // TilesetCache: the tileset that a flight shows now, opened once and kept while it is used. What a request
 // gets it may hold to its end: a newer revision never changes an older one. Another process publishes, so the
-// catalogue is read again after kFreshFor, and every time for a flight without a map. A map in the data
+// catalogue is read again after kFreshFor, and every time for a flight without a map. While a catalogue that
+// many machines share does not answer, what is open stays shown. A map in the data
 // folder is read from its MBTiles, one that lies elsewhere from its PMTiles by ranges. Any thread. Errors:
 // kNotFound (no such flight, or it has no map yet), kCorrupt, kUnavailable, kIo.
 #pragma once
@@ -17,6 +18,7 @@
 #include "core/render/map_layer.h"
 #include "storage/blobs/blob_store.h"
 #include "storage/catalogue/catalogue.h"
+#include "storage/db/outage/read_again.h"
 #include "storage/folder/data_dir.h"
 #include "storage/pmtiles/lru_memory.h"
 #include "storage/tilesets/tile_source.h"
@@ -37,11 +39,15 @@ class TilesetCache {
   static constexpr std::size_t kMaxOpen = 256;
 
   // `blobs`: where maps lie; absent: in the data folder.
-  TilesetCache(DataDir dir, Catalogue& catalogue, std::shared_ptr<BlobStore> blobs = nullptr);
+  // `is_shared`: the catalogue is a database that may be away.
+  TilesetCache(DataDir dir, Catalogue& catalogue, std::shared_ptr<BlobStore> blobs = nullptr,
+               bool is_shared = false);
   Result<std::shared_ptr<const Tileset>> Get(const std::string& flight_id);
   // True: Get opens no file, unless a newer revision was published a moment ago; of a map that lies elsewhere
   // also not then.
   bool IsOpen(const std::string& flight_id) const;
+  // Whether the catalogue can be read, known within seconds also where it does not answer.
+  Result<void> CheckCatalogue() const;
   // The flight was deleted here: gone for the next request.
   void Forget(const std::string& flight_id);
 
@@ -60,6 +66,9 @@ class TilesetCache {
   const std::shared_ptr<PmtilesMemory> memory_ = std::make_shared<PmtilesMemory>();
   mutable std::mutex mutex_;
   std::unordered_map<std::string, Entry> entries_;
+  const bool is_shared_;
+  ReadAgain again_;  // with the next, last: their threads use all of the above
+  mutable ReadAgain looks_;
 };
 
 }  // namespace skyquilt::storage

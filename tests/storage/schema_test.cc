@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "storage/catalogue/catalogue.h"
+#include "tests/storage/data/earlier_versions.h"
 #include "tests/storage/scratch_dir.h"
 
 namespace skyquilt::storage {
@@ -38,8 +39,7 @@ class SchemaTest : public testing::Test {
     EXPECT_TRUE(made) << made.error().detail;
     return db;
   }
-  // A catalogue of this version, made into one of an earlier by `undo`.
-  void ExpectToBeBroughtToThisOne(const char* undo) const {
+  void ExpectToBeBroughtToThisOne(int version) const {
     std::string id;
     {
       const auto db = CatalogueDb::Open(path());
@@ -47,7 +47,7 @@ class SchemaTest : public testing::Test {
     }
     SqliteDb db = Make("");
     const auto parts = Parts(db);
-    const auto undone = db.Exec(undo);
+    const auto undone = db.Exec(UndoToVersion(version) + "PRAGMA user_version=" + std::to_string(version));
     ASSERT_TRUE(undone) << undone.error().detail;
     ASSERT_NE(Parts(db), parts);
     const auto opened = CatalogueDb::OpenExisting(path());
@@ -105,26 +105,11 @@ TEST_F(SchemaTest, OpensItsOwnCatalogueAgain) {
   EXPECT_TRUE(Catalogue(**db).GetFlight(id));
 }
 
-TEST_F(SchemaTest, BringsVersion17ToThisOneWithAllThatIsInIt) {
-  ExpectToBeBroughtToThisOne(
-      "DROP TABLE idle_flight; ALTER TABLE flight DROP COLUMN tags;"
-      "ALTER TABLE flight DROP COLUMN is_kept; ALTER TABLE unit DROP COLUMN waiting_us; ALTER TABLE revision DROP COLUMN quality; PRAGMA user_version=17;");
-}
-
-TEST_F(SchemaTest, BringsVersion18ToThisOneWithAllThatIsInIt) {
-  ExpectToBeBroughtToThisOne(
-      "ALTER TABLE flight DROP COLUMN tags; ALTER TABLE flight DROP COLUMN is_kept;"
-      "ALTER TABLE unit DROP COLUMN waiting_us; ALTER TABLE revision DROP COLUMN quality; PRAGMA user_version=18;");
-}
-
-TEST_F(SchemaTest, BringsVersion19ToThisOneWithAllThatIsInIt) {
-  ExpectToBeBroughtToThisOne(
-      "ALTER TABLE unit DROP COLUMN waiting_us; ALTER TABLE revision DROP COLUMN quality; PRAGMA user_version=19;");
-}
-
-TEST_F(SchemaTest, BringsVersion20ToThisOneWithAllThatIsInIt) {
-  ExpectToBeBroughtToThisOne("ALTER TABLE revision DROP COLUMN quality; PRAGMA user_version=20;");
-}
+TEST_F(SchemaTest, BringsVersion17ToThisOneWithAllThatIsInIt) { ExpectToBeBroughtToThisOne(17); }
+TEST_F(SchemaTest, BringsVersion18ToThisOneWithAllThatIsInIt) { ExpectToBeBroughtToThisOne(18); }
+TEST_F(SchemaTest, BringsVersion19ToThisOneWithAllThatIsInIt) { ExpectToBeBroughtToThisOne(19); }
+TEST_F(SchemaTest, BringsVersion20ToThisOneWithAllThatIsInIt) { ExpectToBeBroughtToThisOne(20); }
+TEST_F(SchemaTest, BringsVersion21ToThisOneWithAllThatIsInIt) { ExpectToBeBroughtToThisOne(21); }
 
 TEST_F(SchemaTest, RefusesOlderAndNewerVersionsAndLeavesThemAsTheyAre) {
   for (const int version : {1, 12, 999}) {

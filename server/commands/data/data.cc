@@ -117,7 +117,12 @@ void Check(const DataOptions& options) {
     fmt::print("all is well\n");
     return;
   }
-  if (!check->unknown.empty() || !check->lost.empty()) {
+  if (*settled && !check->unknown.empty()) {
+    fmt::print(
+        "What is unknown stays at {0}. \"skyquilt data repair\" enters what lies in the folder alone: put back a newer "
+        "copy of the catalogue, or run the repair, which says what to copy first.\n",
+        **settled);
+  } else if (!check->unknown.empty() || !check->lost.empty()) {
     fmt::print("\"skyquilt data repair --data {}\" brings back what belongs to flights.\n",
                held.dir.root().string());
   }

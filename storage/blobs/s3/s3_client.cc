@@ -62,6 +62,15 @@ std::string Md5Base64(std::string_view bytes) {
   return {reinterpret_cast<const char*>(text), static_cast<std::size_t>(size)};
 }
 
+// Whether so many bytes are all that there is of a range, as far as "Content-Range: bytes 0-9/100" says how
+// long the object is.
+bool IsWholeRange(const HttpAnswer& answer, std::int64_t offset, std::int64_t length, std::int64_t got) {
+  const std::string said = answer.Header("content-range");
+  const std::size_t slash = said.rfind('/');
+  const std::int64_t bytes = slash == std::string::npos ? -1 : IntegerOf(said.substr(slash + 1));
+  return bytes < 0 || got == std::clamp<std::int64_t>(bytes - offset, 0, length);
+}
+
 S3Object ObjectOf(const HttpAnswer& answer) {
   return {IntegerOf(answer.Header("content-length")), answer.Header("etag"), answer.Header(kSha256Header),
           answer.Header(kWriterHeader), HttpDate(answer.Header("last-modified"))};
@@ -129,7 +138,7 @@ std::chrono::system_clock::time_point S3Client::StoreTime() const {
   return std::chrono::system_clock::now() + std::chrono::seconds(skew_s_.load());
 }
 
-Result<HttpAnswer> S3Client::PerformOnce(const Ask& ask, const std::string& payload_sha256) {
+Result<HttpAnswer> S3Client::PerformOnce(const Ask& ask, const std::string& payload_sha256, int attempt) {
   SKYQUILT_TRY_ASSIGN(const S3Credentials keys, credentials_.Get(std::chrono::system_clock::now()));
   RequestToSign request{
       ask.method,    settings_.HostOfRequests(), settings_.PathOf(ask.key), ask.query, ask.headers,
@@ -145,6 +154,8 @@ Result<HttpAnswer> S3Client::PerformOnce(const Ask& ask, const std::string& payl
   exchange.begin = ask.begin;
   exchange.connect_patience = settings_.connect_patience;
   exchange.stall_patience = std::max(ask.stall_patience, settings_.stall_patience);
+  // A store that is slow to store is waited for longer each time, or nothing would ever be put.
+  if (ask.method != "GET" && ask.method != "HEAD") exchange.stall_patience *= attempt;
   ++requests_;
   return transfers_.Perform(exchange);
 }
@@ -232,7 +243,7 @@ Result<HttpAnswer> S3Client::Perform(Ask ask, int* attempts_made) {
   }
   for (int attempt = 1;; ++attempt) {
     if (attempts_made != nullptr) *attempts_made = attempt;
-    Result<HttpAnswer> answer = PerformOnce(ask, payload);
+    Result<HttpAnswer> answer = PerformOnce(ask, payload, attempt);
     if (answer && answer->IsGood()) {
       has_worked_ = true;
       return answer;
@@ -278,7 +289,8 @@ Result<std::string> S3Client::Get(const std::string& key, std::int64_t offset, s
     bytes.clear();
     const Result<HttpAnswer> answer = Perform(ask);
     if (answer && answer->status == 206 &&
-        IntegerOf(answer->Header("content-length")) == static_cast<std::int64_t>(bytes.size()))
+        IntegerOf(answer->Header("content-length")) == static_cast<std::int64_t>(bytes.size()) &&
+        IsWholeRange(*answer, offset, length, static_cast<std::int64_t>(bytes.size())))
       return bytes;
     // One that knows no ranges sends all of it; that it is all must be seen.
     if (answer && answer->status == 200 && offset == 0) return bytes;

@@ -97,7 +97,7 @@ class S3Client {
     int attempts = 0;                        // 0: the usual
   };
   Result<HttpAnswer> Perform(Ask ask, int* attempts_made = nullptr);
-  Result<HttpAnswer> PerformOnce(const Ask& ask, const std::string& payload_sha256);
+  Result<HttpAnswer> PerformOnce(const Ask& ask, const std::string& payload_sha256, int attempt);
   // What an answer that is not good means; `may_retry` says whether it may pass.
   Error Meaning(const Ask& ask, const HttpAnswer& answer, bool& may_retry);
   bool Adapt(const HttpAnswer& answer, const S3Refusal& refusal);

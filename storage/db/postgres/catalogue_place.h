@@ -7,6 +7,7 @@
 // kNotFound and kIo (the password's file); none shows a password.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "core/base/result.h"
@@ -17,12 +18,14 @@ struct CataloguePlace {
   std::string url;       // without password and schema; empty: in the data folder
   std::string password;  // empty: as libpq finds it
   std::string schema;    // empty: the first of the user's search path
-  // Photos and maps lie in a store of objects: any number of machines, each with a folder of its own, share
-  // both.
-  bool has_files_elsewhere = false;
+  // Where photos and maps lie, "s3://bucket/prefix/"; empty: in the data folder. In a store any number of
+  // machines, each with a folder of its own, share both.
+  std::string files_at;
+  // The catalogue whose they are, as that place says; absent: nobody's yet.
+  std::optional<std::string> files_of;
 
   bool IsPostgres() const { return !url.empty(); }
-  bool IsOfManyFolders() const { return IsPostgres() && has_files_elsewhere; }
+  bool IsOfManyFolders() const { return IsPostgres() && !files_at.empty(); }
 };
 
 // `password_file`: its first line is the password; empty: none.

@@ -11,6 +11,7 @@
 
 #include "core/base/parallel_for.h"
 #include "core/base/try.h"
+#include "storage/blobs/range_cache.h"
 #include "storage/blobs/sha256.h"
 #include "storage/catalogue/catalogue.h"
 #include "storage/folder/disk_flights.h"
@@ -47,7 +48,7 @@ std::vector<std::string> MapsAmong(const std::vector<BlobInfo>& blobs) {
 // of the map beside it.
 void LeavePacks(std::vector<BlobInfo>& blobs) {
   std::set<std::string> packs;
-  for (const std::string& map : MapsAmong(blobs)) packs.insert(PackOf(map));
+  for (const std::string& map : MapsAmong(blobs)) packs.insert({PackOf(map), RangeSumsKey(PackOf(map))});
   std::erase_if(blobs, [&](const BlobInfo& blob) { return packs.contains(blob.key); });
 }
 

@@ -40,15 +40,22 @@ Result<std::set<std::string>> ShownFolders(const Catalogue& catalogue, const std
   return folders;
 }
 
-Result<void> EndDeletions(BlobStore& blobs, const std::set<std::string>& known, SweepReport& report) {
+// Workers that had not heard of a deletion put parts of the flight after it: for a day each sweep looks
+// again.
+Result<std::set<std::string>> EndDeletions(BlobStore& blobs, const std::set<std::string>& known,
+                                           std::chrono::system_clock::time_point forgotten,
+                                           SweepReport& report) {
   SKYQUILT_TRY_ASSIGN(const std::vector<BlobInfo> begun, blobs.List(std::string(kDeletedPrefix)));
+  std::set<std::string> gone;
   for (const BlobInfo& marker : begun) {
     const std::string id = marker.key.substr(kDeletedPrefix.size());
     if (!IsId(id) || known.contains(id)) continue;
-    SKYQUILT_TRY(RemoveFlightBlobs(blobs, id));
-    ++report.removed;
+    SKYQUILT_TRY_ASSIGN(const int removed, blobs.RemoveBelow(FlightPrefix(id)));
+    report.removed += removed;
+    gone.insert(id);
+    if (marker.changed <= forgotten) SKYQUILT_TRY(blobs.Remove(marker.key));
   }
-  return {};
+  return gone;
 }
 
 }  // namespace
@@ -67,7 +74,7 @@ Result<void> RemoveFlightBlobs(BlobStore& blobs, const std::string& flight_id) {
   const Result<void> marked = blobs.PutIfAbsent(marker, "deleted");
   if (!marked && marked.error().code != ErrorCode::kConflict) return marked.error();
   SKYQUILT_TRY(blobs.RemoveBelow(FlightPrefix(flight_id)));
-  return blobs.Remove(marker);
+  return {};
 }
 
 Result<int> SweepRevisionBlobs(BlobStore& blobs, const Catalogue& catalogue, const std::string& flight_id) {
@@ -97,13 +104,14 @@ Result<SweepReport> SweepBlobs(BlobStore& blobs, const Catalogue& catalogue, con
   std::set<std::string> live;
   for (const auto& lease : leases) live.insert(lease.flight_id);
   SweepReport report;
-  SKYQUILT_TRY(EndDeletions(blobs, known, report));
+  SKYQUILT_TRY_ASSIGN(const std::set<std::string> gone,
+                      EndDeletions(blobs, known, store_time - orphan_age, report));
 
   std::map<std::string, std::vector<std::pair<BlobName, std::string>>> old;  // by flight: names and keys
   std::set<std::string> unknown;
   for (const BlobInfo& blob : all) {
     const std::optional<BlobName> name = NameOf(blob.key);
-    if (!name || store_time - blob.changed < orphan_age) continue;
+    if (!name || gone.contains(name->flight_id) || store_time - blob.changed < orphan_age) continue;
     if (!known.contains(name->flight_id)) {
       unknown.insert(name->flight_id);
     } else {

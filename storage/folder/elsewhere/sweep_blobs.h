@@ -1,11 +1,11 @@
 // SweepBlobs: puts the place of photos and maps in order after crashes, where that is not the data folder
 // (Sweep looks after the folder). Removed is only what is known to be nobody's: blobs of flights whose
-// deletion was begun ("deleted/<flight>" says so until the last of them is gone), and revisions that no
-// flight shows, and parts of large flights whose jobs have ended. Files that are no file of their flight move
-// to lost/<day>/. Blobs of flights that the catalogue does not know stay where they are, and are told of: the
-// catalogue may be an older one. Nothing younger than a day by the store's own clock is touched, so that no
-// clock of ours and no upload under way on another machine matters. Any process; several at once do no harm.
-// Errors: those of blobs and catalogue.
+// deletion was begun ("deleted/<flight>" says so for a day, in which workers that had not heard of it may put
+// more), revisions that no flight shows, and parts of large flights whose jobs have ended. Files that are no
+// file of their flight move to lost/<day>/. Blobs of flights that the catalogue does not know stay where they
+// are, and are told of: the catalogue may be an older one. Nothing younger than a day by the store's own
+// clock is touched, so that no clock of ours and no upload under way on another machine matters. Any process;
+// several at once do no harm. Errors: those of blobs and catalogue.
 #pragma once
 
 #include <chrono>
@@ -32,7 +32,8 @@ Result<int> SweepRevisionBlobs(BlobStore& blobs, const Catalogue& catalogue, con
 // What time it is where the blobs are: a small one is put and looked at.
 Result<std::chrono::system_clock::time_point> TimeOfStore(BlobStore& blobs);
 
-// All blobs of a flight that the catalogue no longer knows. What fails, or is cut off, SweepBlobs ends.
+// All blobs of a flight that the catalogue no longer knows. What fails, is cut off or comes later, SweepBlobs
+// ends.
 Result<void> RemoveFlightBlobs(BlobStore& blobs, const std::string& flight_id);
 
 }  // namespace skyquilt::storage

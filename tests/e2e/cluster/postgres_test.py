@@ -1,6 +1,7 @@
 """A server and workers of their own on one catalogue in PostgreSQL: upload, job, tiles; PostgreSQL restarted in the middle;
 a worker killed and its job taken by another; a password that nobody shows."""
 import http.client
+import os
 import pathlib
 import signal
 import subprocess
@@ -11,7 +12,7 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from cluster.shared_catalogue import NOTHING_TO_DO, SharedCatalogueCase
-from server_support import BINARY, children_of, wait_until
+from server_support import BINARY, children_of, path_of, tile_of, wait_until
 
 
 class SharedCatalogue(SharedCatalogueCase):
@@ -59,6 +60,50 @@ class SharedCatalogue(SharedCatalogueCase):
         self.assertEqual(job["attempts"], 1, worker.errors())
         self.assertIsNone(worker.process.poll())
         self.check_map(server, flight_id)
+
+    def test_a_frozen_database_keeps_hot_tiles_and_is_said_so(self):
+        server = self.serve_shared(workers=1)
+        flight_id, job_id = self.upload(server)
+        self.assertEqual(server.wait_for_job(job_id)["state"], "successful")
+        _, tilejson = server.json("GET", f"/tiles/{flight_id}.json")
+        west, south, east, north = tilejson["bounds"]
+        zoom = tilejson["maxzoom"]
+        x, y = tile_of((west + east) / 2, (south + north) / 2, zoom)
+        tile = path_of(tilejson["tiles"][0]).format(z=zoom, x=x, y=y)
+        sound = server.request("GET", tile)[2]
+        frozen = [self.postgres.process.pid, *children_of(self.postgres.process.pid)]
+        for pid in frozen:
+            os.kill(pid, signal.SIGSTOP)
+        try:
+            begin = time.monotonic()
+            for _ in range(50):
+                status, _, content = server.request("GET", tile)
+                self.assertEqual((status, content), (200, sound))
+            self.assertLess(time.monotonic() - begin, 10)
+            begin = time.monotonic()
+            self.assertEqual(server.request("GET", "/readyz")[0], 503)
+            self.assertLess(time.monotonic() - begin, 5)
+            self.assertEqual(server.request("GET", "/healthz")[0], 200)
+        finally:
+            for pid in reversed(frozen):
+                os.kill(pid, signal.SIGCONT)
+        wait_until(lambda: server.request("GET", "/readyz")[0] == 200, "the server is not ready again: " + server.errors())
+        self.assertEqual(server.request("GET", tile)[2], sound)
+
+    def test_a_worker_that_starts_before_the_database_waits_for_it(self):
+        server = self.serve_shared()
+        _, job_id = self.upload(server)
+        self.postgres.stop()
+        worker = self.work("--once")
+        time.sleep(6)
+        self.assertIsNone(worker.process.poll(), worker.errors())
+        stopped = self.work()
+        time.sleep(1)
+        self.assertEqual(stopped.stop(), 0, stopped.errors())
+        self.postgres.start()
+        self.assertEqual(worker.process.wait(timeout=240), 0, worker.errors())
+        wait_until(lambda: server.json("GET", "/api/v1/flights")[0] == 200, "the server did not come back")
+        self.assertEqual(server.wait_for_job(job_id)["state"], "successful", worker.errors())
 
     def test_the_job_of_a_killed_worker_is_anothers(self):
         server = self.serve_shared()

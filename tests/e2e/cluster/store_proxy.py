@@ -32,6 +32,7 @@ class StoreProxy:
         self.random, self.lock = random.Random(seed), threading.Lock()
         self.asked, self.forged, self.faults = [], [], 0
         self.is_cut = threading.Event()  # set: connections break without a word
+        self.harm = None  # what it makes of the bytes of a range goes out instead, as if they were right
         self.held = threading.Event()  # set: nothing is answered with more than a body's first half
         proxy = self
 
@@ -87,6 +88,8 @@ class StoreProxy:
         connection.close()
         if is_lost:
             return self.answer(handler, 500, {}, b"<Error><Code>InternalError</Code></Error>")
+        if self.harm and handler.command == "GET" and "Range" in handler.headers:
+            content = self.harm(path, content)
         return self.answer(handler, response.status, dict(response.headers), content)
 
     def answer(self, handler, status, headers, content):

@@ -5,6 +5,7 @@ import json
 import os
 import pathlib
 import random
+import shutil
 import signal
 import subprocess
 import sys
@@ -219,6 +220,26 @@ class MachinesTest(SharedCatalogueTest):
                        "parts stay in the store")
         finally:
             second.stop()
+
+    def test_a_machine_in_trouble_costs_no_attempt_and_is_seen(self):
+        broken = self.folder_of_worker()
+        subprocess.run([BINARY, "worker", "--data", broken, "--until-empty", *self.catalogue], check=True)
+        work = pathlib.Path(broken, "work")
+        shutil.rmtree(work)
+        work.write_text("nothing can be written below this")
+        flight, job = self.upload()
+        log = open(f"{self.folder.name}.log", "a")
+        self.workers.append(subprocess.Popen([BINARY, "worker", "--name", "broken", "--data", broken, *self.catalogue, *CUT],
+                                             stderr=log, stdout=log))
+        log.close()
+
+        def metrics():
+            return self.server.request("GET", "/metrics")[2].decode()
+        wait_until(lambda: 'skyquilt_worker_aside_times{worker="broken"' in metrics(), f"it is not seen: {self.errors()}")
+        self.start_worker(*CUT)
+        ended = self.server.wait_for_job(job)
+        self.assertEqual((ended["state"], ended["attempts"]), ("successful", 1), self.errors())
+        self.map_of(flight)
 
     def tilejson_of_first(self, flight, second):
         _, tilejson = self.server.json("GET", f"/tiles/{flight}.json")

@@ -56,8 +56,8 @@ TEST_F(MovedBlobs, GoOutAndComeBackTheSame) {
   EXPECT_TRUE(near_.Find(FilesPrefix(flight_) + photo_));  // kept unless it was said otherwise
   EXPECT_EQ(far_.List("flights/")->size(), 3U);            // neither record nor preview
   EXPECT_EQ(**SettledAt(dir_), "s3://far/");
-  EXPECT_TRUE(SettleBlobs(dir_, id_, far_));
-  EXPECT_EQ(SettleBlobs(dir_, id_, near_).error().code, ErrorCode::kConflict);
+  EXPECT_TRUE(SettleBlobs(dir_, *db_, far_));
+  EXPECT_EQ(SettleBlobs(dir_, *db_, near_).error().code, ErrorCode::kConflict);
 
   const auto again = Move(near_, far_, true);
   ASSERT_TRUE(again) << again.error().message;
@@ -71,7 +71,7 @@ TEST_F(MovedBlobs, GoOutAndComeBackTheSame) {
   EXPECT_EQ(*near_.ReadRange(FilesPrefix(flight_) + photo_, 0, 10), "photo");
   EXPECT_EQ(*near_.ReadRange(RevisionPrefix(flight_, 1) + "frames/b.jpg", 0, 10), "frame");
   EXPECT_TRUE(far_.List("")->empty());
-  EXPECT_TRUE(SettleBlobs(dir_, id_, near_));
+  EXPECT_TRUE(SettleBlobs(dir_, *db_, near_));
 }
 
 TEST_F(MovedBlobs, GoOnWhereTheyWereCutOff) {
@@ -79,7 +79,7 @@ TEST_F(MovedBlobs, GoOnWhereTheyWereCutOff) {
   const auto cut_off = Move(near_, far_, true);
   ASSERT_FALSE(cut_off);
   EXPECT_FALSE(*SettledAt(dir_));
-  EXPECT_TRUE(SettleBlobs(dir_, id_, near_));  // the server starts as before
+  EXPECT_TRUE(SettleBlobs(dir_, *db_, near_));  // the server starts as before
   EXPECT_EQ(near_.List(FilesPrefix(flight_))->size(), 1U);
   far_.puts_left = 1'000;
   const auto rest = Move(near_, far_, true);

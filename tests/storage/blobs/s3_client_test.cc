@@ -125,6 +125,26 @@ TEST(S3Client, ReadsARangeAgainThatBrokeOff) {
   EXPECT_NE(store.requests()[0].find("Range: bytes=5-14"), std::string::npos);
 }
 
+TEST(S3Client, ReadsARangeAgainThatIsShorterThanTheObjectAllows) {
+  ScriptedStore store([](int n, const std::string&) {
+    const std::string range = "Content-Range: bytes 5-14/100\r\n";
+    return n == 0 ? HttpText(206, "0123", range) : HttpText(206, "0123456789", range);
+  });
+  EXPECT_EQ(*store->Get("k", 5, 10), "0123456789");
+  ScriptedStore end(
+      [](int, const std::string&) { return HttpText(206, "01", "Content-Range: bytes 98-99/100\r\n"); });
+  EXPECT_EQ(*end->Get("k", 98, 10), "01");
+}
+
+TEST(S3Client, WaitsLongerEachTimeForAStoreThatIsSlowToStore) {
+  ScriptedStore store([](int, const std::string&) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1'500));
+    return HttpText(200, "", "ETag: \"e\"\r\n");
+  });
+  const auto put = store->Put("k", "bytes", {});
+  EXPECT_TRUE(put) << put.error().message;
+}
+
 TEST(S3Client, BelievesNoStoreThatSendsMoreThanWasAskedFor) {
   ScriptedStore store([](int, const std::string&) { return HttpText(206, std::string(100, 'x')); });
   EXPECT_EQ(store->Get("k", 0, 10).error().code, ErrorCode::kCorrupt);

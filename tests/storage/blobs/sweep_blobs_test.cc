@@ -99,8 +99,25 @@ TEST_F(SweptBlobs, EndsADeletionThatWasCutOff) {
   ASSERT_TRUE(catalogue_.AddFile(flight_, {"a.jpg", photo_, 1}, Now()));
   Sweep(kOrphanAge);
   EXPECT_TRUE(blobs_.List(FlightPrefix(gone))->empty());
+  Sweep(std::chrono::seconds(0));
   EXPECT_FALSE(Has("deleted/" + gone));
   EXPECT_TRUE(Has(FilesPrefix(flight_) + photo_));
+}
+
+TEST_F(SweptBlobs, TakesWhatAWorkerPutAfterItsFlightWasDeleted) {
+  const std::string job = queue_.Add(flight_, "{}", Now())->id;
+  const std::string part = FlightPrefix(flight_) + UnitsFolderName(job) + "/look-0/found.cbor";
+  Put(FilesPrefix(flight_) + photo_);
+  ASSERT_TRUE(catalogue_.DeleteFlight(flight_));
+  ASSERT_TRUE(RemoveFlightBlobs(blobs_, flight_));
+  EXPECT_TRUE(blobs_.List(FlightPrefix(flight_))->empty());
+  Put(part);
+  EXPECT_EQ(Sweep(kOrphanAge).removed, 1);
+  EXPECT_FALSE(Has(part));
+  Put(part);
+  const SweepReport last = Sweep(std::chrono::seconds(0));
+  EXPECT_TRUE(last.moved.empty());
+  EXPECT_TRUE(blobs_.List("")->empty());
 }
 
 TEST_F(SweptBlobs, AreOfOneCatalogue) {

@@ -6,6 +6,8 @@
 #include <set>
 #include <thread>
 
+#include "storage/catalogue/trash.h"
+#include "storage/jobs/workers_aside.h"
 #include "tests/storage/postgres/test_catalogue.h"
 #include "tests/storage/scratch_dir.h"
 
@@ -114,6 +116,48 @@ TEST_F(UnitQueueTest, TellsHowLongTheyWaitAndHowOftenTheyFailed) {
   EXPECT_NEAR(count().longest_waiting_s, 0.0, 5.0);
 }
 
+TEST_F(UnitQueueTest, WorkersStandAsideForLongerEachTimeUntilTheirWorkGoesWell) {
+  EXPECT_EQ(PauseAside(1), seconds(5));
+  EXPECT_EQ(PauseAside(2), seconds(10));
+  EXPECT_EQ(PauseAside(1'000'000), seconds(600));
+  WorkersAside aside(*db_);
+  EXPECT_TRUE(aside.List()->empty());
+  ASSERT_TRUE(aside.Put("a", 1, {ErrorCode::kOutOfSpace, "full", ""}, now_));
+  ASSERT_TRUE(aside.Put("a", 2, {ErrorCode::kIo, "broken", ""}, now_));
+  ASSERT_TRUE(aside.Put("b", 1, {ErrorCode::kUnavailable, "away", ""}, now_));
+  const auto listed = *aside.List();
+  ASSERT_EQ(listed.size(), 2U);
+  EXPECT_EQ(listed[0].worker, "a");
+  EXPECT_EQ(listed[0].times, 2);
+  EXPECT_EQ(listed[0].code, ErrorCodeName(ErrorCode::kIo));
+  EXPECT_EQ(listed[0].until - listed[0].since, seconds(10));
+  ASSERT_TRUE(aside.Clear("a"));
+  EXPECT_EQ(aside.List()->size(), 1U);
+  ASSERT_TRUE(aside.Put("b", 1, {ErrorCode::kUnavailable, "away", ""}, now_ - hours(2)));  // nobody came back
+  EXPECT_TRUE(aside.List()->empty());
+}
+
+TEST_F(UnitQueueTest, TellsWhoHasWhichSinceWhenAtWhichAttempt) {
+  const Lease lease = CutJob(3);
+  EXPECT_TRUE(units_.Held()->empty());
+  const UnitLease first = Claimed("a");
+  EXPECT_TRUE(*units_.Fail(first, {ErrorCode::kIo, "disk", ""}, true, now_));
+  const UnitLease again = Claimed("b");
+  ASSERT_EQ(again.number, first.number);
+  Claimed("c");
+  const auto held = *units_.Held(lease.job_id);
+  ASSERT_EQ(held.size(), 2U);
+  EXPECT_EQ(held[0].worker, "b");
+  EXPECT_EQ(held[0].attempt, 2);
+  EXPECT_EQ(held[0].number, again.number);
+  EXPECT_EQ(held[1].worker, "c");
+  EXPECT_EQ(held[1].attempt, 1);
+  EXPECT_NEAR(held[1].held_s, 0.0, 5.0);
+  EXPECT_TRUE(*units_.Done(again));
+  EXPECT_EQ(units_.Held()->size(), 1U);
+  EXPECT_TRUE(units_.Held("another")->empty());
+}
+
 TEST_F(UnitQueueTest, TheLeaseOfWhoCutItIsOver) {
   const Lease lease = CutJob(1);
   EXPECT_EQ(*queue_.Renew(lease, now_), LeaseState::kLost);
@@ -179,6 +223,23 @@ TEST_F(UnitQueueTest, CancellingEndsTheUnits) {
   EXPECT_FALSE(*units_.Done(unit));
   EXPECT_FALSE(*units_.Claim("w", now_));
   EXPECT_TRUE(units_.Of(lease.job_id)->empty());
+}
+
+TEST_F(UnitQueueTest, TheTrashEndsTheJobAndItsUnits) {
+  const Lease lease = CutJob(3);
+  const UnitLease at_work = Claimed();
+  Trash trash(*db_);
+  ASSERT_TRUE(trash.Put(lease.flight_id, now_));
+  EXPECT_TRUE(units_.Count(now_)->empty());
+  EXPECT_EQ(*units_.Renew(at_work, now_), LeaseState::kLost);
+  EXPECT_FALSE(*units_.Done(at_work));
+  EXPECT_FALSE(*units_.Claim("w", now_ + hours(1)));
+  ASSERT_TRUE(trash.Restore(lease.flight_id));
+  EXPECT_EQ(queue_.Get(lease.job_id)->state, JobState::kDismissed);
+  EXPECT_TRUE(queue_.Get(lease.job_id)->finished.has_value());
+  const auto again = queue_.Add(lease.flight_id, "{}", now_);
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_EQ((*queue_.Claim("w", now_ + seconds(1)))->job_id, again->id);
 }
 
 TEST_F(UnitQueueTest, AJobThatWasCancelledBeforeItIsCutEnds) {

@@ -5,8 +5,10 @@
 
 #include <filesystem>
 #include <fstream>
+#include <functional>
 
 #include "core/base/progress.h"
+#include "core/base/try.h"
 #include "storage/blobs/folder_blobs.h"
 #include "storage/blobs/range_cache.h"
 #include "storage/exports/pmtiles_writer.h"
@@ -24,10 +26,22 @@ class FarBlobs final : public BlobStore {
   explicit FarBlobs(const std::filesystem::path& root)
       : near_(root),
         cache_(*LocalCache::Open(root / "cache", std::int64_t{1} << 30)),
-        ranges_(*cache_, [this](const std::string& key, std::int64_t offset, std::int64_t length) {
-          ++reads;
-          return near_.ReadRange(key, offset, length);
-        }) {}
+        ranges_(
+            *cache_,
+            [this](const std::string& key, std::int64_t offset, std::int64_t length) {
+              ++reads;
+              Result<std::string> bytes = near_.ReadRange(key, offset, length);
+              if (bytes && harm) harm(*bytes);
+              return bytes;
+            },
+            [this](const std::string& key) -> Result<std::shared_ptr<const std::string>> {
+              if (!has_sums) return std::shared_ptr<const std::string>();
+              SKYQUILT_TRY_ASSIGN(std::string sums, RangeSumsOfFile(near_.FolderOf(key)));
+              return std::make_shared<const std::string>(std::move(sums));
+            }) {}
+  void DoubtNear(const std::string& key) override {
+    if (!has_sums) ranges_.Forget(key);
+  }
   Result<void> Put(const std::string& key, const std::filesystem::path& file) override {
     return near_.Put(key, file);
   }
@@ -52,6 +66,8 @@ class FarBlobs final : public BlobStore {
   std::string Address() const override { return near_.Address(); }
 
   int reads = 0;
+  bool has_sums = true;
+  std::function<void(std::string&)> harm;  // done to what is read
 
  private:
   FolderBlobs near_;
@@ -126,6 +142,51 @@ TEST_F(PmtilesOfPaintedMap, TakesOneReadForWhatIsColdAndNoneForWhatLiesNear) {
   EXPECT_EQ(most, 1);
   EXPECT_LE(blobs_->reads - opened, static_cast<int>(size / kRangeChunkBytes) + 1);
   EXPECT_GT(tiles, 4 * (blobs_->reads - opened));
+}
+
+TEST_F(PmtilesOfPaintedMap, KeepsNothingOfWhatAStoreGaveWrong) {
+  Make({.zoom = 18, .first_column = 140'000, .first_row = 84'000, .columns = 40, .rows = 40});
+  int harmed = 0;
+  // Every second answer: a flipped byte, one too short, one that is empty.
+  blobs_->harm = [&](std::string& bytes) {
+    if (blobs_->reads % 2 == 0 || bytes.empty()) return;
+    const int kind = harmed++ % 3;
+    if (kind == 0) bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
+    if (kind == 1) bytes.resize(bytes.size() / 2);
+    if (kind == 2) bytes.clear();
+  };
+  const auto reader = PmtilesReader::Open(blobs_, kKey, std::make_shared<PmtilesMemory>());
+  ASSERT_TRUE(reader) << reader.error().message;
+  for (int x = 0; x < 40; ++x) {
+    for (int y = 0; y < 40; ++y) {
+      const geo::TileId tile = *geo::TileId::Make(18, 140'000 + x, 84'000 + y);
+      const auto here = *mbtiles_->Find(tile);
+      const auto there = (*reader)->Find(tile);
+      ASSERT_TRUE(there) << there.error().message;
+      ASSERT_EQ(here.has_value(), there->has_value());
+      if (!here) continue;
+      ASSERT_EQ(here->content_id, (*there)->content_id);
+    }
+  }
+  EXPECT_GT(harmed, 3);
+}
+
+TEST_F(PmtilesOfPaintedMap, ComesBackWithAStoreThatWasWrongForAWhile) {
+  Make({.zoom = 16, .first_column = 35'000, .first_row = 21'000, .columns = 4, .rows = 4});
+  // Of a map without sums, damage to the packed directory is seen by itself.
+  for (const bool has_sums : {true, false}) {
+    blobs_->has_sums = has_sums;
+    blobs_->harm = [](std::string& bytes) { bytes[140] = static_cast<char>(bytes[140] ^ 1); };
+    const auto harmed = PmtilesReader::Open(blobs_, kKey, std::make_shared<PmtilesMemory>());
+    ASSERT_FALSE(harmed);
+    EXPECT_EQ(harmed.error().code, ErrorCode::kUnavailable);
+    blobs_->harm = nullptr;
+    const auto well = PmtilesReader::Open(blobs_, kKey, std::make_shared<PmtilesMemory>());
+    ASSERT_TRUE(well) << well.error().message;
+    EXPECT_TRUE((*well)->Find(*geo::TileId::Make(16, 35'002, 21'002))->has_value());
+    std::filesystem::remove_all(folder_ / "cache");
+    blobs_ = std::make_shared<FarBlobs>(folder_.path());
+  }
 }
 
 // More entries than a root can have: a cold tile takes its leaf and itself.

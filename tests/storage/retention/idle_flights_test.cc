@@ -9,6 +9,7 @@
 
 #include "storage/catalogue/tokens.h"
 #include "storage/jobs/map_exports.h"
+#include "tests/storage/data/earlier_versions.h"
 #include "tests/storage/retention/stored_flight.h"
 
 namespace skyquilt::storage {
@@ -220,11 +221,7 @@ TEST_F(IdleFlightsTest, ForgetsAndBeginsAnew) {
 
 // As a server of the version before left it.
 TEST_F(IdleFlightsTest, ACatalogueOfVersion17GetsItsTable) {
-  ASSERT_TRUE(db_->Lock()->Exec("DROP TABLE idle_flight"));
-  ASSERT_TRUE(db_->Lock()->Exec("ALTER TABLE flight DROP COLUMN tags"));
-  ASSERT_TRUE(db_->Lock()->Exec("ALTER TABLE flight DROP COLUMN is_kept"));
-  ASSERT_TRUE(db_->Lock()->Exec("ALTER TABLE unit DROP COLUMN waiting_us"));
-  ASSERT_TRUE(db_->Lock()->Exec("ALTER TABLE revision DROP COLUMN quality"));
+  ASSERT_TRUE(db_->Lock()->Exec(UndoToVersion(17)));
   ASSERT_TRUE(db_->Lock()->Exec(TestsPostgres() ? "UPDATE catalogue_version SET version=17"
                                                 : "PRAGMA user_version=17"));
   const auto reopened = OpenTestCatalogue(data_.Catalogue());
@@ -236,10 +233,7 @@ TEST_F(IdleFlightsTest, ACatalogueOfVersion17GetsItsTable) {
 
 TEST_F(IdleFlightsTest, DaysOfACatalogueOfVersion18GoOnAsTheyWere) {
   IdleOn(0);
-  ASSERT_TRUE(db_->Lock()->Exec("ALTER TABLE flight DROP COLUMN tags"));
-  ASSERT_TRUE(db_->Lock()->Exec("ALTER TABLE flight DROP COLUMN is_kept"));
-  ASSERT_TRUE(db_->Lock()->Exec("ALTER TABLE unit DROP COLUMN waiting_us"));
-  ASSERT_TRUE(db_->Lock()->Exec("ALTER TABLE revision DROP COLUMN quality"));
+  ASSERT_TRUE(db_->Lock()->Exec(UndoToVersion(18)));
   ASSERT_TRUE(db_->Lock()->Exec(TestsPostgres() ? "UPDATE catalogue_version SET version=18"
                                                 : "PRAGMA user_version=18"));
   const auto reopened = OpenTestCatalogue(data_.Catalogue());

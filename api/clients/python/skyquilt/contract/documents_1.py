@@ -77,7 +77,16 @@ class JobError(TypedDict):
     message: str
 
 
-class Job(TypedDict):
+class JobPartsItem(TypedDict):
+    kind: Literal['look', 'render']
+    part: int
+    worker: str
+    since: str
+    attempt: int
+
+
+class JobForSure(TypedDict):
+    """What Job always has."""
     id: str
     flight_id: str
     state: Literal['accepted', 'running', 'successful', 'failed', 'dismissed']
@@ -96,6 +105,11 @@ class Job(TypedDict):
     eta_high_s: Optional[float]
     priority: int
     options: JobOptions
+
+
+class Job(JobForSure, total=False):
+    # Of a running job, asked for by its id with a token of scope admin: which worker has which part of a large flight
+    parts: List[JobPartsItem]
 
 
 class MapQualityAbsolute(TypedDict):
@@ -414,13 +428,3 @@ class GroundProfile(TypedDict):
     climb_m: float
     descent_m: float
     samples: List[GroundProfileSamplesItem]
-
-
-class MapStatisticsBandsItem(TypedDict):
-    name: str
-    min: Optional[float]
-    max: Optional[float]
-    mean: Optional[float]
-    std: Optional[float]
-    # Pixels of each value from 0 to 255
-    histogram: List[int]

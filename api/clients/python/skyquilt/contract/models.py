@@ -6,6 +6,16 @@ from typing import Any, Dict, List, Literal, Optional, TypedDict, Union
 from .documents_1 import *  # noqa: F401,F403
 
 
+class MapStatisticsBandsItem(TypedDict):
+    name: str
+    min: Optional[float]
+    max: Optional[float]
+    mean: Optional[float]
+    std: Optional[float]
+    # Pixels of each value from 0 to 255
+    histogram: List[int]
+
+
 class MapStatisticsIndexPercentiles(TypedDict):
     p2: Optional[float]
     p5: Optional[float]

@@ -1,0 +1,116 @@
+"""Every command of docs/cluster.md does what the page says, on a fresh PostgreSQL and a fresh store. Those of Slurm are slurm_test's,
+those of other programs are read and not run."""
+import os
+import pathlib
+import re
+import shlex
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support"))
+import s3_store
+from postgres_server import find_binaries, server_for
+from server_support import BINARY, wait_until
+
+PAGE = pathlib.Path(__file__).resolve().parents[3] / "docs" / "cluster.md"
+NOT_HERE = ("sbatch", "export")  # what is exported is in the environment of the test already
+STAYS = ("serve", "worker")  # until they are stopped
+
+
+def blocks():
+    """The page's shell blocks: a list of commands each, as words, without comments and what is not run here."""
+    for block in re.findall(r"```sh\n(.*?)```", PAGE.read_text(), re.S):
+        lines = [shlex.split(line, comments=True) for line in block.replace("\\\n", " ").splitlines()]
+        yield [words for words in lines if words and words[0] not in NOT_HERE]
+
+
+@unittest.skipIf(find_binaries() is None, "PostgreSQL is not installed")
+class Commands(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.store = s3_store.store_for(cls)
+        cls.postgres = server_for(cls)
+
+    def setUp(self):
+        scratch = tempfile.TemporaryDirectory(prefix="skyquilt_commands_")
+        self.addCleanup(scratch.cleanup)
+        self.folder = scratch.name
+        self.running = []
+        self.addCleanup(self.stop_all)
+        # The test's cluster was made by a role and with a database of the page's names: the page's own are to be made.
+        self.administer("createuser", "--superuser", "administrator", user="skyquilt")
+        self.administer("dropdb", "--force", "skyquilt")
+
+    def administer(self, program, *words, user="administrator"):
+        done = subprocess.run([self.postgres.binaries / program, "-h", self.postgres.folder, "-U", user, *words], cwd="/",
+                              capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+    def stop_all(self):
+        for process, log in self.running:
+            process.terminate()
+            process.wait(timeout=60)
+            log.close()
+        self.running = []
+
+    def start(self, words):
+        """A command that stays; a server, until it serves."""
+        self.assertIn(words[0], STAYS)
+        log = tempfile.TemporaryFile("w+")
+        process = subprocess.Popen([os.path.abspath(BINARY), *words], cwd=self.folder, stdout=log, stderr=log)
+        self.running.append((process, log))
+
+        def said():
+            log.seek(0)
+            return log.read()
+        if words[0] == "serve":
+            wait_until(lambda: process.poll() is not None or "is serving at" in said(), f"{words} does not begin")
+        else:
+            time.sleep(3)
+        self.assertIsNone(process.poll(), (words, said()))
+
+    def replay(self, words, place):
+        """A command of ours; `place`: the folder and prefix of its block."""
+        words = [word.replace("postgresql://skyquilt@db.example.org/skyquilt",
+                              f"postgresql://keeper@/skyquilt?host={self.postgres.folder}")
+                 .replace("s3://bucket/prefix", self.store.address(place)).replace("0.0.0.0:8080", "127.0.0.1:0") for word in words]
+        words = [f"{place}-{word}" if before == "--data" else word for before, word in zip(["", *words], words)]
+        if words[0] == "serve":
+            self.stop_all()
+            return self.start(words if "--listen" in words else [*words, "--listen", "127.0.0.1:0"])
+        if words[0] in STAYS:
+            return self.start(words)
+        self.stop_all()
+        done = subprocess.run([os.path.abspath(BINARY), *words], cwd=self.folder, capture_output=True, text=True, timeout=120)
+        self.assertEqual(done.returncode, 0, (words, done.stdout, done.stderr))
+        return None
+
+    def test_every_command_does_what_the_page_says(self):
+        count = 0
+        for number, block in enumerate(blocks()):
+            place = f"block{number}"
+            self.stop_all()
+            if any("--catalogue" in words and "--blobs" in words for words in block):
+                # Another way to begin: what began in a folder stays there.
+                self.administer("dropdb", "--force", "skyquilt")
+                self.administer("createdb", "--owner", "keeper", "skyquilt")
+            if any(words[1:3] == ["data", "move"] for words in block):
+                self.start(["serve", "--data", f"{place}-data", "--listen", "127.0.0.1:0", "--workers", "0"])  # it had a server
+            for words in block:
+                count += 1
+                if words[0] == "createuser":
+                    self.administer("createuser", "keeper")
+                elif words[0] == "createdb":
+                    self.administer(*[word.replace("skyquilt", "keeper") for word in words[:-1]], words[-1])
+                else:
+                    self.assertEqual(words[0], "skyquilt", f"nobody replays {words}")
+                    self.replay(words[1:], place)
+        self.assertGreater(count, 8)
+
+
+if __name__ == "__main__":
+    unittest.main()
