@@ -101,4 +101,9 @@ Result<std::string> SayCatalogueBlobs(SqlConnection& db, const std::string& wher
   return CatalogueBlobs(db);
 }
 
+Result<void> ChangeCatalogueBlobs(SqlConnection& db, const std::string& where) {
+  SKYQUILT_TRY_ASSIGN(Statement change, db.Prepare("UPDATE data_dir SET blobs=?"));
+  return change.Bind(1, where).Run();
+}
+
 }  // namespace skyquilt::storage

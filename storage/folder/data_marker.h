@@ -32,5 +32,7 @@ inline constexpr const char* kInDataFolder = "folder";
 Result<std::string> CatalogueBlobs(SqlConnection& db);
 // Unless it was said before; what holds now.
 Result<std::string> SayCatalogueBlobs(SqlConnection& db, const std::string& where);
+// They were moved.
+Result<void> ChangeCatalogueBlobs(SqlConnection& db, const std::string& where);
 
 }  // namespace skyquilt::storage

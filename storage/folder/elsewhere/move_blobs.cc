@@ -14,6 +14,7 @@
 #include "storage/blobs/range_cache.h"
 #include "storage/blobs/sha256.h"
 #include "storage/catalogue/catalogue.h"
+#include "storage/folder/data_marker.h"
 #include "storage/folder/disk_flights.h"
 #include "storage/folder/elsewhere/pack_maps.h"
 #include "storage/folder/elsewhere/settle_blobs.h"
@@ -177,6 +178,9 @@ Result<MoveReport> MoveBlobs(const DataDir& dir, const std::string& catalogue_id
   if (failure) return *failure;
   if (!to.IsFolder()) {
     SKYQUILT_TRY_ASSIGN(report.pack, PackMaps(dir, MapsAmong(blobs), from, to, progress));
+  }
+  if (db.IsShared()) {
+    SKYQUILT_TRY(ChangeCatalogueBlobs(*db.Lock(), to.IsFolder() ? kInDataFolder : moves_to));
   }
   SKYQUILT_TRY(SettleAt(dir, moves_to));
   if (removes_source) {

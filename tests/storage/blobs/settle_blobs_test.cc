@@ -57,6 +57,9 @@ TEST_F(SettledBlobs, OfASharedFolderAreNotInAStore) {
   ASSERT_TRUE(SayCatalogueBlobs(*db_->Lock(), kInDataFolder));
   EXPECT_EQ(Check("", std::nullopt), kGood);
   EXPECT_EQ(Check("s3://far/", std::nullopt), ErrorCode::kConflict);
+  ASSERT_TRUE(ChangeCatalogueBlobs(*db_->Lock(), "s3://far/"));  // moved
+  EXPECT_EQ(Check("s3://far/", id_), kGood);
+  EXPECT_EQ(Check("", std::nullopt), ErrorCode::kConflict);
 }
 
 TEST_F(SettledBlobs, OfACatalogueThatNeverSaidAreWhereItIsKnown) {
