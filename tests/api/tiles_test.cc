@@ -180,7 +180,7 @@ TEST_F(TilesTest, AreForTheirTokenAloneWhereOneIsNeeded) {
   sample_.service().has_keyed_cache = true;
   const Response kept = sample_.Get(paths[0], token);
   EXPECT_EQ(kept.headers.Find("Cache-Control"), "public, max-age=31536000, immutable");
-  EXPECT_EQ(kept.headers.Find("Vary"), "Authorization");
+  EXPECT_EQ(kept.headers.Find("Vary"), "Accept, Authorization");
   EXPECT_TRUE(sample_.Get(paths[3], token).headers.Find("Cache-Control").starts_with("private"));
 }
 

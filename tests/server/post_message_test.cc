@@ -65,7 +65,7 @@ TEST(CheckReceiver, RefusesPrivateAddressesHoweverTheyAreWritten) {
     EXPECT_EQ(checked.error().code, ErrorCode::kUnprocessable) << host;
     EXPECT_NE(checked.error().message.find("--webhooks any"), std::string::npos) << checked.error().message;
   }
-  EXPECT_FALSE(CheckReceiver("http:///hook"));
+  EXPECT_FALSE(CheckReceiver("http://"));
 }
 
 TEST(CheckReceiver, LetsPublicOnesThroughAndNamesThatNobodyKnowsYet) {

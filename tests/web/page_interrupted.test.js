@@ -46,6 +46,7 @@ test('a new flight during an upload is a flight of its own, and photos of anothe
   await page.waitForSelector('dialog #where-title');
   assert.doesNotMatch((await page.textContent('dialog')) ?? '', /rebuild/, 'there is no map yet');
   await page.click('dialog >> text=Cancel');
+  await page.waitForSelector('dialog', { state: 'detached' });
   // The same again is the same upload.
   await page.setInputFiles('#files-input', dunes);
   await page.waitForTimeout(300);

@@ -205,10 +205,13 @@ async function mayBeOfAnother(flight, { chosen }, wish) {
   const upload = uploadOf(flight.id) ?? stoppedUploadOf(flight.id);
   if (flight.state !== 'empty' && flight.state !== 'uploaded') return !(upload && wish === 'add');
   if (wish === 'add' || (flight.state === 'empty' && !upload)) return false;
-  const known = new Map((upload?.queue.items ?? []).map(({ name, bytes }) => [name, bytes]));
-  for (const { name, bytes } of await listFiles(flight.id)) known.set(name, bytes);
-  const again = chosen.filter(({ name }) => known.has(name));
-  return again.length === 0 || again.some(({ name, file }) => known.get(name) !== file.size);
+  const isOther = (/** @type {{name: string, bytes: number}[]} */ files) => {
+    const known = new Map(files.map(({ name, bytes }) => [name, bytes]));
+    const again = chosen.filter(({ name }) => known.has(name));
+    return again.length === 0 ? null : again.some(({ name, file }) => known.get(name) !== file.size);
+  };
+  // What is being sent is known here; the server would be asked behind it.
+  return isOther(upload?.queue.items ?? []) ?? isOther(await listFiles(flight.id)) ?? true;
 }
 
 /** By the day its first photo was taken, as the camera's clock had it; else by that of the oldest file. @param {Selection} selection */

@@ -73,7 +73,7 @@ class Accuracy(ServerTestCase):
             self.assertEqual(said_in(text), wanted)
         # The server, which stitches the same photos itself.
         server = self.serve()
-        status, made = server.upload(photos)
+        status, made = server.upload([(photo.name, photo.read_bytes()) for photo in photos])
         self.assertEqual(status, 202, made)
         self.assertEqual(server.wait_for_job(made["job"]["id"])["state"], "successful")
         name = made["flight"]["id"]
