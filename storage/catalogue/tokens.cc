@@ -62,7 +62,7 @@ bool TokenSet::HasLiveOne(Time now) const {
 Result<void> Tokens::Add(const Token& token) {
   const auto db = db_.Lock();
   const Result<void> inserted = InsertToken(*db, token);
-  has_changed_ = true;
+  ++changes_;
   return inserted;
 }
 
@@ -76,7 +76,7 @@ Result<void> Tokens::AddShare(const Token& token) {
   SKYQUILT_TRY(InsertToken(*db, token));
   if (!asked) SKYQUILT_TRY(db->Exec("UPDATE token_policy SET asks_for_token=0"));
   SKYQUILT_TRY(transaction.Commit());
-  has_changed_ = true;
+  ++changes_;
   return {};
 }
 
@@ -92,7 +92,7 @@ Result<void> Tokens::Revoke(const std::string& name) {
   if (db->Changes() == 0)
     return Error{ErrorCode::kNotFound, fmt::format("There is no token named \"{}\".", name), ""};
   SKYQUILT_TRY(transaction.Commit());
-  has_changed_ = true;
+  ++changes_;
   return {};
 }
 
@@ -105,14 +105,14 @@ Result<void> Tokens::RevokeShare(const std::string& flight_id, const std::string
     return Error{ErrorCode::kNotFound, "This flight has no such share. It may have been revoked.", ""};
   SKYQUILT_TRY(EndExportsOf(*db, id));
   SKYQUILT_TRY(transaction.Commit());
-  has_changed_ = true;
+  ++changes_;
   return {};
 }
 
 Result<void> Tokens::LetEverybodyIn() {
   const auto db = db_.Lock();
   SKYQUILT_TRY(db->Exec("UPDATE token_policy SET asks_for_token=0"));
-  has_changed_ = true;
+  ++changes_;
   return {};
 }
 
@@ -150,10 +150,13 @@ Result<TokenSet> Tokens::Read() const {
 
 Result<void> Tokens::ReadIntoMemory() {
   const auto now = std::chrono::steady_clock::now();
-  has_changed_ = false;
+  const std::uint64_t changes = changes_;
   Result<TokenSet> tokens = Read();
   if (!tokens) return tokens.error();
   const std::lock_guard lock(mutex_);
+  // One that began later was done first, and may know of a change that this one does not.
+  if (known_ != nullptr && now < read_at_) return {};
+  known_changes_ = changes;
   known_ = std::make_shared<const TokenSet>(*std::move(tokens));
   read_at_ = now;
   requires_token_ = known_->requires_token;
@@ -163,10 +166,11 @@ Result<void> Tokens::ReadIntoMemory() {
 
 Result<std::shared_ptr<const TokenSet>> Tokens::Known() {
   const auto now = std::chrono::steady_clock::now();
-  const bool has_changed = has_changed_;
+  bool has_changed = false;
   std::shared_ptr<const TokenSet> known;
   {
     const std::lock_guard lock(mutex_);
+    has_changed = HasChanged();
     if (!has_changed && known_ != nullptr && now - read_at_ < kFreshFor) return known_;
     if (now - read_at_ < kTrusted) known = known_;
   }
@@ -175,17 +179,14 @@ Result<std::shared_ptr<const TokenSet>> Tokens::Known() {
   const Result<void> read =
       may_be_late ? again_.Ask("tokens", [this] { return ReadIntoMemory(); }) : ReadIntoMemory();
   if (!read && may_be_late && read.error().code == ErrorCode::kUnavailable) return known;
-  if (!read) {
-    has_changed_ = true;  // what is in memory may be too old
-    return read.error();
-  }
+  if (!read) return read.error();
   const std::lock_guard lock(mutex_);
   return known_;
 }
 
 bool Tokens::RequiresToken() {
   // A catalogue that cannot be read opens nothing.
-  if (!was_read_ || has_changed_) return !Known() || requires_token_;
+  if (!was_read_ || HasChanged()) return !Known() || requires_token_;
   return requires_token_;
 }
 

@@ -69,9 +69,11 @@ class Tokens {
 
  private:
   Result<void> ReadIntoMemory();
+  bool HasChanged() const { return changes_ != known_changes_; }
   CatalogueDb& db_;
-  std::mutex mutex_;                       // of known_ and read_at_
-  std::atomic<bool> has_changed_ = false;  // since known_ was read
+  std::mutex mutex_;                              // of known_ and read_at_
+  std::atomic<std::uint64_t> changes_ = 0;        // that were made here
+  std::atomic<std::uint64_t> known_changes_ = 0;  // of these, in known_
   std::atomic<bool> was_read_ = false;
   std::atomic<bool> requires_token_ = true;
   std::shared_ptr<const TokenSet> known_;
