@@ -149,10 +149,10 @@ Result<std::string> RangeCache::Get(const std::string& key, std::int64_t offset,
         // What another pushes out of the cache at this very moment is read past it.
         SKYQUILT_TRY_ASSIGN(const std::string whole, ReadChunks(key, chunk, chunk));
         const std::int64_t begin = std::max<std::int64_t>(0, offset - chunk * kRangeChunkBytes);
-        const auto until =
+        const auto behind =
             std::min<std::int64_t>(end - chunk * kRangeChunkBytes, static_cast<std::int64_t>(whole.size()));
-        bytes = begin < until
-                    ? whole.substr(static_cast<std::size_t>(begin), static_cast<std::size_t>(until - begin))
+        bytes = begin < behind
+                    ? whole.substr(static_cast<std::size_t>(begin), static_cast<std::size_t>(behind - begin))
                     : std::string();
       }
       if (!bytes) return bytes.error();

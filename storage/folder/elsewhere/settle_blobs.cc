@@ -95,7 +95,8 @@ Result<CataloguePlace> WithFilesAt(CataloguePlace place, const BlobPlace& blobs)
   S3Client client(std::move(settings), EnvironmentVariable);
   // The list tells a store without a marker from one that is not there.
   SKYQUILT_TRY_ASSIGN(const ListedPage listed, client.List(kMarkerKey, ""));
-  if (listed.objects.empty()) return place;
+  const auto is_marker = [](const ListedObject& object) { return object.key == kMarkerKey; };
+  if (std::none_of(listed.objects.begin(), listed.objects.end(), is_marker)) return place;
   SKYQUILT_TRY_ASSIGN(const std::string text, client.Get(kMarkerKey, 0, kMaxOwnerBytes));
   SKYQUILT_TRY_ASSIGN(place.files_of, ParseMarker(text));
   return place;
