@@ -82,9 +82,8 @@ void ExportRunner::Run() {
   while (!IsEnded()) {
     Result<std::optional<MapExport>> claimed = std::optional<MapExport>();
     const auto now = std::chrono::steady_clock::now();
-    const bool has_new = service_.exports.HasNew();
-    const bool asks = has_new || made_one || !service_.db.IsShared() || now - asked >= kAskSharedEvery;
-    if (asks && service_.storage_in_place()) {
+    const bool asks = made_one || !service_.db.IsShared() || now - asked >= kAskSharedEvery;
+    if (service_.storage_in_place() && (service_.exports.HasNew() || asks)) {
       claimed = service_.exports.Claim(storage::Now());
       asked = now;
     }
