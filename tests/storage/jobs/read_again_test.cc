@@ -14,7 +14,7 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 TEST(ReadAgainTest, WaitsOnceForWhatDoesNotAnswerAndSeesItComeBack) {
-  ReadAgain again(milliseconds(50));
+  ReadAgain again(milliseconds(500));
   EXPECT_TRUE(again.Ask("a", [] { return Result<void>(); }));
   std::promise<void> thaw;
   const auto frozen = thaw.get_future().share();
@@ -54,7 +54,7 @@ TEST(ReadAgainTest, ReadsOnceForAllWhoAskAndTellsThemHowItEnded) {
   go.set_value();
   for (std::thread& asker : askers) asker.join();
   EXPECT_EQ(told, 8);
-  EXPECT_LE(reads, 8);
+  EXPECT_LT(reads, 8);
   EXPECT_TRUE(again.IsWell());  // an answer is an answer
 }
 
