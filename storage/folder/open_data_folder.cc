@@ -199,10 +199,16 @@ Result<OpenedDataFolder> MakeNewBesideShared(const DataDir& at, const CatalogueP
   if (!db && db.error().code == ErrorCode::kNotFound && place.files_of)
     return OfAnotherCatalogue(place.files_at, *place.files_of, std::nullopt);
   if (!db) return db.error();
-  SKYQUILT_TRY_ASSIGN(const std::string id, IdForNewFolder(**db, place));
-  SKYQUILT_TRY_ASSIGN(DataDir dir, DataDir::Open(at.root(), id));
+  Result<std::string> id = IdForNewFolder(**db, place);
+  if (!id && !place.files_at.empty() && !place.files_of) {
+    // Another that began at the same moment may have claimed the store since it was looked at.
+    SKYQUILT_TRY_ASSIGN(const CataloguePlace now, WithFilesAt(place, {.address = place.files_at}));
+    id = IdForNewFolder(**db, now);
+  }
+  if (!id) return id.error();
+  SKYQUILT_TRY_ASSIGN(DataDir dir, DataDir::Open(at.root(), *id));
   SKYQUILT_TRY_ASSIGN(DataDirLock lock, DataDirLock::Take(dir));
-  SKYQUILT_TRY(WriteMarker(dir, id, /*is_shared=*/true));
+  SKYQUILT_TRY(WriteMarker(dir, *id, /*is_shared=*/true));
   return OpenedDataFolder{std::move(dir), std::optional(std::move(lock)), *std::move(db), {}};
 }
 

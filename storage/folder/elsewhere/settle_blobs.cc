@@ -161,7 +161,13 @@ Result<void> SettleBlobs(const DataDir& dir, CatalogueDb& db, BlobStore& blobs) 
   if (!blobs.IsFolder()) {
     SKYQUILT_TRY_ASSIGN(owner, OwnerOf(blobs));
   }
-  SKYQUILT_TRY(CheckBlobsOf(*db.Lock(), dir.id(), address, owner));
+  Result<void> checked = CheckBlobsOf(*db.Lock(), dir.id(), address, owner);
+  if (!checked && !owner && !blobs.IsFolder()) {
+    // Another that began at the same moment may have claimed it since it was looked at.
+    SKYQUILT_TRY_ASSIGN(owner, OwnerOf(blobs));
+    checked = CheckBlobsOf(*db.Lock(), dir.id(), address, owner);
+  }
+  if (!checked) return checked;
   if (!blobs.IsFolder()) {
     SKYQUILT_TRY(ClaimBlobs(dir.id(), blobs));
   }
