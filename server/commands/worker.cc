@@ -188,7 +188,7 @@ void RunWorker(const WorkerOptions& options) {
   WorkerContext context{*dir, **blobs, catalogue, queue, costs, units, is_stopping};
   context.cut_above_files = options.cut_above;
   context.files_per_unit = options.part_files;
-  context.is_shared = db->IsShared();
+  context.is_shared = place->IsOfManyFolders();
   if (options.job_timeout_s > 0) context.limits.timeout = std::chrono::seconds(options.job_timeout_s);
   context.limits.machine_memory_bytes = MemoryOfThisMachine();
   if (options.job_memory_mib > 0) context.limits.memory_bytes = std::int64_t{options.job_memory_mib} << 20;

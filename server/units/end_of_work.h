@@ -2,10 +2,12 @@
 #pragma once
 
 #include <chrono>
+#include <string>
 #include <string_view>
 #include <thread>
 
 #include "core/base/result.h"
+#include "server/jobs/worker_context.h"
 #include "server/routing/request_log.h"
 
 namespace skyquilt::server {
@@ -21,6 +23,17 @@ inline bool MayRetry(ErrorCode code) {
 // to do.
 inline bool IsOfMachine(ErrorCode code) {
   return code == ErrorCode::kIo || code == ErrorCode::kUnavailable || code == ErrorCode::kOutOfSpace;
+}
+
+// Whether work is given back for such a trouble. A job that meets it on a worker again and again brings it
+// along: from then on it costs attempts, so that it ends with its reason and the queue goes on.
+inline bool IsGivenBack(WorkerContext& context, const std::string& job_id, const Error& failure) {
+  constexpr int kFreeForAJob = 3;
+  constexpr std::size_t kMaxJobs = 1'000;
+  if (!context.is_shared || !IsOfMachine(failure.code)) return false;
+  context.fault = failure;
+  if (context.given_back.size() >= kMaxJobs) context.given_back.clear();
+  return ++context.given_back[job_id] <= kFreeForAJob;
 }
 
 // The end of a job must reach the queue, even when the database is busy or the disk was full a moment ago.

@@ -71,8 +71,7 @@ void RunUnit(WorkerContext& context, const storage::UnitLease& unit) {
   }
   if (state != storage::LeaseState::kHeld) {
     LogEvent(fmt::format("job {}: {} is cancelled or lost its lease", unit.job_id, name));
-  } else if (failure && (context.is_stopping || (context.is_shared && IsOfMachine(failure->code)))) {
-    if (!context.is_stopping) context.fault = failure;
+  } else if (failure && (context.is_stopping || IsGivenBack(context, unit.job_id, *failure))) {
     TellUntilHeard(unit.job_id, [&] { return context.units.GiveBack(unit, storage::Now()); });
   } else if (failure) {
     LogFailure(unit.job_id, name, failure->message + " " + failure->detail);
