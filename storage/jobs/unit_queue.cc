@@ -320,10 +320,12 @@ Result<std::vector<HeldUnit>> UnitQueue::Held(const std::string& job_id) const {
   constexpr int kMaxHeld = 1'000;
   const auto db = db_.Read();
   const Time now = db_.SharedTime(Now(), *db);
-  SKYQUILT_TRY_ASSIGN(Statement query,
-                      db->Prepare("SELECT job_id, kind, number, worker, since_us, attempts FROM unit"
-                                  " WHERE state='running' AND lease_until_us>=?1 AND (?2='' OR job_id=?2)"
-                                  " ORDER BY job_id, kind, number LIMIT ?3"));
+  // Those that a worker of the version before has do not say since when.
+  SKYQUILT_TRY_ASSIGN(
+      Statement query,
+      db->Prepare("SELECT job_id, kind, number, worker, since_us, attempts FROM unit"
+                  " WHERE state='running' AND lease_until_us>=?1 AND since_us>0 AND (?2='' OR job_id=?2)"
+                  " ORDER BY job_id, kind, number LIMIT ?3"));
   query.Bind(1, ToUs(now)).Bind(2, job_id).Bind(3, kMaxHeld);
   std::vector<HeldUnit> units;
   while (true) {

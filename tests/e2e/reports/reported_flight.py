@@ -20,7 +20,7 @@ PROGRAM = str(pathlib.Path(BINARY).resolve())
 NAMES = [f"DJI_{number:04}.JPG" for number in range(18, 36)]
 # How near cameras come to their places, (median, most) in metres: photos that record angles and heights; photos that record
 # nothing and a list that says where; photos tied to a track of one fix a second, whose corners are rounded.
-OF_RECORDS, OF_A_LIST, OF_A_TRACK = (0.5, 1.0), (0.9, 1.5), (1.6, 2.6)
+OF_RECORDS, OF_A_LIST, OF_A_TRACK = (0.5, 1.0), (0.9, 1.5), (0.9, 1.7)
 A_DEGREE_NORTH_M = 111_180.0
 A_DEGREE_EAST_M = 111_319.5 * math.cos(math.radians(46.8426))
 BOUNDS = (-91.9950, 46.8419, -91.9929, 46.8434)  # of the right map
