@@ -101,10 +101,12 @@ constexpr std::array kCanonicalFlight = {Name{"t", M::kTime},
                                          Name{"s_rp", M::kSigmaTilt},
                                          Name{"s_yaw", M::kSigmaYaw}};
 
-struct Synonyms {
-  M meaning;
+template <typename Meaning>
+struct Named {
+  Meaning meaning;
   std::string_view names;  // apart by blanks
 };
+using Synonyms = Named<M>;
 
 // Names without blanks, underscores, units and letters beyond a to z, lower case; English, and the common
 // words of German, French and Spanish (Höhe is "hhe" here).
@@ -184,10 +186,7 @@ constexpr std::array kSynonyms = {
              "datei dateiname fichier nomfichier nomdufichier nomimage nomdelimage imagen "
              "archivo nombrearchivo nombredelarchivo nombreimagen name nom nombre"}};
 
-struct ListNames {
-  ListColumn column;
-  std::string_view names;
-};
+using ListNames = Named<ListColumn>;
 
 // "x" and "y" are columns, but say no order: surveyors' x is north in half of the world.
 constexpr std::array kListNames = {
@@ -203,20 +202,11 @@ constexpr std::array kListNames = {
         "x y z h mapx mapy mapz geoz xcoord ycoord zcoord px py imx imy pixelx pixely u v col row photo gcp "
         "gcpname point pointname pointid punkt punktnummer omega phi kappa"}};
 
-std::unordered_map<std::string_view, ListColumn> ListColumnsByName() {
-  std::unordered_map<std::string_view, ListColumn> columns;
+template <typename Meaning, std::size_t kRows>
+std::unordered_map<std::string_view, Meaning> MeaningsByName(const std::array<Named<Meaning>, kRows>& rows) {
+  std::unordered_map<std::string_view, Meaning> meanings;
   std::vector<std::string_view> names;
-  for (const ListNames& each : kListNames) {
-    SplitBlanks(each.names, names);
-    for (const std::string_view name : names) columns.emplace(name, each.column);
-  }
-  return columns;
-}
-
-std::unordered_map<std::string_view, M> MeaningsByName() {
-  std::unordered_map<std::string_view, M> meanings;
-  std::vector<std::string_view> names;
-  for (const Synonyms& each : kSynonyms) {
+  for (const Named<Meaning>& each : rows) {
     SplitBlanks(each.names, names);
     for (const std::string_view name : names) meanings.emplace(name, each.meaning);
   }
@@ -239,13 +229,13 @@ CsvMeaning FindCanonicalCsvName(std::string_view name) {
 }
 
 CsvMeaning FindCsvSynonym(std::string_view letters) {
-  static const std::unordered_map<std::string_view, M> kMeanings = MeaningsByName();
+  static const std::unordered_map<std::string_view, M> kMeanings = MeaningsByName(kSynonyms);
   const auto found = kMeanings.find(letters);
   return found == kMeanings.end() ? M::kIgnored : found->second;
 }
 
 ListColumn FindListColumn(std::string_view letters) {
-  static const std::unordered_map<std::string_view, ListColumn> kColumns = ListColumnsByName();
+  static const std::unordered_map<std::string_view, ListColumn> kColumns = MeaningsByName(kListNames);
   const auto found = kColumns.find(letters);
   return found == kColumns.end() ? ListColumn::kNone : found->second;
 }
