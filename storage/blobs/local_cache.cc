@@ -52,6 +52,7 @@ Result<std::shared_ptr<const void>> LockFolder(const fs::path& folder) {
   for (int attempt = 0; attempt < kTries; ++attempt) {
     std::error_code error;
     fs::create_directories(folder, error);
+    if (error == std::errc::no_such_file_or_directory) continue;  // the one above it went meanwhile
     if (error) return FileError("cannot make", folder, error.value());
     const int fd = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (fd < 0 && errno == ENOENT) continue;
