@@ -6,6 +6,15 @@ set(CMAKE_C_FLAGS_RELEASE "-O2 -g1 -DNDEBUG")
 # The same bytes from any folder, which a compiler's cache can then answer for every clone.
 add_compile_options(-fdebug-prefix-map=${CMAKE_SOURCE_DIR}=.)
 
+# Some eighty programs link the same large archives: gold, of the same binutils, does that in a fifth of the time of bfd.
+include(CheckLinkerFlag)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  check_linker_flag(CXX -fuse-ld=gold HAS_GOLD)
+  if(HAS_GOLD)
+    add_link_options(-fuse-ld=gold)
+  endif()
+endif()
+
 if(CMAKE_BUILD_TYPE STREQUAL "Release" AND NOT SKYQUILT_SANITIZE AND NOT SKYQUILT_FUZZ)
   # -U first: some compilers come with a level of their own.
   add_compile_options(-U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2 -D_GLIBCXX_ASSERTIONS -fstack-protector-strong -fPIE)

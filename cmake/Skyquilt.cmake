@@ -96,7 +96,9 @@ function(skyquilt_test name)
   target_link_libraries(${name} PRIVATE skyquilt_flags ${ARG_DEPS} GTest::gmock GTest::gtest GTest::gtest_main)
   skyquilt_compile_cheaply(${name})
   if(CMAKE_BUILD_TYPE STREQUAL "Release")
-    target_compile_options(${name} PRIVATE -g0)  # a test that fails is looked into in another build
+    # A test that fails is looked into in another build.
+    target_compile_options(${name} PRIVATE -g0)
+    target_link_options(${name} PRIVATE -Wl,--strip-debug)
   endif()
   if(SKYQUILT_UNITY)
     set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 16)
