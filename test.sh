@@ -18,6 +18,7 @@ if [ "${1:-}" != --all ]; then exit 0; fi
 
 echo "== long tests"
 need_packages long
+python3 tests/e2e/npm_clients.py build/release/test_clients --native
 cmake --preset release >/dev/null  # looks again for what was installed
 ctest --preset long -j "$jobs"
 

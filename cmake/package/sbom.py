@@ -6,7 +6,6 @@ their libraries are installed (multiarch). A library without a package is listed
 import argparse
 import base64
 import datetime
-import functools
 import json
 import os
 import pathlib
@@ -68,15 +67,18 @@ def owners(paths):
     return known
 
 
-@functools.cache
-def debian_component(package):
-    name, version, architecture, homepage = run(
-        "dpkg-query", "-W", "-f", "${Package}\t${Version}\t${Architecture}\t${Homepage}", package).split("\t")
-    purl = f"pkg:deb/debian/{name}@{urllib.parse.quote(version, safe='')}?arch={architecture}"
-    component = {"type": "library", "bom-ref": purl, "name": name, "version": version, "purl": purl}
-    if homepage:
-        component["externalReferences"] = [{"type": "website", "url": homepage}]
-    return component
+def debian_components(packages):
+    """package: its component, for names with or without their architecture; dpkg reads its database once for all."""
+    said = run("dpkg-query", "-W", "-f", "${Package}\t${binary:Package}\t${Version}\t${Architecture}\t${Homepage}\n", *packages)
+    known = {}
+    for line in said.splitlines():
+        name, full_name, version, architecture, homepage = line.split("\t")
+        purl = f"pkg:deb/debian/{name}@{urllib.parse.quote(version, safe='')}?arch={architecture}"
+        component = {"type": "library", "bom-ref": purl, "name": name, "version": version, "purl": purl}
+        if homepage:
+            component["externalReferences"] = [{"type": "website", "url": homepage}]
+        known.update({name: component, full_name: component, f"{name}:{architecture}": component})
+    return {package: known[package] for package in packages}
 
 
 def npm_components(lock):
@@ -99,8 +101,9 @@ def npm_components(lock):
 def document(given):
     libraries = Libraries(given.program)
     packages = owners(libraries.found)
-    reference = {path: debian_component(package)["bom-ref"] for path, package in packages.items()}
-    components = {component["bom-ref"]: component for component in map(debian_component, sorted(set(packages.values())))}
+    of_debian = debian_components(sorted({*packages.values(), *HEADERS}))
+    reference = {path: of_debian[package]["bom-ref"] for path, package in packages.items()}
+    components = {component["bom-ref"]: component for component in of_debian.values()}
     for path in set(libraries.found) - set(packages):
         reference[path] = f"file:{path}"
         components[reference[path]] = {"type": "library", "bom-ref": reference[path], "name": pathlib.Path(path).name}
@@ -112,7 +115,7 @@ def document(given):
     depends = {program["bom-ref"]: {reference[path] for path in libraries.needs[given.program]}}
     for path, needed in libraries.found.items():
         depends.setdefault(reference[path], set()).update(reference[other] for other in needed)
-    for component in [*map(debian_component, HEADERS), *npm_components(given.lock)]:
+    for component in [*(of_debian[package] for package in HEADERS), *npm_components(given.lock)]:
         components[component["bom-ref"]] = component
         depends[program["bom-ref"]].add(component["bom-ref"])
     seconds = int(os.environ.get("SOURCE_DATE_EPOCH", time.time()))
