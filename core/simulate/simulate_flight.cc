@@ -162,6 +162,8 @@ Result<void> SimulateOptions::Validate() const {
     return Bad("The vignetting must be from 0 to 1 (share of light lost).");
   if (!(hot_spot >= 0.0 && hot_spot < 1.0))
     return Bad("The hot spot must be from 0 to 1 (share of light added).");
+  if (!(hot_spot_rad >= 0.005 && hot_spot_rad <= 1.0))
+    return Bad("The hot spot's width must be from 0.3 to 57 degrees.");
   if (!(std::abs(world.gradient_per_km) <= 2.0)) return Bad("The gradient must be within 2 a kilometre.");
   if (!(exposure_jitter >= 0.0 && exposure_jitter < 1.0))
     return Bad("The exposure jitter must be from 0 to 1.");
@@ -240,6 +242,7 @@ Result<SimulatedFlight> PlanSimulatedFlight(const SimulateOptions& options) {
     photo.render.supersample = options.supersample;
     photo.render.vignetting = options.vignetting;
     photo.render.hot_spot = options.hot_spot;
+    photo.render.hot_spot_rad = options.hot_spot_rad;
     photo.render.sun_in_enu = SunDirection(options.origin, options.start);
     photo.render.motion_in_enu_m = options.shutter_s * photo.pose.velocity_in_enu_mps;
     photo.render.readout_motion.shift_in_enu_m = options.readout_s * photo.pose.velocity_in_enu_mps;

@@ -49,6 +49,7 @@ struct SimulateOptions {
   double exposure_jitter = 0.0;        // 1-sigma of each photo's brightness, relative
   bool is_exposure_recorded = false;   // its exposure time says so
   double hot_spot = 0.0;               // share by which ground is brighter with the sun right behind
+  double hot_spot_rad = 0.2;           // how far from there it is half of that: here a canopy's
   double noise_counts = 1.0;           // sensor noise, 8-bit counts
   double shutter_s = 0.0;              // 0 = no motion blur
   double readout_s = 0.0;              // from the first row to the last; 0 = all rows at once

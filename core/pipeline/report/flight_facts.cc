@@ -21,7 +21,7 @@ using Cbor = nlohmann::json;
 constexpr int kVersion = 9;
 
 Cbor OfExposure(const render::KnownExposure& exposure) {
-  const render::HotSpot& spot = exposure.light.directions.hot_spot;
+  const auto& spot = exposure.light.directions.hot_spot;
   Cbor cameras = Cbor::array();
   for (const auto& [key, terms] : exposure.light.cameras) cameras.push_back({{"key", key}, {"terms", terms}});
   Cbor photos = Cbor::array();
@@ -31,7 +31,7 @@ Cbor OfExposure(const render::KnownExposure& exposure) {
           {"cameras", cameras},
           {"directions", exposure.light.of_directions},
           {"widest_look", exposure.light.directions.widest_look},
-          {"hot_spot", {spot.look.x(), spot.look.y(), spot.width}}};
+          {"hot_spot", spot ? Cbor{spot->x(), spot->y()} : Cbor(nullptr)}};
 }
 
 render::KnownExposure ToExposure(const Cbor& json) {
@@ -41,8 +41,11 @@ render::KnownExposure ToExposure(const Cbor& json) {
         {photo.at("gain").get<std::array<double, 3>>(), photo.at("hot_spot").get<std::array<double, 3>>()});
   }
   exposure.light.of_directions = json.at("directions").get<std::array<render::DirectionTerms, 3>>();
-  const auto spot = json.at("hot_spot").get<std::array<double, 3>>();
-  exposure.light.directions = {{{spot[0], spot[1]}, spot[2]}, json.at("widest_look")};
+  exposure.light.directions.widest_look = json.at("widest_look");
+  if (const Cbor& look = json.at("hot_spot"); !look.is_null()) {
+    const auto spot = look.get<std::array<double, 2>>();
+    exposure.light.directions.hot_spot = Eigen::Vector2d(spot[0], spot[1]);
+  }
   for (const Cbor& camera : json.at("cameras"))
     exposure.light.cameras[camera.at("key").get<std::string>()] =
         camera.at("terms").get<std::array<render::CameraTerms, 3>>();

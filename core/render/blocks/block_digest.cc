@@ -30,8 +30,10 @@ void AddPhoto(const alignment::AlignedPhoto& photo, const PhotoTone& tone, Hashe
   for (const double gain : tone.gain) hasher.Add(gain);
   hasher.AddBytes(tone.shade.terms.data(), sizeof(tone.shade.terms));
   for (const float at : tone.shade.spot_place) hasher.Add(at);
-  hasher.Add(tone.shade.spot_width);
-  for (const float log_gain : tone.shade.spot_log_gain) hasher.Add(log_gain);
+  for (const float change : tone.shade.look_by_place) hasher.Add(change);
+  for (const auto& channel : tone.shade.spot_log_gains) {
+    for (const float log_gain : channel) hasher.Add(log_gain);
+  }
 }
 
 }  // namespace

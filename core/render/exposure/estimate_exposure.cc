@@ -10,6 +10,7 @@
 #include "core/render/exposure/exposure_samples.h"
 #include "core/render/exposure/find_hot_spot.h"
 #include "core/render/exposure/light_equations.h"
+#include "core/render/exposure/settle_hot_spot.h"
 
 namespace skyquilt::render {
 namespace {
@@ -22,8 +23,6 @@ constexpr std::size_t kMinPhotos = 2, kMaxCameras = 16;
 constexpr double kSamplesWithin = 0.99;
 // Four times the light and a quarter of it: what photos show of it, their tone curve decides no longer.
 constexpr double kMaxLogExposure = 1.4;
-// How many samples in the middle of a hot spot the flight's own value counts for.
-constexpr double kSpotPrior = 0.5;
 constexpr double kWidestLook = 1.7;  // 60 degrees
 
 // Each photo's recorded exposure against the usual one of its camera, as a natural logarithm; 0: not
@@ -75,29 +74,6 @@ LightTerms TermsOf(const alignment::AlignedFlight& flight, const std::vector<Exp
   return terms;
 }
 
-// By how much the hot spot is brighter in each photo: on grass more than on bare soil. The flight's own value
-// stands where a photo does not show it, or nobody else shows what lies there.
-std::vector<double> HotSpotsOf(const std::vector<ExposureSample>& samples, std::size_t channel,
-                               const LightTerms& terms, const SolvedLight& solved) {
-  const double of_flight = solved.terms[kSmoothDirectionTerms];
-  std::vector<double> of_photos(terms.photos(), of_flight);
-  if (terms.directions.hot_spot.width <= 0.0) return of_photos;
-  const std::vector<double> misfits = MisfitsOf(samples, channel, terms, solved);
-  std::vector<double> more(terms.photos(), 0.0), weights(terms.photos(), kSpotPrior);
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    const double shape =
-        terms.directions.hot_spot.At(Eigen::Vector2f(samples[i].look[0], samples[i].look[1]).cast<double>());
-    const double weight = SampleWeight(misfits[i]) * shape;
-    more[samples[i].photo] += weight * misfits[i];
-    weights[samples[i].photo] += weight * shape;
-  }
-  for (std::size_t photo = 0; photo < of_photos.size(); ++photo) {
-    of_photos[photo] = std::clamp(of_flight + more[photo] / weights[photo], std::min(0.0, 2.0 * of_flight),
-                                  std::max(0.0, 2.0 * of_flight));
-  }
-  return of_photos;
-}
-
 }  // namespace
 
 ExposureModel EstimateExposure(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground,
@@ -110,9 +86,14 @@ ExposureModel EstimateExposure(const alignment::AlignedFlight& flight, const gro
   terms.directions.hot_spot =
       FindHotSpot(samples, MisfitsOf(samples, kGreen, terms, SolveLight(samples, kGreen, terms)),
                   terms.directions.widest_look);
-  model.light.directions = terms.directions;
+  bool is_spot_settled = false;
   for (std::size_t channel = 0; channel < 3; ++channel) {
-    const SolvedLight solved = SolveLight(samples, channel, terms);
+    SolvedLight solved = SolveLight(samples, channel, terms);
+    if (terms.directions.hot_spot) {
+      const std::vector<double> shares = SettleHotSpot(samples, channel, terms, solved);
+      for (std::size_t i = 0; i < shares.size(); ++i) model.photos[i].hot_spot[channel] = shares[i];
+      is_spot_settled |= !solved.terms.segment<kSpotTerms>(kSmoothDirectionTerms).isZero(0.0);
+    }
     const Eigen::VectorXd log_gains =
         solved.log_gains -
         solved.terms[LightTerms::kExposure] *
@@ -123,13 +104,13 @@ ExposureModel EstimateExposure(const alignment::AlignedFlight& flight, const gro
           std::exp(std::clamp(log_gains[static_cast<Eigen::Index>(i)] - mean, -kMaxLogOfGain, kMaxLogOfGain));
     }
     std::copy_n(solved.terms.data(), kDirectionTerms, model.light.of_directions[channel].begin());
-    const std::vector<double> spots = HotSpotsOf(samples, channel, terms, solved);
-    for (std::size_t i = 0; i < flight.photos.size(); ++i) model.photos[i].hot_spot[channel] = spots[i];
     for (std::size_t camera = 0; camera < terms.cameras.size(); ++camera) {
       std::copy_n(solved.terms.data() + LightTerms::OfCamera(camera), kCameraTerms,
                   model.light.cameras[terms.cameras[camera]][channel].begin());
     }
   }
+  model.light.directions = terms.directions;
+  if (!is_spot_settled) model.light.directions.hot_spot.reset();
   for (std::size_t i = 0; i < flight.photos.size(); ++i)
     model.tones[i] = ToneOf(model.light, model.photos[i], flight.photos[i]);
   return model;

@@ -13,7 +13,7 @@ namespace skyquilt::render {
 // What is a photo's own in the light of the flight.
 struct PhotoLight {
   std::array<double, 3> gain{1.0, 1.0, 1.0};
-  std::array<double, 3> hot_spot{};  // by how much its middle is brighter there, as a logarithm
+  std::array<double, 3> hot_spot{1.0, 1.0, 1.0};  // as a share of the flight's
 
   bool operator==(const PhotoLight&) const = default;
 };

@@ -31,8 +31,6 @@ ExposureModel ExtendExposure(const alignment::AlignedFlight& flight, const groun
   const std::vector<ExposureSample> samples = SampleExposure(flight, ground, thumbnails);
   for (std::size_t added = known.photos.size(); added < flight.photos.size(); ++added) {
     PhotoLight own;
-    for (std::size_t channel = 0; channel < 3; ++channel)
-      own.hot_spot[channel] = known.light.of_directions[channel][kSmoothDirectionTerms];
     PhotoTone tone = ToneOf(known.light, own, flight.photos[added]);
     for (std::size_t channel = 0; channel < 3; ++channel) {
       std::vector<double> brighter;  // the others' spots than this photo's

@@ -12,11 +12,12 @@ namespace skyquilt::render {
 namespace {
 
 constexpr double kCell = 0.02;  // of directions, as a tangent
-// From the sharp one of short grass to that of a canopy.
-constexpr std::array kWidths{0.05, 0.08, 0.13};
+// The smooth light of the flight follows wider ones.
+constexpr std::array kReaches{kSpotReaches[1], kSpotReaches[2]};
 // A spot is brighter by at least so much, and by so many times what is found elsewhere by chance.
-constexpr double kMinSpotLog = 0.02, kTimesUsual = 6.0;
-constexpr double kMinWeightShare = 0.2;  // of the usual direction's; fewer samples say nothing
+constexpr double kMinSpotLog = 0.02, kTimesUsual = 7.0;
+// Of the direction most often seen: at the edge of what photos see a hot spot is a guess.
+constexpr double kMinWeightShare = 0.4;
 
 struct Cell {
   double weight = 0.0, misfit = 0.0;  // sums
@@ -27,18 +28,18 @@ struct Match {
   double log = 0.0, weight = 0.0;
 };
 
-std::vector<Match> MatchesOf(const std::vector<Cell>& cells, int side, double width) {
-  const int reach = static_cast<int>(3.0 * width / kCell);
+std::vector<Match> MatchesOf(const std::vector<Cell>& cells, int side, double reach) {
+  const int cells_away = static_cast<int>(reach / kCell);
   std::vector<Match> matches(cells.size());
   for (int row = 0; row < side; ++row) {
     for (int column = 0; column < side; ++column) {
       Match& match = matches[static_cast<std::size_t>(row) * side + static_cast<std::size_t>(column)];
       double along = 0.0;
-      for (int y = std::max(0, row - reach); y <= std::min(side - 1, row + reach); ++y) {
-        for (int x = std::max(0, column - reach); x <= std::min(side - 1, column + reach); ++x) {
+      for (int y = std::max(0, row - cells_away); y <= std::min(side - 1, row + cells_away); ++y) {
+        for (int x = std::max(0, column - cells_away); x <= std::min(side - 1, column + cells_away); ++x) {
           const Cell& cell = cells[static_cast<std::size_t>(y) * side + static_cast<std::size_t>(x)];
           const int dx = x - column, dy = y - row;
-          const double shape = SpotShape(kCell * kCell * (dx * dx + dy * dy), width);
+          const double shape = SpotHill(kCell * kCell * (dx * dx + dy * dy), reach);
           along += shape * cell.misfit;
           match.weight += shape * shape * cell.weight;
         }
@@ -51,8 +52,8 @@ std::vector<Match> MatchesOf(const std::vector<Cell>& cells, int side, double wi
 
 }  // namespace
 
-HotSpot FindHotSpot(const std::vector<ExposureSample>& samples, const std::vector<double>& misfits,
-                    double widest_look) {
+std::optional<Eigen::Vector2d> FindHotSpot(const std::vector<ExposureSample>& samples,
+                                           const std::vector<double>& misfits, double widest_look) {
   const int half = static_cast<int>(widest_look / kCell), side = 2 * half + 1;
   std::vector<Cell> cells(static_cast<std::size_t>(side) * side);
   double squares = 0.0, weights = 0.0;
@@ -70,13 +71,14 @@ HotSpot FindHotSpot(const std::vector<ExposureSample>& samples, const std::vecto
   const double sigma = std::sqrt(squares / std::max(weights, 1e-9));
   if (!(sigma > 0.0)) return {};
 
-  HotSpot best;
+  std::optional<Eigen::Vector2d> best;
   double most = 0.0;
-  for (const double width : kWidths) {
-    const std::vector<Match> matches = MatchesOf(cells, side, width);
-    std::vector<double> weights_of, logs;
-    for (const Match& match : matches) weights_of.push_back(match.weight);
-    const double least_weight = kMinWeightShare * Median(weights_of);
+  for (const double reach : kReaches) {
+    const std::vector<Match> matches = MatchesOf(cells, side, reach);
+    double most_weight = 0.0;
+    for (const Match& match : matches) most_weight = std::max(most_weight, match.weight);
+    const double least_weight = kMinWeightShare * most_weight;
+    std::vector<double> logs;
     for (const Match& match : matches) {
       if (match.weight > least_weight) logs.push_back(std::abs(match.log));
     }
@@ -91,7 +93,7 @@ HotSpot FindHotSpot(const std::vector<ExposureSample>& samples, const std::vecto
         continue;
       most = sigmas;
       const int row = static_cast<int>(at) / side, column = static_cast<int>(at) % side;
-      best = {kCell * Eigen::Vector2d(column - half, row - half), width};
+      best = kCell * Eigen::Vector2d(column - half, row - half);
     }
   }
   return best;

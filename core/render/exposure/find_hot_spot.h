@@ -3,15 +3,16 @@
 // sure of their zone. One thread; the time does not grow with the samples but for one pass.
 #pragma once
 
+#include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "core/render/exposure/exposure_samples.h"
-#include "core/render/exposure/light_model.h"
 
 namespace skyquilt::render {
 
-// misfits[i]: of samples[i], by MisfitsOf. Without a width where nothing stands out of the noise.
-HotSpot FindHotSpot(const std::vector<ExposureSample>& samples, const std::vector<double>& misfits,
-                    double widest_look);
+// misfits[i]: of samples[i], by MisfitsOf. None where nothing stands out of the noise.
+std::optional<Eigen::Vector2d> FindHotSpot(const std::vector<ExposureSample>& samples,
+                                           const std::vector<double>& misfits, double widest_look);
 
 }  // namespace skyquilt::render

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/base/median.h"
 #include "core/geo/solvers/dense_solvers.h"
 
 namespace skyquilt::render {
@@ -178,8 +177,16 @@ class SpotAdder {
   std::vector<Eigen::Index> touched_;
 };
 
+// Of an even number the mean of both in the middle: with either of them all misfits would lean to one side.
+double MedianOfMisfits(std::vector<double> misfits) {
+  const auto middle = misfits.begin() + static_cast<std::ptrdiff_t>(misfits.size() / 2);
+  std::nth_element(misfits.begin(), middle, misfits.end());
+  if (misfits.size() % 2 == 1) return *middle;
+  return 0.5 * (*middle + *std::max_element(misfits.begin(), middle));
+}
+
 // False where there is no solution.
-bool Solve(const Normal& normal, SolvedLight& light) {
+bool Solve(const Normal& normal, bool has_spot, SolvedLight& light) {
   Eigen::SparseMatrix<double> gains(normal.mixed.rows(), normal.mixed.rows());
   gains.setFromTriplets(normal.gains.begin(), normal.gains.end());
   const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> of_gains(gains);
@@ -191,26 +198,34 @@ bool Solve(const Normal& normal, SolvedLight& light) {
       geo::SolveSymmetric(left, normal.terms_right - eliminated.transpose() * normal.gains_right);
   const Eigen::VectorXd log_gains = of_gains.solve(normal.gains_right - normal.mixed * terms);
   if (!terms.allFinite() || !log_gains.allFinite()) return false;
-  light = {log_gains, terms};
+  light = {log_gains, terms, {}, {}};
+  if (!has_spot) return true;
+  Eigen::MatrixXd hills = Eigen::MatrixXd::Zero(left.rows(), kSpotTerms);
+  hills.middleRows<kSpotTerms>(kSmoothDirectionTerms).setIdentity();
+  const Eigen::MatrixXd covariance = geo::SolveSymmetric(left, hills);
+  const Eigen::MatrixXd of_hills = covariance.middleRows<kSpotTerms>(kSmoothDirectionTerms);
+  light.terms_by_hill = geo::SolveSymmetric(of_hills, covariance.transpose()).transpose();
+  light.gains_by_hill = -eliminated * light.terms_by_hill;
+  if (!light.terms_by_hill.allFinite() || !light.gains_by_hill.allFinite()) light.terms_by_hill.resize(0, 0);
   return true;
 }
 
-double Explained(const ExposureSample& sample, const LightTerms& terms, const SolvedLight& light) {
+}  // namespace
+
+double Explained(const ExposureSample& sample, const LightTerms& terms, const Eigen::VectorXd& log_gains,
+                 const Eigen::VectorXd& of_terms) {
   const auto own = OwnBasis(sample, terms);
   const OwnTerms at(terms, sample.photo);
-  double value = -light.log_gains[static_cast<Eigen::Index>(sample.photo)];
-  for (std::size_t i = 0; i < at.count(); ++i) value += own[i] * light.terms[at[i]];
+  double value = -log_gains[static_cast<Eigen::Index>(sample.photo)];
+  for (std::size_t i = 0; i < at.count(); ++i) value += own[i] * of_terms[at[i]];
   return value;
 }
 
-// One past the samples of the spot that begins there.
 std::size_t EndOfSpot(const std::vector<ExposureSample>& samples, std::size_t begin) {
   std::size_t end = begin;
   while (end < samples.size() && samples[end].spot == samples[begin].spot) ++end;
   return end;
 }
-
-}  // namespace
 
 double SampleWeight(double misfit) {
   return 1.0 / (1.0 + (misfit / kRobustScale) * (misfit / kRobustScale));  // Cauchy
@@ -225,8 +240,8 @@ std::vector<double> MisfitsOf(const std::vector<ExposureSample>& samples, std::s
     left.clear();
     for (std::size_t s = begin; s < end; ++s)
       left.push_back(static_cast<double>(samples[s].log_value[channel]) -
-                     Explained(samples[s], terms, light));
-    const double centre = left.size() == 2 ? 0.5 * (left[0] + left[1]) : Median(left);
+                     Explained(samples[s], terms, light.log_gains, light.terms));
+    const double centre = MedianOfMisfits(left);
     for (std::size_t s = begin; s < end; ++s) misfits[s] = left[s - begin] - centre;
   }
   return misfits;
@@ -235,7 +250,9 @@ std::vector<double> MisfitsOf(const std::vector<ExposureSample>& samples, std::s
 SolvedLight SolveLight(const std::vector<ExposureSample>& samples, std::size_t channel,
                        const LightTerms& terms) {
   SolvedLight light{Eigen::VectorXd::Zero(static_cast<Eigen::Index>(terms.photos())),
-                    Eigen::VectorXd::Zero(static_cast<Eigen::Index>(terms.count()))};
+                    Eigen::VectorXd::Zero(static_cast<Eigen::Index>(terms.count())),
+                    {},
+                    {}};
   std::vector<double> weights(samples.size(), 1.0);
   for (int round = 0; round < kRounds; ++round) {
     Normal normal(terms.photos(), terms.count());
@@ -245,7 +262,7 @@ SolvedLight SolveLight(const std::vector<ExposureSample>& samples, std::size_t c
       end = EndOfSpot(samples, begin);
       adder.Add(samples.data() + begin, samples.data() + end, weights.data() + begin);
     }
-    if (!Solve(normal, light)) return light;
+    if (!Solve(normal, terms.directions.hot_spot.has_value(), light)) return light;
     const std::vector<double> misfits = MisfitsOf(samples, channel, terms, light);
     for (std::size_t s = 0; s < samples.size(); ++s) weights[s] = SampleWeight(misfits[s]);
   }

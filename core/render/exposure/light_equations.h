@@ -34,10 +34,20 @@ struct LightTerms {
 struct SolvedLight {
   Eigen::VectorXd log_gains;  // by photo
   Eigen::VectorXd terms;      // of direction, of exposure, then of each camera
+  // By hill of the hot spot: what all of these become more where that hill is one higher, the other hills
+  // stay and the rest fits the samples as well as it can. Empty without a hot spot.
+  Eigen::MatrixXd gains_by_hill, terms_by_hill;
 };
 
 // How much a sample counts with such a misfit.
 double SampleWeight(double misfit);
+
+// What gains and terms make of a sample's ground, as a logarithm.
+double Explained(const ExposureSample& sample, const LightTerms& terms, const Eigen::VectorXd& log_gains,
+                 const Eigen::VectorXd& of_terms);
+
+// One past the samples of the spot that begins there.
+std::size_t EndOfSpot(const std::vector<ExposureSample>& samples, std::size_t begin);
 
 // What the solved terms leave of each sample, less the middle of its spot's; 0 where photos agree.
 std::vector<double> MisfitsOf(const std::vector<ExposureSample>& samples, std::size_t channel,

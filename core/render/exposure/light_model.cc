@@ -20,22 +20,33 @@ double Dot(const std::array<double, kSize>& a, const std::array<double, kSize>& 
 }
 
 // The light's hot spot, where the photo sees it.
-void AddSpot(const HotSpot& spot, const std::array<double, 3>& spot_log, const alignment::AlignedPhoto& photo,
-             double px_per_unit, Shade& shade) {
-  if (spot.width <= 0.0) return;
-  const auto pixel_of = [&](const Eigen::Vector2d& look) {
-    return photo.intrinsics.Project(photo.cam_from_enu.rotation * Eigen::Vector3d(look.x(), look.y(), -1.0));
+void AddSpot(const LightModel& light, const std::array<double, 3>& spot_share,
+             const alignment::AlignedPhoto& photo, double px_per_unit, Shade& shade) {
+  if (!light.directions.hot_spot) return;
+  const Eigen::Vector2d& look = *light.directions.hot_spot;
+  const auto pixel_of = [&](const Eigen::Vector2d& other) {
+    return photo.intrinsics.Project(photo.cam_from_enu.rotation *
+                                    Eigen::Vector3d(other.x(), other.y(), -1.0));
   };
-  const auto middle = pixel_of(spot.look), east = pixel_of(spot.look + Eigen::Vector2d(spot.width, 0.0)),
-             north = pixel_of(spot.look + Eigen::Vector2d(0.0, spot.width));
+  constexpr double kStep = 0.05;
+  const auto middle = pixel_of(look), east = pixel_of(look + Eigen::Vector2d(kStep, 0.0)),
+             north = pixel_of(look + Eigen::Vector2d(0.0, kStep));
   if (!middle || !east || !north) return;
+  Eigen::Matrix2d place_by_look;
+  place_by_look << *east - *middle, *north - *middle;
+  place_by_look /= kStep * px_per_unit;
+  if (!(std::abs(place_by_look.determinant()) > 1e-9)) return;
+  const Eigen::Matrix2f look_by_place = place_by_look.inverse().cast<float>();
   const Eigen::Vector2d center{photo.intrinsics.center_x_px, photo.intrinsics.center_y_px};
   const Eigen::Vector2f place = ((*middle - center) / px_per_unit).cast<float>();
-  const double width_px = 0.5 * ((*east - *middle).norm() + (*north - *middle).norm());
   shade.spot_place = {place.x(), place.y()};
-  shade.spot_width = static_cast<float>(width_px / px_per_unit);
-  for (std::size_t channel = 0; channel < 3; ++channel)
-    shade.spot_log_gain[channel] = static_cast<float>(-spot_log[channel]);
+  shade.look_by_place = {look_by_place(0, 0), look_by_place(0, 1), look_by_place(1, 0), look_by_place(1, 1)};
+  for (std::size_t channel = 0; channel < 3; ++channel) {
+    for (std::size_t hill = 0; hill < kSpotTerms; ++hill) {
+      shade.spot_log_gains[channel][hill] = static_cast<float>(
+          -spot_share[channel] * light.of_directions[channel][kSmoothDirectionTerms + hill]);
+    }
+  }
 }
 
 }  // namespace
@@ -45,18 +56,19 @@ CameraTerms CameraBasis(const Eigen::Vector2d& place) {
   return {r2, r2 * r2, r2 * r2 * r2, x, y, x * x - y * y, x * y, x * x * x, x * x * y, x * y * y, y * y * y};
 }
 
-double HotSpot::At(const Eigen::Vector2d& other) const {
-  return width > 0.0 ? SpotShape((other - look).squaredNorm(), width) : 0.0;
-}
-
 DirectionTerms Directions::Basis(const Eigen::Vector2d& look) const {
   const double tangent = look.norm();
   const Eigen::Vector2d bounded =
       tangent > widest_look ? Eigen::Vector2d(look * (widest_look / tangent)) : look;
   const double e = bounded.x(), n = bounded.y(), e2 = e * e, n2 = n * n;
-  return {e,          n,       e2,         e * n,   n2,
-          e2 * e,     e2 * n,  e * n2,     n2 * n,  e2 * e2,
-          e2 * e * n, e2 * n2, e * n2 * n, n2 * n2, hot_spot.At(bounded)};
+  DirectionTerms terms{e,      n,      e2,      e * n,      n2,      e2 * e,     e2 * n,
+                       e * n2, n2 * n, e2 * e2, e2 * e * n, e2 * n2, e * n2 * n, n2 * n2};
+  if (hot_spot) {
+    const double distance_squared = (bounded - *hot_spot).squaredNorm();
+    for (std::size_t hill = 0; hill < kSpotTerms; ++hill)
+      terms[kSmoothDirectionTerms + hill] = SpotHill(distance_squared, kSpotReaches[hill]);
+  }
+  return terms;
 }
 
 Eigen::Vector2d LookOf(const Eigen::Vector3d& ray_in_enu) {
@@ -66,7 +78,7 @@ Eigen::Vector2d LookOf(const Eigen::Vector3d& ray_in_enu) {
 }
 
 Shade ShadeOf(const LightModel& light, const alignment::AlignedPhoto& photo,
-              const std::array<double, 3>& spot_log) {
+              const std::array<double, 3>& spot_share) {
   Shade shade;
   const auto camera = light.cameras.find(photo.photo.camera_key);
   const bool has_light = light.of_directions != std::array<DirectionTerms, 3>{};
@@ -101,7 +113,7 @@ Shade ShadeOf(const LightModel& light, const alignment::AlignedPhoto& photo,
       shade.terms[channel][term] = std::isfinite(value) ? static_cast<float>(value) : 0.0f;
     }
   }
-  AddSpot(light.directions.hot_spot, spot_log, photo, px_per_unit, shade);
+  AddSpot(light, spot_share, photo, px_per_unit, shade);
   return shade;
 }
 

@@ -4,13 +4,15 @@
 // values, smooth functions of few numbers for the whole flight. A value; any thread. Sources: radial
 // vignetting of Goldman (2010) with low terms beside it; for the direction the even and odd powers that
 // Walthall and others (1985) give reflectance over view and sun zenith, with the sun standing still during a
-// flight, and one hot spot opposite the sun, of which Maignan, Breon and Lacaze (2004) give the form.
+// flight, and one hot spot opposite the sun, round as in Maignan, Breon and Lacaze (2004), its profile as the
+// photos have it (kSpotReaches).
 #pragma once
 
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <string>
 
 #include "core/alignment/aligned_flight.h"
@@ -20,26 +22,17 @@ namespace skyquilt::render {
 
 constexpr std::size_t kCameraTerms = 11;
 constexpr std::size_t kSmoothDirectionTerms = 14;
-constexpr std::size_t kDirectionTerms = kSmoothDirectionTerms + 1;  // and the hot spot
+constexpr std::size_t kDirectionTerms = kSmoothDirectionTerms + kSpotTerms;
 using CameraTerms = std::array<double, kCameraTerms>;
 using DirectionTerms = std::array<double, kDirectionTerms>;
 
 // `place`: in the image, as Shade has it. r^2, r^4, r^6 and what is not round.
 CameraTerms CameraBasis(const Eigen::Vector2d& place);
 
-// Where ground looks brightest: the sun stands behind the camera. A `look` is the horizontal offset of the
-// ground from the camera (east, north) by its depth below.
-struct HotSpot {
-  Eigen::Vector2d look = Eigen::Vector2d::Zero();
-  double width = 0.0;  // 0: there is none
-
-  double At(const Eigen::Vector2d& other) const;
-  bool operator==(const HotSpot&) const = default;
-};
-
-// A look beyond widest_look counts as one that far out.
+// A `look` is the horizontal offset of the ground from the camera (east, north) by its depth below; one
+// beyond widest_look counts as one that far out.
 struct Directions {
-  HotSpot hot_spot;
+  std::optional<Eigen::Vector2d> hot_spot;  // where ground looks brightest: the sun stands behind the camera
   double widest_look = 0.0;
 
   DirectionTerms Basis(const Eigen::Vector2d& look) const;
@@ -56,9 +49,9 @@ struct LightModel {
 // Of a ray from the camera to the ground, in enu; one that does not point down is as flat as can be.
 Eigen::Vector2d LookOf(const Eigen::Vector3d& ray_in_enu);
 
-// What evens a photo, whose hot spot is `spot_log` brighter. An even one for a camera that the model does not
-// know and light from everywhere.
+// What evens a photo, whose hot spot is `spot_share` of the flight's, by channel. An even one for a camera
+// that the model does not know and light from everywhere.
 Shade ShadeOf(const LightModel& light, const alignment::AlignedPhoto& photo,
-              const std::array<double, 3>& spot_log);
+              const std::array<double, 3>& spot_share);
 
 }  // namespace skyquilt::render

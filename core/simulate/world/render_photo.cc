@@ -41,8 +41,6 @@ std::vector<SubSample> MakeSubSamples(const RenderPhotoOptions& options, int sid
   return samples;
 }
 
-constexpr double kHotSpotRad = 0.2;
-
 // One photo in the making: everything that is the same for all its pixels.
 class PhotoRenderer {
  public:
@@ -104,13 +102,13 @@ class PhotoRenderer {
   }
 
  private:
-  // The form of Maignan, Breon and Lacaze (2004), wider: a canopy's from the height of a drone.
+  // The form of Maignan, Breon and Lacaze (2004).
   double HotSpot(int x, int y) const {
     if (options_.hot_spot == 0.0) return 1.0;
     double length = 1.0;
     const double phase_rad =
         std::acos(std::clamp(-DirectionOf(x, y, length).dot(options_.sun_in_enu), -1.0, 1.0));
-    return 1.0 + options_.hot_spot / (1.0 + phase_rad / kHotSpotRad);
+    return 1.0 + options_.hot_spot / (1.0 + phase_rad / options_.hot_spot_rad);
   }
 
   // Of a picture taken in motion over the level ground: enough samples to draw a streak, not copies.

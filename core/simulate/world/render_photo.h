@@ -21,8 +21,10 @@ struct RenderPhotoOptions {
   int supersample = 0;
   double vignetting = 0.0;     // share of light lost in the corners (of the encoded value), falling with r^2
   double exposure_gain = 1.0;  // factor on the encoded values
-  // How much brighter ground is that is seen with the sun behind, and towards the sun; falls with the angle.
+  // How much brighter ground is that is seen with the sun behind, and towards the sun; half of it at
+  // hot_spot_rad from there.
   double hot_spot = 0.0;
+  double hot_spot_rad = 0.2;
   Eigen::Vector3d sun_in_enu = Eigen::Vector3d::UnitZ();
   Eigen::Vector3d motion_in_enu_m = Eigen::Vector3d::Zero();  // of the camera while the shutter is open
   camera::RowMotion readout_motion;                           // while it reads its rows

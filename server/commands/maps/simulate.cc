@@ -36,6 +36,7 @@ struct SimulateArguments {
   double heading_deg = 0.0;
   double tilt_deg = 0.0;
   double yaw_wander_deg = 0.0;
+  double hot_spot_deg = 11.5;
   double shutter_ms = 0.0;
   double readout_ms = 0.0;
   double shaking_dps = 0.0;
@@ -86,6 +87,7 @@ void Run(SimulateArguments& arguments) {
   options.trajectory.heading_rad = geo::DegToRad(arguments.heading_deg);
   options.trajectory.max_tilt_rad = geo::DegToRad(arguments.tilt_deg);
   options.trajectory.yaw_wander_rad = geo::DegToRad(arguments.yaw_wander_deg);
+  options.hot_spot_rad = geo::DegToRad(arguments.hot_spot_deg);
   options.shutter_s = 1e-3 * arguments.shutter_ms;
   options.readout_s = 1e-3 * arguments.readout_ms;
   options.shaking_radps = geo::DegToRad(arguments.shaking_dps);
@@ -234,6 +236,10 @@ void AddSimulateCommand(CLI::App& app) {
   command
       ->add_option("--hot-spot", options.hot_spot,
                    "Share by which ground looks brighter with the sun right behind the camera")
+      ->capture_default_str();
+  command
+      ->add_option("--hot-spot-deg", arguments->hot_spot_deg,
+                   "With --hot-spot: how far from there it is half of that, in degrees")
       ->capture_default_str();
   command
       ->add_option("--gradient-per-km", options.world.gradient_per_km,

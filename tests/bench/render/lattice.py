@@ -22,7 +22,7 @@ PIXELS_A_PHOTO = 50
 
 
 def cameras_of(folder):
-    """(east, north) of each camera in EPSG:3857, the photos' width there, in metres."""
+    """(east, north) of each camera in EPSG:3857 and its height above the ground, the photos' width, in metres of EPSG:3857."""
     located = json.loads((folder / "locate.json").read_text())
     lat, lon = located["origin"][:2]
     to_merc = osr.CoordinateTransformation(spatial("EPSG:4326"), spatial("EPSG:3857"))
@@ -35,8 +35,9 @@ def cameras_of(folder):
                                     [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
                                     [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]])
         center = -cam_from_enu.T @ numpy.array(camera["translation_m"])
-        places.append((east + stretch * center[0], north + stretch * center[1]))
-        widths.append(stretch * (center[2] - located["ground"]["z_m"]) * camera["size_px"][0] / camera["focal_px"][0])
+        height = stretch * (center[2] - located["ground"]["z_m"])
+        places.append((east + stretch * center[0], north + stretch * center[1], height))
+        widths.append(height * camera["size_px"][0] / camera["focal_px"][0])
     return numpy.array(places), float(numpy.median(widths))
 
 
@@ -94,6 +95,7 @@ def main():
     first = None
     for folder in options.map:
         places, width_m = cameras_of(folder)
+        places = places[:, :2]
         seen = lightness(folder, width_m / PIXELS_A_PHOTO, width_m)
         to_others = numpy.sort(numpy.linalg.norm(places[:, None] - places[None], axis=2), axis=1)[:, 1:4]
         spacing_m = 1.2 * float(numpy.median(to_others))

@@ -39,7 +39,7 @@ FlightFacts SomeFacts() {
   shown.exposure.photos = {{{0.9, 1.0 / 3.0, 1.1}, {0.01, 0.0, 1.0 / 3.0}}};
   shown.exposure.light.cameras["key"][1][3] = -0.2;
   shown.exposure.light.of_directions[2][13] = 1.0 / 7.0;
-  shown.exposure.light.directions = {{{0.3, -0.1}, 0.05}, 0.7};
+  shown.exposure.light.directions = {Eigen::Vector2d(0.3, -0.1), 0.7};
   shown.grid = {19, 256, 32, 100'000'000'000, -5, 70, 3};
   shown.labels = render::SeamLabels(70, 3);
   shown.labels.Set(69, 2, 0);

@@ -64,17 +64,16 @@ TEST(Exposure, FindsTheHotSpotOppositeTheSun) {
   const test::SimulatedMap map = test::MakeSimulatedMap(options);
   const Eigen::Vector3d sun = simulate::SunDirection(options.origin, options.start);
   const Eigen::Vector2d opposite = -sun.head<2>() / sun.z();
-  const HotSpot& spot = map.exposure.light.directions.hot_spot;
-  EXPECT_GT(spot.width, 0.0);
-  EXPECT_LT((spot.look - opposite).norm(), 0.06)
-      << spot.look.transpose() << " is not " << opposite.transpose();
+  const auto& spot = map.exposure.light.directions.hot_spot;
+  ASSERT_TRUE(spot.has_value());
+  EXPECT_LT((*spot - opposite).norm(), 0.06) << spot->transpose() << " is not " << opposite.transpose();
 }
 
 TEST(Exposure, FindsNoHotSpotWhereThereIsNone) {
   simulate::SimulateOptions options = SmallPhotos();
   options.vignetting = 0.2;
   options.exposure_jitter = 0.05;
-  EXPECT_EQ(test::MakeSimulatedMap(options).exposure.light.directions.hot_spot.width, 0.0);
+  EXPECT_FALSE(test::MakeSimulatedMap(options).exposure.light.directions.hot_spot.has_value());
 }
 
 TEST(Exposure, LeavesPhotosThatAgreeAsTheyAre) {
@@ -158,11 +157,12 @@ TEST(LightModel, ShadeUndoesWhatLensAndSunDid) {
   light.directions.widest_look = 0.8;
   light.cameras["a camera"][0] = {-0.2, -0.05, 0.0, 0.02, -0.03};
   light.cameras["a camera"][1] = {-0.25};
-  light.directions.hot_spot = {{0.2, 0.3}, 0.1};
-  for (DirectionTerms& channel : light.of_directions) channel[kSmoothDirectionTerms] = 0.2;
+  light.directions.hot_spot = Eigen::Vector2d(0.2, 0.3);
+  for (DirectionTerms& channel : light.of_directions) channel[kSmoothDirectionTerms + 1] = 0.15;
   light.of_directions[0] = {0.1, -0.05, 0.03, 0.0, -0.02, 0.01};
   light.of_directions[2] = {0.0, 0.15, 0.0, 0.04};
-  light.of_directions[0][kSmoothDirectionTerms] = 0.1;
+  for (std::size_t hill = 0; hill < kSpotTerms; ++hill)
+    light.of_directions[0][kSmoothDirectionTerms + hill] = 0.1 - 0.03 * static_cast<double>(hill);
   alignment::AlignedPhoto photo;
   photo.photo.camera_key = "a camera";
   photo.intrinsics = camera::Intrinsics::Centered(800, 600, 640.0);
@@ -170,7 +170,8 @@ TEST(LightModel, ShadeUndoesWhatLensAndSunDid) {
   photo.cam_from_enu.rotation = Eigen::AngleAxisd(0.09, Eigen::Vector3d::UnitX()) *
                                 Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()) *
                                 Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ());
-  const Shade shade = ShadeOf(light, photo, {0.1, 0.2, 0.2});
+  const std::array<double, 3> shares{0.5, 1.0, 1.5};
+  const Shade shade = ShadeOf(light, photo, shares);
   const ShadeGrid grid(shade, photo.intrinsics);
   for (const Eigen::Vector2d& pixel :
        {Eigen::Vector2d(0, 0), {799, 0}, {130, 420}, {400, 300}, {470, 160}, {545, 100}, {799, 599}}) {
@@ -184,7 +185,8 @@ TEST(LightModel, ShadeUndoesWhatLensAndSunDid) {
       const auto camera = CameraBasis(place);
       double brighter = 0.0;
       for (std::size_t k = 0; k < direction.size(); ++k)
-        brighter += direction[k] * light.of_directions[channel][k];
+        brighter += (k < kSmoothDirectionTerms ? 1.0 : shares[channel]) * direction[k] *
+                    light.of_directions[channel][k];
       for (std::size_t k = 0; k < camera.size(); ++k)
         brighter += camera[k] * light.cameras["a camera"][channel][k];
       EXPECT_NEAR(shown[channel] * std::exp(brighter), 1.0, 0.005) << pixel.transpose();

@@ -117,6 +117,24 @@ TEST(RenderPhoto, VignettingAndExposureDarkenAsAsked) {
   EXPECT_NEAR(MeanGreen(dark, 0, 0, 6) / MeanGreen(plain, 0, 0, 6), 0.8 * 0.61, 0.01);
 }
 
+TEST(RenderPhoto, AHotSpotIsHalfAtItsWidth) {
+  WorldOptions bare;
+  bare.texture = TextureLevel::kBare;
+  const World world(bare);
+  const camera::Intrinsics lens = camera::Intrinsics::Centered(641, 481, 500.0);
+  const auto pose = geo::Rigid3::FromRotationAndTargetOrigin(CamFromEnuOfGimbal({0.0, -0.5 * geo::kPi, 0.0}),
+                                                             Eigen::Vector3d(0.0, 0.0, 50.0));
+  RenderPhotoOptions options;
+  options.noise_counts = 0.0;
+  options.exposure_gain = 0.7;
+  const auto plain = RenderPhoto(world, lens, pose, options);
+  options.hot_spot = 0.3;  // the sun in the zenith
+  options.hot_spot_rad = std::atan(0.2);
+  const auto lit = RenderPhoto(world, lens, pose, options);
+  EXPECT_NEAR(MeanGreen(lit, 320, 240, 1) / MeanGreen(plain, 320, 240, 1), 1.3, 0.02);
+  EXPECT_NEAR(MeanGreen(lit, 418, 238, 5) / MeanGreen(plain, 418, 238, 5), 1.15, 0.01);
+}
+
 TEST(RenderPhoto, MotionBlurSmearsAlongTheFlight) {
   const World world(WorldOptions{});
   const camera::Intrinsics lens = camera::Intrinsics::Centered(320, 240, 400.0);

@@ -1,0 +1,165 @@
+#include "core/render/exposure/settle_hot_spot.h"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/geo/solvers/dense_solvers.h"
+
+namespace skyquilt::render {
+namespace {
+
+constexpr auto kHills = static_cast<Eigen::Index>(kSpotTerms);
+using Hills = Eigen::Matrix<double, kHills, 1>;
+using HillsByHills = Eigen::Matrix<double, kHills, kHills>;
+
+// Photos differ in their hot spots if the halves of their samples agree about it by so many sigmas.
+constexpr double kSigmasOfDifference = 2.0;
+constexpr double kMaxShare = 2.0;
+
+// What a sample says of the hot spot alone, less the mean over its spot of ground.
+struct HillSample {
+  Hills hills = Hills::Zero();  // how much of each hill nothing else explains
+  double left = 0.0;            // what the light leaves
+  double weight = 0.0;
+};
+
+std::vector<HillSample> HillSamplesOf(const std::vector<ExposureSample>& samples, std::size_t channel,
+                                      const LightTerms& terms, const SolvedLight& light) {
+  std::array<Eigen::VectorXd, kSpotTerms> gains, of_terms;
+  for (Eigen::Index hill = 0; hill < kHills; ++hill) {
+    gains[static_cast<std::size_t>(hill)] = light.gains_by_hill.col(hill);
+    of_terms[static_cast<std::size_t>(hill)] = light.terms_by_hill.col(hill);
+  }
+  const std::vector<double> misfits = MisfitsOf(samples, channel, terms, light);
+  std::vector<HillSample> of_hills(samples.size());
+  for (std::size_t begin = 0, end = 0; begin < samples.size(); begin = end) {
+    end = EndOfSpot(samples, begin);
+    HillSample mean;
+    for (std::size_t i = begin; i < end; ++i) {
+      HillSample& own = of_hills[i];
+      own.left = misfits[i];
+      own.weight = SampleWeight(misfits[i]);
+      for (std::size_t hill = 0; hill < kSpotTerms; ++hill)
+        own.hills[static_cast<Eigen::Index>(hill)] =
+            Explained(samples[i], terms, gains[hill], of_terms[hill]);
+      mean.hills += own.weight * own.hills;
+      mean.left += own.weight * own.left;
+      mean.weight += own.weight;
+    }
+    for (std::size_t i = begin; i < end; ++i) {
+      of_hills[i].hills -= mean.hills / mean.weight;
+      of_hills[i].left -= mean.left / mean.weight;
+    }
+  }
+  return of_hills;
+}
+
+// Normal equations of the hills' heights.
+struct HillEquations {
+  HillsByHills normal = HillsByHills::Zero();
+  Hills right = Hills::Zero();
+};
+
+// The heights of the widest hills, one or more: as many as foretell photos that are left out best. Shrunk by
+// the sigma of their sum, by what photos differ: samples of one photo err together.
+Hills SettledHeights(const std::vector<HillEquations>& photos) {
+  HillEquations all;
+  for (const HillEquations& photo : photos) {
+    all.normal += photo.normal;
+    all.right += photo.right;
+  }
+  all.normal.diagonal().array() += 1e-9 + 1e-6 * all.normal.trace();
+  Hills settled = Hills::Zero();
+  double most = 0.0;
+  for (Eigen::Index count = 1; count <= kHills; ++count) {
+    const Eigen::MatrixXd normal = all.normal.topLeftCorner(count, count);
+    const Eigen::VectorXd right = all.right.head(count);
+    const Eigen::VectorXd heights = geo::SolveSymmetric(normal, right);
+    const Eigen::VectorXd of_sum = geo::SolveSymmetric(normal, Eigen::VectorXd::Ones(count));
+    double lowered = 0.0, variance = 0.0;  // squared misfits of photos by the others' heights; of the sum
+    for (const HillEquations& photo : photos) {
+      const Eigen::MatrixXd own_normal = photo.normal.topLeftCorner(count, count);
+      const Eigen::VectorXd own_right = photo.right.head(count);
+      const Eigen::VectorXd by_others = geo::SolveSymmetric(normal - own_normal, right - own_right);
+      lowered += by_others.dot(2.0 * own_right - own_normal * by_others);
+      const double off = of_sum.dot(own_right - own_normal * heights);
+      variance += off * off;
+    }
+    const double sum = heights.sum();
+    if (!(sum > 0.0 && lowered > most && heights.allFinite())) continue;
+    most = lowered;
+    settled.setZero();
+    settled.head(count) = std::max(0.0, 1.0 - variance / (sum * sum)) * heights;
+  }
+  return settled;
+}
+
+// How much more of the settled hot spot a photo shows, by one half of its samples and the other.
+struct ShareEquations {
+  std::array<double, 2> normal{}, right{};
+};
+
+std::vector<double> SharesOf(const std::vector<ShareEquations>& photos) {
+  std::vector<double> shares(photos.size(), 1.0);
+  double agreed = 0.0, by_chance = 0.0, normals = 0.0;
+  for (const auto& [normal, right] : photos) {
+    agreed += right[0] * right[1];
+    by_chance += right[0] * right[0] * right[1] * right[1];
+    normals += normal[0] * normal[1];
+  }
+  if (!(normals > 0.0 && agreed > kSigmasOfDifference * std::sqrt(by_chance))) return shares;
+  const double variance = agreed / normals;  // of the shares; then of what else photos leave
+  double noise = 0.0, weights = 0.0;
+  for (const auto& [normal, right] : photos) {
+    const double weight = normal[0] + normal[1];
+    noise += std::pow(right[0] + right[1], 2) - variance * weight * weight;
+    weights += weight;
+  }
+  noise = std::max(0.0, noise / weights);
+  for (std::size_t i = 0; i < photos.size(); ++i) {
+    const double weight = photos[i].normal[0] + photos[i].normal[1];
+    if (!(weight > 0.0)) continue;
+    const double more = variance * (photos[i].right[0] + photos[i].right[1]) / (variance * weight + noise);
+    shares[i] = std::clamp(1.0 + more, 0.0, kMaxShare);
+  }
+  return shares;
+}
+
+}  // namespace
+
+std::vector<double> SettleHotSpot(const std::vector<ExposureSample>& samples, std::size_t channel,
+                                  const LightTerms& terms, SolvedLight& light) {
+  auto fitted = light.terms.segment<kHills>(static_cast<Eigen::Index>(kSmoothDirectionTerms));
+  if (light.terms_by_hill.size() == 0) {
+    fitted.setZero();
+    return std::vector<double>(terms.photos(), 1.0);
+  }
+  std::vector<HillSample> of_hills = HillSamplesOf(samples, channel, terms, light);
+  std::vector<HillEquations> heights_of(terms.photos());
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const HillSample& own = of_hills[i];
+    HillEquations& photo = heights_of[samples[i].photo];
+    photo.normal += own.weight * own.hills * own.hills.transpose();
+    photo.right += own.weight * own.hills * (own.left + own.hills.dot(fitted));
+  }
+  const Hills settled = SettledHeights(heights_of);
+  const Hills change = settled - fitted;
+  light.log_gains += light.gains_by_hill * change;
+  light.terms += light.terms_by_hill * change;
+  fitted = settled;  // to the last bit: 0 is none
+
+  std::vector<ShareEquations> shares_of(terms.photos());
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const HillSample& own = of_hills[i];
+    const double spot = own.hills.dot(settled), left = own.left - own.hills.dot(change);
+    ShareEquations& photo = shares_of[samples[i].photo];
+    const std::size_t half = samples[i].spot % 2;
+    photo.normal[half] += own.weight * spot * spot;
+    photo.right[half] += own.weight * spot * left;
+  }
+  return SharesOf(shares_of);
+}
+
+}  // namespace skyquilt::render

@@ -1,0 +1,20 @@
+// SettleHotSpot: how much of a hot spot is taken out of the photos: as high as the overlaps show it, at each
+// of its widths (kSpotReaches), for as much as they are sure of it, and nothing of what does not foretell
+// photos that had no part in it. One thread; O(samples x terms).
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "core/render/exposure/light_equations.h"
+
+namespace skyquilt::render {
+
+// `light` is SolveLight's of the same samples, channel and terms, which have a hot spot. Its hills are made
+// as high as settled (all 0: taken back) and the rest fits the samples with them so. Returned by photo: the
+// share of that which it shows, 0 to 2: grass has more of a hot spot than bare soil; 1 where photos do not
+// differ by more than chance, or one does not say.
+std::vector<double> SettleHotSpot(const std::vector<ExposureSample>& samples, std::size_t channel,
+                                  const LightTerms& terms, SolvedLight& light);
+
+}  // namespace skyquilt::render
