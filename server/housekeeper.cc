@@ -76,7 +76,18 @@ void Housekeeper::Round() {
   if (!exports) LogFailure("-", "exports", exports.error().detail);
   service_.db.FillReserve();
   const auto now = std::chrono::steady_clock::now();
-  if (service_.store.blobs().IsFolder() || (swept_ && now - *swept_ < kBlobSweepPause)) return;
+  if (swept_ && now - *swept_ < kBlobSweepPause) return;
+  const Result<storage::SweepReport> work =
+      storage::SweepWork(service_.store.dir(), service_.queue, storage::Now());
+  if (!work) {
+    LogFailure("-", "sweep of work", work.error().message + " " + work.error().detail);
+    return;
+  }
+  for (const std::string& line : work->moved) LogEvent(line);
+  if (service_.store.blobs().IsFolder()) {
+    swept_ = now;
+    return;
+  }
   const Result<storage::SweepReport> swept =
       storage::SweepBlobs(service_.store.blobs(), service_.catalogue, service_.queue, storage::Now());
   if (!swept) {

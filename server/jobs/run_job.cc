@@ -67,9 +67,8 @@ void AdoptEarlierAttempt(const storage::DataDir& dir, const storage::Lease& leas
   std::vector<fs::path> earlier;
   std::error_code none;  // without an earlier attempt this one begins anew
   for (const auto& entry : fs::directory_iterator(work, none)) {
-    const bool is_of_units = entry.path() == UnitsFolder(dir, lease.job_id);
-    if (entry.path() != own && !is_of_units &&
-        storage::JobOfWorkName(entry.path().filename().string()) == lease.job_id) {
+    const std::string name = entry.path().filename().string();
+    if (entry.path() != own && !storage::IsUnitsWork(name) && storage::JobOfWorkName(name) == lease.job_id) {
       earlier.push_back(entry.path());
     }
   }
@@ -129,7 +128,7 @@ StitchedApart Stitch(WorkerContext& context, const storage::Lease& lease, const 
   made->task.out_dir = out_dir;
   made->task.with_pmtiles = !context.blobs.IsFolder();
   if (cut.step == CutStep::kPutTogether) {
-    Result<PartsHere> parts = FetchParts(context, lease, UnitKind::kRender, progress);
+    Result<PartsHere> parts = FetchParts(context, lease.flight_id, cut.units_of, UnitKind::kRender, progress);
     if (!parts) return {parts.error()};
     UseParts(*std::move(parts), *made);
     made->task.renders = cut.renders;
@@ -271,7 +270,7 @@ void RunJob(WorkerContext& context, const storage::Lease& lease) {
         if (published && *published && cut.step == CutStep::kWhole) KeepCost(context, lease, *made.outcome);
         if (published) {
           LogEvent(fmt::format("job {} {}", lease.job_id, *published ? "is published" : "lost its lease"));
-          if (*published && cut.step != CutStep::kWhole) RemoveUnits(context, lease);
+          if (*published && cut.step != CutStep::kWhole) RemoveUnits(context, lease.flight_id, cut);
           return;
         }
       }

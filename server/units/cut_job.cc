@@ -1,21 +1,32 @@
 #include "server/units/cut_job.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <map>
+#include <optional>
+#include <set>
 #include <system_error>
 #include <utility>
+#include <vector>
 
+#include "core/base/scoped_folder.h"
 #include "core/base/try.h"
 #include "core/pipeline/units/flight_cut.h"
 #include "core/pipeline/units/shown_photos.h"
 #include "server/jobs/job_task.h"
 #include "server/jobs/stitch_apart.h"
 #include "server/routing/request_log.h"
+#include "storage/db/ids.h"
+#include "storage/jobs/unit_inputs.h"
 #include "storage/tilesets/publish_file.h"
 
 namespace skyquilt::server {
 namespace {
+
+namespace fs = std::filesystem;
 
 // Shares of a large flight's time on one worker; more workers shorten the first and the third.
 constexpr double kLooked = 0.30;
@@ -37,8 +48,13 @@ bool IsNameOfFilm(const std::string& name) {
 }
 
 // Keys of what units leave, where photos and maps lie elsewhere: with their flight they go.
-std::string UnitsPrefix(const std::string& flight_id, const std::string& job_id) {
-  return storage::FlightPrefix(flight_id) + storage::UnitsFolderName(job_id) + "/";
+std::string UnitsPrefix(const std::string& flight_id, const std::string& units_of) {
+  return storage::FlightPrefix(flight_id) + storage::UnitsFolderName(units_of) + "/";
+}
+
+// Below work/, where it is swept once it is of no use.
+fs::path UnitsFolder(const storage::DataDir& dir, const std::string& units_of) {
+  return dir.Work() / storage::UnitsWorkName(units_of);
 }
 
 Error CannotStorePart(const std::error_code& error) {
@@ -72,27 +88,94 @@ Result<CutJob> Find(const WorkerContext& context, const storage::Lease& lease) {
   const storage::UnitCount* renders = CountOf(counts, UnitKind::kRender);
   cut.step = renders == nullptr ? CutStep::kPlace : CutStep::kPutTogether;
   if (renders != nullptr) cut.renders = renders->count;
+  SKYQUILT_TRY_ASSIGN(cut.units_of, context.units.UnitsOf(lease.job_id));
   return cut;
+}
+
+// The names of the files that units handed in, by the name of the unit's folder.
+Result<std::map<std::string, std::set<std::string>>> HandedIn(const WorkerContext& context,
+                                                              const std::string& flight_id,
+                                                              const std::string& units_of) {
+  std::map<std::string, std::set<std::string>> files;
+  if (context.blobs.IsFolder()) {
+    std::error_code none;  // a folder that is not there has none
+    for (auto entry = fs::recursive_directory_iterator(UnitsFolder(context.dir, units_of), none);
+         !none && entry != fs::recursive_directory_iterator(); entry.increment(none)) {
+      const fs::path& path = entry->path();
+      if (entry.depth() == 1) files[path.parent_path().filename().string()].insert(path.filename().string());
+    }
+    return files;
+  }
+  const std::string prefix = UnitsPrefix(flight_id, units_of);
+  SKYQUILT_TRY_ASSIGN(const std::vector<storage::BlobInfo> listed, context.blobs.List(prefix));
+  for (const storage::BlobInfo& blob : listed) {
+    const fs::path path = blob.key.substr(prefix.size());
+    files[path.parent_path().string()].insert(path.filename().string());
+  }
+  return files;
+}
+
+// The numbers of the first `count` units of a kind that are whole.
+Result<std::set<int>> DoneBefore(const WorkerContext& context, const std::string& flight_id,
+                                 const std::string& units_of, UnitKind kind, std::size_t count) {
+  SKYQUILT_TRY_ASSIGN(const auto files, HandedIn(context, flight_id, units_of));
+  std::set<int> done;
+  for (int number = 0; number < static_cast<int>(count); ++number) {
+    const auto found = files.find(UnitFiles({}).Folder(kind, number).string());
+    if (found != files.end() && IsWhole(kind, found->second)) done.insert(number);
+  }
+  if (!done.empty()) {
+    LogEvent(fmt::format("{} of {} parts of flight {} ({}) are there from an attempt before", done.size(),
+                         count, flight_id, UnitKindName(kind)));
+  }
+  return done;
+}
+
+// By what placing left: the blocks of the map.
+Result<std::int64_t> BlocksIn(const PartsHere& parts) {
+  SKYQUILT_TRY_ASSIGN(const std::string bytes, storage::ReadWholeFile(UnitFiles(parts.dir).Shown()));
+  SKYQUILT_TRY_ASSIGN(const pipeline::ShownPhotos shown, pipeline::ParseShown(bytes));
+  return static_cast<std::int64_t>(shown.of_blocks.size());
+}
+
+// The blocks of the map.
+Result<std::int64_t> PlaceUnits(WorkerContext& context, const storage::Lease& lease, const CutJob& cut,
+                                Progress& progress) {
+  SKYQUILT_TRY_ASSIGN(const std::set<int> placed,
+                      DoneBefore(context, lease.flight_id, cut.units_of, UnitKind::kPlace, 1));
+  if (!placed.empty()) {
+    SKYQUILT_TRY_ASSIGN(const PartsHere before,
+                        FetchParts(context, lease.flight_id, cut.units_of, UnitKind::kPlace, progress));
+    return BlocksIn(before);
+  }
+  SKYQUILT_TRY_ASSIGN(LimitedTask made, TaskOf(context, lease.flight_id, lease.options, {}, progress));
+  SKYQUILT_TRY_ASSIGN(PartsHere parts,
+                      FetchParts(context, lease.flight_id, cut.units_of, UnitKind::kLook, progress));
+  UseParts(std::move(parts), made);
+  SKYQUILT_TRY_ASSIGN(fs::path folder, MakeOutFolder(context, cut.units_of, UnitKind::kPlace, 0));
+  const ScopedFolder out(std::move(folder));
+  made.task.out_dir = out.path();
+  made.task.unit = UnitToDo{.kind = UnitKind::kPlace, .looks = cut.looks};
+  const StitchedApart done = StitchApart(std::move(made.task), made.limits, progress);
+  if (!done.outcome) return done.outcome.error();
+  SKYQUILT_TRY(HandIn(context, lease.flight_id, cut.units_of, UnitKind::kPlace, 0, out.path(), progress));
+  return done.outcome->blocks;
 }
 
 }  // namespace
 
-std::filesystem::path UnitsFolder(const storage::DataDir& dir, const std::string& job_id) {
-  return dir.Work() / (job_id + "-units");
-}
-
-void RemoveUnits(const WorkerContext& context, const storage::Lease& lease) {
-  std::error_code ignored;  // what stays is swept at the next start
-  std::filesystem::remove_all(UnitsFolder(context.dir, lease.job_id), ignored);
+void RemoveUnits(const WorkerContext& context, const std::string& flight_id, const CutJob& cut) {
+  std::error_code ignored;  // what stays is swept
+  fs::remove_all(UnitsFolder(context.dir, cut.units_of), ignored);
   if (context.blobs.IsFolder()) return;
-  const Result<int> removed = context.blobs.RemoveBelow(UnitsPrefix(lease.flight_id, lease.job_id));
-  if (!removed) LogFailure(lease.job_id, "units", removed.error().message);  // swept later
+  const Result<int> removed = context.blobs.RemoveBelow(UnitsPrefix(flight_id, cut.units_of));
+  if (!removed) LogFailure(flight_id, "units", removed.error().message);  // swept later
 }
 
-Result<PartsHere> FetchParts(const WorkerContext& context, const storage::Lease& lease, UnitKind kind,
-                             Progress& progress) {
-  if (context.blobs.IsFolder()) return PartsHere{UnitsFolder(context.dir, lease.job_id), {}};
-  const std::string prefix = UnitsPrefix(lease.flight_id, lease.job_id);
+Result<PartsHere> FetchParts(const WorkerContext& context, const std::string& flight_id,
+                             const std::string& units_of, UnitKind kind, Progress& progress) {
+  if (context.blobs.IsFolder()) return PartsHere{UnitsFolder(context.dir, units_of), {}};
+  const std::string prefix = UnitsPrefix(flight_id, units_of);
   PartsHere here{context.blobs.FolderOf(prefix), {}};
   // Placing needs what was found; rendering and what comes after it the facts, not what was found.
   const UnitKind first = kind == UnitKind::kLook ? UnitKind::kLook : UnitKind::kPlace;
@@ -120,25 +203,39 @@ Result<ShareOfFiles> ShownIn(const PartsHere& parts, const storage::UnitLease& u
   return share;
 }
 
-Result<std::filesystem::path> MakeOutFolder(const WorkerContext& context, const std::string& job_id,
-                                            UnitKind kind, int number) {
-  std::filesystem::path folder = UnitFiles(UnitsFolder(context.dir, job_id)).Folder(kind, number);
+Result<fs::path> MakeOutFolder(const WorkerContext& context, const std::string& units_of, UnitKind kind,
+                               int number) {
+  const fs::path folder = UnitFiles(UnitsFolder(context.dir, units_of)).Folder(kind, number);
+  const std::string attempts = folder.filename().string() + ".";
+  std::vector<fs::path> earlier;
+  std::error_code none;  // without an earlier attempt this one begins anew
+  for (const auto& entry : fs::directory_iterator(folder.parent_path(), none)) {
+    if (entry.path().filename().string().starts_with(attempts)) earlier.push_back(entry.path());
+  }
+  fs::path own = folder.parent_path() / (attempts + storage::NewId());
+  for (const fs::path& attempt : earlier) {
+    if (!fs::exists(own, none)) fs::rename(attempt, own, none);
+    fs::remove_all(attempt, none);
+  }
   std::error_code error;
-  std::filesystem::create_directories(folder, error);
+  fs::create_directories(own, error);
   if (error) return CannotStorePart(error);
-  return folder;
+  return own;
 }
 
-Result<void> HandIn(const WorkerContext& context, const std::string& flight_id, const std::string& job_id,
-                    UnitKind kind, int number, Progress& progress) {
-  if (context.blobs.IsFolder()) return {};
-  const std::filesystem::path folder = UnitFiles(UnitsFolder(context.dir, job_id)).Folder(kind, number);
-  SKYQUILT_TRY(PutProducts(context.blobs, folder,
-                           UnitsPrefix(flight_id, job_id) + folder.filename().string() + "/", progress));
+Result<void> HandIn(const WorkerContext& context, const std::string& flight_id, const std::string& units_of,
+                    UnitKind kind, int number, const fs::path& made, Progress& progress) {
+  const fs::path folder = UnitFiles(UnitsFolder(context.dir, units_of)).Folder(kind, number);
+  if (!context.blobs.IsFolder()) {
+    return PutProducts(context.blobs, made,
+                       UnitsPrefix(flight_id, units_of) + folder.filename().string() + "/", progress);
+  }
   std::error_code error;
-  std::filesystem::remove_all(folder, error);
+  fs::rename(made, folder, error);
+  // An attempt whose end was not heard left the same.
+  if (error == std::errc::directory_not_empty || error == std::errc::file_exists) return {};
   if (error) return CannotStorePart(error);
-  return {};
+  return storage::SyncFolder(folder.parent_path());
 }
 
 CutJob CutOf(const WorkerContext& context, const storage::Lease& lease) {
@@ -166,26 +263,30 @@ ProgressSpan ProgressOf(CutStep step) {
 Result<bool> CutIntoLooks(WorkerContext& context, const storage::Lease& lease, const CutJob& cut) {
   const std::size_t files = static_cast<std::size_t>(cut.files);
   const std::size_t looks = pipeline::UnitsOf(files, static_cast<std::size_t>(context.files_per_unit));
+  SKYQUILT_TRY_ASSIGN(const std::vector<storage::StoredFile> stored,
+                      context.catalogue.ListFiles(lease.flight_id));
+  const std::string made_from = storage::DigestOf(
+      {stored, lease.options, SKYQUILT_VERSION, static_cast<int>(looks), context.files_per_unit});
+  SKYQUILT_TRY_ASSIGN(const std::optional<std::string> units_of,
+                      context.units.TakeOver(lease, made_from, storage::Now()));
+  if (!units_of) return false;
+  SKYQUILT_TRY_ASSIGN(const std::set<int> done,
+                      DoneBefore(context, lease.flight_id, *units_of, UnitKind::kLook, looks));
   return context.units.Cut(lease, UnitKindName(UnitKind::kLook), static_cast<int>(looks), cut.files,
-                           {0.0, kLooked, "check"});
+                           {0.0, kLooked, "check"}, done);
 }
 
 Result<bool> PlaceAndCut(WorkerContext& context, const storage::Lease& lease, const CutJob& cut,
                          Progress& progress) {
-  SKYQUILT_TRY_ASSIGN(LimitedTask made, TaskOf(context, lease.flight_id, lease.options, {}, progress));
-  SKYQUILT_TRY_ASSIGN(PartsHere parts, FetchParts(context, lease, UnitKind::kLook, progress));
-  UseParts(std::move(parts), made);
-  SKYQUILT_TRY_ASSIGN(made.task.out_dir, MakeOutFolder(context, lease.job_id, UnitKind::kPlace, 0));
-  made.task.unit = UnitToDo{.kind = UnitKind::kPlace, .looks = cut.looks};
-  const StitchedApart placed = StitchApart(std::move(made.task), made.limits, progress);
-  if (!placed.outcome) return placed.outcome.error();
-  SKYQUILT_TRY(HandIn(context, lease.flight_id, lease.job_id, UnitKind::kPlace, 0, progress));
+  SKYQUILT_TRY_ASSIGN(const std::int64_t blocks, PlaceUnits(context, lease, cut, progress));
   const auto files = static_cast<std::size_t>(cut.files);
   const std::size_t renders = std::min<std::size_t>(
       pipeline::UnitsOf(files, pipeline::kLooksPerRender * static_cast<std::size_t>(context.files_per_unit)),
-      static_cast<std::size_t>(std::max<std::int64_t>(1, placed.outcome->blocks)));
-  return context.units.Cut(lease, UnitKindName(UnitKind::kRender), static_cast<int>(renders),
-                           placed.outcome->blocks, {kPlaced, kRendered, "render"});
+      static_cast<std::size_t>(std::max<std::int64_t>(1, blocks)));
+  SKYQUILT_TRY_ASSIGN(const std::set<int> done,
+                      DoneBefore(context, lease.flight_id, cut.units_of, UnitKind::kRender, renders));
+  return context.units.Cut(lease, UnitKindName(UnitKind::kRender), static_cast<int>(renders), blocks,
+                           {kPlaced, kRendered, "render"}, done);
 }
 
 }  // namespace skyquilt::server

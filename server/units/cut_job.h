@@ -21,22 +21,23 @@ enum class CutStep { kWhole, kLook, kPlace, kPutTogether };
 
 struct CutJob {
   CutStep step = CutStep::kWhole;
-  int files = 0;    // of the flight
-  int looks = 0;    // units that looked
-  int renders = 0;  // units that rendered
+  int files = 0;              // of the flight
+  int looks = 0;              // units that looked
+  int renders = 0;            // units that rendered
+  std::string units_of = {};  // as storage::UnitQueue::UnitsOf
 };
 
-// Below work/, where it is swept once the job has ended.
-std::filesystem::path UnitsFolder(const storage::DataDir& dir, const std::string& job_id);
-// Of a job that has ended.
-void RemoveUnits(const WorkerContext& context, const storage::Lease& lease);
+// Of a job whose map is shown.
+void RemoveUnits(const WorkerContext& context, const std::string& flight_id, const CutJob& cut);
 
 // kWhole also where it cannot be told.
 CutJob CutOf(const WorkerContext& context, const storage::Lease& lease);
 ProgressSpan ProgressOf(CutStep step);
 
-// The job waits for its units then. False: the lease was lost.
+// The job waits for its units then, but for those that one that failed had made of the same. False: the lease
+// was lost.
 Result<bool> CutIntoLooks(WorkerContext& context, const storage::Lease& lease, const CutJob& cut);
+// Places the flight, unless an attempt before had done so.
 Result<bool> PlaceAndCut(WorkerContext& context, const storage::Lease& lease, const CutJob& cut,
                          Progress& progress);
 
@@ -45,16 +46,16 @@ struct PartsHere {
   std::filesystem::path dir;
   FilesInUse in_use;  // what was fetched for it
 };
-Result<PartsHere> FetchParts(const WorkerContext& context, const storage::Lease& lease, UnitKind kind,
-                             Progress& progress);
+Result<PartsHere> FetchParts(const WorkerContext& context, const std::string& flight_id,
+                             const std::string& units_of, UnitKind kind, Progress& progress);
 void UseParts(PartsHere parts, LimitedTask& made);
 // The photos that a unit that renders may show, by what placing left.
 Result<ShareOfFiles> ShownIn(const PartsHere& parts, const storage::UnitLease& unit);
-// The folder into which a unit writes, made.
-Result<std::filesystem::path> MakeOutFolder(const WorkerContext& context, const std::string& job_id,
+// A folder for what a unit makes, of this attempt alone; what one that died got to is in it.
+Result<std::filesystem::path> MakeOutFolder(const WorkerContext& context, const std::string& units_of,
                                             UnitKind kind, int number);
-// What a unit wrote there is for all workers from now on.
-Result<void> HandIn(const WorkerContext& context, const std::string& flight_id, const std::string& job_id,
-                    UnitKind kind, int number, Progress& progress);
+// What was made there is for all workers from now on, whole.
+Result<void> HandIn(const WorkerContext& context, const std::string& flight_id, const std::string& units_of,
+                    UnitKind kind, int number, const std::filesystem::path& made, Progress& progress);
 
 }  // namespace skyquilt::server

@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/base/scoped_folder.h"
 #include "core/base/try.h"
 #include "server/jobs/job_task.h"
 #include "server/jobs/stitch_apart.h"
@@ -28,22 +29,23 @@ Result<UnitKind> KindOf(const storage::UnitLease& unit) {
 Result<void> Make(const WorkerContext& context, const storage::UnitLease& unit, Progress& progress) {
   SKYQUILT_TRY_ASSIGN(const UnitKind kind, KindOf(unit));
   const bool looks = kind == UnitKind::kLook;
-  storage::Lease of_job;
-  of_job.job_id = unit.job_id;
-  of_job.flight_id = unit.flight_id;
   ShareOfFiles share{unit.number, unit.count};
   PartsHere placed;
   if (!looks) {
-    SKYQUILT_TRY_ASSIGN(placed, FetchParts(context, of_job, UnitKind::kPlace, progress));
+    SKYQUILT_TRY_ASSIGN(placed,
+                        FetchParts(context, unit.flight_id, unit.units_of, UnitKind::kPlace, progress));
     SKYQUILT_TRY_ASSIGN(share, ShownIn(placed, unit));
   }
   SKYQUILT_TRY_ASSIGN(LimitedTask made, TaskOf(context, unit.flight_id, unit.options, share, progress));
   UseParts(std::move(placed), made);
-  SKYQUILT_TRY_ASSIGN(made.task.out_dir, MakeOutFolder(context, unit.job_id, kind, unit.number));
+  SKYQUILT_TRY_ASSIGN(auto folder, MakeOutFolder(context, unit.units_of, kind, unit.number));
+  ScopedFolder out(std::move(folder));
+  made.task.out_dir = out.path();
   made.task.unit = UnitToDo{kind, unit.number, unit.count, looks ? 0 : unit.items};
   const StitchedApart done = StitchApart(std::move(made.task), made.limits, progress);
+  if (done.has_died) out.Keep();  // the next attempt goes on from there
   if (!done.outcome) return done.outcome.error();
-  return HandIn(context, unit.flight_id, unit.job_id, kind, unit.number, progress);
+  return HandIn(context, unit.flight_id, unit.units_of, kind, unit.number, out.path(), progress);
 }
 
 std::optional<Error> Work(const WorkerContext& context, const storage::UnitLease& unit, Progress& progress) {

@@ -4,6 +4,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <set>
+#include <string>
 #include <utility>
 
 namespace skyquilt::server {
@@ -23,6 +25,9 @@ struct UnitToDo {
 inline constexpr const char* kFoundFile = "found.cbor";  // pipeline::WriteFound
 inline constexpr const char* kFactsFile = "facts.cbor";  // pipeline::PlacedUnit::facts
 inline constexpr const char* kShownFile = "shown.cbor";  // pipeline::WriteShown
+
+// Whether files of these names are all that a unit of this kind leaves.
+bool IsWhole(UnitKind kind, const std::set<std::string>& names);
 
 class UnitFiles {
  public:

@@ -19,6 +19,7 @@ extern const std::string_view kCatalogue18To19;  // storage/db/steps/schema_19.s
 extern const std::string_view kCatalogue19To20;  // storage/db/steps/schema_20.sql
 extern const std::string_view kCatalogue20To21;  // storage/db/steps/schema_21.sql
 extern const std::string_view kCatalogue21To22;  // storage/db/steps/schema_22.sql
+extern const std::string_view kCatalogue22To23;  // storage/db/steps/schema_23.sql
 
 namespace {
 
@@ -78,6 +79,9 @@ Result<void> PrepareSchema(SqliteDb& db) {
   }
   if (version >= 13 && version <= 21) {
     SKYQUILT_TRY(db.Exec(std::string(kCatalogue21To22)));
+  }
+  if (version >= 13 && version <= 22) {
+    SKYQUILT_TRY(db.Exec(std::string(kCatalogue22To23)));
   }
   SKYQUILT_TRY(db.Exec(fmt::format("PRAGMA user_version={}", kSchemaVersion)));
   return transaction.Commit();

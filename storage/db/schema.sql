@@ -113,7 +113,10 @@ CREATE TABLE job(
   interruptions INTEGER NOT NULL DEFAULT 0,    -- claims that ended through no fault of the job: a restart is not an attempt
   claimed_in TEXT NOT NULL DEFAULT '',         -- the boot its worker was last heard in; '': before the server's start
   units_from REAL NOT NULL DEFAULT 0,          -- its progress before its units of one kind, and after them
-  units_to REAL NOT NULL DEFAULT 0
+  units_to REAL NOT NULL DEFAULT 0,
+  units_of TEXT NOT NULL DEFAULT '',           -- the job under whose id its units lie, itself or one that failed; '': not cut
+  made_from TEXT NOT NULL DEFAULT '',          -- digest of what its units are made from
+  troubles INTEGER NOT NULL DEFAULT 0          -- of machines that gave it back
 ) STRICT;
 CREATE INDEX job_waiting ON job(priority DESC, id) WHERE state = 'accepted';
 CREATE INDEX job_leased ON job(lease_until_us) WHERE state = 'running';
@@ -135,6 +138,7 @@ CREATE TABLE unit(
   worker TEXT NOT NULL DEFAULT '',
   waiting_us INTEGER NOT NULL DEFAULT 0,       -- since when it waits, or last did
   since_us INTEGER NOT NULL DEFAULT 0,         -- since when its present worker has it
+  troubles INTEGER NOT NULL DEFAULT 0,         -- as of a job
   PRIMARY KEY(job_id, kind, number)
 ) STRICT;
 CREATE INDEX unit_open ON unit(state) WHERE state <> 'done';

@@ -30,9 +30,13 @@ std::string RevisionPrefix(const std::string& flight_id, std::int64_t revision) 
   return FlightPrefix(flight_id) + RevisionFolderName(revision) + "/";
 }
 
-std::string UnitsFolderName(const std::string& job_id) { return "units-" + job_id; }
+std::string UnitsFolderName(const std::string& units_of) { return "units-" + units_of; }
 
 bool IsUnitsFolder(const std::string& name) { return name.starts_with("units-"); }
+
+std::string UnitsWorkName(const std::string& units_of) { return units_of + "-units"; }
+
+bool IsUnitsWork(const std::string& name) { return name.ends_with("-units"); }
 
 DataDir DataDir::At(const std::filesystem::path& root, const std::string& id) {
   return {std::filesystem::absolute(root).lexically_normal(), id};

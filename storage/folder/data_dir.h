@@ -93,8 +93,11 @@ std::string RevisionFolderName(std::int64_t revision);
 std::string FlightPrefix(const std::string& flight_id);
 std::string FilesPrefix(const std::string& flight_id);
 std::string RevisionPrefix(const std::string& flight_id, std::int64_t revision);
-// Parts of a flight that is cut into units, "units-<job>", until the job has ended.
-std::string UnitsFolderName(const std::string& job_id);
+// What the units of a cut flight made, by the job that began them: "units-<job>" below the flight, where
+// photos and maps lie elsewhere, or "<job>-units" in Work().
+std::string UnitsFolderName(const std::string& units_of);
 bool IsUnitsFolder(const std::string& name);
+std::string UnitsWorkName(const std::string& units_of);
+bool IsUnitsWork(const std::string& name);
 
 }  // namespace skyquilt::storage

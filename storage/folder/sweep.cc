@@ -73,12 +73,14 @@ Result<SweepReport> SweepWorkTo(const DataDir& dir, const JobQueue& queue, Time 
   // What a dead attempt left lets the next one go on from there.
   SKYQUILT_TRY_ASSIGN(const std::vector<std::string> unfinished, queue.UnfinishedJobs());
   const std::set<std::string> jobs(unfinished.begin(), unfinished.end());
+  SKYQUILT_TRY_ASSIGN(const std::vector<std::string> of_use, queue.UnitsOfUse(now));
+  for (const std::string& units_of : of_use) live.insert(UnitsWorkName(units_of));
   SweepReport report;
   for (const fs::path& entry : entries) {
     const std::string name = entry.filename().string();
     if (live.contains(name) || jobs.contains(JobOfWorkName(name))) continue;
     SKYQUILT_TRY_ASSIGN(const bool is_ended, IsOfEndedJob(queue, name));
-    if (is_ended || dir.IsTemporaryName(kDeletedKind, name)) {
+    if (is_ended || IsUnitsWork(name) || dir.IsTemporaryName(kDeletedKind, name)) {
       report.removed += RemoveAll(entry);
     } else {
       report.moved.push_back(lost.Take(entry, "is of no job in the catalogue"));

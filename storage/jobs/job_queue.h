@@ -150,6 +150,8 @@ class JobQueue {
   Result<std::vector<LiveLease>> LiveLeases(Time now) const;
   // Jobs that wait or run: what an attempt of theirs left is of use to the next.
   Result<std::vector<std::string>> UnfinishedJobs() const;
+  // Jobs under whose ids units lie that are of use: to jobs that wait or run, or to one that takes them over.
+  Result<std::vector<std::string>> UnitsOfUse(Time now) const;
 
  private:
   Result<std::optional<std::int64_t>> ReserveOnce(const Lease& lease);

@@ -93,12 +93,12 @@ Result<void> GoOn(SqlConnection& db, const std::string& job_id, std::string_view
 }  // namespace
 
 Result<bool> UnitQueue::Cut(const Lease& lease, std::string_view kind, int count, std::int64_t items,
-                            const UnitProgress& progress) {
-  return Patiently(db_, [&] { return CutOnce(lease, kind, count, items, progress); });
+                            const UnitProgress& progress, const std::set<int>& done) {
+  return Patiently(db_, [&] { return CutOnce(lease, kind, count, items, progress, done); });
 }
 
 Result<bool> UnitQueue::CutOnce(const Lease& lease, std::string_view kind, int count, std::int64_t items,
-                                const UnitProgress& progress) {
+                                const UnitProgress& progress, const std::set<int>& done) {
   return db_.Again([&]() -> Result<bool> {
     const auto db = db_.Lock();
     SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
@@ -106,7 +106,8 @@ Result<bool> UnitQueue::CutOnce(const Lease& lease, std::string_view kind, int c
       SKYQUILT_TRY_ASSIGN(
           Statement park,
           db->Prepare("UPDATE job SET worker='units', lease_until_us=?3, lease_token=lease_token+1,"
-                      " attempts=attempts-1, stage=?4, units_from=?5, units_to=?6"
+                      " attempts=attempts-1, stage=?4, units_from=?5, units_to=?6,"
+                      " units_of=CASE units_of WHEN '' THEN id ELSE units_of END"
                       " WHERE id=?1 AND lease_token=?2 AND state='running'"));
       SKYQUILT_TRY(park.Bind(1, lease.job_id)
                        .Bind(2, lease.token)
@@ -125,10 +126,15 @@ Result<bool> UnitQueue::CutOnce(const Lease& lease, std::string_view kind, int c
       const bool is_dismissed = db->Changes() > 0;
       SKYQUILT_TRY_ASSIGN(Statement add,
                           db->Prepare("INSERT INTO unit(job_id,kind,number,items,state,waiting_us)"
-                                      " VALUES(?1,?2,?3,?4,'waiting',?5) ON CONFLICT DO NOTHING"));
+                                      " VALUES(?1,?2,?3,?4,?6,?5) ON CONFLICT DO NOTHING"));
       for (int number = 0; number < count && !is_dismissed; ++number) {
-        SKYQUILT_TRY(
-            add.Bind(1, lease.job_id).Bind(2, kind).Bind(3, number).Bind(4, items).Bind(5, now_us).Run());
+        SKYQUILT_TRY(add.Bind(1, lease.job_id)
+                         .Bind(2, kind)
+                         .Bind(3, number)
+                         .Bind(4, items)
+                         .Bind(5, now_us)
+                         .Bind(6, done.contains(number) ? "done" : "waiting")
+                         .Run());
       }
       SKYQUILT_TRY(GoOn(*db, lease.job_id, kind));
     }
@@ -219,13 +225,15 @@ Result<std::optional<UnitLease>> UnitQueue::Claim(std::string_view worker, Time 
     }
     SKYQUILT_TRY_ASSIGN(
         Statement job,
-        db->Prepare("SELECT flight_id, options, (SELECT count(*) FROM unit WHERE job_id=?1 AND kind=?2)"
+        db->Prepare("SELECT flight_id, options, (SELECT count(*) FROM unit WHERE job_id=?1 AND kind=?2),"
+                    " units_of"
                     " FROM job WHERE id=?1"));
     SKYQUILT_TRY_ASSIGN(const bool row, job.Bind(1, unit.job_id).Bind(2, unit.kind).Step());
     if (!row) return std::optional<UnitLease>();  // deleted a moment ago, with its units
     unit.flight_id = job.ColumnText(0);
     unit.options = job.ColumnText(1);
     unit.count = static_cast<int>(job.ColumnInt64(2));
+    unit.units_of = job.ColumnText(3);
     return std::optional<UnitLease>(std::move(unit));
   });
 }

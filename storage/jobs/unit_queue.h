@@ -2,12 +2,15 @@
 // waits until its units of one kind are done, is then claimed like any other (no attempt is counted for the
 // waiting), and is cut again or made. Units go out by lease as jobs do: each write carries the unit's token,
 // a unit whose worker is gone is handed out again, kMaxUnitAttempts times at most, then its job fails; a job
-// that ends, however it ends, ends its units. Any thread, any number of processes. Time is given by the
-// caller. Errors: as JobQueue.
+// that ends, however it ends, ends its units. What the units of a job that failed had made is kept for a day,
+// for the next job that would make it from the same. Any thread, any number of processes. Time is given by
+// the caller. Errors: as JobQueue.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,13 +22,17 @@
 
 namespace skyquilt::storage {
 
+// After the end of a job that failed. Who sweeps waits a little longer than who takes over.
+inline constexpr std::chrono::hours kUnitsKept{24};
+
 // More than of jobs: a restart of a worker's machine is not told from its death here.
 inline constexpr int kMaxUnitAttempts = 5;
 
 struct UnitLease {
   std::string job_id;
   std::string flight_id;
-  std::string options;  // of the job
+  std::string options;   // of the job
+  std::string units_of;  // as UnitsOf
   std::string kind;
   int number = 0;
   int count = 1;           // units of this kind
@@ -73,10 +80,16 @@ class UnitQueue {
  public:
   explicit UnitQueue(CatalogueDb& db) : db_(db) {}
 
-  // The leased job waits for `count` units of `kind`, of which those it had already are kept; the lease is
-  // over. False: it was lost before.
+  // Before the first cut: the id of the job under whose id the units of this one lie: its own, or that of one
+  // of the same flight that failed, whose units were made from the same (`made_from`, see UnitInputs).
+  // Nothing: the lease was lost.
+  Result<std::optional<std::string>> TakeOver(const Lease& lease, std::string_view made_from, Time now);
+  // The same once it is cut; empty before.
+  Result<std::string> UnitsOf(const std::string& job_id) const;
+  // The leased job waits for `count` units of `kind`, of which those it had already are kept and those of
+  // `done` are done; the lease is over. False: it was lost before.
   Result<bool> Cut(const Lease& lease, std::string_view kind, int count, std::int64_t items,
-                   const UnitProgress& progress);
+                   const UnitProgress& progress, const std::set<int>& done = {});
   Result<std::vector<UnitCount>> Of(const std::string& job_id) const;
   // Kinds of which there are none are left out.
   Result<std::vector<UnitsOfKind>> Count(Time now) const;
@@ -99,7 +112,7 @@ class UnitQueue {
 
  private:
   Result<bool> CutOnce(const Lease& lease, std::string_view kind, int count, std::int64_t items,
-                       const UnitProgress& progress);
+                       const UnitProgress& progress, const std::set<int>& done);
   Result<bool> DoneOnce(const UnitLease& unit);
   CatalogueDb& db_;
 };

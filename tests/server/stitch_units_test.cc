@@ -213,6 +213,24 @@ TEST_F(StitchUnits, DamagedPartsAreToldOrMadeAnew) {
   EXPECT_TRUE(TilesOf(*folder_ / "whole" / "mosaic.mbtiles") == TilesOf(root / "again" / "mosaic.mbtiles"));
 }
 
+TEST_F(StitchUnits, AUnitIsWholeWhereAllThatItLeavesIsThere) {
+  const fs::path root = *folder_ / "whole units";
+  Stitch(root, 1, 1);
+  const UnitFiles units(root / "units");
+  for (const UnitKind kind : {UnitKind::kLook, UnitKind::kPlace, UnitKind::kRender}) {
+    std::set<std::string> names;
+    for (const auto& entry : fs::directory_iterator(units.Folder(kind, 0)))
+      names.insert(entry.path().filename().string());
+    EXPECT_TRUE(IsWhole(kind, names)) << UnitKindName(kind);
+    for (const std::string& name : names) {
+      std::set<std::string> fewer = names;
+      fewer.erase(name);
+      EXPECT_FALSE(IsWhole(kind, fewer)) << UnitKindName(kind) << " without " << name;
+    }
+    EXPECT_FALSE(IsWhole(kind, {}));
+  }
+}
+
 TEST_F(StitchUnits, ARangeShowsSomeOfThePhotosAndAllRangesAllOfThem) {
   const fs::path root = *folder_ / "shown";
   Stitch(root, 1, 6);

@@ -7,6 +7,7 @@
 #include "storage/db/ids.h"
 #include "storage/folder/sweep.h"
 #include "storage/jobs/job_queue.h"
+#include "storage/jobs/unit_queue.h"
 #include "tests/storage/scratch_dir.h"
 
 namespace skyquilt::storage {
@@ -103,6 +104,7 @@ TEST(Sweep, RemovesOnlyItsOwnTemporariesAndMovesAllElseThatIsUnknown) {
   std::filesystem::create_directories(dir.Work() / dir.NewTemporaryName(kDeletedKind) / "files");
   std::filesystem::create_directories(dir.Work() / WorkName(lease));
   std::filesystem::create_directories(dir.Flight(flight) / NewPreviewFolder());
+  std::filesystem::create_directories(dir.Work() / UnitsWorkName(NewId()) / "look-0");
   // Of others, of another folder's server, or of nobody knows whom.
   const std::vector<std::filesystem::path> strange = {
       dir.Incoming() / NewId(),
@@ -121,11 +123,14 @@ TEST(Sweep, RemovesOnlyItsOwnTemporariesAndMovesAllElseThatIsUnknown) {
   ASSERT_TRUE(queue.Add(other, "{}", Now()));
   lease = **queue.Claim("w", Now());
   std::filesystem::create_directories(dir.Work() / WorkName(lease));
+  ASSERT_TRUE(*UnitQueue(*db).TakeOver(lease, "made from", Now()));
+  const std::filesystem::path units = dir.Work() / UnitsWorkName(lease.job_id);
+  std::filesystem::create_directories(units / "look-0");
   std::filesystem::create_directories(dir.Revision(other, 1));
 
   const auto report = Sweep(dir, catalogue, queue, Previews(*db), Now());
   ASSERT_TRUE(report);
-  EXPECT_EQ(report->removed, 5);
+  EXPECT_EQ(report->removed, 6);
   EXPECT_EQ(report->moved.size(), strange.size() + 1);
   ASSERT_EQ(CountIn(dir.Lost()), 1);
   const auto lost = std::filesystem::directory_iterator(dir.Lost())->path();
@@ -142,6 +147,12 @@ TEST(Sweep, RemovesOnlyItsOwnTemporariesAndMovesAllElseThatIsUnknown) {
   EXPECT_TRUE(std::filesystem::exists(store.PathOf(flight, stored)));
   EXPECT_TRUE(std::filesystem::exists(dir.Revision(flight, first)));
   EXPECT_TRUE(std::filesystem::exists(dir.Work() / WorkName(lease)));
+  // What units of a job that failed made is the next one's, for a day.
+  ASSERT_TRUE(*queue.Fail(lease, {ErrorCode::kInternal, "it died", ""}, false, Now()));
+  EXPECT_EQ(SweepWork(dir, queue, Now())->removed, 1);
+  EXPECT_TRUE(std::filesystem::exists(units));
+  EXPECT_EQ(SweepWork(dir, queue, Now() + kUnitsKept + std::chrono::hours(2))->removed, 1);
+  EXPECT_FALSE(std::filesystem::exists(units));
   EXPECT_TRUE(std::filesystem::exists(dir.Revision(other, 1)));
 }
 

@@ -118,9 +118,9 @@ Result<SweepReport> SweepBlobs(BlobStore& blobs, const Catalogue& catalogue, con
       old[name->flight_id].emplace_back(*name, blob.key);
     }
   }
-  SKYQUILT_TRY_ASSIGN(const std::vector<std::string> unfinished, queue.UnfinishedJobs());
+  SKYQUILT_TRY_ASSIGN(const std::vector<std::string> of_use, queue.UnitsOfUse(now));
   std::set<std::string> cut;  // folders of parts that somebody may still need
-  for (const std::string& job : unfinished) cut.insert(UnitsFolderName(job));
+  for (const std::string& units_of : of_use) cut.insert(UnitsFolderName(units_of));
   const std::string lost = fmt::format("lost/{}/", ToUs(now) / 1'000'000);
   for (const auto& [flight_id, blobs_of_flight] : old) {
     SKYQUILT_TRY_ASSIGN(const std::set<std::string> shown, ShownFolders(catalogue, flight_id));

@@ -152,6 +152,31 @@ class UnitsTest(unittest.TestCase):
         self.assertEqual(self.map_of(flight)["mosaic.pmtiles"], undisturbed["mosaic.pmtiles"])
         self.assertEqual(self.errors().count(f"job {job} is published"), 1)
 
+    def test_the_next_job_goes_on_with_what_one_that_failed_had_made(self):
+        whole = self.stitched(1, "--cut-above", "0")
+        self.workers.pop().kill()
+        flight, job = self.upload()
+
+        def state():
+            return self.server.json("GET", f"/api/v1/jobs/{job}")[1]["state"]
+        once = ("--once", *CUT)
+        for _ in range(6):  # it is cut, and its five parts are looked at
+            self.assertEqual(self.start_worker(*once).wait(timeout=120), 0, self.errors())
+        self.assertIn("look 5 of 5 begins", self.errors())
+        # Placing dies for want of memory as often as it may.
+        wait_until(lambda: self.start_worker(*once, "--job-memory", "1").wait(timeout=120) is not None and state() == "failed",
+                   f"it does not fail: {self.errors()}")
+        pathlib.Path(f"{self.folder.name}.log").write_text("")
+        status, again = self.server.json("POST", f"/api/v1/flights/{flight}/jobs", {})
+        self.assertEqual(status, 202, again)
+        self.start_worker(*CUT)
+        ended = self.server.wait_for_job(again["id"])
+        self.assertEqual(ended["state"], "successful", (ended, self.errors()))
+        self.assertIn("5 of 5 parts", self.errors())
+        self.assertNotIn(": look ", self.errors())
+        self.assertEqual(self.map_of(flight)["mosaic.pmtiles"], whole["mosaic.pmtiles"])
+        wait_until(lambda: not list(pathlib.Path(self.folder.name, "work").glob("*-units")), "parts stay")
+
     def test_cancelling_ends_what_is_at_work(self):
         _, job = self.upload()
         self.start_worker(*CUT)

@@ -8,6 +8,7 @@
 #include "storage/blobs/folder_blobs.h"
 #include "storage/db/ids.h"
 #include "storage/folder/elsewhere/settle_blobs.h"
+#include "storage/jobs/unit_queue.h"
 #include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
@@ -68,6 +69,23 @@ TEST_F(SweptBlobs, TakesPartsOfFlightsWhoseJobsHaveEnded) {
   EXPECT_EQ(Sweep(kOrphanAge).removed, 0);
   EXPECT_TRUE(Has(part));
   EXPECT_EQ(Sweep(std::chrono::seconds(0)).removed, 1);
+  EXPECT_FALSE(Has(part));
+}
+
+TEST_F(SweptBlobs, KeepsPartsOfAJobThatFailedForADayForTheNext) {
+  ASSERT_TRUE(queue_.Add(flight_, "{}", Now()));
+  const Lease lease = **queue_.Claim("w", Now());
+  UnitQueue units(*db_);
+  ASSERT_TRUE(*units.TakeOver(lease, "made from", Now()));
+  const std::string part = FlightPrefix(flight_) + UnitsFolderName(lease.job_id) + "/look-0/found.cbor";
+  Put(part);
+  ASSERT_TRUE(*queue_.Fail(lease, {ErrorCode::kInternal, "it died", ""}, false, Now()));
+  EXPECT_EQ(Sweep(std::chrono::seconds(0)).removed, 0);
+  EXPECT_TRUE(Has(part));
+  const auto later = SweepBlobs(blobs_, catalogue_, queue_, Now() + kUnitsKept + std::chrono::hours(2),
+                                std::chrono::seconds(0));
+  ASSERT_TRUE(later);
+  EXPECT_EQ(later->removed, 1);
   EXPECT_FALSE(Has(part));
 }
 

@@ -4,9 +4,13 @@
 
 #include <atomic>
 #include <set>
+#include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "storage/catalogue/trash.h"
+#include "storage/jobs/unit_inputs.h"
 #include "storage/jobs/workers_aside.h"
 #include "tests/storage/postgres/test_catalogue.h"
 #include "tests/storage/scratch_dir.h"
@@ -213,6 +217,91 @@ TEST_F(UnitQueueTest, AFailureIsTriedAgainOnlyWhereItMayPass) {
   EXPECT_EQ(job.state, JobState::kFailed);
   EXPECT_EQ(job.error->message, "no photo");
   EXPECT_FALSE(*units_.Claim("w", now_));
+}
+
+TEST_F(UnitQueueTest, WhatUnitsAreMadeFromTellsThemApart) {
+  const std::vector<StoredFile> files{{"a.jpg", "1", 5}, {"b.jpg", "2", 5}};
+  const UnitInputs inputs{files, "{}", "1.0", 2, 200};
+  const std::string digest = DigestOf(inputs);
+  EXPECT_EQ(digest.size(), 64U);
+  EXPECT_EQ(DigestOf({files, "{}", "1.0", 2, 200}), digest);
+  const std::vector<StoredFile> again{{"a.jpg", "1", 5}, {"b.jpg", "3", 5}};  // b was put anew
+  const std::vector<StoredFile> swapped{{"a.jpg", "2", 5}, {"b.jpg", "1", 5}};
+  const std::vector<StoredFile> run_together{{"a.jpg1", "", 5}, {"b.jpg", "2", 5}};
+  for (const auto& other :
+       {UnitInputs{again, "{}", "1.0", 2, 200}, UnitInputs{swapped, "{}", "1.0", 2, 200},
+        UnitInputs{run_together, "{}", "1.0", 2, 200}, UnitInputs{files, "{\"a\":1}", "1.0", 2, 200},
+        UnitInputs{files, "{}", "1.1", 2, 200}, UnitInputs{files, "{}", "1.0", 1, 200},
+        UnitInputs{files, "{}", "1.0", 2, 150}}) {
+    EXPECT_NE(DigestOf(other), digest);
+  }
+}
+
+TEST_F(UnitQueueTest, AJobGoesOnWithTheUnitsOfOneThatFailedAndWasMadeFromTheSame) {
+  const std::string flight = catalogue_.AddFlight("field", "{}", now_)->id;
+  const std::string other_flight = catalogue_.AddFlight("other", "{}", now_)->id;
+  const auto begun = [&](const std::string& of, std::string_view made_from) {
+    EXPECT_TRUE(queue_.Add(of, "{}", now_).ok());
+    Lease lease = **queue_.Claim("w", now_);
+    const auto units_of = units_.TakeOver(lease, made_from, now_);
+    EXPECT_TRUE(units_of.ok()) << units_of.error().detail;
+    return std::pair(lease, **units_of);
+  };
+  const auto fail = [&](const Lease& lease, ErrorCode code) {
+    EXPECT_TRUE(*queue_.Fail(lease, {code, "it fails", ""}, false, now_));
+  };
+  const auto [first, of_first] = begun(flight, "same");
+  EXPECT_EQ(of_first, first.job_id);
+  EXPECT_EQ(*units_.UnitsOf(first.job_id), first.job_id);
+  fail(first, ErrorCode::kInternal);
+  EXPECT_EQ(*queue_.UnitsOfUse(now_), std::vector<std::string>{first.job_id});
+  const auto [elsewhere, of_elsewhere] = begun(other_flight, "same");
+  EXPECT_EQ(of_elsewhere, elsewhere.job_id);
+  ASSERT_TRUE(*queue_.Dismiss(elsewhere, now_));
+  EXPECT_EQ(*queue_.UnitsOfUse(now_), std::vector<std::string>{first.job_id});  // nobody wants the other's
+
+  const auto [second, of_second] = begun(flight, "same");
+  EXPECT_EQ(of_second, first.job_id);
+  // Of three units two are there.
+  EXPECT_TRUE(*units_.Cut(second, "look", 3, 100, {0.0, 0.4, "check"}, {0, 2}));
+  EXPECT_EQ(queue_.Get(second.job_id)->message, "part 2 of 3 is done");
+  const UnitLease left = Claimed();
+  EXPECT_EQ(left.number, 1);
+  EXPECT_EQ(left.units_of, first.job_id);
+  EXPECT_FALSE(*units_.Claim("w", now_));
+  EXPECT_TRUE(*units_.Fail(left, {ErrorCode::kUnprocessable, "no photo", ""}, false, now_));
+
+  // Once there is damage in it, nobody goes on from there.
+  const auto [third, of_third] = begun(flight, "same");
+  EXPECT_EQ(of_third, first.job_id);
+  fail(third, ErrorCode::kCorrupt);
+  EXPECT_TRUE(queue_.UnitsOfUse(now_)->empty());
+  const auto [fourth, of_fourth] = begun(flight, "same");
+  EXPECT_EQ(of_fourth, fourth.job_id);
+  fail(fourth, ErrorCode::kIo);
+  // Other options.
+  const auto [fifth, of_fifth] = begun(flight, "another");
+  EXPECT_EQ(of_fifth, fifth.job_id);
+  EXPECT_EQ(*queue_.UnitsOfUse(now_), std::vector<std::string>{fifth.job_id});
+  fail(fifth, ErrorCode::kIo);
+  now_ += kUnitsKept + hours(2);
+  EXPECT_TRUE(queue_.UnitsOfUse(now_)->empty());
+  const auto [late, of_late] = begun(flight, "another");
+  EXPECT_EQ(of_late, late.job_id);
+  EXPECT_FALSE(units_.TakeOver(fifth, "another", now_)->has_value());
+}
+
+TEST_F(UnitQueueTest, AJobWhoseUnitsAreAllThereIsClaimedAtOnce) {
+  const std::string flight = catalogue_.AddFlight("field", "{}", now_)->id;
+  ASSERT_TRUE(queue_.Add(flight, "{}", now_).ok());
+  const Lease lease = **queue_.Claim("w", now_);
+  EXPECT_EQ(*units_.UnitsOf(lease.job_id), "");
+  EXPECT_TRUE(*units_.Cut(lease, "look", 2, 100, {0.0, 0.4, "check"}, {0, 1}));
+  EXPECT_EQ(*units_.UnitsOf(lease.job_id), lease.job_id);
+  EXPECT_FALSE(*units_.Claim("w", now_));
+  const auto again = *queue_.Claim("w", now_ + seconds(1));
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->attempt, 1);
 }
 
 TEST_F(UnitQueueTest, CancellingEndsTheUnits) {

@@ -1,0 +1,81 @@
+// What the queues know of units that were made from the same.
+#include "storage/jobs/unit_inputs.h"
+
+#include <fmt/format.h>
+
+#include "core/base/try.h"
+#include "storage/blobs/sha256.h"
+#include "storage/jobs/unit_queue.h"
+
+namespace skyquilt::storage {
+namespace {
+
+// Of a job named j that failed after ?1: what its units made serves another, unless one that used it found
+// damage. Of jobs that were cut anew since, the latest counts.
+constexpr const char* kMayBeTakenOver =
+    " j.units_of<>'' AND j.state='failed' AND j.error_code<>'corrupt' AND j.finished_us>=?1 AND NOT EXISTS("
+    "SELECT 1 FROM job n WHERE n.flight_id=j.flight_id AND n.id>j.id AND (n.state='successful' OR"
+    " n.error_code='corrupt' OR n.units_of NOT IN ('', j.units_of)))";
+
+// With its length, so that "ab" and "c" are not "a" and "bc".
+void AddText(Sha256Sum& sum, std::string_view text) {
+  sum.Add(fmt::format("{}:", text.size()));
+  sum.Add(text);
+}
+
+}  // namespace
+
+std::string DigestOf(const UnitInputs& inputs) {
+  Sha256Sum sum;
+  AddText(sum, inputs.version);
+  AddText(sum, inputs.options);
+  AddText(sum, fmt::format("{} {} {}", inputs.looks, inputs.files_per_unit, inputs.files.size()));
+  for (const StoredFile& file : inputs.files) {
+    AddText(sum, file.name);
+    AddText(sum, file.stored_name);
+  }
+  return sum.Finish();
+}
+
+Result<std::optional<std::string>> UnitQueue::TakeOver(const Lease& lease, std::string_view made_from,
+                                                       Time by_machine) {
+  return db_.Again([&]() -> Result<std::optional<std::string>> {
+    const auto db = db_.Lock();
+    const Time now = db_.SharedTime(by_machine, *db);
+    SKYQUILT_TRY_ASSIGN(
+        Statement take,
+        db->Prepare(
+            std::string("UPDATE job SET made_from=?4, units_of=coalesce((SELECT j.units_of FROM job j WHERE"
+                        " j.flight_id=job.flight_id AND j.id<>job.id AND j.made_from=?4 AND") +
+            kMayBeTakenOver +
+            " ORDER BY j.id DESC LIMIT 1), id) WHERE id=?2 AND lease_token=?3 AND state='running'"
+            " RETURNING units_of"));
+    take.Bind(1, ToUs(now - kUnitsKept)).Bind(2, lease.job_id).Bind(3, lease.token).Bind(4, made_from);
+    SKYQUILT_TRY_ASSIGN(const bool row, take.Step());
+    if (!row) return std::optional<std::string>();
+    std::optional<std::string> units_of(take.ColumnText(0));
+    // RETURNING hands out its row before the statement is done; only done is committed.
+    SKYQUILT_TRY(take.Step());
+    return units_of;
+  });
+}
+
+Result<std::string> UnitQueue::UnitsOf(const std::string& job_id) const {
+  const auto db = db_.Read();
+  SKYQUILT_TRY_ASSIGN(Statement query, db->Prepare("SELECT units_of FROM job WHERE id=?"));
+  SKYQUILT_TRY_ASSIGN(const bool row, query.Bind(1, job_id).Step());
+  return row ? std::string(query.ColumnText(0)) : std::string();
+}
+
+Result<std::vector<std::string>> JobQueue::UnitsOfUse(Time by_machine) const {
+  constexpr std::chrono::hours kLonger{1};  // so that nobody takes over what a sweep takes away
+  const auto db = db_.Read();
+  const Time now = db_.SharedTime(by_machine, *db);
+  SKYQUILT_TRY_ASSIGN(Statement query,
+                      db->Prepare(std::string("SELECT DISTINCT j.units_of FROM job j WHERE (j.units_of<>''"
+                                              " AND j.state IN ('accepted','running')) OR (") +
+                                  kMayBeTakenOver + ")"));
+  return query.Bind(1, ToUs(now - kUnitsKept - kLonger)).AllText();
+}
+
+}  // namespace skyquilt::storage

@@ -1,0 +1,25 @@
+// UnitInputs: what the units of a cut flight are made from, as a digest: the flight's files (what is stored
+// under a name never changes), the options, the version that works on them and where the flight is cut. Two
+// jobs of one digest make the same units. Pure; any thread.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "storage/catalogue/catalogue.h"
+
+namespace skyquilt::storage {
+
+struct UnitInputs {
+  const std::vector<StoredFile>& files;
+  std::string_view options;  // of the job
+  std::string_view version;
+  int looks = 1;           // units that look at files
+  int files_per_unit = 1;  // from which the units that render are counted
+};
+
+// SHA-256, in hex.
+std::string DigestOf(const UnitInputs& inputs);
+
+}  // namespace skyquilt::storage
