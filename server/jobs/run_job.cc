@@ -287,7 +287,7 @@ void RunJob(WorkerContext& context, const storage::Lease& lease) {
   } else if (state == LeaseState::kCancelRequested) {
     TellUntilHeard(lease.job_id, [&] { return context.queue.Dismiss(lease, storage::Now()); });
     LogEvent(fmt::format("job {} is cancelled", lease.job_id));
-  } else if (context.is_stopping || (failure && IsGivenBack(context, lease.job_id, *failure))) {
+  } else if (context.is_stopping || (failure && IsGivenBack(context, context.queue, lease, *failure))) {
     TellUntilHeard(lease.job_id, [&] { return context.queue.GiveBack(lease, storage::Now()); });
   } else if (failure) {
     LogFailure(lease.job_id, "job", failure->message + " " + failure->detail);

@@ -2,9 +2,7 @@
 #pragma once
 
 #include <atomic>
-#include <map>
 #include <optional>
-#include <string>
 
 #include "core/pipeline/units/flight_cut.h"
 #include "server/jobs/job_limits.h"
@@ -32,7 +30,6 @@ struct WorkerContext {
   int cut_above_files = kCutAboveFiles;  // 0: no job is cut
   bool is_shared = false;                // other machines with files of their own work on the same queue
   std::optional<Error> fault = {};       // of this machine, that the last work was given back for
-  std::map<std::string, int> given_back = {};  // for such a fault, by job: how often by this process
 };
 
 }  // namespace skyquilt::server

@@ -25,15 +25,15 @@ inline bool IsOfMachine(ErrorCode code) {
   return code == ErrorCode::kIo || code == ErrorCode::kUnavailable || code == ErrorCode::kOutOfSpace;
 }
 
-// Whether work is given back for such a trouble. A job that meets it on a worker again and again brings it
-// along: from then on it costs attempts, so that it ends with its reason and the queue goes on.
-inline bool IsGivenBack(WorkerContext& context, const std::string& job_id, const Error& failure) {
-  constexpr int kFreeForAJob = 3;
-  constexpr std::size_t kMaxJobs = 1'000;
+// Whether work is given back for such a trouble. What meets it again and again, counted in the catalogue over
+// all workers and their lives, brings it along: from then on it costs attempts, so that it ends with its
+// reason and the queue goes on. `held`: the lease, of a job or a unit, and `queue` its queue.
+template <typename Queue, typename Held>
+bool IsGivenBack(WorkerContext& context, Queue& queue, const Held& held, const Error& failure) {
   if (!context.is_shared || !IsOfMachine(failure.code)) return false;
   context.fault = failure;
-  if (context.given_back.size() >= kMaxJobs) context.given_back.clear();
-  return ++context.given_back[job_id] <= kFreeForAJob;
+  const Result<int> troubles = queue.CountTrouble(held);
+  return !troubles || *troubles <= storage::kFreeTroubles;  // where nobody counts, that is trouble as well
 }
 
 // The end of a job must reach the queue, even when the database is busy or the disk was full a moment ago.

@@ -73,7 +73,7 @@ void RunUnit(WorkerContext& context, const storage::UnitLease& unit) {
   }
   if (state != storage::LeaseState::kHeld) {
     LogEvent(fmt::format("job {}: {} is cancelled or lost its lease", unit.job_id, name));
-  } else if (failure && (context.is_stopping || IsGivenBack(context, unit.job_id, *failure))) {
+  } else if (failure && (context.is_stopping || IsGivenBack(context, context.units, unit, *failure))) {
     TellUntilHeard(unit.job_id, [&] { return context.units.GiveBack(unit, storage::Now()); });
   } else if (failure) {
     LogFailure(unit.job_id, name, failure->message + " " + failure->detail);

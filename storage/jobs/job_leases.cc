@@ -4,6 +4,7 @@
 #include "storage/db/machine_boot.h"
 #include "storage/jobs/claim_in_postgres.h"
 #include "storage/jobs/job_queue.h"
+#include "storage/jobs/job_rows.h"
 #include "storage/jobs/job_turns.h"
 #include "storage/jobs/lost_leases.h"
 #include "storage/jobs/patiently.h"
@@ -166,6 +167,13 @@ Result<bool> JobQueue::GiveBack(const Lease& lease, Time by_machine) {
           " WHERE id=?1 AND lease_token=?2 AND state='running'"));
   SKYQUILT_TRY(update.Bind(1, lease.job_id).Bind(2, lease.token).Bind(3, ToUs(now)).Run());
   return db->Changes() > 0;
+}
+
+Result<int> JobQueue::CountTrouble(const Lease& lease) {
+  const auto db = db_.Lock();
+  SKYQUILT_TRY_ASSIGN(Statement count, db->Prepare(std::string("UPDATE job SET troubles=troubles+1") + kHeld +
+                                                   " RETURNING troubles"));
+  return NumberFrom(count.Bind(1, lease.job_id).Bind(2, lease.token));
 }
 
 Result<std::optional<std::int64_t>> JobQueue::ReserveRevision(const Lease& lease) {

@@ -25,6 +25,9 @@ namespace skyquilt::storage {
 
 inline constexpr std::chrono::seconds kLeaseTime{15};
 inline constexpr int kMaxAttempts = 3;
+// Troubles of machines (disk, network, store) that cost a job or a unit no attempt: more than many machines
+// have by chance with one piece of work. From then on it brings them along, and ends by its attempts.
+inline constexpr int kFreeTroubles = 10;
 // By restarts. More than a machine sees by chance while it works on one job.
 inline constexpr int kMaxInterruptions = 10;
 
@@ -126,6 +129,9 @@ class JobQueue {
   // The worker must stop, or its machine is in trouble, through no fault of the job's: the attempt does not
   // count. False: the lease was lost.
   Result<bool> GiveBack(const Lease& lease, Time now);
+  // The machine that has it is in trouble, once more; answers how often that was, whatever machine it was.
+  // 0: the lease was lost.
+  Result<int> CountTrouble(const Lease& lease);
 
   // Publishing, in two steps around the move of the files. Absent or false: the lease was lost.
   Result<std::optional<std::int64_t>> ReserveRevision(const Lease& lease);

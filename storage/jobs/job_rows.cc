@@ -1,6 +1,7 @@
 #include "storage/jobs/job_rows.h"
 
 #include "core/base/check.h"
+#include "core/base/try.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -40,6 +41,15 @@ Job JobFrom(const Statement& row) {
   if (!row.IsNull(16))
     job.expected = Expectation{row.ColumnDouble(16), row.ColumnDouble(17), row.ColumnDouble(18), {}};
   return job;
+}
+
+Result<int> NumberFrom(Statement& change) {
+  SKYQUILT_TRY_ASSIGN(const bool row, change.Step());
+  if (!row) return 0;
+  const int number = static_cast<int>(change.ColumnInt64(0));
+  // RETURNING hands out its row before the statement is done; only done is committed.
+  SKYQUILT_TRY(change.Step());
+  return number;
 }
 
 }  // namespace skyquilt::storage

@@ -19,4 +19,7 @@ inline constexpr std::int64_t kUnitsLeaseUs = std::int64_t{1} << 53;
 
 Job JobFrom(const Statement& row);
 
+// Of a statement that changes one row at most and returns a number of it; 0 where it changed none.
+Result<int> NumberFrom(Statement& change);
+
 }  // namespace skyquilt::storage

@@ -313,6 +313,13 @@ Result<bool> UnitQueue::GiveBack(const UnitLease& unit, Time by_machine) {
   return was_held;
 }
 
+Result<int> UnitQueue::CountTrouble(const UnitLease& unit) {
+  const auto db = db_.Lock();
+  SKYQUILT_TRY_ASSIGN(Statement count, db->Prepare(std::string("UPDATE unit SET troubles=troubles+1") +
+                                                   kHeldUnit + " RETURNING troubles"));
+  return NumberFrom(BindUnit(count, unit));
+}
+
 Result<int> UnitQueue::ReleaseWorker(const std::string& worker, Time by_machine) {
   const auto db = db_.Lock();
   const Time now = db_.SharedTime(by_machine, *db);

@@ -104,6 +104,8 @@ class UnitQueue {
   Result<bool> Fail(const UnitLease& unit, const Error& error, bool may_retry, Time now);
   // The worker must stop, or its machine is in trouble, through no fault of the unit's.
   Result<bool> GiveBack(const UnitLease& unit, Time now);
+  // As JobQueue::CountTrouble, for the unit.
+  Result<int> CountTrouble(const UnitLease& unit);
   // A worker process ended: its units wait for the next one now. Answers how many it held.
   Result<int> ReleaseWorker(const std::string& worker, Time now);
 
