@@ -21,6 +21,7 @@
 #include "api/build_api.h"
 #include "api/nodeodm/nodeodm.h"
 #include "api/uploads/unpack.h"
+#include "core/base/printable.h"
 #include "server/commands/fail.h"
 #include "server/commands/serve_options.h"
 #include "server/confinement/run_apart.h"
@@ -44,6 +45,7 @@
 #include "server/webhooks/post_message.h"
 #include "server/webhooks/webhook_sender.h"
 #include "storage/folder/elsewhere/settle_blobs.h"
+#include "storage/folder/open_data_folder.h"
 
 namespace skyquilt::server {
 namespace {
@@ -256,7 +258,14 @@ void RunServer(const ServeOptions& options) {
   if (!may_watch) Fail("skyquilt serve", may_watch.error());
   // A folder of one machine among many holds no flights: backups of the database stand for the records.
   std::optional<storage::FlightRecords> records;
-  if (!place->IsOfManyFolders()) records.emplace(opened.dir);
+  if (!place->IsOfManyFolders()) {
+    const Result<int> written = storage::WriteMissingRecords(opened.dir, *opened.db);
+    if (!written) Fail("skyquilt serve", written.error());
+    if (*written > 0)
+      LogEvent(
+          fmt::format("{} of an earlier version got a record, flight.jsonl", Counted(*written, "flight")));
+    records.emplace(opened.dir);
+  }
   storage::Catalogue catalogue(*opened.db, std::move(records));
   storage::Catalogue tiles_catalogue(*opened.tiles_db);
   storage::JobQueue queue(*opened.db);

@@ -177,21 +177,6 @@ Result<void> CheckIsLatest(const DataDir& dir, const CataloguePlace& place, Cata
       ""};
 }
 
-// Flights of versions that wrote no records get theirs while the catalogue still knows their names.
-Result<int> WriteMissingRecords(const DataDir& dir, CatalogueDb& db) {
-  const FlightRecords records(dir);
-  const Catalogue catalogue(db);
-  SKYQUILT_TRY_ASSIGN(const std::vector<std::string> ids, catalogue.FlightIds());
-  int written = 0;
-  for (const std::string& id : ids) {
-    if (!IsId(id) || records.Has(id)) continue;
-    SKYQUILT_TRY_ASSIGN(const FlightRecord record, catalogue.RecordOf(id));
-    SKYQUILT_TRY(records.Begin(id, record));
-    ++written;
-  }
-  return written;
-}
-
 Result<OpenedDataFolder> MakeNewBesideShared(const DataDir& at, const CataloguePlace& place, int readers) {
   // Whose photos are there already has a catalogue: none is made for them.
   Result<std::unique_ptr<CatalogueDb>> db =
@@ -230,6 +215,20 @@ std::string RepairAdvice(const DataDir& dir, const CataloguePlace& place) {
       "Put back a good copy of it, or run \"skyquilt data repair --data {}{}\", which makes the catalogue anew "
       "from the flights on disk. Nothing was changed or removed.",
       dir.root().string(), place.IsPostgres() ? " --catalogue " + place.url : "");
+}
+
+Result<int> WriteMissingRecords(const DataDir& dir, CatalogueDb& db) {
+  const FlightRecords records(dir);
+  const Catalogue catalogue(db);
+  SKYQUILT_TRY_ASSIGN(const std::vector<std::string> ids, catalogue.FlightIds());
+  int written = 0;
+  for (const std::string& id : ids) {
+    if (!IsId(id) || records.Has(id)) continue;
+    SKYQUILT_TRY_ASSIGN(const FlightRecord record, catalogue.RecordOf(id));
+    SKYQUILT_TRY(records.Begin(id, record));
+    ++written;
+  }
+  return written;
 }
 
 Result<FolderSurvey> SurveyFolder(const DataDir& dir) {
@@ -323,6 +322,9 @@ Result<OpenedDataFolder> OpenDataFolder(const fs::path& root, int readers, const
   if (!place.IsOfManyFolders()) {
     SKYQUILT_TRY(CheckIsLatest(at, place, **db));
   }
+  if (place.IsPostgres() && !*marker) {
+    SKYQUILT_TRY(CheckBlobsOf(*(*db)->Lock(), owner, place.files_at, place.files_of));
+  }
   std::vector<std::string> notes;
   const std::string id = *marker ? **marker : owner ? *owner : NewId();
   if (!owner) {
@@ -333,12 +335,6 @@ Result<OpenedDataFolder> OpenDataFolder(const fs::path& root, int readers, const
     notes.push_back("the data folder had no marker; its catalogue knows the flights in it, so it got one");
   }
   SKYQUILT_TRY_ASSIGN(DataDir dir, DataDir::Open(root, id));
-  int written = 0;
-  if (!place.IsOfManyFolders()) {
-    SKYQUILT_TRY_ASSIGN(written, WriteMissingRecords(dir, **db));
-  }
-  if (written > 0)
-    notes.push_back(fmt::format("{} flights of an earlier version got their record, flight.jsonl", written));
   return OpenedDataFolder{std::move(dir), std::optional(std::move(lock)), *std::move(db), std::move(notes)};
 }
 

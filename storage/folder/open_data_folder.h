@@ -38,6 +38,10 @@ Result<OpenedDataFolder> JoinDataFolder(const std::filesystem::path& root, const
 Result<OpenedDataFolder> OpenOrJoinDataFolder(const std::filesystem::path& root,
                                               const CataloguePlace& place = {});
 
+// Flights of versions that wrote no records get theirs while the catalogue still knows their names; how many.
+// For the server of a folder with the flights' files, once nothing can refuse it.
+Result<int> WriteMissingRecords(const DataDir& dir, CatalogueDb& db);
+
 // "Run "skyquilt data repair --data DIR"...": what helps where the catalogue and the flights do not agree.
 std::string RepairAdvice(const DataDir& dir, const CataloguePlace& place = {});
 // kCorrupt where the pages of a catalogue in the folder do not fit together.

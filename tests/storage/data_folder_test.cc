@@ -211,8 +211,11 @@ TEST(OpenDataFolder, AdoptsAFolderOfAVersionWithoutMarkers) {
   fs::remove(record);
   const auto opened = OpenDataFolder(scratch.path());
   ASSERT_TRUE(opened) << opened.error().message;
-  EXPECT_EQ(opened->notes.size(), 2u);
+  EXPECT_EQ(opened->notes.size(), 1u);
   EXPECT_TRUE(fs::exists(scratch.path() / "skyquilt-data.json"));
+  EXPECT_FALSE(fs::exists(record));  // whoever opened it may still be refused
+  EXPECT_EQ(*WriteMissingRecords(opened->dir, *opened->db), 1);
+  EXPECT_EQ(*WriteMissingRecords(opened->dir, *opened->db), 0);
   const auto read = *ReadFlightRecord(record.parent_path());
   ASSERT_TRUE(read);
   EXPECT_TRUE(read->is_whole);

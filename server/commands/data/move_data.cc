@@ -9,9 +9,11 @@
 #include "core/base/printable.h"
 #include "server/commands/fail.h"
 #include "server/commands/terminal_progress.h"
+#include "server/usage/catalogue_options.h"
 #include "storage/blobs/folder_blobs.h"
 #include "storage/blobs/open_blobs.h"
 #include "storage/folder/elsewhere/move_blobs.h"
+#include "storage/folder/elsewhere/settle_blobs.h"
 #include "storage/folder/open_data_folder.h"
 
 namespace skyquilt::server {
@@ -20,6 +22,8 @@ namespace {
 struct MoveOptions {
   std::string data_dir;
   std::string from, to;
+  std::string catalogue;
+  std::string catalogue_password_file;
   bool remove_source = false;
 };
 
@@ -29,7 +33,13 @@ void Move(const MoveOptions& options) {
          {ErrorCode::kInvalidArgument,
           "Say where to or where from: --to s3://bucket/prefix, or --from s3://bucket/prefix.", ""});
   }
-  const Result<storage::OpenedDataFolder> opened = storage::OpenDataFolder(options.data_dir, 1);
+  const storage::CataloguePlace given =
+      PlaceOf("skyquilt data move", options.catalogue, options.catalogue_password_file);
+  const Result<storage::CataloguePlace> catalogue_place =
+      storage::WithFilesAt(given, {.address = given.IsPostgres() ? options.from : ""});
+  if (!catalogue_place) Fail("skyquilt data move", catalogue_place.error());
+  const Result<storage::OpenedDataFolder> opened =
+      storage::OpenDataFolder(options.data_dir, 1, *catalogue_place);
   if (!opened) Fail("skyquilt data move", opened.error());
   const storage::BlobPlace place{options.from + options.to, storage::kUsualCacheBytes};
   const Result<std::shared_ptr<storage::BlobStore>> far = storage::OpenBlobs(place, opened->dir.root());
@@ -65,6 +75,7 @@ void AddMoveCommand(CLI::App& data) {
   command->add_option("--data", options->data_dir, "Data folder of the server")->required();
   command->add_option("--to", options->to, "Where to: s3://bucket/prefix");
   command->add_option("--from", options->from, "Where from, back into the folder: s3://bucket/prefix");
+  AddCatalogueOptions(*command, {options->catalogue, options->catalogue_password_file});
   command->add_flag("--remove-source", options->remove_source,
                     "Remove the originals once all copies are verified");
   command->footer(

@@ -41,6 +41,12 @@ class WrongStore(SharedCatalogueCase):
         self.assertEqual(self.store.keys("mistyped"), [])
         _, state = server.json("GET", f"/api/v1/jobs/{job}")
         self.assertEqual((state["state"], state["attempts"]), ("accepted", 0))
+        # Nor does the server's own folder get anything where --blobs is forgotten.
+        self.assertEqual(server.stop(), 0)
+        before = sorted(pathlib.Path(self.data, "flights").rglob("*"))
+        self.assertIn(f"--blobs {self.right[1]}", self.refused("serve", self.data, "--listen", "127.0.0.1:0"))
+        self.assertEqual(sorted(pathlib.Path(self.data, "flights").rglob("*")), before)
+        server = self.serve_shared(*self.right)
         # Also with a folder that has worked before.
         self.assertNotEqual(self.refused("worker", self.data, "--once", *mistyped), "")
         self.work("--once", *self.right)
@@ -68,6 +74,26 @@ class WrongStore(SharedCatalogueCase):
         self.assertNotIn(f"{self.prefix}/skyquilt-data.json", self.store.keys(self.prefix))
         marker.write_bytes(text)
         self.serve_shared(*self.right)
+
+    def test_the_files_of_a_shared_catalogue_move_out_and_back(self):
+        server = self.serve_shared()
+        flight, job = self.upload(server)
+        self.work("--once")
+        self.assertEqual(server.wait_for_job(job)["state"], "successful", self.workers[-1].errors())
+        self.assertEqual(server.stop(), 0)
+        move = [BINARY, "data", "move", "--data", self.data]
+        forgotten = subprocess.run([*move, "--to", self.right[1]], capture_output=True, text=True)
+        self.assertEqual(forgotten.returncode, 1)
+        self.assertIn("say --catalogue", forgotten.stderr)
+        self.assertEqual(self.store.keys(self.prefix), [])
+        move += ["--catalogue", self.catalogue, "--remove-source"]
+        subprocess.run([*move, "--to", self.right[1]], check=True)
+        self.assertIn(f"--blobs {self.right[1]}", self.refused("serve", self.data, "--listen", "127.0.0.1:0"))
+        server = self.serve_shared(*self.right)
+        self.check_map(server, flight)
+        self.assertEqual(server.stop(), 0)
+        subprocess.run([*move, "--from", self.right[1]], check=True)
+        self.check_map(self.serve_shared(), flight)
 
 
 if __name__ == "__main__":
