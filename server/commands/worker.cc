@@ -34,6 +34,8 @@ namespace {
 constexpr std::chrono::milliseconds kPoll{200};
 constexpr std::chrono::seconds kPatience{30};  // with a database that is restarted
 constexpr std::chrono::minutes kPatienceAtStart{15};
+// Who is asked to stop does so; what it could not take back is forgotten by itself.
+constexpr std::chrono::seconds kPatienceAtEnd{1};
 
 struct WorkerOptions {
   std::string data_dir;
@@ -128,8 +130,11 @@ Result<bool> WorkOnce(WorkerContext& context, const std::string& name) {
 // is another's by now.
 class Aside {
  public:
-  Aside(storage::CatalogueDb& db, std::string name) : workers_(db), name_(std::move(name)) {}
-  ~Aside() { Clear(); }
+  Aside(storage::CatalogueDb& db, std::string name) : db_(db), workers_(db), name_(std::move(name)) {}
+  ~Aside() {
+    db_.SetPatience(kPatienceAtEnd);
+    Clear();
+  }
   Aside(const Aside&) = delete;
   Aside& operator=(const Aside&) = delete;
 
@@ -150,6 +155,7 @@ class Aside {
   }
 
  private:
+  storage::CatalogueDb& db_;
   storage::WorkersAside workers_;
   const std::string name_;
   int times_ = 0;

@@ -128,26 +128,21 @@ Result<std::string> S3Blobs::ReadRange(const std::string& key, std::int64_t offs
 }
 
 Result<std::shared_ptr<const std::string>> S3Blobs::SumsOf(const std::string& key) {
-  constexpr std::size_t kMaxKept = 256;
-  {
-    const std::lock_guard lock(sums_mutex_);
-    const auto found = sums_.find(key);
-    if (found != sums_.end()) return found->second;
-  }
-  std::shared_ptr<const std::string> sums;
-  const Result<LocalBlob> local = Local(RangeSumsKey(key));
-  if (local) {
-    SKYQUILT_TRY_ASSIGN(std::string text, ReadWholeFile(local->path));
+  std::shared_ptr<const std::string> sums = sums_.Find(key);
+  if (sums == nullptr) {
+    std::string text;
+    const Result<LocalBlob> local = Local(RangeSumsKey(key));
+    if (local) {
+      SKYQUILT_TRY_ASSIGN(text, ReadWholeFile(local->path));
+    } else if (local.error().code == ErrorCode::kCorrupt) {
+      return Error{ErrorCode::kUnavailable, local.error().message, local.error().detail};
+    } else if (local.error().code != ErrorCode::kNotFound) {
+      return local.error();
+    }
     sums = std::make_shared<const std::string>(std::move(text));
-  } else if (local.error().code == ErrorCode::kCorrupt) {
-    return Error{ErrorCode::kUnavailable, local.error().message, local.error().detail};
-  } else if (local.error().code != ErrorCode::kNotFound) {
-    return local.error();
+    sums_.Keep(key, sums, key.size() + sums->size());
   }
-  const std::lock_guard lock(sums_mutex_);
-  if (sums_.size() >= kMaxKept) sums_.clear();
-  sums_[key] = sums;
-  return sums;
+  return sums->empty() ? nullptr : sums;
 }
 
 void S3Blobs::DoubtNear(const std::string& key) {

@@ -5,19 +5,20 @@
 #pragma once
 
 #include <filesystem>
-#include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
 #include "storage/blobs/blob_store.h"
 #include "storage/blobs/local_cache.h"
+#include "storage/blobs/lru_memory.h"
 #include "storage/blobs/range_cache.h"
 #include "storage/blobs/s3/s3_client.h"
 
 namespace skyquilt::storage {
 
+// Of sums in memory: those of maps of 64 GB.
+inline constexpr std::size_t kSumsBytes = std::size_t{16} << 20;
 inline constexpr std::int64_t kSinglePutBytes = std::int64_t{16} << 20;
 
 // How large the parts of an upload of so many bytes are: ten thousand of them suffice for any.
@@ -60,13 +61,13 @@ class S3Blobs final : public BlobStore {
  private:
   Result<void> PutInParts(const std::string& key, const std::filesystem::path& file, std::int64_t bytes,
                           const std::string& sha256);
-  // Of the chunks of a blob that is read by ranges; null for one of a version that put none.
+  // Of the chunks of a blob that is read by ranges, 64 bytes for 256 KiB; null for one of a version that put
+  // none.
   Result<std::shared_ptr<const std::string>> SumsOf(const std::string& key);
   std::unique_ptr<S3Client> client_;
   std::unique_ptr<LocalCache> cache_;
   RangeCache ranges_;
-  std::mutex sums_mutex_;
-  std::map<std::string, std::shared_ptr<const std::string>> sums_;  // of those asked for lately
+  LruMemory<std::string> sums_{kSumsBytes};  // of those asked for lately; empty where there are none
 };
 
 }  // namespace skyquilt::storage

@@ -162,6 +162,13 @@ Result<void> MapExports::Remove(const std::string& id) {
 }
 
 Result<std::optional<MapExport>> MapExports::Claim(Time now) {
+  has_new_ = false;
+  Result<std::optional<MapExport>> claimed = ClaimOnce(now);
+  if (!claimed) has_new_ = true;  // nobody knows whether there is something
+  return claimed;
+}
+
+Result<std::optional<MapExport>> MapExports::ClaimOnce(Time now) {
   const auto db = db_.Lock();
   const Time time = db_.SharedTime(now, *db);
   while (true) {

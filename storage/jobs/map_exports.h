@@ -64,8 +64,8 @@ class MapExports {
   // Whoever makes it learns of it at its next heartbeat. The caller removes its file.
   Result<void> Remove(const std::string& id);
 
-  // True once for what was asked for here since.
-  bool HasNew() { return has_new_.exchange(false); }
+  // Something was asked for here that no claim has looked for since.
+  bool HasNew() const { return has_new_; }
   // The oldest that waits, or whose server has died; those of links last. One that did not survive
   // kMaxAttempts has failed.
   Result<std::optional<MapExport>> Claim(Time now);
@@ -84,6 +84,7 @@ class MapExports {
   bool HasExpired(const MapExport& made) const { return made.expires && *made.expires <= db_.ages().Now(); }
 
  private:
+  Result<std::optional<MapExport>> ClaimOnce(Time now);
   Result<bool> End(const MapExport& claimed, ExportState state, std::int64_t bytes, const Error& error,
                    Time now);
   CatalogueDb& db_;

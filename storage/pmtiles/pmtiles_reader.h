@@ -12,7 +12,7 @@
 
 #include "core/base/result.h"
 #include "storage/blobs/blob_store.h"
-#include "storage/pmtiles/lru_memory.h"
+#include "storage/pmtiles/pmtiles_memory.h"
 #include "storage/pmtiles/pmtiles_archive.h"
 #include "storage/tilesets/tile_source.h"
 

@@ -101,15 +101,26 @@ Result<std::shared_ptr<const Tileset>> TilesetCache::Get(const std::string& flig
     }
   }
   if (!is_shared_ || shown == nullptr) return Refresh(flight_id);
+  // The catalogue alone is read there, for all flights by one thread: a store that is slow with the map of
+  // one holds up no other.
   const Result<void> read = again_.Ask(flight_id, [this, flight_id]() -> Result<void> {
-    SKYQUILT_TRY(Refresh(flight_id));
+    SKYQUILT_TRY(Look(flight_id));
     return {};
   });
   if (!read && read.error().code == ErrorCode::kUnavailable) return shown;
   if (!read) return read.error();
-  const std::lock_guard lock(mutex_);
-  const auto found = entries_.find(flight_id);
-  return found != entries_.end() ? found->second.tileset : shown;
+  const auto mine = std::make_shared<int>();
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = entries_.find(flight_id);
+    if (found == entries_.end()) return shown;
+    Entry& entry = found->second;
+    if (entry.newest <= entry.tileset->revision.revision || !entry.opening.expired()) return entry.tileset;
+    entry.opening = mine;
+  }
+  Result<std::shared_ptr<const Tileset>> opened = Refresh(flight_id);
+  if (!opened && opened.error().code == ErrorCode::kUnavailable) return shown;
+  return opened;
 }
 
 Result<void> TilesetCache::CheckCatalogue() const {
@@ -120,27 +131,38 @@ Result<void> TilesetCache::CheckCatalogue() const {
   return is_shared_ ? looks_.Ask("catalogue", read) : read();
 }
 
+Result<Revision> TilesetCache::Look(const std::string& flight_id) {
+  const auto read_at = std::chrono::steady_clock::now();
+  SKYQUILT_TRY_ASSIGN(std::optional<Revision> revision, catalogue_.ActiveRevision(flight_id));
+  if (!revision) {
+    Forget(flight_id);
+    return Error{ErrorCode::kNotFound, fmt::format("Flight {} has no map (yet).", flight_id), ""};
+  }
+  const std::lock_guard lock(mutex_);
+  const auto found = entries_.find(flight_id);
+  if (found != entries_.end()) {
+    Entry& entry = found->second;
+    entry.newest = std::max(entry.newest, revision->revision);
+    if (entry.tileset->revision.revision >= revision->revision) entry.checked = entry.used = read_at;
+  }
+  return *std::move(revision);
+}
+
 Result<std::shared_ptr<const Tileset>> TilesetCache::Refresh(const std::string& flight_id) {
   // Only a revision retired twice within one request can vanish between the query and the opening.
   constexpr int kTries = 3;
   for (int attempt = 1;; ++attempt) {
     const auto read_at = std::chrono::steady_clock::now();
-    SKYQUILT_TRY_ASSIGN(const std::optional<Revision> revision, catalogue_.ActiveRevision(flight_id));
-    if (!revision) {
-      Forget(flight_id);
-      return Error{ErrorCode::kNotFound, fmt::format("Flight {} has no map (yet).", flight_id), ""};
-    }
+    SKYQUILT_TRY_ASSIGN(const Revision revision, Look(flight_id));
     {
       const std::lock_guard lock(mutex_);
       const auto found = entries_.find(flight_id);
-      if (found != entries_.end() && found->second.tileset->revision.revision >= revision->revision) {
-        found->second.checked = found->second.used = read_at;
+      if (found != entries_.end() && found->second.tileset->revision.revision >= revision.revision)
         return found->second.tileset;
-      }
     }
-    Result<Tileset> opened =
-        blobs_ != nullptr ? OpenElsewhere(flight_id, *revision, blobs_, memory_)
-                          : OpenHere(flight_id, *revision, dir_.Revision(flight_id, revision->revision));
+    Result<Tileset> opened = blobs_ != nullptr
+                                 ? OpenElsewhere(flight_id, revision, blobs_, memory_)
+                                 : OpenHere(flight_id, revision, dir_.Revision(flight_id, revision.revision));
     if (!opened) {
       if (opened.error().code == ErrorCode::kNotFound && attempt < kTries) continue;
       return opened.error();

@@ -1,9 +1,9 @@
 // TilesetCache: the tileset that a flight shows now, opened once and kept while it is used. What a request
 // gets it may hold to its end: a newer revision never changes an older one. Another process publishes, so the
 // catalogue is read again after kFreshFor, and every time for a flight without a map. While a catalogue that
-// many machines share does not answer, what is open stays shown. A map in the data
-// folder is read from its MBTiles, one that lies elsewhere from its PMTiles by ranges. Any thread. Errors:
-// kNotFound (no such flight, or it has no map yet), kCorrupt, kUnavailable, kIo.
+// many machines share does not answer, or a newer map comes slowly out of its store, what is open stays
+// shown. A map in the data folder is read from its MBTiles, one that lies elsewhere from its PMTiles by
+// ranges. Any thread. Errors: kNotFound (no such flight, or it has no map yet), kCorrupt, kUnavailable, kIo.
 #pragma once
 
 #include <chrono>
@@ -20,7 +20,7 @@
 #include "storage/catalogue/catalogue.h"
 #include "storage/db/outage/read_again.h"
 #include "storage/folder/data_dir.h"
-#include "storage/pmtiles/lru_memory.h"
+#include "storage/pmtiles/pmtiles_memory.h"
 #include "storage/tilesets/tile_source.h"
 
 namespace skyquilt::storage {
@@ -56,7 +56,11 @@ class TilesetCache {
     std::shared_ptr<const Tileset> tileset;
     std::chrono::steady_clock::time_point checked;
     std::chrono::steady_clock::time_point used;
+    std::int64_t newest = 0;     // revision that the catalogue is known to show
+    std::weak_ptr<int> opening;  // held by who opens it
   };
+  // What the catalogue shows now.
+  Result<Revision> Look(const std::string& flight_id);
   Result<std::shared_ptr<const Tileset>> Refresh(const std::string& flight_id);
   void DropLeastUsed();
 

@@ -10,7 +10,7 @@
 
 #include "core/base/result.h"
 #include "storage/exports/laid/laid_file.h"
-#include "storage/pmtiles/lru_memory.h"
+#include "storage/blobs/lru_memory.h"
 
 namespace skyquilt::storage {
 

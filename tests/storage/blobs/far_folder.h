@@ -3,6 +3,7 @@
 #pragma once
 
 #include <fstream>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,7 @@ class FarFolder final : public storage::BlobStore {
   }
   Result<storage::BlobInfo> Find(const std::string& key) override { return folder_.Find(key); }
   Result<std::vector<storage::BlobInfo>> List(const std::string& prefix) override {
+    if (before_list) before_list(prefix);
     return folder_.List(prefix);
   }
   Result<void> Remove(const std::string& key) override { return folder_.Remove(key); }
@@ -47,6 +49,7 @@ class FarFolder final : public storage::BlobStore {
 
   int puts_left = 1'000;
   std::string damages;
+  std::function<void(const std::string& prefix)> before_list;  // it is as slow as this
 
  private:
   storage::FolderBlobs folder_;

@@ -59,6 +59,20 @@ class MapExportsTest : public testing::Test {
   std::set<std::string> links_;
 };
 
+TEST_F(MapExportsTest, AWishIsNewUntilAClaimHasLooked) {
+  EXPECT_TRUE(exports_.HasNew());  // of before the start
+  EXPECT_FALSE(*exports_.Claim(Now()));
+  EXPECT_FALSE(exports_.HasNew());
+  Ask(Flight());
+  EXPECT_TRUE(exports_.HasNew());
+  ASSERT_TRUE(db_->Lock()->Exec("ALTER TABLE map_export RENAME TO map_export_away"));
+  EXPECT_FALSE(exports_.Claim(Now()).ok());
+  EXPECT_TRUE(exports_.HasNew());
+  ASSERT_TRUE(db_->Lock()->Exec("ALTER TABLE map_export_away RENAME TO map_export"));
+  EXPECT_TRUE(*exports_.Claim(Now()));
+  EXPECT_FALSE(exports_.HasNew());
+}
+
 TEST_F(MapExportsTest, GoesItsWayAndIsKeptForADay) {
   const std::string flight = Flight();
   const MapExport asked = Ask(flight);

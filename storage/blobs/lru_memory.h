@@ -9,10 +9,6 @@
 #include <string>
 #include <unordered_map>
 #include <utility>
-#include <vector>
-
-#include "storage/exports/pmtiles_directory.h"
-#include "storage/tilesets/tile_source.h"
 
 namespace skyquilt::storage {
 
@@ -66,18 +62,6 @@ class LruMemory {
   std::list<Entry> used_;  // the latest first
   std::unordered_map<std::string, typename std::list<Entry>::iterator> by_name_;
   std::size_t bytes_ = 0;
-};
-
-// What all maps that are open share of memory.
-struct PmtilesMemory {
-  static constexpr std::size_t kUsualLeafBytes = std::size_t{64} << 20;
-  static constexpr std::size_t kUsualTileBytes = std::size_t{64} << 20;
-
-  explicit PmtilesMemory(std::size_t leaf_bytes = kUsualLeafBytes, std::size_t tile_bytes = kUsualTileBytes)
-      : leaves(leaf_bytes), tiles(tile_bytes) {}
-
-  LruMemory<std::vector<PmtilesEntry>> leaves;  // unpacked
-  LruMemory<FoundTile> tiles;                   // with their bytes
 };
 
 }  // namespace skyquilt::storage
