@@ -169,10 +169,11 @@ void RemoveRetired(WorkerContext& context, const std::string& flight_id,
 Result<bool> PublishElsewhere(WorkerContext& context, const storage::Lease& lease, const fs::path& made,
                               const storage::Revision& revision, Progress& progress) {
   const std::string prefix = storage::RevisionPrefix(lease.flight_id, revision.revision);
+  SKYQUILT_TRY_ASSIGN(const std::vector<storage::MapProduct> products, storage::ProductsIn(made));
   Result<bool> published = false;
   const Result<void> put = PutProducts(context.blobs, made, prefix, progress);
   if (!put) published = put.error();
-  if (put) published = context.queue.Publish(lease, revision, storage::Now());
+  if (put) published = context.queue.Publish(lease, revision, storage::Now(), products);
   // Nobody was told. What cannot be removed now, the flight's next job or a sweep removes. Of a catalogue
   // that did not answer it is not known whom it tells.
   const bool is_unshown = !put || (published && !*published);

@@ -10,6 +10,7 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -67,6 +68,9 @@ class BlobStore {
   // Where it is, for people; no secret.
   virtual std::string Address() const = 0;
 };
+
+// The SHA-256 (in hex) that a blob is known to have by another than its store; nothing where nobody knows.
+using ProofOfBlob = std::function<Result<std::optional<std::string>>(const std::string& key)>;
 
 // Aborts on what is no key: one that leads elsewhere, or could not be a path.
 void RequireKey(std::string_view key);

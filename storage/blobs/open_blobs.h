@@ -19,8 +19,9 @@ struct BlobPlace {
   std::int64_t cache_bytes = kUsualCacheBytes;
 };
 
-// `data_folder`: where the blobs lie, or the cache of those that do not ("cache").
-Result<std::shared_ptr<BlobStore>> OpenBlobs(const BlobPlace& place,
-                                             const std::filesystem::path& data_folder);
+// `data_folder`: where the blobs lie, or the cache of those that do not ("cache"). `proof`: what comes out of
+// a store is held against it before it is kept; outlives what is opened.
+Result<std::shared_ptr<BlobStore>> OpenBlobs(const BlobPlace& place, const std::filesystem::path& data_folder,
+                                             ProofOfBlob proof = {});
 
 }  // namespace skyquilt::storage

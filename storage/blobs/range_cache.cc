@@ -59,6 +59,10 @@ bool AreAsPut(const std::string& sums, std::int64_t first_chunk, std::int64_t la
 
 }  // namespace
 
+bool IsReadByRanges(std::string_view key) {
+  return key.substr(key.rfind('/') + 1) == "mosaic.pmtiles";  // nobody reads exports so
+}
+
 std::string RangeSumsKey(const std::string& key) {
   const std::size_t name = key.rfind('/') + 1;
   return key.substr(0, name) + "ranges/" + key.substr(name, key.rfind('.') - name) + ".sums";

@@ -10,6 +10,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "core/base/result.h"
@@ -19,6 +20,8 @@ namespace skyquilt::storage {
 
 inline constexpr std::int64_t kRangeChunkBytes = std::int64_t{256} << 10;
 
+// Of the products of maps those that are read by ranges, by their names or keys.
+bool IsReadByRanges(std::string_view key);
 // SHA-256 of each chunk of a file, in hex, one after the other; and the key under which they are kept beside
 // a blob.
 Result<std::string> RangeSumsOfFile(const std::filesystem::path& file);

@@ -77,7 +77,7 @@ std::int64_t PartBytesFor(std::int64_t bytes) {
 
 Result<void> S3Blobs::Put(const std::string& key, const fs::path& file) {
   RequireKey(key);
-  if (key.ends_with("/mosaic.pmtiles")) {  // nobody reads exports by ranges
+  if (IsReadByRanges(key)) {
     SKYQUILT_TRY_ASSIGN(const std::string sums, RangeSumsOfFile(file));
     SKYQUILT_TRY(client_->Put(RangeSumsKey(key), sums, {Sha256Hex(sums)}));
   }
@@ -138,6 +138,9 @@ Result<std::shared_ptr<const std::string>> S3Blobs::SumsOf(const std::string& ke
       return Error{ErrorCode::kUnavailable, local.error().message, local.error().detail};
     } else if (local.error().code != ErrorCode::kNotFound) {
       return local.error();
+    } else if (proof_) {
+      SKYQUILT_TRY_ASSIGN(const std::optional<std::string> published, proof_(RangeSumsKey(key)));
+      if (published && !published->empty()) return NotAsPublished(RangeSumsKey(key), ErrorCode::kUnavailable);
     }
     sums = std::make_shared<const std::string>(std::move(text));
     sums_.Keep(key, sums, key.size() + sums->size());
@@ -190,12 +193,25 @@ Result<int> S3Blobs::RemoveBelow(const std::string& prefix) {
   }
 }
 
+Error S3Blobs::NotAsPublished(const std::string& key, ErrorCode code) const {
+  return {
+      code,
+      "The store of photos and maps has not the file that was published there. Whoever runs the server can "
+      "put a good copy back.",
+      Address() + key};
+}
+
 Result<LocalBlob> S3Blobs::Local(const std::string& key) {
   return cache_->Get(key, [&](const fs::path& to) -> Result<void> {
+    std::optional<std::string> published;
+    if (proof_) {
+      SKYQUILT_TRY_ASSIGN(published, proof_(key));
+    }
     // A wrong byte may have come on the way: it is read again before the store is believed to have it.
     constexpr int kReads = 3;
     for (int reads = 1;; ++reads) {
       const Result<S3Object> got = client_->GetToFile(key, to);
+      if (got && published && got->sha256 != *published) return NotAsPublished(key, ErrorCode::kCorrupt);
       if (got) return {};
       if (got.error().code != ErrorCode::kCorrupt || reads == kReads) return got.error();
     }

@@ -26,9 +26,10 @@ std::int64_t PartBytesFor(std::int64_t bytes);
 
 class S3Blobs final : public BlobStore {
  public:
-  S3Blobs(std::unique_ptr<S3Client> client, std::unique_ptr<LocalCache> cache)
+  S3Blobs(std::unique_ptr<S3Client> client, std::unique_ptr<LocalCache> cache, ProofOfBlob proof = {})
       : client_(std::move(client)),
         cache_(std::move(cache)),
+        proof_(std::move(proof)),
         ranges_(
             *cache_,
             [this](const std::string& key, std::int64_t offset, std::int64_t length) {
@@ -59,6 +60,7 @@ class S3Blobs final : public BlobStore {
   LocalCache& cache() { return *cache_; }
 
  private:
+  Error NotAsPublished(const std::string& key, ErrorCode code) const;
   Result<void> PutInParts(const std::string& key, const std::filesystem::path& file, std::int64_t bytes,
                           const std::string& sha256);
   // Of the chunks of a blob that is read by ranges, 64 bytes for 256 KiB; null for one of a version that put
@@ -66,6 +68,7 @@ class S3Blobs final : public BlobStore {
   Result<std::shared_ptr<const std::string>> SumsOf(const std::string& key);
   std::unique_ptr<S3Client> client_;
   std::unique_ptr<LocalCache> cache_;
+  const ProofOfBlob proof_;
   RangeCache ranges_;
   LruMemory<std::string> sums_{kSumsBytes};  // of those asked for lately; empty where there are none
 };

@@ -47,6 +47,16 @@ CREATE TABLE revision(
   PRIMARY KEY(flight_id, revision)
 ) STRICT;
 
+-- The files of maps that lie in a store, by which those who can write to the store alone cannot replace a map.
+CREATE TABLE product(
+  flight_id TEXT NOT NULL,
+  revision INTEGER NOT NULL,
+  name TEXT NOT NULL,                          -- below the map's prefix
+  sha256 TEXT NOT NULL,                        -- in hex
+  PRIMARY KEY(flight_id, revision, name),
+  FOREIGN KEY(flight_id, revision) REFERENCES revision(flight_id, revision) ON DELETE CASCADE
+) STRICT;
+
 -- Resumable uploads (tus): the bytes so far are the file uploads/<id>, of which byte_offset are known to be on the disk.
 CREATE TABLE upload(
   id TEXT PRIMARY KEY,

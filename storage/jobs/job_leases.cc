@@ -196,11 +196,13 @@ Result<std::optional<std::int64_t>> JobQueue::ReserveOnce(const Lease& lease) {
   return std::optional<std::int64_t>(revision);
 }
 
-Result<bool> JobQueue::Publish(const Lease& lease, const Revision& revision, Time now) {
-  return Patiently(db_, [&] { return PublishOnce(lease, revision, now); });
+Result<bool> JobQueue::Publish(const Lease& lease, const Revision& revision, Time now,
+                               const std::vector<MapProduct>& products) {
+  return Patiently(db_, [&] { return PublishOnce(lease, revision, now, products); });
 }
 
-Result<bool> JobQueue::PublishOnce(const Lease& lease, const Revision& revision, Time by_machine) {
+Result<bool> JobQueue::PublishOnce(const Lease& lease, const Revision& revision, Time by_machine,
+                                   const std::vector<MapProduct>& products) {
   return db_.Again([&]() -> Result<bool> {
     const auto db = db_.Lock();
     const Time now = db_.SharedTime(by_machine, *db);
@@ -224,6 +226,7 @@ Result<bool> JobQueue::PublishOnce(const Lease& lease, const Revision& revision,
       insert.Bind(13, revision.photos_pose_only).Bind(14, revision.photos_left_out);
       insert.Bind(15, revision.first_capture).Bind(16, revision.last_capture).Bind(17, revision.quality);
       SKYQUILT_TRY(insert.Run());
+      SKYQUILT_TRY(EnterProducts(*db, lease.flight_id, revision.revision, products));
       // The one shown until now stays readable for whoever looked it up a moment ago; older ones go.
       SKYQUILT_TRY_ASSIGN(
           Statement forget,

@@ -20,6 +20,7 @@
 #include "storage/catalogue/stage_costs.h"
 #include "storage/db/catalogue_db.h"
 #include "storage/db/clock.h"
+#include "storage/jobs/map_products.h"
 
 namespace skyquilt::storage {
 
@@ -135,8 +136,10 @@ class JobQueue {
 
   // Publishing, in two steps around the move of the files. Absent or false: the lease was lost.
   Result<std::optional<std::int64_t>> ReserveRevision(const Lease& lease);
-  // Where the catalogue is shared, tries for a minute while its database cannot be reached.
-  Result<bool> Publish(const Lease& lease, const Revision& revision, Time now);
+  // Where the catalogue is shared, tries for a minute while its database cannot be reached. `products`: of a
+  // map that was put into a store.
+  Result<bool> Publish(const Lease& lease, const Revision& revision, Time now,
+                       const std::vector<MapProduct>& products = {});
 
   // A worker process ended: what it held waits for its next attempt now rather than at the lease's end.
   // Answers how many jobs it held.
@@ -161,7 +164,8 @@ class JobQueue {
 
  private:
   Result<std::optional<std::int64_t>> ReserveOnce(const Lease& lease);
-  Result<bool> PublishOnce(const Lease& lease, const Revision& revision, Time now);
+  Result<bool> PublishOnce(const Lease& lease, const Revision& revision, Time now,
+                           const std::vector<MapProduct>& products);
   CatalogueDb& db_;
 };
 

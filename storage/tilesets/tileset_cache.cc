@@ -30,9 +30,13 @@ class FetchedTiles final : public MapTiles {
 };
 
 Result<std::shared_ptr<MapTiles>> OpenFetched(BlobStore& blobs, const std::string& key) {
-  SKYQUILT_TRY_ASSIGN(LocalBlob file, blobs.Local(key));
-  SKYQUILT_TRY_ASSIGN(std::shared_ptr<MbtilesReader> reader, MbtilesReader::Open(file.path));
-  return std::shared_ptr<MapTiles>(std::make_shared<FetchedTiles>(std::move(file), std::move(reader)));
+  Result<LocalBlob> file = blobs.Local(key);
+  // The store has another file: that is no fault of the map's, and may be mended there.
+  if (!file && file.error().code == ErrorCode::kCorrupt)
+    return Error{ErrorCode::kUnavailable, file.error().message, file.error().detail};
+  if (!file) return file.error();
+  SKYQUILT_TRY_ASSIGN(std::shared_ptr<MbtilesReader> reader, MbtilesReader::Open(file->path));
+  return std::shared_ptr<MapTiles>(std::make_shared<FetchedTiles>(*std::move(file), std::move(reader)));
 }
 
 // In the data folder.

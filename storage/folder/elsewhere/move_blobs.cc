@@ -18,6 +18,7 @@
 #include "storage/folder/disk_flights.h"
 #include "storage/folder/elsewhere/pack_maps.h"
 #include "storage/folder/elsewhere/settle_blobs.h"
+#include "storage/jobs/map_products.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -182,6 +183,7 @@ Result<MoveReport> MoveBlobs(const DataDir& dir, const std::string& catalogue_id
   if (db.IsShared()) {
     SKYQUILT_TRY(ChangeCatalogueBlobs(*db.Lock(), to.IsFolder() ? kInDataFolder : moves_to));
   }
+  SKYQUILT_TRY(ForgetProducts(*db.Lock()));
   SKYQUILT_TRY(SettleAt(dir, moves_to));
   if (removes_source) {
     SKYQUILT_TRY_ASSIGN(report.removed, RemoveSource(from));

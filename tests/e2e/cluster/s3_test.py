@@ -146,6 +146,29 @@ class Places(S3TestCase):
         self.data = other
         self.serve_s3("--workers", "0")
 
+    def test_a_map_that_was_replaced_in_the_store_is_not_shown(self):
+        server = self.serve_s3()
+        mine = self.make_map(server)
+        tiles = self.tiles_of(server, mine)
+        _, made = server.upload(self.photos[:5])
+        self.assertEqual(server.wait_for_job(made["job"]["id"])["state"], "successful", server.errors())
+        flights = self.store.bucket / self.prefix / "flights"
+
+        def swap():
+            """As somebody would who has the keys of the store and nothing else; a node that has seen neither."""
+            self.assertEqual(server.stop(), 0)
+            one, two, aside = flights / mine / "r1", flights / made["flight"]["id"] / "r1", flights / "aside"
+            for old, new in ((one, aside), (two, one), (aside, two)):
+                old.rename(new)
+            shutil.rmtree(pathlib.Path(self.data, "cache"))
+            return self.serve_s3()
+
+        server = swap()
+        for tile in tiles:
+            self.assertEqual(server.request("GET", f"/tiles/{mine}/{tile}")[0], 503)
+        server = swap()
+        self.assertEqual(self.tiles_of(server, mine), tiles)
+
     def test_a_folder_moves_out_and_back(self):
         server = self.serve("--trash-days", "0")
         flight_id = self.make_map(server)

@@ -12,11 +12,14 @@
 #include <iterator>
 #include <map>
 #include <memory>
+#include <optional>
 #include <random>
 #include <thread>
 
 #include "storage/blobs/folder_blobs.h"
+#include "storage/blobs/range_cache.h"
 #include "storage/blobs/s3_blobs.h"
+#include "storage/blobs/sha256.h"
 #include "storage/db/ids.h"
 #include "tests/support/temporary_folder.h"
 
@@ -93,10 +96,17 @@ class EachBlobStore : public testing::TestWithParam<const char*> {
       const auto found = variables.find(name);
       return found == variables.end() ? "" : found->second;
     };
-    auto client =
-        std::make_unique<S3Client>(*ReadS3Settings("s3://skyquilt-test/" + NewId(), variable), variable);
-    auto s3 = std::make_unique<S3Blobs>(std::move(client),
-                                        *LocalCache::Open(folder_ / "cache", std::int64_t{1} << 30));
+    const std::string address = "s3://skyquilt-test/" + NewId();
+    const auto open = [&](const char* cache, ProofOfBlob proof) {
+      return std::make_unique<S3Blobs>(
+          std::make_unique<S3Client>(*ReadS3Settings(address, variable), variable),
+          *LocalCache::Open(folder_ / cache, std::int64_t{1} << 30), std::move(proof));
+    };
+    auto s3 = open("cache", [this](const std::string& key) -> Result<std::optional<std::string>> {
+      const auto found = published_.find(key);
+      return found == published_.end() ? std::nullopt : std::optional(found->second);
+    });
+    other_ = open("other cache", {});
     s3_ = s3.get();
     blobs_ = std::move(s3);
   }
@@ -109,6 +119,8 @@ class EachBlobStore : public testing::TestWithParam<const char*> {
   test::TemporaryFolder folder_;
   std::unique_ptr<BlobStore> blobs_;
   S3Blobs* s3_ = nullptr;
+  std::unique_ptr<S3Blobs> other_;                // of somebody who has the store's key alone
+  std::map<std::string, std::string> published_;  // SHA-256 by key, as the catalogue has them
 };
 
 TEST_P(EachBlobStore, GivesBackWhatWasPut) {
@@ -214,6 +226,47 @@ TEST_P(EachBlobStore, ServesThreadsSideBySide) {
 }
 
 // Whoever has such an address needs no keys. (That it is good for nothing else is the signature's matter.)
+TEST_P(EachBlobStore, GivesNothingButWhatWasPublished) {
+  if (s3_ == nullptr) GTEST_SKIP() << "who may write to the folder is the server";
+  const std::string map = "flights/f/r1/mosaic.pmtiles", report = "flights/f/r1/report.json";
+  const std::string sums_key = RangeSumsKey(map);
+  const fs::path file = FileOf(RandomBytes(700'000)), another = FileOf(RandomBytes(700'001));
+  Sha256Sum sums;
+  sums.Add(*RangeSumsOfFile(file));
+  published_ = {{map, *Sha256OfFile(file)}, {sums_key, sums.Finish()}, {report, *Sha256OfFile(file)}};
+  const auto read = [&] { return s3_->ReadNear(map, 300'000, 1'000); };
+  // With sums and checksums of its own, all of which fit together.
+  ASSERT_TRUE(other_->Put(map, another));
+  ASSERT_TRUE(other_->Put(report, another));
+  ASSERT_TRUE(other_->ReadNear(map, 300'000, 1'000));
+  EXPECT_EQ(read().error().code, ErrorCode::kUnavailable);
+  EXPECT_EQ(s3_->Local(map).error().code, ErrorCode::kCorrupt);
+  EXPECT_EQ(s3_->Local(report).error().code, ErrorCode::kCorrupt);
+  // Without any.
+  ASSERT_TRUE(other_->Remove(sums_key));
+  EXPECT_EQ(read().error().code, ErrorCode::kUnavailable);
+  // With the sums of the map, which are no secret.
+  ASSERT_TRUE(other_->Put(map, file));
+  const std::string bytes = *other_->ReadRange(sums_key, 0, 1'000);
+  ASSERT_TRUE(other_->Put(map, another));
+  ASSERT_TRUE(other_->Put(sums_key, FileOf(bytes)));
+  EXPECT_EQ(read().error().code, ErrorCode::kUnavailable);
+  // Once it is put back it is read again: nothing of the others was kept.
+  ASSERT_TRUE(other_->Put(map, file));
+  ASSERT_TRUE(other_->Put(report, file));
+  const auto again = read();
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_EQ(*again, BytesOf(file).substr(300'000, 1'000));
+  EXPECT_TRUE(s3_->Local(map));
+  EXPECT_TRUE(s3_->Local(report));
+  // Of maps of which nothing is known the store's word counts, and a name that was not published is refused.
+  ASSERT_TRUE(other_->Put("flights/f/r2/mosaic.pmtiles", another));
+  EXPECT_TRUE(s3_->ReadNear("flights/f/r2/mosaic.pmtiles", 0, 10));
+  published_["flights/f/r1/layer_error.mbtiles"] = "";
+  ASSERT_TRUE(other_->Put("flights/f/r1/layer_error.mbtiles", another));
+  EXPECT_EQ(s3_->Local("flights/f/r1/layer_error.mbtiles").error().code, ErrorCode::kCorrupt);
+}
+
 TEST_P(EachBlobStore, PresignsWhereItIsS3) {
   if (s3_ == nullptr) GTEST_SKIP() << "a folder has no addresses";
   HttpTransfers transfers;

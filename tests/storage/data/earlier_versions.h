@@ -10,7 +10,7 @@ namespace skyquilt::storage {
 inline std::string UndoToVersion(int version) {
   std::string sql =
       "ALTER TABLE job DROP COLUMN units_of; ALTER TABLE job DROP COLUMN made_from;"
-      "ALTER TABLE job DROP COLUMN troubles; ALTER TABLE unit DROP COLUMN troubles;";
+      "ALTER TABLE job DROP COLUMN troubles; ALTER TABLE unit DROP COLUMN troubles; DROP TABLE product;";
   if (version <= 21) {
     sql +=
         "DROP TABLE worker_aside; ALTER TABLE unit DROP COLUMN since_us;"
