@@ -9,9 +9,11 @@
 namespace skyquilt::storage {
 namespace {
 
+// As they were rendered, row by row from the north (core/render/render_tiles): SQLite's pages lie as the
+// tiles come, and a map that is put together is to have the bytes of one that was not.
 constexpr const char* kTilesOfLevel =
     "SELECT tile_column, tile_row, tile_data FROM tiles WHERE zoom_level = ?1 "
-    "AND tile_column BETWEEN ?2 AND ?3 AND tile_row BETWEEN ?4 AND ?5 ORDER BY tile_column, tile_row";
+    "AND tile_column BETWEEN ?2 AND ?3 AND tile_row BETWEEN ?4 AND ?5 ORDER BY tile_row DESC, tile_column";
 
 }  // namespace
 

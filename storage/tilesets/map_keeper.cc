@@ -174,7 +174,7 @@ Result<KeptBlock> MapKeeper::Reuse(const geo::TileId& block, const Digest& diges
   }
   row.Reset();
   std::int64_t tiles = 0;
-  for (int level = 0; level <= kept.levels; ++level) {
+  for (int level = kept.levels; level >= 0; --level) {  // as they were rendered
     const int zoom = block.z() + level;
     const std::int64_t side = std::int64_t{1} << level;
     const std::int64_t first_column = std::int64_t{block.x()} * side;

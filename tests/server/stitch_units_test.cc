@@ -145,7 +145,7 @@ TEST_F(StitchUnits, TheMapIsThatOfOneProcess) {
   EXPECT_TRUE(TilesOf(*folder_ / "whole" / "mosaic.mbtiles") ==
               TilesOf(*folder_ / "3" / "map" / "mosaic.mbtiles"));
   for (const char* name :
-       {"photos.geojson", "locate.json", "mosaic.tif", "mosaic.pmtiles", "thumbnail.png"}) {
+       {"photos.geojson", "locate.json", "mosaic.mbtiles", "mosaic.tif", "mosaic.pmtiles", "thumbnail.png"}) {
     EXPECT_TRUE(BytesOf(*folder_ / "whole" / name) == BytesOf(*folder_ / "3" / "map" / name)) << name;
   }
 }

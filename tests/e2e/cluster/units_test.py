@@ -110,7 +110,7 @@ class UnitsTest(unittest.TestCase):
         for workers in (1, 3):
             with self.subTest(workers=workers):
                 pathlib.Path(f"{self.folder.name}.log").write_text("")
-                self.assertEqual(self.stitched(workers, *CUT)["mosaic.pmtiles"], whole["mosaic.pmtiles"])
+                self.assertEqual(self.stitched(workers, *CUT), whole)
                 self.assertEqual(self.errors().count("waits for its parts"), 2, self.errors())
                 self.assertIn("look 5 of 5", self.errors())
                 self.assertIn("render 3 of 3", self.errors())
@@ -149,7 +149,7 @@ class UnitsTest(unittest.TestCase):
             if worker in self.workers:
                 worker.send_signal(signal.SIGCONT)
         self.assertEqual(ended["state"], "successful", (ended, self.errors()))
-        self.assertEqual(self.map_of(flight)["mosaic.pmtiles"], undisturbed["mosaic.pmtiles"])
+        self.assertEqual(self.map_of(flight), undisturbed)
         self.assertEqual(self.errors().count(f"job {job} is published"), 1)
 
     def test_the_next_job_goes_on_with_what_one_that_failed_had_made(self):
@@ -174,7 +174,7 @@ class UnitsTest(unittest.TestCase):
         self.assertEqual(ended["state"], "successful", (ended, self.errors()))
         self.assertIn("5 of 5 parts", self.errors())
         self.assertNotIn(": look ", self.errors())
-        self.assertEqual(self.map_of(flight)["mosaic.pmtiles"], whole["mosaic.pmtiles"])
+        self.assertEqual(self.map_of(flight), whole)
         wait_until(lambda: not list(pathlib.Path(self.folder.name, "work").glob("*-units")), "parts stay")
 
     def test_cancelling_ends_what_is_at_work(self):
