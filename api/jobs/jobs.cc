@@ -30,9 +30,11 @@ Response GetJob(Service& service, const Request& request) {
   // Names of machines are for who runs them.
   if (!request.is_admin || job->state != storage::JobState::kRunning)
     return Json(200, JobJson(*job, storage::Now()));
-  const Result<std::vector<storage::HeldUnit>> held = storage::UnitQueue(service.db).Held(job->id);
+  Result<std::vector<storage::HeldUnit>> held = storage::UnitQueue(service.db).Held(job->id);
   if (!held) return Problem(held.error(), request);
-  return Json(200, JobJson(*job, storage::Now(), *held));
+  Result<std::vector<storage::WorkerAside>> aside = storage::WorkersAside(service.db).List();
+  if (!aside) return Problem(aside.error(), request);
+  return Json(200, JobJson(*job, storage::Now(), WorkersOfJob{*std::move(held), *std::move(aside)}));
 }
 
 Response ListJobs(Service& service, const Request& request) {

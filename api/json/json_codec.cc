@@ -167,17 +167,25 @@ std::string FormatTime(storage::Time time) {
   return fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z", fmt::gmtime(whole), ms);
 }
 
-std::string JobJson(const storage::Job& job, storage::Time now,
-                    const std::optional<std::vector<storage::HeldUnit>>& held) {
+std::string JobJson(const storage::Job& job, storage::Time now, const std::optional<WorkersOfJob>& workers) {
   ordered_json value = JobValue(job, now);
-  if (!held) return Dump(value);
+  if (!workers) return Dump(value);
   value["parts"] = ordered_json::array();
-  for (const storage::HeldUnit& unit : *held) {
+  for (const storage::HeldUnit& unit : workers->held) {
     value["parts"].push_back({{"kind", unit.kind},
                               {"part", unit.number + 1},
                               {"worker", unit.worker},
                               {"since", FormatTime(unit.since)},
                               {"attempt", unit.attempt}});
+  }
+  value["workers_aside"] = ordered_json::array();
+  for (const storage::WorkerAside& worker : workers->aside) {
+    value["workers_aside"].push_back({{"worker", worker.worker},
+                                      {"since", FormatTime(worker.since)},
+                                      {"until", FormatTime(worker.until)},
+                                      {"times", worker.times},
+                                      {"code", worker.code},
+                                      {"message", worker.message}});
   }
   return Dump(value);
 }

@@ -14,6 +14,7 @@
 #include "storage/catalogue/previews.h"
 #include "storage/jobs/job_queue.h"
 #include "storage/jobs/unit_queue.h"
+#include "storage/jobs/workers_aside.h"
 
 namespace skyquilt::api {
 
@@ -42,9 +43,14 @@ struct FileOutcome {
 bool LiesSomewhere(const geo::LatLonBounds& bounds);
 
 std::string FlightJson(const FlightView& view, storage::Time now);
-// `held`: which worker has which of its parts, for whoever may know; absent: nobody asked.
+// Which worker has which part of a job, and which take nothing because their machines are in trouble.
+struct WorkersOfJob {
+  std::vector<storage::HeldUnit> held;
+  std::vector<storage::WorkerAside> aside;
+};
+// `workers`: for whoever may know; absent: nobody asked.
 std::string JobJson(const storage::Job& job, storage::Time now,
-                    const std::optional<std::vector<storage::HeldUnit>>& held = std::nullopt);
+                    const std::optional<WorkersOfJob>& workers = std::nullopt);
 std::string FileJson(const storage::StoredFile& file);
 std::string FileOutcomesJson(const std::vector<FileOutcome>& files);
 

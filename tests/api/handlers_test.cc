@@ -326,6 +326,33 @@ TEST(Ops, AnswerMonitors) {
   EXPECT_NE(sample.Get("/metrics").body.find("skyquilt_jobs{state=\"accepted\"} 0"), std::string::npos);
 }
 
+TEST(Jobs, TellThoseWhoRunTheServerWhichWorkerHasWhichPart) {
+  SampleService sample;
+  const Headers reader = sample.MakeToken("reader", storage::Scope::kRead);
+  const Headers admin = sample.MakeToken("admin", storage::Scope::kAdmin);
+  const std::string job = sample.queue.Add(sample.NewFlight(), "{}", storage::Now())->id;
+  const std::string address = "/api/v1/jobs/" + job;
+  EXPECT_FALSE(JsonOf(sample.Get(address, admin)).contains("parts"));  // it waits
+  storage::UnitQueue units(sample.service().db);
+  ASSERT_TRUE(*units.Cut(**sample.queue.Claim("w", storage::Now()), "look", 3, 10, {}));
+  ASSERT_TRUE(*units.Claim("machine-7", storage::Now()));
+  const Error full{ErrorCode::kOutOfSpace, "The disk is full.", ""};
+  ASSERT_TRUE(storage::WorkersAside(sample.service().db).Put("machine-8", 2, full, storage::Now()));
+  const json shown = JsonOf(sample.Get(address, admin));
+  ASSERT_EQ(shown["parts"].size(), 1u);
+  EXPECT_EQ(shown["parts"][0]["worker"], "machine-7");
+  EXPECT_EQ(shown["parts"][0]["part"], 1);
+  EXPECT_EQ(shown["parts"][0]["attempt"], 1);
+  ASSERT_EQ(shown["workers_aside"].size(), 1u);
+  EXPECT_EQ(shown["workers_aside"][0]["worker"], "machine-8");
+  EXPECT_EQ(shown["workers_aside"][0]["times"], 2);
+  EXPECT_EQ(shown["workers_aside"][0]["code"], "out_of_space");
+  EXPECT_LT(shown["workers_aside"][0]["since"], shown["workers_aside"][0]["until"]);
+  const json to_reader = JsonOf(sample.Get(address, reader));
+  EXPECT_FALSE(to_reader.contains("parts"));
+  EXPECT_FALSE(to_reader.contains("workers_aside"));
+}
+
 TEST(OpenApi, DescribesEveryRouteAndNoOther) {
   SampleService sample;
   const json document = JsonOf(sample.Get("/openapi.json"));

@@ -139,6 +139,25 @@ test('a reload in the middle of a job returns to it; cancelling keeps the photos
   await assertQuiet(opened);
 });
 
+test('who runs the server sees which worker has which part of a large flight, and which stand aside', options, async () => {
+  const opened = await setUp({ job_ms: 20_000 });
+  const { page, mock } = opened;
+  const flight = mock.addFlight('large');
+  await page.evaluate((id) => (location.hash = `#/flights/${id}`), flight.id);
+  await page.waitForSelector('#waiting');
+  await page.setInputFiles('#files-input', photoFiles(2));
+  await page.waitForSelector('#job-parts:not([hidden])');
+  assert.match(await page.textContent('#job-parts summary'), /2 parts at work/);
+  await page.click('#job-parts summary');
+  assert.match(await page.textContent('#job-parts li:nth-child(2)'), /Looking at photos 12 · worker-b-9 · since .*2026.* · attempt 2/);
+  assert.match(await page.textContent('#job-aside'), /worker-c-4 takes no work until .*2026.*The disk is full/);
+  await page.waitForTimeout(1500);
+  assert.equal(await page.locator('#job-parts[open]').count(), 1, 'it stays open while the job goes on');
+  await page.click('#job-cancel');
+  await page.waitForSelector('#start-job');
+  await assertQuiet(opened);
+});
+
 test('a failed job says why and can be started again', options, async () => {
   const opened = await setUp({ job_ms: 600 });
   const { page, mock } = opened;

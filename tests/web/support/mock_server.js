@@ -34,6 +34,15 @@ export const security_headers = {
 };
 const stages = ['read', 'pose', 'align', 'expose', 'render', 'export'];
 
+// As those who run the server see them.
+const kParts = [
+  { kind: 'look', part: 3, worker: 'worker-a-7', since: '2026-11-21T10:00:00.000Z', attempt: 1 },
+  { kind: 'look', part: 12, worker: 'worker-b-9', since: '2026-11-21T10:01:00.000Z', attempt: 2 },
+];
+const kAside = [
+  { worker: 'worker-c-4', since: '2026-11-21T09:59:00.000Z', until: '2026-11-21T10:04:00.000Z', times: 3, code: 'out_of_space', message: 'The disk is full.' },
+];
+
 /**
  * @param {{port?: number, job_ms?: number, upload_ms?: number, basemap_makers?: string, has_tokens?: boolean, scope?: 'read'|'upload'|'admin', trash_days?: number, keep_days?: number, is_whole?: boolean, is_unplaced?: boolean, has_indices?: boolean, bands_bounds?: number[], page_limit?: number, addresses?: string[]}} [options] upload_ms: time each file takes at least;
  *   addresses: where other machines reach it;
@@ -96,6 +105,7 @@ export async function startMockServer(options = {}) {
         eta_low_s: progress > 0 ? (0.8 * (1 - progress) * job_ms) / 1000 : null,
         eta_high_s: progress > 0 ? (1.25 * (1 - progress) * job_ms) / 1000 : null,
         message: '',
+        ...(flight?.name.includes('large') && { parts: kParts, workers_aside: kAside }),
         error: doomed ? { code: 'unprocessable', message: 'No photo has a GPS position. Add the flight log or photos with GPS.' } : null,
       });
       if (job.state === 'successful' && flight) {

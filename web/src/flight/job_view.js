@@ -5,6 +5,7 @@ import { cancelJob } from '../shared/api.js';
 import { h } from '../shared/dom.js';
 import { formatDuration, formatPercent } from '../shared/format.js';
 import { strings } from '../shared/flight_strings.js';
+import { jobWorkers } from './job_workers.js';
 
 /** @param {string|undefined} stage @returns {string} in words; an unknown stage by its own name */
 export function stageName(stage) {
@@ -45,6 +46,7 @@ export function jobView(job_id, may_cancel, heading = strings.job.heading) {
       showError(error);
     }
   });
+  const workers = jobWorkers();
   const element = h(
     'section',
     { class: 'block card', 'aria-labelledby': 'job-heading', id: 'job' },
@@ -52,6 +54,7 @@ export function jobView(job_id, may_cancel, heading = strings.job.heading) {
     h('div', { class: 'progress-row' }, percent, bar),
     stage,
     note,
+    workers.element,
     may_cancel && h('div', { class: 'row' }, cancel),
   );
   return {
@@ -71,6 +74,7 @@ export function jobView(job_id, may_cancel, heading = strings.job.heading) {
       ]
         .filter(Boolean)
         .join(' · ');
+      workers.update(job);
       announce(`${stage.textContent} ${percent.textContent}`, { is_progress: true });
     },
     lost() {

@@ -31,6 +31,25 @@
  * @property {string|null} [started_at]
  * @property {string|null} [finished_at]
  * @property {ServerError|null} [error]
+ * @property {JobPart[]} [parts] of a large flight, at work; for those who run the server
+ * @property {WorkerAside[]} [workers_aside] for those too
+ */
+
+/**
+ * @typedef {object} JobPart
+ * @property {string} kind
+ * @property {number} part
+ * @property {string} worker
+ * @property {string} since
+ * @property {number} attempt
+ */
+
+/**
+ * @typedef {object} WorkerAside takes nothing: its machine is in trouble
+ * @property {string} worker
+ * @property {string} until
+ * @property {string} code
+ * @property {string} message
  */
 
 /**

@@ -78,6 +78,10 @@ export const flight_words = {
     placing: 'Karte wird verschoben',
     placing_failed: 'Die Karte konnte nicht verschoben werden',
     attempt: (n) => `Versuch ${number(n)}`,
+    parts: (n) => `${count(n, { one: 'Teil', other: 'Teile' })} in Arbeit`,
+    part_kinds: { look: 'Fotos ansehen', render: 'Zeichnen' },
+    since: (time) => `seit ${time}`,
+    aside: (worker, time) => `${worker} nimmt bis ${time} keine Arbeit an`,
     ready: (name) => `Die Karte von ${name} ist fertig.`,
     lost: 'Verbindung zum Server unterbrochen. Sie wird wiederhergestellt …',
     stages: {

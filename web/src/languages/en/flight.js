@@ -78,6 +78,10 @@ export const flight_words = {
     placing: 'Moving the map',
     placing_failed: 'The map could not be moved',
     attempt: (/** @type {number} */ n) => `attempt ${number(n)}`,
+    parts: (/** @type {number} */ n) => `${count(n, { one: 'part', other: 'parts' })} at work`,
+    part_kinds: /** @type {Record<string, string>} */ ({ look: 'Looking at photos', render: 'Rendering' }),
+    since: (/** @type {string} */ time) => `since ${time}`,
+    aside: (/** @type {string} */ worker, /** @type {string} */ time) => `${worker} takes no work until ${time}`,
     ready: (/** @type {string} */ name) => `The map of ${name} is ready.`,
     lost: 'Connection to the server lost. Reconnecting …',
     stages: /** @type {Record<string, string>} */ ({

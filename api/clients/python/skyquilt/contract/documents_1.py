@@ -85,6 +85,18 @@ class JobPartsItem(TypedDict):
     attempt: int
 
 
+class JobWorkersAsideItem(TypedDict):
+    worker: str
+    # Its first trouble with nothing done since
+    since: str
+    # It tries again
+    until: str
+    # In a row
+    times: int
+    code: str
+    message: str
+
+
 class JobForSure(TypedDict):
     """What Job always has."""
     id: str
@@ -110,6 +122,9 @@ class JobForSure(TypedDict):
 class Job(JobForSure, total=False):
     # Of a running job, asked for by its id with a token of scope admin: which worker has which part of a large flight
     parts: List[JobPartsItem]
+    # With the parts: workers of any job that take nothing until then because their machines are in trouble (disk,
+    # network, store)
+    workers_aside: List[JobWorkersAsideItem]
 
 
 class MapQualityAbsolute(TypedDict):
@@ -409,22 +424,3 @@ class GroundProfileSamplesItem(TypedDict):
     lat: float
     # null beside the map
     height_m: Optional[float]
-
-
-class GroundProfile(TypedDict):
-    revision: int
-    # plane: the map was rendered on level ground, so that all heights are the same
-    ground: Literal['plane', 'grid']
-    # Of the grid; null of a plane
-    cell_m: Optional[float]
-    # Of the line, along the ellipsoid
-    length_m: float
-    # The longest between two samples
-    step_m: float
-    # null: the line meets no ground that the map knows
-    lowest_m: Optional[float]
-    highest_m: Optional[float]
-    # The sum of what goes up from sample to sample
-    climb_m: float
-    descent_m: float
-    samples: List[GroundProfileSamplesItem]

@@ -6,6 +6,25 @@ from typing import Any, Dict, List, Literal, Optional, TypedDict, Union
 from .documents_1 import *  # noqa: F401,F403
 
 
+class GroundProfile(TypedDict):
+    revision: int
+    # plane: the map was rendered on level ground, so that all heights are the same
+    ground: Literal['plane', 'grid']
+    # Of the grid; null of a plane
+    cell_m: Optional[float]
+    # Of the line, along the ellipsoid
+    length_m: float
+    # The longest between two samples
+    step_m: float
+    # null: the line meets no ground that the map knows
+    lowest_m: Optional[float]
+    highest_m: Optional[float]
+    # The sum of what goes up from sample to sample
+    climb_m: float
+    descent_m: float
+    samples: List[GroundProfileSamplesItem]
+
+
 class MapStatisticsBandsItem(TypedDict):
     name: str
     min: Optional[float]
