@@ -232,8 +232,13 @@ Result<void> HandIn(const WorkerContext& context, const std::string& flight_id, 
   }
   std::error_code error;
   fs::rename(made, folder, error);
-  // An attempt whose end was not heard left the same.
-  if (error == std::errc::directory_not_empty || error == std::errc::file_exists) return {};
+  if (error == std::errc::directory_not_empty || error == std::errc::file_exists) {
+    SKYQUILT_TRY_ASSIGN(auto files, HandedIn(context, flight_id, units_of));
+    // An attempt whose end was not heard left the same.
+    if (IsWhole(kind, files[folder.filename().string()])) return {};
+    fs::remove_all(folder, error);  // a version before made its parts in place, and was cut off
+    if (!error) fs::rename(made, folder, error);
+  }
   if (error) return CannotStorePart(error);
   return storage::SyncFolder(folder.parent_path());
 }
@@ -265,8 +270,8 @@ Result<bool> CutIntoLooks(WorkerContext& context, const storage::Lease& lease, c
   const std::size_t looks = pipeline::UnitsOf(files, static_cast<std::size_t>(context.files_per_unit));
   SKYQUILT_TRY_ASSIGN(const std::vector<storage::StoredFile> stored,
                       context.catalogue.ListFiles(lease.flight_id));
-  const std::string made_from = storage::DigestOf(
-      {stored, lease.options, SKYQUILT_VERSION, static_cast<int>(looks), context.files_per_unit});
+  const std::string made_from =
+      storage::DigestOf({stored, lease.options, SKYQUILT_VERSION, static_cast<int>(looks)});
   SKYQUILT_TRY_ASSIGN(const std::optional<std::string> units_of,
                       context.units.TakeOver(lease, made_from, storage::Now()));
   if (!units_of) return false;
@@ -279,10 +284,10 @@ Result<bool> CutIntoLooks(WorkerContext& context, const storage::Lease& lease, c
 Result<bool> PlaceAndCut(WorkerContext& context, const storage::Lease& lease, const CutJob& cut,
                          Progress& progress) {
   SKYQUILT_TRY_ASSIGN(const std::int64_t blocks, PlaceUnits(context, lease, cut, progress));
-  const auto files = static_cast<std::size_t>(cut.files);
-  const std::size_t renders = std::min<std::size_t>(
-      pipeline::UnitsOf(files, pipeline::kLooksPerRender * static_cast<std::size_t>(context.files_per_unit)),
-      static_cast<std::size_t>(std::max<std::int64_t>(1, blocks)));
+  // By how it was cut first, not by the options of this worker.
+  const std::size_t renders =
+      std::min<std::size_t>(pipeline::UnitsOf(static_cast<std::size_t>(cut.looks), pipeline::kLooksPerRender),
+                            static_cast<std::size_t>(std::max<std::int64_t>(1, blocks)));
   SKYQUILT_TRY_ASSIGN(const std::set<int> done,
                       DoneBefore(context, lease.flight_id, cut.units_of, UnitKind::kRender, renders));
   return context.units.Cut(lease, UnitKindName(UnitKind::kRender), static_cast<int>(renders), blocks,

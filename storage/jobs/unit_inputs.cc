@@ -29,7 +29,7 @@ std::string DigestOf(const UnitInputs& inputs) {
   Sha256Sum sum;
   AddText(sum, inputs.version);
   AddText(sum, inputs.options);
-  AddText(sum, fmt::format("{} {} {}", inputs.looks, inputs.files_per_unit, inputs.files.size()));
+  AddText(sum, fmt::format("{} {}", inputs.looks, inputs.files.size()));
   for (const StoredFile& file : inputs.files) {
     AddText(sum, file.name);
     AddText(sum, file.stored_name);

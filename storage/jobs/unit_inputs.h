@@ -15,8 +15,7 @@ struct UnitInputs {
   const std::vector<StoredFile>& files;
   std::string_view options;  // of the job
   std::string_view version;
-  int looks = 1;           // units that look at files
-  int files_per_unit = 1;  // from which the units that render are counted
+  int looks = 1;  // units that look at files
 };
 
 // SHA-256, in hex.

@@ -221,19 +221,17 @@ TEST_F(UnitQueueTest, AFailureIsTriedAgainOnlyWhereItMayPass) {
 
 TEST_F(UnitQueueTest, WhatUnitsAreMadeFromTellsThemApart) {
   const std::vector<StoredFile> files{{"a.jpg", "1", 5}, {"b.jpg", "2", 5}};
-  const UnitInputs inputs{files, "{}", "1.0", 2, 200};
-  const std::string digest = DigestOf(inputs);
+  const std::string digest = DigestOf({files, "{}", "1.0", 2});
   EXPECT_EQ(digest.size(), 64U);
-  EXPECT_EQ(DigestOf({files, "{}", "1.0", 2, 200}), digest);
+  EXPECT_EQ(DigestOf({files, "{}", "1.0", 2}), digest);
   const std::vector<StoredFile> again{{"a.jpg", "1", 5}, {"b.jpg", "3", 5}};  // b was put anew
   const std::vector<StoredFile> swapped{{"a.jpg", "2", 5}, {"b.jpg", "1", 5}};
   const std::vector<StoredFile> run_together{{"a.jpg1", "", 5}, {"b.jpg", "2", 5}};
-  for (const auto& other :
-       {UnitInputs{again, "{}", "1.0", 2, 200}, UnitInputs{swapped, "{}", "1.0", 2, 200},
-        UnitInputs{run_together, "{}", "1.0", 2, 200}, UnitInputs{files, "{\"a\":1}", "1.0", 2, 200},
-        UnitInputs{files, "{}", "1.1", 2, 200}, UnitInputs{files, "{}", "1.0", 1, 200},
-        UnitInputs{files, "{}", "1.0", 2, 150}}) {
-    EXPECT_NE(DigestOf(other), digest);
+  for (const std::string& other :
+       {DigestOf({again, "{}", "1.0", 2}), DigestOf({swapped, "{}", "1.0", 2}),
+        DigestOf({run_together, "{}", "1.0", 2}), DigestOf({files, "{\"a\":1}", "1.0", 2}),
+        DigestOf({files, "{}", "1.1", 2}), DigestOf({files, "{}", "1.0", 1})}) {
+    EXPECT_NE(other, digest);
   }
 }
 
