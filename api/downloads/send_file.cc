@@ -8,12 +8,14 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <optional>
 #include <utility>
 
 #include "api/http/etag.h"
 #include "api/http/problem.h"
 #include "api/http/range.h"
 #include "core/base/try.h"
+#include "storage/blobs/sha256.h"
 
 namespace skyquilt::api {
 namespace {
@@ -61,11 +63,19 @@ class FileSource final : public BodySource {
   std::uint64_t left_;
 };
 
-// What is at hand of a blob: a window at a time.
+// What is at hand of a blob: a window at a time. Where its sum is known, the last window of another blob is
+// held back, so that nobody takes it for whole.
 class BlobSource final : public BodySource {
  public:
-  BlobSource(storage::BlobStore& blobs, std::string key, std::uint64_t offset, std::uint64_t length)
-      : blobs_(blobs), key_(std::move(key)), next_(offset), left_(length), length_(length) {}
+  // `known`: of a whole blob, in hex.
+  BlobSource(storage::BlobStore& blobs, std::string key, std::uint64_t offset, std::uint64_t length,
+             std::optional<std::string> known)
+      : blobs_(blobs),
+        key_(std::move(key)),
+        next_(offset),
+        left_(length),
+        length_(length),
+        known_(std::move(known)) {}
   std::uint64_t length() const override { return length_; }
 
   Result<std::size_t> Read(std::span<std::uint8_t> into) override {
@@ -78,6 +88,11 @@ class BlobSource final : public BodySource {
       at_ = 0;
       next_ += wanted;
       left_ -= wanted;
+      if (known_) sum_.Add(window_);
+      if (known_ && left_ == 0 && sum_.Finish() != *known_) {
+        window_.clear();
+        return Error{ErrorCode::kUnavailable, "The store has another file than was published there.", key_};
+      }
     }
     const std::size_t given = std::min(into.size(), window_.size() - at_);
     std::memcpy(into.data(), window_.data() + at_, given);
@@ -92,6 +107,8 @@ class BlobSource final : public BodySource {
   std::uint64_t next_;  // behind the window
   std::uint64_t left_;  // from there on
   const std::uint64_t length_;
+  const std::optional<std::string> known_;
+  storage::Sha256Sum sum_;
   std::string window_;
   std::size_t at_ = 0;
 };
@@ -103,13 +120,19 @@ Result<Response> SendBlob(const Request& request, storage::BlobStore& blobs, con
   constexpr std::int64_t kFetchedBytes = std::int64_t{4} << 20;
   if (blobs.IsFolder()) return SendFile(request, blobs.FolderOf(key), content_type, etag);
   SKYQUILT_TRY_ASSIGN(const storage::BlobInfo blob, blobs.Find(key));
-  if (blob.bytes <= kFetchedBytes) {
-    SKYQUILT_TRY_ASSIGN(const storage::LocalBlob fetched, blobs.Local(key));
-    return SendFile(request, fetched.path, content_type, etag);
+  SKYQUILT_TRY_ASSIGN(const std::optional<std::string> known, blobs.KnownSum(key));
+  // What a part is worth only the whole file tells.
+  if (blob.bytes <= kFetchedBytes || (known && request.headers.Has("Range"))) {
+    const Result<storage::LocalBlob> fetched = blobs.Local(key);
+    // It may be put right where it lies.
+    if (!fetched && fetched.error().code == ErrorCode::kCorrupt)
+      return Error{ErrorCode::kUnavailable, fetched.error().message, fetched.error().detail};
+    if (!fetched) return fetched.error();
+    return SendFile(request, fetched->path, content_type, etag);
   }
   const OpenPart part = [&](std::uint64_t offset,
                             std::uint64_t length) -> Result<std::unique_ptr<BodySource>> {
-    return std::unique_ptr<BodySource>(std::make_unique<BlobSource>(blobs, key, offset, length));
+    return std::unique_ptr<BodySource>(std::make_unique<BlobSource>(blobs, key, offset, length, known));
   };
   return SendParts(request, static_cast<std::uint64_t>(blob.bytes), content_type, etag, part);
 }

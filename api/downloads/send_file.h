@@ -24,8 +24,9 @@ Response DownloadProblem(const Error& error, const Request& request);
 // "attachment" under a name for saving, in the form that every browser takes (RFC 6266 with RFC 8187).
 std::string Disposition(const std::string& stem, const char* extension);
 
-// A blob, wherever it lies: a large one elsewhere comes by ranges, as the client takes it, a small one is
-// fetched and kept. Also the store's errors.
+// A blob, wherever it lies: a large one elsewhere comes by ranges, as the client takes it, a small one, or
+// one of which a part is asked for and whose sum is known, is fetched and kept. One that is not as it was
+// published ends before its end. Also the store's errors.
 Result<Response> SendBlob(const Request& request, storage::BlobStore& blobs, const std::string& key,
                           const std::string& content_type, const std::string& etag);
 

@@ -34,6 +34,9 @@ struct LocalBlob {
   std::shared_ptr<const void> in_use;
 };
 
+// The SHA-256 (in hex) that a blob is known to have by another than its store; nothing where nobody knows.
+using ProofOfBlob = std::function<Result<std::optional<std::string>>(const std::string& key)>;
+
 class BlobStore {
  public:
   virtual ~BlobStore() = default;
@@ -50,6 +53,10 @@ class BlobStore {
   // What ReadNear gave makes no sense: what was kept of it without a proof is read anew by the next who asks.
   virtual void DoubtNear(const std::string&) {}
   virtual Result<BlobInfo> Find(const std::string& key) = 0;
+  // As ProofOfBlob says. What Local and ReadNear give is held against it, what ReadRange gives is not.
+  virtual Result<std::optional<std::string>> KnownSum(const std::string&) {
+    return std::optional<std::string>();
+  }
   // All blobs whose keys begin so, in the order of their keys.
   virtual Result<std::vector<BlobInfo>> List(const std::string& prefix) = 0;
   // Good also where there was none.
@@ -68,9 +75,6 @@ class BlobStore {
   // Where it is, for people; no secret.
   virtual std::string Address() const = 0;
 };
-
-// The SHA-256 (in hex) that a blob is known to have by another than its store; nothing where nobody knows.
-using ProofOfBlob = std::function<Result<std::optional<std::string>>(const std::string& key)>;
 
 // Aborts on what is no key: one that leads elsewhere, or could not be a path.
 void RequireKey(std::string_view key);

@@ -138,8 +138,8 @@ Result<std::shared_ptr<const std::string>> S3Blobs::SumsOf(const std::string& ke
       return Error{ErrorCode::kUnavailable, local.error().message, local.error().detail};
     } else if (local.error().code != ErrorCode::kNotFound) {
       return local.error();
-    } else if (proof_) {
-      SKYQUILT_TRY_ASSIGN(const std::optional<std::string> published, proof_(RangeSumsKey(key)));
+    } else {
+      SKYQUILT_TRY_ASSIGN(const std::optional<std::string> published, KnownSum(RangeSumsKey(key)));
       if (published && !published->empty()) return NotAsPublished(RangeSumsKey(key), ErrorCode::kUnavailable);
     }
     sums = std::make_shared<const std::string>(std::move(text));
@@ -193,6 +193,11 @@ Result<int> S3Blobs::RemoveBelow(const std::string& prefix) {
   }
 }
 
+Result<std::optional<std::string>> S3Blobs::KnownSum(const std::string& key) {
+  if (!proof_) return std::optional<std::string>();
+  return proof_(key);
+}
+
 Error S3Blobs::NotAsPublished(const std::string& key, ErrorCode code) const {
   return {
       code,
@@ -203,10 +208,7 @@ Error S3Blobs::NotAsPublished(const std::string& key, ErrorCode code) const {
 
 Result<LocalBlob> S3Blobs::Local(const std::string& key) {
   return cache_->Get(key, [&](const fs::path& to) -> Result<void> {
-    std::optional<std::string> published;
-    if (proof_) {
-      SKYQUILT_TRY_ASSIGN(published, proof_(key));
-    }
+    SKYQUILT_TRY_ASSIGN(const std::optional<std::string> published, KnownSum(key));
     // A wrong byte may have come on the way: it is read again before the store is believed to have it.
     constexpr int kReads = 3;
     for (int reads = 1;; ++reads) {

@@ -45,6 +45,7 @@ class S3Blobs final : public BlobStore {
   }
   void DoubtNear(const std::string& key) override;
   Result<BlobInfo> Find(const std::string& key) override;
+  Result<std::optional<std::string>> KnownSum(const std::string& key) override;
   Result<std::vector<BlobInfo>> List(const std::string& prefix) override;
   Result<void> Remove(const std::string& key) override;
   Result<void> Copy(const std::string& from, const std::string& to) override {

@@ -166,6 +166,7 @@ class Places(S3TestCase):
         server = swap()
         for tile in tiles:
             self.assertEqual(server.request("GET", f"/tiles/{mine}/{tile}")[0], 503)
+        self.assertEqual(server.request("GET", f"/api/v1/flights/{mine}/photos.geojson")[0], 503)
         server = swap()
         self.assertEqual(self.tiles_of(server, mine), tiles)
 
