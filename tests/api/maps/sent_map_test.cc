@@ -29,7 +29,7 @@ class SentMap : public testing::Test {
     Request request;
     if (!range.empty()) request.headers.Add("Range", range);
     Result<Response> response = SendBlob(request, far_, kMapKey, "application/x-sqlite3", "\"tag\"");
-    if (!response) return {.error = response.error()};
+    if (!response) return {0, {}, response.error()};
     Got got{response->status, {}, {}};
     std::vector<std::uint8_t> slice(100'000);
     while (true) {
