@@ -12,8 +12,8 @@
 
 #include "core/base/result.h"
 #include "storage/blobs/blob_store.h"
-#include "storage/pmtiles/pmtiles_memory.h"
 #include "storage/pmtiles/pmtiles_archive.h"
+#include "storage/pmtiles/pmtiles_memory.h"
 #include "storage/tilesets/tile_source.h"
 
 namespace skyquilt::storage {

@@ -9,8 +9,8 @@
 #include <string>
 
 #include "core/base/result.h"
-#include "storage/exports/laid/laid_file.h"
 #include "storage/blobs/lru_memory.h"
+#include "storage/exports/laid/laid_file.h"
 
 namespace skyquilt::storage {
 
