@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
-import { formOf, jobArea, kFormats, kLayers, kLimits, kMethods, kPresets, kStandard, optionsOf } from '../../web/src/flight/job_options.js';
+import { formOf, jobArea, kFormats, kLayers, kLimits, kMethods, kPresets, kStandard, optionsOf, timesCoarser } from '../../web/src/flight/job_options.js';
 import { mapIdle } from './support/browser.js';
 import { photoFiles } from './support/photo_files.js';
 import { assertAccessible, assertQuiet, openReady, options, usePages } from './support/pages.js';
@@ -29,7 +29,7 @@ test('what was typed is what is asked for, and comes back into the form', () => 
   const form = { ...kStandard, resolution_cm: '2,5', not_finer: false, method: 'features', layers: ['height'], max_look_deg: '55', readout_ms: '0', format: 'webp', quality: '90', origin: '46.95, 7.44', takeoff_height_m: '-3.5', boundary: kArea };
   const { options: asked, faults } = optionsOf(form);
   assert.deepEqual(faults, []);
-  assert.deepEqual(asked, { gsd_m: 0.025, any_gsd: true, not_finer_than_photos: false, method: 'features', layers: ['height'], max_look_deg: 55, readout_ms: 0, format: 'webp', quality: 90, origin: [46.95, 7.44], takeoff_height_m: -3.5, boundary: kArea });
+  assert.deepEqual(asked, { gsd_m: 0.025, not_finer_than_photos: false, method: 'features', layers: ['height'], max_look_deg: 55, readout_ms: 0, format: 'webp', quality: 90, origin: [46.95, 7.44], takeoff_height_m: -3.5, boundary: kArea });
   assert.deepEqual(formOf(asked), { ...form, resolution_cm: '2.5' });
   assert.deepEqual(optionsOf(kStandard).options, { layers: kLayers }, 'nothing chosen is nothing asked for');
   for (const preset of Object.values(kPresets)) assert.deepEqual(formOf(optionsOf(preset).options), preset);
@@ -41,6 +41,33 @@ test('what the server would refuse is said of each field', () => {
   for (const [field, values] of Object.entries({ resolution_cm: ['0', 'x', '1e3', '10001', '-2'], max_look_deg: ['9', '76'], readout_ms: ['-1', '501'], quality: ['0', '101', '85.5'], origin: ['46', 'north', '91, 7'], takeoff_height_m: ['-501', '9001', 'high'] })) {
     for (const value of values) assert.deepEqual(faults({ [field]: value }), [field], `${field} ${value}`);
   }
+});
+
+test('a resolution beyond reason is told from one that is meant', () => {
+  assert.equal(timesCoarser({ gsd_m: 5 }, 0.02), 250);
+  for (const [gsd_m, photos_gsd_m] of [[0.4, 0.02], [0.001, 0.02], [5, 0], [undefined, 0.02]]) assert.equal(timesCoarser({ gsd_m }, photos_gsd_m), null);
+});
+
+test('so coarse a map is asked about, with both numbers', options, async () => {
+  const opened = await setUp({ job_ms: 300 });
+  const { page, mock } = opened;
+  const flight = await openReady({ page, mock }, 'Meadow');
+  await page.click('#processing-details summary');
+  await page.click('#run-again');
+  await page.fill('#option-resolution_cm', '500');
+  await page.click('#options-submit');
+  await page.waitForSelector('#coarse-dialog[open]');
+  assert.match((await page.textContent('#coarse-dialog')) ?? '', /5\sm\/px.*1\.73\scm\/px.*289 times/);
+  await assertAccessible(page, 'a question about a coarse map');
+  await page.click('#coarse-no');
+  assert.equal(flight.job ?? null, null, 'nothing is sent that is not meant');
+  assert.ok(await page.isVisible('#options-dialog[open]'), 'the options are still there to be changed');
+  await page.click('#options-submit');
+  await page.click('#coarse-yes');
+  await page.waitForSelector('#options-dialog', { state: 'detached' });
+  assert.equal(flight.job.options.gsd_m, 5);
+  assert.equal(flight.job.options.any_gsd, true);
+  await assertQuiet(opened);
 });
 
 test('an area is sent with as many digits as mean anything, or refused', () => {
@@ -100,7 +127,7 @@ for (const [screen, context] of /** @type {const} */ ([['laptop', {}], ['phone',
     flight.refuses_jobs = null;
     await page.click('#options-submit');
     await page.waitForSelector('#options-dialog', { state: 'detached' });
-    assert.deepEqual(flight.job.options, { layers: [], gsd_m: 0.15, any_gsd: true, not_finer_than_photos: true });
+    assert.deepEqual(flight.job.options, { layers: [], gsd_m: 0.15, not_finer_than_photos: true });
     await page.waitForFunction(() => document.querySelector('#processing-details')?.textContent?.includes('15 cm'));
 
     // A reload later the preset is there, until it is deleted.

@@ -6,6 +6,7 @@ import { ApiError, getFlight, getReport, serverWords, startControl, startJob, st
 import { controlSection } from '../control/control_section.js';
 import { h, loadStyle, put } from '../shared/dom.js';
 import { flightFacts, isImported, mayChange, stateChip } from './flight_words.js';
+import { confirmCoarse } from './coarse_map.js';
 import { chosenOptions } from './job_options.js';
 import { askOptions, lastOptions, optionsButton } from './options_dialog.js';
 import { flightActions } from './flight_actions.js';
@@ -303,6 +304,7 @@ export class FlightView {
   /** Makes the map anew; the one that is there stays until then. @param {Flight} flight */
   #again(flight) {
     askOptions({
+      flight_id: flight.id,
       title: strings.options.again_title,
       hint: strings.options.again_hint,
       submit: strings.options.again_start,
@@ -354,8 +356,11 @@ export class FlightView {
       button.disabled = true;
       try {
         const before = flight.job?.options;
-        await startJob(flight.id, before?.import_file ? before : chosenOptions(flight.id));
-        forgetUpload(flight.id);
+        const meant = before?.import_file ? before : await confirmCoarse(flight.id, chosenOptions(flight.id));
+        if (meant) {
+          await startJob(flight.id, meant);
+          forgetUpload(flight.id);
+        }
       } catch (error) {
         showError(error);
       }

@@ -66,7 +66,7 @@ export function optionsOf(form) {
   return {
     options: {
       layers: kLayers.filter((layer) => form.layers.includes(layer)),
-      ...(resolution_cm === null ? {} : { gsd_m: resolution_cm / 100, any_gsd: true, not_finer_than_photos: form.not_finer }),
+      ...(resolution_cm === null ? {} : { gsd_m: resolution_cm / 100, not_finer_than_photos: form.not_finer }),
       ...(form.method === 'auto' ? {} : { method: form.method }),
       ...(max_look_deg === null ? {} : { max_look_deg }),
       ...(readout_ms === null ? {} : { readout_ms }),
@@ -79,6 +79,12 @@ export function optionsOf(form) {
     faults,
   };
 }
+
+/** As MosaicOptions::CheckGsd has it. */
+const kMaxTimesCoarser = 20;
+
+/** @param {JobOptions} options @param {number} photos_gsd_m 0 where it is not known @returns {number|null} null: not beyond reason */
+export const timesCoarser = ({ gsd_m }, photos_gsd_m) => (photos_gsd_m > 0 && gsd_m > kMaxTimesCoarser * photos_gsd_m ? gsd_m / photos_gsd_m : null);
 
 /** Of a job's options, which together may have 64 KiB. */
 const kMaxAreaBytes = 60_000;

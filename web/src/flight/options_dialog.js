@@ -8,15 +8,16 @@ import { outlineOf } from '../map/outlines.js';
 import { h, put } from '../shared/dom.js';
 import { strings } from '../shared/flight_strings.js';
 import { icon } from '../shared/icons.js';
+import { confirmCoarse } from './coarse_map.js';
 import { chooseOptions, chosenOptions, formOf, jobArea, keepPreset, keptPresets, kFormats, kLayers, kLimits, kMethods, kPresets, optionsOf } from './job_options.js';
 
 const kOwn = 'own:';  // before the names of the user's presets, which may be called as ours are
 
 /**
- * @param {{title: string, hint?: string, submit: string, options: JobOptions, outlines?: Outline[], on_submit: (options: JobOptions) => Promise<void>|void}} question
+ * @param {{flight_id: string, title: string, hint?: string, submit: string, options: JobOptions, outlines?: Outline[], on_submit: (options: JobOptions) => Promise<void>|void}} question
  *   outlines: on the map now; on_submit: what it throws is shown, and the dialog stays
  */
-export function askOptions({ title, hint = '', submit, options, outlines = [], on_submit }) {
+export function askOptions({ flight_id, title, hint = '', submit, options, outlines = [], on_submit }) {
   const words = strings.options;
   const text = (/** @type {TypedField} */ name, /** @type {string} */ placeholder) =>
     h('input', { id: `option-${name}`, class: 'field', type: 'text', inputmode: name === 'origin' ? 'text' : 'decimal', placeholder, autocomplete: 'off', 'aria-describedby': `option-${name}-hint option-${name}-fault` });
@@ -194,8 +195,12 @@ export function askOptions({ title, hint = '', submit, options, outlines = [], o
     if (cut === null) return refuse(words.large_area);
     send.disabled = true;
     try {
-      await on_submit(cut ? { ...asked, boundary: cut } : asked);
-      dialog.close();
+      const meant = await confirmCoarse(flight_id, cut ? { ...asked, boundary: cut } : asked);
+      if (!dialog.open) return;  // cancelled meanwhile
+      if (meant) {
+        await on_submit(meant);
+        dialog.close();
+      } else typed.resolution_cm.focus();
     } catch (error) {
       refuse(error instanceof Error ? error.message : String(error));
     }
@@ -244,6 +249,7 @@ export function optionsButton(flight_id, outlines = () => []) {
   };
   const ask = () =>
     askOptions({
+      flight_id,
       title: words.title,
       submit: words.use,
       options: chosenOptions(flight_id),

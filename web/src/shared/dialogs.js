@@ -6,7 +6,7 @@ import { strings } from './strings.js';
  * @param {HTMLDialogElement} dialog
  * @returns {Promise<string>} what was chosen; '' when closed by Escape
  */
-function ask(dialog) {
+export function ask(dialog) {
   document.body.append(dialog);
   dialog.showModal();
   return new Promise((resolve) => {

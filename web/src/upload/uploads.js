@@ -6,6 +6,7 @@
 import * as api from '../shared/api.js';
 import { announce, showError } from '../shared/announce.js';
 import { held, sessions } from './drop_zone.js';
+import { confirmCoarse } from '../flight/coarse_map.js';
 import { chosenOptions } from '../flight/job_options.js';
 import { sendFile } from './send_file.js';
 import { strings } from '../shared/flight_strings.js';
@@ -124,8 +125,13 @@ export class UploadSession extends EventTarget {
     const { signal } = this.#abort;
     try {
       announce(strings.upload.done);
-      this.job = await this.#untilReached(() => api.startJob(this.flight_id, chosenOptions(this.flight_id)), signal);
-      forgetUpload(this.flight_id);
+      const meant = await confirmCoarse(this.flight_id, chosenOptions(this.flight_id));
+      if (signal.aborted) return;
+      // Where it is not, the flight waits with its options.
+      if (meant) {
+        this.job = await this.#untilReached(() => api.startJob(this.flight_id, meant), signal);
+        forgetUpload(this.flight_id);
+      }
     } catch (error) {
       if (signal.aborted) return;
       this.#starting = false;

@@ -61,6 +61,10 @@ export const option_words = {
     direct: 'Metadata refined by brightness',
   },
   formats: { auto: 'JPEG, WebP at the edge', 'jpeg-png': 'JPEG, PNG at the edge', webp: 'WebP' },
+  coarse_title: 'Really so coarse?',
+  coarse_text: (/** @type {string} */ asked, /** @type {string} */ shown, /** @type {number} */ times) => `The resolution asked for is ${asked}. The photos show ${shown}, which is ${number(times, { maximumFractionDigits: 0 })} times finer. The field counts in centimetres.`,
+  coarse_yes: 'Yes, so coarse',
+  coarse_no: 'Change the resolution',
   bad_number: (/** @type {number} */ least, /** @type {number} */ most) => `Enter a number from ${number(least)} to ${number(most)}.`,
   bad_place: 'Enter latitude and longitude, for example 46.95, 7.44.',
 };
