@@ -34,7 +34,11 @@ Result<pipeline::MosaicReport> ImportForJob(const std::vector<flight::InputFile>
     return Error{ErrorCode::kUnprocessable,
                  "The flight has no file \"" + options.import_file + "\" to be imported. Upload it first.",
                  ""};
-  const ImportOptions how{options.title, options.jpeg_quality, options.threads};
+  const auto told = std::find_if(files.begin(), files.end(), [&](const flight::InputFile& one) {
+    return fs::path(one.name) == ReportBeside(file->name);
+  });
+  const ImportOptions how{options.title, options.jpeg_quality, options.threads,
+                          told == files.end() ? fs::path() : told->path};
   Result<pipeline::MosaicReport> report = ImportMap(*file, job.out_dir, how, progress);
   if (report && job.with_pmtiles) {
     SKYQUILT_TRY(

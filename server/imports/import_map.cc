@@ -1,14 +1,18 @@
 #include "server/imports/import_map.h"
 
 #include <array>
+#include <cstdint>
 #include <fstream>
+#include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "core/base/try.h"
 #include "server/imports/import_raster.h"
 #include "server/imports/import_tiles.h"
 #include "server/imports/imported_tileset.h"
+#include "server/imports/told_quality.h"
 #include "server/tileset_metadata.h"
 #include "storage/exports/thumbnail_writer.h"
 #include "storage/tilesets/publish_file.h"
@@ -19,11 +23,21 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kImportThumbnailPx = 512;
+constexpr std::uintmax_t kMaxReportBytes = std::uintmax_t{64} << 20;
 
 bool IsSqlite(const fs::path& file) {
   std::array<char, 16> head{};
   std::ifstream(file, std::ios::binary).read(head.data(), head.size());
   return std::string_view(head.data(), 15) == "SQLite format 3";
+}
+
+// Empty where there is none that a map of ours could have.
+std::string ReportText(const fs::path& file) {
+  std::error_code none;
+  const std::uintmax_t bytes = fs::file_size(file, none);
+  if (none || bytes > kMaxReportBytes) return {};
+  const Result<std::string> text = storage::ReadWholeFile(file);
+  return text ? *text : std::string();
 }
 
 }  // namespace
@@ -36,6 +50,8 @@ storage::TilesetMetadata MetadataOfImport(const pipeline::MosaicReport& report,
   return metadata;
 }
 
+fs::path ReportBeside(const fs::path& file) { return file.parent_path() / "report.json"; }
+
 Result<pipeline::MosaicReport> ImportMap(const flight::InputFile& file, const fs::path& out_dir,
                                          const ImportOptions& options, Progress& progress) {
   pipeline::MosaicReport report;
@@ -45,9 +61,12 @@ Result<pipeline::MosaicReport> ImportMap(const flight::InputFile& file, const fs
       {flight::RemarkCode::kImported, {{"file", fs::path(file.name).filename().string()}}});
   const fs::path mbtiles = out_dir / "mosaic.mbtiles";
   progress.BeginStage("import");
-  SKYQUILT_TRY(IsSqlite(file.path) ? ImportTiles(file, mbtiles, report, progress)
-                                   : ImportRaster(file, mbtiles, options, report, progress));
-  report.quality.status = pipeline::MapStatus::kReady;
+  const bool is_of_tiles = IsSqlite(file.path);
+  SKYQUILT_TRY(is_of_tiles ? ImportTiles(file, mbtiles, report, progress)
+                           : ImportRaster(file, mbtiles, options, report, progress));
+  report.quality.status = pipeline::MapStatus::kUnknown;
+  if (auto told = ToldQuality(ReportText(options.report_json), report, is_of_tiles))
+    report.quality = *std::move(told);
   progress.BeginStage("export");
   SKYQUILT_TRY(storage::WriteTilesThumbnail(mbtiles, out_dir / "thumbnail.png", kImportThumbnailPx));
   for (const auto& [name, text] :

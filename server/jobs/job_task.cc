@@ -5,6 +5,7 @@
 #include "api/json/job_options.h"
 #include "core/base/try.h"
 #include "core/pipeline/units/flight_cut.h"
+#include "server/imports/import_map.h"
 
 namespace skyquilt::server {
 
@@ -20,7 +21,9 @@ Result<LimitedTask> TaskOf(const WorkerContext& context, const std::string& flig
   SKYQUILT_TRY_ASSIGN(const pipeline::MosaicOptions parsed, api::ParseJobOptions(options));
   LimitedTask made;
   if (!parsed.import_file.empty())
-    std::erase_if(files, [&](const storage::StoredFile& file) { return file.name != parsed.import_file; });
+    std::erase_if(files, [&](const storage::StoredFile& file) {
+      return file.name != parsed.import_file && file.name != ReportBeside(parsed.import_file);
+    });
   std::int64_t bytes = 0;
   for (const storage::StoredFile& file : files) bytes += file.bytes;
   made.limits = LimitsOfJob(static_cast<std::int64_t>(files.size()), bytes, parsed, context.limits);

@@ -1,8 +1,8 @@
 // IsImport: is a job to take over a map of others (its option "import_file")?
 // TaskOf: what a worker asks the confined process that works on a job for: the flight's files, or the one
-// that is to be imported, where they are
-// on this machine (fetched, where photos lie elsewhere), the options, and the limits. Blocking. Errors: those
-// of the catalogue and of blobs; kInvalidArgument (the options); kCancelled.
+// that is to be imported with the report beside it, where they are on this machine (fetched, where photos lie
+// elsewhere), the options, and the limits. Blocking. Errors: those of the catalogue and of blobs;
+// kInvalidArgument (the options); kCancelled.
 #pragma once
 
 #include <optional>

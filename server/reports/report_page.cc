@@ -211,11 +211,13 @@ std::optional<pipeline::MapQuality> QualityIn(const Json& report) {
   return quality ? std::optional(*quality) : std::nullopt;
 }
 
-std::string Verdict(const pipeline::MapQuality& quality) {
-  const bool is_bad =
-      quality.status == pipeline::MapStatus::kDoubtful || quality.status == pipeline::MapStatus::kUnplaced;
-  std::string text = fmt::format("{}.", pipeline::StatusInWords(quality.status));
-  for (const pipeline::MapLimit& limit : quality.limits) text += " " + pipeline::LimitInWords(limit);
+std::string Verdict(const std::optional<pipeline::MapQuality>& quality) {
+  const pipeline::MapStatus status = quality ? quality->status : pipeline::MapStatus::kUnknown;
+  const bool is_bad = status == pipeline::MapStatus::kDoubtful || status == pipeline::MapStatus::kUnplaced;
+  std::string text = fmt::format("{}.", pipeline::StatusInWords(status));
+  if (quality) {
+    for (const pipeline::MapLimit& limit : quality->limits) text += " " + pipeline::LimitInWords(limit);
+  }
   return fmt::format("<p class=\"{}\">{}</p>\n", is_bad ? "bad" : "sub", Html(text));
 }
 
@@ -239,7 +241,7 @@ Result<std::string> ReportPage(std::string_view report_json, const std::optional
                : TextAt(report, {"captured", "first"}).substr(0, 10)));
   const std::optional<pipeline::MapQuality> quality = QualityIn(report);
   const bool is_scale_known = quality ? !quality->IsLimitedBy(pipeline::LimitKind::kScaleGuessed) : is_placed;
-  if (quality) page += Verdict(*quality);
+  page += Verdict(quality);
   if (picture) page += Figure(*picture, is_placed && is_scale_known);
   page += Facts(report, is_placed, is_scale_known).Text("The map") +
           Accuracy(report, quality).Text("Accuracy") + Warnings(report) + LeftOut(report);

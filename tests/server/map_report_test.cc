@@ -62,6 +62,12 @@ TEST(ReportPage, SaysNoSizeAndNoAccuracyOfAMapWithoutScale) {
   EXPECT_FALSE(Has(*page, "2.50 ha"));
 }
 
+TEST(ReportPage, SaysThatTheAccuracyIsNotKnownWhereNothingJudgedIt) {
+  const auto page = ReportPage(R"({"title":"Old","photos":{"total":3}})", std::nullopt, "");
+  ASSERT_TRUE(page.ok());
+  EXPECT_TRUE(Has(*page, "Accuracy not known."));
+}
+
 TEST(ReportPage, TakesAnyJsonAndRefusesTheRest) {
   for (
       const char* text :

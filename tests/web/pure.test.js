@@ -128,6 +128,12 @@ test('the page says of a map what the server judged, in the list and in the repo
   assert.equal(accuracyMark(null), '');
   assert.equal(absoluteWords(qualityWith()), '\u00b12.3\u00a0m (1\u03c3), by 9 GNSS positions');
   assert.equal(absoluteWords(qualityWith({ absolute: { sigma_m: null, by: 'none', count: 0 } })), 'unknown: no positions');
+  const imported = { status: 'unknown', absolute: { sigma_m: null, by: 'none', count: 0 } };
+  assert.deepEqual([absoluteWords(qualityWith(imported)), relativeWords(qualityWith(imported))], Array(2).fill('unknown: an imported map'));
+  assert.deepEqual(resultWords(report(imported, { photos: { total: 0 } })), { grade: 'amber', title: 'Accuracy not known', sentences: ['Imported map: its photos are not on this server.'] });
+  const old = resultWords({ ...report({}), quality: undefined });
+  assert.deepEqual([old.grade, old.title], ['amber', 'Accuracy not known'], 'a map of before there was a word on it is not called ready');
+  assert.match(old.sentences[0], /before accuracy was judged/);
   assert.equal(relativeWords(qualityWith()), '1.2\u00a0cm (0.7\u00a0px), at 31 places along seams');
   const guessed = { status: 'unplaced', limits: [{ kind: 'not_georeferenced', count: 0, of: 0 }, { kind: 'scale_guessed', count: 0, of: 0 }] };
   assert.equal(isScaleKnown(qualityWith(guessed)), false);

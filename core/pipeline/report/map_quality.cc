@@ -14,6 +14,7 @@ using QualityDocument = nlohmann::ordered_json;
 
 constexpr double kMaxSigmaM = 1e8;
 constexpr int kMaxSupportCount = 100'000'000;
+constexpr const char* kUnknownOfImported = "unknown: an imported map";
 
 std::string Number(double value) {
   return value < 100.0 ? fmt::format("{:.2g}", value) : fmt::format("{:.0f}", value);
@@ -115,6 +116,8 @@ std::string_view NameOf(MapStatus status) {
       return "doubtful";
     case MapStatus::kUnplaced:
       return "unplaced";
+    case MapStatus::kUnknown:
+      return "unknown";
   }
   return "unplaced";
 }
@@ -157,6 +160,7 @@ std::string AccuracyText(double metres) {
 std::string AbsoluteInWords(const MapQuality& quality) {
   const AbsoluteAccuracy& absolute = quality.absolute;
   const int count = absolute.count;
+  if (quality.status == MapStatus::kUnknown) return kUnknownOfImported;
   std::string by;
   switch (absolute.by) {
     case AbsoluteSupport::kNone:
@@ -184,6 +188,7 @@ std::string AbsoluteInWords(const MapQuality& quality) {
 
 std::string RelativeInWords(const MapQuality& quality) {
   const RelativeAccuracy& relative = quality.relative;
+  if (quality.status == MapStatus::kUnknown) return kUnknownOfImported;
   if (relative.by == RelativeSupport::kNone || !relative.error_px)
     return "unknown: no photos are tied to each other";
   const std::string pixels = Number(*relative.error_px) + " px";
@@ -203,6 +208,8 @@ std::string_view StatusInWords(MapStatus status) {
       return "Place in doubt";
     case MapStatus::kUnplaced:
       return "Not georeferenced";
+    case MapStatus::kUnknown:
+      return "Accuracy not known";
   }
   return "Not georeferenced";
 }

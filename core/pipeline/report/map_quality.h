@@ -60,9 +60,10 @@ enum class MapStatus : std::uint8_t {
   kLimited,   // of use, but for its limits
   kDoubtful,  // so little places it that nobody should rely on where it lies
   kUnplaced,  // nothing says where on Earth it lies
+  kUnknown,   // imported without a word on it
 };
 inline constexpr std::array kAllMapStatuses = {MapStatus::kReady, MapStatus::kLimited, MapStatus::kDoubtful,
-                                               MapStatus::kUnplaced};
+                                               MapStatus::kUnplaced, MapStatus::kUnknown};
 
 enum class LimitKind : std::uint8_t {
   kNotGeoreferenced,
@@ -112,7 +113,7 @@ std::string AccuracyText(double metres);
 std::string AbsoluteInWords(const MapQuality& quality);
 // "1.2 cm (0.4 px), at 31 places along seams"; "unknown: no photos are tied to each other".
 std::string RelativeInWords(const MapQuality& quality);
-// "Ready to use", "Usable, with limits", "Place in doubt", "Not georeferenced".
+// "Ready to use", "Usable, with limits", "Place in doubt", "Not georeferenced", "Accuracy not known".
 std::string_view StatusInWords(MapStatus status);
 // A sentence.
 std::string LimitInWords(const MapLimit& limit);

@@ -71,6 +71,7 @@ storage::OpenedDataFolder OpenForImport(const fs::path& data_dir) {
 }
 
 void ImportIntoFolder(ImportArguments& arguments) {
+  arguments.options.report_json = ReportBeside(arguments.file);
   const ImportOptions& options = arguments.options;
   const storage::OpenedDataFolder opened = OpenForImport(arguments.data_dir);
   const ImportFolder folder(opened.dir);
@@ -100,10 +101,14 @@ void ImportByServer(ImportArguments& arguments) {
   upload.job_options = nlohmann::json({{"import_file", name}, {"quality", arguments.options.quality}})
                            .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   std::string flight_id;
+  std::vector<flight::InputFile> files = {{name, arguments.file}};
+  const fs::path report = ReportBeside(arguments.file);
+  std::error_code none;
+  if (fs::is_regular_file(report, none)) files.push_back({report.filename().string(), report});
   const Result<UploadedFlight> uploaded = [&] {
     TerminalProgress progress;
     return UploadFlight(
-        {{name, arguments.file}}, upload, [&](const std::string& id) { flight_id = id; }, progress);
+        files, upload, [&](const std::string& id) { flight_id = id; }, progress);
   }();
   if (!uploaded) {
     if (!flight_id.empty())
@@ -180,6 +185,8 @@ void AddImportCommand(CLI::App& app) {
       ->needs(server);
   command->footer(
       "\nThe map becomes a flight without photos: it is served, shared and exported like any other.\n"
+      "How accurate it is, the report.json beside the file says where it is of this map; else it is not "
+      "known.\n"
       "On a server the file stays among the flight's files until it is deleted there.\n"
       "Examples:\n"
       "  skyquilt import orthophoto.tif --server http://maps.example:8080\n"

@@ -68,6 +68,15 @@ TEST(MapQuality, SaysNoNumberThatNothingSupports) {
   EXPECT_NE(QualityJson(unplaced).find(R"("sigma_m":null,"by":"none")"), std::string::npos);
 }
 
+TEST(MapQuality, OfAnImportedMapSaysThatItIsNotKnown) {
+  MapQuality imported;
+  imported.status = MapStatus::kUnknown;
+  EXPECT_EQ(StatusInWords(imported.status), "Accuracy not known");
+  EXPECT_EQ(AbsoluteInWords(imported), "unknown: an imported map");
+  EXPECT_EQ(RelativeInWords(imported), "unknown: an imported map");
+  EXPECT_EQ(ParseQuality(QualityJson(imported)).value(), imported);
+}
+
 TEST(MapQuality, IsReadAgainAndEveryWordHasAName) {
   MapQuality all = Placed();
   all.limits.clear();

@@ -28,7 +28,8 @@ class ServerImport(ServerTestCase):
         cls.mbtiles = cls.folder / "map/mosaic.mbtiles"
         cls.utm = cls.folder / "north field.tif"
         run("gdalwarp", "-q", "-t_srs", "EPSG:32632", "-dstalpha", "-r", "cubic", cls.folder / "map/mosaic.tif", cls.utm)
-        cls.bounds = json.loads((cls.folder / "map/report.json").read_text())["bounds"]
+        cls.report = json.loads((cls.folder / "map/report.json").read_text())
+        cls.bounds = cls.report["bounds"]
 
     def import_(self, server, file, *words, env=None):
         return subprocess.run([BINARY, "import", file, "--server", f"http://127.0.0.1:{server.port}/", *map(str, words)],
@@ -65,10 +66,13 @@ class ServerImport(ServerTestCase):
             self.assertEqual(server.request("GET", address)[0], 200, address)
         said = " ".join(server.json("GET", f"/api/v1/flights/{flight}/report")[1]["warnings"])
         self.assertIn("imported from north field.tif", said)
+        self.assertEqual(about["quality"]["status"], "unknown")
         self.assertNotIn(str(self.data), said)
         # Another file takes its place, as another revision; its tiles are its own bytes.
         self.assertEqual(self.imported(server, self.mbtiles, "--flight", flight), flight)
-        self.assertEqual(server.json("GET", f"/api/v1/flights/{flight}")[1]["revision"], 2)
+        about = server.json("GET", f"/api/v1/flights/{flight}")[1]
+        # The report that lay beside it came along, and says how true the map is.
+        self.assertEqual((about["revision"], about["quality"]), (2, self.report["quality"]))
         zoom = server.json("GET", f"/tiles/{flight}.json")[1]["maxzoom"]
         x, y = tile_of(sum(self.bounds[::2]) / 2, sum(self.bounds[1::2]) / 2, zoom)
         row = sqlite3.connect(self.mbtiles).execute("SELECT tile_data FROM tiles WHERE zoom_level=? AND tile_column=? AND tile_row=?",
@@ -76,8 +80,8 @@ class ServerImport(ServerTestCase):
         self.assertEqual(server.request("GET", f"/tiles/{flight}/{zoom}/{x}/{y}")[2], row)
         # The files stay until somebody deletes them; the map needs none of them.
         files = server.json("GET", f"/api/v1/flights/{flight}/files")[1]["files"]
-        self.assertEqual(sorted(file["name"] for file in files), ["mosaic.mbtiles", "north field.tif"])
-        for file in ("mosaic.mbtiles", "north%20field.tif"):
+        self.assertEqual(sorted(file["name"] for file in files), ["mosaic.mbtiles", "north field.tif", "report.json"])
+        for file in ("mosaic.mbtiles", "north%20field.tif", "report.json"):
             self.assertEqual(server.request("DELETE", f"/api/v1/flights/{flight}/files/{file}")[0], 204)
         self.assertEqual(self.middle_of(server, flight)[0], 200)
         self.assertEqual(server.garbage(), [])

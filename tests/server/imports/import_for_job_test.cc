@@ -11,11 +11,13 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <random>
 #include <string>
 #include <vector>
 
 #include "core/flight/remarks/remark_words.h"
+#include "storage/tilesets/publish_file.h"
 #include "tests/storage/scratch_dir.h"
 
 namespace skyquilt::server {
@@ -70,6 +72,45 @@ TEST(ImportForJob, MakesTheProductsOfAMap) {
        {"mosaic.mbtiles", "mosaic.pmtiles", "thumbnail.png", "report.json", "photos.geojson"}) {
     EXPECT_TRUE(std::filesystem::exists(out.path() / name)) << name;
   }
+}
+
+void ChangeReport(const std::filesystem::path& folder, const std::string& what, const std::string& by) {
+  std::string text = storage::ReadWholeFile(folder / "report.json").value();
+  const std::size_t at = text.find(what);
+  ASSERT_NE(at, std::string::npos) << what;
+  ASSERT_TRUE(storage::WriteFileAtomically(folder / "report.json", text.replace(at, what.size(), by)));
+}
+
+TEST(ImportForJob, TakesTheQualityThatTheMapsOwnReportStates) {
+  const ScratchDir in, first;
+  const auto made = Import(WriteNoise(in.path(), 600, true), "field.tif", {first.path(), false});
+  ASSERT_TRUE(made.ok()) << made.error().message;
+  EXPECT_EQ(made->quality.status, pipeline::MapStatus::kUnknown) << "nobody says how true it is";
+  ASSERT_NO_FATAL_FAILURE(ChangeReport(first.path(), R"("status": "unknown")", R"("status": "ready")"));
+  ASSERT_NO_FATAL_FAILURE(ChangeReport(first.path(), R"("sigma_m": null)", R"("sigma_m": 2.3)"));
+  const auto again = [&](const std::string& name_of_report) {
+    const ScratchDir out;
+    pipeline::MosaicOptions options;
+    options.import_file = "maps/field.mbtiles";
+    SilentProgress progress;
+    const auto report = ImportForJob({{"maps/field.mbtiles", first.path() / "mosaic.mbtiles"},
+                                      {name_of_report, first.path() / "report.json"}},
+                                     options, {out.path(), false}, progress);
+    EXPECT_TRUE(report.ok()) << report.error().message;
+    return report->quality;
+  };
+  EXPECT_EQ(again("maps/report.json").status, pipeline::MapStatus::kReady);
+  EXPECT_EQ(again("maps/report.json").absolute.sigma_m, std::optional(2.3));
+  EXPECT_EQ(again("report.json").status, pipeline::MapStatus::kUnknown) << "of another folder";
+  const std::string deep = R"("deep": )" + std::string(300'000, '[') + std::string(300'000, ']') + ",";
+  ASSERT_NO_FATAL_FAILURE(ChangeReport(first.path(), R"("quality": {)", R"("quality": {)" + deep));
+  EXPECT_EQ(again("maps/report.json").status, pipeline::MapStatus::kUnknown) << "nested without end";
+  ASSERT_NO_FATAL_FAILURE(ChangeReport(first.path(), deep, ""));
+  EXPECT_EQ(again("maps/report.json").status, pipeline::MapStatus::kReady);
+  ASSERT_NO_FATAL_FAILURE(ChangeReport(first.path(), R"("tile_count": )", R"("tile_count": 1)"));
+  EXPECT_EQ(again("maps/report.json").status, pipeline::MapStatus::kUnknown) << "of another map";
+  ASSERT_NO_FATAL_FAILURE(ChangeReport(first.path(), "{", "["));
+  EXPECT_EQ(again("maps/report.json").status, pipeline::MapStatus::kUnknown) << "damaged";
 }
 
 TEST(ImportForJob, CallsAFileByItsNameAndNotByWhereItIs) {

@@ -17,6 +17,7 @@ export function resultWords(report) {
   const words = strings.report.verdict;
   const sentences = (report.quality?.limits ?? []).map(limitWords);
   if (report.is_placed === false && !isGuessed(report)) sentences.push(words.unplaced_measured);
+  if (!report.quality && report.photos.total > 0) sentences.push(words.unjudged);
   if (sentences.length === 0) sentences.push(words.good(report.photos.total));
   return { grade: gradeOf(report.quality), title: statusWords(report.quality), sentences };
 }

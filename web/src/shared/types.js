@@ -164,7 +164,7 @@
 /**
  * How true a map is and whether it is fit for use.
  * @typedef {object} MapQuality
- * @property {'ready'|'limited'|'doubtful'|'unplaced'} status
+ * @property {'ready'|'limited'|'doubtful'|'unplaced'|'unknown'} status
  * @property {{sigma_m: number|null, by: 'none'|'hand'|'gnss'|'rtk'|'control_points'|'check_points', count: number}} absolute where it lies
  * @property {{error_m: number|null, error_px: number|null, by: 'none'|'tie_points'|'seams', count: number}} relative how well it fits itself
  * @property {MapLimit[]} limits the weightiest first

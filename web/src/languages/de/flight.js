@@ -316,6 +316,7 @@ export const flight_words = {
     warnings: 'Warnungen',
     left_out: (n) => `${count(n, photos)} nicht verwendet`,
     verdict: {
+      unjudged: 'Diese Karte entstand, bevor Genauigkeit beurteilt wurde. Erstellen Sie sie neu, um sie zu erfahren.',
       unplaced_measured: 'Maßstab und Nordrichtung sind bekannt, die Lage auf der Erde nicht.',
       good: (n) => (n === 0 ? 'Importierte Karte: Ihre Fotos sind nicht auf diesem Server.' : plural(n, { one: 'Das Foto liegt auf der Karte.', other: `Alle ${number(n)} Fotos sind ausgerichtet.` })),
     },

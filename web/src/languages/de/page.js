@@ -85,7 +85,7 @@ export const page_words = {
     uploading: 'Wird hochgeladen',
   },
   quality: {
-    statuses: { ready: 'Bereit zur Verwendung', limited: 'Eingeschränkt verwendbar', doubtful: 'Lage zweifelhaft', unplaced: 'Nicht georeferenziert' },
+    statuses: { ready: 'Bereit zur Verwendung', limited: 'Eingeschränkt verwendbar', doubtful: 'Lage zweifelhaft', unplaced: 'Nicht georeferenziert', unknown: 'Genauigkeit unbekannt' },
     limits: {
       not_georeferenced: () => 'Nichts sagt, wo auf der Erde die Karte liegt.',
       scale_guessed: () => 'Maßstab und Nordrichtung sind geschätzt: Messen Sie auf dieser Karte erst, wenn sie platziert ist.',
@@ -99,6 +99,7 @@ export const page_words = {
     unknown: (why) => `unbekannt: ${why}`,
     no_positions: 'keine Positionen',
     by_hand: 'von Hand platziert',
+    imported: 'eine importierte Karte',
     few: (n, all) => `nur ${number(n)} von ${count(all, photos)} mit Position`,
     no_ties: 'keine Fotos sind miteinander verknüpft',
     absolute: (radius, by) => `${radius} (1\u03c3), nach ${by}`,

@@ -313,6 +313,7 @@ export const flight_words = {
     warnings: 'Warnings',
     left_out: (/** @type {number} */ n) => `${count(n, { one: 'photo', other: 'photos' })} left out`,
     verdict: {
+      unjudged: 'This map was made before accuracy was judged. Create it again to know it.',
       unplaced_measured: 'Scale and north are known, the position on Earth is not.',
       good: (/** @type {number} */ n) => (n === 0 ? 'Imported map: its photos are not on this server.' : plural(n, { one: 'The photo is on the map.', other: `All ${number(n)} photos are aligned.` })),
     },

@@ -84,7 +84,7 @@ export const page_words = {
     uploading: 'Uploading',
   },
   quality: {
-    statuses: { ready: 'Ready to use', limited: 'Usable, with limits', doubtful: 'Place in doubt', unplaced: 'Not georeferenced' },
+    statuses: { ready: 'Ready to use', limited: 'Usable, with limits', doubtful: 'Place in doubt', unplaced: 'Not georeferenced', unknown: 'Accuracy not known' },
     limits: {
       not_georeferenced: () => 'Nothing says where on Earth the map lies.',
       scale_guessed: () => 'Scale and north are guesses: do not measure on this map before you place it.',
@@ -98,6 +98,7 @@ export const page_words = {
     unknown: (/** @type {string} */ why) => `unknown: ${why}`,
     no_positions: 'no positions',
     by_hand: 'placed by hand',
+    imported: 'an imported map',
     few: (/** @type {number} */ n, /** @type {number} */ all) => `only ${number(n)} of ${count(all, { one: 'photo', other: 'photos' })} with a position`,
     no_ties: 'no photos are tied to each other',
     absolute: (/** @type {string} */ radius, /** @type {string} */ by) => `${radius} (1\u03c3), by ${by}`,

@@ -156,8 +156,8 @@ class MapQualityLimitsItem(TypedDict):
 class MapQuality(TypedDict):
     """How true the map is and whether it is fit for use, as report.json has it under the same name."""
     # ready; of use but for its limits; placed by so little that nobody should rely on where it lies; not
-    # georeferenced
-    status: Literal['ready', 'limited', 'doubtful', 'unplaced']
+    # georeferenced; of an imported map of which that is not known
+    status: Literal['ready', 'limited', 'doubtful', 'unplaced', 'unknown']
     # Where it lies on Earth
     absolute: MapQualityAbsolute
     # How well it fits itself
