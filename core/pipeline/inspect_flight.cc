@@ -104,7 +104,7 @@ void DescribeCoverage(const alignment::AlignedFlight& flight, FlightVerdict& ver
 }
 
 // Photos that only what they show may place count among those that hang on the others' positions.
-MapQuality ForetoldQuality(const poses::PosedFlight& posed, alignment::AlignedFlight placed) {
+MapQuality QualityByRecords(const poses::PosedFlight& posed, alignment::AlignedFlight placed) {
   for (const flight::Photo& photo : posed.unplaced) {
     alignment::AlignedPhoto one;
     one.photo = photo;
@@ -158,6 +158,13 @@ void AddAdvice(FlightVerdict& verdict) {
 }
 
 }  // namespace
+
+std::optional<MapStatus> ForeseenStatus(const FlightVerdict& verdict) {
+  const MapStatus status = verdict.by_records.status;
+  const bool becomes_map = verdict.photos_placeable + verdict.photos_by_images > 0;
+  const bool is_decided = status == MapStatus::kDoubtful || status == MapStatus::kUnplaced;
+  return becomes_map && is_decided && verdict.gcp_lists.empty() ? std::optional(status) : std::nullopt;
+}
 
 Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files, const MosaicOptions& options,
                                     Progress& progress, const geo::DemSource* dem) {
@@ -229,7 +236,7 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
     verdict.lowest_m = std::min(verdict.lowest_m, photo.height_above_ground_m);
     verdict.highest_m = std::max(verdict.highest_m, photo.height_above_ground_m);
   }
-  verdict.quality = ForetoldQuality(*posed, placed);
+  verdict.by_records = QualityByRecords(*posed, placed);
   DescribeCoverage(placed, verdict);
   const auto plan =
       render::PlanMosaic(placed, ground::GroundSurface::Plane(placed.ground_z_in_enu_m), PlanWithin(options));

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,7 +40,9 @@ struct FlightVerdict {
   double area_m2 = 0.0;          // of the ground that some photo sees
   double forward_overlap = 0.0;  // median, 0..1, with the next photo in time
   double mean_photos_per_point = 0.0;
-  MapQuality quality;  // as foretold by the records alone: of the map once all photos are aligned
+  // What the records claim before any photo is looked at. It is not the map's accuracy, which photos that
+  // contradict them, or surveyed points, make another.
+  MapQuality by_records;
   int max_zoom = 0;
   int tile_size_px = 256;
   double output_megapixels = 0.0;
@@ -51,6 +54,9 @@ struct FlightVerdict {
 
 Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files, const MosaicOptions& options,
                                     Progress& progress, const geo::DemSource* dem = nullptr);
+
+// The map's status, where the records alone decide it: too few places, or none, and no surveyed points.
+std::optional<MapStatus> ForeseenStatus(const FlightVerdict& verdict);
 
 std::string VerdictText(const FlightVerdict& verdict);
 std::string VerdictJson(const FlightVerdict& verdict);

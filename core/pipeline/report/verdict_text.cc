@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "core/base/error_code.h"
 #include "core/base/printable.h"
@@ -99,6 +100,22 @@ std::string UsesText(const FlightVerdict& v) {
   return text;
 }
 
+std::string StatusText(const FlightVerdict& v) {
+  const std::optional<MapStatus> status = ForeseenStatus(v);
+  if (!status) return "Status      and accuracy come with the map, when photos have been compared\n";
+  std::string text = fmt::format("Status      {}.", StatusInWords(*status));
+  for (const MapLimit& limit : v.by_records.limits) text += " " + LimitInWords(limit);
+  return text + "\n";
+}
+
+nlohmann::ordered_json RecordsJson(const FlightVerdict& v) {
+  const std::optional<MapStatus> status = ForeseenStatus(v);
+  nlohmann::ordered_json json = nlohmann::ordered_json::parse(QualityJson(v.by_records));
+  json.erase("relative");
+  json["status"] = status ? nlohmann::ordered_json(NameOf(*status)) : nlohmann::ordered_json();
+  return json;
+}
+
 }  // namespace
 
 std::string VerdictText(const FlightVerdict& v) {
@@ -133,7 +150,10 @@ std::string VerdictText(const FlightVerdict& v) {
     text += fmt::format(
         "Ground      {:.2f} ha at {:.1f} cm a pixel, {:.0f} % forward overlap, {:.1f} photos a point\n",
         v.area_m2 / 1e4, 100.0 * v.gsd_m, 100.0 * v.forward_overlap, v.mean_photos_per_point);
-    text += fmt::format("Accuracy    {}, as foretold by the records\n", AbsoluteInWords(v.quality));
+    text +=
+        fmt::format("Records     {}: what they claim before any photo is looked at, not the map's accuracy\n",
+                    AbsoluteInWords(v.by_records));
+    text += StatusText(v);
     text += fmt::format("Map         {:.0f} megapixels, finest zoom {} with tiles of {} px\n",
                         v.output_megapixels, v.max_zoom, v.tile_size_px);
     text += fmt::format("Cost        about {:.0f} s and {:.0f} MiB of memory on this machine\n",
@@ -178,7 +198,7 @@ std::string VerdictJson(const FlightVerdict& v) {
                                     {"area_m2", v.area_m2},
                                     {"forward_overlap", v.forward_overlap},
                                     {"mean_photos_per_point", v.mean_photos_per_point},
-                                    {"quality", nlohmann::ordered_json::parse(QualityJson(v.quality))},
+                                    {"by_records", RecordsJson(v)},
                                     {"max_zoom", v.max_zoom},
                                     {"tile_size_px", v.tile_size_px},
                                     {"output_megapixels", v.output_megapixels},

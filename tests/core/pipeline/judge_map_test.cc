@@ -8,6 +8,7 @@
 #include <string>
 
 #include "core/alignment/adjustment/ground_control.h"
+#include "core/pipeline/inspect_flight.h"
 
 namespace skyquilt::pipeline {
 namespace {
@@ -73,6 +74,28 @@ TEST(JudgeMap, IsForetoldAsItTurnsOutWhereThePositionsAgree) {
   for (auto& photo : recorded.photos) photo.placement = alignment::Placement::kPoseOnly;
   EXPECT_EQ(JudgeMap({.flight = recorded, .poses = flight.poses, .is_forecast = true}).absolute,
             flight.Judge().absolute);
+}
+
+TEST(ForeseenStatus, IsWhatTheRecordsDecideAlone) {
+  FlightVerdict verdict;
+  EXPECT_FALSE(ForeseenStatus(verdict)) << "there is no map";
+  verdict.photos_placeable = 18;
+  const auto judge = [&](const JudgedFlight& flight) {
+    verdict.by_records = JudgeMap({.flight = flight.flight, .poses = flight.poses, .is_forecast = true});
+    return ForeseenStatus(verdict);
+  };
+  JudgedFlight flight(18);
+  EXPECT_FALSE(judge(flight)) << "the photos may contradict the records";
+  for (const char* said : {"Records     +-2.3 m (1 sigma), by 18 positions of GNSS: what they claim",
+                           "Status      and accuracy come with the map"})
+    EXPECT_NE(VerdictText(verdict).find(said), std::string::npos) << VerdictText(verdict);
+  EXPECT_EQ(VerdictText(verdict).find("Accuracy"), std::string::npos);
+  EXPECT_NE(VerdictJson(verdict).find("\"status\": null"), std::string::npos);
+  for (std::size_t i = 1; i < 18; ++i) flight.flight.photos[i].photo.position.reset();
+  EXPECT_EQ(judge(flight), MapStatus::kDoubtful);
+  EXPECT_NE(VerdictText(verdict).find("Status      Place in doubt. Only 1 of 18 photos"), std::string::npos);
+  verdict.gcp_lists = {"gcp_list.txt: 5 points, 23 sightings"};
+  EXPECT_FALSE(ForeseenStatus(verdict)) << "surveyed points may place it";
 }
 
 TEST(JudgeMap, SaysNoNumberWithoutPositions) {
