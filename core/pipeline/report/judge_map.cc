@@ -22,6 +22,9 @@ constexpr double kSurveySigmaM = 0.02;       // of surveyed points, each axis
 constexpr int kFreedomOfMove = 4;            // shift, turn and scale
 constexpr std::size_t kFewestPositions = 3;  // for turn and scale, and a miss that shows
 constexpr double kFewPositionsShare = 0.1;
+// Of many photos: among four, one wrong position shows without being told from the others; five name it, and
+// a second one hides it.
+constexpr std::size_t kHandful = 5;
 constexpr double kFarOffM = 10.0;  // what a receiver of a phone or a drone is good for
 constexpr int kFewestSeams = 5;
 
@@ -132,9 +135,10 @@ std::optional<AbsoluteAccuracy> BySurvey(const JudgedMap& map) {
                       residuals.size());
 }
 
-// Turn and scale of the others hang on them.
+// Turn and scale of the others hang on them. A handful is enough where it is half of the photos.
 bool AreFewPositions(std::size_t count, std::size_t placed) {
-  return count < placed && (count < kFewestPositions ||
+  const bool is_handful = count <= kHandful && 2 * count < placed;
+  return count < placed && (count < kFewestPositions || is_handful ||
                             static_cast<double>(count) < kFewPositionsShare * static_cast<double>(placed));
 }
 
@@ -190,16 +194,13 @@ RelativeAccuracy RelativeOf(const JudgedMap& map, bool is_scale_guessed) {
   return relative;
 }
 
-bool IsByPositions(const AbsoluteAccuracy& absolute) {
-  return absolute.by == AbsoluteSupport::kGnss || absolute.by == AbsoluteSupport::kRtk;
-}
-
 std::vector<MapLimit> LimitsOf(const JudgedMap& map, const AbsoluteAccuracy& absolute) {
   std::vector<MapLimit> limits;
   const int placed = static_cast<int>(map.flight.photos.size());
   const int left_out = static_cast<int>(map.flight.left_out.size());
   if (!map.is_placed) limits.push_back({LimitKind::kNotGeoreferenced});
-  const bool is_placed_by_few = IsByPositions(absolute) && !absolute.sigma_m;
+  // None at all where the pictures refute each that there is.
+  const bool is_placed_by_few = map.is_placed && !absolute.sigma_m && absolute.by != AbsoluteSupport::kHand;
   if (map.is_by_images && (!map.is_placed || (is_placed_by_few && absolute.count < 2)))
     limits.push_back({LimitKind::kScaleGuessed});
   if (is_placed_by_few) limits.push_back({LimitKind::kFewPositions, absolute.count, placed});

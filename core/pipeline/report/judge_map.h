@@ -7,8 +7,9 @@
 // the n positions), where `common` is what all positions of a flight share
 // (core/poses/evidence/common_error.h: assumed, since no comparison among them shows it) and `noise` what the
 // adjusted cameras miss them by, with the four degrees of freedom of a similarity taken off. Fewer than three
-// positions say nothing of turn and scale. The stated radius is 1.515 sigma: a circle that holds 68.3 % of a
-// normal error of two axes. Pure; any thread.
+// positions say nothing of turn and scale, and among five or fewer a wrong one is hardly told from the
+// others: fewer than half of the photos, they place nothing. The stated radius is 1.515 sigma: a circle that
+// holds 68.3 % of a normal error of two axes. Pure; any thread.
 #pragma once
 
 #include "core/alignment/align_report.h"

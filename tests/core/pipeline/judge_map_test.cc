@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 #include <string>
+#include <vector>
 
 #include "core/alignment/adjustment/ground_control.h"
 #include "core/pipeline/inspect_flight.h"
@@ -116,7 +117,7 @@ TEST(JudgeMap, SaysNoNumberWithoutPositions) {
 }
 
 TEST(JudgeMap, NeverCallsUsableWhatAHandfulOfPhotosPlaces) {
-  for (const std::size_t with : {1u, 2u, 3u, 4u}) {
+  for (const std::size_t with : {1u, 2u, 3u, 4u, 5u}) {
     JudgedFlight flight(42);
     for (std::size_t i = with; i < 42; ++i) flight.flight.photos[i].photo.position.reset();
     JudgedMap map = flight.Map();
@@ -128,6 +129,17 @@ TEST(JudgeMap, NeverCallsUsableWhatAHandfulOfPhotosPlaces) {
     EXPECT_EQ(quality.limits.back(), (MapLimit{LimitKind::kFewPositions, static_cast<int>(with), 42}));
     EXPECT_EQ(quality.IsLimitedBy(LimitKind::kScaleGuessed), with == 1);
   }
+  const auto placed_by = [](std::size_t with, int photos) {
+    JudgedFlight flight(photos);
+    for (std::size_t i = with; i < flight.flight.photos.size(); ++i)
+      flight.flight.photos[i].photo.position.reset();
+    return flight.Judge().status;
+  };
+  EXPECT_EQ(placed_by(6, 42), MapStatus::kReady);
+  EXPECT_EQ(placed_by(6, 61), MapStatus::kDoubtful) << "fewer than a tenth";
+  EXPECT_EQ(placed_by(4, 8), MapStatus::kReady) << "half of them";
+  EXPECT_EQ(placed_by(4, 9), MapStatus::kDoubtful);
+  EXPECT_EQ(placed_by(2, 4), MapStatus::kDoubtful) << "turn and scale";
   JudgedFlight half(42);
   for (std::size_t i = 21; i < 42; ++i) half.flight.photos[i].photo.position.reset();
   EXPECT_EQ(half.Judge().status, MapStatus::kReady);
@@ -142,6 +154,19 @@ TEST(JudgeMap, LetsARefutedPositionPlaceNothing) {
   refuted.name = "p3";
   refuted.faults = {alignment::PhotoFault::kPositionWrong};
   EXPECT_EQ(flight.Judge().absolute, (AbsoluteAccuracy{2.3, AbsoluteSupport::kGnss, 17}));
+}
+
+TEST(JudgeMap, DoubtsAMapOfWhichEveryPositionIsRefuted) {
+  JudgedFlight flight(2);
+  for (const char* name : {"p0", "p1"}) {
+    alignment::AlignPhotoReport& refuted = flight.report.photo_reports.emplace_back();
+    refuted.name = name;
+    refuted.faults = {alignment::PhotoFault::kPositionWrong};
+  }
+  const MapQuality quality = flight.Judge();
+  EXPECT_EQ(quality.absolute, AbsoluteAccuracy());
+  EXPECT_EQ(quality.status, MapStatus::kDoubtful);
+  EXPECT_EQ(quality.limits, (std::vector<MapLimit>{{LimitKind::kFewPositions, 0, 2}}));
 }
 
 TEST(JudgeMap, BelievesCheckPointsFirstThenControlPointsThatFit) {
