@@ -7,6 +7,7 @@
 #include "api/http/links.h"
 #include "api/json/json_codec.h"
 #include "api/stac/stac_search.h"
+#include "core/pipeline/report/map_quality.h"
 
 namespace skyquilt::api {
 namespace {
@@ -44,15 +45,21 @@ ItemJson PropertiesOf(const storage::ShownFlight& map) {
     properties["start_datetime"] = times->first;
     properties["end_datetime"] = times->last;
   }
-  // The same number that report.json and the flight's document have; left out where nothing supports one.
-  const ItemJson quality = ItemJson::parse(map.revision.quality, nullptr, false);
-  if (quality.is_object()) {
-    const ItemJson absolute = quality.value("absolute", ItemJson::object());
-    if (absolute.contains("sigma_m") && absolute["sigma_m"].is_number()) {
-      properties["skyquilt:accuracy_m"] = absolute["sigma_m"];
-      properties["skyquilt:accuracy_by"] = absolute["by"];
+  // The same numbers and words that report.json and the command line have; left out where nothing supports
+  // one.
+  if (const auto quality = pipeline::ParseQuality(map.revision.quality)) {
+    const auto& [status, absolute, relative, limits] = *quality;
+    properties["description"] = pipeline::QualityInWords(*quality);
+    properties["skyquilt:status"] = pipeline::NameOf(status);
+    if (absolute.sigma_m) {
+      properties["skyquilt:accuracy_m"] = *absolute.sigma_m;
+      properties["skyquilt:accuracy_by"] = pipeline::NameOf(absolute.by);
     }
-    properties["skyquilt:status"] = quality["status"];
+    if (relative.error_m) properties["skyquilt:relative_error_m"] = *relative.error_m;
+    if (relative.error_px) {
+      properties["skyquilt:relative_error_px"] = *relative.error_px;
+      properties["skyquilt:relative_error_by"] = pipeline::NameOf(relative.by);
+    }
   }
   // Of imported maps the resolution may not be known; STAC wants one above zero or none.
   if (!(map.revision.gsd_m > 0.0)) properties.erase("gsd");

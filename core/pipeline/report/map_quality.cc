@@ -214,6 +214,11 @@ std::string_view StatusInWords(MapStatus status) {
   return "Not georeferenced";
 }
 
+std::string QualityInWords(const MapQuality& quality) {
+  return fmt::format("{}. Absolute accuracy: {}. Relative: {}.", StatusInWords(quality.status),
+                     AbsoluteInWords(quality), RelativeInWords(quality));
+}
+
 std::string LimitInWords(const MapLimit& limit) {
   const int count = limit.count, of = limit.of;
   switch (limit.kind) {

@@ -115,6 +115,8 @@ std::string AbsoluteInWords(const MapQuality& quality);
 std::string RelativeInWords(const MapQuality& quality);
 // "Ready to use", "Usable, with limits", "Place in doubt", "Not georeferenced", "Accuracy not known".
 std::string_view StatusInWords(MapStatus status);
+// "Ready to use. Absolute accuracy: +-2.3 m (1 sigma), ... Relative: 1.2 cm (0.4 px), ..."
+std::string QualityInWords(const MapQuality& quality);
 // A sentence.
 std::string LimitInWords(const MapLimit& limit);
 

@@ -98,8 +98,7 @@ void PrintOutcome(const pipeline::MosaicReport& report, const std::filesystem::p
     fmt::print("{:.2f} ha at {:.1f} cm a pixel, zoom {} to {}, {} tiles\n", report.area_m2 / 1e4,
                report.gsd_m * 100.0, report.min_zoom, report.max_zoom, report.tile_count);
   }
-  fmt::print("{}. Absolute accuracy: {}. Relative: {}.\n", pipeline::StatusInWords(report.quality.status),
-             pipeline::AbsoluteInWords(report.quality), pipeline::RelativeInWords(report.quality));
+  fmt::print("{}\n", pipeline::QualityInWords(report.quality));
   fmt::print("{}\n", (out_dir / "mosaic.mbtiles").string());
   PrintNextSteps(out_dir);
 }

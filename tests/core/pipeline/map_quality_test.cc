@@ -68,6 +68,13 @@ TEST(MapQuality, SaysNoNumberThatNothingSupports) {
   EXPECT_NE(QualityJson(unplaced).find(R"("sigma_m":null,"by":"none")"), std::string::npos);
 }
 
+TEST(MapQuality, IsSaidInOneLine) {
+  const MapQuality quality = Placed();
+  EXPECT_EQ(QualityInWords(quality), std::string(StatusInWords(quality.status)) +
+                                         ". Absolute accuracy: " + AbsoluteInWords(quality) +
+                                         ". Relative: " + RelativeInWords(quality) + ".");
+}
+
 TEST(MapQuality, OfAnImportedMapSaysThatItIsNotKnown) {
   MapQuality imported;
   imported.status = MapStatus::kUnknown;

@@ -88,6 +88,10 @@ class Accuracy(ServerTestCase):
         properties = server.json("GET", f"/stac/{name}")[1]["properties"]
         self.assertEqual((properties["skyquilt:accuracy_m"], properties["skyquilt:accuracy_by"], properties["skyquilt:status"]),
                          (absolute["sigma_m"], "rtk", report["quality"]["status"]))
+        relative = report["quality"]["relative"]
+        self.assertEqual([properties[f"skyquilt:relative_error_{part}"] for part in ("m", "px", "by")],
+                         [relative["error_m"], relative["error_px"], relative["by"]])
+        self.assertIn(properties["description"], said, "the command line's words")
 
     def test_without_positions_there_is_no_number(self):
         flight = self.simulated("nowhere", "--noise", "no-pose")

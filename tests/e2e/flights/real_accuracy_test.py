@@ -85,8 +85,9 @@ class RealAccuracy(unittest.TestCase):
             said["API, flight"] = of_quality(server.json("GET", f"/api/v1/flights/{flight}")[1]["quality"])
             said["API, report"] = of_quality(server.json("GET", f"/api/v1/flights/{flight}/report")[1]["quality"])
             properties = server.json("GET", f"/stac/{flight}")[1]["properties"]
-            sigma_m = properties.get("skyquilt:accuracy_m")
-            said["STAC"] = (STATUSES[properties["skyquilt:status"]], "unknown" if sigma_m is None else digits(sigma_m), "", "")
+            said["STAC"] = of_quality({"status": properties["skyquilt:status"], "absolute": {"sigma_m": properties.get("skyquilt:accuracy_m")},
+                                       "relative": {f"error_{unit}": properties.get(f"skyquilt:relative_error_{unit}") for unit in ("m", "px")}})
+            said["STAC, words"] = of_words(*re.fullmatch(r"(.*?)\. Absolute accuracy: (.*?)\. Relative: (.*)\.", properties["description"]).groups())
             page = subprocess.run(["node", PAGE_READER, url, flight], capture_output=True, text=True) if shutil.which("node") else None
             if page and page.returncode != 77:
                 self.assertEqual(page.returncode, 0, page.stderr)
