@@ -182,7 +182,13 @@ std::string AbsoluteInWords(const MapQuality& quality) {
       by = Counted(count, "check point");
       break;
   }
-  if (!absolute.sigma_m) return fmt::format("unknown: only {}", by);
+  if (!absolute.sigma_m) {
+    const auto few = std::find_if(quality.limits.begin(), quality.limits.end(), [](const MapLimit& limit) {
+      return limit.kind == LimitKind::kFewPositions;
+    });
+    return fmt::format("unknown: only {} of {} with a position", count,
+                       Counted(few == quality.limits.end() ? count : few->of, "photo"));
+  }
   return fmt::format("+-{} (1 sigma), by {}", AccuracyText(*absolute.sigma_m), by);
 }
 
@@ -232,7 +238,7 @@ std::string LimitInWords(const MapLimit& limit) {
           "otherwise.",
           count, of, count == 1 ? "has" : "have");
     case LimitKind::kFarOff:
-      return "The recorded positions are poor or contradict the photos: the map may be far from its true place.";
+      return "The stated error is more than 10 m: the map may lie far from its true place.";
     case LimitKind::kPlacedByHand:
       return "The map was placed by hand: nothing tells how far off it lies.";
     case LimitKind::kLeftOut:

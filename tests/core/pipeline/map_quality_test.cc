@@ -45,7 +45,8 @@ TEST(MapQuality, IsSaidInWords) {
   EXPECT_EQ(LimitInWords(Placed().limits[0]), "1 of 43 photos was left out: the map may have gaps there.");
   MapQuality few = Placed();
   few.absolute = {std::nullopt, AbsoluteSupport::kGnss, 1};
-  EXPECT_EQ(AbsoluteInWords(few), "unknown: only 1 position of GNSS");
+  few.limits = {{LimitKind::kFewPositions, 1, 42}};
+  EXPECT_EQ(AbsoluteInWords(few), "unknown: only 1 of 42 photos with a position");
   EXPECT_NE(LimitInWords({LimitKind::kFewPositions, 1, 42}).find("Only 1 of 42 photos has a position"),
             std::string::npos);
 }
@@ -66,6 +67,10 @@ TEST(MapQuality, SaysNoNumberThatNothingSupports) {
   unplaced.relative.error_m.reset();
   EXPECT_EQ(RelativeInWords(unplaced), "0.7 px, at 31 places along seams");
   EXPECT_NE(QualityJson(unplaced).find(R"("sigma_m":null,"by":"none")"), std::string::npos);
+}
+
+TEST(MapQuality, FarOffBlamesNoPositionsThatDidNotGiveTheNumber) {
+  EXPECT_EQ(LimitInWords({LimitKind::kFarOff, 0, 0}).find("position"), std::string::npos);
 }
 
 TEST(MapQuality, IsSaidInOneLine) {

@@ -47,7 +47,7 @@ export function photosGeoJson(place, names) {
         name,
         placement: pose_only ? 'pose_only' : 'aligned',
         reason: pose_only ? 'too few points in common with its neighbours' : null,
-        error_radius_m: pose_only ? 2.4 : 0.18 + 0.05 * (i % 5),
+        error_radius_m: pose_only ? 3.1 : 2.3,  // as the map's (TellPhotos)
         camera_lon,
         camera_lat,
         camera_height_above_ground_m: 41.3 + 0.1 * (i % 7),

@@ -257,7 +257,7 @@ export async function startMockServer(options = {}) {
       }
       if (rest === '/at') {
         const names = [...flight.files.keys()].slice(2, 5);
-        return send(200, { photos: names.map((name, i) => ({ name, x: 40 + 10 * i, y: 60, off_nadir_deg: [21, 3, 9][i], placement: 'aligned', sigma_m: 0.2 })) });
+        return send(200, { photos: names.map((name, i) => ({ name, x: 40 + 10 * i, y: 60, off_nadir_deg: [21, 3, 9][i], placement: 'aligned', sigma_m: 2.3 })) });
       }
       if (rest === '/shares' && request.method === 'GET') {
         return send(200, { needs_token: Boolean(options.has_tokens), addresses: options.addresses ?? [], shares: flight.shares.map(({ token, page, embed, ...share }) => share) });
