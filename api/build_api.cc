@@ -26,6 +26,7 @@
 #include "api/ogc/ogc.h"
 #include "api/ogc/processes.h"
 #include "api/ops/ops.h"
+#include "api/shares/open_network.h"
 #include "api/shares/shares.h"
 #include "api/stac/stac.h"
 #include "api/tiles/tiles.h"
@@ -46,6 +47,7 @@ Router BuildApi(Service& service) {
   AddFlightRoutes(router, service);
   AddTrashRoutes(router, service);
   AddShareRoutes(router, service);
+  AddNetworkRoute(router, service);
   AddOwnAccessRoute(router, service);
   AddVerdictRoute(router, service);
   AddLocateRoutes(router, service);

@@ -84,6 +84,10 @@ struct Service {
   std::function<Result<void>()> storage_in_place = [] { return Result<void>(); };
   // Where other machines reach this server, the likeliest first; none: it listens to its own machine alone.
   std::function<std::vector<std::string>()> addresses_for_others = [] { return std::vector<std::string>(); };
+  // Lets this network see the server: it listens at the machine's addresses besides, until it ends, and who
+  // asks there needs a token (Request::needs_token). Empty: how others reach it is the operator's choice.
+  std::function<Result<void>()> open_network = nullptr;
+  std::atomic<bool> is_network_open = false;
   Basemap basemap{};
   // What is in these files, as JSON, without making a map; `options`: the flight's, as JSON. Reading them
   // takes a second or two. The server has it done by a process apart, once for each set of files.

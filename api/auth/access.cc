@@ -42,6 +42,7 @@ constexpr Rule kRules[] = {
     {Method::kGet, "/api/v1/webhooks", Scope::kAdmin},
     {Method::kPost, "/api/v1/webhooks", Scope::kAdmin},
     {Method::kDelete, "/api/v1/webhooks/{webhook}", Scope::kAdmin},
+    {Method::kPost, "/api/v1/network", Scope::kAdmin},
     {Method::kGet, "/api/v1/flights/{flight}/shares", Scope::kUpload},
     {Method::kPost, "/api/v1/flights/{flight}/exports", Scope::kRead},
     {Method::kPost, "/api/v1/flights/{flight}/heights", Scope::kRead},
@@ -119,6 +120,8 @@ Response Unauthorized(const Request& request, std::string_view pattern, bool has
       : has_live_token && !shown.empty()
           ? "The token that came with this request is not good here: it is mistyped, was revoked or has ended. The "
             "server's operator makes another with \"skyquilt token add\"."
+      : request.needs_token
+          ? "At this address the server shows what a link or a token opens. Ask whoever runs it for one."
       : has_live_token
           ? "This server asks for a token. Its operator makes one with \"skyquilt token add\"."
           : "This server asks for a token, and all that it had were revoked or have ended. Its operator makes one "
@@ -168,7 +171,7 @@ std::optional<Response> CheckAccess(Service& service, Request& request, std::str
   const ShownToken shown = ShownBy(request);
   const storage::Token* token = shown.text.empty() ? nullptr : Recognise(**tokens, shown.text);
   const bool is_share = shown.text.starts_with(kShareText) || (token != nullptr && !token->flight_id.empty());
-  if (!(*tokens)->requires_token && !is_share) {
+  if (!(*tokens)->requires_token && !is_share && !request.needs_token) {
     request.is_admin = true;
     return std::nullopt;
   }

@@ -2,6 +2,7 @@
 // then listens to its own machine only, or was started with --open). From then on each route requires a
 // scope, shown as "Authorization: Bearer ...", also after the last token is revoked or has expired. "?token="
 // is for clients that cannot set headers, for reading only, and for NodeODM clients, whose protocol uses it.
+// Whoever comes by an address that was opened for links (Request::needs_token) needs one all the same.
 // A share only reads its flight also where everything is open, and nothing once it has ended.
 // Which flights a request may be about is decided in api/auth/flight_access.
 #pragma once

@@ -17,11 +17,12 @@ Response OwnAccess(Service& service, const Request& request) {
   for (const storage::Token& token : (*tokens)->tokens) {
     if (!only_reads && token.id == request.owner) scope = token.scope;
   }
-  return Json(200, JsonObject({{"needs_token", (*tokens)->requires_token ? "true" : "false"},
-                               {"scope", JsonString(storage::ScopeName(scope))},
-                               {"flight", request.only_flight.empty() ? std::string("null")
-                                                                      : JsonString(request.only_flight)},
-                               {"keep_days", std::to_string(service.keep_days)}}));
+  return Json(
+      200, JsonObject({{"needs_token", (*tokens)->requires_token || request.needs_token ? "true" : "false"},
+                       {"scope", JsonString(storage::ScopeName(scope))},
+                       {"flight",
+                        request.only_flight.empty() ? std::string("null") : JsonString(request.only_flight)},
+                       {"keep_days", std::to_string(service.keep_days)}}));
 }
 
 }  // namespace

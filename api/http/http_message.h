@@ -64,7 +64,9 @@ struct Request {
   std::string base_url;   // "http://host:port/base", for absolute links; no slash at the end
   std::string base_path;  // "/base", before paths of this server in answers; empty: it lies at the root
   std::string request_id;
-  std::string client;          // who counts as one when shares are dealt out; empty: this machine itself
+  std::string client;  // who counts as one when shares are dealt out; empty: this machine itself
+  bool is_from_this_machine = false;  // and, as far as is said, no proxy's
+  bool needs_token = false;    // it came by an address that was opened to the network (api/auth/access)
   Work work = Work::kCompute;  // where it is carried out now; a handler that needs a later kind asks for it
   // Who asks (api/auth/access).
   std::string owner;      // id of the token it showed; empty where the server asks for none

@@ -94,8 +94,8 @@ Response Info(Service& service, const Request& request) {
 }
 
 // Nobody logs in here: an operator gives out tokens, or lets everybody in.
-Response AuthInfo(Service& service) {
-  const char* message = service.tokens.RequiresToken()
+Response AuthInfo(Service& service, const Request& request) {
+  const char* message = service.tokens.RequiresToken() || request.needs_token
                             ? "Skyquilt takes the tokens that its operator gives out."
                             : "Authentication not available on this node";
   return NodeAnswer(NodeJson({{"message", message}, {"loginUrl", nullptr}, {"registerUrl", nullptr}}));
@@ -238,7 +238,7 @@ void AddNodeRoutes(Router& router, Service& service) {
   router.Add(Method::kGet, "/task/list", [&](const Request& r) { return ListTasks(service, r); });
   router.Add(Method::kGet, "/task/{uuid}/info", [&](const Request& r) { return TaskInfo(service, r); });
   router.Add(Method::kGet, "/task/{uuid}/output", [&](const Request& r) { return TaskOutput(service, r); });
-  router.AddQuick(Method::kGet, "/auth/info", [&](const Request&) { return AuthInfo(service); });
+  router.AddQuick(Method::kGet, "/auth/info", [&](const Request& r) { return AuthInfo(service, r); });
   for (const char* pattern : {"/auth/login", "/auth/register"}) {
     router.AddUpload(Method::kPost, pattern,
                      [](const Request&) -> std::variant<std::unique_ptr<BodySink>, Response> {

@@ -10,6 +10,7 @@
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
 #include "api/json/json_text.h"
+#include "api/shares/open_network.h"
 #include "core/base/try.h"
 #include "storage/db/ids.h"
 
@@ -80,7 +81,9 @@ Response ListShares(Service& service, const Request& request) {
   }
   std::vector<std::string> addresses;
   for (const std::string& address : service.addresses_for_others()) addresses.push_back(JsonString(address));
-  return Json(200, JsonObject({{"needs_token", set->requires_token ? "true" : "false"},
+  const bool needs_token = set->requires_token || service.is_network_open;
+  return Json(200, JsonObject({{"needs_token", needs_token ? "true" : "false"},
+                               {"may_open_network", MayOpenNetwork(service, request) ? "true" : "false"},
                                {"addresses", JsonArray(addresses)},
                                {"shares", JsonArray(items)}}));
 }

@@ -68,6 +68,8 @@ std::string HostOf(const std::string& url) {
   return url.substr(host, url.find('/', host) - host);
 }
 
+bool IsLoopback(const std::string& address) { return address.starts_with("127.") || address == "::1"; }
+
 // "127.0.0.1:8080", "localhost:0", "[::1]:8080".
 Result<HttpSettings> SettingsFrom(const ServeOptions& options, bool has_tokens) {
   const std::string& text = options.listen;
@@ -82,8 +84,7 @@ Result<HttpSettings> SettingsFrom(const ServeOptions& options, bool has_tokens) 
   const char* end = text.data() + text.size();
   const auto parsed = std::from_chars(text.data() + colon + 1, end, settings.port);
   if (parsed.ec != std::errc() || parsed.ptr != end || address.empty()) return bad;
-  const bool is_loopback = address.starts_with("127.") || address == "::1";
-  if (!is_loopback && !options.open && !has_tokens) {
+  if (!IsLoopback(address) && !options.open && !has_tokens) {
     return Error{
         ErrorCode::kForbidden,
         fmt::format(
@@ -118,6 +119,12 @@ Result<HttpSettings> SettingsFrom(const ServeOptions& options, bool has_tokens) 
     settings.trusted_proxies.push_back(*range);
   }
   return settings;
+}
+
+// And the operator said nothing of names and proxies by which others reach it.
+bool IsForThisMachineAlone(const HttpSettings& settings) {
+  return IsLoopback(settings.address) && settings.public_url.empty() && settings.hosts.empty() &&
+         settings.trusted_proxies.empty();
 }
 
 // How this machine reaches the server.
@@ -309,9 +316,12 @@ void RunServer(const ServeOptions& options) {
   });
   Result<std::unique_ptr<HttpServer>> server = HttpServer::Listen(*settings, router, service);
   if (!server) Fail("skyquilt serve", server.error());
-  service.addresses_for_others = [&settings = *settings, port = (*server)->port()] {
-    return AddressesForOthers(settings, port);
+  service.addresses_for_others = [&settings = *settings, &server = **server] {
+    std::vector<std::string> addresses = AddressesForOthers(settings, server.port());
+    return addresses.empty() ? server.NetworkAddresses() : addresses;
   };
+  if (IsForThisMachineAlone(*settings))
+    service.open_network = [&server = **server] { return server.OpenNetwork(); };
   (*server)->Start();
   const std::string host =
       settings->address.find(':') == std::string::npos ? settings->address : "[" + settings->address + "]";

@@ -21,6 +21,13 @@ class HttpServer {
   ~HttpServer();
 
   int port() const;
+  // Listens at the addresses by which the network knows this machine besides, until the end: at the same
+  // port, or, where that is taken, at a free one. Asked again, it takes what the machine has come by since.
+  // Who comes there needs a token. After Start. Errors: kConflict (no network), kUnavailable (it is ending),
+  // kIo.
+  Result<void> OpenNetwork();
+  // "http://192.168.1.20:8080/skyquilt", those of now, the likeliest first; none before.
+  std::vector<std::string> NetworkAddresses() const;
   void Start();
   // False: some connection did not finish in time and was cut.
   bool Drain(std::chrono::milliseconds timeout);

@@ -40,8 +40,12 @@ std::span<const std::uint8_t> BytesOf(std::string_view text) {
 
 class Session : public std::enable_shared_from_this<Session> {
  public:
-  Session(std::shared_ptr<Connection> connection, SessionSet::Place place, SessionContext& context)
-      : connection_(std::move(connection)), place_(std::move(place)), context_(context) {}
+  Session(std::shared_ptr<Connection> connection, SessionSet::Place place, SessionContext& context,
+          bool by_network)
+      : connection_(std::move(connection)),
+        place_(std::move(place)),
+        context_(context),
+        by_network_(by_network) {}
 
   ~Session() {
     context_.sessions.Remove(key_);
@@ -93,7 +97,7 @@ class Session : public std::enable_shared_from_this<Session> {
     is_head_ = head.method == "HEAD";
     const bool has_body = head.is_chunked || head.content_length.value_or(0) > 0;
     Routed routed = RouteRequest(head, context_.router, context_.settings, context_.service, request_id_,
-                                 connection_->peer());
+                                 connection_->peer(), by_network_);
     base_path_ = routed.request.base_path;
     routed.request.client = ClientAddress(connection_->peer(), routed.request.headers, context_.settings);
     cors_ = std::move(routed.cors);
@@ -346,6 +350,7 @@ class Session : public std::enable_shared_from_this<Session> {
   std::shared_ptr<Connection> connection_;
   SessionSet::Place place_;
   SessionContext& context_;
+  const bool by_network_;
   std::uint64_t key_ = 0;
   std::string request_id_;
   api::Headers cors_;
@@ -371,10 +376,10 @@ RequestPool& RequestPools::Of(api::Work work) {
 }
 
 void StartSession(net::io_context& io, int fd, std::string peer, SessionSet::Place place,
-                  SessionContext& context) {
+                  SessionContext& context, bool by_network) {
   std::shared_ptr<Connection> connection = TakeConnection(io, fd, std::move(peer), context.settings);
   if (connection != nullptr) {
-    std::make_shared<Session>(std::move(connection), std::move(place), context)->Start(io);
+    std::make_shared<Session>(std::move(connection), std::move(place), context, by_network)->Start(io);
   }
 }
 

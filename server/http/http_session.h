@@ -37,8 +37,8 @@ struct SessionContext {
 };
 
 // Takes over the accepted socket `fd`, whose other end is `peer`, and keeps `place` while it is open. The
-// io_context is run by one thread.
+// io_context is run by one thread. `by_network`: see RouteRequest.
 void StartSession(boost::asio::io_context& io, int fd, std::string peer, SessionSet::Place place,
-                  SessionContext& context);
+                  SessionContext& context, bool by_network);
 
 }  // namespace skyquilt::server

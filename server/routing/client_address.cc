@@ -53,6 +53,14 @@ std::string Hops(const api::Headers& headers) {
 
 }  // namespace
 
+bool IsFromThisMachine(const std::string& peer, const api::Headers& headers) {
+  const std::optional<AddressBytes> address = ParseAddress(peer);
+  if (!address || !IsThisMachine(*address)) return false;
+  constexpr std::array kOfProxies = {"Forwarded", "Via", "X-Forwarded-For", "X-Forwarded-Host", "X-Real-IP"};
+  return std::none_of(kOfProxies.begin(), kOfProxies.end(),
+                      [&](const char* name) { return headers.Has(name); });
+}
+
 bool IsTrustedProxy(const std::string& peer, const HttpSettings& settings) {
   const std::optional<AddressBytes> address = ParseAddress(peer);
   return address && IsTrusted(*address, settings);

@@ -13,6 +13,8 @@
 namespace skyquilt::server {
 
 std::string ClientAddress(const std::string& peer, const api::Headers& headers, const HttpSettings& settings);
+// Somebody at this machine asks, and not a proxy on it for others, as far as its headers say.
+bool IsFromThisMachine(const std::string& peer, const api::Headers& headers);
 // The other end is a proxy that the operator trusts.
 bool IsTrustedProxy(const std::string& peer, const HttpSettings& settings);
 

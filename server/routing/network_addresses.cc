@@ -62,14 +62,19 @@ std::vector<std::string> AddressesOfThisMachine() {
   return addresses;
 }
 
+std::vector<std::string> NetworkHosts() {
+  std::vector<std::string> hosts = AddressesOfThisMachine();
+  std::erase_if(hosts, [](const std::string& host) { return !IsForOthers(host); });
+  const auto main = std::find(hosts.begin(), hosts.end(), AddressOfMainRoute());
+  if (main != hosts.end()) std::rotate(hosts.begin(), main, main + 1);
+  return hosts;
+}
+
 std::vector<std::string> AddressesForOthers(const HttpSettings& settings, int port) {
   if (!settings.public_url.empty()) return {PublicAddressOf({}, "", settings).base_url};
   std::vector<std::string> hosts = {settings.address};
   if (settings.address == "0.0.0.0" || settings.address == "::") {
-    hosts = AddressesOfThisMachine();
-    std::erase_if(hosts, [](const std::string& host) { return !IsForOthers(host); });
-    const auto main = std::find(hosts.begin(), hosts.end(), AddressOfMainRoute());
-    if (main != hosts.end()) std::rotate(hosts.begin(), main, main + 1);
+    hosts = NetworkHosts();
   } else if (settings.address.starts_with("127.") || settings.address == "::1") {
     hosts.clear();
   }

@@ -12,6 +12,9 @@ namespace skyquilt::server {
 // As text, of all interfaces, that of loopback among them.
 std::vector<std::string> AddressesOfThisMachine();
 
+// Of those, as which other machines on the network know this one, the likeliest first.
+std::vector<std::string> NetworkHosts();
+
 // "http://192.168.1.20:8080/skyquilt", without a slash at the end, the likeliest first: what links begin with
 // that are handed to others. The operator's --public-url alone where there is one; none where the server
 // listens to its own machine alone.

@@ -7,6 +7,7 @@
 
 #include "api/http/problem.h"
 #include "api/http/target.h"
+#include "server/routing/client_address.h"
 #include "server/routing/host_name.h"
 #include "server/routing/origin_policy.h"
 #include "server/routing/public_address.h"
@@ -42,7 +43,8 @@ api::Response ToBaseWithSlash(const std::string& target, const std::string& base
 std::string PathOf(const std::string& target) { return target.substr(0, target.find('?')); }
 
 Routed RouteRequest(RequestHead& head, const api::Router& router, const HttpSettings& settings,
-                    api::Service& service, const std::string& request_id, const std::string& peer) {
+                    api::Service& service, const std::string& request_id, const std::string& peer,
+                    bool by_network) {
   Routed routed;
   const PublicAddress address = PublicAddressOf(head, peer, settings);
   routed.request.base_path = address.base_path;
@@ -60,7 +62,7 @@ Routed RouteRequest(RequestHead& head, const api::Router& router, const HttpSett
   const auto problem = [&](ErrorCode code, const char* message) {
     return api::Problem({code, message, ""}, path, request_id);
   };
-  const bool requires_token = service.tokens.RequiresToken();
+  const bool requires_token = service.tokens.RequiresToken() || by_network;
   if (!requires_token || settings.always_checks_host) {
     for (const std::string& host : {head.host, ForwardedHost(head, peer, settings)}) {
       if (host.empty() || IsOwnHost(host, settings)) continue;
@@ -110,6 +112,8 @@ Routed RouteRequest(RequestHead& head, const api::Router& router, const HttpSett
   routed.request.content_length = head.content_length;
   routed.request.base_url = address.base_url;
   routed.request.request_id = request_id;
+  routed.request.needs_token = by_network;
+  routed.request.is_from_this_machine = !by_network && IsFromThisMachine(peer, head.headers);
   routed.request.headers = std::move(head.headers);
   // A range is of a GET's body alone (RFC 9110, 14.2).
   if (head.method == "HEAD") routed.request.headers.Remove("Range");

@@ -20,9 +20,11 @@ struct Routed {
   api::Headers cors;  // for the answer, whatever it is: what pages of other sites may do with it
 };
 
-// Takes the headers out of the head, and the base path off its target. `peer`: the connection's other end.
+// Takes the headers out of the head, and the base path off its target. `peer`: the connection's other end;
+// `by_network`: it came by an address that was opened for links, where everybody needs a token.
 Routed RouteRequest(RequestHead& head, const api::Router& router, const HttpSettings& settings,
-                    api::Service& service, const std::string& request_id, const std::string& peer);
+                    api::Service& service, const std::string& request_id, const std::string& peer,
+                    bool by_network);
 
 // A target without its query: what may be shown and logged.
 std::string PathOf(const std::string& target);

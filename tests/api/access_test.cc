@@ -61,6 +61,45 @@ TEST(Access, WithoutTokensAllIsOpen) {
     EXPECT_EQ(StatusFor(sample, method, pattern, ""), 0);
 }
 
+TEST(Access, WhoComesByTheNetworkNeedsATokenAlsoWhereNobodyElseDoes) {
+  SampleService sample;
+  const std::string flight = sample.NewFlight();
+  ASSERT_EQ(sample.Send(Method::kPost, "/api/v1/flights/" + flight + "/shares").status, 201);
+  for (const auto& [method, pattern] : sample.router().Routes()) {
+    Request request;
+    request.method = method;
+    request.needs_token = true;
+    const std::optional<Response> refused = CheckAccess(sample.service(), request, pattern);
+    EXPECT_EQ(refused.has_value(), ScopeOf(method, pattern).has_value()) << pattern;
+    EXPECT_FALSE(request.is_admin) << pattern;
+  }
+}
+
+TEST(Access, TheNetworkIsOpenedFromThisMachineAlone) {
+  SampleService sample;
+  int opened = 0;
+  sample.service().open_network = [&] {
+    ++opened;
+    return Result<void>();
+  };
+  Request request;
+  request.method = Method::kPost;
+  const auto match = sample.router().Find(Method::kPost, {"api", "v1", "network"});
+  ASSERT_NE(match.route, nullptr);
+  EXPECT_EQ(ScopeOf(Method::kPost, match.route->pattern), Scope::kAdmin);
+  const auto ask = [&] {
+    auto begun = match.route->upload(request);
+    return std::get<std::unique_ptr<BodySink>>(begun)->Finish().status;
+  };
+  EXPECT_EQ(ask(), 403);
+  EXPECT_EQ(opened, 0);
+  request.is_from_this_machine = true;
+  EXPECT_EQ(ask(), 200);
+  EXPECT_EQ(opened, 1);
+  sample.service().open_network = nullptr;
+  EXPECT_EQ(ask(), 409) << "the operator said how others reach it";
+}
+
 TEST(Access, EveryRouteAgainstEveryToken) {
   SampleService sample;
   const std::string read = MakeToken(sample, "read", Scope::kRead);

@@ -222,7 +222,7 @@ class OneFlight(AccessCase):
         server = self.serve("--workers", "0")
         _, flight = server.json("POST", "/api/v1/flights", {})
         at = f"/api/v1/flights/{flight['id']}/shares"
-        self.assertEqual(server.json("GET", at), (200, {"needs_token": False, "addresses": [], "shares": []}))
+        self.assertEqual(server.json("GET", at), (200, {"needs_token": False, "may_open_network": True, "addresses": [], "shares": []}))
         status, made = server.json("POST", at, {})
         self.assertEqual(status, 201, made)
         share = {"Authorization": f"Bearer {made['token']}"}

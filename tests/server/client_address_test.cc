@@ -25,6 +25,18 @@ TEST(ClientAddress, HasNoShareOnThisMachine) {
   EXPECT_EQ(Of("::1"), "");
 }
 
+TEST(IsFromThisMachine, BelievesNoProxyOnIt) {
+  EXPECT_TRUE(IsFromThisMachine("127.0.0.1", {}));
+  EXPECT_TRUE(IsFromThisMachine("::1", {}));
+  for (const char* peer : {"192.0.2.7", "::ffff:192.0.2.7", "", "x"})
+    EXPECT_FALSE(IsFromThisMachine(peer, {})) << peer;
+  for (const char* name : {"X-Forwarded-For", "x-forwarded-host", "Forwarded", "Via", "X-Real-IP"}) {
+    api::Headers headers;
+    headers.Add(name, "x");
+    EXPECT_FALSE(IsFromThisMachine("127.0.0.1", headers)) << name;
+  }
+}
+
 TEST(ClientAddress, CountsAHouseholdOfIpv6AsOne) {
   EXPECT_EQ(Of("2001:db8:1:2:3:4:5:6"), Of("2001:db8:1:2:ffff::1"));
   EXPECT_NE(Of("2001:db8:1:2::1"), Of("2001:db8:1:3::1"));

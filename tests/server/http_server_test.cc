@@ -10,6 +10,7 @@
 
 #include "api/auth/access.h"
 #include "api/build_api.h"
+#include "server/routing/network_addresses.h"
 #include "tests/server/raw_client.h"
 #include "tests/server/served_folder.h"
 #include "tests/storage/small_tileset.h"
@@ -440,6 +441,51 @@ TEST_F(HttpServerTest, DrainsIdleAndBusyConnections) {
   EXPECT_TRUE(server_->Drain(std::chrono::seconds(10)));
   finisher.join();
   EXPECT_TRUE(idle.IsClosed());
+}
+
+TEST_F(HttpServerTest, IsOpenedToTheNetworkForReadingLinksAlone) {
+  service_.open_network = [this] { return server_->OpenNetwork(); };
+  service_.addresses_for_others = [this] { return server_->NetworkAddresses(); };
+  Start();
+  EXPECT_TRUE(server_->NetworkAddresses().empty());
+  const std::vector<std::string> hosts = NetworkHosts();
+  const std::string open = "POST /api/v1/network HTTP/1.1\r\nContent-Length: 0\r\n" + kHost;
+  EXPECT_EQ(Ask(open + "X-Forwarded-For: 192.0.2.7\r\n\r\n").status, 403) << "a proxy asks for another";
+  EXPECT_EQ(Ask(open + "Origin: http://evil.example\r\n\r\n").status, 403) << "another site's page";
+  EXPECT_TRUE(server_->NetworkAddresses().empty());
+  if (hosts.empty()) {
+    EXPECT_EQ(Ask(open + "\r\n").status, 409);
+    GTEST_SKIP() << "this machine is in no network";
+  }
+  ASSERT_EQ(Ask(open + "\r\n").status, 200);
+  EXPECT_EQ(Ask(open + "\r\n").status, 200) << "once more changes nothing";
+  ASSERT_EQ(server_->NetworkAddresses().size(), hosts.size());
+  const std::string& url = server_->NetworkAddresses().front();
+  const int network_port = std::stoi(url.substr(url.rfind(':') + 1));
+  const std::string flight = catalogue_.AddFlight("f", "{}", storage::Now())->id;
+  const std::string at = "/api/v1/flights/" + flight;
+  EXPECT_EQ(Ask("GET " + at + " HTTP/1.1\r\n" + kHost + "\r\n").status, 200) << "here all is as it was";
+  const std::string text = api::NewShareText();
+  storage::Token share{"s", "s", api::HashToken(text), storage::Scope::kRead, storage::Now()};
+  share.flight_id = flight;
+  ASSERT_TRUE(service_.tokens.AddShare(share));
+  const auto ask_there = [&](const std::string& method_and_path, const std::string& token) {
+    return RawClient(network_port, hosts.front())
+        .Ask(method_and_path + " HTTP/1.1\r\nHost: " + hosts.front() + "\r\nContent-Length: 0\r\n" +
+             (token.empty() ? "" : "Authorization: Bearer " + token + "\r\n") + "\r\n")
+        .status;
+  };
+  for (const char* method : {"GET ", "DELETE ", "PATCH "})
+    EXPECT_EQ(ask_there(method + at, ""), 401) << method;
+  EXPECT_EQ(ask_there("PUT " + at + "/files/a.jpg", ""), 401);
+  EXPECT_EQ(ask_there("POST /api/v1/flights", ""), 401);
+  EXPECT_EQ(ask_there("POST /api/v1/network", ""), 401);
+  EXPECT_EQ(ask_there("GET /api/v1/flights", ""), 401);
+  EXPECT_EQ(ask_there("GET " + at, text), 200);
+  EXPECT_EQ(ask_there("DELETE " + at, text), 403);
+  EXPECT_EQ(ask_there("PUT " + at + "/files/a.jpg", text), 403);
+  EXPECT_EQ(ask_there("POST /api/v1/network", text), 403);
+  EXPECT_TRUE(server_->Drain(std::chrono::seconds(10)));
 }
 
 TEST_F(HttpServerTest, SaysThatAPortIsTaken) {

@@ -20,11 +20,11 @@ std::size_t LengthIn(std::string head) {
 
 }  // namespace
 
-RawClient::RawClient(int port) : fd_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+RawClient::RawClient(int port, const std::string& to) : fd_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_port = htons(static_cast<std::uint16_t>(port));
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  SKYQUILT_CHECK(inet_pton(AF_INET, to.c_str(), &address.sin_addr) == 1, "an address of IPv4");
   const timeval patience{15, 0};
   setsockopt(fd_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
   const int failed = connect(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address);

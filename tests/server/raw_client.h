@@ -15,7 +15,7 @@ struct RawAnswer {
 
 class RawClient {
  public:
-  explicit RawClient(int port);
+  explicit RawClient(int port, const std::string& address = "127.0.0.1");
   ~RawClient();
   RawClient(const RawClient&) = delete;
   RawClient& operator=(const RawClient&) = delete;

@@ -276,6 +276,8 @@ class ListSharesAnswer(TypedDict):
     # false: this server asks nobody for a token; whoever reaches it may change and delete flights. A share only reads
     # all the same
     needs_token: bool
+    # true: openNetwork lets this network see the server, and whoever asks may do it
+    may_open_network: bool
     # Where other machines reach this server, the likeliest first; empty: it listens to its own machine alone
     addresses: List[str]
     shares: List[ListSharesAnswerSharesItem]
@@ -325,6 +327,11 @@ class BasemapAnswer(BasemapAnswerForSure, total=False):
     attribution: str
     # The last zoom that the tiles have
     maxzoom: int
+
+
+class OpenNetworkAnswer(TypedDict):
+    # Where other machines reach this server, the likeliest first
+    addresses: List[str]
 
 
 class VersionAnswer(TypedDict):

@@ -34,6 +34,13 @@ class Ops(Calls):
         """Counters as Prometheus text."""
         return self._stream("GET", "/metrics", headers=headers)
 
+    def open_network(self) -> models.OpenNetworkAnswer:
+        """Let this network see the server, until it ends. For a server that listens to its own machine alone, and for
+        who asks from there (403 for others, also through a proxy). It listens at the machine's addresses besides,
+        where every request needs a token, also on a server that asks nobody else for one: a share reads its flight,
+        and nobody changes anything who was given no token for it."""
+        return cast("models.OpenNetworkAnswer", self._send("POST", "/api/v1/network"))
+
     def readiness(self) -> Dict[str, Any]:
         """Is the server ready for work."""
         return cast("Dict[str, Any]", self._send("GET", "/readyz"))
