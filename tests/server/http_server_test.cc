@@ -447,7 +447,6 @@ TEST_F(HttpServerTest, IsOpenedToTheNetworkForReadingLinksAlone) {
   service_.open_network = [this] { return server_->OpenNetwork(); };
   service_.addresses_for_others = [this] { return server_->NetworkAddresses(); };
   Start();
-  EXPECT_TRUE(server_->NetworkAddresses().empty());
   const std::vector<std::string> hosts = NetworkHosts();
   const std::string open = "POST /api/v1/network HTTP/1.1\r\nContent-Length: 0\r\n" + kHost;
   EXPECT_EQ(Ask(open + "X-Forwarded-For: 192.0.2.7\r\n\r\n").status, 403) << "a proxy asks for another";
@@ -475,16 +474,14 @@ TEST_F(HttpServerTest, IsOpenedToTheNetworkForReadingLinksAlone) {
              (token.empty() ? "" : "Authorization: Bearer " + token + "\r\n") + "\r\n")
         .status;
   };
-  for (const char* method : {"GET ", "DELETE ", "PATCH "})
-    EXPECT_EQ(ask_there(method + at, ""), 401) << method;
-  EXPECT_EQ(ask_there("PUT " + at + "/files/a.jpg", ""), 401);
-  EXPECT_EQ(ask_there("POST /api/v1/flights", ""), 401);
-  EXPECT_EQ(ask_there("POST /api/v1/network", ""), 401);
-  EXPECT_EQ(ask_there("GET /api/v1/flights", ""), 401);
   EXPECT_EQ(ask_there("GET " + at, text), 200);
-  EXPECT_EQ(ask_there("DELETE " + at, text), 403);
-  EXPECT_EQ(ask_there("PUT " + at + "/files/a.jpg", text), 403);
-  EXPECT_EQ(ask_there("POST /api/v1/network", text), 403);
+  EXPECT_EQ(ask_there("GET " + at, ""), 401);
+  for (const std::string& change :
+       {"DELETE " + at, "PATCH " + at, "PUT " + at + "/files/a.jpg", std::string("POST /api/v1/flights"),
+        std::string("POST /api/v1/network")}) {
+    EXPECT_EQ(ask_there(change, ""), 401) << change;
+    EXPECT_EQ(ask_there(change, text), 403) << change;
+  }
   EXPECT_TRUE(server_->Drain(std::chrono::seconds(10)));
 }
 
