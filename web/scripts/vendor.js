@@ -24,6 +24,9 @@ const copies = [
   ['tus-js-client/LICENSE', 'tus.LICENSE.txt'],
   ['pmtiles/dist/pmtiles.js', 'pmtiles.mjs'],
   ['pmtiles/dist/esm/index.d.ts', 'pmtiles.d.mts'],
+  ['lean-qr/index.mjs', 'lean-qr.mjs'],
+  ['lean-qr/index.d.ts', 'lean-qr.d.mts'],
+  ['lean-qr/LICENSE', 'lean-qr.LICENSE.txt'],
   ['world-atlas/land-110m.json', 'land.geojson'],
   ['world-atlas/LICENSE', 'land.LICENSE.txt'],
 ];
@@ -33,6 +36,8 @@ const remade = {
   'tus.mjs': (text) =>
     `const module = { exports: {} };\nconst { exports } = module;\n${text}\nexport const { DetailedError, Upload } = module.exports;\n`,
   'pmtiles.mjs': (text) => `${text}\nexport const { PMTiles, Protocol } = pmtiles;\n`,
+  // Of the declarations, those of the one module that is taken.
+  'lean-qr.d.mts': (text) => text.slice(text.indexOf('{') + 1, text.indexOf('\n}')),
   'land.geojson': landOutlines,
 };
 
@@ -56,7 +61,7 @@ rmSync(vendor, { recursive: true, force: true });
 mkdirSync(vendor, { recursive: true });
 for (const [from, to] of copies) {
   const source = join(web, 'node_modules', from);
-  if (/\.(mjs|geojson)$/.test(to)) {
+  if (/\.(mjs|geojson)$/.test(to) || remade[to]) {
     // The source maps stay behind, so their names must not be asked for.
     const text = readFileSync(source, 'utf8').replace(/\n\/\/# sourceMappingURL=.*\s*$/, '\n');
     writeFileSync(join(vendor, to), remade[to]?.(text) ?? text);

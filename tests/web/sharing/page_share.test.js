@@ -3,6 +3,7 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { isLoopback } from '../../../web/src/flight/share_dialog.js';
 import { mapIdle } from '../support/browser.js';
+import { kNetworkAddress } from '../support/mock_server.js';
 import { assertAccessible, assertQuiet, openReady, options, usePages } from '../support/pages.js';
 
 const { setUp } = usePages();
@@ -50,12 +51,29 @@ test('on a server of this computer alone a link says so, and how others see the 
   await page.waitForSelector('#share-made input');
   assert.match(await page.textContent('#share-made label'), /this computer only/);
   assert.equal(await page.inputValue('#share-made input'), `${mock.url}#/flights/${flight.id}?token=${flight.shares[0].token}`);
-  const { port } = new URL(mock.url);
-  assert.equal(await page.textContent('#share-local code'), `skyquilt token add me --data data --scope admin\nskyquilt serve --data data --listen 0.0.0.0:${port}`);
+  assert.doesNotMatch(await page.textContent('#share-dialog'), /skyquilt (serve|token)/, 'the page names no commands');
   await assertAccessible(page, 'share dialog of a local server');
   await page.click('#share-file');
   await page.waitForSelector('#download-dialog .download');
   assert.equal(await page.locator('#share-dialog').count(), 0);
+  await assertQuiet(opened);
+});
+
+test('on a server of this computer alone others on the network are let in, and a phone reads the link', options, async () => {
+  const opened = await setUp();
+  const { page } = opened;
+  const flight = await openShare(opened);
+  await page.click('#share-open-network');
+  await page.waitForSelector('#share-network');
+  assert.match(await page.textContent('#share-network'), new RegExp(`${kNetworkAddress}.*until Skyquilt is ended`));
+  assert.equal(await page.locator('#share-local, #share-open').count(), 0, 'nobody who comes by the network may change anything');
+  await page.click('#share-make');
+  await page.waitForSelector('#share-made .qr-code');
+  const link = `${kNetworkAddress}/#/flights/${flight.id}?token=${flight.shares[0].token}`;
+  assert.equal(await page.inputValue('#share-made input'), link);
+  const dark = await page.getAttribute('#share-made .qr-code path', 'd');
+  assert.ok((dark?.match(/M/g) ?? []).length > 400, 'a code of that many letters');
+  await assertAccessible(page, 'share dialog of a server that was opened');
   await assertQuiet(opened);
 });
 

@@ -42,6 +42,8 @@ const kParts = [
 const kAside = [
   { worker: 'worker-c-4', since: '2026-11-21T09:59:00.000Z', until: '2026-11-21T10:04:00.000Z', times: 3, code: 'out_of_space', message: 'The disk is full.' },
 ];
+/** Where the network reaches it, once it was opened. */
+export const kNetworkAddress = 'http://192.168.1.20:8080';
 
 /**
  * @param {{port?: number, job_ms?: number, upload_ms?: number, basemap_makers?: string, has_tokens?: boolean, scope?: 'read'|'upload'|'admin', trash_days?: number, keep_days?: number, is_whole?: boolean, is_unplaced?: boolean, has_indices?: boolean, bands_bounds?: number[], page_limit?: number, addresses?: string[]}} [options] upload_ms: time each file takes at least;
@@ -156,6 +158,8 @@ export async function startMockServer(options = {}) {
     return null;
   });
 
+  let is_open = false;  // to the network
+
   const server = createServer(async (request, response) => {
     const url = new URL(request.url ?? '/', 'http://mock');
     const path = decodeURI(url.pathname);
@@ -180,6 +184,10 @@ export async function startMockServer(options = {}) {
     if (options.scope === 'read' && !['GET', 'HEAD'].includes(request.method ?? '')) {
       await readBody();
       return problem(403, 'Forbidden', 'This token may not do that: it needs the scope "upload".');
+    }
+    if (path === '/api/v1/network' && request.method === 'POST') {
+      is_open = true;
+      return send(200, { addresses: [kNetworkAddress] });
     }
     if (path === '/api/v1/access') return send(200, { needs_token: Boolean(options.has_tokens), scope: options.scope ?? 'admin', flight: null, keep_days: options.keep_days ?? 0 });
     if (path === '/basemap.json') {
@@ -260,7 +268,7 @@ export async function startMockServer(options = {}) {
         return send(200, { photos: names.map((name, i) => ({ name, x: 40 + 10 * i, y: 60, off_nadir_deg: [21, 3, 9][i], placement: 'aligned', sigma_m: 2.3 })) });
       }
       if (rest === '/shares' && request.method === 'GET') {
-        return send(200, { needs_token: Boolean(options.has_tokens), addresses: options.addresses ?? [], shares: flight.shares.map(({ token, page, embed, ...share }) => share) });
+        return send(200, { needs_token: Boolean(options.has_tokens) || is_open, may_open_network: !options.addresses, addresses: options.addresses ?? (is_open ? [kNetworkAddress] : []), shares: flight.shares.map(({ token, page, embed, ...share }) => share) });
       }
       if (rest === '/shares' && request.method === 'POST') {
         const { expires_in_days: days } = JSON.parse((await readBody()).toString());

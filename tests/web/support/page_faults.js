@@ -34,8 +34,8 @@ function findFaults({ whole, parts }) {
   const top = [...document.querySelectorAll('dialog[open]')].at(-1) ?? document.body;
   const name = (/** @type {Element} */ element) =>
     `${element.tagName.toLowerCase()}${element.id && `#${element.id}`}${[...element.classList].map((one) => `.${one}`).join('')} "${(element.textContent || element.getAttribute('aria-label') || '').trim().replace(/\s+/g, ' ').slice(0, 50)}"`;
-  // A file's name, a command or an address is as long as it is; what lies on the map moves with it.
-  const kAsLongAsItIs = '.command, .mono, .filmstrip, .visually-hidden, .maplibregl-marker, .overview-mark, script, style, option, svg, noscript';
+  // A file's name or an address is as long as it is; what lies on the map moves with it.
+  const kAsLongAsItIs = '.mono, .filmstrip, .visually-hidden, .maplibregl-marker, .overview-mark, script, style, option, svg, noscript';
   const isShown = (/** @type {Element} */ element) => {
     const { width, height } = element.getBoundingClientRect();
     return width > 1 && height > 1 && element.checkVisibility({ checkOpacity: true, checkVisibilityCSS: true }) && !element.closest('.sheet-closed .panel-body');

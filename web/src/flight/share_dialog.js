@@ -1,13 +1,15 @@
 // Shares a flight: makes a link that opens this one alone, for reading and for a while, lists those that were made, and
-// revokes them. Says who can open it: a server that listens to its own machine alone has links for that machine.
+// revokes them. Says who can open it: a server that listens to its own machine alone has links for that machine, until it is
+// opened to the network from there.
 /** @import { Flight, Share } from '../shared/types.js' */
-import { addShare, listShares, removeShare } from '../shared/api.js';
+import { addShare, listShares, openNetwork, removeShare } from '../shared/api.js';
 import { serverAddress } from '../shared/router.js';
-import { h, put } from '../shared/dom.js';
+import { fill, h, put } from '../shared/dom.js';
 import { formatDate } from '../shared/format.js';
 import { xmlText } from './connect_files.js';
 import { showDownloads } from './flight_actions.js';
 import { addressField } from './links_view.js';
+import { qrCode } from './qr_code.js';
 import { strings } from '../shared/flight_strings.js';
 
 const kDays = /** @type {(number|null)[]} */ ([1, 7, 30, 365, null]);
@@ -53,9 +55,10 @@ export function showShareDialog(flight) {
 /** @param {Flight} flight @param {HTMLElement} body @param {(error: unknown) => void} showFailure */
 async function fillIn(flight, body, showFailure) {
   const words = strings.share;
-  const { needs_token, addresses, shares } = await listShares(flight.id);
+  const { needs_token, may_open_network, addresses, shares } = await listShares(flight.id);
   const reached_at = isLoopback(location.hostname) ? addresses[0] : serverAddress();
   const server = reached_at ?? serverAddress();
+  const is_opened = may_open_network && addresses.length > 0;
   const again = () => fillIn(flight, body, showFailure).catch(showFailure);
   const choice = h(
     'select',
@@ -70,7 +73,9 @@ async function fillIn(flight, body, showFailure) {
       const share = await addShare(flight.id, choice.value === 'null' ? null : Number(choice.value));
       await again();
       const link = `${server}/#/flights/${encodeURIComponent(flight.id)}?token=${share.token}`;
-      body.querySelector('#share-made')?.append(h('p', { class: 'muted' }, words.once), addressField(reached_at ? words.link : words.link_local, link), embedField(flight, server, share.token));
+      // On a phone beside this computer it is read off the screen.
+      const code = is_opened ? await qrCode(link, words.code).catch(() => null) : null;  // the link is there all the same
+      fill(/** @type {HTMLElement} */ (body.querySelector('#share-made')), [h('p', { class: 'muted' }, words.once), addressField(reached_at ? words.link : words.link_local, link), code, embedField(flight, server, share.token)]);
     } catch (error) {
       make.disabled = false;
       showFailure(error);
@@ -80,22 +85,38 @@ async function fillIn(flight, body, showFailure) {
     body,
     h('p', { id: 'share-who' }, reached_at ? words.text : words.local),
     reached_at && !needs_token && h('p', { class: 'callout callout-warning', id: 'share-open' }, words.open),
+    is_opened && h('p', { class: 'muted', id: 'share-network' }, words.opened(addresses[0])),
     h('div', { class: 'share-row' }, h('label', { for: 'share-days' }, words.expiry), choice, make),
     made,
-    !reached_at && localPart(flight, needs_token),
+    !reached_at && localPart(flight, may_open_network ? openButton(again, showFailure) : null),
     shares.length > 0 && h('h3', { class: 'share-heading' }, words.active),
     shares.length > 0 && h('ul', { class: 'shares' }, ...shares.map((share) => shareRow(flight, share, again, showFailure))),
   );
 }
 
+/** @param {() => Promise<void>} again @param {(error: unknown) => void} showFailure */
+function openButton(again, showFailure) {
+  const button = h('button', { type: 'button', class: 'button small', id: 'share-open-network' }, strings.share.open_network);
+  button.addEventListener('click', async () => {
+    button.disabled = true;
+    try {
+      await openNetwork();
+      await again();
+    } catch (error) {
+      button.disabled = false;
+      showFailure(error);
+    }
+  });
+  return button;
+}
+
 /**
  * How others see it all the same.
  * @param {Flight} flight
- * @param {boolean} needs_token
+ * @param {HTMLElement|null} open lets them; null: not from here
  */
-function localPart(flight, needs_token) {
+function localPart(flight, open) {
   const words = strings.share;
-  const commands = [...(needs_token ? [] : ['skyquilt token add me --data data --scope admin']), `skyquilt serve --data data --listen 0.0.0.0:${location.port || '80'}`];
   const file = h('button', { type: 'button', class: 'button small', id: 'share-file' }, words.choose_file);
   file.addEventListener('click', () => {
     file.closest('dialog')?.close();
@@ -104,8 +125,8 @@ function localPart(flight, needs_token) {
   return h(
     'div',
     { id: 'share-local' },
-    h('p', { class: 'muted' }, words.local_how(needs_token)),
-    h('pre', { class: 'command' }, h('code', {}, commands.join('\n'))),
+    h('p', { class: 'muted' }, open ? words.open_network_hint : words.ask_operator),
+    open && h('p', { class: 'row' }, open),
     flight.tilejson && h('p', { class: 'row' }, h('span', { class: 'muted' }, words.local_file), file),
   );
 }

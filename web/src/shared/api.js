@@ -287,8 +287,15 @@ export async function getIndexValue(id, query, lon, lat) {
 /** @param {string} id @param {string} query which index, how many classes, which format @returns {string} */
 export const zonesPath = (id, query) => readable(`${flight_path(id)}/zones?${query}`);
 
-/** @param {string} id @returns {Promise<{needs_token: boolean, addresses: string[], shares: Share[]}>} addresses: where other machines reach the server */
+/**
+ * @param {string} id
+ * @returns {Promise<{needs_token: boolean, may_open_network: boolean, addresses: string[], shares: Share[]}>} addresses: where other
+ *   machines reach the server; may_open_network: whoever asks can let them
+ */
 export const listShares = (id) => request('GET', `${flight_path(id)}/shares`);
+
+/** Until the server ends. @returns {Promise<{addresses: string[]}>} */
+export const openNetwork = () => request('POST', '/api/v1/network');
 
 /** @param {string} id @param {number|null} days null: it never ends @returns {Promise<Share & {token: string, page: string, embed: string}>} */
 export const addShare = (id, days) => request('POST', `${flight_path(id)}/shares`, { expires_in_days: days });
