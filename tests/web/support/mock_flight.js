@@ -68,7 +68,7 @@ function qualityOf(total, pose_only, left_out) {
   if (left_out > 0) limits.push({ kind: 'left_out', count: left_out, of: total + left_out });
   if (pose_only > 0) limits.push({ kind: 'pose_only', count: pose_only, of: total });
   const of_photos = { status: limits.length > 0 ? 'limited' : 'ready', limits };
-  if (total === 0) return { ...of_photos, absolute: { sigma_m: null, by: 'none', count: 0 }, relative: { error_m: null, error_px: null, by: 'none', count: 0 } };
+  if (total === 0) return { status: 'unknown', limits, absolute: { sigma_m: null, by: 'none', count: 0 }, relative: { error_m: null, error_px: null, by: 'none', count: 0 } };
   return { ...of_photos, absolute: { sigma_m: 2.3, by: 'gnss', count: total - pose_only }, relative: { error_m: 0.012, error_px: 0.7, by: 'seams', count: 31 } };
 }
 
