@@ -2,8 +2,8 @@
 // refused, failed, left, and by who may not.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { mapIdle } from './support/browser.js';
-import { assertAccessible, assertQuiet, options, usePages } from './support/pages.js';
+import { mapIdle } from '../support/browser.js';
+import { assertAccessible, assertQuiet, options, usePages } from '../support/pages.js';
 
 const { setUp } = usePages();
 const kPhone = { viewport: { width: 390, height: 844 }, isMobile: true, hasTouch: true };

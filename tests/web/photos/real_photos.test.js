@@ -6,10 +6,10 @@ import { mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from 'n
 import { tmpdir } from 'node:os';
 import { basename, join } from 'node:path';
 import { test } from 'node:test';
-import { launchBrowser, mapIdle, missingForBrowser, openPage } from './support/browser.js';
-import { assertOpensAtItsPixel } from './support/photo_pixel.js';
-import { screenshotPixels } from './support/pixels.js';
-import { binary, missingBinary, realPhotos, startServer } from './support/real_server.js';
+import { launchBrowser, mapIdle, missingForBrowser, openPage } from '../support/browser.js';
+import { assertOpensAtItsPixel } from '../support/photo_pixel.js';
+import { screenshotPixels } from '../support/pixels.js';
+import { binary, missingBinary, realPhotos, startServer } from '../support/real_server.js';
 
 const photos = realPhotos('brighton_beach');
 const missing = missingForBrowser() || missingBinary() || (photos.length === 18 ? '' : 'no real photos');

@@ -2,10 +2,10 @@
 import assert from 'node:assert/strict';
 import { createRequire } from 'node:module';
 import { test } from 'node:test';
-import { formatCoordinates } from '../../web/src/map/coordinates.js';
-import { parsePlace } from '../../web/src/map/parse_place.js';
-import { lieNear, movement } from '../../web/src/map/place_pairs.js';
-import { web_root } from './support/mock_server.js';
+import { formatCoordinates } from '../../../web/src/map/coordinates.js';
+import { parsePlace } from '../../../web/src/map/parse_place.js';
+import { lieNear, movement } from '../../../web/src/map/place_pairs.js';
+import { web_root } from '../support/mock_server.js';
 
 let geodesic = null;
 try {

@@ -1,8 +1,8 @@
 // Photos over the whole window, in Chromium against the mock server: their order, the strip, north, keyboard.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { embeddedPicture } from '../../web/src/upload/exif_reader.js';
-import { assertAccessible, assertQuiet, openReady, options, usePages } from './support/pages.js';
+import { embeddedPicture } from '../../../web/src/upload/exif_reader.js';
+import { assertAccessible, assertQuiet, openReady, options, usePages } from '../support/pages.js';
 
 const { setUp } = usePages();
 

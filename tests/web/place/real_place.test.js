@@ -6,9 +6,9 @@ import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { launchBrowser, mapIdle, missingForBrowser, openPage } from './support/browser.js';
-import { binary, findPhotos, missingBinary, startServer } from './support/real_server.js';
-import { geodesicLength } from '../../web/src/map/geodesy.js';
+import { launchBrowser, mapIdle, missingForBrowser, openPage } from '../support/browser.js';
+import { binary, findPhotos, missingBinary, startServer } from '../support/real_server.js';
+import { geodesicLength } from '../../../web/src/map/geodesy.js';
 
 const missing = missingForBrowser() || missingBinary();
 const has_exiftool = !spawnSync('exiftool', ['-ver']).error;
