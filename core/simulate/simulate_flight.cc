@@ -304,7 +304,13 @@ Result<SimulatedFlight> SimulateFlight(const SimulateOptions& options, const std
   return planned;
 }
 
-SimulatedPhotoSource::SimulatedPhotoSource(const SimulatedFlight& flight) : flight_(flight) {
+SimulatedPhotoSource::SimulatedPhotoSource(const SimulatedFlight& flight)
+    : SimulatedPhotoSource(flight, [](const SimulatedFlight& of, std::size_t index) {
+        return RenderSimulatedPhoto(of, index);
+      }) {}
+
+SimulatedPhotoSource::SimulatedPhotoSource(const SimulatedFlight& flight, PictureOf picture_of)
+    : flight_(flight), picture_of_(std::move(picture_of)) {
   for (std::size_t i = 0; i < flight.photos.size(); ++i) index_of_name_[flight.photos[i].photo.name] = i;
 }
 
@@ -313,7 +319,7 @@ Result<image::DecodedImage> SimulatedPhotoSource::Decode(const flight::Photo& ph
   if (found == index_of_name_.end()) {
     return Error{ErrorCode::kNotFound, "The simulated flight has no photo named " + photo.name + ".", ""};
   }
-  const image::DecodedImage image = RenderSimulatedPhoto(flight_, found->second);
+  const image::DecodedImage image = picture_of_(flight_, found->second);
   return denominator == 1 ? image : Shrunk(image, denominator);
 }
 

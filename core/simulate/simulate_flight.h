@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -93,14 +94,19 @@ image::DecodedImage RenderSimulatedPhoto(const SimulatedFlight& flight, std::siz
 Result<SimulatedFlight> SimulateFlight(const SimulateOptions& options, const std::filesystem::path& out_dir,
                                        Progress& progress);
 
+// RenderSimulatedPhoto, or what remembers what it made. Any thread.
+using PictureOf = std::function<image::DecodedImage(const SimulatedFlight&, std::size_t index)>;
+
 // Renders when asked, so any number of photos costs no memory. Looks photos up by name. Any thread.
 class SimulatedPhotoSource final : public flight::PhotoSource {
  public:
   explicit SimulatedPhotoSource(const SimulatedFlight& flight);  // keeps a reference
+  SimulatedPhotoSource(const SimulatedFlight& flight, PictureOf picture_of);
   Result<image::DecodedImage> Decode(const flight::Photo& photo, int denominator) const override;
 
  private:
   const SimulatedFlight& flight_;
+  PictureOf picture_of_;
   std::map<std::string, std::size_t> index_of_name_;
 };
 

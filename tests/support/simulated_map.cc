@@ -11,6 +11,7 @@
 #include "core/render/exposure/estimate_exposure.h"
 #include "core/simulate/world/parcels.h"
 #include "tests/support/memory_sink.h"
+#include "tests/support/rendered_once.h"
 
 namespace skyquilt::test {
 namespace {
@@ -111,7 +112,7 @@ Eigen::Vector2d Car::PlaceAt(double t_s, const Eigen::Vector2d& in_car_m) const 
 KeptPhotos::KeptPhotos(const simulate::SimulatedFlight& flight, const std::vector<Car>& cars) {
   std::vector<image::DecodedImage> made(flight.photos.size());
   ParallelFor(made.size(), 0, [&](std::size_t i) {
-    made[i] = simulate::RenderSimulatedPhoto(flight, i);
+    made[i] = RenderedOnce(flight, i);
     for (const Car& car : cars) PaintCar(flight, i, car, made[i]);
   });
   for (std::size_t i = 0; i < made.size(); ++i) images_[flight.photos[i].photo.name] = std::move(made[i]);

@@ -31,6 +31,8 @@ struct RenderPhotoOptions {
   double noise_counts = 1.0;  // 1-sigma of the sensor's noise, in 8-bit counts
   std::uint32_t noise_seed = 1;
   int threads = 1;  // 0 = all cores
+
+  bool operator==(const RenderPhotoOptions&) const = default;
 };
 
 image::DecodedImage RenderPhoto(const World& world, const camera::Intrinsics& intrinsics,

@@ -24,6 +24,8 @@ struct WorldOptions {
   // How much brighter the ground becomes to the east, as a logarithm.
   double gradient_per_km = 0.0;
   double mark_radius_m = 0.25;  // of the white disc; the black one is twice as wide
+
+  bool operator==(const WorldOptions&) const = default;
 };
 
 enum class SurfaceKind : std::uint8_t { kGround, kRoof, kWall };

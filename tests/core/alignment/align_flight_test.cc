@@ -11,6 +11,7 @@
 #include "core/ground/model_ground.h"
 #include "core/simulate/sensors/shaking.h"
 #include "tests/core/alignment/simulated_case.h"
+#include "tests/support/rendered_once.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -27,7 +28,7 @@ Outcome Align(const simulate::SimulatedFlight& truth, const poses::PosedFlight& 
   AlignOptions options;
   options.threads = threads;
   Result<AlignedFlight> aligned =
-      AlignFlight(posed, simulate::SimulatedPhotoSource(truth), options, outcome.report, progress);
+      AlignFlight(posed, test::PhotosOf(truth), options, outcome.report, progress);
   EXPECT_TRUE(aligned.ok());
   outcome.flight = *std::move(aligned);
   ground::ModelGroundReport ground_report;
@@ -206,14 +207,14 @@ bool HasFault(const AlignReport& report, const std::string& name, PhotoFault fau
 class AstraySource final : public flight::PhotoSource {
  public:
   AstraySource(const simulate::SimulatedFlight& truth, std::string astray)
-      : source_(truth), other_(truth), astray_(std::move(astray)) {
+      : source_(test::PhotosOf(truth)), other_(truth), astray_(std::move(astray)) {
     simulate::WorldOptions world = truth.options.world;
     world.seed += 1000;
     other_.world = simulate::World(world);
   }
   Result<image::DecodedImage> Decode(const flight::Photo& photo, int denominator) const override {
     if (photo.name != astray_) return source_.Decode(photo, denominator);
-    return simulate::SimulatedPhotoSource(other_).Decode(photo, denominator);
+    return test::PhotosOf(other_).Decode(photo, denominator);
   }
 
  private:
@@ -248,7 +249,8 @@ TEST(AlignFlight, TellsABlurredPhotoFromOneOfAnotherPlaceAndAccusesNoOther) {
 // Hands one photo the picture of nothing and another a damaged file.
 class SpoiltSource final : public flight::PhotoSource {
  public:
-  explicit SpoiltSource(const simulate::SimulatedFlight& truth) : truth_(truth), source_(truth) {}
+  explicit SpoiltSource(const simulate::SimulatedFlight& truth)
+      : truth_(truth), source_(test::PhotosOf(truth)) {}
   Result<image::DecodedImage> Decode(const flight::Photo& photo, int denominator) const override {
     if (photo.name == truth_.photos[3].photo.name)
       return Error{ErrorCode::kCorrupt, "the file is cut off", ""};
@@ -310,8 +312,7 @@ TEST(AlignFlight, LiesWhereSurveyedPointsSayAndNamesTheOneThatIsWrong) {
   options.control[1].position.lat_deg += 15.0 / 111'000.0;  // 15 m north of where it is
   AlignReport report;
   SilentProgress progress;
-  const auto aligned =
-      AlignFlight(PosesOf(truth), simulate::SimulatedPhotoSource(truth), options, report, progress);
+  const auto aligned = AlignFlight(PosesOf(truth), test::PhotosOf(truth), options, report, progress);
   ASSERT_TRUE(aligned.ok());
   ASSERT_EQ(report.control.size(), options.control.size());
   EXPECT_FALSE(report.control[1].is_used);
@@ -332,8 +333,7 @@ TEST(AlignFlight, LeavesOutAMarkThatTheOthersContradict) {
   wrong.pixel_in_image.x() += wrong.pixel_in_image.x() < 400.0 ? 300.0 : -300.0;
   AlignReport report;
   SilentProgress progress;
-  const auto aligned =
-      AlignFlight(PosesOf(truth), simulate::SimulatedPhotoSource(truth), options, report, progress);
+  const auto aligned = AlignFlight(PosesOf(truth), test::PhotosOf(truth), options, report, progress);
   ASSERT_TRUE(aligned.ok());
   EXPECT_TRUE(report.control[4].is_used);
   EXPECT_NE(report.control[4].reason.find("in " + wrong.photo_name + " elsewhere"), std::string::npos)
@@ -355,8 +355,7 @@ TEST(AlignFlight, IsNotBentToASurveyThatContradictsThePhotos) {
   }
   AlignReport report;
   SilentProgress progress;
-  const auto aligned =
-      AlignFlight(PosesOf(truth), simulate::SimulatedPhotoSource(truth), options, report, progress);
+  const auto aligned = AlignFlight(PosesOf(truth), test::PhotosOf(truth), options, report, progress);
   ASSERT_TRUE(aligned.ok());
   ASSERT_FALSE(aligned->warnings.empty());
   EXPECT_NE(InWords(aligned->warnings.front()).find("CONTRADICT"), std::string::npos)
@@ -373,8 +372,7 @@ TEST(AlignFlight, NamesSurveyedPointsThatMissByFar) {
   options.control[1].position.lat_deg += 1.5 / 111'000.0;
   AlignReport report;
   SilentProgress progress;
-  const auto aligned =
-      AlignFlight(PosesOf(truth), simulate::SimulatedPhotoSource(truth), options, report, progress);
+  const auto aligned = AlignFlight(PosesOf(truth), test::PhotosOf(truth), options, report, progress);
   ASSERT_TRUE(aligned.ok());
   const auto names = [&](const std::string& point) {
     return std::count_if(aligned->warnings.begin(), aligned->warnings.end(), [&](const flight::Remark& said) {
@@ -391,8 +389,7 @@ TEST(AlignFlight, RefusesOptionsThatMakeNoSense) {
   AlignOptions options;
   options.detector_pixels = 5;
   const simulate::SimulatedFlight truth = SmallTruth(2, 0.0);
-  const auto refused =
-      AlignFlight(PosesOf(truth), simulate::SimulatedPhotoSource(truth), options, report, progress);
+  const auto refused = AlignFlight(PosesOf(truth), test::PhotosOf(truth), options, report, progress);
   ASSERT_FALSE(refused.ok());
   EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
 }
@@ -405,7 +402,7 @@ TEST(AlignFlight, TakesAFlightOfNoneAndOfOne) {
   posed.photos.clear();
   AlignReport report;
   SilentProgress progress;
-  const auto none = AlignFlight(posed, simulate::SimulatedPhotoSource(truth), {}, report, progress);
+  const auto none = AlignFlight(posed, test::PhotosOf(truth), {}, report, progress);
   ASSERT_TRUE(none.ok());
   EXPECT_TRUE(none->photos.empty());
 }

@@ -9,6 +9,7 @@
 #include "core/alignment/baselines/align_directly.h"
 #include "core/flight/remarks/remark_words.h"
 #include "tests/core/alignment/simulated_case.h"
+#include "tests/support/rendered_once.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -39,8 +40,7 @@ TEST(AlignByFeatures, ChainsAFlightOverFlatGroundTighterThanItsPosesAre) {
   const poses::PosedFlight posed = PosesOf(*truth);
   AlignReport report;
   SilentProgress progress;
-  const auto flight =
-      AlignByFeatures(posed, simulate::SimulatedPhotoSource(*truth), OnThreads(2), report, progress);
+  const auto flight = AlignByFeatures(posed, test::PhotosOf(*truth), OnThreads(2), report, progress);
   ASSERT_TRUE(flight.ok());
   EXPECT_EQ(flight->photos.size(), 8U);
   EXPECT_EQ(report.components, 1);
@@ -53,7 +53,7 @@ TEST(AlignByFeatures, LooksAtNoRecordedAngle) {
   poses::PosedFlight posed = PosesOf(*truth);
   AlignReport report;
   SilentProgress progress;
-  const simulate::SimulatedPhotoSource source(*truth);
+  const simulate::SimulatedPhotoSource source = test::PhotosOf(*truth);
   const auto before = AlignByFeatures(posed, source, OnThreads(2), report, progress);
   for (poses::PosedPhoto& photo : posed.photos) {
     photo.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(
@@ -74,7 +74,7 @@ class OneElsewhere final : public flight::PhotoSource {
  public:
   OneElsewhere(const simulate::SimulatedFlight& here, const simulate::SimulatedFlight& elsewhere,
                std::string name)
-      : here_(here), elsewhere_(elsewhere), name_(std::move(name)) {}
+      : here_(test::PhotosOf(here)), elsewhere_(test::PhotosOf(elsewhere)), name_(std::move(name)) {}
   Result<image::DecodedImage> Decode(const flight::Photo& photo, int denominator) const override {
     return photo.name == name_ ? elsewhere_.Decode(photo, denominator) : here_.Decode(photo, denominator);
   }
@@ -107,8 +107,7 @@ TEST(AlignDirectly, MovesPhotosTogetherThatPosesLeaveApart) {
   const poses::PosedFlight posed = PosesOf(*truth);
   AlignReport report;
   SilentProgress progress;
-  const auto flight =
-      AlignDirectly(posed, simulate::SimulatedPhotoSource(*truth), OnThreads(2), report, progress);
+  const auto flight = AlignDirectly(posed, test::PhotosOf(*truth), OnThreads(2), report, progress);
   ASSERT_TRUE(flight.ok());
   EXPECT_EQ(flight->photos.size(), 8U);
   EXPECT_GT(report.aligned, 5);

@@ -6,6 +6,7 @@
 #include "core/ground/model_ground.h"
 #include "core/poses/estimate_poses.h"
 #include "tests/core/alignment/simulated_case.h"
+#include "tests/support/rendered_once.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -76,7 +77,7 @@ TEST(FlightOverHills, MovesTheElevationModelToTheTiePoints) {
   const auto by_pictures = [&](const poses::PosedFlight& posed) {
     AlignReport report;
     SilentProgress progress;
-    const auto aligned = AlignFlight(posed, simulate::SimulatedPhotoSource(truth), {}, report, progress);
+    const auto aligned = AlignFlight(posed, test::PhotosOf(truth), {}, report, progress);
     EXPECT_TRUE(aligned.ok());
     return *aligned;
   };

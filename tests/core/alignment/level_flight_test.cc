@@ -9,6 +9,7 @@
 #include "core/flight/remarks/remark_words.h"
 #include "core/ground/model_ground.h"
 #include "tests/core/alignment/simulated_case.h"
+#include "tests/support/rendered_once.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -127,8 +128,7 @@ TEST(AlignFlight, IsNotTiltedByASecondTakeOffFromLowerGround) {
   SilentProgress progress;
   AlignOptions options;
   options.threads = 2;
-  const Result<AlignedFlight> aligned =
-      AlignFlight(posed, simulate::SimulatedPhotoSource(truth), options, report, progress);
+  const Result<AlignedFlight> aligned = AlignFlight(posed, test::PhotosOf(truth), options, report, progress);
   ASSERT_TRUE(aligned.ok()) << aligned.error().message;
   EXPECT_EQ(report.aligned, 16);
   ASSERT_FALSE(report.corrections.empty());

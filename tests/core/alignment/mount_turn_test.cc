@@ -8,6 +8,7 @@
 #include "core/flight/remarks/remark_words.h"
 #include "core/ground/model_ground.h"
 #include "tests/core/alignment/simulated_case.h"
+#include "tests/support/rendered_once.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -75,7 +76,7 @@ TEST(AlignFlight, TurnsAFlightWhoseCameraIsMountedSideways) {
   }
   AlignReport report;
   SilentProgress progress;
-  const auto aligned = AlignFlight(posed, simulate::SimulatedPhotoSource(truth), {}, report, progress);
+  const auto aligned = AlignFlight(posed, test::PhotosOf(truth), {}, report, progress);
   ASSERT_TRUE(aligned.ok());
   EXPECT_EQ(report.aligned, 12);
   ASSERT_FALSE(report.corrections.empty());

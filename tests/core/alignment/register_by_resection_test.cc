@@ -6,6 +6,7 @@
 
 #include "core/alignment/adjustment/bundle_setup.h"
 #include "tests/core/alignment/simulated_case.h"
+#include "tests/support/rendered_once.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -30,8 +31,7 @@ class RegisterByResectionTest : public testing::Test {
     input_ = MakeMatchingInput(posed_);
     for (std::size_t i = 0; i < features_.size(); ++i) {
       const simulate::SimulatedFlight& shown = i == kLost ? pictures : truth_;
-      features_[i] =
-          *ExtractFeatures(posed_.photos[i].photo, simulate::SimulatedPhotoSource(shown), FeatureOptions{});
+      features_[i] = *ExtractFeatures(posed_.photos[i].photo, test::PhotosOf(shown), FeatureOptions{});
       input_.features[i] = &features_[i];
     }
     is_aligned_.assign(features_.size(), 1);

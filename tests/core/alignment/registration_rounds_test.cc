@@ -11,6 +11,7 @@
 #include "core/alignment/matching/connected_components.h"
 #include "core/alignment/matching/match_and_verify.h"
 #include "tests/core/alignment/simulated_case.h"
+#include "tests/support/rendered_once.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -43,8 +44,7 @@ TEST(RegisterInRounds, BringsAComponentOfTwoToTheOthers) {
   MatchingInput input = MakeMatchingInput(posed);
   std::vector<PhotoFeatures> features(kPhotos);
   for (std::size_t i = 0; i < kPhotos; ++i) {
-    features[i] =
-        *ExtractFeatures(posed.photos[i].photo, simulate::SimulatedPhotoSource(truth), FeatureOptions{});
+    features[i] = *ExtractFeatures(posed.photos[i].photo, test::PhotosOf(truth), FeatureOptions{});
     input.features[i] = &features[i];
   }
   std::vector<CandidatePair> pairs;

@@ -10,6 +10,7 @@
 #include "core/flight/remarks/remark_words.h"
 #include "core/ground/model_ground.h"
 #include "tests/core/alignment/simulated_case.h"
+#include "tests/support/rendered_once.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -28,7 +29,7 @@ Outcome Align(const simulate::SimulatedFlight& truth, const poses::PosedFlight& 
   options.threads = 2;
   options.control = control;
   Result<AlignedFlight> aligned =
-      AlignFlight(posed, simulate::SimulatedPhotoSource(truth), options, outcome.report, progress);
+      AlignFlight(posed, test::PhotosOf(truth), options, outcome.report, progress);
   EXPECT_TRUE(aligned.ok()) << aligned.error().message;
   if (!aligned) return outcome;
   outcome.flight = *std::move(aligned);
@@ -202,9 +203,8 @@ TEST(SecondLeg, IsLeftOutWhereItMayNot) {
   SilentProgress progress;
   AlignOptions options;
   options.by_images = ByImages::kNever;
-  const Result<AlignedFlight> aligned =
-      AlignFlight(WithoutRecords(PosesOf(truth), {5, 6, 9}), simulate::SimulatedPhotoSource(truth), options,
-                  report, progress);
+  const Result<AlignedFlight> aligned = AlignFlight(WithoutRecords(PosesOf(truth), {5, 6, 9}),
+                                                    test::PhotosOf(truth), options, report, progress);
   ASSERT_TRUE(aligned.ok());
   EXPECT_EQ(aligned->left_out.size(), 3U);
   EXPECT_FALSE(IsAnyByImages(report));
