@@ -13,6 +13,7 @@ import zipfile
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent / "command_line"))
 from control_test import gcp_list  # noqa: E402
 from sharing_test import Receiver  # noqa: E402
+from flights import made_flights  # noqa: E402
 from server_support import BINARY, DATA, ServerTestCase, catalogue_words, kept_of_flights, storage_words, wait_until  # noqa: E402
 
 BOUNDARY = "node-test-boundary"
@@ -149,7 +150,7 @@ class Node(ServerTestCase):
 
     def test_ground_control_among_the_images_is_told_of(self):
         server = self.serve()
-        truth = json.loads(pathlib.Path(self.scratch, "sim/truth/poses.json").read_text())
+        truth = json.loads((made_flights.small_flight() / "truth/poses.json").read_text())
         points = gcp_list(truth, ((-15.0, -10.0), (15.0, -10.0), (0.0, 12.0)))
         made = self.ask(server, "POST", "/task/new", form({"name": "surveyed"}, [*self.photos, ("gcp_list.txt", points.encode())]), FORM)
         self.wait(server, made["uuid"], 40)

@@ -6,6 +6,7 @@ import pathlib
 import sys
 import unittest
 
+from flights import made_flights
 from server_support import ServerTestCase
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent / "command_line"))
 from control_test import gcp_list  # noqa: E402
@@ -65,7 +66,7 @@ class PlaceOnTheServer(ServerTestCase):
     def test_control_points_are_kept_and_place_the_map(self):
         server = self.serve()
         flight = self.made(server)
-        truth = json.loads(pathlib.Path(self.scratch, "sim", "truth", "poses.json").read_text())
+        truth = json.loads((made_flights.small_flight() / "truth/poses.json").read_text())
         rows = [row.split() for row in gcp_list(truth, [(-6, -6), (8, -5), (0, 9)]).splitlines()[1:]]
         points = {}
         for x, y, z, column, row, photo, name in rows:

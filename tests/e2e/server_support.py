@@ -17,6 +17,7 @@ import urllib.parse
 import contract
 import s3_store
 from cluster import swift_store
+from flights import made_flights
 
 BINARY = os.environ.get("SKYQUILT_BINARY", "build/release/bin/skyquilt")
 # Real flights and logs, not part of the repository: tests that want them skip where they are not.
@@ -238,17 +239,42 @@ def stitch_simulated(folder):
     return server, made["flight"]["id"]
 
 
+def small_photos():
+    """(name, bytes) of the flight that nearly every test uploads."""
+    return [(path.name, path.read_bytes()) for path in sorted((made_flights.small_flight() / "photos").iterdir())]
+
+
+def make_map(data, photos, **fields):
+    """Has a server of its own make a flight and its map in a data folder; the flight's id."""
+    server = Server(data, "--workers", "1")
+    try:
+        _, made = server.upload(photos, **fields)
+        job = server.wait_for_job(made["job"]["id"])
+        assert job["state"] == "successful", job
+    finally:
+        server.stop()
+    return made["flight"]["id"]
+
+
+def put_map(data):
+    """The small flight and its map in an empty data folder, for tests of what is done with a map; the flight's id."""
+    if POSTGRES is not None or BLOBS is not None:
+        return make_map(data, small_photos())
+
+    def make(folder):
+        (folder / "id").write_text(make_map(folder / "data", small_photos()))
+    made = made_flights.made("data", make)
+    shutil.copytree(made / "data", data, dirs_exist_ok=True)
+    return (made / "id").read_text()
+
+
 class ServerTestCase(unittest.TestCase):
-    """A fresh data folder per test, one small simulated flight per class."""
+    """A fresh data folder per test, and the photos of one small flight."""
 
     @classmethod
     def setUpClass(cls):
         cls.scratch = tempfile.mkdtemp(prefix="skyquilt_e2e_")
-        subprocess.run([BINARY, "simulate", "-o", f"{cls.scratch}/sim", "--photos", "6", "--size", "800x600", "--no-world"],
-                       check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        found = sorted(pathlib.Path(cls.scratch, "sim", "photos").iterdir())
-        cls.photos = [(path.name, path.read_bytes()) for path in found if path.suffix.lower() in (".jpg", ".jpeg")]
-        assert len(cls.photos) == 6, found
+        cls.photos = small_photos()
 
     @classmethod
     def tearDownClass(cls):

@@ -13,7 +13,7 @@ import unittest
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from gis_support import WORLD_M, has_gdal  # noqa: E402
 from npm_clients import installed_clients, script  # noqa: E402
-from server_support import BINARY, Server, ServerTestCase  # noqa: E402
+from server_support import BINARY, Server, ServerTestCase, make_map, put_map  # noqa: E402
 
 WEB = pathlib.Path(__file__).resolve().parents[3] / "web"
 CHROMIUM = os.environ.get("SKYQUILT_CHROMIUM", "/usr/bin/chromium")
@@ -31,7 +31,7 @@ def free_port():
 
 
 class BrowserTestCase(ServerTestCase):
-    """One map, made anew in cls.data_folder, and how it looks where its tile of 256 pixels lies."""
+    """One map in cls.data_folder, made anew where it has options, and how it looks where its tile of 256 pixels lies."""
     photo_count, options = 6, {}
 
     @classmethod
@@ -47,11 +47,8 @@ class BrowserTestCase(ServerTestCase):
         script(cls.npm, "browser_pages.js")
         cls.program = script(cls.npm, "browser_clients.mjs")
         cls.data_folder = tempfile.mkdtemp(dir=cls.scratch)
-        server = Server(cls.data_folder)
-        _, made = server.upload(cls.photos[:cls.photo_count], options=json.dumps(cls.options))
-        job = server.wait_for_job(made["job"]["id"])
-        assert job["state"] == "successful", job
-        cls.flight = made["flight"]["id"]
+        cls.flight = make_map(cls.data_folder, cls.photos[:cls.photo_count], options=json.dumps(cls.options)) if cls.options else put_map(cls.data_folder)
+        server = Server(cls.data_folder, "--workers", "0")
         cls.look(server)
         server.stop()
 

@@ -9,7 +9,7 @@ import tempfile
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from server_support import Server, ServerTestCase  # noqa: E402
+from server_support import Server, ServerTestCase, make_map, put_map  # noqa: E402
 
 WORLD_M = 20037508.342789244
 GDAL_XYZ = """<GDAL_WMS><Service name="TMS"><ServerUrl>{url}</ServerUrl></Service>
@@ -87,7 +87,7 @@ def has_gdal():
 
 
 class GdalTestCase(ServerTestCase):
-    """One map, made anew, that GDAL reads."""
+    """One map that GDAL reads; one of its own where it has options."""
     photo_count, options = 6, {}
 
     @classmethod
@@ -99,11 +99,9 @@ class GdalTestCase(ServerTestCase):
         cls.gdal = gdal
         super().setUpClass()
         gdal.SetConfigOption("GDAL_DEFAULT_WMS_CACHE_PATH", cls.scratch)
-        cls.server = Server(tempfile.mkdtemp(dir=cls.scratch))
-        _, made = cls.server.upload(cls.photos[:cls.photo_count], options=json.dumps(cls.options))
-        job = cls.server.wait_for_job(made["job"]["id"])
-        assert job["state"] == "successful", job
-        cls.flight_id = made["flight"]["id"]
+        data = tempfile.mkdtemp(dir=cls.scratch)
+        cls.flight_id = make_map(data, cls.photos[:cls.photo_count], options=json.dumps(cls.options)) if cls.options else put_map(data)
+        cls.server = Server(data)
         _, cls.tilejson = cls.server.json("GET", f"/tiles/{cls.flight_id}.json")
 
     @classmethod

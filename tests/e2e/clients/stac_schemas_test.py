@@ -15,6 +15,7 @@ import urllib.parse
 import jsonschema
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from flights import made_flights  # noqa: E402
 from server_support import BINARY, Server, ServerTestCase  # noqa: E402
 
 FOLDER = os.environ.get("SKYQUILT_STAC_SCHEMAS")
@@ -119,8 +120,7 @@ class StacSchemas(ServerTestCase):
         super().setUpClass()
         cls.schemas = Schemas(FOLDER)
         data = tempfile.mkdtemp(dir=cls.scratch)
-        cls.run_program("stitch", f"{cls.scratch}/sim/photos", "-o", f"{cls.scratch}/map")
-        cls.run_program("import", f"{cls.scratch}/map/mosaic.mbtiles", "--data", data, "--name", "Fields & <woods>")
+        cls.run_program("import", made_flights.small_map() / "mosaic.mbtiles", "--data", data, "--name", "Fields & <woods>")
         cls.server = Server(data, "--workers", "1")
         cls.imported = cls.server.json("GET", "/api/v1/flights")[1]["flights"][0]["id"]
         cls.flown = cls.made(cls.server, cls.photos)

@@ -9,6 +9,7 @@ import tempfile
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from flights import made_flights  # noqa: E402
 from server_support import BINARY  # noqa: E402
 
 
@@ -16,10 +17,7 @@ class Export(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.scratch = pathlib.Path(tempfile.mkdtemp(prefix="skyquilt_export_"))
-        subprocess.run([BINARY, "simulate", "-o", cls.scratch / "sim", "--photos", "6", "--size", "800x600", "--no-world"],
-                       check=True, capture_output=True)
-        subprocess.run([BINARY, "stitch", cls.scratch / "sim/photos", "-o", cls.scratch / "map", "--formats", "geotiff,pmtiles"],
-                       check=True, capture_output=True)
+        shutil.copytree(made_flights.small_map(), cls.scratch / "map")
         cls.report = json.loads((cls.scratch / "map/report.json").read_text())
 
     @classmethod
@@ -83,7 +81,7 @@ class Export(unittest.TestCase):
         self.assertEqual(sorted(path.name for path in self.out.iterdir()), ["far.geojson", "point.geojson", "there.tif"])
         self.assertEqual((self.out / "there.tif").read_bytes(), b"mine")
         self.assertTrue(self.exported("there.tif", "--overwrite").read_bytes().startswith(b"II"))
-        nothing = subprocess.run([BINARY, "export", self.scratch / "sim", "-o", self.out / "b.tif"], capture_output=True, text=True)
+        nothing = subprocess.run([BINARY, "export", made_flights.small_flight(), "-o", self.out / "b.tif"], capture_output=True, text=True)
         self.assertIn("no finished map", nothing.stderr)
         itself = subprocess.run([BINARY, "export", self.scratch / "map", "-o", self.scratch / "map/mosaic.tif", "--overwrite"], capture_output=True, text=True)
         self.assertIn("the map itself", itself.stderr)

@@ -9,6 +9,7 @@ import tempfile
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from flights import made_flights  # noqa: E402
 from server_support import BINARY, Server, tile_of  # noqa: E402
 
 HAS_GDAL = all(shutil.which(tool) for tool in ("gdal_translate", "gdalwarp", "gdalinfo"))
@@ -23,8 +24,7 @@ class Import(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.scratch = pathlib.Path(tempfile.mkdtemp(prefix="skyquilt_import_"))
-        run(BINARY, "simulate", "-o", cls.scratch / "sim", "--photos", "6", "--size", "800x600", "--no-world")
-        run(BINARY, "stitch", cls.scratch / "sim/photos", "-o", cls.scratch / "map", "--formats", "geotiff,pmtiles")
+        shutil.copytree(made_flights.small_map(), cls.scratch / "map")
         cls.report = json.loads((cls.scratch / "map/report.json").read_text())
         cls.cog = cls.scratch / "map/mosaic.tif"
         cls.swiss = cls.scratch / "swiss.tif"

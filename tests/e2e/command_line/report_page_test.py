@@ -11,6 +11,7 @@ import tempfile
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from flights import made_flights  # noqa: E402
 from server_support import BINARY  # noqa: E402
 
 
@@ -18,8 +19,7 @@ class ReportPage(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.made = pathlib.Path(tempfile.mkdtemp(prefix="skyquilt_made_"))
-        subprocess.run([BINARY, "simulate", "-o", cls.made / "sim", "--photos", "6", "--size", "800x600", "--no-world"],
-                       check=True, capture_output=True)
+        shutil.copytree(made_flights.small_flight(), cls.made / "sim")
         (cls.made / "sim/photos/broken.jpg").write_bytes(b"\xff\xd8\xff\xe0 no photo")
         subprocess.run([BINARY, "stitch", cls.made / "sim/photos", "-o", cls.made / "map"], check=True, capture_output=True)
 

@@ -11,6 +11,7 @@ import tempfile
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from flights import made_flights  # noqa: E402
 from server_support import BINARY  # noqa: E402
 
 HAS_GDAL = all(shutil.which(tool) for tool in ("gdal_translate", "gdaladdo"))
@@ -37,8 +38,7 @@ class Validate(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.scratch = pathlib.Path(tempfile.mkdtemp(prefix="skyquilt_validate_"))
-        run(BINARY, "simulate", "-o", cls.scratch / "sim", "--photos", "6", "--size", "800x600", "--no-world")
-        run(BINARY, "stitch", cls.scratch / "sim/photos", "-o", cls.scratch / "map", "--formats", "geotiff,pmtiles")
+        shutil.copytree(made_flights.small_map(), cls.scratch / "map")
         cls.map = cls.scratch / "map"
 
     @classmethod
@@ -190,7 +190,7 @@ class Validate(unittest.TestCase):
         done = subprocess.run([BINARY, "validate", self.map], capture_output=True, text=True)
         self.assertEqual((done.returncode, done.stdout.splitlines()[-1]), (0, "Sound: 0 errors, 0 warnings"))
         self.assertRegex(done.stdout, r"mosaic.mbtiles: MBTiles, \d+ tiles, zoom \d+ to \d+\n")
-        for path, words in ((self.scratch / "sim/photos", "is no map"), (self.changed("a.jpg", b"\xff\xd8\xff"), "is no map"),
+        for path, words in ((made_flights.small_flight() / "photos", "is no map"), (self.changed("a.jpg", b"\xff\xd8\xff"), "is no map"),
                             (self.scratch / "none", "does not exist")):
             done = subprocess.run([BINARY, "validate", path], capture_output=True, text=True)
             self.assertNotEqual(done.returncode, 0)

@@ -10,7 +10,7 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from server_support import (BINARY, BLOBS, ServerTestCase, catalogue_words, children_of, in_catalogue, is_running,  # noqa: E402
-                            kept_of_flights, wait_until)
+                            kept_of_flights, put_map, wait_until)
 
 
 def confined_exports(server):
@@ -29,11 +29,10 @@ def box(west, south, east, north):
 
 
 class Exports(ServerTestCase):
-    def made(self, server):
-        status, made = server.upload(self.photos)
-        self.assertEqual(status, 202, made)
-        self.assertEqual(server.wait_for_job(made["job"]["id"])["state"], "successful")
-        return made["flight"]["id"]
+    def serve_map(self):
+        """(a server, its flight with a map)"""
+        flight = put_map(self.data)
+        return self.serve(), flight
 
     def ask(self, server, flight, headers=None, **wish):
         status, head, body = server.request("POST", f"/api/v1/flights/{flight}/exports", json.dumps(wish),
@@ -57,8 +56,7 @@ class Exports(ServerTestCase):
         return [name for name in kept_of_flights(self.data) if name.startswith(f"{flight}/exports/")]
 
     def test_a_job_cuts_its_map_to_an_area_and_refuses_what_is_none(self):
-        server = self.serve()
-        flight = self.made(server)
+        server, flight = self.serve_map()
         _, whole = server.json("GET", f"/api/v1/flights/{flight}")
         west, south, east, north = whole["bounds"]
         middle = [west + (east - west) / 3, south + (north - south) / 3, east - (east - west) / 3, north - (north - south) / 3]
@@ -91,8 +89,7 @@ class Exports(ServerTestCase):
         self.assertTrue(any(photo["sharpness"] is not None for photo in seen["photos"]), seen)
 
     def test_every_format_and_what_cannot_be(self):
-        server = self.serve()
-        flight = self.made(server)
+        server, flight = self.serve_map()
         _, _, whole = server.request("GET", f"/api/v1/flights/{flight}/download.mbtiles")
         status, about = server.json("GET", f"/api/v1/flights/{flight}")
         west, south, east, north = about["bounds"]
@@ -164,8 +161,7 @@ class Exports(ServerTestCase):
             self.assertIn("UTM zone", told["coordinateSystem"]["wkt"])
 
     def test_a_map_that_is_replaced_and_a_day_that_ends(self):
-        server = self.serve()
-        flight = self.made(server)
+        server, flight = self.serve_map()
         export = self.finished(server, self.ask(server, flight, format="kmz")[1])
         _, _, before = server.request("GET", export["download"])
         status, job = server.json("POST", f"/api/v1/flights/{flight}/jobs", {"options": {"gsd_m": 0.4}})
@@ -196,8 +192,7 @@ class Exports(ServerTestCase):
         self.assertEqual([path.read_bytes() for path in pathlib.Path(self.data, "lost").rglob("stray.tif")], [b"x"])
 
     def test_a_killed_server_and_a_killed_process(self):
-        server = self.serve()
-        flight = self.made(server)
+        server, flight = self.serve_map()
         # As many as it takes for one to be under way.
         asked = [self.ask(server, flight, format="geotiff", crs="EPSG:32632", resolution_m=0.1 + step / 100)[1] for step in range(3)]
         if any("id" not in one for one in asked):

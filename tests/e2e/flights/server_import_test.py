@@ -9,6 +9,7 @@ import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from flights import made_flights  # noqa: E402
 from server_support import BINARY, ServerTestCase, tile_of  # noqa: E402
 
 HAS_GDAL = all(shutil.which(tool) for tool in ("gdal_translate", "gdalwarp"))
@@ -24,11 +25,11 @@ class ServerImport(ServerTestCase):
     def setUpClass(cls):
         super().setUpClass()
         cls.folder = pathlib.Path(cls.scratch)
-        run(BINARY, "stitch", cls.folder / "sim/photos", "-o", cls.folder / "map", "--formats", "geotiff")
-        cls.mbtiles = cls.folder / "map/mosaic.mbtiles"
+        made = made_flights.small_map()
+        cls.mbtiles = made / "mosaic.mbtiles"
         cls.utm = cls.folder / "north field.tif"
-        run("gdalwarp", "-q", "-t_srs", "EPSG:32632", "-dstalpha", "-r", "cubic", cls.folder / "map/mosaic.tif", cls.utm)
-        cls.report = json.loads((cls.folder / "map/report.json").read_text())
+        run("gdalwarp", "-q", "-t_srs", "EPSG:32632", "-dstalpha", "-r", "cubic", made / "mosaic.tif", cls.utm)
+        cls.report = json.loads((made / "report.json").read_text())
         cls.bounds = cls.report["bounds"]
 
     def import_(self, server, file, *words, env=None):
