@@ -9,6 +9,7 @@ import tempfile
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from flights import made_flights  # noqa: E402
 from server_support import BINARY, DATA  # noqa: E402
 
 PHOTOS = 12
@@ -29,16 +30,18 @@ class BadRecords(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.scratch = pathlib.Path(tempfile.mkdtemp(prefix="skyquilt_bad_records_"))
-        # The same flight twice: recorded as a consumer drone does, and not at all.
-        for noise in ("xmp", "no-pose"):
-            subprocess.run([BINARY, "simulate", "-o", cls.scratch / noise, "--photos", str(PHOTOS), "--size", "800x600",
-                            "--relief-m", "2", "--noise", noise, "--no-world"], check=True, capture_output=True)
-        poses = [json.loads((cls.scratch / noise / "truth" / "poses.json").read_text())["photos"] for noise in ("xmp", "no-pose")]
-        assert [photo["camera_center_in_enu"] for photo in poses[0]] == [photo["camera_center_in_enu"] for photo in poses[1]]
 
     @classmethod
     def tearDownClass(cls):
         shutil.rmtree(cls.scratch)
+
+    def recorded(self, noise):
+        """The photos of one flight, recorded as a consumer drone does ("xmp") or not at all ("no-pose")."""
+        return made_flights.simulated(PHOTOS, "800x600", "--relief-m", "2", "--noise", noise) / "photos"
+
+    def test_both_are_one_flight(self):
+        poses = [json.loads((self.recorded(noise).parent / "truth/poses.json").read_text())["photos"] for noise in ("xmp", "no-pose")]
+        self.assertEqual(*[[photo["camera_center_in_enu"] for photo in flown] for flown in poses])
 
     def stitch(self, photos, *arguments):
         out = pathlib.Path(tempfile.mkdtemp(dir=self.scratch))
@@ -55,7 +58,7 @@ class BadRecords(unittest.TestCase):
         return {photo["name"]: photo["placed_by"] for photo in self.report["alignment"]["photo_reports"]}
 
     def test_good_records_hold(self):
-        alignment = self.stitch(self.scratch / "xmp" / "photos")["alignment"]
+        alignment = self.stitch(self.recorded("xmp"))["alignment"]
         self.assert_whole(PHOTOS)
         self.assertEqual(alignment["placed_by"], "records")
         self.assertEqual(set(self.placed_by().values()), {"records"})
@@ -71,24 +74,24 @@ class BadRecords(unittest.TestCase):
         self.assertIn("NOT GEOREFERENCED", self.report["warnings"][0])
 
     def test_without_any_position_the_map_is_whole_and_not_georeferenced(self):
-        self.stitch(self.scratch / "no-pose" / "photos")
+        self.stitch(self.recorded("no-pose"))
         self.assert_not_georeferenced()
 
     def test_so_it_is_with_bare_pictures(self):
         bare = self.scratch / "bare"
         bare.mkdir()
-        for photo in (self.scratch / "xmp" / "photos").iterdir():
+        for photo in self.recorded("xmp").iterdir():
             (bare / photo.name).write_bytes(without_metadata(photo.read_bytes()))
         self.stitch(bare)
         self.assert_not_georeferenced()
 
     def test_a_few_photos_without_position_join_the_others(self):
         mixed = self.scratch / "mixed"
-        shutil.copytree(self.scratch / "xmp" / "photos", mixed)
+        shutil.copytree(self.recorded("xmp"), mixed)
         names = sorted(photo.name for photo in mixed.iterdir())
         lost = {names[4], names[5]}
         for name in lost:
-            shutil.copy(self.scratch / "no-pose" / "photos" / name, mixed / name)
+            shutil.copy(self.recorded("no-pose") / name, mixed / name)
         alignment = self.stitch(mixed)["alignment"]
         self.assert_whole(PHOTOS)
         self.assertTrue(self.report["is_placed"])
@@ -98,7 +101,7 @@ class BadRecords(unittest.TestCase):
     def test_photos_of_nothing_in_common_are_refused_with_the_reason(self):
         single = self.scratch / "single"
         single.mkdir()
-        first = sorted((self.scratch / "no-pose" / "photos").iterdir())[0]
+        first = sorted(self.recorded("no-pose").iterdir())[0]
         shutil.copy(first, single / first.name)
         refused = subprocess.run([BINARY, "stitch", single, "-o", self.scratch / "none"], capture_output=True, text=True)
         self.assertNotEqual(refused.returncode, 0)

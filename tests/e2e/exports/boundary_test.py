@@ -2,16 +2,19 @@
 
 import json
 import math
-import os
 import re
 import shutil
 import sqlite3
 import subprocess
+import sys
 import tempfile
 import unittest
 from pathlib import Path
 
-BINARY = Path(os.environ["SKYQUILT_BINARY"])
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from flights import made_flights  # noqa: E402
+from server_support import BINARY  # noqa: E402
+
 kMetresPerDegree = 111_320.0
 
 
@@ -24,9 +27,8 @@ class BoundaryTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.scratch = Path(tempfile.mkdtemp())
-        subprocess.run([BINARY, "simulate", "-o", cls.scratch / "sim", "--photos", "12", "--size", "800x600", "--noise", "xmp", "--no-world"], check=True,
-                       capture_output=True)
-        cls.origin = json.loads((cls.scratch / "sim" / "truth" / "poses.json").read_text())["origin"]
+        cls.flight = made_flights.simulated(12, "800x600", "--noise", "xmp")
+        cls.origin = json.loads((cls.flight / "truth" / "poses.json").read_text())["origin"]
         cls.whole = cls.scratch / "whole"
         cls.stitch(cls.whole)
 
@@ -36,7 +38,7 @@ class BoundaryTest(unittest.TestCase):
 
     @classmethod
     def run_stitch(cls, out, *more):
-        return subprocess.run([BINARY, "stitch", cls.scratch / "sim" / "photos", *more, "-o", out],
+        return subprocess.run([BINARY, "stitch", cls.flight / "photos", *more, "-o", out],
                               capture_output=True, text=True, check=False)
 
     @classmethod
@@ -122,7 +124,7 @@ class BoundaryTest(unittest.TestCase):
         self.assertIn("Draw the boundary over the flight", near.stderr)
 
     def test_a_trace_that_cannot_be_written_is_told_at_once(self):
-        for place, words in (("missing/trace.json", "cannot be written"), ("sim", "is a folder")):
+        for place, words in (("missing/trace.json", "cannot be written"), ("whole", "is a folder")):
             run = self.run_stitch(self.scratch / "untraced", "--trace", self.scratch / place)
             self.assertEqual(run.returncode, 1)
             self.assertIn(words, run.stderr)

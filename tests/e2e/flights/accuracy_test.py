@@ -12,6 +12,7 @@ import unittest
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE.parent), str(HERE.parent / "command_line")]
 from control_test import gcp_list  # noqa: E402
+from flights import made_flights  # noqa: E402
 from server_support import BINARY, ServerTestCase  # noqa: E402
 
 
@@ -27,12 +28,6 @@ def digits(metres):
 
 
 class Accuracy(ServerTestCase):
-    def simulated(self, name, *words):
-        out = pathlib.Path(self.scratch_of_test(), name)
-        subprocess.run([BINARY, "simulate", "-o", out, "--photos", "12", "--size", "800x600", "--no-world", *words], check=True,
-                       capture_output=True)
-        return out
-
     def scratch_of_test(self):
         folder = tempfile.mkdtemp(prefix="skyquilt_one_truth_")
         self.addCleanup(shutil.rmtree, folder, ignore_errors=True)
@@ -43,8 +38,14 @@ class Accuracy(ServerTestCase):
         done = subprocess.run([BINARY, "stitch", *inputs, "-o", out], check=True, capture_output=True, text=True)
         return done.stdout, json.loads((out / "report.json").read_text()), out
 
+    def reported(self, folder, ending):
+        """The report of a map, with a small picture: its words are looked at."""
+        report = folder / f"report.{ending}"
+        subprocess.run([BINARY, "report", folder, "-o", report, "--picture-px", "300"], check=True, capture_output=True)
+        return report
+
     def test_every_surface_says_the_same(self):
-        flight = self.simulated("rtk", "--noise", "rtk")
+        flight = made_flights.simulated(12, "800x600", "--noise", "rtk")
         photos = sorted((flight / "photos").iterdir())
         inspected = json.loads(subprocess.run([BINARY, "inspect", "--json", flight / "photos"], check=True, capture_output=True,
                                               text=True).stdout)
@@ -65,14 +66,12 @@ class Accuracy(ServerTestCase):
         # Photos, cameras and report.
         radii = {photo["properties"]["error_radius_m"] for photo in json.loads((folder / "photos.geojson").read_text())["features"]}
         self.assertEqual(radii, {absolute["sigma_m"]})
-        subprocess.run([BINARY, "report", folder, "-o", folder / "report.html"], check=True, capture_output=True)
-        page = (folder / "report.html").read_text()
+        page = self.reported(folder, "html").read_text()
         self.assertEqual(said_in(page), wanted)
         self.assertEqual(page.count("1 sigma"), 1)
         self.assertIn("Ready to use.", page)
         if shutil.which("pdftotext") and any(shutil.which(name) for name in ("weasyprint", "chromium", "google-chrome", "wkhtmltopdf")):
-            subprocess.run([BINARY, "report", folder, "-o", folder / "report.pdf"], check=True, capture_output=True)
-            text = subprocess.run(["pdftotext", "-layout", folder / "report.pdf", "-"], check=True, capture_output=True, text=True).stdout
+            text = subprocess.run(["pdftotext", "-layout", self.reported(folder, "pdf"), "-"], check=True, capture_output=True, text=True).stdout
             self.assertEqual(said_in(text), wanted)
         # The server, which stitches the same photos itself.
         server = self.serve()
@@ -94,15 +93,14 @@ class Accuracy(ServerTestCase):
         self.assertIn(properties["description"], said, "the command line's words")
 
     def test_without_positions_there_is_no_number(self):
-        flight = self.simulated("nowhere", "--noise", "no-pose")
+        flight = made_flights.simulated(12, "800x600", "--relief-m", "2", "--noise", "no-pose")
         said, report, folder = self.stitched(flight / "photos")
         self.assertEqual(report["quality"]["absolute"], {"sigma_m": None, "by": "none", "count": 0})
         self.assertEqual(report["quality"]["status"], "unplaced")
         self.assertIsNone(report["quality"]["relative"]["error_m"])
         self.assertIn("unknown: no positions", said)
         self.assertNotRegex(said, r"\d ha|cm a pixel|1 sigma")
-        subprocess.run([BINARY, "report", folder, "-o", folder / "report.html"], check=True, capture_output=True)
-        page = (folder / "report.html").read_text()
+        page = self.reported(folder, "html").read_text()
         self.assertIn("unknown: no positions", page)
         self.assertIn("unknown: the scale is a guess", page)
         self.assertNotRegex(page, r"1 sigma|Estimated error|adjusted ones| ha<")
@@ -111,7 +109,7 @@ class Accuracy(ServerTestCase):
         self.assertEqual(set(radii), {None})
 
     def test_check_points_say_the_number_and_place_nothing(self):
-        flight = self.simulated("checked", "--noise", "xmp")
+        flight = made_flights.simulated(12, "800x600", "--noise", "xmp")
         truth = json.loads((flight / "truth" / "poses.json").read_text())
         rows = gcp_list(truth, [(-20, -20), (20, 20), (-18, 18), (19, -19), (0, 5)])
         checked = pathlib.Path(self.scratch_of_test(), "gcp_list.txt")
