@@ -58,7 +58,8 @@ class Watch(ServerTestCase):
         return {**os.environ, "XDG_STATE_HOME": str(self.state)}
 
     def once(self, server, *words):
-        return subprocess.run(self.words(server, "--once", *words), capture_output=True, text=True, env=self.env(), timeout=120)
+        """What is there, which nobody is writing any more."""
+        return subprocess.run(self.words(server, "--once", "--settle", "0.2", *words), capture_output=True, text=True, env=self.env(), timeout=120)
 
     def watch(self, server, *words):
         log = open(self.state / "log", "a+")
