@@ -30,7 +30,7 @@ class Films(unittest.TestCase):
         cls.folder = tempfile.TemporaryDirectory(prefix="skyquilt-film-")
         root = pathlib.Path(cls.folder.name)
         flight = root / "flight"
-        subprocess.run([BINARY, "simulate", "-o", flight, "--photos", "60", "--size", "640x480", "--overlap", "0.93",
+        subprocess.run([BINARY, "simulate", "-o", flight, "--photos", "60", "--size", "480x360", "--overlap", "0.93",
                         "--no-world", "--seed", "5"], check=True, capture_output=True)
         cls.truth = json.loads((flight / "truth/poses.json").read_text())["photos"]
         cls.film, cls.subtitles = root / "DJI_0007.MP4", root / "DJI_0007.SRT"

@@ -31,7 +31,7 @@ class Heights(ServerTestCase):
 
     def test_hills(self):
         folder = pathlib.Path(self.scratch, "hills")
-        subprocess.run([BINARY, "simulate", "-o", folder, "--photos", "12", "--size", "1200x900", "--relief-m", str(RELIEF_M), "--no-world"],
+        subprocess.run([BINARY, "simulate", "-o", folder, "--photos", "12", "--size", "600x450", "--relief-m", str(RELIEF_M), "--no-world"],
                        check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         server = self.serve()
         flight = self.stitched(server, [(path.name, path.read_bytes()) for path in sorted((folder / "photos").iterdir()) if path.suffix == ".JPG"])
