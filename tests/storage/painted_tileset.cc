@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 #include <stdexcept>
+#include <vector>
 
 #include "core/geo/hilbert.h"
 #include "core/pyramid/build_overviews.h"
@@ -16,6 +17,14 @@ void Require(const Result<void>& done) {
   if (!done) throw std::runtime_error(done.error().message);
 }
 
+// `count` levels along a wave, from pixel `first` on.
+std::vector<std::uint8_t> Wave(int first, int count, double height, double length) {
+  std::vector<std::uint8_t> levels;
+  for (int i = first; i < first + count; ++i)
+    levels.push_back(static_cast<std::uint8_t>(128 + height * std::sin(i / length)));
+  return levels;
+}
+
 }  // namespace
 
 image::RgbaImage PaintedTile(const PaintedTileset& tileset, int column, int row) {
@@ -23,14 +32,17 @@ image::RgbaImage PaintedTile(const PaintedTileset& tileset, int column, int row)
   auto image = image::RgbaImage::Transparent(side, side);
   const double middle_x = 0.5 * tileset.columns * side, middle_y = 0.5 * tileset.rows * side;
   const double radius = 0.48 * std::min(tileset.columns, tileset.rows) * side;
+  const int left = column * side, top = row * side;
+  const std::vector<std::uint8_t> red = Wave(left, side, 100, 40.0), green = Wave(top, side, 100, 30.0),
+                                  blue = Wave(left + top, 2 * side, 60, 50.0);
   for (int y = 0; y < side; ++y) {
     for (int x = 0; x < side; ++x) {
-      const double map_x = column * side + x, map_y = row * side + y;
-      if (std::hypot(map_x - middle_x, map_y - middle_y) > radius) continue;
+      const double from_middle_x = left + x - middle_x, from_middle_y = top + y - middle_y;
+      if (from_middle_x * from_middle_x + from_middle_y * from_middle_y > radius * radius) continue;
       std::uint8_t* pixel = image.Pixel(x, y);
-      pixel[0] = static_cast<std::uint8_t>(128 + 100 * std::sin(map_x / 40.0));
-      pixel[1] = static_cast<std::uint8_t>(128 + 100 * std::sin(map_y / 30.0));
-      pixel[2] = static_cast<std::uint8_t>(128 + 60 * std::sin((map_x + map_y) / 50.0));
+      pixel[0] = red[static_cast<std::size_t>(x)];
+      pixel[1] = green[static_cast<std::size_t>(y)];
+      pixel[2] = blue[static_cast<std::size_t>(x + y)];
       pixel[3] = 255;
     }
   }
