@@ -1,4 +1,5 @@
-"""A PostgreSQL server of a test's own: a cluster made by initdb in a temporary folder, on a unix socket, with fsync on.
+"""A PostgreSQL server of a test's own: a cluster made by initdb in a temporary folder, on a unix socket, with fsync on. The
+folder lies in memory where there is room: tests crash the server and not the machine, so nothing they see is different.
 
 usage: postgres_server.py COMMAND...   runs the command with SKYQUILT_TEST_POSTGRES set to the server's URL, and answers
 its exit code; 77, which ctest shows as skipped, where PostgreSQL is not installed.
@@ -27,6 +28,13 @@ def find_binaries():
     return pathlib.Path(found[-1] if found else initdb).parent if found or initdb else None
 
 
+def folder_for_clusters():
+    """With a short path: a socket's has room for 107 bytes."""
+    memory = pathlib.Path("/dev/shm")
+    has_room = memory.is_dir() and os.access(memory, os.W_OK) and shutil.disk_usage(memory).free >= 2 << 30
+    return memory if has_room else pathlib.Path("/tmp")
+
+
 class PostgresServer:
     def __init__(self, *settings):
         """`settings`: words such as "max_connections=50"."""
@@ -34,8 +42,7 @@ class PostgresServer:
         if self.binaries is None:
             raise FileNotFoundError("PostgreSQL is not installed (package postgresql)")
         self.settings = settings
-        # Short: a socket's path has room for 107 bytes.
-        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="skyquilt_pg_", dir="/tmp"))
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="skyquilt_pg_", dir=folder_for_clusters()))
         self.user = None
         if os.geteuid() == 0:
             names = [user.pw_name for user in pwd.getpwall()]
