@@ -6,7 +6,7 @@ import { tmpdir } from 'node:os';
 import { dirname, join } from 'node:path';
 import { after, test } from 'node:test';
 import { fileURLToPath } from 'node:url';
-import { gdalXml, josmAddress, qgisXml, xmlText } from '../../web/src/flight/connect_files.js';
+import { gdalXml, josmAddress, qgisXml, xmlText } from '../../web/src/sharing/connect_files.js';
 import { glanceAtPhoto, kHeadBytes } from '../../web/src/upload/exif_reader.js';
 import { verdictWords } from '../../web/src/upload/verdict_view.js';
 import { verdictOf } from '../../web/src/upload/verdict.js';

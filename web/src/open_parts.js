@@ -5,6 +5,6 @@ export { Stage } from './map/stage.js';
 export { bottomSheet } from './shared/sheet.js';
 export { askName, askWhereTo } from './shared/dialogs.js';
 export { deleteWithUndo, removeForGood, restore } from './flight/deletions.js';
-export { showShareDialog } from './flight/share_dialog.js';
+export { showShareDialog } from './sharing/share_dialog.js';
 export { startUpload } from './upload/uploads.js';
 export { glanceAtPhoto, kHeadBytes } from './upload/exif_reader.js';

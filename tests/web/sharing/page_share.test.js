@@ -1,7 +1,7 @@
 // Sharing a flight on the page, in Chromium against the mock server.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { isLoopback } from '../../../web/src/flight/share_dialog.js';
+import { isLoopback } from '../../../web/src/sharing/share_dialog.js';
 import { mapIdle } from '../support/browser.js';
 import { kNetworkAddress } from '../support/mock_server.js';
 import { assertAccessible, assertQuiet, openReady, options, usePages } from '../support/pages.js';

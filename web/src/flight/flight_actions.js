@@ -9,7 +9,7 @@ import { formatBytes } from '../shared/format.js';
 import { icon } from '../shared/icons.js';
 import { strings } from '../shared/flight_strings.js';
 import { mayChange } from './flight_words.js';
-import { tokenForPrograms } from './links_view.js';
+import { tokenForPrograms } from '../sharing/links_view.js';
 
 /**
  * @param {Flight} flight with a map

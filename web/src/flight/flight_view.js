@@ -15,7 +15,7 @@ import { followFlight } from './follow_flight.js';
 import { icon } from '../shared/icons.js';
 import { isOver, watchJob } from './job_watch.js';
 import { jobView } from './job_view.js';
-import { linksView } from './links_view.js';
+import { linksView } from '../sharing/links_view.js';
 import { reportView } from './report_view.js';
 import { isGuessed } from './result_verdict.js';
 import { strings } from '../shared/flight_strings.js';

@@ -2,7 +2,7 @@
 import { serverAddress } from '../shared/router.js';
 import { h } from '../shared/dom.js';
 import { icon } from '../shared/icons.js';
-import { copyButton } from '../flight/links_view.js';
+import { copyButton } from '../sharing/links_view.js';
 import { strings } from '../shared/strings.js';
 
 /**

@@ -7,7 +7,7 @@
 /** @import { Units } from '../shared/units.js' */
 import { announce } from '../shared/announce.js';
 import { h } from '../shared/dom.js';
-import { saveText } from '../flight/connect_files.js';
+import { saveText } from '../sharing/connect_files.js';
 import { showDownloads } from '../flight/flight_actions.js';
 import { geodesicLength, pathLength, polygonArea } from './geodesy.js';
 import { icon } from '../shared/icons.js';

@@ -1,6 +1,6 @@
 // Measurements, and points with words, as files that other programs open. WGS84, longitude first, as GeoJSON and KML have it.
 /** @import { LonLat } from './geodesy.js' */
-import { xmlText } from '../flight/connect_files.js';
+import { xmlText } from '../sharing/connect_files.js';
 
 /**
  * @typedef {object} Measurement

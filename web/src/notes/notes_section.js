@@ -4,7 +4,7 @@
 /** @import { Stage } from '../map/stage.js' */
 /** @import { Note } from './note_shape.js' */
 import { announce, showNote } from '../shared/announce.js';
-import { saveText } from '../flight/connect_files.js';
+import { saveText } from '../sharing/connect_files.js';
 import { h, put } from '../shared/dom.js';
 import { icon } from '../shared/icons.js';
 import { measurementsGeoJson, measurementsGpx, measurementsKml } from '../map/measurement_files.js';

@@ -7,7 +7,7 @@ import { serverAddress } from '../shared/router.js';
 import { fill, h, put } from '../shared/dom.js';
 import { formatDate } from '../shared/format.js';
 import { xmlText } from './connect_files.js';
-import { showDownloads } from './flight_actions.js';
+import { showDownloads } from '../flight/flight_actions.js';
 import { addressField } from './links_view.js';
 import { qrCode } from './qr_code.js';
 import { strings } from '../shared/flight_strings.js';

@@ -6,7 +6,7 @@ import { addShare, ownAccess } from '../shared/api.js';
 import { connectFiles, josmAddress, saveText } from './connect_files.js';
 import { at } from '../shared/router.js';
 import { h, put } from '../shared/dom.js';
-import { mayChange } from './flight_words.js';
+import { mayChange } from '../flight/flight_words.js';
 import { icon } from '../shared/icons.js';
 import { strings } from '../shared/flight_strings.js';
 import { ownHost } from '../map/tile_addresses.js';
