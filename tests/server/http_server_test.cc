@@ -459,7 +459,7 @@ TEST_F(HttpServerTest, IsOpenedToTheNetworkForReadingLinksAlone) {
   ASSERT_EQ(Ask(open + "\r\n").status, 200);
   EXPECT_EQ(Ask(open + "\r\n").status, 200) << "once more changes nothing";
   ASSERT_EQ(server_->NetworkAddresses().size(), hosts.size());
-  const std::string& url = server_->NetworkAddresses().front();
+  const std::string url = server_->NetworkAddresses().front();
   const int network_port = std::stoi(url.substr(url.rfind(':') + 1));
   const std::string flight = catalogue_.AddFlight("f", "{}", storage::Now())->id;
   const std::string at = "/api/v1/flights/" + flight;
