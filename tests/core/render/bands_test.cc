@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <mutex>
 #include <numbers>
 
 #include "core/bands/radiometry.h"
@@ -90,10 +91,29 @@ std::string NameOf(std::size_t capture, const std::string& band) {
   return std::to_string(capture) + "_" + band;
 }
 
-// Draws what the rig's cameras see.
+// What a camera of the rig sees.
+image::SampleImage DrawnBand(std::size_t capture, const std::string& band) {
+  const Rig rig = MakeRig();
+  const camera::Intrinsics& lens = rig.lenses.at(band);
+  const Eigen::Quaterniond cam_from_enu =
+      BandFromReference(rig, band, capture) * ReferencePose(capture).rotation;
+  const Eigen::Vector3d center = ReferencePose(capture).TargetOriginInSource();
+  image::SampleImage image{kWidth, kHeight, {}};
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const Eigen::Vector3d ray =
+          cam_from_enu.conjugate() * lens.Unproject({static_cast<double>(x), static_cast<double>(y)});
+      const Eigen::Vector3d ground = center - center.z() / ray.z() * ray;
+      image.samples.push_back(
+          static_cast<std::uint16_t>(kBlack + kLevelsOfWhite * Reflectance(band, ground.head<2>()) + 0.5));
+    }
+  }
+  return image;
+}
+
+// Draws what the rig's cameras see, once for all cases.
 class RigSource final : public flight::PhotoSource {
  public:
-  explicit RigSource(Rig rig) : rig_(std::move(rig)) {}
   Result<image::DecodedImage> Decode(const flight::Photo& photo, int) const override {
     auto samples = DecodeSamples(photo);
     image::DecodedImage image{kWidth, kHeight, {}};
@@ -104,28 +124,14 @@ class RigSource final : public flight::PhotoSource {
   }
   Result<image::SampleImage> DecodeSamples(const flight::Photo& photo) const override {
     if (photo.name == damaged) return Error{ErrorCode::kCorrupt, "The picture is damaged.", ""};
-    const auto capture = static_cast<std::size_t>(std::stoul(photo.name));
-    const std::string band = photo.name.substr(photo.name.find('_') + 1);
-    const camera::Intrinsics& lens = rig_.lenses.at(band);
-    const Eigen::Quaterniond cam_from_enu =
-        BandFromReference(rig_, band, capture) * ReferencePose(capture).rotation;
-    const Eigen::Vector3d center = ReferencePose(capture).TargetOriginInSource();
-    image::SampleImage image{kWidth, kHeight, {}};
-    for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) {
-        const Eigen::Vector3d ray =
-            cam_from_enu.conjugate() * lens.Unproject({static_cast<double>(x), static_cast<double>(y)});
-        const Eigen::Vector3d ground = center - center.z() / ray.z() * ray;
-        image.samples.push_back(
-            static_cast<std::uint16_t>(kBlack + kLevelsOfWhite * Reflectance(band, ground.head<2>()) + 0.5));
-      }
-    }
-    return image;
+    static std::mutex mutex;
+    static std::map<std::string, image::SampleImage> drawn;
+    const std::lock_guard lock(mutex);
+    const auto [kept, is_new] = drawn.try_emplace(photo.name);
+    if (is_new) kept->second = DrawnBand(std::stoul(photo.name), photo.name.substr(photo.name.find('_') + 1));
+    return kept->second;
   }
   std::string damaged;
-
- private:
-  const Rig rig_;
 };
 
 bands::Radiometry RigRadiometry() {
@@ -202,7 +208,7 @@ double OffPx(const Rig& rig, const BandCamera& camera, const std::string& band, 
 TEST(RegisterBandsTest, FindsTheRigWithinAFractionOfAPixel) {
   const Rig rig = MakeRig();
   const RigFlight flown = Fly(3);
-  const BandCameras cameras = Register(flown, RigSource(rig));
+  const BandCameras cameras = Register(flown, RigSource());
   EXPECT_TRUE(cameras.warnings.empty());
   for (std::size_t band = 0; band < kBands.size(); ++band) {
     EXPECT_EQ(cameras.registrations[band].pictures, 3);
@@ -216,7 +222,7 @@ TEST(RegisterBandsTest, FindsTheRigWithinAFractionOfAPixel) {
 }
 
 TEST(RegisterBandsTest, DoesNotDependOnThreads) {
-  const RigSource source(MakeRig());
+  const RigSource source;
   const RigFlight flown = Fly(3);
   const BandCameras one = Register(flown, source, 1), four = Register(flown, source, 4);
   for (std::size_t i = 0; i < 3; ++i) {
@@ -229,7 +235,7 @@ TEST(RegisterBandsTest, DoesNotDependOnThreads) {
 }
 
 TEST(RegisterBandsTest, ADamagedPictureCostsItsBandThereAlone) {
-  RigSource source(MakeRig());
+  RigSource source;
   source.damaged = "1_nir";
   const BandCameras cameras = Register(Fly(3), source);
   EXPECT_FALSE(cameras.captures[1].cameras[2].has_value());
@@ -240,7 +246,7 @@ TEST(RegisterBandsTest, ADamagedPictureCostsItsBandThereAlone) {
 }
 
 TEST(RegisterBandsTest, AReferenceWithoutEdgesLeavesBandsToTheOthers) {
-  RigSource source(MakeRig());
+  RigSource source;
   source.damaged = "1_green";
   const BandCameras cameras = Register(Fly(3), source);
   // The rig wavers by a pixel or so; without it the usual rotation would be exact.
@@ -257,7 +263,7 @@ flight::GroundTarget TargetAt(const RigFlight& flown, const Eigen::Vector2d& pla
 }
 
 TEST(MeasureTargetsTest, FindsTheFactorOfEachBandByGroundOfKnownReflectance) {
-  const RigSource source(MakeRig());
+  const RigSource source;
   RigFlight flown = Fly(3);
   const std::map<std::string, double> wrong_by = {{"green", 1.0}, {"red", 0.5}, {"nir", 1.8}};
   for (bands::Band& band : flown.captures.bands) band.calibration = bands::Calibration::kRelative;
@@ -290,7 +296,7 @@ TEST(MeasureTargetsTest, FindsTheFactorOfEachBandByGroundOfKnownReflectance) {
 }
 
 TEST(MeasureTargetsTest, AnUnevenTargetIsSaid) {
-  const RigSource source(MakeRig());
+  const RigSource source;
   RigFlight flown = Fly(3);
   for (bands::Band& band : flown.captures.bands) band.calibration = bands::Calibration::kRelative;
   const BandCameras cameras = Register(flown, source);
@@ -362,7 +368,7 @@ void Render(const RigFlight& flown, const RigSource& source, int threads, KeptBa
 
 TEST(RenderBandsTest, ShowsTheGroundsReflectance) {
   const RigFlight flown = Fly(3);
-  const RigSource source(MakeRig());
+  const RigSource source;
   KeptBands kept;
   Render(flown, source, 2, kept);
   ASSERT_EQ(kept.raster.bands.size(), 3U);
@@ -391,7 +397,7 @@ TEST(RenderBandsTest, ShowsTheGroundsReflectance) {
 
 TEST(RenderBandsTest, DoesNotDependOnThreads) {
   const RigFlight flown = Fly(2);
-  const RigSource source(MakeRig());
+  const RigSource source;
   KeptBands one, four;
   Render(flown, source, 1, one);
   Render(flown, source, 4, four);
