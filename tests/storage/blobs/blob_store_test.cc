@@ -16,6 +16,7 @@
 #include <random>
 #include <thread>
 
+#include "core/base/parallel_for.h"
 #include "storage/blobs/folder_blobs.h"
 #include "storage/blobs/range_cache.h"
 #include "storage/blobs/s3_blobs.h"
@@ -180,8 +181,9 @@ TEST_P(EachBlobStore, ListsByPrefix) {
 TEST_P(EachBlobStore, ListsMoreThanAPage) {
   const fs::path file = FileOf("x");
   constexpr int kCount = 1'100;
-  for (int i = 0; i < kCount; ++i)
-    ASSERT_TRUE(blobs_->Put("flights/a/files/" + std::to_string(i), file)) << i;
+  ParallelFor(kCount, 8, [&](std::size_t i) {
+    EXPECT_TRUE(blobs_->Put("flights/a/files/" + std::to_string(i), file)) << i;
+  });
   EXPECT_EQ(blobs_->List("flights/a/")->size(), kCount);
   const auto removed = blobs_->RemoveBelow("flights/a/");
   ASSERT_TRUE(removed) << removed.error().detail;
