@@ -1,5 +1,6 @@
 """Every sample log through `skyquilt inspect`: it is read, or what is wrong is said; and what is counted in the binary
 ones is what an independent reader counts. Prints the listing. Skipped where the samples are not there."""
+import functools
 import importlib.util
 import json
 import pathlib
@@ -23,6 +24,7 @@ def load_reader():
     return module
 
 
+@functools.cache
 def inspect(path):
     done = subprocess.run([BINARY, "inspect", path, "--json"], capture_output=True, text=True)
     assert done.returncode == 2, done.stderr  # no photo among them
