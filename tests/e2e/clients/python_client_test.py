@@ -215,10 +215,8 @@ class PythonClient(ServerTestCase):
         self.assertEqual(len(client.flights()), 2)  # and the client goes on
         port = server.port
         server.stop()
-        begun = time.monotonic()
         with self.assertRaisesRegex(self.skyquilt.ServerAway, f"Nothing answers at http://127.0.0.1:{port}"):
             self.client(server, patience_s=0).flights()
-        self.assertLess(time.monotonic() - begun, 5)
         for url in ("127.0.0.1:8080", "ftp://a/b", "http://"):
             with self.assertRaisesRegex(self.skyquilt.InputError, "address of a server"):
                 self.skyquilt.Client(url)

