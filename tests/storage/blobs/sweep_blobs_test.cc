@@ -61,11 +61,14 @@ TEST_F(SweptBlobs, KeepsWhatIsShownAndTakesWhatIsNobodys) {
 }
 
 TEST_F(SweptBlobs, TakesPartsOfFlightsWhoseJobsHaveEnded) {
-  const std::string job = queue_.Add(flight_, "{}", Now())->id;
-  const std::string part = FlightPrefix(flight_) + UnitsFolderName(job) + "/look-0/found.cbor";
+  ASSERT_TRUE(queue_.Add(flight_, "{}", Now()));
+  const Lease lease = **queue_.Claim("w", Now());
+  ASSERT_TRUE(*UnitQueue(*db_).TakeOver(lease, "made from", Now()));
+  const std::string part = FlightPrefix(flight_) + UnitsFolderName(lease.job_id) + "/look-0/found.cbor";
   Put(part);
   EXPECT_EQ(Sweep(std::chrono::seconds(0)).removed, 0);
-  ASSERT_TRUE(queue_.Cancel(job, Now()));
+  ASSERT_TRUE(queue_.Cancel(lease.job_id, Now()));
+  ASSERT_TRUE(*queue_.Dismiss(lease, Now()));
   EXPECT_EQ(Sweep(kOrphanAge).removed, 0);
   EXPECT_TRUE(Has(part));
   EXPECT_EQ(Sweep(std::chrono::seconds(0)).removed, 1);
