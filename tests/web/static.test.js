@@ -11,7 +11,8 @@ const run = (/** @type {string} */ script, /** @type {string[]} */ ...args) =>
   spawnSync(process.execPath, [join(web_root, 'node_modules', script), ...args], { cwd: web_root, encoding: 'utf8' });
 
 test('the types agree', options, () => {
-  const result = run('typescript/bin/tsc', '--noEmit', '-p', 'jsconfig.json');
+  // What it found is kept: of sources that stayed as they are it says the same in a third of the time.
+  const result = run('typescript/bin/tsc', '--noEmit', '-p', 'jsconfig.json', '--incremental', '--tsBuildInfoFile', 'node_modules/.cache/types.tsbuildinfo');
   assert.equal(result.status, 0, result.stdout);
 });
 

@@ -175,7 +175,7 @@ export class Stage {
    * Shows the card of the photos that see a place.
    * @param {MapView} view
    * @param {{lng: number, lat: number}} place
-   * @param {import('maplibre-gl').Point} [point] of the pointer: a camera there comes first
+   * @param {import('../../vendor/maplibre-gl.mjs').Point} [point] of the pointer: a camera there comes first
    * @returns {Promise<number>} how many photos see it
    */
   async #showPlace(view, place, point) {
