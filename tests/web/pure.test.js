@@ -291,20 +291,25 @@ test('a passing failure is tried again, a lasting one is reported with its reaso
 
 test('pausing stops what is in flight and going on sends it again', async () => {
   let started = 0;
+  let is_held = true;
+  /** @type {((value: unknown) => void)[]} */
+  const ends = [];
   const queue = new UploadQueue(blobs(6), (_item, _progress, signal) => new Promise((resolve, reject) => {
     started += 1;
-    const timer = setTimeout(resolve, 20);
-    signal.addEventListener('abort', () => {
-      clearTimeout(timer);
-      reject(new Error('aborted'));
-    });
+    signal.addEventListener('abort', () => reject(new Error('aborted')));
+    if (is_held) ends.push(resolve);
+    else resolve(undefined);
   }));
+  const turn = () => new Promise((resolve) => setImmediate(resolve));
   queue.start();
-  await new Promise((resolve) => setTimeout(resolve, 5));
+  await turn();
   queue.pause();
-  await new Promise((resolve) => setTimeout(resolve, 60));
+  await turn();
+  for (const end of ends) end(undefined);  // too late
+  await turn();
   assert.equal(started, 4);
   assert.equal(queue.picture.done, 0);
+  is_held = false;
   const end = finished(queue);
   queue.start();
   await end;
