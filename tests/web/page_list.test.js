@@ -4,7 +4,7 @@ import { test } from 'node:test';
 import { mapIdle } from './support/browser.js';
 import { assertAccessible, assertQuiet, openReady, options, usePages } from './support/pages.js';
 
-const { setUp } = usePages();
+const { setUp, setUpReady } = usePages();
 
 test('names are shown as text, never as markup', options, async () => {
   const opened = await setUp();
@@ -41,9 +41,8 @@ test('a long list is searched and sorted', options, async () => {
 });
 
 test('a flight is renamed by keyboard', options, async () => {
-  const opened = await setUp();
-  const { page, mock } = opened;
-  const flight = await openReady({ page, mock }, 'Old name');
+  const opened = await setUpReady('Old name');
+  const { page, flight } = opened;
   await page.focus('#flight-rename');
   await page.keyboard.press('Enter');
   await page.waitForSelector('#rename-input');

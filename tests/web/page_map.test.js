@@ -75,7 +75,7 @@ test('settings for other programs are saved and the download sizes are told', op
 });
 
 test('two flights are compared by swipe and by fade', options, async () => {
-  const opened = await setUp();
+  const opened = await setUp({}, { is_drawn: true });
   const { page, mock } = opened;
   const left = mock.seedReady('Before');
   const right = mock.seedReady('After');

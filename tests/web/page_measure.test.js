@@ -11,7 +11,7 @@ import { assertAccessible, assertQuiet, openReady, options, usePages } from './s
 
 await loadFlightStrings();
 
-const { setUp } = usePages();
+const { setUp, setUpReady } = usePages();
 const square = /** @type {[number, number][]} */ ([[7.4388, 46.951], [7.4388, 46.9515], [7.4396, 46.9515], [7.4396, 46.951]]);
 
 test('feet and acres are those of the United States, metres and hectares of nearly everybody else', () => {
@@ -171,9 +171,8 @@ test('a file that cannot be laid over the map is named with what to do', options
 
 for (const [screen, context] of /** @type {const} */ ([['laptop', {}], ['phone', { viewport: { width: 390, height: 844 }, isMobile: true, hasTouch: true }]])) {
   test(`what is measured is covered by nothing on a ${screen}; a band follows, and an area is offered for an export`, options, async () => {
-    const opened = await setUp({}, { locale: 'en-GB', ...context });
-    const { page, mock } = opened;
-    const flight = await openReady({ page, mock }, 'Meadow');
+    const opened = await setUpReady('Meadow', {}, { locale: 'en-GB', ...context });
+    const { page, flight } = opened;
     await page.click('#tool-area');
     const view = () => page.evaluate(() => {
       const { left, top, width, height } = /** @type {HTMLElement} */ (document.querySelector('#map')).getBoundingClientRect();

@@ -5,9 +5,10 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { test } from 'node:test';
 import { mapIdle } from './support/browser.js';
-import { assertAccessible, assertQuiet, openReady, options, usePages } from './support/pages.js';
+import { allAsked, assertAccessible, assertQuiet, openReady, options, usePages } from './support/pages.js';
 import { photoFiles } from './support/photo_files.js';
 import { screenshotPixels } from './support/pixels.js';
+import { until } from './support/until.js';
 
 const { setUp, cleanUp } = usePages();
 
@@ -25,7 +26,7 @@ async function dropFiles(page, files) {
 }
 
 test('dropped photos become a map, its photos open by click, and the flight can be deleted and brought back', options, async () => {
-  const opened = await setUp({ upload_ms: 60 });
+  const opened = await setUp({ upload_ms: 60 }, { is_drawn: true });
   const { page, mock } = opened;
   await page.waitForSelector('#flights-message:not([hidden])');
   const release = mock.holdUploads();
@@ -177,14 +178,16 @@ test('a failed job says why and can be started again', options, async () => {
 test('a paused upload waits and goes on', options, async () => {
   const opened = await setUp();
   const { page, mock } = opened;
+  await page.clock.install();
   const release = mock.holdUploads();
   await page.setInputFiles('#files-input', photoFiles(12));
   await page.waitForSelector('#upload-pause');
   await page.click('#upload-pause');
   await page.waitForFunction(() => document.querySelector('#upload-pause')?.textContent?.includes('Resume'));
-  while (mock.heldUploads() > 0) await page.waitForTimeout(50);  // until the page's giving up has arrived
+  await until(() => mock.heldUploads() === 0, 'the page does not give up what it sends');
   release();
-  await page.waitForTimeout(600);
+  await page.clock.runFor(60_000);
+  await allAsked(page);
   assert.equal([...mock.flights.values()][0].files.size, 0);
   await page.click('#upload-pause');
   await mapIdle(page);

@@ -22,7 +22,7 @@ test('a range is two numbers, the lesser first, with the comma of German too', (
   assert.equal(roundTo(-1234.5, 900), -1230);
 });
 
-/** @param {object} [context] @param {object} [facts] of the stand-in server */
+/** @param {object} [context] is_drawn: for who looks at its pixels @param {object} [facts] of the stand-in server */
 async function openIndices(context = { locale: 'en-GB' }, facts = {}) {
   const opened = await setUp({ has_indices: true, ...facts }, context);
   const { page, mock } = opened;
@@ -51,7 +51,7 @@ test('an index reaches as far as its bands do', options, async () => {
 });
 
 test('an index lies over the map in its colours, which follow what is chosen and typed', options, async () => {
-  const opened = await openIndices();
+  const opened = await openIndices({ locale: 'en-GB', is_drawn: true });
   const { page, asked } = opened;
   const shows = async (/** @type {[number, number, number]} */ [r, g, b]) => {
     await mapIdle(page);

@@ -4,11 +4,11 @@ import { test } from 'node:test';
 import { exportWords, wishOf } from '../../../web/src/flight/export_view.js';
 import { outlineOf } from '../../../web/src/map/outlines.js';
 import { loadFlightStrings } from '../../../web/src/shared/flight_strings.js';
-import { assertAccessible, assertQuiet, openReady, options, usePages } from '../support/pages.js';
+import { assertAccessible, assertQuiet, options, usePages } from '../support/pages.js';
 
 await loadFlightStrings();
 
-const { setUp } = usePages();
+const { setUpReady } = usePages();
 const ring = [[7.438, 46.951], [7.439, 46.951], [7.439, 46.952], [7.438, 46.951]];
 const feature = (/** @type {any} */ geometry) => ({ type: 'Feature', properties: {}, geometry });
 
@@ -33,9 +33,8 @@ test('an outline is all polygons of a file and nothing else in it', () => {
 
 for (const [screen, context] of /** @type {const} */ ([['laptop', {}], ['phone', { viewport: { width: 390, height: 844 }, isMobile: true, hasTouch: true }]])) {
   test(`a map is exported, downloaded and deleted on a ${screen}, and refusals are said`, options, async () => {
-    const opened = await setUp({}, context);
-    const { page, mock } = opened;
-    const flight = await openReady({ page, mock }, 'Meadow');
+    const opened = await setUpReady('Meadow', {}, context);
+    const { page, flight } = opened;
     await page.click('#flight-download');
     assert.equal(await page.locator('.download').count(), 5);
     await page.click('#export-open');
@@ -74,9 +73,8 @@ for (const [screen, context] of /** @type {const} */ ([['laptop', {}], ['phone',
 }
 
 test('the first download is what one measures in', options, async () => {
-  const opened = await setUp();
-  const { page, mock } = opened;
-  const flight = await openReady({ page, mock }, 'Meadow');
+  const opened = await setUpReady('Meadow');
+  const { page, flight } = opened;
   await page.click('#flight-download');
   assert.match(await page.locator('.download').first().innerText(), /^GeoTIFF in UTM\s+to measure, for GIS and CAD$/);
   assert.match(await page.locator('a.download[href*="download.tif"]').innerText(), /^GeoTIFF in Web Mercator\s.*for web maps/s);
@@ -89,9 +87,8 @@ test('the first download is what one measures in', options, async () => {
 });
 
 test('a map is cut to what is drawn, to a loaded file, or to one that is chosen there', options, async () => {
-  const opened = await setUp();
-  const { page, mock } = opened;
-  const flight = await openReady({ page, mock }, 'Meadow');
+  const opened = await setUpReady('Meadow');
+  const { page, flight } = opened;
   const file = (/** @type {string} */ name, /** @type {any} */ geometry) => ({ name, mimeType: 'application/geo+json', buffer: Buffer.from(JSON.stringify(geometry)) });
   await page.click('#tool-layers');
   await page.setInputFiles('#own-data-input', [file('field.geojson', { type: 'Polygon', coordinates: [ring] }), file('path.geojson', { type: 'LineString', coordinates: ring })]);

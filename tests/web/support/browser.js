@@ -1,6 +1,7 @@
 // Chromium for tests and screenshots, through playwright-core; watches that a page stays on its host and is silent.
 import { existsSync } from 'node:fs';
 import { createRequire } from 'node:module';
+import { drawNothing } from './blind_canvas.js';
 import { web_root } from './mock_server.js';
 
 export const chromium_path = process.env.SKYQUILT_CHROMIUM ?? '/usr/bin/chromium';
@@ -21,6 +22,11 @@ export function missingForBrowser() {
 /** @returns {string} where a package of web/node_modules has a file */
 export const packageFile = (/** @type {string} */ name) => require.resolve(name);
 
+/** What each window would load beside the page: the pages of the address bar's suggestions, dearer than ours. */
+const kNotWanted = ['WebUIOmniboxPopup', 'WebUIOmniboxAimPopup'];
+/** What playwright turns off: of two lists Chromium takes the last. */
+const kTurnedOff = ['AvoidUnnecessaryBeforeUnloadCheckSync', 'BoundaryEventDispatchTracksNodeRemoval', 'DestroyProfileOnBrowserClose', 'GlobalMediaControls', 'HttpsUpgrades', 'MediaRouter', 'OptimizationHints', 'PaintHolding', 'RenderDocument', 'ThirdPartyStoragePartitioning', 'Translate'];
+
 export async function launchBrowser() {
   const { chromium } = require('playwright-core');
   return chromium.launch({
@@ -33,8 +39,8 @@ export async function launchBrowser() {
       '--disable-background-networking',
       '--disable-component-update',
       '--disable-sync',
-      '--use-angle=swiftshader',
-      '--enable-unsafe-swiftshader',
+      '--enable-unsafe-swiftshader',  // for maps alone: the page itself is put together without it, at a third of the cost
+      `--disable-features=${[...kTurnedOff, ...kNotWanted].join()}`,
     ],
   });
 }
@@ -43,10 +49,11 @@ export async function launchBrowser() {
  * Opens a page and collects what a good page never does.
  * @param {any} browser
  * @param {string} url
- * @param {object} [options] of the browser context
+ * @param {{is_drawn?: boolean, [option: string]: any}} [options] of the browser context; is_drawn: false where nobody looks at maps
  */
-export async function openPage(browser, url, options = {}) {
+export async function openPage(browser, url, { is_drawn = true, ...options } = {}) {
   const context = await browser.newContext({ viewport: { width: 1366, height: 768 }, ...options });
+  if (!is_drawn) await context.addInitScript(drawNothing);
   const page = await context.newPage();
   page.setDefaultTimeout(60_000);  // other tests may have the processor meanwhile
   const host = new URL(url).host;
@@ -82,4 +89,13 @@ export async function openPage(browser, url, options = {}) {
 /** @param {any} page @param {string} [selector] waits until everything of the map is drawn */
 export async function mapIdle(page, selector = '#map') {
   await page.waitForSelector(`${selector}[data-map-state="idle"]`, { timeout: 60_000 });
+}
+
+/** What was asked of the page by now is laid out and painted. @param {any} page */
+export const twoFrames = (page) => page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
+
+/** Nothing of the page is on its way from one look to another. @param {any} page */
+export async function atRest(page) {
+  await twoFrames(page);
+  await page.evaluate(() => Promise.allSettled(document.getAnimations().filter((one) => one.effect?.getComputedTiming().iterations !== Infinity).map((one) => one.finished)));
 }

@@ -1,37 +1,48 @@
 // What the tests of the page share: Chromium, the page of a mock server, and what must hold wherever a test ends.
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
-import { after, afterEach, before } from 'node:test';
-import { launchBrowser, mapIdle, missingForBrowser, openPage, packageFile } from './browser.js';
+import { after, afterEach } from 'node:test';
+import { atRest, launchBrowser, mapIdle, missingForBrowser, openPage, packageFile } from './browser.js';
 import { startMockServer } from './mock_server.js';
 
 const missing = missingForBrowser();
 export const options = { skip: missing || false, timeout: 120_000 };
 
-/** One browser for the test file that calls this; setUp opens a page of its own, and cleanUp is undone with it. */
-export function usePages() {
-  let browser;
-  /** @type {(() => Promise<void>)[]} */
-  let cleanups = [];
-  before(async () => {
-    if (!missing) browser = await launchBrowser();
-  });
-  after(() => browser?.close());
-  afterEach(async () => {
-    for (const clean of cleanups.reverse()) await clean();
-    cleanups = [];
-  });
+/** One for all files that are run in one process. @type {ReturnType<typeof launchBrowser>|null} */
+let browser = null;
+/** @type {(() => Promise<void>)[]} */
+let cleanups = [];
+after(async () => (await browser)?.close());
+afterEach(async () => {
+  for (const clean of cleanups.reverse()) await clean();
+  cleanups = [];
+});
 
-  /** @param {object} [server_options] @param {object} [context_options] */
-  async function setUp(server_options = {}, context_options = {}) {
-    const mock = await startMockServer({ job_ms: 1500, ...server_options });
-    cleanups.push(() => mock.close());
-    const opened = await openPage(browser, mock.url, context_options);
-    cleanups.push(() => opened.context.close());
-    return { mock, ...opened };
-  }
-  return { setUp, cleanUp: (/** @type {() => Promise<void>} */ clean) => cleanups.push(clean) };
+/**
+ * A server and a page of a case's own; both go with it.
+ * @param {object} [server_options]
+ * @param {object} [context_options] is_drawn: true where a case looks at the pixels of a map
+ * @param {(mock: any) => string} [view] of the page, by its hash; the list unless said
+ */
+async function setUp(server_options = {}, context_options = {}, view = () => '') {
+  browser ??= launchBrowser();
+  const mock = await startMockServer({ job_ms: 1500, ...server_options });
+  cleanups.push(() => mock.close());
+  const opened = await openPage(await browser, mock.url + view(mock), { is_drawn: false, ...context_options });
+  cleanups.push(() => opened.context.close());
+  return { mock, ...opened };
 }
+
+/** The same with a flight whose map is there, opened by its address: no list is loaded first. @param {object} [server_options] @param {object} [context_options] */
+async function setUpReady(name, server_options, context_options) {
+  let flight;
+  const opened = await setUp(server_options, context_options, (mock) => `#/flights/${(flight = mock.seedReady(name)).id}`);
+  await mapIdle(opened.page);
+  return { flight, ...opened };
+}
+
+/** setUp and setUpReady open a page; cleanUp is told what is undone with it. */
+export const usePages = () => ({ setUp, setUpReady, cleanUp: (/** @type {() => Promise<void>} */ clean) => cleanups.push(clean) });
 
 /** A flight whose map is there, opened. @param {{page: any, mock: any}} opened @param {string} name @param {number} [photos] */
 export async function openReady({ page, mock }, name, photos) {
@@ -41,6 +52,14 @@ export async function openReady({ page, mock }, name, photos) {
   return flight;
 }
 
+/** What the page has asked for by now has come to whoever counts it: to show that something was not asked. @param {any} page */
+export const allAsked = (page) => page.evaluate(async () => void (await fetch('/favicon.svg')));
+
+/** A minute later the page's time stands still, of which there is a clock; page.clock.runFor() lets some pass. @param {any} page */
+export async function stopClock(page) {
+  await page.clock.pauseAt(await page.evaluate(() => Date.now() + 60_000));
+}
+
 export async function assertQuiet(opened, expected_errors = []) {
   assert.deepEqual(opened.foreign_requests, []);
   assert.deepEqual(opened.console_errors.filter((text) => !expected_errors.some((pattern) => pattern.test(text))), []);
@@ -48,7 +67,7 @@ export async function assertQuiet(opened, expected_errors = []) {
 
 export async function assertAccessible(page, where) {
   // A colour on its way to another has the contrast of neither.
-  await page.evaluate(() => Promise.allSettled(document.getAnimations().filter((one) => one.effect?.getComputedTiming().iterations !== Infinity).map((one) => one.finished)));
+  await atRest(page);
   if (!(await page.evaluate(() => 'axe' in window))) await page.evaluate(readFileSync(packageFile('axe-core/axe.min.js'), 'utf8'));
   const { violations } = await page.evaluate(() => /** @type {any} */ (window).axe.run(document, { resultTypes: ['violations'], rules: { 'target-size': { enabled: true } } }));
   const found = violations.map((v) => `${v.id}: ${v.nodes.map((n) => n.target.join(' ')).join(', ')} (${v.nodes[0].failureSummary})`);

@@ -78,6 +78,16 @@ function ground(east_m, north_m, half_m, season) {
   return [r + grain + furrow, g + grain + furrow, b + grain + furrow];
 }
 
+/** Cases ask for the same places. @type {Map<string, Buffer>} */
+const drawn = new Map();
+/** @param {unknown} key @param {() => Buffer} draw */
+function once(key, draw) {
+  const text = JSON.stringify(key);
+  const known = drawn.get(text) ?? draw();
+  drawn.set(text, known);
+  return known;
+}
+
 /**
  * @param {{lon: number, lat: number, half_m: number, season: number}} place
  * @param {number} z
@@ -85,7 +95,10 @@ function ground(east_m, north_m, half_m, season) {
  * @param {number} y
  * @returns {Buffer} PNG, 256 x 256
  */
-export function countrysideTile(place, z, x, y) {
+export const countrysideTile = (place, z, x, y) => once([place, z, x, y], () => drawTile(place, z, x, y));
+
+/** @param {{lon: number, lat: number, half_m: number, season: number}} place @param {number} z @param {number} x @param {number} y */
+function drawTile(place, z, x, y) {
   const size = 256;
   const rgba = new Uint8Array(size * size * 4);
   const metres = 40075016.686 * Math.cos((place.lat * Math.PI) / 180);
@@ -109,7 +122,10 @@ export function countrysideTile(place, z, x, y) {
  * @param {number} [width] of the picture
  * @returns {Buffer} PNG of the whole map, small
  */
-export function countrysidePicture({ half_m, season }, width = 160) {
+export const countrysidePicture = ({ half_m, season }, width = 160) => once([half_m, season, width], () => drawPicture(half_m, season, width));
+
+/** @param {number} half_m @param {number} season @param {number} width */
+function drawPicture(half_m, season, width) {
   const height = 0.8 * width;
   const rgba = new Uint8Array(width * height * 4);
   for (let y = 0; y < height; y += 1) {
