@@ -6,8 +6,9 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { test } from 'node:test';
 import { mapIdle } from './support/browser.js';
-import { assertAccessible, assertQuiet, options, usePages } from './support/pages.js';
+import { allAsked, assertAccessible, assertQuiet, options, stopClock, usePages } from './support/pages.js';
 import { photoFiles } from './support/photo_files.js';
+import { until } from './support/until.js';
 
 const { setUp, cleanUp } = usePages();
 const only = (/** @type {any} */ mock) => [...mock.flights.values()][0];
@@ -48,13 +49,15 @@ test('a new flight during an upload is a flight of its own, and photos of anothe
   await page.click('dialog >> text=Cancel');
   await page.waitForSelector('dialog', { state: 'detached' });
   // The same again is the same upload.
-  await page.setInputFiles('#files-input', dunes);
-  await page.waitForTimeout(300);
-  assert.equal(await page.locator('dialog').count(), 0);
+  const second = [...mock.flights.values()].find((flight) => flight !== first);
+  const [, is_asked] = await Promise.all([
+    page.setInputFiles('#files-input', dunes),
+    Promise.race([page.waitForRequest(`**/flights/${second.id}/files`).then(() => false), page.waitForSelector('dialog').then(() => true)]),
+  ]);
+  assert.ok(!is_asked);
   release();
   await mapIdle(page);
-  const second = [...mock.flights.values()].find((flight) => flight !== first);
-  while (first.files.size < 6 || !first.job) await page.waitForTimeout(50);
+  await until(() => first.files.size === 6 && Boolean(first.job));
   assert.deepEqual([first.files.size, second.files.size, second.name], [6, 4, 'Dunes']);
   assert.ok(second.job, 'each has its own job');
   await assertQuiet(opened);
@@ -68,9 +71,8 @@ test('a stopped upload says what the server lacks, there and after a reload, and
   await page.waitForSelector('#start-job');
   const there = () => only(mock).files.size;
   const says = async () => (await page.textContent('#waiting')) ?? '';
-  await page.waitForTimeout(200);
+  await until(async () => (await says()).includes(`${there()} of 18 files are on the server`));
   assert.doesNotMatch(await says(), /All/);
-  assert.match(await says(), new RegExp(`${there()} of 18 files are on the server`));
   assert.match(await says(), new RegExp(`${18 - there()} are missing`));
   assert.match((await page.textContent('#start-job')) ?? '', /without them/);
   await assertAccessible(page, 'stopped upload');
@@ -140,27 +142,31 @@ test('a server that is away for long fails no file; that it is away is said at o
   const release = mock.holdUploads();
   await page.setInputFiles('#files-input', photoFiles(10));
   await page.waitForSelector('#upload-progress');
+  await stopClock(page);
   is_away = true;
   await page.click('#upload-pause');
   await page.click('#upload-pause');
-  await page.waitForSelector('#upload-trouble', { timeout: 4000 });
+  await until(() => tries >= 4);
+  await page.clock.runFor(1000);
+  await page.waitForSelector('#upload-trouble');
+  await page.clock.resume();
   assert.match((await page.textContent('#upload-trouble')) ?? '', /cannot be reached.*Retrying/);
   await assertAccessible(page, 'upload without a server');
   for (let i = 0; i < 30; i += 1) await page.clock.runFor(10_000);
   assert.equal(await page.locator('#upload-failures .callout').count(), 0, 'five minutes later no file has failed');
   assert.match((await page.textContent('#upload-trouble')) ?? '', /Retrying/);
-  // Whoever sees the server come back need not wait for the next try.
+  // Whoever sees the server come back need not wait for the next try: no time passes.
+  await stopClock(page);
+  await allAsked(page);
   const before = tries;
   await page.evaluate(() => /** @type {HTMLElement|null} */ (document.querySelector('#upload-retry-now'))?.click());
-  for (let i = 0; i < 20 && tries < before + 4; i += 1) await page.waitForTimeout(50);
-  assert.ok(tries >= before + 4, `${tries - before} tries within a second of asking for them`);
+  await until(() => tries >= before + 4, 'asked for, files are not tried at once');
   is_away = false;
   release();
-  for (let i = 0; i < 100 && only(mock).files.size < 10; i += 1) {
+  await until(async () => {
     await page.clock.runFor(1000);
-    await page.waitForTimeout(50);
-  }
-  assert.equal(only(mock).files.size, 10);
+    return only(mock).files.size === 10;
+  });
   await assertQuiet(opened, [/ERR_CONNECTION_REFUSED|ERR_ABORTED/]);
 });
 
@@ -174,13 +180,17 @@ test('pausing does not move the bar back', options, async () => {
   const before = await bar();
   await page.click('#upload-pause');
   assert.ok((await bar()) >= before, `${await bar()} after ${before}`);
-  while (mock.heldUploads() > 0) await page.waitForTimeout(50);
+  await until(() => mock.heldUploads() === 0);
+  await page.evaluate(() => {
+    const shown = /** @type {HTMLProgressElement} */ (document.querySelector('#upload-progress'));
+    new MutationObserver(() => {
+      /** @type {any} */ (window).lowest = Math.min(shown.value, /** @type {any} */ (window).lowest ?? 1);
+    }).observe(shown, { attributes: true });
+  });
   await page.click('#upload-pause');
-  for (let i = 0; i < 10; i += 1) {
-    assert.ok((await bar()) >= before, `${await bar()} after ${before}`);
-    await page.waitForTimeout(20);
-  }
   release();
   await mapIdle(page);
+  const lowest = await page.evaluate(() => /** @type {any} */ (window).lowest);
+  assert.ok(lowest >= before, `${lowest} after ${before}`);
   await assertQuiet(opened);
 });

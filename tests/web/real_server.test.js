@@ -10,6 +10,7 @@ import { launchBrowser, mapIdle, missingForBrowser, openPage } from './support/b
 import { tilePosition } from '../../web/src/map/tile_addresses.js';
 import { assertOpensAtItsPixel } from './support/photo_pixel.js';
 import { screenshotPixels } from './support/pixels.js';
+import { until } from './support/until.js';
 import { binary, findPhotos, missingBinary, startServer } from './support/real_server.js';
 
 const missing = missingForBrowser() || missingBinary();
@@ -33,11 +34,8 @@ after(async () => {
   if (folder) rmSync(folder, { recursive: true, force: true });
 });
 
-/** @param {() => Promise<boolean>} is_so waits for it, at most half a minute @param {string} [failure] */
-async function until(is_so, failure) {
-  for (let i = 0; i < 300 && !(await is_so()); i += 1) await setTimeout(100);
-  assert.ok(await is_so(), failure);
-}
+/** The page has found nobody at the server's address. @param {any} page */
+const noticesItIsAway = (page) => page.waitForEvent('requestfailed', (/** @type {any} */ request) => /CONNECTION_REFUSED/.test(request.failure()?.errorText));
 
 /** The saved GDAL settings and the GeoTIFF show the same ground at the same place. */
 async function assertGdalSeesTheSame(page, url, id, [west, south, east, north]) {
@@ -156,8 +154,9 @@ test('an upload outlives the server and, chosen again, a reload', options, async
     await page.setInputFiles('#files-input', photos);
     await until(async () => (await stored()) >= 2);
     const { port } = new URL(server.url);
+    const noticed = noticesItIsAway(page);
     await server.stop('SIGKILL');
-    await setTimeout(800);
+    await noticed;
     server = await startServer(join(folder, 'outlived'), `127.0.0.1:${port}`);
     await until(async () => (await stored()) >= 3);
     await page.reload();
@@ -317,8 +316,9 @@ test('dropped photos become a map on the real server, even when it is killed in 
     await page.waitForSelector('#job-progress, #report', { timeout: 60_000 });
 
     const { port } = new URL(server.url);
+    const noticed = noticesItIsAway(page);
     await server.stop('SIGKILL');
-    await setTimeout(1500);
+    await noticed;
     server = await startServer(join(folder, 'data'), `127.0.0.1:${port}`);
 
     await page.waitForSelector('#report', { timeout: 240_000 });

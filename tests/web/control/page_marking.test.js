@@ -1,7 +1,7 @@
 // Marking a control point by keyboard, in Chromium without a map: what is saved, and what is not.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { assertAccessible, assertQuiet, options, usePages } from '../support/pages.js';
+import { allAsked, assertAccessible, assertQuiet, options, usePages } from '../support/pages.js';
 
 const { setUp } = usePages();
 const expected = { x: 30, y: 40 };
@@ -9,6 +9,7 @@ const expected = { x: 30, y: 40 };
 /** The dialog over a photo of 256 x 256 pixels, and what the server is sent. */
 async function openDialog({ page, mock }) {
   const flight = mock.seedReady('Meadow');
+  await page.clock.install();
   /** @type {any[]} */
   const sent = [];
   await page.route('**/control', async (route) => {
@@ -29,7 +30,8 @@ async function openDialog({ page, mock }) {
   }, { id: flight.id, pixel: expected });
   await page.waitForSelector('#marking .viewer-image:not([hidden])');
   const marks = async () => {
-    await page.waitForTimeout(700);  // it is sent half a second after the last change
+    await page.clock.runFor(700);  // it is sent half a second after the last change
+    await allAsked(page);
     return sent.length === 0 ? [] : sent[sent.length - 1];
   };
   const facts = () => page.textContent('#marking-facts');

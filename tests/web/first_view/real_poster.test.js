@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { join } from 'node:path';
 import { test } from 'node:test';
-import { mapIdle, openPage } from '../support/browser.js';
+import { mapIdle, openPage, twoFrames } from '../support/browser.js';
 import { screenshotPixels } from '../support/pixels.js';
 import { startServer } from '../support/real_server.js';
 import { options, stitchedFlight, useSimulatedFlight } from '../support/simulated_flight.js';
@@ -45,7 +45,7 @@ test('the poster lies on the map to a pixel, on the page and in the bare map', o
       await page.goto(server.url + path, { waitUntil: 'commit' });
       await page.waitForSelector('.poster:not([hidden])');
       await page.waitForFunction(() => /** @type {any} */ (window).skyquilt?.map.getLayer('mosaic-1'));
-      await page.waitForTimeout(300);
+      await twoFrames(page);
       const box = await page.locator('.poster').boundingBox();
       const clip = { x: Math.round(box.x), y: Math.round(box.y), width: Math.min(560, Math.floor(box.width)), height: Math.min(420, Math.floor(box.height)) };
       const before = await screenshotPixels(page, clip);

@@ -11,7 +11,7 @@ import { test } from 'node:test';
 import { loadFlightWords } from '../../../web/src/shared/flight_strings.js';
 import { kLanguages } from '../../../web/src/shared/language.js';
 import { loadPageWords } from '../../../web/src/shared/strings.js';
-import { mapIdle } from '../support/browser.js';
+import { atRest, mapIdle } from '../support/browser.js';
 import { faultsOf, foreignWords } from '../support/page_faults.js';
 import { options, usePages } from '../support/pages.js';
 import { photoFiles } from '../support/photo_files.js';
@@ -32,7 +32,7 @@ const foreign = new Map(await Promise.all(/** @type {['en', 'de']} */ (Object.ke
 
 /** A page of the real server in a data folder of its own, or of the mock. @param {object} context */
 async function openVisit(context) {
-  const opened = await setUp({ upload_ms: 30 }, context);
+  const opened = await setUp({ upload_ms: 30 }, { is_drawn: Boolean(pictures), ...context });
   if (!photo_folder) return { ...opened, photos: photoFiles(18) };
   const data = mkdtempSync(join(tmpdir(), 'skyquilt-visit-'));
   const server = await startServer(join(data, 'data'));
@@ -125,7 +125,7 @@ const views = [
 async function measure(page, kind) {
   await page.keyboard.press('Escape');
   await page.click(`#tool-${kind}`);
-  await page.waitForTimeout(300);
+  await page.waitForFunction(() => /** @type {any} */ (window).skyquilt.map.getCanvas().clientHeight === document.querySelector('#map')?.clientHeight);
   const box = await page.locator('#map').boundingBox();
   for (const [x, y] of [[0.3, 0.3], [0.6, 0.4], [0.4, 0.7]]) await page.mouse.click(box.x + box.width * x, box.y + box.height * y);
   await page.waitForFunction(() => /\d/.test(document.querySelector('#measure-result')?.textContent ?? ''));
@@ -183,7 +183,7 @@ for (const [screen, context] of Object.entries(screens)) {
         const faults = [];
         let steps = 0;
         const look = async (/** @type {string} */ step) => {
-          await page.waitForTimeout(250);
+          await atRest(page);
           for (const fault of await faultsOf(page, foreign.get(language))) faults.push(`${step}: ${fault}`);
           steps += 1;
           if (!pictures) return;

@@ -5,7 +5,7 @@ import { chartRange, knownRuns, roundTicks, sampleNear } from '../../../web/src/
 import { loadFlightStrings } from '../../../web/src/shared/flight_strings.js';
 import { heightIn } from '../../../web/src/shared/units.js';
 import { mapIdle } from '../support/browser.js';
-import { assertAccessible, assertQuiet, openReady, options, usePages } from '../support/pages.js';
+import { allAsked, assertAccessible, assertQuiet, openReady, options, usePages } from '../support/pages.js';
 
 await loadFlightStrings();
 const { setUp } = usePages();
@@ -116,8 +116,8 @@ test('the server is asked when a line rests, not at each step of a drag', option
   await page.mouse.move(point.x + point.width / 2, point.y + point.height / 2);
   await page.mouse.down();
   for (let i = 1; i <= 20; i += 1) await page.mouse.move(point.x + 6 * i, point.y + 3 * i);
-  await page.mouse.up();
-  await page.waitForTimeout(700);
+  const [answer] = await Promise.all([page.waitForResponse('**/heights'), page.mouse.up()]);
+  await answer.finished();
   assert.equal(flight.asked_heights - before, 1);
   await page.click('#tool-area');
   assert.equal(await page.isVisible('#heights'), false);
@@ -127,6 +127,7 @@ test('the server is asked when a line rests, not at each step of a drag', option
 test('maps without heights say so: made on level ground, or older', options, async () => {
   const opened = await setUp({}, phone);
   const { page, mock } = opened;
+  await page.clock.install();
   for (const [ground, says] of /** @type {['plane'|'none', RegExp][]} */ ([['plane', /ebenes Gelände|level ground/], ['none', /keine Geländehöhen|no ground heights/]])) {
     const flight = mock.seedReady(ground);
     flight.ground = ground;
@@ -138,7 +139,8 @@ test('maps without heights say so: made on level ground, or older', options, asy
     assert.match((await page.textContent('#heights-message')) ?? '', says);
     assert.equal(await page.locator('#height-chart').count(), 0);
     await clickMap(page, [[0.5, 0.9]]);
-    await page.waitForTimeout(500);
+    await page.clock.runFor(1000);
+    await allAsked(page);
     if (ground === 'none') assert.equal(flight.asked_heights, 1, 'asked once');
   }
   await assertAccessible(page, 'a map without heights');

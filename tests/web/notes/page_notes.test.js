@@ -122,8 +122,9 @@ test('a note is written where one clicks, changed, deleted, brought back, and ot
   await page.click('.note-mark');
   assert.equal(await page.evaluate(() => document.activeElement?.className.includes('note-show')), true);
   flight.notes = { features: [], number: 0 };
+  const answered = page.waitForResponse('**/notes').then((response) => response.finished());
   await open(opened, flight);
-  await page.waitForTimeout(300);
+  await answered;
   assert.equal(await page.locator('#notes').isVisible(), false, 'nothing to see, nothing to do');
   await assertQuiet(opened);
 });

@@ -37,7 +37,7 @@ test('a map in a frame has its name, scale and makers, moves, and opens the page
   const zoomed = await zoom();
   await page.mouse.move(300, 300);
   await page.mouse.wheel(0, 300);
-  await page.waitForTimeout(400);
+  await frame.waitForSelector('.maplibregl-cooperative-gesture-screen.maplibregl-show');
   assert.equal(await zoom(), zoomed);
   assert.match(String(await frame.getAttribute('.embed-caption', 'href')), new RegExp(`#/flights/${flight.id}\\?token=${flight.shares[0].token}$`));
   opened.foreign_requests = opened.foreign_requests.filter((url) => !url.startsWith(outer.url));
