@@ -35,9 +35,13 @@ test('a map in a frame has its name, scale and makers, moves, and opens the page
   await frame.waitForFunction((was) => /** @type {any} */ (window).skyquilt.map.getZoom() > was + 0.5 && !/** @type {any} */ (window).skyquilt.map.isMoving(), before);
   // Who scrolls the page does not zoom the map.
   const zoomed = await zoom();
+  await frame.evaluate(() => {
+    const { map } = /** @type {any} */ (window).skyquilt;
+    Object.assign(window, { held_back: new Promise((resolve) => map.once('cooperativegestureprevented', () => resolve(undefined))) });
+  });
   await page.mouse.move(300, 300);
   await page.mouse.wheel(0, 300);
-  await frame.waitForSelector('.maplibregl-cooperative-gesture-screen.maplibregl-show');
+  await frame.evaluate(() => /** @type {any} */ (window).held_back);
   assert.equal(await zoom(), zoomed);
   assert.match(String(await frame.getAttribute('.embed-caption', 'href')), new RegExp(`#/flights/${flight.id}\\?token=${flight.shares[0].token}$`));
   opened.foreign_requests = opened.foreign_requests.filter((url) => !url.startsWith(outer.url));
