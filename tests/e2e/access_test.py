@@ -56,7 +56,7 @@ class LastToken(AccessCase):
         wait_until(lambda: server.request("GET", "/api/v1/flights")[0] == 401, "a token closes nothing")
 
     def test_a_token_that_ends_opens_nothing(self):
-        ends = self.token("short", "--expires", "2s")
+        ends = self.token("short", "--expires", "10s")  # longer than a busy machine takes to start the server
         server = self.serve("--workers", "0")
         self.assertEqual(server.request("GET", "/api/v1/flights", headers=ends)[0], 200)
         wait_until(lambda: server.request("GET", "/api/v1/flights", headers=ends)[0] == 401, "the token did not end")

@@ -1,5 +1,6 @@
 """The Python client (api/clients/python), installed by pip as users install it, against the real server: uploads through a
 kill of the server, downloads that go on, exports, places, errors, the contract and the examples of its README."""
+import http.server
 import importlib.util
 import json
 import os
@@ -239,8 +240,6 @@ class PythonClient(ServerTestCase):
         self.assertIn(status, (200, 204, 404))
 
     def test_another_server_is_no_skyquilt(self):
-        import http.server
-
         class Page(http.server.BaseHTTPRequestHandler):
             def do_GET(self):
                 self.send_response(301 if "access" in self.path else 200)
@@ -262,7 +261,6 @@ class PythonClient(ServerTestCase):
             page.shutdown()
 
     def test_the_networks_proxy_is_asked(self):
-        import http.server
         import urllib.request
         server, asked = self.start("--workers", "0"), []
 
