@@ -74,6 +74,21 @@ LightTerms TermsOf(const alignment::AlignedFlight& flight, const std::vector<Exp
   return terms;
 }
 
+// Fields are wider than this share of a flight's height.
+constexpr double kSpotReachOfHeight = 0.6;
+
+SpotsOnGround SpotsOf(const alignment::AlignedFlight& flight, const Eigen::Vector2d& look) {
+  SpotsOnGround spots;
+  std::vector<double> heights_m;
+  for (const auto& photo : flight.photos) {
+    const Eigen::Vector2d below_m = photo.cam_from_enu.TargetOriginInSource().head<2>();
+    spots.middles_m.push_back(below_m + photo.height_above_ground_m * look);
+    heights_m.push_back(photo.height_above_ground_m);
+  }
+  spots.reach_m = kSpotReachOfHeight * Median(std::move(heights_m));
+  return spots;
+}
+
 }  // namespace
 
 ExposureModel EstimateExposure(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground,
@@ -86,11 +101,13 @@ ExposureModel EstimateExposure(const alignment::AlignedFlight& flight, const gro
   terms.directions.hot_spot =
       FindHotSpot(samples, MisfitsOf(samples, kGreen, terms, SolveLight(samples, kGreen, terms)),
                   terms.directions.widest_look);
+  const SpotsOnGround spots =
+      terms.directions.hot_spot ? SpotsOf(flight, *terms.directions.hot_spot) : SpotsOnGround();
   bool is_spot_settled = false;
   for (std::size_t channel = 0; channel < 3; ++channel) {
     SolvedLight solved = SolveLight(samples, channel, terms);
     if (terms.directions.hot_spot) {
-      const std::vector<double> shares = SettleHotSpot(samples, channel, terms, solved);
+      const std::vector<double> shares = SettleHotSpot(samples, channel, terms, spots, solved);
       for (std::size_t i = 0; i < shares.size(); ++i) model.photos[i].hot_spot[channel] = shares[i];
       is_spot_settled |= !solved.terms.segment<kSpotTerms>(kSmoothDirectionTerms).isZero(0.0);
     }

@@ -95,7 +95,13 @@ std::vector<ExposureSample> SampleExposure(const alignment::AlignedFlight& fligh
         const Eigen::Vector2f place = ((*pixel - image_center_px) / half_diagonal_px).cast<float>();
         const Eigen::Vector2f look =
             LookOf(Eigen::Vector3d(spot.x(), spot.y(), ground_z_m) - camera_in_enu).cast<float>();
-        samples.push_back({number, i, {place.x(), place.y()}, {look.x(), look.y()}, *colour});
+        const Eigen::Vector2f on_ground = spot.cast<float>();
+        samples.push_back({number,
+                           i,
+                           {on_ground.x(), on_ground.y()},
+                           {place.x(), place.y()},
+                           {look.x(), look.y()},
+                           *colour});
       }
     }
   }

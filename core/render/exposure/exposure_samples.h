@@ -14,8 +14,9 @@ namespace skyquilt::render {
 struct ExposureSample {
   std::uint32_t spot = 0;  // which spot of ground
   std::uint32_t photo = 0;
-  std::array<float, 2> place{};  // in the image, as Shade has it
-  std::array<float, 2> look{};   // as LookOf has it
+  std::array<float, 2> ground_m{};  // east and north, in enu
+  std::array<float, 2> place{};     // in the image, as Shade has it
+  std::array<float, 2> look{};      // as LookOf has it
   std::array<float, 3> log_value{};
 };
 

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <map>
+#include <utility>
 
 #include "core/geo/solvers/dense_solvers.h"
 
@@ -14,7 +17,7 @@ constexpr auto kHills = static_cast<Eigen::Index>(kSpotTerms);
 using Hills = Eigen::Matrix<double, kHills, 1>;
 using HillsByHills = Eigen::Matrix<double, kHills, kHills>;
 
-// Photos differ in their hot spots if the halves of their samples agree about it by so many sigmas.
+// Grounds differ in their hot spots if the halves of their spots agree about it by so many sigmas.
 constexpr double kSigmasOfDifference = 2.0;
 constexpr double kMaxShare = 2.0;
 
@@ -96,10 +99,38 @@ Hills SettledHeights(const std::vector<HillEquations>& photos) {
   return settled;
 }
 
-// How much more of the settled hot spot a photo shows, by one half of its samples and the other.
+// How much more of the settled hot spot the ground shows, by one half of its spots and the other.
 struct ShareEquations {
   std::array<double, 2> normal{}, right{};
 };
+
+using Cells = std::map<std::pair<std::int64_t, std::int64_t>, ShareEquations>;
+constexpr int kCellsInReach = 6;
+
+// By photo, out of what is known by cells of ground `cell_m` wide: the nearer the more.
+std::vector<ShareEquations> AroundSpots(const Cells& cells, double cell_m, const SpotsOnGround& spots) {
+  std::vector<ShareEquations> around(spots.middles_m.size());
+  for (std::size_t i = 0; i < around.size(); ++i) {
+    const Eigen::Vector2d middle = spots.middles_m[i] / cell_m;
+    if (!middle.allFinite()) continue;
+    const auto column = static_cast<std::int64_t>(std::floor(middle.x())),
+               row = static_cast<std::int64_t>(std::floor(middle.y()));
+    for (std::int64_t y = row - kCellsInReach; y <= row + kCellsInReach; ++y) {
+      for (std::int64_t x = column - kCellsInReach; x <= column + kCellsInReach; ++x) {
+        const auto cell = cells.find({y, x});
+        if (cell == cells.end()) continue;
+        const Eigen::Vector2d off{static_cast<double>(x) + 0.5 - middle.x(),
+                                  static_cast<double>(y) + 0.5 - middle.y()};
+        const double nearness = SpotHill(off.squaredNorm(), static_cast<double>(kCellsInReach));
+        for (std::size_t half = 0; half < 2; ++half) {
+          around[i].normal[half] += nearness * cell->second.normal[half];
+          around[i].right[half] += nearness * cell->second.right[half];
+        }
+      }
+    }
+  }
+  return around;
+}
 
 std::vector<double> SharesOf(const std::vector<ShareEquations>& photos) {
   std::vector<double> shares(photos.size(), 1.0);
@@ -130,7 +161,7 @@ std::vector<double> SharesOf(const std::vector<ShareEquations>& photos) {
 }  // namespace
 
 std::vector<double> SettleHotSpot(const std::vector<ExposureSample>& samples, std::size_t channel,
-                                  const LightTerms& terms, SolvedLight& light) {
+                                  const LightTerms& terms, const SpotsOnGround& spots, SolvedLight& light) {
   auto fitted = light.terms.segment<kHills>(static_cast<Eigen::Index>(kSmoothDirectionTerms));
   if (light.terms_by_hill.size() == 0) {
     fitted.setZero();
@@ -150,16 +181,20 @@ std::vector<double> SettleHotSpot(const std::vector<ExposureSample>& samples, st
   light.terms += light.terms_by_hill * change;
   fitted = settled;  // to the last bit: 0 is none
 
-  std::vector<ShareEquations> shares_of(terms.photos());
+  const double cell_m = std::max(spots.reach_m, 1e-3) / kCellsInReach;
+  Cells cells;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const HillSample& own = of_hills[i];
     const double spot = own.hills.dot(settled), left = own.left - own.hills.dot(change);
-    ShareEquations& photo = shares_of[samples[i].photo];
+    const auto cell_of = [&](float at_m) {
+      return static_cast<std::int64_t>(std::floor(static_cast<double>(at_m) / cell_m));
+    };
+    ShareEquations& cell = cells[{cell_of(samples[i].ground_m[1]), cell_of(samples[i].ground_m[0])}];
     const std::size_t half = samples[i].spot % 2;
-    photo.normal[half] += own.weight * spot * spot;
-    photo.right[half] += own.weight * spot * left;
+    cell.normal[half] += own.weight * spot * spot;
+    cell.right[half] += own.weight * spot * left;
   }
-  return SharesOf(shares_of);
+  return SharesOf(AroundSpots(cells, cell_m, spots));
 }
 
 }  // namespace skyquilt::render

@@ -3,6 +3,7 @@
 // photos that had no part in it. One thread; O(samples x terms).
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <vector>
 
@@ -10,11 +11,18 @@
 
 namespace skyquilt::render {
 
+// Where the hot spots of a flight's photos lie, in enu, and how far around each the ground is of its kind.
+struct SpotsOnGround {
+  std::vector<Eigen::Vector2d> middles_m;  // by photo
+  double reach_m = 0.0;
+};
+
 // `light` is SolveLight's of the same samples, channel and terms, which have a hot spot. Its hills are made
 // as high as settled (all 0: taken back) and the rest fits the samples with them so. Returned by photo: the
-// share of that which it shows, 0 to 2: grass has more of a hot spot than bare soil; 1 where photos do not
-// differ by more than chance, or one does not say.
+// share of that which it shows, 0 to 2: grass has more of a hot spot than bare soil, so that it is told by
+// what all photos show of the ground around the point opposite the sun (`spots`), not by one of them, which
+// may see but the flank of its own; 1 where grounds do not differ by more than chance, or none tells.
 std::vector<double> SettleHotSpot(const std::vector<ExposureSample>& samples, std::size_t channel,
-                                  const LightTerms& terms, SolvedLight& light);
+                                  const LightTerms& terms, const SpotsOnGround& spots, SolvedLight& light);
 
 }  // namespace skyquilt::render

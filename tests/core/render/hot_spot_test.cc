@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <numbers>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -25,11 +26,12 @@ constexpr double kDisc = 0.045, kRing = 0.12;
 struct SyntheticFlight {
   LightTerms terms;
   std::vector<ExposureSample> samples;
+  SpotsOnGround spots;
 };
 
-// 40 photos in lines flown to and fro, 66 m high; `brighter`: by the photo and by how far a look is from the
+// 40 photos in lines flown to and fro, 66 m high; `brighter`: by the ground and by how far a look is from the
 // one opposite the sun. With dark corners, a gain each and noise of 3 %.
-SyntheticFlight FlyOver(const std::function<double(std::uint32_t photo, double away)>& brighter,
+SyntheticFlight FlyOver(const std::function<double(const Eigen::Vector2d& ground_m, double away)>& brighter,
                         std::uint32_t seed) {
   constexpr std::uint32_t kPhotos = 40, kPerLine = 8;
   constexpr double kHeightM = 66.0, kStepM = 3.1, kHalfWidth = 0.65, kHalfHeight = 0.49;
@@ -49,6 +51,8 @@ SyntheticFlight FlyOver(const std::function<double(std::uint32_t photo, double a
     const double yaw = (line % 2 == 0 ? 0.5 : -0.5) * std::numbers::pi + 0.1 * chance(3);
     const Eigen::Vector2d lean{0.05 * chance(4), 0.05 * chance(5)};
     const double gain = 0.05 * chance(6);
+    flight.spots.middles_m.push_back(foot + kHeightM * kOpposite);
+    flight.spots.reach_m = 0.6 * kHeightM;
     const auto cell_of = [&](double at_m) { return static_cast<int>(std::floor(at_m / kStepM)); };
     const int reach = cell_of(kHeightM);
     for (int row = cell_of(foot.y()) - reach; row <= cell_of(foot.y()) + reach; ++row) {
@@ -59,10 +63,11 @@ SyntheticFlight FlyOver(const std::function<double(std::uint32_t photo, double a
         const Eigen::Vector2d place = in_photo / std::hypot(kHalfWidth, kHalfHeight);
         const double log =
             4.5 + gain - 0.2 * place.squaredNorm() + 0.1 * look.x() +
-            brighter(photo, (look - kOpposite).norm()) +
+            brighter(kStepM * Eigen::Vector2d(column, row), (look - kOpposite).norm()) +
             0.03 * static_cast<double>(simulate::SensorNoise(column, row, static_cast<int>(photo), seed + 1));
         ExposureSample sample;
         sample.photo = photo;
+        sample.ground_m = {static_cast<float>(kStepM * column), static_cast<float>(kStepM * row)};
         sample.place = {static_cast<float>(place.x()), static_cast<float>(place.y())};
         sample.look = {static_cast<float>(look.x()), static_cast<float>(look.y())};
         sample.log_value.fill(static_cast<float>(log));
@@ -124,14 +129,14 @@ TEST(HotSpot, IsTakenOutAsHighAndAsWideAsItIs) {
     for (const double strength : {0.1, 0.2, 0.4}) {
       SCOPED_TRACE(testing::Message() << "strength " << strength << ", width " << width);
       SyntheticFlight flight =
-          FlyOver([&](std::uint32_t, double away) { return OfCusp(strength, width, away); }, 7);
+          FlyOver([&](const Eigen::Vector2d&, double away) { return OfCusp(strength, width, away); }, 7);
       FindIn(flight);
       const double is = AgainstRing(
           [&](const Eigen::Vector2d& look) { return OfCusp(strength, width, (look - kOpposite).norm()); });
       ASSERT_TRUE(flight.terms.directions.hot_spot.has_value());
       EXPECT_LT((*flight.terms.directions.hot_spot - kOpposite).norm(), 0.05);
       SolvedLight light = SolveLight(flight.samples, kGreen, flight.terms);
-      SettleHotSpot(flight.samples, kGreen, flight.terms, light);
+      SettleHotSpot(flight.samples, kGreen, flight.terms, flight.spots, light);
       const double taken =
           AgainstRing([&](const Eigen::Vector2d& look) { return Taken(flight.terms, light, look); });
       EXPECT_NEAR(taken, is, 0.02);
@@ -141,7 +146,7 @@ TEST(HotSpot, IsTakenOutAsHighAndAsWideAsItIs) {
 
 TEST(HotSpot, IsNotFoundWhereThereIsNone) {
   for (const std::uint32_t seed : {1u, 20u, 300u, 4000u}) {
-    SyntheticFlight flight = FlyOver([](std::uint32_t, double) { return 0.0; }, seed);
+    SyntheticFlight flight = FlyOver([](const Eigen::Vector2d&, double) { return 0.0; }, seed);
     FindIn(flight);
     EXPECT_FALSE(flight.terms.directions.hot_spot.has_value()) << seed;
   }
@@ -149,10 +154,10 @@ TEST(HotSpot, IsNotFoundWhereThereIsNone) {
 
 TEST(HotSpot, IsTakenBackWhereOverlapsDoNotShowIt) {
   for (const std::uint32_t seed : {1u, 20u, 300u, 4000u}) {
-    SyntheticFlight flight = FlyOver([](std::uint32_t, double) { return 0.0; }, seed);
+    SyntheticFlight flight = FlyOver([](const Eigen::Vector2d&, double) { return 0.0; }, seed);
     flight.terms.directions.hot_spot = kOpposite;
     SolvedLight light = SolveLight(flight.samples, kGreen, flight.terms);
-    SettleHotSpot(flight.samples, kGreen, flight.terms, light);
+    SettleHotSpot(flight.samples, kGreen, flight.terms, flight.spots, light);
     const double taken =
         AgainstRing([&](const Eigen::Vector2d& look) { return Taken(flight.terms, light, look); });
     EXPECT_NEAR(taken, 0.0, 0.01) << seed;
@@ -162,31 +167,41 @@ TEST(HotSpot, IsTakenBackWhereOverlapsDoNotShowIt) {
 // The aircraft's shade, or a wet field: a dark spot is none of the sun's.
 TEST(HotSpot, IsNeverDark) {
   SyntheticFlight flight =
-      FlyOver([](std::uint32_t, double away) { return -0.1 * SpotHill(away * away, 0.2); }, 7);
+      FlyOver([](const Eigen::Vector2d&, double away) { return -0.1 * SpotHill(away * away, 0.2); }, 7);
   flight.terms.directions.hot_spot = kOpposite;
   SolvedLight light = SolveLight(flight.samples, kGreen, flight.terms);
-  SettleHotSpot(flight.samples, kGreen, flight.terms, light);
+  SettleHotSpot(flight.samples, kGreen, flight.terms, flight.spots, light);
   EXPECT_TRUE(light.terms.segment<kSpotTerms>(kSmoothDirectionTerms).isZero(0.0));
 }
 
-TEST(HotSpot, DiffersByPhotoWherePhotosDiffer) {
-  const auto shares_of = [](double less, double more) {
+// Bare soil in the west and grass in the east.
+TEST(HotSpot, DiffersWhereTheGroundDoes) {
+  constexpr double kEdgeM = 100.0, kClearOfEdgeM = 25.0;
+  const auto shares_of = [](double west, double east, std::vector<Eigen::Vector2d>& middles_m) {
     SyntheticFlight flight = FlyOver(
-        [&](std::uint32_t photo, double away) {
-          return (photo % 3 == 0 ? less : more) * 0.2 * SpotHill(away * away, 0.25);
+        [&](const Eigen::Vector2d& ground_m, double away) {
+          return (ground_m.x() < kEdgeM ? west : east) * 0.2 * SpotHill(away * away, 0.25);
         },
         7);
+    middles_m = flight.spots.middles_m;
     flight.terms.directions.hot_spot = kOpposite;
     SolvedLight light = SolveLight(flight.samples, kGreen, flight.terms);
-    return SettleHotSpot(flight.samples, kGreen, flight.terms, light);
+    return SettleHotSpot(flight.samples, kGreen, flight.terms, flight.spots, light);
   };
-  double low = 0.0, high = 0.0;
-  const std::vector<double> different = shares_of(0.4, 1.3);
-  for (std::size_t photo = 0; photo < different.size(); ++photo)
-    (photo % 3 == 0 ? low : high) += different[photo] / (photo % 3 == 0 ? 14.0 : 26.0);
-  EXPECT_LT(low, 0.7);
-  EXPECT_GT(high, 1.1);
-  for (const double share : shares_of(1.0, 1.0)) EXPECT_NEAR(share, 1.0, 0.25);
+  std::vector<Eigen::Vector2d> middles_m;
+  const std::vector<double> different = shares_of(0.4, 1.3, middles_m);
+  std::vector<double> west, east;
+  for (std::size_t photo = 0; photo < different.size(); ++photo) {
+    if (middles_m[photo].x() < kEdgeM - kClearOfEdgeM) west.push_back(different[photo]);
+    if (middles_m[photo].x() > kEdgeM + kClearOfEdgeM) east.push_back(different[photo]);
+  }
+  ASSERT_GE(west.size(), 10U);
+  ASSERT_GE(east.size(), 5U);
+  const auto mean = [](const std::vector<double>& of) {
+    return std::accumulate(of.begin(), of.end(), 0.0) / static_cast<double>(of.size());
+  };
+  EXPECT_LT(mean(west), 0.6 * mean(east));
+  for (const double share : shares_of(1.0, 1.0, middles_m)) EXPECT_NEAR(share, 1.0, 0.25);
 }
 
 // Light that the equations cannot be solved for has no hot spot.
@@ -196,9 +211,10 @@ TEST(HotSpot, OfLightWithoutASolutionIsNone) {
   terms.cameras = {"a camera"};
   terms.exposure_of_photo = {0.0, 0.0};
   terms.directions = {kOpposite, 0.8};
+  const SpotsOnGround spots{{Eigen::Vector2d::Zero(), Eigen::Vector2d::Ones()}, 1.0};
   SolvedLight light{
       Eigen::VectorXd::Zero(2), Eigen::VectorXd::Ones(static_cast<Eigen::Index>(terms.count())), {}, {}};
-  EXPECT_EQ(SettleHotSpot({}, kGreen, terms, light), (std::vector<double>{1.0, 1.0}));
+  EXPECT_EQ(SettleHotSpot({}, kGreen, terms, spots, light), (std::vector<double>{1.0, 1.0}));
   EXPECT_TRUE(light.terms.segment<kSpotTerms>(kSmoothDirectionTerms).isZero(0.0));
 }
 
