@@ -113,7 +113,7 @@ class ServerImport(ServerTestCase):
         self.assertIn("excludes", both.stderr)
 
     def test_what_cannot_be_a_map_fails_its_job_and_nothing_else(self):
-        server = self.serve("--workers", "1", "--job-timeout", "20")
+        server = self.serve("--workers", "1", "--job-timeout", "40")
         good = self.imported(server, self.mbtiles)
         whole = self.utm.read_bytes()
         bad = {"cut.tif": (whole[:len(whole) // 3], "damaged"), "noise.tif": (b"II*\0" + bytes(range(256)) * 4, "damaged")}
@@ -127,7 +127,7 @@ class ServerImport(ServerTestCase):
             db.executescript("DROP VIEW IF EXISTS tiles; DROP TABLE IF EXISTS tiles; CREATE VIEW tiles AS WITH RECURSIVE n(i) AS (SELECT 0 UNION ALL "
                              "SELECT i + 1 FROM n) SELECT 3 AS zoom_level, i % 8 AS tile_column, 0 AS tile_row, x'00' AS tile_data FROM n")
         db.close()
-        bad["endless.mbtiles"] = (endless.read_bytes(), "more than 20 seconds")
+        bad["endless.mbtiles"] = (endless.read_bytes(), "more than 40 seconds")
         for name, (content, words) in bad.items():
             (self.folder / name).write_bytes(content)
             done = self.import_(server, self.folder / name)
