@@ -40,7 +40,9 @@ for (const [screen, context] of Object.entries({ laptop: {}, phone: kPhone })) {
     const flight = mock.seedReady('Meadow');
     await page.goto(`${mock.url}#/flights/${flight.id}`);
     await page.waitForSelector('#report');
-    assert.match(await page.innerText('#result-verdict'), /Not georeferenced\. Scale and north are guesses/);
+    const verdict = await page.innerText('#result-verdict');
+    assert.match(verdict, /^Not georeferenced\./);
+    assert.match(verdict, /Scale and north are guesses/);
     assert.equal(await page.locator('#flight-move').count(), 0);
     await openTool(opened, flight);
     assert.match(await page.innerText('#place-step'), /Click a feature on the map/);
