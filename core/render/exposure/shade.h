@@ -1,4 +1,4 @@
-// // Shade: what a photo's pixels are multiplied with, by where they lie in it: for each channel a polynomial
+// Shade: what a photo's pixels are multiplied with, by where they lie in it: for each channel a polynomial
 // in the place, and a hot spot where the sun stood behind the camera. ShadeGrid has it at the nodes of a
 // grid, for whoever asks at many places. Values; any thread. Places are (x, y) from the middle of the lens, 1
 // at the distance of half the image's diagonal.
