@@ -78,14 +78,16 @@ bool ExportRunner::IsEnded() {
 
 void ExportRunner::Run() {
   auto asked = std::chrono::steady_clock::now() - kAskSharedEvery;
-  bool made_one = false;  // others may wait behind it
+  bool made_one = false;    // others may wait behind it
+  bool is_failing = false;  // a shared catalogue that is away is asked no more often than one without news
   while (!IsEnded()) {
     Result<std::optional<MapExport>> claimed = std::optional<MapExport>();
     const auto now = std::chrono::steady_clock::now();
     const bool asks = made_one || !service_.db.IsShared() || now - asked >= kAskSharedEvery;
-    if (service_.storage_in_place() && (service_.exports.HasNew() || asks)) {
+    if (service_.storage_in_place() && ((service_.exports.HasNew() && !is_failing) || asks)) {
       claimed = service_.exports.Claim(storage::Now());
       asked = now;
+      is_failing = !claimed;
     }
     made_one = claimed && claimed->has_value();
     if (!claimed) LogFailure("-", "exports", claimed.error().detail);

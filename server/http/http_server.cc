@@ -4,6 +4,7 @@
 // <utility> first: Boost 1.74's awaitable uses std::exchange without including it.
 #include <fmt/format.h>
 
+#include <atomic>
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -106,7 +107,9 @@ struct HttpServer::State {
     for (const std::string& host : NetworkHosts()) {
       const Result<void> listens = PortAt(host) ? Result<void>() : ListenBesides(host);
       is_open = is_open || listens;
-      if (!listens) failed = listens.error();
+      if (listens) continue;
+      failed = listens.error();
+      LogFailure("-", "listening at " + host, listens.error().message);
     }
     return is_open ? Result<void>() : failed;
   }
@@ -183,11 +186,18 @@ Result<std::unique_ptr<HttpServer>> HttpServer::Listen(const HttpSettings& setti
 int HttpServer::port() const { return state_->port; }
 
 Result<void> HttpServer::OpenNetwork() {
-  // Whoever waits may be gone when the lane gets to it, or the lane when it was to.
-  const auto opened = std::make_shared<std::promise<Result<void>>>();
-  std::future<Result<void>> answer = opened->get_future();
-  net::post(state_->lanes.front()->io, [this, opened] { opened->set_value(state_->OpenNetwork()); });
-  if (answer.wait_for(kOpenTime) != std::future_status::ready)
+  // Whoever waits may be gone when the lane gets to it, or the lane when it was to. Who was told that it was
+  // not opened finds it closed.
+  struct Asked {
+    std::promise<Result<void>> answer;
+    std::atomic<bool> is_taken = false;  // by the lane, or given up
+  };
+  const auto asked = std::make_shared<Asked>();
+  std::future<Result<void>> answer = asked->answer.get_future();
+  net::post(state_->lanes.front()->io, [this, asked] {
+    if (!asked->is_taken.exchange(true)) asked->answer.set_value(state_->OpenNetwork());
+  });
+  if (answer.wait_for(kOpenTime) != std::future_status::ready && !asked->is_taken.exchange(true))
     return skyquilt::Error{ErrorCode::kUnavailable, "The server is ending, or too busy.", ""};
   return answer.get();
 }

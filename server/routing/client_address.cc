@@ -56,9 +56,13 @@ std::string Hops(const api::Headers& headers) {
 bool IsFromThisMachine(const std::string& peer, const api::Headers& headers) {
   const std::optional<AddressBytes> address = ParseAddress(peer);
   if (!address || !IsThisMachine(*address)) return false;
-  constexpr std::array kOfProxies = {"Forwarded", "Via", "X-Forwarded-For", "X-Forwarded-Host", "X-Real-IP"};
-  return std::none_of(kOfProxies.begin(), kOfProxies.end(),
-                      [&](const char* name) { return headers.Has(name); });
+  return std::none_of(headers.list().begin(), headers.list().end(), [](const auto& header) {
+    constexpr std::string_view kForwarded = "X-Forwarded-";
+    const std::string_view name = header.first;
+    return api::EqualsIgnoringCase(name.substr(0, kForwarded.size()), kForwarded) ||
+           api::EqualsIgnoringCase(name, "Forwarded") || api::EqualsIgnoringCase(name, "Via") ||
+           api::EqualsIgnoringCase(name, "X-Real-IP");
+  });
 }
 
 bool IsTrustedProxy(const std::string& peer, const HttpSettings& settings) {

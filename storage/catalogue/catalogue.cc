@@ -99,12 +99,13 @@ Result<void> InsertFile(SqlConnection& db, const std::string& flight_id, const S
   SKYQUILT_TRY_ASSIGN(
       Statement insert,
       db.Prepare("INSERT INTO file(flight_id,name,bytes,stored_name,created_us) VALUES(?,?,?,?,?)"));
-  return insert.Bind(1, flight_id)
-      .Bind(2, file.name)
-      .Bind(3, file.bytes)
-      .Bind(4, file.stored_name)
-      .Bind(5, ToUs(now))
-      .Run();
+  insert.Bind(1, flight_id).Bind(2, file.name).Bind(3, file.bytes).Bind(4, file.stored_name);
+  SKYQUILT_TRY(insert.Bind(5, ToUs(now)).Run());
+  // What a running job's units are made from now on, its digest does not tell.
+  SKYQUILT_TRY_ASSIGN(Statement forget,
+                      db.Prepare("UPDATE job SET made_from='' WHERE flight_id=? AND state IN"
+                                 " ('accepted','running') AND made_from<>''"));
+  return forget.Bind(1, flight_id).Run();
 }
 
 Result<std::optional<StoredFile>> FileNamed(SqlConnection& db, const std::string& flight_id,

@@ -80,7 +80,8 @@ Result<SweepReport> SweepWorkTo(const DataDir& dir, const JobQueue& queue, Time 
     const std::string name = entry.filename().string();
     if (live.contains(name) || jobs.contains(JobOfWorkName(name))) continue;
     SKYQUILT_TRY_ASSIGN(const bool is_ended, IsOfEndedJob(queue, name));
-    if (is_ended || IsUnitsWork(name) || dir.IsTemporaryName(kDeletedKind, name)) {
+    const bool is_of_units = IsUnitsWork(name) && IsId(JobOfWorkName(name));
+    if (is_ended || is_of_units || dir.IsTemporaryName(kDeletedKind, name)) {
       report.removed += RemoveAll(entry);
     } else {
       report.moved.push_back(lost.Take(entry, "is of no job in the catalogue"));

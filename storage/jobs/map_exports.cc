@@ -162,9 +162,9 @@ Result<void> MapExports::Remove(const std::string& id) {
 }
 
 Result<std::optional<MapExport>> MapExports::Claim(Time now) {
-  has_new_ = false;
+  const bool had_new = has_new_.exchange(false);
   Result<std::optional<MapExport>> claimed = ClaimOnce(now);
-  if (!claimed) has_new_ = true;  // nobody knows whether there is something
+  if (!claimed && had_new) has_new_ = true;  // it is still there
   return claimed;
 }
 

@@ -10,12 +10,15 @@
 namespace skyquilt::storage {
 namespace {
 
-// Of a job named j that failed after ?1: what its units made serves another, unless one that used it found
-// damage. Of jobs that were cut anew since, the latest counts.
-constexpr const char* kMayBeTakenOver =
-    " j.units_of<>'' AND j.state='failed' AND j.error_code<>'corrupt' AND j.finished_us>=?1 AND NOT EXISTS("
-    "SELECT 1 FROM job n WHERE n.flight_id=j.flight_id AND n.id>j.id AND (n.state='successful' OR"
-    " n.error_code='corrupt' OR n.units_of NOT IN ('', j.units_of)))";
+// Of a job named j that failed after ?1: what its units made serves one other, `but_for` itself. Whoever used
+// it and failed as well may have failed by it, and whoever was cut since knows better.
+std::string MayBeTakenOver(std::string_view but_for) {
+  return fmt::format(
+      " j.units_of=j.id AND j.state='failed' AND j.error_code<>'corrupt' AND j.finished_us>=?1 AND NOT EXISTS("
+      "SELECT 1 FROM job n WHERE n.flight_id=j.flight_id AND n.id>j.id{} AND (n.state='successful' OR"
+      " n.error_code='corrupt' OR n.units_of<>''))",
+      but_for);
+}
 
 // With its length, so that "ab" and "c" are not "a" and "bc".
 void AddText(Sha256Sum& sum, std::string_view text) {
@@ -47,7 +50,7 @@ Result<std::optional<std::string>> UnitQueue::TakeOver(const Lease& lease, std::
         db->Prepare(
             std::string("UPDATE job SET made_from=?4, units_of=coalesce((SELECT j.units_of FROM job j WHERE"
                         " j.flight_id=job.flight_id AND j.id<>job.id AND j.made_from=?4 AND") +
-            kMayBeTakenOver +
+            MayBeTakenOver(" AND n.id<>?2") +
             " ORDER BY j.id DESC LIMIT 1), id) WHERE id=?2 AND lease_token=?3 AND state='running'"
             " RETURNING units_of"));
     take.Bind(1, ToUs(now - kUnitsKept)).Bind(2, lease.job_id).Bind(3, lease.token).Bind(4, made_from);
@@ -74,7 +77,7 @@ Result<std::vector<std::string>> JobQueue::UnitsOfUse(Time by_machine) const {
   SKYQUILT_TRY_ASSIGN(Statement query,
                       db->Prepare(std::string("SELECT DISTINCT j.units_of FROM job j WHERE (j.units_of<>''"
                                               " AND j.state IN ('accepted','running')) OR (") +
-                                  kMayBeTakenOver + ")"));
+                                  MayBeTakenOver("") + ")"));
   return query.Bind(1, ToUs(now - kUnitsKept - kLonger)).AllText();
 }
 

@@ -1,6 +1,7 @@
 // UnitInputs: what the units of a cut flight are made from, as a digest: the flight's files (what is stored
-// under a name never changes), the options, the version that works on them and where the flight is cut. Two
-// jobs of one digest make the same units. Pure; any thread.
+// under a name never changes), the options, the version that cut it and where. Two jobs of one digest make
+// the same units, as long as no file came meanwhile: a job to whose flight one came loses its digest. Pure;
+// any thread.
 #pragma once
 
 #include <string>

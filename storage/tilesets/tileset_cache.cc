@@ -123,7 +123,13 @@ Result<std::shared_ptr<const Tileset>> TilesetCache::Get(const std::string& flig
     entry.opening = mine;
   }
   Result<std::shared_ptr<const Tileset>> opened = Refresh(flight_id);
-  if (!opened && opened.error().code == ErrorCode::kUnavailable) return shown;
+  if (!opened && opened.error().code == ErrorCode::kUnavailable) {
+    // The next try after the same while: not each request waits for the store.
+    const std::lock_guard lock(mutex_);
+    const auto found = entries_.find(flight_id);
+    if (found != entries_.end()) found->second.checked = std::chrono::steady_clock::now();
+    return shown;
+  }
   return opened;
 }
 

@@ -30,7 +30,8 @@ TEST(IsFromThisMachine, BelievesNoProxyOnIt) {
   EXPECT_TRUE(IsFromThisMachine("::1", {}));
   for (const char* peer : {"192.0.2.7", "::ffff:192.0.2.7", "", "x"})
     EXPECT_FALSE(IsFromThisMachine(peer, {})) << peer;
-  for (const char* name : {"X-Forwarded-For", "x-forwarded-host", "Forwarded", "Via", "X-Real-IP"}) {
+  for (const char* name : {"X-Forwarded-For", "x-forwarded-host", "Forwarded", "Via", "X-Real-IP",
+                           "X-Forwarded-Proto", "x-forwarded-prefix"}) {
     api::Headers headers;
     headers.Add(name, "x");
     EXPECT_FALSE(IsFromThisMachine("127.0.0.1", headers)) << name;

@@ -269,14 +269,21 @@ TEST_F(UnitQueueTest, AJobGoesOnWithTheUnitsOfOneThatFailedAndWasMadeFromTheSame
   EXPECT_FALSE(*units_.Claim("w", now_));
   EXPECT_TRUE(*units_.Fail(left, {ErrorCode::kUnprocessable, "no photo", ""}, false, now_));
 
-  // Once there is damage in it, nobody goes on from there.
+  // It may have failed by what it took over: nobody goes on from there once more.
+  EXPECT_TRUE(queue_.UnitsOfUse(now_)->empty());
   const auto [third, of_third] = begun(flight, "same");
-  EXPECT_EQ(of_third, first.job_id);
+  EXPECT_EQ(of_third, third.job_id);
+  // Nor where there is damage.
   fail(third, ErrorCode::kCorrupt);
   EXPECT_TRUE(queue_.UnitsOfUse(now_)->empty());
   const auto [fourth, of_fourth] = begun(flight, "same");
   EXPECT_EQ(of_fourth, fourth.job_id);
+  // A file that came while it ran is in some of its units.
+  ASSERT_TRUE(catalogue_.AddFile(flight, {"late.jpg", NewId(), 1}, now_));
   fail(fourth, ErrorCode::kIo);
+  const auto [anew, of_anew] = begun(flight, "same");
+  EXPECT_EQ(of_anew, anew.job_id);
+  fail(anew, ErrorCode::kIo);
   // Other options.
   const auto [fifth, of_fifth] = begun(flight, "another");
   EXPECT_EQ(of_fifth, fifth.job_id);
