@@ -23,21 +23,12 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kImportThumbnailPx = 512;
-constexpr std::uintmax_t kMaxReportBytes = std::uintmax_t{64} << 20;
+constexpr std::uintmax_t kMaxReportBytes = std::uintmax_t{32} << 20;
 
 bool IsSqlite(const fs::path& file) {
   std::array<char, 16> head{};
   std::ifstream(file, std::ios::binary).read(head.data(), head.size());
   return std::string_view(head.data(), 15) == "SQLite format 3";
-}
-
-// Empty where there is none that a map of ours could have.
-std::string ReportText(const fs::path& file) {
-  std::error_code none;
-  const std::uintmax_t bytes = fs::file_size(file, none);
-  if (none || bytes > kMaxReportBytes) return {};
-  const Result<std::string> text = storage::ReadWholeFile(file);
-  return text ? *text : std::string();
 }
 
 }  // namespace
@@ -48,6 +39,14 @@ storage::TilesetMetadata MetadataOfImport(const pipeline::MosaicReport& report,
   metadata.description = "Imported map";
   metadata.attribution = attribution;
   return metadata;
+}
+
+std::string ReportText(const fs::path& file) {
+  std::error_code none;
+  const std::uintmax_t bytes = fs::file_size(file, none);
+  if (none || bytes > kMaxReportBytes) return {};
+  Result<std::string> text = storage::ReadWholeFile(file);
+  return text && IsReportOfAMap(*text) ? *std::move(text) : std::string();
 }
 
 fs::path ReportBeside(const fs::path& file) { return file.parent_path() / "report.json"; }
@@ -65,8 +64,11 @@ Result<pipeline::MosaicReport> ImportMap(const flight::InputFile& file, const fs
   SKYQUILT_TRY(is_of_tiles ? ImportTiles(file, mbtiles, report, progress)
                            : ImportRaster(file, mbtiles, options, report, progress));
   report.quality.status = pipeline::MapStatus::kUnknown;
-  if (auto told = ToldQuality(ReportText(options.report_json), report, is_of_tiles))
-    report.quality = *std::move(told);
+  if (auto told = ToldOfMap(ReportText(options.report_json), report, is_of_tiles)) {
+    report.quality = std::move(told->quality);
+    report.gsd_m = told->gsd_m;
+    report.area_m2 = told->area_m2;
+  }
   progress.BeginStage("export");
   SKYQUILT_TRY(storage::WriteTilesThumbnail(mbtiles, out_dir / "thumbnail.png", kImportThumbnailPx));
   for (const auto& [name, text] :

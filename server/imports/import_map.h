@@ -25,6 +25,8 @@ struct ImportOptions {
 
 // Where the report of a map lies that Skyquilt made: beside its file.
 std::filesystem::path ReportBeside(const std::filesystem::path& file);
+// Empty where it is none of a map of ours.
+std::string ReportText(const std::filesystem::path& file);
 
 // Errors and the report call the file by its `name`.
 Result<pipeline::MosaicReport> ImportMap(const flight::InputFile& file, const std::filesystem::path& out_dir,

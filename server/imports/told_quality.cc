@@ -1,9 +1,12 @@
 #include "server/imports/told_quality.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/geo/lat_lon.h"
@@ -13,7 +16,10 @@ namespace {
 
 using ToldReport = nlohmann::json;
 
-constexpr int kMaxReportDepth = 32;
+constexpr std::array<std::string_view, 8> kReadFields = {"bounds",     "min_zoom", "max_zoom", "tile_size_px",
+                                                         "tile_count", "quality",  "gsd_m",    "area_m2"};
+// Of these fields; a report of ours has a hundredth of it.
+constexpr int kMaxReportDepth = 8, kMaxReportValues = 10'000;
 constexpr double kSameTilesDeg = 1e-9;
 constexpr double kSameRasterPx = 2.0;
 constexpr double kMetresPerDeg = 111'320.0;
@@ -36,38 +42,57 @@ bool HasTiles(const ToldReport& told, const pipeline::MosaicReport& imported) {
          told.at("tile_size_px") == imported.tile_size_px && told.at("tile_count") == imported.tile_count;
 }
 
-// What is nested deeper than any report takes as much stack when it is written again.
-bool IsShallow(std::string_view json) {
-  int depth = 0;
-  bool in_text = false;
-  for (std::size_t at = 0; at < json.size(); ++at) {
-    const char c = json[at];
-    if (in_text && c == '\\') {
-      ++at;
-    } else if (c == '"') {
-      in_text = !in_text;
-    } else if (!in_text && (c == '[' || c == '{')) {
-      if (++depth > kMaxReportDepth) return false;
-    } else if (!in_text && (c == ']' || c == '}')) {
-      --depth;
-    }
-  }
-  return true;
+// Of a text of any size what is read of a report, with no more memory than that takes. Throws as parse does.
+ToldReport ReadFieldsOf(std::string_view json) {
+  bool is_read = true, is_beyond = false;
+  int values = 0;
+  const auto keep = [&](int depth, ToldReport::parse_event_t event, const ToldReport& parsed) {
+    using Event = ToldReport::parse_event_t;
+    if (event == Event::key && depth == 1)
+      is_read = std::find(kReadFields.begin(), kReadFields.end(), parsed.get_ref<const std::string&>()) !=
+                kReadFields.end();
+    if (event == Event::key) return is_read;
+    if (event == Event::object_end || event == Event::array_end || depth == 0) return true;
+    is_beyond |= is_read && (depth > kMaxReportDepth || ++values > kMaxReportValues);
+    return is_read && !is_beyond;
+  };
+  ToldReport report = ToldReport::parse(json.begin(), json.end(), keep);
+  return is_beyond ? ToldReport() : report;
+}
+
+// Tiles are taken over as they are, and with them what their report says of the map's resolution and area:
+// pixels of tiles may be finer, and tiles reach beyond it.
+bool SaysSoOfTiles(const Told& told, const pipeline::MosaicReport& imported) {
+  constexpr double kSlack = 1.001, kMaxTimes = 100.0;
+  return told.gsd_m * kSlack >= imported.gsd_m && told.gsd_m <= kMaxTimes * imported.gsd_m &&
+         told.area_m2 > 0.0 && told.area_m2 <= kSlack * imported.area_m2;
 }
 
 }  // namespace
 
-std::optional<pipeline::MapQuality> ToldQuality(std::string_view report_json,
-                                                const pipeline::MosaicReport& imported, bool is_of_tiles) {
-  if (!IsShallow(report_json)) return std::nullopt;
+std::optional<Told> ToldOfMap(std::string_view report_json, const pipeline::MosaicReport& imported,
+                              bool is_of_tiles) {
   try {
-    const ToldReport told = ToldReport::parse(report_json);
-    if (!HasBounds(told, imported, is_of_tiles) || (is_of_tiles && !HasTiles(told, imported)))
+    const ToldReport report = ReadFieldsOf(report_json);
+    if (!HasBounds(report, imported, is_of_tiles) || (is_of_tiles && !HasTiles(report, imported)))
       return std::nullopt;
-    const Result<pipeline::MapQuality> quality = pipeline::ParseQuality(told.at("quality").dump());
-    return quality ? std::optional(*quality) : std::nullopt;
+    Result<pipeline::MapQuality> quality = pipeline::ParseQuality(report.at("quality").dump());
+    if (!quality) return std::nullopt;
+    Told told{*std::move(quality), imported.gsd_m, imported.area_m2};
+    if (!is_of_tiles) return told;
+    told.gsd_m = report.at("gsd_m").get<double>();
+    told.area_m2 = report.at("area_m2").get<double>();
+    return SaysSoOfTiles(told, imported) ? std::optional(std::move(told)) : std::nullopt;
   } catch (const ToldReport::exception&) {
     return std::nullopt;  // of a program that calls its report the same
+  }
+}
+
+bool IsReportOfAMap(std::string_view report_json) {
+  try {
+    return pipeline::ParseQuality(ReadFieldsOf(report_json).at("quality").dump()).ok();
+  } catch (const ToldReport::exception&) {
+    return false;
   }
 }
 

@@ -13,7 +13,7 @@ import { clipName, formatArea, formatBytes, formatCaptureDay, formatCaptureTime,
 import { parseRoute, routeHash } from '../../web/src/shared/router.js';
 import { looksLikePhoto, selectFiles } from '../../web/src/upload/drop_files.js';
 import { coverageGrid, histogram } from '../../web/src/flight/report_pictures.js';
-import { absoluteWords, accuracyMark, isScaleKnown, relativeWords, statusWords } from '../../web/src/flight/quality_words.js';
+import { absoluteWords, accuracyMark, isScaleKnown, relativeWords, statusWords } from '../../web/src/flight/flight_words.js';
 import { resultWords } from '../../web/src/flight/result_verdict.js';
 import { crossesItself } from '../../web/src/map/ring_crossing.js';
 import { hashWithPlace, placeOfHash } from '../../web/src/map/view_address.js';

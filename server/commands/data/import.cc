@@ -103,8 +103,8 @@ void ImportByServer(ImportArguments& arguments) {
   std::string flight_id;
   std::vector<flight::InputFile> files = {{name, arguments.file}};
   const fs::path report = ReportBeside(arguments.file);
-  std::error_code none;
-  if (fs::is_regular_file(report, none)) files.push_back({report.filename().string(), report});
+  // A file of that name may be anybody's: what is none of a map is not sent.
+  if (!ReportText(report).empty()) files.push_back({report.filename().string(), report});
   const Result<UploadedFlight> uploaded = [&] {
     TerminalProgress progress;
     return UploadFlight(

@@ -11,10 +11,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   pipeline::MosaicReport imported;
   imported.gsd_m = 1e6;  // any bounds but the wildest are within two pixels
   for (const bool is_of_tiles : {false, true}) {
-    const auto told = server::ToldQuality({reinterpret_cast<const char*>(data), size}, imported, is_of_tiles);
+    const auto told = server::ToldOfMap({reinterpret_cast<const char*>(data), size}, imported, is_of_tiles);
     if (!told) continue;
-    const auto again = pipeline::ParseQuality(pipeline::QualityJson(*told));
-    SKYQUILT_CHECK(again.ok() && *again == *told, "a quality that is read as another");
+    const auto again = pipeline::ParseQuality(pipeline::QualityJson(told->quality));
+    SKYQUILT_CHECK(again.ok() && *again == told->quality, "a quality that is read as another");
   }
   return 0;
 }

@@ -8,23 +8,29 @@ import { formatGsd } from '../shared/format.js';
 import { strings } from '../shared/flight_strings.js';
 import { timesCoarser } from './job_options.js';
 
+/** Where nothing foretells how fine the photos are: no field is mapped so coarse by a centimetre's slip. */
+const kCoarse_m = 1;
+
 /**
  * @param {string} flight_id
  * @param {JobOptions} options
- * @returns {Promise<JobOptions|null>} with the answer where one was needed; null: so coarse a map is not meant
+ * @param {{photos_gsd_m?: number, signal?: AbortSignal}} [known] photos_gsd_m: by a verdict that is at hand; signal: nobody
+ *   waits for it any more
+ * @returns {Promise<JobOptions|null>} what was asked here, the server does not refuse; null: so coarse a map is not meant
  */
-export async function confirmCoarse(flight_id, options) {
+export async function confirmCoarse(flight_id, options, { photos_gsd_m, signal } = {}) {
   if (options.gsd_m === undefined || options.any_gsd) return options;
-  // Without a verdict the server has the last word.
-  const verdict = await getVerdict(flight_id).catch((error) => console.debug('no verdict', error));
-  const times = timesCoarser(options, verdict?.gsd_m ?? 0);
-  if (times === null) return options;
+  const photos_m = photos_gsd_m ?? (await getVerdict(flight_id).catch((error) => console.debug('no verdict', error)))?.gsd_m ?? 0;
+  if (signal?.aborted) return null;
+  const meant = { ...options, any_gsd: true };
+  const times = timesCoarser(options, photos_m);
+  if (times === null && (photos_m > 0 || options.gsd_m < kCoarse_m)) return meant;
   const words = strings.options;
   const dialog = h(
     'dialog',
     { class: 'dialog', 'aria-labelledby': 'coarse-title', id: 'coarse-dialog' },
     h('h2', { id: 'coarse-title', class: 'dialog-title' }, words.coarse_title),
-    h('p', {}, words.coarse_text(formatGsd(options.gsd_m), formatGsd(verdict?.gsd_m ?? 0), times)),
+    h('p', {}, times === null ? words.coarse_unknown(formatGsd(options.gsd_m)) : words.coarse_text(formatGsd(options.gsd_m), formatGsd(photos_m), times)),
     h(
       'div',
       { class: 'dialog-actions' },
@@ -32,5 +38,5 @@ export async function confirmCoarse(flight_id, options) {
       h('button', { type: 'button', class: 'button', id: 'coarse-yes', on: { click: () => dialog.close('yes') } }, words.coarse_yes),
     ),
   );
-  return (await ask(dialog)) === 'yes' ? { ...options, any_gsd: true } : null;
+  return (await ask(dialog)) === 'yes' ? meant : null;
 }

@@ -23,7 +23,8 @@ export function jobWorkers() {
   const summary = h('summary', {});
   const held = h('ul', { class: 'reasons' });
   const parts = h('details', { class: 'left-out', id: 'job-parts', hidden: true }, summary, held);
-  const aside = h('ul', { class: 'reasons', id: 'job-aside', hidden: true });
+  const resting = h('ul', { class: 'reasons' });
+  const aside = h('details', { class: 'left-out', id: 'job-aside', hidden: true, open: true }, h('summary', {}, words.workers_aside), resting);
   return {
     element: h('div', {}, parts, aside),
     update(job) {
@@ -36,9 +37,11 @@ export function jobWorkers() {
           [`${words.part_kinds[kind] ?? kind} ${number(part)}`, worker, words.since(at(since)), words.attempt(attempt)].join(' · '),
         ),
       );
+      const of_server = job.workers_aside ?? [];
+      aside.hidden = of_server.length === 0;
       show(
-        aside,
-        (job.workers_aside ?? []).map(({ worker, until, code, message }) => `${words.aside(worker, at(until))} · ${serverWords(code, message)}`),
+        resting,
+        of_server.map(({ worker, until, code, message }) => `${words.aside(worker, at(until))} · ${serverWords(code, message)}`),
       );
     },
   };

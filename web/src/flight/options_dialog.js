@@ -181,6 +181,7 @@ export function askOptions({ flight_id, title, hint = '', submit, options, outli
     if (event.target !== preset && event.target !== name_of_preset) drawPresets('');
     check();
   });
+  const closed = new AbortController();
   form.addEventListener('submit', async (event) => {
     event.preventDefault();
     refuse('');
@@ -195,7 +196,7 @@ export function askOptions({ flight_id, title, hint = '', submit, options, outli
     if (cut === null) return refuse(words.large_area);
     send.disabled = true;
     try {
-      const meant = await confirmCoarse(flight_id, cut ? { ...asked, boundary: cut } : asked);
+      const meant = await confirmCoarse(flight_id, cut ? { ...asked, boundary: cut } : asked, { signal: closed.signal });
       if (!dialog.open) return;  // cancelled meanwhile
       if (meant) {
         await on_submit(meant);
@@ -207,7 +208,10 @@ export function askOptions({ flight_id, title, hint = '', submit, options, outli
     send.disabled = false;
   });
   const dialog = h('dialog', { class: 'dialog', 'aria-labelledby': 'options-title', id: 'options-dialog' }, h('h2', { id: 'options-title', class: 'dialog-title' }, title), hint && h('p', { class: 'muted' }, hint), form);
-  dialog.addEventListener('close', () => dialog.remove());
+  dialog.addEventListener('close', () => {
+    closed.abort();
+    dialog.remove();
+  });
   document.body.append(dialog);
   drawPresets('');
   fill(formOf(options));

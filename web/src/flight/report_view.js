@@ -9,7 +9,7 @@ import { number } from '../shared/language.js';
 import { saidOf, whyLeftOut } from '../shared/remarks.js';
 import { strings } from '../shared/flight_strings.js';
 import { areaIn, chosenUnits, units_chosen } from '../shared/units.js';
-import { absoluteWords, isScaleKnown, relativeWords } from './quality_words.js';
+import { absoluteWords, isScaleKnown, relativeWords } from './flight_words.js';
 import { resultView } from './result_verdict.js';
 import { glanceAtPhoto } from '../upload/exif_reader.js';
 import { lastOptions, optionWords } from './options_dialog.js';
@@ -117,7 +117,7 @@ export function reportView(flight, report, photos, change) {
         iconButton('print', words.print, () => print()),
       ),
     ),
-    report.quality && resultView(report),  // of maps of before there was a word on it, nothing is said
+    resultView(report),
     place && report.is_placed === false &&
       h('button', { type: 'button', class: 'button primary place-button no-print', id: 'flight-place', on: { click: (/** @type {Event} */ event) => place(/** @type {HTMLElement} */ (event.currentTarget)) } }, icon('move'), strings.place.place),
     h(
@@ -129,9 +129,9 @@ export function reportView(flight, report, photos, change) {
       report.quality && fact(words.absolute, absoluteWords(report.quality)),
       report.quality && fact(words.relative, relativeWords(report.quality)),
       cameraFact(flight, photos),
-      fact(words.photos, `${number(placed)} / ${number(report.photos.total)}`),
+      report.photos.total > 0 && fact(words.photos, `${number(placed)} / ${number(report.photos.total)}`),
     ),
-    placementBar(report.photos),
+    report.photos.total > 0 && placementBar(report.photos),
     of_flight.length > 0 &&
       h(
         'div',

@@ -1,10 +1,10 @@
 // How good a map is, in a sentence and a colour, above its report.
 /** @import { Report } from '../shared/types.js' */
-/** @import { Grade } from './quality_words.js' */
+/** @import { Grade } from './flight_words.js' */
 import { h } from '../shared/dom.js';
 import { icon } from '../shared/icons.js';
 import { strings } from '../shared/flight_strings.js';
-import { gradeOf, isScaleKnown, limitWords, statusWords } from './quality_words.js';
+import { gradeOf, isScaleKnown, limitWords, statusWords } from './flight_words.js';
 
 /** Are the size and the north of an unplaced map guessed? Those that a log gave are not. @param {Report} report */
 export const isGuessed = (report) => report.is_placed === false && (report.quality ? !isScaleKnown(report.quality) : report.alignment?.placed_by !== 'records');

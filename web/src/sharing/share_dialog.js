@@ -102,6 +102,7 @@ function openButton(again, showFailure) {
     try {
       await openNetwork();
       await again();
+      document.getElementById('share-make')?.focus();
     } catch (error) {
       button.disabled = false;
       showFailure(error);

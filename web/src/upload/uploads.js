@@ -125,7 +125,7 @@ export class UploadSession extends EventTarget {
     const { signal } = this.#abort;
     try {
       announce(strings.upload.done);
-      const meant = await confirmCoarse(this.flight_id, chosenOptions(this.flight_id));
+      const meant = await confirmCoarse(this.flight_id, chosenOptions(this.flight_id), { photos_gsd_m: this.server_verdict?.gsd_m || undefined, signal });
       if (signal.aborted) return;
       // Where it is not, the flight waits with its options.
       if (meant) {
