@@ -70,6 +70,27 @@ test('so coarse a map is asked about, with both numbers', options, async () => {
   await assertQuiet(opened);
 });
 
+test('where nothing foretells how fine the photos are, only what no slip of a unit leads to goes unasked', options, async () => {
+  const { page, mock } = await setUp({ job_ms: 300 });
+  const flight = await openReady({ page, mock }, 'Meadow');
+  await page.route('**/verdict', (route) => route.fulfill({ status: 503, contentType: 'application/problem+json', body: '{"status":503,"code":"unavailable","detail":"busy"}' }));
+  for (const [centimetres, is_asked] of /** @type {const} */ ([['50', false], ['500', true]])) {
+    await page.locator('#processing-details:not([open]) summary').click({ timeout: 2000 }).catch(() => {});  // open already
+    await page.click('#run-again');
+    await page.fill('#option-resolution_cm', centimetres);
+    await page.click('#options-submit');
+    if (is_asked) {
+      await page.waitForSelector('#coarse-dialog[open]');
+      assert.match((await page.textContent('#coarse-dialog')) ?? '', /5\sm\/px, and nothing tells yet/);
+      await page.click('#coarse-yes');
+    }
+    await page.waitForSelector('#options-dialog', { state: 'detached' });
+    assert.equal(flight.job.options.gsd_m, Number(centimetres) / 100);
+    assert.equal(flight.job.options.any_gsd, true);
+    await page.waitForSelector('#report');
+  }
+});
+
 test('an area is sent with as many digits as mean anything, or refused', () => {
   const long = { ...kArea, coordinates: [kArea.coordinates[0].map(([lon, lat]) => [lon + 1.23e-12, lat])] };
   assert.deepEqual(jobArea(long), kArea);

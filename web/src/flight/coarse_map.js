@@ -10,6 +10,8 @@ import { timesCoarser } from './job_options.js';
 
 /** Where nothing foretells how fine the photos are: no field is mapped so coarse by a centimetre's slip. */
 const kCoarse_m = 1;
+/** So near to what is asked about, the photos' resolution by what they show may lie beyond it where that by records does not. */
+const kTimesNear = 15;
 
 /**
  * @param {string} flight_id
@@ -24,7 +26,8 @@ export async function confirmCoarse(flight_id, options, { photos_gsd_m, signal }
   if (signal?.aborted) return null;
   const meant = { ...options, any_gsd: true };
   const times = timesCoarser(options, photos_m);
-  if (times === null && (photos_m > 0 || options.gsd_m < kCoarse_m)) return meant;
+  if (times === null && photos_m > 0) return options.gsd_m > kTimesNear * photos_m ? meant : options;
+  if (times === null && options.gsd_m < kCoarse_m) return meant;
   const words = strings.options;
   const dialog = h(
     'dialog',
