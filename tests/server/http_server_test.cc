@@ -36,10 +36,10 @@ class HttpServerTest : public ServedFolder {
   int CountIncoming() const {
     return static_cast<int>(std::distance(std::filesystem::directory_iterator(dir_.Incoming()), {}));
   }
-  bool WaitForNoIncoming() const {
-    for (int i = 0; i < 200 && CountIncoming() > 0; ++i)
+  bool WaitForIncoming(int count) const {
+    for (int i = 0; i < 1000 && CountIncoming() != count; ++i)
       std::this_thread::sleep_for(std::chrono::milliseconds(25));
-    return CountIncoming() == 0;
+    return CountIncoming() == count;
   }
 
   api::Router router_;
@@ -324,19 +324,19 @@ TEST_F(HttpServerTest, RefusesBrokenChunksAndKeepsNothing) {
     const int status = Ask(put + body).status;
     EXPECT_TRUE(status == 400 || status == 413) << body << " " << status;
   }
-  EXPECT_TRUE(WaitForNoIncoming());
+  EXPECT_TRUE(WaitForIncoming(0));
   EXPECT_TRUE(catalogue_.ListFiles(flight)->empty());
 }
 
 TEST_F(HttpServerTest, ForgetsAnUploadWhoseClientWentAway) {
   Start();
   const std::string flight = catalogue_.AddFlight("f", "{}", storage::Now())->id;
-  {
-    RawClient client(port());
-    client.Send("PUT /api/v1/flights/" + flight + "/files/a.jpg HTTP/1.1\r\n" + kHost +
-                "Content-Length: 3221225472\r\n\r\n" + std::string(100000, 'x'));
-  }
-  EXPECT_TRUE(WaitForNoIncoming());
+  auto client = std::make_unique<RawClient>(port());
+  client->Send("PUT /api/v1/flights/" + flight + "/files/a.jpg HTTP/1.1\r\n" + kHost +
+               "Content-Length: 3221225472\r\n\r\n" + std::string(100000, 'x'));
+  EXPECT_TRUE(WaitForIncoming(1));
+  client.reset();
+  EXPECT_TRUE(WaitForIncoming(0));
   EXPECT_TRUE(catalogue_.ListFiles(flight)->empty());
 }
 
@@ -360,7 +360,7 @@ TEST_F(HttpServerTest, TellsWhoeverSendsABodyTooSlowly) {
     EXPECT_NE(answer.body.find("1 s"), std::string::npos) << answer.body;
     EXPECT_TRUE(client->IsClosed());
   }
-  EXPECT_TRUE(WaitForNoIncoming());
+  EXPECT_TRUE(WaitForIncoming(0));
   EXPECT_TRUE(catalogue_.ListFiles(flight)->empty());
 }
 
