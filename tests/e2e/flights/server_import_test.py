@@ -74,7 +74,8 @@ class ServerImport(ServerTestCase):
         about = server.json("GET", f"/api/v1/flights/{flight}")[1]
         # The report that lay beside it came along, and says how true the map is.
         self.assertEqual((about["revision"], about["quality"]), (2, self.report["quality"]))
-        self.assertEqual((about["gsd_m"], about["area_m2"]), (self.report["gsd_m"], self.report["area_m2"]))
+        said = server.json("GET", f"/api/v1/flights/{flight}/report")[1]
+        self.assertEqual((about["gsd_m"], said["area_m2"]), (self.report["gsd_m"], self.report["area_m2"]))
         zoom = server.json("GET", f"/tiles/{flight}.json")[1]["maxzoom"]
         x, y = tile_of(sum(self.bounds[::2]) / 2, sum(self.bounds[1::2]) / 2, zoom)
         row = sqlite3.connect(self.mbtiles).execute("SELECT tile_data FROM tiles WHERE zoom_level=? AND tile_column=? AND tile_row=?",
