@@ -57,7 +57,7 @@ test('so coarse a map is asked about, with both numbers', options, async () => {
   await page.fill('#option-resolution_cm', '500');
   await page.click('#options-submit');
   await page.waitForSelector('#coarse-dialog[open]');
-  assert.match((await page.textContent('#coarse-dialog')) ?? '', /5\sm\/px.*1\.73\scm\/px.*289 times/);
+  assert.match((await page.textContent('#coarse-dialog')) ?? '', /“Meadow”.*5\sm\/px.*1\.73\scm\/px.*289 times/);
   await assertAccessible(page, 'a question about a coarse map');
   await page.click('#coarse-no');
   assert.equal(flight.job ?? null, null, 'nothing is sent that is not meant');

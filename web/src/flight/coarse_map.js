@@ -1,7 +1,7 @@
 // Asks before a map is made far coarser than its photos: metres that were typed for centimetres, say. The server refuses
 // it otherwise, with the same two numbers (MosaicOptions::CheckGsd).
 /** @import { JobOptions } from './job_options.js' */
-import { getVerdict } from '../shared/api.js';
+import { getFlight, getVerdict } from '../shared/api.js';
 import { ask } from '../shared/dialogs.js';
 import { h } from '../shared/dom.js';
 import { formatGsd } from '../shared/format.js';
@@ -28,11 +28,14 @@ export async function confirmCoarse(flight_id, options, { photos_gsd_m, signal }
   const times = timesCoarser(options, photos_m);
   if (times === null && photos_m > 0) return options.gsd_m > kTimesNear * photos_m ? meant : options;
   if (times === null && options.gsd_m < kCoarse_m) return meant;
+  // Several uploads may end while nobody looks at their flights.
+  const name = (await getFlight(flight_id, signal).catch((error) => console.debug('no flight', error)))?.name;
+  if (signal?.aborted) return null;
   const words = strings.options;
   const dialog = h(
     'dialog',
     { class: 'dialog', 'aria-labelledby': 'coarse-title', id: 'coarse-dialog' },
-    h('h2', { id: 'coarse-title', class: 'dialog-title' }, words.coarse_title),
+    h('h2', { id: 'coarse-title', class: 'dialog-title' }, words.coarse_title(name ?? flight_id)),
     h('p', {}, times === null ? words.coarse_unknown(formatGsd(options.gsd_m)) : words.coarse_text(formatGsd(options.gsd_m), formatGsd(photos_m), times)),
     h(
       'div',

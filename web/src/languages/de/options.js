@@ -61,7 +61,7 @@ export const option_words = {
     direct: 'Metadaten, verfeinert durch Helligkeit',
   },
   formats: { auto: 'JPEG, am Rand WebP', 'jpeg-png': 'JPEG, am Rand PNG', webp: 'WebP' },
-  coarse_title: 'Wirklich so grob?',
+  coarse_title: (/** @type {string} */ name) => `Wirklich eine so grobe Karte von „${name}“?`,
   coarse_text: (/** @type {string} */ asked, /** @type {string} */ shown, /** @type {number} */ times) => `Verlangt ist eine Auflösung von ${asked}. Die Fotos zeigen ${shown}, das ist ${number(times, { maximumFractionDigits: 0 })}-mal feiner. Das Feld zählt in Zentimetern.`,
   coarse_unknown: (/** @type {string} */ asked) => `Verlangt ist eine Auflösung von ${asked}, und noch sagt nichts, wie fein die Fotos sind. Das Feld zählt in Zentimetern.`,
   coarse_yes: 'Ja, so grob',

@@ -61,7 +61,7 @@ export const option_words = {
     direct: 'Metadata refined by brightness',
   },
   formats: { auto: 'JPEG, WebP at the edge', 'jpeg-png': 'JPEG, PNG at the edge', webp: 'WebP' },
-  coarse_title: 'Really so coarse?',
+  coarse_title: (/** @type {string} */ name) => `Really so coarse a map of “${name}”?`,
   coarse_text: (/** @type {string} */ asked, /** @type {string} */ shown, /** @type {number} */ times) => `The resolution asked for is ${asked}. The photos show ${shown}, which is ${number(times, { maximumFractionDigits: 0 })} times finer. The field counts in centimetres.`,
   coarse_unknown: (/** @type {string} */ asked) => `The resolution asked for is ${asked}, and nothing tells yet how fine the photos are. The field counts in centimetres.`,
   coarse_yes: 'Yes, so coarse',
