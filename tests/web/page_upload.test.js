@@ -152,7 +152,8 @@ test('who runs the server sees which worker has which part of a large flight, an
   await page.click('#job-parts summary');
   assert.match(await page.textContent('#job-parts li:nth-child(2)'), /Looking at photos 12 · worker-b-9 · since .*2026.* · attempt 2/);
   assert.match(await page.textContent('#job-aside'), /worker-c-4 takes no work until .*2026.*The disk is full/);
-  await page.waitForTimeout(1500);
+  const told = await page.textContent('#job .big-number');
+  await page.waitForFunction((before) => document.querySelector('#job .big-number')?.textContent !== before, told);
   assert.equal(await page.locator('#job-parts[open]').count(), 1, 'it stays open while the job goes on');
   await page.click('#job-cancel');
   await page.waitForSelector('#start-job');
