@@ -3,6 +3,7 @@ import json
 import math
 import os
 import pathlib
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -174,7 +175,8 @@ class MapFileTestCase(GdalTestCase):
             self.assertLessEqual(off.max() if most_off == 0.0 else off.mean(), most_off, source)
 
     def check_qgis_zooms_to(self, definition):
-        """QGIS opens a layer definition (bytes), zooms to it and shows the map, whole and in its colours."""
+        """QGIS opens a layer definition (bytes), zooms to it and shows the map: whole, in its colours, where it lies. Its picture is
+        kept in the folder SKYQUILT_PICTURES names."""
         if not has_qgis():
             self.skipTest("python3-qgis is not here")
         file, picture, side = pathlib.Path(self.data, "zoom.qlr"), pathlib.Path(self.data, "zoom.png"), 600
@@ -191,11 +193,27 @@ class MapFileTestCase(GdalTestCase):
         want = self.gdal.Translate("", self.gdal.Open(str(self.path("mbtiles"))), format="MEM", projWin=[west, north, east, south],
                                    width=side, height=side, resampleAlg="average").ReadAsArray().astype(int)
         got = self.gdal.Open(str(picture)).ReadAsArray()[:3].astype(int)
+        if os.environ.get("SKYQUILT_PICTURES"):
+            kept = pathlib.Path(os.environ["SKYQUILT_PICTURES"])
+            kept.mkdir(parents=True, exist_ok=True)
+            shutil.copy(picture, kept / "qgis-zoomed-to-layer.png")
         seen = want[3] == 255
         self.assertGreater(seen.mean(), 0.3)
         self.assertGreater(got[:, seen].std(), 3.0)  # a picture, not a blank
         self.assertLess(abs(got[:, seen].mean(axis=1) - want[:3, seen].mean(axis=1)).max(), 3.0)
         self.assertLess(abs(got - want[:3])[:, seen].mean(), 10.0)
+        self.assertLess((got[:, want[3] == 0] < 255).mean(), 0.02)  # nothing is drawn beside the map
+        # The same things at the same places: shifted by three pixels of six hundred, they are less alike.
+        inner = seen[3:-3, 3:-3]
+        alike = {shift: self.correlation(got[1, 3 + shift[1]:side - 3 + shift[1], 3 + shift[0]:side - 3 + shift[0]][inner], want[1, 3:-3, 3:-3][inner])
+                 for shift in ((0, 0), (3, 0), (-3, 0), (0, 3), (0, -3))}
+        self.assertGreater(alike[0, 0], 0.9, alike)
+        self.assertEqual(max(alike, key=alike.get), (0, 0), alike)
+
+    @staticmethod
+    def correlation(a, b):
+        a, b = a - a.mean(), b - b.mean()
+        return float((a * b).sum() / math.sqrt((a * a).sum() * (b * b).sum()))
 
     def bounds_m(self):
         """The map's, in Web Mercator: west, south, east, north."""
