@@ -1,9 +1,11 @@
 // A stranger's first visit, in Chromium on a laptop and a phone, in English and German, light and dark: photos dropped, the map
-// waited for, everything opened that can be. At every step no word is cut, no control covered, nothing scrolls sideways, no
-// English stands on the German page, and list, head and report say one and the same of the map.
-//   node tests/web/first_visit/first_visit.test.js [FOLDER for a picture of every step [FOLDER of photos for a real server]]
-// Without photos the server is the mock.
+// waited for, everything opened that can be. At every step no word is cut or lies over another, no control is covered, nothing
+// scrolls sideways, no English stands on the German page, and list, head and report say one and the same of the map.
+// The server is the mock; one visit more is of the real one, with a simulated flight. With
+//   SKYQUILT_VISIT=brighton  or another folder of SKYQUILT_DATA, or `made` for the simulated flight, all visits are of the real one
+//   SKYQUILT_PICTURES=FOLDER a picture of every step is kept there
 import assert from 'node:assert/strict';
+import { spawnSync } from 'node:child_process';
 import { mkdirSync, mkdtempSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
@@ -15,36 +17,60 @@ import { atRest, mapIdle } from '../support/browser.js';
 import { faultsOf, foreignWords } from '../support/page_faults.js';
 import { options, usePages } from '../support/pages.js';
 import { photoFiles } from '../support/photo_files.js';
-import { findPhotos, startServer } from '../support/real_server.js';
+import { binary, findPhotos, missingBinary, realPhotos, startServer } from '../support/real_server.js';
 
-const [pictures, photo_folder] = process.argv.slice(2);
+const { SKYQUILT_PICTURES: pictures = '', SKYQUILT_VISIT: visited = '' } = process.env;
 const screens = {
   laptop: { viewport: { width: 1366, height: 768 } },
   phone: { viewport: { width: 390, height: 844 }, deviceScaleFactor: 2, isMobile: true, hasTouch: true },
 };
 const kPatience_ms = 600_000;
-const { setUp, cleanUp } = usePages();
+/** Of the real server besides. */
+const kRealVisit = 'phone-de-dark';
+const { setUp, openAt, cleanUp } = usePages();
 
 const wordsIn = async (/** @type {import('../../../web/src/shared/language.js').Language} */ tag) => ({ ...(await loadPageWords(tag)), ...(await loadFlightWords(tag)) });
 const english = await wordsIn('en');
 const foreign = new Map(await Promise.all(/** @type {['en', 'de']} */ (Object.keys(kLanguages)).map(
   async (tag) => /** @type {[string, any]} */ ([tag, tag === 'en' ? undefined : foreignWords(english, await wordsIn(tag))]))));
 
-/** A page of the real server in a data folder of its own, or of the mock. @param {object} context */
-async function openVisit(context) {
-  const opened = await setUp({ upload_ms: 30 }, { is_drawn: Boolean(pictures), ...context });
-  if (!photo_folder) return { ...opened, photos: photoFiles(18) };
-  const data = mkdtempSync(join(tmpdir(), 'skyquilt-visit-'));
-  const server = await startServer(join(data, 'data'));
-  cleanUp(async () => {
-    await server.stop();
-    rmSync(data, { recursive: true, force: true });
-  });
-  await opened.page.goto(server.url);
-  return { ...opened, photos: findPhotos(photo_folder) };
+/** What is given to a real server: a real flight's photos where they are here and asked for. @param {string} folder for those that are made */
+function photosOf(folder) {
+  const found = visited === 'made' ? [] : realPhotos(visited === 'brighton' ? 'brighton_beach' : visited);
+  if (visited && found.length > 0) return found;
+  if (visited && visited !== 'made') console.log(`# ${visited} is not here: a simulated flight in its place`);
+  const made = spawnSync(binary, ['simulate', '-o', folder, '--photos', '12', '--size', '800x600', '--noise', 'xmp', '--no-world'], { encoding: 'utf8' });
+  assert.equal(made.status, 0, made.stderr);
+  return findPhotos(folder);
 }
 
-/** What is opened on the map, in turn, each closed again by the next one's Escape. @type {[string, (page: any) => Promise<void>][]} */
+/** A page of the real server in a data folder of its own, or of the mock. @param {object} context @param {boolean} is_real */
+async function openVisit(context, is_real) {
+  const drawn = { is_drawn: Boolean(pictures), ...context };
+  if (!is_real) {
+    const opened = await setUp({ upload_ms: 30 }, drawn);
+    await opened.page.route('**/control', (/** @type {any} */ route) => route.fulfill({ json: { reference_system: '', points: [] }, headers: { ETag: '"0"' } }));
+    return { ...opened, photos: photoFiles(18), holdUploads: opened.mock.holdUploads };
+  }
+  const folder = mkdtempSync(join(tmpdir(), 'skyquilt-visit-'));
+  cleanUp(async () => rmSync(folder, { recursive: true, force: true }));
+  const server = await startServer(join(folder, 'data'));
+  cleanUp(server.stop);
+  const opened = await openAt(server.url, drawn);
+  const holdUploads = () => {
+    /** @type {(value?: unknown) => void} */
+    let release = () => {};
+    const gate = new Promise((resolve) => (release = resolve));
+    void opened.page.route('**/api/v1/uploads**', async (/** @type {any} */ route) => {
+      await gate;
+      await route.continue();
+    });
+    return release;
+  };
+  return { ...opened, photos: photosOf(join(folder, 'flight')), holdUploads };
+}
+
+/** What is opened on the map, in turn, and closed again by closeAll. @type {[string, (page: any) => Promise<void>][]} */
 const views = [
   ['download', async (page) => {
     await page.click('#flight-download');
@@ -66,6 +92,13 @@ const views = [
     await page.waitForSelector('#share-made input');
     await page.waitForSelector('.shares li');
   }],
+  ['network', async (page) => {
+    await page.click('#flight-share');
+    await page.click('#share-open-network');
+    await page.waitForSelector('#share-network');
+    await page.click('#share-make');
+    await page.waitForSelector('#share-made .qr-code');
+  }],
   ['qgis', async (page) => {
     await page.click('#flight-qgis');
     await page.waitForSelector('#qgis-file');
@@ -74,6 +107,12 @@ const views = [
     if (!(await page.locator('#run-again').isVisible())) await page.click('#processing-details summary');
     await page.click('#run-again');
     await page.click('.option-more summary');
+  }],
+  ['coarse', async (page) => {
+    await page.click('#run-again');
+    await page.fill('#option-resolution_cm', '500');
+    await page.click('#options-submit');
+    await page.waitForSelector('#coarse-dialog[open]');
   }],
   ['rename', (page) => page.click('#flight-rename')],
   ['note', async (page) => {
@@ -121,6 +160,16 @@ const views = [
   ['area', (page) => measure(page, 'area')],
 ];
 
+/** Whatever is open. @param {any} page */
+async function closeAll(page) {
+  const dialogs = page.locator('dialog[open]');
+  for (let open = await dialogs.count(); open > 0; open = await dialogs.count()) {
+    await page.keyboard.press('Escape');
+    await page.waitForFunction((/** @type {number} */ n) => document.querySelectorAll('dialog[open]').length < n, open);
+  }
+  await page.keyboard.press('Escape');
+}
+
 /** @param {any} page @param {'distance'|'area'} kind */
 async function measure(page, kind) {
   await page.keyboard.press('Escape');
@@ -160,6 +209,10 @@ test('what is planted is found', options, async () => {
     plant('p', { id: 'cut', textContent: 'Donaudampfschifffahrt' });
     plant('p', { id: 'told', textContent: 'Donaudampfschifffahrt', title: 'Donaudampfschifffahrt' });
     plant('button', { id: 'below', textContent: 'a' });
+    plant('p', { id: 'wide', textContent: 'Donaudampfschifffahrt' }, 'top: 8em; left: 40em; width: auto');
+    plant('p', { id: 'over', textContent: 'Kapitän', ariaHidden: 'true' }, 'top: 8em; left: 44em; width: 3em; overflow: visible; pointer-events: none');
+    plant('div', { id: 'lid' }, 'top: 12em; left: 42em; z-index: 100');
+    plant('p', { id: 'lidded', textContent: 'Donaudampfschifffahrt' }, 'top: 12em; left: 40em; width: auto');
     plant('p', { id: 'sentence', textContent: sentence }, 'width: auto');
     plant('p', { id: 'made', textContent: made }, 'width: auto');
     plant('button', { id: 'named', title }, 'top: 4em; background: none');
@@ -167,7 +220,7 @@ test('what is planted is found', options, async () => {
   }, [english.flights.none, english.quality.limits.left_out(17, 40), english.flights.search]);
   const found = (await faultsOf(page, foreign.get('de'))).join('\n');
   for (const [fault, times] of /** @type {[RegExp, number][]} */ ([[/^cut: p#cut/gm, 1], [/^cut: p#told/gm, 0], [/^covered: button#below.* by p#made/gm, 1],
-    [/^English: .* in p#sentence/gm, 1], [/^English: .* in p#made/gm, 1], [/^English: title=.* of button#named/gm, 1], [/^scrolls sideways: html/gm, 1]])) {
+    [/^English: .* in p#sentence/gm, 1], [/^English: .* in p#made/gm, 1], [/^English: title=.* of button#named/gm, 1], [/^words over words: p#wide.* and p#over/gm, 1], [/^half covered: p#lidded.* by div#lid/gm, 1], [/^half covered: p#wide/gm, 0], [/^scrolls sideways: html/gm, 1]])) {
     assert.equal(found.match(fault)?.length ?? 0, times, `${fault} in\n${found}`);
   }
 });
@@ -175,44 +228,47 @@ test('what is planted is found', options, async () => {
 for (const [screen, context] of Object.entries(screens)) {
   for (const [locale, language] of /** @type {const} */ ([['en-GB', 'en'], ['de-DE', 'de']])) {
     for (const colorScheme of /** @type {const} */ (['light', 'dark'])) {
-      const visit = `${screen}-${language}-${colorScheme}`;
-      test(`nothing is cut, covered or contradicts another on a first visit: ${visit}`, { ...options, timeout: kPatience_ms }, async () => {
-        const { page, mock, photos, console_errors, foreign_requests } = await openVisit({ ...context, locale, colorScheme, reducedMotion: 'reduce' });
-        if (!photo_folder) await page.route('**/control', (/** @type {any} */ route) => route.fulfill({ json: { reference_system: '', points: [] }, headers: { ETag: '"0"' } }));
-        /** @type {string[]} */
-        const faults = [];
-        let steps = 0;
-        const look = async (/** @type {string} */ step) => {
-          await atRest(page);
-          for (const fault of await faultsOf(page, foreign.get(language))) faults.push(`${step}: ${fault}`);
-          steps += 1;
-          if (!pictures) return;
-          mkdirSync(pictures, { recursive: true });
-          await page.screenshot({ path: join(pictures, `${visit}-${String(steps).padStart(2, '0')}-${step}.png`) });
-        };
-        await page.waitForSelector('#flights-message:not([hidden])');
-        await look('empty');
-        const release = mock.holdUploads();
-        await page.setInputFiles('#files-input', photos);
-        await page.waitForSelector('#upload-progress');
-        await look('uploading');
-        release();
-        await page.waitForSelector('#job-progress', { timeout: kPatience_ms }).then(() => look('processing'), () => undefined);
-        await page.waitForSelector('#report', { timeout: kPatience_ms });
-        await mapIdle(page);
-        await look('map');
-        for (const [step, open] of views) {
-          await open(page);
-          await look(step);
-          await page.keyboard.press('Escape');
-        }
-        await page.reload();
-        await page.waitForSelector('#report');
-        await assertOneStatus(page);
-        await look('list');
-        assert.deepEqual(faults, []);
-        assert.deepEqual([foreign_requests, console_errors], [[], []]);
-      });
+      const kind = `${screen}-${language}-${colorScheme}`;
+      for (const is_real of visited ? [true] : kind === kRealVisit ? [false, true] : [false]) {
+        const visit = `${kind}${is_real ? '-real' : ''}`;
+        const skip = options.skip || (is_real && missingBinary()) || false;
+        test(`nothing is cut, covered or contradicts another on a first visit: ${visit}`, { skip, timeout: kPatience_ms }, async () => {
+          const { page, photos, holdUploads, console_errors, foreign_requests } = await openVisit({ ...context, locale, colorScheme, reducedMotion: 'reduce' }, is_real);
+          /** @type {string[]} */
+          const faults = [];
+          let steps = 0;
+          const look = async (/** @type {string} */ step) => {
+            await atRest(page);
+            for (const fault of await faultsOf(page, foreign.get(language))) faults.push(`${step}: ${fault}`);
+            steps += 1;
+            if (!pictures) return;
+            mkdirSync(pictures, { recursive: true });
+            await page.screenshot({ path: join(pictures, `${visit}-${String(steps).padStart(2, '0')}-${step}.png`) });
+          };
+          await page.waitForSelector('#flights-message:not([hidden])');
+          await look('empty');
+          const release = holdUploads();
+          await page.setInputFiles('#files-input', photos);
+          await page.waitForSelector('#upload-progress');
+          await look('uploading');
+          release();
+          await page.waitForSelector('#job-progress', { timeout: kPatience_ms }).then(() => look('processing'), () => undefined);
+          await page.waitForSelector('#report', { timeout: kPatience_ms });
+          await mapIdle(page);
+          await look('map');
+          for (const [step, open] of views) {
+            await open(page);
+            await look(step);
+            await closeAll(page);
+          }
+          await page.reload();
+          await page.waitForSelector('#report');
+          await assertOneStatus(page);
+          await look('list');
+          assert.deepEqual(faults, []);
+          assert.deepEqual([foreign_requests, console_errors], [[], []]);
+        });
+      }
     }
   }
 }

@@ -1,5 +1,5 @@
-// What is wrong with a view of the page, found without a reader's eye: words that are cut, controls that something covers,
-// views that scroll sideways, words of English on a page in another language.
+// What is wrong with a view of the page, found without a reader's eye: words that are cut, words over words, words and controls that
+// something covers, views that scroll sideways, words of English on a page in another language.
 import { leavesOf } from './word_leaves.js';
 
 /**
@@ -58,14 +58,26 @@ function findFaults({ whole, parts }) {
     }
     return box.left < -1 || box.right > innerWidth + 1 ? document.documentElement : null;
   };
+  /** Not scrolled out of what has a bar. */
+  const isInView = (/** @type {Element} */ element, /** @type {DOMRect} */ box) => {
+    for (let at = element.parentElement; at; at = at.parentElement) {
+      if (!/auto|scroll|hidden|clip/.test(getComputedStyle(at).overflow)) continue;
+      const room = at.getBoundingClientRect();
+      if (box.left < room.left - 1 || box.right > room.right + 1 || box.top < room.top || box.bottom > room.bottom) return false;
+    }
+    return box.left >= 0 && box.top >= 0 && box.right <= innerWidth && box.bottom <= innerHeight;
+  };
   const walker = document.createTreeWalker(top, NodeFilter.SHOW_TEXT);
-    for (let node = walker.nextNode(); node; node = walker.nextNode()) {
+  /** @type {{element: Element, box: DOMRect}[]} lines that are to be read where they are */
+  const lines = [];
+  for (let node = walker.nextNode(); node; node = walker.nextNode()) {
     const element = node.parentElement;
     const text = node.textContent?.trim() ?? '';
     if (!element || text === '' || element.closest(kAsLongAsItIs) || !isShown(element)) continue;
     const range = document.createRange();
     range.selectNodeContents(node);
     const boxes = [...range.getClientRects()];
+    lines.push(...boxes.filter((box) => isInView(element, box)).map((box) => ({ element, box })));
     const cutter = boxes.map((box) => cutBy(element, box)).find(Boolean);
     const holder = getComputedStyle(element).display === 'inline' ? null : element;
     const is_wider = holder && holder.scrollWidth > holder.clientWidth + 1 && holder.clientWidth > 0;
@@ -79,6 +91,32 @@ function findFaults({ whole, parts }) {
       if (is_english) faults.push(`English: ${attribute}="${text.slice(0, 80)}" of ${name(element).split(' ')[0]}`);
     }
   }
+
+  // Of a line that is seen at all, all is seen: what lies whole below a sheet or a card is not meant to be.
+  const foreignAt = (/** @type {Element} */ element, /** @type {number} */ x, /** @type {number} */ y) => {
+    const hit = document.elementsFromPoint(x, y).find((one) => one.checkVisibility({ checkOpacity: true, checkVisibilityCSS: true }));
+    return hit && !element.contains(hit) && !hit.contains(element) ? hit : null;
+  };
+  /** @type {{element: Element, box: DOMRect}[]} */
+  const seen = [];
+  for (const { element, box } of lines) {
+    const passes = getComputedStyle(element).pointerEvents === 'none';
+    const middle = (box.top + box.bottom) / 2;
+    const over = passes ? [] : [0.02, 0.25, 0.5, 0.75, 0.98].map((share) => foreignAt(element, box.left + share * box.width, middle));
+    const coverer = over.find(Boolean);
+    if (!coverer || over.some((one) => !one)) seen.push({ element, box });
+    if (coverer && over.some((one) => !one)) faults.push(`half covered: ${name(element)} by ${name(coverer).split(' ')[0]}`);
+  }
+  // Letters fill the middle half of their line's height.
+  const kLettersFrom = 0.25, kTouching_px = 2;
+  const apart = (/** @type {DOMRect} */ a, /** @type {DOMRect} */ b) => {
+    const rim = (/** @type {DOMRect} */ box) => kLettersFrom * box.height;
+    return Math.min(a.right, b.right) - Math.max(a.left, b.left) < kTouching_px || Math.min(a.bottom - rim(a), b.bottom - rim(b)) - Math.max(a.top + rim(a), b.top + rim(b)) < kTouching_px;
+  };
+  seen.forEach((one, i) => {
+    const other = seen.slice(i + 1).find(({ element, box }) => element !== one.element && !apart(one.box, box));
+    if (other) faults.push(`words over words: ${name(one.element)} and ${name(other.element)}`);
+  });
 
   /** Scrolled to, as who uses it would, in what has a bar for it; the answer takes it all back. */
   const bringIntoView = (/** @type {Element} */ element) => {

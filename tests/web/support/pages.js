@@ -25,12 +25,17 @@ afterEach(async () => {
  * @param {(mock: any) => string} [view] of the page, by its hash; the list unless said
  */
 async function setUp(server_options = {}, context_options = {}, view = () => '') {
-  browser ??= launchBrowser();
   const mock = await startMockServer({ job_ms: 1500, ...server_options });
   cleanups.push(() => mock.close());
-  const opened = await openPage(await browser, mock.url + view(mock), { is_drawn: false, ...context_options });
+  return { mock, ...(await openAt(mock.url + view(mock), context_options)) };
+}
+
+/** A page of another server. @param {string} url @param {object} [context_options] */
+async function openAt(url, context_options) {
+  browser ??= launchBrowser();
+  const opened = await openPage(await browser, url, { is_drawn: false, ...context_options });
   cleanups.push(() => opened.context.close());
-  return { mock, ...opened };
+  return opened;
 }
 
 /** The same with a flight whose map is there, opened by its address: no list is loaded first. @param {object} [server_options] @param {object} [context_options] */
@@ -41,8 +46,8 @@ async function setUpReady(name, server_options, context_options) {
   return { flight, ...opened };
 }
 
-/** setUp and setUpReady open a page; cleanUp is told what is undone with it. */
-export const usePages = () => ({ setUp, setUpReady, cleanUp: (/** @type {() => Promise<void>} */ clean) => cleanups.push(clean) });
+/** setUp, setUpReady and openAt open a page; cleanUp is told what is undone with it. */
+export const usePages = () => ({ setUp, setUpReady, openAt, cleanUp: (/** @type {() => Promise<void>} */ clean) => cleanups.push(clean) });
 
 /** A flight whose map is there, opened. @param {{page: any, mock: any}} opened @param {string} name @param {number} [photos] */
 export async function openReady({ page, mock }, name, photos) {
