@@ -146,13 +146,10 @@ const views = [
   }],
   ['photo', async (page) => {
     await page.click('#tool-layers');
-    await page.locator('#map canvas').focus();
-    await page.keyboard.press('Enter');
-    await page.waitForSelector('#photo-card:not([hidden])');
+    await openPhoto(page);
   }],
   ['viewer', async (page) => {
-    await page.locator('#map canvas').focus();
-    await page.keyboard.press('Enter');
+    await openPhoto(page);
     await page.click('#photo-open');
     await page.waitForSelector('.viewer-mark:not([hidden])');
   }],
@@ -168,6 +165,18 @@ async function closeAll(page) {
     await page.waitForFunction((/** @type {number} */ n) => document.querySelectorAll('dialog[open]').length < n, open);
   }
   await page.keyboard.press('Escape');
+}
+
+/** By the keyboard, at a photo's place in the middle of the window. @param {any} page */
+async function openPhoto(page) {
+  await page.evaluate(() => {
+    const { map } = /** @type {any} */ (window).skyquilt;
+    map.jumpTo({ center: map.querySourceFeatures('cameras')[0].geometry.coordinates });
+  });
+  await mapIdle(page);
+  await page.locator('#map canvas').focus();
+  await page.keyboard.press('Enter');
+  await page.waitForSelector('#photo-card:not([hidden])');
 }
 
 /** @param {any} page @param {'distance'|'area'} kind */
