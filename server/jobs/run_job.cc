@@ -242,9 +242,12 @@ void RunJob(WorkerContext& context, const storage::Lease& lease) {
   std::optional<Error> failure;
   LeaseState state = LeaseState::kHeld;
   {
-    AdoptEarlierAttempt(context.dir, lease);
+    const Result<CutJob> found = CutOf(context, lease);
+    // The catalogue's trouble, whatever it is, and not the flight's.
+    if (!found) failure = Error{ErrorCode::kUnavailable, found.error().message, found.error().detail};
+    const CutJob cut = found ? *found : CutJob{};
+    if (found) AdoptEarlierAttempt(context.dir, lease);
     ScopedFolder work(context.dir.Work() / storage::WorkName(lease));
-    const CutJob cut = CutOf(context, lease);
     const std::optional<storage::Expectation> expectation = Expect(context, lease);
     const StageShares usual = IsImport(lease.options) ? SharesOfImport() : UsualShares();
     JobProgress progress(context.queue, lease, context.is_stopping,

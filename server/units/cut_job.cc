@@ -74,24 +74,6 @@ Result<bool> ShouldCut(const WorkerContext& context, const storage::Lease& lease
   return revisions.empty();
 }
 
-Result<CutJob> Find(const WorkerContext& context, const storage::Lease& lease) {
-  CutJob cut;
-  SKYQUILT_TRY_ASSIGN(const std::vector<storage::UnitCount> counts, context.units.Of(lease.job_id));
-  const storage::UnitCount* looks = CountOf(counts, UnitKind::kLook);
-  if (looks == nullptr) {
-    SKYQUILT_TRY_ASSIGN(const bool is_cut, ShouldCut(context, lease, cut.files));
-    if (is_cut) cut.step = CutStep::kLook;
-    return cut;
-  }
-  cut.files = static_cast<int>(looks->items);
-  cut.looks = looks->count;
-  const storage::UnitCount* renders = CountOf(counts, UnitKind::kRender);
-  cut.step = renders == nullptr ? CutStep::kPlace : CutStep::kPutTogether;
-  if (renders != nullptr) cut.renders = renders->count;
-  SKYQUILT_TRY_ASSIGN(cut.units_of, context.units.UnitsOf(lease.job_id));
-  return cut;
-}
-
 // The names of the files that units handed in, by the name of the unit's folder.
 Result<std::map<std::string, std::set<std::string>>> HandedIn(const WorkerContext& context,
                                                               const std::string& flight_id,
@@ -243,12 +225,23 @@ Result<void> HandIn(const WorkerContext& context, const std::string& flight_id, 
   return storage::SyncFolder(folder.parent_path());
 }
 
-CutJob CutOf(const WorkerContext& context, const storage::Lease& lease) {
-  if (IsImport(lease.options)) return {};
-  const Result<CutJob> cut = Find(context, lease);
-  if (cut) return *cut;
-  LogFailure(lease.job_id, "cut", cut.error().message + " " + cut.error().detail);
-  return {};
+Result<CutJob> CutOf(const WorkerContext& context, const storage::Lease& lease) {
+  CutJob cut;
+  if (IsImport(lease.options)) return cut;
+  SKYQUILT_TRY_ASSIGN(const std::vector<storage::UnitCount> counts, context.units.Of(lease.job_id));
+  const storage::UnitCount* looks = CountOf(counts, UnitKind::kLook);
+  if (looks == nullptr) {
+    SKYQUILT_TRY_ASSIGN(const bool is_cut, ShouldCut(context, lease, cut.files));
+    if (is_cut) cut.step = CutStep::kLook;
+    return cut;
+  }
+  cut.files = static_cast<int>(looks->items);
+  cut.looks = looks->count;
+  const storage::UnitCount* renders = CountOf(counts, UnitKind::kRender);
+  cut.step = renders == nullptr ? CutStep::kPlace : CutStep::kPutTogether;
+  if (renders != nullptr) cut.renders = renders->count;
+  SKYQUILT_TRY_ASSIGN(cut.units_of, context.units.UnitsOf(lease.job_id));
+  return cut;
 }
 
 ProgressSpan ProgressOf(CutStep step) {

@@ -30,8 +30,8 @@ struct CutJob {
 // Of a job whose map is shown.
 void RemoveUnits(const WorkerContext& context, const std::string& flight_id, const CutJob& cut);
 
-// kWhole also where it cannot be told.
-CutJob CutOf(const WorkerContext& context, const storage::Lease& lease);
+// Where it cannot be told, nothing is decided: made whole, a flight may be too large for the machine.
+Result<CutJob> CutOf(const WorkerContext& context, const storage::Lease& lease);
 ProgressSpan ProgressOf(CutStep step);
 
 // The job waits for its units then, but for those that one that failed had made of the same. False: the lease

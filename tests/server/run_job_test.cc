@@ -1,0 +1,61 @@
+#include "server/jobs/run_job.h"
+
+#include <gtest/gtest.h>
+
+#include "server/units/cut_job.h"
+#include "storage/blobs/folder_blobs.h"
+#include "tests/support/temporary_folder.h"
+
+namespace skyquilt::server {
+namespace {
+
+using storage::Now;
+
+class RunJobTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    for (const char* name : {"a.jpg", "b.jpg", "c.jpg"})
+      ASSERT_TRUE(catalogue_.AddFile(flight_, {name, name, 5}, Now()));
+    ASSERT_TRUE(queue_.Add(flight_, "{}", Now()));
+    context_.is_shared = true;
+    context_.cut_above_files = 2;
+  }
+
+  test::TemporaryFolder folder_;
+  storage::DataDir dir_ = *storage::DataDir::Open(folder_.path() / "data");
+  std::unique_ptr<storage::CatalogueDb> db_ = *storage::CatalogueDb::Open(folder_.path() / "catalogue.db");
+  storage::FolderBlobs blobs_{folder_.path() / "data"};
+  storage::Catalogue catalogue_{*db_};
+  storage::JobQueue queue_{*db_};
+  storage::StageCosts costs_{*db_};
+  storage::UnitQueue units_{*db_};
+  std::atomic<bool> is_stopping_ = false;
+  const std::string flight_ = catalogue_.AddFlight("field", "{}", Now())->id;
+  WorkerContext context_{dir_, blobs_, catalogue_, queue_, costs_, units_, is_stopping_};
+};
+
+// It was made whole then, by one worker, whatever its size.
+TEST_F(RunJobTest, WhereTheCatalogueDoesNotSayWhetherAJobIsCutItIsGivenBackAndNotMade) {
+  const storage::Lease lease = **queue_.Claim("w", Now());
+  EXPECT_EQ(CutOf(context_, lease)->step, CutStep::kLook);
+  storage::Lease before = lease;
+  before.token = 0;
+  const std::filesystem::path earlier = dir_.Work() / storage::WorkName(before);
+  std::filesystem::create_directories(earlier);
+  ASSERT_TRUE(db_->Lock()->Exec("ALTER TABLE unit RENAME TO away"));
+  ASSERT_FALSE(CutOf(context_, lease));
+  RunJob(context_, lease);
+  ASSERT_TRUE(context_.fault);
+  EXPECT_EQ(context_.fault->code, ErrorCode::kUnavailable);
+  EXPECT_EQ(queue_.Get(lease.job_id)->state, storage::JobState::kAccepted);
+  EXPECT_TRUE(std::filesystem::exists(earlier));  // the next attempt goes on from there
+
+  ASSERT_TRUE(db_->Lock()->Exec("ALTER TABLE away RENAME TO unit"));
+  const storage::Lease next = **queue_.Claim("w", Now());
+  EXPECT_EQ(next.attempt, 1);
+  RunJob(context_, next);
+  EXPECT_EQ((*units_.Of(lease.job_id)).at(0).count, 1);
+}
+
+}  // namespace
+}  // namespace skyquilt::server
