@@ -123,6 +123,17 @@ void CatalogueDb::SetPatience(std::chrono::milliseconds time) {
   for (const auto& reader : idle_readers_) static_cast<PostgresDb&>(*reader).SetPatience(time);
 }
 
+Result<void> CatalogueDb::HoldAlone() {
+  if (!place_) return {};
+  const Result<void> held = static_cast<PostgresDb&>(*Lock()).HoldAlone();
+  if (held || held.error().code != ErrorCode::kUnavailable) return held;
+  return Error{ErrorCode::kConflict,
+               held.error().message +
+                   " Stop all of them, on every machine, and run the command again. One whose machine died "
+                   "is forgotten within half a minute.",
+               held.error().detail};
+}
+
 bool CatalogueDb::WaitForJobs() {
   constexpr std::chrono::milliseconds kPoll{200};
   constexpr std::chrono::milliseconds kListen{2'000};  // it asks the database nothing

@@ -107,6 +107,9 @@ class CatalogueDb {
   // reached.
   void SetPatience(std::chrono::milliseconds time);
   bool IsShared() const { return place_.has_value(); }
+  // No other process, on any machine, uses the catalogue from now on: kConflict where one does, and who comes
+  // waits or is refused (kUnavailable). That of a data folder has the folder's lock for this.
+  Result<void> HoldAlone();
   // By which leases end: `now` by this machine's clock, as the database's shows it. In a data folder the two
   // are the same.
   Time SharedTime(Time now, SqlConnection& db) { return place_ ? clock_.At(now, db) : now; }

@@ -126,8 +126,10 @@ Result<void> PostgresDb::Connect() {
 }
 
 Result<void> PostgresDb::PrepareSession() {
+  // What a machine held that died is free half a minute later.
   std::string sql =
       "SET client_min_messages=warning; SET lock_timeout=10000; SET statement_timeout=120000;"
+      "SET tcp_keepalives_idle=10; SET tcp_keepalives_interval=5; SET tcp_keepalives_count=3;"
       "SET synchronous_commit=off; SET idle_in_transaction_session_timeout=60000; SET default_transaction_isolation='read committed'; SET jit=off;";
   if (!place_.schema.empty()) sql += fmt::format("SET search_path TO \"{}\";", place_.schema);
   // Plans by index, however old the statistics of a queue are that was empty a minute ago.
@@ -144,7 +146,33 @@ Result<void> PostgresDb::PrepareSession() {
   if (use_ == Use::kWrite && std::string_view(PQgetvalue(named.get(), 0, 2)) == "t") {
     SKYQUILT_TRY(Simple("SELECT after_start()"));
   }
-  return {};
+  return use_ == Use::kWrite ? TakePart() : Result<void>();
+}
+
+// The database lets go of this lock when the connection ends.
+Result<void> PostgresDb::TakePart() {
+  SKYQUILT_TRY_ASSIGN(const PgResult taken,
+                      Simple(fmt::format("SELECT pg_try_advisory_lock{}({})", is_alone_ ? "" : "_shared",
+                                         LockKey(schema_, "part"))));
+  if (std::string_view(PQgetvalue(taken.get(), 0, 0)) == "t") return {};
+  return Error{ErrorCode::kUnavailable,
+               is_alone_
+                   ? "Other servers or workers use the catalogue."
+                   : "The photos and maps of this catalogue are being moved. Try again when that has ended.",
+               "advisory lock"};
+}
+
+Result<void> PostgresDb::HoldAlone() {
+  SKYQUILT_TRY(EnsureOpen());
+  is_alone_ = true;
+  Result<void> taken = TakePart();
+  // Of a process that has just ended the server hears a moment later.
+  for (const auto end = SteadyClock::now() + patience_;
+       !taken && handle_ != nullptr && SteadyClock::now() < end; taken = TakePart()) {
+    std::this_thread::sleep_for(kFirstPause);
+  }
+  is_alone_ = taken.ok();
+  return taken;
 }
 
 Result<void> PostgresDb::EnsureOpen() {

@@ -18,6 +18,7 @@
 #include "storage/folder/disk_flights.h"
 #include "storage/folder/elsewhere/pack_maps.h"
 #include "storage/folder/elsewhere/settle_blobs.h"
+#include "storage/jobs/job_queue.h"
 #include "storage/jobs/map_products.h"
 
 namespace skyquilt::storage {
@@ -118,8 +119,36 @@ Result<bool> MoveOne(const BlobInfo& blob, BlobStore& from, BlobStore& to) {
       ""};
 }
 
-Result<std::int64_t> RemoveSource(BlobStore& from) {
+// Whoever is at work puts a map where nobody will look for it, and the parts of a flight are not moved.
+Result<void> CheckNobodyWorks(CatalogueDb& db) {
+  SKYQUILT_TRY_ASSIGN(const std::vector<JobQueue::LiveLease> leases, JobQueue(db).LiveLeases(Now()));
+  if (leases.empty()) return {};
+  return Error{ErrorCode::kConflict,
+               fmt::format("A job of flight {} is running. Let it end, or cancel it, stop all servers and "
+                           "workers and run the command again; a worker that was killed counts for {} s. "
+                           "Nothing was removed.",
+                           leases.front().flight_id, kLeaseTime.count()),
+               ""};
+}
+
+// While those that were listed were copied.
+Result<void> CheckNothingCame(BlobStore& from, const std::vector<BlobInfo>& listed) {
+  std::set<std::string> keys;
+  for (const BlobInfo& blob : listed) keys.insert(blob.key);
   SKYQUILT_TRY_ASSIGN(const std::vector<BlobInfo> blobs, Moved(from));
+  for (const BlobInfo& blob : blobs) {
+    if (keys.contains(blob.key)) continue;
+    return Error{ErrorCode::kConflict,
+                 fmt::format("{} came to {} while the others were copied. Stop all servers and workers, and "
+                             "run the command again. Nothing was removed.",
+                             blob.key, from.Address()),
+                 ""};
+  }
+  return {};
+}
+
+// `blobs`: whose copies were held against them, and packs of such.
+Result<std::int64_t> RemoveSource(BlobStore& from, const std::vector<BlobInfo>& blobs) {
   for (const BlobInfo& blob : blobs) {
     SKYQUILT_TRY(from.Remove(blob.key));
   }
@@ -134,6 +163,8 @@ Result<std::int64_t> RemoveSource(BlobStore& from) {
 
 Result<MoveReport> MoveBlobs(const DataDir& dir, const std::string& catalogue_id, CatalogueDb& db,
                              BlobStore& from, BlobStore& to, bool removes_source, Progress& progress) {
+  SKYQUILT_TRY(db.HoldAlone());
+  SKYQUILT_TRY(CheckNobodyWorks(db));
   SKYQUILT_TRY_ASSIGN(const std::optional<std::string> settled, SettledAt(dir));
   const std::string lies_at = settled.value_or("");
   const std::string moves_to = to.IsFolder() ? "" : to.Address();
@@ -150,7 +181,8 @@ Result<MoveReport> MoveBlobs(const DataDir& dir, const std::string& catalogue_id
     SKYQUILT_TRY(ClaimBlobs(catalogue_id, *place));
   }
   MoveReport report;
-  SKYQUILT_TRY_ASSIGN(std::vector<BlobInfo> blobs, Moved(from));
+  SKYQUILT_TRY_ASSIGN(const std::vector<BlobInfo> listed, Moved(from));
+  std::vector<BlobInfo> blobs = listed;
   if (!is_done) {
     SKYQUILT_TRY(CheckComplete(db, blobs, from));
   }
@@ -180,13 +212,15 @@ Result<MoveReport> MoveBlobs(const DataDir& dir, const std::string& catalogue_id
   if (!to.IsFolder()) {
     SKYQUILT_TRY_ASSIGN(report.pack, PackMaps(dir, MapsAmong(blobs), from, to, progress));
   }
+  SKYQUILT_TRY(CheckNobodyWorks(db));
+  SKYQUILT_TRY(CheckNothingCame(from, listed));
   if (db.IsShared()) {
     SKYQUILT_TRY(ChangeCatalogueBlobs(*db.Lock(), to.IsFolder() ? kInDataFolder : moves_to));
   }
   SKYQUILT_TRY(ForgetProducts(*db.Lock()));
   SKYQUILT_TRY(SettleAt(dir, moves_to));
   if (removes_source) {
-    SKYQUILT_TRY_ASSIGN(report.removed, RemoveSource(from));
+    SKYQUILT_TRY_ASSIGN(report.removed, RemoveSource(from, listed));
   }
   return report;
 }

@@ -3,9 +3,10 @@
 // there already and is the same is not copied again, so that a move that was cut off goes on. In a store,
 // maps are packed for reading by ranges (storage/folder/elsewhere/pack_maps); such packs are not copied back.
 // Only when all are there does the folder say that they lie there (storage/folder/elsewhere/settle_blobs),
-// and only then are the originals removed, if that was asked for. For a folder that no server uses at the
-// moment. Errors: those of both places; kConflict (the other place is another catalogue's); kCorrupt (a copy
-// that is not the same).
+// and only then are the originals of these copies removed, if that was asked for. For a catalogue that no
+// server and no worker uses at the moment. Errors: those of both places; kConflict (the other place is
+// another catalogue's; somebody is at work, or something came meanwhile); kCorrupt (a copy that is not the
+// same).
 #pragma once
 
 #include <cstdint>

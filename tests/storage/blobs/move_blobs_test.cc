@@ -9,6 +9,7 @@
 #include "storage/db/ids.h"
 #include "storage/exports/pmtiles_writer.h"
 #include "storage/folder/elsewhere/settle_blobs.h"
+#include "storage/jobs/job_queue.h"
 #include "tests/storage/blobs/far_folder.h"
 #include "tests/storage/painted_tileset.h"
 #include "tests/support/temporary_folder.h"
@@ -130,6 +131,35 @@ TEST_F(MovedBlobs, ArePackedWhereTilesAreReadByRanges) {
   EXPECT_EQ(Move(near_, far_)->pack.packed, 0);  // it is there
   ASSERT_TRUE(Move(far_, near_));
   EXPECT_FALSE(near_.Find(RevisionPrefix(flight_, 1) + "mosaic.pmtiles"));
+}
+
+TEST_F(MovedBlobs, AreRemovedWhereTheyWereCopiedAndNothingElseIs) {
+  ASSERT_TRUE(Move(near_, far_));
+  const std::string late = FilesPrefix(flight_) + NewId();
+  int lists = 0;
+  far_.before_list = [&](const std::string&) {
+    if (++lists == 2) Put(far_, late, "late");
+  };
+  const auto moved = Move(far_, near_, true);
+  ASSERT_FALSE(moved);
+  EXPECT_EQ(moved.error().code, ErrorCode::kConflict);
+  EXPECT_NE(moved.error().message.find(late), std::string::npos);
+  EXPECT_EQ(far_.List("flights/")->size(), 4U);
+  EXPECT_EQ(**SettledAt(dir_), "s3://far/");
+  const auto again = Move(far_, near_, true);
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_EQ(again->removed, 4);
+  EXPECT_EQ(*near_.ReadRange(late, 0, 10), "late");
+}
+
+TEST_F(MovedBlobs, StayWhileSomebodyIsAtWork) {
+  JobQueue queue(*db_);
+  ASSERT_TRUE(queue.Add(flight_, "{}", Now()));
+  const Lease lease = **queue.Claim("w", Now());
+  EXPECT_EQ(Move(near_, far_, true).error().code, ErrorCode::kConflict);
+  EXPECT_TRUE(far_.List("")->empty());
+  ASSERT_TRUE(*queue.GiveBack(lease, Now()));
+  EXPECT_TRUE(Move(near_, far_, true));
 }
 
 TEST_F(MovedBlobs, DoNotGoWhereAnotherCatalogueIs) {

@@ -98,6 +98,18 @@ TEST_F(PostgresTest, ARestartOfOneServerLeavesTheJobsOfAnothersWorkers) {
   EXPECT_EQ(*theirs.Renew(*b, Now()), LeaseState::kHeld);
 }
 
+TEST_F(PostgresTest, WhoMovesThePhotosHasTheCatalogueAlone) {
+  auto other = Open("other");
+  EXPECT_EQ(db_->HoldAlone().error().code, ErrorCode::kConflict);
+  EXPECT_TRUE(Catalogue(*other).AddFlight("f", "{}", Now()));
+  other.reset();
+  ASSERT_TRUE(db_->HoldAlone());
+  EXPECT_EQ(OpenTestCatalogue(path(), 2, "other").error().code, ErrorCode::kUnavailable);
+  EXPECT_TRUE(Catalogue(*db_).AddFlight("f", "{}", Now()));
+  db_.reset();
+  EXPECT_TRUE(OpenTestCatalogue(path(), 2, "other"));
+}
+
 TEST_F(PostgresTest, AWorkerThatDiesWhileItsMachineGoesOnHasHadItsAttempt) {
   JobQueue queue(*db_);
   ASSERT_TRUE(queue.Add(NewFlight(), "{}", Now()));
