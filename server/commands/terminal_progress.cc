@@ -33,6 +33,7 @@ std::string StageWords(std::string_view stage) {
   if (stage == "measure") return "Measuring the seams";
   if (stage == "export") return "Writing the other formats";
   if (stage == "move") return "Copying and comparing";
+  if (stage == "compare") return "Comparing maps";
   return std::string(stage);
 }
 

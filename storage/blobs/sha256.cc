@@ -2,10 +2,14 @@
 
 #include <openssl/evp.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <cstdint>
 #include <fstream>
 
 #include "core/base/check.h"
+#include "core/base/try.h"
+#include "storage/blobs/blob_store.h"
 #include "storage/blobs/s3/sign_request.h"
 #include "storage/tilesets/publish_file.h"
 
@@ -29,6 +33,17 @@ std::string Sha256Sum::Finish() {
   unsigned int length = 0;
   EVP_DigestFinal_ex(state_->context, digest, &length);
   return HexOf({digest, length});
+}
+
+Result<std::string> Sha256OfBlob(BlobStore& blobs, const BlobInfo& blob) {
+  constexpr std::int64_t kWindow = std::int64_t{8} << 20;
+  Sha256Sum sum;
+  for (std::int64_t at = 0; at < blob.bytes; at += kWindow) {
+    SKYQUILT_TRY_ASSIGN(const std::string bytes,
+                        blobs.ReadRange(blob.key, at, std::min(kWindow, blob.bytes - at)));
+    sum.Add(bytes);
+  }
+  return sum.Finish();
 }
 
 Result<std::string> Sha256OfFile(const std::filesystem::path& path) {

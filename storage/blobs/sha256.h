@@ -1,4 +1,4 @@
-// SHA-256 of bytes that come one after another, and of files. One thread per sum. Errors: kIo.
+// SHA-256 of bytes that come one after another, of blobs and of files. One thread per sum. Errors: kIo.
 #pragma once
 
 #include <filesystem>
@@ -24,6 +24,12 @@ class Sha256Sum {
   struct State;
   std::unique_ptr<State> state_;
 };
+
+class BlobStore;
+struct BlobInfo;
+
+// As its place gives it back now, read in windows. Errors: those of the blob.
+Result<std::string> Sha256OfBlob(BlobStore& blobs, const BlobInfo& blob);
 
 Result<std::string> Sha256OfFile(const std::filesystem::path& path);
 

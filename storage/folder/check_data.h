@@ -20,9 +20,11 @@ struct DataCheck {
   std::int64_t bytes = 0;
   std::vector<std::string> missing;  // in the catalogue, not (or not whole) on disk; a line each
   std::vector<std::string> unknown;  // on disk, not in the catalogue; a line each
+  std::vector<std::string> changed;  // of maps, not as the catalogue knows them; a line each
+  int maps_without_sums = 0;         // of which it knows nothing; both by CheckMaps
   std::vector<LostItem> lost;
 
-  bool IsWell() const { return missing.empty() && unknown.empty() && lost.empty(); }
+  bool IsWell() const { return missing.empty() && unknown.empty() && changed.empty() && lost.empty(); }
 };
 
 // `blobs`: where photos and maps lie; absent: in the data folder.

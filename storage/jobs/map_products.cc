@@ -77,6 +77,21 @@ Result<void> EnterProducts(SqlConnection& db, const std::string& flight_id, std:
 
 Result<void> ForgetProducts(SqlConnection& db) { return db.Exec("DELETE FROM product"); }
 
+Result<std::vector<MapProduct>> KnownProducts(CatalogueDb& db, const std::string& flight_id,
+                                              std::int64_t revision) {
+  const auto access = db.Read();
+  SKYQUILT_TRY_ASSIGN(
+      Statement query,
+      access->Prepare("SELECT name, sha256 FROM product WHERE flight_id=? AND revision=? ORDER BY name"));
+  query.Bind(1, flight_id).Bind(2, revision);
+  std::vector<MapProduct> products;
+  while (true) {
+    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
+    if (!row) return products;
+    products.push_back({std::string(query.ColumnText(0)), std::string(query.ColumnText(1))});
+  }
+}
+
 Result<std::optional<std::string>> PublishedSum(CatalogueDb& db, const std::string& key) {
   const std::optional<ProductKey> product = ProductOf(key);
   if (!product) return std::optional<std::string>();

@@ -29,6 +29,9 @@ Result<void> EnterProducts(SqlConnection& db, const std::string& flight_id, std:
 // Of all maps: they were moved, and what is beside them may be made anew.
 Result<void> ForgetProducts(SqlConnection& db);
 
+// Of a published map; none where nothing is known.
+Result<std::vector<MapProduct>> KnownProducts(CatalogueDb& db, const std::string& flight_id,
+                                              std::int64_t revision);
 // Of a blob of a map; empty where its map has none of that name, nothing where it is not known.
 Result<std::optional<std::string>> PublishedSum(CatalogueDb& db, const std::string& key);
 

@@ -9,10 +9,12 @@
 #include "core/base/printable.h"
 #include "server/commands/data/move_data.h"
 #include "server/commands/fail.h"
+#include "server/commands/terminal_progress.h"
 #include "server/usage/catalogue_options.h"
 #include "storage/blobs/open_blobs.h"
 #include "storage/folder/check_data.h"
 #include "storage/folder/data_marker.h"
+#include "storage/folder/elsewhere/check_maps.h"
 #include "storage/folder/elsewhere/settle_blobs.h"
 #include "storage/folder/lost_folder.h"
 #include "storage/folder/open_data_folder.h"
@@ -30,6 +32,7 @@ struct DataOptions {
   std::string catalogue;
   std::string catalogue_password_file;
   storage::BlobPlace blobs;
+  bool deep = false;
   bool yes = false;
 };
 
@@ -102,13 +105,23 @@ void Check(const DataOptions& options) {
   if (blob_place.address.empty() && *settled) blob_place.address = **settled;
   const Result<std::shared_ptr<storage::BlobStore>> blobs = storage::OpenBlobs(blob_place, held.dir.root());
   if (!blobs) Fail("skyquilt data", blobs.error());
-  const Result<storage::DataCheck> check = storage::CheckData(held.dir, **db, blobs->get());
+  Result<storage::DataCheck> check = storage::CheckData(held.dir, **db, blobs->get());
   if (!check) Fail("skyquilt data", check.error());
+  if (options.deep) {
+    TerminalProgress progress;
+    const Result<void> compared = storage::CheckMaps(**db, **blobs, *check, progress);
+    if (!compared) Fail("skyquilt data", compared.error());
+  }
   fmt::print("{}: {}, {} of {:.1f} MB and {} in the catalogue\n", held.dir.root().string(),
              Counted(check->flights, "flight"), Counted(check->files, "file"),
              static_cast<double>(check->bytes) / 1e6, Counted(check->maps, "map"));
   PrintLines("in the catalogue, but not (whole) on disk", check->missing);
   PrintLines("on disk, but not in the catalogue", check->unknown);
+  PrintLines("of maps, but not as their jobs left them", check->changed);
+  if (check->maps_without_sums > 0)
+    fmt::print(
+        "{} not compared: of maps in a folder, moved ones and those of earlier versions no SHA-256 is kept\n",
+        Counted(check->maps_without_sums, "map was", "maps were"));
   if (!check->lost.empty()) {
     fmt::print("in lost/, until \"skyquilt data purge-lost\" removes it:\n");
     PrintLost(check->lost);
@@ -117,6 +130,10 @@ void Check(const DataOptions& options) {
     fmt::print("all is well\n");
     return;
   }
+  if (!check->changed.empty())
+    fmt::print(
+        "A server shows none of these files. Put back good copies from a backup of the store, or start a job of their "
+        "flight again, which makes a new map.\n");
   if (*settled && !check->unknown.empty()) {
     fmt::print(
         "What is unknown stays at {0}. \"skyquilt data repair\" enters what lies in the folder alone: put back a newer "
@@ -184,10 +201,15 @@ void AddDataCommand(CLI::App& app) {
     sub->footer(more);
     return sub;
   };
-  add("check", "Compare the catalogue with what is on disk",
+  CLI::App* check = add(
+      "check", "Compare the catalogue with what is on disk",
       "Lists what the catalogue knows and the disk lacks, what is on disk and the catalogue does not know, and what lies in "
-      "lost/. Changes nothing.\nExit codes: 0 all is well, 1 it could not be checked, 2 there are differences.")
-      ->callback([options] { Check(*options); });
+      "lost/. Changes nothing.\nExit codes: 0 all is well, 1 it could not be checked, 2 there are differences.");
+  check->add_flag(
+      "--deep", options->deep,
+      "Also read every file of the maps in a store and compare it with the SHA-256 that the catalogue keeps of "
+      "it: takes as long as fetching all maps");
+  check->callback([options] { Check(*options); });
   add("repair", "Make the catalogue anew from the flights on disk, or complete it",
       "A catalogue that is missing, damaged or of another folder is set aside in lost/ and made anew; one that can be used "
       "is kept and only added to. Flights, photos and maps on disk and in lost/ come back under their names. Nothing is "

@@ -82,27 +82,15 @@ Result<void> CheckComplete(CatalogueDb& db, const std::vector<BlobInfo>& blobs, 
   return {};
 }
 
-// As the place gives it back, not as it was sent.
-Result<std::string> SumOf(BlobStore& blobs, const BlobInfo& blob) {
-  constexpr std::int64_t kWindow = std::int64_t{8} << 20;
-  Sha256Sum sum;
-  for (std::int64_t at = 0; at < blob.bytes; at += kWindow) {
-    SKYQUILT_TRY_ASSIGN(const std::string bytes,
-                        blobs.ReadRange(blob.key, at, std::min(kWindow, blob.bytes - at)));
-    sum.Add(bytes);
-  }
-  return sum.Finish();
-}
-
 // True: it was copied; false: it was there.
 Result<bool> MoveOne(const BlobInfo& blob, BlobStore& from, BlobStore& to) {
-  SKYQUILT_TRY_ASSIGN(const std::string sum, SumOf(from, blob));
+  SKYQUILT_TRY_ASSIGN(const std::string sum, Sha256OfBlob(from, blob));
   const auto is_there = [&]() -> Result<bool> {
     const Result<BlobInfo> copy = to.Find(blob.key);
     if (!copy && copy.error().code == ErrorCode::kNotFound) return false;
     if (!copy) return copy.error();
     if (copy->bytes != blob.bytes) return false;
-    SKYQUILT_TRY_ASSIGN(const std::string sum_of_copy, SumOf(to, *copy));
+    SKYQUILT_TRY_ASSIGN(const std::string sum_of_copy, Sha256OfBlob(to, *copy));
     return sum_of_copy == sum;
   };
   SKYQUILT_TRY_ASSIGN(const bool was_there, is_there());

@@ -167,6 +167,13 @@ class Places(S3TestCase):
         for tile in tiles:
             self.assertEqual(server.request("GET", f"/tiles/{mine}/{tile}")[0], 503)
         self.assertEqual(server.request("GET", f"/api/v1/flights/{mine}/photos.geojson")[0], 503)
+        self.assertEqual(server.stop(), 0)
+        check = [BINARY, "data", "check", "--data", self.data]
+        self.assertEqual(subprocess.run(check, capture_output=True).returncode, 0)
+        deep = subprocess.run([*check, "--deep"], capture_output=True, text=True)
+        self.assertEqual(deep.returncode, 2, deep.stdout + deep.stderr)
+        self.assertIn(f"flights/{mine}/r1/mosaic.pmtiles", deep.stdout)
+        server = self.serve_s3()
         server = swap()
         self.assertEqual(self.tiles_of(server, mine), tiles)
 

@@ -1,0 +1,75 @@
+#include "storage/folder/elsewhere/check_maps.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "storage/catalogue/catalogue.h"
+#include "storage/jobs/job_queue.h"
+#include "tests/storage/blobs/far_folder.h"
+#include "tests/support/temporary_folder.h"
+
+namespace skyquilt::storage {
+namespace {
+
+class CheckedMaps : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::filesystem::create_directories(made_);
+    for (const char* name : {"mosaic.tif", "report.json"}) std::ofstream(made_ / name) << "bytes of " << name;
+  }
+  std::int64_t Published(const std::vector<MapProduct>& products) {
+    EXPECT_TRUE(queue_.Add(flight_, "{}", Now()));
+    const Lease lease = **queue_.Claim("w", Now());
+    Revision revision;
+    revision.revision = **queue_.ReserveRevision(lease);
+    EXPECT_TRUE(*queue_.Publish(lease, revision, Now(), products));
+    for (const MapProduct& product : products) Put(revision.revision, product.name, made_ / product.name);
+    return revision.revision;
+  }
+  void Put(std::int64_t revision, const std::string& name, const std::filesystem::path& file) {
+    ASSERT_TRUE(far_.Put(RevisionPrefix(flight_, revision) + name, file));
+  }
+  DataCheck Check() {
+    DataCheck check;
+    const Result<void> compared = CheckMaps(*db_, far_, check, progress_);
+    EXPECT_TRUE(compared.ok());
+    return check;
+  }
+
+  test::TemporaryFolder folder_;
+  const std::filesystem::path made_ = folder_ / "made";
+  std::unique_ptr<CatalogueDb> db_ = *CatalogueDb::Open(folder_ / "catalogue.db");
+  Catalogue catalogue_{*db_};
+  JobQueue queue_{*db_};
+  const std::string flight_ = catalogue_.AddFlight("field", "{}", Now())->id;
+  test::FarFolder far_{folder_ / "far"};
+  SilentProgress progress_;
+};
+
+TEST_F(CheckedMaps, AreHeldAgainstWhatTheirJobsLeft) {
+  const std::int64_t first = Published(*ProductsIn(made_));
+  EXPECT_TRUE(Check().IsWell());
+  std::ofstream(folder_ / "other") << "bytes of mosaic.tiF";  // as long
+  Put(first, "mosaic.tif", folder_ / "other");
+  ASSERT_TRUE(far_.Remove(RevisionPrefix(flight_, first) + "report.json"));
+  const DataCheck check = Check();
+  ASSERT_EQ(check.changed.size(), 1U);
+  EXPECT_TRUE(check.changed[0].starts_with(RevisionPrefix(flight_, first) + "mosaic.tif"))
+      << check.changed[0];
+  ASSERT_EQ(check.missing.size(), 1U);
+  EXPECT_TRUE(check.missing[0].starts_with(RevisionPrefix(flight_, first) + "report.json"))
+      << check.missing[0];
+  EXPECT_FALSE(check.IsWell());
+}
+
+TEST_F(CheckedMaps, AreLeftOutWhereNothingIsKnownOfThem) {
+  const std::int64_t first = Published({});
+  Put(first, "mosaic.tif", made_ / "mosaic.tif");
+  const DataCheck check = Check();
+  EXPECT_TRUE(check.IsWell());
+  EXPECT_EQ(check.maps_without_sums, 1);
+}
+
+}  // namespace
+}  // namespace skyquilt::storage
