@@ -68,11 +68,13 @@ std::string RangeSumsKey(const std::string& key) {
   return key.substr(0, name) + "ranges/" + key.substr(name, key.rfind('.') - name) + ".sums";
 }
 
-Result<std::string> RangeSumsOfFile(const std::filesystem::path& file) {
+Result<std::string> RangeSumsOfFile(const std::filesystem::path& file, Sha256Sum* whole) {
   std::ifstream in(file, std::ios::binary);
   std::string sums, chunk(static_cast<std::size_t>(kRangeChunkBytes), '\0');
   while (in.read(chunk.data(), kRangeChunkBytes) || in.gcount() > 0) {
-    sums += Sha256Hex(std::string_view(chunk.data(), static_cast<std::size_t>(in.gcount())));
+    const std::string_view bytes(chunk.data(), static_cast<std::size_t>(in.gcount()));
+    sums += Sha256Hex(bytes);
+    if (whole != nullptr) whole->Add(bytes);
   }
   if (!in.eof() || in.bad())
     return Error{ErrorCode::kIo, "The server could not read a file that it stores.", file.string()};

@@ -15,6 +15,7 @@
 
 #include "core/base/result.h"
 #include "storage/blobs/local_cache.h"
+#include "storage/blobs/sha256.h"
 
 namespace skyquilt::storage {
 
@@ -23,8 +24,8 @@ inline constexpr std::int64_t kRangeChunkBytes = std::int64_t{256} << 10;
 // Of the products of maps those that are read by ranges, by their names or keys.
 bool IsReadByRanges(std::string_view key);
 // SHA-256 of each chunk of a file, in hex, one after the other; and the key under which they are kept beside
-// a blob.
-Result<std::string> RangeSumsOfFile(const std::filesystem::path& file);
+// a blob. `whole`: gets all of it in the same read.
+Result<std::string> RangeSumsOfFile(const std::filesystem::path& file, Sha256Sum* whole = nullptr);
 std::string RangeSumsKey(const std::string& key);
 
 class RangeCache {

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <charconv>
 #include <cstring>
 #include <string_view>
 #include <system_error>
@@ -17,17 +18,45 @@
 
 namespace skyquilt::storage {
 
+namespace {
+
+constexpr const char* kFlightsPrefix = "flights/";
+
+}  // namespace
+
 std::string RevisionFolderName(std::int64_t revision) { return fmt::format("r{}", revision); }
+
+std::optional<std::int64_t> RevisionOfFolder(const std::string& name) {
+  if (name.size() < 2 || name.front() != 'r') return std::nullopt;
+  std::int64_t number = 0;
+  const char* end = name.data() + name.size();
+  const auto parsed = std::from_chars(name.data() + 1, end, number);
+  if (parsed.ec != std::errc() || parsed.ptr != end || number < 1 || RevisionFolderName(number) != name)
+    return std::nullopt;
+  return number;
+}
 
 std::string FlightPrefix(const std::string& flight_id) {
   SKYQUILT_CHECK(IsId(flight_id), "an unchecked id came near a key");
-  return "flights/" + flight_id + "/";
+  return kFlightsPrefix + flight_id + "/";
 }
 
 std::string FilesPrefix(const std::string& flight_id) { return FlightPrefix(flight_id) + "files/"; }
 
 std::string RevisionPrefix(const std::string& flight_id, std::int64_t revision) {
   return FlightPrefix(flight_id) + RevisionFolderName(revision) + "/";
+}
+
+std::optional<FlightBlob> FlightBlobOf(std::string_view key) {
+  if (!key.starts_with(kFlightsPrefix)) return std::nullopt;
+  key.remove_prefix(std::string_view(kFlightsPrefix).size());
+  const std::size_t id_end = key.find('/');
+  if (id_end == key.npos || !IsId(key.substr(0, id_end))) return std::nullopt;
+  const std::size_t folder_end = key.find('/', id_end + 1);
+  if (folder_end == key.npos) return std::nullopt;
+  return FlightBlob{std::string(key.substr(0, id_end)),
+                    std::string(key.substr(id_end + 1, folder_end - id_end - 1)),
+                    std::string(key.substr(folder_end + 1))};
 }
 
 std::string UnitsFolderName(const std::string& units_of) { return "units-" + units_of; }

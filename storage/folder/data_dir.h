@@ -18,7 +18,9 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <string_view>
 
 #include "core/base/result.h"
 
@@ -87,12 +89,20 @@ class DataDirLock {
 
 // Names a revision folder, "r7".
 std::string RevisionFolderName(std::int64_t revision);
+// Of a folder of that name; nothing of others.
+std::optional<std::int64_t> RevisionOfFolder(const std::string& name);
 
 // The same places as keys of blobs (storage/blobs): "flights/<id>/", "flights/<id>/files/",
 // "flights/<id>/r7/".
 std::string FlightPrefix(const std::string& flight_id);
 std::string FilesPrefix(const std::string& flight_id);
 std::string RevisionPrefix(const std::string& flight_id, std::int64_t revision);
+// Such a key taken apart: "flights/<id>/r7/ranges/mosaic.sums"; nothing where it is none of a flight's
+// folder.
+struct FlightBlob {
+  std::string flight_id, folder, name;  // "<id>", "r7", "ranges/mosaic.sums"
+};
+std::optional<FlightBlob> FlightBlobOf(std::string_view key);
 // What the units of a cut flight made, by the job that began them: "units-<job>" below the flight, where
 // photos and maps lie elsewhere, or "<job>-units" in Work().
 std::string UnitsFolderName(const std::string& units_of);

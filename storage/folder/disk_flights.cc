@@ -29,17 +29,6 @@ Time ChangedAt(const fs::path& path) {
   return FromUs(std::int64_t{status.st_mtim.tv_sec} * 1'000'000 + status.st_mtim.tv_nsec / 1000);
 }
 
-// "r7".
-std::optional<std::int64_t> RevisionOfName(const std::string& name) {
-  if (name.size() < 2 || name.front() != 'r') return std::nullopt;
-  std::int64_t number = 0;
-  const char* end = name.data() + name.size();
-  const auto parsed = std::from_chars(name.data() + 1, end, number);
-  if (parsed.ec != std::errc() || parsed.ptr != end || number < 1 || RevisionFolderName(number) != name)
-    return std::nullopt;
-  return number;
-}
-
 DiskFlight SurveyFlight(const fs::path& folder) {
   DiskFlight flight;
   flight.id = folder.filename().string();
@@ -53,7 +42,7 @@ DiskFlight SurveyFlight(const fs::path& folder) {
     if (!gone && bytes > 0) flight.files.push_back({name, bytes, ChangedAt(entry.path())});
   }
   for (const auto& entry : fs::directory_iterator(folder, none)) {
-    const auto number = RevisionOfName(entry.path().filename().string());
+    const auto number = RevisionOfFolder(entry.path().filename().string());
     std::error_code gone;
     if (number && fs::is_regular_file(entry.path() / "mosaic.mbtiles", gone))
       flight.revisions.push_back(*number);
@@ -104,20 +93,18 @@ std::vector<DiskFlight> FlightsOnDisk(const fs::path& flights_folder) {
   return flights;
 }
 
-bool IsRevisionFolder(const std::string& name) { return RevisionOfName(name).has_value(); }
+bool IsRevisionFolder(const std::string& name) { return RevisionOfFolder(name).has_value(); }
 
 Result<std::vector<DiskFlight>> FlightsInBlobs(BlobStore& blobs) {
-  constexpr std::string_view kFlights = "flights/";
-  SKYQUILT_TRY_ASSIGN(const std::vector<BlobInfo> all, blobs.List(std::string(kFlights)));
+  SKYQUILT_TRY_ASSIGN(const std::vector<BlobInfo> all, blobs.List("flights/"));
   std::map<std::string, DiskFlight> flights;
   for (const BlobInfo& blob : all) {
-    const fs::path key = blob.key.substr(kFlights.size());  // <id>/files/<ours> or <id>/r7/mosaic.mbtiles
-    const std::string id = key.begin()->string();
-    if (!IsId(id)) continue;
+    const std::optional<FlightBlob> of_flight = FlightBlobOf(blob.key);
+    if (!of_flight) continue;
+    const auto& [id, folder, name] = *of_flight;
     DiskFlight& flight = flights[id];
     flight.id = id;
-    const std::string folder = key.parent_path().filename().string(), name = key.filename().string();
-    const auto number = RevisionOfName(folder);
+    const auto number = RevisionOfFolder(folder);
     if (folder == "files" && IsId(name))
       flight.files.push_back({name, blob.bytes, std::chrono::floor<std::chrono::microseconds>(blob.changed)});
     if (number && name == "mosaic.mbtiles") flight.revisions.push_back(*number);

@@ -51,6 +51,21 @@ void ExpectRefusal(const fs::path& root, std::string_view part) {
   for (const auto& [name, bytes] : before) EXPECT_TRUE(fs::exists(root / name)) << name;
 }
 
+TEST(FlightBlob, IsTakenApartByItsKey) {
+  const std::string id = NewId();
+  const auto sums = FlightBlobOf(RevisionPrefix(id, 7) + "ranges/mosaic.sums");
+  ASSERT_TRUE(sums);
+  EXPECT_EQ(sums->flight_id, id);
+  EXPECT_EQ(RevisionOfFolder(sums->folder), 7);
+  EXPECT_EQ(sums->name, "ranges/mosaic.sums");
+  EXPECT_EQ(FlightBlobOf(FilesPrefix(id) + "a")->folder, "files");
+  for (const std::string& key : {std::string(), std::string("flights/"), std::string("flights/x/files/a"),
+                                 "flights/" + id, FlightPrefix(id) + "flight.jsonl", id + "/files/a"})
+    EXPECT_FALSE(FlightBlobOf(key)) << key;
+  for (const char* folder : {"", "r", "r0", "r07", "rx", "r1x", "r-1", "r99999999999999999999", "files"})
+    EXPECT_FALSE(RevisionOfFolder(folder)) << folder;
+}
+
 TEST(OpenDataFolder, MakesANewOneForItsOwnerAlone) {
   ScratchDir scratch;
   const fs::path root = scratch.path() / "deep" / "data";

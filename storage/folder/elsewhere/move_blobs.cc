@@ -28,10 +28,8 @@ constexpr int kMovedSideBySide = 4;
 
 // What a flight's place holds beside its record and its previews, which stay in the folder.
 bool IsMoved(const std::string& key) {
-  const std::size_t id_end = key.find('/', std::string_view("flights/").size());
-  if (id_end == std::string::npos) return false;
-  const std::string folder = key.substr(id_end + 1, key.find('/', id_end + 1) - id_end - 1);
-  return key.find('/', id_end + 1) != std::string::npos && (folder == "files" || IsRevisionFolder(folder));
+  const std::optional<FlightBlob> blob = FlightBlobOf(key);
+  return blob && (blob->folder == "files" || IsRevisionFolder(blob->folder));
 }
 
 Result<std::vector<BlobInfo>> Moved(BlobStore& blobs) {

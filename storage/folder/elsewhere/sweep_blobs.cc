@@ -16,23 +16,6 @@ namespace {
 
 constexpr std::string_view kDeletedPrefix = "deleted/";
 
-// "flights/<id>/files/<ours>" or "flights/<id>/r7/mosaic.tif", taken apart.
-struct BlobName {
-  std::string flight_id, folder, rest;
-};
-
-std::optional<BlobName> NameOf(const std::string& key) {
-  constexpr std::string_view kFlights = "flights/";
-  if (!key.starts_with(kFlights)) return std::nullopt;
-  const std::size_t id_end = key.find('/', kFlights.size());
-  const std::size_t folder_end = id_end == std::string::npos ? id_end : key.find('/', id_end + 1);
-  if (folder_end == std::string::npos) return std::nullopt;
-  BlobName name{key.substr(kFlights.size(), id_end - kFlights.size()),
-                key.substr(id_end + 1, folder_end - id_end - 1), key.substr(folder_end + 1)};
-  if (!IsId(name.flight_id)) return std::nullopt;
-  return name;
-}
-
 Result<std::set<std::string>> ShownFolders(const Catalogue& catalogue, const std::string& flight_id) {
   SKYQUILT_TRY_ASSIGN(const std::vector<std::int64_t> revisions, catalogue.Revisions(flight_id));
   std::set<std::string> folders;
@@ -83,7 +66,7 @@ Result<int> SweepRevisionBlobs(BlobStore& blobs, const Catalogue& catalogue, con
   SKYQUILT_TRY_ASSIGN(const std::set<std::string> shown, ShownFolders(catalogue, flight_id));
   std::set<std::string> unshown;
   for (const BlobInfo& product : products) {
-    const std::optional<BlobName> name = NameOf(product.key);
+    const std::optional<FlightBlob> name = FlightBlobOf(product.key);
     if (name && IsRevisionFolder(name->folder) && !shown.contains(name->folder)) unshown.insert(name->folder);
   }
   int removed = 0;
@@ -107,10 +90,10 @@ Result<SweepReport> SweepBlobs(BlobStore& blobs, const Catalogue& catalogue, con
   SKYQUILT_TRY_ASSIGN(const std::set<std::string> gone,
                       EndDeletions(blobs, known, store_time - orphan_age, report));
 
-  std::map<std::string, std::vector<std::pair<BlobName, std::string>>> old;  // by flight: names and keys
+  std::map<std::string, std::vector<std::pair<FlightBlob, std::string>>> old;  // by flight: names and keys
   std::set<std::string> unknown;
   for (const BlobInfo& blob : all) {
-    const std::optional<BlobName> name = NameOf(blob.key);
+    const std::optional<FlightBlob> name = FlightBlobOf(blob.key);
     if (!name || gone.contains(name->flight_id) || store_time - blob.changed < orphan_age) continue;
     if (!known.contains(name->flight_id)) {
       unknown.insert(name->flight_id);
@@ -134,7 +117,7 @@ Result<SweepReport> SweepBlobs(BlobStore& blobs, const Catalogue& catalogue, con
       if (is_unshown || is_of_ended_job) {
         SKYQUILT_TRY(blobs.Remove(key));
         ++report.removed;
-      } else if (name.folder == "files" && !stored.contains(name.rest)) {
+      } else if (name.folder == "files" && !stored.contains(name.name)) {
         SKYQUILT_TRY(blobs.Copy(key, lost + key));
         SKYQUILT_TRY(blobs.Remove(key));
         report.moved.push_back(
