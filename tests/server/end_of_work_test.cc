@@ -2,33 +2,15 @@
 
 #include <gtest/gtest.h>
 
-#include "storage/blobs/folder_blobs.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/server/worker_test.h"
 
 namespace skyquilt::server {
 namespace {
 
 using storage::Now;
 
-class EndOfWork : public testing::Test {
+class EndOfWork : public WorkerTest {
  protected:
-  // As another process, on another machine.
-  WorkerContext Worker() {
-    WorkerContext context{dir_, blobs_, catalogue_, queue_, costs_, units_, is_stopping_};
-    context.is_shared = true;
-    return context;
-  }
-  storage::Lease Claimed() { return **queue_.Claim("w", Now()); }
-
-  test::TemporaryFolder folder_;
-  storage::DataDir dir_ = *storage::DataDir::Open(folder_.path() / "data");
-  std::unique_ptr<storage::CatalogueDb> db_ = *storage::CatalogueDb::Open(folder_.path() / "catalogue.db");
-  storage::FolderBlobs blobs_{folder_.path() / "data"};
-  storage::Catalogue catalogue_{*db_};
-  storage::JobQueue queue_{*db_};
-  storage::StageCosts costs_{*db_};
-  storage::UnitQueue units_{*db_};
-  std::atomic<bool> is_stopping_ = false;
   const Error full_{ErrorCode::kOutOfSpace, "The disk is full.", ""};
 };
 

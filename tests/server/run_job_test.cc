@@ -3,40 +3,29 @@
 #include <gtest/gtest.h>
 
 #include "server/units/cut_job.h"
-#include "storage/blobs/folder_blobs.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/server/worker_test.h"
 
 namespace skyquilt::server {
 namespace {
 
 using storage::Now;
 
-class RunJobTest : public testing::Test {
+class RunJobTest : public WorkerTest {
  protected:
   void SetUp() override {
     for (const char* name : {"a.jpg", "b.jpg", "c.jpg"})
       ASSERT_TRUE(catalogue_.AddFile(flight_, {name, name, 5}, Now()));
     ASSERT_TRUE(queue_.Add(flight_, "{}", Now()));
-    context_.is_shared = true;
     context_.cut_above_files = 2;
   }
 
-  test::TemporaryFolder folder_;
-  storage::DataDir dir_ = *storage::DataDir::Open(folder_.path() / "data");
-  std::unique_ptr<storage::CatalogueDb> db_ = *storage::CatalogueDb::Open(folder_.path() / "catalogue.db");
-  storage::FolderBlobs blobs_{folder_.path() / "data"};
-  storage::Catalogue catalogue_{*db_};
-  storage::JobQueue queue_{*db_};
-  storage::StageCosts costs_{*db_};
-  storage::UnitQueue units_{*db_};
-  std::atomic<bool> is_stopping_ = false;
   const std::string flight_ = catalogue_.AddFlight("field", "{}", Now())->id;
-  WorkerContext context_{dir_, blobs_, catalogue_, queue_, costs_, units_, is_stopping_};
+  WorkerContext context_ = Worker();
 };
 
 // It was made whole then, by one worker, whatever its size.
 TEST_F(RunJobTest, WhereTheCatalogueDoesNotSayWhetherAJobIsCutItIsGivenBackAndNotMade) {
-  const storage::Lease lease = **queue_.Claim("w", Now());
+  const storage::Lease lease = Claimed();
   EXPECT_EQ(CutOf(context_, lease)->step, CutStep::kLook);
   storage::Lease before = lease;
   before.token = 0;
@@ -51,7 +40,7 @@ TEST_F(RunJobTest, WhereTheCatalogueDoesNotSayWhetherAJobIsCutItIsGivenBackAndNo
   EXPECT_TRUE(std::filesystem::exists(earlier));  // the next attempt goes on from there
 
   ASSERT_TRUE(db_->Lock()->Exec("ALTER TABLE away RENAME TO unit"));
-  const storage::Lease next = **queue_.Claim("w", Now());
+  const storage::Lease next = Claimed();
   EXPECT_EQ(next.attempt, 1);
   RunJob(context_, next);
   EXPECT_EQ((*units_.Of(lease.job_id)).at(0).count, 1);

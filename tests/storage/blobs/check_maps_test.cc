@@ -4,28 +4,22 @@
 
 #include <fstream>
 
-#include "storage/catalogue/catalogue.h"
-#include "storage/jobs/job_queue.h"
 #include "tests/storage/blobs/far_folder.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/storage/blobs/published_map.h"
 
 namespace skyquilt::storage {
 namespace {
 
-class CheckedMaps : public testing::Test {
+class CheckedMaps : public PublishedMapTest {
  protected:
   void SetUp() override {
     std::filesystem::create_directories(made_);
     for (const char* name : {"mosaic.tif", "report.json"}) std::ofstream(made_ / name) << "bytes of " << name;
   }
-  std::int64_t Published(const std::vector<MapProduct>& products) {
-    EXPECT_TRUE(queue_.Add(flight_, "{}", Now()));
-    const Lease lease = **queue_.Claim("w", Now());
-    Revision revision;
-    revision.revision = **queue_.ReserveRevision(lease);
-    EXPECT_TRUE(*queue_.Publish(lease, revision, Now(), products));
-    for (const MapProduct& product : products) Put(revision.revision, product.name, made_ / product.name);
-    return revision.revision;
+  std::int64_t Stored(const std::vector<MapProduct>& products) {
+    const std::int64_t revision = Published(products);
+    for (const MapProduct& product : products) Put(revision, product.name, made_ / product.name);
+    return revision;
   }
   void Put(std::int64_t revision, const std::string& name, const std::filesystem::path& file) {
     ASSERT_TRUE(far_.Put(RevisionPrefix(flight_, revision) + name, file));
@@ -37,18 +31,12 @@ class CheckedMaps : public testing::Test {
     return check;
   }
 
-  test::TemporaryFolder folder_;
-  const std::filesystem::path made_ = folder_ / "made";
-  std::unique_ptr<CatalogueDb> db_ = *CatalogueDb::Open(folder_ / "catalogue.db");
-  Catalogue catalogue_{*db_};
-  JobQueue queue_{*db_};
-  const std::string flight_ = catalogue_.AddFlight("field", "{}", Now())->id;
   test::FarFolder far_{folder_ / "far"};
   SilentProgress progress_;
 };
 
 TEST_F(CheckedMaps, AreHeldAgainstWhatTheirJobsLeft) {
-  const std::int64_t first = Published(*ProductsIn(made_));
+  const std::int64_t first = Stored(*ProductsIn(made_));
   EXPECT_TRUE(Check().IsWell());
   std::ofstream(folder_ / "other") << "bytes of mosaic.tiF";  // as long
   Put(first, "mosaic.tif", folder_ / "other");
@@ -64,7 +52,7 @@ TEST_F(CheckedMaps, AreHeldAgainstWhatTheirJobsLeft) {
 }
 
 TEST_F(CheckedMaps, AreLeftOutWhereNothingIsKnownOfThem) {
-  const std::int64_t first = Published({});
+  const std::int64_t first = Stored({});
   Put(first, "mosaic.tif", made_ / "mosaic.tif");
   const DataCheck check = Check();
   EXPECT_TRUE(check.IsWell());

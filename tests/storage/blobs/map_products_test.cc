@@ -6,40 +6,26 @@
 
 #include "storage/blobs/range_cache.h"
 #include "storage/blobs/sha256.h"
-#include "storage/catalogue/catalogue.h"
-#include "storage/jobs/job_queue.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/storage/blobs/published_map.h"
 
 namespace skyquilt::storage {
 namespace {
 
 namespace fs = std::filesystem;
 
-class MapProducts : public testing::Test {
+class MapProducts : public PublishedMapTest {
  protected:
   void SetUp() override {
     fs::create_directories(made_ / "frames");
     for (const char* name : {"mosaic.pmtiles", "report.json", "frames/a.jpg"})
       std::ofstream(made_ / name) << "bytes of " << name;
   }
-  std::int64_t Published(const std::vector<MapProduct>& products) {
-    EXPECT_TRUE(queue_.Add(flight_, "{}", Now()));
-    const Lease lease = **queue_.Claim("w", Now());
-    Revision revision;
-    revision.revision = **queue_.ReserveRevision(lease);
-    EXPECT_TRUE(*queue_.Publish(lease, revision, Now(), products));
-    return revision.revision;
-  }
   std::optional<std::string> SumOf(std::int64_t revision, const std::string& name) {
     return *PublishedSum(*db_, RevisionPrefix(flight_, revision) + name);
   }
-
-  test::TemporaryFolder folder_;
-  const fs::path made_ = folder_ / "made";
-  std::unique_ptr<CatalogueDb> db_ = *CatalogueDb::Open(folder_ / "catalogue.db");
-  Catalogue catalogue_{*db_};
-  JobQueue queue_{*db_};
-  const std::string flight_ = catalogue_.AddFlight("field", "{}", Now())->id;
+};
+JobQueue queue_{*db_};
+const std::string flight_ = catalogue_.AddFlight("field", "{}", Now())->id;
 };
 
 TEST_F(MapProducts, AreTheFilesOfTheMapAndTheSumsOfItsRanges) {
