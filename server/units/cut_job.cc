@@ -130,6 +130,7 @@ Result<std::int64_t> PlaceUnits(WorkerContext& context, const storage::Lease& le
                         FetchParts(context, lease.flight_id, cut.units_of, UnitKind::kPlace, progress));
     return BlocksIn(before);
   }
+  SKYQUILT_TRY(context.units.MakeAs(lease.job_id, SKYQUILT_VERSION));
   SKYQUILT_TRY_ASSIGN(LimitedTask made, TaskOf(context, lease.flight_id, lease.options, {}, progress));
   SKYQUILT_TRY_ASSIGN(PartsHere parts,
                       FetchParts(context, lease.flight_id, cut.units_of, UnitKind::kLook, progress));

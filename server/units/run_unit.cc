@@ -28,6 +28,7 @@ Result<UnitKind> KindOf(const storage::UnitLease& unit) {
 
 Result<void> Make(const WorkerContext& context, const storage::UnitLease& unit, Progress& progress) {
   SKYQUILT_TRY_ASSIGN(const UnitKind kind, KindOf(unit));
+  SKYQUILT_TRY(context.units.MakeAs(unit.job_id, SKYQUILT_VERSION));
   const bool looks = kind == UnitKind::kLook;
   ShareOfFiles share{unit.number, unit.count};
   PartsHere placed;

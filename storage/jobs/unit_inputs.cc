@@ -30,14 +30,21 @@ void AddText(Sha256Sum& sum, std::string_view text) {
 
 std::string DigestOf(const UnitInputs& inputs) {
   Sha256Sum sum;
-  AddText(sum, inputs.version);
   AddText(sum, inputs.options);
   AddText(sum, fmt::format("{} {}", inputs.looks, inputs.files.size()));
   for (const StoredFile& file : inputs.files) {
     AddText(sum, file.name);
     AddText(sum, file.stored_name);
   }
-  return sum.Finish();
+  return fmt::format("{}:{}", inputs.version, sum.Finish());
+}
+
+Result<void> UnitQueue::MakeAs(const std::string& job_id, std::string_view version) {
+  const auto db = db_.Lock();
+  SKYQUILT_TRY_ASSIGN(
+      Statement forget,
+      db->Prepare("UPDATE job SET made_from='' WHERE id=?1 AND made_from<>'' AND made_from NOT LIKE ?2"));
+  return forget.Bind(1, job_id).Bind(2, fmt::format("{}:%", version)).Run();
 }
 
 Result<std::optional<std::string>> UnitQueue::TakeOver(const Lease& lease, std::string_view made_from,

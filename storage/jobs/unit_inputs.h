@@ -1,7 +1,7 @@
 // UnitInputs: what the units of a cut flight are made from, as a digest: the flight's files (what is stored
-// under a name never changes), the options, the version that cut it and where. Two jobs of one digest make
-// the same units, as long as no file came meanwhile: a job to whose flight one came loses its digest. Pure;
-// any thread.
+// under a name never changes), the options, the version of the program and where it cut. Two jobs of one
+// digest make the same units, as long as no file came meanwhile and no other version made one of them: a job
+// of which that is so loses its digest. Pure; any thread.
 #pragma once
 
 #include <string>
@@ -19,7 +19,7 @@ struct UnitInputs {
   int looks = 1;  // units that look at files
 };
 
-// SHA-256, in hex.
+// "1.0:", the version, before a SHA-256 in hex.
 std::string DigestOf(const UnitInputs& inputs);
 
 }  // namespace skyquilt::storage

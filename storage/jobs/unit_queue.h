@@ -84,7 +84,10 @@ class UnitQueue {
   // of the same flight that failed, whose units were made from the same (`made_from`, see UnitInputs).
   // Nothing: the lease was lost.
   Result<std::optional<std::string>> TakeOver(const Lease& lease, std::string_view made_from, Time now);
-  // The same once it is cut; empty before.
+  // Before a program of this version makes a unit of the job: where another cut it, nobody takes over its
+  // units, which are of both.
+  Result<void> MakeAs(const std::string& job_id, std::string_view version);
+  // As TakeOver answered, once the job is cut; empty before.
   Result<std::string> UnitsOf(const std::string& job_id) const;
   // The leased job waits for `count` units of `kind`, of which those it had already are kept and those of
   // `done` are done; the lease is over. False: it was lost before.

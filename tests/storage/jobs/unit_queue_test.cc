@@ -222,7 +222,8 @@ TEST_F(UnitQueueTest, AFailureIsTriedAgainOnlyWhereItMayPass) {
 TEST_F(UnitQueueTest, WhatUnitsAreMadeFromTellsThemApart) {
   const std::vector<StoredFile> files{{"a.jpg", "1", 5}, {"b.jpg", "2", 5}};
   const std::string digest = DigestOf({files, "{}", "1.0", 2});
-  EXPECT_EQ(digest.size(), 64U);
+  EXPECT_EQ(digest.size(), 4 + 64U);
+  EXPECT_TRUE(digest.starts_with("1.0:"));
   EXPECT_EQ(DigestOf({files, "{}", "1.0", 2}), digest);
   const std::vector<StoredFile> again{{"a.jpg", "1", 5}, {"b.jpg", "3", 5}};  // b was put anew
   const std::vector<StoredFile> swapped{{"a.jpg", "2", 5}, {"b.jpg", "1", 5}};
@@ -294,6 +295,27 @@ TEST_F(UnitQueueTest, AJobGoesOnWithTheUnitsOfOneThatFailedAndWasMadeFromTheSame
   const auto [late, of_late] = begun(flight, "another");
   EXPECT_EQ(of_late, late.job_id);
   EXPECT_FALSE(units_.TakeOver(fifth, "another", now_)->has_value());
+}
+
+TEST_F(UnitQueueTest, UnitsThatTwoVersionsMadeAreNotTakenOver) {
+  const std::string flight = catalogue_.AddFlight("field", "{}", now_)->id;
+  const std::vector<StoredFile> none;
+  // Of a job whose units were made by a program of `version`.
+  const auto failed_by = [&](std::string_view version) {
+    EXPECT_TRUE(queue_.Add(flight, "{}", now_).ok());
+    const Lease lease = **queue_.Claim("w", now_);
+    const std::string units_of = **units_.TakeOver(lease, DigestOf({none, "{}", "1.0", 1}), now_);
+    EXPECT_TRUE(*units_.Cut(lease, "look", 1, 1, {}));
+    const UnitLease unit = Claimed();
+    EXPECT_TRUE(units_.MakeAs(unit.job_id, version));
+    EXPECT_TRUE(*units_.Fail(unit, {ErrorCode::kUnprocessable, "no photo", ""}, false, now_));
+    return std::pair(unit.job_id, units_of);
+  };
+  const auto [first, of_first] = failed_by("1.0.1");
+  EXPECT_EQ(of_first, first);
+  const auto [second, of_second] = failed_by("1.0");
+  EXPECT_EQ(of_second, second);
+  EXPECT_EQ(failed_by("1.0").second, second);
 }
 
 TEST_F(UnitQueueTest, AJobWhoseUnitsAreAllThereIsClaimedAtOnce) {
