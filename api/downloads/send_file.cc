@@ -15,6 +15,7 @@
 #include "api/http/problem.h"
 #include "api/http/range.h"
 #include "core/base/try.h"
+#include "storage/blobs/range_cache.h"
 #include "storage/blobs/sha256.h"
 
 namespace skyquilt::api {
@@ -63,41 +64,53 @@ class FileSource final : public BodySource {
   std::uint64_t left_;
 };
 
+// How bytes of a blob are held against what was published: not at all, by the sum of a whole one, or each
+// range by its own.
+struct Proof {
+  std::optional<std::string> whole = {};  // in hex
+  bool is_by_ranges = false;
+};
+
 // What is at hand of a blob: a window at a time. Where its sum is known, the last window of another blob is
 // held back, so that nobody takes it for whole.
 class BlobSource final : public BodySource {
  public:
-  // `known`: of a whole blob, in hex.
   BlobSource(storage::BlobStore& blobs, std::string key, std::uint64_t offset, std::uint64_t length,
-             std::optional<std::string> known)
+             Proof proof)
       : blobs_(blobs),
         key_(std::move(key)),
         next_(offset),
         left_(length),
         length_(length),
-        known_(std::move(known)) {}
+        proof_(std::move(proof)) {}
   std::uint64_t length() const override { return length_; }
 
   Result<std::size_t> Read(std::span<std::uint8_t> into) override {
-    if (at_ == window_.size() && left_ > 0) {
-      const std::uint64_t wanted = std::min(left_, kWindowBytes);
-      SKYQUILT_TRY_ASSIGN(window_, blobs_.ReadRange(key_, static_cast<std::int64_t>(next_),
-                                                    static_cast<std::int64_t>(wanted)));
-      if (window_.size() != wanted)
-        return Error{ErrorCode::kIo, "The file could not be read.", key_ + ": short"};
-      at_ = 0;
-      next_ += wanted;
-      left_ -= wanted;
-      if (known_) sum_.Add(window_);
-      if (known_ && left_ == 0 && sum_.Finish() != *known_) {
-        window_.clear();
-        return Error{ErrorCode::kUnavailable, "The store has another file than was published there.", key_};
-      }
-    }
+    if (at_ == window_.size() && left_ > 0) SKYQUILT_TRY(ReadWindow());
     const std::size_t given = std::min(into.size(), window_.size() - at_);
     std::memcpy(into.data(), window_.data() + at_, given);
     at_ += given;
     return given;
+  }
+
+  // The next one. Before the first Read: so that its error is an answer.
+  Result<void> ReadWindow() {
+    const std::uint64_t wanted = std::min(left_, kWindowBytes);
+    const auto from = static_cast<std::int64_t>(next_), length = static_cast<std::int64_t>(wanted);
+    window_.clear();
+    at_ = 0;
+    SKYQUILT_TRY_ASSIGN(window_, proof_.is_by_ranges ? blobs_.ReadNear(key_, from, length)
+                                                     : blobs_.ReadRange(key_, from, length));
+    if (window_.size() != wanted)
+      return Error{ErrorCode::kIo, "The file could not be read.", key_ + ": short"};
+    next_ += wanted;
+    left_ -= wanted;
+    if (proof_.whole) sum_.Add(window_);
+    if (proof_.whole && left_ == 0 && sum_.Finish() != *proof_.whole) {
+      window_.clear();
+      return Error{ErrorCode::kUnavailable, "The store has another file than was published there.", key_};
+    }
+    return {};
   }
 
  private:
@@ -107,7 +120,7 @@ class BlobSource final : public BodySource {
   std::uint64_t next_;  // behind the window
   std::uint64_t left_;  // from there on
   const std::uint64_t length_;
-  const std::optional<std::string> known_;
+  const Proof proof_;
   storage::Sha256Sum sum_;
   std::string window_;
   std::size_t at_ = 0;
@@ -120,9 +133,16 @@ Result<Response> SendBlob(const Request& request, storage::BlobStore& blobs, con
   constexpr std::int64_t kFetchedBytes = std::int64_t{4} << 20;
   if (blobs.IsFolder()) return SendFile(request, blobs.FolderOf(key), content_type, etag);
   SKYQUILT_TRY_ASSIGN(const storage::BlobInfo blob, blobs.Find(key));
-  SKYQUILT_TRY_ASSIGN(const std::optional<std::string> known, blobs.KnownSum(key));
-  // What a part is worth only the whole file tells.
-  if (blob.bytes <= kFetchedBytes || (known && request.headers.Has("Range"))) {
+  Proof proof;
+  SKYQUILT_TRY_ASSIGN(proof.whole, blobs.KnownSum(key));
+  const bool is_range = request.headers.Has("Range");
+  if (proof.whole && is_range && storage::IsReadByRanges(key)) {
+    SKYQUILT_TRY_ASSIGN(const std::optional<std::string> sums, blobs.KnownSum(storage::RangeSumsKey(key)));
+    proof.is_by_ranges = sums && !sums->empty();
+    if (proof.is_by_ranges) proof.whole.reset();
+  }
+  // What a part is worth only the whole file tells then.
+  if (blob.bytes <= kFetchedBytes || (proof.whole && is_range)) {
     const Result<storage::LocalBlob> fetched = blobs.Local(key);
     // It may be put right where it lies.
     if (!fetched && fetched.error().code == ErrorCode::kCorrupt)
@@ -132,7 +152,9 @@ Result<Response> SendBlob(const Request& request, storage::BlobStore& blobs, con
   }
   const OpenPart part = [&](std::uint64_t offset,
                             std::uint64_t length) -> Result<std::unique_ptr<BodySource>> {
-    return std::unique_ptr<BodySource>(std::make_unique<BlobSource>(blobs, key, offset, length, known));
+    auto source = std::make_unique<BlobSource>(blobs, key, offset, length, proof);
+    if (proof.is_by_ranges) SKYQUILT_TRY(source->ReadWindow());
+    return std::unique_ptr<BodySource>(std::move(source));
   };
   return SendParts(request, static_cast<std::uint64_t>(blob.bytes), content_type, etag, part);
 }

@@ -25,8 +25,8 @@ Response DownloadProblem(const Error& error, const Request& request);
 std::string Disposition(const std::string& stem, const char* extension);
 
 // A blob, wherever it lies: a large one elsewhere comes by ranges, as the client takes it, a small one, or
-// one of which a part is asked for and whose sum is known, is fetched and kept. One that is not as it was
-// published ends before its end. Also the store's errors.
+// one of which a part is asked for and the sum of the whole alone is known, is fetched and kept. One that is
+// not as it was published ends before its end. Also the store's errors.
 Result<Response> SendBlob(const Request& request, storage::BlobStore& blobs, const std::string& key,
                           const std::string& content_type, const std::string& etag);
 

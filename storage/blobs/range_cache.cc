@@ -60,12 +60,15 @@ bool AreAsPut(const std::string& sums, std::int64_t first_chunk, std::int64_t la
 }  // namespace
 
 bool IsReadByRanges(std::string_view key) {
-  return key.substr(key.rfind('/') + 1) == "mosaic.pmtiles";  // nobody reads exports so
+  const std::string_view name = key.substr(key.rfind('/') + 1);
+  return name == "mosaic.pmtiles" || name == "mosaic.mbtiles";  // nobody reads exports so
 }
 
 std::string RangeSumsKey(const std::string& key) {
   const std::size_t name = key.rfind('/') + 1;
-  return key.substr(0, name) + "ranges/" + key.substr(name, key.rfind('.') - name) + ".sums";
+  // Those of versions before, which put them beside archives alone, are named so.
+  const std::size_t end = key.ends_with(".pmtiles") ? key.rfind('.') : key.size();
+  return key.substr(0, name) + "ranges/" + key.substr(name, end - name) + ".sums";
 }
 
 Result<std::string> RangeSumsOfFile(const std::filesystem::path& file, Sha256Sum* whole) {

@@ -1,7 +1,8 @@
 // S3Blobs: blobs as objects of S3, fetched to this machine where a file is wanted (LocalCache). Files of
 // more than kSinglePutBytes go up in parts side by side; every object keeps the SHA-256 of its bytes, against
-// which it is held when it is fetched whole; archives of tiles, read by ranges, keep one for each chunk
-// beside them ("ranges/mosaic.sums"). Any thread. Errors: those of S3Client and LocalCache.
+// which it is held when it is fetched whole; files of tiles, read by ranges, keep one for each chunk beside
+// them ("ranges/mosaic.sums", "ranges/mosaic.mbtiles.sums"). Any thread. Errors: those of S3Client and
+// LocalCache.
 #pragma once
 
 #include <filesystem>

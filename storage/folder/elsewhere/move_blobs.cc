@@ -45,11 +45,12 @@ std::vector<std::string> MapsAmong(const std::vector<BlobInfo>& blobs) {
   return maps;
 }
 
-// What PackMaps makes anew wherever it is wanted: in a folder, tiles and mosaic.pmtiles itself are read out
-// of the map beside it.
+// What Put and PackMaps make anew wherever it is wanted: in a folder, tiles and mosaic.pmtiles itself are
+// read out of the map beside it.
 void LeavePacks(std::vector<BlobInfo>& blobs) {
   std::set<std::string> packs;
-  for (const std::string& map : MapsAmong(blobs)) packs.insert({PackOf(map), RangeSumsKey(PackOf(map))});
+  for (const std::string& map : MapsAmong(blobs))
+    packs.insert({PackOf(map), RangeSumsKey(PackOf(map)), RangeSumsKey(map)});
   std::erase_if(blobs, [&](const BlobInfo& blob) { return packs.contains(blob.key); });
 }
 

@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include "api/downloads/send_file.h"
+#include "storage/blobs/range_cache.h"
 #include "storage/blobs/sha256.h"
 #include "tests/storage/blobs/far_folder.h"
 #include "tests/support/temporary_folder.h"
@@ -56,6 +57,22 @@ TEST_F(SentMap, IsTheWholeFileWhereNothingOrTheSameIsKnown) {
     EXPECT_EQ(part.status, 206);
     EXPECT_TRUE(part.body == bytes_.substr(5'000'000, 100));
   }
+}
+
+TEST_F(SentMap, IsNotFetchedForAPartWhereSumsOfRangesAreKnown) {
+  const std::string sums = storage::RangeSumsKey(kMapKey);
+  far_.known = {{kMapKey, *storage::Sha256OfFile(folder_ / "file")}, {sums, std::string(64, '0')}};
+  const Got part = Get("bytes=4000000-8999999");
+  EXPECT_EQ(part.status, 206);
+  EXPECT_TRUE(part.body == bytes_.substr(4'000'000, 5'000'000));
+  EXPECT_TRUE(Get("bytes=0-").body == bytes_);
+  EXPECT_TRUE(Get("bytes=nonsense").body == bytes_);
+  EXPECT_EQ(far_.fetched, 0);
+  EXPECT_EQ(far_.near_reads, 2 + 3 + 3);
+  // A map that was published without.
+  far_.known[sums] = "";
+  EXPECT_TRUE(Get("bytes=4000000-8999999").body == bytes_.substr(4'000'000, 5'000'000));
+  EXPECT_EQ(far_.fetched, 1);
 }
 
 TEST_F(SentMap, EndsBeforeItsEndWhereItIsAnother) {

@@ -2,6 +2,7 @@
 // that it fails as it is told.
 #pragma once
 
+#include <atomic>
 #include <fstream>
 #include <functional>
 #include <map>
@@ -30,6 +31,7 @@ class FarFolder final : public storage::BlobStore {
     return folder_.ReadRange(key, offset, length);
   }
   Result<std::string> ReadNear(const std::string& key, std::int64_t offset, std::int64_t length) override {
+    ++near_reads;
     return folder_.ReadNear(key, offset, length);
   }
   Result<storage::BlobInfo> Find(const std::string& key) override { return folder_.Find(key); }
@@ -46,7 +48,10 @@ class FarFolder final : public storage::BlobStore {
     return folder_.Copy(from, to);
   }
   Result<int> RemoveBelow(const std::string& prefix) override { return folder_.RemoveBelow(prefix); }
-  Result<storage::LocalBlob> Local(const std::string& key) override { return folder_.Local(key); }
+  Result<storage::LocalBlob> Local(const std::string& key) override {
+    ++fetched;
+    return folder_.Local(key);
+  }
   bool IsFolder() const override { return false; }
   std::filesystem::path FolderOf(const std::string& prefix) const override {
     return folder_.FolderOf(prefix);
@@ -54,6 +59,7 @@ class FarFolder final : public storage::BlobStore {
   std::string Address() const override { return "s3://far/"; }
 
   int puts_left = 1'000;
+  std::atomic<int> fetched = 0, near_reads = 0;
   std::string damages;
   std::map<std::string, std::string> known;                    // sums by key
   std::function<void(const std::string& prefix)> before_list;  // it is as slow as this

@@ -42,6 +42,13 @@ TEST_F(MapProducts, AreTheFilesOfTheMapAndTheSumsOfItsRanges) {
   EXPECT_EQ(ProductsIn(folder_ / "none").error().code, ErrorCode::kIo);
 }
 
+TEST_F(MapProducts, HaveSumsOfRangesUnderNamesOfTheirOwn) {
+  EXPECT_EQ(RangeSumsKey("a/mosaic.pmtiles"), "a/ranges/mosaic.sums");
+  EXPECT_EQ(RangeSumsKey("a/mosaic.mbtiles"), "a/ranges/mosaic.mbtiles.sums");
+  std::ofstream(made_ / "mosaic.mbtiles") << "bytes of tiles";
+  EXPECT_EQ(ProductsIn(made_)->size(), 5U);
+}
+
 TEST_F(MapProducts, AreKnownForAsLongAsTheirMap) {
   const std::vector<MapProduct> products = *ProductsIn(made_);
   const std::int64_t first = Published(products);
