@@ -81,9 +81,9 @@ Result<void> CheckInGrid(const MapGrid& grid, std::int64_t level, std::int64_t c
 Result<Response> AnswerGridTile(Service& service, const Request& request, const GridTileRequest& wanted) {
   SKYQUILT_TRY(CheckId(wanted.flight_id, "flight"));
   SKYQUILT_TRY(CheckInGrid(wanted.grid, wanted.level, wanted.column, wanted.row));
-  if (request.work < Work::kRead && !service.tilesets.IsOpen(wanted.flight_id)) return DeferTo(Work::kRead);
   SKYQUILT_TRY_ASSIGN(const std::shared_ptr<const storage::Tileset> tileset,
-                      service.tilesets.Get(wanted.flight_id));
+                      MapFor(service, request, wanted.flight_id));
+  if (tileset == nullptr) return DeferTo(Work::kRead);
   SKYQUILT_TRY(CheckOnMap(*tileset, wanted));
   storage::MadeTileKey key;
   key.flight_id = tileset->flight_id;

@@ -48,6 +48,12 @@ Response DeferTo(Work work) {
   return response;
 }
 
+Result<std::shared_ptr<const storage::Tileset>> MapFor(Service& service, const Request& request,
+                                                       const std::string& flight_id) {
+  if (request.work < Work::kRead) return service.tilesets.AtHand(flight_id);
+  return service.tilesets.Get(flight_id);
+}
+
 const char* CacheControl(const Request& request, const storage::Tileset& tileset) {
   const auto revision = request.Query("rev");
   return revision && *revision == std::to_string(tileset.revision.revision) ? kImmutable : kRevalidated;

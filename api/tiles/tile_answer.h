@@ -14,6 +14,9 @@ namespace skyquilt::api {
 
 // Not on this thread: the request is repeated where such work is done.
 Response DeferTo(Work work);
+// The map that a tile is of. Null: not at hand for this thread, which is to DeferTo(Work::kRead).
+Result<std::shared_ptr<const storage::Tileset>> MapFor(Service& service, const Request& request,
+                                                       const std::string& flight_id);
 // An address that names the revision it shows never changes its bytes.
 const char* CacheControl(const Request& request, const storage::Tileset& tileset);
 // Where the map has nothing: as the parameter "empty" says, or else as the address has it. Errors:

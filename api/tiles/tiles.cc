@@ -280,10 +280,10 @@ Result<Response> Tile(Service& service, const Request& request, std::optional<in
   wanted.is_double = path.is_double;
   wanted.side_px = side_px;
   SKYQUILT_TRY_ASSIGN(wanted.look, LookIn(request));
-  // Previews are written while they are read, and a map is opened by whoever asks first.
-  const bool is_open = service.tilesets.IsOpen(wanted.flight_id) && request.Query("rev") != kPreviewRevision;
-  if (request.work < Work::kRead && !is_open) return DeferTo(Work::kRead);
-  Result<Response> answer = ShowsPreview(service, request, wanted.flight_id)
+  // Previews are written while they are read; a flight whose map is at hand shows it.
+  const bool is_quick = request.work < Work::kRead;
+  if (is_quick && request.Query("rev") == kPreviewRevision) return DeferTo(Work::kRead);
+  Result<Response> answer = !is_quick && ShowsPreview(service, request, wanted.flight_id)
                                 ? PreviewTile(service, request, wanted)
                                 : AnswerTile(service, request, wanted);
   if (answer && !path.format) TellByAccept(*answer);
@@ -302,9 +302,9 @@ bool ShowsPreview(Service& service, const Request& request, const std::string& f
 
 Result<Response> AnswerTile(Service& service, const Request& request, const TileRequest& wanted) {
   SKYQUILT_TRY(CheckId(wanted.flight_id, "flight"));
-  if (request.work < Work::kRead && !service.tilesets.IsOpen(wanted.flight_id)) return DeferTo(Work::kRead);
   SKYQUILT_TRY_ASSIGN(const std::shared_ptr<const storage::Tileset> tileset,
-                      service.tilesets.Get(wanted.flight_id));
+                      MapFor(service, request, wanted.flight_id));
+  if (tileset == nullptr) return DeferTo(Work::kRead);
   const storage::Revision& revision = tileset->revision;
   if (wanted.layer) return LayerTile(service, request, *tileset, wanted);
   ShownTiles shown{*tileset->reader,     "map",

@@ -107,10 +107,7 @@ Result<std::shared_ptr<const Tileset>> TilesetCache::Get(const std::string& flig
   if (!is_shared_ || shown == nullptr) return Refresh(flight_id);
   // The catalogue alone is read there, for all flights by one thread: a store that is slow with the map of
   // one holds up no other.
-  const Result<void> read = again_.Ask(flight_id, [this, flight_id]() -> Result<void> {
-    SKYQUILT_TRY(Look(flight_id));
-    return {};
-  });
+  const Result<void> read = again_.Ask(flight_id, Looking(flight_id));
   if (!read && read.error().code == ErrorCode::kUnavailable) return shown;
   if (!read) return read.error();
   const auto mine = std::make_shared<int>();
@@ -158,6 +155,13 @@ Result<Revision> TilesetCache::Look(const std::string& flight_id) {
   return *std::move(revision);
 }
 
+ReadAgain::Read TilesetCache::Looking(const std::string& flight_id) {
+  return [this, flight_id]() -> Result<void> {
+    SKYQUILT_TRY(Look(flight_id));
+    return {};
+  };
+}
+
 Result<std::shared_ptr<const Tileset>> TilesetCache::Refresh(const std::string& flight_id) {
   // Only a revision retired twice within one request can vanish between the query and the opening.
   constexpr int kTries = 3;
@@ -191,13 +195,26 @@ Result<std::shared_ptr<const Tileset>> TilesetCache::Refresh(const std::string& 
   }
 }
 
-bool TilesetCache::IsOpen(const std::string& flight_id) const {
-  const std::lock_guard lock(mutex_);
-  const auto found = entries_.find(flight_id);
-  if (found == entries_.end()) return false;
-  // Where opening a newer revision means waiting for the network, only what need not be looked up is open.
-  return blobs_ == nullptr || (is_shared_ && !again_.IsWell()) ||
-         std::chrono::steady_clock::now() - found->second.checked < kFreshFor / 2;
+std::shared_ptr<const Tileset> TilesetCache::AtHand(const std::string& flight_id) {
+  const auto now = std::chrono::steady_clock::now();
+  std::shared_ptr<const Tileset> shown;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = entries_.find(flight_id);
+    if (found == entries_.end()) return nullptr;
+    shown = found->second.tileset;
+    if (now - found->second.checked < kFreshFor) {
+      found->second.used = now;
+      return shown;
+    }
+  }
+  if (!is_shared_ && blobs_ == nullptr) {
+    const Result<std::shared_ptr<const Tileset>> newest = Get(flight_id);
+    return newest ? *newest : nullptr;
+  }
+  if (!is_shared_ || again_.IsWell()) return nullptr;
+  again_.Begin(flight_id, Looking(flight_id));
+  return shown;
 }
 
 void TilesetCache::Forget(const std::string& flight_id) {

@@ -43,9 +43,9 @@ class TilesetCache {
   TilesetCache(DataDir dir, Catalogue& catalogue, std::shared_ptr<BlobStore> blobs = nullptr,
                bool is_shared = false);
   Result<std::shared_ptr<const Tileset>> Get(const std::string& flight_id);
-  // True: Get opens no file, unless a newer revision was published a moment ago; of a map that lies elsewhere
-  // also not then.
-  bool IsOpen(const std::string& flight_id) const;
+  // The same for threads that must not wait for a store or another machine's database: null where Get may,
+  // or has none. In a data folder with its own catalogue a newer revision is opened here.
+  std::shared_ptr<const Tileset> AtHand(const std::string& flight_id);
   // Whether the catalogue can be read, known within seconds also where it does not answer.
   Result<void> CheckCatalogue() const;
   // The flight was deleted here: gone for the next request.
@@ -61,6 +61,7 @@ class TilesetCache {
   };
   // What the catalogue shows now.
   Result<Revision> Look(const std::string& flight_id);
+  ReadAgain::Read Looking(const std::string& flight_id);
   Result<std::shared_ptr<const Tileset>> Refresh(const std::string& flight_id);
   void DropLeastUsed();
 

@@ -18,8 +18,7 @@ bool ReadAgain::IsWell() const {
   return is_well_;
 }
 
-Result<void> ReadAgain::Ask(const std::string& key, Read read) {
-  std::unique_lock lock(mutex_);
+std::shared_ptr<ReadAgain::Asked> ReadAgain::Enter(const std::string& key, Read read) {
   if (!thread_.joinable()) thread_ = std::thread([this] { Work(); });
   std::shared_ptr<Asked>& open = open_[key];
   if (open == nullptr) {
@@ -27,7 +26,17 @@ Result<void> ReadAgain::Ask(const std::string& key, Read read) {
     waiting_.push_back(open);
     asked_.notify_one();
   }
-  const std::shared_ptr<Asked> mine = open;
+  return open;
+}
+
+void ReadAgain::Begin(const std::string& key, Read read) {
+  const std::lock_guard lock(mutex_);
+  Enter(key, std::move(read));
+}
+
+Result<void> ReadAgain::Ask(const std::string& key, Read read) {
+  std::unique_lock lock(mutex_);
+  const std::shared_ptr<Asked> mine = Enter(key, std::move(read));
   const auto patience = is_well_ ? patience_ : std::chrono::milliseconds(0);
   done_.wait_for(lock, patience, [&] { return mine->outcome.has_value(); });
   if (mine->outcome) return *mine->outcome;

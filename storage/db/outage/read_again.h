@@ -31,6 +31,8 @@ class ReadAgain {
   // How it ended; waited for no longer than the patience, and not at all while reads before are late or found
   // nobody.
   Result<void> Ask(const std::string& key, Read read);
+  // The same for those who never wait: how it ended the next one learns who asks.
+  void Begin(const std::string& key, Read read);
   // False: who asks now does not wait.
   bool IsWell() const;
 
@@ -41,6 +43,8 @@ class ReadAgain {
     std::optional<Result<void>> outcome;
   };
   void Work();
+  // With the mutex held.
+  std::shared_ptr<Asked> Enter(const std::string& key, Read read);
 
   const std::chrono::milliseconds patience_;
   mutable std::mutex mutex_;

@@ -24,8 +24,17 @@ TEST(ReadAgainTest, WaitsOnceForWhatDoesNotAnswerAndSeesItComeBack) {
   EXPECT_EQ(again.Ask("a", read).error().code, ErrorCode::kUnavailable);
   EXPECT_FALSE(again.IsWell());
   for (int i = 0; i < 1'000; ++i) EXPECT_FALSE(again.Ask(i % 2 == 0 ? "a" : "b", read));
+  std::atomic<int> begun = 0;
+  for (int i = 0; i < 2; ++i) {
+    again.Begin("c", [&]() -> Result<void> {
+      ++begun;
+      return {};
+    });
+  }
   thaw.set_value();
-  for (int i = 0; i < 1'000 && !again.IsWell(); ++i) std::this_thread::sleep_for(milliseconds(5));
+  for (int i = 0; i < 1'000 && (!again.IsWell() || begun == 0); ++i)
+    std::this_thread::sleep_for(milliseconds(5));
+  EXPECT_EQ(begun, 1);
   EXPECT_TRUE(again.Ask("a", read));
 }
 
