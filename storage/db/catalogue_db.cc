@@ -125,13 +125,12 @@ void CatalogueDb::SetPatience(std::chrono::milliseconds time) {
 
 Result<void> CatalogueDb::HoldAlone() {
   if (!place_) return {};
-  const Result<void> held = static_cast<PostgresDb&>(*Lock()).HoldAlone();
-  if (held || held.error().code != ErrorCode::kUnavailable) return held;
+  SKYQUILT_TRY_ASSIGN(const bool is_alone, static_cast<PostgresDb&>(*Lock()).HoldAlone());
+  if (is_alone) return {};
   return Error{ErrorCode::kConflict,
-               held.error().message +
-                   " Stop all of them, on every machine, and run the command again. One whose machine died "
-                   "is forgotten within half a minute.",
-               held.error().detail};
+               "Other servers or workers use the catalogue. Stop all of them, on every machine, and run the "
+               "command again. One whose machine died is forgotten within half a minute.",
+               ""};
 }
 
 bool CatalogueDb::WaitForJobs() {

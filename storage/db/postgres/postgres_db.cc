@@ -146,32 +146,35 @@ Result<void> PostgresDb::PrepareSession() {
   if (use_ == Use::kWrite && std::string_view(PQgetvalue(named.get(), 0, 2)) == "t") {
     SKYQUILT_TRY(Simple("SELECT after_start()"));
   }
-  return use_ == Use::kWrite ? TakePart() : Result<void>();
-}
-
-// The database lets go of this lock when the connection ends.
-Result<void> PostgresDb::TakePart() {
-  SKYQUILT_TRY_ASSIGN(const PgResult taken,
-                      Simple(fmt::format("SELECT pg_try_advisory_lock{}({})", is_alone_ ? "" : "_shared",
-                                         LockKey(schema_, "part"))));
-  if (std::string_view(PQgetvalue(taken.get(), 0, 0)) == "t") return {};
+  if (use_ == Use::kRead) return {};
+  SKYQUILT_TRY_ASSIGN(const bool has_part, TakePart());
+  if (has_part) return {};
   return Error{ErrorCode::kUnavailable,
                is_alone_
-                   ? "Other servers or workers use the catalogue."
+                   ? "Servers or workers began to use the catalogue while the connection to it was lost."
                    : "The photos and maps of this catalogue are being moved. Try again when that has ended.",
                "advisory lock"};
 }
 
-Result<void> PostgresDb::HoldAlone() {
+// The database lets go of this lock when the connection ends.
+Result<bool> PostgresDb::TakePart() {
+  SKYQUILT_TRY_ASSIGN(const PgResult taken,
+                      Simple(fmt::format("SELECT pg_try_advisory_lock{}({})", is_alone_ ? "" : "_shared",
+                                         LockKey(schema_, "part"))));
+  return std::string_view(PQgetvalue(taken.get(), 0, 0)) == "t";
+}
+
+Result<bool> PostgresDb::HoldAlone() {
   SKYQUILT_TRY(EnsureOpen());
   is_alone_ = true;
-  Result<void> taken = TakePart();
   // Of a process that has just ended the server hears a moment later.
-  for (const auto end = SteadyClock::now() + patience_;
-       !taken && handle_ != nullptr && SteadyClock::now() < end; taken = TakePart()) {
+  const auto end = SteadyClock::now() + patience_;
+  Result<bool> taken = TakePart();
+  while (taken && !*taken && SteadyClock::now() < end) {
     std::this_thread::sleep_for(kFirstPause);
+    taken = TakePart();
   }
-  is_alone_ = taken.ok();
+  is_alone_ = taken && *taken;
   return taken;
 }
 

@@ -57,9 +57,9 @@ class PostgresDb final : public SqlConnection {
   Result<bool> WaitForNotice(const std::string& channel, std::chrono::milliseconds time);
   // How long a call tries to connect again; two seconds where this was never said.
   void SetPatience(std::chrono::milliseconds time) { patience_ = time; }
-  // Of a connection that writes: no other one of these tables that does so lives beside it from now on.
-  // kUnavailable where one does, and for the others meanwhile.
-  Result<void> HoldAlone();
+  // Of a connection that writes: no other one of these tables that does so lives beside it from now on
+  // (kUnavailable for them). False: one does.
+  Result<bool> HoldAlone();
   // Of the tables; empty before the first use.
   const std::string& schema() const { return schema_; }
 
@@ -75,7 +75,7 @@ class PostgresDb final : public SqlConnection {
   Result<void> EnsureOpen();
   Result<void> Connect();
   Result<void> PrepareSession();
-  Result<void> TakePart();
+  Result<bool> TakePart();
   void Drop();
   Error Lost(std::string_view what);
   Error Failed(const pg_result* result, std::string_view what);
