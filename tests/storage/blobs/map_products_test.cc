@@ -24,9 +24,6 @@ class MapProducts : public PublishedMapTest {
     return *PublishedSum(*db_, RevisionPrefix(flight_, revision) + name);
   }
 };
-JobQueue queue_{*db_};
-const std::string flight_ = catalogue_.AddFlight("field", "{}", Now())->id;
-};
 
 TEST_F(MapProducts, AreTheFilesOfTheMapAndTheSumsOfItsRanges) {
   const auto products = ProductsIn(made_);
