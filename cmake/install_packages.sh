@@ -17,6 +17,11 @@ need_packages() {
   if [ "$(id -u)" -ne 0 ]; then as_root=(sudo); fi
   if [ -z "${lists_are_new:-}" ]; then "${as_root[@]}" apt-get update -qq; lists_are_new=yes; fi
   DEBIAN_FRONTEND=noninteractive "${as_root[@]}" apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
+  # Tests start an nginx of their own: the package's is not to serve this machine.
+  if [[ " ${missing[*]} " == *" nginx "* ]]; then
+    "${as_root[@]}" service nginx stop >/dev/null 2>&1 || true
+    "${as_root[@]}" update-rc.d nginx disable >/dev/null
+  fi
 }
 
 # Compiled objects are found again from any clone.

@@ -5,25 +5,21 @@ import http.server
 import os
 import pathlib
 import re
-import shutil
-import socket
 import ssl
 import subprocess
+import sys
 import tempfile
 import threading
 import time
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests/support"))
+from nginx import NGINX, OPENSSL, free_port, http_of, start_nginx
+
 BINARY = pathlib.Path(os.environ.get("SKYQUILT_BINARY", ROOT / "build/release/bin/skyquilt")).resolve()
 NODES = ("api1", "api2", "tiles1", "tiles2")
 WAIT_S = 30
-
-
-def free_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
 
 
 class Compose(unittest.TestCase):
@@ -139,50 +135,23 @@ class Answer(http.server.BaseHTTPRequestHandler):
         self.send(204)
 
 
-@unittest.skipUnless(shutil.which("nginx") and shutil.which("openssl"), "nginx and openssl are not here")
+@unittest.skipUnless(NGINX and OPENSSL, "nginx and openssl are not here")
 class Front(unittest.TestCase):
     def setUp(self):
-        self.scratch = tempfile.TemporaryDirectory()
-        self.addCleanup(self.scratch.cleanup)
-        self.folder = pathlib.Path(self.scratch.name)
-        subprocess.run(["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "1", "-subj", "/CN=localhost",
-                        "-keyout", self.folder / "privkey.pem", "-out", self.folder / "fullchain.pem"], check=True, capture_output=True)
-
-    def config(self, ports, nodes):
-        """nginx-cluster.conf as this machine can run it: other places and ports, and HTTP/2 as Debian's older nginx says it."""
-        text = (ROOT / "docker/nginx-cluster.conf").read_text().replace("  http2 on;\n", "")
-        text = text.replace("/var/cache/nginx/tiles", f"{self.folder}/kept").replace("/etc/nginx/certs", str(self.folder))
-        text = text.replace("/var/log/nginx", str(self.folder))
-        for name, port in nodes.items():
-            text = text.replace(f"server {name}:8080;", f"server 127.0.0.1:{port};")
-        for inside, outside in ports.items():
-            text = text.replace(f"  listen {inside} ", f"  listen 127.0.0.1:{outside} ")
-            text = re.sub(rf"  listen \[::\]:{inside} .*\n", "", text)
-        kept = " ".join(f"{kind}_temp_path {self.folder}/{kind};" for kind in ("client_body", "proxy", "fastcgi", "uwsgi", "scgi"))
-        user = "user root;" if os.geteuid() == 0 else ""
-        config = self.folder / "nginx.conf"
-        config.write_text(f"{user} pid {self.folder}/pid; error_log stderr; events {{}} http {{ {kept} {text} }}")
-        return config
+        scratch = tempfile.TemporaryDirectory()
+        self.addCleanup(scratch.cleanup)
+        self.folder = scratch.name
 
     def start(self):
         self.nodes = {name: Node(name) for name in NODES}
-        ports = {80: free_port(), 443: free_port()}
-        self.port = ports[443]
-        config = self.config(ports, {name: node.server_address[1] for name, node in self.nodes.items()})
-        nginx = subprocess.Popen(["nginx", "-c", config, "-g", "daemon off; master_process off;"], stderr=subprocess.DEVNULL)
-        self.addCleanup(lambda: (nginx.terminate(), nginx.wait(timeout=WAIT_S)))
         for node in self.nodes.values():
             self.addCleanup(node.server_close)
             self.addCleanup(node.shutdown)
             self.addCleanup(node.may_end.set)
-        end = time.monotonic() + WAIT_S
-        while True:
-            try:
-                socket.create_connection(("127.0.0.1", self.port)).close()
-                return
-            except OSError:
-                self.assertLess(time.monotonic(), end, "nginx does not start")
-                time.sleep(0.05)
+        ports = {80: free_port(), 443: free_port()}
+        self.port = ports[443]
+        nodes = {name: node.server_address[1] for name, node in self.nodes.items()}
+        start_nginx(self, self.folder, self.port, http_of("nginx-cluster.conf", self.folder, ports, nodes))
 
     def connect(self):
         connection = http.client.HTTPSConnection("127.0.0.1", self.port, timeout=WAIT_S, context=ssl._create_unverified_context())
@@ -197,10 +166,6 @@ class Front(unittest.TestCase):
 
     def asked(self, *names):
         return [request for name in names or NODES for request in self.nodes[name].asked]
-
-    def test_nginx_understands_its_configuration(self):
-        said = subprocess.run(["nginx", "-t", "-c", self.config({}, dict.fromkeys(NODES, 8080))], capture_output=True, text=True)
-        self.assertEqual(said.returncode, 0, said.stderr)
 
     def test_addresses_that_never_change_are_asked_for_once(self):
         self.start()

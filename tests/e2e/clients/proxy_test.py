@@ -1,56 +1,37 @@
 """The server behind nginx, below a path: one that leaves the path in place, and one that takes it off and says so."""
-import http.client
 import json
 import pathlib
-import shutil
-import socket
+import re
 import subprocess
+import ssl
 import sys
 import tempfile
-import time
 import unittest
+import urllib.error
 import urllib.parse
 import urllib.request
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from server_support import BINARY, Server, ServerTestCase, catalogue_words, path_of, tile_of, wait_until  # noqa: E402
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support"))
+from nginx import CONFIGURATIONS, NGINX, OPENSSL, free_port, http_of, start_nginx  # noqa: E402
+from server_support import BINARY, Server, ServerTestCase, catalogue_words, path_of, put_map, tile_of, wait_until  # noqa: E402
 
-NGINX = shutil.which("nginx") or shutil.which("nginx", path="/usr/sbin")
-CONF = """daemon off; worker_processes 1; pid {folder}/pid; error_log {folder}/error.log;
-events {{ worker_connections 64; }}
-http {{
-  access_log off; client_max_body_size 0; client_body_temp_path {folder}/body; proxy_temp_path {folder}/proxy;
-  fastcgi_temp_path {folder}/f; uwsgi_temp_path {folder}/u; scgi_temp_path {folder}/s;
-  {more}
-  server {{ listen 127.0.0.1:{port}; {locations} }}
-}}
-"""
 BELOW_PATHS = """
+  client_max_body_size 0; proxy_set_header Host $http_host; proxy_request_buffering off; proxy_buffering off;
+  server {{
+    listen 127.0.0.1:{port};
     location /skyquilt {{ proxy_pass http://127.0.0.1:{kept}; }}
     location /stripped/ {{ proxy_pass http://127.0.0.1:{stripped}/; proxy_set_header X-Forwarded-Prefix /stripped;
                            proxy_set_header X-Forwarded-Proto https; proxy_set_header X-Forwarded-Host maps.example.org; }}
+  }}
 """
 KEEPING = """
-    location / {{ proxy_pass http://127.0.0.1:{server}; proxy_cache kept; add_header X-Cache $upstream_cache_status; }}
+  proxy_cache_path {folder}/kept keys_zone=kept:1m;
+  server {{
+    listen 127.0.0.1:{port};
+    location / {{ proxy_pass http://127.0.0.1:{server}; proxy_cache kept; {key} add_header X-Cache $upstream_cache_status always; }}
+  }}
 """
-
-
-def free_port():
-    with socket.socket() as taken:
-        taken.bind(("127.0.0.1", 0))
-        return taken.getsockname()[1]
-
-
-def start_nginx(folder, port, locations, more):
-    conf = pathlib.Path(folder, "nginx.conf")
-    conf.write_text(CONF.format(folder=folder, port=port, locations=locations, more=more))
-    nginx = subprocess.Popen([NGINX, "-c", str(conf), "-p", folder, "-e", f"{folder}/error.log"])
-    for _ in range(100):
-        with socket.socket() as probe:
-            if probe.connect_ex(("127.0.0.1", port)) == 0:
-                break
-        time.sleep(0.1)
-    return nginx
 
 
 @unittest.skipIf(NGINX is None, "nginx is not here")
@@ -61,9 +42,8 @@ class Proxy(ServerTestCase):
         cls.kept = Server(tempfile.mkdtemp(dir=cls.scratch), "--base-path", "/skyquilt")
         cls.stripped = Server(tempfile.mkdtemp(dir=cls.scratch), "--trusted-proxy", "127.0.0.1", "--host", "maps.example.org")
         cls.port = free_port()
-        cls.nginx = start_nginx(tempfile.mkdtemp(dir=cls.scratch), cls.port,
-                                BELOW_PATHS.format(kept=cls.kept.port, stripped=cls.stripped.port),
-                                "proxy_set_header Host $http_host; proxy_request_buffering off; proxy_buffering off;")
+        start_nginx(cls, tempfile.mkdtemp(dir=cls.scratch), cls.port,
+                    BELOW_PATHS.format(port=cls.port, kept=cls.kept.port, stripped=cls.stripped.port))
         photos = pathlib.Path(tempfile.mkdtemp(dir=cls.scratch))
         for name, content in cls.photos[:4]:
             photos.joinpath(name).write_bytes(content)
@@ -73,8 +53,6 @@ class Proxy(ServerTestCase):
 
     @classmethod
     def tearDownClass(cls):
-        cls.nginx.terminate()
-        cls.nginx.wait()
         for server in (cls.kept, cls.stripped):
             server.stop()
         super().tearDownClass()
@@ -152,42 +130,96 @@ class Proxy(ServerTestCase):
 
 @unittest.skipIf(NGINX is None, "nginx is not here")
 class Keeping(ServerTestCase):
-    """nginx with a cache and its usual key, which knows of no tokens."""
+    """nginx that keeps answers of a server that asks for a token."""
 
-    def test_what_a_token_opened_is_never_answered_without_one(self):
-        server = self.serve()
-        status, made = server.upload(self.photos[:4])
-        self.assertEqual(status, 201, made)
-        server.wait_for_job(made["job"]["id"])
-        flight = made["flight"]["id"]
-        tilejson = server.json("GET", f"/tiles/{flight}.json")[1]
+    def begin(self, *options):
+        """A server that is open, with a map; the port of the nginx that is to come before it."""
+        self.flight = put_map(self.data)
+        self.server = server = self.serve("--workers", "0", *options)
+        self.folder, self.port = tempfile.mkdtemp(dir=self.scratch), free_port()
+        self.at = f"http://127.0.0.1:{self.port}"
+        tilejson = server.json("GET", f"/tiles/{self.flight}.json")[1]
         zoom, (west, south, east, north) = tilejson["minzoom"], tilejson["bounds"]
         x, y = tile_of((west + east) / 2, (south + north) / 2, zoom)
-        tile = path_of(tilejson["tiles"][0].replace("{z}", str(zoom)).replace("{x}", str(x)).replace("{y}", str(y)))
-        paths = [tile + "&empty=blank", tile.split("?")[0], f"/tiles/{flight}.json", f"/api/v1/flights/{flight}/thumbnail.png", "/wmts",
-                 f"/api/v1/flights/{flight}/download.mbtiles", "/wms?service=WMS&request=GetCapabilities"]
-        port, folder = free_port(), tempfile.mkdtemp(dir=self.scratch)
-        nginx = start_nginx(folder, port, KEEPING.format(server=server.port), f"proxy_cache_path {folder}/kept keys_zone=kept:1m;")
-        self.addCleanup(lambda: (nginx.terminate(), nginx.wait()))
+        self.tile = path_of(tilejson["tiles"][0].format(z=zoom, x=x, y=y))
 
-        def get(path, **headers):
-            connection = http.client.HTTPConnection("127.0.0.1", port, timeout=60)
-            try:
-                connection.request("GET", path, headers=headers)
-                answer = connection.getresponse()
+    def keep(self, key=""):
+        start_nginx(self, self.folder, self.port, KEEPING.format(folder=self.folder, port=self.port, server=self.server.port, key=key))
+
+    def guard(self):
+        """Has the server ask for tokens: two of them, a share's id, and what its link puts behind an address."""
+        _, share = self.server.json("POST", f"/api/v1/flights/{self.flight}/shares", {})
+        tokens = [subprocess.run([BINARY, "token", "add", name, "--scope", "admin", "--data", self.data, *catalogue_words(self.data)],
+                                 check=True, capture_output=True, text=True).stdout.strip() for name in ("one", "other")]
+        wait_until(lambda: self.server.request("GET", self.tile)[0] == 401, "the token closes nothing")
+        return *(f"Bearer {token}" for token in tokens), share["id"], f"token={share['token']}"
+
+    def get(self, path, token=None):
+        """(status, what nginx says of its cache)"""
+        request = urllib.request.Request(self.at + path, headers={"Authorization": token} if token else {})
+        try:
+            with urllib.request.urlopen(request, timeout=60, context=ssl._create_unverified_context()) as answer:
                 answer.read()
                 return answer.status, answer.headers["X-Cache"]
-            finally:
-                connection.close()
+        except urllib.error.HTTPError as refused:
+            with refused:
+                return refused.code, refused.headers["X-Cache"]
 
-        self.assertEqual([get(tile)[1] for _ in range(2)], ["MISS", "HIT"])  # of an open server it keeps them
-        token = subprocess.run([BINARY, "token", "add", "one", "--scope", "read", "--data", self.data, *catalogue_words(self.data)],
-                               check=True, capture_output=True, text=True).stdout.strip()
-        wait_until(lambda: server.request("GET", tile)[0] == 401, "the token closes nothing")
-        for path in paths:
-            self.assertEqual(get(path, Authorization=f"Bearer {token}")[0], 200, path)
-            self.assertEqual(get(path)[0], 401, path)
-            self.assertEqual(get(path, Authorization="Bearer sq_guess")[0], 401, path)
+    def check_nobody_gets(self, path):
+        for token in (None, "Bearer sq_guess"):
+            self.assertEqual(self.get(path, token)[0], 401, (path, token))
+
+    def test_what_a_token_opened_is_never_answered_without_one(self):
+        """The usual key knows of no tokens."""
+        self.begin()
+        self.keep()
+        self.assertEqual([self.get(self.tile)[1] for _ in range(2)], ["MISS", "HIT"])  # of an open server it keeps them
+        one, _, share, query = self.guard()
+        tile, tiles, flight = self.tile.split("?")[0], f"/tiles/{self.flight}.json", f"/api/v1/flights/{self.flight}"
+        photo = self.photos[0][0]
+        for path in (f"{self.tile}&empty=blank", tile, f"{self.tile}&index=vari", f"{tile}.png?index=vari", tiles, f"{tiles}?index=vari",
+                     flight, *(f"{flight}/{last}" for last in ("thumbnail.png", "download.mbtiles", "download.tif", f"files/{photo}",
+                                                               "report", "legend.png?index=vari")),
+                     "/wmts", f"/wmts/{self.flight}", "/wms?service=WMS&request=GetCapabilities", f"/stac/{self.flight}"):
+            behind = f"{path}{'&' if '?' in path else '?'}{query}"
+            self.assertEqual([self.get(path, one) for _ in range(2)], [(200, "MISS")] * 2, path)
+            self.assertEqual([self.get(behind)[0] for _ in range(2)], [200, 200], path)
+            self.check_nobody_gets(path)
+            self.assertEqual(self.get(behind + "x")[0], 401, path)
+            self.assertEqual(self.get(path, one)[0], 200, path)  # nor is the refusal kept
+        # What a link opened ends with it.
+        self.assertEqual(self.server.request("DELETE", f"{flight}/shares/{share}", headers={"Authorization": one})[0], 204)
+        self.assertEqual(self.get(f"{tile}?{query}")[0], 401)
+
+    def test_a_cache_with_the_token_in_its_key_keeps_tiles(self):
+        self.begin("--keyed-cache")
+        self.keep(re.search(r"proxy_cache_key .*;", (CONFIGURATIONS / "nginx-cluster.conf").read_text()).group())
+        one, other, _, query = self.guard()
+        behind = f"{self.tile}&{query}"
+        for path, token in ((self.tile, one), (self.tile, other), (behind, None), (f"{self.tile}&index=vari", one)):
+            self.assertEqual([self.get(path, token) for _ in range(2)], [(200, "MISS"), (200, "HIT")], (path, token))
+        for path in (self.tile, self.tile.split("?")[0], f"{self.tile}&index=vari", behind + "x", f"/tiles/{self.flight}.json"):
+            self.check_nobody_gets(path)
+
+    @unittest.skipIf(OPENSSL is None, "openssl is not here")
+    def test_that_of_many_machines_keeps_tiles_by_token(self):
+        """docker/nginx-cluster.conf: also what is private, for this key."""
+        self.begin()
+        ports = {80: free_port(), 443: self.port}
+        self.at = f"https://127.0.0.1:{self.port}"
+        nodes = dict.fromkeys(("api1", "api2", "tiles1", "tiles2"), self.server.port)
+        start_nginx(self, self.folder, self.port, http_of("nginx-cluster.conf", self.folder, ports, nodes))
+        one, other, _, query = self.guard()
+
+        def fetched():
+            metrics = self.server.request("GET", "/metrics", headers={"Authorization": one})[2].decode()
+            return int(re.search(r'skyquilt_requests_total\{route="tile",status="2xx"\} (\d+)', metrics)[1])
+        before = fetched()
+        for number, (path, token) in enumerate(((self.tile, one), (self.tile, other), (f"{self.tile}&{query}", None)), 1):
+            self.assertEqual([self.get(path, token)[0] for _ in range(3)], [200] * 3, (path, token))
+            self.assertEqual(fetched() - before, number)
+        for path in (self.tile, self.tile.split("?")[0], f"{self.tile}&{query}x", f"/tiles/{self.flight}.json", f"/api/v1/flights/{self.flight}/thumbnail.png"):
+            self.check_nobody_gets(path)
 
 
 if __name__ == "__main__":

@@ -10,7 +10,6 @@ import json
 import os
 import pathlib
 import random
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -20,20 +19,15 @@ import unittest
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support"))
 import s3_store
+from nginx import NGINX, free_port, start_nginx
 from postgres_server import find_binaries, server_for
 from server_support import BINARY, Server, ServerTestCase, tile_of, wait_until
 
 TILES = int(os.environ.get("SKYQUILT_TILES", "2000"))
-NGINX = shutil.which("nginx") or shutil.which("nginx", path="/usr/sbin")
 TUS = {"Tus-Resumable": "1.0.0"}
 # As docs/cluster.md has it, without what needs root.
-CONFIGURATION = """
-daemon off; pid {folder}/nginx.pid; error_log {folder}/error.log; worker_processes 1;
-events {{ worker_connections 512; }}
-http {{
-  access_log off; client_max_body_size 0;
-  client_body_temp_path {folder}/body; proxy_temp_path {folder}/proxy; fastcgi_temp_path {folder}/f; uwsgi_temp_path {folder}/u;
-  scgi_temp_path {folder}/s;
+HTTP = """
+  client_max_body_size 0;
   upstream api {{ {api} }}
   upstream tiles {{ hash $uri consistent; {tiles} }}
   proxy_http_version 1.1; proxy_set_header Connection ""; proxy_set_header Host $http_host;
@@ -43,15 +37,7 @@ http {{
     location /tiles/ {{ proxy_pass http://tiles; }}
     location / {{ proxy_pass http://api; }}
   }}
-}}
 """
-
-
-def free_port():
-    import socket
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
 
 
 @unittest.skipIf(find_binaries() is None, "PostgreSQL is not installed")
@@ -72,16 +58,13 @@ class NodesTest(ServerTestCase):
         self.port = free_port()
         upstreams = [" ".join(f"server 127.0.0.1:{node.port} max_fails=1 fail_timeout=2s;" for node in pair)
                      for pair in (self.nodes[:2], self.nodes[2:])]
-        configuration = pathlib.Path(folder, "nginx.conf")
-        configuration.write_text(CONFIGURATION.format(folder=folder, port=self.port, api=upstreams[0], tiles=upstreams[1]))
-        self.nginx = subprocess.Popen([NGINX, "-p", folder, "-c", str(configuration)], stderr=subprocess.DEVNULL)
+        start_nginx(self, folder, self.port, HTTP.format(port=self.port, api=upstreams[0], tiles=upstreams[1]))
         self.worker = subprocess.Popen([BINARY, "worker", "--data", f"{self.data}-worker", *self.at], stderr=subprocess.DEVNULL)
         wait_until(lambda: self.answers("/api/v1/flights"), "nginx does not answer")
 
     def tearDown(self):
-        for process in (self.nginx, self.worker):
-            process.terminate()
-            process.wait()
+        self.worker.terminate()
+        self.worker.wait()
         super().tearDown()
 
     def node(self, name):
