@@ -93,7 +93,7 @@ class Server:
             [BINARY, "serve", "--data", str(data), "--listen", listen, *storage_words(data), *arguments],
             stdout=subprocess.PIPE, stderr=self.log, text=True)
         line = self.process.stdout.readline()
-        found = re.search(r"http://127\.0\.0\.1:(\d+)/", line)
+        found = re.search(r"http://[\d.]+:(\d+)/", line)
         if not found:
             raise AssertionError(f"the server did not start: {line!r} {self.errors()}")
         self.port = int(found.group(1))
@@ -314,6 +314,13 @@ def tile_of(lon, lat, zoom):
     x = int((lon + 180) / 360 * side)
     y = int((1 - math.asinh(math.tan(math.radians(lat))) / math.pi) / 2 * side)
     return x, y
+
+
+def middle_tile(tilejson):
+    """The address of the coarsest tile in the middle of a map."""
+    zoom, (west, south, east, north) = tilejson["minzoom"], tilejson["bounds"]
+    x, y = tile_of((west + east) / 2, (south + north) / 2, zoom)
+    return path_of(tilejson["tiles"][0].format(z=zoom, x=x, y=y))
 
 
 def path_of(url):

@@ -14,7 +14,7 @@ import urllib.request
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support"))
 from nginx import CONFIGURATIONS, NGINX, OPENSSL, free_port, http_of, start_nginx  # noqa: E402
-from server_support import BINARY, Server, ServerTestCase, catalogue_words, path_of, put_map, tile_of, wait_until  # noqa: E402
+from server_support import BINARY, Server, ServerTestCase, catalogue_words, middle_tile, put_map, wait_until  # noqa: E402
 
 BELOW_PATHS = """
   client_max_body_size 0; proxy_set_header Host $http_host; proxy_request_buffering off; proxy_buffering off;
@@ -138,10 +138,7 @@ class Keeping(ServerTestCase):
         self.server = server = self.serve("--workers", "0", *options)
         self.folder, self.port = tempfile.mkdtemp(dir=self.scratch), free_port()
         self.at = f"http://127.0.0.1:{self.port}"
-        tilejson = server.json("GET", f"/tiles/{self.flight}.json")[1]
-        zoom, (west, south, east, north) = tilejson["minzoom"], tilejson["bounds"]
-        x, y = tile_of((west + east) / 2, (south + north) / 2, zoom)
-        self.tile = path_of(tilejson["tiles"][0].format(z=zoom, x=x, y=y))
+        self.tile = middle_tile(server.json("GET", f"/tiles/{self.flight}.json")[1])
 
     def keep(self, key=""):
         start_nginx(self, self.folder, self.port, KEEPING.format(folder=self.folder, port=self.port, server=self.server.port, key=key))
