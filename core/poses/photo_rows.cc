@@ -9,6 +9,7 @@
 #include "core/base/median.h"
 #include "core/geo/geodesic.h"
 #include "core/poses/conventions/attitude_convention.h"
+#include "core/poses/evidence/common_error.h"
 #include "core/poses/heights/flight_heights.h"
 #include "core/poses/lists/named_photos.h"
 
@@ -17,6 +18,12 @@ namespace {
 
 using flight::CameraEvent;
 using flight::Photo;
+
+// Lists of positions worked out afterwards have no word for the kind of fix, and state centimetres.
+bool StatesCentimetres(const Eigen::Vector3d& sigma_in_ned_m) {
+  return sigma_in_ned_m.minCoeff() > 0.0 && sigma_in_ned_m.head<2>().maxCoeff() <= kWorstCorrectedM &&
+         sigma_in_ned_m.z() <= 2.0 * kWorstCorrectedM;
+}
 
 void TakePosition(const CameraEvent& event, const std::string& source, Photo& photo) {
   flight::RecordedPosition position;
@@ -36,7 +43,8 @@ void TakePosition(const CameraEvent& event, const std::string& source, Photo& ph
     position.sigma_horizontal_m = event.sigma_in_ned_m->head<2>().norm() / std::sqrt(2.0);
     position.sigma_vertical_m = event.sigma_in_ned_m->z();
   }
-  position.is_rtk_fixed = event.is_rtk_fixed;
+  position.is_rtk_fixed =
+      event.is_rtk_fixed || (event.sigma_in_ned_m && StatesCentimetres(*event.sigma_in_ned_m));
   position.source = source;
   photo.position = position;
 }

@@ -12,7 +12,6 @@ namespace skyquilt::poses {
 namespace {
 
 constexpr double kCorrectedM = 0.02;
-constexpr double kWorstCorrectedM = 0.1;  // what says it is worse has no corrections
 constexpr double kBestPlainM = 0.3, kWorstPlainM = 15.0;
 
 // `stated_m`: of the positions that state their own accuracy.

@@ -15,6 +15,8 @@ struct GnssSample;
 
 namespace skyquilt::poses {
 
+inline constexpr double kWorstCorrectedM = 0.1;  // what says it is worse has no corrections
+
 struct CommonError {
   bool is_corrected = false;  // RTK or PPK
   double sigma_m = 1.5;       // of each horizontal axis
