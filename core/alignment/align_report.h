@@ -33,7 +33,7 @@ std::string_view FaultName(PhotoFault fault);
 struct AlignPhotoReport {
   std::string name;
   Placement placement = Placement::kPoseOnly;
-  std::string reason;
+  std::vector<flight::Remark> remarks;  // as AlignedPhoto has them
   int features = 0;
   int links = 0;         // photos it is tied to
   int observations = 0;  // tie points it sees

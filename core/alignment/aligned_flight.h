@@ -5,7 +5,6 @@
 #include <Eigen/Core>
 #include <numbers>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "core/camera/footprint.h"
@@ -28,7 +27,7 @@ struct AlignedPhoto {
   // known.
   camera::RowMotion readout_motion;
   Placement placement = Placement::kPoseOnly;
-  std::string placement_reason;  // why it is not aligned, or what was corrected
+  std::vector<flight::Remark> placement_remarks;  // why it is not aligned, or what was corrected
   double error_radius_m =
       0.0;  // 1-sigma horizontal ground error of the image centre, both directions together
   double height_above_ground_m = 0.0;

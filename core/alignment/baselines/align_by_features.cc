@@ -1,7 +1,6 @@
 #include "core/alignment/baselines/align_by_features.h"
 
 #include <ceres/ceres.h>
-#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
@@ -115,12 +114,9 @@ std::optional<Resected> Resect(const camera::Intrinsics& lens, const ChainedPhot
   return resected;
 }
 
-std::string InWords(const ChainedPhoto& chained, double misfit_px) {
-  const std::string how = chained.links == 0 ? "the first of its connected component"
-                          : chained.links == 1
-                              ? "chained to one photo by features"
-                              : fmt::format("chained to {} photos by features", chained.links);
-  return fmt::format("{}, {:.1f} px from what a camera could see", how, misfit_px);
+flight::Remark HowChained(const ChainedPhoto& chained, double misfit_px) {
+  if (chained.links == 0) return {flight::RemarkCode::kFirstOfChain, {{"misfit_px", misfit_px}}};
+  return {flight::RemarkCode::kChained, {{"photos", chained.links}, {"misfit_px", misfit_px}}};
 }
 
 }  // namespace
@@ -168,12 +164,9 @@ Result<AlignedFlight> AlignByFeatures(const poses::PosedFlight& posed, const fli
     if (!resected) {
       const std::string& unreadable = photographed.unreadable[i];
       flight.left_out.push_back({before.photo.name, ErrorCode::kUnprocessable,
-                                 !unreadable.empty() ? unreadable
-                                 : component == components.end()
-                                     ? "its features match none of the photos before or after it; --method "
-                                       "auto places it by its recorded pose"
-                                     : "the chain of homographies bends it beyond what a camera could see; "
-                                       "--method auto does not chain"});
+                                 !unreadable.empty()             ? flight::Remark(unreadable)
+                                 : component == components.end() ? flight::RemarkCode::kLeftNoFeaturesMatch
+                                                                 : flight::RemarkCode::kLeftBentByChain});
       continue;
     }
     AlignedPhoto photo{
@@ -182,14 +175,14 @@ Result<AlignedFlight> AlignByFeatures(const poses::PosedFlight& posed, const fli
         .cam_from_enu = resected->cam_from_enu,
         .readout_motion = {},
         .placement = Placement::kAligned,
-        .placement_reason = InWords(chained, resected->misfit_px),
+        .placement_remarks = {HowChained(chained, resected->misfit_px)},
         .error_radius_m = before.error_radius_m,
         .height_above_ground_m = resected->cam_from_enu.TargetOriginInSource().z() - posed.ground_z_in_enu_m,
         .sharpness = {}};
     report.photo_reports.push_back(
         {.name = before.photo.name,
          .placement = photo.placement,
-         .reason = photo.placement_reason,
+         .remarks = photo.placement_remarks,
          .features = static_cast<int>(photographed.features[i].keypoints.size()),
          .links = chained.links,
          .observations = chained.inliers,

@@ -19,7 +19,7 @@ AlignedFlight AlignByPoseOnly(const poses::PosedFlight& posed) {
                               .cam_from_enu = photo.cam_from_enu,
                               .readout_motion = ReadoutMotion(photo, 0),
                               .placement = Placement::kPoseOnly,
-                              .placement_reason = "placed by its recorded pose; images were not compared",
+                              .placement_remarks = {flight::RemarkCode::kByPoseAlone},
                               .error_radius_m = photo.error_radius_m,
                               .height_above_ground_m = photo.height_above_ground_m,
                               .sharpness = {}});

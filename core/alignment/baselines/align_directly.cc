@@ -1,7 +1,5 @@
 #include "core/alignment/baselines/align_directly.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -72,20 +70,20 @@ Result<AlignedFlight> AlignDirectly(const poses::PosedFlight& posed, const fligh
     if (support[i].ties > 0) {
       photo.cam_from_enu = problem.photos[i].cam_from_enu;
       photo.placement = Placement::kAligned;
-      photo.placement_reason = fmt::format("moved to where the whole picture fits {} other photo{}",
-                                           support[i].ties, support[i].ties == 1 ? "" : "s");
+      photo.placement_remarks = {{flight::RemarkCode::kMovedToFit, {{"photos", support[i].ties}}}};
       photo.height_above_ground_m =
           std::max(0.5, photo.cam_from_enu.TargetOriginInSource().z() - posed.ground_z_in_enu_m);
       ++report.aligned;
       told.residual_rms_px = std::sqrt(support[i].square_px / support[i].ties);
       square_px += support[i].square_px;
     } else {
-      photo.placement_reason = photographed.unreadable[i].empty()
-                                   ? "placed by its recorded pose: no other picture fits it unambiguously"
-                                   : "placed by its recorded pose: " + photographed.unreadable[i];
+      const std::string& unreadable = photographed.unreadable[i];
+      photo.placement_remarks = {unreadable.empty() ? flight::Remark(flight::RemarkCode::kByPoseNoFit)
+                                                    : flight::Remark{flight::RemarkCode::kByPoseUnreadable,
+                                                                     {{"error_words", unreadable}}}};
     }
     told.placement = photo.placement;
-    told.reason = photo.placement_reason;
+    told.remarks = photo.placement_remarks;
     told.links = told.observations = support[i].ties;
     report.observations += support[i].ties;
     report.photo_reports.push_back(std::move(told));

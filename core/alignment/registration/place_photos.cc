@@ -1,7 +1,5 @@
 #include "core/alignment/registration/place_photos.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -11,7 +9,6 @@
 #include "core/alignment/registration/direct_registration.h"
 #include "core/alignment/registration/registration_rounds.h"
 #include "core/base/median.h"
-#include "core/flight/remarks/remark_words.h"
 #include "core/geo/lat_lon.h"
 
 namespace skyquilt::alignment {
@@ -182,10 +179,6 @@ void FindTiedLooks(const std::vector<Track>& tracks, const std::vector<int>& com
   }
 }
 
-std::string Joined(const std::vector<Remark>& notes) {
-  return fmt::format("{}", fmt::join(flight::InWords(notes), "; "));
-}
-
 void TellAssumptions(const poses::PosedFlight& posed, int aligned, AlignedFlight& flight) {
   const std::optional<double> found_m = FoundHeightM(flight);
   const std::vector<Remark> assumed =
@@ -248,25 +241,20 @@ AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
                        .cam_from_enu = problem.photos[i].cam_from_enu,
                        .readout_motion = problem.photos[i].readout_motion,
                        .placement = Placement::kPoseOnly,
-                       .placement_reason = "",
+                       .placement_remarks = {},
                        .error_radius_m = before.error_radius_m,
                        .height_above_ground_m = before.height_above_ground_m,
                        .sharpness = {}};
     const double sigma_position = std::sqrt(before.covariance(3, 3) + before.covariance(4, 4));
     if (component[i] >= 0) {
       photo.placement = Placement::kAligned;
-      photo.placement_reason = Joined(corrected[i].notes);
       // What all photos share no comparison among them can show; the rest averages out over the component.
       photo.error_radius_m = shared_error_m.value_or(sigma_position);
       photo.height_above_ground_m =
           std::max(0.5, photo.cam_from_enu.TargetOriginInSource().z() - posed.ground_z_in_enu_m);
     } else if (direct[i].ties > 0) {
-      photo.placement_reason = fmt::format(
-          "placed by its recorded pose, moved to where the whole picture fits {} other photo{}: too few "
-          "points in "
-          "common ({})",
-          direct[i].ties, direct[i].ties == 1 ? "" : "s", support[i].observations);
-      for (const Remark& note : corrected[i].notes) photo.placement_reason += "; " + InWords(note);
+      photo.placement_remarks = {
+          {RemarkCode::kByPoseMovedToFit, {{"photos", direct[i].ties}, {"points", support[i].observations}}}};
     } else {
       const auto of_line = turns.find(problem.photos[i].line);
       const bool line_known = of_line != turns.end() && of_line->second.size() >= 2;
@@ -283,19 +271,19 @@ AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
             std::hypot(sigma_position, before.height_above_ground_m * std::max(0.003, learnt.scatter_rad)));
       }
       const std::string& unreadable = (*input.unreadable)[i];
-      photo.placement_reason =
+      photo.placement_remarks = {
           !unreadable.empty()
-              ? "placed by its recorded pose: " + unreadable
-              : fmt::format("placed by its recorded pose{}: too few points in common with other photos ({})",
-                            learnt_enough ? ", corrected as its neighbours were" : "",
-                            support[i].observations);
-      for (const Remark& note : corrected[i].notes) photo.placement_reason += "; " + InWords(note);
+              ? Remark{RemarkCode::kByPoseUnreadable, {{"error_words", unreadable}}}
+              : Remark{learnt_enough ? RemarkCode::kByPoseAsNeighbours : RemarkCode::kByPoseFewPoints,
+                       {{"points", support[i].observations}}}};
     }
+    std::vector<Remark>& said = photo.placement_remarks;
+    said.insert(said.end(), corrected[i].notes.begin(), corrected[i].notes.end());
     const PhotoDoubt& doubt = (*input.doubts)[i];
     photo.sharpness = doubt.sharpness;
     if (doubt.IsAny()) {
       for (Remark& remark : DoubtsInRemarks(doubt, names)) {
-        photo.placement_reason += (photo.placement_reason.empty() ? "" : "; ") + InWords(remark);
+        said.push_back(remark);
         report.corrections.push_back(
             {RemarkCode::kOfPhoto, {{"photo", before.photo.name}, {"said", std::move(remark)}}});
       }
@@ -306,7 +294,7 @@ AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
     }
     AlignPhotoReport& told = report.photo_reports[i];
     told.placement = photo.placement;
-    told.reason = photo.placement_reason;
+    told.remarks = said;
     told.links = static_cast<int>(support[i].tied_to.size());
     told.observations = support[i].observations;
     told.residual_rms_px =

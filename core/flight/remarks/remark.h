@@ -126,6 +126,16 @@ enum class RemarkCode : std::uint8_t {
   kPositionCorrected,
   kPositionElsewhere,
   kPlacedWithoutRecord,
+  // Why a photo is not aligned, or how it was.
+  kByPoseAlone,
+  kByPoseUnreadable,
+  kByPoseFewPoints,
+  kByPoseAsNeighbours,
+  kByPoseMovedToFit,
+  kByPoseNoFit,
+  kMovedToFit,
+  kFirstOfChain,
+  kChained,
   kDoubtCopy,
   kDoubtBlurred,
   kDoubtOtherPlace,
@@ -177,6 +187,8 @@ enum class RemarkCode : std::uint8_t {
   kLeftBelowGround,
   kLeftTooMuchGround,
   kLeftFarAway,
+  kLeftNoFeaturesMatch,
+  kLeftBentByChain,
   kLeftNothingInCommon,
 };
 

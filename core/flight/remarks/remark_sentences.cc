@@ -274,6 +274,28 @@ constexpr std::array kSentences = std::to_array<RemarkSentence>({
      "recorded position is {off_m:.0f} m from where the photo was taken by what it shows"},
     {RemarkCode::kPlacedWithoutRecord, "placed_without_record",
      "records no usable position or height and was placed by what it shows"},
+    {RemarkCode::kByPoseAlone, "by_pose_alone", "placed by its recorded pose; images were not compared"},
+    {RemarkCode::kByPoseUnreadable, "by_pose_unreadable", "placed by its recorded pose: {error_words}"},
+    {RemarkCode::kByPoseFewPoints, "by_pose_few_points",
+     "placed by its recorded pose: too few points in common with other photos ({points})"},
+    {RemarkCode::kByPoseAsNeighbours, "by_pose_as_neighbours",
+     "placed by its recorded pose, corrected as its neighbours were: too few points in common with other "
+     "photos ({points})"},
+    {RemarkCode::kByPoseMovedToFit, "by_pose_moved_to_fit",
+     "placed by its recorded pose, moved to where the whole picture fits {photos} other photos: too few "
+     "points in common ({points})",
+     "photos",
+     "placed by its recorded pose, moved to where the whole picture fits 1 other photo: too few points in "
+     "common ({points})"},
+    {RemarkCode::kByPoseNoFit, "by_pose_no_fit",
+     "placed by its recorded pose: no other picture fits it unambiguously"},
+    {RemarkCode::kMovedToFit, "moved_to_fit", "moved to where the whole picture fits {photos} other photos",
+     "photos", "moved to where the whole picture fits 1 other photo"},
+    {RemarkCode::kFirstOfChain, "first_of_chain",
+     "the first of its connected component, {misfit_px:.1f} px from what a camera could see"},
+    {RemarkCode::kChained, "chained",
+     "chained to {photos} photos by features, {misfit_px:.1f} px from what a camera could see", "photos",
+     "chained to one photo by features, {misfit_px:.1f} px from what a camera could see"},
     {RemarkCode::kDoubtCopy, "doubt_copy", "shows the same picture as {other}"},
     {RemarkCode::kDoubtBlurred, "doubt_blurred", "is blurred"},
     {RemarkCode::kDoubtOtherPlace, "doubt_other_place",
@@ -408,6 +430,11 @@ constexpr std::array kSentences = std::to_array<RemarkSentence>({
     {RemarkCode::kLeftFarAway, "left_far_away",
      "was recorded {apart_km:.1f} km away from the other photos and has nothing in common with them. If "
      "the place is right, make a map of its own from it."},
+    {RemarkCode::kLeftNoFeaturesMatch, "left_no_features_match",
+     "its features match none of the photos before or after it; --method auto places it by its recorded "
+     "pose"},
+    {RemarkCode::kLeftBentByChain, "left_bent_by_chain",
+     "the chain of homographies bends it beyond what a camera could see; --method auto does not chain"},
     {RemarkCode::kLeftNothingInCommon, "left_nothing_in_common",
      "It shows too little in common with the other photos to be placed by that."},
 });

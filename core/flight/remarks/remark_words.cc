@@ -96,4 +96,8 @@ std::vector<std::string> InWords(const std::vector<Remark>& remarks) {
   return sentences;
 }
 
+std::string InOneLine(const std::vector<Remark>& remarks) {
+  return fmt::format("{}", fmt::join(InWords(remarks), "; "));
+}
+
 }  // namespace skyquilt::flight

@@ -30,6 +30,7 @@ std::optional<RemarkCode> RemarkCodeOf(std::string_view name);
 // Where values are missing or of another kind, the code's name.
 std::string InWords(const Remark& remark);
 std::vector<std::string> InWords(const std::vector<Remark>& remarks);
+std::string InOneLine(const std::vector<Remark>& remarks);  // one after the other, with semicolons
 
 // "12.3 m", "1,234 m", "12 km".
 std::string LengthInWords(double metres);

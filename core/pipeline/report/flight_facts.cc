@@ -18,7 +18,7 @@ using Cbor = nlohmann::json;
 
 // Raised whenever the meaning or a name changes (those of report_fields.h too), or alignment so much that a
 // flight should be aligned anew.
-constexpr int kVersion = 10;
+constexpr int kVersion = 11;
 
 Cbor OfExposure(const render::KnownExposure& exposure) {
   const auto& spot = exposure.light.directions.hot_spot;
@@ -191,7 +191,7 @@ FlightFacts Parse(std::string_view bytes) {
     photo.intrinsics = camera.intrinsics;
     photo.cam_from_enu = camera.cam_from_enu;
     photo.placement = camera.placement;
-    photo.placement_reason = TextOfCbor(photos[i].at("reason"));
+    photo.placement_remarks = RemarksOfJson(photos[i].at("remarks"));
     photo.error_radius_m = camera.error_radius_m;
     photo.height_above_ground_m = photos[i].at("height_m");
     photo.readout_motion = camera.readout_motion;
@@ -268,7 +268,7 @@ std::string WriteFacts(const FlightFacts& facts) {
     json["photos"].push_back(
         {{"name", CborOfText<Cbor>(photo.photo.name)},
          {"camera_key", CborOfText<Cbor>(photo.photo.camera_key)},
-         {"reason", CborOfText<Cbor>(photo.placement_reason)},
+         {"remarks", JsonOfRemarks<Cbor>(photo.placement_remarks)},
          {"height_m", photo.height_above_ground_m},
          {"max_look_rad", photo.max_look_rad},
          {"tied_look_rad", photo.tied_look_rad},

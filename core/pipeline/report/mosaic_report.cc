@@ -129,7 +129,8 @@ std::string PhotosGeoJson(const alignment::AlignedFlight& flight, const ground::
     Json properties;
     properties["name"] = photo.photo.name;
     properties["placement"] = alignment::PlacementName(photo.placement);
-    properties["reason"] = photo.placement_reason;
+    properties["reason"] = flight::InOneLine(photo.placement_remarks);
+    properties["remarks"] = JsonOfRemarks<Json>(photo.placement_remarks);
     properties["error_radius_m"] = absolute.sigma_m || photo.placement == alignment::Placement::kPoseOnly
                                        ? Json(Rounded(photo.error_radius_m, 3))
                                        : Json(nullptr);

@@ -45,7 +45,7 @@ flight::Remark RemarkOfJson(const Json& json) {
   const auto code = flight::RemarkCodeOf(json.at("code").template get_ref<const std::string&>());
   if (!code) throw Json::other_error::create(500, "a remark is not known", nullptr);
   flight::Remark remark(*code);
-  for (const auto& [name, value] : json.at("values").items()) {
+  for (const auto& [name, value] : json.at("values").template get_ref<const typename Json::object_t&>()) {
     if (value.is_number_integer()) {
       remark.values.emplace(name, value.template get<std::int64_t>());
     } else if (value.is_number()) {

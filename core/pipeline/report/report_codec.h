@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "core/flight/remarks/remark_words.h"
+#include "core/pipeline/report/remark_json.h"
 #include "core/pipeline/report/report_fields.h"
 
 namespace skyquilt::pipeline {
@@ -54,6 +55,10 @@ class FieldWriter {
   template <typename Value>
   void IfKnown(const char* name, const std::optional<Value>& value) {
     if (value) (*this)(name, *value);
+  }
+  void Remarked(const char* words, const char* codes, const std::vector<flight::Remark>& remarks) {
+    json_[words] = flight::InOneLine(remarks);
+    json_[codes] = JsonOfRemarks<Json>(remarks);
   }
   void OneOf(const char* name, bool is_so, const char* if_so, const char* if_not) {
     json_[name] = is_so ? if_so : if_not;
@@ -129,6 +134,10 @@ class FieldReader {
   void IfKnown(const char* name, std::optional<Value>& value) const {
     value.reset();
     if (json_.contains(name)) (*this)(name, value.emplace());
+  }
+  void Remarked(const char* words, const char* codes, std::vector<flight::Remark>& remarks) const {
+    json_.at(words).template get_ref<const std::string&>();
+    remarks = RemarksOfJson(json_.at(codes));
   }
   void OneOf(const char* name, bool& is_so, const char* if_so, const char* if_not) const {
     const Json& word = json_.at(name);

@@ -4,8 +4,8 @@
 // thread.
 //
 // What `visit` does: `visit(name, value)` takes a figure; `IfAny` a list that is left out while it is empty;
-// `OneOf` a flag that is told as one of two words; `Group` figures that have an object of their own; `Each` a
-// list of which the given figures are told.
+// `Remarked` what is remarked, in English and as codes; `OneOf` a flag that is told as one of two words;
+// `Group` figures that have an object of their own; `Each` a list of which the given figures are told.
 #pragma once
 
 #include <concepts>
@@ -104,7 +104,7 @@ template <IsA<alignment::AlignPhotoReport> Photo, typename Visit>
 void VisitFields(Photo& photo, Visit& visit) {
   visit("name", photo.name);
   visit("placement", photo.placement);
-  visit("reason", photo.reason);
+  visit.Remarked("reason", "remarks", photo.remarks);
   visit("features", photo.features);
   visit("links", photo.links);
   visit("observations", photo.observations);

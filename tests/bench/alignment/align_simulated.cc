@@ -114,7 +114,8 @@ void PrintFates(const Lies& lies, const Run& run) {
       std::string fate = "not in the result";
       for (const AlignedPhoto& photo : run.aligned.photos) {
         if (photo.photo.name != name) continue;
-        fate = fmt::format("{}: {}", PlacementName(photo.placement), photo.placement_reason);
+        fate =
+            fmt::format("{}: {}", PlacementName(photo.placement), flight::InOneLine(photo.placement_remarks));
       }
       for (const flight::LeftOutPhoto& out : run.aligned.left_out) {
         if (out.name == name) fate = "left out: " + flight::InWords(out.reason);

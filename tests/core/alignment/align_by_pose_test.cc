@@ -28,7 +28,8 @@ TEST(AlignByPoseOnly, KeepsEveryPhotoAtItsEstimatedPose) {
     EXPECT_EQ(aligned.photos[i].photo.name, posed.photos[i].photo.name);
     EXPECT_EQ(aligned.photos[i].intrinsics, posed.photos[i].photo.intrinsics);
     EXPECT_EQ(aligned.photos[i].placement, Placement::kPoseOnly);
-    EXPECT_FALSE(aligned.photos[i].placement_reason.empty());
+    EXPECT_EQ(aligned.photos[i].placement_remarks,
+              std::vector<flight::Remark>{flight::RemarkCode::kByPoseAlone});
     EXPECT_EQ(aligned.photos[i].error_radius_m, 1.0 + i);
     EXPECT_TRUE(aligned.photos[i].cam_from_enu.TargetOriginInSource().isApprox(
         Eigen::Vector3d(10.0 * i, 20.0, 50.0)));

@@ -192,8 +192,8 @@ TEST(AlignFlight, FindsPositionsFarOffAndYawOfSomethingElse) {
   const Outcome outcome = Align(truth, posed);
   EXPECT_EQ(outcome.report.aligned, 12);
   EXPECT_LT(outcome.error.relative_ce90_m, 2.0 * truth.GsdM());
-  EXPECT_NE(outcome.flight.photos[5].placement_reason.find("position"), std::string::npos);
-  EXPECT_NE(outcome.flight.photos[9].placement_reason.find("turned"), std::string::npos);
+  EXPECT_NE(InOneLine(outcome.flight.photos[5].placement_remarks).find("position"), std::string::npos);
+  EXPECT_NE(InOneLine(outcome.flight.photos[9].placement_remarks).find("turned"), std::string::npos);
 }
 
 bool HasFault(const AlignReport& report, const std::string& name, PhotoFault fault) {
@@ -277,14 +277,15 @@ TEST(AlignFlight, KeepsPhotosItCannotMatchAtTheirPose) {
   EXPECT_EQ(report.aligned, 6);
   for (const int i : {3, 6}) {
     EXPECT_EQ(aligned->photos[i].placement, Placement::kPoseOnly);
-    EXPECT_FALSE(aligned->photos[i].placement_reason.empty());
+    ASSERT_FALSE(aligned->photos[i].placement_remarks.empty());
+    EXPECT_EQ(aligned->photos[i].placement_remarks[0].code == flight::RemarkCode::kByPoseUnreadable, i == 3);
     EXPECT_GT(aligned->photos[i].error_radius_m, 0.0);
     EXPECT_LT((aligned->photos[i].cam_from_enu.TargetOriginInSource() -
                posed.photos[i].cam_from_enu.TargetOriginInSource())
                   .norm(),
               6.0);
   }
-  EXPECT_NE(aligned->photos[3].placement_reason.find("cut off"), std::string::npos);
+  EXPECT_NE(InOneLine(aligned->photos[3].placement_remarks).find("cut off"), std::string::npos);
   // Looking straight down a photo is tied as far out as its border, and one without ties nowhere.
   for (const int i : {0, 1, 2, 4, 5, 7}) {
     const camera::Intrinsics& lens = aligned->photos[i].intrinsics;

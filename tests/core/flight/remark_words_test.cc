@@ -51,6 +51,15 @@ TEST(InWords, SaysBracesOfNamesAsTheyAre) {
               ::testing::StartsWith("{x}.mp4 is a film."));
 }
 
+TEST(InOneLine, SetsSemicolonsBetween) {
+  const Remark as_neighbours{RemarkCode::kByPoseAsNeighbours, {{"points", 3}}};
+  EXPECT_EQ(InOneLine({}), "");
+  EXPECT_EQ(InOneLine({RemarkCode::kDoubtBlurred}), "is blurred");
+  EXPECT_EQ(InOneLine({as_neighbours, RemarkCode::kDoubtBlurred}),
+            "placed by its recorded pose, corrected as its neighbours were: too few points in common with "
+            "other photos (3); is blurred");
+}
+
 // As a damaged file of an earlier run may have them.
 TEST(InWords, FallsBackToTheCodeWhereValuesAreMissingOrOfAnotherKind) {
   EXPECT_EQ(InWords(Remark(RemarkCode::kGroups)), "groups");

@@ -30,9 +30,10 @@ TEST(RemarkJson, IsReadAgainAsItWas) {
 }
 
 TEST(RemarkJson, OfAnotherKindIsRefused) {
-  for (const char* damaged : {R"({})", R"({"code":"no_ties"})", R"({"code":"no_such_code","values":{}})",
-                              R"({"code":7,"values":{}})", R"({"code":"groups","values":{"groups":null}})",
-                              R"({"code":"of_photo","values":{"said":[7]}})"}) {
+  for (const char* damaged :
+       {R"({})", R"({"code":"no_ties"})", R"({"code":"no_such_code","values":{}})",
+        R"({"code":7,"values":{}})", R"({"code":"no_ties","values":"none"})",
+        R"({"code":"groups","values":{"groups":null}})", R"({"code":"of_photo","values":{"said":[7]}})"}) {
     EXPECT_THROW(RemarkOfJson(Document::parse(damaged)), Document::exception) << damaged;
   }
 }

@@ -7,7 +7,7 @@ import { test } from 'node:test';
 import { kLanguages, speak } from '../../../web/src/shared/language.js';
 import { loadFlightWords } from '../../../web/src/shared/flight_strings.js';
 import { strings } from '../../../web/src/shared/strings.js';
-import { remarkWords, saidOf, whyLeftOut } from '../../../web/src/shared/remarks.js';
+import { inOneLine, remarkWords, saidOf, whyLeftOut } from '../../../web/src/shared/remarks.js';
 import { web_root } from '../support/mock_server.js';
 
 /** @typedef {import('../../../web/src/shared/language.js').Language} Language */
@@ -83,5 +83,10 @@ test('a remark is said in the language of the page, one that it does not know as
   assert.deepEqual(said.slice(2).map(({ text }) => text), ['a.jpg: A note.', 'New.', 'Old.']);
   assert.equal(whyLeftOut({ name: 'b.jpg', code: 'conflict', reason: 'The same bytes as a.jpg.', remark: { code: 'left_same_bytes', values: { other: 'a.jpg' } } }), 'Dieselbe Datei wie a.jpg.');
   assert.match(whyLeftOut({ name: 'c.jpg', code: 'corrupt', reason: 'It ends early.', remark: { code: 'text', values: { text_words: 'It ends early.' } } }), /: It ends early\.$/);
+  const few_points = { code: 'by_pose_few_points', values: { points: 3 } };
+  assert.equal(inOneLine([few_points, { code: 'doubt_blurred', values: {} }], 'English.'), 'liegt nach den Metadaten: zu wenige Punkte gemeinsam mit anderen Fotos (3); ist unscharf');
+  assert.equal(inOneLine([few_points, { code: 'constructor', values: {} }], 'English.'), 'English.');
+  assert.equal(inOneLine(undefined, 'English.'), 'English.');
+  assert.deepEqual([inOneLine([], 'English.'), inOneLine(undefined, null)], ['', '']);
   speak('en');
 });

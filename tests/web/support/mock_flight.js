@@ -46,7 +46,8 @@ export function photosGeoJson(place, names) {
       properties: {
         name,
         placement: pose_only ? 'pose_only' : 'aligned',
-        reason: pose_only ? 'too few points in common with its neighbours' : null,
+        reason: pose_only ? 'placed by its recorded pose: too few points in common with other photos (3)' : '',
+        remarks: pose_only ? [{ code: 'by_pose_few_points', values: { points: 3 } }] : [],
         error_radius_m: pose_only ? 3.1 : 2.3,  // as the map's (TellPhotos)
         camera_lon,
         camera_lat,

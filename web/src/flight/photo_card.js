@@ -7,6 +7,7 @@ import { formatDate, formatError, formatLength } from '../shared/format.js';
 import { icon } from '../shared/icons.js';
 import { openPhotos } from './photo_viewer.js';
 import { fixed } from '../shared/language.js';
+import { inOneLine } from '../shared/remarks.js';
 import { strings } from '../shared/flight_strings.js';
 
 /** @param {string} name @param {string} label @param {() => void} run */
@@ -24,7 +25,8 @@ function facts(record, off_vertical_deg) {
   const angle = (/** @type {number|null|undefined} */ value) => (known(value) ? `${fixed(Number(value), 1)}°` : '–');
   /** @type {[string, string][]} */
   const rows = [[words.placement, strings.placement[record.placement] ?? record.placement]];
-  if (record.reason) rows.push([words.reason, record.reason]);
+  const reason = inOneLine(record.remarks, record.reason);
+  if (reason) rows.push([words.reason, reason]);
   if (known(record.error_radius_m)) rows.push([words.error, `± ${formatError(Number(record.error_radius_m))}`]);
   if (off_vertical_deg !== null) rows.push([words.view, words.off_vertical(off_vertical_deg)]);
   if (record.captured_at) rows.push([words.captured, formatDate(record.captured_at, { with_time: true }) || record.captured_at]);

@@ -45,5 +45,15 @@ export function saidOf({ warnings = [], remarks = [] }) {
   });
 }
 
+/**
+ * @param {Remark[]|undefined} remarks without them in what was written by earlier versions
+ * @param {string|null|undefined} sentence of the server
+ * @returns {string} all of them, one after the other
+ */
+export function inOneLine(remarks, sentence) {
+  const said = (remarks ?? [undefined]).map(remarkWords);
+  return said.includes(null) ? sentence ?? '' : said.join('; ');
+}
+
 /** @param {LeftOut} left_out @returns {string} why it is not in the map */
 export const whyLeftOut = ({ code, reason, remark }) => (remark && remark.code !== 'text' ? remarkWords(remark) : null) ?? serverWords(code, reason);

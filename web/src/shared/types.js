@@ -265,7 +265,8 @@
  * @typedef {object} PhotoRecord
  * @property {string} name
  * @property {'aligned'|'pose_only'} placement
- * @property {string|null} [reason]
+ * @property {string|null} [reason] in English: why it is not aligned, or what was corrected
+ * @property {Remark[]} [remarks] the same; without them in what was written by earlier versions
  * @property {number|null} [error_radius_m]
  * @property {number} camera_lon
  * @property {number} camera_lat
