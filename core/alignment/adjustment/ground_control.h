@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/flight/remarks/remark.h"
 #include "core/geo/lat_lon.h"
 
 namespace skyquilt::alignment {
@@ -49,8 +50,8 @@ struct ControlReport {
   std::string name;
   int sightings = 0;  // in photos of this flight
   bool is_used = false;
-  bool is_check = false;  // compared with the finished map alone
-  std::string reason;     // why it is not used
+  bool is_check = false;                 // compared with the finished map alone
+  std::optional<flight::Remark> reason;  // why it is not used, or not all of its marks
   double miss_east_m = 0.0, miss_north_m = 0.0, miss_up_m = 0.0;
   double residual_px = 0.0;
   std::optional<ControlPrediction> left_out;  // nothing: too few points, or not asked

@@ -1,6 +1,6 @@
 #include "core/alignment/adjustment/tie_to_control.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cctype>
@@ -11,6 +11,8 @@
 
 namespace skyquilt::alignment {
 namespace {
+
+using flight::RemarkCode;
 
 constexpr double kSightingSigmaPx = 1.0;
 constexpr std::size_t kEnoughToVote = 4;
@@ -79,16 +81,18 @@ std::optional<Track> MarkedPhotos::TrackOf(const ControlPoint& point, ControlRep
     }
   }
   if (track.observations.size() < 2) {
-    told.reason = "is marked in fewer than two photos that are tied to others";
+    told.reason = RemarkCode::kPointFewMarks;
     return std::nullopt;
   }
-  for (const int photo : DropWrongMarks(views_, track)) {
-    told.reason +=
-        fmt::format("{}is marked in {} elsewhere than the other photos show it; that mark is left out",
-                    told.reason.empty() ? "" : "; ", names_[static_cast<std::size_t>(photo)]);
+  std::vector<std::string> elsewhere;
+  for (const int photo : DropWrongMarks(views_, track))
+    elsewhere.push_back(names_[static_cast<std::size_t>(photo)]);
+  if (!elsewhere.empty()) {
+    told.reason = {RemarkCode::kPointMarksElsewhere,
+                   {{"marks", elsewhere.size()}, {"names", fmt::format("{}", fmt::join(elsewhere, ", "))}}};
   }
   if (!Triangulate(views_, track)) {
-    told.reason = "has marks that do not meet in one point on the ground";
+    told.reason = RemarkCode::kPointMarksApart;
     return std::nullopt;
   }
   return track;
@@ -166,9 +170,7 @@ void TieToControl(const poses::PosedFlight& posed, const std::vector<ControlPoin
     std::erase_if(problem.control, [&](const BundleControl& tied) {
       const double residual_m = residuals[k++];
       if (residual_m <= limit_m) return false;
-      reports[tied.report].reason =
-          fmt::format("lies {:.1f} m from where the other points put it: check its coordinates and its marks",
-                      residual_m);
+      reports[tied.report].reason = {RemarkCode::kPointFarFromOthers, {{"apart_m", residual_m}}};
       return true;
     });
   }
@@ -218,20 +220,18 @@ void ReportControl(const BundleProblem& problem, std::vector<ControlReport>& rep
 }
 
 std::vector<flight::Remark> RemarksOn(const std::vector<ControlReport>& points) {
-  using flight::RemarkCode;
   std::vector<flight::Remark> remarks;
   for (const ControlReport& point : points) {
     const double residual_m = std::hypot(point.miss_east_m, point.miss_north_m);
     std::map<std::string, flight::RemarkValue> values{{"point", point.name}};
-    if (!point.reason.empty()) values.emplace("reason_words", point.reason);
+    if (point.reason) values.emplace("reason", *point.reason);
     if (!point.is_used) {
       remarks.push_back({RemarkCode::kControlNotUsed, std::move(values)});
     } else if (residual_m > kNoSurveyM) {
       values.emplace("apart_m", residual_m);
-      remarks.push_back(
-          {point.reason.empty() ? RemarkCode::kControlFarOff : RemarkCode::kControlFarOffAndNoted,
-           std::move(values)});
-    } else if (!point.reason.empty()) {
+      remarks.push_back({point.reason ? RemarkCode::kControlFarOffAndNoted : RemarkCode::kControlFarOff,
+                         std::move(values)});
+    } else if (point.reason) {
       remarks.push_back({RemarkCode::kControlNoted, std::move(values)});
     }
   }

@@ -143,6 +143,12 @@ enum class RemarkCode : std::uint8_t {
   kControlFarOff,
   kControlFarOffAndNoted,
   kControlNoted,
+  // Why a surveyed point is not used, or not all of its marks.
+  kPointFewMarks,
+  kPointMarksElsewhere,
+  kPointMarksApart,
+  kPointFarFromOthers,
+  kPointOffOthers,
   // What became of a finished map.
   kPhotosAdded,
   kMovedToControl,

@@ -10,6 +10,7 @@
 #include "core/alignment/adjustment/tie_to_control.h"
 #include "core/base/median.h"
 #include "core/base/try.h"
+#include "core/flight/remarks/remark_words.h"
 #include "core/geo/bounds.h"
 #include "core/geo/lat_lon.h"
 #include "core/pipeline/control_points.h"
@@ -180,7 +181,7 @@ double SpreadM(const std::vector<MarkedPoint>& marked) {
 std::string WhyNot(const std::vector<alignment::ControlReport>& reports) {
   std::string words;
   for (const alignment::ControlReport& report : reports) {
-    if (!report.reason.empty()) words += fmt::format(" {} {}.", report.name, report.reason);
+    if (report.reason) words += fmt::format(" {} {}.", report.name, flight::InWords(*report.reason));
   }
   constexpr std::size_t kMaxLetters = 500;
   return words.size() > kMaxLetters ? words.substr(0, kMaxLetters) + " ..." : words;
@@ -224,7 +225,7 @@ Result<FlightFacts> PlaceByControl(const FlightFacts& known, const std::vector<f
     if (told.is_used) {
       misses_m.push_back(miss.head<2>().norm());
     } else {
-      told.reason = fmt::format("lies {:.2f} m off where the other points put it", miss.head<2>().norm());
+      told.reason = {RemarkCode::kPointOffOthers, {{"apart_m", miss.head<2>().norm()}}};
     }
   }
   // Three of a line fit many a wrong turn: the points that are refused must be few.

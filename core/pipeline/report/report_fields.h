@@ -152,7 +152,7 @@ void VisitFields(Point& point, Visit& visit) {
   visit("sightings", point.sightings);
   visit("is_used", point.is_used);
   visit("is_check", point.is_check);
-  visit("reason", point.reason);
+  visit.Remarked("reason", "remark", point.reason);
   visit("miss_east_m", point.miss_east_m);
   visit("miss_north_m", point.miss_north_m);
   visit("miss_up_m", point.miss_up_m);

@@ -158,7 +158,8 @@ bool RunCase(const SimulatedCase& one, int seed, const Setup& setup) {
                              : "-");
   for (const ControlReport& point : run->report.control) {
     fmt::print("  {}: {} marks, off by {:.3f} {:.3f} {:.3f} m, {:.2f} px {}\n", point.name, point.sightings,
-               point.miss_east_m, point.miss_north_m, point.miss_up_m, point.residual_px, point.reason);
+               point.miss_east_m, point.miss_north_m, point.miss_up_m, point.residual_px,
+               point.reason ? flight::InWords(*point.reason) : "");
   }
   if (one.has_lies) {
     fmt::print("  {} of {} lies found\n", judged.lies_found, judged.lies_told);

@@ -11,6 +11,7 @@
 #include "core/base/median.h"
 #include "core/flight/photos/photo_decoder.h"
 #include "core/flight/read_flight.h"
+#include "core/flight/remarks/remark_words.h"
 #include "core/pipeline/control_points.h"
 #include "core/poses/estimate_poses.h"
 
@@ -55,7 +56,8 @@ int main(int argc, char** argv) {
     alignment::ControlReport told;
     const auto track = alignment::MarkedPhotos(names, views, is_tied).TrackOf(control[left], told);
     if (!track) {
-      fmt::print("{}: {} marks, {}\n", control[left].name, told.sightings, told.reason);
+      fmt::print("{}: {} marks, {}\n", control[left].name, told.sightings,
+                 told.reason ? flight::InWords(*told.reason) : "");
       continue;
     }
     const Eigen::Vector3d surveyed =

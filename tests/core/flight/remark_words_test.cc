@@ -51,6 +51,21 @@ TEST(InWords, SaysBracesOfNamesAsTheyAre) {
               ::testing::StartsWith("{x}.mp4 is a film."));
 }
 
+TEST(InWords, SaysWhyAPointIsNotUsed) {
+  const auto noted = [](std::size_t marks, const char* names) {
+    const Remark reason{RemarkCode::kPointMarksElsewhere, {{"marks", marks}, {"names", names}}};
+    return InWords(Remark{RemarkCode::kControlNoted, {{"point", "P1"}, {"reason", reason}}});
+  };
+  EXPECT_EQ(
+      noted(1, "a.jpg"),
+      "Ground control point P1 is marked in a.jpg elsewhere than the other photos show it; that mark is "
+      "left out.");
+  EXPECT_EQ(
+      noted(2, "a.jpg, b.jpg"),
+      "Ground control point P1 is marked in 2 photos (a.jpg, b.jpg) elsewhere than the other photos show "
+      "it; those marks are left out.");
+}
+
 TEST(InOneLine, SetsSemicolonsBetween) {
   const Remark as_neighbours{RemarkCode::kByPoseAsNeighbours, {{"points", 3}}};
   EXPECT_EQ(InOneLine({}), "");

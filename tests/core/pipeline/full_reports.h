@@ -111,7 +111,7 @@ inline alignment::AlignReport FullAlignReport() {
                      3,
                      true,
                      true,
-                     "lies off",
+                     flight::RemarkCode::kPointMarksApart,
                      0.1,
                      -0.2,
                      0.3,

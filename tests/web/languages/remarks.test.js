@@ -32,7 +32,7 @@ const said_there = new Map(
 const withoutEnglish = (values) => [...values].filter((name) => !name.endsWith('_words')).sort();
 
 /** Of each kind of value one, far from all others. @param {string} name */
-const example = (name) => (/_(m|km|mm|ms|s|deg|percent|px)$|^(photos|total|points|used|groups|rows|models|more|remarks|pictures|times|lag|epsg|failed|captures|missing|target)$/.test(name) ? 7 : `<${name}>`);
+const example = (name) => (/_(m|km|mm|ms|s|deg|percent|px)$|^(photos|total|points|used|groups|rows|models|more|remarks|pictures|times|lag|epsg|failed|captures|missing|target|marks)$/.test(name) ? 7 : `<${name}>`);
 
 /** @param {(values: any) => string} say @returns {{text: string, asked: Set<string>}} */
 function ask(say) {

@@ -8,6 +8,7 @@ import { h, put } from '../shared/dom.js';
 import { formatLength } from '../shared/format.js';
 import { icon } from '../shared/icons.js';
 import { fixed, number } from '../shared/language.js';
+import { inOneLine } from '../shared/remarks.js';
 import { strings } from '../shared/flight_strings.js';
 import { ControlDocument } from './control_document.js';
 import { openImport, openPointForm } from './control_forms.js';
@@ -81,7 +82,7 @@ export function controlPanel({ flight, report, photos, stage, may_change, apply 
         ? h('button', { type: 'button', class: 'text-button', 'aria-label': words.mark_point(point.name), on: { click: () => void mark(point.name) } }, point.name)
         : point.name),
       h('td', { class: point.marks.length >= kMinMarks ? 'control-ready' : null }, point.marks.length >= kMinMarks && icon('check'), number(point.marks.length)),
-      h('td', { title: found?.reason || null }, found ? residualText(found) : ''),
+      h('td', { title: found?.reason ? inOneLine(found.remark && [found.remark], found.reason) : null }, found ? residualText(found) : ''),
       may_change &&
         h('td', { class: 'control-tools' },
           iconButton('pencil', words.change(point.name), () => openPointForm(control, point)),

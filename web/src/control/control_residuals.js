@@ -1,10 +1,10 @@
 // How far surveyed points and their marks lie from where the finished map has them, from its report; those that stand out
 // are flagged. Pure.
-/** @import { ControlFigures, Report } from '../shared/types.js' */
+/** @import { ControlFigures, Remark, Report } from '../shared/types.js' */
 import { photoKey } from './control_lists.js';
 
 /** @typedef {{photo: string, px: number, m: number, is_outlier: boolean}} MarkResidual */
-/** @typedef {{name: string, is_used: boolean, reason: string, horizontal_m: number, up_m: number, predicted_m: number|null, px: number, is_outlier: boolean, marks: MarkResidual[]}} PointResidual */
+/** @typedef {{name: string, is_used: boolean, reason: string, remark: Remark|undefined, horizontal_m: number, up_m: number, predicted_m: number|null, px: number, is_outlier: boolean, marks: MarkResidual[]}} PointResidual */
 
 const kOutlying = 3;   // times the median
 const kMinPx = 3;      // less is as well as one clicks
@@ -28,6 +28,7 @@ export function residualsOf(report) {
     name: point.name,
     is_used: point.is_used,
     reason: point.reason,
+    remark: point.remark,
     horizontal_m: horizontal(point),
     up_m: point.miss_up_m,
     predicted_m: point.left_out ? Math.hypot(point.left_out.miss_east_m, point.left_out.miss_north_m) : null,

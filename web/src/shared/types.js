@@ -194,7 +194,8 @@
  * @property {string} name
  * @property {number} sightings
  * @property {boolean} is_used
- * @property {string} reason why it is not used
+ * @property {string} reason in English: why it is not used, or not all of its marks
+ * @property {Remark} [remark] the same; without it in what was written by earlier versions
  * @property {number} miss_east_m
  * @property {number} miss_north_m
  * @property {number} miss_up_m

@@ -1,5 +1,5 @@
 // Deutsch: was der Server zu einem Flug oder seiner Karte anmerkt.
-import { count, fixed, number } from '../../shared/language.js';
+import { count, fixed, number, plural } from '../../shared/language.js';
 import { formatDistance } from '../../shared/format.js';
 
 const photos = { one: 'Foto', other: 'Fotos' };
@@ -132,10 +132,15 @@ export const remark_words = {
   doubt_copy: (v) => `zeigt dasselbe Bild wie ${v.other}`,
   doubt_blurred: () => 'ist unscharf',
   doubt_other_place: () => 'hat nichts mit den Fotos ringsum gemeinsam: ein anderer Ort oder etwas, das sich bewegt. Nur dort verwendet, wo kein anderes Foto ist',
-  control_not_used: (v) => `Passpunkt ${v.point} wird nicht verwendet: ${v.reason_words}.`,
+  control_not_used: (v) => `Passpunkt ${v.point} wird nicht verwendet: ${v.reason}.`,
   control_far_off: (v) => `Passpunkt ${v.point} liegt ${fixed(v.apart_m, 1)}\u00a0m von der Stelle, die die Fotos und die anderen Punkte ergeben: Prüfen Sie Koordinaten und Markierungen.`,
-  control_far_off_and_noted: (v) => `Passpunkt ${v.point} liegt ${fixed(v.apart_m, 1)}\u00a0m von der Stelle, die die Fotos und die anderen Punkte ergeben: Prüfen Sie Koordinaten und Markierungen (${v.reason_words}).`,
-  control_noted: (v) => `Passpunkt ${v.point}: ${v.reason_words}.`,
+  control_far_off_and_noted: (v) => `Passpunkt ${v.point} liegt ${fixed(v.apart_m, 1)}\u00a0m von der Stelle, die die Fotos und die anderen Punkte ergeben: Prüfen Sie Koordinaten und Markierungen (${v.reason}).`,
+  control_noted: (v) => `Passpunkt ${v.point}: ${v.reason}.`,
+  point_few_marks: () => 'in weniger als zwei Fotos markiert, die mit anderen verknüpft sind',
+  point_marks_elsewhere: (v) => `in ${v.names} an anderer Stelle markiert, als die übrigen Fotos zeigen; ${plural(v.marks, { one: 'diese Marke wird', other: `diese ${number(v.marks)} Marken werden` })} nicht verwendet`,
+  point_marks_apart: () => 'die Marken treffen sich nicht in einem Punkt am Boden',
+  point_far_from_others: (v) => `liegt ${fixed(v.apart_m, 1)}\u00a0m von der Stelle, die die anderen Punkte ergeben: Prüfen Sie Koordinaten und Marken`,
+  point_off_others: (v) => `liegt ${fixed(v.apart_m, 2)}\u00a0m von der Stelle, die die anderen Punkte ergeben`,
   photos_added: (v) => `${count(v.photos, photos)} zur fertigen Karte hinzugefügt, von der nichts verschoben wurde.`,
   moved_to_control: (v) => `Die fertige Karte wurde als Ganzes auf ${count(v.points, { one: 'Passpunkt', other: 'Passpunkte' })} verschoben: ${fixed(v.east_m, 2)}\u00a0m nach Osten, ${fixed(v.north_m, 2)}\u00a0m nach Norden, um ${fixed(v.turn_deg, 2)}° gedreht, ${fixed(v.growth_percent, 2)}\u00a0% größer.`,
   placed_by_control: (v) => `Die fertige Karte wurde nach ${count(v.points, { one: 'Passpunkt', other: 'Passpunkten' })} platziert (Median des Fehlers ${fixed(v.apart_m, 2)}\u00a0m), ${turned(v)}.`,

@@ -1,6 +1,6 @@
 // English: what the server remarks on a flight or its map, by the codes of core/flight/remarks/remark.h. Values have the
 // names that they have there; what ends in _words is English of the server and may be left out.
-import { count, fixed, number } from '../../shared/language.js';
+import { count, fixed, number, plural } from '../../shared/language.js';
 import { formatDistance } from '../../shared/format.js';
 
 const photos = { one: 'photo', other: 'photos' };
@@ -131,10 +131,15 @@ export const remark_words = {
   doubt_copy: (v) => `shows the same picture as ${v.other}`,
   doubt_blurred: () => 'is blurred',
   doubt_other_place: () => 'has nothing in common with the photos around it: another place, or something that moves. Used only where no other photo is',
-  control_not_used: (v) => `Control point ${v.point} is not used: it ${v.reason_words}.`,
+  control_not_used: (v) => `Control point ${v.point} is not used: it ${v.reason}.`,
   control_far_off: (v) => `Control point ${v.point} lies ${fixed(v.apart_m, 1)}\u00a0m from where the photos and the other points put it: check its coordinates and marks.`,
-  control_far_off_and_noted: (v) => `Control point ${v.point} lies ${fixed(v.apart_m, 1)}\u00a0m from where the photos and the other points put it: check its coordinates and marks. It ${v.reason_words}.`,
-  control_noted: (v) => `Control point ${v.point} ${v.reason_words}.`,
+  control_far_off_and_noted: (v) => `Control point ${v.point} lies ${fixed(v.apart_m, 1)}\u00a0m from where the photos and the other points put it: check its coordinates and marks. It ${v.reason}.`,
+  control_noted: (v) => `Control point ${v.point} ${v.reason}.`,
+  point_few_marks: () => 'is marked in fewer than two photos that are matched to others',
+  point_marks_elsewhere: (v) => `is marked in ${v.names} elsewhere than the other photos show it; ${plural(v.marks, { one: 'that mark is', other: `those ${number(v.marks)} marks are` })} left out`,
+  point_marks_apart: () => 'has marks that do not meet in one point on the ground',
+  point_far_from_others: (v) => `lies ${fixed(v.apart_m, 1)}\u00a0m from where the other points put it: check its coordinates and marks`,
+  point_off_others: (v) => `lies ${fixed(v.apart_m, 2)}\u00a0m from where the other points put it`,
   photos_added: (v) => `${count(v.photos, photos)} added to the finished map, of which nothing was moved.`,
   moved_to_control: (v) => `The finished map was moved as a whole to ${count(v.points, { one: 'control point', other: 'control points' })}: ${fixed(v.east_m, 2)}\u00a0m east, ${fixed(v.north_m, 2)}\u00a0m north, rotated by ${fixed(v.turn_deg, 2)}°, ${fixed(v.growth_percent, 2)}\u00a0% larger.`,
   placed_by_control: (v) => `The finished map was placed by ${count(v.points, { one: 'control point', other: 'control points' })} (median error ${fixed(v.apart_m, 2)}\u00a0m), ${turned(v)}.`,
