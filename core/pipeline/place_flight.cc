@@ -276,10 +276,11 @@ void KeepAsKnown(const std::vector<NamedDigest>& known, const std::set<std::stri
 }
 
 // The finished map of these files, where the user says that it lies; surveyed points may have come or changed
-// since it was made. `inputs`: becomes what the placed map is of.
+// since it was made. `inputs`: becomes what the placed map is of. `contradict`: whether the finished map only
+// fits them when it is bent.
 Result<PlacedFlight> PlaceWhereTold(const flight::Flight& read, const PlaceRequest& request,
                                     const pyramid::MapMemory* memory, std::vector<NamedDigest>& inputs,
-                                    StageRunner& stages) {
+                                    StageRunner& stages, bool& contradict) {
   std::optional<Recalled> recalled;
   const std::set<std::string> lists = NamesOf(read.gcp_lists);
   if (memory != nullptr) recalled = RecallFiles(*memory, inputs, lists);
@@ -294,18 +295,12 @@ Result<PlacedFlight> PlaceWhereTold(const flight::Flight& read, const PlaceReque
   PlacedFlight placed;
   const double was_m = MedianGsdM(recalled->facts);
   SKYQUILT_TRY_ASSIGN(placed.facts, stages.Run("align", [&] {
-    return request.is_by_lists ? PlaceByLists(recalled->facts, read.gcp_lists)
+    return request.is_by_lists ? PlaceByLists(recalled->facts, read.gcp_lists, &contradict)
                                : PlaceKnown(recalled->facts, request);
   }));
   if (!request.is_by_lists) KeepAsKnown(recalled->facts.inputs, lists, inputs);
   placed.gsd_m = recalled->facts.appearance->gsd_m * MedianGsdM(placed.facts) / was_m;
   return placed;
-}
-
-// Points that the finished map only fits when it is bent: the photos are aligned anew with them, as a flight
-// that came with its points is.
-bool IsToBeBent(const Result<PlacedFlight>& told, const PlaceRequest& request) {
-  return !told && request.is_by_lists && told.error().message.starts_with(kContradictWords);
 }
 
 // Nothing: better to place the flight as a whole.
@@ -404,8 +399,11 @@ Result<PlacedFlight> PlaceFlight(const std::vector<InputFile>& files, const Mosa
   std::optional<FlightFacts> facts;
   bool is_told = options.placing.has_value();
   if (is_told) {
-    Result<PlacedFlight> told = PlaceWhereTold(*read, *options.placing, memory, inputs, stages);
-    is_told = !IsToBeBent(told, *options.placing);
+    bool contradict = false;
+    Result<PlacedFlight> told = PlaceWhereTold(*read, *options.placing, memory, inputs, stages, contradict);
+    // Bent to such points is a map whose photos are aligned anew with them, as of a flight that came with
+    // them.
+    is_told = told || !contradict;
     if (is_told) {
       SKYQUILT_TRY_ASSIGN(placed, std::move(told));
       facts = std::move(placed.facts);

@@ -51,7 +51,8 @@ bool IsAnyUsed(const FlightFacts& facts) {
 
 }  // namespace
 
-Result<FlightFacts> PlaceByLists(FlightFacts known, const std::vector<flight::GcpList>& lists) {
+Result<FlightFacts> PlaceByLists(FlightFacts known, const std::vector<flight::GcpList>& lists,
+                                 bool* contradict) {
   if (ControlPointsOf(lists).empty()) {
     return Error{
         ErrorCode::kUnprocessable,
@@ -67,7 +68,7 @@ Result<FlightFacts> PlaceByLists(FlightFacts known, const std::vector<flight::Gc
   PlaceRequest request;
   request.control = lists;
   request.is_again = true;
-  return PlaceKnown(known, request);
+  return PlaceKnown(known, request, contradict);
 }
 
 void TellMarks(const std::vector<flight::GcpList>& lists, FlightFacts& facts) {

@@ -15,7 +15,9 @@
 
 namespace skyquilt::pipeline {
 
-Result<FlightFacts> PlaceByLists(FlightFacts known, const std::vector<flight::GcpList>& lists);
+// `contradict`: as of PlaceKnown.
+Result<FlightFacts> PlaceByLists(FlightFacts known, const std::vector<flight::GcpList>& lists,
+                                 bool* contradict = nullptr);
 
 // Nothing is said where the map has no place, or no figures of its alignment.
 void TellMarks(const std::vector<flight::GcpList>& lists, FlightFacts& facts);

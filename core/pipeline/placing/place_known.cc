@@ -187,7 +187,8 @@ std::string WhyNot(const std::vector<alignment::ControlReport>& reports) {
   return words.size() > kMaxLetters ? words.substr(0, kMaxLetters) + " ..." : words;
 }
 
-Result<FlightFacts> PlaceByControl(const FlightFacts& known, const std::vector<flight::GcpList>& lists) {
+Result<FlightFacts> PlaceByControl(const FlightFacts& known, const std::vector<flight::GcpList>& lists,
+                                   bool* contradict) {
   std::vector<alignment::ControlReport> reports;
   const std::vector<MarkedPoint> marked = MarkedPointsOf(known, ControlPointsOf(lists), reports);
   if (marked.size() < kMinPoints) {
@@ -230,12 +231,13 @@ Result<FlightFacts> PlaceByControl(const FlightFacts& known, const std::vector<f
   }
   // Three of a line fit many a wrong turn: the points that are refused must be few.
   if (misses_m.size() < kMinPoints || misses_m.size() < 2 * (marked.size() - misses_m.size())) {
+    if (contradict != nullptr) *contradict = true;
     return Refused(
         ErrorCode::kUnprocessable,
-        fmt::format("{}: no turn, scale and shift of the map brings "
+        fmt::format("The surveyed points contradict each other: no turn, scale and shift of the map brings "
                     "most of them within {:.2f} m of where they were surveyed.{} Check the order of the "
                     "coordinates, the reference system in the first line, and the marks.",
-                    kContradictWords, agreed_m, WhyNot(reports)));
+                    agreed_m, WhyNot(reports)));
   }
   PredictPairs(pairs, marked, reports);
   Similarity3 move = fitted->target_from_source;
@@ -264,7 +266,7 @@ Result<FlightFacts> PlaceByControl(const FlightFacts& known, const std::vector<f
 
 }  // namespace
 
-Result<FlightFacts> PlaceKnown(const FlightFacts& known, const PlaceRequest& request) {
+Result<FlightFacts> PlaceKnown(const FlightFacts& known, const PlaceRequest& request, bool* contradict) {
   if (known.is_placed && !request.is_again && request.pairs.empty()) {
     return Refused(
         ErrorCode::kConflict,
@@ -279,9 +281,10 @@ Result<FlightFacts> PlaceKnown(const FlightFacts& known, const PlaceRequest& req
   if (known.flight.photos.empty()) {
     return Refused(ErrorCode::kUnprocessable, "The map shows no photo, so there is nothing to place.");
   }
-  SKYQUILT_TRY_ASSIGN(FlightFacts placed, request.origin           ? PlaceByOrigin(known, request)
-                                          : !request.pairs.empty() ? PlaceByPairs(known, request.pairs)
-                                                                   : PlaceByControl(known, request.control));
+  SKYQUILT_TRY_ASSIGN(FlightFacts placed, request.origin ? PlaceByOrigin(known, request)
+                                          : !request.pairs.empty()
+                                              ? PlaceByPairs(known, request.pairs)
+                                              : PlaceByControl(known, request.control, contradict));
   placed.is_placed = true;
   placed.is_by_hand = request.control.empty();
   placed.poses_report.is_placed = true;

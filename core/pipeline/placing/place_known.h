@@ -7,17 +7,14 @@
 // together, or that contradict each other).
 #pragma once
 
-#include <string_view>
-
 #include "core/base/result.h"
 #include "core/pipeline/placing/place_request.h"
 #include "core/pipeline/report/flight_facts.h"
 
 namespace skyquilt::pipeline {
 
-// How the refusal begins of surveyed points that no turn, scale and shift fits.
-inline constexpr std::string_view kContradictWords = "The surveyed points contradict each other";
-
-Result<FlightFacts> PlaceKnown(const FlightFacts& known, const PlaceRequest& request);
+// `contradict`, where given: becomes true where points are refused that no turn, scale and shift fits.
+Result<FlightFacts> PlaceKnown(const FlightFacts& known, const PlaceRequest& request,
+                               bool* contradict = nullptr);
 
 }  // namespace skyquilt::pipeline

@@ -70,8 +70,10 @@ TEST(PlaceByLists, PlacesAMapThatLiesNowhereByThreePoints) {
   const auto placed = PlaceByLists(flight.known, flight.Survey(3));
   ASSERT_TRUE(placed.ok()) << placed.error().message;
   EXPECT_TRUE(placed->is_placed);
-  const auto too_few = PlaceByLists(flight.known, flight.Survey(2));
+  bool contradict = false;
+  const auto too_few = PlaceByLists(flight.known, flight.Survey(2), &contradict);
   ASSERT_FALSE(too_few.ok());
+  EXPECT_FALSE(contradict);
   EXPECT_EQ(too_few.error().code, ErrorCode::kUnprocessable);
   auto unmarked = flight.Survey(3);
   unmarked.front().sightings.clear();

@@ -141,7 +141,9 @@ TEST(PlaceKnown, RefusesPointsThatContradictEachOther) {
   const geo::LatLon pivot = mirrored.control.front().points.back().position;
   for (flight::GcpPoint& point : mirrored.control.front().points)
     point.position.lon_deg = 2.0 * pivot.lon_deg - point.position.lon_deg;
-  EXPECT_THAT(RefusalOf(PlaceKnown(flight.known, mirrored)), HasSubstr("contradict each other"));
+  bool contradict = false;
+  EXPECT_THAT(RefusalOf(PlaceKnown(flight.known, mirrored, &contradict)), HasSubstr("contradict each other"));
+  EXPECT_TRUE(contradict);
 }
 
 TEST(PlaceKnown, RefusesTooFewPointsAndThoseTooNearTogether) {
