@@ -85,7 +85,7 @@ Radiometry ReadThermalRadiometry(const flight::ExifTable& exif, const XmpTags& x
 Result<BandFacts> ReadBandFacts(flight::ByteSource& source) {
   SKYQUILT_TRY_ASSIGN(const flight::ImageHeader header, flight::ReadImageHeader(source));
   if (!header.flir.empty()) return ReadFlirFacts(source, header);
-  std::vector<std::string> notes;  // the photo has them already
+  std::vector<flight::Remark> notes;  // the photo has them already
   const XmpTags xmp = flight::ReadXmp(header, source, notes);
   BandFacts facts;
   facts.name = BandNameOf(FirstOf(xmp, {"Camera:BandName", "drone-dji:BandName"}));

@@ -16,6 +16,7 @@
 #include "core/flight/lists/sort_files.h"
 #include "core/flight/logs/read_log.h"
 #include "core/flight/metadata/name_time.h"
+#include "core/flight/remarks/remark_words.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -117,15 +118,15 @@ constexpr std::size_t kMaxKindsOfNotes = 8;
 // the first photo that it is said of.
 void TellNotes(Flight& flight) {
   struct Told {
-    std::string note;
+    Remark note;
     std::string first_photo;
     std::size_t photos = 0;
   };
   std::vector<Told> told;
   std::map<std::string, std::size_t> at;
   for (const Photo& photo : flight.photos) {
-    for (const std::string& note : photo.notes) {
-      const auto [found, is_new] = at.try_emplace(note, told.size());
+    for (const Remark& note : photo.notes) {
+      const auto [found, is_new] = at.try_emplace(InWords(note), told.size());
       if (is_new) told.push_back({note, photo.name, 0});
       ++told[found->second].photos;
     }
@@ -135,15 +136,14 @@ void TellNotes(Flight& flight) {
   for (std::size_t k = 0; k < std::min(told.size(), kMaxKindsOfNotes); ++k) {
     const Told& one = told[k];
     if (one.photos == 1) {
-      flight.warnings.push_back(
-          {RemarkCode::kOfPhoto, {{"photo", one.first_photo}, {"said", Remark(one.note)}}});
+      flight.warnings.push_back({RemarkCode::kOfPhoto, {{"photo", one.first_photo}, {"said", one.note}}});
       continue;
     }
     flight.warnings.push_back({RemarkCode::kOfPhotos,
                                {{"photos", one.photos},
                                 {"total", flight.photos.size()},
                                 {"photo", one.first_photo},
-                                {"said", Remark(one.note)}}});
+                                {"said", one.note}}});
   }
   if (told.size() > kMaxKindsOfNotes) {
     flight.warnings.push_back({RemarkCode::kMoreOfPhotos, {{"remarks", told.size() - kMaxKindsOfNotes}}});

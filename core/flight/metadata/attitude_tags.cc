@@ -20,17 +20,15 @@ Degrees FromXmp(const XmpTags& xmp, std::string_view yaw, std::string_view pitch
 }
 
 // A set of angles is usable with yaw and pitch, within a turn, and not the zeros of a device that never knew.
-bool IsUsable(const Degrees& angles, std::string_view source, std::vector<std::string>& notes) {
+bool IsUsable(const Degrees& angles, std::string_view source, std::vector<Remark>& notes) {
   if (!angles.yaw || !angles.pitch) return false;
   const double roll = angles.roll.value_or(0.0);
-  const std::string tags = " angles of " + std::string(source);
   if (std::abs(*angles.yaw) > 720.0 || std::abs(*angles.pitch) > 360.0 || std::abs(roll) > 360.0) {
-    notes.push_back("The" + tags + " are impossible and were not used.");
+    notes.push_back({RemarkCode::kAnglesImpossible, {{"tags", std::string(source)}}});
     return false;
   }
   if (*angles.yaw == 0.0 && *angles.pitch == 0.0) {
-    notes.push_back("The" + tags +
-                    " are all exactly zero, which devices write that do not know them; not used.");
+    notes.push_back({RemarkCode::kAnglesZero, {{"tags", std::string(source)}}});
     return false;
   }
   return true;
@@ -71,11 +69,9 @@ std::optional<double> Sum(std::optional<double> a, std::optional<double> b) {
 }
 
 std::optional<RecordedAttitude> HeadingOnly(std::optional<double> yaw_deg, std::string_view source,
-                                            std::vector<std::string>& notes) {
+                                            std::vector<Remark>& notes) {
   if (!yaw_deg || *yaw_deg == 0.0 || std::abs(*yaw_deg) > 720.0) return std::nullopt;
-  notes.push_back(
-      "The camera's angles are not recorded: the heading is the aircraft's, and the camera was taken to look "
-      "straight down.");
+  notes.push_back(RemarkCode::kHeadingAlone);
   return Attitude(AttitudeKind::kAirframe, {yaw_deg, 0.0, 0.0}, source);
 }
 
@@ -83,7 +79,7 @@ std::optional<RecordedAttitude> HeadingOnly(std::optional<double> yaw_deg, std::
 
 std::optional<RecordedAttitude> AttitudeFromTags(const XmpTags& xmp,
                                                  const std::optional<DjiMakerNote>& maker_note,
-                                                 const std::string& make, std::vector<std::string>& notes) {
+                                                 const std::string& make, std::vector<Remark>& notes) {
   const Degrees dji =
       FromXmp(xmp, "drone-dji:GimbalYawDegree", "drone-dji:GimbalPitchDegree", "drone-dji:GimbalRollDegree");
   if (IsUsable(dji, "drone-dji", notes)) return Gimbal(dji, "drone-dji");

@@ -29,7 +29,7 @@ namespace skyquilt::flight {
 // Any thread. What was corrected or refused is added to `notes`.
 std::optional<RecordedAttitude> AttitudeFromTags(const XmpTags& xmp,
                                                  const std::optional<DjiMakerNote>& maker_note,
-                                                 const std::string& make, std::vector<std::string>& notes);
+                                                 const std::string& make, std::vector<Remark>& notes);
 
 // East, north, up from drone-dji Flight{X,Y,Z}Speed (north, east, down), Camera:IMULinearVelocity (east,
 // north, up).

@@ -1,7 +1,5 @@
 #include "core/flight/metadata/capture_time.h"
 
-#include <fmt/format.h>
-
 #include <cmath>
 #include <string_view>
 
@@ -42,7 +40,7 @@ std::optional<std::chrono::minutes> ZoneOf(const ExifRecord& exif, UtcTime utc) 
 
 }  // namespace
 
-CaptureTime ChooseCaptureTime(const ExifRecord& exif, const XmpTags& xmp, std::vector<std::string>& notes) {
+CaptureTime ChooseCaptureTime(const ExifRecord& exif, const XmpTags& xmp, std::vector<Remark>& notes) {
   for (const std::string_view name : {"drone-dji:UTCAtExposure", "sensefly:UTCTime"}) {
     if (const auto time = ParseExifTime(xmp.Text(name))) {
       return {InUtc(*time), false, ZoneOf(exif, InUtc(*time))};
@@ -56,7 +54,7 @@ CaptureTime ChooseCaptureTime(const ExifRecord& exif, const XmpTags& xmp, std::v
     if (step && std::chrono::abs(step->left_over) <= std::chrono::seconds(5)) {
       return {UtcTime(*exif.taken_at - step->zone), false, step->zone};
     }
-    notes.push_back("The camera's clock and the GPS time disagree; the GPS time was taken.");
+    notes.push_back(RemarkCode::kClocksDisagree);
     return {exif.gps_time, false, std::nullopt};
   }
   if (exif.gps_time) return {exif.gps_time, false, std::nullopt};

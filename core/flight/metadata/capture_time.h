@@ -21,6 +21,6 @@ struct CaptureTime {
   std::optional<std::chrono::minutes> clock_minus_utc;  // a time zone's; absent where nothing tells it
 };
 
-CaptureTime ChooseCaptureTime(const ExifRecord& exif, const XmpTags& xmp, std::vector<std::string>& notes);
+CaptureTime ChooseCaptureTime(const ExifRecord& exif, const XmpTags& xmp, std::vector<Remark>& notes);
 
 }  // namespace skyquilt::flight

@@ -1,7 +1,5 @@
 #include "core/flight/metadata/exif.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -69,8 +67,7 @@ void ReadPosition(const ExifTable& table, ExifRecord& record) {
   const auto latitude = ReadAngle(table.Find(ExifIfd::kGps, tag::kLatitude));
   const auto longitude = ReadAngle(table.Find(ExifIfd::kGps, tag::kLongitude));
   if (!latitude || !longitude) {
-    if (table.Find(ExifIfd::kGps, tag::kLatitude))
-      record.notes.push_back("The EXIF position cannot be read.");
+    if (table.Find(ExifIfd::kGps, tag::kLatitude)) record.notes.push_back(RemarkCode::kPositionUnread);
     return;
   }
   const int north = HemisphereSign(table.Text(ExifIfd::kGps, tag::kLatitudeRef), 'N', 'S');
@@ -82,20 +79,19 @@ void ReadPosition(const ExifTable& table, ExifRecord& record) {
   const double lat_deg = with_sign(latitude->degrees, north);
   const double lon_deg = with_sign(longitude->degrees, east);
   if (std::abs(lat_deg) < 1e-6 && std::abs(lon_deg) < 1e-6) {
-    record.notes.push_back("The EXIF position is 0, 0: the GPS had no fix.");
+    record.notes.push_back(RemarkCode::kPositionZero);
     return;
   }
   const auto position = geo::LatLon::Make(lat_deg, lon_deg);
   if (!position) {
-    record.notes.push_back(fmt::format(
-        "The EXIF position (latitude {:.6f}, longitude {:.6f}) is not on Earth.", lat_deg, lon_deg));
+    record.notes.push_back({RemarkCode::kPositionNotOnEarth, {{"lat_deg", lat_deg}, {"lon_deg", lon_deg}}});
     return;
   }
   record.position = *position;
   record.is_hemisphere_known = (north != 0 && east != 0) || is_signed;
   record.position_resolution_m = kMetresPerDegree * std::max(latitude->step_deg, longitude->step_deg);
   if (table.Text(ExifIfd::kGps, tag::kStatus) == "V") {
-    record.notes.push_back("The GPS marked its position as not valid.");
+    record.notes.push_back(RemarkCode::kPositionNotValid);
   }
 }
 
@@ -107,8 +103,7 @@ void ReadAltitude(const ExifTable& table, ExifRecord& record) {
   constexpr double kLowest = -500.0, kHighest = 10000.0;
   record.altitude_m = Within(altitude, kLowest, kHighest);
   if (!record.altitude_m) {
-    record.notes.push_back(
-        fmt::format("The EXIF altitude of {:.0f} m is impossible and was not used.", *altitude));
+    record.notes.push_back({RemarkCode::kAltitudeImpossible, {{"altitude_m", *altitude}}});
   }
 }
 

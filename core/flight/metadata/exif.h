@@ -44,7 +44,7 @@ struct ExifRecord {
   std::optional<std::chrono::minutes> clock_minus_utc;
   std::optional<UtcTime> gps_time;
 
-  std::vector<std::string> notes;
+  std::vector<Remark> notes;
 };
 
 ExifRecord InterpretExif(const ExifTable& table);

@@ -22,20 +22,20 @@ Eigen::Vector3d InCam(const Eigen::Vector3d& in_body) { return {in_body.y(), -in
 
 }  // namespace
 
-std::optional<RecordedTurning> TurningFromTags(const XmpTags& xmp, std::vector<std::string>& notes) {
+std::optional<RecordedTurning> TurningFromTags(const XmpTags& xmp, std::vector<Remark>& notes) {
   const std::string* text = xmp.Find("Camera:IMUAngularVelocity");
   if (text == nullptr || text->empty()) return std::nullopt;
-  const auto refuse = [&](const char* why) -> std::optional<RecordedTurning> {
-    notes.push_back(std::string("The gyro's records in the photo ") + why + " and were not used.");
+  const auto refuse = [&](RemarkCode why) -> std::optional<RecordedTurning> {
+    notes.push_back({RemarkCode::kGyroNotUsed, {{"why", Remark(why)}}});
     return std::nullopt;
   };
   const auto offset_ns = xmp.Number("Camera:IMUTimeOffset");
   const double offset_s = 1e-9 * offset_ns.value_or(0.0);
   const bool is_odd = !offset_ns && xmp.Find("Camera:IMUTimeOffset") != nullptr;
-  if (is_odd || std::abs(offset_s) > kMaxOffsetS) return refuse("begin at an impossible time");
+  if (is_odd || std::abs(offset_s) > kMaxOffsetS) return refuse(RemarkCode::kGyroAtImpossibleTime);
   const auto bytes = FromBase64(*text, kRecordBytes * kMaxRecords);
-  if (!bytes || bytes->size() % kRecordBytes != 0) return refuse("are damaged");
-  if (bytes->size() < 2 * kRecordBytes) return refuse("are too few");
+  if (!bytes || bytes->size() % kRecordBytes != 0) return refuse(RemarkCode::kGyroDamaged);
+  if (bytes->size() < 2 * kRecordBytes) return refuse(RemarkCode::kGyroTooShort);
   RecordedTurning turning;
   const auto first_us = LittleEndian<std::uint64_t>(bytes->data());
   for (std::size_t at = 0; at < bytes->size(); at += kRecordBytes) {
@@ -47,13 +47,13 @@ std::optional<RecordedTurning> TurningFromTags(const XmpTags& xmp, std::vector<s
           std::bit_cast<float>(LittleEndian<std::uint32_t>(record + 8 + std::ptrdiff_t{4} * axis));
     // Compared so that no NaN passes.
     if (!(in_body.cwiseAbs().maxCoeff() <= kFastestRadps) || !in_body.allFinite())
-      return refuse("tell of impossible rates");
-    if (us < first_us) return refuse("run backwards");
+      return refuse(RemarkCode::kGyroImpossibleRates);
+    if (us < first_us) return refuse(RemarkCode::kGyroBackwards);
     const double time_s = 1e-6 * static_cast<double>(us - first_us) - offset_s;
     if (!turning.samples.empty()) {
       const double step_s = time_s - turning.samples.back().time_s;
-      if (!(step_s > 0.0)) return refuse("run backwards");
-      if (step_s > kLongestGapS) return refuse("have gaps");
+      if (!(step_s > 0.0)) return refuse(RemarkCode::kGyroBackwards);
+      if (step_s > kLongestGapS) return refuse(RemarkCode::kGyroWithGaps);
     }
     turning.samples.push_back({time_s, InCam(in_body)});
   }

@@ -16,6 +16,6 @@
 
 namespace skyquilt::flight {
 
-std::optional<RecordedTurning> TurningFromTags(const XmpTags& xmp, std::vector<std::string>& notes);
+std::optional<RecordedTurning> TurningFromTags(const XmpTags& xmp, std::vector<Remark>& notes);
 
 }  // namespace skyquilt::flight

@@ -1,7 +1,5 @@
 #include "core/flight/metadata/position_tags.h"
 
-#include <fmt/format.h>
-
 #include <cctype>
 #include <cmath>
 #include <string_view>
@@ -68,7 +66,7 @@ std::optional<geo::LatLon> XmpPosition(const XmpTags& xmp) {
 }
 
 std::optional<RecordedPosition> ChoosePosition(const ExifRecord& exif, const XmpTags& xmp,
-                                               std::vector<std::string>& notes) {
+                                               std::vector<Remark>& notes) {
   const auto from_xmp = XmpPosition(xmp);
   RecordedPosition recorded;
   if (!exif.position) {
@@ -81,8 +79,7 @@ std::optional<RecordedPosition> ChoosePosition(const ExifRecord& exif, const Xmp
   recorded.source = "exif";
   if (!from_xmp) {
     if (!exif.is_hemisphere_known) {
-      notes.push_back(
-          "The EXIF position does not say north or south, east or west; north and east were taken.");
+      notes.push_back(RemarkCode::kHemispheresUnsaid);
     }
     return recorded;
   }
@@ -94,7 +91,7 @@ std::optional<RecordedPosition> ChoosePosition(const ExifRecord& exif, const Xmp
     recorded.position = *from_xmp;
     recorded.source = "xmp";
   } else if (apart_m > kFarApartM) {
-    notes.push_back(fmt::format("EXIF and XMP put the photo {:.0f} m apart; EXIF was taken.", apart_m));
+    notes.push_back({RemarkCode::kPositionsApart, {{"apart_m", apart_m}}});
   }
   return recorded;
 }
@@ -107,7 +104,7 @@ bool IsAbsoluteAltitudeEllipsoidal(const ExifRecord& exif, const XmpTags& xmp) {
 }
 
 void ChooseHeights(const ExifRecord& exif, const XmpTags& xmp, RecordedPosition& recorded,
-                   std::vector<std::string>& notes) {
+                   std::vector<Remark>& notes) {
   for (const std::string_view name :
        {"drone-dji:RelativeAltitude", "drone-skydio:RelativeAltitude", "sensefly:Height"}) {
     if (!recorded.height_above_takeoff_m) recorded.height_above_takeoff_m = Height(xmp, name);
@@ -129,17 +126,13 @@ void ChooseHeights(const ExifRecord& exif, const XmpTags& xmp, RecordedPosition&
   if (absolute) {
     if (exif.altitude_m && relative && std::abs(*exif.altitude_m - *relative) < kSameM &&
         std::abs(*absolute - *relative) > 5.0) {
-      notes.push_back(
-          "The EXIF altitude is the height above take-off; it was not taken as height above the sea.");
+      notes.push_back(RemarkCode::kAltitudeOfTakeoff);
     } else if (exif.altitude_m && std::abs(*exif.altitude_m - *absolute) > kContradictionM) {
-      notes.push_back(
-          fmt::format("EXIF says {:.0f} m above the sea, XMP {:.0f} m; neither should be trusted.",
-                      *exif.altitude_m, *absolute));
+      notes.push_back({RemarkCode::kAltitudesApart, {{"exif_m", *exif.altitude_m}, {"xmp_m", *absolute}}});
     }
   } else if (exif.altitude_m) {
     if (relative && std::abs(*exif.altitude_m - *relative) < kSameM) {
-      notes.push_back(
-          "The EXIF altitude repeats the height above take-off and was not taken as height above the sea.");
+      notes.push_back(RemarkCode::kAltitudeRepeatsHeight);
     } else {
       absolute = exif.altitude_m;
     }
@@ -162,7 +155,7 @@ void ChooseSigmas(const ExifRecord& exif, const XmpTags& xmp, RecordedPosition& 
 }  // namespace
 
 std::optional<RecordedPosition> PositionFromTags(const ExifRecord& exif, const XmpTags& xmp,
-                                                 std::vector<std::string>& notes) {
+                                                 std::vector<Remark>& notes) {
   std::optional<RecordedPosition> recorded = ChoosePosition(exif, xmp, notes);
   if (!recorded) return std::nullopt;
   ChooseHeights(exif, xmp, *recorded, notes);

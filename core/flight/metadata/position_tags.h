@@ -15,6 +15,6 @@
 namespace skyquilt::flight {
 
 std::optional<RecordedPosition> PositionFromTags(const ExifRecord& exif, const XmpTags& xmp,
-                                                 std::vector<std::string>& notes);
+                                                 std::vector<Remark>& notes);
 
 }  // namespace skyquilt::flight

@@ -1,7 +1,5 @@
 #include "core/flight/photos/choose_intrinsics.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -86,7 +84,7 @@ std::optional<Intrinsics> FromCalibratedFocalLength(int width_px, int height_px,
 }
 
 std::optional<Intrinsics> FromXmpCamera(int width_px, int height_px, const ExifRecord& exif,
-                                        const XmpTags& xmp, std::vector<std::string>& notes) {
+                                        const XmpTags& xmp, std::vector<Remark>& notes) {
   const auto focal = xmp.Number("Camera:PerspectiveFocalLength");
   if (!focal) return std::nullopt;
   const std::string unit = xmp.Text("Camera:PerspectiveFocalLengthUnits");
@@ -97,7 +95,7 @@ std::optional<Intrinsics> FromXmpCamera(int width_px, int height_px, const ExifR
   if (!IsPlausible(focal_px, width_px, height_px)) return std::nullopt;
   Intrinsics camera = Intrinsics::Centered(width_px, height_px, focal_px);
   if (xmp.Text("Camera:ModelType").starts_with("fish")) {
-    notes.push_back("The lens is a fisheye; it is treated as a plain one until the photos are aligned.");
+    notes.push_back(RemarkCode::kFisheyeAsPlain);
     return camera;
   }
   if (const auto center = ParseXmpNumbers(xmp.Text("Camera:PrincipalPoint"));
@@ -125,7 +123,7 @@ std::optional<Intrinsics> FromXmpCamera(int width_px, int height_px, const ExifR
 
 // Pix4D's fisheye: the affine matrix is in pixels a right angle, the principal point in mm.
 std::optional<Intrinsics> FromFisheye(int width_px, int height_px, const ExifRecord& exif, const XmpTags& xmp,
-                                      std::vector<std::string>& notes) {
+                                      std::vector<Remark>& notes) {
   constexpr std::size_t kAffineNumbers = 4, kPolynomialNumbers = 4;
   const auto affine = AllXmpNumbers(xmp.Text("Camera:FisheyeAffineMatrix"), kAffineNumbers);
   const auto bend = AllXmpNumbers(xmp.Text("Camera:FisheyePolynomial"), kPolynomialNumbers);
@@ -142,23 +140,20 @@ std::optional<Intrinsics> FromFisheye(int width_px, int height_px, const ExifRec
   if (!fitted || !IsPlausible(fitted->lens.focal_x_px, width_px, height_px)) return std::nullopt;
   constexpr double kWorthSayingPx = 1.0;
   if (fitted->worst_px > kWorthSayingPx) {
-    notes.push_back(fmt::format(
-        "The lens is a fisheye, whose calibration the lens model fits within {:.1f} px.", fitted->worst_px));
+    notes.push_back({RemarkCode::kFisheyeFitted, {{"worst_px", fitted->worst_px}}});
   }
   return fitted->lens;
 }
 
 std::optional<double> FromFocalPlane(int width_px, int height_px, const ExifRecord& exif,
-                                     std::vector<std::string>& notes) {
+                                     std::vector<Remark>& notes) {
   if (!exif.focal_length_mm || !exif.focal_plane_x_px_per_mm) return std::nullopt;
   // The tag is a pixel pitch, and by it a cropped image keeps its focal length. Where the size on record
   // differs from the image's, the program that changed the image left the tags alone, and only the images can
   // tell a crop from a smaller copy.
   if (exif.recorded_width_px && std::max(width_px, height_px) != *exif.recorded_width_px) {
-    notes.push_back(
-        fmt::format("The camera recorded an image of {} px, this one has {} px: taken as a crop with the "
-                    "same pixel size, unless the images say otherwise.",
-                    *exif.recorded_width_px, std::max(width_px, height_px)));
+    notes.push_back({RemarkCode::kSizeNotAsRecorded,
+                     {{"recorded_px", *exif.recorded_width_px}, {"side_px", std::max(width_px, height_px)}}});
   }
   return *exif.focal_length_mm * *exif.focal_plane_x_px_per_mm;
 }
@@ -178,14 +173,14 @@ bool IsNear(double ratio, double wanted) {
 
 // Inches for centimetres and the like: why the focal plane's resolution is not what it says, by the sensor
 // and the lens that the other tags tell of, or by a sensor that no camera has.
-std::optional<std::string> WhyPlaneIsWrong(int width_px, int height_px, const ExifRecord& exif) {
+std::optional<Remark> WhyPlaneIsWrong(int width_px, int height_px, const ExifRecord& exif) {
   if (!exif.focal_plane_x_px_per_mm) return std::nullopt;
   const double side_px = std::max(width_px, height_px);
   const double recorded_px = exif.recorded_width_px.value_or(side_px);
   const double sensor_mm = recorded_px / *exif.focal_plane_x_px_per_mm;
   struct Other {
     std::optional<double> px_per_mm;
-    const char* name;
+    RemarkCode name;
   };
   const auto sensor = camera::FindSensor(exif.model);
   std::optional<double> of_table, of_equivalent;
@@ -196,9 +191,9 @@ std::optional<std::string> WhyPlaneIsWrong(int width_px, int height_px, const Ex
   }
   if (exif.focal_length_35mm_mm && exif.focal_length_mm && exif.digital_zoom <= 1.0)
     of_equivalent = FocalPxFrom35mm(*exif.focal_length_35mm_mm, width_px, height_px) / *exif.focal_length_mm;
-  std::optional<std::string> why;
+  std::optional<Remark> why;
   for (const Other& other :
-       {Other{of_table, "the camera's sensor is known"}, Other{of_equivalent, "the 35 mm equivalent says"}}) {
+       {Other{of_table, RemarkCode::kSensorAsKnown}, Other{of_equivalent, RemarkCode::kSensorByEquivalent}}) {
     if (!other.px_per_mm) continue;
     const double as_written = *exif.focal_plane_x_px_per_mm / *other.px_per_mm;
     // A crop keeps the pixels of the tag, a smaller copy does not.
@@ -208,17 +203,15 @@ std::optional<std::string> WhyPlaneIsWrong(int width_px, int height_px, const Ex
     if (std::any_of(std::begin(kUnits), std::end(kUnits), [&](double factor) {
           return IsNear(as_smaller_copy, factor) || IsNear(as_smaller_copy, 1.0 / factor);
         })) {
-      why = fmt::format(
-          "By its focal plane resolution the sensor would be {:.1f} mm wide, and it is {:.1f} mm as {}: its unit "
-          "is wrong (inches for centimetres, or the like), and it is left aside.",
-          sensor_mm, sensor_mm * as_smaller_copy, other.name);
+      why = {RemarkCode::kSensorOfWrongUnit,
+             {{"written_mm", sensor_mm},
+              {"sensor_mm", sensor_mm * as_smaller_copy},
+              {"known", Remark(other.name)}}};
     }
   }
   constexpr double kNarrowestMm = 1.5, kWidestMm = 60.0;
   if (why || (sensor_mm > kNarrowestMm && sensor_mm < kWidestMm)) return why;
-  return fmt::format(
-      "By its focal plane resolution the sensor would be {:.1f} mm wide, which hardly any is: it is left aside.",
-      sensor_mm);
+  return Remark{RemarkCode::kSensorImpossible, {{"written_mm", sensor_mm}}};
 }
 
 }  // namespace
@@ -231,7 +224,7 @@ double FocalPxFrom35mm(double focal_35mm, int width_px, int height_px) {
 }
 
 ChosenIntrinsics ChooseIntrinsics(int width_px, int height_px, const ExifRecord& recorded, const XmpTags& xmp,
-                                  std::vector<std::string>& notes) {
+                                  std::vector<Remark>& notes) {
   if (const auto camera = FromDewarpData(width_px, height_px, xmp))
     return {*camera, FocalSource::kDewarpData};
   if (const auto camera = FromCalibratedFocalLength(width_px, height_px, xmp)) {
@@ -254,7 +247,7 @@ ChosenIntrinsics ChooseIntrinsics(int width_px, int height_px, const ExifRecord&
     if (!focal_px || !IsPlausible(*focal_px, width_px, height_px)) return std::nullopt;
     return ChosenIntrinsics{Intrinsics::Centered(width_px, height_px, *focal_px), source};
   };
-  std::vector<std::string> focal_plane_notes;
+  std::vector<Remark> focal_plane_notes;
   auto focal_plane = FromFocalPlane(width_px, height_px, exif, focal_plane_notes);
   auto table = FromSensorTable(width_px, height_px, exif);
   if (exif.digital_zoom > 1.0) {
@@ -271,9 +264,7 @@ ChosenIntrinsics ChooseIntrinsics(int width_px, int height_px, const ExifRecord&
     if (const auto found = chosen(focal_px, FocalSource::k35mmEquivalent)) return *found;
   }
   constexpr double kUsualFocalPerSide = 0.8;
-  notes.push_back(
-      "No focal length is recorded: a usual drone lens (60 to 70 degrees wide) is the first guess, which the images "
-      "refine.");
+  notes.push_back(RemarkCode::kNoFocalLength);
   return {Intrinsics::Centered(width_px, height_px, kUsualFocalPerSide * std::max(width_px, height_px)),
           FocalSource::kAssumed};
 }

@@ -27,7 +27,7 @@ struct ChosenIntrinsics {
 };
 
 ChosenIntrinsics ChooseIntrinsics(int width_px, int height_px, const ExifRecord& recorded, const XmpTags& xmp,
-                                  std::vector<std::string>& notes);
+                                  std::vector<Remark>& notes);
 
 // Pixels from a 35 mm equivalent, by its definition over the diagonal (CIPA DCG-001: 43.27 mm). Cameras keep
 // the number when they crop their 4:3 sensor to a wide image, so the diagonal of an image wider than 3:2 is

@@ -192,7 +192,7 @@ Result<ImageHeader> ReadImageHeader(ByteSource& source) {
   return header;
 }
 
-XmpTags ReadXmp(const ImageHeader& header, ByteSource& source, std::vector<std::string>& notes) {
+XmpTags ReadXmp(const ImageHeader& header, ByteSource& source, std::vector<Remark>& notes) {
   XmpTags xmp;
   bool is_broken = false;
   for (const std::string& packet : header.xmp_packets) is_broken |= !xmp.AddPacket(packet);
@@ -200,7 +200,7 @@ XmpTags ReadXmp(const ImageHeader& header, ByteSource& source, std::vector<std::
     const std::string packet = ScanForXmpPacket(source);
     if (!packet.empty()) is_broken |= !xmp.AddPacket(packet);
   }
-  if (is_broken && xmp.empty()) notes.push_back("The XMP metadata is damaged and was not used.");
+  if (is_broken && xmp.empty()) notes.push_back(RemarkCode::kXmpDamaged);
   return xmp;
 }
 

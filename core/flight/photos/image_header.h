@@ -24,7 +24,7 @@ struct ImageHeader {
 };
 
 // The XMP of a header, or of wherever else in the source it stands; what is damaged is said in `notes`.
-XmpTags ReadXmp(const ImageHeader& header, ByteSource& source, std::vector<std::string>& notes);
+XmpTags ReadXmp(const ImageHeader& header, ByteSource& source, std::vector<Remark>& notes);
 
 // Errors: kUnsupportedFormat (says what it is, where known), kCorrupt, kTooLarge.
 Result<ImageHeader> ReadImageHeader(ByteSource& source);

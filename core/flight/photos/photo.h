@@ -123,7 +123,7 @@ struct Photo {
   std::optional<double> exposure_log2;  // how much light counts: log2(time x ISO / 100 / f-number^2)
   std::optional<double> readout_s;    // from the first row to the last, of a camera known to read row by row
   bool is_resaved_by_viewer = false;  // the picture may have been turned after its angles were recorded
-  std::vector<std::string> notes;     // what was corrected or doubted on reading, in words
+  std::vector<Remark> notes;          // what was corrected or doubted on reading
 };
 
 // A photo or file that takes no part in the map, and why.

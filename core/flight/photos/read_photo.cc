@@ -113,17 +113,14 @@ void NoteSoftware(Photo& photo) {
        {"Photo Viewer", "Windows Photo", "Microsoft Photo", "Picasa", "ACDSee"}) {
     if (photo.software.find(viewer) == std::string::npos) continue;
     photo.is_resaved_by_viewer = true;
-    photo.notes.push_back("Re-saved by " + photo.software +
-                          ": the picture may have been turned after its angles were recorded.");
+    photo.notes.push_back({RemarkCode::kResaved, {{"software", photo.software}}});
     return;
   }
 }
 
 void NoteOrientation(const ExifRecord& exif, Photo& photo) {
   if (!exif.orientation || *exif.orientation == 1) return;
-  photo.notes.push_back(fmt::format(
-      "EXIF asks viewers to turn the picture (orientation {}); it is used as the sensor stored it.",
-      *exif.orientation));
+  photo.notes.push_back({RemarkCode::kTurnedByExif, {{"orientation", *exif.orientation}}});
 }
 
 // A lens without an f-number has one opening.

@@ -1,6 +1,6 @@
 // Remark: one thing that whoever asked for a map is to know, as a code with numbers and names. Whoever
 // decides looks at the code. The English sentence is made by InWords (remark_words.h) alone, from
-// remark_sentences.cc; those of the page stand in web/src/languages/*/remarks.js, and
+// sentences_on_*.h; those of the page stand in web/src/languages/*/remarks.js, and
 // tests/web/languages/remarks.test.js holds all of them to this list. A value's name ends with its unit
 // (`apart_m`), or with `_words` where it is English that no code stands for. Values; any thread.
 #pragma once
@@ -15,7 +15,7 @@
 
 namespace skyquilt::flight {
 
-enum class RemarkCode : std::uint8_t {
+enum class RemarkCode : std::uint16_t {
   kText,       // a sentence without a code, as a reader of files has it
   kSentences,  // one after the other
   kOfPhoto,
@@ -37,6 +37,39 @@ enum class RemarkCode : std::uint8_t {
   kPhotosTimedByName,
   kPhotosWithoutTime,
   kPhotosOfUnknownZone,
+  // What was corrected or doubted on reading a photo.
+  kResaved,
+  kTurnedByExif,
+  kXmpDamaged,
+  kPositionUnread,
+  kPositionZero,
+  kPositionNotOnEarth,
+  kPositionNotValid,
+  kHemispheresUnsaid,
+  kPositionsApart,
+  kAltitudeImpossible,
+  kAltitudeOfTakeoff,
+  kAltitudeRepeatsHeight,
+  kAltitudesApart,
+  kClocksDisagree,
+  kAnglesImpossible,
+  kAnglesZero,
+  kHeadingAlone,
+  kGyroNotUsed,
+  kGyroAtImpossibleTime,
+  kGyroDamaged,
+  kGyroTooShort,
+  kGyroImpossibleRates,
+  kGyroBackwards,
+  kGyroWithGaps,
+  kFisheyeAsPlain,
+  kFisheyeFitted,
+  kSizeNotAsRecorded,
+  kSensorOfWrongUnit,
+  kSensorAsKnown,
+  kSensorByEquivalent,
+  kSensorImpossible,
+  kNoFocalLength,
   // Pictures of other cameras.
   kOtherCameraAside,
   kThermalAside,

@@ -16,7 +16,7 @@ using geo::RadToDeg;
 
 struct AttitudeRead {
   std::optional<RecordedAttitude> attitude;
-  std::vector<std::string> notes;
+  std::vector<Remark> notes;
 };
 
 AttitudeRead ReadXmp(const std::string& attributes, const std::string& elements = "",
@@ -103,7 +103,7 @@ TEST(AttitudeFromTags, RefusesAllZeroGimbalAnglesAndSaysSo) {
   const AttitudeRead read = ReadXmp(Dji("0.0", "+0.00", "0"));
   EXPECT_FALSE(read.attitude);
   ASSERT_EQ(read.notes.size(), 1u);
-  EXPECT_NE(read.notes[0].find("exactly zero"), std::string::npos);
+  EXPECT_EQ(read.notes[0], Remark(RemarkCode::kAnglesZero, {{"tags", "drone-dji"}}));
 }
 
 TEST(AttitudeFromTags, TakesOnlyTheHeadingOfADjiAirframe) {

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "core/camera/sensor_database.h"
+#include "core/flight/remarks/remark_words.h"
 #include "tests/core/flight/synthetic_photo.h"
 
 namespace skyquilt::flight {
@@ -16,7 +17,7 @@ ChosenIntrinsics Choose(int width_px, int height_px, const ExifRecord& exif,
                         const std::string& attributes = "") {
   XmpTags xmp;
   EXPECT_TRUE(xmp.AddPacket(XmpPacket(attributes)));
-  std::vector<std::string> notes;
+  std::vector<Remark> notes;
   return ChooseIntrinsics(width_px, height_px, exif, xmp, notes);
 }
 
@@ -142,12 +143,12 @@ TEST(ChooseIntrinsics, LeavesAFocalPlaneOfTheWrongUnitAside) {
       ExifRecord exif = ExifInUnit(factor);
       if (is_listed) exif.model = "FC300S";
       if (!is_listed) exif.focal_length_35mm_mm = 20.0;
-      std::vector<std::string> notes;
+      std::vector<Remark> notes;
       const auto chosen = ChooseIntrinsics(4000, 3000, exif, XmpTags(), notes);
       EXPECT_EQ(chosen.source, is_listed ? FocalSource::kSensorTable : FocalSource::k35mmEquivalent);
       EXPECT_NEAR(chosen.intrinsics.focal_x_px, 3.61 / 6.17 * 4000, 60.0);
       ASSERT_EQ(notes.size(), 1u);
-      EXPECT_NE(notes[0].find("unit"), std::string::npos);
+      EXPECT_EQ(notes[0].code, RemarkCode::kSensorOfWrongUnit);
     }
   }
 }
@@ -177,14 +178,14 @@ TEST(ChooseIntrinsics, KeepsAFocalPlaneThatAnyOtherSourceConfirms) {
 }
 
 TEST(ChooseIntrinsics, LeavesASensorThatNoCameraHasAside) {
-  std::vector<std::string> notes;
+  std::vector<Remark> notes;
   EXPECT_EQ(ChooseIntrinsics(4000, 3000, ExifInUnit(4.4), XmpTags(), notes).source, FocalSource::kAssumed);
-  EXPECT_NE(notes.at(0).find("1.4 mm wide"), std::string::npos) << notes.at(0);
+  EXPECT_NE(InWords(notes.at(0)).find("1.4 mm wide"), std::string::npos) << InWords(notes.at(0));
 }
 
 TEST(ChooseIntrinsics, SaysWhenItHadToAssume) {
   XmpTags xmp;
-  std::vector<std::string> notes;
+  std::vector<Remark> notes;
   const auto chosen = ChooseIntrinsics(4000, 3000, {}, xmp, notes);
   EXPECT_EQ(chosen.source, FocalSource::kAssumed);
   EXPECT_EQ(notes.size(), 1u);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/flight/remarks/remark_words.h"
 #include "tests/core/flight/synthetic_photo.h"
 
 namespace skyquilt::flight {
@@ -46,7 +47,7 @@ std::string Written(const std::vector<Record>& records) {
 
 struct GyroRead {
   std::optional<RecordedTurning> turning;
-  std::vector<std::string> notes;
+  std::vector<Remark> notes;
 };
 
 GyroRead ReadText(const std::string& text, const std::string& offset_ns = "10000000") {
@@ -90,7 +91,8 @@ TEST(TurningFromTags, RefusesWhatNoGyroWrites) {
     const GyroRead read = ReadText(text, offset_ns);
     EXPECT_FALSE(read.turning) << why;
     ASSERT_EQ(read.notes.size(), 1U) << why;
-    EXPECT_NE(read.notes.front().find(why), std::string::npos) << read.notes.front();
+    const std::string note = InWords(read.notes.front());
+    EXPECT_NE(note.find(why), std::string::npos) << note;
   };
   const Record first{1000, 0.1F, 0.2F, 0.3F}, second{2000, 0.1F, 0.2F, 0.3F};
   const std::string good = Written({first, second});
@@ -114,7 +116,7 @@ TEST(TurningFromTags, RefusesWhatNoGyroWrites) {
 
 TEST(TurningFromTags, SaysNothingOfPhotosWithoutAGyro) {
   XmpTags xmp;
-  std::vector<std::string> notes;
+  std::vector<Remark> notes;
   EXPECT_FALSE(TurningFromTags(xmp, notes));
   EXPECT_FALSE(ReadText("").turning);
   EXPECT_TRUE(notes.empty());

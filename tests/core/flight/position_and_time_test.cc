@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/flight/photos/read_photo.h"
+#include "core/flight/remarks/remark_words.h"
 #include "tests/core/flight/synthetic_photo.h"
 
 namespace skyquilt::flight {
@@ -19,7 +20,7 @@ Photo Read(const ExifWriter& exif, const std::string& xmp = "", bool is_big_endi
 }
 
 bool Notes(const Photo& photo, const std::string& words) {
-  for (const std::string& note : photo.notes) {
+  for (const std::string& note : InWords(photo.notes)) {
     if (note.find(words) != std::string::npos) return true;
   }
   return false;

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "core/flight/metadata/xmp.h"
+#include "core/flight/remarks/remark_words.h"
 #include "tests/core/flight/synthetic_photo.h"
 
 namespace skyquilt::flight {
@@ -138,8 +139,8 @@ TEST(ReadPhoto, NotesOrientationAndViewersWithoutTurningAnything) {
                                        .Write()}));
   ASSERT_TRUE(photo.ok());
   EXPECT_EQ(photo->intrinsics.width_px, 4000);
-  EXPECT_THAT(photo->notes, ::testing::Contains(HasSubstr("orientation 6")));
-  EXPECT_THAT(photo->notes, ::testing::Contains(HasSubstr("Re-saved by")));
+  EXPECT_THAT(InWords(photo->notes), ::testing::Contains(HasSubstr("orientation 6")));
+  EXPECT_THAT(InWords(photo->notes), ::testing::Contains(HasSubstr("Re-saved by")));
 }
 
 TEST(ReadPhoto, RefusesOtherFilesInWordsThatHelp) {

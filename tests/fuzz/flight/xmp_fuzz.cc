@@ -14,7 +14,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   using namespace skyquilt::flight;
   XmpTags xmp;
   xmp.AddPacket(std::string_view(reinterpret_cast<const char*>(bytes), size));
-  std::vector<std::string> notes;
+  std::vector<Remark> notes;
   if (const auto attitude = AttitudeFromTags(xmp, std::nullopt, "", notes)) {
     SKYQUILT_CHECK(std::isfinite(attitude->yaw_rad + attitude->pitch_rad + attitude->roll_rad),
                    "an endless angle");

@@ -21,7 +21,7 @@ const codes = [...(source('remark.h').match(/enum class RemarkCode[^{]*\{([^}]*)
 
 /** @type {Map<string, Set<string>>} by code, the values that its English sentence says */
 const said_there = new Map(
-  source('remark_sentences.cc').split('{RemarkCode::k').slice(1).map((row) => {
+  (source('sentences_on_inputs.h') + source('sentences_on_maps.h')).split('{RemarkCode::k').slice(1).map((row) => {
     const literals = [...row.matchAll(/"((?:[^"\\]|\\.)*)"/g)].map(([, text]) => text);
     const values = [...literals.slice(1).join('').matchAll(/\{(\w+)(?::[^}]*)?\}/g)].map(([, name]) => name);
     return [literals[0], new Set(values)];
