@@ -59,8 +59,8 @@ void KeepList(Result<List> list, std::vector<List>& lists, std::vector<Remark>& 
     warnings.push_back(NotRead(list.error()));
     return;
   }
-  for (const std::string& warning : list->warnings)
-    notes.push_back({RemarkCode::kOfFile, {{"file", list->file_name}, {"said_words", warning}}});
+  for (const Remark& warning : list->warnings)
+    notes.push_back({RemarkCode::kOfFile, {{"file", list->file_name}, {"said", warning}}});
   lists.push_back(*std::move(list));
 }
 
@@ -85,8 +85,8 @@ void ReadLogs(const SortedFiles& files, Flight& flight, Progress& progress) {
       flight.warnings.push_back(NotRead(log.error()));
       continue;
     }
-    for (const std::string& warning : log->warnings) {
-      notes.push_back({RemarkCode::kOfFile, {{"file", file.name}, {"said_words", warning}}});
+    for (const Remark& warning : log->warnings) {
+      notes.push_back({RemarkCode::kOfFile, {{"file", file.name}, {"said", warning}}});
     }
     flight.logs.push_back(*std::move(log));
   }

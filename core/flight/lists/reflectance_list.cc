@@ -10,6 +10,7 @@
 #include "core/flight/logs/log_text.h"
 #include "core/flight/logs/mapped_file.h"
 #include "core/flight/logs/text_fields.h"
+#include "core/flight/remarks/remark_words.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -182,7 +183,7 @@ Result<ReflectanceList> ParseReflectanceList(std::string_view name, std::string_
   if (list.panels.empty() && list.targets.empty()) {
     return Error{ErrorCode::kCorrupt,
                  list.file_name + " has no row that can be used" +
-                     (list.warnings.empty() ? "." : " (" + list.warnings.front() + ")."),
+                     (list.warnings.empty() ? "." : " (" + InWords(list.warnings.front()) + ")."),
                  ""};
   }
   return list;

@@ -18,6 +18,7 @@
 
 #include "core/base/result.h"
 #include "core/flight/lists/input_file.h"
+#include "core/flight/remarks/remark.h"
 #include "core/geo/lat_lon.h"
 
 namespace skyquilt::flight {
@@ -46,7 +47,7 @@ struct ReflectanceList {
   std::string file_name;
   std::vector<PanelInPhoto> panels;
   std::vector<GroundTarget> targets;
-  std::vector<std::string> warnings;
+  std::vector<Remark> warnings;
 };
 
 // The row of a photo, whatever the case of its name; null where none names it.

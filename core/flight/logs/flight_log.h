@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "core/flight/photos/photo.h"
+#include "core/flight/remarks/remark.h"
 #include "core/geo/lat_lon.h"
 
 namespace skyquilt::flight {
@@ -103,7 +104,7 @@ struct FlightLog {
   bool written_order_is_assumed = false;  // neither a header nor the format says it
   std::map<std::string, std::uint64_t> message_counts;  // by the format's own message names
   std::vector<std::string> mapping;                     // for tolerant formats: "column -> meaning, unit"
-  std::vector<std::string> warnings;                    // damage, drop-outs, what was skipped and why
+  std::vector<Remark> warnings;                         // damage, drop-outs, what was skipped and why
 };
 
 }  // namespace skyquilt::flight

@@ -1,12 +1,9 @@
 #include "core/flight/logs/log_builder.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "core/base/median.h"
-#include "core/base/printable.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -136,12 +133,12 @@ LogBuilder::LogBuilder(std::string format, std::string_view file_name, std::size
   log_.file_name = file_name;
 }
 
-void LogBuilder::Warn(std::string warning) {
+void LogBuilder::Warn(Remark warning) {
   constexpr std::size_t kMaxWarnings = 100;
   if (log_.warnings.size() < kMaxWarnings) {
     log_.warnings.push_back(std::move(warning));
   } else if (log_.warnings.size() == kMaxWarnings) {
-    log_.warnings.emplace_back("more warnings of this file were left out");
+    log_.warnings.emplace_back(RemarkCode::kMoreOfFile);
   }
 }
 
@@ -260,20 +257,15 @@ void LogBuilder::KeepLongestSegment() {
   keep(log_.events);
   std::uint64_t total = 0;
   for (const std::uint64_t count : samples_of_segment_) total += count;
-  Warn(
-      fmt::format("the recorder's clock jumped back {} times (restarts); part {} with {} of {} samples is "
-                  "used, cut the file to use "
-                  "another",
-                  segment_, kept + 1, *longest, total));
+  Warn({RemarkCode::kClockJumpedBack,
+        {{"jumps", segment_}, {"part", kept + 1}, {"samples", *longest}, {"samples_in_all", total}}});
 }
 
 FlightLog LogBuilder::Finish() && {
-  if (imu_.stride() > 1)
-    Warn(fmt::format("the log is very long: {} IMU samples were averaged into one", imu_.stride()));
+  if (imu_.stride() > 1) Warn({RemarkCode::kImuAveraged, {{"samples", imu_.stride()}}});
   const auto thinned =
       std::max({attitude_.stride(), gnss_.stride(), baro_.stride(), range_.stride(), gimbal_.stride()});
-  if (thinned > 1)
-    Warn(fmt::format("the log is very long: one in {} samples of its longest series is used", thinned));
+  if (thinned > 1) Warn({RemarkCode::kSeriesThinned, {{"samples", thinned}}});
   log_.imu = std::move(imu_.samples());
   log_.attitude = std::move(attitude_.samples());
   log_.gimbal = std::move(gimbal_.samples());
@@ -286,20 +278,12 @@ FlightLog LogBuilder::Finish() && {
   const std::size_t duplicates = SortAndDropDuplicates(log_.imu) + SortAndDropDuplicates(log_.attitude) +
                                  SortAndDropDuplicates(log_.gimbal) + SortAndDropDuplicates(log_.gnss) +
                                  SortAndDropDuplicates(log_.baro) + SortAndDropDuplicates(log_.range);
-  if (duplicates > 0)
-    Warn(Counted(duplicates, "sample with the time of another was dropped",
-                 "samples with the time of another were dropped"));
-  if (not_finite_ > 0)
-    Warn(Counted(not_finite_, "sample without usable numbers was dropped",
-                 "samples without usable numbers were dropped"));
-  if (bad_positions_ > 0)
-    Warn(Counted(bad_positions_, "position without a fix was dropped",
-                 "positions without a fix were dropped"));
-  if (stray_stamps_ > 0)
-    Warn(Counted(stray_stamps_, "sample with a stray time stamp was dropped",
-                 "samples with a stray time stamp were dropped"));
+  if (duplicates > 0) Warn({RemarkCode::kSamplesOfOneTime, {{"samples", duplicates}}});
+  if (not_finite_ > 0) Warn({RemarkCode::kSamplesWithoutNumbers, {{"samples", not_finite_}}});
+  if (bad_positions_ > 0) Warn({RemarkCode::kPositionsWithoutFix, {{"positions", bad_positions_}}});
+  if (stray_stamps_ > 0) Warn({RemarkCode::kStampsStray, {{"samples", stray_stamps_}}});
   if (events_dropped_ > 0) {
-    Warn(fmt::format("more than {} camera events; the last {} were dropped", kMaxEvents, events_dropped_));
+    Warn({RemarkCode::kEventsBeyond, {{"most", kMaxEvents}, {"dropped", events_dropped_}}});
   }
   if (baro_starts_at_zero_ && !log_.baro.empty()) {
     std::vector<double> first;

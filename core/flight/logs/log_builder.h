@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "core/flight/logs/flight_log.h"
+#include "core/flight/remarks/remark.h"
 
 namespace skyquilt::flight {
 
@@ -60,7 +61,7 @@ class LogBuilder {
 
   // The heights added are above some far zero: subtract the median of the first ten.
   void BaroStartsAtZero() { baro_starts_at_zero_ = true; }
-  void Warn(std::string warning);                               // at most 100, then a last one says so
+  void Warn(Remark warning);                                    // at most 100, then a last one says so
   void Count(const std::string& message, std::uint64_t count);  // of at most 1000 kinds; the rest in one
   // What has no clean-up rule: utc_at_zero, mapping, ...
   FlightLog& log() { return log_; }

@@ -3,15 +3,18 @@
 
 #include "core/flight/remarks/remark_words.h"
 #include "core/flight/remarks/sentences_on_inputs.h"
+#include "core/flight/remarks/sentences_on_logs.h"
 #include "core/flight/remarks/sentences_on_maps.h"
 
 namespace skyquilt::flight {
 namespace {
 
 constexpr auto kSentences = [] {
-  std::array<RemarkSentence, kSentencesOnInputs.size() + kSentencesOnMaps.size()> all{};
-  std::copy(kSentencesOnMaps.begin(), kSentencesOnMaps.end(),
-            std::copy(kSentencesOnInputs.begin(), kSentencesOnInputs.end(), all.begin()));
+  std::array<RemarkSentence, kSentencesOnInputs.size() + kSentencesOnLogs.size() + kSentencesOnMaps.size()>
+      all{};
+  auto end = std::copy(kSentencesOnInputs.begin(), kSentencesOnInputs.end(), all.begin());
+  end = std::copy(kSentencesOnLogs.begin(), kSentencesOnLogs.end(), end);
+  std::copy(kSentencesOnMaps.begin(), kSentencesOnMaps.end(), end);
   return all;
 }();
 

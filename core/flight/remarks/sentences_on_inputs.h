@@ -15,7 +15,7 @@ inline constexpr std::array kSentencesOnInputs = std::to_array<RemarkSentence>({
     {RemarkCode::kOfPhotos, "of_photos", "{photos} of {total} photos ({photo} first): {said}"},
     {RemarkCode::kMoreOfPhotos, "more_of_photos",
      "{remarks} more remarks like these on single photos are left out here."},
-    {RemarkCode::kOfFile, "of_file", "{file}: {said_words}"},
+    {RemarkCode::kOfFile, "of_file", "{file}: {said}"},
     {RemarkCode::kSameFile, "same_file", "{file} is not used: it is the same as {other}."},
     {RemarkCode::kFileNotRead, "file_not_read", "{error_words}"},
     {RemarkCode::kFilesUnknown, "files_unknown",

@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/flight/remarks/remark_words.h"
+
 namespace skyquilt::pipeline {
 
 std::string ControlJson(const flight::GcpList& list) {
@@ -22,8 +24,9 @@ std::string ControlJson(const flight::GcpList& list) {
                                                {"x", sighting.pixel_x - kMiddleOfFirstPixel},
                                                {"y", sighting.pixel_y - kMiddleOfFirstPixel}});
   }
-  const Document document = {
-      {"reference_system", list.reference_system}, {"points", points}, {"warnings", list.warnings}};
+  const Document document = {{"reference_system", list.reference_system},
+                             {"points", points},
+                             {"warnings", flight::InWords(list.warnings)}};
   return document.dump(-1, ' ', false, Document::error_handler_t::replace);
 }
 

@@ -258,7 +258,7 @@ std::optional<flight::GcpList> JudgedControl(flight::GcpList list, const NamedPh
   }
   for (std::size_t i = told; i < placed->warnings.size(); ++i)
     flight.warnings.push_back(
-        {flight::RemarkCode::kOfFile, {{"file", placed->file_name}, {"said_words", placed->warnings[i]}}});
+        {flight::RemarkCode::kOfFile, {{"file", placed->file_name}, {"said", placed->warnings[i]}}});
   Tell(std::move(use), flight);
   return *std::move(placed);
 }

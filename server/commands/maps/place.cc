@@ -100,7 +100,7 @@ pipeline::PlaceRequest RequestOf(const PlaceArguments& arguments) {
       error.message = path.filename().string() + " cannot be read as surveyed points: " + error.message;
       Fail(kCommand, error);
     }
-    for (const std::string& warning : list->warnings)
+    for (const std::string& warning : flight::InWords(list->warnings))
       fmt::print(stderr, "Warning: {}\n", Printable(path.filename().string() + ": " + warning));
     request.control.push_back(*std::move(list));
   }

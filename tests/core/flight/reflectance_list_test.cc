@@ -66,7 +66,7 @@ TEST(ReflectanceList, SaysWhatIsWrongWithARow) {
   ASSERT_TRUE(list.ok());
   EXPECT_THAT(list->panels, SizeIs(2)) << "the last has a photo alone: its panel's code is looked for";
   EXPECT_THAT(list->targets, SizeIs(0));
-  EXPECT_THAT(list->warnings,
+  EXPECT_THAT(InWords(list->warnings),
               ElementsAre(HasSubstr("line 3: \"7\" is no reflectance"), HasSubstr("belong together"),
                           HasSubstr("right is not beyond left"), HasSubstr("\"x\" is no number"),
                           HasSubstr("not on Earth"), HasSubstr("radius"), HasSubstr("names no reflectance"),
@@ -86,7 +86,7 @@ TEST(ReflectanceList, OfNothingIsRefusedInWords) {
   const auto cut = ParseReflectanceList("r.csv", long_list);
   ASSERT_TRUE(cut.ok());
   EXPECT_THAT(cut->panels, SizeIs(10'000));
-  EXPECT_THAT(cut->warnings, ElementsAre(HasSubstr("first 10000 rows")));
+  EXPECT_THAT(InWords(cut->warnings), ElementsAre(HasSubstr("first 10000 rows")));
 }
 
 TEST(ReflectanceList, HoldsABoundedNumberOfTargets) {
@@ -95,7 +95,7 @@ TEST(ReflectanceList, HoldsABoundedNumberOfTargets) {
   const auto list = ParseReflectanceList("r.csv", many);
   ASSERT_TRUE(list.ok());
   EXPECT_THAT(list->targets, SizeIs(100));
-  EXPECT_THAT(list->warnings, ElementsAre(HasSubstr("line 102: only the first 100")));
+  EXPECT_THAT(InWords(list->warnings), ElementsAre(HasSubstr("line 102: only the first 100")));
 }
 
 TEST(ReflectanceList, IsKnownByItsName) {

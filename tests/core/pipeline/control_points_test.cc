@@ -18,7 +18,7 @@ TEST(ControlPoints, HaveNoHeightsWhereAllAreZero) {
       "EPSG:4326\n7.1 46.8 0 100 200 A.JPG a\n7.2 46.8 0.00 100 200 A.JPG b\n7.1 46.9 0.0 100 200 A.JPG c\n";
   const flight::GcpList list = Read(rows);
   ASSERT_EQ(list.warnings.size(), 1u);
-  EXPECT_NE(list.warnings[0].find("not surveyed"), std::string::npos);
+  EXPECT_EQ(list.warnings[0].code, flight::RemarkCode::kHeightsNotSurveyed);
   for (const auto& point : ControlPointsOf({list})) EXPECT_FALSE(point.height_m) << point.name;
   const auto one_high = ControlPointsOf({Read(rows + "7.2 46.9 0.4 100 200 A.JPG d\n")});
   ASSERT_EQ(one_high.size(), 4u);

@@ -7,6 +7,7 @@
 #include "core/flight/logs/autopilots/dataflash.h"
 #include "core/flight/logs/autopilots/ulog.h"
 #include "core/flight/logs/csv/canonical_csv.h"
+#include "core/flight/remarks/remark_words.h"
 #include "core/simulate/sensors/logged_survey.h"
 #include "core/simulate/writers/write_csv.h"
 #include "core/simulate/writers/write_dataflash.h"
@@ -83,7 +84,7 @@ void ExpectSame(const flight::FlightLog& read, const flight::FlightLog& truth, c
   ASSERT_TRUE(read.utc_at_zero.has_value());
   EXPECT_LT(std::abs(std::chrono::duration<double>(*read.utc_at_zero - *truth.utc_at_zero).count()),
             tolerance.clock_s);
-  EXPECT_TRUE(read.warnings.empty()) << read.warnings.front();
+  EXPECT_TRUE(read.warnings.empty()) << InWords(read.warnings.front());
 }
 
 TEST(WriteDataflash, IsReadBackByTheParser) {

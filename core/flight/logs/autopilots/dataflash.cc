@@ -89,10 +89,9 @@ class DataflashReader {
         builder_.Add(event);
       }
     }
-    if (!fit && !events_without_time_.empty())
-      builder_.Warn("camera events without a time since boot were dropped");
+    if (!fit && !events_without_time_.empty()) builder_.Warn(RemarkCode::kEventsWithoutTime);
     if (!has_gps_ && builder_.gnss_count() > 0) {
-      builder_.Warn("no GPS fix in this log; positions are the autopilot's own estimate (POS)");
+      builder_.Warn(RemarkCode::kPositionsOfAutopilot);
     }
   }
 
@@ -261,8 +260,8 @@ Result<FlightLog> ParseDataflash(std::string_view name, LogBytes bytes, const Co
         fmt::format("{} holds no readable DataFlash message; copy it from the aircraft again.", name),
         fmt::format("{} bytes, {} skipped", bytes.size(), walk.skipped_bytes)};
   }
-  if (walk.skipped_bytes > 0) builder.Warn(fmt::format("{} damaged bytes were skipped", walk.skipped_bytes));
-  if (walk.ends_inside_message) builder.Warn("the file ends inside a message: it was cut off");
+  if (walk.skipped_bytes > 0) builder.Warn({RemarkCode::kBytesDamaged, {{"bytes", walk.skipped_bytes}}});
+  if (walk.ends_inside_message) builder.Warn(RemarkCode::kCutInMessage);
 
   DataflashReader reader(census, builder);
   Plans plans_again;
@@ -275,8 +274,7 @@ Result<FlightLog> ParseDataflash(std::string_view name, LogBytes bytes, const Co
       });
   reader.Finish();
   if (census.imu_counts.size() > 1) {
-    builder.Warn(fmt::format("{} IMUs were recorded; number {} (fewest clips) is used",
-                             census.imu_counts.size(), reader.imu() + 1));
+    builder.Warn({RemarkCode::kOneImuOf, {{"imus", census.imu_counts.size()}, {"used", reader.imu() + 1}}});
   }
   return std::move(builder).Finish();
 }

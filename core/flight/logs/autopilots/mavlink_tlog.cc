@@ -39,14 +39,14 @@ Result<FlightLog> ParseMavlinkTlog(std::string_view name, LogBytes bytes, const 
                  fmt::format("{} holds no readable MAVLink packet; save the telemetry log again.", name), ""};
   }
   for (const auto& [id, count] : walk.counts) builder.Count(MavlinkMessageName(id), count);
-  if (walk.damaged_bytes > 0) builder.Warn(fmt::format("{} damaged bytes were skipped", walk.damaged_bytes));
-  if (walk.cut) builder.Warn("the file ends inside a packet: it was cut off");
+  if (walk.damaged_bytes > 0) builder.Warn({RemarkCode::kBytesDamaged, {{"bytes", walk.damaged_bytes}}});
+  if (walk.cut) builder.Warn(RemarkCode::kCutInPacket);
   const auto vehicle = std::max_element(attitudes.begin(), attitudes.end(),
                                         [](const auto& a, const auto& b) { return a.second < b.second; });
   if (vehicle != attitudes.end()) {
     if (attitudes.size() > 1) {
       builder.Warn(
-          fmt::format("{} vehicles were recorded; number {} is used", attitudes.size(), vehicle->first));
+          {RemarkCode::kOneVehicleOf, {{"vehicles", attitudes.size()}, {"vehicle", vehicle->first}}});
     }
     MavlinkVehicle reader(builder, vehicle->first, fixes[vehicle->first] > 0);
     MavlinkWalk second;
@@ -54,7 +54,7 @@ Result<FlightLog> ParseMavlinkTlog(std::string_view name, LogBytes bytes, const 
     reader.Finish();
   }
   if (walk.counts[kRawImu] > 0 && builder.imu_count() == 0) {
-    builder.Warn("RAW_IMU of a telemetry link is too slow to integrate and is not used");
+    builder.Warn(RemarkCode::kImuTooSlow);
   }
   return std::move(builder).Finish();
 }

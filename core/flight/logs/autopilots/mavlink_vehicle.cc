@@ -97,7 +97,7 @@ void MavlinkVehicle::Finish() {
     builder_.log().utc_at_zero = ground->utc_at_zero;
     // Nobody checks a ground station's clock; internet time keeps it within seconds.
     builder_.log().utc_sigma_s = std::hypot(5.0, ground->scatter_s);
-    builder_.Warn("the time is the ground station's clock: the vehicle did not send its own");
+    builder_.Warn(RemarkCode::kClockOfGroundStation);
   }
   for (auto& list : events_) {  // the best kind that is there
     if (list.empty()) continue;

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 
-#include "core/base/printable.h"
 #include "core/flight/logs/autopilots/ulog_topics.h"
 #include "core/flight/logs/text_fields.h"
 
@@ -106,7 +105,7 @@ class UlogParser {
         Subscribe(payload);
         break;
       case 'F':
-        if (!types_.Define(TextOf(payload))) builder_.Warn("a malformed format definition was skipped");
+        if (!types_.Define(TextOf(payload))) builder_.Warn(RemarkCode::kFormatMalformed);
         break;
       case 'B':
         TakeFlags(payload);
@@ -130,7 +129,7 @@ class UlogParser {
     bool unknown = false;
     for (std::size_t i = 8; i < 16; ++i) unknown = unknown || (payload[i] & (i == 8 ? 0xFE : 0xFF)) != 0;
     if (unknown) {
-      builder_.Warn("the file uses a newer kind of ULog that is not read; only its part before that is used");
+      builder_.Warn(RemarkCode::kUlogTooNew);
       stop_ = true;
     }
     // The message stands once, at the start.
@@ -155,7 +154,7 @@ class UlogParser {
     subscription.instance = instance;
     subscription.reader = nullptr;
     if (!types_.Knows(topic)) {
-      builder_.Warn(fmt::format("topic {} has no format definition and is skipped", std::string(topic)));
+      builder_.Warn({RemarkCode::kTopicWithoutFormat, {{"topic", std::string(topic)}}});
     } else if (instance == 0) {
       subscription.reader = topics_.MakeReader(types_, subscription.topic);
     }
@@ -197,16 +196,14 @@ class UlogParser {
     for (Subscription& subscription : subscriptions_) FlushCount(subscription);
     topics_.Finish();
     if (dropouts_ > 0) {
-      builder_.Warn(fmt::format("the recorder dropped out {} times, {:.3f} s in all", dropouts_,
-                                static_cast<double>(dropout_ms_) * 1e-3));
+      builder_.Warn({RemarkCode::kRecorderDroppedOut,
+                     {{"dropouts", dropouts_}, {"lost_s", static_cast<double>(dropout_ms_) * 1e-3}}});
     }
-    if (damaged_ > 0) builder_.Warn(fmt::format("{} damaged bytes were skipped", damaged_));
-    if (unknown_ > 0)
-      builder_.Warn(Counted(unknown_, "message of an unknown topic was skipped",
-                            "messages of unknown topics were skipped"));
+    if (damaged_ > 0) builder_.Warn({RemarkCode::kBytesDamaged, {{"bytes", damaged_}}});
+    if (unknown_ > 0) builder_.Warn({RemarkCode::kMessagesUnknown, {{"messages", unknown_}}});
     if (subscribed_ > kMaxSubscriptions)
-      builder_.Warn(fmt::format("more than {} subscriptions; the rest was left out", kMaxSubscriptions));
-    if (cut_) builder_.Warn("the file ends inside a message: it was cut off");
+      builder_.Warn({RemarkCode::kSubscriptionsBeyond, {{"most", kMaxSubscriptions}}});
+    if (cut_) builder_.Warn(RemarkCode::kCutInMessage);
     return std::move(builder_).Finish();
   }
 

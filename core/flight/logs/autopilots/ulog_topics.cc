@@ -1,7 +1,5 @@
 #include "core/flight/logs/autopilots/ulog_topics.h"
 
-#include <fmt/format.h>
-
 #include <cmath>
 
 namespace skyquilt::flight {
@@ -273,7 +271,7 @@ void UlogTopics::Finish() {
     }
   }
   builder_.BaroStartsAtZero();
-  if (clipped_ > 0) builder_.Warn(fmt::format("{} IMU samples were clipped (strong vibration)", clipped_));
+  if (clipped_ > 0) builder_.Warn({RemarkCode::kImuClipped, {{"samples", clipped_}}});
   if (const auto fit = clock_.Solve()) {
     builder_.log().utc_at_zero = fit->utc_at_zero;
     // GPS solutions arrive 0.05 to 0.25 s late, which the scatter does not show.

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/printable.h"
 #include "core/base/try.h"
 #include "core/flight/logs/csv/csv_rows.h"
 #include "core/flight/logs/text_fields.h"
@@ -74,9 +73,8 @@ struct OffTheEarth {
   }
   void Tell(LogBuilder& builder) const {
     if (rows == 0) return;
-    builder.Warn(fmt::format(
-        "{} rows name no place on the Earth; the first, in line {}, has latitude {:.6f} and longitude {:.6f}",
-        rows, first_line, first.y, first.x));
+    builder.Warn({RemarkCode::kRowsNowhere,
+                  {{"rows", rows}, {"line", first_line}, {"lat_deg", first.y}, {"lon_deg", first.x}}});
   }
 };
 
@@ -126,8 +124,7 @@ Result<FlightLog> ParseFlightCsv(std::string_view name, LogBytes bytes, const Co
   builder.Count("row", rows);
   builder.log().mapping = DescribeColumns(columns);
   unread.Tell(columns, builder);
-  if (bad > 0)
-    builder.Warn(Counted(bad, "row without a time was skipped", "rows without a time were skipped"));
+  if (bad > 0) builder.Warn({RemarkCode::kRowsWithoutTime, {{"rows", bad}}});
   return std::move(builder).Finish();
 }
 
@@ -196,8 +193,7 @@ Result<FlightLog> ReadImageRows(const std::vector<CsvColumn>& columns, const Set
   unread.Tell(columns, builder);
   off.Tell(builder);
   for (const std::string& warning : settled.warnings) builder.Warn(warning);
-  if (bad > 0)
-    builder.Warn(Counted(bad, "row without an image was skipped", "rows without an image were skipped"));
+  if (bad > 0) builder.Warn({RemarkCode::kRowsWithoutImage, {{"rows", bad}}});
   return std::move(builder).Finish();
 }
 

@@ -293,7 +293,7 @@ void CsvSampler::Finish() {
     builder_.log().utc_at_zero = zero;
   } else {
     builder_.log().local_at_zero = zero;
-    builder_.Warn("the date column does not say UTC: it is taken as a local clock of unknown zone");
+    builder_.Warn(RemarkCode::kDatesOfNoZone);
   }
 }
 

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <map>
 
-#include "core/base/printable.h"
 #include "core/base/try.h"
 #include "core/flight/logs/csv/canonical_csv.h"
 #include "core/flight/logs/csv/csv_physics.h"
@@ -130,7 +129,7 @@ Result<FlightLog> ParseReplay(std::string_view name, LogBytes bytes, const Consu
       "column 1 -> time, us", "imu -> specific force x y z, m/s2; angular rate x y z, rad/s",
       "gps -> height above mean sea level, mm; longitude, latitude, 1e-7 deg; velocity N E D, m/s",
       "baro -> barometric height, m"};
-  if (bad > 0) builder.Warn(fmt::format("{} could not be read", Counted(bad, "row")));
+  if (bad > 0) builder.Warn({RemarkCode::kRowsUnread, {{"rows", bad}}});
   return std::move(builder).Finish();
 }
 
@@ -240,8 +239,7 @@ Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const 
     builder.log().mapping.insert(builder.log().mapping.end(), notes->begin(), notes->end());
   for (const std::string& warning : settled.warnings) builder.Warn(warning);
   unread.Tell(header->columns, builder);
-  if (bad > 0)
-    builder.Warn(Counted(bad, "row without a time was skipped", "rows without a time were skipped"));
+  if (bad > 0) builder.Warn({RemarkCode::kRowsWithoutTime, {{"rows", bad}}});
   return std::move(builder).Finish();
 }
 

@@ -1,11 +1,10 @@
 #include "core/flight/logs/csv/unread_cells.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 
 #include "core/flight/logs/text_fields.h"
+#include "core/flight/remarks/remark_words.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -55,11 +54,14 @@ void UnreadCells::Count(std::size_t column, bool is_read, std::size_t line, std:
   if (++cells.unread <= kCellsNamed) cells.first.push_back({line, Quoted(cell)});
 }
 
-std::string UnreadCells::NothingRead(const CsvColumn& column, const Column& cells) const {
-  return fmt::format(
-      "none of the {} cells of column {} can be read as {}; the first, in line {}, is {}; what is read is {}",
-      cells.unread, Quoted(column.header), CsvMeaningName(column.meaning), cells.first.front().line,
-      cells.first.front().text, FormsRead(column.meaning));
+Remark UnreadCells::NothingRead(const CsvColumn& column, const Column& cells) const {
+  return {RemarkCode::kCellsUnread,
+          {{"cells", cells.unread},
+           {"column", Quoted(column.header)},
+           {"meaning_words", std::string(CsvMeaningName(column.meaning))},
+           {"line", cells.first.front().line},
+           {"cell", cells.first.front().text},
+           {"forms_words", std::string(FormsRead(column.meaning))}}};
 }
 
 void UnreadCells::Tell(const std::vector<CsvColumn>& columns, LogBuilder& builder) const {
@@ -71,12 +73,15 @@ void UnreadCells::Tell(const std::vector<CsvColumn>& columns, LogBuilder& builde
       continue;
     }
     for (const Cell& cell : cells.first) {
-      builder.Warn(fmt::format("line {}: column {} holds {}, which cannot be read as {}", cell.line,
-                               Quoted(columns[i].header), cell.text, CsvMeaningName(columns[i].meaning)));
+      builder.Warn({RemarkCode::kCellUnread,
+                    {{"line", cell.line},
+                     {"column", Quoted(columns[i].header)},
+                     {"cell", cell.text},
+                     {"meaning_words", std::string(CsvMeaningName(columns[i].meaning))}}});
     }
     if (cells.unread > cells.first.size()) {
-      builder.Warn(fmt::format("{} more cells of column {} cannot be read", cells.unread - cells.first.size(),
-                               Quoted(columns[i].header)));
+      builder.Warn({RemarkCode::kMoreCellsUnread,
+                    {{"cells", cells.unread - cells.first.size()}, {"column", Quoted(columns[i].header)}}});
     }
   }
 }
@@ -86,7 +91,7 @@ std::string UnreadCells::WhyNothing(const std::vector<CsvColumn>& columns, CsvMe
   for (std::size_t i = 0; i < std::min(columns.size(), columns_.size()); ++i) {
     const bool is_meant = columns[i].meaning >= first && columns[i].meaning <= last;
     if (is_meant && columns_[i].read == 0 && columns_[i].unread > 0)
-      return NothingRead(columns[i], columns_[i]);
+      return InWords(NothingRead(columns[i], columns_[i]));
   }
   return {};
 }

@@ -9,6 +9,7 @@
 
 #include "core/flight/logs/csv/csv_columns.h"
 #include "core/flight/logs/log_builder.h"
+#include "core/flight/remarks/remark.h"
 
 namespace skyquilt::flight {
 
@@ -34,7 +35,7 @@ class UnreadCells {
     std::uint64_t unread = 0;
     std::vector<Cell> first;
   };
-  std::string NothingRead(const CsvColumn& column, const Column& cells) const;
+  Remark NothingRead(const CsvColumn& column, const Column& cells) const;
 
   std::vector<Column> columns_;
 };

@@ -132,10 +132,9 @@ class CueClock {
     if (!fit) return;
     (names_zone_ ? builder.log().utc_at_zero : builder.log().local_at_zero) = fit->utc_at_zero;
     builder.log().utc_sigma_s = std::hypot(resolution_s_, fit->scatter_s);
-    if (!names_zone_) builder.Warn("the camera's clock is local; its zone is not written");
+    if (!names_zone_) builder.Warn(RemarkCode::kClockIsLocal);
     if (left_out_s_ > 0.0) {
-      builder.Warn(fmt::format("the film is {:.0f} s shorter than its clock says: the clock was followed",
-                               left_out_s_));
+      builder.Warn({RemarkCode::kFilmShorter, {{"shorter_s", left_out_s_}}});
     }
   }
 

@@ -4,7 +4,6 @@
 
 #include <cmath>
 
-#include "core/base/printable.h"
 #include "core/flight/logs/gps_time.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/text_fields.h"
@@ -106,7 +105,7 @@ Result<FlightLog> ParseDjiMrk(std::string_view name, LogBytes bytes, const Consu
   builder.Count("exposure", rows);
   builder.log().utc_at_zero = first;
   builder.log().utc_sigma_s = 0.001;  // the exposure is stamped by the receiver
-  if (bad > 0) builder.Warn(fmt::format("{} could not be read", Counted(bad, "row")));
+  if (bad > 0) builder.Warn({RemarkCode::kRowsUnread, {{"rows", bad}}});
   return std::move(builder).Finish();
 }
 

@@ -19,6 +19,7 @@
 namespace skyquilt::flight {
 namespace {
 
+constexpr const char* kGcpRowForm = "x y z pixel_x pixel_y image";
 constexpr std::size_t kMaxSightings = 100'000;
 constexpr std::size_t kMaxGcpPoints = 100'000;
 constexpr std::size_t kMinFlatPoints = 3;
@@ -84,7 +85,7 @@ void DropHeightsThatAreFillers(GcpList& list) {
     point.height_m.reset();
     point.height.reset();
   }
-  list.warnings.emplace_back("all heights are 0; they are taken as not surveyed");
+  list.warnings.emplace_back(RemarkCode::kHeightsNotSurveyed);
 }
 
 }  // namespace
@@ -126,7 +127,7 @@ Result<GcpList> ParseWrittenGcpList(std::string_view name, LogBytes bytes) {
   list.file_name = name;
   list.reference_system = Trim(top->system);
   for (const std::size_t number : top->skipped_lines)
-    list.warnings.push_back(fmt::format("line {}: not \"x y z pixel_x pixel_y image\"", number));
+    list.warnings.push_back({RemarkCode::kLineIsNone, {{"line", number}, {"form", kGcpRowForm}}});
   std::map<std::tuple<double, double, double>, std::size_t> known;
   std::vector<std::string_view> words;
   LineReader lines(text.substr(top->row_offset));
@@ -137,8 +138,8 @@ Result<GcpList> ParseWrittenGcpList(std::string_view name, LogBytes bytes) {
     if (Trim(line).empty() || line.front() == '#') continue;
     if (!SplitListRow(line, IsSighting, words)) {
       if (list.warnings.size() < kMaxGcpWarnings) {
-        list.warnings.push_back(fmt::format("line {}: not \"x y z pixel_x pixel_y image\"",
-                                            top->row_number + lines.line_number()));
+        list.warnings.push_back({RemarkCode::kLineIsNone,
+                                 {{"line", top->row_number + lines.line_number()}, {"form", kGcpRowForm}}});
       }
       continue;
     }
@@ -163,7 +164,7 @@ Result<GcpList> ParseWrittenGcpList(std::string_view name, LogBytes bytes) {
                               *ReadBareNumber(words[4]), entry->second});
   }
   if (has_more && (list.sightings.size() == kMaxSightings || list.points.size() == kMaxGcpPoints))
-    list.warnings.push_back(fmt::format("more than {} sightings; the rest was left out", kMaxSightings));
+    list.warnings.push_back({RemarkCode::kSightingsBeyond, {{"most", kMaxSightings}}});
   DropHeightsThatAreFillers(list);
   return list;
 }
@@ -179,8 +180,11 @@ Result<GcpList> OnlyPlaced(GcpList list) {
       now[i] = placed.size();
       placed.push_back(std::move(point));
     } else if (list.warnings.size() < kMaxGcpWarnings) {
-      list.warnings.push_back(fmt::format("{}: ({}, {}) lies outside the area of {}", point.name, point.x,
-                                          point.y, list.reference_system.substr(0, 80)));
+      list.warnings.push_back({RemarkCode::kPointOutsideSystem,
+                               {{"point", point.name},
+                                {"x", point.x},
+                                {"y", point.y},
+                                {"system", list.reference_system.substr(0, 80)}}});
     }
   }
   std::erase_if(list.sightings, [&](GcpSighting& sighting) {

@@ -13,6 +13,7 @@
 #include "core/base/result.h"
 #include "core/flight/lists/input_file.h"
 #include "core/flight/logs/log_bytes.h"
+#include "core/flight/remarks/remark.h"
 #include "core/geo/lat_lon.h"
 
 namespace skyquilt::flight {
@@ -47,7 +48,7 @@ struct GcpList {
   std::string reference_system;  // as the line above the rows names it; empty: none does
   std::vector<GcpPoint> points;
   std::vector<GcpSighting> sightings;
-  std::vector<std::string> warnings;
+  std::vector<Remark> warnings;
 };
 
 bool LooksLikeGcpList(LogBytes head);

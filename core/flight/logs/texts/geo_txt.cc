@@ -17,6 +17,7 @@
 namespace skyquilt::flight {
 namespace {
 
+constexpr const char* kGeoRowForm = "image x y z";
 constexpr std::uint64_t kMaxRows = 200'000;
 
 // Names may lack their endings.
@@ -113,8 +114,7 @@ Result<FlightLog> ParseGeoTxt(std::string_view name, LogBytes bytes, const Consu
   const bool has_sigmas = columns.size() < 8 || IsNamed(columns, 7, "sigma") || IsNamed(columns, 7, "acc") ||
                           IsNamed(columns, 7, "sh");
   const bool is_above_sea = system && system->heights_are_above_sea();
-  if (!has_angles && HasColumnLike(columns, "yaw"))
-    builder.Warn("angles are read where the columns five to seven are yaw, pitch, roll; here they are not");
+  if (!has_angles && HasColumnLike(columns, "yaw")) builder.Warn(RemarkCode::kAnglesElsewhere);
   const double metres_per_height_unit = MetresPerHeightUnit(top->columns, system);
   std::vector<std::string_view> cells = top->row;
   LineReader lines(text.substr(top->row_offset));
@@ -122,14 +122,16 @@ Result<FlightLog> ParseGeoTxt(std::string_view name, LogBytes bytes, const Consu
   std::uint64_t rows = 0;
   std::uint64_t bad = top->skipped_lines.size();
   for (const std::size_t number : top->skipped_lines)
-    builder.Warn(fmt::format("line {} is not \"image x y z\"", number));
+    builder.Warn({RemarkCode::kLineIsNone, {{"line", number}, {"form", kGeoRowForm}}});
   // Counted with the bad ones: each may cost a transformation.
   do {
     if (Trim(line).empty() || line.front() == '#') continue;
     if (!SplitListRow(line, IsGeoRow, cells)) {
       if (bad++ == 0) {
-        builder.Warn(fmt::format("line {} is not \"image x y z\": {}", top->row_number + lines.line_number(),
-                                 Quoted(Trim(line), 80)));
+        builder.Warn({RemarkCode::kLineIsNoneButThis,
+                      {{"line", top->row_number + lines.line_number()},
+                       {"form", kGeoRowForm},
+                       {"text", Quoted(Trim(line), 80)}}});
       }
       continue;
     }
@@ -148,9 +150,9 @@ Result<FlightLog> ParseGeoTxt(std::string_view name, LogBytes bytes, const Consu
     builder.Add(std::move(event));
   } while (rows + bad < kMaxRows && lines.Next(line));
   builder.Count("row", rows);
-  if (bad > 0) builder.Warn(fmt::format("{} could not be read", Counted(bad, "row")));
+  if (bad > 0) builder.Warn({RemarkCode::kRowsUnread, {{"rows", bad}}});
   if (rows + bad == kMaxRows && lines.Next(line))
-    builder.Warn(fmt::format("more than {} rows; the rest was left out", kMaxRows));
+    builder.Warn({RemarkCode::kRowsBeyond, {{"most", kMaxRows}}});
   if (system) builder.log().written_system = system->definition();
   builder.log().written_order_is_named = order.has_value();
   builder.log().mapping = {fmt::format("x, y -> {}", system ? system->name() : "no system is named"),

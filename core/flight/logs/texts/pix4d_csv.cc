@@ -141,8 +141,10 @@ Result<FlightLog> ParsePix4dCsv(std::string_view name, LogBytes bytes, const Con
       if (rows == 0 && header.empty()) header = HeaderOf(line);
       if (rows > 0 && line.front() != '#') {
         if (bad++ > 0) continue;
-        builder.Warn(fmt::format("line {} is not \"image,latitude,longitude,height\": {}",
-                                 lines.line_number(), Quoted(Trim(line), 80)));
+        builder.Warn({RemarkCode::kLineIsNoneButThis,
+                      {{"line", lines.line_number()},
+                       {"form", "image,latitude,longitude,height"},
+                       {"text", Quoted(Trim(line), 80)}}});
       }
       continue;
     }
@@ -186,8 +188,7 @@ Result<FlightLog> ParsePix4dCsv(std::string_view name, LogBytes bytes, const Con
     return Error{ErrorCode::kCorrupt, fmt::format("{} names no photo with a position.", name), ""};
   builder.Count("row", rows);
   if (columns->angles == Angles::kUnnamed) {
-    builder.Warn(
-        "the angles have no header and are left out: write yaw,pitch,roll or omega,phi,kappa above them");
+    builder.Warn(RemarkCode::kAnglesWithoutHeader);
   }
   builder.log().written_order_is_named =
       columns->order == Order::kEastFirst || columns->order == Order::kNorthFirst;
@@ -197,7 +198,7 @@ Result<FlightLog> ParsePix4dCsv(std::string_view name, LogBytes bytes, const Con
                            : columns->angles == Angles::kYawPitchRoll
                                ? "yaw, pitch, roll -> degrees, pitch 0 = straight down"
                                : "no angles"};
-  if (bad > 0) builder.Warn(fmt::format("{} could not be read", Counted(bad, "row")));
+  if (bad > 0) builder.Warn({RemarkCode::kRowsUnread, {{"rows", bad}}});
   return std::move(builder).Finish();
 }
 

@@ -4,7 +4,6 @@
 
 #include <cmath>
 
-#include "core/base/printable.h"
 #include "core/flight/logs/gps_time.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/text_fields.h"
@@ -168,7 +167,7 @@ Result<FlightLog> ParseRtklibPos(std::string_view name, LogBytes bytes, const Co
   builder.log().utc_sigma_s = 1e-3;
   builder.log().mapping = {fmt::format("time -> {}", header.is_utc ? "UTC" : "GPS time"),
                            "position -> the antenna"};
-  if (bad > 0) builder.Warn(fmt::format("{} could not be read", Counted(bad, "row")));
+  if (bad > 0) builder.Warn({RemarkCode::kRowsUnread, {{"rows", bad}}});
   return std::move(builder).Finish();
 }
 

@@ -4,7 +4,6 @@
 
 #include <map>
 
-#include "core/base/printable.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/text_fields.h"
 
@@ -71,7 +70,7 @@ Result<FlightLog> ParseSenseflyGeoinfo(std::string_view name, LogBytes bytes, co
   builder.Count("row", rows);
   builder.log().written_order_is_named = true;
   builder.log().mapping = {"heading, pitch, roll -> the airframe's, degrees, camera looking down"};
-  if (bad > 0) builder.Warn(fmt::format("{} could not be read", Counted(bad, "row")));
+  if (bad > 0) builder.Warn({RemarkCode::kRowsUnread, {{"rows", bad}}});
   return std::move(builder).Finish();
 }
 

@@ -10,6 +10,7 @@
 
 #include "core/flight/logs/text_fields.h"
 #include "core/flight/logs/tracks/track_points.h"
+#include "core/flight/remarks/remark_words.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -100,7 +101,7 @@ class FeatureReader final : public nlohmann::json_sax<Json> {
   std::optional<std::size_t> damaged_at() const { return damaged_at_; }
   bool is_too_deep() const { return is_too_deep_; }
   // In words, where a line has fewer or more times than places; empty elsewhere.
-  const std::string& unequal() const { return unequal_; }
+  const std::optional<Remark>& unequal() const { return unequal_; }
 
  private:
   struct Level {
@@ -147,8 +148,9 @@ class FeatureReader final : public nlohmann::json_sax<Json> {
     SettleTimes();
     const std::vector<std::string>& times = best_.written;
     const bool is_timed = times.size() == places_.size();
-    if (!is_timed && times.size() > 1 && !places_.empty() && unequal_.empty())
-      unequal_ = fmt::format("a line of {} places has {} times", places_.size(), times.size());
+    if (!is_timed && times.size() > 1 && !places_.empty() && !unequal_)
+      unequal_ = {RemarkCode::kTimesAndPlacesUnequal,
+                  {{"places", places_.size()}, {"times_read", times.size()}}};
     for (std::size_t i = 0; i < places_.size(); ++i) {
       const auto& [lon_deg, lat_deg, height_m, fourth] = places_[i];
       TrackPoint point{lat_deg, lon_deg, {}, {}, {}};
@@ -176,7 +178,7 @@ class FeatureReader final : public nlohmann::json_sax<Json> {
   };
   Times times_;  // of the member at hand
   Times best_;   // of those before it
-  std::string unequal_;
+  std::optional<Remark> unequal_;
   std::optional<std::size_t> damaged_at_;
   bool is_too_deep_ = false;
 };
@@ -203,12 +205,13 @@ Result<FlightLog> ParseGeoJson(std::string_view name, LogBytes bytes, const Cons
                  fmt::format("{} is not used: its values are nested more than {} deep.", name, kMaxJsonDepth),
                  ""};
   }
-  if (!reader.unequal().empty() && !log)
-    return Error{ErrorCode::kNoPosition, fmt::format("{} is not used: {}.", name, reader.unequal()), ""};
-  if (!reader.unequal().empty()) log->warnings.push_back(reader.unequal());
+  if (reader.unequal() && !log)
+    return Error{ErrorCode::kNoPosition, fmt::format("{} is not used: {}.", name, InWords(*reader.unequal())),
+                 ""};
+  if (reader.unequal()) log->warnings.push_back(*reader.unequal());
   if (log && reader.left_out() > 0) {
-    log->warnings.push_back(fmt::format("{} places beyond the first {} of a feature are not used",
-                                        reader.left_out(), kMaxOfFeature));
+    log->warnings.push_back(
+        {RemarkCode::kPlacesBeyond, {{"places", reader.left_out()}, {"most", kMaxOfFeature}}});
   }
   if (!reader.damaged_at()) return log;
   if (!log) {
@@ -217,8 +220,7 @@ Result<FlightLog> ParseGeoJson(std::string_view name, LogBytes bytes, const Cons
                              *reader.damaged_at()),
                  log.error().message};
   }
-  log->warnings.push_back(
-      fmt::format("it is damaged at byte {}; what comes after is not used", *reader.damaged_at()));
+  log->warnings.push_back({RemarkCode::kDamagedAtByte, {{"byte", *reader.damaged_at()}}});
   return log;
 }
 

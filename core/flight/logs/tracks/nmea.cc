@@ -93,8 +93,7 @@ class NmeaReader {
       builder_.log().utc_at_zero = fit->utc_at_zero;
       builder_.log().utc_sigma_s = 0.05;
     } else {
-      builder_.Warn(
-          "no sentence holds a date (RMC or ZDA): the time of day alone cannot be matched to photos");
+      builder_.Warn(RemarkCode::kNoDate);
     }
   }
 
@@ -226,8 +225,7 @@ Result<FlightLog> ParseNmea(std::string_view name, LogBytes bytes, const Consume
     return Error{ErrorCode::kCorrupt,
                  fmt::format("{} holds no sentence with a fix (GGA, GNS, RMC).{}", name, damage), ""};
   }
-  if (bad > 0)
-    builder.Warn(fmt::format("{} sentences with a wrong checksum were skipped, first {}", bad, first_bad));
+  if (bad > 0) builder.Warn({RemarkCode::kChecksumsWrong, {{"wrong", bad}, {"first", first_bad}}});
   return std::move(builder).Finish();
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/printable.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/text_fields.h"
 
@@ -87,21 +88,26 @@ Result<FlightLog> TrackPoints::Finish(std::vector<std::string> mapping) && {
   log.utc_sigma_s = 0.5;  // most recorders write whole seconds
   if (without_zone_ == placed_.size() && bare_time_ == BareTime::kLocal) {
     log.local_at_zero = placed_.front().time;
-    builder.Warn("its times name no zone: they are taken for a local clock");
+    builder.Warn(RemarkCode::kTimesTakenAsLocal);
   } else {
     log.utc_at_zero = placed_.front().time;
-    if (without_zone_ > 0)
-      builder.Warn(fmt::format("{} times name no zone: they are taken for UTC", without_zone_));
+    if (without_zone_ > 0) builder.Warn({RemarkCode::kTimesTakenAsUtc, {{"times_read", without_zone_}}});
   }
   if (const auto bad = points_ - placed_.size(); bad > 0) {
-    builder.Warn(fmt::format("{} of {} points were skipped: {} without a position, {} without a time{}", bad,
-                             points_, without_place_, without_time_,
-                             unread_times_ == 0 ? std::string()
-                                                : fmt::format(", {} whose time cannot be read, first {}",
-                                                              unread_times_, first_unread_time_)));
+    Remark skipped{RemarkCode::kPointsSkipped,
+                   {{"skipped", bad},
+                    {"points", points_},
+                    {"without_place", without_place_},
+                    {"without_time", without_time_}}};
+    if (unread_times_ > 0) {
+      skipped.code = RemarkCode::kPointsSkippedAndUnread;
+      skipped.values.emplace("unread", unread_times_);
+      skipped.values.emplace("first", first_unread_time_);
+    }
+    builder.Warn(std::move(skipped));
   }
   if (placed_.size() == kMaxTrackPoints)
-    builder.Warn(fmt::format("no more than {} points are read", kMaxTrackPoints));
+    builder.Warn({RemarkCode::kPointsBeyond, {{"most", kMaxTrackPoints}}});
   return std::move(builder).Finish();
 }
 

@@ -7,6 +7,7 @@
 #include "core/flight/logs/gps_time.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/read_log.h"
+#include "core/flight/remarks/remark_words.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -42,7 +43,7 @@ TEST(ParseFlightCsv, ReadsSparseRowsOfAnySubset) {
   EXPECT_EQ(*log->events[0].image_name, "DJI_0001.JPG");
   EXPECT_EQ(*log->events[1].sequence, 17);
   ASSERT_EQ(log->warnings.size(), 2u);
-  EXPECT_EQ(log->warnings[0], "line 5: column \"t\" holds \"bad\", which cannot be read as time");
+  EXPECT_EQ(InWords(log->warnings[0]), "line 5: column \"t\" holds \"bad\", which cannot be read as time");
 }
 
 TEST(ParseFlightCsv, TakesUtcInsteadOfSeconds) {

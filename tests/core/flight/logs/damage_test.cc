@@ -9,6 +9,7 @@
 #include "core/flight/logs/mapped_file.h"
 #include "core/flight/logs/read_log.h"
 #include "core/flight/logs/texts/gcp_list.h"
+#include "core/flight/remarks/remark_words.h"
 #include "tests/core/flight/logs/log_writers.h"
 
 namespace skyquilt::flight {
@@ -172,7 +173,8 @@ TEST(DamagedLogs, ACutLogKeepsWhatCameBefore) {
     EXPECT_EQ(log->imu.size() + log->baro.size() + log->attitude.size(), file.name == "a.bin" ? 10u : 9u)
         << file.name;
     bool said = false;
-    for (const auto& warning : log->warnings) said = said || warning.find("cut off") != std::string::npos;
+    for (const auto& warning : InWords(log->warnings))
+      said = said || warning.find("cut off") != std::string::npos;
     EXPECT_TRUE(said) << file.name;
   }
 }

@@ -6,6 +6,7 @@
 
 #include "core/flight/logs/gps_time.h"
 #include "core/flight/logs/log_builder.h"
+#include "core/flight/remarks/remark_words.h"
 #include "tests/core/flight/logs/log_writers.h"
 
 namespace skyquilt::flight {
@@ -187,7 +188,7 @@ TEST(ParseDataflash, GoesOnAfterDamage) {
   ASSERT_TRUE(log.ok());
   EXPECT_GT(log->imu.size(), 580u);
   EXPECT_LT(log->imu.size(), 600u);
-  EXPECT_NE(log->warnings[0].find("damaged bytes"), std::string::npos);
+  EXPECT_NE(InWords(log->warnings[0]).find("damaged bytes"), std::string::npos);
 }
 
 TEST(ParseDataflash, RefusesALogWithoutMessages) {

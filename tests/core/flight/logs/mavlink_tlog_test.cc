@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/flight/logs/log_builder.h"
+#include "core/flight/remarks/remark_words.h"
 #include "tests/core/flight/logs/log_writers.h"
 
 namespace skyquilt::flight {
@@ -104,7 +105,8 @@ TEST(ParseMavlinkTlog, SkipsPacketsWithAWrongChecksum) {
   EXPECT_GE(messages, 503u);
   EXPECT_LE(messages, 504u);
   bool said = false;
-  for (const auto& warning : log->warnings) said = said || warning.find("damaged") != std::string::npos;
+  for (const auto& warning : InWords(log->warnings))
+    said = said || warning.find("damaged") != std::string::npos;
   EXPECT_TRUE(said);
 }
 

@@ -9,6 +9,7 @@
 #include "core/flight/logs/tracks/track_points.h"
 #include "core/flight/logs/tracks/unknown_track.h"
 #include "core/flight/logs/tracks/xml_scanner.h"
+#include "core/flight/remarks/remark_words.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -120,7 +121,7 @@ TEST(ParseNmea, FindsSentencesBehindOtherWords) {
   EXPECT_DOUBLE_EQ(*log->gnss[0].height_amsl_m, 158.5);
   EXPECT_DOUBLE_EQ(*log->gnss[1].height_ellipsoid_m, 130.0);
   EXPECT_TRUE(log->gnss[1].is_rtk_fixed);
-  EXPECT_THAT(log->warnings, Contains(HasSubstr("wrong checksum")));
+  EXPECT_THAT(InWords(log->warnings), Contains(HasSubstr("wrong checksum")));
 }
 
 TEST(ParseNmea, ReadsPositionsOfRmcAlone) {
@@ -232,7 +233,7 @@ TEST(ParseGeoJson, KeepsWhatStandsBeforeDamage) {
       FeatureOf(R"({"type":"Point","coordinates":[8,47]})", R"({"time":"2016-06-23T21:31:09Z"})");
   const auto log = ParseGeoJson("a.geojson", BytesOf(whole.substr(0, whole.size() - 2) + ",{]}"));
   ASSERT_TRUE(log.ok());
-  EXPECT_THAT(log->warnings, Contains(HasSubstr("damaged at byte")));
+  EXPECT_THAT(InWords(log->warnings), Contains(HasSubstr("damaged at byte")));
 }
 
 TEST(ExplainUnknownTrack, NamesWhatIsMissingAndQuotesTheFirstLine) {

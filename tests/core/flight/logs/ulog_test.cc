@@ -4,6 +4,7 @@
 
 #include "core/flight/logs/gps_time.h"
 #include "core/flight/logs/log_builder.h"
+#include "core/flight/remarks/remark_words.h"
 #include "tests/core/flight/logs/log_writers.h"
 
 namespace skyquilt::flight {
@@ -142,7 +143,7 @@ TEST(ParseUlog, CountsEveryTopicAndTheDropouts) {
   EXPECT_EQ(log->message_counts.at("vehicle_air_data[1]"), 20u);
   EXPECT_EQ(log->message_counts.at("camera_capture"), 5u);
   ASSERT_FALSE(log->warnings.empty());
-  EXPECT_NE(log->warnings[0].find("0.037 s"), std::string::npos);
+  EXPECT_NE(InWords(log->warnings[0]).find("0.037 s"), std::string::npos);
 }
 
 TEST(ParseUlog, ReadsASectionAppendedAfterACutOne) {

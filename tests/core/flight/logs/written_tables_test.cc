@@ -15,6 +15,7 @@
 #include "core/flight/logs/csv/unknown_table.h"
 #include "core/flight/logs/gps_time.h"
 #include "core/flight/logs/read_log.h"
+#include "core/flight/remarks/remark_words.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -46,11 +47,11 @@ void ExpectPlaces(const FlightLog& log, const std::string& text) {
   ASSERT_EQ(log.events.size(), kPlaces.size()) << text;
   for (std::size_t i = 0; i < kPlaces.size(); ++i) {
     const CameraEvent& event = log.events[i];
-    ASSERT_TRUE(event.position) << text << "\n" << ::testing::PrintToString(log.warnings);
+    ASSERT_TRUE(event.position) << text << "\n" << ::testing::PrintToString(InWords(log.warnings));
     EXPECT_NEAR(event.position->lat_deg, kPlaces[i].lat_deg, 5e-6) << text;
     EXPECT_NEAR(event.position->lon_deg, kPlaces[i].lon_deg, 5e-6) << text;
     const auto height_m = event.height_amsl_m ? event.height_amsl_m : event.height_ellipsoid_m;
-    ASSERT_TRUE(height_m) << text << "\n" << ::testing::PrintToString(log.warnings);
+    ASSERT_TRUE(height_m) << text << "\n" << ::testing::PrintToString(InWords(log.warnings));
     EXPECT_NEAR(*height_m, kPlaces[i].height_m, 0.5) << text;
   }
 }
@@ -222,19 +223,19 @@ TEST(WrittenTables, AppliesLettersInColumnsOfTheirOwn) {
 TEST(WrittenTables, NamesTheCellsItCannotRead) {
   const FlightLog one =
       Parse("image;latitude;longitude\na.jpg;46,8;8,1\nb.jpg;46 Grad;8,2\nc.jpg;north;8,3\nd.jpg;?;8,4\n");
-  EXPECT_THAT(one.warnings,
+  EXPECT_THAT(InWords(one.warnings),
               Contains("line 4: column \"latitude\" holds \"north\", which cannot be read as latitude"));
   const FlightLog none = Parse("image;latitude;longitude\na.jpg;46.8x;8,1\nb.jpg;46.9x;8,2\n");
   ASSERT_EQ(none.events.size(), 2u);
-  EXPECT_THAT(none.warnings, Contains(AllOf(HasSubstr("none of the 2 cells of column \"latitude\""),
-                                            HasSubstr("in line 2, is \"46.8x\""),
-                                            HasSubstr("46\xC2\xB0"
-                                                      "50'33.4\" N"))));
+  EXPECT_THAT(InWords(none.warnings), Contains(AllOf(HasSubstr("none of the 2 cells of column \"latitude\""),
+                                                     HasSubstr("in line 2, is \"46.8x\""),
+                                                     HasSubstr("46\xC2\xB0"
+                                                               "50'33.4\" N"))));
   std::string many = "image;latitude;longitude\nok.jpg;46.8;8.1\n";
   for (int i = 0; i < 1000; ++i) many += fmt::format("{}.jpg;abc;8.1\n", i);
   const FlightLog bounded = Parse(many);
   EXPECT_EQ(bounded.warnings.size(), 4u);
-  EXPECT_THAT(bounded.warnings, Contains("997 more cells of column \"latitude\" cannot be read"));
+  EXPECT_THAT(InWords(bounded.warnings), Contains("997 more cells of column \"latitude\" cannot be read"));
 }
 
 TEST(WrittenTables, RefusesDecimalCommasBetweenCommas) {
@@ -247,7 +248,7 @@ TEST(WrittenTables, DoesNotGuessWhatALoneMarkMeans) {
   const FlightLog log = Parse("image;lat;lng;alt\na.jpg;46.8426;8.1;1,234\nb.jpg;46.8426;8.1;1,235\n");
   ASSERT_EQ(log.events.size(), 2u);
   EXPECT_FALSE(log.events[0].height_amsl_m);
-  EXPECT_THAT(log.warnings, Contains(HasSubstr("is \"1,234\"")));
+  EXPECT_THAT(InWords(log.warnings), Contains(HasSubstr("is \"1,234\"")));
 }
 
 TEST(WrittenTables, ReadsHeightsByTheWordsBesideTheirUnit) {
@@ -307,7 +308,7 @@ TEST(WrittenTables, TellsDayFromMonthByAllRows) {
   EXPECT_THAT(together.mapping, Contains(HasSubstr("month first, which keeps the rows together")));
   const FlightLog open = Parse(Track("datetime (utc),lat,lon,alt", Times("03.06.2016 21:31:", "")));
   EXPECT_EQ(*open.utc_at_zero, *UtcFromCivil(2016, 6, 3, 21, 31, 9.0));
-  EXPECT_THAT(open.warnings, Contains(HasSubstr("day first, assumed")));
+  EXPECT_THAT(InWords(open.warnings), Contains(HasSubstr("day first, assumed")));
   const FlightLog shown = Parse(Track("datetime (utc),lat,lon,alt", Times("6/23/2016 21:31:", "")));
   EXPECT_THAT(shown.mapping, Contains(HasSubstr("month first, as \"6/23/2016 21:31:09\" in line 2 says")));
   EXPECT_THAT(Refusal(Track("datetime,lat,lon,alt", Times("31/31/2016 21:31:", ""))),
