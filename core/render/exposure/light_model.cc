@@ -28,13 +28,13 @@ void AddSpot(const LightModel& light, const std::array<double, 3>& spot_share,
     return photo.intrinsics.Project(photo.cam_from_enu.rotation *
                                     Eigen::Vector3d(other.x(), other.y(), -1.0));
   };
-  constexpr double kStep = 0.05;
-  const auto middle = pixel_of(look), east = pixel_of(look + Eigen::Vector2d(kStep, 0.0)),
-             north = pixel_of(look + Eigen::Vector2d(0.0, kStep));
+  constexpr double kWidthStep = 0.05;
+  const auto middle = pixel_of(look), east = pixel_of(look + Eigen::Vector2d(kWidthStep, 0.0)),
+             north = pixel_of(look + Eigen::Vector2d(0.0, kWidthStep));
   if (!middle || !east || !north) return;
   Eigen::Matrix2d place_by_look;
   place_by_look << *east - *middle, *north - *middle;
-  place_by_look /= kStep * px_per_unit;
+  place_by_look /= kWidthStep * px_per_unit;
   if (!(std::abs(place_by_look.determinant()) > 1e-9)) return;
   const Eigen::Matrix2f look_by_place = place_by_look.inverse().cast<float>();
   const Eigen::Vector2d center{photo.intrinsics.center_x_px, photo.intrinsics.center_y_px};
