@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "core/flight/logs/csv/unread_cells.h"
+#include "core/flight/logs/text_fields.h"
 
 namespace skyquilt::flight {
 namespace {
