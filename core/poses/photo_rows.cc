@@ -22,7 +22,9 @@ using flight::Photo;
 
 // Lists of positions worked out afterwards have no word for the kind of fix, and state centimetres.
 bool StatesCentimetres(const Eigen::Vector3d& sigma_in_ned_m) {
-  return sigma_in_ned_m.minCoeff() > 0.0 && sigma_in_ned_m.head<2>().maxCoeff() <= kWorstCorrectedM &&
+  constexpr double kBestSurveyM = 0.001;  // what says it is better was not measured
+  return sigma_in_ned_m.minCoeff() >= kBestSurveyM &&
+         sigma_in_ned_m.head<2>().maxCoeff() <= kWorstCorrectedM &&
          sigma_in_ned_m.z() <= 2.0 * kWorstCorrectedM;
 }
 

@@ -37,6 +37,8 @@ TEST(PhotoRows, ThatStateMoreOrNothingAreNot) {
   EXPECT_FALSE(TakenFromList(Eigen::Vector3d(1.5, 1.5, 3.0), false).is_rtk_fixed);
   EXPECT_FALSE(TakenFromList(Eigen::Vector3d(0.05, 0.05, 3.0), false).is_rtk_fixed);
   EXPECT_FALSE(TakenFromList(Eigen::Vector3d(0.0, 0.0, 0.0), false).is_rtk_fixed) << "a program's default";
+  EXPECT_FALSE(TakenFromList(Eigen::Vector3d(1e-9, 1e-9, 1e-300), false).is_rtk_fixed)
+      << "nobody measured it";
 }
 
 }  // namespace
