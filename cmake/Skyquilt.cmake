@@ -97,8 +97,7 @@ function(skyquilt_test name)
   if(CMAKE_BUILD_TYPE STREQUAL "Release")
     # Assertions expand to much that runs once: -Og compiles them in four fifths of the time of -O1. A test that fails is
     # looked into in another build.
-    target_compile_options(${name} PRIVATE -Og -g0)
-    target_link_options(${name} PRIVATE -Wl,--strip-debug)
+    target_compile_options(${name} PRIVATE -Og)
   endif()
   if(SKYQUILT_UNITY)
     set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 16)

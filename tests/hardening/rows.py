@@ -161,7 +161,7 @@ LOAD = ("Load", [
     ("SIGTERM while something computes", "waited for it", "ends within nine seconds",
      ["LoadedServerTest.EndsWithinItsTimeWhateverHangs", "load_test.py test_the_word_to_stop_ends_it_whatever_hangs"]),
     ("two programs called release", "one without NDEBUG, one without line tables, neither hardened",
-     "one: FORTIFY, checked containers, full RELRO, PIE, NDEBUG, debug symbols beside it", ["hardened_program_test.py test_the_release_is_hardened"]),
+     "one: FORTIFY, checked containers, full RELRO, PIE, NDEBUG, names of functions", ["hardened_program_test.py test_the_release_is_hardened"]),
 ])
 
 ROWS = [DATA, ACCESS, INPUT, LOAD]
