@@ -48,6 +48,7 @@ inline constexpr std::size_t kMinPredictedPoints = 4;
 // What became of one: adjusted minus surveyed.
 struct ControlReport {
   std::string name;
+  geo::LatLon surveyed;
   int sightings = 0;  // in photos of this flight
   bool is_used = false;
   bool is_check = false;                 // compared with the finished map alone

@@ -70,6 +70,7 @@ MarkedPhotos::MarkedPhotos(const std::vector<std::string>& names, const std::vec
 
 std::optional<Track> MarkedPhotos::TrackOf(const ControlPoint& point, ControlReport& told) const {
   told.name = point.name;
+  told.surveyed = point.position;
   Track track;
   for (const ControlSighting& sighting : point.sightings) {
     const auto photo = number_of_.find(Key(sighting.photo_name));

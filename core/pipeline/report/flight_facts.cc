@@ -18,7 +18,7 @@ using Cbor = nlohmann::json;
 
 // Raised whenever the meaning or a name changes (those of report_fields.h too), or alignment so much that a
 // flight should be aligned anew.
-constexpr int kVersion = 11;
+constexpr int kVersion = 12;
 
 Cbor OfExposure(const render::KnownExposure& exposure) {
   const auto& spot = exposure.light.directions.hot_spot;

@@ -17,9 +17,11 @@ using alignment::AlignedPhoto;
 using alignment::Placement;
 using Eigen::Vector2d;
 
-constexpr double kCircleSigmas = 1.515;      // sqrt(-2 ln(1 - 0.683))
-constexpr double kSurveySigmaM = 0.02;       // of surveyed points, each axis
-constexpr int kFreedomOfMove = 4;            // shift, turn and scale
+constexpr double kCircleSigmas = 1.515;  // sqrt(-2 ln(1 - 0.683))
+constexpr double kSurveySigmaM = 0.02;   // of surveyed points, each axis
+constexpr double kMarkSigmaPx = 0.5;     // of a mark by hand, each axis
+constexpr double kLikelyExcess = 2.0;  // five points' variance exceeds this share of the true one in 1 of 20
+constexpr int kFreedomOfMove = 4;      // shift, turn and scale
 constexpr std::size_t kFewestPositions = 3;  // for turn and scale, and a miss that shows
 constexpr double kFewPositionsShare = 0.1;
 // Of many photos: among four, one wrong position shows without being told from the others; five name it, and
@@ -105,34 +107,63 @@ AbsoluteAccuracy StatedRadius(double sigma_of_axis_m, AbsoluteSupport by, std::s
 }
 
 // Per axis; nothing without points.
-std::optional<double> RootMeanSquareOfAxis(const std::vector<Vector2d>& misses, double freedom) {
-  if (misses.empty() || freedom <= 0.0) return std::nullopt;
+std::optional<double> RootMeanSquareOfAxis(const std::vector<Vector2d>& misses) {
+  if (misses.empty()) return std::nullopt;
   double square = 0.0;
   for (const Vector2d& miss : misses) square += miss.squaredNorm();
-  return std::sqrt(square / freedom);
+  return std::sqrt(square / (2.0 * static_cast<double>(misses.size())));
+}
+
+// What placed the map, or all that is known of it is where it lies against them.
+struct ControlFit {
+  std::vector<Vector2d> places;  // as surveyed
+  double expected_square = 0.0;  // of survey and marks, one axis; sums over all points
+  double residual_square = 0.0;
+  double product = 0.0;  // of what a point is missed by with and without it: expected to be its variance
+  int predicted = 0;
+};
+
+ControlFit FitOf(const JudgedMap& map) {
+  ControlFit fit;
+  for (const alignment::ControlReport& point : map.alignment->control) {
+    if (!point.is_used || point.is_check) continue;
+    fit.places.emplace_back(map.flight.frame.EnuAtHeight(point.surveyed, 0.0).head<2>());
+    fit.expected_square +=
+        kSurveySigmaM * kSurveySigmaM + std::pow(kMarkSigmaPx * map.gsd_m, 2) / std::max(1, point.sightings);
+    const Vector2d miss{point.miss_east_m, point.miss_north_m};
+    fit.residual_square += miss.squaredNorm();
+    if (!point.left_out) continue;
+    fit.product += miss.dot(Vector2d{point.left_out->miss_east_m, point.left_out->miss_north_m});
+    ++fit.predicted;
+  }
+  return fit;
+}
+
+// Survey and marks average out over the points, by as much as they span the map. What the points are missed
+// by beyond that is the map's own shape, which they do not average out.
+double SigmaByControlM(const JudgedMap& map, const ControlFit& fit) {
+  const double count = static_cast<double>(fit.places.size());
+  const double expected = fit.expected_square / count;
+  const double freedom = 2.0 * count - kFreedomOfMove;
+  const double seen = fit.predicted > 0 ? fit.product / (2.0 * fit.predicted)
+                      : freedom > 0.0   ? fit.residual_square / freedom
+                                        : 0.0;
+  const double square = std::max(expected, seen);
+  const double averaging = std::min(square, kLikelyExcess * expected);
+  return std::sqrt(averaging * LeverOf(map, fit.places) + square - averaging);
 }
 
 std::optional<AbsoluteAccuracy> BySurvey(const JudgedMap& map) {
   if (map.alignment == nullptr) return std::nullopt;
-  std::vector<Vector2d> checks, residuals, predicted;
+  std::vector<Vector2d> checks;
   for (const alignment::ControlReport& point : map.alignment->control) {
-    if (!point.is_used) continue;
-    (point.is_check ? checks : residuals).emplace_back(point.miss_east_m, point.miss_north_m);
-    if (point.left_out && !point.is_check)
-      predicted.emplace_back(point.left_out->miss_east_m, point.left_out->miss_north_m);
+    if (point.is_used && point.is_check) checks.emplace_back(point.miss_east_m, point.miss_north_m);
   }
-  if (const auto sigma = RootMeanSquareOfAxis(checks, 2.0 * static_cast<double>(checks.size())))
+  if (const auto sigma = RootMeanSquareOfAxis(checks))
     return StatedRadius(*sigma, AbsoluteSupport::kCheckPoints, checks.size());
-  // One point has nothing to be checked against.
-  if (residuals.size() < 2) return std::nullopt;
-  const double count = static_cast<double>(residuals.size());
-  const double survey_m = std::hypot(kSurveySigmaM, map.gsd_m) / std::sqrt(count);
-  // Predictions are by a point less than the map is.
-  std::optional<double> sigma =
-      RootMeanSquareOfAxis(predicted, 2.0 * static_cast<double>(predicted.size()) * count / (count - 1.0));
-  if (!sigma) sigma = RootMeanSquareOfAxis(residuals, 2.0 * count - kFreedomOfMove);
-  return StatedRadius(std::max(sigma.value_or(0.0), survey_m), AbsoluteSupport::kControlPoints,
-                      residuals.size());
+  const ControlFit fit = FitOf(map);
+  if (fit.places.size() < 2) return std::nullopt;  // one has nothing to be checked against
+  return StatedRadius(SigmaByControlM(map, fit), AbsoluteSupport::kControlPoints, fit.places.size());
 }
 
 // Turn and scale of the others hang on them. A handful is enough where it is half of the photos.

@@ -149,6 +149,8 @@ void VisitFields(Prediction& left_out, Visit& visit) {
 template <IsA<alignment::ControlReport> Point, typename Visit>
 void VisitFields(Point& point, Visit& visit) {
   visit("name", point.name);
+  visit("lat", point.surveyed.lat_deg);
+  visit("lon", point.surveyed.lon_deg);
   visit("sightings", point.sightings);
   visit("is_used", point.is_used);
   visit("is_check", point.is_check);

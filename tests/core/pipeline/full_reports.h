@@ -108,6 +108,7 @@ inline alignment::AlignReport FullAlignReport() {
   report.rejected_pairs[0].rms_px = 0.0;  // which is of pairs in use alone, as is the next
   report.rejected_pairs[0].is_by_direct = false;
   report.control = {{"point1",
+                     geo::LatLon{46.8, 7.1},
                      3,
                      true,
                      true,

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <random>
 #include <string>
@@ -50,6 +51,13 @@ struct JudgedFlight {
     alignment::ControlReport point;
     point.is_used = true;
     point.is_check = is_check;
+    // Spread as the photos are: the first five stand at four corners and the middle.
+    const std::array<Vector2d, 5> places = {
+        {{50.0, 20.0}, {0.0, 0.0}, {100.0, 0.0}, {0.0, 40.0}, {100.0, 40.0}}};
+    const Vector2d& place = places[report.control.size() % places.size()];
+    const geo::Wgs84 at = flight.frame.Wgs84FromEnu({place.x(), place.y(), 0.0});
+    point.surveyed = {at.lat_deg, at.lon_deg};
+    point.sightings = 4;
     point.miss_east_m = east_m;
     point.miss_north_m = north_m;
     if (is_predicted) point.left_out = alignment::ControlPrediction{east_m, north_m, 0.0};
@@ -174,13 +182,36 @@ TEST(JudgeMap, BelievesCheckPointsFirstThenControlPointsThatFit) {
   flight.Surveyed(false, 0.0, 0.0);
   EXPECT_EQ(flight.Judge().absolute.by, AbsoluteSupport::kGnss)
       << "one point has nothing to be checked against";
-  for (int i = 0; i < 4; ++i) flight.Surveyed(false, 0.03, -0.04, true);
+  for (int i = 0; i < 4; ++i) flight.Surveyed(false, 0.01, -0.01, true);
   const AbsoluteAccuracy by_control = flight.Judge().absolute;
   EXPECT_EQ(by_control.by, AbsoluteSupport::kControlPoints);
   EXPECT_EQ(by_control.count, 5);
-  EXPECT_NEAR(*by_control.sigma_m, 0.048, 0.002);  // 1.515 x 0.05 m / sqrt(2) x sqrt(4/5)
+  // 1.515 x 0.0206 m (survey, marks) x sqrt(1/5 + how the photos spread against the points)
+  EXPECT_NEAR(*by_control.sigma_m, 0.018, 0.002);
   flight.Surveyed(true, 0.3, 0.4);
   EXPECT_EQ(flight.Judge().absolute, (AbsoluteAccuracy{0.54, AbsoluteSupport::kCheckPoints, 1}));
+}
+
+// What survey and marks do not explain is the map's own shape, and many points do not make it less.
+TEST(JudgeMap, DoesNotAverageOutWhatControlPointsFindOfTheMapsShape) {
+  JudgedFlight flight(18);
+  for (int i = 0; i < 5; ++i) flight.Surveyed(false, 0.3, -0.4, true);
+  const double of_five_m = *flight.Judge().absolute.sigma_m;
+  EXPECT_NEAR(of_five_m, 0.54, 0.02);  // 1.515 x 0.5 m / sqrt(2)
+  for (int i = 0; i < 45; ++i) flight.Surveyed(false, 0.3, -0.4, true);
+  EXPECT_NEAR(*flight.Judge().absolute.sigma_m, of_five_m, 0.02);
+}
+
+// Two that stand together hold the map's middle, and hardly its turn and scale.
+TEST(JudgeMap, StatesMoreWhereControlPointsSpanLittleOfTheMap) {
+  JudgedFlight spread(18), together(18);
+  for (int i = 0; i < 2; ++i) {
+    spread.Surveyed(false, 0.0, 0.0);
+    together.Surveyed(false, 0.0, 0.0);
+  }
+  const geo::Wgs84 beside = together.flight.frame.Wgs84FromEnu({52.0, 20.0, 0.0});
+  together.report.control[1].surveyed = {beside.lat_deg, beside.lon_deg};
+  EXPECT_GT(*together.Judge().absolute.sigma_m, 5.0 * *spread.Judge().absolute.sigma_m);
 }
 
 TEST(JudgeMap, OfAMapThatWasPlacedByHandSaysNothing) {
