@@ -136,8 +136,9 @@ class JobQueue {
 
   // Publishing, in two steps around the move of the files. Absent or false: the lease was lost.
   Result<std::optional<std::int64_t>> ReserveRevision(const Lease& lease);
-  // Where the catalogue is shared, tries for a minute while its database cannot be reached. `products`: of a
-  // map that was put into a store.
+  // Where the catalogue is shared, tries for a minute while its database cannot be reached; said again after
+  // an answer that was lost, it answers what the first one did. `products`: of a map that was put into a
+  // store.
   Result<bool> Publish(const Lease& lease, const Revision& revision, Time now,
                        const std::vector<MapProduct>& products = {});
 

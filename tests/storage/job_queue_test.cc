@@ -96,6 +96,19 @@ TEST_F(JobQueueTest, GivesAnExpiredJobToTheNextAndFencesTheFirst) {
   EXPECT_TRUE(*queue_.Publish(fresh, Made(1), later));
 }
 
+TEST_F(JobQueueTest, APublicationThatIsSaidTwiceIsOne) {
+  // As after an answer that nobody heard: who takes it for lost removes the map that is shown.
+  const Job job = NewJob();
+  const Lease lease = Claimed();
+  ASSERT_TRUE(*queue_.Publish(lease, Made(1), now_));
+  EXPECT_TRUE(*queue_.Publish(lease, Made(1), now_));
+  EXPECT_FALSE(*queue_.Publish(lease, Made(2), now_));
+  EXPECT_EQ(*catalogue_.Revisions(job.flight_id), (std::vector<std::int64_t>{1}));
+  Lease earlier = lease;
+  --earlier.token;
+  EXPECT_FALSE(*queue_.Publish(earlier, Made(1), now_));
+}
+
 TEST_F(JobQueueTest, KeepsALeaseThatIsRenewed) {
   NewJob();
   const Lease lease = Claimed();
