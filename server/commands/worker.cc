@@ -200,19 +200,18 @@ void RunWorker(const WorkerOptions& options) {
   if (options.job_memory_mib > 0) context.limits.memory_bytes = std::int64_t{options.job_memory_mib} << 20;
   const int jobs = options.once ? 1 : options.jobs;
   const std::string name = options.name.empty() ? NameOfWorker(*db) : options.name;
-  bool may_hold_a_job = false;
   Aside aside(*db, name);
   for (int done = 0; !is_stopping && (jobs == 0 || done < jobs);) {
-    if (may_hold_a_job) {
-      // A claim was made and its answer lost; nobody works on that job.
-      may_hold_a_job = !queue.ReleaseWorker(name, storage::WorkerEnd::kInterrupted, storage::Now()) ||
-                       !units.ReleaseWorker(name, storage::Now());
+    if (context.may_hold) {
+      // A claim was made and its answer lost, or an end was not heard; nobody works on that.
+      context.may_hold = !queue.ReleaseWorker(name, storage::WorkerEnd::kInterrupted, storage::Now()) ||
+                         !units.ReleaseWorker(name, storage::WorkerEnd::kInterrupted, storage::Now());
     }
     const Result<bool> worked = WorkOnce(context, name);
     if (!worked) {
       // Busy or full: the queue is polled again; a permanent failure shows in the log.
       LogFailure("-", "claim", worked.error().detail);
-      may_hold_a_job = db->IsShared();
+      context.may_hold = db->IsShared();
       std::this_thread::sleep_for(std::chrono::seconds(2));
     } else if (*worked && context.fault) {
       // Whoever started one that works once decides when to start the next.

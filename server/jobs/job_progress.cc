@@ -46,11 +46,12 @@ double WholeJobFraction(const StageShares& shares, std::string_view stage, doubl
 }
 
 JobProgress::JobProgress(storage::JobQueue& queue, storage::Lease lease, const std::atomic<bool>& is_stopping,
-                         StageShares shares, ProgressSpan span)
+                         StageShares shares, ProgressSpan span, std::chrono::seconds unheard)
     : queue_(queue),
       lease_(std::move(lease)),
       shares_(std::move(shares)),
       span_(span),
+      unheard_(unheard),
       is_stopping_(is_stopping),
       thread_([this] { Beat(); }) {}
 
@@ -102,19 +103,20 @@ void JobProgress::Beat() {
 }
 
 LeaseState JobProgress::TellQueue(const std::vector<storage::JobProgress>& untold) {
-  const bool is_due = Clock::now() - renewed_ >= kRenewEvery;
+  const auto asked = Clock::now();  // a call may wait for a database that is started again
+  const bool is_due = asked - renewed_ >= kRenewEvery;
   Result<LeaseState> state = is_due ? queue_.Renew(lease_, storage::Now()) : queue_.LeaseStateOf(lease_);
   for (const storage::JobProgress& progress : untold) {
     if (!state || *state != LeaseState::kHeld) break;
     state = queue_.ReportProgress(lease_, progress);
   }
   if (state) {
-    if (is_due) renewed_ = Clock::now();
+    if (is_due) renewed_ = asked;
     return *state;
   }
   // A busy or full database is no reason to stop, until the lease may have gone to another.
   LogFailure(lease_.job_id, "heartbeat", state.error().detail);
-  return Clock::now() - renewed_ < storage::kLeaseTime ? LeaseState::kHeld : LeaseState::kLost;
+  return asked - renewed_ < unheard_ ? LeaseState::kHeld : LeaseState::kLost;
 }
 
 }  // namespace skyquilt::server

@@ -38,9 +38,10 @@ struct ProgressSpan {
 
 class JobProgress final : public Progress {
  public:
-  // `is_stopping` is the worker's own wish to end.
+  // `is_stopping` is the worker's own wish to end; not heard for `unheard`, it takes its lease for lost.
   JobProgress(storage::JobQueue& queue, storage::Lease lease, const std::atomic<bool>& is_stopping,
-              StageShares shares = UsualShares(), ProgressSpan span = {});
+              StageShares shares = UsualShares(), ProgressSpan span = {},
+              std::chrono::seconds unheard = storage::kLeaseTime);
   ~JobProgress() override;
 
   void BeginStage(std::string_view stage) override;
@@ -59,6 +60,7 @@ class JobProgress final : public Progress {
   const storage::Lease lease_;
   const StageShares shares_;
   const ProgressSpan span_;
+  const std::chrono::seconds unheard_;
   const std::atomic<bool>& is_stopping_;
   std::atomic<storage::LeaseState> state_ = storage::LeaseState::kHeld;
   std::mutex mutex_;

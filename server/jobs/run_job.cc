@@ -251,7 +251,8 @@ void RunJob(WorkerContext& context, const storage::Lease& lease) {
     const std::optional<storage::Expectation> expectation = Expect(context, lease);
     const StageShares usual = IsImport(lease.options) ? SharesOfImport() : UsualShares();
     JobProgress progress(context.queue, lease, context.is_stopping,
-                         expectation ? SharesOf(*expectation) : usual, ProgressOf(cut.step));
+                         expectation ? SharesOf(*expectation) : usual, ProgressOf(cut.step),
+                         UnheardTime(context));
     try {
       if (cut.step == CutStep::kLook || cut.step == CutStep::kPlace) {
         const Result<bool> waits = cut.step == CutStep::kLook ? CutIntoLooks(context, lease, cut)
@@ -286,16 +287,20 @@ void RunJob(WorkerContext& context, const storage::Lease& lease) {
     }
     state = progress.lease_state();
   }
+  const auto give_back = [&] {
+    TellUntilHeard(context, lease.job_id, [&] { return context.queue.GiveBack(lease, storage::Now()); });
+  };
   if (state == LeaseState::kLost) {
     LogEvent(fmt::format("job {} lost its lease", lease.job_id));
+    if (context.is_shared) give_back();  // where it was not heard for long, and nobody took it
   } else if (state == LeaseState::kCancelRequested) {
-    TellUntilHeard(lease.job_id, [&] { return context.queue.Dismiss(lease, storage::Now()); });
+    TellUntilHeard(context, lease.job_id, [&] { return context.queue.Dismiss(lease, storage::Now()); });
     LogEvent(fmt::format("job {} is cancelled", lease.job_id));
   } else if (context.is_stopping || (failure && IsGivenBack(context, context.queue, lease, *failure))) {
-    TellUntilHeard(lease.job_id, [&] { return context.queue.GiveBack(lease, storage::Now()); });
+    give_back();
   } else if (failure) {
     LogFailure(lease.job_id, "job", failure->message + " " + failure->detail);
-    TellUntilHeard(lease.job_id, [&] {
+    TellUntilHeard(context, lease.job_id, [&] {
       return context.queue.Fail(lease, *failure, MayRetry(failure->code), storage::Now());
     });
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <optional>
 
 #include "core/pipeline/units/flight_cut.h"
@@ -30,6 +31,14 @@ struct WorkerContext {
   int cut_above_files = kCutAboveFiles;  // 0: no job is cut
   bool is_shared = false;                // other machines with files of their own work on the same queue
   std::optional<Error> fault = {};       // of this machine, that the last work was given back for
+  bool may_hold = false;                 // the end of what it had was not heard: it is still its own, perhaps
 };
+
+// How long a worker goes on whose renewals the catalogue does not hear. Where each has files of its own, who
+// works for nothing disturbs nobody, and a database that is away for all gives its work to no other; else
+// another may be about to go on in its folder.
+inline std::chrono::seconds UnheardTime(const WorkerContext& context) {
+  return context.is_shared ? std::chrono::minutes(15) : storage::kLeaseTime;
+}
 
 }  // namespace skyquilt::server

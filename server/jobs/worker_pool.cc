@@ -75,7 +75,7 @@ void WorkerPool::Ended(Slot& slot, int status) {
   const storage::WorkerEnd end = is_stopping_ ? storage::WorkerEnd::kInterrupted : storage::WorkerEnd::kDied;
   const Result<int> released = queue_.ReleaseWorker(slot.name, end, storage::Now());
   if (!released) LogFailure("-", "worker", released.error().detail);
-  const Result<int> units = units_.ReleaseWorker(slot.name, storage::Now());
+  const Result<int> units = units_.ReleaseWorker(slot.name, end, storage::Now());
   if (!units) LogFailure("-", "worker", units.error().detail);
   const bool is_well = WIFEXITED(status) && WEXITSTATUS(status) == 0;
   if (!is_stopping_ && !is_well) {

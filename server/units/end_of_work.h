@@ -38,7 +38,7 @@ bool IsGivenBack(WorkerContext& context, Queue& queue, const Held& held, const E
 
 // The end of a job must reach the queue, even when the database is busy or the disk was full a moment ago.
 template <typename Tell>
-void TellUntilHeard(std::string_view job_id, Tell tell) {
+void TellUntilHeard(WorkerContext& context, std::string_view job_id, Tell tell) {
   constexpr int kTries = 5;
   for (int attempt = 1; attempt <= kTries; ++attempt) {
     const Result<bool> written = tell();
@@ -46,7 +46,9 @@ void TellUntilHeard(std::string_view job_id, Tell tell) {
     LogFailure(job_id, "queue", written.error().detail);
     std::this_thread::sleep_for(std::chrono::milliseconds(500));
   }
-  // Not heard: the lease runs out, and the queue hands the work to the next attempt.
+  // Not heard: where machines share the queue, the worker gives it back once it is. Else the lease runs out,
+  // and the queue hands the work to the next attempt.
+  context.may_hold = context.is_shared;
 }
 
 }  // namespace skyquilt::server

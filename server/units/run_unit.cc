@@ -60,6 +60,10 @@ std::optional<Error> Work(const WorkerContext& context, const storage::UnitLease
   }
 }
 
+void GiveBack(WorkerContext& context, const storage::UnitLease& unit) {
+  TellUntilHeard(context, unit.job_id, [&] { return context.units.GiveBack(unit, storage::Now()); });
+}
+
 }  // namespace
 
 void RunUnit(WorkerContext& context, const storage::UnitLease& unit) {
@@ -68,21 +72,22 @@ void RunUnit(WorkerContext& context, const storage::UnitLease& unit) {
   std::optional<Error> failure;
   storage::LeaseState state = storage::LeaseState::kHeld;
   {
-    UnitHeartbeat heartbeat(context.units, unit, context.is_stopping);
+    UnitHeartbeat heartbeat(context.units, unit, context.is_stopping, UnheardTime(context));
     failure = Work(context, unit, heartbeat);
     state = heartbeat.lease_state();
   }
   if (state != storage::LeaseState::kHeld) {
     LogEvent(fmt::format("job {}: {} is cancelled or lost its lease", unit.job_id, name));
+    if (context.is_shared) GiveBack(context, unit);  // where it was not heard for long, and nobody took it
   } else if (failure && (context.is_stopping || IsGivenBack(context, context.units, unit, *failure))) {
-    TellUntilHeard(unit.job_id, [&] { return context.units.GiveBack(unit, storage::Now()); });
+    GiveBack(context, unit);
   } else if (failure) {
     LogFailure(unit.job_id, name, failure->message + " " + failure->detail);
-    TellUntilHeard(unit.job_id, [&] {
+    TellUntilHeard(context, unit.job_id, [&] {
       return context.units.Fail(unit, *failure, MayRetry(failure->code), storage::Now());
     });
   } else {
-    TellUntilHeard(unit.job_id, [&] { return context.units.Done(unit); });
+    TellUntilHeard(context, unit.job_id, [&] { return context.units.Done(unit); });
   }
 }
 

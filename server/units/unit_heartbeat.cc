@@ -16,8 +16,10 @@ constexpr std::chrono::seconds kRenewUnitEvery{2};
 }  // namespace
 
 UnitHeartbeat::UnitHeartbeat(storage::UnitQueue& units, storage::UnitLease lease,
-                             const std::atomic<bool>& is_stopping)
-    : units_(units), lease_(std::move(lease)), is_stopping_(is_stopping), thread_([this] { Beat(); }) {}
+                             const std::atomic<bool>& is_stopping, std::chrono::seconds unheard)
+    : units_(units), lease_(std::move(lease)), is_stopping_(is_stopping), unheard_(unheard), thread_([this] {
+        Beat();
+      }) {}
 
 UnitHeartbeat::~UnitHeartbeat() {
   {
@@ -45,7 +47,7 @@ void UnitHeartbeat::Beat() {
     } else {
       // A busy or full database is no reason to stop, until the unit may have gone to another.
       LogFailure(lease_.job_id, "heartbeat", state.error().detail);
-      if (now - renewed >= storage::kLeaseTime) state_ = LeaseState::kLost;
+      if (now - renewed >= unheard_) state_ = LeaseState::kLost;
     }
     lock.lock();
   }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <mutex>
 #include <string_view>
@@ -16,7 +17,9 @@ namespace skyquilt::server {
 
 class UnitHeartbeat final : public Progress {
  public:
-  UnitHeartbeat(storage::UnitQueue& units, storage::UnitLease lease, const std::atomic<bool>& is_stopping);
+  // Not heard for `unheard`, it takes its lease for lost.
+  UnitHeartbeat(storage::UnitQueue& units, storage::UnitLease lease, const std::atomic<bool>& is_stopping,
+                std::chrono::seconds unheard);
   ~UnitHeartbeat() override;
 
   void BeginStage(std::string_view) override {}
@@ -31,6 +34,7 @@ class UnitHeartbeat final : public Progress {
   storage::UnitQueue& units_;
   const storage::UnitLease lease_;
   const std::atomic<bool>& is_stopping_;
+  const std::chrono::seconds unheard_;
   std::atomic<storage::LeaseState> state_ = storage::LeaseState::kHeld;
   std::mutex mutex_;
   std::condition_variable end_;

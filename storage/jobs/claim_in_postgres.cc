@@ -1,25 +1,14 @@
 #include "storage/jobs/claim_in_postgres.h"
 
-#include <string>
+#include <fmt/format.h>
 
 #include "core/base/try.h"
 #include "storage/db/machine_boot.h"
+#include "storage/jobs/job_rows.h"
 #include "storage/jobs/lost_leases.h"
 
 namespace skyquilt::storage {
 namespace {
-
-// Nobody could renew a lease while the database was down: one that ran out meanwhile has its time once more,
-// from the start of the database. Leases that were released (no worker) stay released.
-Result<void> GiveTimeAfterStart(SqlConnection& db, Time now) {
-  constexpr const char* kStart = "CAST(extract(epoch FROM pg_postmaster_start_time())*1000000 AS BIGINT)";
-  SKYQUILT_TRY_ASSIGN(Statement extend, db.Prepare(std::string("UPDATE job SET lease_until_us=") + kStart +
-                                                   "+?2 WHERE state='running' AND worker NOT IN ('','units')"
-                                                   " AND lease_until_us<?1 AND ?1<" +
-                                                   kStart + "+?2"));
-  constexpr std::chrono::microseconds kLease = kLeaseTime;
-  return extend.Bind(1, ToUs(now)).Bind(2, static_cast<std::int64_t>(kLease.count())).Run();
-}
 
 Result<void> LetWaitAgain(SqlConnection& db, Time now) {
   SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(db, "leases that ran out"));
@@ -34,13 +23,29 @@ Result<void> LetWaitAgain(SqlConnection& db, Time now) {
 
 }  // namespace
 
+Result<void> GiveTimeAfterStart(SqlConnection& db, Time now) {
+  constexpr const char* kStart = "CAST(extract(epoch FROM pg_postmaster_start_time())*1000000 AS BIGINT)";
+  constexpr std::chrono::microseconds kLease = kLeaseTime;
+  for (const char* table : {"unit", "job"}) {
+    SKYQUILT_TRY_ASSIGN(Statement extend,
+                        db.Prepare(fmt::format("UPDATE {} SET lease_until_us={}+?2 WHERE state='running'"
+                                               " AND worker NOT IN ('','units') AND lease_until_us<?1 AND"
+                                               " ?1<{}+?2",
+                                               table, kStart, kStart)));
+    SKYQUILT_TRY(extend.Bind(1, ToUs(now)).Bind(2, static_cast<std::int64_t>(kLease.count())).Run());
+  }
+  return {};
+}
+
 Result<std::optional<Lease>> ClaimInPostgres(SqlConnection& db, std::string_view worker, Time now) {
   // The commit of a claim waits for no disk.
   SKYQUILT_TRY_ASSIGN(const UnsyncedCommits unsynced, UnsyncedCommits::Begin(db));
   for (const bool is_settled : {false, true}) {
     SKYQUILT_TRY_ASSIGN(
         Statement claim,
-        db.Prepare("SELECT job_id, of_flight, with_options, token, attempt FROM claim_job(?,?,?,?,?)"));
+        db.Prepare(fmt::format(
+            "SELECT job_id, of_flight, with_options, token, attempt FROM claim_job(?1,?2,{},?4,?5)",
+            LeaseEndSql(db, "?3"))));
     claim.Bind(1, worker).Bind(2, ToUs(now)).Bind(3, ToUs(now + kLeaseTime)).Bind(4, MachineBoot::Id());
     SKYQUILT_TRY_ASSIGN(const bool row, claim.Bind(5, is_settled ? 1 : 0).Step());
     if (!row) break;

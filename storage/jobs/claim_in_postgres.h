@@ -12,6 +12,10 @@
 
 namespace skyquilt::storage {
 
+// Nobody could renew a lease while the database was down: those of jobs and units that ran out meanwhile have
+// their time once more, from the start of the database. Those that were released (no worker) stay released.
+Result<void> GiveTimeAfterStart(SqlConnection& db, Time now);
+
 // `now`: by the database's clock.
 Result<std::optional<Lease>> ClaimInPostgres(SqlConnection& db, std::string_view worker, Time now);
 

@@ -88,8 +88,8 @@ Result<LeaseState> JobQueue::Renew(const Lease& lease, Time by_machine) {
   const auto db = db_.Lock();
   const Time now = db_.SharedTime(by_machine, *db);
   SKYQUILT_TRY_ASSIGN(Statement update,
-                      db->Prepare(std::string("UPDATE job SET lease_until_us=?3, claimed_in=?4") +
-                                  " WHERE id=?1 AND lease_token=?2 AND state='running'"));
+                      db->Prepare("UPDATE job SET lease_until_us=" + LeaseEndSql(*db, "?3") +
+                                  ", claimed_in=?4 WHERE id=?1 AND lease_token=?2 AND state='running'"));
   SKYQUILT_TRY(update.Bind(1, lease.job_id)
                    .Bind(2, lease.token)
                    .Bind(3, LeaseEnd(now))

@@ -1,5 +1,7 @@
 #include "storage/jobs/job_rows.h"
 
+#include <fmt/format.h>
+
 #include "core/base/check.h"
 #include "core/base/try.h"
 
@@ -41,6 +43,12 @@ Job JobFrom(const Statement& row) {
   if (!row.IsNull(16))
     job.expected = Expectation{row.ColumnDouble(16), row.ColumnDouble(17), row.ColumnDouble(18), {}};
   return job;
+}
+
+std::string LeaseEndSql(const SqlConnection& db, std::string_view parameter) {
+  if (db.dialect() != Dialect::kPostgres) return std::string(parameter);
+  return fmt::format("greatest({}, now_us()+{})", parameter,
+                     std::chrono::microseconds(kLeaseTime).count() / 2);
 }
 
 Result<int> NumberFrom(Statement& change) {

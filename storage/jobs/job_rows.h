@@ -3,7 +3,10 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
+#include <string_view>
 
+#include "storage/db/sql_connection.h"
 #include "storage/db/statement.h"
 #include "storage/jobs/job_queue.h"
 
@@ -18,6 +21,11 @@ inline constexpr const char* kJobColumns =
 inline constexpr std::int64_t kUnitsLeaseUs = std::int64_t{1} << 53;
 
 Job JobFrom(const Statement& row);
+
+// As SQL: the end of a lease that the parameter has ("?3"). PostgreSQL gives it no less than half of a
+// lease's time from when it writes it: a claim or renewal that lay before a frozen server would be over when
+// it is heard.
+std::string LeaseEndSql(const SqlConnection& db, std::string_view parameter);
 
 // Of a statement that changes one row at most and returns a number of it; 0 where it changed none.
 Result<int> NumberFrom(Statement& change);

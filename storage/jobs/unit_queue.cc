@@ -7,6 +7,7 @@
 
 #include "core/base/try.h"
 #include "storage/db/machine_boot.h"
+#include "storage/jobs/claim_in_postgres.h"
 #include "storage/jobs/job_rows.h"
 #include "storage/jobs/patiently.h"
 
@@ -198,6 +199,7 @@ Result<std::optional<UnitLease>> UnitQueue::Claim(std::string_view worker, Time 
     }
     const auto db = db_.Lock();
     const Time now = db_.SharedTime(by_machine, *db);
+    if (db_.IsShared()) SKYQUILT_TRY(GiveTimeAfterStart(*db, now));
     SKYQUILT_TRY(FailExhausted(*db, now));
     SKYQUILT_TRY_ASSIGN(
         Statement claim,
@@ -208,7 +210,9 @@ Result<std::optional<UnitLease>> UnitQueue::Claim(std::string_view worker, Time 
                         " ORDER BY j.priority DESC, j.id, u.number LIMIT 1") +
             PassOverLocked(*db) +
             ") UPDATE unit SET state='running', lease_token=lease_token+1, attempts=attempts+1, worker=?1,"
-            " lease_until_us=?2, since_us=?3 FROM next WHERE job_id=a_job AND kind=a_kind AND number=a_number"
+            " lease_until_us=" +
+            LeaseEndSql(*db, "?2") +
+            ", since_us=?3 FROM next WHERE job_id=a_job AND kind=a_kind AND number=a_number"
             " RETURNING job_id, kind, number, items, lease_token"));
     claim.Bind(1, worker).Bind(2, ToUs(now + kLeaseTime)).Bind(3, ToUs(now));
     UnitLease unit;
@@ -242,7 +246,7 @@ Result<LeaseState> UnitQueue::Renew(const UnitLease& unit, Time by_machine) {
   const auto db = db_.Lock();
   const Time now = db_.SharedTime(by_machine, *db);
   SKYQUILT_TRY_ASSIGN(Statement update,
-                      db->Prepare(std::string("UPDATE unit SET lease_until_us=?5") + kHeldUnit));
+                      db->Prepare("UPDATE unit SET lease_until_us=" + LeaseEndSql(*db, "?5") + kHeldUnit));
   SKYQUILT_TRY(BindUnit(update, unit).Bind(5, ToUs(now + kLeaseTime)).Run());
   if (db->Changes() == 0) return LeaseState::kLost;
   SKYQUILT_TRY_ASSIGN(Statement query, db->Prepare("SELECT cancel FROM job WHERE id=? AND state='running'"));
@@ -320,11 +324,14 @@ Result<int> UnitQueue::CountTrouble(const UnitLease& unit) {
   return NumberFrom(BindUnit(count, unit));
 }
 
-Result<int> UnitQueue::ReleaseWorker(const std::string& worker, Time by_machine) {
+Result<int> UnitQueue::ReleaseWorker(const std::string& worker, WorkerEnd end, Time by_machine) {
   const auto db = db_.Lock();
   const Time now = db_.SharedTime(by_machine, *db);
-  SKYQUILT_TRY_ASSIGN(Statement update, db->Prepare("UPDATE unit SET lease_until_us=0, waiting_us=?2"
-                                                    " WHERE state='running' AND worker=?1"));
+  SKYQUILT_TRY_ASSIGN(
+      Statement update,
+      db->Prepare(std::string("UPDATE unit SET worker='', waiting_us=?2,") +
+                  (end == WorkerEnd::kDied ? " lease_until_us=0" : " state='waiting', attempts=attempts-1") +
+                  " WHERE state='running' AND worker=?1"));
   SKYQUILT_TRY(update.Bind(1, worker).Bind(2, ToUs(now)).Run());
   const int held = static_cast<int>(db->Changes());
   if (held > 0) SKYQUILT_TRY(WakeWorkers(*db));

@@ -109,8 +109,9 @@ class UnitQueue {
   Result<bool> GiveBack(const UnitLease& unit, Time now);
   // As JobQueue::CountTrouble, for the unit.
   Result<int> CountTrouble(const UnitLease& unit);
-  // A worker process ended: its units wait for the next one now. Answers how many it held.
-  Result<int> ReleaseWorker(const std::string& worker, Time now);
+  // A worker process ended, or does not know what it has: its units wait for the next one now. One that was
+  // interrupted loses no attempt by it. Answers how many it held.
+  Result<int> ReleaseWorker(const std::string& worker, WorkerEnd end, Time now);
 
   // Who has which, of one job or (empty) of all.
   Result<std::vector<HeldUnit>> Held(const std::string& job_id = "") const;

@@ -44,6 +44,21 @@ TEST_F(EndOfWork, UnitsAreCountedEachForItself) {
   EXPECT_EQ(*units_.CountTrouble(second), 0);  // the lease is over
 }
 
+TEST_F(EndOfWork, AnEndThatNobodyHeardIsRememberedWhereOthersShareTheQueue) {
+  WorkerContext context = Worker();
+  int told = 0;
+  TellUntilHeard(context, "j", [&]() -> Result<bool> {
+    if (++told > 1) return false;  // the lease was lost: that is an answer
+    return Error{ErrorCode::kUnavailable, "The database is away.", ""};
+  });
+  EXPECT_EQ(told, 2);
+  EXPECT_FALSE(context.may_hold);
+  TellUntilHeard(context, "j", []() -> Result<bool> {
+    return Error{ErrorCode::kUnavailable, "The database is away.", ""};
+  });
+  EXPECT_TRUE(context.may_hold);
+}
+
 TEST_F(EndOfWork, WhatTheInputCausesAndWhatOneMachineHasAloneIsNotGivenBack) {
   const std::string flight = catalogue_.AddFlight("field", "{}", Now())->id;
   ASSERT_TRUE(queue_.Add(flight, "{}", Now()));

@@ -101,6 +101,23 @@ TEST_F(JobProgressTest, SeesALostLeaseAndADeletedFlight) {
   EXPECT_EQ(progress.lease_state(), storage::LeaseState::kLost);
 }
 
+TEST_F(JobProgressTest, GoesOnUnheardForAsLongAsItIsTold) {
+  JobProgress patient(queue_, lease_, is_stopping_, UsualShares(), {}, std::chrono::hours(1));
+  ASSERT_TRUE(db_->Lock()->Exec("ALTER TABLE job RENAME TO job_away"));
+  {
+    JobProgress hasty(queue_, lease_, is_stopping_, UsualShares(), {}, std::chrono::seconds(0));
+    EXPECT_TRUE(Eventually([&] { return hasty.lease_state() == storage::LeaseState::kLost; }));
+  }
+  EXPECT_FALSE(patient.IsCancelled());
+  ASSERT_TRUE(db_->Lock()->Exec("ALTER TABLE job_away RENAME TO job"));
+  const auto is_heard = [&] {
+    patient.Report(0.5, "heard again");
+    return queue_.Get(job_)->message == "heard again";
+  };
+  EXPECT_TRUE(Eventually(is_heard));
+  EXPECT_FALSE(patient.IsCancelled());
+}
+
 TEST_F(JobProgressTest, StopsWithItsWorker) {
   JobProgress progress(queue_, lease_, is_stopping_);
   EXPECT_FALSE(progress.IsCancelled());

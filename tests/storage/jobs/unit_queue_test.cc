@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "storage/catalogue/trash.h"
+#include "storage/db/ids.h"
 #include "storage/jobs/unit_inputs.h"
 #include "storage/jobs/workers_aside.h"
 #include "tests/storage/postgres/test_catalogue.h"
@@ -115,7 +116,7 @@ TEST_F(UnitQueueTest, TellsHowLongTheyWaitAndHowOftenTheyFailed) {
   EXPECT_TRUE(*units_.GiveBack(Claimed(), now_));
   EXPECT_TRUE(*units_.Done(Claimed()));
   Claimed("c");
-  EXPECT_EQ(*units_.ReleaseWorker("c", now_), 1);
+  EXPECT_EQ(*units_.ReleaseWorker("c", WorkerEnd::kDied, now_), 1);
   EXPECT_EQ(count().waiting, 1);
   EXPECT_NEAR(count().longest_waiting_s, 0.0, 5.0);
 }
@@ -186,9 +187,22 @@ TEST_F(UnitQueueTest, AUnitThatIsLostGoesToAnotherWhoAloneMayEndIt) {
 TEST_F(UnitQueueTest, AWorkerThatIsKnownToBeGoneIsNotWaitedFor) {
   CutJob(1);
   Claimed("a");
-  EXPECT_EQ(*units_.ReleaseWorker("b", now_), 0);
-  EXPECT_EQ(*units_.ReleaseWorker("a", now_), 1);
+  EXPECT_EQ(*units_.ReleaseWorker("b", WorkerEnd::kDied, now_), 0);
+  EXPECT_EQ(*units_.ReleaseWorker("a", WorkerEnd::kDied, now_), 1);
   EXPECT_TRUE(*units_.Claim("b", now_));
+}
+
+TEST_F(UnitQueueTest, AnInterruptionCostsNoAttemptAndADeathDoes) {
+  CutJob(1);
+  const auto attempt = [&] { return units_.Held()->at(0).attempt; };
+  Claimed("a");
+  EXPECT_EQ(*units_.ReleaseWorker("a", WorkerEnd::kInterrupted, now_), 1);
+  EXPECT_TRUE(units_.Held()->empty());
+  Claimed("a");
+  EXPECT_EQ(attempt(), 1);
+  EXPECT_EQ(*units_.ReleaseWorker("a", WorkerEnd::kDied, now_), 1);
+  Claimed("b");
+  EXPECT_EQ(attempt(), 2);
 }
 
 TEST_F(UnitQueueTest, DeathOnEveryAttemptFailsTheJob) {

@@ -15,6 +15,7 @@
 #include "storage/catalogue/webhooks.h"
 #include "storage/db/ids.h"
 #include "storage/jobs/job_queue.h"
+#include "storage/jobs/unit_queue.h"
 #include "tests/storage/postgres/postgres_fixture.h"
 
 namespace skyquilt::storage {
@@ -33,7 +34,42 @@ TEST_F(PostgresTest, LeasesHaveTheirTimeOnceMoreAfterTheServerWasDown) {
   ASSERT_TRUE(db_->Lock()->Exec("UPDATE job SET lease_until_us=" + std::to_string(ToUs(begun) - 1)));
   EXPECT_FALSE(queue.Claim("w", begun + seconds(2))->has_value());
   EXPECT_EQ(*queue.Renew(lease, begun + seconds(3)), LeaseState::kHeld);
-  EXPECT_TRUE(queue.Claim("w", begun + seconds(20) + kLeaseTime)->has_value());
+  EXPECT_TRUE(queue.Claim("w", Now() + seconds(20) + kLeaseTime)->has_value());
+}
+
+TEST_F(PostgresTest, UnitsHaveTheirTimeOnceMoreAfterTheServerWasDown) {
+  JobQueue queue(*db_);
+  UnitQueue units(*db_);
+  ASSERT_TRUE(queue.Add(NewFlight(), "{}", Now()));
+  ASSERT_TRUE(*units.Cut(**queue.Claim("w", Now()), "look", 2, 10, {}));
+  const UnitLease held = **units.Claim("worker-7", Now());
+  const UnitLease released = **units.Claim("worker-8", Now());
+  ASSERT_EQ(*units.ReleaseWorker("worker-8", WorkerEnd::kDied, Now()), 1);
+  const Time begun =
+      FromUs(Number("SELECT CAST(extract(epoch FROM pg_postmaster_start_time())*1000000 AS BIGINT)"));
+  ASSERT_TRUE(db_->Lock()->Exec("UPDATE unit SET lease_until_us=" + std::to_string(ToUs(begun) - 1) +
+                                " WHERE worker='worker-7'"));
+  EXPECT_EQ((*units.Claim("w", begun + seconds(2)))->number, released.number);
+  EXPECT_FALSE(units.Claim("w", begun + seconds(2))->has_value());
+  EXPECT_EQ(*units.Renew(held, begun + seconds(3)), LeaseState::kHeld);
+  EXPECT_TRUE(units.Claim("w", Now() + seconds(20) + kLeaseTime)->has_value());
+}
+
+TEST_F(PostgresTest, WhatLayBeforeAFrozenServerIsStillWorthItsTime) {
+  JobQueue queue(*db_);
+  UnitQueue units(*db_);
+  const auto said = [] { return Now() - seconds(25); };
+  const auto soon = [] { return Now() + seconds(3); };
+  ASSERT_TRUE(queue.Add(NewFlight(), "{}", said()));
+  const Lease lease = **queue.Claim("w", said() + seconds(20));
+  EXPECT_FALSE(queue.Claim("other", soon())->has_value());
+  EXPECT_EQ(*queue.Renew(lease, said()), LeaseState::kHeld);
+  EXPECT_FALSE(queue.Claim("other", soon())->has_value());
+  ASSERT_TRUE(*units.Cut(lease, "look", 1, 10, {}));
+  const UnitLease unit = **units.Claim("w", said());
+  EXPECT_FALSE(units.Claim("other", soon())->has_value());
+  EXPECT_EQ(*units.Renew(unit, said()), LeaseState::kHeld);
+  EXPECT_FALSE(units.Claim("other", soon())->has_value());
 }
 
 TEST_F(PostgresTest, EventsAppearInTheOrderOfTheirNumbers) {
