@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Installs what is missing, builds, tests.
 #   ./test.sh         the short suite, for every change: units, rules, each capability once from end to end
-#   ./test.sh --all   everything: after it the long tests, the units under ASan and UBSan, those with threads under TSan,
-#                     and each fuzz target for a minute; hours
+#   ./test.sh --all   everything: after it the long tests, units and server under ASan and UBSan, what has threads and a
+#                     flight's whole way under TSan, and each fuzz target for a minute; hours
 set -euo pipefail
 case "${1:-}" in -h | --help) sed -n '2,5p' "$0" | cut -c3-; exit 0 ;; esac
 cd "$(dirname "$(realpath "$0")")"
@@ -22,21 +22,24 @@ python3 tests/e2e/npm_clients.py build/release/test_clients --native
 cmake --preset release >/dev/null  # looks again for what was installed
 ctest --preset long -j "$jobs"
 
-# OpenCV, GDAL and TBB keep global memory until the end: leaks are looked for in the fuzzers, not here.
-export ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=print_stacktrace=1
-echo "== AddressSanitizer and UndefinedBehaviorSanitizer"
-cmake --preset asan >/dev/null
-cmake --build --preset asan -j "$jobs"
-ctest --preset asan -j "$jobs" -LE "long|web|e2e" -E "^Architecture"
+timed() {  # says how long a command took
+  local begun=$SECONDS
+  "$@"
+  echo "== $((SECONDS - begun)) s: $*"
+}
 
-echo "== ThreadSanitizer"
-export TSAN_OPTIONS="suppressions=$PWD/tests/support/tsan.supp halt_on_error=1"
+echo "== AddressSanitizer and UndefinedBehaviorSanitizer: the units, and the server from end to end with its confined processes"
+cmake --preset asan >/dev/null
+timed cmake --build --preset asan -j "$jobs"
+timed ctest --preset asan -j "$jobs" -LE "long|web|e2e" -E "^Architecture"
+timed ctest --preset asan -j "$jobs" -L "^server$" -LE cluster
+
+echo "== ThreadSanitizer: what has threads, and a flight from its upload to its tiles"
 cmake --preset tsan >/dev/null
-cmake --build --preset tsan -j "$jobs" --target skyquilt_concurrency_tests
-ctest --preset tsan -j "$jobs" -L concurrency -LE long
+timed cmake --build --preset tsan -j "$jobs" --target skyquilt_concurrency_tests
+timed ctest --preset tsan -j "$jobs" -L concurrency -LE long
 
 echo "== fuzz targets"
-unset ASAN_OPTIONS
 cmake --preset fuzz >/dev/null
 cmake --build --preset fuzz -j "$jobs"
 for target in build/fuzz/bin/*_fuzz; do

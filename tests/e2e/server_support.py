@@ -170,6 +170,8 @@ class Server:
 
     def close(self):
         self.process.stdout.close()
+        said = self.errors()  # also what its workers and their confined processes said, whose end a test may not notice
+        assert "Sanitizer:" not in said and ": runtime error: " not in said, said
 
 
 def is_running(pid):
@@ -224,7 +226,7 @@ def wait_until(condition, complaint):
     end = time.monotonic() + PATIENCE_S
     while not condition():
         if time.monotonic() > end:
-            raise AssertionError(complaint)
+            raise AssertionError(complaint() if callable(complaint) else complaint)
         time.sleep(0.05)
 
 
