@@ -301,7 +301,7 @@ void RunJob(WorkerContext& context, const storage::Lease& lease) {
   } else if (failure) {
     LogFailure(lease.job_id, "job", failure->message + " " + failure->detail);
     TellUntilHeard(context, lease.job_id, [&] {
-      return context.queue.Fail(lease, *failure, MayRetry(failure->code), storage::Now());
+      return context.queue.Fail(lease, *failure, MayRetry(context, failure->code), storage::Now());
     });
   }
 }

@@ -25,6 +25,11 @@ inline bool IsOfMachine(ErrorCode code) {
   return code == ErrorCode::kIo || code == ErrorCode::kUnavailable || code == ErrorCode::kOutOfSpace;
 }
 
+// A machine's trouble that costs an attempt leaves another to the others, also a full disk.
+inline bool MayRetry(const WorkerContext& context, ErrorCode code) {
+  return MayRetry(code) || (context.is_shared && IsOfMachine(code));
+}
+
 // Whether work is given back for such a trouble. What meets it again and again, counted in the catalogue over
 // all workers and their lives, brings it along: from then on it costs attempts, so that it ends with its
 // reason and the queue goes on. `held`: the lease, of a job or a unit, and `queue` its queue.

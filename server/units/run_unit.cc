@@ -84,7 +84,7 @@ void RunUnit(WorkerContext& context, const storage::UnitLease& unit) {
   } else if (failure) {
     LogFailure(unit.job_id, name, failure->message + " " + failure->detail);
     TellUntilHeard(context, unit.job_id, [&] {
-      return context.units.Fail(unit, *failure, MayRetry(failure->code), storage::Now());
+      return context.units.Fail(unit, *failure, MayRetry(context, failure->code), storage::Now());
     });
   } else {
     TellUntilHeard(context, unit.job_id, [&] { return context.units.Done(unit); });

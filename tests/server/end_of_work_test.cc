@@ -28,6 +28,10 @@ TEST_F(EndOfWork, AJobThatNoMachineBearsCostsAttemptsAlsoWhereEachWorkerDoesOneA
   WorkerContext context = Worker();
   EXPECT_FALSE(IsGivenBack(context, queue_, Claimed(), full_));
   EXPECT_TRUE(context.fault);  // the machine stands aside all the same
+  EXPECT_TRUE(MayRetry(context, full_.code));
+  EXPECT_FALSE(MayRetry(context, ErrorCode::kUnprocessable));
+  context.is_shared = false;
+  EXPECT_FALSE(MayRetry(context, full_.code));  // one machine alone says at once what to do
 }
 
 TEST_F(EndOfWork, UnitsAreCountedEachForItself) {
