@@ -5,6 +5,7 @@ usage: postgres_server.py COMMAND...   runs the command with SKYQUILT_TEST_POSTG
 its exit code; 77, which ctest shows as skipped, where PostgreSQL is not installed.
 
 initdb refuses root: then the server runs as postgres, or as nobody where there is no such user."""
+import contextlib
 import glob
 import os
 import pathlib
@@ -90,6 +91,13 @@ class PostgresServer:
         self.process.wait(timeout=120)
         self.process = None
         self.log.close()
+
+    def signal_all(self, number):
+        """To the server and all of its processes: SIGSTOP freezes it, SIGCONT lets it go on."""
+        children = pathlib.Path(f"/proc/{self.process.pid}/task/{self.process.pid}/children").read_text().split()
+        for pid in (self.process.pid, *map(int, children)):
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(pid, number)
 
     def query(self, sql, schema="public"):
         """The answer of psql, a line a row."""

@@ -33,6 +33,8 @@ class StoreProxy:
         self.asked, self.forged, self.faults = [], [], 0
         self.is_cut = threading.Event()  # set: connections break without a word
         self.harm = None  # what it makes of the bytes of a range goes out instead, as if they were right
+        self.spoil = None  # what it makes of the bytes of any object goes out instead; of None, half of them and then nothing
+        self.slow_s = {}  # how late answers to a method are
         self.held = threading.Event()  # set: nothing is answered with more than a body's first half
         proxy = self
 
@@ -88,11 +90,18 @@ class StoreProxy:
         connection.close()
         if is_lost:
             return self.answer(handler, 500, {}, b"<Error><Code>InternalError</Code></Error>")
+        time.sleep(self.slow_s.get(handler.command, 0))
+        if self.spoil and handler.command == "GET" and response.status in (200, 206) and not query:
+            spoilt = self.spoil(path, content)
+            if spoilt is None:
+                handler.close_connection = True
+                return self.answer(handler, response.status, dict(response.headers), content, content[:len(content) // 2])
+            content = spoilt
         if self.harm and handler.command == "GET" and "Range" in handler.headers:
             content = self.harm(path, content)
         return self.answer(handler, response.status, dict(response.headers), content)
 
-    def answer(self, handler, status, headers, content):
+    def answer(self, handler, status, headers, content, sent=None):
         handler.send_response_only(status)
         length = headers.get("content-length") or headers.get("Content-Length")
         for name, value in headers.items():
@@ -101,7 +110,7 @@ class StoreProxy:
         handler.send_header("Content-Length", length if handler.command == "HEAD" and length else str(len(content)))
         handler.end_headers()
         if handler.command != "HEAD":
-            handler.wfile.write(content)
+            handler.wfile.write(content if sent is None else sent)
 
     def is_genuine(self, handler, path, query, body):
         said = handler.headers.get("Authorization", "")
