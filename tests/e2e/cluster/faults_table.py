@@ -25,13 +25,17 @@ def read(files):
     return {result["seed"]: result for result in map(json.loads, lines)}
 
 
+def charged_in(results, took_a_worker):
+    return sum(result.get("charged", 0) for result in results
+               if any(fault["kind"] in OF_WORKERS for fault in result["faults"]) == took_a_worker)
+
+
 def row(name, results, of_kind):
     """How often it fell in which stage, and what the seeds with it came to."""
     fell = [sum(of_kind(fault["kind"]) and fault["stage"] == stage for result in results for fault in result["faults"]) for stage in STAGES]
     mine = [result for result in results if any(of_kind(fault["kind"]) for fault in result["faults"])]
     well = sum("failure" not in result for result in mine)
-    charged = sum(result.get("charged", 0) for result in mine if not any(fault["kind"] in OF_WORKERS for fault in result["faults"]))
-    return f"| {name} | {' | '.join(str(count or '') for count in fell)} | {well} of {len(mine)} | {charged} |"
+    return f"| {name} | {' | '.join(str(count or '') for count in fell)} | {well} of {len(mine)} | {charged_in(mine, False)} |"
 
 
 def table(results):
@@ -40,9 +44,8 @@ def table(results):
     rows.append(row("all", results, lambda name: True))
     seconds = sum(result["seconds"] for result in results)
     failed = sum(result["store_answers_failed"] for result in results)
-    taken = sum(result.get("charged", 0) for result in results)
     return (head + "\n".join(rows) + f"\n\n{len(results)} seeds, {seconds / len(results):.0f} s each; {failed} answers of the store were a 500 or a 503. "
-            f"Attempts charged are those of seeds in which no worker was taken; of workers that were, {taken}.\n")
+            f"Attempts charged are those of seeds in which no worker was taken; in the others {charged_in(results, True)}.\n")
 
 
 def main(arguments):
