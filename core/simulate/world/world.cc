@@ -7,6 +7,7 @@
 #include "core/geo/lat_lon.h"
 #include "core/simulate/sensors/noise.h"
 #include "core/simulate/world/ground_colors.h"
+#include "core/simulate/world/object_colors.h"
 
 namespace skyquilt::simulate {
 namespace {
@@ -41,6 +42,11 @@ World::World(const WorldOptions& options) : options_(options), parcels_(options.
     steepest_ += std::abs(options.relief_m) * share * wave_number;
   }
   highest_m_ = 2.0 * std::abs(options.relief_m) + (options.has_boxes ? kTallestBuildingM : 0.0);
+  if (options.objects.Count() > 0) {
+    objects_ = ObjectGrid(PlaceObjects(options.objects, options.seed, [this](double east, double north) {
+      return TerrainHeightAt(east, north);
+    }));
+  }
 }
 
 double World::TerrainHeightAt(double east, double north) const {
@@ -73,7 +79,18 @@ std::optional<Building> World::BuildingAt(double east, double north) const {
   return building;
 }
 
+std::optional<ObjectGrid::Top> World::ObjectTopAt(double east, double north) const {
+  const std::optional<ObjectGrid::Top> top = objects_.TopAt({east, north});
+  return top && top->z_m > TerrainHeightAt(east, north) ? top : std::nullopt;
+}
+
+int World::ObjectAt(double east, double north) const {
+  const std::optional<ObjectGrid::Top> top = ObjectTopAt(east, north);
+  return top ? top->object : -1;
+}
+
 double World::SurfaceHeightAt(double east, double north) const {
+  if (const std::optional<ObjectGrid::Top> top = ObjectTopAt(east, north)) return top->z_m;
   if (options_.has_boxes) {
     if (const std::optional<Building> building = BuildingAt(east, north))
       return BaseOf(*building) + building->height_m;
@@ -82,6 +99,13 @@ double World::SurfaceHeightAt(double east, double north) const {
 }
 
 Eigen::Vector3f World::ColorAt(double east, double north, float footprint_m) const {
+  const std::optional<ObjectGrid::Top> top = ObjectTopAt(east, north);
+  if (!top) return GroundColorAt(east, north, footprint_m);
+  return ObjectColor(objects()[static_cast<std::size_t>(top->object)], {east, north, top->z_m}, false,
+                     footprint_m);
+}
+
+Eigen::Vector3f World::GroundColorAt(double east, double north, float footprint_m) const {
   const GroundPoint point{east, north, footprint_m, options_.seed};
   const Parcel parcel = parcels_.At(east, north);
   Eigen::Vector3f color = ParcelColor(point, parcel, options_.texture);
@@ -181,7 +205,7 @@ std::optional<RayHit> World::CastRayToBuildings(const Eigen::Vector3d& start,
       if (enter > leave || entered_by < 0 || enter > max_distance_m) continue;
       if (nearest && nearest->distance_m <= enter) continue;
       nearest = RayHit{start + enter * direction, enter,
-                       entered_by == 2 ? SurfaceKind::kRoof : SurfaceKind::kWall, building->hash | 1u};
+                       entered_by == 2 ? SurfaceKind::kRoof : SurfaceKind::kWall, building->hash | 1u, -1};
     }
   }
   return nearest;
@@ -191,15 +215,28 @@ std::optional<RayHit> World::CastRay(const Eigen::Vector3d& start_in_enu,
                                      const Eigen::Vector3d& direction_in_enu, double max_distance_m,
                                      double hint_m) const {
   std::optional<RayHit> hit = CastRayToTerrain(start_in_enu, direction_in_enu, max_distance_m, hint_m);
+  if (!HasUprights() || direction_in_enu.z() > -kFlattestRay) return hit;
+  double limit_m = hit ? hit->distance_m : max_distance_m;
+  if (const std::optional<ObjectGrid::Hit> met = objects_.CastRay(start_in_enu, direction_in_enu, limit_m)) {
+    limit_m = met->at.distance_m;
+    const bool is_tree = objects()[static_cast<std::size_t>(met->object)].kind == ObjectKind::kTree;
+    const SurfaceKind met_surface = met->at.is_side ? SurfaceKind::kWall : SurfaceKind::kRoof;
+    hit =
+        RayHit{start_in_enu + limit_m * direction_in_enu, limit_m, is_tree ? SurfaceKind::kTree : met_surface,
+               static_cast<std::uint32_t>(met->object) + 1u, met->object};
+  }
   if (!options_.has_boxes) return hit;
-  const double limit_m = hit ? hit->distance_m : max_distance_m;
   if (std::optional<RayHit> box = CastRayToBuildings(start_in_enu, direction_in_enu, limit_m)) return box;
   return hit;
 }
 
 Eigen::Vector3f World::ColorOfHit(const RayHit& hit, float footprint_m) const {
+  if (hit.object >= 0) {
+    return ObjectColor(objects()[static_cast<std::size_t>(hit.object)], hit.point_in_enu,
+                       hit.surface == SurfaceKind::kWall, footprint_m);
+  }
   if (hit.surface != SurfaceKind::kWall)
-    return ColorAt(hit.point_in_enu.x(), hit.point_in_enu.y(), footprint_m);
+    return GroundColorAt(hit.point_in_enu.x(), hit.point_in_enu.y(), footprint_m);
   const Eigen::Vector2d turned = parcels_.ToTurned(hit.point_in_enu.x(), hit.point_in_enu.y());
   const std::optional<Building> building = parcels_.BuildingOfCell(FloorToInt(turned.x() / kBuildingCellM),
                                                                    FloorToInt(turned.y() / kBuildingCellM));

@@ -9,8 +9,11 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
+#include "core/simulate/world/object_grid.h"
 #include "core/simulate/world/parcels.h"
+#include "core/simulate/world/place_objects.h"
 
 namespace skyquilt::simulate {
 
@@ -24,17 +27,19 @@ struct WorldOptions {
   // How much brighter the ground becomes to the east, as a logarithm.
   double gradient_per_km = 0.0;
   double mark_radius_m = 0.25;  // of the white disc; the black one is twice as wide
+  ObjectOptions objects;        // houses, walls and trees that stand on it
 
   bool operator==(const WorldOptions&) const = default;
 };
 
-enum class SurfaceKind : std::uint8_t { kGround, kRoof, kWall };
+enum class SurfaceKind : std::uint8_t { kGround, kRoof, kWall, kTree };
 
 struct RayHit {
   Eigen::Vector3d point_in_enu = Eigen::Vector3d::Zero();
   double distance_m = 0.0;
   SurfaceKind surface = SurfaceKind::kGround;
-  std::uint32_t building = 0;  // tells one building from the next; 0 = none
+  std::uint32_t building = 0;  // tells one building or tree from the next; 0 = none
+  int object = -1;             // of World::objects(); -1 = none
 };
 
 class World {
@@ -42,10 +47,14 @@ class World {
   explicit World(const WorldOptions& options);
 
   const WorldOptions& options() const { return options_; }
+  const std::vector<StandingObject>& objects() const { return objects_.objects(); }
+  bool HasUprights() const { return options_.has_boxes || !objects().empty(); }
   // The terrain without buildings; 0 at the origin of enu.
   double TerrainHeightAt(double east, double north) const;
-  // What one sees from straight above: terrain or roof.
+  // What one sees from straight above: terrain, roof or crown.
   double SurfaceHeightAt(double east, double north) const;
+  // Which of objects() one sees there; -1 = none.
+  int ObjectAt(double east, double north) const;
   // Colour (red, green, blue) of that surface.
   Eigen::Vector3f ColorAt(double east, double north, float footprint_m) const;
 
@@ -66,7 +75,10 @@ class World {
                                          double max_distance_m, double hint_m) const;
   std::optional<RayHit> CastRayToBuildings(const Eigen::Vector3d& start, const Eigen::Vector3d& direction,
                                            double max_distance_m) const;
+  // The ground, and the boxes that stand or are painted on it.
+  Eigen::Vector3f GroundColorAt(double east, double north, float footprint_m) const;
   std::optional<Building> BuildingAt(double east, double north) const;
+  std::optional<ObjectGrid::Top> ObjectTopAt(double east, double north) const;  // not one below the terrain
   double BaseOf(const Building& building) const;
 
   WorldOptions options_;
@@ -74,7 +86,8 @@ class World {
   std::array<Wave, 6> waves_;
   double sum_at_origin_ = 0.0;  // of the waves: subtracted, so that the origin lies at 0
   double steepest_ = 0.0;       // bound of the terrain's slope
-  double highest_m_ = 0.0;      // bound of any surface
+  double highest_m_ = 0.0;      // bound of the terrain and its boxes
+  ObjectGrid objects_;
 };
 
 }  // namespace skyquilt::simulate
