@@ -95,6 +95,15 @@ Result<void> WriteLogs(const SimulatedFlight& flight, const std::filesystem::pat
   return {};
 }
 
+constexpr double kLookedAtBeyond = 0.25;  // of the height of flight, beyond the outermost photos
+
+geo::Bounds2 AreaLookedAt(const std::vector<TruePose>& poses, double flight_height_m) {
+  geo::Bounds2 area;
+  for (const TruePose& pose : poses) area.Include(pose.cam_from_enu.TargetOriginInSource().head<2>());
+  const Eigen::Vector2d beyond = Eigen::Vector2d::Constant(kLookedAtBeyond * flight_height_m);
+  return {area.min - beyond, area.max + beyond};
+}
+
 std::string BandFileName(std::size_t capture, std::size_t band) {
   return fmt::format("SIM_{:04}_{}.TIF", capture + 1, band + 1);
 }
@@ -187,6 +196,9 @@ Result<void> SimulateOptions::Validate() const {
     return Bad("A log can be written only of a flight that is flown (survey).");
   if (world.has_boxes && trajectory.height_m < 15.0)
     return Bad("A flight over buildings must be at least 15 m high.");
+  if (world.has_boxes && world.objects.Count() > 0)
+    return Bad("Houses, walls and trees stand in a world without boxes: leave out one or the other.");
+  SKYQUILT_TRY(world.objects.Validate(trajectory.height_m));
   return trajectory.Validate();
 }
 
@@ -214,7 +226,6 @@ Result<SimulatedFlight> PlanSimulatedFlight(const SimulateOptions& options) {
   flight.options.trajectory.seed = options.seed;
   flight.frame =
       geo::LocalFrame({options.origin.lat_deg, options.origin.lon_deg, options.takeoff_height_ellipsoid_m});
-  flight.world = World(options.world);
   Result<std::vector<TruePose>> poses = [&]() -> Result<std::vector<TruePose>> {
     if (!options.survey) return PlanLawnmower(flight.options.trajectory, options.intrinsics);
     SurveyOptions survey = *options.survey;
@@ -224,6 +235,12 @@ Result<SimulatedFlight> PlanSimulatedFlight(const SimulateOptions& options) {
     return std::move(flown.poses);
   }();
   if (!poses) return poses.error();
+  if (options.world.objects.Count() > 0) {
+    const geo::Bounds2 area = AreaLookedAt(*poses, options.trajectory.height_m);
+    flight.options.world.objects.area_min = area.min;
+    flight.options.world.objects.area_max = area.max;
+  }
+  flight.world = World(flight.options.world);
   const std::vector<RecordedPose> recorded = RecordPoses(
       *poses, flight.frame, options.intrinsics, options.start, options.noise, options.clock, options.seed);
   if (options.has_band_rig) flight.rig = MakeBandRig(options.intrinsics, options.seed);
@@ -300,6 +317,11 @@ Result<SimulatedFlight> SimulateFlight(const SimulateOptions& options, const std
     const auto written = WriteWorldGeoTiff(flight.world, flight.frame, flight.WorldRaster(), options.threads,
                                            out_dir / "truth" / "world.tif", progress);
     if (!written) return written.error();
+  }
+  if (options.write_surface) {
+    progress.BeginStage("truth");
+    SKYQUILT_TRY(WriteSurfaceGeoTiff(flight.world, flight.frame, flight.WorldRaster(), options.threads,
+                                     out_dir / "truth" / "surface.tif", progress));
   }
   return planned;
 }

@@ -35,8 +35,8 @@ enum class LogFormat { kDataflash, kUlog, kCsv };
 struct SimulateOptions {
   geo::LatLon origin{46.8, 7.1};  // take-off, the middle of the block
   double takeoff_height_ellipsoid_m = 500.0;
-  std::uint32_t seed = 1;  // of the flight: trajectory, noise (the world has its own, world.seed)
-  WorldOptions world;
+  std::uint32_t seed = 1;        // of the flight: trajectory, noise (the world has its own, world.seed)
+  WorldOptions world;            // its objects are placed where the flight's photos look at
   TrajectoryOptions trajectory;  // its seed is replaced by `seed`
   camera::Intrinsics intrinsics = camera::Intrinsics::Centered(1600, 1200, 1200.0);
   NoiseClass noise = NoiseClass::kExact;
@@ -60,6 +60,7 @@ struct SimulateOptions {
   int supersample = 0;                 // 0 = as needed
   int jpeg_quality = 92;
   bool write_world = true;
+  bool write_surface = false;               // the true heights
   double largest_world_megapixels = 400.0;  // above it the truth map takes a coarser zoom
   int threads = 0;                          // 0 = all cores
 
@@ -90,7 +91,8 @@ Result<SimulatedFlight> PlanSimulatedFlight(const SimulateOptions& options);
 image::DecodedImage RenderSimulatedPhoto(const SimulatedFlight& flight, std::size_t index, int threads = 1);
 
 // Writes out_dir/photos/*.JPG (of a rig a TIFF for each band), out_dir/truth/poses.json,
-// out_dir/truth/world.tif and, if asked for, out_dir/logs/*. Errors: kInvalidArgument, kIo, kCancelled.
+// out_dir/truth/world.tif and, if asked for, out_dir/truth/surface.tif and out_dir/logs/*. Errors:
+// kInvalidArgument, kIo, kCancelled.
 Result<SimulatedFlight> SimulateFlight(const SimulateOptions& options, const std::filesystem::path& out_dir,
                                        Progress& progress);
 

@@ -4,6 +4,7 @@
 
 #include "core/camera/lens_fields.h"
 #include "core/geo/tile_id.h"
+#include "core/geo/web_mercator.h"
 
 namespace skyquilt::simulate {
 namespace {
@@ -15,6 +16,46 @@ ordered_json Vector(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 ordered_json Lens(const camera::Intrinsics& lens) {
   ordered_json json;
   camera::VisitLensFields(lens, [&](const char* name, auto value) { json[name] = value; });
+  return json;
+}
+
+const char* KindName(ObjectKind kind) {
+  switch (kind) {
+    case ObjectKind::kFlatHouse:
+      return "flat_house";
+    case ObjectKind::kGabledHouse:
+      return "gabled_house";
+    case ObjectKind::kWall:
+      return "wall";
+    case ObjectKind::kTree:
+      return "tree";
+  }
+  return "";
+}
+
+// Heights are z of enu; corners and ridge are those of the roof.
+ordered_json Object(const StandingObject& object, const geo::LocalFrame& frame) {
+  const Eigen::Vector2d& middle = object.outline.center_in_enu;
+  ordered_json json{{"kind", KindName(object.kind)},
+                    {"center_in_enu", {middle.x(), middle.y()}},
+                    {"ground_m", object.ground_m},
+                    {"ridge_m", object.ridge_m}};
+  if (object.kind == ObjectKind::kTree) {
+    json["radius_m"] = object.outline.half_size_m.x();
+    return json;
+  }
+  json["eave_m"] = object.EaveM();
+  for (const Eigen::Vector3d& corner : object.Corners()) {
+    const geo::Wgs84 at = frame.Wgs84FromEnu(corner);
+    const Eigen::Vector2d in_merc = geo::MercFromLatLon({at.lat_deg, at.lon_deg});
+    json["corners_in_enu"].push_back(Vector(corner));
+    json["corners_in_merc"].push_back({in_merc.x(), in_merc.y()});
+  }
+  if (object.kind == ObjectKind::kGabledHouse) {
+    const double half_m = object.outline.half_size_m.x();
+    json["ridge_in_enu"] = {Vector(object.RoofPointAt({-half_m, 0.0})),
+                            Vector(object.RoofPointAt({half_m, 0.0}))};
+  }
   return json;
 }
 
@@ -39,6 +80,9 @@ std::string TruthJson(const SimulatedFlight& flight) {
                     {"pixel_size_in_merc_m", raster.pixel_size_in_merc_m},
                     {"width_px", raster.width_px},
                     {"height_px", raster.height_px}};
+  if (flight.options.write_surface) truth["surface"] = {{"file", "surface.tif"}};
+  for (const StandingObject& object : flight.world.objects())
+    truth["objects"].push_back(Object(object, flight.frame));
   truth["intrinsics"] = Lens(flight.options.intrinsics);
   truth["photos"] = ordered_json::array();
   for (const SimulatedPhoto& photo : flight.photos) {

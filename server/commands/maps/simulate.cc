@@ -41,6 +41,7 @@ struct SimulateArguments {
   double readout_ms = 0.0;
   double shaking_dps = 0.0;
   bool no_world = false;
+  std::vector<double> house_heights_m;
   simulate::SurveyOptions survey;
   ImuKind imu = ImuKind::kIcm;
   bool rtk_log = false;
@@ -80,6 +81,20 @@ simulate::SurveyOptions SurveyOf(const SimulateArguments& arguments) {
   return survey;
 }
 
+void PrintObjects(const simulate::ObjectOptions& wanted, const simulate::World& world) {
+  int houses = 0, walls = 0, trees = 0;
+  for (const simulate::StandingObject& object : world.objects()) {
+    if (object.IsHouse()) {
+      ++houses;
+    } else {
+      ++(object.kind == simulate::ObjectKind::kWall ? walls : trees);
+    }
+  }
+  fmt::print("{}, {} and {} stand on the ground{}\n", Counted(houses, "house"), Counted(walls, "wall"),
+             Counted(trees, "tree"),
+             houses + walls + trees < wanted.Count() ? "; there is no room for more" : "");
+}
+
 void Run(SimulateArguments& arguments) {
   simulate::SimulateOptions& options = arguments.options;
   if (!options.log_formats.empty()) options.survey = SurveyOf(arguments);
@@ -93,6 +108,10 @@ void Run(SimulateArguments& arguments) {
   options.shaking_radps = geo::DegToRad(arguments.shaking_dps);
   options.write_world = !arguments.no_world;
   options.world.seed = options.seed;
+  if (arguments.house_heights_m.size() == 2) {
+    options.world.objects.lowest_house_m = arguments.house_heights_m[0];
+    options.world.objects.highest_house_m = arguments.house_heights_m[1];
+  }
   const Result<simulate::SimulatedFlight> flight = [&] {
     TerminalProgress progress;
     return simulate::SimulateFlight(options, arguments.out_dir, progress);
@@ -101,7 +120,28 @@ void Run(SimulateArguments& arguments) {
   fmt::print("{} of {} x {} pixels, {:.2f} cm a pixel on the ground\n",
              Counted(flight->photos.size(), "photo"), options.intrinsics.width_px,
              options.intrinsics.height_px, 100.0 * flight->GsdM());
+  if (options.world.objects.Count() > 0) PrintObjects(options.world.objects, flight->world);
   fmt::print("{}\n{}\n", (arguments.out_dir / "photos").string(), (arguments.out_dir / "truth").string());
+}
+
+// What stands on the ground.
+void AddObjectOptions(CLI::App& command, SimulateArguments& arguments) {
+  simulate::ObjectOptions& objects = arguments.options.world.objects;
+  command
+      .add_option(
+          "--houses", objects.houses,
+          "Houses of 8 to 20 m a side with flat and gabled roofs, turned any way, where the photos look; "
+          "truth/poses.json has the corners and heights of all that stands")
+      ->capture_default_str();
+  command
+      .add_option("--house-heights-m", arguments.house_heights_m,
+                  "With --houses: how high the lowest and the highest may be, in metres (default: 3 12)")
+      ->expected(2);
+  command.add_option("--walls", objects.walls, "Garden walls of 1.5 to 3 m")->capture_default_str();
+  command.add_option("--trees", objects.trees, "Trees of 3 to 10 m")->capture_default_str();
+  command.add_flag("--surface", arguments.options.write_surface,
+                   "Also write truth/surface.tif: the true heights over the ellipsoid, with and without what "
+                   "stands on the ground");
 }
 
 // What the recorder of the aircraft writes; without --log nothing is recorded.
@@ -197,6 +237,7 @@ void AddSimulateCommand(CLI::App& app) {
       ->capture_default_str();
   command->add_flag("--boxes", options.world.has_boxes,
                     "Buildings stand up instead of being painted on the ground");
+  AddObjectOptions(*command, *arguments);
   command
       ->add_option(
           "--texture", options.world.texture,
