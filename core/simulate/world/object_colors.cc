@@ -61,10 +61,11 @@ Eigen::Vector3f CrownColor(const StandingObject& tree, const Eigen::Vector3d& po
     least_off = off;
     normal = (from / half).matrix().normalized();
   }
-  // Noise of the plane, laid aslant through the height, so that it is drawn out nowhere.
+  // Noise of the plane, laid through the height aslant in two ways: one alone would be drawn out to streaks.
   const double up_m = point.z() - tree.ground_m;
   const GroundPoint leaf{point.x() + 0.6 * up_m, point.y() - 0.8 * up_m, footprint_m, tree.outline.hash};
-  const float texture = GroundTexture(leaf, 1.2f, 0.9f);
+  const GroundPoint twig{point.x() - 0.9 * up_m, point.y() - 0.4 * up_m, footprint_m, ~tree.outline.hash};
+  const float texture = 0.7f * (GroundTexture(leaf, 1.2f, 0.9f) + GroundTexture(twig, 1.2f, 0.9f));
   const auto share_up = static_cast<float>(up_m / tree.outline.height_m);
   const float light = LightOn(normal) * (0.65f + 0.35f * std::clamp(share_up, 0.0f, 1.0f));
   if (part == &tree.crown.front())
