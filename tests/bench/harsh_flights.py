@@ -18,6 +18,7 @@ TESTS = pathlib.Path(__file__).resolve().parents[1]
 sys.path += [str(TESTS / "e2e"), str(TESTS / "e2e" / "command_line")]
 import control_test
 import film_test
+from map_against_truth import rotation
 
 
 def exif(photos, *arguments):
@@ -257,13 +258,6 @@ def over_water(folder):
         subprocess.run(["exiftool", "-q", "-overwrite_original", "-TagsFromFile", str(path), "-all:all", "-unsafe",
                         str(wet)], check=True)
         wet.rename(path)
-
-
-def rotation(wxyz):
-    w, x, y, z = wxyz
-    return numpy.array([[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-                        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-                        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]])
 
 
 def east_of(photo, rays):

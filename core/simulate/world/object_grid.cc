@@ -8,7 +8,7 @@ namespace skyquilt::simulate {
 namespace {
 
 constexpr double kObjectCellM = 6.0;
-constexpr int kMostCellsASide = 500;
+constexpr int kMaxCellsASide = 500;
 constexpr double kSlackM = 1e-6;  // what lies on a border is found from both sides
 
 geo::Bounds2 BoundsOf(const StandingObject& object) {
@@ -21,7 +21,7 @@ geo::Bounds2 BoundsOf(const StandingObject& object) {
 ObjectGrid::ObjectGrid(std::vector<StandingObject> objects) : objects_(std::move(objects)) {
   if (objects_.empty()) return;
   for (const StandingObject& object : objects_) bounds_.Include(BoundsOf(object));
-  cell_m_ = std::max({kObjectCellM, bounds_.Width() / kMostCellsASide, bounds_.Height() / kMostCellsASide});
+  cell_m_ = std::max({kObjectCellM, bounds_.Width() / kMaxCellsASide, bounds_.Height() / kMaxCellsASide});
   size_ = ((bounds_.max - bounds_.min) / cell_m_).array().floor().cast<int>() + 1;
   cells_.resize(static_cast<std::size_t>(size_.x()) * static_cast<std::size_t>(size_.y()));
   for (std::size_t i = 0; i < objects_.size(); ++i) {

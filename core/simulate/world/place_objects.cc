@@ -17,10 +17,10 @@ constexpr int kTries = 400;  // without success in a row: there is no room for a
 constexpr double kGapM = 1.5;
 constexpr double kShortestSideM = 8.0, kLongestSideM = 20.0;
 constexpr double kLowestTreeM = 3.0, kHighestTreeM = 10.0;
-constexpr double kLeastStanding = 0.6;  // of the height of its eaves is above the ground all round
-constexpr int kMostObjects = 5000;      // of a kind
-constexpr double kLowestPossibleM = 2.0, kHighestPossibleM = 60.0;
-constexpr double kLeastAboveHousesM = 10.0;
+constexpr double kMinStanding = 0.6;  // of the height of its eaves is above the ground all round
+constexpr int kMaxObjects = 2000;     // of a kind
+constexpr double kMinHouseM = 2.0, kMaxHouseM = 60.0;
+constexpr double kMinAboveHousesM = 10.0;
 constexpr std::uint64_t kHouseStream = 701, kWallStream = 702, kTreeStream = 703;
 
 Error BadObjects(std::string message) {
@@ -121,7 +121,7 @@ bool StandsFree(const StandingObject& object, const TerrainHeight& terrain_m) {
     for (int y = -1; y <= 1; ++y) {
       const Eigen::Vector3d roof =
           object.RoofPointAt(Eigen::Vector2d(x, y).cwiseProduct(object.outline.half_size_m));
-      if (roof.z() - terrain_m(roof.x(), roof.y()) < kLeastStanding * (object.EaveM() - object.ground_m))
+      if (roof.z() - terrain_m(roof.x(), roof.y()) < kMinStanding * (object.EaveM() - object.ground_m))
         return false;
     }
   }
@@ -131,21 +131,20 @@ bool StandsFree(const StandingObject& object, const TerrainHeight& terrain_m) {
 }  // namespace
 
 Result<void> ObjectOptions::Validate(double flight_height_m) const {
-  if (std::min({houses, walls, trees}) < 0 || std::max({houses, walls, trees}) > kMostObjects) {
+  if (std::min({houses, walls, trees}) < 0 || std::max({houses, walls, trees}) > kMaxObjects) {
     return BadObjects(
         fmt::format("There are to be {} houses, {} walls and {} trees; each number must be from 0 to {}.",
-                    houses, walls, trees, kMostObjects));
+                    houses, walls, trees, kMaxObjects));
   }
-  if (!(lowest_house_m >= kLowestPossibleM && lowest_house_m <= highest_house_m &&
-        highest_house_m <= kHighestPossibleM)) {
+  if (!(lowest_house_m >= kMinHouseM && lowest_house_m <= highest_house_m && highest_house_m <= kMaxHouseM)) {
     return BadObjects(fmt::format(
         "Houses are to be {} to {} m high; they can be from {} to {} m high, the lower number first.",
-        lowest_house_m, highest_house_m, kLowestPossibleM, kHighestPossibleM));
+        lowest_house_m, highest_house_m, kMinHouseM, kMaxHouseM));
   }
   const double least_m = std::max(houses > 0 ? highest_house_m : 0.0, trees > 0 ? kHighestTreeM : 0.0);
-  if (Count() > 0 && flight_height_m < least_m + kLeastAboveHousesM) {
+  if (Count() > 0 && flight_height_m < least_m + kMinAboveHousesM) {
     return BadObjects(fmt::format("A flight over houses or trees of up to {} m must be at least {} m high.",
-                                  least_m, least_m + kLeastAboveHousesM));
+                                  least_m, least_m + kMinAboveHousesM));
   }
   return {};
 }
