@@ -42,7 +42,7 @@ FAMILIES["hills"] = ["--noise", "xmp", "--relief-m", "20", "--height", "60"]
 SCALES = (1.0, 1.06, 1.12, 1.19, 1.26)
 AROUND_CORNER_PX = 32
 FARTHEST_M = 10.0
-LEAST_ALIKE = 0.6
+LEAST_ALIKE = 0.75
 
 
 def luminance(dataset):
