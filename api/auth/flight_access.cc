@@ -6,6 +6,7 @@
 #include "api/http/problem.h"
 #include "api/nodeodm/nodeodm.h"
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 
 namespace skyquilt::api {
 namespace {
@@ -92,9 +93,7 @@ Result<void> CheckMayChange(Service& service, const Request& request, const std:
   if (request.is_admin) return {};
   SKYQUILT_TRY_ASSIGN(const std::string owner, service.catalogue.OwnerOf(flight_id));
   if (MayChange(request, owner)) return {};
-  return Error{ErrorCode::kForbidden,
-               "This flight belongs to another token. Only that one, or one of scope admin, may change it.",
-               ""};
+  return flight::Because(ErrorCode::kForbidden, flight::RemarkCode::kFailOfAnotherToken);
 }
 
 std::optional<Response> CheckFlightAccess(Service& service, const Request& request,

@@ -7,6 +7,7 @@
 
 #include "api/service.h"
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 
 namespace skyquilt::api {
 namespace {
@@ -108,12 +109,9 @@ Result<void> IncomingBytes::CheckRoom(std::optional<std::uint64_t> content_lengt
 }
 
 Error IncomingBytes::Refusal() const {
-  return {ErrorCode::kTooLarge,
-          fmt::format(
-              "The flights of the token \"{}\" may hold {}, and this would be more. Delete a flight, or ask "
-              "the server's operator for room.",
-              token_name_, Readable(max_bytes_.value_or(0))),
-          ""};
+  return flight::Because(
+      ErrorCode::kTooLarge,
+      {flight::RemarkCode::kFailQuota, {{"token", token_name_}, {"room", Readable(max_bytes_.value_or(0))}}});
 }
 
 }  // namespace skyquilt::api

@@ -14,6 +14,7 @@
 #include "api/json/json_text.h"
 #include "api/shown_map.h"
 #include "core/base/try.h"
+#include "core/flight/remarks/remark_json.h"
 #include "storage/exports/custom/export_request.h"
 #include "storage/tilesets/publish_file.h"
 
@@ -48,7 +49,9 @@ std::string ExportJson(Service& service, const Request& asked, const MapExport& 
   json["progress"] = made.progress;
   json["bytes"] = is_there ? Value(made.bytes) : Value();
   json["error"] = made.state == ExportState::kFailed
-                      ? Value({{"code", made.error_code}, {"message", made.error_message}})
+                      ? Value({{"code", made.error_code},
+                               {"message", made.error_message},
+                               {"reason", flight::ReasonValue<Value>(made.error_reason)}})
                       : Value();
   json["created_at"] = FormatTime(made.created);
   json["finished_at"] = made.finished ? Value(FormatTime(*made.finished)) : Value();

@@ -3,20 +3,24 @@
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "core/base/check.h"
+#include "core/flight/remarks/because.h"
+#include "core/flight/remarks/remark_json.h"
 
 namespace skyquilt::api {
 namespace {
 
 Response Document(int status, const char* kind, std::string_view detail, std::string_view instance,
-                  std::string_view request_id) {
+                  std::string_view request_id, const std::optional<flight::Remark>& reason = std::nullopt) {
   nlohmann::ordered_json body;
   body["type"] = std::string("urn:skyquilt:problem:") + kind;
   body["title"] = ReasonOf(status);
   body["status"] = status;
   body["code"] = kind;
   body["detail"] = detail;
+  if (reason) body["reason"] = flight::JsonOfRemark<nlohmann::ordered_json>(*reason);
   body["instance"] = instance;
   body["request_id"] = request_id;
   Response response;
@@ -156,7 +160,10 @@ const char* ReasonOf(int status) {
 
 Response Problem(const Error& error, std::string_view instance, std::string_view request_id) {
   const std::string kind(ErrorCodeName(error.code));
-  Response response = Document(StatusOf(error.code), kind.c_str(), error.message, instance, request_id);
+  std::optional<flight::Remark> reason;
+  if (flight::HasReason(error)) reason = flight::WhyOf(error);
+  Response response =
+      Document(StatusOf(error.code), kind.c_str(), error.message, instance, request_id, reason);
   if (error.code == ErrorCode::kUnavailable || error.code == ErrorCode::kRateLimited) {
     response.headers.Add("Retry-After", "2");
   }

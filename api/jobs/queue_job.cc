@@ -9,6 +9,7 @@
 #include "api/json/job_options.h"
 #include "api/json/json_codec.h"
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 
 namespace skyquilt::api {
 namespace {
@@ -22,8 +23,8 @@ Result<void> CheckImported(Service& service, const std::string& flight_id, const
     return file.name == parsed.import_file;
   });
   if (is_there) return {};
-  return Error{ErrorCode::kConflict,
-               "This flight has no file \"" + parsed.import_file + "\" to be imported. Upload it first.", ""};
+  return flight::Because(ErrorCode::kConflict,
+                         {flight::RemarkCode::kFailImportMissing, {{"file", parsed.import_file}}});
 }
 
 }  // namespace
@@ -38,7 +39,7 @@ Result<storage::Job> QueueJob(Service& service, const Request& request, const st
   }
   SKYQUILT_TRY_ASSIGN(const storage::Flight flight, service.catalogue.GetFlight(flight_id));
   if (flight.file_count == 0) {
-    return Error{ErrorCode::kConflict, "This flight has no files yet. Upload photos first.", ""};
+    return flight::Because(ErrorCode::kConflict, flight::RemarkCode::kFailNoFilesYet);
   }
   const std::string options = wish.options.value_or(flight.options);
   SKYQUILT_TRY(CheckImported(service, flight_id, options));

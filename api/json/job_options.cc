@@ -1,7 +1,5 @@
 #include "api/json/job_options.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -9,6 +7,7 @@
 
 #include "api/json/json_text.h"
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 #include "storage/exports/custom/boundary.h"
 #include "storage/uploads/photo_store.h"
 
@@ -18,7 +17,9 @@ namespace {
 using nlohmann::json;
 
 Error Refuse(std::string_view field, std::string_view rule) {
-  return {ErrorCode::kUnprocessable, fmt::format("The option \"{}\" {}.", field, rule), ""};
+  return flight::Because(
+      ErrorCode::kUnprocessable,
+      {flight::RemarkCode::kFailOption, {{"option", std::string(field)}, {"rule_words", std::string(rule)}}});
 }
 
 Result<void> SetGsd(const json& value, pipeline::MosaicOptions* options) {
@@ -229,10 +230,13 @@ Result<pipeline::MosaicOptions> ParseJobOptions(std::string_view text) {
     } else if (field == "import_file") {
       set = SetImport(value, &options);
     } else {
-      set = Refuse(
-          field,
-          "is not known; known are gsd_m, any_gsd, not_finer_than_photos, max_look_deg, readout_ms, format, quality, method, origin, "
-          "boundary, takeoff_height_m, landed_at_start, place, layers and import_file");
+      set = flight::Because(
+          ErrorCode::kUnprocessable,
+          {flight::RemarkCode::kFailOptionUnknown,
+           {{"option", field},
+            {"known_words",
+             "gsd_m, any_gsd, not_finer_than_photos, max_look_deg, readout_ms, format, quality, method, origin, "
+             "boundary, takeoff_height_m, landed_at_start, place, layers and import_file"}}});
     }
     if (!set) return set.error();
   }

@@ -11,6 +11,8 @@
 #include "api/json/job_options.h"
 #include "api/json/json_text.h"
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
+#include "core/flight/remarks/remark_json.h"
 #include "storage/tags/flight_tags.h"
 
 namespace skyquilt::api {
@@ -60,7 +62,9 @@ std::optional<Eta> EtaOf(const storage::Job& job, storage::Time now) {
 ordered_json ErrorOf(const storage::Job& job) {
   // A job that waits for another attempt keeps the last error for the log; it has not failed.
   if (job.state != storage::JobState::kFailed || !job.error) return nullptr;
-  return {{"code", job.error->code}, {"message", job.error->message}};
+  return {{"code", job.error->code},
+          {"message", job.error->message},
+          {"reason", flight::ReasonValue<ordered_json>(job.error->reason)}};
 }
 
 ordered_json JobValue(const storage::Job& job, storage::Time now) {
@@ -250,6 +254,8 @@ std::string FileOutcomesJson(const std::vector<FileOutcome>& files) {
     if (file.error) {
       list.push_back(
           {{"name", file.name}, {"error", file.error->message}, {"code", ErrorCodeName(file.error->code)}});
+      if (flight::HasReason(*file.error))
+        list.back()["reason"] = flight::JsonOfRemark<ordered_json>(flight::WhyOf(*file.error));
     } else {
       list.push_back({{"name", file.name}, {"bytes", file.bytes}});
     }

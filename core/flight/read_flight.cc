@@ -16,6 +16,7 @@
 #include "core/flight/lists/sort_files.h"
 #include "core/flight/logs/read_log.h"
 #include "core/flight/metadata/name_time.h"
+#include "core/flight/remarks/because.h"
 #include "core/flight/remarks/remark_words.h"
 
 namespace skyquilt::flight {
@@ -175,8 +176,7 @@ void WarnAboutFlight(std::ptrdiff_t timed_by_name, Flight& flight) {
 Result<Flight> ReadFlight(const std::vector<InputFile>& files, const ReadFlightOptions& options,
                           Progress& progress) {
   if (files.empty()) {
-    return Error{ErrorCode::kInvalidArgument,
-                 "No files were given. Give the flight's photos, or their folder.", ""};
+    return Because(ErrorCode::kInvalidArgument, RemarkCode::kFailNoFiles);
   }
   progress.BeginStage("read");
   std::vector<InputFile> named = files;
@@ -195,7 +195,7 @@ Result<Flight> ReadFlight(const std::vector<InputFile>& files, const ReadFlightO
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     Result<Photo>& photo = *read[i];
     if (!photo) {
-      flight.left_out.push_back({candidates[i].name, photo.error().code, photo.error().message});
+      flight.left_out.push_back({candidates[i].name, photo.error().code, WhyOf(photo.error())});
     } else if (duplicate_of[i]) {
       flight.left_out.push_back(
           LeftAside(candidates[i].name, Aside::kSameBytes, candidates[*duplicate_of[i]].name));

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 #include "core/geo/web_mercator.h"
 #include "core/pipeline/append_photos.h"
 #include "core/pipeline/memory_budget.h"
@@ -104,13 +105,9 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   });
   if (!rendered) return rendered.error();
   if (rendered->base_tiles == 0) {
-    return Error{
-        ErrorCode::kUnprocessable,
-        facts.boundary
-            ? "The photos were placed, but none of them shows any ground within the boundary. Draw the "
-              "boundary over the flight, or leave it out."
-            : "The photos were placed, but none of them shows any ground.",
-        ""};
+    return flight::Because(ErrorCode::kUnprocessable, facts.boundary
+                                                          ? flight::RemarkCode::kFailNoGroundInBoundary
+                                                          : flight::RemarkCode::kFailNoGround);
   }
 
   const render::SeamShift seam_shift = stages.Run("measure", [&] {

@@ -10,6 +10,7 @@
 #include "core/base/scoped_timer.h"
 #include "core/base/trace.h"
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 
 namespace skyquilt::pipeline {
 
@@ -68,7 +69,8 @@ Result<CheckedFlight> CheckPhotos(flight::Flight flight, const flight::PhotoSour
       checked.thumbnails.push_back(std::move(one.thumbnail));
       if (one.features) checked.features.emplace(checked.flight.photos.back().name, *std::move(one.features));
     } else {
-      checked.flight.left_out.push_back({photos[i].name, made[i]->error().code, made[i]->error().message});
+      checked.flight.left_out.push_back(
+          {photos[i].name, made[i]->error().code, flight::WhyOf(made[i]->error())});
     }
   }
   return checked;

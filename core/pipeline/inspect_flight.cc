@@ -13,6 +13,7 @@
 #include "core/base/parallel_for.h"
 #include "core/base/printable.h"
 #include "core/camera/footprint.h"
+#include "core/flight/remarks/because.h"
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
 #include "core/ground/ground_surface.h"
@@ -200,7 +201,7 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
   if (!compared) {
     verdict.left_out = flight->left_out;
     verdict.warnings = flight->warnings;
-    verdict.warnings.push_back(compared.error().message);
+    verdict.warnings.push_back(flight::WhyOf(compared.error()));
     return verdict;
   }
   constexpr bool kKeepUnplaced = true;
@@ -210,7 +211,8 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
     verdict.left_out = flight->left_out;
     verdict.warnings = flight->warnings;
     // A flight of films alone has its photos when the map is made.
-    if (flight->films.empty() || !flight->photos.empty()) verdict.warnings.push_back(posed.error().message);
+    if (flight->films.empty() || !flight->photos.empty())
+      verdict.warnings.push_back(flight::WhyOf(posed.error()));
     return verdict;
   }
   verdict.photos_by_images = static_cast<int>(posed->unplaced.size());
@@ -241,12 +243,12 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
   const auto plan =
       render::PlanMosaic(placed, ground::GroundSurface::Plane(placed.ground_z_in_enu_m), PlanWithin(options));
   if (!plan) {
-    verdict.warnings.push_back(plan.error().message);
+    verdict.warnings.push_back(flight::WhyOf(plan.error()));
     return verdict;
   }
   verdict.gsd_m = plan->gsd_m;
   if (const Result<void> sane = options.CheckGsd(plan->gsd_m); !sane)
-    verdict.warnings.push_back(sane.error().message);
+    verdict.warnings.push_back(flight::WhyOf(sane.error()));
   verdict.max_zoom = plan->base_zoom;
   verdict.tile_size_px = plan->tile_size_px;
   const double pixel_m = geo::PixelSizeInMercM(plan->base_zoom, plan->tile_size_px) *

@@ -7,6 +7,8 @@
 #include <filesystem>
 #include <iterator>
 
+#include "core/flight/remarks/because.h"
+
 namespace skyquilt::pipeline {
 namespace {
 
@@ -64,14 +66,10 @@ Result<void> MosaicOptions::Validate() const {
 
 Result<void> MosaicOptions::CheckGsd(double photos_gsd_m) const {
   if (!gsd_m || any_gsd || !(*gsd_m > kMaxTimesCoarser * photos_gsd_m)) return {};
-  return Error{
+  return flight::Because(
       ErrorCode::kInvalidArgument,
-      fmt::format("The option gsd_m asks for pixels of {:g} m, but those of the photos show {:.3g} cm of the "
-                  "ground, {:.0f} times less. It counts in metres (0.05), at the command line also with "
-                  "a unit (5cm). If so coarse a map is meant, say --any-gsd, or \"any_gsd\": true in the "
-                  "options of a job.",
-                  *gsd_m, 100.0 * photos_gsd_m, *gsd_m / photos_gsd_m),
-      ""};
+      {flight::RemarkCode::kFailMuchCoarser,
+       {{"asked_m", *gsd_m}, {"photos_cm", 100.0 * photos_gsd_m}, {"times", *gsd_m / photos_gsd_m}}});
 }
 
 std::map<std::string, std::string> MosaicOptions::InWords() const {

@@ -20,6 +20,7 @@
 #include "core/base/parallel_for.h"
 #include "core/base/try.h"
 #include "core/flight/photos/sample_ranges.h"
+#include "core/flight/remarks/because.h"
 #include "core/ground/dem_grid.h"
 #include "core/ground/model_ground.h"
 #include "core/pipeline/append_photos.h"
@@ -186,8 +187,8 @@ std::size_t LeaveOutNonsense(const ground::GroundSurface* ground, alignment::Ali
 }
 
 Error NothingLeft(const alignment::AlignedFlight& flight) {
-  return {ErrorCode::kUnprocessable,
-          "No photo can be drawn where it was placed: " + poses::InWords(flight.left_out), ""};
+  return flight::Because(ErrorCode::kUnprocessable, {flight::RemarkCode::kFailNoneDrawable,
+                                                     {{"left", poses::FirstImplausible(flight.left_out)}}});
 }
 
 // What photos show may place them where no record does.
@@ -285,11 +286,7 @@ Result<PlacedFlight> PlaceWhereTold(const flight::Flight& read, const PlaceReque
   const std::set<std::string> lists = NamesOf(read.gcp_lists);
   if (memory != nullptr) recalled = RecallFiles(*memory, inputs, lists);
   if (!recalled || !recalled->added.empty() || !recalled->facts.appearance) {
-    return Error{
-        ErrorCode::kConflict,
-        "The map cannot be placed: its photos are no longer the files it was made from, or it was not "
-        "finished. Stitch them again.",
-        ""};
+    return flight::Because(ErrorCode::kConflict, flight::RemarkCode::kFailMapChanged);
   }
   FillPhotos(read, recalled->facts.flight);
   PlacedFlight placed;

@@ -11,6 +11,7 @@
 #include "core/base/median.h"
 #include "core/base/try.h"
 #include "core/flight/aside/aside.h"
+#include "core/flight/remarks/because.h"
 #include "core/flight/remarks/remark_words.h"
 #include "core/geo/geodesic.h"
 #include "core/geo/geoid.h"
@@ -188,37 +189,29 @@ PlacedByRecords PlaceRest(const std::vector<Photo>& rest, const FlightHeights& h
 
 // Every picture was left out before any was placed.
 Error NoPhotoLeft(const std::vector<LeftOutPhoto>& left_out) {
-  const std::string message =
-      left_out.size() == 1
-          ? std::string("The one file given is no photo that a map can be made of.")
-          : fmt::format("None of the {} files given is a photo that a map can be made of.", left_out.size());
-  return {ErrorCode::kUnprocessable, message + " " + flight::LeftOutInWords(left_out), ""};
+  return flight::Because(
+      ErrorCode::kUnprocessable,
+      {RemarkCode::kFailNoPhotos, {{"files", left_out.size()}, {"left", flight::FirstLeftOut(left_out)}}});
 }
 
 // `left_out`: what begins with the `before` pictures that were left out before any was placed.
 Error NothingPlaced(bool has_log_and_photos, bool any_without_height, const std::vector<Remark>& warnings,
                     const std::vector<LeftOutPhoto>& left_out, std::size_t before) {
   const auto split = left_out.begin() + static_cast<std::ptrdiff_t>(before);
-  std::string message;
+  std::vector<Remark> why;
   if (any_without_height) {
-    message = "No photo has a usable height above the ground: " + InWords({split, left_out.end()}) +
-              " Add the flight's log, a geo.txt with heights, or an elevation model (--dem).";
+    why.push_back({RemarkCode::kFailNoHeights, {{"left", FirstImplausible({split, left_out.end()})}}});
   } else if (!has_log_and_photos) {
-    message =
-        "None of the files is a photo with a position, so there is nothing to place on the ground. "
-        "Check that the photos come straight from the drone (editing and messengers remove GPS data), "
-        "or add the flight log.";
+    why.push_back(RemarkCode::kFailNoPositions);
   } else {
-    message =
-        "No photo could be tied to the log, and none has a position of its own, "
-        "so there is nothing to place on the ground.";
-    for (const Remark& warning : warnings) message += " " + flight::InWords(warning);
+    why.push_back(RemarkCode::kFailNoneTied);
+    why.insert(why.end(), warnings.begin(), warnings.end());
   }
   if (before > 0) {
-    message += fmt::format(" {} of the pictures given can take no part in a map: {}", before,
-                           flight::LeftOutInWords({left_out.begin(), split}));
+    why.push_back({RemarkCode::kFailOthersAside,
+                   {{"pictures", before}, {"left", flight::FirstLeftOut({left_out.begin(), split})}}});
   }
-  return {ErrorCode::kUnprocessable, message, ""};
+  return flight::Because(ErrorCode::kUnprocessable, flight::InARow(std::move(why)));
 }
 
 // A flight that no record places: a frame for what its photos may say.
@@ -372,7 +365,7 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
       takeoff = logged->takeoff.position ? logged->takeoff.position : options.origin;
       TakeLogged(*std::move(logged), options.origin.has_value(), posed);
     } else {
-      posed.warnings.push_back({RemarkCode::kLogUnusable, {{"error_words", logged.error().message}}});
+      posed.warnings.push_back({RemarkCode::kLogUnusable, {{"why", flight::WhyOf(logged.error())}}});
     }
   }
 
@@ -433,11 +426,10 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
     return posed;
   }
   if (posed.photos.empty()) {
-    return Error{
+    const auto first = posed.left_out.begin() + static_cast<std::ptrdiff_t>(before);
+    return flight::Because(
         ErrorCode::kUnprocessable,
-        "No photo can be placed where its records say: " +
-            InWords({posed.left_out.begin() + static_cast<std::ptrdiff_t>(before), posed.left_out.end()}),
-        ""};
+        {RemarkCode::kFailNoneWhereRecorded, {{"left", FirstImplausible({first, posed.left_out.end()})}}});
   }
   Summarise(posed);
   return posed;

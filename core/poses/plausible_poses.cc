@@ -1,7 +1,5 @@
 #include "core/poses/plausible_poses.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -95,13 +93,14 @@ std::vector<std::optional<Remark>> WhyImplausible(const std::vector<CameraStand>
   return why;
 }
 
-std::string InWords(const std::vector<flight::LeftOutPhoto>& left_out) {
+Remark FirstImplausible(const std::vector<flight::LeftOutPhoto>& left_out) {
   constexpr std::size_t kNamed = 3;
-  std::string words;
+  std::vector<Remark> first;
   for (std::size_t i = 0; i < std::min(kNamed, left_out.size()); ++i)
-    words += (i == 0 ? "" : " ") + left_out[i].name + " " + flight::InWords(left_out[i].reason);
-  if (left_out.size() > kNamed) words += fmt::format(" So it is with {} more.", left_out.size() - kNamed);
-  return words;
+    first.push_back({RemarkCode::kPhotoDoes, {{"photo", left_out[i].name}, {"said", left_out[i].reason}}});
+  if (left_out.size() > kNamed)
+    first.push_back({RemarkCode::kSoWithMore, {{"photos", left_out.size() - kNamed}}});
+  return flight::InARow(std::move(first));
 }
 
 }  // namespace skyquilt::poses

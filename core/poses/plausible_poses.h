@@ -27,8 +27,8 @@ struct CameraStand {
 std::vector<std::optional<flight::Remark>> WhyImplausible(const std::vector<CameraStand>& stands,
                                                           const geo::LocalFrame& frame);
 
-// "A.JPG was ...; B.JPG was ...; 12 more": for a flight of which nothing is left.
-std::string InWords(const std::vector<flight::LeftOutPhoto>& left_out);
+// "A.JPG was ... B.JPG was ... So it is with 12 more.": for a flight of which nothing is left.
+flight::Remark FirstImplausible(const std::vector<flight::LeftOutPhoto>& left_out);
 
 // Takes the implausible photos, posed or aligned, out of `photos` and adds them to `left_out`. How many.
 template <typename Placed, typename StandOf>

@@ -1,7 +1,5 @@
 #include "core/render/plan_mosaic.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -11,6 +9,7 @@
 #include "core/base/median.h"
 #include "core/camera/footprint.h"
 #include "core/camera/ground_projection.h"
+#include "core/flight/remarks/because.h"
 #include "core/geo/hilbert.h"
 #include "core/geo/web_mercator.h"
 
@@ -99,15 +98,13 @@ int CommonAncestorZoom(const std::vector<RenderBlock>& blocks) {
 
 }  // namespace
 
-Error BoundaryElsewhere(const geo::Boundary& boundary, const geo::LatLon& flight) {
+Error BoundaryElsewhere(const geo::Boundary& boundary, const geo::LatLon& place) {
   const geo::LatLon middle = boundary.Bounds().Middle();
-  return {ErrorCode::kUnprocessable,
-          fmt::format(
-              "Nothing of the map lies within the boundary: the flight is around {:.5f}, {:.5f} (latitude, "
-              "longitude), the boundary around {:.5f}, {:.5f}. Draw the boundary over the flight, or "
-              "leave it out.",
-              flight.lat_deg, flight.lon_deg, middle.lat_deg, middle.lon_deg),
-          ""};
+  return flight::Because(ErrorCode::kUnprocessable, {flight::RemarkCode::kFailBoundaryElsewhere,
+                                                     {{"lat_deg", place.lat_deg},
+                                                      {"lon_deg", place.lon_deg},
+                                                      {"boundary_lat_deg", middle.lat_deg},
+                                                      {"boundary_lon_deg", middle.lon_deg}}});
 }
 
 std::int64_t BlockBytes(int block_px) { return kBytesPerBlockPixel * block_px * block_px; }
@@ -136,23 +133,16 @@ Result<MosaicPlan> PlanMosaic(const AlignedFlight& flight, const ground::GroundS
     if (const auto gsd_m = GsdM(flight.photos[i], ground.MeanHeight())) gsds.push_back(*gsd_m);
   }
   if (gsds.empty()) {
-    return Error{
-        ErrorCode::kUnprocessable,
-        "No photo looks at the ground: by the recorded angles and heights all look at the sky or from below. "
-        "Check them, and what the heights count from.",
-        ""};
+    return flight::Because(ErrorCode::kUnprocessable, flight::RemarkCode::kFailAllLookUp);
   }
   plan.gsd_m = Median(std::move(gsds));
   double output_gsd_m = options.gsd_m.value_or(plan.gsd_m);
   if (options.not_finer_than_photos) output_gsd_m = std::max(output_gsd_m, plan.gsd_m);
   if (output_gsd_m < kFinestShareOfPhoto * plan.gsd_m) {
-    return Error{
-        ErrorCode::kInvalidArgument,
-        fmt::format("--gsd asks for pixels of {:.4f} m, but those of the photos show {:.4f} m of the "
-                    "ground: a finer map than {:.4f} m would show nothing more. Choose a coarser --gsd, "
-                    "or leave it out.",
-                    output_gsd_m, plan.gsd_m, kFinestShareOfPhoto * plan.gsd_m),
-        ""};
+    return flight::Because(ErrorCode::kInvalidArgument, {flight::RemarkCode::kFailFinerThanPhotos,
+                                                         {{"asked_m", output_gsd_m},
+                                                          {"photos_m", plan.gsd_m},
+                                                          {"finest_m", kFinestShareOfPhoto * plan.gsd_m}}});
   }
   const double lat_deg = flight.frame.origin().lat_deg;
   plan.base_zoom = geo::ZoomForGsd(output_gsd_m, lat_deg, plan.tile_size_px);
@@ -184,13 +174,9 @@ Result<MosaicPlan> PlanMosaic(const AlignedFlight& flight, const ground::GroundS
     const std::int64_t across = last_column - first_column + 1;
     const std::int64_t down = std::int64_t{last_row} - first_row + 1;
     if (across * down > kMaxBlocksAPhoto) {
-      return Error{
-          ErrorCode::kTooLarge,
-          fmt::format(
-              "{} would cover {} x {} blocks of the map at this resolution. Check its height and angles "
-              "and leave it out if they are wrong; otherwise choose a coarser --gsd.",
-              flight.photos[i].photo.name, across, down),
-          ""};
+      return flight::Because(ErrorCode::kTooLarge,
+                             {flight::RemarkCode::kFailPhotoTooWide,
+                              {{"photo", flight.photos[i].photo.name}, {"across", across}, {"down", down}}});
     }
     const std::int64_t side = std::int64_t{1} << block_zoom;
     for (std::uint32_t y = first_row; y <= last_row; ++y) {
@@ -219,8 +205,7 @@ Result<MosaicPlan> PlanMosaic(const AlignedFlight& flight, const ground::GroundS
   plan.output_pixels =
       static_cast<std::int64_t>(plan.blocks.size()) * plan.BlockSizePx() * plan.BlockSizePx();
   if (plan.output_pixels > kMaxOutputPixels) {
-    return Error{ErrorCode::kTooLarge,
-                 "The map would have more than a million megapixels; choose a coarser --gsd.", ""};
+    return flight::Because(ErrorCode::kTooLarge, flight::RemarkCode::kFailMapTooLarge);
   }
   return plan;
 }

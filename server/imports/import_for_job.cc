@@ -4,6 +4,7 @@
 #include <system_error>
 
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 #include "server/imports/import_map.h"
 #include "storage/exports/pmtiles_writer.h"
 
@@ -31,9 +32,8 @@ Result<pipeline::MosaicReport> ImportForJob(const std::vector<flight::InputFile>
     return one.name == options.import_file;
   });
   if (file == files.end())
-    return Error{ErrorCode::kUnprocessable,
-                 "The flight has no file \"" + options.import_file + "\" to be imported. Upload it first.",
-                 ""};
+    return flight::Because(ErrorCode::kUnprocessable,
+                           {flight::RemarkCode::kFailImportMissing, {{"file", options.import_file}}});
   const auto told = std::find_if(files.begin(), files.end(), [&](const flight::InputFile& one) {
     return fs::path(one.name) == ReportBeside(file->name);
   });

@@ -13,6 +13,7 @@
 
 #include "core/base/parallel_for.h"
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 #include "storage/folder/data_dir.h"
 
 namespace skyquilt::server {
@@ -110,7 +111,7 @@ Result<void> PutProducts(storage::BlobStore& blobs, const fs::path& folder, cons
   for (const auto& entry : fs::recursive_directory_iterator(folder, error)) {
     if (entry.is_regular_file(error)) files.push_back(entry.path());
   }
-  if (error) return Error{ErrorCode::kIo, "The server could not store the map.", error.message()};
+  if (error) return flight::Because(ErrorCode::kIo, flight::RemarkCode::kFailNotStored, error.message());
   std::sort(files.begin(), files.end());
   progress.BeginStage("store");
   return ForAll(files.size(), "{} of {} files of the map stored", progress, [&](std::size_t i) {

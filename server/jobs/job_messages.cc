@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 
+#include "core/flight/remarks/remark_json.h"
 #include "core/pipeline/report/map_quality.h"
 #include "server/confinement/message_checks.h"
 
@@ -19,6 +22,7 @@ constexpr std::size_t kMaxStages = 64;
 constexpr std::size_t kMaxQualityBytes = 2000;
 constexpr std::size_t kMaxTimeBytes = 25;  // "2015-10-27T09:31:02-04:00"
 constexpr std::size_t kMaxMessageChars = 500;
+constexpr std::size_t kMaxReasonBytes = 16 * 1024;
 // A byte that is no UTF-8 is sent as the three of the replacement character.
 constexpr std::size_t kMaxGrowth = 3;
 
@@ -159,10 +163,14 @@ std::string ToText(const JobMessage& message) {
   if (const auto* outcome = std::get_if<StitchOutcome>(&message))
     return DumpJob({{"done", JsonOf(*outcome)}});
   const Error& error = std::get<Error>(message);
-  return DumpJob({{"error",
-                   {{"code", static_cast<int>(error.code)},
-                    {"message", Shortened(error.message, kMaxErrorBytes)},
-                    {"detail", Shortened(error.detail, kMaxErrorBytes)}}}});
+  Json said = {{"code", static_cast<int>(error.code)},
+               {"message", Shortened(error.message, kMaxErrorBytes)},
+               {"detail", Shortened(error.detail, kMaxErrorBytes)}};
+  if (error.reason != nullptr) {
+    Json reason = flight::JsonOfRemark<Json>(*error.reason);
+    if (DumpJob(reason).size() <= kMaxReasonBytes) said["reason"] = std::move(reason);
+  }
+  return DumpJob({{"error", std::move(said)}});
 }
 
 Result<JobMessage> ParseJobMessage(std::string_view text) {
@@ -194,6 +202,11 @@ Result<JobMessage> ParseJobMessage(std::string_view text) {
       return Untrue("an error that is none");
     }
     error.code = *known;
+    if (said.contains("reason")) {
+      const Json& reason = said.at("reason");
+      if (DumpJob(reason).size() > kMaxReasonBytes) return Untrue("a reason that is none");
+      error.reason = std::make_shared<const flight::Remark>(flight::RemarkOfJson(reason));
+    }
     return JobMessage(std::move(error));
   } catch (const Json::exception& broken) {
     return Untrue(broken.what());

@@ -14,6 +14,7 @@
 
 #include "core/base/scoped_folder.h"
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 #include "server/inputs/film_frames.h"
 #include "server/jobs/job_blobs.h"
 #include "server/jobs/job_progress.h"
@@ -32,12 +33,10 @@ namespace fs = std::filesystem;
 using storage::LeaseState;
 
 Error OsError(const std::string& what, int code) {
-  const ErrorCode kind = code == ENOSPC || code == EDQUOT ? ErrorCode::kOutOfSpace : ErrorCode::kIo;
-  return {kind,
-          kind == ErrorCode::kOutOfSpace
-              ? "The server's disk is full. Free some space and start the job again."
-              : "The server could not store the map.",
-          what + ": " + std::strerror(code)};
+  const bool is_full = code == ENOSPC || code == EDQUOT;
+  return flight::Because(is_full ? ErrorCode::kOutOfSpace : ErrorCode::kIo,
+                         is_full ? flight::RemarkCode::kFailDiskFull : flight::RemarkCode::kFailNotStored,
+                         what + ": " + std::strerror(code));
 }
 
 Result<void> Sync(const fs::path& path, int flags) {
@@ -244,7 +243,9 @@ void RunJob(WorkerContext& context, const storage::Lease& lease) {
   {
     const Result<CutJob> found = CutOf(context, lease);
     // The catalogue's trouble, whatever it is, and not the flight's.
-    if (!found) failure = Error{ErrorCode::kUnavailable, found.error().message, found.error().detail};
+    if (!found)
+      failure =
+          Error{ErrorCode::kUnavailable, found.error().message, found.error().detail, found.error().reason};
     const CutJob cut = found ? *found : CutJob{};
     if (found) AdoptEarlierAttempt(context.dir, lease);
     ScopedFolder work(context.dir.Work() / storage::WorkName(lease));
@@ -282,8 +283,7 @@ void RunJob(WorkerContext& context, const storage::Lease& lease) {
       // The next attempt goes on from there; the last one's is swept.
       if (made.has_died && !progress.IsCancelled() && lease.attempt < storage::kMaxAttempts) work.Keep();
     } catch (const std::exception& thrown) {
-      failure = Error{ErrorCode::kInternal, "The worker ran out of memory or another means. It tries again.",
-                      thrown.what()};
+      failure = flight::Because(ErrorCode::kInternal, flight::RemarkCode::kFailWorkerMeans, thrown.what());
     }
     state = progress.lease_state();
   }

@@ -10,12 +10,16 @@
 #include <string>
 #include <utility>
 
+#include "core/flight/remarks/because.h"
 #include "server/confinement/confined_child.h"
 #include "server/confinement/spawn_self.h"
 
 namespace skyquilt::server {
 namespace {
 
+using flight::Because;
+using flight::Remark;
+using flight::RemarkCode;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kPollInterval{50};
@@ -31,56 +35,38 @@ struct Whereabouts {
   std::string stage;
   std::string message;
 
-  std::string InWords() const {
-    if (stage.empty()) return "before its first stage";
-    return message.empty() ? fmt::format("in the stage \"{}\"", stage)
-                           : fmt::format("in the stage \"{}\" ({})", stage, message);
+  Remark Said() const {
+    if (stage.empty()) return RemarkCode::kBeforeFirstStage;
+    if (message.empty()) return {RemarkCode::kInStage, {{"stage", stage}}};
+    return {RemarkCode::kInStageAt, {{"stage", stage}, {"at_words", message}}};
   }
 };
-
-std::string Gib(std::int64_t bytes) {
-  return fmt::format("{:.1f} GiB", static_cast<double>(bytes) / (1 << 30));
-}
-
-std::string Minutes(double seconds) {
-  return seconds < 120 ? fmt::format("{:.0f} seconds", seconds) : fmt::format("{:.0f} minutes", seconds / 60);
-}
 
 // What the process took too much of; nothing while it keeps within its limits.
 std::optional<Error> Excess(const ConfinedChild& child, const JobLimits& limits, Clock::time_point began,
                             const Whereabouts& where) {
-  constexpr const char* kAdvice =
-      "One of the files may be damaged or made to do this: take out what is no ordinary photo";
   if (const std::int64_t memory = child.MemoryBytes(); memory > limits.memory_bytes) {
-    return Error{
-        ErrorCode::kUnprocessable,
-        fmt::format("The job was ended because it needed more than {} of memory {}. {}, or make the map "
-                    "of fewer photos. Whoever runs the server can give jobs more with --job-memory.",
-                    Gib(limits.memory_bytes), where.InWords(), kAdvice),
-        fmt::format("{} bytes", memory)};
+    const double limit_gib = static_cast<double>(limits.memory_bytes) / (1 << 30);
+    return Because(ErrorCode::kUnprocessable,
+                   {RemarkCode::kFailMemory, {{"limit_gib", limit_gib}, {"where", where.Said()}}},
+                   fmt::format("{} bytes", memory));
   }
-  const auto too_long = [&](double limit_s, const char* of_what) {
-    return Error{
-        ErrorCode::kUnprocessable,
-        fmt::format("The job was ended because it took more than {}{} and was still {}. {}. Whoever runs "
-                    "the server can give jobs more time with --job-timeout.",
-                    Minutes(limit_s), of_what, where.InWords(), kAdvice),
-        ""};
+  const auto too_long = [&](RemarkCode code, std::int64_t limit_s) {
+    return Because(ErrorCode::kUnprocessable,
+                   {code, {{"limit_s", static_cast<double>(limit_s)}, {"where", where.Said()}}});
   };
-  if (Clock::now() - began > limits.wall) return too_long(static_cast<double>(limits.wall.count()), "");
+  if (Clock::now() - began > limits.wall) return too_long(RemarkCode::kFailTime, limits.wall.count());
   if (child.CpuS() > static_cast<double>(limits.cpu_s))
-    return too_long(static_cast<double>(limits.cpu_s), " of processor time");
+    return too_long(RemarkCode::kFailProcessorTime, limits.cpu_s);
   return std::nullopt;
 }
 
 Error Death(int status, const Whereabouts& where) {
   const bool is_killed = WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL;
-  return {
+  return Because(
       ErrorCode::kInternal,
-      fmt::format("The process that made the map ended unexpectedly {}{}. Try fewer or other photos if it "
-                  "does so again.",
-                  where.InWords(), is_killed ? "; the machine may have run out of memory" : ""),
-      "it ended " + HowItEnded(status)};
+      {is_killed ? RemarkCode::kFailProcessKilled : RemarkCode::kFailProcessEnded, {{"where", where.Said()}}},
+      "it ended " + HowItEnded(status));
 }
 
 }  // namespace

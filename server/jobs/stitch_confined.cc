@@ -12,6 +12,7 @@
 
 #include "api/json/job_options.h"
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 #include "server/confinement/confined_child.h"
 #include "server/confinement/process_limits.h"
 #include "server/confinement/sandbox.h"
@@ -107,8 +108,7 @@ Result<StitchOutcome> RunStitchTask(const std::string& text, MessageWriter& writ
     }
     return Stitch(task, std::move(options), progress);
   } catch (const std::exception& thrown) {
-    return Error{ErrorCode::kInternal, "The worker ran out of memory or another means. It tries again.",
-                 thrown.what()};
+    return flight::Because(ErrorCode::kInternal, flight::RemarkCode::kFailWorkerMeans, thrown.what());
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include "core/base/scoped_folder.h"
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 #include "server/jobs/job_task.h"
 #include "server/jobs/stitch_apart.h"
 #include "server/routing/request_log.h"
@@ -55,8 +56,7 @@ std::optional<Error> Work(const WorkerContext& context, const storage::UnitLease
     if (!made) return made.error();
     return std::nullopt;
   } catch (const std::exception& thrown) {
-    return Error{ErrorCode::kInternal, "The worker ran out of memory or another means. It tries again.",
-                 thrown.what()};
+    return flight::Because(ErrorCode::kInternal, flight::RemarkCode::kFailWorkerMeans, thrown.what());
   }
 }
 

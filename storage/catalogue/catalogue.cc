@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 #include "storage/db/ids.h"
 #include "storage/tags/flight_tags.h"
 
@@ -89,8 +90,7 @@ Result<void> RequireNotRunning(SqlConnection& db, const std::string& flight_id) 
     SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
     if (!row) break;
     if (query.ColumnText(0) != "running") continue;
-    return Error{ErrorCode::kConflict,
-                 "This flight is being stitched. Cancel its job or wait for its end, then try again.", ""};
+    return flight::Because(ErrorCode::kConflict, flight::RemarkCode::kFailBeingStitched);
   }
   return {};
 }

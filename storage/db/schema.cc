@@ -20,6 +20,7 @@ extern const std::string_view kCatalogue19To20;  // storage/db/steps/schema_20.s
 extern const std::string_view kCatalogue20To21;  // storage/db/steps/schema_21.sql
 extern const std::string_view kCatalogue21To22;  // storage/db/steps/schema_22.sql
 extern const std::string_view kCatalogue22To23;  // storage/db/steps/schema_23.sql
+extern const std::string_view kCatalogue23To24;  // storage/db/steps/schema_24.sql
 
 namespace {
 
@@ -82,6 +83,9 @@ Result<void> PrepareSchema(SqliteDb& db) {
   }
   if (version >= 13 && version <= 22) {
     SKYQUILT_TRY(db.Exec(std::string(kCatalogue22To23)));
+  }
+  if (version >= 13 && version <= 23) {
+    SKYQUILT_TRY(db.Exec(std::string(kCatalogue23To24)));
   }
   SKYQUILT_TRY(db.Exec(fmt::format("PRAGMA user_version={}", kSchemaVersion)));
   return transaction.Commit();

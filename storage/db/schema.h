@@ -9,7 +9,7 @@
 namespace skyquilt::storage {
 
 // Grows with every change of schema.sql. Versions 1 to 12 were those of development before the first release.
-inline constexpr int kSchemaVersion = 23;
+inline constexpr int kSchemaVersion = 24;
 
 Result<void> PrepareSchema(SqliteDb& db);
 

@@ -126,7 +126,8 @@ CREATE TABLE job(
   units_to REAL NOT NULL DEFAULT 0,
   units_of TEXT NOT NULL DEFAULT '',           -- the job under whose id its units lie, itself or one that failed; '': not cut
   made_from TEXT NOT NULL DEFAULT '',          -- digest of what its units are made from
-  troubles INTEGER NOT NULL DEFAULT 0          -- of machines that gave it back
+  troubles INTEGER NOT NULL DEFAULT 0,         -- of machines that gave it back
+  error_reason TEXT NOT NULL DEFAULT ''        -- JSON of a remark that says what the message does; '': that alone tells
 ) STRICT;
 CREATE INDEX job_waiting ON job(priority DESC, id) WHERE state = 'accepted';
 CREATE INDEX job_leased ON job(lease_until_us) WHERE state = 'running';
@@ -403,7 +404,8 @@ CREATE TABLE map_export(
   error_message TEXT NOT NULL DEFAULT '',
   created_us INTEGER NOT NULL,
   finished_us INTEGER,
-  expires_us INTEGER                           -- by the AgeClock; NULL: it waits or runs
+  expires_us INTEGER,                          -- by the AgeClock; NULL: it waits or runs
+  error_reason TEXT NOT NULL DEFAULT ''        -- as of a job
 ) STRICT;
 CREATE INDEX map_export_of_flight ON map_export(flight_id, id);
 CREATE INDEX map_export_open ON map_export(id) WHERE state IN ('accepted','running');

@@ -140,7 +140,8 @@ Result<bool> JobQueue::Fail(const Lease& lease, const Error& error, bool may_ret
       " state=CASE WHEN cancel=1 THEN 'dismissed' WHEN ?3=1 AND attempts<max_attempts THEN 'accepted' ELSE 'failed' END,"
       " finished_us=CASE WHEN ?3=1 AND attempts<max_attempts AND cancel=0 THEN NULL ELSE ?4 END,"
       " not_before_us=?4+attempts*2000000, error_code=CASE cancel WHEN 1 THEN NULL ELSE ?5 END,"
-      " error_message=CASE cancel WHEN 1 THEN NULL ELSE ?6 END"
+      " error_message=CASE cancel WHEN 1 THEN NULL ELSE ?6 END,"
+      " error_reason=CASE cancel WHEN 1 THEN '' ELSE ?7 END"
       " WHERE id=?1 AND lease_token=?2 AND state='running'");
   if (!update) return update.error();
   const Result<void> done = update->Bind(1, lease.job_id)
@@ -149,6 +150,7 @@ Result<bool> JobQueue::Fail(const Lease& lease, const Error& error, bool may_ret
                                 .Bind(4, ToUs(now))
                                 .Bind(5, ErrorCodeName(error.code))
                                 .Bind(6, error.message)
+                                .Bind(7, ReasonText(error))
                                 .Run();
   if (!done) return done.error();
   return db->Changes() > 0;
@@ -222,7 +224,7 @@ Result<bool> JobQueue::PublishOnce(const Lease& lease, const Revision& revision,
           db->Prepare(
               "UPDATE job SET state='successful', progress=1, stage='done', message='', finished_us=?3, "
               "error_code=NULL,"
-              " error_message=NULL WHERE id=?1 AND lease_token=?2 AND state='running'"));
+              " error_message=NULL, error_reason='' WHERE id=?1 AND lease_token=?2 AND state='running'"));
       SKYQUILT_TRY(end.Bind(1, lease.job_id).Bind(2, lease.token).Bind(3, ToUs(now)).Run());
       if (db->Changes() == 0) return IsPublished(*db, lease, revision.revision);
       SKYQUILT_TRY_ASSIGN(Statement insert,

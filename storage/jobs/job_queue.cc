@@ -6,6 +6,7 @@
 #include <array>
 
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 #include "storage/db/ids.h"
 #include "storage/jobs/job_rows.h"
 
@@ -73,9 +74,7 @@ Result<Job> JobQueue::Add(const std::string& flight_id, const std::string& optio
         return Error{ErrorCode::kNotFound, fmt::format("There is no flight {}.", flight_id), ""};
       }
       if (look.ColumnInt64(1) != 0) {
-        return Error{
-            ErrorCode::kConflict,
-            "This flight has a job that is not finished. Cancel it or wait for its end, then try again.", ""};
+        return flight::Because(ErrorCode::kConflict, flight::RemarkCode::kFailUnfinishedJob);
       }
       SKYQUILT_TRY_ASSIGN(
           Statement insert,

@@ -38,6 +38,7 @@ const char* JobStateName(JobState state);
 struct JobError {
   std::string code;  // an ErrorCodeName
   std::string message;
+  std::string reason = {};  // the same as a remark (core/flight/remarks/remark_json.h); empty: none does
 };
 
 // Where in the queue a job comes. Higher priorities first; among equals whoever is served least at the

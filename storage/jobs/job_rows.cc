@@ -2,8 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include "core/base/check.h"
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
+#include "core/flight/remarks/remark_json.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -34,7 +38,10 @@ Job JobFrom(const Statement& row) {
   job.message = row.ColumnText(6);
   job.attempts = static_cast<int>(row.ColumnInt64(7));
   job.cancel_requested = row.ColumnInt64(8) != 0;
-  if (!row.IsNull(9)) job.error = JobError{std::string(row.ColumnText(9)), std::string(row.ColumnText(10))};
+  if (!row.IsNull(9)) {
+    job.error = JobError{std::string(row.ColumnText(9)), std::string(row.ColumnText(10)),
+                         std::string(row.ColumnText(19))};
+  }
   job.created = FromUs(row.ColumnInt64(11));
   job.started = TimeFrom(row, 12);
   job.attempt_started = TimeFrom(row, 13);
@@ -49,6 +56,13 @@ std::string LeaseEndSql(const SqlConnection& db, std::string_view parameter) {
   if (db.dialect() != Dialect::kPostgres) return std::string(parameter);
   return fmt::format("greatest({}, now_us()+{})", parameter,
                      std::chrono::microseconds(kLeaseTime).count() / 2);
+}
+
+std::string ReasonText(const Error& error) {
+  if (!flight::HasReason(error)) return "";
+  using Json = nlohmann::ordered_json;
+  return flight::JsonOfRemark<Json>(flight::WhyOf(error))
+      .dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 Result<int> NumberFrom(Statement& change) {

@@ -15,7 +15,8 @@ namespace skyquilt::storage {
 inline constexpr const char* kJobColumns =
     "SELECT id, flight_id, options, state, stage, progress, message, attempts, cancel, error_code, "
     "error_message,"
-    " created_us, started_us, attempt_started_us, finished_us, priority, expected_s, expected_low_s, expected_high_s ";
+    " created_us, started_us, attempt_started_us, finished_us, priority, expected_s, expected_low_s, expected_high_s,"
+    " error_reason ";
 
 // A job that waits for its units has this worker, "units", and a lease that never ends by itself.
 inline constexpr std::int64_t kUnitsLeaseUs = std::int64_t{1} << 53;
@@ -26,6 +27,9 @@ Job JobFrom(const Statement& row);
 // lease's time from when it writes it: a claim or renewal that lay before a frozen server would be over when
 // it is heard.
 std::string LeaseEndSql(const SqlConnection& db, std::string_view parameter);
+
+// What is stored of why something failed: the remark in JSON; empty where the message alone tells.
+std::string ReasonText(const Error& error);
 
 // Of a statement that changes one row at most and returns a number of it; 0 where it changed none.
 Result<int> NumberFrom(Statement& change);

@@ -3,7 +3,9 @@
 #include <string>
 
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 #include "storage/db/machine_boot.h"
+#include "storage/jobs/job_rows.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -37,11 +39,14 @@ Result<void> SettleLostLeases(SqlConnection& db, Time now) {
   SKYQUILT_TRY(interrupt.Run());
   SKYQUILT_TRY_ASSIGN(
       Statement fail,
-      db.Prepare("UPDATE job SET state='failed', finished_us=?1, error_code='internal', error_message=?2"
-                 " WHERE state='running' AND lease_until_us<?1 AND attempts>=max_attempts"));
+      db.Prepare(
+          "UPDATE job SET state='failed', finished_us=?1, error_code=?2, error_message=?3, error_reason=?4"
+          " WHERE state='running' AND lease_until_us<?1 AND attempts>=max_attempts"));
+  const Error died = flight::Because(ErrorCode::kInternal, flight::RemarkCode::kFailWorkersDied);
   return fail.Bind(1, ToUs(now))
-      .Bind(2,
-            "The worker died on every attempt (it may have run out of memory). Try fewer or smaller photos.")
+      .Bind(2, ErrorCodeName(died.code))
+      .Bind(3, died.message)
+      .Bind(4, ReasonText(died))
       .Run();
 }
 

@@ -8,6 +8,7 @@
 #include "core/base/try.h"
 #include "storage/db/ids.h"
 #include "storage/folder/data_dir.h"
+#include "storage/jobs/job_rows.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -17,7 +18,8 @@ constexpr std::array<const char*, 4> kStates = {"accepted", "running", "successf
 constexpr const char* kExportColumns =
     "e.id, e.flight_id, e.revision, e.request, e.format, e.owner, e.state, e.progress, e.attempts, e.lease_token, "
     "e.bytes, e.error_code, e.error_message, e.created_us, e.finished_us, e.expires_us, "
-    "EXISTS(SELECT 1 FROM token t WHERE t.id=e.owner AND t.flight_id IS NOT NULL) AS is_of_link";
+    "EXISTS(SELECT 1 FROM token t WHERE t.id=e.owner AND t.flight_id IS NOT NULL) AS is_of_link, "
+    "e.error_reason";
 
 MapExport ExportOf(const Statement& row) {
   MapExport made;
@@ -40,6 +42,7 @@ MapExport ExportOf(const Statement& row) {
   if (!row.IsNull(14)) made.finished = FromUs(row.ColumnInt64(14));
   if (!row.IsNull(15)) made.expires = FromUs(row.ColumnInt64(15));
   made.is_of_link = row.ColumnInt64(16) != 0;
+  made.error_reason = row.ColumnText(17);
   return made;
 }
 
@@ -223,12 +226,14 @@ Result<bool> MapExports::End(const MapExport& claimed, ExportState state, std::i
   const auto db = db_.Lock();
   SKYQUILT_TRY_ASSIGN(
       Statement update,
-      db->Prepare("UPDATE map_export SET state=?3, progress=?4, bytes=?5, error_code=?6, error_message=?7,"
-                  " finished_us=?8, expires_us=?9 WHERE id=?1 AND lease_token=?2 AND state='running'"));
+      db->Prepare(
+          "UPDATE map_export SET state=?3, progress=?4, bytes=?5, error_code=?6, error_message=?7,"
+          " finished_us=?8, expires_us=?9, error_reason=?10 WHERE id=?1 AND lease_token=?2 AND state='running'"));
   const bool is_good = state == ExportState::kSuccessful;
   const std::string_view code = is_good ? std::string_view() : ErrorCodeName(error.code);
   update.Bind(1, claimed.id).Bind(2, claimed.lease_token).Bind(3, NameOf(state)).Bind(4, is_good ? 1.0 : 0.0);
   update.Bind(5, bytes).Bind(6, code).Bind(7, error.message).Bind(8, ToUs(now));
+  update.Bind(10, is_good ? std::string() : ReasonText(error));
   SKYQUILT_TRY(update.Bind(9, ToUs(db_.ages().Now() + kKept)).Run());
   return db->Changes() > 0;
 }

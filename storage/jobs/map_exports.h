@@ -37,6 +37,7 @@ struct MapExport {
   std::int64_t lease_token = 0;
   std::int64_t bytes = 0;
   std::string error_code, error_message;  // empty unless it failed
+  std::string error_reason;               // as JobError::reason
   Time created;
   std::optional<Time> finished;
   std::optional<Time> expires;  // by the AgeClock

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 #include "storage/db/machine_boot.h"
 #include "storage/jobs/claim_in_postgres.h"
 #include "storage/jobs/job_rows.h"
@@ -26,12 +27,14 @@ Result<void> FailJobOf(SqlConnection& db, const std::string& job_id, const Error
       Statement fail,
       db.Prepare("UPDATE job SET state=CASE cancel WHEN 1 THEN 'dismissed' ELSE 'failed' END,"
                  " finished_us=?2, worker='', error_code=CASE cancel WHEN 1 THEN NULL ELSE ?3 END,"
-                 " error_message=CASE cancel WHEN 1 THEN NULL ELSE ?4 END"
+                 " error_message=CASE cancel WHEN 1 THEN NULL ELSE ?4 END,"
+                 " error_reason=CASE cancel WHEN 1 THEN '' ELSE ?5 END"
                  " WHERE id=?1 AND state='running'"));
   return fail.Bind(1, job_id)
       .Bind(2, ToUs(now))
       .Bind(3, ErrorCodeName(error.code))
       .Bind(4, error.message)
+      .Bind(5, ReasonText(error))
       .Run();
 }
 
@@ -51,13 +54,8 @@ Result<void> FailExhausted(SqlConnection& db, Time now) {
     SKYQUILT_TRY_ASSIGN(jobs, query.Bind(1, ToUs(now)).Bind(2, kMaxUnitAttempts).AllText());
   }
   for (const std::string& job : jobs) {
-    SKYQUILT_TRY(
-        FailJobOf(db, job,
-                  {ErrorCode::kInternal,
-                   "The workers of a part of this flight died on every attempt (they may have run out of "
-                   "memory). Try fewer or smaller photos.",
-                   ""},
-                  now));
+    SKYQUILT_TRY(FailJobOf(
+        db, job, flight::Because(ErrorCode::kInternal, flight::RemarkCode::kFailPartWorkersDied), now));
   }
   return {};
 }

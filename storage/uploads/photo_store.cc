@@ -16,6 +16,7 @@
 #include "core/base/check.h"
 #include "core/base/parallel_for.h"
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 #include "storage/blobs/folder_blobs.h"
 #include "storage/db/ids.h"
 #include "storage/folder/elsewhere/sweep_blobs.h"
@@ -45,10 +46,11 @@ Result<void> SyncStored(const std::filesystem::path& folder) {
   return {};
 }
 
-Error FolderGone() {
-  return {ErrorCode::kUnavailable,
-          "The server's data folder is gone: it was removed or is not mounted. Try again when it is back.",
-          ""};
+Error FolderGone() { return flight::Because(ErrorCode::kUnavailable, flight::RemarkCode::kFailFolderGone); }
+
+Error TooLarge() {
+  return flight::Because(ErrorCode::kTooLarge,
+                         {flight::RemarkCode::kFailFileTooLarge, {{"most_gib", kMaxFileBytes >> 30}}});
 }
 
 // The flight's folders, but never those above: a data folder that went away meanwhile must not be made anew.
@@ -137,7 +139,7 @@ Upload& Upload::operator=(Upload&& other) noexcept {
 
 Result<void> Upload::Write(std::span<const std::uint8_t> bytes) {
   if (bytes_ + static_cast<std::int64_t>(bytes.size()) > kMaxFileBytes) {
-    return Error{ErrorCode::kTooLarge, "This file is larger than 4 GiB, more than the server takes.", ""};
+    return TooLarge();
   }
   while (!bytes.empty()) {
     const ssize_t wrote = write(fd_, bytes.data(), bytes.size());
@@ -151,7 +153,7 @@ Result<void> Upload::Write(std::span<const std::uint8_t> bytes) {
 
 Result<std::string> Upload::Finish() {
   if (bytes_ == 0) {
-    return Error{ErrorCode::kUnprocessable, "The file is empty. Was it copied completely from the card?", ""};
+    return flight::Because(ErrorCode::kUnprocessable, flight::RemarkCode::kFailFileEmpty);
   }
   if (elsewhere_ != nullptr) return FinishElsewhere();
   if (fsync(fd_) != 0) return OsError("fsync " + temporary_.string(), errno);
@@ -183,15 +185,14 @@ PhotoStore::PhotoStore(DataDir dir, std::shared_ptr<BlobStore> blobs)
 
 Result<void> PhotoStore::CheckSpace(std::int64_t declared_bytes) const {
   if (declared_bytes > kMaxFileBytes) {
-    return Error{ErrorCode::kTooLarge, "This file is larger than 4 GiB, more than the server takes.", ""};
+    return TooLarge();
   }
   struct statvfs disk {};
   if (statvfs(dir_.root().c_str(), &disk) != 0)
     return errno == ENOENT ? FolderGone() : OsError("statvfs", errno);
   const std::uint64_t free_bytes = std::uint64_t{disk.f_bavail} * disk.f_frsize;
   if (free_bytes < kReservedBytes + static_cast<std::uint64_t>(declared_bytes)) {
-    return Error{ErrorCode::kOutOfSpace,
-                 "The server's disk has no room for this file. Free some space first.", ""};
+    return flight::Because(ErrorCode::kOutOfSpace, flight::RemarkCode::kFailNoRoom);
   }
   return {};
 }

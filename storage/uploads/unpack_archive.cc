@@ -10,6 +10,7 @@
 #include <system_error>
 
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 #include "storage/uploads/zip_directory.h"
 
 namespace skyquilt::storage {
@@ -21,7 +22,8 @@ constexpr std::int64_t kGrowthFrom = std::int64_t{1} << 20;
 using Archive = std::unique_ptr<struct archive, decltype(&archive_read_free)>;
 
 Error Refuse(std::string why, const char* detail = "") {
-  return {ErrorCode::kUnprocessable, fmt::format("The archive was not taken: {}.", why), detail};
+  return flight::Because(ErrorCode::kUnprocessable, {flight::RemarkCode::kFailArchive, {{"why_words", why}}},
+                         detail);
 }
 
 const char* Words(struct archive* archive) {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 #include "storage/db/ids.h"
 
 namespace skyquilt::storage {
@@ -196,7 +197,7 @@ Result<void> UploadSpool::SaveOffset(const std::string& id, std::int64_t offset,
 // either the complete upload or the file, and garbage that the sweep removes.
 Result<void> UploadSpool::MakeFile(SpooledUpload& upload) const {
   if (upload.offset == 0) {
-    return Error{ErrorCode::kUnprocessable, "The file is empty. Was it copied completely from the card?", ""};
+    return flight::Because(ErrorCode::kUnprocessable, flight::RemarkCode::kFailFileEmpty);
   }
   if (IsElsewhere()) return MakeFileElsewhere(upload);
   SKYQUILT_TRY_ASSIGN(const std::string stored, store_.Adopt(upload.flight_id, PathOf(upload.id)));

@@ -30,6 +30,11 @@ TEST(JobJson, ShowsAnErrorOnlyOnceTheJobHasFailed) {
   EXPECT_TRUE(json::parse(JobJson(job, storage::Now()))["error"].is_null());
   job.state = storage::JobState::kFailed;
   EXPECT_EQ(json::parse(JobJson(job, storage::Now()))["error"]["message"], "disk");
+  EXPECT_TRUE(json::parse(JobJson(job, storage::Now()))["error"]["reason"].is_null());
+  job.error->reason = R"({"code":"fail_not_stored","values":{}})";
+  EXPECT_EQ(json::parse(JobJson(job, storage::Now()))["error"]["reason"]["code"], "fail_not_stored");
+  job.error->reason = "of another version";
+  EXPECT_TRUE(json::parse(JobJson(job, storage::Now()))["error"]["reason"].is_null());
 }
 
 TEST(FlightJson, NamesTheStateFromFilesJobAndMap) {

@@ -4,6 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/flight/remarks/because.h"
+
 namespace skyquilt::api {
 namespace {
 
@@ -28,6 +30,17 @@ TEST(Problem, IsADocumentOfTheStandardShape) {
   EXPECT_EQ(body["instance"], "/a/b");
   EXPECT_EQ(body["request_id"], "id-1");
   EXPECT_EQ(response.body.find("secret"), std::string::npos);
+  EXPECT_FALSE(body.contains("reason"));
+}
+
+TEST(Problem, GivesItsReasonAsACode) {
+  const auto reason = [](const Error& error) {
+    return nlohmann::json::parse(Problem(error, "", "").body).at("reason");
+  };
+  const nlohmann::json large = reason(
+      flight::Because(ErrorCode::kTooLarge, {flight::RemarkCode::kFailFileTooLarge, {{"most_gib", 4}}}));
+  EXPECT_EQ(large, nlohmann::json::parse(R"({"code":"fail_file_too_large","values":{"most_gib":4}})"));
+  EXPECT_EQ(reason({ErrorCode::kOutOfSpace, "full", ""})["code"], "fail_disk_full");
 }
 
 TEST(Problem, TellsWhenToComeBack) {

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "core/flight/remarks/because.h"
 #include "core/pipeline/report/map_quality.h"
 #include "server/confinement/message_pipe.h"
 #include "server/jobs/job_limits.h"
@@ -132,6 +133,18 @@ TEST(JobMessages, ComeAsTheyWereSent) {
   EXPECT_EQ(made.stages_s, Outcome().stages_s);
   const auto error = ParseJobMessage(ToText(JobMessage(Error{ErrorCode::kOutOfSpace, "full", "disk"})));
   EXPECT_EQ(std::get<Error>(*error).code, ErrorCode::kOutOfSpace);
+  EXPECT_EQ(std::get<Error>(*error).reason, nullptr);
+  const flight::Remark left{
+      flight::RemarkCode::kPhotoDoes,
+      {{"photo", "a.jpg"}, {"said", flight::Remark(flight::RemarkCode::kDoubtBlurred)}}};
+  const Error because = flight::Because(ErrorCode::kUnprocessable,
+                                        {flight::RemarkCode::kFailNoneDrawable, {{"left", left}}}, "all");
+  const auto with_reason = ParseJobMessage(ToText(JobMessage(because)));
+  ASSERT_TRUE(with_reason);
+  EXPECT_EQ(*std::get<Error>(*with_reason).reason, *because.reason);
+  EXPECT_EQ(std::get<Error>(*with_reason).message, because.message);
+  const Error wordy = flight::Because(ErrorCode::kConflict, flight::Remark(std::string(1 << 16, 'a')));
+  EXPECT_EQ(std::get<Error>(*ParseJobMessage(ToText(JobMessage(wordy)))).reason, nullptr);
   const auto progress =
       ParseJobMessage(ToText(JobMessage(StageProgress{std::nan(""), std::string(400, '\xff')})));
   ASSERT_TRUE(progress) << "a name that is no UTF-8 costs no job";
@@ -178,9 +191,16 @@ TEST(JobMessages, FiguresThatNoMapHasAreRefused) {
        {"", "{", "[]", "3", "{}", R"({"stage":"<script>"})", R"({"stage":""})", R"({"stage":7})",
         R"({"fraction":1.5,"message":""})", R"({"fraction":0.5})", "{\"fraction\":0.5,\"message\":\"\xff\"}",
         R"({"error":{"code":99,"message":"","detail":""}})",
-        R"({"error":{"code":1e300,"message":"","detail":""}})", R"({"error":"x"})"}) {
+        R"({"error":{"code":1e300,"message":"","detail":""}})", R"({"error":"x"})",
+        R"({"error":{"code":1,"message":"","detail":"","reason":{"code":"of_tomorrow","values":{}}}})",
+        R"({"error":{"code":1,"message":"","detail":"","reason":{"code":"fail_quota"}}})",
+        R"({"error":{"code":1,"message":"","detail":"","reason":null}})"}) {
     EXPECT_FALSE(ParseJobMessage(text)) << text;
   }
+  Json deep = {{"code", "no_ties"}, {"values", Json::object()}};
+  for (int i = 0; i < 20; ++i) deep = {{"code", "then"}, {"values", {{"said", Json::array({deep})}}}};
+  const Json too_deep = {{"code", 1}, {"message", ""}, {"detail", ""}, {"reason", deep}};
+  EXPECT_FALSE(ParseJobMessage(Json({{"error", too_deep}}).dump()));
   EXPECT_FALSE(ParseJobMessage(Json({{"stage", std::string(33, 'a')}}).dump()));
   EXPECT_FALSE(ParseJobMessage(Json({{"fraction", 0.5}, {"message", std::string(2000, 'a')}}).dump()));
 }

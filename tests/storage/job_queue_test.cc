@@ -6,6 +6,7 @@
 #include <set>
 #include <thread>
 
+#include "core/flight/remarks/because.h"
 #include "tests/storage/postgres/test_catalogue.h"
 #include "tests/storage/scratch_dir.h"
 
@@ -145,6 +146,21 @@ TEST_F(JobQueueTest, RetriesAFailureOfTheMachineLaterButNotOneOfTheInput) {
   EXPECT_EQ(ended.state, JobState::kFailed);
   EXPECT_EQ(ended.error->code, "unprocessable");
   EXPECT_EQ(ended.error->message, "no photos");
+  EXPECT_EQ(ended.error->reason, "") << "the message alone tells";
+}
+
+TEST_F(JobQueueTest, KeepsWhyAJobFailedAsACode) {
+  const Job full = NewJob();
+  ASSERT_TRUE(*queue_.Fail(Claimed(), {ErrorCode::kOutOfSpace, "/d: no space", ""}, false, now_));
+  EXPECT_EQ(queue_.Get(full.id)->error->reason, R"({"code":"fail_disk_full","values":{}})");
+  const Job quick = NewJob();
+  const Error few = flight::Because(ErrorCode::kUnprocessable, {flight::RemarkCode::kFailFewPoints,
+                                                                {{"points", 4}, {"used", 2}, {"needed", 3}}});
+  const Lease lease = Claimed();
+  ASSERT_TRUE(*queue_.Fail(lease, few, false, now_));
+  EXPECT_EQ(queue_.Get(quick.id)->error->message, few.message);
+  EXPECT_EQ(queue_.Get(quick.id)->error->reason,
+            R"({"code":"fail_few_points","values":{"needed":3,"points":4,"used":2}})");
 }
 
 TEST_F(JobQueueTest, ShowsTheWishToCancelToTheWorker) {

@@ -16,6 +16,7 @@
 #include "core/alignment/matching/verified_pair.h"
 #include "core/base/scoped_timer.h"
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -196,8 +197,7 @@ Result<AlignedFlight> AlignByFeatures(const poses::PosedFlight& posed, const fli
   report.components = static_cast<int>(components.size());
   report.residual_rms_px = report.observations > 0 ? std::sqrt(square_px / report.observations) : 0.0;
   if (flight.photos.empty()) {
-    return Error{ErrorCode::kUnprocessable,
-                 "No two photos match by their features alone; --method auto needs no matches.", ""};
+    return flight::Because(ErrorCode::kUnprocessable, flight::RemarkCode::kFailNoFeaturesMatch);
   }
   if (report.components > 1) {
     flight.warnings.push_back({flight::RemarkCode::kGroupsOfFeatures, {{"groups", report.components}}});

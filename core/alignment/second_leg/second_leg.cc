@@ -16,6 +16,7 @@
 #include "core/alignment/reconstruction/register_photos.h"
 #include "core/base/median.h"
 #include "core/base/scoped_timer.h"
+#include "core/flight/remarks/because.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -381,11 +382,8 @@ Result<void> SettleUnplaced(const poses::PosedFlight& recorded, AlignedFlight& f
     }
   }
   if (!flight.photos.empty()) return {};
-  return Error{
-      ErrorCode::kUnprocessable,
-      "no photo records where it was taken, and the photos show too little in common to be laid to each "
-      "other. Add the flight log or a geo.txt with positions, or photos that overlap more.",
-      report.second_leg.outcome};
+  return flight::Because(ErrorCode::kUnprocessable, flight::RemarkCode::kFailNothingInCommon,
+                         report.second_leg.outcome);
 }
 
 std::vector<flight::Remark> RemarksOn(const SecondLegReport& report) {

@@ -6,6 +6,7 @@
 #include <map>
 #include <utility>
 
+#include "core/flight/remarks/because.h"
 #include "core/flight/remarks/remark_words.h"
 
 namespace skyquilt::flight {
@@ -55,7 +56,7 @@ Remark ReasonOf(Aside why, std::string_view of, std::string_view instead) {
 }
 
 struct SomeLines {
-  std::vector<std::string> lines;
+  std::vector<Remark> lines;
   std::size_t more = 0;  // pictures of which none speaks
 };
 
@@ -70,22 +71,20 @@ SomeLines FirstLines(const std::vector<LeftOutPhoto>& left_out, std::size_t most
     const std::size_t count = all[reason];
     const bool is_named_apart = count <= kMaxNamedApart;
     if (some.lines.size() == most || (seen[reason]++ > 0 && !is_named_apart)) continue;
-    some.lines.push_back(is_named_apart ? photo.name + ": " + reason
-                                        : fmt::format("{} and {} more: {}", photo.name, count - 1, reason));
+    some.lines.push_back(is_named_apart
+                             ? Remark(RemarkCode::kOfPhoto, {{"photo", photo.name}, {"said", photo.reason}})
+                             : Remark(RemarkCode::kPhotoAndMore,
+                                      {{"photo", photo.name}, {"more", count - 1}, {"said", photo.reason}}));
     told += is_named_apart ? 1 : count;
   }
   some.more = left_out.size() - told;
   return some;
 }
 
-std::string MorePictures(std::size_t count) {
-  return fmt::format("{} more picture{}", count, count == 1 ? "" : "s");
-}
-
 }  // namespace
 
 Error AsideError(Aside why, std::string_view of, std::string_view instead) {
-  return {CodeOf(why), InWords(ReasonOf(why, of, instead)), ""};
+  return Because(CodeOf(why), ReasonOf(why, of, instead));
 }
 
 LeftOutPhoto LeftAside(const std::string& name, Aside why, std::string_view of, std::string_view instead) {
@@ -105,17 +104,18 @@ std::string CameraInWords(const Photo& photo, Lens lens) {
 
 std::vector<std::string> LeftOutInLines(const std::vector<LeftOutPhoto>& left_out) {
   constexpr std::size_t kMaxLines = 20;
-  SomeLines some = FirstLines(left_out, kMaxLines);
-  if (some.more > 0) some.lines.push_back("and " + MorePictures(some.more));
-  return std::move(some.lines);
+  const SomeLines some = FirstLines(left_out, kMaxLines);
+  std::vector<std::string> lines = InWords(some.lines);
+  if (some.more > 0)
+    lines.push_back(fmt::format("and {} more picture{}", some.more, some.more == 1 ? "" : "s"));
+  return lines;
 }
 
-std::string LeftOutInWords(const std::vector<LeftOutPhoto>& left_out) {
+Remark FirstLeftOut(const std::vector<LeftOutPhoto>& left_out) {
   constexpr std::size_t kMaxSentences = 3;
-  const SomeLines some = FirstLines(left_out, kMaxSentences);
-  std::string words = fmt::format("{}", fmt::join(some.lines, " "));
-  if (some.more > 0) words += fmt::format(" And {}.", MorePictures(some.more));
-  return words;
+  SomeLines some = FirstLines(left_out, kMaxSentences);
+  if (some.more > 0) some.lines.push_back({RemarkCode::kAndMorePictures, {{"pictures", some.more}}});
+  return InARow(std::move(some.lines));
 }
 
 }  // namespace skyquilt::flight

@@ -33,7 +33,7 @@ std::string CameraInWords(const Photo& photo, Lens lens);
 // What is left out, a line a photo; of more than three with one reason the first is named, and how many more.
 // At most 20, then how many pictures remain.
 std::vector<std::string> LeftOutInLines(const std::vector<LeftOutPhoto>& left_out);
-// The same within a message: three of them.
-std::string LeftOutInWords(const std::vector<LeftOutPhoto>& left_out);
+// The same as one remark: three of them, and how many more.
+Remark FirstLeftOut(const std::vector<LeftOutPhoto>& left_out);
 
 }  // namespace skyquilt::flight

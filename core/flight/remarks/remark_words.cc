@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace skyquilt::flight {
 namespace {
@@ -29,24 +30,28 @@ bool IsOne(const Remark& remark, std::string_view counted) {
 }  // namespace
 }  // namespace skyquilt::flight
 
-// As a number, or as a length in words.
+// As a number, or as a length or a time in words.
 template <>
 struct fmt::formatter<skyquilt::flight::SaidNumber> : fmt::formatter<double> {
   constexpr auto parse(format_parse_context& context) {
-    constexpr std::string_view kLength = "length";
     const auto begin = context.begin();
     const std::string_view spec(begin, static_cast<std::size_t>(context.end() - begin));
-    if (!spec.starts_with(kLength)) return fmt::formatter<double>::parse(context);
-    is_length_ = true;
-    return begin + kLength.size();
+    using Named = std::pair<std::string_view, std::string (*)(double)>;
+    for (const auto& [name, words] : {Named{"length", &skyquilt::flight::LengthInWords},
+                                      Named{"duration", &skyquilt::flight::TimeInWords}}) {
+      if (!spec.starts_with(name)) continue;
+      words_ = words;
+      return begin + name.size();
+    }
+    return fmt::formatter<double>::parse(context);
   }
   auto format(const skyquilt::flight::SaidNumber& number, format_context& context) const {
-    if (!is_length_) return fmt::formatter<double>::format(number.is, context);
-    return fmt::format_to(context.out(), "{}", skyquilt::flight::LengthInWords(number.is));
+    if (words_ == nullptr) return fmt::formatter<double>::format(number.is, context);
+    return fmt::format_to(context.out(), "{}", words_(number.is));
   }
 
  private:
-  bool is_length_ = false;
+  std::string (*words_)(double) = nullptr;
 };
 
 namespace skyquilt::flight {
@@ -55,6 +60,21 @@ std::string LengthInWords(double metres) {
   if (metres < 100.0) return fmt::format("{:.1f} m", metres);
   if (metres < 10'000.0) return GroupedDigits(metres) + " m";
   return GroupedDigits(metres / 1000.0) + " km";
+}
+
+std::string TimeInWords(double seconds) {
+  return seconds < 120.0 ? fmt::format("{:.0f} seconds", seconds)
+                         : fmt::format("{:.0f} minutes", seconds / 60.0);
+}
+
+Remark InARow(std::vector<Remark> remarks) {
+  if (remarks.size() < 2) return remarks.empty() ? Remark("") : std::move(remarks.front());
+  std::vector<Remark> then;
+  for (std::size_t i = 1; i < remarks.size(); ++i) {
+    then.push_back(i == 1 ? std::move(remarks[i])
+                          : Remark(RemarkCode::kThen, {{"said", std::move(remarks[i])}}));
+  }
+  return {RemarkCode::kSentences, {{"first", std::move(remarks.front())}, {"then", std::move(then)}}};
 }
 
 std::string_view NameOf(RemarkCode code) { return RemarkSentences()[static_cast<std::size_t>(code)].name; }

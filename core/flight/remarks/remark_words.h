@@ -13,7 +13,7 @@
 namespace skyquilt::flight {
 
 // A code's name and its sentence, whose values stand in braces as fmt has them; `{x_m:length}` is "1.3 m" or
-// "12 km". `one` is said where the value `counted` is 1.
+// "12 km", `{x_s:duration}` "90 seconds" or "12 minutes". `one` is said where the value `counted` is 1.
 struct RemarkSentence {
   RemarkCode code;
   std::string_view name;
@@ -32,7 +32,12 @@ std::string InWords(const Remark& remark);
 std::vector<std::string> InWords(const std::vector<Remark>& remarks);
 std::string InOneLine(const std::vector<Remark>& remarks);  // one after the other, with semicolons
 
+// One remark that says all of them, one sentence after the other.
+Remark InARow(std::vector<Remark> remarks);
+
 // "12.3 m", "1,234 m", "12 km".
 std::string LengthInWords(double metres);
+// "90 seconds", "12 minutes".
+std::string TimeInWords(double seconds);
 
 }  // namespace skyquilt::flight

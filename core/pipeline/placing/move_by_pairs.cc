@@ -1,11 +1,10 @@
 #include "core/pipeline/placing/move_by_pairs.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <complex>
 #include <numeric>
 
+#include "core/flight/remarks/because.h"
 #include "core/geo/bounds.h"
 #include "core/pipeline/placing/move_flight.h"
 
@@ -47,12 +46,11 @@ Result<MoveOfPairs> MoveByPairs(const FlightFacts& known, const std::vector<Show
   if (pairs.size() > 1) {
     const double spread_m = SpreadOfM(shown);
     if (spread_m < kMinPairSpread * ExtentM(known) || !(SpreadOfM(is) > 0.0)) {
-      return Error{
+      return flight::Because(
           ErrorCode::kUnprocessable,
-          fmt::format("The places lie within {:.0f} % of the map's extent, too near together to tell its "
-                      "scale and north. Choose places near its edges.",
-                      100.0 * spread_m / std::max(ExtentM(known), spread_m)),
-          ""};
+          {flight::RemarkCode::kFailPlacesTooNear,
+           {{"share_percent",
+             spread_m > 0.0 ? 100.0 * spread_m / std::max(ExtentM(known), spread_m) : 0.0}}});
     }
     std::complex<double> product(0.0, 0.0);
     double square = 0.0;
@@ -70,13 +68,8 @@ Result<MoveOfPairs> MoveByPairs(const FlightFacts& known, const std::vector<Show
     for (std::size_t k = 0; k < pairs.size(); ++k)
       move.miss_m = std::max(move.miss_m, (move.new_from_old * shown[k] - is[k]).head<2>().norm());
     if (move.miss_m > kAgreedPairShare * SpreadOfM(is)) {
-      return Error{
-          ErrorCode::kUnprocessable,
-          fmt::format("The places contradict each other: no turn, scale and shift of the map brings all of "
-                      "them nearer than {:.1f} m to where they are said to be. Check their order, and that "
-                      "each is the same thing on the map and on Earth.",
-                      move.miss_m),
-          ""};
+      return flight::Because(ErrorCode::kUnprocessable,
+                             {flight::RemarkCode::kFailPlacesContradict, {{"apart_m", move.miss_m}}});
     }
   }
   return move;

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "core/flight/remarks/because.h"
 #include "core/pipeline/control_points.h"
 #include "core/pipeline/placing/move_flight.h"
 #include "core/pipeline/placing/move_to_control.h"
@@ -54,11 +55,7 @@ bool IsAnyUsed(const FlightFacts& facts) {
 Result<FlightFacts> PlaceByLists(FlightFacts known, const std::vector<flight::GcpList>& lists,
                                  bool* contradict) {
   if (ControlPointsOf(lists).empty()) {
-    return Error{
-        ErrorCode::kUnprocessable,
-        "No surveyed point is marked in a photo yet. Mark each in two or more photos, and three points "
-        "or more, spread over the map.",
-        ""};
+    return flight::Because(ErrorCode::kUnprocessable, flight::RemarkCode::kFailNoPointMarked);
   }
   std::erase_if(known.flight.warnings, IsOfControl);
   if (known.is_placed) {

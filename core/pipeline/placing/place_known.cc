@@ -10,6 +10,7 @@
 #include "core/alignment/adjustment/tie_to_control.h"
 #include "core/base/median.h"
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 #include "core/flight/remarks/remark_words.h"
 #include "core/geo/bounds.h"
 #include "core/geo/lat_lon.h"
@@ -49,11 +50,11 @@ double TurnDeg(const Similarity3& move) {
 Result<Similarity3> CheckedScale(const FlightFacts& known, Similarity3 move) {
   const double pixel_m = MedianGsdM(known) * move.scale;
   if (pixel_m >= kFinestPixelM && pixel_m <= kCoarsestPixelM) return move;
-  return Refused(
-      ErrorCode::kInvalidArgument,
-      fmt::format("With this scale a photo's pixel would show {:.3g} m of ground; {:.4f} to {:.0f} m is "
-                  "possible. As the map is now it shows {:.4f} m.",
-                  pixel_m, kFinestPixelM, kCoarsestPixelM, MedianGsdM(known)));
+  return flight::Because(ErrorCode::kInvalidArgument, {RemarkCode::kFailScale,
+                                                       {{"pixel_m", pixel_m},
+                                                        {"finest_m", kFinestPixelM},
+                                                        {"coarsest_m", kCoarsestPixelM},
+                                                        {"now_m", MedianGsdM(known)}}});
 }
 
 // The place in the flight's frame that the origin is of.
@@ -178,13 +179,15 @@ double SpreadM(const std::vector<MarkedPoint>& marked) {
   return std::hypot(bounds.Width(), bounds.Height());
 }
 
-std::string WhyNot(const std::vector<alignment::ControlReport>& reports) {
-  std::string words;
+// `why`, and what is wrong with the first points of which it is known.
+Error RefusedPoints(Remark why, const std::vector<alignment::ControlReport>& reports) {
+  constexpr std::size_t kMaxNamed = 5;
+  std::vector<Remark> all{std::move(why)};
   for (const alignment::ControlReport& report : reports) {
-    if (report.reason) words += fmt::format(" {} {}.", report.name, flight::InWords(*report.reason));
+    if (report.reason && all.size() <= kMaxNamed)
+      all.push_back({RemarkCode::kControlNoted, {{"point", report.name}, {"reason", *report.reason}}});
   }
-  constexpr std::size_t kMaxLetters = 500;
-  return words.size() > kMaxLetters ? words.substr(0, kMaxLetters) + " ..." : words;
+  return flight::Because(ErrorCode::kUnprocessable, flight::InARow(std::move(all)));
 }
 
 Result<FlightFacts> PlaceByControl(const FlightFacts& known, const std::vector<flight::GcpList>& lists,
@@ -192,19 +195,15 @@ Result<FlightFacts> PlaceByControl(const FlightFacts& known, const std::vector<f
   std::vector<alignment::ControlReport> reports;
   const std::vector<MarkedPoint> marked = MarkedPointsOf(known, ControlPointsOf(lists), reports);
   if (marked.size() < kMinPoints) {
-    return Refused(
-        ErrorCode::kUnprocessable,
-        fmt::format("Of {} surveyed points {} can be used, and {} are needed, each marked in two or more "
-                    "photos of the map.{}",
-                    reports.size(), marked.size(), kMinPoints, WhyNot(reports)));
+    return RefusedPoints({RemarkCode::kFailFewPoints,
+                          {{"points", reports.size()}, {"used", marked.size()}, {"needed", kMinPoints}}},
+                         reports);
   }
   const double spread_m = SpreadM(marked);
   if (spread_m < kMinSpread * ExtentM(known)) {
-    return Refused(
+    return flight::Because(
         ErrorCode::kUnprocessable,
-        fmt::format("The surveyed points lie within {:.0f} % of the map's extent, too near together to "
-                    "tell its scale and north. Mark points near its edges.",
-                    100.0 * spread_m / ExtentM(known)));
+        {RemarkCode::kFailPointsTooNear, {{"share_percent", 100.0 * spread_m / ExtentM(known)}}});
   }
   const geo::LocalFrame frame = FrameOf(marked);
   const std::vector<PlacePair> pairs = PairsOf(marked, frame);
@@ -232,12 +231,7 @@ Result<FlightFacts> PlaceByControl(const FlightFacts& known, const std::vector<f
   // Three of a line fit many a wrong turn: the points that are refused must be few.
   if (misses_m.size() < kMinPoints || misses_m.size() < 2 * (marked.size() - misses_m.size())) {
     if (contradict != nullptr) *contradict = true;
-    return Refused(
-        ErrorCode::kUnprocessable,
-        fmt::format("The surveyed points contradict each other: no turn, scale and shift of the map brings "
-                    "most of them within {:.2f} m of where they were surveyed.{} Check the order of the "
-                    "coordinates, the reference system in the first line, and the marks.",
-                    agreed_m, WhyNot(reports)));
+    return RefusedPoints({RemarkCode::kFailPointsContradict, {{"apart_m", agreed_m}}}, reports);
   }
   PredictPairs(pairs, marked, reports);
   Similarity3 move = fitted->target_from_source;

@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "core/flight/remarks/remark_json.h"
 #include "core/pipeline/report/cbor_values.h"
 #include "core/pipeline/report/locate.h"
-#include "core/pipeline/report/remark_json.h"
 #include "core/pipeline/report/report_codec.h"
 
 namespace skyquilt::pipeline {
@@ -172,10 +172,10 @@ FlightFacts Parse(std::string_view bytes) {
   facts.ground = located->ground;
   facts.flight.frame = located->frame;
   facts.flight.ground_z_in_enu_m = json.at("ground_z_m");
-  facts.flight.warnings = RemarksOfJson(json.at("warnings"));
+  facts.flight.warnings = flight::RemarksOfJson(json.at("warnings"));
   for (const Cbor& left_out : json.at("left_out")) {
     facts.flight.left_out.push_back({TextOfCbor(left_out.at("name")), left_out.at("code").get<ErrorCode>(),
-                                     RemarkOfJson(left_out.at("reason"))});
+                                     flight::RemarkOfJson(left_out.at("reason"))});
   }
   const Cbor& photos = json.at("photos");
   if (photos.size() != located->cameras.size()) {
@@ -191,7 +191,7 @@ FlightFacts Parse(std::string_view bytes) {
     photo.intrinsics = camera.intrinsics;
     photo.cam_from_enu = camera.cam_from_enu;
     photo.placement = camera.placement;
-    photo.placement_remarks = RemarksOfJson(photos[i].at("remarks"));
+    photo.placement_remarks = flight::RemarksOfJson(photos[i].at("remarks"));
     photo.error_radius_m = camera.error_radius_m;
     photo.height_above_ground_m = photos[i].at("height_m");
     photo.readout_motion = camera.readout_motion;
@@ -254,12 +254,12 @@ std::string WriteFacts(const FlightFacts& facts) {
   }
   json["locate"] = LocateJson(facts.flight, facts.ground);
   json["ground_z_m"] = facts.flight.ground_z_in_enu_m;
-  json["warnings"] = JsonOfRemarks<Cbor>(facts.flight.warnings);
+  json["warnings"] = flight::JsonOfRemarks<Cbor>(facts.flight.warnings);
   json["left_out"] = Cbor::array();
   for (const flight::LeftOutPhoto& photo : facts.flight.left_out) {
     json["left_out"].push_back({{"name", CborOfText<Cbor>(photo.name)},
                                 {"code", photo.code},
-                                {"reason", JsonOfRemark<Cbor>(photo.reason)}});
+                                {"reason", flight::JsonOfRemark<Cbor>(photo.reason)}});
   }
   json["photos"] = Cbor::array();
   for (std::size_t i = 0; i < facts.flight.photos.size(); ++i) {
@@ -268,7 +268,7 @@ std::string WriteFacts(const FlightFacts& facts) {
     json["photos"].push_back(
         {{"name", CborOfText<Cbor>(photo.photo.name)},
          {"camera_key", CborOfText<Cbor>(photo.photo.camera_key)},
-         {"remarks", JsonOfRemarks<Cbor>(photo.placement_remarks)},
+         {"remarks", flight::JsonOfRemarks<Cbor>(photo.placement_remarks)},
          {"height_m", photo.height_above_ground_m},
          {"max_look_rad", photo.max_look_rad},
          {"tied_look_rad", photo.tied_look_rad},

@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/error_code.h"
+#include "core/flight/remarks/remark_json.h"
 #include "core/geo/lat_lon.h"
 #include "core/ground/footprint_on_ground.h"
-#include "core/pipeline/report/remark_json.h"
 #include "core/pipeline/report/report_codec.h"
 #include "core/poses/conventions/attitude_convention.h"
 
@@ -76,7 +76,7 @@ std::string ReportJson(const MosaicReport& report) {
     left_out.push_back({{"name", photo.name},
                         {"code", ErrorCodeName(photo.code)},
                         {"reason", flight::InWords(photo.reason)},
-                        {"remark", JsonOfRemark<Json>(photo.reason)}});
+                        {"remark", flight::JsonOfRemark<Json>(photo.reason)}});
   }
   Json timings = Json::array();
   for (const StageTiming& timing : report.timings) {
@@ -109,7 +109,7 @@ std::string ReportJson(const MosaicReport& report) {
   json["timings"] = timings;
   json["peak_memory_bytes"] = report.peak_memory_bytes;
   json["warnings"] = flight::InWords(report.warnings);
-  json["remarks"] = JsonOfRemarks<Json>(report.warnings);
+  json["remarks"] = flight::JsonOfRemarks<Json>(report.warnings);
   json["poses"] = JsonOf<Json>(report.poses_report);
   json["ground"] = JsonOf<Json>(report.ground_report);
   json["seams"] = JsonOf<Json>(report.seam_shift);
@@ -130,7 +130,7 @@ std::string PhotosGeoJson(const alignment::AlignedFlight& flight, const ground::
     properties["name"] = photo.photo.name;
     properties["placement"] = alignment::PlacementName(photo.placement);
     properties["reason"] = flight::InOneLine(photo.placement_remarks);
-    properties["remarks"] = JsonOfRemarks<Json>(photo.placement_remarks);
+    properties["remarks"] = flight::JsonOfRemarks<Json>(photo.placement_remarks);
     properties["error_radius_m"] = absolute.sigma_m || photo.placement == alignment::Placement::kPoseOnly
                                        ? Json(Rounded(photo.error_radius_m, 3))
                                        : Json(nullptr);

@@ -18,8 +18,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/flight/remarks/remark_json.h"
 #include "core/flight/remarks/remark_words.h"
-#include "core/pipeline/report/remark_json.h"
 #include "core/pipeline/report/report_fields.h"
 
 namespace skyquilt::pipeline {
@@ -58,11 +58,11 @@ class FieldWriter {
   }
   void Remarked(const char* words, const char* codes, const std::vector<flight::Remark>& remarks) {
     json_[words] = flight::InOneLine(remarks);
-    json_[codes] = JsonOfRemarks<Json>(remarks);
+    json_[codes] = flight::JsonOfRemarks<Json>(remarks);
   }
   void Remarked(const char* words, const char* code, const std::optional<flight::Remark>& remark) {
     json_[words] = remark ? flight::InWords(*remark) : "";
-    if (remark) json_[code] = JsonOfRemark<Json>(*remark);
+    if (remark) json_[code] = flight::JsonOfRemark<Json>(*remark);
   }
   void OneOf(const char* name, bool is_so, const char* if_so, const char* if_not) {
     json_[name] = is_so ? if_so : if_not;
@@ -141,12 +141,12 @@ class FieldReader {
   }
   void Remarked(const char* words, const char* codes, std::vector<flight::Remark>& remarks) const {
     json_.at(words).template get_ref<const std::string&>();
-    remarks = RemarksOfJson(json_.at(codes));
+    remarks = flight::RemarksOfJson(json_.at(codes));
   }
   void Remarked(const char* words, const char* code, std::optional<flight::Remark>& remark) const {
     json_.at(words).template get_ref<const std::string&>();
     remark.reset();
-    if (json_.contains(code)) remark = RemarkOfJson(json_.at(code));
+    if (json_.contains(code)) remark = flight::RemarkOfJson(json_.at(code));
   }
   void OneOf(const char* name, bool& is_so, const char* if_so, const char* if_not) const {
     const Json& word = json_.at(name);

@@ -7,8 +7,8 @@
 #include "core/base/error_code.h"
 #include "core/base/printable.h"
 #include "core/flight/aside/aside.h"
+#include "core/flight/remarks/remark_json.h"
 #include "core/pipeline/inspect_flight.h"
-#include "core/pipeline/report/remark_json.h"
 #include "core/pipeline/report/report_codec.h"
 #include "core/poses/lists/list_words.h"
 
@@ -172,7 +172,7 @@ std::string VerdictJson(const FlightVerdict& v) {
     left_out.push_back({{"name", photo.name},
                         {"code", ErrorCodeName(photo.code)},
                         {"reason", flight::InWords(photo.reason)},
-                        {"remark", JsonOfRemark<nlohmann::ordered_json>(photo.reason)}});
+                        {"remark", flight::JsonOfRemark<nlohmann::ordered_json>(photo.reason)}});
   }
   nlohmann::ordered_json logs = nlohmann::ordered_json::array();
   for (const flight::LogFacts& log : v.logs) logs.push_back(LogJson(log));
@@ -206,7 +206,7 @@ std::string VerdictJson(const FlightVerdict& v) {
                                     {"expected_memory_mib", v.expected_memory_mib},
                                     {"left_out", left_out},
                                     {"warnings", flight::InWords(v.warnings)},
-                                    {"remarks", JsonOfRemarks<nlohmann::ordered_json>(v.warnings)}};
+                                    {"remarks", flight::JsonOfRemarks<nlohmann::ordered_json>(v.warnings)}};
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 

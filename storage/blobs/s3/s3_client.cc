@@ -18,6 +18,7 @@
 
 #include "core/base/check.h"
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 #include "storage/blobs/sha256.h"
 #include "storage/db/ids.h"
 
@@ -225,10 +226,8 @@ Error S3Client::Meaning(const Ask& ask, const HttpAnswer& answer, bool& may_retr
         detail};
   }
   may_retry = answer.status >= 500 || answer.status == 429 || answer.status == 408 || answer.IsGood();
-  return {
-      ErrorCode::kUnavailable,
-      fmt::format("The store of photos and maps at {} does not work at the moment. Try again later.", place),
-      detail};
+  return flight::Because(ErrorCode::kUnavailable, {flight::RemarkCode::kFailStoreTrouble, {{"store", place}}},
+                         detail);
 }
 
 Result<HttpAnswer> S3Client::Perform(Ask ask, int* attempts_made) {
@@ -256,11 +255,10 @@ Result<HttpAnswer> S3Client::Perform(Ask ask, int* attempts_made) {
       may_retry = answer.error().code == ErrorCode::kUnavailable;
       error = answer.error();
       if (may_retry) {
-        error =
-            Error{ErrorCode::kUnavailable,
-                  fmt::format("The store of photos and maps at {} ({}) cannot be reached. Try again later.",
-                              settings_.Address(), settings_.host),
-                  fmt::format("{} {}: {}", ask.method, ask.key, answer.error().detail)};
+        error = flight::Because(
+            ErrorCode::kUnavailable,
+            {flight::RemarkCode::kFailStoreAway, {{"store", settings_.Address()}, {"host", settings_.host}}},
+            fmt::format("{} {}: {}", ask.method, ask.key, answer.error().detail));
       }
     }
     if (!may_retry || is_begun || attempt >= attempts) return *error;

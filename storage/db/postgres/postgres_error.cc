@@ -2,14 +2,13 @@
 
 #include <fmt/format.h>
 
+#include "core/flight/remarks/because.h"
+
 namespace skyquilt::storage {
 
 Error LostConnection(std::string_view what, std::string_view library_message) {
-  return {
-      ErrorCode::kUnavailable,
-      "The catalogue's database cannot be reached at the moment. Try again; what was asked last may have been "
-      "done or not.",
-      fmt::format("postgresql: {}: {}", library_message, what)};
+  return flight::Because(ErrorCode::kUnavailable, flight::RemarkCode::kFailDatabaseAway,
+                         fmt::format("postgresql: {}: {}", library_message, what));
 }
 
 bool IsConflictOfWriters(std::string_view sqlstate) { return sqlstate == "40001" || sqlstate == "40P01"; }

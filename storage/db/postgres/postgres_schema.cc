@@ -19,6 +19,7 @@ extern const std::string_view kPostgres19To20;     // storage/db/postgres/schema
 extern const std::string_view kPostgres20To21;     // storage/db/postgres/schema_21_postgres.sql
 extern const std::string_view kPostgres21To22;     // storage/db/postgres/schema_22_postgres.sql
 extern const std::string_view kPostgres22To23;     // storage/db/postgres/schema_23_postgres.sql
+extern const std::string_view kPostgres23To24;     // storage/db/postgres/schema_24_postgres.sql
 
 namespace {
 
@@ -67,7 +68,7 @@ Result<void> PreparePostgres(PostgresDb& db, const CataloguePlace& place, bool m
   }
   SKYQUILT_TRY_ASSIGN(const int version, PostgresVersion(db));
   if (version == kSchemaVersion) return {};
-  if (version >= 16 && version <= 22) {
+  if (version >= 16 && version <= 23) {
     if (version == 16) {
       SKYQUILT_TRY(db.Exec(std::string(kPostgres16To17)));
     }
@@ -86,7 +87,10 @@ Result<void> PreparePostgres(PostgresDb& db, const CataloguePlace& place, bool m
     if (version <= 21) {
       SKYQUILT_TRY(db.Exec(std::string(kPostgres21To22)));
     }
-    SKYQUILT_TRY(db.Exec(std::string(kPostgres22To23)));
+    if (version <= 22) {
+      SKYQUILT_TRY(db.Exec(std::string(kPostgres22To23)));
+    }
+    SKYQUILT_TRY(db.Exec(std::string(kPostgres23To24)));
     SKYQUILT_TRY(db.Exec(fmt::format("UPDATE catalogue_version SET version={}", kSchemaVersion)));
     return transaction.Commit();
   }
@@ -107,6 +111,7 @@ Result<void> PreparePostgres(PostgresDb& db, const CataloguePlace& place, bool m
   SKYQUILT_TRY(db.Exec(std::string(kPostgres20To21)));
   SKYQUILT_TRY(db.Exec(std::string(kPostgres21To22)));
   SKYQUILT_TRY(db.Exec(std::string(kPostgres22To23)));
+  SKYQUILT_TRY(db.Exec(std::string(kPostgres23To24)));
   SKYQUILT_TRY(db.Exec(std::string(kPostgresFunctions)));
   SKYQUILT_TRY(db.Exec(fmt::format("INSERT INTO catalogue_version VALUES(1, {}, pg_postmaster_start_time())",
                                    kSchemaVersion)));

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -20,11 +21,8 @@ constexpr int kDeepestJson = 12;           // a MultiPolygon in a collection of 
 constexpr std::string_view kWhiteSpace = " \t\r\n";
 
 Error NoBoundary(std::string why) {
-  return {
-      ErrorCode::kUnprocessable,
-      "The boundary cannot be used: " + std::move(why) +
-          " Give a GeoJSON Polygon or MultiPolygon, or a KML, with longitudes and latitudes of WGS 84 in degrees.",
-      ""};
+  return flight::Because(ErrorCode::kUnprocessable,
+                         {flight::RemarkCode::kFailBoundaryUnusable, {{"why_words", std::move(why)}}});
 }
 
 Result<geo::LatLon> CornerOf(const Json& position) {
@@ -162,8 +160,7 @@ Result<Boundary> ParseKml(std::string_view xml) {
   tinyxml2::XMLDocument document;
   if (document.Parse(xml.data(), xml.size()) != tinyxml2::XML_SUCCESS || document.RootElement() == nullptr ||
       WithoutPrefix(document.RootElement()->Name()) != "kml") {
-    return Error{ErrorCode::kInvalidArgument,
-                 "The boundary is neither GeoJSON nor KML. Give a file with a polygon in one of them.", ""};
+    return flight::Because(ErrorCode::kInvalidArgument, flight::RemarkCode::kFailBoundaryUnread);
   }
   Boundary boundary;
   std::size_t corners = 0;

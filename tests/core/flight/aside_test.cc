@@ -364,7 +364,7 @@ TEST(LeftOutInLines, EndsAfterTwentyLines) {
   const auto lines = LeftOutInLines(photos);
   ASSERT_EQ(lines.size(), 21U);
   EXPECT_EQ(lines.back(), "and 481 more pictures");
-  EXPECT_THAT(LeftOutInWords(photos), ::testing::EndsWith(" And 498 more pictures."));
+  EXPECT_THAT(InWords(FirstLeftOut(photos)), ::testing::EndsWith(" And 498 more pictures."));
 }
 
 std::string Refused(const Bytes& bytes) {

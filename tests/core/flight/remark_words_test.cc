@@ -5,6 +5,8 @@
 
 #include <set>
 
+#include "core/flight/remarks/because.h"
+
 namespace skyquilt::flight {
 namespace {
 
@@ -73,6 +75,36 @@ TEST(InOneLine, SetsSemicolonsBetween) {
   EXPECT_EQ(InOneLine({as_neighbours, RemarkCode::kDoubtBlurred}),
             "placed by its recorded pose, corrected as its neighbours were: too few points in common with "
             "other photos (3); is blurred");
+}
+
+TEST(InARow, SaysOneAfterTheOther) {
+  const Remark few{RemarkCode::kFailFewPoints, {{"points", 4}, {"used", 2}, {"needed", 3}}};
+  const Remark often{RemarkCode::kSoWithMore, {{"photos", 5}}};
+  EXPECT_EQ(InARow({few}), few);
+  EXPECT_EQ(InWords(InARow({})), "");
+  EXPECT_EQ(InWords(InARow({"One.", often, "Two.", often})),
+            "One. So it is with 5 more. Two. So it is with 5 more.");
+}
+
+TEST(Because, HasTheSentenceAndTheCode) {
+  const Error error =
+      Because(ErrorCode::kUnprocessable,
+              {RemarkCode::kFailTime,
+               {{"limit_s", 4.0}, {"where", Remark{RemarkCode::kInStage, {{"stage", "check"}}}}}},
+              "7 s");
+  EXPECT_THAT(error.message,
+              ::testing::HasSubstr("took more than 4 seconds and was still in the stage \"check\". One"));
+  EXPECT_EQ(error.detail, "7 s");
+  EXPECT_EQ(WhyOf(error).code, RemarkCode::kFailTime);
+  EXPECT_THAT(InWords(Remark{RemarkCode::kFailProcessorTime, {{"limit_s", 600.0}, {"where", "there"}}}),
+              ::testing::HasSubstr("more than 10 minutes of processor time"));
+}
+
+TEST(WhyOf, SaysWhatTheKindOrElseTheMessageSays) {
+  EXPECT_EQ(WhyOf({ErrorCode::kOutOfSpace, "/d: no space", ""}), Remark(RemarkCode::kFailDiskFull));
+  EXPECT_EQ(WhyOf({ErrorCode::kCancelled, "Stopped.", ""}), Remark(RemarkCode::kFailCancelled));
+  EXPECT_EQ(WhyOf({ErrorCode::kIo, "A cable is loose.", ""}), Remark("A cable is loose."));
+  EXPECT_FALSE(HasReason({ErrorCode::kIo, "A cable is loose.", ""}));
 }
 
 // As a damaged file of an earlier run may have them.

@@ -105,7 +105,7 @@ class BadRecords(unittest.TestCase):
         shutil.copy(first, single / first.name)
         refused = subprocess.run([BINARY, "stitch", single, "-o", self.scratch / "none"], capture_output=True, text=True)
         self.assertNotEqual(refused.returncode, 0)
-        self.assertIn("no photo records where it was taken", refused.stderr)
+        self.assertIn("No photo records where it was taken", refused.stderr)
 
     def real(self, name):
         folder = DATA / name

@@ -9,8 +9,12 @@ namespace skyquilt::storage {
 // Without the number of the version, which each engine has elsewhere.
 inline std::string UndoToVersion(int version) {
   std::string sql =
-      "ALTER TABLE job DROP COLUMN units_of; ALTER TABLE job DROP COLUMN made_from;"
-      "ALTER TABLE job DROP COLUMN troubles; ALTER TABLE unit DROP COLUMN troubles; DROP TABLE product;";
+      "ALTER TABLE job DROP COLUMN error_reason; ALTER TABLE map_export DROP COLUMN error_reason;";
+  if (version <= 22) {
+    sql +=
+        "ALTER TABLE job DROP COLUMN units_of; ALTER TABLE job DROP COLUMN made_from;"
+        "ALTER TABLE job DROP COLUMN troubles; ALTER TABLE unit DROP COLUMN troubles; DROP TABLE product;";
+  }
   if (version <= 21) {
     sql +=
         "DROP TABLE worker_aside; ALTER TABLE unit DROP COLUMN since_us;"

@@ -98,7 +98,7 @@ test('an error of the server says in German what its code means, then its own se
   await page.goto(`${mock.url}#/flights/${flight.id}`);
   await page.click('#start-job');
   await page.waitForSelector('#failure');
-  assert.match(await page.textContent('#failure'), /Die Karte konnte nicht erstellt werden.*Verarbeitung nicht möglich: No photo has a GPS position\./s);
+  assert.match(await page.textContent('#failure'), /Die Karte konnte nicht erstellt werden.*Verarbeitung nicht möglich\. Im Wortlaut: No photo has a GPS position\./s);
   await assertQuiet(opened);
 });
 

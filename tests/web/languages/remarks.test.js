@@ -6,8 +6,9 @@ import { join } from 'node:path';
 import { test } from 'node:test';
 import { kLanguages, speak } from '../../../web/src/shared/language.js';
 import { loadFlightWords } from '../../../web/src/shared/flight_strings.js';
-import { strings } from '../../../web/src/shared/strings.js';
-import { inOneLine, remarkWords, saidOf, whyLeftOut } from '../../../web/src/shared/remarks.js';
+import { loadPageWords, strings } from '../../../web/src/shared/strings.js';
+import { remarkWords, serverWords } from '../../../web/src/shared/api.js';
+import { inOneLine, saidOf, whyLeftOut } from '../../../web/src/shared/remarks.js';
 import { web_root } from '../support/mock_server.js';
 
 /** @typedef {import('../../../web/src/shared/language.js').Language} Language */
@@ -21,7 +22,7 @@ const codes = [...(source('remark.h').match(/enum class RemarkCode[^{]*\{([^}]*)
 
 /** @type {Map<string, Set<string>>} by code, the values that its English sentence says */
 const said_there = new Map(
-  (['inputs', 'logs', 'maps'].map((on) => source(`sentences_on_${on}.h`)).join('')).split('{RemarkCode::k').slice(1).map((row) => {
+  (['inputs', 'logs', 'maps', 'failures'].map((on) => source(`sentences_on_${on}.h`)).join('')).split('{RemarkCode::k').slice(1).map((row) => {
     const literals = [...row.matchAll(/"((?:[^"\\]|\\.)*)"/g)].map(([, text]) => text);
     const values = [...literals.slice(1).join('').matchAll(/\{(\w+)(?::[^}]*)?\}/g)].map(([, name]) => name);
     return [literals[0], new Set(values)];
@@ -32,7 +33,7 @@ const said_there = new Map(
 const withoutEnglish = (values) => [...values].filter((name) => !name.endsWith('_words')).sort();
 
 /** Of each kind of value one, far from all others. @param {string} name */
-const example = (name) => (/_(m|km|mm|ms|s|deg|percent|px)$|^(photos|total|points|used|groups|rows|models|more|remarks|pictures|times|lag|epsg|failed|captures|missing|target|marks|most|cells|places|byte|bytes|wrong|imus|vehicles?|samples|samples_in_all|dropouts|messages|jumps|part|positions|dropped|skipped|unread|without_place|without_time|times_read)$/.test(name) ? 7 : `<${name}>`);
+const example = (name) => (/_(m|km|cm|mm|ms|s|deg|percent|px|gib|mib)$|^(photos|total|points|used|groups|rows|models|more|remarks|pictures|times|lag|epsg|failed|captures|missing|target|marks|most|cells|places|byte|bytes|wrong|imus|vehicles?|samples|samples_in_all|dropouts|messages|jumps|part|positions|dropped|skipped|unread|without_place|without_time|times_read|files|across|down|needed)$/.test(name) ? 7 : `<${name}>`);
 
 /** @param {(values: any) => string} say @returns {{text: string, asked: Set<string>}} */
 function ask(say) {
@@ -65,7 +66,7 @@ for (const tag of tags) {
 test('no two languages say the same sentence', async () => {
   const [english, german] = [(await loadFlightWords('en')).remarks, (await loadFlightWords('de')).remarks];
   const same = codes.filter((code) => ask(english[code]).text === ask(german[code]).text);
-  assert.deepEqual(same, ['text', 'sentences', 'of_photo', 'of_file', 'reading_system']);
+  assert.deepEqual(same, ['text', 'sentences', 'of_photo', 'of_file', 'reading_system', 'then', 'photo_does']);
 });
 
 test('a remark is said in the language of the page, one that it does not know as the server says it', async () => {
@@ -89,4 +90,24 @@ test('a remark is said in the language of the page, one that it does not know as
   assert.equal(inOneLine(undefined, 'English.'), 'English.');
   assert.deepEqual([inOneLine([], 'English.'), inOneLine(undefined, null)], ['', '']);
   speak('en');
+});
+
+test('why nothing came of it is said by its reason, and quoted where the page has no words for that', async () => {
+  const memory = { code: 'fail_memory', values: { limit_gib: 4.5, where: [{ code: 'in_stage_at', values: { stage: 'check', at_words: 'photo 3 of 9' } }] } };
+  const english = 'The job was ended because it needed more than 4.5 GiB of memory.';
+  speak('de');
+  Object.assign(strings, await loadPageWords('de'), await loadFlightWords('de'));
+  assert.match(serverWords('unprocessable', english, memory), /im Schritt „Fotos werden geprüft“ beendet: Es brauchte mehr als 4,5\u00a0GiB/);
+  assert.equal(serverWords('unprocessable', english, { code: 'fail_of_tomorrow', values: {} }), `Verarbeitung nicht möglich. Im Wortlaut: ${english}`);
+  for (const none of [undefined, null, { code: 'text', values: { text_words: english } }])
+    assert.equal(serverWords('unprocessable', english, none), `Verarbeitung nicht möglich. Im Wortlaut: ${english}`);
+  assert.equal(serverWords('of_tomorrow', english), english);
+  const few = { code: 'fail_few_points', values: { points: 4, used: 2, needed: 3 } };
+  const noted = { code: 'control_noted', values: { point: 'P1', reason: [{ code: 'point_few_marks', values: {} }] } };
+  const row = { code: 'sentences', values: { first: [few], then: [noted, { code: 'then', values: { said: [noted] } }] } };
+  assert.match(serverWords('unprocessable', english, row), /^2 von 4 Passpunkten .*\. Passpunkt P1: .*\. Passpunkt P1: /);
+  Object.assign(strings, await loadPageWords('en'), await loadFlightWords('en'));
+  speak('en');
+  assert.match(serverWords('unprocessable', english, memory), /in the step “Checking .*4\.5\u00a0GiB/);
+  assert.equal(serverWords('unprocessable', english), english);
 });

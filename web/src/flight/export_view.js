@@ -199,7 +199,7 @@ export function exportView(flight, outlines, signal, cut_to = -1) {
 /** @param {MapExport} made @returns {HTMLElement[]} */
 function stateOf({ state, progress, bytes, error, expires_at }) {
   const words = strings.exports;
-  if (state === 'failed') return [h('span', { class: 'bad fine' }, error ? serverWords(error.code, error.message) : words.failed(''))];
+  if (state === 'failed') return [h('span', { class: 'bad fine' }, error ? serverWords(error.code, error.message, error.reason) : words.failed(''))];
   if (state === 'successful') {
     const until = expires_at ? formatDate(expires_at, { with_time: true }) : '';
     return [h('span', { class: 'muted fine' }, [bytes === null ? '' : formatBytes(bytes), until && words.until(until)].filter(Boolean).join(' · '))];

@@ -252,7 +252,7 @@ export class FlightView {
   /** @param {Flight} flight */
   #drawFailure(flight) {
     const error = flight.error ?? flight.job?.error ?? null;
-    const text = typeof error === 'string' ? error : (error ? serverWords(error.code, error.message) : '');
+    const text = typeof error === 'string' ? error : (error ? serverWords(error.code, error.message, error.reason) : '');
     put(
       this.#work,
       h(

@@ -1,5 +1,5 @@
 // The server's HTTP API, one function a request. Every failure is an ApiError whose message can be shown.
-/** @import { Access, Flight, GroundProfile, Job, MapExport, PhotoCollection, Report, ServerVerdict, Share, Sighting, StoredFile, TileJson, Trash } from './types.js' */
+/** @import { Access, Flight, GroundProfile, Job, MapExport, PhotoCollection, Remark, Report, ServerVerdict, Share, Sighting, StoredFile, TileJson, Trash } from './types.js' */
 import { kFallback, language } from './language.js';
 import { at } from './router.js';
 import { strings } from './strings.js';
@@ -29,16 +29,44 @@ export class ApiError extends Error {
   }
 }
 
+/** Of what the server remarks, once the words of flights are there (flight_strings.js). @returns {Record<string, (values: any) => string>} */
+const remarkSentences = () => /** @type {any} */ (strings).remarks ?? {};
+
 /**
- * What the server says, whose sentences are English: in other languages what its code means comes first.
+ * @param {Remark|null|undefined} remark
+ * @returns {string|null} null where the page has no words for it
+ */
+export function remarkWords(remark) {
+  const sentences = remarkSentences();
+  if (!remark || !Object.hasOwn(sentences, remark.code)) return null;
+  /** @type {Record<string, string|number>} */
+  const values = {};
+  for (const [name, value] of Object.entries(remark.values)) {
+    if (!Array.isArray(value)) {
+      values[name] = value;
+      continue;
+    }
+    const within = value.map(remarkWords);
+    if (within.includes(null)) return null;
+    values[name] = within.join('');
+  }
+  return sentences[remark.code](values);
+}
+
+/**
+ * What the server says: by the reason that it gives. Its sentences are English: without one that the page knows they are
+ * quoted in other languages, after what the code means.
  * @param {string|undefined} code of its closed list of errors
  * @param {string} text
+ * @param {Remark|null} [reason]
  * @returns {string}
  */
-export function serverWords(code, text) {
+export function serverWords(code, text, reason) {
+  const said = reason?.code === 'text' ? null : remarkWords(reason);
+  if (said !== null) return said;
   const meaning = strings.codes[code ?? ''];
   if (!meaning) return text;
-  return !text ? meaning : language === kFallback ? text : `${meaning}: ${text}`;
+  return !text ? meaning : language === kFallback ? text : strings.errors.verbatim(meaning, text);
 }
 
 /**
@@ -50,7 +78,7 @@ export function problem(status, text) {
   if (status === 401 && isFromLink()) return new ApiError(status, strings.access.link_over);
   try {
     const body = JSON.parse(text);
-    if (body && (body.title || body.detail)) return new ApiError(status, body.title ?? '', serverWords(body.code, body.detail || body.title));
+    if (body && (body.title || body.detail)) return new ApiError(status, body.title ?? '', serverWords(body.code, body.detail || body.title, body.reason));
   } catch {
     // Not a problem document (a proxy's page, say): the status alone has to tell.
   }

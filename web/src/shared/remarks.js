@@ -1,28 +1,7 @@
 // What the server remarks, in the page's language: by its code, and by the server's own sentence where the page does not
 // know the code.
 /** @import { LeftOut, Remark } from './types.js' */
-import { serverWords } from './api.js';
-import { strings } from './flight_strings.js';
-
-/**
- * @param {Remark|undefined} remark
- * @returns {string|null} null where the page has no words for it
- */
-export function remarkWords(remark) {
-  if (!remark || !Object.hasOwn(strings.remarks, remark.code)) return null;
-  /** @type {Record<string, string|number>} */
-  const values = {};
-  for (const [name, value] of Object.entries(remark.values)) {
-    if (!Array.isArray(value)) {
-      values[name] = value;
-      continue;
-    }
-    const within = value.map(remarkWords);
-    if (within.includes(null)) return null;
-    values[name] = within.join('');
-  }
-  return strings.remarks[remark.code](values);
-}
+import { remarkWords, serverWords } from './api.js';
 
 /** Is it, or what it goes on to say, a sentence that only the server has? @param {Remark} remark @returns {boolean} */
 const isEnglish = ({ code, values }) => code === 'text' || Object.values(values).some((value) => Array.isArray(value) && value.some(isEnglish));
@@ -56,4 +35,4 @@ export function inOneLine(remarks, sentence) {
 }
 
 /** @param {LeftOut} left_out @returns {string} why it is not in the map */
-export const whyLeftOut = ({ code, reason, remark }) => (remark && remark.code !== 'text' ? remarkWords(remark) : null) ?? serverWords(code, reason);
+export const whyLeftOut = ({ code, reason, remark }) => serverWords(code, reason, remark);

@@ -3,6 +3,7 @@ import { count, fixed, number, plural } from '../../shared/language.js';
 import { option_words } from './options.js';
 import { control_words } from './control.js';
 import { note_words } from './notes.js';
+import { failure_words } from './failures.js';
 import { remark_words } from './remarks.js';
 
 const photos = { one: 'Foto', other: 'Fotos' };
@@ -12,7 +13,7 @@ const files = { one: 'Datei', other: 'Dateien' };
 export const flight_words = {
   options: option_words,
   notes: note_words,
-  remarks: remark_words,
+  remarks: { ...remark_words, ...failure_words },
   verdict: {
     good: 'Alle Fotos haben eine Position.',
     span: (length) => `Ausdehnung ${length}`,

@@ -154,6 +154,7 @@ export const page_words = {
     silent: 'Der Server hat seit einer Minute nicht geantwortet.',
     not_json: 'Der Server hat unerwartet geantwortet.',
     status: (status) => `Der Server hat mit Status ${status} geantwortet.`,
+    verbatim: (meaning, text) => `${meaning}. Im Wortlaut: ${text}`,
     list: 'Die Flüge konnten nicht geladen werden.',
     retry: 'Erneut versuchen',
   },

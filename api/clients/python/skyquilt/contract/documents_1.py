@@ -4,6 +4,14 @@ Written by generate.py from api/openapi.json; changes belong there."""
 from typing import Any, Dict, List, Literal, Optional, TypedDict, Union
 
 
+class Remark(TypedDict):
+    """What a sentence of the server says, by a code that stays, for who says it in other words or languages."""
+    code: str
+    # Numbers, names, and lists of remarks that are said within; the unit ends a name (limit_s); what ends with _words
+    # is English
+    values: Dict[str, Any]
+
+
 class ProblemForSure(TypedDict):
     """What Problem always has."""
     type: str
@@ -15,6 +23,7 @@ class ProblemForSure(TypedDict):
 class Problem(ProblemForSure, total=False):
     """RFC 9457."""
     code: str
+    reason: Remark
     instance: str
     request_id: str
 
@@ -75,6 +84,8 @@ class FlightFields(TypedDict, total=False):
 class JobError(TypedDict):
     code: str
     message: str
+    # The same as the message; null where that alone tells
+    reason: Optional[Remark]
 
 
 class JobPartsItem(TypedDict):
@@ -245,6 +256,7 @@ class FileOutcome(FileOutcomeForSure, total=False):
     note: str
     error: str
     code: str
+    reason: Remark
 
 
 class WebhookForSure(TypedDict):
@@ -274,6 +286,8 @@ class TrashedFlight(TypedDict):
 class ExportError(TypedDict):
     code: str
     message: str
+    # The same as the message; null where that alone tells
+    reason: Optional[Remark]
 
 
 class Export(TypedDict):
@@ -415,12 +429,3 @@ class PointOfMap(PointOfMapForSure, total=False):
     """What a map shows at a place."""
     # Of the index asked for
     index: PointOfMapIndex
-
-
-class GroundProfileSamplesItem(TypedDict):
-    # From the line's beginning
-    distance_m: float
-    lon: float
-    lat: float
-    # null beside the map
-    height_m: Optional[float]

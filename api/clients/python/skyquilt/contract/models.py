@@ -6,6 +6,15 @@ from typing import Any, Dict, List, Literal, Optional, TypedDict, Union
 from .documents_1 import *  # noqa: F401,F403
 
 
+class GroundProfileSamplesItem(TypedDict):
+    # From the line's beginning
+    distance_m: float
+    lon: float
+    lat: float
+    # null beside the map
+    height_m: Optional[float]
+
+
 class GroundProfile(TypedDict):
     revision: int
     # plane: the map was rendered on level ground, so that all heights are the same

@@ -1,6 +1,7 @@
 // Remarks in JSON: a code by its name, and its values, of which what is to be said within the sentence is a
 // list of remarks. `Json` is whichever JSON library's value the including source works with; what is of
-// another kind, or a code that is not known, throws its own exceptions. Any thread.
+// another kind, a code that is not known, or remarks within each other without end throw its own exceptions.
+// Any thread.
 #pragma once
 
 #include <cstdint>
@@ -12,17 +13,17 @@
 
 #include "core/flight/remarks/remark_words.h"
 
-namespace skyquilt::pipeline {
+namespace skyquilt::flight {
 
 template <typename Json>
-Json JsonOfRemark(const flight::Remark& remark) {
+Json JsonOfRemark(const Remark& remark) {
   Json values = Json::object();
   for (const auto& [name, value] : remark.values) {
     values[name] = std::visit(
         [](const auto& is) {
-          if constexpr (std::is_same_v<std::decay_t<decltype(is)>, std::vector<flight::Remark>>) {
+          if constexpr (std::is_same_v<std::decay_t<decltype(is)>, std::vector<Remark>>) {
             Json within = Json::array();
-            for (const flight::Remark& one : is) within.push_back(JsonOfRemark<Json>(one));
+            for (const Remark& one : is) within.push_back(JsonOfRemark<Json>(one));
             return within;
           } else {
             return Json(is);
@@ -30,29 +31,33 @@ Json JsonOfRemark(const flight::Remark& remark) {
         },
         value.is);
   }
-  return {{"code", flight::NameOf(remark.code)}, {"values", std::move(values)}};
+  return {{"code", NameOf(remark.code)}, {"values", std::move(values)}};
 }
 
 template <typename Json>
-Json JsonOfRemarks(const std::vector<flight::Remark>& remarks) {
+Json JsonOfRemarks(const std::vector<Remark>& remarks) {
   Json all = Json::array();
-  for (const flight::Remark& one : remarks) all.push_back(JsonOfRemark<Json>(one));
+  for (const Remark& one : remarks) all.push_back(JsonOfRemark<Json>(one));
   return all;
 }
 
+// More deeply within each other than any that are made.
+inline constexpr int kMaxRemarkDepth = 16;
+
 template <typename Json>
-flight::Remark RemarkOfJson(const Json& json) {
-  const auto code = flight::RemarkCodeOf(json.at("code").template get_ref<const std::string&>());
+Remark RemarkOfJson(const Json& json, int depth = 0) {
+  if (depth > kMaxRemarkDepth) throw Json::other_error::create(500, "remarks go too deep", nullptr);
+  const auto code = RemarkCodeOf(json.at("code").template get_ref<const std::string&>());
   if (!code) throw Json::other_error::create(500, "a remark is not known", nullptr);
-  flight::Remark remark(*code);
+  Remark remark(*code);
   for (const auto& [name, value] : json.at("values").template get_ref<const typename Json::object_t&>()) {
     if (value.is_number_integer()) {
       remark.values.emplace(name, value.template get<std::int64_t>());
     } else if (value.is_number()) {
       remark.values.emplace(name, value.template get<double>());
     } else if (value.is_array()) {
-      std::vector<flight::Remark> within;
-      for (const Json& one : value) within.push_back(RemarkOfJson<Json>(one));
+      std::vector<Remark> within;
+      for (const Json& one : value) within.push_back(RemarkOfJson<Json>(one, depth + 1));
       remark.values.emplace(name, std::move(within));
     } else {
       remark.values.emplace(name, value.template get<std::string>());
@@ -62,10 +67,17 @@ flight::Remark RemarkOfJson(const Json& json) {
 }
 
 template <typename Json>
-std::vector<flight::Remark> RemarksOfJson(const Json& json) {
-  std::vector<flight::Remark> remarks;
+std::vector<Remark> RemarksOfJson(const Json& json) {
+  std::vector<Remark> remarks;
   for (const Json& one : json) remarks.push_back(RemarkOfJson<Json>(one));
   return remarks;
 }
 
-}  // namespace skyquilt::pipeline
+// What a table keeps of an error's reason (storage/jobs/job_rows.h), in an answer; null where it keeps none.
+template <typename Json>
+Json ReasonValue(const std::string& kept) {
+  const Json reason = kept.empty() ? Json() : Json::parse(kept, nullptr, false);
+  return reason.is_object() ? reason : Json();
+}
+
+}  // namespace skyquilt::flight

@@ -1,0 +1,77 @@
+// Deutsch: warum nichts daraus wurde.
+import { count, fixed, number } from '../../shared/language.js';
+import { formatDuration } from '../../shared/format.js';
+import { flight_words } from './flight.js';
+
+const damaged = 'Eine der Dateien kann beschädigt sein: Entfernen Sie, was kein gewöhnliches Foto ist';
+const more_room = 'Wer den Server betreibt, kann mehr erlauben.';
+const stage = (/** @type {any} */ v) => flight_words.job.stages[v.stage] ?? v.stage;
+const place = (/** @type {number} */ lat_deg, /** @type {number} */ lon_deg) => `${fixed(lat_deg, 5)}; ${fixed(lon_deg, 5)}`;
+const resolution = (/** @type {number} */ metres) => `${number(100 * metres, { maximumSignificantDigits: 3 })}\u00a0cm`;
+
+/** @type {typeof import('../en/failures.js').failure_words} */
+export const failure_words = {
+  then: (v) => ` ${v.said}`,
+  photo_does: (v) => `${v.photo}: ${v.said}`,
+  photo_and_more: (v) => `${v.photo} und ${number(v.more)} weitere: ${v.said}`,
+  and_more_pictures: (v) => `Und ${count(v.pictures, { one: 'weiteres Bild', other: 'weitere Bilder' })}.`,
+  so_with_more: (v) => `Dasselbe gilt für ${number(v.photos)} weitere.`,
+  fail_no_files: () => 'Es gibt keine Dateien. Fügen Sie die Fotos des Flugs hinzu.',
+  fail_no_photos: (v) => `${count(v.files, { one: 'Datei wurde hinzugefügt, und sie ist kein', other: 'Dateien wurden hinzugefügt, und keine ist ein' })} Foto, aus dem eine Karte entstehen kann. ${v.left}`,
+  fail_no_heights: (v) => `Kein Foto hat eine brauchbare Höhe über dem Boden. ${v.left} Fügen Sie das Flugprotokoll, eine Liste mit Höhen (geo.txt) oder ein Höhenmodell (GeoTIFF) hinzu.`,
+  fail_no_positions: () => 'Keine Datei ist ein Foto mit einer Position. Verwenden Sie die Fotos so, wie sie aus der Drohne kommen (Bildbearbeitung und Messenger entfernen Positionen), oder fügen Sie das Flugprotokoll hinzu.',
+  fail_none_tied: () => 'Kein Foto ließ sich dem Flugprotokoll zuordnen, und keines hat eine eigene Position.',
+  fail_others_aside: (v) => `${count(v.pictures, { one: 'Bild kommt', other: 'Bilder kommen' })} für eine Karte nicht in Frage: ${v.left}`,
+  fail_none_where_recorded: (v) => `Kein Foto lässt sich dort platzieren, wo seine Metadaten es haben. ${v.left}`,
+  fail_none_drawable: (v) => `Kein Foto lässt sich dort zeichnen, wo es platziert wurde. ${v.left}`,
+  fail_nothing_in_common: () => 'Kein Foto sagt, wo es aufgenommen wurde, und die Fotos zeigen zu wenig Gemeinsames, um danach gelegt zu werden. Fügen Sie das Flugprotokoll, eine Positionsliste (geo.txt) oder Fotos hinzu, die mehr überlappen.',
+  fail_no_features_match: () => 'Keine zwei Fotos passen allein nach ihren Merkmalen zusammen. Wählen Sie in den Optionen das automatische Verfahren.',
+  fail_all_look_up: () => 'Nach den aufgezeichneten Winkeln und Höhen blickt kein Foto auf den Boden. Prüfen Sie die Winkel und wovon die Höhen zählen.',
+  fail_no_ground: () => 'Die Fotos wurden platziert, aber keines zeigt Boden.',
+  fail_no_ground_in_boundary: () => 'Die Fotos wurden platziert, aber keines zeigt Boden innerhalb der Fläche. Zeichnen Sie die Fläche über dem Flug, oder lassen Sie sie weg.',
+  fail_boundary_elsewhere: (v) => `Nichts von der Karte liegt in der Fläche: Der Flug liegt um ${place(v.lat_deg, v.lon_deg)}, die Fläche um ${place(v.boundary_lat_deg, v.boundary_lon_deg)}. Zeichnen Sie die Fläche über dem Flug, oder lassen Sie sie weg.`,
+  fail_finer_than_photos: (v) => `Gewünscht ist eine Bodenauflösung von ${resolution(v.asked_m)}, die Fotos zeigen aber ${resolution(v.photos_m)}: Feiner als ${resolution(v.finest_m)} würde die Karte nicht mehr zeigen. Wählen Sie eine gröbere Auflösung.`,
+  fail_much_coarser: (v) => `Gewünscht ist eine Bodenauflösung von ${resolution(v.asked_m)}, die Fotos zeigen aber ${resolution(v.photos_cm / 100)}, also das ${number(v.times, { maximumFractionDigits: 0 })}-Fache. Wählen Sie eine feinere Auflösung, oder bestätigen Sie, dass eine so grobe Karte gemeint ist.`,
+  fail_photo_too_wide: (v) => `${v.photo} allein würde ${number(v.across)} × ${number(v.down)} Blöcke der Karte bedecken. Prüfen Sie Höhe und Winkel dieses Fotos und lassen Sie es weg, wenn sie falsch sind; sonst wählen Sie eine gröbere Auflösung.`,
+  fail_map_too_large: () => 'Die Karte hätte mehr als eine Million Megapixel. Wählen Sie eine gröbere Auflösung.',
+  fail_map_changed: () => 'Die Karte lässt sich nicht platzieren: Ihre Fotos sind nicht mehr die Dateien, aus denen sie entstand, oder sie wurde nicht fertig. Erstellen Sie die Karte neu.',
+  fail_places_too_near: (v) => `Die Punkte liegen innerhalb von ${fixed(v.share_percent, 0)}\u00a0% der Karte und damit zu nah beieinander, um Maßstab und Norden zu bestimmen. Wählen Sie Punkte nahe den Rändern.`,
+  fail_places_contradict: (v) => `Die Punkte widersprechen sich: Wie auch immer die Karte gedreht, skaliert und verschoben wird, einer bleibt ${fixed(v.apart_m, 1)}\u00a0m daneben. Prüfen Sie die Reihenfolge, und ob jeder auf der Karte und auf der Erde dasselbe bezeichnet.`,
+  fail_no_point_marked: () => 'Noch ist kein Passpunkt in einem Foto markiert. Markieren Sie mindestens drei, über die Karte verteilt und jeden in zwei oder mehr Fotos.',
+  fail_few_points: (v) => `${number(v.used)} von ${number(v.points)} Passpunkten sind brauchbar; nötig sind ${number(v.needed)}, jeder in zwei oder mehr Fotos der Karte markiert.`,
+  fail_points_too_near: (v) => `Die Passpunkte liegen innerhalb von ${fixed(v.share_percent, 0)}\u00a0% der Karte und damit zu nah beieinander, um Maßstab und Norden zu bestimmen. Markieren Sie Punkte nahe den Rändern.`,
+  fail_points_contradict: (v) => `Die Passpunkte widersprechen sich: Wie auch immer die Karte gedreht, skaliert und verschoben wird, die meisten bleiben mehr als ${fixed(v.apart_m, 2)}\u00a0m daneben. Prüfen Sie die Reihenfolge der Koordinaten, das Koordinatensystem und die Marken.`,
+  fail_scale: (v) => `Bei diesem Maßstab würde ein Pixel der Fotos ${number(v.pixel_m, { maximumSignificantDigits: 3 })}\u00a0m Boden zeigen; möglich sind ${fixed(v.finest_m, 4)} bis ${fixed(v.coarsest_m, 0)}\u00a0m, zurzeit sind es ${fixed(v.now_m, 4)}\u00a0m.`,
+  before_first_stage: () => 'vor dem ersten Schritt',
+  in_stage: (v) => `im Schritt „${stage(v)}“`,
+  in_stage_at: (v) => `im Schritt „${stage(v)}“`,
+  fail_memory: (v) => `Das Erstellen der Karte wurde ${v.where} beendet: Es brauchte mehr als ${fixed(v.limit_gib, 1)}\u00a0GiB Speicher. ${damaged}, oder erstellen Sie die Karte aus weniger Fotos. ${more_room}`,
+  fail_time: (v) => `Das Erstellen der Karte wurde ${v.where} beendet: Es dauerte länger als ${formatDuration(v.limit_s)}. ${damaged}. ${more_room}`,
+  fail_processor_time: (v) => `Das Erstellen der Karte wurde ${v.where} beendet: Es brauchte mehr als ${formatDuration(v.limit_s)} Rechenzeit. ${damaged}. ${more_room}`,
+  fail_process_ended: (v) => `Das Erstellen der Karte brach ${v.where} unerwartet ab. Versuchen Sie es mit weniger oder anderen Fotos, wenn es sich wiederholt.`,
+  fail_process_killed: (v) => `Das Erstellen der Karte brach ${v.where} unerwartet ab; vielleicht reichte der Speicher des Servers nicht. Versuchen Sie es mit weniger oder anderen Fotos, wenn es sich wiederholt.`,
+  fail_worker_means: () => 'Dem Server gingen beim Erstellen der Karte Speicher oder andere Mittel aus.',
+  fail_workers_died: () => 'Jeder Versuch, die Karte zu erstellen, brach ab; vielleicht reichte der Speicher des Servers nicht. Versuchen Sie es mit weniger oder kleineren Fotos.',
+  fail_part_workers_died: () => 'Jeder Versuch, einen Teil der Karte zu erstellen, brach ab; vielleicht reichte der Speicher des Servers nicht. Versuchen Sie es mit weniger oder kleineren Fotos.',
+  fail_cancelled: () => 'Das Erstellen der Karte wurde abgebrochen.',
+  fail_disk_full: () => 'Der Speicherplatz des Servers ist voll. Versuchen Sie es erneut, sobald wieder Platz ist.',
+  fail_no_room: () => 'Auf dem Server ist für diese Datei kein Platz.',
+  fail_not_stored: () => 'Der Server konnte die Karte nicht speichern.',
+  fail_store_away: (v) => `Der Server erreicht seinen Speicher für Fotos und Karten nicht (${v.store} bei ${v.host}). Versuchen Sie es später erneut.`,
+  fail_store_trouble: (v) => `Der Speicher des Servers für Fotos und Karten (${v.store}) arbeitet zurzeit nicht. Versuchen Sie es später erneut.`,
+  fail_database_away: () => 'Der Server erreicht seine Datenbank zurzeit nicht. Versuchen Sie es erneut; Ihr letzter Schritt kann ausgeführt worden sein oder nicht.',
+  fail_folder_gone: () => 'Der Server erreicht seinen Datenordner nicht. Versuchen Sie es erneut, sobald er wieder da ist.',
+  fail_file_empty: () => 'Die Datei ist leer. Wurde sie vollständig von der Karte kopiert?',
+  fail_file_too_large: (v) => `Die Datei ist größer als ${number(v.most_gib)}\u00a0GiB, mehr als der Server annimmt.`,
+  fail_quota: (v) => `Die Flüge des Tokens „${v.token}“ dürfen ${v.room} belegen, und damit wäre es mehr. Löschen Sie einen Flug, oder bitten Sie den Betreiber des Servers um Platz.`,
+  fail_archive: () => 'Das Archiv wurde nicht angenommen. Entpacken Sie es, und fügen Sie die Fotos selbst hinzu.',
+  fail_no_files_yet: () => 'Dieser Flug hat noch keine Dateien. Fügen Sie zuerst Fotos hinzu.',
+  fail_unfinished_job: () => 'Zu diesem Flug wird bereits eine Karte erstellt. Brechen Sie das ab, oder warten Sie das Ende ab.',
+  fail_being_stitched: () => 'Zu diesem Flug wird gerade eine Karte erstellt. Brechen Sie das ab, oder warten Sie das Ende ab.',
+  fail_of_another_token: () => 'Dieser Flug gehört jemand anderem. Nur dieser und der Betreiber des Servers dürfen ihn ändern.',
+  fail_option_unknown: (v) => `Der Server kennt die Option „${v.option}“ nicht.`,
+  fail_option: (v) => `Die Option „${v.option}“ hat keinen zulässigen Wert.`,
+  fail_boundary_unusable: () => 'Die Fläche lässt sich nicht verwenden. Geben Sie einen oder mehrere geschlossene Umrisse als GeoJSON oder KML an, mit Längen und Breiten in Grad (WGS 84).',
+  fail_boundary_unread: () => 'Die Fläche ist weder GeoJSON noch KML. Wählen Sie eine Datei mit einem Umriss in einem dieser Formate.',
+  fail_import_missing: (v) => `Dieser Flug hat keine Datei „${v.file}“ zum Importieren. Fügen Sie sie zuerst hinzu.`,
+};
