@@ -50,7 +50,7 @@ std::vector<std::optional<Result<Photo>>> ReadAll(const std::vector<InputFile>& 
 }
 
 // Such errors name their file.
-Remark NotRead(const Error& error) { return {RemarkCode::kFileNotRead, {{"error_words", error.message}}}; }
+Remark NotRead(const Error& error) { return {RemarkCode::kFileNotRead, {{"why", WhyOf(error)}}}; }
 
 // What a list says, its doubts to the notes; what cannot be read is a warning.
 template <typename List>

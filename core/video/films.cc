@@ -12,6 +12,7 @@
 #include "core/base/try.h"
 #include "core/flight/lists/film_file.h"
 #include "core/flight/photos/byte_source.h"
+#include "core/flight/remarks/because.h"
 #include "core/video/video_file.h"
 
 namespace skyquilt::video {
@@ -73,7 +74,7 @@ Result<FlightFiles> WithFramesOfFilms(const std::vector<flight::InputFile>& file
       return taken.error();
     used.insert(film.path);
     if (!taken) {
-      result.warnings.push_back(taken.error().message);
+      result.warnings.push_back(flight::WhyOf(taken.error()));
       continue;
     }
     result.sources.push_back(film);

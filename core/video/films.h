@@ -11,6 +11,7 @@
 #include "core/base/progress.h"
 #include "core/base/result.h"
 #include "core/flight/lists/input_file.h"
+#include "core/flight/remarks/remark.h"
 #include "core/video/take_frames.h"
 
 namespace skyquilt::video {
@@ -18,7 +19,7 @@ namespace skyquilt::video {
 struct FlightFiles {
   std::vector<flight::InputFile> files;
   std::vector<flight::InputFile> sources;  // the films that became frames, and the subtitles beside them
-  std::vector<std::string> warnings;
+  std::vector<flight::Remark> warnings;
 };
 
 // Those that are films, by their first bytes.

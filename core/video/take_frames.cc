@@ -9,6 +9,7 @@
 #include "core/base/try.h"
 #include "core/flight/logs/mapped_file.h"
 #include "core/flight/logs/subtitles/subtitles.h"
+#include "core/flight/remarks/because.h"
 #include "core/image/picture_codec.h"
 #include "core/video/frame_motion.h"
 #include "core/video/video_file.h"
@@ -117,11 +118,11 @@ Result<flight::FlightLog> LogBeside(const flight::InputFile& subtitles) {
 // What the camera wrote of its way, beside the film or within it. Nothing where it wrote nothing.
 std::optional<flight::FlightLog> LogOf(const flight::InputFile& film,
                                        const std::optional<flight::InputFile>& subtitles,
-                                       std::vector<std::string>& warnings) {
+                                       std::vector<flight::Remark>& warnings) {
   if (subtitles) {
     Result<flight::FlightLog> log = LogBeside(*subtitles);
     if (log) return *std::move(log);
-    warnings.push_back(subtitles->name + ": " + log.error().message);
+    warnings.push_back({flight::RemarkCode::kFileNotRead, {{"why", flight::WhyOf(log.error())}}});
   }
   const Result<std::string> text = VideoFile::Subtitles(film.path);
   if (!text || text->empty()) return std::nullopt;
@@ -157,9 +158,9 @@ Result<TakenFrames> TakeFrames(const flight::InputFile& film,
   if (!is_full) SKYQUILT_TRY(taking.End());
   TakenFrames taken = std::move(taking).taken();
   if (is_full) {
-    taken.warnings.push_back(fmt::format(
-        "{}: {} frames were taken, up to {:.0f} s; what comes later is not used. Cut the film into parts.",
-        film.name, taken.photos.size(), taken.times_s.back()));
+    taken.warnings.push_back(
+        {flight::RemarkCode::kFilmFull,
+         {{"file", film.name}, {"frames", taken.photos.size()}, {"until_s", taken.times_s.back()}}});
   }
   const std::optional<flight::FlightLog> log = LogOf(film, subtitles, taken.warnings);
   std::vector<std::string> names;

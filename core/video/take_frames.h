@@ -13,6 +13,7 @@
 #include "core/base/result.h"
 #include "core/flight/lists/input_file.h"
 #include "core/flight/logs/flight_log.h"
+#include "core/flight/remarks/remark.h"
 
 namespace skyquilt::video {
 
@@ -27,7 +28,7 @@ struct TakenFrames {
   std::vector<flight::InputFile> photos;   // named after the film and the number of the frame
   std::vector<double> times_s;             // by photo, in the film
   std::optional<flight::InputFile> table;  // absent: nothing says where the camera was
-  std::vector<std::string> warnings;
+  std::vector<flight::Remark> warnings;
 };
 
 // Into `folder`, which is there. `subtitles`: of the same name as the film, beside it; may be empty.

@@ -19,6 +19,7 @@ extern "C" {
 
 #include "core/base/check.h"
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 
 namespace skyquilt::video {
 namespace {
@@ -57,16 +58,14 @@ std::string Words(int error) {
 }
 
 Error NoFilm(const std::filesystem::path& path, std::string detail) {
-  return {
-      ErrorCode::kUnsupportedFormat,
-      path.filename().string() +
-          " is no film that can be read. Give an MP4 or MOV as the camera wrote it, or its frames as JPEGs.",
-      std::move(detail)};
+  return flight::Because(ErrorCode::kUnsupportedFormat,
+                         {flight::RemarkCode::kNoFilm, {{"file", path.filename().string()}}}, std::move(detail));
 }
 
 Error Damaged(const std::filesystem::path& path, std::string detail) {
-  return {ErrorCode::kCorrupt, path.filename().string() + " is damaged. Copy it from the camera again.",
-          std::move(detail)};
+  return flight::Because(ErrorCode::kCorrupt,
+                         {flight::RemarkCode::kFilmDamaged, {{"file", path.filename().string()}}},
+                         std::move(detail));
 }
 
 Result<Format> OpenFormat(const std::filesystem::path& path) {
@@ -171,10 +170,11 @@ Result<VideoFile> VideoFile::Open(const std::filesystem::path& path, int threads
   facts.height_px = stream.codecpar->height;
   if (facts.width_px < 1 || facts.height_px < 1) return NoFilm(path, "frames of no size");
   if (facts.width_px > kMaxFrameSidePx || facts.height_px > kMaxFrameSidePx) {
-    return Error{ErrorCode::kTooLarge,
-                 fmt::format("{} has frames of {} x {} pixels; films may have up to {} a side.",
-                             path.filename().string(), facts.width_px, facts.height_px, kMaxFrameSidePx),
-                 ""};
+    return flight::Because(ErrorCode::kTooLarge, {flight::RemarkCode::kFilmTooLarge,
+                                                  {{"file", path.filename().string()},
+                                                   {"width_px", facts.width_px},
+                                                   {"height_px", facts.height_px},
+                                                   {"most_side_px", kMaxFrameSidePx}}});
   }
   if (streams->format->duration > 0)
     facts.duration_s = static_cast<double>(streams->format->duration) / AV_TIME_BASE;

@@ -2,6 +2,7 @@
 
 #include "core/base/try.h"
 #include "core/flight/lists/elevation_model_file.h"
+#include "core/flight/remarks/because.h"
 #include "storage/rasters/geotiff_dem.h"
 
 namespace skyquilt::server {
@@ -33,7 +34,7 @@ Result<GivenElevations> OpenElevationModel(const std::string& dem_path,
       return given;
     }
     given.warnings.push_back({flight::RemarkCode::kElevationModelNotRead,
-                              {{"file", model.name}, {"error_words", opened.error().message}}});
+                              {{"file", model.name}, {"why", flight::WhyOf(opened.error())}}});
   }
   return given;
 }

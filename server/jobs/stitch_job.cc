@@ -9,6 +9,7 @@
 #include "core/base/trace.h"
 #include "core/base/try.h"
 #include "core/flight/photos/photo_decoder.h"
+#include "core/flight/remarks/because.h"
 #include "core/pipeline/build_mosaic.h"
 #include "core/pipeline/memory_budget.h"
 #include "core/pipeline/report/flight_facts.h"
@@ -134,7 +135,7 @@ Result<void> WriteBands(pipeline::BuiltMosaic& built, const pipeline::MosaicOpti
   Result<pipeline::BuiltBands> bands =
       pipeline::BuildBands(*built.bands, built.ground, options, photos, writer, progress);
   if (!bands && bands.error().code == ErrorCode::kUnprocessable) {
-    built.report.warnings.push_back({flight::RemarkCode::kNoBands, {{"error_words", bands.error().message}}});
+    built.report.warnings.push_back({flight::RemarkCode::kNoBands, {{"why", flight::WhyOf(bands.error())}}});
     return {};
   }
   if (!bands) return bands.error();

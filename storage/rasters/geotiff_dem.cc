@@ -15,6 +15,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/flight/remarks/because.h"
 #include "core/geo/geoid.h"
 
 namespace skyquilt::storage {
@@ -74,9 +75,9 @@ Result<std::unique_ptr<GeotiffDem>> GeotiffDem::Open(const std::filesystem::path
                  "The elevation model " + path.string() + " does not exist. Check its path.", ""};
   }
   const auto refuse = [&](const std::string& why) {
-    return Error{
+    return flight::Because(
         ErrorCode::kUnsupportedFormat,
-        "The elevation model " + path.string() + " " + why + ". Give a GeoTIFF of heights in metres.", ""};
+        {flight::RemarkCode::kElevationsRefused, {{"model", path.string()}, {"why_words", why}}});
   };
   auto raster = std::make_unique<Raster>();
   const char* const drivers[] = {"GTiff", nullptr};

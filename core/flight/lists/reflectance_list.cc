@@ -10,6 +10,7 @@
 #include "core/flight/logs/log_text.h"
 #include "core/flight/logs/mapped_file.h"
 #include "core/flight/logs/text_fields.h"
+#include "core/flight/remarks/because.h"
 #include "core/flight/remarks/remark_words.h"
 
 namespace skyquilt::flight {
@@ -160,12 +161,8 @@ Result<ReflectanceList> ParseReflectanceList(std::string_view name, std::string_
   SplitFields(line, separator, fields);
   const Columns columns = ColumnsOf(fields);
   if (!columns.photo && !columns.HasTargets()) {
-    return Error{
-        ErrorCode::kUnsupportedFormat,
-        list.file_name +
-            " has no columns by which its rows are found: give photo (with left, top, right and bottom "
-            "in pixels where the panel's code cannot be read), or lat, lon and radius_m.",
-        ""};
+    return Because(ErrorCode::kUnsupportedFormat,
+                   {RemarkCode::kReflectancesWithoutColumns, {{"file", list.file_name}}});
   }
   std::size_t rows = 0;
   while (lines.Next(line)) {

@@ -18,6 +18,7 @@
 #include "core/flight/logs/texts/unknown_list.h"
 #include "core/flight/logs/tracks/unknown_track.h"
 #include "core/flight/photos/byte_source.h"
+#include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -66,7 +67,7 @@ Result<Kind> KindOf(const InputFile& file) {
   constexpr std::size_t kEnoughForMagic = 16;
   std::vector<std::uint8_t> head = (*source)->ReadUpTo(0, kEnoughForMagic);
   if (head.empty() && unknown == Kind::kNothing) {
-    return Error{ErrorCode::kCorrupt, file.name + " is empty; copy it from the aircraft again.", ""};
+    return Because(ErrorCode::kCorrupt, {RemarkCode::kFileEmpty, {{"file", file.name}}});
   }
   if (head.empty()) return unknown;
   if (IsElevationModel(**source)) return Kind::kElevationModel;
@@ -80,8 +81,7 @@ Result<Kind> KindOf(const InputFile& file) {
       return Error{ErrorCode::kUnsupportedFormat, *std::move(why), ""};
   }
   if (!format && is_log_by_name) {
-    return Error{ErrorCode::kUnsupportedFormat,
-                 file.name + " is named like a flight log but is none that can be read; copy it again.", ""};
+    return Because(ErrorCode::kUnsupportedFormat, {RemarkCode::kFileNamedAsLog, {{"file", file.name}}});
   }
   if (!format && unknown == Kind::kNothing) {
     if (auto why = ExplainUnknownTable(text.bytes(), file.name))
@@ -119,7 +119,7 @@ SortedFiles SortFiles(const std::vector<InputFile>& files) {
         ++unread_tables > kMaxTablesExplained) {
       unused.push_back(file.name);
     } else if (!kind) {
-      sorted.refused.push_back({RemarkCode::kFileNotRead, {{"error_words", kind.error().message}}});
+      sorted.refused.push_back({RemarkCode::kFileNotRead, {{"why", WhyOf(kind.error())}}});
     } else if (*kind == Kind::kPhoto) {
       sorted.photos.push_back(file);
     } else if (*kind == Kind::kLog) {

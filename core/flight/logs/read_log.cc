@@ -24,6 +24,7 @@
 #include "core/flight/logs/tracks/gpx.h"
 #include "core/flight/logs/tracks/kml.h"
 #include "core/flight/logs/tracks/nmea.h"
+#include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -80,11 +81,7 @@ bool IsDjiFlightRecord(LogBytes head, std::string_view name) {
 
 Result<const Format*> RecogniseOrExplain(LogBytes head, std::string_view name) {
   if (IsDjiFlightRecord(head, name)) {
-    return Error{
-        ErrorCode::kUnsupportedFormat,
-        fmt::format("{} is a DJI flight record, which is encrypted; export it as CSV (AirData) and add that",
-                    name),
-        ""};
+    return Because(ErrorCode::kUnsupportedFormat, {RemarkCode::kFileEncrypted, {{"file", name}}});
   }
   return Recognise(head);
 }
@@ -107,14 +104,13 @@ Result<std::optional<LogFormat>> RecogniseLog(LogBytes head, std::string_view na
 
 Result<FlightLog> ParseLog(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed) {
   if (bytes.empty()) {
-    return Error{ErrorCode::kCorrupt, fmt::format("{} is empty; copy it from the aircraft again.", name), ""};
+    return Because(ErrorCode::kCorrupt, {RemarkCode::kFileEmpty, {{"file", name}}});
   }
   SKYQUILT_TRY_ASSIGN(const auto text, LogText::Of(name, bytes));
   const LogBytes head = text.bytes().first(std::min(text.bytes().size(), kRecogniseBytes));
   SKYQUILT_TRY_ASSIGN(const auto format, RecogniseOrExplain(head, name));
   if (format == nullptr) {
-    return Error{ErrorCode::kUnsupportedFormat,
-                 fmt::format("{} is no flight log of a kind that is read.", name), ""};
+    return Because(ErrorCode::kUnsupportedFormat, {RemarkCode::kFileIsNoLog, {{"file", name}}});
   }
   if (format->parse == nullptr) {
     return Error{ErrorCode::kUnsupportedFormat,

@@ -7,6 +7,7 @@
 
 #include "core/base/try.h"
 #include "core/flight/metadata/exif_table.h"
+#include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -90,10 +91,7 @@ class TiffWalker {
 };
 
 Error Damaged(const char* detail) {
-  return {ErrorCode::kCorrupt,
-          "The TIFF's list of tags cannot be read. The file is damaged or cut off; copy it from the camera "
-          "again.",
-          detail};
+  return Because(ErrorCode::kCorrupt, RemarkCode::kTiffTagsDamaged, detail);
 }
 
 struct TiffStart {

@@ -1,6 +1,5 @@
 #include "core/flight/photos/image_header.h"
 
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cstring>
@@ -14,13 +13,18 @@
 #include "core/flight/photos/jpeg_segments.h"
 #include "core/flight/photos/read_photo.h"
 #include "core/flight/photos/sample_format.h"
+#include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {
 namespace {
 
 constexpr std::uint16_t kXmpTag = 0x02BC;
 
-Error Unsupported(std::string message) { return {ErrorCode::kUnsupportedFormat, std::move(message), ""}; }
+Error Unsupported(RemarkCode why) { return Because(ErrorCode::kUnsupportedFormat, why); }
+
+Error DamagedBy(RemarkCode why, std::string detail = "") {
+  return Because(ErrorCode::kCorrupt, why, std::move(detail));
+}
 
 bool Has(const std::vector<std::uint8_t>& bytes, std::size_t at, std::string_view text) {
   return bytes.size() >= at + text.size() && std::memcmp(bytes.data() + at, text.data(), text.size()) == 0;
@@ -33,17 +37,16 @@ bool IsText(const std::vector<std::uint8_t>& bytes) {
 }
 
 Error NotAPhoto(const std::vector<std::uint8_t>& start) {
-  const std::string wanted = " Photos must be JPEG, TIFF or PNG.";
   if (Has(start, 4, "ftypheic") || Has(start, 4, "ftypheix") || Has(start, 4, "ftypmif1")) {
-    return Unsupported("This is a HEIC picture. Convert it to JPEG, keeping the metadata.");
+    return Unsupported(RemarkCode::kHeicPicture);
   }
-  if (Has(start, 4, "ftyp")) return Unsupported("This is a video." + wanted);
+  if (Has(start, 4, "ftyp")) return Unsupported(RemarkCode::kIsVideo);
   if (Has(start, 0, "RIFF") && Has(start, 8, "WEBP")) {
-    return Unsupported("This is a WebP picture. Convert it to JPEG, keeping the metadata.");
+    return Unsupported(RemarkCode::kWebpPicture);
   }
-  if (Has(start, 0, "PK\x03\x04")) return Unsupported("This is a ZIP archive. Unpack it first." + wanted);
-  if (IsText(start)) return Unsupported("This is a text file, whatever its name." + wanted);
-  return Unsupported("This is not a picture that can be read." + wanted);
+  if (Has(start, 0, "PK\x03\x04")) return Unsupported(RemarkCode::kIsArchive);
+  if (IsText(start)) return Unsupported(RemarkCode::kIsText);
+  return Unsupported(RemarkCode::kIsNoPicture);
 }
 
 void CollectXmp(ImageHeader& header) {
@@ -57,8 +60,7 @@ void CollectXmp(ImageHeader& header) {
 Result<ImageHeader> ReadJpeg(ByteSource& source) {
   SKYQUILT_TRY_ASSIGN(auto segments, ScanJpegSegments(source));
   if (!HasEndOfImage(source, segments.scan_offset)) {
-    return Error{ErrorCode::kCorrupt,
-                 "The JPEG is cut off: its end is missing. Copy the file from the camera again.", "no EOI"};
+    return DamagedBy(RemarkCode::kJpegCutOff, "no EOI");
   }
   ImageHeader header;
   header.width_px = segments.width_px;
@@ -93,12 +95,10 @@ Result<ImageHeader> ReadTiff(ByteSource& source) {
   const auto width = table.Number(ExifIfd::kImage, kWidth);
   const auto height = table.Number(ExifIfd::kImage, kHeight);
   if (!width || !height || *width < 1.0 || *height < 1.0) {
-    return Error{ErrorCode::kCorrupt, "The TIFF does not say how large its image is; it cannot be read.", ""};
+    return DamagedBy(RemarkCode::kTiffWithoutSize);
   }
   if (!HoldsItsPixels(table, source.size())) {
-    return Error{ErrorCode::kCorrupt,
-                 "The TIFF is cut off: part of its picture is missing. Copy the file from the camera again.",
-                 ""};
+    return DamagedBy(RemarkCode::kTiffCutOff);
   }
   SKYQUILT_TRY_ASSIGN(const SampleFormat format, SampleFormatOfTiff(table));
   ImageHeader header;
@@ -146,7 +146,7 @@ Result<ImageHeader> ReadPng(ByteSource& source) {
     offset = body + length + 4;
   }
   if (header.width_px < 1 || header.height_px < 1 || !has_end) {
-    return Error{ErrorCode::kCorrupt, "The PNG is damaged or cut off. Copy the file again.", ""};
+    return DamagedBy(RemarkCode::kPngDamaged);
   }
   CollectXmp(header);
   return header;
@@ -154,10 +154,10 @@ Result<ImageHeader> ReadPng(ByteSource& source) {
 
 Result<ImageHeader> ReadByKind(ByteSource& source) {
   if (source.size() == 0) {
-    return Error{ErrorCode::kCorrupt, "The file is empty. Copy it from the camera again.", ""};
+    return DamagedBy(RemarkCode::kPhotoEmpty);
   }
   const std::vector<std::uint8_t> start = source.ReadUpTo(0, 512);
-  if (start.empty()) return Error{ErrorCode::kIo, "The file cannot be read from the disk.", ""};
+  if (start.empty()) return Because(ErrorCode::kIo, RemarkCode::kPhotoUnread);
   if (Has(start, 0, "\xFF\xD8\xFF")) return ReadJpeg(source);
   if (const auto raw = RawFormatOf(start); !raw.empty()) return AsideError(Aside::kRawPicture, raw);
   if (Has(start, 0, std::string_view("II*\0", 4)) || Has(start, 0, std::string_view("MM\0*", 4)) ||
@@ -175,19 +175,17 @@ Result<ImageHeader> ReadImageHeader(ByteSource& source) {
   if (!header) return header;
   const double pixels = static_cast<double>(header->width_px) * header->height_px;
   if (std::max(header->width_px, header->height_px) > kMaxPhotoSidePx || pixels > kMaxPhotoPixels) {
-    return Error{
-        ErrorCode::kTooLarge,
-        fmt::format("The image says it has {} x {} pixels; at most {} a side and {:.0f} million in all are "
-                    "read.",
-                    header->width_px, header->height_px, kMaxPhotoSidePx, kMaxPhotoPixels / 1e6),
-        ""};
+    return Because(ErrorCode::kTooLarge, {RemarkCode::kPictureTooLarge,
+                                          {{"width_px", header->width_px},
+                                           {"height_px", header->height_px},
+                                           {"most_side_px", kMaxPhotoSidePx},
+                                           {"most_million_px", kMaxPhotoPixels / 1e6}}});
   }
   constexpr int kSmallestSide = 16;
   if (std::min(header->width_px, header->height_px) < kSmallestSide) {
-    return Error{ErrorCode::kUnsupportedFormat,
-                 fmt::format("The image has only {} x {} pixels: no aerial photo.", header->width_px,
-                             header->height_px),
-                 ""};
+    return Because(
+        ErrorCode::kUnsupportedFormat,
+        {RemarkCode::kPictureTooSmall, {{"width_px", header->width_px}, {"height_px", header->height_px}}});
   }
   return header;
 }

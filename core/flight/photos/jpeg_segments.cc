@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "core/flight/metadata/tiff_number.h"
+#include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -23,11 +24,7 @@ constexpr std::string_view kXmpHeader("http://ns.adobe.com/xap/1.0/\0", 29);
 constexpr std::string_view kExtendedXmpHeader("http://ns.adobe.com/xmp/extension/\0", 35);
 
 Error NoFrame(const char* detail) {
-  return {ErrorCode::kCorrupt,
-          "The JPEG ends before its image size was found. The file is damaged or cut off; copy it from the "
-          "camera "
-          "again.",
-          detail};
+  return Because(ErrorCode::kCorrupt, RemarkCode::kJpegWithoutSize, detail);
 }
 
 bool StartsWith(const std::vector<std::uint8_t>& bytes, std::string_view header) {

@@ -1,6 +1,5 @@
 #include "core/flight/photos/photo_decoder.h"
 
-#include <fmt/core.h>
 
 #include <algorithm>
 #include <new>
@@ -19,6 +18,7 @@
 #include "core/flight/photos/sample_format.h"
 #include "core/flight/photos/sample_ranges.h"
 #include "core/flight/photos/thermal_picture.h"
+#include "core/flight/remarks/because.h"
 #include "core/image/decode_errors.h"
 #include "core/image/jpeg_decoder.h"
 #include "core/image/png_decoder.h"
@@ -120,8 +120,7 @@ Result<DecodedImage> DecodeByOpenCv(const std::vector<std::uint8_t>& bytes, int 
     SKYQUILT_TRY_ASSIGN(const cv::Mat stored, ReadStored(bytes, width_px, height_px, format.kind));
     const bool may_lack_numbers = format.kind == SampleKind::kFloating || format.kind == SampleKind::kSigned;
     if (may_lack_numbers && ValuesOf(stored, format, kSampleValues).empty()) {
-      return Error{ErrorCode::kCorrupt,
-                   "The picture holds no measurement: none of its samples is a number that one can be.", ""};
+      return Because(ErrorCode::kCorrupt, RemarkCode::kPictureWithoutNumbers);
     }
     bgr = EightBits(stored, format, range);
   }
@@ -160,12 +159,9 @@ std::int64_t WorkBytes(const std::vector<std::uint8_t>& bytes, int width_px, int
 
 Error NeedsTooMuch(std::int64_t needed_bytes, std::int64_t max_bytes) {
   constexpr double kMib = 1 << 20;
-  return {ErrorCode::kTooLarge,
-          fmt::format(
-              "Decoding the picture takes {:.0f} MiB, and {:.0f} MiB are left for it. Raise --max-memory, "
-              "or save it as a JPEG that is not progressive.",
-              static_cast<double>(needed_bytes) / kMib, static_cast<double>(max_bytes) / kMib),
-          ""};
+  return Because(ErrorCode::kTooLarge, {RemarkCode::kPictureTakesTooMuch,
+                                        {{"needed_mib", static_cast<double>(needed_bytes) / kMib},
+                                         {"left_mib", static_cast<double>(max_bytes) / kMib}}});
 }
 
 Result<std::vector<std::uint8_t>> ReadFile(const Photo& photo, std::int64_t max_bytes) {
@@ -180,6 +176,16 @@ Result<std::vector<std::uint8_t>> ReadFile(const Photo& photo, std::int64_t max_
   return bytes;
 }
 
+// Decoders of pictures are below remarks.
+template <typename Picture>
+Result<Picture> Told(Result<Picture> decoded) {
+  if (decoded || decoded.error().code != ErrorCode::kCorrupt || decoded.error().reason != nullptr)
+    return decoded;
+  Error error = decoded.error();
+  error.reason = std::make_shared<const Remark>(RemarkCode::kPictureDamaged);
+  return error;
+}
+
 }  // namespace
 
 Result<DecodedPart> DecodePhotoPart(const std::vector<std::uint8_t>& bytes, int width_px, int height_px,
@@ -192,10 +198,11 @@ Result<DecodedPart> DecodePhotoPart(const std::vector<std::uint8_t>& bytes, int 
       static_cast<std::int64_t>(bytes.size()) + WorkBytes(bytes, width_px, height_px);
   if (needed_bytes > max_bytes) return NeedsTooMuch(needed_bytes, max_bytes);
   if (IsJpeg(bytes))
-    return image::DecodeJpeg(bytes, width_px, height_px, denominator, box, std::move(memory));
+    return Told(image::DecodeJpeg(bytes, width_px, height_px, denominator, box, std::move(memory)));
   if (image::IsPng(bytes) && SampleKindOfPng(bytes) == SampleKind::kBytes)
-    return image::DecodePng(bytes, width_px, height_px, denominator, box, std::move(memory));
-  SKYQUILT_TRY_ASSIGN(DecodedImage image, DecodeByOpenCv(bytes, width_px, height_px, denominator, range));
+    return Told(image::DecodePng(bytes, width_px, height_px, denominator, box, std::move(memory)));
+  SKYQUILT_TRY_ASSIGN(DecodedImage image,
+                      Told(DecodeByOpenCv(bytes, width_px, height_px, denominator, range)));
   return DecodedPart{std::move(image)};
 }
 

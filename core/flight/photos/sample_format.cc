@@ -8,6 +8,7 @@
 
 #include "core/base/try.h"
 #include "core/flight/logs/text_fields.h"
+#include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -19,8 +20,8 @@ constexpr int kZeroIsWhite = 0, kZeroIsBlack = 1, kRgb = 2;
 constexpr int kFormatUnsigned = 1, kFormatSigned = 2, kFormatFloating = 3, kFormatUndefined = 4;
 
 Error NotDrawn(const std::string& what, const char* instead) {
-  return {ErrorCode::kUnsupportedFormat,
-          fmt::format("The TIFF holds {}, which is not read. {}", what, instead), ""};
+  return Because(ErrorCode::kUnsupportedFormat,
+                 {RemarkCode::kTiffNotRead, {{"what_words", what}, {"instead_words", instead}}});
 }
 
 constexpr const char* kAsWholeNumbers =

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -347,6 +348,55 @@ enum class RemarkCode : std::uint16_t {
   kFailBoundaryUnusable,
   kFailBoundaryUnread,
   kFailImportMissing,
+  // Why a file, a film or a picture is not used, or not all of it.
+  kHeicPicture,
+  kWebpPicture,
+  kIsVideo,
+  kIsArchive,
+  kIsText,
+  kIsNoPicture,
+  kPhotoEmpty,
+  kPhotoUnread,
+  kJpegCutOff,
+  kJpegWithoutSize,
+  kTiffWithoutSize,
+  kTiffCutOff,
+  kTiffTagsDamaged,
+  kTiffNotRead,
+  kPngDamaged,
+  kPictureTooLarge,
+  kPictureTooSmall,
+  kPictureDamaged,
+  kPictureTakesTooMuch,
+  kPictureWithoutNumbers,
+  kFileEmpty,
+  kFileEncrypted,
+  kFileIsNoLog,
+  kFileNamedAsLog,
+  kFileWithoutTimes,
+  kFileNamesNoPhoto,
+  kFileNamesNoPlace,
+  kFileWithoutRows,
+  kFileWithoutHeader,
+  kFileLacksColumns,
+  kGeoTxtEmpty,
+  kPointsEmpty,
+  kPointsOutsideSystem,
+  kMrkEmpty,
+  kSolutionEmpty,
+  kSubtitlesEmpty,
+  kSubtitlesWithoutPlace,
+  kDataflashEmpty,
+  kTlogEmpty,
+  kUlogEmpty,
+  kJsonDamaged,
+  kShapesWithoutTimes,
+  kReflectancesWithoutColumns,
+  kElevationsRefused,
+  kNoFilm,
+  kFilmDamaged,
+  kFilmTooLarge,
+  kFilmFull,
 };
 
 struct Remark;
@@ -358,6 +408,7 @@ struct RemarkValue {
   RemarkValue(std::integral auto number) : is(static_cast<std::int64_t>(number)) {}
   RemarkValue(double number) : is(number) {}
   RemarkValue(std::string name) : is(std::move(name)) {}
+  RemarkValue(std::string_view name) : is(std::string(name)) {}
   RemarkValue(const char* name) : is(std::string(name)) {}
   RemarkValue(Remark within);
   RemarkValue(std::vector<Remark> within);

@@ -17,7 +17,7 @@ inline constexpr std::array kSentencesOnInputs = std::to_array<RemarkSentence>({
      "{remarks} more remarks like these on single photos are left out here."},
     {RemarkCode::kOfFile, "of_file", "{file}: {said}"},
     {RemarkCode::kSameFile, "same_file", "{file} is not used: it is the same as {other}."},
-    {RemarkCode::kFileNotRead, "file_not_read", "{error_words}"},
+    {RemarkCode::kFileNotRead, "file_not_read", "{why}"},
     {RemarkCode::kFilesUnknown, "files_unknown",
      "Not used, because nothing in it is known as a log, a list of positions, surveyed points or "
      "reflectances, or an elevation model: {files}."},
@@ -29,7 +29,7 @@ inline constexpr std::array kSentencesOnInputs = std::to_array<RemarkSentence>({
     {RemarkCode::kElevationModelGiven, "elevation_model_given",
      "{file} is not used: the ground's heights are those of {given}."},
     {RemarkCode::kElevationModelNotRead, "elevation_model_not_read",
-     "{file} is not used for the ground's heights. {error_words}"},
+     "{file} is not used for the ground's heights. {why}"},
     {RemarkCode::kFilm, "film",
      "{file} is a film. Frames of it become photos when the map is made; they are not looked at here."},
     {RemarkCode::kNoBandsForList, "no_bands_for_list",
@@ -220,7 +220,7 @@ inline constexpr std::array kSentencesOnInputs = std::to_array<RemarkSentence>({
     {RemarkCode::kLogOfOtherTime, "log_of_other_time",
      "{file} is not used: none of the photos was taken in the time that it covers. Give the log of this "
      "flight."},
-    {RemarkCode::kLogUnusable, "log_unusable", "The log could not be used: {error_words}"},
+    {RemarkCode::kLogUnusable, "log_unusable", "The log could not be used: {why}"},
     {RemarkCode::kAnglesReadOtherwise, "angles_read_otherwise",
      "As recorded, the camera angles would not show the ground: {reading_words}."},
 });

@@ -201,7 +201,7 @@ inline constexpr std::array kSentencesOnMaps = std::to_array<RemarkSentence>({
     {RemarkCode::kCoarserPixels, "coarser_pixels",
      "The map's pixels are {pixel_mm:.1f} mm where {wanted_mm:.1f} mm were wanted: tiles as large as "
      "that takes do not fit in the memory. Raise --max-memory for a finer map."},
-    {RemarkCode::kNoBands, "no_bands", "There is no bands.tif. {error_words}"},
+    {RemarkCode::kNoBands, "no_bands", "There is no bands.tif. {why}"},
     {RemarkCode::kBandLaidAsOthers, "band_laid_as_others",
      "In {failed} of {captures} captures the band {band} could not be laid on the reference by what it shows; "
      "there it stands as in the others."},

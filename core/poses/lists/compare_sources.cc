@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 #include "core/poses/heights/flight_heights.h"
 #include "core/poses/lists/judge_list.h"
 #include "core/poses/lists/list_words.h"
@@ -253,7 +254,7 @@ std::optional<flight::GcpList> JudgedControl(flight::GcpList list, const NamedPh
   const std::size_t told = list.warnings.size();
   auto placed = flight::OnlyPlaced(std::move(list));
   if (!placed) {
-    flight.warnings.push_back({flight::RemarkCode::kFileNotRead, {{"error_words", placed.error().message}}});
+    flight.warnings.push_back({flight::RemarkCode::kFileNotRead, {{"why", flight::WhyOf(placed.error())}}});
     return std::nullopt;
   }
   for (std::size_t i = told; i < placed->warnings.size(); ++i)

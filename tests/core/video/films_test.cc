@@ -7,6 +7,7 @@
 #include <iterator>
 #include <set>
 
+#include "core/flight/remarks/remark_words.h"
 #include "tests/core/video/moving_film.h"
 
 namespace skyquilt::video {
@@ -42,7 +43,7 @@ TEST_F(FilmsTest, BecomePhotosWithATableOfTheirPlaces) {
   folder_.Write("photo.jpg", "\xff\xd8\xff");
   const auto given = Replace({File("DJI_0001.MP4"), File("dji_0001.srt"), File("photo.jpg")});
   ASSERT_TRUE(given) << given.error().message;
-  EXPECT_TRUE(given->warnings.empty()) << given->warnings.front();
+  EXPECT_TRUE(given->warnings.empty()) << flight::InWords(given->warnings.front());
   std::vector<std::string> names;
   for (const flight::InputFile& file : given->files) names.push_back(file.name);
   EXPECT_EQ(names.front(), "photo.jpg");
@@ -89,7 +90,7 @@ TEST_F(FilmsTest, NamesAFilmThatCannotBeReadAndGoesOn) {
   const auto given = Replace({File("broken.mp4"), File("photo.jpg")});
   ASSERT_TRUE(given);
   ASSERT_EQ(given->warnings.size(), 1U);
-  EXPECT_NE(given->warnings[0].find("broken.mp4"), std::string::npos);
+  EXPECT_NE(flight::InWords(given->warnings[0]).find("broken.mp4"), std::string::npos);
   ASSERT_EQ(given->files.size(), 1U);
   EXPECT_EQ(given->files[0].name, "photo.jpg");
 }

@@ -4,6 +4,7 @@
 
 #include <charconv>
 
+#include "core/flight/remarks/remark_words.h"
 #include "tests/core/video/moving_film.h"
 
 namespace skyquilt::video {
@@ -75,7 +76,7 @@ TEST(TakeFrames, SaysWhereItStoppedWhenThereAreTooMany) {
   ASSERT_TRUE(taken.frames);
   EXPECT_EQ(taken.frames->photos.size(), 3U);
   ASSERT_EQ(taken.frames->warnings.size(), 1U);
-  EXPECT_NE(taken.frames->warnings[0].find("film.mp4"), std::string::npos);
+  EXPECT_NE(flight::InWords(taken.frames->warnings[0]).find("film.mp4"), std::string::npos);
 }
 
 TEST(TakeFrames, IsTheSameWithAnyNumberOfThreads) {

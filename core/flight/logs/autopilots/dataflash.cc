@@ -10,6 +10,7 @@
 #include "core/flight/logs/gps_time.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/raw_imu.h"
+#include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -255,10 +256,9 @@ Result<FlightLog> ParseDataflash(std::string_view name, LogBytes bytes, const Co
     if (type != kDataflashFmt) messages += walk.counts[type];
   }
   if (messages == 0) {
-    return Error{
-        ErrorCode::kCorrupt,
-        fmt::format("{} holds no readable DataFlash message; copy it from the aircraft again.", name),
-        fmt::format("{} bytes, {} skipped", bytes.size(), walk.skipped_bytes)};
+    return Because(
+        ErrorCode::kCorrupt, {RemarkCode::kDataflashEmpty, {{"file", name}}},
+        fmt::format("{} bytes, {} skipped", bytes.size(), walk.skipped_bytes));
   }
   if (walk.skipped_bytes > 0) builder.Warn({RemarkCode::kBytesDamaged, {{"bytes", walk.skipped_bytes}}});
   if (walk.ends_inside_message) builder.Warn(RemarkCode::kCutInMessage);

@@ -1,6 +1,5 @@
 #include "core/flight/logs/autopilots/mavlink_tlog.h"
 
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <map>
@@ -9,6 +8,7 @@
 #include "core/flight/logs/autopilots/mavlink_vehicle.h"
 #include "core/flight/logs/autopilots/mavlink_walk.h"
 #include "core/flight/logs/log_builder.h"
+#include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {
 
@@ -35,8 +35,7 @@ Result<FlightLog> ParseMavlinkTlog(std::string_view name, LogBytes bytes, const 
       ++attitudes[packet.system_id];
   });
   if (walk.packets == 0) {
-    return Error{ErrorCode::kCorrupt,
-                 fmt::format("{} holds no readable MAVLink packet; save the telemetry log again.", name), ""};
+    return Because(ErrorCode::kCorrupt, {RemarkCode::kTlogEmpty, {{"file", name}}});
   }
   for (const auto& [id, count] : walk.counts) builder.Count(MavlinkMessageName(id), count);
   if (walk.damaged_bytes > 0) builder.Warn({RemarkCode::kBytesDamaged, {{"bytes", walk.damaged_bytes}}});

@@ -7,6 +7,7 @@
 
 #include "core/flight/logs/autopilots/ulog_topics.h"
 #include "core/flight/logs/text_fields.h"
+#include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -189,9 +190,8 @@ class UlogParser {
 
   Result<FlightLog> Finish() {
     if (messages_ == 0) {
-      return Error{ErrorCode::kCorrupt,
-                   fmt::format("{} is a ULog without any data; copy it from the aircraft again.", name_),
-                   fmt::format("{} bytes", bytes_.size())};
+      return Because(ErrorCode::kCorrupt, {RemarkCode::kUlogEmpty, {{"file", name_}}},
+                     fmt::format("{} bytes", bytes_.size()));
     }
     for (Subscription& subscription : subscriptions_) FlushCount(subscription);
     topics_.Finish();

@@ -8,6 +8,7 @@
 #include "core/base/try.h"
 #include "core/flight/logs/csv/csv_rows.h"
 #include "core/flight/logs/text_fields.h"
+#include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -116,8 +117,7 @@ Result<FlightLog> ParseFlightCsv(std::string_view name, LogBytes bytes, const Co
       ++bad;
   }
   if (rows == 0) {
-    return Error{ErrorCode::kCorrupt,
-                 fmt::format("{} has no row with a time; fill the column t (seconds) or utc.", name), ""};
+    return Because(ErrorCode::kCorrupt, {RemarkCode::kFileWithoutTimes, {{"file", name}}});
   }
   if (!HasColumn(columns, M::kHeightAboveTakeoff)) builder.BaroStartsAtZero();
   sampler.Finish();
@@ -180,7 +180,7 @@ Result<FlightLog> ReadImageRows(const std::vector<CsvColumn>& columns, const Set
     ++rows;
     builder.Add(std::move(event));
   }
-  if (rows == 0) return Error{ErrorCode::kCorrupt, fmt::format("{} names no photo in its rows.", name), ""};
+  if (rows == 0) return Because(ErrorCode::kCorrupt, {RemarkCode::kFileNamesNoPhoto, {{"file", name}}});
   builder.Count("row", rows);
   builder.log().utc_at_zero = first;
   if (has_time) builder.log().counter_at_zero_s = 0.0;

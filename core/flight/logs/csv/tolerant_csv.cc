@@ -12,6 +12,7 @@
 #include "core/flight/logs/csv/csv_physics.h"
 #include "core/flight/logs/csv/settle_columns.h"
 #include "core/flight/logs/text_fields.h"
+#include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -122,7 +123,7 @@ Result<FlightLog> ParseReplay(std::string_view name, LogBytes bytes, const Consu
       builder.Add(RangeSample{t_s, v[0]});
     }
   }
-  if (counts.empty()) return Error{ErrorCode::kCorrupt, fmt::format("{} holds no readable row.", name), ""};
+  if (counts.empty()) return Because(ErrorCode::kCorrupt, {RemarkCode::kFileWithoutRows, {{"file", name}}});
   for (const auto& [kind, count] : counts) builder.Count(kind, count);
   builder.BaroStartsAtZero();
   builder.log().mapping = {
@@ -183,9 +184,7 @@ Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const 
   LineReader lines(TextOf(bytes));
   auto header = FindHeader(lines);
   if (!header) {
-    return Error{
-        ErrorCode::kUnsupportedFormat,
-        fmt::format("{} has no header with a time and a position, an attitude, an IMU or photos.", name), ""};
+    return Because(ErrorCode::kUnsupportedFormat, {RemarkCode::kFileWithoutHeader, {{"file", name}}});
   }
   SKYQUILT_TRY_ASSIGN(const SettledColumns settled,
                       SettleColumns(name, lines, header->separator, header->columns));

@@ -1,6 +1,5 @@
 #include "core/flight/logs/subtitles/subtitles.h"
 
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +11,7 @@
 #include "core/flight/logs/log_text.h"
 #include "core/flight/logs/subtitles/cue_text.h"
 #include "core/flight/logs/text_fields.h"
+#include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -190,15 +190,11 @@ Result<FlightLog> ParseCues(std::string_view format, std::string_view name, LogB
     AddCue(clock.At(start_s, CueDate(cue), follows_clock), facts, builder);
   });
   if (cues == 0) {
-    return Error{ErrorCode::kCorrupt,
-                 fmt::format("{} holds no subtitle; copy it from the camera's card again.", name), ""};
+    return Because(ErrorCode::kCorrupt, {RemarkCode::kSubtitlesEmpty, {{"file", name}}});
   }
   if (fixes == 0) {
-    return Error{ErrorCode::kNoPosition,
-                 fmt::format("{} holds no position that can be read: the first of its {} subtitles says {}. "
-                             "Switch on video captions in the camera's settings.",
-                             name, cues, first_words),
-                 ""};
+    return Because(ErrorCode::kNoPosition, {RemarkCode::kSubtitlesWithoutPlace,
+                                            {{"file", name}, {"cues", cues}, {"text", first_words}}});
   }
   builder.Count("subtitle", cues);
   clock.Tell(builder);

@@ -1,12 +1,12 @@
 #include "core/flight/logs/texts/dji_mrk.h"
 
-#include <fmt/format.h>
 
 #include <cmath>
 
 #include "core/flight/logs/gps_time.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/text_fields.h"
+#include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -99,8 +99,7 @@ Result<FlightLog> ParseDjiMrk(std::string_view name, LogBytes bytes, const Consu
     builder.Add(std::move(row->event));
   }
   if (rows == 0) {
-    return Error{ErrorCode::kCorrupt,
-                 fmt::format("{} holds no exposure row; copy it from the camera's card again.", name), ""};
+    return Because(ErrorCode::kCorrupt, {RemarkCode::kMrkEmpty, {{"file", name}}});
   }
   builder.Count("exposure", rows);
   builder.log().utc_at_zero = first;

@@ -14,6 +14,7 @@
 #include "core/flight/logs/mapped_file.h"
 #include "core/flight/logs/text_fields.h"
 #include "core/flight/logs/texts/list_rows.h"
+#include "core/flight/remarks/because.h"
 #include "core/geo/crs/reference_system.h"
 
 namespace skyquilt::flight {
@@ -106,12 +107,7 @@ Result<GcpList> ParseWrittenGcpList(std::string_view name, LogBytes bytes) {
   const std::string_view text = TextOf(bytes);
   const std::optional<ListTop> top = ReadListTop(text, IsSighting);
   if (!top) {
-    return Error{
-        ErrorCode::kCorrupt,
-        fmt::format("{} holds no ground control point; rows are \"x y z pixel_x pixel_y image\" below a line "
-                    "such as EPSG:32615",
-                    name),
-        ""};
+    return Because(ErrorCode::kCorrupt, {RemarkCode::kPointsEmpty, {{"file", name}}});
   }
   std::optional<geo::ReferenceSystem> srs;
   if (!top->system.empty()) {
@@ -194,10 +190,9 @@ Result<GcpList> OnlyPlaced(GcpList list) {
   });
   list.points = std::move(placed);
   if (!list.points.empty()) return list;
-  return Error{ErrorCode::kCorrupt,
-               fmt::format("{} holds no ground control point that lies within {}", list.file_name,
-                           list.reference_system.substr(0, 80)),
-               ""};
+  return Because(ErrorCode::kCorrupt,
+                 {RemarkCode::kPointsOutsideSystem,
+                  {{"file", list.file_name}, {"system", list.reference_system.substr(0, 80)}}});
 }
 
 Result<GcpList> ParseGcpList(std::string_view name, LogBytes bytes) {

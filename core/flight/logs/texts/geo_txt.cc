@@ -12,6 +12,7 @@
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/text_fields.h"
 #include "core/flight/logs/texts/list_rows.h"
+#include "core/flight/remarks/because.h"
 #include "core/geo/crs/reference_system.h"
 
 namespace skyquilt::flight {
@@ -93,12 +94,7 @@ Result<FlightLog> ParseGeoTxt(std::string_view name, LogBytes bytes, const Consu
   const std::string_view text = TextOf(bytes);
   const std::optional<ListTop> top = ReadListTop(text, IsGeoRow);
   if (!top) {
-    return Error{
-        ErrorCode::kCorrupt,
-        fmt::format(
-            "{} names no photo with a position; rows are \"image x y z\" below a line such as EPSG:4326.",
-            name),
-        ""};
+    return Because(ErrorCode::kCorrupt, {RemarkCode::kGeoTxtEmpty, {{"file", name}}});
   }
   std::optional<geo::ReferenceSystem> system;
   if (!top->system.empty()) {

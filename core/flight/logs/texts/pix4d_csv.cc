@@ -1,6 +1,5 @@
 #include "core/flight/logs/texts/pix4d_csv.h"
 
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +10,7 @@
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/text_fields.h"
 #include "core/flight/logs/texts/list_rows.h"
+#include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -185,7 +185,7 @@ Result<FlightLog> ParsePix4dCsv(std::string_view name, LogBytes bytes, const Con
     builder.Add(std::move(event));
   }
   if (rows == 0)
-    return Error{ErrorCode::kCorrupt, fmt::format("{} names no photo with a position.", name), ""};
+    return Because(ErrorCode::kCorrupt, {RemarkCode::kFileNamesNoPlace, {{"file", name}}});
   builder.Count("row", rows);
   if (columns->angles == Angles::kUnnamed) {
     builder.Warn(RemarkCode::kAnglesWithoutHeader);

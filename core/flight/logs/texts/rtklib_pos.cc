@@ -7,6 +7,7 @@
 #include "core/flight/logs/gps_time.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/text_fields.h"
+#include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -160,8 +161,7 @@ Result<FlightLog> ParseRtklibPos(std::string_view name, LogBytes bytes, const Co
     builder.Add(solution->sample);
   }
   if (rows == 0)
-    return Error{ErrorCode::kCorrupt,
-                 fmt::format("{} holds no solution; run the post-processing again.", name), ""};
+    return Because(ErrorCode::kCorrupt, {RemarkCode::kSolutionEmpty, {{"file", name}}});
   builder.Count("solution", rows);
   builder.log().utc_at_zero = first;
   builder.log().utc_sigma_s = 1e-3;

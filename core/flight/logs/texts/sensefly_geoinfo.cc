@@ -1,11 +1,11 @@
 #include "core/flight/logs/texts/sensefly_geoinfo.h"
 
-#include <fmt/format.h>
 
 #include <map>
 
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/text_fields.h"
+#include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {
 
@@ -30,8 +30,9 @@ Result<FlightLog> ParseSenseflyGeoinfo(std::string_view name, LogBytes bytes, co
     if (columns.empty()) {
       for (std::size_t i = 0; i < cells.size(); ++i) columns.emplace(LowerCase(cells[i]), i);
       if (!columns.contains("filename") || !columns.contains("latitude") || !columns.contains("longitude")) {
-        return Error{ErrorCode::kCorrupt,
-                     fmt::format("{} lacks the columns fileName, latitude, longitude.", name), ""};
+        return Because(
+            ErrorCode::kCorrupt,
+            {RemarkCode::kFileLacksColumns, {{"file", name}, {"columns", "fileName, latitude, longitude"}}});
       }
       continue;
     }
@@ -66,7 +67,7 @@ Result<FlightLog> ParseSenseflyGeoinfo(std::string_view name, LogBytes bytes, co
     builder.Add(std::move(event));
   }
   if (rows == 0)
-    return Error{ErrorCode::kCorrupt, fmt::format("{} names no photo with a position.", name), ""};
+    return Because(ErrorCode::kCorrupt, {RemarkCode::kFileNamesNoPlace, {{"file", name}}});
   builder.Count("row", rows);
   builder.log().written_order_is_named = true;
   builder.log().mapping = {"heading, pitch, roll -> the airframe's, degrees, camera looking down"};

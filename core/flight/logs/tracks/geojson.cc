@@ -10,6 +10,7 @@
 
 #include "core/flight/logs/text_fields.h"
 #include "core/flight/logs/tracks/track_points.h"
+#include "core/flight/remarks/because.h"
 #include "core/flight/remarks/remark_words.h"
 
 namespace skyquilt::flight {
@@ -215,10 +216,9 @@ Result<FlightLog> ParseGeoJson(std::string_view name, LogBytes bytes, const Cons
   }
   if (!reader.damaged_at()) return log;
   if (!log) {
-    return Error{ErrorCode::kCorrupt,
-                 fmt::format("{} is not used: it is no JSON from byte {} on. Export it again.", name,
-                             *reader.damaged_at()),
-                 log.error().message};
+    return Because(ErrorCode::kCorrupt,
+                   {RemarkCode::kJsonDamaged, {{"file", name}, {"byte", *reader.damaged_at()}}},
+                   log.error().message);
   }
   log->warnings.push_back({RemarkCode::kDamagedAtByte, {{"byte", *reader.damaged_at()}}});
   return log;

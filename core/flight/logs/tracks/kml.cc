@@ -1,6 +1,5 @@
 #include "core/flight/logs/tracks/kml.h"
 
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <utility>
@@ -8,6 +7,7 @@
 #include "core/flight/logs/text_fields.h"
 #include "core/flight/logs/tracks/track_points.h"
 #include "core/flight/logs/tracks/xml_scanner.h"
+#include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -122,14 +122,9 @@ Result<FlightLog> ParseKml(std::string_view name, LogBytes bytes, const Consumed
       std::move(points).Finish({"altitude -> height above mean sea level, m; above take-off where "
                                 "altitudeMode is relative"});
   if (has_points || reader.shapes() == 0) return log;
-  return Error{
-      ErrorCode::kNoPosition,
-      fmt::format(
-          "{} is not used: it holds {} lines or areas, which have no times, and no track that has (gx:Track, "
-          "or a Placemark with TimeStamp and Point). An area that the map is to be cut to is given by "
-          "--boundary.",
-          name, reader.shapes()),
-      log.error().detail};
+  return Because(ErrorCode::kNoPosition,
+                 {RemarkCode::kShapesWithoutTimes, {{"file", name}, {"shapes", reader.shapes()}}},
+                 log.error().detail);
 }
 
 }  // namespace skyquilt::flight

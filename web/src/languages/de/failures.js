@@ -1,4 +1,4 @@
-// Deutsch: warum nichts daraus wurde.
+// Deutsch: warum nichts daraus wurde, oder eine Datei oder ein Bild nicht verwendet wird.
 import { count, fixed, number } from '../../shared/language.js';
 import { formatDuration } from '../../shared/format.js';
 import { flight_words } from './flight.js';
@@ -8,6 +8,8 @@ const more_room = 'Wer den Server betreibt, kann mehr erlauben.';
 const stage = (/** @type {any} */ v) => flight_words.job.stages[v.stage] ?? v.stage;
 const place = (/** @type {number} */ lat_deg, /** @type {number} */ lon_deg) => `${fixed(lat_deg, 5)}; ${fixed(lon_deg, 5)}`;
 const resolution = (/** @type {number} */ metres) => `${number(100 * metres, { maximumSignificantDigits: 3 })}\u00a0cm`;
+const photo_formats = 'Fotos müssen JPEG, TIFF oder PNG sein.';
+const copy_again = 'Kopieren Sie die Datei erneut von der Kamera.';
 
 /** @type {typeof import('../en/failures.js').failure_words} */
 export const failure_words = {
@@ -74,4 +76,52 @@ export const failure_words = {
   fail_boundary_unusable: () => 'Die Fläche lässt sich nicht verwenden. Geben Sie einen oder mehrere geschlossene Umrisse als GeoJSON oder KML an, mit Längen und Breiten in Grad (WGS 84).',
   fail_boundary_unread: () => 'Die Fläche ist weder GeoJSON noch KML. Wählen Sie eine Datei mit einem Umriss in einem dieser Formate.',
   fail_import_missing: (v) => `Dieser Flug hat keine Datei „${v.file}“ zum Importieren. Fügen Sie sie zuerst hinzu.`,
+  heic_picture: () => 'Ein HEIC-Bild. Wandeln Sie es in JPEG um, mit seinen Metadaten.',
+  webp_picture: () => 'Ein WebP-Bild. Wandeln Sie es in JPEG um, mit seinen Metadaten.',
+  is_video: () => `Ein Video. ${photo_formats}`,
+  is_archive: () => `Ein ZIP-Archiv. Entpacken Sie es zuerst. ${photo_formats}`,
+  is_text: () => `Eine Textdatei, wie immer sie heißt. ${photo_formats}`,
+  is_no_picture: () => `Kein lesbares Bild. ${photo_formats}`,
+  photo_empty: () => `Die Datei ist leer. ${copy_again}`,
+  photo_unread: () => 'Der Server kann die Datei nicht von seinem Datenträger lesen.',
+  jpeg_cut_off: () => `Das JPEG ist abgeschnitten: Sein Ende fehlt. ${copy_again}`,
+  jpeg_without_size: () => `Das JPEG ist beschädigt oder abgeschnitten: Es endet vor der Angabe der Bildgröße. ${copy_again}`,
+  tiff_without_size: () => 'Das TIFF sagt nicht, wie groß sein Bild ist.',
+  tiff_cut_off: () => `Das TIFF ist abgeschnitten: Ein Teil des Bildes fehlt. ${copy_again}`,
+  tiff_tags_damaged: () => `Das TIFF ist beschädigt oder abgeschnitten: Seine Metadaten sind nicht lesbar. ${copy_again}`,
+  tiff_not_read: () => 'Ein TIFF dieser Art wird nicht gelesen. Exportieren Sie es mit 8 oder 16 Bit oder als 32-Bit-Gleitkommazahlen je Wert, mit seinen Metadaten.',
+  png_damaged: () => `Das PNG ist beschädigt oder abgeschnitten. ${copy_again}`,
+  picture_too_large: (v) => `Das Bild hat ${number(v.width_px)} × ${number(v.height_px)} Pixel; gelesen werden höchstens ${number(v.most_side_px)} je Seite und ${fixed(v.most_million_px, 0)} Millionen insgesamt.`,
+  picture_too_small: (v) => `Das Bild hat nur ${number(v.width_px)} × ${number(v.height_px)} Pixel: Es ist kein Luftbild.`,
+  picture_damaged: () => `Das Bild ist beschädigt, abgeschnitten oder wurde inzwischen geändert und ist nicht lesbar. ${copy_again}`,
+  picture_takes_too_much: (v) => `Das Bild braucht ${fixed(v.needed_mib, 0)}\u00a0MiB Speicher, und ${fixed(v.left_mib, 0)}\u00a0MiB sind dafür übrig. Speichern Sie es als nicht progressives JPEG.`,
+  picture_without_numbers: () => 'Das Bild enthält keine Messwerte.',
+  file_empty: (v) => `${v.file} ist leer. Kopieren Sie die Datei erneut vom Fluggerät.`,
+  file_encrypted: (v) => `${v.file} ist ein verschlüsseltes Flugprotokoll von DJI. Exportieren Sie es als CSV (etwa mit AirData) und fügen Sie diese Datei hinzu.`,
+  file_is_no_log: (v) => `${v.file} ist kein Flugprotokoll bekannter Art.`,
+  file_named_as_log: (v) => `${v.file} heißt wie ein Flugprotokoll, ist aber nicht als solches lesbar. Kopieren Sie die Datei erneut.`,
+  file_without_times: (v) => `${v.file} hat keine Zeile mit einer Zeit. Füllen Sie die Spalte t (Sekunden) oder utc.`,
+  file_names_no_photo: (v) => `${v.file} nennt in den Zeilen kein Foto.`,
+  file_names_no_place: (v) => `${v.file} nennt kein Foto mit einer Position.`,
+  file_without_rows: (v) => `${v.file} hat keine lesbare Zeile.`,
+  file_without_header: (v) => `${v.file} hat keine Spaltennamen mit einer Zeit und einer Position, Lage, IMU oder Fotos.`,
+  file_lacks_columns: (v) => `${v.file} fehlen die Spalten ${v.columns}.`,
+  geo_txt_empty: (v) => `${v.file} nennt kein Foto mit einer Position. Zeilen lauten „image x y z“, unter einer Zeile wie EPSG:4326.`,
+  points_empty: (v) => `${v.file} enthält keinen Passpunkt. Zeilen lauten „x y z pixel_x pixel_y image“, unter einer Zeile wie EPSG:32615.`,
+  points_outside_system: (v) => `${v.file} enthält keinen Passpunkt im Gebiet von ${v.system}.`,
+  mrk_empty: (v) => `${v.file} enthält keine Belichtung. Kopieren Sie die Datei erneut von der Karte der Kamera.`,
+  solution_empty: (v) => `${v.file} enthält keine Lösung. Führen Sie das Post-Processing erneut aus.`,
+  subtitles_empty: (v) => `${v.file} enthält keinen Untertitel. Kopieren Sie die Datei erneut von der Karte der Kamera.`,
+  subtitles_without_place: (v) => `${v.file} enthält keine lesbare Position: Der erste von ${number(v.cues)} Untertiteln lautet ${v.text}. Schalten Sie in der Kamera die Videountertitel ein.`,
+  dataflash_empty: (v) => `${v.file} enthält keine lesbare DataFlash-Nachricht. Kopieren Sie die Datei erneut vom Fluggerät.`,
+  tlog_empty: (v) => `${v.file} enthält kein lesbares MAVLink-Paket. Speichern Sie das Telemetrieprotokoll erneut.`,
+  ulog_empty: (v) => `${v.file} ist ein ULog ohne Daten. Kopieren Sie die Datei erneut vom Fluggerät.`,
+  json_damaged: (v) => `${v.file} ist ab Byte ${number(v.byte)} kein JSON. Exportieren Sie die Datei erneut.`,
+  shapes_without_times: (v) => `${v.file} enthält ${count(v.shapes, { one: 'Linie oder Fläche', other: 'Linien oder Flächen' })} ohne Zeiten und keine Spur mit Zeiten. Die Fläche, auf die die Karte zugeschnitten wird, wählen Sie in den Optionen.`,
+  reflectances_without_columns: (v) => `${v.file} hat keine Spalten, nach denen sich die Zeilen zuordnen lassen: Geben Sie photo an (mit left, top, right und bottom in Pixeln, wo der Code der Tafel nicht lesbar ist) oder lat, lon und radius_m.`,
+  elevations_refused: (v) => `Das Höhenmodell ${v.model} ist kein lesbares GeoTIFF mit Höhen in Metern.`,
+  no_film: (v) => `${v.file} ist kein lesbares Video. Fügen Sie ein MP4 oder MOV so hinzu, wie die Kamera es gespeichert hat, oder Einzelbilder als JPEG.`,
+  film_damaged: (v) => `${v.file} ist beschädigt. ${copy_again}`,
+  film_too_large: (v) => `${v.file} hat Einzelbilder von ${number(v.width_px)} × ${number(v.height_px)} Pixeln; gelesen werden höchstens ${number(v.most_side_px)} je Seite.`,
+  film_full: (v) => `${v.file}: ${number(v.frames)} Einzelbilder bis ${fixed(v.until_s, 0)}\u00a0s wurden verwendet, der Rest nicht. Teilen Sie das Video.`,
 };

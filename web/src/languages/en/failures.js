@@ -1,5 +1,5 @@
 // English: why nothing came of it, by the codes of core/flight/remarks/remark.h: what ended a job, or refused an upload or an
-// option. As remarks.js.
+// option, and why a file or picture is not used. As remarks.js.
 import { count, fixed, number } from '../../shared/language.js';
 import { formatDuration } from '../../shared/format.js';
 import { flight_words } from './flight.js';
@@ -10,6 +10,8 @@ const more_room = 'Whoever runs the server can allow more.';
 const stage = (/** @type {any} */ v) => flight_words.job.stages[v.stage] ?? v.stage;
 const place = (/** @type {number} */ lat_deg, /** @type {number} */ lon_deg) => `${fixed(lat_deg, 5)}, ${fixed(lon_deg, 5)}`;
 const resolution = (/** @type {number} */ metres) => `${number(100 * metres, { maximumSignificantDigits: 3 })}\u00a0cm`;
+const photo_formats = 'Photos must be JPEG, TIFF or PNG.';
+const copy_again = 'Copy the file from the camera again.';
 
 /** @type {Record<string, (v: any) => string>} */
 export const failure_words = {
@@ -76,4 +78,52 @@ export const failure_words = {
   fail_boundary_unusable: () => 'The area cannot be used. Give one or more closed outlines as GeoJSON or KML, with longitudes and latitudes of WGS 84 in degrees.',
   fail_boundary_unread: () => 'The area is neither GeoJSON nor KML. Choose a file with an outline in one of these formats.',
   fail_import_missing: (v) => `This flight has no file “${v.file}” to be imported. Add it first.`,
+  heic_picture: () => 'A HEIC picture. Convert it to JPEG, keeping the metadata.',
+  webp_picture: () => 'A WebP picture. Convert it to JPEG, keeping the metadata.',
+  is_video: () => `A video. ${photo_formats}`,
+  is_archive: () => `A ZIP archive. Unpack it first. ${photo_formats}`,
+  is_text: () => `A text file, whatever its name. ${photo_formats}`,
+  is_no_picture: () => `Not a picture that can be read. ${photo_formats}`,
+  photo_empty: () => `The file is empty. ${copy_again}`,
+  photo_unread: () => 'The server cannot read the file from its disk.',
+  jpeg_cut_off: () => `The JPEG is cut off: its end is missing. ${copy_again}`,
+  jpeg_without_size: () => `The JPEG is damaged or cut off: it ends before the size of the picture. ${copy_again}`,
+  tiff_without_size: () => 'The TIFF does not say how large its picture is.',
+  tiff_cut_off: () => `The TIFF is cut off: part of its picture is missing. ${copy_again}`,
+  tiff_tags_damaged: () => `The TIFF is damaged or cut off: its list of tags cannot be read. ${copy_again}`,
+  tiff_not_read: (v) => `The TIFF holds ${v.what_words}, which is not read. ${v.instead_words}`,
+  png_damaged: () => `The PNG is damaged or cut off. ${copy_again}`,
+  picture_too_large: (v) => `The picture has ${number(v.width_px)} × ${number(v.height_px)} pixels; at most ${number(v.most_side_px)} a side and ${fixed(v.most_million_px, 0)} million in all are read.`,
+  picture_too_small: (v) => `The picture has only ${number(v.width_px)} × ${number(v.height_px)} pixels: it is no aerial photo.`,
+  picture_damaged: () => `The picture is damaged, cut off or was changed meanwhile, and cannot be read. ${copy_again}`,
+  picture_takes_too_much: (v) => `The picture takes ${fixed(v.needed_mib, 0)}\u00a0MiB of memory, and ${fixed(v.left_mib, 0)}\u00a0MiB are left for it. Save it as a JPEG that is not progressive.`,
+  picture_without_numbers: () => 'The picture holds no measurement.',
+  file_empty: (v) => `${v.file} is empty. Copy it from the aircraft again.`,
+  file_encrypted: (v) => `${v.file} is an encrypted flight record of DJI. Export it as CSV (with AirData, say) and add that.`,
+  file_is_no_log: (v) => `${v.file} is no flight log of a known kind.`,
+  file_named_as_log: (v) => `${v.file} is named like a flight log but cannot be read as one. Copy it again.`,
+  file_without_times: (v) => `${v.file} has no row with a time. Fill the column t (seconds) or utc.`,
+  file_names_no_photo: (v) => `${v.file} names no photo in its rows.`,
+  file_names_no_place: (v) => `${v.file} names no photo with a position.`,
+  file_without_rows: (v) => `${v.file} has no readable row.`,
+  file_without_header: (v) => `${v.file} has no column names with a time and a position, an attitude, an IMU or photos.`,
+  file_lacks_columns: (v) => `${v.file} lacks the columns ${v.columns}.`,
+  geo_txt_empty: (v) => `${v.file} names no photo with a position. Rows are “image x y z”, below a line such as EPSG:4326.`,
+  points_empty: (v) => `${v.file} has no control point. Rows are “x y z pixel_x pixel_y image”, below a line such as EPSG:32615.`,
+  points_outside_system: (v) => `${v.file} has no control point within the area of ${v.system}.`,
+  mrk_empty: (v) => `${v.file} has no exposure in its rows. Copy it from the camera's card again.`,
+  solution_empty: (v) => `${v.file} has no solution. Run the post-processing again.`,
+  subtitles_empty: (v) => `${v.file} has no subtitle. Copy it from the camera's card again.`,
+  subtitles_without_place: (v) => `${v.file} has no readable position: the first of its ${number(v.cues)} subtitles says ${v.text}. Switch on video captions in the camera's settings.`,
+  dataflash_empty: (v) => `${v.file} has no readable DataFlash message. Copy it from the aircraft again.`,
+  tlog_empty: (v) => `${v.file} has no readable MAVLink packet. Save the telemetry log again.`,
+  ulog_empty: (v) => `${v.file} is a ULog without data. Copy it from the aircraft again.`,
+  json_damaged: (v) => `${v.file} is no JSON from byte ${number(v.byte)} on. Export it again.`,
+  shapes_without_times: (v) => `${v.file} has ${count(v.shapes, { one: 'line or area', other: 'lines or areas' })} without times and no track with times. The area that the map is cut to is chosen in the options.`,
+  reflectances_without_columns: (v) => `${v.file} has no columns by which its rows are found: give photo (with left, top, right and bottom in pixels where the code of the panel cannot be read), or lat, lon and radius_m.`,
+  elevations_refused: (v) => `The elevation model ${v.model} is no readable GeoTIFF of heights in metres.`,
+  no_film: (v) => `${v.file} is not a readable video. Add an MP4 or MOV as the camera saved it, or its frames as JPEGs.`,
+  film_damaged: (v) => `${v.file} is damaged. ${copy_again}`,
+  film_too_large: (v) => `${v.file} has frames of ${number(v.width_px)} × ${number(v.height_px)} pixels; at most ${number(v.most_side_px)} a side are read.`,
+  film_full: (v) => `${v.file}: ${number(v.frames)} frames were taken, up to ${fixed(v.until_s, 0)}\u00a0s; the rest is not used. Cut the video into parts.`,
 };
