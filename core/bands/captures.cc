@@ -1,7 +1,5 @@
 #include "core/bands/captures.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
@@ -14,9 +12,9 @@
 #include "core/bands/band_name.h"
 #include "core/bands/read_band_facts.h"
 #include "core/base/parallel_for.h"
-#include "core/base/printable.h"
 #include "core/base/try.h"
 #include "core/flight/aside/one_camera.h"
+#include "core/flight/remarks/because.h"
 
 namespace skyquilt::bands {
 namespace {
@@ -133,10 +131,7 @@ void DropOddCalibrations(const std::vector<Band>& bands, std::vector<Capture>& c
     });
   }
   if (dropped == 0) return;
-  flight.warnings.push_back(fmt::format(
-      "{} no values to bands.tif: tags lack what makes levels values, or have it where those of most "
-      "others lack it.",
-      Counted(dropped, "photo of a band gives", "photos of bands give")));
+  flight.warnings.push_back({flight::RemarkCode::kBandsOddlyCalibrated, {{"photos", dropped}}});
 }
 
 // Thermal levels that nobody can make temperatures of.
@@ -157,7 +152,7 @@ void KeepLooks(std::vector<std::optional<Result<BandFacts>>>& facts, Flight& fli
     one.reset();
   }
   if (kept == 0) return;
-  flight.warnings.push_back(fmt::format("{} thermal photos give no temperatures. {}", kept, reason));
+  flight.warnings.push_back({flight::RemarkCode::kNoTemperatures, {{"photos", kept}, {"why_words", reason}}});
   std::map<std::filesystem::path, std::optional<Result<BandFacts>>> by_path;
   for (std::size_t i = 0; i < facts.size(); ++i) by_path[flight.photos[i].path] = std::move(facts[i]);
   flight::KeepOneCamera(flight);
@@ -222,7 +217,7 @@ Captures SetBandsApart(Flight& flight, int threads) {
 
   std::vector<BandPhoto> band_photos;
   std::vector<Photo> others;
-  const auto leave_out = [&](const Photo& photo, ErrorCode code, std::string reason) {
+  const auto leave_out = [&](const Photo& photo, ErrorCode code, flight::Remark reason) {
     flight.left_out.push_back({photo.name, code, std::move(reason)});
   };
   for (std::size_t i = 0; i < flight.photos.size(); ++i) {
@@ -230,11 +225,9 @@ Captures SetBandsApart(Flight& flight, int threads) {
     if (!facts[i]) {
       others.push_back(std::move(photo));
     } else if (!facts[i]->ok()) {
-      leave_out(photo, facts[i]->error().code, facts[i]->error().message);
+      leave_out(photo, facts[i]->error().code, flight::WhyOf(facts[i]->error()));
     } else if (IsOfUnknownScale(**facts[i])) {
-      leave_out(
-          photo, ErrorCode::kUnsupportedFormat,
-          "A thermal picture that does not say how many kelvins a level is (FLIR:TLinearGain in its XMP).");
+      leave_out(photo, ErrorCode::kUnsupportedFormat, flight::RemarkCode::kThermalOfUnknownScale);
     } else {
       band_photos.push_back({std::move(photo), **std::move(facts[i])});
       BandPhoto& taken = band_photos.back();
@@ -251,8 +244,7 @@ Captures SetBandsApart(Flight& flight, int threads) {
     if (!capture.reference.empty()) continue;
     for (const BandPhoto& photo : capture.photos) {
       leave_out(photo.photo, ErrorCode::kUnprocessable,
-                "Its capture has no picture of the band " + apart.reference_band +
-                    ", by which the bands are placed. Add the missing file.");
+                {flight::RemarkCode::kCaptureWithoutReference, {{"band", apart.reference_band}}});
     }
   }
   std::erase_if(apart.captures, [](const Capture& capture) { return capture.reference.empty(); });

@@ -11,6 +11,7 @@
 #include "core/bands/thermal.h"
 #include "core/base/try.h"
 #include "core/flight/photos/image_header.h"
+#include "core/flight/remarks/because.h"
 
 namespace skyquilt::bands {
 namespace {
@@ -90,10 +91,7 @@ Result<BandFacts> ReadBandFacts(flight::ByteSource& source) {
   BandFacts facts;
   facts.name = BandNameOf(FirstOf(xmp, {"Camera:BandName", "drone-dji:BandName"}));
   if (facts.name.empty()) {
-    return Error{
-        ErrorCode::kUnsupportedFormat,
-        "The photo does not name its band (BandName in its XMP). Give the files as the camera wrote them.",
-        ""};
+    return flight::Because(ErrorCode::kUnsupportedFormat, flight::RemarkCode::kBandUnnamed);
   }
   facts.wavelength_nm = Wavelength(xmp.Number("Camera:CentralWavelength"));
   facts.width_nm = xmp.Number("Camera:WavelengthFWHM");

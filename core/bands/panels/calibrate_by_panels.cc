@@ -11,15 +11,16 @@
 #include "core/bands/band_name.h"
 #include "core/bands/panels/find_panel.h"
 #include "core/bands/panels/scale_band.h"
-#include "core/base/printable.h"
 #include "core/base/result.h"
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 
 namespace skyquilt::bands {
 namespace {
 
 using flight::Flight;
 using flight::PhotoSource;
+using flight::RemarkCode;
 
 constexpr std::size_t kSearchedAtEachEnd = 2;  // captures: panels are looked at before and after a flight
 constexpr double kMaxClippedShare = 0.01;
@@ -41,19 +42,17 @@ PanelArea AreaOfTags(const std::array<double, 8>& corners) {
   return area;
 }
 
-Error NotUsed(std::string why) { return {ErrorCode::kUnprocessable, std::move(why), ""}; }
+Error NotUsed(flight::Remark why) { return flight::Because(ErrorCode::kUnprocessable, std::move(why)); }
 
 // `usual`: what values of the band mean in the photos of the ground.
 Result<Measured> MeasurePanel(const BandPhoto& panel, Calibration usual, const flight::PanelInPhoto* row,
                               const PhotoSource& source) {
   const BandFacts& facts = panel.facts;
-  if (facts.radiometry.calibration == Calibration::kLevels)
-    return NotUsed("it does not say how it was exposed, so that nothing follows for other photos.");
+  if (facts.radiometry.calibration == Calibration::kLevels) return NotUsed(RemarkCode::kPanelNotExposed);
   if (facts.radiometry.calibration != usual) {
-    return NotUsed(
-        fmt::format("its values are {}, those of the photos of the ground {}: of one of them the light "
-                    "sensor wrote nothing.",
-                    CalibrationName(facts.radiometry.calibration), CalibrationName(usual)));
+    return NotUsed({RemarkCode::kPanelOtherValues,
+                    {{"values_words", CalibrationName(facts.radiometry.calibration)},
+                     {"others_words", CalibrationName(usual)}}});
   }
   SKYQUILT_TRY_ASSIGN(const image::SampleImage picture, source.DecodeSamples(panel.photo));
   std::optional<PanelArea> area;
@@ -72,21 +71,17 @@ Result<Measured> MeasurePanel(const BandPhoto& panel, Calibration usual, const f
     }
   }
   if (!area) {
-    return NotUsed(fmt::format(
-        "no code of a panel can be read in it; say where the panel is in a {} (photo, left, top, right, bottom).",
-        flight::kReflectanceListName));
+    return NotUsed({RemarkCode::kPanelWithoutCode, {{"list", flight::kReflectanceListName}}});
   }
   if (!reflectance) {
-    return NotUsed(fmt::format("the reflectance of {} is not known; give it in a {} (photo, reflectance).",
-                               name, flight::kReflectanceListName));
+    return NotUsed({RemarkCode::kPanelUnknown, {{"panel", name}, {"list", flight::kReflectanceListName}}});
   }
   const std::optional<AreaLevels> levels = LevelsIn(picture, *area);
-  if (!levels) return NotUsed("the panel's area is too small, or reaches beyond the picture.");
-  if (levels->clipped_share > kMaxClippedShare) return NotUsed("the panel is overexposed in it.");
-  if (levels->spread > kMaxSpread)
-    return NotUsed("what it shows there is not even: a shadow lies on it, or it is no panel.");
+  if (!levels) return NotUsed(RemarkCode::kPanelTooSmall);
+  if (levels->clipped_share > kMaxClippedShare) return NotUsed(RemarkCode::kPanelOverexposed);
+  if (levels->spread > kMaxSpread) return NotUsed(RemarkCode::kPanelUneven);
   const std::optional<double> value = MedianIn(ValuesOf(picture, facts.radiometry), *area);
-  if (!value || !(*value > 0.0)) return NotUsed("the panel is black in it.");
+  if (!value || !(*value > 0.0)) return NotUsed(RemarkCode::kPanelBlack);
   return Measured{*reflectance / *value, name};
 }
 
@@ -105,8 +100,7 @@ void SearchPanels(Flight& flight, Captures& captures, const PhotoSource& source)
     shows_panel[i] = picture.ok() && FindPanel(*picture).has_value();  // damaged ones are told of when placed
   }
   if (!SetPanelsApart(shows_panel, captures, flight)) {
-    flight.warnings.push_back(
-        "All captures show a calibration panel; without one of the ground alone none is taken for a panel's.");
+    flight.warnings.push_back(RemarkCode::kAllShowPanels);
   }
 }
 
@@ -118,7 +112,7 @@ void CalibrateByPanels(Flight& flight, Captures& captures, const PhotoSource& so
   if (captures.panels.empty()) return;
   std::map<std::string, std::vector<Measured>> by_band;
   std::size_t unused = 0;
-  std::string reason;
+  std::map<std::string, flight::RemarkValue> first_unused;
   for (const BandPhoto& panel : captures.panels) {
     const auto band = std::find_if(captures.bands.begin(), captures.bands.end(),
                                    [&](const Band& one) { return one.name == panel.facts.name; });
@@ -129,13 +123,13 @@ void CalibrateByPanels(Flight& flight, Captures& captures, const PhotoSource& so
     if (measured) {
       by_band[panel.facts.name].push_back(*std::move(measured));
     } else if (unused++ == 0) {
-      reason = panel.photo.name + ": " + measured.error().message;
+      first_unused = {{"photo", panel.photo.name}, {"why", flight::WhyOf(measured.error())}};
     }
   }
-  if (unused > 0)
-    flight.warnings.push_back(fmt::format(
-        "{} not used. {}",
-        Counted(unused, "picture of a calibration panel is", "pictures of calibration panels are"), reason));
+  if (unused > 0) {
+    first_unused.emplace("pictures", unused);
+    flight.warnings.push_back({RemarkCode::kPanelsUnused, first_unused});
+  }
   std::vector<std::string> without;
   for (const Band& band : std::vector<Band>(captures.bands)) {
     const auto found = by_band.find(band.name);
@@ -147,13 +141,13 @@ void CalibrateByPanels(Flight& flight, Captures& captures, const PhotoSource& so
     for (const Measured& measured : found->second) factors.push_back(measured.factor);
     const std::size_t pictures = factors.size();
     ScaleBand(
-        captures, band.name, std::move(factors), "The pictures of the panel",
+        captures, band.name, std::move(factors), RemarkCode::kPanelsApart,
         fmt::format("by {} picture{} of {}", pictures, pictures == 1 ? "" : "s", found->second.front().panel),
         flight.warnings);
   }
   if (!without.empty() && without.size() < captures.bands.size()) {
     flight.warnings.push_back(
-        {flight::RemarkCode::kBandsWithoutPanel, {{"bands", fmt::format("{}", fmt::join(without, ", "))}}});
+        {RemarkCode::kBandsWithoutPanel, {{"bands", fmt::format("{}", fmt::join(without, ", "))}}});
   }
 }
 

@@ -1,7 +1,5 @@
 #include "core/bands/panels/scale_band.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
 #include "core/bands/band_name.h"
@@ -10,17 +8,14 @@
 namespace skyquilt::bands {
 
 double ScaleBand(Captures& captures, const std::string& band, std::vector<double> factors,
-                 const std::string& witnesses, const std::string& by, std::vector<flight::Remark>& warnings) {
+                 flight::RemarkCode if_apart, const std::string& by, std::vector<flight::Remark>& warnings) {
   SKYQUILT_CHECK(!factors.empty(), "a band is scaled by what somebody says");
   std::sort(factors.begin(), factors.end());
   const double factor = (factors[(factors.size() - 1) / 2] + factors[factors.size() / 2]) / 2.0;
   constexpr double kDoubtedSpread = 0.1;
   const double apart = (factors.back() - factors.front()) / factor;
   if (apart > kDoubtedSpread) {
-    warnings.push_back(fmt::format(
-        "{} say different things of the band {}: its reflectance is {:.0f} % apart between them. Their median counts; "
-        "the light changed, or a shadow lay on one.",
-        witnesses, band, 100.0 * apart));
+    warnings.push_back({if_apart, {{"band", band}, {"apart_percent", 100.0 * apart}}});
   }
   for (Capture& capture : captures.captures) {
     for (BandPhoto& photo : capture.photos) {

@@ -12,9 +12,10 @@
 
 namespace skyquilt::bands {
 
-// Multiplies all values of the band in `captures`; `by` is added to the band's method. The factor.
+// Multiplies all values of the band in `captures`; `by` is added to the band's method; `if_apart`: what is
+// said where the witnesses are apart. The factor.
 double ScaleBand(Captures& captures, const std::string& band, std::vector<double> factors,
-                 const std::string& witnesses, const std::string& by, std::vector<flight::Remark>& warnings);
+                 flight::RemarkCode if_apart, const std::string& by, std::vector<flight::Remark>& warnings);
 
 // What a list says of a band; nothing where it says nothing.
 std::optional<double> ReflectanceOf(const flight::KnownReflectance& known, const std::string& band);

@@ -27,7 +27,7 @@ constexpr bool StandInOrder() {
   for (std::size_t i = 0; i < kSentences.size(); ++i) {
     if (static_cast<std::size_t>(kSentences[i].code) != i) return false;
   }
-  return kSentences.size() == static_cast<std::size_t>(RemarkCode::kFilmFull) + 1;
+  return kSentences.size() == static_cast<std::size_t>(RemarkCode::kNothingToStartFrom) + 1;
 }
 static_assert(StandInOrder(), "every code has a sentence, in the order of the codes");
 

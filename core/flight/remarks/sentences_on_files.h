@@ -1,5 +1,5 @@
-// The sentences of remarks on why a file, a film or a picture is not used, or not all of it; remark_sentences.cc
-// joins them with the others. Any thread.
+// The sentences of remarks on why a file, a film or a picture is not used, or not all of it, and why photos
+// are not tied to a log; remark_sentences.cc joins them with the others. Any thread.
 #pragma once
 
 #include <array>
@@ -13,18 +13,15 @@ inline constexpr std::array kSentencesOnFiles = std::to_array<RemarkSentence>({
      "This is a HEIC picture. Convert it to JPEG, keeping the metadata."},
     {RemarkCode::kWebpPicture, "webp_picture",
      "This is a WebP picture. Convert it to JPEG, keeping the metadata."},
-    {RemarkCode::kIsVideo, "is_video",
-     "This is a video. Photos must be JPEG, TIFF or PNG."},
+    {RemarkCode::kIsVideo, "is_video", "This is a video. Photos must be JPEG, TIFF or PNG."},
     {RemarkCode::kIsArchive, "is_archive",
      "This is a ZIP archive. Unpack it first. Photos must be JPEG, TIFF or PNG."},
     {RemarkCode::kIsText, "is_text",
      "This is a text file, whatever its name. Photos must be JPEG, TIFF or PNG."},
     {RemarkCode::kIsNoPicture, "is_no_picture",
      "This is not a picture that can be read. Photos must be JPEG, TIFF or PNG."},
-    {RemarkCode::kPhotoEmpty, "photo_empty",
-     "The file is empty. Copy it from the camera again."},
-    {RemarkCode::kPhotoUnread, "photo_unread",
-     "The file cannot be read from the disk."},
+    {RemarkCode::kPhotoEmpty, "photo_empty", "The file is empty. Copy it from the camera again."},
+    {RemarkCode::kPhotoUnread, "photo_unread", "The file cannot be read from the disk."},
     {RemarkCode::kJpegCutOff, "jpeg_cut_off",
      "The JPEG is cut off: its end is missing. Copy the file from the camera again."},
     {RemarkCode::kJpegWithoutSize, "jpeg_without_size",
@@ -39,8 +36,7 @@ inline constexpr std::array kSentencesOnFiles = std::to_array<RemarkSentence>({
      "camera again."},
     {RemarkCode::kTiffNotRead, "tiff_not_read",
      "The TIFF holds {what_words}, which is not read. {instead_words}"},
-    {RemarkCode::kPngDamaged, "png_damaged",
-     "The PNG is damaged or cut off. Copy the file again."},
+    {RemarkCode::kPngDamaged, "png_damaged", "The PNG is damaged or cut off. Copy the file again."},
     {RemarkCode::kPictureTooLarge, "picture_too_large",
      "The image says it has {width_px} x {height_px} pixels; at most {most_side_px} a side and "
      "{most_million_px:.0f} million in all are read."},
@@ -54,26 +50,20 @@ inline constexpr std::array kSentencesOnFiles = std::to_array<RemarkSentence>({
      "Raise --max-memory, or save it as a JPEG that is not progressive."},
     {RemarkCode::kPictureWithoutNumbers, "picture_without_numbers",
      "The picture holds no measurement: none of its samples is a number that one can be."},
-    {RemarkCode::kFileEmpty, "file_empty",
-     "{file} is empty; copy it from the aircraft again."},
+    {RemarkCode::kFileEmpty, "file_empty", "{file} is empty; copy it from the aircraft again."},
     {RemarkCode::kFileEncrypted, "file_encrypted",
      "{file} is a DJI flight record, which is encrypted; export it as CSV (AirData) and add that"},
-    {RemarkCode::kFileIsNoLog, "file_is_no_log",
-     "{file} is no flight log of a kind that is read."},
+    {RemarkCode::kFileIsNoLog, "file_is_no_log", "{file} is no flight log of a kind that is read."},
     {RemarkCode::kFileNamedAsLog, "file_named_as_log",
      "{file} is named like a flight log but is none that can be read; copy it again."},
     {RemarkCode::kFileWithoutTimes, "file_without_times",
      "{file} has no row with a time; fill the column t (seconds) or utc."},
-    {RemarkCode::kFileNamesNoPhoto, "file_names_no_photo",
-     "{file} names no photo in its rows."},
-    {RemarkCode::kFileNamesNoPlace, "file_names_no_place",
-     "{file} names no photo with a position."},
-    {RemarkCode::kFileWithoutRows, "file_without_rows",
-     "{file} holds no readable row."},
+    {RemarkCode::kFileNamesNoPhoto, "file_names_no_photo", "{file} names no photo in its rows."},
+    {RemarkCode::kFileNamesNoPlace, "file_names_no_place", "{file} names no photo with a position."},
+    {RemarkCode::kFileWithoutRows, "file_without_rows", "{file} holds no readable row."},
     {RemarkCode::kFileWithoutHeader, "file_without_header",
      "{file} has no header with a time and a position, an attitude, an IMU or photos."},
-    {RemarkCode::kFileLacksColumns, "file_lacks_columns",
-     "{file} lacks the columns {columns}."},
+    {RemarkCode::kFileLacksColumns, "file_lacks_columns", "{file} lacks the columns {columns}."},
     {RemarkCode::kGeoTxtEmpty, "geo_txt_empty",
      "{file} names no photo with a position; rows are \"image x y z\" below a line such as "
      "EPSG:4326."},
@@ -111,14 +101,90 @@ inline constexpr std::array kSentencesOnFiles = std::to_array<RemarkSentence>({
     {RemarkCode::kNoFilm, "no_film",
      "{file} is no film that can be read. Give an MP4 or MOV as the camera wrote it, or its "
      "frames as JPEGs."},
-    {RemarkCode::kFilmDamaged, "film_damaged",
-     "{file} is damaged. Copy it from the camera again."},
+    {RemarkCode::kFilmDamaged, "film_damaged", "{file} is damaged. Copy it from the camera again."},
     {RemarkCode::kFilmTooLarge, "film_too_large",
      "{file} has frames of {width_px} x {height_px} pixels; films may have up to {most_side_px} a "
      "side."},
     {RemarkCode::kFilmFull, "film_full",
      "{file}: {frames} frames were taken, up to {until_s:.0f} s; what comes later is not used. "
      "Cut the film into parts."},
+    {RemarkCode::kBandUnnamed, "band_unnamed",
+     "The photo does not name its band (BandName in its XMP). Give the files as the camera wrote "
+     "them."},
+    {RemarkCode::kThermalOfUnknownScale, "thermal_of_unknown_scale",
+     "A thermal picture that does not say how many kelvins a level is (FLIR:TLinearGain in its "
+     "XMP)."},
+    {RemarkCode::kCaptureWithoutReference, "capture_without_reference",
+     "Its capture has no picture of the band {band}, by which the bands are placed. Add the "
+     "missing file."},
+    {RemarkCode::kBandsOddlyCalibrated, "bands_oddly_calibrated",
+     "{photos} photos of bands give no values to bands.tif: tags lack what makes levels values, "
+     "or have it where those of most others lack it.",
+     "photos",
+     "1 photo of a band gives no values to bands.tif: tags lack what makes levels values, or have "
+     "it where those of most others lack it."},
+    {RemarkCode::kBandWithoutValues, "band_without_values", "{photo} gives no values to bands.tif. {why}"},
+    {RemarkCode::kNoTemperatures, "no_temperatures",
+     "{photos} thermal photos give no temperatures. {why_words}"},
+    {RemarkCode::kAllShowPanels, "all_show_panels",
+     "All captures show a calibration panel; without one of the ground alone none is taken for a "
+     "panel's."},
+    {RemarkCode::kPanelsUnused, "panels_unused",
+     "{pictures} pictures of calibration panels are not used. {photo}: {why}", "pictures",
+     "1 picture of a calibration panel is not used. {photo}: {why}"},
+    {RemarkCode::kPanelNotExposed, "panel_not_exposed",
+     "it does not say how it was exposed, so that nothing follows for other photos."},
+    {RemarkCode::kPanelOtherValues, "panel_other_values",
+     "its values are {values_words}, those of the photos of the ground {others_words}: of one of "
+     "them the light sensor wrote nothing."},
+    {RemarkCode::kPanelWithoutCode, "panel_without_code",
+     "no code of a panel can be read in it; say where the panel is in a {list} (photo, left, top, "
+     "right, bottom)."},
+    {RemarkCode::kPanelUnknown, "panel_unknown",
+     "the reflectance of {panel} is not known; give it in a {list} (photo, reflectance)."},
+    {RemarkCode::kPanelTooSmall, "panel_too_small",
+     "the panel's area is too small, or reaches beyond the picture."},
+    {RemarkCode::kPanelOverexposed, "panel_overexposed", "the panel is overexposed in it."},
+    {RemarkCode::kPanelUneven, "panel_uneven",
+     "what it shows there is not even: a shadow lies on it, or it is no panel."},
+    {RemarkCode::kPanelBlack, "panel_black", "the panel is black in it."},
+    {RemarkCode::kPanelsApart, "panels_apart",
+     "The pictures of the panel say different things of the band {band}: its reflectance is "
+     "{apart_percent:.0f} % apart between them. Their median counts; the light changed, or a "
+     "shadow lay on one."},
+    {RemarkCode::kTargetsApart, "targets_apart",
+     "Targets of known reflectance say different things of the band {band}: its reflectance is "
+     "{apart_percent:.0f} % apart between them. Their median counts; the light changed, or a "
+     "shadow lay on one."},
+    {RemarkCode::kNotTiedNoEvents, "not_tied_no_events",
+     "{photos} photos cannot be tied to {file} ({positions} positions): give photos with capture "
+     "times, a log with camera events, or set the camera's clock.",
+     "photos",
+     "1 photo cannot be tied to {file} ({positions} positions): give photos with capture times, a "
+     "log with camera events, or set the camera's clock."},
+    {RemarkCode::kNotTiedToEvents, "not_tied_to_events",
+     "{photos} photos cannot be tied to {file}, which holds {events} camera events: {why}. Give "
+     "the photos and the events of one flight, as many of the one as of the other.",
+     "photos",
+     "1 photo cannot be tied to {file}, which holds {events} camera events: {why}. Give the "
+     "photos and the events of one flight, as many of the one as of the other."},
+    {RemarkCode::kFitsElsewhere, "fits_elsewhere",
+     "the intervals hardly vary, so that the events fit as well {open_s:.1f} s later or earlier, "
+     "and nothing says which event is which photo's"},
+    {RemarkCode::kOtherIntervals, "other_intervals",
+     "the intervals between the photos are not those between the events"},
+    {RemarkCode::kOtherNumbers, "other_numbers", "the photos carry no capture times, and the numbers differ"},
+    {RemarkCode::kSensorsContradict, "sensors_contradict",
+     "The flight's sensors contradict each other so much that no track can be fitted; leave out "
+     "the log or the damaged part of it."},
+    {RemarkCode::kMoreThanADay, "more_than_a_day",
+     "The photos and markers of this flight lie more than a day apart; stitch each flight on its "
+     "own."},
+    {RemarkCode::kTrackNotFixed, "track_not_fixed",
+     "The flight's sensors do not fix its track; add a log with positions."},
+    {RemarkCode::kNothingToStartFrom, "nothing_to_start_from",
+     "Nothing says where this flight was: no positions in photos or log, and no start point. Give "
+     "the log of the flight, or where it took off."},
 });
 
 }  // namespace skyquilt::flight

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/flight/remarks/because.h"
+
 namespace skyquilt::poses {
 namespace {
 
@@ -113,11 +115,7 @@ Result<CleanInput> CleanSmootherInput(const SmootherInput& raw) {
   Cut(clean.begin_s, clean.end_s, in.ranges);
 
   if (in.positions.empty() && in.markers.empty()) {
-    return Error{
-        ErrorCode::kUnprocessable,
-        "Nothing says where this flight was: no positions in photos or log, and no start point. Give the log "
-        "of the flight, or where it took off.",
-        ""};
+    return flight::Because(ErrorCode::kUnprocessable, flight::RemarkCode::kNothingToStartFrom);
   }
   return clean;
 }

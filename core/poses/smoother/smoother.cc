@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/check.h"
+#include "core/flight/remarks/because.h"
 #include "core/poses/evidence/clean_input.h"
 #include "core/poses/smoother/chain_guess.h"
 #include "core/poses/smoother/chain_problem.h"
@@ -57,11 +58,8 @@ Result<void> Iterate(ChainProblem& problem, ChainGuess& guess, SmootherReport& r
     ++report.iterations;
     const double cost = problem.Linearise(guess, matrix, step);
     if (!std::isfinite(cost) || !matrix.Factor()) {
-      return Error{
-          ErrorCode::kUnprocessable,
-          "The flight's sensors contradict each other so much that no track can be fitted; leave out the "
-          "log or the damaged part of it.",
-          "normal equations are not positive definite"};
+      return flight::Because(ErrorCode::kUnprocessable, flight::RemarkCode::kSensorsContradict,
+                             "normal equations are not positive definite");
     }
     matrix.Solve(step);
     double part = 1.0;
@@ -196,10 +194,7 @@ Result<SmootherOutput> SmoothChain(const SmootherInput& raw) {
   const double spacing = KnotSpacingS(input);
   if ((clean->end_s - clean->begin_s) / spacing + static_cast<double>(input.photo_times_s.size()) >
       kMaxKnots) {
-    return Error{
-        ErrorCode::kUnprocessable,
-        "The photos and markers of this flight lie more than a day apart; stitch each flight on its own.",
-        ""};
+    return flight::Because(ErrorCode::kUnprocessable, flight::RemarkCode::kMoreThanADay);
   }
   if (input.imu.empty() && input.positions.empty()) {
     // Only the photos' own motions say how far the flight went: a prior that dislikes acceleration would
@@ -216,9 +211,8 @@ Result<SmootherOutput> SmoothChain(const SmootherInput& raw) {
   std::vector<Vector22> gradient;
   output.report.cost = problem.Linearise(guess, matrix, gradient);
   if (!matrix.Factor()) {
-    return Error{ErrorCode::kUnprocessable,
-                 "The flight's sensors do not fix its track; add a log with positions.",
-                 "normal equations at the solution are not positive definite"};
+    return flight::Because(ErrorCode::kUnprocessable, flight::RemarkCode::kTrackNotFixed,
+                           "normal equations at the solution are not positive definite");
   }
   matrix.SelectedInverse();
   FillPoses(problem, guess, matrix, output);

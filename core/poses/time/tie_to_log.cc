@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/base/median.h"
+#include "core/flight/remarks/because.h"
 #include "core/poses/photo_rows.h"
 
 namespace skyquilt::poses {
@@ -57,7 +58,7 @@ LogTie TieToLog(const flight::FlightLog& log, std::vector<flight::Photo> photos)
   if (tie.photos.empty()) return tie;
   Result<TimeSync> sync = MatchPhotosToLog(tie.photos, log);
   if (!sync) {
-    tie.warnings.push_back(sync.error().message);
+    tie.warnings.push_back(flight::WhyOf(sync.error()));
     return tie;
   }
   tie.sync = *std::move(sync);

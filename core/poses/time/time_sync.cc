@@ -9,6 +9,7 @@
 #include "core/base/median.h"
 #include "core/base/printable.h"
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 #include "core/geo/geodesic.h"
 #include "core/poses/lists/named_photos.h"
 #include "core/poses/time/event_alignment.h"
@@ -44,8 +45,8 @@ class Synchroniser {
     const std::vector<StampedPhotos> cameras = StampsByCamera(photos_);
     const bool done = ByNames() || ByEvents(cameras) || (!cameras.empty() && BySearch(cameras.front()));
     if (!done) {
-      return Error{ErrorCode::kUnprocessable, WhyNotTied(!cameras.empty()),
-                   fmt::format("{} events, {} stamped cameras", event_s_.size(), cameras.size())};
+      return flight::Because(ErrorCode::kUnprocessable, WhyNotTied(!cameras.empty()),
+                             fmt::format("{} events, {} stamped cameras", event_s_.size(), cameras.size()));
     }
     FillFromOffset(cameras);
     if (first_ && log_.utc_at_zero) {
@@ -55,28 +56,19 @@ class Synchroniser {
   }
 
  private:
-  std::string WhyNotTied(bool has_stamps) const {
-    const std::string what =
-        fmt::format("{} cannot be tied to {}", Counted(photos_.size(), "photo"), log_.file_name);
+  flight::Remark WhyNotTied(bool has_stamps) const {
+    using flight::Remark;
+    using flight::RemarkCode;
     if (event_s_.empty()) {
-      return fmt::format(
-          "{} ({} positions): give photos with capture times, a log with camera events, or set the camera's "
-          "clock.",
-          what, log_.gnss.size());
+      return {RemarkCode::kNotTiedNoEvents,
+              {{"photos", photos_.size()}, {"file", log_.file_name}, {"positions", log_.gnss.size()}}};
     }
-    const std::string events = fmt::format("{}, which holds {} camera events", what, event_s_.size());
-    constexpr const char* kWhatToDo =
-        "Give the photos and the events of one flight, as many of the one as of the other.";
-    if (open_by_s_ > 0.0) {
-      return fmt::format(
-          "{}: the intervals hardly vary, so that the events fit as well {:.1f} s later or earlier, and nothing "
-          "says which event is which photo's. {}",
-          events, open_by_s_, kWhatToDo);
-    }
-    return fmt::format("{}: {}. {}", events,
-                       has_stamps ? "the intervals between the photos are not those between the events"
-                                  : "the photos carry no capture times, and the numbers differ",
-                       kWhatToDo);
+    const Remark why = open_by_s_ > 0.0 ? Remark(RemarkCode::kFitsElsewhere, {{"open_s", open_by_s_}})
+                       : has_stamps     ? Remark(RemarkCode::kOtherIntervals)
+                                        : Remark(RemarkCode::kOtherNumbers);
+    return {
+        RemarkCode::kNotTiedToEvents,
+        {{"photos", photos_.size()}, {"file", log_.file_name}, {"events", event_s_.size()}, {"why", why}}};
   }
 
   void Place(std::size_t photo, std::size_t event, double sigma_s) {

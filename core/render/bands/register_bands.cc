@@ -16,6 +16,7 @@
 
 #include "core/base/median.h"
 #include "core/base/parallel_for.h"
+#include "core/flight/remarks/because.h"
 #include "core/render/bands/band_patches.h"
 #include "core/render/bands/fit_band_cameras.h"
 
@@ -42,14 +43,15 @@ constexpr std::size_t kLensCaptures = 8;
 
 struct Picture {
   std::optional<BandEdges> edges;
-  std::string failure;
+  std::optional<flight::Remark> failure;
 };
 
 Picture EdgesOf(const flight::PhotoSource& source, const flight::Photo& photo,
                 std::span<const Search> searches) {
   Result<image::SampleImage> samples = source.DecodeSamples(photo);
-  if (!samples) return {std::nullopt, samples.error().message};
-  return {BandEdges(*samples, searches.back().patches.denominator, searches.front().patches.denominator), ""};
+  if (!samples) return {std::nullopt, flight::WhyOf(samples.error())};
+  return {BandEdges(*samples, searches.back().patches.denominator, searches.front().patches.denominator),
+          std::nullopt};
 }
 
 // One band of one capture while it is registered.
@@ -60,7 +62,7 @@ struct Member {
   bool is_measured = false;
   BandStand stand;
   int looked_at = 0;
-  std::string failure;
+  std::optional<flight::Remark> failure;
 };
 
 struct Work {
@@ -256,7 +258,7 @@ BandRegistration Describe(std::size_t band, const Work& work) {
   double squares = 0.0;
   for (const auto& members : work.captures) {
     const Member& member = members[band];
-    if (member.photo == nullptr || !member.failure.empty()) continue;
+    if (member.photo == nullptr || member.failure) continue;
     ++registration.pictures;
     if (member.is_reference) ++registration.measured;
     if (!member.is_measured) continue;
@@ -353,9 +355,9 @@ Result<BandCameras> RegisterBands(const alignment::AlignedFlight& references,
       const Member& member = work.captures[i][band];
       std::optional<BandCamera>& camera = capture.cameras.emplace_back();
       if (member.photo == nullptr) continue;
-      if (!member.failure.empty()) {
-        cameras.warnings.push_back(
-            fmt::format("{} gives no values to bands.tif. {}", member.photo->photo.name, member.failure));
+      if (member.failure) {
+        cameras.warnings.push_back({flight::RemarkCode::kBandWithoutValues,
+                                    {{"photo", member.photo->photo.name}, {"why", *member.failure}}});
         continue;
       }
       const AlignedPhoto& reference = references.photos[i];

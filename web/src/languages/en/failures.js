@@ -4,6 +4,7 @@ import { count, fixed, number } from '../../shared/language.js';
 import { formatDuration } from '../../shared/format.js';
 import { flight_words } from './flight.js';
 
+const photos = { one: 'photo', other: 'photos' };
 const pictures = { one: 'picture', other: 'pictures' };
 const damaged = 'One of the files may be damaged: take out what is no ordinary photo';
 const more_room = 'Whoever runs the server can allow more.';
@@ -126,4 +127,31 @@ export const failure_words = {
   film_damaged: (v) => `${v.file} is damaged. ${copy_again}`,
   film_too_large: (v) => `${v.file} has frames of ${number(v.width_px)} × ${number(v.height_px)} pixels; at most ${number(v.most_side_px)} a side are read.`,
   film_full: (v) => `${v.file}: ${number(v.frames)} frames were taken, up to ${fixed(v.until_s, 0)}\u00a0s; the rest is not used. Cut the video into parts.`,
+  band_unnamed: () => 'The photo does not name its band (BandName in its XMP). Add the files as the camera saved them.',
+  thermal_of_unknown_scale: () => 'A thermal picture that does not say how many kelvins a level is (FLIR:TLinearGain in its XMP).',
+  capture_without_reference: (v) => `Its capture has no picture of the band ${v.band}, by which the bands are placed. Add the missing file.`,
+  bands_oddly_calibrated: (v) => `${count(v.photos, { one: 'photo of a band gives', other: 'photos of bands give' })} no values to the map of the bands: unlike in most others, tags for its calibration are missing or there.`,
+  band_without_values: (v) => `${v.photo} gives no values to the map of the bands. ${v.why}`,
+  no_temperatures: (v) => `${count(v.photos, { one: 'thermal photo gives', other: 'thermal photos give' })} no temperatures. ${v.why_words}`,
+  all_show_panels: () => 'All captures show a calibration panel; as none shows the ground alone, none is taken for one of a panel.',
+  panels_unused: (v) => `${count(v.pictures, { one: 'picture of a calibration panel is', other: 'pictures of calibration panels are' })} not used. ${v.photo}: ${v.why}`,
+  panel_not_exposed: () => 'it does not say how it was exposed.',
+  panel_other_values: (v) => `its values are ${v.values_words}, those of the photos of the ground ${v.others_words}.`,
+  panel_without_code: (v) => `the code of the panel cannot be read; say where the panel is in a ${v.list} (photo, left, top, right, bottom).`,
+  panel_unknown: (v) => `the reflectance of ${v.panel} is not known; give it in a ${v.list} (photo, reflectance).`,
+  panel_too_small: () => 'the area of the panel is too small, or reaches beyond the picture.',
+  panel_overexposed: () => 'the panel is overexposed.',
+  panel_uneven: () => 'the panel is uneven: a shadow lies on it, or it is no panel.',
+  panel_black: () => 'the panel is black.',
+  panels_apart: (v) => `The pictures of the panel are ${fixed(v.apart_percent, 0)}\u00a0% apart in the band ${v.band}; their median is used. The light changed, or a shadow lay on one.`,
+  targets_apart: (v) => `The reflectance targets are ${fixed(v.apart_percent, 0)}\u00a0% apart in the band ${v.band}; their median is used. The light changed, or a shadow lay on one.`,
+  not_tied_no_events: (v) => `${count(v.photos, photos)} cannot be matched to ${v.file} (${count(v.positions, { one: 'position', other: 'positions' })}). Add photos with capture times or a log with camera events.`,
+  not_tied_to_events: (v) => `${count(v.photos, photos)} cannot be matched to ${v.file} (${count(v.events, { one: 'camera event', other: 'camera events' })}): ${v.why}. Add the photos and events of one flight, as many of the one as of the other.`,
+  fits_elsewhere: (v) => `the intervals hardly vary, so that the events fit as well ${fixed(v.open_s, 1)}\u00a0s earlier or later`,
+  other_intervals: () => 'the intervals between the photos are not those between the events',
+  other_numbers: () => 'the photos have no capture times, and the numbers differ',
+  sensors_contradict: () => 'The sensors contradict each other so much that no track fits. Leave out the log, or the damaged part of it.',
+  more_than_a_day: () => 'The photos of this flight lie more than a day apart. Make each flight one of its own.',
+  track_not_fixed: () => 'The sensors do not fix the track. Add a log with positions.',
+  nothing_to_start_from: () => 'Neither photos nor log have positions. Add the log of the flight, or give where it took off.',
 };
