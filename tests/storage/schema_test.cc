@@ -111,6 +111,7 @@ TEST_F(SchemaTest, BringsVersion19ToThisOneWithAllThatIsInIt) { ExpectToBeBrough
 TEST_F(SchemaTest, BringsVersion20ToThisOneWithAllThatIsInIt) { ExpectToBeBroughtToThisOne(20); }
 TEST_F(SchemaTest, BringsVersion21ToThisOneWithAllThatIsInIt) { ExpectToBeBroughtToThisOne(21); }
 TEST_F(SchemaTest, BringsVersion22ToThisOneWithAllThatIsInIt) { ExpectToBeBroughtToThisOne(22); }
+TEST_F(SchemaTest, BringsVersion23ToThisOneWithAllThatIsInIt) { ExpectToBeBroughtToThisOne(23); }
 
 TEST_F(SchemaTest, RefusesOlderAndNewerVersionsAndLeavesThemAsTheyAre) {
   for (const int version : {1, 12, 999}) {
