@@ -114,7 +114,7 @@ TEST(ReportCodec, KeepsTheNamesThatFilesHave) {
       R"("pairs":[{"first":"DJI_1.JPG","second":"DJI_2.JPG","matches":88,"rms_m":0.02,)"
       R"("rms_px":0.9,"by_direct":true},{"first":"DJI_1.JPG","second":"DJI_2.JPG",)"
       R"("matches":88,"rms_m":0.02,"rms_px":0.9,"by_direct":true}],"rejected_pairs":[{"first":"DJI_1.JPG",)"
-      R"("second":"DJI_2.JPG","matches":88,"rms_m":0.02}],"ground_control":[{"name":"point1",)"
+      R"("second":"DJI_2.JPG","matches":88,"rms_m":0.02}],"ground_control":[{"name":"point1","lat":46.8,"lon":7.1,)"
       R"("sightings":3,"is_used":true,"is_check":true,)"
       R"("reason":"has marks that do not meet in one point on the ground",)"
       R"("remark":{"code":"point_marks_apart","values":{}},"miss_east_m":0.1,"miss_north_m":-0.2,)"
