@@ -59,7 +59,8 @@ std::string Words(int error) {
 
 Error NoFilm(const std::filesystem::path& path, std::string detail) {
   return flight::Because(ErrorCode::kUnsupportedFormat,
-                         {flight::RemarkCode::kNoFilm, {{"file", path.filename().string()}}}, std::move(detail));
+                         {flight::RemarkCode::kNoFilm, {{"file", path.filename().string()}}},
+                         std::move(detail));
 }
 
 Error Damaged(const std::filesystem::path& path, std::string detail) {

@@ -75,9 +75,8 @@ Result<std::unique_ptr<GeotiffDem>> GeotiffDem::Open(const std::filesystem::path
                  "The elevation model " + path.string() + " does not exist. Check its path.", ""};
   }
   const auto refuse = [&](const std::string& why) {
-    return flight::Because(
-        ErrorCode::kUnsupportedFormat,
-        {flight::RemarkCode::kElevationsRefused, {{"model", path.string()}, {"why_words", why}}});
+    return flight::Because(ErrorCode::kUnsupportedFormat, {flight::RemarkCode::kElevationsRefused,
+                                                           {{"model", path.string()}, {"why_words", why}}});
   };
   auto raster = std::make_unique<Raster>();
   const char* const drivers[] = {"GTiff", nullptr};

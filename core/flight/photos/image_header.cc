@@ -1,6 +1,5 @@
 #include "core/flight/photos/image_header.h"
 
-
 #include <algorithm>
 #include <cstring>
 #include <string_view>

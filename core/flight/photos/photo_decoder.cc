@@ -1,6 +1,5 @@
 #include "core/flight/photos/photo_decoder.h"
 
-
 #include <algorithm>
 #include <new>
 #include <numeric>

@@ -58,7 +58,8 @@ TEST(StandingObject, AFlatRayMeetsTheSideThatFacesIt) {
   ASSERT_TRUE(hit.has_value());
   EXPECT_TRUE(hit->is_side);
   EXPECT_NEAR(hit->distance_m, 10.0 * to_it.norm(), 1e-9);
-  EXPECT_FALSE(house.CastRay({in_front.x(), in_front.y(), 10.5}, to_it.normalized()).has_value()) << "over it";
+  EXPECT_FALSE(house.CastRay({in_front.x(), in_front.y(), 10.5}, to_it.normalized()).has_value())
+      << "over it";
 }
 
 TEST(StandingObject, AGableFallsFromItsRidgeToBothEaves) {

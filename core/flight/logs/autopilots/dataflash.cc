@@ -256,9 +256,8 @@ Result<FlightLog> ParseDataflash(std::string_view name, LogBytes bytes, const Co
     if (type != kDataflashFmt) messages += walk.counts[type];
   }
   if (messages == 0) {
-    return Because(
-        ErrorCode::kCorrupt, {RemarkCode::kDataflashEmpty, {{"file", name}}},
-        fmt::format("{} bytes, {} skipped", bytes.size(), walk.skipped_bytes));
+    return Because(ErrorCode::kCorrupt, {RemarkCode::kDataflashEmpty, {{"file", name}}},
+                   fmt::format("{} bytes, {} skipped", bytes.size(), walk.skipped_bytes));
   }
   if (walk.skipped_bytes > 0) builder.Warn({RemarkCode::kBytesDamaged, {{"bytes", walk.skipped_bytes}}});
   if (walk.ends_inside_message) builder.Warn(RemarkCode::kCutInMessage);

@@ -1,6 +1,5 @@
 #include "core/flight/logs/autopilots/mavlink_tlog.h"
 
-
 #include <algorithm>
 #include <map>
 

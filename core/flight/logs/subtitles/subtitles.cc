@@ -1,6 +1,5 @@
 #include "core/flight/logs/subtitles/subtitles.h"
 
-
 #include <algorithm>
 #include <cmath>
 #include <functional>

@@ -1,6 +1,5 @@
 #include "core/flight/logs/texts/dji_mrk.h"
 
-
 #include <cmath>
 
 #include "core/flight/logs/gps_time.h"

@@ -1,6 +1,5 @@
 #include "core/flight/logs/texts/pix4d_csv.h"
 
-
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
@@ -184,8 +183,7 @@ Result<FlightLog> ParsePix4dCsv(std::string_view name, LogBytes bytes, const Con
     ++rows;
     builder.Add(std::move(event));
   }
-  if (rows == 0)
-    return Because(ErrorCode::kCorrupt, {RemarkCode::kFileNamesNoPlace, {{"file", name}}});
+  if (rows == 0) return Because(ErrorCode::kCorrupt, {RemarkCode::kFileNamesNoPlace, {{"file", name}}});
   builder.Count("row", rows);
   if (columns->angles == Angles::kUnnamed) {
     builder.Warn(RemarkCode::kAnglesWithoutHeader);

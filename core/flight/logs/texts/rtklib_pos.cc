@@ -160,8 +160,7 @@ Result<FlightLog> ParseRtklibPos(std::string_view name, LogBytes bytes, const Co
     ++rows;
     builder.Add(solution->sample);
   }
-  if (rows == 0)
-    return Because(ErrorCode::kCorrupt, {RemarkCode::kSolutionEmpty, {{"file", name}}});
+  if (rows == 0) return Because(ErrorCode::kCorrupt, {RemarkCode::kSolutionEmpty, {{"file", name}}});
   builder.Count("solution", rows);
   builder.log().utc_at_zero = first;
   builder.log().utc_sigma_s = 1e-3;

@@ -1,6 +1,5 @@
 #include "core/flight/logs/texts/sensefly_geoinfo.h"
 
-
 #include <map>
 
 #include "core/flight/logs/log_builder.h"
@@ -30,9 +29,8 @@ Result<FlightLog> ParseSenseflyGeoinfo(std::string_view name, LogBytes bytes, co
     if (columns.empty()) {
       for (std::size_t i = 0; i < cells.size(); ++i) columns.emplace(LowerCase(cells[i]), i);
       if (!columns.contains("filename") || !columns.contains("latitude") || !columns.contains("longitude")) {
-        return Because(
-            ErrorCode::kCorrupt,
-            {RemarkCode::kFileLacksColumns, {{"file", name}, {"columns", "fileName, latitude, longitude"}}});
+        return Because(ErrorCode::kCorrupt, {RemarkCode::kFileLacksColumns,
+                                             {{"file", name}, {"columns", "fileName, latitude, longitude"}}});
       }
       continue;
     }
@@ -66,8 +64,7 @@ Result<FlightLog> ParseSenseflyGeoinfo(std::string_view name, LogBytes bytes, co
     ++rows;
     builder.Add(std::move(event));
   }
-  if (rows == 0)
-    return Because(ErrorCode::kCorrupt, {RemarkCode::kFileNamesNoPlace, {{"file", name}}});
+  if (rows == 0) return Because(ErrorCode::kCorrupt, {RemarkCode::kFileNamesNoPlace, {{"file", name}}});
   builder.Count("row", rows);
   builder.log().written_order_is_named = true;
   builder.log().mapping = {"heading, pitch, roll -> the airframe's, degrees, camera looking down"};

@@ -1,6 +1,5 @@
 #include "core/flight/logs/tracks/kml.h"
 
-
 #include <algorithm>
 #include <utility>
 
