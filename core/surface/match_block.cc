@@ -1,0 +1,202 @@
+#include "core/surface/match_block.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "core/surface/edge_heights.h"
+#include "core/surface/height_sheets.h"
+#include "core/surface/match_tile.h"
+#include "core/surface/refine_heights.h"
+#include "core/surface/semi_global.h"
+
+namespace skyquilt::surface {
+namespace {
+
+// Cells of the finest level around a block that its heights depend on, by level from the finest: as far as
+// paths of the semi-global matching carry something.
+constexpr std::array<int, kSurfaceLevels> kAroundBlock = {24, 40, 64, 112};
+constexpr int kTileCells = 64;
+constexpr int kMostCoarseHeights = 256;
+// Bounds of the longest base over the height from which steps are reckoned.
+constexpr double kLeastBase = 0.12, kMostBase = 0.7, kUsualBase = 0.3;
+// A height is known where the sum of the next best one over eight paths lies above its own by this.
+constexpr int kLeastMargin = 12;
+constexpr int kFullMargin = 240;  // and full confidence
+constexpr float kSpeckleSteps = 2.0f;
+constexpr int kLeastCells = 16;  // that stand alone
+constexpr int kFillReach = 24;
+constexpr float kFillSteps = 4.0f;
+constexpr float kEdgeSteps = 4.0f;
+
+int FloorShift(int value, int level) { return value >> level; }
+int CeilShift(int value, int level) { return -((-value) >> level); }
+
+// The cells of a level around a block, counted from the grid's corner.
+CellBox LevelBox(const CellBox& block, int level) {
+  const int around = kAroundBlock[static_cast<std::size_t>(level)];
+  const int left = FloorShift(block.column - around, level), low = FloorShift(block.row - around, level);
+  return {left, low, CeilShift(block.column + block.columns + around, level) - left,
+          CeilShift(block.row + block.rows + around, level) - low};
+}
+
+LevelFrame FrameOf(const SurfaceGrid& grid, const CellBox& box, int level) {
+  const double cells = 1 << level;
+  const Eigen::Vector2d first =
+      cells * Eigen::Vector2d(box.column, box.row) + 0.5 * (cells - 1.0) * Eigen::Vector2d::Ones();
+  return {grid.south_west_in_enu + grid.cell_m * first, cells * grid.cell_m, box.columns, box.rows};
+}
+
+geo::Bounds2 BoundsOfCells(const LevelFrame& frame, const MatchedTile& tile) {
+  geo::Bounds2 bounds;
+  bounds.Include(Eigen::Vector2d(frame.first_in_enu + frame.cell_m * Eigen::Vector2d(tile.column, tile.row)));
+  bounds.Include(
+      Eigen::Vector2d(frame.first_in_enu + frame.cell_m * Eigen::Vector2d(tile.column + tile.columns - 1,
+                                                                          tile.row + tile.rows - 1)));
+  return bounds;
+}
+
+class BlockMatcher {
+ public:
+  BlockMatcher(const MatchContext& context, const CellBox& box)
+      : context_(context),
+        box_(box),
+        photos_(context.flight, context.cameras, context.photos, context.grid.cell_m) {
+    const CellBox widest = LevelBox(box, kSurfaceLevels - 1);
+    const LevelFrame frame = FrameOf(context.grid, widest, kSurfaceLevels - 1);
+    const geo::Bounds2 bounds = BoundsOfCells(frame, {0, 0, widest.columns, widest.rows, {}});
+    for (std::size_t i = 0; i < context.cameras.size(); ++i) {
+      if (context.cameras[i].seen_in_enu.Intersects(bounds)) near_.push_back(i);
+    }
+    const LevelFrame finest = FrameOf(context.grid, box, 0);
+    const MatchedTile all{0, 0, box.columns, box.rows, {}};
+    const geo::Bounds2 inner = BoundsOfCells(finest, all);
+    const double ground_m = context.ground.HeightAt(0.5 * (inner.min + inner.max));
+    const ChosenViews views =
+        ChooseViews(context.cameras, near_, {inner, ground_m, ground_m}, context.options.most_views);
+    const double base =
+        views.cameras.size() < 2 ? kUsualBase : std::clamp(views.widest_base, kLeastBase, kMostBase);
+    step_m_ = context.options.shift_of_step * context.grid.cell_m / base;
+  }
+
+  SurfaceBlock Match() {
+    LevelHeights heights;
+    CellBox coarser;
+    for (int level = kSurfaceLevels - 1; level >= 0; --level) {
+      const CellBox box = LevelBox(box_, level);
+      const LevelFrame frame = FrameOf(context_.grid, box, level);
+      const HeightSheets sheets = level == kSurfaceLevels - 1 ? WholeRange(frame)
+                                                              : SheetsFollowing(heights.heights_m, coarser,
+                                                                                box, step_m_ * (1 << level));
+      heights = MatchLevel(frame, sheets, level == 0);
+      coarser = box;
+    }
+    return Cut(heights, coarser);
+  }
+
+ private:
+  HeightSheets WholeRange(const LevelFrame& frame) {
+    std::vector<float> ground_m;
+    ground_m.reserve(static_cast<std::size_t>(frame.columns) * frame.rows);
+    for (int row = 0; row < frame.rows; ++row) {
+      for (int column = 0; column < frame.columns; ++column) {
+        ground_m.push_back(static_cast<float>(
+            context_.ground.HeightAt(frame.first_in_enu + frame.cell_m * Eigen::Vector2d(column, row))));
+      }
+    }
+    const double range_m = context_.below_m + context_.above_m;
+    const double step_m = std::max(step_m_ * (1 << (kSurfaceLevels - 1)), range_m / (kMostCoarseHeights - 1));
+    const int heights = static_cast<int>(range_m / step_m) + 2;
+    return SheetsAbout(frame.columns, frame.rows, std::move(ground_m), context_.below_m, step_m,
+                       (heights + kSheetHeights - 1) / kSheetHeights * kSheetHeights);
+  }
+
+  // The level cut into tiles of about kTileCells, each with its photos.
+  std::vector<MatchedTile> Tiles(const LevelFrame& frame, const HeightSheets& sheets) const {
+    const int across = (frame.columns + kTileCells - 1) / kTileCells,
+              up = (frame.rows + kTileCells - 1) / kTileCells;
+    std::vector<MatchedTile> tiles;
+    for (int row = 0; row < up; ++row) {
+      for (int column = 0; column < across; ++column) {
+        MatchedTile tile;
+        tile.column = frame.columns * column / across;
+        tile.row = frame.rows * row / up;
+        tile.columns = frame.columns * (column + 1) / across - tile.column;
+        tile.rows = frame.rows * (row + 1) / up - tile.row;
+        SeenBox seen{BoundsOfCells(frame, tile), 1e30, -1e30};
+        for (int y = tile.row; y < tile.row + tile.rows; ++y) {
+          const float* expected = sheets.expected_m.data() + frame.IndexOf(tile.column, y);
+          const auto [low, high] = std::minmax_element(expected, expected + tile.columns);
+          seen.low_z_m = std::min(seen.low_z_m, static_cast<double>(*low));
+          seen.high_z_m = std::max(seen.high_z_m, static_cast<double>(*high));
+        }
+        tile.cameras = ChooseViews(context_.cameras, near_, seen, context_.options.most_views).cameras;
+        if (tile.cameras.size() >= 2) tiles.push_back(std::move(tile));
+      }
+    }
+    return tiles;
+  }
+
+  LevelHeights MatchLevel(const LevelFrame& frame, const HeightSheets& sheets, bool is_finest) {
+    const std::size_t cells = sheets.Cells();
+    LevelHeights level{frame.columns, frame.rows, {}, std::vector<std::uint8_t>(cells, 0)};
+    agreeing_.assign(cells, 0);
+    confidence_.assign(cells, 0);
+    const std::vector<MatchedTile> tiles = Tiles(frame, sheets);
+    if (tiles.empty()) {
+      level.heights_m = sheets.expected_m;
+      return level;
+    }
+    TileMatcher matcher(photos_, frame);
+    SheetCosts costs;
+    costs.first.assign(cells * static_cast<std::size_t>(sheets.heights), BetterHalf::kMostCost / 2);
+    costs.second.assign(static_cast<std::size_t>(sheets.second_count) * kSheetHeights,
+                        BetterHalf::kMostCost / 2);
+    std::vector<std::uint8_t> gray(cells, 0);
+    for (const MatchedTile& tile : tiles) matcher.FillCosts(tile, sheets, costs, gray);
+    PickedHeights picked = PickHeights(sheets, SumAlongPaths(sheets, costs, gray, {}));
+    level.heights_m = std::move(picked.heights_m);
+    for (const MatchedTile& tile : tiles) matcher.FillAgreeing(tile, level.heights_m, agreeing_, gray);
+    for (std::size_t i = 0; i < cells; ++i) {
+      level.is_known[i] = agreeing_[i] >= 2 && picked.margins[i] >= kLeastMargin ? 1 : 0;
+      confidence_[i] = static_cast<std::uint8_t>(std::min(255, picked.margins[i] * 255 / kFullMargin));
+    }
+    DropSpeckles(level, kSpeckleSteps * sheets.step_m, kLeastCells);
+    FillUnknown(level, sheets.expected_m, kFillReach, kFillSteps * sheets.step_m);
+    TakeMedians(level);
+    if (is_finest) MoveStepsToEdges(gray, kEdgeSteps * sheets.step_m, level);
+    return level;
+  }
+
+  // The block without what lies around it.
+  SurfaceBlock Cut(const LevelHeights& level, const CellBox& box) const {
+    SurfaceBlock block{box_, {}};
+    block.cells.heights_m.reserve(box_.Count());
+    for (int row = 0; row < box_.rows; ++row) {
+      for (int column = 0; column < box_.columns; ++column) {
+        const std::size_t at = level.IndexOf(box_.column + column - box.column, box_.row + row - box.row);
+        const bool is_known = level.is_known[at] != 0;
+        block.cells.heights_m.push_back(level.heights_m[at]);
+        block.cells.confidence.push_back(is_known ? std::max<std::uint8_t>(1, confidence_[at]) : 0);
+        block.cells.agreeing_photos.push_back(is_known ? agreeing_[at] : 0);
+      }
+    }
+    return block;
+  }
+
+  const MatchContext& context_;
+  const CellBox box_;
+  BlockPhotos photos_;
+  std::vector<std::size_t> near_;                    // cameras that may see the block and what lies around it
+  double step_m_ = 1.0;                              // of the finest level
+  std::vector<std::uint8_t> agreeing_, confidence_;  // of the level matched last
+};
+
+}  // namespace
+
+SurfaceBlock MatchBlock(const MatchContext& context, const CellBox& box) {
+  return BlockMatcher(context, box).Match();
+}
+
+}  // namespace skyquilt::surface

@@ -1,0 +1,30 @@
+// MatchBlock: the heights of one block of cells, from levels of cells 8, 4, 2 and 1 times as large: the
+// coarsest looks through the whole range about the smooth ground, each finer one about what the one before
+// found. What it gives depends on the block alone. Any number of threads at a time, each with a block of its
+// own. Cannot fail: what cannot be measured is filled.
+#pragma once
+
+#include "core/alignment/aligned_flight.h"
+#include "core/ground/ground_surface.h"
+#include "core/surface/dense_surface.h"
+#include "core/surface/gray_photos.h"
+#include "core/surface/surface_camera.h"
+#include "core/surface/surface_options.h"
+
+namespace skyquilt::surface {
+
+inline constexpr int kSurfaceLevels = 4;
+
+struct MatchContext {
+  const alignment::AlignedFlight& flight;
+  const std::vector<SurfaceCamera>& cameras;
+  const ground::GroundSurface& ground;
+  const SurfaceGrid& grid;
+  const SurfaceOptions& options;
+  double below_m = 0.0, above_m = 0.0;  // the range about the ground
+  GrayPhotos& photos;
+};
+
+SurfaceBlock MatchBlock(const MatchContext& context, const CellBox& box);
+
+}  // namespace skyquilt::surface

@@ -1,0 +1,154 @@
+#include "core/surface/match_tile.h"
+
+#include <algorithm>
+
+namespace skyquilt::surface {
+namespace {
+
+// Photos whose census differs in more bits than this show something else; unlike pictures differ in 24.
+constexpr std::uint8_t kMostAgreeingBits = 15;
+
+// The part of the tile whose cells have second sheets; no columns where none has.
+MatchedTile PartWithSecond(const MatchedTile& tile, const HeightSheets& sheets) {
+  int left = tile.columns, right = -1, low = tile.rows, high = -1;
+  for (int row = 0; row < tile.rows; ++row) {
+    const std::int32_t* second =
+        sheets.second.data() + static_cast<std::size_t>(tile.row + row) * sheets.columns + tile.column;
+    for (int column = 0; column < tile.columns; ++column) {
+      if (second[column] == HeightSheets::kNone) continue;
+      left = std::min(left, column);
+      right = std::max(right, column);
+      low = std::min(low, row);
+      high = row;
+    }
+  }
+  if (right < 0) return {};
+  return {tile.column + left, tile.row + low, right - left + 1, high - low + 1, tile.cameras};
+}
+
+}  // namespace
+
+const GrayPyramid* BlockPhotos::Pyramid(std::size_t camera) {
+  const auto [found, is_new] = held_.try_emplace(camera);
+  if (is_new) {
+    const SurfaceCamera& wanted = cameras_[camera];
+    found->second = photos_.Get(wanted.photo, flight_.photos[wanted.photo].photo,
+                                GrayDenominator(wanted.CellInPhotoPx(finest_cell_m_)));
+  }
+  return found->second.get();
+}
+
+bool TileMatcher::Lay(const MatchedTile& tile, const std::vector<float>& low_m, double raised_m,
+                      double span_m, int heights) {
+  laid_.cell_m = frame_.cell_m;
+  laid_.columns = tile.columns + 2 * kCensusRadius;
+  laid_.rows = tile.rows + 2 * kCensusRadius;
+  laid_.first_in_enu = frame_.first_in_enu +
+                       frame_.cell_m * Eigen::Vector2d(tile.column - kCensusRadius, tile.row - kCensusRadius);
+  plane_size_ = PaddedCount(static_cast<std::size_t>(tile.columns) * tile.rows);
+  low_m_.resize(laid_.Count());
+  std::size_t to = 0;
+  for (int row = -kCensusRadius; row < tile.rows + kCensusRadius; ++row) {
+    const int from_row = std::clamp(tile.row + row, 0, frame_.rows - 1);
+    for (int column = -kCensusRadius; column < tile.columns + kCensusRadius; ++column, ++to) {
+      const int from_column = std::clamp(tile.column + column, 0, frame_.columns - 1);
+      low_m_[to] = low_m[frame_.IndexOf(from_column, from_row)] + static_cast<float>(raised_m);
+    }
+  }
+  used_ = 0;
+  patches_.resize(std::max(patches_.size(), tile.cameras.size()));
+  for (const std::size_t camera : tile.cameras) {
+    const GrayPyramid* pyramid = photos_.Pyramid(camera);
+    if (pyramid != nullptr &&
+        patches_[used_].Prepare(photos_.Camera(camera), *pyramid, laid_, low_m_, span_m, heights)) {
+      ++used_;
+    }
+  }
+  if (used_ < 2) return false;
+  shown_.resize(std::max(shown_.size(), used_));
+  census_.resize(std::max(census_.size(), used_));
+  views_.clear();
+  for (std::size_t view = 0; view < used_; ++view) {
+    shown_[view].resize(laid_.Count());
+    census_[view].resize(kCensusPlanes * plane_size_);
+    views_.push_back({census_[view].data(), patches_[view].Unseen().data()});
+  }
+  return true;
+}
+
+void TileMatcher::SampleAll(int height) {
+  for (std::size_t view = 0; view < used_; ++view) {
+    patches_[view].Sample(height, shown_[view].data());
+    FillCensus(shown_[view].data(), laid_.columns - 2 * kCensusRadius, laid_.rows - 2 * kCensusRadius,
+               plane_size_, census_[view].data());
+  }
+}
+
+void TileMatcher::TakeGray(const MatchedTile& tile, std::vector<std::uint8_t>& gray) const {
+  for (int row = 0; row < tile.rows; ++row) {
+    for (int column = 0; column < tile.columns; ++column) {
+      const std::size_t cell = static_cast<std::size_t>(row) * tile.columns + column;
+      const std::size_t laid =
+          static_cast<std::size_t>(row + kCensusRadius) * laid_.columns + column + kCensusRadius;
+      std::size_t view = 0;
+      while (view + 1 < used_ && views_[view].unseen[cell] != 0) ++view;
+      gray[frame_.IndexOf(tile.column + column, tile.row + row)] = shown_[view][laid];
+    }
+  }
+}
+
+bool TileMatcher::FillPlanes(const MatchedTile& tile, const std::vector<float>& low_m, double raised_m,
+                             double step_m, int shown_height, std::vector<std::uint8_t>* gray) {
+  if (!Lay(tile, low_m, raised_m, (kSheetHeights - 1) * step_m, kSheetHeights)) return false;
+  planes_.resize(kSheetHeights * plane_size_);
+  const BetterHalf better_half(static_cast<int>(used_));
+  for (int height = 0; height < kSheetHeights; ++height) {
+    SampleAll(height);
+    better_half.Fill(views_, plane_size_, planes_.data() + static_cast<std::size_t>(height) * plane_size_);
+    if (gray != nullptr && height == shown_height) TakeGray(tile, *gray);
+  }
+  return true;
+}
+
+void TileMatcher::FillCosts(const MatchedTile& tile, const HeightSheets& sheets, SheetCosts& costs,
+                            std::vector<std::uint8_t>& gray) {
+  const double step_m = sheets.step_m;
+  for (int first = 0; first < sheets.heights; first += kSheetHeights) {
+    if (!FillPlanes(tile, sheets.low_m, first * step_m, step_m, sheets.expected_at - first, &gray)) continue;
+    for (int row = 0; row < tile.rows; ++row) {
+      const std::uint8_t* from = planes_.data() + static_cast<std::size_t>(row) * tile.columns;
+      std::uint8_t* to = costs.first.data() + frame_.IndexOf(tile.column, tile.row + row) * sheets.heights +
+                         static_cast<std::size_t>(first);
+      for (int column = 0; column < tile.columns; ++column, ++from, to += sheets.heights) {
+        for (std::size_t height = 0; height < kSheetHeights; ++height)
+          to[height] = from[height * plane_size_];
+      }
+    }
+  }
+  const MatchedTile part = PartWithSecond(tile, sheets);
+  if (part.columns == 0 || !FillPlanes(part, sheets.second_low_m, 0.0, step_m, -1, nullptr)) return;
+  for (int row = 0; row < part.rows; ++row) {
+    for (int column = 0; column < part.columns; ++column) {
+      const std::int32_t second = sheets.second[frame_.IndexOf(part.column + column, part.row + row)];
+      if (second == HeightSheets::kNone) continue;
+      const std::uint8_t* from = planes_.data() + static_cast<std::size_t>(row) * part.columns + column;
+      std::uint8_t* to = costs.second.data() + static_cast<std::size_t>(second) * kSheetHeights;
+      for (std::size_t height = 0; height < kSheetHeights; ++height) to[height] = from[height * plane_size_];
+    }
+  }
+}
+
+void TileMatcher::FillAgreeing(const MatchedTile& tile, const std::vector<float>& heights_m,
+                               std::vector<std::uint8_t>& agreeing, std::vector<std::uint8_t>& gray) {
+  if (!Lay(tile, heights_m, 0.0, 0.0, 1)) return;
+  SampleAll(0);
+  TakeGray(tile, gray);
+  counted_.resize(plane_size_);
+  CountAgreeing(views_, plane_size_, kMostAgreeingBits, counted_.data());
+  for (int row = 0; row < tile.rows; ++row) {
+    std::copy_n(counted_.data() + static_cast<std::size_t>(row) * tile.columns, tile.columns,
+                agreeing.data() + frame_.IndexOf(tile.column, tile.row + row));
+  }
+}
+
+}  // namespace skyquilt::surface

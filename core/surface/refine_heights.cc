@@ -1,0 +1,114 @@
+#include "core/surface/refine_heights.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+#include "core/base/vector_clones.h"
+
+namespace skyquilt::surface {
+namespace {
+
+constexpr int kDirections = 8;
+constexpr std::array<std::array<int, 2>, kDirections> kAround = {
+    {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}}};
+constexpr std::size_t kLeastMet = 5;
+
+struct Met {
+  float height_m = 0.0f;
+  float weight = 0.0f;
+};
+
+SKYQUILT_VECTOR_CLONES void MedianRow(const float* below, const float* here, const float* above, int count,
+                                      float* __restrict medians) {
+  const auto order = [](float& a, float& b) {
+    const float least = std::min(a, b);
+    b = std::max(a, b);
+    a = least;
+  };
+  for (int i = 0; i < count; ++i) {
+    // The shortest network that sorts as much as is needed of nine (Devillard 1998).
+    float p0 = below[i], p1 = below[i + 1], p2 = below[i + 2], p3 = here[i], p4 = here[i + 1],
+          p5 = here[i + 2], p6 = above[i], p7 = above[i + 1], p8 = above[i + 2];
+    order(p1, p2), order(p4, p5), order(p7, p8), order(p0, p1), order(p3, p4), order(p6, p7);
+    order(p1, p2), order(p4, p5), order(p7, p8), order(p0, p3), order(p5, p8), order(p4, p7);
+    order(p3, p6), order(p1, p4), order(p2, p5), order(p4, p7), order(p4, p2), order(p6, p4);
+    order(p4, p2);
+    medians[i] = p4;
+  }
+}
+
+}  // namespace
+
+void DropSpeckles(LevelHeights& level, float most_step_m, int least_cells) {
+  constexpr std::uint8_t kSeen = 2;  // known, and counted already
+  std::vector<std::size_t> members;
+  for (std::size_t start = 0; start < level.is_known.size(); ++start) {
+    if (level.is_known[start] != 1) continue;
+    members.assign(1, start);
+    level.is_known[start] = kSeen;
+    for (std::size_t next = 0; next < members.size(); ++next) {
+      const std::size_t cell = members[next];
+      const int column = static_cast<int>(cell % static_cast<std::size_t>(level.columns)),
+                row = static_cast<int>(cell / static_cast<std::size_t>(level.columns));
+      for (std::size_t way = 0; way < kDirections; way += 2) {
+        const int x = column + kAround[way][0], y = row + kAround[way][1];
+        if (x < 0 || y < 0 || x >= level.columns || y >= level.rows) continue;
+        const std::size_t other = level.IndexOf(x, y);
+        if (level.is_known[other] != 1) continue;
+        if (std::abs(level.heights_m[other] - level.heights_m[cell]) > most_step_m) continue;
+        level.is_known[other] = kSeen;
+        members.push_back(other);
+      }
+    }
+    if (members.size() >= static_cast<std::size_t>(least_cells)) continue;
+    for (const std::size_t cell : members) level.is_known[cell] = 0;
+  }
+  for (std::uint8_t& known : level.is_known) known = known != 0 ? 1 : 0;
+}
+
+void FillUnknown(LevelHeights& level, const std::vector<float>& expected_m, int reach, float most_step_m) {
+  for (int row = 0; row < level.rows; ++row) {
+    for (int column = 0; column < level.columns; ++column) {
+      const std::size_t cell = level.IndexOf(column, row);
+      if (level.is_known[cell] != 0) continue;
+      std::array<Met, kDirections> met;
+      std::size_t count = 0;
+      for (const auto& [step_x, step_y] : kAround) {
+        int x = column + step_x, y = row + step_y;
+        for (int gone = 1; gone <= reach; ++gone, x += step_x, y += step_y) {
+          if (x < 0 || y < 0 || x >= level.columns || y >= level.rows) break;
+          const std::size_t other = level.IndexOf(x, y);
+          if (level.is_known[other] == 0) continue;
+          met[count++] = {level.heights_m[other], 1.0f / static_cast<float>(gone)};
+          break;
+        }
+      }
+      // Only known cells are read, so that filled ones do not spread.
+      level.heights_m[cell] = expected_m[cell];
+      if (count < kLeastMet) continue;
+      std::sort(met.begin(), met.begin() + static_cast<std::ptrdiff_t>(count),
+                [](const Met& a, const Met& b) { return a.height_m < b.height_m; });
+      float sum = 0.0f, weights = 0.0f;
+      for (std::size_t i = 0; i < count && met[i].height_m <= met[1].height_m + most_step_m; ++i) {
+        if (met[i].height_m < met[1].height_m - most_step_m) continue;
+        sum += met[i].weight * met[i].height_m;
+        weights += met[i].weight;
+      }
+      level.heights_m[cell] = sum / weights;
+    }
+  }
+}
+
+void TakeMedians(LevelHeights& level) {
+  if (level.columns < 3 || level.rows < 3) return;
+  const std::vector<float> from = level.heights_m;
+  for (int row = 1; row + 1 < level.rows; ++row) {
+    MedianRow(from.data() + level.IndexOf(0, row - 1), from.data() + level.IndexOf(0, row),
+              from.data() + level.IndexOf(0, row + 1), level.columns - 2,
+              level.heights_m.data() + level.IndexOf(1, row));
+  }
+}
+
+}  // namespace skyquilt::surface

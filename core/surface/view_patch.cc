@@ -1,0 +1,253 @@
+#include "core/surface/view_patch.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "core/base/vector_clones.h"
+#include "core/surface/census.h"
+
+namespace skyquilt::surface {
+namespace {
+
+constexpr int kExactStep = 16;  // cells
+constexpr float kBorderPx = 4.0f;
+constexpr double kLeastDepthM = 0.5;
+constexpr std::int64_t kMostBoxPixels = 1 << 20;
+constexpr float kParts = 64.0f;  // of a pixel, in bilinear weights
+
+// Of a place of the ground: the pixel at height s is at + s * (linear + s * square), where s runs from 0 at
+// the lowest height to 1 at the highest with the inverse of the depth.
+struct Line {
+  Eigen::Vector2f at, linear, square;
+};
+
+// How the depth of a cell in the camera changes with its place and height.
+struct DepthPlane {
+  float first = 0.0f, column = 0.0f, row = 0.0f, up = 0.0f;
+};
+
+std::optional<Line> LineAt(const SurfaceCamera& camera, const Eigen::Vector2d& east_north, double low_z_m,
+                           double high_z_m, double picture_scale) {
+  std::array<Eigen::Vector2d, 3> pixels;
+  std::array<double, 3> depths;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double z_m = low_z_m + 0.5 * static_cast<double>(i) * (high_z_m - low_z_m);
+    const Eigen::Vector3d point(east_north.x(), east_north.y(), z_m);
+    depths[i] = camera.rotation.row(2).dot(point - camera.center_in_enu);
+    if (depths[i] < kLeastDepthM) return std::nullopt;
+    const auto pixel = camera::ProjectRolling(camera.lens, camera.cam_from_enu, camera.motion, point);
+    if (!pixel) return std::nullopt;
+    pixels[i] = (pixel->array() + 0.5) * picture_scale - 0.5;
+  }
+  const double s = 0.5 * depths[2] / depths[1];
+  const Eigen::Vector2d whole = pixels[2] - pixels[0];
+  const Eigen::Vector2d square = ((pixels[1] - pixels[0]) / s - whole) / (s - 1.0);
+  return Line{pixels[0].cast<float>(), (whole - square).cast<float>(), square.cast<float>()};
+}
+
+// Of `count` cells between two places, or of as many as are left of them.
+struct LineSpan {
+  Line from, to;
+  DepthPlane depth;  // first: of the first of the cells at low_z_m
+  float low_z_m = 0.0f, range_m = 1.0f, span_m = 0.0f, per_step = 1.0f;
+};
+
+SKYQUILT_VECTOR_CLONES void FollowLines(const LineSpan& span, const float* __restrict low_m, int count,
+                                        float* __restrict x, float* __restrict y, float* __restrict step_x,
+                                        float* __restrict step_y) {
+  const float at_x = span.from.at.x(), at_y = span.from.at.y();
+  const float linear_x = span.from.linear.x(), linear_y = span.from.linear.y();
+  const float square_x = span.from.square.x(), square_y = span.from.square.y();
+  const float to_at_x = span.to.at.x() - at_x, to_at_y = span.to.at.y() - at_y;
+  const float to_linear_x = span.to.linear.x() - linear_x, to_linear_y = span.to.linear.y() - linear_y;
+  const float to_square_x = span.to.square.x() - square_x, to_square_y = span.to.square.y() - square_y;
+  const float first = span.depth.first, column = span.depth.column, up = span.depth.up;
+  const float low_z_m = span.low_z_m, per_range = 1.0f / span.range_m, span_m = span.span_m;
+  const float range_m = span.range_m, per_step = span.per_step;
+  for (int i = 0; i < count; ++i) {
+    const float cells = static_cast<float>(i), t = cells * (1.0f / kExactStep);
+    const float depth_low = first + cells * column;
+    const float depth_high = depth_low + range_m * up;
+    const float above = low_m[i] - low_z_m;
+    const float s = above * per_range * depth_high / (depth_low + above * up);
+    const float above_end = above + span_m;
+    const float s_end = above_end * per_range * depth_high / (depth_low + above_end * up);
+    const float ax = at_x + t * to_at_x, ay = at_y + t * to_at_y;
+    const float bx = linear_x + t * to_linear_x, by = linear_y + t * to_linear_y;
+    const float cx = square_x + t * to_square_x, cy = square_y + t * to_square_y;
+    const float start_x = ax + s * (bx + s * cx), start_y = ay + s * (by + s * cy);
+    x[i] = start_x;
+    y[i] = start_y;
+    step_x[i] = (ax + s_end * (bx + s_end * cx) - start_x) * per_step;
+    step_y[i] = (ay + s_end * (by + s_end * cy) - start_y) * per_step;
+  }
+}
+
+// Where in the box each cell of a row lies, and how far between its pixels.
+SKYQUILT_VECTOR_CLONES void PlaceRow(const float* __restrict x, const float* __restrict y,
+                                     const float* __restrict step_x, const float* __restrict step_y,
+                                     float height, float last_x, float last_y, float stride, int count,
+                                     std::int32_t* __restrict index, std::int32_t* __restrict weights) {
+  for (int i = 0; i < count; ++i) {
+    float u = x[i] + height * step_x[i], v = y[i] + height * step_y[i];
+    u = u > 0.0f ? u : 0.0f;
+    v = v > 0.0f ? v : 0.0f;
+    u = u < last_x ? u : last_x;
+    v = v < last_y ? v : last_y;
+    const std::int32_t column = static_cast<std::int32_t>(u), row = static_cast<std::int32_t>(v);
+    const float whole_u = static_cast<float>(column), whole_v = static_cast<float>(row);
+    index[i] = static_cast<std::int32_t>(whole_v * stride + whole_u);
+    weights[i] = static_cast<std::int32_t>((u - whole_u) * kParts) |
+                 (static_cast<std::int32_t>((v - whole_v) * kParts) << 8);
+  }
+}
+
+// Alone: instructions that gather are slower than this on many processors.
+void TakeRow(const std::uint32_t* fours, const std::int32_t* index, int count, std::uint32_t* row) {
+  for (int i = 0; i < count; ++i) row[i] = fours[index[i]];
+}
+
+SKYQUILT_VECTOR_CLONES void MixRow(const std::uint32_t* __restrict row,
+                                   const std::int32_t* __restrict weights, int count,
+                                   std::uint8_t* __restrict gray) {
+  for (int i = 0; i < count; ++i) {
+    const auto four = static_cast<std::int32_t>(row[i]);
+    const std::int32_t u = weights[i] & 255, v = weights[i] >> 8;
+    const std::int32_t a = four & 255, b = (four >> 8) & 255, c = (four >> 16) & 255, d = (four >> 24) & 255;
+    const std::int32_t upper = a * 64 + (b - a) * u, lower = c * 64 + (d - c) * u;
+    gray[i] = static_cast<std::uint8_t>((upper * 64 + (lower - upper) * v + 2048) >> 12);
+  }
+}
+
+}  // namespace
+
+bool ViewPatch::Prepare(const SurfaceCamera& camera, const GrayPyramid& pyramid, const TileFrame& frame,
+                        const std::vector<float>& low_m, double span_m, int heights) {
+  frame_ = frame;
+  heights_ = heights;
+  const std::size_t level = pyramid.LevelFor(camera.CellInPhotoPx(frame.cell_m));
+  const GrayPicture& picture = pyramid.pictures[level];
+  const double scale = 1.0 / (static_cast<double>(pyramid.denominator) * static_cast<double>(1U << level));
+  const auto [lowest, highest] = std::minmax_element(low_m.begin(), low_m.end());
+  const double low_z_m = *lowest;
+  // Never nothing: the square is through three heights that differ.
+  const double range_m = std::max(*highest - low_z_m + span_m, frame.cell_m);
+  const int nodes_x = (frame.columns - 1) / kExactStep + 2, nodes_y = (frame.rows - 1) / kExactStep + 2;
+  std::vector<Line> nodes;
+  nodes.reserve(static_cast<std::size_t>(nodes_x) * nodes_y);
+  for (int row = 0; row < nodes_y; ++row) {
+    for (int column = 0; column < nodes_x; ++column) {
+      const Eigen::Vector2d place =
+          frame.first_in_enu + frame.cell_m * kExactStep * Eigen::Vector2d(column, row);
+      const auto line = LineAt(camera, place, low_z_m, low_z_m + range_m, scale);
+      if (!line) return false;
+      nodes.push_back(*line);
+    }
+  }
+  for (std::vector<float>* values : {&x_, &y_, &step_x_, &step_y_}) values->resize(frame.Count());
+  const Eigen::RowVector3d axis = camera.rotation.row(2);
+  const Eigen::Vector3d first(frame.first_in_enu.x(), frame.first_in_enu.y(), low_z_m);
+  const double first_depth = axis.dot(first - camera.center_in_enu);
+  for (int row = 0; row < frame.rows; ++row) {
+    const float t = static_cast<float>(row % kExactStep) / kExactStep;
+    const Line* below = nodes.data() + static_cast<std::ptrdiff_t>(row / kExactStep) * nodes_x;
+    const auto between = [&](int column) {
+      const Line &a = below[column], &b = below[column + nodes_x];
+      return Line{a.at + t * (b.at - a.at), a.linear + t * (b.linear - a.linear),
+                  a.square + t * (b.square - a.square)};
+    };
+    for (int column = 0; column < frame.columns; column += kExactStep) {
+      LineSpan span{between(column / kExactStep), between(column / kExactStep + 1), {}};
+      span.depth.first =
+          static_cast<float>(first_depth + frame.cell_m * (axis.x() * column + axis.y() * row));
+      span.depth.column = static_cast<float>(axis.x() * frame.cell_m);
+      span.depth.up = static_cast<float>(axis.z());
+      span.low_z_m = static_cast<float>(low_z_m);
+      span.range_m = static_cast<float>(range_m);
+      span.span_m = static_cast<float>(span_m);
+      span.per_step = heights > 1 ? 1.0f / static_cast<float>(heights - 1) : 0.0f;
+      const std::size_t at = static_cast<std::size_t>(row) * frame.columns + column;
+      FollowLines(span, low_m.data() + at, std::min(kExactStep, frame.columns - column), x_.data() + at,
+                  y_.data() + at, step_x_.data() + at, step_y_.data() + at);
+    }
+  }
+  // A cell is seen where the picture has it, and what lies around it, at both ends of its heights.
+  const int columns = frame.columns - 2 * kCensusRadius, rows = frame.rows - 2 * kCensusRadius;
+  unseen_.assign(PaddedCount(static_cast<std::size_t>(columns) * rows), kNotCompared);
+  const float last_x = static_cast<float>(picture.width_px - 1) - kBorderPx,
+              last_y = static_cast<float>(picture.height_px - 1) - kBorderPx;
+  const float steps = static_cast<float>(heights - 1);
+  bool sees_any = false;
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      const std::size_t at =
+          static_cast<std::size_t>(row + kCensusRadius) * frame.columns + column + kCensusRadius;
+      const float end_x = x_[at] + steps * step_x_[at], end_y = y_[at] + steps * step_y_[at];
+      const bool is_seen = std::min(x_[at], end_x) >= kBorderPx && std::max(x_[at], end_x) <= last_x &&
+                           std::min(y_[at], end_y) >= kBorderPx && std::max(y_[at], end_y) <= last_y;
+      if (is_seen) unseen_[static_cast<std::size_t>(row) * columns + column] = 0;
+      sees_any = sees_any || is_seen;
+    }
+  }
+  return sees_any && TakeBox(picture);
+}
+
+bool ViewPatch::TakeBox(const GrayPicture& picture) {
+  float left = 1e9f, top = 1e9f, right = -1e9f, bottom = -1e9f;
+  const float steps = static_cast<float>(heights_ - 1);
+  for (std::size_t i = 0; i < x_.size(); ++i) {
+    const float end_x = x_[i] + steps * step_x_[i], end_y = y_[i] + steps * step_y_[i];
+    left = std::min(left, std::min(x_[i], end_x));
+    right = std::max(right, std::max(x_[i], end_x));
+    top = std::min(top, std::min(y_[i], end_y));
+    bottom = std::max(bottom, std::max(y_[i], end_y));
+  }
+  const auto within = [](float value, int last) {
+    return static_cast<int>(std::clamp(value, 0.0f, static_cast<float>(last)));
+  };
+  const int first_x = within(std::floor(left), picture.width_px - 2),
+            first_y = within(std::floor(top), picture.height_px - 2);
+  const int end_x = within(std::floor(right) + 2.0f, picture.width_px - 1),
+            end_y = within(std::floor(bottom) + 2.0f, picture.height_px - 1);
+  box_width_ = std::max(1, end_x - first_x);
+  box_height_ = std::max(1, end_y - first_y);
+  if (static_cast<std::int64_t>(box_width_) * box_height_ > kMostBoxPixels) return false;
+  fours_.resize(static_cast<std::size_t>(box_width_) * box_height_);
+  for (int y = 0; y < box_height_; ++y) {
+    const std::uint8_t* upper =
+        picture.gray.data() + static_cast<std::size_t>(first_y + y) * picture.width_px + first_x;
+    const std::uint8_t* lower = upper + picture.width_px;
+    std::uint32_t* four = fours_.data() + static_cast<std::size_t>(y) * box_width_;
+    for (int x = 0; x < box_width_; ++x) {
+      four[x] = static_cast<std::uint32_t>(upper[x]) | static_cast<std::uint32_t>(upper[x + 1]) << 8 |
+                static_cast<std::uint32_t>(lower[x]) << 16 | static_cast<std::uint32_t>(lower[x + 1]) << 24;
+    }
+  }
+  for (std::size_t i = 0; i < x_.size(); ++i) {
+    x_[i] -= static_cast<float>(first_x);
+    y_[i] -= static_cast<float>(first_y);
+  }
+  return true;
+}
+
+void ViewPatch::Sample(int height, std::uint8_t* patch) {
+  const auto columns = static_cast<std::size_t>(frame_.columns);
+  index_.resize(columns);
+  weights_.resize(columns);
+  row_.resize(columns);
+  // The last word of a row and the last row hold the pixels beyond them too.
+  const float last_x = static_cast<float>(box_width_) - 0.01f,
+              last_y = static_cast<float>(box_height_) - 0.01f;
+  for (int row = 0; row < frame_.rows; ++row) {
+    const std::size_t at = static_cast<std::size_t>(row) * columns;
+    PlaceRow(x_.data() + at, y_.data() + at, step_x_.data() + at, step_y_.data() + at,
+             static_cast<float>(height), last_x, last_y, static_cast<float>(box_width_), frame_.columns,
+             index_.data(), weights_.data());
+    TakeRow(fours_.data(), index_.data(), frame_.columns, row_.data());
+    MixRow(row_.data(), weights_.data(), frame_.columns, patch + at);
+  }
+}
+
+}  // namespace skyquilt::surface

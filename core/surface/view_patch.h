@@ -1,0 +1,53 @@
+// ViewPatch: what one photo shows of the cells of a tile, laid at a pile of heights over a surface (a plane
+// sweep over that surface). Where the photo sees a place is computed exactly every 16 cells at three heights,
+// lens and rolling shutter included; along a vertical line pixels are nearly linear in the inverse of the
+// depth, so that a square in that follows them to hundredths of a pixel, and between the places all is
+// bilinear. Within the pile pixels are linear in the height. Frames enu, image (photo) and the pixels of a
+// smaller picture of it. One thread at a time; the same bytes on any processor.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "core/surface/gray_photos.h"
+#include "core/surface/surface_camera.h"
+
+namespace skyquilt::surface {
+
+// The cells of a tile with a margin of kCensusRadius around them, row by row from the south-west.
+struct TileFrame {
+  Eigen::Vector2d first_in_enu;  // centre of its first cell
+  double cell_m = 1.0;
+  int columns = 0, rows = 0;
+
+  std::size_t Count() const { return static_cast<std::size_t>(columns) * rows; }
+};
+
+class ViewPatch {
+ public:
+  // low_m: by cell of the frame, z of the lowest height in enu; the highest is span_m above it and the
+  // heights between are evenly spaced. False where the photo sees none of it.
+  bool Prepare(const SurfaceCamera& camera, const GrayPyramid& pyramid, const TileFrame& frame,
+               const std::vector<float>& low_m, double span_m, int heights);
+  // The gray of each cell of the frame at a height, bilinear.
+  void Sample(int height, std::uint8_t* patch);
+  // By cell inside the margin, padded (PaddedCount): 255 where the photo does not see it at all heights.
+  const std::vector<std::uint8_t>& Unseen() const { return unseen_; }
+
+ private:
+  bool TakeBox(const GrayPicture& picture);
+
+  TileFrame frame_;
+  int heights_ = 1;
+  // By cell of the frame: the pixel at the lowest height and how it moves with each step up.
+  std::vector<float> x_, y_, step_x_, step_y_;
+  std::vector<std::uint8_t> unseen_;
+  // The part of the picture that is needed; each word has a pixel and those right, below and both of it.
+  std::vector<std::uint32_t> fours_;
+  int box_width_ = 0, box_height_ = 0;
+  std::vector<std::int32_t> index_, weights_;
+  std::vector<std::uint32_t> row_;
+};
+
+}  // namespace skyquilt::surface
