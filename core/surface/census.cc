@@ -109,27 +109,19 @@ SKYQUILT_VECTOR_CLONES void AddAgreeing(const std::uint8_t* __restrict distances
 
 }  // namespace
 
-void FillCensus(const std::uint8_t* patch, int columns, int rows, std::size_t plane_size,
-                std::uint8_t* planes) {
-  const int stride = columns + 2 * kCensusRadius;
-  std::array<std::ptrdiff_t, kCensusBits> offsets;
+void FillCensus(const std::uint8_t* patch, const CensusShape& shape, std::uint8_t* planes) {
+  const int stride = shape.PatchColumns();
+  const std::uint8_t* center = patch + static_cast<std::ptrdiff_t>(kCensusRadius) * stride + kCensusRadius;
+  std::array<const std::uint8_t*, kCensusBits> around;
   std::size_t next = 0;
   for (int y = -kCensusRadius; y <= kCensusRadius; ++y) {
     for (int x = -kCensusRadius; x <= kCensusRadius; ++x) {
-      if (x != 0 || y != 0) offsets[next++] = static_cast<std::ptrdiff_t>(y) * stride + x;
+      if (x != 0 || y != 0) around[next++] = center + static_cast<std::ptrdiff_t>(y) * stride + x;
     }
   }
-  for (int row = 0; row < rows; ++row) {
-    const std::uint8_t* center =
-        patch + static_cast<std::size_t>(row + kCensusRadius) * stride + kCensusRadius;
-    for (int plane = 0; plane < kCensusPlanes; ++plane) {
-      std::array<const std::uint8_t*, 8> around;
-      for (std::size_t bit = 0; bit < 8; ++bit) {
-        around[bit] = center + offsets[8 * static_cast<std::size_t>(plane) + bit];
-      }
-      CensusByte(center, around.data(), columns,
-                 planes + plane * plane_size + static_cast<std::size_t>(row) * columns);
-    }
+  for (std::size_t plane = 0; plane < kCensusPlanes; ++plane) {
+    CensusByte(center, around.data() + 8 * plane, static_cast<int>(shape.Used()),
+               planes + plane * shape.PlaneSize());
   }
 }
 

@@ -16,13 +16,23 @@ inline constexpr int kCensusPlanes = 6;
 inline constexpr int kCensusBits = 48;
 inline constexpr std::uint8_t kNotCompared = 255;  // a distance where one of the two does not see the cell
 
-// Rounded up so that loops over cells have no remainder.
-inline std::size_t PaddedCount(std::size_t cells) { return (cells + 63) / 64 * 64; }
+// Of columns x rows cells in the middle of a patch that is larger by kCensusRadius on each side. What is kept
+// by cell runs on from row to row as the patch does, without its first and last cells: cell (column, row) has
+// number row * patch_columns + column, and the few numbers between rows stand for nothing. So loops are long.
+struct CensusShape {
+  int columns = 0, rows = 0;
 
-// Bits of columns x rows cells in the middle of a patch that is larger by kCensusRadius on each side; plane p
-// of cell i is planes[p * plane_size + i].
-void FillCensus(const std::uint8_t* patch, int columns, int rows, std::size_t plane_size,
-                std::uint8_t* planes);
+  int PatchColumns() const { return columns + 2 * kCensusRadius; }
+  std::size_t IndexOf(int column, int row) const {
+    return static_cast<std::size_t>(row) * PatchColumns() + column;
+  }
+  std::size_t Used() const { return IndexOf(columns, rows - 1); }
+  // Rounded up to whole vectors.
+  std::size_t PlaneSize() const { return (Used() + 63) / 64 * 64; }
+};
+
+// Plane p of cell i is planes[p * PlaneSize() + i].
+void FillCensus(const std::uint8_t* patch, const CensusShape& shape, std::uint8_t* planes);
 
 // What one photo shows of the cells of a tile at one height.
 struct CensusView {
@@ -42,7 +52,7 @@ class BetterHalf {
   static constexpr std::uint8_t kMostCost = 2 * kCensusBits;
 
   explicit BetterHalf(int views);
-  // costs: PaddedCount(cells) bytes; plane_size as of the views.
+  // costs: plane_size bytes, as of the views.
   void Fill(const std::vector<CensusView>& views, std::size_t plane_size, std::uint8_t* costs) const;
 
  private:

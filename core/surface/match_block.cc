@@ -8,6 +8,7 @@
 #include "core/surface/edge_heights.h"
 #include "core/surface/height_sheets.h"
 #include "core/surface/match_tile.h"
+#include "core/surface/pick_heights.h"
 #include "core/surface/refine_heights.h"
 #include "core/surface/semi_global.h"
 
@@ -23,7 +24,10 @@ constexpr int kMostCoarseHeights = 256;
 constexpr double kLeastBase = 0.12, kMostBase = 0.7, kUsualBase = 0.3;
 // A height is known where the sum of the next best one over eight paths lies above its own by this.
 constexpr int kLeastMargin = 12;
-constexpr int kFullMargin = 240;  // and full confidence
+constexpr int kFullMargin = 240;  // and surely so by this
+// And where the cost of the height lies below the mean of its heights by this, about the cell.
+constexpr int kLeastContrast = 6;
+constexpr int kFullContrast = 24;
 constexpr float kSpeckleSteps = 2.0f;
 constexpr int kLeastCells = 16;  // that stand alone
 constexpr int kFillReach = 24;
@@ -59,9 +63,10 @@ geo::Bounds2 BoundsOfCells(const LevelFrame& frame, const MatchedTile& tile) {
 
 class BlockMatcher {
  public:
-  BlockMatcher(const MatchContext& context, const CellBox& box)
+  BlockMatcher(const MatchContext& context, const CellBox& box, BlockMemory& memory)
       : context_(context),
         box_(box),
+        memory_(memory),
         photos_(context.flight, context.cameras, context.photos, context.grid.cell_m) {
     const CellBox widest = LevelBox(box, kSurfaceLevels - 1);
     const LevelFrame frame = FrameOf(context.grid, widest, kSurfaceLevels - 1);
@@ -132,7 +137,7 @@ class BlockMatcher {
           seen.high_z_m = std::max(seen.high_z_m, static_cast<double>(*high));
         }
         tile.cameras = ChooseViews(context_.cameras, near_, seen, context_.options.most_views).cameras;
-        if (tile.cameras.size() >= 2) tiles.push_back(std::move(tile));
+        tiles.push_back(std::move(tile));
       }
     }
     return tiles;
@@ -144,23 +149,26 @@ class BlockMatcher {
     agreeing_.assign(cells, 0);
     confidence_.assign(cells, 0);
     const std::vector<MatchedTile> tiles = Tiles(frame, sheets);
-    if (tiles.empty()) {
+    if (near_.size() < 2) {
       level.heights_m = sheets.expected_m;
       return level;
     }
     TileMatcher matcher(photos_, frame);
-    SheetCosts costs;
-    costs.first.assign(cells * static_cast<std::size_t>(sheets.heights), BetterHalf::kMostCost / 2);
-    costs.second.assign(static_cast<std::size_t>(sheets.second_count) * kSheetHeights,
-                        BetterHalf::kMostCost / 2);
-    std::vector<std::uint8_t> gray(cells, 0);
+    auto& [costs, sums, gray] = memory_;
+    costs.first.resize(cells * static_cast<std::size_t>(sheets.heights));
+    costs.second.resize(static_cast<std::size_t>(sheets.second_count) * kSheetHeights);
+    gray.assign(cells, 0);
     for (const MatchedTile& tile : tiles) matcher.FillCosts(tile, sheets, costs, gray);
-    PickedHeights picked = PickHeights(sheets, SumAlongPaths(sheets, costs, gray, {}));
+    SumAlongPaths(sheets, costs, gray, {}, sums);
+    PickedHeights picked = PickHeights(sheets, costs, sums);
     level.heights_m = std::move(picked.heights_m);
     for (const MatchedTile& tile : tiles) matcher.FillAgreeing(tile, level.heights_m, agreeing_, gray);
+    const std::vector<std::uint8_t> contrasts = MeansAround(picked.contrasts, frame.columns, frame.rows);
     for (std::size_t i = 0; i < cells; ++i) {
-      level.is_known[i] = agreeing_[i] >= 2 && picked.margins[i] >= kLeastMargin ? 1 : 0;
-      confidence_[i] = static_cast<std::uint8_t>(std::min(255, picked.margins[i] * 255 / kFullMargin));
+      level.is_known[i] =
+          agreeing_[i] >= 2 && picked.margins[i] >= kLeastMargin && contrasts[i] >= kLeastContrast;
+      confidence_[i] = static_cast<std::uint8_t>(
+          std::min({255, picked.margins[i] * 255 / kFullMargin, contrasts[i] * 255 / kFullContrast}));
     }
     DropSpeckles(level, kSpeckleSteps * sheets.step_m, kLeastCells);
     FillUnknown(level, sheets.expected_m, kFillReach, kFillSteps * sheets.step_m);
@@ -187,6 +195,7 @@ class BlockMatcher {
 
   const MatchContext& context_;
   const CellBox box_;
+  BlockMemory& memory_;
   BlockPhotos photos_;
   std::vector<std::size_t> near_;                    // cameras that may see the block and what lies around it
   double step_m_ = 1.0;                              // of the finest level
@@ -195,8 +204,8 @@ class BlockMatcher {
 
 }  // namespace
 
-SurfaceBlock MatchBlock(const MatchContext& context, const CellBox& box) {
-  return BlockMatcher(context, box).Match();
+SurfaceBlock MatchBlock(const MatchContext& context, const CellBox& box, BlockMemory& memory) {
+  return BlockMatcher(context, box, memory).Match();
 }
 
 }  // namespace skyquilt::surface

@@ -8,6 +8,7 @@
 #include "core/ground/ground_surface.h"
 #include "core/surface/dense_surface.h"
 #include "core/surface/gray_photos.h"
+#include "core/surface/semi_global.h"
 #include "core/surface/surface_camera.h"
 #include "core/surface/surface_options.h"
 
@@ -25,6 +26,15 @@ struct MatchContext {
   GrayPhotos& photos;
 };
 
-SurfaceBlock MatchBlock(const MatchContext& context, const CellBox& box);
+// What is large of a block's work, taken again for the next one: a new page costs more than what is done in
+// it.
+struct BlockMemory {
+  SheetCosts costs;
+  SheetSums sums;
+  std::vector<std::uint8_t> gray;
+};
+
+// `memory` serves one block at a time.
+SurfaceBlock MatchBlock(const MatchContext& context, const CellBox& box, BlockMemory& memory);
 
 }  // namespace skyquilt::surface

@@ -4,6 +4,8 @@
 #include <atomic>
 #include <bit>
 #include <cmath>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -23,6 +25,26 @@ constexpr double kTieShare = 0.002;  // of tie points may lie outside the range 
 constexpr double kTieRoomM = 1.0;    // and what they show of is a little higher
 constexpr double kLeastRangeM = 0.5;
 constexpr std::size_t kBlocksThatWait = 4;
+
+// One for each thread at work.
+class SpareBlockMemory {
+ public:
+  std::unique_ptr<BlockMemory> Take() {
+    std::lock_guard lock(mutex_);
+    if (spare_.empty()) return std::make_unique<BlockMemory>();
+    std::unique_ptr<BlockMemory> memory = std::move(spare_.back());
+    spare_.pop_back();
+    return memory;
+  }
+  void Give(std::unique_ptr<BlockMemory> memory) {
+    std::lock_guard lock(mutex_);
+    spare_.push_back(std::move(memory));
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<BlockMemory>> spare_;
+};
 
 struct Placed {
   std::uint64_t along = 0;
@@ -104,6 +126,7 @@ Result<void> MatchSurfaceBlocks(const alignment::AlignedFlight& flight, const fl
   const MatchContext context{flight, cameras, ground, grid, options, range.below_m, range.above_m, photos};
   const std::vector<CellBox> blocks = BlocksOf(grid, options.block_cells);
   const std::size_t window = kBlocksThatWait * static_cast<std::size_t>(ThreadCount(options.threads));
+  SpareBlockMemory spare;
   std::optional<Error> error;
   std::atomic<bool> stopped{false};
   ParallelOrdered<SurfaceBlock>(
@@ -114,7 +137,10 @@ Result<void> MatchSurfaceBlocks(const alignment::AlignedFlight& flight, const fl
           return SurfaceBlock{};
         }
         const TraceSpan span("match heights");
-        return MatchBlock(context, blocks[i]);
+        std::unique_ptr<BlockMemory> memory = spare.Take();
+        SurfaceBlock block = MatchBlock(context, blocks[i], *memory);
+        spare.Give(std::move(memory));
+        return block;
       },
       [&](std::size_t i, SurfaceBlock&& block) {
         if (error) return;

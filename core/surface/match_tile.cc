@@ -7,6 +7,7 @@ namespace {
 
 // Photos whose census differs in more bits than this show something else; unlike pictures differ in 24.
 constexpr std::uint8_t kMostAgreeingBits = 15;
+constexpr std::uint8_t kUnknownCost = BetterHalf::kMostCost / 2;
 
 // The part of the tile whose cells have second sheets; no columns where none has.
 MatchedTile PartWithSecond(const MatchedTile& tile, const HeightSheets& sheets) {
@@ -45,7 +46,8 @@ bool TileMatcher::Lay(const MatchedTile& tile, const std::vector<float>& low_m, 
   laid_.rows = tile.rows + 2 * kCensusRadius;
   laid_.first_in_enu = frame_.first_in_enu +
                        frame_.cell_m * Eigen::Vector2d(tile.column - kCensusRadius, tile.row - kCensusRadius);
-  plane_size_ = PaddedCount(static_cast<std::size_t>(tile.columns) * tile.rows);
+  shape_ = {tile.columns, tile.rows};
+  plane_size_ = shape_.PlaneSize();
   low_m_.resize(laid_.Count());
   std::size_t to = 0;
   for (int row = -kCensusRadius; row < tile.rows + kCensusRadius; ++row) {
@@ -79,15 +81,14 @@ bool TileMatcher::Lay(const MatchedTile& tile, const std::vector<float>& low_m, 
 void TileMatcher::SampleAll(int height) {
   for (std::size_t view = 0; view < used_; ++view) {
     patches_[view].Sample(height, shown_[view].data());
-    FillCensus(shown_[view].data(), laid_.columns - 2 * kCensusRadius, laid_.rows - 2 * kCensusRadius,
-               plane_size_, census_[view].data());
+    FillCensus(shown_[view].data(), shape_, census_[view].data());
   }
 }
 
 void TileMatcher::TakeGray(const MatchedTile& tile, std::vector<std::uint8_t>& gray) const {
   for (int row = 0; row < tile.rows; ++row) {
     for (int column = 0; column < tile.columns; ++column) {
-      const std::size_t cell = static_cast<std::size_t>(row) * tile.columns + column;
+      const std::size_t cell = shape_.IndexOf(column, row);
       const std::size_t laid =
           static_cast<std::size_t>(row + kCensusRadius) * laid_.columns + column + kCensusRadius;
       std::size_t view = 0;
@@ -97,26 +98,29 @@ void TileMatcher::TakeGray(const MatchedTile& tile, std::vector<std::uint8_t>& g
   }
 }
 
-bool TileMatcher::FillPlanes(const MatchedTile& tile, const std::vector<float>& low_m, double raised_m,
+void TileMatcher::FillPlanes(const MatchedTile& tile, const std::vector<float>& low_m, double raised_m,
                              double step_m, int shown_height, std::vector<std::uint8_t>* gray) {
-  if (!Lay(tile, low_m, raised_m, (kSheetHeights - 1) * step_m, kSheetHeights)) return false;
+  const bool is_seen = Lay(tile, low_m, raised_m, (kSheetHeights - 1) * step_m, kSheetHeights);
   planes_.resize(kSheetHeights * plane_size_);
+  if (!is_seen) {
+    std::fill(planes_.begin(), planes_.end(), kUnknownCost);
+    return;
+  }
   const BetterHalf better_half(static_cast<int>(used_));
   for (int height = 0; height < kSheetHeights; ++height) {
     SampleAll(height);
     better_half.Fill(views_, plane_size_, planes_.data() + static_cast<std::size_t>(height) * plane_size_);
     if (gray != nullptr && height == shown_height) TakeGray(tile, *gray);
   }
-  return true;
 }
 
 void TileMatcher::FillCosts(const MatchedTile& tile, const HeightSheets& sheets, SheetCosts& costs,
                             std::vector<std::uint8_t>& gray) {
   const double step_m = sheets.step_m;
   for (int first = 0; first < sheets.heights; first += kSheetHeights) {
-    if (!FillPlanes(tile, sheets.low_m, first * step_m, step_m, sheets.expected_at - first, &gray)) continue;
+    FillPlanes(tile, sheets.low_m, first * step_m, step_m, sheets.expected_at - first, &gray);
     for (int row = 0; row < tile.rows; ++row) {
-      const std::uint8_t* from = planes_.data() + static_cast<std::size_t>(row) * tile.columns;
+      const std::uint8_t* from = planes_.data() + shape_.IndexOf(0, row);
       std::uint8_t* to = costs.first.data() + frame_.IndexOf(tile.column, tile.row + row) * sheets.heights +
                          static_cast<std::size_t>(first);
       for (int column = 0; column < tile.columns; ++column, ++from, to += sheets.heights) {
@@ -126,12 +130,13 @@ void TileMatcher::FillCosts(const MatchedTile& tile, const HeightSheets& sheets,
     }
   }
   const MatchedTile part = PartWithSecond(tile, sheets);
-  if (part.columns == 0 || !FillPlanes(part, sheets.second_low_m, 0.0, step_m, -1, nullptr)) return;
+  if (part.columns == 0) return;
+  FillPlanes(part, sheets.second_low_m, 0.0, step_m, -1, nullptr);
   for (int row = 0; row < part.rows; ++row) {
     for (int column = 0; column < part.columns; ++column) {
       const std::int32_t second = sheets.second[frame_.IndexOf(part.column + column, part.row + row)];
       if (second == HeightSheets::kNone) continue;
-      const std::uint8_t* from = planes_.data() + static_cast<std::size_t>(row) * part.columns + column;
+      const std::uint8_t* from = planes_.data() + shape_.IndexOf(column, row);
       std::uint8_t* to = costs.second.data() + static_cast<std::size_t>(second) * kSheetHeights;
       for (std::size_t height = 0; height < kSheetHeights; ++height) to[height] = from[height * plane_size_];
     }
@@ -146,7 +151,7 @@ void TileMatcher::FillAgreeing(const MatchedTile& tile, const std::vector<float>
   counted_.resize(plane_size_);
   CountAgreeing(views_, plane_size_, kMostAgreeingBits, counted_.data());
   for (int row = 0; row < tile.rows; ++row) {
-    std::copy_n(counted_.data() + static_cast<std::size_t>(row) * tile.columns, tile.columns,
+    std::copy_n(counted_.data() + shape_.IndexOf(0, row), tile.columns,
                 agreeing.data() + frame_.IndexOf(tile.column, tile.row + row));
   }
 }

@@ -57,7 +57,7 @@ class TileMatcher {
   TileMatcher(BlockPhotos& photos, const LevelFrame& frame) : photos_(photos), frame_(frame) {}
 
   // Writes the tile's part of the costs, and of the gray that the first photo shows at the expected
-  // height. Costs stay as they are where fewer than two photos see the tile.
+  // height. Costs are all the same where fewer than two photos see the tile.
   void FillCosts(const MatchedTile& tile, const HeightSheets& sheets, SheetCosts& costs,
                  std::vector<std::uint8_t>& gray);
   // Writes the tile's part of how many photos agree at the heights, and of what they show there.
@@ -70,14 +70,15 @@ class TileMatcher {
            int heights);
   void SampleAll(int height);
   // Costs of kSheetHeights heights, one plane a height.
-  bool FillPlanes(const MatchedTile& tile, const std::vector<float>& low_m, double raised_m, double step_m,
+  void FillPlanes(const MatchedTile& tile, const std::vector<float>& low_m, double raised_m, double step_m,
                   int shown_height, std::vector<std::uint8_t>* gray);
   void TakeGray(const MatchedTile& tile, std::vector<std::uint8_t>& gray) const;
 
   BlockPhotos& photos_;
   const LevelFrame frame_;
   TileFrame laid_;
-  std::size_t plane_size_ = 0;  // of a plane of the tile's cells
+  CensusShape shape_;
+  std::size_t plane_size_ = 0;  // of shape_
   std::vector<float> low_m_;
   std::vector<ViewPatch> patches_;
   std::size_t used_ = 0;  // of patches_

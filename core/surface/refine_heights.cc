@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 #include "core/base/vector_clones.h"
 
@@ -36,6 +37,14 @@ SKYQUILT_VECTOR_CLONES void MedianRow(const float* below, const float* here, con
     order(p3, p6), order(p1, p4), order(p2, p5), order(p4, p7), order(p4, p2), order(p6, p4);
     order(p4, p2);
     medians[i] = p4;
+  }
+}
+
+// By insertion: they are a few.
+void SortByHeight(std::array<Met, kDirections>& met, std::size_t count) {
+  for (std::size_t i = 1; i < count; ++i) {
+    for (std::size_t at = i; at > 0 && met[at].height_m < met[at - 1].height_m; --at)
+      std::swap(met[at], met[at - 1]);
   }
 }
 
@@ -88,8 +97,7 @@ void FillUnknown(LevelHeights& level, const std::vector<float>& expected_m, int 
       // Only known cells are read, so that filled ones do not spread.
       level.heights_m[cell] = expected_m[cell];
       if (count < kLeastMet) continue;
-      std::sort(met.begin(), met.begin() + static_cast<std::ptrdiff_t>(count),
-                [](const Met& a, const Met& b) { return a.height_m < b.height_m; });
+      SortByHeight(met, count);
       float sum = 0.0f, weights = 0.0f;
       for (std::size_t i = 0; i < count && met[i].height_m <= met[1].height_m + most_step_m; ++i) {
         if (met[i].height_m < met[1].height_m - most_step_m) continue;
@@ -99,6 +107,32 @@ void FillUnknown(LevelHeights& level, const std::vector<float>& expected_m, int 
       level.heights_m[cell] = sum / weights;
     }
   }
+}
+
+std::vector<std::uint8_t> MeansAround(const std::vector<std::uint8_t>& values, int columns, int rows) {
+  constexpr int kReach = 2;
+  std::vector<int> sums(static_cast<std::size_t>(columns));  // of each column, over the rows about this one
+  std::vector<std::uint8_t> means(values.size());
+  const auto add = [&](int row, int sign) {
+    if (row < 0 || row >= rows) return;
+    const std::uint8_t* from = values.data() + static_cast<std::size_t>(row) * columns;
+    for (int column = 0; column < columns; ++column)
+      sums[static_cast<std::size_t>(column)] += sign * from[column];
+  };
+  for (int row = 0; row < kReach; ++row) add(row, 1);
+  for (int row = 0; row < rows; ++row) {
+    add(row + kReach, 1);
+    add(row - kReach - 1, -1);
+    const int up = std::min(rows - 1, row + kReach) - std::max(0, row - kReach) + 1;
+    for (int column = 0; column < columns; ++column) {
+      const int left = std::max(0, column - kReach), right = std::min(columns - 1, column + kReach);
+      int sum = 0;
+      for (int at = left; at <= right; ++at) sum += sums[static_cast<std::size_t>(at)];
+      means[static_cast<std::size_t>(row) * columns + column] =
+          static_cast<std::uint8_t>(sum / (up * (right - left + 1)));
+    }
+  }
+  return means;
 }
 
 void TakeMedians(LevelHeights& level) {

@@ -24,6 +24,9 @@ void DropSpeckles(LevelHeights& level, float most_step_m, int least_cells);
 // most_step_m of the second lowest, the nearer the more. Else what is expected.
 void FillUnknown(LevelHeights& level, const std::vector<float>& expected_m, int reach, float most_step_m);
 
+// The mean of 5 x 5 cells, fewer at the border.
+std::vector<std::uint8_t> MeansAround(const std::vector<std::uint8_t>& values, int columns, int rows);
+
 // Each cell becomes the median of its 3 x 3, the border as it is.
 void TakeMedians(LevelHeights& level);
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
-#include <limits>
 #include <opencv2/core/hal/intrin.hpp>
 
 #include "core/base/check.h"
@@ -50,7 +49,7 @@ class PathSummer {
     }
   }
 
-  // Through all rows, upwards from the first cell or downwards from the last.
+  // Through all rows: upwards from the first cell, which begins the sums, and downwards from the last.
   void Run(bool is_upwards) {
     const int way = is_upwards ? 1 : -1;
     for (int done = 0; done < sheets_.rows; ++done) {
@@ -110,9 +109,13 @@ class PathSummer {
   // kSheetHeights heights of one of the cell's sheets, along all four paths.
   void VisitLanes(const std::array<Before, kPaths>& before, std::size_t sheet, int at,
                   const std::uint8_t* cost, const std::array<std::uint8_t*, kPaths>& out,
-                  std::array<Lanes, kPaths>& least, std::uint16_t* sum) const {
+                  std::array<Lanes, kPaths>& least, bool begins, std::uint16_t* sum) const {
     const Lanes own = cv::v_load(cost), step = cv::v_setall_u8(step_penalty_);
-    cv::v_uint16x8 low = cv::v_load(sum), high = cv::v_load(sum + 8);
+    cv::v_uint16x8 low = cv::v_setzero_u16(), high = cv::v_setzero_u16();
+    if (!begins) {
+      low = cv::v_load(sum);
+      high = cv::v_load(sum + 8);
+    }
     const int to = sheet == 0 ? kPad + at : second_at_;
     for (std::size_t path = 0; path < kPaths; ++path) {
       Lanes here = own;
@@ -145,11 +148,11 @@ class PathSummer {
     const std::size_t heights = static_cast<std::size_t>(sheets_.heights);
     for (int at = 0; at < sheets_.heights; at += kSheetHeights) {
       const std::size_t from = cell * heights + static_cast<std::size_t>(at);
-      VisitLanes(before, 0, at, costs_.first.data() + from, out, least, sums_.first.data() + from);
+      VisitLanes(before, 0, at, costs_.first.data() + from, out, least, way > 0, sums_.first.data() + from);
     }
     if (const std::int32_t second = sheets_.second[cell]; second != HeightSheets::kNone) {
       const std::size_t from = static_cast<std::size_t>(second) * kSheetHeights;
-      VisitLanes(before, 1, 0, costs_.second.data() + from, out, least, sums_.second.data() + from);
+      VisitLanes(before, 1, 0, costs_.second.data() + from, out, least, way > 0, sums_.second.data() + from);
     }
     for (std::size_t path = 0; path < kPaths; ++path) {
       rows_[path][0].least[static_cast<std::size_t>(column)] = cv::v_reduce_min(least[path]);
@@ -167,81 +170,17 @@ class PathSummer {
   std::array<std::array<PathRow, 2>, kPaths> rows_;  // this row and the one before
 };
 
-struct Winner {
-  int sum = std::numeric_limits<int>::max();
-  int at = 0;
-};
-
-Winner LeastOf(const std::uint16_t* sums, int count) {
-  std::uint16_t least = std::numeric_limits<std::uint16_t>::max();
-  for (int i = 0; i < count; ++i) least = std::min(least, sums[i]);
-  return {least, static_cast<int>(std::find(sums, sums + count, least) - sums)};
-}
-
-int LeastBeyond(const std::uint16_t* sums, int count, int low, int high) {
-  std::uint16_t least = std::numeric_limits<std::uint16_t>::max();
-  for (int i = 0; i < std::min(low, count); ++i) least = std::min(least, sums[i]);
-  for (int i = std::max(0, high + 1); i < count; ++i) least = std::min(least, sums[i]);
-  return least;
-}
-
-float BetweenSteps(const std::uint16_t* sums, int count, int at) {
-  if (at == 0 || at + 1 == count) return 0.0f;
-  const int before = sums[at - 1] - sums[at], after = sums[at + 1] - sums[at];
-  return before + after > 0 ? 0.5f * static_cast<float>(before - after) / static_cast<float>(before + after)
-                            : 0.0f;
-}
-
 }  // namespace
 
-SheetSums SumAlongPaths(const HeightSheets& sheets, const SheetCosts& costs,
-                        const std::vector<std::uint8_t>& gray, const JumpPenalties& penalties) {
+void SumAlongPaths(const HeightSheets& sheets, const SheetCosts& costs, const std::vector<std::uint8_t>& gray,
+                   const JumpPenalties& penalties, SheetSums& sums) {
   SKYQUILT_CHECK(sheets.second_count == 0 || sheets.heights == kSheetHeights,
                  "second sheets follow short ones");
-  SheetSums sums;
-  sums.first.assign(costs.first.size(), 0);
-  sums.second.assign(costs.second.size(), 0);
-  for (const bool is_upwards : {true, false}) {
-    PathSummer(sheets, costs, gray, penalties, sums).Run(is_upwards);
-  }
-  return sums;
-}
-
-PickedHeights PickHeights(const HeightSheets& sheets, const SheetSums& sums) {
-  constexpr int kAround = 2;
-  PickedHeights picked;
-  picked.heights_m.resize(sheets.Cells());
-  picked.margins.resize(sheets.Cells());
-  const int heights = sheets.heights;
-  for (std::size_t cell = 0; cell < sheets.Cells(); ++cell) {
-    const std::uint16_t* first = sums.first.data() + cell * static_cast<std::size_t>(heights);
-    const Winner in_first = LeastOf(first, heights);
-    Winner winner = in_first;
-    float low_m = sheets.low_m[cell];
-    int others = std::numeric_limits<std::uint16_t>::max();
-    float offset = 0.0f;
-    const std::int32_t second = sheets.second[cell];
-    if (second == HeightSheets::kNone) {
-      offset = BetweenSteps(first, heights, winner.at);
-      others = LeastBeyond(first, heights, winner.at - kAround, winner.at + kAround);
-    } else {
-      const std::uint16_t* upper = sums.second.data() + static_cast<std::size_t>(second) * kSheetHeights;
-      const Winner in_second = LeastOf(upper, kSheetHeights);
-      const float between = (sheets.second_low_m[cell] - low_m) / sheets.step_m;
-      const int apart = static_cast<int>(std::min(between, 10000.0f) + 0.5f);
-      const bool is_upper = in_second.sum < in_first.sum;
-      winner = is_upper ? in_second : in_first;
-      offset = BetweenSteps(is_upper ? upper : first, kSheetHeights, winner.at);
-      const int in_lower = is_upper ? winner.at + apart : winner.at,
-                in_upper = is_upper ? winner.at : winner.at - apart;
-      others = std::min(LeastBeyond(first, kSheetHeights, in_lower - kAround, in_lower + kAround),
-                        LeastBeyond(upper, kSheetHeights, in_upper - kAround, in_upper + kAround));
-      if (is_upper) low_m = sheets.second_low_m[cell];
-    }
-    picked.heights_m[cell] = low_m + sheets.step_m * (static_cast<float>(winner.at) + offset);
-    picked.margins[cell] = static_cast<std::uint16_t>(std::max(0, others - winner.sum));
-  }
-  return picked;
+  sums.first.resize(sheets.Cells() * static_cast<std::size_t>(sheets.heights));
+  sums.second.resize(static_cast<std::size_t>(sheets.second_count) * kSheetHeights);
+  PathSummer summer(sheets, costs, gray, penalties, sums);
+  summer.Run(true);
+  summer.Run(false);
 }
 
 }  // namespace skyquilt::surface

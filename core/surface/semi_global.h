@@ -32,16 +32,8 @@ struct JumpPenalties {
   int whole_edge = 40;  // the difference of gray that is an edge
 };
 
-// `gray` shows each cell.
-SheetSums SumAlongPaths(const HeightSheets& sheets, const SheetCosts& costs,
-                        const std::vector<std::uint8_t>& gray, const JumpPenalties& penalties);
-
-struct PickedHeights {
-  std::vector<float> heights_m;  // of the least sum, between steps by a parabola
-  // By how much the sum of every height more than two steps away is larger, at most 65535.
-  std::vector<std::uint16_t> margins;
-};
-
-PickedHeights PickHeights(const HeightSheets& sheets, const SheetSums& sums);
+// `gray` shows each cell. What `sums` held before is lost, its memory serves again.
+void SumAlongPaths(const HeightSheets& sheets, const SheetCosts& costs, const std::vector<std::uint8_t>& gray,
+                   const JumpPenalties& penalties, SheetSums& sums);
 
 }  // namespace skyquilt::surface

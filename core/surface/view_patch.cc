@@ -55,8 +55,10 @@ struct LineSpan {
 };
 
 SKYQUILT_VECTOR_CLONES void FollowLines(const LineSpan& span, const float* __restrict low_m, int count,
-                                        float* __restrict x, float* __restrict y, float* __restrict step_x,
-                                        float* __restrict step_y) {
+                                        const ViewPatch::CellLines& lines) {
+  float* __restrict x = lines.x, * __restrict y = lines.y;
+  float* __restrict step_x = lines.step_x, * __restrict step_y = lines.step_y;
+  float* __restrict bend_x = lines.bend_x, * __restrict bend_y = lines.bend_y;
   const float at_x = span.from.at.x(), at_y = span.from.at.y();
   const float linear_x = span.from.linear.x(), linear_y = span.from.linear.y();
   const float square_x = span.from.square.x(), square_y = span.from.square.y();
@@ -69,29 +71,38 @@ SKYQUILT_VECTOR_CLONES void FollowLines(const LineSpan& span, const float* __res
   for (int i = 0; i < count; ++i) {
     const float cells = static_cast<float>(i), t = cells * (1.0f / kExactStep);
     const float depth_low = first + cells * column;
-    const float depth_high = depth_low + range_m * up;
-    const float above = low_m[i] - low_z_m;
-    const float s = above * per_range * depth_high / (depth_low + above * up);
-    const float above_end = above + span_m;
-    const float s_end = above_end * per_range * depth_high / (depth_low + above_end * up);
+    const float scale = (depth_low + range_m * up) * per_range;
+    const float above = low_m[i] - low_z_m, above_half = above + 0.5f * span_m, above_end = above + span_m;
+    const float s = above * scale / (depth_low + above * up);
+    const float s_half = above_half * scale / (depth_low + above_half * up);
+    const float s_end = above_end * scale / (depth_low + above_end * up);
     const float ax = at_x + t * to_at_x, ay = at_y + t * to_at_y;
     const float bx = linear_x + t * to_linear_x, by = linear_y + t * to_linear_y;
     const float cx = square_x + t * to_square_x, cy = square_y + t * to_square_y;
     const float start_x = ax + s * (bx + s * cx), start_y = ay + s * (by + s * cy);
+    const float half_x = ax + s_half * (bx + s_half * cx) - start_x,
+                half_y = ay + s_half * (by + s_half * cy) - start_y;
+    const float end_x = ax + s_end * (bx + s_end * cx) - start_x,
+                end_y = ay + s_end * (by + s_end * cy) - start_y;
     x[i] = start_x;
     y[i] = start_y;
-    step_x[i] = (ax + s_end * (bx + s_end * cx) - start_x) * per_step;
-    step_y[i] = (ay + s_end * (by + s_end * cy) - start_y) * per_step;
+    step_x[i] = (4.0f * half_x - end_x) * per_step;
+    step_y[i] = (4.0f * half_y - end_y) * per_step;
+    bend_x[i] = (2.0f * end_x - 4.0f * half_x) * per_step * per_step;
+    bend_y[i] = (2.0f * end_y - 4.0f * half_y) * per_step * per_step;
   }
 }
 
-// Where in the box each cell of a row lies, and how far between its pixels.
-SKYQUILT_VECTOR_CLONES void PlaceRow(const float* __restrict x, const float* __restrict y,
-                                     const float* __restrict step_x, const float* __restrict step_y,
-                                     float height, float last_x, float last_y, float stride, int count,
-                                     std::int32_t* __restrict index, std::int32_t* __restrict weights) {
+// Where in the box each cell lies, and how far between its pixels.
+SKYQUILT_VECTOR_CLONES void PlaceCells(const ViewPatch::CellLines& lines, float height, float last_x,
+                                       float last_y, float stride, int count, std::int32_t* __restrict index,
+                                       std::int32_t* __restrict weights) {
+  const float* __restrict x = lines.x, * __restrict y = lines.y;
+  const float* __restrict step_x = lines.step_x, * __restrict step_y = lines.step_y;
+  const float* __restrict bend_x = lines.bend_x, * __restrict bend_y = lines.bend_y;
   for (int i = 0; i < count; ++i) {
-    float u = x[i] + height * step_x[i], v = y[i] + height * step_y[i];
+    float u = x[i] + height * (step_x[i] + height * bend_x[i]);
+    float v = y[i] + height * (step_y[i] + height * bend_y[i]);
     u = u > 0.0f ? u : 0.0f;
     v = v > 0.0f ? v : 0.0f;
     u = u < last_x ? u : last_x;
@@ -105,15 +116,15 @@ SKYQUILT_VECTOR_CLONES void PlaceRow(const float* __restrict x, const float* __r
 }
 
 // Alone: instructions that gather are slower than this on many processors.
-void TakeRow(const std::uint32_t* fours, const std::int32_t* index, int count, std::uint32_t* row) {
-  for (int i = 0; i < count; ++i) row[i] = fours[index[i]];
+void TakeFours(const std::uint32_t* fours, const std::int32_t* index, int count, std::uint32_t* taken) {
+  for (int i = 0; i < count; ++i) taken[i] = fours[index[i]];
 }
 
-SKYQUILT_VECTOR_CLONES void MixRow(const std::uint32_t* __restrict row,
-                                   const std::int32_t* __restrict weights, int count,
-                                   std::uint8_t* __restrict gray) {
+SKYQUILT_VECTOR_CLONES void MixFours(const std::uint32_t* __restrict fours,
+                                     const std::int32_t* __restrict weights, int count,
+                                     std::uint8_t* __restrict gray) {
   for (int i = 0; i < count; ++i) {
-    const auto four = static_cast<std::int32_t>(row[i]);
+    const auto four = static_cast<std::int32_t>(fours[i]);
     const std::int32_t u = weights[i] & 255, v = weights[i] >> 8;
     const std::int32_t a = four & 255, b = (four >> 8) & 255, c = (four >> 16) & 255, d = (four >> 24) & 255;
     const std::int32_t upper = a * 64 + (b - a) * u, lower = c * 64 + (d - c) * u;
@@ -146,7 +157,8 @@ bool ViewPatch::Prepare(const SurfaceCamera& camera, const GrayPyramid& pyramid,
       nodes.push_back(*line);
     }
   }
-  for (std::vector<float>* values : {&x_, &y_, &step_x_, &step_y_}) values->resize(frame.Count());
+  for (std::vector<float>* values : {&x_, &y_, &step_x_, &step_y_, &bend_x_, &bend_y_})
+    values->resize(frame.Count());
   const Eigen::RowVector3d axis = camera.rotation.row(2);
   const Eigen::Vector3d first(frame.first_in_enu.x(), frame.first_in_enu.y(), low_z_m);
   const double first_depth = axis.dot(first - camera.center_in_enu);
@@ -169,25 +181,25 @@ bool ViewPatch::Prepare(const SurfaceCamera& camera, const GrayPyramid& pyramid,
       span.span_m = static_cast<float>(span_m);
       span.per_step = heights > 1 ? 1.0f / static_cast<float>(heights - 1) : 0.0f;
       const std::size_t at = static_cast<std::size_t>(row) * frame.columns + column;
-      FollowLines(span, low_m.data() + at, std::min(kExactStep, frame.columns - column), x_.data() + at,
-                  y_.data() + at, step_x_.data() + at, step_y_.data() + at);
+      FollowLines(span, low_m.data() + at, std::min(kExactStep, frame.columns - column), Lines(at));
     }
   }
   // A cell is seen where the picture has it, and what lies around it, at both ends of its heights.
-  const int columns = frame.columns - 2 * kCensusRadius, rows = frame.rows - 2 * kCensusRadius;
-  unseen_.assign(PaddedCount(static_cast<std::size_t>(columns) * rows), kNotCompared);
+  const CensusShape shape{frame.columns - 2 * kCensusRadius, frame.rows - 2 * kCensusRadius};
+  unseen_.assign(shape.PlaneSize(), kNotCompared);
   const float last_x = static_cast<float>(picture.width_px - 1) - kBorderPx,
               last_y = static_cast<float>(picture.height_px - 1) - kBorderPx;
   const float steps = static_cast<float>(heights - 1);
   bool sees_any = false;
-  for (int row = 0; row < rows; ++row) {
-    for (int column = 0; column < columns; ++column) {
+  for (int row = 0; row < shape.rows; ++row) {
+    for (int column = 0; column < shape.columns; ++column) {
       const std::size_t at =
           static_cast<std::size_t>(row + kCensusRadius) * frame.columns + column + kCensusRadius;
-      const float end_x = x_[at] + steps * step_x_[at], end_y = y_[at] + steps * step_y_[at];
+      const float end_x = x_[at] + steps * (step_x_[at] + steps * bend_x_[at]),
+                  end_y = y_[at] + steps * (step_y_[at] + steps * bend_y_[at]);
       const bool is_seen = std::min(x_[at], end_x) >= kBorderPx && std::max(x_[at], end_x) <= last_x &&
                            std::min(y_[at], end_y) >= kBorderPx && std::max(y_[at], end_y) <= last_y;
-      if (is_seen) unseen_[static_cast<std::size_t>(row) * columns + column] = 0;
+      if (is_seen) unseen_[shape.IndexOf(column, row)] = 0;
       sees_any = sees_any || is_seen;
     }
   }
@@ -198,7 +210,8 @@ bool ViewPatch::TakeBox(const GrayPicture& picture) {
   float left = 1e9f, top = 1e9f, right = -1e9f, bottom = -1e9f;
   const float steps = static_cast<float>(heights_ - 1);
   for (std::size_t i = 0; i < x_.size(); ++i) {
-    const float end_x = x_[i] + steps * step_x_[i], end_y = y_[i] + steps * step_y_[i];
+    const float end_x = x_[i] + steps * (step_x_[i] + steps * bend_x_[i]),
+                end_y = y_[i] + steps * (step_y_[i] + steps * bend_y_[i]);
     left = std::min(left, std::min(x_[i], end_x));
     right = std::max(right, std::max(x_[i], end_x));
     top = std::min(top, std::min(y_[i], end_y));
@@ -233,20 +246,18 @@ bool ViewPatch::TakeBox(const GrayPicture& picture) {
 }
 
 void ViewPatch::Sample(int height, std::uint8_t* patch) {
-  const auto columns = static_cast<std::size_t>(frame_.columns);
-  index_.resize(columns);
-  weights_.resize(columns);
-  row_.resize(columns);
+  constexpr std::size_t kCellsAtOnce = 1024;  // cells that stay in the nearest cache
+  std::array<std::int32_t, kCellsAtOnce> index, weights;
+  std::array<std::uint32_t, kCellsAtOnce> fours;
   // The last word of a row and the last row hold the pixels beyond them too.
   const float last_x = static_cast<float>(box_width_) - 0.01f,
               last_y = static_cast<float>(box_height_) - 0.01f;
-  for (int row = 0; row < frame_.rows; ++row) {
-    const std::size_t at = static_cast<std::size_t>(row) * columns;
-    PlaceRow(x_.data() + at, y_.data() + at, step_x_.data() + at, step_y_.data() + at,
-             static_cast<float>(height), last_x, last_y, static_cast<float>(box_width_), frame_.columns,
-             index_.data(), weights_.data());
-    TakeRow(fours_.data(), index_.data(), frame_.columns, row_.data());
-    MixRow(row_.data(), weights_.data(), frame_.columns, patch + at);
+  for (std::size_t at = 0; at < x_.size(); at += kCellsAtOnce) {
+    const int count = static_cast<int>(std::min(kCellsAtOnce, x_.size() - at));
+    PlaceCells(Lines(at), static_cast<float>(height), last_x, last_y, static_cast<float>(box_width_), count,
+               index.data(), weights.data());
+    TakeFours(fours_.data(), index.data(), count, fours.data());
+    MixFours(fours.data(), weights.data(), count, patch + at);
   }
 }
 

@@ -2,7 +2,8 @@
 // sweep over that surface). Where the photo sees a place is computed exactly every 16 cells at three heights,
 // lens and rolling shutter included; along a vertical line pixels are nearly linear in the inverse of the
 // depth, so that a square in that follows them to hundredths of a pixel, and between the places all is
-// bilinear. Within the pile pixels are linear in the height. Frames enu, image (photo) and the pixels of a
+// bilinear. Within the pile a square in the height follows them (a line would
+// put heights too low by a few tenths of a step). Frames enu, image (photo) and the pixels of a
 // smaller picture of it. One thread at a time; the same bytes on any processor.
 #pragma once
 
@@ -32,22 +33,29 @@ class ViewPatch {
                const std::vector<float>& low_m, double span_m, int heights);
   // The gray of each cell of the frame at a height, bilinear.
   void Sample(int height, std::uint8_t* patch);
-  // By cell inside the margin, padded (PaddedCount): 255 where the photo does not see it at all heights.
+  // By cell inside the margin, as CensusShape numbers them: 255 where the photo does not see it at all
+  // heights, and where a number stands for no cell.
   const std::vector<std::uint8_t>& Unseen() const { return unseen_; }
 
+  // From a cell on: the pixel at the lowest height, and with n steps up n * (step + n * bend) more.
+  struct CellLines {
+    float *x, *y, *step_x, *step_y, *bend_x, *bend_y;
+  };
+
  private:
+  CellLines Lines(std::size_t cell) {
+    return {x_.data() + cell,      y_.data() + cell,      step_x_.data() + cell,
+            step_y_.data() + cell, bend_x_.data() + cell, bend_y_.data() + cell};
+  }
   bool TakeBox(const GrayPicture& picture);
 
   TileFrame frame_;
   int heights_ = 1;
-  // By cell of the frame: the pixel at the lowest height and how it moves with each step up.
-  std::vector<float> x_, y_, step_x_, step_y_;
+  std::vector<float> x_, y_, step_x_, step_y_, bend_x_, bend_y_;
   std::vector<std::uint8_t> unseen_;
   // The part of the picture that is needed; each word has a pixel and those right, below and both of it.
   std::vector<std::uint32_t> fours_;
   int box_width_ = 0, box_height_ = 0;
-  std::vector<std::int32_t> index_, weights_;
-  std::vector<std::uint32_t> row_;
 };
 
 }  // namespace skyquilt::surface
