@@ -9,17 +9,14 @@
 namespace skyquilt::surface {
 namespace {
 
-constexpr int kReach = 4;     // cells: as far as a census window spreads a step
-constexpr int kNearStep = 3;  // cells within which a step concerns a cell
+constexpr int kEdgeWindow = 5;  // cells: further than a census window spreads a step
+constexpr int kNearStep = 4;    // within which a step concerns a cell
 constexpr float kLikeGray = 10.0f;
-constexpr float kNearCells = 3.0f;
+constexpr float kNearCells = 4.0f;
+constexpr float kFilledTrust = 0.25f;  // of what was not measured
+constexpr int kSide = 2 * kEdgeWindow + 1;
 
-constexpr int kSide = 2 * kReach + 1;
-
-struct Voice {
-  float height_m = 0.0f;
-  float weight = 0.0f;
-};
+using Window = std::array<float, kSide * kSide>;
 
 std::vector<std::uint8_t> CellsNearSteps(const LevelHeights& level, float step_m) {
   std::vector<std::uint8_t> is_near(level.heights_m.size(), 0);
@@ -49,40 +46,49 @@ void MoveStepsToEdges(const std::vector<std::uint8_t>& gray, float step_m, Level
   const std::vector<std::uint8_t> is_near = CellsNearSteps(level, step_m);
   std::array<float, 256> like;
   for (std::size_t i = 0; i < like.size(); ++i) like[i] = std::exp(-static_cast<float>(i) / kLikeGray);
-  std::array<float, kSide * kSide> near;
+  Window near;
   for (int y = 0; y < kSide; ++y) {
     for (int x = 0; x < kSide; ++x) {
-      const float square = static_cast<float>((x - kReach) * (x - kReach) + (y - kReach) * (y - kReach));
-      near[static_cast<std::size_t>(y * kSide + x)] = std::exp(-0.5f * square / (kNearCells * kNearCells));
+      const int along = x - kEdgeWindow, up = y - kEdgeWindow;
+      near[static_cast<std::size_t>(y * kSide + x)] =
+          std::exp(-0.5f * static_cast<float>(along * along + up * up) / (kNearCells * kNearCells));
     }
   }
   const std::vector<float> from = level.heights_m;
-  std::array<Voice, kSide * kSide> voices;
-  for (int row = kReach; row + kReach < level.rows; ++row) {
-    for (int column = kReach; column + kReach < level.columns; ++column) {
+  Window heights, weights;
+  for (int row = kEdgeWindow; row + kEdgeWindow < level.rows; ++row) {
+    for (int column = kEdgeWindow; column + kEdgeWindow < level.columns; ++column) {
       const std::size_t cell = level.IndexOf(column, row);
       if (is_near[cell] == 0) continue;
-      float all = 0.0f;
       std::size_t count = 0;
-      for (int y = -kReach; y <= kReach; ++y) {
-        for (int x = -kReach; x <= kReach; ++x, ++count) {
-          const std::size_t other = level.IndexOf(column + x, row + y);
-          const float trust = level.is_known[other] != 0 ? 1.0f : 0.25f;
-          const float weight =
-              trust * near[count] * like[static_cast<std::size_t>(std::abs(gray[cell] - gray[other]))];
-          voices[count] = {from[other], weight};
-          all += weight;
+      float lowest = from[cell], highest = from[cell];
+      for (int y = -kEdgeWindow; y <= kEdgeWindow; ++y) {
+        std::size_t other = level.IndexOf(column - kEdgeWindow, row + y);
+        for (int x = -kEdgeWindow; x <= kEdgeWindow; ++x, ++count, ++other) {
+          heights[count] = from[other];
+          lowest = std::min(lowest, from[other]);
+          highest = std::max(highest, from[other]);
+          weights[count] = near[count] * like[static_cast<std::size_t>(std::abs(gray[cell] - gray[other]))] *
+                           (level.is_known[other] != 0 ? 1.0f : kFilledTrust);
         }
       }
-      std::sort(voices.begin(), voices.end(),
-                [](const Voice& a, const Voice& b) { return a.height_m < b.height_m; });
-      float sum = 0.0f;
-      for (const Voice& voice : voices) {
-        sum += voice.weight;
-        if (sum < 0.5f * all) continue;
-        level.heights_m[cell] = voice.height_m;
-        break;
+      if (highest - lowest <= step_m) continue;
+      const float middle = 0.5f * (lowest + highest);
+      const bool is_upper = from[cell] > middle;
+      float own = 0.0f, others = 0.0f;
+      std::size_t most_like = 0;
+      float most = -1.0f;
+      for (std::size_t i = 0; i < count; ++i) {
+        if ((heights[i] > middle) == is_upper) {
+          own += weights[i];
+          continue;
+        }
+        others += weights[i];
+        if (weights[i] <= most) continue;
+        most = weights[i];
+        most_like = i;
       }
+      if (others > own) level.heights_m[cell] = heights[most_like];
     }
   }
 }

@@ -1,7 +1,9 @@
-// MoveStepsToEdges: where heights step (a roof beside the ground), each cell takes the height of those around
-// it that look like it: a weighted median, by likeness of gray and by distance. Steps so come to lie on edges
-// of the picture instead of half a window beside them. Pure; any thread. Source: Ma, He, Wei, Sun and Wu,
-// "Constant time weighted median filtering for stereo matching and beyond" (2013).
+// MoveStepsToEdges: where heights step (a roof beside the ground), the cells around vote on which side of the
+// step a cell lies, the nearer and the more alike in gray the more; one on the wrong side takes the height of
+// the most alike of the other. Steps so come to lie on edges of the picture instead of some cells beside
+// them. Pure; any thread; the same bits on any processor. After Ma, He, Wei, Sun and Wu, "Constant time
+// weighted median filtering for stereo matching and beyond" (2013): of two heights a weighted median is a
+// vote.
 #pragma once
 
 #include <cstdint>

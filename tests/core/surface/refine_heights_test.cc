@@ -1,0 +1,89 @@
+#include "core/surface/refine_heights.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "core/surface/edge_heights.h"
+
+namespace skyquilt::surface {
+namespace {
+
+constexpr int kSide = 40;
+
+LevelHeights Level(float height_m) {
+  const std::size_t cells = static_cast<std::size_t>(kSide) * kSide;
+  return {kSide, kSide, std::vector<float>(cells, height_m), std::vector<std::uint8_t>(cells, 1)};
+}
+
+TEST(DropSpeckles, DropsWhatStandsAlone) {
+  LevelHeights level = Level(0.0f);
+  for (int i = 0; i < 3; ++i) level.heights_m[level.IndexOf(10 + i, 10)] = 5.0f;
+  for (int i = 0; i < 12; ++i) level.heights_m[level.IndexOf(10 + i, 20)] = 5.0f;
+  DropSpeckles(level, 0.5f, 10);
+  EXPECT_EQ(level.is_known[level.IndexOf(11, 10)], 0);
+  EXPECT_EQ(level.is_known[level.IndexOf(11, 20)], 1);
+  EXPECT_EQ(level.is_known[level.IndexOf(0, 0)], 1);
+}
+
+TEST(FillUnknown, TakesTheLowerSideOfAWall) {
+  LevelHeights level = Level(1.0f);
+  for (int row = 0; row < kSide; ++row) {
+    for (int column = 20; column < kSide; ++column) level.heights_m[level.IndexOf(column, row)] = 9.0f;
+    for (int column = 16; column < 20; ++column) level.is_known[level.IndexOf(column, row)] = 0;
+  }
+  FillUnknown(level, std::vector<float>(level.heights_m.size(), -7.0f), 12, 0.5f);
+  EXPECT_FLOAT_EQ(level.heights_m[level.IndexOf(18, 20)], 1.0f);
+  EXPECT_EQ(level.is_known[level.IndexOf(18, 20)], 0);
+}
+
+TEST(FillUnknown, TakesWhatIsExpectedFarFromAllThatIsKnown) {
+  LevelHeights level = Level(1.0f);
+  std::fill(level.is_known.begin(), level.is_known.end(), std::uint8_t{0});
+  level.is_known[level.IndexOf(0, 0)] = 1;
+  FillUnknown(level, std::vector<float>(level.heights_m.size(), -7.0f), 12, 0.5f);
+  EXPECT_FLOAT_EQ(level.heights_m[level.IndexOf(0, 0)], 1.0f);
+  EXPECT_FLOAT_EQ(level.heights_m[level.IndexOf(1, 1)], -7.0f);
+  EXPECT_FLOAT_EQ(level.heights_m[level.IndexOf(30, 30)], -7.0f);
+}
+
+TEST(TakeMedians, EvensOutSingleCellsAndKeepsSteps) {
+  LevelHeights level = Level(1.0f);
+  for (int row = 0; row < kSide; ++row) {
+    for (int column = 20; column < kSide; ++column) level.heights_m[level.IndexOf(column, row)] = 9.0f;
+  }
+  level.heights_m[level.IndexOf(8, 8)] = 4.0f;
+  TakeMedians(level);
+  EXPECT_FLOAT_EQ(level.heights_m[level.IndexOf(8, 8)], 1.0f);
+  EXPECT_FLOAT_EQ(level.heights_m[level.IndexOf(19, 8)], 1.0f);
+  EXPECT_FLOAT_EQ(level.heights_m[level.IndexOf(20, 8)], 9.0f);
+}
+
+TEST(MeansAround, AreThoseOfFiveByFive) {
+  std::vector<std::uint8_t> values(static_cast<std::size_t>(kSide) * kSide, 10);
+  values[5 * kSide + 5] = 110;
+  const auto means = MeansAround(values, kSide, kSide);
+  EXPECT_EQ(means[0], 10);
+  EXPECT_EQ(means[7 * kSide + 7], 14);
+  EXPECT_EQ(means[8 * kSide + 7], 10);
+}
+
+// The picture has its edge two cells from where the heights step.
+TEST(MoveStepsToEdges, MovesAStepToThePicturesEdge) {
+  LevelHeights level = Level(1.0f);
+  std::vector<std::uint8_t> gray(level.heights_m.size(), 40);
+  for (int row = 0; row < kSide; ++row) {
+    for (int column = 18; column < kSide; ++column) level.heights_m[level.IndexOf(column, row)] = 9.0f;
+    for (int column = 20; column < kSide; ++column) gray[level.IndexOf(column, row)] = 160;
+  }
+  const LevelHeights before = level;
+  MoveStepsToEdges(gray, 0.5f, level);
+  for (int row = 10; row < 30; ++row) {
+    EXPECT_FLOAT_EQ(level.heights_m[level.IndexOf(19, row)], 1.0f);
+    EXPECT_FLOAT_EQ(level.heights_m[level.IndexOf(20, row)], 9.0f);
+    EXPECT_FLOAT_EQ(level.heights_m[level.IndexOf(5, row)], before.heights_m[level.IndexOf(5, row)]);
+  }
+}
+
+}  // namespace
+}  // namespace skyquilt::surface
