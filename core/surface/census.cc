@@ -10,7 +10,7 @@ namespace skyquilt::surface {
 namespace {
 
 constexpr std::size_t kChunk = 512;  // cells whose distances stay in the nearest cache
-constexpr int kMostKept = 4;
+constexpr int kMostKept = 3;
 
 using Chunk = std::array<std::uint8_t, kChunk>;
 
@@ -63,37 +63,32 @@ SKYQUILT_VECTOR_CLONES void CountDifferent(const std::uint8_t* a, const std::uin
   }
 }
 
-// Keeps the four smallest by cell, in order.
+// Keeps the three smallest by cell, in order.
 SKYQUILT_VECTOR_CLONES void KeepSmallest(const std::uint8_t* __restrict value, std::uint8_t* __restrict first,
-                                         std::uint8_t* __restrict second, std::uint8_t* __restrict third,
-                                         std::uint8_t* __restrict fourth) {
+                                         std::uint8_t* __restrict second, std::uint8_t* __restrict third) {
   for (std::size_t i = 0; i < kChunk; ++i) {
     std::uint8_t carried = value[i];
     const std::uint8_t a = std::min(first[i], carried);
     carried = std::max(first[i], carried);
     const std::uint8_t b = std::min(second[i], carried);
     carried = std::max(second[i], carried);
-    const std::uint8_t c = std::min(third[i], carried);
-    carried = std::max(third[i], carried);
     first[i] = a;
     second[i] = b;
-    third[i] = c;
-    fourth[i] = std::min(fourth[i], carried);
+    third[i] = std::min(third[i], carried);
   }
 }
 
 // Twice the mean of the `kept` smallest; where fewer are there the last of them counts for the others.
 SKYQUILT_VECTOR_CLONES void CostOfSmallest(const std::uint8_t* first, const std::uint8_t* second,
-                                           const std::uint8_t* third, const std::uint8_t* fourth, int kept,
-                                           std::size_t count, std::uint8_t* __restrict costs) {
-  const int of_second = kept > 1 ? 1 : 0, of_third = kept > 2 ? 1 : 0, of_fourth = kept > 3 ? 1 : 0;
+                                           const std::uint8_t* third, int kept, std::size_t count,
+                                           std::uint8_t* __restrict costs) {
+  const int of_second = kept > 1 ? 1 : 0, of_third = kept > 2 ? 1 : 0;
   const int scale = (2 * 256 + kept - 1) / kept;
   for (std::size_t i = 0; i < count; ++i) {
     const int a = first[i] == kNotCompared ? kCensusBits / 2 : first[i];
     const int b = second[i] == kNotCompared ? a : second[i];
     const int c = third[i] == kNotCompared ? b : third[i];
-    const int d = fourth[i] == kNotCompared ? c : fourth[i];
-    costs[i] = static_cast<std::uint8_t>(((a + of_second * b + of_third * c + of_fourth * d) * scale) >> 8);
+    costs[i] = static_cast<std::uint8_t>(((a + of_second * b + of_third * c) * scale) >> 8);
   }
 }
 
@@ -131,7 +126,7 @@ void FillDistances(const CensusView& a, const CensusView& b, std::size_t plane_s
                  count / 8, distances);
 }
 
-BetterHalf::BetterHalf(int views) : kept_(std::clamp(views - 1, 1, kMostKept)) {}
+BetterHalf::BetterHalf(int views) : kept_(std::clamp(views - 2, 1, kMostKept)) {}
 
 void BetterHalf::Fill(const std::vector<CensusView>& views, std::size_t plane_size,
                       std::uint8_t* costs) const {
@@ -144,12 +139,10 @@ void BetterHalf::Fill(const std::vector<CensusView>& views, std::size_t plane_si
     for (std::size_t a = 0; a < views.size(); ++a) {
       for (std::size_t b = a + 1; b < views.size(); ++b) {
         FillDistances(views[a], views[b], plane_size, first, count, distances.data());
-        KeepSmallest(distances.data(), smallest[0].data(), smallest[1].data(), smallest[2].data(),
-                     smallest[3].data());
+        KeepSmallest(distances.data(), smallest[0].data(), smallest[1].data(), smallest[2].data());
       }
     }
-    CostOfSmallest(smallest[0].data(), smallest[1].data(), smallest[2].data(), smallest[3].data(), kept_,
-                   count, costs + first);
+    CostOfSmallest(smallest[0].data(), smallest[1].data(), smallest[2].data(), kept_, count, costs + first);
   }
 }
 

@@ -44,9 +44,10 @@ struct CensusView {
 void FillDistances(const CensusView& a, const CensusView& b, std::size_t plane_size, std::size_t first,
                    std::size_t count, std::uint8_t* distances);
 
-// What it costs, from 0 to 96, that a cell lies at a height: twice the mean of the better half of the
-// distances between all pairs of views (so that a photo from which something hides the cell has no say). The
-// same for each height where no two photos see the cell. Source: Kang, Szeliski and Chai (2001).
+// What it costs, from 0 to 96, that a cell lies at a height: twice the mean of the least of the
+// distances between all pairs of views: one pair of three views, two of four, three of five, as many as are
+// left where something hides the cell from one or two of them. The same for each height where no two photos
+// see the cell. Source: Kang, Szeliski and Chai (2001).
 class BetterHalf {
  public:
   static constexpr std::uint8_t kMostCost = 2 * kCensusBits;

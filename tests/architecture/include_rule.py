@@ -5,7 +5,7 @@ import re
 import sys
 
 ROOT = pathlib.Path(sys.argv[1])
-CORE_ORDER = ["base", "image", "geo", "camera", "flight", "bands", "poses", "alignment", "ground", "render", "pyramid", "pipeline"]
+CORE_ORDER = ["base", "image", "geo", "camera", "flight", "bands", "poses", "alignment", "ground", "surface", "render", "pyramid", "pipeline"]
 # pyramid is a leaf below render: tiles know nothing of photos.
 MAY_USE = {name: set(CORE_ORDER[: i + 1]) for i, name in enumerate(CORE_ORDER)}
 MAY_USE["render"] |= {"pyramid"}
@@ -26,7 +26,7 @@ LIBRARIES = {
     r"sqlite3\.h": {"storage"},
     r"(libpq-fe|libpq/|postgres_ext)": {"storage/db/postgres"},
     r"(gdal|cpl_|ogr)": {"storage"},
-    r"opencv2/": {"core/alignment", "core/render", "core/pyramid", "core/simulate", "core/video", "core/flight/photos/photo_decoder.cc",
+    r"opencv2/": {"core/alignment", "core/surface", "core/render", "core/pyramid", "core/simulate", "core/video", "core/flight/photos/photo_decoder.cc",
                   "core/flight/photos/thermal_picture.cc"},
     r"lib(av|sws)": {"core/video"},
     r"ceres/": {"core/poses", "core/alignment"},
