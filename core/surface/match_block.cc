@@ -5,12 +5,12 @@
 #include <cmath>
 #include <utility>
 
-#include "core/surface/edge_heights.h"
-#include "core/surface/height_sheets.h"
-#include "core/surface/match_tile.h"
-#include "core/surface/pick_heights.h"
-#include "core/surface/refine_heights.h"
-#include "core/surface/semi_global.h"
+#include "core/surface/paths/height_sheets.h"
+#include "core/surface/paths/pick_heights.h"
+#include "core/surface/paths/semi_global.h"
+#include "core/surface/refine/edge_heights.h"
+#include "core/surface/refine/refine_heights.h"
+#include "core/surface/views/match_tile.h"
 
 namespace skyquilt::surface {
 namespace {
@@ -19,17 +19,17 @@ namespace {
 // paths of the semi-global matching carry something.
 constexpr std::array<int, kSurfaceLevels> kAroundBlock = {24, 40, 64, 112};
 constexpr int kTileCells = 64;
-constexpr int kMostCoarseHeights = 256;
+constexpr int kMaxCoarseHeights = 256;
 // Bounds of the longest base over the height from which steps are reckoned.
-constexpr double kLeastBase = 0.12, kMostBase = 0.7, kUsualBase = 0.3;
+constexpr double kMinBase = 0.12, kMaxBase = 0.7, kUsualBase = 0.3;
 // A height is known where the sum of the next best one over eight paths lies above its own by this.
-constexpr int kLeastMargin = 12;
+constexpr int kMinMargin = 12;
 constexpr int kFullMargin = 240;  // and surely so by this
 // And where the cost of the height lies below the mean of its heights by this, about the cell.
-constexpr int kLeastContrast = 6;
+constexpr int kMinContrast = 6;
 constexpr int kFullContrast = 24;
 constexpr float kSpeckleSteps = 2.0f;
-constexpr int kLeastCells = 16;  // that stand alone
+constexpr int kMinCells = 16;  // that stand alone
 constexpr int kFillReach = 24;
 constexpr float kFillSteps = 4.0f;
 constexpr float kEdgeSteps = 4.0f;
@@ -81,7 +81,7 @@ class BlockMatcher {
     const ChosenViews views =
         ChooseViews(context.cameras, near_, {inner, ground_m, ground_m}, context.options.most_views);
     const double base =
-        views.cameras.size() < 2 ? kUsualBase : std::clamp(views.widest_base, kLeastBase, kMostBase);
+        views.cameras.size() < 2 ? kUsualBase : std::clamp(views.widest_base, kMinBase, kMaxBase);
     step_m_ = context.options.shift_of_step * context.grid.cell_m / base;
   }
 
@@ -111,7 +111,7 @@ class BlockMatcher {
       }
     }
     const double range_m = context_.below_m + context_.above_m;
-    const double step_m = std::max(step_m_ * (1 << (kSurfaceLevels - 1)), range_m / (kMostCoarseHeights - 1));
+    const double step_m = std::max(step_m_ * (1 << (kSurfaceLevels - 1)), range_m / (kMaxCoarseHeights - 1));
     const int heights = static_cast<int>(range_m / step_m) + 2;
     return SheetsAbout(frame.columns, frame.rows, std::move(ground_m), context_.below_m, step_m,
                        (heights + kSheetHeights - 1) / kSheetHeights * kSheetHeights);
@@ -166,11 +166,11 @@ class BlockMatcher {
     const std::vector<std::uint8_t> contrasts = MeansAround(picked.contrasts, frame.columns, frame.rows);
     for (std::size_t i = 0; i < cells; ++i) {
       level.is_known[i] =
-          agreeing_[i] >= 2 && picked.margins[i] >= kLeastMargin && contrasts[i] >= kLeastContrast;
+          agreeing_[i] >= 2 && picked.margins[i] >= kMinMargin && contrasts[i] >= kMinContrast;
       confidence_[i] = static_cast<std::uint8_t>(
           std::min({255, picked.margins[i] * 255 / kFullMargin, contrasts[i] * 255 / kFullContrast}));
     }
-    DropSpeckles(level, kSpeckleSteps * sheets.step_m, kLeastCells);
+    DropSpeckles(level, kSpeckleSteps * sheets.step_m, kMinCells);
     FillUnknown(level, sheets.expected_m, kFillReach, kFillSteps * sheets.step_m);
     TakeMedians(level);
     if (is_finest) MoveStepsToEdges(gray, kEdgeSteps * sheets.step_m, level);

@@ -7,10 +7,10 @@
 #include "core/alignment/aligned_flight.h"
 #include "core/ground/ground_surface.h"
 #include "core/surface/dense_surface.h"
-#include "core/surface/gray_photos.h"
-#include "core/surface/semi_global.h"
-#include "core/surface/surface_camera.h"
+#include "core/surface/paths/semi_global.h"
 #include "core/surface/surface_options.h"
+#include "core/surface/views/gray_photos.h"
+#include "core/surface/views/surface_camera.h"
 
 namespace skyquilt::surface {
 

@@ -23,7 +23,7 @@ namespace {
 
 constexpr double kTieShare = 0.002;  // of tie points may lie outside the range on either side
 constexpr double kTieRoomM = 1.0;    // and what they show of is a little higher
-constexpr double kLeastRangeM = 0.5;
+constexpr double kMinRangeM = 0.5;
 constexpr std::size_t kBlocksThatWait = 4;
 
 // One for each thread at work.
@@ -107,7 +107,7 @@ HeightRange RangeAbout(const alignment::AlignedFlight& flight, const ground::Gro
   const double lowest_m = off.empty() ? 0.0 : kTieRoomM - Percentile(off, kTieShare);
   const double highest_m = off.empty() ? 0.0 : kTieRoomM + Percentile(off, 1.0 - kTieShare);
   const auto within = [&](double asked_m, double shown_m) {
-    return std::clamp(std::max(asked_m, shown_m), std::min(kLeastRangeM, most_m), most_m);
+    return std::clamp(std::max(asked_m, shown_m), std::min(kMinRangeM, most_m), most_m);
   };
   return {within(options.below_ground_m, lowest_m), within(options.above_ground_m, highest_m)};
 }

@@ -1,4 +1,4 @@
-#include "core/surface/census.h"
+#include "core/surface/views/census.h"
 
 #include <gtest/gtest.h>
 
@@ -112,7 +112,7 @@ TEST(BetterHalf, KnowsNothingWhereOneAloneSeesTheCell) {
   std::fill(c.unseen.begin(), c.unseen.end(), kNotCompared);
   std::vector<std::uint8_t> costs(kShape.PlaneSize());
   BetterHalf(3).Fill({a.View(), b.View(), c.View()}, kShape.PlaneSize(), costs.data());
-  for (std::size_t i = 0; i < kShape.Used(); ++i) EXPECT_EQ(costs[i], BetterHalf::kMostCost / 2);
+  for (std::size_t i = 0; i < kShape.Used(); ++i) EXPECT_EQ(costs[i], BetterHalf::kMaxCost / 2);
 }
 
 TEST(CountAgreeing, CountsThoseAroundTheOneThatMostAgreeWith) {

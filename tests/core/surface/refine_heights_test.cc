@@ -1,10 +1,10 @@
-#include "core/surface/refine_heights.h"
+#include "core/surface/refine/refine_heights.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "core/surface/edge_heights.h"
+#include "core/surface/refine/edge_heights.h"
 
 namespace skyquilt::surface {
 namespace {

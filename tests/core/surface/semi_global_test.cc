@@ -1,4 +1,4 @@
-#include "core/surface/semi_global.h"
+#include "core/surface/paths/semi_global.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <random>
 
-#include "core/surface/pick_heights.h"
+#include "core/surface/paths/pick_heights.h"
 
 namespace skyquilt::surface {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/surface/edge_heights.h"
+#include "core/surface/refine/edge_heights.h"
 
 #include <algorithm>
 #include <array>

@@ -50,7 +50,7 @@ void FillDistances(const CensusView& a, const CensusView& b, std::size_t plane_s
 // see the cell. Source: Kang, Szeliski and Chai (2001).
 class BetterHalf {
  public:
-  static constexpr std::uint8_t kMostCost = 2 * kCensusBits;
+  static constexpr std::uint8_t kMaxCost = 2 * kCensusBits;
 
   explicit BetterHalf(int views);
   // costs: plane_size bytes, as of the views.

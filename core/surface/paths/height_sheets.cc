@@ -1,4 +1,4 @@
-#include "core/surface/height_sheets.h"
+#include "core/surface/paths/height_sheets.h"
 
 #include <algorithm>
 #include <array>

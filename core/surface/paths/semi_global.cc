@@ -1,4 +1,4 @@
-#include "core/surface/semi_global.h"
+#include "core/surface/paths/semi_global.h"
 
 #include <algorithm>
 #include <array>

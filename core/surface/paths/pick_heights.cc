@@ -1,4 +1,4 @@
-#include "core/surface/pick_heights.h"
+#include "core/surface/paths/pick_heights.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "core/surface/surface_camera.h"
+#include "core/surface/views/surface_camera.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@ namespace skyquilt::surface {
 namespace {
 
 constexpr double kDegree = 0.017453292519943295;
-constexpr double kLeastHeightM = 1.0;
+constexpr double kMinHeightM = 1.0;
 // Between any two photos of a tile; the second where the first leaves fewer than three.
 constexpr double kWantedAngleRad[] = {8.0 * kDegree, 5.0 * kDegree, 3.0 * kDegree};
 constexpr double kWidestAngleRad = 40.0 * kDegree;  // from the first: beyond, sides of things look different
@@ -29,7 +29,7 @@ double ShareSeen(const SurfaceCamera& camera, const SeenBox& box) {
     const Eigen::Vector3d point(box.in_enu.min.x() + u * box.in_enu.Width(),
                                 box.in_enu.min.y() + v * box.in_enu.Height(), z_m);
     const Eigen::Vector3d offset = camera.center_in_enu - point;
-    if (offset.z() <= kLeastHeightM || offset.head<2>().norm() > offset.z() * camera.widest_tangent) continue;
+    if (offset.z() <= kMinHeightM || offset.head<2>().norm() > offset.z() * camera.widest_tangent) continue;
     const auto pixel = camera::ProjectRolling(camera.lens, camera.cam_from_enu, camera.motion, point);
     if (pixel && camera.lens.IsInImage(*pixel)) ++seen;
   }
@@ -56,10 +56,10 @@ std::vector<SurfaceCamera> SurfaceCameras(const alignment::AlignedFlight& flight
     camera.rotation = photo.cam_from_enu.rotation.toRotationMatrix();
     camera.center_in_enu = photo.cam_from_enu.TargetOriginInSource();
     camera.widest_tangent = std::tan(photo.max_look_rad);
-    camera.height_above_ground_m = std::max(kLeastHeightM, photo.height_above_ground_m);
+    camera.height_above_ground_m = std::max(kMinHeightM, photo.height_above_ground_m);
     for (const double z_m : {ground.MinHeight() - low_m, ground.MaxHeight() + high_m}) {
       camera.seen_in_enu.Include(camera::BoundsOf(camera::GroundFootprint(
-          photo.intrinsics, photo.cam_from_enu, std::min(z_m, camera.center_in_enu.z() - kLeastHeightM), 4,
+          photo.intrinsics, photo.cam_from_enu, std::min(z_m, camera.center_in_enu.z() - kMinHeightM), 4,
           photo.max_look_rad)));
     }
     if (!camera.seen_in_enu.IsEmpty()) cameras.push_back(std::move(camera));

@@ -8,12 +8,12 @@
 #include <memory>
 #include <vector>
 
-#include "core/surface/census.h"
-#include "core/surface/gray_photos.h"
-#include "core/surface/height_sheets.h"
-#include "core/surface/semi_global.h"
-#include "core/surface/surface_camera.h"
-#include "core/surface/view_patch.h"
+#include "core/surface/paths/height_sheets.h"
+#include "core/surface/paths/semi_global.h"
+#include "core/surface/views/census.h"
+#include "core/surface/views/gray_photos.h"
+#include "core/surface/views/surface_camera.h"
+#include "core/surface/views/view_patch.h"
 
 namespace skyquilt::surface {
 

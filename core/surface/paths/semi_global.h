@@ -10,20 +10,20 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/surface/height_sheets.h"
+#include "core/surface/paths/height_sheets.h"
 
 namespace skyquilt::surface {
 
 // For each cell its heights in order: of first sheets, and of second ones by their number.
 struct SheetCosts {
-  std::vector<std::uint8_t> first, second;  // at most kMostPathCost - JumpPenalties::most
+  std::vector<std::uint8_t> first, second;  // at most kMaxPathCost - JumpPenalties::most
 };
 
 struct SheetSums {
   std::vector<std::uint16_t> first, second;
 };
 
-inline constexpr int kMostPathCost = 254;
+inline constexpr int kMaxPathCost = 254;
 
 struct JumpPenalties {
   int step = 8;         // for one step up or down

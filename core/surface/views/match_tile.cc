@@ -1,4 +1,4 @@
-#include "core/surface/match_tile.h"
+#include "core/surface/views/match_tile.h"
 
 #include <algorithm>
 
@@ -6,8 +6,8 @@ namespace skyquilt::surface {
 namespace {
 
 // Photos whose census differs in more bits than this show something else; unlike pictures differ in 24.
-constexpr std::uint8_t kMostAgreeingBits = 15;
-constexpr std::uint8_t kUnknownCost = BetterHalf::kMostCost / 2;
+constexpr std::uint8_t kMaxAgreeingBits = 15;
+constexpr std::uint8_t kUnknownCost = BetterHalf::kMaxCost / 2;
 
 // The part of the tile whose cells have second sheets; no columns where none has.
 MatchedTile PartWithSecond(const MatchedTile& tile, const HeightSheets& sheets) {
@@ -149,7 +149,7 @@ void TileMatcher::FillAgreeing(const MatchedTile& tile, const std::vector<float>
   SampleAll(0);
   TakeGray(tile, gray);
   counted_.resize(plane_size_);
-  CountAgreeing(views_, plane_size_, kMostAgreeingBits, counted_.data());
+  CountAgreeing(views_, plane_size_, kMaxAgreeingBits, counted_.data());
   for (int row = 0; row < tile.rows; ++row) {
     std::copy_n(counted_.data() + shape_.IndexOf(0, row), tile.columns,
                 agreeing.data() + frame_.IndexOf(tile.column, tile.row + row));

@@ -11,8 +11,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/surface/gray_photos.h"
-#include "core/surface/surface_camera.h"
+#include "core/surface/views/gray_photos.h"
+#include "core/surface/views/surface_camera.h"
 
 namespace skyquilt::surface {
 

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/surface/refine_heights.h"
+#include "core/surface/refine/refine_heights.h"
 
 namespace skyquilt::surface {
 

@@ -1,4 +1,4 @@
-#include "core/surface/view_patch.h"
+#include "core/surface/views/view_patch.h"
 
 #include <algorithm>
 #include <array>
@@ -6,15 +6,15 @@
 #include <optional>
 
 #include "core/base/vector_clones.h"
-#include "core/surface/census.h"
+#include "core/surface/views/census.h"
 
 namespace skyquilt::surface {
 namespace {
 
 constexpr int kExactStep = 16;  // cells
 constexpr float kBorderPx = 4.0f;
-constexpr double kLeastDepthM = 0.5;
-constexpr std::int64_t kMostBoxPixels = 1 << 20;
+constexpr double kMinDepthM = 0.5;
+constexpr std::int64_t kMaxBoxPixels = 1 << 20;
 constexpr float kParts = 64.0f;  // of a pixel, in bilinear weights
 
 // Of a place of the ground: the pixel at height s is at + s * (linear + s * square), where s runs from 0 at
@@ -36,7 +36,7 @@ std::optional<Line> LineAt(const SurfaceCamera& camera, const Eigen::Vector2d& e
     const double z_m = low_z_m + 0.5 * static_cast<double>(i) * (high_z_m - low_z_m);
     const Eigen::Vector3d point(east_north.x(), east_north.y(), z_m);
     depths[i] = camera.rotation.row(2).dot(point - camera.center_in_enu);
-    if (depths[i] < kLeastDepthM) return std::nullopt;
+    if (depths[i] < kMinDepthM) return std::nullopt;
     const auto pixel = camera::ProjectRolling(camera.lens, camera.cam_from_enu, camera.motion, point);
     if (!pixel) return std::nullopt;
     pixels[i] = (pixel->array() + 0.5) * picture_scale - 0.5;
@@ -226,7 +226,7 @@ bool ViewPatch::TakeBox(const GrayPicture& picture) {
             end_y = within(std::floor(bottom) + 2.0f, picture.height_px - 1);
   box_width_ = std::max(1, end_x - first_x);
   box_height_ = std::max(1, end_y - first_y);
-  if (static_cast<std::int64_t>(box_width_) * box_height_ > kMostBoxPixels) return false;
+  if (static_cast<std::int64_t>(box_width_) * box_height_ > kMaxBoxPixels) return false;
   fours_.resize(static_cast<std::size_t>(box_width_) * box_height_);
   for (int y = 0; y < box_height_; ++y) {
     const std::uint8_t* upper =

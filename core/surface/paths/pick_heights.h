@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/surface/semi_global.h"
+#include "core/surface/paths/semi_global.h"
 
 namespace skyquilt::surface {
 

@@ -1,4 +1,4 @@
-#include "core/surface/census.h"
+#include "core/surface/views/census.h"
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,7 @@ namespace skyquilt::surface {
 namespace {
 
 constexpr std::size_t kChunk = 512;  // cells whose distances stay in the nearest cache
-constexpr int kMostKept = 3;
+constexpr int kMaxKept = 3;
 
 using Chunk = std::array<std::uint8_t, kChunk>;
 
@@ -126,11 +126,11 @@ void FillDistances(const CensusView& a, const CensusView& b, std::size_t plane_s
                  count / 8, distances);
 }
 
-BetterHalf::BetterHalf(int views) : kept_(std::clamp(views - 2, 1, kMostKept)) {}
+BetterHalf::BetterHalf(int views) : kept_(std::clamp(views - 2, 1, kMaxKept)) {}
 
 void BetterHalf::Fill(const std::vector<CensusView>& views, std::size_t plane_size,
                       std::uint8_t* costs) const {
-  std::array<Chunk, kMostKept> smallest;
+  std::array<Chunk, kMaxKept> smallest;
   Chunk distances;
   for (std::size_t first = 0; first < plane_size; first += kChunk) {
     const std::size_t count = std::min(kChunk, plane_size - first);

@@ -1,4 +1,4 @@
-#include "core/surface/gray_photos.h"
+#include "core/surface/views/gray_photos.h"
 
 #include <algorithm>
 #include <utility>
@@ -10,8 +10,8 @@ namespace skyquilt::surface {
 namespace {
 
 // A cell may be so many pixels of the picture that it is sampled from: beyond, samples skip pixels.
-constexpr double kMostPixelsInCell = 1.45;
-constexpr int kLeastSidePx = 16;
+constexpr double kMaxPixelsInCell = 1.45;
+constexpr int kMinSidePx = 16;
 
 void FillGray(const std::uint8_t* rgb, std::size_t count, std::uint8_t* gray) {
   for (std::size_t i = 0; i < count; ++i, rgb += 3) {
@@ -42,14 +42,14 @@ GrayPicture HalfOf(const GrayPicture& picture) {
 
 int GrayDenominator(double cell_in_photo_px) {
   int denominator = 1;
-  while (denominator < 8 && cell_in_photo_px / denominator > kMostPixelsInCell) denominator *= 2;
+  while (denominator < 8 && cell_in_photo_px / denominator > kMaxPixelsInCell) denominator *= 2;
   return denominator;
 }
 
 std::size_t GrayPyramid::LevelFor(double cell_in_photo_px) const {
   std::size_t level = 0;
   double cell_px = cell_in_photo_px / denominator;
-  for (; level + 1 < pictures.size() && cell_px > kMostPixelsInCell; ++level) cell_px *= 0.5;
+  for (; level + 1 < pictures.size() && cell_px > kMaxPixelsInCell; ++level) cell_px *= 0.5;
   return level;
 }
 
@@ -59,7 +59,7 @@ GrayPhotos::GrayPhotos(const flight::PhotoSource& source, int levels, std::int64
 GrayPhotos::Shared GrayPhotos::Decode(const flight::Photo& photo, int denominator) const {
   const TraceSpan span("decode for heights", photo.name);
   Result<image::DecodedImage> decoded = source_.Decode(photo, denominator);
-  if (!decoded || decoded->width_px < kLeastSidePx || decoded->height_px < kLeastSidePx) return nullptr;
+  if (!decoded || decoded->width_px < kMinSidePx || decoded->height_px < kMinSidePx) return nullptr;
   auto pyramid = std::make_shared<GrayPyramid>();
   pyramid->denominator = denominator;
   GrayPicture first{decoded->width_px, decoded->height_px, {}};
@@ -68,7 +68,7 @@ GrayPhotos::Shared GrayPhotos::Decode(const flight::Photo& photo, int denominato
   pyramid->pictures.push_back(std::move(first));
   for (int level = 1; level < levels_; ++level) {
     const GrayPicture& last = pyramid->pictures.back();
-    if (std::min(last.width_px, last.height_px) < 2 * kLeastSidePx) break;
+    if (std::min(last.width_px, last.height_px) < 2 * kMinSidePx) break;
     pyramid->pictures.push_back(HalfOf(last));
   }
   return pyramid;

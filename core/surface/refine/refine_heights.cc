@@ -1,4 +1,4 @@
-#include "core/surface/refine_heights.h"
+#include "core/surface/refine/refine_heights.h"
 
 #include <algorithm>
 #include <array>
@@ -14,7 +14,7 @@ namespace {
 constexpr int kDirections = 8;
 constexpr std::array<std::array<int, 2>, kDirections> kAround = {
     {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}}};
-constexpr std::size_t kLeastMet = 5;
+constexpr std::size_t kMinMet = 5;
 
 struct Met {
   float height_m = 0.0f;
@@ -96,7 +96,7 @@ void FillUnknown(LevelHeights& level, const std::vector<float>& expected_m, int 
       }
       // Only known cells are read, so that filled ones do not spread.
       level.heights_m[cell] = expected_m[cell];
-      if (count < kLeastMet) continue;
+      if (count < kMinMet) continue;
       SortByHeight(met, count);
       float sum = 0.0f, weights = 0.0f;
       for (std::size_t i = 0; i < count && met[i].height_m <= met[1].height_m + most_step_m; ++i) {
