@@ -33,6 +33,7 @@ constexpr int kMinCells = 16;  // that stand alone
 constexpr int kFillReach = 24;
 constexpr float kFillSteps = 4.0f;
 constexpr float kEdgeSteps = 4.0f;
+constexpr int kEdgeRounds = 2;
 
 int FloorShift(int value, int level) { return value >> level; }
 int CeilShift(int value, int level) { return -((-value) >> level); }
@@ -173,8 +174,28 @@ class BlockMatcher {
     DropSpeckles(level, kSpeckleSteps * sheets.step_m, kMinCells);
     FillUnknown(level, sheets.expected_m, kFillReach, kFillSteps * sheets.step_m);
     TakeMedians(level);
-    if (is_finest) MoveStepsToEdges(gray, kEdgeSteps * sheets.step_m, level);
+    if (is_finest) MoveSteps(tiles, kEdgeSteps * sheets.step_m, matcher, level);
     return level;
+  }
+
+  void MoveSteps(const std::vector<MatchedTile>& tiles, float step_m, TileMatcher& matcher,
+                 LevelHeights& level) {
+    for (int round = 0; round < kEdgeRounds; ++round) {
+      const OtherSides sides = FindOtherSides(level, memory_.gray, step_m);
+      std::vector<std::int16_t> worse(level.heights_m.size(), 0);
+      for (const MatchedTile& tile : tiles) {
+        const auto has_step = [&](int row) {
+          const auto at = static_cast<std::ptrdiff_t>(level.IndexOf(tile.column, row));
+          const auto own = level.heights_m.begin() + at;
+          return !std::equal(own, own + tile.columns, sides.heights_m.begin() + at);
+        };
+        int row = tile.row;
+        while (row < tile.row + tile.rows && !has_step(row)) ++row;
+        if (row < tile.row + tile.rows) matcher.CompareOthers(tile, level.heights_m, sides.heights_m, worse);
+      }
+      TakeBetterSides(sides, worse, level);
+      TakeMedians(level);
+    }
   }
 
   // The block without what lies around it.

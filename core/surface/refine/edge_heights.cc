@@ -13,6 +13,7 @@ constexpr int kEdgeWindow = 5;  // cells: further than a census window spreads a
 constexpr int kNearStep = 4;    // within which a step concerns a cell
 constexpr float kLikeGray = 10.0f;
 constexpr float kNearCells = 4.0f;
+constexpr float kVoteCost = 32.0f;     // what a vote of all weighs against the photos' costs
 constexpr float kFilledTrust = 0.25f;  // of what was not measured
 constexpr int kSide = 2 * kEdgeWindow + 1;
 
@@ -42,7 +43,7 @@ std::vector<std::uint8_t> CellsNearSteps(const LevelHeights& level, float step_m
 
 }  // namespace
 
-void MoveStepsToEdges(const std::vector<std::uint8_t>& gray, float step_m, LevelHeights& level) {
+OtherSides FindOtherSides(const LevelHeights& level, const std::vector<std::uint8_t>& gray, float step_m) {
   const std::vector<std::uint8_t> is_near = CellsNearSteps(level, step_m);
   std::array<float, 256> like;
   for (std::size_t i = 0; i < like.size(); ++i) like[i] = std::exp(-static_cast<float>(i) / kLikeGray);
@@ -54,7 +55,8 @@ void MoveStepsToEdges(const std::vector<std::uint8_t>& gray, float step_m, Level
           std::exp(-0.5f * static_cast<float>(along * along + up * up) / (kNearCells * kNearCells));
     }
   }
-  const std::vector<float> from = level.heights_m;
+  const std::vector<float>& from = level.heights_m;
+  OtherSides sides{from, std::vector<float>(from.size(), 1.0f)};
   Window heights, weights;
   for (int row = kEdgeWindow; row + kEdgeWindow < level.rows; ++row) {
     for (int column = kEdgeWindow; column + kEdgeWindow < level.columns; ++column) {
@@ -88,7 +90,31 @@ void MoveStepsToEdges(const std::vector<std::uint8_t>& gray, float step_m, Level
         most = weights[i];
         most_like = i;
       }
-      if (others > own) level.heights_m[cell] = heights[most_like];
+      sides.heights_m[cell] = heights[most_like];
+      sides.votes[cell] = (own - others) / (own + others);
+    }
+  }
+  return sides;
+}
+
+void TakeBetterSides(const OtherSides& sides, const std::vector<std::int16_t>& worse, LevelHeights& level) {
+  const std::vector<float> from = level.heights_m;
+  for (int row = 1; row + 1 < level.rows; ++row) {
+    for (int column = 1; column + 1 < level.columns; ++column) {
+      const std::size_t cell = level.IndexOf(column, row);
+      const float up_m = sides.heights_m[cell] - from[cell];
+      if (up_m == 0.0f) continue;
+      int sum = 0, count = 0;
+      for (int y = row - 1; y <= row + 1; ++y) {
+        for (int x = column - 1; x <= column + 1; ++x) {
+          const std::size_t other = level.IndexOf(x, y);
+          if ((sides.heights_m[other] - from[other]) * up_m <= 0.0f) continue;
+          sum += worse[other];
+          ++count;
+        }
+      }
+      const float costs = static_cast<float>(sum) / static_cast<float>(count);
+      if (costs + kVoteCost * sides.votes[cell] < 0.0f) level.heights_m[cell] = sides.heights_m[cell];
     }
   }
 }

@@ -1,9 +1,9 @@
-// MoveStepsToEdges: where heights step (a roof beside the ground), the cells around vote on which side of the
-// step a cell lies, the nearer and the more alike in gray the more; one on the wrong side takes the height of
-// the most alike of the other. Steps so come to lie on edges of the picture instead of some cells beside
-// them. Pure; any thread; the same bits on any processor. After Ma, He, Wei, Sun and Wu, "Constant time
-// weighted median filtering for stereo matching and beyond" (2013): of two heights a weighted median is a
-// vote.
+// Steps of heights (a roof beside the ground) moved to where the photos have them, instead of some cells
+// beside them: a cell near a step may lie on either side of it, and two things say on which. The cells around
+// vote, the nearer and the more alike in gray the more (of two heights that is a weighted median); and photos
+// compare the cell alone at both heights while those around it stay. Pure; any thread; the same bits on any
+// processor. After Ma, He, Wei, Sun and Wu, "Constant time weighted median filtering for stereo matching and
+// beyond" (2013).
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,17 @@
 
 namespace skyquilt::surface {
 
-// `gray` shows each cell. A step is more than step_m within two cells; all else stays as it is.
-void MoveStepsToEdges(const std::vector<std::uint8_t>& gray, float step_m, LevelHeights& level);
+struct OtherSides {
+  // By cell: the height of the most alike cell across the step; the cell's own where no step is near.
+  std::vector<float> heights_m;
+  std::vector<float> votes;  // from -1, all for the other side, to 1, all for its own
+};
+
+// `gray` shows each cell. A step is more than step_m between neighbours.
+OtherSides FindOtherSides(const LevelHeights& level, const std::vector<std::uint8_t>& gray, float step_m);
+
+// `worse`: by how much the cell's cost (from 0 to 96) is larger at its other height, meant over the 3 x 3
+// cells that have one on the same side.
+void TakeBetterSides(const OtherSides& sides, const std::vector<std::int16_t>& worse, LevelHeights& level);
 
 }  // namespace skyquilt::surface

@@ -104,18 +104,18 @@ SKYQUILT_VECTOR_CLONES void AddAgreeing(const std::uint8_t* __restrict distances
 
 }  // namespace
 
-void FillCensus(const std::uint8_t* patch, const CensusShape& shape, std::uint8_t* planes) {
-  const int stride = shape.PatchColumns();
-  const std::uint8_t* center = patch + static_cast<std::ptrdiff_t>(kCensusRadius) * stride + kCensusRadius;
-  std::array<const std::uint8_t*, kCensusBits> around;
+void FillCensus(const std::uint8_t* own, const std::uint8_t* around, const CensusShape& shape,
+                std::uint8_t* planes) {
+  const std::ptrdiff_t stride = shape.PatchColumns(), first = kCensusRadius * stride + kCensusRadius;
+  std::array<const std::uint8_t*, kCensusBits> neighbours;
   std::size_t next = 0;
   for (int y = -kCensusRadius; y <= kCensusRadius; ++y) {
     for (int x = -kCensusRadius; x <= kCensusRadius; ++x) {
-      if (x != 0 || y != 0) around[next++] = center + static_cast<std::ptrdiff_t>(y) * stride + x;
+      if (x != 0 || y != 0) neighbours[next++] = around + first + y * stride + x;
     }
   }
   for (std::size_t plane = 0; plane < kCensusPlanes; ++plane) {
-    CensusByte(center, around.data() + 8 * plane, static_cast<int>(shape.Used()),
+    CensusByte(own + first, neighbours.data() + 8 * plane, static_cast<int>(shape.Used()),
                planes + plane * shape.PlaneSize());
   }
 }

@@ -31,8 +31,10 @@ struct CensusShape {
   std::size_t PlaneSize() const { return (Used() + 63) / 64 * 64; }
 };
 
-// Plane p of cell i is planes[p * PlaneSize() + i].
-void FillCensus(const std::uint8_t* patch, const CensusShape& shape, std::uint8_t* planes);
+// Plane p of cell i is planes[p * PlaneSize() + i]. The cell's own gray may come from another patch than that
+// of those around it, which lies at other heights.
+void FillCensus(const std::uint8_t* own, const std::uint8_t* around, const CensusShape& shape,
+                std::uint8_t* planes);
 
 // What one photo shows of the cells of a tile at one height.
 struct CensusView {

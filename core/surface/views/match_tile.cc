@@ -81,7 +81,7 @@ bool TileMatcher::Lay(const MatchedTile& tile, const std::vector<float>& low_m, 
 void TileMatcher::SampleAll(int height) {
   for (std::size_t view = 0; view < used_; ++view) {
     patches_[view].Sample(height, shown_[view].data());
-    FillCensus(shown_[view].data(), shape_, census_[view].data());
+    FillCensus(shown_[view].data(), shown_[view].data(), shape_, census_[view].data());
   }
 }
 
@@ -153,6 +153,33 @@ void TileMatcher::FillAgreeing(const MatchedTile& tile, const std::vector<float>
   for (int row = 0; row < tile.rows; ++row) {
     std::copy_n(counted_.data() + shape_.IndexOf(0, row), tile.columns,
                 agreeing.data() + frame_.IndexOf(tile.column, tile.row + row));
+  }
+}
+
+void TileMatcher::CompareOthers(const MatchedTile& tile, const std::vector<float>& heights_m,
+                                const std::vector<float>& others_m, std::vector<std::int16_t>& worse) {
+  if (!Lay(tile, heights_m, 0.0, 0.0, 1)) return;
+  SampleAll(0);
+  planes_.resize(2 * plane_size_);
+  // The best pair alone: at the foot of a wall there may be no more that see it.
+  const BetterHalf better_half(2);
+  better_half.Fill(views_, plane_size_, planes_.data());
+  around_.resize(std::max(around_.size(), used_));
+  for (std::size_t view = 0; view < used_; ++view) around_[view] = shown_[view];
+  const std::size_t seen_by = used_;
+  if (!Lay(tile, others_m, 0.0, 0.0, 1) || used_ != seen_by) return;
+  for (std::size_t view = 0; view < used_; ++view) {
+    patches_[view].Sample(0, shown_[view].data());
+    FillCensus(shown_[view].data(), around_[view].data(), shape_, census_[view].data());
+  }
+  better_half.Fill(views_, plane_size_, planes_.data() + plane_size_);
+  for (int row = 0; row < tile.rows; ++row) {
+    const std::uint8_t* here = planes_.data() + shape_.IndexOf(0, row);
+    std::int16_t* to = worse.data() + frame_.IndexOf(tile.column, tile.row + row);
+    for (int column = 0; column < tile.columns; ++column) {
+      to[column] =
+          static_cast<std::int16_t>(here[plane_size_ + static_cast<std::size_t>(column)] - here[column]);
+    }
   }
 }
 

@@ -63,6 +63,10 @@ class TileMatcher {
   // Writes the tile's part of how many photos agree at the heights, and of what they show there.
   void FillAgreeing(const MatchedTile& tile, const std::vector<float>& heights_m,
                     std::vector<std::uint8_t>& agreeing, std::vector<std::uint8_t>& gray);
+  // Writes the tile's part of by how much more it would cost if the cell alone lay at its other height and
+  // those around it stayed.
+  void CompareOthers(const MatchedTile& tile, const std::vector<float>& heights_m,
+                     const std::vector<float>& others_m, std::vector<std::int16_t>& worse);
 
  private:
   // Lays the tile's photos at the heights, with `raised_m` added to each; false: fewer than two see it.
@@ -82,7 +86,7 @@ class TileMatcher {
   std::vector<float> low_m_;
   std::vector<ViewPatch> patches_;
   std::size_t used_ = 0;  // of patches_
-  std::vector<std::vector<std::uint8_t>> shown_, census_;
+  std::vector<std::vector<std::uint8_t>> shown_, around_, census_;
   std::vector<CensusView> views_;
   std::vector<std::uint8_t> planes_, counted_;
 };

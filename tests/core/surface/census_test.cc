@@ -21,7 +21,7 @@ std::vector<std::uint8_t> RandomPatch(unsigned seed) {
 
 std::vector<std::uint8_t> CensusOf(const std::vector<std::uint8_t>& patch) {
   std::vector<std::uint8_t> planes(kCensusPlanes * kShape.PlaneSize());
-  FillCensus(patch.data(), kShape, planes.data());
+  FillCensus(patch.data(), patch.data(), kShape, planes.data());
   return planes;
 }
 

