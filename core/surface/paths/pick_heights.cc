@@ -4,14 +4,15 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <type_traits>
 
 namespace skyquilt::surface {
 namespace {
 
 constexpr std::uint16_t kNoSum = std::numeric_limits<std::uint16_t>::max();
 constexpr int kAroundLeast = 2;  // steps that are one minimum
-// Cells whose costs say what lies between steps: every other one of a square, whose pictures overlap little.
-constexpr int kCurveReach = 4, kCurveStep = 2;
+// Cells whose costs say what lies between steps: nine, whose pictures overlap little.
+constexpr int kCurveReach = 3, kCurveStep = 3;
 // Neighbours further off than this lie on something else.
 constexpr float kSameSurfaceSteps = 1.5f;
 
@@ -28,17 +29,23 @@ struct Taken {
   std::int16_t count = 0;
 };
 
-Winner LeastOf(const std::uint16_t* sums, int count) {
+// With a number of heights that the compiler knows, the usual one, these are a few vector instructions.
+template <typename Count>
+Winner LeastOf(const std::uint16_t* sums, Count count) {
   std::uint16_t least = kNoSum;
   for (int i = 0; i < count; ++i) least = std::min(least, sums[i]);
   return {least, static_cast<int>(std::find(sums, sums + count, least) - sums)};
 }
 
 // The least beyond kAroundLeast of `at`, which may lie outside.
-std::uint16_t LeastBeyond(const std::uint16_t* sums, int count, int at) {
+template <typename Count>
+std::uint16_t LeastBeyond(const std::uint16_t* sums, Count count, int at) {
   std::uint16_t least = kNoSum;
+  const auto low = static_cast<std::int16_t>(std::clamp(at, -1000, 1000) - kAroundLeast),
+             high = static_cast<std::int16_t>(low + 2 * kAroundLeast);
   for (int i = 0; i < count; ++i) {
-    least = std::min(least, std::abs(i - at) > kAroundLeast ? sums[i] : kNoSum);
+    const auto here = static_cast<std::int16_t>(i);
+    least = std::min(least, here < low || here > high ? sums[i] : kNoSum);
   }
   return least;
 }
@@ -84,21 +91,23 @@ PickedHeights PickHeights(const HeightSheets& sheets, const SheetCosts& costs, c
   picked.contrasts.resize(sheets.Cells());
   std::vector<Taken> all_taken(sheets.Cells());
   const int heights = sheets.heights;
+  constexpr std::integral_constant<int, kSheetHeights> kShort;
+  const bool is_short = heights == kShort;
   for (std::size_t cell = 0; cell < sheets.Cells(); ++cell) {
     const std::size_t from = cell * static_cast<std::size_t>(heights);
     const std::uint16_t* first = sums.first.data() + from;
-    Winner winner = LeastOf(first, heights);
+    Winner winner = is_short ? LeastOf(first, kShort) : LeastOf(first, heights);
     Taken& taken = all_taken[cell];
     taken = {costs.first.data() + from, sheets.low_m[cell], static_cast<std::int16_t>(winner.at),
              static_cast<std::int16_t>(heights)};
     const std::int32_t second = sheets.second[cell];
     std::uint16_t others = kNoSum;
     if (second == HeightSheets::kNone) {
-      others = LeastBeyond(first, heights, winner.at);
+      others = is_short ? LeastBeyond(first, kShort, winner.at) : LeastBeyond(first, heights, winner.at);
     } else {
       const std::size_t from_second = static_cast<std::size_t>(second) * kSheetHeights;
       const std::uint16_t* upper = sums.second.data() + from_second;
-      const Winner in_upper = LeastOf(upper, kSheetHeights);
+      const Winner in_upper = LeastOf(upper, kShort);
       const float between = (sheets.second_low_m[cell] - sheets.low_m[cell]) / sheets.step_m;
       const int apart = static_cast<int>(std::min(between, 10000.0f) + 0.5f);
       int at_in_first = winner.at;
@@ -108,8 +117,8 @@ PickedHeights PickHeights(const HeightSheets& sheets, const SheetCosts& costs, c
         taken = {costs.second.data() + from_second, sheets.second_low_m[cell],
                  static_cast<std::int16_t>(winner.at), kSheetHeights};
       }
-      others = std::min(LeastBeyond(first, heights, at_in_first),
-                        LeastBeyond(upper, kSheetHeights, at_in_first - apart));
+      others =
+          std::min(LeastBeyond(first, kShort, at_in_first), LeastBeyond(upper, kShort, at_in_first - apart));
     }
     picked.margins[cell] = static_cast<std::uint16_t>(std::max(0, others - winner.sum));
     picked.contrasts[cell] = ContrastOf(taken);

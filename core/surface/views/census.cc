@@ -135,7 +135,7 @@ void BetterHalf::Fill(const std::vector<CensusView>& views, std::size_t plane_si
   for (std::size_t first = 0; first < plane_size; first += kChunk) {
     const std::size_t count = std::min(kChunk, plane_size - first);
     for (Chunk& chunk : smallest) chunk.fill(kNotCompared);
-    distances.fill(kNotCompared);
+    if (count < kChunk) distances.fill(kNotCompared);
     for (std::size_t a = 0; a < views.size(); ++a) {
       for (std::size_t b = a + 1; b < views.size(); ++b) {
         FillDistances(views[a], views[b], plane_size, first, count, distances.data());

@@ -14,6 +14,7 @@ namespace {
 constexpr int kExactStep = 16;  // cells
 constexpr float kBorderPx = 4.0f;
 constexpr double kMinDepthM = 0.5;
+constexpr double kMaxHalfWay = 0.9;  // of the inverse depth; beyond, a camera looks up past the heights
 constexpr std::int64_t kMaxBoxPixels = 1 << 20;
 constexpr float kParts = 64.0f;  // of a pixel, in bilinear weights
 
@@ -42,6 +43,7 @@ std::optional<Line> LineAt(const SurfaceCamera& camera, const Eigen::Vector2d& e
     pixels[i] = (pixel->array() + 0.5) * picture_scale - 0.5;
   }
   const double s = 0.5 * depths[2] / depths[1];
+  if (s > kMaxHalfWay) return std::nullopt;
   const Eigen::Vector2d whole = pixels[2] - pixels[0];
   const Eigen::Vector2d square = ((pixels[1] - pixels[0]) / s - whole) / (s - 1.0);
   return Line{pixels[0].cast<float>(), (whole - square).cast<float>(), square.cast<float>()};
@@ -54,11 +56,11 @@ struct LineSpan {
   float low_z_m = 0.0f, range_m = 1.0f, span_m = 0.0f, per_step = 1.0f;
 };
 
+// Pointers one by one: of those in a struct the compiler does not believe that they are apart.
 SKYQUILT_VECTOR_CLONES void FollowLines(const LineSpan& span, const float* __restrict low_m, int count,
-                                        const ViewPatch::CellLines& lines) {
-  float* __restrict x = lines.x, * __restrict y = lines.y;
-  float* __restrict step_x = lines.step_x, * __restrict step_y = lines.step_y;
-  float* __restrict bend_x = lines.bend_x, * __restrict bend_y = lines.bend_y;
+                                        float* __restrict x, float* __restrict y, float* __restrict step_x,
+                                        float* __restrict step_y, float* __restrict bend_x,
+                                        float* __restrict bend_y) {
   const float at_x = span.from.at.x(), at_y = span.from.at.y();
   const float linear_x = span.from.linear.x(), linear_y = span.from.linear.y();
   const float square_x = span.from.square.x(), square_y = span.from.square.y();
@@ -94,12 +96,11 @@ SKYQUILT_VECTOR_CLONES void FollowLines(const LineSpan& span, const float* __res
 }
 
 // Where in the box each cell lies, and how far between its pixels.
-SKYQUILT_VECTOR_CLONES void PlaceCells(const ViewPatch::CellLines& lines, float height, float last_x,
-                                       float last_y, float stride, int count, std::int32_t* __restrict index,
-                                       std::int32_t* __restrict weights) {
-  const float* __restrict x = lines.x, * __restrict y = lines.y;
-  const float* __restrict step_x = lines.step_x, * __restrict step_y = lines.step_y;
-  const float* __restrict bend_x = lines.bend_x, * __restrict bend_y = lines.bend_y;
+SKYQUILT_VECTOR_CLONES void PlaceCells(const float* __restrict x, const float* __restrict y,
+                                       const float* __restrict step_x, const float* __restrict step_y,
+                                       const float* __restrict bend_x, const float* __restrict bend_y,
+                                       float height, float last_x, float last_y, float stride, int count,
+                                       std::int32_t* __restrict index, std::int32_t* __restrict weights) {
   for (int i = 0; i < count; ++i) {
     float u = x[i] + height * (step_x[i] + height * bend_x[i]);
     float v = y[i] + height * (step_y[i] + height * bend_y[i]);
@@ -181,7 +182,9 @@ bool ViewPatch::Prepare(const SurfaceCamera& camera, const GrayPyramid& pyramid,
       span.span_m = static_cast<float>(span_m);
       span.per_step = heights > 1 ? 1.0f / static_cast<float>(heights - 1) : 0.0f;
       const std::size_t at = static_cast<std::size_t>(row) * frame.columns + column;
-      FollowLines(span, low_m.data() + at, std::min(kExactStep, frame.columns - column), Lines(at));
+      FollowLines(span, low_m.data() + at, std::min(kExactStep, frame.columns - column), x_.data() + at,
+                  y_.data() + at, step_x_.data() + at, step_y_.data() + at, bend_x_.data() + at,
+                  bend_y_.data() + at);
     }
   }
   // A cell is seen where the picture has it, and what lies around it, at both ends of its heights.
@@ -254,8 +257,9 @@ void ViewPatch::Sample(int height, std::uint8_t* patch) {
               last_y = static_cast<float>(box_height_) - 0.01f;
   for (std::size_t at = 0; at < x_.size(); at += kCellsAtOnce) {
     const int count = static_cast<int>(std::min(kCellsAtOnce, x_.size() - at));
-    PlaceCells(Lines(at), static_cast<float>(height), last_x, last_y, static_cast<float>(box_width_), count,
-               index.data(), weights.data());
+    PlaceCells(x_.data() + at, y_.data() + at, step_x_.data() + at, step_y_.data() + at, bend_x_.data() + at,
+               bend_y_.data() + at, static_cast<float>(height), last_x, last_y,
+               static_cast<float>(box_width_), count, index.data(), weights.data());
     TakeFours(fours_.data(), index.data(), count, fours.data());
     MixFours(fours.data(), weights.data(), count, patch + at);
   }

@@ -37,20 +37,12 @@ class ViewPatch {
   // heights, and where a number stands for no cell.
   const std::vector<std::uint8_t>& Unseen() const { return unseen_; }
 
-  // From a cell on: the pixel at the lowest height, and with n steps up n * (step + n * bend) more.
-  struct CellLines {
-    float *x, *y, *step_x, *step_y, *bend_x, *bend_y;
-  };
-
  private:
-  CellLines Lines(std::size_t cell) {
-    return {x_.data() + cell,      y_.data() + cell,      step_x_.data() + cell,
-            step_y_.data() + cell, bend_x_.data() + cell, bend_y_.data() + cell};
-  }
   bool TakeBox(const GrayPicture& picture);
 
   TileFrame frame_;
   int heights_ = 1;
+  // By cell of the frame: the pixel at the lowest height, and with n steps up n * (step + n * bend) more.
   std::vector<float> x_, y_, step_x_, step_y_, bend_x_, bend_y_;
   std::vector<std::uint8_t> unseen_;
   // The part of the picture that is needed; each word has a pixel and those right, below and both of it.
