@@ -158,6 +158,13 @@ class MapFileTestCase(GdalTestCase):
         return (west, north - mbtiles.RasterYSize * pixel_m, west + mbtiles.RasterXSize * pixel_m, north,
                 mbtiles.RasterXSize, mbtiles.RasterYSize)
 
+    def in_qgis(self, script, *words):
+        """What a script printed in a QGIS without a window, whose settings and cache are this test's alone."""
+        done = subprocess.run([sys.executable, "-c", script, *words], capture_output=True, text=True, timeout=300,
+                              env={**os.environ, "QT_QPA_PLATFORM": "offscreen", "QGIS_CUSTOM_CONFIG_PATH": self.scratch, "XDG_CACHE_HOME": self.scratch})
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stdout
+
     def check_qgis(self, sources, most_off=0.0, window=None, want=None):
         """QGIS draws each source with the MBTiles' own pixels, or in the mean so near to them (levels of 255). The window is
         (west, north, metres a pixel, side in pixels) with the pixels wanted there; without it, it is the inner one."""
@@ -166,9 +173,7 @@ class MapFileTestCase(GdalTestCase):
         west, north, pixel_m, side = window or self.inner_window()[2:]
         if want is None:
             want = self.pixels(self.gdal.Open(str(self.path("mbtiles"))), west, north, pixel_m, side)
-        subprocess.run([sys.executable, "-c", QGIS_SCRIPT, repr(west), repr(north - side * pixel_m), repr(west + side * pixel_m),
-                        repr(north), str(side), self.data, *sources],
-                       check=True, env={**os.environ, "QT_QPA_PLATFORM": "offscreen"}, capture_output=True)
+        self.in_qgis(QGIS_SCRIPT, repr(west), repr(north - side * pixel_m), repr(west + side * pixel_m), repr(north), str(side), self.data, *sources)
         for number, source in enumerate(sources):
             got = self.gdal.Open(f"{self.data}/{number}.png").ReadAsArray()[:3]
             off = abs(got.astype(int) - want)
@@ -183,9 +188,8 @@ class MapFileTestCase(GdalTestCase):
         file.write_bytes(definition)
         west, south, east, north = self.bounds_m()
         width_m, height_m = east - west, north - south
-        said = subprocess.run([sys.executable, "-c", QGIS_ZOOM_SCRIPT, file, picture, str(side), repr(west - width_m), repr(south - height_m),
-                               repr(east + width_m), repr(north + height_m)], check=True, capture_output=True, text=True, timeout=300,
-                              env={**os.environ, "QT_QPA_PLATFORM": "offscreen"}).stdout
+        said = self.in_qgis(QGIS_ZOOM_SCRIPT, file, picture, str(side), repr(west - width_m), repr(south - height_m), repr(east + width_m),
+                            repr(north + height_m))
         extent, *drawn = [json.loads(line) for line in said.splitlines() if line.startswith("[")]
         for got, want in zip(extent, (west, south, east, north)):
             self.assertAlmostEqual(got, want, delta=0.01 * max(width_m, height_m))
