@@ -93,7 +93,8 @@ Result<std::unique_ptr<CatalogueDb>> CatalogueDb::OpenExisting(const std::filesy
 Result<std::unique_ptr<CatalogueDb>> CatalogueDb::OpenPostgres(const CataloguePlace& place,
                                                                const std::string& node, bool may_make,
                                                                int readers) {
-  auto db = std::make_unique<PostgresDb>(place, PostgresDb::Use::kWrite);
+  const auto silence = std::make_shared<Silence>();
+  auto db = std::make_unique<PostgresDb>(place, PostgresDb::Use::kWrite, silence);
   SKYQUILT_TRY(PreparePostgres(*db, place, may_make));
   {
     SKYQUILT_TRY_ASSIGN(Statement enter,
@@ -108,10 +109,11 @@ Result<std::unique_ptr<CatalogueDb>> CatalogueDb::OpenPostgres(const CataloguePl
   SKYQUILT_TRY_ASSIGN(const AgeClock ages, AgeClock::Open(*db));
   std::unique_ptr<CatalogueDb> catalogue(new CatalogueDb(std::move(db), ages));
   catalogue->place_ = place;
+  catalogue->silence_ = silence;
   catalogue->served_prefix_ = kServedWorkerPrefix + node + "-";
-  catalogue->listener_ = std::make_unique<PostgresDb>(place, PostgresDb::Use::kRead);
+  catalogue->listener_ = std::make_unique<PostgresDb>(place, PostgresDb::Use::kRead, silence);
   for (int i = 0; i < readers; ++i) {
-    catalogue->idle_readers_.push_back(std::make_unique<PostgresDb>(place, PostgresDb::Use::kRead));
+    catalogue->idle_readers_.push_back(std::make_unique<PostgresDb>(place, PostgresDb::Use::kRead, silence));
   }
   return catalogue;
 }

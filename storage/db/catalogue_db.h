@@ -19,6 +19,7 @@
 
 #include "core/base/result.h"
 #include "storage/db/age_clock.h"
+#include "storage/db/outage/silence.h"
 #include "storage/db/postgres/catalogue_place.h"
 #include "storage/db/postgres/server_clock.h"
 #include "storage/db/space_reserve.h"
@@ -26,6 +27,9 @@
 #include "storage/db/sqlite_db.h"
 
 namespace skyquilt::storage {
+
+// A lease that nobody renews ends after this.
+inline constexpr std::chrono::seconds kLeaseTime{15};
 
 // The names of workers that servers supervise begin so; those of one server with its served_prefix().
 inline constexpr const char* kServedWorkerPrefix = "serve-";
@@ -113,6 +117,9 @@ class CatalogueDb {
   // By which leases end: `now` by this machine's clock, as the database's shows it. In a data folder the two
   // are the same.
   Time SharedTime(Time now, SqlConnection& db) { return place_ ? clock_.At(now, db) : now; }
+  // Leases that ended before this are lost, at `now` by that clock: none, for half a lease after the database
+  // was silent.
+  Time LostBefore(Time now) const { return silence_->EndedWithin(kLeaseTime / 2) ? Time() : now; }
   // Prefix of the names of workers that this server supervises: it releases what they held when they die.
   const std::string& served_prefix() const { return served_prefix_; }
   // Until there may be a job to claim, a signal, or the end of the time: with PostgreSQL by LISTEN, over a
@@ -136,6 +143,7 @@ class CatalogueDb {
   std::optional<SpaceReserve> reserve_;  // of a data folder
   std::optional<CataloguePlace> place_;  // in PostgreSQL
   ServerClock clock_;
+  std::shared_ptr<Silence> silence_ = std::make_shared<Silence>();  // of PostgreSQL
   std::string served_prefix_ = kServedWorkerPrefix;
   std::unique_ptr<SqlConnection> listener_;
 };

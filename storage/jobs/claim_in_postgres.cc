@@ -37,10 +37,11 @@ Result<void> GiveTimeAfterStart(SqlConnection& db, Time now) {
   return {};
 }
 
-Result<std::optional<Lease>> ClaimInPostgres(SqlConnection& db, std::string_view worker, Time now) {
+Result<std::optional<Lease>> ClaimInPostgres(SqlConnection& db, std::string_view worker, Time now,
+                                             Time lost_before) {
   // The commit of a claim waits for no disk.
   SKYQUILT_TRY_ASSIGN(const UnsyncedCommits unsynced, UnsyncedCommits::Begin(db));
-  for (const bool is_settled : {false, true}) {
+  for (bool is_settled = lost_before < now;; is_settled = true) {
     SKYQUILT_TRY_ASSIGN(
         Statement claim,
         db.Prepare(fmt::format(
@@ -48,7 +49,7 @@ Result<std::optional<Lease>> ClaimInPostgres(SqlConnection& db, std::string_view
             LeaseEndSql(db, "?3"))));
     claim.Bind(1, worker).Bind(2, ToUs(now)).Bind(3, ToUs(now + kLeaseTime)).Bind(4, MachineBoot::Id());
     SKYQUILT_TRY_ASSIGN(const bool row, claim.Bind(5, is_settled ? 1 : 0).Step());
-    if (!row) break;
+    if (!row) return std::optional<Lease>();
     if (!claim.IsNull(0)) {
       return std::optional(Lease{std::string(claim.ColumnText(0)), std::string(claim.ColumnText(1)),
                                  std::string(claim.ColumnText(2)), claim.ColumnInt64(3),
@@ -56,7 +57,6 @@ Result<std::optional<Lease>> ClaimInPostgres(SqlConnection& db, std::string_view
     }
     SKYQUILT_TRY(LetWaitAgain(db, now));
   }
-  return std::optional<Lease>();
 }
 
 }  // namespace skyquilt::storage

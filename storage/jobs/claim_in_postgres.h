@@ -16,7 +16,8 @@ namespace skyquilt::storage {
 // their time once more, from the start of the database. Those that were released (no worker) stay released.
 Result<void> GiveTimeAfterStart(SqlConnection& db, Time now);
 
-// `now`: by the database's clock.
-Result<std::optional<Lease>> ClaimInPostgres(SqlConnection& db, std::string_view worker, Time now);
+// By the database's clock: `now`, and before when leases must have ended that are lost.
+Result<std::optional<Lease>> ClaimInPostgres(SqlConnection& db, std::string_view worker, Time now,
+                                             Time lost_before);
 
 }  // namespace skyquilt::storage

@@ -38,7 +38,7 @@ Result<std::optional<Lease>> JobQueue::Claim(std::string_view worker, Time by_ma
   return db_.Again([&]() -> Result<std::optional<Lease>> {
     const auto db = db_.Lock();
     const Time now = db_.SharedTime(by_machine, *db);
-    if (db_.IsShared()) return ClaimInPostgres(*db, worker, now);
+    if (db_.IsShared()) return ClaimInPostgres(*db, worker, now, db_.LostBefore(now));
     {
       // An idle worker only reads; the write lock is taken when there is something to take.
       SKYQUILT_TRY_ASSIGN(

@@ -24,7 +24,6 @@
 
 namespace skyquilt::storage {
 
-inline constexpr std::chrono::seconds kLeaseTime{15};
 inline constexpr int kMaxAttempts = 3;
 // Troubles of machines (disk, network, store) that cost a job or a unit no attempt: more than many machines
 // have by chance with one piece of work. From then on it brings them along, and ends by its attempts.

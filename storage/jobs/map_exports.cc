@@ -180,10 +180,11 @@ Result<std::optional<MapExport>> MapExports::ClaimOnce(Time now) {
       SKYQUILT_TRY_ASSIGN(
           Statement query,
           db->Prepare(fmt::format("SELECT {} FROM map_export e JOIN flight f ON f.id=e.flight_id"
-                                  " WHERE e.state IN ('accepted','running') AND e.lease_until_us<?"
+                                  " WHERE e.state IN ('accepted','running') AND"
+                                  " e.lease_until_us<CASE e.state WHEN 'running' THEN ?2 ELSE ?1 END"
                                   " AND f.deleted_us IS NULL ORDER BY is_of_link, e.id LIMIT 1",
                                   kExportColumns)));
-      query.Bind(1, ToUs(time));
+      query.Bind(1, ToUs(time)).Bind(2, ToUs(db_.LostBefore(time)));
       SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
       if (!row) return std::optional<MapExport>();
       next = ExportOf(query);

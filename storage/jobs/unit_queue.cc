@@ -192,19 +192,20 @@ Result<std::optional<UnitLease>> UnitQueue::Claim(std::string_view worker, Time 
       SKYQUILT_TRY_ASSIGN(Statement look,
                           db->Prepare("SELECT CASE WHEN EXISTS(SELECT 1 FROM unit WHERE state='waiting'"
                                       " OR (state='running' AND lease_until_us<?1)) THEN 1 ELSE 0 END"));
-      SKYQUILT_TRY(look.Bind(1, ToUs(now)).Step());
+      SKYQUILT_TRY(look.Bind(1, ToUs(db_.LostBefore(now))).Step());
       if (look.ColumnInt64(0) == 0) return std::optional<UnitLease>();
     }
     const auto db = db_.Lock();
     const Time now = db_.SharedTime(by_machine, *db);
     if (db_.IsShared()) SKYQUILT_TRY(GiveTimeAfterStart(*db, now));
-    SKYQUILT_TRY(FailExhausted(*db, now));
+    const Time lost_before = db_.LostBefore(now);
+    SKYQUILT_TRY(FailExhausted(*db, lost_before));
     SKYQUILT_TRY_ASSIGN(
         Statement claim,
         db->Prepare(
             std::string("WITH next(a_job, a_kind, a_number) AS (SELECT u.job_id, u.kind, u.number FROM unit u"
                         " JOIN job j ON j.id=u.job_id WHERE j.state='running' AND j.cancel=0 AND"
-                        " (u.state='waiting' OR (u.state='running' AND u.lease_until_us<?3))"
+                        " (u.state='waiting' OR (u.state='running' AND u.lease_until_us<?4))"
                         " ORDER BY j.priority DESC, j.id, u.number LIMIT 1") +
             PassOverLocked(*db) +
             ") UPDATE unit SET state='running', lease_token=lease_token+1, attempts=attempts+1, worker=?1,"
@@ -212,7 +213,7 @@ Result<std::optional<UnitLease>> UnitQueue::Claim(std::string_view worker, Time 
             LeaseEndSql(*db, "?2") +
             ", since_us=?3 FROM next WHERE job_id=a_job AND kind=a_kind AND number=a_number"
             " RETURNING job_id, kind, number, items, lease_token"));
-    claim.Bind(1, worker).Bind(2, ToUs(now + kLeaseTime)).Bind(3, ToUs(now));
+    claim.Bind(1, worker).Bind(2, ToUs(now + kLeaseTime)).Bind(3, ToUs(now)).Bind(4, ToUs(lost_before));
     UnitLease unit;
     {
       SKYQUILT_TRY_ASSIGN(const bool row, claim.Step());

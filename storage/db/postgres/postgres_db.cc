@@ -189,9 +189,11 @@ Result<void> PostgresDb::EnsureOpen() {
   if (handle_ != nullptr) return {};
   const auto end = SteadyClock::now() + patience_;
   if (SteadyClock::now() < not_before_) return LostConnection("connect", "not tried again yet");
+  const bool was_open = !schema_.empty();
   for (milliseconds pause = kFirstPause;; pause = std::min(2 * pause, kMaxPause)) {
     const Result<void> connected = Connect();
     if (connected) {
+      if (was_open) silence_->Ended();
       pause_ = milliseconds(0);
       return {};
     }
@@ -206,7 +208,9 @@ Result<void> PostgresDb::EnsureOpen() {
 }
 
 Result<PgResult> PostgresDb::Simple(const std::string& sql) {
+  const auto asked = SteadyClock::now();
   PgResult result(PQexec(handle_, sql.c_str()));
+  silence_->Answered(asked);
   if (result != nullptr && IsWell(result.get())) return result;
   if (result == nullptr || PQstatus(handle_) != CONNECTION_OK) return Lost(sql);
   return Failed(result.get(), sql);
@@ -264,8 +268,10 @@ Result<PgResult> PostgresDb::RunOnce(const std::string& sql, const std::vector<P
     lengths.push_back(static_cast<int>(parameter.bytes.size()));
     formats.push_back(1);
   }
+  const auto asked = SteadyClock::now();
   PgResult result(PQexecPrepared(handle_, name->c_str(), static_cast<int>(values.size()), values.data(),
                                  lengths.data(), formats.data(), 0));
+  silence_->Answered(asked);
   if (result == nullptr || PQstatus(handle_) != CONNECTION_OK) {
     may_repeat = use_ == Use::kRead && !in_transaction_;
     return Lost(sql);

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "storage/db/outage/silence.h"
 #include "storage/db/postgres/catalogue_place.h"
 #include "storage/db/sql_connection.h"
 
@@ -41,7 +42,9 @@ struct PgParameter {
 class PostgresDb final : public SqlConnection {
  public:
   enum class Use { kWrite, kRead };
-  PostgresDb(CataloguePlace place, Use use) : place_(std::move(place)), use_(use) {}
+  // `silence`: shared by the connections of one process.
+  PostgresDb(CataloguePlace place, Use use, std::shared_ptr<Silence> silence = std::make_shared<Silence>())
+      : place_(std::move(place)), use_(use), silence_(std::move(silence)) {}
   ~PostgresDb() override;
 
   Result<void> Exec(const std::string& sql) override;
@@ -86,6 +89,7 @@ class PostgresDb final : public SqlConnection {
 
   CataloguePlace place_;
   Use use_;
+  std::shared_ptr<Silence> silence_;
   pg_conn* handle_ = nullptr;
   std::string schema_;
   std::unordered_map<std::string, std::string> prepared_;  // names on the server, by types and SQL

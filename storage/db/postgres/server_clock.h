@@ -19,8 +19,8 @@ class ServerClock {
  public:
   // `local`: the clock of this machine; another one for tests.
   explicit ServerClock(std::function<Time()> local = Now) : local_(std::move(local)) {}
-  // What the server's clock shows when this machine's shows `here`. Where the server cannot be asked, by the
-  // last difference that was measured.
+  // What the server's clock shows when this machine's shows `here`. Where the server cannot be asked, or
+  // takes a second to answer, by the last difference that was measured.
   Time At(Time here, SqlConnection& db);
 
  private:

@@ -175,6 +175,41 @@ TEST_F(PostgresTest, AMachineWhoseClockIsWrongAgreesOnTheTime) {
   EXPECT_EQ(right.At(now, *db), now);
 }
 
+TEST_F(PostgresTest, AFrozenServerDoesNotMoveTheTime) {
+  const auto db = Connection();
+  const Time start = Now();
+  int asked = 0;
+  ServerClock clock([&] { return start + seconds(25 * asked++); });  // each answer takes 25 s
+  EXPECT_EQ(clock.At(start, *db), start);
+  EXPECT_EQ(clock.At(start + seconds(100), *db), start + seconds(100));
+}
+
+TEST_F(PostgresTest, ALeaseThatRanOutWhileTheServerWasSilentIsNotTaken) {
+  const std::string flight = NewFlight();
+  JobQueue queue(*db_);
+  ASSERT_TRUE(queue.Add(flight, "{}", Now()));
+  ASSERT_TRUE(*queue.Claim("w", Now()));
+  const auto other = Open("other");
+  JobQueue others(*other);
+  const Time later = Now() + kLeaseTime + seconds(1);
+  ASSERT_TRUE(db_->Lock()->Exec("SELECT pg_sleep(2.1)"));
+  EXPECT_FALSE(*queue.Claim("v", later));
+  const auto taken = others.Claim("u", later);  // heard no silence
+  ASSERT_TRUE(*taken);
+  EXPECT_EQ((*taken)->attempt, 2);
+}
+
+TEST(SilenceTest, LongAnswersAreSilenceForAWhile) {
+  const Silence::Clock::time_point start(std::chrono::hours(1));
+  Silence silence;
+  EXPECT_FALSE(silence.EndedWithin(seconds(1'000'000), start));
+  silence.Answered(start, start + seconds(1));
+  EXPECT_FALSE(silence.EndedWithin(seconds(1'000'000), start + seconds(1)));
+  silence.Answered(start, start + seconds(25));
+  EXPECT_TRUE(silence.EndedWithin(seconds(7), start + seconds(31)));
+  EXPECT_FALSE(silence.EndedWithin(seconds(7), start + seconds(33)));
+}
+
 TEST_F(PostgresTest, AgesGoByTheServersClockButNoFurtherThanAnHourAtOnce) {
   const Time before = db_->ages().Now();
   EXPECT_LT(std::chrono::abs(before - Now()), seconds(60));
