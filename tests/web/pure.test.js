@@ -13,7 +13,7 @@ import { clipName, formatArea, formatBytes, formatCaptureDay, formatCaptureTime,
 import { parseRoute, routeHash } from '../../web/src/shared/router.js';
 import { looksLikePhoto, selectFiles } from '../../web/src/upload/drop_files.js';
 import { coverageGrid, histogram } from '../../web/src/flight/report_pictures.js';
-import { absoluteWords, accuracyMark, isScaleKnown, relativeWords, statusWords } from '../../web/src/flight/flight_words.js';
+import { absoluteWords, accuracyMark, flightFacts, isScaleKnown, relativeWords, shortFacts, statusWords } from '../../web/src/flight/flight_words.js';
 import { resultWords } from '../../web/src/flight/result_verdict.js';
 import { crossesItself } from '../../web/src/map/ring_crossing.js';
 import { hashWithPlace, placeOfHash } from '../../web/src/map/view_address.js';
@@ -133,6 +133,9 @@ test('the page says of a map what the server judged, in the list and in the repo
   const imported = { status: 'unknown', absolute: { sigma_m: null, by: 'none', count: 0 } };
   assert.deepEqual([absoluteWords(qualityWith(imported)), relativeWords(qualityWith(imported))], Array(2).fill('unknown: an imported map'));
   assert.deepEqual(resultWords(report(imported, { photos: { total: 0 } })), { grade: 'amber', title: 'Accuracy not known', sentences: ['Imported map: its photos are not on this server.'] });
+  const listed = { id: 'f', photos: { total: 0 }, file_count: 0, bytes: 2e6, created_at: '2026-01-02T03:04:05Z', quality: qualityWith(imported) };
+  for (const facts of [flightFacts(listed), shortFacts(listed).join(' ')]) assert.match(facts, /imported map/);
+  assert.match(shortFacts({ ...listed, photos: { total: 1 } }).join(' '), /1 photo\b/);
   const old = resultWords({ ...report({}), quality: undefined });
   assert.deepEqual([old.grade, old.title], ['amber', 'Accuracy not known'], 'a map of before there was a word on it is not called ready');
   assert.match(old.sentences[0], /before accuracy was judged/);

@@ -37,7 +37,10 @@ TEST(CommonError, IsWhatMostPositionsStateWithinReason) {
   EXPECT_EQ(CommonErrorOf(Fixes(9, false, 0.03)), (CommonError{true, 0.03}));
   // One of ten speaks for itself alone.
   EXPECT_EQ(CommonErrorOf(Fixes(9, false, std::nullopt) + Fixes(1, true, 0.01)), (CommonError{false, 1.5}));
-  EXPECT_EQ(CommonErrorOf(Fixes(9, false, -1.0)), (CommonError{false, 1.5}));
+  // No receiver knows its place so well: these are no statements.
+  for (const double sigma_m : {-1.0, 0.0, 1e-6, 0.001}) {
+    EXPECT_EQ(CommonErrorOf(Fixes(9, false, sigma_m)), (CommonError{false, 1.5})) << sigma_m;
+  }
 }
 
 }  // namespace

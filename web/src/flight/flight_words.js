@@ -25,6 +25,12 @@ export function stateChip(flight) {
   return h('span', { class: `chip chip-${state === 'ready' ? of_map : state}` }, text);
 }
 
+/** @param {Flight} flight @returns {string} how many photos, or files while they are not known apart */
+function photosOf(flight) {
+  if (isImported(flight)) return strings.flights.imported;
+  return flight.photos ? strings.flights.photos(flight.photos.total) : strings.flights.files(flight.file_count);
+}
+
 /**
  * @param {Flight} flight
  * @returns {string}
@@ -32,7 +38,7 @@ export function stateChip(flight) {
 export function flightFacts(flight) {
   // What has arrived so far, the upload itself says.
   if (!flight.photos && uploadOf(flight.id)) return formatDate(flight.created_at);
-  const photos = flight.photos ? strings.flights.photos(flight.photos.total) : strings.flights.files(flight.file_count);
+  const photos = photosOf(flight);
   return [takenDay(flight), photos, accuracyMark(flight.quality), flight.bytes > 0 ? formatBytes(flight.bytes) : '', flight.file_count > 0 ? strings.flights.uploaded(formatDate(flight.created_at)) : formatDate(flight.created_at)]
     .filter(Boolean)
     .join(' · ');
@@ -40,7 +46,7 @@ export function flightFacts(flight) {
 
 /** The same in a row of the list, where there is room for what tells flights apart. @param {Flight} flight @returns {string[]} lines */
 export function shortFacts(flight) {
-  const photos = flight.photos ? strings.flights.photos(flight.photos.total) : strings.flights.files(flight.file_count);
+  const photos = photosOf(flight);
   const day = takenDay(flight) || (flight.file_count > 0 ? strings.flights.uploaded(formatDate(flight.created_at)) : formatDate(flight.created_at));
   const gsd = flight.gsd_m && isScaleKnown(flight.quality) ? formatGsd(flight.gsd_m) : '';
   return [day, [photos, gsd || (flight.bytes > 0 ? formatBytes(flight.bytes) : ''), accuracyMark(flight.quality)].filter(Boolean).join(' · ')];

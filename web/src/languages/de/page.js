@@ -51,6 +51,7 @@ export const page_words = {
     no_match: 'Keine passenden Flüge.',
     open: (name) => `${name} öffnen`,
     photos: (n) => count(n, photos),
+    imported: 'importierte Karte',
     files: (n) => count(n, files),
     new_flight: 'Neuer Flug',
     back: 'Alle Flüge',

@@ -50,6 +50,7 @@ export const page_words = {
     no_match: 'No flights match.',
     open: (/** @type {string} */ name) => `Open ${name}`,
     photos: (/** @type {number} */ n) => count(n, { one: 'photo', other: 'photos' }),
+    imported: 'imported map',
     files: (/** @type {number} */ n) => count(n, { one: 'file', other: 'files' }),
     new_flight: 'New flight',
     back: 'All flights',
