@@ -180,7 +180,7 @@ Result<bool> PublishElsewhere(WorkerContext& context, const storage::Lease& leas
   return published;
 }
 
-// False: the lease was lost, and nothing was shown.
+// False: the lease was lost or the job cancelled, and nothing was shown.
 Result<bool> Publish(WorkerContext& context, const storage::Lease& lease, const fs::path& made,
                      storage::Revision revision, Progress& progress) {
   SKYQUILT_TRY(CheckProducts(made));
@@ -239,6 +239,7 @@ void RunJob(WorkerContext& context, const storage::Lease& lease) {
   LogEvent(
       fmt::format("job {} of flight {} begins (attempt {})", lease.job_id, lease.flight_id, lease.attempt));
   std::optional<Error> failure;
+  bool is_unshown = false;  // the map is made, and the catalogue did not take it
   LeaseState state = LeaseState::kHeld;
   {
     const Result<CutJob> found = CutOf(context, lease);
@@ -274,18 +275,24 @@ void RunJob(WorkerContext& context, const storage::Lease& lease) {
         if (!published && !context.blobs.IsFolder() && lease.attempt < storage::kMaxAttempts) work.Keep();
         // What a part of the work took says nothing of a whole job.
         if (published && *published && cut.step == CutStep::kWhole) KeepCost(context, lease, *made.outcome);
-        if (published) {
-          LogEvent(fmt::format("job {} {}", lease.job_id, *published ? "is published" : "lost its lease"));
-          if (*published && cut.step != CutStep::kWhole) RemoveUnits(context, lease.flight_id, cut);
+        if (published && *published) {
+          LogEvent(fmt::format("job {} is published", lease.job_id));
+          if (cut.step != CutStep::kWhole) RemoveUnits(context, lease.flight_id, cut);
           return;
         }
+        is_unshown = published.ok();
       }
       // The next attempt goes on from there; the last one's is swept.
       if (made.has_died && !progress.IsCancelled() && lease.attempt < storage::kMaxAttempts) work.Keep();
     } catch (const std::exception& thrown) {
       failure = flight::Because(ErrorCode::kInternal, flight::RemarkCode::kFailWorkerMeans, thrown.what());
     }
-    state = progress.lease_state();
+    if (is_unshown) {
+      const Result<LeaseState> why = context.queue.LeaseStateOf(lease);
+      state = why ? *why : LeaseState::kLost;
+    } else {
+      state = progress.lease_state();
+    }
   }
   const auto give_back = [&] {
     TellUntilHeard(context, lease.job_id, [&] { return context.queue.GiveBack(lease, storage::Now()); });

@@ -224,7 +224,8 @@ Result<bool> JobQueue::PublishOnce(const Lease& lease, const Revision& revision,
           db->Prepare(
               "UPDATE job SET state='successful', progress=1, stage='done', message='', finished_us=?3, "
               "error_code=NULL,"
-              " error_message=NULL, error_reason='' WHERE id=?1 AND lease_token=?2 AND state='running'"));
+              " error_message=NULL, error_reason='' WHERE id=?1 AND lease_token=?2 AND state='running'"
+              " AND cancel=0"));
       SKYQUILT_TRY(end.Bind(1, lease.job_id).Bind(2, lease.token).Bind(3, ToUs(now)).Run());
       if (db->Changes() == 0) return IsPublished(*db, lease, revision.revision);
       SKYQUILT_TRY_ASSIGN(Statement insert,

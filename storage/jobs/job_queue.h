@@ -134,7 +134,8 @@ class JobQueue {
   // 0: the lease was lost.
   Result<int> CountTrouble(const Lease& lease);
 
-  // Publishing, in two steps around the move of the files. Absent or false: the lease was lost.
+  // Publishing, in two steps around the move of the files. Absent or false: the lease was lost. False as well
+  // where somebody wished to cancel: what was cancelled is not shown (Dismiss).
   Result<std::optional<std::int64_t>> ReserveRevision(const Lease& lease);
   // Where the catalogue is shared, tries for a minute while its database cannot be reached; said again after
   // an answer that was lost, it answers what the first one did. `products`: of a map that was put into a

@@ -170,6 +170,10 @@ TEST_F(JobQueueTest, ShowsTheWishToCancelToTheWorker) {
   EXPECT_EQ(queue_.Cancel(job.id, now_)->state, JobState::kRunning);
   EXPECT_TRUE(queue_.Cancel(job.id, now_));
   EXPECT_EQ(*queue_.LeaseStateOf(lease), LeaseState::kCancelRequested);
+  // Also of one who sees it when the map is made.
+  EXPECT_FALSE(*queue_.Publish(lease, Made(1), now_));
+  EXPECT_TRUE(catalogue_.Revisions(job.flight_id)->empty());
+  EXPECT_EQ(*queue_.LeaseStateOf(lease), LeaseState::kCancelRequested);
   EXPECT_TRUE(*queue_.Dismiss(lease, now_));
   EXPECT_EQ(queue_.Get(job.id)->state, JobState::kDismissed);
 }
