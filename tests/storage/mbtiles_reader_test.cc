@@ -69,7 +69,8 @@ TEST(EncodingOf, IsWhatTheWriterPut) {
       put(0, fringe);
       if (has_opaque) put(1, opaque_of(fringe));
       ASSERT_TRUE(writer->Publish({}));
-      const auto& metadata = (*MbtilesReader::Open(dir.path() / "a.mbtiles"))->metadata();
+      const auto reader = *MbtilesReader::Open(dir.path() / "a.mbtiles");
+      const auto& metadata = reader->metadata();
       // Of a fringe alone nobody can tell what the map within would have been: it is as good as JPEG.
       EXPECT_EQ(EncodingOf(metadata),
                 has_opaque || encoding != TileEncoding::kWebp ? encoding : TileEncoding::kJpegWebp);
