@@ -1,4 +1,4 @@
-// What the server remarks: every code of core/flight/remarks/remark.h has its English sentence there and words in every
+// What the server remarks: every code of core/flight/remarks/remark_code.h has its English sentence there and words in every
 // language of the page, which say the same values; and the page shows them in place of the server's sentences.
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
@@ -18,7 +18,7 @@ const source = (/** @type {string} */ name) => readFileSync(join(web_root, '../c
 const snake = (/** @type {string} */ name) => name.replace(/(?<!^)([A-Z])/g, '_$1').toLowerCase();
 
 /** Every code, as its name in JSON. */
-const codes = [...(source('remark.h').match(/enum class RemarkCode[^{]*\{([^}]*)\}/)?.[1] ?? '').matchAll(/\bk(\w+)/g)].map(([, name]) => snake(name));
+const codes = [...(source('remark_code.h').match(/enum class RemarkCode[^{]*\{([^}]*)\}/)?.[1] ?? '').matchAll(/\bk(\w+)/g)].map(([, name]) => snake(name));
 
 /** @type {Map<string, Set<string>>} by code, the values that its English sentence says */
 const said_there = new Map(
