@@ -1,9 +1,9 @@
 #include "core/flight/logs/log_text.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <optional>
+
+#include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -86,10 +86,10 @@ Result<LogText> LogText::Of(std::string_view name, LogBytes bytes) {
   const auto kind = RecogniseUtf16(bytes);
   if (!kind) return text;
   if (bytes.size() > kMaxUtf16Bytes) {
-    return Error{ErrorCode::kUnsupportedFormat,
-                 fmt::format("{} is UTF-16 of {} MiB, and at most {} MiB of it are read; save it as UTF-8.",
-                             name, bytes.size() >> 20U, kMaxUtf16Bytes >> 20U),
-                 ""};
+    return Because(
+        ErrorCode::kUnsupportedFormat,
+        {RemarkCode::kTextTooLarge,
+         {{"file", name}, {"size_mib", bytes.size() >> 20U}, {"most_mib", kMaxUtf16Bytes >> 20U}}});
   }
   text.decoded_ = DecodeUtf16(bytes, *kind);
   text.is_decoded_ = true;

@@ -1,7 +1,5 @@
 #include "core/flight/logs/read_log.h"
 
-#include <fmt/format.h>
-
 #include <array>
 
 #include "core/base/try.h"
@@ -113,8 +111,7 @@ Result<FlightLog> ParseLog(std::string_view name, LogBytes bytes, const Consumed
     return Because(ErrorCode::kUnsupportedFormat, {RemarkCode::kFileIsNoLog, {{"file", name}}});
   }
   if (format->parse == nullptr) {
-    return Error{ErrorCode::kUnsupportedFormat,
-                 fmt::format("{} is a list of ground control points, not a flight log.", name), ""};
+    return Because(ErrorCode::kUnsupportedFormat, {RemarkCode::kFileIsPointList, {{"file", name}}});
   }
   // Offsets into decoded text are none into the file.
   return format->parse(name, text.bytes(), text.is_decoded() ? ConsumedUpTo() : consumed);

@@ -233,7 +233,7 @@ bool LooksLikeUlog(LogBytes head) {
 
 Result<FlightLog> ParseUlog(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed) {
   if (!LooksLikeUlog(bytes) || bytes.size() < kHeader) {
-    return Error{ErrorCode::kCorrupt, fmt::format("{} does not start as a ULog does.", name), ""};
+    return Because(ErrorCode::kCorrupt, {RemarkCode::kUlogBeginsOtherwise, {{"file", name}}});
   }
   return UlogParser(name, bytes, consumed).Parse();
 }

@@ -1,7 +1,5 @@
 #include "core/flight/logs/csv/canonical_csv.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -97,7 +95,8 @@ Result<FlightLog> ParseFlightCsv(std::string_view name, LogBytes bytes, const Co
   LogBuilder builder("flight_csv", name);
   LineReader lines(TextOf(bytes));
   std::vector<std::string_view> cells;
-  if (!ReadHeader(lines, cells)) return Error{ErrorCode::kCorrupt, fmt::format("{} is empty.", name), ""};
+  if (!ReadHeader(lines, cells))
+    return Because(ErrorCode::kCorrupt, {RemarkCode::kFileEmpty, {{"file", name}}});
   const auto columns = MapCanonicalColumns(cells);
   CsvClockRule rule;
   rule.has_time_column = HasColumn(columns, M::kTime);
@@ -131,7 +130,8 @@ Result<FlightLog> ParseFlightCsv(std::string_view name, LogBytes bytes, const Co
 Result<FlightLog> ParseImagesCsv(std::string_view name, LogBytes bytes, const ConsumedUpTo&) {
   LineReader lines(TextOf(bytes));
   std::vector<std::string_view> cells;
-  if (!ReadHeader(lines, cells)) return Error{ErrorCode::kCorrupt, fmt::format("{} is empty.", name), ""};
+  if (!ReadHeader(lines, cells))
+    return Because(ErrorCode::kCorrupt, {RemarkCode::kFileEmpty, {{"file", name}}});
   std::vector<CsvColumn> columns = MapCanonicalColumns(cells);
   SKYQUILT_TRY_ASSIGN(SettledColumns settled, SettleColumns(name, lines, ',', columns));
   settled.pitch_is_level = false;  // the format counts from the horizon

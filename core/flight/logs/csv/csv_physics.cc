@@ -1,12 +1,13 @@
 #include "core/flight/logs/csv/csv_physics.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/base/median.h"
 #include "core/base/try.h"
+#include "core/flight/logs/text_fields.h"
+#include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -30,9 +31,9 @@ void Rescale(std::vector<CsvColumn>& columns, M first, M last, double factor, co
   }
 }
 
-Error Contradiction(const CsvColumn& column, std::string_view what) {
-  return Error{ErrorCode::kUnprocessable,
-               fmt::format("Column \"{}\": {}; correct its header.", column.header.substr(0, 80), what), ""};
+Error Contradiction(const CsvColumn& column, Remark why) {
+  return Because(ErrorCode::kUnprocessable, {RemarkCode::kColumnContradicts,
+                                             {{"column", Quoted(column.header)}, {"why", std::move(why)}}});
 }
 
 // Median |specific force| is one gravity, whatever the motion of an ordinary flight.
@@ -54,24 +55,19 @@ Result<double> CheckAcceleration(std::vector<CsvColumn>& columns, const CsvPrevi
   if (near(kGravity))
     factor = 1.0;
   else if (column->unit_is_written) {
-    return Contradiction(
-        *column, fmt::format("its unit {} makes gravity {:.3g} m/s2 instead of 9.8", column->unit, norm));
+    return Contradiction(*column,
+                         {RemarkCode::kUnitMakesGravity, {{"unit", column->unit}, {"gravity_mps2", norm}}});
   } else if (near(1.0))
     factor = kGravity;
   else if (near(1000.0))
     factor = kGravity * 1e-3;
   if (factor == 0.0) {
-    return Contradiction(
-        *column,
-        fmt::format("the median specific force is {:.3g}, which is gravity in no unit (is gravity removed?)",
-                    norm));
+    return Contradiction(*column, {RemarkCode::kGravityOfNoUnit, {{"force", norm}}});
   }
   if (factor != 1.0) Rescale(columns, M::kAccelX, M::kAccelZ, factor, factor > 1.0 ? "g" : "mg");
   const double up = Median(z);
   if (std::abs(up) < 0.6 * norm) {
-    return Contradiction(*Find(columns, M::kAccelZ),
-                         "gravity does not lie along the z axis: the axes must be forward, right, down (or "
-                         "forward, left, up)");
+    return Contradiction(*Find(columns, M::kAccelZ), RemarkCode::kGravityOffAxis);
   }
   findings.imu_z_is_up = up > 0.0;
   findings.notes.push_back(
@@ -121,9 +117,7 @@ Result<bool> CheckRates(std::vector<CsvColumn>& columns, const CsvPreview& previ
     is_deg = Median(rates) > limit;
   if (!is_deg) return true;
   if (column->unit_is_written) {
-    return Contradiction(
-        *column, fmt::format("its unit {} does not fit the attitude: the rates look like degrees per second",
-                             column->unit));
+    return Contradiction(*column, {RemarkCode::kRatesLookLikeDegrees, {{"unit", column->unit}}});
   }
   Rescale(columns, M::kGyroX, M::kGyroZ, factor_deg, "deg/s");
   return true;
@@ -174,7 +168,7 @@ Result<double> CheckTime(std::vector<CsvColumn>& columns, const CsvPreview& prev
     last = t;
   }
   if (!first) return 1.0;
-  if (back > steps.size()) return Contradiction(*column, "its values fall, so they are not times");
+  if (back > steps.size()) return Contradiction(*column, RemarkCode::kTimesFall);
   double factor = 1.0;
   if (!column->unit_is_written && !steps.empty()) {
     const double size = std::abs(*first);
@@ -241,8 +235,11 @@ Result<CsvFindings> CheckCsvPhysics(std::vector<CsvColumn>& columns, const CsvPr
     const double most = meaning == M::kLat ? 90.0 : 180.0;
     const double median = Median(sizes);
     if (median <= most) continue;
-    if (median * 1e-7 > most)
-      return Contradiction(*column, fmt::format("{:.6g} is no {}", median, CsvMeaningName(meaning)));
+    if (median * 1e-7 > most) {
+      const bool is_lat = meaning == M::kLat;
+      return Contradiction(
+          *column, {is_lat ? RemarkCode::kIsNoLatitude : RemarkCode::kIsNoLongitude, {{"degrees", median}}});
+    }
     Rescale(columns, meaning, meaning, 1e-7, "1e-7 deg");
   }
   return findings;

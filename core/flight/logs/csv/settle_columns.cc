@@ -10,6 +10,7 @@
 
 #include "core/flight/logs/csv/csv_rows.h"
 #include "core/flight/logs/csv/settle_dates.h"
+#include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -276,13 +277,11 @@ Result<SettledColumns> SettleColumns(std::string_view name, LineReader lines, ch
         return cells.Marks(MarkEvidence::kPoint) + cells.Marks(MarkEvidence::kLonePoint) > 0;
       });
   if (separator == ',' && 2 * table.rows_too_long > table.rows && !has_points) {
-    return Error{
-        ErrorCode::kUnprocessable,
-        fmt::format("{} has {} cells in line {} below {} names of columns, and no decimal point: its decimal "
-                    "commas cannot be told from the commas between cells; save it with semicolons or tabs "
-                    "between the cells, or with decimal points.",
-                    name, table.first_long_cells, table.first_long_line, columns.size()),
-        ""};
+    return Because(ErrorCode::kUnprocessable, {RemarkCode::kCommasUnclear,
+                                               {{"file", name},
+                                                {"cells", table.first_long_cells},
+                                                {"line", table.first_long_line},
+                                                {"headers", columns.size()}}});
   }
   SettledColumns settled;
   SettleClocks(table, columns);

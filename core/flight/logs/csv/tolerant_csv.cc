@@ -1,11 +1,10 @@
 #include "core/flight/logs/csv/tolerant_csv.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "core/base/try.h"
 #include "core/flight/logs/csv/canonical_csv.h"
@@ -203,7 +202,8 @@ Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const 
   }
   const auto found = CheckCsvPhysics(header->columns, preview);
   if (!found) {
-    return Error{found.error().code, fmt::format("{} is not used. {}", name, found.error().message), ""};
+    return Because(found.error().code,
+                   {RemarkCode::kTableNotUsed, {{"file", name}, {"why", WhyOf(found.error())}}});
   }
   const CsvFindings& findings = *found;
   preview.rows.clear();
@@ -226,9 +226,10 @@ Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const 
       ++bad;
   }
   if (rows == 0) {
-    const std::string why = unread.WhyNothing(header->columns, M::kTime, M::kTimeOfDay);
-    return Error{ErrorCode::kCorrupt,
-                 fmt::format("{} has no row with a time{}{}.", name, why.empty() ? "" : ": ", why), ""};
+    auto why = unread.WhyNothing(header->columns, M::kTime, M::kTimeOfDay);
+    if (!why) return Because(ErrorCode::kCorrupt, {RemarkCode::kTableWithoutTimes, {{"file", name}}});
+    return Because(ErrorCode::kCorrupt,
+                   {RemarkCode::kTableTimesUnread, {{"file", name}, {"why", *std::move(why)}}});
   }
   if (!relative) builder.BaroStartsAtZero();
   sampler.Finish();

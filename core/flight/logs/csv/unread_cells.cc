@@ -4,7 +4,6 @@
 #include <array>
 
 #include "core/flight/logs/text_fields.h"
-#include "core/flight/remarks/remark_words.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -86,14 +85,14 @@ void UnreadCells::Tell(const std::vector<CsvColumn>& columns, LogBuilder& builde
   }
 }
 
-std::string UnreadCells::WhyNothing(const std::vector<CsvColumn>& columns, CsvMeaning first,
-                                    CsvMeaning last) const {
+std::optional<Remark> UnreadCells::WhyNothing(const std::vector<CsvColumn>& columns, CsvMeaning first,
+                                              CsvMeaning last) const {
   for (std::size_t i = 0; i < std::min(columns.size(), columns_.size()); ++i) {
     const bool is_meant = columns[i].meaning >= first && columns[i].meaning <= last;
     if (is_meant && columns_[i].read == 0 && columns_[i].unread > 0)
-      return InWords(NothingRead(columns[i], columns_[i]));
+      return NothingRead(columns[i], columns_[i]);
   }
-  return {};
+  return std::nullopt;
 }
 
 }  // namespace skyquilt::flight

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,8 +23,9 @@ class UnreadCells {
   // A warning for each of the first three cells of a column and one for the others; for a column of which
   // nothing was read, one that names its first cell and what is read.
   void Tell(const std::vector<CsvColumn>& columns, LogBuilder& builder) const;
-  // The sentence of the second kind about a column of these meanings; empty where none is so.
-  std::string WhyNothing(const std::vector<CsvColumn>& columns, CsvMeaning first, CsvMeaning last) const;
+  // What is said of a column of these meanings of which nothing was read; nothing where none is so.
+  std::optional<Remark> WhyNothing(const std::vector<CsvColumn>& columns, CsvMeaning first,
+                                   CsvMeaning last) const;
 
  private:
   struct Cell {

@@ -112,7 +112,7 @@ Result<GcpList> ParseWrittenGcpList(std::string_view name, LogBytes bytes) {
   std::optional<geo::ReferenceSystem> srs;
   if (!top->system.empty()) {
     auto named = geo::ReferenceSystem::Parse(top->system);
-    if (!named) return Error{named.error().code, fmt::format("{}: {}.", name, named.error().message), ""};
+    if (!named) return SystemUnknown(name, top->system);
     srs = *std::move(named);
   }
   auto order = OrderOfColumns(top->columns);
@@ -167,7 +167,8 @@ Result<GcpList> ParseWrittenGcpList(std::string_view name, LogBytes bytes) {
 
 Result<GcpList> OnlyPlaced(GcpList list) {
   if (list.reference_system.empty())
-    return Error{ErrorCode::kUnsupportedFormat, fmt::format("{} {}.", list.file_name, kNoSystemWords), ""};
+    return Because(ErrorCode::kUnsupportedFormat,
+                   {RemarkCode::kPointsNameNoSystem, {{"file", list.file_name}}});
   std::vector<std::optional<std::size_t>> now(list.points.size());
   std::vector<GcpPoint> placed;
   for (std::size_t i = 0; i < list.points.size(); ++i) {

@@ -65,9 +65,4 @@ Result<GcpList> ReadWrittenGcpList(const InputFile& file);
 // Without the points that have no place. Errors as of ParseGcpList.
 Result<GcpList> OnlyPlaced(GcpList list);
 
-// What is wrong with a list that names none, and what to do: a sentence without its subject and its end.
-inline constexpr std::string_view kNoSystemWords =
-    "names no reference system, so that its numbers are no places: write one into its first line, such as "
-    "EPSG:4326 (longitude, latitude), EPSG:32632 (WGS 84 / UTM zone 32N) or the EPSG code of the survey";
-
 }  // namespace skyquilt::flight

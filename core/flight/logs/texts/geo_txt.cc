@@ -99,7 +99,7 @@ Result<FlightLog> ParseGeoTxt(std::string_view name, LogBytes bytes, const Consu
   std::optional<geo::ReferenceSystem> system;
   if (!top->system.empty()) {
     auto named = geo::ReferenceSystem::Parse(top->system);
-    if (!named) return Error{named.error().code, fmt::format("{}: {}.", name, named.error().message), ""};
+    if (!named) return SystemUnknown(name, top->system);
     system = *std::move(named);
   }
   const std::vector<std::string_view>& columns = top->columns;

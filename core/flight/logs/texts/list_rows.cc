@@ -7,6 +7,7 @@
 #include "core/flight/logs/coordinate_cell.h"
 #include "core/flight/logs/csv/csv_columns.h"
 #include "core/flight/logs/csv/csv_meanings.h"
+#include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -157,6 +158,13 @@ std::optional<ListTop> ReadListTop(std::string_view text, const IsListRow& is_ro
     }
   }
   return std::nullopt;
+}
+
+Error SystemUnknown(std::string_view file, std::string_view system) {
+  constexpr std::size_t kQuotedSystem = 80;
+  return Because(
+      ErrorCode::kUnsupportedFormat,
+      {RemarkCode::kSystemUnknown, {{"file", file}, {"system", Quoted(Trim(system), kQuotedSystem)}}});
 }
 
 std::optional<NamedOrder> OrderOfColumns(const std::vector<std::string_view>& columns) {

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/result.h"
 #include "core/flight/logs/csv/number_cell.h"
 #include "core/flight/logs/text_fields.h"
 
@@ -39,6 +40,9 @@ struct ListTop {
 
 // Nothing where no row stands among the first lines.
 std::optional<ListTop> ReadListTop(std::string_view text, const IsListRow& is_row);
+
+// Of the list `file`, whose line `system` names no reference system that is known.
+Error SystemUnknown(std::string_view file, std::string_view system);
 
 // The order that names of columns give a pair of coordinates; nothing where they name none, or only "x" and
 // "y".

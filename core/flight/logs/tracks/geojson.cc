@@ -11,7 +11,6 @@
 #include "core/flight/logs/text_fields.h"
 #include "core/flight/logs/tracks/track_points.h"
 #include "core/flight/remarks/because.h"
-#include "core/flight/remarks/remark_words.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -202,13 +201,12 @@ Result<FlightLog> ParseGeoJson(std::string_view name, LogBytes bytes, const Cons
   reader.Finish();
   auto log = std::move(points).Finish({"third coordinate -> height above mean sea level, m (assumed)"});
   if (reader.is_too_deep()) {
-    return Error{ErrorCode::kCorrupt,
-                 fmt::format("{} is not used: its values are nested more than {} deep.", name, kMaxJsonDepth),
-                 ""};
+    return Because(ErrorCode::kCorrupt,
+                   {RemarkCode::kJsonTooDeep, {{"file", name}, {"most", kMaxJsonDepth}}});
   }
   if (reader.unequal() && !log)
-    return Error{ErrorCode::kNoPosition, fmt::format("{} is not used: {}.", name, InWords(*reader.unequal())),
-                 ""};
+    return Because(ErrorCode::kNoPosition,
+                   {RemarkCode::kTrackNotUsed, {{"file", name}, {"why", *reader.unequal()}}});
   if (reader.unequal()) log->warnings.push_back(*reader.unequal());
   if (log && reader.left_out() > 0) {
     log->warnings.push_back(

@@ -9,6 +9,7 @@
 #include "core/flight/logs/gps_time.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/text_fields.h"
+#include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -200,13 +201,16 @@ Result<FlightLog> ParseNmea(std::string_view name, LogBytes bytes, const Consume
   std::string_view line;
   std::vector<std::string_view> fields;
   std::uint64_t bad = 0;
+  std::size_t first_bad_line = 0;
   std::string first_bad;
   std::map<std::string, std::uint64_t, std::less<>> counts;
   ConsumedSteps steps(consumed);
   while (NextFilledLine(lines, steps, line)) {
     const Sentence found_sentence = SplitSentence(line, fields);
-    if (found_sentence == Sentence::kDamaged && ++bad == 1)
-      first_bad = fmt::format("line {}: {}", lines.line_number(), Quoted(line, kQuotedSentence));
+    if (found_sentence == Sentence::kDamaged && ++bad == 1) {
+      first_bad_line = lines.line_number();
+      first_bad = Quoted(line, kQuotedSentence);
+    }
     if (found_sentence != Sentence::kWhole) continue;
     const std::string_view sentence = fields[0].substr(0, 8);
     const auto found = counts.find(sentence);
@@ -219,13 +223,14 @@ Result<FlightLog> ParseNmea(std::string_view name, LogBytes bytes, const Consume
   reader.Finish();
   for (const auto& [sentence, count] : counts) builder.Count(sentence, count);
   if (builder.gnss_count() == 0) {
-    const std::string damage =
-        bad == 0 ? std::string()
-                 : fmt::format(" {} sentences have a wrong checksum, first in {}.", bad, first_bad);
-    return Error{ErrorCode::kCorrupt,
-                 fmt::format("{} holds no sentence with a fix (GGA, GNS, RMC).{}", name, damage), ""};
+    if (bad == 0) return Because(ErrorCode::kCorrupt, {RemarkCode::kNmeaWithoutFix, {{"file", name}}});
+    return Because(ErrorCode::kCorrupt,
+                   {RemarkCode::kNmeaDamaged,
+                    {{"file", name}, {"wrong", bad}, {"line", first_bad_line}, {"sentence", first_bad}}});
   }
-  if (bad > 0) builder.Warn({RemarkCode::kChecksumsWrong, {{"wrong", bad}, {"first", first_bad}}});
+  if (bad > 0)
+    builder.Warn({RemarkCode::kChecksumsWrong,
+                  {{"wrong", bad}, {"first", fmt::format("line {}: {}", first_bad_line, first_bad)}}});
   return std::move(builder).Finish();
 }
 

@@ -1,13 +1,12 @@
 #include "core/flight/logs/tracks/track_points.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "core/base/printable.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/text_fields.h"
+#include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {
 
@@ -44,26 +43,18 @@ void TrackPoints::Add(const std::optional<TrackPoint>& point, std::string_view w
 }
 
 Error TrackPoints::WhyNone() const {
-  const auto why = [&](std::string_view words) {
-    return Error{ErrorCode::kNoPosition, fmt::format("{} is not used: {}.", file_name_, words), ""};
+  const auto why = [&](RemarkCode code) {
+    return Because(ErrorCode::kNoPosition, {code, {{"file", file_name_}, {"points", points_}}});
   };
-  if (points_ == 0) return why("it holds no point of a track");
-  if (without_place_ == points_) {
-    return why(fmt::format("none of its {} points has a latitude and a longitude in degrees", points_));
-  }
-  if (without_time_ == points_) {
-    return why(
-        fmt::format("its {} no times, so that no photo can be placed by them. Export the track with "
-                    "the time of each point",
-                    Counted(points_, "point has", "points have")));
-  }
-  if (unread_times_ > 0) {
-    return why(
-        fmt::format("{} of its {} points have a time that cannot be read, first {}. Write times as "
-                    "2016-06-23T21:31:09Z",
-                    unread_times_, points_, first_unread_time_));
-  }
-  return why(fmt::format("none of its {} points has both a time and a position with a fix", points_));
+  if (points_ == 0) return Because(ErrorCode::kNoPosition, {RemarkCode::kTrackEmpty, {{"file", file_name_}}});
+  if (without_place_ == points_) return why(RemarkCode::kTrackWithoutPlaces);
+  if (without_time_ == points_) return why(RemarkCode::kTrackWithoutTimes);
+  if (unread_times_ == 0) return why(RemarkCode::kTrackNothingPlaced);
+  return Because(ErrorCode::kNoPosition, {RemarkCode::kTrackTimesUnread,
+                                          {{"file", file_name_},
+                                           {"points", points_},
+                                           {"unread", unread_times_},
+                                           {"first", first_unread_time_}}});
 }
 
 Result<FlightLog> TrackPoints::Finish(std::vector<std::string> mapping) && {

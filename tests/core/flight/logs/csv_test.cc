@@ -7,6 +7,7 @@
 #include "core/flight/logs/gps_time.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/read_log.h"
+#include "core/flight/remarks/because.h"
 #include "core/flight/remarks/remark_words.h"
 
 namespace skyquilt::flight {
@@ -154,6 +155,7 @@ TEST(ParseTolerantCsv, NamesTheColumnThatContradictsPhysics) {
   ASSERT_FALSE(wrong_accel.ok());
   EXPECT_EQ(wrong_accel.error().code, ErrorCode::kUnprocessable);
   EXPECT_NE(wrong_accel.error().message.find("ax(g)"), std::string::npos);
+  EXPECT_TRUE(HasReason(wrong_accel.error()));
   const auto wrong_rate = ParseTolerantCsv(
       "b.csv",
       BytesOf(PhoneLog("time(s),ax,ay,az,gyro_x [rad/s],gyro_y [rad/s],gyro_z [rad/s],roll,pitch,yaw", 1.0,

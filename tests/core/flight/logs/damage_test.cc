@@ -9,6 +9,7 @@
 #include "core/flight/logs/mapped_file.h"
 #include "core/flight/logs/read_log.h"
 #include "core/flight/logs/texts/gcp_list.h"
+#include "core/flight/remarks/because.h"
 #include "core/flight/remarks/remark_words.h"
 #include "tests/core/flight/logs/log_writers.h"
 
@@ -122,7 +123,7 @@ void Try(const std::string& name, LogBytes bytes) {
   if (log.ok())
     ExpectOrderly(*log);
   else
-    EXPECT_FALSE(log.error().message.empty());
+    EXPECT_TRUE(HasReason(log.error())) << log.error().message;
   const auto list = ParseGcpList(name, exact);
   if (list.ok()) {
     for (const GcpSighting& sighting : list->sightings) EXPECT_LT(sighting.point, list->points.size());

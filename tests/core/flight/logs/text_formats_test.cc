@@ -15,6 +15,7 @@
 #include "core/flight/logs/texts/unknown_list.h"
 #include "core/flight/logs/tracks/gpx.h"
 #include "core/flight/logs/tracks/nmea.h"
+#include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -230,6 +231,7 @@ TEST(ParseGcpList, AsksForASystemThatIsMissingOrUnknown) {
   const auto refused = ParseGcpList("gcp_list.txt", BytesOf(without));
   ASSERT_FALSE(refused.ok());
   EXPECT_NE(refused.error().message.find("EPSG:32632"), std::string::npos) << refused.error().message;
+  EXPECT_EQ(WhyOf(refused.error()).code, RemarkCode::kPointsNameNoSystem);
   const auto written = ParseWrittenGcpList("gcp_list.txt", BytesOf(without));
   ASSERT_TRUE(written.ok());
   EXPECT_FALSE(written->points[0].has_position);
@@ -308,6 +310,7 @@ TEST(ParseGeoTxt, KeepsWhatWasWrittenWhereItIsNoPlace) {
   const auto unknown = ParseGeoTxt("geo.txt", BytesOf("my own grid\na.jpg 1 2 3\n"));
   ASSERT_FALSE(unknown.ok());
   EXPECT_NE(unknown.error().message.find("\"my own grid\""), std::string::npos);
+  EXPECT_EQ(WhyOf(unknown.error()).code, RemarkCode::kSystemUnknown);
 }
 
 TEST(ParsePix4dCsv, ReadsTheTwoCoordinatesAsItsHeaderNamesThem) {

@@ -9,6 +9,7 @@
 #include "core/flight/logs/tracks/track_points.h"
 #include "core/flight/logs/tracks/unknown_track.h"
 #include "core/flight/logs/tracks/xml_scanner.h"
+#include "core/flight/remarks/because.h"
 #include "core/flight/remarks/remark_words.h"
 
 namespace skyquilt::flight {
@@ -95,7 +96,9 @@ TEST(ParseGpx, TakesRoutesAndWaypointsWhereNoTrackHasTimes) {
 TEST(ParseGpx, SaysWhatItsPointsLack) {
   const auto said = [](const std::string& points) {
     const auto log = ParseGpx("a.gpx", BytesOf(GpxOf(points)));
-    return log.ok() ? std::string("read") : log.error().message;
+    if (log.ok()) return std::string("read");
+    EXPECT_TRUE(HasReason(log.error())) << log.error().message;
+    return log.error().message;
   };
   EXPECT_THAT(said(""), HasSubstr("no point"));
   EXPECT_THAT(said("<trkpt lat='1' lon='2'></trkpt><trkpt lat='1' lon='2'/>"),
@@ -213,7 +216,9 @@ TEST(ParseGeoJson, ReadsTimesWhereverTheyStand) {
 TEST(ParseGeoJson, SaysWhyItIsNoTrack) {
   const auto said = [](const std::string& text) {
     const auto log = ParseGeoJson("a.geojson", BytesOf(text));
-    return log.ok() ? std::string("read") : log.error().message;
+    if (log.ok()) return std::string("read");
+    EXPECT_TRUE(HasReason(log.error())) << log.error().message;
+    return log.error().message;
   };
   EXPECT_THAT(said(FeatureOf(R"({"type":"Point","coordinates":[8,47]})", "{}")),
               HasSubstr("1 point has no times"));

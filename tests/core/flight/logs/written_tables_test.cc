@@ -15,6 +15,7 @@
 #include "core/flight/logs/csv/unknown_table.h"
 #include "core/flight/logs/gps_time.h"
 #include "core/flight/logs/read_log.h"
+#include "core/flight/remarks/because.h"
 #include "core/flight/remarks/remark_words.h"
 
 namespace skyquilt::flight {
@@ -40,7 +41,9 @@ FlightLog Parse(const std::string& text) {
 std::string Refusal(const std::string& text) {
   const auto log = ParseLog("list.csv", BytesOf(text));
   EXPECT_FALSE(log.ok()) << text;
-  return log ? "" : log.error().message;
+  if (log.ok()) return "";
+  EXPECT_TRUE(HasReason(log.error())) << log.error().message;
+  return log.error().message;
 }
 
 void ExpectPlaces(const FlightLog& log, const std::string& text) {
