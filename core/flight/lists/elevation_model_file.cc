@@ -1,10 +1,9 @@
 #include "core/flight/lists/elevation_model_file.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
 #include "core/flight/metadata/exif_table.h"
+#include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -41,10 +40,9 @@ Result<void> CheckTiffDirectories(const std::filesystem::path& path) {
   if (!source || !IsTiff(**source)) return {};  // whoever reads it says what is wrong
   const Result<int> count = CountTiffDirectories(**source, kMaxDirectories);
   if (!count || *count <= kMaxDirectories) return {};
-  return Error{ErrorCode::kUnsupportedFormat,
-               fmt::format("The elevation model {} holds more than {} pictures; give a GeoTIFF with one.",
-                           path.filename().string(), kMaxDirectories),
-               ""};
+  return Because(ErrorCode::kUnsupportedFormat,
+                 {RemarkCode::kElevationsOfMorePictures,
+                  {{"model", path.filename().string()}, {"most", kMaxDirectories}}});
 }
 
 std::vector<InputFile> ElevationModelsAmong(const std::vector<InputFile>& files) {

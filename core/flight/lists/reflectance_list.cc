@@ -1,9 +1,8 @@
 #include "core/flight/lists/reflectance_list.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cstddef>
+#include <optional>
 #include <utility>
 
 #include "core/base/try.h"
@@ -11,7 +10,6 @@
 #include "core/flight/logs/mapped_file.h"
 #include "core/flight/logs/text_fields.h"
 #include "core/flight/remarks/because.h"
-#include "core/flight/remarks/remark_words.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -65,7 +63,7 @@ class Row {
     const std::string_view text = Text(column);
     if (text.empty()) return std::nullopt;
     const auto number = ParseNumber(text);
-    if (!number) Blame(text, "is no number");
+    if (!number) Blame(text, RemarkCode::kIsNoNumber);
     return number;
   }
   std::optional<double> Share(std::size_t column) {
@@ -76,17 +74,18 @@ class Row {
     if (share && is_percent) *share /= 100.0;
     constexpr double kMaxShare = 1.2;  // snow and white panels come out a little above 1
     if (share && *share > 0.0 && *share <= kMaxShare) return share;
-    Blame(text, "is no reflectance between 0 and 1");
+    Blame(text, RemarkCode::kIsNoReflectance);
     return std::nullopt;
   }
-  void Blame(std::string_view text, std::string_view why) {
-    if (fault_.empty()) fault_ = fmt::format("\"{}\" {}", text.substr(0, 40), why);
-  }
-  const std::string& fault() const { return fault_; }
+  const std::optional<Remark>& fault() const { return fault_; }
 
  private:
+  void Blame(std::string_view text, RemarkCode why) {
+    if (!fault_) fault_ = Remark{why, {{"cell", Quoted(text)}}};
+  }
+
   const std::vector<std::string_view>& fields_;
-  std::string fault_;
+  std::optional<Remark> fault_;
 };
 
 KnownReflectance ReflectanceOf(const Columns& columns, Row& row) {
@@ -98,8 +97,8 @@ KnownReflectance ReflectanceOf(const Columns& columns, Row& row) {
   return known;
 }
 
-// What is wrong with the row, else empty.
-std::string AddRow(const Columns& columns, Row& row, ReflectanceList& list) {
+// What is wrong with the row, if anything.
+std::optional<Remark> AddRow(const Columns& columns, Row& row, ReflectanceList& list) {
   const KnownReflectance known = ReflectanceOf(columns, row);
   const std::string_view photo = row.Text(columns.photo);
   if (!photo.empty()) {
@@ -110,25 +109,26 @@ std::string AddRow(const Columns& columns, Row& row, ReflectanceList& list) {
       const auto side = row.Number(columns.box[k]);
       if (side) box[k] = *side, ++sides;
     }
-    if (!row.fault().empty()) return row.fault();
-    if (sides != 0 && sides != box.size()) return "left, top, right and bottom belong together";
-    if (sides != 0 && !(box[0] < box[2] && box[1] < box[3]))
-      return "right is not beyond left, or bottom not below top";
+    if (row.fault()) return row.fault();
+    if (sides != 0 && sides != box.size()) return RemarkCode::kBoxIncomplete;
+    if (sides != 0 && !(box[0] < box[2] && box[1] < box[3])) return RemarkCode::kBoxReversed;
     if (sides != 0) panel.box_px = box;
     list.panels.push_back(std::move(panel));
-    return "";
+    return std::nullopt;
   }
   const auto lat = row.Number(columns.lat), lon = row.Number(columns.lon),
              radius = row.Number(columns.radius);
-  if (!row.fault().empty()) return row.fault();
-  if (!lat || !lon || !radius) return "it has neither a photo nor lat, lon and radius_m";
-  if (!(*lat >= -90.0 && *lat <= 90.0 && *lon >= -180.0 && *lon <= 180.0)) return "its place is not on Earth";
+  if (row.fault()) return row.fault();
+  if (!lat || !lon || !radius) return RemarkCode::kRowNamesNoTarget;
+  if (!(*lat >= -90.0 && *lat <= 90.0 && *lon >= -180.0 && *lon <= 180.0))
+    return RemarkCode::kPlaceNotOnEarth;
   if (!(*radius > 0.0 && *radius <= kMaxRadiusM))
-    return fmt::format("its radius is not between 0 and {} m", kMaxRadiusM);
-  if (!known.all && known.bands.empty()) return "it names no reflectance";
-  if (list.targets.size() == kMaxTargets) return fmt::format("only the first {} targets count", kMaxTargets);
+    return Remark{RemarkCode::kRadiusImpossible, {{"most_m", kMaxRadiusM}}};
+  if (!known.all && known.bands.empty()) return RemarkCode::kRowWithoutReflectance;
+  if (list.targets.size() == kMaxTargets)
+    return Remark{RemarkCode::kOnlyFirstTargets, {{"most", kMaxTargets}}};
   list.targets.push_back({{*lat, *lon}, *radius, known});
-  return "";
+  return std::nullopt;
 }
 
 }  // namespace
@@ -168,20 +168,22 @@ Result<ReflectanceList> ParseReflectanceList(std::string_view name, std::string_
   while (lines.Next(line)) {
     if (Trim(line).empty() || Trim(line).starts_with('#')) continue;
     if (++rows > kMaxRows) {
-      list.warnings.push_back(fmt::format("only its first {} rows are read", kMaxRows));
+      list.warnings.push_back({RemarkCode::kOnlyFirstRows, {{"most", kMaxRows}}});
       break;
     }
     SplitFields(line, separator, fields);
     Row row(fields);
-    const std::string fault = AddRow(columns, row, list);
-    if (!fault.empty() && list.warnings.size() < kMaxWarnings)
-      list.warnings.push_back(fmt::format("line {}: {}", lines.line_number(), fault));
+    auto fault = AddRow(columns, row, list);
+    if (fault && list.warnings.size() < kMaxWarnings) {
+      list.warnings.push_back(
+          {RemarkCode::kOfLine, {{"line", lines.line_number()}, {"why", *std::move(fault)}}});
+    }
   }
   if (list.panels.empty() && list.targets.empty()) {
-    return Error{ErrorCode::kCorrupt,
-                 list.file_name + " has no row that can be used" +
-                     (list.warnings.empty() ? "." : " (" + InWords(list.warnings.front()) + ")."),
-                 ""};
+    if (list.warnings.empty())
+      return Because(ErrorCode::kCorrupt, {RemarkCode::kReflectancesUnused, {{"file", list.file_name}}});
+    return Because(ErrorCode::kCorrupt, {RemarkCode::kReflectancesUnusedAs,
+                                         {{"file", list.file_name}, {"why", list.warnings.front()}}});
   }
   return list;
 }
@@ -190,7 +192,7 @@ Result<ReflectanceList> ReadReflectanceList(const InputFile& file) {
   SKYQUILT_TRY_ASSIGN(const auto mapped, MappedFile::Open(file.path));
   const auto bytes = mapped.bytes();
   if (bytes.size() > kMaxBytes)
-    return Error{ErrorCode::kTooLarge, file.name + " is larger than a list of panels is.", ""};
+    return Because(ErrorCode::kTooLarge, {RemarkCode::kReflectancesTooLarge, {{"file", file.name}}});
   SKYQUILT_TRY_ASSIGN(const auto text, LogText::Of(file.name, bytes));
   return ParseReflectanceList(file.name, TextOf(text.bytes()));
 }

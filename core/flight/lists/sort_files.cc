@@ -78,16 +78,16 @@ Result<Kind> KindOf(const InputFile& file) {
   SKYQUILT_TRY_ASSIGN(const auto text, LogText::Of(file.name, head));
   if (!format) {
     if (auto why = ExplainUnknownTrack(text.bytes(), file.name))
-      return Error{ErrorCode::kUnsupportedFormat, *std::move(why), ""};
+      return Because(ErrorCode::kUnsupportedFormat, *std::move(why));
   }
   if (!format && is_log_by_name) {
     return Because(ErrorCode::kUnsupportedFormat, {RemarkCode::kFileNamedAsLog, {{"file", file.name}}});
   }
   if (!format && unknown == Kind::kNothing) {
     if (auto why = ExplainUnknownTable(text.bytes(), file.name))
-      return Error{ErrorCode::kUnsupportedFormat, *std::move(why), ""};
+      return Because(ErrorCode::kUnsupportedFormat, *std::move(why));
     if (auto why = ExplainUnknownList(text.bytes(), file.name))
-      return Error{ErrorCode::kUnsupportedFormat, *std::move(why), ""};
+      return Because(ErrorCode::kUnsupportedFormat, *std::move(why));
   }
   if (!format) return unknown;
   return *format == LogFormat::kGcpList ? Kind::kGcpList : Kind::kLog;

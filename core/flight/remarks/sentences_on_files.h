@@ -60,6 +60,36 @@ inline constexpr std::array kSentencesOnFiles = std::to_array<RemarkSentence>({
      "{file} has no row with a time; fill the column t (seconds) or utc."},
     {RemarkCode::kTableWithoutTimes, "table_without_times", "{file} has no row with a time."},
     {RemarkCode::kTableTimesUnread, "table_times_unread", "{file} has no row with a time: {why}."},
+    {RemarkCode::kTableWithoutNames, "table_without_names",
+     "{file} is a table, but not used: line {line}, {text}, holds no names of columns and is no list "
+     "that is read without them. Write names above it as in time_s, lat_deg, lon_deg, alt_m "
+     "(positions), time_s, photo (exposures) or image, lat_deg, lon_deg, alt_m (photos)."},
+    {RemarkCode::kTableLacks, "table_lacks",
+     "{file} is a table, but not used: {missing}{columns}. Name its columns as in time_s, lat_deg, "
+     "lon_deg, alt_m (positions), time_s, photo (exposures) or image, lat_deg, lon_deg, alt_m (photos)."},
+    {RemarkCode::kLacksLongitude, "lacks_longitude",
+     "it has a latitude, but no column of it is recognised as a longitude"},
+    {RemarkCode::kLacksLatitude, "lacks_latitude",
+     "it has a longitude, but no column of it is recognised as a latitude"},
+    {RemarkCode::kLacksTimeOrNames, "lacks_time_or_names",
+     "no column of it is recognised as a time, or as the names of photos"},
+    {RemarkCode::kLacksTime, "lacks_time", "no column of it is recognised as a time"},
+    {RemarkCode::kLacksWhatIsTimed, "lacks_what_is_timed",
+     "beside the time it has no position, attitude, inertial samples or photo's name that is recognised"},
+    {RemarkCode::kColumnsKnown, "columns_known", "; recognised are {columns}"},
+    {RemarkCode::kColumnsUnknown, "columns_unknown", "; not recognised are {columns}"},
+    {RemarkCode::kColumnsUnknownAndMore, "columns_unknown_and_more",
+     "; not recognised are {columns}, {more_columns}"},
+    {RemarkCode::kColumnShown, "column_shown", "{column} ({cell} in line {line})"},
+    {RemarkCode::kAndColumnShown, "and_column_shown", ", {column} ({cell} in line {line})"},
+    {RemarkCode::kLikeListOfPlaces, "like_list_of_places",
+     "{file} looks like a list of positions, but is not used: column {column} of line {line} {what}. "
+     "Its rows are \"image x y z\" below a line such as EPSG:4326, or image,latitude,longitude,height."},
+    {RemarkCode::kLikeListOfPoints, "like_list_of_points",
+     "{file} looks like a list of surveyed points, but is not used: column {column} of line {line} "
+     "{what}. Its rows are \"x y z pixel_x pixel_y image\" below a line such as EPSG:32632."},
+    {RemarkCode::kCellMissing, "cell_missing", "is missing"},
+    {RemarkCode::kCellNoNumber, "cell_no_number", "is no number: {cell}"},
     {RemarkCode::kFileNamesNoPhoto, "file_names_no_photo", "{file} names no photo in its rows."},
     {RemarkCode::kFileNamesNoPlace, "file_names_no_place", "{file} names no photo with a position."},
     {RemarkCode::kFileWithoutRows, "file_without_rows", "{file} holds no readable row."},
@@ -144,6 +174,28 @@ inline constexpr std::array kSentencesOnFiles = std::to_array<RemarkSentence>({
      "{first}. Write times as 2016-06-23T21:31:09Z."},
     {RemarkCode::kTrackNothingPlaced, "track_nothing_placed",
      "{file} is not used: none of its {points} points has both a time and a position with a fix."},
+    {RemarkCode::kKmzNotRead, "kmz_not_read",
+     "{file} is not used: it is a zip around a KML file. Unzip it and give the .kml that is in it."},
+    {RemarkCode::kNamedAsGpx, "named_as_gpx",
+     "{file} is not used: it is named like a GPX track, but lacks an element <gpx> at its beginning; "
+     "{begins}."},
+    {RemarkCode::kNamedAsKml, "named_as_kml",
+     "{file} is not used: it is named like a KML track, but lacks an element <kml> at its beginning; "
+     "{begins}."},
+    {RemarkCode::kNamedAsGeojson, "named_as_geojson",
+     "{file} is not used: it is named like a GeoJSON track, but lacks a Feature or FeatureCollection "
+     "at its beginning; {begins}."},
+    {RemarkCode::kNamedAsNmea, "named_as_nmea",
+     "{file} is not used: it is named like an NMEA recording, but lacks a sentence ($GPGGA, $GNRMC) "
+     "in its first 200 lines; {begins}."},
+    {RemarkCode::kNamedAsSrt, "named_as_srt",
+     "{file} is not used: it is named like a file of subtitles, but lacks a line like 00:00:01,000 "
+     "--> 00:00:02,000 in its first 8; {begins}."},
+    {RemarkCode::kNamedAsAss, "named_as_ass",
+     "{file} is not used: it is named like a file of subtitles, but lacks [Script Info], [Events] or "
+     "Dialogue in its first line; {begins}."},
+    {RemarkCode::kFirstLineIs, "first_line_is", "its first line is {text}"},
+    {RemarkCode::kFirstBytesNoText, "first_bytes_no_text", "its first bytes are no text"},
     {RemarkCode::kShapesWithoutTimes, "shapes_without_times",
      "{file} is not used: it holds {shapes} lines or areas, which have no times, and no track "
      "that has (gx:Track, or a Placemark with TimeStamp and Point). An area that the map is to be "
@@ -151,8 +203,27 @@ inline constexpr std::array kSentencesOnFiles = std::to_array<RemarkSentence>({
     {RemarkCode::kReflectancesWithoutColumns, "reflectances_without_columns",
      "{file} has no columns by which its rows are found: give photo (with left, top, right and "
      "bottom in pixels where the panel's code cannot be read), or lat, lon and radius_m."},
+    {RemarkCode::kReflectancesUnused, "reflectances_unused", "{file} has no row that can be used."},
+    {RemarkCode::kReflectancesUnusedAs, "reflectances_unused_as",
+     "{file} has no row that can be used ({why})."},
+    {RemarkCode::kReflectancesTooLarge, "reflectances_too_large",
+     "{file} is larger than a list of panels is."},
+    {RemarkCode::kOfLine, "of_line", "line {line}: {why}"},
+    {RemarkCode::kOnlyFirstRows, "only_first_rows", "only its first {most} rows are read"},
+    {RemarkCode::kIsNoNumber, "is_no_number", "{cell} is no number"},
+    {RemarkCode::kIsNoReflectance, "is_no_reflectance", "{cell} is no reflectance between 0 and 1"},
+    {RemarkCode::kBoxIncomplete, "box_incomplete", "left, top, right and bottom belong together"},
+    {RemarkCode::kBoxReversed, "box_reversed", "right is not beyond left, or bottom not below top"},
+    {RemarkCode::kRowNamesNoTarget, "row_names_no_target",
+     "it has neither a photo nor lat, lon and radius_m"},
+    {RemarkCode::kPlaceNotOnEarth, "place_not_on_earth", "its place is not on Earth"},
+    {RemarkCode::kRadiusImpossible, "radius_impossible", "its radius is not between 0 and {most_m} m"},
+    {RemarkCode::kRowWithoutReflectance, "row_without_reflectance", "it names no reflectance"},
+    {RemarkCode::kOnlyFirstTargets, "only_first_targets", "only the first {most} targets count"},
     {RemarkCode::kElevationsRefused, "elevations_refused",
      "The elevation model {model} {why_words}. Give a GeoTIFF of heights in metres."},
+    {RemarkCode::kElevationsOfMorePictures, "elevations_of_more_pictures",
+     "The elevation model {model} holds more than {most} pictures; give a GeoTIFF with one."},
     {RemarkCode::kNoFilm, "no_film",
      "{file} is no film that can be read. Give an MP4 or MOV as the camera wrote it, or its "
      "frames as JPEGs."},

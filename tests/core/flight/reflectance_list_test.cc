@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "core/flight/read_flight.h"
+#include "core/flight/remarks/because.h"
 #include "core/flight/remarks/remark_words.h"
 #include "tests/support/temporary_folder.h"
 
@@ -78,8 +79,9 @@ TEST(ReflectanceList, OfNothingIsRefusedInWords) {
   EXPECT_THAT(ParseReflectanceList("r.csv", "a,b\n1,2\n").error().message,
               HasSubstr("lat, lon and radius_m"));
   EXPECT_EQ(ParseReflectanceList("r.csv", "photo\n").error().code, ErrorCode::kCorrupt);
-  EXPECT_THAT(ParseReflectanceList("r.csv", "lat,lon,radius_m\nx,y,z\n").error().message,
-              HasSubstr("line 2"));
+  const auto unread = ParseReflectanceList("r.csv", "lat,lon,radius_m\nx,y,z\n");
+  EXPECT_THAT(unread.error().message, HasSubstr("(line 2: \"x\" is no number)"));
+  EXPECT_EQ(WhyOf(unread.error()).code, RemarkCode::kReflectancesUnusedAs);
   EXPECT_FALSE(ParseReflectanceList("r.csv", std::string(2000, '\0')).ok());
   std::string long_list = "photo\n";
   for (int i = 0; i < 10'001; ++i) long_list += std::to_string(i) + ".tif\n";

@@ -1,8 +1,8 @@
 #include "core/flight/logs/csv/unknown_table.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "core/flight/logs/coordinate_cell.h"
@@ -18,11 +18,10 @@ using M = CsvMeaning;
 constexpr std::size_t kMaxNamesSaid = 8;
 
 // Names in a sentence: few, short and printable.
-std::string Listed(const std::vector<std::string>& names) {
+std::string Listed(const std::vector<std::string>& names, std::size_t most) {
   std::string words;
-  for (std::size_t i = 0; i < std::min(names.size(), kMaxNamesSaid); ++i)
-    words += (i == 0 ? "" : ", ") + names[i];
-  return names.size() > kMaxNamesSaid ? words + ", ..." : words;
+  for (std::size_t i = 0; i < std::min(names.size(), most); ++i) words += (i == 0 ? "" : ", ") + names[i];
+  return names.size() > most ? words + ", ..." : words;
 }
 
 bool IsMeasured(std::string_view cell) {
@@ -42,9 +41,11 @@ bool IsHeader(const std::vector<std::string_view>& cells) {
          });
 }
 
-// The columns by what they were taken for, those that were not with what stands in them.
+// The columns by what they were taken for.
 struct TakenFor {
-  std::vector<std::string> known, unknown;
+  std::vector<std::string> known;
+  std::vector<Remark> shown;         // of those that were taken for nothing, with what stands in them
+  std::vector<std::string> unknown;  // the others of them
   bool has_time = false, has_lat = false, has_lon = false;
 };
 
@@ -59,26 +60,44 @@ TakenFor TakeColumns(const std::vector<std::string_view>& header, const std::vec
     taken.has_lat = taken.has_lat || meaning == M::kLat;
     taken.has_lon = taken.has_lon || meaning == M::kLon;
     std::string name = columns[i].header.substr(0, kMaxLetters);
-    if (meaning == M::kIgnored && taken.unknown.size() < kValuesSaid && i < row.size())
-      name += fmt::format(" ({} in line {})", Quoted(row[i]), line);
-    (meaning == M::kIgnored ? taken.unknown : taken.known).push_back(std::move(name));
+    if (meaning != M::kIgnored) {
+      taken.known.push_back(std::move(name));
+    } else if (taken.shown.size() < kValuesSaid && i < row.size()) {
+      taken.shown.push_back({taken.shown.empty() ? RemarkCode::kColumnShown : RemarkCode::kAndColumnShown,
+                             {{"column", std::move(name)}, {"cell", Quoted(row[i])}, {"line", line}}});
+    } else {
+      taken.unknown.push_back(std::move(name));
+    }
   }
   return taken;
 }
 
-std::string_view WhatIsMissing(const TakenFor& taken) {
+std::vector<Remark> WhatIsKnown(TakenFor taken) {
+  std::vector<Remark> said;
+  if (!taken.known.empty())
+    said.push_back({RemarkCode::kColumnsKnown, {{"columns", Listed(taken.known, kMaxNamesSaid)}}});
+  const std::string others = Listed(taken.unknown, kMaxNamesSaid - taken.shown.size());
+  if (!taken.shown.empty() && !others.empty()) {
+    said.push_back({RemarkCode::kColumnsUnknownAndMore,
+                    {{"columns", std::move(taken.shown)}, {"more_columns", others}}});
+  } else if (!taken.shown.empty()) {
+    said.push_back({RemarkCode::kColumnsUnknown, {{"columns", std::move(taken.shown)}}});
+  } else if (!others.empty()) {
+    said.push_back({RemarkCode::kColumnsUnknown, {{"columns", others}}});
+  }
+  return said;
+}
+
+RemarkCode WhatIsMissing(const TakenFor& taken) {
   if (taken.has_lat != taken.has_lon)
-    return taken.has_lat ? "it has a latitude, but no column of it is recognised as a longitude"
-                         : "it has a longitude, but no column of it is recognised as a latitude";
-  if (!taken.has_time)
-    return taken.has_lat ? "no column of it is recognised as a time, or as the names of photos"
-                         : "no column of it is recognised as a time";
-  return "beside the time it has no position, attitude, inertial samples or photo's name that is recognised";
+    return taken.has_lat ? RemarkCode::kLacksLongitude : RemarkCode::kLacksLatitude;
+  if (!taken.has_time) return taken.has_lat ? RemarkCode::kLacksTimeOrNames : RemarkCode::kLacksTime;
+  return RemarkCode::kLacksWhatIsTimed;
 }
 
 }  // namespace
 
-std::optional<std::string> ExplainUnknownTable(LogBytes head, std::string_view name) {
+std::optional<Remark> ExplainUnknownTable(LogBytes head, std::string_view name) {
   constexpr int kRowsLookedAt = 20;
   constexpr int kMinRows = 2;
   if (!LooksLikeText(TextOf(head))) return std::nullopt;
@@ -104,20 +123,14 @@ std::optional<std::string> ExplainUnknownTable(LogBytes head, std::string_view n
     row_number = lines.line_number();
   }
   if (rows < kMinRows) return std::nullopt;
-  constexpr std::string_view kAdvice =
-      "as in time_s, lat_deg, lon_deg, alt_m (positions), time_s, photo (exposures) or image, lat_deg, lon_deg, "
-      "alt_m (photos).";
   if (!has_names) {
-    return fmt::format(
-        "{} is a table, but not used: line {}, {}, holds no names of columns and is no list that is read "
-        "without them. Write names above it {}",
-        name, first_number, Quoted(first_line), kAdvice);
+    return Remark{RemarkCode::kTableWithoutNames,
+                  {{"file", name}, {"line", first_number}, {"text", Quoted(first_line)}}};
   }
-  const TakenFor taken = TakeColumns(header, row, row_number);
-  std::string words = fmt::format("{} is a table, but not used: {}", name, WhatIsMissing(taken));
-  if (!taken.known.empty()) words += fmt::format("; recognised are {}", Listed(taken.known));
-  if (!taken.unknown.empty()) words += fmt::format("; not recognised are {}", Listed(taken.unknown));
-  return words + fmt::format(". Name its columns {}", kAdvice);
+  TakenFor taken = TakeColumns(header, row, row_number);
+  const Remark missing = WhatIsMissing(taken);
+  return Remark{RemarkCode::kTableLacks,
+                {{"file", name}, {"missing", missing}, {"columns", WhatIsKnown(std::move(taken))}}};
 }
 
 }  // namespace skyquilt::flight

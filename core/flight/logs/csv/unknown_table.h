@@ -4,16 +4,16 @@
 #pragma once
 
 #include <optional>
-#include <string>
 #include <string_view>
 
 #include "core/flight/logs/log_bytes.h"
+#include "core/flight/remarks/remark.h"
 
 namespace skyquilt::flight {
 
 // `head`: the first bytes of a text that RecogniseLog does not know. A sentence or two where it looks like a
 // table of measurements: rows with as many cells as the first line, most of them numbers, coordinates or
 // times, with or without names of columns above. Nothing for other texts.
-std::optional<std::string> ExplainUnknownTable(LogBytes head, std::string_view name);
+std::optional<Remark> ExplainUnknownTable(LogBytes head, std::string_view name);
 
 }  // namespace skyquilt::flight

@@ -1,8 +1,7 @@
 #include "core/flight/logs/texts/unknown_list.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "core/flight/logs/text_fields.h"
@@ -28,16 +27,15 @@ std::optional<BadCell> FirstBadCell(const std::vector<std::string_view>& cells, 
   return std::nullopt;
 }
 
-std::string InWords(std::string_view name, std::string_view kind, std::size_t line_number, const BadCell& bad,
-                    std::string_view form) {
-  const std::string what = bad.cell.empty() ? "is missing" : "is no number: " + Quoted(bad.cell);
-  return fmt::format("{} looks like a list of {}, but is not used: column {} of line {} {}. Its rows are {}.",
-                     name, kind, bad.column, line_number, what, form);
+Remark Explained(RemarkCode list, std::string_view name, std::size_t line_number, const BadCell& bad) {
+  Remark what = RemarkCode::kCellMissing;
+  if (!bad.cell.empty()) what = {RemarkCode::kCellNoNumber, {{"cell", Quoted(bad.cell)}}};
+  return {list, {{"file", name}, {"column", bad.column}, {"line", line_number}, {"what", std::move(what)}}};
 }
 
 }  // namespace
 
-std::optional<std::string> ExplainUnknownList(LogBytes head, std::string_view name) {
+std::optional<Remark> ExplainUnknownList(LogBytes head, std::string_view name) {
   constexpr int kLinesLookedAt = 24;
   if (!LooksLikeText(TextOf(head))) return std::nullopt;
   LineReader lines(TextOf(head));
@@ -50,16 +48,11 @@ std::optional<std::string> ExplainUnknownList(LogBytes head, std::string_view na
     if (Trim(line).empty() || line.front() == '#' || !SplitListRow(line, names_a_photo, cells)) continue;
     const auto photo = std::find_if(cells.begin(), cells.end(), LooksLikePhotoFile);
     if (photo == cells.begin()) {
-      if (const auto bad = FirstBadCell(cells, 1, 2)) {
-        return InWords(name, "positions", lines.line_number(), *bad,
-                       "\"image x y z\" below a line such as EPSG:4326, or image,latitude,longitude,height");
-      }
+      const auto bad = FirstBadCell(cells, 1, 2);
+      if (bad) return Explained(RemarkCode::kLikeListOfPlaces, name, lines.line_number(), *bad);
     } else if (static_cast<std::size_t>(photo - cells.begin()) <= kCellsOfPoint) {
       const auto bad = FirstBadCell(cells, 0, kCellsOfPoint);
-      if (bad) {
-        return InWords(name, "surveyed points", lines.line_number(), *bad,
-                       "\"x y z pixel_x pixel_y image\" below a line such as EPSG:32632");
-      }
+      if (bad) return Explained(RemarkCode::kLikeListOfPoints, name, lines.line_number(), *bad);
     }
   }
   return std::nullopt;

@@ -3,15 +3,15 @@
 #pragma once
 
 #include <optional>
-#include <string>
 #include <string_view>
 
 #include "core/flight/logs/log_bytes.h"
+#include "core/flight/remarks/remark.h"
 
 namespace skyquilt::flight {
 
 // `head`: the first bytes of a text that RecogniseLog does not know. A sentence or two where a row names a
 // photo beside cells that should be numbers; nothing for other texts.
-std::optional<std::string> ExplainUnknownList(LogBytes head, std::string_view name);
+std::optional<Remark> ExplainUnknownList(LogBytes head, std::string_view name);
 
 }  // namespace skyquilt::flight

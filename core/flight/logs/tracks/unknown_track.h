@@ -3,14 +3,14 @@
 #pragma once
 
 #include <optional>
-#include <string>
 #include <string_view>
 
 #include "core/flight/logs/log_bytes.h"
+#include "core/flight/remarks/remark.h"
 
 namespace skyquilt::flight {
 
 // `head`: the first bytes of a file that RecogniseLog does not know. Nothing for other names.
-std::optional<std::string> ExplainUnknownTrack(LogBytes head, std::string_view name);
+std::optional<Remark> ExplainUnknownTrack(LogBytes head, std::string_view name);
 
 }  // namespace skyquilt::flight

@@ -7,6 +7,7 @@
 #include "core/flight/logs/csv/tolerant_csv.h"
 #include "core/flight/logs/csv/unknown_table.h"
 #include "core/flight/logs/read_log.h"
+#include "core/flight/remarks/remark_words.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -121,13 +122,13 @@ TEST(ExplainUnknownTable, SaysWhatATableLacks) {
   const auto no_time =
       ExplainUnknownTable(BytesOf("stamp,lat_deg,lon_deg\n1,46.8,7.1\n2,46.8,7.1\n"), "track.csv");
   ASSERT_TRUE(no_time);
-  EXPECT_THAT(*no_time, HasSubstr("track.csv"));
-  EXPECT_THAT(*no_time, HasSubstr("no column of it is recognised as a time"));
-  EXPECT_THAT(*no_time, HasSubstr("recognised are lat_deg, lon_deg"));
-  EXPECT_THAT(*no_time, HasSubstr("not recognised are stamp"));
+  EXPECT_THAT(InWords(*no_time), HasSubstr("track.csv"));
+  EXPECT_THAT(InWords(*no_time), HasSubstr("no column of it is recognised as a time"));
+  EXPECT_THAT(InWords(*no_time), HasSubstr("recognised are lat_deg, lon_deg"));
+  EXPECT_THAT(InWords(*no_time), HasSubstr("not recognised are stamp"));
   const auto no_use = ExplainUnknownTable(BytesOf("time_s,battery\n1,46\n2,46\n"), "power.csv");
   ASSERT_TRUE(no_use);
-  EXPECT_THAT(*no_use, HasSubstr("beside the time"));
+  EXPECT_THAT(InWords(*no_use), HasSubstr("beside the time"));
   EXPECT_FALSE(ExplainUnknownTable(BytesOf("Dear all,\nplease find, time, attached\n"), "a.csv"));
   EXPECT_FALSE(ExplainUnknownTable(BytesOf("a,b\nonly,words\nhere,too\n"), "a.csv"));
   EXPECT_FALSE(ExplainUnknownTable(BytesOf(""), "a.csv"));
@@ -139,7 +140,7 @@ TEST(ExplainUnknownTable, SaysWhatATableLacks) {
   }
   const auto bounded = ExplainUnknownTable(BytesOf(wide + "\n" + row + "\n" + row + "\n"), "a.csv");
   ASSERT_TRUE(bounded);
-  EXPECT_LT(bounded->size(), 1000u);
+  EXPECT_LT(InWords(*bounded).size(), 1000u);
 }
 
 }  // namespace

@@ -16,6 +16,7 @@
 #include "core/flight/logs/tracks/gpx.h"
 #include "core/flight/logs/tracks/nmea.h"
 #include "core/flight/remarks/because.h"
+#include "core/flight/remarks/remark_words.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -334,7 +335,7 @@ TEST(ParsePix4dCsv, ReadsTheTwoCoordinatesAsItsHeaderNamesThem) {
 
 TEST(ExplainUnknownList, NamesTheCellThatIsNoNumber) {
   const auto why = [](const char* text) {
-    return ExplainUnknownList(BytesOf(text), "list.txt").value_or("");
+    return InWords(ExplainUnknownList(BytesOf(text), "list.txt").value_or(""));
   };
   EXPECT_NE(why("EPSG:4326\na.jpg here 46.8\n").find("column 2 of line 2 is no number: \"here\""),
             std::string::npos);

@@ -243,10 +243,10 @@ TEST(ParseGeoJson, KeepsWhatStandsBeforeDamage) {
 
 TEST(ExplainUnknownTrack, NamesWhatIsMissingAndQuotesTheFirstLine) {
   const std::string page = "<!DOCTYPE html>\n<html>";
-  EXPECT_THAT(*ExplainUnknownTrack(BytesOf(page), "a.GPX"), HasSubstr("<gpx>"));
-  EXPECT_THAT(*ExplainUnknownTrack(BytesOf(page), "a.GPX"), HasSubstr("\"<!DOCTYPE html>\""));
-  EXPECT_THAT(*ExplainUnknownTrack(BytesOf("PK\x03\x04"), "a.kmz"), HasSubstr("Unzip"));
-  EXPECT_THAT(*ExplainUnknownTrack(BytesOf(std::string("\0\1", 2)), "a.ass"), HasSubstr("no text"));
+  EXPECT_THAT(InWords(*ExplainUnknownTrack(BytesOf(page), "a.GPX")), HasSubstr("<gpx>"));
+  EXPECT_THAT(InWords(*ExplainUnknownTrack(BytesOf(page), "a.GPX")), HasSubstr("\"<!DOCTYPE html>\""));
+  EXPECT_THAT(InWords(*ExplainUnknownTrack(BytesOf("PK\x03\x04"), "a.kmz")), HasSubstr("Unzip"));
+  EXPECT_THAT(InWords(*ExplainUnknownTrack(BytesOf(std::string("\0\1", 2)), "a.ass")), HasSubstr("no text"));
   EXPECT_FALSE(ExplainUnknownTrack(BytesOf(page), "a.txt"));
   EXPECT_FALSE(RecogniseLog(BytesOf(page), "a.gpx")->has_value());
 }

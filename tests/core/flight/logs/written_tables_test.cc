@@ -362,7 +362,7 @@ TEST(WrittenTables, ReadsListsOfExiftoolWithLocalDates) {
 
 TEST(WrittenTables, ExplainsWhatStopsATable) {
   const auto why = [](std::string_view text) {
-    return ExplainUnknownTable(BytesOf(text), "a.csv").value_or("");
+    return InWords(ExplainUnknownTable(BytesOf(text), "a.csv").value_or(""));
   };
   EXPECT_THAT(why("image,lat,Rechtswert\na.jpg,46.8,8.1\nb.jpg,46.8,8.1\n"),
               AllOf(HasSubstr("no column of it is recognised as a longitude"),
