@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/flight/metadata/tiff_number.h"
+#include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -19,11 +20,7 @@ constexpr int kMaxLevelsSidePx = 4096;  // cameras have a quarter of it
 constexpr std::uint16_t kPictureType = 0x01, kCameraType = 0x20;
 
 Error DamagedRecord(const char* detail) {
-  return {
-      ErrorCode::kCorrupt,
-      "The temperatures in the picture (its FLIR segments) are damaged or cut off. Copy the file from the "
-      "camera again, as the camera wrote it.",
-      detail};
+  return Because(ErrorCode::kCorrupt, RemarkCode::kTemperaturesDamaged, detail);
 }
 
 using Bytes = std::span<const std::uint8_t>;
@@ -138,8 +135,7 @@ Result<FlirRecord> ReadFlirRecord(ByteSource& source, const std::vector<FlirPart
     if (part == nullptr || std::size_t{part->last} + 1 != in_order.size())
       return DamagedRecord("segments are missing");
     const auto bytes = source.ReadUpTo(part->offset, part->bytes);
-    if (bytes.size() != part->bytes)
-      return Error{ErrorCode::kIo, "The picture's file cannot be read from the disk.", ""};
+    if (bytes.size() != part->bytes) return Because(ErrorCode::kIo, RemarkCode::kPhotoUnread);
     record.insert(record.end(), bytes.begin(), bytes.end());
   }
   return ReadFlirRecord(record);

@@ -170,7 +170,7 @@ Result<std::vector<std::uint8_t>> ReadFile(const Photo& photo, std::int64_t max_
     return NeedsTooMuch(static_cast<std::int64_t>(std::min<std::uint64_t>(size, INT64_MAX)), max_bytes);
   std::vector<std::uint8_t> bytes(static_cast<std::size_t>(size));
   if (!source->Read(0, bytes)) {
-    return Error{ErrorCode::kIo, "The picture's file cannot be read from the disk.", photo.path.string()};
+    return Because(ErrorCode::kIo, RemarkCode::kPhotoUnread, photo.path.string());
   }
   return bytes;
 }
@@ -210,14 +210,10 @@ Result<image::SampleImage> DecodeSampleBytes(const std::vector<std::uint8_t>& by
   const std::int64_t needed_bytes =
       static_cast<std::int64_t>(bytes.size()) + WorkBytes(bytes, width_px, height_px);
   if (needed_bytes > max_bytes) return NeedsTooMuch(needed_bytes, max_bytes);
-  if (IsJpeg(bytes)) return DecodeThermalLevels(bytes, width_px, height_px);
-  SKYQUILT_TRY_ASSIGN(cv::Mat stored, ReadByOpenCv(bytes, width_px, height_px, cv::IMREAD_UNCHANGED));
+  if (IsJpeg(bytes)) return Told(DecodeThermalLevels(bytes, width_px, height_px));
+  SKYQUILT_TRY_ASSIGN(cv::Mat stored, Told(ReadByOpenCv(bytes, width_px, height_px, cv::IMREAD_UNCHANGED)));
   if (stored.channels() != 1 || (stored.depth() != CV_16U && stored.depth() != CV_8U)) {
-    return Error{
-        ErrorCode::kUnsupportedFormat,
-        "The picture of a band has more than one channel, or numbers other than whole ones of 8 or 16 bits. "
-        "Give the file as the camera wrote it.",
-        ""};
+    return Because(ErrorCode::kUnsupportedFormat, RemarkCode::kBandOfOtherNumbers);
   }
   image::SampleImage image{width_px, height_px, {}};
   image.samples.resize(stored.total());

@@ -14,6 +14,7 @@
 #include "core/flight/metadata/tiff_number.h"
 #include "core/flight/photos/byte_source.h"
 #include "core/flight/photos/jpeg_segments.h"
+#include "core/flight/remarks/because.h"
 #include "core/image/decode_errors.h"
 #include "core/image/png_decoder.h"
 
@@ -79,9 +80,7 @@ Result<image::SampleImage> DecodeThermalLevels(const std::vector<std::uint8_t>& 
   MemoryBytes source(jpeg);
   SKYQUILT_TRY_ASSIGN(const JpegSegments segments, ScanJpegSegments(source));
   if (segments.flir.empty()) {
-    return Error{
-        ErrorCode::kUnsupportedFormat,
-        "The JPEG holds no levels of a sensor beside its picture. Give the file as the camera wrote it.", ""};
+    return Because(ErrorCode::kUnsupportedFormat, RemarkCode::kThermalWithoutLevels);
   }
   SKYQUILT_TRY_ASSIGN(const FlirRecord record, ReadFlirRecord(source, segments.flir));
   SKYQUILT_TRY_ASSIGN(const cv::Mat1w levels, LevelsOf(record));
@@ -89,11 +88,7 @@ Result<image::SampleImage> DecodeThermalLevels(const std::vector<std::uint8_t>& 
   const double stretch =
       static_cast<double>(width_px) * levels.rows / (static_cast<double>(height_px) * levels.cols);
   if (stretch > kMaxStretch || stretch < 1.0 / kMaxStretch) {
-    return Error{
-        ErrorCode::kUnsupportedFormat,
-        "The thermal sensor's levels are of another shape than the JPEG's picture, which shows something "
-        "else. Set the camera to store the thermal picture.",
-        ""};
+    return Because(ErrorCode::kUnsupportedFormat, RemarkCode::kThermalOfOtherShape);
   }
   image::SampleImage image{width_px, height_px, {}};
   image.samples.resize(static_cast<std::size_t>(width_px) * height_px);

@@ -456,7 +456,11 @@ enum class RemarkCode : std::uint16_t {
   kFilmFull,
   // Why pictures of bands or panels give no values, and photos no place on a log.
   kBandUnnamed,
+  kBandOfOtherNumbers,
   kThermalOfUnknownScale,
+  kThermalWithoutLevels,
+  kThermalOfOtherShape,
+  kTemperaturesDamaged,
   kCaptureWithoutReference,
   kBandsOddlyCalibrated,
   kBandWithoutValues,

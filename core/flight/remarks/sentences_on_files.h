@@ -237,9 +237,20 @@ inline constexpr std::array kSentencesOnFiles = std::to_array<RemarkSentence>({
     {RemarkCode::kBandUnnamed, "band_unnamed",
      "The photo does not name its band (BandName in its XMP). Give the files as the camera wrote "
      "them."},
+    {RemarkCode::kBandOfOtherNumbers, "band_of_other_numbers",
+     "The picture of a band has more than one channel, or numbers other than whole ones of 8 or 16 "
+     "bits. Give the file as the camera wrote it."},
     {RemarkCode::kThermalOfUnknownScale, "thermal_of_unknown_scale",
      "A thermal picture that does not say how many kelvins a level is (FLIR:TLinearGain in its "
      "XMP)."},
+    {RemarkCode::kThermalWithoutLevels, "thermal_without_levels",
+     "The JPEG holds no levels of a sensor beside its picture. Give the file as the camera wrote it."},
+    {RemarkCode::kThermalOfOtherShape, "thermal_of_other_shape",
+     "The thermal sensor's levels are of another shape than the JPEG's picture, which shows "
+     "something else. Set the camera to store the thermal picture."},
+    {RemarkCode::kTemperaturesDamaged, "temperatures_damaged",
+     "The temperatures in the picture (its FLIR segments) are damaged or cut off. Copy the file from "
+     "the camera again, as the camera wrote it."},
     {RemarkCode::kCaptureWithoutReference, "capture_without_reference",
      "Its capture has no picture of the band {band}, by which the bands are placed. Add the "
      "missing file."},

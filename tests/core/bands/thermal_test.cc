@@ -14,6 +14,7 @@
 #include "core/bands/read_band_facts.h"
 #include "core/flight/photos/image_header.h"
 #include "core/flight/photos/photo_decoder.h"
+#include "core/flight/remarks/because.h"
 #include "tests/core/bands/band_photos.h"
 #include "tests/core/flight/flir_photo.h"
 #include "tests/support/temporary_folder.h"
@@ -132,10 +133,12 @@ TEST(FlirTemperatureTest, LevelsOfAnotherSizeAreBroughtToThePicturesSize) {
       0.25 * TrueKelvin(10, 9) + 0.75 * TrueKelvin(10, 10) + 0.25 * (TrueKelvin(11, 10) - TrueKelvin(10, 10)),
       0.1);
   const Bytes odd = WithFlirRecord(Jpeg(2 * kThermalWidth, kThermalHeight), FlirRecordBytes(TruePhoto()));
-  EXPECT_EQ(flight::DecodeSampleBytes(odd, 2 * kThermalWidth, kThermalHeight).error().code,
-            ErrorCode::kUnsupportedFormat);
-  EXPECT_EQ(flight::DecodeSampleBytes(Jpeg(), kThermalWidth, kThermalHeight).error().code,
-            ErrorCode::kUnsupportedFormat);
+  const auto other = flight::DecodeSampleBytes(odd, 2 * kThermalWidth, kThermalHeight);
+  EXPECT_EQ(other.error().code, ErrorCode::kUnsupportedFormat);
+  EXPECT_EQ(flight::WhyOf(other.error()), flight::Remark(flight::RemarkCode::kThermalOfOtherShape));
+  const auto without = flight::DecodeSampleBytes(Jpeg(), kThermalWidth, kThermalHeight);
+  EXPECT_EQ(without.error().code, ErrorCode::kUnsupportedFormat);
+  EXPECT_EQ(flight::WhyOf(without.error()), flight::Remark(flight::RemarkCode::kThermalWithoutLevels));
 }
 
 TEST(FlirTemperatureTest, EmissivityCounts) {
@@ -190,13 +193,14 @@ TEST(FlirTemperatureTest, DamagedRecordsSaySo) {
   const BandFacts facts = FactsOf(photo);
   EXPECT_TRUE(facts.is_look_too);
   EXPECT_EQ(facts.radiometry.calibration, Calibration::kLevels);
-  EXPECT_FALSE(flight::DecodeSampleBytes(photo, kThermalWidth, kThermalHeight).ok());
+  EXPECT_EQ(flight::WhyOf(flight::DecodeSampleBytes(photo, kThermalWidth, kThermalHeight).error()),
+            flight::Remark(flight::RemarkCode::kTemperaturesDamaged));
   // Levels and a PNG that are not what the record says.
   FlirPhoto wrong = TruePhoto(FlirLevels::kPng);
   wrong.width_px = 63;
-  EXPECT_FALSE(
-      flight::DecodeSampleBytes(WithFlirRecord(Jpeg(), FlirRecordBytes(wrong)), kThermalWidth, kThermalHeight)
-          .ok());
+  const auto png = WithFlirRecord(Jpeg(), FlirRecordBytes(wrong));
+  EXPECT_EQ(flight::WhyOf(flight::DecodeSampleBytes(png, kThermalWidth, kThermalHeight).error()),
+            flight::Remark(flight::RemarkCode::kPictureDamaged));
   wrong = TruePhoto();
   wrong.levels.resize(100);
   EXPECT_FALSE(

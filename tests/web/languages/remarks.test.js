@@ -106,6 +106,15 @@ test('why nothing came of it is said by its reason, and quoted where the page ha
   const noted = { code: 'control_noted', values: { point: 'P1', reason: [{ code: 'point_few_marks', values: {} }] } };
   const row = { code: 'sentences', values: { first: [few], then: [noted, { code: 'then', values: { said: [noted] } }] } };
   assert.match(serverWords('unprocessable', english, row), /^2 von 4 Passpunkten .*\. Passpunkt P1: .*\. Passpunkt P1: /);
+  const shown = (/** @type {string} */ code, /** @type {string} */ column) => ({ code, values: { column, cell: '"8.1"', line: 2 } });
+  const columns = [
+    { code: 'columns_known', values: { columns: 'lat' } },
+    { code: 'columns_unknown_and_more', values: { columns: [shown('column_shown', 'x'), shown('and_column_shown', 'y')], more_columns: 'z' } },
+  ];
+  const table = { code: 'table_lacks', values: { file: 'a.csv', missing: [{ code: 'lacks_longitude', values: {} }], columns } };
+  assert.match(serverWords('unsupported_format', english, table), /Länge erkannt; erkannt wurden lat; nicht erkannt wurden x \("8\.1" in Zeile 2\), y \("8\.1" in Zeile 2\), z\. Benennen/);
+  const force = { code: 'column_contradicts', values: { column: '"ax"', why: [{ code: 'gravity_of_no_unit', values: { force: 3.14159 } }] } };
+  assert.match(serverWords('unprocessable', english, { code: 'table_not_used', values: { file: 'a.csv', why: [force] } }), /^a\.csv wird nicht verwendet\. Spalte "ax": der Median der Beschleunigung ist 3,14, /);
   Object.assign(strings, await loadPageWords('en'), await loadFlightWords('en'));
   speak('en');
   assert.match(serverWords('unprocessable', english, memory), /in the step “Checking .*4\.5\u00a0GiB/);
