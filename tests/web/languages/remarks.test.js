@@ -114,7 +114,7 @@ test('why nothing came of it is said by its reason, and quoted where the page ha
   const table = { code: 'table_lacks', values: { file: 'a.csv', missing: [{ code: 'lacks_longitude', values: {} }], columns } };
   assert.match(serverWords('unsupported_format', english, table), /Länge erkannt; erkannt wurden lat; nicht erkannt wurden x \("8\.1" in Zeile 2\), y \("8\.1" in Zeile 2\), z\. Benennen/);
   const force = { code: 'column_contradicts', values: { column: '"ax"', why: [{ code: 'gravity_of_no_unit', values: { force: 3.14159 } }] } };
-  assert.match(serverWords('unprocessable', english, { code: 'table_not_used', values: { file: 'a.csv', why: [force] } }), /^a\.csv wird nicht verwendet\. Spalte "ax": der Median der Beschleunigung ist 3,14, /);
+  assert.match(serverWords('unprocessable', english, { code: 'table_not_used', values: { file: 'a.csv', why: [force] } }), /^a\.csv wird nicht verwendet\. Spalte "ax": Der Median der Beschleunigung ist 3,14, /);
   Object.assign(strings, await loadPageWords('en'), await loadFlightWords('en'));
   speak('en');
   assert.match(serverWords('unprocessable', english, memory), /in the step “Checking .*4\.5\u00a0GiB/);
