@@ -61,7 +61,7 @@ bool TokenSet::HasLiveOne(Time now) const {
 
 Result<void> Tokens::Add(const Token& token) {
   const auto db = db_.Lock();
-  const Result<void> inserted = InsertToken(*db, token);
+  Result<void> inserted = InsertToken(*db, token);
   ++changes_;
   return inserted;
 }

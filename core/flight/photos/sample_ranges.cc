@@ -49,11 +49,12 @@ void ChooseSampleRanges(std::vector<Photo>& photos, const PhotoSource& source, i
       cameras[{photos[i].camera_key, photos[i].sample_kind}].push_back(i);
   }
   for (const auto& [camera, of_camera] : cameras) {
-    const std::size_t count = std::min(kPicturesLookedAt, of_camera.size());
+    const std::vector<std::size_t>& own = of_camera;  // a binding may not be captured by every compiler
+    const std::size_t count = std::min(kPicturesLookedAt, own.size());
     std::vector<std::vector<float>> found(count);
     ParallelFor(count, threads, [&](std::size_t k) {
       // From the first to the last of the flight.
-      const std::size_t photo = of_camera[count == 1 ? 0 : k * (of_camera.size() - 1) / (count - 1)];
+      const std::size_t photo = own[count == 1 ? 0 : k * (own.size() - 1) / (count - 1)];
       if (Result<std::vector<float>> values = source.SampleValues(photos[photo], kSampleValues))
         found[k] = *std::move(values);
     });

@@ -12,7 +12,7 @@ namespace skyquilt::poses {
 namespace {
 
 constexpr double kCorrectedM = 0.02;
-constexpr double kLeastStatedM = 0.002;  // what is below is a number for "none", or in another unit
+constexpr double kMinStatedM = 0.002;  // what is below is a number for "none", or in another unit
 constexpr double kBestPlainM = 0.3, kWorstPlainM = 15.0;
 
 // `stated_m`: of the positions that state their own accuracy.
@@ -37,7 +37,7 @@ CommonError JudgedErrorOf(const Positions& positions, Of of) {
     const auto& position = of(one);
     fixed += position.is_rtk_fixed ? 1 : 0;
     const std::optional<double>& sigma_m = position.sigma_horizontal_m;
-    if (sigma_m && std::isfinite(*sigma_m) && *sigma_m >= kLeastStatedM) stated_m.push_back(*sigma_m);
+    if (sigma_m && std::isfinite(*sigma_m) && *sigma_m >= kMinStatedM) stated_m.push_back(*sigma_m);
   }
   return JudgedError(positions.size(), fixed, std::move(stated_m));
 }

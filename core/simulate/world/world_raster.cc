@@ -81,8 +81,9 @@ Eigen::Vector3f ColorOfPixel(const World& world, const PlaceOfPixel& place) {
       Eigen::Vector3f sum = Eigen::Vector3f::Zero();
       const double step_m = static_cast<double>(place.footprint_m) / kEdgeSide;
       for (int i = 0; i < kEdgeSide * kEdgeSide; ++i) {
-        const double east = at.x() + step_m * (i % kEdgeSide - kEdgeSide / 2);
-        const double north = at.y() + step_m * (i / kEdgeSide - kEdgeSide / 2);
+        const int right = i % kEdgeSide - kEdgeSide / 2, up = i / kEdgeSide - kEdgeSide / 2;
+        const double east = at.x() + step_m * right;
+        const double north = at.y() + step_m * up;
         sum += world.ColorAt(east, north, static_cast<float>(1.3 * step_m));
       }
       return sum / static_cast<float>(kEdgeSide * kEdgeSide);

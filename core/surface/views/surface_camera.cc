@@ -24,7 +24,8 @@ struct Candidate {
 double ShareSeen(const SurfaceCamera& camera, const SeenBox& box) {
   int seen = 0;
   for (int i = 0; i < 9; ++i) {
-    const double u = 0.5 * (i % 3), v = 0.5 * static_cast<double>(i / 3);
+    const int column = i % 3, row = i / 3;
+    const double u = 0.5 * column, v = 0.5 * row;
     const double z_m = 0.5 * (box.low_z_m + box.high_z_m);
     const Eigen::Vector3d point(box.in_enu.min.x() + u * box.in_enu.Width(),
                                 box.in_enu.min.y() + v * box.in_enu.Height(), z_m);

@@ -60,7 +60,7 @@ struct StitchArguments {
 
 // As a shell takes it for one word.
 std::string ShellWord(const std::filesystem::path& path) {
-  const std::string text = path.string();
+  std::string text = path.string();
   const auto is_plain = [](unsigned char c) {
     return std::isalnum(c) != 0 ||
            std::string_view("._-/+,:@%").find(static_cast<char>(c)) != std::string_view::npos;
