@@ -24,11 +24,11 @@ struct Remark;
 struct RemarkValue {
   std::variant<std::int64_t, double, std::string, std::vector<Remark>> is;
 
-  RemarkValue(std::integral auto number) : is(static_cast<std::int64_t>(number)) {}
-  RemarkValue(double number) : is(number) {}
-  RemarkValue(std::string name) : is(std::move(name)) {}
-  RemarkValue(std::string_view name) : is(std::string(name)) {}
-  RemarkValue(const char* name) : is(std::string(name)) {}
+  RemarkValue(std::integral auto number);
+  RemarkValue(double number);
+  RemarkValue(std::string name);
+  RemarkValue(std::string_view name);
+  RemarkValue(const char* name);
   RemarkValue(Remark within);
   RemarkValue(std::vector<Remark> within);
   bool operator==(const RemarkValue&) const = default;
@@ -45,6 +45,12 @@ struct Remark {
   bool operator==(const Remark&) const = default;
 };
 
+// Here, where a Remark is complete: not every compiler takes them above.
+RemarkValue::RemarkValue(std::integral auto number) : is(static_cast<std::int64_t>(number)) {}
+inline RemarkValue::RemarkValue(double number) : is(number) {}
+inline RemarkValue::RemarkValue(std::string name) : is(std::move(name)) {}
+inline RemarkValue::RemarkValue(std::string_view name) : is(std::string(name)) {}
+inline RemarkValue::RemarkValue(const char* name) : is(std::string(name)) {}
 inline RemarkValue::RemarkValue(Remark within) : is(std::vector<Remark>{std::move(within)}) {}
 inline RemarkValue::RemarkValue(std::vector<Remark> within) : is(std::move(within)) {}
 
