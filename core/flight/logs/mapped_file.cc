@@ -10,21 +10,24 @@
 #include <cstring>
 #include <utility>
 
+#include "core/flight/remarks/because.h"
+
 namespace skyquilt::flight {
 
 Result<MappedFile> MappedFile::Open(const std::filesystem::path& path) {
   const auto failed = [&](std::string_view act) {
-    return Error{ErrorCode::kIo,
-                 fmt::format("Cannot {} {}: {}", act, path.filename().string(), std::strerror(errno)),
-                 path.string()};
+    return Because(ErrorCode::kIo,
+                   {RemarkCode::kFileUnread,
+                    {{"file", path.filename().string()}, {"system_words", std::strerror(errno)}}},
+                   fmt::format("{}: {}", act, path.string()));
   };
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor < 0) return failed("open");
   struct stat status {};
   if (::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
-    const Error error = failed("read");
     ::close(descriptor);
-    return error;
+    return Because(ErrorCode::kIo, {RemarkCode::kFileIrregular, {{"file", path.filename().string()}}},
+                   path.string());
   }
   const auto size = static_cast<std::size_t>(status.st_size);
   if (size == 0) {

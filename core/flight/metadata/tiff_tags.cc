@@ -104,10 +104,10 @@ Result<TiffStart> ReadStart(ByteSource& source) {
   if (!source.Read(0, head)) return Damaged("shorter than its header");
   const bool is_big_endian = head[0] == 'M';
   if (head[0] != head[1] || (head[0] != 'M' && head[0] != 'I')) {
-    return Error{ErrorCode::kUnsupportedFormat, "This is not a TIFF file.", ""};
+    return Because(ErrorCode::kUnsupportedFormat, RemarkCode::kIsNoPicture);
   }
   const int magic = is_big_endian ? head[2] * 256 + head[3] : head[3] * 256 + head[2];
-  if (magic != 42 && magic != 43) return Error{ErrorCode::kUnsupportedFormat, "This is not a TIFF file.", ""};
+  if (magic != 42 && magic != 43) return Because(ErrorCode::kUnsupportedFormat, RemarkCode::kIsNoPicture);
   TiffWalker walker(source, is_big_endian, magic == 43);
   const auto first = magic == 43 ? walker.Unsigned(8, 8) : walker.Unsigned(4, 4);
   return TiffStart{std::move(walker), first};

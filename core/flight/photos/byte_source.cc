@@ -9,6 +9,8 @@
 #include <cstring>
 #include <string>
 
+#include "core/flight/remarks/because.h"
+
 namespace skyquilt::flight {
 namespace {
 
@@ -58,13 +60,16 @@ Result<std::unique_ptr<ByteSource>> OpenFileBytes(const std::filesystem::path& p
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor < 0) {
     const int reason = errno;
-    return Error{reason == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo,
-                 std::string("The file cannot be opened: ") + std::strerror(reason) + ".", path.string()};
+    return Because(reason == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo,
+                   {RemarkCode::kFileUnread,
+                    {{"file", path.filename().string()}, {"system_words", std::strerror(reason)}}},
+                   path.string());
   }
   struct stat status {};
   if (::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
     ::close(descriptor);
-    return Error{ErrorCode::kUnsupportedFormat, "This is not a regular file.", path.string()};
+    return Because(ErrorCode::kUnsupportedFormat,
+                   {RemarkCode::kFileIrregular, {{"file", path.filename().string()}}}, path.string());
   }
   return std::unique_ptr<ByteSource>(new FileBytes(descriptor, static_cast<std::uint64_t>(status.st_size)));
 }

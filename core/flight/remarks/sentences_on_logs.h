@@ -31,6 +31,15 @@ inline constexpr std::array kSentencesOnLogs = std::to_array<RemarkSentence>({
      "{cells} more cells of column {column} cannot be read"},
     {RemarkCode::kDatesOfNoZone, "dates_of_no_zone",
      "the date column does not say UTC: it is taken as a local clock of unknown zone"},
+    {RemarkCode::kDatesYearFirst, "dates_year_first",
+     "the dates of column {column} are read as year first: no row says whether the day or the month comes "
+     "first"},
+    {RemarkCode::kDatesMonthFirst, "dates_month_first",
+     "the dates of column {column} are read as month first: no row says whether the day or the month comes "
+     "first"},
+    {RemarkCode::kDatesDayFirst, "dates_day_first",
+     "the dates of column {column} are read as day first: no row says whether the day or the month comes "
+     "first"},
     {RemarkCode::kAnglesWithoutHeader, "angles_without_header",
      "the angles have no header and are left out: write yaw,pitch,roll or omega,phi,kappa above them"},
     {RemarkCode::kAnglesElsewhere, "angles_elsewhere",
@@ -60,7 +69,7 @@ inline constexpr std::array kSentencesOnLogs = std::to_array<RemarkSentence>({
     {RemarkCode::kNoDate, "no_date",
      "no sentence holds a date (RMC or ZDA): the time of day alone cannot be matched to photos"},
     {RemarkCode::kChecksumsWrong, "checksums_wrong",
-     "{wrong} sentences with a wrong checksum were skipped, first {first}"},
+     "{wrong} sentences with a wrong checksum were skipped, first line {line}: {sentence}"},
     {RemarkCode::kClockIsLocal, "clock_is_local", "the camera's clock is local; its zone is not written"},
     {RemarkCode::kFilmShorter, "film_shorter",
      "the film is {shorter_s:.0f} s shorter than its clock says: the clock was followed"},

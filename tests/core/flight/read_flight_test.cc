@@ -163,7 +163,7 @@ TEST(ReadFlight, ListsWhatIsNoFileAtAll) {
   const Flight flight = Read(folder);
   ASSERT_EQ(flight.left_out.size(), 2u);
   EXPECT_THAT(InWords(flight.left_out[0].reason), HasSubstr("No such file"));
-  EXPECT_THAT(InWords(flight.left_out[1].reason), HasSubstr("not a regular file"));
+  EXPECT_THAT(InWords(flight.left_out[1].reason), HasSubstr("no regular file"));
   EXPECT_EQ(flight.photos.size(), 1u);
 }
 

@@ -192,7 +192,7 @@ Result<FlightLog> ReadImageRows(const std::vector<CsvColumn>& columns, const Set
     builder.log().mapping.emplace_back("pitch -> 0 is straight down, as most of its cells are near 0");
   unread.Tell(columns, builder);
   off.Tell(builder);
-  for (const std::string& warning : settled.warnings) builder.Warn(warning);
+  for (const Remark& warning : settled.warnings) builder.Warn(warning);
   if (bad > 0) builder.Warn({RemarkCode::kRowsWithoutImage, {{"rows", bad}}});
   return std::move(builder).Finish();
 }

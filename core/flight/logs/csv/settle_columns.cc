@@ -252,9 +252,12 @@ void SettleDates(const TableCounts& table, LineReader lines, char separator, std
   const auto found = finder.Find();
   if (!found) return;
   date->date_order = found->order;
-  std::string words = fmt::format("dates of column {} -> {}", Quoted(date->header), found->why);
-  if (!found->is_decided) settled.warnings.push_back(words);
-  settled.notes.push_back(std::move(words));
+  settled.notes.push_back(fmt::format("dates of column {} -> {}", Quoted(date->header), found->why));
+  if (found->is_decided) return;
+  const RemarkCode assumed = found->order == DateOrder::kDayFirst     ? RemarkCode::kDatesDayFirst
+                             : found->order == DateOrder::kMonthFirst ? RemarkCode::kDatesMonthFirst
+                                                                      : RemarkCode::kDatesYearFirst;
+  settled.warnings.push_back({assumed, {{"column", Quoted(date->header)}}});
 }
 
 bool RowsArePhotos(const TableCounts& table, std::vector<CsvColumn>& columns) {

@@ -12,15 +12,16 @@
 #include "core/base/result.h"
 #include "core/flight/logs/csv/csv_columns.h"
 #include "core/flight/logs/text_fields.h"
+#include "core/flight/remarks/remark.h"
 
 namespace skyquilt::flight {
 
 struct SettledColumns {
   // Each row names a photo of its own and says where it was taken; times, if any, are dates.
   bool rows_are_photos = false;
-  bool pitch_is_level = false;        // most pitches lie within 45 degrees of zero
-  std::vector<std::string> notes;     // for FlightLog::mapping
-  std::vector<std::string> warnings;  // what was assumed
+  bool pitch_is_level = false;     // most pitches lie within 45 degrees of zero
+  std::vector<std::string> notes;  // for FlightLog::mapping
+  std::vector<Remark> warnings;    // what was assumed
 };
 
 // `lines` stands below the header. Error: kUnprocessable where decimal commas cannot be told from the commas

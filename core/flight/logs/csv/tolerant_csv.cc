@@ -237,7 +237,7 @@ Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const 
   builder.log().mapping = DescribeColumns(header->columns);
   for (const auto* notes : {&settled.notes, &findings.notes})
     builder.log().mapping.insert(builder.log().mapping.end(), notes->begin(), notes->end());
-  for (const std::string& warning : settled.warnings) builder.Warn(warning);
+  for (const Remark& warning : settled.warnings) builder.Warn(warning);
   unread.Tell(header->columns, builder);
   if (bad > 0) builder.Warn({RemarkCode::kRowsWithoutTime, {{"rows", bad}}});
   return std::move(builder).Finish();

@@ -229,8 +229,8 @@ Result<FlightLog> ParseNmea(std::string_view name, LogBytes bytes, const Consume
                     {{"file", name}, {"wrong", bad}, {"line", first_bad_line}, {"sentence", first_bad}}});
   }
   if (bad > 0)
-    builder.Warn({RemarkCode::kChecksumsWrong,
-                  {{"wrong", bad}, {"first", fmt::format("line {}: {}", first_bad_line, first_bad)}}});
+    builder.Warn(
+        {RemarkCode::kChecksumsWrong, {{"wrong", bad}, {"line", first_bad_line}, {"sentence", first_bad}}});
   return std::move(builder).Finish();
 }
 
