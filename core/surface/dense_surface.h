@@ -1,6 +1,6 @@
 // DenseSurface: a height for every cell of a regular grid of the flight's enu frame, with how sure it is and
 // how many photos agree. Heights in metres of enu (z), of the cells' centres, row by row from the south-west;
-// every cell has one. Values; any thread.
+// every cell that a photo shows has one, the others NaN. Values; any thread.
 #pragma once
 
 #include <Eigen/Core>

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "core/surface/paths/height_sheets.h"
 #include "core/surface/paths/pick_heights.h"
 #include "core/surface/paths/semi_global.h"
+#include "core/surface/refine/alike_heights.h"
 #include "core/surface/refine/edge_heights.h"
 #include "core/surface/refine/refine_heights.h"
 #include "core/surface/views/match_tile.h"
@@ -28,8 +30,12 @@ constexpr int kFullMargin = 240;  // and surely so by this
 // And where the cost of the height lies below the mean of its heights by this, about the cell.
 constexpr int kMinContrast = 6;
 constexpr int kFullContrast = 24;
+// And where what lies around it was measured alike. Of cells over crowns in the wind one in twenty has two
+// thirds of those around it alike, of cells of a road nineteen.
+constexpr float kAlikeSteps = 2.5f;
+constexpr std::uint8_t kManyAlike = 33, kSomeAlike = 17;
 constexpr float kSpeckleSteps = 2.0f;
-constexpr int kMinCells = 16;  // that stand alone
+constexpr int kMinCells = 48;
 constexpr int kFillReach = 24;
 constexpr float kFillSteps = 4.0f;
 constexpr float kEdgeSteps = 4.0f;
@@ -62,6 +68,13 @@ geo::Bounds2 BoundsOfCells(const LevelFrame& frame, const MatchedTile& tile) {
   return bounds;
 }
 
+// A level's heights with what bears them out.
+struct MatchedLevel {
+  CellBox box;  // of the level's cells
+  LevelHeights heights;
+  std::vector<std::uint8_t> agreeing, confidence;
+};
+
 class BlockMatcher {
  public:
   BlockMatcher(const MatchContext& context, const CellBox& box, BlockMemory& memory)
@@ -87,18 +100,18 @@ class BlockMatcher {
   }
 
   SurfaceBlock Match() {
-    LevelHeights heights;
-    CellBox coarser;
-    for (int level = kSurfaceLevels - 1; level >= 0; --level) {
-      const CellBox box = LevelBox(box_, level);
-      const LevelFrame frame = FrameOf(context_.grid, box, level);
-      const HeightSheets sheets = level == kSurfaceLevels - 1 ? WholeRange(frame)
-                                                              : SheetsFollowing(heights.heights_m, coarser,
-                                                                                box, step_m_ * (1 << level));
-      heights = MatchLevel(frame, sheets, level == 0);
-      coarser = box;
+    CellBox box = LevelBox(box_, kSurfaceLevels - 1);
+    LevelFrame frame = FrameOf(context_.grid, box, kSurfaceLevels - 1);
+    MatchedLevel matched = MatchLevel(box, frame, WholeRange(frame), nullptr, false);
+    for (int level = kSurfaceLevels - 2; level >= 0; --level) {
+      box = LevelBox(box_, level);
+      frame = FrameOf(context_.grid, box, level);
+      const HeightSheets sheets =
+          SheetsFollowing(matched.heights.heights_m, matched.box, box, step_m_ * (1 << level));
+      const MatchedLevel coarser = std::move(matched);
+      matched = MatchLevel(box, frame, sheets, &coarser, level == 0);
     }
-    return Cut(heights, coarser);
+    return Cut(frame, matched);
   }
 
  private:
@@ -144,16 +157,18 @@ class BlockMatcher {
     return tiles;
   }
 
-  LevelHeights MatchLevel(const LevelFrame& frame, const HeightSheets& sheets, bool is_finest) {
+  MatchedLevel MatchLevel(const CellBox& box, const LevelFrame& frame, const HeightSheets& sheets,
+                          const MatchedLevel* coarser, bool is_finest) {
     const std::size_t cells = sheets.Cells();
-    LevelHeights level{frame.columns, frame.rows, {}, std::vector<std::uint8_t>(cells, 0)};
-    agreeing_.assign(cells, 0);
-    confidence_.assign(cells, 0);
-    const std::vector<MatchedTile> tiles = Tiles(frame, sheets);
+    MatchedLevel matched{box, {frame.columns, frame.rows, {}, std::vector<std::uint8_t>(cells, 0)}, {}, {}};
+    LevelHeights& level = matched.heights;
+    matched.agreeing.assign(cells, 0);
+    matched.confidence.assign(cells, 0);
     if (near_.size() < 2) {
       level.heights_m = sheets.expected_m;
-      return level;
+      return matched;
     }
+    const std::vector<MatchedTile> tiles = Tiles(frame, sheets);
     TileMatcher matcher(photos_, frame);
     auto& [costs, sums, gray] = memory_;
     costs.first.resize(cells * static_cast<std::size_t>(sheets.heights));
@@ -163,19 +178,42 @@ class BlockMatcher {
     SumAlongPaths(sheets, costs, gray, {}, sums);
     PickedHeights picked = PickHeights(sheets, costs, sums);
     level.heights_m = std::move(picked.heights_m);
-    for (const MatchedTile& tile : tiles) matcher.FillAgreeing(tile, level.heights_m, agreeing_, gray);
+    for (const MatchedTile& tile : tiles) matcher.FillAgreeing(tile, level.heights_m, matched.agreeing, gray);
     const std::vector<std::uint8_t> contrasts = MeansAround(picked.contrasts, frame.columns, frame.rows);
     for (std::size_t i = 0; i < cells; ++i) {
       level.is_known[i] =
-          agreeing_[i] >= 2 && picked.margins[i] >= kMinMargin && contrasts[i] >= kMinContrast;
-      confidence_[i] = static_cast<std::uint8_t>(
+          matched.agreeing[i] >= 2 && picked.margins[i] >= kMinMargin && contrasts[i] >= kMinContrast;
+      matched.confidence[i] = static_cast<std::uint8_t>(
           std::min({255, picked.margins[i] * 255 / kFullMargin, contrasts[i] * 255 / kFullContrast}));
     }
-    DropSpeckles(level, kSpeckleSteps * sheets.step_m, kMinCells);
+    const std::vector<std::uint8_t> alike = CountAlike(level, kAlikeSteps * sheets.step_m);
+    DropSpeckles(level, alike, {kSpeckleSteps * sheets.step_m, kManyAlike, kSomeAlike, kMinCells});
+    if (coarser != nullptr) TakeCoarser(*coarser, contrasts, alike, sheets, matched);
     FillUnknown(level, sheets.expected_m, kFillReach, kFillSteps * sheets.step_m);
     TakeMedians(level);
     if (is_finest) MoveSteps(tiles, kEdgeSteps * sheets.step_m, matcher, level);
-    return level;
+    return matched;
+  }
+
+  // What larger cells told, where these tell too little; not where they tell nothing (what larger ones knew is
+  // what lies around) or each another thing.
+  static void TakeCoarser(const MatchedLevel& coarser, const std::vector<std::uint8_t>& contrasts,
+                          const std::vector<std::uint8_t>& alike, const HeightSheets& sheets,
+                          MatchedLevel& matched) {
+    std::size_t i = 0;
+    for (int row = 0; row < matched.heights.rows; ++row) {
+      const int from_row = FloorShift(matched.box.row + row, 1) - coarser.box.row;
+      for (int column = 0; column < matched.heights.columns; ++column, ++i) {
+        const int from_column = FloorShift(matched.box.column + column, 1) - coarser.box.column;
+        const std::size_t from = coarser.heights.IndexOf(from_column, from_row);
+        if (matched.heights.is_known[i] != 0 || coarser.heights.is_known[from] == 0) continue;
+        if (contrasts[i] < kMinContrast || alike[i] < kSomeAlike) continue;
+        matched.heights.is_known[i] = 1;
+        matched.heights.heights_m[i] = sheets.expected_m[i];
+        matched.agreeing[i] = coarser.agreeing[from];
+        matched.confidence[i] = static_cast<std::uint8_t>(coarser.confidence[from] / 2);
+      }
+    }
   }
 
   void MoveSteps(const std::vector<MatchedTile>& tiles, float step_m, TileMatcher& matcher,
@@ -199,16 +237,21 @@ class BlockMatcher {
   }
 
   // The block without what lies around it.
-  SurfaceBlock Cut(const LevelHeights& level, const CellBox& box) const {
+  SurfaceBlock Cut(const LevelFrame& frame, const MatchedLevel& matched) {
+    const LevelHeights& level = matched.heights;
+    std::vector<std::uint8_t> seen(level.heights_m.size(), 0);
+    TileMatcher(photos_, frame).FillSeen({0, 0, frame.columns, frame.rows, {}}, near_, level.heights_m, seen);
     SurfaceBlock block{box_, {}};
     block.cells.heights_m.reserve(box_.Count());
     for (int row = 0; row < box_.rows; ++row) {
       for (int column = 0; column < box_.columns; ++column) {
-        const std::size_t at = level.IndexOf(box_.column + column - box.column, box_.row + row - box.row);
-        const bool is_known = level.is_known[at] != 0;
-        block.cells.heights_m.push_back(level.heights_m[at]);
-        block.cells.confidence.push_back(is_known ? std::max<std::uint8_t>(1, confidence_[at]) : 0);
-        block.cells.agreeing_photos.push_back(is_known ? agreeing_[at] : 0);
+        const std::size_t at =
+            level.IndexOf(box_.column + column - matched.box.column, box_.row + row - matched.box.row);
+        const bool is_seen = seen[at] != 0, is_known = is_seen && level.is_known[at] != 0;
+        block.cells.heights_m.push_back(is_seen ? level.heights_m[at]
+                                                : std::numeric_limits<float>::quiet_NaN());
+        block.cells.confidence.push_back(is_known ? std::max<std::uint8_t>(1, matched.confidence[at]) : 0);
+        block.cells.agreeing_photos.push_back(is_known ? matched.agreeing[at] : 0);
       }
     }
     return block;
@@ -218,9 +261,8 @@ class BlockMatcher {
   const CellBox box_;
   BlockMemory& memory_;
   BlockPhotos photos_;
-  std::vector<std::size_t> near_;                    // cameras that may see the block and what lies around it
-  double step_m_ = 1.0;                              // of the finest level
-  std::vector<std::uint8_t> agreeing_, confidence_;  // of the level matched last
+  std::vector<std::size_t> near_;  // cameras that may see the block and what lies around it
+  double step_m_ = 1.0;            // of the finest level
 };
 
 }  // namespace

@@ -50,33 +50,6 @@ void SortByHeight(std::array<Met, kDirections>& met, std::size_t count) {
 
 }  // namespace
 
-void DropSpeckles(LevelHeights& level, float most_step_m, int least_cells) {
-  constexpr std::uint8_t kSeen = 2;  // known, and counted already
-  std::vector<std::size_t> members;
-  for (std::size_t start = 0; start < level.is_known.size(); ++start) {
-    if (level.is_known[start] != 1) continue;
-    members.assign(1, start);
-    level.is_known[start] = kSeen;
-    for (std::size_t next = 0; next < members.size(); ++next) {
-      const std::size_t cell = members[next];
-      const int column = static_cast<int>(cell % static_cast<std::size_t>(level.columns)),
-                row = static_cast<int>(cell / static_cast<std::size_t>(level.columns));
-      for (std::size_t way = 0; way < kDirections; way += 2) {
-        const int x = column + kAround[way][0], y = row + kAround[way][1];
-        if (x < 0 || y < 0 || x >= level.columns || y >= level.rows) continue;
-        const std::size_t other = level.IndexOf(x, y);
-        if (level.is_known[other] != 1) continue;
-        if (std::abs(level.heights_m[other] - level.heights_m[cell]) > most_step_m) continue;
-        level.is_known[other] = kSeen;
-        members.push_back(other);
-      }
-    }
-    if (members.size() >= static_cast<std::size_t>(least_cells)) continue;
-    for (const std::size_t cell : members) level.is_known[cell] = 0;
-  }
-  for (std::uint8_t& known : level.is_known) known = known != 0 ? 1 : 0;
-}
-
 void FillUnknown(LevelHeights& level, const std::vector<float>& expected_m, int reach, float most_step_m) {
   for (int row = 0; row < level.rows; ++row) {
     for (int column = 0; column < level.columns; ++column) {

@@ -1,5 +1,5 @@
-// What is done to a level's heights once they are picked: small patches that stand alone are dropped, what is
-// not known is filled from around it, single cells are evened out. Row by row; metres. Pure; any thread.
+// What is done to a level's heights once they are picked: what is not known is filled from around it, single
+// cells are evened out. Row by row; metres. Pure; any thread.
 #pragma once
 
 #include <cstdint>
@@ -15,9 +15,6 @@ struct LevelHeights {
 
   std::size_t IndexOf(int column, int row) const { return static_cast<std::size_t>(row) * columns + column; }
 };
-
-// Known cells that hang together in fewer than least_cells, with steps up to most_step_m, become unknown.
-void DropSpeckles(LevelHeights& level, float most_step_m, int least_cells);
 
 // Of a cell that is not known, what those around it say: where five of eight directions meet known ones
 // within `reach` cells, the lower of them (what is not seen lies beside a wall, not on it), all those within

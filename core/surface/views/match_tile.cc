@@ -7,6 +7,7 @@ namespace {
 
 // Photos whose census differs in more bits than this show something else; unlike pictures differ in 24.
 constexpr std::uint8_t kMaxAgreeingBits = 15;
+constexpr int kSeenSquare = 4;  // cells that are asked for together whether a photo shows them
 constexpr std::uint8_t kUnknownCost = BetterHalf::kMaxCost / 2;
 
 // The part of the tile whose cells have second sheets; no columns where none has.
@@ -153,6 +154,26 @@ void TileMatcher::FillAgreeing(const MatchedTile& tile, const std::vector<float>
   for (int row = 0; row < tile.rows; ++row) {
     std::copy_n(counted_.data() + shape_.IndexOf(0, row), tile.columns,
                 agreeing.data() + frame_.IndexOf(tile.column, tile.row + row));
+  }
+}
+
+void TileMatcher::FillSeen(const MatchedTile& tile, const std::vector<std::size_t>& cameras,
+                           const std::vector<float>& heights_m, std::vector<std::uint8_t>& seen) const {
+  for (int low = 0; low < tile.rows; low += kSeenSquare) {
+    const int high = std::min(tile.rows, low + kSeenSquare);
+    for (int left = 0; left < tile.columns; left += kSeenSquare) {
+      const int right = std::min(tile.columns, left + kSeenSquare);
+      const int column = tile.column + (left + right) / 2, row = tile.row + (low + high) / 2;
+      const Eigen::Vector2d place = frame_.first_in_enu + frame_.cell_m * Eigen::Vector2d(column, row);
+      const Eigen::Vector3d point(place.x(), place.y(), heights_m[frame_.IndexOf(column, row)]);
+      const bool is_seen = std::any_of(cameras.begin(), cameras.end(), [&](std::size_t camera) {
+        return photos_.Camera(camera).Sees(point);
+      });
+      for (int y = low; y < high; ++y) {
+        const auto from = static_cast<std::ptrdiff_t>(frame_.IndexOf(tile.column + left, tile.row + y));
+        std::fill_n(seen.begin() + from, right - left, static_cast<std::uint8_t>(is_seen ? 1 : 0));
+      }
+    }
   }
 }
 

@@ -63,6 +63,9 @@ class TileMatcher {
   // Writes the tile's part of how many photos agree at the heights, and of what they show there.
   void FillAgreeing(const MatchedTile& tile, const std::vector<float>& heights_m,
                     std::vector<std::uint8_t>& agreeing, std::vector<std::uint8_t>& gray);
+  // Writes 1 where any of the block's photos sees the cell at its height, by squares of cells.
+  void FillSeen(const MatchedTile& tile, const std::vector<std::size_t>& cameras,
+                const std::vector<float>& heights_m, std::vector<std::uint8_t>& seen) const;
   // Writes the tile's part of by how much more it would cost if the cell alone lay at its other height and
   // those around it stayed.
   void CompareOthers(const MatchedTile& tile, const std::vector<float>& heights_m,

@@ -29,10 +29,7 @@ double ShareSeen(const SurfaceCamera& camera, const SeenBox& box) {
     const double z_m = 0.5 * (box.low_z_m + box.high_z_m);
     const Eigen::Vector3d point(box.in_enu.min.x() + u * box.in_enu.Width(),
                                 box.in_enu.min.y() + v * box.in_enu.Height(), z_m);
-    const Eigen::Vector3d offset = camera.center_in_enu - point;
-    if (offset.z() <= kMinHeightM || offset.head<2>().norm() > offset.z() * camera.widest_tangent) continue;
-    const auto pixel = camera::ProjectRolling(camera.lens, camera.cam_from_enu, camera.motion, point);
-    if (pixel && camera.lens.IsInImage(*pixel)) ++seen;
+    if (camera.Sees(point)) ++seen;
   }
   return seen / 9.0;
 }
@@ -42,6 +39,13 @@ double AngleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
 }
 
 }  // namespace
+
+bool SurfaceCamera::Sees(const Eigen::Vector3d& point_in_enu) const {
+  const Eigen::Vector3d offset = center_in_enu - point_in_enu;
+  if (offset.z() <= kMinHeightM || offset.head<2>().norm() > offset.z() * widest_tangent) return false;
+  const auto pixel = camera::ProjectRolling(lens, cam_from_enu, motion, point_in_enu);
+  return pixel && lens.IsInImage(*pixel);
+}
 
 std::vector<SurfaceCamera> SurfaceCameras(const alignment::AlignedFlight& flight,
                                           const ground::GroundSurface& ground, double low_m, double high_m) {

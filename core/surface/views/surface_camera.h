@@ -24,6 +24,8 @@ struct SurfaceCamera {
   double height_above_ground_m = 1.0;
   geo::Bounds2 seen_in_enu;  // around what it sees between the lowest and the highest height
 
+  // Whether the point lies in its image and is not looked at from too far aslant.
+  bool Sees(const Eigen::Vector3d& point_in_enu) const;
   // How many of its pixels a cell spans, about.
   double CellInPhotoPx(double cell_m) const { return cell_m * lens.MeanFocalPx() / height_above_ground_m; }
 };

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
 
+#include "core/surface/refine/alike_heights.h"
 #include "core/surface/refine/edge_heights.h"
 
 namespace skyquilt::surface {
@@ -16,14 +18,63 @@ LevelHeights Level(float height_m) {
   return {kSide, kSide, std::vector<float>(cells, height_m), std::vector<std::uint8_t>(cells, 1)};
 }
 
+void Raise(LevelHeights& level, int column, int row, int columns, int rows, float height_m) {
+  for (int y = row; y < row + rows; ++y) {
+    for (int x = column; x < column + columns; ++x) level.heights_m[level.IndexOf(x, y)] = height_m;
+  }
+}
+
+TEST(CountAlike, CountsTheCellsAroundWithinABound) {
+  LevelHeights level = Level(2.0f);
+  level.heights_m[level.IndexOf(20, 20)] = 2.6f;
+  level.heights_m[level.IndexOf(22, 20)] = 2.4f;
+  const auto alike = CountAlike(level, 0.5f);
+  EXPECT_EQ(alike[level.IndexOf(10, 10)], kMaxAlike);
+  EXPECT_EQ(alike[level.IndexOf(20, 20)], 1);
+  EXPECT_EQ(alike[level.IndexOf(18, 20)], kMaxAlike - 1);
+  EXPECT_EQ(alike[0], 15);  // a corner
+  EXPECT_EQ(CountAlike(Level(-900.0f), 0.5f)[level.IndexOf(10, 10)], kMaxAlike);
+}
+
+TEST(CountAlike, TellsHeightsFarApartFromEqualOnes) {
+  LevelHeights level = Level(0.0f);
+  level.heights_m[level.IndexOf(20, 20)] = 1e6f;
+  level.heights_m[level.IndexOf(30, 20)] = -1e6f;
+  const auto alike = CountAlike(level, 0.01f);
+  EXPECT_EQ(alike[level.IndexOf(20, 20)], 0);
+  EXPECT_EQ(alike[level.IndexOf(30, 20)], 0);
+}
+
+constexpr SpeckleRules kRules{0.5f, 33, 17, 20};
+
 TEST(DropSpeckles, DropsWhatStandsAlone) {
   LevelHeights level = Level(0.0f);
-  for (int i = 0; i < 3; ++i) level.heights_m[level.IndexOf(10 + i, 10)] = 5.0f;
-  for (int i = 0; i < 12; ++i) level.heights_m[level.IndexOf(10 + i, 20)] = 5.0f;
-  DropSpeckles(level, 0.5f, 10);
-  EXPECT_EQ(level.is_known[level.IndexOf(11, 10)], 0);
-  EXPECT_EQ(level.is_known[level.IndexOf(11, 20)], 1);
-  EXPECT_EQ(level.is_known[level.IndexOf(0, 0)], 1);
+  Raise(level, 5, 10, 3, 3, 5.0f);
+  Raise(level, 20, 10, 12, 12, 5.0f);
+  DropSpeckles(level, CountAlike(level, 0.5f), kRules);
+  EXPECT_EQ(level.is_known[level.IndexOf(6, 11)], 0);
+  EXPECT_EQ(level.is_known[level.IndexOf(26, 16)], 1);
+  EXPECT_EQ(level.is_known[level.IndexOf(20, 16)], 1) << "an edge hangs on to its roof";
+  EXPECT_EQ(level.is_known[level.IndexOf(15, 35)], 1);
+}
+
+TEST(DropSpeckles, DropsHeightsThatStrayFromCellToCell) {
+  LevelHeights level = Level(0.0f);
+  std::uint32_t random = 7;
+  for (int row = 0; row < kSide; ++row) {
+    for (int column = 0; column < kSide / 2; ++column) {
+      random = random * 1664525U + 1013904223U;
+      level.heights_m[level.IndexOf(column, row)] = static_cast<float>(random >> 28) * 0.4f;
+    }
+  }
+  DropSpeckles(level, CountAlike(level, 0.5f), kRules);
+  int known = 0;
+  for (int row = 4; row < kSide - 4; ++row) {
+    for (int column = 4; column < kSide / 2 - 4; ++column)
+      known += level.is_known[level.IndexOf(column, row)];
+    EXPECT_EQ(level.is_known[level.IndexOf(30, row)], 1);
+  }
+  EXPECT_EQ(known, 0);
 }
 
 TEST(FillUnknown, TakesTheLowerSideOfAWall) {

@@ -1,0 +1,13 @@
+// What came of matching heights. Values; any thread.
+#pragma once
+
+namespace skyquilt::surface {
+
+struct SurfaceReport {
+  double cell_m = 0.0;
+  // Of the cells that a photo shows: those whose height several photos agree on; the others were filled from
+  // around.
+  double measured_share = 0.0;
+};
+
+}  // namespace skyquilt::surface
