@@ -31,6 +31,7 @@ std::string StageWords(std::string_view stage) {
   if (stage == "seam") return "Placing the seams";
   if (stage == "render") return "Rendering";
   if (stage == "measure") return "Measuring the seams";
+  if (stage == "surface") return "Measuring heights";
   if (stage == "export") return "Writing the other formats";
   if (stage == "move") return "Copying and comparing";
   if (stage == "compare") return "Comparing maps";

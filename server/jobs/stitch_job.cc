@@ -18,6 +18,7 @@
 #include "core/render/blocks/render_layers.h"
 #include "server/inputs/film_frames.h"
 #include "server/inputs/open_elevation_model.h"
+#include "server/surface/write_surface.h"
 #include "server/tileset_metadata.h"
 #include "storage/db/ids.h"
 #include "storage/exports/cog_writer.h"
@@ -204,6 +205,7 @@ Result<pipeline::MosaicReport> StitchToDirectory(const std::vector<flight::Input
     SKYQUILT_TRY(WriteBands(built, options.mosaic, photos, out_dir, progress));
   }
   built.report.timings.push_back(exported_in);
+  if (options.write_dsm) SKYQUILT_TRY(WriteSurface(built, options.mosaic, photos, out_dir, progress));
   if (auto written = storage::WriteFileAtomically(
           out_dir / "photos.geojson",
           pipeline::PhotosGeoJson(built.flight, built.ground, built.report.quality.absolute));

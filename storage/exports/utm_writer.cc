@@ -8,7 +8,8 @@ namespace skyquilt::storage {
 
 Result<int> UtmEpsg(const geo::LatLon& position) {
   if (!(position.lat_deg >= -80.0 && position.lat_deg <= 84.0)) {
-    return Error{ErrorCode::kUnprocessable, "UTM ends at 80 degrees south and 84 north; leave out --utm here",
+    return Error{ErrorCode::kUnprocessable,
+                 "UTM ends at 80 degrees south and 84 north; leave out --utm, and dsm of --formats, here",
                  ""};
   }
   return geo::UtmCodeOf(position);

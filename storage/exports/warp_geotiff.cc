@@ -23,6 +23,18 @@ void AddWords(CPLStringList& words, std::initializer_list<std::string> more) {
   for (const std::string& word : more) words.AddString(word.c_str());
 }
 
+const char* ResamplingOf(const WarpOptions& options) {
+  switch (options.pixels) {
+    case WarpedPixels::kHeights:
+      return "bilinear";
+    case WarpedPixels::kCounts:
+      return "near";
+    case WarpedPixels::kColours:
+      break;
+  }
+  return options.is_coarser ? "average" : "cubic";
+}
+
 // In the other system, without loss.
 Result<void> Warp(GDALDataset& source, const char* path, const WarpOptions& options,
                   const std::string& threads, Progress& progress) {
@@ -36,7 +48,7 @@ Result<void> Warp(GDALDataset& source, const char* path, const WarpOptions& opti
                    fmt::format("{:.{}f}", options.pixel_y, digits),
                    "-tap",
                    "-r",
-                   options.is_coarser ? "average" : "cubic",
+                   ResamplingOf(options),
                    "-wm",
                    "128",
                    "-multi",
@@ -70,19 +82,26 @@ Result<void> Warp(GDALDataset& source, const char* path, const WarpOptions& opti
   GDALDatasetH from = GDALDataset::ToHandle(&source);
   std::unique_ptr<GDALDataset> written(
       GDALDataset::FromHandle(GDALWarp(path, nullptr, 1, &from, warp.get(), nullptr)));
-  if (!written || !IsClosedWell(std::move(written))) return LastGdalError(progress);
+  if (!written) return LastGdalError(progress);
+  if (options.pixels == WarpedPixels::kHeights) written->GetRasterBand(1)->SetUnitType("m");
+  if (!IsClosedWell(std::move(written))) return LastGdalError(progress);
   return {};
 }
 
-// Tiled, with overviews, as JPEG with a mask.
+// Tiled, with overviews.
 Result<void> MakeCog(const char* from, const char* path, const WarpOptions& options,
                      const std::string& threads, Progress& progress) {
   const std::unique_ptr<GDALDataset> source(GDALDataset::Open(from, GDAL_OF_RASTER | GDAL_OF_READONLY));
   if (!source) return LastGdalError(progress);
   CPLStringList words;
-  AddWords(words, {"-of", "COG", "-co", "COMPRESS=JPEG", "-co",
-                   fmt::format("QUALITY={}", options.jpeg_quality), "-co", "OVERVIEW_RESAMPLING=AVERAGE",
-                   "-co", "BIGTIFF=IF_SAFER", "-co", "NUM_THREADS=" + threads});
+  AddWords(words, {"-of", "COG", "-co", "BIGTIFF=IF_SAFER", "-co", "NUM_THREADS=" + threads});
+  if (options.pixels == WarpedPixels::kColours) {
+    AddWords(words, {"-co", "COMPRESS=JPEG", "-co", fmt::format("QUALITY={}", options.jpeg_quality)});
+  } else {
+    AddWords(words, {"-co", "COMPRESS=DEFLATE", "-co", "LEVEL=6", "-co", "PREDICTOR=YES"});
+  }
+  AddWords(words, {"-co", options.pixels == WarpedPixels::kCounts ? "OVERVIEW_RESAMPLING=NEAREST"
+                                                                  : "OVERVIEW_RESAMPLING=AVERAGE"});
   const std::unique_ptr<GDALTranslateOptions, void (*)(GDALTranslateOptions*)> translate(
       GDALTranslateOptionsNew(words.List(), nullptr), GDALTranslateOptionsFree);
   if (!translate) return LastGdalError(progress);
@@ -96,12 +115,12 @@ Result<void> MakeCog(const char* from, const char* path, const WarpOptions& opti
 
 }  // namespace
 
-Result<void> WarpGeotiff(const std::filesystem::path& cog, const std::filesystem::path& path,
+Result<void> WarpGeotiff(const std::filesystem::path& geotiff, const std::filesystem::path& path,
                          const WarpOptions& options, Progress& progress) {
   RegisterGdalOnce();
   CPLErrorReset();
   const std::unique_ptr<GDALDataset> source(
-      GDALDataset::Open(cog.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY));
+      GDALDataset::Open(geotiff.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY));
   if (!source) return LastGdalError(progress);
   const std::string threads = options.threads > 0 ? std::to_string(options.threads) : "ALL_CPUS";
   // In two steps: a COG is written in several passes over its source, each of which would warp again.

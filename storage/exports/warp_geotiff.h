@@ -1,6 +1,6 @@
-// WarpGeotiff: a finished cloud-optimised GeoTIFF once more in another coordinate system or resolution. The
-// pixels are resampled (cubic; averaged where they become larger) and encoded anew, by GDAL, block by block.
-// Itself cloud-optimised. Memory: GDAL's block cache and warp buffer. What it puts down meanwhile lies beside
+// WarpGeotiff: a finished GeoTIFF once more in another coordinate system or resolution. The pixels are
+// resampled (as WarpedPixels says; averaged where they become larger) and encoded anew, by GDAL, block by
+// block. Cloud-optimised. Memory: GDAL's block cache and warp buffer. What it puts down meanwhile lies beside
 // `path`: the pixels without loss, some eight times the bytes of the outcome. Published by rename. Blocking.
 // Errors: kIo, kOutOfSpace, kCancelled.
 #pragma once
@@ -14,7 +14,14 @@
 
 namespace skyquilt::storage {
 
+enum class WarpedPixels {
+  kColours,  // cubic; JPEG with a mask
+  kHeights,  // in metres: bilinear, without loss
+  kCounts,   // the nearest, without loss
+};
+
 struct WarpOptions {
+  WarpedPixels pixels = WarpedPixels::kColours;
   int epsg = 3857;
   double pixel_x = 1.0;  // in units of that system
   double pixel_y = 1.0;
@@ -25,7 +32,7 @@ struct WarpOptions {
   const char* message = "writing the GeoTIFF";
 };
 
-Result<void> WarpGeotiff(const std::filesystem::path& cog, const std::filesystem::path& path,
+Result<void> WarpGeotiff(const std::filesystem::path& geotiff, const std::filesystem::path& path,
                          const WarpOptions& options, Progress& progress);
 
 }  // namespace skyquilt::storage

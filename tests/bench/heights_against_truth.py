@@ -98,7 +98,8 @@ def measure_heights(dsm_path, folder, truth, gsd_m):
     dsm = gdal.Open(str(dsm_path))
     band = dsm.GetRasterBand(1)
     found = band.ReadAsArray().astype(float)
-    is_answered = (band.GetMaskBand().ReadAsArray() > 0) & numpy.isfinite(found)
+    photos = gdal.Open(str(dsm_path).replace("dsm.tif", "dsm_photos.tif"))  # a band outlives its dataset by nothing
+    is_answered = (photos.GetRasterBand(1).ReadAsArray() > 0) & numpy.isfinite(found)
     means, numbers = truth_on(dsm, folder / "truth" / "surface.tif", "average", UNKNOWN_M), numbers_on(dsm, folder)
     surface, terrain = (means.GetRasterBand(i).ReadAsArray().astype(float) for i in (1, 2))
     is_true = surface > UNKNOWN_M

@@ -241,6 +241,7 @@ enum class RemarkCode : std::uint16_t {
   kPlacedByPhoto,
   kImported,
   kCoarserPixels,
+  kHeightsMostlyFilled,
   kNoBands,
   kBandLaidAsOthers,
   kBandLaidAsReference,

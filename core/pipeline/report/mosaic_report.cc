@@ -115,6 +115,10 @@ std::string ReportJson(const MosaicReport& report) {
   json["seams"] = JsonOf<Json>(report.seam_shift);
   json["alignment"] = report.align_report ? JsonOf<Json>(*report.align_report) : Json(nullptr);
   if (report.bands) json["bands"] = BandsJson(*report.bands);
+  if (report.surface) {
+    json["surface"] = {{"cell_m", Rounded(report.surface->cell_m, 6)},
+                       {"measured_share", Rounded(report.surface->measured_share, 4)}};
+  }
   return Printed(json);
 }
 

@@ -19,6 +19,7 @@
 #include "core/pipeline/report/map_quality.h"
 #include "core/poses/pose_report.h"
 #include "core/render/seams/seam_shift.h"
+#include "core/surface/surface_report.h"
 
 namespace skyquilt::pipeline {
 
@@ -58,6 +59,7 @@ struct MosaicReport {
   render::SeamShift seam_shift;
   std::optional<alignment::AlignReport> align_report;  // nothing where photos lie by their poses alone
   std::optional<bands::BandsReport> bands;             // of bands.tif; nothing for photos in colour
+  std::optional<surface::SurfaceReport> surface;       // of dsm.tif; nothing where nobody asked for it
 };
 
 std::string ReportJson(const MosaicReport& report);

@@ -38,7 +38,7 @@ namespace skyquilt::server {
 namespace {
 
 // Of the map, beside mosaic.mbtiles.
-enum class OtherFormat : std::uint8_t { kGeotiff, kPmtiles, kUtm, kKmz };
+enum class OtherFormat : std::uint8_t { kGeotiff, kPmtiles, kUtm, kKmz, kDsm };
 
 struct StitchArguments {
   std::vector<std::filesystem::path> inputs;
@@ -99,6 +99,10 @@ void PrintOutcome(const pipeline::MosaicReport& report, const std::filesystem::p
                report.gsd_m * 100.0, report.min_zoom, report.max_zoom, report.tile_count);
   }
   fmt::print("{}\n", pipeline::QualityInWords(report.quality));
+  if (report.surface) {
+    fmt::print("dsm.tif: heights of cells of {:.1f} cm, {:.0f} % measured\n", report.surface->cell_m * 100.0,
+               report.surface->measured_share * 100.0);
+  }
   fmt::print("{}\n", (out_dir / "mosaic.mbtiles").string());
   PrintNextSteps(out_dir);
 }
@@ -169,6 +173,7 @@ void Run(StitchArguments& arguments) {
   arguments.job.write_cog = !arguments.no_cog && is_wanted(OtherFormat::kGeotiff, "mosaic.tif");
   arguments.job.write_pmtiles = !arguments.no_pmtiles && is_wanted(OtherFormat::kPmtiles, "mosaic.pmtiles");
   arguments.job.write_utm = arguments.utm || is_wanted(OtherFormat::kUtm, "mosaic_utm.tif");
+  arguments.job.write_dsm = is_wanted(OtherFormat::kDsm, "dsm.tif");
   arguments.job.write_kmz = arguments.kmz || is_wanted(OtherFormat::kKmz, "mosaic.kmz");
   if (const Result<void> possible = arguments.job.mosaic.Validate(); !possible)
     Fail("skyquilt", possible.error());
@@ -275,13 +280,17 @@ void AddStitchCommand(CLI::App& app) {
           "--formats", arguments->formats,
           "Also the map in other files, each as large as mosaic.mbtiles: utm (mosaic_utm.tif: a GeoTIFF in "
           "its UTM zone, to measure, for GIS and CAD), geotiff (mosaic.tif: a cloud-optimised GeoTIFF in "
-          "Web Mercator, for web maps), pmtiles (mosaic.pmtiles), kmz (mosaic.kmz, for Google Earth). \"skyquilt export\" "
-          "makes each of them later, and a server offers geotiff and pmtiles for download without storing them. Those that the folder has of an earlier map are written again")
+          "Web Mercator, for web maps), pmtiles (mosaic.pmtiles), kmz (mosaic.kmz, for Google Earth); \"skyquilt "
+          "export\" makes each of these later, and a server offers geotiff and pmtiles for download without "
+          "storing them. And dsm: the heights of ground, roofs and trees as the photos show them (dsm.tif: a "
+          "GeoTIFF in the UTM zone, in metres) with how many photos agree on each (dsm_photos.tif, 0 where it "
+          "was filled in). Those that the folder has of an earlier map are written again")
       ->delimiter(',')
       ->transform(OneOf(std::vector<std::pair<std::string, OtherFormat>>{{"geotiff", OtherFormat::kGeotiff},
                                                                          {"pmtiles", OtherFormat::kPmtiles},
                                                                          {"utm", OtherFormat::kUtm},
-                                                                         {"kmz", OtherFormat::kKmz}}));
+                                                                         {"kmz", OtherFormat::kKmz},
+                                                                         {"dsm", OtherFormat::kDsm}}));
   command->add_flag("--no-cog", arguments->no_cog,
                     "No mosaic.tif, also where the folder has one of an earlier map");
   command->add_flag("--utm", arguments->utm, "As --formats utm");

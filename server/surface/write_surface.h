@@ -1,0 +1,19 @@
+// WriteSurface: the heights of a map that was just made, dsm.tif and dsm_photos.tif in its folder, and what
+// came of them in its report. Those of an earlier run go where nobody asks for them. Blocking; uses all the
+// threads asked for. Errors: kUnprocessable (beyond UTM), kCancelled, kOutOfSpace, kIo.
+#pragma once
+
+#include <filesystem>
+
+#include "core/base/progress.h"
+#include "core/base/result.h"
+#include "core/flight/photos/photo_source.h"
+#include "core/pipeline/build_mosaic.h"
+
+namespace skyquilt::server {
+
+Result<void> WriteSurface(pipeline::BuiltMosaic& built, const pipeline::MosaicOptions& options,
+                          const flight::PhotoSource& photos, const std::filesystem::path& out_dir,
+                          Progress& progress);
+
+}  // namespace skyquilt::server

@@ -1,0 +1,39 @@
+// SurfaceWriter: heights of the map's cells as two cloud-optimised GeoTIFFs in the UTM zone: dsm.tif, float32
+// metres above the ellipsoid as the flight's records have it, NaN where no photo shows the ground, and beside
+// it dsm_photos.tif, one byte a cell: how many photos agree on the height, 0 where it was filled from around.
+// Blocks go to temporary files as they come, in the flight's own frame, and are resampled on Publish
+// (bilinear; the nearest). Memory: GDAL's block cache and warp buffer. One thread. Errors: kUnprocessable (no
+// UTM zone so far north or south), kIo, kOutOfSpace, kCancelled.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+
+#include "core/base/progress.h"
+#include "core/geo/local_frame.h"
+#include "core/surface/dense_surface.h"
+
+namespace skyquilt::storage {
+
+class SurfaceWriter {
+ public:
+  // Of a grid whose cells lie about mean_z_m high in the frame. `threads`: 0 = all cores.
+  SurfaceWriter(const std::filesystem::path& folder, const geo::LocalFrame& frame,
+                const surface::SurfaceGrid& grid, double mean_z_m, int threads, Progress& progress);
+  ~SurfaceWriter();
+
+  Result<void> Begin();
+  Result<void> Put(const surface::SurfaceBlock& block);
+  // After the last block.
+  Result<void> Publish();
+
+  // Of the cells that a photo shows, the share whose height was measured; 0 where there are none.
+  double MeasuredShare() const;
+
+ private:
+  struct Work;
+  std::unique_ptr<Work> work_;
+};
+
+}  // namespace skyquilt::storage

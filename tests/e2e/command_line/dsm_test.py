@@ -1,0 +1,87 @@
+"""`stitch --formats dsm`: heights of a flight over houses against the simulated world, honest where nothing is known, the same
+bytes for any number of threads."""
+import json
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import jsonschema
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "bench"))
+from server_support import BINARY  # noqa: E402
+
+SCHEMA = json.loads(pathlib.Path(__file__).resolve().parents[3].joinpath("core", "pipeline", "report.schema.json").read_text())
+
+
+class Dsm(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.scratch = pathlib.Path(tempfile.mkdtemp(prefix="skyquilt_dsm_"))
+        cls.addClassCleanup(shutil.rmtree, cls.scratch)
+        cls.flight = cls.scratch / "flight"
+        subprocess.run([BINARY, "simulate", "-o", cls.flight, "--photos", "9", "--size", "800x600", "--height", "50", "--houses", "3",
+                        "--trees", "3", "--relief-m", "3", "--noise", "rtk", "--seed", "5", "--surface", "--sidelap", "0.75"],
+                       check=True, capture_output=True)
+        cls.map = cls.scratch / "map"
+        cls.said = cls.stitch(cls.map, "--formats", "dsm")
+
+    @classmethod
+    def stitch(cls, out, *options):
+        done = subprocess.run([BINARY, "stitch", cls.flight / "photos", "-o", out, *options], capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+
+    def test_heights_are_those_of_the_world(self):
+        try:
+            from osgeo import gdal
+            from heights_against_truth import measure_heights
+        except ImportError:
+            self.skipTest("GDAL's Python package with numpy is not installed")
+        truth = json.loads((self.flight / "truth" / "poses.json").read_text())
+        numbers = measure_heights(self.map / "dsm.tif", self.flight, truth, truth["gsd_m"])
+        self.assertGreater(numbers["answered"], 0.85)
+        self.assertLess(abs(numbers["ground"]), 3.0)  # the lens' calibration is 0.12 % off
+        self.assertLess(numbers["NMAD"], 1.0)
+        self.assertLess(abs(numbers["roofs"] - abs(numbers["ground"])), 1.5)
+        info = gdal.Info(str(self.map / "dsm.tif"), format="json")
+        self.assertEqual((info["bands"][0]["type"], info["bands"][0]["unit"]), ("Float32", "m"))
+        self.assertIn("UTM zone", info["coordinateSystem"]["wkt"])
+
+    def test_the_report_says_how_much_was_measured(self):
+        report = json.loads((self.map / "report.json").read_text())
+        jsonschema.validate(report, SCHEMA)
+        self.assertGreater(report["surface"]["measured_share"], 0.6)
+        self.assertAlmostEqual(report["surface"]["cell_m"], 2 * report["gsd_m"], 5)
+        self.assertIn("surface", [timing["stage"] for timing in report["timings"]])
+        self.assertIn(f"{100 * report['surface']['measured_share']:.0f} % measured", self.said)
+
+    def test_one_thread_and_two_write_the_same(self):
+        for threads in ("1", "2"):
+            self.stitch(self.scratch / threads, "--formats", "dsm", "--threads", threads)
+        for name in ("dsm.tif", "dsm_photos.tif"):
+            self.assertEqual((self.scratch / "1" / name).read_bytes(), (self.scratch / "2" / name).read_bytes())
+
+    def test_without_being_asked_there_is_none_and_the_map_is_the_same(self):
+        self.stitch(self.scratch / "plain")
+        self.assertFalse((self.scratch / "plain" / "dsm.tif").exists())
+        self.assertEqual((self.scratch / "plain" / "mosaic.mbtiles").read_bytes(), (self.map / "mosaic.mbtiles").read_bytes())
+
+    def test_two_photos_alone_say_that_little_was_measured(self):
+        two = self.scratch / "two"
+        two.mkdir()
+        for photo in sorted((self.flight / "photos").glob("*.JPG"))[:2]:
+            shutil.copy(photo, two)
+        out = self.scratch / "two_map"
+        subprocess.run([BINARY, "stitch", two, "-o", out, "--formats", "dsm"], check=True, capture_output=True)
+        report = json.loads((out / "report.json").read_text())
+        self.assertTrue((out / "dsm.tif").exists())
+        self.assertLess(report["surface"]["measured_share"], 0.5)
+        self.assertIn("heights_mostly_filled", [remark["code"] for remark in report["remarks"]])
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,122 @@
+#include "storage/exports/heights/surface_writer.h"
+
+#include <gdal_priv.h>
+#include <gtest/gtest.h>
+#include <ogr_spatialref.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "tests/storage/scratch_dir.h"
+
+namespace skyquilt::storage {
+namespace {
+
+constexpr double kCellM = 0.5;
+const geo::Wgs84 kOrigin{46.95, 7.44, 560.0};
+
+// Two kilometres east of the frame's origin, where the Earth has bent away by a third of a metre.
+surface::SurfaceGrid FarGrid() { return {Eigen::Vector2d(2000.0, -500.0), kCellM, 120, 90}; }
+
+double TrueZ(double east, double north) { return 4.0 + 0.05 * (east - 2000.0) + 0.02 * (north + 500.0); }
+
+// A block of a slope: the first five columns of the grid unseen, the last twenty filled.
+surface::SurfaceBlock SlopeBlock(const surface::SurfaceGrid& grid, const surface::CellBox& box) {
+  surface::SurfaceBlock block{box, {}};
+  for (int row = box.row; row < box.row + box.rows; ++row) {
+    for (int column = box.column; column < box.column + box.columns; ++column) {
+      const Eigen::Vector2d place = grid.south_west_in_enu + grid.cell_m * Eigen::Vector2d(column, row);
+      const bool is_seen = column >= 5, is_measured = is_seen && column < 100;
+      block.cells.heights_m.push_back(is_seen ? static_cast<float>(TrueZ(place.x(), place.y()))
+                                              : std::numeric_limits<float>::quiet_NaN());
+      block.cells.confidence.push_back(is_measured ? 200 : 0);
+      block.cells.agreeing_photos.push_back(is_measured ? 3 : 0);
+    }
+  }
+  return block;
+}
+
+double ValueAt(GDALDataset& raster, double x, double y) {
+  std::array<double, 6> transform{};
+  EXPECT_EQ(raster.GetGeoTransform(transform.data()), CE_None);
+  const int column = static_cast<int>(std::floor((x - transform[0]) / transform[1])),
+            row = static_cast<int>(std::floor((y - transform[3]) / transform[5]));
+  double value = -1.0;
+  EXPECT_EQ(raster.GetRasterBand(1)->RasterIO(GF_Read, column, row, 1, 1, &value, 1, 1, GDT_Float64, 0, 0),
+            CE_None);
+  return value;
+}
+
+TEST(SurfaceWriter, HeightsLieWhereTheyAreInUtmAboveTheEllipsoid) {
+  const ScratchDir folder;
+  const geo::LocalFrame frame(kOrigin);
+  const surface::SurfaceGrid grid = FarGrid();
+  SilentProgress progress;
+  SurfaceWriter writer(folder.path(), frame, grid, 6.0, 1, progress);
+  ASSERT_TRUE(writer.Begin());
+  ASSERT_TRUE(writer.Put(SlopeBlock(grid, {64, 0, 56, 90})));
+  ASSERT_TRUE(writer.Put(SlopeBlock(grid, {0, 0, 64, 90})));
+  ASSERT_TRUE(writer.Publish());
+  EXPECT_NEAR(writer.MeasuredShare(), 95.0 / 115.0, 1e-9);
+
+  const std::unique_ptr<GDALDataset> heights(GDALDataset::Open((folder.path() / "dsm.tif").c_str()));
+  const std::unique_ptr<GDALDataset> photos(GDALDataset::Open((folder.path() / "dsm_photos.tif").c_str()));
+  ASSERT_NE(heights, nullptr);
+  ASSERT_NE(photos, nullptr);
+  EXPECT_STREQ(heights->GetSpatialRef()->GetAuthorityCode(nullptr), "32632");
+  EXPECT_STREQ(heights->GetMetadataItem("LAYOUT", "IMAGE_STRUCTURE"), "COG");
+  EXPECT_EQ(heights->GetRasterBand(1)->GetRasterDataType(), GDT_Float32);
+  EXPECT_TRUE(std::isnan(heights->GetRasterBand(1)->GetNoDataValue()));
+  EXPECT_STREQ(heights->GetRasterBand(1)->GetUnitType(), "m");
+  EXPECT_EQ(photos->GetRasterBand(1)->GetRasterDataType(), GDT_Byte);
+
+  OGRSpatialReference degrees;
+  degrees.importFromEPSG(4326);
+  degrees.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  const std::unique_ptr<OGRCoordinateTransformation> utm_from_degrees(
+      OGRCreateCoordinateTransformation(&degrees, heights->GetSpatialRef()));
+  for (int column = 0; column < grid.columns; column += 7) {
+    for (int row = 3; row < grid.rows - 3; row += 11) {
+      const Eigen::Vector2d place = grid.south_west_in_enu + grid.cell_m * Eigen::Vector2d(column, row);
+      const geo::Wgs84 truth = frame.Wgs84FromEnu({place.x(), place.y(), TrueZ(place.x(), place.y())});
+      double x = truth.lon_deg, y = truth.lat_deg;
+      ASSERT_TRUE(utm_from_degrees->Transform(1, &x, &y));
+      const double height_m = ValueAt(*heights, x, y);
+      if (column < 4) {
+        EXPECT_TRUE(std::isnan(height_m));
+        EXPECT_EQ(ValueAt(*photos, x, y), 0.0);
+      } else if (column > 6) {
+        // The middle of the cell asked may lie half a cell off: 1.3 cm on this slope.
+        EXPECT_NEAR(height_m, truth.height_ellipsoid_m, 0.02) << column << " " << row;
+        if (column < 98 || column > 102) {
+          EXPECT_EQ(ValueAt(*photos, x, y), column < 100 ? 3.0 : 0.0);
+        }
+      }
+    }
+  }
+}
+
+TEST(SurfaceWriter, LeavesNothingBesideWhenItIsGivenUp) {
+  const ScratchDir folder;
+  {
+    SilentProgress progress;
+    SurfaceWriter writer(folder.path(), geo::LocalFrame(kOrigin), FarGrid(), 6.0, 1, progress);
+    ASSERT_TRUE(writer.Begin());
+    ASSERT_TRUE(writer.Put(SlopeBlock(FarGrid(), {0, 0, 120, 90})));
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+TEST(SurfaceWriter, SaysThatThereIsNoUtmAtThePoles) {
+  const ScratchDir folder;
+  SilentProgress progress;
+  SurfaceWriter writer(folder.path(), geo::LocalFrame({86.0, 7.0, 0.0}), FarGrid(), 6.0, 1, progress);
+  const auto begun = writer.Begin();
+  ASSERT_FALSE(begun.ok());
+  EXPECT_EQ(begun.error().code, ErrorCode::kUnprocessable);
+}
+
+}  // namespace
+}  // namespace skyquilt::storage
