@@ -195,8 +195,8 @@ class BlockMatcher {
     return matched;
   }
 
-  // What larger cells told, where these tell too little; not where they tell nothing (what larger ones knew is
-  // what lies around) or each another thing.
+  // What larger cells told, where these tell too little; not where they tell nothing (what larger ones knew
+  // is what lies around) or each another thing.
   static void TakeCoarser(const MatchedLevel& coarser, const std::vector<std::uint8_t>& contrasts,
                           const std::vector<std::uint8_t>& alike, const HeightSheets& sheets,
                           MatchedLevel& matched) {

@@ -311,7 +311,7 @@ TEST(WrittenTables, TellsDayFromMonthByAllRows) {
   EXPECT_THAT(together.mapping, Contains(HasSubstr("month first, which keeps the rows together")));
   const FlightLog open = Parse(Track("datetime (utc),lat,lon,alt", Times("03.06.2016 21:31:", "")));
   EXPECT_EQ(*open.utc_at_zero, *UtcFromCivil(2016, 6, 3, 21, 31, 9.0));
-  EXPECT_THAT(InWords(open.warnings), Contains(HasSubstr("day first, assumed")));
+  EXPECT_THAT(InWords(open.warnings), Contains(HasSubstr("are read as day first")));
   const FlightLog shown = Parse(Track("datetime (utc),lat,lon,alt", Times("6/23/2016 21:31:", "")));
   EXPECT_THAT(shown.mapping, Contains(HasSubstr("month first, as \"6/23/2016 21:31:09\" in line 2 says")));
   EXPECT_THAT(Refusal(Track("datetime,lat,lon,alt", Times("31/31/2016 21:31:", ""))),
