@@ -1,6 +1,7 @@
 // WriteSurface: the heights of a map that was just made, dsm.tif and dsm_photos.tif in its folder, and what
-// came of them in its report. Those of an earlier run go where nobody asks for them. Blocking; uses all the
-// threads asked for. Errors: kUnprocessable (beyond UTM), kCancelled, kOutOfSpace, kIo.
+// came of them in its report. Over the rectangle around the map, also where that is cut to a boundary.
+// Blocking; uses all the threads asked for. Errors: kUnprocessable (beyond UTM), kCancelled, kOutOfSpace,
+// kIo.
 #pragma once
 
 #include <filesystem>

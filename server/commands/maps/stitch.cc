@@ -100,7 +100,10 @@ void PrintOutcome(const pipeline::MosaicReport& report, const std::filesystem::p
   }
   fmt::print("{}\n", pipeline::QualityInWords(report.quality));
   if (report.surface) {
-    fmt::print("dsm.tif: heights of cells of {:.1f} cm, {:.0f} % measured\n", report.surface->cell_m * 100.0,
+    const std::string cells = report.quality.IsLimitedBy(pipeline::LimitKind::kScaleGuessed)
+                                  ? "of unknown size"
+                                  : fmt::format("of {:.1f} cm", report.surface->cell_m * 100.0);
+    fmt::print("dsm.tif: heights of cells {}, {:.0f} % measured\n", cells,
                report.surface->measured_share * 100.0);
   }
   fmt::print("{}\n", (out_dir / "mosaic.mbtiles").string());

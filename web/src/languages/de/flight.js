@@ -101,6 +101,7 @@ export const flight_words = {
       overviews: 'Übersichten werden erstellt',
       pyramid: 'Übersichten werden erstellt',
       measure: 'Schnittlinien werden geprüft',
+      surface: 'Höhen werden gemessen',
       export: 'Downloads werden vorbereitet',
       publish: 'Karte wird veröffentlicht',
     },

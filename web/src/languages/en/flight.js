@@ -101,6 +101,7 @@ export const flight_words = {
       overviews: 'Building overviews',
       pyramid: 'Building overviews',
       measure: 'Measuring seam quality',
+      surface: 'Measuring heights',
       export: 'Preparing downloads',
       publish: 'Publishing the map',
     }),
