@@ -122,6 +122,7 @@ StitchJobOptions OptionsOf(const PlaceArguments& arguments) {
   options.write_pmtiles = has("mosaic.pmtiles");
   options.write_utm = has("mosaic_utm.tif");
   options.write_kmz = has("mosaic.kmz");
+  options.write_dsm = has("dsm_photos.tif");  // a dsm.tif alone may be somebody's elevation model
   for (const render::MapLayer layer : render::kMapLayers) {
     if (has(render::LayerFileName(layer))) options.mosaic.layers.push_back(layer);
   }

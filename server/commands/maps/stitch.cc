@@ -166,7 +166,7 @@ void Run(StitchArguments& arguments) {
     arguments.job.mosaic.boundary = ReadBoundary("skyquilt", arguments.boundary);
   arguments.job.mosaic.max_memory_bytes = static_cast<std::int64_t>(arguments.max_memory_gib * (1 << 30));
   // What a map in this folder was written as before is written again, so that no file there shows another
-  // map.
+  // map. Heights show by dsm_photos.tif: a dsm.tif alone may be somebody's elevation model.
   const auto is_wanted = [&](OtherFormat format, const char* name) {
     const auto& asked = arguments.formats;
     std::error_code none;
@@ -176,7 +176,7 @@ void Run(StitchArguments& arguments) {
   arguments.job.write_cog = !arguments.no_cog && is_wanted(OtherFormat::kGeotiff, "mosaic.tif");
   arguments.job.write_pmtiles = !arguments.no_pmtiles && is_wanted(OtherFormat::kPmtiles, "mosaic.pmtiles");
   arguments.job.write_utm = arguments.utm || is_wanted(OtherFormat::kUtm, "mosaic_utm.tif");
-  arguments.job.write_dsm = is_wanted(OtherFormat::kDsm, "dsm.tif");
+  arguments.job.write_dsm = is_wanted(OtherFormat::kDsm, "dsm_photos.tif");
   arguments.job.write_kmz = arguments.kmz || is_wanted(OtherFormat::kKmz, "mosaic.kmz");
   if (const Result<void> possible = arguments.job.mosaic.Validate(); !possible)
     Fail("skyquilt", possible.error());

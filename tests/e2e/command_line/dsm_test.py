@@ -82,6 +82,38 @@ class Dsm(unittest.TestCase):
         self.assertLess(report["surface"]["measured_share"], 0.5)
         self.assertIn("heights_mostly_filled", [remark["code"] for remark in report["remarks"]])
 
+    def test_heights_move_with_the_map(self):
+        try:
+            from osgeo import gdal
+        except ImportError:
+            self.skipTest("GDAL's Python package is not installed")
+        folder = self.scratch / "moved"
+        shutil.copytree(self.map, folder)
+        corner = lambda: [gdal.Open(str(folder / "dsm.tif")).GetGeoTransform()[i] for i in (0, 3)]
+        east, north = corner()
+        west, south, _, _ = json.loads((folder / "report.json").read_text())["bounds"]
+        done = subprocess.run([BINARY, "place", folder, "--again", "--point", f"{south},{west}={south + 0.001},{west}"], capture_output=True,
+                              text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        moved_east, moved_north = corner()
+        self.assertAlmostEqual(moved_north - north, 111.2, delta=1.5)
+        self.assertAlmostEqual(moved_east - east, 0.0, delta=3.5)
+
+    def test_an_elevation_model_of_that_name_stays(self):
+        own = b"somebody's heights"
+        empty = self.scratch / "own_alone"
+        empty.mkdir()
+        (empty / "dsm.tif").write_bytes(own)
+        done = subprocess.run([BINARY, "stitch", self.flight / "photos", "-o", empty, "--formats", "dsm"], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("dsm.tif", done.stderr)
+        self.assertEqual((empty / "dsm.tif").read_bytes(), own)
+        beside = self.scratch / "own_beside"
+        self.stitch(beside)
+        (beside / "dsm.tif").write_bytes(own)
+        self.stitch(beside)
+        self.assertEqual((beside / "dsm.tif").read_bytes(), own)
+
 
 if __name__ == "__main__":
     unittest.main()
