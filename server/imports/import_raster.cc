@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 #include "core/geo/hilbert.h"
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
@@ -146,8 +147,8 @@ Result<void> ImportRaster(const flight::InputFile& file, const std::filesystem::
   RasterTiles tiles(*raster, *writer, options);
   SKYQUILT_TRY(tiles.TakeAll(progress));
   if (tiles.tiles() == 0)
-    return Error{ErrorCode::kUnprocessable,
-                 file.name + " is empty: all of its pixels are transparent or \"no data\".", ""};
+    return flight::Because(ErrorCode::kUnprocessable,
+                           {flight::RemarkCode::kImportTransparent, {{"file", file.name}}});
   report.min_zoom = CoarsestZoom(*raster);
   report.max_zoom = raster->zoom();
   report.tile_size_px = raster->tile_size_px();

@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
 #include "core/image/picture_codec.h"
@@ -27,17 +28,21 @@ namespace {
 
 constexpr std::int64_t kMaxImportedTiles = 4'000'000;
 constexpr int kMinSidePx = 64, kMaxSidePx = 1024;
-constexpr const char* kTakeAnother = " Take an MBTiles of pictures (PNG, JPEG or WebP), or a GeoTIFF.";
 
-// The file as a person names it, in front of what is wrong with it.
+// What is wrong with a file, as a person names it.
 class Refusals {
  public:
+  using Values = std::map<std::string, flight::RemarkValue>;
   explicit Refusals(std::string file) : file_(std::move(file)) {}
-  Error Kind(const std::string& rest) const {
-    return {ErrorCode::kUnsupportedFormat, file_ + " " + rest + kTakeAnother, ""};
+  Error Kind(flight::RemarkCode why, Values values = {}, const std::string& detail = "") const {
+    return Made(ErrorCode::kUnsupportedFormat, why, std::move(values), detail);
   }
-  Error Damaged(const std::string& rest, const std::string& detail = "") const {
-    return {ErrorCode::kCorrupt, file_ + " " + rest + " Copy or download it again.", detail};
+  Error Damaged(const std::string& detail) const {
+    return Made(ErrorCode::kCorrupt, flight::RemarkCode::kImportDamaged, {}, detail);
+  }
+  Error Made(ErrorCode code, flight::RemarkCode why, Values values, const std::string& detail = "") const {
+    values.emplace("file", file_);
+    return flight::Because(code, {why, std::move(values)}, detail);
   }
 
  private:
@@ -48,11 +53,11 @@ using Metadata = std::map<std::string, std::string>;
 
 Result<Metadata> MetadataOf(storage::SqliteDb& db, const Refusals& refusals) {
   auto query = db.Prepare("SELECT name, value FROM metadata");
-  if (!query) return refusals.Kind("is no MBTiles: it has no table \"metadata\".");
+  if (!query) return refusals.Kind(flight::RemarkCode::kImportNoMbtiles);
   Metadata metadata;
   while (true) {
     const Result<bool> row = query->Step();
-    if (!row) return refusals.Damaged("is damaged.", row.error().detail);
+    if (!row) return refusals.Damaged(row.error().detail);
     if (!*row) return metadata;
     metadata.emplace(query->ColumnText(0), query->ColumnText(1));
   }
@@ -64,14 +69,12 @@ std::string ValueOf(const Metadata& metadata, const char* key) {
 }
 
 Result<void> CheckMetadata(const Metadata& metadata, const Refusals& refusals) {
-  if (ValueOf(metadata, "format") == "pbf")
-    return refusals.Kind("holds vector tiles, which are no pictures.");
-  if (ValueOf(metadata, "scheme") == "xyz")
-    return refusals.Kind("counts its rows from the north (scheme \"xyz\"), which MBTiles does not have.");
+  if (ValueOf(metadata, "format") == "pbf") return refusals.Kind(flight::RemarkCode::kImportVectorTiles);
+  if (ValueOf(metadata, "scheme") == "xyz") return refusals.Kind(flight::RemarkCode::kImportRowsFromNorth);
   for (const char* key : {"crs", "srs"}) {
     const std::string crs = ValueOf(metadata, key);
     if (!crs.empty() && !crs.ends_with("3857") && !crs.ends_with("900913"))
-      return refusals.Kind("has tiles of " + crs.substr(0, 40) + ", not of Web Mercator.");
+      return refusals.Kind(flight::RemarkCode::kImportOtherSystem, {{"system", crs.substr(0, 40)}});
   }
   return {};
 }
@@ -95,15 +98,17 @@ class TileTaker {
   Result<void> Take(const geo::TileId& tile, std::string_view bytes) {
     const std::string name = fmt::format("{}/{}/{}", tile.z(), tile.x(), tile.y());
     const auto format = image::PictureFormatOf(bytes);
-    if (!format) return refusals_.Kind(fmt::format("has a tile ({}) that is no PNG, JPEG or WebP.", name));
+    if (!format) return refusals_.Kind(flight::RemarkCode::kImportTileNoPicture, {{"tile", name}});
     const auto picture = image::DecodePicture(bytes);
     if (!picture)
-      return refusals_.Damaged(fmt::format("has a damaged tile ({}).", name), picture.error().message);
+      return refusals_.Made(ErrorCode::kCorrupt, flight::RemarkCode::kImportTileDamaged, {{"tile", name}},
+                            picture.error().message);
     if (side_px_ == 0) {
       SKYQUILT_TRY(TakeSize(*picture));
     } else if (picture->width_px != side_px_ || picture->height_px != side_px_) {
-      return refusals_.Kind(fmt::format("has tiles of several sizes, such as {} with {} x {} pixels.", name,
-                                        picture->width_px, picture->height_px));
+      return refusals_.Kind(
+          flight::RemarkCode::kImportTilesOfSeveralSizes,
+          {{"tile", name}, {"width_px", picture->width_px}, {"height_px", picture->height_px}});
     }
     if (tile.z() != zoom_) finest_ = {};
     zoom_ = tile.z();
@@ -130,8 +135,8 @@ class TileTaker {
                           picture.width_px <= kMaxSidePx &&
                           std::has_single_bit(static_cast<unsigned>(picture.width_px));
     if (!is_usual)
-      return refusals_.Kind(fmt::format("has tiles of {} x {} pixels; 256, 512 and 1024 are known.",
-                                        picture.width_px, picture.height_px));
+      return refusals_.Kind(flight::RemarkCode::kImportTilesOfOddSize,
+                            {{"width_px", picture.width_px}, {"height_px", picture.height_px}});
     side_px_ = picture.width_px;
     return {};
   }
@@ -159,27 +164,23 @@ Result<void> ImportTiles(const flight::InputFile& file, const std::filesystem::p
   const Refusals refusals(file.name);
   auto db = storage::SqliteDb::Open(file.path, storage::OpenMode::kReadOnlyImmutable);
   if (!db && db.error().code != ErrorCode::kCorrupt) return db.error();
-  if (!db) return refusals.Damaged("is no MBTiles, or a damaged one.", db.error().detail);
+  if (!db) return refusals.Damaged(db.error().detail);
   SKYQUILT_TRY_ASSIGN(const Metadata metadata, MetadataOf(*db, refusals));
   SKYQUILT_TRY(CheckMetadata(metadata, refusals));
   const Result<std::int64_t> count = storage::CountTiles(*db);
-  if (!count)
-    return refusals.Kind("is no MBTiles: its tiles cannot be counted (" + count.error().detail + ").");
-  if (*count == 0) return refusals.Kind("has no tiles.");
+  if (!count) return refusals.Kind(flight::RemarkCode::kImportNoMbtiles, {}, count.error().detail);
+  if (*count == 0) return refusals.Kind(flight::RemarkCode::kImportWithoutTiles);
   if (*count > kMaxImportedTiles)
-    return Error{
-        ErrorCode::kTooLarge,
-        fmt::format("{} has {} tiles, more than the {} that are taken. Cut it, or leave out its finest zoom.",
-                    file.name, *count, kMaxImportedTiles),
-        ""};
+    return refusals.Made(ErrorCode::kTooLarge, flight::RemarkCode::kImportManyTiles,
+                         {{"tiles", *count}, {"most", kMaxImportedTiles}});
   SKYQUILT_TRY_ASSIGN(const auto writer, storage::MbtilesWriter::Create(mbtiles));
   TileTaker taker(*writer, refusals);
   auto walk = storage::TileWalk::Of(*db);
-  if (!walk) return refusals.Damaged("is damaged.", walk.error().detail);
+  if (!walk) return refusals.Damaged(walk.error().detail);
   for (std::int64_t done = 1;; ++done) {
     if (progress.IsCancelled()) return Error{ErrorCode::kCancelled, "The import was cancelled.", ""};
     const Result<bool> more = walk->Next();
-    if (!more) return refusals.Damaged("is damaged.", more.error().detail + more.error().message);
+    if (!more) return refusals.Damaged(more.error().detail + more.error().message);
     if (!*more) break;
     SKYQUILT_TRY(taker.Take(walk->tile(), walk->bytes()));
     progress.Report(static_cast<double>(done) / static_cast<double>(*count), "looking at tiles");

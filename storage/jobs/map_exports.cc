@@ -6,6 +6,7 @@
 #include <array>
 
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 #include "storage/db/ids.h"
 #include "storage/folder/data_dir.h"
 #include "storage/jobs/job_rows.h"
@@ -70,9 +71,7 @@ Result<void> MakeRoomForLink(SqlConnection& db, const MapExport& wish, const std
     return Error{ErrorCode::kForbidden, "This link has ended. Ask whoever sent it for another.", ""};
   for (const MapExport& one : known) {
     if (one.owner == wish.owner && !one.HasEnded())
-      return Error{
-          ErrorCode::kConflict,
-          "A link has one export at a time, and this one's is not made yet. Wait for it, or delete it.", ""};
+      return flight::Because(ErrorCode::kConflict, flight::RemarkCode::kExportOneOfLink);
   }
   return EndExportsOf(db, wish.owner);
 }
@@ -112,16 +111,11 @@ Result<MapExport> MapExports::Add(const MapExport& wish, Time now) {
     SKYQUILT_TRY(MakeRoomForLink(*db, wish, known));
   } else if (std::count_if(known.begin(), known.end(),
                            [](const MapExport& one) { return !one.is_of_link; }) >= kMaxOfFlight) {
-    return Error{
-        ErrorCode::kConflict,
-        fmt::format("This flight has {} exports already. Delete one, or wait: each goes a day after it "
-                    "was made.",
-                    kMaxOfFlight),
-        ""};
+    return flight::Because(ErrorCode::kConflict,
+                           {flight::RemarkCode::kExportsOfFlight, {{"most", kMaxOfFlight}}});
   }
   SKYQUILT_TRY_ASSIGN(const std::int64_t open, CountOpen(*db));
-  if (open >= kMaxOpen)
-    return Error{ErrorCode::kRateLimited, "Too many exports wait on this server. Try again later.", ""};
+  if (open >= kMaxOpen) return flight::Because(ErrorCode::kRateLimited, flight::RemarkCode::kExportsOfServer);
   MapExport added = wish;
   added.id = NewId();
   added.state = ExportState::kAccepted;
@@ -148,8 +142,7 @@ Result<MapExport> MapExports::Get(const std::string& flight_id, const std::strin
   std::optional<MapExport> found;
   if (row) found = ExportOf(query);
   if (!found || HasExpired(*found))
-    return Error{ErrorCode::kNotFound,
-                 "This flight has no such export: it was deleted, or its day is over. Ask for it again.", ""};
+    return flight::Because(ErrorCode::kNotFound, flight::RemarkCode::kExportGone);
   return *std::move(found);
 }
 

@@ -12,10 +12,13 @@
 #include <array>
 #include <cmath>
 #include <initializer_list>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
 #include "storage/rasters/quiet_gdal.h"
@@ -37,21 +40,21 @@ CPLStringList Words(std::initializer_list<std::string> words) {
   return list;
 }
 
-Error RasterError(ErrorCode code, const std::string& name, const std::string& rest) {
-  return {code, name + " " + rest, CPLGetLastErrorMsg()};
+Error RasterError(ErrorCode code, const std::string& name, flight::RemarkCode why,
+                  std::map<std::string, flight::RemarkValue> values = {}) {
+  values.emplace("file", name);
+  return flight::Because(code, {why, std::move(values)}, CPLGetLastErrorMsg());
 }
 
 Result<void> CheckPixels(GDALDataset& raster, const std::string& name) {
   const int bands = raster.GetRasterCount();
-  if (bands < 1) return RasterError(ErrorCode::kUnsupportedFormat, name, "holds no picture.");
+  if (bands < 1)
+    return RasterError(ErrorCode::kUnsupportedFormat, name, flight::RemarkCode::kImportNoPicture);
   for (int band = 1; band <= std::min(bands, 4); ++band) {
     const GDALDataType type = raster.GetRasterBand(band)->GetRasterDataType();
     if (type == GDT_Byte) continue;
-    return RasterError(
-        ErrorCode::kUnsupportedFormat, name,
-        fmt::format("has pixels of type {}; a map has 8 bits a colour. Make it so first: \"gdal_translate "
-                    "-ot Byte -scale IN.tif OUT.tif\". Elevation models go with the photos of a flight.",
-                    GDALGetDataTypeName(type)));
+    return RasterError(ErrorCode::kUnsupportedFormat, name, flight::RemarkCode::kImportPixelType,
+                       {{"type", GDALGetDataTypeName(type)}});
   }
   return {};
 }
@@ -59,21 +62,12 @@ Result<void> CheckPixels(GDALDataset& raster, const std::string& name) {
 Result<void> CheckPlace(GDALDataset& raster, const std::string& name) {
   std::array<double, 6> transform{};
   if (raster.GetGeoTransform(transform.data()) != CE_None)
-    return RasterError(
-        ErrorCode::kUnprocessable, name,
-        "is not georeferenced: it does not say where on Earth it lies. If a world file (.tfw) belongs to "
-        "it, put both into one: \"gdal_translate -a_srs EPSG:CODE IN.tif OUT.tif\"; if it has control points, run \"gdalwarp -t_srs EPSG:3857 IN.tif "
-        "OUT.tif\" first.");
+    return RasterError(ErrorCode::kUnprocessable, name, flight::RemarkCode::kImportNotGeoreferenced);
   const OGRSpatialReference* reference = raster.GetSpatialRef();
   if (reference == nullptr || reference->IsEmpty())
-    return RasterError(
-        ErrorCode::kUnprocessable, name,
-        "does not say its coordinate system. Say it first: \"gdal_translate -a_srs EPSG:CODE IN.tif "
-        "OUT.tif\".");
+    return RasterError(ErrorCode::kUnprocessable, name, flight::RemarkCode::kImportWithoutSystem);
   if (reference->IsLocal())
-    return RasterError(ErrorCode::kUnprocessable, name,
-                       "is in a local coordinate system that has no place on Earth. Say the true one first: "
-                       "\"gdal_translate -a_srs EPSG:CODE IN.tif OUT.tif\".");
+    return RasterError(ErrorCode::kUnprocessable, name, flight::RemarkCode::kImportLocalSystem);
   return {};
 }
 
@@ -100,8 +94,7 @@ Result<DatasetPointer> AsColours(GDALDataset& raster, const std::string& name) {
   DatasetPointer made(
       GDALDataset::FromHandle(GDALTranslate("", GDALDataset::ToHandle(&raster), options, nullptr)));
   GDALTranslateOptionsFree(options);
-  if (!made)
-    return RasterError(ErrorCode::kUnsupportedFormat, name, "has pixels that cannot be read as colours.");
+  if (!made) return RasterError(ErrorCode::kUnsupportedFormat, name, flight::RemarkCode::kImportNoColours);
   return made;
 }
 
@@ -119,10 +112,7 @@ Result<MercExtent> ExtentOfRaster(GDALDataset& raster, const std::string& name) 
   CPLFree(text);
   void* transformer = GDALCreateGenImgProjTransformer(GDALDataset::ToHandle(&raster), nullptr, nullptr,
                                                       wkt.c_str(), FALSE, 0.0, 1);
-  const Error lost =
-      RasterError(ErrorCode::kUnprocessable, name,
-                  "lies where its coordinate system cannot be brought to the web map's. Check that the "
-                  "system it names is the true one.");
+  const Error lost = RasterError(ErrorCode::kUnprocessable, name, flight::RemarkCode::kImportElsewhere);
   if (transformer == nullptr) return lost;
   std::array<double, 6> transform{};
   std::array<double, 4> box{};
@@ -158,7 +148,7 @@ Result<std::unique_ptr<MapRaster>> MapRaster::Open(const std::filesystem::path& 
                                                    const std::string& name) {
   std::error_code missing;
   if (!std::filesystem::is_regular_file(path, missing))
-    return RasterError(ErrorCode::kNotFound, name, "is no file that is there. Check its path.");
+    return RasterError(ErrorCode::kNotFound, name, flight::RemarkCode::kImportNotThere);
   RegisterGdalOnce();
   const QuietGdal quiet;
   auto made = std::make_unique<Dataset>();
@@ -166,10 +156,7 @@ Result<std::unique_ptr<MapRaster>> MapRaster::Open(const std::filesystem::path& 
   constexpr std::array<const char*, 2> kDrivers = {"GTiff", nullptr};
   made->file.reset(GDALDataset::Open(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, kDrivers.data()));
   if (!made->file)
-    return RasterError(
-        ErrorCode::kUnsupportedFormat, name,
-        "cannot be read as a GeoTIFF: it is damaged, cut off or of another kind. Take a GeoTIFF or an "
-        "MBTiles.");
+    return RasterError(ErrorCode::kUnsupportedFormat, name, flight::RemarkCode::kImportNoGeotiff);
   SKYQUILT_TRY(CheckPixels(*made->file, name));
   SKYQUILT_TRY(CheckPlace(*made->file, name));
   SKYQUILT_TRY_ASSIGN(made->colours, AsColours(*made->file, name));
@@ -199,11 +186,8 @@ Result<std::unique_ptr<MapRaster>> MapRaster::Open(const std::filesystem::path& 
   const std::int64_t tiles = std::int64_t{raster->last_column_ - raster->first_column_ + 1} *
                              (raster->last_row_ - raster->first_row_ + 1);
   if (tiles > kMaxTiles)
-    return RasterError(
-        ErrorCode::kTooLarge, name,
-        fmt::format("would become {} tiles, more than the {} that are taken. Make it coarser or cut it "
-                    "first: \"gdalwarp -tr METRES METRES IN.tif OUT.tif\".",
-                    tiles, kMaxTiles));
+    return RasterError(ErrorCode::kTooLarge, name, flight::RemarkCode::kImportTooLarge,
+                       {{"tiles", tiles}, {"most", kMaxTiles}});
 
   const double pixel_m = geo::PixelSizeInMercM(raster->zoom_, raster->tile_size_px_);
   const auto edge = [&](int tile, bool is_row) {
@@ -225,9 +209,7 @@ Result<std::unique_ptr<MapRaster>> MapRaster::Open(const std::filesystem::path& 
   raster->dataset_->warped.reset(GDALDataset::FromHandle(GDALWarp("", nullptr, 1, &from, options, nullptr)));
   GDALWarpAppOptionsFree(options);
   if (!raster->dataset_->warped || raster->dataset_->warped->GetRasterCount() != 4)
-    return RasterError(
-        ErrorCode::kUnprocessable, name,
-        "cannot be brought to the web map's grid. Try \"gdalwarp -t_srs EPSG:3857 IN.tif OUT.tif\" first.");
+    return RasterError(ErrorCode::kUnprocessable, name, flight::RemarkCode::kImportNotWarped);
   return raster;
 }
 
@@ -244,8 +226,7 @@ Result<image::RgbaImage> MapRaster::Read(int column, int row, int columns, int r
                                       pixels.Pixel(from_x - left, from_y - top), to_x - from_x, to_y - from_y,
                                       GDT_Byte, 4, nullptr, 4, GSpacing{4} * pixels.width_px, 1, nullptr);
   if (read != CE_None || CPLGetLastErrorType() >= CE_Failure)
-    return RasterError(ErrorCode::kCorrupt, dataset_->name,
-                       "is damaged: some of its pixels cannot be read. Copy or download it again.");
+    return RasterError(ErrorCode::kCorrupt, dataset_->name, flight::RemarkCode::kImportDamaged);
   std::uint8_t* pixel = pixels.rgba.data();
   for (std::size_t i = 0; i < pixels.rgba.size(); i += 4, pixel += 4) {
     for (int c = 0; c < 3; ++c) pixel[c] = static_cast<std::uint8_t>((pixel[c] * pixel[3] + 127) / 255);

@@ -9,6 +9,7 @@
 
 #include "core/base/check.h"
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 #include "core/image/fringe_encoder.h"
 #include "core/image/picture_codec.h"
 #include "storage/exports/custom/export_request.h"
@@ -113,8 +114,7 @@ Result<void> ClipTileset(const std::filesystem::path& mbtiles, const std::filesy
     progress.Report(static_cast<double>(done) / static_cast<double>(count), "cutting tiles");
   }
   if (clip.is_empty())
-    return Error{ErrorCode::kUnprocessable,
-                 "Nothing of the map lies within the boundary. Draw the boundary over the map.", ""};
+    return flight::Because(ErrorCode::kUnprocessable, flight::RemarkCode::kExportNothingWithin);
   TilesetMetadata written;
   written.name = TextOf(metadata, "name");
   written.description = TextOf(metadata, "description");

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
 #include "storage/exports/custom/target_crs.h"
@@ -42,7 +43,7 @@ const FormatWords& WordsOf(ExportFormat format) {
                        [&](const auto& one) { return one.format == format; });
 }
 
-Error Refused(std::string message) { return {ErrorCode::kUnprocessable, std::move(message), ""}; }
+Error Refused(flight::Remark why) { return flight::Because(ErrorCode::kUnprocessable, std::move(why)); }
 
 Result<void> TakeField(const std::string& field, const Json& value, ExportRequest& request,
                        bool& has_format) {
@@ -85,28 +86,15 @@ int NumberOr(const std::map<std::string, std::string>& metadata, const char* key
   return number;
 }
 
-// "2.5 cm", "3 m".
-std::string LengthText(double metres) {
-  return metres < 1.0 ? fmt::format("{:.3g} cm", metres * 100.0) : fmt::format("{:.3g} m", metres);
-}
-
-std::string BoundsText(const geo::LatLonBounds& bounds) {
-  return fmt::format("{:.5f},{:.5f} to {:.5f},{:.5f} (latitude, longitude)", bounds.south_deg,
-                     bounds.west_deg, bounds.north_deg, bounds.east_deg);
-}
-
 Result<void> CheckResolution(double metres, const MapFacts& map) {
   if (metres < map.FinestPixelM() * kFinerTolerance)
-    return Refused(fmt::format(
-        "The map's finest pixels show {} of ground, so that a resolution of {} would add nothing but "
-        "bytes. Leave it out, or ask for {:.4g} m or more.",
-        LengthText(map.FinestPixelM()), LengthText(metres), map.FinestPixelM()));
+    return Refused(
+        {flight::RemarkCode::kExportFinerThanMap, {{"finest_m", map.FinestPixelM()}, {"asked_m", metres}}});
   const double height_m = geo::DegToRad(map.bounds.north_deg - map.bounds.south_deg) * geo::kWgs84SemiMajorM;
   const double width_m = geo::DegToRad(map.bounds.east_deg - map.bounds.west_deg) * geo::kWgs84SemiMajorM *
                          std::cos(geo::DegToRad(map.bounds.Middle().lat_deg));
   if (metres > std::max(height_m, width_m))
-    return Refused(
-        fmt::format("A pixel of {} is larger than the map. Ask for a finer resolution.", LengthText(metres)));
+    return Refused({flight::RemarkCode::kExportBeyondMap, {{"asked_m", metres}}});
   return {};
 }
 
@@ -155,7 +143,7 @@ Result<int> EpsgOf(const std::string& crs, const geo::LatLon& middle) {
   if (crs.empty()) return 3857;
   if (crs == "utm" || crs == "UTM") {
     Result<int> zone = UtmEpsg(middle);
-    if (!zone) return Refused("UTM ends at 80 degrees south and 84 north. Give an EPSG code of the region.");
+    if (!zone) return Refused(flight::RemarkCode::kExportBeyondUtm);
     return zone;
   }
   const std::string_view prefix = crs.starts_with("epsg:") ? "epsg:" : "EPSG:";
@@ -195,11 +183,7 @@ Result<MapFacts> FactsOfTileset(const std::map<std::string, std::string>& metada
 
 Result<void> CheckExport(const ExportRequest& request, const MapFacts& map) {
   const bool needs_place = !request.crs.empty() || request.boundary || request.resolution_m;
-  if (needs_place && !map.is_placed)
-    return Refused(
-        "This map is not georeferenced: it has no true place, scale or north, so that a coordinate system, a "
-        "boundary or a resolution would mean nothing. Place it first (\"Place on Earth\" on the page, or "
-        "\"skyquilt place\"), or leave them out.");
+  if (needs_place && !map.is_placed) return Refused(flight::RemarkCode::kExportWithoutPlace);
   if (!request.crs.empty()) {
     SKYQUILT_TRY_ASSIGN(const int epsg, EpsgOf(request.crs, map.bounds.Middle()));
     SKYQUILT_TRY(FindTargetCrs(epsg, map.bounds.Middle()));
@@ -207,7 +191,11 @@ Result<void> CheckExport(const ExportRequest& request, const MapFacts& map) {
   if (request.boundary) {
     const geo::LatLonBounds common = Common(map.bounds, request.boundary->Bounds());
     if (common.west_deg >= common.east_deg || common.south_deg >= common.north_deg)
-      return Refused("The boundary lies outside the map, which covers " + BoundsText(map.bounds) + ".");
+      return Refused({flight::RemarkCode::kExportOutsideMap,
+                      {{"south_deg", map.bounds.south_deg},
+                       {"west_deg", map.bounds.west_deg},
+                       {"north_deg", map.bounds.north_deg},
+                       {"east_deg", map.bounds.east_deg}}});
   }
   if (request.resolution_m) SKYQUILT_TRY(CheckResolution(*request.resolution_m, map));
   return {};

@@ -1,22 +1,23 @@
 #include "storage/exports/custom/target_crs.h"
 
-#include <fmt/core.h>
 #include <ogr_spatialref.h>
 
 #include <cmath>
+#include <map>
 #include <memory>
+#include <string>
+#include <utility>
 
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 #include "storage/rasters/quiet_gdal.h"
 
 namespace skyquilt::storage {
 namespace {
 
-Error Unfit(int epsg, const std::string& why) {
-  return {
-      ErrorCode::kUnprocessable,
-      fmt::format("EPSG:{} {} Give the code of a coordinate system of this region, or \"utm\".", epsg, why),
-      ""};
+Error Unfit(int epsg, flight::RemarkCode why, std::map<std::string, flight::RemarkValue> values = {}) {
+  values.emplace("epsg", epsg);
+  return flight::Because(ErrorCode::kUnprocessable, {why, std::move(values)});
 }
 
 double LonAround(double lon_deg, double middle_deg) {
@@ -41,28 +42,31 @@ bool IsInArea(const OGRSpatialReference& reference, const geo::LatLon& at, std::
 Result<TargetCrs> FindTargetCrs(int epsg, const geo::LatLon& middle) {
   const QuietGdal quiet;
   OGRSpatialReference reference;
-  if (reference.importFromEPSG(epsg) != OGRERR_NONE) return Unfit(epsg, "is not known here.");
+  if (reference.importFromEPSG(epsg) != OGRERR_NONE)
+    return Unfit(epsg, flight::RemarkCode::kExportSystemUnknown);
   if ((!reference.IsProjected() && !reference.IsGeographic()) || reference.IsCompound() ||
       reference.GetAxesCount() != 2) {
-    return Unfit(epsg, "is not a map projection or plain longitude and latitude.");
+    return Unfit(epsg, flight::RemarkCode::kExportSystemNoPlane);
   }
   std::string area;
   if (!IsInArea(reference, middle, area))
-    return Unfit(epsg, fmt::format("is for {}; the map lies at {:.4f},{:.4f}.", area, middle.lat_deg,
-                                   std::remainder(middle.lon_deg, 360.0)));
+    return Unfit(epsg, flight::RemarkCode::kExportSystemElsewhere,
+                 {{"area_words", area},
+                  {"lat_deg", middle.lat_deg},
+                  {"lon_deg", std::remainder(middle.lon_deg, 360.0)}});
   reference.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
   OGRSpatialReference wgs84;
   wgs84.importFromEPSG(4326);
   wgs84.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
   const std::unique_ptr<OGRCoordinateTransformation> transform(
       OGRCreateCoordinateTransformation(&wgs84, &reference));
-  if (!transform) return Unfit(epsg, "cannot be computed here.");
+  if (!transform) return Unfit(epsg, flight::RemarkCode::kExportSystemUnreachable);
   // Where the middle comes to lie, and points some hundred metres east and north of it.
   constexpr double kStepDeg = 0.001;
   const double lon = std::remainder(middle.lon_deg, 360.0), lat = middle.lat_deg;
   double x[3] = {lon, lon + kStepDeg, lon}, y[3] = {lat, lat, lat + kStepDeg};
   if (!transform->Transform(3, x, y) || !std::isfinite(x[0] + x[1] + x[2] + y[0] + y[1] + y[2]))
-    return Unfit(epsg, "does not reach the map.");
+    return Unfit(epsg, flight::RemarkCode::kExportSystemUnreachable);
   const double sin_lat = std::sin(geo::DegToRad(lat));
   const double bend = 1.0 - geo::kWgs84EccentricitySquared * sin_lat * sin_lat;
   const double metre_east =
@@ -81,7 +85,7 @@ Result<TargetCrs> FindTargetCrs(int epsg, const geo::LatLon& middle) {
     crs.units_per_m_east = crs.units_per_m_north = scale;
   }
   if (!(crs.units_per_m_east > 0.0) || !(crs.units_per_m_north > 0.0))
-    return Unfit(epsg, "does not reach the map.");
+    return Unfit(epsg, flight::RemarkCode::kExportSystemUnreachable);
   return crs;
 }
 

@@ -16,8 +16,11 @@
 #include <string>
 #include <vector>
 
+#include "core/flight/remarks/because.h"
 #include "core/flight/remarks/remark_words.h"
+#include "storage/db/sqlite_db.h"
 #include "storage/tilesets/publish_file.h"
+#include "tests/storage/painted_tileset.h"
 #include "tests/storage/scratch_dir.h"
 
 namespace skyquilt::server {
@@ -120,10 +123,31 @@ TEST(ImportForJob, CallsAFileByItsNameAndNotByWhereItIs) {
   ASSERT_FALSE(refused.ok());
   EXPECT_EQ(refused.error().code, ErrorCode::kUnprocessable);
   EXPECT_THAT(refused.error().message, HasSubstr("field.tif is not georeferenced"));
+  EXPECT_EQ(flight::WhyOf(refused.error()).code, flight::RemarkCode::kImportNotGeoreferenced);
   EXPECT_THAT(refused.error().message, Not(HasSubstr(in.path().string())));
   const auto missing = Import(nowhere, "gone.tif", {out.path(), false});
   ASSERT_FALSE(missing.ok());
   EXPECT_THAT(missing.error().message, HasSubstr("no file \"gone.tif\""));
+}
+
+TEST(ImportForJob, SaysByACodeWhyTilesAreNoMap) {
+  const ScratchDir in;
+  const auto why_not = [&](const std::string& change) {
+    const ScratchDir out;
+    const flight::InputFile file{"field.mbtiles", in.path() / "0k2j"};
+    std::filesystem::remove(file.path);
+    test::WritePaintedTileset(file.path, {17, 256, 68125, 46175, 3, 3});
+    EXPECT_TRUE((*storage::SqliteDb::Open(file.path, storage::OpenMode::kReadWriteCreate)).Exec(change));
+    const auto made = Import(file, file.name, {out.path(), false});
+    if (made) return std::string("made");
+    EXPECT_THAT(made.error().message, HasSubstr("field.mbtiles"));
+    return std::string(flight::NameOf(flight::WhyOf(made.error()).code));
+  };
+  EXPECT_EQ(why_not("SELECT 1"), "made");
+  EXPECT_EQ(why_not("UPDATE metadata SET value='pbf' WHERE name='format'"), "import_vector_tiles");
+  EXPECT_EQ(why_not("INSERT INTO metadata(name, value) VALUES('scheme', 'xyz')"), "import_rows_from_north");
+  EXPECT_EQ(why_not("INSERT INTO metadata(name, value) VALUES('crs', 'EPSG:2056')"), "import_other_system");
+  EXPECT_EQ(why_not("DROP TABLE metadata"), "import_no_mbtiles");
 }
 
 TEST(ImportForJob, EndsWhereTheDiskHasNoRoomForTheMap) {

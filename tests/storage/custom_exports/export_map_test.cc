@@ -9,8 +9,11 @@
 #include <fstream>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "core/flight/remarks/because.h"
+#include "core/flight/remarks/remark_words.h"
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
 #include "core/image/picture_codec.h"
@@ -77,11 +80,16 @@ class ExportMapTest : public testing::Test {
     const auto made = Export(wish, name);
     ASSERT_TRUE(made.ok()) << wish << " " << made.error().message << made.error().detail;
   }
-  std::string Refusal(const std::string& wish) {
+  Error Refused(const std::string& wish) {
     const auto made = Export(wish, "refused");
     EXPECT_FALSE(made.ok()) << wish;
     EXPECT_FALSE(fs::exists(Out("refused")));
-    return made ? "" : made.error().message;
+    return made ? Error{} : made.error();
+  }
+  std::string Refusal(const std::string& wish) { return Refused(wish).message; }
+  // What the page says in its own language.
+  std::string_view Reason(const std::string& wish) {
+    return flight::NameOf(flight::WhyOf(Refused(wish)).code);
   }
   fs::path Out(const std::string& name) const { return folder_.path() / name; }
   std::unique_ptr<GDALDataset> Open(const std::string& name) const {
@@ -201,28 +209,28 @@ TEST_F(ExportMapTest, UtmAndDegreesWork) {
 }
 
 TEST_F(ExportMapTest, WhatCannotBeIsRefusedWithWhatToDo) {
-  EXPECT_NE(Refusal(R"({"format":"geotiff","crs":"EPSG:999999"})").find("not known"), std::string::npos);
+  EXPECT_EQ(Reason(R"({"format":"geotiff","crs":"EPSG:999999"})"), "export_system_unknown");
+  EXPECT_EQ(Reason(R"({"format":"geotiff","crs":"EPSG:32610"})"), "export_system_elsewhere");
   EXPECT_NE(Refusal(R"({"format":"geotiff","crs":"EPSG:32610"})").find("the map lies at"), std::string::npos);
-  EXPECT_NE(Refusal(R"({"format":"geotiff","crs":"EPSG:4978"})").find("not a map projection"),
-            std::string::npos);
+  EXPECT_EQ(Reason(R"({"format":"geotiff","crs":"EPSG:4978"})"), "export_system_no_plane");
   EXPECT_NE(Refusal(R"({"format":"geotiff","crs":"+proj=utm"})").find("EPSG:2056"), std::string::npos);
   EXPECT_NE(Refusal(R"({"format":"kmz","crs":"utm"})").find("Web Mercator"), std::string::npos);
-  EXPECT_NE(Refusal(R"({"format":"geotiff","resolution_m":0.05})").find("nothing but bytes"),
+  EXPECT_EQ(Reason(R"({"format":"geotiff","resolution_m":0.05})"), "export_finer_than_map");
+  EXPECT_NE(Refusal(R"({"format":"geotiff","resolution_m":0.05})").find("a resolution of 0.05 m"),
             std::string::npos);
-  EXPECT_NE(Refusal(R"({"format":"geotiff","resolution_m":5000})").find("larger than the map"),
-            std::string::npos);
+  EXPECT_EQ(Reason(R"({"format":"geotiff","resolution_m":5000})"), "export_beyond_map");
   EXPECT_NE(Refusal(R"({"format":"geotiff","resolution_m":-1})").find("above 0"), std::string::npos);
   EXPECT_NE(Refusal(R"({"format":"shp"})").find("\"kmz\""), std::string::npos);
   EXPECT_NE(Refusal(R"({})").find("Say the format"), std::string::npos);
   EXPECT_NE(Refusal(R"({"format":"kmz","color":1})").find("color"), std::string::npos);
-  EXPECT_NE(Refusal(R"({"format":"kmz","boundary":)" + BoxText({1, 1, 2, 2}) + "}").find("outside the map"),
-            std::string::npos);
+  const std::string elsewhere = R"({"format":"kmz","boundary":)" + BoxText({1, 1, 2, 2}) + "}";
+  EXPECT_EQ(Reason(elsewhere), "export_outside_map");
+  EXPECT_NE(Refusal(elsewhere).find("which covers 46."), std::string::npos);
   // Within the map's box, but where the round map has no pixel.
-  EXPECT_NE(Refusal(R"({"format":"mbtiles","boundary":)" + BoxText(BoundsOf(0, 0, 0.05, 0.05)) + "}")
-                .find("Nothing of the map"),
-            std::string::npos);
+  EXPECT_EQ(Reason(R"({"format":"mbtiles","boundary":)" + BoxText(BoundsOf(0, 0, 0.05, 0.05)) + "}"),
+            "export_nothing_within");
   std::ofstream(Out("map") / "report.json") << R"({"gsd_m":0.25,"is_placed":false})";
-  EXPECT_NE(Refusal(R"({"format":"geotiff","crs":"utm"})").find("not georeferenced"), std::string::npos);
+  EXPECT_EQ(Reason(R"({"format":"geotiff","crs":"utm"})"), "export_without_place");
   ExportWell(R"({"format":"kmz"})", "unplaced.kmz");
   fs::remove(Out("map") / "mosaic.mbtiles");
   EXPECT_NE(Refusal(R"({"format":"kmz"})").find("no finished map"), std::string::npos);

@@ -1,4 +1,4 @@
-// What the server remarks: every code of core/flight/remarks/remark_code.h has its English sentence there and words in every
+// What the server remarks: every code of core/flight/remarks/codes_on_*.inc has its English sentence there and words in every
 // language of the page, which say the same values; and the page shows them in place of the server's sentences.
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
@@ -18,11 +18,12 @@ const source = (/** @type {string} */ name) => readFileSync(join(web_root, '../c
 const snake = (/** @type {string} */ name) => name.replace(/(?<!^)([A-Z])/g, '_$1').toLowerCase();
 
 /** Every code, as its name in JSON. */
-const codes = [...(source('remark_code.h').match(/enum class RemarkCode[^{]*\{([^}]*)\}/)?.[1] ?? '').matchAll(/\bk(\w+)/g)].map(([, name]) => snake(name));
+const lists = [...source('remark_code.h').matchAll(/codes_on_(\w+)\.inc/g)].map(([, on]) => on);
+const codes = lists.flatMap((on) => [...source(`codes_on_${on}.inc`).matchAll(/\bk(\w+)/g)].map(([, name]) => snake(name)));
 
 /** @type {Map<string, Set<string>>} by code, the values that its English sentence says */
 const said_there = new Map(
-  (['inputs', 'logs', 'maps', 'failures', 'files'].map((on) => source(`sentences_on_${on}.h`)).join('')).split('{RemarkCode::k').slice(1).map((row) => {
+  lists.map((on) => source(`sentences_on_${on}.h`)).join('').split('{RemarkCode::k').slice(1).map((row) => {
     const literals = [...row.matchAll(/"((?:[^"\\]|\\.)*)"/g)].map(([, text]) => text);
     const values = [...literals.slice(1).join('').matchAll(/\{(\w+)(?::[^}]*)?\}/g)].map(([, name]) => name);
     return [literals[0], new Set(values)];
@@ -33,7 +34,7 @@ const said_there = new Map(
 const withoutEnglish = (values) => [...values].filter((name) => !name.endsWith('_words')).sort();
 
 /** Of each kind of value one, far from all others. @param {string} name */
-const example = (name) => (/_(m|km|cm|mm|ms|s|mps2|deg|percent|px|gib|mib)$|^(photos|total|points|used|groups|rows|models|more|remarks|pictures|times|lag|epsg|failed|captures|missing|target|marks|most|cells|places|byte|bytes|wrong|imus|vehicles?|samples|samples_in_all|dropouts|messages|jumps|part|positions|dropped|skipped|unread|without_place|without_time|times_read|files|across|down|needed|cues|shapes|frames|events|headers|force|degrees)$/.test(name) ? 7 : `<${name}>`);
+const example = (name) => (/_(m|km|cm|mm|ms|s|mps2|deg|percent|px|gib|mib)$|^(photos|total|points|used|groups|rows|models|more|remarks|pictures|times|lag|epsg|failed|captures|missing|target|marks|most|cells|places|byte|bytes|wrong|imus|vehicles?|samples|samples_in_all|dropouts|messages|jumps|part|positions|dropped|skipped|unread|without_place|without_time|times_read|files|across|down|needed|cues|shapes|frames|events|headers|force|degrees|tiles)$/.test(name) ? 7 : `<${name}>`);
 
 /** @param {(values: any) => string} say @returns {{text: string, asked: Set<string>}} */
 function ask(say) {
@@ -66,7 +67,7 @@ for (const tag of tags) {
 test('no two languages say the same sentence', async () => {
   const [english, german] = [(await loadFlightWords('en')).remarks, (await loadFlightWords('de')).remarks];
   const same = codes.filter((code) => ask(english[code]).text === ask(german[code]).text);
-  assert.deepEqual(same, ['text', 'sentences', 'of_photo', 'of_file', 'file_not_read', 'reading_system', 'then', 'photo_does']);
+  assert.deepEqual(same, ['then', 'photo_does', 'text', 'sentences', 'of_photo', 'of_file', 'file_not_read', 'reading_system']);
 });
 
 test('a remark is said in the language of the page, one that it does not know as the server says it', async () => {

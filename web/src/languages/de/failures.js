@@ -10,6 +10,9 @@ const place = (/** @type {number} */ lat_deg, /** @type {number} */ lon_deg) => 
 const resolution = (/** @type {number} */ metres) => `${number(100 * metres, { maximumSignificantDigits: 3 })}\u00a0cm`;
 const photo_formats = 'Fotos müssen JPEG, TIFF oder PNG sein.';
 const copy_again = 'Kopieren Sie die Datei erneut von der Kamera.';
+const take_another = 'Wählen Sie eine MBTiles-Datei mit Bildern (PNG, JPEG oder WebP) oder ein GeoTIFF.';
+const download_again = 'Kopieren Sie die Datei erneut, oder laden Sie sie erneut herunter.';
+const system_of_region = 'Geben Sie den Code eines Koordinatensystems dieser Region an, oder wählen Sie UTM.';
 
 /** @type {typeof import('../en/failures.js').failure_words} */
 export const failure_words = {
@@ -223,4 +226,41 @@ export const failure_words = {
   more_than_a_day: () => 'Die Fotos dieses Flugs liegen mehr als einen Tag auseinander. Legen Sie für jeden Flug einen eigenen an.',
   track_not_fixed: () => 'Die Sensoren legen die Spur nicht fest. Fügen Sie ein Flugprotokoll mit Positionen hinzu.',
   nothing_to_start_from: () => 'Weder Fotos noch Flugprotokoll enthalten Positionen. Fügen Sie das Protokoll des Flugs hinzu, oder geben Sie den Startort an.',
+  import_not_there: (v) => `${v.file} ist nicht da.`,
+  import_no_geotiff: (v) => `${v.file} ist nicht als GeoTIFF lesbar: Die Datei ist beschädigt, abgeschnitten oder von anderer Art. Wählen Sie ein GeoTIFF oder eine MBTiles-Datei.`,
+  import_no_picture: (v) => `${v.file} enthält kein Bild.`,
+  import_no_colours: (v) => `Die Pixel von ${v.file} lassen sich nicht als Farben lesen.`,
+  import_pixel_type: (v) => `${v.file} hat Pixel vom Typ ${v.type}; eine Karte hat 8 Bit je Farbe. Wandeln Sie die Datei zuerst um. Höhenmodelle werden zu den Fotos eines Flugs hinzugefügt.`,
+  import_not_georeferenced: (v) => `${v.file} sagt nicht, wo auf der Erde es liegt. Wählen Sie ein GeoTIFF, das seinen Ort enthält; eine Weltdatei (.tfw) daneben wird nicht gelesen.`,
+  import_without_system: (v) => `${v.file} sagt nicht, in welchem Koordinatensystem es ist. Schreiben Sie es zuerst in die Datei.`,
+  import_local_system: (v) => `${v.file} ist in einem örtlichen Koordinatensystem ohne Ort auf der Erde. Schreiben Sie zuerst das richtige in die Datei.`,
+  import_elsewhere: (v) => `${v.file} liegt, wo sich sein Koordinatensystem nicht in das der Webkarte umrechnen lässt. Prüfen Sie, ob das genannte System das richtige ist.`,
+  import_not_warped: (v) => `${v.file} lässt sich nicht auf das Raster der Webkarte bringen. Wandeln Sie die Datei zuerst in Web-Mercator (EPSG:3857) um.`,
+  import_too_large: (v) => `${v.file} ergäbe ${number(v.tiles)} Kacheln; angenommen werden höchstens ${number(v.most)}. Machen Sie die Karte zuerst gröber oder kleiner.`,
+  import_transparent: (v) => `${v.file} ist leer: Alle Pixel sind durchsichtig oder ohne Daten.`,
+  import_no_mbtiles: (v) => `${v.file} ist keine MBTiles-Datei. ${take_another}`,
+  import_damaged: (v) => `${v.file} ist beschädigt. ${download_again}`,
+  import_without_tiles: (v) => `${v.file} enthält keine Kacheln. ${take_another}`,
+  import_many_tiles: (v) => `${v.file} hat ${number(v.tiles)} Kacheln; angenommen werden höchstens ${number(v.most)}. Verkleinern Sie die Karte, oder lassen Sie ihre feinste Zoomstufe weg.`,
+  import_vector_tiles: (v) => `${v.file} enthält Vektorkacheln und keine Bilder. ${take_another}`,
+  import_rows_from_north: (v) => `${v.file} zählt seine Zeilen von Norden, was MBTiles nicht kennt. ${take_another}`,
+  import_other_system: (v) => `Die Kacheln von ${v.file} sind in ${v.system} und nicht in Web-Mercator. ${take_another}`,
+  import_tile_no_picture: (v) => `${v.file} hat eine Kachel (${v.tile}), die weder PNG noch JPEG noch WebP ist. ${take_another}`,
+  import_tile_damaged: (v) => `${v.file} hat eine beschädigte Kachel (${v.tile}). ${download_again}`,
+  import_tiles_of_several_sizes: (v) => `${v.file} hat Kacheln verschiedener Größen, etwa ${v.tile} mit ${number(v.width_px)} × ${number(v.height_px)} Pixeln. ${take_another}`,
+  import_tiles_of_odd_size: (v) => `${v.file} hat Kacheln von ${number(v.width_px)} × ${number(v.height_px)} Pixeln; möglich sind 256, 512 und 1024. ${take_another}`,
+  export_without_place: () => 'Diese Karte hat weder Ort noch Maßstab noch Norden, sodass ein Koordinatensystem, eine Fläche oder eine Auflösung nichts bedeuten würden. Platzieren Sie die Karte zuerst auf der Erde, oder lassen Sie das weg.',
+  export_outside_map: (v) => `Die Fläche liegt außerhalb der Karte; diese reicht von ${place(v.south_deg, v.west_deg)} bis ${place(v.north_deg, v.east_deg)} (Breite; Länge).`,
+  export_nothing_within: () => 'Nichts von der Karte liegt in der Fläche. Zeichnen Sie die Fläche über der Karte.',
+  export_finer_than_map: (v) => `Die feinsten Pixel der Karte zeigen ${resolution(v.finest_m)} Boden; eine Auflösung von ${resolution(v.asked_m)} würde nichts hinzufügen. Wählen Sie ${resolution(v.finest_m)} oder mehr, oder lassen Sie sie weg.`,
+  export_beyond_map: (v) => `Ein Pixel von ${number(v.asked_m, { maximumSignificantDigits: 4 })}\u00a0m ist größer als die Karte. Wählen Sie eine feinere Auflösung.`,
+  export_beyond_utm: () => 'UTM endet bei 80 Grad Süd und 84 Grad Nord. Geben Sie einen EPSG-Code der Region an.',
+  export_system_unknown: (v) => `EPSG:${v.epsg} ist nicht bekannt. ${system_of_region}`,
+  export_system_no_plane: (v) => `EPSG:${v.epsg} ist weder eine Kartenprojektion noch einfache Länge und Breite. ${system_of_region}`,
+  export_system_elsewhere: (v) => `EPSG:${v.epsg} gilt für eine andere Region; die Karte liegt bei ${place(v.lat_deg, v.lon_deg)}. ${system_of_region}`,
+  export_system_unreachable: (v) => `EPSG:${v.epsg} reicht nicht bis zur Karte. ${system_of_region}`,
+  export_one_of_link: () => 'Über einen Link entsteht nur ein Export auf einmal, und der vorige ist noch nicht fertig. Warten Sie, oder löschen Sie ihn.',
+  exports_of_flight: (v) => `Dieser Flug hat bereits ${number(v.most)} Exporte. Löschen Sie einen, oder warten Sie: Jeder verschwindet einen Tag, nachdem er entstand.`,
+  exports_of_server: () => 'Auf diesem Server warten zu viele Exporte. Versuchen Sie es später erneut.',
+  export_gone: () => 'Diesen Export gibt es nicht mehr: Er wurde gelöscht, oder sein Tag ist vorüber. Erstellen Sie ihn neu.',
 };
