@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/base/bilinear_grid.h"
 #include "core/base/check.h"
@@ -29,6 +30,26 @@ GroundSurface GroundSurface::Grid(const Eigen::Vector2d& south_west_in_enu, doub
   surface.columns_ = columns;
   surface.rows_ = rows;
   surface.heights_m_ = std::move(heights_m);
+  return surface;
+}
+
+GroundSurface GroundSurface::WithSteps(const Eigen::Vector2d& south_west_in_enu, double cell_m, int columns,
+                                       int rows, std::vector<float> heights_m, double mean_z_in_enu_m) {
+  GroundSurface surface =
+      Grid(south_west_in_enu, cell_m, columns, rows, std::move(heights_m), mean_z_in_enu_m);
+  for (std::size_t size = 0; size < kTopCells.size(); ++size) {
+    const int cells = kTopCells[size], across = (columns + cells - 1) / cells,
+              up = (rows + cells - 1) / cells;
+    surface.tops_m_[size].assign(static_cast<std::size_t>(across) * up, static_cast<float>(surface.min_z_m_));
+    for (int row = 0; row < rows; ++row) {
+      const float* height = surface.heights_m_.data() + static_cast<std::size_t>(row) * columns;
+      float* tops = surface.tops_m_[size].data() + static_cast<std::size_t>(row / cells) * across;
+      for (int column = 0; column < columns; ++column) {
+        float& top = tops[column / cells];
+        top = std::max(top, height[column]);
+      }
+    }
+  }
   return surface;
 }
 

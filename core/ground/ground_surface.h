@@ -1,8 +1,11 @@
 // GroundSurface: the height of the ground in the flight's enu frame, z = f(E, N). A plane, or a regular grid
-// with bilinear interpolation that continues with its border value outside. Immutable; any thread.
+// with bilinear interpolation that continues with its border value outside. With what stands on the ground it
+// steps at walls, and hides what lies behind (occlusion.h). Immutable; any thread.
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -15,6 +18,10 @@ class GroundSurface {
   static GroundSurface Grid(const Eigen::Vector2d& south_west_in_enu, double cell_m, int columns, int rows,
                             std::vector<float> heights_m, double mean_z_in_enu_m);
 
+  // As Grid, of fine cells with roofs and crowns.
+  static GroundSurface WithSteps(const Eigen::Vector2d& south_west_in_enu, double cell_m, int columns,
+                                 int rows, std::vector<float> heights_m, double mean_z_in_enu_m);
+
   double HeightAt(const Eigen::Vector2d& east_north) const;
   bool IsPlane() const { return heights_m_.empty(); }
   double MeanHeight() const { return mean_z_m_; }
@@ -26,6 +33,10 @@ class GroundSurface {
   int Columns() const { return columns_; }
   int Rows() const { return rows_; }
   const std::vector<float>& Heights() const { return heights_m_; }
+  bool HasSteps() const { return !tops_m_.front().empty(); }
+  // Where it has steps: the highest of each square of so many cells a side, row by row, by size.
+  static constexpr std::array<int, 3> kTopCells = {64, 16, 4};
+  const std::vector<float>& Tops(std::size_t size) const { return tops_m_[size]; }
 
  private:
   double mean_z_m_ = 0.0, min_z_m_ = 0.0, max_z_m_ = 0.0;
@@ -33,6 +44,7 @@ class GroundSurface {
   double cell_m_ = 1.0;
   int columns_ = 0, rows_ = 0;
   std::vector<float> heights_m_;
+  std::array<std::vector<float>, kTopCells.size()> tops_m_;
 };
 
 }  // namespace skyquilt::ground

@@ -75,7 +75,16 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
     SKYQUILT_TRY(memory->Remember(WriteFacts(facts)));
   }
 
-  SKYQUILT_TRY_ASSIGN(PlannedMap planned, PlanMap(facts, placed.gsd_m, options, stages));
+  std::optional<MapSurface> surface;
+  if (StandsUpright(facts)) {
+    SKYQUILT_TRY_ASSIGN(surface, stages.Run("surface", [&] {
+      const std::optional<double> gsd_m = options.gsd_m ? options.gsd_m : placed.gsd_m;
+      return MatchMapSurface(facts, gsd_m, options, photo_source, progress);
+    }));
+  }
+  const ground::GroundSurface& shown_ground = surface ? surface->ground : ground;
+  SKYQUILT_TRY_ASSIGN(PlannedMap planned, PlanMap(facts, placed.gsd_m, options, stages, {},
+                                                  surface ? &surface->ground : nullptr));
   const render::MosaicPlan& plan = planned.plan;
   const render::SeamMap& seams = planned.seams;
   const RenderBudget budget = BudgetFor(options, plan);
@@ -93,11 +102,11 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   if (finished != 0 && finished != aligned.photos.size()) around = AddedAndAround(aligned, finished);
   std::optional<render::SeamPatches> patches;
   auto rendered = stages.Run("render", [&]() -> Result<render::RenderReport> {
-    const std::vector<image::PixelBox> shown = render::ShownRegions(aligned, ground, seams);
+    const std::vector<image::PixelBox> shown = render::ShownRegions(aligned, shown_ground, seams);
     for (std::size_t i = 0; i < shown.size(); ++i) cache.Expect(i, shown[i]);
-    patches.emplace(around ? *around : aligned, ground, measure);
+    patches.emplace(around ? *around : aligned, shown_ground, measure);
     if (!around) patches->WatchFor(cache);
-    const render::RenderContext context{aligned, ground, planned.exposure, seams, plan, cache};
+    const render::RenderContext context{aligned, shown_ground, planned.exposure, seams, plan, cache};
     const render::RenderOptions render_options{budget.threads, {options.encoding, options.jpeg_quality}};
     if (memory == nullptr) return render::RenderTiles(context, render_options, sink, progress);
     const render::RenderMemory render_memory{*memory, placed.digests};
@@ -120,13 +129,14 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   DescribePhotos(aligned, report);
   report.seam_shift = seam_shift;
   report.warnings = aligned.warnings;
+  if (surface) TellSurface(surface->heights.grid.cell_m, MeasuredShare(surface->heights.cells), report);
   WarnOfCoarserPixels(plan, aligned, planned.gsd_m, report);
   report.align_report = facts.align_report;
   report.ground_report = facts.ground_report;
   report.height_rule = facts.height_rule;
   report.poses_report = facts.poses_report;
   report.is_placed = facts.is_placed;
-  report.gsd_m = std::max({plan.gsd_m, planned.gsd_m.value_or(0.0), render::OutputPixelM(plan, aligned)});
+  report.gsd_m = FinestShownM(plan, planned.gsd_m, aligned);
   report.quality = JudgeMap({.flight = aligned,
                              .poses = facts.poses_report,
                              .alignment = facts.align_report ? &*facts.align_report : nullptr,
@@ -148,8 +158,13 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   report.peak_memory_bytes = PeakMemoryBytes();
   std::optional<BandedMap> banded =
       BandedMapOf(facts, std::move(placed.captures), geo::DegToRad(options.max_look_deg));
-  BuiltMosaic built{aligned,           ground,           std::move(planned.plan), std::move(planned.seams),
-                    std::move(banded), std::move(report)};
+  BuiltMosaic built{aligned,
+                    ground,
+                    std::move(planned.plan),
+                    std::move(planned.seams),
+                    std::move(surface),
+                    std::move(banded),
+                    std::move(report)};
   TellPhotos(built.report.quality, built.flight);
   return built;
 }

@@ -16,6 +16,7 @@
 #include "core/pipeline/bands/build_bands.h"
 #include "core/pipeline/mosaic_options.h"
 #include "core/pipeline/report/mosaic_report.h"
+#include "core/pipeline/surface/map_surface.h"
 #include "core/pipeline/units/found_photos.h"
 #include "core/pyramid/map_memory.h"
 #include "core/pyramid/tile_sink.h"
@@ -29,8 +30,11 @@ struct BuiltMosaic {
   ground::GroundSurface ground;
   render::MosaicPlan plan;
   render::SeamMap seams;
-  std::optional<BandedMap> bands;  // what bands.tif is built from; nothing for photos in colour
+  std::optional<MapSurface> surface;  // where things stand upright: what the photos are laid on
+  std::optional<BandedMap> bands;     // what bands.tif is built from; nothing for photos in colour
   MosaicReport report;
+
+  const ground::GroundSurface& ShownGround() const { return surface ? surface->ground : ground; }
 };
 
 // `dem`: heights of the ground where known; may be null. `memory`: what earlier runs left of this map; may be

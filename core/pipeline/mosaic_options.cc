@@ -16,13 +16,15 @@ namespace {
 constexpr double kMaxTimesCoarser = 20.0;
 
 template <typename Names, typename Value>
-std::string NameIn(const Names& names, Value value) {
+const char* NameIn(const Names& names, Value value) {
   const auto found = std::find_if(std::begin(names), std::end(names),
                                   [&](const auto& name) { return name.second == value; });
   return found == std::end(names) ? "" : found->first;
 }
 
 }  // namespace
+
+const char* NameOf(MapGround ground) { return NameIn(kMapGrounds, ground); }
 
 Result<void> MosaicOptions::Validate() const {
   const auto refuse = [](std::string message) {
@@ -77,6 +79,7 @@ std::map<std::string, std::string> MosaicOptions::InWords() const {
       {"--method", NameIn(kAlignMethods, method)},
       {"--format", NameIn(kTileFormats, encoding)},
       {"--quality", std::to_string(jpeg_quality)},
+      {"--surface", NameOf(surface)},
       {"--max-look-deg", fmt::format("{:g}", max_look_deg)},
       {"--readout-ms", readout_s ? fmt::format("{:g}", 1e3 * *readout_s) : ""},
       {"--origin", origin ? fmt::format("{:.7f},{:.7f}", origin->lat_deg, origin->lon_deg) : ""},

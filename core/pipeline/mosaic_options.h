@@ -20,12 +20,18 @@ namespace skyquilt::pipeline {
 
 enum class AlignMethod { kAuto, kImu, kFeatures, kDirect, kImages };
 
+// What photos are laid on: the ground alone, on which houses and trees lean, or heights of every cell.
+enum class MapGround { kSmooth, kDense };
+
 // As users write them.
 inline constexpr std::pair<const char*, AlignMethod> kAlignMethods[] = {{"auto", AlignMethod::kAuto},
                                                                         {"images", AlignMethod::kImages},
                                                                         {"imu", AlignMethod::kImu},
                                                                         {"features", AlignMethod::kFeatures},
                                                                         {"direct", AlignMethod::kDirect}};
+inline constexpr std::pair<const char*, MapGround> kMapGrounds[] = {{"smooth", MapGround::kSmooth},
+                                                                    {"dense", MapGround::kDense}};
+const char* NameOf(MapGround ground);
 inline constexpr std::pair<const char*, image::TileEncoding> kTileFormats[] = {
     {"auto", image::TileEncoding::kJpegWebp},
     {"jpeg-png", image::TileEncoding::kJpegPng},
@@ -41,7 +47,8 @@ struct MosaicOptions {
   double max_look_deg = 65.0;  // --max-look-deg: off the vertical; nothing is drawn that a photo sees beyond
   std::optional<geo::LatLon> origin;  // --origin: where a flight without any position starts
   bool landed_at_start = false;       // --landed-at-start: a flight without any position ended where it began
-  std::string dem_path;               // --dem: a GeoTIFF of the ground's heights; empty: flat ground
+  MapGround surface = MapGround::kSmooth;  // --surface
+  std::string dem_path;                    // --dem: a GeoTIFF of the ground's heights; empty: flat ground
   image::TileEncoding encoding = image::TileEncoding::kJpegWebp;  // --format
   int jpeg_quality = 85;                                          // --quality 1..100
   double feather_m = 0.0;  // width of the seams' transition; 0 = chosen from the GSD

@@ -12,15 +12,20 @@
 namespace skyquilt::pipeline {
 
 MapAppearance PlannedMap::Appearance() const {
-  return {gsd_m.value_or(plan.gsd_m), {exposure.light, exposure.photos}, seams.grid, seams.labels};
+  return {gsd_m.value_or(plan.gsd_m),
+          {exposure.light, exposure.photos},
+          seams.grid,
+          seams.labels,
+          stands_upright};
 }
 
 Result<PlannedMap> PlanMap(const FlightFacts& facts, const std::optional<double>& gsd_m,
                            const MosaicOptions& options, StageRunner& stages,
-                           const std::optional<UnitRange>& range) {
+                           const std::optional<UnitRange>& range, const ground::GroundSurface* upright) {
   const alignment::AlignedFlight& aligned = facts.flight;
   const ground::GroundSurface& ground = facts.ground;
   PlannedMap map;
+  map.stands_upright = upright != nullptr;
   map.gsd_m = options.gsd_m ? options.gsd_m : gsd_m;
   if (!map.gsd_m && facts.appearance) map.gsd_m = facts.appearance->gsd_m;
   render::PlanOptions plan_options = PlanWithin(options);
@@ -47,11 +52,12 @@ Result<PlannedMap> PlanMap(const FlightFacts& facts, const std::optional<double>
     render::SeamOptions seam_options;
     seam_options.threads = options.threads;
     std::optional<render::KnownLabels> known;
-    if (facts.appearance)
+    if (facts.appearance && facts.appearance->stands_upright == map.stands_upright)
       known = {facts.appearance->grid, facts.appearance->labels, facts.appearance->exposure.photos.size()};
     if (known) seam_options.known = &*known;
     if (range) seam_options.only_blocks = &map.plan.blocks;
-    return render::BuildSeamMap(aligned, ground, map.plan, map.exposure, facts.thumbnails, seam_options);
+    return render::BuildSeamMap(aligned, upright != nullptr ? *upright : ground, map.plan, map.exposure,
+                                facts.thumbnails, seam_options);
   });
   return map;
 }

@@ -22,6 +22,7 @@ struct PlannedMap {
   render::MosaicPlan plan;
   render::ExposureModel exposure;
   render::SeamMap seams;
+  bool stands_upright = false;
 
   // What the facts remember of it.
   MapAppearance Appearance() const;
@@ -29,9 +30,11 @@ struct PlannedMap {
 
 // `gsd_m`: where the options do not say it. Photos that facts.appearance knows keep their light and their
 // place. `range`: of the plan's blocks, all that are wanted; then the plan has no others, and
-// facts.appearance must be there. kInvalidArgument: the map does not have so many blocks.
+// facts.appearance must be there. kInvalidArgument: the map does not have so many blocks. `upright`: heights
+// with all that stands on the ground, for the seams to go round; null: the smooth ground.
 Result<PlannedMap> PlanMap(const FlightFacts& facts, const std::optional<double>& gsd_m,
                            const MosaicOptions& options, StageRunner& stages,
-                           const std::optional<UnitRange>& range = {});
+                           const std::optional<UnitRange>& range = {},
+                           const ground::GroundSurface* upright = nullptr);
 
 }  // namespace skyquilt::pipeline

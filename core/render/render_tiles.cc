@@ -168,6 +168,9 @@ Result<RenderReport> RenderTiles(const RenderContext& context, const RenderOptio
                                      });
   const double pixel_m = geo::PixelSizeInMercM(context.plan.base_zoom, context.plan.tile_size_px);
   const std::size_t count = context.plan.blocks.size();
+  const std::optional<Digest> steps = memory != nullptr && context.ground.HasSteps()
+                                          ? std::optional(DigestSteps(context.ground))
+                                          : std::nullopt;
   const std::vector<std::vector<std::uint32_t>> last_shown = LastShown(context);
   const std::size_t window = 2 * static_cast<std::size_t>(ThreadCount(options.threads)) + 2;
   ParallelOrdered<FinishedBlock>(
@@ -181,14 +184,15 @@ Result<RenderReport> RenderTiles(const RenderContext& context, const RenderOptio
         const RenderBlock& block = context.plan.blocks[i];
         const BlockGeometry geometry = GeometryOf(context, block);
         if (memory == nullptr) return FinishBlock(context, options, block, geometry);
-        const Digest digest = DigestBlock(context, options.encode, memory->photo_digests, block, geometry);
+        const Digest digest =
+            DigestBlock(context, options.encode, memory->photo_digests, block, geometry, steps);
         FinishedBlock finished;
         const std::optional<Digest> earlier = memory->map.DigestOf(block.tile);
         finished.is_kept = earlier == digest;
         if (earlier && !finished.is_kept && options.encode.encoding == image::TileEncoding::kJpegWebp) {
           const pyramid::EncodeOptions with_png{image::TileEncoding::kJpegPng, options.encode.quality};
           finished.has_png_fringe =
-              earlier == DigestBlock(context, with_png, memory->photo_digests, block, geometry);
+              earlier == DigestBlock(context, with_png, memory->photo_digests, block, geometry, steps);
           finished.is_kept = finished.has_png_fringe;
         }
         if (!finished.is_kept) finished = FinishBlock(context, options, block, geometry);

@@ -106,7 +106,7 @@ Result<void> WriteLayers(const pipeline::BuiltMosaic& built, const pipeline::Mos
     sinks.push_back({layer, *writers.back()});
   }
   SKYQUILT_TRY_ASSIGN(const render::HeightRange heights,
-                      render::RenderLayers(built.flight, built.ground, built.seams, built.plan, sinks,
+                      render::RenderLayers(built.flight, built.ShownGround(), built.seams, built.plan, sinks,
                                            options.threads, progress));
   const render::LayerZooms zooms = render::ZoomsOfLayers(built.plan);
   for (std::size_t i = 0; i < sinks.size(); ++i) {
@@ -134,7 +134,7 @@ Result<void> WriteBands(pipeline::BuiltMosaic& built, const pipeline::MosaicOpti
   if (!built.bands) return {};
   storage::BandsWriter writer(path, options.threads, progress);
   Result<pipeline::BuiltBands> bands =
-      pipeline::BuildBands(*built.bands, built.ground, options, photos, writer, progress);
+      pipeline::BuildBands(*built.bands, built.ShownGround(), options, photos, writer, progress);
   if (!bands && bands.error().code == ErrorCode::kUnprocessable) {
     built.report.warnings.push_back({flight::RemarkCode::kNoBands, {{"why", flight::WhyOf(bands.error())}}});
     return {};

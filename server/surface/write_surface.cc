@@ -1,6 +1,9 @@
 #include "server/surface/write_surface.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
 #include <utility>
 
 #include "core/base/scoped_timer.h"
@@ -10,10 +13,6 @@
 
 namespace skyquilt::server {
 namespace {
-
-constexpr double kCellPx = 2.0;  // ground pixels that a cell spans
-// Below this share of measured cells the heights are mostly a guess, which is said.
-constexpr double kMostlyMeasured = 0.5;
 
 // Around the map's covered ground.
 geo::Bounds2 AreaOf(const pipeline::BuiltMosaic& built) {
@@ -29,6 +28,36 @@ geo::Bounds2 AreaOf(const pipeline::BuiltMosaic& built) {
   return area;
 }
 
+// Hands out what was matched for the map itself, a band of rows at a time: `grid` has its cells.
+Result<void> PutMatched(const surface::DenseSurface& matched, const surface::SurfaceGrid& grid,
+                        storage::SurfaceWriter& writer) {
+  constexpr int kRowsAtOnce = 256;
+  const Eigen::Vector2d shift =
+      (grid.south_west_in_enu - matched.grid.south_west_in_enu) / matched.grid.cell_m;
+  const int left = static_cast<int>(std::lround(shift.x())), low = static_cast<int>(std::lround(shift.y()));
+  for (int row = 0; row < grid.rows; row += kRowsAtOnce) {
+    surface::SurfaceBlock block;
+    block.box = {0, row, grid.columns, std::min(kRowsAtOnce, grid.rows - row)};
+    block.cells.heights_m.assign(block.box.Count(), std::numeric_limits<float>::quiet_NaN());
+    block.cells.confidence.assign(block.box.Count(), 0);
+    block.cells.agreeing_photos.assign(block.box.Count(), 0);
+    for (int y = 0; y < block.box.rows; ++y) {
+      for (int x = 0; x < block.box.columns; ++x) {
+        const int column = left + x, from_row = low + row + y;
+        if (column < 0 || from_row < 0 || column >= matched.grid.columns || from_row >= matched.grid.rows)
+          continue;
+        const std::size_t from = static_cast<std::size_t>(from_row) * matched.grid.columns + column,
+                          to = static_cast<std::size_t>(y) * block.box.columns + x;
+        block.cells.heights_m[to] = matched.cells.heights_m[from];
+        block.cells.confidence[to] = matched.cells.confidence[from];
+        block.cells.agreeing_photos[to] = matched.cells.agreeing_photos[from];
+      }
+    }
+    SKYQUILT_TRY(writer.Put(block));
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<void> WriteSurface(pipeline::BuiltMosaic& built, const pipeline::MosaicOptions& options,
@@ -39,25 +68,23 @@ Result<void> WriteSurface(pipeline::BuiltMosaic& built, const pipeline::MosaicOp
   {
     ScopedTimer timer(timing.wall_s);
     ScopedCpuTimer cpu_timer(timing.cpu_s);
-    surface::SurfaceOptions matching;
-    matching.threads = options.threads;
-    matching.photo_budget_bytes = std::min(matching.photo_budget_bytes, options.max_memory_bytes / 4);
-    const double cell_m = kCellPx * built.report.gsd_m;
+    const surface::DenseSurface* matched = built.surface ? &built.surface->heights : nullptr;
+    const double cell_m =
+        matched != nullptr ? matched->grid.cell_m : pipeline::kSurfaceCellPx * built.report.gsd_m;
     const surface::SurfaceGrid grid = surface::GridOver(AreaOf(built), cell_m);
     storage::SurfaceWriter writer(out_dir, built.flight.frame, grid, built.ground.MeanHeight(),
                                   options.threads, progress);
     SKYQUILT_TRY(writer.Begin());
-    SKYQUILT_TRY(surface::MatchSurfaceBlocks(
-        built.flight, photos, built.ground, grid, matching,
-        [&](surface::SurfaceBlock&& block) { return writer.Put(block); }, progress));
+    const Result<void> put =
+        matched != nullptr ? PutMatched(*matched, grid, writer)
+                           : surface::MatchSurfaceBlocks(
+                                 built.flight, photos, built.ground, grid, pipeline::SurfaceWithin(options),
+                                 [&](surface::SurfaceBlock&& block) { return writer.Put(block); }, progress);
+    if (!put) return put.error();
     SKYQUILT_TRY(writer.Publish());
-    built.report.surface = surface::SurfaceReport{cell_m, writer.MeasuredShare()};
+    if (matched == nullptr) pipeline::TellSurface(cell_m, writer.MeasuredShare(), built.report);
   }
   built.report.timings.push_back(timing);
-  if (built.report.surface->measured_share < kMostlyMeasured) {
-    built.report.warnings.push_back({flight::RemarkCode::kHeightsMostlyFilled,
-                                     {{"measured_percent", 100.0 * built.report.surface->measured_share}}});
-  }
   return {};
 }
 

@@ -202,9 +202,9 @@ inline constexpr std::array kSentencesOnMaps = std::to_array<RemarkSentence>({
      "The map's pixels are {pixel_mm:.1f} mm where {wanted_mm:.1f} mm were wanted: tiles as large as "
      "that takes do not fit in the memory. Raise --max-memory for a finer map."},
     {RemarkCode::kHeightsMostlyFilled, "heights_mostly_filled",
-     "Only {measured_percent:.0f} % of the heights in dsm.tif were measured; elsewhere photos do not show the same thing "
-     "(water, crowns in the wind, too little overlap) and heights were filled from around: dsm_photos.tif is 0 "
-     "there."},
+     "Only {measured_percent:.0f} % of the heights were measured; elsewhere photos do not show the same thing (water, "
+     "crowns in the wind, too little overlap) and heights were filled from around (dsm_photos.tif, where it is "
+     "written, is 0 there)."},
     {RemarkCode::kNoBands, "no_bands", "There is no bands.tif. {why}"},
     {RemarkCode::kBandLaidAsOthers, "band_laid_as_others",
      "In {failed} of {captures} captures the band {band} could not be laid on the reference by what it shows; "

@@ -82,6 +82,7 @@ Cbor OfAppearance(const MapAppearance& appearance) {
           {"first_row", appearance.grid.first_row},
           {"columns", appearance.grid.columns},
           {"rows", appearance.grid.rows},
+          {"upright", appearance.stands_upright},
           {"labels", CborOfBytes<Cbor>(runs.data(), runs.size() * sizeof(std::int32_t))}};
 }
 
@@ -98,7 +99,8 @@ MapAppearance ToAppearance(const Cbor& json, std::size_t photos) {
   appearance.grid.first_row = json.at("first_row");
   appearance.grid.columns = json.at("columns");
   appearance.grid.rows = json.at("rows");
-  constexpr int kMaxCells = 1 << 20;  // a side
+  appearance.stands_upright = json.value("upright", false);  // not in maps of earlier versions
+  constexpr int kMaxCells = 1 << 20;                         // a side
   if (appearance.grid.columns < 0 || appearance.grid.rows < 0 || appearance.grid.columns > kMaxCells ||
       appearance.grid.rows > kMaxCells) {
     throw Cbor::other_error::create(500, "the seam grid is of no size", nullptr);

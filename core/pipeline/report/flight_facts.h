@@ -37,6 +37,7 @@ struct MapAppearance {
   render::KnownExposure exposure;  // a gain for each photo, and the light
   render::SeamGrid grid;
   render::SeamLabels labels;
+  bool stands_upright = false;  // the labels know what hides what (MapSurface)
 };
 
 struct FlightFacts {

@@ -42,20 +42,21 @@ std::vector<BlockPlace> PlacesOf(const MosaicPlan& plan) {
 // The pixels of one photo on one square of a block, bilinear between the nodes around it.
 class SquarePixels {
  public:
-  SquarePixels(const PhotoView& view, int nodes_per_side, int x, int y, int denominator)
+  SquarePixels(const PhotoView& view, const BlockGeometry& geometry, int x, int y, int denominator)
       : scale_(1.0F / static_cast<float>(denominator)),
-        left_(x / kNodeStepPx * kNodeStepPx),
-        top_(y / kNodeStepPx * kNodeStepPx) {
-    const std::size_t nw = static_cast<std::size_t>(y / kNodeStepPx) * nodes_per_side +
-                           static_cast<std::size_t>(x / kNodeStepPx);
-    const auto row = static_cast<std::size_t>(nodes_per_side);
+        step_px_(geometry.node_step_px),
+        left_(x / step_px_ * step_px_),
+        top_(y / step_px_ * step_px_) {
+    const std::size_t nw = static_cast<std::size_t>(y / step_px_) * geometry.nodes_per_side +
+                           static_cast<std::size_t>(x / step_px_);
+    const auto row = static_cast<std::size_t>(geometry.nodes_per_side);
     nw_ = view.pixel_in_image[nw], ne_ = view.pixel_in_image[nw + 1];
     sw_ = view.pixel_in_image[nw + row], se_ = view.pixel_in_image[nw + row + 1];
   }
   // In the decoded picture; not a number where the photo does not see.
   Eigen::Vector2f At(int x, int y) const {
-    const float u = static_cast<float>(x - left_) / kNodeStepPx,
-                v = static_cast<float>(y - top_) / kNodeStepPx;
+    const auto per_px = 1.0F / static_cast<float>(step_px_);
+    const float u = static_cast<float>(x - left_) * per_px, v = static_cast<float>(y - top_) * per_px;
     const Eigen::Vector2f north = nw_ + u * (ne_ - nw_), south = sw_ + u * (se_ - sw_);
     const Eigen::Vector2f full = north + v * (south - north);
     return (full.array() + 0.5F) * scale_ - 0.5F;  // centres carry the half pixel
@@ -63,7 +64,7 @@ class SquarePixels {
 
  private:
   const float scale_;
-  const int left_, top_;
+  const int step_px_, left_, top_;
   Eigen::Vector2f nw_, ne_, sw_, se_;
 };
 
@@ -83,7 +84,7 @@ std::vector<float> BandOfBlock(const BandsContext& context, std::size_t band, co
     const auto picture = cache.Get(share.photo, *camera, denominator);
     if (!picture) continue;  // read while the bands were registered: gone from the disk since
     for (const SquareShare& square : share.squares) {
-      const SquarePixels in_photo(view, weighed.geometry.nodes_per_side, square.x, square.y, denominator);
+      const SquarePixels in_photo(view, weighed.geometry, square.x, square.y, denominator);
       const bool is_alone = square.first_weight == SquareShare::kAlone;
       const float* weight = is_alone ? nullptr : share.weights.data() + square.first_weight;
       for (int y = square.y; y < square.y + side; ++y) {
@@ -156,7 +157,7 @@ Result<void> RenderBands(const BandsContext& context, const flight::PhotoSource&
     if (progress.IsCancelled()) return Error{ErrorCode::kCancelled, "The job was cancelled.", ""};
     const RenderBlock& block = plan.blocks[i];
     const WeighedBlock weighed = WeighBlock(
-        context.references, context.seams, plan, block,
+        context.references, context.ground, context.seams, plan, block,
         MakeBlockGeometry(block.tile, plan.BlockSizePx(), context.references.frame, context.ground));
     progress.Report(static_cast<double>(i) / static_cast<double>(plan.blocks.size()),
                     fmt::format("bands of block {} of {}", i + 1, plan.blocks.size()));

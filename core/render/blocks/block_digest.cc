@@ -38,9 +38,17 @@ void AddPhoto(const alignment::AlignedPhoto& photo, const PhotoTone& tone, Hashe
 
 }  // namespace
 
+Digest DigestSteps(const ground::GroundSurface& ground) {
+  Hasher hasher;
+  hasher.Add(ground.SouthWest().x()).Add(ground.SouthWest().y()).Add(ground.CellSize());
+  hasher.Add(ground.Columns()).Add(ground.Rows());
+  hasher.AddBytes(ground.Heights().data(), ground.Heights().size() * sizeof(float));
+  return hasher.Finish();
+}
+
 Digest DigestBlock(const RenderContext& context, const pyramid::EncodeOptions& encode,
                    const std::vector<Digest>& photo_digests, const RenderBlock& block,
-                   const BlockGeometry& geometry) {
+                   const BlockGeometry& geometry, const std::optional<Digest>& steps) {
   const MosaicPlan& plan = context.plan;
   const SeamGrid& grid = context.seams.grid;
   Hasher hasher;
@@ -51,6 +59,7 @@ Digest DigestBlock(const RenderContext& context, const pyramid::EncodeOptions& e
     for (const double metres : {node.x(), node.y(), node.z()})
       hasher.Add(std::llround(metres / kGroundStepM));
   }
+  if (steps) hasher.AddBytes(steps->data(), steps->size());
   const BlockBoundary boundary(plan, block.tile);
   if (!boundary.CutsNothing()) hasher.AddBytes(boundary.inside().data(), boundary.inside().size());
   const BlockCells cells(context.seams, block.tile, plan.block_levels);

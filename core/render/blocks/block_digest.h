@@ -4,6 +4,7 @@
 // or grows. The other way round a block whose digest differs may still come out the same. Pure; any thread.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "core/base/digest.h"
@@ -13,9 +14,13 @@
 
 namespace skyquilt::render {
 
-// photo_digests[i]: of the file of flight.photos[i]; geometry: GeometryOf(context, block).
+// Of a ground with steps: what is hidden depends on what stands around, so that every block depends on it.
+Digest DigestSteps(const ground::GroundSurface& ground);
+
+// photo_digests[i]: of the file of flight.photos[i]; geometry: GeometryOf(context, block); steps: DigestSteps
+// where the ground has them.
 Digest DigestBlock(const RenderContext& context, const pyramid::EncodeOptions& encode,
                    const std::vector<Digest>& photo_digests, const RenderBlock& block,
-                   const BlockGeometry& geometry);
+                   const BlockGeometry& geometry, const std::optional<Digest>& steps = {});
 
 }  // namespace skyquilt::render

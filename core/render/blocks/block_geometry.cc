@@ -1,6 +1,8 @@
 #include "core/render/blocks/block_geometry.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 
 #include "core/base/check.h"
@@ -10,22 +12,55 @@
 
 namespace skyquilt::render {
 
+namespace {
+
+// On nodes every kNodeStepPx, where they are exact.
+std::vector<geo::Vertical> ExactVerticals(const geo::TileId& block_tile, int size_px,
+                                          const geo::LocalFrame& frame) {
+  const int nodes_per_side = size_px / kNodeStepPx + 1;
+  std::vector<geo::Vertical> verticals;
+  verticals.reserve(static_cast<std::size_t>(nodes_per_side) * nodes_per_side);
+  const double pixel_m = geo::PixelSizeInMercM(block_tile.z(), size_px);
+  for (int row = 0; row < nodes_per_side; ++row) {
+    for (int column = 0; column < nodes_per_side; ++column) {
+      // World-wide pixel numbers are exact in double, so every block gives a node the same place.
+      const double world_x = static_cast<double>(block_tile.x()) * size_px + column * kNodeStepPx;
+      const double world_y = static_cast<double>(block_tile.y()) * size_px + row * kNodeStepPx;
+      verticals.push_back(
+          frame.VerticalAt(geo::LatLonFromMerc({(world_x + 0.5) * pixel_m - geo::kMercHalfWidthM,
+                                                geo::kMercHalfWidthM - (world_y + 0.5) * pixel_m})));
+    }
+  }
+  return verticals;
+}
+
+geo::Vertical Between(const geo::Vertical& a, const geo::Vertical& b, double share) {
+  return {a.on_ellipsoid + share * (b.on_ellipsoid - a.on_ellipsoid), a.up + share * (b.up - a.up)};
+}
+
+}  // namespace
+
 BlockGeometry MakeBlockGeometry(const geo::TileId& block_tile, int size_px, const geo::LocalFrame& frame,
                                 const ground::GroundSurface& ground) {
   SKYQUILT_CHECK(size_px % kNodeStepPx == 0, "a block must hold whole node cells");
   BlockGeometry block;
   block.size_px = size_px;
-  block.nodes_per_side = size_px / kNodeStepPx + 1;
+  block.node_step_px = ground.HasSteps() ? kNodeStepOverStepsPx : kNodeStepPx;
+  block.nodes_per_side = size_px / block.node_step_px + 1;
   block.ground_in_enu.reserve(static_cast<std::size_t>(block.nodes_per_side) * block.nodes_per_side);
-  const double pixel_m = geo::PixelSizeInMercM(block_tile.z(), size_px);
+  const std::vector<geo::Vertical> exact = ExactVerticals(block_tile, size_px, frame);
+  const int exact_per_side = size_px / kNodeStepPx + 1, nodes_between = kNodeStepPx / block.node_step_px;
   for (int row = 0; row < block.nodes_per_side; ++row) {
+    const int north = row / nodes_between, south = std::min(north + 1, exact_per_side - 1);
+    const double v = static_cast<double>(row % nodes_between) / nodes_between;
     for (int column = 0; column < block.nodes_per_side; ++column) {
-      // World-wide pixel numbers are exact in double, so every block gives a node the same place.
-      const double world_x = static_cast<double>(block_tile.x()) * size_px + column * kNodeStepPx;
-      const double world_y = static_cast<double>(block_tile.y()) * size_px + row * kNodeStepPx;
-      const geo::LatLon position = geo::LatLonFromMerc({(world_x + 0.5) * pixel_m - geo::kMercHalfWidthM,
-                                                        geo::kMercHalfWidthM - (world_y + 0.5) * pixel_m});
-      const geo::Vertical vertical = frame.VerticalAt(position);
+      const int west = column / nodes_between, east = std::min(west + 1, exact_per_side - 1);
+      const double u = static_cast<double>(column % nodes_between) / nodes_between;
+      const auto at = [&](int x, int y) -> const geo::Vertical& {
+        return exact[static_cast<std::size_t>(y) * exact_per_side + x];
+      };
+      const geo::Vertical vertical = Between(Between(at(west, north), at(east, north), u),
+                                             Between(at(west, south), at(east, south), u), v);
       Eigen::Vector3d point = vertical.AtHeight(ground.MeanHeight());
       if (!ground.IsPlane()) point = vertical.AtHeight(ground.HeightAt(point.head<2>()));
       block.ground_in_enu.push_back(point);

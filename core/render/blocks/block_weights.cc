@@ -15,13 +15,10 @@ constexpr int kTaps = 3;
 constexpr double kTransitionPx = 16.0;  // narrow: misfits of a pixel or two must not show as blur
 constexpr float kMinWeight = 1.0f / 512.0f;
 
-// A quantity at the four nodes of a cell of the block's geometry, read between them.
+// A quantity at the four nodes of a cell of the block's geometry, read between them: u and v go from 0 to 1.
 struct Corners {
   float nw, ne, sw, se;
-  float At(int x, int y) const {
-    constexpr float kPerPixel = 1.0f / kNodeStepPx;
-    const float u = x * kPerPixel;
-    const float v = y * kPerPixel;
+  float At(float u, float v) const {
     const float north = nw + u * (ne - nw);
     const float south = sw + u * (se - sw);
     return north + v * (south - north);
@@ -30,7 +27,7 @@ struct Corners {
 
 struct NodeCell {
   Corners x, y, distance;
-  bool is_valid = false;  // all four nodes are seen
+  bool is_valid = false;  // all four nodes are seen, and nothing stands before them
 };
 
 NodeCell NodeCellOf(const PhotoView& view, int nodes_per_side, int row, int column) {
@@ -39,6 +36,7 @@ NodeCell NodeCellOf(const PhotoView& view, int nodes_per_side, int row, int colu
   NodeCell cell;
   for (const std::size_t node : nodes) {
     if (std::isnan(view.pixel_in_image[node].x())) return cell;
+    if (!view.is_hidden.empty() && view.is_hidden[node]) return cell;
   }
   const auto corners = [&](auto&& read) {
     return Corners{read(nodes[0]), read(nodes[1]), read(nodes[2]), read(nodes[3])};
@@ -90,7 +88,7 @@ class Weigher {
         block_(block),
         cells_(cells),
         cell_px_(cells.seams.grid.cell_px),
-        square_px_(std::min(cell_px_ / 2, kNodeStepPx)) {
+        square_px_(std::min(cell_px_ / 2, block.node_step_px)) {
     for (const std::uint32_t photo : photos) scores_.push_back(ViewScore::Of(flight.photos[photo]));
     // Weights to this power: the B-spline's own width is about 1.5 cells.
     const double wanted =
@@ -226,8 +224,8 @@ class Weigher {
     std::vector<Candidate> candidates;
     for (std::size_t i = 0; i < photos_.size(); ++i) {
       if (!views_[i].sees_block) continue;
-      const NodeCell nodes =
-          NodeCellOf(views_[i], block_.nodes_per_side, block_y / kNodeStepPx, block_x / kNodeStepPx);
+      const NodeCell nodes = NodeCellOf(views_[i], block_.nodes_per_side, block_y / block_.node_step_px,
+                                        block_x / block_.node_step_px);
       if (!nodes.is_valid || !IsNear(nodes, scores_[i])) continue;
       const auto label =
           std::find(label_place.begin(), label_place.begin() + around.count, static_cast<int>(i)) -
@@ -239,7 +237,10 @@ class Weigher {
     WeighLabels(around, x, y);
     for (int dy = 0; dy < square_px_; ++dy) {
       for (int dx = 0; dx < square_px_; ++dx) {
-        const int node_x = (block_x + dx) % kNodeStepPx, node_y = (block_y + dy) % kNodeStepPx;
+        const int step_px = block_.node_step_px;
+        const float per_px = 1.0f / static_cast<float>(step_px);
+        const float node_x = static_cast<float>((block_x + dx) % step_px) * per_px,
+                    node_y = static_cast<float>((block_y + dy) % step_px) * per_px;
         const auto pixel = static_cast<std::size_t>(dy * square_px_ + dx);
         float sum = 0.0f, best = std::numeric_limits<float>::infinity();
         Candidate* best_candidate = nullptr;
@@ -292,11 +293,13 @@ BlockCells::BlockCells(const SeamMap& map, const geo::TileId& block_tile, int bl
 bool BlockCells::IsInner() const {
   for (int row = 0; row < side; ++row) {
     for (int column = 0; column < side; ++column) {
-      if (!Neighbourhood(*this, column, row).is_whole) return false;
+      if (!IsWhole(column, row)) return false;
     }
   }
   return true;
 }
+
+bool BlockCells::IsWhole(int column, int row) const { return Neighbourhood(*this, column, row).is_whole; }
 
 BlockShares WeighPhotos(const alignment::AlignedFlight& flight, const std::vector<std::uint32_t>& photos,
                         const std::vector<PhotoView>& views, const BlockGeometry& block,

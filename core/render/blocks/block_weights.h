@@ -47,6 +47,8 @@ struct BlockCells {
   }
   // Whether all of it is shown by the cells' photos: no map edge, no photo edge within.
   bool IsInner() const;
+  // So for one of its cells, which is then not asked pixel by pixel who sees it.
+  bool IsWhole(int column, int row) const;
 };
 
 // views[i] belongs to photos[i]; photos are indices into the flight, rising. transition_m: the seam's width

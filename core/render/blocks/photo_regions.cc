@@ -65,13 +65,15 @@ std::vector<PixelBox> ShownRegions(const alignment::AlignedFlight& flight,
   return regions;
 }
 
-PixelBox ShownBy(const PhotoShare& share, const PhotoView& view, int nodes_per_side) {
+PixelBox ShownBy(const PhotoShare& share, const PhotoView& view, const BlockGeometry& geometry) {
   Eigen::Vector2f low = Eigen::Vector2f::Constant(INFINITY), high = -low;
   for (const SquareShare& square : share.squares) {
-    const Eigen::Vector2f* nodes = view.pixel_in_image.data() +
-                                   static_cast<std::ptrdiff_t>(square.y / kNodeStepPx) * nodes_per_side +
-                                   square.x / kNodeStepPx;
-    for (const std::ptrdiff_t node : {0, 1, nodes_per_side, nodes_per_side + 1}) {
+    const Eigen::Vector2f* nodes =
+        view.pixel_in_image.data() +
+        static_cast<std::ptrdiff_t>(square.y / geometry.node_step_px) * geometry.nodes_per_side +
+        square.x / geometry.node_step_px;
+    const std::ptrdiff_t below = geometry.nodes_per_side;
+    for (const std::ptrdiff_t node : {std::ptrdiff_t{0}, std::ptrdiff_t{1}, below, below + 1}) {
       if (std::isnan(nodes[node].x())) continue;
       low = low.cwiseMin(nodes[node]);
       high = high.cwiseMax(nodes[node]);

@@ -20,6 +20,6 @@ std::vector<image::PixelBox> ShownRegions(const alignment::AlignedFlight& flight
                                           const ground::GroundSurface& ground, const SeamMap& seams);
 
 // All that one photo shows of a block, its transitions to others included.
-image::PixelBox ShownBy(const PhotoShare& share, const PhotoView& view, int nodes_per_side);
+image::PixelBox ShownBy(const PhotoShare& share, const PhotoView& view, const BlockGeometry& geometry);
 
 }  // namespace skyquilt::render

@@ -48,9 +48,11 @@ Ends<T> RowOf(const std::array<T, 4>& corners, int row, int side) {
 class PhotoOnBlock {
  public:
   PhotoOnBlock(const alignment::AlignedPhoto& photo, const PhotoTone& tone, const PhotoView& view,
-               int nodes_per_side, int denominator, const PhotoLevels& levels, const BlockCells& cells)
+               const BlockGeometry& geometry, int denominator, const PhotoLevels& levels,
+               const BlockCells& cells)
       : view_(view),
-        nodes_per_side_(nodes_per_side),
+        nodes_per_side_(geometry.nodes_per_side),
+        step_px_(geometry.node_step_px),
         scale_(1.0f / static_cast<float>(denominator)),
         levels_(levels),
         cells_(cells),
@@ -82,9 +84,10 @@ class PhotoOnBlock {
  private:
   // Bilinear between the nodes around the square that starts at (block_x, block_y).
   Eigen::Vector2f InPhoto(int x, int y, int block_x, int block_y) const {
-    const int column = block_x / kNodeStepPx, row = block_y / kNodeStepPx;
-    const float u = static_cast<float>(x - column * kNodeStepPx) / kNodeStepPx;
-    const float v = static_cast<float>(y - row * kNodeStepPx) / kNodeStepPx;
+    const int column = block_x / step_px_, row = block_y / step_px_;
+    const auto per_px = 1.0f / static_cast<float>(step_px_);
+    const float u = static_cast<float>(x - column * step_px_) * per_px;
+    const float v = static_cast<float>(y - row * step_px_) * per_px;
     const Eigen::Vector2f* nw =
         view_.pixel_in_image.data() + static_cast<std::ptrdiff_t>(row) * nodes_per_side_ + column;
     const Eigen::Vector2f north = nw[0] + u * (nw[1] - nw[0]);
@@ -110,7 +113,7 @@ class PhotoOnBlock {
   }
 
   const PhotoView& view_;
-  const int nodes_per_side_;
+  const int nodes_per_side_, step_px_;
   const float scale_;
   const PhotoLevels& levels_;
   const BlockCells& cells_;
@@ -237,7 +240,7 @@ Result<image::RgbaImage> RenderBlockPixels(const RenderContext& context, const R
                                            BlockGeometry ground_below) {
   const int size_px = context.plan.BlockSizePx();
   const auto [cells, geometry, photos, views, shares] =
-      WeighBlock(context.flight, context.seams, context.plan, block, std::move(ground_below));
+      WeighBlock(context.flight, context.ground, context.seams, context.plan, block, std::move(ground_below));
 
   image::RgbaImage image = image::RgbaImage::Transparent(size_px, size_px);
   Mixture mixture(size_px, shares.square_px);
@@ -247,12 +250,11 @@ Result<image::RgbaImage> RenderBlockPixels(const RenderContext& context, const R
     const auto at = std::lower_bound(photos.begin(), photos.end(), share.photo) - photos.begin();
     const int denominator = DenominatorFor(photo, pixel_m);
     const PhotoView& view = views[static_cast<std::size_t>(at)];
-    const image::PixelBox box =
-        ShownBy(share, view, geometry.nodes_per_side).Grown(denominator * CubicSampler::kReachPx);
+    const image::PixelBox box = ShownBy(share, view, geometry).Grown(denominator * CubicSampler::kReachPx);
     SKYQUILT_TRY_ASSIGN(const DecodedPhoto decoded,
                         context.cache.Get(share.photo, photo.photo, denominator, box));
-    const PhotoOnBlock on_block(photo, context.exposure.tones[share.photo], view, geometry.nodes_per_side,
-                                denominator, context.seams.levels[share.photo], cells);
+    const PhotoOnBlock on_block(photo, context.exposure.tones[share.photo], view, geometry, denominator,
+                                context.seams.levels[share.photo], cells);
     const image::DecodedPart& part = *decoded;
     Paint(share, on_block, CubicSampler(part.image, part.left_px, part.top_px), shares.square_px, image,
           mixture);

@@ -65,7 +65,7 @@ std::vector<double> HeightsOf(const BlockGeometry& geometry, const geo::LocalFra
   }
   const double step = static_cast<double>(geometry.size_px) / kLayerTilePx;
   std::vector<double> heights(kPixels);
-  const auto node = [&](int pixel) { return ((pixel + 0.5) * step - 0.5) / kNodeStepPx; };
+  const auto node = [&](int pixel) { return ((pixel + 0.5) * step - 0.5) / geometry.node_step_px; };
   const int side = geometry.nodes_per_side;
   for (int y = 0; y < kLayerTilePx; ++y) {
     for (int x = 0; x < kLayerTilePx; ++x) {
@@ -136,8 +136,9 @@ Result<HeightRange> RenderLayers(const alignment::AlignedFlight& flight, const g
   const std::vector<Rgb> photo_colours = PhotoColours(flight.photos.size());
   const auto draw = [&](const RenderBlock& block) {
     DrawnBlock drawn;
-    const WeighedBlock weighed = WeighBlock(
-        flight, seams, plan, block, MakeBlockGeometry(block.tile, plan.BlockSizePx(), flight.frame, ground));
+    const WeighedBlock weighed =
+        WeighBlock(flight, ground, seams, plan, block,
+                   MakeBlockGeometry(block.tile, plan.BlockSizePx(), flight.frame, ground));
     const std::vector<std::int32_t> owners = OwnersOf(weighed, BlockBoundary(plan, block.tile));
     if (std::all_of(owners.begin(), owners.end(), [](std::int32_t owner) { return owner == kNoPhoto; })) {
       return drawn;

@@ -22,7 +22,8 @@ struct WeighedBlock {
   BlockShares shares;
 };
 
-WeighedBlock WeighBlock(const alignment::AlignedFlight& flight, const SeamMap& seams, const MosaicPlan& plan,
-                        const RenderBlock& block, BlockGeometry geometry);
+WeighedBlock WeighBlock(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground,
+                        const SeamMap& seams, const MosaicPlan& plan, const RenderBlock& block,
+                        BlockGeometry geometry);
 
 }  // namespace skyquilt::render

@@ -7,6 +7,7 @@
 #include "core/camera/footprint.h"
 #include "core/camera/rolling_shutter.h"
 #include "core/geo/web_mercator.h"
+#include "core/ground/occlusion.h"
 #include "core/render/seams/view_score.h"
 
 namespace skyquilt::render {
@@ -40,6 +41,22 @@ std::vector<Eigen::Vector2d> GroundOfCells(const LowResView& view, const SeamGri
     }
   }
   return cells;
+}
+
+// How much of a cell a camera sees past what stands on the ground.
+Seen PastWhatStands(const ground::GroundSurface& ground, const Eigen::Vector2d& middle, double cell_m,
+                    const Eigen::Vector3d& camera_in_enu) {
+  constexpr int kPointsPerSide = 5;
+  int hidden = 0;
+  for (int row = 0; row < kPointsPerSide; ++row) {
+    for (int column = 0; column < kPointsPerSide; ++column) {
+      const Eigen::Vector2d at = middle + cell_m * Eigen::Vector2d((column + 0.5) / kPointsPerSide - 0.5,
+                                                                   (row + 0.5) / kPointsPerSide - 0.5);
+      hidden += ground::IsOccluded(ground, {at.x(), at.y(), ground.HeightAt(at)}, camera_in_enu) ? 1 : 0;
+    }
+  }
+  if (hidden == 0) return Seen::kFully;
+  return hidden < kPointsPerSide * kPointsPerSide ? Seen::kPartly : Seen::kNot;
 }
 
 // Averages over about a cell, so that a sample stands for its whole cell.
@@ -114,6 +131,8 @@ LowResView MakeLowResView(const alignment::AlignedPhoto& photo, const geo::Bound
     const float margin_px = score.Margin(static_cast<float>(x), static_cast<float>(y));
     if (margin_px <= -half_cell_px) continue;
     view.seen[i] = margin_px >= half_cell_px ? Seen::kFully : Seen::kPartly;
+    if (ground.HasSteps())
+      view.seen[i] = std::min(view.seen[i], PastWhatStands(ground, east_north, cell_m, center));
     view.score_m[i] = score.Score(static_cast<float>(sideways_m), std::max(0.0f, margin_px)) +
                       score.CoarsePenalty(offset, lens.MeanFocalPx(), map_gsd_m);
     const double u = std::clamp((x + 0.5) * shrink - 0.5, 0.0, last_u);

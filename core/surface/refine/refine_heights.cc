@@ -40,6 +40,35 @@ SKYQUILT_VECTOR_CLONES void MedianRow(const float* below, const float* here, con
   }
 }
 
+// By cell and direction: how many cells away the next known one lies; 0: none within reach. A cell has what
+// the one before it that way has, and one more.
+using Gone = std::array<std::uint8_t, kDirections>;
+std::vector<Gone> NextKnown(const LevelHeights& level, int reach) {
+  std::vector<Gone> gone(level.is_known.size(), Gone{});
+  const auto follow = [&](int column, int row, std::size_t direction) {
+    const int x = column + kAround[direction][0], y = row + kAround[direction][1];
+    if (x < 0 || y < 0 || x >= level.columns || y >= level.rows) return;
+    const std::size_t other = level.IndexOf(x, y);
+    const int before = gone[other][direction];
+    const bool is_within = level.is_known[other] != 0 || (before != 0 && before < reach);
+    if (is_within)
+      gone[level.IndexOf(column, row)][direction] =
+          static_cast<std::uint8_t>(level.is_known[other] != 0 ? 1 : before + 1);
+  };
+  constexpr std::array<std::size_t, kDirections / 2> kBack = {4, 5, 6, 7}, kForth = {0, 1, 2, 3};
+  for (int row = 0; row < level.rows; ++row) {
+    for (int column = 0; column < level.columns; ++column) {
+      for (const std::size_t direction : kBack) follow(column, row, direction);
+    }
+  }
+  for (int row = level.rows - 1; row >= 0; --row) {
+    for (int column = level.columns - 1; column >= 0; --column) {
+      for (const std::size_t direction : kForth) follow(column, row, direction);
+    }
+  }
+  return gone;
+}
+
 // By insertion: they are a few.
 void SortByHeight(std::array<Met, kDirections>& met, std::size_t count) {
   for (std::size_t i = 1; i < count; ++i) {
@@ -51,21 +80,19 @@ void SortByHeight(std::array<Met, kDirections>& met, std::size_t count) {
 }  // namespace
 
 void FillUnknown(LevelHeights& level, const std::vector<float>& expected_m, int reach, float most_step_m) {
+  const std::vector<Gone> next = NextKnown(level, reach);
   for (int row = 0; row < level.rows; ++row) {
     for (int column = 0; column < level.columns; ++column) {
       const std::size_t cell = level.IndexOf(column, row);
       if (level.is_known[cell] != 0) continue;
       std::array<Met, kDirections> met;
       std::size_t count = 0;
-      for (const auto& [step_x, step_y] : kAround) {
-        int x = column + step_x, y = row + step_y;
-        for (int gone = 1; gone <= reach; ++gone, x += step_x, y += step_y) {
-          if (x < 0 || y < 0 || x >= level.columns || y >= level.rows) break;
-          const std::size_t other = level.IndexOf(x, y);
-          if (level.is_known[other] == 0) continue;
-          met[count++] = {level.heights_m[other], 1.0f / static_cast<float>(gone)};
-          break;
-        }
+      for (std::size_t direction = 0; direction < kDirections; ++direction) {
+        const int gone = next[cell][direction];
+        if (gone == 0) continue;
+        const auto& [step_x, step_y] = kAround[direction];
+        const std::size_t other = level.IndexOf(column + gone * step_x, row + gone * step_y);
+        met[count++] = {level.heights_m[other], 1.0f / static_cast<float>(gone)};
       }
       // Only known cells are read, so that filled ones do not spread.
       level.heights_m[cell] = expected_m[cell];

@@ -82,7 +82,8 @@ void PrintNextSteps(const std::filesystem::path& out_dir) {
       map, word("report.html"), map, word("utm.tif"), word("mosaic.mbtiles"));
 }
 
-void PrintOutcome(const pipeline::MosaicReport& report, const std::filesystem::path& out_dir) {
+void PrintOutcome(const pipeline::MosaicReport& report, const std::filesystem::path& out_dir,
+                  bool writes_dsm) {
   fmt::print("{}: {} aligned, {} by pose alone, {} left out\n", Counted(report.photos_total, "photo"),
              report.photos_aligned, report.photos_pose_only, report.photos_left_out);
   for (const std::string& line : flight::LeftOutInLines(report.left_out_photos))
@@ -103,8 +104,8 @@ void PrintOutcome(const pipeline::MosaicReport& report, const std::filesystem::p
     const std::string cells = report.quality.IsLimitedBy(pipeline::LimitKind::kScaleGuessed)
                                   ? "of unknown size"
                                   : fmt::format("of {:.1f} cm", report.surface->cell_m * 100.0);
-    fmt::print("dsm.tif: heights of cells {}, {:.0f} % measured\n", cells,
-               report.surface->measured_share * 100.0);
+    fmt::print("{} of cells {}, {:.0f} % measured\n", writes_dsm ? "dsm.tif: heights" : "upright by heights",
+               cells, report.surface->measured_share * 100.0);
   }
   fmt::print("{}\n", (out_dir / "mosaic.mbtiles").string());
   PrintNextSteps(out_dir);
@@ -210,7 +211,7 @@ void Run(StitchArguments& arguments) {
     if (!written) Fail("skyquilt", written.error());
   }
   if (!report) Fail("skyquilt", report.error());
-  PrintOutcome(*report, arguments.out_dir);
+  PrintOutcome(*report, arguments.out_dir, arguments.job.write_dsm);
 }
 
 }  // namespace
@@ -266,6 +267,15 @@ void AddStitchCommand(CLI::App& app) {
                       "LAT,LON of the take-off in degrees, for a flight that recorded no position at all");
   command->add_flag("--landed-at-start", arguments->job.mosaic.landed_at_start,
                     "A flight without any position landed where it took off");
+  command
+      ->add_option(
+          "--surface", arguments->job.mosaic.surface,
+          "smooth: photos are projected to the ground, and what stands on it leans as it does in them; dense: houses, "
+          "walls and trees stand upright (a true orthophoto), by heights of every two pixels that are matched in "
+          "the photos first, which takes several times as long")
+      ->capture_default_str()
+      ->transform(OneOf(std::vector<std::pair<std::string, pipeline::MapGround>>(
+          std::begin(pipeline::kMapGrounds), std::end(pipeline::kMapGrounds))));
   command
       ->add_option("--dem", arguments->job.mosaic.dem_path,
                    "GeoTIFF with the ground's heights (default: one among the files, else what the photos "

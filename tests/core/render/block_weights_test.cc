@@ -25,7 +25,7 @@ class WeighPhotosTest : public testing::Test {
   }
   static int SidePx() { return map_->plan.tile_size_px << map_->plan.block_levels; }
   static WeighedBlock Weigh(const RenderBlock& block) {
-    return WeighBlock(map_->flight, *seams_, map_->plan, block,
+    return WeighBlock(map_->flight, map_->ground, *seams_, map_->plan, block,
                       MakeBlockGeometry(block.tile, SidePx(), map_->flight.frame, map_->ground));
   }
   // Of each pixel of the block: the sum of all weights, and how many photos have some.

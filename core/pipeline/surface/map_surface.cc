@@ -1,0 +1,164 @@
+#include "core/pipeline/surface/map_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+
+#include "core/base/bilinear_grid.h"
+#include "core/base/try.h"
+#include "core/geo/web_mercator.h"
+#include "core/pipeline/memory_budget.h"
+#include "core/render/blocks/render_block.h"
+#include "core/render/plan_mosaic.h"
+#include "core/surface/match_surface.h"
+#include "core/surface/views/surface_camera.h"
+
+namespace skyquilt::pipeline {
+namespace {
+
+// Below this share of measured cells the heights are mostly a guess, which is said.
+constexpr double kMostlyMeasured = 0.5;
+constexpr int kPhotosThatBearOut = 3, kSquareCells = 16, kFadeSquares = 6;
+// Heights twice, confidence and photos that agree.
+constexpr std::int64_t kBytesPerCell = 10;
+
+geo::Bounds2 AreaSeen(const render::MosaicPlan& plan, const FlightFacts& facts) {
+  geo::Bounds2 area;
+  const geo::Bounds2& seen = plan.bounds_in_merc;
+  for (const double x : {seen.min.x(), seen.max.x()}) {
+    for (const double y : {seen.min.y(), seen.max.y()}) {
+      const Eigen::Vector3d corner =
+          facts.flight.frame.EnuAtHeight(geo::LatLonFromMerc({x, y}), facts.ground.MeanHeight());
+      area.Include(Eigen::Vector2d(corner.head<2>()));
+    }
+  }
+  return area;
+}
+
+// By square of kSquareCells cells: 0 where fewer photos look than one height takes to be borne out by
+// another, rising to 1 over the squares beside: at the rim of a flight, where two photos show one house and a
+// third does not, a roof stands neither here nor there.
+std::vector<float> TrustOf(const FlightFacts& facts, const surface::SurfaceGrid& grid, int columns,
+                           int rows) {
+  std::vector<std::uint8_t> photos(static_cast<std::size_t>(columns) * rows, 0);
+  const double square_m = kSquareCells * grid.cell_m;
+  const Eigen::Vector2d first =
+      grid.south_west_in_enu + Eigen::Vector2d::Constant(0.5 * (kSquareCells - 1) * grid.cell_m);
+  for (const surface::SurfaceCamera& camera : surface::SurfaceCameras(facts.flight, facts.ground, 0.0, 0.0)) {
+    const Eigen::Vector2d low = (camera.seen_in_enu.min - first) / square_m,
+                          high = (camera.seen_in_enu.max - first) / square_m;
+    const int left = std::max(0, static_cast<int>(std::floor(low.x()))),
+              bottom = std::max(0, static_cast<int>(std::floor(low.y())));
+    for (int row = bottom; row < rows && row <= high.y() + 1.0; ++row) {
+      for (int column = left; column < columns && column <= high.x() + 1.0; ++column) {
+        const Eigen::Vector2d at = first + square_m * Eigen::Vector2d(column, row);
+        std::uint8_t& count = photos[static_cast<std::size_t>(row) * columns + column];
+        if (count < kPhotosThatBearOut && camera.Sees({at.x(), at.y(), facts.ground.HeightAt(at)})) ++count;
+      }
+    }
+  }
+  std::vector<float> trust(photos.size());
+  for (std::size_t i = 0; i < photos.size(); ++i) trust[i] = photos[i] < kPhotosThatBearOut ? 0.0f : 1.0f;
+  // No square more than 1 / kFadeSquares above those beside it.
+  const auto lower = [&](int row, int column, int other_row, int other_column) {
+    if (other_row < 0 || other_column < 0 || other_row >= rows || other_column >= columns) return;
+    float& here = trust[static_cast<std::size_t>(row) * columns + column];
+    here = std::min(
+        here, trust[static_cast<std::size_t>(other_row) * columns + other_column] + 1.0f / kFadeSquares);
+  };
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      for (const int side : {-1, 0, 1}) lower(row, column, row - 1, column + side);
+      lower(row, column, row, column - 1);
+    }
+  }
+  for (int row = rows - 1; row >= 0; --row) {
+    for (int column = columns - 1; column >= 0; --column) {
+      for (const int side : {-1, 0, 1}) lower(row, column, row + 1, column + side);
+      lower(row, column, row, column + 1);
+    }
+  }
+  return trust;
+}
+
+// Where no photo looks, and where too few do, lies the smooth ground.
+ground::GroundSurface GroundOf(const surface::DenseSurface& heights, const FlightFacts& facts) {
+  const ground::GroundSurface& smooth = facts.ground;
+  const surface::SurfaceGrid& grid = heights.grid;
+  const int squares_across = grid.columns / kSquareCells + 2, squares_up = grid.rows / kSquareCells + 2;
+  const std::vector<float> trust = TrustOf(facts, grid, squares_across, squares_up);
+  std::vector<float> filled = heights.cells.heights_m;
+  std::size_t i = 0;
+  for (int row = 0; row < grid.rows; ++row) {
+    for (int column = 0; column < grid.columns; ++column, ++i) {
+      const bool is_known = !std::isnan(filled[i]);
+      const double share =
+          is_known ? BilinearAt(trust, squares_across, squares_up, (column + 0.5) / kSquareCells - 0.5,
+                                (row + 0.5) / kSquareCells - 0.5)
+                   : 0.0;
+      if (share >= 1.0) continue;
+      const double ground_m =
+          smooth.HeightAt(grid.south_west_in_enu + grid.cell_m * Eigen::Vector2d(column, row));
+      filled[i] = static_cast<float>(is_known ? ground_m + share * (filled[i] - ground_m) : ground_m);
+    }
+  }
+  return ground::GroundSurface::WithSteps(grid.south_west_in_enu, grid.cell_m, grid.columns, grid.rows,
+                                          std::move(filled), smooth.MeanHeight());
+}
+
+}  // namespace
+
+bool StandsUpright(const FlightFacts& facts) {
+  const auto asked = facts.asked.find("--surface");
+  return asked != facts.asked.end() && asked->second == NameOf(MapGround::kDense);
+}
+
+double MeasuredShare(const surface::CellHeights& cells) {
+  std::size_t shown = 0, measured = 0;
+  for (std::size_t i = 0; i < cells.heights_m.size(); ++i) {
+    shown += std::isnan(cells.heights_m[i]) ? 0 : 1;
+    measured += cells.agreeing_photos[i] != 0 ? 1 : 0;
+  }
+  return shown == 0 ? 0.0 : static_cast<double>(measured) / static_cast<double>(shown);
+}
+
+void TellSurface(double cell_m, double measured_share, MosaicReport& report) {
+  report.surface = surface::SurfaceReport{cell_m, measured_share};
+  if (measured_share >= kMostlyMeasured) return;
+  report.warnings.push_back(
+      {flight::RemarkCode::kHeightsMostlyFilled, {{"measured_percent", 100.0 * measured_share}}});
+}
+
+surface::SurfaceOptions SurfaceWithin(const MosaicOptions& options) {
+  surface::SurfaceOptions matching;
+  matching.threads = options.threads;
+  matching.photo_budget_bytes = std::min(matching.photo_budget_bytes, options.max_memory_bytes / 4);
+  return matching;
+}
+
+double FinestShownM(const render::MosaicPlan& plan, const std::optional<double>& gsd_m,
+                    const alignment::AlignedFlight& flight) {
+  return std::max({plan.gsd_m, gsd_m.value_or(0.0), render::OutputPixelM(plan, flight)});
+}
+
+Result<MapSurface> MatchMapSurface(const FlightFacts& facts, const std::optional<double>& gsd_m,
+                                   const MosaicOptions& options, const flight::PhotoSource& photos,
+                                   Progress& progress) {
+  render::PlanOptions plan_options = PlanWithin(options);
+  plan_options.gsd_m = gsd_m;
+  SKYQUILT_TRY_ASSIGN(const render::MosaicPlan plan,
+                      render::PlanMosaic(facts.flight, facts.ground, plan_options));
+  const geo::Bounds2 area = AreaSeen(plan, facts);
+  const double most_cells = static_cast<double>(options.max_memory_bytes / 4 / kBytesPerCell);
+  const double cell_m = std::max(kSurfaceCellPx * FinestShownM(plan, gsd_m, facts.flight),
+                                 std::sqrt(area.Width() * area.Height() / most_cells));
+  SKYQUILT_TRY_ASSIGN(surface::DenseSurface heights, surface::MatchSurface(facts.flight, photos, facts.ground,
+                                                                           surface::GridOver(area, cell_m),
+                                                                           SurfaceWithin(options), progress));
+  ground::GroundSurface ground = GroundOf(heights, facts);
+  return MapSurface{std::move(heights), std::move(ground)};
+}
+
+}  // namespace skyquilt::pipeline

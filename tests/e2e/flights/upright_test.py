@@ -1,0 +1,86 @@
+"""`stitch --surface dense`: roofs of simulated houses lie where their walls stand, ground behind them is that of other photos,
+and the map is the same for any number of threads, resumed, beside dsm.tif and placed anew."""
+import json
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "bench"))
+from server_support import BINARY  # noqa: E402
+
+
+class Upright(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.scratch = pathlib.Path(tempfile.mkdtemp(prefix="skyquilt_upright_"))
+        cls.addClassCleanup(shutil.rmtree, cls.scratch)
+        cls.flight = cls.scratch / "flight"
+        subprocess.run([BINARY, "simulate", "-o", cls.flight, "--photos", "12", "--size", "800x600", "--height", "50", "--houses", "6",
+                        "--relief-m", "3", "--noise", "rtk", "--seed", "5", "--surface", "--sidelap", "0.75"],
+                       check=True, capture_output=True)
+        cls.map = cls.scratch / "map"
+        cls.stitch(cls.map, "--surface", "dense", "--threads", "1")
+
+    @classmethod
+    def stitch(cls, out, *options):
+        done = subprocess.run([BINARY, "stitch", cls.flight / "photos", "-o", out, *options], capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+
+    @staticmethod
+    def tiles(folder):
+        return (folder / "mosaic.mbtiles").read_bytes()
+
+    def test_roofs_lie_where_their_walls_stand(self):
+        try:
+            import numpy
+            import surface_accuracy
+        except ImportError:
+            self.skipTest("GDAL's Python package with numpy is not installed")
+        self.stitch(self.scratch / "leaning")
+        truth = json.loads((self.flight / "truth" / "poses.json").read_text())
+        away = {}
+        for name in ("leaning", "map"):
+            shifts, corners = surface_accuracy.corner_shifts(self.scratch / name / "mosaic.mbtiles", self.flight, truth, truth["gsd_m"])
+            self.assertGreater(len(shifts), 0.5 * corners)
+            away[name] = numpy.median(numpy.linalg.norm(shifts, axis=1)) / truth["gsd_m"]
+        self.assertLess(away["map"], 2.0)
+        self.assertGreater(away["leaning"], 2 * away["map"])
+
+    def test_two_threads_make_the_same_also_beside_heights(self):
+        out = self.scratch / "two"
+        self.stitch(out, "--surface", "dense", "--threads", "2", "--formats", "dsm")
+        self.assertEqual(self.tiles(out), self.tiles(self.map))
+        report = json.loads((out / "report.json").read_text())
+        self.assertGreater(report["surface"]["measured_share"], 0.6)
+        self.assertEqual([timing["stage"] for timing in report["timings"]].count("surface"), 2, "matched, and written")
+
+    def test_the_smooth_map_of_the_folder_is_not_taken_for_it(self):
+        out = self.scratch / "changed"
+        self.stitch(out)
+        smooth = self.tiles(out)
+        refused = subprocess.run([BINARY, "stitch", self.flight / "photos", "-o", out, "--surface", "dense"], capture_output=True, text=True)
+        self.assertNotEqual(refused.returncode, 0)
+        self.assertIn("--surface smooth (now dense)", refused.stderr)
+        self.assertEqual(self.tiles(out), smooth)
+        self.stitch(out, "--surface", "dense", "--overwrite")
+        self.assertEqual(self.tiles(out), self.tiles(self.map))
+        self.stitch(out, "--overwrite")
+        self.assertEqual(self.tiles(out), smooth)
+
+    def test_a_map_that_is_placed_stays_upright(self):
+        folder = self.scratch / "moved"
+        shutil.copytree(self.map, folder)
+        west, south, _, _ = json.loads((folder / "report.json").read_text())["bounds"]
+        done = subprocess.run([BINARY, "place", folder, "--again", "--point", f"{south},{west}={south + 0.001},{west}"], capture_output=True,
+                              text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("surface", [timing["stage"] for timing in json.loads((folder / "report.json").read_text())["timings"]])
+
+
+if __name__ == "__main__":
+    unittest.main()
