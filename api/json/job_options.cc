@@ -90,6 +90,16 @@ Result<void> SetMethod(const json& value, pipeline::MosaicOptions* options) {
   return Refuse("method", "must be \"auto\", \"images\", \"imu\", \"features\" or \"direct\"");
 }
 
+Result<void> SetSurface(const json& value, pipeline::MosaicOptions* options) {
+  for (const auto& [name, ground] : pipeline::kMapGrounds) {
+    if (value == name) {
+      options->surface = ground;
+      return {};
+    }
+  }
+  return Refuse("surface", "must be \"smooth\" or \"dense\"");
+}
+
 Result<void> SetOrigin(const json& value, pipeline::MosaicOptions* options) {
   if (value.is_null()) return {};
   if (!value.is_array() || value.size() != 2 || !value[0].is_number() || !value[1].is_number()) {
@@ -215,6 +225,8 @@ Result<pipeline::MosaicOptions> ParseJobOptions(std::string_view text) {
       set = SetQuality(value, &options);
     } else if (field == "method") {
       set = SetMethod(value, &options);
+    } else if (field == "surface") {
+      set = SetSurface(value, &options);
     } else if (field == "origin") {
       set = SetOrigin(value, &options);
     } else if (field == "boundary") {
@@ -235,7 +247,7 @@ Result<pipeline::MosaicOptions> ParseJobOptions(std::string_view text) {
           {flight::RemarkCode::kFailOptionUnknown,
            {{"option", field},
             {"known_words",
-             "gsd_m, any_gsd, not_finer_than_photos, max_look_deg, readout_ms, format, quality, method, origin, "
+             "gsd_m, any_gsd, not_finer_than_photos, max_look_deg, readout_ms, format, quality, method, surface, origin, "
              "boundary, takeoff_height_m, landed_at_start, place, layers and import_file"}}});
     }
     if (!set) return set.error();

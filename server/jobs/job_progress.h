@@ -22,6 +22,7 @@ namespace skyquilt::server {
 using StageShares = std::vector<std::pair<std::string, double>>;
 // Of a flight of some hundred photos, where none has been measured.
 StageShares UsualShares();
+StageShares SharesWithHeights();  // of a map on which things stand upright
 // Of taking over a map of others.
 StageShares SharesOfImport();
 // As measured here.

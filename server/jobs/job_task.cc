@@ -14,6 +14,11 @@ bool IsImport(const std::string& options) {
   return parsed && !parsed->import_file.empty();
 }
 
+bool IsMadeWhole(const std::string& options) {
+  const Result<pipeline::MosaicOptions> parsed = api::ParseJobOptions(options);
+  return parsed && (!parsed->import_file.empty() || parsed->surface != pipeline::MapGround::kSmooth);
+}
+
 Result<LimitedTask> TaskOf(const WorkerContext& context, const std::string& flight_id,
                            const std::string& options, const ShareOfFiles& share, Progress& progress) {
   SKYQUILT_TRY_ASSIGN(const storage::Flight flight, context.catalogue.GetFlight(flight_id));

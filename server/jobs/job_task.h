@@ -1,8 +1,9 @@
-// IsImport: is a job to take over a map of others (its option "import_file")?
-// TaskOf: what a worker asks the confined process that works on a job for: the flight's files, or the one
-// that is to be imported with the report beside it, where they are on this machine (fetched, where photos lie
-// elsewhere), the options, and the limits. Blocking. Errors: those of the catalogue and of blobs;
-// kInvalidArgument (the options); kCancelled.
+// IsImport: is a job to take over a map of others (its option "import_file")? IsMadeWhole: or one whose
+// heights are matched (its option "surface"), which units of other machines know nothing of? TaskOf: what a
+// worker asks the confined process that works on a job for: the flight's files, or the one that is to be
+// imported with the report beside it, where they are on this machine (fetched, where photos lie elsewhere),
+// the options, and the limits. Blocking. Errors: those of the catalogue and of blobs; kInvalidArgument (the
+// options); kCancelled.
 #pragma once
 
 #include <optional>
@@ -32,6 +33,7 @@ struct ShareOfFiles {
 };
 
 bool IsImport(const std::string& options);
+bool IsMadeWhole(const std::string& options);
 
 Result<LimitedTask> TaskOf(const WorkerContext& context, const std::string& flight_id,
                            const std::string& options, const ShareOfFiles& share, Progress& progress);

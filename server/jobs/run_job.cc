@@ -212,7 +212,7 @@ Result<bool> Publish(WorkerContext& context, const storage::Lease& lease, const 
 // What the jobs before took says how long this one will; nothing before the first one. Costs are a comfort: a
 // job goes on without them.
 std::optional<storage::Expectation> Expect(WorkerContext& context, const storage::Lease& lease) {
-  if (IsImport(lease.options)) return std::nullopt;  // what was measured is of photos
+  if (IsMadeWhole(lease.options)) return std::nullopt;  // what was measured is of photos on the smooth ground
   constexpr int kJobsToGoBy = 30;
   const Result<std::vector<storage::JobCost>> costs = context.costs.Latest(kJobsToGoBy);
   const Result<storage::Flight> flight = context.catalogue.GetFlight(lease.flight_id);
@@ -227,7 +227,7 @@ std::optional<storage::Expectation> Expect(WorkerContext& context, const storage
 }
 
 void KeepCost(WorkerContext& context, const storage::Lease& lease, const StitchOutcome& outcome) {
-  if (IsImport(lease.options)) return;
+  if (IsMadeWhole(lease.options)) return;
   const storage::JobCost cost{lease.job_id, outcome.figures.photos_total, outcome.stages_s};
   const Result<void> kept = context.costs.Add(cost);
   if (!kept) LogFailure(lease.job_id, "cost", kept.error().detail);
@@ -251,7 +251,9 @@ void RunJob(WorkerContext& context, const storage::Lease& lease) {
     if (found) AdoptEarlierAttempt(context.dir, lease);
     ScopedFolder work(context.dir.Work() / storage::WorkName(lease));
     const std::optional<storage::Expectation> expectation = Expect(context, lease);
-    const StageShares usual = IsImport(lease.options) ? SharesOfImport() : UsualShares();
+    const StageShares usual = IsImport(lease.options)      ? SharesOfImport()
+                              : IsMadeWhole(lease.options) ? SharesWithHeights()
+                                                           : UsualShares();
     JobProgress progress(context.queue, lease, context.is_stopping,
                          expectation ? SharesOf(*expectation) : usual, ProgressOf(cut.step),
                          UnheardTime(context));

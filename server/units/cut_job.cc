@@ -228,7 +228,7 @@ Result<void> HandIn(const WorkerContext& context, const std::string& flight_id, 
 
 Result<CutJob> CutOf(const WorkerContext& context, const storage::Lease& lease) {
   CutJob cut;
-  if (IsImport(lease.options)) return cut;
+  if (IsMadeWhole(lease.options)) return cut;
   SKYQUILT_TRY_ASSIGN(const std::vector<storage::UnitCount> counts, context.units.Of(lease.job_id));
   const storage::UnitCount* looks = CountOf(counts, UnitKind::kLook);
   if (looks == nullptr) {

@@ -49,6 +49,12 @@ TEST(WholeJobFraction, GrowsThroughTheStages) {
   EXPECT_EQ(WholeJobFraction(UsualShares(), "unknown", 0.5), 0.0);
 }
 
+TEST(WholeJobFraction, CountsHeightsWhereTheyAreMatched) {
+  EXPECT_NEAR(WholeJobFraction(SharesWithHeights(), "export", 1.0), 1.0, 1e-9);
+  EXPECT_GT(WholeJobFraction(SharesWithHeights(), "surface", 1.0),
+            WholeJobFraction(SharesWithHeights(), "surface", 0.0) + 0.3);
+}
+
 TEST(WholeJobFraction, GoesByWhatWasMeasured) {
   const StageShares shares = SharesOf({60.0, 50.0, 70.0, {{"align", 0.75}, {"render", 0.25}}});
   EXPECT_NEAR(WholeJobFraction(shares, "align", 1.0), 0.75, 1e-9);

@@ -46,5 +46,13 @@ TEST_F(RunJobTest, WhereTheCatalogueDoesNotSayWhetherAJobIsCutItIsGivenBackAndNo
   EXPECT_EQ((*units_.Of(lease.job_id)).at(0).count, 1);
 }
 
+TEST_F(RunJobTest, AMapWhoseHeightsAreMatchedIsMadeByOneWorker) {
+  storage::Lease lease = Claimed();
+  lease.options = R"({"surface":"dense"})";
+  EXPECT_EQ(CutOf(context_, lease)->step, CutStep::kWhole);
+  lease.options = R"({"surface":"smooth"})";
+  EXPECT_EQ(CutOf(context_, lease)->step, CutStep::kLook);
+}
+
 }  // namespace
 }  // namespace skyquilt::server

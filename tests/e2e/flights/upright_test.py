@@ -3,6 +3,7 @@ and the map is the same for any number of threads, resumed, beside dsm.tif and p
 import json
 import pathlib
 import shutil
+import sqlite3
 import subprocess
 import sys
 import tempfile
@@ -10,7 +11,7 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "bench"))
-from server_support import BINARY  # noqa: E402
+from server_support import BINARY, Server  # noqa: E402
 
 
 class Upright(unittest.TestCase):
@@ -71,6 +72,21 @@ class Upright(unittest.TestCase):
         self.assertEqual(self.tiles(out), self.tiles(self.map))
         self.stitch(out, "--overwrite")
         self.assertEqual(self.tiles(out), smooth)
+
+    def test_a_server_makes_the_same(self):
+        server = Server(self.scratch / "data")
+        self.addCleanup(server.stop)
+        photos = [(path.name, path.read_bytes()) for path in sorted((self.flight / "photos").glob("*.JPG"))]
+        status, made = server.upload(photos, name="Village", options=json.dumps({"surface": "dense", "layers": ["height"]}))
+        self.assertEqual(status, 202, made)
+        job = server.wait_for_job(made["job"]["id"])
+        self.assertEqual((job["state"], job["options"]["surface"]), ("successful", "dense"), job)
+        flight = made["flight"]["id"]
+        self.assertGreater(server.json("GET", f"/api/v1/flights/{flight}/report")[1]["surface"]["measured_share"], 0.6)
+        copy = self.scratch / "downloaded.mbtiles"
+        copy.write_bytes(server.request("GET", f"/api/v1/flights/{flight}/download.mbtiles")[2])
+        tiles = lambda path: sqlite3.connect(path).execute("SELECT * FROM tiles ORDER BY 1, 2, 3").fetchall()
+        self.assertEqual(tiles(copy), tiles(self.map / "mosaic.mbtiles"))
 
     def test_a_map_that_is_placed_stays_upright(self):
         folder = self.scratch / "moved"

@@ -8,6 +8,7 @@ import { parsePlace } from '../map/parse_place.js';
  * @property {string} resolution_cm of a pixel
  * @property {boolean} not_finer than the photos' own pixels
  * @property {string} method
+ * @property {string} surface
  * @property {string[]} layers
  * @property {string} max_look_deg
  * @property {string} readout_ms
@@ -22,6 +23,7 @@ import { parsePlace } from '../map/parse_place.js';
 /** @typedef {'resolution_cm'|'max_look_deg'|'readout_ms'|'quality'|'origin'|'takeoff_height_m'} TypedField */
 
 export const kMethods = ['auto', 'images', 'imu', 'features', 'direct'];
+export const kSurfaces = ['smooth', 'dense'];
 export const kFormats = ['auto', 'jpeg-png', 'webp'];
 export const kLayers = ['photo', 'error', 'height'];
 /** What the contract allows. @type {Record<Exclude<TypedField, 'origin'>, {least: number, most: number, is_whole?: boolean}>} */
@@ -34,7 +36,7 @@ export const kLimits = {
 };
 
 /** @type {Readonly<OptionsForm>} */
-export const kStandard = { resolution_cm: '', not_finer: true, method: 'auto', layers: kLayers, max_look_deg: '', readout_ms: '', format: 'auto', quality: '', origin: '', takeoff_height_m: '', boundary: null };
+export const kStandard = { resolution_cm: '', not_finer: true, method: 'auto', surface: 'smooth', layers: kLayers, max_look_deg: '', readout_ms: '', format: 'auto', quality: '', origin: '', takeoff_height_m: '', boundary: null };
 
 /** Those that come with the page, by their names in strings.options.presets. @type {Record<'standard'|'quick'|'detailed', OptionsForm>} */
 export const kPresets = {
@@ -68,6 +70,7 @@ export function optionsOf(form) {
       layers: kLayers.filter((layer) => form.layers.includes(layer)),
       ...(resolution_cm === null ? {} : { gsd_m: resolution_cm / 100, not_finer_than_photos: form.not_finer }),
       ...(form.method === 'auto' ? {} : { method: form.method }),
+      ...(form.surface === 'smooth' ? {} : { surface: form.surface }),
       ...(max_look_deg === null ? {} : { max_look_deg }),
       ...(readout_ms === null ? {} : { readout_ms }),
       ...(form.format === 'auto' ? {} : { format: form.format }),
@@ -124,6 +127,7 @@ export function formOf(options) {
     resolution_cm: typeof options.gsd_m === 'number' ? String(Number((options.gsd_m * 100).toPrecision(6))) : '',
     not_finer: typeof options.gsd_m !== 'number' || options.not_finer_than_photos === true,
     method: word(options.method, kMethods),
+    surface: word(options.surface, kSurfaces),
     layers: Array.isArray(options.layers) ? kLayers.filter((layer) => options.layers.includes(layer)) : [],
     max_look_deg: text(options.max_look_deg),
     readout_ms: text(options.readout_ms),

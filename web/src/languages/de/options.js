@@ -31,6 +31,7 @@ export const option_words = {
   names: {
     resolution_cm: 'Auflösung in cm pro Pixel',
     method: 'Platzierung der Fotos',
+    surface: 'Häuser und Bäume',
     layers: 'Zusatzebenen',
     max_look_deg: 'Größter Blickwinkel in Grad',
     readout_ms: 'Auslesezeit (Rolling Shutter) in ms',
@@ -43,6 +44,7 @@ export const option_words = {
   hints: {
     resolution_cm: 'Eine gröbere Karte entsteht schneller und ist kleiner.',
     method: '„Automatisch“ prüft die Metadaten der Fotos an dem, was die Fotos zeigen.',
+    surface: 'Aufrecht: ein echtes Orthofoto (True Orthophoto). Dafür werden zuerst Höhen in den Fotos gemessen; das dauert ein Mehrfaches.',
     layers: 'Werden zusätzlich zur Karte erstellt, je etwa ein Zehntel ihrer Größe.',
     max_look_deg: 'Was Fotos schräger sehen, wird nicht gezeichnet. 10 bis 75, gemessen von senkrecht nach unten.',
     readout_ms: 'Zeit vom Auslesen der ersten Zeile des Sensors bis zur letzten. 0 bei einem Global Shutter.',
@@ -60,6 +62,7 @@ export const option_words = {
     features: 'Metadaten, verfeinert durch Merkmale',
     direct: 'Metadaten, verfeinert durch Helligkeit',
   },
+  surfaces: { smooth: 'Wie sie in den Fotos kippen', dense: 'Aufrecht (True Orthophoto)' },
   formats: { auto: 'JPEG, am Rand WebP', 'jpeg-png': 'JPEG, am Rand PNG', webp: 'WebP' },
   coarse_title: (/** @type {string} */ name) => `Wirklich eine so grobe Karte von „${name}“?`,
   coarse_text: (/** @type {string} */ asked, /** @type {string} */ shown, /** @type {number} */ times) => `Verlangt ist eine Auflösung von ${asked}. Die Fotos zeigen ${shown}, das ist ${number(times, { maximumFractionDigits: 0 })}-mal feiner. Das Feld zählt in Zentimetern.`,

@@ -31,6 +31,7 @@ export const option_words = {
   names: {
     resolution_cm: 'Resolution in cm per pixel',
     method: 'Photo placement',
+    surface: 'Houses and trees',
     layers: 'Overlays',
     max_look_deg: 'Largest viewing angle in degrees',
     readout_ms: 'Rolling shutter readout in ms',
@@ -43,6 +44,7 @@ export const option_words = {
   hints: {
     resolution_cm: 'A coarser map is made faster and is smaller.',
     method: 'Automatic tests the photos’ metadata against what the photos show.',
+    surface: 'Upright: a true orthophoto. Heights are measured in the photos first, which takes several times as long.',
     layers: 'Created in addition to the map, each about a tenth of its size.',
     max_look_deg: 'Parts of photos seen more obliquely than this are not drawn. 10 to 75, measured from straight down.',
     readout_ms: 'Time from reading the first row of the sensor to the last. 0 for a global shutter.',
@@ -60,6 +62,7 @@ export const option_words = {
     features: 'Metadata refined by features',
     direct: 'Metadata refined by brightness',
   },
+  surfaces: { smooth: 'As they lean in the photos', dense: 'Upright (true orthophoto)' },
   formats: { auto: 'JPEG, WebP at the edge', 'jpeg-png': 'JPEG, PNG at the edge', webp: 'WebP' },
   coarse_title: (/** @type {string} */ name) => `Really so coarse a map of “${name}”?`,
   coarse_text: (/** @type {string} */ asked, /** @type {string} */ shown, /** @type {number} */ times) => `The resolution asked for is ${asked}. The photos show ${shown}, which is ${number(times, { maximumFractionDigits: 0 })} times finer. The field counts in centimetres.`,

@@ -49,6 +49,10 @@ class JobOptions(TypedDict, total=False):
     format: Literal['auto', 'jpeg-png', 'webp']
     quality: int
     method: Literal['auto', 'images', 'imu', 'features', 'direct']
+    # What photos are projected to: the ground alone, on which houses and trees lean as they do in the photos, or
+    # heights of every two pixels, so that they stand upright (a true orthophoto), which takes several times as long.
+    # A flight of so many photos that it is cut into units is made by one worker then
+    surface: Literal['smooth', 'dense']
     # Latitude and longitude of the take-off in degrees, for a flight that recorded no position at all
     origin: Optional[List[float]]
     # Polygon, MultiPolygon, Feature or FeatureCollection of polygons (GeoJSON, WGS 84): the map is cut to it; photos
