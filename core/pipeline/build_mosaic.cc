@@ -102,8 +102,10 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   if (finished != 0 && finished != aligned.photos.size()) around = AddedAndAround(aligned, finished);
   std::optional<render::SeamPatches> patches;
   auto rendered = stages.Run("render", [&]() -> Result<render::RenderReport> {
-    const std::vector<image::PixelBox> shown = render::ShownRegions(aligned, shown_ground, seams);
-    for (std::size_t i = 0; i < shown.size(); ++i) cache.Expect(i, shown[i]);
+    if (!surface) {  // where things stand upright any photo may be asked for what another does not see
+      const std::vector<image::PixelBox> shown = render::ShownRegions(aligned, ground, seams);
+      for (std::size_t i = 0; i < shown.size(); ++i) cache.Expect(i, shown[i]);
+    }
     patches.emplace(around ? *around : aligned, shown_ground, measure);
     if (!around) patches->WatchFor(cache);
     const render::RenderContext context{aligned, shown_ground, planned.exposure, seams, plan, cache};

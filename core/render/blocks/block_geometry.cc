@@ -4,7 +4,9 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <optional>
 
+#include "core/base/bilinear_grid.h"
 #include "core/base/check.h"
 #include "core/camera/footprint.h"
 #include "core/camera/rolling_shutter.h"
@@ -69,6 +71,54 @@ BlockGeometry MakeBlockGeometry(const geo::TileId& block_tile, int size_px, cons
   return block;
 }
 
+namespace {
+
+// How a camera that moves while it reads its rows stood for each node of a fine grid. The row that sees a
+// node is looked for on nodes kNodeStepPx apart: between them it changes by less than a place can tell.
+class RowPoses {
+ public:
+  struct Pose {
+    Eigen::Matrix3d cam_from_enu;
+    Eigen::Vector3d shift;
+  };
+
+  RowPoses(const alignment::AlignedPhoto& photo, const BlockGeometry& block)
+      : nodes_per_side_(block.nodes_per_side),
+        every_(kNodeStepPx / block.node_step_px),
+        coarse_per_side_(block.size_px / kNodeStepPx + 1) {
+    for (int row = 0; row < photo.intrinsics.height_px; ++row) {
+      const geo::Rigid3 pose =
+          camera::PoseAtRow(photo.cam_from_enu, photo.readout_motion, row, photo.intrinsics.height_px);
+      poses_.push_back({pose.rotation.toRotationMatrix(), pose.translation});
+    }
+    for (int row = 0; row < nodes_per_side_; row += every_) {
+      for (int column = 0; column < nodes_per_side_; column += every_) {
+        const auto pixel = camera::ProjectRolling(
+            photo.intrinsics, photo.cam_from_enu, photo.readout_motion,
+            block.ground_in_enu[static_cast<std::size_t>(row) * nodes_per_side_ + column]);
+        rows_px_.push_back(pixel ? static_cast<float>(pixel->y()) : std::numeric_limits<float>::quiet_NaN());
+      }
+    }
+  }
+  // Nothing where no row sees it.
+  const Pose* At(std::size_t node) const {
+    const int row = static_cast<int>(node) / nodes_per_side_,
+              column = static_cast<int>(node) % nodes_per_side_;
+    const double row_px = BilinearAt(rows_px_, coarse_per_side_, coarse_per_side_,
+                                     static_cast<double>(column) / every_, static_cast<double>(row) / every_);
+    if (std::isnan(row_px)) return nullptr;
+    const double last = static_cast<double>(poses_.size()) - 1.0;
+    return &poses_[static_cast<std::size_t>(std::clamp(row_px + 0.5, 0.0, last))];
+  }
+
+ private:
+  const int nodes_per_side_, every_, coarse_per_side_;
+  std::vector<Pose> poses_;     // by row of the picture
+  std::vector<float> rows_px_;  // by coarse node
+};
+
+}  // namespace
+
 PhotoView ViewBlock(const alignment::AlignedPhoto& photo, const BlockGeometry& block) {
   PhotoView view;
   view.pixel_in_image.resize(block.ground_in_enu.size());
@@ -79,15 +129,21 @@ PhotoView ViewBlock(const alignment::AlignedPhoto& photo, const BlockGeometry& b
   const double max_radius_squared = lens.HasDistortion() ? lens.MaxRadiusSquared() : 1e300;
   const double widest_tangent = std::tan(photo.max_look_rad);
   const bool moves = !photo.readout_motion.IsStill(), turns = !photo.readout_motion.turns_rad.empty();
+  std::optional<RowPoses> rows;
+  if (moves && block.node_step_px < kNodeStepPx) rows.emplace(photo, block);
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   for (std::size_t i = 0; i < block.ground_in_enu.size(); ++i) {
     const Eigen::Vector3d offset = block.ground_in_enu[i] - center;
     const double sideways_m = offset.head<2>().norm();
     view.nadir_distance_m[i] = static_cast<float>(sideways_m);
     view.pixel_in_image[i] = {kNan, kNan};
-    const Eigen::Vector3d in_cam = rotation * offset;
+    const RowPoses::Pose* pose = rows ? rows->At(i) : nullptr;
+    if (rows && pose == nullptr) continue;
+    const Eigen::Vector3d in_cam =
+        pose != nullptr ? Eigen::Vector3d(pose->cam_from_enu * block.ground_in_enu[i] + pose->shift)
+                        : Eigen::Vector3d(rotation * offset);
     if (in_cam.z() <= 1e-6 || offset.z() >= 0.0 || sideways_m > -offset.z() * widest_tangent) continue;
-    if (turns) {  // what the middle row cannot see another may
+    if (turns && !rows) {  // what the middle row cannot see another may
       if (const auto pixel = camera::ProjectRolling(lens, photo.cam_from_enu, photo.readout_motion,
                                                     block.ground_in_enu[i])) {
         view.pixel_in_image[i] = pixel->cast<float>();
@@ -99,7 +155,7 @@ PhotoView ViewBlock(const alignment::AlignedPhoto& photo, const BlockGeometry& b
     const Eigen::Vector2d bent = lens.Distort(normalised);
     Eigen::Vector2d pixel(lens.focal_x_px * bent.x() + lens.center_x_px,
                           lens.focal_y_px * bent.y() + lens.center_y_px);
-    if (moves) {
+    if (moves && !rows) {
       const auto rolling =
           camera::ProjectRolling(lens, photo.cam_from_enu, photo.readout_motion, block.ground_in_enu[i]);
       if (!rolling) continue;
