@@ -73,8 +73,8 @@ BlockGeometry MakeBlockGeometry(const geo::TileId& block_tile, int size_px, cons
 
 namespace {
 
-// How a camera that moves while it reads its rows stood for each node of a fine grid. The row that sees a
-// node is looked for on nodes kNodeStepPx apart: between them it changes by less than a place can tell.
+// How a camera that moves while it reads its rows stood for each node of a fine grid: about which row sees a
+// node is looked for on nodes kNodeStepPx apart, and where that row sees it says which it is.
 class RowPoses {
  public:
   struct Pose {
@@ -106,9 +106,11 @@ class RowPoses {
               column = static_cast<int>(node) % nodes_per_side_;
     const double row_px = BilinearAt(rows_px_, coarse_per_side_, coarse_per_side_,
                                      static_cast<double>(column) / every_, static_cast<double>(row) / every_);
-    if (std::isnan(row_px)) return nullptr;
+    return std::isnan(row_px) ? nullptr : &OfRow(row_px);
+  }
+  const Pose& OfRow(double row_px) const {
     const double last = static_cast<double>(poses_.size()) - 1.0;
-    return &poses_[static_cast<std::size_t>(std::clamp(row_px + 0.5, 0.0, last))];
+    return poses_[static_cast<std::size_t>(std::clamp(row_px + 0.5, 0.0, last))];
   }
 
  private:
@@ -131,37 +133,46 @@ PhotoView ViewBlock(const alignment::AlignedPhoto& photo, const BlockGeometry& b
   const bool moves = !photo.readout_motion.IsStill(), turns = !photo.readout_motion.turns_rad.empty();
   std::optional<RowPoses> rows;
   if (moves && block.node_step_px < kNodeStepPx) rows.emplace(photo, block);
+  const auto pixel_of = [&](const Eigen::Vector3d& in_cam) -> std::optional<Eigen::Vector2d> {
+    if (in_cam.z() <= 1e-6) return std::nullopt;
+    const Eigen::Vector2d normalised = in_cam.head<2>() / in_cam.z();
+    if (normalised.squaredNorm() > max_radius_squared) return std::nullopt;
+    const Eigen::Vector2d bent = lens.Distort(normalised);
+    return Eigen::Vector2d(lens.focal_x_px * bent.x() + lens.center_x_px,
+                           lens.focal_y_px * bent.y() + lens.center_y_px);
+  };
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   for (std::size_t i = 0; i < block.ground_in_enu.size(); ++i) {
     const Eigen::Vector3d offset = block.ground_in_enu[i] - center;
     const double sideways_m = offset.head<2>().norm();
     view.nadir_distance_m[i] = static_cast<float>(sideways_m);
     view.pixel_in_image[i] = {kNan, kNan};
-    const RowPoses::Pose* pose = rows ? rows->At(i) : nullptr;
-    if (rows && pose == nullptr) continue;
-    const Eigen::Vector3d in_cam =
-        pose != nullptr ? Eigen::Vector3d(pose->cam_from_enu * block.ground_in_enu[i] + pose->shift)
-                        : Eigen::Vector3d(rotation * offset);
+    if (rows) {
+      const RowPoses::Pose* about = rows->At(i);
+      if (about == nullptr || offset.z() >= 0.0 || sideways_m > -offset.z() * widest_tangent) continue;
+      const auto first = pixel_of(about->cam_from_enu * block.ground_in_enu[i] + about->shift);
+      if (!first) continue;
+      const RowPoses::Pose& pose = rows->OfRow(first->y());
+      if (const auto pixel = pixel_of(pose.cam_from_enu * block.ground_in_enu[i] + pose.shift))
+        view.pixel_in_image[i] = pixel->cast<float>();
+      continue;
+    }
+    const Eigen::Vector3d in_cam = rotation * offset;
     if (in_cam.z() <= 1e-6 || offset.z() >= 0.0 || sideways_m > -offset.z() * widest_tangent) continue;
-    if (turns && !rows) {  // what the middle row cannot see another may
+    if (turns) {  // what the middle row cannot see another may
       if (const auto pixel = camera::ProjectRolling(lens, photo.cam_from_enu, photo.readout_motion,
                                                     block.ground_in_enu[i])) {
         view.pixel_in_image[i] = pixel->cast<float>();
       }
       continue;
     }
-    const Eigen::Vector2d normalised = in_cam.head<2>() / in_cam.z();
-    if (normalised.squaredNorm() > max_radius_squared) continue;
-    const Eigen::Vector2d bent = lens.Distort(normalised);
-    Eigen::Vector2d pixel(lens.focal_x_px * bent.x() + lens.center_x_px,
-                          lens.focal_y_px * bent.y() + lens.center_y_px);
-    if (moves && !rows) {
-      const auto rolling =
-          camera::ProjectRolling(lens, photo.cam_from_enu, photo.readout_motion, block.ground_in_enu[i]);
-      if (!rolling) continue;
-      pixel = *rolling;
+    std::optional<Eigen::Vector2d> pixel = pixel_of(in_cam);
+    if (!pixel) continue;
+    if (moves) {
+      pixel = camera::ProjectRolling(lens, photo.cam_from_enu, photo.readout_motion, block.ground_in_enu[i]);
+      if (!pixel) continue;
     }
-    view.pixel_in_image[i] = pixel.cast<float>();
+    view.pixel_in_image[i] = pixel->cast<float>();
   }
   // A cell touches the image if the box around its four corners does.
   const int n = block.nodes_per_side;
