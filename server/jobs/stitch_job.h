@@ -41,5 +41,7 @@ Result<pipeline::MosaicReport> StitchToDirectory(const std::vector<flight::Input
 // The files of the finished map in a folder, to which others may be added. Errors: kNotFound (no map with a
 // memory), kCorrupt.
 Result<std::vector<flight::InputFile>> FilesOfMap(const std::filesystem::path& out_dir);
+// What its photos are projected to, which stays so when others are added. Errors: as FilesOfMap.
+Result<pipeline::MapGround> GroundOfMap(const std::filesystem::path& out_dir);
 
 }  // namespace skyquilt::server

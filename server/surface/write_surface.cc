@@ -14,20 +14,6 @@
 namespace skyquilt::server {
 namespace {
 
-// Around the map's covered ground.
-geo::Bounds2 AreaOf(const pipeline::BuiltMosaic& built) {
-  const geo::LatLonBounds& bounds = built.report.bounds;
-  geo::Bounds2 area;
-  for (const double lat_deg : {bounds.south_deg, bounds.north_deg}) {
-    for (const double lon_deg : {bounds.west_deg, bounds.east_deg}) {
-      const Eigen::Vector3d corner =
-          built.flight.frame.EnuAtHeight({lat_deg, lon_deg}, built.ground.MeanHeight());
-      area.Include(Eigen::Vector2d(corner.head<2>()));
-    }
-  }
-  return area;
-}
-
 // Hands out what was matched for the map itself, a band of rows at a time: `grid` has its cells.
 Result<void> PutMatched(const surface::DenseSurface& matched, const surface::SurfaceGrid& grid,
                         storage::SurfaceWriter& writer) {
@@ -71,7 +57,8 @@ Result<void> WriteSurface(pipeline::BuiltMosaic& built, const pipeline::MosaicOp
     const surface::DenseSurface* matched = built.surface ? &built.surface->heights : nullptr;
     const double cell_m =
         matched != nullptr ? matched->grid.cell_m : pipeline::kSurfaceCellPx * built.report.gsd_m;
-    const surface::SurfaceGrid grid = surface::GridOver(AreaOf(built), cell_m);
+    const surface::SurfaceGrid grid = surface::GridOver(
+        pipeline::AreaBelow(built.report.bounds, built.flight.frame, built.ground.MeanHeight()), cell_m);
     storage::SurfaceWriter writer(out_dir, built.flight.frame, grid, built.ground.MeanHeight(),
                                   options.threads, progress);
     SKYQUILT_TRY(writer.Begin());

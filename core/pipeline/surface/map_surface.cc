@@ -24,19 +24,6 @@ constexpr int kPhotosThatBearOut = 3, kSquareCells = 16, kFadeSquares = 6;
 // Heights twice, confidence and photos that agree.
 constexpr std::int64_t kBytesPerCell = 10;
 
-geo::Bounds2 AreaSeen(const render::MosaicPlan& plan, const FlightFacts& facts) {
-  geo::Bounds2 area;
-  const geo::Bounds2& seen = plan.bounds_in_merc;
-  for (const double x : {seen.min.x(), seen.max.x()}) {
-    for (const double y : {seen.min.y(), seen.max.y()}) {
-      const Eigen::Vector3d corner =
-          facts.flight.frame.EnuAtHeight(geo::LatLonFromMerc({x, y}), facts.ground.MeanHeight());
-      area.Include(Eigen::Vector2d(corner.head<2>()));
-    }
-  }
-  return area;
-}
-
 // By square of kSquareCells cells: 0 where fewer photos look than one height takes to be borne out by
 // another, rising to 1 over the squares beside: at the rim of a flight, where two photos show one house and a
 // third does not, a roof stands neither here nor there.
@@ -110,6 +97,15 @@ ground::GroundSurface GroundOf(const surface::DenseSurface& heights, const Fligh
 
 }  // namespace
 
+geo::Bounds2 AreaBelow(const geo::LatLonBounds& bounds, const geo::LocalFrame& frame, double z_in_enu_m) {
+  geo::Bounds2 area;
+  for (const double lat_deg : {bounds.south_deg, bounds.north_deg}) {
+    for (const double lon_deg : {bounds.west_deg, bounds.east_deg})
+      area.Include(Eigen::Vector2d(frame.EnuAtHeight({lat_deg, lon_deg}, z_in_enu_m).head<2>()));
+  }
+  return area;
+}
+
 bool StandsUpright(const FlightFacts& facts) {
   const auto asked = facts.asked.find("--surface");
   return asked != facts.asked.end() && asked->second == NameOf(MapGround::kDense);
@@ -150,7 +146,8 @@ Result<MapSurface> MatchMapSurface(const FlightFacts& facts, const std::optional
   plan_options.gsd_m = gsd_m;
   SKYQUILT_TRY_ASSIGN(const render::MosaicPlan plan,
                       render::PlanMosaic(facts.flight, facts.ground, plan_options));
-  const geo::Bounds2 area = AreaSeen(plan, facts);
+  const geo::Bounds2 area = AreaBelow(geo::LatLonBoundsFromMerc(plan.bounds_in_merc), facts.flight.frame,
+                                      facts.ground.MeanHeight());
   const double most_cells = static_cast<double>(options.max_memory_bytes / 4 / kBytesPerCell);
   const double cell_m = std::max(kSurfaceCellPx * FinestShownM(plan, gsd_m, facts.flight),
                                  std::sqrt(area.Width() * area.Height() / most_cells));

@@ -26,6 +26,9 @@ struct MapSurface {
   ground::GroundSurface ground;  // the same, and the smooth ground where no photo looks
 };
 
+// Around the part of enu that lies below geographic bounds, at that height.
+geo::Bounds2 AreaBelow(const geo::LatLonBounds& bounds, const geo::LocalFrame& frame, double z_in_enu_m);
+
 // Whether what stands on the ground is to be shown upright.
 bool StandsUpright(const FlightFacts& facts);
 

@@ -53,6 +53,7 @@ struct StitchArguments {
   bool no_pmtiles = false;
   bool utm = false;
   bool kmz = false;
+  bool says_surface = false;
   bool append = false;
   bool overwrite = false;
   std::filesystem::path trace;
@@ -185,6 +186,9 @@ void Run(StitchArguments& arguments) {
   if (!files) Fail("skyquilt", files.error());
   if (arguments.append) {
     AddFinishedFiles(arguments.out_dir, *files);
+    const Result<pipeline::MapGround> ground = GroundOfMap(arguments.out_dir);
+    if (!ground) Fail("skyquilt", ground.error());
+    if (!arguments.says_surface) arguments.job.mosaic.surface = *ground;
   } else if (arguments.overwrite) {
     const Result<void> kept = CheckNoInputIsReplaced(arguments.out_dir, *files);
     if (!kept) Fail("skyquilt", kept.error());
@@ -267,15 +271,16 @@ void AddStitchCommand(CLI::App& app) {
                       "LAT,LON of the take-off in degrees, for a flight that recorded no position at all");
   command->add_flag("--landed-at-start", arguments->job.mosaic.landed_at_start,
                     "A flight without any position landed where it took off");
-  command
-      ->add_option(
-          "--surface", arguments->job.mosaic.surface,
-          "smooth: photos are projected to the ground, and what stands on it leans as it does in them; dense: houses, "
-          "walls and trees stand upright (a true orthophoto), by heights of every two pixels that are matched in "
-          "the photos first, which takes several times as long")
-      ->capture_default_str()
-      ->transform(OneOf(std::vector<std::pair<std::string, pipeline::MapGround>>(
-          std::begin(pipeline::kMapGrounds), std::end(pipeline::kMapGrounds))));
+  CLI::Option* surface =
+      command
+          ->add_option(
+              "--surface", arguments->job.mosaic.surface,
+              "smooth: photos are projected to the ground, and what stands on it leans as it does in them; dense: houses, "
+              "walls and trees stand upright (a true orthophoto), by heights of every two pixels that are matched in "
+              "the photos first, which takes several times as long. With --append as the map is")
+          ->capture_default_str()
+          ->transform(OneOf(std::vector<std::pair<std::string, pipeline::MapGround>>(
+              std::begin(pipeline::kMapGrounds), std::end(pipeline::kMapGrounds))));
   command
       ->add_option("--dem", arguments->job.mosaic.dem_path,
                    "GeoTIFF with the ground's heights (default: one among the files, else what the photos "
@@ -342,7 +347,10 @@ void AddStitchCommand(CLI::App& app) {
       "  skyquilt stitch photos/ flight.BIN -o map\n"
       "  skyquilt stitch more/ -o map --append\n"
       "  skyquilt stitch photos/ -o map --formats utm && gdalinfo map/mosaic_utm.tif");
-  command->callback([arguments] { Run(*arguments); });
+  command->callback([arguments, surface] {
+    arguments->says_surface = surface->count() > 0;
+    Run(*arguments);
+  });
 }
 
 }  // namespace skyquilt::server

@@ -88,6 +88,19 @@ class Upright(unittest.TestCase):
         tiles = lambda path: sqlite3.connect(path).execute("SELECT * FROM tiles ORDER BY 1, 2, 3").fetchall()
         self.assertEqual(tiles(copy), tiles(self.map / "mosaic.mbtiles"))
 
+    def test_photos_that_are_added_leave_it_upright(self):
+        photos = sorted((self.flight / "photos").glob("*.JPG"))
+        first, rest, out = self.scratch / "first", self.scratch / "rest", self.scratch / "grown"
+        for folder, part in ((first, photos[:-1]), (rest, photos[-1:])):
+            folder.mkdir()
+            for photo in part:
+                shutil.copy(photo, folder)
+        for folder, words in ((first, ["--surface", "dense"]), (rest, ["--append"])):
+            done = subprocess.run([BINARY, "stitch", folder, "-o", out, *words], capture_output=True, text=True)
+            self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("12 photos", done.stdout)
+        self.assertIn("upright by heights", done.stdout)
+
     def test_a_map_that_is_placed_stays_upright(self):
         folder = self.scratch / "moved"
         shutil.copytree(self.map, folder)
