@@ -1,9 +1,10 @@
 // StitchToDirectory: one flight from files to finished products in a folder: mosaic.mbtiles, thumbnail.png,
 // bands.tif for cameras of several bands, mosaic.pmtiles, mosaic.tif (COG), mosaic_utm.tif, mosaic.kmz,
-// dsm.tif with dsm_photos.tif, and layer_*.mbtiles with layers.json by option, report.json, photos.geojson,
-// and for OpenDroneMap cameras.json and geo.txt, each written under a temporary name and published by rename.
-// What both the `stitch` command and the worker run. Blocking; one call at a time per process (it uses all
-// the threads asked for). Errors: kUnprocessable (no photo could be placed), kCancelled, kOutOfSpace, kIo.
+// dsm.tif with dsm_photos.tif, dtm.tif with dtm_ground.tif and contours, and layer_*.mbtiles with layers.json
+// by option, report.json, photos.geojson, and for OpenDroneMap cameras.json and geo.txt, each written under a
+// temporary name and published by rename. What both the `stitch` command and the worker run. Blocking; one
+// call at a time per process (it uses all the threads asked for). Errors: kUnprocessable (no photo could be
+// placed), kCancelled, kOutOfSpace, kIo.
 #pragma once
 
 #include <filesystem>
@@ -25,6 +26,7 @@ struct StitchJobOptions {
   bool write_utm = false;
   bool write_kmz = false;
   bool write_dsm = false;  // heights: dsm.tif and dsm_photos.tif
+  bool write_dtm = false;  // and of the ground below: dtm.tif, dtm_ground.tif, contours.*
   bool is_fresh = false;   // nothing is taken from earlier runs
   // A finished map of the same flight: what has not changed is taken from it. Empty: that of the folder
   // itself.

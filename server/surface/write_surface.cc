@@ -4,11 +4,14 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "core/base/scoped_timer.h"
 #include "core/base/try.h"
 #include "core/surface/match_surface.h"
+#include "core/surface/terrain/ground_sketch.h"
+#include "storage/exports/heights/contours.h"
 #include "storage/exports/heights/surface_writer.h"
 
 namespace skyquilt::server {
@@ -47,8 +50,8 @@ Result<void> PutMatched(const surface::DenseSurface& matched, const surface::Sur
 }  // namespace
 
 Result<void> WriteSurface(pipeline::BuiltMosaic& built, const pipeline::MosaicOptions& options,
-                          const flight::PhotoSource& photos, const std::filesystem::path& out_dir,
-                          Progress& progress) {
+                          const flight::PhotoSource& photos, bool is_ground_wanted,
+                          const std::filesystem::path& out_dir, Progress& progress) {
   progress.BeginStage("surface");
   pipeline::StageTiming timing{"surface", 0.0, 0.0};
   {
@@ -59,8 +62,10 @@ Result<void> WriteSurface(pipeline::BuiltMosaic& built, const pipeline::MosaicOp
         matched != nullptr ? matched->grid.cell_m : pipeline::kSurfaceCellPx * built.report.gsd_m;
     const surface::SurfaceGrid grid = surface::GridOver(
         pipeline::AreaBelow(built.report.bounds, built.flight.frame, built.ground.MeanHeight()), cell_m);
+    std::optional<surface::GroundSketch> below;
+    if (is_ground_wanted) below.emplace(grid.columns, grid.rows, grid.cell_m);
     storage::SurfaceWriter writer(out_dir, built.flight.frame, grid, built.ground.MeanHeight(),
-                                  options.threads, progress);
+                                  options.threads, below ? &*below : nullptr, progress);
     SKYQUILT_TRY(writer.Begin());
     const Result<void> put =
         matched != nullptr ? PutMatched(*matched, grid, writer)
@@ -70,6 +75,10 @@ Result<void> WriteSurface(pipeline::BuiltMosaic& built, const pipeline::MosaicOp
     if (!put) return put.error();
     SKYQUILT_TRY(writer.Publish());
     if (matched == nullptr) pipeline::TellSurface(cell_m, writer.MeasuredShare(), built.report);
+    if (is_ground_wanted) {
+      SKYQUILT_TRY_ASSIGN(built.report.surface->contour_interval_m,
+                          storage::WriteContours(out_dir / "dtm.tif", surface::kSketchCellM, progress));
+    }
   }
   built.report.timings.push_back(timing);
   return {};

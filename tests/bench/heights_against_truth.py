@@ -1,6 +1,8 @@
 """A surface model of a simulated flight against the heights of the world that it shows. Used by surface_accuracy.py. Needs
 python3-gdal with numpy.
 """
+import pathlib
+
 import numpy
 from osgeo import gdal, osr
 
@@ -147,4 +149,13 @@ def measure_heights(dsm_path, folder, truth, gsd_m):
         out |= {"roofs": numpy.median(on_roofs) / gsd_m, "roofs P90": numpy.percentile(on_roofs, 90) / gsd_m}
     if len(volumes):
         out |= {"volume": numpy.median(volumes), "volume worst": max(volumes)}
+    dtm_path = pathlib.Path(str(dsm_path).replace("dsm.tif", "dtm.tif"))
+    if dtm_path.exists():
+        ground = gdal.Open(str(dtm_path))
+        below = numpy.abs(ground.GetRasterBand(1).ReadAsArray().astype(float) - terrain - median)
+        is_told = is_true & numpy.isfinite(below)
+        for name, where in (("below things", numbers > 0), ("beside", numbers == 0)):
+            where = where & is_told
+            if where.any():
+                out |= {name: numpy.median(below[where]) / gsd_m, f"{name} P90": numpy.percentile(below[where], 90) / gsd_m}
     return out

@@ -13,7 +13,9 @@ level ground (GSD), except for CE90, which is in pixels of the map's tiles as ma
   correlation, larger too, as a roof nearer to the camera is;
 - with a dsm.tif beside the map: the share of cells answered of those that three photos see (nothing that stands in the way),
   heights there on open ground (median, NMAD, RMSE) and on roofs but for the cell at their edge (median and P90 of the
-  absolute), and the volumes of houses over the ground around each (median and worst error).
+  absolute), and the volumes of houses over the ground around each (median and worst error);
+- with a dtm.tif as well: how far off the ground is where something stands on it, and elsewhere (median and P90 of the absolute,
+  but for what all open ground of the dsm.tif is off by).
 
 Needs python3-gdal with numpy.
 """
@@ -150,7 +152,8 @@ def measure_flight(folder, seconds):
 
 
 COLUMNS = {"ground CE90": 2, "corners": 2, "corners P90": 2, "corners found": "%", "answered": "%", "ground": 2, "NMAD": 2,
-           "RMSE": 2, "roofs": 2, "roofs P90": 2, "volume": "%", "volume worst": "%", "stitch s": 1}
+           "RMSE": 2, "roofs": 2, "roofs P90": 2, "volume": "%", "volume worst": "%", "below things": 2,
+           "below things P90": 2, "beside": 2, "beside P90": 2, "stitch s": 1}
 
 
 def row_of(numbers):

@@ -106,12 +106,12 @@ AbsoluteAccuracy StatedRadius(double sigma_of_axis_m, AbsoluteSupport by, std::s
   return {OfTwoDigits(kCircleSigmas * sigma_of_axis_m), by, static_cast<int>(count)};
 }
 
-// Per axis; nothing without points.
-std::optional<double> RootMeanSquareOfAxis(const std::vector<Vector2d>& misses) {
+// Of both axes together, as surveyors state what a map misses its check points by; nothing without points.
+std::optional<double> HorizontalRmsM(const std::vector<Vector2d>& misses) {
   if (misses.empty()) return std::nullopt;
   double square = 0.0;
   for (const Vector2d& miss : misses) square += miss.squaredNorm();
-  return std::sqrt(square / (2.0 * static_cast<double>(misses.size())));
+  return std::sqrt(square / static_cast<double>(misses.size()));
 }
 
 // What placed the map, or all that is known of it is where it lies against them.
@@ -159,8 +159,9 @@ std::optional<AbsoluteAccuracy> BySurvey(const JudgedMap& map) {
   for (const alignment::ControlReport& point : map.alignment->control) {
     if (point.is_used && point.is_check) checks.emplace_back(point.miss_east_m, point.miss_north_m);
   }
-  if (const auto sigma = RootMeanSquareOfAxis(checks))
-    return StatedRadius(*sigma, AbsoluteSupport::kCheckPoints, checks.size());
+  if (const auto rms_m = HorizontalRmsM(checks))
+    return AbsoluteAccuracy{OfTwoDigits(*rms_m), AbsoluteSupport::kCheckPoints,
+                            static_cast<int>(checks.size())};
   const ControlFit fit = FitOf(map);
   if (fit.places.size() < 2) return std::nullopt;  // one has nothing to be checked against
   return StatedRadius(SigmaByControlM(map, fit), AbsoluteSupport::kControlPoints, fit.places.size());

@@ -118,6 +118,8 @@ std::string ReportJson(const MosaicReport& report) {
   if (report.surface) {
     json["surface"] = {{"cell_m", Rounded(report.surface->cell_m, 6)},
                        {"measured_share", Rounded(report.surface->measured_share, 4)}};
+    if (report.surface->contour_interval_m)
+      json["surface"]["contour_interval_m"] = *report.surface->contour_interval_m;
   }
   return Printed(json);
 }

@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "core/base/check.h"
 
 namespace skyquilt::surface {
 namespace {
+
+constexpr int kPitReach = 2;  // cells: a pit is no wider than twice that and one
 
 // The least (or greatest) of 2 * reach + 1 values about each, by two running ones that begin anew every
 // window (van Herk 1992): as many steps for any reach.
@@ -93,6 +96,26 @@ void BridgeGaps(std::vector<float>& heights, std::vector<float> weights, int col
   }
 }
 
+// Between two pits that no ground has, all that there is would stand on them.
+void TakePitsAway(GroundModel& ground, int columns, int rows, const GroundOptions& options) {
+  std::vector<float> closed = ground.heights_m;
+  constexpr float kNone = std::numeric_limits<float>::max();
+  for (std::size_t i = 0; i < closed.size(); ++i) {
+    if (ground.is_ground[i] == 0) closed[i] = -kNone;
+  }
+  ChooseInSquares(closed, columns, rows, kPitReach, [](float a, float b) { return std::max(a, b); });
+  for (float& height : closed) height = height == -kNone ? kNone : height;
+  ChooseInSquares(closed, columns, rows, kPitReach, [](float a, float b) { return std::min(a, b); });
+  for (std::size_t i = 0; i < closed.size(); ++i) {
+    if (ground.is_ground[i] != 0 && closed[i] - ground.heights_m[i] > options.least_pit_m)
+      ground.is_ground[i] = 0;
+  }
+}
+
+// By small steps: the wider the step from one square to the next, the more ground may climb meanwhile, and
+// the lower an eave that passes for ground.
+int NextReach(int reach) { return std::max(reach + 1, static_cast<int>(1.2 * reach)); }
+
 }  // namespace
 
 GroundModel GroundUnder(const std::vector<float>& heights_m, int columns, int rows, double cell_m,
@@ -101,12 +124,23 @@ GroundModel GroundUnder(const std::vector<float>& heights_m, int columns, int ro
       columns > 0 && rows > 0 && cell_m > 0.0 && heights_m.size() == static_cast<std::size_t>(columns) * rows,
       "a ground model needs a grid of heights");
   GroundModel ground{heights_m, std::vector<std::uint8_t>(heights_m.size(), 1)};
-  std::vector<float> opened = heights_m;
+  for (std::size_t i = 0; i < heights_m.size(); ++i) {
+    if (!std::isnan(heights_m[i])) continue;
+    ground.heights_m[i] = 0.0f;
+    ground.is_ground[i] = 0;
+  }
+  if (std::count(ground.is_ground.begin(), ground.is_ground.end(), 1) == 0)
+    return {heights_m, ground.is_ground};
+  TakePitsAway(ground, columns, rows, options);
+  // From here on a height everywhere, so that nothing stands out where the photos end.
+  BridgeGaps(ground.heights_m, {ground.is_ground.begin(), ground.is_ground.end()}, columns, rows);
+  std::vector<float> opened = ground.heights_m;
   const int largest =
       std::min(std::max(columns, rows),
                static_cast<int>(std::ceil(0.5 * std::min(options.widest_thing_m, 1e5 * cell_m) / cell_m)));
   int before = 0;
-  for (int reach = 1; before < largest; before = reach, reach = std::min(2 * reach, std::max(largest, 1))) {
+  for (int reach = 1; before < largest;
+       before = reach, reach = std::min(NextReach(reach), std::max(largest, 1))) {
     const std::vector<float> last = opened;
     ChooseInSquares(opened, columns, rows, reach, [](float a, float b) { return std::min(a, b); });
     ChooseInSquares(opened, columns, rows, reach, [](float a, float b) { return std::max(a, b); });
@@ -116,7 +150,9 @@ GroundModel GroundUnder(const std::vector<float>& heights_m, int columns, int ro
       if (last[i] - opened[i] > most_m) ground.is_ground[i] = 0;
     }
   }
+  // Walls are blurred, and cells at them show some of both: what is beside no ground is not believed either.
   std::vector<float> weights(ground.is_ground.begin(), ground.is_ground.end());
+  ChooseInSquares(weights, columns, rows, 1, [](float a, float b) { return std::min(a, b); });
   BridgeGaps(ground.heights_m, std::move(weights), columns, rows);
   return ground;
 }

@@ -123,6 +123,7 @@ StitchJobOptions OptionsOf(const PlaceArguments& arguments) {
   options.write_utm = has("mosaic_utm.tif");
   options.write_kmz = has("mosaic.kmz");
   options.write_dsm = has("dsm_photos.tif");  // a dsm.tif alone may be somebody's elevation model
+  options.write_dtm = has("dtm_ground.tif");
   for (const render::MapLayer layer : render::kMapLayers) {
     if (has(render::LayerFileName(layer))) options.mosaic.layers.push_back(layer);
   }

@@ -38,7 +38,7 @@ namespace skyquilt::server {
 namespace {
 
 // Of the map, beside mosaic.mbtiles.
-enum class OtherFormat : std::uint8_t { kGeotiff, kPmtiles, kUtm, kKmz, kDsm };
+enum class OtherFormat : std::uint8_t { kGeotiff, kPmtiles, kUtm, kKmz, kDsm, kDtm };
 
 struct StitchArguments {
   std::vector<std::filesystem::path> inputs;
@@ -102,11 +102,16 @@ void PrintOutcome(const pipeline::MosaicReport& report, const std::filesystem::p
   }
   fmt::print("{}\n", pipeline::QualityInWords(report.quality));
   if (report.surface) {
-    const std::string cells = report.quality.IsLimitedBy(pipeline::LimitKind::kScaleGuessed)
-                                  ? "of unknown size"
-                                  : fmt::format("of {:.1f} cm", report.surface->cell_m * 100.0);
+    const bool is_size_known = !report.quality.IsLimitedBy(pipeline::LimitKind::kScaleGuessed);
+    const std::string cells =
+        is_size_known ? fmt::format("of {:.1f} cm", report.surface->cell_m * 100.0) : "of unknown size";
     fmt::print("{} of cells {}, {:.0f} % measured\n", writes_dsm ? "dsm.tif: heights" : "upright by heights",
                cells, report.surface->measured_share * 100.0);
+    if (report.surface->contour_interval_m) {
+      fmt::print("dtm.tif: the ground below; contours.gpkg, .geojson, .dxf: {}\n",
+                 is_size_known ? fmt::format("a line every {} m", *report.surface->contour_interval_m)
+                               : "of heights in unknown units");
+    }
   }
   fmt::print("{}\n", (out_dir / "mosaic.mbtiles").string());
   PrintNextSteps(out_dir);
@@ -168,7 +173,8 @@ void Run(StitchArguments& arguments) {
     arguments.job.mosaic.boundary = ReadBoundary("skyquilt", arguments.boundary);
   arguments.job.mosaic.max_memory_bytes = static_cast<std::int64_t>(arguments.max_memory_gib * (1 << 30));
   // What a map in this folder was written as before is written again, so that no file there shows another
-  // map. Heights show by dsm_photos.tif: a dsm.tif alone may be somebody's elevation model.
+  // map. Heights show by dsm_photos.tif and dtm_ground.tif: a dsm.tif alone may be somebody's elevation
+  // model.
   const auto is_wanted = [&](OtherFormat format, const char* name) {
     const auto& asked = arguments.formats;
     std::error_code none;
@@ -179,6 +185,7 @@ void Run(StitchArguments& arguments) {
   arguments.job.write_pmtiles = !arguments.no_pmtiles && is_wanted(OtherFormat::kPmtiles, "mosaic.pmtiles");
   arguments.job.write_utm = arguments.utm || is_wanted(OtherFormat::kUtm, "mosaic_utm.tif");
   arguments.job.write_dsm = is_wanted(OtherFormat::kDsm, "dsm_photos.tif");
+  arguments.job.write_dtm = is_wanted(OtherFormat::kDtm, "dtm_ground.tif");
   arguments.job.write_kmz = arguments.kmz || is_wanted(OtherFormat::kKmz, "mosaic.kmz");
   if (const Result<void> possible = arguments.job.mosaic.Validate(); !possible)
     Fail("skyquilt", possible.error());
@@ -215,7 +222,7 @@ void Run(StitchArguments& arguments) {
     if (!written) Fail("skyquilt", written.error());
   }
   if (!report) Fail("skyquilt", report.error());
-  PrintOutcome(*report, arguments.out_dir, arguments.job.write_dsm);
+  PrintOutcome(*report, arguments.out_dir, arguments.job.write_dsm || arguments.job.write_dtm);
 }
 
 }  // namespace
@@ -302,13 +309,15 @@ void AddStitchCommand(CLI::App& app) {
           "export\" makes each of these later, and a server offers geotiff and pmtiles for download without "
           "storing them. And dsm: the heights of ground, roofs and trees as the photos show them (dsm.tif: a "
           "GeoTIFF in the UTM zone, in metres) with how many photos agree on each (dsm_photos.tif, 0 where it "
-          "was filled in). Those that the folder has of an earlier map are written again")
+          "was filled in). And dtm: dsm, and the ground below houses and trees (dtm.tif) with where it was seen "
+          "(dtm_ground.tif, 0 where it is bridged) and its contours (contours.gpkg, .geojson, .dxf). Those that the folder has of an earlier map are written again")
       ->delimiter(',')
       ->transform(OneOf(std::vector<std::pair<std::string, OtherFormat>>{{"geotiff", OtherFormat::kGeotiff},
                                                                          {"pmtiles", OtherFormat::kPmtiles},
                                                                          {"utm", OtherFormat::kUtm},
                                                                          {"kmz", OtherFormat::kKmz},
-                                                                         {"dsm", OtherFormat::kDsm}}));
+                                                                         {"dsm", OtherFormat::kDsm},
+                                                                         {"dtm", OtherFormat::kDtm}}));
   command->add_flag("--no-cog", arguments->no_cog,
                     "No mosaic.tif, also where the folder has one of an earlier map");
   command->add_flag("--utm", arguments->utm, "As --formats utm");

@@ -24,6 +24,8 @@ namespace skyquilt::storage {
 namespace {
 
 constexpr const char* kWritingHeights = "writing dsm.tif";
+constexpr const char* kWritingGround = "writing dtm.tif";
+constexpr int kBlockCells = 512;
 constexpr double kMeanRadiusM = 6'371'000.0;
 // The Earth bends away from the frame's plane, by a square; between places so far apart a line follows it to
 // a tenth of a millimetre.
@@ -46,17 +48,24 @@ std::unique_ptr<GDALDataset> CreateRaw(const char* path, const surface::SurfaceG
   return dataset;
 }
 
+bool ReadOrWrite(GDALRWFlag way, GDALDataset& raster, const surface::CellBox& box, void* values,
+                 GDALDataType type) {
+  return raster.GetRasterBand(1)->RasterIO(way, box.column, box.row, box.columns, box.rows, values,
+                                           box.columns, box.rows, type, 0, 0, nullptr) == CE_None;
+}
+
 }  // namespace
 
 struct SurfaceWriter::Work {
-  std::filesystem::path heights_path, photos_path;
+  std::filesystem::path folder;
   geo::LocalFrame frame;
   surface::SurfaceGrid grid;
   double mean_z_m;
   int threads;
   Progress& progress;
-  TemporaryTiff raw_heights, raw_photos;
-  std::unique_ptr<GDALDataset> heights, photos;
+  TemporaryTiff raw_heights, raw_photos, raw_ground, raw_seen;
+  std::unique_ptr<GDALDataset> heights, photos, ground, seen;
+  surface::GroundBelow* below;  // null: the ground is not wanted
   std::int64_t shown = 0, measured = 0;
 
   // Metres above the ellipsoid of a place of the frame's plane.
@@ -65,7 +74,42 @@ struct SurfaceWriter::Work {
   }
   // What to add to the block's heights, by cell.
   std::vector<double> BendsOf(const surface::CellBox& box) const;
+  // Once all heights are there.
+  Result<void> PutGround();
+  Result<void> PublishAs(const char* name, const TemporaryTiff& raw, WarpedPixels pixels, int epsg,
+                         const char* message) const;
 };
+
+Result<void> SurfaceWriter::Work::PutGround() {
+  below->Finish();
+  for (int row = 0; row < grid.rows; row += kBlockCells) {
+    for (int column = 0; column < grid.columns; column += kBlockCells) {
+      const surface::CellBox box{column, row, std::min(kBlockCells, grid.columns - column),
+                                 std::min(kBlockCells, grid.rows - row)};
+      std::vector<float> heights_m(box.Count());
+      std::vector<std::uint8_t> agreeing(box.Count());
+      if (!ReadOrWrite(GF_Read, *heights, box, heights_m.data(), GDT_Float32) ||
+          !ReadOrWrite(GF_Read, *photos, box, agreeing.data(), GDT_Byte))
+        return LastGdalError(progress);
+      surface::GroundModel under = below->GroundOf(box, heights_m, agreeing);
+      if (!ReadOrWrite(GF_Write, *ground, box, under.heights_m.data(), GDT_Float32) ||
+          !ReadOrWrite(GF_Write, *seen, box, under.is_ground.data(), GDT_Byte))
+        return LastGdalError(progress);
+    }
+  }
+  return {};
+}
+
+Result<void> SurfaceWriter::Work::PublishAs(const char* name, const TemporaryTiff& raw, WarpedPixels pixels,
+                                            int epsg, const char* message) const {
+  WarpOptions warp;
+  warp.epsg = epsg;
+  warp.pixel_x = warp.pixel_y = grid.cell_m;
+  warp.threads = threads;
+  warp.message = message;
+  warp.pixels = pixels;
+  return WarpGeotiff(raw.path(), folder / name, warp, progress);
+}
 
 std::vector<double> SurfaceWriter::Work::BendsOf(const surface::CellBox& box) const {
   std::vector<double> bends(box.Count());
@@ -94,9 +138,8 @@ std::vector<double> SurfaceWriter::Work::BendsOf(const surface::CellBox& box) co
 
 SurfaceWriter::SurfaceWriter(const std::filesystem::path& folder, const geo::LocalFrame& frame,
                              const surface::SurfaceGrid& grid, double mean_z_m, int threads,
-                             Progress& progress)
-    : work_(new Work{folder / "dsm.tif",
-                     folder / "dsm_photos.tif",
+                             surface::GroundBelow* ground, Progress& progress)
+    : work_(new Work{folder,
                      frame,
                      grid,
                      mean_z_m,
@@ -104,8 +147,13 @@ SurfaceWriter::SurfaceWriter(const std::filesystem::path& folder, const geo::Loc
                      progress,
                      {folder / "dsm.tif", ".raw.tmp"},
                      {folder / "dsm_photos.tif", ".raw.tmp"},
+                     {folder / "dtm.tif", ".raw.tmp"},
+                     {folder / "dtm_ground.tif", ".raw.tmp"},
                      nullptr,
-                     nullptr}) {}
+                     nullptr,
+                     nullptr,
+                     nullptr,
+                     ground}) {}
 SurfaceWriter::~SurfaceWriter() = default;
 
 Result<void> SurfaceWriter::Begin() {
@@ -130,9 +178,17 @@ Result<void> SurfaceWriter::Begin() {
                                            0.0,        -cell_m};
   work.heights = CreateRaw(work.raw_heights.c_str(), grid, GDT_Float32, system, transform);
   work.photos = CreateRaw(work.raw_photos.c_str(), grid, GDT_Byte, system, transform);
-  if (!work.heights || !work.photos) return LastGdalError(work.progress);
-  if (work.heights->GetRasterBand(1)->SetNoDataValue(std::numeric_limits<double>::quiet_NaN()) != CE_None)
+  if (work.below) {
+    work.ground = CreateRaw(work.raw_ground.c_str(), grid, GDT_Float32, system, transform);
+    work.seen = CreateRaw(work.raw_seen.c_str(), grid, GDT_Byte, system, transform);
+  }
+  if (!work.heights || !work.photos || (work.below && (!work.ground || !work.seen)))
     return LastGdalError(work.progress);
+  for (GDALDataset* raster : {work.heights.get(), work.ground.get()}) {
+    if (raster != nullptr &&
+        raster->GetRasterBand(1)->SetNoDataValue(std::numeric_limits<double>::quiet_NaN()) != CE_None)
+      return LastGdalError(work.progress);
+  }
   return {};
 }
 
@@ -153,31 +209,29 @@ Result<void> SurfaceWriter::Put(const surface::SurfaceBlock& block) {
       work.measured += photos[to + column] != 0 ? 1 : 0;
     }
   }
-  const int top = work.grid.rows - box.row - box.rows;
-  const auto write = [&](GDALDataset& to, void* values, GDALDataType type) {
-    return to.GetRasterBand(1)->RasterIO(GF_Write, box.column, top, box.columns, box.rows, values,
-                                         box.columns, box.rows, type, 0, 0, nullptr) == CE_None;
-  };
-  if (!write(*work.heights, heights.data(), GDT_Float32) || !write(*work.photos, photos.data(), GDT_Byte))
+  const surface::CellBox from_north{box.column, work.grid.rows - box.row - box.rows, box.columns, box.rows};
+  if (work.below) work.below->Add(from_north, heights, photos);
+  if (!ReadOrWrite(GF_Write, *work.heights, from_north, heights.data(), GDT_Float32) ||
+      !ReadOrWrite(GF_Write, *work.photos, from_north, photos.data(), GDT_Byte))
     return LastGdalError(work.progress);
   return {};
 }
 
 Result<void> SurfaceWriter::Publish() {
   Work& work = *work_;
-  if (!work.heights || !work.photos || !IsClosedWell(std::move(work.heights)) ||
-      !IsClosedWell(std::move(work.photos)))
-    return LastGdalError(work.progress);
+  SKYQUILT_CHECK(work.heights && work.photos, "heights are published once, after Begin");
+  if (work.below) SKYQUILT_TRY(work.PutGround());
+  for (std::unique_ptr<GDALDataset>* raster : {&work.heights, &work.photos, &work.ground, &work.seen}) {
+    if (*raster && !IsClosedWell(std::move(*raster))) return LastGdalError(work.progress);
+  }
   const geo::Wgs84& origin = work.frame.origin();
-  WarpOptions warp;
-  SKYQUILT_TRY_ASSIGN(warp.epsg, UtmEpsg({origin.lat_deg, origin.lon_deg}));
-  warp.pixel_x = warp.pixel_y = work.grid.cell_m;
-  warp.threads = work.threads;
-  warp.message = kWritingHeights;
-  warp.pixels = WarpedPixels::kHeights;
-  SKYQUILT_TRY(WarpGeotiff(work.raw_heights.path(), work.heights_path, warp, work.progress));
-  warp.pixels = WarpedPixels::kCounts;
-  return WarpGeotiff(work.raw_photos.path(), work.photos_path, warp, work.progress);
+  SKYQUILT_TRY_ASSIGN(const int epsg, UtmEpsg({origin.lat_deg, origin.lon_deg}));
+  SKYQUILT_TRY(work.PublishAs("dsm.tif", work.raw_heights, WarpedPixels::kHeights, epsg, kWritingHeights));
+  SKYQUILT_TRY(
+      work.PublishAs("dsm_photos.tif", work.raw_photos, WarpedPixels::kCounts, epsg, kWritingHeights));
+  if (!work.below) return {};
+  SKYQUILT_TRY(work.PublishAs("dtm.tif", work.raw_ground, WarpedPixels::kHeights, epsg, kWritingGround));
+  return work.PublishAs("dtm_ground.tif", work.raw_seen, WarpedPixels::kCounts, epsg, kWritingGround);
 }
 
 double SurfaceWriter::MeasuredShare() const {

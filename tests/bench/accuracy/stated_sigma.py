@@ -45,14 +45,17 @@ MARK_SIGMA_PX = 0.5
 def geo_txt(truth, family, seed, rng):
     _, noise_m, bias_m, stated_m, *_ = family
     east_m, north_m = metres_a_degree(truth)
-    # Of a normal error of two axes, one from each of as many equally likely rings as there are seeds: few flights tell its shares.
-    length = bias_m * math.sqrt(-2 * math.log(1 - (seed - 0.5) / OPTIONS.of))
+    noises = [[noise_m * rng.gauss(0, 1) for _ in range(2)] for _ in truth["photos"]]
+    middle = [sum(axis) / len(noises) for axis in zip(*noises)]
+    # What all positions share, bias and the mean of their noise, is a normal error of two axes: one from each of as many equally
+    # likely rings as there are seeds, because few flights tell its shares.
+    length = math.sqrt(bias_m ** 2 + noise_m ** 2 / len(noises)) * math.sqrt(-2 * math.log(1 - (seed - 0.5) / OPTIONS.of))
     towards = rng.uniform(0, 2 * math.pi)
-    bias = [length * math.cos(towards), length * math.sin(towards)]
+    shared = [length * math.cos(towards), length * math.sin(towards)]
     rows = ["EPSG:4326"]
-    for photo in truth["photos"]:
-        lon = photo["lon_deg"] + (bias[0] + noise_m * rng.gauss(0, 1)) / east_m
-        lat = photo["lat_deg"] + (bias[1] + noise_m * rng.gauss(0, 1)) / north_m
+    for photo, noise in zip(truth["photos"], noises):
+        lon = photo["lon_deg"] + (shared[0] + noise[0] - middle[0]) / east_m
+        lat = photo["lat_deg"] + (shared[1] + noise[1] - middle[1]) / north_m
         height_m = truth["origin"]["height_ellipsoid_m"] + photo["camera_center_in_enu"][2]
         stated = "" if stated_m is None else f" nan nan nan {stated_m} {2 * stated_m}"
         rows.append(f"{photo['name']} {lon:.10f} {lat:.10f} {height_m:.3f}{stated}")

@@ -189,7 +189,7 @@ TEST(JudgeMap, BelievesCheckPointsFirstThenControlPointsThatFit) {
   // 1.515 x 0.0206 m (survey, marks) x sqrt(1/5 + how the photos spread against the points)
   EXPECT_NEAR(*by_control.sigma_m, 0.018, 0.002);
   flight.Surveyed(true, 0.3, 0.4);
-  EXPECT_EQ(flight.Judge().absolute, (AbsoluteAccuracy{0.54, AbsoluteSupport::kCheckPoints, 1}));
+  EXPECT_EQ(flight.Judge().absolute, (AbsoluteAccuracy{0.5, AbsoluteSupport::kCheckPoints, 1}));
 }
 
 // What survey and marks do not explain is the map's own shape, and many points do not make it less.

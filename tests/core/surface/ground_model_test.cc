@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace skyquilt::surface {
 namespace {
@@ -54,10 +55,41 @@ TEST(GroundUnder, TakesHousesAndTreesAway) {
   }
 }
 
+TEST(GroundUnder, IsNotLedAstrayByPits) {
+  std::vector<float> heights = Hill();
+  for (int row = 20; row < kUp; row += 30) {
+    for (int column = 10; column < kAcross; column += 25)
+      heights[static_cast<std::size_t>(row) * kAcross + column] -= 8.0f;
+  }
+  const GroundModel ground = GroundUnder(heights, kAcross, kUp, kCell);
+  for (int row = 0; row < kUp; ++row) {
+    for (int column = 0; column < kAcross; ++column)
+      EXPECT_NEAR(ground.heights_m[static_cast<std::size_t>(row) * kAcross + column], HillAt(column, row),
+                  0.2);
+  }
+}
+
+TEST(GroundUnder, BridgesWhereThereIsNoHeight) {
+  std::vector<float> heights = Hill();
+  for (int row = 30; row < 40; ++row) {
+    for (int column = 0; column < 12; ++column)
+      heights[static_cast<std::size_t>(row) * kAcross + column] = std::numeric_limits<float>::quiet_NaN();
+  }
+  const GroundModel ground = GroundUnder(heights, kAcross, kUp, kCell);
+  for (int row = 0; row < kUp; ++row) {
+    for (int column = 0; column < kAcross; ++column) {
+      const std::size_t cell = static_cast<std::size_t>(row) * kAcross + column;
+      EXPECT_NEAR(ground.heights_m[cell], HillAt(column, row), 0.4) << column << " " << row;
+      EXPECT_EQ(ground.is_ground[cell], std::isnan(heights[cell]) ? 0 : 1) << column << " " << row;
+    }
+  }
+}
+
 TEST(GroundUnder, TakesAnyGrid) {
   EXPECT_EQ(GroundUnder({3.0f}, 1, 1, 0.1).heights_m, std::vector<float>{3.0f});
   const GroundModel line = GroundUnder({1.0f, 1.0f, 9.0f, 1.0f, 1.0f, 1.0f, 1.0f}, 7, 1, 1.0);
   EXPECT_NEAR(line.heights_m[2], 1.0f, 1e-5);
+  EXPECT_TRUE(std::isnan(GroundUnder({NAN, NAN}, 2, 1, 1.0).heights_m[1]));
 }
 
 }  // namespace

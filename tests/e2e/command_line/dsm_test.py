@@ -1,4 +1,4 @@
-"""`stitch --formats dsm`: heights of a flight over houses against the simulated world, honest where nothing is known, the same
+"""`stitch --formats dsm,dtm`: heights of a flight over houses against the simulated world, honest where nothing is known, the same
 bytes for any number of threads."""
 import json
 import pathlib
@@ -50,6 +50,38 @@ class Dsm(unittest.TestCase):
         info = gdal.Info(str(self.map / "dsm.tif"), format="json")
         self.assertEqual((info["bands"][0]["type"], info["bands"][0]["unit"]), ("Float32", "m"))
         self.assertIn("UTM zone", info["coordinateSystem"]["wkt"])
+
+    def test_the_ground_below_is_that_of_the_world_and_has_contours(self):
+        try:
+            from osgeo import gdal, ogr
+            from heights_against_truth import measure_heights
+        except ImportError:
+            self.skipTest("GDAL's Python package with numpy is not installed")
+        out = self.scratch / "with_ground"
+        said = self.stitch(out, "--formats", "dtm")
+        self.assertEqual((out / "dsm.tif").read_bytes(), (self.map / "dsm.tif").read_bytes())
+        truth = json.loads((self.flight / "truth" / "poses.json").read_text())
+        numbers = measure_heights(out / "dsm.tif", self.flight, truth, truth["gsd_m"])
+        self.assertLess(numbers["beside"], 2.0)
+        self.assertLess(numbers["below things"] * truth["gsd_m"], 0.25)
+        interval_m = json.loads((out / "report.json").read_text())["surface"]["contour_interval_m"]
+        self.assertIn(f"every {interval_m:g} m", said)
+        ground = gdal.Open(str(out / "dtm.tif"))
+        left, step, _, top, _, down = ground.GetGeoTransform()
+        heights = ground.ReadAsArray()
+        lines = ogr.Open(str(out / "contours.gpkg"))
+        count = 0
+        for line in lines.GetLayer(0):
+            height_m = line.GetField("height_m")
+            self.assertAlmostEqual(height_m / interval_m, round(height_m / interval_m), 6)
+            for x, y, _ in line.GetGeometryRef().GetPoints()[5:-5:9]:
+                row, column = int((y - top) / down), int((x - left) / step)
+                near = heights[max(0, row - 8):row + 9, max(0, column - 8):column + 9]
+                self.assertTrue((near >= height_m - 0.1).any() and (near <= height_m + 0.1).any(), (height_m, x, y))
+            count += 1
+        self.assertGreater(count, 5)
+        self.stitch(out)
+        self.assertTrue((out / "dtm_ground.tif").exists(), "what the folder has is written again")
 
     def test_the_report_says_how_much_was_measured(self):
         report = json.loads((self.map / "report.json").read_text())

@@ -9,6 +9,7 @@
 #include <limits>
 #include <string>
 
+#include "core/surface/terrain/ground_sketch.h"
 #include "tests/storage/scratch_dir.h"
 
 namespace skyquilt::storage {
@@ -54,7 +55,7 @@ TEST(SurfaceWriter, HeightsLieWhereTheyAreInUtmAboveTheEllipsoid) {
   const geo::LocalFrame frame(kOrigin);
   const surface::SurfaceGrid grid = FarGrid();
   SilentProgress progress;
-  SurfaceWriter writer(folder.path(), frame, grid, 6.0, 1, progress);
+  SurfaceWriter writer(folder.path(), frame, grid, 6.0, 1, nullptr, progress);
   ASSERT_TRUE(writer.Begin());
   ASSERT_TRUE(writer.Put(SlopeBlock(grid, {64, 0, 56, 90})));
   ASSERT_TRUE(writer.Put(SlopeBlock(grid, {0, 0, 64, 90})));
@@ -98,11 +99,55 @@ TEST(SurfaceWriter, HeightsLieWhereTheyAreInUtmAboveTheEllipsoid) {
   }
 }
 
+TEST(SurfaceWriter, WritesTheGroundBelowAsWell) {
+  const ScratchDir folder;
+  const surface::SurfaceGrid grid = FarGrid();
+  SilentProgress progress;
+  surface::GroundSketch sketch(grid.columns, grid.rows, grid.cell_m);
+  SurfaceWriter writer(folder.path(), geo::LocalFrame(kOrigin), grid, 6.0, 1, &sketch, progress);
+  ASSERT_TRUE(writer.Begin());
+  surface::SurfaceBlock block = SlopeBlock(grid, {0, 0, 120, 90});
+  const auto is_house = [](int column, int row) {
+    return column >= 40 && column < 60 && row >= 30 && row < 50;
+  };
+  for (int row = 0; row < 90; ++row) {
+    for (int column = 0; column < 120; ++column) {
+      if (is_house(column, row)) block.cells.heights_m[static_cast<std::size_t>(row) * 120 + column] += 6.0f;
+    }
+  }
+  ASSERT_TRUE(writer.Put(block));
+  ASSERT_TRUE(writer.Publish());
+  const std::unique_ptr<GDALDataset> heights(GDALDataset::Open((folder.path() / "dsm.tif").c_str()));
+  const std::unique_ptr<GDALDataset> ground(GDALDataset::Open((folder.path() / "dtm.tif").c_str()));
+  const std::unique_ptr<GDALDataset> seen(GDALDataset::Open((folder.path() / "dtm_ground.tif").c_str()));
+  ASSERT_TRUE(heights && ground && seen);
+  EXPECT_STREQ(ground->GetMetadataItem("LAYOUT", "IMAGE_STRUCTURE"), "COG");
+  std::array<double, 6> transform{};
+  ASSERT_EQ(heights->GetGeoTransform(transform.data()), CE_None);
+  int below = 0, same = 0, unseen = 0;
+  for (int row = 0; row < heights->GetRasterYSize(); ++row) {
+    for (int column = 0; column < heights->GetRasterXSize(); ++column) {
+      const double x = transform[0] + (column + 0.5) * transform[1],
+                   y = transform[3] + (row + 0.5) * transform[5];
+      const double shown = ValueAt(*heights, x, y), under = ValueAt(*ground, x, y);
+      ASSERT_EQ(std::isnan(shown), std::isnan(under));
+      if (std::isnan(shown)) continue;
+      ASSERT_LE(under, shown + 1e-3);
+      below += under < shown - 4.0 ? 1 : 0;
+      same += std::abs(under - shown) < 1e-3 ? 1 : 0;
+      unseen += ValueAt(*seen, x, y) == 0.0 ? 1 : 0;
+    }
+  }
+  EXPECT_NEAR(below, 20 * 20, 60);  // edges are resampled
+  EXPECT_NEAR(same, 115 * 90 - 400, 120);
+  EXPECT_NEAR(unseen, 20 * 90 + 400, 160);  // filled, and below the house
+}
+
 TEST(SurfaceWriter, LeavesNothingBesideWhenItIsGivenUp) {
   const ScratchDir folder;
   {
     SilentProgress progress;
-    SurfaceWriter writer(folder.path(), geo::LocalFrame(kOrigin), FarGrid(), 6.0, 1, progress);
+    SurfaceWriter writer(folder.path(), geo::LocalFrame(kOrigin), FarGrid(), 6.0, 1, nullptr, progress);
     ASSERT_TRUE(writer.Begin());
     ASSERT_TRUE(writer.Put(SlopeBlock(FarGrid(), {0, 0, 120, 90})));
   }
@@ -112,7 +157,8 @@ TEST(SurfaceWriter, LeavesNothingBesideWhenItIsGivenUp) {
 TEST(SurfaceWriter, SaysThatThereIsNoUtmAtThePoles) {
   const ScratchDir folder;
   SilentProgress progress;
-  SurfaceWriter writer(folder.path(), geo::LocalFrame({86.0, 7.0, 0.0}), FarGrid(), 6.0, 1, progress);
+  SurfaceWriter writer(folder.path(), geo::LocalFrame({86.0, 7.0, 0.0}), FarGrid(), 6.0, 1, nullptr,
+                       progress);
   const auto begun = writer.Begin();
   ASSERT_FALSE(begun.ok());
   EXPECT_EQ(begun.error().code, ErrorCode::kUnprocessable);

@@ -1,0 +1,140 @@
+#include "storage/exports/heights/contours.h"
+
+#include <gdal_priv.h>
+#include <gtest/gtest.h>
+#include <ogr_spatialref.h>
+#include <ogrsf_frmts.h>
+
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "storage/rasters/register_gdal.h"
+#include "storage/tilesets/publish_file.h"
+#include "tests/storage/scratch_dir.h"
+
+namespace skyquilt::storage {
+namespace {
+
+constexpr int kSide = 200;
+constexpr double kPixelM = 0.1, kWestM = 380'000.0, kNorthM = 5'200'000.0;
+
+// A cone of 5 m radius and as high, 560 m above the ellipsoid; nothing is known beyond.
+double ConeAt(double east_m, double north_m) {
+  const double away = std::hypot(east_m - kWestM - 10.0, north_m - kNorthM + 10.0);
+  return away > 9.0 ? std::numeric_limits<double>::quiet_NaN() : 560.0 + std::max(0.0, 5.0 - away);
+}
+
+void WriteRaster(const std::filesystem::path& path, double (*height_at)(double, double)) {
+  RegisterGdalOnce();
+  const std::unique_ptr<GDALDataset> raster(GetGDALDriverManager()->GetDriverByName("GTiff")->Create(
+      path.c_str(), kSide, kSide, 1, GDT_Float32, nullptr));
+  ASSERT_NE(raster, nullptr);
+  OGRSpatialReference utm;
+  utm.importFromEPSG(32632);
+  std::array<double, 6> transform = {kWestM, kPixelM, 0.0, kNorthM, 0.0, -kPixelM};
+  raster->SetSpatialRef(&utm);
+  raster->SetGeoTransform(transform.data());
+  raster->GetRasterBand(1)->SetNoDataValue(std::numeric_limits<double>::quiet_NaN());
+  std::vector<float> values;
+  for (int row = 0; row < kSide; ++row) {
+    for (int column = 0; column < kSide; ++column) {
+      values.push_back(
+          static_cast<float>(height_at(kWestM + (column + 0.5) * kPixelM, kNorthM - (row + 0.5) * kPixelM)));
+    }
+  }
+  ASSERT_EQ(raster->GetRasterBand(1)->RasterIO(GF_Write, 0, 0, kSide, kSide, values.data(), kSide, kSide,
+                                               GDT_Float32, 0, 0, nullptr),
+            CE_None);
+}
+
+std::unique_ptr<GDALDataset> OpenLines(const std::filesystem::path& path) {
+  return std::unique_ptr<GDALDataset>(GDALDataset::Open(path.c_str(), GDAL_OF_VECTOR));
+}
+
+TEST(Contours, AreRoundTheirConeAtTheirHeightInEachFormat) {
+  const ScratchDir folder;
+  SilentProgress progress;
+  WriteRaster(folder.path() / "dtm.tif", ConeAt);
+  const Result<double> interval_m = WriteContours(folder.path() / "dtm.tif", 0.2, progress);
+  ASSERT_TRUE(interval_m) << interval_m.error().message;
+  EXPECT_EQ(*interval_m, 0.2);
+  const auto gpkg = OpenLines(folder.path() / "contours.gpkg");
+  ASSERT_NE(gpkg, nullptr);
+  OGRLayer* layer = gpkg->GetLayerByName("contours");
+  ASSERT_NE(layer, nullptr);
+  EXPECT_STREQ(layer->GetSpatialRef()->GetAuthorityCode(nullptr), "32632");
+  int lines = 0;
+  for (auto& feature : *layer) {
+    const double height_m = feature->GetFieldAsDouble("height_m");
+    EXPECT_NEAR(height_m / 0.2, std::round(height_m / 0.2), 1e-6);
+    if (height_m < 560.1) continue;  // the plain has no heights to follow
+    const OGRLineString& line = *feature->GetGeometryRef()->toLineString();
+    EXPECT_NEAR(line.getZ(0), height_m, 1e-6);
+    for (int i = 0; i < line.getNumPoints(); ++i)
+      EXPECT_NEAR(std::hypot(line.getX(i) - kWestM - 10.0, line.getY(i) - kNorthM + 10.0), 565.0 - height_m,
+                  0.1);
+    ++lines;
+  }
+  EXPECT_GE(lines, 22);
+  EXPECT_LE(lines, 25);
+
+  const auto geojson = OpenLines(folder.path() / "contours.geojson"),
+             dxf = OpenLines(folder.path() / "contours.dxf");
+  ASSERT_TRUE(geojson && dxf);
+  EXPECT_EQ(geojson->GetLayer(0)->GetFeatureCount(), layer->GetFeatureCount());
+  EXPECT_EQ(dxf->GetLayer(0)->GetFeatureCount(), layer->GetFeatureCount());
+  OGREnvelope3D of_geojson, of_dxf;
+  ASSERT_EQ(geojson->GetLayer(0)->GetExtent(&of_geojson, TRUE), OGRERR_NONE);
+  EXPECT_GT(of_geojson.MinX, 7.0);
+  EXPECT_LT(of_geojson.MaxY, 48.0);
+  double highest = 0.0;
+  for (auto& feature : *dxf->GetLayer(0)) {
+    feature->GetGeometryRef()->getEnvelope(&of_dxf);
+    highest = std::max(highest, of_dxf.MaxZ);
+  }
+  EXPECT_GT(highest, 564.0);
+}
+
+TEST(Contours, OfLevelAndOfUnknownGroundAreFilesWithoutLines) {
+  SilentProgress progress;
+  for (double (*height_at)(double, double) :
+       {+[](double, double) { return 3.04; }, +[](double, double) { return std::nan(""); }}) {
+    const ScratchDir folder;
+    WriteRaster(folder.path() / "dtm.tif", height_at);
+    const Result<double> interval_m = WriteContours(folder.path() / "dtm.tif", 0.5, progress);
+    ASSERT_TRUE(interval_m) << interval_m.error().message;
+    EXPECT_EQ(*interval_m, 0.1);
+    for (const char* name : {"contours.gpkg", "contours.geojson", "contours.dxf"}) {
+      const auto lines = OpenLines(folder.path() / name);
+      ASSERT_NE(lines, nullptr) << name;
+      EXPECT_TRUE(lines->GetLayerCount() == 0 || lines->GetLayer(0)->GetFeatureCount() == 0) << name;
+    }
+  }
+}
+
+TEST(Contours, AreTheSameBytesEachTime) {
+  const ScratchDir first, second;
+  SilentProgress progress;
+  for (const ScratchDir* folder : {&first, &second}) {
+    WriteRaster(folder->path() / "dtm.tif", ConeAt);
+    ASSERT_TRUE(WriteContours(folder->path() / "dtm.tif", 0.2, progress));
+  }
+  for (const char* name : {"contours.gpkg", "contours.geojson", "contours.dxf"})
+    EXPECT_EQ(*ReadWholeFile(first.path() / name), *ReadWholeFile(second.path() / name)) << name;
+}
+
+TEST(ContourInterval, IsTheLeastThatDrawsFew) {
+  EXPECT_EQ(ContourIntervalM(0.0, 0.0), 0.1);
+  EXPECT_EQ(ContourIntervalM(560.0, 563.9), 0.1);
+  EXPECT_EQ(ContourIntervalM(560.0, 565.0), 0.2);
+  EXPECT_EQ(ContourIntervalM(-10.0, 150.0), 5.0);
+  EXPECT_EQ(ContourIntervalM(0.0, 1500.0), 50.0);
+}
+
+}  // namespace
+}  // namespace skyquilt::storage
