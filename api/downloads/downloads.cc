@@ -113,15 +113,23 @@ Response Answer(Service& service, const Request& request, const Product& product
 }  // namespace
 
 void AddDownloadRoutes(Router& router, Service& service) {
+  constexpr const char* kGeotiff = "image/tiff; application=geotiff; profile=cloud-optimized";
   const auto add = [&](const char* pattern, Product product) {
     router.Add(Method::kGet, pattern,
                [&service, product](const Request& request) { return Answer(service, request, product); });
   };
   add("/api/v1/flights/{flight}/download.mbtiles", {"mosaic.mbtiles", "application/vnd.sqlite3", "mbtiles"});
-  add("/api/v1/flights/{flight}/download.tif",
-      {"mosaic.tif", "image/tiff; application=geotiff; profile=cloud-optimized", "tif"});
-  add("/api/v1/flights/{flight}/bands.tif",
-      {"bands.tif", "image/tiff; application=geotiff; profile=cloud-optimized", "tif"});
+  add("/api/v1/flights/{flight}/download.tif", {"mosaic.tif", kGeotiff, "tif"});
+  add("/api/v1/flights/{flight}/bands.tif", {"bands.tif", kGeotiff, "tif"});
+  add("/api/v1/flights/{flight}/dsm.tif", {"dsm.tif", kGeotiff, "dsm.tif"});
+  add("/api/v1/flights/{flight}/dsm_photos.tif", {"dsm_photos.tif", kGeotiff, "dsm_photos.tif"});
+  add("/api/v1/flights/{flight}/dtm.tif", {"dtm.tif", kGeotiff, "dtm.tif"});
+  add("/api/v1/flights/{flight}/dtm_ground.tif", {"dtm_ground.tif", kGeotiff, "dtm_ground.tif"});
+  add("/api/v1/flights/{flight}/contours.gpkg",
+      {"contours.gpkg", "application/geopackage+sqlite3", "contours.gpkg"});
+  add("/api/v1/flights/{flight}/contours.geojson",
+      {"contours.geojson", "application/geo+json", "contours.geojson"});
+  add("/api/v1/flights/{flight}/contours.dxf", {"contours.dxf", "image/vnd.dxf", "contours.dxf"});
   add("/api/v1/flights/{flight}/download.pmtiles", {"mosaic.pmtiles", "application/vnd.pmtiles", "pmtiles"});
   add("/api/v1/flights/{flight}/thumbnail.png", {"thumbnail.png", "image/png", nullptr});
   router.AddCompute(Method::kGet, "/api/v1/flights/{flight}/thumbnail.webp",

@@ -1,7 +1,9 @@
 #include "api/jobs/queue_job.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "api/auth/flight_access.h"
@@ -27,6 +29,24 @@ Result<void> CheckImported(Service& service, const std::string& flight_id, const
                          {flight::RemarkCode::kFailImportMissing, {{"file", parsed.import_file}}});
 }
 
+// A map that is only moved keeps its heights, which have to be made anew: the job's options say so.
+Result<std::string> KeepHeights(Service& service, const storage::Flight& flight, std::string options) {
+  SKYQUILT_TRY_ASSIGN(const pipeline::MosaicOptions parsed, ParseJobOptions(options));
+  if (!parsed.placing || !flight.active_revision) return options;
+  nlohmann::json stated = nlohmann::json::parse(options);
+  if (stated.contains("heights")) return options;
+  const std::string map = storage::RevisionPrefix(flight.id, *flight.active_revision);
+  for (const auto& [heights, file] :
+       {std::pair{"dtm", "dtm_ground.tif"}, std::pair{"dsm", "dsm_photos.tif"}}) {
+    const Result<storage::BlobInfo> found = service.store.blobs().Find(map + file);
+    if (!found && found.error().code != ErrorCode::kNotFound) return found.error();
+    if (!found) continue;
+    stated["heights"] = heights;
+    return stated.dump();
+  }
+  return options;
+}
+
 }  // namespace
 
 Result<storage::Job> QueueJob(Service& service, const Request& request, const std::string& flight_id,
@@ -41,7 +61,8 @@ Result<storage::Job> QueueJob(Service& service, const Request& request, const st
   if (flight.file_count == 0) {
     return flight::Because(ErrorCode::kConflict, flight::RemarkCode::kFailNoFilesYet);
   }
-  const std::string options = wish.options.value_or(flight.options);
+  SKYQUILT_TRY_ASSIGN(const std::string options,
+                      KeepHeights(service, flight, wish.options.value_or(flight.options)));
   SKYQUILT_TRY(CheckImported(service, flight_id, options));
   return service.queue.Add(flight_id, options, storage::Now(), {wish.priority, request.owner});
 }

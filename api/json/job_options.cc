@@ -100,6 +100,16 @@ Result<void> SetSurface(const json& value, pipeline::MosaicOptions* options) {
   return Refuse("surface", "must be \"smooth\" or \"dense\"");
 }
 
+Result<void> SetHeights(const json& value, pipeline::MosaicOptions* options) {
+  for (const auto& [name, heights] : pipeline::kMapHeights) {
+    if (value == name) {
+      options->heights = heights;
+      return {};
+    }
+  }
+  return Refuse("heights", "must be \"none\", \"dsm\" or \"dtm\"");
+}
+
 Result<void> SetOrigin(const json& value, pipeline::MosaicOptions* options) {
   if (value.is_null()) return {};
   if (!value.is_array() || value.size() != 2 || !value[0].is_number() || !value[1].is_number()) {
@@ -227,6 +237,8 @@ Result<pipeline::MosaicOptions> ParseJobOptions(std::string_view text) {
       set = SetMethod(value, &options);
     } else if (field == "surface") {
       set = SetSurface(value, &options);
+    } else if (field == "heights") {
+      set = SetHeights(value, &options);
     } else if (field == "origin") {
       set = SetOrigin(value, &options);
     } else if (field == "boundary") {
@@ -247,7 +259,7 @@ Result<pipeline::MosaicOptions> ParseJobOptions(std::string_view text) {
           {flight::RemarkCode::kFailOptionUnknown,
            {{"option", field},
             {"known_words",
-             "gsd_m, any_gsd, not_finer_than_photos, max_look_deg, readout_ms, format, quality, method, surface, origin, "
+             "gsd_m, any_gsd, not_finer_than_photos, max_look_deg, readout_ms, format, quality, method, surface, heights, origin, "
              "boundary, takeoff_height_m, landed_at_start, place, layers and import_file"}}});
     }
     if (!set) return set.error();

@@ -7,9 +7,8 @@ namespace {
 constexpr const char* kNoModel = "No effect: no 3D model or point cloud is made here.";
 constexpr const char* kNoCloud = "No effect: no point cloud is made here.";
 constexpr const char* kNoMesh = "No effect: no mesh is made here.";
-constexpr const char* kNoDem =
-    "No effect: no elevation model is made here. The height layer of the flight's page comes nearest.";
-constexpr const char* kNoGround = "No effect: no ground classification is done here.";
+constexpr const char* kNoDem = "No effect: cells have two of the map's pixels, and gaps are always filled.";
+constexpr const char* kNoGround = "No effect: what is ground is told by rules of its own here.";
 constexpr const char* kChosenHere = "No effect: chosen here by what the photos need.";
 constexpr const char* kNeverSplit =
     "No effect: a flight is always mapped as a whole here, within the memory it is given.";
@@ -62,8 +61,12 @@ constexpr NodeOption kNodeOptions[] = {
     {"dem-gapfill-steps", "int", "3", "positive integer", kNoDem},
     {"dem-resolution", "float", "5", "float", kNoDem},
     {"depthmap-resolution", "float", "640", "positive float", kNoCloud},
-    {"dsm", "bool", "false", "", kNoDem},
-    {"dtm", "bool", "false", "", kNoDem},
+    {"dsm", "bool", "false", "",
+     "Heights of ground, roofs and trees as the photos show them (odm_dem/dsm.tif), in cells of two of the map's pixels. Default: %(default)s",
+     NodeOptionEffect::kJob, "heights"},
+    {"dtm", "bool", "false", "",
+     "Those, and the ground below houses and trees (odm_dem/dtm.tif) with its contours. Default: %(default)s",
+     NodeOptionEffect::kJob, "heights"},
     {"end-with", "enum", "odm_postprocess", kStages, "No effect: a task always ends with the map."},
     {"fast-orthophoto", "bool", "false", "",
      "No effect: the orthophoto is always made without a 3D model here."},

@@ -81,6 +81,10 @@ Result<Value> JobOptionsOf(const NodeOption& option, const Value& value) {
     if (!area.is_object()) return MustBe("a GeoJSON polygon");
     chosen = {{"boundary", area}};
   }
+  if (name == "heights") {
+    if (value != true) return Value(Value::object());
+    chosen = {{"heights", option.name}};
+  }
   if (name == "readout_ms" && value == 0) return Value(Value::object());
   SKYQUILT_TRY(ParseJobOptions(chosen.dump(-1, ' ', false, Value::error_handler_t::replace)));
   return chosen;
@@ -131,7 +135,10 @@ Result<NodeChoice> ParseNodeOptions(std::string_view text) {
       errors.push_back({{"name", name}, {"error", chosen.error().message}});
       continue;
     }
+    // The ground comes with the surface, whichever is named last.
+    const bool has_ground = job_options.value("heights", "") == "dtm";
     if (option->effect == NodeOptionEffect::kJob) job_options.update(*chosen);
+    if (has_ground) job_options["heights"] = "dtm";
     shown.push_back({{"name", name}, {"value", *value}});
   }
   if (!errors.empty()) {

@@ -23,6 +23,10 @@ enum class AlignMethod { kAuto, kImu, kFeatures, kDirect, kImages };
 // What photos are laid on: the ground alone, on which houses and trees lean, or heights of every cell.
 enum class MapGround { kSmooth, kDense };
 
+// Which heights are written beside the map: none, of all that stands there (DSM), or those and of the ground
+// below (DTM).
+enum class MapHeights { kNone, kSurface, kGround };
+
 // As users write them.
 inline constexpr std::pair<const char*, AlignMethod> kAlignMethods[] = {{"auto", AlignMethod::kAuto},
                                                                         {"images", AlignMethod::kImages},
@@ -32,6 +36,8 @@ inline constexpr std::pair<const char*, AlignMethod> kAlignMethods[] = {{"auto",
 inline constexpr std::pair<const char*, MapGround> kMapGrounds[] = {{"smooth", MapGround::kSmooth},
                                                                     {"dense", MapGround::kDense}};
 const char* NameOf(MapGround ground);
+inline constexpr std::pair<const char*, MapHeights> kMapHeights[] = {
+    {"none", MapHeights::kNone}, {"dsm", MapHeights::kSurface}, {"dtm", MapHeights::kGround}};
 inline constexpr std::pair<const char*, image::TileEncoding> kTileFormats[] = {
     {"auto", image::TileEncoding::kJpegWebp},
     {"jpeg-png", image::TileEncoding::kJpegPng},
@@ -48,6 +54,7 @@ struct MosaicOptions {
   std::optional<geo::LatLon> origin;  // --origin: where a flight without any position starts
   bool landed_at_start = false;       // --landed-at-start: a flight without any position ended where it began
   MapGround surface = MapGround::kSmooth;  // --surface
+  MapHeights heights = MapHeights::kNone;  // --formats dsm, dtm. BuildMosaic knows nothing of it
   std::string dem_path;                    // --dem: a GeoTIFF of the ground's heights; empty: flat ground
   image::TileEncoding encoding = image::TileEncoding::kJpegWebp;  // --format
   int jpeg_quality = 85;                                          // --quality 1..100

@@ -22,7 +22,8 @@ namespace skyquilt::server {
 using StageShares = std::vector<std::pair<std::string, double>>;
 // Of a flight of some hundred photos, where none has been measured.
 StageShares UsualShares();
-StageShares SharesWithHeights();  // of a map on which things stand upright
+StageShares SharesWhenUpright();  // heights are matched before the map is drawn
+StageShares SharesWithHeights();  // and after it
 // Of taking over a map of others.
 StageShares SharesOfImport();
 // As measured here.

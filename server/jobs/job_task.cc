@@ -9,15 +9,15 @@
 
 namespace skyquilt::server {
 
-bool IsImport(const std::string& options) {
+JobKind KindOf(const std::string& options) {
   const Result<pipeline::MosaicOptions> parsed = api::ParseJobOptions(options);
-  return parsed && !parsed->import_file.empty();
+  if (!parsed) return JobKind::kUsual;
+  if (!parsed->import_file.empty()) return JobKind::kImport;
+  if (parsed->surface != pipeline::MapGround::kSmooth) return JobKind::kUpright;
+  return parsed->heights != pipeline::MapHeights::kNone ? JobKind::kWithHeights : JobKind::kUsual;
 }
 
-bool IsMadeWhole(const std::string& options) {
-  const Result<pipeline::MosaicOptions> parsed = api::ParseJobOptions(options);
-  return parsed && (!parsed->import_file.empty() || parsed->surface != pipeline::MapGround::kSmooth);
-}
+bool IsMadeWhole(const std::string& options) { return KindOf(options) != JobKind::kUsual; }
 
 Result<LimitedTask> TaskOf(const WorkerContext& context, const std::string& flight_id,
                            const std::string& options, const ShareOfFiles& share, Progress& progress) {

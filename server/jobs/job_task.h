@@ -1,9 +1,8 @@
-// IsImport: is a job to take over a map of others (its option "import_file")? IsMadeWhole: or one whose
-// heights are matched (its option "surface"), which units of other machines know nothing of? TaskOf: what a
-// worker asks the confined process that works on a job for: the flight's files, or the one that is to be
-// imported with the report beside it, where they are on this machine (fetched, where photos lie elsewhere),
-// the options, and the limits. Blocking. Errors: those of the catalogue and of blobs; kInvalidArgument (the
-// options); kCancelled.
+// KindOf: what a job's options make of it. IsMadeWhole: one that units of other machines know nothing of.
+// TaskOf: what a worker asks the confined process that works on a job for: the flight's files, or the one
+// that is to be imported with the report beside it, where they are on this machine (fetched, where photos lie
+// elsewhere), the options, and the limits. Blocking. Errors: those of the catalogue and of blobs;
+// kInvalidArgument (the options); kCancelled.
 #pragma once
 
 #include <optional>
@@ -32,7 +31,13 @@ struct ShareOfFiles {
   std::optional<std::set<std::string>> names = std::nullopt;
 };
 
-bool IsImport(const std::string& options);
+enum class JobKind {
+  kUsual,
+  kImport,       // takes over a map of others (import_file)
+  kUpright,      // heights are matched before the map is drawn (surface)
+  kWithHeights,  // and after it (heights)
+};
+JobKind KindOf(const std::string& options);
 bool IsMadeWhole(const std::string& options);
 
 Result<LimitedTask> TaskOf(const WorkerContext& context, const std::string& flight_id,

@@ -111,6 +111,20 @@ Result<void> FetchShown(const WorkerContext& context, const std::string& flight_
   return {};
 }
 
+StageShares UsualSharesOf(JobKind kind) {
+  switch (kind) {
+    case JobKind::kImport:
+      return SharesOfImport();
+    case JobKind::kUpright:
+      return SharesWhenUpright();
+    case JobKind::kWithHeights:
+      return SharesWithHeights();
+    case JobKind::kUsual:
+      break;
+  }
+  return UsualShares();
+}
+
 StitchedApart Stitch(WorkerContext& context, const storage::Lease& lease, const CutJob& cut,
                      const fs::path& out_dir, Progress& progress) {
   std::error_code error;
@@ -120,7 +134,7 @@ StitchedApart Stitch(WorkerContext& context, const storage::Lease& lease, const 
   if (!swept) return {swept.error()};
   Result<LimitedTask> made = TaskOf(context, lease.flight_id, lease.options, {}, progress);
   if (!made) return {made.error()};
-  if (!IsImport(lease.options)) {
+  if (KindOf(lease.options) != JobKind::kImport) {
     const Result<void> fetched = FetchShown(context, lease.flight_id, *made, progress);
     if (!fetched) return {fetched.error()};
   }
@@ -251,12 +265,9 @@ void RunJob(WorkerContext& context, const storage::Lease& lease) {
     if (found) AdoptEarlierAttempt(context.dir, lease);
     ScopedFolder work(context.dir.Work() / storage::WorkName(lease));
     const std::optional<storage::Expectation> expectation = Expect(context, lease);
-    const StageShares usual = IsImport(lease.options)      ? SharesOfImport()
-                              : IsMadeWhole(lease.options) ? SharesWithHeights()
-                                                           : UsualShares();
     JobProgress progress(context.queue, lease, context.is_stopping,
-                         expectation ? SharesOf(*expectation) : usual, ProgressOf(cut.step),
-                         UnheardTime(context));
+                         expectation ? SharesOf(*expectation) : UsualSharesOf(KindOf(lease.options)),
+                         ProgressOf(cut.step), UnheardTime(context));
     try {
       if (cut.step == CutStep::kLook || cut.step == CutStep::kPlace) {
         const Result<bool> waits = cut.step == CutStep::kLook ? CutIntoLooks(context, lease, cut)

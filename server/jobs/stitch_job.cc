@@ -211,8 +211,8 @@ Result<pipeline::MosaicReport> StitchToDirectory(const std::vector<flight::Input
     SKYQUILT_TRY(WriteBands(built, options.mosaic, photos, out_dir, progress));
   }
   built.report.timings.push_back(exported_in);
-  if (options.write_dsm || options.write_dtm)
-    SKYQUILT_TRY(WriteSurface(built, options.mosaic, photos, options.write_dtm, out_dir, progress));
+  if (options.mosaic.heights != pipeline::MapHeights::kNone)
+    SKYQUILT_TRY(WriteSurface(built, options.mosaic, photos, out_dir, progress));
   if (auto written = storage::WriteFileAtomically(
           out_dir / "photos.geojson",
           pipeline::PhotosGeoJson(built.flight, built.ground, built.report.quality.absolute));

@@ -25,9 +25,7 @@ struct StitchJobOptions {
   bool write_pmtiles = false;
   bool write_utm = false;
   bool write_kmz = false;
-  bool write_dsm = false;  // heights: dsm.tif and dsm_photos.tif
-  bool write_dtm = false;  // and of the ground below: dtm.tif, dtm_ground.tif, contours.*
-  bool is_fresh = false;   // nothing is taken from earlier runs
+  bool is_fresh = false;  // nothing is taken from earlier runs
   // A finished map of the same flight: what has not changed is taken from it. Empty: that of the folder
   // itself.
   std::filesystem::path previous_dir;

@@ -50,8 +50,9 @@ Result<void> PutMatched(const surface::DenseSurface& matched, const surface::Sur
 }  // namespace
 
 Result<void> WriteSurface(pipeline::BuiltMosaic& built, const pipeline::MosaicOptions& options,
-                          const flight::PhotoSource& photos, bool is_ground_wanted,
-                          const std::filesystem::path& out_dir, Progress& progress) {
+                          const flight::PhotoSource& photos, const std::filesystem::path& out_dir,
+                          Progress& progress) {
+  const bool is_ground_wanted = options.heights == pipeline::MapHeights::kGround;
   progress.BeginStage("surface");
   pipeline::StageTiming timing{"surface", 0.0, 0.0};
   {

@@ -1,5 +1,5 @@
-// WriteSurface: the heights of a map that was just made, dsm.tif and dsm_photos.tif in its folder, with
-// is_ground_wanted also dtm.tif, dtm_ground.tif and the contours of that, and what came of them in its
+// WriteSurface: the heights of a map that was just made, dsm.tif and dsm_photos.tif in its folder, where
+// options.heights says so also dtm.tif, dtm_ground.tif and the contours of that, and what came of them in its
 // report. Over the rectangle around the map, also where that is cut to a boundary. Blocking; uses all the
 // threads asked for. Errors: kUnprocessable (beyond UTM), kCancelled, kOutOfSpace, kIo.
 #pragma once
@@ -14,7 +14,7 @@
 namespace skyquilt::server {
 
 Result<void> WriteSurface(pipeline::BuiltMosaic& built, const pipeline::MosaicOptions& options,
-                          const flight::PhotoSource& photos, bool is_ground_wanted,
-                          const std::filesystem::path& out_dir, Progress& progress);
+                          const flight::PhotoSource& photos, const std::filesystem::path& out_dir,
+                          Progress& progress);
 
 }  // namespace skyquilt::server

@@ -174,6 +174,7 @@ INSTANTIATE_TEST_SUITE_P(
                     R"({"options":{"quality":85.5}})", R"({"options":{"quality":9999999999999999999999}})",
                     R"({"options":{"format":"gif"}})", R"({"options":{"method":"magic"}})",
                     R"({"options":{"surface":"rough"}})", R"({"options":{"surface":true}})",
+                    R"({"options":{"heights":"all"}})", R"({"options":{"heights":true}})",
                     "{\"name\":\"\xff\"}", std::string(100000, '['),
                     std::string(40, '[') + std::string(40, ']'), std::string(70000, ' ') + "{}x"));
 

@@ -53,10 +53,10 @@ TEST(NodeOptions, OfferTheUsualNamesAndSayWhatDoesNothing) {
 }
 
 TEST(NodeOptions, ThoseWithoutEffectAreTakenAndShownInTheirTypes) {
-  const NodeChoice choice = Chosen(R"([{"name":"dsm","value":true},{"name":"fast-orthophoto","value":"true"},
+  const NodeChoice choice = Chosen(R"([{"name":"gltf","value":true},{"name":"fast-orthophoto","value":"true"},
     {"name":"mesh-size","value":"300000"},{"name":"gps-accuracy","value":2.5},{"name":"pc-quality","value":"high"}])");
   EXPECT_EQ(choice.job_options, "{}");
-  EXPECT_EQ(json::parse(choice.shown), json::parse(R"([{"name":"dsm","value":true},
+  EXPECT_EQ(json::parse(choice.shown), json::parse(R"([{"name":"gltf","value":true},
     {"name":"fast-orthophoto","value":true},{"name":"mesh-size","value":300000},
     {"name":"gps-accuracy","value":2.5},{"name":"pc-quality","value":"high"}])"));
   EXPECT_TRUE(choice.unknown.empty());
@@ -79,6 +79,18 @@ TEST(NodeOptions, UnknownNamesAreNoErrorButTold) {
       Chosen(R"([{"name":"warp-speed","value":9},{"name":"orthophoto-quality","value":70}])");
   EXPECT_EQ(choice.unknown, std::vector<std::string>{"warp-speed"});
   EXPECT_EQ(choice.shown, R"([{"name":"orthophoto-quality","value":70}])");
+}
+
+TEST(NodeOptions, HeightsAreOfTheSurfaceOrOfTheGroundAsWell) {
+  const auto heights_of = [](const char* options) {
+    return json::parse(Chosen(options).job_options).value("heights", "");
+  };
+  EXPECT_EQ(heights_of(R"([{"name":"dsm","value":"true"}])"), "dsm");
+  EXPECT_EQ(heights_of(R"([{"name":"dtm","value":true}])"), "dtm");
+  EXPECT_EQ(heights_of(R"([{"name":"dtm","value":true},{"name":"dsm","value":true}])"), "dtm");
+  EXPECT_EQ(heights_of(R"([{"name":"dsm","value":true},{"name":"dtm","value":true}])"), "dtm");
+  EXPECT_EQ(heights_of(R"([{"name":"dtm","value":true},{"name":"dsm","value":false}])"), "dtm");
+  EXPECT_EQ(heights_of(R"([{"name":"dsm","value":false},{"name":"dtm","value":"false"}])"), "");
 }
 
 TEST(NodeOptions, BadValuesAreNamed) {

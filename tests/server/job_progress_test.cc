@@ -50,9 +50,10 @@ TEST(WholeJobFraction, GrowsThroughTheStages) {
 }
 
 TEST(WholeJobFraction, CountsHeightsWhereTheyAreMatched) {
-  EXPECT_NEAR(WholeJobFraction(SharesWithHeights(), "export", 1.0), 1.0, 1e-9);
-  EXPECT_GT(WholeJobFraction(SharesWithHeights(), "surface", 1.0),
-            WholeJobFraction(SharesWithHeights(), "surface", 0.0) + 0.3);
+  EXPECT_NEAR(WholeJobFraction(SharesWhenUpright(), "export", 1.0), 1.0, 1e-9);
+  EXPECT_NEAR(WholeJobFraction(SharesWithHeights(), "surface", 1.0), 1.0, 1e-9);
+  for (const StageShares& shares : {SharesWhenUpright(), SharesWithHeights()})
+    EXPECT_GT(WholeJobFraction(shares, "surface", 1.0), WholeJobFraction(shares, "surface", 0.0) + 0.3);
 }
 
 TEST(WholeJobFraction, GoesByWhatWasMeasured) {

@@ -50,6 +50,8 @@ TEST_F(RunJobTest, AMapWhoseHeightsAreMatchedIsMadeByOneWorker) {
   storage::Lease lease = Claimed();
   lease.options = R"({"surface":"dense"})";
   EXPECT_EQ(CutOf(context_, lease)->step, CutStep::kWhole);
+  lease.options = R"({"heights":"dsm"})";
+  EXPECT_EQ(CutOf(context_, lease)->step, CutStep::kWhole);
   lease.options = R"({"surface":"smooth"})";
   EXPECT_EQ(CutOf(context_, lease)->step, CutStep::kLook);
 }

@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
-import { formOf, jobArea, kFormats, kLayers, kLimits, kMethods, kPresets, kStandard, kSurfaces, optionsOf, timesCoarser } from '../../web/src/flight/job_options.js';
+import { formOf, jobArea, kFormats, kHeights, kLayers, kLimits, kMethods, kPresets, kStandard, kSurfaces, optionsOf, timesCoarser } from '../../web/src/flight/job_options.js';
 import { mapIdle } from './support/browser.js';
 import { photoFiles } from './support/photo_files.js';
 import { assertAccessible, assertQuiet, openReady, options, usePages } from './support/pages.js';
@@ -16,6 +16,7 @@ test('the form offers what the contract allows', () => {
   assert.deepEqual(kMethods, contract.method.enum);
   assert.deepEqual(kFormats, contract.format.enum);
   assert.deepEqual(kSurfaces, contract.surface.enum);
+  assert.deepEqual(kHeights, contract.heights.enum);
   assert.deepEqual(kLayers, contract.layers.items.enum);
   const limits = (/** @type {string} */ name, scale = 1) => ({ least: contract[name].minimum * scale, most: contract[name].maximum * scale });
   assert.deepEqual(kLimits.resolution_cm, limits('gsd_m', 100));
@@ -23,14 +24,14 @@ test('the form offers what the contract allows', () => {
   assert.deepEqual(kLimits.readout_ms, limits('readout_ms'));
   assert.deepEqual(kLimits.takeoff_height_m, limits('takeoff_height_m'));
   assert.deepEqual(kLimits.quality, { ...limits('quality'), is_whole: true });
-  for (const name of Object.keys(optionsOf({ ...kStandard, resolution_cm: '5', method: 'imu', surface: 'dense', max_look_deg: '50', readout_ms: '30', format: 'webp', quality: '90', origin: '46.95 7.44', takeoff_height_m: '512', boundary: kArea }).options)) assert.ok(name in contract, name);
+  for (const name of Object.keys(optionsOf({ ...kStandard, resolution_cm: '5', method: 'imu', surface: 'dense', heights: 'dtm', max_look_deg: '50', readout_ms: '30', format: 'webp', quality: '90', origin: '46.95 7.44', takeoff_height_m: '512', boundary: kArea }).options)) assert.ok(name in contract, name);
 });
 
 test('what was typed is what is asked for, and comes back into the form', () => {
-  const form = { ...kStandard, resolution_cm: '2,5', not_finer: false, method: 'features', surface: 'dense', layers: ['height'], max_look_deg: '55', readout_ms: '0', format: 'webp', quality: '90', origin: '46.95, 7.44', takeoff_height_m: '-3.5', boundary: kArea };
+  const form = { ...kStandard, resolution_cm: '2,5', not_finer: false, method: 'features', surface: 'dense', heights: 'dtm', layers: ['height'], max_look_deg: '55', readout_ms: '0', format: 'webp', quality: '90', origin: '46.95, 7.44', takeoff_height_m: '-3.5', boundary: kArea };
   const { options: asked, faults } = optionsOf(form);
   assert.deepEqual(faults, []);
-  assert.deepEqual(asked, { gsd_m: 0.025, not_finer_than_photos: false, method: 'features', surface: 'dense', layers: ['height'], max_look_deg: 55, readout_ms: 0, format: 'webp', quality: 90, origin: [46.95, 7.44], takeoff_height_m: -3.5, boundary: kArea });
+  assert.deepEqual(asked, { gsd_m: 0.025, not_finer_than_photos: false, method: 'features', surface: 'dense', heights: 'dtm', layers: ['height'], max_look_deg: 55, readout_ms: 0, format: 'webp', quality: 90, origin: [46.95, 7.44], takeoff_height_m: -3.5, boundary: kArea });
   assert.deepEqual(formOf(asked), { ...form, resolution_cm: '2.5' });
   assert.deepEqual(optionsOf(kStandard).options, { layers: kLayers }, 'nothing chosen is nothing asked for');
   for (const preset of Object.values(kPresets)) assert.deepEqual(formOf(optionsOf(preset).options), preset);

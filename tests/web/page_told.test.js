@@ -196,3 +196,14 @@ test('of an imported map nothing is offered that takes its photos', options, asy
   }
   await assertQuiet(opened);
 });
+
+test('heights can be downloaded where the map has them', options, async () => {
+  const opened = await setUp({ has_heights: true });
+  const { mock, page } = opened;
+  const flight = mock.seedReady('Village');
+  await page.goto(`${mock.url}#/flights/${flight.id}`);
+  await page.click('#flight-download');
+  await page.waitForSelector('.download[href*="contours.dxf"] small:has-text("7")');
+  assert.deepEqual((await page.locator('.download span').allTextContents()).slice(5), ['Surface model (DSM)', 'Terrain model (DTM)', 'Contours', 'Contours']);
+  await assertQuiet(opened);
+});

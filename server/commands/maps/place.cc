@@ -122,8 +122,10 @@ StitchJobOptions OptionsOf(const PlaceArguments& arguments) {
   options.write_pmtiles = has("mosaic.pmtiles");
   options.write_utm = has("mosaic_utm.tif");
   options.write_kmz = has("mosaic.kmz");
-  options.write_dsm = has("dsm_photos.tif");  // a dsm.tif alone may be somebody's elevation model
-  options.write_dtm = has("dtm_ground.tif");
+  // A dsm.tif alone may be somebody's elevation model.
+  options.mosaic.heights = has("dtm_ground.tif")   ? pipeline::MapHeights::kGround
+                           : has("dsm_photos.tif") ? pipeline::MapHeights::kSurface
+                                                   : pipeline::MapHeights::kNone;
   for (const render::MapLayer layer : render::kMapLayers) {
     if (has(render::LayerFileName(layer))) options.mosaic.layers.push_back(layer);
   }

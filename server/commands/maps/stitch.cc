@@ -184,8 +184,10 @@ void Run(StitchArguments& arguments) {
   arguments.job.write_cog = !arguments.no_cog && is_wanted(OtherFormat::kGeotiff, "mosaic.tif");
   arguments.job.write_pmtiles = !arguments.no_pmtiles && is_wanted(OtherFormat::kPmtiles, "mosaic.pmtiles");
   arguments.job.write_utm = arguments.utm || is_wanted(OtherFormat::kUtm, "mosaic_utm.tif");
-  arguments.job.write_dsm = is_wanted(OtherFormat::kDsm, "dsm_photos.tif");
-  arguments.job.write_dtm = is_wanted(OtherFormat::kDtm, "dtm_ground.tif");
+  arguments.job.mosaic.heights =
+      is_wanted(OtherFormat::kDtm, "dtm_ground.tif")   ? pipeline::MapHeights::kGround
+      : is_wanted(OtherFormat::kDsm, "dsm_photos.tif") ? pipeline::MapHeights::kSurface
+                                                       : pipeline::MapHeights::kNone;
   arguments.job.write_kmz = arguments.kmz || is_wanted(OtherFormat::kKmz, "mosaic.kmz");
   if (const Result<void> possible = arguments.job.mosaic.Validate(); !possible)
     Fail("skyquilt", possible.error());
@@ -222,7 +224,7 @@ void Run(StitchArguments& arguments) {
     if (!written) Fail("skyquilt", written.error());
   }
   if (!report) Fail("skyquilt", report.error());
-  PrintOutcome(*report, arguments.out_dir, arguments.job.write_dsm || arguments.job.write_dtm);
+  PrintOutcome(*report, arguments.out_dir, arguments.job.mosaic.heights != pipeline::MapHeights::kNone);
 }
 
 }  // namespace

@@ -150,11 +150,13 @@ class PythonClient(ServerTestCase):
             self.assertEqual(flight.download("geotiff", out / "half.tif").read_bytes(), whole)
         self.assertEqual(sorted(path.name for path in out.iterdir()), ["half.tif", "map.tif"])
         for kind in self.skyquilt.DOWNLOADS:
-            if not kind.startswith("layer"):
+            if not kind.startswith(("layer", "dsm", "dtm", "contours")):  # which a job is asked for
                 self.assertGreater(flight.download(kind, out).stat().st_size, 0, kind)
         self.assertEqual(json.loads((out / f"{flight.id}_report.json").read_text()), flight.report())
         with self.assertRaisesRegex(self.skyquilt.NotFound, "."):
             flight.download("layer_height", out)
+        with self.assertRaisesRegex(self.skyquilt.NotFound, "."):
+            flight.download("dsm", out)
         with self.assertRaisesRegex(self.skyquilt.InputError, "geotiff, mbtiles"):
             flight.download("jpeg2000", out)
         exported = flight.export("geotiff", out / "utm.tif", crs="utm", resolution_m=0.5).read_bytes()

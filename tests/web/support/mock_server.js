@@ -46,7 +46,7 @@ const kAside = [
 export const kNetworkAddress = 'http://192.168.1.20:8080';
 
 /**
- * @param {{port?: number, job_ms?: number, upload_ms?: number, basemap_makers?: string, has_tokens?: boolean, scope?: 'read'|'upload'|'admin', trash_days?: number, keep_days?: number, is_whole?: boolean, is_unplaced?: boolean, has_indices?: boolean, bands_bounds?: number[], page_limit?: number, addresses?: string[]}} [options] upload_ms: time each file takes at least;
+ * @param {{port?: number, job_ms?: number, upload_ms?: number, basemap_makers?: string, has_tokens?: boolean, scope?: 'read'|'upload'|'admin', trash_days?: number, keep_days?: number, is_whole?: boolean, is_unplaced?: boolean, has_indices?: boolean, has_heights?: boolean, bands_bounds?: number[], page_limit?: number, addresses?: string[]}} [options] upload_ms: time each file takes at least;
  *   addresses: where other machines reach it;
  *   basemap_makers: there is a basemap, of theirs; has_tokens: it asks for tokens where flights are shared; scope: what
  *   every token may do; page_limit: flights in one answer, few so that paging is used; is_whole: maps have all photos; is_unplaced: they lie nowhere until they are placed
@@ -311,9 +311,10 @@ export async function startMockServer(options = {}) {
       if (!flight.ready) return problem(404, 'No map yet', 'The map of this flight has not been made.');
       const of_indices = answerIndices(rest, url.searchParams);
       if (of_indices) return of_indices.detail ? problem(of_indices.status, 'Bad request', of_indices.detail) : send(of_indices.status, of_indices.body ?? null);
-      if (rest === '/report') return send(200, { ...reportOf(flight.place, names, max_zoom, options.is_whole), quality: mapQuality(flight, reportOf(flight.place, names, max_zoom, options.is_whole)), is_placed: !(options.is_unplaced && !flight.is_placed), alignment: { placed_by: options.is_unplaced ? 'images' : 'records' } });
+      if (rest === '/report') return send(200, { ...reportOf(flight.place, names, max_zoom, options.is_whole), quality: mapQuality(flight, reportOf(flight.place, names, max_zoom, options.is_whole)), is_placed: !(options.is_unplaced && !flight.is_placed), ...(options.has_heights ? { surface: { cell_m: 0.1, measured_share: 0.9 } } : {}), alignment: { placed_by: options.is_unplaced ? 'images' : 'records' } });
       if (rest === '/photos.geojson') return send(200, photosGeoJson(flight.place, names), 'application/geo+json');
       if (rest === '/thumbnail.webp' || rest === '/thumbnail.png') return send(200, countrysidePicture(flight.place, url.searchParams.get('size') === '1024' ? 1000 : 160), 'image/png');
+      if (options.has_heights && ['/dsm.tif', '/dtm.tif', '/contours.gpkg', '/contours.dxf'].includes(rest)) return send(200, Buffer.from('heights'), 'application/octet-stream');
       if (rest.startsWith('/download.')) return send(200, Buffer.from('mock'), 'application/octet-stream');
     }
     if ((match = path.match(/^\/tiles\/([^/]+)\.json$/)) && flights.get(match[1])?.ready) {

@@ -2,7 +2,7 @@
 /** @import { Flight } from '../shared/types.js' */
 import { readable, withToken } from '../shared/token.js';
 import { showError } from '../shared/announce.js';
-import { downloadPath, downloadSize, startExport } from '../shared/api.js';
+import { downloadPath, downloadSize, getReport, startExport } from '../shared/api.js';
 import { at } from '../shared/router.js';
 import { h, put } from '../shared/dom.js';
 import { formatBytes } from '../shared/format.js';
@@ -57,15 +57,16 @@ function showDialog(id, title, body) {
  */
 export function showDownloads(flight, outlines, cut_to = -1) {
   const words = strings.actions;
-  const link = (/** @type {import('../shared/api.js').DownloadKind} */ kind) => {
-    const [name, hint] = words.files[kind];
+  const link = (/** @type {import('../shared/api.js').DownloadName} */ name) => {
+    const [title, hint] = { ...words.files, ...words.height_files }[name];
     const small = h('small', {}, hint);
-    downloadSize(flight.id, kind).then((bytes) => {
+    const has_size = downloadSize(flight.id, name).then((bytes) => {
       if (bytes !== null) small.textContent = `${formatBytes(bytes)}, ${hint}`;
+      return bytes !== null;
     }, showError);
-    return h('a', { class: 'download', href: readable(downloadPath(flight.id, kind)), download: '' }, icon('download'), h('span', {}, name), small);
+    return { made: h('a', { class: 'download', href: readable(downloadPath(flight.id, name)), download: '' }, icon('download'), h('span', {}, title), small), has_size };
   };
-  const kinds = /** @type {import('../shared/api.js').DownloadKind[]} */ (Object.keys(words.files));
+  const namesIn = (/** @type {object} */ files) => /** @type {import('../shared/api.js').DownloadName[]} */ (Object.keys(files));
   const closed = new AbortController();
   const exports = h('div', { class: 'export-part' });
   const showExports = async (/** @type {HTMLButtonElement} */ button, /** @type {import('../shared/api.js').ExportWish|null} */ wish) => {
@@ -88,7 +89,15 @@ export function showDownloads(flight, outlines, cut_to = -1) {
   const [utm_name, utm_hint] = words.utm;
   const utm = h('button', { type: 'button', class: 'download', id: 'download-utm' }, icon('download'), h('span', {}, utm_name), h('small', {}, utm_hint));
   utm.addEventListener('click', () => void showExports(utm, { format: 'geotiff', crs: 'utm' }));
-  const downloads = h('div', { class: 'downloads' }, utm, ...kinds.map(link));
+  const downloads = h('div', { class: 'downloads' }, utm, ...namesIn(words.files).map((name) => link(name).made));
+  const addHeights = async () => {
+    const { surface } = await getReport(flight.id);
+    for (const name of surface ? namesIn(words.height_files) : []) {
+      const { made, has_size } = link(name);
+      if (await has_size) downloads.append(made);
+    }
+  };
+  addHeights().catch((error) => console.debug('a map without a report has no heights', error));
   put(exports, open);
   const dialog = showDialog('download-dialog', words.download, h('div', {}, downloads, exports));
   dialog.addEventListener('close', () => closed.abort());

@@ -9,6 +9,7 @@ import { parsePlace } from '../map/parse_place.js';
  * @property {boolean} not_finer than the photos' own pixels
  * @property {string} method
  * @property {string} surface
+ * @property {string} heights
  * @property {string[]} layers
  * @property {string} max_look_deg
  * @property {string} readout_ms
@@ -24,6 +25,7 @@ import { parsePlace } from '../map/parse_place.js';
 
 export const kMethods = ['auto', 'images', 'imu', 'features', 'direct'];
 export const kSurfaces = ['smooth', 'dense'];
+export const kHeights = ['none', 'dsm', 'dtm'];
 export const kFormats = ['auto', 'jpeg-png', 'webp'];
 export const kLayers = ['photo', 'error', 'height'];
 /** What the contract allows. @type {Record<Exclude<TypedField, 'origin'>, {least: number, most: number, is_whole?: boolean}>} */
@@ -36,7 +38,7 @@ export const kLimits = {
 };
 
 /** @type {Readonly<OptionsForm>} */
-export const kStandard = { resolution_cm: '', not_finer: true, method: 'auto', surface: 'smooth', layers: kLayers, max_look_deg: '', readout_ms: '', format: 'auto', quality: '', origin: '', takeoff_height_m: '', boundary: null };
+export const kStandard = { resolution_cm: '', not_finer: true, method: 'auto', surface: 'smooth', heights: 'none', layers: kLayers, max_look_deg: '', readout_ms: '', format: 'auto', quality: '', origin: '', takeoff_height_m: '', boundary: null };
 
 /** Those that come with the page, by their names in strings.options.presets. @type {Record<'standard'|'quick'|'detailed', OptionsForm>} */
 export const kPresets = {
@@ -71,6 +73,7 @@ export function optionsOf(form) {
       ...(resolution_cm === null ? {} : { gsd_m: resolution_cm / 100, not_finer_than_photos: form.not_finer }),
       ...(form.method === 'auto' ? {} : { method: form.method }),
       ...(form.surface === 'smooth' ? {} : { surface: form.surface }),
+      ...(form.heights === 'none' ? {} : { heights: form.heights }),
       ...(max_look_deg === null ? {} : { max_look_deg }),
       ...(readout_ms === null ? {} : { readout_ms }),
       ...(form.format === 'auto' ? {} : { format: form.format }),
@@ -128,6 +131,7 @@ export function formOf(options) {
     not_finer: typeof options.gsd_m !== 'number' || options.not_finer_than_photos === true,
     method: word(options.method, kMethods),
     surface: word(options.surface, kSurfaces),
+    heights: word(options.heights, kHeights),
     layers: Array.isArray(options.layers) ? kLayers.filter((layer) => options.layers.includes(layer)) : [],
     max_look_deg: text(options.max_look_deg),
     readout_ms: text(options.readout_ms),

@@ -9,7 +9,7 @@ import { h, put } from '../shared/dom.js';
 import { strings } from '../shared/flight_strings.js';
 import { icon } from '../shared/icons.js';
 import { confirmCoarse } from './coarse_map.js';
-import { chooseOptions, chosenOptions, formOf, jobArea, keepPreset, keptPresets, kFormats, kLayers, kLimits, kMethods, kPresets, kSurfaces, optionsOf } from './job_options.js';
+import { chooseOptions, chosenOptions, formOf, jobArea, keepPreset, keptPresets, kFormats, kHeights, kLayers, kLimits, kMethods, kPresets, kSurfaces, optionsOf } from './job_options.js';
 
 const kOwn = 'own:';  // before the names of the user's presets, which may be called as ours are
 
@@ -39,6 +39,7 @@ export function askOptions({ flight_id, title, hint = '', submit, options, outli
   const fields = /** @type {TypedField[]} */ (Object.keys(typed));
   const method = choice('method', kMethods, words.methods);
   const surface = choice('surface', kSurfaces, words.surfaces);
+  const heights = choice('heights', kHeights, words.heights);
   const format = choice('format', kFormats, words.formats);
   const not_finer = box('option-not_finer', words.not_finer);
   const layers = kLayers.map((name) => ({ name, ...box(`option-layer-${name}`, /** @type {Record<string, string>} */ (strings.map.overlays)[name]) }));
@@ -86,6 +87,7 @@ export function askOptions({ flight_id, title, hint = '', submit, options, outli
     not_finer: not_finer.input.checked,
     method: method.value,
     surface: surface.value,
+    heights: heights.value,
     format: format.value,
     layers: layers.filter(({ input }) => input.checked).map(({ name }) => name),
     boundary: areaNow(),
@@ -95,6 +97,7 @@ export function askOptions({ flight_id, title, hint = '', submit, options, outli
     for (const name of fields) typed[name].value = form[name];
     method.value = form.method;
     surface.value = form.surface;
+    heights.value = form.heights;
     format.value = form.format;
     not_finer.input.checked = form.not_finer;
     for (const { name, input } of layers) input.checked = form.layers.includes(name);
@@ -164,6 +167,7 @@ export function askOptions({ flight_id, title, hint = '', submit, options, outli
     row('resolution_cm', typed.resolution_cm, not_finer.row),
     row('method', method),
     row('surface', surface),
+    row('heights', heights),
     row('boundary', area, h('div', { class: 'row' }, browse, area_file)),
     h('fieldset', { class: 'option-layers' }, h('legend', {}, words.names.layers), ...layers.map(({ row: line }) => line), h('small', { class: 'muted' }, words.hints.layers)),
     h(
@@ -230,6 +234,7 @@ export function optionWords(options) {
     form.resolution_cm && `${form.resolution_cm} cm`,
     form.method !== 'auto' && words.methods[/** @type {keyof typeof words.methods} */ (form.method)],
     form.surface !== 'smooth' && words.surfaces[/** @type {keyof typeof words.surfaces} */ (form.surface)],
+    form.heights !== 'none' && words.heights[/** @type {keyof typeof words.heights} */ (form.heights)],
     form.max_look_deg && `${words.names.max_look_deg} ${form.max_look_deg}°`,
     form.readout_ms && `${words.names.readout_ms} ${form.readout_ms} ms`,
     form.format !== 'auto' && words.formats[/** @type {keyof typeof words.formats} */ (form.format)],

@@ -340,18 +340,18 @@ export const removeShare = (id, share) => request('DELETE', `${flight_path(id)}/
 export const thumbnailPath = ({ id, revision }, use = 'list') =>
   readable(`${flight_path(id)}/thumbnail.webp?size=${use === 'list' ? 320 : 1024}&rev=${revision}`);
 
-/** @typedef {'tif'|'mbtiles'|'pmtiles'|'zip'} DownloadKind */
+/** @typedef {'download.tif'|'download.mbtiles'|'download.pmtiles'|'download.zip'|'dsm.tif'|'dtm.tif'|'contours.gpkg'|'contours.dxf'} DownloadName */
 
-/** @param {string} id @param {DownloadKind} kind @returns {string} */
-export const downloadPath = (id, kind) => `${flight_path(id)}/download.${kind}`;
+/** @param {string} id @param {DownloadName} name @returns {string} */
+export const downloadPath = (id, name) => `${flight_path(id)}/${name}`;
 
 /**
  * @param {string} id
- * @param {DownloadKind} kind
- * @returns {Promise<number|null>} null when the server does not say
+ * @param {DownloadName} name
+ * @returns {Promise<number|null>} null when the server does not say, or has none
  */
-export async function downloadSize(id, kind) {
-  const response = await fetch(at(downloadPath(id, kind)), { method: 'HEAD', headers: authorization() });
+export async function downloadSize(id, name) {
+  const response = await fetch(at(downloadPath(id, name)), { method: 'HEAD', headers: authorization() });
   const length = response.ok ? Number(response.headers.get('Content-Length') ?? NaN) : NaN;
   return Number.isFinite(length) ? length : null;
 }

@@ -20,7 +20,9 @@ DOWNLOADS: Dict[str, str] = {
     "geotiff": "download.tif", "mbtiles": "download.mbtiles", "pmtiles": "download.pmtiles", "zip": "download.zip",
     "report": "report", "footprints": "photos.geojson", "cameras": "cameras.json", "geo.txt": "geo.txt",
     "thumbnail": "thumbnail.png", "layer_photo": "layer_photo.mbtiles", "layer_error": "layer_error.mbtiles",
-    "layer_height": "layer_height.mbtiles", "layers": "layers.json"}
+    "layer_height": "layer_height.mbtiles", "layers": "layers.json", "dsm": "dsm.tif", "dsm_photos": "dsm_photos.tif",
+    "dtm": "dtm.tif", "dtm_ground": "dtm_ground.tif", "contours": "contours.gpkg", "contours_geojson": "contours.geojson",
+    "contours_dxf": "contours.dxf"}
 POLL_FIRST_S, POLL_LONGEST_S = 0.3, 3.0
 
 

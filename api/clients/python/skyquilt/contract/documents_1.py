@@ -53,6 +53,10 @@ class JobOptions(TypedDict, total=False):
     # heights of every two pixels, so that they stand upright (a true orthophoto), which takes several times as long.
     # A flight of so many photos that it is cut into units is made by one worker then
     surface: Literal['smooth', 'dense']
+    # Heights beside the map: of ground, roofs and trees as the photos show them (dsm), or those and of the ground
+    # below with its contours (dtm). Takes several times as long as the map; a flight that would be cut into units is
+    # made by one worker then. A job that only moves a map (place) makes those anew that the map has
+    heights: Literal['none', 'dsm', 'dtm']
     # Latitude and longitude of the take-off in degrees, for a flight that recorded no position at all
     origin: Optional[List[float]]
     # Polygon, MultiPolygon, Feature or FeatureCollection of polygons (GeoJSON, WGS 84): the map is cut to it; photos
@@ -427,9 +431,3 @@ class PointOfMapForSure(TypedDict):
     height_m: Optional[float]
     # The photo that shows the place; null: none is known
     photo: Optional[Any]
-
-
-class PointOfMap(PointOfMapForSure, total=False):
-    """What a map shows at a place."""
-    # Of the index asked for
-    index: PointOfMapIndex

@@ -33,6 +33,38 @@ class Downloads(Calls):
         GeoTIFF; docs/bands.md says what of it is calibrated. 404 for maps of photos in colour."""
         return self._stream("GET", "/api/v1/flights/{flight}/bands.tif", path={"flight": flight}, headers=headers)
 
+    def download_contours(self, flight: str, *, headers: Optional[Mapping[str, str]] = None) -> Answer:
+        """Lines of equal height of the ground (dtm.tif), each with its height as z and as height_m: a GeoPackage in
+        the UTM zone."""
+        return self._stream("GET", "/api/v1/flights/{flight}/contours.gpkg", path={"flight": flight}, headers=headers)
+
+    def download_contours_dxf(self, flight: str, *, headers: Optional[Mapping[str, str]] = None) -> Answer:
+        """The same for CAD, each line at its height."""
+        return self._stream("GET", "/api/v1/flights/{flight}/contours.dxf", path={"flight": flight}, headers=headers)
+
+    def download_contours_geo_json(self, flight: str) -> Dict[str, Any]:
+        """The same as GeoJSON."""
+        return cast("Dict[str, Any]", self._send("GET", "/api/v1/flights/{flight}/contours.geojson",
+                                                 path={"flight": flight}))
+
+    def download_dsm(self, flight: str, *, headers: Optional[Mapping[str, str]] = None) -> Answer:
+        """Heights of ground, roofs and trees as the photos show them (metres above the ellipsoid as recorded, float32,
+        NaN where no photo looks), in the UTM zone: a cloud-optimised GeoTIFF. 404 for maps whose job did not ask
+        for heights."""
+        return self._stream("GET", "/api/v1/flights/{flight}/dsm.tif", path={"flight": flight}, headers=headers)
+
+    def download_dsm_photos(self, flight: str, *, headers: Optional[Mapping[str, str]] = None) -> Answer:
+        """On the cells of dsm.tif: how many photos agree on the height; 0 where it was filled from around."""
+        return self._stream("GET", "/api/v1/flights/{flight}/dsm_photos.tif", path={"flight": flight}, headers=headers)
+
+    def download_dtm(self, flight: str, *, headers: Optional[Mapping[str, str]] = None) -> Answer:
+        """The ground below houses and trees, on the cells of dsm.tif. 404 for maps whose job did not ask for it."""
+        return self._stream("GET", "/api/v1/flights/{flight}/dtm.tif", path={"flight": flight}, headers=headers)
+
+    def download_dtm_ground(self, flight: str, *, headers: Optional[Mapping[str, str]] = None) -> Answer:
+        """On the cells of dtm.tif: 1 where that ground was seen and measured, 0 where it is bridged."""
+        return self._stream("GET", "/api/v1/flights/{flight}/dtm_ground.tif", path={"flight": flight}, headers=headers)
+
     def download_export(self, flight: str, export: str, *, headers: Optional[Mapping[str, str]] = None) -> Answer:
         """The file of an export."""
         return self._stream("GET", "/api/v1/flights/{flight}/exports/{export}/file",

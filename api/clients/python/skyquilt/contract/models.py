@@ -6,6 +6,12 @@ from typing import Any, Dict, List, Literal, Optional, TypedDict, Union
 from .documents_1 import *  # noqa: F401,F403
 
 
+class PointOfMap(PointOfMapForSure, total=False):
+    """What a map shows at a place."""
+    # Of the index asked for
+    index: PointOfMapIndex
+
+
 class GroundProfileSamplesItem(TypedDict):
     # From the line's beginning
     distance_m: float
