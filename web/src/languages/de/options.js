@@ -64,7 +64,7 @@ export const option_words = {
     features: 'Metadaten, verfeinert durch Merkmale',
     direct: 'Metadaten, verfeinert durch Helligkeit',
   },
-  heights: { none: 'Keine', dsm: 'Oberfläche (DOM)', dtm: 'Oberfläche und Gelände (DOM, DGM, Höhenlinien)' },
+  heights: { none: 'Keine', dsm: 'Oberfläche (DOM)', dtm: 'Mit Gelände (DOM, DGM)' },
   surfaces: { smooth: 'Wie sie in den Fotos kippen', dense: 'Aufrecht (True Orthophoto)' },
   formats: { auto: 'JPEG, am Rand WebP', 'jpeg-png': 'JPEG, am Rand PNG', webp: 'WebP' },
   coarse_title: (/** @type {string} */ name) => `Wirklich eine so grobe Karte von „${name}“?`,

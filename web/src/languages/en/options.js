@@ -65,7 +65,7 @@ export const option_words = {
     direct: 'Metadata refined by brightness',
   },
   surfaces: { smooth: 'As they lean in the photos', dense: 'Upright (true orthophoto)' },
-  heights: { none: 'None', dsm: 'Surface (DSM)', dtm: 'Surface and ground (DSM, DTM, contours)' },
+  heights: { none: 'None', dsm: 'Surface (DSM)', dtm: 'Surface and ground (DTM)' },
   formats: { auto: 'JPEG, WebP at the edge', 'jpeg-png': 'JPEG, PNG at the edge', webp: 'WebP' },
   coarse_title: (/** @type {string} */ name) => `Really so coarse a map of “${name}”?`,
   coarse_text: (/** @type {string} */ asked, /** @type {string} */ shown, /** @type {number} */ times) => `The resolution asked for is ${asked}. The photos show ${shown}, which is ${number(times, { maximumFractionDigits: 0 })} times finer. The field counts in centimetres.`,
