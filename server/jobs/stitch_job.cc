@@ -146,6 +146,36 @@ Result<void> WriteBands(pipeline::BuiltMosaic& built, const pipeline::MosaicOpti
   return {};
 }
 
+Result<void> WriteOtherFiles(pipeline::BuiltMosaic& built, const StitchJobOptions& options,
+                             const flight::PhotoSource& photos, const std::filesystem::path& out_dir,
+                             Progress& progress) {
+  progress.BeginStage("export");
+  pipeline::StageTiming exported_in{"export", 0.0, 0.0};
+  {
+    ScopedTimer timer(exported_in.wall_s);
+    ScopedCpuTimer cpu_timer(exported_in.cpu_s);
+    SKYQUILT_TRY(Export(out_dir / "mosaic.mbtiles", options, built.report, out_dir, progress));
+    SKYQUILT_TRY(WriteLayers(built, options.mosaic, out_dir, progress));
+    SKYQUILT_TRY(WriteBands(built, options.mosaic, photos, out_dir, progress));
+  }
+  built.report.timings.push_back(exported_in);
+  if (options.mosaic.heights == pipeline::MapHeights::kNone) return {};
+  return WriteSurface(built, options.mosaic, photos, out_dir, progress);
+}
+
+Result<void> WriteReports(const pipeline::BuiltMosaic& built, const std::filesystem::path& out_dir) {
+  for (const auto& [name, text] :
+       {std::pair{"photos.geojson",
+                  pipeline::PhotosGeoJson(built.flight, built.ground, built.report.quality.absolute)},
+        std::pair{"cameras.json", pipeline::OdmCamerasJson(built.flight)},
+        std::pair{"geo.txt", pipeline::OdmGeoTxt(built.flight)},
+        std::pair{"locate.json", pipeline::LocateJson(built.flight, built.ground)},
+        std::pair{"report.json", pipeline::ReportJson(built.report)}}) {
+    SKYQUILT_TRY(storage::WriteFileAtomically(out_dir / name, text));
+  }
+  return {};
+}
+
 void ForgetEarlierRuns(const std::filesystem::path& out_dir) {
   std::error_code gone;  // what cannot be removed is of no use to the next run either
   for (const char* name : {"mosaic.state", "mosaic.state.tmp", "mosaic.state.part"}) {
@@ -177,7 +207,6 @@ Result<pipeline::MosaicReport> StitchToDirectory(const std::vector<flight::Input
                                                  const StitchJobOptions& options,
                                                  const std::filesystem::path& out_dir, Progress& progress) {
   SKYQUILT_TRY(MakeFolder(out_dir));
-  const std::filesystem::path mbtiles = out_dir / "mosaic.mbtiles";
   if (options.is_fresh) ForgetEarlierRuns(out_dir);
   pipeline::FoundFiles found;
   storage::MapParts parts;
@@ -199,40 +228,10 @@ Result<pipeline::MosaicReport> StitchToDirectory(const std::vector<flight::Input
   built.report.warnings.insert(built.report.warnings.end(), elevations.warnings.begin(),
                                elevations.warnings.end());
   SKYQUILT_TRY(keeper->Publish(TilesetMetadataOf(built.report)));
-  progress.BeginStage("export");
-  pipeline::StageTiming exported_in{"export", 0.0, 0.0};
-  {
-    ScopedTimer timer(exported_in.wall_s);
-    ScopedCpuTimer cpu_timer(exported_in.cpu_s);
-    if (auto exported = Export(mbtiles, options, built.report, out_dir, progress); !exported)
-      return exported.error();
-    if (auto written = WriteLayers(built, options.mosaic, out_dir, progress); !written)
-      return written.error();
-    SKYQUILT_TRY(WriteBands(built, options.mosaic, photos, out_dir, progress));
-  }
-  built.report.timings.push_back(exported_in);
-  if (options.mosaic.heights != pipeline::MapHeights::kNone)
-    SKYQUILT_TRY(WriteSurface(built, options.mosaic, photos, out_dir, progress));
-  if (auto written = storage::WriteFileAtomically(
-          out_dir / "photos.geojson",
-          pipeline::PhotosGeoJson(built.flight, built.ground, built.report.quality.absolute));
-      !written) {
-    return written.error();
-  }
-  for (const auto& [name, text] : {std::pair{"cameras.json", pipeline::OdmCamerasJson(built.flight)},
-                                   std::pair{"geo.txt", pipeline::OdmGeoTxt(built.flight)}}) {
-    SKYQUILT_TRY(storage::WriteFileAtomically(out_dir / name, text));
-  }
-  if (auto written = storage::WriteFileAtomically(out_dir / "locate.json",
-                                                  pipeline::LocateJson(built.flight, built.ground));
-      !written) {
-    return written.error();
-  }
-  if (auto written =
-          storage::WriteFileAtomically(out_dir / "report.json", pipeline::ReportJson(built.report));
-      !written) {
-    return written.error();
-  }
+  // What the map lies in is finished: a further file that cannot be written leaves it with its report.
+  const Result<void> others = WriteOtherFiles(built, options, photos, out_dir, progress);
+  SKYQUILT_TRY(WriteReports(built, out_dir));
+  if (!others) return others.error();
   return std::move(built.report);
 }
 

@@ -4,7 +4,8 @@
 // by option, report.json, photos.geojson, and for OpenDroneMap cameras.json and geo.txt, each written under a
 // temporary name and published by rename. What both the `stitch` command and the worker run. Blocking; one
 // call at a time per process (it uses all the threads asked for). Errors: kUnprocessable (no photo could be
-// placed), kCancelled, kOutOfSpace, kIo.
+// placed), kCancelled, kOutOfSpace, kIo; of a file beside the finished map only after its reports are
+// written.
 #pragma once
 
 #include <filesystem>

@@ -131,6 +131,16 @@ class Dsm(unittest.TestCase):
         self.assertAlmostEqual(moved_north - north, 111.2, delta=1.5)
         self.assertAlmostEqual(moved_east - east, 0.0, delta=3.5)
 
+    def test_a_file_that_cannot_be_written_leaves_map_and_report(self):
+        out = self.scratch / "blocked"
+        (out / "dsm.tif").mkdir(parents=True)
+        done = subprocess.run([BINARY, "stitch", self.flight / "photos", "-o", out, "--formats", "dsm", "--overwrite"], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("dsm.tif", done.stderr)
+        self.assertEqual((out / "mosaic.mbtiles").read_bytes(), (self.map / "mosaic.mbtiles").read_bytes())
+        report = json.loads((out / "report.json").read_text())
+        self.assertEqual((report["photos"]["total"], "surface" in report), (9, False))
+
     def test_an_elevation_model_of_that_name_stays(self):
         own = b"somebody's heights"
         empty = self.scratch / "own_alone"
