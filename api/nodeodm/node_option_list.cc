@@ -77,7 +77,7 @@ constexpr NodeOption kNodeOptions[] = {
     {"gltf", "bool", "false", "", kNoModel},
     {"gps-accuracy", "float", "3", "positive float",
      "No effect: how far positions are off is read from the photos or found from them."},
-    {"gps-z-offset", "float", "0", "float", "No effect: the orthophoto has no heights."},
+    {"gps-z-offset", "float", "0", "float", "No effect: heights are as the photos record them."},
     {"ignore-gsd", "bool", "false", "", "No effect: the map is never finer than the photos."},
     {"matcher-neighbors", "int", "0", "positive integer", kChosenHere},
     {"matcher-order", "int", "0", "positive integer", kChosenHere},

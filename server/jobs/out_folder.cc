@@ -146,4 +146,11 @@ Result<void> CheckNoInputIsReplaced(const fs::path& out_dir, const std::vector<f
   return {};
 }
 
+pipeline::MapHeights HeightsIn(const fs::path& out_dir) {
+  std::error_code none;
+  if (fs::exists(out_dir / "dtm_ground.tif", none)) return pipeline::MapHeights::kGround;
+  return fs::exists(out_dir / "dsm_photos.tif", none) ? pipeline::MapHeights::kSurface
+                                                      : pipeline::MapHeights::kNone;
+}
+
 }  // namespace skyquilt::server

@@ -21,4 +21,8 @@ Result<void> CheckOutFolder(const std::filesystem::path& out_dir, const std::vec
 Result<void> CheckNoInputIsReplaced(const std::filesystem::path& out_dir,
                                     const std::vector<flight::InputFile>& files);
 
+// Which heights the folder's map has, so that they are written again with it. They show by dsm_photos.tif and
+// dtm_ground.tif: a dsm.tif alone may be somebody's elevation model.
+pipeline::MapHeights HeightsIn(const std::filesystem::path& out_dir);
+
 }  // namespace skyquilt::server

@@ -32,7 +32,7 @@ class GroundSketch : public GroundBelow {
   double cell_m_;
   int step_;  // cells along a coarse one
   int coarse_columns_, coarse_rows_;
-  std::vector<float> heights_m_;  // sums until Finish
+  std::vector<float> heights_m_;  // running means until Finish, then of the ground
   std::vector<float> counts_;     // of measured heights; below 0: of filled ones
 };
 

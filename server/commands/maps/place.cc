@@ -21,6 +21,7 @@
 #include "server/commands/fail.h"
 #include "server/commands/maps/parse_lat_lon.h"
 #include "server/commands/terminal_progress.h"
+#include "server/jobs/out_folder.h"
 #include "server/jobs/stitch_job.h"
 #include "server/usage/length.h"
 #include "storage/tilesets/mbtiles_reader.h"
@@ -122,10 +123,7 @@ StitchJobOptions OptionsOf(const PlaceArguments& arguments) {
   options.write_pmtiles = has("mosaic.pmtiles");
   options.write_utm = has("mosaic_utm.tif");
   options.write_kmz = has("mosaic.kmz");
-  // A dsm.tif alone may be somebody's elevation model.
-  options.mosaic.heights = has("dtm_ground.tif")   ? pipeline::MapHeights::kGround
-                           : has("dsm_photos.tif") ? pipeline::MapHeights::kSurface
-                                                   : pipeline::MapHeights::kNone;
+  options.mosaic.heights = HeightsIn(arguments.map_dir);
   for (const render::MapLayer layer : render::kMapLayers) {
     if (has(render::LayerFileName(layer))) options.mosaic.layers.push_back(layer);
   }

@@ -173,21 +173,22 @@ void Run(StitchArguments& arguments) {
     arguments.job.mosaic.boundary = ReadBoundary("skyquilt", arguments.boundary);
   arguments.job.mosaic.max_memory_bytes = static_cast<std::int64_t>(arguments.max_memory_gib * (1 << 30));
   // What a map in this folder was written as before is written again, so that no file there shows another
-  // map. Heights show by dsm_photos.tif and dtm_ground.tif: a dsm.tif alone may be somebody's elevation
-  // model.
-  const auto is_wanted = [&](OtherFormat format, const char* name) {
+  // map.
+  const auto is_asked = [&](OtherFormat format) {
     const auto& asked = arguments.formats;
+    return std::find(asked.begin(), asked.end(), format) != asked.end();
+  };
+  const auto is_wanted = [&](OtherFormat format, const char* name) {
     std::error_code none;
-    return std::find(asked.begin(), asked.end(), format) != asked.end() ||
-           std::filesystem::exists(arguments.out_dir / name, none);
+    return is_asked(format) || std::filesystem::exists(arguments.out_dir / name, none);
   };
   arguments.job.write_cog = !arguments.no_cog && is_wanted(OtherFormat::kGeotiff, "mosaic.tif");
   arguments.job.write_pmtiles = !arguments.no_pmtiles && is_wanted(OtherFormat::kPmtiles, "mosaic.pmtiles");
   arguments.job.write_utm = arguments.utm || is_wanted(OtherFormat::kUtm, "mosaic_utm.tif");
-  arguments.job.mosaic.heights =
-      is_wanted(OtherFormat::kDtm, "dtm_ground.tif")   ? pipeline::MapHeights::kGround
-      : is_wanted(OtherFormat::kDsm, "dsm_photos.tif") ? pipeline::MapHeights::kSurface
-                                                       : pipeline::MapHeights::kNone;
+  const pipeline::MapHeights asked_heights = is_asked(OtherFormat::kDtm)   ? pipeline::MapHeights::kGround
+                                             : is_asked(OtherFormat::kDsm) ? pipeline::MapHeights::kSurface
+                                                                           : pipeline::MapHeights::kNone;
+  arguments.job.mosaic.heights = std::max(asked_heights, HeightsIn(arguments.out_dir));
   arguments.job.write_kmz = arguments.kmz || is_wanted(OtherFormat::kKmz, "mosaic.kmz");
   if (const Result<void> possible = arguments.job.mosaic.Validate(); !possible)
     Fail("skyquilt", possible.error());

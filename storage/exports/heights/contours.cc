@@ -33,6 +33,7 @@ using Dataset = std::unique_ptr<GDALDataset>;
 
 constexpr const char* kWriting = "writing contours";
 constexpr double kMinIntervalM = 0.1;
+constexpr double kMaxCells = 4e6;         // of the averaged raster, which is held whole
 constexpr double kShortestInCells = 8.0;  // what is shorter goes round a bump of noise
 // A GeoPackage says when it was last changed, which nothing but the clock knows: the same bytes each time.
 constexpr const char* kNoDate = "2000-01-01T00:00:00.000Z";
@@ -53,7 +54,8 @@ Dataset CreateIn(const char* driver_name, int columns, int rows, int bands) {
 Dataset Averaged(GDALDataset& heights, double smooth_m) {
   std::array<double, 6> transform{};
   if (heights.GetGeoTransform(transform.data()) != CE_None) return nullptr;
-  const double shrink = std::max(1.0, smooth_m / transform[1]);
+  const double whole = static_cast<double>(heights.GetRasterXSize()) * heights.GetRasterYSize();
+  const double shrink = std::max({1.0, smooth_m / transform[1], std::sqrt(whole / kMaxCells)});
   const auto shrunk = [&](int cells) { return std::max(1, static_cast<int>(std::lround(cells / shrink))); };
   const int columns = shrunk(heights.GetRasterXSize()), rows = shrunk(heights.GetRasterYSize());
   Dataset averaged = CreateIn("MEM", columns, rows, 1);
@@ -148,8 +150,8 @@ double ContourIntervalM(double lowest_m, double highest_m) {
 
 Result<double> WriteContours(const std::filesystem::path& heights, double smooth_m, Progress& progress) {
   RegisterGdalOnce();
-  const QuietGdal
-      quiet;  // it says of DXF that it knows no fields, and of unknown ground that it has no range
+  // Else it says of DXF that it knows no fields, and of unknown ground that it has no range.
+  const QuietGdal quiet;
   const Dataset source(GDALDataset::Open(heights.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY));
   if (!source) return LastGdalError(progress);
   const Dataset averaged = Averaged(*source, smooth_m);
