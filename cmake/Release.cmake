@@ -4,8 +4,9 @@
 # build and nine tenths of its objects' bytes, come from building the same commit with -DCMAKE_CXX_FLAGS=-g1: the same code.
 set(CMAKE_CXX_FLAGS_RELEASE "-O2 -DNDEBUG")
 set(CMAKE_C_FLAGS_RELEASE "-O2 -DNDEBUG")
-# The same bytes from any folder, which a compiler's cache can then answer for every clone.
-add_compile_options(-fdebug-prefix-map=${CMAKE_SOURCE_DIR}=.)
+# The same bytes from any folder, which a compiler's cache can then answer for every clone: unity sources include by
+# absolute path, so __FILE__ needs it as much as line tables do.
+add_compile_options(-ffile-prefix-map=${CMAKE_SOURCE_DIR}=.)
 
 # Some eighty programs link the same large archives: gold, of the same binutils, does that in a fifth of the time of bfd.
 include(CheckLinkerFlag)
