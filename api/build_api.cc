@@ -29,6 +29,8 @@
 #include "api/shares/open_network.h"
 #include "api/shares/shares.h"
 #include "api/stac/stac.h"
+#include "api/surface/terrain.h"
+#include "api/surface/volume.h"
 #include "api/tiles/tiles.h"
 #include "api/tms/tms.h"
 #include "api/uploads/files.h"
@@ -54,6 +56,8 @@ Router BuildApi(Service& service) {
   AddPointRoute(router, service);
   AddHeightsRoute(router, service);
   AddStatisticsRoute(router, service);
+  AddTerrainRoutes(router, service);
+  AddVolumeRoute(router, service);
   AddIndexRoutes(router, service);
   AddControlRoutes(router, service);
   AddNotesRoutes(router, service);

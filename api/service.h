@@ -13,6 +13,7 @@
 #include "api/basemap/basemap.h"
 #include "api/events/event_hub.h"
 #include "api/ops/metrics.h"
+#include "api/surface/known_surfaces.h"
 #include "api/tiles/tile_facts.h"
 #include "core/base/result.h"
 #include "core/flight/lists/input_file.h"
@@ -28,7 +29,9 @@
 #include "storage/exports/laid/laid_maps.h"
 #include "storage/jobs/job_queue.h"
 #include "storage/jobs/map_exports.h"
-#include "storage/rasters/band_rasters.h"
+#include "storage/rasters/band_raster.h"
+#include "storage/rasters/height_raster.h"
+#include "storage/rasters/open_rasters.h"
 #include "storage/retention/idle_flights.h"
 #include "storage/tilesets/made_tiles.h"
 #include "storage/tilesets/preview_cache.h"
@@ -63,7 +66,9 @@ struct Service {
   storage::MadeTiles made_tiles{};
   storage::LaidMaps laid_maps{};
   TileFactsMemory tile_facts{};
-  storage::BandRasters band_rasters{};
+  storage::OpenRasters<storage::BandRaster> band_rasters{};
+  KnownSurfaces known_surfaces{};
+  storage::OpenRasters<storage::HeightRaster> surface_rasters{}, ground_rasters{};  // dsm.tif, dtm.tif
   storage::Webhooks webhooks{db};
   storage::NodeDeliveries node_deliveries{db};
   std::string node_engine = kUsualNodeEngine;  // as which the NodeODM-compatible node answers

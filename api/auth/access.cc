@@ -47,6 +47,7 @@ constexpr Rule kRules[] = {
     {Method::kPost, "/api/v1/flights/{flight}/exports", Scope::kRead},
     {Method::kPost, "/api/v1/flights/{flight}/heights", Scope::kRead},
     {Method::kPost, "/api/v1/flights/{flight}/statistics", Scope::kRead},
+    {Method::kPost, "/api/v1/flights/{flight}/volume", Scope::kRead},
     {Method::kDelete, "/api/v1/flights/{flight}/exports/{export}", Scope::kRead},
     {Method::kGet, "/api/v1/*", Scope::kRead},
     {Method::kGet, "/tiles/*", Scope::kRead},

@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "api/flights/locate.h"
-#include "api/http/problem.h"
-#include "api/http/responses.h"
+#include "api/forms/geojson_body.h"
 #include "api/json/json_text.h"
+#include "api/surface/map_surface.h"
 #include "core/base/try.h"
 #include "core/pipeline/report/ground_profile.h"
 
@@ -61,12 +61,24 @@ Result<std::string> ProfileJson(Service& service, const std::string& flight_id, 
   json["highest_m"] = MetresOrNull(profile.highest_m);
   json["climb_m"] = RoundedM(profile.climb_m);
   json["descent_m"] = RoundedM(profile.descent_m);
+  json["surfaces"] = HeightsJson::array();
   json["samples"] = HeightsJson::array();
+  std::vector<geo::LatLon> places;
   for (const pipeline::ProfileSample& sample : profile.samples) {
+    places.push_back(sample.position);
     json["samples"].push_back({{"distance_m", RoundedM(sample.distance_m)},
                                {"lon", RoundedDeg(sample.position.lon_deg)},
                                {"lat", RoundedDeg(sample.position.lat_deg)},
                                {"height_m", MetresOrNull(sample.height_m)}});
+  }
+  SKYQUILT_TRY_ASSIGN(const std::vector<Surface> surfaces,
+                      SurfacesOf(service, flight_id, revision->revision));
+  for (const Surface surface : surfaces) {
+    SKYQUILT_TRY_ASSIGN(const auto heights, OpenSurface(service, flight_id, revision->revision, surface));
+    SKYQUILT_TRY_ASSIGN(const std::vector<std::optional<double>> heights_m, heights->HeightsAt(places));
+    json["surfaces"].push_back(NameOf(surface));
+    for (std::size_t i = 0; i < places.size(); ++i)
+      json["samples"][i][HeightKeyOf(surface)] = MetresOrNull(heights_m[i]);
   }
   return json.dump();
 }
@@ -101,21 +113,11 @@ Result<std::vector<geo::LatLon>> ParseLine(std::string_view json) {
 }
 
 void AddHeightsRoute(Router& router, Service& service) {
-  router.AddUpload(
-      Method::kPost, "/api/v1/flights/{flight}/heights",
-      [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
-        const std::string_view type = request.headers.Find("Content-Type");
-        if (!IsJson(request) &&
-            !EqualsIgnoringCase(type.substr(0, type.find_first_of("; ")), "application/geo+json")) {
-          return Problem({ErrorCode::kUnsupportedFormat,
-                          "Send the line as GeoJSON: curl -H 'Content-Type: application/geo+json' -d "
-                          "@LINE.geojson ...",
-                          ""},
-                         request);
-        }
-        return CollectBody([&service, request](const std::string& body) {
-          const Result<std::string> told = ProfileJson(service, request.Parameter("flight"), body);
-          return told ? Json(200, *told) : Problem(told.error(), request);
+  AddGeoJsonRoute(
+      router, "/api/v1/flights/{flight}/heights", "line",
+      [&service](const Request& request) -> Result<GeoJsonAnswer> {
+        return GeoJsonAnswer([&service, flight = request.Parameter("flight")](const std::string& body) {
+          return ProfileJson(service, flight, body);
         });
       });
 }

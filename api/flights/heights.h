@@ -1,5 +1,6 @@
 // The ground's height along a line (core/pipeline/report/ground_profile), of maps that have their cameras
-// kept with them: not of those that were imported. Reads the cameras of the whole flight. Any thread. Errors:
+// kept with them: not of those that were imported; and the heights of its surfaces, where it has these
+// (api/surface). Reads the cameras of the whole flight. Any thread. Errors:
 // kInvalidArgument (no JSON), kTooLarge, kUnprocessable (no line), kNotFound (no such flight, no map, or one
 // that knows no heights), kCorrupt, kIo.
 #pragma once

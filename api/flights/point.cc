@@ -12,6 +12,7 @@
 #include "api/http/responses.h"
 #include "api/indices/index_values.h"
 #include "api/shown_map.h"
+#include "api/surface/map_surface.h"
 #include "api/tiles/map_window.h"
 #include "api/tiles/tiles.h"
 #include "core/base/try.h"
@@ -112,6 +113,8 @@ PointValue AsJson(const MapPoint& point) {
     json["colour"] = {{"red", red}, {"green", green}, {"blue", blue}, {"alpha", alpha}};
   }
   json["height_m"] = point.height_m ? PointValue(*point.height_m) : PointValue();
+  for (const auto& [key, height_m] : point.surface_heights_m)
+    json[key] = height_m ? PointValue(*height_m) : PointValue();
   json["photo"] = nullptr;
   if (point.photo) {
     json["photo"] = {
@@ -165,6 +168,12 @@ Result<MapPoint> LookAt(Service& service, const std::string& flight_id, const ge
   SKYQUILT_TRY_ASSIGN(point.rgba, ColourAt(*tileset, merc));
   if (look) {
     SKYQUILT_TRY_ASSIGN(point.index_value, ValueAt(service, *tileset, look->expression, merc));
+  }
+  SKYQUILT_TRY_ASSIGN(const std::vector<Surface> surfaces, SurfacesOf(service, flight_id, point.revision));
+  for (const Surface surface : surfaces) {
+    SKYQUILT_TRY_ASSIGN(const auto heights, OpenSurface(service, flight_id, point.revision, surface));
+    SKYQUILT_TRY_ASSIGN(const std::vector<std::optional<double>> found, heights->HeightsAt({&position, 1}));
+    point.surface_heights_m.emplace_back(HeightKeyOf(surface), found.front());
   }
   if (with_ground) SKYQUILT_TRY(AddGround(service, *tileset, merc, point));
   return point;

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "api/flights/locate.h"
-#include "api/http/problem.h"
+#include "api/forms/geojson_body.h"
 #include "api/http/responses.h"
 #include "api/indices/index_values.h"
 #include "api/json/json_text.h"
@@ -237,28 +237,15 @@ Result<std::string> MapStatistics(Service& service, const std::string& flight_id
 }
 
 void AddStatisticsRoute(Router& router, Service& service) {
-  router.AddUpload(
-      Method::kPost, "/api/v1/flights/{flight}/statistics",
-      [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
-        const std::string_view type = request.headers.Find("Content-Type");
-        if (!IsJson(request) &&
-            !EqualsIgnoringCase(type.substr(0, type.find_first_of("; ")), "application/geo+json")) {
-          return Problem(
-              {ErrorCode::kUnsupportedFormat,
-               "Send the polygon as GeoJSON: curl -H 'Content-Type: application/geo+json' -d @AREA.geojson ...",
-               ""},
-              request);
-        }
-        const Result<std::optional<IndexLook>> look = LookIn(request);
-        if (!look) return Problem(look.error(), request);
-        const Result<double> pixels = PixelsWanted(request);
-        if (!pixels) return Problem(pixels.error(), request);
-        return CollectBody([&service, request, look = *look, pixels = *pixels](const std::string& body) {
-          const Result<std::string> told =
-              MapStatistics(service, request.Parameter("flight"), body, look, pixels);
-          return told ? Json(200, *told) : Problem(told.error(), request);
-        });
-      });
+  AddGeoJsonRoute(router, "/api/v1/flights/{flight}/statistics", "polygon",
+                  [&service](const Request& request) -> Result<GeoJsonAnswer> {
+                    SKYQUILT_TRY_ASSIGN(const std::optional<IndexLook> look, LookIn(request));
+                    SKYQUILT_TRY_ASSIGN(const double pixels, PixelsWanted(request));
+                    return GeoJsonAnswer([&service, flight = request.Parameter("flight"), look,
+                                          pixels](const std::string& body) {
+                      return MapStatistics(service, flight, body, look, pixels);
+                    });
+                  });
 }
 
 }  // namespace skyquilt::api

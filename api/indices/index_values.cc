@@ -12,7 +12,6 @@
 #include "core/base/try.h"
 #include "core/geo/web_mercator.h"
 #include "core/image/picture_codec.h"
-#include "storage/rasters/band_rasters.h"
 
 namespace skyquilt::api {
 namespace {
@@ -30,9 +29,16 @@ std::size_t PixelCount(int width_px, int height_px) {
 // Null: the map has its colours alone.
 Result<std::shared_ptr<storage::BandRaster>> RasterOf(Service& service, const storage::Tileset& tileset) {
   const std::int64_t revision = tileset.revision.revision;
-  return service.band_rasters.Get(tileset.flight_id, revision, [&] {
-    return service.store.blobs().Local(storage::RevisionPrefix(tileset.flight_id, revision) + kBandsFile);
-  });
+  return service.band_rasters.Get(
+      tileset.flight_id, revision, [&]() -> Result<std::shared_ptr<storage::BandRaster>> {
+        const Result<storage::LocalBlob> file =
+            service.store.blobs().Local(storage::RevisionPrefix(tileset.flight_id, revision) + kBandsFile);
+        if (!file && file.error().code == ErrorCode::kNotFound) return std::shared_ptr<storage::BandRaster>();
+        if (!file) return file.error();
+        SKYQUILT_TRY_ASSIGN(std::shared_ptr<storage::BandRaster> raster,
+                            storage::BandRaster::Open(file->path));
+        return storage::KeepingFile(std::move(raster), *file);
+      });
 }
 
 // Where the bands that an expression reads stand among those that there are.

@@ -10,6 +10,7 @@
 #include "api/http/responses.h"
 #include "api/json/job_options.h"
 #include "api/json/json_codec.h"
+#include "api/surface/map_surface.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
 
@@ -35,16 +36,11 @@ Result<std::string> KeepHeights(Service& service, const storage::Flight& flight,
   if (!parsed.placing || !flight.active_revision) return options;
   nlohmann::json stated = nlohmann::json::parse(options);
   if (stated.contains("heights")) return options;
-  const std::string map = storage::RevisionPrefix(flight.id, *flight.active_revision);
-  for (const auto& [heights, file] :
-       {std::pair{"dtm", "dtm_ground.tif"}, std::pair{"dsm", "dsm_photos.tif"}}) {
-    const Result<storage::BlobInfo> found = service.store.blobs().Find(map + file);
-    if (!found && found.error().code != ErrorCode::kNotFound) return found.error();
-    if (!found) continue;
-    stated["heights"] = heights;
-    return stated.dump();
-  }
-  return options;
+  SKYQUILT_TRY_ASSIGN(const std::vector<Surface> surfaces,
+                      SurfacesOf(service, flight.id, *flight.active_revision));
+  if (surfaces.empty()) return options;
+  stated["heights"] = NameOf(surfaces.back());  // with the ground come the others
+  return stated.dump();
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "api/flights/flights.h"
+#include "api/forms/geojson_body.h"
 #include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/notes/note_list.h"
@@ -93,10 +94,6 @@ Response AnswerNotes(Result<KeptNotes> kept, const Request& request) {
   response.headers.Add("ETag", kept->etag);
   response.body = std::move(kept->text.json);
   return response;
-}
-
-bool IsGeoJson(const Request& request) {
-  return IsJson(request) || request.headers.Find("Content-Type").starts_with(kNotesType);
 }
 
 }  // namespace

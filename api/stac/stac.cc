@@ -10,6 +10,7 @@
 #include "api/http/responses.h"
 #include "api/stac/stac_item.h"
 #include "api/stac/stac_search.h"
+#include "api/surface/map_surface.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {
@@ -152,6 +153,12 @@ Result<FoundMaps> Find(Service& service, const Request& request, const StacSearc
   return found;
 }
 
+Result<std::string> ItemText(Service& service, const Request& request, const storage::ShownFlight& map) {
+  SKYQUILT_TRY_ASSIGN(const std::vector<Surface> surfaces,
+                      SurfacesOf(service, map.flight_id, map.revision.revision));
+  return StacItem(request, map, surfaces);
+}
+
 // `next`: the link to the next page, with its cursor.
 using NextLink = std::function<StacJson(const std::string& cursor)>;
 
@@ -161,8 +168,11 @@ Response AnswerSearch(Service& service, const Request& request, const Result<Sta
   const Result<FoundMaps> found = Find(service, request, *search);
   if (!found) return Problem(found.error(), request);
   StacJson features = StacJson::array();
-  for (const storage::ShownFlight& map : found->maps)
-    features.push_back(StacJson::parse(StacItem(request, map)));
+  for (const storage::ShownFlight& map : found->maps) {
+    const Result<std::string> item = ItemText(service, request, map);
+    if (!item) return Problem(item.error(), request);
+    features.push_back(StacJson::parse(*item));
+  }
   StacJson links = StacJson::array();
   links.push_back(StacLink(request, "/stac", "root", kJsonType));
   links.push_back(StacLink(request, self, "self", kGeoJsonType));
@@ -221,7 +231,9 @@ Response AnswerItem(Service& service, const Request& request, const std::string&
          "This item is no more: the flight shows another map now. It is " + StacItemId(*shown) + ".", ""},
         request);
   }
-  Response response = Text(200, StacItem(request, *shown), kGeoJsonType);
+  const Result<std::string> item = ItemText(service, request, *shown);
+  if (!item) return Problem(item.error(), request);
+  Response response = Text(200, *item, kGeoJsonType);
   response.headers.Add("Cache-Control", "no-cache");
   return response;
 }

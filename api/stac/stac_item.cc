@@ -7,6 +7,7 @@
 #include "api/http/links.h"
 #include "api/json/json_codec.h"
 #include "api/stac/stac_search.h"
+#include "api/surface/map_surface.h"
 #include "core/pipeline/report/map_quality.h"
 
 namespace skyquilt::api {
@@ -72,7 +73,8 @@ std::string StacItemId(const storage::ShownFlight& map) {
   return fmt::format("{}-r{}", map.flight_id, map.revision.revision);
 }
 
-std::string StacItem(const Request& request, const storage::ShownFlight& map) {
+std::string StacItem(const Request& request, const storage::ShownFlight& map,
+                     const std::vector<Surface>& surfaces) {
   const std::string& id = map.flight_id;
   const auto to = [&](const std::string& path) { return LinkTo(request, path); };
   ItemJson item;
@@ -108,14 +110,20 @@ std::string StacItem(const Request& request, const storage::ShownFlight& map) {
   const auto asset = [&](const std::string& path, const char* type, const char* title, const char* role) {
     return ItemJson{{"href", to(api + path)}, {"type", type}, {"title", title}, {"roles", {role}}};
   };
+  constexpr const char* kCogType = "image/tiff; application=geotiff; profile=cloud-optimized";
   item["assets"] = {
-      {"cog",
-       asset("/download.tif", "image/tiff; application=geotiff; profile=cloud-optimized", "Map", "data")},
+      {"cog", asset("/download.tif", kCogType, "Map", "data")},
       {"mbtiles", asset("/download.mbtiles", "application/vnd.sqlite3", "Tiles", "data")},
       {"pmtiles", asset("/download.pmtiles", kPmtiles, "Tiles", "data")},
       {"photos", asset("/photos.geojson", "application/geo+json", "Photo footprints", "metadata")},
       {"report", asset("/report", "application/json", "How it was made", "metadata")},
       {"thumbnail", asset("/thumbnail.png", "image/png", "The map, small", "thumbnail")}};
+  for (const Surface surface : surfaces) {
+    const char* title =
+        surface == Surface::kPhotos ? "Heights of what the photos show" : "Heights of the ground";
+    item["assets"][NameOf(surface)] =
+        asset(fmt::format("/{}", FilesOf(surface).heights), kCogType, title, "data");
+  }
   item["links"] = links;
   return item.dump(-1, ' ', false, ItemJson::error_handler_t::replace);
 }

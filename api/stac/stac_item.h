@@ -4,15 +4,18 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "api/http/http_message.h"
+#include "api/surface/known_surfaces.h"
 #include "storage/catalogue/catalogue.h"
 
 namespace skyquilt::api {
 
 // "ID-r3": another revision is another item.
 std::string StacItemId(const storage::ShownFlight& map);
-// JSON text.
-std::string StacItem(const Request& request, const storage::ShownFlight& map);
+// JSON text. `surfaces`: the heights that the map has beside it.
+std::string StacItem(const Request& request, const storage::ShownFlight& map,
+                     const std::vector<Surface>& surfaces);
 
 }  // namespace skyquilt::api

@@ -11,6 +11,8 @@
 #include "api/indices/index_values.h"
 #include "api/json/json_codec.h"
 #include "api/ogc/feature_query.h"
+#include "api/surface/map_surface.h"
+#include "api/surface/terrain.h"
 #include "api/tiles/cut_tile.h"
 #include "api/tiles/tiles.h"
 #include "core/base/try.h"
@@ -127,6 +129,11 @@ Result<Value> MapDocument(Service& service, const Request& request, const storag
     return document;
   }
   AddIndices(service, request, *tileset, document);
+  SKYQUILT_TRY_ASSIGN(const std::vector<Surface> surfaces, SurfacesOf(service, flight.id, revision.revision));
+  document["heights"] = Value::array();
+  for (const Surface surface : surfaces) document["heights"].push_back(NameOf(surface));
+  if (!surfaces.empty())
+    document["terrain"] = LinkTo(request, fmt::format("/tiles/{}/{}.json", flight.id, kTerrainTiles));
   for (const auto& [layer, reader] : tileset->layers) {
     const char* name = render::NameOf(layer);
     document["layers"].push_back(

@@ -13,7 +13,6 @@
 
 #include "core/base/try.h"
 #include "storage/rasters/quiet_gdal.h"
-#include "storage/rasters/register_gdal.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -80,53 +79,20 @@ void ToValues(GDALRasterBand& band, std::span<float> values) {
 
 }  // namespace
 
-struct BandRaster::Handle {
-  std::unique_ptr<GDALDataset> file;
-};
-
-BandRaster::BandRaster(std::filesystem::path path) : path_(std::move(path)) {}
 geo::Bounds2 BandRaster::BoundsInMerc() const {
   return {{west_m_, north_m_ - height_px_ * pixel_m_}, {west_m_ + width_px_ * pixel_m_, north_m_}};
-}
-
-BandRaster::~BandRaster() = default;
-
-Error BandRaster::Damaged(const std::string& what) const {
-  return {ErrorCode::kCorrupt, fmt::format("The map's bands cannot be read: {}. Start its job again.", what),
-          path_.string() + ": " + CPLGetLastErrorMsg()};
-}
-
-Result<std::unique_ptr<BandRaster::Handle>> BandRaster::TakeHandle() {
-  {
-    const std::lock_guard lock(mutex_);
-    if (!idle_.empty()) {
-      std::unique_ptr<Handle> handle = std::move(idle_.back());
-      idle_.pop_back();
-      return handle;
-    }
-  }
-  RegisterGdalOnce();
-  constexpr std::array<const char*, 2> kDrivers = {"GTiff", nullptr};
-  auto handle = std::make_unique<Handle>();
-  // Alone: nothing beside it says more of it.
-  const std::string name = path_.filename();
-  const std::array<const char*, 2> beside = {name.c_str(), nullptr};
-  handle->file.reset(GDALDataset::Open(path_.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, kDrivers.data(),
-                                       nullptr, beside.data()));
-  if (!handle->file) return Damaged("bands.tif is damaged");
-  return handle;
 }
 
 Result<std::shared_ptr<BandRaster>> BandRaster::Open(const std::filesystem::path& path) {
   const QuietGdal quiet;
   std::shared_ptr<BandRaster> raster(new BandRaster(path));
-  SKYQUILT_TRY_ASSIGN(std::unique_ptr<Handle> handle, raster->TakeHandle());
-  GDALDataset& file = *handle->file;
+  SKYQUILT_TRY_ASSIGN(OpenGeotiff opened, raster->files_.Take());
+  GDALDataset& file = *opened;
   std::array<double, 6> transform{};
   const bool is_placed = file.GetGeoTransform(transform.data()) == CE_None && transform[1] > 0.0 &&
                          std::abs(transform[1] + transform[5]) < 1e-9 * transform[1] && transform[2] == 0.0 &&
                          transform[4] == 0.0;
-  if (!is_placed) return raster->Damaged("bands.tif does not lie on the grid of the web map");
+  if (!is_placed) return raster->files_.Damaged("it does not lie on the grid of the web map");
   raster->west_m_ = transform[0];
   raster->north_m_ = transform[3];
   raster->pixel_m_ = transform[1];
@@ -134,14 +100,14 @@ Result<std::shared_ptr<BandRaster>> BandRaster::Open(const std::filesystem::path
   raster->height_px_ = file.GetRasterYSize();
   for (int place = 1; place <= std::min(file.GetRasterCount(), kMaxBands); ++place) {
     GDALRasterBand& band = *file.GetRasterBand(place);
-    if (!HasUsualBlocks(band)) return raster->Damaged("bands.tif is not laid out as a map's is");
+    if (!HasUsualBlocks(band)) return raster->files_.Damaged("it is not laid out as a map's is");
     if (band.GetColorInterpretation() == GCI_AlphaBand) continue;
     const std::string name = LowerCase(band.GetDescription());
     raster->bands_.push_back(name.empty() ? fmt::format("b{}", place) : name);
     raster->places_.push_back(place);
   }
-  if (raster->bands_.empty()) return raster->Damaged("bands.tif has no bands");
-  raster->idle_.push_back(std::move(handle));
+  if (raster->bands_.empty()) return raster->files_.Damaged("it has no bands");
+  raster->files_.Give(std::move(opened));
   return raster;
 }
 
@@ -157,7 +123,7 @@ Result<std::vector<std::vector<float>>> BandRaster::Read(const MercGrid& grid,
                                              grid.pixel_height_m / pixel_m_, grid.height_px, height_px_);
   if (!x || !y) return planes;
   const QuietGdal quiet;
-  SKYQUILT_TRY_ASSIGN(std::unique_ptr<Handle> handle, TakeHandle());
+  SKYQUILT_TRY_ASSIGN(OpenGeotiff file, files_.Take());
   GDALRasterIOExtraArg how;
   INIT_RASTERIO_EXTRA_ARG(how);
   const bool is_coarser = x->to - x->from > x->count || y->to - y->from > y->count;
@@ -171,21 +137,20 @@ Result<std::vector<std::vector<float>>> BandRaster::Read(const MercGrid& grid,
   const auto width = static_cast<int>(std::ceil(x->to)) - left,
              height = static_cast<int>(std::ceil(y->to)) - top;
   for (std::size_t i = 0; i < bands.size(); ++i) {
-    GDALRasterBand& band = *handle->file->GetRasterBand(places_.at(bands[i]));
+    GDALRasterBand& band = *file->GetRasterBand(places_.at(bands[i]));
     float* const first = planes[i].data() +
                          static_cast<std::size_t>(y->first) * static_cast<std::size_t>(grid.width_px) +
                          static_cast<std::size_t>(x->first);
     const CPLErr read =
         band.RasterIO(GF_Read, left, top, width, height, first, x->count, y->count, GDT_Float32,
                       sizeof(float), GSpacing{sizeof(float)} * grid.width_px, &how);
-    if (read != CE_None) return Damaged("some of the pixels of bands.tif cannot be read");
+    if (read != CE_None) return files_.Damaged("some of its pixels are damaged");
     for (int row = 0; row < y->count; ++row) {
       ToValues(band, {first + static_cast<std::size_t>(row) * static_cast<std::size_t>(grid.width_px),
                       static_cast<std::size_t>(x->count)});
     }
   }
-  const std::lock_guard lock(mutex_);
-  if (idle_.size() < kMaxIdle) idle_.push_back(std::move(handle));
+  files_.Give(std::move(file));
   return planes;
 }
 

@@ -4,38 +4,31 @@
 // numbers with scale and offset, where nothing is known. Coarser grids come from its overviews, averaged over
 // what is known; at the map's own pixels values are exactly those of the file.
 //
-// Any thread: each read has a handle of its own, of which kMaxIdle are kept. Memory: GDAL's block cache and
-// what is read. Errors: kCorrupt (no such file of ours), kInvalidArgument (a grid beyond kMaxSidePx).
+// Any thread. Memory: GDAL's block cache and what is read. Errors: kCorrupt (no such file of ours),
+// kInvalidArgument (a grid beyond kMaxSidePx).
 #pragma once
 
 #include <cstddef>
 #include <filesystem>
 #include <memory>
-#include <mutex>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/base/result.h"
 #include "core/geo/bounds.h"
+#include "storage/rasters/geotiff_pool.h"
+#include "storage/rasters/merc_grid.h"
 
 namespace skyquilt::storage {
-
-// Pixels from the north-west corner on.
-struct MercGrid {
-  double west_m = 0.0, north_m = 0.0;                // merc, of the corner of the first pixel
-  double pixel_width_m = 1.0, pixel_height_m = 1.0;  // merc
-  int width_px = 0, height_px = 0;
-};
 
 class BandRaster {
  public:
   static constexpr int kMaxBands = 32;
   static constexpr int kMaxSidePx = 8192;  // of what is read at once
-  static constexpr std::size_t kMaxIdle = 4;
 
   static Result<std::shared_ptr<BandRaster>> Open(const std::filesystem::path& path);
-  ~BandRaster();
 
   // In the file's order.
   const std::vector<std::string>& bands() const { return bands_; }
@@ -45,18 +38,13 @@ class BandRaster {
   Result<std::vector<std::vector<float>>> Read(const MercGrid& grid, std::span<const std::size_t> bands);
 
  private:
-  struct Handle;
-  explicit BandRaster(std::filesystem::path path);
-  Result<std::unique_ptr<Handle>> TakeHandle();
-  Error Damaged(const std::string& what) const;
+  explicit BandRaster(std::filesystem::path path) : files_(std::move(path)) {}
 
-  const std::filesystem::path path_;
+  GeotiffPool files_;
   std::vector<std::string> bands_;
   std::vector<int> places_;                              // of the bands in the file, from 1
   double west_m_ = 0.0, north_m_ = 0.0, pixel_m_ = 1.0;  // merc
   int width_px_ = 0, height_px_ = 0;
-  std::mutex mutex_;
-  std::vector<std::unique_ptr<Handle>> idle_;
 };
 
 }  // namespace skyquilt::storage

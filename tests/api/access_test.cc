@@ -44,7 +44,8 @@ TEST(Access, EveryRouteIsListedAndAsksForWhatItDoes) {
     const bool is_export = pattern.starts_with("/api/v1/flights/{flight}/exports");
     // Questions too long for an address.
     const bool is_question = pattern == "/stac/search" || pattern == "/api/v1/flights/{flight}/heights" ||
-                             pattern == "/api/v1/flights/{flight}/statistics";
+                             pattern == "/api/v1/flights/{flight}/statistics" ||
+                             pattern == "/api/v1/flights/{flight}/volume";
     if (method != Method::kGet && method != Method::kOptions && !only_refuses && !is_export && !is_question) {
       EXPECT_GE(scope, Scope::kUpload) << pattern;
     }

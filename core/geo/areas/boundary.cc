@@ -22,7 +22,7 @@ BoundaryOnZoom::BoundaryOnZoom(const Boundary& boundary, int zoom, int tile_size
     : tile_size_px_(tile_size_px) {
   const double pixel_merc_m = PixelSizeInMercM(zoom, tile_size_px);
   for (const Boundary::Polygon& polygon : boundary.polygons) {
-    std::vector<Edge> edges;
+    std::vector<RingEdge> edges;
     for (const Boundary::Ring& ring : polygon) {
       Eigen::Vector2d from = Eigen::Vector2d::Zero();
       for (std::size_t i = 0; i <= ring.size(); ++i) {
@@ -45,30 +45,7 @@ Cover BoundaryOnZoom::Mask(const TileId& tile, std::vector<std::uint8_t>& inside
   const double left = static_cast<double>(tile.x()) * tile_size_px_,
                top = static_cast<double>(tile.y()) * tile_size_px_;
   inside.assign(side * side, 0);
-  // The first row or column whose middle lies at or beyond a place, counted from the tile's corner.
-  const auto first_from = [&](double place) {
-    return static_cast<std::size_t>(std::clamp(std::ceil(place - 0.5), 0.0, static_cast<double>(side)));
-  };
-  std::vector<std::vector<double>> crossings(side);  // by row
-  for (const std::vector<Edge>& edges : polygons_) {
-    for (const Edge& edge : edges) {
-      const std::size_t end = first_from(std::max(edge.y0, edge.y1) - top);
-      for (std::size_t row = first_from(std::min(edge.y0, edge.y1) - top); row < end; ++row) {
-        const double y = top + static_cast<double>(row) + 0.5;
-        crossings[row].push_back(edge.x0 + (y - edge.y0) / (edge.y1 - edge.y0) * (edge.x1 - edge.x0));
-      }
-    }
-    for (std::size_t row = 0; row < side; ++row) {
-      std::vector<double>& of_row = crossings[row];
-      std::sort(of_row.begin(), of_row.end());
-      const auto begin = inside.begin() + static_cast<std::ptrdiff_t>(row * side);
-      for (std::size_t i = 0; i + 1 < of_row.size(); i += 2) {
-        std::fill(begin + static_cast<std::ptrdiff_t>(first_from(of_row[i] - left)),
-                  begin + static_cast<std::ptrdiff_t>(first_from(of_row[i + 1] - left)), std::uint8_t{1});
-      }
-      of_row.clear();
-    }
-  }
+  for (const std::vector<RingEdge>& edges : polygons_) MaskRings(edges, {left, top, side, side}, inside);
   const auto count = static_cast<std::size_t>(std::count(inside.begin(), inside.end(), std::uint8_t{1}));
   return count == 0 ? Cover::kNone : count == inside.size() ? Cover::kAll : Cover::kPart;
 }
@@ -78,9 +55,9 @@ Cover BoundaryOnZoom::CoverOf(const TileId& tile) const {
                top = static_cast<double>(tile.y()) * tile_size_px_;
   const double right = left + tile_size_px_, bottom = top + tile_size_px_;
   bool is_covered = false;
-  for (const std::vector<Edge>& edges : polygons_) {
+  for (const std::vector<RingEdge>& edges : polygons_) {
     bool is_inside = false;  // the tile's first row, by how many edges lie west of it
-    for (const Edge& edge : edges) {
+    for (const RingEdge& edge : edges) {
       const double north = std::min(edge.y0, edge.y1), south = std::max(edge.y0, edge.y1);
       if (north > bottom || south < top || std::min(edge.x0, edge.x1) > right) continue;
       if (std::max(edge.x0, edge.x1) >= left) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/geo/areas/ring_mask.h"
 #include "core/geo/lat_lon_bounds.h"
 #include "core/geo/tile_id.h"
 
@@ -34,11 +35,8 @@ class BoundaryOnZoom {
   Cover CoverOf(const TileId& tile) const;
 
  private:
-  struct Edge {
-    double x0 = 0.0, y0 = 0.0, x1 = 0.0, y1 = 0.0;  // pixels from the world's north-west corner
-  };
   int tile_size_px_;
-  std::vector<std::vector<Edge>> polygons_;
+  std::vector<std::vector<RingEdge>> polygons_;  // pixels from the world's north-west corner
 };
 
 }  // namespace skyquilt::geo

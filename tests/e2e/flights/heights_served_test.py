@@ -123,6 +123,100 @@ class HeightsServed(unittest.TestCase):
                     self.assertTrue(got is None or got != got, (got, want))
         self.assertGreater(seen, 60)
 
+    def raster(self, name):
+        from osgeo import gdal
+        path = f"/vsimem/{name}"
+        gdal.FileFromMemBuffer(path, self.served[name][2])
+        return gdal.Open(path)
+
+    # Of a polygon of the map by shares of the raster's width and height: longitudes and latitudes.
+    def polygon(self, raster, corners):
+        from osgeo import osr
+        left, step, _, top, _, down = raster.GetGeoTransform()
+        geographic = osr.SpatialReference()
+        geographic.ImportFromEPSG(4326)
+        geographic.SetAxisMappingStrategy(osr.OAMS_TRADITIONAL_GIS_ORDER)
+        transform = osr.CoordinateTransformation(raster.GetSpatialRef(), geographic)
+        ring = [transform.TransformPoint(left + x * step * raster.RasterXSize, top + y * down * raster.RasterYSize)[:2] for x, y in corners]
+        return {"type": "Polygon", "coordinates": [[list(place) for place in ring + ring[:1]]]}
+
+    def post_polygon(self, route, polygon):
+        return self.server.json("POST", f"{self.path}/{route}", polygon)
+
+    def test_a_volume_is_the_sum_over_the_file(self):
+        from osgeo import gdal, ogr, osr
+        dsm = self.raster("dsm.tif")
+        polygon = self.polygon(dsm, [(0.3, 0.3), (0.7, 0.35), (0.65, 0.7), (0.35, 0.6)])
+        outline = ogr.CreateGeometryFromJson(json.dumps(polygon))
+        geographic = osr.SpatialReference()
+        geographic.ImportFromEPSG(4326)
+        geographic.SetAxisMappingStrategy(osr.OAMS_TRADITIONAL_GIS_ORDER)
+        outline.Transform(osr.CoordinateTransformation(geographic, dsm.GetSpatialRef()))
+        shapes = ogr.GetDriverByName("Memory").CreateDataSource("shapes")
+        layer = shapes.CreateLayer("area", dsm.GetSpatialRef())
+        feature = ogr.Feature(layer.GetLayerDefn())
+        feature.SetGeometry(outline)
+        layer.CreateFeature(feature)
+        mask = gdal.GetDriverByName("MEM").Create("", dsm.RasterXSize, dsm.RasterYSize, 1)
+        mask.SetGeoTransform(dsm.GetGeoTransform())
+        gdal.RasterizeLayer(mask, [1], layer, burn_values=[1])
+        inside = dsm.ReadAsArray()[mask.ReadAsArray() == 1]
+        self.assertGreater(inside.size, 1000)
+        cell_m2 = dsm.GetGeoTransform()[1] ** 2
+        base = float(inside.mean()) + 0.2
+        status, told = self.post_polygon(f"volume?base={base!r}", polygon)
+        self.assertEqual((status, told["of"], told["base"]), (200, "dsm", "given"), told)
+        self.assertAlmostEqual(told["cut_m3"], float((inside - base).clip(0).sum()) * cell_m2, delta=1e-3 * told["cut_m3"])
+        self.assertAlmostEqual(told["fill_m3"], float((base - inside).clip(0).sum()) * cell_m2, delta=1e-3 * told["fill_m3"])
+        self.assertAlmostEqual(told["covered_m2"], inside.size * cell_m2, delta=1e-3 * told["covered_m2"])
+        self.assertAlmostEqual(told["highest_m"], float(inside.max()), 2)
+        self.assertGreater(told["net_sigma_m3"], 0)
+        for of, base in (("dsm", "lowest"), ("dsm", "plane"), ("dtm", "plane")):
+            status, told = self.post_polygon(f"volume?of={of}&base={base}", polygon)
+            self.assertEqual((status, told["of"], told["base"]), (200, of, base), told)
+
+    def test_no_volume_without_heights_or_polygon(self):
+        polygon = self.polygon(self.raster("dsm.tif"), [(3, 3), (3, 4), (4, 4)])
+        self.assertEqual(self.post_polygon("volume", polygon)[0], 422)
+        self.assertEqual(self.post_polygon("volume?base=sea", polygon)[0], 400)
+        self.assertEqual(self.post_polygon("volume?base=1e9", polygon)[0], 400)
+        self.assertEqual(self.post_polygon("volume?of=dem", polygon)[0], 400)
+        self.assertEqual(self.post_polygon("volume", {"type": "Point", "coordinates": [1, 2]})[0], 422)
+        status, _, _ = self.server.request("POST", f"{self.path}/volume", b"polygon", {"Content-Type": "text/plain"})
+        self.assertEqual(status, 415)
+
+    def test_terrain_tiles_and_places_say_the_heights_of_the_file(self):
+        from osgeo import gdal
+        dsm = self.raster("dsm.tif")
+        flight = self.path.split("/")[-1]
+        _, tilejson = self.server.json("GET", f"/tiles/{flight}.json")
+        self.assertEqual(tilejson["heights"], ["dsm", "dtm"])
+        self.assertTrue(tilejson["terrain"].endswith(f"/tiles/{flight}/terrain.json"))
+        (lon, lat), *_ = self.polygon(dsm, [(0.5, 0.5)])["coordinates"][0]
+        left, step, _, top, _, down = dsm.GetGeoTransform()
+        want = float(dsm.ReadAsArray()[dsm.RasterYSize // 2, dsm.RasterXSize // 2])
+        _, point = self.server.json("GET", f"{self.path}/point?lon={lon}&lat={lat}&ground=false")
+        self.assertAlmostEqual(point["dsm_m"], want, delta=0.05)
+        self.assertLess(abs(point["dtm_m"] - want), 12)
+        line = {"type": "LineString", "coordinates": [[lon, lat], [lon + 1e-4, lat]]}
+        _, profile = self.server.json("POST", f"{self.path}/heights", line)
+        self.assertEqual(profile["surfaces"], ["dsm", "dtm"])
+        self.assertAlmostEqual(profile["samples"][0]["dsm_m"], point["dsm_m"], 3)
+        status, terrain = self.server.json("GET", f"/tiles/{flight}/terrain.json")
+        self.assertEqual((status, terrain["encoding"], terrain["tileSize"]), (200, "terrarium", 256))
+        n = 2 ** terrain["maxzoom"]
+        import math
+        x, y = (lon + 180) / 360 * n, (1 - math.asinh(math.tan(math.radians(lat))) / math.pi) / 2 * n
+        address = terrain["tiles"][0].replace("{z}", str(terrain["maxzoom"])).replace("{x}", str(int(x))).replace("{y}", str(int(y)))
+        status, headers, tile = self.server.request("GET", address[address.index("/tiles/"):])
+        self.assertEqual((status, headers["Content-Type"]), (200, "image/png"))
+        self.assertIn("immutable", headers["Cache-Control"])
+        gdal.FileFromMemBuffer("/vsimem/terrain.png", tile)
+        red, green, blue, *_ = (int(band[int(y % 1 * 256), int(x % 1 * 256)]) for band in gdal.Open("/vsimem/terrain.png").ReadAsArray())
+        self.assertAlmostEqual(red * 256 + green + blue / 256 - 32768, want, delta=0.1)
+        for path, wanted in (("0/0/0.png", 200), ("3/1/1.png", 200), ("3/9/1.png", 400), ("3/1/1.jpg", 400), ("3/1/1@2x.png", 400)):
+            self.assertEqual(self.server.request("GET", f"/tiles/{flight}/terrain/{path}")[0], wanted, path)
+
     def test_without_being_asked_there_are_none(self):
         status, made = self.server.upload(self.files, name="Plain")
         self.assertEqual(status, 202)
@@ -131,6 +225,13 @@ class HeightsServed(unittest.TestCase):
         for name in OF_SURFACE + OF_GROUND:
             status, headers, body = self.download(name, path)
             self.assertEqual((status, headers["Content-Type"]), (404, "application/problem+json"), name)
+        flight = path.split("/")[-1]
+        self.assertEqual(self.server.json("GET", f"/tiles/{flight}.json")[1]["heights"], [])
+        for address in (f"/tiles/{flight}/terrain.json", f"/tiles/{flight}/terrain/0/0/0.png"):
+            self.assertEqual(self.server.request("GET", address)[0], 404, address)
+        status, told = self.server.json("POST", f"{path}/volume", {"type": "Polygon", "coordinates": [[[1, 1], [2, 1], [2, 2], [1, 1]]]})
+        self.assertEqual(status, 404, told)
+        self.assertIn('"heights"', told["detail"])
         status, job = self.server.json("POST", f"{path}/jobs", {"options": {"heights": "all"}})
         self.assertEqual(status, 422, job)
         self.assertIn('"dtm"', job["detail"])

@@ -14,8 +14,8 @@
 #include <limits>
 #include <thread>
 
-#include "storage/rasters/band_rasters.h"
 #include "storage/rasters/class_outlines.h"
+#include "storage/rasters/open_rasters.h"
 #include "tests/storage/rasters/band_file.h"
 #include "tests/storage/scratch_dir.h"
 
@@ -136,26 +136,28 @@ TEST_F(BandRasterTest, ManyThreadsReadTheSame) {
 
 TEST_F(BandRasterTest, AreOpenedOnceForARevision) {
   test::WriteBandFile(path_, Sample());
-  BandRasters rasters;
+  OpenRasters<BandRaster> rasters;
   int asked = 0;
-  const auto find = [&]() -> Result<LocalBlob> {
+  const auto open = [&]() {
     ++asked;
-    return LocalBlob{path_, nullptr};
+    return BandRaster::Open(path_);
   };
-  const auto first = *rasters.Get("flight", 1, find);
-  EXPECT_EQ(*rasters.Get("flight", 1, find), first);
+  const auto first = *rasters.Get("flight", 1, open);
+  EXPECT_EQ(*rasters.Get("flight", 1, open), first);
   EXPECT_EQ(asked, 1);
-  EXPECT_NE(*rasters.Get("flight", 2, find), first);
-  const auto none = [&]() -> Result<LocalBlob> {
+  EXPECT_NE(*rasters.Get("flight", 2, open), first);
+  const auto none = [&]() -> Result<std::shared_ptr<BandRaster>> {
     ++asked;
-    return Error{ErrorCode::kNotFound, "none", ""};
+    return std::shared_ptr<BandRaster>();
   };
   EXPECT_EQ(*rasters.Get("other", 1, none), nullptr);
-  EXPECT_EQ(*rasters.Get("other", 1, find), nullptr);  // a revision never changes
+  EXPECT_EQ(*rasters.Get("other", 1, open), nullptr);  // a revision never changes
   EXPECT_EQ(asked, 3);
-  const auto away = []() -> Result<LocalBlob> { return Error{ErrorCode::kUnavailable, "away", ""}; };
+  const auto away = []() -> Result<std::shared_ptr<BandRaster>> {
+    return Error{ErrorCode::kUnavailable, "away", ""};
+  };
   EXPECT_EQ(rasters.Get("third", 1, away).error().code, ErrorCode::kUnavailable);
-  EXPECT_NE(*rasters.Get("third", 1, find), nullptr);  // tried again
+  EXPECT_NE(*rasters.Get("third", 1, open), nullptr);  // tried again
 }
 
 // Two halves, a hole of one cell in the western one, and a column without class.

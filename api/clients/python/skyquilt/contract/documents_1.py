@@ -394,7 +394,7 @@ class TileJson(TileJsonForSure, total=False):
     attribution: str
     description: str
     layers: List[TileJsonLayersItem]
-    # Of the layer of heights
+    # Of the layer of heights and of terrain: metres = red * 256 + green + blue / 256 - 32768
     encoding: Literal['terrarium']
     # That expressions can name
     bands: List[str]
@@ -403,6 +403,10 @@ class TileJson(TileJsonForSure, total=False):
     # That the bands are enough for
     indices: List[MapIndex]
     index: MapIndex
+    # Of the map: heights that it has beside it
+    heights: List[Literal['dsm', 'dtm']]
+    # Of the map, where it has heights: the address of their tiles' TileJSON
+    terrain: str
 
 
 class PointOfMapColour(TypedDict):
@@ -418,16 +422,3 @@ class PointOfMapIndex(TypedDict):
     expression: str
     # null: there is none here
     value: Optional[float]
-
-
-class PointOfMapForSure(TypedDict):
-    """What PointOfMap always has."""
-    lon: float
-    lat: float
-    revision: int
-    # Of the finest pixel there; null: the map has nothing
-    colour: Optional[PointOfMapColour]
-    # Of the ground, counted from the zero that the flight's heights have
-    height_m: Optional[float]
-    # The photo that shows the place; null: none is known
-    photo: Optional[Any]

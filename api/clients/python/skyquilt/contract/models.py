@@ -6,19 +6,44 @@ from typing import Any, Dict, List, Literal, Optional, TypedDict, Union
 from .documents_1 import *  # noqa: F401,F403
 
 
+class PointOfMapForSure(TypedDict):
+    """What PointOfMap always has."""
+    lon: float
+    lat: float
+    revision: int
+    # Of the finest pixel there; null: the map has nothing
+    colour: Optional[PointOfMapColour]
+    # Of the ground, counted from the zero that the flight's heights have
+    height_m: Optional[float]
+    # The photo that shows the place; null: none is known
+    photo: Optional[Any]
+
+
 class PointOfMap(PointOfMapForSure, total=False):
     """What a map shows at a place."""
     # Of the index asked for
     index: PointOfMapIndex
+    # Of what the photos show there (dsm.tif), of maps that have heights; null: not known there
+    dsm_m: Optional[float]
+    # Of the ground below (dtm.tif)
+    dtm_m: Optional[float]
 
 
-class GroundProfileSamplesItem(TypedDict):
+class GroundProfileSamplesItemForSure(TypedDict):
+    """What GroundProfileSamplesItem always has."""
     # From the line's beginning
     distance_m: float
     lon: float
     lat: float
     # null beside the map
     height_m: Optional[float]
+
+
+class GroundProfileSamplesItem(GroundProfileSamplesItemForSure, total=False):
+    # Of what the photos show (dsm.tif), where "surfaces" names it
+    dsm_m: Optional[float]
+    # Of the ground below (dtm.tif)
+    dtm_m: Optional[float]
 
 
 class GroundProfile(TypedDict):
@@ -38,6 +63,8 @@ class GroundProfile(TypedDict):
     climb_m: float
     descent_m: float
     samples: List[GroundProfileSamplesItem]
+    # Heights that the map has besides (its job's option heights)
+    surfaces: List[Literal['dsm', 'dtm']]
 
 
 class MapStatisticsBandsItem(TypedDict):
@@ -196,6 +223,33 @@ class MapBands(TypedDict):
     bands: List[str]
     indices: List[MapIndex]
     colormaps: List[MapBandsColormapsItem]
+
+
+class MapVolume(TypedDict):
+    revision: int
+    of: Literal['dsm', 'dtm']
+    base: Literal['lowest', 'plane', 'given']
+    # Its height; of a plane the mean within the polygon
+    base_m: float
+    # Of the cells within the polygon
+    area_m2: float
+    # Of those that have a height
+    covered_m2: float
+    # Of the cells within: 0 to 1. The others have no height, or one from around
+    measured_share: float
+    # On the ground
+    cell_m: float
+    # Above the base
+    cut_m3: float
+    # Below it
+    fill_m3: float
+    # cut - fill
+    net_m3: float
+    # One standard deviation of it, but for what a calibration makes all heights off
+    net_sigma_m3: float
+    lowest_m: float
+    highest_m: float
+    mean_m: float
 
 
 class AddExportBodyForSure(TypedDict):

@@ -25,6 +25,19 @@ class Tiles(Calls):
         return cast("models.TileJson", self._send("GET", "/tiles/{flight}/{layer}.json",
                                                   path={"flight": flight, "layer": layer}, query={"rev": rev}))
 
+    def get_terrain_tile(self, flight: str, z: int, x: int, y: str, *, of: Optional[Literal['dsm', 'dtm']] = None,
+                         rev: Optional[Union[int, str]] = None, headers: Optional[Mapping[str, str]] = None) -> Answer:
+        """A tile of heights as a PNG of 256 pixels in terrarium coding. There is one everywhere on Earth: beyond the
+        map its height goes on."""
+        return self._stream("GET", "/tiles/{flight}/terrain/{z}/{x}/{y}",
+                            path={"flight": flight, "z": z, "x": x, "y": y}, query={"of": of, "rev": rev},
+                            headers=headers)
+
+    def get_terrain_tile_json(self, flight: str, *, of: Optional[Literal['dsm', 'dtm']] = None) -> models.TileJson:
+        """TileJSON 3.0.0 of a map's heights, for views in three dimensions and hillshades."""
+        return cast("models.TileJson", self._send("GET", "/tiles/{flight}/terrain.json", path={"flight": flight},
+                                                  query={"of": of}))
+
     def get_tile(self, flight: str, z: int, x: int, y: str, *, empty: Optional[Literal['blank', '204', '404']] = None,
                  rev: Optional[Union[int, str]] = None, index: Optional[str] = None, expression: Optional[str] = None,
                  rescale: Optional[str] = None, colormap: Optional[str] = None,

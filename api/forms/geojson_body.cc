@@ -1,0 +1,45 @@
+#include "api/forms/geojson_body.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <utility>
+
+#include "api/http/problem.h"
+#include "api/http/responses.h"
+
+namespace skyquilt::api {
+
+bool IsGeoJson(const Request& request) {
+  const std::string_view type = request.headers.Find("Content-Type");
+  return IsJson(request) ||
+         EqualsIgnoringCase(type.substr(0, type.find_first_of("; ")), "application/geo+json");
+}
+
+void AddGeoJsonRoute(Router& router, std::string_view pattern, std::string what,
+                     std::function<Result<GeoJsonAnswer>(const Request&)> prepare) {
+  router.AddUpload(Method::kPost, pattern,
+                   [what = std::move(what), prepare = std::move(prepare)](
+                       const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
+                     if (!IsGeoJson(request)) {
+                       std::string file = what;
+                       std::transform(file.begin(), file.end(), file.begin(),
+                                      [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+                       return Problem({ErrorCode::kUnsupportedFormat,
+                                       fmt::format("Send the {} as GeoJSON: curl -H 'Content-Type: "
+                                                   "application/geo+json' -d @{}.geojson ...",
+                                                   what, file),
+                                       ""},
+                                      request);
+                     }
+                     Result<GeoJsonAnswer> answer = prepare(request);
+                     if (!answer) return Problem(answer.error(), request);
+                     return CollectBody([request, answer = *std::move(answer)](const std::string& body) {
+                       const Result<std::string> told = answer(body);
+                       return told ? Json(200, *told) : Problem(told.error(), request);
+                     });
+                   });
+}
+
+}  // namespace skyquilt::api

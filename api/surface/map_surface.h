@@ -1,0 +1,37 @@
+// The heights beside a map, as files that its job was asked for (option "heights"): dsm, what the photos
+// show, and dtm, the ground below. Any thread; the first to ask opens files, which may have to be fetched.
+// Errors: kNotFound (the map has none), kInvalidArgument (no such name), kCorrupt, and those of fetching.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "api/http/http_message.h"
+#include "api/service.h"
+#include "api/surface/known_surfaces.h"
+#include "core/base/result.h"
+#include "storage/rasters/height_raster.h"
+
+namespace skyquilt::api {
+
+struct SurfaceFiles {
+  const char* name;  // in addresses and options
+  const char* heights;
+  const char* measured;  // which of them were
+};
+const SurfaceFiles& FilesOf(Surface surface);
+
+const char* NameOf(Surface surface);       // dsm, dtm
+std::string HeightKeyOf(Surface surface);  // dsm_m, dtm_m
+// The parameter "of"; without it, what the photos show.
+Result<Surface> SurfaceIn(const Request& request);
+
+// Those that a map has, without fetching them.
+Result<std::vector<Surface>> SurfacesOf(Service& service, const std::string& flight_id,
+                                        std::int64_t revision);
+Result<std::shared_ptr<storage::HeightRaster>> OpenSurface(Service& service, const std::string& flight_id,
+                                                           std::int64_t revision, Surface surface);
+
+}  // namespace skyquilt::api

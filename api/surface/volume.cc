@@ -1,0 +1,109 @@
+#include "api/surface/volume.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "api/flights/locate.h"
+#include "api/forms/geojson_body.h"
+#include "api/http/responses.h"
+#include "api/json/json_text.h"
+#include "api/surface/map_surface.h"
+#include "core/base/try.h"
+#include "core/surface/terrain/volume.h"
+#include "storage/exports/custom/boundary.h"
+
+namespace skyquilt::api {
+namespace {
+
+using VolumeJson = nlohmann::ordered_json;
+
+constexpr double kMaxHeightM = 20'000.0;
+
+struct Base {
+  surface::VolumeBase kind = surface::VolumeBase::kLowest;
+  double given_m = 0.0;
+};
+
+const char* NameOfBase(surface::VolumeBase base) {
+  switch (base) {
+    case surface::VolumeBase::kLowest:
+      return "lowest";
+    case surface::VolumeBase::kPlane:
+      return "plane";
+    case surface::VolumeBase::kGiven:
+      break;
+  }
+  return "given";
+}
+
+Result<Base> BaseIn(const Request& request) {
+  const std::string_view text = request.Query("base").value_or("lowest");
+  if (text == "lowest") return Base{surface::VolumeBase::kLowest};
+  if (text == "plane") return Base{surface::VolumeBase::kPlane};
+  SKYQUILT_TRY_ASSIGN(const double given_m, NumberParameter(request, "base"));
+  if (std::abs(given_m) <= kMaxHeightM) return Base{surface::VolumeBase::kGiven, given_m};
+  return Error{ErrorCode::kInvalidArgument, "The parameter \"base\" is lowest, plane or a height in metres.",
+               ""};
+}
+
+// To the litre and the millimetre.
+double RoundedTo3(double value) { return std::round(value * 1e3) / 1e3; }
+
+Error UnusableArea(const char* why) {
+  return {ErrorCode::kUnprocessable, fmt::format("No volume can be computed: {}", why), ""};
+}
+
+Result<std::string> VolumeText(Service& service, const std::string& flight_id, std::string_view polygon,
+                               Surface surface, const Base& base) {
+  SKYQUILT_TRY(CheckId(flight_id, "flight"));
+  SKYQUILT_TRY(CheckJsonText(polygon));
+  SKYQUILT_TRY_ASSIGN(const storage::Boundary area, storage::ParseBoundary(polygon));
+  SKYQUILT_TRY_ASSIGN(const std::shared_ptr<const storage::Tileset> tileset, service.tilesets.Get(flight_id));
+  const std::int64_t revision = tileset->revision.revision;
+  SKYQUILT_TRY_ASSIGN(const std::shared_ptr<storage::HeightRaster> heights,
+                      OpenSurface(service, flight_id, revision, surface));
+  SKYQUILT_TRY_ASSIGN(const std::optional<storage::HeightCells> cells, heights->Within(area));
+  if (!cells) return UnusableArea("the polygon lies beside the map.");
+  if (cells->edge.empty() && base.kind != surface::VolumeBase::kGiven)
+    return UnusableArea("the map knows no height along the polygon's edge. Give the base as a height.");
+  const std::optional<surface::AreaVolume> volume = surface::VolumeOver(
+      {cells->columns, cells->rows, cells->cell_m, cells->heights_m, cells->is_measured, cells->is_inside},
+      cells->edge, base.kind, base.given_m);
+  if (!volume) return UnusableArea("the map knows no height within the polygon.");
+  VolumeJson json;
+  json["revision"] = revision;
+  json["of"] = NameOf(surface);
+  json["base"] = NameOfBase(base.kind);
+  json["base_m"] = RoundedTo3(volume->base_m);
+  json["area_m2"] = RoundedTo3(volume->area_m2 / volume->known_share);
+  json["covered_m2"] = RoundedTo3(volume->area_m2);
+  json["measured_share"] = RoundedTo3(volume->measured_share);
+  json["cell_m"] = cells->cell_m;
+  json["cut_m3"] = RoundedTo3(volume->cut_m3);
+  json["fill_m3"] = RoundedTo3(volume->fill_m3);
+  json["net_m3"] = RoundedTo3(volume->cut_m3 - volume->fill_m3);
+  json["net_sigma_m3"] = RoundedTo3(volume->net_sigma_m3);
+  json["lowest_m"] = RoundedTo3(volume->lowest_m);
+  json["highest_m"] = RoundedTo3(volume->highest_m);
+  json["mean_m"] = RoundedTo3(volume->mean_m);
+  return json.dump();
+}
+
+}  // namespace
+
+void AddVolumeRoute(Router& router, Service& service) {
+  AddGeoJsonRoute(router, "/api/v1/flights/{flight}/volume", "polygon",
+                  [&service](const Request& request) -> Result<GeoJsonAnswer> {
+                    SKYQUILT_TRY_ASSIGN(const Surface surface, SurfaceIn(request));
+                    SKYQUILT_TRY_ASSIGN(const Base base, BaseIn(request));
+                    return GeoJsonAnswer([&service, flight = request.Parameter("flight"), surface,
+                                          base](const std::string& body) {
+                      return VolumeText(service, flight, body, surface, base);
+                    });
+                  });
+}
+
+}  // namespace skyquilt::api

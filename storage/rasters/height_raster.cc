@@ -1,0 +1,365 @@
+#include "storage/rasters/height_raster.h"
+
+#include <gdal_priv.h>
+#include <ogr_spatialref.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "core/base/try.h"
+#include "core/geo/crs/map_projection.h"
+#include "core/geo/geodesic.h"
+#include "core/geo/web_mercator.h"
+#include "storage/rasters/quiet_gdal.h"
+
+namespace skyquilt::storage {
+namespace {
+
+constexpr float kNoHeight = std::numeric_limits<float>::quiet_NaN();
+constexpr int kSketchSide = 64;
+// Between places of a grid so far apart a zone's place is as good as straight.
+constexpr int kPxBetweenNodes = 16;
+
+std::size_t CellCount(int columns, int rows) {
+  return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
+}
+
+// Of one level of detail; columns and rows as of `band`.
+struct HeightWindow {
+  int left = 0, top = 0, columns = 0, rows = 0;
+};
+
+bool ReadWindow(GDALRasterBand& band, const HeightWindow& window, int to_columns, int to_rows, void* to,
+                GDALDataType type, GDALRIOResampleAlg how) {
+  GDALRasterIOExtraArg extra;
+  INIT_RASTERIO_EXTRA_ARG(extra);
+  extra.eResampleAlg = how;
+  return band.RasterIO(GF_Read, window.left, window.top, window.columns, window.rows, to, to_columns, to_rows,
+                       type, 0, 0, &extra) == CE_None;
+}
+
+// The cells around places that lie between `low` and `high`; none where they lie beside the band.
+std::optional<HeightWindow> WindowAround(GDALRasterBand& band, const Eigen::Vector2d& low,
+                                         const Eigen::Vector2d& high) {
+  const auto within = [](double place, int count) {
+    return static_cast<int>(std::clamp(place, 0.0, static_cast<double>(count)));
+  };
+  HeightWindow window;
+  window.left = within(std::floor(low.x() - 0.5), band.GetXSize());
+  window.top = within(std::floor(low.y() - 0.5), band.GetYSize());
+  window.columns = within(std::floor(high.x() - 0.5) + 2.0, band.GetXSize()) - window.left;
+  window.rows = within(std::floor(high.y() - 0.5) + 2.0, band.GetYSize()) - window.top;
+  return window.columns > 0 && window.rows > 0 ? std::optional(window) : std::nullopt;
+}
+
+// `place` counted in cells, the middle of the first at 0.5; NaN beside them or where the nearest has none.
+float Between(const std::vector<float>& heights_m, const HeightWindow& window, const Eigen::Vector2d& place) {
+  const double x = place.x() - 0.5 - window.left, y = place.y() - 0.5 - window.top;
+  if (!(x > -0.5 && y > -0.5 && x < window.columns - 0.5 && y < window.rows - 0.5)) return kNoHeight;
+  const auto at = [&](double column, double row) {
+    const int c = std::clamp(static_cast<int>(column), 0, window.columns - 1);
+    const int r = std::clamp(static_cast<int>(row), 0, window.rows - 1);
+    return heights_m[CellCount(window.columns, r) + static_cast<std::size_t>(c)];
+  };
+  if (!std::isfinite(at(std::round(x), std::round(y)))) return kNoHeight;
+  const double left = std::floor(x), top = std::floor(y);
+  double sum = 0.0, weights = 0.0;
+  for (const double dy : {0.0, 1.0}) {
+    for (const double dx : {0.0, 1.0}) {
+      const float height_m = at(std::max(0.0, left + dx), std::max(0.0, top + dy));
+      if (!std::isfinite(height_m)) continue;
+      const double weight = (1.0 - std::abs(x - left - dx)) * (1.0 - std::abs(y - top - dy));
+      sum += weight * height_m;
+      weights += weight;
+    }
+  }
+  return weights > 0.0 ? static_cast<float>(sum / weights) : kNoHeight;
+}
+
+// Each unknown cell takes the mean of the known ones around it, round by round from these outwards.
+void FillFromAround(std::vector<float>& heights_m, int columns, int rows) {
+  const auto is_known = [](float height_m) { return std::isfinite(height_m); };
+  if (std::none_of(heights_m.begin(), heights_m.end(), is_known))
+    std::fill(heights_m.begin(), heights_m.end(), 0.0f);
+  while (!std::all_of(heights_m.begin(), heights_m.end(), is_known)) {
+    const std::vector<float> before = heights_m;
+    for (int row = 0; row < rows; ++row) {
+      for (int column = 0; column < columns; ++column) {
+        float& height_m = heights_m[CellCount(columns, row) + static_cast<std::size_t>(column)];
+        if (is_known(height_m)) continue;
+        double sum = 0.0;
+        int count = 0;
+        for (int r = std::max(0, row - 1); r <= std::min(rows - 1, row + 1); ++r) {
+          for (int c = std::max(0, column - 1); c <= std::min(columns - 1, column + 1); ++c) {
+            const float beside = before[CellCount(columns, r) + static_cast<std::size_t>(c)];
+            if (!is_known(beside)) continue;
+            sum += beside;
+            ++count;
+          }
+        }
+        if (count > 0) height_m = static_cast<float>(sum / count);
+      }
+    }
+  }
+}
+
+// Places of a grid of Web Mercator in a zone: at every kPxBetweenNodes-th pixel by projection, straight
+// between.
+class PlacesInZone {
+ public:
+  // Absent: some of the grid lies where the zone says nothing.
+  static std::optional<PlacesInZone> Of(const MercGrid& grid, const geo::MapProjection& zone) {
+    PlacesInZone places;
+    places.across_ = (grid.width_px + kPxBetweenNodes - 1) / kPxBetweenNodes + 1;
+    const int down = (grid.height_px + kPxBetweenNodes - 1) / kPxBetweenNodes + 1;
+    for (int row = 0; row < down; ++row) {
+      for (int column = 0; column < places.across_; ++column) {
+        const geo::LatLon at =
+            geo::LatLonFromMerc({grid.west_m + column * kPxBetweenNodes * grid.pixel_width_m,
+                                 grid.north_m - row * kPxBetweenNodes * grid.pixel_height_m});
+        const std::optional<Eigen::Vector2d> place = zone.PlaceOf(at);
+        if (!place) return std::nullopt;
+        places.nodes_.push_back(*place);
+      }
+    }
+    return places;
+  }
+
+  // Of a pixel's middle.
+  Eigen::Vector2d At(int column, int row) const {
+    const double x = (column + 0.5) / kPxBetweenNodes, y = (row + 0.5) / kPxBetweenNodes;
+    const auto left = static_cast<std::size_t>(x), top = static_cast<std::size_t>(y);
+    const double u = x - static_cast<double>(left), v = y - static_cast<double>(top);
+    const Eigen::Vector2d* node = nodes_.data() + top * static_cast<std::size_t>(across_) + left;
+    return (1 - v) * ((1 - u) * node[0] + u * node[1]) +
+           v * ((1 - u) * node[across_] + u * node[across_ + 1]);
+  }
+  const std::vector<Eigen::Vector2d>& nodes() const { return nodes_; }
+
+ private:
+  int across_ = 0;
+  std::vector<Eigen::Vector2d> nodes_;
+};
+
+// A cell apart; not where nothing is known.
+void AddHeightsAlong(const geo::RingEdge& edge, HeightCells& cells) {
+  const Eigen::Vector2d from(edge.x0, edge.y0), along(edge.x1 - edge.x0, edge.y1 - edge.y0);
+  // No further than the area and its cells go: an edge may lie beside them for the most part.
+  const int steps =
+      std::max(1, static_cast<int>(std::min(std::ceil(along.norm()), 4.0 * (cells.columns + cells.rows))));
+  for (int i = 0; i < steps; ++i) {
+    const Eigen::Vector2d place = from + static_cast<double>(i) / steps * along;
+    const float height_m = Between(cells.heights_m, {0, 0, cells.columns, cells.rows}, place);
+    if (std::isfinite(height_m)) cells.edge.push_back({place, height_m});
+  }
+}
+
+// The coarsest level whose cells are no larger than `step` of the file's.
+GDALRasterBand& LevelFor(GDALRasterBand& band, double step) {
+  GDALRasterBand* found = &band;
+  for (int i = 0; i < band.GetOverviewCount(); ++i) {
+    GDALRasterBand* const level = band.GetOverview(i);
+    if (level != nullptr && level->GetXSize() < found->GetXSize() &&
+        static_cast<double>(band.GetXSize()) / level->GetXSize() <= 1.001 * step)
+      found = level;
+  }
+  return *found;
+}
+
+}  // namespace
+
+Result<std::shared_ptr<HeightRaster>> HeightRaster::Open(const std::filesystem::path& heights,
+                                                         const std::filesystem::path& measured) {
+  const QuietGdal quiet;
+  std::shared_ptr<HeightRaster> raster(new HeightRaster(heights, measured));
+  SKYQUILT_TRY_ASSIGN(OpenGeotiff file, raster->heights_.Take());
+  SKYQUILT_TRY_ASSIGN(OpenGeotiff flags, raster->measured_.Take());
+  std::array<double, 6> transform{};
+  const OGRSpatialReference* const zone = file->GetSpatialRef();
+  const char* const code = zone == nullptr ? nullptr : zone->GetAuthorityCode(nullptr);
+  if (code == nullptr || file->GetGeoTransform(transform.data()) != CE_None || !(transform[1] > 0.0) ||
+      std::abs(transform[1] + transform[5]) > 1e-9 * transform[1] || transform[2] != 0.0 ||
+      transform[4] != 0.0)
+    return raster->heights_.Damaged("it does not lie in a UTM zone");
+  raster->epsg_ = std::atoi(code);
+  SKYQUILT_TRY(geo::MapProjection::OfEpsg(raster->epsg_));
+  raster->west_m_ = transform[0];
+  raster->north_m_ = transform[3];
+  raster->cell_m_ = transform[1];
+  raster->columns_ = file->GetRasterXSize();
+  raster->rows_ = file->GetRasterYSize();
+  if (file->GetRasterCount() != 1 || file->GetRasterBand(1)->GetRasterDataType() != GDT_Float32)
+    return raster->heights_.Damaged("it has no heights");
+  if (flags->GetRasterCount() != 1 || flags->GetRasterXSize() != raster->columns_ ||
+      flags->GetRasterYSize() != raster->rows_)
+    return raster->measured_.Damaged("it has other cells than the heights");
+  SKYQUILT_TRY_ASSIGN(raster->sketch_, raster->MakeSketch(*file));
+  raster->heights_.Give(std::move(file));
+  raster->measured_.Give(std::move(flags));
+  return raster;
+}
+
+Result<HeightRaster::Sketch> HeightRaster::MakeSketch(GDALDataset& file) const {
+  Sketch sketch;
+  const int longer = std::max({columns_, rows_, kSketchSide});
+  sketch.columns = std::max(1, columns_ * kSketchSide / longer);
+  sketch.rows = std::max(1, rows_ * kSketchSide / longer);
+  sketch.heights_m.resize(CellCount(sketch.columns, sketch.rows));
+  if (!ReadWindow(*file.GetRasterBand(1), {0, 0, columns_, rows_}, sketch.columns, sketch.rows,
+                  sketch.heights_m.data(), GDT_Float32, GRIORA_Average))
+    return heights_.Damaged("some of its cells are damaged");
+  FillFromAround(sketch.heights_m, sketch.columns, sketch.rows);
+  return sketch;
+}
+
+Result<std::vector<std::optional<double>>> HeightRaster::HeightsAt(std::span<const geo::LatLon> places) {
+  const QuietGdal quiet;
+  SKYQUILT_TRY_ASSIGN(const geo::MapProjection zone, geo::MapProjection::OfEpsg(epsg_));
+  SKYQUILT_TRY_ASSIGN(OpenGeotiff file, heights_.Take());
+  GDALRasterBand& band = *file->GetRasterBand(1);
+  std::vector<std::optional<double>> found(places.size());
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const std::optional<Eigen::Vector2d> in_zone = zone.PlaceOf(places[i]);
+    if (!in_zone) continue;
+    const Eigen::Vector2d cell = CellOf(*in_zone);
+    const std::optional<HeightWindow> window = WindowAround(band, cell, cell);
+    if (!window) continue;
+    std::vector<float> around(CellCount(window->columns, window->rows));
+    if (!ReadWindow(band, *window, window->columns, window->rows, around.data(), GDT_Float32,
+                    GRIORA_NearestNeighbour))
+      return heights_.Damaged("some of its cells are damaged");
+    const float height_m = Between(around, *window, cell);
+    if (std::isfinite(height_m)) found[i] = height_m;
+  }
+  heights_.Give(std::move(file));
+  return found;
+}
+
+Result<std::vector<float>> HeightRaster::Over(const MercGrid& grid) { return OnGrid(grid, nullptr); }
+Result<std::vector<float>> HeightRaster::GoingOnOver(const MercGrid& grid) { return OnGrid(grid, &sketch_); }
+
+Result<std::vector<float>> HeightRaster::OnGrid(const MercGrid& grid, const Sketch* beyond) {
+  if (grid.width_px < 1 || grid.height_px < 1 || grid.width_px > kMaxSidePx || grid.height_px > kMaxSidePx)
+    return Error{ErrorCode::kInvalidArgument, "More pixels are asked for than are read at once.", ""};
+  std::vector<float> heights_m(CellCount(grid.width_px, grid.height_px), kNoHeight);
+  const QuietGdal quiet;
+  SKYQUILT_TRY_ASSIGN(const geo::MapProjection zone, geo::MapProjection::OfEpsg(epsg_));
+  const std::optional<PlacesInZone> places = PlacesInZone::Of(grid, zone);
+  if (!places) {
+    if (beyond) std::fill(heights_m.begin(), heights_m.end(), beyond->heights_m.front());
+    return heights_m;
+  }
+  Eigen::Vector2d low = CellOf(places->nodes().front()), high = low;
+  for (const Eigen::Vector2d& node : places->nodes()) {
+    low = low.cwiseMin(CellOf(node));
+    high = high.cwiseMax(CellOf(node));
+  }
+  SKYQUILT_TRY_ASSIGN(OpenGeotiff file, heights_.Take());
+  GDALRasterBand& own = *file->GetRasterBand(1);
+  GDALRasterBand& level =
+      LevelFor(own, std::min((high.x() - low.x()) / grid.width_px, (high.y() - low.y()) / grid.height_px));
+  const Eigen::Vector2d to_level(static_cast<double>(level.GetXSize()) / columns_,
+                                 static_cast<double>(level.GetYSize()) / rows_);
+  std::optional<HeightWindow> window =
+      WindowAround(level, low.cwiseProduct(to_level), high.cwiseProduct(to_level));
+  std::vector<float> around;
+  if (window) {
+    around.resize(CellCount(window->columns, window->rows));
+    if (!ReadWindow(level, *window, window->columns, window->rows, around.data(), GDT_Float32,
+                    GRIORA_NearestNeighbour))
+      return heights_.Damaged("some of its cells are damaged");
+  }
+  for (int row = 0; row < grid.height_px; ++row) {
+    for (int column = 0; column < grid.width_px; ++column) {
+      float& height_m = heights_m[CellCount(grid.width_px, row) + static_cast<std::size_t>(column)];
+      const Eigen::Vector2d cell = CellOf(places->At(column, row));
+      if (window) height_m = Between(around, *window, cell.cwiseProduct(to_level));
+      if (!beyond || std::isfinite(height_m)) continue;
+      const HeightWindow all{0, 0, beyond->columns, beyond->rows};
+      const Eigen::Vector2d on_sketch(
+          std::clamp(cell.x() / columns_ * beyond->columns, 0.5, beyond->columns - 0.5),
+          std::clamp(cell.y() / rows_ * beyond->rows, 0.5, beyond->rows - 0.5));
+      height_m = Between(beyond->heights_m, all, on_sketch);
+    }
+  }
+  heights_.Give(std::move(file));
+  return heights_m;
+}
+
+std::optional<HeightRaster::RingsInCells> HeightRaster::RingsOf(const geo::Boundary& area,
+                                                                const geo::MapProjection& zone) const {
+  RingsInCells rings;
+  double area_m2 = 0.0, area_cells = 0.0;
+  for (const geo::Boundary::Polygon& polygon : area.polygons) {
+    std::vector<geo::RingEdge>& edges = rings.polygons.emplace_back();
+    for (const geo::Boundary::Ring& ring : polygon) {
+      double twice_cells = 0.0;
+      for (std::size_t i = 0; i < ring.size(); ++i) {
+        const auto from = zone.PlaceOf(ring[i]), to = zone.PlaceOf(ring[(i + 1) % ring.size()]);
+        if (!from || !to) return std::nullopt;
+        const Eigen::Vector2d a = CellOf(*from), b = CellOf(*to);
+        edges.push_back({a.x(), a.y(), b.x(), b.y()});
+        twice_cells += a.x() * b.y() - b.x() * a.y();
+        rings.bounds.Include(a);
+      }
+      area_m2 += geo::GeodesicAreaM2(ring);
+      area_cells += std::abs(twice_cells) / 2;
+    }
+  }
+  if (!(area_cells > 0.0)) return std::nullopt;
+  rings.ground_cell_m = std::sqrt(area_m2 / area_cells);
+  return rings;
+}
+
+Result<std::optional<HeightCells>> HeightRaster::Within(const geo::Boundary& area) {
+  const QuietGdal quiet;
+  SKYQUILT_TRY_ASSIGN(const geo::MapProjection zone, geo::MapProjection::OfEpsg(epsg_));
+  std::optional<RingsInCells> rings = RingsOf(area, zone);
+  if (!rings) return std::optional<HeightCells>();
+  const auto clipped = [](double place, int count) {
+    return static_cast<int>(std::clamp(place, 0.0, static_cast<double>(count)));
+  };
+  if (!rings->bounds.Intersects({{0.0, 0.0}, {columns_, rows_}})) return std::optional<HeightCells>();
+  // With a cell more on all sides, for heights along the edge.
+  HeightWindow window{clipped(std::floor(rings->bounds.min.x()) - 1.0, columns_),
+                      clipped(std::floor(rings->bounds.min.y()) - 1.0, rows_), 0, 0};
+  window.columns = clipped(std::ceil(rings->bounds.max.x()) + 1.0, columns_) - window.left;
+  window.rows = clipped(std::ceil(rings->bounds.max.y()) + 1.0, rows_) - window.top;
+  if (window.columns <= 0 || window.rows <= 0) return std::optional<HeightCells>();
+  const int step = std::max(
+      1, static_cast<int>(
+             std::ceil(std::sqrt(static_cast<double>(CellCount(window.columns, window.rows)) / kMaxCells))));
+  HeightCells cells;
+  cells.columns = (window.columns + step - 1) / step;
+  cells.rows = (window.rows + step - 1) / step;
+  cells.cell_m = step * rings->ground_cell_m;
+  cells.heights_m.resize(CellCount(cells.columns, cells.rows));
+  cells.is_measured.resize(cells.heights_m.size());
+  cells.is_inside.assign(cells.heights_m.size(), 0);
+  SKYQUILT_TRY_ASSIGN(OpenGeotiff heights, heights_.Take());
+  SKYQUILT_TRY_ASSIGN(OpenGeotiff measured, measured_.Take());
+  if (!ReadWindow(*heights->GetRasterBand(1), window, cells.columns, cells.rows, cells.heights_m.data(),
+                  GDT_Float32, step > 1 ? GRIORA_Average : GRIORA_NearestNeighbour))
+    return heights_.Damaged("some of its cells are damaged");
+  if (!ReadWindow(*measured->GetRasterBand(1), window, cells.columns, cells.rows, cells.is_measured.data(),
+                  GDT_Byte, GRIORA_NearestNeighbour))
+    return measured_.Damaged("some of its cells are damaged");
+  heights_.Give(std::move(heights));
+  measured_.Give(std::move(measured));
+  const Eigen::Vector2d corner(window.left, window.top);
+  for (std::vector<geo::RingEdge>& edges : rings->polygons) {
+    for (geo::RingEdge& edge : edges) {
+      edge = {(edge.x0 - corner.x()) / step, (edge.y0 - corner.y()) / step, (edge.x1 - corner.x()) / step,
+              (edge.y1 - corner.y()) / step};
+      AddHeightsAlong(edge, cells);
+    }
+    geo::MaskRings(edges,
+                   {0.0, 0.0, static_cast<std::size_t>(cells.columns), static_cast<std::size_t>(cells.rows)},
+                   cells.is_inside);
+  }
+  return std::optional(std::move(cells));
+}
+
+}  // namespace skyquilt::storage

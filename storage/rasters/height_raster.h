@@ -1,0 +1,86 @@
+// HeightRaster: the heights of a map, dsm.tif or dtm.tif beside its tiles, with which of them were measured
+// (dsm_photos.tif, dtm_ground.tif): files that SurfaceWriter made, on the same cells of a UTM zone. Heights
+// in metres, float32, NaN where nothing is known. Between cells bilinearly, of what is known there; where the
+// nearest cell is unknown, so is the place. Coarser grids come from the overviews.
+//
+// Any thread. Memory: GDAL's block cache and what is read. Errors: kCorrupt (no such files of ours),
+// kInvalidArgument (a grid beyond kMaxSidePx).
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/geo/areas/boundary.h"
+#include "core/geo/bounds.h"
+#include "core/geo/crs/map_projection.h"
+#include "core/geo/lat_lon.h"
+#include "core/surface/terrain/volume.h"
+#include "storage/rasters/geotiff_pool.h"
+#include "storage/rasters/merc_grid.h"
+
+namespace skyquilt::storage {
+
+// The cells within an area, rows from the north.
+struct HeightCells {
+  int columns = 0, rows = 0;
+  double cell_m = 1.0;  // on the ground; more than the file's where the area has too many
+  std::vector<float> heights_m;
+  std::vector<std::uint8_t> is_measured, is_inside;
+  std::vector<surface::EdgeHeight> edge;  // along the rings, a cell apart, where heights are known
+};
+
+class HeightRaster {
+ public:
+  static constexpr int kMaxSidePx = 4096;
+  static constexpr double kMaxCells = 8 << 20;  // of an area
+
+  static Result<std::shared_ptr<HeightRaster>> Open(const std::filesystem::path& heights,
+                                                    const std::filesystem::path& measured);
+
+  double cell_m() const { return cell_m_; }  // of the zone
+
+  Result<std::vector<std::optional<double>>> HeightsAt(std::span<const geo::LatLon> places);
+  // NaN where nothing is known.
+  Result<std::vector<float>> Over(const MercGrid& grid);
+  // The same with a height everywhere: beyond what is known it goes on from the nearest that is, coarsely.
+  Result<std::vector<float>> GoingOnOver(const MercGrid& grid);
+  // Absent: the area and the raster have no cell in common.
+  Result<std::optional<HeightCells>> Within(const geo::Boundary& area);
+
+ private:
+  // The whole raster on few cells, without holes.
+  struct Sketch {
+    int columns = 0, rows = 0;
+    std::vector<float> heights_m;
+  };
+  HeightRaster(const std::filesystem::path& heights, const std::filesystem::path& measured)
+      : heights_(heights), measured_(measured) {}
+  // Counted in cells from the north-west corner.
+  Eigen::Vector2d CellOf(const Eigen::Vector2d& in_zone) const {
+    return {(in_zone.x() - west_m_) / cell_m_, (north_m_ - in_zone.y()) / cell_m_};
+  }
+  struct RingsInCells {
+    std::vector<std::vector<geo::RingEdge>> polygons;
+    geo::Bounds2 bounds;
+    double ground_cell_m = 1.0;  // of a cell there
+  };
+  // Absent: outside of what the zone can say, or no area.
+  std::optional<RingsInCells> RingsOf(const geo::Boundary& area, const geo::MapProjection& zone) const;
+  Result<Sketch> MakeSketch(GDALDataset& file) const;
+  Result<std::vector<float>> OnGrid(const MercGrid& grid, const Sketch* beyond);
+
+  GeotiffPool heights_, measured_;
+  int epsg_ = 0;
+  double west_m_ = 0.0, north_m_ = 0.0, cell_m_ = 1.0;  // of the zone
+  int columns_ = 0, rows_ = 0;
+  Sketch sketch_;
+};
+
+}  // namespace skyquilt::storage
