@@ -1,5 +1,6 @@
 // Heights along a line as a small chart: pointer or arrow keys go along it and say the height there.
-/** @import { GroundProfile, ProfileSample } from '../shared/types.js' */
+/** @import { ProfileSample } from '../shared/types.js' */
+/** @import { DrawnProfile } from './surface_profile.js' */
 /** @import { Units } from '../shared/units.js' */
 import { h, svg } from '../shared/dom.js';
 import { strings } from '../shared/flight_strings.js';
@@ -83,7 +84,7 @@ export function sampleNear(samples, distance_m) {
 }
 
 /**
- * @param {GroundProfile} profile that has heights
+ * @param {DrawnProfile} profile that has heights
  * @param {Units} units
  * @param {(sample: ProfileSample|null) => void} on_point where on the line one is; null: nowhere
  * @returns {HTMLElement}
@@ -92,7 +93,9 @@ export function heightChart(profile, units, on_point) {
   const words = strings.heights;
   const { samples } = profile;
   const length_m = Math.max(profile.length_m, 1e-3);
-  const [low_m, high_m] = chartRange(profile.lowest_m ?? 0, profile.highest_m ?? 0);
+  const below_runs = knownRuns(profile.below);
+  const ends_m = [profile.lowest_m ?? 0, profile.highest_m ?? 0, ...below_runs.flat().map(({ height_m }) => height_m)];
+  const [low_m, high_m] = chartRange(Math.min(...ends_m), Math.max(...ends_m));
   const per_m = metresPer(units);
   const ticks = roundTicks(low_m / per_m, high_m / per_m).map((tick) => tick * per_m);
   const tick_words = ticks.map((tick) => heightIn(tick, units, ticks));
@@ -101,9 +104,10 @@ export function heightChart(profile, units, on_point) {
   const y = (/** @type {number} */ height_m) => kTop + ((kHeight - kTop - kBottom) * (high_m - height_m)) / (high_m - low_m);
   const at = (/** @type {number} */ value) => value.toFixed(1);
   const runs = knownRuns(samples);
-  const line = runs.map((run) => `M${run.map((sample) => `${at(x(sample.distance_m))} ${at(y(sample.height_m))}`).join('L')}`).join('');
+  const points = (/** @type {KnownSample[]} */ run) => run.map((sample) => `${at(x(sample.distance_m))} ${at(y(sample.height_m))}`).join('L');
+  const lineOf = (/** @type {KnownSample[][]} */ of) => of.map((run) => `M${points(run)}`).join('');
   const floor = at(kHeight - kBottom);
-  const below = runs.map((run) => `M${at(x(run[0].distance_m))} ${floor}L${run.map((sample) => `${at(x(sample.distance_m))} ${at(y(sample.height_m))}`).join('L')}L${at(x(run[run.length - 1].distance_m))} ${floor}Z`).join('');
+  const filled = runs.map((run) => `M${at(x(run[0].distance_m))} ${floor}L${points(run)}L${at(x(run[run.length - 1].distance_m))} ${floor}Z`).join('');
   const cursor_line = svg('line', { class: 'height-cursor', y1: kTop, y2: kHeight - kBottom, x1: 0, x2: 0 });
   const cursor_dot = svg('circle', { class: 'height-dot', r: 4 });
   const cursor = svg('g', { visibility: 'hidden' }, cursor_line, cursor_dot);
@@ -114,8 +118,9 @@ export function heightChart(profile, units, on_point) {
       svg('line', { class: 'height-grid', x1: left, x2: kWidth - kRight, y1: at(y(tick)), y2: at(y(tick)) }),
       svg('text', { class: 'height-tick', x: left - 5, y: at(y(tick) + 3.5), 'text-anchor': 'end' }, tick_words[i]),
     ]),
-    svg('path', { class: 'height-fill', d: below }),
-    svg('path', { class: 'height-line', d: line }),
+    svg('path', { class: 'height-fill', d: filled }),
+    svg('path', { class: 'height-line height-ground', d: lineOf(below_runs) }),
+    svg('path', { class: 'height-line', d: lineOf(runs) }),
     svg('text', { class: 'height-tick', x: left, y: kHeight - 6, 'text-anchor': 'start' }, distanceIn(0, units)),
     svg('text', { class: 'height-tick', x: kWidth - kRight, y: kHeight - 6, 'text-anchor': 'end' }, lengthIn(profile.length_m, units)),
     cursor,
@@ -131,7 +136,9 @@ export function heightChart(profile, units, on_point) {
     distance_m = Math.min(profile.length_m, Math.max(0, next_m));
     const sample = sampleNear(samples, distance_m);
     const where = distanceIn(sample.distance_m, units);
-    const words_here = sample.height_m === null ? words.unknown_at(where) : words.at(where, heightIn(sample.height_m, units));
+    const below_m = profile.below.length > 0 ? sampleNear(profile.below, distance_m).height_m : null;
+    const here = sample.height_m === null ? '' : heightIn(sample.height_m, units);
+    const words_here = here === '' ? words.unknown_at(where) : below_m === null ? words.at(where, here) : words.at_over(where, here, heightIn(below_m, units));
     cursor.setAttribute('visibility', 'visible');
     cursor_line.setAttribute('x1', at(x(sample.distance_m)));
     cursor_line.setAttribute('x2', at(x(sample.distance_m)));
@@ -167,5 +174,7 @@ export function heightChart(profile, units, on_point) {
     event.stopPropagation();
     show(next[event.key]);
   });
-  return h('div', { class: 'height-chart' }, slider, told);
+  const key = (/** @type {string} */ line, /** @type {string} */ label) => h('li', {}, h('span', { class: `height-key ${line}`, 'aria-hidden': 'true' }), label);
+  const legend = profile.is_surface && h('ul', { class: 'height-legend fine', id: 'height-legend' }, key('', words.surface), below_runs.length > 0 && key('height-key-ground', words.ground));
+  return h('div', { class: 'height-chart' }, slider, legend, told);
 }

@@ -1,4 +1,5 @@
-// The ground's height along a measured distance: asked of the server when the line rests, drawn below the measurement.
+// Heights along a measured distance, of what the photos show or of the smooth ground: asked of the server when the line
+// rests, drawn below the measurement.
 /** @import { Flight, GroundProfile } from '../shared/types.js' */
 /** @import { LonLat } from '../map/geodesy.js' */
 /** @import { MapView } from '../map/map_view.js' */
@@ -7,10 +8,11 @@ import { ApiError, getHeights } from '../shared/api.js';
 import { h, put } from '../shared/dom.js';
 import { isImported } from '../flight/flight_words.js';
 import { strings } from '../shared/flight_strings.js';
-import { heightIn } from '../shared/units.js';
+import { chosenUnits, heightIn } from '../shared/units.js';
+import { askAtRest, kRest_ms } from './ask_at_rest.js';
+import { figureList } from './figures.js';
 import { heightChart } from './height_chart.js';
-
-const kRest_ms = 250;  // so long a line that is moved by keys must rest
+import { drawnProfile } from './surface_profile.js';
 
 /**
  * @param {MapView} view
@@ -23,11 +25,8 @@ export function heightProfile(view) {
   /** @type {Flight|null} */
   let flight = null;
   let knows_heights = true;
-  let asked = '';  // for this line, its answer is there or on its way
-  /** @type {GroundProfile|null} */
-  let profile = null;
-  let timer = 0;
-  let abort = new AbortController();
+  /** @type {Units} */
+  let units = chosenUnits();
   /** @type {ReturnType<MapView['addMark']>|null} */
   let mark = null;
 
@@ -47,18 +46,26 @@ export function heightProfile(view) {
     }
   };
   const say = (/** @type {string} */ text) => put(element, h('p', { class: 'muted fine', id: 'heights-message' }, text));
+  const asker = askAtRest(kRest_ms, (/** @type {GroundProfile|null} */ found, /** @type {unknown} */ error) => {
+    if (found) {
+      draw();
+      return;
+    }
+    if (error instanceof ApiError && error.status === 404) {
+      knows_heights = false;
+      say(words.none);
+    } else say(error instanceof Error ? error.message : String(error));
+  });
   const drop = () => {
-    clearTimeout(timer);
-    abort.abort();
+    asker.drop();
     markPlace(null);
-    asked = '';
-    profile = null;
   };
-  const draw = (/** @type {Units} */ units) => {
-    if (!profile) return;
+  const draw = () => {
+    if (!asker.answer) return;
     markPlace(null);
+    const profile = drawnProfile(asker.answer);
     const { lowest_m, highest_m, climb_m, descent_m } = profile;
-    if (profile.ground === 'plane') {
+    if (profile.is_level) {
       say(words.level);
       return;
     }
@@ -66,32 +73,14 @@ export function heightProfile(view) {
       say(words.beside);
       return;
     }
-    const figure = (/** @type {string} */ label, /** @type {number} */ value) => h('div', {}, h('dt', {}, label), h('dd', {}, heightIn(value, units)));
+    const figure = (/** @type {string} */ label, /** @type {number} */ value) => /** @type {[string, string]} */ ([label, heightIn(value, units)]);
     put(
       element,
       h('h3', { class: 'heights-title' }, words.heading),
       heightChart(profile, units, markPlace),
-      h('dl', { class: 'heights-figures', id: 'heights-figures' }, figure(words.lowest, lowest_m), figure(words.highest, highest_m), figure(words.climb, climb_m), figure(words.descent, descent_m)),
+      figureList('heights-figures', [figure(words.lowest, lowest_m), figure(words.highest, highest_m), figure(words.climb, climb_m), figure(words.descent, descent_m)]),
       h('p', { class: 'fine muted' }, words.zero),
     );
-  };
-  const ask = async (/** @type {LonLat[]} */ places, /** @type {Units} */ units) => {
-    if (!flight) return;
-    abort = new AbortController();
-    const { signal } = abort;
-    try {
-      const found = await getHeights(flight.id, places, signal);
-      if (signal.aborted) return;
-      profile = found;
-      draw(units);
-    } catch (error) {
-      if (signal.aborted) return;
-      asked = '';  // the next change asks again
-      if (error instanceof ApiError && error.status === 404) {
-        knows_heights = false;
-        say(words.none);
-      } else say(error instanceof Error ? error.message : String(error));
-    }
   };
 
   return {
@@ -103,7 +92,8 @@ export function heightProfile(view) {
       }
       flight = next;
     },
-    show(places, units) {
+    show(places, next_units) {
+      units = next_units;
       element.hidden = places.length < 2 || !flight;
       if (element.hidden || !flight) {
         drop();
@@ -114,15 +104,13 @@ export function heightProfile(view) {
         say(words.none);
         return;
       }
-      const line = JSON.stringify(places);
-      if (line === asked) {
-        draw(units);
+      const { id } = flight;
+      if (!asker.about(JSON.stringify(places), (signal) => getHeights(id, places, signal))) {
+        draw();
         return;
       }
-      drop();
-      asked = line;
+      markPlace(null);
       if (!element.firstChild) say(words.waiting);
-      timer = window.setTimeout(() => void ask(places, units), kRest_ms);
     },
   };
 }

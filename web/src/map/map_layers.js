@@ -20,6 +20,14 @@ function heightStops([least_m, most_m]) {
   return kHeightColours.map((colour, i) => [least_m + ((top_m - least_m) * i) / (kHeightColours.length - 1), colour]);
 }
 
+/** What a source needs to know of its tiles, but for where they end. @param {TileJson} tilejson */
+export const tilesOf = (tilejson) => ({
+  tiles: tilejson.tiles.map(ownHost),
+  tileSize: tilejson.tileSize ?? 256,
+  minzoom: tilejson.minzoom ?? 0,
+  maxzoom: tilejson.maxzoom ?? 22,
+});
+
 /**
  * @param {LayerKind} kind
  * @param {TileJson} tilejson
@@ -28,13 +36,7 @@ function heightStops([least_m, most_m]) {
  * @returns {{source: SourceSpecification, layer: LayerSpecification}}
  */
 export function overlayParts(kind, tilejson, legends, opacity) {
-  const tiles = {
-    tiles: tilejson.tiles.map(ownHost),
-    tileSize: tilejson.tileSize ?? 256,
-    minzoom: tilejson.minzoom ?? 0,
-    maxzoom: tilejson.maxzoom ?? 22,
-    bounds: /** @type {[number, number, number, number]} */ (tilejson.bounds),
-  };
+  const tiles = { ...tilesOf(tilejson), bounds: /** @type {[number, number, number, number]} */ (tilejson.bounds) };
   if (kind === 'height' && legends.height) {
     const stops = heightStops(legends.height.range_m);
     // Where nothing is known the code reads as the lowest height there is.

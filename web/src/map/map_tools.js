@@ -3,10 +3,13 @@
 /** @import { CoordinateForm } from './coordinates.js' */
 import { showNote } from '../shared/announce.js';
 import { getLegends, getTileJson } from '../shared/api.js';
+import { heightLayers } from '../heights/height_layers.js';
+import { heightReadout } from '../heights/height_readout.js';
+import { relief } from '../heights/relief.js';
 import { indexSection } from '../indices/index_section.js';
 import { chosenBasemap, keepBasemap, offeredBasemap } from './basemap.js';
 import { coordinate_forms, formatCoordinates } from './coordinates.js';
-import { h, put } from '../shared/dom.js';
+import { checkRow, h, put } from '../shared/dom.js';
 import { formatLength } from '../shared/format.js';
 import { compassNeedle, icon } from '../shared/icons.js';
 import { overlayLegend } from './map_layers.js';
@@ -21,13 +24,15 @@ import { ownHost } from './tile_addresses.js';
  */
 export function mapTools(view, actions) {
   const words = strings.map;
-  const tool = (/** @type {Node} */ picture, /** @type {string} */ label, /** @type {() => void} */ run, id = '') =>
-    h('button', { type: 'button', class: 'tool', id: id || null, 'aria-label': label, title: label, on: { click: run } }, picture);
+  const tool = (/** @type {Node} */ picture, /** @type {string} */ label, /** @type {(() => void)|null} */ run, id = '') =>
+    h('button', { type: 'button', class: 'tool', id: id || null, 'aria-label': label, title: label, on: run && { click: run } }, picture);
 
   const needle = compassNeedle();
   const layers_button = tool(icon('layers'), words.layers, () => toggleLayers(), 'tool-layers');
   const distance = tool(icon('ruler'), words.distance, () => actions.measure('distance'), 'tool-distance');
   const area = tool(icon('area'), words.area, () => actions.measure('area'), 'tool-area');
+  const three_d = tool(h('span', { class: 'tool-text' }, words.three_d_short), words.three_d, null, 'tool-3d');
+  const standing = relief(view, three_d);
   const compare = tool(icon('compare'), words.compare, () => actions.compare(), 'tool-compare');
   const column = h(
     'div',
@@ -40,7 +45,7 @@ export function mapTools(view, actions) {
       tool(needle, words.north, () => view.map.resetNorth()),
       tool(icon('fit'), words.fit, actions.fit, 'tool-fit'),
     ),
-    h('div', { class: 'tool-group' }, layers_button, distance, area, compare),
+    h('div', { class: 'tool-group' }, layers_button, three_d, distance, area, compare),
   );
   const turn = () => needle.style.setProperty('transform', `rotate(${-view.map.getBearing()}deg)`);
   view.map.on('rotate', turn);
@@ -67,6 +72,8 @@ export function mapTools(view, actions) {
     coordinates: coordinateReadout(view),
     drawLayers: card.draw,
     closeLayers: () => toggleLayers(false),
+    /** For what a tilted map is of no use to. */
+    level: standing.end,
     /** @param {'distance'|'area'|null} kind */
     showMeasuring(kind) {
       distance.setAttribute('aria-pressed', String(kind === 'distance'));
@@ -78,11 +85,6 @@ export function mapTools(view, actions) {
 /** @param {MapView} view */
 function layersCard(view) {
   const words = strings.map;
-  const check = (/** @type {string} */ label, /** @type {string} */ id, /** @type {boolean} */ checked, /** @type {(on: boolean) => void} */ set) => {
-    const input = h('input', { type: 'checkbox', id, checked });
-    input.addEventListener('change', () => set(input.checked));
-    return h('label', { class: 'check', for: id }, input, h('span', {}, label));
-  };
   const opacity = h('input', { type: 'range', id: 'opacity', min: 0, max: 100, step: 1, value: Math.round(view.opacity * 100) });
   opacity.addEventListener('input', () => view.setOpacity(Number(opacity.value) / 100));
   const by = h(
@@ -111,7 +113,7 @@ function layersCard(view) {
     footprints.checked = true;
     draw();
   });
-  const footprints_row = check(words.footprints, 'show-footprints', view.shows_footprints, (on) => view.setFootprints(on));
+  const footprints_row = checkRow(words.footprints, 'show-footprints', view.shows_footprints, (on) => view.setFootprints(on));
   const footprints = /** @type {HTMLInputElement} */ (footprints_row.querySelector('input'));
   const basemap = h('select', { id: 'basemap', class: 'field' });
   const drawBasemaps = async () => {
@@ -133,8 +135,9 @@ function layersCard(view) {
     opacity,
     index.element,
     overlay.element,
+    heightLayers(view),
     footprints_row,
-    check(words.path, 'show-path', view.shows_path, (on) => view.setPath(on)),
+    checkRow(words.path, 'show-path', view.shows_path, (on) => view.setPath(on)),
     h('label', { for: 'colour-by', class: 'small-label' }, words.colour),
     by,
     legend,
@@ -193,7 +196,7 @@ function overlayChooser(view) {
 }
 
 /**
- * Coordinates under the cursor, or of the centre where there is no cursor; a click changes their form.
+ * Coordinates and height under the cursor, or of the centre where there is no cursor; a click changes their form.
  * @param {MapView} view
  */
 function coordinateReadout(view) {
@@ -205,11 +208,13 @@ function coordinateReadout(view) {
   let cursor = null;
   const text = h('span', { class: 'mono', id: 'coordinates' });
   const zoom = h('span', { class: 'muted mono' });
+  const height = heightReadout(view);
   const origin = h('span', { class: 'visually-hidden' });
-  const element = h('button', { type: 'button', class: 'coordinates', title: words.format }, origin, text, zoom);
+  const element = h('button', { type: 'button', class: 'coordinates', title: words.format }, origin, text, height.element, zoom);
   const draw = () => {
     const place = cursor ?? view.map.getCenter();
     text.textContent = formatCoordinates(place.lng, place.lat, form);
+    height.of(place);
     zoom.textContent = `z ${fixed(view.map.getZoom(), 1)}`;
     origin.textContent = `${cursor ? words.cursor : words.centre} `;
   };

@@ -1,6 +1,7 @@
 // MapView: one MapLibre map with a flight's mosaic and photos on a plain ground. Knows nothing of panels.
 // The container's data-map-state says 'empty', 'loading' or 'idle' (everything drawn).
-/** @import { Bounds, LayerLegends, MapIndex, MapLayer, PhotoCollection, PhotoRecord, TileJson } from '../shared/types.js' */
+/** @import { Bounds, LayerLegends, MapIndex, MapLayer, PhotoCollection, PhotoRecord, Surface, TileJson } from '../shared/types.js' */
+/** @import { LayerSpecification } from '@maplibre/maplibre-gl-style-spec' */
 /** @import { LayerKind } from './map_layers.js' */
 /** @import { ColourBy } from './map_style.js' */
 import * as maplibre from '../../vendor/maplibre-gl.mjs';
@@ -8,7 +9,7 @@ import { authorization } from '../shared/token.js';
 import { asMarkup, basemapParts, chosenBasemap } from './basemap.js';
 import { isInside } from './geodesy.js';
 import { kOverlay, overlayOpacity, overlayParts } from './map_layers.js';
-import { cameraPoints, emptyStyle, flightPath, groundColour, lineOpacity, ownDataLayers, path_layers, photo_layers, photoColour, photoLayers } from './map_style.js';
+import { cameraPoints, emptyStyle, flightPath, groundColour, height_layers, lineOpacity, ownDataLayers, path_layers, photo_layers, photoColour, photoLayers } from './map_style.js';
 import { outlineOf } from './outlines.js';
 import { placeMark } from './place_mark.js';
 import { kMaxZoom } from '../first_view/poster_place.js';
@@ -35,8 +36,14 @@ export class MapView {
   bands = [];
   /** @type {MapIndex[]} that can be made of the map */
   indices = [];
+  /** @type {Surface[]} whose heights the map has */
+  heights = [];
+  /** Address of their tiles' TileJSON. */
+  terrain = '';
   tile_template = '';
   flight_id = '';
+  /** Emits 'change' when another map, or none, is shown: what was laid over the one before goes. */
+  shown = new EventTarget();
   /** @type {ColourBy} */
   colour_by = 'placement';
   /** @type {Map<string, import('./outlines.js').Outline>} of the user's own data that lies over the map */
@@ -70,8 +77,7 @@ export class MapView {
       attributionControl: false,
       transformRequest: (url) => ({ url, headers: new URL(url, location.href).origin === location.origin ? authorization() : {} }),
       maxZoom: kMaxZoom,
-      maxPitch: 0,
-      pitchWithRotate: false,
+      maxPitch: 0,  // until heights stand up (heights/relief.js)
       renderWorldCopies: false,
       fadeDuration: 120,
       locale: { ...strings.map.library, 'Map.Title': label },
@@ -124,6 +130,7 @@ export class MapView {
     this.#index_bounds = tilejson.bands_bounds ?? bounds;
     this.indices = tilejson.indices ?? [];
     this.flight_id = flight_id;
+    this.#setHeights(grows ? {} : tilejson);
     this.tile_template = ownHost(tilejson.tiles[0]);
     this.#tile_size = tilejson.tileSize ?? 256;
     /** @type {any} */
@@ -148,12 +155,12 @@ export class MapView {
       // The whole map in at most four small tiles comes first; over a slow line the others take their time.
       const coarse = `${this.#mosaic}-coarse`;
       add(coarse, { ...source, maxzoom: Math.max(source.minzoom, Math.min(source.maxzoom, zoomOfFew(bounds))) });
-      this.map.once('idle', () => this.#remove(coarse, [coarse]));
+      this.map.once('idle', () => this.remove(coarse, [coarse]));
     }
     add(this.#mosaic, source);
     this.mark.show(this.bounds, this.#drawn_from_zoom);
     this.#setState('loading');
-    if (old) this.map.once('idle', () => this.#remove(old, [old]));
+    if (old) this.map.once('idle', () => this.remove(old, [old]));
   }
 
   /**
@@ -178,8 +185,24 @@ export class MapView {
     this.overlay = kind;
     const { source, layer } = overlayParts(kind, tilejson, legends, this.opacity);
     this.map.addSource(kOverlay, source);
-    const above = this.map.getStyle().layers.find(({ id }) => photo_layers.includes(id) || path_layers.includes(id))?.id;
-    this.map.addLayer(layer, above);
+    this.addBelowPhotos(layer, height_layers);
+  }
+
+  /** @param {{heights?: Surface[], terrain?: string}} of the map that is shown from now on */
+  #setHeights({ heights = [], terrain = '' }) {
+    this.heights = heights;
+    this.terrain = terrain;
+    this.shown.dispatchEvent(new Event('change'));
+  }
+
+  /**
+   * Adds a layer over the map, below its photos and what is drawn by hand.
+   * @param {LayerSpecification} layer
+   * @param {string[]} [others] layers that it lies below as well
+   */
+  addBelowPhotos(layer, others = []) {
+    const over = [...others, ...photo_layers, ...path_layers, `${kNotes}-fill`, 'measure-fill'];
+    this.map.addLayer(layer, this.map.getStyle().layers.find(({ id }) => over.includes(id))?.id);
   }
 
   /**
@@ -194,12 +217,11 @@ export class MapView {
     }
     if (!this.#index_bounds) return;
     this.map.addSource(kIndex, { type: 'raster', tiles: [template], tileSize: this.#tile_size, minzoom: this.#zooms[0], maxzoom: this.#zooms[1], bounds: this.#index_bounds });
-    const above = this.map.getStyle().layers.find(({ id }) => id === kOverlay || photo_layers.includes(id) || path_layers.includes(id))?.id;
-    this.map.addLayer({ id: kIndex, type: 'raster', source: kIndex, paint: { 'raster-opacity': this.opacity, 'raster-resampling': 'nearest', 'raster-fade-duration': 0 } }, above);
+    this.addBelowPhotos({ id: kIndex, type: 'raster', source: kIndex, paint: { 'raster-opacity': this.opacity, 'raster-resampling': 'nearest', 'raster-fade-duration': 0 } }, [kOverlay, ...height_layers]);
   }
 
   hideIndex() {
-    this.#remove(kIndex, [kIndex]);
+    this.remove(kIndex, [kIndex]);
   }
 
   /** The source whose few tiles show all of the map before the others. */
@@ -212,7 +234,7 @@ export class MapView {
   }
 
   hideOverlay() {
-    this.#remove(kOverlay, [kOverlay]);
+    this.remove(kOverlay, [kOverlay]);
     this.overlay = '';
   }
 
@@ -222,7 +244,7 @@ export class MapView {
     const parts = await basemapParts(kind);
     await this.ready;
     if (turn !== this.#basemap_turn) return;
-    this.#remove('basemap', this.map.getStyle().layers.filter(({ id }) => id.startsWith('basemap-')).map(({ id }) => id));
+    this.remove('basemap', this.map.getStyle().layers.filter(({ id }) => id.startsWith('basemap-')).map(({ id }) => id));
     if (!parts) return;
     this.map.addSource('basemap', parts.source);
     const above = this.map.getStyle().layers.find(({ id }) => id !== 'ground')?.id;
@@ -232,9 +254,9 @@ export class MapView {
   /** @param {PhotoCollection} photos */
   async showPhotos(photos) {
     await this.ready;
-    this.#remove('photos', ['photos-fill', 'photos-line']);
-    this.#remove('cameras', ['cameras']);
-    this.#remove('flight-path', path_layers);
+    this.remove('photos', ['photos-fill', 'photos-line']);
+    this.remove('cameras', ['cameras']);
+    this.remove('flight-path', path_layers);
     this.photos = photos;
     this.#selected = '';
     this.map.addSource('photos', { type: 'geojson', data: /** @type {any} */ (photos), promoteId: 'name' });
@@ -261,8 +283,8 @@ export class MapView {
   /** Removes everything of the flight. */
   async clear() {
     await this.ready;
-    this.#remove(this.#mosaic, [this.#mosaic]);
-    this.#remove(`${this.#mosaic}-coarse`, [`${this.#mosaic}-coarse`]);
+    this.remove(this.#mosaic, [this.#mosaic]);
+    this.remove(`${this.#mosaic}-coarse`, [`${this.#mosaic}-coarse`]);
     this.mark.hide();
     this.#mosaic = '';
     this.hideOverlay();
@@ -270,10 +292,11 @@ export class MapView {
     this.layers = [];
     this.bands = [];
     this.indices = [];
-    this.#remove('photos', ['photos-fill', 'photos-line']);
-    this.#remove('cameras', ['cameras']);
-    this.#remove('flight-path', path_layers);
-    this.#remove(kNotes, ownDataLayers(kNotes, '').map((layer) => layer.id));
+    this.#setHeights({});
+    this.remove('photos', ['photos-fill', 'photos-line']);
+    this.remove('cameras', ['cameras']);
+    this.remove('flight-path', path_layers);
+    this.remove(kNotes, ownDataLayers(kNotes, '').map((layer) => layer.id));
     this.photos = null;
     this.bounds = null;
     this.is_moved = false;
@@ -281,8 +304,8 @@ export class MapView {
     this.container.dataset.mapState = 'empty';
   }
 
-  /** @param {string} source @param {string[]} layers */
-  #remove(source, layers) {
+  /** Takes away what of a source and its layers is there. @param {string} source @param {string[]} layers */
+  remove(source, layers) {
     for (const layer of layers) if (this.map.getLayer(layer)) this.map.removeLayer(layer);
     if (this.map.getSource(source)) this.map.removeSource(source);
   }
@@ -379,7 +402,7 @@ export class MapView {
   /** @param {string} id */
   removeOwnData(id) {
     this.own_outlines.delete(id);
-    this.#remove(id, ownDataLayers(id, '').map((layer) => layer.id));
+    this.remove(id, ownDataLayers(id, '').map((layer) => layer.id));
   }
 
   /** @param {import('../shared/units.js').Units} units of the scale bar */

@@ -69,7 +69,7 @@ export function measureMarks(view, listener) {
       element.hidden = Math.hypot(to.x - from.x, to.y - from.y) < kShortest_px;
     }
   };
-  view.map.on('zoom', drawLabels);
+  for (const event of /** @type {const} */ (['zoom', 'pitch'])) view.map.on(event, drawLabels);
 
   return {
     show(places, parts) {

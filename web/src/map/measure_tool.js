@@ -12,6 +12,7 @@ import { showDownloads } from '../flight/flight_actions.js';
 import { geodesicLength, pathLength, polygonArea } from './geodesy.js';
 import { icon } from '../shared/icons.js';
 import { heightProfile } from '../heights/height_profile.js';
+import { volumeSection } from '../heights/volume_section.js';
 import { measureLayers } from './map_style.js';
 import { measureMarks } from './measure_marks.js';
 import { measurementGeoJson, measurementGpx, measurementKml, polygonOf } from './measurement_files.js';
@@ -82,6 +83,7 @@ export function measureTool(view, listener) {
     button('GPX', () => save('gpx'), 'measure-gpx'),
   );
   const heights = heightProfile(view);
+  const volume = volumeSection(view);
   /** @type {Keeper|null} */
   let keeper = null;
   const keep_button = button(strings.notes.keep, () => keep(), 'measure-keep');
@@ -102,6 +104,7 @@ export function measureTool(view, listener) {
     saving,
     h('div', { class: 'row measure-save' }, keep_button, export_button),
     heights.element,
+    volume.element,
   );
   const cross = h('div', { class: 'centre-cross', 'aria-hidden': 'true', hidden: true });
   const marks = measureMarks(view, {
@@ -131,7 +134,10 @@ export function measureTool(view, listener) {
     if (isCrossing()) announce(words.crossing);
     else if (result.textContent) announce(result.textContent);
   };
-  const showHeights = () => heights.show(kind === 'distance' ? [...places] : [], units);
+  const showHeights = () => {
+    heights.show(kind === 'distance' ? [...places] : [], units);
+    volume.show(kind === 'area' && measured() ? [...places] : [], units);
+  };
   const drawLines = () => {
     const source = view.map.getSource('measure');
     if (source) /** @type {any} */ (source).setData(drawing(places, kind ?? 'distance', next_place));

@@ -120,6 +120,7 @@ export class Stage {
         if (!is_open) return;
         measure.end();
         tools.closeLayers();
+        tools.level();
         card.close();
       },
     });
@@ -298,6 +299,7 @@ export class Stage {
     this.#parts?.card.close();
     this.#parts?.place.end();  // its points are on another map
     if (is_new) this.#parts?.measure.end();
+    if (is_new) view.is_moved = false;
     this.#parts?.measure.ofFlight(is_preview ? null : flight);
     const fits = this.#fits_next;
     this.#fits_next = false;
@@ -452,6 +454,7 @@ export class Stage {
     this.area.classList.add('comparing');
     this.#parts?.card.close();
     this.#parts?.place.end();
+    this.#parts?.tools.level();
     // Footprints belong to one of the two flights and would hide what differs.
     const below = this.#view;
     const shown = { footprints: below.shows_footprints, path: below.shows_path };

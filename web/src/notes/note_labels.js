@@ -56,7 +56,7 @@ export function noteLabels(view, notes, on_choose) {
     labels.forEach(({ element }, i) => element.toggleAttribute('hidden', !shown[i] && document.activeElement !== element));
   };
   // Only these move names against each other.
-  const moves = /** @type {const} */ (['zoom', 'rotate', 'resize']);
+  const moves = /** @type {const} */ (['zoom', 'rotate', 'pitch', 'resize']);
   for (const event of moves) view.map.on(event, draw);
   draw();
   return {

@@ -1,5 +1,5 @@
 // The server's HTTP API, one function a request. Every failure is an ApiError whose message can be shown.
-/** @import { Access, Flight, GroundProfile, Job, MapExport, PhotoCollection, Remark, Report, ServerVerdict, Share, Sighting, StoredFile, TileJson, Trash } from './types.js' */
+/** @import { Access, ContourCollection, Flight, GroundProfile, Job, MapExport, PhotoCollection, Remark, Report, ServerVerdict, Share, Sighting, StoredFile, SurfaceHeights, TileJson, Trash, VolumeFigures } from './types.js' */
 import { kFallback, language } from './language.js';
 import { at } from './router.js';
 import { strings } from './strings.js';
@@ -91,9 +91,10 @@ export function problem(status, text) {
  * @param {object} [body]
  * @param {AbortSignal} [signal]
  * @param {RequestPriority} [priority] of what the first view can wait for
+ * @param {string} [type] of the body
  * @returns {Promise<any>} the JSON, or null for an empty answer
  */
-async function request(method, path, body, signal, priority = 'auto') {
+async function request(method, path, body, signal, priority = 'auto', type = 'application/json') {
   /** @type {Response} */
   let response;
   try {
@@ -102,7 +103,7 @@ async function request(method, path, body, signal, priority = 'auto') {
       method,
       signal,
       priority,
-      headers: { ...authorization(), ...(body ? { 'Content-Type': 'application/json' } : {}) },
+      headers: { ...authorization(), ...(body ? { 'Content-Type': type } : {}) },
       body: body ? JSON.stringify(body) : undefined,
     }));
   } catch (error) {
@@ -198,6 +199,30 @@ export const deleteFlight = (id) => request('DELETE', flight_path(id));
  * @returns {Promise<GroundProfile>} fails with 404 where the map knows no heights
  */
 export const getHeights = (id, places, signal) => request('POST', `${flight_path(id)}/heights`, { type: 'LineString', coordinates: places }, signal);
+
+/**
+ * The heights of a map's surfaces at a place.
+ * @param {string} id
+ * @param {number} lon
+ * @param {number} lat
+ * @param {AbortSignal} [signal]
+ * @returns {Promise<SurfaceHeights>}
+ */
+export const getSurfaceHeights = (id, lon, lat, signal) => request('GET', `${flight_path(id)}/point?lon=${lon}&lat=${lat}&ground=false`, undefined, signal);
+
+/**
+ * What lies above and below a base, of what the photos show.
+ * @param {string} id
+ * @param {string} base 'lowest', 'plane', or its height in metres
+ * @param {GeoJSON.Polygon} outline
+ * @param {AbortSignal} [signal]
+ * @returns {Promise<VolumeFigures>}
+ */
+export const getVolume = (id, base, outline, signal) =>
+  request('POST', `${flight_path(id)}/volume?of=dsm&base=${encodeURIComponent(base)}`, outline, signal, 'auto', 'application/geo+json');
+
+/** @param {string} id @returns {Promise<ContourCollection>} */
+export const getContours = (id) => request('GET', `${flight_path(id)}/contours.geojson`);
 
 /** @param {AbortSignal} [signal] @returns {Promise<Trash>} */
 export const getTrash = (signal) => request('GET', '/api/v1/trash', undefined, signal);

@@ -63,6 +63,19 @@ export function svg(tag, attributes = {}, ...children) {
 }
 
 /**
+ * @param {string} label
+ * @param {string} id
+ * @param {boolean} checked
+ * @param {(on: boolean) => void} set
+ * @returns {HTMLLabelElement} a checkbox with its words
+ */
+export function checkRow(label, id, checked, set) {
+  const input = h('input', { type: 'checkbox', id, checked });
+  input.addEventListener('change', () => set(input.checked));
+  return h('label', { class: 'check', for: id }, input, h('span', {}, label));
+}
+
+/**
  * The element with this id; a missing one is a mistake in index.html.
  * @param {string} id
  * @returns {HTMLElement}

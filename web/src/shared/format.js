@@ -89,6 +89,19 @@ export function formatArea(square_metres) {
 }
 
 /**
+ * @param {number} cubic_metres
+ * @returns {string}
+ */
+export const formatVolume = (cubic_metres) => `${threeDigits(Number(cubic_metres.toFixed(2)) + 0)}\u00a0m³`;  // no minus before a zero
+
+/**
+ * A number as people write it, with a point or a comma.
+ * @param {string} text
+ * @returns {number} NaN where it is none
+ */
+export const parseNumber = (text) => (text.trim() === '' ? NaN : Number(text.trim().replace(',', '.')));
+
+/**
  * @param {number} fraction 0..1
  * @returns {string}
  */

@@ -105,7 +105,12 @@
  */
 
 /**
- * @typedef {{distance_m: number, lon: number, lat: number, height_m: number|null}} ProfileSample height_m: null beside the map
+ * @typedef {'dsm'|'dtm'} Surface what the photos show: ground, roofs, crowns; the ground below them
+ * @typedef {{dsm_m?: number|null, dtm_m?: number|null}} SurfaceHeights of those that the map has; null where they are not known
+ */
+
+/**
+ * @typedef {{distance_m: number, lon: number, lat: number, height_m: number|null} & SurfaceHeights} ProfileSample height_m: null beside the map
  */
 
 /**
@@ -118,7 +123,24 @@
  * @property {number} climb_m
  * @property {number} descent_m
  * @property {ProfileSample[]} samples
+ * @property {Surface[]} [surfaces] that the samples have as well
  */
+
+/**
+ * What lies above and below a base, within an outline.
+ * @typedef {object} VolumeFigures
+ * @property {'lowest'|'plane'|'given'} base
+ * @property {number} base_m its height; of a plane the mean
+ * @property {number} area_m2
+ * @property {number} covered_m2 of it, where heights are known
+ * @property {number} measured_share 0..1, of what is covered; the rest is filled from around
+ * @property {number} cut_m3 above the base
+ * @property {number} fill_m3 below it
+ * @property {number} net_m3
+ * @property {number} net_sigma_m3
+ */
+
+/** @typedef {GeoJSON.FeatureCollection<GeoJSON.LineString, {height_m: number}>} ContourCollection */
 
 /** @typedef {{id: string, created_at: string, expires_at: string|null}} Share */
 
@@ -220,6 +242,8 @@
  * @property {string[]} [bands] that expressions can name
  * @property {Bounds} [bands_bounds] where indices have tiles, if that is not where the map has
  * @property {MapIndex[]} [indices] that the bands are enough for
+ * @property {Surface[]} [heights] that the map has
+ * @property {string} [terrain] address of their tiles' TileJSON
  */
 
 /**

@@ -1,6 +1,6 @@
-// Lengths and areas in the units of who reads: metres and hectares, or feet and acres. By the browser's country until
+// Lengths, areas and volumes in the units of who reads: metres and hectares, or feet and acres. By the browser's country until
 // one chooses; the choice stays in this browser.
-import { formatArea, formatLength } from './format.js';
+import { formatArea, formatLength, formatVolume, threeDigits } from './format.js';
 import { fixed, keptChoice } from './language.js';
 import { strings } from './strings.js';
 
@@ -10,6 +10,7 @@ const kKey = 'skyquilt.units';
 const kFoot_m = 0.3048;
 const kAcre_m2 = 4046.8564224;
 const kMile_ft = 5280;
+const kYard_m = 3 * kFoot_m;
 // Whose land is measured in feet and acres.
 const kImperial = new Set(['US', 'LR', 'MM']);
 
@@ -52,12 +53,13 @@ export const metresPer = (units) => (units === 'metric' ? 1 : kFoot_m);
  * @param {number} metres
  * @param {Units} units
  * @param {number[]} [among] whose values, in metres, it has to be told from
+ * @param {number} [digits] of what is known better
  */
-export function heightIn(metres, units, among = []) {
+export function heightIn(metres, units, among = [], digits = 1) {
   const per_m = metresPer(units);
   const is_whole = among.length > 0 && among.every((value) => Math.abs(value / per_m - Math.round(value / per_m)) < 1e-6);
-  const value = Number((metres / per_m).toFixed(1)) + 0;  // no minus before a zero
-  return `${fixed(value, is_whole ? 0 : 1)}\u00a0${units === 'metric' ? 'm' : 'ft'}`;
+  const value = Number((metres / per_m).toFixed(digits)) + 0;  // no minus before a zero
+  return `${fixed(value, is_whole ? 0 : digits)}\u00a0${units === 'metric' ? 'm' : 'ft'}`;
 }
 
 /** @param {number} square_metres @param {Units} units */
@@ -65,4 +67,10 @@ export function areaIn(square_metres, units) {
   if (units === 'metric') return formatArea(square_metres);
   const acres = square_metres / kAcre_m2;
   return acres < 0.5 ? `${fixed(square_metres / kFoot_m ** 2, 0)}\u00a0ft²` : `${fixed(acres, acres < 10 ? 3 : 1)}\u00a0${strings.quantities.acres}`;
+}
+
+/** @param {number} cubic_metres @param {Units} units */
+export function volumeIn(cubic_metres, units) {
+  if (units === 'metric') return formatVolume(cubic_metres);
+  return `${threeDigits(Number((cubic_metres / kYard_m ** 3).toFixed(2)) + 0)}\u00a0yd³`;
 }

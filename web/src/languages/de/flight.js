@@ -2,6 +2,7 @@
 import { count, fixed, number, plural } from '../../shared/language.js';
 import { option_words } from './options.js';
 import { control_words } from './control.js';
+import { height_words, volume_words } from './heights.js';
 import { note_words } from './notes.js';
 import { failure_words } from './failures.js';
 import { remark_words } from './remarks.js';
@@ -112,6 +113,8 @@ export const flight_words = {
     zoom_in: 'Vergrößern',
     zoom_out: 'Verkleinern',
     north: 'Nach Norden ausrichten',
+    three_d: '3D-Ansicht',
+    three_d_short: '3D',
     fit: 'Ganze Karte zeigen',
     layers: 'Ebenen',
     opacity: 'Deckkraft der Karte',
@@ -122,6 +125,8 @@ export const flight_words = {
     overlay_photo: 'Jede Farbe steht für ein Ausgangsfoto.',
     footprints: 'Umrisse der Fotos',
     path: 'Flugweg',
+    hillshade: 'Schummerung',
+    contours: 'Höhenlinien',
     colour: 'Fotos einfärben nach',
     by_placement: 'Platzierung',
     by_error: 'Lagefehler',
@@ -216,22 +221,8 @@ export const flight_words = {
     file_name: { distance: 'Strecke', area: 'Fläche' },
     close: 'Messen beenden',
   },
-  heights: {
-    heading: 'Höhenprofil',
-    along: 'Höhe entlang der Linie',
-    how: 'Zeigen Sie auf das Profil, um den Ort auf der Karte zu sehen.',
-    at: (distance, height) => `${height} bei ${distance}`,
-    unknown_at: (distance) => `Keine Höhe bei ${distance}`,
-    lowest: 'Tiefster Punkt',
-    highest: 'Höchster Punkt',
-    climb: 'Anstieg',
-    descent: 'Abstieg',
-    zero: 'Über dem Ellipsoid WGS 84, wie die Drohne es aufgezeichnet hat. Unterschiede sind genauer als die Höhen selbst.',
-    waiting: 'Höhen werden geladen …',
-    none: 'Diese Karte enthält keine Geländehöhen.',
-    level: 'Diese Karte nimmt ebenes Gelände an und hat deshalb kein Höhenprofil.',
-    beside: 'Die Linie liegt neben der Karte.',
-  },
+  heights: height_words,
+  volume: volume_words,
   own_data: {
     heading: 'Eigene Daten',
     add: 'GeoJSON oder KML hinzufügen',

@@ -6,6 +6,7 @@
 import { count, fixed, number, plural } from '../../shared/language.js';
 import { option_words } from './options.js';
 import { control_words } from './control.js';
+import { height_words, volume_words } from './heights.js';
 import { note_words } from './notes.js';
 import { failure_words } from './failures.js';
 import { remark_words } from './remarks.js';
@@ -112,6 +113,8 @@ export const flight_words = {
     zoom_in: 'Zoom in',
     zoom_out: 'Zoom out',
     north: 'Reset to north up',
+    three_d: '3D view',
+    three_d_short: '3D',
     fit: 'Zoom to the whole map',
     layers: 'Layers',
     opacity: 'Map opacity',
@@ -122,6 +125,8 @@ export const flight_words = {
     overlay_photo: 'Each colour is one source photo.',
     footprints: 'Photo footprints',
     path: 'Flight path',
+    hillshade: 'Hillshade',
+    contours: 'Contours',
     colour: 'Colour photos by',
     by_placement: 'Placement',
     by_error: 'Position error',
@@ -217,22 +222,8 @@ export const flight_words = {
     file_name: { distance: 'distance', area: 'area' },
     close: 'Stop measuring',
   },
-  heights: {
-    heading: 'Height profile',
-    along: 'Height along the line',
-    how: 'Point at the profile to see the place on the map.',
-    at: (/** @type {string} */ distance, /** @type {string} */ height) => `${height} at ${distance}`,
-    unknown_at: (/** @type {string} */ distance) => `No height at ${distance}`,
-    lowest: 'Lowest',
-    highest: 'Highest',
-    climb: 'Climb',
-    descent: 'Descent',
-    zero: 'Above the WGS 84 ellipsoid, as the drone recorded it. Differences are more accurate than the heights themselves.',
-    waiting: 'Loading heights …',
-    none: 'This map has no ground heights.',
-    level: 'This map assumes level ground, so there is no height profile.',
-    beside: 'The line does not cross the map.',
-  },
+  heights: height_words,
+  volume: volume_words,
   own_data: {
     heading: 'Your data',
     add: 'Add GeoJSON or KML',

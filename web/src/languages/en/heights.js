@@ -1,0 +1,40 @@
+// English: heights below the cursor, along a line, and volumes.
+
+export const height_words = {
+  heading: 'Height profile',
+  along: 'Height along the line',
+  how: 'Point at the profile to see the place on the map.',
+  at: (/** @type {string} */ distance, /** @type {string} */ height) => `${height} at ${distance}`,
+  unknown_at: (/** @type {string} */ distance) => `No height at ${distance}`,
+  lowest: 'Lowest',
+  highest: 'Highest',
+  climb: 'Climb',
+  descent: 'Descent',
+  zero: 'Above the WGS 84 ellipsoid, as the drone recorded it. Differences are more accurate than the heights themselves.',
+  waiting: 'Loading heights …',
+  none: 'This map has no ground heights.',
+  level: 'This map assumes level ground, so there is no height profile.',
+  beside: 'The line does not cross the map.',
+  at_over: (/** @type {string} */ distance, /** @type {string} */ height, /** @type {string} */ ground) => `${height} at ${distance}, ground ${ground}`,
+  surface: 'Surface',
+  ground: 'Ground',
+  here: 'Surface height',
+  over_ground: 'above ground',
+};
+
+export const volume_words = {
+  heading: 'Volume',
+  base: 'Base',
+  bases: { lowest: 'Lowest point of the edge', plane: 'Plane through the edge', given: 'Given height' },
+  given: 'Height of the base',
+  no_number: 'Enter the height as a number.',
+  above: 'Above base (cut)',
+  below: 'Below base (fill)',
+  net: 'Net',
+  height: 'Base height',
+  mean_height: 'Base height, mean',
+  with_error: (/** @type {string} */ volume, /** @type {string} */ error) => `${volume} ± ${error}`,
+  little_measured: (/** @type {string} */ share) => `Only ${share} of this area was measured; the rest is filled in from its surroundings.`,
+  partly: (/** @type {string} */ share) => `Heights are known for only ${share} of this area; the rest does not count.`,
+  waiting: 'Computing volume …',
+};
