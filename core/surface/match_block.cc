@@ -33,9 +33,9 @@ constexpr int kFullContrast = 24;
 // And where what lies around it was measured alike. Of cells over crowns in the wind one in twenty has two
 // thirds of those around it alike, of cells of a road nineteen.
 constexpr float kAlikeSteps = 2.5f;
-constexpr std::uint8_t kManyAlike = 33, kSomeAlike = 17;
+constexpr std::uint8_t kManyAlike = 33, kSomeAlike = 17, kMostAlike = 44;
 constexpr float kSpeckleSteps = 2.0f;
-constexpr int kMinCells = 48;
+constexpr std::size_t kMinCells = 48, kMinWeight = 400, kThirdPhoto = 10;
 constexpr int kFillReach = 24;
 constexpr float kFillSteps = 4.0f;
 constexpr float kEdgeSteps = 4.0f;
@@ -187,7 +187,9 @@ class BlockMatcher {
           std::min({255, picked.margins[i] * 255 / kFullMargin, contrasts[i] * 255 / kFullContrast}));
     }
     const std::vector<std::uint8_t> alike = CountAlike(level, kAlikeSteps * sheets.step_m);
-    DropSpeckles(level, alike, {kSpeckleSteps * sheets.step_m, kManyAlike, kSomeAlike, kMinCells});
+    DropSpeckles(level, alike, matched.agreeing,
+                 {kSpeckleSteps * sheets.step_m, kManyAlike, kSomeAlike, kMinCells, kMinWeight, kThirdPhoto,
+                  kMostAlike});
     if (coarser != nullptr) TakeCoarser(*coarser, contrasts, alike, sheets, matched);
     FillUnknown(level, sheets.expected_m, kFillReach, kFillSteps * sheets.step_m);
     TakeMedians(level);

@@ -60,7 +60,8 @@ std::vector<std::uint8_t> CountAlike(const LevelHeights& level, float within_m) 
   return counts;
 }
 
-void DropSpeckles(LevelHeights& level, const std::vector<std::uint8_t>& alike, const SpeckleRules& rules) {
+void DropSpeckles(LevelHeights& level, const std::vector<std::uint8_t>& alike,
+                  const std::vector<std::uint8_t>& agreeing, const SpeckleRules& rules) {
   constexpr std::array<std::array<int, 2>, 4> kBeside = {{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
   constexpr std::uint8_t kUnmet = 1, kMet = 2, kDropped = 3;
   std::vector<std::size_t> members;
@@ -68,10 +69,14 @@ void DropSpeckles(LevelHeights& level, const std::vector<std::uint8_t>& alike, c
     if (level.is_known[start] != kUnmet || alike[start] < rules.many) continue;
     members.assign(1, start);
     level.is_known[start] = kMet;
-    int own = 0;
+    std::size_t own = 0, weight = 0, smooth = 0;
     for (std::size_t next = 0; next < members.size(); ++next) {
       const std::size_t cell = members[next];
-      own += alike[cell] >= rules.many ? 1 : 0;
+      if (alike[cell] >= rules.many) {
+        ++own;
+        weight += 1 + rules.third_photo * static_cast<std::size_t>(std::max(0, agreeing[cell] - 2));
+      }
+      smooth += alike[cell] >= rules.most ? 1 : 0;
       const int column = static_cast<int>(cell % static_cast<std::size_t>(level.columns)),
                 row = static_cast<int>(cell / static_cast<std::size_t>(level.columns));
       for (const auto& [step_x, step_y] : kBeside) {
@@ -84,7 +89,8 @@ void DropSpeckles(LevelHeights& level, const std::vector<std::uint8_t>& alike, c
         members.push_back(other);
       }
     }
-    if (own >= rules.least_cells) continue;
+    const bool is_borne_out = weight >= rules.least_weight || 2 * smooth >= members.size();
+    if (own >= rules.least_cells && is_borne_out) continue;
     for (const std::size_t cell : members) level.is_known[cell] = kDropped;
   }
   for (std::uint8_t& known : level.is_known) known = known == kMet ? 1 : 0;

@@ -45,13 +45,18 @@ TEST(CountAlike, TellsHeightsFarApartFromEqualOnes) {
   EXPECT_EQ(alike[level.IndexOf(30, 20)], 0);
 }
 
-constexpr SpeckleRules kRules{0.5f, 33, 17, 20};
+constexpr SpeckleRules kRules{0.5f, 33, 17, 20, 200, 10, 44};
+
+// That so many photos agree on every cell.
+std::vector<std::uint8_t> Agreeing(std::uint8_t photos) {
+  return std::vector<std::uint8_t>(kSide * kSide, photos);
+}
 
 TEST(DropSpeckles, DropsWhatStandsAlone) {
   LevelHeights level = Level(0.0f);
   Raise(level, 5, 10, 3, 3, 5.0f);
   Raise(level, 20, 10, 12, 12, 5.0f);
-  DropSpeckles(level, CountAlike(level, 0.5f), kRules);
+  DropSpeckles(level, CountAlike(level, 0.5f), Agreeing(3), kRules);
   EXPECT_EQ(level.is_known[level.IndexOf(6, 11)], 0);
   EXPECT_EQ(level.is_known[level.IndexOf(26, 16)], 1);
   EXPECT_EQ(level.is_known[level.IndexOf(20, 16)], 1) << "an edge hangs on to its roof";
@@ -67,7 +72,7 @@ TEST(DropSpeckles, DropsHeightsThatStrayFromCellToCell) {
       level.heights_m[level.IndexOf(column, row)] = static_cast<float>(random >> 28) * 0.4f;
     }
   }
-  DropSpeckles(level, CountAlike(level, 0.5f), kRules);
+  DropSpeckles(level, CountAlike(level, 0.5f), Agreeing(3), kRules);
   int known = 0;
   for (int row = 4; row < kSide - 4; ++row) {
     for (int column = 4; column < kSide / 2 - 4; ++column)
@@ -75,6 +80,16 @@ TEST(DropSpeckles, DropsHeightsThatStrayFromCellToCell) {
     EXPECT_EQ(level.is_known[level.IndexOf(30, row)], 1);
   }
   EXPECT_EQ(known, 0);
+}
+
+TEST(DropSpeckles, WantsMoreOfASurfaceThatTwoPhotosAloneShow) {
+  for (const std::uint8_t photos : {2, 3}) {
+    LevelHeights level = Level(0.0f);
+    Raise(level, 20, 10, 12, 8, 5.0f);  // 40 cells of its own, ragged for being so small
+    DropSpeckles(level, CountAlike(level, 0.5f), Agreeing(photos), kRules);
+    EXPECT_EQ(level.is_known[level.IndexOf(26, 14)], photos == 3 ? 1 : 0) << int{photos};
+    EXPECT_EQ(level.is_known[level.IndexOf(15, 35)], 1) << "the ground is large";
+  }
 }
 
 TEST(FillUnknown, TakesTheLowerSideOfAWall) {
