@@ -33,7 +33,7 @@ constexpr int kFullContrast = 24;
 // And where what lies around it was measured alike. Of cells over crowns in the wind one in twenty has two
 // thirds of those around it alike, of cells of a road nineteen.
 constexpr float kAlikeSteps = 2.5f;
-constexpr std::uint8_t kManyAlike = 33, kSomeAlike = 17, kMostAlike = 44;
+constexpr std::uint8_t kManyAlike = 33, kSomeAlike = 17, kNearlyAllAlike = 44;
 constexpr float kSpeckleSteps = 2.0f;
 constexpr std::size_t kMinCells = 48, kMinWeight = 400, kThirdPhoto = 10;
 constexpr int kFillReach = 24;
@@ -189,7 +189,7 @@ class BlockMatcher {
     const std::vector<std::uint8_t> alike = CountAlike(level, kAlikeSteps * sheets.step_m);
     DropSpeckles(level, alike, matched.agreeing,
                  {kSpeckleSteps * sheets.step_m, kManyAlike, kSomeAlike, kMinCells, kMinWeight, kThirdPhoto,
-                  kMostAlike});
+                  kNearlyAllAlike});
     if (coarser != nullptr) TakeCoarser(*coarser, contrasts, alike, sheets, matched);
     FillUnknown(level, sheets.expected_m, kFillReach, kFillSteps * sheets.step_m);
     TakeMedians(level);

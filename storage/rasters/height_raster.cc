@@ -78,29 +78,39 @@ float Between(const std::vector<float>& heights_m, const HeightWindow& window, c
   return weights > 0.0 ? static_cast<float>(sum / weights) : kNoHeight;
 }
 
-// Each unknown cell takes the mean of the known ones around it, round by round from these outwards.
+// Unknown cells take the mean of those around them, first round by round from the known ones outwards, then
+// over and over, until they lie as a membrane does that hangs from these: what goes on has no steps.
 void FillFromAround(std::vector<float>& heights_m, int columns, int rows) {
-  const auto is_known = [](float height_m) { return std::isfinite(height_m); };
-  if (std::none_of(heights_m.begin(), heights_m.end(), is_known))
+  constexpr int kRounds = 400;
+  std::vector<std::size_t> unknown;
+  for (std::size_t i = 0; i < heights_m.size(); ++i) {
+    if (!std::isfinite(heights_m[i])) unknown.push_back(i);
+  }
+  if (unknown.size() == heights_m.size()) {
     std::fill(heights_m.begin(), heights_m.end(), 0.0f);
-  while (!std::all_of(heights_m.begin(), heights_m.end(), is_known)) {
+    return;
+  }
+  std::size_t left = unknown.size();
+  for (int round = 0; round < kRounds || left > 0; ++round) {
     const std::vector<float> before = heights_m;
-    for (int row = 0; row < rows; ++row) {
-      for (int column = 0; column < columns; ++column) {
-        float& height_m = heights_m[CellCount(columns, row) + static_cast<std::size_t>(column)];
-        if (is_known(height_m)) continue;
-        double sum = 0.0;
-        int count = 0;
-        for (int r = std::max(0, row - 1); r <= std::min(rows - 1, row + 1); ++r) {
-          for (int c = std::max(0, column - 1); c <= std::min(columns - 1, column + 1); ++c) {
-            const float beside = before[CellCount(columns, r) + static_cast<std::size_t>(c)];
-            if (!is_known(beside)) continue;
-            sum += beside;
-            ++count;
-          }
+    left = 0;
+    for (const std::size_t cell : unknown) {
+      const int column = static_cast<int>(cell % static_cast<std::size_t>(columns)),
+                row = static_cast<int>(cell / static_cast<std::size_t>(columns));
+      double sum = 0.0;
+      int count = 0;
+      for (int r = std::max(0, row - 1); r <= std::min(rows - 1, row + 1); ++r) {
+        for (int c = std::max(0, column - 1); c <= std::min(columns - 1, column + 1); ++c) {
+          const float beside = before[CellCount(columns, r) + static_cast<std::size_t>(c)];
+          if (!std::isfinite(beside)) continue;
+          sum += beside;
+          ++count;
         }
-        if (count > 0) height_m = static_cast<float>(sum / count);
       }
+      if (count > 0)
+        heights_m[cell] = static_cast<float>(sum / count);
+      else
+        ++left;
     }
   }
 }

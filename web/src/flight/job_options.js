@@ -24,7 +24,7 @@ import { parsePlace } from '../map/parse_place.js';
 /** @typedef {'resolution_cm'|'max_look_deg'|'readout_ms'|'quality'|'origin'|'takeoff_height_m'} TypedField */
 
 export const kMethods = ['auto', 'images', 'imu', 'features', 'direct'];
-export const kSurfaces = ['smooth', 'dense'];
+export const kSurfaces = ['smooth', 'dense', 'auto'];
 export const kHeights = ['none', 'dsm', 'dtm'];
 export const kFormats = ['auto', 'jpeg-png', 'webp'];
 export const kLayers = ['photo', 'error', 'height'];

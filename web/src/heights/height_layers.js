@@ -56,7 +56,7 @@ export function heightLayers(view) {
     get: () => reliefSource(view),
     lay(source) {
       // A source of its own: the library draws one that is the ground of three dimensions as well less well.
-      view.map.addSource(kHillshade, source);
+      view.map.addSource(kHillshade, { ...source, ...(view.bounds ? { bounds: view.bounds } : {}) });
       view.addBelowPhotos({ id: kHillshade, type: 'hillshade', source: kHillshade, paint: { 'hillshade-illumination-anchor': 'map' } }, contour_layers);
     },
     take: () => view.remove(kHillshade, [kHillshade]),

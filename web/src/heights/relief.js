@@ -12,7 +12,7 @@ const kMaxPitch_deg = 80;
 const kTilt_ms = 600;
 
 /**
- * The heights of a map as tiles. They have no bounds: at the edge of the map its ground goes on level, without a cliff.
+ * The heights of a map as tiles. They go on beyond it, so that no cliff stands at its edge.
  * @param {MapView} view
  * @returns {Promise<RasterDEMSourceSpecification>}
  */

@@ -10,7 +10,7 @@ import { formatPercent, parseNumber } from '../shared/format.js';
 import { strings } from '../shared/flight_strings.js';
 import { number } from '../shared/language.js';
 import { polygonOf } from '../map/measurement_files.js';
-import { chosenUnits, heightIn, metresPer, volumeIn } from '../shared/units.js';
+import { chosenUnits, heightIn, heightUnit, metresPer, volumeIn } from '../shared/units.js';
 import { askAtRest, kRest_ms } from './ask_at_rest.js';
 import { figureList } from './figures.js';
 
@@ -82,7 +82,7 @@ export function volumeSection(view) {
     put(result);
   };
   const writeGiven = () => {
-    unit.textContent = units === 'metric' ? 'm' : 'ft';
+    unit.textContent = heightUnit(units);
     if (given_m !== null) given.value = number(given_m / metresPer(units), { maximumFractionDigits: 2, useGrouping: false });
   };
   const ask = () => {

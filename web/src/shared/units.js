@@ -48,6 +48,9 @@ export function lengthIn(metres, units) {
 /** Metres in what heights are told in. @param {Units} units */
 export const metresPer = (units) => (units === 'metric' ? 1 : kFoot_m);
 
+/** The sign of that unit. @param {Units} units */
+export const heightUnit = (units) => (units === 'metric' ? 'm' : 'ft');
+
 /**
  * A height, or a difference of two: to a decimetre, more than which no ground is known.
  * @param {number} metres
@@ -59,7 +62,7 @@ export function heightIn(metres, units, among = [], digits = 1) {
   const per_m = metresPer(units);
   const is_whole = among.length > 0 && among.every((value) => Math.abs(value / per_m - Math.round(value / per_m)) < 1e-6);
   const value = Number((metres / per_m).toFixed(digits)) + 0;  // no minus before a zero
-  return `${fixed(value, is_whole ? 0 : digits)}\u00a0${units === 'metric' ? 'm' : 'ft'}`;
+  return `${fixed(value, is_whole ? 0 : digits)}\u00a0${heightUnit(units)}`;
 }
 
 /** @param {number} square_metres @param {Units} units */

@@ -65,7 +65,7 @@ export const option_words = {
     direct: 'Metadaten, verfeinert durch Helligkeit',
   },
   heights: { none: 'Keine', dsm: 'Oberfläche (DOM)', dtm: 'Mit Gelände (DOM, DGM)' },
-  surfaces: { smooth: 'Wie sie in den Fotos kippen', dense: 'Aufrecht (True Orthophoto)' },
+  surfaces: { smooth: 'Wie sie in den Fotos kippen', dense: 'Aufrecht (True Orthophoto)', auto: 'Aufrecht, wo sie stark kippen' },
   formats: { auto: 'JPEG, am Rand WebP', 'jpeg-png': 'JPEG, am Rand PNG', webp: 'WebP' },
   coarse_title: (/** @type {string} */ name) => `Wirklich eine so grobe Karte von „${name}“?`,
   coarse_text: (/** @type {string} */ asked, /** @type {string} */ shown, /** @type {number} */ times) => `Verlangt ist eine Auflösung von ${asked}. Die Fotos zeigen ${shown}, das ist ${number(times, { maximumFractionDigits: 0 })}-mal feiner. Das Feld zählt in Zentimetern.`,

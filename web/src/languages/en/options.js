@@ -64,7 +64,7 @@ export const option_words = {
     features: 'Metadata refined by features',
     direct: 'Metadata refined by brightness',
   },
-  surfaces: { smooth: 'As they lean in the photos', dense: 'Upright (true orthophoto)' },
+  surfaces: { smooth: 'As they lean in the photos', dense: 'Upright (true orthophoto)', auto: 'Upright where they lean much' },
   heights: { none: 'None', dsm: 'Surface (DSM)', dtm: 'Surface and ground (DTM)' },
   formats: { auto: 'JPEG, WebP at the edge', 'jpeg-png': 'JPEG, PNG at the edge', webp: 'WebP' },
   coarse_title: (/** @type {string} */ name) => `Really so coarse a map of “${name}”?`,
