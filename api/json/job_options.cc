@@ -97,7 +97,7 @@ Result<void> SetSurface(const json& value, pipeline::MosaicOptions* options) {
       return {};
     }
   }
-  return Refuse("surface", "must be \"smooth\" or \"dense\"");
+  return Refuse("surface", "must be \"smooth\", \"dense\" or \"auto\"");
 }
 
 Result<void> SetHeights(const json& value, pipeline::MosaicOptions* options) {

@@ -34,7 +34,7 @@ constexpr NodeOption kNodeOptions[] = {
     {"align-method", "enum", "auto", R"(["auto","images","imu","features","direct"])",
      "How photos are placed: by what suits (auto), by what they show alone (images), by their recorded poses alone (imu), by matching features, or directly by brightness. One of: %(choices)s. Default: %(default)s",
      NodeOptionEffect::kJob, "method"},
-    {"surface", "enum", "smooth", R"(["smooth","dense"])",
+    {"surface", "enum", "smooth", R"(["smooth","dense","auto"])",
      "What photos are projected to: the ground alone (smooth), on which houses and trees lean, or heights of every two pixels (dense), so that they stand upright, which takes several times as long. One of: %(choices)s. Default: %(default)s",
      NodeOptionEffect::kJob, "surface"},
     {"archive-tiles", "enum", kUsualArchiveTiles, R"(["mbtiles","pmtiles","both","none"])",

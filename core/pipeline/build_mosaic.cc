@@ -131,6 +131,7 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   DescribePhotos(aligned, report);
   report.seam_shift = seam_shift;
   report.warnings = aligned.warnings;
+  if (GroundAsked(facts) == MapGround::kAuto) report.ground_choice = facts.ground_choice;
   if (surface) TellSurface(surface->heights.grid.cell_m, MeasuredShare(surface->heights.cells), report);
   WarnOfCoarserPixels(plan, aligned, planned.gsd_m, report);
   report.align_report = facts.align_report;

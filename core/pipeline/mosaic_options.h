@@ -20,8 +20,9 @@ namespace skyquilt::pipeline {
 
 enum class AlignMethod { kAuto, kImu, kFeatures, kDirect, kImages };
 
-// What photos are laid on: the ground alone, on which houses and trees lean, or heights of every cell.
-enum class MapGround { kSmooth, kDense };
+// What photos are laid on: the ground alone, on which houses and trees lean, or heights of every cell; or
+// whichever the flight asks for (surface/choose_ground.h).
+enum class MapGround { kSmooth, kDense, kAuto };
 
 // Which heights are written beside the map: none, of all that stands there (DSM), or those and of the ground
 // below (DTM).
@@ -33,8 +34,8 @@ inline constexpr std::pair<const char*, AlignMethod> kAlignMethods[] = {{"auto",
                                                                         {"imu", AlignMethod::kImu},
                                                                         {"features", AlignMethod::kFeatures},
                                                                         {"direct", AlignMethod::kDirect}};
-inline constexpr std::pair<const char*, MapGround> kMapGrounds[] = {{"smooth", MapGround::kSmooth},
-                                                                    {"dense", MapGround::kDense}};
+inline constexpr std::pair<const char*, MapGround> kMapGrounds[] = {
+    {"smooth", MapGround::kSmooth}, {"dense", MapGround::kDense}, {"auto", MapGround::kAuto}};
 const char* NameOf(MapGround ground);
 inline constexpr std::pair<const char*, MapHeights> kMapHeights[] = {
     {"none", MapHeights::kNone}, {"dsm", MapHeights::kSurface}, {"dtm", MapHeights::kGround}};

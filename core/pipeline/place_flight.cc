@@ -31,6 +31,7 @@
 #include "core/pipeline/placing/move_to_control.h"
 #include "core/pipeline/placing/place_by_lists.h"
 #include "core/pipeline/placing/place_known.h"
+#include "core/pipeline/surface/choose_ground.h"
 #include "core/poses/estimate_poses.h"
 #include "core/poses/lists/compare_sources.h"
 #include "core/poses/plausible_poses.h"
@@ -256,6 +257,7 @@ Result<FlightFacts> PlaceAnew(flight::Flight read, const MosaicOptions& options,
   LeaveOutNonsense(&facts.ground, aligned);
   if (aligned.photos.empty()) return NothingLeft(aligned);
   facts.flight = std::move(aligned);
+  facts.ground_choice = ChooseGround(facts.flight, facts.ground);
   facts.thumbnails = Ordered(facts.flight, checked.thumbnails);
   facts.poses_report = posed.report;
   facts.height_rule = posed.report.height_rule;

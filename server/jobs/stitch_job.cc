@@ -200,7 +200,7 @@ Result<std::vector<flight::InputFile>> FilesOfMap(const std::filesystem::path& o
 Result<pipeline::MapGround> GroundOfMap(const std::filesystem::path& out_dir) {
   SKYQUILT_TRY_ASSIGN(const std::string bytes, storage::MapKeeper::FactsOf(out_dir));
   SKYQUILT_TRY_ASSIGN(const pipeline::FlightFacts facts, pipeline::ParseFacts(bytes));
-  return pipeline::StandsUpright(facts) ? pipeline::MapGround::kDense : pipeline::MapGround::kSmooth;
+  return pipeline::GroundAsked(facts);
 }
 
 Result<pipeline::MosaicReport> StitchToDirectory(const std::vector<flight::InputFile>& files,

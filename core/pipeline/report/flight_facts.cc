@@ -165,6 +165,11 @@ FlightFacts Parse(std::string_view bytes) {
   if (json.at("version") != kVersion) return facts;
   facts.options = DigestOfCbor(json.at("options"));
   if (json.contains("asked")) facts.asked = json.at("asked").get<std::map<std::string, std::string>>();
+  if (json.contains("ground_choice")) {
+    const Cbor& choice = json.at("ground_choice");
+    facts.ground_choice =
+        GroundChoice{choice.at("leaning_share").get<double>(), choice.at("seen_share").get<double>()};
+  }
   for (const Cbor& input : json.at("inputs")) {
     facts.inputs.push_back(
         {{TextOfCbor(input.at("name")), TextOfCbor(input.at("path"))}, DigestOfCbor(input.at("digest"))});
@@ -248,6 +253,10 @@ std::string WriteFacts(const FlightFacts& facts) {
   json["version"] = kVersion;
   json["options"] = CborOfDigest<Cbor>(facts.options);
   json["asked"] = facts.asked;
+  if (facts.ground_choice) {
+    json["ground_choice"] = {{"leaning_share", facts.ground_choice->leaning_share},
+                             {"seen_share", facts.ground_choice->seen_share}};
+  }
   json["inputs"] = Cbor::array();
   for (const NamedDigest& input : facts.inputs) {
     json["inputs"].push_back({{"name", CborOfText<Cbor>(input.file.name)},

@@ -18,6 +18,7 @@
 #include "core/ground/ground_surface.h"
 #include "core/ground/model_ground_report.h"
 #include "core/pipeline/mosaic_options.h"
+#include "core/pipeline/surface/ground_choice.h"
 #include "core/poses/pose_report.h"
 #include "core/render/exposure/extend_exposure.h"
 #include "core/render/mosaic_plan.h"
@@ -53,6 +54,7 @@ struct FlightFacts {
   bool is_by_hand = false;    // somebody said where it lies; no position or surveyed point does
   poses::PoseReport poses_report;
   ground::ModelGroundReport ground_report;
+  std::optional<GroundChoice> ground_choice;           // none in maps of earlier versions
   std::optional<alignment::AlignReport> align_report;  // nothing where photos lie by their poses alone
   std::optional<geo::Boundary> boundary;               // that the map is cut to
   std::optional<MapAppearance> appearance;             // absent: the run was killed before

@@ -10,7 +10,9 @@
 #include "core/flight/remarks/remark_json.h"
 #include "core/geo/lat_lon.h"
 #include "core/ground/footprint_on_ground.h"
+#include "core/pipeline/mosaic_options.h"
 #include "core/pipeline/report/report_codec.h"
+#include "core/pipeline/surface/choose_ground.h"
 #include "core/poses/conventions/attitude_convention.h"
 
 namespace skyquilt::pipeline {
@@ -115,6 +117,12 @@ std::string ReportJson(const MosaicReport& report) {
   json["seams"] = JsonOf<Json>(report.seam_shift);
   json["alignment"] = report.align_report ? JsonOf<Json>(*report.align_report) : Json(nullptr);
   if (report.bands) json["bands"] = BandsJson(*report.bands);
+  if (report.ground_choice) {
+    json["ground_choice"] = {
+        {"surface", NameOf(IsUpright(*report.ground_choice) ? MapGround::kDense : MapGround::kSmooth)},
+        {"leaning_share", Rounded(report.ground_choice->leaning_share, 4)},
+        {"seen_share", Rounded(report.ground_choice->seen_share, 4)}};
+  }
   if (report.surface) {
     json["surface"] = {{"cell_m", Rounded(report.surface->cell_m, 6)},
                        {"measured_share", Rounded(report.surface->measured_share, 4)}};

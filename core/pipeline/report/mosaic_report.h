@@ -17,6 +17,7 @@
 #include "core/ground/model_ground_report.h"
 #include "core/pipeline/report/capture_span.h"
 #include "core/pipeline/report/map_quality.h"
+#include "core/pipeline/surface/ground_choice.h"
 #include "core/poses/pose_report.h"
 #include "core/render/seams/seam_shift.h"
 #include "core/surface/surface_report.h"
@@ -60,6 +61,7 @@ struct MosaicReport {
   std::optional<alignment::AlignReport> align_report;  // nothing where photos lie by their poses alone
   std::optional<bands::BandsReport> bands;             // of bands.tif; nothing for photos in colour
   std::optional<surface::SurfaceReport> surface;       // of dsm.tif; nothing where nobody asked for it
+  std::optional<GroundChoice> ground_choice;           // of --surface auto alone
 };
 
 std::string ReportJson(const MosaicReport& report);

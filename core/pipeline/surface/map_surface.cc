@@ -10,6 +10,7 @@
 #include "core/base/try.h"
 #include "core/geo/web_mercator.h"
 #include "core/pipeline/memory_budget.h"
+#include "core/pipeline/surface/choose_ground.h"
 #include "core/render/blocks/render_block.h"
 #include "core/render/plan_mosaic.h"
 #include "core/surface/match_surface.h"
@@ -20,7 +21,7 @@ namespace {
 
 // Below this share of measured cells the heights are mostly a guess, which is said.
 constexpr double kMostlyMeasured = 0.5;
-constexpr int kPhotosThatBearOut = 3, kSquareCells = 16, kFadeSquares = 6;
+constexpr int kSquareCells = 16, kFadeSquares = 6;
 // Heights twice, confidence and photos that agree.
 constexpr std::int64_t kBytesPerCell = 10;
 
@@ -106,9 +107,18 @@ geo::Bounds2 AreaBelow(const geo::LatLonBounds& bounds, const geo::LocalFrame& f
   return area;
 }
 
-bool StandsUpright(const FlightFacts& facts) {
+MapGround GroundAsked(const FlightFacts& facts) {
   const auto asked = facts.asked.find("--surface");
-  return asked != facts.asked.end() && asked->second == NameOf(MapGround::kDense);
+  for (const auto& [name, ground] : kMapGrounds) {
+    if (asked != facts.asked.end() && asked->second == name) return ground;
+  }
+  return MapGround::kSmooth;
+}
+
+bool StandsUpright(const FlightFacts& facts) {
+  const MapGround asked = GroundAsked(facts);
+  return asked == MapGround::kDense ||
+         (asked == MapGround::kAuto && facts.ground_choice && IsUpright(*facts.ground_choice));
 }
 
 double MeasuredShare(const surface::CellHeights& cells) {

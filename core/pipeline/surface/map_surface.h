@@ -29,7 +29,8 @@ struct MapSurface {
 // Around the part of enu that lies below geographic bounds, at that height.
 geo::Bounds2 AreaBelow(const geo::LatLonBounds& bounds, const geo::LocalFrame& frame, double z_in_enu_m);
 
-// Whether what stands on the ground is to be shown upright.
+// What the map was asked to be laid on, and whether what stands on the ground is to be shown upright.
+MapGround GroundAsked(const FlightFacts& facts);
 bool StandsUpright(const FlightFacts& facts);
 
 surface::SurfaceOptions SurfaceWithin(const MosaicOptions& options);

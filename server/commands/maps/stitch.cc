@@ -24,6 +24,7 @@
 #include "core/base/trace.h"
 #include "core/flight/aside/aside.h"
 #include "core/flight/remarks/remark_words.h"
+#include "core/pipeline/surface/choose_ground.h"
 #include "server/commands/fail.h"
 #include "server/commands/maps/parse_lat_lon.h"
 #include "server/commands/terminal_progress.h"
@@ -101,6 +102,12 @@ void PrintOutcome(const pipeline::MosaicReport& report, const std::filesystem::p
                report.gsd_m * 100.0, report.min_zoom, report.max_zoom, report.tile_count);
   }
   fmt::print("{}\n", pipeline::QualityInWords(report.quality));
+  if (report.ground_choice) {
+    fmt::print(
+        "--surface auto: {}; {:.0f} % of what ties photos leans by more than two pixels, three photos see {:.0f} % of the ground\n",
+        pipeline::IsUpright(*report.ground_choice) ? "upright" : "the smooth ground",
+        report.ground_choice->leaning_share * 100.0, report.ground_choice->seen_share * 100.0);
+  }
   if (report.surface) {
     const bool is_size_known = !report.quality.IsLimitedBy(pipeline::LimitKind::kScaleGuessed);
     const std::string cells =
@@ -287,7 +294,8 @@ void AddStitchCommand(CLI::App& app) {
               "--surface", arguments->job.mosaic.surface,
               "smooth: photos are projected to the ground, and what stands on it leans as it does in them; dense: houses, "
               "walls and trees stand upright (a true orthophoto), by heights of every two pixels that are matched in "
-              "the photos first, which takes several times as long. With --append as the map is")
+              "the photos first, which takes several times as long; auto: dense where what stands on the ground leans "
+              "by more than two pixels and three photos see most of it. With --append as the map is")
           ->capture_default_str()
           ->transform(OneOf(std::vector<std::pair<std::string, pipeline::MapGround>>(
               std::begin(pipeline::kMapGrounds), std::end(pipeline::kMapGrounds))));

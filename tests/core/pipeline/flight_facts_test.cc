@@ -33,6 +33,7 @@ FlightFacts SomeFacts() {
   facts.thumbnails = {{"DJI_1.JPG", 4, 3, {1, 2, 250}}};
   facts.poses_report = FullPoseReport();
   facts.ground_report = FullGroundReport();
+  facts.ground_choice = GroundChoice{0.125, 0.75};
   facts.align_report = FullAlignReport();
   MapAppearance shown;
   shown.gsd_m = 0.031;
@@ -68,6 +69,7 @@ TEST(FlightFacts, AreReadAgainExactly) {
   EXPECT_EQ(read->thumbnails.front().jpeg, facts.thumbnails.front().jpeg);
   EXPECT_EQ(read->poses_report, facts.poses_report);
   EXPECT_EQ(read->ground_report, facts.ground_report);
+  EXPECT_EQ(read->ground_choice, facts.ground_choice);
   EXPECT_EQ(read->align_report, facts.align_report);
   ASSERT_TRUE(read->appearance);
   EXPECT_EQ(read->appearance->exposure.photos, facts.appearance->exposure.photos);

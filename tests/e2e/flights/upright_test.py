@@ -60,6 +60,22 @@ class Upright(unittest.TestCase):
         self.assertGreater(report["surface"]["measured_share"], 0.6)
         self.assertEqual([timing["stage"] for timing in report["timings"]].count("surface"), 2, "matched, and written")
 
+    def test_auto_stands_a_village_upright_and_leaves_a_meadow_smooth(self):
+        out = self.scratch / "auto"
+        self.assertIn("--surface auto: upright", self.stitch(out, "--surface", "auto"))
+        self.assertEqual(self.tiles(out), self.tiles(self.map))
+        self.assertEqual(json.loads((out / "report.json").read_text())["ground_choice"]["surface"], "dense")
+        meadow = self.scratch / "meadow"
+        subprocess.run([BINARY, "simulate", "-o", meadow, "--photos", "8", "--size", "640x480", "--height", "50", "--relief-m", "3", "--noise", "rtk",
+                        "--seed", "5", "--no-world", "--sidelap", "0.75"], check=True, capture_output=True)
+        maps = []
+        for surface in ("auto", "smooth"):
+            maps.append(self.scratch / f"meadow_{surface}")
+            done = subprocess.run([BINARY, "stitch", meadow / "photos", "-o", maps[-1], "--surface", surface], capture_output=True, text=True)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual("--surface auto: the smooth ground" in done.stdout, surface == "auto", done.stdout)
+        self.assertEqual(self.tiles(maps[0]), self.tiles(maps[1]))
+
     def test_the_smooth_map_of_the_folder_is_not_taken_for_it(self):
         out = self.scratch / "changed"
         self.stitch(out)

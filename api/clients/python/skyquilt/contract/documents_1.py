@@ -51,8 +51,9 @@ class JobOptions(TypedDict, total=False):
     method: Literal['auto', 'images', 'imu', 'features', 'direct']
     # What photos are projected to: the ground alone, on which houses and trees lean as they do in the photos, or
     # heights of every two pixels, so that they stand upright (a true orthophoto), which takes several times as long.
-    # A flight of so many photos that it is cut into units is made by one worker then
-    surface: Literal['smooth', 'dense']
+    # auto: heights where what stands on the ground leans by more than two pixels and three photos see most of it. A
+    # flight of so many photos that it is cut into units is made by one worker then
+    surface: Literal['smooth', 'dense', 'auto']
     # Heights beside the map: of ground, roofs and trees as the photos show them (dsm), or those and of the ground
     # below with its contours (dtm). Takes several times as long as the map; a flight that would be cut into units is
     # made by one worker then. A job that only moves a map (place) makes those anew that the map has

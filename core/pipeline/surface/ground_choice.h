@@ -1,0 +1,15 @@
+// GroundChoice: what speaks for showing a flight upright, and what against. Values; any thread.
+#pragma once
+
+namespace skyquilt::pipeline {
+
+struct GroundChoice {
+  // Of the points that tie photos together: those that would lie more than two pixels off in the photo
+  // nearest to them, if that is laid on the smooth ground.
+  double leaning_share = 0.0;
+  double seen_share = 0.0;  // of the ground that a photo shows: what three show, so that heights are sure
+
+  bool operator==(const GroundChoice&) const = default;
+};
+
+}  // namespace skyquilt::pipeline
