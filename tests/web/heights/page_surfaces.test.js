@@ -161,7 +161,7 @@ test('a measured area has a volume above and below the chosen base', options, as
   await until(() => asked.volumes.at(-1)?.query === 'of=dsm&base=405.6', 'begins with the base before');
   assert.equal(await page.inputValue('#volume-given'), '405.6');
   await page.fill('#volume-given', '9999');
-  await page.waitForFunction(() => /no heights/.test(document.querySelector('#volume-message')?.textContent ?? ''));
+  await page.waitForFunction(() => /No heights are known here/.test(document.querySelector('#volume-message')?.textContent ?? ''));
   await page.fill('#volume-given', 'x');
   assert.equal(await page.getAttribute('#volume-given', 'aria-invalid'), 'true');
   await page.fill('#volume-given', '404,5');

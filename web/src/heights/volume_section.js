@@ -4,7 +4,7 @@
 /** @import { LonLat } from '../map/geodesy.js' */
 /** @import { MapView } from '../map/map_view.js' */
 /** @import { Units } from '../shared/units.js' */
-import { getVolume } from '../shared/api.js';
+import { ApiError, getVolume } from '../shared/api.js';
 import { h, put } from '../shared/dom.js';
 import { formatPercent, parseNumber } from '../shared/format.js';
 import { strings } from '../shared/flight_strings.js';
@@ -15,6 +15,8 @@ import { askAtRest, kRest_ms } from './ask_at_rest.js';
 import { figureList } from './figures.js';
 
 const kGiven = 'given';
+// Of the server's answer: the map knows no heights within the outline, or along it where the base is taken from that.
+const kNothingThere = 422;
 // Of less measured ground, or less ground with heights, it is said.
 const kMuchMeasured = 0.9;
 const kAllCovered = 0.99;
@@ -75,6 +77,7 @@ export function volumeSection(view) {
   const say = (/** @type {string} */ text) => put(result, h('p', { class: 'muted fine', id: 'volume-message' }, text));
   const asker = askAtRest(kRest_ms, (/** @type {VolumeFigures|null} */ found, /** @type {unknown} */ error) => {
     if (found) put(result, ...volumeWords(found, units));
+    else if (error instanceof ApiError && error.status === kNothingThere) say(words.unknown);
     else say(error instanceof Error ? error.message : String(error));
   });
   const drop = () => {

@@ -38,5 +38,6 @@ export const volume_words = {
   with_error: (volume, error) => `${volume} ± ${error}`,
   little_measured: (share) => `Nur ${share} dieser Fläche sind gemessen; der Rest ist aus der Umgebung ergänzt.`,
   partly: (share) => `Nur für ${share} dieser Fläche sind Höhen bekannt; der Rest zählt nicht mit.`,
+  unknown: 'Hier sind keine Höhen bekannt. Zeichnen Sie die Fläche auf der Karte, oder geben Sie die Bezugshöhe an.',
   waiting: 'Volumen wird berechnet …',
 };

@@ -36,5 +36,6 @@ export const volume_words = {
   with_error: (/** @type {string} */ volume, /** @type {string} */ error) => `${volume} ± ${error}`,
   little_measured: (/** @type {string} */ share) => `Only ${share} of this area was measured; the rest is filled in from its surroundings.`,
   partly: (/** @type {string} */ share) => `Heights are known for only ${share} of this area; the rest does not count.`,
+  unknown: 'No heights are known here. Draw the area on the map, or give the height of the base.',
   waiting: 'Computing volume …',
 };
