@@ -14,7 +14,6 @@
 #include "api/json/json_text.h"
 #include "api/tiles/tiles.h"
 #include "core/base/try.h"
-#include "core/geo/geodesic.h"
 #include "core/geo/web_mercator.h"
 #include "core/image/picture_codec.h"
 #include "core/indices/value_summary.h"
@@ -170,16 +169,6 @@ class IndexCounter {
   std::vector<float> values_;
 };
 
-// The outlines less their holes.
-double AreaOf(const storage::Boundary& boundary) {
-  double area_m2 = 0.0;
-  for (const storage::Boundary::Polygon& polygon : boundary.polygons) {
-    for (std::size_t ring = 0; ring < polygon.size(); ++ring)
-      area_m2 += (ring == 0 ? 1.0 : -1.0) * geo::GeodesicAreaM2(polygon[ring]);
-  }
-  return std::max(area_m2, 0.0);
-}
-
 // How many pixels are looked at, as the request has it.
 Result<double> PixelsWanted(const Request& request) {
   const auto text = request.Query("max_pixels");
@@ -230,7 +219,7 @@ Result<std::string> MapStatistics(Service& service, const std::string& flight_id
   json["zoom"] = zoom;
   json["pixel_m"] = geo::PixelSizeInMercM(zoom, side_px) *
                     geo::GroundMetresPerMercMetre(boundary.Bounds().Middle().lat_deg);
-  json["area_m2"] = AreaOf(boundary);
+  json["area_m2"] = geo::AreaM2(boundary);
   counter.Tell(json);
   if (of_index) json["index"] = of_index->Told();
   return json.dump(-1, ' ', false, StatisticsJson::error_handler_t::replace);

@@ -25,6 +25,15 @@ namespace {
 
 using TerrainJson = nlohmann::ordered_json;
 
+// The first zoom whose pixels are no larger than the cells.
+int MaxTerrainZoom(const storage::HeightRaster& heights, const storage::Revision& revision) {
+  const double cell_merc_m =
+      heights.cell_m() / geo::GroundMetresPerMercMetre(revision.bounds.Middle().lat_deg);
+  int zoom = 0;
+  while (zoom < geo::kMaxZoom && geo::PixelSizeInMercM(zoom, kTerrainTilePx) > cell_merc_m) ++zoom;
+  return zoom;
+}
+
 Result<std::string> MakeTerrainTile(storage::HeightRaster& heights, const geo::TileId& tile) {
   const geo::Bounds2 bounds = tile.BoundsInMerc();
   const double pixel_m = bounds.Width() / kTerrainTilePx;
@@ -58,6 +67,8 @@ Result<Response> TerrainTile(Service& service, const Request& request) {
                         SKYQUILT_TRY_ASSIGN(
                             const std::shared_ptr<storage::HeightRaster> heights,
                             OpenSurface(service, flight_id, tileset->revision.revision, surface));
+                        if (path.tile.z() > MaxTerrainZoom(*heights, tileset->revision))
+                          return Error{ErrorCode::kNotFound, "The terrain has no tiles of this zoom.", ""};
                         return MakeTerrainTile(*heights, path.tile);
                       }));
   if (made == nullptr) return DeferTo(Work::kCompute);
@@ -74,10 +85,7 @@ Result<Response> TerrainTileJson(Service& service, const Request& request) {
   SKYQUILT_TRY_ASSIGN(const std::shared_ptr<storage::HeightRaster> heights,
                       OpenSurface(service, flight_id, revision.revision, surface));
   const geo::LatLon middle = revision.bounds.Middle();
-  const double cell_merc_m = heights->cell_m() / geo::GroundMetresPerMercMetre(middle.lat_deg);
-  int max_zoom = 0;
-  while (max_zoom < geo::kMaxZoom && geo::PixelSizeInMercM(max_zoom, kTerrainTilePx) > cell_merc_m)
-    ++max_zoom;
+  const int max_zoom = MaxTerrainZoom(*heights, revision);
   TerrainJson json;
   json["tilejson"] = "3.0.0";
   json["name"] = fmt::format("{}, {}", flight.name, NameOf(surface));

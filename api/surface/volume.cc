@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -78,14 +79,16 @@ Result<std::string> VolumeText(Service& service, const std::string& flight_id, s
   json["of"] = NameOf(surface);
   json["base"] = NameOfBase(base.kind);
   json["base_m"] = RoundedTo3(volume->base_m);
-  json["area_m2"] = RoundedTo3(volume->area_m2 / volume->known_share);
+  // Of the polygon, also of what of it lies beside the map; cells whose middles lie in it may come to more.
+  const double area_m2 = std::max(geo::AreaM2(area), volume->area_m2);
+  json["area_m2"] = RoundedTo3(area_m2);
   json["covered_m2"] = RoundedTo3(volume->area_m2);
-  json["measured_share"] = RoundedTo3(volume->measured_share);
+  json["measured_share"] = RoundedTo3(volume->measured_share * volume->area_m2 / area_m2);
   json["cell_m"] = cells->cell_m;
   json["cut_m3"] = RoundedTo3(volume->cut_m3);
   json["fill_m3"] = RoundedTo3(volume->fill_m3);
   json["net_m3"] = RoundedTo3(volume->cut_m3 - volume->fill_m3);
-  json["net_sigma_m3"] = RoundedTo3(volume->net_sigma_m3);
+  json["net_sigma_m3"] = volume->net_sigma_m3 ? VolumeJson(RoundedTo3(*volume->net_sigma_m3)) : VolumeJson();
   json["lowest_m"] = RoundedTo3(volume->lowest_m);
   json["highest_m"] = RoundedTo3(volume->highest_m);
   json["mean_m"] = RoundedTo3(volume->mean_m);

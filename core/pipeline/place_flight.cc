@@ -98,6 +98,8 @@ std::optional<Recalled> Recall(const pyramid::MapMemory& memory, const MosaicOpt
                                const std::vector<NamedDigest>& inputs) {
   std::optional<Recalled> recalled = RecallFiles(memory, inputs);
   if (recalled && recalled->facts.options != DigestOfPlacing(options)) return std::nullopt;
+  // An earlier version did not ask whether anything leans.
+  if (recalled && options.surface == MapGround::kAuto && !recalled->facts.ground_choice) return std::nullopt;
   return recalled;
 }
 

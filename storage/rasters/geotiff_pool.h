@@ -23,7 +23,7 @@ using OpenGeotiff = std::unique_ptr<GDALDataset, CloseDataset>;
 
 class GeotiffPool {
  public:
-  static constexpr std::size_t kMaxIdle = 4;
+  static constexpr std::size_t kMaxIdle = 2;
 
   explicit GeotiffPool(std::filesystem::path path) : path_(std::move(path)) {}
 

@@ -153,12 +153,10 @@ class PlacesInZone {
   std::vector<Eigen::Vector2d> nodes_;
 };
 
-// A cell apart; not where nothing is known.
-void AddHeightsAlong(const geo::RingEdge& edge, HeightCells& cells) {
+// So far apart, in cells; not where nothing is known.
+void AddHeightsAlong(const geo::RingEdge& edge, double apart, HeightCells& cells) {
   const Eigen::Vector2d from(edge.x0, edge.y0), along(edge.x1 - edge.x0, edge.y1 - edge.y0);
-  // No further than the area and its cells go: an edge may lie beside them for the most part.
-  const int steps =
-      std::max(1, static_cast<int>(std::min(std::ceil(along.norm()), 4.0 * (cells.columns + cells.rows))));
+  const int steps = std::max(1, static_cast<int>(std::ceil(along.norm() / apart)));
   for (int i = 0; i < steps; ++i) {
     const Eigen::Vector2d place = from + static_cast<double>(i) / steps * along;
     const float height_m = Between(cells.heights_m, {0, 0, cells.columns, cells.rows}, place);
@@ -194,12 +192,13 @@ Result<std::shared_ptr<HeightRaster>> HeightRaster::Open(const std::filesystem::
       transform[4] != 0.0)
     return raster->heights_.Damaged("it does not lie in a UTM zone");
   raster->epsg_ = std::atoi(code);
-  SKYQUILT_TRY(geo::MapProjection::OfEpsg(raster->epsg_));
+  SKYQUILT_TRY_ASSIGN(const geo::MapProjection projection, geo::MapProjection::OfEpsg(raster->epsg_));
   raster->west_m_ = transform[0];
   raster->north_m_ = transform[3];
   raster->cell_m_ = transform[1];
   raster->columns_ = file->GetRasterXSize();
   raster->rows_ = file->GetRasterYSize();
+  if (!raster->FindAround(projection)) return raster->heights_.Damaged("it does not lie in a UTM zone");
   if (file->GetRasterCount() != 1 || file->GetRasterBand(1)->GetRasterDataType() != GDT_Float32)
     return raster->heights_.Damaged("it has no heights");
   if (flags->GetRasterCount() != 1 || flags->GetRasterXSize() != raster->columns_ ||
@@ -209,6 +208,24 @@ Result<std::shared_ptr<HeightRaster>> HeightRaster::Open(const std::filesystem::
   raster->heights_.Give(std::move(file));
   raster->measured_.Give(std::move(flags));
   return raster;
+}
+
+bool HeightRaster::FindAround(const geo::MapProjection& zone) {
+  // Edges bend against meridians; a hundredth of the raster on all sides is more than that.
+  constexpr int kSteps = 8;
+  bool is_first = true;
+  for (int i = -1; i <= kSteps + 1; ++i) {
+    for (int j = -1; j <= kSteps + 1; ++j) {
+      const auto place = zone.LatLonOf({west_m_ + cell_m_ * columns_ * (i * 1.01 / kSteps - 0.005),
+                                        north_m_ - cell_m_ * rows_ * (j * 1.01 / kSteps - 0.005)});
+      if (!place) return false;
+      const geo::LatLonBounds here{place->lon_deg, place->lat_deg, place->lon_deg, place->lat_deg};
+      if (is_first) around_ = here;
+      around_.Include(here);
+      is_first = false;
+    }
+  }
+  return true;
 }
 
 Result<HeightRaster::Sketch> HeightRaster::MakeSketch(GDALDataset& file) const {
@@ -298,72 +315,80 @@ Result<std::vector<float>> HeightRaster::OnGrid(const MercGrid& grid, const Sket
   return heights_m;
 }
 
-std::optional<HeightRaster::RingsInCells> HeightRaster::RingsOf(const geo::Boundary& area,
-                                                                const geo::MapProjection& zone) const {
+HeightRaster::RingsInCells HeightRaster::RingsOf(const geo::Boundary& area,
+                                                 const geo::MapProjection& zone) const {
   RingsInCells rings;
-  double area_m2 = 0.0, area_cells = 0.0;
-  for (const geo::Boundary::Polygon& polygon : area.polygons) {
+  for (const geo::Boundary::Polygon& polygon : geo::CutTo(area, around_).polygons) {
     std::vector<geo::RingEdge>& edges = rings.polygons.emplace_back();
     for (const geo::Boundary::Ring& ring : polygon) {
-      double twice_cells = 0.0;
       for (std::size_t i = 0; i < ring.size(); ++i) {
         const auto from = zone.PlaceOf(ring[i]), to = zone.PlaceOf(ring[(i + 1) % ring.size()]);
-        if (!from || !to) return std::nullopt;
+        if (!from || !to) continue;
         const Eigen::Vector2d a = CellOf(*from), b = CellOf(*to);
         edges.push_back({a.x(), a.y(), b.x(), b.y()});
-        twice_cells += a.x() * b.y() - b.x() * a.y();
         rings.bounds.Include(a);
+        rings.length += (b - a).norm();
       }
-      area_m2 += geo::GeodesicAreaM2(ring);
-      area_cells += std::abs(twice_cells) / 2;
     }
   }
-  if (!(area_cells > 0.0)) return std::nullopt;
-  rings.ground_cell_m = std::sqrt(area_m2 / area_cells);
   return rings;
+}
+
+double HeightRaster::GroundCellM(const Eigen::Vector2d& cell, const geo::MapProjection& zone) const {
+  constexpr double kHalf = 50.0;  // of a square of cells about it
+  std::vector<geo::LatLon> square;
+  for (const Eigen::Vector2d corner : {Eigen::Vector2d(-kHalf, -kHalf), Eigen::Vector2d(kHalf, -kHalf),
+                                       Eigen::Vector2d(kHalf, kHalf), Eigen::Vector2d(-kHalf, kHalf)}) {
+    const Eigen::Vector2d at = cell + corner;
+    const auto place = zone.LatLonOf({west_m_ + cell_m_ * at.x(), north_m_ - cell_m_ * at.y()});
+    if (place) square.push_back(*place);
+  }
+  return square.size() == 4 ? std::sqrt(geo::GeodesicAreaM2(square)) / (2.0 * kHalf) : cell_m_;
 }
 
 Result<std::optional<HeightCells>> HeightRaster::Within(const geo::Boundary& area) {
   const QuietGdal quiet;
   SKYQUILT_TRY_ASSIGN(const geo::MapProjection zone, geo::MapProjection::OfEpsg(epsg_));
-  std::optional<RingsInCells> rings = RingsOf(area, zone);
-  if (!rings) return std::optional<HeightCells>();
+  RingsInCells rings = RingsOf(area, zone);
   const auto clipped = [](double place, int count) {
     return static_cast<int>(std::clamp(place, 0.0, static_cast<double>(count)));
   };
-  if (!rings->bounds.Intersects({{0.0, 0.0}, {columns_, rows_}})) return std::optional<HeightCells>();
+  if (!rings.bounds.Intersects({{0.0, 0.0}, {columns_, rows_}})) return std::optional<HeightCells>();
   // With a cell more on all sides, for heights along the edge.
-  HeightWindow window{clipped(std::floor(rings->bounds.min.x()) - 1.0, columns_),
-                      clipped(std::floor(rings->bounds.min.y()) - 1.0, rows_), 0, 0};
-  window.columns = clipped(std::ceil(rings->bounds.max.x()) + 1.0, columns_) - window.left;
-  window.rows = clipped(std::ceil(rings->bounds.max.y()) + 1.0, rows_) - window.top;
+  HeightWindow window{clipped(std::floor(rings.bounds.min.x()) - 1.0, columns_),
+                      clipped(std::floor(rings.bounds.min.y()) - 1.0, rows_), 0, 0};
+  window.columns = clipped(std::ceil(rings.bounds.max.x()) + 1.0, columns_) - window.left;
+  window.rows = clipped(std::ceil(rings.bounds.max.y()) + 1.0, rows_) - window.top;
   if (window.columns <= 0 || window.rows <= 0) return std::optional<HeightCells>();
-  const int step = std::max(
-      1, static_cast<int>(
-             std::ceil(std::sqrt(static_cast<double>(CellCount(window.columns, window.rows)) / kMaxCells))));
+  const double all = static_cast<double>(CellCount(window.columns, window.rows));
+  const double step = std::max(1.0, std::ceil(std::sqrt(all / kMaxCells)));
   HeightCells cells;
-  cells.columns = (window.columns + step - 1) / step;
-  cells.rows = (window.rows + step - 1) / step;
-  cells.cell_m = step * rings->ground_cell_m;
+  cells.columns = static_cast<int>(std::ceil(window.columns / step));
+  cells.rows = static_cast<int>(std::ceil(window.rows / step));
+  const double across = static_cast<double>(window.columns) / cells.columns,
+               down = static_cast<double>(window.rows) / cells.rows;
+  const Eigen::Vector2d corner(window.left, window.top);
+  cells.cell_m = std::sqrt(across * down) *
+                 GroundCellM(corner + 0.5 * Eigen::Vector2d(window.columns, window.rows), zone);
   cells.heights_m.resize(CellCount(cells.columns, cells.rows));
   cells.is_measured.resize(cells.heights_m.size());
   cells.is_inside.assign(cells.heights_m.size(), 0);
   SKYQUILT_TRY_ASSIGN(OpenGeotiff heights, heights_.Take());
   SKYQUILT_TRY_ASSIGN(OpenGeotiff measured, measured_.Take());
   if (!ReadWindow(*heights->GetRasterBand(1), window, cells.columns, cells.rows, cells.heights_m.data(),
-                  GDT_Float32, step > 1 ? GRIORA_Average : GRIORA_NearestNeighbour))
+                  GDT_Float32, step > 1.0 ? GRIORA_Average : GRIORA_NearestNeighbour))
     return heights_.Damaged("some of its cells are damaged");
   if (!ReadWindow(*measured->GetRasterBand(1), window, cells.columns, cells.rows, cells.is_measured.data(),
                   GDT_Byte, GRIORA_NearestNeighbour))
     return measured_.Damaged("some of its cells are damaged");
   heights_.Give(std::move(heights));
   measured_.Give(std::move(measured));
-  const Eigen::Vector2d corner(window.left, window.top);
-  for (std::vector<geo::RingEdge>& edges : rings->polygons) {
+  const double apart = std::max(1.0, rings.length / step / kMaxEdgePlaces);
+  for (std::vector<geo::RingEdge>& edges : rings.polygons) {
     for (geo::RingEdge& edge : edges) {
-      edge = {(edge.x0 - corner.x()) / step, (edge.y0 - corner.y()) / step, (edge.x1 - corner.x()) / step,
-              (edge.y1 - corner.y()) / step};
-      AddHeightsAlong(edge, cells);
+      edge = {(edge.x0 - corner.x()) / across, (edge.y0 - corner.y()) / down, (edge.x1 - corner.x()) / across,
+              (edge.y1 - corner.y()) / down};
+      AddHeightsAlong(edge, apart, cells);
     }
     geo::MaskRings(edges,
                    {0.0, 0.0, static_cast<std::size_t>(cells.columns), static_cast<std::size_t>(cells.rows)},

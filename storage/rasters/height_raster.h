@@ -21,6 +21,7 @@
 #include "core/geo/bounds.h"
 #include "core/geo/crs/map_projection.h"
 #include "core/geo/lat_lon.h"
+#include "core/geo/lat_lon_bounds.h"
 #include "core/surface/terrain/volume.h"
 #include "storage/rasters/geotiff_pool.h"
 #include "storage/rasters/merc_grid.h"
@@ -33,13 +34,15 @@ struct HeightCells {
   double cell_m = 1.0;  // on the ground; more than the file's where the area has too many
   std::vector<float> heights_m;
   std::vector<std::uint8_t> is_measured, is_inside;
-  std::vector<surface::EdgeHeight> edge;  // along the rings, a cell apart, where heights are known
+  std::vector<surface::EdgeHeight>
+      edge;  // along the rings, a cell apart if they are not too long; of known ones
 };
 
 class HeightRaster {
  public:
   static constexpr int kMaxSidePx = 4096;
-  static constexpr double kMaxCells = 8 << 20;  // of an area
+  static constexpr double kMaxCells = 8 << 20;       // of an area: averages of more
+  static constexpr double kMaxEdgePlaces = 200'000;  // along its rings
 
   static Result<std::shared_ptr<HeightRaster>> Open(const std::filesystem::path& heights,
                                                     const std::filesystem::path& measured);
@@ -69,10 +72,13 @@ class HeightRaster {
   struct RingsInCells {
     std::vector<std::vector<geo::RingEdge>> polygons;
     geo::Bounds2 bounds;
-    double ground_cell_m = 1.0;  // of a cell there
+    double length = 0.0;  // of all edges
   };
-  // Absent: outside of what the zone can say, or no area.
-  std::optional<RingsInCells> RingsOf(const geo::Boundary& area, const geo::MapProjection& zone) const;
+  // Of what of it lies about the raster.
+  RingsInCells RingsOf(const geo::Boundary& area, const geo::MapProjection& zone) const;
+  // The side of a cell about a place, on the ground.
+  double GroundCellM(const Eigen::Vector2d& cell, const geo::MapProjection& zone) const;
+  bool FindAround(const geo::MapProjection& zone);
   Result<Sketch> MakeSketch(GDALDataset& file) const;
   Result<std::vector<float>> OnGrid(const MercGrid& grid, const Sketch* beyond);
 
@@ -80,6 +86,7 @@ class HeightRaster {
   int epsg_ = 0;
   double west_m_ = 0.0, north_m_ = 0.0, cell_m_ = 1.0;  // of the zone
   int columns_ = 0, rows_ = 0;
+  geo::LatLonBounds around_;  // an eighth of it beyond its sides
   Sketch sketch_;
 };
 

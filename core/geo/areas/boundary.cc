@@ -3,7 +3,9 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "core/geo/geodesic.h"
 #include "core/geo/web_mercator.h"
 
 namespace skyquilt::geo {
@@ -16,6 +18,53 @@ LatLonBounds Boundary::Bounds() const {
       bounds.Include({corner.lon_deg, corner.lat_deg, corner.lon_deg, corner.lat_deg});
   }
   return bounds;
+}
+
+double AreaM2(const Boundary& boundary) {
+  double area_m2 = 0.0;
+  for (const Boundary::Polygon& polygon : boundary.polygons) {
+    for (std::size_t ring = 0; ring < polygon.size(); ++ring)
+      area_m2 += (ring == 0 ? 1.0 : -1.0) * GeodesicAreaM2(polygon[ring]);
+  }
+  return std::max(area_m2, 0.0);
+}
+
+namespace {
+
+// Of a ring what lies on one side of a meridian or parallel (Sutherland and Hodgman 1974): where `of` is not
+// below `least` (sign 1) or not above it (sign -1).
+Boundary::Ring CutAtLine(const Boundary::Ring& ring, double LatLon::*of, double sign, double line) {
+  Boundary::Ring cut;
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const LatLon &from = ring[i], &to = ring[(i + 1) % ring.size()];
+    const double a = sign * (from.*of - line), b = sign * (to.*of - line);
+    if (a >= 0.0) cut.push_back(from);
+    if ((a >= 0.0) == (b >= 0.0)) continue;
+    const double share = a / (a - b);
+    LatLon at{from.lat_deg + share * (to.lat_deg - from.lat_deg),
+              from.lon_deg + share * (to.lon_deg - from.lon_deg)};
+    at.*of = line;
+    cut.push_back(at);
+  }
+  return cut;
+}
+
+}  // namespace
+
+Boundary CutTo(const Boundary& boundary, const LatLonBounds& bounds) {
+  Boundary all;
+  for (const Boundary::Polygon& polygon : boundary.polygons) {
+    Boundary::Polygon part;
+    for (const Boundary::Ring& ring : polygon) {
+      Boundary::Ring cut = CutAtLine(ring, &LatLon::lon_deg, 1.0, bounds.west_deg);
+      cut = CutAtLine(cut, &LatLon::lon_deg, -1.0, bounds.east_deg);
+      cut = CutAtLine(cut, &LatLon::lat_deg, 1.0, bounds.south_deg);
+      cut = CutAtLine(cut, &LatLon::lat_deg, -1.0, bounds.north_deg);
+      if (cut.size() >= 3) part.push_back(std::move(cut));
+    }
+    if (!part.empty()) all.polygons.push_back(std::move(part));
+  }
+  return all;
 }
 
 BoundaryOnZoom::BoundaryOnZoom(const Boundary& boundary, int zoom, int tile_size_px)

@@ -23,6 +23,12 @@ struct Boundary {
   friend bool operator==(const Boundary&, const Boundary&) = default;
 };
 
+// Square metres: the outlines less their holes.
+double AreaM2(const Boundary& boundary);
+// What of it lies within bounds, for what looks no further: rings cut one by one, so that parts may hang
+// together along the border. No polygons: nothing does.
+Boundary CutTo(const Boundary& boundary, const LatLonBounds& bounds);
+
 enum class Cover { kNone, kPart, kAll };
 
 // A boundary on the pixels of one zoom.

@@ -76,13 +76,12 @@ std::optional<AreaVolume> VolumeOver(const AreaHeights& area, const std::vector<
   volume.lowest_m = std::numeric_limits<double>::infinity();
   volume.highest_m = -volume.lowest_m;
   double heights = 0.0, squares = 0.0, bases = 0.0, rises = 0.0;
-  std::int64_t within = 0, known = 0, measured = 0;
+  std::int64_t known = 0, measured = 0;
   const auto across = static_cast<std::size_t>(area.columns);
   for (int row = 0; row < area.rows; ++row) {
     for (int column = 0; column < area.columns; ++column) {
       const std::size_t at = static_cast<std::size_t>(row) * across + static_cast<std::size_t>(column);
       if (area.is_inside[at] == 0) continue;
-      ++within;
       const double height_m = area.heights_m[at];
       if (!std::isfinite(height_m)) continue;
       ++known;
@@ -108,8 +107,8 @@ std::optional<AreaVolume> VolumeOver(const AreaHeights& area, const std::vector<
   volume.base_m = bases / count;
   volume.mean_m = heights / count;
   volume.area_m2 = count * cell_m2;
-  volume.known_share = count / static_cast<double>(within);
-  volume.measured_share = static_cast<double>(measured) / static_cast<double>(within);
+  volume.measured_share = static_cast<double>(measured) / count;
+  if (volume.measured_share < kMinMeasuredShare) return volume;
   const double mean_above_m = volume.mean_m - volume.base_m;
   const double spread_m = std::sqrt(std::max(0.0, squares / count - mean_above_m * mean_above_m));
   const double steps_m3 = kStepsOffCells * rises * cell_m2;  // rises by the cell, half a cell aside

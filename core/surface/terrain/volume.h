@@ -34,13 +34,15 @@ struct EdgeHeight {
 struct AreaVolume {
   double base_m = 0.0;  // of a plane: its mean within the area
   double cut_m3 = 0.0, fill_m3 = 0.0;
-  double net_sigma_m3 = 0.0;                       // of cut less fill
-  double area_m2 = 0.0;                            // of the cells that have a height
-  double known_share = 0.0, measured_share = 0.0;  // of the cells within
+  std::optional<double> net_sigma_m3;  // of cut less fill; nothing where too little was measured
+  double area_m2 = 0.0;                // of the cells that have a height
+  double measured_share = 0.0;         // of these
   double lowest_m = 0.0, highest_m = 0.0, mean_m = 0.0;
 };
 
 inline constexpr double kCorrelatedM = 5.0;
+// Of less nobody can say how far off it is: a whole house may stand where nothing was measured.
+inline constexpr double kMinMeasuredShare = 0.8;
 
 std::optional<AreaVolume> VolumeOver(const AreaHeights& area, const std::vector<EdgeHeight>& edge,
                                      VolumeBase base, double given_m);

@@ -175,6 +175,18 @@ class HeightsServed(unittest.TestCase):
             status, told = self.post_polygon(f"volume?of={of}&base={base}", polygon)
             self.assertEqual((status, told["of"], told["base"]), (200, of, base), told)
 
+    def test_what_lies_beside_the_map_is_not_covered(self):
+        polygon = self.polygon(self.raster("dsm.tif"), [(0.5, 0.3), (1.5, 0.3), (1.5, 0.7), (0.5, 0.7)])
+        status, told = self.post_polygon("volume?base=100", polygon)
+        self.assertEqual(status, 200, told)
+        self.assertLess(told["covered_m2"], 0.51 * told["area_m2"])
+        self.assertLess(told["measured_share"], 0.51)
+        world = {"type": "Polygon", "coordinates": [[[-60, -60], [80, -60], [80, 70], [-60, 70], [-60, -60]]]}
+        status, told = self.post_polygon("volume?base=100", world)
+        self.assertEqual((status, told["measured_share"]), (200, 0), told)
+        self.assertGreater(told["covered_m2"], 1000)
+        self.assertEqual(self.post_polygon("volume?base=plane", world)[0], 422, "no edge of it is on the map")
+
     def test_no_volume_without_heights_or_polygon(self):
         polygon = self.polygon(self.raster("dsm.tif"), [(3, 3), (3, 4), (4, 4)])
         self.assertEqual(self.post_polygon("volume", polygon)[0], 422)
@@ -214,7 +226,7 @@ class HeightsServed(unittest.TestCase):
         gdal.FileFromMemBuffer("/vsimem/terrain.png", tile)
         red, green, blue, *_ = (int(band[int(y % 1 * 256), int(x % 1 * 256)]) for band in gdal.Open("/vsimem/terrain.png").ReadAsArray())
         self.assertAlmostEqual(red * 256 + green + blue / 256 - 32768, want, delta=0.1)
-        for path, wanted in (("0/0/0.png", 200), ("3/1/1.png", 200), ("3/9/1.png", 400), ("3/1/1.jpg", 400), ("3/1/1@2x.png", 400)):
+        for path, wanted in (("0/0/0.png", 200), ("3/1/1.png", 200), ("3/9/1.png", 400), ("3/1/1.jpg", 400), ("3/1/1@2x.png", 400), ("29/1/1.png", 404)):
             self.assertEqual(self.server.request("GET", f"/tiles/{flight}/terrain/{path}")[0], wanted, path)
 
     def test_without_being_asked_there_are_none(self):

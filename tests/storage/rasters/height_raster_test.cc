@@ -138,9 +138,27 @@ TEST_F(HeightRasterTest, WithinAnAreaAreTheCellsWhoseMiddlesLieInIt) {
                 SlopeAt(50.0 + at.place_in_cells.x() * kCellM, 50.0 + at.place_in_cells.y() * kCellM), 0.02);
   }
   EXPECT_FALSE(*Opened()->Within(Square(2000.0, 0.0, 40.0)));
-  EXPECT_FALSE(*Opened()->Within(Square(50.0, 50.0, 0.0)));
+  const std::optional<HeightCells> of_nothing = *Opened()->Within(Square(50.0, 50.0, 0.0));
+  EXPECT_TRUE(!of_nothing || std::count(of_nothing->is_inside.begin(), of_nothing->is_inside.end(), 1) == 0);
   // Half of it lies where nothing is known.
   EXPECT_NEAR(static_cast<double>((**Opened()->Within(Square(120.0, 50.0, 40.0))).edge.size()), 320.0, 20.0);
+}
+
+TEST_F(HeightRasterTest, AnAreaMayBeAllTheWorldAndItsEdgeEndless) {
+  const geo::Boundary world{{{{{-85.0, -180.0}, {-85.0, 180.0}, {85.0, 180.0}, {85.0, -180.0}}}}};
+  const HeightCells all = **Opened()->Within(world);
+  EXPECT_EQ(std::count(all.is_inside.begin(), all.is_inside.end(), 1), kColumns * kRows);
+  EXPECT_NEAR(all.cell_m, kCellM / 0.9996, 1e-6);
+  EXPECT_TRUE(all.edge.empty());
+  // Up and down over the raster, thousands of times.
+  geo::Boundary zigzag{{{{}}}};
+  for (int i = 0; i < 5000; ++i)
+    zigzag.polygons[0][0].push_back(At(100.0 + 0.001 * i, i % 2 == 0 ? -2000.0 : 2000.0));
+  EXPECT_LT((**Opened()->Within(zigzag)).edge.size(),
+            2 * static_cast<std::size_t>(HeightRaster::kMaxEdgePlaces));
+  // A side far longer than the raster is looked at cell by cell where it crosses it.
+  const geo::Boundary wide{{{{At(-4000.0, 60.0), At(4000.0, 60.0), At(0.0, 4000.0)}}}};
+  EXPECT_GT((**Opened()->Within(wide)).edge.size(), 500u);
 }
 
 TEST_F(HeightRasterTest, FilesThatAreNoHeightsAreDamaged) {

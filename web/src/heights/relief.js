@@ -21,7 +21,7 @@ export const reliefSource = async (view) => ({ type: 'raster-dem', encoding: 'te
 /**
  * @param {MapView} view
  * @param {HTMLButtonElement} button that begins and ends it
- * @returns {{end: () => void}} end: at once, for what a tilted map is of no use to
+ * @returns {{keepLevel: (is_level: boolean) => void}} keepLevel: at once, and until it is let go, for what a tilted map is of no use to
  */
 export function relief(view, button) {
   const { map } = view;
@@ -79,5 +79,10 @@ export function relief(view, button) {
     stop(true);
     button.hidden = view.terrain === '' || view.heights.length === 0;
   });
-  return { end: () => stop(true) };
+  return {
+    keepLevel(is_level) {
+      if (is_level) stop(true);
+      button.disabled = is_level;
+    },
+  };
 }

@@ -31,5 +31,7 @@ export function drawnProfile({ ground, surfaces = [], ...profile }) {
   if (!surfaces.includes('dsm')) return { ...profile, is_level: ground === 'plane', is_surface: false, below: [] };
   const of = (/** @type {'dsm_m'|'dtm_m'} */ height) => profile.samples.map((sample) => ({ ...sample, height_m: sample[height] ?? null }));
   const samples = of('dsm_m');
+  // Beside what a photo shows the smooth ground may go on.
+  if (knownRuns(samples).length === 0) return { ...profile, is_level: ground === 'plane', is_surface: false, below: [] };
   return { ...profile, ...figuresOf(samples), samples, is_level: false, is_surface: true, below: surfaces.includes('dtm') ? of('dtm_m') : [] };
 }

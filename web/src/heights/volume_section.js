@@ -30,15 +30,17 @@ export function volumeWords(found, units) {
   const words = strings.volume;
   const in_units = (/** @type {number} */ cubic_metres) => volumeIn(cubic_metres, units);
   const covered_share = found.area_m2 > 0 ? found.covered_m2 / found.area_m2 : 1;
+  // Of what has heights.
+  const measured_share = found.covered_m2 > 0 ? Math.min(1, (found.measured_share * found.area_m2) / found.covered_m2) : 0;
   const doubts = [
     ...(covered_share < kAllCovered ? [words.partly(formatPercent(covered_share))] : []),
-    ...(found.measured_share < kMuchMeasured ? [words.little_measured(formatPercent(found.measured_share))] : []),
+    ...(measured_share < kMuchMeasured ? [words.little_measured(formatPercent(measured_share))] : []),
   ];
   return [
     figureList('volume-figures', [
       [words.above, in_units(found.cut_m3)],
       [words.below, in_units(found.fill_m3)],
-      [words.net, words.with_error(in_units(found.net_m3), in_units(found.net_sigma_m3))],
+      [words.net, words.with_error(in_units(found.net_m3), found.net_sigma_m3 === null ? words.unknown_error : in_units(found.net_sigma_m3))],
       [found.base === 'plane' ? words.mean_height : words.height, heightIn(found.base_m, units)],
     ]),
     ...doubts.map((text) => h('p', { class: 'fine amber' }, text)),

@@ -73,7 +73,7 @@ export function mapTools(view, actions) {
     drawLayers: card.draw,
     closeLayers: () => toggleLayers(false),
     /** For what a tilted map is of no use to. */
-    level: standing.end,
+    keepLevel: standing.keepLevel,
     /** @param {'distance'|'area'|null} kind */
     showMeasuring(kind) {
       distance.setAttribute('aria-pressed', String(kind === 'distance'));

@@ -117,10 +117,10 @@ export class Stage {
     });
     const place = placeTool(view, {
       on_change: (is_open) => {
+        tools.keepLevel(is_open);
         if (!is_open) return;
         measure.end();
         tools.closeLayers();
-        tools.level();
         card.close();
       },
     });
@@ -454,7 +454,7 @@ export class Stage {
     this.area.classList.add('comparing');
     this.#parts?.card.close();
     this.#parts?.place.end();
-    this.#parts?.tools.level();
+    this.#parts?.tools.keepLevel(true);
     // Footprints belong to one of the two flights and would hide what differs.
     const below = this.#view;
     const shown = { footprints: below.shows_footprints, path: below.shows_path };
@@ -464,6 +464,7 @@ export class Stage {
       below.setFootprints(shown.footprints);
       below.setPath(shown.path);
       comparison.close();
+      this.#parts?.tools.keepLevel(false);
       above.map.remove();
       container.remove();
       this.area.classList.remove('comparing');

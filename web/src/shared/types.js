@@ -131,13 +131,13 @@
  * @typedef {object} VolumeFigures
  * @property {'lowest'|'plane'|'given'} base
  * @property {number} base_m its height; of a plane the mean
- * @property {number} area_m2
+ * @property {number} area_m2 of the outline
  * @property {number} covered_m2 of it, where heights are known
- * @property {number} measured_share 0..1, of what is covered; the rest is filled from around
+ * @property {number} measured_share 0..1, of the outline; the rest is filled from around, or not known
  * @property {number} cut_m3 above the base
  * @property {number} fill_m3 below it
  * @property {number} net_m3
- * @property {number} net_sigma_m3
+ * @property {number|null} net_sigma_m3 null: too little was measured to say
  */
 
 /** @typedef {GeoJSON.FeatureCollection<GeoJSON.LineString, {height_m: number}>} ContourCollection */

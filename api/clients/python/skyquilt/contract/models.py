@@ -231,11 +231,11 @@ class MapVolume(TypedDict):
     base: Literal['lowest', 'plane', 'given']
     # Its height; of a plane the mean within the polygon
     base_m: float
-    # Of the cells within the polygon
+    # Of the polygon, also of what of it lies beside the map
     area_m2: float
-    # Of those that have a height
+    # Of the cells in it that have a height
     covered_m2: float
-    # Of the cells within: 0 to 1. The others have no height, or one from around
+    # Of the polygon: 0 to 1. The rest has no height, or one from around
     measured_share: float
     # On the ground
     cell_m: float
@@ -245,8 +245,9 @@ class MapVolume(TypedDict):
     fill_m3: float
     # cut - fill
     net_m3: float
-    # One standard deviation of it, but for what a calibration makes all heights off
-    net_sigma_m3: float
+    # One standard deviation of it, but for what a calibration makes all heights off; null where less than four fifths
+    # of what has a height was measured
+    net_sigma_m3: Optional[float]
     lowest_m: float
     highest_m: float
     mean_m: float
