@@ -80,14 +80,18 @@ class HeightsServed(unittest.TestCase):
         self.assertLessEqual(set(OF_SURFACE + OF_GROUND), set(zipfile.ZipFile(io.BytesIO(archive)).namelist()))
 
     def test_a_map_that_is_moved_keeps_them_where_it_is_now(self):
-        west, south, _, _ = self.server.json("GET", f"{self.path}/report")[1]["bounds"]
-        status, job = self.server.json("POST", f"{self.path}/jobs", {"options": {"place": [
+        status, made = self.server.upload(self.files, name="Moved", options=json.dumps({"heights": "dtm"}))
+        self.assertEqual(self.server.wait_for_job(made["job"]["id"])["state"], "successful")
+        path = f"/api/v1/flights/{made['flight']['id']}"
+        before = self.download("dsm.tif", path)[2]
+        west, south, _, _ = self.server.json("GET", f"{path}/report")[1]["bounds"]
+        status, job = self.server.json("POST", f"{path}/jobs", {"options": {"place": [
             {"shown": [south, west], "is": [south + 1e-4, west]}]}})
         self.assertEqual((status, job["options"].get("heights")), (202, "dtm"), job)
         self.assertEqual(self.server.wait_for_job(job["id"])["state"], "successful")
         for name in OF_SURFACE + OF_GROUND:
-            self.assertEqual(self.download(name)[0], 200, name)
-        self.assertFalse(self.download("dsm.tif")[2] == self.served["dsm.tif"][2])
+            self.assertEqual(self.download(name, path)[0], 200, name)
+        self.assertFalse(self.download("dsm.tif", path)[2] == before)
 
     def test_qgis_reads_the_heights_of_a_running_server(self):
         if not has_qgis():
