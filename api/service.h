@@ -13,7 +13,8 @@
 #include "api/basemap/basemap.h"
 #include "api/events/event_hub.h"
 #include "api/ops/metrics.h"
-#include "api/surface/known_surfaces.h"
+#include "api/per_revision.h"
+#include "api/surface/surface.h"
 #include "api/tiles/tile_facts.h"
 #include "core/base/result.h"
 #include "core/flight/lists/input_file.h"
@@ -65,9 +66,9 @@ struct Service {
   storage::PreviewCache preview_cache{store.dir(), previews};
   storage::MadeTiles made_tiles{};
   storage::LaidMaps laid_maps{};
-  TileFactsMemory tile_facts{};
+  PerRevision<TileFacts> tile_facts{};
   storage::OpenRasters<storage::BandRaster> band_rasters{};
-  KnownSurfaces known_surfaces{};
+  PerRevision<std::vector<Surface>> surfaces{};  // as api/surface/map_surface.h finds them
   storage::OpenRasters<storage::HeightRaster> surface_rasters{}, ground_rasters{};  // dsm.tif, dtm.tif
   storage::Webhooks webhooks{db};
   storage::NodeDeliveries node_deliveries{db};

@@ -113,8 +113,6 @@ PointValue AsJson(const MapPoint& point) {
     json["colour"] = {{"red", red}, {"green", green}, {"blue", blue}, {"alpha", alpha}};
   }
   json["height_m"] = point.height_m ? PointValue(*point.height_m) : PointValue();
-  for (const auto& [key, height_m] : point.surface_heights_m)
-    json[key] = height_m ? PointValue(*height_m) : PointValue();
   json["photo"] = nullptr;
   if (point.photo) {
     json["photo"] = {
@@ -131,6 +129,19 @@ PointValue AsJson(const MapPoint& point) {
   return json;
 }
 
+// Of dsm and dtm, where the map has them.
+Result<void> AddSurfaceHeights(Service& service, const MapPoint& point, PointValue& json) {
+  SKYQUILT_TRY_ASSIGN(const std::vector<Surface> surfaces,
+                      SurfacesOf(service, point.flight_id, point.revision));
+  for (const Surface surface : surfaces) {
+    SKYQUILT_TRY_ASSIGN(const auto heights, OpenSurface(service, point.flight_id, point.revision, surface));
+    SKYQUILT_TRY_ASSIGN(const std::vector<std::optional<double>> found,
+                        heights->HeightsAt({&point.position, 1}));
+    json[HeightKeyOf(surface)] = found.front() ? PointValue(*found.front()) : PointValue();
+  }
+  return {};
+}
+
 Result<std::string> AnswerPoint(Service& service, const Request& request) {
   SKYQUILT_TRY_ASSIGN(const double lon_deg, NumberParameter(request, "lon"));
   SKYQUILT_TRY_ASSIGN(const double lat_deg, NumberParameter(request, "lat"));
@@ -142,6 +153,7 @@ Result<std::string> AnswerPoint(Service& service, const Request& request) {
   SKYQUILT_TRY_ASSIGN(const MapPoint point,
                       LookAt(service, request.Parameter("flight"), position, look, ground == "true"));
   PointValue json = AsJson(point);
+  SKYQUILT_TRY(AddSurfaceHeights(service, point, json));
   if (look) {
     json["index"] = {{"title", look->title}, {"expression", look->text}, {"value", nullptr}};
     if (point.index_value) json["index"]["value"] = *point.index_value;
@@ -168,12 +180,6 @@ Result<MapPoint> LookAt(Service& service, const std::string& flight_id, const ge
   SKYQUILT_TRY_ASSIGN(point.rgba, ColourAt(*tileset, merc));
   if (look) {
     SKYQUILT_TRY_ASSIGN(point.index_value, ValueAt(service, *tileset, look->expression, merc));
-  }
-  SKYQUILT_TRY_ASSIGN(const std::vector<Surface> surfaces, SurfacesOf(service, flight_id, point.revision));
-  for (const Surface surface : surfaces) {
-    SKYQUILT_TRY_ASSIGN(const auto heights, OpenSurface(service, flight_id, point.revision, surface));
-    SKYQUILT_TRY_ASSIGN(const std::vector<std::optional<double>> found, heights->HeightsAt({&position, 1}));
-    point.surface_heights_m.emplace_back(HeightKeyOf(surface), found.front());
   }
   if (with_ground) SKYQUILT_TRY(AddGround(service, *tileset, merc, point));
   return point;

@@ -24,8 +24,6 @@ struct MapPoint {
   geo::LatLon position;
   std::optional<std::array<std::uint8_t, 4>> rgba;  // of the finest pixel there; absent: the map has nothing
   std::optional<double> height_m;                   // counted from the zero that the flight's heights have
-  std::vector<std::pair<std::string, std::optional<double>>>
-      surface_heights_m;  // dsm_m, dtm_m: of those there are
   // The photo that the pixel came from; without the layer that says so, the one that sees the place most
   // nearly from above.
   std::optional<pipeline::Sighting> photo;

@@ -48,7 +48,7 @@ Result<ListedMaps> ListMapsOf(Service& service, const Request& request) {
   SKYQUILT_TRY_ASSIGN(storage::MapPage page, ListVisibleMaps(service, request, ListedMaps::kMaxMaps, cursor));
   listed.next_cursor = page.next_cursor;
   for (storage::ShownFlight& shown : page.maps) {
-    const Result<TileFacts> tiles = service.tile_facts.Of(service, shown);
+    const Result<TileFacts> tiles = FactsOf(service, shown);
     if (!tiles) continue;  // deleted meanwhile, or damaged: its own address says so
     std::string layer = shown.flight_id;
     listed.maps.push_back({std::move(layer), std::move(shown), *tiles});

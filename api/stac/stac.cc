@@ -8,6 +8,7 @@
 #include "api/http/links.h"
 #include "api/http/problem.h"
 #include "api/http/responses.h"
+#include "api/json/json_codec.h"
 #include "api/stac/stac_item.h"
 #include "api/stac/stac_search.h"
 #include "api/surface/map_surface.h"

@@ -27,7 +27,17 @@ Result<Surface> SurfaceIn(const Request& request) {
 
 Result<std::vector<Surface>> SurfacesOf(Service& service, const std::string& flight_id,
                                         std::int64_t revision) {
-  return service.known_surfaces.Of(service.store.blobs(), flight_id, revision);
+  return service.surfaces.Of(flight_id, revision, [&]() -> Result<std::vector<Surface>> {
+    std::vector<Surface> surfaces;
+    const std::string map = storage::RevisionPrefix(flight_id, revision);
+    for (const Surface surface : {Surface::kPhotos, Surface::kGround}) {
+      // The file of heights alone may be somebody's elevation model.
+      const Result<storage::BlobInfo> found = service.store.blobs().Find(map + FilesOf(surface).measured);
+      if (!found && found.error().code != ErrorCode::kNotFound) return found.error();
+      if (found) surfaces.push_back(surface);
+    }
+    return surfaces;
+  });
 }
 
 Result<std::shared_ptr<storage::HeightRaster>> OpenSurface(Service& service, const std::string& flight_id,

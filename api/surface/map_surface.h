@@ -10,7 +10,7 @@
 
 #include "api/http/http_message.h"
 #include "api/service.h"
-#include "api/surface/known_surfaces.h"
+#include "api/surface/surface.h"
 #include "core/base/result.h"
 #include "storage/rasters/height_raster.h"
 

@@ -1,13 +1,10 @@
 // TileFacts: what the addresses of a map's tiles depend on beside its row in the catalogue: how large stored
 // tiles are and of which format, and its bands. Of lists of many maps: each tileset is opened once and what
-// it says is kept, since a revision never changes. Memory: some 200 bytes for each of the last kMaxKept maps.
-// Any thread. Errors: those of TilesetCache.
+// it says is kept (api/per_revision.h). Memory: some 200 bytes for each map that is kept. Any thread. Errors:
+// those of TilesetCache.
 #pragma once
 
-#include <cstdint>
-#include <mutex>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
 #include "core/base/result.h"
@@ -25,19 +22,7 @@ struct TileFacts {
 };
 TileFacts FactsOf(Service& service, const storage::Tileset& tileset);
 
-class TileFactsMemory {
- public:
-  static constexpr std::size_t kMaxKept = 50'000;
-
-  Result<TileFacts> Of(Service& service, const storage::ShownFlight& map);
-
- private:
-  struct Kept {
-    std::int64_t revision = 0;
-    TileFacts facts;
-  };
-  std::mutex mutex_;
-  std::unordered_map<std::string, Kept> kept_;
-};
+// Of a list's map, looked up once (Service::tile_facts).
+Result<TileFacts> FactsOf(Service& service, const storage::ShownFlight& map);
 
 }  // namespace skyquilt::api

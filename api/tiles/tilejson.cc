@@ -196,7 +196,7 @@ Result<Response> TileIndex(Service& service, const Request& request) {
   SKYQUILT_TRY_ASSIGN(const storage::MapPage page, ListVisibleMaps(service, request, limit, cursor));
   Value list = Value::array();
   for (const storage::ShownFlight& map : page.maps) {
-    const Result<TileFacts> tiles = service.tile_facts.Of(service, map);
+    const Result<TileFacts> tiles = FactsOf(service, map);
     if (!tiles) continue;  // deleted meanwhile, or damaged: its own address says so
     const storage::Revision& revision = map.revision;
     list.push_back(Document(request, map.flight_id, map.name,

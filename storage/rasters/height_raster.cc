@@ -211,13 +211,15 @@ Result<std::shared_ptr<HeightRaster>> HeightRaster::Open(const std::filesystem::
 }
 
 bool HeightRaster::FindAround(const geo::MapProjection& zone) {
-  // Edges bend against meridians; a hundredth of the raster on all sides is more than that.
-  constexpr int kSteps = 8;
+  // Its edges bend against meridians, by far less.
+  constexpr double kBeyond = 0.125;
+  constexpr int kSteps = 10;
   bool is_first = true;
-  for (int i = -1; i <= kSteps + 1; ++i) {
-    for (int j = -1; j <= kSteps + 1; ++j) {
-      const auto place = zone.LatLonOf({west_m_ + cell_m_ * columns_ * (i * 1.01 / kSteps - 0.005),
-                                        north_m_ - cell_m_ * rows_ * (j * 1.01 / kSteps - 0.005)});
+  for (int i = 0; i <= kSteps; ++i) {
+    for (int j = 0; j <= kSteps; ++j) {
+      const auto at = [](int step) { return -kBeyond + (1.0 + 2.0 * kBeyond) * step / kSteps; };
+      const auto place =
+          zone.LatLonOf({west_m_ + cell_m_ * columns_ * at(i), north_m_ - cell_m_ * rows_ * at(j)});
       if (!place) return false;
       const geo::LatLonBounds here{place->lon_deg, place->lat_deg, place->lon_deg, place->lat_deg};
       if (is_first) around_ = here;
@@ -264,10 +266,7 @@ Result<std::vector<std::optional<double>>> HeightRaster::HeightsAt(std::span<con
   return found;
 }
 
-Result<std::vector<float>> HeightRaster::Over(const MercGrid& grid) { return OnGrid(grid, nullptr); }
-Result<std::vector<float>> HeightRaster::GoingOnOver(const MercGrid& grid) { return OnGrid(grid, &sketch_); }
-
-Result<std::vector<float>> HeightRaster::OnGrid(const MercGrid& grid, const Sketch* beyond) {
+Result<std::vector<float>> HeightRaster::GoingOnOver(const MercGrid& grid) {
   if (grid.width_px < 1 || grid.height_px < 1 || grid.width_px > kMaxSidePx || grid.height_px > kMaxSidePx)
     return Error{ErrorCode::kInvalidArgument, "More pixels are asked for than are read at once.", ""};
   std::vector<float> heights_m(CellCount(grid.width_px, grid.height_px), kNoHeight);
@@ -275,7 +274,7 @@ Result<std::vector<float>> HeightRaster::OnGrid(const MercGrid& grid, const Sket
   SKYQUILT_TRY_ASSIGN(const geo::MapProjection zone, geo::MapProjection::OfEpsg(epsg_));
   const std::optional<PlacesInZone> places = PlacesInZone::Of(grid, zone);
   if (!places) {
-    if (beyond) std::fill(heights_m.begin(), heights_m.end(), beyond->heights_m.front());
+    std::fill(heights_m.begin(), heights_m.end(), sketch_.heights_m.front());
     return heights_m;
   }
   Eigen::Vector2d low = CellOf(places->nodes().front()), high = low;
@@ -303,12 +302,12 @@ Result<std::vector<float>> HeightRaster::OnGrid(const MercGrid& grid, const Sket
       float& height_m = heights_m[CellCount(grid.width_px, row) + static_cast<std::size_t>(column)];
       const Eigen::Vector2d cell = CellOf(places->At(column, row));
       if (window) height_m = Between(around, *window, cell.cwiseProduct(to_level));
-      if (!beyond || std::isfinite(height_m)) continue;
-      const HeightWindow all{0, 0, beyond->columns, beyond->rows};
+      if (std::isfinite(height_m)) continue;
+      const HeightWindow all{0, 0, sketch_.columns, sketch_.rows};
       const Eigen::Vector2d on_sketch(
-          std::clamp(cell.x() / columns_ * beyond->columns, 0.5, beyond->columns - 0.5),
-          std::clamp(cell.y() / rows_ * beyond->rows, 0.5, beyond->rows - 0.5));
-      height_m = Between(beyond->heights_m, all, on_sketch);
+          std::clamp(cell.x() / columns_ * sketch_.columns, 0.5, sketch_.columns - 0.5),
+          std::clamp(cell.y() / rows_ * sketch_.rows, 0.5, sketch_.rows - 0.5));
+      height_m = Between(sketch_.heights_m, all, on_sketch);
     }
   }
   heights_.Give(std::move(file));

@@ -50,9 +50,7 @@ class HeightRaster {
   double cell_m() const { return cell_m_; }  // of the zone
 
   Result<std::vector<std::optional<double>>> HeightsAt(std::span<const geo::LatLon> places);
-  // NaN where nothing is known.
-  Result<std::vector<float>> Over(const MercGrid& grid);
-  // The same with a height everywhere: beyond what is known it goes on from the nearest that is, coarsely.
+  // With a height everywhere: beyond what is known it goes on from there, coarsely.
   Result<std::vector<float>> GoingOnOver(const MercGrid& grid);
   // Absent: the area and the raster have no cell in common.
   Result<std::optional<HeightCells>> Within(const geo::Boundary& area);
@@ -80,7 +78,6 @@ class HeightRaster {
   double GroundCellM(const Eigen::Vector2d& cell, const geo::MapProjection& zone) const;
   bool FindAround(const geo::MapProjection& zone);
   Result<Sketch> MakeSketch(GDALDataset& file) const;
-  Result<std::vector<float>> OnGrid(const MercGrid& grid, const Sketch* beyond);
 
   GeotiffPool heights_, measured_;
   int epsg_ = 0;

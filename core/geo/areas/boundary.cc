@@ -32,7 +32,7 @@ double AreaM2(const Boundary& boundary) {
 namespace {
 
 // Of a ring what lies on one side of a meridian or parallel (Sutherland and Hodgman 1974): where `of` is not
-// below `least` (sign 1) or not above it (sign -1).
+// below `line` (sign 1) or not above it (sign -1).
 Boundary::Ring CutAtLine(const Boundary::Ring& ring, double LatLon::*of, double sign, double line) {
   Boundary::Ring cut;
   for (std::size_t i = 0; i < ring.size(); ++i) {
