@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cctype>
 #include <utility>
 
 #include "api/http/problem.h"
@@ -23,13 +21,10 @@ void AddGeoJsonRoute(Router& router, std::string_view pattern, std::string what,
                    [what = std::move(what), prepare = std::move(prepare)](
                        const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
                      if (!IsGeoJson(request)) {
-                       std::string file = what;
-                       std::transform(file.begin(), file.end(), file.begin(),
-                                      [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
                        return Problem({ErrorCode::kUnsupportedFormat,
                                        fmt::format("Send the {} as GeoJSON: curl -H 'Content-Type: "
-                                                   "application/geo+json' -d @{}.geojson ...",
-                                                   what, file),
+                                                   "application/geo+json' -d @FILE.geojson ...",
+                                                   what),
                                        ""},
                                       request);
                      }
