@@ -7,10 +7,10 @@
 // twice, the second time with matches searched on the relief of the first.
 #pragma once
 
-#include "core/alignment/align_options.h"
-#include "core/alignment/align_report.h"
-#include "core/alignment/aligned_flight.h"
 #include "core/alignment/features/extract_all.h"
+#include "core/alignment/scene/align_report.h"
+#include "core/alignment/scene/aligned_flight.h"
+#include "core/alignment/stages/align_options.h"
 #include "core/base/progress.h"
 #include "core/base/result.h"
 #include "core/flight/photos/photo_source.h"

@@ -10,7 +10,7 @@
 
 #include <optional>
 
-#include "core/alignment/aligned_flight.h"
+#include "core/alignment/scene/aligned_flight.h"
 #include "core/ground/dem_grid.h"
 #include "core/ground/ground_surface.h"
 #include "core/ground/model_ground_report.h"

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "core/alignment/adjustment/ground_control.h"
+#include "core/alignment/scene/ground_control.h"
 #include "core/flight/logs/texts/gcp_list.h"
 
 namespace skyquilt::pipeline {

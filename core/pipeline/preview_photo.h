@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <optional>
 
-#include "core/alignment/aligned_flight.h"
+#include "core/alignment/scene/aligned_flight.h"
 #include "core/base/result.h"
 #include "core/flight/photos/photo_source.h"
 #include "core/geo/lat_lon_bounds.h"

@@ -6,7 +6,7 @@
 
 #include <optional>
 
-#include "core/alignment/aligned_flight.h"
+#include "core/alignment/scene/aligned_flight.h"
 #include "core/base/result.h"
 #include "core/geo/areas/boundary.h"
 #include "core/ground/ground_surface.h"

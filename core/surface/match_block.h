@@ -4,7 +4,7 @@
 // own. Cannot fail: what cannot be measured is filled.
 #pragma once
 
-#include "core/alignment/aligned_flight.h"
+#include "core/alignment/scene/aligned_flight.h"
 #include "core/ground/ground_surface.h"
 #include "core/surface/dense_surface.h"
 #include "core/surface/paths/semi_global.h"

@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <functional>
 
-#include "core/alignment/aligned_flight.h"
+#include "core/alignment/scene/aligned_flight.h"
 #include "core/base/progress.h"
 #include "core/base/result.h"
 #include "core/flight/photos/photo_source.h"

@@ -10,7 +10,7 @@
 #include <set>
 #include <string>
 
-#include "core/alignment/aligned_flight.h"
+#include "core/alignment/scene/aligned_flight.h"
 #include "core/base/result.h"
 #include "core/flight/photos/photo.h"
 #include "server/preview/preview_messages.h"

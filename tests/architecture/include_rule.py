@@ -18,7 +18,7 @@ MAY_USE["simulate"] = {"base", "image", "geo", "camera", "flight", "poses", "sim
 CORE_VALUES = {
     "core/base/", "core/indices/", "core/geo/", "core/bands/band_sink.h", "core/surface/dense_surface.h", "core/surface/ground_below.h", "core/surface/terrain/volume.h", "core/camera/intrinsics.h", "core/flight/photos/photo.h", "core/flight/flight.h",
     "core/flight/read_flight.h", "core/flight/lists/input_file.h", "core/flight/remarks/", "core/image/", "core/flight/photos/photo_source.h", "core/pyramid/tile_sink.h", "core/pyramid/draw_legend.h", "core/pyramid/map_memory.h", "core/pipeline/mosaic_options.h",
-    "core/pipeline/report/map_quality.h", "core/pipeline/report/mosaic_report.h", "core/pipeline/report/locate.h", "core/pipeline/report/ground_profile.h", "core/alignment/aligned_flight.h", "core/render/map_layer.h",
+    "core/pipeline/report/map_quality.h", "core/pipeline/report/mosaic_report.h", "core/pipeline/report/locate.h", "core/pipeline/report/ground_profile.h", "core/alignment/scene/aligned_flight.h", "core/render/map_layer.h",
 }
 LIBRARIES = {
     r"boost/": {"server"},
@@ -33,7 +33,7 @@ LIBRARIES = {
 }
 HEAVY_IN_HEADERS = re.compile(r"^(boost/|curl/|opencv2/|ceres/|nlohmann/|CLI/|gdal|sqlite3\.h|libpq)")
 # Templates of cost functions, included by the one solver file they are written for; coroutines, by the two files of a connection.
-HEAVY_HEADERS_ALLOWED = {"core/alignment/adjustment/residuals.h", "server/http/connection.h"}
+HEAVY_HEADERS_ALLOWED = {"core/alignment/bundle/residuals.h", "server/http/connection.h"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.M)
 
 

@@ -1,6 +1,6 @@
 #include "core/alignment/baselines/align_by_pose.h"
 
-#include "core/alignment/adjustment/readout_motion.h"
+#include "core/alignment/bundle/readout_motion.h"
 
 namespace skyquilt::alignment {
 

@@ -3,7 +3,7 @@
 // back to. Pure; any thread; cannot fail.
 #pragma once
 
-#include "core/alignment/aligned_flight.h"
+#include "core/alignment/scene/aligned_flight.h"
 #include "core/poses/posed_flight.h"
 
 namespace skyquilt::alignment {

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/alignment/adjustment/bundle_setup.h"
 #include "core/alignment/baselines/align_by_pose.h"
 #include "core/alignment/features/extract_all.h"
-#include "core/alignment/registration/direct_registration.h"
-#include "core/alignment/registration/flight_lines.h"
+#include "core/alignment/from_records/bundle_setup.h"
+#include "core/alignment/from_records/direct_registration.h"
+#include "core/alignment/from_records/flight_lines.h"
 #include "core/base/scoped_timer.h"
 #include "core/base/try.h"
 

@@ -7,7 +7,7 @@
 #include <limits>
 #include <optional>
 
-#include "core/alignment/baselines/plane_homography.h"
+#include "core/alignment/estimators/plane_homography.h"
 #include "core/alignment/matching/guided_matching.h"
 #include "core/base/parallel_for.h"
 

@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "core/alignment/features/picture_detail.h"
-#include "core/alignment/relief.h"
-#include "core/alignment/view.h"
+#include "core/alignment/scene/relief.h"
+#include "core/alignment/scene/view.h"
 
 namespace skyquilt::alignment {
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/alignment/features/features.h"
-#include "core/alignment/view.h"
+#include "core/alignment/scene/view.h"
 
 namespace skyquilt::alignment {
 

@@ -6,7 +6,7 @@
 
 #include <vector>
 
-#include "core/alignment/view.h"
+#include "core/alignment/scene/view.h"
 
 namespace skyquilt::alignment {
 

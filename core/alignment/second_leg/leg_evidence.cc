@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/alignment/from_records/registration_rounds.h"
 #include "core/alignment/matching/connected_components.h"
-#include "core/alignment/registration/registration_rounds.h"
 #include "core/base/median.h"
 
 namespace skyquilt::alignment {

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "core/alignment/adjustment/bundle_adjustment.h"
+#include "core/alignment/bundle/bundle_adjustment.h"
 #include "core/alignment/features/features.h"
+#include "core/alignment/from_images/georeference.h"
 #include "core/alignment/matching/verified_pair.h"
-#include "core/alignment/reconstruction/georeference.h"
 #include "core/flight/remarks/remark.h"
 
 namespace skyquilt::alignment {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/alignment/adjustment/bundle_setup.h"
+#include "core/alignment/from_records/bundle_setup.h"
 #include "core/alignment/second_leg/register_lost.h"
 #include "core/alignment/second_leg/second_leg.h"
 

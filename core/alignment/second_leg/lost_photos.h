@@ -5,8 +5,8 @@
 
 #include <vector>
 
-#include "core/alignment/adjustment/bundle_adjustment.h"
-#include "core/alignment/matching/matching_passes.h"
+#include "core/alignment/bundle/bundle_adjustment.h"
+#include "core/alignment/from_records/matching_passes.h"
 #include "core/alignment/second_leg/leg_evidence.h"
 #include "core/poses/posed_flight.h"
 

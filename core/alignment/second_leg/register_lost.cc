@@ -9,10 +9,10 @@
 #include <set>
 #include <unordered_map>
 
-#include "core/alignment/reconstruction/absolute_pose.h"
+#include "core/alignment/estimators/absolute_pose.h"
+#include "core/alignment/matching/appearance.h"
+#include "core/alignment/matching/match_descriptors.h"
 #include "core/alignment/second_leg/leg_evidence.h"
-#include "core/alignment/view_graph/appearance.h"
-#include "core/alignment/view_graph/match_descriptors.h"
 #include "core/base/median.h"
 #include "core/base/parallel_for.h"
 

@@ -8,11 +8,11 @@
 
 #include <vector>
 
-#include "core/alignment/adjustment/tracks.h"
 #include "core/alignment/features/features.h"
+#include "core/alignment/from_images/georeference.h"
 #include "core/alignment/matching/verified_pair.h"
-#include "core/alignment/reconstruction/georeference.h"
-#include "core/alignment/view.h"
+#include "core/alignment/scene/tracks.h"
+#include "core/alignment/scene/view.h"
 
 namespace skyquilt::alignment {
 

@@ -9,11 +9,11 @@
 #include <numeric>
 #include <set>
 
-#include "core/alignment/adjustment/bundle_setup.h"
-#include "core/alignment/adjustment/tie_to_control.h"
-#include "core/alignment/reconstruction/block.h"
-#include "core/alignment/reconstruction/georeference.h"
-#include "core/alignment/reconstruction/register_photos.h"
+#include "core/alignment/bundle/tie_to_control.h"
+#include "core/alignment/from_images/block.h"
+#include "core/alignment/from_images/georeference.h"
+#include "core/alignment/from_images/register_photos.h"
+#include "core/alignment/from_records/bundle_setup.h"
 #include "core/base/median.h"
 #include "core/base/scoped_timer.h"
 #include "core/flight/remarks/because.h"

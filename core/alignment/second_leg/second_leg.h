@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "core/alignment/adjustment/bundle_adjustment.h"
-#include "core/alignment/adjustment/ground_control.h"
-#include "core/alignment/align_report.h"
-#include "core/alignment/registration/correct_poses.h"
+#include "core/alignment/bundle/bundle_adjustment.h"
+#include "core/alignment/from_records/correct_poses.h"
+#include "core/alignment/scene/align_report.h"
+#include "core/alignment/scene/ground_control.h"
 #include "core/alignment/second_leg/leg_evidence.h"
 #include "core/base/progress.h"
 #include "core/base/result.h"

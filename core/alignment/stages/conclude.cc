@@ -6,12 +6,12 @@
 #include <optional>
 #include <utility>
 
-#include "core/alignment/adjustment/predict_control.h"
-#include "core/alignment/adjustment/tie_to_control.h"
-#include "core/alignment/matching/pairs_in_use.h"
-#include "core/alignment/registration/doubt_photos.h"
-#include "core/alignment/registration/place_photos.h"
+#include "core/alignment/bundle/predict_control.h"
+#include "core/alignment/bundle/tie_to_control.h"
 #include "core/alignment/second_leg/second_leg.h"
+#include "core/alignment/stages/doubt_photos.h"
+#include "core/alignment/stages/pairs_in_use.h"
+#include "core/alignment/stages/place_photos.h"
 #include "core/base/median.h"
 #include "core/base/try.h"
 

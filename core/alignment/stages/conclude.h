@@ -2,8 +2,8 @@
 // thread.
 #pragma once
 
-#include "core/alignment/align_report.h"
-#include "core/alignment/aligned_flight.h"
+#include "core/alignment/scene/align_report.h"
+#include "core/alignment/scene/aligned_flight.h"
 #include "core/alignment/stages/place_by_evidence.h"
 
 namespace skyquilt::alignment {

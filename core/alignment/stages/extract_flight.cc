@@ -2,8 +2,8 @@
 
 #include <utility>
 
-#include "core/alignment/registration/flight_lines.h"
-#include "core/alignment/registration/gyro_lag.h"
+#include "core/alignment/from_records/flight_lines.h"
+#include "core/alignment/from_records/gyro_lag.h"
 #include "core/alignment/second_leg/second_leg.h"
 
 namespace skyquilt::alignment {

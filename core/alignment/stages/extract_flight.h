@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "core/alignment/align_options.h"
-#include "core/alignment/align_report.h"
 #include "core/alignment/features/extract_all.h"
-#include "core/alignment/reconstruction/georeference.h"
+#include "core/alignment/from_images/georeference.h"
+#include "core/alignment/scene/align_report.h"
+#include "core/alignment/stages/align_options.h"
 #include "core/base/progress.h"
 #include "core/base/result.h"
 #include "core/flight/photos/photo_source.h"

@@ -4,9 +4,9 @@
 
 #include <utility>
 
-#include "core/alignment/adjustment/bundle_setup.h"
-#include "core/alignment/adjustment/find_readout.h"
-#include "core/alignment/adjustment/tie_to_control.h"
+#include "core/alignment/bundle/find_readout.h"
+#include "core/alignment/bundle/tie_to_control.h"
+#include "core/alignment/from_records/bundle_setup.h"
 
 namespace skyquilt::alignment {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/alignment/adjustment/bundle_setup.h"
-#include "core/alignment/adjustment/tracks.h"
+#include "core/alignment/from_records/bundle_setup.h"
+#include "core/alignment/scene/tracks.h"
 #include "core/base/large_blocks_apart.h"
 #include "core/base/median.h"
 #include "core/base/scoped_timer.h"

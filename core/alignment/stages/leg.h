@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "core/alignment/adjustment/bundle_adjustment.h"
-#include "core/alignment/matching/matching_passes.h"
-#include "core/alignment/relief.h"
+#include "core/alignment/bundle/bundle_adjustment.h"
+#include "core/alignment/from_records/matching_passes.h"
+#include "core/alignment/scene/relief.h"
 #include "core/alignment/second_leg/leg_evidence.h"
 #include "core/alignment/stages/extract_flight.h"
 #include "core/flight/remarks/remark.h"

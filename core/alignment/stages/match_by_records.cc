@@ -1,7 +1,7 @@
 #include "core/alignment/stages/match_by_records.h"
 
-#include "core/alignment/adjustment/bundle_setup.h"
-#include "core/alignment/adjustment/readout_motion.h"
+#include "core/alignment/bundle/readout_motion.h"
+#include "core/alignment/from_records/bundle_setup.h"
 #include "core/base/scoped_timer.h"
 
 namespace skyquilt::alignment {

@@ -11,12 +11,12 @@
 #include <utility>
 #include <vector>
 
-#include "core/alignment/adjustment/bundle_setup.h"
-#include "core/alignment/adjustment/tie_to_control.h"
-#include "core/alignment/registration/direct_registration.h"
-#include "core/alignment/registration/level_flight.h"
-#include "core/alignment/registration/position_lag.h"
-#include "core/alignment/registration/registration_rounds.h"
+#include "core/alignment/bundle/tie_to_control.h"
+#include "core/alignment/from_records/bundle_setup.h"
+#include "core/alignment/from_records/direct_registration.h"
+#include "core/alignment/from_records/level_flight.h"
+#include "core/alignment/from_records/position_lag.h"
+#include "core/alignment/from_records/registration_rounds.h"
 #include "core/alignment/second_leg/lost_photos.h"
 #include "core/alignment/second_leg/second_leg.h"
 #include "core/base/median.h"

@@ -3,7 +3,7 @@
 // The same for any number of threads.
 #pragma once
 
-#include "core/alignment/align_report.h"
+#include "core/alignment/scene/align_report.h"
 #include "core/alignment/stages/leg.h"
 
 namespace skyquilt::alignment {

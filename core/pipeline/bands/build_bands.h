@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/alignment/aligned_flight.h"
+#include "core/alignment/scene/aligned_flight.h"
 #include "core/bands/band_sink.h"
 #include "core/bands/bands_report.h"
 #include "core/bands/captures.h"

@@ -7,7 +7,7 @@
 
 #include <vector>
 
-#include "core/alignment/reconstruction/similarity.h"
+#include "core/alignment/estimators/similarity.h"
 #include "core/base/result.h"
 #include "core/geo/local_frame.h"
 #include "core/pipeline/placing/place_request.h"

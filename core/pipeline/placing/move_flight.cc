@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
-#include "core/alignment/adjustment/tie_to_control.h"
-#include "core/alignment/view.h"
+#include "core/alignment/bundle/tie_to_control.h"
+#include "core/alignment/scene/view.h"
 #include "core/base/median.h"
 #include "core/geo/bounds.h"
 

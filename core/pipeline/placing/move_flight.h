@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "core/alignment/adjustment/ground_control.h"
-#include "core/alignment/reconstruction/similarity.h"
+#include "core/alignment/estimators/similarity.h"
+#include "core/alignment/scene/ground_control.h"
 #include "core/pipeline/report/flight_facts.h"
 
 namespace skyquilt::pipeline {

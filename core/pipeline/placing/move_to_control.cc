@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "core/alignment/adjustment/tie_to_control.h"
+#include "core/alignment/bundle/tie_to_control.h"
 #include "core/alignment/matching/verified_pair.h"
 #include "core/geo/lat_lon.h"
 #include "core/pipeline/control_points.h"

@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
-#include "core/alignment/align_report.h"
-#include "core/alignment/aligned_flight.h"
+#include "core/alignment/scene/align_report.h"
+#include "core/alignment/scene/aligned_flight.h"
 #include "core/base/digest.h"
 #include "core/flight/lists/input_file.h"
 #include "core/geo/areas/boundary.h"

@@ -13,8 +13,8 @@
 // misses them by. Pure; any thread.
 #pragma once
 
-#include "core/alignment/align_report.h"
-#include "core/alignment/aligned_flight.h"
+#include "core/alignment/scene/align_report.h"
+#include "core/alignment/scene/aligned_flight.h"
 #include "core/pipeline/report/map_quality.h"
 #include "core/poses/pose_report.h"
 #include "core/render/seams/seam_shift.h"

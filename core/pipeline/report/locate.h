@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/alignment/aligned_flight.h"
+#include "core/alignment/scene/aligned_flight.h"
 #include "core/base/result.h"
 #include "core/geo/lat_lon.h"
 #include "core/geo/local_frame.h"

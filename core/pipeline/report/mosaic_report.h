@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "core/alignment/align_report.h"
-#include "core/alignment/aligned_flight.h"
+#include "core/alignment/scene/align_report.h"
+#include "core/alignment/scene/aligned_flight.h"
 #include "core/bands/bands_report.h"
 #include "core/flight/photos/photo.h"
 #include "core/flight/remarks/remark.h"

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "core/alignment/aligned_flight.h"
+#include "core/alignment/scene/aligned_flight.h"
 
 namespace skyquilt::pipeline {
 

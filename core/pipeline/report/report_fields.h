@@ -11,7 +11,7 @@
 #include <concepts>
 #include <type_traits>
 
-#include "core/alignment/align_report.h"
+#include "core/alignment/scene/align_report.h"
 #include "core/camera/lens_fields.h"
 #include "core/ground/model_ground_report.h"
 #include "core/poses/pose_report.h"

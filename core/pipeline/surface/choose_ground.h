@@ -5,7 +5,7 @@
 // lean.
 #pragma once
 
-#include "core/alignment/aligned_flight.h"
+#include "core/alignment/scene/aligned_flight.h"
 #include "core/ground/ground_surface.h"
 #include "core/pipeline/surface/ground_choice.h"
 

@@ -4,8 +4,8 @@
 #include <optional>
 #include <utility>
 
-#include "core/alignment/align_options.h"
 #include "core/alignment/matching/guided_matching.h"
+#include "core/alignment/stages/align_options.h"
 #include "core/base/parallel_for.h"
 #include "core/base/try.h"
 #include "core/flight/read_flight.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/alignment/aligned_flight.h"
+#include "core/alignment/scene/aligned_flight.h"
 #include "core/bands/captures.h"
 #include "core/flight/remarks/remark.h"
 #include "core/render/bands/pixel_field.h"

@@ -8,7 +8,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/alignment/aligned_flight.h"
+#include "core/alignment/scene/aligned_flight.h"
 #include "core/ground/ground_surface.h"
 #include "core/image/sample_image.h"
 #include "core/render/bands/pixel_field.h"

@@ -7,7 +7,7 @@
 // only error is kCancelled.
 #pragma once
 
-#include "core/alignment/aligned_flight.h"
+#include "core/alignment/scene/aligned_flight.h"
 #include "core/bands/captures.h"
 #include "core/base/progress.h"
 #include "core/base/result.h"

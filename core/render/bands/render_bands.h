@@ -8,7 +8,7 @@
 
 #include <cstdint>
 
-#include "core/alignment/aligned_flight.h"
+#include "core/alignment/scene/aligned_flight.h"
 #include "core/bands/band_sink.h"
 #include "core/base/progress.h"
 #include "core/flight/photos/photo_source.h"

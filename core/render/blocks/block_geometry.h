@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "core/alignment/aligned_flight.h"
+#include "core/alignment/scene/aligned_flight.h"
 #include "core/geo/local_frame.h"
 #include "core/geo/tile_id.h"
 #include "core/ground/ground_surface.h"

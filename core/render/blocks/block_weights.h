@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/alignment/aligned_flight.h"
+#include "core/alignment/scene/aligned_flight.h"
 #include "core/render/blocks/block_geometry.h"
 #include "core/render/mosaic_plan.h"
 #include "core/render/seams/seam_map.h"

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "core/alignment/aligned_flight.h"
+#include "core/alignment/scene/aligned_flight.h"
 #include "core/ground/ground_surface.h"
 #include "core/image/decoded_image.h"
 #include "core/render/blocks/block_geometry.h"

@@ -2,7 +2,7 @@
 // decoded-photo cache; any number of threads at a time. Errors: those of decoding a photo.
 #pragma once
 
-#include "core/alignment/aligned_flight.h"
+#include "core/alignment/scene/aligned_flight.h"
 #include "core/base/result.h"
 #include "core/ground/ground_surface.h"
 #include "core/image/rgba_image.h"

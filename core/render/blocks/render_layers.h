@@ -6,7 +6,7 @@
 
 #include <vector>
 
-#include "core/alignment/aligned_flight.h"
+#include "core/alignment/scene/aligned_flight.h"
 #include "core/base/progress.h"
 #include "core/base/result.h"
 #include "core/ground/ground_surface.h"

@@ -9,7 +9,7 @@
 
 #include <vector>
 
-#include "core/alignment/aligned_flight.h"
+#include "core/alignment/scene/aligned_flight.h"
 #include "core/ground/ground_surface.h"
 #include "core/render/exposure/exposure.h"
 #include "core/render/thumbnail.h"

@@ -15,7 +15,7 @@
 #include <optional>
 #include <string>
 
-#include "core/alignment/aligned_flight.h"
+#include "core/alignment/scene/aligned_flight.h"
 #include "core/render/exposure/shade.h"
 
 namespace skyquilt::render {

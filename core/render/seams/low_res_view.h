@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/alignment/aligned_flight.h"
+#include "core/alignment/scene/aligned_flight.h"
 #include "core/geo/bounds.h"
 #include "core/ground/ground_surface.h"
 #include "core/render/exposure/exposure.h"

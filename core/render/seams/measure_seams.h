@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/alignment/aligned_flight.h"
+#include "core/alignment/scene/aligned_flight.h"
 #include "core/base/progress.h"
 #include "core/ground/ground_surface.h"
 #include "core/render/blocks/photo_cache.h"

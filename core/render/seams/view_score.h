@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 
-#include "core/alignment/aligned_flight.h"
+#include "core/alignment/scene/aligned_flight.h"
 
 namespace skyquilt::render {
 

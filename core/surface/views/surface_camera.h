@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "core/alignment/aligned_flight.h"
+#include "core/alignment/scene/aligned_flight.h"
 #include "core/geo/bounds.h"
 #include "core/ground/ground_surface.h"
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <map>
 
-#include "core/alignment/adjustment/tie_to_control.h"
 #include "core/alignment/align_flight.h"
+#include "core/alignment/bundle/tie_to_control.h"
 #include "core/base/median.h"
 #include "core/flight/photos/photo_decoder.h"
 #include "core/flight/read_flight.h"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/alignment/align_report.h"
+#include "core/alignment/scene/align_report.h"
 #include "core/poses/posed_flight.h"
 #include "tests/bench/alignment/simulated_cases.h"
 #include "tests/core/alignment/simulated_case.h"

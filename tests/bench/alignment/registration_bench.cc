@@ -7,8 +7,8 @@
 #include <string_view>
 
 #include "core/alignment/align_flight.h"
-#include "core/alignment/reconstruction/register_photos.h"
-#include "core/alignment/reconstruction/similarity.h"
+#include "core/alignment/estimators/similarity.h"
+#include "core/alignment/from_images/register_photos.h"
 #include "core/base/median.h"
 #include "core/base/parallel_for.h"
 #include "core/flight/photos/photo_decoder.h"

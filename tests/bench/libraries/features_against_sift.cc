@@ -20,10 +20,10 @@
 #include <string>
 #include <vector>
 
-#include "core/alignment/baselines/plane_homography.h"
+#include "core/alignment/estimators/plane_homography.h"
+#include "core/alignment/estimators/sampler.h"
 #include "core/alignment/features/features.h"
-#include "core/alignment/view_graph/match_descriptors.h"
-#include "core/alignment/view_graph/sampler.h"
+#include "core/alignment/matching/match_descriptors.h"
 #include "core/base/median.h"
 #include "tests/bench/libraries/measure.h"
 

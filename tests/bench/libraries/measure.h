@@ -10,7 +10,7 @@
 #include <numbers>
 #include <vector>
 
-#include "core/alignment/view_graph/sampler.h"
+#include "core/alignment/estimators/sampler.h"
 
 namespace skyquilt::alignment {
 

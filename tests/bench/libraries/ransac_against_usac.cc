@@ -16,8 +16,8 @@
 #include <string>
 #include <vector>
 
-#include "core/alignment/baselines/plane_homography.h"
-#include "core/alignment/view_graph/two_view.h"
+#include "core/alignment/estimators/plane_homography.h"
+#include "core/alignment/estimators/two_view.h"
 #include "core/base/median.h"
 #include "core/geo/rigid3.h"
 #include "tests/bench/libraries/measure.h"

@@ -1,4 +1,4 @@
-// Our resection (core/alignment/reconstruction/absolute_pose) beside libraries: its three points beside
+// Our resection (core/alignment/estimators/absolute_pose) beside libraries: its three points beside
 // cv::solveP3P, its refinement beside Ceres with the same robust loss, and the whole beside
 // cv::solvePnPRansac. A camera 50 m above ground with 8 m of relief, a lens with distortion, sights with
 // noise of one pixel.
@@ -20,7 +20,7 @@
 #include <string>
 #include <vector>
 
-#include "core/alignment/reconstruction/absolute_pose.h"
+#include "core/alignment/estimators/absolute_pose.h"
 #include "core/base/median.h"
 #include "tests/bench/libraries/measure.h"
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <numbers>
 
-#include "core/alignment/adjustment/readout_motion.h"
 #include "core/alignment/baselines/align_by_pose.h"
+#include "core/alignment/bundle/readout_motion.h"
 #include "core/flight/remarks/remark_words.h"
 #include "core/ground/model_ground.h"
 #include "core/simulate/sensors/shaking.h"

@@ -1,11 +1,11 @@
-#include "core/alignment/adjustment/bundle_adjustment.h"
+#include "core/alignment/bundle/bundle_adjustment.h"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "core/alignment/adjustment/bundle_setup.h"
+#include "core/alignment/from_records/bundle_setup.h"
 
 namespace skyquilt::alignment {
 namespace {

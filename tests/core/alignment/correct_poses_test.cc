@@ -1,4 +1,4 @@
-#include "core/alignment/registration/correct_poses.h"
+#include "core/alignment/from_records/correct_poses.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "core/alignment/view.h"
+#include "core/alignment/scene/view.h"
 #include "core/flight/remarks/remark_words.h"
 
 namespace skyquilt::alignment {

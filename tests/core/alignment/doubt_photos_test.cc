@@ -1,4 +1,4 @@
-#include "core/alignment/registration/doubt_photos.h"
+#include "core/alignment/stages/doubt_photos.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/alignment/adjustment/find_readout.h"
+#include "core/alignment/bundle/find_readout.h"
 
 #include <ceres/cost_function.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <memory>
 #include <random>
 
-#include "core/alignment/adjustment/reprojection_cost.h"
+#include "core/alignment/bundle/reprojection_cost.h"
 
 namespace skyquilt::alignment {
 namespace {

@@ -1,6 +1,6 @@
 // The ground graph against a known truth: photos of one plane, projected on it with errors that the links
 // must show.
-#include "core/alignment/registration/ground_graph.h"
+#include "core/alignment/from_records/ground_graph.h"
 
 #include <gtest/gtest.h>
 

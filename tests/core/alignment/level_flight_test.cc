@@ -1,5 +1,5 @@
 // Flights that wrong heights hold tilted against what a gimbal says.
-#include "core/alignment/registration/level_flight.h"
+#include "core/alignment/from_records/level_flight.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/alignment/registration/mount_turn.h"
+#include "core/alignment/from_records/mount_turn.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/alignment/baselines/plane_homography.h"
+#include "core/alignment/estimators/plane_homography.h"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

@@ -1,5 +1,5 @@
 // Positions that are those of moments before or after the photos.
-#include "core/alignment/registration/position_lag.h"
+#include "core/alignment/from_records/position_lag.h"
 
 #include <gtest/gtest.h>
 

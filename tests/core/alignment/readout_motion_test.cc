@@ -1,5 +1,5 @@
 // How gyro and speed become the motion of rows, what of it the images may correct, and the cost of that.
-#include "core/alignment/adjustment/readout_motion.h"
+#include "core/alignment/bundle/readout_motion.h"
 
 #include <ceres/cost_function.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <array>
 #include <memory>
 
-#include "core/alignment/adjustment/reprojection_cost.h"
+#include "core/alignment/bundle/reprojection_cost.h"
 
 namespace skyquilt::alignment {
 namespace {

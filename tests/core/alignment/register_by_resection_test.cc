@@ -1,10 +1,10 @@
-#include "core/alignment/registration/register_by_resection.h"
+#include "core/alignment/from_records/register_by_resection.h"
 
 #include <gtest/gtest.h>
 
 #include <numbers>
 
-#include "core/alignment/adjustment/bundle_setup.h"
+#include "core/alignment/from_records/bundle_setup.h"
 #include "tests/core/alignment/simulated_case.h"
 #include "tests/support/rendered_once.h"
 

@@ -1,15 +1,15 @@
 // Two photos that hold each other but lie metres and degrees off, as a corner of a flight does whose records
 // are poor.
-#include "core/alignment/registration/registration_rounds.h"
+#include "core/alignment/from_records/registration_rounds.h"
 
 #include <gtest/gtest.h>
 
 #include <numbers>
 
-#include "core/alignment/adjustment/bundle_setup.h"
-#include "core/alignment/adjustment/tracks.h"
+#include "core/alignment/from_records/bundle_setup.h"
 #include "core/alignment/matching/connected_components.h"
 #include "core/alignment/matching/match_and_verify.h"
+#include "core/alignment/scene/tracks.h"
 #include "tests/core/alignment/simulated_case.h"
 #include "tests/support/rendered_once.h"
 

@@ -1,4 +1,4 @@
-#include "core/alignment/adjustment/reprojection_cost.h"
+#include "core/alignment/bundle/reprojection_cost.h"
 
 #include <ceres/cost_function.h>
 #include <gtest/gtest.h>

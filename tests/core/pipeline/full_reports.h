@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "core/alignment/align_report.h"
+#include "core/alignment/scene/align_report.h"
 #include "core/ground/model_ground_report.h"
 #include "core/poses/pose_report.h"
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "core/alignment/adjustment/ground_control.h"
+#include "core/alignment/scene/ground_control.h"
 #include "core/pipeline/inspect_flight.h"
 
 namespace skyquilt::pipeline {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/alignment/aligned_flight.h"
+#include "core/alignment/scene/aligned_flight.h"
 #include "core/ground/ground_surface.h"
 #include "core/render/seams/seam_grid.h"
 

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/alignment/aligned_flight.h"
+#include "core/alignment/scene/aligned_flight.h"
 #include "core/poses/plausible_poses.h"
 #include "core/render/thumbnail.h"
 

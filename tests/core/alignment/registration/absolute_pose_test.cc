@@ -1,10 +1,10 @@
-#include "core/alignment/reconstruction/absolute_pose.h"
+#include "core/alignment/estimators/absolute_pose.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "core/alignment/view_graph/sampler.h"
+#include "core/alignment/estimators/sampler.h"
 #include "tests/core/alignment/registration/uniform.h"
 
 namespace skyquilt::alignment {

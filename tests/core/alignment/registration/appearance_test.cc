@@ -1,4 +1,4 @@
-#include "core/alignment/view_graph/appearance.h"
+#include "core/alignment/matching/appearance.h"
 
 #include <gtest/gtest.h>
 

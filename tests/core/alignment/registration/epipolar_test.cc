@@ -1,4 +1,4 @@
-#include "core/alignment/view_graph/epipolar.h"
+#include "core/alignment/estimators/epipolar.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "core/alignment/view_graph/sampler.h"
+#include "core/alignment/estimators/sampler.h"
 #include "core/geo/rigid3.h"
 #include "tests/core/alignment/registration/uniform.h"
 

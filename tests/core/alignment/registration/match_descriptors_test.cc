@@ -1,8 +1,8 @@
-#include "core/alignment/view_graph/match_descriptors.h"
+#include "core/alignment/matching/match_descriptors.h"
 
 #include <gtest/gtest.h>
 
-#include "core/alignment/view_graph/sampler.h"
+#include "core/alignment/estimators/sampler.h"
 
 namespace skyquilt::alignment {
 namespace {

@@ -1,8 +1,8 @@
-#include "core/alignment/reconstruction/register_photos.h"
+#include "core/alignment/from_images/register_photos.h"
 
 #include <gtest/gtest.h>
 
-#include "core/alignment/reconstruction/similarity.h"
+#include "core/alignment/estimators/similarity.h"
 #include "tests/core/alignment/registration/synthetic_scene.h"
 
 namespace skyquilt::alignment {

@@ -1,8 +1,8 @@
-#include "core/alignment/reconstruction/rotation_averaging.h"
+#include "core/alignment/estimators/rotation_averaging.h"
 
 #include <gtest/gtest.h>
 
-#include "core/alignment/view_graph/sampler.h"
+#include "core/alignment/estimators/sampler.h"
 #include "core/geo/rigid3.h"
 #include "tests/core/alignment/registration/uniform.h"
 

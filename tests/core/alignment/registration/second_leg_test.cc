@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "core/alignment/align_flight.h"
-#include "core/alignment/view_graph/sampler.h"
+#include "core/alignment/estimators/sampler.h"
 #include "core/flight/remarks/remark_words.h"
 #include "core/ground/model_ground.h"
 #include "tests/core/alignment/simulated_case.h"

@@ -1,11 +1,11 @@
-#include "core/alignment/reconstruction/similarity.h"
+#include "core/alignment/estimators/similarity.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "core/alignment/view_graph/sampler.h"
+#include "core/alignment/estimators/sampler.h"
 #include "tests/core/alignment/registration/uniform.h"
 
 namespace skyquilt::alignment {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/alignment/view_graph/sampler.h"
+#include "core/alignment/estimators/sampler.h"
 #include "tests/core/alignment/registration/uniform.h"
 
 namespace skyquilt::alignment {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/alignment/features/features.h"
-#include "core/alignment/reconstruction/registration.h"
+#include "core/alignment/scene/registration.h"
 #include "core/camera/intrinsics.h"
 #include "core/geo/rigid3.h"
 

@@ -1,8 +1,8 @@
-#include "core/alignment/view_graph/two_view.h"
+#include "core/alignment/estimators/two_view.h"
 
 #include <gtest/gtest.h>
 
-#include "core/alignment/view_graph/match_descriptors.h"
+#include "core/alignment/matching/match_descriptors.h"
 #include "tests/core/alignment/registration/synthetic_scene.h"
 
 namespace skyquilt::alignment {

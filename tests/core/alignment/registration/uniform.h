@@ -1,7 +1,7 @@
 // What tests draw from a Sampler beside whole numbers.
 #pragma once
 
-#include "core/alignment/view_graph/sampler.h"
+#include "core/alignment/estimators/sampler.h"
 
 namespace skyquilt::alignment {
 

@@ -1,0 +1,418 @@
+#include "core/alignment/bundle/bundle_round.h"
+
+#include <ceres/ceres.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "core/alignment/bundle/reprojection_cost.h"
+#include "core/alignment/bundle/residuals.h"
+#include "core/base/trace.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+constexpr std::size_t kBiasSize = 3;
+constexpr std::size_t kPointSize = 3;
+constexpr std::size_t kReadoutSize = 1;
+constexpr std::size_t kClockSize = 1;
+
+constexpr double kLossSigmas = 2.5;
+constexpr int kDenseUpToPhotos = 25;
+constexpr double kControlLossSigmas = 5.0;
+constexpr double kPositionBiasSigmaM =
+    30.0;  // of consumer GNSS in a bad hour, and of a wrong reference system
+constexpr double kHeldSigma = 1e-9;
+constexpr double kUnknownHeightSigmaM = 1000.0;
+constexpr double kReliefShare = 0.03;  // of the flying height: how near the ground a soft tie lies
+
+camera::Intrinsics Applied(const camera::Intrinsics& start, const double* lens) {
+  camera::Intrinsics applied = start;
+  applied.focal_x_px *= std::exp(lens[0]);
+  applied.focal_y_px *= std::exp(lens[0]);
+  applied.center_x_px += lens[1];
+  applied.center_y_px += lens[2];
+  applied.k1 = lens[3];
+  applied.k2 = lens[4];
+  applied.p1 = lens[5];
+  applied.p2 = lens[6];
+  return applied;
+}
+
+geo::Rigid3 Applied(const geo::Rigid3& start, const double* pose) {
+  const Eigen::Vector3d turn(pose[0], pose[1], pose[2]);
+  const Eigen::Quaterniond rotation = (geo::RotationFromVector(turn) * start.rotation).normalized();
+  return geo::Rigid3::FromRotationAndTargetOrigin(
+      rotation, start.TargetOriginInSource() + Eigen::Vector3d(pose[3], pose[4], pose[5]));
+}
+
+// One solve from the problem's present state, which becomes the solution where there is a usable one.
+class Round {
+ public:
+  Round(BundleProblem& problem, const std::vector<camera::Intrinsics>& recorded, const BundleOptions& options)
+      : bundle_(problem),
+        recorded_(recorded),
+        options_(options),
+        first_lens_(kPoseSize * problem.photos.size()),
+        first_bias_(first_lens_ + kLensSize * problem.lenses.size()),
+        position_bias_(first_bias_ + kBiasSize * problem.lines),
+        first_point_(position_bias_ + kBiasSize),
+        first_correction_(first_point_ + kPointSize * (problem.tracks.size() + problem.soft_tracks.size() +
+                                                       problem.control.size())),
+        first_readout_(first_correction_ + kCorrectionSize * problem.photos.size()),
+        clock_(first_readout_ + kReadoutSize * problem.lenses.size()),
+        state_(clock_ + kClockSize, 0.0),
+        starts_(problem.photos.size()) {}
+
+  void Solve(std::vector<Eigen::Vector3d>& line_bias, BundleSummary& summary) {
+    for (int l = 0; l < bundle_.lines; ++l) Eigen::Map<Eigen::Vector3d>(Bias(l)) = line_bias[l];
+    std::vector<char> in_use(bundle_.photos.size(), 0);
+    for (const auto* list : {&bundle_.tracks, &bundle_.soft_tracks}) {
+      for (const Track& track : *list) {
+        for (const Observation& seen : track.observations) in_use[seen.photo] = 1;
+      }
+    }
+    for (const BundleControl& tied : bundle_.control) {
+      for (const Observation& seen : tied.track.observations) in_use[seen.photo] = 1;
+    }
+    AddLenses();
+    AddObservations();
+    AddControl();
+    AddPlane(std::count(in_use.begin(), in_use.end(), 1));
+    for (std::size_t i = 0; i < bundle_.photos.size(); ++i) {
+      if (!in_use[i]) continue;
+      AddPriors(i);
+      if (bundle_.photos[i].is_fixed) ceres_.SetParameterBlockConstant(Pose(i));
+      if (ceres_.HasParameterBlock(Correction(i))) AddCorrectionPrior(i);
+    }
+    AddPositionBias();
+    AddClock();
+    for (int l = 0; l < bundle_.lines; ++l) {
+      if (!ceres_.HasParameterBlock(Bias(l))) continue;
+      PriorResidual<3> prior{Eigen::Vector3d::Zero(), Eigen::Vector3d::Constant(bundle_.sigma_line_bias_rad)};
+      ceres_.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<PriorResidual<3>, 3, 3>(new PriorResidual<3>(prior)), nullptr,
+          Bias(l));
+    }
+    ceres::Solver::Options options;
+    const int active = static_cast<int>(std::count(in_use.begin(), in_use.end(), 1));
+    options.linear_solver_type = active <= kDenseUpToPhotos ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
+    options.max_num_iterations = options_.max_iterations;
+    options.function_tolerance = 1e-5;
+    options.num_threads = 1;
+    options.logging_type = ceres::SILENT;
+    options.linear_solver_ordering.reset(ordering_);
+    ordering_ = nullptr;
+    for (std::size_t i = 0; i < bundle_.photos.size(); ++i) {
+      if (in_use[i]) options.linear_solver_ordering->AddElementToGroup(Pose(i), 1);
+      if (ceres_.HasParameterBlock(Correction(i)))
+        options.linear_solver_ordering->AddElementToGroup(Correction(i), 1);
+    }
+    for (std::size_t c = 0; c < recorded_.size(); ++c) {
+      if (ceres_.HasParameterBlock(Lens(c))) options.linear_solver_ordering->AddElementToGroup(Lens(c), 1);
+      if (ceres_.HasParameterBlock(Readout(c)))
+        options.linear_solver_ordering->AddElementToGroup(Readout(c), 1);
+    }
+    for (int l = 0; l < bundle_.lines; ++l) {
+      if (ceres_.HasParameterBlock(Bias(l))) options.linear_solver_ordering->AddElementToGroup(Bias(l), 1);
+    }
+    if (ceres_.HasParameterBlock(PositionBias())) {
+      options.linear_solver_ordering->AddElementToGroup(PositionBias(), 1);
+    }
+    if (ceres_.HasParameterBlock(Clock())) options.linear_solver_ordering->AddElementToGroup(Clock(), 1);
+    ceres::Solver::Summary solved;
+    const TraceSpan span("adjust");
+    ceres::Solve(options, &ceres_, &solved);
+    summary.iterations += static_cast<int>(solved.iterations.size());
+    summary.solver = active <= kDenseUpToPhotos ? "dense_schur" : "sparse_schur";
+    if (!solved.IsSolutionUsable()) {
+      summary.termination = BundleTermination::kFailed;
+      summary.solver += " (failed: " + solved.message + ")";
+      ++summary.failed_rounds;
+      return;
+    }
+    summary.termination = solved.termination_type == ceres::NO_CONVERGENCE
+                              ? BundleTermination::kIterationLimit
+                              : BundleTermination::kConverged;
+    if (options_.estimate_lens_sigma) EstimateLensSigma();
+    TakeOver(line_bias);
+  }
+
+ private:
+  void AddLenses() {
+    for (std::size_t c = 0; c < recorded_.size(); ++c) {
+      const camera::Intrinsics& now = bundle_.lenses[c].intrinsics;
+      const camera::Intrinsics& was = recorded_[c];
+      Eigen::Map<Eigen::Matrix<double, kLensSize, 1>> lens(Lens(c));
+      lens << std::log(now.focal_x_px / was.focal_x_px), now.center_x_px - was.center_x_px,
+          now.center_y_px - was.center_y_px, now.k1, now.k2, now.p1, now.p2;
+    }
+  }
+
+  void AddObservations() {
+    ordering_ = new ceres::ParameterBlockOrdering;
+    std::size_t number = 0;
+    for (const auto* list : {&bundle_.tracks, &bundle_.soft_tracks}) {
+      for (const Track& track : *list) {
+        double* point = Point(number++);
+        Eigen::Map<Eigen::Vector3d> at(point);
+        at = track.point_in_enu;
+        for (const Observation& seen : track.observations) AddObservation(point, seen);
+        ordering_->AddElementToGroup(point, 0);
+      }
+    }
+    for (std::size_t t = 0; t < bundle_.soft_tracks.size(); ++t) {
+      const double height =
+          bundle_.photos[bundle_.soft_tracks[t].observations.front().photo].height_above_ground_m;
+      ceres_.AddResidualBlock(new ceres::AutoDiffCostFunction<PointHeightResidual, kRowsOfPoint, kPointSize>(
+                                  new PointHeightResidual{bundle_.ground_z_in_enu_m, kReliefShare * height}),
+                              nullptr, Point(bundle_.tracks.size() + t));
+    }
+    for (std::size_t c = 0; c < recorded_.size(); ++c) {
+      if (!ceres_.HasParameterBlock(Lens(c))) continue;
+      if (!options_.adjust_lens || bundle_.lenses[c].is_fixed) {
+        ceres_.SetParameterBlockConstant(Lens(c));
+        continue;
+      }
+      const BundleLens& lens = bundle_.lenses[c];
+      PriorResidual<kLensSize> prior;
+      prior.expected << 0.0, 0.0, 0.0, recorded_[c].k1, recorded_[c].k2, recorded_[c].p1, recorded_[c].p2;
+      prior.sigma << lens.sigma_focal_share, lens.sigma_center_px, lens.sigma_center_px, lens.sigma_k1,
+          lens.sigma_k2, lens.sigma_p, lens.sigma_p;
+      ceres_.AddResidualBlock(new ceres::AutoDiffCostFunction<PriorResidual<kLensSize>, kLensSize, kLensSize>(
+                                  new PriorResidual<kLensSize>(prior)),
+                              nullptr, Lens(c));
+    }
+    for (std::size_t c = 0; c < recorded_.size(); ++c) {
+      if (!ceres_.HasParameterBlock(Readout(c))) continue;
+      const BundleLens& lens = bundle_.lenses[c];
+      PriorResidual<kReadoutSize> prior;
+      prior.expected << -lens.readout_s;
+      prior.sigma << lens.sigma_readout_s;
+      ceres_.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<PriorResidual<kReadoutSize>, kReadoutSize, kReadoutSize>(
+              new PriorResidual<kReadoutSize>(prior)),
+          nullptr, Readout(c));
+    }
+  }
+
+  // The surveyed place holds the point, the point holds the photos in which it was marked.
+  void AddControl() {
+    for (std::size_t c = 0; c < bundle_.control.size(); ++c) {
+      const BundleControl& tied = bundle_.control[c];
+      double* point = Point(bundle_.tracks.size() + bundle_.soft_tracks.size() + c);
+      Eigen::Map<Eigen::Vector3d> at(point);
+      at = tied.track.point_in_enu;
+      for (const Observation& seen : tied.track.observations) AddObservation(point, seen);
+      ordering_->AddElementToGroup(point, 0);
+      PriorResidual<3> prior{tied.surveyed_in_enu, tied.sigma_m};
+      if (!tied.has_height) prior.sigma.z() = kUnknownHeightSigmaM;
+      ceres_.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<PriorResidual<3>, 3, 3>(new PriorResidual<3>(prior)),
+          new ceres::HuberLoss(kControlLossSigmas), point);
+    }
+  }
+
+  void AddPlane(long photos) {
+    if (!bundle_.plane || photos == 0) return;
+    const BundlePlane& plane = *bundle_.plane;
+    const double points_a_photo =
+        std::max(1.0, static_cast<double>(bundle_.tracks.size()) / static_cast<double>(photos));
+    const PlaneResidual residual{{plane.height_m, plane.slope_east, plane.slope_north},
+                                 plane.sigma_m * std::sqrt(points_a_photo)};
+    for (std::size_t t = 0; t < bundle_.tracks.size(); ++t) {
+      ceres_.AddResidualBlock(new ceres::AutoDiffCostFunction<PlaneResidual, kRowsOfPoint, kPointSize>(
+                                  new PlaneResidual(residual)),
+                              nullptr, Point(t));
+    }
+  }
+
+  void AddPositionBias() {
+    if (!ceres_.HasParameterBlock(PositionBias())) return;
+    Eigen::Map<Eigen::Vector3d> bias(PositionBias());
+    bias = bundle_.position_bias_m;
+    if (bundle_.control.empty()) {
+      ceres_.SetParameterBlockConstant(PositionBias());
+      return;
+    }
+    const PriorResidual<3> prior{Eigen::Vector3d::Zero(), Eigen::Vector3d::Constant(kPositionBiasSigmaM)};
+    ceres_.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<PriorResidual<3>, 3, 3>(new PriorResidual<3>(prior)), nullptr,
+        PositionBias());
+  }
+
+  void AddClock() {
+    if (!ceres_.HasParameterBlock(Clock())) return;
+    *Clock() = bundle_.clock_error_s;
+    PriorResidual<kClockSize> prior;
+    prior.expected << 0.0;
+    prior.sigma << bundle_.sigma_clock_s;
+    ceres_.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<PriorResidual<kClockSize>, kClockSize, kClockSize>(
+            new PriorResidual<kClockSize>(prior)),
+        nullptr, Clock());
+  }
+
+  void AddObservation(double* point, const Observation& seen) {
+    const BundlePhoto& photo = bundle_.photos[seen.photo];
+    const camera::Intrinsics& lens = recorded_[photo.lens];
+    if (photo.readout_doubt.IsAny()) {
+      ceres_.AddResidualBlock(
+          MakeTurningReprojectionCost(photo.cam_from_enu, photo.readout_motion, photo.readout_doubt, lens,
+                                      seen.pixel_in_image, seen.sigma_px),
+          TieLoss(), Pose(seen.photo), point, Lens(photo.lens), Correction(seen.photo));
+      return;
+    }
+    if (FindsReadoutOf(photo)) {
+      ceres_.AddResidualBlock(MakeRollingReprojectionCost(StartAt(seen), *photo.velocity_in_enu_mps,
+                                                          seen.pixel_in_image, seen.sigma_px),
+                              TieLoss(), Pose(seen.photo), point, Lens(photo.lens), Readout(photo.lens));
+      return;
+    }
+    ceres_.AddResidualBlock(MakeReprojectionCost(StartAt(seen), seen.pixel_in_image, seen.sigma_px),
+                            TieLoss(), Pose(seen.photo), point, Lens(photo.lens));
+  }
+
+  // Of the whole photo where that is one, of the observation's row where the camera turned.
+  std::shared_ptr<const CameraStart> StartAt(const Observation& seen) {
+    const BundlePhoto& photo = bundle_.photos[seen.photo];
+    const camera::Intrinsics& lens = recorded_[photo.lens];
+    if (!photo.readout_motion.turns_rad.empty()) {
+      return StartOf(camera::PoseAtRow(photo.cam_from_enu, photo.readout_motion, seen.pixel_in_image.y(),
+                                       lens.height_px),
+                     {}, lens);
+    }
+    std::shared_ptr<const CameraStart>& start = starts_[seen.photo];
+    if (!start) start = StartOf(photo.cam_from_enu, photo.readout_motion, lens);
+    return start;
+  }
+
+  // One for all observations.
+  ceres::LossFunction* TieLoss() {
+    if (tie_loss_ == nullptr) tie_loss_ = new ceres::CauchyLoss(kLossSigmas);
+    return tie_loss_;
+  }
+
+  void AddPriors(std::size_t i) {
+    const BundlePhoto& photo = bundle_.photos[i];
+    const Eigen::Vector3d turned = geo::VectorFromRotation(
+        (photo.cam_from_enu.rotation * photo.prior_cam_from_enu.rotation.conjugate()).normalized());
+    const Eigen::Vector3d moved =
+        photo.cam_from_enu.TargetOriginInSource() - photo.prior_cam_from_enu.TargetOriginInSource();
+    ceres_.AddResidualBlock(new ceres::AutoDiffCostFunction<AttitudeResidual, 3, kPoseSize, 3>(
+                                new AttitudeResidual{turned, photo.sigma_attitude_rad}),
+                            new ceres::HuberLoss(3.0), Pose(i), Bias(photo.line));
+    const PositionResidual position{moved, photo.sigma_position_m};
+    if (bundle_.sigma_clock_s > 0.0 && photo.has_record && !photo.by_clock_mps.isZero()) {
+      ceres_.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<TimedPositionResidual, 3, kPoseSize, 3, kClockSize>(
+              new TimedPositionResidual{position, photo.by_clock_mps}),
+          new ceres::HuberLoss(3.0), Pose(i), PositionBias(), Clock());
+      return;
+    }
+    ceres_.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<PositionResidual, 3, kPoseSize, 3>(new PositionResidual(position)),
+        new ceres::HuberLoss(3.0), Pose(i), PositionBias());
+  }
+
+  // The record was right so far; what earlier rounds took off counts too.
+  void AddCorrectionPrior(std::size_t i) {
+    const BundlePhoto& photo = bundle_.photos[i];
+    const PriorResidual<kCorrectionSize> prior{-photo.readout_correction,
+                                               photo.readout_doubt.sigma.cwiseMax(kHeldSigma)};
+    ceres_.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<PriorResidual<kCorrectionSize>, kCorrectionSize, kCorrectionSize>(
+            new PriorResidual<kCorrectionSize>(prior)),
+        nullptr, Correction(i));
+    if (photo.is_fixed) ceres_.SetParameterBlockConstant(Correction(i));
+  }
+
+  void EstimateLensSigma() {
+    std::vector<std::pair<const double*, const double*>> blocks;
+    for (std::size_t c = 0; c < recorded_.size(); ++c) {
+      if (ceres_.HasParameterBlock(Lens(c)) && !ceres_.IsParameterBlockConstant(Lens(c))) {
+        blocks.emplace_back(Lens(c), Lens(c));
+      }
+    }
+    if (blocks.empty()) return;
+    ceres::Covariance::Options options;
+    options.num_threads = 1;
+    ceres::Covariance covariance(options);
+    if (!covariance.Compute(blocks, &ceres_)) return;
+    for (std::size_t c = 0; c < recorded_.size(); ++c) {
+      Eigen::Matrix<double, kLensSize, kLensSize, Eigen::RowMajor> block;
+      if (!ceres_.HasParameterBlock(Lens(c)) ||
+          !covariance.GetCovarianceBlock(Lens(c), Lens(c), block.data())) {
+        continue;
+      }
+      bundle_.lenses[c].found_sigma_focal_px =
+          std::sqrt(std::max(0.0, block(0, 0))) * recorded_[c].focal_x_px;
+    }
+  }
+
+  void TakeOver(std::vector<Eigen::Vector3d>& line_bias) {
+    for (std::size_t i = 0; i < bundle_.photos.size(); ++i) {
+      BundlePhoto& photo = bundle_.photos[i];
+      photo.cam_from_enu = Applied(photo.cam_from_enu, Pose(i));
+      if (FindsReadoutOf(photo))
+        photo.readout_motion.shift_in_enu_m += *Readout(photo.lens) * *photo.velocity_in_enu_mps;
+      if (!ceres_.HasParameterBlock(Correction(i))) continue;
+      const ReadoutCorrection correction = Eigen::Map<const ReadoutCorrection>(Correction(i));
+      photo.readout_motion = Corrected(photo.readout_motion, photo.readout_doubt, correction);
+      photo.readout_correction += correction;
+    }
+    for (std::size_t c = 0; c < recorded_.size(); ++c) {
+      bundle_.lenses[c].intrinsics = Applied(recorded_[c], Lens(c));
+      bundle_.lenses[c].readout_s += *Readout(c);
+    }
+    for (int l = 0; l < bundle_.lines; ++l) line_bias[l] = Eigen::Map<Eigen::Vector3d>(Bias(l));
+    if (!bundle_.control.empty()) bundle_.position_bias_m = Eigen::Map<Eigen::Vector3d>(PositionBias());
+    if (ceres_.HasParameterBlock(Clock())) bundle_.clock_error_s = *Clock();
+    std::size_t number = 0;
+    for (auto* list : {&bundle_.tracks, &bundle_.soft_tracks}) {
+      for (Track& track : *list) track.point_in_enu = Eigen::Map<Eigen::Vector3d>(Point(number++));
+    }
+    for (BundleControl& tied : bundle_.control) {
+      tied.track.point_in_enu = Eigen::Map<Eigen::Vector3d>(Point(number++));
+    }
+  }
+
+  bool FindsReadoutOf(const BundlePhoto& photo) const {
+    return bundle_.lenses[photo.lens].finds_readout && photo.velocity_in_enu_mps && !photo.is_fixed &&
+           !photo.readout_doubt.IsAny();
+  }
+
+  double* Pose(std::size_t i) { return state_.data() + kPoseSize * i; }
+  double* Lens(std::size_t c) { return state_.data() + first_lens_ + kLensSize * c; }
+  double* Bias(std::size_t l) { return state_.data() + first_bias_ + kBiasSize * l; }
+  double* PositionBias() { return state_.data() + position_bias_; }
+  double* Correction(std::size_t i) { return state_.data() + first_correction_ + kCorrectionSize * i; }
+  double* Readout(std::size_t c) { return state_.data() + first_readout_ + kReadoutSize * c; }
+  double* Clock() { return state_.data() + clock_; }
+  double* Point(std::size_t t) { return state_.data() + first_point_ + kPointSize * t; }
+
+  BundleProblem& bundle_;
+  const std::vector<camera::Intrinsics>& recorded_;
+  const BundleOptions& options_;
+  // One buffer for all unknowns: Ceres orders blocks by address, and an order that hangs on where the
+  // allocator put things would change the last digits from run to run.
+  std::size_t first_lens_, first_bias_, position_bias_, first_point_, first_correction_, first_readout_,
+      clock_;
+  std::vector<double> state_;
+  std::vector<std::shared_ptr<const CameraStart>> starts_;  // by photo, each made when it is first needed
+  ceres::LossFunction* tie_loss_ = nullptr;                 // owned by ceres_
+  ceres::Problem ceres_;
+  ceres::ParameterBlockOrdering* ordering_ = nullptr;
+};
+
+}  // namespace
+
+void SolveRound(const std::vector<camera::Intrinsics>& recorded, const BundleOptions& options,
+                BundleProblem& problem, std::vector<Eigen::Vector3d>& line_bias, BundleSummary& summary) {
+  Round(problem, recorded, options).Solve(line_bias, summary);
+}
+
+}  // namespace skyquilt::alignment

@@ -1,0 +1,242 @@
+#include "core/alignment/bundle/tie_to_control.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <limits>
+
+#include "core/base/median.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+using flight::RemarkCode;
+
+constexpr double kSightingSigmaPx = 1.0;
+constexpr std::size_t kEnoughToVote = 4;
+constexpr double kFarOffM = 2.0;
+constexpr double kFarOffMads = 8.0;
+constexpr double kWrongMarkShare = 0.01;  // of a photo's width, off where the other marks put the point
+constexpr std::size_t kMinMarks = 2;
+
+// Lists name photos in another case, with or without their ending.
+std::string Key(const std::string& name) {
+  std::string key = name.substr(0, name.find_last_of('.'));
+  std::transform(key.begin(), key.end(), key.begin(), [](unsigned char c) { return std::tolower(c); });
+  return key;
+}
+
+// The largest error of a mark, in widths of its photo; endless where the marks do not meet.
+double WorstMarkShare(const std::vector<View>& views, Track& track) {
+  if (!Triangulate(views, track)) return std::numeric_limits<double>::infinity();
+  double worst = 0.0;
+  for (const Observation& mark : track.observations) {
+    const View& view = views[mark.photo];
+    worst = std::max(worst, ReprojectionErrorPx(view, mark, track.point_in_enu) / view.intrinsics.width_px);
+  }
+  return worst;
+}
+
+// While the marks do not agree, one goes: that without which the others agree best. Their photos.
+std::vector<int> DropWrongMarks(const std::vector<View>& views, Track& track) {
+  std::vector<int> dropped;
+  while (track.observations.size() > kMinMarks && WorstMarkShare(views, track) > kWrongMarkShare) {
+    std::size_t wrong = 0;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < track.observations.size(); ++k) {
+      Track others = track;
+      others.observations.erase(others.observations.begin() + static_cast<std::ptrdiff_t>(k));
+      const double worst = WorstMarkShare(views, others);
+      if (worst >= least) continue;
+      least = worst;
+      wrong = k;
+    }
+    if (!std::isfinite(least)) break;
+    dropped.push_back(track.observations[wrong].photo);
+    track.observations.erase(track.observations.begin() + static_cast<std::ptrdiff_t>(wrong));
+  }
+  return dropped;
+}
+
+}  // namespace
+
+MarkedPhotos::MarkedPhotos(const std::vector<std::string>& names, const std::vector<View>& views,
+                           const std::vector<char>& is_tied)
+    : names_(names), views_(views), is_tied_(is_tied) {
+  for (std::size_t i = 0; i < names.size(); ++i) number_of_.emplace(Key(names[i]), i);
+}
+
+std::optional<Track> MarkedPhotos::TrackOf(const ControlPoint& point, ControlReport& told) const {
+  told.name = point.name;
+  told.surveyed = point.position;
+  Track track;
+  for (const ControlSighting& sighting : point.sightings) {
+    const auto photo = number_of_.find(Key(sighting.photo_name));
+    if (photo == number_of_.end() || !views_[photo->second].intrinsics.IsInImage(sighting.pixel_in_image))
+      continue;
+    ++told.sightings;
+    if (is_tied_[photo->second]) {
+      track.observations.push_back({photo->second, sighting.pixel_in_image, kSightingSigmaPx});
+    }
+  }
+  if (track.observations.size() < 2) {
+    told.reason = RemarkCode::kPointFewMarks;
+    return std::nullopt;
+  }
+  std::vector<std::string> elsewhere;
+  for (const int photo : DropWrongMarks(views_, track))
+    elsewhere.push_back(names_[static_cast<std::size_t>(photo)]);
+  if (!elsewhere.empty()) {
+    told.reason = {RemarkCode::kPointMarksElsewhere,
+                   {{"marks", elsewhere.size()}, {"names", fmt::format("{}", fmt::join(elsewhere, ", "))}}};
+  }
+  if (!Triangulate(views_, track)) {
+    told.reason = RemarkCode::kPointMarksApart;
+    return std::nullopt;
+  }
+  return track;
+}
+
+std::vector<ControlMarkReport> MarkedPhotos::ResidualsOf(const ControlPoint& point,
+                                                         const Eigen::Vector3d& point_in_enu,
+                                                         const std::optional<Track>& used) const {
+  std::vector<ControlMarkReport> residuals;
+  for (const ControlSighting& sighting : point.sightings) {
+    const auto photo = number_of_.find(Key(sighting.photo_name));
+    if (photo == number_of_.end()) continue;
+    const View& view = views_[photo->second];
+    if (!view.intrinsics.IsInImage(sighting.pixel_in_image)) continue;
+    const double residual_px = ReprojectionErrorPx(
+        view, Observation{photo->second, sighting.pixel_in_image, kSightingSigmaPx}, point_in_enu);
+    if (!std::isfinite(residual_px)) continue;  // behind the camera
+    const bool is_used = used && std::any_of(used->observations.begin(), used->observations.end(),
+                                             [&](const Observation& one) {
+                                               return static_cast<int>(one.photo) == photo->second;
+                                             });
+    residuals.push_back(
+        {names_[static_cast<std::size_t>(photo->second)], residual_px, residual_px * view.GsdM(), is_used});
+  }
+  return residuals;
+}
+
+void TieToControl(const poses::PosedFlight& posed, const std::vector<ControlPoint>& control,
+                  BundleProblem& problem, std::vector<ControlReport>& reports) {
+  problem.control.clear();
+  reports.clear();
+  std::vector<char> is_tied(problem.photos.size(), 0);
+  for (const Track& track : problem.tracks) {
+    for (const Observation& seen : track.observations) is_tied[seen.photo] = 1;
+  }
+  std::vector<std::string> names;
+  for (const poses::PosedPhoto& photo : posed.photos) names.push_back(photo.photo.name);
+  const std::vector<View> views = ViewsOf(problem);
+  const MarkedPhotos photos(names, views, is_tied);
+
+  for (const ControlPoint& point : control) {
+    std::optional<Track> track = photos.TrackOf(point, reports.emplace_back());
+    if (!track) continue;
+    BundleControl tied;
+    tied.track = *std::move(track);
+    tied.has_height = point.height_m.has_value();
+    tied.surveyed_in_enu = posed.frame.EnuFromWgs84(
+        {point.position.lat_deg, point.position.lon_deg,
+         posed.frame.origin().height_ellipsoid_m + point.height_m.value_or(tied.track.point_in_enu.z())});
+    tied.sigma_m = {point.sigma_horizontal_m, point.sigma_horizontal_m, point.sigma_vertical_m};
+    tied.report = reports.size() - 1;
+    problem.control.push_back(std::move(tied));
+  }
+  if (problem.control.empty()) return;
+
+  // The block goes where most points want it; heights of the survey come to the block's zero.
+  Eigen::Vector3d shift;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> apart;
+    for (const BundleControl& tied : problem.control) {
+      if (axis == 2 && !tied.has_height) continue;
+      apart.push_back(tied.surveyed_in_enu[axis] - tied.track.point_in_enu[axis]);
+    }
+    shift[axis] = apart.empty() ? 0.0 : Median(apart);
+  }
+  for (BundleControl& tied : problem.control) tied.surveyed_in_enu.z() -= shift.z();
+  shift.z() = 0.0;
+  if (problem.control.size() >= kEnoughToVote) {
+    std::vector<double> residuals;
+    for (const BundleControl& tied : problem.control) {
+      residuals.push_back((tied.surveyed_in_enu - tied.track.point_in_enu - shift).head<2>().norm());
+    }
+    const double limit_m = kFarOffM + kFarOffMads * Median(residuals);
+    std::size_t k = 0;
+    std::erase_if(problem.control, [&](const BundleControl& tied) {
+      const double residual_m = residuals[k++];
+      if (residual_m <= limit_m) return false;
+      reports[tied.report].reason = {RemarkCode::kPointFarFromOthers, {{"apart_m", residual_m}}};
+      return true;
+    });
+  }
+  for (const BundleControl& tied : problem.control) reports[tied.report].is_used = true;
+  problem.position_bias_m = shift;
+  for (BundlePhoto& photo : problem.photos) {
+    photo.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(
+        photo.cam_from_enu.rotation, photo.cam_from_enu.TargetOriginInSource() + shift);
+  }
+  for (auto* tracks : {&problem.tracks, &problem.soft_tracks}) {
+    for (Track& track : *tracks) track.point_in_enu += shift;
+  }
+  for (BundleControl& tied : problem.control) tied.track.point_in_enu += shift;
+}
+
+bool BelieveContradictedControlLess(BundleProblem& problem) {
+  const std::vector<View> views = ViewsOf(problem);
+  std::vector<double> residuals_m;
+  for (const BundleControl& tied : problem.control) {
+    Track seen = tied.track;
+    if (Triangulate(views, seen))
+      residuals_m.push_back((seen.point_in_enu - tied.surveyed_in_enu).head<2>().norm());
+  }
+  if (residuals_m.size() < kMinContradicted) return false;
+  const double residual_m = Median(std::move(residuals_m));
+  if (residual_m < kNoSurveyM) return false;
+  for (BundleControl& tied : problem.control) tied.sigma_m = tied.sigma_m.cwiseMax(residual_m);
+  return true;
+}
+
+void ReportControl(const BundleProblem& problem, std::vector<ControlReport>& reports) {
+  const std::vector<View> views = ViewsOf(problem);
+  for (const BundleControl& tied : problem.control) {
+    ControlReport& told = reports[tied.report];
+    Track seen = tied.track;  // where the photos alone say the point is
+    if (!Triangulate(views, seen)) continue;
+    const Eigen::Vector3d residual = seen.point_in_enu - tied.surveyed_in_enu;
+    told.miss_east_m = residual.x();
+    told.miss_north_m = residual.y();
+    told.miss_up_m = tied.has_height ? residual.z() : 0.0;
+    double square = 0.0;
+    for (const Observation& one : tied.track.observations) {
+      square += std::pow(ReprojectionErrorPx(views[one.photo], one, tied.surveyed_in_enu), 2);
+    }
+    told.residual_px = std::sqrt(square / static_cast<double>(tied.track.observations.size()));
+  }
+}
+
+std::vector<flight::Remark> RemarksOn(const std::vector<ControlReport>& points) {
+  std::vector<flight::Remark> remarks;
+  for (const ControlReport& point : points) {
+    const double residual_m = std::hypot(point.miss_east_m, point.miss_north_m);
+    std::map<std::string, flight::RemarkValue> values{{"point", point.name}};
+    if (point.reason) values.emplace("reason", *point.reason);
+    if (!point.is_used) {
+      remarks.push_back({RemarkCode::kControlNotUsed, std::move(values)});
+    } else if (residual_m > kNoSurveyM) {
+      values.emplace("apart_m", residual_m);
+      remarks.push_back({point.reason ? RemarkCode::kControlFarOffAndNoted : RemarkCode::kControlFarOff,
+                         std::move(values)});
+    } else if (point.reason) {
+      remarks.push_back({RemarkCode::kControlNoted, std::move(values)});
+    }
+  }
+  return remarks;
+}
+
+}  // namespace skyquilt::alignment

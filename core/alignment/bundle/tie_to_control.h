@@ -1,0 +1,61 @@
+// TieToControl: turns ground control points into observations of the adjustment and moves the block to them,
+// so that the adjustment starts near. ReportControl says how well each fits afterwards. Heights count
+// relative to each other: survey and drone seldom share their zero. Pure; any thread.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/alignment/bundle/bundle_adjustment.h"
+#include "core/alignment/scene/ground_control.h"
+#include "core/flight/remarks/remark.h"
+#include "core/poses/posed_flight.h"
+
+namespace skyquilt::alignment {
+
+// The photos of a flight by the names under which lists of control points know them: in any case, with or
+// without their ending.
+class MarkedPhotos {
+ public:
+  // `is_tied`: held by others; marks in the rest tell nothing of the block.
+  MarkedPhotos(const std::vector<std::string>& names, const std::vector<View>& views,
+               const std::vector<char>& is_tied);  // keeps references to all three
+
+  // The point's marks, and where they meet; nothing, and the reason in `told`, when they do not. A mark that
+  // the others contradict is left out, which `told` says as well.
+  std::optional<Track> TrackOf(const ControlPoint& point, ControlReport& told) const;
+
+  // How far each of the point's marks lies from where its photo shows `point_in_enu`; of all photos, tied or
+  // not. `used`: the marks by which the point is known.
+  std::vector<ControlMarkReport> ResidualsOf(const ControlPoint& point, const Eigen::Vector3d& point_in_enu,
+                                             const std::optional<Track>& used) const;
+
+ private:
+  const std::vector<std::string>& names_;
+  const std::vector<View>& views_;
+  const std::vector<char>& is_tied_;
+  std::map<std::string, int> number_of_;
+};
+
+// `problem` has been adjusted without control. A point needs two sightings in photos that are tied to others.
+// One that lies far off where the others put the block is not used, and its report says so.
+void TieToControl(const poses::PosedFlight& posed, const std::vector<ControlPoint>& control,
+                  BundleProblem& problem, std::vector<ControlReport>& reports);
+
+// Survey and photos that still are this far apart after the adjustment contradict each other.
+inline constexpr double kNoSurveyM = 0.25;
+inline constexpr std::size_t kMinContradicted = 3;  // points, for a verdict on all of them
+
+// Points that the photos cannot be bent to are worth no more than their residuals: more would bend the map
+// and make nothing true. For a problem adjusted with control; false, and nothing done, where the survey
+// holds.
+bool BelieveContradictedControlLess(BundleProblem& problem);
+
+void ReportControl(const BundleProblem& problem, std::vector<ControlReport>& reports);
+
+// What the user is to know of surveyed points.
+std::vector<flight::Remark> RemarksOn(const std::vector<ControlReport>& points);
+
+}  // namespace skyquilt::alignment

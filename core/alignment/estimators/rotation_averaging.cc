@@ -1,0 +1,146 @@
+#include "core/alignment/estimators/rotation_averaging.h"
+
+#include <Eigen/Sparse>
+#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <queue>
+#include <tuple>
+
+#include "core/geo/rigid3.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+constexpr int kAbsoluteRounds = 12;
+constexpr int kReweightedRounds = 20;
+constexpr double kMinResidualRad = 1e-4;
+constexpr double kWidthRad = 0.087;  // 5 degrees: beyond it a pair loses its say
+constexpr double kStillRad = 1e-5;
+
+Vector3d Residual(const RelativeRotation& pair, const std::vector<Quaterniond>& rotations) {
+  const Quaterniond expected = rotations[static_cast<std::size_t>(pair.second)] *
+                               rotations[static_cast<std::size_t>(pair.first)].conjugate();
+  // In the world's axes: R_second' (R12 R1 R2') R_second
+  const Quaterniond apart = pair.second_from_first * expected.conjugate();
+  const Quaterniond& second = rotations[static_cast<std::size_t>(pair.second)];
+  return second.conjugate() * geo::VectorFromRotation(apart.normalized());
+}
+
+// Best supported pairs first, from the photo that most hang on.
+void FollowTree(int photos, const std::vector<RelativeRotation>& pairs, AveragedRotations& averaged) {
+  std::vector<std::vector<int>> of_photo(static_cast<std::size_t>(photos));
+  std::vector<double> support(static_cast<std::size_t>(photos), 0.0);
+  for (std::size_t p = 0; p < pairs.size(); ++p) {
+    for (const int end : {pairs[p].first, pairs[p].second}) {
+      of_photo[static_cast<std::size_t>(end)].push_back(static_cast<int>(p));
+      support[static_cast<std::size_t>(end)] += pairs[p].weight;
+    }
+  }
+  std::vector<int> order(static_cast<std::size_t>(photos));
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
+    return support[static_cast<std::size_t>(a)] > support[static_cast<std::size_t>(b)];
+  });
+  int components = 0;
+  for (const int root : order) {
+    if (averaged.component[static_cast<std::size_t>(root)] >= 0 ||
+        of_photo[static_cast<std::size_t>(root)].empty())
+      continue;
+    averaged.component[static_cast<std::size_t>(root)] = components;
+    std::priority_queue<std::tuple<double, int>> open;  // weight, pair
+    const auto offer = [&](int photo) {
+      for (const int p : of_photo[static_cast<std::size_t>(photo)])
+        open.emplace(pairs[static_cast<std::size_t>(p)].weight, -p);
+    };
+    offer(root);
+    while (!open.empty()) {
+      const RelativeRotation& pair = pairs[static_cast<std::size_t>(-std::get<1>(open.top()))];
+      open.pop();
+      const auto first = static_cast<std::size_t>(pair.first), second = static_cast<std::size_t>(pair.second);
+      if (averaged.component[first] >= 0 && averaged.component[second] >= 0) continue;
+      if (averaged.component[first] >= 0) {
+        averaged.cam_from_world[second] =
+            (pair.second_from_first * averaged.cam_from_world[first]).normalized();
+        averaged.component[second] = components;
+        offer(pair.second);
+      } else {
+        averaged.cam_from_world[first] =
+            (pair.second_from_first.conjugate() * averaged.cam_from_world[second]).normalized();
+        averaged.component[first] = components;
+        offer(pair.first);
+      }
+    }
+    ++components;
+  }
+}
+
+// One weighted step of all rotations; the largest turn. Every photo is held a little where it is, which fixes
+// what no pair tells.
+double Step(const std::vector<RelativeRotation>& pairs, const std::vector<double>& weights,
+            std::vector<Quaterniond>& rotations) {
+  const auto count = static_cast<Eigen::Index>(rotations.size());
+  std::vector<Eigen::Triplet<double>> terms;
+  Eigen::Matrix<double, Eigen::Dynamic, 3> right = Eigen::Matrix<double, Eigen::Dynamic, 3>::Zero(count, 3);
+  for (Eigen::Index i = 0; i < count; ++i) terms.emplace_back(i, i, 1e-9);
+  for (std::size_t p = 0; p < pairs.size(); ++p) {
+    const RelativeRotation& pair = pairs[p];
+    const double weight = weights[p];
+    // Rotations turn as R <- R Exp(w): the residual becomes residual - (w2 - w1).
+    const Eigen::RowVector3d residual = Residual(pair, rotations).transpose();
+    terms.emplace_back(pair.first, pair.first, weight);
+    terms.emplace_back(pair.second, pair.second, weight);
+    terms.emplace_back(pair.first, pair.second, -weight);
+    terms.emplace_back(pair.second, pair.first, -weight);
+    right.row(pair.second) += weight * residual;
+    right.row(pair.first) -= weight * residual;
+  }
+  Eigen::SparseMatrix<double> normal(count, count);
+  normal.setFromTriplets(terms.begin(), terms.end());
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(normal);
+  if (solver.info() != Eigen::Success) return 0.0;
+  const Eigen::Matrix<double, Eigen::Dynamic, 3> turns = solver.solve(right);
+  double largest = 0.0;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Vector3d turn = turns.row(i).transpose();
+    largest = std::max(largest, turn.norm());
+    Quaterniond& rotation = rotations[static_cast<std::size_t>(i)];
+    rotation = (rotation * geo::RotationFromVector(turn)).normalized();
+  }
+  return largest;
+}
+
+}  // namespace
+
+AveragedRotations AverageRotations(int photos, const std::vector<RelativeRotation>& pairs) {
+  AveragedRotations averaged;
+  averaged.cam_from_world.assign(static_cast<std::size_t>(photos), Quaterniond::Identity());
+  averaged.component.assign(static_cast<std::size_t>(photos), -1);
+  FollowTree(photos, pairs, averaged);
+  std::vector<double> weights(pairs.size());
+  const auto weigh = [&](auto&& of_residual) {
+    for (std::size_t p = 0; p < pairs.size(); ++p) {
+      weights[p] = pairs[p].weight * of_residual(Residual(pairs[p], averaged.cam_from_world).norm());
+    }
+  };
+  for (int round = 0; round < kAbsoluteRounds && !pairs.empty(); ++round) {
+    weigh([](double residual) { return 1.0 / std::max(kMinResidualRad, residual); });
+    if (Step(pairs, weights, averaged.cam_from_world) < kStillRad) break;
+  }
+  for (int round = 0; round < kReweightedRounds && !pairs.empty(); ++round) {
+    weigh([](double residual) {
+      const double scaled = 1.0 + (residual / kWidthRad) * (residual / kWidthRad);
+      return 1.0 / (scaled * scaled);  // Geman and McClure
+    });
+    if (Step(pairs, weights, averaged.cam_from_world) < kStillRad) break;
+  }
+  for (const RelativeRotation& pair : pairs)
+    averaged.residual_rad.push_back(Residual(pair, averaged.cam_from_world).norm());
+  return averaged;
+}
+
+}  // namespace skyquilt::alignment

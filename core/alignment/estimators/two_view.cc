@@ -1,0 +1,343 @@
+#include "core/alignment/estimators/two_view.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/alignment/estimators/sampler.h"
+#include "core/base/median.h"
+#include "core/geo/solvers/dense_solvers.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr int kMaxProposals = 200;
+constexpr double kNearShare = 0.08;   // of a width: tolerance around the similarity of one match
+constexpr double kLooseShare = 0.15;  // tolerance around the motion fitted to those
+constexpr double kMaxLog2Scale = 0.8;
+constexpr double kMaxTurnRad = 0.7;
+constexpr int kMaxHomographies = 150;
+constexpr int kMaxEssentials = 80;
+constexpr double kFlatShare = 0.85;  // of the loose inliers
+constexpr double kConfidence = 0.999;
+constexpr double kNoParallaxRad = 0.005;
+constexpr double kOtherPoseRad = 0.03;
+constexpr double kNearlyAsWell = 0.9;
+constexpr int kRefinements = 8;
+
+struct Motion {
+  Eigen::Matrix2d linear = Eigen::Matrix2d::Identity();
+  Vector2d shift = Vector2d::Zero();
+
+  Vector2d operator*(const Vector2d& at) const { return linear * at + shift; }
+};
+
+Vector2d PlaceOf(const PhotoFeatures& features, int k) {
+  const Keypoint& keypoint = features.keypoints[static_cast<std::size_t>(k)];
+  return {keypoint.x_px, keypoint.y_px};
+}
+
+// Inliers of one rough motion of the picture: of the proposed motions, the one with most inliers.
+std::vector<int> FollowLoosely(const TwoViewPhoto& first, const TwoViewPhoto& second,
+                               const std::vector<KeypointMatch>& matches) {
+  const int count = static_cast<int>(matches.size());
+  std::vector<Vector2d> from, to;
+  std::vector<double> turn, grown;
+  for (const KeypointMatch& match : matches) {
+    const Keypoint& a = first.features->keypoints[static_cast<std::size_t>(match.first)];
+    const Keypoint& b = second.features->keypoints[static_cast<std::size_t>(match.second)];
+    from.emplace_back(a.x_px, a.y_px);
+    to.emplace_back(b.x_px, b.y_px);
+    turn.push_back(b.angle_rad - a.angle_rad);
+    grown.push_back(std::log2(b.scale_px / std::max(1e-3F, a.scale_px)));
+  }
+  const double near_px = kNearShare * std::max(second.lens->width_px, second.lens->height_px);
+  std::vector<int> best;
+  const int step = std::max(1, count / kMaxProposals);
+  for (int k = 0; k < count; k += step) {
+    const auto at = static_cast<std::size_t>(k);
+    const double scale = std::exp2(grown[at]);
+    const double c = scale * std::cos(turn[at]), s = scale * std::sin(turn[at]);
+    std::vector<int> inliers;
+    for (int m = 0; m < count; ++m) {
+      const auto other = static_cast<std::size_t>(m);
+      const Vector2d apart = from[other] - from[at];
+      const Vector2d expected =
+          to[at] + Vector2d(c * apart.x() - s * apart.y(), s * apart.x() + c * apart.y());
+      if ((to[other] - expected).squaredNorm() > near_px * near_px) continue;
+      if (std::abs(grown[other] - grown[at]) > kMaxLog2Scale) continue;
+      if (std::abs(std::remainder(turn[other] - turn[at], 2.0 * std::numbers::pi)) > kMaxTurnRad) continue;
+      inliers.push_back(m);
+    }
+    if (inliers.size() > best.size()) best = std::move(inliers);
+  }
+  if (best.size() < 6) return {};
+  // An affine motion through the inliers brings in those further away, where one similarity does not reach.
+  const double loose_px = kLooseShare / kNearShare * near_px;
+  for (int round = 0; round < 2; ++round) {
+    Matrix3d normal = Matrix3d::Zero();
+    Eigen::Matrix<double, 3, 2> right = Eigen::Matrix<double, 3, 2>::Zero();
+    for (const int m : best) {
+      const Vector3d a = from[static_cast<std::size_t>(m)].homogeneous();
+      normal += a * a.transpose();
+      right += a * to[static_cast<std::size_t>(m)].transpose();
+    }
+    normal.diagonal().array() += 1e-9 * normal.trace();
+    const Eigen::Matrix<double, 3, 2> fitted = geo::SolveSymmetric(normal, right);
+    Motion motion;
+    motion.linear = fitted.topRows<2>().transpose();
+    motion.shift = fitted.row(2).transpose();
+    best.clear();
+    for (int m = 0; m < count; ++m) {
+      const auto at = static_cast<std::size_t>(m);
+      if ((to[at] - motion * from[at]).norm() < loose_px) best.push_back(m);
+    }
+    if (best.size() < 6) return {};
+  }
+  return best;
+}
+
+// Samples that will do for a share of good matches.
+int EnoughSamples(double share, int sample, int most) {
+  const double all_good = std::pow(share, sample);
+  if (all_good > 0.999) return 1;
+  if (all_good < 1e-6) return most;
+  return std::min(most, static_cast<int>(std::log(1.0 - kConfidence) / std::log(1.0 - all_good)) + 1);
+}
+
+std::vector<int> Mapped(const Matrix3d& homography, const std::vector<RayPair>& pairs,
+                        const std::vector<int>& among, double tolerance) {
+  std::vector<int> mapped;
+  for (const int k : among) {
+    if (TransferError2(homography, pairs[static_cast<std::size_t>(k)]) < tolerance * tolerance)
+      mapped.push_back(k);
+  }
+  return mapped;
+}
+
+struct FoundHomography {
+  Matrix3d second_from_first = Matrix3d::Identity();
+  std::vector<int> inliers;
+};
+
+FoundHomography FindHomography(const std::vector<RayPair>& pairs, const std::vector<int>& among,
+                               double tolerance, Sampler& sampler) {
+  FoundHomography best;
+  int samples = kMaxHomographies;
+  const auto take = [&](const Matrix3d& homography) {
+    std::vector<int> inliers = Mapped(homography, pairs, among, tolerance);
+    if (inliers.size() <= best.inliers.size()) return false;
+    best = {homography, std::move(inliers)};
+    return true;
+  };
+  for (int s = 0; s < samples; ++s) {
+    std::vector<int> four;
+    for (const int k : sampler.Distinct<4>(static_cast<int>(among.size()))) {
+      four.push_back(among[static_cast<std::size_t>(k)]);
+    }
+    const std::optional<Matrix3d> homography = FitHomography(pairs, four);
+    if (!homography || !take(*homography)) continue;
+    for (int round = 0; round < 3; ++round) {
+      const std::optional<Matrix3d> refitted = FitHomography(pairs, best.inliers);
+      if (!refitted || !take(*refitted)) break;
+    }
+    const double share = static_cast<double>(best.inliers.size()) / static_cast<double>(among.size());
+    samples = std::min(samples, EnoughSamples(share, 4, kMaxHomographies));
+  }
+  return best;
+}
+
+std::vector<int> NearEpipolar(const Matrix3d& essential, const std::vector<RayPair>& pairs,
+                              const std::vector<int>& among, double tolerance) {
+  std::vector<int> near;
+  for (const int k : among) {
+    if (Sampson2(essential, pairs[static_cast<std::size_t>(k)]) < tolerance * tolerance) near.push_back(k);
+  }
+  return near;
+}
+
+std::optional<RelativePose> FindByFive(const std::vector<RayPair>& pairs, const std::vector<int>& among,
+                                       double tolerance, Sampler& sampler) {
+  Matrix3d best = Matrix3d::Zero();
+  std::vector<int> inliers;
+  int samples = kMaxEssentials;
+  for (int s = 0; s < samples; ++s) {
+    std::array<RayPair, 5> five;
+    const std::array<int, 5> drawn = sampler.Distinct<5>(static_cast<int>(among.size()));
+    for (std::size_t k = 0; k < 5; ++k) {
+      five[k] = pairs[static_cast<std::size_t>(among[static_cast<std::size_t>(drawn[k])])];
+    }
+    for (const Matrix3d& essential : EssentialsOfFive(five)) {
+      std::vector<int> near = NearEpipolar(essential, pairs, among, tolerance);
+      if (near.size() <= inliers.size()) continue;
+      inliers = std::move(near);
+      best = essential;
+    }
+    const double share = static_cast<double>(inliers.size()) / static_cast<double>(among.size());
+    samples = std::min(samples, EnoughSamples(share, 5, kMaxEssentials));
+  }
+  if (inliers.size() < 8) return std::nullopt;
+  return PoseOfEssential(best, pairs, inliers);
+}
+
+// The turn that brings the first's rays to the second's (Wahba's problem).
+Eigen::Quaterniond FitTurn(const std::vector<RayPair>& pairs, const std::vector<int>& used) {
+  Matrix3d cross = Matrix3d::Zero();
+  for (const int k : used) {
+    const RayPair& pair = pairs[static_cast<std::size_t>(k)];
+    cross += pair.second.homogeneous().normalized() * pair.first.homogeneous().normalized().transpose();
+  }
+  const Eigen::JacobiSVD<Matrix3d> svd(cross, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0 ? -1.0 : 1.0;
+  return Eigen::Quaterniond(
+             Matrix3d(svd.matrixU() * Vector3d(1.0, 1.0, sign).asDiagonal() * svd.matrixV().transpose()))
+      .normalized();
+}
+
+// Near its epipolar line and before both cameras.
+std::vector<int> Fitting(const RelativePose& pose, const std::vector<RayPair>& pairs,
+                         const std::vector<int>& among, double tolerance) {
+  std::vector<int> fitting = NearEpipolar(EssentialOfPose(pose), pairs, among, tolerance);
+  std::erase_if(fitting, [&](int k) {
+    const std::optional<Vector2d> depths = Depths(pose, pairs[static_cast<std::size_t>(k)]);
+    return !depths || depths->x() <= 0.0 || depths->y() <= 0.0;
+  });
+  return fitting;
+}
+
+double MedianAngle(const Eigen::Quaterniond& rotation, const std::vector<RayPair>& pairs,
+                   const std::vector<int>& used) {
+  std::vector<double> angles;
+  for (const int k : used) {
+    const RayPair& pair = pairs[static_cast<std::size_t>(k)];
+    const Vector3d a = (rotation * pair.first.homogeneous()).normalized();
+    const Vector3d b = pair.second.homogeneous().normalized();
+    angles.push_back(std::atan2(a.cross(b).norm(), a.dot(b)));
+  }
+  return Median(std::move(angles));
+}
+
+struct Candidate {
+  RelativePose pose;
+  std::vector<int> fitting;
+  double frontal = 0.0;
+};
+
+// How squarely both cameras look at the plane through the points, 0 (along it) to 1. What flat ground under a
+// camera that moved sideways leaves open is another ground, seen along it, under a camera that turned.
+double Frontal(const RelativePose& pose, const std::vector<RayPair>& pairs, const std::vector<int>& used) {
+  Matrix3d normal = Matrix3d::Zero();
+  Vector3d right = Vector3d::Zero();
+  for (const int k : used) {
+    const RayPair& pair = pairs[static_cast<std::size_t>(k)];
+    const std::optional<Vector2d> depths = Depths(pose, pair);
+    if (!depths || depths->x() <= 0.0) continue;
+    // The inverse depth of a plane's points is linear in the ray.
+    const Vector3d ray = pair.first.homogeneous();
+    normal += ray * ray.transpose();
+    right += ray / depths->x();
+  }
+  normal.diagonal().array() += 1e-12;
+  const Vector3d of_plane = Vector3d(geo::SolveSymmetric(normal, right)).normalized();
+  return std::min(std::abs(of_plane.z()), std::abs((pose.rotation * of_plane).z()));
+}
+
+void TakeMatches(const std::vector<KeypointMatch>& matches, const std::vector<int>& chosen, TwoView& view) {
+  std::vector<int> sorted = chosen;
+  std::sort(sorted.begin(), sorted.end());
+  for (const int k : sorted) view.matches.push_back(matches[static_cast<std::size_t>(k)]);
+}
+
+}  // namespace
+
+std::vector<Vector2d> RaysOf(const PhotoFeatures& features, const camera::Intrinsics& lens, int most) {
+  std::vector<Vector2d> rays;
+  const std::size_t count = std::min<std::size_t>(static_cast<std::size_t>(most), features.keypoints.size());
+  rays.reserve(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    rays.emplace_back(lens.Unproject(PlaceOf(features, static_cast<int>(k))).head<2>());
+  }
+  return rays;
+}
+
+std::optional<TwoView> VerifyPair(const TwoViewPhoto& first, const TwoViewPhoto& second,
+                                  const std::vector<KeypointMatch>& matches, std::uint64_t seed,
+                                  const TwoViewOptions& options) {
+  const int least = std::max(8, options.min_matches);
+  if (static_cast<int>(matches.size()) < least) return std::nullopt;
+  const std::vector<int> loose = FollowLoosely(first, second, matches);
+  if (static_cast<int>(loose.size()) < least) return std::nullopt;
+  std::vector<RayPair> pairs;
+  pairs.reserve(matches.size());
+  for (const KeypointMatch& match : matches) {
+    pairs.push_back({(*first.rays)[static_cast<std::size_t>(match.first)],
+                     (*second.rays)[static_cast<std::size_t>(match.second)]});
+  }
+  const double tolerance =
+      options.tolerance_sigmas * std::hypot(first.features->sigma_px / first.lens->MeanFocalPx(),
+                                            second.features->sigma_px / second.lens->MeanFocalPx());
+  Sampler sampler(seed);
+  const FoundHomography flat = FindHomography(pairs, loose, 2.0 * tolerance, sampler);
+  TwoView view;
+  if (static_cast<int>(flat.inliers.size()) >= least) {
+    const Eigen::Quaterniond turn = FitTurn(pairs, flat.inliers);
+    if (MedianAngle(turn, pairs, flat.inliers) < kNoParallaxRad) {
+      view.scene = Scene::kNoParallax;
+      view.poses.push_back({turn, Vector3d::Zero()});
+      view.angle_rad = MedianAngle(turn, pairs, flat.inliers);
+      TakeMatches(matches, flat.inliers, view);
+      return view;
+    }
+  }
+  const bool is_flat =
+      static_cast<double>(flat.inliers.size()) > kFlatShare * static_cast<double>(loose.size());
+  std::vector<RelativePose> starts;
+  if (static_cast<int>(flat.inliers.size()) >= least) {
+    starts = PosesOfHomography(flat.second_from_first, pairs, flat.inliers);
+  }
+  if (!is_flat || starts.empty()) {
+    if (const std::optional<RelativePose> found = FindByFive(pairs, loose, tolerance, sampler)) {
+      starts.push_back(*found);
+    }
+  }
+  std::vector<Candidate> candidates;
+  for (const RelativePose& start : starts) {
+    if (start.direction.squaredNorm() < 0.5) continue;
+    Candidate candidate{start, Fitting(start, pairs, loose, 4.0 * tolerance)};
+    for (const double width : {2.0 * tolerance, tolerance}) {
+      if (static_cast<int>(candidate.fitting.size()) < least) break;
+      candidate.pose = RefinePose(candidate.pose, pairs, candidate.fitting, 0.5 * width, kRefinements);
+      candidate.fitting = Fitting(candidate.pose, pairs, loose, width);
+    }
+    if (static_cast<int>(candidate.fitting.size()) >= least) candidates.push_back(std::move(candidate));
+  }
+  if (candidates.empty()) return std::nullopt;
+  std::stable_sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
+    return a.fitting.size() > b.fitting.size();
+  });
+  // Of those that fit nearly as well as the best, the likelier first; the other photos decide in the end.
+  const double enough = kNearlyAsWell * static_cast<double>(candidates.front().fitting.size());
+  std::erase_if(candidates,
+                [&](const Candidate& one) { return static_cast<double>(one.fitting.size()) < enough; });
+  for (Candidate& one : candidates) one.frontal = Frontal(one.pose, pairs, one.fitting);
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.frontal > b.frontal; });
+  const Candidate& best = candidates.front();
+  view.scene = is_flat ? Scene::kFlat : Scene::kRelief;
+  view.poses.push_back(best.pose);
+  for (std::size_t k = 1; k < candidates.size() && view.poses.size() < 2; ++k) {
+    const Candidate& other = candidates[k];
+    if (other.pose.rotation.angularDistance(best.pose.rotation) > kOtherPoseRad)
+      view.poses.push_back(other.pose);
+  }
+  view.angle_rad = MedianAngle(best.pose.rotation, pairs, best.fitting);
+  TakeMatches(matches, best.fitting, view);
+  return view;
+}
+
+}  // namespace skyquilt::alignment

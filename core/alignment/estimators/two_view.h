@@ -1,0 +1,49 @@
+// VerifyPair: do the matches of two photos fit two cameras that look at one scene, and how were these turned
+// to each other? A flat scene, one in relief and a camera that only turned are told apart, because they leave
+// different things open. Lenses as given; a focal length that is off by a tenth still verifies. Deterministic
+// by the seed. Pure; any thread. Method: matches that roughly follow one similarity (each match proposes its
+// own); a homography by RANSAC; where that leaves many out, an essential matrix by five points (D. Nister,
+// PAMI 2004; in H. Stewenius' form, ISPRS 2006); then all candidate poses refined on Sampson's distance.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/alignment/estimators/epipolar.h"
+#include "core/alignment/features/features.h"
+#include "core/alignment/matching/guided_matching.h"
+#include "core/camera/intrinsics.h"
+
+namespace skyquilt::alignment {
+
+enum class Scene { kFlat, kRelief, kNoParallax };
+
+struct TwoView {
+  Scene scene = Scene::kRelief;
+  std::vector<KeypointMatch> matches;  // those that fit
+  // The likeliest first; a second where the matches fit it nearly as well.
+  std::vector<RelativePose> poses;
+  double angle_rad = 0.0;  // between two rays to the same point, in the median
+};
+
+struct TwoViewPhoto {
+  const PhotoFeatures* features = nullptr;
+  const camera::Intrinsics* lens = nullptr;
+  const std::vector<Eigen::Vector2d>* rays = nullptr;  // (x, y, 1) of each keypoint, freed of distortion
+};
+
+struct TwoViewOptions {
+  int min_matches = 15;
+  double tolerance_sigmas = 8.0;  // of a keypoint's place, each photo
+};
+
+// Rays of a photo's keypoints, for TwoViewPhoto.
+std::vector<Eigen::Vector2d> RaysOf(const PhotoFeatures& features, const camera::Intrinsics& lens, int most);
+
+std::optional<TwoView> VerifyPair(const TwoViewPhoto& first, const TwoViewPhoto& second,
+                                  const std::vector<KeypointMatch>& matches, std::uint64_t seed,
+                                  const TwoViewOptions& options);
+
+}  // namespace skyquilt::alignment

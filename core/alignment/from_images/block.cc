@@ -1,0 +1,336 @@
+#include "core/alignment/from_images/block.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "core/base/median.h"
+#include "core/base/parallel_for.h"
+#include "core/geo/solvers/dense_solvers.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+constexpr double kToleranceSigmas = 6.0;
+constexpr double kMinAngleOfPointRad = 0.015;
+constexpr double kFineScales = 60.0;  // sizes up to this many sigmas are located alike
+constexpr double kUnheldSigma = 1e6;
+constexpr int kCellsAcross = 8;
+
+}  // namespace
+
+Block::Block(const RegistrationInput& input, const SceneTracks& scene, std::vector<BundleLens> lenses)
+    : input_(&input),
+      scene_(&scene),
+      lenses_(std::move(lenses)),
+      is_placed_(input.photos.size(), 0),
+      cam_from_world_(input.photos.size()),
+      rays_(input.photos.size()),
+      point_(scene.tracks.size(), Eigen::Vector3d::Zero()),
+      seen_by_(scene.tracks.size()) {}
+
+const camera::Intrinsics& Block::Lens(int photo) const {
+  return lenses_[static_cast<std::size_t>(input_->photos[static_cast<std::size_t>(photo)].lens)].intrinsics;
+}
+
+Eigen::Vector2d Block::PixelOf(const TrackElement& element) const {
+  const Keypoint& keypoint = input_->photos[static_cast<std::size_t>(element.photo)]
+                                 .features->keypoints[static_cast<std::size_t>(element.keypoint)];
+  return {keypoint.x_px, keypoint.y_px};
+}
+
+double Block::SigmaPx(const TrackElement& element) const {
+  const PhotoFeatures& features = *input_->photos[static_cast<std::size_t>(element.photo)].features;
+  const double size = features.keypoints[static_cast<std::size_t>(element.keypoint)].scale_px;
+  return features.sigma_px * std::max(1.0, size / (features.sigma_px * kFineScales));
+}
+
+void Block::FindRays(int photo) {
+  const auto at = static_cast<std::size_t>(photo);
+  const camera::Intrinsics& lens = Lens(photo);
+  const PhotoFeatures& features = *input_->photos[at].features;
+  std::vector<Eigen::Vector3d>& rays = rays_[at];
+  rays.assign(features.keypoints.size(), Eigen::Vector3d::Zero());
+  for (const int t : scene_->of_photo[at]) {
+    for (const TrackElement& element : scene_->tracks[static_cast<std::size_t>(t)]) {
+      if (element.photo == photo) {
+        rays[static_cast<std::size_t>(element.keypoint)] = lens.Unproject(PixelOf(element)).normalized();
+      }
+    }
+  }
+}
+
+void Block::Place(int photo, const geo::Rigid3& cam_from_world) {
+  const auto at = static_cast<std::size_t>(photo);
+  placed_ += is_placed_[at] != 0 ? 0 : 1;
+  is_placed_[at] = 1;
+  cam_from_world_[at] = cam_from_world;
+  FindRays(photo);
+}
+
+void Block::Remove(int photo) {
+  const auto at = static_cast<std::size_t>(photo);
+  placed_ -= is_placed_[at] != 0 ? 1 : 0;
+  is_placed_[at] = 0;
+}
+
+double Block::ResidualSigmas(const TrackElement& element, const Eigen::Vector3d& point) const {
+  const Eigen::Vector3d in_cam = Pose(element.photo) * point;
+  if (in_cam.z() <= 1e-6) return std::numeric_limits<double>::infinity();
+  const camera::Intrinsics& lens = Lens(element.photo);
+  const Eigen::Vector2d bent = lens.Distort(in_cam.head<2>() / in_cam.z());
+  const Eigen::Vector2d pixel(lens.focal_x_px * bent.x() + lens.center_x_px,
+                              lens.focal_y_px * bent.y() + lens.center_y_px);
+  return (pixel - PixelOf(element)).norm() / SigmaPx(element);
+}
+
+// Where the rays come nearest; the observation with the largest residual goes until all agree.
+void Block::Triangulate(int track) {
+  const std::vector<TrackElement>& elements = scene_->tracks[static_cast<std::size_t>(track)];
+  std::vector<int>& kept = seen_by_[static_cast<std::size_t>(track)];
+  kept.clear();
+  for (std::size_t s = 0; s < elements.size(); ++s) {
+    if (Has(elements[s].photo)) kept.push_back(static_cast<int>(s));
+  }
+  std::vector<Eigen::Vector3d> rays;
+  for (const int s : kept) {
+    const TrackElement& element = elements[static_cast<std::size_t>(s)];
+    const auto photo = static_cast<std::size_t>(element.photo);
+    rays.push_back(cam_from_world_[photo].rotation.conjugate() *
+                   rays_[photo][static_cast<std::size_t>(element.keypoint)]);
+  }
+  while (kept.size() >= 2) {
+    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    double min_cosine = 1.0;
+    for (std::size_t k = 0; k < kept.size(); ++k) {
+      const TrackElement& element = elements[static_cast<std::size_t>(kept[k])];
+      const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - rays[k] * rays[k].transpose();
+      normal += across;
+      right += across * Pose(element.photo).TargetOriginInSource();
+      for (std::size_t m = 0; m < k; ++m) min_cosine = std::min(min_cosine, rays[k].dot(rays[m]));
+    }
+    if (min_cosine > std::cos(kMinAngleOfPointRad)) break;
+    const Eigen::Vector3d point = geo::SolveSymmetric(normal, right);
+    double most = 0.0;
+    std::size_t worst = 0;
+    for (std::size_t k = 0; k < kept.size(); ++k) {
+      const double residual = ResidualSigmas(elements[static_cast<std::size_t>(kept[k])], point);
+      if (residual <= most) continue;
+      most = residual;
+      worst = k;
+    }
+    if (most <= kToleranceSigmas) {
+      point_[static_cast<std::size_t>(track)] = point;
+      return;
+    }
+    kept.erase(kept.begin() + static_cast<std::ptrdiff_t>(worst));
+    rays.erase(rays.begin() + static_cast<std::ptrdiff_t>(worst));
+  }
+  kept.clear();
+}
+
+void Block::TriangulateAll(int threads) {
+  constexpr std::size_t kChunk = 512;
+  ParallelFor((scene_->tracks.size() + kChunk - 1) / kChunk, threads, [&](std::size_t chunk) {
+    const std::size_t last = std::min(scene_->tracks.size(), (chunk + 1) * kChunk);
+    for (std::size_t t = chunk * kChunk; t < last; ++t) Triangulate(static_cast<int>(t));
+  });
+}
+
+void Block::TriangulateSeenBy(const std::vector<int>& photos, int threads) {
+  std::vector<int> tracks;
+  for (const int photo : photos) {
+    const std::vector<int>& seen = scene_->of_photo[static_cast<std::size_t>(photo)];
+    tracks.insert(tracks.end(), seen.begin(), seen.end());
+  }
+  std::sort(tracks.begin(), tracks.end());
+  tracks.erase(std::unique(tracks.begin(), tracks.end()), tracks.end());
+  constexpr std::size_t kChunk = 512;
+  ParallelFor((tracks.size() + kChunk - 1) / kChunk, threads, [&](std::size_t chunk) {
+    const std::size_t last = std::min(tracks.size(), (chunk + 1) * kChunk);
+    for (std::size_t t = chunk * kChunk; t < last; ++t) Triangulate(tracks[t]);
+  });
+}
+
+// Points that many photos see first, and of each photo only as many as it needs, spread over its picture.
+std::vector<int> Block::ChooseTracks(const std::vector<char>& is_free, int observations_per_photo) const {
+  std::vector<int> order;
+  for (std::size_t t = 0; t < scene_->tracks.size(); ++t) {
+    const std::vector<TrackElement>& elements = scene_->tracks[t];
+    const bool counts = std::any_of(seen_by_[t].begin(), seen_by_[t].end(), [&](int s) {
+      return is_free[static_cast<std::size_t>(elements[static_cast<std::size_t>(s)].photo)] != 0;
+    });
+    if (counts) order.push_back(static_cast<int>(t));
+  }
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int a, int b) { return SeenBy(a).size() > SeenBy(b).size(); });
+  constexpr std::size_t kCells = std::size_t{kCellsAcross} * kCellsAcross;
+  std::vector<std::array<int, kCells>> taken(input_->photos.size(), std::array<int, kCells>{});
+  std::vector<int> total(input_->photos.size(), 0);
+  const auto cell_of = [&](const TrackElement& element) {
+    const Eigen::Vector2d pixel = PixelOf(element);
+    const camera::Intrinsics& lens = Lens(element.photo);
+    const int x = std::clamp(static_cast<int>(pixel.x() * kCellsAcross / lens.width_px), 0, kCellsAcross - 1);
+    const int y =
+        std::clamp(static_cast<int>(pixel.y() * kCellsAcross / lens.height_px), 0, kCellsAcross - 1);
+    return static_cast<std::size_t>(y * kCellsAcross + x);
+  };
+  std::vector<int> chosen;
+  std::vector<char> is_chosen(order.size(), 0);
+  const int rounds = 1 + 3 * observations_per_photo / static_cast<int>(kCells);
+  for (int round = 1; round <= rounds; ++round) {
+    for (std::size_t o = 0; o < order.size(); ++o) {
+      if (is_chosen[o]) continue;
+      const std::vector<TrackElement>& elements = scene_->tracks[static_cast<std::size_t>(order[o])];
+      const std::vector<int>& seen = SeenBy(order[o]);
+      const bool is_wanted = std::any_of(seen.begin(), seen.end(), [&](int s) {
+        const TrackElement& element = elements[static_cast<std::size_t>(s)];
+        const auto photo = static_cast<std::size_t>(element.photo);
+        return is_free[photo] && total[photo] < observations_per_photo &&
+               taken[photo][cell_of(element)] < round;
+      });
+      if (!is_wanted) continue;
+      is_chosen[o] = 1;
+      chosen.push_back(order[o]);
+      for (const int s : seen) {
+        const TrackElement& element = elements[static_cast<std::size_t>(s)];
+        ++total[static_cast<std::size_t>(element.photo)];
+        ++taken[static_cast<std::size_t>(element.photo)][cell_of(element)];
+      }
+    }
+  }
+  std::sort(chosen.begin(), chosen.end());
+  return chosen;
+}
+
+void Block::Adjust(const std::vector<int>& free, const BlockAdjustment& options, int threads) {
+  std::vector<char> is_free(is_placed_.size(), free.empty() ? 1 : 0);
+  for (const int photo : free) is_free[static_cast<std::size_t>(photo)] = 1;
+  for (std::size_t i = 0; i < is_free.size(); ++i) is_free[i] = is_free[i] && is_placed_[i] ? 1 : 0;
+  BundleProblem problem;
+  problem.lenses = lenses_;
+  std::vector<int> number(is_placed_.size(), -1);
+  std::vector<int> photo_of;
+  const auto number_of = [&](int photo) {
+    int& own = number[static_cast<std::size_t>(photo)];
+    if (own >= 0) return own;
+    own = static_cast<int>(photo_of.size());
+    photo_of.push_back(photo);
+    BundlePhoto bundled;
+    bundled.cam_from_enu = bundled.prior_cam_from_enu = Pose(photo);
+    bundled.sigma_position_m.setConstant(kUnheldSigma);
+    bundled.sigma_attitude_rad.setConstant(kUnheldSigma);
+    bundled.lens = input_->photos[static_cast<std::size_t>(photo)].lens;
+    bundled.height_above_ground_m = kMedianDepth;
+    bundled.is_fixed = is_free[static_cast<std::size_t>(photo)] == 0;
+    problem.photos.push_back(bundled);
+    return own;
+  };
+  for (const int t : ChooseTracks(is_free, options.observations_per_photo)) {
+    Track track;
+    track.point_in_enu = Point(t);
+    for (const int s : SeenBy(t)) {
+      const TrackElement& element = scene_->tracks[static_cast<std::size_t>(t)][static_cast<std::size_t>(s)];
+      track.observations.push_back({number_of(element.photo), PixelOf(element), SigmaPx(element)});
+    }
+    problem.tracks.push_back(std::move(track));
+  }
+  if (problem.tracks.empty()) return;
+  BundleOptions bundle;
+  bundle.cuts_px = options.cuts_px;
+  bundle.max_iterations = options.max_iterations;
+  bundle.adjust_lens = options.adjust_lens && free.empty();
+  AdjustBundle(problem, bundle);
+  for (std::size_t n = 0; n < photo_of.size(); ++n) {
+    if (!problem.photos[n].is_fixed) {
+      cam_from_world_[static_cast<std::size_t>(photo_of[n])] = problem.photos[n].cam_from_enu;
+    }
+  }
+  if (bundle.adjust_lens) {
+    lenses_ = std::move(problem.lenses);
+    ParallelFor(is_placed_.size(), threads, [&](std::size_t i) {
+      if (is_placed_[i]) FindRays(static_cast<int>(i));
+    });
+    TriangulateAll(threads);
+    Normalise();
+  } else if (free.empty()) {
+    TriangulateAll(threads);
+    Normalise();
+  } else {
+    TriangulateSeenBy(free, threads);
+  }
+}
+
+void Block::Move(double scale, const Eigen::Quaterniond& turn, const Eigen::Vector3d& shift) {
+  for (std::size_t i = 0; i < is_placed_.size(); ++i) {
+    if (!is_placed_[i]) continue;
+    const Eigen::Vector3d center = scale * (turn * cam_from_world_[i].TargetOriginInSource()) + shift;
+    cam_from_world_[i] = geo::Rigid3::FromRotationAndTargetOrigin(
+        (cam_from_world_[i].rotation * turn.conjugate()).normalized(), center);
+  }
+  for (std::size_t t = 0; t < point_.size(); ++t) {
+    if (!seen_by_[t].empty()) point_[t] = scale * (turn * point_[t]) + shift;
+  }
+}
+
+void Block::Normalise() {
+  std::vector<double> depths;
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (std::size_t t = 0; t < point_.size(); ++t) {
+    for (const int s : seen_by_[t]) {
+      depths.push_back((Pose(scene_->tracks[t][static_cast<std::size_t>(s)].photo) * point_[t]).z());
+    }
+  }
+  if (depths.empty() || placed_ == 0) return;
+  for (std::size_t i = 0; i < is_placed_.size(); ++i) {
+    if (is_placed_[i]) middle += cam_from_world_[i].TargetOriginInSource() / placed_;
+  }
+  const double scale = kMedianDepth / Median(std::move(depths));
+  Move(scale, Eigen::Quaterniond::Identity(), -scale * middle);
+}
+
+std::vector<int> Block::PointsSeen() const {
+  std::vector<int> seen(is_placed_.size(), 0);
+  for (std::size_t t = 0; t < seen_by_.size(); ++t) {
+    for (const int s : seen_by_[t]) {
+      ++seen[static_cast<std::size_t>(scene_->tracks[t][static_cast<std::size_t>(s)].photo)];
+    }
+  }
+  return seen;
+}
+
+std::vector<double> Block::ResidualsPx() const {
+  std::vector<double> square(is_placed_.size(), 0.0);
+  const std::vector<int> seen = PointsSeen();
+  for (std::size_t t = 0; t < seen_by_.size(); ++t) {
+    for (const int s : seen_by_[t]) {
+      const TrackElement& element = scene_->tracks[t][static_cast<std::size_t>(s)];
+      const double residual = ResidualSigmas(element, point_[t]) * SigmaPx(element);
+      square[static_cast<std::size_t>(element.photo)] += residual * residual;
+    }
+  }
+  for (std::size_t i = 0; i < square.size(); ++i)
+    square[i] = seen[i] > 0 ? std::sqrt(square[i] / seen[i]) : 0.0;
+  return square;
+}
+
+std::vector<Track> Block::Tracks() const {
+  std::vector<Track> tracks;
+  for (std::size_t t = 0; t < seen_by_.size(); ++t) {
+    if (seen_by_[t].empty()) continue;
+    Track track;
+    track.point_in_enu = point_[t];
+    for (const int s : seen_by_[t]) {
+      const TrackElement& element = scene_->tracks[t][static_cast<std::size_t>(s)];
+      track.observations.push_back({element.photo, PixelOf(element), SigmaPx(element)});
+    }
+    tracks.push_back(std::move(track));
+  }
+  return tracks;
+}
+
+}  // namespace skyquilt::alignment

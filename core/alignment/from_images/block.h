@@ -1,0 +1,82 @@
+// Block: photos placed to each other and the points they see, while the block grows. Frame `world`, its own:
+// half of the points lie kMedianDepth before the cameras, so that numbers stay of one size. Points follow
+// from poses: after moving photos, triangulate again. Const methods: any thread.
+#pragma once
+
+#include <Eigen/Core>
+#include <utility>
+#include <vector>
+
+#include "core/alignment/scene/registration.h"
+#include "core/alignment/scene/scene_tracks.h"
+#include "core/geo/rigid3.h"
+
+namespace skyquilt::alignment {
+
+inline constexpr double kMedianDepth = 50.0;
+
+struct BlockAdjustment {
+  int observations_per_photo = 80;
+  int max_iterations = 10;
+  std::vector<double> cuts_px{20.0, 8.0};
+  bool adjust_lens = true;
+};
+
+class Block {
+ public:
+  // Keeps references to all three.
+  Block(const RegistrationInput& input, const SceneTracks& scene, std::vector<BundleLens> lenses);
+
+  bool Has(int photo) const { return is_placed_[static_cast<std::size_t>(photo)] != 0; }
+  int size() const { return placed_; }
+  const geo::Rigid3& Pose(int photo) const { return cam_from_world_[static_cast<std::size_t>(photo)]; }
+  const camera::Intrinsics& Lens(int photo) const;
+  const std::vector<BundleLens>& lenses() const { return lenses_; }
+  const RegistrationInput& input() const { return *input_; }
+  const SceneTracks& scene() const { return *scene_; }
+
+  void Place(int photo, const geo::Rigid3& cam_from_world);
+  void Remove(int photo);
+
+  // Points from all placed photos that agree on them.
+  void TriangulateAll(int threads);
+  void TriangulateSeenBy(const std::vector<int>& photos, int threads);
+  bool HasPoint(int track) const { return !seen_by_[static_cast<std::size_t>(track)].empty(); }
+  const Eigen::Vector3d& Point(int track) const { return point_[static_cast<std::size_t>(track)]; }
+  // Indices into the track of the observations that agree.
+  const std::vector<int>& SeenBy(int track) const { return seen_by_[static_cast<std::size_t>(track)]; }
+  Eigen::Vector2d PixelOf(const TrackElement& element) const;
+  double SigmaPx(const TrackElement& element) const;
+
+  // Bundle adjustment of `free` photos (all: an empty list), the others fixed; points are triangulated anew.
+  void Adjust(const std::vector<int>& free, const BlockAdjustment& options, int threads);
+
+  // Similarity of the whole block: world' = scale * turn * world + shift.
+  void Move(double scale, const Eigen::Quaterniond& turn, const Eigen::Vector3d& shift);
+  void Normalise();
+
+  // Points that a photo sees in agreement with others.
+  std::vector<int> PointsSeen() const;
+  // In pixels; 0 where it sees none.
+  std::vector<double> ResidualsPx() const;
+  // As the adjustment takes them.
+  std::vector<Track> Tracks() const;
+
+ private:
+  void Triangulate(int track);
+  void FindRays(int photo);
+  double ResidualSigmas(const TrackElement& element, const Eigen::Vector3d& point) const;
+  std::vector<int> ChooseTracks(const std::vector<char>& is_free, int observations_per_photo) const;
+
+  const RegistrationInput* input_;
+  const SceneTracks* scene_;
+  std::vector<BundleLens> lenses_;
+  std::vector<char> is_placed_;
+  int placed_ = 0;
+  std::vector<geo::Rigid3> cam_from_world_;
+  std::vector<std::vector<Eigen::Vector3d>> rays_;  // unit, in cam; of placed photos, by their tracks' order
+  std::vector<Eigen::Vector3d> point_;
+  std::vector<std::vector<int>> seen_by_;
+};
+
+}  // namespace skyquilt::alignment

@@ -1,0 +1,53 @@
+// Georeference: where a registered block lies on Earth, by what there is: recorded positions, a third of
+// which may be wrong; surveyed points; otherwise nothing but a stated guess. Which way is up, the ground
+// itself says (a plane through most of the points), or recorded attitudes where they agree with each other;
+// north likewise. Frame `enu` of the flight. Pure; any thread.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <optional>
+#include <vector>
+
+#include "core/alignment/estimators/similarity.h"
+#include "core/alignment/scene/registration.h"
+
+namespace skyquilt::alignment {
+
+struct PhotoRecord {
+  std::optional<Eigen::Vector3d> center_in_enu;
+  Eigen::Vector3d sigma_m = Eigen::Vector3d::Constant(3.0);
+  std::optional<Eigen::Quaterniond> cam_from_enu;  // the recorded attitude
+  double sigma_tilt_rad = 0.05;                    // of it
+  std::optional<double> height_above_ground_m;
+};
+
+struct GeoreferenceRecords {
+  std::vector<PhotoRecord> photos;  // by photo
+  // Surveyed points that two or more photos of the block show: world and enu.
+  std::vector<PlacePair> control;
+  double ground_z_in_enu_m = 0.0;
+  bool trusts_heights = false;     // of the positions, up to a quarter of the flying height
+  double guessed_width_m = 100.0;  // of the ground a photo shows, where nothing tells
+};
+
+enum class Placing { kByPositions, kByControl, kByHeights, kByGuess };
+
+struct BlockPlace {
+  Similarity3 enu_from_world;
+  Placing placing = Placing::kByGuess;
+  std::vector<char> position_holds;  // by photo; zero for those without, or not of this block
+  int positions = 0, positions_held = 0;
+  double median_residual_m = 0.0;  // horizontal, of positions or surveyed points
+  double spread_sigmas = 1.0;      // residual of the inlier positions in their stated sigmas
+  bool knows_north = false;
+};
+
+// The upward normal of the plane through most of the points; nothing of fewer than ten.
+std::optional<UpDirection> UpOfGround(const std::vector<Eigen::Vector3d>& points,
+                                      const std::vector<Eigen::Vector3d>& camera_centers);
+
+// Of block number `block`, which has photos.
+BlockPlace Georeference(const Registration& registration, int block, const GeoreferenceRecords& records);
+
+}  // namespace skyquilt::alignment

@@ -1,0 +1,285 @@
+#include "core/alignment/from_images/grow_block.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/alignment/estimators/absolute_pose.h"
+#include "core/alignment/from_images/resect_over_ground.h"
+#include "core/base/parallel_for.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+constexpr std::size_t kMaxBeginnings = 6;
+constexpr int kPhotosAfterSeedPair = 4;  // photos
+constexpr int kEnoughPoints = 15;
+constexpr double kMinAngleRad = 0.03, kWideAngleRad = 0.15;
+constexpr double kNearlyTheMost = 0.5;  // photos that see so many points as the one that sees most come along
+constexpr int kSmallBlock = 12;         // adjusted whole every time
+constexpr double kGrown = 1.4;          // adjusted whole when grown by that
+constexpr int kLensFromPhotos = 5;
+constexpr std::size_t kMaxNeighbours = 10;
+constexpr int kMinKept = 10;  // points of a photo that stays
+constexpr int kMinKeptOverGround = 20;
+
+struct Beginning {
+  std::size_t pair = 0, pose = 0;
+};
+
+std::vector<Beginning> Beginnings(const ViewGraph& graph, const std::vector<char>& is_taken) {
+  std::vector<std::pair<double, std::size_t>> ranked;
+  for (std::size_t p = 0; p < graph.pairs.size(); ++p) {
+    const GraphPair& pair = graph.pairs[p];
+    if (is_taken[static_cast<std::size_t>(pair.first)] || is_taken[static_cast<std::size_t>(pair.second)])
+      continue;
+    if (pair.view.scene == Scene::kNoParallax || pair.view.angle_rad < kMinAngleRad) continue;
+    const double score =
+        static_cast<double>(pair.view.matches.size()) * std::min(1.0, pair.view.angle_rad / kWideAngleRad);
+    ranked.emplace_back(-score, p);
+  }
+  std::sort(ranked.begin(), ranked.end());
+  // Not all from one place: a photo begins two at most.
+  std::vector<int> begun(is_taken.size(), 0);
+  std::vector<Beginning> chosen;
+  for (const auto& [score, p] : ranked) {
+    if (chosen.size() >= kMaxBeginnings) break;
+    const GraphPair& pair = graph.pairs[p];
+    int& first = begun[static_cast<std::size_t>(pair.first)];
+    int& second = begun[static_cast<std::size_t>(pair.second)];
+    if (first >= 2 || second >= 2) continue;
+    ++first;
+    ++second;
+    for (std::size_t k = 0; k < pair.view.poses.size(); ++k) chosen.push_back({p, k});
+  }
+  return chosen;
+}
+
+struct Wanting {
+  int photo = 0;
+  std::vector<int> tracks;  // with points
+};
+
+std::vector<Wanting> PhotosThatSee(const Block& block, const std::vector<char>& is_taken, int at_least) {
+  std::vector<Wanting> wanting;
+  for (std::size_t i = 0; i < is_taken.size(); ++i) {
+    if (is_taken[i] || block.Has(static_cast<int>(i))) continue;
+    Wanting one{static_cast<int>(i), {}};
+    for (const int t : block.scene().of_photo[i]) {
+      if (block.HasPoint(t)) one.tracks.push_back(t);
+    }
+    if (static_cast<int>(one.tracks.size()) >= at_least) wanting.push_back(std::move(one));
+  }
+  std::stable_sort(wanting.begin(), wanting.end(),
+                   [](const Wanting& a, const Wanting& b) { return a.tracks.size() > b.tracks.size(); });
+  return wanting;
+}
+
+std::optional<FoundPose> Resect(const Block& block, const Wanting& wanting, const GrowOptions& options) {
+  std::vector<PointObservation> observations;
+  for (const int t : wanting.tracks) {
+    for (const TrackElement& element : block.scene().tracks[static_cast<std::size_t>(t)]) {
+      if (element.photo != wanting.photo) continue;
+      observations.push_back({block.PixelOf(element), block.Point(t), block.SigmaPx(element)});
+    }
+  }
+  FindPoseOptions find;
+  find.min_inliers = std::max(options.min_inliers,
+                              static_cast<int>(options.min_share * static_cast<double>(observations.size())));
+  return FindPose(block.Lens(wanting.photo), observations, static_cast<std::uint64_t>(wanting.photo), find);
+}
+
+// Photos that see most of what these see.
+std::vector<int> WithNeighbours(const Block& block, const std::vector<int>& photos) {
+  std::vector<int> shared(block.input().photos.size(), 0);
+  for (const int photo : photos) {
+    for (const int t : block.scene().of_photo[static_cast<std::size_t>(photo)]) {
+      for (const int s : block.SeenBy(t)) {
+        ++shared[static_cast<std::size_t>(
+            block.scene().tracks[static_cast<std::size_t>(t)][static_cast<std::size_t>(s)].photo)];
+      }
+    }
+  }
+  std::vector<int> free = photos;
+  for (const int photo : photos) shared[static_cast<std::size_t>(photo)] = 0;
+  std::vector<std::pair<int, int>> ranked;
+  for (std::size_t i = 0; i < shared.size(); ++i) {
+    if (shared[i] > 0) ranked.emplace_back(-shared[i], static_cast<int>(i));
+  }
+  std::sort(ranked.begin(), ranked.end());
+  for (std::size_t k = 0; k < std::min(kMaxNeighbours + photos.size(), ranked.size()); ++k) {
+    free.push_back(ranked[k].second);
+  }
+  return free;
+}
+
+BlockAdjustment WholeAdjustment(const Block& block, const GrowOptions& options) {
+  BlockAdjustment whole;
+  whole.observations_per_photo = options.observations_per_photo;
+  whole.adjust_lens = block.size() >= kLensFromPhotos;
+  return whole;
+}
+
+// Photos that hardly any point still holds.
+void DropUnheld(int threads, Block& block) {
+  const std::vector<int> seen = block.PointsSeen();
+  bool is_changed = false;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (!block.Has(static_cast<int>(i)) || seen[i] >= kMinKept) continue;
+    block.Remove(static_cast<int>(i));
+    is_changed = true;
+  }
+  if (is_changed) block.TriangulateAll(threads);
+}
+
+// One round: what found its place.
+std::vector<int> TakeRound(const std::vector<char>& is_taken, std::size_t most, const GrowOptions& options,
+                           int threads, std::vector<int>& failed_at, Block& block) {
+  std::vector<Wanting> wanting = PhotosThatSee(block, is_taken, options.min_inliers);
+  // Once refused, a photo is asked again when it sees a good deal more.
+  std::erase_if(wanting, [&](const Wanting& one) {
+    const int before = failed_at[static_cast<std::size_t>(one.photo)];
+    return before > 0 && static_cast<double>(one.tracks.size()) < 1.2 * before;
+  });
+  if (wanting.empty()) return {};
+  const double enough = kNearlyTheMost * static_cast<double>(wanting.front().tracks.size());
+  std::size_t count = 0;
+  while (count < wanting.size() && count < most &&
+         static_cast<double>(wanting[count].tracks.size()) >= enough)
+    ++count;
+  wanting.resize(count);
+  std::vector<std::optional<FoundPose>> found(count);
+  ParallelFor(count, threads, [&](std::size_t k) { found[k] = Resect(block, wanting[k], options); });
+  std::vector<int> taken;
+  for (std::size_t k = 0; k < count; ++k) {
+    if (found[k]) {
+      block.Place(wanting[k].photo, found[k]->cam_from_world);
+      taken.push_back(wanting[k].photo);
+    } else {
+      failed_at[static_cast<std::size_t>(wanting[k].photo)] = static_cast<int>(wanting[k].tracks.size());
+    }
+  }
+  if (taken.empty()) return TakeRound(is_taken, most, options, threads, failed_at, block);
+  block.TriangulateSeenBy(taken, threads);
+  return taken;
+}
+
+// One photo that shows what placed ones show, but hardly any of their points (ResectOverGround), if it then
+// shares points enough. Each is tried once.
+bool TakeOverGround(const std::vector<char>& is_taken, const ViewGraph& graph, const GrowOptions& options,
+                    int threads, std::vector<char>& was_tried, Block& block) {
+  std::vector<char> is_asked(is_taken.size(), 0);
+  for (std::size_t i = 0; i < is_taken.size(); ++i) is_asked[i] = !is_taken[i] && !was_tried[i] ? 1 : 0;
+  for (const GroundedPose& one : ResectOverGround(block, graph.pairs, is_asked, threads)) {
+    was_tried[static_cast<std::size_t>(one.photo)] = 1;
+    Block grown = block;
+    grown.Place(one.photo, one.cam_from_world);
+    grown.TriangulateSeenBy({one.photo}, threads);
+    grown.Adjust({}, WholeAdjustment(grown, options), threads);
+    DropUnheld(threads, grown);
+    if (grown.Has(one.photo) &&
+        grown.PointsSeen()[static_cast<std::size_t>(one.photo)] >= kMinKeptOverGround &&
+        grown.size() > block.size()) {
+      block = std::move(grown);
+      return true;
+    }
+  }
+  return false;
+}
+
+struct Tried {
+  Block block;
+  int observations = 0;
+};
+
+std::optional<Tried> Try(const RegistrationInput& input, const ViewGraph& graph, const SceneTracks& scene,
+                         const std::vector<BundleLens>& lenses, const std::vector<char>& is_taken,
+                         const Beginning& beginning, const GrowOptions& options, int threads) {
+  const GraphPair& pair = graph.pairs[beginning.pair];
+  const RelativePose& pose = pair.view.poses[beginning.pose];
+  Block block(input, scene, lenses);
+  block.Place(pair.first, geo::Rigid3{});
+  block.Place(pair.second, geo::Rigid3{pose.rotation, pose.direction});
+  block.TriangulateSeenBy({pair.first, pair.second}, threads);
+  if (block.PointsSeen()[static_cast<std::size_t>(pair.first)] < kEnoughPoints) return std::nullopt;
+  block.Normalise();
+  BlockAdjustment adjustment = WholeAdjustment(block, options);
+  block.Adjust({}, adjustment, threads);
+  std::vector<int> failed_at(input.photos.size(), 0);
+  for (int round = 0; round < kPhotosAfterSeedPair && block.size() < 2 + kPhotosAfterSeedPair; ++round) {
+    const std::vector<int> taken = TakeRound(is_taken, 2, options, threads, failed_at, block);
+    if (taken.empty()) break;
+    adjustment = WholeAdjustment(block, options);
+    block.Adjust({}, adjustment, threads);
+    DropUnheld(threads, block);
+  }
+  if (block.size() < 3) return std::nullopt;
+  Tried tried{std::move(block), 0};
+  // Points of three and more photos: two agree on anything.
+  for (std::size_t t = 0; t < scene.tracks.size(); ++t) {
+    const auto seen = static_cast<int>(tried.block.SeenBy(static_cast<int>(t)).size());
+    if (seen >= 3) tried.observations += seen;
+  }
+  return tried;
+}
+
+}  // namespace
+
+std::optional<Block> BeginBlock(const RegistrationInput& input, const ViewGraph& graph,
+                                const SceneTracks& scene, const std::vector<BundleLens>& lenses,
+                                const std::vector<char>& is_taken, const GrowOptions& options, int threads) {
+  const std::vector<Beginning> beginnings = Beginnings(graph, is_taken);
+  std::vector<std::optional<Tried>> tried(beginnings.size());
+  ParallelFor(beginnings.size(), threads, [&](std::size_t b) {
+    tried[b] = Try(input, graph, scene, lenses, is_taken, beginnings[b], options, 1);
+  });
+  std::optional<Tried>* best = nullptr;
+  for (std::optional<Tried>& one : tried) {
+    if (!one) continue;
+    if (best == nullptr || one->observations > (*best)->observations) best = &one;
+  }
+  if (best == nullptr) return std::nullopt;
+  return std::move((*best)->block);
+}
+
+int GrowBlock(const ViewGraph& graph, const std::vector<char>& is_taken, const GrowOptions& options,
+              int threads, Progress& progress, Block& block) {
+  const int before = block.size();
+  std::vector<char> was_tried(is_taken.size(), 0);
+  std::vector<int> failed_at(is_taken.size(), 0);
+  int whole_at = block.size();
+  bool asked_again = false;
+  while (!progress.IsCancelled()) {
+    const std::size_t most = std::max<std::size_t>(2, static_cast<std::size_t>(block.size()) / 2);
+    const std::vector<int> taken = TakeRound(is_taken, most, options, threads, failed_at, block);
+    if (taken.empty()) {
+      // Once more with everything in its best place, where somebody still waits for it.
+      if (asked_again || PhotosThatSee(block, is_taken, options.min_inliers).empty()) {
+        if (!TakeOverGround(is_taken, graph, options, threads, was_tried, block)) break;
+        failed_at.assign(is_taken.size(), 0);
+        asked_again = false;
+        continue;
+      }
+      asked_again = true;
+      block.Adjust({}, WholeAdjustment(block, options), threads);
+      DropUnheld(threads, block);
+      failed_at.assign(is_taken.size(), 0);
+      whole_at = block.size();
+      continue;
+    }
+    asked_again = false;
+    if (block.size() <= kSmallBlock || block.size() >= kGrown * whole_at) {
+      block.Adjust({}, WholeAdjustment(block, options), threads);
+      DropUnheld(threads, block);
+      whole_at = block.size();
+    } else {
+      BlockAdjustment local;
+      local.observations_per_photo = options.observations_per_photo;
+      local.cuts_px = {15.0};
+      local.max_iterations = 6;
+      block.Adjust(WithNeighbours(block, taken), local, threads);
+    }
+  }
+  return block.size() - before;
+}
+
+}  // namespace skyquilt::alignment

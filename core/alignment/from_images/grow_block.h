@@ -1,0 +1,33 @@
+// A block of photos from nothing: two that see a scene from different places, then all others that see enough
+// of the points so far, adjusted again and again while it grows. What two views of flat ground leave open the
+// next photos decide: several beginnings are tried and the one with most inliers is taken. The same for any
+// number of threads.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/alignment/from_images/block.h"
+#include "core/alignment/from_images/view_graph.h"
+#include "core/base/progress.h"
+
+namespace skyquilt::alignment {
+
+struct GrowOptions {
+  int min_inliers = 12;     // observations that agree on a new photo's pose
+  double min_share = 0.25;  // of the points it shares with the block
+  int observations_per_photo = 80;
+};
+
+// Of photos that `is_taken` leaves; nothing when no two of them begin a block of three or more.
+std::optional<Block> BeginBlock(const RegistrationInput& input, const ViewGraph& graph,
+                                const SceneTracks& scene, const std::vector<BundleLens>& lenses,
+                                const std::vector<char>& is_taken, const GrowOptions& options, int threads);
+
+// Takes in photos that `is_taken` leaves until no more follow; how many it took in. The block is adjusted as
+// a whole at the end. Where no photo sees enough of the points, one that shows what placed ones show is taken
+// in over the ground (resect_over_ground.h), and the others follow it.
+int GrowBlock(const ViewGraph& graph, const std::vector<char>& is_taken, const GrowOptions& options,
+              int threads, Progress& progress, Block& block);
+
+}  // namespace skyquilt::alignment

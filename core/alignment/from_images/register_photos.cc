@@ -1,0 +1,150 @@
+#include "core/alignment/from_images/register_photos.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/alignment/from_images/join_blocks.h"
+#include "core/base/scoped_timer.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+constexpr double kOtherFocal = 0.05;
+constexpr int kFewForALens = 5;
+constexpr int kMaxPasses = 2;
+constexpr double kMinSigmaFocal = 0.02;  // what is recorded may be that of another image size
+constexpr int kMinSeen = 12;             // points of a photo that counts as registered
+
+void AdjustLast(const RegisterOptions& options, int threads, Block& block) {
+  BlockAdjustment last;
+  last.observations_per_photo = options.last_observations_per_photo;
+  last.cuts_px = {10.0, 0.0};
+  last.max_iterations = 15;
+  last.adjust_lens = block.size() >= 5;
+  block.Adjust({}, last, threads);
+}
+
+// Each smaller block into the first larger one that it shares points with, again and again.
+void JoinAll(int threads, const RegisterOptions& options, std::vector<Block>& blocks) {
+  for (bool is_joined = true; is_joined;) {
+    is_joined = false;
+    std::stable_sort(blocks.begin(), blocks.end(),
+                     [](const Block& a, const Block& b) { return a.size() > b.size(); });
+    for (std::size_t large = 0; large < blocks.size() && !is_joined; ++large) {
+      for (std::size_t small = large + 1; small < blocks.size() && !is_joined; ++small) {
+        const std::optional<Similarity3> joint = FindJoint(blocks[large], blocks[small]);
+        if (!joint) continue;
+        JoinBlocks(*joint, blocks[small], threads, blocks[large]);
+        AdjustLast(options, threads, blocks[large]);
+        blocks.erase(blocks.begin() + static_cast<std::ptrdiff_t>(small));
+        is_joined = true;
+      }
+    }
+  }
+}
+
+void TakeOver(const std::vector<Block>& blocks, const ViewGraph& graph, Registration& registration) {
+  double square = 0.0;
+  int observations = 0;
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    const Block& block = blocks[b];
+    const std::vector<int> seen = block.PointsSeen();
+    const std::vector<double> residuals = block.ResidualsPx();
+    int size = 0;
+    for (std::size_t i = 0; i < registration.photos.size(); ++i) {
+      if (!block.Has(static_cast<int>(i)) || seen[i] < kMinSeen) continue;
+      RegisteredPhoto& photo = registration.photos[i];
+      photo.cam_from_world = block.Pose(static_cast<int>(i));
+      photo.block = static_cast<int>(b);
+      photo.observations = seen[i];
+      photo.residual_rms_px = residuals[i];
+      square += residuals[i] * residuals[i] * seen[i];
+      observations += seen[i];
+      ++size;
+    }
+    registration.block_sizes.push_back(size);
+    for (Track& track : block.Tracks()) registration.tracks.push_back(std::move(track));
+  }
+  registration.residual_rms_px = observations > 0 ? std::sqrt(square / observations) : 0.0;
+  for (const GraphPair& pair : graph.pairs) {
+    RegisteredPhoto& first = registration.photos[static_cast<std::size_t>(pair.first)];
+    RegisteredPhoto& second = registration.photos[static_cast<std::size_t>(pair.second)];
+    if (first.block < 0 || first.block != second.block) continue;
+    ++first.links;
+    ++second.links;
+    registration.links.push_back({pair.first, pair.second, {}, pair.view.matches, 0.0});
+  }
+}
+
+}  // namespace
+
+namespace {
+
+std::vector<Block> GrowBlocks(const RegistrationInput& input, const ViewGraph& graph,
+                              const SceneTracks& scene, const RegisterOptions& options, int threads,
+                              Progress& progress) {
+  std::vector<char> is_taken(input.photos.size(), 0);
+  std::vector<Block> blocks;
+  std::vector<BundleLens> lenses = input.lenses;
+  while (!progress.IsCancelled()) {
+    std::optional<Block> begun = BeginBlock(input, graph, scene, lenses, is_taken, options.grow, threads);
+    if (!begun) break;
+    GrowBlock(graph, is_taken, options.grow, threads, progress, *begun);
+    AdjustLast(options, threads, *begun);
+    // The largest knows the lenses best: the others start from there.
+    if (blocks.empty()) lenses = begun->lenses();
+    for (std::size_t i = 0; i < is_taken.size(); ++i) {
+      if (begun->Has(static_cast<int>(i))) is_taken[i] = 1;
+    }
+    blocks.push_back(*std::move(begun));
+  }
+  JoinAll(threads, options, blocks);
+  return blocks;
+}
+
+// Lenses as the largest block has them, where they are no more what they were taken for.
+bool TakeLenses(const std::vector<Block>& blocks, RegistrationInput& input) {
+  if (blocks.empty() || blocks.front().size() < kFewForALens) return false;
+  bool is_other = false;
+  for (std::size_t c = 0; c < input.lenses.size(); ++c) {
+    const camera::Intrinsics& found = blocks.front().lenses()[c].intrinsics;
+    const double off = std::abs(std::log(found.focal_x_px / input.lenses[c].intrinsics.focal_x_px));
+    is_other = is_other || off > kOtherFocal;
+    input.lenses[c].intrinsics = found;
+  }
+  return is_other;
+}
+
+}  // namespace
+
+Registration RegisterPhotos(const RegistrationInput& given, const RegisterOptions& options, int threads,
+                            Progress& progress) {
+  Registration registration;
+  for (const RegistrationPhoto& photo : given.photos) registration.photos.emplace_back().lens = photo.lens;
+  registration.lenses = given.lenses;
+  RegistrationInput input = given;
+  for (BundleLens& lens : input.lenses)
+    lens.sigma_focal_share = std::max(lens.sigma_focal_share, kMinSigmaFocal);
+  ViewGraph graph = BuildViewGraph(input, options.graph, threads, registration.report, progress);
+  for (int pass = 0;; ++pass) {
+    ScopedTimer timer(registration.report.growing_s);
+    const SceneTracks scene = JoinMatches(input, graph.pairs);
+    const std::vector<Block> blocks = GrowBlocks(input, graph, scene, options, threads, progress);
+    RegistrationInput better = input;
+    if (pass < kMaxPasses && !progress.IsCancelled() && TakeLenses(blocks, better)) {
+      // Through the right lens more pairs agree, and with each other.
+      input = std::move(better);
+      VerifyAgain(input, options.graph, threads, registration.report, graph);
+      continue;
+    }
+    if (!blocks.empty()) registration.lenses = blocks.front().lenses();
+    TakeOver(blocks, graph, registration);
+    break;
+  }
+  for (std::size_t c = 0; c < given.lenses.size(); ++c) {
+    registration.lenses[c].sigma_focal_share = given.lenses[c].sigma_focal_share;
+  }
+  return registration;
+}
+
+}  // namespace skyquilt::alignment

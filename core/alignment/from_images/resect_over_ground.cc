@@ -1,0 +1,109 @@
+#include "core/alignment/from_images/resect_over_ground.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <map>
+
+#include "core/alignment/estimators/absolute_pose.h"
+#include "core/alignment/from_images/block_ground.h"
+#include "core/base/parallel_for.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+constexpr double kGroundSigmas = 3.0;       // the ground is not quite level
+constexpr int kMinOverGround = 24;          // matches that agree
+constexpr int kManyOfOnePair = 30;          // matches of one pair that need no other to agree,
+constexpr double kMinShareOfOnePair = 0.8;  // if they are nearly all
+constexpr int kFewOfAPair = 6;
+constexpr double kMinShareOverGround = 0.5;
+constexpr double kMaxHeightStep = 6.0;  // a climb
+constexpr int kGroundPoseSamples = 300;
+
+struct Shown {
+  PointObservation observation;
+  int partner = 0;
+};
+
+std::vector<Shown> ShownOnGround(const Block& block, const BlockGround& ground,
+                                 const std::vector<const GraphPair*>& pairs, int photo) {
+  std::vector<Shown> shown;
+  const auto keypoint = [&](int of, int k) -> const Keypoint& {
+    return block.input()
+        .photos[static_cast<std::size_t>(of)]
+        .features->keypoints[static_cast<std::size_t>(k)];
+  };
+  for (const GraphPair* pair : pairs) {
+    const bool leads = pair->first == photo;
+    const int partner = leads ? pair->second : pair->first;
+    for (const KeypointMatch& match : pair->view.matches) {
+      const Keypoint& own = keypoint(photo, leads ? match.first : match.second);
+      const Keypoint& other = keypoint(partner, leads ? match.second : match.first);
+      const auto point = ground.Lift(partner, {other.x_px, other.y_px});
+      if (!point) continue;
+      const double sigma_px =
+          kGroundSigmas * block.input().photos[static_cast<std::size_t>(photo)].features->sigma_px;
+      shown.push_back({{{own.x_px, own.y_px}, *point, sigma_px}, partner});
+    }
+  }
+  return shown;
+}
+
+std::optional<GroundedPose> ResectOne(const Block& block, const BlockGround& ground,
+                                      const std::vector<const GraphPair*>& pairs, int photo) {
+  const std::vector<Shown> shown = ShownOnGround(block, ground, pairs, photo);
+  if (static_cast<int>(shown.size()) < kMinOverGround) return std::nullopt;
+  std::vector<PointObservation> observations;
+  for (const Shown& one : shown) observations.push_back(one.observation);
+  FindPoseOptions options;
+  options.max_samples = kGroundPoseSamples;
+  options.min_inliers = std::max(
+      kMinOverGround, static_cast<int>(kMinShareOverGround * static_cast<double>(observations.size())));
+  const auto found =
+      FindPose(block.Lens(photo), observations, 0x6E0DULL + static_cast<std::uint64_t>(photo), options);
+  if (!found) return std::nullopt;
+  std::map<int, int> of_partner;
+  for (const int k : found->inliers) ++of_partner[shown[static_cast<std::size_t>(k)].partner];
+  int agreeing_partners = 0, most = 0, nearest = -1;
+  for (const auto& [partner, matches] : of_partner) {
+    agreeing_partners += matches >= kFewOfAPair ? 1 : 0;
+    if (matches > most) most = matches, nearest = partner;
+  }
+  const bool is_one_enough =
+      most >= kManyOfOnePair && most >= kMinShareOfOnePair * static_cast<double>(observations.size());
+  if (agreeing_partners < 2 && !is_one_enough) return std::nullopt;
+  const double height = ground.HeightAbove(found->cam_from_world, nearest);
+  const double usual = ground.HeightAbove(block.Pose(nearest), nearest);
+  if (height < usual / kMaxHeightStep || height > usual * kMaxHeightStep) return std::nullopt;
+  return GroundedPose{photo, found->cam_from_world, static_cast<int>(found->inliers.size())};
+}
+
+}  // namespace
+
+std::vector<GroundedPose> ResectOverGround(const Block& block, const std::vector<GraphPair>& pairs,
+                                           const std::vector<char>& is_asked, int threads) {
+  std::map<int, std::vector<const GraphPair*>> of_photo;
+  for (const GraphPair& pair : pairs) {
+    for (const auto [photo, partner] :
+         {std::pair(pair.first, pair.second), std::pair(pair.second, pair.first)}) {
+      if (is_asked[static_cast<std::size_t>(photo)] && !block.Has(photo) && block.Has(partner))
+        of_photo[photo].push_back(&pair);
+    }
+  }
+  if (of_photo.empty()) return {};
+  const BlockGround ground(block);
+  if (!ground.is_known()) return {};
+  const std::vector<std::pair<int, std::vector<const GraphPair*>>> asked(of_photo.begin(), of_photo.end());
+  std::vector<std::optional<GroundedPose>> found(asked.size());
+  ParallelFor(asked.size(), threads,
+              [&](std::size_t k) { found[k] = ResectOne(block, ground, asked[k].second, asked[k].first); });
+  std::vector<GroundedPose> poses;
+  for (const std::optional<GroundedPose>& one : found) {
+    if (one) poses.push_back(*one);
+  }
+  std::stable_sort(poses.begin(), poses.end(),
+                   [](const GroundedPose& a, const GroundedPose& b) { return a.agreeing > b.agreeing; });
+  return poses;
+}
+
+}  // namespace skyquilt::alignment

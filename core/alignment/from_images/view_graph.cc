@@ -1,0 +1,260 @@
+#include "core/alignment/from_images/view_graph.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "core/alignment/estimators/rotation_averaging.h"
+#include "core/alignment/matching/match_descriptors.h"
+#include "core/base/median.h"
+#include "core/base/parallel_for.h"
+#include "core/base/scoped_timer.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+constexpr double kMinRefusedRad = 0.21;  // 12 degrees: flat ground seen from nearby leaves a tilt open
+constexpr double kRefusedMedians = 6.0;
+constexpr int kMaxThroughOthers = 4;  // pairs of a photo that share a neighbour
+
+using Pair = std::pair<int, int>;
+
+class Verifier {
+ public:
+  Verifier(const RegistrationInput& input, const ViewGraphOptions& options, int threads)
+      : input_(input), options_(options), threads_(threads), rays_(input.photos.size()) {
+    ParallelFor(input.photos.size(), threads, [&](std::size_t i) {
+      if (!input.photos[i].features) return;
+      rays_[i] = RaysOf(*input.photos[i].features, LensOf(static_cast<int>(i)),
+                        std::max(options.features, options.features_of_weak));
+    });
+  }
+
+  // Compares and verifies; adds what was found to the graph.
+  void Compare(const std::vector<Pair>& pairs, int features, ViewGraph& graph) {
+    std::vector<ComparedPair> compared(pairs.size());
+    ParallelFor(pairs.size(), threads_, [&](std::size_t p) {
+      MatchOptions match;
+      match.max_features = features;
+      compared[p] = {pairs[p].first, pairs[p].second,
+                     MatchDescriptors(*FeaturesOf(pairs[p].first), *FeaturesOf(pairs[p].second), match)};
+    });
+    std::erase_if(compared, [&](const ComparedPair& pair) {
+      return static_cast<int>(pair.matches.size()) < options_.two_view.min_matches;
+    });
+    Verify(compared, graph.pairs);
+    for (ComparedPair& pair : compared) graph.compared.push_back(std::move(pair));
+  }
+
+  void Verify(const std::vector<ComparedPair>& compared, std::vector<GraphPair>& verified) {
+    std::vector<std::optional<TwoView>> found(compared.size());
+    ParallelFor(compared.size(), threads_, [&](std::size_t p) {
+      const ComparedPair& pair = compared[p];
+      const std::uint64_t seed =
+          static_cast<std::uint64_t>(pair.first) * 1000003U + static_cast<std::uint64_t>(pair.second);
+      found[p] = VerifyPair(PhotoOf(pair.first), PhotoOf(pair.second), pair.matches, seed, options_.two_view);
+    });
+    for (std::size_t p = 0; p < compared.size(); ++p) {
+      if (found[p]) verified.push_back({compared[p].first, compared[p].second, *std::move(found[p])});
+    }
+  }
+
+ private:
+  const camera::Intrinsics& LensOf(int i) const {
+    return input_.lenses[static_cast<std::size_t>(input_.photos[static_cast<std::size_t>(i)].lens)]
+        .intrinsics;
+  }
+  const PhotoFeatures* FeaturesOf(int i) const { return input_.photos[static_cast<std::size_t>(i)].features; }
+  TwoViewPhoto PhotoOf(int i) const {
+    const auto at = static_cast<std::size_t>(i);
+    return {input_.photos[at].features, &LensOf(i), &rays_[at]};
+  }
+
+  const RegistrationInput& input_;
+  const ViewGraphOptions& options_;
+  int threads_;
+  std::vector<std::vector<Eigen::Vector2d>> rays_;
+};
+
+std::vector<char> WithFewerPartners(const RegistrationInput& input, const std::vector<GraphPair>& pairs,
+                                    int enough) {
+  std::vector<int> partners(input.photos.size(), 0);
+  for (const GraphPair& pair : pairs) {
+    ++partners[static_cast<std::size_t>(pair.first)];
+    ++partners[static_cast<std::size_t>(pair.second)];
+  }
+  std::vector<char> fewer;
+  for (std::size_t i = 0; i < partners.size(); ++i) {
+    fewer.push_back(input.photos[i].features && partners[i] < enough ? 1 : 0);
+  }
+  return fewer;
+}
+
+// Two photos that both show what a third one shows, the best supported first.
+std::vector<Pair> ThroughOthers(int photos, const std::vector<GraphPair>& pairs,
+                                const std::set<Pair>& tried) {
+  std::vector<std::map<int, double>> neighbours(static_cast<std::size_t>(photos));
+  for (const GraphPair& pair : pairs) {
+    const auto support = static_cast<double>(pair.view.matches.size());
+    neighbours[static_cast<std::size_t>(pair.first)][pair.second] = support;
+    neighbours[static_cast<std::size_t>(pair.second)][pair.first] = support;
+  }
+  std::vector<std::pair<double, Pair>> ranked;
+  for (int i = 0; i < photos; ++i) {
+    std::map<int, double> through;
+    for (const auto& [middle, support] : neighbours[static_cast<std::size_t>(i)]) {
+      for (const auto& [other, of_other] : neighbours[static_cast<std::size_t>(middle)]) {
+        if (other > i && !tried.contains({i, other})) through[other] += std::min(support, of_other);
+      }
+    }
+    for (const auto& [other, support] : through) ranked.emplace_back(-support, Pair{i, other});
+  }
+  std::sort(ranked.begin(), ranked.end());
+  std::vector<int> taken(static_cast<std::size_t>(photos), 0);
+  std::vector<Pair> chosen;
+  for (const auto& [support, pair] : ranked) {
+    int& first = taken[static_cast<std::size_t>(pair.first)];
+    int& second = taken[static_cast<std::size_t>(pair.second)];
+    if (first >= kMaxThroughOthers || second >= kMaxThroughOthers) continue;
+    ++first;
+    ++second;
+    chosen.push_back(pair);
+  }
+  std::sort(chosen.begin(), chosen.end());
+  return chosen;
+}
+
+std::vector<RelativeRotation> Rotations(const std::vector<GraphPair>& pairs) {
+  std::vector<RelativeRotation> rotations;
+  for (const GraphPair& pair : pairs) {
+    rotations.push_back({pair.first, pair.second, pair.view.poses.front().rotation,
+                         std::min(1.0, static_cast<double>(pair.view.matches.size()) / 100.0)});
+  }
+  return rotations;
+}
+
+void Sort(std::vector<GraphPair>& pairs) {
+  std::sort(pairs.begin(), pairs.end(), [](const GraphPair& a, const GraphPair& b) {
+    return std::pair(a.first, a.second) < std::pair(b.first, b.second);
+  });
+}
+
+// Each pair's pose by what the others say; and out with those that have none.
+void AgreeOnRotations(int photos, ViewGraph& graph, RegistrationReport& report) {
+  AveragedRotations averaged = AverageRotations(photos, Rotations(graph.pairs));
+  bool is_changed = false;
+  for (GraphPair& pair : graph.pairs) {
+    if (pair.view.poses.size() < 2) continue;
+    const Eigen::Quaterniond expected =
+        averaged.cam_from_world[static_cast<std::size_t>(pair.second)] *
+        averaged.cam_from_world[static_cast<std::size_t>(pair.first)].conjugate();
+    if (expected.angularDistance(pair.view.poses[1].rotation) <
+        expected.angularDistance(pair.view.poses[0].rotation)) {
+      std::swap(pair.view.poses[0], pair.view.poses[1]);
+      is_changed = true;
+    }
+  }
+  if (is_changed) averaged = AverageRotations(photos, Rotations(graph.pairs));
+  if (!graph.pairs.empty()) {
+    const double refused_rad = std::max(kMinRefusedRad, kRefusedMedians * Median(averaged.residual_rad));
+    std::vector<GraphPair> kept;
+    for (std::size_t p = 0; p < graph.pairs.size(); ++p) {
+      if (averaged.residual_rad[p] <= refused_rad) {
+        kept.push_back(std::move(graph.pairs[p]));
+      } else {
+        ++report.pairs_refused;
+      }
+    }
+    const bool is_fewer = kept.size() < graph.pairs.size();
+    graph.pairs = std::move(kept);
+    if (is_fewer) {
+      averaged = AverageRotations(photos, Rotations(graph.pairs));
+    }
+  }
+  report.pairs_flat = report.pairs_relief = report.pairs_without_parallax = 0;
+  for (const GraphPair& pair : graph.pairs) {
+    ++(pair.view.scene == Scene::kFlat     ? report.pairs_flat
+       : pair.view.scene == Scene::kRelief ? report.pairs_relief
+                                           : report.pairs_without_parallax);
+  }
+  graph.cam_from_world = std::move(averaged.cam_from_world);
+  graph.component = std::move(averaged.component);
+}
+
+}  // namespace
+
+ViewGraph BuildViewGraph(const RegistrationInput& input, const ViewGraphOptions& options, int threads,
+                         RegistrationReport& report, Progress& progress) {
+  ViewGraph graph;
+  const int count = static_cast<int>(input.photos.size());
+  std::vector<const PhotoFeatures*> features;
+  for (const RegistrationPhoto& photo : input.photos) features.push_back(photo.features);
+  std::vector<Pair> candidates;
+  Appearance appearance;
+  {
+    ScopedTimer timer(report.candidates_s);
+    appearance = Appearance::Learn(features, threads);
+    candidates = CandidatePairs(input.photos, appearance, options.candidates, {}, threads);
+  }
+  std::set<Pair> tried(candidates.begin(), candidates.end());
+  {
+    ScopedTimer timer(report.matching_s);
+    Verifier verifier(input, options, threads);
+    verifier.Compare(candidates, options.features, graph);
+    report.pairs_compared = static_cast<int>(candidates.size());
+    for (const bool is_last : {false, true}) {
+      if (progress.IsCancelled()) break;
+      const int enough = is_last ? options.few_partners : options.enough_partners;
+      const std::vector<char> wanted = WithFewerPartners(input, graph.pairs, enough);
+      if (std::find(wanted.begin(), wanted.end(), 1) == wanted.end()) break;
+      std::vector<Pair> more =
+          CandidatePairs(input.photos, appearance, CandidateOptions::Generous(), wanted, threads);
+      // The last time all of their features are compared, also with those that did not agree by the first.
+      std::set<Pair> done;
+      for (const GraphPair& pair : graph.pairs) done.emplace(pair.first, pair.second);
+      std::erase_if(
+          more, [&](const Pair& pair) { return done.contains(pair) || (!is_last && tried.contains(pair)); });
+      verifier.Compare(more, is_last ? options.features_of_weak : options.features, graph);
+      report.pairs_compared += static_cast<int>(more.size());
+      tried.insert(more.begin(), more.end());
+    }
+    if (!progress.IsCancelled()) {
+      const std::vector<Pair> more = ThroughOthers(count, graph.pairs, tried);
+      verifier.Compare(more, options.features, graph);
+      report.pairs_compared += static_cast<int>(more.size());
+    }
+    Sort(graph.pairs);
+    report.pairs_verified = static_cast<int>(graph.pairs.size());
+  }
+  ScopedTimer timer(report.rotations_s);
+  AgreeOnRotations(count, graph, report);
+  return graph;
+}
+
+void VerifyAgain(const RegistrationInput& input, const ViewGraphOptions& options, int threads,
+                 RegistrationReport& report, ViewGraph& graph) {
+  graph.pairs.clear();
+  {
+    ScopedTimer timer(report.matching_s);
+    Verifier(input, options, threads).Verify(graph.compared, graph.pairs);
+    Sort(graph.pairs);
+    // A pair that was compared twice, with all features the second time: the better.
+    std::vector<GraphPair> once;
+    for (GraphPair& pair : graph.pairs) {
+      if (once.empty() || once.back().first != pair.first || once.back().second != pair.second) {
+        once.push_back(std::move(pair));
+      } else if (pair.view.matches.size() > once.back().view.matches.size()) {
+        once.back() = std::move(pair);
+      }
+    }
+    graph.pairs = std::move(once);
+  }
+  report.pairs_verified = static_cast<int>(graph.pairs.size());
+  report.pairs_refused = 0;
+  ScopedTimer timer(report.rotations_s);
+  AgreeOnRotations(static_cast<int>(input.photos.size()), graph, report);
+}
+
+}  // namespace skyquilt::alignment

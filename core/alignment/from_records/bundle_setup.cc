@@ -1,0 +1,246 @@
+#include "core/alignment/from_records/bundle_setup.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+
+#include "core/alignment/bundle/readout_motion.h"
+#include "core/alignment/matching/connected_components.h"
+#include "core/base/median.h"
+#include "core/geo/height_trend.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+constexpr double kMinSigmaM = 0.01;
+constexpr double kMinSigmaRad = 0.003;
+constexpr int kFewPhotos = 30;
+constexpr double kMaxAttitudeGrowth = 8.0;
+constexpr double kSharedClockS = 0.05;  // clocks that are surer move no photo by more than its own error
+// Of the way that the clock is unsure by: so far nobody flies straight and at one speed.
+constexpr double kClockBend = 0.1;
+
+double SigmaHorizontalM(const poses::PosedPhoto& photo) {
+  return std::max(kMinSigmaM, std::sqrt(0.5 * (photo.covariance(3, 3) + photo.covariance(4, 4))));
+}
+
+double SigmaTiltRad(const poses::PosedPhoto& photo) {
+  return std::max(kMinSigmaRad, std::sqrt(0.5 * (photo.covariance(0, 0) + photo.covariance(1, 1))));
+}
+
+// Of one coordinate's variance, what is not the clock's that all photos share.
+double SigmaApartM(double variance_m2, double by_clock_m) {
+  return std::max({kMinSigmaM, kClockBend * std::abs(by_clock_m),
+                   std::sqrt(std::max(0.0, variance_m2 - by_clock_m * by_clock_m))});
+}
+
+BundleLens MakeLens(const flight::Photo& photo, int photos) {
+  BundleLens lens;
+  lens.recorded = lens.intrinsics = photo.intrinsics;
+  const double width = photo.intrinsics.width_px;
+  const bool few = photos < kFewPhotos;
+  lens.sigma_center_px = (few ? 0.002 : 0.004) * width;
+  lens.sigma_k1 = few ? 0.02 : 0.05;
+  lens.sigma_k2 = few ? 0.02 : 0.05;
+  lens.sigma_p = few ? 0.0003 : 0.0006;
+  switch (photo.focal_source) {
+    case flight::FocalSource::kDewarpData:
+      lens.sigma_focal_share = 0.003;
+      lens.sigma_center_px = 0.001 * width;
+      lens.sigma_k1 = lens.sigma_k2 = 0.005;
+      lens.sigma_p = 0.0003;
+      break;
+    case flight::FocalSource::kCalibrated:  // focal length and centre: they tell nothing of the distortion
+      lens.sigma_focal_share = 0.003;
+      lens.sigma_center_px = 0.001 * width;
+      break;
+    case flight::FocalSource::k35mmEquivalent:
+      lens.sigma_focal_share = 0.02;  // whole millimetres of an equivalent
+      break;
+    case flight::FocalSource::kAssumed:
+      lens.sigma_focal_share = 0.1;
+      break;
+    default:
+      lens.sigma_focal_share = 0.01;
+  }
+  return lens;
+}
+
+}  // namespace
+
+MatchingInput MakeMatchingInput(const poses::PosedFlight& posed) {
+  MatchingInput input;
+  input.features.assign(posed.photos.size(), nullptr);
+  for (const poses::PosedPhoto& photo : posed.photos) {
+    const double height = std::max(1.0, photo.height_above_ground_m);
+    input.views.push_back({photo.photo.intrinsics, photo.cam_from_enu, height, {}});
+    if (photo.photo.turning && !photo.photo.is_resaved_by_viewer)
+      input.views.back().readout_motion = ReadoutMotion(photo, 0);
+    input.ground_sigma_m.push_back(std::hypot(SigmaHorizontalM(photo), height * SigmaTiltRad(photo)));
+    input.sigma_turn_rad.push_back(std::max(kMinSigmaRad, std::sqrt(photo.covariance(2, 2))));
+  }
+  return input;
+}
+
+std::vector<GroundPrior> MakeGroundPriors(const poses::PosedFlight& posed, const MatchingInput& input) {
+  std::vector<GroundPrior> priors;
+  const Relief flat(posed.ground_z_in_enu_m);
+  for (std::size_t i = 0; i < posed.photos.size(); ++i) {
+    const View& view = input.views[i];
+    Eigen::Vector3d middle = view.CenterInEnu();
+    const Eigen::Vector2d axis(view.intrinsics.center_x_px, view.intrinsics.center_y_px);
+    if (!MeetGround(view, flat, axis, &middle)) middle = view.CenterInEnu();
+    priors.push_back({{middle.x(), middle.y()}, input.ground_sigma_m[i], input.sigma_turn_rad[i]});
+  }
+  return priors;
+}
+
+double MedianWidthM(const std::vector<View>& views) {
+  std::vector<double> widths;
+  for (const View& view : views) widths.push_back(view.WidthM());
+  return widths.empty() ? 1.0 : Median(widths);
+}
+
+std::vector<CandidatePair> OnlyWithinComponents(const std::vector<CandidatePair>& pairs,
+                                                const std::vector<VerifiedPair>& verified,
+                                                std::size_t photos) {
+  const std::vector<int> component = FindConnectedComponents(photos, verified).of_photo;
+  std::map<std::pair<int, int>, double> kept;  // overlap
+  for (const VerifiedPair& pair : verified) {
+    kept.emplace(std::pair(pair.first, pair.second), 0.0);
+  }
+  for (const CandidatePair& pair : pairs) {
+    if (component[pair.first] >= 0 && component[pair.first] == component[pair.second])
+      kept[{pair.first, pair.second}] = pair.overlap;
+  }
+  std::vector<CandidatePair> sorted;
+  for (const auto& [photos_of_pair, overlap] : kept) {
+    sorted.push_back({photos_of_pair.first, photos_of_pair.second, overlap});
+  }
+  return sorted;
+}
+
+BundlePhoto MakeBundlePhoto(const poses::PosedPhoto& posed, const CorrectedPose& corrected, int lens,
+                            int line) {
+  BundlePhoto bundled;
+  bundled.cam_from_enu = corrected.start_cam_from_enu;
+  bundled.prior_cam_from_enu = corrected.prior_cam_from_enu;
+  bundled.lens = lens;
+  bundled.line = line;
+  bundled.height_above_ground_m = std::max(1.0, posed.height_above_ground_m);
+  bundled.velocity_in_enu_mps = posed.velocity_in_enu_mps;
+  bundled.readout_motion = ReadoutMotion(posed, corrected.quarter_turns);
+  if (!posed.readout_motion && !bundled.readout_motion.turns_rad.empty())
+    bundled.readout_doubt = DoubtOfReadout(posed, corrected.quarter_turns);
+  if (posed.clock_sigma_s > kSharedClockS && posed.velocity_in_enu_mps && !corrected.position_was_wrong)
+    bundled.by_clock_mps = *posed.velocity_in_enu_mps;
+  const Eigen::Vector3d by_clock_m = posed.clock_sigma_s * bundled.by_clock_mps;
+  const double sigma_h = SigmaApartM(0.5 * (posed.covariance(3, 3) + posed.covariance(4, 4)),
+                                     std::sqrt(0.5) * by_clock_m.head<2>().norm());
+  const double sigma_v = SigmaApartM(posed.covariance(5, 5), by_clock_m.z());
+  bundled.sigma_position_m = {sigma_h, sigma_h, sigma_v};
+  if (corrected.position_was_wrong) bundled.sigma_position_m.head<2>().setConstant(5.0 * sigma_h + 5.0);
+  // In cam: x and y are tilts, z is the turn about the optical axis (yaw for a camera that looks down).
+  const double tilt = SigmaTiltRad(posed);
+  const double yaw = std::max(kMinSigmaRad, std::sqrt(posed.covariance(2, 2)));
+  bundled.sigma_attitude_rad = {tilt, tilt, std::max(yaw, tilt)};
+  if (corrected.yaw_was_wrong) bundled.sigma_attitude_rad.z() = 0.3;
+  return bundled;
+}
+
+BundleProblem MakeBundle(const poses::PosedFlight& posed, const std::vector<CorrectedPose>& corrected,
+                         const std::vector<int>& lines) {
+  BundleProblem problem;
+  problem.ground_z_in_enu_m = posed.ground_z_in_enu_m;
+  std::map<std::string, int> photos_of_key, lens_of_key;
+  for (const poses::PosedPhoto& photo : posed.photos) ++photos_of_key[photo.photo.camera_key];
+  for (std::size_t i = 0; i < posed.photos.size(); ++i) {
+    const poses::PosedPhoto& photo = posed.photos[i];
+    const std::string& key = photo.photo.camera_key;
+    const auto [lens, is_new] = lens_of_key.emplace(key, static_cast<int>(problem.lenses.size()));
+    if (is_new) problem.lenses.push_back(MakeLens(photo.photo, photos_of_key[key]));
+    problem.photos.push_back(MakeBundlePhoto(photo, corrected[i], lens->second, lines[i]));
+    problem.sigma_clock_s = std::max(problem.sigma_clock_s, photo.clock_sigma_s);
+  }
+  problem.lines = lines.empty() ? 1 : *std::max_element(lines.begin(), lines.end()) + 1;
+  return problem;
+}
+
+namespace {
+
+// Angles of an aircraft without gimbal are worth far less than those of one with; the line's common error is
+// not counted.
+void ReweighAttitudes(const std::vector<char>& seen, BundleProblem& problem) {
+  std::map<int, std::vector<Eigen::Vector3d>> turns_of_line;
+  for (std::size_t i = 0; i < problem.photos.size(); ++i) {
+    const BundlePhoto& photo = problem.photos[i];
+    if (!seen[i]) continue;
+    turns_of_line[photo.line].push_back(geo::VectorFromRotation(
+        (photo.cam_from_enu.rotation * photo.prior_cam_from_enu.rotation.conjugate()).normalized()));
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> apart;
+    for (const auto& [line, turns] : turns_of_line) {
+      std::vector<double> values;
+      for (const Eigen::Vector3d& turn : turns) values.push_back(turn[axis]);
+      const double middle = turns.size() > 2 ? Median(values) : 0.0;
+      for (const double value : values) apart.push_back(std::abs(value - middle));
+    }
+    const double sigma = 1.8 * Median(apart);
+    for (BundlePhoto& photo : problem.photos) {
+      double& own = photo.sigma_attitude_rad[axis];
+      own = std::clamp(sigma, own, kMaxAttitudeGrowth * own);
+    }
+  }
+}
+
+}  // namespace
+
+void ReweighPriors(BundleProblem& problem) {
+  std::vector<char> seen(problem.photos.size(), 0);
+  for (const Track& track : problem.tracks) {
+    for (const Observation& one : track.observations) seen[one.photo] = 1;
+  }
+  std::vector<double> horizontal, vertical;
+  for (std::size_t i = 0; i < problem.photos.size(); ++i) {
+    if (!seen[i] || !problem.photos[i].has_record) continue;
+    const BundlePhoto& photo = problem.photos[i];
+    const Eigen::Vector3d moved = photo.cam_from_enu.TargetOriginInSource() - ExpectedCenter(problem, photo);
+    horizontal.push_back(std::abs(moved.x()));
+    horizontal.push_back(std::abs(moved.y()));
+    vertical.push_back(std::abs(moved.z()));
+  }
+  if (vertical.size() < 6) return;
+  ReweighAttitudes(seen, problem);
+  // 1.48: from the median to a sigma of a normal distribution; a little more, for it was fitted.
+  const double sigma_h = 1.8 * Median(horizontal);
+  const double sigma_v = 1.8 * Median(vertical);
+  for (BundlePhoto& photo : problem.photos) {
+    if (!photo.has_record) continue;
+    Eigen::Vector3d& sigma = photo.sigma_position_m;
+    sigma.x() = std::clamp(sigma_h, std::min(0.1, sigma.x()), sigma.x());
+    sigma.y() = std::clamp(sigma_h, std::min(0.1, sigma.y()), sigma.y());
+    sigma.z() = std::clamp(sigma_v, std::min(0.1, sigma.z()), sigma.z());
+  }
+}
+
+std::optional<BundlePlane> FitPlane(const BundleProblem& problem) {
+  constexpr std::size_t kFewPoints = 60;
+  constexpr double kUsefulAngleRad = 0.06;
+  constexpr double kMinSigmaShare = 0.04;  // of the flying height
+  constexpr double kMadsOfSigma = 1.5;
+  std::vector<Eigen::Vector3d> points;
+  for (const Track& track : problem.tracks) {
+    if (track.angle_rad > kUsefulAngleRad) points.push_back(track.point_in_enu);
+  }
+  if (points.size() < kFewPoints) return std::nullopt;
+  std::vector<double> flown;
+  for (const BundlePhoto& photo : problem.photos) flown.push_back(photo.height_above_ground_m);
+  const double min_sigma_m = kMinSigmaShare * Median(flown);
+  const geo::HeightTrend plane = geo::FitShape(points, geo::HeightTrend::Shape::kPlane, 0.1 * min_sigma_m);
+  return BundlePlane{plane.At(Eigen::Vector2d::Zero()), plane.slope.x(), plane.slope.y(),
+                     std::max(min_sigma_m, kMadsOfSigma * plane.error_m)};
+}
+
+}  // namespace skyquilt::alignment

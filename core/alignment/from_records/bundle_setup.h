@@ -1,0 +1,36 @@
+// What the recorded poses and lenses mean to the search and to the adjustment: sigmas, priors, starting
+// points. Pure; any thread.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/alignment/bundle/bundle_adjustment.h"
+#include "core/alignment/from_records/correct_poses.h"
+#include "core/alignment/from_records/ground_graph.h"
+#include "core/alignment/matching/match_and_verify.h"
+#include "core/poses/posed_flight.h"
+
+namespace skyquilt::alignment {
+
+// Without features, which the caller adds.
+MatchingInput MakeMatchingInput(const poses::PosedFlight& posed);
+std::vector<GroundPrior> MakeGroundPriors(const poses::PosedFlight& posed, const MatchingInput& input);
+double MedianWidthM(const std::vector<View>& views);
+// Pairs of photos within one connected component, and every verified pair however little it overlaps. Others
+// are too uncertain relative to each other for a narrow window: what matches there matches by chance.
+std::vector<CandidatePair> OnlyWithinComponents(const std::vector<CandidatePair>& pairs,
+                                                const std::vector<VerifiedPair>& verified,
+                                                std::size_t photos);
+
+BundleProblem MakeBundle(const poses::PosedFlight& posed, const std::vector<CorrectedPose>& corrected,
+                         const std::vector<int>& lines);
+BundlePhoto MakeBundlePhoto(const poses::PosedPhoto& posed, const CorrectedPose& corrected, int lens,
+                            int line);
+// After a first adjustment the records show how good they are relative to each other: sigmas shrink to that.
+void ReweighPriors(BundleProblem& problem);
+
+// The plane through most of a problem's points; none where they are too few.
+std::optional<BundlePlane> FitPlane(const BundleProblem& problem);
+
+}  // namespace skyquilt::alignment

@@ -1,0 +1,164 @@
+#include "core/alignment/from_records/correct_poses.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "core/geo/lat_lon.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+using flight::Remark;
+using flight::RemarkCode;
+
+constexpr double kNearQuarterRad = 0.35;
+constexpr double kGrossShiftSigmas = 6.0;
+constexpr double kMaxScaleStep = 0.2;
+
+Eigen::Quaterniond AboutUp(double angle_rad) {
+  return Eigen::Quaterniond(Eigen::AngleAxisd(angle_rad, Eigen::Vector3d::UnitZ()));
+}
+
+int Degrees(int quarter_turns) { return quarter_turns == 3 ? -90 : 90 * quarter_turns; }
+
+// Where the optical axis meets level ground; straight below the camera when it hardly looks down.
+Eigen::Vector2d AxisOnGround(const Eigen::Quaterniond& enu_from_cam, const Eigen::Vector3d& center,
+                             double ground_z_m) {
+  const Eigen::Vector3d axis = enu_from_cam * Eigen::Vector3d::UnitZ();
+  if (axis.z() > -0.2) return center.head<2>();
+  return (center + (ground_z_m - center.z()) / axis.z() * axis).head<2>();
+}
+
+// Do photos from one up to the next lie turned against the course, and not against a recorded yaw?
+bool IsCourseOfAll(const std::vector<CorrectedPose>& corrected, std::size_t first, std::size_t end) {
+  return std::all_of(corrected.begin() + static_cast<std::ptrdiff_t>(first),
+                     corrected.begin() + static_cast<std::ptrdiff_t>(end),
+                     [](const CorrectedPose& one) { return one.yaw_is_course; });
+}
+
+}  // namespace
+
+CorrectedPose CorrectPose(const poses::PosedPhoto& posed, const GroundPrior& prior,
+                          const GroundCorrection& correction) {
+  CorrectedPose corrected{posed.cam_from_enu,
+                          posed.cam_from_enu,
+                          0,
+                          false,
+                          false,
+                          {},
+                          posed.attitude_origin == poses::AttitudeOrigin::kCourse};
+  if (correction.component < 0 && correction.component != kInheritedComponent) return corrected;
+  const double turn = std::arg(correction.turn_and_scale);
+  const double quarters = std::round(turn / (0.5 * std::numbers::pi));
+  double rest = turn - quarters * 0.5 * std::numbers::pi;
+  const double believable = std::max(0.35, 4.0 * prior.sigma_turn_rad);
+  Eigen::Quaterniond rotation = posed.cam_from_enu.rotation;  // cam_from_enu
+  Eigen::Vector3d center = posed.cam_from_enu.TargetOriginInSource();
+  if (std::abs(turn) > believable) {
+    if (std::abs(rest) < kNearQuarterRad) {
+      // The picture was stored turned, so it turns about its own axis and the tilt stays right.
+      corrected.quarter_turns = (static_cast<int>(quarters) + 4) % 4;
+      rotation = AboutUp(quarters * 0.5 * std::numbers::pi) * rotation;  // about z of cam
+      corrected.notes.push_back(
+          {corrected.yaw_is_course ? RemarkCode::kFoundTurnedAgainstCourse : RemarkCode::kFoundTurned,
+           {{"turn_deg", Degrees(corrected.quarter_turns)}}});
+    } else {
+      rotation = rotation * AboutUp(-turn);
+      rest = 0.0;
+      corrected.yaw_was_wrong = true;
+      corrected.notes.push_back(
+          {corrected.yaw_is_course ? RemarkCode::kCourseYawCorrected : RemarkCode::kYawCorrected,
+           {{"off_deg", std::abs(geo::RadToDeg(turn))}}});
+    }
+  }
+  const double shift_m = std::abs(correction.shift);
+  const Eigen::Vector3d shift(correction.shift.real(), correction.shift.imag(), 0.0);
+  if (shift_m > kGrossShiftSigmas * prior.sigma_m) {
+    corrected.position_was_wrong = true;
+    center += shift;
+    corrected.notes.push_back({RemarkCode::kPositionCorrected, {{"off_m", shift_m}}});
+  }
+  corrected.prior_cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(rotation, center);
+
+  // The rest is ordinary error: shared between tilt and position as their sigmas say.
+  const double height = std::max(1.0, posed.height_above_ground_m);
+  const double by_tilt_m = height * std::sqrt(0.5 * (posed.covariance(0, 0) + posed.covariance(1, 1)));
+  const double by_position_m = std::sqrt(0.5 * (posed.covariance(3, 3) + posed.covariance(4, 4)));
+  const double tilt_share =
+      by_tilt_m * by_tilt_m / std::max(1e-9, by_tilt_m * by_tilt_m + by_position_m * by_position_m);
+  Eigen::Quaterniond enu_from_cam = AboutUp(rest) * rotation.conjugate();
+  const double scale =
+      std::clamp(std::abs(correction.turn_and_scale), 1.0 - kMaxScaleStep, 1.0 + kMaxScaleStep);
+  const double ground_z_m = center.z() - height;
+  center.z() = ground_z_m + height * scale;
+  // Turning and climbing move what a leaning camera looks at: what is still missing is asked for again.
+  const Eigen::Vector2d wanted(prior.middle.real() + correction.shift.real(),
+                               prior.middle.imag() + correction.shift.imag());
+  for (int step = 0; step < 3; ++step) {
+    const Eigen::Vector2d missing = wanted - AxisOnGround(enu_from_cam, center, ground_z_m);
+    const Eigen::Vector2d by_tilt = tilt_share * missing / (height * scale);
+    enu_from_cam = (geo::RotationFromVector(Eigen::Vector3d(by_tilt.y(), -by_tilt.x(), 0.0)) * enu_from_cam)
+                       .normalized();
+    center.head<2>() += (1.0 - tilt_share) * missing;
+  }
+  corrected.start_cam_from_enu =
+      geo::Rigid3::FromRotationAndTargetOrigin(enu_from_cam.conjugate().normalized(), center);
+  return corrected;
+}
+
+GroundCorrection GroundMotion(const poses::PosedPhoto& posed, const GroundPrior& prior,
+                              const geo::Rigid3& cam_from_enu) {
+  const double ground_z_m = posed.cam_from_enu.TargetOriginInSource().z() - posed.height_above_ground_m;
+  const Eigen::Quaterniond enu_from_cam = cam_from_enu.rotation.conjugate();
+  const Eigen::Vector2d middle = AxisOnGround(enu_from_cam, cam_from_enu.TargetOriginInSource(), ground_z_m);
+  const Eigen::Vector3d right_now = enu_from_cam * Eigen::Vector3d::UnitX();
+  const Eigen::Vector3d right_before = posed.cam_from_enu.rotation.conjugate() * Eigen::Vector3d::UnitX();
+  const double turn =
+      std::atan2(right_now.y(), right_now.x()) - std::atan2(right_before.y(), right_before.x());
+  return {std::polar(1.0, turn), std::complex<double>(middle.x(), middle.y()) - prior.middle, 0};
+}
+
+CorrectedPose CorrectToPose(const poses::PosedPhoto& posed, const GroundPrior& prior,
+                            const geo::Rigid3& cam_from_enu) {
+  CorrectedPose corrected = CorrectPose(posed, prior, GroundMotion(posed, prior, cam_from_enu));
+  corrected.start_cam_from_enu = cam_from_enu;
+  return corrected;
+}
+
+std::vector<Remark> DescribeCorrections(const std::vector<CorrectedPose>& corrected,
+                                        const std::vector<std::string>& names,
+                                        const std::vector<int>& lines) {
+  std::vector<Remark> remarks;
+  const std::size_t count = corrected.size();
+  const bool is_mount = count > 1 && corrected.front().quarter_turns != 0 &&
+                        std::all_of(corrected.begin(), corrected.end(), [&](const CorrectedPose& one) {
+                          return one.quarter_turns == corrected.front().quarter_turns;
+                        });
+  if (is_mount) {
+    remarks.push_back({IsCourseOfAll(corrected, 0, count) ? RemarkCode::kMountTurnedAgainstCourse
+                                                          : RemarkCode::kMountTurned,
+                       {{"turn_deg", Degrees(corrected.front().quarter_turns)}}});
+  }
+  for (std::size_t i = 0; i < count;) {
+    std::size_t end = i + 1;
+    const int quarters = corrected[i].quarter_turns;
+    while (quarters != 0 && !is_mount && end < count && corrected[end].quarter_turns == quarters &&
+           lines[end] == lines[i] && !corrected[end].position_was_wrong) {
+      ++end;
+    }
+    if (end - i > 1) {
+      remarks.push_back({IsCourseOfAll(corrected, i, end) ? RemarkCode::kPhotosStoredTurnedAgainstCourse
+                                                          : RemarkCode::kPhotosStoredTurned,
+                         {{"first", names[i]}, {"last", names[end - 1]}, {"turn_deg", Degrees(quarters)}}});
+    } else if (!(is_mount && !corrected[i].position_was_wrong)) {
+      for (const Remark& note : corrected[i].notes)
+        remarks.push_back({RemarkCode::kOfPhoto, {{"photo", names[i]}, {"said", note}}});
+    }
+    i = end;
+  }
+  return remarks;
+}
+
+}  // namespace skyquilt::alignment

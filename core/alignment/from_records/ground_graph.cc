@@ -1,0 +1,294 @@
+#include "core/alignment/from_records/ground_graph.h"
+
+#include <Eigen/Sparse>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <queue>
+
+#include "core/alignment/matching/connected_components.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr double kAgreesWithYawRad = 0.35;
+// Residual of a pair, in tolerances, above which it counts for little: all pairs speak first, then those that
+// agree.
+constexpr double kTrustWidths[] = {40.0, 20.0, 10.0, 6.0, 4.0, 3.0, 2.0, 1.5, 1.5, 1.5};
+constexpr int kMaxPlacesPerPair = 24;
+
+double Cauchy(double residual, double scale) { return 1.0 / (1.0 + (residual / scale) * (residual / scale)); }
+
+// Places the photos of a component relative to each other along the strongest pairs, from the given roots
+// outwards, which stay as recorded. Photos of other components get no correction.
+std::vector<GroundCorrection> SpreadAlongPairs(const std::vector<int>& roots,
+                                               const std::vector<GroundPrior>& priors,
+                                               const std::vector<VerifiedPair>& pairs,
+                                               const std::vector<std::vector<int>>& pairs_of) {
+  std::vector<GroundCorrection> corrections(priors.size());
+  std::vector<char> placed(priors.size(), 0);
+  using Entry = std::pair<std::size_t, int>;  // matches, minus pair number: strongest first, then the earlier
+  std::priority_queue<Entry> open;
+  const auto open_pairs = [&](int photo) {
+    for (const int l : pairs_of[photo]) open.emplace(pairs[l].matches.size(), -l);
+  };
+  for (const int root : roots) placed[root] = 1;
+  for (const int root : roots) open_pairs(root);
+  while (!open.empty()) {
+    const int l = -open.top().second;
+    open.pop();
+    const VerifiedPair& pair = pairs[l];
+    if (placed[pair.first] && placed[pair.second]) continue;
+    const bool forth = placed[pair.first] != 0;
+    const int from = forth ? pair.first : pair.second;
+    const int to = forth ? pair.second : pair.first;
+    // The corrected grounds agree: C_to * (to_from * z) = C_from * z.
+    const GroundSimilarity to_from = forth ? pair.second_from_first : pair.second_from_first.Inverse();
+    const GroundSimilarity from_correction = AsSimilarity(corrections[from], priors[from].middle);
+    corrections[to] = AsCorrection(from_correction.After(to_from.Inverse()), priors[to].middle);
+    placed[to] = 1;
+    open_pairs(to);
+  }
+  return corrections;
+}
+
+// The similarity that brings most of a component's middles to where they were recorded.
+GroundSimilarity FitToPositions(const std::vector<int>& members, const std::vector<GroundPrior>& priors,
+                                const std::vector<GroundCorrection>& corrections) {
+  std::vector<Complex> now, recorded;
+  for (const int i : members) {
+    now.push_back(priors[i].middle + corrections[i].shift);
+    recorded.push_back(priors[i].middle);
+  }
+  const auto cost = [&](const GroundSimilarity& motion) {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < now.size(); ++k) {
+      const double residual = std::abs(motion * now[k] - recorded[k]) / (2.0 * priors[members[k]].sigma_m);
+      sum += std::min(1.0, residual * residual);
+    }
+    return sum;
+  };
+  // No motion is the favourite: another one must explain the positions clearly better.
+  GroundSimilarity best;
+  double least = cost(best) - 1e-3;
+  const std::size_t count = now.size();
+  const std::size_t step = std::max<std::size_t>(1, count / 40);
+  for (std::size_t a = 0; a < count; a += step) {
+    for (std::size_t b = 0; b < count; b += step) {
+      if (a == b || std::abs(now[a] - now[b]) < 1e-6 || std::abs(recorded[a] - recorded[b]) < 1e-6) continue;
+      const Complex turn = (recorded[b] - recorded[a]) / (now[b] - now[a]);
+      if (std::abs(turn) > 1.5 || std::abs(turn) < 1.0 / 1.5) continue;
+      const GroundSimilarity motion{turn, recorded[a] - turn * now[a]};
+      const double sum = cost(motion) + 0.5;
+      if (sum < least) {
+        least = sum;
+        best = motion;
+      }
+    }
+  }
+  return best;
+}
+
+struct PairPlaces {
+  std::vector<std::pair<Complex, Complex>> places;  // a few matches stand for all
+};
+
+// How far apart a pair's two photos put the same places, rms.
+double PairResidual(const VerifiedPair& pair, const PairPlaces& places,
+                    const std::vector<GroundPrior>& priors,
+                    const std::vector<GroundCorrection>& corrections) {
+  const GroundSimilarity a = AsSimilarity(corrections[pair.first], priors[pair.first].middle);
+  const GroundSimilarity b = AsSimilarity(corrections[pair.second], priors[pair.second].middle);
+  double square = 0.0;
+  for (const auto& [x, y] : places.places) square += std::norm(a * x - b * y);
+  return std::sqrt(square / static_cast<double>(places.places.size()));
+}
+
+// What a component's corrections leave unexplained: residuals of pairs, photos far from where they were
+// recorded.
+double Unexplained(const std::vector<int>& members, const std::vector<GroundPrior>& priors,
+                   const std::vector<VerifiedPair>& pairs, const std::vector<PairPlaces>& places,
+                   const std::vector<std::vector<int>>& pairs_of,
+                   const std::vector<GroundCorrection>& corrections, double tolerance_m) {
+  constexpr double kWideTolerances = 4.0;
+  double sum = 0.0;
+  for (const int i : members) {
+    const double away = std::abs(corrections[i].shift) / (2.0 * priors[i].sigma_m);
+    sum += std::min(1.0, away * away);
+    for (const int l : pairs_of[i]) {
+      if (pairs[l].first != i) continue;
+      const double residual =
+          PairResidual(pairs[l], places[l], priors, corrections) / (kWideTolerances * tolerance_m);
+      sum += std::min(1.0, residual * residual);
+    }
+  }
+  return sum;
+}
+
+// The corrections of a component as its pairs place it, brought as a whole to the recorded positions.
+std::vector<GroundCorrection> PlaceComponentOnPositions(const std::vector<int>& members,
+                                                        const std::vector<GroundPrior>& priors,
+                                                        const std::vector<VerifiedPair>& pairs,
+                                                        const std::vector<std::vector<int>>& pairs_of) {
+  std::vector<GroundCorrection> corrections = SpreadAlongPairs({members.front()}, priors, pairs, pairs_of);
+  const GroundSimilarity motion = FitToPositions(members, priors, corrections);
+  for (const int i : members) {
+    const GroundSimilarity corrected = AsSimilarity(corrections[i], priors[i].middle);
+    corrections[i] = AsCorrection(motion.After(corrected), priors[i].middle);
+  }
+  return corrections;
+}
+
+// Whether most of a component's photos come out turned.
+bool IsTurnedAsAWhole(const std::vector<int>& members, const std::vector<GroundCorrection>& corrections) {
+  const auto turned = std::count_if(members.begin(), members.end(), [&](int i) {
+    return std::abs(std::arg(corrections[i].turn_and_scale)) > kAgreesWithYawRad;
+  });
+  return 2 * static_cast<std::size_t>(turned) > members.size();
+}
+
+// One weighted least-squares step over all photos of all components; unknowns (turn_and_scale, shift) a
+// photo.
+void SolveLinear(const std::vector<GroundPrior>& priors, const std::vector<VerifiedPair>& pairs,
+                 const std::vector<PairPlaces>& places, const std::vector<double>& pair_weights,
+                 const std::vector<double>& turn_weights, const std::vector<double>& shift_weights,
+                 const std::vector<Complex>& expected_turn, std::vector<GroundCorrection>& corrections) {
+  const int count = static_cast<int>(priors.size());
+  // Blocks of 2x2 by photos; a photo without pairs keeps its prior.
+  std::vector<Eigen::Triplet<Complex>> entries;
+  Eigen::VectorXcd right = Eigen::VectorXcd::Zero(2 * count);
+  const auto add = [&](int row, int column, Complex value) { entries.emplace_back(row, column, value); };
+  for (int i = 0; i < count; ++i) {
+    add(2 * i, 2 * i, turn_weights[i]);
+    right[2 * i] += turn_weights[i] * expected_turn[i];
+    add(2 * i + 1, 2 * i + 1, shift_weights[i]);
+  }
+  for (std::size_t l = 0; l < pairs.size(); ++l) {
+    const int i = pairs[l].first;
+    const int j = pairs[l].second;
+    const double weight = pair_weights[l] / static_cast<double>(places[l].places.size());
+    Eigen::Matrix4cd block = Eigen::Matrix4cd::Zero();
+    Eigen::Vector4cd target = Eigen::Vector4cd::Zero();
+    for (const auto& [a, b] : places[l].places) {
+      const Complex u = a - priors[i].middle;
+      const Complex v = b - priors[j].middle;
+      Eigen::RowVector4cd row;  // a_i u + t_i - a_j v - t_j = middle_j - middle_i
+      row << u, 1.0, -v, -1.0;
+      block += row.adjoint() * row;
+      target += row.adjoint() * (priors[j].middle - priors[i].middle);
+    }
+    const int at[4] = {2 * i, 2 * i + 1, 2 * j, 2 * j + 1};
+    for (int r = 0; r < 4; ++r) {
+      right[at[r]] += weight * target[r];
+      for (int c = 0; c < 4; ++c) add(at[r], at[c], weight * block(r, c));
+    }
+  }
+  Eigen::SparseMatrix<Complex> matrix(2 * count, 2 * count);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<Complex>> solver(matrix);
+  if (solver.info() != Eigen::Success) return;
+  const Eigen::VectorXcd solution = solver.solve(right);
+  if (!solution.allFinite()) return;
+  for (int i = 0; i < count; ++i) {
+    corrections[i].turn_and_scale = solution[2 * i];
+    corrections[i].shift = solution[2 * i + 1];
+  }
+}
+
+}  // namespace
+
+GroundSimilarity AsSimilarity(const GroundCorrection& correction, Complex middle) {
+  return {correction.turn_and_scale, middle + correction.shift - correction.turn_and_scale * middle};
+}
+
+GroundCorrection AsCorrection(const GroundSimilarity& similarity, Complex middle) {
+  return {similarity.turn_and_scale, similarity * middle - middle, -1};
+}
+
+GroundGraph SolveGroundGraph(const std::vector<GroundPrior>& priors, const std::vector<VerifiedPair>& pairs,
+                             const std::vector<GroundView>& views, double tolerance_m) {
+  const std::size_t count = priors.size();
+  GroundGraph graph;
+  graph.corrections.resize(count);
+  graph.is_inlier.assign(pairs.size(), 1);
+  const ConnectedComponents components = FindConnectedComponents(count, pairs);
+  std::vector<std::vector<int>> pairs_of(count);
+  std::vector<int> agreeing(count, 0);
+  std::vector<PairPlaces> places(pairs.size());
+  for (std::size_t l = 0; l < pairs.size(); ++l) {
+    const VerifiedPair& pair = pairs[l];
+    pairs_of[pair.first].push_back(static_cast<int>(l));
+    pairs_of[pair.second].push_back(static_cast<int>(l));
+    const Complex moved = pair.second_from_first * priors[pair.first].middle - priors[pair.first].middle;
+    const double believable = 3.5 * std::hypot(priors[pair.first].sigma_m, priors[pair.second].sigma_m);
+    if (std::abs(std::arg(pair.second_from_first.turn_and_scale)) < kAgreesWithYawRad &&
+        std::abs(moved) < believable) {
+      ++agreeing[pair.first];
+      ++agreeing[pair.second];
+    }
+    const std::size_t step = std::max<std::size_t>(1, pair.matches.size() / kMaxPlacesPerPair);
+    for (std::size_t k = 0; k < pair.matches.size(); k += step) {
+      places[l].places.emplace_back((*views[pair.first].projected)[pair.matches[k].first].place,
+                                    (*views[pair.second].projected)[pair.matches[k].second].place);
+    }
+  }
+  for (std::size_t p = 0; p < components.members.size(); ++p) {
+    const std::vector<int>& members = components.members[p];
+    std::vector<int> roots;
+    for (const int i : members) {
+      if (agreeing[i] > 0) roots.push_back(i);
+    }
+    std::vector<GroundCorrection> solved = PlaceComponentOnPositions(members, priors, pairs, pairs_of);
+    if (!roots.empty()) {
+      // Between photos that stand close, pairs agree with the record even where all cameras are turned alike:
+      // only the whole component shows that.
+      std::vector<GroundCorrection> as_recorded = SpreadAlongPairs(roots, priors, pairs, pairs_of);
+      const auto unexplained = [&](const std::vector<GroundCorrection>& corrections) {
+        return Unexplained(members, priors, pairs, places, pairs_of, corrections, tolerance_m);
+      };
+      if (!IsTurnedAsAWhole(members, solved) || unexplained(solved) > 0.5 * unexplained(as_recorded)) {
+        solved = std::move(as_recorded);
+      }
+    }
+    for (const int i : members) {
+      graph.corrections[i] = solved[i];
+      graph.corrections[i].component = static_cast<int>(p);
+    }
+  }
+
+  std::vector<double> pair_weights(pairs.size()), turn_weights(count), shift_weights(count);
+  std::vector<Complex> expected_turn(count);
+  for (const double trust_width : kTrustWidths) {
+    const double width = tolerance_m * trust_width;
+    for (std::size_t l = 0; l < pairs.size(); ++l) {
+      const double residual = PairResidual(pairs[l], places[l], priors, graph.corrections);
+      const double strength = std::min<double>(4.0, static_cast<double>(pairs[l].matches.size()) / 20.0);
+      pair_weights[l] = strength / (tolerance_m * tolerance_m) * Cauchy(residual, width);
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      const GroundCorrection& now = graph.corrections[i];
+      const double sigma = priors[i].sigma_m;
+      shift_weights[i] = Cauchy(std::abs(now.shift), 3.0 * sigma) / (sigma * sigma);
+      // Scale stays near one; the turn is free to go where the pairs want it, once it is far from the
+      // recorded.
+      const Complex unit = std::abs(now.turn_and_scale) > 1e-6
+                               ? now.turn_and_scale / std::abs(now.turn_and_scale)
+                               : Complex(1.0, 0.0);
+      const bool turned = std::abs(std::arg(unit)) > std::max(0.35, 3.0 * priors[i].sigma_turn_rad);
+      expected_turn[i] = turned ? unit : Complex(1.0, 0.0);
+      const double reach_m = 10.0 * tolerance_m;  // a turn moves things about as far out as this
+      turn_weights[i] = (reach_m * reach_m) / (sigma * sigma);
+    }
+    SolveLinear(priors, pairs, places, pair_weights, turn_weights, shift_weights, expected_turn,
+                graph.corrections);
+  }
+  for (std::size_t l = 0; l < pairs.size(); ++l) {
+    if (PairResidual(pairs[l], places[l], priors, graph.corrections) > 4.0 * tolerance_m)
+      graph.is_inlier[l] = 0;
+  }
+  return graph;
+}
+
+}  // namespace skyquilt::alignment

@@ -1,0 +1,212 @@
+#include "core/alignment/from_records/matching_passes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "core/alignment/from_records/bundle_setup.h"
+#include "core/alignment/from_records/ground_graph.h"
+#include "core/alignment/from_records/mount_turn.h"
+#include "core/base/median.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr int kMaxRounds = 4;
+constexpr std::size_t kMinConnected = 6;
+constexpr double kToleranceShare =
+    0.015;  // of a photo's width: by which verified pairs may contradict each other
+// Recorded tilts distort the ground by more than that.
+constexpr double kFirstToleranceFactor = 2.0;
+
+const MatchingPass kFirstPass{};
+// From where the photos are now: narrow for those that are connected, as wide as the records proved bad for
+// the others.
+const MatchingPass kNextPass{.min_radius_share = 0.05,
+                             .sigmas = 3.0,
+                             .max_turn_rad = 0.45,
+                             .tolerance_share = 0.012,
+                             .min_matches = 8};
+
+// What the connected photos of a group say of the errors they share.
+struct SharedError {
+  Complex shift{0.0, 0.0};
+  double turn_rad = 0.0;
+  double shift_scatter_m = 0.0;
+  double turn_scatter_rad = 0.0;
+  std::size_t photos = 0;
+};
+
+SharedError Learn(const std::vector<GroundCorrection>& corrections, const std::vector<int>& members) {
+  SharedError shared;
+  shared.photos = members.size();
+  if (members.empty()) return shared;
+  std::vector<double> east, north, away, turned;
+  Complex mean_turn(0.0, 0.0);
+  for (const int i : members) {
+    east.push_back(corrections[i].shift.real());
+    north.push_back(corrections[i].shift.imag());
+    mean_turn += std::polar(1.0, std::arg(corrections[i].turn_and_scale));
+  }
+  shared.shift = {Median(east), Median(north)};
+  // Turns are learnt around their mean direction, so that a line stored upside down is one too.
+  const double around = std::arg(mean_turn);
+  for (const int i : members) {
+    turned.push_back(
+        std::remainder(std::arg(corrections[i].turn_and_scale) - around, 2.0 * std::numbers::pi));
+  }
+  const double middle = Median(turned);
+  shared.turn_rad = std::remainder(around + middle, 2.0 * std::numbers::pi);
+  for (double& turn : turned) turn = std::abs(turn - middle);
+  for (const int i : members) away.push_back(std::abs(corrections[i].shift - shared.shift));
+  shared.turn_scatter_rad = 1.5 * Median(turned);
+  shared.shift_scatter_m = 1.2 * Median(away);  // of two dimensions: the median is 1.18 sigma
+  return shared;
+}
+
+// Photos without a verified pair take over what their line has in common.
+void Inherit(const std::vector<int>& lines, std::vector<GroundCorrection>& corrections) {
+  std::map<int, std::vector<int>> connected_of_line;
+  for (std::size_t i = 0; i < corrections.size(); ++i) {
+    if (corrections[i].component >= 0) connected_of_line[lines[i]].push_back(static_cast<int>(i));
+  }
+  for (std::size_t i = 0; i < corrections.size(); ++i) {
+    if (corrections[i].component >= 0) continue;
+    const auto members = connected_of_line.find(lines[i]);
+    if (members == connected_of_line.end() || members->second.size() < 2) continue;
+    const SharedError of_line = Learn(corrections, members->second);
+    corrections[i] = {std::polar(1.0, of_line.turn_rad), of_line.shift, kInheritedComponent};
+  }
+}
+
+// How good the records are, where the pictures know better than what was assumed of them.
+void WidenPriors(const std::vector<GroundCorrection>& corrections, std::vector<GroundPrior>& priors) {
+  std::vector<int> connected;
+  for (std::size_t i = 0; i < corrections.size(); ++i) {
+    if (corrections[i].component >= 0) connected.push_back(static_cast<int>(i));
+  }
+  if (connected.size() < kMinConnected) return;
+  const SharedError of_flight = Learn(corrections, connected);
+  for (GroundPrior& prior : priors) {
+    prior.sigma_m = std::max(prior.sigma_m, of_flight.shift_scatter_m);
+    prior.sigma_turn_rad = std::max(prior.sigma_turn_rad, of_flight.turn_scatter_rad);
+  }
+}
+
+std::size_t CountPlaced(const std::vector<GroundCorrection>& corrections) {
+  return static_cast<std::size_t>(
+      std::count_if(corrections.begin(), corrections.end(),
+                    [](const GroundCorrection& one) { return one.component >= 0; }));
+}
+
+std::vector<VerifiedPair> KeepInliers(const GroundGraph& graph, const std::vector<VerifiedPair>& verified) {
+  std::vector<VerifiedPair> kept;
+  for (std::size_t l = 0; l < verified.size(); ++l) {
+    if (graph.is_inlier[l]) kept.push_back(verified[l]);
+  }
+  return kept;
+}
+
+void ReportRejected(const GroundGraph& graph, const std::vector<VerifiedPair>& verified,
+                    const poses::PosedFlight& posed, std::vector<AlignPairReport>& told) {
+  for (std::size_t l = 0; l < verified.size(); ++l) {
+    if (graph.is_inlier[l]) continue;
+    AlignPairReport& rejected = told.emplace_back();
+    rejected.first = posed.photos[verified[l].first].photo.name;
+    rejected.second = posed.photos[verified[l].second].photo.name;
+    rejected.matches = static_cast<int>(verified[l].matches.size());
+    rejected.rms_m = verified[l].rms_m;
+  }
+}
+
+}  // namespace
+
+MatchedFlight MatchInPasses(const poses::PosedFlight& posed, const std::vector<int>& lines,
+                            MatchingInput& input, int threads, Progress& progress) {
+  const std::size_t count = posed.photos.size();
+  const Relief flat(posed.ground_z_in_enu_m);
+  const double tolerance_m = kToleranceShare * MedianWidthM(input.views);
+  std::vector<GroundPrior> recorded = MakeGroundPriors(posed, input);
+  std::vector<GroundCorrection> total(count);  // against the records
+  MatchedFlight matched;
+  matched.corrected.resize(count);
+
+  double mount_turn_rad = 0.0;
+
+  const auto move_views = [&] {
+    WidenPriors(total, recorded);
+    Inherit(lines, total);
+    for (GroundCorrection& one : total) {
+      if (one.component < 0 && one.component != kInheritedComponent && mount_turn_rad != 0.0)
+        one = {std::polar(1.0, mount_turn_rad), {0.0, 0.0}, kInheritedComponent};
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      matched.corrected[i] = CorrectPose(posed.photos[i], recorded[i], total[i]);
+      input.views[i].cam_from_enu = matched.corrected[i].start_cam_from_enu;
+      const bool is_placed = total[i].component >= 0;
+      input.ground_sigma_m[i] = is_placed ? 0.0 : recorded[i].sigma_m;
+      input.sigma_turn_rad[i] = is_placed ? 0.0 : recorded[i].sigma_turn_rad;
+    }
+  };
+
+  ProjectedKeypoints projected;
+  std::vector<VerifiedPair> verified;
+  const auto match_first_pass = [&] {
+    matched.pairs = SelectPairs(input.views, input.ground_sigma_m, flat, {});
+    projected = ProjectAllToGround(input, flat, threads);
+    verified = MatchAndVerify(input, projected, matched.pairs, kFirstPass, threads);
+    for (VerifiedPair& pair : MatchLostPhotos(input, projected, matched.pairs, verified, threads)) {
+      verified.push_back(std::move(pair));
+    }
+  };
+  match_first_pass();
+  mount_turn_rad = CommonQuarterTurn(recorded, verified);
+  if (mount_turn_rad != 0.0) {
+    for (std::size_t i = 0; i < count; ++i) {
+      total[i] = {std::polar(1.0, mount_turn_rad), {0.0, 0.0}, 0};
+      input.views[i].cam_from_enu = CorrectPose(posed.photos[i], recorded[i], total[i]).start_cam_from_enu;
+    }
+    match_first_pass();
+  }
+  GroundGraph graph =
+      SolveGroundGraph(recorded, verified, projected.views, kFirstToleranceFactor * tolerance_m);
+  ReportRejected(graph, verified, posed, matched.rejected);
+  matched.links = KeepInliers(graph, verified);
+  total = graph.corrections;
+  for (GroundCorrection& one : total) {
+    if (one.component >= 0) one.turn_and_scale *= std::polar(1.0, mount_turn_rad);
+  }
+  std::size_t placed = CountPlaced(total);
+  for (int round = 0; round < kMaxRounds && !progress.IsCancelled(); ++round) {
+    move_views();
+    matched.pairs = SelectPairs(input.views, input.ground_sigma_m, flat, {});
+    projected = ProjectAllToGround(input, flat, threads);
+    verified = MatchAndVerify(input, projected, matched.pairs, kNextPass, threads);
+    // From here a photo is expected where it now lies.
+    std::vector<GroundPrior> expected = MakeGroundPriors(posed, input);
+    for (std::size_t i = 0; i < count; ++i) {
+      expected[i].sigma_m = recorded[i].sigma_m;
+      expected[i].sigma_turn_rad = recorded[i].sigma_turn_rad;
+    }
+    graph = SolveGroundGraph(expected, verified, projected.views, tolerance_m);
+    matched.links = KeepInliers(graph, verified);
+    for (std::size_t i = 0; i < count; ++i) {
+      if (graph.corrections[i].component < 0 && total[i].component >= 0) continue;
+      const GroundSimilarity before = AsSimilarity(total[i], recorded[i].middle);
+      const GroundSimilarity step = AsSimilarity(graph.corrections[i], expected[i].middle);
+      total[i] = AsCorrection(step.After(before), recorded[i].middle);
+      total[i].component = graph.corrections[i].component;
+    }
+    const std::size_t now_placed = CountPlaced(total);
+    if (now_placed <= placed) break;
+    placed = now_placed;
+  }
+  ReportRejected(graph, verified, posed, matched.rejected);
+  move_views();
+  return matched;
+}
+
+}  // namespace skyquilt::alignment

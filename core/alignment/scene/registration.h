@@ -1,0 +1,52 @@
+// Registration: photos tied to each other by what they show alone, and the poses that follow from it, up to
+// the place, direction and scale that no photo tells. Frame `world`: one for each block of photos that hang
+// together; nothing is known between two blocks. Values; any thread.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/alignment/bundle/bundle_adjustment.h"
+#include "core/alignment/features/features.h"
+#include "core/alignment/matching/verified_pair.h"
+#include "core/geo/rigid3.h"
+
+namespace skyquilt::alignment {
+
+struct RegistrationPhoto {
+  const PhotoFeatures* features = nullptr;  // null: takes no part
+  int lens = 0;
+  std::optional<Eigen::Vector3d> position_in_enu;  // only says which photos may show the same
+};
+
+struct RegistrationInput {
+  std::vector<RegistrationPhoto> photos;  // in the order of capture
+  std::vector<BundleLens> lenses;
+};
+
+struct RegisteredPhoto {
+  geo::Rigid3 cam_from_world;
+  int lens = 0;
+  int block = -1;        // 0 is the largest; negative: not registered
+  int links = 0;         // verified pairs with photos of its block
+  int observations = 0;  // points it sees that others see too
+  double residual_rms_px = 0.0;
+};
+
+struct RegistrationReport {
+  int pairs_compared = 0, pairs_verified = 0, pairs_refused = 0;
+  int pairs_flat = 0, pairs_relief = 0, pairs_without_parallax = 0;                 // of those not refused
+  double candidates_s = 0.0, matching_s = 0.0, rotations_s = 0.0, growing_s = 0.0;  // wall
+};
+
+struct Registration {
+  std::vector<RegisteredPhoto> photos;  // by input photo
+  std::vector<int> block_sizes;         // the largest first
+  std::vector<BundleLens> lenses;
+  std::vector<VerifiedPair> links;  // verified, with the matches that agree; sorted by photos
+  std::vector<Track> tracks;        // point_in_enu is in the world of the photos' block
+  double residual_rms_px = 0.0;
+  RegistrationReport report;
+};
+
+}  // namespace skyquilt::alignment

@@ -1,0 +1,48 @@
+// View: the pose and lens of a photo while its alignment is being found, and what its
+// keypoints become on the ground under it. Values; any thread.
+#pragma once
+
+#include <Eigen/Core>
+#include <complex>
+#include <vector>
+
+#include "core/alignment/features/features.h"
+#include "core/alignment/scene/relief.h"
+#include "core/camera/intrinsics.h"
+#include "core/camera/rolling_shutter.h"
+#include "core/geo/rigid3.h"
+
+namespace skyquilt::alignment {
+
+struct View {
+  camera::Intrinsics intrinsics;
+  geo::Rigid3 cam_from_enu;
+  double height_above_ground_m = 50.0;
+  camera::RowMotion readout_motion;  // as AlignedPhoto has it
+
+  // While the row of that pixel was read.
+  geo::Rigid3 CamFromEnuAt(const Eigen::Vector2d& pixel_in_image) const {
+    return camera::PoseAtRow(cam_from_enu, readout_motion, pixel_in_image.y(), intrinsics.height_px);
+  }
+  Eigen::Vector3d CenterInEnu() const { return cam_from_enu.TargetOriginInSource(); }
+  double GsdM() const { return height_above_ground_m / intrinsics.MeanFocalPx(); }
+  // Ground covered across the longer side, straight down.
+  double WidthM() const { return GsdM() * std::max(intrinsics.width_px, intrinsics.height_px); }
+};
+
+// A keypoint projected to the ground; a complex number is E + iN in enu metres.
+struct GroundKeypoint {
+  std::complex<double> place;
+  float angle_rad = 0.0F;     // of its direction, from east towards north
+  float log2_scale = 0.0F;    // of its size in metres
+  bool is_on_ground = false;  // false where the view runs towards the horizon
+};
+
+std::vector<GroundKeypoint> ProjectToGround(const PhotoFeatures& features, const View& view,
+                                            const Relief& relief);
+
+// Where the ray through a pixel meets the relief (E, N, z); false when it does not come down within reach.
+bool MeetGround(const View& view, const Relief& relief, const Eigen::Vector2d& pixel_in_image,
+                Eigen::Vector3d* point_in_enu);
+
+}  // namespace skyquilt::alignment

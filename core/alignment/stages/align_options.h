@@ -1,0 +1,35 @@
+// AlignOptions: what AlignFlight may do, and how thoroughly. A value; any thread.
+#pragma once
+
+#include <vector>
+
+#include "core/alignment/features/features.h"
+#include "core/alignment/scene/ground_control.h"
+#include "core/base/result.h"
+
+namespace skyquilt::alignment {
+
+// Whether photos may be placed by what they show alone (second_leg/second_leg.h) instead of from recorded
+// poses.
+enum class ByImages {
+  kNever,
+  kByEvidence,  // where the records fail their test, and only if the result stands better
+  kAlways,      // unless it ties fewer photos together
+};
+
+struct AlignOptions {
+  int threads = 0;                   // 0 = all cores
+  int detector_pixels = 1'500'000;   // pixels of the picture given to the feature detector
+  int max_features = 2000;           // kept a photo
+  int observations_per_photo = 220;  // tie points a photo brings into the adjustment
+
+  std::vector<ControlPoint> control;  // surveyed points marked in photos
+  // By photo: placed for good, and its lens known; the others are placed against it. Empty: none.
+  std::vector<char> fixed;
+  ByImages by_images = ByImages::kByEvidence;  // never with `fixed`
+
+  FeatureOptions Features() const;
+  Result<void> Validate() const;
+};
+
+}  // namespace skyquilt::alignment

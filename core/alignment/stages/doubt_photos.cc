@@ -1,0 +1,171 @@
+#include "core/alignment/stages/doubt_photos.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "core/alignment/features/sharpness.h"
+#include "core/base/median.h"
+#include "core/geo/bounds.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+constexpr double kSamePixelPx = 1.0;
+constexpr double kCopiedShare = 0.4;    // of the features that must lie at the same pixels
+constexpr double kBlurredShare = 0.35;  // of the fine detail that others show of the same ground
+constexpr std::size_t kEnoughToCompare = 2;
+constexpr std::size_t kFewPhotos = 5;
+constexpr std::size_t kRichInFeatures = 300;
+constexpr double kSurelySharedOverlap = 0.4;
+constexpr int kWitnesses = 3;  // linked photos that overlap and know nothing of it
+constexpr double kMinGapM = 300.0;
+constexpr double kGapOverExtent = 1.0;
+constexpr double kMaxLeftOutShare = 0.1;
+
+bool ShowsTheSamePixels(const VerifiedPair& verified_pair, const MatchingInput& input) {
+  const PhotoFeatures& first = *input.features[verified_pair.first];
+  const PhotoFeatures& second = *input.features[verified_pair.second];
+  const auto same = std::count_if(verified_pair.matches.begin(), verified_pair.matches.end(),
+                                  [&](const KeypointMatch& match) {
+                                    const Keypoint& a = first.keypoints[match.first];
+                                    const Keypoint& b = second.keypoints[match.second];
+                                    return std::hypot(a.x_px - b.x_px, a.y_px - b.y_px) < kSamePixelPx;
+                                  });
+  const std::size_t fewer = std::min(first.keypoints.size(), second.keypoints.size());
+  return static_cast<double>(same) > kCopiedShare * static_cast<double>(fewer);
+}
+
+// Against those that are linked, and so surely show the same ground; a photo without verified pairs, which
+// may show any, must besides be of little sharpness by itself, whatever it shows.
+struct SharpnessOfPhoto {
+  std::optional<double> share;  // of the fine detail of others
+  bool is_blurred = false;
+};
+std::vector<SharpnessOfPhoto> FindBlurred(const MatchingInput& input, const std::vector<CandidatePair>& pairs,
+                                          const std::vector<VerifiedPair>& verified, const Relief& relief) {
+  const std::size_t count = input.views.size();
+  std::vector<std::vector<double>> linked(count), overlapping(count), by_itself(count);
+  const auto against = [&](int own, int other, std::vector<std::vector<double>>& shares) {
+    const std::optional<double> share =
+        SharpnessAgainst(input.features[own]->detail, input.views[own], input.features[other]->detail,
+                         input.views[other], relief);
+    if (share) shares[own].push_back(*share);
+  };
+  for (const VerifiedPair& verified_pair : verified) {
+    against(verified_pair.first, verified_pair.second, linked);
+    against(verified_pair.second, verified_pair.first, linked);
+  }
+  std::vector<double> sharpness(count, 0.0);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (input.features[i] != nullptr) sharpness[i] = SharpnessByItself(input.features[i]->detail);
+  }
+  for (const CandidatePair& pair : pairs) {
+    if (pair.overlap < kSurelySharedOverlap || !input.features[pair.first] || !input.features[pair.second])
+      continue;
+    for (const auto& [own, other] : {std::pair(pair.first, pair.second), {pair.second, pair.first}}) {
+      if (linked[own].size() >= kEnoughToCompare) continue;
+      against(own, other, overlapping);
+      by_itself[own].push_back(sharpness[own] / (sharpness[other] + 1e-9));
+    }
+  }
+  const auto is_less_sharp = [](const std::vector<double>& shares) {
+    return shares.size() >= kEnoughToCompare && Median(shares) < kBlurredShare;
+  };
+  std::vector<SharpnessOfPhoto> found(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const bool is_linked = linked[i].size() >= kEnoughToCompare;
+    const bool is =
+        is_linked ? is_less_sharp(linked[i]) : is_less_sharp(overlapping[i]) && is_less_sharp(by_itself[i]);
+    found[i].is_blurred = is;
+    const std::vector<double>& shares = is_linked ? linked[i] : overlapping[i];
+    if (shares.size() >= kEnoughToCompare) found[i].share = Median(shares);
+  }
+  return found;
+}
+
+}  // namespace
+
+std::vector<PhotoDoubt> DoubtPhotos(const MatchingInput& input, const std::vector<CandidatePair>& pairs,
+                                    const std::vector<VerifiedPair>& verified, const Relief& relief) {
+  const std::size_t count = input.views.size();
+  std::vector<PhotoDoubt> doubts(count);
+  std::vector<int> linked(count, 0), witnesses(count, 0);
+  for (const VerifiedPair& verified_pair : verified) {
+    ++linked[verified_pair.first];
+    ++linked[verified_pair.second];
+    PhotoDoubt& later = doubts[verified_pair.second];
+    if (!later.copy_of && ShowsTheSamePixels(verified_pair, input)) later.copy_of = verified_pair.first;
+  }
+  const std::vector<SharpnessOfPhoto> found = FindBlurred(input, pairs, verified, relief);
+  for (const CandidatePair& pair : pairs) {
+    if (pair.overlap < kSurelySharedOverlap) continue;
+    if (linked[pair.second] > 1) ++witnesses[pair.first];
+    if (linked[pair.first] > 1) ++witnesses[pair.second];
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    doubts[i].is_blurred = found[i].is_blurred;
+    doubts[i].sharpness = found[i].share;
+    doubts[i].shows_other_place = linked[i] == 0 && witnesses[i] >= kWitnesses && input.features[i] &&
+                                  input.features[i]->keypoints.size() >= kRichInFeatures &&
+                                  !doubts[i].is_blurred;
+  }
+  return doubts;
+}
+
+std::vector<flight::Remark> DoubtsInRemarks(const PhotoDoubt& doubt, const std::vector<std::string>& names) {
+  using flight::RemarkCode;
+  std::vector<flight::Remark> remarks;
+  if (doubt.copy_of) remarks.push_back({RemarkCode::kDoubtCopy, {{"other", names[*doubt.copy_of]}}});
+  if (doubt.is_blurred) remarks.push_back(RemarkCode::kDoubtBlurred);
+  if (doubt.shows_other_place) remarks.push_back(RemarkCode::kDoubtOtherPlace);
+  return remarks;
+}
+
+std::vector<char> LeaveOutFarAway(AlignedFlight& flight) {
+  const std::size_t count = flight.photos.size();
+  std::vector<char> is_far(count, 0);
+  if (count < kFewPhotos) return is_far;
+  std::vector<Eigen::Vector2d> places;
+  std::vector<double> easts, norths;
+  for (const AlignedPhoto& photo : flight.photos) {
+    places.push_back(photo.cam_from_enu.TargetOriginInSource().head<2>());
+    easts.push_back(places.back().x());
+    norths.push_back(places.back().y());
+  }
+  const Eigen::Vector2d middle(Median(easts), Median(norths));
+  // By distance from the middle, the block grows until a gap as wide as itself.
+  std::vector<std::size_t> order(count);
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return (places[a] - middle).norm() < (places[b] - middle).norm();
+  });
+  std::size_t kept = count;
+  for (std::size_t k = count - 1; k > 0; --k) {
+    const double inner_m = (places[order[k - 1]] - middle).norm();
+    const double gap_m = (places[order[k]] - middle).norm() - inner_m;
+    if (gap_m > std::max(kMinGapM, 2.0 * kGapOverExtent * inner_m)) kept = k;
+  }
+  if (static_cast<double>(count - kept) > std::max(1.0, kMaxLeftOutShare * static_cast<double>(count)))
+    return is_far;
+  for (std::size_t k = kept; k < count; ++k) {
+    is_far[order[k]] = flight.photos[order[k]].placement == Placement::kPoseOnly ? 1 : 0;
+  }
+  std::vector<AlignedPhoto> near;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!is_far[i]) {
+      near.push_back(std::move(flight.photos[i]));
+      continue;
+    }
+    flight.left_out.push_back({flight.photos[i].photo.name, ErrorCode::kNoPosition,
+                               flight::Remark(flight::RemarkCode::kLeftFarAway,
+                                              {{"apart_km", (places[i] - middle).norm() / 1000.0}})});
+  }
+  flight.photos = std::move(near);
+  return is_far;
+}
+
+}  // namespace skyquilt::alignment

@@ -1,0 +1,36 @@
+// DoubtPhotos: what is odd about single photos, found by comparing them with the others: copies of another
+// photo, blurred ones, pictures of another place. Nothing is dropped for it; the user is told, and the map
+// prefers other photos where it can. Pure; any thread.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/alignment/matching/match_and_verify.h"
+#include "core/alignment/scene/aligned_flight.h"
+
+namespace skyquilt::alignment {
+
+struct PhotoDoubt {
+  std::optional<int> copy_of;  // an earlier photo with the same picture
+  // The fine detail that it shows, as a share of what others show of the same ground; nothing where too few
+  // others do.
+  std::optional<double> sharpness;
+  bool is_blurred = false;         // far less sharp than others of the same ground
+  bool shows_other_place = false;  // rich in detail, yet nothing in common with photos that overlap and agree
+  bool IsAny() const { return copy_of || is_blurred || shows_other_place; }
+};
+
+// `pairs` were compared, `verified` are the pairs verified in the end, over `relief`.
+std::vector<PhotoDoubt> DoubtPhotos(const MatchingInput& input, const std::vector<CandidatePair>& pairs,
+                                    const std::vector<VerifiedPair>& verified, const Relief& relief);
+
+// What the user is to know of it, each going on from the photo's name.
+std::vector<flight::Remark> DoubtsInRemarks(const PhotoDoubt& doubt, const std::vector<std::string>& names);
+
+// Takes photos out that no verified pair ties to the others and that lie so far away that the map would be
+// mostly empty; each is listed with the reason. Never takes out more than a tenth. By photo: whether it was.
+std::vector<char> LeaveOutFarAway(AlignedFlight& flight);
+
+}  // namespace skyquilt::alignment

@@ -1,0 +1,332 @@
+#include "core/alignment/stages/place_photos.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <set>
+
+#include "core/alignment/from_records/direct_registration.h"
+#include "core/alignment/from_records/registration_rounds.h"
+#include "core/base/median.h"
+#include "core/geo/lat_lon.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+using flight::Remark;
+using flight::RemarkCode;
+
+constexpr double kGoodAngleRad = 0.087;  // 5 degrees: flatter rays leave the height open
+
+struct Support {
+  int observations = 0;
+  double square_px = 0.0;
+  std::set<int> tied_to;
+};
+
+// Photos with enough ties, in components; -1 for the others. Weak photos lend no support to others.
+std::vector<int> FindAligned(const BundleProblem& problem, std::vector<Support>& support) {
+  const std::size_t count = problem.photos.size();
+  const std::vector<View> views = ViewsOf(problem);
+  std::vector<char> strong(count, 1);
+  for (bool changed = true; changed;) {
+    changed = false;
+    support.assign(count, {});
+    for (const Track& track : problem.tracks) {
+      std::vector<const Observation*> seen;
+      for (const Observation& one : track.observations) {
+        if (strong[one.photo]) seen.push_back(&one);
+      }
+      if (seen.size() < 2) continue;
+      for (const Observation* one : seen) {
+        Support& own = support[one->photo];
+        ++own.observations;
+        const double residual = ReprojectionErrorPx(views[one->photo], *one, track.point_in_enu);
+        own.square_px += residual * residual;
+        for (const Observation* other : seen) {
+          if (other != one) own.tied_to.insert(other->photo);
+        }
+      }
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      if (strong[i] && support[i].observations < kEnoughObservations) {
+        strong[i] = 0;
+        changed = true;
+      }
+    }
+  }
+  std::vector<int> component(count, -1);
+  int components = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!strong[i] || component[i] >= 0) continue;
+    std::vector<int> open{static_cast<int>(i)};
+    component[i] = components;
+    while (!open.empty()) {
+      const int at = open.back();
+      open.pop_back();
+      for (const int other : support[at].tied_to) {
+        if (component[other] >= 0) continue;
+        component[other] = components;
+        open.push_back(other);
+      }
+    }
+    ++components;
+  }
+  return component;
+}
+
+// How the aligned photos of a line moved against their records, in cam (turn) and enu (shift).
+struct Learnt {
+  Eigen::Vector3d turn_rad = Eigen::Vector3d::Zero();
+  Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();
+  double scatter_rad = 0.0;
+  int photos = 0;
+};
+
+// Axis by axis.
+Eigen::Vector3d MedianVector(const std::vector<Eigen::Vector3d>& values) {
+  Eigen::Vector3d median;
+  for (int k = 0; k < 3; ++k) {
+    std::vector<double> along;
+    for (const Eigen::Vector3d& value : values) along.push_back(value[k]);
+    median[k] = Median(std::move(along));
+  }
+  return median;
+}
+
+Learnt Learn(const std::vector<Eigen::Vector3d>& turns, const std::vector<Eigen::Vector3d>& shifts) {
+  Learnt learnt;
+  learnt.photos = static_cast<int>(turns.size());
+  if (turns.empty()) return learnt;
+  learnt.turn_rad = MedianVector(turns);
+  learnt.shift_m = MedianVector(shifts);
+  std::vector<Eigen::Vector3d> apart;
+  for (const Eigen::Vector3d& turn : turns) apart.push_back((turn - learnt.turn_rad).cwiseAbs());
+  learnt.scatter_rad = 1.5 * MedianVector(apart).head<2>().mean();
+  return learnt;
+}
+
+Eigen::Vector3d TurnAgainst(const geo::Rigid3& now, const geo::Rigid3& before) {
+  return geo::VectorFromRotation((now.rotation * before.rotation.conjugate()).normalized());
+}
+
+Eigen::Vector2d AxisOnGround(const geo::Rigid3& cam_from_enu, double ground_z_m) {
+  const Eigen::Vector3d center = cam_from_enu.TargetOriginInSource();
+  const Eigen::Vector3d axis = cam_from_enu.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+  if (axis.z() > -0.2) return center.head<2>();
+  return (center + (ground_z_m - center.z()) / axis.z() * axis).head<2>();
+}
+
+std::vector<PhotoFault> Faults(const CorrectedPose& corrected, const PhotoDoubt& doubt) {
+  std::vector<PhotoFault> faults;
+  if (corrected.position_was_wrong) faults.push_back(PhotoFault::kPositionWrong);
+  if (corrected.yaw_was_wrong) faults.push_back(PhotoFault::kYawWrong);
+  if (corrected.quarter_turns != 0) faults.push_back(PhotoFault::kStoredTurned);
+  if (doubt.copy_of) faults.push_back(PhotoFault::kCopy);
+  if (doubt.is_blurred) faults.push_back(PhotoFault::kBlurred);
+  if (doubt.shows_other_place) faults.push_back(PhotoFault::kOtherPlace);
+  return faults;
+}
+
+// How far off surveyed points turned out to be; nothing without any.
+std::optional<double> ControlErrorM(const AlignReport& report) {
+  constexpr double kSurveyM = 0.02;
+  double square = 0.0;
+  int points = 0;
+  for (const ControlReport& point : report.control) {
+    if (!point.is_used) continue;
+    square += point.miss_east_m * point.miss_east_m + point.miss_north_m * point.miss_north_m;
+    ++points;
+  }
+  if (points == 0) return std::nullopt;
+  return std::max(kSurveyM, std::sqrt(square / points));
+}
+
+// Above the points that the photos show from two sides; nothing without such points.
+std::optional<double> FoundHeightM(const AlignedFlight& flight) {
+  std::vector<double> cameras_m, ground_m;
+  for (const AlignedPhoto& photo : flight.photos) {
+    if (photo.placement == Placement::kAligned)
+      cameras_m.push_back(photo.cam_from_enu.TargetOriginInSource().z());
+  }
+  for (const Eigen::Vector3d& point : flight.tie_points_in_enu) ground_m.push_back(point.z());
+  if (cameras_m.empty() || ground_m.empty()) return std::nullopt;
+  return Median(std::move(cameras_m)) - Median(std::move(ground_m));
+}
+
+// Of each photo the angle off the vertical under which it sees most points that it shares with others.
+void FindTiedLooks(const std::vector<Track>& tracks, const std::vector<int>& component,
+                   AlignedFlight& flight) {
+  constexpr std::size_t kFewestTied = 10;
+  constexpr double kTiedShare = 0.9;  // the outermost are few, and may be wrong
+  std::vector<std::vector<double>> looks(flight.photos.size());
+  for (const Track& track : tracks) {
+    for (const Observation& seen : track.observations) {
+      if (component[seen.photo] < 0) continue;
+      const Eigen::Vector3d down =
+          flight.photos[seen.photo].cam_from_enu.TargetOriginInSource() - track.point_in_enu;
+      looks[seen.photo].push_back(std::atan2(down.head<2>().norm(), down.z()));
+    }
+  }
+  for (std::size_t i = 0; i < looks.size(); ++i) {
+    flight.photos[i].tied_look_rad = 0.0;
+    if (looks[i].size() < kFewestTied) continue;
+    const auto outer =
+        looks[i].begin() + static_cast<std::ptrdiff_t>(kTiedShare * static_cast<double>(looks[i].size() - 1));
+    std::nth_element(looks[i].begin(), outer, looks[i].end());
+    flight.photos[i].tied_look_rad = *outer;
+  }
+}
+
+void TellAssumptions(const poses::PosedFlight& posed, int aligned, AlignedFlight& flight) {
+  const std::optional<double> found_m = FoundHeightM(flight);
+  const std::vector<Remark> assumed =
+      found_m ? poses::AssumptionsAfterAlignment(posed.assumptions, *found_m,
+                                                 static_cast<int>(flight.photos.size()) - aligned)
+              : poses::AssumptionsByPoses(posed.assumptions);
+  flight.warnings.insert(flight.warnings.end(), assumed.begin(), assumed.end());
+}
+
+}  // namespace
+
+AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
+  const poses::PosedFlight& posed = *input.posed;
+  const BundleProblem& problem = *input.problem;
+  const std::vector<CorrectedPose>& corrected = *input.corrected;
+  AlignedFlight flight;
+  flight.frame = posed.frame;
+  flight.ground_z_in_enu_m = posed.ground_z_in_enu_m;
+  flight.left_out = posed.left_out;
+  flight.warnings = posed.warnings;
+
+  const std::optional<double> shared_error_m = ControlErrorM(report);
+  std::vector<std::string> names;
+  for (const poses::PosedPhoto& photo : posed.photos) names.push_back(photo.photo.name);
+  std::vector<Support> support;
+  const std::vector<int> component = FindAligned(problem, support);
+  const std::vector<DirectSupport> direct = SupportOf(ViewsOf(problem), problem.soft_tracks);
+  std::map<int, int> component_sizes;
+  std::map<int, std::vector<Eigen::Vector3d>> turns, shifts;
+  std::vector<Eigen::Vector3d> all_turns, all_shifts;
+  // What the clock of a log is to blame for is not the positions' error.
+  const auto by_clock_m = [&problem](std::size_t i) {
+    return Eigen::Vector3d(problem.clock_error_s * problem.photos[i].by_clock_mps);
+  };
+  for (std::size_t i = 0; i < component.size(); ++i) {
+    if (component[i] < 0) continue;
+    ++component_sizes[component[i]];
+    if (corrected[i].position_was_wrong || corrected[i].yaw_was_wrong) continue;
+    const geo::Rigid3& prior = corrected[i].prior_cam_from_enu;
+    const geo::Rigid3& now = problem.photos[i].cam_from_enu;
+    all_turns.push_back(TurnAgainst(now, prior));
+    all_shifts.push_back(now.TargetOriginInSource() - prior.TargetOriginInSource() - by_clock_m(i));
+    turns[problem.photos[i].line].push_back(all_turns.back());
+    shifts[problem.photos[i].line].push_back(all_shifts.back());
+  }
+  const Learnt of_flight = Learn(all_turns, all_shifts);
+  double square_shift = 0.0, square_turn = 0.0;
+  for (const Eigen::Vector3d& shift : all_shifts) square_shift += shift.head<2>().squaredNorm();
+  for (const Eigen::Vector3d& turn : all_turns) square_turn += turn.squaredNorm() / 3.0;
+  if (!all_shifts.empty()) {
+    report.position_residual_m = std::sqrt(square_shift / static_cast<double>(all_shifts.size()));
+    report.attitude_residual_deg =
+        geo::RadToDeg(std::sqrt(square_turn / static_cast<double>(all_turns.size())));
+  }
+
+  for (std::size_t i = 0; i < component.size(); ++i) {
+    const poses::PosedPhoto& before = posed.photos[i];
+    AlignedPhoto photo{.photo = before.photo,
+                       .intrinsics = problem.lenses[problem.photos[i].lens].intrinsics,
+                       .cam_from_enu = problem.photos[i].cam_from_enu,
+                       .readout_motion = problem.photos[i].readout_motion,
+                       .placement = Placement::kPoseOnly,
+                       .placement_remarks = {},
+                       .error_radius_m = before.error_radius_m,
+                       .height_above_ground_m = before.height_above_ground_m,
+                       .sharpness = {}};
+    const double sigma_position = std::sqrt(before.covariance(3, 3) + before.covariance(4, 4));
+    if (component[i] >= 0) {
+      photo.placement = Placement::kAligned;
+      // What all photos share no comparison among them can show; the rest averages out over the component.
+      photo.error_radius_m = shared_error_m.value_or(sigma_position);
+      photo.height_above_ground_m =
+          std::max(0.5, photo.cam_from_enu.TargetOriginInSource().z() - posed.ground_z_in_enu_m);
+    } else if (direct[i].ties > 0) {
+      photo.placement_remarks = {
+          {RemarkCode::kByPoseMovedToFit, {{"photos", direct[i].ties}, {"points", support[i].observations}}}};
+    } else {
+      const auto of_line = turns.find(problem.photos[i].line);
+      const bool line_known = of_line != turns.end() && of_line->second.size() >= 2;
+      const Learnt learnt = line_known ? Learn(of_line->second, shifts[problem.photos[i].line]) : of_flight;
+      const bool learnt_enough = line_known || of_flight.photos >= 5;
+      const geo::Rigid3& prior = corrected[i].prior_cam_from_enu;
+      photo.cam_from_enu = prior;
+      if (learnt_enough) {
+        photo.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(
+            (geo::RotationFromVector(learnt.turn_rad) * prior.rotation).normalized(),
+            prior.TargetOriginInSource() + by_clock_m(i) + learnt.shift_m);
+        photo.error_radius_m = std::min(
+            before.error_radius_m,
+            std::hypot(sigma_position, before.height_above_ground_m * std::max(0.003, learnt.scatter_rad)));
+      }
+      const std::string& unreadable = (*input.unreadable)[i];
+      photo.placement_remarks = {
+          !unreadable.empty()
+              ? Remark{RemarkCode::kByPoseUnreadable, {{"error_words", unreadable}}}
+              : Remark{learnt_enough ? RemarkCode::kByPoseAsNeighbours : RemarkCode::kByPoseFewPoints,
+                       {{"points", support[i].observations}}}};
+    }
+    std::vector<Remark>& said = photo.placement_remarks;
+    said.insert(said.end(), corrected[i].notes.begin(), corrected[i].notes.end());
+    const PhotoDoubt& doubt = (*input.doubts)[i];
+    photo.sharpness = doubt.sharpness;
+    if (doubt.IsAny()) {
+      for (Remark& remark : DoubtsInRemarks(doubt, names)) {
+        said.push_back(remark);
+        report.corrections.push_back(
+            {RemarkCode::kOfPhoto, {{"photo", before.photo.name}, {"said", std::move(remark)}}});
+      }
+      // As good as nowhere: the map takes it only where it has nothing else.
+      if (doubt.shows_other_place) {
+        photo.error_radius_m = std::max(photo.error_radius_m, before.height_above_ground_m);
+      }
+    }
+    AlignPhotoReport& told = report.photo_reports[i];
+    told.placement = photo.placement;
+    told.remarks = said;
+    told.links = static_cast<int>(support[i].tied_to.size());
+    told.observations = support[i].observations;
+    told.residual_rms_px =
+        support[i].observations > 0 ? std::sqrt(support[i].square_px / support[i].observations) : 0.0;
+    told.moved_m = (AxisOnGround(photo.cam_from_enu, posed.ground_z_in_enu_m) -
+                    AxisOnGround(before.cam_from_enu, posed.ground_z_in_enu_m))
+                       .norm();
+    told.turned_deg = geo::RadToDeg(TurnAgainst(photo.cam_from_enu, before.cam_from_enu).norm());
+    told.faults = Faults(corrected[i], doubt);
+    report.aligned += photo.placement == Placement::kAligned ? 1 : 0;
+    flight.photos.push_back(std::move(photo));
+  }
+  report.components = static_cast<int>(component_sizes.size());
+  if (report.components == 0 && flight.photos.size() > 1) {
+    flight.warnings.push_back(RemarkCode::kNoTies);
+  }
+  if (report.components > 1) {
+    flight.warnings.push_back({RemarkCode::kGroups, {{"groups", report.components}}});
+  }
+  for (const Track& track : *input.ground_tracks) {
+    if (track.angle_rad < kGoodAngleRad) continue;
+    const auto good = std::count_if(track.observations.begin(), track.observations.end(),
+                                    [&](const Observation& one) { return component[one.photo] >= 0; });
+    if (good >= 2) flight.tie_points_in_enu.push_back(track.point_in_enu);
+  }
+  if (report.components > 0) FindTiedLooks(*input.ground_tracks, component, flight);
+  TellAssumptions(posed, report.aligned, flight);
+  const std::vector<char> is_far = LeaveOutFarAway(flight);
+  for (std::size_t i = 0; i < is_far.size(); ++i) {
+    if (is_far[i]) report.photo_reports[i].faults.push_back(PhotoFault::kFarAway);
+  }
+  return flight;
+}
+
+}  // namespace skyquilt::alignment
