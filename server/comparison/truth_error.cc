@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/alignment/matching/verified_pair.h"
+#include "core/alignment/scene/matches.h"
 #include "core/base/percentile.h"
 #include "core/camera/lens_fields.h"
 #include "core/simulate/world/world.h"

@@ -14,6 +14,7 @@
 #include "core/alignment/estimators/plane_homography.h"
 #include "core/alignment/features/extract_all.h"
 #include "core/alignment/matching/verified_pair.h"
+#include "core/alignment/scene/matches.h"
 #include "core/base/scoped_timer.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"

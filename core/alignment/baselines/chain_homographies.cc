@@ -9,6 +9,7 @@
 
 #include "core/alignment/estimators/plane_homography.h"
 #include "core/alignment/matching/guided_matching.h"
+#include "core/alignment/scene/matches.h"
 #include "core/base/parallel_for.h"
 
 namespace skyquilt::alignment {

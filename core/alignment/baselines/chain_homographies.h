@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "core/alignment/features/features.h"
+#include "core/alignment/scene/keypoints.h"
 #include "core/base/progress.h"
 #include "core/camera/intrinsics.h"
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/alignment/bundle/readout_correction.h"
+#include "core/alignment/scene/camera_prior.h"
 #include "core/alignment/scene/tracks.h"
 #include "core/alignment/scene/view.h"
 
@@ -34,23 +35,6 @@ struct BundlePhoto {
   std::optional<Eigen::Vector3d> velocity_in_enu_mps;                // while it was read
   bool is_fixed = false;   // stays where it is; others are placed against it
   bool has_record = true;  // false: the prior is no more than where it was found before
-};
-
-struct BundleLens {
-  camera::Intrinsics recorded;    // the prior
-  camera::Intrinsics intrinsics;  // in: start; out: adjusted
-  double sigma_focal_share = 0.01;
-  double sigma_center_px = 10.0;
-  double sigma_k1 = 0.05;
-  double sigma_k2 = 0.05;
-  double sigma_p = 0.001;
-  bool is_fixed = false;
-  // The time from the first row of a picture to the last is an unknown of the adjustment: of photos that have
-  // a velocity and no doubts, whose motion it becomes.
-  bool finds_readout = false;
-  double readout_s = 0.0;  // in: start; out: adjusted
-  double sigma_readout_s = 0.05;
-  double found_sigma_focal_px = 0.0;  // out: what the images left of the prior
 };
 
 // A surveyed point and the photos in which it was marked.

@@ -17,8 +17,8 @@ using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kConfidence = 0.9999;
-constexpr int kRefinements = 10;
+constexpr double kPoseConfidence = 0.9999;
+constexpr int kPoseRefinements = 10;
 
 std::vector<double> RealRoots(const std::array<double, 5>& polynomial) {  // of v^4 first
   const double leading = polynomial[0];
@@ -127,7 +127,7 @@ geo::Rigid3 RefineResection(const camera::Intrinsics& lens, const geo::Rigid3& s
   };
   geo::Rigid3 pose = start;
   double now = cost(pose), damping = 1e-4;
-  for (int step = 0; step < kRefinements; ++step) {
+  for (int step = 0; step < kPoseRefinements; ++step) {
     Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
     Vector6d right = Vector6d::Zero();
     for (const int k : used) {
@@ -197,7 +197,7 @@ std::optional<FoundPose> FindPose(const camera::Intrinsics& lens,
     if (all_good > 1e-6) {
       samples = std::min(
           options.max_samples,
-          std::max(10, static_cast<int>(std::log(1.0 - kConfidence) / std::log(1.0 - all_good)) + 1));
+          std::max(10, static_cast<int>(std::log(1.0 - kPoseConfidence) / std::log(1.0 - all_good)) + 1));
     }
   }
   for (int round = 0; round < 3; ++round) {

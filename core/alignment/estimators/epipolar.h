@@ -8,13 +8,9 @@
 #include <optional>
 #include <vector>
 
-namespace skyquilt::alignment {
+#include "core/alignment/scene/matches.h"
 
-// second_from_first, the length of the shift unknown.
-struct RelativePose {
-  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
-  Eigen::Vector3d direction = Eigen::Vector3d::Zero();  // of the shift: x_second = R x_first + s * direction
-};
+namespace skyquilt::alignment {
 
 struct RayPair {
   Eigen::Vector2d first, second;

@@ -11,8 +11,8 @@
 namespace skyquilt::alignment {
 namespace {
 
-constexpr double kConfidence = 0.999;
-constexpr int kRefinements = 3;
+constexpr double kHomographyConfidence = 0.999;
+constexpr int kHomographyRefinements = 3;
 constexpr double kMinDepth = 1e-3;  // of the middle's: nearer to the horizon nothing is believed
 
 // Moves the mean to zero and the mean distance from it to sqrt(2).
@@ -90,8 +90,8 @@ std::optional<RobustFit> RobustHomography(const std::vector<PlanePair>& pairs, d
     from.emplace_back(pair.from.x(), pair.from.y());
     to.emplace_back(pair.to.x(), pair.to.y());
   }
-  const cv::Mat found =
-      cv::findHomography(from, to, cv::USAC_MAGSAC, tolerance, cv::noArray(), max_trials, kConfidence);
+  const cv::Mat found = cv::findHomography(from, to, cv::USAC_MAGSAC, tolerance, cv::noArray(), max_trials,
+                                           kHomographyConfidence);
   if (found.empty()) return std::nullopt;
   RobustFit best;
   for (int r = 0; r < 3; ++r) {
@@ -101,7 +101,7 @@ std::optional<RobustFit> RobustHomography(const std::vector<PlanePair>& pairs, d
     return std::nullopt;
   best.to_from /= best.to_from(2, 2);
   best.inliers = FindInliers(pairs, best.to_from, tolerance);
-  for (int round = 0; round < kRefinements && best.inliers.size() >= 4; ++round) {
+  for (int round = 0; round < kHomographyRefinements && best.inliers.size() >= 4; ++round) {
     const auto refined = FitHomography(Chosen(pairs, best.inliers));
     if (!refined) break;
     std::vector<int> inliers = FindInliers(pairs, *refined, tolerance);

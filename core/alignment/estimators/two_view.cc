@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/alignment/estimators/epipolar.h"
 #include "core/alignment/estimators/sampler.h"
 #include "core/base/median.h"
 #include "core/geo/solvers/dense_solvers.h"

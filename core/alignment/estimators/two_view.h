@@ -11,22 +11,11 @@
 #include <optional>
 #include <vector>
 
-#include "core/alignment/estimators/epipolar.h"
-#include "core/alignment/features/features.h"
-#include "core/alignment/matching/guided_matching.h"
+#include "core/alignment/scene/keypoints.h"
+#include "core/alignment/scene/matches.h"
 #include "core/camera/intrinsics.h"
 
 namespace skyquilt::alignment {
-
-enum class Scene { kFlat, kRelief, kNoParallax };
-
-struct TwoView {
-  Scene scene = Scene::kRelief;
-  std::vector<KeypointMatch> matches;  // those that fit
-  // The likeliest first; a second where the matches fit it nearly as well.
-  std::vector<RelativePose> poses;
-  double angle_rad = 0.0;  // between two rays to the same point, in the median
-};
 
 struct TwoViewPhoto {
   const PhotoFeatures* features = nullptr;

@@ -9,11 +9,9 @@
 #include <vector>
 
 #include "core/alignment/features/scale_space.h"
+#include "core/alignment/scene/keypoints.h"
 
 namespace skyquilt::alignment {
-
-inline constexpr int kDescriptorSize = 128;
-using Descriptor = std::array<std::uint8_t, kDescriptorSize>;
 
 // From the image's x axis towards its y axis (down); the strongest first, and others nearly as strong.
 std::vector<float> DirectionsOf(const BlurredImage& layer, const ScalePoint& point);

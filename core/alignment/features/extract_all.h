@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/alignment/features/features.h"
+#include "core/alignment/scene/keypoints.h"
 #include "core/base/progress.h"
 #include "core/flight/photos/photo_source.h"
 #include "core/poses/posed_flight.h"

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "core/alignment/features/describe_point.h"
+#include "core/alignment/features/picture_detail.h"
 #include "core/alignment/features/scale_space.h"
 #include "core/base/scoped_timer.h"
 #include "core/base/try.h"

@@ -8,40 +8,12 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/alignment/features/describe_point.h"
-#include "core/alignment/features/picture_detail.h"
+#include "core/alignment/scene/keypoints.h"
 #include "core/base/result.h"
 #include "core/flight/photos/photo_source.h"
 #include "core/image/decoded_image.h"
 
 namespace skyquilt::alignment {
-
-// Frame `image` of the full-size photo.
-struct Keypoint {
-  float x_px = 0.0F;
-  float y_px = 0.0F;
-  float angle_rad = 0.0F;  // from the image's x axis towards its y axis (down)
-  float scale_px = 0.0F;   // diameter of the described patch
-  float response = 0.0F;
-};
-
-// Grey, rows without padding; covers the whole photo.
-struct Thumbnail {
-  int width_px = 0;
-  int height_px = 0;
-  std::vector<std::uint8_t> grey;
-};
-
-struct PhotoFeatures {
-  // Any first n of these are spread over the photo and among the strongest of their place.
-  std::vector<Keypoint> keypoints;
-  std::vector<Descriptor> descriptors;
-  Thumbnail thumbnail;
-  double sigma_px = 1.0;  // how well a keypoint is located, in full-size pixels
-  PictureDetail detail;
-  double decode_s = 0.0;  // wall seconds
-  double detect_s = 0.0;
-};
 
 struct FeatureOptions {
   int detector_pixels = 1'500'000;  // of the image given to the detector

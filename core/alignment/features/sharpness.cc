@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/alignment/features/picture_detail.h"
 #include "core/base/median.h"
 #include "core/geo/lat_lon.h"
 

@@ -6,7 +6,7 @@
 
 #include <optional>
 
-#include "core/alignment/features/picture_detail.h"
+#include "core/alignment/scene/keypoints.h"
 #include "core/alignment/scene/relief.h"
 #include "core/alignment/scene/view.h"
 

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numeric>
 
+#include "core/alignment/bundle/bundle_adjustment.h"
 #include "core/base/median.h"
 #include "core/base/parallel_for.h"
 #include "core/geo/solvers/dense_solvers.h"

@@ -7,8 +7,10 @@
 #include <utility>
 #include <vector>
 
+#include "core/alignment/scene/camera_prior.h"
 #include "core/alignment/scene/registration.h"
 #include "core/alignment/scene/scene_tracks.h"
+#include "core/alignment/scene/tracks.h"
 #include "core/geo/rigid3.h"
 
 namespace skyquilt::alignment {

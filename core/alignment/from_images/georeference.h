@@ -10,17 +10,10 @@
 #include <vector>
 
 #include "core/alignment/estimators/similarity.h"
+#include "core/alignment/scene/pose_prior.h"
 #include "core/alignment/scene/registration.h"
 
 namespace skyquilt::alignment {
-
-struct PhotoRecord {
-  std::optional<Eigen::Vector3d> center_in_enu;
-  Eigen::Vector3d sigma_m = Eigen::Vector3d::Constant(3.0);
-  std::optional<Eigen::Quaterniond> cam_from_enu;  // the recorded attitude
-  double sigma_tilt_rad = 0.05;                    // of it
-  std::optional<double> height_above_ground_m;
-};
 
 struct GeoreferenceRecords {
   std::vector<PhotoRecord> photos;  // by photo

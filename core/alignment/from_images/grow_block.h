@@ -9,6 +9,7 @@
 
 #include "core/alignment/from_images/block.h"
 #include "core/alignment/from_images/view_graph.h"
+#include "core/alignment/scene/camera_prior.h"
 #include "core/base/progress.h"
 
 namespace skyquilt::alignment {

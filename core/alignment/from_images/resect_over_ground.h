@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/alignment/from_images/block.h"
-#include "core/alignment/from_images/view_graph.h"
+#include "core/alignment/scene/matches.h"
 
 namespace skyquilt::alignment {
 

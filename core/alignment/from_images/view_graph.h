@@ -8,6 +8,7 @@
 
 #include "core/alignment/estimators/two_view.h"
 #include "core/alignment/matching/candidate_pairs.h"
+#include "core/alignment/scene/matches.h"
 #include "core/alignment/scene/registration.h"
 #include "core/base/progress.h"
 
@@ -20,11 +21,6 @@ struct ViewGraphOptions {
   int enough_partners = 6;      // photos with fewer are compared with more
   int few_partners = 3;
   TwoViewOptions two_view;
-};
-
-struct GraphPair {
-  int first = 0, second = 0;  // first < second
-  TwoView view;               // its first pose is the one that the loops agree with
 };
 
 // What looks the same in two photos, whether or not any geometry agrees with it.

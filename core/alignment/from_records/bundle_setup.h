@@ -6,9 +6,10 @@
 #include <vector>
 
 #include "core/alignment/bundle/bundle_adjustment.h"
-#include "core/alignment/from_records/correct_poses.h"
 #include "core/alignment/from_records/ground_graph.h"
 #include "core/alignment/matching/match_and_verify.h"
+#include "core/alignment/scene/matches.h"
+#include "core/alignment/scene/pose_prior.h"
 #include "core/poses/posed_flight.h"
 
 namespace skyquilt::alignment {

@@ -6,22 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "core/alignment/bundle/bundle_adjustment.h"
 #include "core/alignment/from_records/ground_graph.h"
+#include "core/alignment/scene/pose_prior.h"
 #include "core/flight/remarks/remark.h"
 #include "core/poses/posed_flight.h"
 
 namespace skyquilt::alignment {
-
-struct CorrectedPose {
-  geo::Rigid3 start_cam_from_enu;
-  geo::Rigid3 prior_cam_from_enu;  // the record, freed of what was proved wrong
-  int quarter_turns = 0;           // counter-clockwise on the ground, 0..3
-  bool yaw_was_wrong = false;      // by something else than quarter turns
-  bool position_was_wrong = false;
-  std::vector<flight::Remark> notes;  // what was corrected, for the user, each going on from the photo's name
-  bool yaw_is_course = false;         // no yaw was recorded: the flight's course stood for it
-};
 
 CorrectedPose CorrectPose(const poses::PosedPhoto& posed, const GroundPrior& prior,
                           const GroundCorrection& correction);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/alignment/matching/match_and_verify.h"
+#include "core/alignment/scene/matches.h"
 #include "core/alignment/scene/tracks.h"
 
 namespace skyquilt::alignment {

@@ -9,7 +9,8 @@
 #include <complex>
 #include <vector>
 
-#include "core/alignment/matching/verified_pair.h"
+#include "core/alignment/scene/matches.h"
+#include "core/alignment/scene/view.h"
 
 namespace skyquilt::alignment {
 

@@ -20,7 +20,7 @@ constexpr double kCoarseStepS = 0.008, kFineStepS = 0.001;
 constexpr std::size_t kMaxComparedPairs = 48, kMaxUsedPairs = 24;
 constexpr std::size_t kNeighbours = 3;  // of each photo, nearest by position
 constexpr std::size_t kMinMatches = 30;
-constexpr double kToleranceShare = 0.0012;  // of a photo's width
+constexpr double kMotionToleranceShare = 0.0012;  // of a photo's width
 constexpr int kMinFitting = 40;
 constexpr double kBetterShare = 1.08;  // by so much more must fit, or the lag is not believed
 constexpr double kWorseShare = 0.97;   // with so many fewer fitting, the record is not
@@ -110,7 +110,7 @@ int Fitting(const poses::PosedFlight& posed, const ComparedPair& pair, std::opti
     places.push_back(
         {InMiddle(first.intrinsics, of_first, from), InMiddle(second.intrinsics, of_second, to)});
   }
-  const double tolerance = kToleranceShare * first.intrinsics.width_px / first.intrinsics.MeanFocalPx();
+  const double tolerance = kMotionToleranceShare * first.intrinsics.width_px / first.intrinsics.MeanFocalPx();
   const std::optional<RobustFit> fit = RobustHomography(places, tolerance, effort.max_trials);
   return fit ? static_cast<int>(fit->inliers.size()) : 0;
 }

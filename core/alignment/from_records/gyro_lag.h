@@ -7,8 +7,8 @@
 
 #include <vector>
 
-#include "core/alignment/features/features.h"
 #include "core/alignment/scene/align_report.h"
+#include "core/alignment/scene/keypoints.h"
 #include "core/poses/posed_flight.h"
 
 namespace skyquilt::alignment {

@@ -8,9 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "core/alignment/from_records/correct_poses.h"
 #include "core/alignment/matching/match_and_verify.h"
 #include "core/alignment/scene/align_report.h"
+#include "core/alignment/scene/matches.h"
+#include "core/alignment/scene/pose_prior.h"
 #include "core/base/progress.h"
 #include "core/poses/posed_flight.h"
 

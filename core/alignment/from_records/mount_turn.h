@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/alignment/from_records/ground_graph.h"
+#include "core/alignment/scene/matches.h"
 
 namespace skyquilt::alignment {
 

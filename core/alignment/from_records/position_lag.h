@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/alignment/bundle/bundle_adjustment.h"
-#include "core/alignment/from_images/georeference.h"
+#include "core/alignment/scene/pose_prior.h"
 
 namespace skyquilt::alignment {
 

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <optional>
 
+#include "core/alignment/matching/guided_matching.h"
 #include "core/base/parallel_for.h"
 #include "core/geo/solvers/dense_solvers.h"
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/alignment/matching/match_and_verify.h"
+#include "core/alignment/scene/matches.h"
 
 namespace skyquilt::alignment {
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/alignment/from_records/bundle_setup.h"
+#include "core/alignment/from_records/correct_poses.h"
 #include "core/alignment/from_records/register_by_resection.h"
 #include "core/alignment/matching/connected_components.h"
 #include "core/base/median.h"
@@ -12,7 +13,7 @@
 namespace skyquilt::alignment {
 namespace {
 
-constexpr int kMaxRounds = 4;
+constexpr int kMaxRegistrationRounds = 4;
 constexpr std::size_t kSmallComponent = 5;  // of photos, which hold each other but not where they all are
 
 // By enough points, and not only to a few others apart from the rest.
@@ -57,7 +58,7 @@ int RegisterInRounds(const poses::PosedFlight& posed, const Relief& relief, int 
   const std::vector<GroundPrior> recorded = MakeGroundPriors(posed, MakeMatchingInput(posed));
   const double expected_m = ExpectedErrorM(posed, problem, recorded, tied);
   int resected = 0;
-  for (int round = 0; round < kMaxRounds; ++round) {
+  for (int round = 0; round < kMaxRegistrationRounds; ++round) {
     const std::vector<ResectedPhoto> found = RegisterByResection(input, relief, tied, expected_m, threads);
     if (found.empty()) break;
     for (const ResectedPhoto& one : found) {

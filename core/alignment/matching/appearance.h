@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/alignment/features/features.h"
+#include "core/alignment/scene/keypoints.h"
 
 namespace skyquilt::alignment {
 

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "core/alignment/matching/verified_pair.h"
+#include "core/alignment/scene/matches.h"
 
 namespace skyquilt::alignment {
 

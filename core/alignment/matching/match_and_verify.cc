@@ -6,6 +6,8 @@
 #include <optional>
 #include <set>
 
+#include "core/alignment/matching/guided_matching.h"
+#include "core/alignment/matching/verified_pair.h"
 #include "core/base/parallel_for.h"
 #include "core/base/trace.h"
 

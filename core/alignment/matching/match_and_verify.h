@@ -6,7 +6,9 @@
 #include <vector>
 
 #include "core/alignment/matching/pair_selection.h"
-#include "core/alignment/matching/verified_pair.h"
+#include "core/alignment/scene/keypoints.h"
+#include "core/alignment/scene/matches.h"
+#include "core/alignment/scene/view.h"
 
 namespace skyquilt::alignment {
 

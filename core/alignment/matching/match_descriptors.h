@@ -5,8 +5,8 @@
 
 #include <vector>
 
-#include "core/alignment/features/features.h"
-#include "core/alignment/matching/guided_matching.h"
+#include "core/alignment/scene/keypoints.h"
+#include "core/alignment/scene/matches.h"
 
 namespace skyquilt::alignment {
 

@@ -9,7 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/alignment/matching/guided_matching.h"
+#include "core/alignment/scene/matches.h"
+#include "core/alignment/scene/view.h"
 
 namespace skyquilt::alignment {
 
@@ -21,14 +22,6 @@ struct VerificationOptions {
   double search_area_m2 = 1e4;      // where a match could have lain by chance
   bool any_turn = false;            // the recorded yaw is not to be trusted
   int min_matches = 10;
-};
-
-struct VerifiedPair {
-  int first = 0;
-  int second = 0;
-  GroundSimilarity second_from_first;
-  std::vector<KeypointMatch> matches;  // inliers
-  double rms_m = 0.0;
 };
 
 // The similarity that maps the first of each pair nearest to its second (least squares); a mere shift where

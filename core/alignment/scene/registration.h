@@ -6,9 +6,10 @@
 #include <optional>
 #include <vector>
 
-#include "core/alignment/bundle/bundle_adjustment.h"
-#include "core/alignment/features/features.h"
-#include "core/alignment/matching/verified_pair.h"
+#include "core/alignment/scene/camera_prior.h"
+#include "core/alignment/scene/keypoints.h"
+#include "core/alignment/scene/matches.h"
+#include "core/alignment/scene/tracks.h"
 #include "core/geo/rigid3.h"
 
 namespace skyquilt::alignment {

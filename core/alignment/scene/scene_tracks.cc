@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/alignment/scene/keypoints.h"
+
 namespace skyquilt::alignment {
 namespace {
 
@@ -16,9 +18,9 @@ bool IsOnePlace(const PhotoFeatures& features, int a, int b) {
 }
 
 // Disjoint sets of observations that know their members.
-class Sets {
+class ElementSets {
  public:
-  Sets(const RegistrationInput& input, const std::vector<int>& first_of) : input_(input) {
+  ElementSets(const RegistrationInput& input, const std::vector<int>& first_of) : input_(input) {
     root_.resize(static_cast<std::size_t>(first_of.back()));
     std::iota(root_.begin(), root_.end(), 0);
     members_.resize(root_.size());
@@ -86,7 +88,7 @@ SceneTracks JoinMatches(const RegistrationInput& input, const std::vector<GraphP
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return pairs[a].view.matches.size() > pairs[b].view.matches.size();
   });
-  Sets sets(input, first_of);
+  ElementSets sets(input, first_of);
   for (const std::size_t p : order) {
     const GraphPair& pair = pairs[p];
     for (const KeypointMatch& match : pair.view.matches) {

@@ -6,7 +6,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "core/alignment/from_images/view_graph.h"
+#include "core/alignment/scene/matches.h"
+#include "core/alignment/scene/registration.h"
 
 namespace skyquilt::alignment {
 

@@ -6,7 +6,7 @@
 #include <complex>
 #include <vector>
 
-#include "core/alignment/features/features.h"
+#include "core/alignment/scene/keypoints.h"
 #include "core/alignment/scene/relief.h"
 #include "core/camera/intrinsics.h"
 #include "core/camera/rolling_shutter.h"
@@ -36,6 +36,12 @@ struct GroundKeypoint {
   float angle_rad = 0.0F;     // of its direction, from east towards north
   float log2_scale = 0.0F;    // of its size in metres
   bool is_on_ground = false;  // false where the view runs towards the horizon
+};
+
+// What a search needs of one photo.
+struct GroundView {
+  const PhotoFeatures* features = nullptr;
+  const std::vector<GroundKeypoint>* projected = nullptr;
 };
 
 std::vector<GroundKeypoint> ProjectToGround(const PhotoFeatures& features, const View& view,

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "core/alignment/bundle/bundle_adjustment.h"
-#include "core/alignment/features/features.h"
-#include "core/alignment/from_images/georeference.h"
-#include "core/alignment/matching/verified_pair.h"
+#include "core/alignment/scene/keypoints.h"
+#include "core/alignment/scene/matches.h"
+#include "core/alignment/scene/pose_prior.h"
 #include "core/flight/remarks/remark.h"
 
 namespace skyquilt::alignment {

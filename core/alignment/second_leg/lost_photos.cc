@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/alignment/from_records/bundle_setup.h"
+#include "core/alignment/from_records/correct_poses.h"
 #include "core/alignment/second_leg/register_lost.h"
 #include "core/alignment/second_leg/second_leg.h"
 

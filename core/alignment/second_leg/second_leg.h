@@ -9,9 +9,11 @@
 #include <vector>
 
 #include "core/alignment/bundle/bundle_adjustment.h"
-#include "core/alignment/from_records/correct_poses.h"
 #include "core/alignment/scene/align_report.h"
 #include "core/alignment/scene/ground_control.h"
+#include "core/alignment/scene/keypoints.h"
+#include "core/alignment/scene/matches.h"
+#include "core/alignment/scene/pose_prior.h"
 #include "core/alignment/second_leg/leg_evidence.h"
 #include "core/base/progress.h"
 #include "core/base/result.h"

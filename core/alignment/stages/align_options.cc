@@ -2,7 +2,7 @@
 
 #include <fmt/core.h>
 
-#include "core/alignment/matching/guided_matching.h"
+#include "core/alignment/scene/matches.h"
 
 namespace skyquilt::alignment {
 

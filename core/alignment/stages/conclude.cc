@@ -8,6 +8,7 @@
 
 #include "core/alignment/bundle/predict_control.h"
 #include "core/alignment/bundle/tie_to_control.h"
+#include "core/alignment/from_records/correct_poses.h"
 #include "core/alignment/second_leg/second_leg.h"
 #include "core/alignment/stages/doubt_photos.h"
 #include "core/alignment/stages/pairs_in_use.h"

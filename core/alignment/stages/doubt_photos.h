@@ -9,6 +9,7 @@
 
 #include "core/alignment/matching/match_and_verify.h"
 #include "core/alignment/scene/aligned_flight.h"
+#include "core/alignment/scene/matches.h"
 
 namespace skyquilt::alignment {
 

@@ -6,8 +6,9 @@
 #include <vector>
 
 #include "core/alignment/features/extract_all.h"
-#include "core/alignment/from_images/georeference.h"
 #include "core/alignment/scene/align_report.h"
+#include "core/alignment/scene/keypoints.h"
+#include "core/alignment/scene/pose_prior.h"
 #include "core/alignment/stages/align_options.h"
 #include "core/base/progress.h"
 #include "core/base/result.h"

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "core/alignment/bundle/bundle_adjustment.h"
-#include "core/alignment/from_records/correct_poses.h"
 #include "core/alignment/scene/align_report.h"
+#include "core/alignment/scene/pose_prior.h"
 #include "core/alignment/stages/doubt_photos.h"
 #include "core/poses/posed_flight.h"
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <utility>
 
-#include "core/alignment/matching/guided_matching.h"
+#include "core/alignment/scene/matches.h"
 #include "core/alignment/stages/align_options.h"
 #include "core/base/parallel_for.h"
 #include "core/base/try.h"

@@ -24,6 +24,7 @@
 #include "core/alignment/estimators/sampler.h"
 #include "core/alignment/features/features.h"
 #include "core/alignment/matching/match_descriptors.h"
+#include "core/alignment/scene/keypoints.h"
 #include "core/base/median.h"
 #include "tests/bench/libraries/measure.h"
 

@@ -18,6 +18,7 @@
 
 #include "core/alignment/estimators/plane_homography.h"
 #include "core/alignment/estimators/two_view.h"
+#include "core/alignment/scene/matches.h"
 #include "core/base/median.h"
 #include "core/geo/rigid3.h"
 #include "tests/bench/libraries/measure.h"

@@ -6,6 +6,8 @@
 
 #include <numbers>
 
+#include "core/alignment/matching/verified_pair.h"
+
 namespace skyquilt::alignment {
 namespace {
 

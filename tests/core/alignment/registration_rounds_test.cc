@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "core/alignment/from_records/bundle_setup.h"
+#include "core/alignment/from_records/correct_poses.h"
 #include "core/alignment/matching/connected_components.h"
 #include "core/alignment/matching/match_and_verify.h"
 #include "core/alignment/scene/tracks.h"

@@ -4,6 +4,8 @@
 
 #include <random>
 
+#include "core/alignment/scene/matches.h"
+
 namespace skyquilt::alignment {
 namespace {
 

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "core/alignment/estimators/sampler.h"
+#include "core/alignment/scene/matches.h"
 #include "core/geo/rigid3.h"
 #include "tests/core/alignment/registration/uniform.h"
 

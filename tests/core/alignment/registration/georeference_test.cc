@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/alignment/estimators/sampler.h"
+#include "core/alignment/scene/pose_prior.h"
 #include "tests/core/alignment/registration/uniform.h"
 
 namespace skyquilt::alignment {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/alignment/features/features.h"
+#include "core/alignment/scene/keypoints.h"
 #include "core/alignment/scene/registration.h"
 #include "core/camera/intrinsics.h"
 #include "core/geo/rigid3.h"

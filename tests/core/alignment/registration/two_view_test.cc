@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/alignment/matching/match_descriptors.h"
+#include "core/alignment/scene/matches.h"
 #include "tests/core/alignment/registration/synthetic_scene.h"
 
 namespace skyquilt::alignment {

@@ -1,0 +1,66 @@
+// What two photos share: matched keypoints, and the motion that they agree on, over the ground (between poses
+// that are known) or between two cameras of which nothing is known. Values; any thread.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <complex>
+#include <cstdint>
+#include <vector>
+
+namespace skyquilt::alignment {
+
+// Half the size of two ints: a flight of thousands holds tens of millions.
+struct KeypointMatch {
+  std::uint16_t first = 0;   // keypoint of the first photo
+  std::uint16_t second = 0;  // keypoint of the second
+};
+inline constexpr int kMaxKeypoints = 1 << 16;  // of a photo
+
+inline KeypointMatch MatchOf(int first, int second) {
+  return {static_cast<std::uint16_t>(first), static_cast<std::uint16_t>(second)};
+}
+
+// z -> turn_and_scale * z + shift on the ground, E + iN.
+struct GroundSimilarity {
+  std::complex<double> turn_and_scale{1.0, 0.0};
+  std::complex<double> shift{0.0, 0.0};
+
+  std::complex<double> operator*(std::complex<double> z) const { return turn_and_scale * z + shift; }
+  GroundSimilarity Inverse() const { return {1.0 / turn_and_scale, -shift / turn_and_scale}; }
+  // Maps by `first` and then by this one.
+  GroundSimilarity After(const GroundSimilarity& first) const {
+    return {turn_and_scale * first.turn_and_scale, turn_and_scale * first.shift + shift};
+  }
+};
+
+struct VerifiedPair {
+  int first = 0;
+  int second = 0;
+  GroundSimilarity second_from_first;
+  std::vector<KeypointMatch> matches;  // inliers
+  double rms_m = 0.0;
+};
+
+// second_from_first, the length of the shift unknown.
+struct RelativePose {
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();  // of the shift: x_second = R x_first + s * direction
+};
+
+enum class Scene { kFlat, kRelief, kNoParallax };
+
+struct TwoView {
+  Scene scene = Scene::kRelief;
+  std::vector<KeypointMatch> matches;  // those that fit
+  // The likeliest first; a second where the matches fit it nearly as well.
+  std::vector<RelativePose> poses;
+  double angle_rad = 0.0;  // between two rays to the same point, in the median
+};
+
+struct GraphPair {
+  int first = 0, second = 0;  // first < second
+  TwoView view;               // its first pose is the one that the loops agree with
+};
+
+}  // namespace skyquilt::alignment

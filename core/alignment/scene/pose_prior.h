@@ -1,0 +1,33 @@
+// What was recorded of where a photo was taken from and how it was turned, as it is and freed of what the
+// images proved wrong. Frame `enu` of the flight. Values; any thread.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <optional>
+#include <vector>
+
+#include "core/flight/remarks/remark.h"
+#include "core/geo/rigid3.h"
+
+namespace skyquilt::alignment {
+
+struct PhotoRecord {
+  std::optional<Eigen::Vector3d> center_in_enu;
+  Eigen::Vector3d sigma_m = Eigen::Vector3d::Constant(3.0);
+  std::optional<Eigen::Quaterniond> cam_from_enu;  // the recorded attitude
+  double sigma_tilt_rad = 0.05;                    // of it
+  std::optional<double> height_above_ground_m;
+};
+
+struct CorrectedPose {
+  geo::Rigid3 start_cam_from_enu;
+  geo::Rigid3 prior_cam_from_enu;  // the record, freed of what was proved wrong
+  int quarter_turns = 0;           // counter-clockwise on the ground, 0..3
+  bool yaw_was_wrong = false;      // by something else than quarter turns
+  bool position_was_wrong = false;
+  std::vector<flight::Remark> notes;  // what was corrected, for the user, each going on from the photo's name
+  bool yaw_is_course = false;         // no yaw was recorded: the flight's course stood for it
+};
+
+}  // namespace skyquilt::alignment
