@@ -10,7 +10,7 @@
 #include "api/notes/note_list.h"
 #include "api/uploads/flight_document.h"
 #include "core/base/try.h"
-#include "core/flight/lists/input_file.h"
+#include "core/flight/bytes/input_file.h"
 #include "storage/tilesets/publish_file.h"
 
 namespace skyquilt::api {

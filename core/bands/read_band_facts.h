@@ -6,7 +6,7 @@
 
 #include "core/bands/band_facts.h"
 #include "core/base/result.h"
-#include "core/flight/photos/byte_source.h"
+#include "core/flight/bytes/byte_source.h"
 
 namespace skyquilt::bands {
 

@@ -8,7 +8,7 @@
 #include "core/flight/lists/reflectance_list.h"
 #include "core/flight/logs/flight_log.h"
 #include "core/flight/logs/texts/gcp_list.h"
-#include "core/flight/photos/photo.h"
+#include "core/flight/photo.h"
 #include "core/flight/remarks/remark.h"
 
 namespace skyquilt::flight {

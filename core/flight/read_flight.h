@@ -11,8 +11,8 @@
 
 #include "core/base/progress.h"
 #include "core/base/result.h"
+#include "core/flight/bytes/input_file.h"
 #include "core/flight/flight.h"
-#include "core/flight/lists/input_file.h"
 
 namespace skyquilt::flight {
 

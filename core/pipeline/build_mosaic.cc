@@ -17,10 +17,10 @@
 #include "core/pipeline/report/flight_facts.h"
 #include "core/pipeline/report/judge_map.h"
 #include "core/pipeline/stage_runner.h"
+#include "core/render/blocks/measure_seams.h"
 #include "core/render/blocks/photo_regions.h"
 #include "core/render/blocks/render_block.h"
 #include "core/render/render_tiles.h"
-#include "core/render/seams/measure_seams.h"
 
 namespace skyquilt::pipeline {
 namespace {

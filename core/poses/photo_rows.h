@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/flight/logs/flight_log.h"
-#include "core/flight/photos/photo.h"
+#include "core/flight/photo.h"
 #include "core/flight/remarks/remark.h"
 #include "core/poses/time/time_sync.h"
 

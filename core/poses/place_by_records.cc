@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "core/poses/conventions/attitude_convention.h"
-#include "core/poses/evidence/course.h"
+#include "core/poses/conventions/course.h"
 
 namespace skyquilt::poses {
 namespace {

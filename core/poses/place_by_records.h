@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "core/flight/photos/photo.h"
+#include "core/flight/photo.h"
 #include "core/geo/local_frame.h"
 #include "core/poses/heights/flight_heights.h"
 #include "core/poses/posed_flight.h"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/camera/rolling_shutter.h"
-#include "core/flight/photos/photo.h"
+#include "core/flight/photo.h"
 #include "core/flight/remarks/remark.h"
 #include "core/geo/local_frame.h"
 #include "core/geo/rigid3.h"

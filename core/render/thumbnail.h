@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/base/result.h"
-#include "core/flight/photos/photo.h"
+#include "core/flight/photo.h"
 #include "core/flight/photos/photo_source.h"
 #include "core/image/decoded_image.h"
 

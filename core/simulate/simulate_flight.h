@@ -16,7 +16,7 @@
 #include "core/base/progress.h"
 #include "core/base/result.h"
 #include "core/camera/intrinsics.h"
-#include "core/flight/photos/photo.h"
+#include "core/flight/photo.h"
 #include "core/flight/photos/photo_source.h"
 #include "core/geo/local_frame.h"
 #include "core/geo/raster_frame.h"

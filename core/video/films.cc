@@ -10,8 +10,8 @@
 #include <set>
 
 #include "core/base/try.h"
+#include "core/flight/bytes/byte_source.h"
 #include "core/flight/lists/film_file.h"
-#include "core/flight/photos/byte_source.h"
 #include "core/flight/remarks/because.h"
 #include "core/video/video_file.h"
 

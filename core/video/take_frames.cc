@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "core/base/try.h"
-#include "core/flight/logs/mapped_file.h"
+#include "core/flight/bytes/mapped_file.h"
 #include "core/flight/logs/subtitles/subtitles.h"
 #include "core/flight/remarks/because.h"
 #include "core/image/picture_codec.h"

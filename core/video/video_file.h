@@ -12,7 +12,7 @@
 
 #include "core/base/pixel_bytes.h"
 #include "core/base/result.h"
-#include "core/flight/photos/photo.h"
+#include "core/flight/photo.h"
 #include "core/image/decoded_image.h"
 
 namespace skyquilt::video {

@@ -9,7 +9,7 @@
 
 #include "core/base/progress.h"
 #include "core/base/result.h"
-#include "core/flight/lists/input_file.h"
+#include "core/flight/bytes/input_file.h"
 #include "server/client/server_client.h"
 
 namespace skyquilt::server {

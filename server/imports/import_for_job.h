@@ -11,7 +11,7 @@
 
 #include "core/base/progress.h"
 #include "core/base/result.h"
-#include "core/flight/lists/input_file.h"
+#include "core/flight/bytes/input_file.h"
 #include "core/pipeline/mosaic_options.h"
 #include "core/pipeline/report/mosaic_report.h"
 

@@ -8,7 +8,7 @@
 
 #include "core/base/progress.h"
 #include "core/base/result.h"
-#include "core/flight/lists/input_file.h"
+#include "core/flight/bytes/input_file.h"
 #include "core/pipeline/report/mosaic_report.h"
 
 namespace skyquilt::server {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/base/result.h"
-#include "core/flight/lists/input_file.h"
+#include "core/flight/bytes/input_file.h"
 #include "core/flight/remarks/remark.h"
 #include "core/geo/dem_source.h"
 

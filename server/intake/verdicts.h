@@ -16,7 +16,7 @@
 
 #include "core/base/digest.h"
 #include "core/base/result.h"
-#include "core/flight/lists/input_file.h"
+#include "core/flight/bytes/input_file.h"
 
 namespace skyquilt::server {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/base/result.h"
-#include "core/flight/lists/input_file.h"
+#include "core/flight/bytes/input_file.h"
 #include "core/pipeline/mosaic_options.h"
 
 namespace skyquilt::server {

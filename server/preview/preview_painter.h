@@ -12,7 +12,7 @@
 
 #include "core/alignment/scene/aligned_flight.h"
 #include "core/base/result.h"
-#include "core/flight/photos/photo.h"
+#include "core/flight/photo.h"
 #include "server/preview/preview_messages.h"
 
 namespace skyquilt::server {

@@ -9,9 +9,9 @@
 #include <system_error>
 #include <utility>
 
+#include "core/flight/bytes/byte_source.h"
 #include "core/flight/lists/sort_files.h"
 #include "core/flight/metadata/name_time.h"
-#include "core/flight/photos/byte_source.h"
 #include "core/flight/photos/jpeg_segments.h"
 #include "core/flight/read_flight.h"
 

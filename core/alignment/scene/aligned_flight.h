@@ -10,7 +10,7 @@
 #include "core/camera/footprint.h"
 #include "core/camera/intrinsics.h"
 #include "core/camera/rolling_shutter.h"
-#include "core/flight/photos/photo.h"
+#include "core/flight/photo.h"
 #include "core/flight/remarks/remark.h"
 #include "core/geo/local_frame.h"
 #include "core/geo/rigid3.h"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/base/result.h"
-#include "core/flight/photos/photo.h"
+#include "core/flight/photo.h"
 
 namespace skyquilt::flight {
 

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "core/flight/aside/aside.h"
-#include "core/flight/photos/photo.h"
+#include "core/flight/photo.h"
 
 namespace skyquilt::flight {
 

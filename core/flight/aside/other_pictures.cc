@@ -8,7 +8,7 @@
 #include <string>
 
 #include "core/flight/aside/aside.h"
-#include "core/flight/logs/text_fields.h"
+#include "core/flight/bytes/text_fields.h"
 
 namespace skyquilt::flight {
 namespace {

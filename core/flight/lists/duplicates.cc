@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "core/base/digest.h"
-#include "core/flight/photos/byte_source.h"
+#include "core/flight/bytes/byte_source.h"
 
 namespace skyquilt::flight {
 namespace {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/base/result.h"
-#include "core/flight/lists/input_file.h"
-#include "core/flight/photos/byte_source.h"
+#include "core/flight/bytes/byte_source.h"
+#include "core/flight/bytes/input_file.h"
 
 namespace skyquilt::flight {
 

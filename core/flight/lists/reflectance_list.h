@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "core/base/result.h"
-#include "core/flight/lists/input_file.h"
+#include "core/flight/bytes/input_file.h"
 #include "core/flight/remarks/remark.h"
 #include "core/geo/lat_lon.h"
 

@@ -9,15 +9,15 @@
 
 #include "core/base/try.h"
 #include "core/flight/aside/other_pictures.h"
+#include "core/flight/bytes/byte_source.h"
+#include "core/flight/bytes/log_text.h"
 #include "core/flight/lists/elevation_model_file.h"
 #include "core/flight/lists/film_file.h"
 #include "core/flight/lists/reflectance_list.h"
 #include "core/flight/logs/csv/unknown_table.h"
-#include "core/flight/logs/log_text.h"
 #include "core/flight/logs/read_log.h"
 #include "core/flight/logs/texts/unknown_list.h"
 #include "core/flight/logs/tracks/unknown_track.h"
-#include "core/flight/photos/byte_source.h"
 #include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {

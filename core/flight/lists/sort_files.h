@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/flight/photos/photo.h"
+#include "core/flight/photo.h"
 #include "core/flight/read_flight.h"
 #include "core/flight/remarks/remark.h"
 

@@ -3,7 +3,7 @@
 #include <array>
 #include <string>
 
-#include "core/flight/logs/text_fields.h"
+#include "core/flight/bytes/text_fields.h"
 
 namespace skyquilt::flight {
 namespace {

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "core/flight/photos/photo.h"
+#include "core/flight/photo.h"
 #include "core/flight/remarks/remark.h"
 #include "core/geo/lat_lon.h"
 

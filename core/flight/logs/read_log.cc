@@ -3,15 +3,15 @@
 #include <array>
 
 #include "core/base/try.h"
+#include "core/flight/bytes/log_text.h"
+#include "core/flight/bytes/mapped_file.h"
+#include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/autopilots/dataflash.h"
 #include "core/flight/logs/autopilots/mavlink_tlog.h"
 #include "core/flight/logs/autopilots/ulog.h"
 #include "core/flight/logs/csv/canonical_csv.h"
 #include "core/flight/logs/csv/tolerant_csv.h"
-#include "core/flight/logs/log_text.h"
-#include "core/flight/logs/mapped_file.h"
 #include "core/flight/logs/subtitles/subtitles.h"
-#include "core/flight/logs/text_fields.h"
 #include "core/flight/logs/texts/dji_mrk.h"
 #include "core/flight/logs/texts/gcp_list.h"
 #include "core/flight/logs/texts/geo_txt.h"

@@ -9,9 +9,9 @@
 #include <string_view>
 
 #include "core/base/result.h"
-#include "core/flight/lists/input_file.h"
+#include "core/flight/bytes/input_file.h"
+#include "core/flight/bytes/log_bytes.h"
 #include "core/flight/logs/flight_log.h"
-#include "core/flight/logs/log_bytes.h"
 
 namespace skyquilt::flight {
 

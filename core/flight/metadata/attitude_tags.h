@@ -22,7 +22,7 @@
 
 #include "core/flight/metadata/dji_maker_note.h"
 #include "core/flight/metadata/xmp.h"
-#include "core/flight/photos/photo.h"
+#include "core/flight/photo.h"
 
 namespace skyquilt::flight {
 

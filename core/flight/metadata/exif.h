@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/flight/metadata/exif_table.h"
-#include "core/flight/photos/photo.h"
+#include "core/flight/photo.h"
 #include "core/geo/lat_lon.h"
 
 namespace skyquilt::flight {

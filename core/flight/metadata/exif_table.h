@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/base/result.h"
-#include "core/flight/photos/byte_source.h"
+#include "core/flight/bytes/byte_source.h"
 
 namespace skyquilt::flight {
 

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "core/flight/metadata/xmp.h"
-#include "core/flight/photos/photo.h"
+#include "core/flight/photo.h"
 
 namespace skyquilt::flight {
 

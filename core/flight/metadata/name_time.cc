@@ -7,7 +7,7 @@
 #include <set>
 #include <utility>
 
-#include "core/flight/logs/gps_time.h"
+#include "core/flight/bytes/gps_time.h"
 
 namespace skyquilt::flight {
 namespace {

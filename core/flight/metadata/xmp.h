@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/flight/photos/byte_source.h"
+#include "core/flight/bytes/byte_source.h"
 
 namespace skyquilt::flight {
 

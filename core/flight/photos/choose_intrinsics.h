@@ -17,7 +17,7 @@
 
 #include "core/flight/metadata/exif.h"
 #include "core/flight/metadata/xmp.h"
-#include "core/flight/photos/photo.h"
+#include "core/flight/photo.h"
 
 namespace skyquilt::flight {
 

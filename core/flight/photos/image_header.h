@@ -6,11 +6,11 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/flight/bytes/byte_source.h"
 #include "core/flight/metadata/exif_table.h"
 #include "core/flight/metadata/flir_record.h"
 #include "core/flight/metadata/xmp.h"
-#include "core/flight/photos/byte_source.h"
-#include "core/flight/photos/photo.h"
+#include "core/flight/photo.h"
 
 namespace skyquilt::flight {
 

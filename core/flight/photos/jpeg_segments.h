@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/flight/bytes/byte_source.h"
 #include "core/flight/metadata/flir_record.h"
-#include "core/flight/photos/byte_source.h"
 
 namespace skyquilt::flight {
 

@@ -12,8 +12,8 @@
 
 #include "core/base/check.h"
 #include "core/base/try.h"
+#include "core/flight/bytes/byte_source.h"
 #include "core/flight/metadata/exif_table.h"
-#include "core/flight/photos/byte_source.h"
 #include "core/flight/photos/sample_format.h"
 #include "core/flight/photos/sample_ranges.h"
 #include "core/flight/photos/thermal_picture.h"

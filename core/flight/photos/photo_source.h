@@ -8,7 +8,7 @@
 
 #include "core/base/result.h"
 #include "core/base/try.h"
-#include "core/flight/photos/photo.h"
+#include "core/flight/photo.h"
 #include "core/image/decoded_image.h"
 #include "core/image/sample_image.h"
 

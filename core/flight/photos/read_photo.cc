@@ -11,7 +11,7 @@
 #include "core/base/try.h"
 #include "core/camera/sensor_database.h"
 #include "core/flight/aside/other_pictures.h"
-#include "core/flight/logs/text_fields.h"
+#include "core/flight/bytes/text_fields.h"
 #include "core/flight/metadata/attitude_tags.h"
 #include "core/flight/metadata/capture_time.h"
 #include "core/flight/metadata/dji_maker_note.h"

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "core/base/result.h"
-#include "core/flight/photos/byte_source.h"
-#include "core/flight/photos/photo.h"
+#include "core/flight/bytes/byte_source.h"
+#include "core/flight/photo.h"
 
 namespace skyquilt::flight {
 

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "core/base/try.h"
-#include "core/flight/logs/text_fields.h"
+#include "core/flight/bytes/text_fields.h"
 #include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {

@@ -10,7 +10,7 @@
 
 #include "core/base/result.h"
 #include "core/flight/metadata/exif_table.h"
-#include "core/flight/photos/photo.h"
+#include "core/flight/photo.h"
 
 namespace skyquilt::flight {
 

@@ -11,7 +11,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/flight/photos/photo.h"
+#include "core/flight/photo.h"
 #include "core/flight/photos/photo_source.h"
 
 namespace skyquilt::flight {

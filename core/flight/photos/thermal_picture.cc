@@ -10,9 +10,9 @@
 #include <utility>
 
 #include "core/base/try.h"
+#include "core/flight/bytes/byte_source.h"
 #include "core/flight/metadata/flir_record.h"
 #include "core/flight/metadata/tiff_number.h"
-#include "core/flight/photos/byte_source.h"
 #include "core/flight/photos/jpeg_segments.h"
 #include "core/flight/remarks/because.h"
 #include "core/image/decode_errors.h"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/flight/photos/photo.h"
+#include "core/flight/photo.h"
 
 namespace skyquilt::pipeline {
 

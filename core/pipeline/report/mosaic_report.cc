@@ -12,7 +12,6 @@
 #include "core/ground/footprint_on_ground.h"
 #include "core/pipeline/mosaic_options.h"
 #include "core/pipeline/report/report_codec.h"
-#include "core/pipeline/surface/choose_ground.h"
 #include "core/poses/conventions/attitude_convention.h"
 
 namespace skyquilt::pipeline {

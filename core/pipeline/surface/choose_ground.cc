@@ -11,7 +11,6 @@ namespace skyquilt::pipeline {
 namespace {
 
 constexpr double kLeansPx = 2.0;
-constexpr double kMinLeaningShare = 0.05, kMinSeenShare = 0.5;
 constexpr std::size_t kMaxPointsAsked = 5000;  // that are looked at, evenly from all
 constexpr int kPlacesAcross = 40;              // of the ground, each way
 
@@ -69,10 +68,6 @@ double SeenShare(const ground::GroundSurface& ground, const std::vector<surface:
 GroundChoice ChooseGround(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground) {
   const std::vector<surface::SurfaceCamera> cameras = surface::SurfaceCameras(flight, ground, 0.0, 0.0);
   return {LeaningShare(flight, ground, cameras), SeenShare(ground, cameras)};
-}
-
-bool IsUpright(const GroundChoice& choice) {
-  return choice.leaning_share >= kMinLeaningShare && choice.seen_share >= kMinSeenShare;
 }
 
 }  // namespace skyquilt::pipeline

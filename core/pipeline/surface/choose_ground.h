@@ -7,7 +7,7 @@
 
 #include "core/alignment/scene/aligned_flight.h"
 #include "core/ground/ground_surface.h"
-#include "core/pipeline/surface/ground_choice.h"
+#include "core/pipeline/report/ground_choice.h"
 
 namespace skyquilt::pipeline {
 
@@ -15,7 +15,5 @@ namespace skyquilt::pipeline {
 inline constexpr int kPhotosThatBearOut = 3;
 
 GroundChoice ChooseGround(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground);
-
-bool IsUpright(const GroundChoice& choice);
 
 }  // namespace skyquilt::pipeline

@@ -12,7 +12,7 @@
 #include "core/base/digest.h"
 #include "core/base/progress.h"
 #include "core/base/result.h"
-#include "core/flight/lists/input_file.h"
+#include "core/flight/bytes/input_file.h"
 #include "core/flight/photos/photo_source.h"
 #include "core/pipeline/check_photos.h"
 #include "core/pipeline/mosaic_options.h"

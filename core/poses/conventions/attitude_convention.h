@@ -6,7 +6,7 @@
 
 #include <Eigen/Geometry>
 
-#include "core/flight/photos/photo.h"
+#include "core/flight/photo.h"
 
 namespace skyquilt::poses {
 

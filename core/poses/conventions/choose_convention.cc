@@ -10,7 +10,7 @@
 #include "core/base/median.h"
 #include "core/geo/local_frame.h"
 #include "core/poses/conventions/attitude_convention.h"
-#include "core/poses/evidence/course.h"
+#include "core/poses/conventions/course.h"
 
 namespace skyquilt::poses {
 namespace {

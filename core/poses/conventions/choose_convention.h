@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "core/flight/photos/photo.h"
+#include "core/flight/photo.h"
 
 namespace skyquilt::poses {
 

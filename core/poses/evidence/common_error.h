@@ -7,7 +7,7 @@
 
 #include <vector>
 
-#include "core/flight/photos/photo.h"
+#include "core/flight/photo.h"
 
 namespace skyquilt::flight {
 struct GnssSample;

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "core/flight/logs/flight_log.h"
-#include "core/flight/photos/photo.h"
+#include "core/flight/photo.h"
 #include "core/geo/local_frame.h"
 #include "core/poses/posed_flight.h"
 #include "core/poses/smoother/smoother.h"

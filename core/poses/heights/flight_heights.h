@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "core/flight/photos/photo.h"
+#include "core/flight/photo.h"
 #include "core/geo/dem_source.h"
 #include "core/poses/evidence/assumption.h"
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/flight/logs/flight_log.h"
-#include "core/flight/photos/photo.h"
+#include "core/flight/photo.h"
 #include "core/geo/lat_lon.h"
 #include "core/poses/evidence/assumption.h"
 

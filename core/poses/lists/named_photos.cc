@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
-#include "core/flight/logs/text_fields.h"
+#include "core/flight/bytes/text_fields.h"
 
 namespace skyquilt::poses {
 namespace {

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/flight/photos/photo.h"
+#include "core/flight/photo.h"
 
 namespace skyquilt::poses {
 

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "core/poses/evidence/course_evidence.h"
 #include "core/poses/smoother/block_skyline.h"
 #include "core/poses/smoother/chain_factors.h"
 #include "core/poses/smoother/chain_timeline.h"
+#include "core/poses/smoother/course_evidence.h"
 #include "core/poses/smoother/smoother.h"
 
 namespace skyquilt::poses {

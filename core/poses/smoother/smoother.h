@@ -21,9 +21,9 @@
 #include "core/base/result.h"
 #include "core/flight/logs/flight_log.h"
 #include "core/poses/posed_flight.h"
-#include "core/poses/reckoning/strapdown.h"
 #include "core/poses/smoother/chain_state.h"
 #include "core/poses/smoother/preintegration.h"
+#include "core/poses/smoother/strapdown.h"
 
 namespace skyquilt::poses {
 

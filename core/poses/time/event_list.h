@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/flight/logs/flight_log.h"
-#include "core/flight/photos/photo.h"
+#include "core/flight/photo.h"
 
 namespace skyquilt::poses {
 

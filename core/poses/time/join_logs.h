@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/flight/logs/flight_log.h"
-#include "core/flight/photos/photo.h"
+#include "core/flight/photo.h"
 #include "core/flight/remarks/remark.h"
 
 namespace skyquilt::poses {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/flight/photos/photo.h"
+#include "core/flight/photo.h"
 
 namespace skyquilt::poses {
 

@@ -15,7 +15,7 @@
 
 #include "core/base/result.h"
 #include "core/flight/logs/flight_log.h"
-#include "core/flight/photos/photo.h"
+#include "core/flight/photo.h"
 
 namespace skyquilt::poses {
 

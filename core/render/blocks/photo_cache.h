@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/flight/photos/photo.h"
+#include "core/flight/photo.h"
 #include "core/flight/photos/photo_source.h"
 #include "core/image/decoded_image.h"
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/simulate/sensors/noise.h"
-#include "core/simulate/sensors/random.h"
+#include "core/simulate/world/noise.h"
+#include "core/simulate/world/random.h"
 #include "core/simulate/world/render_photo.h"
 
 namespace skyquilt::simulate {

@@ -6,7 +6,7 @@
 #include "core/base/check.h"
 #include "core/geo/lat_lon.h"
 #include "core/geo/rigid3.h"
-#include "core/simulate/sensors/random.h"
+#include "core/simulate/world/random.h"
 
 namespace skyquilt::simulate {
 namespace {

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "core/geo/geoid.h"
-#include "core/simulate/sensors/random.h"
+#include "core/simulate/world/random.h"
 
 namespace skyquilt::simulate {
 namespace {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/camera/intrinsics.h"
-#include "core/flight/photos/photo.h"
+#include "core/flight/photo.h"
 #include "core/geo/local_frame.h"
 #include "core/simulate/sensors/trajectory.h"
 

@@ -5,7 +5,7 @@
 
 #include "core/geo/geoid.h"
 #include "core/geo/rigid3.h"
-#include "core/simulate/sensors/random.h"
+#include "core/simulate/world/random.h"
 
 namespace skyquilt::simulate {
 namespace {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/camera/rolling_shutter.h"
-#include "core/flight/photos/photo.h"
-#include "core/simulate/sensors/random.h"
+#include "core/flight/photo.h"
+#include "core/simulate/world/random.h"
 
 namespace skyquilt::simulate {
 

@@ -6,7 +6,7 @@
 
 #include "core/base/try.h"
 #include "core/geo/lat_lon.h"
-#include "core/simulate/sensors/random.h"
+#include "core/simulate/world/random.h"
 
 namespace skyquilt::simulate {
 namespace {

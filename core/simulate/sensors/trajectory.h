@@ -1,6 +1,6 @@
 // PlanLawnmower: where each photo of a simulated survey is taken, in enu: parallel lines flown to and fro,
 // evenly spaced photos, centred on the origin. Deterministic in the seed. Values; any thread. Angles follow
-// core/flight/photos/photo.h: yaw clockwise from true north, pitch 0 = horizon, -90 deg = straight down, roll
+// core/flight/photo.h: yaw clockwise from true north, pitch 0 = horizon, -90 deg = straight down, roll
 // right side down; intrinsic Z-Y-X in NED.
 #pragma once
 

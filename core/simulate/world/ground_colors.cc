@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/simulate/sensors/noise.h"
+#include "core/simulate/world/noise.h"
 
 namespace skyquilt::simulate {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/simulate/sensors/noise.h"
 #include "core/simulate/world/ground_colors.h"
+#include "core/simulate/world/noise.h"
 
 namespace skyquilt::simulate {
 namespace {

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "core/simulate/sensors/noise.h"
+#include "core/simulate/world/noise.h"
 
 namespace skyquilt::simulate {
 namespace {

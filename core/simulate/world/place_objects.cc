@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "core/geo/lat_lon.h"
-#include "core/simulate/sensors/random.h"
+#include "core/simulate/world/random.h"
 
 namespace skyquilt::simulate {
 namespace {

@@ -8,7 +8,7 @@
 #include "core/base/check.h"
 #include "core/base/parallel_for.h"
 #include "core/camera/rolling_shutter.h"
-#include "core/simulate/sensors/noise.h"
+#include "core/simulate/world/noise.h"
 
 namespace skyquilt::simulate {
 namespace {

@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "core/geo/lat_lon.h"
-#include "core/simulate/sensors/noise.h"
 #include "core/simulate/world/ground_colors.h"
+#include "core/simulate/world/noise.h"
 #include "core/simulate/world/object_colors.h"
 
 namespace skyquilt::simulate {

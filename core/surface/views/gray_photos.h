@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "core/base/pixel_bytes.h"
-#include "core/flight/photos/photo.h"
+#include "core/flight/photo.h"
 #include "core/flight/photos/photo_source.h"
 
 namespace skyquilt::surface {

@@ -24,7 +24,7 @@
 #include "core/base/trace.h"
 #include "core/flight/aside/aside.h"
 #include "core/flight/remarks/remark_words.h"
-#include "core/pipeline/surface/choose_ground.h"
+#include "core/pipeline/report/ground_choice.h"
 #include "server/commands/fail.h"
 #include "server/commands/maps/parse_lat_lon.h"
 #include "server/commands/terminal_progress.h"

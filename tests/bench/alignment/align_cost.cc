@@ -21,8 +21,8 @@
 #include "core/flight/read_flight.h"
 #include "core/ground/model_ground.h"
 #include "core/poses/estimate_poses.h"
-#include "core/simulate/sensors/noise.h"
 #include "core/simulate/simulate_flight.h"
+#include "core/simulate/world/noise.h"
 #include "core/simulate/writers/write_photo.h"
 #include "tests/bench/alignment/cpu_seconds.h"
 

@@ -12,7 +12,7 @@
 #include "core/ground/model_ground.h"
 #include "core/pipeline/report/report_codec.h"
 #include "core/poses/estimate_poses.h"
-#include "core/render/seams/measure_seams.h"
+#include "core/render/blocks/measure_seams.h"
 #include "tests/bench/alignment/cpu_seconds.h"
 #include "tests/bench/alignment/read_folder.h"
 

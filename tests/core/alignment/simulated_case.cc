@@ -8,7 +8,7 @@
 #include "core/base/check.h"
 #include "core/base/percentile.h"
 #include "core/poses/estimate_poses.h"
-#include "core/simulate/sensors/random.h"
+#include "core/simulate/world/random.h"
 
 namespace skyquilt::alignment {
 namespace {

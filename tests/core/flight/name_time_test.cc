@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/flight/logs/gps_time.h"
+#include "core/flight/bytes/gps_time.h"
 
 namespace skyquilt::flight {
 namespace {

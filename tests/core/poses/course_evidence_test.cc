@@ -1,4 +1,4 @@
-#include "core/poses/evidence/course_evidence.h"
+#include "core/poses/smoother/course_evidence.h"
 
 #include <gtest/gtest.h>
 

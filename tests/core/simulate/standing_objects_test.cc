@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/geo/web_mercator.h"
-#include "core/simulate/sensors/random.h"
 #include "core/simulate/simulate_flight.h"
+#include "core/simulate/world/random.h"
 #include "core/simulate/world/world.h"
 #include "core/simulate/world/world_raster.h"
 #include "core/simulate/writers/truth_json.h"

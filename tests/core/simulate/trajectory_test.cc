@@ -7,7 +7,7 @@
 #include "core/camera/footprint.h"
 #include "core/camera/ground_projection.h"
 #include "core/geo/lat_lon.h"
-#include "core/simulate/sensors/random.h"
+#include "core/simulate/world/random.h"
 
 namespace skyquilt::simulate {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "core/simulate/sensors/random.h"
+#include "core/simulate/world/random.h"
 
 namespace skyquilt::simulate {
 namespace {

@@ -4,9 +4,9 @@
 #include <cstdint>
 
 #include "core/base/check.h"
+#include "core/flight/bytes/log_text.h"
+#include "core/flight/bytes/written_time.h"
 #include "core/flight/logs/coordinate_cell.h"
-#include "core/flight/logs/log_text.h"
-#include "core/flight/logs/written_time.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace skyquilt::flight;

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <map>
 
+#include "core/flight/bytes/gps_time.h"
 #include "core/flight/logs/autopilots/dataflash_plan.h"
-#include "core/flight/logs/gps_time.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/raw_imu.h"
 #include "core/flight/remarks/because.h"

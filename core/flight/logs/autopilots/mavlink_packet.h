@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "core/flight/logs/log_bytes.h"
+#include "core/flight/bytes/log_bytes.h"
 
 namespace skyquilt::flight {
 

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/flight/bytes/gps_time.h"
 #include "core/flight/logs/autopilots/mavlink_packet.h"
-#include "core/flight/logs/gps_time.h"
 #include "core/flight/logs/log_builder.h"
 
 namespace skyquilt::flight {

@@ -3,8 +3,8 @@
 
 #include <map>
 
+#include "core/flight/bytes/log_bytes.h"
 #include "core/flight/logs/autopilots/mavlink_packet.h"
-#include "core/flight/logs/log_bytes.h"
 
 namespace skyquilt::flight {
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <array>
 
+#include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/autopilots/ulog_topics.h"
-#include "core/flight/logs/text_fields.h"
 #include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {

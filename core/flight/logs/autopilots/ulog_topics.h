@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/flight/bytes/gps_time.h"
 #include "core/flight/logs/autopilots/ulog_types.h"
-#include "core/flight/logs/gps_time.h"
 #include "core/flight/logs/log_builder.h"
 
 namespace skyquilt::flight {

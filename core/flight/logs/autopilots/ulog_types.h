@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/flight/logs/log_bytes.h"
+#include "core/flight/bytes/log_bytes.h"
 
 namespace skyquilt::flight {
 

@@ -9,12 +9,12 @@
 #pragma once
 
 #include "core/base/result.h"
+#include "core/flight/bytes/log_bytes.h"
+#include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/csv/csv_columns.h"
 #include "core/flight/logs/csv/settle_columns.h"
 #include "core/flight/logs/flight_log.h"
 #include "core/flight/logs/log_builder.h"
-#include "core/flight/logs/log_bytes.h"
-#include "core/flight/logs/text_fields.h"
 
 namespace skyquilt::flight {
 

@@ -6,8 +6,8 @@
 #include <array>
 #include <optional>
 
+#include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/csv/csv_units.h"
-#include "core/flight/logs/text_fields.h"
 
 namespace skyquilt::flight {
 namespace {

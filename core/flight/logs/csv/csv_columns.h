@@ -7,9 +7,9 @@
 #include <string_view>
 #include <vector>
 
+#include "core/flight/bytes/written_time.h"
 #include "core/flight/logs/csv/csv_meanings.h"
 #include "core/flight/logs/csv/number_cell.h"
-#include "core/flight/logs/written_time.h"
 
 namespace skyquilt::flight {
 

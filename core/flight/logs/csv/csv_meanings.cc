@@ -4,7 +4,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "core/flight/logs/text_fields.h"
+#include "core/flight/bytes/text_fields.h"
 
 namespace skyquilt::flight {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "core/base/median.h"
 #include "core/base/try.h"
-#include "core/flight/logs/text_fields.h"
+#include "core/flight/bytes/text_fields.h"
 #include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {

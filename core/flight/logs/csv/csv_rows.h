@@ -6,9 +6,9 @@
 #include <string_view>
 #include <vector>
 
+#include "core/flight/bytes/gps_time.h"
 #include "core/flight/logs/csv/csv_columns.h"
 #include "core/flight/logs/csv/unread_cells.h"
-#include "core/flight/logs/gps_time.h"
 #include "core/flight/logs/log_builder.h"
 
 namespace skyquilt::flight {

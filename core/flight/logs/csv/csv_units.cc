@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "core/flight/logs/text_fields.h"
+#include "core/flight/bytes/text_fields.h"
 #include "core/geo/lat_lon.h"
 
 namespace skyquilt::flight {

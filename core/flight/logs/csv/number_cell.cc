@@ -3,8 +3,8 @@
 #include <array>
 #include <string>
 
+#include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/csv/csv_units.h"
-#include "core/flight/logs/text_fields.h"
 
 namespace skyquilt::flight {
 namespace {

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/csv/csv_columns.h"
-#include "core/flight/logs/text_fields.h"
 #include "core/flight/remarks/remark.h"
 
 namespace skyquilt::flight {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <tuple>
 
+#include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/csv/unread_cells.h"
-#include "core/flight/logs/text_fields.h"
 
 namespace skyquilt::flight {
 namespace {

@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include "core/flight/logs/written_time.h"
+#include "core/flight/bytes/written_time.h"
 
 namespace skyquilt::flight {
 

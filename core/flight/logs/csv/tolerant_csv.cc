@@ -7,10 +7,10 @@
 #include <utility>
 
 #include "core/base/try.h"
+#include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/csv/canonical_csv.h"
 #include "core/flight/logs/csv/csv_physics.h"
 #include "core/flight/logs/csv/settle_columns.h"
-#include "core/flight/logs/text_fields.h"
 #include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {

@@ -5,10 +5,10 @@
 #include <utility>
 #include <vector>
 
+#include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/coordinate_cell.h"
 #include "core/flight/logs/csv/csv_columns.h"
 #include "core/flight/logs/csv/unread_cells.h"
-#include "core/flight/logs/text_fields.h"
 
 namespace skyquilt::flight {
 namespace {

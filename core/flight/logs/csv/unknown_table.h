@@ -6,7 +6,7 @@
 #include <optional>
 #include <string_view>
 
-#include "core/flight/logs/log_bytes.h"
+#include "core/flight/bytes/log_bytes.h"
 #include "core/flight/remarks/remark.h"
 
 namespace skyquilt::flight {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "core/flight/logs/text_fields.h"
+#include "core/flight/bytes/text_fields.h"
 
 namespace skyquilt::flight {
 namespace {

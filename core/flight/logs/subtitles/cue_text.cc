@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/flight/logs/text_fields.h"
+#include "core/flight/bytes/text_fields.h"
 
 namespace skyquilt::flight {
 namespace {

@@ -11,7 +11,7 @@
 #include <string>
 #include <string_view>
 
-#include "core/flight/logs/gps_time.h"
+#include "core/flight/bytes/gps_time.h"
 #include "core/geo/lat_lon.h"
 
 namespace skyquilt::flight {

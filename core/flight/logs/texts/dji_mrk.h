@@ -6,8 +6,8 @@
 #pragma once
 
 #include "core/base/result.h"
+#include "core/flight/bytes/log_bytes.h"
 #include "core/flight/logs/flight_log.h"
-#include "core/flight/logs/log_bytes.h"
 
 namespace skyquilt::flight {
 

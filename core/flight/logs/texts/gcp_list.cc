@@ -10,9 +10,9 @@
 #include <utility>
 
 #include "core/base/try.h"
-#include "core/flight/logs/log_text.h"
-#include "core/flight/logs/mapped_file.h"
-#include "core/flight/logs/text_fields.h"
+#include "core/flight/bytes/log_text.h"
+#include "core/flight/bytes/mapped_file.h"
+#include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/texts/list_rows.h"
 #include "core/flight/remarks/because.h"
 #include "core/geo/crs/reference_system.h"

@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "core/base/printable.h"
+#include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/csv/csv_columns.h"
 #include "core/flight/logs/log_builder.h"
-#include "core/flight/logs/text_fields.h"
 #include "core/flight/logs/texts/list_rows.h"
 #include "core/flight/remarks/because.h"
 #include "core/geo/crs/reference_system.h"

@@ -12,8 +12,8 @@
 #include <string>
 
 #include "core/base/result.h"
+#include "core/flight/bytes/log_bytes.h"
 #include "core/flight/logs/flight_log.h"
-#include "core/flight/logs/log_bytes.h"
 
 namespace skyquilt::flight {
 

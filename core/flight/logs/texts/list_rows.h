@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/csv/number_cell.h"
-#include "core/flight/logs/text_fields.h"
 
 namespace skyquilt::flight {
 

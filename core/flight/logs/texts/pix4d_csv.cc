@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "core/base/printable.h"
+#include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/log_builder.h"
-#include "core/flight/logs/text_fields.h"
 #include "core/flight/logs/texts/list_rows.h"
 #include "core/flight/remarks/because.h"
 

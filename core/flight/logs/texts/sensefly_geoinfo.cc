@@ -2,8 +2,8 @@
 
 #include <map>
 
+#include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/log_builder.h"
-#include "core/flight/logs/text_fields.h"
 #include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/flight/logs/text_fields.h"
+#include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/texts/list_rows.h"
 
 namespace skyquilt::flight {

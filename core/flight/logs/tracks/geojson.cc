@@ -8,7 +8,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "core/flight/logs/text_fields.h"
+#include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/tracks/track_points.h"
 #include "core/flight/remarks/because.h"
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/csv/number_cell.h"
-#include "core/flight/logs/text_fields.h"
 #include "core/flight/logs/tracks/track_points.h"
 #include "core/flight/logs/tracks/xml_scanner.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/flight/logs/text_fields.h"
+#include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/tracks/track_points.h"
 #include "core/flight/logs/tracks/xml_scanner.h"
 #include "core/flight/remarks/because.h"

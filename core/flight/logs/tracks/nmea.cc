@@ -6,9 +6,9 @@
 #include <cmath>
 #include <map>
 
-#include "core/flight/logs/gps_time.h"
+#include "core/flight/bytes/gps_time.h"
+#include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/log_builder.h"
-#include "core/flight/logs/text_fields.h"
 #include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {

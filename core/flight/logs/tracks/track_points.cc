@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "core/base/printable.h"
+#include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/log_builder.h"
-#include "core/flight/logs/text_fields.h"
 #include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/flight/bytes/gps_time.h"
 #include "core/flight/logs/flight_log.h"
-#include "core/flight/logs/gps_time.h"
 
 namespace skyquilt::flight {
 

@@ -5,7 +5,7 @@
 #include <charconv>
 #include <utility>
 
-#include "core/flight/logs/text_fields.h"
+#include "core/flight/bytes/text_fields.h"
 
 namespace skyquilt::flight {
 namespace {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/coordinate_cell.h"
-#include "core/flight/logs/text_fields.h"
 
 namespace skyquilt::flight {
 namespace {

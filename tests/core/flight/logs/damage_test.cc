@@ -5,8 +5,8 @@
 #include <fstream>
 #include <random>
 
+#include "core/flight/bytes/mapped_file.h"
 #include "core/flight/logs/log_builder.h"
-#include "core/flight/logs/mapped_file.h"
 #include "core/flight/logs/read_log.h"
 #include "core/flight/logs/texts/gcp_list.h"
 #include "core/flight/remarks/because.h"

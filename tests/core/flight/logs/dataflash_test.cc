@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "core/flight/logs/gps_time.h"
+#include "core/flight/bytes/gps_time.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/remarks/remark_words.h"
 #include "tests/core/flight/logs/log_writers.h"

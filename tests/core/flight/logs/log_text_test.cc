@@ -1,4 +1,4 @@
-#include "core/flight/logs/log_text.h"
+#include "core/flight/bytes/log_text.h"
 
 #include <gtest/gtest.h>
 

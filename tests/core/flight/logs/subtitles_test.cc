@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/flight/logs/gps_time.h"
+#include "core/flight/bytes/gps_time.h"
 #include "core/flight/logs/read_log.h"
 #include "core/flight/logs/subtitles/cue_text.h"
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "core/flight/logs/gps_time.h"
+#include "core/flight/bytes/gps_time.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/read_log.h"
 #include "core/flight/logs/subtitles/subtitles.h"

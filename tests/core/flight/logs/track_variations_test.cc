@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-#include "core/flight/logs/gps_time.h"
+#include "core/flight/bytes/gps_time.h"
 #include "core/flight/logs/read_log.h"
 
 namespace skyquilt::flight {

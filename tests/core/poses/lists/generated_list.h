@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/flight/photos/photo.h"
+#include "core/flight/photo.h"
 #include "core/geo/lat_lon.h"
 #include "tests/core/poses/lists/list_parts.h"
 

@@ -1,4 +1,4 @@
-#include "core/flight/logs/text_fields.h"
+#include "core/flight/bytes/text_fields.h"
 
 #include <algorithm>
 #include <charconv>

@@ -1,4 +1,4 @@
-#include "core/poses/evidence/clean_input.h"
+#include "core/poses/smoother/clean_input.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "core/flight/logs/mapped_file.h"
+#include "core/flight/bytes/mapped_file.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>

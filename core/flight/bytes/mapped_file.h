@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "core/base/result.h"
-#include "core/flight/logs/log_bytes.h"
+#include "core/flight/bytes/log_bytes.h"
 
 namespace skyquilt::flight {
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string_view>
 
-#include "core/flight/photos/photo.h"
+#include "core/flight/photo.h"
 
 namespace skyquilt::flight {
 

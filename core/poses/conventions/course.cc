@@ -1,4 +1,4 @@
-#include "core/poses/evidence/course.h"
+#include "core/poses/conventions/course.h"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "core/flight/logs/gps_time.h"
+#include "core/flight/bytes/gps_time.h"
 
 #include <algorithm>
 #include <array>

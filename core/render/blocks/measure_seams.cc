@@ -1,4 +1,4 @@
-#include "core/render/seams/measure_seams.h"
+#include "core/render/blocks/measure_seams.h"
 
 #include <algorithm>
 #include <cmath>

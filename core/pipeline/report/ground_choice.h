@@ -12,4 +12,7 @@ struct GroundChoice {
   bool operator==(const GroundChoice&) const = default;
 };
 
+// What leans is worth it, and three photos see enough of the ground to tell how high it stands.
+bool IsUpright(const GroundChoice& choice);
+
 }  // namespace skyquilt::pipeline

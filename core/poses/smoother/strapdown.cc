@@ -1,4 +1,4 @@
-#include "core/poses/reckoning/strapdown.h"
+#include "core/poses/smoother/strapdown.h"
 
 #include <cmath>
 #include <string>

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/flight/logs/written_time.h"
+#include "core/flight/bytes/written_time.h"
 
 namespace skyquilt::flight {
 

@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "core/base/result.h"
-#include "core/flight/logs/log_bytes.h"
+#include "core/flight/bytes/log_bytes.h"
 
 namespace skyquilt::flight {
 

@@ -1,4 +1,4 @@
-#include "core/flight/photos/photo.h"
+#include "core/flight/photo.h"
 
 #include <tuple>
 

@@ -1,10 +1,10 @@
-#include "core/flight/logs/written_time.h"
+#include "core/flight/bytes/written_time.h"
 
 #include <array>
 #include <cmath>
 #include <cstdint>
 
-#include "core/flight/logs/text_fields.h"
+#include "core/flight/bytes/text_fields.h"
 
 namespace skyquilt::flight {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/flight/photos/byte_source.h"
+#include "core/flight/bytes/byte_source.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
