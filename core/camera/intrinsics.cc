@@ -88,8 +88,12 @@ std::optional<Eigen::Vector2d> Intrinsics::Project(const Eigen::Vector3d& point_
   const double min_slope =
       1.0 + s * (std::min(0.0, 3.0 * k1) + s * (std::min(0.0, 5.0 * k2) + s * std::min(0.0, 7.0 * k3)));
   if (min_slope <= 0.0 && s > MaxRadiusSquared()) return std::nullopt;
-  const Eigen::Vector2d bent = Distort(normalised);
-  return Eigen::Vector2d{focal_x_px * bent.x() + center_x_px, focal_y_px * bent.y() + center_y_px};
+  return ProjectBeyondFold(point_in_cam);
+}
+
+Eigen::Vector2d Intrinsics::ProjectBeyondFold(const Eigen::Vector3d& point_in_cam) const {
+  const Eigen::Vector2d bent = Distort(point_in_cam.head<2>() / point_in_cam.z());
+  return {focal_x_px * bent.x() + center_x_px, focal_y_px * bent.y() + center_y_px};
 }
 
 Eigen::Vector3d Intrinsics::Unproject(const Eigen::Vector2d& pixel_in_image) const {

@@ -48,9 +48,7 @@ Matrix3d Axes(const std::array<Vector3d, 3>& corners) {
 }
 
 Vector2d Residual(const camera::Intrinsics& lens, const Vector3d& in_cam, const Vector2d& pixel) {
-  const Vector2d bent = lens.Distort(in_cam.head<2>() / in_cam.z());
-  return {lens.focal_x_px * bent.x() + lens.center_x_px - pixel.x(),
-          lens.focal_y_px * bent.y() + lens.center_y_px - pixel.y()};
+  return lens.ProjectBeyondFold(in_cam) - pixel;
 }
 
 // In sigmas, squared; infinite behind the camera.

@@ -2,22 +2,22 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
 
 #include "core/alignment/bundle/bundle_adjustment.h"
+#include "core/alignment/scene/keypoint_sets.h"
+#include "core/alignment/scene/ray_meeting.h"
+#include "core/alignment/scene/track_spread.h"
 #include "core/base/median.h"
 #include "core/base/parallel_for.h"
-#include "core/geo/solvers/dense_solvers.h"
 
 namespace skyquilt::alignment {
 namespace {
 
 constexpr double kToleranceSigmas = 6.0;
 constexpr double kMinAngleOfPointRad = 0.015;
-constexpr double kFineScales = 60.0;  // sizes up to this many sigmas are located alike
 constexpr double kUnheldSigma = 1e6;
 constexpr int kCellsAcross = 8;
 
@@ -44,9 +44,7 @@ Eigen::Vector2d Block::PixelOf(const TrackElement& element) const {
 }
 
 double Block::SigmaPx(const TrackElement& element) const {
-  const PhotoFeatures& features = *input_->photos[static_cast<std::size_t>(element.photo)].features;
-  const double size = features.keypoints[static_cast<std::size_t>(element.keypoint)].scale_px;
-  return features.sigma_px * std::max(1.0, size / (features.sigma_px * kFineScales));
+  return KeypointSigmaPx(*input_->photos[static_cast<std::size_t>(element.photo)].features, element.keypoint);
 }
 
 void Block::FindRays(int photo) {
@@ -81,11 +79,7 @@ void Block::Remove(int photo) {
 double Block::ResidualSigmas(const TrackElement& element, const Eigen::Vector3d& point) const {
   const Eigen::Vector3d in_cam = Pose(element.photo) * point;
   if (in_cam.z() <= 1e-6) return std::numeric_limits<double>::infinity();
-  const camera::Intrinsics& lens = Lens(element.photo);
-  const Eigen::Vector2d bent = lens.Distort(in_cam.head<2>() / in_cam.z());
-  const Eigen::Vector2d pixel(lens.focal_x_px * bent.x() + lens.center_x_px,
-                              lens.focal_y_px * bent.y() + lens.center_y_px);
-  return (pixel - PixelOf(element)).norm() / SigmaPx(element);
+  return (Lens(element.photo).ProjectBeyondFold(in_cam) - PixelOf(element)).norm() / SigmaPx(element);
 }
 
 // Where the rays come nearest; the observation with the largest residual goes until all agree.
@@ -104,18 +98,15 @@ void Block::Triangulate(int track) {
                    rays_[photo][static_cast<std::size_t>(element.keypoint)]);
   }
   while (kept.size() >= 2) {
-    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    RayMeeting meeting;
     double min_cosine = 1.0;
     for (std::size_t k = 0; k < kept.size(); ++k) {
       const TrackElement& element = elements[static_cast<std::size_t>(kept[k])];
-      const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - rays[k] * rays[k].transpose();
-      normal += across;
-      right += across * Pose(element.photo).TargetOriginInSource();
+      meeting.Add(Pose(element.photo).TargetOriginInSource(), rays[k]);
       for (std::size_t m = 0; m < k; ++m) min_cosine = std::min(min_cosine, rays[k].dot(rays[m]));
     }
     if (min_cosine > std::cos(kMinAngleOfPointRad)) break;
-    const Eigen::Vector3d point = geo::SolveSymmetric(normal, right);
+    const Eigen::Vector3d point = meeting.Point();
     double most = 0.0;
     std::size_t worst = 0;
     for (std::size_t k = 0; k < kept.size(); ++k) {
@@ -169,41 +160,17 @@ std::vector<int> Block::ChooseTracks(const std::vector<char>& is_free, int obser
   }
   std::stable_sort(order.begin(), order.end(),
                    [&](int a, int b) { return SeenBy(a).size() > SeenBy(b).size(); });
-  constexpr std::size_t kCells = std::size_t{kCellsAcross} * kCellsAcross;
-  std::vector<std::array<int, kCells>> taken(input_->photos.size(), std::array<int, kCells>{});
-  std::vector<int> total(input_->photos.size(), 0);
-  const auto cell_of = [&](const TrackElement& element) {
-    const Eigen::Vector2d pixel = PixelOf(element);
-    const camera::Intrinsics& lens = Lens(element.photo);
-    const int x = std::clamp(static_cast<int>(pixel.x() * kCellsAcross / lens.width_px), 0, kCellsAcross - 1);
-    const int y =
-        std::clamp(static_cast<int>(pixel.y() * kCellsAcross / lens.height_px), 0, kCellsAcross - 1);
-    return static_cast<std::size_t>(y * kCellsAcross + x);
-  };
-  std::vector<int> chosen;
-  std::vector<char> is_chosen(order.size(), 0);
-  const int rounds = 1 + 3 * observations_per_photo / static_cast<int>(kCells);
-  for (int round = 1; round <= rounds; ++round) {
-    for (std::size_t o = 0; o < order.size(); ++o) {
-      if (is_chosen[o]) continue;
-      const std::vector<TrackElement>& elements = scene_->tracks[static_cast<std::size_t>(order[o])];
-      const std::vector<int>& seen = SeenBy(order[o]);
-      const bool is_wanted = std::any_of(seen.begin(), seen.end(), [&](int s) {
-        const TrackElement& element = elements[static_cast<std::size_t>(s)];
-        const auto photo = static_cast<std::size_t>(element.photo);
-        return is_free[photo] && total[photo] < observations_per_photo &&
-               taken[photo][cell_of(element)] < round;
-      });
-      if (!is_wanted) continue;
-      is_chosen[o] = 1;
-      chosen.push_back(order[o]);
-      for (const int s : seen) {
-        const TrackElement& element = elements[static_cast<std::size_t>(s)];
-        ++total[static_cast<std::size_t>(element.photo)];
-        ++taken[static_cast<std::size_t>(element.photo)][cell_of(element)];
-      }
+  TrackSpread spread(input_->photos.size(), observations_per_photo, kCellsAcross);
+  for (const int t : order) {
+    spread.BeginTrack();
+    for (const int s : SeenBy(t)) {
+      const TrackElement& element = scene_->tracks[static_cast<std::size_t>(t)][static_cast<std::size_t>(s)];
+      if (is_free[static_cast<std::size_t>(element.photo)])
+        spread.SeenBy(element.photo, PixelOf(element), Lens(element.photo));
     }
   }
+  std::vector<int> chosen;
+  for (const std::size_t o : spread.Choose()) chosen.push_back(order[o]);
   std::sort(chosen.begin(), chosen.end());
   return chosen;
 }

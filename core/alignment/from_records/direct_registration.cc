@@ -43,11 +43,9 @@ Patch ProjectThumbnail(const MatchingInput& input, int photo, const Eigen::Vecto
       const Eigen::Vector3d in_cam = view.cam_from_enu * point;
       float x = -10.0F, y = -10.0F;
       if (in_cam.z() > 1e-3) {
-        const Eigen::Vector2d bent = view.intrinsics.Distort(in_cam.head<2>() / in_cam.z());
-        const double full_x = view.intrinsics.focal_x_px * bent.x() + view.intrinsics.center_x_px;
-        const double full_y = view.intrinsics.focal_y_px * bent.y() + view.intrinsics.center_y_px;
-        x = static_cast<float>((full_x + 0.5) * scale_x - 0.5);
-        y = static_cast<float>((full_y + 0.5) * scale_y - 0.5);
+        const Eigen::Vector2d full = view.intrinsics.ProjectBeyondFold(in_cam);
+        x = static_cast<float>((full.x() + 0.5) * scale_x - 0.5);
+        y = static_cast<float>((full.y() + 0.5) * scale_y - 0.5);
       }
       if (x >= 0.0F && y >= 0.0F && x <= thumbnail.width_px - 1.0F && y <= thumbnail.height_px - 1.0F)
         ++inside;
@@ -130,9 +128,7 @@ Peak CorrelatePhase(const cv::Mat& first, const cv::Mat& second, double reach_px
 bool PixelOf(const View& view, const Eigen::Vector3d& point, Eigen::Vector2d* pixel) {
   const Eigen::Vector3d in_cam = view.cam_from_enu * point;
   if (in_cam.z() < 1e-3) return false;
-  const Eigen::Vector2d bent = view.intrinsics.Distort(in_cam.head<2>() / in_cam.z());
-  *pixel = {view.intrinsics.focal_x_px * bent.x() + view.intrinsics.center_x_px,
-            view.intrinsics.focal_y_px * bent.y() + view.intrinsics.center_y_px};
+  *pixel = view.intrinsics.ProjectBeyondFold(in_cam);
   return view.intrinsics.IsInImage(*pixel);
 }
 

@@ -125,9 +125,7 @@ class Resection {
   Eigen::Vector2d ResidualPx(const geo::Rigid3& cam_from_enu, std::size_t k) const {
     const Eigen::Vector3d in_cam = cam_from_enu * candidates_[k].place_in_enu;
     if (in_cam.z() < 1e-3) return Eigen::Vector2d::Constant(1e6);
-    const Eigen::Vector2d bent = lens_.Distort(in_cam.head<2>() / in_cam.z());
-    return {lens_.focal_x_px * bent.x() + lens_.center_x_px - pixels_[k].x(),
-            lens_.focal_y_px * bent.y() + lens_.center_y_px - pixels_[k].y()};
+    return lens_.ProjectBeyondFold(in_cam) - pixels_[k];
   }
 
   std::vector<int> FindInliers(const geo::Rigid3& cam_from_enu, double tolerance_px) const {

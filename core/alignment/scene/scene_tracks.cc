@@ -1,39 +1,27 @@
 #include "core/alignment/scene/scene_tracks.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
-#include "core/alignment/scene/keypoints.h"
+#include "core/alignment/scene/keypoint_sets.h"
 
 namespace skyquilt::alignment {
 namespace {
 
-constexpr float kOnePlacePx = 1.0F;  // described in two directions
-
-bool IsOnePlace(const PhotoFeatures& features, int a, int b) {
-  const Keypoint& x = features.keypoints[static_cast<std::size_t>(a)];
-  const Keypoint& y = features.keypoints[static_cast<std::size_t>(b)];
-  return std::hypot(x.x_px - y.x_px, x.y_px - y.y_px) <= kOnePlacePx;
-}
-
-// Disjoint sets of observations that know their members.
-class ElementSets {
+// Sets that know their members, each photo at most once.
+class MemberSets {
  public:
-  ElementSets(const RegistrationInput& input, const std::vector<int>& first_of) : input_(input) {
-    root_.resize(static_cast<std::size_t>(first_of.back()));
-    std::iota(root_.begin(), root_.end(), 0);
-    members_.resize(root_.size());
-    for (std::size_t i = 0; i + 1 < first_of.size(); ++i) {
-      for (int k = first_of[i]; k < first_of[i + 1]; ++k) {
-        members_[static_cast<std::size_t>(k)] = {{static_cast<int>(i), k - first_of[i]}};
-      }
+  explicit MemberSets(const std::vector<const PhotoFeatures*>& features)
+      : features_(features), sets_(features), members_(sets_.size()) {
+    for (std::size_t i = 0; i < features.size(); ++i) {
+      if (!features[i]) continue;
+      for (int k = 0; k < static_cast<int>(features[i]->keypoints.size()); ++k)
+        Members(sets_.NumberOf(i, k)) = {{static_cast<int>(i), k}};
     }
   }
 
-  void Join(int a, int b) {
-    a = Find(a);
-    b = Find(b);
+  void Join(const TrackElement& first, const TrackElement& second) {
+    const int a = Find(first), b = Find(second);
     if (a == b) return;
     std::vector<TrackElement>& of_a = Members(a);
     std::vector<TrackElement>& of_b = Members(b);
@@ -47,13 +35,13 @@ class ElementSets {
       } else if (next_a == of_a.end() || next_b->photo < next_a->photo) {
         merged.push_back(*next_b++);
       } else {
-        const PhotoFeatures& features = *input_.photos[static_cast<std::size_t>(next_a->photo)].features;
+        const PhotoFeatures& features = *features_[static_cast<std::size_t>(next_a->photo)];
         if (!IsOnePlace(features, next_a->keypoint, next_b->keypoint)) return;
         merged.push_back(*next_a++);
         ++next_b;
       }
     }
-    root_[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+    sets_.Join(a, b);
     Members(std::max(a, b)) = {};
     Members(std::min(a, b)) = std::move(merged);
   }
@@ -61,39 +49,31 @@ class ElementSets {
   std::vector<std::vector<TrackElement>>& members() { return members_; }
 
  private:
-  int Find(int i) {
-    while (root_[static_cast<std::size_t>(i)] != i) {
-      int& up = root_[static_cast<std::size_t>(i)];
-      i = up = root_[static_cast<std::size_t>(up)];
-    }
-    return i;
+  int Find(const TrackElement& one) {
+    return sets_.Find(sets_.NumberOf(static_cast<std::size_t>(one.photo), one.keypoint));
   }
-  std::vector<TrackElement>& Members(int i) { return members_[static_cast<std::size_t>(i)]; }
+  std::vector<TrackElement>& Members(int set) { return members_[static_cast<std::size_t>(set)]; }
 
-  const RegistrationInput& input_;
-  std::vector<int> root_;
+  const std::vector<const PhotoFeatures*>& features_;
+  KeypointSets sets_;
   std::vector<std::vector<TrackElement>> members_;
 };
 
 }  // namespace
 
 SceneTracks JoinMatches(const RegistrationInput& input, const std::vector<GraphPair>& pairs) {
-  std::vector<int> first_of(input.photos.size() + 1, 0);
-  for (std::size_t i = 0; i < input.photos.size(); ++i) {
-    const PhotoFeatures* features = input.photos[i].features;
-    first_of[i + 1] = first_of[i] + (features ? static_cast<int>(features->keypoints.size()) : 0);
-  }
+  std::vector<const PhotoFeatures*> features;
+  for (const RegistrationPhoto& photo : input.photos) features.push_back(photo.features);
   std::vector<std::size_t> order(pairs.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return pairs[a].view.matches.size() > pairs[b].view.matches.size();
   });
-  ElementSets sets(input, first_of);
+  MemberSets sets(features);
   for (const std::size_t p : order) {
     const GraphPair& pair = pairs[p];
     for (const KeypointMatch& match : pair.view.matches) {
-      sets.Join(first_of[static_cast<std::size_t>(pair.first)] + match.first,
-                first_of[static_cast<std::size_t>(pair.second)] + match.second);
+      sets.Join({pair.first, match.first}, {pair.second, match.second});
     }
   }
   SceneTracks scene;
