@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -77,9 +78,9 @@ struct AlignLensReport {
 
 // Photos placed by what they show, without their recorded poses.
 struct SecondLegReport {
-  std::string why;      // the records were doubted; empty: they held, and nothing was tried
-  std::string outcome;  // in words
-  int registered = 0;   // photos in the largest group
+  std::optional<flight::Remark> why;  // the records were doubted; nothing: they held, and nothing was tried
+  std::optional<flight::Remark> outcome;
+  int registered = 0;  // photos in the largest group
   int groups = 0;
   int pairs_compared = 0, pairs_verified = 0, pairs_refused = 0;
   double residual_rms_px = 0.0;

@@ -1,7 +1,5 @@
 #include "core/alignment/second_leg/leg_evidence.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -11,6 +9,9 @@
 
 namespace skyquilt::alignment {
 namespace {
+
+using flight::Remark;
+using flight::RemarkCode;
 
 constexpr std::size_t kMinFeatures = 150;  // a photo with fewer shows hardly anything
 constexpr double kMinContradictionM = 1.0;
@@ -114,41 +115,38 @@ LegEvidence Weigh(const WeighedLeg& leg) {
   return evidence;
 }
 
-std::string WhyDoubted(const LegEvidence& evidence, double max_lost_share) {
-  if (evidence.readable < 3) return {};
+std::optional<flight::Remark> WhyDoubted(const LegEvidence& evidence, double max_lost_share) {
+  if (evidence.readable < 3) return std::nullopt;
   const double max_lost = std::max(1.0, max_lost_share * static_cast<double>(evidence.readable));
   // Where no photo at all is tied, one that nothing places is one too many.
   if (evidence.unplaced > 0 && (evidence.tied == 0 || static_cast<double>(evidence.Lost()) > max_lost) &&
       2 * evidence.unplaced >= evidence.Lost()) {
-    return fmt::format("{} of {} photos have no usable position or height", evidence.unplaced,
-                       evidence.readable);
+    return Remark{RemarkCode::kRecordsUnplaced,
+                  {{"photos", evidence.unplaced}, {"total", evidence.readable}}};
   }
-  if (static_cast<double>(evidence.Lost()) > max_lost) {
-    return fmt::format("by their recorded poses {} of {} photos do not fit to the others", evidence.Lost(),
-                       evidence.readable);
-  }
-  if (evidence.residual_rms_px > kPoorResidualPx) {
-    return fmt::format("by their recorded poses the photos disagree by {:.1f} pixels",
-                       evidence.residual_rms_px);
-  }
-  if (evidence.is_adjusted && evidence.observations == 0) {
-    return "by their recorded poses no point found in several photos fits";
-  }
+  if (static_cast<double>(evidence.Lost()) > max_lost)
+    return Remark{RemarkCode::kRecordsLost, {{"photos", evidence.Lost()}, {"total", evidence.readable}}};
+  if (evidence.residual_rms_px > kPoorResidualPx)
+    return Remark{RemarkCode::kRecordsDisagree, {{"apart_px", evidence.residual_rms_px}}};
+  if (evidence.is_adjusted && evidence.observations == 0) return Remark{RemarkCode::kRecordsNoPoint};
   if (evidence.DroppedShare() > kMaxDroppedShare) {
-    return fmt::format("by their recorded poses only {} of {} points found in several photos fit",
-                       evidence.observations, evidence.observations + evidence.dropped);
+    return Remark{RemarkCode::kRecordsFewPoints,
+                  {{"used", evidence.observations}, {"points", evidence.observations + evidence.dropped}}};
   }
   // As of heights that are wrong by a factor: the photos fit each other at any size.
   if (evidence.ContradictsPositions()) {
-    return fmt::format(
-        "by their recorded heights and angles {} of {} photos do not lie where they were recorded",
-        evidence.positions_contradicted, evidence.positions);
+    return Remark{RemarkCode::kRecordsElsewhere,
+                  {{"photos", evidence.positions_contradicted}, {"total", evidence.positions}}};
   }
-  return {};
+  return std::nullopt;
 }
 
 LegChoice ChooseLeg(const LegEvidence& by_records, const LegEvidence& by_images) {
-  const auto refused = [](std::string why) { return LegChoice{false, std::move(why)}; };
+  const auto refused = [](Remark why) { return LegChoice{false, std::move(why)}; };
+  const Remark disagree{
+      RemarkCode::kImagesDisagree,
+      {{"apart_px", by_images.residual_rms_px}, {"by_records_px", by_records.residual_rms_px}}};
+  const Remark tie{RemarkCode::kImagesTie, {{"photos", by_images.tied}, {"by_records", by_records.tied}}};
   const bool keeps_far_more = by_records.DroppedShare() > kMaxDroppedShare &&
                               by_images.DroppedShare() < kFarBetter * by_records.DroppedShare();
   const bool fits_far_better =
@@ -158,55 +156,49 @@ LegChoice ChooseLeg(const LegEvidence& by_records, const LegEvidence& by_images)
       by_records.ContradictsPositions() &&
       by_images.PositionsContradicted() < kFarBetter * by_records.PositionsContradicted();
   const bool ties_more = by_images.tied > by_records.tied;
-  if (!ties_more && !((fits_far_better || agrees_far_better) && by_images.tied == by_records.tied)) {
-    return refused(fmt::format("what the photos show ties {} of them together, the recorded poses {}",
-                               by_images.tied, by_records.tied));
-  }
+  if (!ties_more && !((fits_far_better || agrees_far_better) && by_images.tied == by_records.tied))
+    return refused(tie);
   // (A residual of nothing is that of no adjustment.)
   const double max_residual_px =
       by_records.residual_rms_px > 0.0
           ? std::max(kGoodResidualPx, kMaxResidualGrowth * by_records.residual_rms_px)
           : kPoorResidualPx;
-  if (by_images.residual_rms_px > max_residual_px) {
-    return refused(
-        fmt::format("placed by what they show, the photos disagree by {:.1f} pixels, by the recorded "
-                    "poses by {:.1f}",
-                    by_images.residual_rms_px, by_records.residual_rms_px));
-  }
+  if (by_images.residual_rms_px > max_residual_px) return refused(disagree);
   const bool ties_far_more = static_cast<double>(by_images.tied) >=
                              kManyTimesMore * static_cast<double>(std::max<std::size_t>(1, by_records.tied));
   // Poses to which hardly anything fits agree with their records because they were not moved from them.
   if (!ties_far_more && !keeps_far_more) {
     if (by_images.PositionsContradicted() > by_records.PositionsContradicted() + kMaxMoreContradicted) {
-      return refused(
-          fmt::format("it contradicts {} of {} recorded positions, the alignment by records {} of {}",
-                      by_images.positions_contradicted, by_images.positions,
-                      by_records.positions_contradicted, by_records.positions));
+      return refused({RemarkCode::kImagesOffPositions,
+                      {{"photos", by_images.positions_contradicted},
+                       {"total", by_images.positions},
+                       {"by_records", by_records.positions_contradicted},
+                       {"of_records", by_records.positions}}});
     }
     if (by_images.AttitudesContradicted() > by_records.AttitudesContradicted() + kMaxMoreContradicted) {
-      return refused(
-          fmt::format("it contradicts {} of {} recorded camera angles, the alignment by records {} of {}",
-                      by_images.attitudes_contradicted, by_images.attitudes,
-                      by_records.attitudes_contradicted, by_records.attitudes));
+      return refused({RemarkCode::kImagesOffAngles,
+                      {{"photos", by_images.attitudes_contradicted},
+                       {"total", by_images.attitudes},
+                       {"by_records", by_records.attitudes_contradicted},
+                       {"of_records", by_records.attitudes}}});
     }
   }
-  if (!ties_more && keeps_far_more) {
-    return {true, fmt::format("{} of {} points found in several photos fit, by the recorded poses {} of {}",
-                              by_images.observations, by_images.observations + by_images.dropped,
-                              by_records.observations, by_records.observations + by_records.dropped)};
-  }
-  if (!ties_more && !fits_far_better) {
+  if (ties_more) return {true, tie};
+  if (keeps_far_more) {
     return {true,
-            fmt::format("it agrees with {} of {} recorded positions, the alignment by records with {} of {}",
-                        by_images.positions - by_images.positions_contradicted, by_images.positions,
-                        by_records.positions - by_records.positions_contradicted, by_records.positions)};
+            {RemarkCode::kImagesFit,
+             {{"used", by_images.observations},
+              {"points", by_images.observations + by_images.dropped},
+              {"by_records", by_records.observations},
+              {"of_records", by_records.observations + by_records.dropped}}}};
   }
-  if (!ties_more) {
-    return {true, fmt::format("the photos disagree by {:.1f} pixels, by the recorded poses by {:.1f}",
-                              by_images.residual_rms_px, by_records.residual_rms_px)};
-  }
+  if (fits_far_better) return {true, disagree};
   return {true,
-          fmt::format("it ties {} photos together, the recorded poses {}", by_images.tied, by_records.tied)};
+          {RemarkCode::kImagesAgree,
+           {{"photos", by_images.positions - by_images.positions_contradicted},
+            {"total", by_images.positions},
+            {"by_records", by_records.positions - by_records.positions_contradicted},
+            {"of_records", by_records.positions}}}};
 }
 
 std::optional<flight::Remark> ContradictionOf(const LegEvidence& evidence) {

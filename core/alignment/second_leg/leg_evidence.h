@@ -5,7 +5,7 @@
 #pragma once
 
 #include <cstddef>
-#include <string>
+#include <optional>
 #include <vector>
 
 #include "core/alignment/bundle/bundle_adjustment.h"
@@ -57,13 +57,13 @@ bool ShowsEnough(const PhotoFeatures* features);
 
 LegEvidence Weigh(const WeighedLeg& leg);
 
-// Why the recorded poses are not to be believed for the flight as a whole; empty: they hold.
+// Why the recorded poses are not to be believed for the flight as a whole; nothing: they hold.
 // `max_lost_share`: of the readable photos that may stay lost.
-std::string WhyDoubted(const LegEvidence& by_records, double max_lost_share);
+std::optional<flight::Remark> WhyDoubted(const LegEvidence& by_records, double max_lost_share);
 
 struct LegChoice {
   bool takes_images = false;
-  std::string why;  // in words: "it ties 75 photos together, the recorded poses 31"
+  flight::Remark why;
 };
 LegChoice ChooseLeg(const LegEvidence& by_records, const LegEvidence& by_images);
 

@@ -1,7 +1,5 @@
 #include "core/alignment/second_leg/second_leg.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -17,6 +15,7 @@
 #include "core/base/median.h"
 #include "core/base/scoped_timer.h"
 #include "core/flight/remarks/because.h"
+#include "core/flight/remarks/remark_words.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -155,37 +154,34 @@ double MedianHeightM(const Registration& registration, const BlockPlace& place,
   return Median(std::move(heights));
 }
 
-std::string HowPlaced(const BlockPlace& place) {
+// What says where on Earth a block lies, and how large it is.
+flight::Remark HowPlaced(const BlockPlace& place) {
+  using flight::RemarkCode;
   switch (place.placing) {
     case Placing::kByPositions:
       if (place.spread_sigmas > kContradictedSigmas) {
-        return fmt::format(
-            "the recorded positions CONTRADICT it, by {:.0f} m in the median, which is {:.0f} times what they claim: "
-            "the map lies where most of them have it",
-            place.median_residual_m, place.spread_sigmas);
+        return {RemarkCode::kImagesAgainstPositions,
+                {{"apart_m", place.median_residual_m}, {"times", place.spread_sigmas}}};
       }
-      return fmt::format("{} of {} recorded positions agree with it", place.positions_held, place.positions);
+      return {RemarkCode::kImagesOnPositions,
+              {{"positions", place.positions_held}, {"total", place.positions}}};
     case Placing::kByControl:
-      return "surveyed points say where on Earth";
+      return RemarkCode::kImagesOnControl;
     case Placing::kByHeights:
-      return "recorded heights say how large";
+      return RemarkCode::kImagesOnHeights;
     case Placing::kByGuess:
       break;
   }
-  if (place.positions > 0) {
-    return "the recorded positions say about where it lies, but nothing says how large it is, nor where north is: add "
-           "the flight log, surveyed points (gcp_list.txt) or positions (geo.txt)";
-  }
-  return "nothing says where on Earth, nor how large";
+  return place.positions > 0 ? RemarkCode::kImagesAboutPositions : RemarkCode::kImagesNowhere;
 }
 
-// What is said of the flying height, and of a recorded or assumed one that it contradicts.
-std::string HeightInWords(double found_m, std::optional<double> expected_m) {
+// The flying height, and a recorded or assumed one that it contradicts.
+flight::Remark HowHigh(double found_m, std::optional<double> expected_m) {
   constexpr double kMaxHeightFactor = 1.25;
-  std::string words = fmt::format("; flown {:.0f} m above the ground", found_m);
-  if (expected_m && std::max(found_m, *expected_m) > kMaxHeightFactor * std::min(found_m, *expected_m))
-    words += fmt::format(" ({:.0f} m were expected)", *expected_m);
-  return words;
+  if (expected_m && std::max(found_m, *expected_m) > kMaxHeightFactor * std::min(found_m, *expected_m)) {
+    return {flight::RemarkCode::kFlownAtOtherThan, {{"height_m", found_m}, {"expected_m", *expected_m}}};
+  }
+  return {flight::RemarkCode::kFlownAt, {{"height_m", found_m}}};
 }
 
 // One photo of a block, as the block's place has it.
@@ -272,6 +268,10 @@ std::vector<PhotoRecord> RecordsOf(const poses::PosedFlight& posed, const std::v
   return records;
 }
 
+flight::Remark NotTaken(flight::Remark why) {
+  return {flight::RemarkCode::kImagesNotTaken, {{"why", std::move(why)}}};
+}
+
 std::optional<SecondLeg> PlaceByImages(const FirstLeg& first, std::size_t tied_by_records, bool takes_equal,
                                        const std::vector<ControlPoint>& control, int threads,
                                        SecondLegReport& report, Progress& progress) {
@@ -300,9 +300,8 @@ std::optional<SecondLeg> PlaceByImages(const FirstLeg& first, std::size_t tied_b
   report.registered = registration.block_sizes.empty() ? 0 : registration.block_sizes.front();
   const std::size_t least = std::max<std::size_t>(3, tied_by_records + (takes_equal ? 0 : 1));
   if (progress.IsCancelled() || static_cast<std::size_t>(report.registered) < least) {
-    report.outcome =
-        fmt::format("not taken: what the photos show ties {} of them together, the recorded poses {}",
-                    report.registered, tied_by_records);
+    report.outcome = NotTaken(
+        {flight::RemarkCode::kImagesTie, {{"photos", report.registered}, {"by_records", tied_by_records}}});
     return std::nullopt;
   }
   SecondLeg second;
@@ -327,10 +326,14 @@ std::optional<SecondLeg> PlaceByImages(const FirstLeg& first, std::size_t tied_b
     if (b > 0 && !is_on_earth) continue;
     if (b == 0) {
       second.is_placed = is_on_earth || place.positions > 0;
-      report.outcome = fmt::format("{} of {} photos placed by what they show; {}", report.registered, count,
-                                   HowPlaced(place));
+      std::vector<flight::Remark> height;
       if (is_on_earth)
-        report.outcome += HeightInWords(MedianHeightM(registration, place, posed), expected_height_m);
+        height.push_back(HowHigh(MedianHeightM(registration, place, posed), expected_height_m));
+      report.outcome = flight::Remark{flight::RemarkCode::kImagesPlaced,
+                                      {{"photos", report.registered},
+                                       {"total", count},
+                                       {"place", HowPlaced(place)},
+                                       {"height", std::move(height)}}};
     }
     std::vector<double> offsets;
     for (std::size_t i = 0; i < count; ++i) {
@@ -383,18 +386,16 @@ Result<void> SettleUnplaced(const poses::PosedFlight& recorded, AlignedFlight& f
   }
   if (!flight.photos.empty()) return {};
   return flight::Because(ErrorCode::kUnprocessable, flight::RemarkCode::kFailNothingInCommon,
-                         report.second_leg.outcome);
+                         report.second_leg.outcome ? flight::InWords(*report.second_leg.outcome) : "");
 }
 
 std::vector<flight::Remark> RemarksOn(const SecondLegReport& report) {
   using flight::RemarkCode;
   std::vector<flight::Remark> remarks;
-  if (!report.is_taken) return remarks;
+  if (!report.is_taken || !report.why || !report.outcome) return remarks;
   if (!report.is_placed)
     remarks.push_back({RemarkCode::kNotGeoreferenced, {{"width_m", GeoreferenceRecords().guessed_width_m}}});
-  remarks.push_back(
-      {RemarkCode::kPlacedByImages,
-       {{"photos", report.registered}, {"why_words", report.why}, {"outcome_words", report.outcome}}});
+  remarks.push_back({RemarkCode::kPlacedByImages, {{"why", *report.why}, {"outcome", *report.outcome}}});
   return remarks;
 }
 

@@ -57,6 +57,9 @@ poses::PosedFlight WithUnplaced(const poses::PosedFlight& posed, std::vector<cha
 // the horizontal position, if they have one.
 std::vector<PhotoRecord> RecordsOf(const poses::PosedFlight& posed, const std::vector<char>& is_unplaced);
 
+// The outcome of an attempt whose result is not the map's.
+flight::Remark NotTaken(flight::Remark why);
+
 // Nothing where it ties no more photos together than `tied_by_records`, or where that cannot be told apart
 // from an equal (`takes_equal`: then it may tie as many). Fills report.second_leg.
 std::optional<SecondLeg> PlaceByImages(const FirstLeg& first, std::size_t tied_by_records, bool takes_equal,

@@ -1,7 +1,5 @@
 #include "core/alignment/stages/conclude.h"
 
-#include <fmt/core.h>
-
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -138,10 +136,9 @@ Result<AlignedFlight> Conclude(const poses::PosedFlight& recorded, const Extract
   Leg& leg = placed.leg;
   const LegEvidence evidence = Weigh(AsWeighed(extracted, leg));
   report.second_leg = std::move(placed.second_leg);
-  if (report.second_leg.why.empty()) {
-    report.second_leg.outcome =
-        fmt::format("the recorded poses hold: {} of {} photos are tied together from them", evidence.tied,
-                    evidence.readable);
+  if (!report.second_leg.why) {
+    report.second_leg.outcome = flight::Remark{flight::RemarkCode::kRecordsHold,
+                                               {{"photos", evidence.tied}, {"total", evidence.readable}}};
   }
   const std::vector<PhotoDoubt> doubts = DoubtPhotos(leg.input, leg.compared, leg.matched.links, leg.relief);
   ReportLeg(extracted, leg, report);

@@ -1,7 +1,5 @@
 #include "core/alignment/stages/place_by_evidence.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -85,9 +83,9 @@ TriedSecondLeg TrySecondLeg(const ExtractedFlight& extracted, const Leg& by_reco
   TriedSecondLeg tried;
   const LegEvidence evidence = Evidence(extracted, by_records);
   const bool is_asked_for = options.by_images == ByImages::kAlways;
-  tried.report.why =
-      is_asked_for ? "placing by what they show was asked for" : WhyDoubted(evidence, max_lost_share);
-  if (tried.report.why.empty()) return tried;
+  tried.report.why = is_asked_for ? flight::Remark(flight::RemarkCode::kRecordsNotAsked)
+                                  : WhyDoubted(evidence, max_lost_share);
+  if (!tried.report.why) return tried;
   progress.Report(0.82, "placing photos by what they show");
   // Where residuals are in doubt, as many photos tied are not better by number.
   const bool takes_equal = is_asked_for || evidence.Lost() == 0;
@@ -182,7 +180,7 @@ PlacedFlight BetterOf(const ExtractedFlight& extracted, Leg by_records, TriedSec
     const LegChoice choice = ChooseLeg(Evidence(extracted, *kept), Evidence(extracted, by_images));
     if (!choice.takes_images) {
       report.is_taken = report.is_placed = false;
-      report.outcome = "not taken: " + choice.why;
+      report.outcome = NotTaken(choice.why);
       kept->iterations = by_images.iterations;
       kept->adjustment_s = by_images.adjustment_s;
       return {*std::move(kept), std::move(report)};
@@ -262,8 +260,11 @@ PlacedFlight WithoutPositionLag(const ExtractedFlight& extracted, PlacedFlight p
                                                  : flight::RemarkCode::kPhotosApart)},
        {"apart_m", off_m}}};
   if (placed.second_leg.is_taken) {
-    placed.second_leg.outcome =
-        fmt::format("{} of {} photos placed by what they show", placed.second_leg.registered, records.size());
+    placed.second_leg.outcome = flight::Remark{flight::RemarkCode::kImagesPlaced,
+                                               {{"photos", placed.second_leg.registered},
+                                                {"total", records.size()},
+                                                {"place", std::vector<flight::Remark>()},
+                                                {"height", std::vector<flight::Remark>()}}};
   }
   leg.corrected_records.push_back(std::move(late));
   return placed;
@@ -284,7 +285,7 @@ Result<PlacedFlight> PlaceByEvidence(const ExtractedFlight& extracted, Leg by_re
   progress.Report(0.8, "adjusting");
   if (compares) {
     by_records = AdjustedByRecords(extracted, std::move(by_records), may_go_by_images, options);
-    if (may_go_by_images && tried.report.why.empty())
+    if (may_go_by_images && !tried.report.why)
       tried = TrySecondLeg(extracted, by_records, kMaxLostShare, options, progress);
   }
   PlacedFlight placed = tried.second

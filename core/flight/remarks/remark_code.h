@@ -9,6 +9,7 @@
 namespace skyquilt::flight {
 
 enum class RemarkCode : std::uint16_t {
+#include "core/flight/remarks/codes_on_attempts.inc"
 #include "core/flight/remarks/codes_on_deliverables.inc"
 #include "core/flight/remarks/codes_on_failures.inc"
 #include "core/flight/remarks/codes_on_files.inc"

@@ -2,6 +2,7 @@
 #include <array>
 
 #include "core/flight/remarks/remark_words.h"
+#include "core/flight/remarks/sentences_on_attempts.h"
 #include "core/flight/remarks/sentences_on_deliverables.h"
 #include "core/flight/remarks/sentences_on_failures.h"
 #include "core/flight/remarks/sentences_on_files.h"
@@ -20,8 +21,8 @@ constexpr auto Joined(const std::array<RemarkSentence, kSizes>&... parts) {
   return all;
 }
 
-constexpr auto kSentences = Joined(kSentencesOnDeliverables, kSentencesOnFailures, kSentencesOnFiles,
-                                   kSentencesOnInputs, kSentencesOnLogs, kSentencesOnMaps);
+constexpr auto kSentences = Joined(kSentencesOnAttempts, kSentencesOnDeliverables, kSentencesOnFailures,
+                                   kSentencesOnFiles, kSentencesOnInputs, kSentencesOnLogs, kSentencesOnMaps);
 
 constexpr bool StandInOrder() {
   for (std::size_t i = 0; i < kSentences.size(); ++i) {

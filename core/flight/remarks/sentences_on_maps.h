@@ -66,7 +66,8 @@ inline constexpr std::array kSentencesOnMaps = std::to_array<RemarkSentence>({
      "the recorded positions CONTRADICT what the photos show: half of the {photos} photos lie "
      "{apart_m:.0f} m or more from where they were recorded, which is {times:.0f} times what the "
      "records claim: the map as a whole may be as far off"},
-    {RemarkCode::kPlacedByImages, "placed_by_images", "{why_words}: {outcome_words}."},
+    {RemarkCode::kPlacedByImages, "placed_by_images",
+     "Because {why}, what the photos show decides: {outcome}."},
     {RemarkCode::kHeightsTilted, "heights_tilted",
      "The recorded heights would have the flight lie tilted by {tilt_deg:.0f} degrees against the "
      "recorded camera angles, as after a second take-off from another height or by a barometer that "

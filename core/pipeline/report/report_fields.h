@@ -165,8 +165,8 @@ void VisitFields(Point& point, Visit& visit) {
 
 template <IsA<alignment::SecondLegReport> Leg, typename Visit>
 void VisitFields(Leg& leg, Visit& visit) {
-  visit("why", leg.why);
-  visit("outcome", leg.outcome);
+  visit.Remarked("why", "why_remark", leg.why);
+  visit.Remarked("outcome", "outcome_remark", leg.outcome);
   visit("is_taken", leg.is_taken);
   visit("registered", leg.registered);
   visit("groups", leg.groups);

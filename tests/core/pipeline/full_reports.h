@@ -121,8 +121,8 @@ inline alignment::AlignReport FullAlignReport() {
                      {}}};
   report.position_bias_m = {0.1, -0.2, 0.3};
   report.corrections = {"DJI_1.JPG was stored turned"};
-  report.second_leg.why = "positions doubted";
-  report.second_leg.outcome = "taken";
+  report.second_leg.why = flight::Remark(flight::RemarkCode::kRecordsNoPoint);
+  report.second_leg.outcome = flight::Remark(flight::RemarkCode::kImagesOnControl);
   report.second_leg.registered = 18;
   report.second_leg.groups = 2;
   report.second_leg.pairs_compared = 100;

@@ -119,7 +119,10 @@ TEST(ReportCodec, KeepsTheNamesThatFilesHave) {
       R"("reason":"has marks that do not meet in one point on the ground",)"
       R"("remark":{"code":"point_marks_apart","values":{}},"miss_east_m":0.1,"miss_north_m":-0.2,)"
       R"("miss_up_m":0.3,"residual_px":1.5,"left_out":{"miss_east_m":0.4,"miss_north_m":-0.5,"miss_up_m":0.6}}],"position_bias_m":[0.1,-0.2,0.3],"placed_by":"images",)"
-      R"("second_leg":{"why":"positions doubted","outcome":"taken","is_taken":true,)"
+      R"("second_leg":{"why":"by their recorded poses no point found in several photos fits",)"
+      R"("why_remark":{"code":"records_no_point","values":{}},)"
+      R"("outcome":"; surveyed points say where on Earth",)"
+      R"("outcome_remark":{"code":"images_on_control","values":{}},"is_taken":true,)"
       R"("registered":18,"groups":2,"pairs_compared":100,"pairs_verified":60,"pairs_refused":9,)"
       R"("residual_rms_px":0.8,"total_wall_s":33.0}})");
 }

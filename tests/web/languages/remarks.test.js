@@ -34,7 +34,7 @@ const said_there = new Map(
 const withoutEnglish = (values) => [...values].filter((name) => !name.endsWith('_words')).sort();
 
 /** Of each kind of value one, far from all others. @param {string} name */
-const example = (name) => (/_(m|km|cm|mm|ms|s|mps2|deg|percent|px|gib|mib)$|^(photos|total|points|used|groups|rows|models|more|remarks|pictures|times|lag|epsg|failed|captures|missing|target|marks|most|cells|places|byte|bytes|wrong|imus|vehicles?|samples|samples_in_all|dropouts|messages|jumps|part|positions|dropped|skipped|unread|without_place|without_time|times_read|files|across|down|needed|cues|shapes|frames|events|headers|force|degrees|tiles)$/.test(name) ? 7 : `<${name}>`);
+const example = (name) => (/_(m|km|cm|mm|ms|s|mps2|deg|percent|px|gib|mib)$|^(photos|total|points|used|groups|rows|models|more|remarks|pictures|times|lag|epsg|failed|captures|missing|target|marks|most|cells|places|byte|bytes|wrong|imus|vehicles?|samples|samples_in_all|dropouts|messages|jumps|part|positions|dropped|skipped|unread|without_place|without_time|times_read|files|across|down|needed|cues|shapes|frames|events|headers|force|by_records|of_records|degrees|tiles)$/.test(name) ? 7 : `<${name}>`);
 
 /** @param {(values: any) => string} say @returns {{text: string, asked: Set<string>}} */
 function ask(say) {
@@ -55,7 +55,7 @@ for (const tag of tags) {
     for (const code of codes) {
       const there = said_there.get(code) ?? new Set();
       const { text, asked } = ask(remarks[code]);
-      const is_detail = code === 'placed_by_images' || code === 'left_panorama';
+      const is_detail = code === 'left_panorama';
       assert.deepEqual(withoutEnglish(asked), withoutEnglish(there), code);
       for (const name of asked) assert.ok(there.has(name), `${code}: the server gives no ${name}`);
       if (!is_detail) assert.doesNotMatch(text, /undefined|NaN|null|\[object/, code);

@@ -21,28 +21,31 @@ LegEvidence Evidence(std::size_t readable, std::size_t tied, double residual_px 
 }
 
 TEST(WhyDoubted, GoodRecordsHold) {
-  EXPECT_EQ(WhyDoubted(Evidence(100, 100), 0.1), "");
-  EXPECT_EQ(WhyDoubted(Evidence(100, 90), 0.1), "");
-  EXPECT_EQ(WhyDoubted(Evidence(5, 4), 0.1), "") << "one photo of a few";
-  EXPECT_EQ(WhyDoubted(Evidence(2, 0), 0.1), "") << "two photos make no block";
+  EXPECT_FALSE(WhyDoubted(Evidence(100, 100), 0.1));
+  EXPECT_FALSE(WhyDoubted(Evidence(100, 90), 0.1));
+  EXPECT_FALSE(WhyDoubted(Evidence(5, 4), 0.1)) << "one photo of a few";
+  EXPECT_FALSE(WhyDoubted(Evidence(2, 0), 0.1)) << "two photos make no block";
 }
 
 TEST(WhyDoubted, SaysWhatFailed) {
-  EXPECT_EQ(WhyDoubted(Evidence(75, 46), 0.1),
+  EXPECT_EQ(flight::InWords(WhyDoubted(Evidence(75, 46), 0.1).value()),
             "by their recorded poses 29 of 75 photos do not fit to the others");
   LegEvidence nowhere = Evidence(41, 0);
   nowhere.unplaced = 41;
-  EXPECT_EQ(WhyDoubted(nowhere, 0.4), "41 of 41 photos have no usable position or height");
-  EXPECT_THAT(WhyDoubted(Evidence(50, 50, 7.0), 0.1), HasSubstr("disagree by 7.0 pixels"));
+  EXPECT_EQ(flight::InWords(WhyDoubted(nowhere, 0.4).value()),
+            "41 of 41 photos have no usable position or height");
+  EXPECT_THAT(flight::InWords(WhyDoubted(Evidence(50, 50, 7.0), 0.1).value()),
+              HasSubstr("disagree by 7.0 pixels"));
   LegEvidence few = Evidence(50, 48);
   few.unplaced = 2;
-  EXPECT_EQ(WhyDoubted(few, 0.1), "") << "two lost photos do not put the others in doubt";
+  EXPECT_FALSE(WhyDoubted(few, 0.1)) << "two lost photos do not put the others in doubt";
 }
 
 TEST(ChooseLeg, MorePhotosTiedTogetherWin) {
   const LegChoice choice = ChooseLeg(Evidence(75, 60), Evidence(75, 75));
   EXPECT_TRUE(choice.takes_images);
-  EXPECT_EQ(choice.why, "it ties 75 photos together, the recorded poses 60");
+  EXPECT_EQ(flight::InWords(choice.why),
+            "what the photos show ties 75 of them together, the recorded poses 60");
 }
 
 TEST(ChooseLeg, NoMorePhotosAreNoReason) {
@@ -58,7 +61,7 @@ TEST(ChooseLeg, AsManyThatFitFarBetterWin) {
 TEST(ChooseLeg, PhotosThatDisagreeDoNotWin) {
   const LegChoice choice = ChooseLeg(Evidence(75, 60, 1.0), Evidence(75, 75, 3.0));
   EXPECT_FALSE(choice.takes_images);
-  EXPECT_THAT(choice.why, HasSubstr("3.0 pixels"));
+  EXPECT_THAT(flight::InWords(choice.why), HasSubstr("3.0 pixels"));
 }
 
 TEST(ChooseLeg, AFewMorePhotosDoNotOutweighThePositions) {
@@ -66,7 +69,7 @@ TEST(ChooseLeg, AFewMorePhotosDoNotOutweighThePositions) {
   images.positions_contradicted = 40;
   const LegChoice choice = ChooseLeg(Evidence(75, 60), images);
   EXPECT_FALSE(choice.takes_images);
-  EXPECT_THAT(choice.why, HasSubstr("40 of 75 recorded positions"));
+  EXPECT_THAT(flight::InWords(choice.why), HasSubstr("40 of 75 recorded positions"));
   EXPECT_TRUE(ChooseLeg(Evidence(75, 30), images).takes_images) << "far more photos do";
 }
 
@@ -87,30 +90,33 @@ TEST(ChooseLeg, PosesThatHardlyAnythingFitsAgreeWithTheirRecordsForNothing) {
   images.observations = 3500;
   images.dropped = 200;
   images.positions_contradicted = 17;
-  EXPECT_THAT(WhyDoubted(records, 0.1), HasSubstr("only 687 of 3757 points"));
+  EXPECT_THAT(flight::InWords(WhyDoubted(records, 0.1).value()), HasSubstr("only 687 of 3757 points"));
   const LegChoice choice = ChooseLeg(records, images);
   EXPECT_TRUE(choice.takes_images);
-  EXPECT_THAT(choice.why, HasSubstr("3500 of 3700 points"));
+  EXPECT_THAT(flight::InWords(choice.why), HasSubstr("3500 of 3700 points"));
   std::swap(images.observations, images.dropped);
   EXPECT_FALSE(ChooseLeg(records, images).takes_images) << "as few fit without the records";
   records.observations = 2000;
-  EXPECT_EQ(WhyDoubted(records, 0.1), "");
+  EXPECT_FALSE(WhyDoubted(records, 0.1));
   records.observations = records.dropped = 0;
-  EXPECT_EQ(WhyDoubted(records, 0.1), "") << "nothing was adjusted yet";
+  EXPECT_FALSE(WhyDoubted(records, 0.1)) << "nothing was adjusted yet";
   records.is_adjusted = true;
-  EXPECT_THAT(WhyDoubted(records, 0.1), HasSubstr("no point"));
+  EXPECT_THAT(flight::InWords(WhyDoubted(records, 0.1).value()), HasSubstr("no point"));
 }
 
 TEST(ChooseLeg, AsManyThatLieWhereTheyWereRecordedWin) {
   LegEvidence records = Evidence(24, 24, 0.5), images = Evidence(24, 24, 0.6);
   records.positions_contradicted = 12;
-  EXPECT_EQ(WhyDoubted(records, 0.1), "") << "half of them are no majority";
+  EXPECT_FALSE(WhyDoubted(records, 0.1)) << "half of them are no majority";
   records.positions_contradicted = 23;
-  EXPECT_THAT(WhyDoubted(records, 0.1), HasSubstr("23 of 24 photos do not lie where they were recorded"));
+  EXPECT_THAT(flight::InWords(WhyDoubted(records, 0.1).value()),
+              HasSubstr("23 of 24 photos do not lie where they were recorded"));
   images.positions_contradicted = 1;
   const LegChoice choice = ChooseLeg(records, images);
   EXPECT_TRUE(choice.takes_images);
-  EXPECT_EQ(choice.why, "it agrees with 23 of 24 recorded positions, the alignment by records with 1 of 24");
+  EXPECT_EQ(
+      flight::InWords(choice.why),
+      "what the photos show agrees with 23 of 24 recorded positions, the alignment by records with 1 of 24");
   images.positions_contradicted = 15;
   EXPECT_FALSE(ChooseLeg(records, images).takes_images) << "hardly better";
   images.positions_contradicted = 1;
@@ -118,7 +124,7 @@ TEST(ChooseLeg, AsManyThatLieWhereTheyWereRecordedWin) {
   EXPECT_FALSE(ChooseLeg(records, images).takes_images) << "the photos come apart by it";
   records.positions = images.positions = 4;
   records.positions_contradicted = 4;
-  EXPECT_EQ(WhyDoubted(records, 0.1), "") << "four positions are too few for a verdict";
+  EXPECT_FALSE(WhyDoubted(records, 0.1)) << "four positions are too few for a verdict";
 }
 
 TEST(ContradictionOf, IsSaidOfMostPositionsOnly) {
@@ -128,7 +134,8 @@ TEST(ContradictionOf, IsSaidOfMostPositionsOnly) {
   evidence.positions_contradicted = 14;
   EXPECT_FALSE(ContradictionOf(evidence));
   evidence.positions_contradicted = 15;
-  EXPECT_THAT(InWords(ContradictionOf(evidence).value()), HasSubstr("half of the 28 photos lie 8 m or more"));
+  EXPECT_THAT(flight::InWords(ContradictionOf(evidence).value()),
+              HasSubstr("half of the 28 photos lie 8 m or more"));
 }
 
 // Photos side by side, tied in a row by pairs of one point each.
@@ -166,7 +173,7 @@ TEST(Weigh, CountsWhatTheRecordsClaim) {
 TEST(LegEvidence, SaysWhenAnAdjustmentKeptButAFewObservations) {
   EXPECT_FALSE(DroppedOf(0, 0));
   EXPECT_FALSE(DroppedOf(2563, 1361));
-  EXPECT_THAT(InWords(DroppedOf(687, 3070).value()), HasSubstr("687 of 3757"));
+  EXPECT_THAT(flight::InWords(DroppedOf(687, 3070).value()), HasSubstr("687 of 3757"));
 }
 
 }  // namespace

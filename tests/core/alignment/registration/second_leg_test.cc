@@ -83,7 +83,7 @@ TEST(SecondLeg, GoodRecordsDoNotCallForIt) {
   const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
   const Outcome outcome = Align(truth, PosesOf(truth));
   EXPECT_EQ(outcome.report.aligned, 16);
-  EXPECT_EQ(outcome.report.second_leg.why, "");
+  EXPECT_FALSE(outcome.report.second_leg.why);
   EXPECT_EQ(outcome.report.second_leg.pairs_compared, 0);
 }
 
@@ -174,7 +174,7 @@ TEST(SecondLeg, AFewLostPhotosAreRegisteredAgainstTheOthers) {
   EXPECT_EQ(outcome.report.components, 1);
   EXPECT_TRUE(outcome.flight.left_out.empty());
   // The others stay where their records and the photos have them.
-  EXPECT_EQ(outcome.report.second_leg.why, "");
+  EXPECT_FALSE(outcome.report.second_leg.why);
   EXPECT_FALSE(outcome.report.second_leg.is_taken);
   for (std::size_t i = 0; i < 16; ++i) {
     EXPECT_EQ(outcome.report.photo_reports[i].is_by_images, i == 5 || i == 6 || i == 9) << i;
