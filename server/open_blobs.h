@@ -7,7 +7,7 @@
 #include "core/base/result.h"
 #include "storage/blobs/open_blobs.h"
 #include "storage/db/catalogue_db.h"
-#include "storage/folder/data_dir.h"
+#include "storage/files/data_dir.h"
 
 namespace skyquilt::server {
 

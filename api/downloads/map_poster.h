@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "storage/tilesets/tileset_cache.h"
+#include "storage/caches/tileset_cache.h"
 
 namespace skyquilt::api {
 

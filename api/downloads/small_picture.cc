@@ -14,7 +14,7 @@
 #include "core/base/try.h"
 #include "core/image/picture_codec.h"
 #include "core/image/shrink/shrink_picture.h"
-#include "storage/tilesets/publish_file.h"
+#include "storage/files/publish_file.h"
 
 namespace skyquilt::api {
 namespace {

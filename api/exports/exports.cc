@@ -16,7 +16,7 @@
 #include "core/base/try.h"
 #include "core/flight/remarks/remark_json.h"
 #include "storage/exports/custom/export_request.h"
-#include "storage/tilesets/publish_file.h"
+#include "storage/files/publish_file.h"
 
 namespace skyquilt::api {
 namespace {

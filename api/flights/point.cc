@@ -19,7 +19,7 @@
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
 #include "core/image/picture_codec.h"
-#include "storage/tilesets/publish_file.h"
+#include "storage/files/publish_file.h"
 
 namespace skyquilt::api {
 namespace {

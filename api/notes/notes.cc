@@ -11,7 +11,7 @@
 #include "api/uploads/flight_document.h"
 #include "core/base/try.h"
 #include "core/flight/bytes/input_file.h"
-#include "storage/tilesets/publish_file.h"
+#include "storage/files/publish_file.h"
 
 namespace skyquilt::api {
 namespace {

@@ -16,7 +16,7 @@
 #include "api/shown_map.h"
 #include "api/stac/stac_search.h"
 #include "core/base/try.h"
-#include "storage/tilesets/publish_file.h"
+#include "storage/files/publish_file.h"
 
 namespace skyquilt::api {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "api/http/http_message.h"
 #include "core/image/picture_format.h"
-#include "storage/tilesets/tileset_cache.h"
+#include "storage/caches/tileset_cache.h"
 
 namespace skyquilt::api {
 

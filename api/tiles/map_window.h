@@ -8,7 +8,7 @@
 #include <functional>
 
 #include "core/image/rgba_image.h"
-#include "storage/tilesets/tileset_cache.h"
+#include "storage/caches/tileset_cache.h"
 
 namespace skyquilt::api {
 

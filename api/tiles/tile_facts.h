@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "storage/caches/tileset_cache.h"
 #include "storage/catalogue/catalogue.h"
-#include "storage/tilesets/tileset_cache.h"
 
 namespace skyquilt::api {
 

@@ -12,7 +12,7 @@
 
 #include "core/geo/bounds.h"
 #include "core/image/rgba_image.h"
-#include "storage/tilesets/tileset_cache.h"
+#include "storage/caches/tileset_cache.h"
 
 namespace skyquilt::api {
 

@@ -10,9 +10,9 @@
 
 #include "api/basemap/basemap.h"
 #include "server/commands/config_file.h"
-#include "server/commands/fail.h"
 #include "server/routing/origin_policy.h"
 #include "server/routing/public_address.h"
+#include "server/terminal/fail.h"
 #include "server/usage/blob_options.h"
 #include "server/usage/catalogue_options.h"
 #include "server/usage/one_of.h"

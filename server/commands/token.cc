@@ -12,7 +12,7 @@
 
 #include "api/auth/access.h"
 #include "api/json/json_codec.h"
-#include "server/commands/fail.h"
+#include "server/terminal/fail.h"
 #include "server/usage/catalogue_options.h"
 #include "server/usage/one_of.h"
 #include "storage/catalogue/catalogue.h"

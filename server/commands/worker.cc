@@ -13,15 +13,15 @@
 #include <utility>
 
 #include "core/base/try.h"
-#include "server/commands/fail.h"
 #include "server/confinement/process_limits.h"
-#include "server/jobs/run_job.h"
 #include "server/open_blobs.h"
 #include "server/preview/preview_apart.h"
 #include "server/routing/request_log.h"
+#include "server/terminal/fail.h"
 #include "server/units/run_unit.h"
 #include "server/usage/blob_options.h"
 #include "server/usage/catalogue_options.h"
+#include "server/workers/run_job.h"
 #include "storage/db/ids.h"
 #include "storage/db/machine_boot.h"
 #include "storage/folder/elsewhere/settle_blobs.h"

@@ -17,10 +17,10 @@
 
 #include "core/base/try.h"
 #include "core/pipeline/report/locate.h"
-#include "server/commands/terminal_progress.h"
 #include "server/comparison/reckon_row.h"
 #include "server/jobs/stitch_job.h"
-#include "storage/tilesets/publish_file.h"
+#include "server/terminal/terminal_progress.h"
+#include "storage/files/publish_file.h"
 
 namespace skyquilt::server {
 namespace {

@@ -12,8 +12,8 @@
 #include "server/exports/export_apart.h"
 #include "server/routing/request_log.h"
 #include "storage/exports/custom/export_map.h"
+#include "storage/files/publish_file.h"
 #include "storage/folder/sweep_exports.h"
-#include "storage/tilesets/publish_file.h"
 
 namespace skyquilt::server {
 namespace {

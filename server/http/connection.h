@@ -16,9 +16,9 @@
 // <utility> first: Boost 1.74's awaitable uses std::exchange without including it.
 #include <boost/asio/awaitable.hpp>
 
-#include "server/http/http_settings.h"
-#include "server/http/request_head.h"
 #include "server/http/request_pool.h"
+#include "server/routing/http_settings.h"
+#include "server/routing/request_head.h"
 
 namespace boost::asio {
 class io_context;

@@ -6,8 +6,8 @@
 #include <memory>
 #include <string_view>
 
-#include "server/http/http_settings.h"
-#include "server/http/request_head.h"
+#include "server/routing/http_settings.h"
+#include "server/routing/request_head.h"
 
 namespace boost::beast::http {
 struct buffer_body;

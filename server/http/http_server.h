@@ -9,7 +9,7 @@
 #include "api/http/router.h"
 #include "api/service.h"
 #include "core/base/result.h"
-#include "server/http/http_settings.h"
+#include "server/routing/http_settings.h"
 
 namespace skyquilt::server {
 

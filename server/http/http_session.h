@@ -8,9 +8,9 @@
 
 #include "api/http/router.h"
 #include "api/service.h"
-#include "server/http/http_settings.h"
 #include "server/http/request_pool.h"
 #include "server/http/session_set.h"
+#include "server/routing/http_settings.h"
 
 namespace boost::asio {
 class io_context;

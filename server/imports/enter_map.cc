@@ -4,8 +4,8 @@
 
 #include "core/base/try.h"
 #include "storage/catalogue/catalogue.h"
-#include "storage/catalogue/enter_flight.h"
-#include "storage/tilesets/publish_file.h"
+#include "storage/files/publish_file.h"
+#include "storage/folder/enter_flight.h"
 
 namespace skyquilt::server {
 namespace {

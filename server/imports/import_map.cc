@@ -15,7 +15,7 @@
 #include "server/imports/told_quality.h"
 #include "server/tileset_metadata.h"
 #include "storage/exports/thumbnail_writer.h"
-#include "storage/tilesets/publish_file.h"
+#include "storage/files/publish_file.h"
 
 namespace skyquilt::server {
 namespace {

@@ -8,7 +8,7 @@
 #include <system_error>
 
 #include "core/base/try.h"
-#include "storage/tilesets/publish_file.h"
+#include "storage/files/publish_file.h"
 
 namespace skyquilt::server {
 namespace {

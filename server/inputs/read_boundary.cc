@@ -5,9 +5,9 @@
 #include <string>
 #include <system_error>
 
-#include "server/commands/fail.h"
+#include "server/terminal/fail.h"
 #include "storage/exports/custom/boundary.h"
-#include "storage/tilesets/publish_file.h"
+#include "storage/files/publish_file.h"
 
 namespace skyquilt::server {
 

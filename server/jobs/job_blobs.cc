@@ -14,7 +14,7 @@
 #include "core/base/parallel_for.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
-#include "storage/folder/data_dir.h"
+#include "storage/files/data_dir.h"
 
 namespace skyquilt::server {
 namespace {

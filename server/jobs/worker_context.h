@@ -9,7 +9,7 @@
 #include "server/jobs/job_limits.h"
 #include "storage/blobs/blob_store.h"
 #include "storage/catalogue/catalogue.h"
-#include "storage/folder/data_dir.h"
+#include "storage/files/data_dir.h"
 #include "storage/jobs/job_queue.h"
 #include "storage/jobs/unit_queue.h"
 

@@ -14,10 +14,10 @@
 #include <system_error>
 #include <vector>
 
-#include "server/commands/fail.h"
 #include "server/manual/completions.h"
 #include "server/manual/described_command.h"
 #include "server/manual/manual_page.h"
+#include "server/terminal/fail.h"
 #include "server/usage/near_word.h"
 #include "server/usage/one_of.h"
 

@@ -18,7 +18,7 @@
 #include "server/preview/preview_messages.h"
 #include "storage/blobs/blob_store.h"
 #include "storage/catalogue/previews.h"
-#include "storage/folder/data_dir.h"
+#include "storage/files/data_dir.h"
 
 namespace skyquilt::server {
 

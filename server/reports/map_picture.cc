@@ -12,8 +12,8 @@
 #include "core/image/picture_codec.h"
 #include "storage/exports/custom/export_map.h"
 #include "storage/exports/thumbnail_writer.h"
+#include "storage/files/publish_file.h"
 #include "storage/tilesets/mbtiles_reader.h"
-#include "storage/tilesets/publish_file.h"
 
 namespace skyquilt::server {
 namespace {

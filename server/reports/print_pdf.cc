@@ -15,7 +15,7 @@
 #include <system_error>
 #include <vector>
 
-#include "storage/tilesets/publish_file.h"
+#include "storage/files/publish_file.h"
 
 namespace skyquilt::server {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "api/http/http_message.h"
-#include "server/http/http_settings.h"
+#include "server/routing/http_settings.h"
 
 namespace skyquilt::server {
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string_view>
 
-#include "server/http/http_settings.h"
+#include "server/routing/http_settings.h"
 
 namespace skyquilt::server {
 

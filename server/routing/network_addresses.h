@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "server/http/http_settings.h"
+#include "server/routing/http_settings.h"
 
 namespace skyquilt::server {
 

@@ -8,8 +8,8 @@
 #include <string_view>
 
 #include "api/http/http_message.h"
-#include "server/http/http_settings.h"
-#include "server/http/request_head.h"
+#include "server/routing/http_settings.h"
+#include "server/routing/request_head.h"
 
 namespace skyquilt::server {
 

@@ -20,8 +20,8 @@
 #include "server/jobs/stitch_apart.h"
 #include "server/routing/request_log.h"
 #include "storage/db/ids.h"
+#include "storage/files/publish_file.h"
 #include "storage/jobs/unit_inputs.h"
-#include "storage/tilesets/publish_file.h"
 
 namespace skyquilt::server {
 namespace {

@@ -12,8 +12,8 @@
 #include "core/base/result.h"
 #include "server/jobs/job_progress.h"
 #include "server/jobs/job_task.h"
+#include "server/jobs/unit_files.h"
 #include "server/jobs/worker_context.h"
-#include "server/units/unit_files.h"
 
 namespace skyquilt::server {
 

@@ -12,8 +12,8 @@
 #include "core/pipeline/units/place_unit.h"
 #include "core/pipeline/units/render_unit.h"
 #include "server/inputs/open_elevation_model.h"
+#include "storage/files/publish_file.h"
 #include "storage/tilesets/map_keeper.h"
-#include "storage/tilesets/publish_file.h"
 
 namespace skyquilt::server {
 namespace {

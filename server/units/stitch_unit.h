@@ -13,7 +13,7 @@
 #include "core/base/result.h"
 #include "core/flight/bytes/input_file.h"
 #include "core/pipeline/mosaic_options.h"
-#include "server/units/unit_files.h"
+#include "server/jobs/unit_files.h"
 
 namespace skyquilt::server {
 

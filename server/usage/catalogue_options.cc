@@ -4,7 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "server/commands/fail.h"
+#include "server/terminal/fail.h"
 
 namespace skyquilt::server {
 

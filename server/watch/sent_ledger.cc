@@ -14,7 +14,7 @@
 #include <utility>
 
 #include "core/base/try.h"
-#include "storage/tilesets/publish_file.h"
+#include "storage/files/publish_file.h"
 
 namespace skyquilt::server {
 namespace {

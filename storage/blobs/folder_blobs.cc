@@ -11,7 +11,7 @@
 #include "core/base/check.h"
 #include "core/base/try.h"
 #include "storage/db/ids.h"
-#include "storage/tilesets/publish_file.h"
+#include "storage/files/publish_file.h"
 
 namespace skyquilt::storage {
 namespace {

@@ -14,7 +14,7 @@
 #include "core/base/parallel_for.h"
 #include "core/base/try.h"
 #include "storage/blobs/sha256.h"
-#include "storage/tilesets/publish_file.h"
+#include "storage/files/publish_file.h"
 
 namespace skyquilt::storage {
 namespace {

@@ -11,7 +11,7 @@
 #include "core/base/try.h"
 #include "storage/blobs/blob_store.h"
 #include "storage/blobs/s3/sign_request.h"
-#include "storage/tilesets/publish_file.h"
+#include "storage/files/publish_file.h"
 
 namespace skyquilt::storage {
 

@@ -21,7 +21,7 @@
 
 #include "core/base/result.h"
 #include "storage/db/clock.h"
-#include "storage/folder/data_dir.h"
+#include "storage/files/data_dir.h"
 
 namespace skyquilt::storage {
 

@@ -10,8 +10,8 @@
 #include "core/base/parallel_for.h"
 #include "core/base/try.h"
 #include "storage/exports/laid/cog_cells.h"
+#include "storage/files/stream_file.h"
 #include "storage/tilesets/mbtiles_reader.h"
-#include "storage/tilesets/stream_file.h"
 
 namespace skyquilt::storage {
 namespace {

@@ -19,8 +19,8 @@
 #include "core/image/picture_codec.h"
 #include "storage/db/sqlite_db.h"
 #include "storage/exports/tile_walk.h"
+#include "storage/files/stream_file.h"
 #include "storage/tilesets/mbtiles_reader.h"
-#include "storage/tilesets/stream_file.h"
 
 namespace skyquilt::storage {
 namespace {

@@ -6,8 +6,8 @@
 #include "core/base/try.h"
 #include "storage/db/sqlite_db.h"
 #include "storage/exports/laid/laid_pmtiles.h"
+#include "storage/files/stream_file.h"
 #include "storage/tilesets/mbtiles_reader.h"
-#include "storage/tilesets/stream_file.h"
 
 namespace skyquilt::storage {
 

@@ -19,9 +19,9 @@
 #include "core/image/shrink/shrink_picture.h"
 #include "storage/exports/cog_writer.h"
 #include "storage/exports/laid/cog_cells.h"
+#include "storage/files/publish_file.h"
 #include "storage/rasters/register_gdal.h"
 #include "storage/tilesets/mbtiles_reader.h"
-#include "storage/tilesets/publish_file.h"
 
 namespace skyquilt::storage {
 namespace {

@@ -12,9 +12,9 @@
 #include <utility>
 
 #include "core/base/try.h"
+#include "storage/files/publish_file.h"
 #include "storage/rasters/gdal_steps.h"
 #include "storage/rasters/register_gdal.h"
-#include "storage/tilesets/publish_file.h"
 
 namespace skyquilt::storage {
 namespace {

@@ -8,7 +8,7 @@
 #include "core/base/result.h"
 #include "storage/blobs/blob_store.h"
 #include "storage/db/catalogue_db.h"
-#include "storage/folder/data_dir.h"
+#include "storage/files/data_dir.h"
 #include "storage/folder/lost_folder.h"
 
 namespace skyquilt::storage {

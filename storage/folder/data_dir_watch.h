@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/base/result.h"
-#include "storage/folder/data_dir.h"
+#include "storage/files/data_dir.h"
 
 namespace skyquilt::storage {
 

@@ -9,7 +9,7 @@
 
 #include "core/base/result.h"
 #include "storage/db/sql_connection.h"
-#include "storage/folder/data_dir.h"
+#include "storage/files/data_dir.h"
 
 namespace skyquilt::storage {
 

@@ -13,11 +13,11 @@
 #include "core/base/try.h"
 #include "storage/catalogue/catalogue.h"
 #include "storage/db/ids.h"
+#include "storage/files/publish_file.h"
 #include "storage/folder/data_marker.h"
 #include "storage/folder/disk_flights.h"
 #include "storage/folder/elsewhere/settle_blobs.h"
 #include "storage/folder/shared_catalogue.h"
-#include "storage/tilesets/publish_file.h"
 
 namespace skyquilt::storage {
 namespace {

@@ -9,10 +9,10 @@
 #include <system_error>
 
 #include "core/base/try.h"
-#include "storage/catalogue/enter_flight.h"
 #include "storage/db/ids.h"
 #include "storage/folder/data_marker.h"
 #include "storage/folder/disk_flights.h"
+#include "storage/folder/enter_flight.h"
 #include "storage/folder/lost_folder.h"
 #include "storage/folder/open_data_folder.h"
 #include "storage/folder/shared_catalogue.h"

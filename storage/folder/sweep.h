@@ -12,7 +12,7 @@
 #include "core/base/result.h"
 #include "storage/catalogue/catalogue.h"
 #include "storage/catalogue/previews.h"
-#include "storage/folder/data_dir.h"
+#include "storage/files/data_dir.h"
 #include "storage/jobs/job_queue.h"
 
 namespace skyquilt::storage {

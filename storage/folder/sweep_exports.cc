@@ -4,6 +4,7 @@
 #include <system_error>
 
 #include "core/base/try.h"
+#include "storage/blobs/flight_blobs.h"
 #include "storage/db/ids.h"
 #include "storage/folder/elsewhere/sweep_blobs.h"
 #include "storage/folder/lost_folder.h"

@@ -12,7 +12,7 @@
 #include "core/base/result.h"
 #include "storage/blobs/blob_store.h"
 #include "storage/catalogue/catalogue.h"
-#include "storage/folder/data_dir.h"
+#include "storage/files/data_dir.h"
 #include "storage/jobs/map_exports.h"
 
 namespace skyquilt::storage {

@@ -8,7 +8,7 @@
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
 #include "storage/db/ids.h"
-#include "storage/folder/data_dir.h"
+#include "storage/files/data_dir.h"
 #include "storage/jobs/job_rows.h"
 
 namespace skyquilt::storage {

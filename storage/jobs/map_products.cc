@@ -7,8 +7,8 @@
 #include "core/base/try.h"
 #include "storage/blobs/range_cache.h"
 #include "storage/blobs/sha256.h"
-#include "storage/folder/data_dir.h"
-#include "storage/tilesets/publish_file.h"
+#include "storage/files/data_dir.h"
+#include "storage/files/publish_file.h"
 
 namespace skyquilt::storage {
 namespace {

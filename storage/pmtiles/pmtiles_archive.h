@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "core/base/result.h"
-#include "storage/exports/pmtiles_directory.h"
+#include "storage/pmtiles/pmtiles_directory.h"
 
 namespace skyquilt::storage {
 

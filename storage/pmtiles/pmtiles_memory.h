@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "storage/blobs/lru_memory.h"
-#include "storage/exports/pmtiles_directory.h"
+#include "storage/pmtiles/pmtiles_directory.h"
 #include "storage/tilesets/tile_source.h"
 
 namespace skyquilt::storage {

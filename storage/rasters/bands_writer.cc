@@ -18,9 +18,9 @@
 #include "core/base/check.h"
 #include "core/base/try.h"
 #include "core/image/decoded_image.h"
+#include "storage/files/publish_file.h"
 #include "storage/rasters/gdal_steps.h"
 #include "storage/rasters/register_gdal.h"
-#include "storage/tilesets/publish_file.h"
 
 namespace skyquilt::storage {
 namespace {

@@ -10,9 +10,9 @@
 #include "core/image/fringe_encoder.h"
 #include "core/image/picture_codec.h"
 #include "storage/db/sqlite_db.h"
+#include "storage/files/publish_file.h"
 #include "storage/tilesets/earlier_map.h"
 #include "storage/tilesets/map_files.h"
-#include "storage/tilesets/publish_file.h"
 
 namespace skyquilt::storage {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "core/base/try.h"
 #include "storage/db/sqlite_db.h"
-#include "storage/tilesets/publish_file.h"
+#include "storage/files/publish_file.h"
 
 namespace skyquilt::storage {
 namespace {

@@ -17,10 +17,10 @@
 #include "core/base/parallel_for.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
+#include "storage/blobs/flight_blobs.h"
 #include "storage/blobs/folder_blobs.h"
 #include "storage/db/ids.h"
-#include "storage/folder/elsewhere/sweep_blobs.h"
-#include "storage/tilesets/publish_file.h"
+#include "storage/files/publish_file.h"
 
 namespace skyquilt::storage {
 namespace {

@@ -10,9 +10,9 @@
 #include <utility>
 
 #include "core/base/try.h"
+#include "storage/blobs/flight_blobs.h"
 #include "storage/db/ids.h"
-#include "storage/folder/elsewhere/sweep_blobs.h"
-#include "storage/tilesets/publish_file.h"
+#include "storage/files/publish_file.h"
 
 namespace skyquilt::storage {
 namespace {

@@ -8,7 +8,7 @@
 #include <system_error>
 
 #include "core/image/picture_codec.h"
-#include "storage/tilesets/publish_file.h"
+#include "storage/files/publish_file.h"
 #include "storage/validation/validate_map.h"
 
 namespace skyquilt::storage {

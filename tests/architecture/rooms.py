@@ -11,8 +11,7 @@ from tracked_files import tracked_files
 ROOT = pathlib.Path(sys.argv[1])
 CIRCLES = {
     "api": {("flights", "auth"), ("indices", "ogc"), ("indices", "tiles"), ("nodeodm", "auth"), ("nodeodm", "uploads"), ("stac", "ogc"), ("surface", "flights"), ("tiles", "auth"), ("tiles", "ogc"), ("tiles", "surface"), ("webhooks", "auth"), ("wms", "maps")},
-    "server": {("comparison", "commands"), ("inputs", "commands"), ("jobs", "units"), ("routing", "http"), ("usage", "commands")},
-    "storage": {("catalogue", "folder"), ("catalogue", "jobs"), ("catalogue", "tilesets"), ("catalogue", "uploads"), ("jobs", "folder"), ("tilesets", "blobs"), ("tilesets", "folder"), ("tilesets", "pmtiles")},
+    "storage": {("catalogue", "jobs")},
 }
 INCLUDE = re.compile(r'^#include "([^"]+)"', re.M)
 

@@ -1,4 +1,4 @@
-#include "server/jobs/run_job.h"
+#include "server/workers/run_job.h"
 
 #include <gtest/gtest.h>
 

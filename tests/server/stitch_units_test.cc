@@ -20,8 +20,8 @@
 #include "server/jobs/stitch_job.h"
 #include "server/units/stitch_unit.h"
 #include "storage/db/sqlite_db.h"
+#include "storage/files/publish_file.h"
 #include "storage/tilesets/map_keeper.h"
-#include "storage/tilesets/publish_file.h"
 #include "tests/support/temporary_folder.h"
 
 namespace skyquilt::server {

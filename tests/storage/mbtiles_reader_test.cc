@@ -6,10 +6,10 @@
 #include <thread>
 
 #include "core/pyramid/encode_tile.h"
+#include "storage/caches/tileset_cache.h"
 #include "storage/db/ids.h"
 #include "storage/db/sqlite_db.h"
 #include "storage/tilesets/mbtiles_writer.h"
-#include "storage/tilesets/tileset_cache.h"
 #include "tests/storage/scratch_dir.h"
 #include "tests/storage/small_tileset.h"
 

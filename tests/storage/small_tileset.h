@@ -8,7 +8,7 @@
 
 #include "storage/catalogue/catalogue.h"
 #include "storage/db/catalogue_db.h"
-#include "storage/folder/data_dir.h"
+#include "storage/files/data_dir.h"
 
 namespace skyquilt::storage {
 

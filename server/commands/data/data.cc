@@ -8,8 +8,8 @@
 
 #include "core/base/printable.h"
 #include "server/commands/data/move_data.h"
-#include "server/commands/fail.h"
-#include "server/commands/terminal_progress.h"
+#include "server/terminal/fail.h"
+#include "server/terminal/terminal_progress.h"
 #include "server/usage/catalogue_options.h"
 #include "storage/blobs/open_blobs.h"
 #include "storage/folder/check_data.h"

@@ -14,15 +14,15 @@
 #include "core/base/printable.h"
 #include "core/base/scoped_folder.h"
 #include "server/client/upload_flight.h"
-#include "server/commands/fail.h"
-#include "server/commands/terminal_progress.h"
 #include "server/commands/uploads/server_address.h"
 #include "server/imports/enter_map.h"
 #include "server/imports/import_map.h"
+#include "server/terminal/fail.h"
+#include "server/terminal/terminal_progress.h"
+#include "storage/files/publish_file.h"
 #include "storage/folder/elsewhere/settle_blobs.h"
 #include "storage/folder/open_data_folder.h"
 #include "storage/tags/flight_tags.h"
-#include "storage/tilesets/publish_file.h"
 
 namespace skyquilt::server {
 namespace {

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "core/base/printable.h"
-#include "server/commands/fail.h"
-#include "server/commands/terminal_progress.h"
+#include "server/terminal/fail.h"
+#include "server/terminal/terminal_progress.h"
 #include "server/usage/catalogue_options.h"
 #include "storage/blobs/folder_blobs.h"
 #include "storage/blobs/open_blobs.h"

@@ -12,11 +12,11 @@
 #include <string>
 #include <vector>
 
-#include "server/commands/fail.h"
 #include "server/comparison/compare_methods.h"
 #include "server/comparison/comparison_picture.h"
+#include "server/terminal/fail.h"
 #include "server/usage/length.h"
-#include "storage/tilesets/publish_file.h"
+#include "storage/files/publish_file.h"
 
 namespace skyquilt::server {
 namespace {

@@ -9,10 +9,10 @@
 #include <string>
 #include <system_error>
 
-#include "server/commands/fail.h"
-#include "server/commands/terminal_progress.h"
-#include "server/commands/work_beside.h"
 #include "server/inputs/read_boundary.h"
+#include "server/terminal/fail.h"
+#include "server/terminal/terminal_progress.h"
+#include "server/terminal/work_beside.h"
 #include "server/usage/length.h"
 #include "server/usage/one_of.h"
 #include "storage/exports/custom/export_map.h"

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/pipeline/report/locate.h"
-#include "server/commands/fail.h"
+#include "server/terminal/fail.h"
 
 namespace skyquilt::server {
 namespace {

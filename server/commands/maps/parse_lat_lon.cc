@@ -4,7 +4,7 @@
 
 #include <cstdio>
 
-#include "server/commands/fail.h"
+#include "server/terminal/fail.h"
 
 namespace skyquilt::server {
 

@@ -18,11 +18,11 @@
 #include "core/flight/logs/texts/gcp_list.h"
 #include "core/flight/remarks/remark_words.h"
 #include "core/render/map_layer.h"
-#include "server/commands/fail.h"
 #include "server/commands/maps/parse_lat_lon.h"
-#include "server/commands/terminal_progress.h"
 #include "server/jobs/out_folder.h"
 #include "server/jobs/stitch_job.h"
+#include "server/terminal/fail.h"
+#include "server/terminal/terminal_progress.h"
 #include "server/usage/length.h"
 #include "storage/tilesets/mbtiles_reader.h"
 

@@ -16,9 +16,9 @@
 #include "core/poses/reckoning/reckon.h"
 #include "core/poses/time/join_logs.h"
 #include "core/poses/time/tie_to_log.h"
-#include "server/commands/fail.h"
 #include "server/commands/maps/reckon_plot.h"
-#include "storage/tilesets/publish_file.h"
+#include "server/terminal/fail.h"
+#include "storage/files/publish_file.h"
 
 namespace skyquilt::server {
 namespace {

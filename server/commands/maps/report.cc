@@ -15,13 +15,13 @@
 #include <system_error>
 
 #include "core/base/try.h"
-#include "server/commands/fail.h"
-#include "server/commands/terminal_progress.h"
-#include "server/commands/work_beside.h"
 #include "server/reports/map_picture.h"
 #include "server/reports/print_pdf.h"
 #include "server/reports/report_page.h"
-#include "storage/tilesets/publish_file.h"
+#include "server/terminal/fail.h"
+#include "server/terminal/terminal_progress.h"
+#include "server/terminal/work_beside.h"
+#include "storage/files/publish_file.h"
 
 namespace skyquilt::server {
 namespace {

@@ -12,8 +12,8 @@
 
 #include "core/base/printable.h"
 #include "core/simulate/simulate_flight.h"
-#include "server/commands/fail.h"
-#include "server/commands/terminal_progress.h"
+#include "server/terminal/fail.h"
+#include "server/terminal/terminal_progress.h"
 #include "server/usage/one_of.h"
 
 namespace skyquilt::server {

@@ -25,15 +25,15 @@
 #include "core/flight/aside/aside.h"
 #include "core/flight/remarks/remark_words.h"
 #include "core/pipeline/report/ground_choice.h"
-#include "server/commands/fail.h"
 #include "server/commands/maps/parse_lat_lon.h"
-#include "server/commands/terminal_progress.h"
 #include "server/inputs/read_boundary.h"
 #include "server/jobs/out_folder.h"
 #include "server/jobs/stitch_job.h"
+#include "server/terminal/fail.h"
+#include "server/terminal/terminal_progress.h"
 #include "server/usage/length.h"
 #include "server/usage/one_of.h"
-#include "storage/tilesets/publish_file.h"
+#include "storage/files/publish_file.h"
 
 namespace skyquilt::server {
 namespace {

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "core/base/printable.h"
-#include "server/commands/fail.h"
-#include "server/commands/terminal_progress.h"
+#include "server/terminal/fail.h"
+#include "server/terminal/terminal_progress.h"
 #include "storage/validation/validate_map.h"
 
 namespace skyquilt::server {

@@ -1,6 +1,6 @@
 #include "server/commands/uploads/server_address.h"
 
-#include "server/commands/fail.h"
+#include "server/terminal/fail.h"
 
 namespace skyquilt::server {
 

@@ -12,9 +12,9 @@
 #include "core/base/printable.h"
 #include "core/flight/read_flight.h"
 #include "server/client/upload_flight.h"
-#include "server/commands/fail.h"
-#include "server/commands/terminal_progress.h"
 #include "server/commands/uploads/server_address.h"
+#include "server/terminal/fail.h"
+#include "server/terminal/terminal_progress.h"
 #include "storage/tags/flight_tags.h"
 
 namespace skyquilt::server {

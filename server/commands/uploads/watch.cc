@@ -15,9 +15,9 @@
 
 #include "core/base/digest.h"
 #include "core/base/printable.h"
-#include "server/commands/fail.h"
 #include "server/commands/uploads/server_address.h"
 #include "server/confinement/process_limits.h"
+#include "server/terminal/fail.h"
 #include "server/watch/watch_folders.h"
 
 namespace skyquilt::server {

@@ -14,8 +14,8 @@
 #include "storage/exports/kmz_writer.h"
 #include "storage/exports/pmtiles_writer.h"
 #include "storage/exports/warp_geotiff.h"
+#include "storage/files/publish_file.h"
 #include "storage/tilesets/mbtiles_reader.h"
-#include "storage/tilesets/publish_file.h"
 
 namespace skyquilt::storage {
 namespace {

@@ -21,10 +21,10 @@
 #include <vector>
 
 #include "core/base/try.h"
+#include "storage/files/publish_file.h"
 #include "storage/rasters/gdal_steps.h"
 #include "storage/rasters/quiet_gdal.h"
 #include "storage/rasters/register_gdal.h"
-#include "storage/tilesets/publish_file.h"
 
 namespace skyquilt::storage {
 namespace {

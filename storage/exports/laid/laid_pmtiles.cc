@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "core/base/try.h"
-#include "storage/exports/gzip.h"
 #include "storage/exports/laid/tile_table.h"
-#include "storage/exports/pmtiles_directory.h"
+#include "storage/pmtiles/gzip.h"
+#include "storage/pmtiles/pmtiles_directory.h"
 
 namespace skyquilt::storage {
 namespace {

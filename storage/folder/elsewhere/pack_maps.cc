@@ -8,7 +8,7 @@
 #include "core/base/scoped_folder.h"
 #include "core/base/try.h"
 #include "storage/exports/pmtiles_writer.h"
-#include "storage/tilesets/publish_file.h"
+#include "storage/files/publish_file.h"
 
 namespace skyquilt::storage {
 namespace fs = std::filesystem;

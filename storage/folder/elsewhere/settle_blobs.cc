@@ -11,9 +11,9 @@
 
 #include "core/base/try.h"
 #include "storage/blobs/s3/s3_client.h"
+#include "storage/files/publish_file.h"
 #include "storage/folder/data_marker.h"
 #include "storage/folder/disk_flights.h"
-#include "storage/tilesets/publish_file.h"
 
 namespace skyquilt::storage {
 namespace {

@@ -13,7 +13,7 @@
 #include "storage/blobs/blob_store.h"
 #include "storage/blobs/open_blobs.h"
 #include "storage/db/catalogue_db.h"
-#include "storage/folder/data_dir.h"
+#include "storage/files/data_dir.h"
 
 namespace skyquilt::storage {
 

@@ -8,13 +8,12 @@
 #include <string_view>
 
 #include "core/base/try.h"
+#include "storage/blobs/flight_blobs.h"
 #include "storage/db/ids.h"
 #include "storage/folder/disk_flights.h"
 
 namespace skyquilt::storage {
 namespace {
-
-constexpr std::string_view kDeletedPrefix = "deleted/";
 
 Result<std::set<std::string>> ShownFolders(const Catalogue& catalogue, const std::string& flight_id) {
   SKYQUILT_TRY_ASSIGN(const std::vector<std::int64_t> revisions, catalogue.Revisions(flight_id));
@@ -42,23 +41,6 @@ Result<std::set<std::string>> EndDeletions(BlobStore& blobs, const std::set<std:
 }
 
 }  // namespace
-
-Result<std::chrono::system_clock::time_point> TimeOfStore(BlobStore& blobs) {
-  const std::string key = "clock/" + NewId();
-  SKYQUILT_TRY(blobs.PutIfAbsent(key, "now"));
-  const Result<BlobInfo> put = blobs.Find(key);
-  SKYQUILT_TRY(blobs.Remove(key));
-  if (!put) return put.error();
-  return put->changed;
-}
-
-Result<void> RemoveFlightBlobs(BlobStore& blobs, const std::string& flight_id) {
-  const std::string marker = std::string(kDeletedPrefix) + flight_id;
-  const Result<void> marked = blobs.PutIfAbsent(marker, "deleted");
-  if (!marked && marked.error().code != ErrorCode::kConflict) return marked.error();
-  SKYQUILT_TRY(blobs.RemoveBelow(FlightPrefix(flight_id)));
-  return {};
-}
 
 Result<int> SweepRevisionBlobs(BlobStore& blobs, const Catalogue& catalogue, const std::string& flight_id) {
   // Listed before the catalogue is read: what comes meanwhile is not in the list.

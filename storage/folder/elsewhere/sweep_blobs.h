@@ -29,11 +29,4 @@ Result<SweepReport> SweepBlobs(BlobStore& blobs, const Catalogue& catalogue, con
 // the flight's only job. How many blobs went.
 Result<int> SweepRevisionBlobs(BlobStore& blobs, const Catalogue& catalogue, const std::string& flight_id);
 
-// What time it is where the blobs are: a small one is put and looked at.
-Result<std::chrono::system_clock::time_point> TimeOfStore(BlobStore& blobs);
-
-// All blobs of a flight that the catalogue no longer knows. What fails, is cut off or comes later, SweepBlobs
-// ends.
-Result<void> RemoveFlightBlobs(BlobStore& blobs, const std::string& flight_id);
-
 }  // namespace skyquilt::storage

@@ -19,7 +19,7 @@
 #include "core/flight/remarks/because.h"
 #include "core/flight/remarks/remark_words.h"
 #include "storage/db/sqlite_db.h"
-#include "storage/tilesets/publish_file.h"
+#include "storage/files/publish_file.h"
 #include "tests/storage/painted_tileset.h"
 #include "tests/storage/scratch_dir.h"
 

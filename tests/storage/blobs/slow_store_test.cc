@@ -5,8 +5,8 @@
 #include <future>
 #include <thread>
 
+#include "storage/caches/tileset_cache.h"
 #include "storage/catalogue/catalogue.h"
-#include "storage/tilesets/tileset_cache.h"
 #include "tests/storage/blobs/far_folder.h"
 #include "tests/storage/small_tileset.h"
 #include "tests/support/temporary_folder.h"

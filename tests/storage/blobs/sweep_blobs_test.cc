@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <fstream>
 
+#include "storage/blobs/flight_blobs.h"
 #include "storage/blobs/folder_blobs.h"
 #include "storage/db/ids.h"
 #include "storage/folder/elsewhere/settle_blobs.h"

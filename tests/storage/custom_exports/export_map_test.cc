@@ -20,9 +20,9 @@
 #include "storage/db/sqlite_db.h"
 #include "storage/exports/cog_writer.h"
 #include "storage/exports/custom/target_crs.h"
+#include "storage/files/publish_file.h"
 #include "storage/rasters/register_gdal.h"
 #include "storage/tilesets/mbtiles_reader.h"
-#include "storage/tilesets/publish_file.h"
 #include "tests/storage/painted_tileset.h"
 #include "tests/storage/scratch_dir.h"
 

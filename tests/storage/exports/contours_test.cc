@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "storage/files/publish_file.h"
 #include "storage/rasters/register_gdal.h"
-#include "storage/tilesets/publish_file.h"
 #include "tests/storage/scratch_dir.h"
 
 namespace skyquilt::storage {

@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "storage/exports/gzip.h"
+#include "storage/pmtiles/gzip.h"
 
 namespace skyquilt::storage {
 namespace {

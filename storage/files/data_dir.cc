@@ -1,4 +1,4 @@
-#include "storage/folder/data_dir.h"
+#include "storage/files/data_dir.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>

@@ -1,9 +1,9 @@
-#include "storage/tilesets/stream_file.h"
+#include "storage/files/stream_file.h"
 
 #include <cerrno>
 #include <utility>
 
-#include "storage/tilesets/publish_file.h"
+#include "storage/files/publish_file.h"
 
 namespace skyquilt::storage {
 

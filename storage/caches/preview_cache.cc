@@ -1,4 +1,4 @@
-#include "storage/tilesets/preview_cache.h"
+#include "storage/caches/preview_cache.h"
 
 #include <utility>
 

@@ -1,4 +1,4 @@
-#include "storage/exports/gzip.h"
+#include "storage/pmtiles/gzip.h"
 
 #include <zlib.h>
 

@@ -11,7 +11,7 @@
 
 #include "core/base/result.h"
 #include "storage/catalogue/previews.h"
-#include "storage/folder/data_dir.h"
+#include "storage/files/data_dir.h"
 #include "storage/tilesets/preview_tiles.h"
 
 namespace skyquilt::storage {

@@ -1,4 +1,4 @@
-#include "storage/tilesets/tileset_cache.h"
+#include "storage/caches/tileset_cache.h"
 
 #include <fmt/format.h>
 

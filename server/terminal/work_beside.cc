@@ -1,4 +1,4 @@
-#include "server/commands/work_beside.h"
+#include "server/terminal/work_beside.h"
 
 #include <unistd.h>
 
@@ -6,8 +6,8 @@
 #include <string>
 #include <system_error>
 
-#include "server/commands/fail.h"
-#include "storage/tilesets/publish_file.h"
+#include "server/terminal/fail.h"
+#include "storage/files/publish_file.h"
 
 namespace skyquilt::server {
 

@@ -1,4 +1,4 @@
-#include "storage/tilesets/publish_file.h"
+#include "storage/files/publish_file.h"
 
 #include <fcntl.h>
 #include <unistd.h>

@@ -1,4 +1,4 @@
-#include "storage/catalogue/enter_flight.h"
+#include "storage/folder/enter_flight.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "server/commands/terminal_progress.h"
+#include "server/terminal/terminal_progress.h"
 
 #include <fmt/core.h>
 #include <unistd.h>

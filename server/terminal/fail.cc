@@ -1,4 +1,4 @@
-#include "server/commands/fail.h"
+#include "server/terminal/fail.h"
 
 #include <fmt/format.h>
 

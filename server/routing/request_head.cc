@@ -1,4 +1,4 @@
-#include "server/http/request_head.h"
+#include "server/routing/request_head.h"
 
 #include <charconv>
 

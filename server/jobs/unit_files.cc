@@ -1,4 +1,4 @@
-#include "server/units/unit_files.h"
+#include "server/jobs/unit_files.h"
 
 #include <fmt/format.h>
 

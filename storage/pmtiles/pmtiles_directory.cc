@@ -1,10 +1,10 @@
-#include "storage/exports/pmtiles_directory.h"
+#include "storage/pmtiles/pmtiles_directory.h"
 
 #include <algorithm>
 #include <span>
 
 #include "core/geo/hilbert.h"
-#include "storage/exports/gzip.h"
+#include "storage/pmtiles/gzip.h"
 
 namespace skyquilt::storage {
 namespace {

@@ -19,7 +19,7 @@
 #include "storage/blobs/blob_store.h"
 #include "storage/catalogue/catalogue.h"
 #include "storage/db/outage/read_again.h"
-#include "storage/folder/data_dir.h"
+#include "storage/files/data_dir.h"
 #include "storage/pmtiles/pmtiles_memory.h"
 #include "storage/tilesets/tile_source.h"
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "storage/folder/data_dir.h"
+#include "storage/files/data_dir.h"
 #include "storage/jobs/job_queue.h"
 #include "storage/jobs/unit_queue.h"
 
