@@ -86,8 +86,7 @@ std::optional<Track> MarkedPhotos::TrackOf(const ControlPoint& point, ControlRep
     return std::nullopt;
   }
   std::vector<std::string> elsewhere;
-  for (const int photo : DropWrongMarks(views_, track))
-    elsewhere.push_back(names_[static_cast<std::size_t>(photo)]);
+  for (const int photo : DropWrongMarks(views_, track)) elsewhere.push_back(names_[photo]);
   if (!elsewhere.empty()) {
     told.reason = {RemarkCode::kPointMarksElsewhere,
                    {{"marks", elsewhere.size()}, {"names", fmt::format("{}", fmt::join(elsewhere, ", "))}}};
@@ -115,8 +114,7 @@ std::vector<ControlMarkReport> MarkedPhotos::ResidualsOf(const ControlPoint& poi
                                              [&](const Observation& one) {
                                                return static_cast<int>(one.photo) == photo->second;
                                              });
-    residuals.push_back(
-        {names_[static_cast<std::size_t>(photo->second)], residual_px, residual_px * view.GsdM(), is_used});
+    residuals.push_back({names_[photo->second], residual_px, residual_px * view.GsdM(), is_used});
   }
   return residuals;
 }

@@ -26,7 +26,7 @@ std::vector<double> RealRoots(const std::array<double, 5>& polynomial) {  // of 
       polynomial.begin(), polynomial.end(), [](double a, double b) { return std::abs(a) < std::abs(b); }));
   if (std::abs(leading) < 1e-12 * largest) return {};
   Eigen::Matrix4d companion = Eigen::Matrix4d::Zero();
-  for (int k = 0; k < 4; ++k) companion(0, k) = -polynomial[static_cast<std::size_t>(k + 1)] / leading;
+  for (int k = 0; k < 4; ++k) companion(0, k) = -polynomial[k + 1] / leading;
   for (int k = 0; k < 3; ++k) companion(k + 1, k) = 1.0;
   const geo::ComplexEigen eigen = geo::EigenOfSquare(companion, false);
   if (!eigen.converged) return {};
@@ -118,7 +118,7 @@ geo::Rigid3 RefineResection(const camera::Intrinsics& lens, const geo::Rigid3& s
   const auto cost = [&](const geo::Rigid3& pose) {
     double sum = 0.0;
     for (const int k : used) {
-      const double residual2 = SquaredResidual(lens, pose, observations[static_cast<std::size_t>(k)]);
+      const double residual2 = SquaredResidual(lens, pose, observations[k]);
       sum += std::isfinite(residual2) ? std::log1p(residual2 / (kWidthSigmas * kWidthSigmas)) : 1e3;
     }
     return sum;
@@ -129,7 +129,7 @@ geo::Rigid3 RefineResection(const camera::Intrinsics& lens, const geo::Rigid3& s
     Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
     Vector6d right = Vector6d::Zero();
     for (const int k : used) {
-      const PointObservation& observation = observations[static_cast<std::size_t>(k)];
+      const PointObservation& observation = observations[k];
       const Vector3d in_cam = pose * observation.point_in_world;
       if (in_cam.z() <= 0.0) continue;
       const Vector2d residual = Residual(lens, in_cam, observation.pixel_in_image);
@@ -181,8 +181,8 @@ std::optional<FoundPose> FindPose(const camera::Intrinsics& lens,
     std::array<Vector3d, 3> three_rays, three_points;
     const std::array<int, 3> drawn = sampler.Distinct<3>(count);
     for (std::size_t k = 0; k < 3; ++k) {
-      three_rays[k] = rays[static_cast<std::size_t>(drawn[k])];
-      three_points[k] = observations[static_cast<std::size_t>(drawn[k])].point_in_world;
+      three_rays[k] = rays[drawn[k]];
+      three_points[k] = observations[drawn[k]].point_in_world;
     }
     for (const geo::Rigid3& pose : PosesOfThree(three_rays, three_points)) {
       std::vector<int> inliers = FindInliers(lens, pose, observations, options.tolerance_sigmas);

@@ -26,7 +26,7 @@ Matrix3d Cross(const Vector3d& v) {
 Matrix3d Unit(const std::vector<RayPair>& pairs, const std::vector<int>& used, bool second) {
   Vector2d mean = Vector2d::Zero();
   const auto at = [&](int k) -> const Vector2d& {
-    const RayPair& pair = pairs[static_cast<std::size_t>(k)];
+    const RayPair& pair = pairs[k];
     return second ? pair.second : pair.first;
   };
   for (const int k : used) mean += at(k);
@@ -43,7 +43,7 @@ Matrix3d Unit(const std::vector<RayPair>& pairs, const std::vector<int>& used, b
 int InFront(const RelativePose& pose, const std::vector<RayPair>& pairs, const std::vector<int>& used) {
   int in_front = 0;
   for (const int k : used) {
-    const std::optional<Vector2d> depths = Depths(pose, pairs[static_cast<std::size_t>(k)]);
+    const std::optional<Vector2d> depths = Depths(pose, pairs[k]);
     in_front += depths && depths->x() > 0.0 && depths->y() > 0.0 ? 1 : 0;
   }
   return in_front;
@@ -85,7 +85,7 @@ std::optional<Matrix3d> FitHomography(const std::vector<RayPair>& pairs, const s
   const Matrix3d of_first = Unit(pairs, used, false), of_second = Unit(pairs, used, true);
   Eigen::Matrix<double, 9, 9> normal = Eigen::Matrix<double, 9, 9>::Zero();
   for (const int k : used) {
-    const RayPair& pair = pairs[static_cast<std::size_t>(k)];
+    const RayPair& pair = pairs[k];
     const Vector3d a = of_first * pair.first.homogeneous();
     const Vector3d b = of_second * pair.second.homogeneous();
     Eigen::Matrix<double, 2, 9> rows;
@@ -166,8 +166,8 @@ std::vector<RelativePose> PosesOfHomography(const Matrix3d& second_from_first,
 std::vector<Matrix3d> EssentialsOfFive(const std::array<RayPair, 5>& pairs) {
   Eigen::Matrix<double, 9, 9> rows = Eigen::Matrix<double, 9, 9>::Zero();
   for (int k = 0; k < 5; ++k) {
-    const Vector3d a = pairs[static_cast<std::size_t>(k)].first.homogeneous();
-    const Vector3d b = pairs[static_cast<std::size_t>(k)].second.homogeneous();
+    const Vector3d a = pairs[k].first.homogeneous();
+    const Vector3d b = pairs[k].second.homogeneous();
     for (int r = 0; r < 3; ++r) rows.block<1, 3>(k, 3 * r) = b[r] * a.transpose();
   }
   const Eigen::Matrix<double, 9, 9> q = geo::OrthonormalBasis(rows.topRows<5>().transpose());
@@ -288,7 +288,7 @@ RelativePose RefinePose(const RelativePose& start, const std::vector<RayPair>& p
     const Matrix3d essential = EssentialOfPose(of);
     double sum = 0.0;
     for (const int k : used) {
-      sum += std::log1p(Sampson2(essential, pairs[static_cast<std::size_t>(k)]) / (width * width));
+      sum += std::log1p(Sampson2(essential, pairs[k]) / (width * width));
     }
     return sum;
   };
@@ -303,7 +303,7 @@ RelativePose RefinePose(const RelativePose& start, const std::vector<RayPair>& p
     Eigen::Matrix<double, 5, 5> normal = Eigen::Matrix<double, 5, 5>::Zero();
     Vector5d right = Vector5d::Zero();
     for (const int k : used) {
-      const RayPair& pair = pairs[static_cast<std::size_t>(k)];
+      const RayPair& pair = pairs[k];
       const double here = residual(essential, pair);
       Vector5d slope;
       for (int axis = 0; axis < 5; ++axis) slope[axis] = (residual(moved[axis], pair) - here) / kNudge;

@@ -23,11 +23,10 @@ constexpr double kWidthRad = 0.087;  // 5 degrees: beyond it a pair loses its sa
 constexpr double kStillRad = 1e-5;
 
 Vector3d Residual(const RelativeRotation& pair, const std::vector<Quaterniond>& rotations) {
-  const Quaterniond expected = rotations[static_cast<std::size_t>(pair.second)] *
-                               rotations[static_cast<std::size_t>(pair.first)].conjugate();
+  const Quaterniond expected = rotations[pair.second] * rotations[pair.first].conjugate();
   // In the world's axes: R_second' (R12 R1 R2') R_second
   const Quaterniond apart = pair.second_from_first * expected.conjugate();
-  const Quaterniond& second = rotations[static_cast<std::size_t>(pair.second)];
+  const Quaterniond& second = rotations[pair.second];
   return second.conjugate() * geo::VectorFromRotation(apart.normalized());
 }
 
@@ -37,25 +36,20 @@ void FollowTree(int photos, const std::vector<RelativeRotation>& pairs, Averaged
   std::vector<double> support(static_cast<std::size_t>(photos), 0.0);
   for (std::size_t p = 0; p < pairs.size(); ++p) {
     for (const int end : {pairs[p].first, pairs[p].second}) {
-      of_photo[static_cast<std::size_t>(end)].push_back(static_cast<int>(p));
-      support[static_cast<std::size_t>(end)] += pairs[p].weight;
+      of_photo[end].push_back(static_cast<int>(p));
+      support[end] += pairs[p].weight;
     }
   }
   std::vector<int> order(static_cast<std::size_t>(photos));
   std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
-    return support[static_cast<std::size_t>(a)] > support[static_cast<std::size_t>(b)];
-  });
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return support[a] > support[b]; });
   int components = 0;
   for (const int root : order) {
-    if (averaged.component[static_cast<std::size_t>(root)] >= 0 ||
-        of_photo[static_cast<std::size_t>(root)].empty())
-      continue;
-    averaged.component[static_cast<std::size_t>(root)] = components;
+    if (averaged.component[root] >= 0 || of_photo[root].empty()) continue;
+    averaged.component[root] = components;
     std::priority_queue<std::tuple<double, int>> open;  // weight, pair
     const auto offer = [&](int photo) {
-      for (const int p : of_photo[static_cast<std::size_t>(photo)])
-        open.emplace(pairs[static_cast<std::size_t>(p)].weight, -p);
+      for (const int p : of_photo[photo]) open.emplace(pairs[p].weight, -p);
     };
     offer(root);
     while (!open.empty()) {
@@ -108,7 +102,7 @@ double Step(const std::vector<RelativeRotation>& pairs, const std::vector<double
   for (Eigen::Index i = 0; i < count; ++i) {
     const Vector3d turn = turns.row(i).transpose();
     largest = std::max(largest, turn.norm());
-    Quaterniond& rotation = rotations[static_cast<std::size_t>(i)];
+    Quaterniond& rotation = rotations[i];
     rotation = (rotation * geo::RotationFromVector(turn)).normalized();
   }
   return largest;

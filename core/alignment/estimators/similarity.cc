@@ -160,11 +160,10 @@ std::optional<FittedSimilarity> FitRobustly(const std::vector<PlacePair>& pairs,
     std::optional<Similarity3> proposed;
     if (up) {
       const std::array<int, 2> two = sampler.Distinct<2>(count);
-      proposed =
-          OfTwo(pairs[static_cast<std::size_t>(two[0])], pairs[static_cast<std::size_t>(two[1])], level);
+      proposed = OfTwo(pairs[two[0]], pairs[two[1]], level);
     } else {
       std::vector<PlacePair> three;
-      for (const int k : sampler.Distinct<3>(count)) three.push_back(pairs[static_cast<std::size_t>(k)]);
+      for (const int k : sampler.Distinct<3>(count)) three.push_back(pairs[k]);
       proposed = FitSimilarity3(three);
     }
     if (!proposed) continue;

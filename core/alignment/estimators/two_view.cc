@@ -39,7 +39,7 @@ struct Motion {
 };
 
 Vector2d PlaceOf(const PhotoFeatures& features, int k) {
-  const Keypoint& keypoint = features.keypoints[static_cast<std::size_t>(k)];
+  const Keypoint& keypoint = features.keypoints[k];
   return {keypoint.x_px, keypoint.y_px};
 }
 
@@ -50,8 +50,8 @@ std::vector<int> FollowLoosely(const TwoViewPhoto& first, const TwoViewPhoto& se
   std::vector<Vector2d> from, to;
   std::vector<double> turn, grown;
   for (const KeypointMatch& match : matches) {
-    const Keypoint& a = first.features->keypoints[static_cast<std::size_t>(match.first)];
-    const Keypoint& b = second.features->keypoints[static_cast<std::size_t>(match.second)];
+    const Keypoint& a = first.features->keypoints[match.first];
+    const Keypoint& b = second.features->keypoints[match.second];
     from.emplace_back(a.x_px, a.y_px);
     to.emplace_back(b.x_px, b.y_px);
     turn.push_back(b.angle_rad - a.angle_rad);
@@ -84,9 +84,9 @@ std::vector<int> FollowLoosely(const TwoViewPhoto& first, const TwoViewPhoto& se
     Matrix3d normal = Matrix3d::Zero();
     Eigen::Matrix<double, 3, 2> right = Eigen::Matrix<double, 3, 2>::Zero();
     for (const int m : best) {
-      const Vector3d a = from[static_cast<std::size_t>(m)].homogeneous();
+      const Vector3d a = from[m].homogeneous();
       normal += a * a.transpose();
-      right += a * to[static_cast<std::size_t>(m)].transpose();
+      right += a * to[m].transpose();
     }
     normal.diagonal().array() += 1e-9 * normal.trace();
     const Eigen::Matrix<double, 3, 2> fitted = geo::SolveSymmetric(normal, right);
@@ -115,8 +115,7 @@ std::vector<int> Mapped(const Matrix3d& homography, const std::vector<RayPair>& 
                         const std::vector<int>& among, double tolerance) {
   std::vector<int> mapped;
   for (const int k : among) {
-    if (TransferError2(homography, pairs[static_cast<std::size_t>(k)]) < tolerance * tolerance)
-      mapped.push_back(k);
+    if (TransferError2(homography, pairs[k]) < tolerance * tolerance) mapped.push_back(k);
   }
   return mapped;
 }
@@ -139,7 +138,7 @@ FoundHomography FindHomography(const std::vector<RayPair>& pairs, const std::vec
   for (int s = 0; s < samples; ++s) {
     std::vector<int> four;
     for (const int k : sampler.Distinct<4>(static_cast<int>(among.size()))) {
-      four.push_back(among[static_cast<std::size_t>(k)]);
+      four.push_back(among[k]);
     }
     const std::optional<Matrix3d> homography = FitHomography(pairs, four);
     if (!homography || !take(*homography)) continue;
@@ -157,7 +156,7 @@ std::vector<int> NearEpipolar(const Matrix3d& essential, const std::vector<RayPa
                               const std::vector<int>& among, double tolerance) {
   std::vector<int> near;
   for (const int k : among) {
-    if (Sampson2(essential, pairs[static_cast<std::size_t>(k)]) < tolerance * tolerance) near.push_back(k);
+    if (Sampson2(essential, pairs[k]) < tolerance * tolerance) near.push_back(k);
   }
   return near;
 }
@@ -171,7 +170,7 @@ std::optional<RelativePose> FindByFive(const std::vector<RayPair>& pairs, const 
     std::array<RayPair, 5> five;
     const std::array<int, 5> drawn = sampler.Distinct<5>(static_cast<int>(among.size()));
     for (std::size_t k = 0; k < 5; ++k) {
-      five[k] = pairs[static_cast<std::size_t>(among[static_cast<std::size_t>(drawn[k])])];
+      five[k] = pairs[static_cast<std::size_t>(among[drawn[k]])];
     }
     for (const Matrix3d& essential : EssentialsOfFive(five)) {
       std::vector<int> near = NearEpipolar(essential, pairs, among, tolerance);
@@ -190,7 +189,7 @@ std::optional<RelativePose> FindByFive(const std::vector<RayPair>& pairs, const 
 Eigen::Quaterniond FitTurn(const std::vector<RayPair>& pairs, const std::vector<int>& used) {
   Matrix3d cross = Matrix3d::Zero();
   for (const int k : used) {
-    const RayPair& pair = pairs[static_cast<std::size_t>(k)];
+    const RayPair& pair = pairs[k];
     cross += pair.second.homogeneous().normalized() * pair.first.homogeneous().normalized().transpose();
   }
   const Eigen::JacobiSVD<Matrix3d> svd(cross, Eigen::ComputeFullU | Eigen::ComputeFullV);
@@ -205,7 +204,7 @@ std::vector<int> Fitting(const RelativePose& pose, const std::vector<RayPair>& p
                          const std::vector<int>& among, double tolerance) {
   std::vector<int> fitting = NearEpipolar(EssentialOfPose(pose), pairs, among, tolerance);
   std::erase_if(fitting, [&](int k) {
-    const std::optional<Vector2d> depths = Depths(pose, pairs[static_cast<std::size_t>(k)]);
+    const std::optional<Vector2d> depths = Depths(pose, pairs[k]);
     return !depths || depths->x() <= 0.0 || depths->y() <= 0.0;
   });
   return fitting;
@@ -215,7 +214,7 @@ double MedianAngle(const Eigen::Quaterniond& rotation, const std::vector<RayPair
                    const std::vector<int>& used) {
   std::vector<double> angles;
   for (const int k : used) {
-    const RayPair& pair = pairs[static_cast<std::size_t>(k)];
+    const RayPair& pair = pairs[k];
     const Vector3d a = (rotation * pair.first.homogeneous()).normalized();
     const Vector3d b = pair.second.homogeneous().normalized();
     angles.push_back(std::atan2(a.cross(b).norm(), a.dot(b)));
@@ -235,7 +234,7 @@ double Frontal(const RelativePose& pose, const std::vector<RayPair>& pairs, cons
   Matrix3d normal = Matrix3d::Zero();
   Vector3d right = Vector3d::Zero();
   for (const int k : used) {
-    const RayPair& pair = pairs[static_cast<std::size_t>(k)];
+    const RayPair& pair = pairs[k];
     const std::optional<Vector2d> depths = Depths(pose, pair);
     if (!depths || depths->x() <= 0.0) continue;
     // The inverse depth of a plane's points is linear in the ray.
@@ -251,7 +250,7 @@ double Frontal(const RelativePose& pose, const std::vector<RayPair>& pairs, cons
 void TakeMatches(const std::vector<KeypointMatch>& matches, const std::vector<int>& chosen, TwoView& view) {
   std::vector<int> sorted = chosen;
   std::sort(sorted.begin(), sorted.end());
-  for (const int k : sorted) view.matches.push_back(matches[static_cast<std::size_t>(k)]);
+  for (const int k : sorted) view.matches.push_back(matches[k]);
 }
 
 }  // namespace
@@ -276,8 +275,7 @@ std::optional<TwoView> VerifyPair(const TwoViewPhoto& first, const TwoViewPhoto&
   std::vector<RayPair> pairs;
   pairs.reserve(matches.size());
   for (const KeypointMatch& match : matches) {
-    pairs.push_back({(*first.rays)[static_cast<std::size_t>(match.first)],
-                     (*second.rays)[static_cast<std::size_t>(match.second)]});
+    pairs.push_back({(*first.rays)[match.first], (*second.rays)[match.second]});
   }
   const double tolerance =
       options.tolerance_sigmas * std::hypot(first.features->sigma_px / first.lens->MeanFocalPx(),

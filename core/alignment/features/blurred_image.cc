@@ -24,8 +24,8 @@ struct Kernel {
     std::array<double, kMaxBlurRadius + 1> exact{};
     double sum = 0.0;
     for (int k = 0; k <= radius; ++k) {
-      exact[static_cast<std::size_t>(k)] = std::exp(-0.5 * k * k / (sigma_px * sigma_px));
-      sum += (k == 0 ? 1.0 : 2.0) * exact[static_cast<std::size_t>(k)];
+      exact[k] = std::exp(-0.5 * k * k / (sigma_px * sigma_px));
+      sum += (k == 0 ? 1.0 : 2.0) * exact[k];
     }
     for (std::size_t k = 0; k <= static_cast<std::size_t>(radius); ++k)
       weights[k] = static_cast<std::uint16_t>(std::lround(65536.0 * exact[k] / sum));
@@ -61,9 +61,9 @@ SKYQUILT_VECTOR_CLONES void AddPairs(const Kernel& kernel, const Rows& before, c
     }
   }
   for (; k <= kernel.radius; ++k) {
-    const std::uint16_t* const a = before[static_cast<std::size_t>(k)];
-    const std::uint16_t* const b = behind[static_cast<std::size_t>(k)];
-    const std::uint16_t weight = kernel.weights[static_cast<std::size_t>(k)];
+    const std::uint16_t* const a = before[k];
+    const std::uint16_t* const b = behind[k];
+    const std::uint16_t weight = kernel.weights[k];
     for (int x = 0; x < count; ++x)
       sum[x] = static_cast<std::uint16_t>(sum[x] + Weighed(static_cast<std::uint16_t>(a[x] + b[x]), weight));
   }
@@ -85,12 +85,11 @@ BlurredImage Blur(const BlurredImage& image, double sigma_px) {
   std::vector<std::uint16_t> down(static_cast<std::size_t>(width + 2 * radius));
   std::uint16_t* const middle = down.data() + radius;
   Rows above{}, below{}, west{}, east{};
-  for (int k = 1; k <= radius; ++k)
-    west[static_cast<std::size_t>(k)] = middle - k, east[static_cast<std::size_t>(k)] = middle + k;
+  for (int k = 1; k <= radius; ++k) west[k] = middle - k, east[k] = middle + k;
   for (int y = 0; y < height; ++y) {
     for (int k = 1; k <= radius; ++k) {
-      above[static_cast<std::size_t>(k)] = image.Row(std::max(0, y - k));
-      below[static_cast<std::size_t>(k)] = image.Row(std::min(height - 1, y + k));
+      above[k] = image.Row(std::max(0, y - k));
+      below[k] = image.Row(std::min(height - 1, y + k));
     }
     WeighMiddle(image.Row(y), kernel.weights[0], width, middle);
     AddPairs(kernel, above, below, width, middle);

@@ -166,8 +166,7 @@ std::vector<float> DirectionsOf(const BlurredImage& layer, const ScalePoint& poi
   std::array<float, kDirectionBins + 1> raw{};  // the last is the first again
   const float falloff = -0.5F / (sigma * sigma);
   std::vector<float> along_x(static_cast<std::size_t>(2 * radius + 1));
-  for (int d = -radius; d <= radius; ++d)
-    along_x[static_cast<std::size_t>(d + radius)] = std::exp(falloff * static_cast<float>(d * d));
+  for (int d = -radius; d <= radius; ++d) along_x[d + radius] = std::exp(falloff * static_cast<float>(d * d));
   const int west = std::max(-radius, 1 - middle_x), east = std::min(radius, layer.width_px - 2 - middle_x);
   const int north = std::max(-radius, 1 - middle_y), south = std::min(radius, layer.height_px - 2 - middle_y);
   const int across = std::max(0, east - west + 1), rows = std::max(0, south - north + 1);
@@ -181,10 +180,10 @@ std::vector<float> DirectionsOf(const BlurredImage& layer, const ScalePoint& poi
            gradients.bin.data());
   std::size_t k = 0;
   for (int row = 0; row < rows; ++row) {
-    const float along_y = along_x[static_cast<std::size_t>(north + row + radius)];
+    const float along_y = along_x[north + row + radius];
     const float* along = along_x.data() + west + radius;
     for (int i = 0; i < across; ++i, ++k)
-      raw[static_cast<std::size_t>(gradients.bin[k])] += along[i] * along_y * gradients.magnitude[k];
+      raw[gradients.bin[k]] += along[i] * along_y * gradients.magnitude[k];
   }
   raw[0] += raw[kDirectionBins];
   std::array<float, kDirectionBins> smooth{};

@@ -39,7 +39,7 @@ std::vector<ScalePoint> Spread(const std::vector<Octave>& octaves, std::vector<S
   std::vector<std::pair<int, int>> ranked;  // rank in its cell, index by strength
   ranked.reserve(found.size());
   for (std::size_t i = 0; i < found.size(); ++i) {
-    const auto step = static_cast<float>(octaves[static_cast<std::size_t>(found[i].octave)].step_px);
+    const auto step = static_cast<float>(octaves[found[i].octave].step_px);
     const int column = std::clamp(static_cast<int>(found[i].x_px * step / cell_px), 0, kCellsAcross);
     const int row = std::clamp(static_cast<int>(found[i].y_px * step / cell_px), 0, rows);
     ranked.emplace_back(taken[static_cast<std::size_t>(row) * (kCellsAcross + 1) + column]++,
@@ -110,8 +110,8 @@ void Detect(const cv::Mat& grey, const flight::Photo& photo, const FeatureOption
   const auto most = static_cast<std::size_t>(options.max_features);
   for (const ScalePoint& point :
        Spread(octaves, std::move(found), image.cols, image.rows, options.max_features)) {
-    const Octave& octave = octaves[static_cast<std::size_t>(point.octave)];
-    const BlurredImage& layer = octave.layers[static_cast<std::size_t>(point.layer)];
+    const Octave& octave = octaves[point.octave];
+    const BlurredImage& layer = octave.layers[point.layer];
     for (const float direction_rad : DirectionsOf(layer, point)) {
       if (features.keypoints.size() == most) break;
       const auto step = static_cast<double>(octave.step_px);

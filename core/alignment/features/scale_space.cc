@@ -149,9 +149,7 @@ class RowPeaks {
  private:
   static constexpr std::size_t kDifferences = kLayersAnOctave + 2;
 
-  std::vector<std::int16_t>& RowOf(std::size_t layer, int y) {
-    return differences_[layer][static_cast<std::size_t>(y % 3)];
-  }
+  std::vector<std::int16_t>& RowOf(std::size_t layer, int y) { return differences_[layer][y % 3]; }
   void SubtractRow(std::size_t layer, int y) {
     Subtract(octave_.layers[layer + 1].Row(y), octave_.layers[layer].Row(y), width_, RowOf(layer, y).data());
   }

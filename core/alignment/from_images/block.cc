@@ -34,17 +34,16 @@ Block::Block(const RegistrationInput& input, const SceneTracks& scene, std::vect
       seen_by_(scene.tracks.size()) {}
 
 const camera::Intrinsics& Block::Lens(int photo) const {
-  return lenses_[static_cast<std::size_t>(input_->photos[static_cast<std::size_t>(photo)].lens)].intrinsics;
+  return lenses_[input_->photos[photo].lens].intrinsics;
 }
 
 Eigen::Vector2d Block::PixelOf(const TrackElement& element) const {
-  const Keypoint& keypoint = input_->photos[static_cast<std::size_t>(element.photo)]
-                                 .features->keypoints[static_cast<std::size_t>(element.keypoint)];
+  const Keypoint& keypoint = input_->photos[element.photo].features->keypoints[element.keypoint];
   return {keypoint.x_px, keypoint.y_px};
 }
 
 double Block::SigmaPx(const TrackElement& element) const {
-  return KeypointSigmaPx(*input_->photos[static_cast<std::size_t>(element.photo)].features, element.keypoint);
+  return KeypointSigmaPx(*input_->photos[element.photo].features, element.keypoint);
 }
 
 void Block::FindRays(int photo) {
@@ -54,9 +53,9 @@ void Block::FindRays(int photo) {
   std::vector<Eigen::Vector3d>& rays = rays_[at];
   rays.assign(features.keypoints.size(), Eigen::Vector3d::Zero());
   for (const int t : scene_->of_photo[at]) {
-    for (const TrackElement& element : scene_->tracks[static_cast<std::size_t>(t)]) {
+    for (const TrackElement& element : scene_->tracks[t]) {
       if (element.photo == photo) {
-        rays[static_cast<std::size_t>(element.keypoint)] = lens.Unproject(PixelOf(element)).normalized();
+        rays[element.keypoint] = lens.Unproject(PixelOf(element)).normalized();
       }
     }
   }
@@ -84,24 +83,23 @@ double Block::ResidualSigmas(const TrackElement& element, const Eigen::Vector3d&
 
 // Where the rays come nearest; the observation with the largest residual goes until all agree.
 void Block::Triangulate(int track) {
-  const std::vector<TrackElement>& elements = scene_->tracks[static_cast<std::size_t>(track)];
-  std::vector<int>& kept = seen_by_[static_cast<std::size_t>(track)];
+  const std::vector<TrackElement>& elements = scene_->tracks[track];
+  std::vector<int>& kept = seen_by_[track];
   kept.clear();
   for (std::size_t s = 0; s < elements.size(); ++s) {
     if (Has(elements[s].photo)) kept.push_back(static_cast<int>(s));
   }
   std::vector<Eigen::Vector3d> rays;
   for (const int s : kept) {
-    const TrackElement& element = elements[static_cast<std::size_t>(s)];
+    const TrackElement& element = elements[s];
     const auto photo = static_cast<std::size_t>(element.photo);
-    rays.push_back(cam_from_world_[photo].rotation.conjugate() *
-                   rays_[photo][static_cast<std::size_t>(element.keypoint)]);
+    rays.push_back(cam_from_world_[photo].rotation.conjugate() * rays_[photo][element.keypoint]);
   }
   while (kept.size() >= 2) {
     RayMeeting meeting;
     double min_cosine = 1.0;
     for (std::size_t k = 0; k < kept.size(); ++k) {
-      const TrackElement& element = elements[static_cast<std::size_t>(kept[k])];
+      const TrackElement& element = elements[kept[k]];
       meeting.Add(Pose(element.photo).TargetOriginInSource(), rays[k]);
       for (std::size_t m = 0; m < k; ++m) min_cosine = std::min(min_cosine, rays[k].dot(rays[m]));
     }
@@ -110,13 +108,13 @@ void Block::Triangulate(int track) {
     double most = 0.0;
     std::size_t worst = 0;
     for (std::size_t k = 0; k < kept.size(); ++k) {
-      const double residual = ResidualSigmas(elements[static_cast<std::size_t>(kept[k])], point);
+      const double residual = ResidualSigmas(elements[kept[k]], point);
       if (residual <= most) continue;
       most = residual;
       worst = k;
     }
     if (most <= kToleranceSigmas) {
-      point_[static_cast<std::size_t>(track)] = point;
+      point_[track] = point;
       return;
     }
     kept.erase(kept.begin() + static_cast<std::ptrdiff_t>(worst));
@@ -136,7 +134,7 @@ void Block::TriangulateAll(int threads) {
 void Block::TriangulateSeenBy(const std::vector<int>& photos, int threads) {
   std::vector<int> tracks;
   for (const int photo : photos) {
-    const std::vector<int>& seen = scene_->of_photo[static_cast<std::size_t>(photo)];
+    const std::vector<int>& seen = scene_->of_photo[photo];
     tracks.insert(tracks.end(), seen.begin(), seen.end());
   }
   std::sort(tracks.begin(), tracks.end());
@@ -153,9 +151,8 @@ std::vector<int> Block::ChooseTracks(const std::vector<char>& is_free, int obser
   std::vector<int> order;
   for (std::size_t t = 0; t < scene_->tracks.size(); ++t) {
     const std::vector<TrackElement>& elements = scene_->tracks[t];
-    const bool counts = std::any_of(seen_by_[t].begin(), seen_by_[t].end(), [&](int s) {
-      return is_free[static_cast<std::size_t>(elements[static_cast<std::size_t>(s)].photo)] != 0;
-    });
+    const bool counts = std::any_of(seen_by_[t].begin(), seen_by_[t].end(),
+                                    [&](int s) { return is_free[elements[s].photo] != 0; });
     if (counts) order.push_back(static_cast<int>(t));
   }
   std::stable_sort(order.begin(), order.end(),
@@ -164,9 +161,8 @@ std::vector<int> Block::ChooseTracks(const std::vector<char>& is_free, int obser
   for (const int t : order) {
     spread.BeginTrack();
     for (const int s : SeenBy(t)) {
-      const TrackElement& element = scene_->tracks[static_cast<std::size_t>(t)][static_cast<std::size_t>(s)];
-      if (is_free[static_cast<std::size_t>(element.photo)])
-        spread.SeenBy(element.photo, PixelOf(element), Lens(element.photo));
+      const TrackElement& element = scene_->tracks[t][s];
+      if (is_free[element.photo]) spread.SeenBy(element.photo, PixelOf(element), Lens(element.photo));
     }
   }
   std::vector<int> chosen;
@@ -177,14 +173,14 @@ std::vector<int> Block::ChooseTracks(const std::vector<char>& is_free, int obser
 
 void Block::Adjust(const std::vector<int>& free, const BlockAdjustment& options, int threads) {
   std::vector<char> is_free(is_placed_.size(), free.empty() ? 1 : 0);
-  for (const int photo : free) is_free[static_cast<std::size_t>(photo)] = 1;
+  for (const int photo : free) is_free[photo] = 1;
   for (std::size_t i = 0; i < is_free.size(); ++i) is_free[i] = is_free[i] && is_placed_[i] ? 1 : 0;
   BundleProblem problem;
   problem.lenses = lenses_;
   std::vector<int> number(is_placed_.size(), -1);
   std::vector<int> photo_of;
   const auto number_of = [&](int photo) {
-    int& own = number[static_cast<std::size_t>(photo)];
+    int& own = number[photo];
     if (own >= 0) return own;
     own = static_cast<int>(photo_of.size());
     photo_of.push_back(photo);
@@ -192,9 +188,9 @@ void Block::Adjust(const std::vector<int>& free, const BlockAdjustment& options,
     bundled.cam_from_enu = bundled.prior_cam_from_enu = Pose(photo);
     bundled.sigma_position_m.setConstant(kUnheldSigma);
     bundled.sigma_attitude_rad.setConstant(kUnheldSigma);
-    bundled.lens = input_->photos[static_cast<std::size_t>(photo)].lens;
+    bundled.lens = input_->photos[photo].lens;
     bundled.height_above_ground_m = kMedianDepth;
-    bundled.is_fixed = is_free[static_cast<std::size_t>(photo)] == 0;
+    bundled.is_fixed = is_free[photo] == 0;
     problem.photos.push_back(bundled);
     return own;
   };
@@ -202,7 +198,7 @@ void Block::Adjust(const std::vector<int>& free, const BlockAdjustment& options,
     Track track;
     track.point_in_enu = Point(t);
     for (const int s : SeenBy(t)) {
-      const TrackElement& element = scene_->tracks[static_cast<std::size_t>(t)][static_cast<std::size_t>(s)];
+      const TrackElement& element = scene_->tracks[t][s];
       track.observations.push_back({number_of(element.photo), PixelOf(element), SigmaPx(element)});
     }
     problem.tracks.push_back(std::move(track));
@@ -215,7 +211,7 @@ void Block::Adjust(const std::vector<int>& free, const BlockAdjustment& options,
   AdjustBundle(problem, bundle);
   for (std::size_t n = 0; n < photo_of.size(); ++n) {
     if (!problem.photos[n].is_fixed) {
-      cam_from_world_[static_cast<std::size_t>(photo_of[n])] = problem.photos[n].cam_from_enu;
+      cam_from_world_[photo_of[n]] = problem.photos[n].cam_from_enu;
     }
   }
   if (bundle.adjust_lens) {
@@ -250,7 +246,7 @@ void Block::Normalise() {
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for (std::size_t t = 0; t < point_.size(); ++t) {
     for (const int s : seen_by_[t]) {
-      depths.push_back((Pose(scene_->tracks[t][static_cast<std::size_t>(s)].photo) * point_[t]).z());
+      depths.push_back((Pose(scene_->tracks[t][s].photo) * point_[t]).z());
     }
   }
   if (depths.empty() || placed_ == 0) return;
@@ -265,7 +261,7 @@ std::vector<int> Block::PointsSeen() const {
   std::vector<int> seen(is_placed_.size(), 0);
   for (std::size_t t = 0; t < seen_by_.size(); ++t) {
     for (const int s : seen_by_[t]) {
-      ++seen[static_cast<std::size_t>(scene_->tracks[t][static_cast<std::size_t>(s)].photo)];
+      ++seen[scene_->tracks[t][s].photo];
     }
   }
   return seen;
@@ -276,9 +272,9 @@ std::vector<double> Block::ResidualsPx() const {
   const std::vector<int> seen = PointsSeen();
   for (std::size_t t = 0; t < seen_by_.size(); ++t) {
     for (const int s : seen_by_[t]) {
-      const TrackElement& element = scene_->tracks[t][static_cast<std::size_t>(s)];
+      const TrackElement& element = scene_->tracks[t][s];
       const double residual = ResidualSigmas(element, point_[t]) * SigmaPx(element);
-      square[static_cast<std::size_t>(element.photo)] += residual * residual;
+      square[element.photo] += residual * residual;
     }
   }
   for (std::size_t i = 0; i < square.size(); ++i)
@@ -293,7 +289,7 @@ std::vector<Track> Block::Tracks() const {
     Track track;
     track.point_in_enu = point_[t];
     for (const int s : seen_by_[t]) {
-      const TrackElement& element = scene_->tracks[t][static_cast<std::size_t>(s)];
+      const TrackElement& element = scene_->tracks[t][s];
       track.observations.push_back({element.photo, PixelOf(element), SigmaPx(element)});
     }
     tracks.push_back(std::move(track));

@@ -29,9 +29,9 @@ class Block {
   // Keeps references to all three.
   Block(const RegistrationInput& input, const SceneTracks& scene, std::vector<BundleLens> lenses);
 
-  bool Has(int photo) const { return is_placed_[static_cast<std::size_t>(photo)] != 0; }
+  bool Has(int photo) const { return is_placed_[photo] != 0; }
   int size() const { return placed_; }
-  const geo::Rigid3& Pose(int photo) const { return cam_from_world_[static_cast<std::size_t>(photo)]; }
+  const geo::Rigid3& Pose(int photo) const { return cam_from_world_[photo]; }
   const camera::Intrinsics& Lens(int photo) const;
   const std::vector<BundleLens>& lenses() const { return lenses_; }
   const RegistrationInput& input() const { return *input_; }
@@ -43,10 +43,10 @@ class Block {
   // Points from all placed photos that agree on them.
   void TriangulateAll(int threads);
   void TriangulateSeenBy(const std::vector<int>& photos, int threads);
-  bool HasPoint(int track) const { return !seen_by_[static_cast<std::size_t>(track)].empty(); }
-  const Eigen::Vector3d& Point(int track) const { return point_[static_cast<std::size_t>(track)]; }
+  bool HasPoint(int track) const { return !seen_by_[track].empty(); }
+  const Eigen::Vector3d& Point(int track) const { return point_[track]; }
   // Indices into the track of the observations that agree.
-  const std::vector<int>& SeenBy(int track) const { return seen_by_[static_cast<std::size_t>(track)]; }
+  const std::vector<int>& SeenBy(int track) const { return seen_by_[track]; }
   Eigen::Vector2d PixelOf(const TrackElement& element) const;
   double SigmaPx(const TrackElement& element) const;
 

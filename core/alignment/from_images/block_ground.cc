@@ -37,10 +37,10 @@ BlockGround::BlockGround(const Block& block) : block_(&block), level_(block.inpu
   ground_from_world_ = geo::RotationToZ(up);
   std::vector<std::vector<double>> seen(level_.size());
   for (const int t : points) {
-    const auto& track = block.scene().tracks[static_cast<std::size_t>(t)];
+    const auto& track = block.scene().tracks[t];
     for (const int s : block.SeenBy(t)) {
-      const int photo = track[static_cast<std::size_t>(s)].photo;
-      seen[static_cast<std::size_t>(photo)].push_back(OnGround(block.Point(t)).z());
+      const int photo = track[s].photo;
+      seen[photo].push_back(OnGround(block.Point(t)).z());
     }
   }
   for (std::size_t i = 0; i < level_.size(); ++i) {
@@ -59,7 +59,7 @@ std::optional<Vector3d> BlockGround::Lift(int photo, const Eigen::Vector2d& pixe
 }
 
 double BlockGround::HeightAbove(const geo::Rigid3& cam_from_world, int photo) const {
-  return OnGround(cam_from_world.TargetOriginInSource()).z() - level_[static_cast<std::size_t>(photo)];
+  return OnGround(cam_from_world.TargetOriginInSource()).z() - level_[photo];
 }
 
 }  // namespace skyquilt::alignment

@@ -30,8 +30,7 @@ std::vector<Beginning> Beginnings(const ViewGraph& graph, const std::vector<char
   std::vector<std::pair<double, std::size_t>> ranked;
   for (std::size_t p = 0; p < graph.pairs.size(); ++p) {
     const GraphPair& pair = graph.pairs[p];
-    if (is_taken[static_cast<std::size_t>(pair.first)] || is_taken[static_cast<std::size_t>(pair.second)])
-      continue;
+    if (is_taken[pair.first] || is_taken[pair.second]) continue;
     if (pair.view.scene == Scene::kNoParallax || pair.view.angle_rad < kMinAngleRad) continue;
     const double score =
         static_cast<double>(pair.view.matches.size()) * std::min(1.0, pair.view.angle_rad / kWideAngleRad);
@@ -44,8 +43,8 @@ std::vector<Beginning> Beginnings(const ViewGraph& graph, const std::vector<char
   for (const auto& [score, p] : ranked) {
     if (chosen.size() >= kMaxBeginnings) break;
     const GraphPair& pair = graph.pairs[p];
-    int& first = begun[static_cast<std::size_t>(pair.first)];
-    int& second = begun[static_cast<std::size_t>(pair.second)];
+    int& first = begun[pair.first];
+    int& second = begun[pair.second];
     if (first >= 2 || second >= 2) continue;
     ++first;
     ++second;
@@ -77,7 +76,7 @@ std::vector<Wanting> PhotosThatSee(const Block& block, const std::vector<char>& 
 std::optional<FoundPose> Resect(const Block& block, const Wanting& wanting, const GrowOptions& options) {
   std::vector<PointObservation> observations;
   for (const int t : wanting.tracks) {
-    for (const TrackElement& element : block.scene().tracks[static_cast<std::size_t>(t)]) {
+    for (const TrackElement& element : block.scene().tracks[t]) {
       if (element.photo != wanting.photo) continue;
       observations.push_back({block.PixelOf(element), block.Point(t), block.SigmaPx(element)});
     }
@@ -92,15 +91,14 @@ std::optional<FoundPose> Resect(const Block& block, const Wanting& wanting, cons
 std::vector<int> WithNeighbours(const Block& block, const std::vector<int>& photos) {
   std::vector<int> shared(block.input().photos.size(), 0);
   for (const int photo : photos) {
-    for (const int t : block.scene().of_photo[static_cast<std::size_t>(photo)]) {
+    for (const int t : block.scene().of_photo[photo]) {
       for (const int s : block.SeenBy(t)) {
-        ++shared[static_cast<std::size_t>(
-            block.scene().tracks[static_cast<std::size_t>(t)][static_cast<std::size_t>(s)].photo)];
+        ++shared[block.scene().tracks[t][s].photo];
       }
     }
   }
   std::vector<int> free = photos;
-  for (const int photo : photos) shared[static_cast<std::size_t>(photo)] = 0;
+  for (const int photo : photos) shared[photo] = 0;
   std::vector<std::pair<int, int>> ranked;
   for (std::size_t i = 0; i < shared.size(); ++i) {
     if (shared[i] > 0) ranked.emplace_back(-shared[i], static_cast<int>(i));
@@ -137,7 +135,7 @@ std::vector<int> TakeRound(const std::vector<char>& is_taken, std::size_t most, 
   std::vector<Wanting> wanting = PhotosThatSee(block, is_taken, options.min_inliers);
   // Once refused, a photo is asked again when it sees a good deal more.
   std::erase_if(wanting, [&](const Wanting& one) {
-    const int before = failed_at[static_cast<std::size_t>(one.photo)];
+    const int before = failed_at[one.photo];
     return before > 0 && static_cast<double>(one.tracks.size()) < 1.2 * before;
   });
   if (wanting.empty()) return {};
@@ -155,7 +153,7 @@ std::vector<int> TakeRound(const std::vector<char>& is_taken, std::size_t most, 
       block.Place(wanting[k].photo, found[k]->cam_from_world);
       taken.push_back(wanting[k].photo);
     } else {
-      failed_at[static_cast<std::size_t>(wanting[k].photo)] = static_cast<int>(wanting[k].tracks.size());
+      failed_at[wanting[k].photo] = static_cast<int>(wanting[k].tracks.size());
     }
   }
   if (taken.empty()) return TakeRound(is_taken, most, options, threads, failed_at, block);
@@ -170,14 +168,13 @@ bool TakeOverGround(const std::vector<char>& is_taken, const ViewGraph& graph, c
   std::vector<char> is_asked(is_taken.size(), 0);
   for (std::size_t i = 0; i < is_taken.size(); ++i) is_asked[i] = !is_taken[i] && !was_tried[i] ? 1 : 0;
   for (const GroundedPose& one : ResectOverGround(block, graph.pairs, is_asked, threads)) {
-    was_tried[static_cast<std::size_t>(one.photo)] = 1;
+    was_tried[one.photo] = 1;
     Block grown = block;
     grown.Place(one.photo, one.cam_from_world);
     grown.TriangulateSeenBy({one.photo}, threads);
     grown.Adjust({}, WholeAdjustment(grown, options), threads);
     DropUnheld(threads, grown);
-    if (grown.Has(one.photo) &&
-        grown.PointsSeen()[static_cast<std::size_t>(one.photo)] >= kMinKeptOverGround &&
+    if (grown.Has(one.photo) && grown.PointsSeen()[one.photo] >= kMinKeptOverGround &&
         grown.size() > block.size()) {
       block = std::move(grown);
       return true;
@@ -200,7 +197,7 @@ std::optional<Tried> Try(const RegistrationInput& input, const ViewGraph& graph,
   block.Place(pair.first, geo::Rigid3{});
   block.Place(pair.second, geo::Rigid3{pose.rotation, pose.direction});
   block.TriangulateSeenBy({pair.first, pair.second}, threads);
-  if (block.PointsSeen()[static_cast<std::size_t>(pair.first)] < kEnoughPoints) return std::nullopt;
+  if (block.PointsSeen()[pair.first] < kEnoughPoints) return std::nullopt;
   block.Normalise();
   BlockAdjustment adjustment = WholeAdjustment(block, options);
   block.Adjust({}, adjustment, threads);

@@ -30,7 +30,7 @@ std::optional<Similarity3> FindJoint(const Block& larger, const Block& smaller) 
   std::vector<PlacePair> most;
   for (int s = 0; s < kJoinSamples; ++s) {
     std::vector<PlacePair> three;
-    for (const int k : sampler.Distinct<3>(count)) three.push_back(shared[static_cast<std::size_t>(k)]);
+    for (const int k : sampler.Distinct<3>(count)) three.push_back(shared[k]);
     std::optional<Similarity3> proposed = FitSimilarity3(three);
     for (int round = 0; proposed && round < 3; ++round) {
       std::vector<PlacePair> held;

@@ -67,8 +67,8 @@ void TakeOver(const std::vector<Block>& blocks, const ViewGraph& graph, Registra
   }
   registration.residual_rms_px = observations > 0 ? std::sqrt(square / observations) : 0.0;
   for (const GraphPair& pair : graph.pairs) {
-    RegisteredPhoto& first = registration.photos[static_cast<std::size_t>(pair.first)];
-    RegisteredPhoto& second = registration.photos[static_cast<std::size_t>(pair.second)];
+    RegisteredPhoto& first = registration.photos[pair.first];
+    RegisteredPhoto& second = registration.photos[pair.second];
     if (first.block < 0 || first.block != second.block) continue;
     ++first.links;
     ++second.links;

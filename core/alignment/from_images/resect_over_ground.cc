@@ -29,9 +29,7 @@ std::vector<Shown> ShownOnGround(const Block& block, const BlockGround& ground,
                                  const std::vector<const GraphPair*>& pairs, int photo) {
   std::vector<Shown> shown;
   const auto keypoint = [&](int of, int k) -> const Keypoint& {
-    return block.input()
-        .photos[static_cast<std::size_t>(of)]
-        .features->keypoints[static_cast<std::size_t>(k)];
+    return block.input().photos[of].features->keypoints[k];
   };
   for (const GraphPair* pair : pairs) {
     const bool leads = pair->first == photo;
@@ -41,8 +39,7 @@ std::vector<Shown> ShownOnGround(const Block& block, const BlockGround& ground,
       const Keypoint& other = keypoint(partner, leads ? match.second : match.first);
       const auto point = ground.Lift(partner, {other.x_px, other.y_px});
       if (!point) continue;
-      const double sigma_px =
-          kGroundSigmas * block.input().photos[static_cast<std::size_t>(photo)].features->sigma_px;
+      const double sigma_px = kGroundSigmas * block.input().photos[photo].features->sigma_px;
       shown.push_back({{{own.x_px, own.y_px}, *point, sigma_px}, partner});
     }
   }
@@ -63,7 +60,7 @@ std::optional<GroundedPose> ResectOne(const Block& block, const BlockGround& gro
       FindPose(block.Lens(photo), observations, 0x6E0DULL + static_cast<std::uint64_t>(photo), options);
   if (!found) return std::nullopt;
   std::map<int, int> of_partner;
-  for (const int k : found->inliers) ++of_partner[shown[static_cast<std::size_t>(k)].partner];
+  for (const int k : found->inliers) ++of_partner[shown[k].partner];
   int agreeing_partners = 0, most = 0, nearest = -1;
   for (const auto& [partner, matches] : of_partner) {
     agreeing_partners += matches >= kFewOfAPair ? 1 : 0;
@@ -86,8 +83,7 @@ std::vector<GroundedPose> ResectOverGround(const Block& block, const std::vector
   for (const GraphPair& pair : pairs) {
     for (const auto [photo, partner] :
          {std::pair(pair.first, pair.second), std::pair(pair.second, pair.first)}) {
-      if (is_asked[static_cast<std::size_t>(photo)] && !block.Has(photo) && block.Has(partner))
-        of_photo[photo].push_back(&pair);
+      if (is_asked[photo] && !block.Has(photo) && block.Has(partner)) of_photo[photo].push_back(&pair);
     }
   }
   if (of_photo.empty()) return {};

@@ -62,11 +62,8 @@ class Verifier {
   }
 
  private:
-  const camera::Intrinsics& LensOf(int i) const {
-    return input_.lenses[static_cast<std::size_t>(input_.photos[static_cast<std::size_t>(i)].lens)]
-        .intrinsics;
-  }
-  const PhotoFeatures* FeaturesOf(int i) const { return input_.photos[static_cast<std::size_t>(i)].features; }
+  const camera::Intrinsics& LensOf(int i) const { return input_.lenses[input_.photos[i].lens].intrinsics; }
+  const PhotoFeatures* FeaturesOf(int i) const { return input_.photos[i].features; }
   TwoViewPhoto PhotoOf(int i) const {
     const auto at = static_cast<std::size_t>(i);
     return {input_.photos[at].features, &LensOf(i), &rays_[at]};
@@ -82,8 +79,8 @@ std::vector<char> WithFewerPartners(const RegistrationInput& input, const std::v
                                     int enough) {
   std::vector<int> partners(input.photos.size(), 0);
   for (const GraphPair& pair : pairs) {
-    ++partners[static_cast<std::size_t>(pair.first)];
-    ++partners[static_cast<std::size_t>(pair.second)];
+    ++partners[pair.first];
+    ++partners[pair.second];
   }
   std::vector<char> fewer;
   for (std::size_t i = 0; i < partners.size(); ++i) {
@@ -98,14 +95,14 @@ std::vector<Pair> ThroughOthers(int photos, const std::vector<GraphPair>& pairs,
   std::vector<std::map<int, double>> neighbours(static_cast<std::size_t>(photos));
   for (const GraphPair& pair : pairs) {
     const auto support = static_cast<double>(pair.view.matches.size());
-    neighbours[static_cast<std::size_t>(pair.first)][pair.second] = support;
-    neighbours[static_cast<std::size_t>(pair.second)][pair.first] = support;
+    neighbours[pair.first][pair.second] = support;
+    neighbours[pair.second][pair.first] = support;
   }
   std::vector<std::pair<double, Pair>> ranked;
   for (int i = 0; i < photos; ++i) {
     std::map<int, double> through;
-    for (const auto& [middle, support] : neighbours[static_cast<std::size_t>(i)]) {
-      for (const auto& [other, of_other] : neighbours[static_cast<std::size_t>(middle)]) {
+    for (const auto& [middle, support] : neighbours[i]) {
+      for (const auto& [other, of_other] : neighbours[middle]) {
         if (other > i && !tried.contains({i, other})) through[other] += std::min(support, of_other);
       }
     }
@@ -115,8 +112,8 @@ std::vector<Pair> ThroughOthers(int photos, const std::vector<GraphPair>& pairs,
   std::vector<int> taken(static_cast<std::size_t>(photos), 0);
   std::vector<Pair> chosen;
   for (const auto& [support, pair] : ranked) {
-    int& first = taken[static_cast<std::size_t>(pair.first)];
-    int& second = taken[static_cast<std::size_t>(pair.second)];
+    int& first = taken[pair.first];
+    int& second = taken[pair.second];
     if (first >= kMaxThroughOthers || second >= kMaxThroughOthers) continue;
     ++first;
     ++second;
@@ -148,8 +145,7 @@ void AgreeOnRotations(int photos, ViewGraph& graph, RegistrationReport& report) 
   for (GraphPair& pair : graph.pairs) {
     if (pair.view.poses.size() < 2) continue;
     const Eigen::Quaterniond expected =
-        averaged.cam_from_world[static_cast<std::size_t>(pair.second)] *
-        averaged.cam_from_world[static_cast<std::size_t>(pair.first)].conjugate();
+        averaged.cam_from_world[pair.second] * averaged.cam_from_world[pair.first].conjugate();
     if (expected.angularDistance(pair.view.poses[1].rotation) <
         expected.angularDistance(pair.view.poses[0].rotation)) {
       std::swap(pair.view.poses[0], pair.view.poses[1]);

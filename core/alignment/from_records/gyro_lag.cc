@@ -73,8 +73,8 @@ void Match(const std::vector<const PhotoFeatures*>& features, ComparedPair& pair
   const PhotoFeatures& first = *features[pair.first];
   const PhotoFeatures& second = *features[pair.second];
   for (const KeypointMatch& match : MatchDescriptors(first, second, {})) {
-    const Keypoint& a = first.keypoints[static_cast<std::size_t>(match.first)];
-    const Keypoint& b = second.keypoints[static_cast<std::size_t>(match.second)];
+    const Keypoint& a = first.keypoints[match.first];
+    const Keypoint& b = second.keypoints[match.second];
     pair.places.push_back({{a.x_px, a.y_px}, {b.x_px, b.y_px}});
   }
 }

@@ -66,7 +66,7 @@ std::optional<Levelling> FindLevelling(const BundleProblem& adjusted,
                                        const std::vector<PhotoRecord>& records) {
   std::vector<char> is_tied(adjusted.photos.size(), 0);
   for (const Track& track : adjusted.tracks) {
-    for (const Observation& seen : track.observations) is_tied[static_cast<std::size_t>(seen.photo)] = 1;
+    for (const Observation& seen : track.observations) is_tied[seen.photo] = 1;
   }
   std::vector<std::size_t> placed;  // photos that say where and which way up
   std::vector<Eigen::Vector2d> tilts;

@@ -22,10 +22,10 @@ double CommonQuarterTurn(const std::vector<GroundPrior>& recorded, const std::ve
   std::array<int, 4> votes{};
   int asked = 0;
   for (const VerifiedPair& pair : pairs) {
-    const Complex first = recorded[static_cast<std::size_t>(pair.first)].middle;
-    const Complex second = recorded[static_cast<std::size_t>(pair.second)].middle;
+    const Complex first = recorded[pair.first].middle;
+    const Complex second = recorded[pair.second].middle;
     const Complex way = second - first;
-    if (std::abs(way) < kBaselineSigmas * recorded[static_cast<std::size_t>(pair.first)].sigma_m) continue;
+    if (std::abs(way) < kBaselineSigmas * recorded[pair.first].sigma_m) continue;
     // One place of the ground, seen from both middles: were all photos turned right, the difference were the
     // way.
     const Complex between = 0.5 * (first + second);
@@ -39,7 +39,7 @@ double CommonQuarterTurn(const std::vector<GroundPrior>& recorded, const std::ve
     ++votes[static_cast<std::size_t>((static_cast<int>(quarters) + 4) % 4)];
   }
   for (int quarters = 1; quarters < 4; ++quarters) {
-    const int agree = votes[static_cast<std::size_t>(quarters)];
+    const int agree = votes[quarters];
     if (agree >= kMinLinks && agree >= kShare * asked) {
       return quarters == 3 ? -kQuarterRad : quarters * kQuarterRad;
     }

@@ -122,7 +122,7 @@ std::optional<PositionLag> FindPositionLag(const BundleProblem& adjusted,
                  "a record and a time for each photo");
   std::vector<char> is_tied(records.size(), 0);
   for (const Track& track : adjusted.tracks) {
-    for (const Observation& seen : track.observations) is_tied[static_cast<std::size_t>(seen.photo)] = 1;
+    for (const Observation& seen : track.observations) is_tied[seen.photo] = 1;
   }
   std::vector<Eigen::Vector2d> east_north;
   for (const BundlePhoto& photo : adjusted.photos)

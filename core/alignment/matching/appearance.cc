@@ -166,7 +166,7 @@ std::vector<std::vector<int>> Appearance::MostAlike(int most, int threads) const
     if (lengths_[i] <= 0.0) return;
     std::vector<std::pair<double, int>> ranked;
     for (int j = 0; j < count; ++j) {
-      if (j == static_cast<int>(i) || lengths_[static_cast<std::size_t>(j)] <= 0.0) continue;
+      if (j == static_cast<int>(i) || lengths_[j] <= 0.0) continue;
       ranked.emplace_back(-Likeness(static_cast<int>(i), j), j);
     }
     const std::size_t kept = std::min<std::size_t>(static_cast<std::size_t>(most), ranked.size());

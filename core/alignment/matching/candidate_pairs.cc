@@ -29,8 +29,8 @@ std::vector<std::pair<int, int>> CandidatePairs(const std::vector<RegistrationPh
                                                 const Appearance& appearance, const CandidateOptions& options,
                                                 const std::vector<char>& wanted, int threads) {
   const int count = static_cast<int>(photos.size());
-  const auto at = [&](int i) -> const RegistrationPhoto& { return photos[static_cast<std::size_t>(i)]; };
-  const auto is_wanted = [&](int i) { return wanted.empty() || wanted[static_cast<std::size_t>(i)] != 0; };
+  const auto at = [&](int i) -> const RegistrationPhoto& { return photos[i]; };
+  const auto is_wanted = [&](int i) { return wanted.empty() || wanted[i] != 0; };
   std::vector<std::vector<int>> near(photos.size());
   ParallelFor(photos.size(), threads, [&](std::size_t i) {
     if (!photos[i].position_in_enu || !photos[i].features || !is_wanted(static_cast<int>(i))) return;
@@ -56,9 +56,9 @@ std::vector<std::pair<int, int>> CandidatePairs(const std::vector<RegistrationPh
       choose(i - step);
       choose(i + step);
     }
-    for (const int j : near[static_cast<std::size_t>(i)]) choose(j);
+    for (const int j : near[i]) choose(j);
     const int most = at(i).position_in_enu ? options.alike : options.alike_unplaced;
-    for (const int j : Apart(i, alike[static_cast<std::size_t>(i)], most, options.apart_in_order)) choose(j);
+    for (const int j : Apart(i, alike[i], most, options.apart_in_order)) choose(j);
   }
   return {chosen.begin(), chosen.end()};
 }

@@ -26,13 +26,13 @@ Wide Widen(const PhotoFeatures& features, int most) {
   wide.square.assign(static_cast<std::size_t>(padded), 0);
   for (int i = 0; i < wide.count; ++i) {
     std::int16_t* row = wide.rows.data() + static_cast<std::size_t>(i) * kDescriptorSize;
-    const Descriptor& descriptor = features.descriptors[static_cast<std::size_t>(i)];
+    const Descriptor& descriptor = features.descriptors[i];
     int square = 0;
     for (int k = 0; k < kDescriptorSize; ++k) {
-      row[k] = descriptor[static_cast<std::size_t>(k)];
+      row[k] = descriptor[k];
       square += row[k] * row[k];
     }
-    wide.square[static_cast<std::size_t>(i)] = square;
+    wide.square[i] = square;
   }
   return wide;
 }
@@ -77,8 +77,8 @@ SKYQUILT_VECTOR_CLONES int CountBelow(const std::int32_t* values, int count, std
 
 // One place described in two directions or two sizes is no rival of itself.
 bool IsSamePlace(const PhotoFeatures& features, int a, int b) {
-  const Keypoint& x = features.keypoints[static_cast<std::size_t>(a)];
-  const Keypoint& y = features.keypoints[static_cast<std::size_t>(b)];
+  const Keypoint& x = features.keypoints[a];
+  const Keypoint& y = features.keypoints[b];
   const float dx = x.x_px - y.x_px, dy = x.y_px - y.y_px, near = 0.5F * std::min(x.scale_px, y.scale_px);
   return dx * dx + dy * dy < near * near;
 }
@@ -113,7 +113,7 @@ std::vector<KeypointMatch> MatchDescriptors(const PhotoFeatures& first, const Ph
                 b.count, distances.data());
     for (int r = 0; r < kRowsAtOnce && i + r < a.count; ++r) {
       const int j = StandsOut(distances.data() + static_cast<std::size_t>(r) * b.count, b.count,
-                              a.square[static_cast<std::size_t>(i + r)], max_ratio2, second);
+                              a.square[i + r], max_ratio2, second);
       if (j >= 0) forth.push_back(MatchOf(i + r, j));
     }
   }
@@ -130,7 +130,7 @@ std::vector<KeypointMatch> MatchDescriptors(const PhotoFeatures& first, const Ph
     CompareFour(chosen.data(), a.rows.data(), a.square.data(), a.count, distances.data());
     for (std::size_t r = 0; r < rows; ++r) {
       const int i = StandsOut(distances.data() + r * static_cast<std::size_t>(a.count), a.count,
-                              b.square[static_cast<std::size_t>(forth[m + r].second)], max_ratio2, first);
+                              b.square[forth[m + r].second], max_ratio2, first);
       if (i == forth[m + r].first) matches.push_back(forth[m + r]);
     }
   }

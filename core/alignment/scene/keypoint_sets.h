@@ -17,7 +17,7 @@ inline constexpr double kFineScales = 60.0;
 
 // How much worse than the photo's finest a keypoint is located that stands for a large patch.
 inline double KeypointCoarseness(const PhotoFeatures& features, int keypoint) {
-  const double size = features.keypoints[static_cast<std::size_t>(keypoint)].scale_px;
+  const double size = features.keypoints[keypoint].scale_px;
   return std::max(1.0, size / (features.sigma_px * kFineScales));
 }
 inline double KeypointSigmaPx(const PhotoFeatures& features, int keypoint) {
@@ -26,8 +26,8 @@ inline double KeypointSigmaPx(const PhotoFeatures& features, int keypoint) {
 
 // Two keypoints of one photo that describe one place in two directions.
 inline bool IsOnePlace(const PhotoFeatures& features, int a, int b) {
-  const Keypoint& x = features.keypoints[static_cast<std::size_t>(a)];
-  const Keypoint& y = features.keypoints[static_cast<std::size_t>(b)];
+  const Keypoint& x = features.keypoints[a];
+  const Keypoint& y = features.keypoints[b];
   return std::hypot(x.x_px - y.x_px, x.y_px - y.y_px) <= 1.0F;
 }
 
@@ -46,14 +46,14 @@ class KeypointSets {
   int NumberOf(std::size_t photo, int keypoint) const { return first_of_[photo] + keypoint; }
 
   int Find(int number) {
-    while (root_[static_cast<std::size_t>(number)] != number) {
-      int& up = root_[static_cast<std::size_t>(number)];
-      number = up = root_[static_cast<std::size_t>(up)];
+    while (root_[number] != number) {
+      int& up = root_[number];
+      number = up = root_[up];
     }
     return number;
   }
   // Two sets by what stands for them.
-  void Join(int a, int b) { root_[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b); }
+  void Join(int a, int b) { root_[std::max(a, b)] = std::min(a, b); }
 
  private:
   std::vector<int> first_of_, root_;

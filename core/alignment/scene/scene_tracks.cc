@@ -35,7 +35,7 @@ class MemberSets {
       } else if (next_a == of_a.end() || next_b->photo < next_a->photo) {
         merged.push_back(*next_b++);
       } else {
-        const PhotoFeatures& features = *features_[static_cast<std::size_t>(next_a->photo)];
+        const PhotoFeatures& features = *features_[next_a->photo];
         if (!IsOnePlace(features, next_a->keypoint, next_b->keypoint)) return;
         merged.push_back(*next_a++);
         ++next_b;
@@ -52,7 +52,7 @@ class MemberSets {
   int Find(const TrackElement& one) {
     return sets_.Find(sets_.NumberOf(static_cast<std::size_t>(one.photo), one.keypoint));
   }
-  std::vector<TrackElement>& Members(int set) { return members_[static_cast<std::size_t>(set)]; }
+  std::vector<TrackElement>& Members(int set) { return members_[set]; }
 
   const std::vector<const PhotoFeatures*>& features_;
   KeypointSets sets_;
@@ -81,8 +81,7 @@ SceneTracks JoinMatches(const RegistrationInput& input, const std::vector<GraphP
   for (std::vector<TrackElement>& members : sets.members()) {
     if (members.size() < 2) continue;
     for (const TrackElement& element : members) {
-      scene.of_photo[static_cast<std::size_t>(element.photo)].push_back(
-          static_cast<int>(scene.tracks.size()));
+      scene.of_photo[element.photo].push_back(static_cast<int>(scene.tracks.size()));
     }
     scene.tracks.push_back(std::move(members));
   }

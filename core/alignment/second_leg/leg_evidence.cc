@@ -51,7 +51,7 @@ std::vector<char> TiedPhotos(const WeighedLeg& leg) {
   const std::size_t count = leg.problem->photos.size();
   std::vector<int> seen(count, 0);
   for (const Track& track : leg.problem->tracks) {
-    for (const Observation& one : track.observations) ++seen[static_cast<std::size_t>(one.photo)];
+    for (const Observation& one : track.observations) ++seen[one.photo];
   }
   const bool by_links = leg.problem->tracks.empty();
   std::size_t largest = 0;
@@ -60,8 +60,8 @@ std::vector<char> TiedPhotos(const WeighedLeg& leg) {
     std::vector<char> tied(count, 0);
     std::size_t size = 0;
     for (const int i : members) {
-      if (!by_links && seen[static_cast<std::size_t>(i)] < kEnoughObservations) continue;
-      tied[static_cast<std::size_t>(i)] = 1;
+      if (!by_links && seen[i] < kEnoughObservations) continue;
+      tied[i] = 1;
       ++size;
     }
     if (size <= largest) continue;

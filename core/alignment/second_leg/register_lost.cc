@@ -51,7 +51,7 @@ std::vector<PointOfPixel> IndexPoints(const LostInput& input) {
 std::vector<int> PartnersOf(const LostInput& input, int lost, const std::vector<int>& alike) {
   std::set<int> partners;
   const int count = static_cast<int>(input.views->size());
-  const auto is_tied = [&](int i) { return (*input.is_tied)[static_cast<std::size_t>(i)] != 0; };
+  const auto is_tied = [&](int i) { return (*input.is_tied)[i] != 0; };
   for (const int step : {-1, 1}) {
     // The next aligned ones, over others that are lost too.
     int found = 0;
@@ -61,12 +61,12 @@ std::vector<int> PartnersOf(const LostInput& input, int lost, const std::vector<
       ++found;
     }
   }
-  const auto& record = (*input.records)[static_cast<std::size_t>(lost)];
+  const auto& record = (*input.records)[lost];
   if (record.center_in_enu) {
     std::vector<std::pair<double, int>> near;
     for (int i = 0; i < count; ++i) {
       if (!is_tied(i)) continue;
-      const Eigen::Vector3d center = (*input.views)[static_cast<std::size_t>(i)].CenterInEnu();
+      const Eigen::Vector3d center = (*input.views)[i].CenterInEnu();
       near.emplace_back((center - *record.center_in_enu).head<2>().norm(), i);
     }
     std::sort(near.begin(), near.end());
@@ -88,7 +88,7 @@ std::vector<VerifiedPair> LinksOf(const std::vector<Pairing>& pairings, const st
                                   int lost) {
   std::map<int, std::vector<KeypointMatch>> of_partner;
   for (const int k : inliers) {
-    const Pairing& one = pairings[static_cast<std::size_t>(k)];
+    const Pairing& one = pairings[k];
     of_partner[one.partner].push_back(one.match);
   }
   std::vector<VerifiedPair> links;
@@ -110,7 +110,7 @@ enum class PointsOf { kTracks, kTracksAndGround };
 std::optional<RegisteredLost> Resect(const LostInput& input, const std::vector<PointOfPixel>& points,
                                      const std::vector<int>& partners, double median_height_m, int lost,
                                      PointsOf points_of) {
-  const PhotoFeatures& features = *(*input.features)[static_cast<std::size_t>(lost)];
+  const PhotoFeatures& features = *(*input.features)[lost];
   std::vector<PointObservation> observations;
   std::vector<Pairing> pairings;
   for (const int partner : partners) {
@@ -120,16 +120,16 @@ std::optional<RegisteredLost> Resect(const LostInput& input, const std::vector<P
     MatchOptions options;
     options.max_features = 2000;
     for (const KeypointMatch& match : MatchDescriptors(features, *other, options)) {
-      const Keypoint& seen = other->keypoints[static_cast<std::size_t>(match.second)];
+      const Keypoint& seen = other->keypoints[match.second];
       const auto point = points[p].find(KeyOf(seen.x_px, seen.y_px));
       Eigen::Vector3d point_in_enu;
       if (point != points[p].end()) {
-        point_in_enu = (*input.tracks)[static_cast<std::size_t>(point->second)].point_in_enu;
+        point_in_enu = (*input.tracks)[point->second].point_in_enu;
       } else if (points_of == PointsOf::kTracks ||
                  !MeetGround((*input.views)[p], *input.relief, {seen.x_px, seen.y_px}, &point_in_enu)) {
         continue;
       }
-      const Keypoint& keypoint = features.keypoints[static_cast<std::size_t>(match.first)];
+      const Keypoint& keypoint = features.keypoints[match.first];
       observations.push_back({{keypoint.x_px, keypoint.y_px}, point_in_enu, features.sigma_px});
       pairings.push_back({partner, match});
     }
@@ -137,7 +137,7 @@ std::optional<RegisteredLost> Resect(const LostInput& input, const std::vector<P
   FindPoseOptions options;
   options.min_inliers = static_cast<int>(kMinInliers);
   options.max_samples = kMaxSamples;
-  const View& view = (*input.views)[static_cast<std::size_t>(lost)];
+  const View& view = (*input.views)[lost];
   const std::optional<FoundPose> found =
       FindPose(view.intrinsics, observations, kSeed + static_cast<std::uint64_t>(lost), options);
   if (!found) return std::nullopt;
@@ -145,7 +145,7 @@ std::optional<RegisteredLost> Resect(const LostInput& input, const std::vector<P
   std::set<std::pair<double, double>> pixels;
   std::vector<double> depths_m;
   for (const int k : found->inliers) {
-    const PointObservation& observation = observations[static_cast<std::size_t>(k)];
+    const PointObservation& observation = observations[k];
     pixels.emplace(observation.pixel_in_image.x(), observation.pixel_in_image.y());
     depths_m.push_back((found->cam_from_world.TargetOriginInSource() - observation.point_in_world).z());
   }

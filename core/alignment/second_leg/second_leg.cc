@@ -97,10 +97,7 @@ std::vector<PlacePair> ControlOf(const Registration& registration, int block, co
   std::vector<std::string> names;
   for (std::size_t i = 0; i < registration.photos.size(); ++i) {
     const RegisteredPhoto& photo = registration.photos[i];
-    views.push_back({registration.lenses[static_cast<std::size_t>(photo.lens)].intrinsics,
-                     photo.cam_from_world,
-                     kMedianDepth,
-                     {}});
+    views.push_back({registration.lenses[photo.lens].intrinsics, photo.cam_from_world, kMedianDepth, {}});
     is_of_block.push_back(photo.block == block ? 1 : 0);
     names.push_back(posed.photos[i].photo.name);
   }
@@ -352,7 +349,7 @@ std::optional<SecondLeg> PlaceByImages(const FirstLeg& first, std::size_t tied_b
     }
   }
   for (const VerifiedPair& link : registration.links) {
-    if (second.by_images[static_cast<std::size_t>(link.first)]) second.links.push_back(link);
+    if (second.by_images[link.first]) second.links.push_back(link);
   }
   for (const BundleLens& lens : registration.lenses) second.lenses.push_back(lens.intrinsics);
   return second;
