@@ -26,7 +26,7 @@
 #include "core/pipeline/append_photos.h"
 #include "core/pipeline/bands/build_bands.h"
 #include "core/pipeline/check_photos.h"
-#include "core/pipeline/control_points.h"
+#include "core/pipeline/placing/control_points.h"
 #include "core/pipeline/placing/move_flight.h"
 #include "core/pipeline/placing/move_to_control.h"
 #include "core/pipeline/placing/place_by_lists.h"

@@ -6,7 +6,7 @@
 
 #include "core/base/try.h"
 #include "core/flight/logs/texts/gcp_list.h"
-#include "core/pipeline/control_json.h"
+#include "core/pipeline/placing/control_json.h"
 #include "server/confinement/run_apart.h"
 
 namespace skyquilt::server {

@@ -11,7 +11,7 @@
 
 namespace skyquilt::server {
 
-// Answers the points as the API's JSON (core/pipeline/control_json.h).
+// Answers the points as the API's JSON (core/pipeline/placing/control_json.h).
 Result<std::string> ControlApart(const std::filesystem::path& list);
 
 // What that process does: reads the list's path from standard input, and tells its parent.

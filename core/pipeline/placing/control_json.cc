@@ -1,4 +1,4 @@
-#include "core/pipeline/control_json.h"
+#include "core/pipeline/placing/control_json.h"
 
 #include <nlohmann/json.hpp>
 

@@ -1,4 +1,4 @@
-#include "core/pipeline/control_points.h"
+#include "core/pipeline/placing/control_points.h"
 
 #include <utility>
 

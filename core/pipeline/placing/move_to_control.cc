@@ -12,7 +12,7 @@
 #include "core/alignment/matching/verified_pair.h"
 #include "core/alignment/scene/matches.h"
 #include "core/geo/lat_lon.h"
-#include "core/pipeline/control_points.h"
+#include "core/pipeline/placing/control_points.h"
 #include "core/pipeline/placing/move_flight.h"
 
 namespace skyquilt::pipeline {

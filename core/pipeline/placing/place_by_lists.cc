@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "core/flight/remarks/because.h"
-#include "core/pipeline/control_points.h"
+#include "core/pipeline/placing/control_points.h"
 #include "core/pipeline/placing/move_flight.h"
 #include "core/pipeline/placing/move_to_control.h"
 #include "core/pipeline/placing/place_known.h"

@@ -14,7 +14,7 @@
 #include "core/flight/remarks/remark_words.h"
 #include "core/geo/bounds.h"
 #include "core/geo/lat_lon.h"
-#include "core/pipeline/control_points.h"
+#include "core/pipeline/placing/control_points.h"
 #include "core/pipeline/placing/move_by_pairs.h"
 #include "core/pipeline/placing/move_flight.h"
 

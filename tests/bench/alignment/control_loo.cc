@@ -12,7 +12,7 @@
 #include "core/flight/photos/photo_decoder.h"
 #include "core/flight/read_flight.h"
 #include "core/flight/remarks/remark_words.h"
-#include "core/pipeline/control_points.h"
+#include "core/pipeline/placing/control_points.h"
 #include "core/poses/estimate_poses.h"
 
 int main(int argc, char** argv) {
