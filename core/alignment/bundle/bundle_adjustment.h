@@ -33,8 +33,9 @@ struct BundlePhoto {
   ReadoutDoubt readout_doubt;        // what of it is to be adjusted
   ReadoutCorrection readout_correction = ReadoutCorrection::Zero();  // out: by how much it was
   std::optional<Eigen::Vector3d> velocity_in_enu_mps;                // while it was read
-  bool is_fixed = false;   // stays where it is; others are placed against it
-  bool has_record = true;  // false: the prior is no more than where it was found before
+  bool is_fixed = false;      // stays where it is; others are placed against it
+  bool has_record = true;     // false: the prior is no more than where it was found before
+  bool is_by_images = false;  // its place started from what it shows, not from its record
 };
 
 // A surveyed point and the photos in which it was marked.

@@ -109,15 +109,14 @@ std::optional<Levelling> FindLevelling(const BundleProblem& adjusted,
   return levelling;
 }
 
-void Level(const Levelling& levelling, const std::vector<PhotoRecord>& records,
-           const std::vector<char>& by_images, BundleProblem& problem) {
+void Level(const Levelling& levelling, const std::vector<PhotoRecord>& records, BundleProblem& problem) {
   for (std::size_t i = 0; i < problem.photos.size(); ++i) {
     BundlePhoto& photo = problem.photos[i];
     photo.cam_from_enu = Turned(levelling, photo.cam_from_enu);
     const geo::Rigid3 prior = photo.prior_cam_from_enu;
     const geo::Rigid3 turned = Turned(levelling, prior);
     const bool is_recorded_attitude =
-        !by_images[i] ||
+        !photo.is_by_images ||
         (records[i].cam_from_enu && HasSameVertical(prior.rotation, *records[i].cam_from_enu));
     const Eigen::Vector3d recorded =
         prior.TargetOriginInSource() + Eigen::Vector3d(0.0, 0.0, levelling.height_correction_m[i]);

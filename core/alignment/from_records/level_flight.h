@@ -31,9 +31,8 @@ struct Levelling {
 std::optional<Levelling> FindLevelling(const BundleProblem& adjusted,
                                        const std::vector<PhotoRecord>& records);
 
-// Poses and points so turned, and with them what was expected of photos placed `by_images` (by photo) where
-// that is no record; recorded heights corrected. What was fitted to the tilted state (the plane) is dropped.
-void Level(const Levelling& levelling, const std::vector<PhotoRecord>& records,
-           const std::vector<char>& by_images, BundleProblem& problem);
+// Poses and points so turned, and with them what was expected of photos placed by images where that is no
+// record; recorded heights corrected. What was fitted to the tilted state (the plane) is dropped.
+void Level(const Levelling& levelling, const std::vector<PhotoRecord>& records, BundleProblem& problem);
 
 }  // namespace skyquilt::alignment

@@ -18,6 +18,7 @@ struct PhotoRecord {
   std::optional<Eigen::Quaterniond> cam_from_enu;  // the recorded attitude
   double sigma_tilt_rad = 0.05;                    // of it
   std::optional<double> height_above_ground_m;
+  bool is_unplaced = false;  // nothing recorded places it: its pose in the flight stands for none
 };
 
 struct CorrectedPose {

@@ -83,7 +83,7 @@ LegEvidence Weigh(const WeighedLeg& leg) {
     if (!is_tied[i] && !ShowsEnough((*leg.features)[i])) continue;
     ++evidence.readable;
     if (!is_tied[i]) {
-      evidence.unplaced += (*leg.is_unplaced)[i] ? 1 : 0;
+      evidence.unplaced += (*leg.records)[i].is_unplaced ? 1 : 0;
       continue;
     }
     ++evidence.tied;

@@ -42,7 +42,6 @@ struct LegEvidence {
 struct WeighedLeg {
   const std::vector<PhotoRecord>* records = nullptr;
   const std::vector<const PhotoFeatures*>* features = nullptr;  // of all photos that could be read
-  const std::vector<char>* is_unplaced = nullptr;               // by photo: its pose stands for none
   const std::vector<VerifiedPair>* links = nullptr;
   const BundleProblem* problem = nullptr;  // adjusted, or without tracks
   double residual_rms_px = 0.0;

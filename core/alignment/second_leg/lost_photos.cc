@@ -38,8 +38,8 @@ bool HasLost(const LegEvidence& evidence) {
 }
 
 int TakeInLost(const WeighedLeg& leg, const std::vector<Track>& tracks, const Relief& relief, int threads,
-               poses::PosedFlight& posed, MatchingInput& input, MatchedFlight& linked, BundleProblem& problem,
-               std::vector<char>& by_images) {
+               poses::PosedFlight& posed, MatchingInput& input, MatchedFlight& linked,
+               BundleProblem& problem) {
   const std::vector<char> is_tied = TiedPhotos(leg);
   const std::vector<RegisteredLost> found =
       RegisterLost({leg.features, &input.views, &is_tied, &tracks, leg.records, &relief}, threads);
@@ -47,13 +47,14 @@ int TakeInLost(const WeighedLeg& leg, const std::vector<Track>& tracks, const Re
   const std::vector<GroundPrior> recorded = MakeGroundPriors(posed, MakeMatchingInput(posed));
   for (const RegisteredLost& one : found) {
     const auto i = static_cast<std::size_t>(one.photo);
-    const bool is_unrecorded = (*leg.is_unplaced)[i] != 0;
+    const bool is_unrecorded = (*leg.records)[i].is_unplaced;
     linked.corrected[i] = is_unrecorded
                               ? PlaceUnrecorded(one.cam_from_enu, posed.ground_z_in_enu_m, posed.photos[i])
                               : CorrectToPose(posed.photos[i], recorded[i], one.cam_from_enu);
     problem.photos[i] =
         MakeBundlePhoto(posed.photos[i], linked.corrected[i], problem.photos[i].lens, problem.photos[i].line);
     problem.photos[i].has_record = !is_unrecorded;
+    problem.photos[i].is_by_images = true;
     // Points are looked for about as deep as the photo was high: by what it shows, whatever was recorded.
     problem.photos[i].height_above_ground_m =
         std::max(0.5, one.cam_from_enu.TargetOriginInSource().z() - posed.ground_z_in_enu_m);
@@ -64,7 +65,6 @@ int TakeInLost(const WeighedLeg& leg, const std::vector<Track>& tracks, const Re
       return link.first == one.photo || link.second == one.photo;
     });
     linked.links.insert(linked.links.end(), one.links.begin(), one.links.end());
-    by_images[i] = 1;
   }
   return static_cast<int>(found.size());
 }

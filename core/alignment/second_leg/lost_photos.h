@@ -12,11 +12,11 @@
 
 namespace skyquilt::alignment {
 
-// `leg` is the alignment; `tracks` what its photos see, in enu; `relief` the ground. Marks the photos in
-// `by_images`; how many they are. None where too many are lost for the alignment to be sound.
+// `leg` is the alignment; `tracks` what its photos see, in enu; `relief` the ground. How many they are. None
+// where too many are lost for the alignment to be sound.
 int TakeInLost(const WeighedLeg& leg, const std::vector<Track>& tracks, const Relief& relief, int threads,
-               poses::PosedFlight& posed, MatchingInput& input, MatchedFlight& linked, BundleProblem& problem,
-               std::vector<char>& by_images);
+               poses::PosedFlight& posed, MatchingInput& input, MatchedFlight& linked,
+               BundleProblem& problem);
 
 // Whether there are photos for it.
 bool HasLost(const LegEvidence& evidence);

@@ -68,6 +68,7 @@ double SigmaHorizontal(const poses::PosedPhoto& photo) {
 
 PhotoRecord RecordOf(const poses::PosedPhoto& posed, bool is_unplaced, const geo::LocalFrame& frame) {
   PhotoRecord record;
+  record.is_unplaced = is_unplaced;
   if (!is_unplaced) {
     record.center_in_enu = posed.cam_from_enu.TargetOriginInSource();
     const double sigma_m = SigmaHorizontal(posed);
@@ -190,12 +191,13 @@ void TakeOver(const Registration& registration, const BlockPlace& place, const P
   photo.height_above_ground_m = std::max(0.5, center.z() - second.posed.ground_z_in_enu_m);
   const double unknown_m = kUnknownShare * photo.height_above_ground_m;
   Eigen::Vector3d expected = center, sigma = Eigen::Vector3d::Constant(unknown_m);
-  CorrectedPose& corrected = second.corrected[i];
-  corrected = {};
+  PlacedByImages& placed = second.photos[i];
+  placed = {};
+  CorrectedPose& corrected = placed.corrected;
   // Positions that contradict the pictures say where the block is, not how its photos lie to each other.
   const bool is_contradicted = place.spread_sigmas > kContradictedSigmas;
-  second.has_record[i] = place.position_holds[i] && !is_contradicted ? 1 : 0;
-  if (second.has_record[i]) {
+  placed.has_record = place.position_holds[i] && !is_contradicted;
+  if (placed.has_record) {
     expected.head<2>() = record.center_in_enu->head<2>();
     sigma.head<2>() = place.spread_sigmas * record.sigma_m.head<2>();
     const double height_m = record.center_in_enu->z() + height_offset_m;
@@ -223,46 +225,38 @@ void TakeOver(const Registration& registration, const BlockPlace& place, const P
   corrected.start_cam_from_enu = pose;
   corrected.prior_cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(
       attitude_holds ? *record.cam_from_enu : pose.rotation, expected);
-  second.by_images[i] = 1;
+  placed.is_placed = true;
 }
 
 }  // namespace
 
-poses::PosedFlight WithUnplaced(const poses::PosedFlight& posed, std::vector<char>* is_unplaced) {
-  poses::PosedFlight all = posed;
-  is_unplaced->assign(posed.photos.size(), 0);
-  if (posed.unplaced.empty()) return all;
+WholeFlight WithUnplaced(const poses::PosedFlight& recorded) {
+  WholeFlight whole{recorded, {}};
+  poses::PosedFlight& posed = whole.posed;
+  if (recorded.unplaced.empty()) {
+    for (const poses::PosedPhoto& photo : posed.photos)
+      whole.records.push_back(RecordOf(photo, false, posed.frame));
+    return whole;
+  }
   std::vector<double> heights;
   for (const poses::PosedPhoto& photo : posed.photos) heights.push_back(photo.height_above_ground_m);
   const double height_m = heights.empty() ? kStandInHeightM : Median(std::move(heights));
-  for (const flight::Photo& photo : posed.unplaced) {
-    all.photos.push_back(StandIn(photo, posed.frame, height_m, posed.ground_z_in_enu_m));
-    is_unplaced->push_back(1);
-  }
-  all.unplaced.clear();
-  std::vector<std::size_t> order(all.photos.size());
+  for (const flight::Photo& photo : recorded.unplaced)
+    posed.photos.push_back(StandIn(photo, posed.frame, height_m, posed.ground_z_in_enu_m));
+  posed.unplaced.clear();
+  std::vector<std::size_t> order(posed.photos.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return flight::ComesBefore(all.photos[a].photo, all.photos[b].photo);
+    return flight::ComesBefore(posed.photos[a].photo, posed.photos[b].photo);
   });
   std::vector<poses::PosedPhoto> sorted;
-  std::vector<char> flags;
   for (const std::size_t i : order) {
-    sorted.push_back(std::move(all.photos[i]));
-    flags.push_back((*is_unplaced)[i]);
+    whole.records.push_back(RecordOf(posed.photos[i], i >= recorded.photos.size(), posed.frame));
+    sorted.push_back(std::move(posed.photos[i]));
     sorted.back().covariance_with_next.setZero();  // the next one is another now
   }
-  all.photos = std::move(sorted);
-  *is_unplaced = std::move(flags);
-  return all;
-}
-
-std::vector<PhotoRecord> RecordsOf(const poses::PosedFlight& posed, const std::vector<char>& is_unplaced) {
-  std::vector<PhotoRecord> records;
-  for (std::size_t i = 0; i < posed.photos.size(); ++i) {
-    records.push_back(RecordOf(posed.photos[i], is_unplaced[i] != 0, posed.frame));
-  }
-  return records;
+  posed.photos = std::move(sorted);
+  return whole;
 }
 
 flight::Remark NotTaken(flight::Remark why) {
@@ -280,7 +274,7 @@ std::optional<SecondLeg> PlaceByImages(const FirstLeg& first, std::size_t tied_b
   records.photos = *first.records;
   std::vector<double> sigmas, heights;
   for (std::size_t i = 0; i < count; ++i) {
-    if ((*first.is_unplaced)[i]) continue;
+    if (records.photos[i].is_unplaced) continue;
     sigmas.push_back(records.photos[i].sigma_m.z());
     heights.push_back(posed.photos[i].height_above_ground_m);
   }
@@ -307,12 +301,10 @@ std::optional<SecondLeg> PlaceByImages(const FirstLeg& first, std::size_t tied_b
   const auto readable = std::count_if(first.features->begin(), first.features->end(), ShowsEnough);
   second.is_nearly_all = static_cast<double>(second.tied) >= kNearlyAll * static_cast<double>(readable) &&
                          registration.residual_rms_px < kSoundResidualShare * MedianWidthPx(posed);
-  second.by_images.assign(count, 0);
-  second.has_record.assign(count, 1);
-  second.corrected.resize(count);
+  second.photos.resize(count);
   for (std::size_t i = 0; i < count; ++i) {
-    second.corrected[i].start_cam_from_enu = second.corrected[i].prior_cam_from_enu =
-        posed.photos[i].cam_from_enu;
+    CorrectedPose& corrected = second.photos[i].corrected;
+    corrected.start_cam_from_enu = corrected.prior_cam_from_enu = posed.photos[i].cam_from_enu;
   }
   for (std::size_t b = 0; b < registration.block_sizes.size(); ++b) {
     const int block = static_cast<int>(b);
@@ -349,7 +341,7 @@ std::optional<SecondLeg> PlaceByImages(const FirstLeg& first, std::size_t tied_b
     }
   }
   for (const VerifiedPair& link : registration.links) {
-    if (second.by_images[link.first]) second.links.push_back(link);
+    if (second.photos[link.first].is_placed) second.links.push_back(link);
   }
   for (const BundleLens& lens : registration.lenses) second.lenses.push_back(lens.intrinsics);
   return second;

@@ -29,17 +29,20 @@ inline constexpr double kUnknownShare = 0.5;
 // The recorded poses as the first leg left them.
 struct FirstLeg {
   const poses::PosedFlight* posed = nullptr;
-  const std::vector<char>* is_unplaced = nullptr;               // by photo: its pose stands for none
   const std::vector<const PhotoFeatures*>* features = nullptr;  // of all photos that could be read
-  const std::vector<PhotoRecord>* records = nullptr;            // RecordsOf the flight
-  const BundleProblem* problem = nullptr;                       // for its lenses
+  const std::vector<PhotoRecord>* records = nullptr;
+  const BundleProblem* problem = nullptr;  // for its lenses
+};
+
+struct PlacedByImages {
+  CorrectedPose corrected;
+  bool is_placed = false;
+  bool has_record = true;  // a recorded position that agrees
 };
 
 struct SecondLeg {
   poses::PosedFlight posed;
-  std::vector<char> by_images;   // by photo
-  std::vector<char> has_record;  // by photo: a recorded position that agrees
-  std::vector<CorrectedPose> corrected;
+  std::vector<PlacedByImages> photos;
   std::vector<VerifiedPair> links;
   std::vector<camera::Intrinsics> lenses;  // as the problem numbers them
   bool is_placed = false;                  // on Earth
@@ -49,13 +52,14 @@ struct SecondLeg {
   bool is_nearly_all = false;
 };
 
-// Photos that the flight could not place, as photos of it: in the order of capture, with poses that stand for
-// none.
-poses::PosedFlight WithUnplaced(const poses::PosedFlight& posed, std::vector<char>* is_unplaced);
+struct WholeFlight {
+  poses::PosedFlight posed;
+  std::vector<PhotoRecord> records;  // by photo, with what they claim to be good for
+};
 
-// What the flight records of each photo, with what it claims to be good for: of those that are unplaced only
-// the horizontal position, if they have one.
-std::vector<PhotoRecord> RecordsOf(const poses::PosedFlight& posed, const std::vector<char>& is_unplaced);
+// A flight with the photos that it could not place as photos of it: in the order of capture, with poses that
+// stand for none, and of the records only the horizontal position, if there is one.
+WholeFlight WithUnplaced(const poses::PosedFlight& recorded);
 
 // The outcome of an attempt whose result is not the map's.
 flight::Remark NotTaken(flight::Remark why);

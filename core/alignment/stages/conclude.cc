@@ -71,7 +71,7 @@ AlignPhotoReport PhotoReport(const ExtractedFlight& extracted, const Leg& leg, s
   AlignPhotoReport told;
   told.name = extracted.posed.photos[i].photo.name;
   told.features = static_cast<int>(extracted.photographed.features[i].keypoints.size());
-  told.is_by_images = leg.by_images[i] != 0;
+  told.is_by_images = leg.problem.photos[i].is_by_images;
   return told;
 }
 

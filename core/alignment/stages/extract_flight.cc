@@ -24,13 +24,14 @@ Error AlignmentCancelled() { return {ErrorCode::kCancelled, "the alignment was c
 Result<ExtractedFlight> ExtractFlight(const poses::PosedFlight& recorded, const flight::PhotoSource& source,
                                       const AlignOptions& options, FoundFeatures found, Progress& progress) {
   ExtractedFlight extracted;
-  extracted.posed = WithUnplaced(recorded, &extracted.is_unplaced);
+  WholeFlight whole = WithUnplaced(recorded);
+  extracted.posed = std::move(whole.posed);
+  extracted.records = std::move(whole.records);
   extracted.photographed = ExtractAll(extracted.posed, source, options.Features(), std::move(found),
                                       options.threads, kLastFraction, progress);
   if (progress.IsCancelled()) return AlignmentCancelled();
   extracted.readable = extracted.photographed.Readable();
   extracted.gyros = TieGyrosToRows(extracted.posed, extracted.readable, options.threads);
-  extracted.records = RecordsOf(extracted.posed, extracted.is_unplaced);
   std::vector<Eigen::Vector2d> places;
   for (const poses::PosedPhoto& photo : extracted.posed.photos) {
     places.push_back(photo.cam_from_enu.TargetOriginInSource().head<2>());

@@ -23,7 +23,6 @@ struct ExtractedFlight {
   ExtractedFlight& operator=(ExtractedFlight&&) = default;
 
   poses::PosedFlight posed;  // in frame enu; with poses that stand for none where no record places a photo
-  std::vector<char> is_unplaced;     // by photo: those
   std::vector<PhotoRecord> records;  // by photo
   std::vector<int> lines;            // by photo: the flight line it was taken on
   Photographed photographed;

@@ -37,9 +37,14 @@ std::vector<Eigen::Vector3d> ReliefPoints(const std::vector<Track>& tracks) {
 }  // namespace
 
 WeighedLeg AsWeighed(const ExtractedFlight& extracted, const Leg& leg) {
-  return {&extracted.records,        &extracted.readable,  &extracted.is_unplaced,
-          &leg.matched.links,        &leg.problem,         ResidualAtWidth(leg.adjusted.rms_px, leg.posed),
-          leg.adjusted.observations, leg.adjusted.dropped, leg.is_adjusted};
+  return {&extracted.records,
+          &extracted.readable,
+          &leg.matched.links,
+          &leg.problem,
+          ResidualAtWidth(leg.adjusted.rms_px, leg.posed),
+          leg.adjusted.observations,
+          leg.adjusted.dropped,
+          leg.is_adjusted};
 }
 
 Leg Adjusted(Leg leg, const BundleOptions& bundle_options, const AlignOptions& options) {

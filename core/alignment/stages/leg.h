@@ -23,7 +23,6 @@ struct Leg {
   BundleProblem problem;
   BundleSummary adjusted;  // by the last adjustment
   bool is_adjusted = false;
-  std::vector<char> by_images;         // by photo: placed by what it shows
   std::vector<ControlReport> control;  // by surveyed point, once tied to them
   // Heights of all that were not believed, positions of all that were late.
   std::vector<flight::Remark> corrected_records;

@@ -26,11 +26,10 @@ Result<Leg> MatchByRecords(const ExtractedFlight& extracted, const AlignOptions&
   Leg leg;
   leg.posed = extracted.posed;
   leg.relief = Relief(leg.posed.ground_z_in_enu_m);
-  leg.by_images.assign(count, 0);
   leg.input = MakeMatchingInput(leg.posed);
   leg.input.features = extracted.readable;
   for (std::size_t i = 0; i < count; ++i) {
-    if (extracted.is_unplaced[i]) leg.input.features[i] = nullptr;  // until the images place it
+    if (extracted.records[i].is_unplaced) leg.input.features[i] = nullptr;  // until the images place it
     const poses::PosedPhoto& photo = leg.posed.photos[i];
     if (photo.photo.turning) leg.input.views[i].readout_motion = ReadoutMotion(photo, 0);
   }

@@ -89,8 +89,7 @@ TriedSecondLeg TrySecondLeg(const ExtractedFlight& extracted, const Leg& by_reco
   progress.Report(0.82, "placing photos by what they show");
   // Where residuals are in doubt, as many photos tied are not better by number.
   const bool takes_equal = is_asked_for || evidence.Lost() == 0;
-  const FirstLeg first{&by_records.posed, &extracted.is_unplaced, &extracted.readable, &extracted.records,
-                       &by_records.problem};
+  const FirstLeg first{&by_records.posed, &extracted.readable, &extracted.records, &by_records.problem};
   tried.second = PlaceByImages(first, evidence.tied, takes_equal, options.control, options.threads,
                                tried.report, progress);
   return tried;
@@ -121,7 +120,7 @@ Leg AdjustedByRecords(const ExtractedFlight& extracted, Leg leg, bool takes_in_l
     leg.input.views = ViewsOf(leg.problem);
     const std::vector<Track> seen = GroundTracks(leg, options);
     if (TakeInLost(AsWeighed(extracted, leg), seen, leg.relief, options.threads, leg.posed, leg.input,
-                   leg.matched, leg.problem, leg.by_images) == 0) {
+                   leg.matched, leg.problem) == 0) {
       // Photos just taken in have few points yet, and may be all that the next ones have in common with the
       // rest.
       if (!took_in || is_rematched) break;
@@ -138,7 +137,8 @@ Leg AdjustedByRecords(const ExtractedFlight& extracted, Leg leg, bool takes_in_l
 // The leg from where the images place the photos, as if the records had said so.
 Leg GoOnFrom(SecondLeg second, const ExtractedFlight& extracted, Leg leg) {
   leg.posed = std::move(second.posed);
-  leg.matched.corrected = std::move(second.corrected);
+  leg.matched.corrected.clear();
+  for (PlacedByImages& photo : second.photos) leg.matched.corrected.push_back(std::move(photo.corrected));
   leg.matched.links = std::move(second.links);
   leg.matched.pairs.clear();
   for (const VerifiedPair& link : leg.matched.links)
@@ -159,11 +159,11 @@ Leg GoOnFrom(SecondLeg second, const ExtractedFlight& extracted, Leg leg) {
   leg.input = MakeMatchingInput(leg.posed);
   leg.input.features = extracted.readable;
   for (std::size_t i = 0; i < extracted.readable.size(); ++i) {
-    if (!second.by_images[i]) leg.input.features[i] = nullptr;
-    leg.problem.photos[i].has_record = second.has_record[i] != 0;
+    if (!second.photos[i].is_placed) leg.input.features[i] = nullptr;
+    leg.problem.photos[i].has_record = second.photos[i].has_record;
+    leg.problem.photos[i].is_by_images = second.photos[i].is_placed;
   }
   leg.input.views = ViewsOf(leg.problem);
-  leg.by_images = std::move(second.by_images);
   return leg;
 }
 
@@ -193,7 +193,7 @@ PlacedFlight BetterOf(const ExtractedFlight& extracted, Leg by_records, TriedSec
 Leg Levelled(const ExtractedFlight& extracted, Leg leg, const AlignOptions& options) {
   const std::optional<Levelling> levelling = FindLevelling(leg.problem, extracted.records);
   if (!levelling) return leg;
-  Level(*levelling, extracted.records, leg.by_images, leg.problem);
+  Level(*levelling, extracted.records, leg.problem);
   leg.input.views = ViewsOf(leg.problem);
   leg = Adjusted(std::move(leg), SettledAdjustment(), options);
   leg.corrected_records.push_back({flight::RemarkCode::kHeightsTilted,

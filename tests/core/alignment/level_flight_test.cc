@@ -65,7 +65,7 @@ TEST(FindLevelling, LaysATiltedFlightLevel) {
   ASSERT_TRUE(levelling);
   EXPECT_NEAR(levelling->tilt_rad, 0.2, 1e-9);
   EXPECT_NEAR(levelling->height_range_m, 15.0, 1.0);
-  Level(*levelling, flown.records, std::vector<char>(12, 0), flown.problem);
+  Level(*levelling, flown.records, flown.problem);
   double first_z = flown.problem.photos[0].cam_from_enu.TargetOriginInSource().z();
   for (int i = 0; i < 12; ++i) {
     const BundlePhoto& photo = flown.problem.photos[static_cast<std::size_t>(i)];
@@ -106,7 +106,8 @@ TEST(Level, TurnsWhatWasExpectedOfPhotosThatTheImagesPlaced) {
   }
   const auto levelling = FindLevelling(flown.problem, flown.records);
   ASSERT_TRUE(levelling);
-  Level(*levelling, flown.records, std::vector<char>(12, 1), flown.problem);
+  for (BundlePhoto& photo : flown.problem.photos) photo.is_by_images = true;
+  Level(*levelling, flown.records, flown.problem);
   for (const BundlePhoto& photo : flown.problem.photos) {
     EXPECT_LT(
         (photo.prior_cam_from_enu.TargetOriginInSource() - photo.cam_from_enu.TargetOriginInSource()).norm(),

@@ -146,7 +146,6 @@ TEST(Weigh, CountsWhatTheRecordsClaim) {
   PhotoFeatures rich;
   rich.keypoints.resize(500);
   std::vector<const PhotoFeatures*> features(kCount, &rich);
-  std::vector<char> is_unplaced(kCount, 0);
   std::vector<VerifiedPair> links{{0, 1, {}, {}, 0.0}, {1, 2, {}, {}, 0.0}};
   for (std::size_t i = 0; i < kCount; ++i) {
     const Eigen::Vector3d center(10.0 * static_cast<double>(i), 0.0, 50.0);
@@ -158,8 +157,8 @@ TEST(Weigh, CountsWhatTheRecordsClaim) {
   }
   records[1].center_in_enu->x() += 20.0;
   records[2].cam_from_enu = Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitX()));
-  is_unplaced[3] = 1;
-  const LegEvidence evidence = Weigh({&records, &features, &is_unplaced, &links, &problem, 1.5});
+  records[3].is_unplaced = true;
+  const LegEvidence evidence = Weigh({&records, &features, &links, &problem, 1.5});
   EXPECT_EQ(evidence.readable, 4U);
   EXPECT_EQ(evidence.tied, 3U);
   EXPECT_EQ(evidence.Lost(), 1U);
