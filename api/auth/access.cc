@@ -7,10 +7,10 @@
 #include <stdexcept>
 
 #include "api/auth/limits.h"
+#include "api/common/node_answers.h"
 #include "api/http/digest.h"
 #include "api/http/problem.h"
 #include "api/json/json_codec.h"
-#include "api/nodeodm/nodeodm.h"
 
 namespace skyquilt::api {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "api/auth/access.h"
+#include "api/common/node_answers.h"
 #include "api/http/problem.h"
-#include "api/nodeodm/nodeodm.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "api/flights/locate.h"
+#include "api/common/locate.h"
 #include "api/forms/geojson_body.h"
 #include "api/json/json_text.h"
 #include "api/surface/map_surface.h"

@@ -7,12 +7,12 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "api/flights/locate.h"
+#include "api/common/locate.h"
 #include "api/http/problem.h"
 #include "api/http/responses.h"
-#include "api/indices/index_values.h"
 #include "api/shown_map.h"
 #include "api/surface/map_surface.h"
+#include "api/tiles/index_values.h"
 #include "api/tiles/map_window.h"
 #include "api/tiles/tiles.h"
 #include "core/base/try.h"

@@ -9,8 +9,8 @@
 #include <optional>
 #include <string>
 
+#include "api/common/index_look.h"
 #include "api/http/router.h"
-#include "api/indices/index_look.h"
 #include "api/service.h"
 #include "core/geo/lat_lon.h"
 #include "core/pipeline/report/locate.h"

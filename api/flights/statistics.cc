@@ -7,11 +7,11 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "api/flights/locate.h"
+#include "api/common/locate.h"
 #include "api/forms/geojson_body.h"
 #include "api/http/responses.h"
-#include "api/indices/index_values.h"
 #include "api/json/json_text.h"
+#include "api/tiles/index_values.h"
 #include "api/tiles/tiles.h"
 #include "core/base/try.h"
 #include "core/geo/web_mercator.h"

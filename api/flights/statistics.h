@@ -10,8 +10,8 @@
 #include <string>
 #include <string_view>
 
+#include "api/common/index_look.h"
 #include "api/http/router.h"
-#include "api/indices/index_look.h"
 #include "api/service.h"
 
 namespace skyquilt::api {

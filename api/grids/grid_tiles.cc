@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "api/http/responses.h"
-#include "api/indices/index_values.h"
+#include "api/tiles/index_values.h"
 #include "api/tiles/map_window.h"
 #include "api/tiles/tile_answer.h"
 #include "api/tiles/transcode_tile.h"

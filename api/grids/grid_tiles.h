@@ -9,8 +9,8 @@
 #include <optional>
 #include <string>
 
+#include "api/common/index_look.h"
 #include "api/grids/map_grid.h"
-#include "api/indices/index_look.h"
 #include "api/tiles/tiles.h"
 
 namespace skyquilt::api {

@@ -4,8 +4,8 @@
 
 #include <array>
 
+#include "api/common/xml_text.h"
 #include "api/http/responses.h"
-#include "api/ogc/map_view.h"
 #include "api/tiles/transcode_tile.h"
 #include "core/pyramid/draw_legend.h"
 

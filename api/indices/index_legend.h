@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "api/common/index_look.h"
 #include "api/http/http_message.h"
-#include "api/indices/index_look.h"
 #include "core/indices/colour_ramp.h"
 
 namespace skyquilt::api {

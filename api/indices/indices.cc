@@ -6,8 +6,8 @@
 #include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/indices/index_legend.h"
-#include "api/indices/index_values.h"
 #include "api/indices/zones.h"
+#include "api/tiles/index_values.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "api/http/responses.h"
-#include "api/indices/index_values.h"
+#include "api/tiles/index_values.h"
 #include "core/base/try.h"
 #include "core/geo/web_mercator.h"
 #include "core/indices/value_summary.h"

@@ -7,7 +7,7 @@
 
 #include <string>
 
-#include "api/indices/index_look.h"
+#include "api/common/index_look.h"
 #include "api/service.h"
 #include "storage/rasters/class_outlines.h"
 

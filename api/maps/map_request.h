@@ -10,8 +10,8 @@
 
 #include <optional>
 
+#include "api/common/background.h"
 #include "api/http/http_message.h"
-#include "api/maps/background.h"
 #include "api/tiles/map_crs.h"
 #include "core/geo/bounds.h"
 

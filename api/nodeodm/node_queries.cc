@@ -161,20 +161,6 @@ std::string LineOf(const storage::Event& event) {
 
 }  // namespace
 
-Response NodeAnswer(std::string json) { return Json(200, std::move(json)); }
-
-Response NodeRefusal(std::string_view message, bool no_retry) {
-  Value answer;
-  answer["error"] = message;
-  if (no_retry) answer["noRetry"] = true;
-  return NodeAnswer(NodeJson(answer));
-}
-
-Response NodeProblem(const Error& error, const Request& request) {
-  if (StatusOf(error.code) >= 500) return Problem(error, request);
-  return NodeRefusal(error.message);
-}
-
 Result<storage::NodeTask> FindNodeTask(Service& service, std::string_view text) {
   const Error unknown{ErrorCode::kNotFound, fmt::format("{} not found", text), ""};
   const std::optional<std::string> uuid = NodeUuid(text);

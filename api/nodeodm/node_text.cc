@@ -10,21 +10,6 @@
 
 namespace skyquilt::api {
 
-std::optional<std::string> NodeUuid(std::string_view text) {
-  if (text.size() != 36) return std::nullopt;
-  std::string uuid(text);
-  for (std::size_t i = 0; i < uuid.size(); ++i) {
-    const bool is_dash = i == 8 || i == 13 || i == 18 || i == 23;
-    if (uuid[i] >= 'A' && uuid[i] <= 'F') uuid[i] = static_cast<char>(uuid[i] - 'A' + 'a');
-    const bool is_hex = (uuid[i] >= '0' && uuid[i] <= '9') || (uuid[i] >= 'a' && uuid[i] <= 'f');
-    if (is_dash ? uuid[i] != '-' : !is_hex) return std::nullopt;
-  }
-  const bool has_version = uuid[14] >= '1' && uuid[14] <= '7';
-  const bool has_variant = std::string_view("89ab").find(uuid[19]) != std::string_view::npos;
-  if (!has_version || !has_variant) return std::nullopt;
-  return uuid;
-}
-
 std::string NewNodeUuid() {
   std::array<std::uint8_t, 16> bytes{};
   if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) {

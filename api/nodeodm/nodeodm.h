@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "api/common/node_answers.h"
 #include "api/http/router.h"
 #include "api/service.h"
 
@@ -23,12 +24,6 @@ void AddNodeArchiveRoute(Router& router, Service& service);  // all.zip
 bool IsNodeEngine(std::string_view name);
 
 // What these files share.
-Response NodeAnswer(std::string json);
-Response NodeRefusal(std::string_view message, bool no_retry = false);
-// An error as the contract has it: trouble that may pass is a 5xx, all else a refusal.
-Response NodeProblem(const Error& error, const Request& request);
-// UUID of versions 1 to 7 in the usual form, any case; answers it in lower case.
-std::optional<std::string> NodeUuid(std::string_view text);
 std::string NewNodeUuid();
 // The committed task of this name. Errors: kNotFound with the contract's text.
 Result<storage::NodeTask> FindNodeTask(Service& service, std::string_view uuid);

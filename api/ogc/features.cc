@@ -7,11 +7,11 @@
 #include <nlohmann/json.hpp>
 
 #include "api/auth/flight_access.h"
+#include "api/common/feature_query.h"
 #include "api/http/links.h"
 #include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
-#include "api/ogc/feature_query.h"
 #include "api/ogc/ogc_format.h"
 #include "api/shown_map.h"
 #include "api/stac/stac_search.h"

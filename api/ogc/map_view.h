@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "api/common/xml_text.h"
 #include "api/grids/map_grid.h"
 #include "api/http/http_message.h"
 #include "api/service.h"
@@ -73,10 +74,8 @@ std::vector<int> TileSizesOf(int stored_size_px);
 // "WebMercatorQuad", or with the side of its tiles where that is not 256.
 std::string MatrixSetName(int tile_size_px);
 
-std::string XmlText(std::string_view text);
 // Which is not kept.
 Response OgcDocument(std::string json);
-Response Xml(std::string body, const char* content_type = "application/xml");
 
 // An OWS or WMS parameter by its name, whatever its case.
 std::optional<std::string> Parameter(const Request& request, std::string_view name);

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "api/ogc/accept.h"
+#include "api/common/accept.h"
 #include "core/base/check.h"
 #include "core/base/try.h"
 

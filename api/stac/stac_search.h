@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "api/common/feature_query.h"
 #include "api/http/http_message.h"
-#include "api/ogc/feature_query.h"
 #include "core/base/result.h"
 #include "storage/catalogue/catalogue.h"
 #include "storage/rasters/geojson_shape.h"

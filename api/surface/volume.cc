@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "api/flights/locate.h"
+#include "api/common/locate.h"
 #include "api/forms/geojson_body.h"
 #include "api/http/responses.h"
 #include "api/json/json_text.h"

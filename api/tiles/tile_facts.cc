@@ -1,6 +1,6 @@
 #include "api/tiles/tile_facts.h"
 
-#include "api/indices/index_values.h"
+#include "api/tiles/index_values.h"
 #include "api/tiles/tiles.h"
 #include "core/base/try.h"
 

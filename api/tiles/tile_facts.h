@@ -18,7 +18,7 @@ struct Service;
 struct TileFacts {
   int side_px = 256;
   bool is_webp = false;            // throughout; else JPEG within and WebP or PNG at the edge
-  std::vector<std::string> bands;  // as api/indices/index_values.h has them at hand
+  std::vector<std::string> bands;  // as api/tiles/index_values.h has them at hand
 };
 TileFacts FactsOf(Service& service, const storage::Tileset& tileset);
 

@@ -7,13 +7,13 @@
 #include <memory>
 #include <utility>
 
+#include "api/common/accept.h"
 #include "api/http/etag.h"
 #include "api/http/problem.h"
 #include "api/http/responses.h"
-#include "api/indices/index_values.h"
 #include "api/json/json_codec.h"
-#include "api/ogc/accept.h"
 #include "api/tiles/cut_tile.h"
+#include "api/tiles/index_values.h"
 #include "api/tiles/map_window.h"
 #include "api/tiles/tile_answer.h"
 #include "api/tiles/tile_path.h"

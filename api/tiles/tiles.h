@@ -1,12 +1,11 @@
-// Tiles of the map that a flight shows and of the layers beside it: XYZ images with content-hash ETags, and
-// TileJSON 3.0.0. https://github.com/mapbox/tilejson-spec/tree/master/3.0.0
+// Tiles of the map that a flight shows and of the layers beside it: XYZ images with content-hash ETags.
 #pragma once
 
 #include <optional>
 #include <string>
 
+#include "api/common/index_look.h"
 #include "api/http/router.h"
-#include "api/indices/index_look.h"
 #include "api/service.h"
 #include "core/geo/tile_id.h"
 #include "core/image/picture_format.h"
@@ -15,7 +14,6 @@
 namespace skyquilt::api {
 
 void AddTileRoutes(Router& router, Service& service);
-void AddTileJsonRoute(Router& router, Service& service);
 
 enum class EmptyTile { kBlank, kNoContent, kNotFound };
 

@@ -2,15 +2,15 @@
 
 #include <fmt/format.h>
 
+#include "api/common/background.h"
 #include "api/flights/point.h"
 #include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/indices/index_legend.h"
-#include "api/indices/index_values.h"
-#include "api/maps/background.h"
 #include "api/ogc/feature_info.h"
 #include "api/ogc/listed_maps.h"
 #include "api/ogc/map_view.h"
+#include "api/tiles/index_values.h"
 #include "api/tiles/map_crs.h"
 #include "api/tiles/map_window.h"
 #include "api/tiles/transcode_tile.h"

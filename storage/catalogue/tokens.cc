@@ -7,7 +7,6 @@
 
 #include "core/base/check.h"
 #include "core/base/try.h"
-#include "storage/jobs/map_exports.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -188,6 +187,15 @@ bool Tokens::RequiresToken() {
   // A catalogue that cannot be read opens nothing.
   if (!was_read_ || HasChanged()) return !Known() || requires_token_;
   return requires_token_;
+}
+
+Result<void> EndExportsOf(SqlConnection& db, const std::string& owner) {
+  for (const char* sql : {"DELETE FROM map_export WHERE owner=? AND state IN ('accepted','running')",
+                          "UPDATE map_export SET expires_us=0 WHERE owner=?"}) {
+    SKYQUILT_TRY_ASSIGN(Statement end, db.Prepare(sql));
+    SKYQUILT_TRY(end.Bind(1, owner).Run());
+  }
+  return {};
 }
 
 }  // namespace skyquilt::storage

@@ -54,7 +54,7 @@ class Tokens {
   Result<void> Add(const Token& token);
   // One that opens a flight. It closes no server that asks nobody for a token.
   Result<void> AddShare(const Token& token);
-  // A link's exports end with it (storage/jobs/map_exports.h).
+  // A link's exports end with it (EndExportsOf).
   Result<void> Revoke(const std::string& name);
   // A token of this flight alone, and its exports; kNotFound for any other.
   Result<void> RevokeShare(const std::string& flight_id, const std::string& id);
@@ -80,5 +80,9 @@ class Tokens {
   std::chrono::steady_clock::time_point read_at_;
   ReadAgain again_;  // last: its thread uses all of the above
 };
+
+// For the transaction that ends a link: what it asked for and was not made yet is forgotten, whose maker
+// learns of it at its next heartbeat; what was made has expired.
+Result<void> EndExportsOf(SqlConnection& db, const std::string& owner);
 
 }  // namespace skyquilt::storage

@@ -7,6 +7,7 @@
 
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
+#include "storage/catalogue/tokens.h"
 #include "storage/db/ids.h"
 #include "storage/files/data_dir.h"
 #include "storage/jobs/job_rows.h"
@@ -275,15 +276,6 @@ Result<std::vector<MapExport>> MapExports::Expired() const {
                           "SELECT {} FROM map_export e WHERE e.expires_us<? ORDER BY e.id", kExportColumns)));
   query.Bind(1, ToUs(db_.ages().Now()));
   return AllOf(query);
-}
-
-Result<void> EndExportsOf(SqlConnection& db, const std::string& owner) {
-  for (const char* sql : {"DELETE FROM map_export WHERE owner=? AND state IN ('accepted','running')",
-                          "UPDATE map_export SET expires_us=0 WHERE owner=?"}) {
-    SKYQUILT_TRY_ASSIGN(Statement end, db.Prepare(sql));
-    SKYQUILT_TRY(end.Bind(1, owner).Run());
-  }
-  return {};
 }
 
 std::string ExportKey(const MapExport& made) {

@@ -92,10 +92,6 @@ class MapExports {
   std::atomic<bool> has_new_{true};
 };
 
-// For the transaction that ends a link: what it asked for and was not made yet is forgotten, whose maker
-// learns of it at its next heartbeat; what was made has expired.
-Result<void> EndExportsOf(SqlConnection& db, const std::string& owner);
-
 // The key of an export's blob, "flights/<flight>/exports/<id>.tif", and the folder of such.
 std::string ExportKey(const MapExport& made);
 inline constexpr const char* kExportsFolder = "exports";

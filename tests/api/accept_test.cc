@@ -1,4 +1,4 @@
-#include "api/ogc/accept.h"
+#include "api/common/accept.h"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "api/maps/background.h"
+#include "api/common/background.h"
 #include "api/maps/map_request.h"
 #include "api/tiles/map_crs.h"
 #include "tests/api/maps/textured_map.h"

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "api/stac/capture_times.h"
+#include "api/common/capture_times.h"
 #include "core/base/result.h"
 #include "core/geo/lat_lon_bounds.h"
 

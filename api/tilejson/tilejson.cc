@@ -1,3 +1,5 @@
+#include "api/tilejson/tilejson.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -5,15 +7,15 @@
 #include <nlohmann/json.hpp>
 
 #include "api/auth/flight_access.h"
+#include "api/common/feature_query.h"
 #include "api/http/links.h"
 #include "api/http/problem.h"
 #include "api/http/responses.h"
-#include "api/indices/index_values.h"
 #include "api/json/json_codec.h"
-#include "api/ogc/feature_query.h"
 #include "api/surface/map_surface.h"
 #include "api/surface/terrain.h"
 #include "api/tiles/cut_tile.h"
+#include "api/tiles/index_values.h"
 #include "api/tiles/tiles.h"
 #include "core/base/try.h"
 #include "core/geo/lat_lon_bounds.h"

@@ -1,4 +1,4 @@
-#include "api/maps/background.h"
+#include "api/common/background.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "api/ogc/feature_query.h"
+#include "api/common/feature_query.h"
 
 #include <algorithm>
 #include <array>

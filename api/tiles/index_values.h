@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "api/indices/index_look.h"
+#include "api/common/index_look.h"
 #include "api/service.h"
 #include "api/tiles/map_window.h"
 #include "core/geo/bounds.h"

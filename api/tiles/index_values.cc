@@ -1,4 +1,4 @@
-#include "api/indices/index_values.h"
+#include "api/tiles/index_values.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,4 +1,4 @@
-#include "api/stac/capture_times.h"
+#include "api/common/capture_times.h"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-#include "api/flights/locate.h"
+#include "api/common/locate.h"
 
 #include <charconv>
 #include <cmath>

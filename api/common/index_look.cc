@@ -1,4 +1,4 @@
-#include "api/indices/index_look.h"
+#include "api/common/index_look.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
