@@ -32,15 +32,15 @@ Vector3d Residual(const RelativeRotation& pair, const std::vector<Quaterniond>& 
 
 // Best supported pairs first, from the photo that most hang on.
 void FollowTree(int photos, const std::vector<RelativeRotation>& pairs, AveragedRotations& averaged) {
-  std::vector<std::vector<int>> of_photo(static_cast<std::size_t>(photos));
-  std::vector<double> support(static_cast<std::size_t>(photos), 0.0);
+  std::vector<std::vector<int>> of_photo(photos);
+  std::vector<double> support(photos, 0.0);
   for (std::size_t p = 0; p < pairs.size(); ++p) {
     for (const int end : {pairs[p].first, pairs[p].second}) {
       of_photo[end].push_back(static_cast<int>(p));
       support[end] += pairs[p].weight;
     }
   }
-  std::vector<int> order(static_cast<std::size_t>(photos));
+  std::vector<int> order(photos);
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return support[a] > support[b]; });
   int components = 0;
@@ -55,7 +55,7 @@ void FollowTree(int photos, const std::vector<RelativeRotation>& pairs, Averaged
     while (!open.empty()) {
       const RelativeRotation& pair = pairs[static_cast<std::size_t>(-std::get<1>(open.top()))];
       open.pop();
-      const auto first = static_cast<std::size_t>(pair.first), second = static_cast<std::size_t>(pair.second);
+      const int first = pair.first, second = pair.second;
       if (averaged.component[first] >= 0 && averaged.component[second] >= 0) continue;
       if (averaged.component[first] >= 0) {
         averaged.cam_from_world[second] =
@@ -112,8 +112,8 @@ double Step(const std::vector<RelativeRotation>& pairs, const std::vector<double
 
 AveragedRotations AverageRotations(int photos, const std::vector<RelativeRotation>& pairs) {
   AveragedRotations averaged;
-  averaged.cam_from_world.assign(static_cast<std::size_t>(photos), Quaterniond::Identity());
-  averaged.component.assign(static_cast<std::size_t>(photos), -1);
+  averaged.cam_from_world.assign(photos, Quaterniond::Identity());
+  averaged.component.assign(photos, -1);
   FollowTree(photos, pairs, averaged);
   std::vector<double> weights(pairs.size());
   const auto weigh = [&](auto&& of_residual) {

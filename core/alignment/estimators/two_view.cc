@@ -61,12 +61,12 @@ std::vector<int> FollowLoosely(const TwoViewPhoto& first, const TwoViewPhoto& se
   std::vector<int> best;
   const int step = std::max(1, count / kMaxProposals);
   for (int k = 0; k < count; k += step) {
-    const auto at = static_cast<std::size_t>(k);
+    const int at = k;
     const double scale = std::exp2(grown[at]);
     const double c = scale * std::cos(turn[at]), s = scale * std::sin(turn[at]);
     std::vector<int> inliers;
     for (int m = 0; m < count; ++m) {
-      const auto other = static_cast<std::size_t>(m);
+      const int other = m;
       const Vector2d apart = from[other] - from[at];
       const Vector2d expected =
           to[at] + Vector2d(c * apart.x() - s * apart.y(), s * apart.x() + c * apart.y());
@@ -95,7 +95,7 @@ std::vector<int> FollowLoosely(const TwoViewPhoto& first, const TwoViewPhoto& se
     motion.shift = fitted.row(2).transpose();
     best.clear();
     for (int m = 0; m < count; ++m) {
-      const auto at = static_cast<std::size_t>(m);
+      const int at = m;
       if ((to[at] - motion * from[at]).norm() < loose_px) best.push_back(m);
     }
     if (best.size() < 6) return {};
@@ -170,7 +170,7 @@ std::optional<RelativePose> FindByFive(const std::vector<RayPair>& pairs, const 
     std::array<RayPair, 5> five;
     const std::array<int, 5> drawn = sampler.Distinct<5>(static_cast<int>(among.size()));
     for (std::size_t k = 0; k < 5; ++k) {
-      five[k] = pairs[static_cast<std::size_t>(among[drawn[k]])];
+      five[k] = pairs[among[drawn[k]]];
     }
     for (const Matrix3d& essential : EssentialsOfFive(five)) {
       std::vector<int> near = NearEpipolar(essential, pairs, among, tolerance);
@@ -265,9 +265,9 @@ std::vector<Vector2d> RaysOf(const PhotoFeatures& features, const camera::Intrin
   return rays;
 }
 
-std::optional<TwoView> VerifyPair(const TwoViewPhoto& first, const TwoViewPhoto& second,
-                                  const std::vector<KeypointMatch>& matches, std::uint64_t seed,
-                                  const TwoViewOptions& options) {
+std::optional<TwoView> VerifyTwoViews(const TwoViewPhoto& first, const TwoViewPhoto& second,
+                                      const std::vector<KeypointMatch>& matches, std::uint64_t seed,
+                                      const TwoViewOptions& options) {
   const int least = std::max(8, options.min_matches);
   if (static_cast<int>(matches.size()) < least) return std::nullopt;
   const std::vector<int> loose = FollowLoosely(first, second, matches);

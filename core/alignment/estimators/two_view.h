@@ -1,9 +1,10 @@
-// VerifyPair: do the matches of two photos fit two cameras that look at one scene, and how were these turned
-// to each other? A flat scene, one in relief and a camera that only turned are told apart, because they leave
-// different things open. Lenses as given; a focal length that is off by a tenth still verifies. Deterministic
-// by the seed. Pure; any thread. Method: matches that roughly follow one similarity (each match proposes its
-// own); a homography by RANSAC; where that leaves many out, an essential matrix by five points (D. Nister,
-// PAMI 2004; in H. Stewenius' form, ISPRS 2006); then all candidate poses refined on Sampson's distance.
+// VerifyTwoViews: do the matches of two photos fit two cameras that look at one scene, and how were these
+// turned to each other? A flat scene, one in relief and a camera that only turned are told apart, because
+// they leave different things open. Lenses as given; a focal length that is off by a tenth still verifies.
+// Deterministic by the seed. Pure; any thread. Method: matches that roughly follow one similarity (each match
+// proposes its own); a homography by RANSAC; where that leaves many out, an essential matrix by five points
+// (D. Nister, PAMI 2004; in H. Stewenius' form, ISPRS 2006); then all candidate poses refined on Sampson's
+// distance.
 #pragma once
 
 #include <Eigen/Core>
@@ -31,8 +32,8 @@ struct TwoViewOptions {
 // Rays of a photo's keypoints, for TwoViewPhoto.
 std::vector<Eigen::Vector2d> RaysOf(const PhotoFeatures& features, const camera::Intrinsics& lens, int most);
 
-std::optional<TwoView> VerifyPair(const TwoViewPhoto& first, const TwoViewPhoto& second,
-                                  const std::vector<KeypointMatch>& matches, std::uint64_t seed,
-                                  const TwoViewOptions& options);
+std::optional<TwoView> VerifyTwoViews(const TwoViewPhoto& first, const TwoViewPhoto& second,
+                                      const std::vector<KeypointMatch>& matches, std::uint64_t seed,
+                                      const TwoViewOptions& options);
 
 }  // namespace skyquilt::alignment

@@ -44,7 +44,7 @@ SKYQUILT_VECTOR_CLONES void AddPairs(const Kernel& kernel, const Rows& before, c
                                      std::uint16_t* __restrict sum) {
   int k = 1;
   for (; k + 2 <= kernel.radius; k += 3) {
-    const auto first = static_cast<std::size_t>(k);
+    const int first = k;
     const std::uint16_t* const a0 = before[first];
     const std::uint16_t* const b0 = behind[first];
     const std::uint16_t* const a1 = before[first + 1];

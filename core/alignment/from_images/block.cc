@@ -47,7 +47,7 @@ double Block::SigmaPx(const TrackElement& element) const {
 }
 
 void Block::FindRays(int photo) {
-  const auto at = static_cast<std::size_t>(photo);
+  const int at = photo;
   const camera::Intrinsics& lens = Lens(photo);
   const PhotoFeatures& features = *input_->photos[at].features;
   std::vector<Eigen::Vector3d>& rays = rays_[at];
@@ -62,7 +62,7 @@ void Block::FindRays(int photo) {
 }
 
 void Block::Place(int photo, const geo::Rigid3& cam_from_world) {
-  const auto at = static_cast<std::size_t>(photo);
+  const int at = photo;
   placed_ += is_placed_[at] != 0 ? 0 : 1;
   is_placed_[at] = 1;
   cam_from_world_[at] = cam_from_world;
@@ -70,7 +70,7 @@ void Block::Place(int photo, const geo::Rigid3& cam_from_world) {
 }
 
 void Block::Remove(int photo) {
-  const auto at = static_cast<std::size_t>(photo);
+  const int at = photo;
   placed_ -= is_placed_[at] != 0 ? 1 : 0;
   is_placed_[at] = 0;
 }
@@ -92,7 +92,7 @@ void Block::Triangulate(int track) {
   std::vector<Eigen::Vector3d> rays;
   for (const int s : kept) {
     const TrackElement& element = elements[s];
-    const auto photo = static_cast<std::size_t>(element.photo);
+    const int photo = element.photo;
     rays.push_back(cam_from_world_[photo].rotation.conjugate() * rays_[photo][element.keypoint]);
   }
   while (kept.size() >= 2) {

@@ -37,7 +37,7 @@ std::vector<std::size_t> PhotosOf(const Registration& registration, int block) {
 std::vector<Vector3d> PointsOf(const Registration& registration, int block) {
   std::vector<Vector3d> points;
   for (const Track& track : registration.tracks) {
-    const auto first = static_cast<std::size_t>(track.observations.front().photo);
+    const int first = track.observations.front().photo;
     if (registration.photos[first].block == block) points.push_back(track.point_in_enu);
   }
   return points;
@@ -239,8 +239,7 @@ BlockPlace Georeference(const Registration& registration, int block, const Geore
   } else {
     std::vector<double> widths;
     for (std::size_t k = 0; k < photos.size(); ++k) {
-      const camera::Intrinsics& lens =
-          registration.lenses[static_cast<std::size_t>(registration.photos[photos[k]].lens)].intrinsics;
+      const camera::Intrinsics& lens = registration.lenses[registration.photos[photos[k]].lens].intrinsics;
       const double in_world = std::max(1e-6, (enu_from_world * centers[k]).z() - ground);
       widths.push_back(in_world / lens.MeanFocalPx() * std::max(lens.width_px, lens.height_px));
     }

@@ -54,7 +54,8 @@ class Verifier {
       const ComparedPair& pair = compared[p];
       const std::uint64_t seed =
           static_cast<std::uint64_t>(pair.first) * 1000003U + static_cast<std::uint64_t>(pair.second);
-      found[p] = VerifyPair(PhotoOf(pair.first), PhotoOf(pair.second), pair.matches, seed, options_.two_view);
+      found[p] =
+          VerifyTwoViews(PhotoOf(pair.first), PhotoOf(pair.second), pair.matches, seed, options_.two_view);
     });
     for (std::size_t p = 0; p < compared.size(); ++p) {
       if (found[p]) verified.push_back({compared[p].first, compared[p].second, *std::move(found[p])});
@@ -65,7 +66,7 @@ class Verifier {
   const camera::Intrinsics& LensOf(int i) const { return input_.lenses[input_.photos[i].lens].intrinsics; }
   const PhotoFeatures* FeaturesOf(int i) const { return input_.photos[i].features; }
   TwoViewPhoto PhotoOf(int i) const {
-    const auto at = static_cast<std::size_t>(i);
+    const int at = i;
     return {input_.photos[at].features, &LensOf(i), &rays_[at]};
   }
 
@@ -92,7 +93,7 @@ std::vector<char> WithFewerPartners(const RegistrationInput& input, const std::v
 // Two photos that both show what a third one shows, the best supported first.
 std::vector<Pair> ThroughOthers(int photos, const std::vector<GraphPair>& pairs,
                                 const std::set<Pair>& tried) {
-  std::vector<std::map<int, double>> neighbours(static_cast<std::size_t>(photos));
+  std::vector<std::map<int, double>> neighbours(photos);
   for (const GraphPair& pair : pairs) {
     const auto support = static_cast<double>(pair.view.matches.size());
     neighbours[pair.first][pair.second] = support;
@@ -109,7 +110,7 @@ std::vector<Pair> ThroughOthers(int photos, const std::vector<GraphPair>& pairs,
     for (const auto& [other, support] : through) ranked.emplace_back(-support, Pair{i, other});
   }
   std::sort(ranked.begin(), ranked.end());
-  std::vector<int> taken(static_cast<std::size_t>(photos), 0);
+  std::vector<int> taken(photos, 0);
   std::vector<Pair> chosen;
   for (const auto& [support, pair] : ranked) {
     int& first = taken[pair.first];

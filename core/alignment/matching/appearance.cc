@@ -83,7 +83,7 @@ std::vector<Word> LearnWords(const std::vector<const Descriptor*>& samples, int 
                                                                 std::array<std::int64_t, kDescriptorSize>{});
     std::vector<int> members(words.size(), 0);
     for (std::size_t s = 0; s < samples.size(); ++s) {
-      const auto w = static_cast<std::size_t>(nearest[s]);
+      const int w = nearest[s];
       ++members[w];
       for (std::size_t k = 0; k < kDescriptorSize; ++k) sums[w][k] += (*samples[s])[k];
     }
@@ -102,7 +102,7 @@ std::vector<std::int8_t> Describe(const std::vector<Word>& words, const PhotoFea
   const std::size_t count = std::min<std::size_t>(kFeaturesAPhoto, photo.descriptors.size());
   for (std::size_t f = 0; f < count; ++f) {
     const Descriptor& descriptor = photo.descriptors[f];
-    const auto w = static_cast<std::size_t>(NearestWord(words, descriptor));
+    const int w = NearestWord(words, descriptor);
     for (std::size_t k = 0; k < kDescriptorSize; ++k) {
       sums[w * kDescriptorSize + k] += static_cast<double>(descriptor[k]) - static_cast<double>(words[w][k]);
     }

@@ -82,7 +82,7 @@ std::vector<VerifiedPair> MatchAndVerify(const MatchingInput& input, const Proje
     options.search_area_m2 = std::numbers::pi * window.radius_m * window.radius_m;
     options.any_turn = window.max_turn_rad > 1.5;
     options.min_matches = pass.min_matches;
-    found[p] = VerifyPair(projected.views[i], projected.views[j], matches, options);
+    found[p] = VerifyOnGround(projected.views[i], projected.views[j], matches, options);
     if (found[p]) {
       found[p]->first = i;
       found[p]->second = j;
@@ -154,7 +154,7 @@ std::vector<VerifiedPair> MatchLostPhotos(const MatchingInput& input, const Proj
     options.search_area_m2 = width_m * width_m;
     options.any_turn = true;
     options.min_matches = kLostMinMatches;
-    found[p] = VerifyPair(projected.views[i], projected.views[j], matches, options);
+    found[p] = VerifyOnGround(projected.views[i], projected.views[j], matches, options);
     if (found[p]) {
       found[p]->first = i;
       found[p]->second = j;

@@ -113,9 +113,9 @@ GroundSimilarity FitSimilarity(
   return {turn, mean_b - turn * mean_a};
 }
 
-std::optional<VerifiedPair> VerifyPair(const GroundView& first, const GroundView& second,
-                                       const std::vector<KeypointMatch>& matches,
-                                       const VerificationOptions& options) {
+std::optional<VerifiedPair> VerifyOnGround(const GroundView& first, const GroundView& second,
+                                           const std::vector<KeypointMatch>& matches,
+                                           const VerificationOptions& options) {
   const int count = static_cast<int>(matches.size());
   if (count < options.min_matches) return std::nullopt;
   std::vector<std::pair<Complex, Complex>> places;

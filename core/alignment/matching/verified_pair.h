@@ -1,5 +1,5 @@
-// VerifyPair: do the matches of two photos agree on one motion over the ground? Every match is tried as the
-// motion (its place, and its direction for the turn), the one with most inliers is refined while the
+// VerifyOnGround: do the matches of two photos agree on one motion over the ground? Every match is tried as
+// the motion (its place, and its direction for the turn), the one with most inliers is refined while the
 // tolerance shrinks. No random numbers: the same matches give the same result. Relief moves things along the
 // line between the cameras, so the tolerance is wider that way. Pure; any thread.
 #pragma once
@@ -29,8 +29,8 @@ struct VerificationOptions {
 GroundSimilarity FitSimilarity(
     const std::vector<std::pair<std::complex<double>, std::complex<double>>>& places);
 
-std::optional<VerifiedPair> VerifyPair(const GroundView& first, const GroundView& second,
-                                       const std::vector<KeypointMatch>& matches,
-                                       const VerificationOptions& options);
+std::optional<VerifiedPair> VerifyOnGround(const GroundView& first, const GroundView& second,
+                                           const std::vector<KeypointMatch>& matches,
+                                           const VerificationOptions& options);
 
 }  // namespace skyquilt::alignment

@@ -46,7 +46,7 @@ int TakeInLost(const WeighedLeg& leg, const std::vector<Track>& tracks, const Re
   if (found.empty()) return 0;
   const std::vector<GroundPrior> recorded = MakeGroundPriors(posed, MakeMatchingInput(posed));
   for (const RegisteredLost& one : found) {
-    const auto i = static_cast<std::size_t>(one.photo);
+    const int i = one.photo;
     const bool is_unrecorded = (*leg.records)[i].is_unplaced;
     linked.corrected[i] = is_unrecorded
                               ? PlaceUnrecorded(one.cam_from_enu, posed.ground_z_in_enu_m, posed.photos[i])

@@ -40,7 +40,7 @@ std::vector<PointOfPixel> IndexPoints(const LostInput& input) {
   std::vector<PointOfPixel> points(input.views->size());
   for (std::size_t t = 0; t < input.tracks->size(); ++t) {
     for (const Observation& one : (*input.tracks)[t].observations) {
-      const auto photo = static_cast<std::size_t>(one.photo);
+      const int photo = one.photo;
       if (!(*input.is_tied)[photo]) continue;
       points[photo].emplace(KeyOf(one.pixel_in_image.x(), one.pixel_in_image.y()), static_cast<int>(t));
     }
@@ -114,7 +114,7 @@ std::optional<RegisteredLost> Resect(const LostInput& input, const std::vector<P
   std::vector<PointObservation> observations;
   std::vector<Pairing> pairings;
   for (const int partner : partners) {
-    const auto p = static_cast<std::size_t>(partner);
+    const int p = partner;
     const PhotoFeatures* other = (*input.features)[p];
     if (!other) continue;
     MatchOptions options;
@@ -182,7 +182,7 @@ std::vector<RegisteredLost> RegisterLost(const LostInput& input, int threads) {
   const std::vector<PointOfPixel> points = IndexPoints(input);
   std::vector<std::optional<RegisteredLost>> found(lost.size());
   ParallelFor(lost.size(), threads, [&](std::size_t k) {
-    const auto i = static_cast<std::size_t>(lost[k]);
+    const int i = lost[k];
     const std::vector<int> partners =
         PartnersOf(input, lost[k], (*input.records)[i].center_in_enu ? std::vector<int>() : alike[i]);
     for (const PointsOf points_of : {PointsOf::kTracks, PointsOf::kTracksAndGround}) {

@@ -1,6 +1,6 @@
 // Our robust estimators beside OpenCV's USAC, on made pairs with a known share of right ones (noise of one
 // pixel, the others anywhere): homographies by RobustHomography (core/alignment/baselines), two views of
-// ground in relief by VerifyPair (core/alignment/view_graph). Both get 300 pairs in photos of 4000 x 3000
+// ground in relief by VerifyTwoViews (core/alignment/estimators). Both get 300 pairs in photos of 4000 x 3000
 // pixels.
 //   ransac_against_usac [PROBLEMS a share]
 // Deterministic but for the times, which are processor time of one thread.
@@ -159,8 +159,8 @@ Solver OurTwoViews() {
                                 second = RaysOf(problem.second, lens, kPairs);
     TwoViewOptions options;
     options.tolerance_sigmas = 3.0;
-    const auto view = VerifyPair({&problem.first, &lens, &first}, {&problem.second, &lens, &second},
-                                 problem.matches, 1, options);
+    const auto view = VerifyTwoViews({&problem.first, &lens, &first}, {&problem.second, &lens, &second},
+                                     problem.matches, 1, options);
     if (!view || view->poses.front().direction.squaredNorm() < 0.5) return std::nullopt;
     Outcome best = JudgePose(problem, view->poses.front().rotation, view->poses.front().direction);
     if (problem.homography && view->poses.size() > 1) {  // flat ground leaves two

@@ -27,7 +27,7 @@ struct Matched {
     }
   }
   std::optional<VerifiedPair> Fit(const VerificationOptions& options) const {
-    return VerifyPair({&features, &first}, {&features, &second}, matches, options);
+    return VerifyOnGround({&features, &first}, {&features, &second}, matches, options);
   }
 };
 
@@ -42,7 +42,7 @@ VerificationOptions NarrowWindow() {
   return options;
 }
 
-TEST(VerifyPair, FollowsAgreeingMatchesInANarrowWindowBetweenDistantCameras) {
+TEST(VerifyOnGround, FollowsAgreeingMatchesInANarrowWindowBetweenDistantCameras) {
   std::normal_distribution<double> noise(0.0, 0.4);
   const Matched matched(200, [&](std::mt19937& random) {
     return std::complex<double>(3.0 + noise(random), -1.0 + noise(random));
@@ -55,7 +55,7 @@ TEST(VerifyPair, FollowsAgreeingMatchesInANarrowWindowBetweenDistantCameras) {
       0.2);
 }
 
-TEST(VerifyPair, RefusesMatchesThatFillTheWindowByChance) {
+TEST(VerifyOnGround, RefusesMatchesThatFillTheWindowByChance) {
   std::uniform_real_distribution<double> anywhere(-4.0, 4.0);
   const Matched matched(
       300, [&](std::mt19937& random) { return std::complex<double>(anywhere(random), anywhere(random)); });
