@@ -33,8 +33,8 @@ struct Intrinsics {
 
   // The pixel that sees a point of the cam frame; nothing behind the camera or beyond the lens' fold.
   std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& point_in_cam) const;
-  // Also beyond the fold, where Project has nothing: for what weighs residuals and needs a number for each. z
-  // > 0.
+  // Also beyond the fold, where Project has nothing: for what weighs residuals and needs a number for each.
+  // The point lies before the camera.
   Eigen::Vector2d ProjectBeyondFold(const Eigen::Vector3d& point_in_cam) const;
   // The ray through a pixel, in cam, with z = 1.
   Eigen::Vector3d Unproject(const Eigen::Vector2d& pixel_in_image) const;

@@ -16,11 +16,10 @@ import sys
 
 import cv2
 import numpy
-from osgeo import gdal
+from osgeo import gdal, osr
 
 from heights_against_truth import UNKNOWN_M, measure_heights, truth_on, wgs84
 from map_against_truth import metres_per_degree, rotation
-from osgeo import osr
 
 BLOCK_PX = 5
 LEAST_BASE, MOST_BASE = 0.15, 0.6  # over the height

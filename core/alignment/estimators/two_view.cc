@@ -61,18 +61,16 @@ std::vector<int> FollowLoosely(const TwoViewPhoto& first, const TwoViewPhoto& se
   std::vector<int> best;
   const int step = std::max(1, count / kMaxProposals);
   for (int k = 0; k < count; k += step) {
-    const int at = k;
-    const double scale = std::exp2(grown[at]);
-    const double c = scale * std::cos(turn[at]), s = scale * std::sin(turn[at]);
+    const double scale = std::exp2(grown[k]);
+    const double c = scale * std::cos(turn[k]), s = scale * std::sin(turn[k]);
     std::vector<int> inliers;
     for (int m = 0; m < count; ++m) {
-      const int other = m;
-      const Vector2d apart = from[other] - from[at];
+      const Vector2d apart = from[m] - from[k];
       const Vector2d expected =
-          to[at] + Vector2d(c * apart.x() - s * apart.y(), s * apart.x() + c * apart.y());
-      if ((to[other] - expected).squaredNorm() > near_px * near_px) continue;
-      if (std::abs(grown[other] - grown[at]) > kMaxLog2Scale) continue;
-      if (std::abs(std::remainder(turn[other] - turn[at], 2.0 * std::numbers::pi)) > kMaxTurnRad) continue;
+          to[k] + Vector2d(c * apart.x() - s * apart.y(), s * apart.x() + c * apart.y());
+      if ((to[m] - expected).squaredNorm() > near_px * near_px) continue;
+      if (std::abs(grown[m] - grown[k]) > kMaxLog2Scale) continue;
+      if (std::abs(std::remainder(turn[m] - turn[k], 2.0 * std::numbers::pi)) > kMaxTurnRad) continue;
       inliers.push_back(m);
     }
     if (inliers.size() > best.size()) best = std::move(inliers);
@@ -95,8 +93,7 @@ std::vector<int> FollowLoosely(const TwoViewPhoto& first, const TwoViewPhoto& se
     motion.shift = fitted.row(2).transpose();
     best.clear();
     for (int m = 0; m < count; ++m) {
-      const int at = m;
-      if ((to[at] - motion * from[at]).norm() < loose_px) best.push_back(m);
+      if ((to[m] - motion * from[m]).norm() < loose_px) best.push_back(m);
     }
     if (best.size() < 6) return {};
   }

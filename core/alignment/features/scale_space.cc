@@ -34,8 +34,7 @@ class Differences {
   explicit Differences(const Octave& octave) : layers_(octave.layers), width_(octave.layers[0].width_px) {}
   int At(int layer, int x, int y) const {
     const std::size_t i = static_cast<std::size_t>(y) * width_ + static_cast<std::size_t>(x);
-    const int k = layer;
-    return static_cast<int>(layers_[k + 1].values[i]) - static_cast<int>(layers_[k].values[i]);
+    return static_cast<int>(layers_[layer + 1].values[i]) - static_cast<int>(layers_[layer].values[i]);
   }
 
  private:

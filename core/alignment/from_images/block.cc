@@ -8,7 +8,7 @@
 
 #include "core/alignment/bundle/bundle_adjustment.h"
 #include "core/alignment/scene/keypoint_sets.h"
-#include "core/alignment/scene/ray_meeting.h"
+#include "core/alignment/scene/ray_intersection.h"
 #include "core/alignment/scene/track_spread.h"
 #include "core/base/median.h"
 #include "core/base/parallel_for.h"
@@ -47,12 +47,11 @@ double Block::SigmaPx(const TrackElement& element) const {
 }
 
 void Block::FindRays(int photo) {
-  const int at = photo;
   const camera::Intrinsics& lens = Lens(photo);
-  const PhotoFeatures& features = *input_->photos[at].features;
-  std::vector<Eigen::Vector3d>& rays = rays_[at];
+  const PhotoFeatures& features = *input_->photos[photo].features;
+  std::vector<Eigen::Vector3d>& rays = rays_[photo];
   rays.assign(features.keypoints.size(), Eigen::Vector3d::Zero());
-  for (const int t : scene_->of_photo[at]) {
+  for (const int t : scene_->of_photo[photo]) {
     for (const TrackElement& element : scene_->tracks[t]) {
       if (element.photo == photo) {
         rays[element.keypoint] = lens.Unproject(PixelOf(element)).normalized();
@@ -62,17 +61,15 @@ void Block::FindRays(int photo) {
 }
 
 void Block::Place(int photo, const geo::Rigid3& cam_from_world) {
-  const int at = photo;
-  placed_ += is_placed_[at] != 0 ? 0 : 1;
-  is_placed_[at] = 1;
-  cam_from_world_[at] = cam_from_world;
+  placed_ += is_placed_[photo] != 0 ? 0 : 1;
+  is_placed_[photo] = 1;
+  cam_from_world_[photo] = cam_from_world;
   FindRays(photo);
 }
 
 void Block::Remove(int photo) {
-  const int at = photo;
-  placed_ -= is_placed_[at] != 0 ? 1 : 0;
-  is_placed_[at] = 0;
+  placed_ -= is_placed_[photo] != 0 ? 1 : 0;
+  is_placed_[photo] = 0;
 }
 
 double Block::ResidualSigmas(const TrackElement& element, const Eigen::Vector3d& point) const {
@@ -96,15 +93,15 @@ void Block::Triangulate(int track) {
     rays.push_back(cam_from_world_[photo].rotation.conjugate() * rays_[photo][element.keypoint]);
   }
   while (kept.size() >= 2) {
-    RayMeeting meeting;
+    RayIntersection intersection;
     double min_cosine = 1.0;
     for (std::size_t k = 0; k < kept.size(); ++k) {
       const TrackElement& element = elements[kept[k]];
-      meeting.Add(Pose(element.photo).TargetOriginInSource(), rays[k]);
+      intersection.Add(Pose(element.photo).TargetOriginInSource(), rays[k]);
       for (std::size_t m = 0; m < k; ++m) min_cosine = std::min(min_cosine, rays[k].dot(rays[m]));
     }
     if (min_cosine > std::cos(kMinAngleOfPointRad)) break;
-    const Eigen::Vector3d point = meeting.Point();
+    const Eigen::Vector3d point = intersection.Point();
     double most = 0.0;
     std::size_t worst = 0;
     for (std::size_t k = 0; k < kept.size(); ++k) {

@@ -65,10 +65,7 @@ class Verifier {
  private:
   const camera::Intrinsics& LensOf(int i) const { return input_.lenses[input_.photos[i].lens].intrinsics; }
   const PhotoFeatures* FeaturesOf(int i) const { return input_.photos[i].features; }
-  TwoViewPhoto PhotoOf(int i) const {
-    const int at = i;
-    return {input_.photos[at].features, &LensOf(i), &rays_[at]};
-  }
+  TwoViewPhoto PhotoOf(int i) const { return {input_.photos[i].features, &LensOf(i), &rays_[i]}; }
 
   const RegistrationInput& input_;
   const ViewGraphOptions& options_;

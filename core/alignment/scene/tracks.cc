@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "core/alignment/scene/keypoint_sets.h"
-#include "core/alignment/scene/ray_meeting.h"
+#include "core/alignment/scene/ray_intersection.h"
 #include "core/alignment/scene/track_spread.h"
 
 namespace skyquilt::alignment {
@@ -53,15 +53,15 @@ double WidestAngle(const std::vector<View>& views, const Track& track) {
 bool Triangulate(const std::vector<View>& views, Track& track) {
   track.angle_rad = WidestAngle(views, track);
   if (track.angle_rad < kMinAngleRad) return false;
-  RayMeeting meeting;
+  RayIntersection intersection;
   for (const Observation& seen : track.observations) {
     const View& view = views[seen.photo];
     const geo::Rigid3 cam_from_enu = view.CamFromEnuAt(seen.pixel_in_image);
     const Eigen::Vector3d ray =
         (cam_from_enu.rotation.conjugate() * view.intrinsics.Unproject(seen.pixel_in_image)).normalized();
-    meeting.Add(cam_from_enu.TargetOriginInSource(), ray);
+    intersection.Add(cam_from_enu.TargetOriginInSource(), ray);
   }
-  track.point_in_enu = meeting.Point();
+  track.point_in_enu = intersection.Point();
   for (const Observation& seen : track.observations) {
     const View& view = views[seen.photo];
     const double depth = (view.cam_from_enu * track.point_in_enu).z();

@@ -83,7 +83,7 @@ TriedSecondLeg TrySecondLeg(const ExtractedFlight& extracted, const Leg& by_reco
   TriedSecondLeg tried;
   const LegEvidence evidence = Evidence(extracted, by_records);
   const bool is_asked_for = options.by_images == ByImages::kAlways;
-  tried.report.why = is_asked_for ? flight::Remark(flight::RemarkCode::kRecordsNotAsked)
+  tried.report.why = is_asked_for ? flight::Remark(flight::RemarkCode::kImagesAskedFor)
                                   : WhyDoubted(evidence, max_lost_share);
   if (!tried.report.why) return tried;
   progress.Report(0.82, "placing photos by what they show");

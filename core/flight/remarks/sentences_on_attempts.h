@@ -10,7 +10,7 @@
 namespace skyquilt::flight {
 
 inline constexpr std::array kSentencesOnAttempts = std::to_array<RemarkSentence>({
-    {RemarkCode::kRecordsNotAsked, "records_not_asked", "placing by what they show was asked for"},
+    {RemarkCode::kImagesAskedFor, "images_asked_for", "placing by what they show was asked for"},
     {RemarkCode::kRecordsUnplaced, "records_unplaced",
      "{photos} of {total} photos have no usable position or height"},
     {RemarkCode::kRecordsLost, "records_lost",

@@ -1,5 +1,5 @@
-// RayMeeting: the point nearest to all of several rays (least squares of the distances across). A value; one
-// thread.
+// RayIntersection: the point nearest to all of several rays (least squares of the distances across). A value;
+// one thread.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,7 +8,7 @@
 
 namespace skyquilt::alignment {
 
-class RayMeeting {
+class RayIntersection {
  public:
   // `ray`: of length 1, from `center` on.
   void Add(const Eigen::Vector3d& center, const Eigen::Vector3d& ray) {
