@@ -4,8 +4,10 @@
 
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 namespace skyquilt {
@@ -16,8 +18,11 @@ struct Span {
   std::string item;
   int thread;
   std::int64_t begun_us;
-  std::int64_t took_us;
+  std::int64_t took_us;  // kInstant: a decision
+  std::vector<std::pair<const char*, double>> numbers = {};
 };
+
+constexpr std::int64_t kInstant = -1;
 
 std::atomic<bool> is_tracing{false};
 std::mutex spans_mutex;
@@ -45,6 +50,33 @@ void AppendJsonText(std::string& json, std::string_view text) {
   json += '"';
 }
 
+void AppendArguments(std::string& json, const Span& span) {
+  if (span.item.empty() && span.numbers.empty()) return;
+  json += ",\"args\":{";
+  if (!span.item.empty()) {
+    json += "\"item\":";
+    AppendJsonText(json, span.item);
+  }
+  for (const auto& [name, number] : span.numbers) {
+    if (json.back() != '{') json += ',';
+    AppendJsonText(json, name);
+    json += ':';
+    char text[32];
+    std::snprintf(text, sizeof text, "%.7g", number);
+    json += std::isfinite(number) ? text : "null";
+  }
+  json += '}';
+}
+
+void Keep(Span span) {
+  const std::lock_guard lock(spans_mutex);
+  if (spans.size() < kMaxTraceSpans) {
+    spans.push_back(std::move(span));
+  } else {
+    ++passed_over;
+  }
+}
+
 }  // namespace
 
 void BeginTrace() {
@@ -64,15 +96,13 @@ std::string EndTrace() {
   for (const Span& span : spans) {
     if (!is_first) json += ',';
     is_first = false;
-    json += "\n{\"ph\":\"X\",\"name\":";
+    const bool is_instant = span.took_us == kInstant;
+    json += is_instant ? "\n{\"ph\":\"i\",\"s\":\"t\",\"name\":" : "\n{\"ph\":\"X\",\"name\":";
     AppendJsonText(json, span.name);
     json += ",\"pid\":" + std::to_string(process) + ",\"tid\":" + std::to_string(span.thread) +
-            ",\"ts\":" + std::to_string(span.begun_us) + ",\"dur\":" + std::to_string(span.took_us);
-    if (!span.item.empty()) {
-      json += ",\"args\":{\"item\":";
-      AppendJsonText(json, span.item);
-      json += '}';
-    }
+            ",\"ts\":" + std::to_string(span.begun_us);
+    if (!is_instant) json += ",\"dur\":" + std::to_string(span.took_us);
+    AppendArguments(json, span);
     json += '}';
   }
   json += "\n]}\n";
@@ -88,13 +118,12 @@ TraceSpan::TraceSpan(const char* name, std::string_view item) : name_(name) {
 
 TraceSpan::~TraceSpan() {
   if (begun_us_ < 0) return;
-  const std::int64_t ended_us = NowUs();
-  const std::lock_guard lock(spans_mutex);
-  if (spans.size() >= kMaxTraceSpans) {
-    ++passed_over;
-    return;
-  }
-  spans.push_back({name_, std::move(item_), gettid(), begun_us_, ended_us - begun_us_});
+  Keep({name_, std::move(item_), gettid(), begun_us_, NowUs() - begun_us_});
+}
+
+void TraceDecision(const char* name, TraceNumbers numbers, std::string_view item) {
+  if (!is_tracing.load(std::memory_order_relaxed)) return;
+  Keep({name, std::string(item), gettid(), NowUs(), kInstant, numbers});
 }
 
 }  // namespace skyquilt

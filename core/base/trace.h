@@ -1,13 +1,16 @@
-// Trace: what the program's threads do when, for a timeline: spans of one thread, written as JSON in Chrome's
-// trace event format (chrome://tracing, ui.perfetto.dev; "Trace Event Format", complete events "X"). Nothing
-// is collected until BeginTrace; before that a span costs one load. At most kMaxTraceSpans are kept, the
-// others are counted. Any thread.
+// Trace: what the program's threads do when, for a timeline: spans of one thread, and decisions with the
+// numbers they were taken by, written as JSON in Chrome's trace event format, a line each (chrome://tracing,
+// ui.perfetto.dev; "Trace Event Format", complete events "X" and instant events "i"). Nothing is collected
+// until BeginTrace; before that each costs one load. At most kMaxTraceSpans are kept, the others are counted.
+// Any thread.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace skyquilt {
 
@@ -15,7 +18,7 @@ inline constexpr std::size_t kMaxTraceSpans = 1'000'000;
 
 void BeginTrace();
 
-// The spans that have ended, as one JSON document; collecting ends with it.
+// The spans that have ended and the decisions, as one JSON document; collecting ends with it.
 std::string EndTrace();
 
 // From here to the end of the scope. `name` must be a literal; `item` says of what, a photo for example.
@@ -31,5 +34,9 @@ class TraceSpan {
   std::int64_t begun_us_ = -1;  // below 0: nothing is collected
   std::string item_;
 };
+
+// Names must be literals that end with the number's unit; `item` says of what, a photo for example.
+using TraceNumbers = std::initializer_list<std::pair<const char*, double>>;
+void TraceDecision(const char* name, TraceNumbers numbers, std::string_view item = {});
 
 }  // namespace skyquilt

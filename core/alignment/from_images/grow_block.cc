@@ -6,6 +6,7 @@
 #include "core/alignment/estimators/absolute_pose.h"
 #include "core/alignment/from_images/resect_over_ground.h"
 #include "core/base/parallel_for.h"
+#include "core/base/trace.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -149,6 +150,10 @@ std::vector<int> TakeRound(const std::vector<char>& is_taken, std::size_t most, 
   ParallelFor(count, threads, [&](std::size_t k) { found[k] = Resect(block, wanting[k], options); });
   std::vector<int> taken;
   for (std::size_t k = 0; k < count; ++k) {
+    TraceDecision(found[k] ? "photo registered" : "photo not registered",
+                  {{"photo", wanting[k].photo},
+                   {"points", wanting[k].tracks.size()},
+                   {"inliers", found[k] ? found[k]->inliers.size() : 0}});
     if (found[k]) {
       block.Place(wanting[k].photo, found[k]->cam_from_world);
       taken.push_back(wanting[k].photo);
@@ -176,6 +181,7 @@ bool TakeOverGround(const std::vector<char>& is_taken, const ViewGraph& graph, c
     DropUnheld(threads, grown);
     if (grown.Has(one.photo) && grown.PointsSeen()[one.photo] >= kMinKeptOverGround &&
         grown.size() > block.size()) {
+      TraceDecision("photo registered over ground", {{"photo", one.photo}, {"inliers", one.agreeing}});
       block = std::move(grown);
       return true;
     }
@@ -230,7 +236,13 @@ std::optional<Block> BeginBlock(const RegistrationInput& input, const ViewGraph&
     tried[b] = Try(input, graph, scene, lenses, is_taken, beginnings[b], options, 1);
   });
   std::optional<Tried>* best = nullptr;
-  for (std::optional<Tried>& one : tried) {
+  for (std::size_t b = 0; b < tried.size(); ++b) {
+    std::optional<Tried>& one = tried[b];
+    const GraphPair& pair = graph.pairs[beginnings[b].pair];
+    TraceDecision("initial pair", {{"photo", pair.first},
+                                   {"with", pair.second},
+                                   {"photos", one ? one->block.size() : 0},
+                                   {"observations", one ? one->observations : 0}});
     if (!one) continue;
     if (best == nullptr || one->observations > (*best)->observations) best = &one;
   }

@@ -5,6 +5,7 @@
 
 #include "core/alignment/from_images/join_blocks.h"
 #include "core/base/scoped_timer.h"
+#include "core/base/trace.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -34,6 +35,7 @@ void JoinAll(int threads, const RegisterOptions& options, std::vector<Block>& bl
       for (std::size_t small = large + 1; small < blocks.size() && !is_joined; ++small) {
         const std::optional<Similarity3> joint = FindJoint(blocks[large], blocks[small]);
         if (!joint) continue;
+        TraceDecision("groups joined", {{"photos", blocks[large].size()}, {"more", blocks[small].size()}});
         JoinBlocks(*joint, blocks[small], threads, blocks[large]);
         AdjustLast(options, threads, blocks[large]);
         blocks.erase(blocks.begin() + static_cast<std::ptrdiff_t>(small));
@@ -96,6 +98,7 @@ std::vector<Block> GrowBlocks(const RegistrationInput& input, const ViewGraph& g
     for (std::size_t i = 0; i < is_taken.size(); ++i) {
       if (begun->Has(static_cast<int>(i))) is_taken[i] = 1;
     }
+    TraceDecision("group grown", {{"photos", begun->size()}});
     blocks.push_back(*std::move(begun));
   }
   JoinAll(threads, options, blocks);

@@ -7,6 +7,7 @@
 #include "core/alignment/from_records/correct_poses.h"
 #include "core/alignment/second_leg/register_lost.h"
 #include "core/alignment/second_leg/second_leg.h"
+#include "core/base/trace.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -47,6 +48,8 @@ int TakeInLost(const WeighedLeg& leg, const std::vector<Track>& tracks, const Re
   const std::vector<GroundPrior> recorded = MakeGroundPriors(posed, MakeMatchingInput(posed));
   for (const RegisteredLost& one : found) {
     const int i = one.photo;
+    TraceDecision("lost photo registered", {{"photo", i}, {"tied_to", one.links.size()}},
+                  posed.photos[i].photo.name);
     const bool is_unrecorded = (*leg.records)[i].is_unplaced;
     linked.corrected[i] = is_unrecorded
                               ? PlaceUnrecorded(one.cam_from_enu, posed.ground_z_in_enu_m, posed.photos[i])

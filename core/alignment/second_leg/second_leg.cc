@@ -14,6 +14,7 @@
 #include "core/alignment/from_records/bundle_setup.h"
 #include "core/base/median.h"
 #include "core/base/scoped_timer.h"
+#include "core/base/trace.h"
 #include "core/flight/remarks/because.h"
 #include "core/flight/remarks/remark_words.h"
 
@@ -290,6 +291,12 @@ std::optional<SecondLeg> PlaceByImages(const FirstLeg& first, std::size_t tied_b
   report.groups = static_cast<int>(registration.block_sizes.size());
   report.registered = registration.block_sizes.empty() ? 0 : registration.block_sizes.front();
   const std::size_t least = std::max<std::size_t>(3, tied_by_records + (takes_equal ? 0 : 1));
+  TraceDecision("registered by images", {{"photos", report.registered},
+                                         {"groups", report.groups},
+                                         {"compared", report.pairs_compared},
+                                         {"verified", report.pairs_verified},
+                                         {"refused", report.pairs_refused},
+                                         {"residual_px", report.residual_rms_px}});
   if (progress.IsCancelled() || static_cast<std::size_t>(report.registered) < least) {
     report.outcome = NotTaken(
         {flight::RemarkCode::kImagesTie, {{"photos", report.registered}, {"by_records", tied_by_records}}});
@@ -310,6 +317,11 @@ std::optional<SecondLeg> PlaceByImages(const FirstLeg& first, std::size_t tied_b
     const int block = static_cast<int>(b);
     records.control = ControlOf(registration, block, posed, control);
     const BlockPlace place = Georeference(registration, block, records);
+    TraceDecision("group placed", {{"group", b},
+                                   {"photos", registration.block_sizes[b]},
+                                   {"by", static_cast<int>(place.placing)},
+                                   {"positions_held", place.positions_held},
+                                   {"residual_m", place.median_residual_m}});
     const bool is_on_earth = place.placing == Placing::kByPositions || place.placing == Placing::kByControl;
     // Where nothing says how two groups lie to each other, the larger one is the map.
     if (b > 0 && !is_on_earth) continue;

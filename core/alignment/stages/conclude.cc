@@ -12,6 +12,7 @@
 #include "core/alignment/stages/pairs_in_use.h"
 #include "core/alignment/stages/place_photos.h"
 #include "core/base/median.h"
+#include "core/base/trace.h"
 #include "core/base/try.h"
 
 namespace skyquilt::alignment {
@@ -147,6 +148,15 @@ Result<AlignedFlight> Conclude(const poses::PosedFlight& recorded, const Extract
   AlignedFlight flight = PlacePhotos({&leg.posed, &leg.problem, &ground_tracks, &leg.matched.corrected,
                                       &doubts, &extracted.photographed.unreadable},
                                      report);
+  for (const AlignPhotoReport& photo : report.photo_reports) {
+    TraceDecision(photo.placement == Placement::kAligned ? "photo aligned" : "photo by its pose alone",
+                  {{"tied_to", photo.links},
+                   {"observations", photo.observations},
+                   {"residual_px", photo.residual_rms_px},
+                   {"moved_m", photo.moved_m},
+                   {"turned_deg", photo.turned_deg}},
+                  photo.name);
+  }
   SKYQUILT_TRY(SettleUnplaced(recorded, flight, report));
   Warn(report, evidence, flight);
   return flight;

@@ -5,6 +5,7 @@
 #include "core/alignment/from_records/flight_lines.h"
 #include "core/alignment/from_records/gyro_lag.h"
 #include "core/alignment/second_leg/second_leg.h"
+#include "core/base/trace.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -31,6 +32,11 @@ Result<ExtractedFlight> ExtractFlight(const poses::PosedFlight& recorded, const 
                                       options.threads, kLastFraction, progress);
   if (progress.IsCancelled()) return AlignmentCancelled();
   extracted.readable = extracted.photographed.Readable();
+  for (std::size_t i = 0; i < extracted.readable.size(); ++i) {
+    TraceDecision(extracted.readable[i] ? "photo read" : "photo unreadable",
+                  {{"photo", i}, {"keypoints", extracted.photographed.features[i].keypoints.size()}},
+                  extracted.posed.photos[i].photo.name);
+  }
   extracted.gyros = TieGyrosToRows(extracted.posed, extracted.readable, options.threads);
   std::vector<Eigen::Vector2d> places;
   for (const poses::PosedPhoto& photo : extracted.posed.photos) {

@@ -7,6 +7,7 @@
 #include "core/alignment/bundle/find_readout.h"
 #include "core/alignment/bundle/tie_to_control.h"
 #include "core/alignment/from_records/bundle_setup.h"
+#include "core/base/trace.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -44,6 +45,7 @@ Leg WithReadoutFound(Leg leg, const BundleOptions& bundle_options, const AlignOp
   for (const int lens : lenses) found.problem.lenses[lens].finds_readout = true;
   found = Adjusted(std::move(found), bundle_options, options);
   const std::vector<int> rolling = LensesThatRoll(found.problem, lenses);
+  TraceDecision("rolling shutter looked for", {{"lenses", lenses.size()}, {"found", rolling.size()}});
   if (rolling.size() < lenses.size()) {
     leg.iterations = found.iterations;
     return leg;

@@ -8,6 +8,7 @@
 #include "core/base/large_blocks_apart.h"
 #include "core/base/median.h"
 #include "core/base/scoped_timer.h"
+#include "core/base/trace.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -58,6 +59,11 @@ Leg Adjusted(Leg leg, const BundleOptions& bundle_options, const AlignOptions& o
     std::erase_if(leg.problem.tracks, [&](Track& track) { return !Triangulate(leg.input.views, track); });
     leg.adjusted = AdjustBundle(leg.problem, bundle_options);
   }
+  TraceDecision("adjusted", {{"points", leg.problem.tracks.size()},
+                             {"observations", leg.adjusted.observations},
+                             {"dropped", leg.adjusted.dropped},
+                             {"residual_px", leg.adjusted.rms_px},
+                             {"iterations", leg.adjusted.iterations}});
   leg.iterations += leg.adjusted.iterations;
   leg.is_adjusted = true;
   return leg;
@@ -81,6 +87,8 @@ Leg Rematched(Leg leg, const MatchingPass& pass, const AlignOptions& options) {
     leg.matched.links = MatchAndVerify(leg.input, ProjectAllToGround(leg.input, leg.relief, options.threads),
                                        leg.matched.pairs, pass, options.threads);
   }
+  TraceDecision("compared again",
+                {{"pairs", leg.matched.pairs.size()}, {"verified", leg.matched.links.size()}});
   return leg;
 }
 

@@ -3,6 +3,7 @@
 #include "core/alignment/bundle/readout_motion.h"
 #include "core/alignment/from_records/bundle_setup.h"
 #include "core/base/scoped_timer.h"
+#include "core/base/trace.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -39,6 +40,9 @@ Result<Leg> MatchByRecords(const ExtractedFlight& extracted, const AlignOptions&
     leg.matched = MatchInPasses(leg.posed, extracted.lines, leg.input, options.threads, progress);
   }
   if (progress.IsCancelled()) return AlignmentCancelled();
+  TraceDecision("compared by records", {{"pairs", leg.matched.pairs.size()},
+                                        {"verified", leg.matched.links.size()},
+                                        {"refused", leg.matched.rejected.size()}});
   leg.compared = leg.matched.pairs;
   leg.problem = MakeBundle(leg.posed, leg.matched.corrected, extracted.lines);
   if (!options.fixed.empty()) {

@@ -19,6 +19,7 @@
 #include "core/alignment/second_leg/second_leg.h"
 #include "core/base/median.h"
 #include "core/base/scoped_timer.h"
+#include "core/base/trace.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -85,6 +86,13 @@ TriedSecondLeg TrySecondLeg(const ExtractedFlight& extracted, const Leg& by_reco
   const bool is_asked_for = options.by_images == ByImages::kAlways;
   tried.report.why = is_asked_for ? flight::Remark(flight::RemarkCode::kImagesAskedFor)
                                   : WhyDoubted(evidence, max_lost_share);
+  TraceDecision(tried.report.why ? "records doubted" : "records held",
+                {{"photos", evidence.readable},
+                 {"tied", evidence.tied},
+                 {"unplaced", evidence.unplaced},
+                 {"residual_px", evidence.residual_rms_px},
+                 {"dropped_share", evidence.DroppedShare()},
+                 {"contradicted", evidence.positions_contradicted}});
   if (!tried.report.why) return tried;
   progress.Report(0.82, "placing photos by what they show");
   // Where residuals are in doubt, as many photos tied are not better by number.
@@ -105,18 +113,10 @@ Leg TiedDirectly(Leg leg, const AlignOptions& options) {
   return leg;
 }
 
-// Adjusted from the records, and photos that these left apart registered against the others.
-Leg AdjustedByRecords(const ExtractedFlight& extracted, Leg leg, bool takes_in_lost,
-                      const AlignOptions& options) {
-  const BundleOptions first = FirstAdjustment();
-  leg = Adjusted(std::move(leg), first, options);
-  leg.input.views = ViewsOf(leg.problem);
-  leg.relief = AdjustedRelief(leg);
-  leg.problem.plane = FitPlane(leg.problem);
-  if (RegisterInRounds(leg.posed, leg.relief, options.threads, leg.input, leg.matched, leg.problem) > 0)
-    leg = Adjusted(std::move(leg), first, options);
+// Photos that the adjusted alignment leaves apart, registered against the others.
+Leg WithLostTakenIn(const ExtractedFlight& extracted, Leg leg, const AlignOptions& options) {
   bool took_in = false, is_rematched = false;
-  for (int round = 0; round < kMaxLostRounds && takes_in_lost && HasLost(Evidence(extracted, leg)); ++round) {
+  for (int round = 0; round < kMaxLostRounds && HasLost(Evidence(extracted, leg)); ++round) {
     leg.input.views = ViewsOf(leg.problem);
     const std::vector<Track> seen = GroundTracks(leg, options);
     if (TakeInLost(AsWeighed(extracted, leg), seen, leg.relief, options.threads, leg.posed, leg.input,
@@ -129,8 +129,22 @@ Leg AdjustedByRecords(const ExtractedFlight& extracted, Leg leg, bool takes_in_l
     } else {
       took_in = true;
     }
-    leg = Adjusted(std::move(leg), first, options);
+    leg = Adjusted(std::move(leg), FirstAdjustment(), options);
   }
+  return leg;
+}
+
+// Adjusted from the records, and photos that these left apart registered against the others.
+Leg AdjustedByRecords(const ExtractedFlight& extracted, Leg leg, bool takes_in_lost,
+                      const AlignOptions& options) {
+  const BundleOptions first = FirstAdjustment();
+  leg = Adjusted(std::move(leg), first, options);
+  leg.input.views = ViewsOf(leg.problem);
+  leg.relief = AdjustedRelief(leg);
+  leg.problem.plane = FitPlane(leg.problem);
+  if (RegisterInRounds(leg.posed, leg.relief, options.threads, leg.input, leg.matched, leg.problem) > 0)
+    leg = Adjusted(std::move(leg), first, options);
+  if (takes_in_lost) leg = WithLostTakenIn(extracted, std::move(leg), options);
   return leg;
 }
 
@@ -176,8 +190,20 @@ PlacedFlight BetterOf(const ExtractedFlight& extracted, Leg by_records, TriedSec
   if (compares && options.by_images != ByImages::kAlways) kept = by_records;
   Leg by_images = Adjusted(GoOnFrom(*std::move(tried.second), extracted, std::move(by_records)),
                            SettledAdjustment(), options);
+  by_images = WithLostTakenIn(extracted, std::move(by_images), options);
+  const LegEvidence evidence = Evidence(extracted, by_images);
+  if (static_cast<int>(evidence.tied) > report.registered) {
+    report.registered = static_cast<int>(evidence.tied);
+    report.outcome->values.insert_or_assign("photos", report.registered);
+  }
   if (kept) {
-    const LegChoice choice = ChooseLeg(Evidence(extracted, *kept), Evidence(extracted, by_images));
+    const LegEvidence of_records = Evidence(extracted, *kept);
+    const LegChoice choice = ChooseLeg(of_records, evidence);
+    TraceDecision(choice.takes_images ? "images taken" : "records taken",
+                  {{"tied_by_images", evidence.tied},
+                   {"tied_by_records", of_records.tied},
+                   {"residual_by_images_px", evidence.residual_rms_px},
+                   {"residual_by_records_px", of_records.residual_rms_px}});
     if (!choice.takes_images) {
       report.is_taken = report.is_placed = false;
       report.outcome = NotTaken(choice.why);
@@ -193,6 +219,8 @@ PlacedFlight BetterOf(const ExtractedFlight& extracted, Leg by_records, TriedSec
 Leg Levelled(const ExtractedFlight& extracted, Leg leg, const AlignOptions& options) {
   const std::optional<Levelling> levelling = FindLevelling(leg.problem, extracted.records);
   if (!levelling) return leg;
+  TraceDecision("flight levelled",
+                {{"tilt_rad", levelling->tilt_rad}, {"apart_m", levelling->height_range_m}});
   Level(*levelling, extracted.records, leg.problem);
   leg.input.views = ViewsOf(leg.problem);
   leg = Adjusted(std::move(leg), SettledAdjustment(), options);
@@ -238,6 +266,7 @@ PlacedFlight WithoutPositionLag(const ExtractedFlight& extracted, PlacedFlight p
     const std::optional<PositionLag> lag = FindPositionLag(leg.problem, records, times.times_s);
     if (!lag) break;
     lag_s += lag->lag_s;
+    TraceDecision("positions shifted", {{"lag", lag->lag_s}, {"apart_m", lag->median_off_m}});
     off_m = std::max(off_m, lag->median_off_m);
     for (std::size_t i = 0; i < leg.problem.photos.size(); ++i) {
       if (!records[i].center_in_enu) continue;

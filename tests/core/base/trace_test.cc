@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
@@ -32,8 +34,23 @@ TEST(Trace, WritesSpansOfAllThreadsInChromesFormat) {
   EXPECT_EQ(events[1]["args"]["item"].get<std::string>().substr(0, 9), "DJI \"1\"\n\xC3");
 }
 
+TEST(Trace, WritesADecisionWithItsNumbersOnALineOfItsOwn) {
+  BeginTrace();
+  TraceDecision("photo placed", {{"residual_px", 0.25}, {"error_m", std::nan("")}}, "a.jpg");
+  TraceDecision("nothing said", {});
+  const std::string text = EndTrace();
+  const auto events = nlohmann::json::parse(text)["traceEvents"];
+  ASSERT_EQ(events.size(), 2U);
+  EXPECT_EQ(events[0]["ph"], "i");
+  EXPECT_EQ(events[0]["args"],
+            nlohmann::json::parse(R"({"item":"a.jpg","residual_px":0.25,"error_m":null})"));
+  EXPECT_FALSE(events[1].contains("args"));
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 4);  // the head, one each, the end
+}
+
 TEST(Trace, CollectsNothingBeforeItBeginsAndAfterItEnds) {
   { const TraceSpan early("early"); }
+  TraceDecision("early", {{"photos", 1}});
   BeginTrace();
   EndTrace();
   { const TraceSpan late("late"); }

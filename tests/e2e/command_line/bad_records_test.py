@@ -125,8 +125,9 @@ class BadRecords(unittest.TestCase):
         photos = self.scratch / "kite"
         shutil.copytree(self.real("copr_41") / "images", photos)
         self.stitch(photos)
-        self.assertGreaterEqual(self.report["photos"]["aligned"], 38)
-        self.assertEqual(self.report["alignment"]["pieces"], 1)
+        # Three of them share a strip with one of the others and no point with two: COLMAP leaves them out.
+        self.assert_whole(41)
+        self.assertIn("41 of 41", self.report["alignment"]["second_leg"]["outcome"])
         self.assertFalse(self.report["is_placed"])
         self.assertIn("NOT GEOREFERENCED", self.report["warnings"][0])
 
