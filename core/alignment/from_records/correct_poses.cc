@@ -38,6 +38,19 @@ bool IsCourseOfAll(const std::vector<CorrectedPose>& corrected, std::size_t firs
                      [](const CorrectedPose& one) { return one.yaw_is_course; });
 }
 
+// How a pose moves a photo over level ground against its record.
+GroundCorrection GroundMotion(const poses::PosedPhoto& posed, const GroundPrior& prior,
+                              const geo::Rigid3& cam_from_enu) {
+  const double ground_z_m = posed.cam_from_enu.TargetOriginInSource().z() - posed.height_above_ground_m;
+  const Eigen::Quaterniond enu_from_cam = cam_from_enu.rotation.conjugate();
+  const Eigen::Vector2d middle = AxisOnGround(enu_from_cam, cam_from_enu.TargetOriginInSource(), ground_z_m);
+  const Eigen::Vector3d right_now = enu_from_cam * Eigen::Vector3d::UnitX();
+  const Eigen::Vector3d right_before = posed.cam_from_enu.rotation.conjugate() * Eigen::Vector3d::UnitX();
+  const double turn =
+      std::atan2(right_now.y(), right_now.x()) - std::atan2(right_before.y(), right_before.x());
+  return {std::polar(1.0, turn), std::complex<double>(middle.x(), middle.y()) - prior.middle, 0};
+}
+
 }  // namespace
 
 CorrectedPose CorrectPose(const poses::PosedPhoto& posed, const GroundPrior& prior,
@@ -106,18 +119,6 @@ CorrectedPose CorrectPose(const poses::PosedPhoto& posed, const GroundPrior& pri
   corrected.start_cam_from_enu =
       geo::Rigid3::FromRotationAndTargetOrigin(enu_from_cam.conjugate().normalized(), center);
   return corrected;
-}
-
-GroundCorrection GroundMotion(const poses::PosedPhoto& posed, const GroundPrior& prior,
-                              const geo::Rigid3& cam_from_enu) {
-  const double ground_z_m = posed.cam_from_enu.TargetOriginInSource().z() - posed.height_above_ground_m;
-  const Eigen::Quaterniond enu_from_cam = cam_from_enu.rotation.conjugate();
-  const Eigen::Vector2d middle = AxisOnGround(enu_from_cam, cam_from_enu.TargetOriginInSource(), ground_z_m);
-  const Eigen::Vector3d right_now = enu_from_cam * Eigen::Vector3d::UnitX();
-  const Eigen::Vector3d right_before = posed.cam_from_enu.rotation.conjugate() * Eigen::Vector3d::UnitX();
-  const double turn =
-      std::atan2(right_now.y(), right_now.x()) - std::atan2(right_before.y(), right_before.x());
-  return {std::polar(1.0, turn), std::complex<double>(middle.x(), middle.y()) - prior.middle, 0};
 }
 
 CorrectedPose CorrectToPose(const poses::PosedPhoto& posed, const GroundPrior& prior,

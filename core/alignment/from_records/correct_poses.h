@@ -16,9 +16,6 @@ namespace skyquilt::alignment {
 CorrectedPose CorrectPose(const poses::PosedPhoto& posed, const GroundPrior& prior,
                           const GroundCorrection& correction);
 
-// How a pose moves a photo over level ground against its record.
-GroundCorrection GroundMotion(const poses::PosedPhoto& posed, const GroundPrior& prior,
-                              const geo::Rigid3& cam_from_enu);
 // For a pose found from the images alone: what it says of the record.
 CorrectedPose CorrectToPose(const poses::PosedPhoto& posed, const GroundPrior& prior,
                             const geo::Rigid3& cam_from_enu);

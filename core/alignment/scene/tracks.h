@@ -24,6 +24,9 @@ struct Track {
   double angle_rad = 0.0;  // the widest angle between two of its rays
 };
 
+// Photos that see fewer are not held by them.
+inline constexpr int kEnoughObservations = 12;
+
 struct TrackOptions {
   int observations_per_photo = 220;
   int cells_across = 14;

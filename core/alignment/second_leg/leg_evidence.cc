@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/alignment/from_records/registration_rounds.h"
 #include "core/alignment/matching/connected_components.h"
 #include "core/base/median.h"
 

@@ -46,8 +46,11 @@ int TakeInLost(const WeighedLeg& leg, const std::vector<Track>& tracks, const Re
       RegisterLost({leg.features, &input.views, &is_tied, &tracks, leg.records, &relief}, threads);
   if (found.empty()) return 0;
   const std::vector<GroundPrior> recorded = MakeGroundPriors(posed, MakeMatchingInput(posed));
+  int taken = 0;
   for (const RegisteredLost& one : found) {
     const int i = one.photo;
+    if (problem.photos[i].is_fixed) continue;
+    ++taken;
     TraceDecision("lost photo registered", {{"photo", i}, {"tied_to", one.links.size()}},
                   posed.photos[i].photo.name);
     const bool is_unrecorded = (*leg.records)[i].is_unplaced;
@@ -69,7 +72,7 @@ int TakeInLost(const WeighedLeg& leg, const std::vector<Track>& tracks, const Re
     });
     linked.links.insert(linked.links.end(), one.links.begin(), one.links.end());
   }
-  return static_cast<int>(found.size());
+  return taken;
 }
 
 }  // namespace skyquilt::alignment

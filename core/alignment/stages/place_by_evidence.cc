@@ -14,7 +14,6 @@
 #include "core/alignment/from_records/direct_registration.h"
 #include "core/alignment/from_records/level_flight.h"
 #include "core/alignment/from_records/position_lag.h"
-#include "core/alignment/from_records/registration_rounds.h"
 #include "core/alignment/second_leg/lost_photos.h"
 #include "core/alignment/second_leg/second_leg.h"
 #include "core/base/median.h"
@@ -135,17 +134,12 @@ Leg WithLostTakenIn(const ExtractedFlight& extracted, Leg leg, const AlignOption
 }
 
 // Adjusted from the records, and photos that these left apart registered against the others.
-Leg AdjustedByRecords(const ExtractedFlight& extracted, Leg leg, bool takes_in_lost,
-                      const AlignOptions& options) {
-  const BundleOptions first = FirstAdjustment();
-  leg = Adjusted(std::move(leg), first, options);
+Leg AdjustedByRecords(const ExtractedFlight& extracted, Leg leg, const AlignOptions& options) {
+  leg = Adjusted(std::move(leg), FirstAdjustment(), options);
   leg.input.views = ViewsOf(leg.problem);
   leg.relief = AdjustedRelief(leg);
   leg.problem.plane = FitPlane(leg.problem);
-  if (RegisterInRounds(leg.posed, leg.relief, options.threads, leg.input, leg.matched, leg.problem) > 0)
-    leg = Adjusted(std::move(leg), first, options);
-  if (takes_in_lost) leg = WithLostTakenIn(extracted, std::move(leg), options);
-  return leg;
+  return WithLostTakenIn(extracted, std::move(leg), options);
 }
 
 // The leg from where the images place the photos, as if the records had said so.
@@ -313,7 +307,7 @@ Result<PlacedFlight> PlaceByEvidence(const ExtractedFlight& extracted, Leg by_re
   if (progress.IsCancelled()) return AlignmentCancelled();
   progress.Report(0.8, "adjusting");
   if (compares) {
-    by_records = AdjustedByRecords(extracted, std::move(by_records), may_go_by_images, options);
+    by_records = AdjustedByRecords(extracted, std::move(by_records), options);
     if (may_go_by_images && !tried.report.why)
       tried = TrySecondLeg(extracted, by_records, kMaxLostShare, options, progress);
   }

@@ -7,7 +7,6 @@
 #include <set>
 
 #include "core/alignment/from_records/direct_registration.h"
-#include "core/alignment/from_records/registration_rounds.h"
 #include "core/base/median.h"
 #include "core/geo/lat_lon.h"
 
