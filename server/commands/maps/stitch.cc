@@ -359,9 +359,10 @@ void AddStitchCommand(CLI::App& app) {
       "--fresh", arguments->job.is_fresh,
       "Take nothing over from an earlier run. Without it a killed run goes on where it stopped, "
       "and photos that did not change are not compared again");
-  command->add_option("--trace", arguments->trace,
-                      "Also this file: what each thread did when, and each decision of the alignment with its "
-                      "numbers, a line each, for chrome://tracing, ui.perfetto.dev or grep");
+  command->add_option(
+      "--trace", arguments->trace,
+      "Also this file: what each thread did when, and each decision of the alignment with its "
+      "numbers, a line each, for chrome://tracing, ui.perfetto.dev or grep");
   command->footer(
       "Example:\n"
       "  skyquilt stitch /media/sd/DCIM -o map\n"
