@@ -1,0 +1,65 @@
+#include "core/alignment/matching/pair_sources.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "core/base/parallel_for.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+// The likest first, without those that another stands for.
+std::vector<int> Apart(int photo, const std::vector<int>& likest, int most, int apart) {
+  std::vector<int> chosen;
+  for (const int j : likest) {
+    if (static_cast<int>(chosen.size()) >= most) break;
+    if (apart > 0 && std::abs(j - photo) <= apart) continue;
+    const bool is_covered = apart > 0 && std::any_of(chosen.begin(), chosen.end(),
+                                                     [&](int other) { return std::abs(other - j) < apart; });
+    if (!is_covered) chosen.push_back(j);
+  }
+  return chosen;
+}
+
+}  // namespace
+
+PartnersByPhoto NextInOrder(const PairQuestion& question) {
+  PartnersByPhoto partners(question.photos.size());
+  for (int i = 0; i < static_cast<int>(partners.size()); ++i) {
+    for (const int step : question.options.steps) partners[i].insert(partners[i].end(), {i - step, i + step});
+  }
+  return partners;
+}
+
+PartnersByPhoto NearestByPosition(const PairQuestion& question) {
+  const std::vector<RegistrationPhoto>& photos = question.photos;
+  PartnersByPhoto partners(photos.size());
+  ParallelFor(photos.size(), question.threads, [&](std::size_t i) {
+    if (!photos[i].position_in_enu || !photos[i].features) return;
+    std::vector<std::pair<double, int>> ranked;
+    for (std::size_t j = 0; j < photos.size(); ++j) {
+      if (j == i || !photos[j].position_in_enu || !photos[j].features) continue;
+      ranked.emplace_back((*photos[j].position_in_enu - *photos[i].position_in_enu).head<2>().squaredNorm(),
+                          static_cast<int>(j));
+    }
+    const std::size_t kept =
+        std::min<std::size_t>(static_cast<std::size_t>(question.options.nearest), ranked.size());
+    std::partial_sort(ranked.begin(), ranked.begin() + static_cast<std::ptrdiff_t>(kept), ranked.end());
+    for (std::size_t k = 0; k < kept; ++k) partners[i].push_back(ranked[k].second);
+  });
+  return partners;
+}
+
+PartnersByPhoto LookingAlike(const PairQuestion& question) {
+  const CandidateOptions& options = question.options;
+  const int looked_at = (1 + 2 * options.apart_in_order) * std::max(options.alike, options.alike_unplaced) +
+                        2 * options.apart_in_order;
+  PartnersByPhoto partners = question.appearance.MostAlike(looked_at, question.threads);
+  for (int i = 0; i < static_cast<int>(partners.size()); ++i) {
+    const int most = question.photos[i].position_in_enu ? options.alike : options.alike_unplaced;
+    partners[i] = Apart(i, partners[i], most, options.apart_in_order);
+  }
+  return partners;
+}
+
+}  // namespace skyquilt::alignment

@@ -1,0 +1,45 @@
+// Sources of pairs: each says which photos may show the same, for a reason of its own; what several say is
+// compared once (candidate_pairs.h). How to add one: docs/recipes.md. Pure; any thread.
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "core/alignment/matching/appearance.h"
+#include "core/alignment/scene/registration.h"
+
+namespace skyquilt::alignment {
+
+struct CandidateOptions {
+  std::vector<int> steps{1, 2, 4};  // in the order of capture
+  int nearest = 5;                  // of those with a position
+  int alike = 3;                    // of photos with a position
+  int alike_unplaced = 7;           // of photos without
+  // Of photos that look alike, those taken one after another stand for each other, and those taken next to
+  // the photo itself are compared anyway: the other lines that pass here are wanted.
+  int apart_in_order = 3;
+
+  // For photos that those leave with few partners.
+  static CandidateOptions Generous() { return {{1, 2, 3, 4, 6}, 10, 10, 20, 0}; }
+};
+
+struct PairQuestion {
+  const std::vector<RegistrationPhoto>& photos;  // in the order of capture
+  const Appearance& appearance;
+  const CandidateOptions& options;
+  int threads = 0;
+};
+
+// Partners by photo, as far as the source has a say; any photo, in any order, itself and those beyond the
+// last too.
+using PartnersByPhoto = std::vector<std::vector<int>>;
+using PairSource = PartnersByPhoto (*)(const PairQuestion&);
+
+PartnersByPhoto NextInOrder(const PairQuestion& question);
+// By recorded position, if that is right: nothing is excluded by it.
+PartnersByPhoto NearestByPosition(const PairQuestion& question);
+PartnersByPhoto LookingAlike(const PairQuestion& question);
+
+inline constexpr PairSource kPairSources[] = {NextInOrder, NearestByPosition, LookingAlike};
+
+}  // namespace skyquilt::alignment
