@@ -1,0 +1,51 @@
+"""Fails when a patch of docs/recipes does not fit the sources, touches more files than docs/recipes.md says, or what it
+makes of a source does not compile."""
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(sys.argv[1]).resolve()
+ROW = re.compile(r"^\| [^|]+ \| (\d+) \| \[(\w+)\]\(recipes/\2\.patch\) \|$", re.MULTILINE)
+INCLUDES = ["-isystem", "/usr/include/eigen3", "-isystem", "/usr/include/opencv4"]
+
+
+def problems_of(name, most):
+    patch = ROOT / "docs" / "recipes" / f"{name}.patch"
+    if not patch.is_file():
+        return [f"docs/recipes.md: there is no recipes/{name}.patch"]
+    touched = re.findall(r"^\+\+\+ b/(\S+)$", patch.read_text(), re.MULTILINE)
+    if len(touched) > most:
+        return [f"{patch.name}: touches {len(touched)} files, at most {most} are said: {', '.join(touched)}"]
+    with tempfile.TemporaryDirectory() as scratch:
+        for path in touched:
+            if (ROOT / path).is_file():
+                (pathlib.Path(scratch) / path).parent.mkdir(parents=True, exist_ok=True)
+                shutil.copy(ROOT / path, pathlib.Path(scratch) / path)
+        # From outside any repository, where paths are those of the patch.
+        applied = subprocess.run(["git", "apply", patch], cwd=scratch, capture_output=True, text=True,
+                                 env={"PATH": "/usr/bin:/bin", "GIT_CEILING_DIRECTORIES": scratch})
+        if applied.returncode:
+            return [f"{patch.name}: does not fit: {applied.stderr.strip()}"]
+        found = []
+        for path in touched:
+            if not path.endswith(".cc"):
+                continue
+            compiled = subprocess.run(["g++", "-std=c++20", "-fsyntax-only", "-Wall", "-Wextra", "-I", scratch, "-I", ROOT,
+                                       *INCLUDES, pathlib.Path(scratch) / path], capture_output=True, text=True)
+            if compiled.returncode:
+                found.append(f"{patch.name}: {path} does not compile: {compiled.stderr.strip()[:2000]}")
+        return found
+
+
+rows = ROW.findall((ROOT / "docs" / "recipes.md").read_text())
+problems = [] if rows else ["docs/recipes.md: no recipe in its table"]
+for most, name in rows:
+    problems += problems_of(name, int(most))
+told = {name for _, name in rows}
+problems += [f"docs/recipes.md does not name {path.name}" for path in sorted((ROOT / "docs" / "recipes").iterdir())
+             if path.stem not in told]
+print("\n".join(problems) or f"{len(rows)} recipes fit")
+sys.exit(1 if problems else 0)
