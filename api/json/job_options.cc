@@ -4,10 +4,15 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
 
 #include "api/json/json_text.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
+#include "core/pipeline/job_option.h"
 #include "storage/exports/custom/boundary.h"
 #include "storage/uploads/photo_store.h"
 
@@ -22,92 +27,40 @@ Error Refuse(std::string_view field, std::string_view rule) {
       {flight::RemarkCode::kFailOption, {{"option", std::string(field)}, {"rule_words", std::string(rule)}}});
 }
 
-Result<void> SetGsd(const json& value, pipeline::MosaicOptions* options) {
-  if (value.is_null()) return {};
-  if (!value.is_number()) return Refuse("gsd_m", "must be a number of metres");
-  const auto gsd_m = value.get<double>();
-  if (!(gsd_m >= 0.001 && gsd_m <= 100.0)) return Refuse("gsd_m", "must lie between 0.001 and 100 metres");
-  options->gsd_m = gsd_m;
-  return {};
-}
+using pipeline::JobOption;
+using pipeline::JobOptionKind;
 
-Result<void> SetAnyGsd(const json& value, pipeline::MosaicOptions* options) {
-  if (!value.is_boolean()) return Refuse("any_gsd", "must be true or false");
-  options->any_gsd = value.get<bool>();
-  return {};
-}
-
-Result<void> SetNotFiner(const json& value, pipeline::MosaicOptions* options) {
-  if (!value.is_boolean()) return Refuse("not_finer_than_photos", "must be true or false");
-  options->not_finer_than_photos = value.get<bool>();
-  return {};
-}
-
-Result<void> SetReadout(const json& value, pipeline::MosaicOptions* options) {
-  if (value.is_null()) return {};
-  if (!value.is_number()) return Refuse("readout_ms", "must be a number of milliseconds");
-  const auto readout_ms = value.get<double>();
-  if (!(readout_ms >= 0.0 && readout_ms <= 500.0))
-    return Refuse("readout_ms", "must lie between 0 and 500 milliseconds");
-  options->readout_s = 1e-3 * readout_ms;
-  return {};
-}
-
-Result<void> SetMaxLook(const json& value, pipeline::MosaicOptions* options) {
-  if (!value.is_number()) return Refuse("max_look_deg", "must be a number of degrees");
-  const auto max_look_deg = value.get<double>();
-  if (!(max_look_deg >= 10.0 && max_look_deg <= 75.0))
-    return Refuse("max_look_deg", "must lie between 10 and 75 degrees off the vertical");
-  options->max_look_deg = max_look_deg;
-  return {};
-}
-
-Result<void> SetFormat(const json& value, pipeline::MosaicOptions* options) {
-  for (const auto& [name, encoding] : pipeline::kTileFormats) {
-    if (value == name) {
-      options->encoding = encoding;
-      return {};
+// The value as the table has it; nothing where it is of another type or out of range.
+std::optional<double> NumberOf(const JobOption& option, const json& value) {
+  switch (option.kind) {
+    case JobOptionKind::kNumber:
+    case JobOptionKind::kWhole: {
+      const bool is_number =
+          option.kind == JobOptionKind::kWhole ? value.is_number_integer() : value.is_number();
+      if (!is_number || !option.Takes(value.get<double>())) return std::nullopt;
+      return value.get<double>();
     }
+    case JobOptionKind::kYesNo:
+      if (!value.is_boolean()) return std::nullopt;
+      return value.get<bool>() ? 1.0 : 0.0;
+    case JobOptionKind::kChoice: {
+      const auto found = std::find_if(option.choices.begin(), option.choices.end(),
+                                      [&](const char* one) { return value == one; });
+      if (found == option.choices.end()) return std::nullopt;
+      return static_cast<double>(found - option.choices.begin());
+    }
+    case JobOptionKind::kOther:
+      break;
   }
-  return Refuse("format", "must be \"auto\", \"jpeg-png\" or \"webp\"");
+  return std::nullopt;
 }
 
-Result<void> SetQuality(const json& value, pipeline::MosaicOptions* options) {
-  if (!value.is_number_integer()) return Refuse("quality", "must be a whole number");
-  const auto quality = value.get<std::int64_t>();
-  if (quality < 1 || quality > 100) return Refuse("quality", "must lie between 1 and 100");
-  options->jpeg_quality = static_cast<int>(quality);
+Result<void> SetPlain(const JobOption& option, const json& value, pipeline::MosaicOptions* options) {
+  if (option.may_be_open && value.is_null()) return {};
+  const std::optional<double> number = NumberOf(option, value);
+  if (!number) return Refuse(option.name, option.Rule());
+  option.set(*number, options);
   return {};
-}
-
-Result<void> SetMethod(const json& value, pipeline::MosaicOptions* options) {
-  for (const auto& [name, method] : pipeline::kAlignMethods) {
-    if (value == name) {
-      options->method = method;
-      return {};
-    }
-  }
-  return Refuse("method", "must be \"auto\", \"images\", \"imu\", \"features\" or \"direct\"");
-}
-
-Result<void> SetSurface(const json& value, pipeline::MosaicOptions* options) {
-  for (const auto& [name, ground] : pipeline::kMapGrounds) {
-    if (value == name) {
-      options->surface = ground;
-      return {};
-    }
-  }
-  return Refuse("surface", "must be \"smooth\", \"dense\" or \"auto\"");
-}
-
-Result<void> SetHeights(const json& value, pipeline::MosaicOptions* options) {
-  for (const auto& [name, heights] : pipeline::kMapHeights) {
-    if (value == name) {
-      options->heights = heights;
-      return {};
-    }
-  }
-  return Refuse("heights", "must be \"none\", \"dsm\" or \"dtm\"");
 }
 
 Result<void> SetOrigin(const json& value, pipeline::MosaicOptions* options) {
@@ -161,22 +114,6 @@ Result<void> SetBoundary(const json& value, pipeline::MosaicOptions* options) {
   return {};
 }
 
-Result<void> SetTakeoffHeight(const json& value, pipeline::MosaicOptions* options) {
-  if (value.is_null()) return {};
-  if (!value.is_number()) return Refuse("takeoff_height_m", "must be a number of metres");
-  const auto height_m = value.get<double>();
-  if (!(height_m >= -500.0 && height_m <= 9000.0))
-    return Refuse("takeoff_height_m", "must lie between -500 and 9000 metres above sea level");
-  options->takeoff_height_amsl_m = height_m;
-  return {};
-}
-
-Result<void> SetLandedAtStart(const json& value, pipeline::MosaicOptions* options) {
-  if (!value.is_boolean()) return Refuse("landed_at_start", "must be true or false");
-  options->landed_at_start = value.get<bool>();
-  return {};
-}
-
 Result<void> SetLayers(const json& value, pipeline::MosaicOptions* options) {
   constexpr const char* kRule = "must be a list of \"photo\", \"error\" and \"height\", each at most once";
   if (!value.is_array()) return Refuse("layers", kRule);
@@ -209,6 +146,33 @@ Result<void> CheckImport(const json& given, const pipeline::MosaicOptions& optio
   return {};
 }
 
+constexpr std::pair<std::string_view, Result<void> (*)(const json&, pipeline::MosaicOptions*)> kOthers[] = {
+    {"origin", SetOrigin},
+    {"boundary", SetBoundary},
+    {"place", SetPlace},
+    {"layers", SetLayers},
+    {"import_file", SetImport}};
+
+std::string KnownOptions() {
+  const std::span<const JobOption> table = pipeline::JobOptionTable();
+  std::string known;
+  for (const JobOption& option : table) {
+    if (!known.empty()) known += &option == &table.back() ? " and " : ", ";
+    known += option.name;
+  }
+  return known;
+}
+
+Result<void> SetOne(const std::string& field, const json& value, pipeline::MosaicOptions* options) {
+  const JobOption* option = pipeline::FindJobOption(field);
+  if (option && option->kind != JobOptionKind::kOther) return SetPlain(*option, value, options);
+  for (const auto& [name, set] : kOthers) {
+    if (field == name) return set(value, options);
+  }
+  return flight::Because(ErrorCode::kUnprocessable, {flight::RemarkCode::kFailOptionUnknown,
+                                                     {{"option", field}, {"known_words", KnownOptions()}}});
+}
+
 }  // namespace
 
 Result<pipeline::MosaicOptions> ParseJobOptions(std::string_view text) {
@@ -218,51 +182,7 @@ Result<pipeline::MosaicOptions> ParseJobOptions(std::string_view text) {
   if (!parsed.is_object()) return Error{ErrorCode::kUnprocessable, "The options must be a JSON object.", ""};
   pipeline::MosaicOptions options;
   for (const auto& [field, value] : parsed.items()) {
-    Result<void> set;
-    if (field == "gsd_m") {
-      set = SetGsd(value, &options);
-    } else if (field == "any_gsd") {
-      set = SetAnyGsd(value, &options);
-    } else if (field == "not_finer_than_photos") {
-      set = SetNotFiner(value, &options);
-    } else if (field == "max_look_deg") {
-      set = SetMaxLook(value, &options);
-    } else if (field == "readout_ms") {
-      set = SetReadout(value, &options);
-    } else if (field == "format") {
-      set = SetFormat(value, &options);
-    } else if (field == "quality") {
-      set = SetQuality(value, &options);
-    } else if (field == "method") {
-      set = SetMethod(value, &options);
-    } else if (field == "surface") {
-      set = SetSurface(value, &options);
-    } else if (field == "heights") {
-      set = SetHeights(value, &options);
-    } else if (field == "origin") {
-      set = SetOrigin(value, &options);
-    } else if (field == "boundary") {
-      set = SetBoundary(value, &options);
-    } else if (field == "takeoff_height_m") {
-      set = SetTakeoffHeight(value, &options);
-    } else if (field == "landed_at_start") {
-      set = SetLandedAtStart(value, &options);
-    } else if (field == "place") {
-      set = SetPlace(value, &options);
-    } else if (field == "layers") {
-      set = SetLayers(value, &options);
-    } else if (field == "import_file") {
-      set = SetImport(value, &options);
-    } else {
-      set = flight::Because(
-          ErrorCode::kUnprocessable,
-          {flight::RemarkCode::kFailOptionUnknown,
-           {{"option", field},
-            {"known_words",
-             "gsd_m, any_gsd, not_finer_than_photos, max_look_deg, readout_ms, format, quality, method, surface, heights, origin, "
-             "boundary, takeoff_height_m, landed_at_start, place, layers and import_file"}}});
-    }
-    if (!set) return set.error();
+    SKYQUILT_TRY(SetOne(field, value, &options));
   }
   SKYQUILT_TRY(CheckImport(parsed, options));
   return options;

@@ -5,8 +5,12 @@
 #include <nlohmann/json.hpp>
 
 #include "api/json/job_options.h"
+#include "core/pipeline/job_option.h"
 
 namespace skyquilt::api {
+
+extern const std::string_view kOpenApi;  // api/openapi.json
+
 namespace {
 
 using nlohmann::json;
@@ -198,6 +202,53 @@ TEST(ParseJobOptions, TakesABoundaryAndATakeoffHeight) {
         R"({"takeoff_height_m":"512"})", R"({"takeoff_height_m":-501})", R"({"takeoff_height_m":9001})"}) {
     EXPECT_FALSE(ParseJobOptions(bad)) << bad;
   }
+}
+
+// As the contract has a row of the table.
+json SchemaOf(const pipeline::JobOption& option) {
+  using pipeline::JobOptionKind;
+  json schema = {{"description", option.help}};
+  const std::optional<double> usual = option.get(pipeline::MosaicOptions());
+  if (option.kind == JobOptionKind::kChoice) {
+    schema["enum"] = std::vector<std::string>(option.choices.begin(), option.choices.end());
+    schema["default"] = option.choices[static_cast<std::size_t>(*usual)];
+    return schema;
+  }
+  if (option.kind == JobOptionKind::kYesNo) {
+    schema["type"] = "boolean";
+    schema["default"] = *usual != 0.0;
+    return schema;
+  }
+  const char* type = option.kind == JobOptionKind::kWhole ? "integer" : "number";
+  schema["type"] = option.may_be_open ? json{type, "null"} : json(type);
+  schema["minimum"] = option.least;
+  schema["maximum"] = option.most;
+  if (usual) schema["default"] = *usual;
+  return schema;
+}
+
+TEST(JobOptionTable, IsWhatTheContractSays) {
+  json contract = json::parse(kOpenApi)["components"]["schemas"]["JobOptions"]["properties"];
+  for (const pipeline::JobOption& option : pipeline::JobOptionTable()) {
+    ASSERT_TRUE(contract.contains(option.name)) << option.name;
+    if (option.kind != pipeline::JobOptionKind::kOther)
+      EXPECT_EQ(contract[option.name], SchemaOf(option)) << option.name << ": " << SchemaOf(option).dump();
+    contract.erase(option.name);
+  }
+  EXPECT_TRUE(contract.empty()) << contract.dump();
+}
+
+TEST(JobOptionTable, SaysWhatAValueMustBe) {
+  const auto refused = [](const char* options) { return ParseJobOptions(options).error().message; };
+  EXPECT_NE(refused(R"({"max_look_deg":80})").find("between 10 and 75 degrees off the vertical"),
+            std::string::npos);
+  EXPECT_NE(refused(R"({"quality":8.5})").find("a whole number between 1 and 100"), std::string::npos);
+  EXPECT_NE(refused(R"({"surface":"flat"})").find("\"smooth\", \"dense\" or \"auto\""), std::string::npos);
+  EXPECT_NE(refused(R"({"any_gsd":1})").find("true or false"), std::string::npos);
+  EXPECT_NE(refused(R"({"colour":1})").find("place, layers and import_file"), std::string::npos);
+  EXPECT_FALSE(ParseJobOptions(R"({"quality":null})"));
+  EXPECT_EQ(ParseJobOptions(R"({"readout_ms":null,"heights":"dtm"})")->heights,
+            pipeline::MapHeights::kGround);
 }
 
 }  // namespace

@@ -7,6 +7,8 @@
 #include <set>
 
 #include "api/json/job_options.h"
+#include "api/nodeodm/node_option_list.h"
+#include "core/pipeline/job_option.h"
 
 namespace skyquilt::api {
 namespace {
@@ -116,6 +118,21 @@ TEST(NodeOptions, ABoundaryReachesTheJobAsTextOrAsAnObject) {
   for (const char* bad : {"\"7,46\"", "\"[]\"", "[1]", R"({"type":"Point","coordinates":[7,46]})"}) {
     EXPECT_FALSE(ParseNodeOptions(R"([{"name":"boundary","value":)" + std::string(bad) + "}]")) << bad;
   }
+}
+
+TEST(NodeOptionList, OffersWhatTheTableOfJobOptionsHas) {
+  int held = 0;
+  for (const NodeOption& option : NodeOptionList()) {
+    if (std::string_view(option.type) != "enum" || option.effect != NodeOptionEffect::kJob) continue;
+    const pipeline::JobOption* row = pipeline::FindJobOption(option.job_option);
+    ASSERT_NE(row, nullptr) << option.name;
+    const std::vector<std::string> words(row->choices.begin(), row->choices.end());
+    EXPECT_EQ(nlohmann::json::parse(option.domain), nlohmann::json(words)) << option.name;
+    const auto usual = static_cast<std::size_t>(*row->get(pipeline::MosaicOptions()));
+    EXPECT_EQ(option.value, words.at(usual)) << option.name;
+    ++held;
+  }
+  EXPECT_EQ(held, 3);
 }
 
 }  // namespace

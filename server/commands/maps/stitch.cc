@@ -31,6 +31,7 @@
 #include "server/jobs/stitch_job.h"
 #include "server/terminal/fail.h"
 #include "server/terminal/terminal_progress.h"
+#include "server/usage/job_option_flag.h"
 #include "server/usage/length.h"
 #include "server/usage/one_of.h"
 #include "storage/files/publish_file.h"
@@ -45,7 +46,6 @@ struct StitchArguments {
   std::vector<std::filesystem::path> inputs;
   std::filesystem::path out_dir;
   StitchJobOptions job;
-  std::optional<double> readout_ms;
   double max_memory_gib = 1.0;
   std::string origin;
   std::filesystem::path boundary;
@@ -175,7 +175,6 @@ void CheckTraceCanBeWritten(const std::filesystem::path& trace) {
 void Run(StitchArguments& arguments) {
   if (!arguments.origin.empty())
     arguments.job.mosaic.origin = ParseLatLon("skyquilt", "--origin", arguments.origin);
-  if (arguments.readout_ms) arguments.job.mosaic.readout_s = 1e-3 * *arguments.readout_ms;
   if (!arguments.boundary.empty())
     arguments.job.mosaic.boundary = ReadBoundary("skyquilt", arguments.boundary);
   arguments.job.mosaic.max_memory_bytes = static_cast<std::int64_t>(arguments.max_memory_gib * (1 << 30));
@@ -249,56 +248,17 @@ void AddStitchCommand(CLI::App& app) {
                    "bands.tif of cameras with several bands; made if missing")
       ->required();
   AddGsdOptions(*command, arguments->job.mosaic.gsd_m, arguments->job.mosaic.any_gsd);
-  command->add_option(
-      "--readout-ms", arguments->readout_ms,
-      "Rolling shutter: milliseconds from the first row to the last (0: none; default: as known of "
-      "the camera). Undone where the photos or a log say how fast the aircraft flew");
-  command->add_option("--quality", arguments->job.mosaic.jpeg_quality, "JPEG or WebP quality, 1 to 100")
-      ->capture_default_str();
-  command
-      ->add_option("--format", arguments->job.mosaic.encoding,
-                   "Of the tiles. auto: JPEG inside, WebP with alpha at the fringe, which is smallest; "
-                   "jpeg-png: PNG at the fringe, for programs that open mosaic.mbtiles or mosaic.pmtiles "
-                   "themselves and know no WebP; webp: WebP throughout")
-      ->transform(OneOf(std::vector<std::pair<std::string, image::TileEncoding>>(
-          std::begin(pipeline::kTileFormats), std::end(pipeline::kTileFormats))));
-  command
-      ->add_option(
-          "--max-look-deg", arguments->job.mosaic.max_look_deg,
-          "Nothing is drawn that a photo sees further off the vertical than this, in degrees, 10 to 75")
-      ->capture_default_str();
-  command
-      ->add_option(
-          "--method", arguments->job.mosaic.method,
-          "auto: poses refined by image features, and where angles, heights or positions are missing or wrong "
-          "photos placed by what they show alone; images: all photos placed by what they show alone; imu: recorded poses alone, no pixel compared; "
-          "features: homographies chained from photo to photo, poses not looked at; "
-          "direct: recorded poses refined by comparing whole pictures")
-      ->transform(OneOf(std::vector<std::pair<std::string, pipeline::AlignMethod>>(
-          std::begin(pipeline::kAlignMethods), std::end(pipeline::kAlignMethods))));
+  for (const char* name : {"readout_ms", "quality", "format", "max_look_deg", "method"})
+    AddJobOption(*command, name, arguments->job.mosaic);
   command
       ->add_option("--boundary", arguments->boundary,
                    "GeoJSON or KML file with a polygon: the map is cut to it. Photos are placed as without")
       ->check(CLI::ExistingFile);
-  command->add_option(
-      "--takeoff-height-m", arguments->job.mosaic.takeoff_height_amsl_m,
-      "Height of the place of take-off in metres above sea level, where photos record heights "
-      "above take-off alone, or wrong ones above sea level");
+  AddJobOption(*command, "takeoff_height_m", arguments->job.mosaic);
   command->add_option("--origin", arguments->origin,
                       "LAT,LON of the take-off in degrees, for a flight that recorded no position at all");
-  command->add_flag("--landed-at-start", arguments->job.mosaic.landed_at_start,
-                    "A flight without any position landed where it took off");
-  CLI::Option* surface =
-      command
-          ->add_option(
-              "--surface", arguments->job.mosaic.surface,
-              "smooth: photos are projected to the ground, and what stands on it leans as it does in them; dense: houses, "
-              "walls and trees stand upright (a true orthophoto), by heights of every two pixels that are matched in "
-              "the photos first, which takes several times as long; auto: dense where what stands on the ground leans "
-              "by more than two pixels and three photos see most of it. With --append as the map is")
-          ->capture_default_str()
-          ->transform(OneOf(std::vector<std::pair<std::string, pipeline::MapGround>>(
-              std::begin(pipeline::kMapGrounds), std::end(pipeline::kMapGrounds))));
+  AddJobOption(*command, "landed_at_start", arguments->job.mosaic);
+  CLI::Option* surface = AddJobOption(*command, "surface", arguments->job.mosaic);
   command
       ->add_option("--dem", arguments->job.mosaic.dem_path,
                    "GeoTIFF with the ground's heights (default: one among the files, else what the photos "

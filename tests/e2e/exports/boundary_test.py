@@ -140,7 +140,7 @@ class BoundaryTest(unittest.TestCase):
         self.assertLess(abs(height_m - 1234.5), 110, "the geoid lies so far from the ellipsoid at most")
         run = self.run_stitch(self.scratch / "none", "--takeoff-height-m", "99999")
         self.assertEqual(run.returncode, 1)
-        self.assertIn("-500 to 9000 metres above sea level", run.stderr)
+        self.assertIn("between -500 and 9000 metres above sea level", run.stderr)
 
 
 if __name__ == "__main__":

@@ -41,18 +41,23 @@ class JobOptions(TypedDict, total=False):
     not_finer_than_photos: bool
     # Nothing is drawn that a photo sees further off the vertical than this, in degrees
     max_look_deg: float
-    # Rolling shutter: milliseconds from reading a photo's first row to its last, 0 for none; null as known of the
-    # camera. Undone where photos or logs say how fast the aircraft flew
+    # Rolling shutter: milliseconds from reading a photo's first row to its last, 0 for none; without it as known of
+    # the camera. Undone where photos or logs say how fast the aircraft flew
     readout_ms: Optional[float]
-    # Of the tiles: JPEG with WebP at the fringe, JPEG with PNG at the fringe (for programs that open the map's
-    # MBTiles or PMTiles themselves and know no WebP), or WebP throughout
+    # Of the tiles. auto: JPEG inside, WebP with alpha at the fringe, which is smallest; jpeg-png: PNG at the fringe,
+    # for programs that open the map's MBTiles or PMTiles themselves and know no WebP; webp: WebP throughout
     format: Literal['auto', 'jpeg-png', 'webp']
+    # JPEG or WebP quality of the tiles
     quality: int
+    # How photos are placed. auto: poses refined by image features, and where angles, heights or positions are missing
+    # or wrong photos placed by what they show alone; images: all photos placed by what they show alone; imu: recorded
+    # poses alone, no pixel compared; features: homographies chained from photo to photo, poses not looked at; direct:
+    # recorded poses refined by comparing whole pictures
     method: Literal['auto', 'images', 'imu', 'features', 'direct']
-    # What photos are projected to: the ground alone, on which houses and trees lean as they do in the photos, or
-    # heights of every two pixels, so that they stand upright (a true orthophoto), which takes several times as long.
-    # auto: heights where what stands on the ground leans by more than two pixels and three photos see most of it. A
-    # flight of so many photos that it is cut into units is made by one worker then
+    # smooth: photos are projected to the ground, and what stands on it leans as it does in them; dense: houses, walls
+    # and trees stand upright (a true orthophoto), by heights of every two pixels that are matched in the photos
+    # first, which takes several times as long; auto: dense where what stands on the ground leans by more than two
+    # pixels and three photos see most of it
     surface: Literal['smooth', 'dense', 'auto']
     # Heights beside the map: of ground, roofs and trees as the photos show them (dsm), or those and of the ground
     # below with its contours (dtm). Takes several times as long as the map; a flight that would be cut into units is
@@ -64,7 +69,7 @@ class JobOptions(TypedDict, total=False):
     # are placed as without. All options together have at most 64 KiB
     boundary: Optional[Dict[str, Any]]
     # Height of the place of take-off in metres above sea level (EGM96), where photos record heights above take-off
-    # alone or wrong ones above sea level
+    # alone, or wrong ones above sea level
     takeoff_height_m: Optional[float]
     # Of a job for a finished map: it is brought to where things that it shows really are, and no photo is compared
     # again. One pair shifts it, two or more turn and scale it too. "control": it is brought to the surveyed points
