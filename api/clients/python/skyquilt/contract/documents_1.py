@@ -57,7 +57,8 @@ class JobOptions(TypedDict, total=False):
     # smooth: photos are projected to the ground, and what stands on it leans as it does in them; dense: houses, walls
     # and trees stand upright (a true orthophoto), by heights of every two pixels that are matched in the photos
     # first, which takes several times as long; auto: dense where what stands on the ground leans by more than two
-    # pixels and three photos see most of it
+    # pixels and three photos see most of it. A flight that would be cut into units is made by one worker where it is
+    # not smooth
     surface: Literal['smooth', 'dense', 'auto']
     # Heights beside the map: of ground, roofs and trees as the photos show them (dsm), or those and of the ground
     # below with its contours (dtm). Takes several times as long as the map; a flight that would be cut into units is
