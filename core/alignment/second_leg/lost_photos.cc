@@ -45,6 +45,10 @@ int TakeInLost(const WeighedLeg& leg, const std::vector<Track>& tracks, const Re
   const std::vector<RegisteredLost> found =
       RegisterLost({leg.features, &input.views, &is_tied, &tracks, leg.records, &relief}, threads);
   if (found.empty()) return 0;
+  // Where the images placed all of them, that is said of all of them.
+  const bool is_common = 2 * std::count_if(problem.photos.begin(), problem.photos.end(),
+                                           [](const BundlePhoto& one) { return one.is_by_images; }) >
+                         static_cast<std::ptrdiff_t>(problem.photos.size());
   const std::vector<GroundPrior> recorded = MakeGroundPriors(posed, MakeMatchingInput(posed));
   int taken = 0;
   for (const RegisteredLost& one : found) {
@@ -57,6 +61,7 @@ int TakeInLost(const WeighedLeg& leg, const std::vector<Track>& tracks, const Re
     linked.corrected[i] = is_unrecorded
                               ? PlaceUnrecorded(one.cam_from_enu, posed.ground_z_in_enu_m, posed.photos[i])
                               : CorrectToPose(posed.photos[i], recorded[i], one.cam_from_enu);
+    if (is_unrecorded && is_common) linked.corrected[i].notes.clear();
     problem.photos[i] =
         MakeBundlePhoto(posed.photos[i], linked.corrected[i], problem.photos[i].lens, problem.photos[i].line);
     problem.photos[i].has_record = !is_unrecorded;
