@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "core/alignment/stages/conclude.h"
-#include "core/alignment/stages/finish_leg.h"
+#include "core/alignment/stages/finish_attempt.h"
 #include "core/alignment/stages/match_by_records.h"
 #include "core/alignment/stages/place_by_evidence.h"
 #include "core/base/scoped_timer.h"
@@ -19,9 +19,9 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& recorded, const flig
   SKYQUILT_TRY(options.Validate());
   SKYQUILT_TRY_ASSIGN(const ExtractedFlight extracted,
                       ExtractFlight(recorded, source, options, std::move(found), progress));
-  SKYQUILT_TRY_ASSIGN(Leg matched, MatchByRecords(extracted, options, progress));
+  SKYQUILT_TRY_ASSIGN(Attempt matched, MatchByRecords(extracted, options, progress));
   SKYQUILT_TRY_ASSIGN(PlacedFlight placed, PlaceByEvidence(extracted, std::move(matched), options, progress));
-  placed.leg = FinishLeg(std::move(placed.leg), options, progress);
+  placed.attempt = FinishAttempt(std::move(placed.attempt), options, progress);
   SKYQUILT_TRY_ASSIGN(AlignedFlight flight,
                       Conclude(recorded, extracted, std::move(placed), options, report));
   progress.Report(1.0, "aligned");

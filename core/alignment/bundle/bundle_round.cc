@@ -138,7 +138,7 @@ class Round {
                               ? BundleTermination::kIterationLimit
                               : BundleTermination::kConverged;
     if (options_.estimate_lens_sigma) EstimateLensSigma();
-    TakeOver(line_bias);
+    ReadBack(line_bias);
   }
 
  private:
@@ -353,7 +353,7 @@ class Round {
     }
   }
 
-  void TakeOver(std::vector<Eigen::Vector3d>& line_bias) {
+  void ReadBack(std::vector<Eigen::Vector3d>& line_bias) {
     for (std::size_t i = 0; i < bundle_.photos.size(); ++i) {
       BundlePhoto& photo = bundle_.photos[i];
       photo.cam_from_enu = Applied(photo.cam_from_enu, Pose(i));

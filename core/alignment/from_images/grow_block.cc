@@ -11,7 +11,7 @@
 namespace skyquilt::alignment {
 namespace {
 
-constexpr std::size_t kMaxBeginnings = 6;
+constexpr std::size_t kMaxInitialPairs = 6;
 constexpr int kPhotosAfterSeedPair = 4;  // photos
 constexpr int kEnoughPoints = 15;
 constexpr double kMinAngleRad = 0.03, kWideAngleRad = 0.15;
@@ -23,11 +23,11 @@ constexpr std::size_t kMaxNeighbours = 10;
 constexpr int kMinKept = 10;  // points of a photo that stays
 constexpr int kMinKeptOverGround = 20;
 
-struct Beginning {
+struct InitialPair {
   std::size_t pair = 0, pose = 0;
 };
 
-std::vector<Beginning> Beginnings(const ViewGraph& graph, const std::vector<char>& is_taken) {
+std::vector<InitialPair> InitialPairs(const ViewGraph& graph, const std::vector<char>& is_taken) {
   std::vector<std::pair<double, std::size_t>> ranked;
   for (std::size_t p = 0; p < graph.pairs.size(); ++p) {
     const GraphPair& pair = graph.pairs[p];
@@ -40,9 +40,9 @@ std::vector<Beginning> Beginnings(const ViewGraph& graph, const std::vector<char
   std::sort(ranked.begin(), ranked.end());
   // Not all from one place: a photo begins two at most.
   std::vector<int> begun(is_taken.size(), 0);
-  std::vector<Beginning> chosen;
+  std::vector<InitialPair> chosen;
   for (const auto& [score, p] : ranked) {
-    if (chosen.size() >= kMaxBeginnings) break;
+    if (chosen.size() >= kMaxInitialPairs) break;
     const GraphPair& pair = graph.pairs[p];
     int& first = begun[pair.first];
     int& second = begun[pair.second];
@@ -54,38 +54,39 @@ std::vector<Beginning> Beginnings(const ViewGraph& graph, const std::vector<char
   return chosen;
 }
 
-struct Wanting {
+struct NextPhoto {
   int photo = 0;
   std::vector<int> tracks;  // with points
 };
 
-std::vector<Wanting> PhotosThatSee(const Block& block, const std::vector<char>& is_taken, int at_least) {
-  std::vector<Wanting> wanting;
+std::vector<NextPhoto> PhotosThatSee(const Block& block, const std::vector<char>& is_taken, int at_least) {
+  std::vector<NextPhoto> candidates;
   for (std::size_t i = 0; i < is_taken.size(); ++i) {
     if (is_taken[i] || block.Has(static_cast<int>(i))) continue;
-    Wanting one{static_cast<int>(i), {}};
+    NextPhoto one{static_cast<int>(i), {}};
     for (const int t : block.scene().of_photo[i]) {
       if (block.HasPoint(t)) one.tracks.push_back(t);
     }
-    if (static_cast<int>(one.tracks.size()) >= at_least) wanting.push_back(std::move(one));
+    if (static_cast<int>(one.tracks.size()) >= at_least) candidates.push_back(std::move(one));
   }
-  std::stable_sort(wanting.begin(), wanting.end(),
-                   [](const Wanting& a, const Wanting& b) { return a.tracks.size() > b.tracks.size(); });
-  return wanting;
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const NextPhoto& a, const NextPhoto& b) { return a.tracks.size() > b.tracks.size(); });
+  return candidates;
 }
 
-std::optional<FoundPose> Resect(const Block& block, const Wanting& wanting, const GrowOptions& options) {
+std::optional<FoundPose> Resect(const Block& block, const NextPhoto& candidates, const GrowOptions& options) {
   std::vector<PointObservation> observations;
-  for (const int t : wanting.tracks) {
+  for (const int t : candidates.tracks) {
     for (const TrackElement& element : block.scene().tracks[t]) {
-      if (element.photo != wanting.photo) continue;
+      if (element.photo != candidates.photo) continue;
       observations.push_back({block.PixelOf(element), block.Point(t), block.SigmaPx(element)});
     }
   }
   FindPoseOptions find;
   find.min_inliers = std::max(options.min_inliers,
                               static_cast<int>(options.min_share * static_cast<double>(observations.size())));
-  return FindPose(block.Lens(wanting.photo), observations, static_cast<std::uint64_t>(wanting.photo), find);
+  return FindPose(block.Lens(candidates.photo), observations, static_cast<std::uint64_t>(candidates.photo),
+                  find);
 }
 
 // Photos that see most of what these see.
@@ -133,32 +134,32 @@ void DropUnheld(int threads, Block& block) {
 // One round: what found its place.
 std::vector<int> TakeRound(const std::vector<char>& is_taken, std::size_t most, const GrowOptions& options,
                            int threads, std::vector<int>& failed_at, Block& block) {
-  std::vector<Wanting> wanting = PhotosThatSee(block, is_taken, options.min_inliers);
+  std::vector<NextPhoto> candidates = PhotosThatSee(block, is_taken, options.min_inliers);
   // Once refused, a photo is asked again when it sees a good deal more.
-  std::erase_if(wanting, [&](const Wanting& one) {
+  std::erase_if(candidates, [&](const NextPhoto& one) {
     const int before = failed_at[one.photo];
     return before > 0 && static_cast<double>(one.tracks.size()) < 1.2 * before;
   });
-  if (wanting.empty()) return {};
-  const double enough = kNearlyTheMost * static_cast<double>(wanting.front().tracks.size());
+  if (candidates.empty()) return {};
+  const double enough = kNearlyTheMost * static_cast<double>(candidates.front().tracks.size());
   std::size_t count = 0;
-  while (count < wanting.size() && count < most &&
-         static_cast<double>(wanting[count].tracks.size()) >= enough)
+  while (count < candidates.size() && count < most &&
+         static_cast<double>(candidates[count].tracks.size()) >= enough)
     ++count;
-  wanting.resize(count);
+  candidates.resize(count);
   std::vector<std::optional<FoundPose>> found(count);
-  ParallelFor(count, threads, [&](std::size_t k) { found[k] = Resect(block, wanting[k], options); });
+  ParallelFor(count, threads, [&](std::size_t k) { found[k] = Resect(block, candidates[k], options); });
   std::vector<int> taken;
   for (std::size_t k = 0; k < count; ++k) {
     TraceDecision(found[k] ? "photo registered" : "photo not registered",
-                  {{"photo", wanting[k].photo},
-                   {"points", wanting[k].tracks.size()},
+                  {{"photo", candidates[k].photo},
+                   {"points", candidates[k].tracks.size()},
                    {"inliers", found[k] ? found[k]->inliers.size() : 0}});
     if (found[k]) {
-      block.Place(wanting[k].photo, found[k]->cam_from_world);
-      taken.push_back(wanting[k].photo);
+      block.Place(candidates[k].photo, found[k]->cam_from_world);
+      taken.push_back(candidates[k].photo);
     } else {
-      failed_at[wanting[k].photo] = static_cast<int>(wanting[k].tracks.size());
+      failed_at[candidates[k].photo] = static_cast<int>(candidates[k].tracks.size());
     }
   }
   if (taken.empty()) return TakeRound(is_taken, most, options, threads, failed_at, block);
@@ -196,9 +197,9 @@ struct Tried {
 
 std::optional<Tried> Try(const RegistrationInput& input, const ViewGraph& graph, const SceneTracks& scene,
                          const std::vector<BundleLens>& lenses, const std::vector<char>& is_taken,
-                         const Beginning& beginning, const GrowOptions& options, int threads) {
-  const GraphPair& pair = graph.pairs[beginning.pair];
-  const RelativePose& pose = pair.view.poses[beginning.pose];
+                         const InitialPair& initial_pair, const GrowOptions& options, int threads) {
+  const GraphPair& pair = graph.pairs[initial_pair.pair];
+  const RelativePose& pose = pair.view.poses[initial_pair.pose];
   Block block(input, scene, lenses);
   block.Place(pair.first, geo::Rigid3{});
   block.Place(pair.second, geo::Rigid3{pose.rotation, pose.direction});
@@ -230,15 +231,15 @@ std::optional<Tried> Try(const RegistrationInput& input, const ViewGraph& graph,
 std::optional<Block> BeginBlock(const RegistrationInput& input, const ViewGraph& graph,
                                 const SceneTracks& scene, const std::vector<BundleLens>& lenses,
                                 const std::vector<char>& is_taken, const GrowOptions& options, int threads) {
-  const std::vector<Beginning> beginnings = Beginnings(graph, is_taken);
-  std::vector<std::optional<Tried>> tried(beginnings.size());
-  ParallelFor(beginnings.size(), threads, [&](std::size_t b) {
-    tried[b] = Try(input, graph, scene, lenses, is_taken, beginnings[b], options, 1);
+  const std::vector<InitialPair> initial_pairs = InitialPairs(graph, is_taken);
+  std::vector<std::optional<Tried>> tried(initial_pairs.size());
+  ParallelFor(initial_pairs.size(), threads, [&](std::size_t b) {
+    tried[b] = Try(input, graph, scene, lenses, is_taken, initial_pairs[b], options, 1);
   });
   std::optional<Tried>* best = nullptr;
   for (std::size_t b = 0; b < tried.size(); ++b) {
     std::optional<Tried>& one = tried[b];
-    const GraphPair& pair = graph.pairs[beginnings[b].pair];
+    const GraphPair& pair = graph.pairs[initial_pairs[b].pair];
     TraceDecision("initial pair", {{"photo", pair.first},
                                    {"with", pair.second},
                                    {"photos", one ? one->block.size() : 0},

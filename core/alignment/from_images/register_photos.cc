@@ -45,7 +45,7 @@ void JoinAll(int threads, const RegisterOptions& options, std::vector<Block>& bl
   }
 }
 
-void TakeOver(const std::vector<Block>& blocks, const ViewGraph& graph, Registration& registration) {
+void MergeBlocks(const std::vector<Block>& blocks, const ViewGraph& graph, Registration& registration) {
   double square = 0.0;
   int observations = 0;
   for (std::size_t b = 0; b < blocks.size(); ++b) {
@@ -141,7 +141,7 @@ Registration RegisterPhotos(const RegistrationInput& given, const RegisterOption
       continue;
     }
     if (!blocks.empty()) registration.lenses = blocks.front().lenses();
-    TakeOver(blocks, graph, registration);
+    MergeBlocks(blocks, graph, registration);
     break;
   }
   for (std::size_t c = 0; c < given.lenses.size(); ++c) {

@@ -77,7 +77,7 @@ struct AlignLensReport {
 };
 
 // Photos placed by what they show, without their recorded poses.
-struct SecondLegReport {
+struct ByImagesReport {
   std::optional<flight::Remark> why;  // the records were doubted; nothing: they held, and nothing was tried
   std::optional<flight::Remark> outcome;
   int registered = 0;  // photos in the largest group
@@ -88,7 +88,7 @@ struct SecondLegReport {
   bool is_taken = false;
   bool is_placed = false;  // on Earth, by positions or surveyed points; for who asked, told nowhere
 
-  bool operator==(const SecondLegReport&) const = default;
+  bool operator==(const ByImagesReport&) const = default;
 };
 
 // A camera's gyro against what its photos show.
@@ -127,7 +127,7 @@ struct AlignReport {
   std::vector<ControlReport> control;
   Eigen::Vector3d position_bias_m = Eigen::Vector3d::Zero();  // of the recorded positions; known with control
   std::vector<flight::Remark> corrections;                    // of a photo or a line each
-  SecondLegReport second_leg;
+  ByImagesReport by_images;
   std::vector<GyroReport> gyros;
 
   bool operator==(const AlignReport&) const = default;

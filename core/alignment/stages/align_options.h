@@ -9,8 +9,8 @@
 
 namespace skyquilt::alignment {
 
-// Whether photos may be placed by what they show alone (second_leg/second_leg.h) instead of from recorded
-// poses.
+// Whether photos may be placed by what they show alone (attempts/attempt_by_images.h) instead of from
+// recorded poses.
 enum class ByImages {
   kNever,
   kByEvidence,  // where the records fail their test, and only if the result stands better

@@ -4,10 +4,10 @@
 #include <optional>
 #include <utility>
 
+#include "core/alignment/attempts/attempt_by_images.h"
 #include "core/alignment/bundle/predict_control.h"
 #include "core/alignment/bundle/tie_to_control.h"
 #include "core/alignment/from_records/correct_poses.h"
-#include "core/alignment/second_leg/second_leg.h"
 #include "core/alignment/stages/doubt_photos.h"
 #include "core/alignment/stages/pairs_in_use.h"
 #include "core/alignment/stages/place_photos.h"
@@ -68,51 +68,51 @@ std::optional<flight::Remark> RemarkOfClock(const BundleProblem& problem) {
       {{"clock_s", clock_s}, {"moved_m", moved_m}}};
 }
 
-AlignPhotoReport PhotoReport(const ExtractedFlight& extracted, const Leg& leg, std::size_t i) {
+AlignPhotoReport PhotoReport(const ExtractedFlight& extracted, const Attempt& attempt, std::size_t i) {
   AlignPhotoReport told;
   told.name = extracted.posed.photos[i].photo.name;
   told.features = static_cast<int>(extracted.photographed.features[i].keypoints.size());
-  told.is_by_images = leg.problem.photos[i].is_by_images;
+  told.is_by_images = attempt.problem.photos[i].is_by_images;
   return told;
 }
 
-void ReportLeg(const ExtractedFlight& extracted, Leg& leg, AlignReport& report) {
+void ReportAttempt(const ExtractedFlight& extracted, Attempt& attempt, AlignReport& report) {
   const std::vector<std::string> names = extracted.Names();
   report.photos = static_cast<int>(names.size());
   for (std::size_t i = 0; i < names.size(); ++i) {
-    report.photo_reports.push_back(PhotoReport(extracted, leg, i));
+    report.photo_reports.push_back(PhotoReport(extracted, attempt, i));
     report.decode_s += extracted.photographed.features[i].decode_s;
     report.features_s += extracted.photographed.features[i].detect_s;
   }
   report.gyros = extracted.gyros;
-  report.pairs_tried = static_cast<int>(leg.matched.pairs.size());
-  report.pairs_linked = static_cast<int>(leg.matched.links.size());
-  report.rejected_pairs = std::move(leg.matched.rejected);
+  report.pairs_tried = static_cast<int>(attempt.matched.pairs.size());
+  report.pairs_linked = static_cast<int>(attempt.matched.links.size());
+  report.rejected_pairs = std::move(attempt.matched.rejected);
   report.pairs_rejected = static_cast<int>(report.rejected_pairs.size());
-  report.pairs_by_direct = leg.pairs_by_direct;
-  report.matching_s = leg.matching_s;
-  report.adjustment_s = leg.adjustment_s;
-  report.corrections = DescribeCorrections(leg.matched.corrected, names, extracted.lines);
-  report.corrections.insert(report.corrections.begin(), leg.corrected_records.begin(),
-                            leg.corrected_records.end());
-  if (auto remark = RemarkOfClock(leg.problem))
+  report.pairs_by_direct = attempt.pairs_by_direct;
+  report.matching_s = attempt.matching_s;
+  report.adjustment_s = attempt.adjustment_s;
+  report.corrections = DescribeCorrections(attempt.matched.corrected, names, extracted.lines);
+  report.corrections.insert(report.corrections.begin(), attempt.corrected_records.begin(),
+                            attempt.corrected_records.end());
+  if (auto remark = RemarkOfClock(attempt.problem))
     report.corrections.insert(report.corrections.begin(), *std::move(remark));
-  report.pairs = PairsInUse(leg.problem, names);
-  report.control = std::move(leg.control);
-  ReportControl(leg.problem, report.control);
-  PredictControl(leg.problem, report.control);
-  report.position_bias_m = leg.problem.position_bias_m;
-  report.tie_points = static_cast<int>(leg.problem.tracks.size());
-  report.observations = leg.adjusted.observations;
-  report.observations_dropped = leg.adjusted.dropped;
-  report.residual_rms_px = leg.adjusted.rms_px;
-  report.solver = leg.adjusted.solver;
-  report.iterations = leg.iterations;
-  ReportLenses(leg.posed, leg.problem, report);
+  report.pairs = PairsInUse(attempt.problem, names);
+  report.control = std::move(attempt.control);
+  ReportControl(attempt.problem, report.control);
+  PredictControl(attempt.problem, report.control);
+  report.position_bias_m = attempt.problem.position_bias_m;
+  report.tie_points = static_cast<int>(attempt.problem.tracks.size());
+  report.observations = attempt.adjusted.observations;
+  report.observations_dropped = attempt.adjusted.dropped;
+  report.residual_rms_px = attempt.adjusted.rms_px;
+  report.solver = attempt.adjusted.solver;
+  report.iterations = attempt.iterations;
+  ReportLenses(attempt.posed, attempt.problem, report);
 }
 
 // What the user must know, the most important first, and what was corrected last.
-void Warn(const AlignReport& report, const LegEvidence& evidence, AlignedFlight& flight) {
+void Warn(const AlignReport& report, const AttemptEvidence& evidence, AlignedFlight& flight) {
   std::vector<Remark> remarks;
   const auto add = [&](std::optional<Remark> remark) {
     if (remark) remarks.push_back(*std::move(remark));
@@ -122,8 +122,8 @@ void Warn(const AlignReport& report, const LegEvidence& evidence, AlignedFlight&
   };
   add(ContradictedControl(report.control));
   add(DroppedOf(report.observations, report.observations_dropped));
-  if (!report.second_leg.is_taken) add(ContradictionOf(evidence));
-  add_all(RemarksOn(report.second_leg));
+  if (!report.by_images.is_taken) add(ContradictionOf(evidence));
+  add_all(RemarksOn(report.by_images));
   add_all(flight.warnings);
   add_all(RemarksOn(report.control));
   add_all(report.corrections);
@@ -134,20 +134,22 @@ void Warn(const AlignReport& report, const LegEvidence& evidence, AlignedFlight&
 
 Result<AlignedFlight> Conclude(const poses::PosedFlight& recorded, const ExtractedFlight& extracted,
                                PlacedFlight placed, const AlignOptions& options, AlignReport& report) {
-  Leg& leg = placed.leg;
-  const LegEvidence evidence = Weigh(AsWeighed(extracted, leg));
-  report.second_leg = std::move(placed.second_leg);
-  if (!report.second_leg.why) {
-    report.second_leg.outcome = flight::Remark{flight::RemarkCode::kRecordsHold,
-                                               {{"photos", evidence.tied}, {"total", evidence.readable}}};
+  Attempt& attempt = placed.attempt;
+  const AttemptEvidence evidence = Weigh(AsWeighed(extracted, attempt));
+  report.by_images = std::move(placed.by_images);
+  if (!report.by_images.why) {
+    report.by_images.outcome = flight::Remark{flight::RemarkCode::kRecordsHold,
+                                              {{"photos", evidence.tied}, {"total", evidence.readable}}};
   }
-  const std::vector<PhotoDoubt> doubts = DoubtPhotos(leg.input, leg.compared, leg.matched.links, leg.relief);
-  ReportLeg(extracted, leg, report);
-  leg.input.views = ViewsOf(leg.problem);
-  const std::vector<Track> ground_tracks = GroundTracks(leg, options);
-  AlignedFlight flight = PlacePhotos({&leg.posed, &leg.problem, &ground_tracks, &leg.matched.corrected,
-                                      &doubts, &extracted.photographed.unreadable},
-                                     report);
+  const std::vector<PhotoDoubt> doubts =
+      DoubtPhotos(attempt.input, attempt.compared, attempt.matched.links, attempt.relief);
+  ReportAttempt(extracted, attempt, report);
+  attempt.input.views = ViewsOf(attempt.problem);
+  const std::vector<Track> ground_tracks = GroundTracks(attempt, options);
+  AlignedFlight flight =
+      PlacePhotos({&attempt.posed, &attempt.problem, &ground_tracks, &attempt.matched.corrected, &doubts,
+                   &extracted.photographed.unreadable},
+                  report);
   for (const AlignPhotoReport& photo : report.photo_reports) {
     TraceDecision(photo.placement == Placement::kAligned ? "photo aligned" : "photo by its pose alone",
                   {{"tied_to", photo.links},

@@ -1,4 +1,4 @@
-// Conclude: from an adjusted leg to the flight that the map is made of, and what is told of it. Pure; any
+// Conclude: from an adjusted attempt to the flight that the map is made of, and what is told of it. Pure; any
 // thread.
 #pragma once
 

@@ -2,9 +2,9 @@
 
 #include <utility>
 
+#include "core/alignment/attempts/attempt_by_images.h"
 #include "core/alignment/from_records/flight_lines.h"
 #include "core/alignment/from_records/gyro_lag.h"
-#include "core/alignment/second_leg/second_leg.h"
 #include "core/base/trace.h"
 
 namespace skyquilt::alignment {

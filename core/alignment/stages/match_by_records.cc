@@ -21,35 +21,35 @@ void HoldFixed(const poses::PosedFlight& posed, const std::vector<char>& fixed, 
 
 }  // namespace
 
-Result<Leg> MatchByRecords(const ExtractedFlight& extracted, const AlignOptions& options,
-                           Progress& progress) {
+Result<Attempt> MatchByRecords(const ExtractedFlight& extracted, const AlignOptions& options,
+                               Progress& progress) {
   const std::size_t count = extracted.posed.photos.size();
-  Leg leg;
-  leg.posed = extracted.posed;
-  leg.relief = Relief(leg.posed.ground_z_in_enu_m);
-  leg.input = MakeMatchingInput(leg.posed);
-  leg.input.features = extracted.readable;
+  Attempt attempt;
+  attempt.posed = extracted.posed;
+  attempt.relief = Relief(attempt.posed.ground_z_in_enu_m);
+  attempt.input = MakeMatchingInput(attempt.posed);
+  attempt.input.features = extracted.readable;
   for (std::size_t i = 0; i < count; ++i) {
-    if (extracted.records[i].is_unplaced) leg.input.features[i] = nullptr;  // until the images place it
-    const poses::PosedPhoto& photo = leg.posed.photos[i];
-    if (photo.photo.turning) leg.input.views[i].readout_motion = ReadoutMotion(photo, 0);
+    if (extracted.records[i].is_unplaced) attempt.input.features[i] = nullptr;  // until the images place it
+    const poses::PosedPhoto& photo = attempt.posed.photos[i];
+    if (photo.photo.turning) attempt.input.views[i].readout_motion = ReadoutMotion(photo, 0);
   }
   {
-    ScopedTimer timer(leg.matching_s);
+    ScopedTimer timer(attempt.matching_s);
     progress.Report(0.7, "comparing photos");
-    leg.matched = MatchInPasses(leg.posed, extracted.lines, leg.input, options.threads, progress);
+    attempt.matched = MatchInPasses(attempt.posed, extracted.lines, attempt.input, options.threads, progress);
   }
   if (progress.IsCancelled()) return AlignmentCancelled();
-  TraceDecision("compared by records", {{"pairs", leg.matched.pairs.size()},
-                                        {"verified", leg.matched.links.size()},
-                                        {"refused", leg.matched.rejected.size()}});
-  leg.compared = leg.matched.pairs;
-  leg.problem = MakeBundle(leg.posed, leg.matched.corrected, extracted.lines);
+  TraceDecision("compared by records", {{"pairs", attempt.matched.pairs.size()},
+                                        {"verified", attempt.matched.links.size()},
+                                        {"refused", attempt.matched.rejected.size()}});
+  attempt.compared = attempt.matched.pairs;
+  attempt.problem = MakeBundle(attempt.posed, attempt.matched.corrected, extracted.lines);
   if (!options.fixed.empty()) {
-    HoldFixed(leg.posed, options.fixed, leg.problem);
-    leg.input.views = ViewsOf(leg.problem);
+    HoldFixed(attempt.posed, options.fixed, attempt.problem);
+    attempt.input.views = ViewsOf(attempt.problem);
   }
-  return leg;
+  return attempt;
 }
 
 }  // namespace skyquilt::alignment

@@ -2,11 +2,12 @@
 // wrong by the others, and the bundle to be adjusted from there. The same for any number of threads.
 #pragma once
 
-#include "core/alignment/stages/leg.h"
+#include "core/alignment/stages/attempt.h"
 
 namespace skyquilt::alignment {
 
 // Errors: kCancelled.
-Result<Leg> MatchByRecords(const ExtractedFlight& extracted, const AlignOptions& options, Progress& progress);
+Result<Attempt> MatchByRecords(const ExtractedFlight& extracted, const AlignOptions& options,
+                               Progress& progress);
 
 }  // namespace skyquilt::alignment

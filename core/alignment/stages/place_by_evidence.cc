@@ -9,13 +9,13 @@
 #include <utility>
 #include <vector>
 
+#include "core/alignment/attempts/attempt_by_images.h"
+#include "core/alignment/attempts/lost_photos.h"
 #include "core/alignment/bundle/tie_to_control.h"
 #include "core/alignment/from_records/bundle_setup.h"
 #include "core/alignment/from_records/direct_registration.h"
 #include "core/alignment/from_records/level_flight.h"
 #include "core/alignment/from_records/position_lag.h"
-#include "core/alignment/second_leg/lost_photos.h"
-#include "core/alignment/second_leg/second_leg.h"
 #include "core/base/median.h"
 #include "core/base/scoped_timer.h"
 #include "core/base/trace.h"
@@ -69,19 +69,20 @@ double LeanedShare(const std::vector<CorrectedPose>& corrected, const BundleProb
   return Median(std::move(shares));
 }
 
-LegEvidence Evidence(const ExtractedFlight& extracted, const Leg& leg) {
-  return Weigh(AsWeighed(extracted, leg));
+AttemptEvidence Evidence(const ExtractedFlight& extracted, const Attempt& attempt) {
+  return Weigh(AsWeighed(extracted, attempt));
 }
 
-struct TriedSecondLeg {
-  SecondLegReport report;
-  std::optional<SecondLeg> second;  // none where the records hold, or where it ties no more photos together
+struct TriedByImages {
+  ByImagesReport report;
+  std::optional<AttemptByImages>
+      second;  // none where the records hold, or where it ties no more photos together
 };
 
-TriedSecondLeg TrySecondLeg(const ExtractedFlight& extracted, const Leg& by_records, double max_lost_share,
-                            const AlignOptions& options, Progress& progress) {
-  TriedSecondLeg tried;
-  const LegEvidence evidence = Evidence(extracted, by_records);
+TriedByImages TryByImages(const ExtractedFlight& extracted, const Attempt& by_records, double max_lost_share,
+                          const AlignOptions& options, Progress& progress) {
+  TriedByImages tried;
+  const AttemptEvidence evidence = Evidence(extracted, by_records);
   const bool is_asked_for = options.by_images == ByImages::kAlways;
   tried.report.why = is_asked_for ? flight::Remark(flight::RemarkCode::kImagesAskedFor)
                                   : WhyDoubted(evidence, max_lost_share);
@@ -96,65 +97,66 @@ TriedSecondLeg TrySecondLeg(const ExtractedFlight& extracted, const Leg& by_reco
   progress.Report(0.82, "placing photos by what they show");
   // Where residuals are in doubt, as many photos tied are not better by number.
   const bool takes_equal = is_asked_for || evidence.Lost() == 0;
-  const FirstLeg first{&by_records.posed, &extracted.readable, &extracted.records, &by_records.problem};
+  const AttemptByRecords first{&by_records.posed, &extracted.readable, &extracted.records,
+                               &by_records.problem};
   tried.second = PlaceByImages(first, evidence.tied, takes_equal, options.control, options.threads,
                                tried.report, progress);
   return tried;
 }
 
-Leg TiedDirectly(Leg leg, const AlignOptions& options) {
+Attempt TiedDirectly(Attempt attempt, const AlignOptions& options) {
   {
-    ScopedTimer timer(leg.matching_s);
-    leg.problem.soft_tracks =
-        DirectTracks(leg.input, leg.matched.pairs, leg.matched.links, leg.relief, options.threads);
+    ScopedTimer timer(attempt.matching_s);
+    attempt.problem.soft_tracks = DirectTracks(attempt.input, attempt.matched.pairs, attempt.matched.links,
+                                               attempt.relief, options.threads);
   }
-  leg.pairs_by_direct = static_cast<int>(leg.problem.soft_tracks.size());
-  return leg;
+  attempt.pairs_by_direct = static_cast<int>(attempt.problem.soft_tracks.size());
+  return attempt;
 }
 
 // Photos that the adjusted alignment leaves apart, registered against the others.
-Leg WithLostTakenIn(const ExtractedFlight& extracted, Leg leg, const AlignOptions& options) {
+Attempt WithLostTakenIn(const ExtractedFlight& extracted, Attempt attempt, const AlignOptions& options) {
   bool took_in = false, is_rematched = false;
-  for (int round = 0; round < kMaxLostRounds && HasLost(Evidence(extracted, leg)); ++round) {
-    leg.input.views = ViewsOf(leg.problem);
-    const std::vector<Track> seen = GroundTracks(leg, options);
-    if (TakeInLost(AsWeighed(extracted, leg), seen, leg.relief, options.threads, leg.posed, leg.input,
-                   leg.matched, leg.problem) == 0) {
+  for (int round = 0; round < kMaxLostRounds && HasLost(Evidence(extracted, attempt)); ++round) {
+    attempt.input.views = ViewsOf(attempt.problem);
+    const std::vector<Track> seen = GroundTracks(attempt, options);
+    if (TakeInLost(AsWeighed(extracted, attempt), seen, attempt.relief, options.threads, attempt.posed,
+                   attempt.input, attempt.matched, attempt.problem) == 0) {
       // Photos just taken in have few points yet, and may be all that the next ones have in common with the
       // rest.
       if (!took_in || is_rematched) break;
-      leg = Rematched(std::move(leg), kMiddlePass, options);
+      attempt = Rematched(std::move(attempt), kMiddlePass, options);
       is_rematched = true;
     } else {
       took_in = true;
     }
-    leg = Adjusted(std::move(leg), FirstAdjustment(), options);
+    attempt = Adjusted(std::move(attempt), FirstAdjustment(), options);
   }
-  return leg;
+  return attempt;
 }
 
 // Adjusted from the records, and photos that these left apart registered against the others.
-Leg AdjustedByRecords(const ExtractedFlight& extracted, Leg leg, const AlignOptions& options) {
-  leg = Adjusted(std::move(leg), FirstAdjustment(), options);
-  leg.input.views = ViewsOf(leg.problem);
-  leg.relief = AdjustedRelief(leg);
-  leg.problem.plane = FitPlane(leg.problem);
-  return WithLostTakenIn(extracted, std::move(leg), options);
+Attempt AdjustedByRecords(const ExtractedFlight& extracted, Attempt attempt, const AlignOptions& options) {
+  attempt = Adjusted(std::move(attempt), FirstAdjustment(), options);
+  attempt.input.views = ViewsOf(attempt.problem);
+  attempt.relief = AdjustedRelief(attempt);
+  attempt.problem.plane = FitPlane(attempt.problem);
+  return WithLostTakenIn(extracted, std::move(attempt), options);
 }
 
-// The leg from where the images place the photos, as if the records had said so.
-Leg GoOnFrom(SecondLeg second, const ExtractedFlight& extracted, Leg leg) {
-  leg.posed = std::move(second.posed);
-  leg.matched.corrected.clear();
-  for (PlacedByImages& photo : second.photos) leg.matched.corrected.push_back(std::move(photo.corrected));
-  leg.matched.links = std::move(second.links);
-  leg.matched.pairs.clear();
-  for (const VerifiedPair& link : leg.matched.links)
-    leg.matched.pairs.push_back({link.first, link.second, 0.0});
-  leg.compared = leg.matched.pairs;
-  leg.problem = MakeBundle(leg.posed, leg.matched.corrected, extracted.lines);
-  for (std::size_t c = 0; c < leg.problem.lenses.size(); ++c) {
-    BundleLens& lens = leg.problem.lenses[c];
+// The attempt from where the images place the photos, as if the records had said so.
+Attempt GoOnFrom(AttemptByImages second, const ExtractedFlight& extracted, Attempt attempt) {
+  attempt.posed = std::move(second.posed);
+  attempt.matched.corrected.clear();
+  for (PlacedByImages& photo : second.photos) attempt.matched.corrected.push_back(std::move(photo.corrected));
+  attempt.matched.links = std::move(second.links);
+  attempt.matched.pairs.clear();
+  for (const VerifiedPair& link : attempt.matched.links)
+    attempt.matched.pairs.push_back({link.first, link.second, 0.0});
+  attempt.compared = attempt.matched.pairs;
+  attempt.problem = MakeBundle(attempt.posed, attempt.matched.corrected, extracted.lines);
+  for (std::size_t c = 0; c < attempt.problem.lenses.size(); ++c) {
+    BundleLens& lens = attempt.problem.lenses[c];
     lens.intrinsics = second.lenses[c];
     // Where the images found another focal length than was recorded, theirs is the one to hold on to: level
     // ground alone says little of it, and heights that are wrong would bend it.
@@ -164,35 +166,35 @@ Leg GoOnFrom(SecondLeg second, const ExtractedFlight& extracted, Leg leg) {
     lens.recorded.focal_y_px = lens.intrinsics.focal_y_px;
     lens.sigma_focal_share = std::max(lens.sigma_focal_share, kSigmaFoundFocal);
   }
-  leg.input = MakeMatchingInput(leg.posed);
-  leg.input.features = extracted.readable;
+  attempt.input = MakeMatchingInput(attempt.posed);
+  attempt.input.features = extracted.readable;
   for (std::size_t i = 0; i < extracted.readable.size(); ++i) {
-    if (!second.photos[i].is_placed) leg.input.features[i] = nullptr;
-    leg.problem.photos[i].has_record = second.photos[i].has_record;
-    leg.problem.photos[i].is_by_images = second.photos[i].is_placed;
+    if (!second.photos[i].is_placed) attempt.input.features[i] = nullptr;
+    attempt.problem.photos[i].has_record = second.photos[i].has_record;
+    attempt.problem.photos[i].is_by_images = second.photos[i].is_placed;
   }
-  leg.input.views = ViewsOf(leg.problem);
-  return leg;
+  attempt.input.views = ViewsOf(attempt.problem);
+  return attempt;
 }
 
-PlacedFlight BetterOf(const ExtractedFlight& extracted, Leg by_records, TriedSecondLeg tried, bool compares,
-                      const AlignOptions& options) {
-  SecondLegReport& report = tried.report;
+PlacedFlight BetterOf(const ExtractedFlight& extracted, Attempt by_records, TriedByImages tried,
+                      bool compares, const AlignOptions& options) {
+  ByImagesReport& report = tried.report;
   report.is_placed = tried.second->is_placed;
   report.is_taken = true;
-  std::optional<Leg> kept;
+  std::optional<Attempt> kept;
   if (compares && options.by_images != ByImages::kAlways) kept = by_records;
-  Leg by_images = Adjusted(GoOnFrom(*std::move(tried.second), extracted, std::move(by_records)),
-                           SettledAdjustment(), options);
+  Attempt by_images = Adjusted(GoOnFrom(*std::move(tried.second), extracted, std::move(by_records)),
+                               SettledAdjustment(), options);
   by_images = WithLostTakenIn(extracted, std::move(by_images), options);
-  const LegEvidence evidence = Evidence(extracted, by_images);
+  const AttemptEvidence evidence = Evidence(extracted, by_images);
   if (static_cast<int>(evidence.tied) > report.registered) {
     report.registered = static_cast<int>(evidence.tied);
     report.outcome->values.insert_or_assign("photos", report.registered);
   }
   if (kept) {
-    const LegEvidence of_records = Evidence(extracted, *kept);
-    const LegChoice choice = ChooseLeg(of_records, evidence);
+    const AttemptEvidence of_records = Evidence(extracted, *kept);
+    const AttemptChoice choice = ChooseAttempt(of_records, evidence);
     TraceDecision(choice.takes_images ? "images taken" : "records taken",
                   {{"tied_by_images", evidence.tied},
                    {"tied_by_records", of_records.tied},
@@ -210,18 +212,18 @@ PlacedFlight BetterOf(const ExtractedFlight& extracted, Leg by_records, TriedSec
 }
 
 // Adjusted anew where wrong heights held the flight tilted.
-Leg Levelled(const ExtractedFlight& extracted, Leg leg, const AlignOptions& options) {
-  const std::optional<Levelling> levelling = FindLevelling(leg.problem, extracted.records);
-  if (!levelling) return leg;
+Attempt Levelled(const ExtractedFlight& extracted, Attempt attempt, const AlignOptions& options) {
+  const std::optional<Levelling> levelling = FindLevelling(attempt.problem, extracted.records);
+  if (!levelling) return attempt;
   TraceDecision("flight levelled",
                 {{"tilt_rad", levelling->tilt_rad}, {"apart_m", levelling->height_range_m}});
-  Level(*levelling, extracted.records, leg.problem);
-  leg.input.views = ViewsOf(leg.problem);
-  leg = Adjusted(std::move(leg), SettledAdjustment(), options);
-  leg.corrected_records.push_back({flight::RemarkCode::kHeightsTilted,
-                                   {{"tilt_deg", levelling->tilt_rad * 180.0 / std::numbers::pi},
-                                    {"apart_m", levelling->height_range_m}}});
-  return leg;
+  Level(*levelling, extracted.records, attempt.problem);
+  attempt.input.views = ViewsOf(attempt.problem);
+  attempt = Adjusted(std::move(attempt), SettledAdjustment(), options);
+  attempt.corrected_records.push_back({flight::RemarkCode::kHeightsTilted,
+                                       {{"tilt_deg", levelling->tilt_rad * 180.0 / std::numbers::pi},
+                                        {"apart_m", levelling->height_range_m}}});
+  return attempt;
 }
 
 // Seconds since the first photo; without times of all, or with times that do not rise, photos since the
@@ -252,20 +254,20 @@ CaptureTimes TimesOf(const poses::PosedFlight& posed) {
 PlacedFlight WithoutPositionLag(const ExtractedFlight& extracted, PlacedFlight placed,
                                 const AlignOptions& options) {
   constexpr int kRounds = 2;
-  Leg& leg = placed.leg;
-  const CaptureTimes times = TimesOf(leg.posed);
+  Attempt& attempt = placed.attempt;
+  const CaptureTimes times = TimesOf(attempt.posed);
   std::vector<PhotoRecord> records = extracted.records;
   double lag_s = 0.0, off_m = 0.0;
   for (int round = 0; round < kRounds; ++round) {
-    const std::optional<PositionLag> lag = FindPositionLag(leg.problem, records, times.times_s);
+    const std::optional<PositionLag> lag = FindPositionLag(attempt.problem, records, times.times_s);
     if (!lag) break;
     lag_s += lag->lag_s;
     TraceDecision("positions shifted", {{"lag", lag->lag_s}, {"apart_m", lag->median_off_m}});
     off_m = std::max(off_m, lag->median_off_m);
-    for (std::size_t i = 0; i < leg.problem.photos.size(); ++i) {
+    for (std::size_t i = 0; i < attempt.problem.photos.size(); ++i) {
       if (!records[i].center_in_enu) continue;
       *records[i].center_in_enu += lag->correction_in_enu[i];
-      BundlePhoto& photo = leg.problem.photos[i];
+      BundlePhoto& photo = attempt.problem.photos[i];
       Eigen::Vector3d recorded = photo.prior_cam_from_enu.TargetOriginInSource();
       recorded.head<2>() = records[i].center_in_enu->head<2>();
       photo.prior_cam_from_enu =
@@ -273,7 +275,7 @@ PlacedFlight WithoutPositionLag(const ExtractedFlight& extracted, PlacedFlight p
       photo.sigma_position_m.head<2>() = records[i].sigma_m.head<2>();
       photo.has_record = true;
     }
-    leg = Adjusted(std::move(leg), SettledAdjustment(), options);
+    attempt = Adjusted(std::move(attempt), SettledAdjustment(), options);
   }
   if (lag_s == 0.0) return placed;
   flight::Remark late{
@@ -282,26 +284,26 @@ PlacedFlight WithoutPositionLag(const ExtractedFlight& extracted, PlacedFlight p
        {"unit", flight::Remark(times.are_seconds ? flight::RemarkCode::kSecondsApart
                                                  : flight::RemarkCode::kPhotosApart)},
        {"apart_m", off_m}}};
-  if (placed.second_leg.is_taken) {
-    placed.second_leg.outcome = flight::Remark{flight::RemarkCode::kImagesPlaced,
-                                               {{"photos", placed.second_leg.registered},
-                                                {"total", records.size()},
-                                                {"place", std::vector<flight::Remark>()},
-                                                {"height", std::vector<flight::Remark>()}}};
+  if (placed.by_images.is_taken) {
+    placed.by_images.outcome = flight::Remark{flight::RemarkCode::kImagesPlaced,
+                                              {{"photos", placed.by_images.registered},
+                                               {"total", records.size()},
+                                               {"place", std::vector<flight::Remark>()},
+                                               {"height", std::vector<flight::Remark>()}}};
   }
-  leg.corrected_records.push_back(std::move(late));
+  attempt.corrected_records.push_back(std::move(late));
   return placed;
 }
 
 }  // namespace
 
-Result<PlacedFlight> PlaceByEvidence(const ExtractedFlight& extracted, Leg by_records,
+Result<PlacedFlight> PlaceByEvidence(const ExtractedFlight& extracted, Attempt by_records,
                                      const AlignOptions& options, Progress& progress) {
-  const bool may_go_by_images =
+  const bool may_go_by_images = 
       options.fixed.empty() && options.by_images != ByImages::kNever && !extracted.posed.photos.empty();
-  TriedSecondLeg tried;
+  TriedByImages tried;
   // Where hardly any photo fits to the others, nothing is worth adjusting.
-  if (may_go_by_images) tried = TrySecondLeg(extracted, by_records, kMaxLostShareByLinks, options, progress);
+  if (may_go_by_images) tried = TryByImages(extracted, by_records, kMaxLostShareByLinks, options, progress);
   const bool compares = !tried.second || !tried.second->is_nearly_all;
   if (compares) by_records = TiedDirectly(std::move(by_records), options);
   if (progress.IsCancelled()) return AlignmentCancelled();
@@ -309,20 +311,21 @@ Result<PlacedFlight> PlaceByEvidence(const ExtractedFlight& extracted, Leg by_re
   if (compares) {
     by_records = AdjustedByRecords(extracted, std::move(by_records), options);
     if (may_go_by_images && !tried.report.why)
-      tried = TrySecondLeg(extracted, by_records, kMaxLostShare, options, progress);
+      tried = TryByImages(extracted, by_records, kMaxLostShare, options, progress);
   }
   PlacedFlight placed = tried.second
                             ? BetterOf(extracted, std::move(by_records), std::move(tried), compares, options)
                             : PlacedFlight{std::move(by_records), std::move(tried.report)};
   if (may_go_by_images) {
-    placed.leg = Levelled(extracted, std::move(placed.leg), options);
+    placed.attempt = Levelled(extracted, std::move(placed.attempt), options);
     placed = WithoutPositionLag(extracted, std::move(placed), options);
   }
-  Leg& leg = placed.leg;
-  if (!placed.second_leg.is_taken && LeanedShare(leg.matched.corrected, leg.problem) > kMuchLeanedShare) {
-    leg = Adjusted(Rematched(std::move(leg), kMiddlePass, options), FirstAdjustment(), options);
+  Attempt& attempt = placed.attempt;
+  if (!placed.by_images.is_taken &&
+      LeanedShare(attempt.matched.corrected, attempt.problem) > kMuchLeanedShare) {
+    attempt = Adjusted(Rematched(std::move(attempt), kMiddlePass, options), FirstAdjustment(), options);
   }
-  TieToControl(leg.posed, options.control, leg.problem, leg.control);
+  TieToControl(attempt.posed, options.control, attempt.problem, attempt.control);
   if (progress.IsCancelled()) return AlignmentCancelled();
   return placed;
 }

@@ -1,20 +1,20 @@
 // PlaceByEvidence: the first adjustment, from where the records place the photos and, where that stands
-// badly, from what the photos show alone (second_leg/); the leg that goes on is the one that stands better.
+// badly, from what the photos show alone (attempts/); the attempt that goes on is the one that stands better.
 // The same for any number of threads.
 #pragma once
 
 #include "core/alignment/scene/align_report.h"
-#include "core/alignment/stages/leg.h"
+#include "core/alignment/stages/attempt.h"
 
 namespace skyquilt::alignment {
 
 struct PlacedFlight {
-  Leg leg;
-  SecondLegReport second_leg;  // what was tried, and why it was taken or not
+  Attempt attempt;
+  ByImagesReport by_images;  // what was tried, and why it was taken or not
 };
 
 // `by_records`: matched, not adjusted. Errors: kCancelled.
-Result<PlacedFlight> PlaceByEvidence(const ExtractedFlight& extracted, Leg by_records,
+Result<PlacedFlight> PlaceByEvidence(const ExtractedFlight& extracted, Attempt by_records,
                                      const AlignOptions& options, Progress& progress);
 
 }  // namespace skyquilt::alignment

@@ -1,6 +1,6 @@
 // VisitFields: what report.json and mosaic.state say of each stage's report, every figure with its name
 // there: one list a report, from which it is written and read again (report_codec.h). Not listed is what only
-// the run itself needs: AlignPairReport::some and SecondLegReport::is_placed. Seams are written only. Any
+// the run itself needs: AlignPairReport::some and ByImagesReport::is_placed. Seams are written only. Any
 // thread.
 //
 // What `visit` does: `visit(name, value)` takes a figure; `IfAny` a list that is left out while it is empty;
@@ -163,18 +163,18 @@ void VisitFields(Point& point, Visit& visit) {
   visit.IfAny("marks", point.marks);
 }
 
-template <IsA<alignment::SecondLegReport> Leg, typename Visit>
-void VisitFields(Leg& leg, Visit& visit) {
-  visit.Remarked("why", "why_remark", leg.why);
-  visit.Remarked("outcome", "outcome_remark", leg.outcome);
-  visit("is_taken", leg.is_taken);
-  visit("registered", leg.registered);
-  visit("groups", leg.groups);
-  visit("pairs_compared", leg.pairs_compared);
-  visit("pairs_verified", leg.pairs_verified);
-  visit("pairs_refused", leg.pairs_refused);
-  visit("residual_rms_px", leg.residual_rms_px);
-  visit("total_wall_s", leg.total_s);
+template <IsA<alignment::ByImagesReport> Attempt, typename Visit>
+void VisitFields(Attempt& attempt, Visit& visit) {
+  visit.Remarked("why", "why_remark", attempt.why);
+  visit.Remarked("outcome", "outcome_remark", attempt.outcome);
+  visit("is_taken", attempt.is_taken);
+  visit("registered", attempt.registered);
+  visit("groups", attempt.groups);
+  visit("pairs_compared", attempt.pairs_compared);
+  visit("pairs_verified", attempt.pairs_verified);
+  visit("pairs_refused", attempt.pairs_refused);
+  visit("residual_rms_px", attempt.residual_rms_px);
+  visit("total_wall_s", attempt.total_s);
 }
 
 template <IsA<alignment::AlignReport> Report, typename Visit>
@@ -210,8 +210,8 @@ void VisitFields(Report& report, Visit& visit) {
              [](auto& pair, auto& fields) { VisitComparison(pair, fields); });
   visit("ground_control", report.control);
   visit("position_bias_m", report.position_bias_m);
-  VisitPlacedBy(report.second_leg.is_taken, visit);
-  visit("second_leg", report.second_leg);
+  VisitPlacedBy(report.by_images.is_taken, visit);
+  visit("second_leg", report.by_images);
 }
 
 }  // namespace skyquilt::pipeline

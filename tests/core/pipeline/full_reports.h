@@ -121,16 +121,16 @@ inline alignment::AlignReport FullAlignReport() {
                      {}}};
   report.position_bias_m = {0.1, -0.2, 0.3};
   report.corrections = {"DJI_1.JPG was stored turned"};
-  report.second_leg.why = flight::Remark(flight::RemarkCode::kRecordsNoPoint);
-  report.second_leg.outcome = flight::Remark(flight::RemarkCode::kImagesOnControl);
-  report.second_leg.registered = 18;
-  report.second_leg.groups = 2;
-  report.second_leg.pairs_compared = 100;
-  report.second_leg.pairs_verified = 60;
-  report.second_leg.pairs_refused = 9;
-  report.second_leg.residual_rms_px = 0.8;
-  report.second_leg.total_s = 33.0;
-  report.second_leg.is_taken = true;
+  report.by_images.why = flight::Remark(flight::RemarkCode::kRecordsNoPoint);
+  report.by_images.outcome = flight::Remark(flight::RemarkCode::kImagesOnControl);
+  report.by_images.registered = 18;
+  report.by_images.groups = 2;
+  report.by_images.pairs_compared = 100;
+  report.by_images.pairs_verified = 60;
+  report.by_images.pairs_refused = 9;
+  report.by_images.residual_rms_px = 0.8;
+  report.by_images.total_s = 33.0;
+  report.by_images.is_taken = true;
   report.gyros = {{"key", 10, 900, 800, 500, -0.01, false}};
   return report;
 }

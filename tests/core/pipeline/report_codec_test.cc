@@ -170,7 +170,7 @@ TEST(ReportCodec, LeavesOutWhatOnlyTheRunItselfNeeds) {
   alignment::AlignReport report = FullAlignReport();
   const Json before = JsonOf<Json>(report);
   report.pairs[0].some.emplace_back();
-  report.second_leg.is_placed = true;
+  report.by_images.is_placed = true;
   EXPECT_EQ(JsonOf<Json>(report), before);
 }
 

@@ -1,4 +1,4 @@
-#include "core/alignment/second_leg/register_lost.h"
+#include "core/alignment/attempts/register_lost.h"
 
 #include <gtest/gtest.h>
 

@@ -1,20 +1,20 @@
-// The second leg of the alignment: where recorded poses fail their test, photos are placed by what they show
-// alone (RegisterPhotos), and the records count only where they agree with that. What comes back is a posed
-// flight, as the first leg starts from, with verified pairs and lenses: the alignment goes on from it. The
-// same for any number of threads.
+// The second attempt of the alignment: where recorded poses fail their test, photos are placed by what they
+// show alone (RegisterPhotos), and the records count only where they agree with that. What comes back is a
+// posed flight, as the first attempt starts from, with verified pairs and lenses: the alignment goes on from
+// it. The same for any number of threads.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "core/alignment/attempts/attempt_evidence.h"
 #include "core/alignment/bundle/bundle_adjustment.h"
 #include "core/alignment/scene/align_report.h"
 #include "core/alignment/scene/ground_control.h"
 #include "core/alignment/scene/keypoints.h"
 #include "core/alignment/scene/matches.h"
 #include "core/alignment/scene/pose_prior.h"
-#include "core/alignment/second_leg/leg_evidence.h"
 #include "core/base/progress.h"
 #include "core/base/result.h"
 #include "core/poses/posed_flight.h"
@@ -26,8 +26,8 @@ namespace skyquilt::alignment {
 inline constexpr double kSigmaTurnRad = 0.35;
 inline constexpr double kUnknownShare = 0.5;
 
-// The recorded poses as the first leg left them.
-struct FirstLeg {
+// The recorded poses as the first attempt left them.
+struct AttemptByRecords {
   const poses::PosedFlight* posed = nullptr;
   const std::vector<const PhotoFeatures*>* features = nullptr;  // of all photos that could be read
   const std::vector<PhotoRecord>* records = nullptr;
@@ -40,14 +40,14 @@ struct PlacedByImages {
   bool has_record = true;  // a recorded position that agrees
 };
 
-struct SecondLeg {
+struct AttemptByImages {
   poses::PosedFlight posed;
   std::vector<PlacedByImages> photos;
   std::vector<VerifiedPair> links;
   std::vector<camera::Intrinsics> lenses;  // as the problem numbers them
   bool is_placed = false;                  // on Earth
   std::size_t tied = 0;                    // photos in the largest group
-  // So many of the photos that show anything, and so well, that the first leg needs no adjustment to be
+  // So many of the photos that show anything, and so well, that the first attempt needs no adjustment to be
   // compared.
   bool is_nearly_all = false;
 };
@@ -65,16 +65,16 @@ WholeFlight WithUnplaced(const poses::PosedFlight& recorded);
 flight::Remark NotTaken(flight::Remark why);
 
 // Nothing where it ties no more photos together than `tied_by_records`, or where that cannot be told apart
-// from an equal (`takes_equal`: then it may tie as many). Fills report.second_leg.
-std::optional<SecondLeg> PlaceByImages(const FirstLeg& first, std::size_t tied_by_records, bool takes_equal,
-                                       const std::vector<ControlPoint>& control, int threads,
-                                       SecondLegReport& report, Progress& progress);
+// from an equal (`takes_equal`: then it may tie as many). Fills report.by_images.
+std::optional<AttemptByImages> PlaceByImages(const AttemptByRecords& first, std::size_t tied_by_records,
+                                             bool takes_equal, const std::vector<ControlPoint>& control,
+                                             int threads, ByImagesReport& report, Progress& progress);
 
 // Photos that nothing placed go back to those left out, and those that were placed leave that list. Errors:
 // kUnprocessable when nothing is left.
 Result<void> SettleUnplaced(const poses::PosedFlight& recorded, AlignedFlight& flight, AlignReport& report);
 
 // What the user must know of it; empty where the records held.
-std::vector<flight::Remark> RemarksOn(const SecondLegReport& report);
+std::vector<flight::Remark> RemarksOn(const ByImagesReport& report);
 
 }  // namespace skyquilt::alignment

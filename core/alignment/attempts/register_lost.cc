@@ -1,4 +1,4 @@
-#include "core/alignment/second_leg/register_lost.h"
+#include "core/alignment/attempts/register_lost.h"
 
 #include <algorithm>
 #include <bit>
@@ -9,10 +9,10 @@
 #include <set>
 #include <unordered_map>
 
+#include "core/alignment/attempts/attempt_evidence.h"
 #include "core/alignment/estimators/absolute_pose.h"
 #include "core/alignment/matching/appearance.h"
 #include "core/alignment/matching/match_descriptors.h"
-#include "core/alignment/second_leg/leg_evidence.h"
 #include "core/base/median.h"
 #include "core/base/parallel_for.h"
 

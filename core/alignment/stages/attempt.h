@@ -1,20 +1,20 @@
-// Leg: one alignment of a flight as far as it has come, and the steps that several stages take with it.
+// Attempt: one alignment of a flight as far as it has come, and the steps that several stages take with it.
 // Values; the same for any number of threads.
 #pragma once
 
 #include <string>
 #include <vector>
 
+#include "core/alignment/attempts/attempt_evidence.h"
 #include "core/alignment/bundle/bundle_adjustment.h"
 #include "core/alignment/from_records/matching_passes.h"
 #include "core/alignment/scene/relief.h"
-#include "core/alignment/second_leg/leg_evidence.h"
 #include "core/alignment/stages/extract_flight.h"
 #include "core/flight/remarks/remark.h"
 
 namespace skyquilt::alignment {
 
-struct Leg {
+struct Attempt {
   poses::PosedFlight posed;  // where the photos were taken to be before they were compared
   MatchingInput input;
   MatchedFlight matched;
@@ -32,19 +32,19 @@ struct Leg {
 };
 
 // What Weigh needs of it. Keeps pointers to both.
-WeighedLeg AsWeighed(const ExtractedFlight& extracted, const Leg& leg);
+WeighedAttempt AsWeighed(const ExtractedFlight& extracted, const Attempt& attempt);
 
 // Tracks by the poses as they stand, and an adjustment of those.
-Leg Adjusted(Leg leg, const BundleOptions& bundle_options, const AlignOptions& options);
+Attempt Adjusted(Attempt attempt, const BundleOptions& bundle_options, const AlignOptions& options);
 
 // The relief as adjusted, and pairs and matches from where the photos now lie.
-Leg Rematched(Leg leg, const MatchingPass& pass, const AlignOptions& options);
+Attempt Rematched(Attempt attempt, const MatchingPass& pass, const AlignOptions& options);
 
 // The ground as the adjusted points show it.
-Relief AdjustedRelief(const Leg& leg);
+Relief AdjustedRelief(const Attempt& attempt);
 
 // Every match that agrees with the adjusted poses, not only those the adjustment needed: the ground is
 // modelled from these.
-std::vector<Track> GroundTracks(const Leg& leg, const AlignOptions& options);
+std::vector<Track> GroundTracks(const Attempt& attempt, const AlignOptions& options);
 
 }  // namespace skyquilt::alignment

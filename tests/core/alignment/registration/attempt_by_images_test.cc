@@ -1,5 +1,5 @@
 // Simulated flights whose records are spoilt: what the photos show must do instead.
-#include "core/alignment/second_leg/second_leg.h"
+#include "core/alignment/attempts/attempt_by_images.h"
 
 #include <gtest/gtest.h>
 
@@ -79,36 +79,36 @@ void ScaleHeights(double factor, poses::PosedFlight& posed) {
   }
 }
 
-TEST(SecondLeg, GoodRecordsDoNotCallForIt) {
+TEST(AttemptByImages, GoodRecordsDoNotCallForIt) {
   const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
   const Outcome outcome = Align(truth, PosesOf(truth));
   EXPECT_EQ(outcome.report.aligned, 16);
-  EXPECT_FALSE(outcome.report.second_leg.why);
-  EXPECT_EQ(outcome.report.second_leg.pairs_compared, 0);
+  EXPECT_FALSE(outcome.report.by_images.why);
+  EXPECT_EQ(outcome.report.by_images.pairs_compared, 0);
 }
 
-TEST(SecondLeg, AFlightWithoutAnyRecordBecomesAWholeMapThatIsNotGeoreferenced) {
+TEST(AttemptByImages, AFlightWithoutAnyRecordBecomesAWholeMapThatIsNotGeoreferenced) {
   const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
   const Outcome outcome = Align(truth, Unplaced(truth));
   EXPECT_EQ(outcome.report.aligned, 16);
   EXPECT_EQ(outcome.report.components, 1);
   EXPECT_TRUE(outcome.flight.left_out.empty());
-  EXPECT_TRUE(outcome.report.second_leg.is_taken);
-  EXPECT_FALSE(outcome.report.second_leg.is_placed);
+  EXPECT_TRUE(outcome.report.by_images.is_taken);
+  EXPECT_FALSE(outcome.report.by_images.is_placed);
   EXPECT_LT(outcome.error.relative_ce90_m, 1.5 * truth.GsdM());
   ASSERT_FALSE(outcome.flight.warnings.empty());
   EXPECT_NE(InWords(outcome.flight.warnings.front()).find("NOT GEOREFERENCED"), std::string::npos);
 }
 
-TEST(SecondLeg, SurveyedPointsAlonePlaceIt) {
+TEST(AttemptByImages, SurveyedPointsAlonePlaceIt) {
   const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
   const Outcome outcome = Align(truth, Unplaced(truth), SurveyControl(truth));
   EXPECT_EQ(outcome.report.aligned, 16);
-  EXPECT_TRUE(outcome.report.second_leg.is_placed);
+  EXPECT_TRUE(outcome.report.by_images.is_placed);
   EXPECT_LT(outcome.error.absolute_ce90_m, 2.0 * truth.GsdM());
 }
 
-TEST(SecondLeg, HeightsOfAnotherScaleAreFoundFromThePictures) {
+TEST(AttemptByImages, HeightsOfAnotherScaleAreFoundFromThePictures) {
   const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
   for (const double factor : {0.4, 0.7, 1.8}) {
     poses::PosedFlight posed = PosesOf(truth);
@@ -122,7 +122,7 @@ TEST(SecondLeg, HeightsOfAnotherScaleAreFoundFromThePictures) {
   }
 }
 
-TEST(SecondLeg, AnglesThatAreNotRecordedAreFoundFromThePictures) {
+TEST(AttemptByImages, AnglesThatAreNotRecordedAreFoundFromThePictures) {
   const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
   poses::PosedFlight posed = PosesOf(truth);
   ForgetAngles(posed);
@@ -133,7 +133,7 @@ TEST(SecondLeg, AnglesThatAreNotRecordedAreFoundFromThePictures) {
   EXPECT_LT(outcome.error.relative_ce90_m, 1.5 * truth.GsdM());
 }
 
-TEST(SecondLeg, AThirdOfThePositionsMayBeFiftyMetresOff) {
+TEST(AttemptByImages, AThirdOfThePositionsMayBeFiftyMetresOff) {
   const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
   poses::PosedFlight posed = PosesOf(truth);
   ForgetAngles(posed);
@@ -167,22 +167,22 @@ poses::PosedFlight WithoutRecords(const poses::PosedFlight& whole, const std::ve
   return posed;
 }
 
-TEST(SecondLeg, AFewLostPhotosAreRegisteredAgainstTheOthers) {
+TEST(AttemptByImages, AFewLostPhotosAreRegisteredAgainstTheOthers) {
   const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
   const Outcome outcome = Align(truth, WithoutRecords(PosesOf(truth), {5, 6, 9}));
   EXPECT_EQ(outcome.report.aligned, 16);
   EXPECT_EQ(outcome.report.components, 1);
   EXPECT_TRUE(outcome.flight.left_out.empty());
   // The others stay where their records and the photos have them.
-  EXPECT_FALSE(outcome.report.second_leg.why);
-  EXPECT_FALSE(outcome.report.second_leg.is_taken);
+  EXPECT_FALSE(outcome.report.by_images.why);
+  EXPECT_FALSE(outcome.report.by_images.is_taken);
   for (std::size_t i = 0; i < 16; ++i) {
     EXPECT_EQ(outcome.report.photo_reports[i].is_by_images, i == 5 || i == 6 || i == 9) << i;
   }
   EXPECT_LT(outcome.error.relative_ce90_m, 1.5 * truth.GsdM());
 }
 
-TEST(SecondLeg, APhotoRecordedFarAwayComesBack) {
+TEST(AttemptByImages, APhotoRecordedFarAwayComesBack) {
   const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
   poses::PosedFlight posed = PosesOf(truth);
   geo::Rigid3& pose = posed.photos[6].cam_from_enu;
@@ -193,24 +193,11 @@ TEST(SecondLeg, APhotoRecordedFarAwayComesBack) {
   const Outcome outcome = Align(truth, posed);
   EXPECT_EQ(outcome.report.aligned, 16);
   EXPECT_EQ(outcome.report.components, 1);
-  EXPECT_FALSE(outcome.report.second_leg.is_taken);
+  EXPECT_FALSE(outcome.report.by_images.is_taken);
   EXPECT_LT(outcome.error.relative_ce90_m, 1.5 * truth.GsdM());
 }
 
-TEST(SecondLeg, IsLeftOutWhereItMayNot) {
-  const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
-  AlignReport report;
-  SilentProgress progress;
-  AlignOptions options;
-  options.by_images = ByImages::kNever;
-  const Result<AlignedFlight> aligned = AlignFlight(WithoutRecords(PosesOf(truth), {5, 6, 9}),
-                                                    test::PhotosOf(truth), options, report, progress);
-  ASSERT_TRUE(aligned.ok());
-  EXPECT_EQ(aligned->left_out.size(), 3U);
-  EXPECT_FALSE(IsAnyByImages(report));
-}
-
-TEST(SecondLeg, PhotosWithoutHeightJoinTheOthers) {
+TEST(AttemptByImages, PhotosWithoutHeightJoinTheOthers) {
   const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
   poses::PosedFlight posed = PosesOf(truth);
   const poses::PosedFlight whole = posed;
@@ -228,7 +215,7 @@ TEST(SecondLeg, PhotosWithoutHeightJoinTheOthers) {
   EXPECT_LT(outcome.error.relative_ce90_m, 1.5 * truth.GsdM());
 }
 
-TEST(SecondLeg, PhotosThatShowNothingStayLeftOut) {
+TEST(AttemptByImages, PhotosThatShowNothingStayLeftOut) {
   const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
   poses::PosedFlight posed = PosesOf(truth);
   flight::Photo foreign = posed.photos[3].photo;

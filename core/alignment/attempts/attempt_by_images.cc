@@ -1,4 +1,4 @@
-#include "core/alignment/second_leg/second_leg.h"
+#include "core/alignment/attempts/attempt_by_images.h"
 
 #include <algorithm>
 #include <cmath>
@@ -21,9 +21,9 @@
 namespace skyquilt::alignment {
 namespace {
 
-constexpr double kStandInSigmaM = 1e4;
-constexpr double kStandInSigmaRad = 3.0;
-constexpr double kStandInHeightM = 50.0;
+constexpr double kFallbackSigmaM = 1e4;
+constexpr double kFallbackSigmaRad = 3.0;
+constexpr double kFallbackHeightM = 50.0;
 constexpr double kNearlyAll = 0.9;
 constexpr double kSoundResidualShare = 0.001;  // of a photo's width
 constexpr double kAttitudeHoldsRad = 0.1;
@@ -42,8 +42,8 @@ bool HasPosition(const flight::Photo& photo, const geo::LocalFrame& frame) {
          kMaxFromFlightM;
 }
 
-poses::PosedPhoto StandIn(const flight::Photo& photo, const geo::LocalFrame& frame, double height_m,
-                          double ground_z_m) {
+poses::PosedPhoto FallbackPose(const flight::Photo& photo, const geo::LocalFrame& frame, double height_m,
+                               double ground_z_m) {
   poses::PosedPhoto posed;
   posed.photo = photo;
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
@@ -55,10 +55,10 @@ poses::PosedPhoto StandIn(const flight::Photo& photo, const geo::LocalFrame& fra
   Eigen::Matrix3d down;  // image top north
   down << 1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0;
   posed.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(Eigen::Quaterniond(down), center);
-  posed.covariance.diagonal() << Eigen::Vector3d::Constant(kStandInSigmaRad * kStandInSigmaRad),
-      Eigen::Vector3d::Constant(kStandInSigmaM * kStandInSigmaM);
+  posed.covariance.diagonal() << Eigen::Vector3d::Constant(kFallbackSigmaRad * kFallbackSigmaRad),
+      Eigen::Vector3d::Constant(kFallbackSigmaM * kFallbackSigmaM);
   posed.height_above_ground_m = height_m;
-  posed.error_radius_m = kStandInSigmaM;
+  posed.error_radius_m = kFallbackSigmaM;
   posed.attitude_origin = poses::AttitudeOrigin::kCourse;
   return posed;
 }
@@ -121,7 +121,7 @@ std::vector<PlacePair> ControlOf(const Registration& registration, int block, co
   return pairs;
 }
 
-RegistrationInput InputOf(const FirstLeg& first, const std::vector<PhotoRecord>& records) {
+RegistrationInput InputOf(const AttemptByRecords& first, const std::vector<PhotoRecord>& records) {
   RegistrationInput input;
   input.lenses = first.problem->lenses;
   for (BundleLens& lens : input.lenses) lens.intrinsics = lens.recorded;
@@ -184,8 +184,8 @@ flight::Remark HowHigh(double found_m, std::optional<double> expected_m) {
 }
 
 // One photo of a block, as the block's place has it.
-void TakeOver(const Registration& registration, const BlockPlace& place, const PhotoRecord& record,
-              double height_offset_m, double height_spread_m, std::size_t i, SecondLeg& second) {
+void MergePhoto(const Registration& registration, const BlockPlace& place, const PhotoRecord& record,
+                double height_offset_m, double height_spread_m, std::size_t i, AttemptByImages& second) {
   poses::PosedPhoto& photo = second.posed.photos[i];
   const geo::Rigid3 pose = place.enu_from_world.Moved(registration.photos[i].cam_from_world);
   const Eigen::Vector3d center = pose.TargetOriginInSource();
@@ -241,9 +241,9 @@ WholeFlight WithUnplaced(const poses::PosedFlight& recorded) {
   }
   std::vector<double> heights;
   for (const poses::PosedPhoto& photo : posed.photos) heights.push_back(photo.height_above_ground_m);
-  const double height_m = heights.empty() ? kStandInHeightM : Median(std::move(heights));
+  const double height_m = heights.empty() ? kFallbackHeightM : Median(std::move(heights));
   for (const flight::Photo& photo : recorded.unplaced)
-    posed.photos.push_back(StandIn(photo, posed.frame, height_m, posed.ground_z_in_enu_m));
+    posed.photos.push_back(FallbackPose(photo, posed.frame, height_m, posed.ground_z_in_enu_m));
   posed.unplaced.clear();
   std::vector<std::size_t> order(posed.photos.size());
   std::iota(order.begin(), order.end(), 0);
@@ -264,9 +264,9 @@ flight::Remark NotTaken(flight::Remark why) {
   return {flight::RemarkCode::kImagesNotTaken, {{"why", std::move(why)}}};
 }
 
-std::optional<SecondLeg> PlaceByImages(const FirstLeg& first, std::size_t tied_by_records, bool takes_equal,
-                                       const std::vector<ControlPoint>& control, int threads,
-                                       SecondLegReport& report, Progress& progress) {
+std::optional<AttemptByImages> PlaceByImages(const AttemptByRecords& first, std::size_t tied_by_records,
+                                             bool takes_equal, const std::vector<ControlPoint>& control,
+                                             int threads, ByImagesReport& report, Progress& progress) {
   ScopedTimer timer(report.total_s);
   const poses::PosedFlight& posed = *first.posed;
   const std::size_t count = posed.photos.size();
@@ -302,7 +302,7 @@ std::optional<SecondLeg> PlaceByImages(const FirstLeg& first, std::size_t tied_b
         {flight::RemarkCode::kImagesTie, {{"photos", report.registered}, {"by_records", tied_by_records}}});
     return std::nullopt;
   }
-  SecondLeg second;
+  AttemptByImages second;
   second.posed = posed;
   second.tied = static_cast<std::size_t>(report.registered);
   const auto readable = std::count_if(first.features->begin(), first.features->end(), ShowsEnough);
@@ -348,7 +348,7 @@ std::optional<SecondLeg> PlaceByImages(const FirstLeg& first, std::size_t tied_b
     const double height_spread_m = offsets.empty() ? 0.0 : 1.48 * Median(std::move(offsets));
     for (std::size_t i = 0; i < count; ++i) {
       if (registration.photos[i].block == block) {
-        TakeOver(registration, place, records.photos[i], height_offset_m, height_spread_m, i, second);
+        MergePhoto(registration, place, records.photos[i], height_offset_m, height_spread_m, i, second);
       }
     }
   }
@@ -387,10 +387,10 @@ Result<void> SettleUnplaced(const poses::PosedFlight& recorded, AlignedFlight& f
   }
   if (!flight.photos.empty()) return {};
   return flight::Because(ErrorCode::kUnprocessable, flight::RemarkCode::kFailNothingInCommon,
-                         report.second_leg.outcome ? flight::InWords(*report.second_leg.outcome) : "");
+                         report.by_images.outcome ? flight::InWords(*report.by_images.outcome) : "");
 }
 
-std::vector<flight::Remark> RemarksOn(const SecondLegReport& report) {
+std::vector<flight::Remark> RemarksOn(const ByImagesReport& report) {
   using flight::RemarkCode;
   std::vector<flight::Remark> remarks;
   if (!report.is_taken || !report.why || !report.outcome) return remarks;

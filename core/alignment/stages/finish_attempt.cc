@@ -1,4 +1,4 @@
-#include "core/alignment/stages/finish_leg.h"
+#include "core/alignment/stages/finish_attempt.h"
 
 #include <fmt/format.h>
 
@@ -33,12 +33,12 @@ std::vector<char> MayRoll(const poses::PosedFlight& posed) {
   return may_roll;
 }
 
-// The leg adjusted with a readout time for lenses whose photos show one, if they do.
-Leg WithReadoutFound(Leg leg, const BundleOptions& bundle_options, const AlignOptions& options) {
-  const std::vector<char> may_roll = MayRoll(leg.posed);
-  const std::vector<int> lenses = LensesThatMayRoll(leg.problem, may_roll);
-  if (lenses.empty()) return leg;
-  Leg found = leg;
+// The attempt adjusted with a readout time for lenses whose photos show one, if they do.
+Attempt WithReadoutFound(Attempt attempt, const BundleOptions& bundle_options, const AlignOptions& options) {
+  const std::vector<char> may_roll = MayRoll(attempt.posed);
+  const std::vector<int> lenses = LensesThatMayRoll(attempt.problem, may_roll);
+  if (lenses.empty()) return attempt;
+  Attempt found = attempt;
   for (std::size_t i = 0; i < may_roll.size(); ++i) {
     if (!may_roll[i]) found.problem.photos[i].velocity_in_enu_mps.reset();
   }
@@ -47,8 +47,8 @@ Leg WithReadoutFound(Leg leg, const BundleOptions& bundle_options, const AlignOp
   const std::vector<int> rolling = LensesThatRoll(found.problem, lenses);
   TraceDecision("rolling shutter looked for", {{"lenses", lenses.size()}, {"found", rolling.size()}});
   if (rolling.size() < lenses.size()) {
-    leg.iterations = found.iterations;
-    return leg;
+    attempt.iterations = found.iterations;
+    return attempt;
   }
   // What was matched by photos taken for still ones is matched anew.
   found = Adjusted(Rematched(std::move(found), kLastPass, options), bundle_options, options);
@@ -70,18 +70,18 @@ Leg WithReadoutFound(Leg leg, const BundleOptions& bundle_options, const AlignOp
 
 }  // namespace
 
-Leg FinishLeg(Leg leg, const AlignOptions& options, Progress& progress) {
+Attempt FinishAttempt(Attempt attempt, const AlignOptions& options, Progress& progress) {
   progress.Report(0.88, "comparing photos once more");
-  leg = Rematched(std::move(leg), kLastPass, options);
+  attempt = Rematched(std::move(attempt), kLastPass, options);
   progress.Report(0.92, "adjusting");
-  ReweighPriors(leg.problem);
-  leg.problem.plane = FitPlane(leg.problem);
+  ReweighPriors(attempt.problem);
+  attempt.problem.plane = FitPlane(attempt.problem);
   BundleOptions last;
-  last.estimate_lens_sigma = leg.problem.photos.size() <= kMaxPhotosForLensSigma;
-  leg = Adjusted(std::move(leg), last, options);
-  leg = WithReadoutFound(std::move(leg), last, options);
-  if (BelieveContradictedControlLess(leg.problem)) leg = Adjusted(std::move(leg), last, options);
-  return leg;
+  last.estimate_lens_sigma = attempt.problem.photos.size() <= kMaxPhotosForLensSigma;
+  attempt = Adjusted(std::move(attempt), last, options);
+  attempt = WithReadoutFound(std::move(attempt), last, options);
+  if (BelieveContradictedControlLess(attempt.problem)) attempt = Adjusted(std::move(attempt), last, options);
+  return attempt;
 }
 
 }  // namespace skyquilt::alignment

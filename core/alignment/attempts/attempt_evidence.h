@@ -1,6 +1,6 @@
-// LegEvidence: how well an alignment stands, measured alike whichever leg it came from (recorded poses, or
-// what the photos show alone), and the choice between the two by it: photos tied together in one connected
-// component first, then by how much they disagree, then how many records they contradict. Pure; any
+// AttemptEvidence: how well an alignment stands, measured alike whichever attempt it came from (recorded
+// poses, or what the photos show alone), and the choice between the two by it: photos tied together in one
+// connected component first, then by how much they disagree, then how many records they contradict. Pure; any
 // thread.
 #pragma once
 
@@ -19,7 +19,7 @@ namespace skyquilt::alignment {
 // A record further than this from where the images put its photo contradicts them.
 inline constexpr double kContradictedSigmas = 4.0;
 
-struct LegEvidence {
+struct AttemptEvidence {
   std::size_t readable = 0;      // photos that show enough to be tied
   std::size_t unplaced = 0;      // of those: no record says where, or how high, and nothing tied them
   std::size_t tied = 0;          // in the largest connected component, by enough points
@@ -38,8 +38,9 @@ struct LegEvidence {
   double AttitudesContradicted() const;
 };
 
-// What is weighed. Links and problem are those of one leg; records are the flight's, whichever leg it is.
-struct WeighedLeg {
+// What is weighed. Links and problem are those of one attempt; records are the flight's, whichever attempt it
+// is.
+struct WeighedAttempt {
   const std::vector<PhotoRecord>* records = nullptr;
   const std::vector<const PhotoFeatures*>* features = nullptr;  // of all photos that could be read
   const std::vector<VerifiedPair>* links = nullptr;
@@ -51,23 +52,23 @@ struct WeighedLeg {
 
 // By photo, whether it belongs to the largest connected component and, once there are tracks, sees enough of
 // them.
-std::vector<char> TiedPhotos(const WeighedLeg& leg);
+std::vector<char> TiedPhotos(const WeighedAttempt& attempt);
 bool ShowsEnough(const PhotoFeatures* features);
 
-LegEvidence Weigh(const WeighedLeg& leg);
+AttemptEvidence Weigh(const WeighedAttempt& attempt);
 
 // Why the recorded poses are not to be believed for the flight as a whole; nothing: they hold.
 // `max_lost_share`: of the readable photos that may stay lost.
-std::optional<flight::Remark> WhyDoubted(const LegEvidence& by_records, double max_lost_share);
+std::optional<flight::Remark> WhyDoubted(const AttemptEvidence& by_records, double max_lost_share);
 
-struct LegChoice {
+struct AttemptChoice {
   bool takes_images = false;
   flight::Remark why;
 };
-LegChoice ChooseLeg(const LegEvidence& by_records, const LegEvidence& by_images);
+AttemptChoice ChooseAttempt(const AttemptEvidence& by_records, const AttemptEvidence& by_images);
 
 // Recorded positions that most of an alignment contradicts by far more than they claim; nothing: they agree.
-std::optional<flight::Remark> ContradictionOf(const LegEvidence& evidence);
+std::optional<flight::Remark> ContradictionOf(const AttemptEvidence& evidence);
 
 // An adjustment that had to drop most observations fits the few it kept, whatever its residual: what the
 // records say holds the photos apart, or together, against what they show. Nothing: it kept enough.

@@ -2,8 +2,8 @@
 // keypoints are matched to those of aligned photos wherever they lie in the picture (no ground window, no
 // recorded pose), and the points those see are what the pose is found from; where these are too few, also
 // where the aligned photos see the ground under their other keypoints. What is aligned stays as it is. For a
-// few lost photos of a sound alignment; a flight that is mostly lost is placed anew (second_leg.h). The same
-// for any number of threads.
+// few lost photos of a sound alignment; a flight that is mostly lost is placed anew (attempt_by_images.h).
+// The same for any number of threads.
 #pragma once
 
 #include <vector>

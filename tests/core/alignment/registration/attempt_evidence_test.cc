@@ -1,5 +1,5 @@
-// Which leg places a flight, and why.
-#include "core/alignment/second_leg/leg_evidence.h"
+// Which attempt places a flight, and why.
+#include "core/alignment/attempts/attempt_evidence.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,8 +11,8 @@ namespace {
 
 using ::testing::HasSubstr;
 
-LegEvidence Evidence(std::size_t readable, std::size_t tied, double residual_px = 1.0) {
-  LegEvidence evidence;
+AttemptEvidence Evidence(std::size_t readable, std::size_t tied, double residual_px = 1.0) {
+  AttemptEvidence evidence;
   evidence.readable = readable;
   evidence.tied = tied;
   evidence.residual_rms_px = residual_px;
@@ -30,72 +30,72 @@ TEST(WhyDoubted, GoodRecordsHold) {
 TEST(WhyDoubted, SaysWhatFailed) {
   EXPECT_EQ(flight::InWords(WhyDoubted(Evidence(75, 46), 0.1).value()),
             "by their recorded poses 29 of 75 photos do not fit to the others");
-  LegEvidence nowhere = Evidence(41, 0);
+  AttemptEvidence nowhere = Evidence(41, 0);
   nowhere.unplaced = 41;
   EXPECT_EQ(flight::InWords(WhyDoubted(nowhere, 0.4).value()),
             "41 of 41 photos have no usable position or height");
   EXPECT_THAT(flight::InWords(WhyDoubted(Evidence(50, 50, 7.0), 0.1).value()),
               HasSubstr("disagree by 7.0 pixels"));
-  LegEvidence few = Evidence(50, 48);
+  AttemptEvidence few = Evidence(50, 48);
   few.unplaced = 2;
   EXPECT_FALSE(WhyDoubted(few, 0.1)) << "two lost photos do not put the others in doubt";
 }
 
-TEST(ChooseLeg, MorePhotosTiedTogetherWin) {
-  const LegChoice choice = ChooseLeg(Evidence(75, 60), Evidence(75, 75));
+TEST(ChooseAttempt, MorePhotosTiedTogetherWin) {
+  const AttemptChoice choice = ChooseAttempt(Evidence(75, 60), Evidence(75, 75));
   EXPECT_TRUE(choice.takes_images);
   EXPECT_EQ(flight::InWords(choice.why),
             "what the photos show ties 75 of them together, the recorded poses 60");
 }
 
-TEST(ChooseLeg, NoMorePhotosAreNoReason) {
-  EXPECT_FALSE(ChooseLeg(Evidence(75, 60), Evidence(75, 60)).takes_images);
-  EXPECT_FALSE(ChooseLeg(Evidence(75, 60), Evidence(75, 40)).takes_images);
+TEST(ChooseAttempt, NoMorePhotosAreNoReason) {
+  EXPECT_FALSE(ChooseAttempt(Evidence(75, 60), Evidence(75, 60)).takes_images);
+  EXPECT_FALSE(ChooseAttempt(Evidence(75, 60), Evidence(75, 40)).takes_images);
 }
 
-TEST(ChooseLeg, AsManyThatFitFarBetterWin) {
-  EXPECT_TRUE(ChooseLeg(Evidence(75, 75, 7.0), Evidence(75, 75, 1.2)).takes_images);
-  EXPECT_FALSE(ChooseLeg(Evidence(75, 75, 7.0), Evidence(75, 74, 1.2)).takes_images);
+TEST(ChooseAttempt, AsManyThatFitFarBetterWin) {
+  EXPECT_TRUE(ChooseAttempt(Evidence(75, 75, 7.0), Evidence(75, 75, 1.2)).takes_images);
+  EXPECT_FALSE(ChooseAttempt(Evidence(75, 75, 7.0), Evidence(75, 74, 1.2)).takes_images);
 }
 
-TEST(ChooseLeg, PhotosThatDisagreeDoNotWin) {
-  const LegChoice choice = ChooseLeg(Evidence(75, 60, 1.0), Evidence(75, 75, 3.0));
+TEST(ChooseAttempt, PhotosThatDisagreeDoNotWin) {
+  const AttemptChoice choice = ChooseAttempt(Evidence(75, 60, 1.0), Evidence(75, 75, 3.0));
   EXPECT_FALSE(choice.takes_images);
   EXPECT_THAT(flight::InWords(choice.why), HasSubstr("3.0 pixels"));
 }
 
-TEST(ChooseLeg, AFewMorePhotosDoNotOutweighThePositions) {
-  LegEvidence images = Evidence(75, 75);
+TEST(ChooseAttempt, AFewMorePhotosDoNotOutweighThePositions) {
+  AttemptEvidence images = Evidence(75, 75);
   images.positions_contradicted = 40;
-  const LegChoice choice = ChooseLeg(Evidence(75, 60), images);
+  const AttemptChoice choice = ChooseAttempt(Evidence(75, 60), images);
   EXPECT_FALSE(choice.takes_images);
   EXPECT_THAT(flight::InWords(choice.why), HasSubstr("40 of 75 recorded positions"));
-  EXPECT_TRUE(ChooseLeg(Evidence(75, 30), images).takes_images) << "far more photos do";
+  EXPECT_TRUE(ChooseAttempt(Evidence(75, 30), images).takes_images) << "far more photos do";
 }
 
-TEST(ChooseLeg, AFewMorePhotosDoNotOutweighTheAngles) {
-  LegEvidence images = Evidence(75, 75), records = Evidence(75, 60);
+TEST(ChooseAttempt, AFewMorePhotosDoNotOutweighTheAngles) {
+  AttemptEvidence images = Evidence(75, 75), records = Evidence(75, 60);
   images.attitudes = 75;
   images.attitudes_contradicted = 30;
   records.attitudes = 60;
-  EXPECT_FALSE(ChooseLeg(records, images).takes_images);
+  EXPECT_FALSE(ChooseAttempt(records, images).takes_images);
   records.attitudes_contradicted = 30;
-  EXPECT_TRUE(ChooseLeg(records, images).takes_images) << "the records contradict themselves as much";
+  EXPECT_TRUE(ChooseAttempt(records, images).takes_images) << "the records contradict themselves as much";
 }
 
-TEST(ChooseLeg, PosesThatHardlyAnythingFitsAgreeWithTheirRecordsForNothing) {
-  LegEvidence records = Evidence(18, 18), images = Evidence(18, 18);
+TEST(ChooseAttempt, PosesThatHardlyAnythingFitsAgreeWithTheirRecordsForNothing) {
+  AttemptEvidence records = Evidence(18, 18), images = Evidence(18, 18);
   records.observations = 687;
   records.dropped = 3070;
   images.observations = 3500;
   images.dropped = 200;
   images.positions_contradicted = 17;
   EXPECT_THAT(flight::InWords(WhyDoubted(records, 0.1).value()), HasSubstr("only 687 of 3757 points"));
-  const LegChoice choice = ChooseLeg(records, images);
+  const AttemptChoice choice = ChooseAttempt(records, images);
   EXPECT_TRUE(choice.takes_images);
   EXPECT_THAT(flight::InWords(choice.why), HasSubstr("3500 of 3700 points"));
   std::swap(images.observations, images.dropped);
-  EXPECT_FALSE(ChooseLeg(records, images).takes_images) << "as few fit without the records";
+  EXPECT_FALSE(ChooseAttempt(records, images).takes_images) << "as few fit without the records";
   records.observations = 2000;
   EXPECT_FALSE(WhyDoubted(records, 0.1));
   records.observations = records.dropped = 0;
@@ -104,31 +104,31 @@ TEST(ChooseLeg, PosesThatHardlyAnythingFitsAgreeWithTheirRecordsForNothing) {
   EXPECT_THAT(flight::InWords(WhyDoubted(records, 0.1).value()), HasSubstr("no point"));
 }
 
-TEST(ChooseLeg, AsManyThatLieWhereTheyWereRecordedWin) {
-  LegEvidence records = Evidence(24, 24, 0.5), images = Evidence(24, 24, 0.6);
+TEST(ChooseAttempt, AsManyThatLieWhereTheyWereRecordedWin) {
+  AttemptEvidence records = Evidence(24, 24, 0.5), images = Evidence(24, 24, 0.6);
   records.positions_contradicted = 12;
   EXPECT_FALSE(WhyDoubted(records, 0.1)) << "half of them are no majority";
   records.positions_contradicted = 23;
   EXPECT_THAT(flight::InWords(WhyDoubted(records, 0.1).value()),
               HasSubstr("23 of 24 photos do not lie where they were recorded"));
   images.positions_contradicted = 1;
-  const LegChoice choice = ChooseLeg(records, images);
+  const AttemptChoice choice = ChooseAttempt(records, images);
   EXPECT_TRUE(choice.takes_images);
   EXPECT_EQ(
       flight::InWords(choice.why),
       "what the photos show agrees with 23 of 24 recorded positions, the alignment by records with 1 of 24");
   images.positions_contradicted = 15;
-  EXPECT_FALSE(ChooseLeg(records, images).takes_images) << "hardly better";
+  EXPECT_FALSE(ChooseAttempt(records, images).takes_images) << "hardly better";
   images.positions_contradicted = 1;
   images.residual_rms_px = 4.0;
-  EXPECT_FALSE(ChooseLeg(records, images).takes_images) << "the photos come apart by it";
+  EXPECT_FALSE(ChooseAttempt(records, images).takes_images) << "the photos come apart by it";
   records.positions = images.positions = 4;
   records.positions_contradicted = 4;
   EXPECT_FALSE(WhyDoubted(records, 0.1)) << "four positions are too few for a verdict";
 }
 
 TEST(ContradictionOf, IsSaidOfMostPositionsOnly) {
-  LegEvidence evidence = Evidence(30, 28);
+  AttemptEvidence evidence = Evidence(30, 28);
   evidence.median_error_m = 8.0;
   evidence.median_error_sigmas = 5.3;
   evidence.positions_contradicted = 14;
@@ -158,7 +158,7 @@ TEST(Weigh, CountsWhatTheRecordsClaim) {
   records[1].center_in_enu->x() += 20.0;
   records[2].cam_from_enu = Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitX()));
   records[3].is_unplaced = true;
-  const LegEvidence evidence = Weigh({&records, &features, &links, &problem, 1.5});
+  const AttemptEvidence evidence = Weigh({&records, &features, &links, &problem, 1.5});
   EXPECT_EQ(evidence.readable, 4U);
   EXPECT_EQ(evidence.tied, 3U);
   EXPECT_EQ(evidence.Lost(), 1U);
@@ -169,7 +169,7 @@ TEST(Weigh, CountsWhatTheRecordsClaim) {
   EXPECT_EQ(evidence.residual_rms_px, 1.5);
 }
 
-TEST(LegEvidence, SaysWhenAnAdjustmentKeptButAFewObservations) {
+TEST(AttemptEvidence, SaysWhenAnAdjustmentKeptButAFewObservations) {
   EXPECT_FALSE(DroppedOf(0, 0));
   EXPECT_FALSE(DroppedOf(2563, 1361));
   EXPECT_THAT(flight::InWords(DroppedOf(687, 3070).value()), HasSubstr("687 of 3757"));

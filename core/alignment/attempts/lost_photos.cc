@@ -1,12 +1,12 @@
-#include "core/alignment/second_leg/lost_photos.h"
+#include "core/alignment/attempts/lost_photos.h"
 
 #include <algorithm>
 #include <utility>
 
+#include "core/alignment/attempts/attempt_by_images.h"
+#include "core/alignment/attempts/register_lost.h"
 #include "core/alignment/from_records/bundle_setup.h"
 #include "core/alignment/from_records/correct_poses.h"
-#include "core/alignment/second_leg/register_lost.h"
-#include "core/alignment/second_leg/second_leg.h"
 #include "core/base/trace.h"
 
 namespace skyquilt::alignment {
@@ -33,17 +33,17 @@ CorrectedPose PlaceUnrecorded(const geo::Rigid3& cam_from_enu, double ground_z_m
 
 }  // namespace
 
-bool HasLost(const LegEvidence& evidence) {
+bool HasLost(const AttemptEvidence& evidence) {
   return evidence.Lost() > 0 && evidence.tied >= 3 &&
          static_cast<double>(evidence.Lost()) <= kMaxLostShare * static_cast<double>(evidence.readable);
 }
 
-int TakeInLost(const WeighedLeg& leg, const std::vector<Track>& tracks, const Relief& relief, int threads,
-               poses::PosedFlight& posed, MatchingInput& input, MatchedFlight& linked,
+int TakeInLost(const WeighedAttempt& attempt, const std::vector<Track>& tracks, const Relief& relief,
+               int threads, poses::PosedFlight& posed, MatchingInput& input, MatchedFlight& linked,
                BundleProblem& problem) {
-  const std::vector<char> is_tied = TiedPhotos(leg);
+  const std::vector<char> is_tied = TiedPhotos(attempt);
   const std::vector<RegisteredLost> found =
-      RegisterLost({leg.features, &input.views, &is_tied, &tracks, leg.records, &relief}, threads);
+      RegisterLost({attempt.features, &input.views, &is_tied, &tracks, attempt.records, &relief}, threads);
   if (found.empty()) return 0;
   // Where the images placed all of them, that is said of all of them.
   const bool is_common = 2 * std::count_if(problem.photos.begin(), problem.photos.end(),
@@ -57,7 +57,7 @@ int TakeInLost(const WeighedLeg& leg, const std::vector<Track>& tracks, const Re
     ++taken;
     TraceDecision("lost photo registered", {{"photo", i}, {"tied_to", one.links.size()}},
                   posed.photos[i].photo.name);
-    const bool is_unrecorded = (*leg.records)[i].is_unplaced;
+    const bool is_unrecorded = (*attempt.records)[i].is_unplaced;
     linked.corrected[i] = is_unrecorded
                               ? PlaceUnrecorded(one.cam_from_enu, posed.ground_z_in_enu_m, posed.photos[i])
                               : CorrectToPose(posed.photos[i], recorded[i], one.cam_from_enu);
@@ -69,7 +69,7 @@ int TakeInLost(const WeighedLeg& leg, const std::vector<Track>& tracks, const Re
     // Points are looked for about as deep as the photo was high: by what it shows, whatever was recorded.
     problem.photos[i].height_above_ground_m =
         std::max(0.5, one.cam_from_enu.TargetOriginInSource().z() - posed.ground_z_in_enu_m);
-    input.features[i] = (*leg.features)[i];
+    input.features[i] = (*attempt.features)[i];
     input.views[i].cam_from_enu = one.cam_from_enu;
     input.views[i].height_above_ground_m = problem.photos[i].height_above_ground_m;
     std::erase_if(linked.links, [&](const VerifiedPair& link) {

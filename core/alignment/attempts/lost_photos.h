@@ -5,20 +5,20 @@
 
 #include <vector>
 
+#include "core/alignment/attempts/attempt_evidence.h"
 #include "core/alignment/bundle/bundle_adjustment.h"
 #include "core/alignment/from_records/matching_passes.h"
-#include "core/alignment/second_leg/leg_evidence.h"
 #include "core/poses/posed_flight.h"
 
 namespace skyquilt::alignment {
 
-// `leg` is the alignment; `tracks` what its photos see, in enu; `relief` the ground. How many they are. None
-// where too many are lost for the alignment to be sound.
-int TakeInLost(const WeighedLeg& leg, const std::vector<Track>& tracks, const Relief& relief, int threads,
-               poses::PosedFlight& posed, MatchingInput& input, MatchedFlight& linked,
+// `attempt` is the alignment; `tracks` what its photos see, in enu; `relief` the ground. How many they are.
+// None where too many are lost for the alignment to be sound.
+int TakeInLost(const WeighedAttempt& attempt, const std::vector<Track>& tracks, const Relief& relief,
+               int threads, poses::PosedFlight& posed, MatchingInput& input, MatchedFlight& linked,
                BundleProblem& problem);
 
 // Whether there are photos for it.
-bool HasLost(const LegEvidence& evidence);
+bool HasLost(const AttemptEvidence& evidence);
 
 }  // namespace skyquilt::alignment

@@ -1,4 +1,4 @@
-#include "core/alignment/second_leg/leg_evidence.h"
+#include "core/alignment/attempts/attempt_evidence.h"
 
 #include <algorithm>
 #include <cmath>
@@ -32,30 +32,30 @@ double Share(std::size_t part, std::size_t whole) {
 
 }  // namespace
 
-double LegEvidence::DroppedShare() const {
+double AttemptEvidence::DroppedShare() const {
   if (is_adjusted && observations == 0) return 1.0;
   return Share(static_cast<std::size_t>(dropped), static_cast<std::size_t>(observations + dropped));
 }
-bool LegEvidence::ContradictsPositions() const {
+bool AttemptEvidence::ContradictsPositions() const {
   return positions >= kMinPositions && 2 * positions_contradicted > positions;
 }
-double LegEvidence::PositionsContradicted() const { return Share(positions_contradicted, positions); }
-double LegEvidence::AttitudesContradicted() const { return Share(attitudes_contradicted, attitudes); }
+double AttemptEvidence::PositionsContradicted() const { return Share(positions_contradicted, positions); }
+double AttemptEvidence::AttitudesContradicted() const { return Share(attitudes_contradicted, attitudes); }
 
 bool ShowsEnough(const PhotoFeatures* features) {
   return features && features->keypoints.size() >= kMinFeatures;
 }
 
-std::vector<char> TiedPhotos(const WeighedLeg& leg) {
-  const std::size_t count = leg.problem->photos.size();
+std::vector<char> TiedPhotos(const WeighedAttempt& attempt) {
+  const std::size_t count = attempt.problem->photos.size();
   std::vector<int> seen(count, 0);
-  for (const Track& track : leg.problem->tracks) {
+  for (const Track& track : attempt.problem->tracks) {
     for (const Observation& one : track.observations) ++seen[one.photo];
   }
-  const bool by_links = leg.problem->tracks.empty();
+  const bool by_links = attempt.problem->tracks.empty();
   std::size_t largest = 0;
   std::vector<char> is_tied(count, 0);
-  for (const std::vector<int>& members : FindConnectedComponents(count, *leg.links).members) {
+  for (const std::vector<int>& members : FindConnectedComponents(count, *attempt.links).members) {
     std::vector<char> tied(count, 0);
     std::size_t size = 0;
     for (const int i : members) {
@@ -70,28 +70,28 @@ std::vector<char> TiedPhotos(const WeighedLeg& leg) {
   return is_tied;
 }
 
-LegEvidence Weigh(const WeighedLeg& leg) {
-  LegEvidence evidence;
-  evidence.residual_rms_px = leg.residual_rms_px;
-  evidence.observations = leg.observations;
-  evidence.dropped = leg.dropped;
-  evidence.is_adjusted = leg.is_adjusted;
-  const std::vector<char> is_tied = TiedPhotos(leg);
+AttemptEvidence Weigh(const WeighedAttempt& attempt) {
+  AttemptEvidence evidence;
+  evidence.residual_rms_px = attempt.residual_rms_px;
+  evidence.observations = attempt.observations;
+  evidence.dropped = attempt.dropped;
+  evidence.is_adjusted = attempt.is_adjusted;
+  const std::vector<char> is_tied = TiedPhotos(attempt);
   std::vector<double> errors_m, errors_sigmas;
   for (std::size_t i = 0; i < is_tied.size(); ++i) {
-    if (!is_tied[i] && !ShowsEnough((*leg.features)[i])) continue;
+    if (!is_tied[i] && !ShowsEnough((*attempt.features)[i])) continue;
     ++evidence.readable;
     if (!is_tied[i]) {
-      evidence.unplaced += (*leg.records)[i].is_unplaced ? 1 : 0;
+      evidence.unplaced += (*attempt.records)[i].is_unplaced ? 1 : 0;
       continue;
     }
     ++evidence.tied;
-    const PhotoRecord& record = (*leg.records)[i];
-    const geo::Rigid3& pose = leg.problem->photos[i].cam_from_enu;
+    const PhotoRecord& record = (*attempt.records)[i];
+    const geo::Rigid3& pose = attempt.problem->photos[i].cam_from_enu;
     if (record.center_in_enu) {
       const Eigen::Vector3d error = pose.TargetOriginInSource() - *record.center_in_enu -
-                                    leg.problem->position_bias_m -
-                                    leg.problem->clock_error_s * leg.problem->photos[i].by_clock_mps;
+                                    attempt.problem->position_bias_m -
+                                    attempt.problem->clock_error_s * attempt.problem->photos[i].by_clock_mps;
       errors_m.push_back(error.head<2>().norm());
       errors_sigmas.push_back(errors_m.back() / std::max(1e-3, record.sigma_m.x()));
       ++evidence.positions;
@@ -114,7 +114,7 @@ LegEvidence Weigh(const WeighedLeg& leg) {
   return evidence;
 }
 
-std::optional<flight::Remark> WhyDoubted(const LegEvidence& evidence, double max_lost_share) {
+std::optional<flight::Remark> WhyDoubted(const AttemptEvidence& evidence, double max_lost_share) {
   if (evidence.readable < 3) return std::nullopt;
   const double max_lost = std::max(1.0, max_lost_share * static_cast<double>(evidence.readable));
   // Where no photo at all is tied, one that nothing places is one too many.
@@ -140,8 +140,8 @@ std::optional<flight::Remark> WhyDoubted(const LegEvidence& evidence, double max
   return std::nullopt;
 }
 
-LegChoice ChooseLeg(const LegEvidence& by_records, const LegEvidence& by_images) {
-  const auto refused = [](Remark why) { return LegChoice{false, std::move(why)}; };
+AttemptChoice ChooseAttempt(const AttemptEvidence& by_records, const AttemptEvidence& by_images) {
+  const auto refused = [](Remark why) { return AttemptChoice{false, std::move(why)}; };
   const Remark disagree{
       RemarkCode::kImagesDisagree,
       {{"apart_px", by_images.residual_rms_px}, {"by_records_px", by_records.residual_rms_px}}};
@@ -200,7 +200,7 @@ LegChoice ChooseLeg(const LegEvidence& by_records, const LegEvidence& by_images)
             {"of_records", by_records.positions}}}};
 }
 
-std::optional<flight::Remark> ContradictionOf(const LegEvidence& evidence) {
+std::optional<flight::Remark> ContradictionOf(const AttemptEvidence& evidence) {
   if (!evidence.ContradictsPositions()) return std::nullopt;
   return flight::Remark{flight::RemarkCode::kPositionsContradict,
                         {{"photos", evidence.positions},
