@@ -12,7 +12,6 @@ namespace skyquilt::alignment {
 // Whether photos may be placed by what they show alone (attempts/attempt_by_images.h) instead of from
 // recorded poses.
 enum class ByImages {
-  kNever,
   kByEvidence,  // where the records fail their test, and only if the result stands better
   kAlways,      // unless it ties fewer photos together
 };
@@ -26,7 +25,7 @@ struct AlignOptions {
   std::vector<ControlPoint> control;  // surveyed points marked in photos
   // By photo: placed for good, and its lens known; the others are placed against it. Empty: none.
   std::vector<char> fixed;
-  ByImages by_images = ByImages::kByEvidence;  // never with `fixed`
+  ByImages by_images = ByImages::kByEvidence;  // not asked with `fixed`
 
   FeatureOptions Features() const;
   Result<void> Validate() const;

@@ -197,6 +197,31 @@ TEST(AttemptByImages, APhotoRecordedFarAwayComesBack) {
   EXPECT_LT(outcome.error.relative_ce90_m, 1.5 * truth.GsdM());
 }
 
+TEST(AttemptByImages, APhotoRecordedFarAwayJoinsPhotosThatStay) {
+  const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
+  const poses::PosedFlight right = PosesOf(truth);
+  poses::PosedFlight posed = right;
+  constexpr std::size_t kAdded = 15;
+  geo::Rigid3& pose = posed.photos[kAdded].cam_from_enu;
+  pose = geo::Rigid3::FromRotationAndTargetOrigin(
+      pose.rotation, pose.TargetOriginInSource() + Eigen::Vector3d(900.0, 400.0, 0.0));
+  AlignReport report;
+  SilentProgress progress;
+  AlignOptions options;
+  options.fixed.assign(16, 1);
+  options.fixed[kAdded] = 0;
+  const Result<AlignedFlight> aligned = AlignFlight(posed, test::PhotosOf(truth), options, report, progress);
+  ASSERT_TRUE(aligned.ok());
+  ASSERT_EQ(aligned->photos.size(), 16U);
+  EXPECT_EQ(report.aligned, 16);
+  for (std::size_t i = 0; i < aligned->photos.size(); ++i) {
+    const double off_m = (aligned->photos[i].cam_from_enu.TargetOriginInSource() -
+                          right.photos[i].cam_from_enu.TargetOriginInSource())
+                             .norm();
+    EXPECT_LT(off_m, i == kAdded ? 2.0 : 1e-9) << i;
+  }
+}
+
 TEST(AttemptByImages, PhotosWithoutHeightJoinTheOthers) {
   const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
   poses::PosedFlight posed = PosesOf(truth);
