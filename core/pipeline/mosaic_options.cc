@@ -32,7 +32,7 @@ Result<void> MosaicOptions::Validate() const {
     if (option.kind != JobOptionKind::kNumber && option.kind != JobOptionKind::kWhole) continue;
     const std::optional<double> value = option.get(*this);
     if (value && !option.Takes(*value))
-      return refuse(fmt::format("The option {} is {:g}; it {}.", option.name, *value, option.Rule()));
+      return refuse(fmt::format("The option {} is {}; it {}.", option.name, *value, option.Rule()));
   }
   if (origin && !(std::abs(origin->lat_deg) <= 85.0 && std::abs(origin->lon_deg) <= 180.0)) {
     return refuse(

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/check.h"
 #include "core/pipeline/job_option.h"
 #include "server/usage/one_of.h"
 
@@ -15,7 +16,9 @@ namespace skyquilt::server {
 
 CLI::Option* AddJobOption(CLI::App& command, std::string_view name, pipeline::MosaicOptions& options) {
   using pipeline::JobOptionKind;
-  const pipeline::JobOption& row = *pipeline::FindJobOption(name);
+  const pipeline::JobOption* found = pipeline::FindJobOption(name);
+  SKYQUILT_CHECK(found && found->get, "a plain option, spelt as in the table");
+  const pipeline::JobOption& row = *found;
   const std::optional<double> usual = row.get(pipeline::MosaicOptions());
   switch (row.kind) {
     case JobOptionKind::kYesNo:

@@ -17,7 +17,7 @@ def problems_of(name, most):
     patch = ROOT / "docs" / "recipes" / f"{name}.patch"
     if not patch.is_file():
         return [f"docs/recipes.md: there is no recipes/{name}.patch"]
-    touched = re.findall(r"^\+\+\+ b/(\S+)$", patch.read_text(), re.MULTILINE)
+    touched = sorted(set(re.findall(r"^(?:---|\+\+\+) [ab]/(\S+)$", patch.read_text(), re.MULTILINE)))
     written = [path for path in touched if not path.startswith(GENERATED)]
     if len(written) > most:
         return [f"{patch.name}: touches {len(written)} files, at most {most} are said: {', '.join(written)}"]
@@ -28,7 +28,7 @@ def problems_of(name, most):
                 shutil.copy(ROOT / path, pathlib.Path(scratch) / path)
         # From outside any repository, where paths are those of the patch.
         applied = subprocess.run(["git", "apply", patch], cwd=scratch, capture_output=True, text=True,
-                                 env={"PATH": "/usr/bin:/bin", "GIT_CEILING_DIRECTORIES": scratch})
+                                 env={"PATH": "/usr/bin:/bin", "GIT_CEILING_DIRECTORIES": str(pathlib.Path(scratch).parent)})
         if applied.returncode:
             return [f"{patch.name}: does not fit: {applied.stderr.strip()}"]
         found = []

@@ -53,9 +53,20 @@ std::vector<char> TiedPhotos(const WeighedAttempt& attempt) {
     for (const Observation& one : track.observations) ++seen[one.photo];
   }
   const bool by_links = attempt.problem->tracks.empty();
+  std::vector<std::vector<int>> components, of_map(1);
+  for (std::vector<int>& members : FindConnectedComponents(count, *attempt.links).members) {
+    const bool is_of_map = std::any_of(members.begin(), members.end(),
+                                       [&](int i) { return attempt.problem->photos[i].is_fixed; });
+    if (is_of_map) {
+      of_map.front().insert(of_map.front().end(), members.begin(), members.end());
+    } else {
+      components.push_back(std::move(members));
+    }
+  }
+  components.insert(components.begin(), of_map.begin(), of_map.end());
   std::size_t largest = 0;
   std::vector<char> is_tied(count, 0);
-  for (const std::vector<int>& members : FindConnectedComponents(count, *attempt.links).members) {
+  for (const std::vector<int>& members : components) {
     std::vector<char> tied(count, 0);
     std::size_t size = 0;
     for (const int i : members) {
@@ -76,6 +87,8 @@ AttemptEvidence Weigh(const WeighedAttempt& attempt) {
   evidence.observations = attempt.observations;
   evidence.dropped = attempt.dropped;
   evidence.is_adjusted = attempt.is_adjusted;
+  evidence.has_fixed = std::any_of(attempt.problem->photos.begin(), attempt.problem->photos.end(),
+                                   [](const BundlePhoto& photo) { return photo.is_fixed; });
   const std::vector<char> is_tied = TiedPhotos(attempt);
   std::vector<double> errors_m, errors_sigmas;
   for (std::size_t i = 0; i < is_tied.size(); ++i) {

@@ -27,6 +27,7 @@ struct AttemptEvidence {
   // Kept and dropped by that adjustment. None of either: all were refused before it.
   int observations = 0, dropped = 0;
   bool is_adjusted = false;
+  bool has_fixed = false;                                  // photos of a map that stays
   std::size_t positions = 0, positions_contradicted = 0;   // of tied photos with a recorded one
   std::size_t attitudes = 0, attitudes_contradicted = 0;   // by where the optical axis points
   double median_error_m = 0.0, median_error_sigmas = 0.0;  // of recorded positions, horizontal
@@ -51,7 +52,7 @@ struct WeighedAttempt {
 };
 
 // By photo, whether it belongs to the largest connected component and, once there are tracks, sees enough of
-// them.
+// them. Components with photos of a map that stays are one: that map holds them.
 std::vector<char> TiedPhotos(const WeighedAttempt& attempt);
 bool ShowsEnough(const PhotoFeatures* features);
 

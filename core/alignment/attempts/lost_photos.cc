@@ -34,8 +34,10 @@ CorrectedPose PlaceUnrecorded(const geo::Rigid3& cam_from_enu, double ground_z_m
 }  // namespace
 
 bool HasLost(const AttemptEvidence& evidence) {
-  return evidence.Lost() > 0 && evidence.tied >= 3 &&
-         static_cast<double>(evidence.Lost()) <= kMaxLostShare * static_cast<double>(evidence.readable);
+  if (evidence.Lost() == 0 || evidence.tied < 2) return false;
+  // What a map that stays holds is sound, however many are new beside it.
+  const double most = std::max(1.0, kMaxLostShare * static_cast<double>(evidence.readable));
+  return evidence.has_fixed || static_cast<double>(evidence.Lost()) <= most;
 }
 
 int TakeInLost(const WeighedAttempt& attempt, const std::vector<Track>& tracks, const Relief& relief,
@@ -45,23 +47,25 @@ int TakeInLost(const WeighedAttempt& attempt, const std::vector<Track>& tracks, 
   const std::vector<RegisteredLost> found =
       RegisterLost({attempt.features, &input.views, &is_tied, &tracks, attempt.records, &relief}, threads);
   if (found.empty()) return 0;
-  // Where the images placed all of them, that is said of all of them.
+  // Where the images placed the others, its record counts as little as theirs, and that is said of all of
+  // them.
   const bool is_common = 2 * std::count_if(problem.photos.begin(), problem.photos.end(),
                                            [](const BundlePhoto& one) { return one.is_by_images; }) >
                          static_cast<std::ptrdiff_t>(problem.photos.size());
   const std::vector<GroundPrior> recorded = MakeGroundPriors(posed, MakeMatchingInput(posed));
-  int taken = 0;
   for (const RegisteredLost& one : found) {
     const int i = one.photo;
-    if (problem.photos[i].is_fixed) continue;
-    ++taken;
+    std::erase_if(linked.links,
+                  [&](const VerifiedPair& link) { return link.first == i || link.second == i; });
+    linked.links.insert(linked.links.end(), one.links.begin(), one.links.end());
+    if (problem.photos[i].is_fixed) continue;  // it stays, and holds those that it is tied to
     TraceDecision("lost photo registered", {{"photo", i}, {"tied_to", one.links.size()}},
                   posed.photos[i].photo.name);
-    const bool is_unrecorded = (*attempt.records)[i].is_unplaced;
+    const bool is_unrecorded = is_common || (*attempt.records)[i].is_unplaced;
     linked.corrected[i] = is_unrecorded
                               ? PlaceUnrecorded(one.cam_from_enu, posed.ground_z_in_enu_m, posed.photos[i])
                               : CorrectToPose(posed.photos[i], recorded[i], one.cam_from_enu);
-    if (is_unrecorded && is_common) linked.corrected[i].notes.clear();
+    if (is_common) linked.corrected[i].notes.clear();
     problem.photos[i] =
         MakeBundlePhoto(posed.photos[i], linked.corrected[i], problem.photos[i].lens, problem.photos[i].line);
     problem.photos[i].has_record = !is_unrecorded;
@@ -72,12 +76,8 @@ int TakeInLost(const WeighedAttempt& attempt, const std::vector<Track>& tracks, 
     input.features[i] = (*attempt.features)[i];
     input.views[i].cam_from_enu = one.cam_from_enu;
     input.views[i].height_above_ground_m = problem.photos[i].height_above_ground_m;
-    std::erase_if(linked.links, [&](const VerifiedPair& link) {
-      return link.first == one.photo || link.second == one.photo;
-    });
-    linked.links.insert(linked.links.end(), one.links.begin(), one.links.end());
   }
-  return taken;
+  return static_cast<int>(found.size());
 }
 
 }  // namespace skyquilt::alignment

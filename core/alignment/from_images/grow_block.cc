@@ -12,7 +12,7 @@ namespace skyquilt::alignment {
 namespace {
 
 constexpr std::size_t kMaxInitialPairs = 6;
-constexpr int kPhotosAfterSeedPair = 4;  // photos
+constexpr int kPhotosAfterInitialPair = 4;  // photos
 constexpr int kEnoughPoints = 15;
 constexpr double kMinAngleRad = 0.03, kWideAngleRad = 0.15;
 constexpr double kNearlyTheMost = 0.5;  // photos that see so many points as the one that sees most come along
@@ -74,18 +74,18 @@ std::vector<NextPhoto> PhotosThatSee(const Block& block, const std::vector<char>
   return candidates;
 }
 
-std::optional<FoundPose> Resect(const Block& block, const NextPhoto& candidates, const GrowOptions& options) {
+std::optional<FoundPose> Resect(const Block& block, const NextPhoto& candidate, const GrowOptions& options) {
   std::vector<PointObservation> observations;
-  for (const int t : candidates.tracks) {
+  for (const int t : candidate.tracks) {
     for (const TrackElement& element : block.scene().tracks[t]) {
-      if (element.photo != candidates.photo) continue;
+      if (element.photo != candidate.photo) continue;
       observations.push_back({block.PixelOf(element), block.Point(t), block.SigmaPx(element)});
     }
   }
   FindPoseOptions find;
   find.min_inliers = std::max(options.min_inliers,
                               static_cast<int>(options.min_share * static_cast<double>(observations.size())));
-  return FindPose(block.Lens(candidates.photo), observations, static_cast<std::uint64_t>(candidates.photo),
+  return FindPose(block.Lens(candidate.photo), observations, static_cast<std::uint64_t>(candidate.photo),
                   find);
 }
 
@@ -131,13 +131,19 @@ void DropUnheld(int threads, Block& block) {
   if (is_changed) block.TriangulateAll(threads);
 }
 
+// What rounds leave behind for the next one.
+struct Rounds {
+  std::vector<int> failed_at;  // by photo: of how many points it could not be registered
+  bool is_traced = false;      // of a trial nobody is told
+};
+
 // One round: what found its place.
 std::vector<int> TakeRound(const std::vector<char>& is_taken, std::size_t most, const GrowOptions& options,
-                           int threads, std::vector<int>& failed_at, Block& block) {
+                           int threads, Rounds& rounds, Block& block) {
   std::vector<NextPhoto> candidates = PhotosThatSee(block, is_taken, options.min_inliers);
   // Once refused, a photo is asked again when it sees a good deal more.
   std::erase_if(candidates, [&](const NextPhoto& one) {
-    const int before = failed_at[one.photo];
+    const int before = rounds.failed_at[one.photo];
     return before > 0 && static_cast<double>(one.tracks.size()) < 1.2 * before;
   });
   if (candidates.empty()) return {};
@@ -151,18 +157,19 @@ std::vector<int> TakeRound(const std::vector<char>& is_taken, std::size_t most, 
   ParallelFor(count, threads, [&](std::size_t k) { found[k] = Resect(block, candidates[k], options); });
   std::vector<int> taken;
   for (std::size_t k = 0; k < count; ++k) {
-    TraceDecision(found[k] ? "photo registered" : "photo not registered",
-                  {{"photo", candidates[k].photo},
-                   {"points", candidates[k].tracks.size()},
-                   {"inliers", found[k] ? found[k]->inliers.size() : 0}});
+    if (rounds.is_traced)
+      TraceDecision(found[k] ? "photo registered" : "photo not registered",
+                    {{"photo", candidates[k].photo},
+                     {"points", candidates[k].tracks.size()},
+                     {"inliers", found[k] ? found[k]->inliers.size() : 0}});
     if (found[k]) {
       block.Place(candidates[k].photo, found[k]->cam_from_world);
       taken.push_back(candidates[k].photo);
     } else {
-      failed_at[candidates[k].photo] = static_cast<int>(candidates[k].tracks.size());
+      rounds.failed_at[candidates[k].photo] = static_cast<int>(candidates[k].tracks.size());
     }
   }
-  if (taken.empty()) return TakeRound(is_taken, most, options, threads, failed_at, block);
+  if (taken.empty()) return TakeRound(is_taken, most, options, threads, rounds, block);
   block.TriangulateSeenBy(taken, threads);
   return taken;
 }
@@ -208,9 +215,10 @@ std::optional<Tried> Try(const RegistrationInput& input, const ViewGraph& graph,
   block.Normalise();
   BlockAdjustment adjustment = WholeAdjustment(block, options);
   block.Adjust({}, adjustment, threads);
-  std::vector<int> failed_at(input.photos.size(), 0);
-  for (int round = 0; round < kPhotosAfterSeedPair && block.size() < 2 + kPhotosAfterSeedPair; ++round) {
-    const std::vector<int> taken = TakeRound(is_taken, 2, options, threads, failed_at, block);
+  Rounds rounds{std::vector<int>(input.photos.size(), 0)};
+  for (int round = 0; round < kPhotosAfterInitialPair && block.size() < 2 + kPhotosAfterInitialPair;
+       ++round) {
+    const std::vector<int> taken = TakeRound(is_taken, 2, options, threads, rounds, block);
     if (taken.empty()) break;
     adjustment = WholeAdjustment(block, options);
     block.Adjust({}, adjustment, threads);
@@ -255,24 +263,24 @@ int GrowBlock(const ViewGraph& graph, const std::vector<char>& is_taken, const G
               int threads, Progress& progress, Block& block) {
   const int before = block.size();
   std::vector<char> was_tried(is_taken.size(), 0);
-  std::vector<int> failed_at(is_taken.size(), 0);
+  Rounds rounds{std::vector<int>(is_taken.size(), 0), true};
   int whole_at = block.size();
   bool asked_again = false;
   while (!progress.IsCancelled()) {
     const std::size_t most = std::max<std::size_t>(2, static_cast<std::size_t>(block.size()) / 2);
-    const std::vector<int> taken = TakeRound(is_taken, most, options, threads, failed_at, block);
+    const std::vector<int> taken = TakeRound(is_taken, most, options, threads, rounds, block);
     if (taken.empty()) {
       // Once more with everything in its best place, where somebody still waits for it.
       if (asked_again || PhotosThatSee(block, is_taken, options.min_inliers).empty()) {
         if (!TakeOverGround(is_taken, graph, options, threads, was_tried, block)) break;
-        failed_at.assign(is_taken.size(), 0);
+        rounds.failed_at.assign(is_taken.size(), 0);
         asked_again = false;
         continue;
       }
       asked_again = true;
       block.Adjust({}, WholeAdjustment(block, options), threads);
       DropUnheld(threads, block);
-      failed_at.assign(is_taken.size(), 0);
+      rounds.failed_at.assign(is_taken.size(), 0);
       whole_at = block.size();
       continue;
     }

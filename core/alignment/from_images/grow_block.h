@@ -1,6 +1,6 @@
 // A block of photos from nothing: two that see a scene from different places, then all others that see enough
 // of the points so far, adjusted again and again while it grows. What two views of flat ground leave open the
-// next photos decide: several initial_pairs are tried and the one with most inliers is taken. The same for
+// next photos decide: several initial pairs are tried and the one with most inliers is taken. The same for
 // any number of threads.
 #pragma once
 

@@ -190,7 +190,7 @@ ViewGraph BuildViewGraph(const RegistrationInput& input, const ViewGraphOptions&
   {
     ScopedTimer timer(report.candidates_s);
     appearance = Appearance::Learn(features, threads);
-    candidates = CandidatePairs({input.photos, appearance, options.candidates, threads}, {});
+    candidates = CandidatePairs({input.photos, appearance, options.candidates, {}, threads});
   }
   std::set<Pair> tried(candidates.begin(), candidates.end());
   {
@@ -204,7 +204,7 @@ ViewGraph BuildViewGraph(const RegistrationInput& input, const ViewGraphOptions&
       const std::vector<char> wanted = WithFewerPartners(input, graph.pairs, enough);
       if (std::find(wanted.begin(), wanted.end(), 1) == wanted.end()) break;
       std::vector<Pair> more =
-          CandidatePairs({input.photos, appearance, CandidateOptions::Generous(), threads}, wanted);
+          CandidatePairs({input.photos, appearance, CandidateOptions::Generous(), wanted, threads});
       // The last time all of their features are compared, also with those that did not agree by the first.
       std::set<Pair> done;
       for (const GraphPair& pair : graph.pairs) done.emplace(pair.first, pair.second);

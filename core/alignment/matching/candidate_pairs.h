@@ -9,9 +9,7 @@
 
 namespace skyquilt::alignment {
 
-// (first, second) with first < second, sorted; photos without features are in none. `wanted`: only pairs of
-// which one is marked; empty: all.
-std::vector<std::pair<int, int>> CandidatePairs(const PairQuestion& question,
-                                                const std::vector<char>& wanted);
+// (first, second) with first < second, sorted; photos without features are in none.
+std::vector<std::pair<int, int>> CandidatePairs(const PairQuestion& question);
 
 }  // namespace skyquilt::alignment

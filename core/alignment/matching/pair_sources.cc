@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <utility>
 
 #include "core/base/parallel_for.h"
 
@@ -35,7 +36,7 @@ PartnersByPhoto NearestByPosition(const PairQuestion& question) {
   const std::vector<RegistrationPhoto>& photos = question.photos;
   PartnersByPhoto partners(photos.size());
   ParallelFor(photos.size(), question.threads, [&](std::size_t i) {
-    if (!photos[i].position_in_enu || !photos[i].features) return;
+    if (!photos[i].position_in_enu || !question.IsWanted(i)) return;
     std::vector<std::pair<double, int>> ranked;
     for (std::size_t j = 0; j < photos.size(); ++j) {
       if (j == i || !photos[j].position_in_enu || !photos[j].features) continue;

@@ -2,7 +2,7 @@
 // compared once (candidate_pairs.h). How to add one: docs/recipes.md. Pure; any thread.
 #pragma once
 
-#include <utility>
+#include <cstddef>
 #include <vector>
 
 #include "core/alignment/matching/appearance.h"
@@ -27,11 +27,16 @@ struct PairQuestion {
   const std::vector<RegistrationPhoto>& photos;  // in the order of capture
   const Appearance& appearance;
   const CandidateOptions& options;
+  const std::vector<char>& wanted;  // only pairs of which one is marked; empty: all
   int threads = 0;
+
+  bool IsWanted(std::size_t photo) const {
+    return photos[photo].features && (wanted.empty() || wanted[photo] != 0);
+  }
 };
 
-// Partners by photo, as far as the source has a say; any photo, in any order, itself and those beyond the
-// last too.
+// Partners of those that are wanted, as far as the source has a say; any photo, in any order, itself and
+// those beyond the last too.
 using PartnersByPhoto = std::vector<std::vector<int>>;
 using PairSource = PartnersByPhoto (*)(const PairQuestion&);
 

@@ -150,8 +150,13 @@ Result<AlignedFlight> Conclude(const poses::PosedFlight& recorded, const Extract
       PlacePhotos({&attempt.posed, &attempt.problem, &ground_tracks, &attempt.matched.corrected, &doubts,
                    &extracted.photographed.unreadable},
                   report);
+  SKYQUILT_TRY(SettleUnplaced(recorded, flight, report));
   for (const AlignPhotoReport& photo : report.photo_reports) {
-    TraceDecision(photo.placement == Placement::kAligned ? "photo aligned" : "photo by its pose alone",
+    const bool is_far =
+        std::find(photo.faults.begin(), photo.faults.end(), PhotoFault::kFarAway) != photo.faults.end();
+    TraceDecision(is_far                                   ? "photo far away"
+                  : photo.placement == Placement::kAligned ? "photo aligned"
+                                                           : "photo by its pose alone",
                   {{"tied_to", photo.links},
                    {"observations", photo.observations},
                    {"residual_px", photo.residual_rms_px},
@@ -159,7 +164,6 @@ Result<AlignedFlight> Conclude(const poses::PosedFlight& recorded, const Extract
                    {"turned_deg", photo.turned_deg}},
                   photo.name);
   }
-  SKYQUILT_TRY(SettleUnplaced(recorded, flight, report));
   Warn(report, evidence, flight);
   return flight;
 }

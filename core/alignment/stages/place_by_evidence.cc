@@ -114,8 +114,13 @@ Attempt TiedDirectly(Attempt attempt, const AlignOptions& options) {
   return attempt;
 }
 
-// Photos that the adjusted alignment leaves apart, registered against the others.
-Attempt WithLostTakenIn(const ExtractedFlight& extracted, Attempt attempt, const AlignOptions& options) {
+// Pairs verified by the geometry of two views are not given up for those that one motion over the ground
+// explains.
+enum class MayRematch { kNo, kYes };
+
+// Photos that the adjusted attempt leaves apart, registered against the others.
+Attempt WithLostTakenIn(const ExtractedFlight& extracted, Attempt attempt, MayRematch may_rematch,
+                        const AlignOptions& options) {
   bool took_in = false, is_rematched = false;
   for (int round = 0; round < kMaxLostRounds && HasLost(Evidence(extracted, attempt)); ++round) {
     attempt.input.views = ViewsOf(attempt.problem);
@@ -124,7 +129,7 @@ Attempt WithLostTakenIn(const ExtractedFlight& extracted, Attempt attempt, const
                    attempt.input, attempt.matched, attempt.problem) == 0) {
       // Photos just taken in have few points yet, and may be all that the next ones have in common with the
       // rest.
-      if (!took_in || is_rematched) break;
+      if (!took_in || is_rematched || may_rematch == MayRematch::kNo) break;
       attempt = Rematched(std::move(attempt), kMiddlePass, options);
       is_rematched = true;
     } else {
@@ -141,7 +146,7 @@ Attempt AdjustedByRecords(const ExtractedFlight& extracted, Attempt attempt, con
   attempt.input.views = ViewsOf(attempt.problem);
   attempt.relief = AdjustedRelief(attempt);
   attempt.problem.plane = FitPlane(attempt.problem);
-  return WithLostTakenIn(extracted, std::move(attempt), options);
+  return WithLostTakenIn(extracted, std::move(attempt), MayRematch::kYes, options);
 }
 
 // The attempt from where the images place the photos, as if the records had said so.
@@ -186,7 +191,9 @@ PlacedFlight BetterOf(const ExtractedFlight& extracted, Attempt by_records, Trie
   if (compares && options.by_images != ByImages::kAlways) kept = by_records;
   Attempt by_images = Adjusted(GoOnFrom(*std::move(tried.second), extracted, std::move(by_records)),
                                SettledAdjustment(), options);
-  by_images = WithLostTakenIn(extracted, std::move(by_images), options);
+  by_images.input.views = ViewsOf(by_images.problem);
+  by_images.relief = AdjustedRelief(by_images);
+  by_images = WithLostTakenIn(extracted, std::move(by_images), MayRematch::kNo, options);
   const AttemptEvidence evidence = Evidence(extracted, by_images);
   if (static_cast<int>(evidence.tied) > report.registered) {
     report.registered = static_cast<int>(evidence.tied);
@@ -262,7 +269,8 @@ PlacedFlight WithoutPositionLag(const ExtractedFlight& extracted, PlacedFlight p
     const std::optional<PositionLag> lag = FindPositionLag(attempt.problem, records, times.times_s);
     if (!lag) break;
     lag_s += lag->lag_s;
-    TraceDecision("positions shifted", {{"lag", lag->lag_s}, {"apart_m", lag->median_off_m}});
+    TraceDecision("positions shifted",
+                  {{times.are_seconds ? "lag_s" : "lag_photos", lag->lag_s}, {"apart_m", lag->median_off_m}});
     off_m = std::max(off_m, lag->median_off_m);
     for (std::size_t i = 0; i < attempt.problem.photos.size(); ++i) {
       if (!records[i].center_in_enu) continue;

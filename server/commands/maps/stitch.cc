@@ -308,7 +308,7 @@ void AddStitchCommand(CLI::App& app) {
   CLI::Option* append = command->add_flag(
       "--append", arguments->append,
       "IN are photos more for the finished map in the folder: they are placed against it, and "
-      "only the tiles below them are made anew");
+      "only the tiles below them are made anew, on its --surface");
   command
       ->add_flag(
           "--overwrite", arguments->overwrite,

@@ -100,6 +100,30 @@ TEST(AttemptByImages, AFlightWithoutAnyRecordBecomesAWholeMapThatIsNotGeoreferen
   EXPECT_NE(InWords(outcome.flight.warnings.front()).find("NOT GEOREFERENCED"), std::string::npos);
 }
 
+// Of a line: ten photos, and after a gap two more that share a strip with the tenth and no point with two
+// others.
+TEST(AttemptByImages, PhotosThatHangOnOneOtherAreTakenIn) {
+  simulate::SimulateOptions options;
+  options.seed = options.world.seed = 8;
+  options.noise = simulate::NoiseClass::kExact;
+  options.intrinsics = camera::Intrinsics::Centered(800, 600, 750.0);
+  options.world.relief_m = 24.0;  // so steep that no level ground holds the two either
+  options.trajectory.front_overlap = 0.72;
+  options.trajectory.photos = options.trajectory.photos_per_line = 14;
+  const simulate::SimulatedFlight truth = *simulate::PlanSimulatedFlight(options);
+  poses::PosedFlight posed = Unplaced(truth);
+  posed.unplaced.erase(posed.unplaced.begin() + 10, posed.unplaced.begin() + 12);
+  posed.left_out.erase(posed.left_out.begin() + 10, posed.left_out.begin() + 12);
+  AlignReport report;
+  SilentProgress progress;
+  const Result<AlignedFlight> aligned = AlignFlight(posed, test::PhotosOf(truth), {}, report, progress);
+  ASSERT_TRUE(aligned.ok()) << aligned.error().message;
+  EXPECT_EQ(report.aligned, 12);
+  EXPECT_EQ(report.components, 1);
+  EXPECT_TRUE(aligned->left_out.empty());
+  EXPECT_EQ(report.by_images.registered, 12);
+}
+
 TEST(AttemptByImages, SurveyedPointsAlonePlaceIt) {
   const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
   const Outcome outcome = Align(truth, Unplaced(truth), SurveyControl(truth));
