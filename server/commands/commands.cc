@@ -3,12 +3,10 @@
 #include "server/commands/confined.h"
 #include "server/commands/data/data.h"
 #include "server/commands/data/import.h"
-#include "server/commands/maps/compare.h"
 #include "server/commands/maps/export.h"
 #include "server/commands/maps/inspect.h"
 #include "server/commands/maps/locate.h"
 #include "server/commands/maps/place.h"
-#include "server/commands/maps/reckon.h"
 #include "server/commands/maps/report.h"
 #include "server/commands/maps/simulate.h"
 #include "server/commands/maps/stitch.h"
@@ -35,8 +33,6 @@ void AddCommands(CLI::App& app) {
   AddValidateCommand(app);
   AddImportCommand(app);
   AddInspectCommand(app);
-  AddCompareCommand(app);
-  AddReckonCommand(app);
   AddSimulateCommand(app);
   AddTokenCommand(app);
   AddDataCommand(app);

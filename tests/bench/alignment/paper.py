@@ -3,17 +3,28 @@ known truth: rough ground from 20 m with large displacements and rotations, and 
 rows, gravel), by every method side by side. Writes README.md (tables) and paper.jpg (pictures).
 
   python3 tests/bench/alignment/paper.py PROGRAM [-o tests/bench/alignment]
+
+With --flight it is any flight instead: a table on standard output, the pictures in --out.
 """
 import argparse
+import json
 import os
 import pathlib
 import platform
+import resource
 import subprocess
+import sys
 import tempfile
+import time
 
 import cv2
 import numpy
+from osgeo import gdal
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from map_against_truth import after_similarity, measure  # noqa: E402
+
+METHODS = ("imu", "features", "direct", "auto")
 PAIR = ["--photos", "2", "--overlap", "0.3", "--pixel-noise", "8", "--shutter-ms", "8", "--yaw", "any", "--tilt-deg", "5"]
 SCENES = [
     ("Rough ground from 20 m, large displacement and rotation",
@@ -22,16 +33,19 @@ SCENES = [
     ("Two photos of gravel", ["--texture", "bare", *PAIR]),
 ]
 COMMON = ["--height", "20", "--size", "800x600", "--noise", "xmp", "--seed", "4", "--vignetting", "0.1",
-          "--exposure-jitter", "0.05", "--no-world"]
+          "--exposure-jitter", "0.05"]
+PANEL_PX = 480
+HEAD = ("| method | photos placed | by images | pieces | error CE90 m, absolute / relative | residual px "
+        "| seam shift m, median / p90 | seconds | CPU s |\n|---|---|---|---|---|---|---|---|---|\n")
 INTRODUCTION = """# The paper's comparison
 
 Section III of Iz and Unel ("Aerial Image Stitching Using IMU Data from a UAV") shows that features tear or mismatch
 where the ground is rough, the photos are far apart or all looks alike, and that recorded poses do not. The same
 scenes here, simulated, so that the truth is known; positions 1.5 m, tilt 0.6 and yaw 1.5 degrees, focal length 1 %
 off. `imu` is the paper's method with its geometry done exactly, `features` its baseline (homographies chained as in
-its equations 1 to 3), `direct` shifts whole pictures, `auto` is what `skyquilt stitch` does. Error: nine of ten pixels
-lie nearer to their true place; relative, after the best shift, turn and scale of the whole map. The absolute error of
-all is that of the recorded positions. A dash: too little to measure.
+its equations 1 to 3), `direct` shifts whole pictures, `auto` is what `skyquilt stitch` does. Error: nine of ten patches
+of the map lie nearer to their true place; relative, after the best shift, turn and scale of the whole map. The absolute
+error of all is that of the recorded positions. A dash: too little to measure.
 
 Made by `python3 tests/bench/alignment/paper.py PROGRAM` on {machine}.
 
@@ -39,31 +53,97 @@ Made by `python3 tests/bench/alignment/paper.py PROGRAM` on {machine}.
 """
 
 
+def number(value, digits=3):
+    return "-" if value is None else f"{value:.{digits}f}"
+
+
+def truth_error(folder, world):
+    """CE90 in metres of the map's patches, as they are and after a similarity; none where too few can be compared."""
+    if not world.exists():
+        return None, None
+    shifts, centres, _, _ = measure(folder / "mosaic.mbtiles", world)
+    if len(shifts) < 4:
+        return None, None
+    return (float(numpy.percentile(numpy.linalg.norm(shifts, axis=1), 90)),
+            float(numpy.percentile(after_similarity(shifts, centres), 90)))
+
+
+def run(program, method, photos, folder, world):
+    """A row of the table, and the folder of the map where there is one."""
+    used, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
+    made = subprocess.run([program, "stitch", photos, "-o", folder, "--method", method, "--overwrite"], capture_output=True,
+                          text=True)
+    wall_s = time.monotonic() - start
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    cost = f"{wall_s:.1f} | {after.ru_utime + after.ru_stime - used.ru_utime - used.ru_stime:.1f} |"
+    if made.returncode != 0:
+        return f"| {method} | none: {made.stderr.strip().splitlines()[-1]} | - | - | - | - | - | {cost}\n", None
+    report = json.loads((folder / "report.json").read_text())
+    counts, alignment, seams = report["photos"], report["alignment"] or {}, report["seams"] or {}
+    absolute_m, relative_m = truth_error(folder, world)
+    return (f"| {method} | {counts['aligned'] + counts['pose_only']} of {counts['total']} | {counts['aligned']} "
+            f"| {alignment.get('pieces') or '-'} | {number(absolute_m)} / {number(relative_m)} "
+            f"| {number(alignment.get('residual_rms_px'), 2)} "
+            f"| {number(seams.get('median_m'))} / {number(seams.get('p90_m'))} | {cost}\n"), folder
+
+
+def panels(folder, method):
+    """The whole map and its middle at full size, with the method's name over each."""
+    mosaic = gdal.Open(str(folder / "mosaic.mbtiles"))
+    width, height = mosaic.RasterXSize, mosaic.RasterYSize
+    scale = PANEL_PX / max(width, height)
+    size = (max(1, round(width * scale)), max(1, round(height * scale)))
+    left, top = max(0, (width - PANEL_PX) // 2), max(0, (height - PANEL_PX) // 2)
+    views = [mosaic.ReadAsArray(buf_xsize=size[0], buf_ysize=size[1], resample_alg=gdal.GRIORA_Average),
+             mosaic.ReadAsArray(left, top, min(PANEL_PX, width), min(PANEL_PX, height))]
+    drawn = []
+    for view, name in zip(views, (method, f"{method}: the middle")):
+        panel = numpy.full((PANEL_PX + 24, PANEL_PX, 3), 255, numpy.uint8)
+        picture = numpy.moveaxis(view[:3][::-1], 0, 2)
+        panel[24:24 + picture.shape[0], :picture.shape[1]] = picture
+        drawn.append(cv2.putText(panel, name, (4, 17), cv2.FONT_HERSHEY_SIMPLEX, 0.5, (0, 0, 0), 1, cv2.LINE_AA))
+    return numpy.vstack(drawn)
+
+
+def compare(program, photos, world, out):
+    """The table of one flight by every method, and their maps beside each other."""
+    table, columns = HEAD, []
+    for method in METHODS:
+        row, folder = run(program, method, photos, out / method, world)
+        table += row
+        columns.append(panels(folder, method) if folder else numpy.full((2 * (PANEL_PX + 24), PANEL_PX, 3), 255, numpy.uint8))
+    return table, numpy.hstack(columns)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program", type=pathlib.Path, help="the skyquilt binary")
+    parser.add_argument("--flight", type=pathlib.Path, help="a folder of photos, or one that the simulator made")
     parser.add_argument("-o", "--out", type=pathlib.Path, default=pathlib.Path(__file__).parent)
     arguments = parser.parse_args()
+    if arguments.flight:
+        photos = arguments.flight / "photos" if (arguments.flight / "photos").is_dir() else arguments.flight
+        table, picture = compare(arguments.program, photos, arguments.flight / "truth" / "world.tif", arguments.out)
+        cv2.imwrite(str(arguments.out / "compare.png"), picture)
+        print(table)
+        return
     text = INTRODUCTION.format(machine=f"{os.cpu_count()} cores, {platform.machine()}")
     pictures = []
     with tempfile.TemporaryDirectory(prefix="skyquilt_paper_") as scratch:
-        for number, (title, scene) in enumerate(SCENES):
-            print(title, flush=True)
-            flight, compared = pathlib.Path(scratch, f"flight{number}"), pathlib.Path(scratch, f"compared{number}")
+        for index, (title, scene) in enumerate(SCENES):
+            flight = pathlib.Path(scratch, f"flight{index}")
             subprocess.run([arguments.program, "simulate", "-o", flight, *COMMON, *scene], check=True, capture_output=True)
-            subprocess.run([arguments.program, "compare", flight / "photos", "-o", compared], check=True, capture_output=True)
-            table = (compared / "compare.md").read_text()
+            table, picture = compare(arguments.program, flight / "photos", flight / "truth" / "world.tif",
+                                     pathlib.Path(scratch, f"compared{index}"))
             text += f"\n## {title}\n\n`simulate {' '.join(COMMON + scene)}`\n\n{table}"
-            print(table, flush=True)
-            pictures.append(cv2.imread(str(compared / "compare.png")))
-    # A method that made no map has no column.
-    width = max(picture.shape[1] for picture in pictures)
-    pictures = [cv2.copyMakeBorder(picture, 0, 0, 0, width - picture.shape[1], cv2.BORDER_CONSTANT, value=(255, 255, 255))
-                for picture in pictures]
+            print(title, table, sep="\n", flush=True)
+            pictures.append(picture)
     sheet = numpy.vstack(pictures)
     half = cv2.resize(sheet, (sheet.shape[1] // 2, sheet.shape[0] // 2), interpolation=cv2.INTER_AREA)
     cv2.imwrite(str(arguments.out / "paper.jpg"), half, [cv2.IMWRITE_JPEG_QUALITY, 80])
-    (arguments.out / "README.md").write_text(text)
+    readme = arguments.out / "README.md"
+    rest = readme.read_text().partition("\n# ")[2] if readme.exists() else ""  # other comparisons, below the next heading
+    readme.write_text(text + (f"\n# {rest}" if rest else ""))
 
 
 if __name__ == "__main__":

@@ -11,7 +11,7 @@
 #include "core/flight/logs/read_log.h"
 #include "core/poses/evidence/recorded_series.h"
 #include "core/poses/evidence/smoother_input.h"
-#include "core/poses/reckoning/reckon.h"
+#include "tests/bench/poses/reckon.h"
 
 namespace skyquilt::bench {
 namespace {

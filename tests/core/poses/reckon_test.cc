@@ -1,4 +1,4 @@
-#include "core/poses/reckoning/reckon.h"
+#include "tests/bench/poses/reckon.h"
 
 #include <gtest/gtest.h>
 
