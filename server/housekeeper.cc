@@ -5,7 +5,7 @@
 #include "api/exports/exports.h"
 #include "api/flights/retention.h"
 #include "api/flights/trash.h"
-#include "core/base/printable.h"
+#include "core/base/text/printable.h"
 #include "server/routing/request_log.h"
 #include "storage/folder/elsewhere/sweep_blobs.h"
 #include "storage/folder/sweep_exports.h"

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/printable.h"
+#include "core/base/text/printable.h"
 #include "core/base/try.h"
 #include "server/routing/request_log.h"
 #include "storage/folder/lost_folder.h"

@@ -11,6 +11,7 @@
 #include "api/tiles/cut_tile.h"
 #include "api/tiles/tile_path.h"
 #include "api/tiles/tiles.h"
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "core/geo/web_mercator.h"
 
@@ -32,9 +33,7 @@ Response AnswerArcgis(const Request& request, const Value& document) {
     return Problem({ErrorCode::kInvalidArgument, "This is there as JSON: ask for f=json or f=pjson.", ""},
                    request);
   }
-  Response response =
-      Text(200, document.dump(is_pretty ? 1 : -1, ' ', false, Value::error_handler_t::replace),
-           "application/json");
+  Response response = Text(200, JsonText(document, is_pretty ? 1 : -1), "application/json");
   response.headers.Add("Cache-Control", "no-cache");
   return response;
 }

@@ -9,6 +9,7 @@
 #include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/shown_map.h"
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "core/pipeline/report/locate.h"
 
@@ -17,9 +18,7 @@ namespace {
 
 using Value = nlohmann::ordered_json;
 
-Response Answer(const Value& value) {
-  return Json(200, value.dump(-1, ' ', false, Value::error_handler_t::replace));
-}
+Response Answer(const Value& value) { return Json(200, JsonText(value)); }
 
 Response At(Service& service, const Request& request) {
   const Result<double> lon_deg = NumberParameter(request, "lon");

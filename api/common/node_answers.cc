@@ -4,6 +4,7 @@
 
 #include "api/http/problem.h"
 #include "api/http/responses.h"
+#include "core/base/text/json_io.h"
 
 namespace skyquilt::api {
 
@@ -13,7 +14,7 @@ Response NodeRefusal(std::string_view message, bool no_retry) {
   nlohmann::ordered_json answer;
   answer["error"] = message;
   if (no_retry) answer["noRetry"] = true;
-  return NodeAnswer(answer.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  return NodeAnswer(JsonText(answer));
 }
 
 Response NodeProblem(const Error& error, const Request& request) {

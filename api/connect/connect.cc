@@ -8,6 +8,7 @@
 #include "api/http/responses.h"
 #include "api/ogc/map_view.h"
 #include "api/wmts/wmts_text.h"
+#include "core/base/text/json_io.h"
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
 #include "storage/tilesets/tile_source.h"
@@ -140,7 +141,7 @@ std::string Arcgis(const MapView& map) {
   web_map["baseMap"] = {{"title", "None"}, {"baseMapLayers", Value::array()}};
   web_map["spatialReference"] = {{"wkid", 102100}, {"latestWkid", 3857}};
   web_map["version"] = "2.25";
-  return web_map.dump(1, ' ', false, Value::error_handler_t::replace) + "\n";
+  return JsonText(web_map, 1) + "\n";
 }
 
 }  // namespace

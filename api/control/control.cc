@@ -10,6 +10,7 @@
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
 #include "api/uploads/flight_document.h"
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {
@@ -53,8 +54,8 @@ std::size_t PointsAndMarks(const nlohmann::json& control) {
 
 // Points that the list's reader left out would be lost without a word.
 Result<void> CheckAllWereRead(const std::string& given, const std::string& json) {
-  const auto read = nlohmann::json::parse(json, nullptr, false);
-  if (PointsAndMarks(read) == PointsAndMarks(nlohmann::json::parse(given, nullptr, false))) return {};
+  const auto read = ParseJson(json);
+  if (PointsAndMarks(read) == PointsAndMarks(ParseJson(given))) return {};
   std::string words = "some of them cannot be read.";
   if (read.is_object() && read.contains("warnings") && !read["warnings"].empty() &&
       read["warnings"].front().is_string())

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "api/json/json_text.h"
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {
@@ -123,20 +124,16 @@ class ListWriter {
   std::size_t marks_ = 0;
 };
 
-std::string DumpedControl(const Value& value) {
-  return value.dump(-1, ' ', false, Value::error_handler_t::replace);
-}
-
 }  // namespace
 
 std::string NoControlJson() {
-  return DumpedControl(
-      {{"reference_system", kUsualSystem}, {"points", Value::array()}, {"warnings", Value::array()}});
+  return JsonText(
+      Value{{"reference_system", kUsualSystem}, {"points", Value::array()}, {"warnings", Value::array()}});
 }
 
 Result<std::string> ControlListText(std::string_view json) {
   SKYQUILT_TRY(CheckJsonText(json, kMaxControlBytes));
-  const Value document = Value::parse(json, nullptr, false);
+  const Value document = ParseOrderedJson(json);
   if (document.is_discarded())
     return Error{ErrorCode::kInvalidArgument, "The control points are not JSON.", ""};
   if (!document.is_object()) return RefuseControl("The control points must be a JSON object.");

@@ -13,6 +13,7 @@
 #include "api/json/json_codec.h"
 #include "api/json/json_text.h"
 #include "api/shown_map.h"
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/remark_json.h"
 #include "storage/exports/custom/export_request.h"
@@ -31,7 +32,7 @@ std::string AddressOfExport(const MapExport& made) {
 
 std::string ExportJson(Service& service, const Request& asked, const MapExport& made,
                        std::int64_t shown_revision) {
-  const Value request = Value::parse(made.request, nullptr, false);
+  const Value request = ParseOrderedJson(made.request);
   const auto wished = [&](const char* field) {
     return request.is_object() && request.contains(field) ? request[field] : Value();
   };
@@ -59,7 +60,7 @@ std::string ExportJson(Service& service, const Request& asked, const MapExport& 
   const std::string address = asked.base_path + AddressOfExport(made);
   json["href"] = address;
   json["download"] = is_there ? Value(address + "/file") : Value();
-  return json.dump(-1, ' ', false, Value::error_handler_t::replace);
+  return JsonText(json);
 }
 
 // What the map is, as far as exports depend on it.
@@ -72,7 +73,7 @@ Result<storage::MapFacts> FactsOfShownMap(Service& service, const ShownMap& map,
   if (!report && report.error().code != ErrorCode::kNotFound) return report.error();
   if (!report) return facts;
   SKYQUILT_TRY_ASSIGN(const std::string text, storage::ReadWholeFile(report->path));
-  const auto json = nlohmann::json::parse(text, nullptr, false);
+  const auto json = ParseJson(text);
   if (json.is_object() && json.contains("is_placed") && json["is_placed"].is_boolean())
     facts.is_placed = json["is_placed"].get<bool>();
   return facts;
@@ -89,7 +90,7 @@ Result<std::string> QueueExport(Service& service, const Request& request, const 
   MapExport wanted;
   wanted.flight_id = flight_id;
   wanted.revision = map.revision;
-  wanted.request = nlohmann::json::parse(body).dump();  // so that the same wish is known again
+  wanted.request = JsonText(ParseJson(body));  // so that the same wish is known again
   wanted.format = storage::NameOf(wish.format);
   wanted.owner = request.owner;
   wanted.is_of_link = !request.only_flight.empty();

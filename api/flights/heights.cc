@@ -11,6 +11,7 @@
 #include "api/forms/geojson_body.h"
 #include "api/json/json_text.h"
 #include "api/surface/map_surface.h"
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "core/pipeline/report/ground_profile.h"
 
@@ -80,7 +81,7 @@ Result<std::string> ProfileJson(Service& service, const std::string& flight_id, 
     for (std::size_t i = 0; i < places.size(); ++i)
       json["samples"][i][HeightKeyOf(surface)] = MetresOrNull(heights_m[i]);
   }
-  return json.dump();
+  return JsonText(json);
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include "api/tiles/index_values.h"
 #include "api/tiles/map_window.h"
 #include "api/tiles/tiles.h"
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
@@ -69,7 +70,7 @@ Result<std::optional<std::string>> PhotoOfCode(Service& service, const std::stri
   const Result<storage::LocalBlob> legend = FetchProduct(service, shown, "layers.json");
   if (!legend) return name;
   SKYQUILT_TRY_ASSIGN(const std::string text, storage::ReadWholeFile(legend->path));
-  const auto json = nlohmann::json::parse(text, nullptr, false);
+  const auto json = ParseJson(text);
   if (!json.is_object() || !json.contains("photo") || !json["photo"].contains("colours")) return name;
   for (const auto& entry : json["photo"]["colours"]) {
     if (entry.value("colour", "") == code) return std::optional(entry.value("photo", ""));
@@ -158,7 +159,7 @@ Result<std::string> AnswerPoint(Service& service, const Request& request) {
     json["index"] = {{"title", look->title}, {"expression", look->text}, {"value", nullptr}};
     if (point.index_value) json["index"]["value"] = *point.index_value;
   }
-  return json.dump(-1, ' ', false, PointValue::error_handler_t::replace);
+  return JsonText(json);
 }
 
 }  // namespace

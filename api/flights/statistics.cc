@@ -13,6 +13,7 @@
 #include "api/json/json_text.h"
 #include "api/tiles/index_values.h"
 #include "api/tiles/tiles.h"
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "core/geo/web_mercator.h"
 #include "core/image/picture_codec.h"
@@ -222,7 +223,7 @@ Result<std::string> MapStatistics(Service& service, const std::string& flight_id
   json["area_m2"] = geo::AreaM2(boundary);
   counter.Tell(json);
   if (of_index) json["index"] = of_index->Told();
-  return json.dump(-1, ' ', false, StatisticsJson::error_handler_t::replace);
+  return JsonText(json);
 }
 
 void AddStatisticsRoute(Router& router, Service& service) {

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "core/base/check.h"
+#include "core/base/text/json_io.h"
 #include "core/flight/remarks/because.h"
 #include "core/flight/remarks/remark_json.h"
 
@@ -27,7 +28,7 @@ Response Document(int status, const char* kind, std::string_view detail, std::st
   response.status = status;
   response.headers.Add("Content-Type", "application/problem+json");
   response.headers.Add("Cache-Control", "no-store");
-  response.body = body.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  response.body = JsonText(body);
   return response;
 }
 

@@ -8,6 +8,7 @@
 #include "api/indices/index_legend.h"
 #include "api/indices/zones.h"
 #include "api/tiles/index_values.h"
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {
@@ -35,7 +36,7 @@ Result<Response> AnswerBands(Service& service, const Request& request) {
   for (const std::string_view name : indices::ColourRamp::Names()) {
     json["colormaps"].push_back({{"id", name}, {"colours", StopsOf(*indices::ColourRamp::Named(name))}});
   }
-  Response response = Json(200, json.dump(-1, ' ', false, BandsJson::error_handler_t::replace));
+  Response response = Json(200, JsonText(json));
   response.headers.Add("Cache-Control", "no-cache");
   return response;
 }

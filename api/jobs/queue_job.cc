@@ -11,6 +11,7 @@
 #include "api/json/job_options.h"
 #include "api/json/json_codec.h"
 #include "api/surface/map_surface.h"
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
 
@@ -34,13 +35,13 @@ Result<void> CheckImported(Service& service, const std::string& flight_id, const
 Result<std::string> KeepHeights(Service& service, const storage::Flight& flight, std::string options) {
   SKYQUILT_TRY_ASSIGN(const pipeline::MosaicOptions parsed, ParseJobOptions(options));
   if (!parsed.placing || !flight.active_revision) return options;
-  nlohmann::json stated = nlohmann::json::parse(options);
+  nlohmann::json stated = ParseJson(options);
   if (stated.contains("heights")) return options;
   SKYQUILT_TRY_ASSIGN(const std::vector<Surface> surfaces,
                       SurfacesOf(service, flight.id, *flight.active_revision));
   if (surfaces.empty()) return options;
   stated["heights"] = NameOf(surfaces.back());  // with the ground come the others
-  return stated.dump();
+  return JsonText(stated);
 }
 
 }  // namespace

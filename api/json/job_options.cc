@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "api/json/json_text.h"
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
 #include "core/pipeline/job_option.h"
@@ -110,7 +111,7 @@ Result<void> SetPlace(const json& value, pipeline::MosaicOptions* options) {
 
 Result<void> SetBoundary(const json& value, pipeline::MosaicOptions* options) {
   if (value.is_null()) return {};
-  SKYQUILT_TRY_ASSIGN(options->boundary, storage::ParseBoundary(value.dump()));
+  SKYQUILT_TRY_ASSIGN(options->boundary, storage::ParseBoundary(JsonText(value)));
   return {};
 }
 
@@ -177,7 +178,7 @@ Result<void> SetOne(const std::string& field, const json& value, pipeline::Mosai
 
 Result<pipeline::MosaicOptions> ParseJobOptions(std::string_view text) {
   SKYQUILT_TRY(CheckJsonText(text));
-  const json parsed = json::parse(text, nullptr, false);
+  const json parsed = ParseJson(text);
   if (parsed.is_discarded()) return Error{ErrorCode::kInvalidArgument, "The options are not JSON.", ""};
   if (!parsed.is_object()) return Error{ErrorCode::kUnprocessable, "The options must be a JSON object.", ""};
   pipeline::MosaicOptions options;

@@ -10,6 +10,7 @@
 
 #include "api/json/job_options.h"
 #include "api/json/json_text.h"
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
 #include "core/flight/remarks/remark_json.h"
@@ -19,11 +20,6 @@ namespace skyquilt::api {
 namespace {
 
 using nlohmann::ordered_json;
-
-// Names come from outside: what is not UTF-8 must not stop an answer.
-std::string Dump(const ordered_json& value) {
-  return value.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
-}
 
 ordered_json TimeOrNull(const std::optional<storage::Time>& time) {
   return time ? ordered_json(FormatTime(*time)) : ordered_json(nullptr);
@@ -80,7 +76,7 @@ ordered_json JobValue(const storage::Job& job, storage::Time now) {
   value["eta_low_s"] = eta ? ordered_json(eta->low_s) : ordered_json(nullptr);
   value["eta_high_s"] = eta ? ordered_json(eta->high_s) : ordered_json(nullptr);
   value["priority"] = job.priority;
-  value["options"] = ordered_json::parse(job.options.empty() ? "{}" : job.options, nullptr, false);
+  value["options"] = ParseOrderedJson(job.options.empty() ? "{}" : job.options);
   value["attempts"] = job.attempts;
   value["created_at"] = FormatTime(job.created);
   value["started_at"] = TimeOrNull(job.started);
@@ -101,7 +97,7 @@ const char* FlightState(const FlightView& view) {
 Result<ordered_json> ParseObject(std::string_view body) {
   if (body.find_first_not_of(" \t\r\n") == std::string_view::npos) return ordered_json::object();
   SKYQUILT_TRY(CheckJsonText(body));
-  ordered_json parsed = ordered_json::parse(body, nullptr, false);
+  ordered_json parsed = ParseOrderedJson(body);
   if (parsed.is_discarded()) return Error{ErrorCode::kInvalidArgument, "The body is not JSON.", ""};
   if (!parsed.is_object()) return Error{ErrorCode::kUnprocessable, "The body must be a JSON object.", ""};
   return parsed;
@@ -121,7 +117,7 @@ Result<std::string> CheckedName(const ordered_json& value) {
 }
 
 Result<std::string> CheckedOptions(const ordered_json& value) {
-  std::string text = Dump(value);
+  std::string text = JsonText(value);
   const Result<pipeline::MosaicOptions> options = ParseJobOptions(text);
   if (!options) return options.error();
   return text;
@@ -173,7 +169,7 @@ std::string FormatTime(storage::Time time) {
 
 std::string JobJson(const storage::Job& job, storage::Time now, const std::optional<WorkersOfJob>& workers) {
   ordered_json value = JobValue(job, now);
-  if (!workers) return Dump(value);
+  if (!workers) return JsonText(value);
   value["parts"] = ordered_json::array();
   for (const storage::HeldUnit& unit : workers->held) {
     value["parts"].push_back({{"kind", unit.kind},
@@ -191,7 +187,7 @@ std::string JobJson(const storage::Job& job, storage::Time now, const std::optio
                                       {"code", worker.code},
                                       {"message", worker.message}});
   }
-  return Dump(value);
+  return JsonText(value);
 }
 
 std::string FlightJson(const FlightView& view, storage::Time now) {
@@ -202,7 +198,7 @@ std::string FlightJson(const FlightView& view, storage::Time now) {
   value["created_at"] = FormatTime(view.flight.created);
   value["file_count"] = view.flight.file_count;
   value["bytes"] = view.flight.bytes;
-  value["options"] = ordered_json::parse(view.flight.options, nullptr, false);
+  value["options"] = ParseOrderedJson(view.flight.options);
   value["tags"] = view.flight.tags;
   value["keep"] = view.flight.is_kept;
   const auto& revision = view.revision;
@@ -226,7 +222,7 @@ std::string FlightJson(const FlightView& view, storage::Time now) {
   value["gsd_m"] = revision ? ordered_json(revision->gsd_m) : ordered_json(nullptr);
   value["quality"] = nullptr;
   if (revision && !revision->quality.empty()) {
-    const ordered_json quality = ordered_json::parse(revision->quality, nullptr, false);
+    const ordered_json quality = ParseOrderedJson(revision->quality);
     if (quality.is_object()) value["quality"] = quality;
   }
   value["tilejson"] = revision ? ordered_json(fmt::format("{}/tiles/{}.json", view.base_path, view.flight.id))
@@ -241,11 +237,11 @@ std::string FlightJson(const FlightView& view, storage::Time now) {
   }
   value["error"] = view.job ? ErrorOf(*view.job) : ordered_json(nullptr);
   value["may_change"] = view.may_change;
-  return Dump(value);
+  return JsonText(value);
 }
 
 std::string FileJson(const storage::StoredFile& file) {
-  return Dump({{"name", file.name}, {"bytes", file.bytes}});
+  return JsonText(ordered_json{{"name", file.name}, {"bytes", file.bytes}});
 }
 
 std::string FileOutcomesJson(const std::vector<FileOutcome>& files) {
@@ -261,10 +257,10 @@ std::string FileOutcomesJson(const std::vector<FileOutcome>& files) {
     }
     if (!file.note.empty()) list.back()["note"] = file.note;
   }
-  return Dump(list);
+  return JsonText(list);
 }
 
-std::string JsonString(std::string_view text) { return Dump(ordered_json(std::string(text))); }
+std::string JsonString(std::string_view text) { return JsonText(ordered_json(std::string(text))); }
 
 std::string JsonObject(const std::vector<std::pair<std::string_view, std::string>>& members) {
   std::string text = "{";

@@ -13,6 +13,7 @@
 #include "api/json/json_codec.h"
 #include "api/nodeodm/node_option_list.h"
 #include "api/nodeodm/nodeodm.h"
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {
@@ -21,14 +22,12 @@ namespace {
 using Value = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
-std::string DumpIndented(const Value& value) {
-  return value.dump(1, ' ', false, Value::error_handler_t::replace) + "\n";
-}
+std::string DumpIndented(const Value& value) { return JsonText(value, 1) + "\n"; }
 
 Result<Value> ReadJson(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) return Error{ErrorCode::kNotFound, "Asset not ready", path.string()};
-  Value parsed = Value::parse(file, nullptr, false);
+  Value parsed = ParseOrderedJson(file);
   if (parsed.is_discarded())
     return Error{ErrorCode::kCorrupt, "A file of the map is damaged.", path.string()};
   return parsed;
@@ -158,7 +157,7 @@ Result<std::vector<ZipEntry>> EntriesOf(Service& service, const storage::NodeTas
   entries.push_back({"images.json", DumpIndented(images), {}, {}});
   entries.push_back({"task_output.txt", output, {}, {}});
   entries.push_back({"log.json",
-                     DumpIndented({{"options", Value::parse(task.options, nullptr, false)},
+                     DumpIndented({{"options", ParseOrderedJson(task.options)},
                                    {"timings", report.value("timings", Value::array())}}),
                      {},
                      {}});
@@ -166,7 +165,7 @@ Result<std::vector<ZipEntry>> EntriesOf(Service& service, const storage::NodeTas
 }
 
 std::string ArchiveTiles(const storage::NodeTask& task) {
-  for (const Value& option : Value::parse(task.options, nullptr, false)) {
+  for (const Value& option : ParseOrderedJson(task.options)) {
     if (option.value("name", "") == "archive-tiles") return option.value("value", kUsualArchiveTiles);
   }
   return kUsualArchiveTiles;
@@ -180,7 +179,7 @@ bool IsWithin(std::string_view path, std::string_view wanted) {
 // Of all that there is, what the task asked for by paths or by the kind of its tiles. The GeoTIFF has the
 // whole pyramid of the tiles, and so has each of their files.
 void KeepWanted(const storage::NodeTask& task, std::vector<ZipEntry>& entries) {
-  const Value outputs = Value::parse(task.outputs, nullptr, false);
+  const Value outputs = ParseOrderedJson(task.outputs);
   const std::string tiles = ArchiveTiles(task);
   const auto is_wanted = [&](const ZipEntry& entry) {
     if (outputs.is_array() && !outputs.empty()) {

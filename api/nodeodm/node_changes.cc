@@ -8,6 +8,7 @@
 #include "api/nodeodm/node_fields.h"
 #include "api/nodeodm/node_options.h"
 #include "api/nodeodm/nodeodm.h"
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {
@@ -39,8 +40,7 @@ Response Outcome(const Result<void>& done, const Request& request) {
   if (done) return NodeAnswer(R"({"success":true})");
   Response response = NodeProblem(done.error(), request);
   if (response.status == 200) {
-    response.body = PlainJson{{"success", false}, {"error", done.error().message}}.dump(
-        -1, ' ', false, PlainJson::error_handler_t::replace);
+    response.body = JsonText(PlainJson{{"success", false}, {"error", done.error().message}});
   }
   return response;
 }

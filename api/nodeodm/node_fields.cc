@@ -6,6 +6,7 @@
 #include "api/http/http_message.h"
 #include "api/http/target.h"
 #include "api/json/json_text.h"
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {
@@ -43,12 +44,12 @@ Result<NodeFields> FromMultipart(std::string_view content_type, const std::strin
 
 Result<NodeFields> FromJson(const std::string& body) {
   SKYQUILT_TRY(CheckJsonText(body));
-  const auto parsed = nlohmann::ordered_json::parse(body, nullptr, false);
+  const auto parsed = ParseOrderedJson(body);
   if (!parsed.is_object()) return Error{ErrorCode::kInvalidArgument, "The body is not a JSON object.", ""};
   NodeFields fields;
   for (const auto& [name, value] : parsed.items()) {
     if (value.is_null()) continue;
-    fields.emplace(name, value.is_string() ? value.get<std::string>() : value.dump());
+    fields.emplace(name, value.is_string() ? value.get<std::string>() : JsonText(value));
   }
   return fields;
 }

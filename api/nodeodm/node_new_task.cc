@@ -8,6 +8,7 @@
 #include "api/json/json_text.h"
 #include "api/nodeodm/nodeodm.h"
 #include "api/webhooks/webhooks.h"
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {
@@ -31,14 +32,14 @@ void SetWebhook(const Service& service, const std::string& url, NewTask& task) {
 Result<void> SetOutputs(const std::string& text, NewTask& task) {
   if (text.empty()) return {};
   SKYQUILT_TRY(CheckJsonText(text));
-  const auto list = nlohmann::json::parse(text, nullptr, false);
+  const auto list = ParseJson(text);
   bool is_good = list.is_array();
   for (const auto& path : list) is_good = is_good && path.is_string();
   if (!is_good) {
     return Error{ErrorCode::kInvalidArgument,
                  "Invalid outputs: give a JSON list of paths as all.zip has them.", ""};
   }
-  task.outputs = list.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  task.outputs = JsonText(list);
   return {};
 }
 

@@ -11,6 +11,7 @@
 #include "api/json/job_options.h"
 #include "api/json/json_text.h"
 #include "api/nodeodm/node_option_list.h"
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {
@@ -47,7 +48,7 @@ Result<Value> TypedValue(const NodeOption& option, const Value& value) {
   if (type == "string" || type == "enum") {
     const bool is_json = std::string_view(option.domain) == "json" && value.is_object();
     if ((value.is_object() && !is_json) || value.is_array()) return MustBe("a text");
-    return Value(value.is_string() ? value.get<std::string>() : value.dump());
+    return Value(value.is_string() ? value.get<std::string>() : JsonText(value));
   }
   const std::optional<double> number = NumberFrom(value);
   if (!number || !std::isfinite(*number)) return MustBe("a number");
@@ -59,7 +60,7 @@ Result<Value> TypedValue(const NodeOption& option, const Value& value) {
 }
 
 bool IsOffered(const NodeOption& option, const Value& value) {
-  const Value offered = Value::parse(option.domain);
+  const Value offered = ParseOrderedJson(option.domain);
   return std::find(offered.begin(), offered.end(), value) != offered.end();
 }
 
@@ -77,7 +78,7 @@ Result<Value> JobOptionsOf(const NodeOption& option, const Value& value) {
   }
   if (name == "boundary") {
     if (value == "") return Value(Value::object());
-    const Value area = Value::parse(value.get<std::string>(), nullptr, false);
+    const Value area = ParseOrderedJson(value.get<std::string>());
     if (!area.is_object()) return MustBe("a GeoJSON polygon");
     chosen = {{"boundary", area}};
   }
@@ -86,7 +87,7 @@ Result<Value> JobOptionsOf(const NodeOption& option, const Value& value) {
     chosen = {{"heights", option.name}};
   }
   if (name == "readout_ms" && value == 0) return Value(Value::object());
-  SKYQUILT_TRY(ParseJobOptions(chosen.dump(-1, ' ', false, Value::error_handler_t::replace)));
+  SKYQUILT_TRY(ParseJobOptions(JsonText(chosen)));
   return chosen;
 }
 
@@ -99,17 +100,17 @@ std::string NodeOptionsJson() {
     list.push_back({{"name", option.name},
                     {"type", option.type},
                     {"value", option.value},
-                    {"domain", is_choice ? Value::parse(option.domain) : Value(option.domain)},
+                    {"domain", is_choice ? ParseOrderedJson(option.domain) : Value(option.domain)},
                     {"help", option.help}});
   }
-  return list.dump();
+  return JsonText(list);
 }
 
 Result<NodeChoice> ParseNodeOptions(std::string_view text) {
   NodeChoice choice;
   if (text.empty()) return choice;
   SKYQUILT_TRY(CheckJsonText(text));
-  const Value list = Value::parse(text, nullptr, false);
+  const Value list = ParseOrderedJson(text);
   if (!list.is_array()) {
     return Error{ErrorCode::kInvalidArgument, "Invalid options: give a JSON list of {name, value}.", ""};
   }
@@ -142,10 +143,10 @@ Result<NodeChoice> ParseNodeOptions(std::string_view text) {
     shown.push_back({{"name", name}, {"value", *value}});
   }
   if (!errors.empty()) {
-    return Error{ErrorCode::kUnprocessable, errors.dump(-1, ' ', false, Value::error_handler_t::replace), ""};
+    return Error{ErrorCode::kUnprocessable, JsonText(errors), ""};
   }
-  choice.job_options = job_options.dump();
-  choice.shown = shown.dump(-1, ' ', false, Value::error_handler_t::replace);
+  choice.job_options = JsonText(job_options);
+  choice.shown = JsonText(shown);
   return choice;
 }
 

@@ -15,6 +15,7 @@
 #include "api/json/json_codec.h"
 #include "api/nodeodm/node_options.h"
 #include "api/nodeodm/nodeodm.h"
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {
@@ -24,10 +25,6 @@ using Value = nlohmann::ordered_json;
 using storage::JobState;
 
 constexpr const char* kApiVersion = "2.2.4";  // of the contract; clients choose their way by it
-
-std::string NodeJson(const Value& value) {
-  return value.dump(-1, ' ', false, Value::error_handler_t::replace);
-}
 
 // A job that a worker is about to take is running to its client, who otherwise takes the node for busy.
 Result<bool> IsNext(Service& service) {
@@ -90,7 +87,7 @@ Response Info(Service& service, const Request& request) {
   answer["maxParallelTasks"] = std::max(1, service.worker_count);
   answer["engineVersion"] = service.version;
   answer["engine"] = service.node_engine;
-  return NodeAnswer(NodeJson(answer));
+  return NodeAnswer(JsonText(answer));
 }
 
 // Nobody logs in here: an operator gives out tokens, or lets everybody in.
@@ -98,7 +95,7 @@ Response AuthInfo(Service& service, const Request& request) {
   const char* message = service.tokens.RequiresToken() || request.needs_token
                             ? "Skyquilt takes the tokens that its operator gives out."
                             : "Authentication not available on this node";
-  return NodeAnswer(NodeJson({{"message", message}, {"loginUrl", nullptr}, {"registerUrl", nullptr}}));
+  return NodeAnswer(JsonText(Value{{"message", message}, {"loginUrl", nullptr}, {"registerUrl", nullptr}}));
 }
 
 Response ListTasks(Service& service, const Request& request) {
@@ -106,7 +103,7 @@ Response ListTasks(Service& service, const Request& request) {
   if (!uuids) return NodeProblem(uuids.error(), request);
   Value list = Value::array();
   for (const std::string& uuid : *uuids) list.push_back({{"uuid", uuid}});
-  return NodeAnswer(NodeJson(list));
+  return NodeAnswer(JsonText(list));
 }
 
 std::optional<std::int64_t> WholeNumber(std::string_view text) {
@@ -135,9 +132,9 @@ Response TaskInfo(Service& service, const Request& request) {
   if (!first_line) return NodeAnswer(*description);
   const Result<std::vector<std::string>> lines = NodeOutput(service, *task);
   if (!lines) return NodeProblem(lines.error(), request);
-  Value answer = Value::parse(*description);
+  Value answer = ParseOrderedJson(*description);
   answer["output"] = LinesFrom(*lines, WholeNumber(*first_line).value_or(0));
-  return NodeAnswer(NodeJson(answer));
+  return NodeAnswer(JsonText(answer));
 }
 
 Response TaskOutput(Service& service, const Request& request) {
@@ -146,11 +143,11 @@ Response TaskOutput(Service& service, const Request& request) {
   const Result<std::vector<std::string>> lines = NodeOutput(service, *task);
   if (!lines) return NodeProblem(lines.error(), request);
   return NodeAnswer(
-      NodeJson(LinesFrom(*lines, WholeNumber(request.Query("line").value_or("0")).value_or(0))));
+      JsonText(LinesFrom(*lines, WholeNumber(request.Query("line").value_or("0")).value_or(0))));
 }
 
 std::string LineOf(const storage::Event& event) {
-  const Value body = Value::parse(event.body, nullptr, false);
+  const Value body = ParseOrderedJson(event.body);
   const std::string state = body.value("state", "");
   const std::string stage = body.value("stage", "");
   std::string text = "job " + state;
@@ -198,10 +195,10 @@ Result<std::string> NodeTaskJson(Service& service, const storage::NodeTask& task
   SKYQUILT_TRY_ASSIGN(const int code, StatusCode(service, task, job));
   answer["status"] = {{"code", code}};
   if (code == 30) answer["status"]["errorMessage"] = job->error ? job->error->message : "Processing failed";
-  answer["options"] = Value::parse(task.options, nullptr, false);
+  answer["options"] = ParseOrderedJson(task.options);
   answer["imagesCount"] = flight.file_count;
   answer["progress"] = code == 40 ? 100.0 : job ? std::min(99.0, job->progress * 100.0) : 0.0;
-  return NodeJson(answer);
+  return JsonText(answer);
 }
 
 Result<std::string> NodeWebhookBody(Service& service, const std::string& uuid, const std::string& job_id) {
@@ -211,11 +208,11 @@ Result<std::string> NodeWebhookBody(Service& service, const std::string& uuid, c
   SKYQUILT_TRY_ASSIGN(const std::string told, NodeTaskJson(service, task));
   SKYQUILT_TRY_ASSIGN(const std::vector<storage::StoredFile> files,
                       service.catalogue.ListFiles(task.flight_id));
-  Value body = Value::parse(told);
+  Value body = ParseOrderedJson(told);
   body["images"] = Value::array();
   for (const storage::StoredFile& file : files)
     body["images"].push_back({{"filename", file.name}, {"size", file.bytes}});
-  return NodeJson(body);
+  return JsonText(body);
 }
 
 void AddNodeRoutes(Router& router, Service& service) {

@@ -10,6 +10,7 @@
 #include "api/nodeodm/node_new_task.h"
 #include "api/nodeodm/nodeodm.h"
 #include "api/uploads/form_receiver.h"
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {
@@ -23,7 +24,7 @@ const FormRules kNodeForm = {
 Response UuidAnswer(const std::string& uuid, const std::vector<std::string>& ignored_options = {}) {
   nlohmann::ordered_json answer = {{"uuid", uuid}};
   if (!ignored_options.empty()) answer["ignoredOptions"] = ignored_options;
-  return NodeAnswer(answer.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  return NodeAnswer(JsonText(answer));
 }
 
 // A form that the node reads to its end whatever is wrong with it: a client that is cut off in the middle of

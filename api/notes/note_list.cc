@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "api/json/json_text.h"
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {
@@ -156,7 +157,7 @@ NotesText TextOfNotes(Value features) {
   text.count = features.size();
   Value document{{"type", "FeatureCollection"}};
   document["features"] = std::move(features);
-  text.json = document.dump(-1, ' ', false, Value::error_handler_t::replace);
+  text.json = JsonText(document);
   return text;
 }
 
@@ -166,7 +167,7 @@ NotesText NoNotes() { return TextOfNotes(Value::array()); }
 
 Result<NotesText> ReadNotes(std::string_view json) {
   SKYQUILT_TRY(CheckJsonText(json, kMaxNotesBytes));
-  const Value document = Value::parse(json, nullptr, false);
+  const Value document = ParseOrderedJson(json);
   if (document.is_discarded()) return Error{ErrorCode::kInvalidArgument, "The notes are not JSON.", ""};
   const std::string* type = document.is_object() ? TextAt(document, "type") : nullptr;
   if (type == nullptr || *type != "FeatureCollection")

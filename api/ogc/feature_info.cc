@@ -7,6 +7,7 @@
 
 #include "api/http/responses.h"
 #include "api/ogc/map_view.h"
+#include "core/base/text/json_io.h"
 
 namespace skyquilt::api {
 namespace {
@@ -34,7 +35,7 @@ NamedValues ValuesOf(const MapPoint& point) {
 std::string TextOf(const InfoJson& value) {
   if (value.is_string()) return value.get<std::string>();
   if (value.is_number_float()) return fmt::format("{:.3f}", value.get<double>());
-  return value.dump();
+  return JsonText(value);
 }
 
 std::string GeoJsonText(const std::vector<MapPoint>& points) {
@@ -49,7 +50,7 @@ std::string GeoJsonText(const std::vector<MapPoint>& points) {
          {"properties", properties}});
   }
   const InfoJson collection = {{"type", "FeatureCollection"}, {"features", features}};
-  return collection.dump(-1, ' ', false, InfoJson::error_handler_t::replace);
+  return JsonText(collection);
 }
 
 std::string PlainText(const std::vector<MapPoint>& points) {

@@ -15,6 +15,7 @@
 #include "api/ogc/ogc_format.h"
 #include "api/shown_map.h"
 #include "api/stac/stac_search.h"
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "storage/files/publish_file.h"
 
@@ -157,8 +158,7 @@ std::string PageAt(const Request& request, const FeatureQuery& query, std::size_
 }
 
 Response FeatureDocument(const FeatureJson& value) {
-  Response response =
-      Text(200, value.dump(-1, ' ', false, FeatureJson::error_handler_t::replace), kFeatureType);
+  Response response = Text(200, JsonText(value), kFeatureType);
   response.headers.Add("Cache-Control", "no-cache");
   return response;
 }
@@ -272,7 +272,7 @@ std::string PhotoCollection(const Request& request, const storage::ShownFlight& 
   const std::string path = "/ogc/collections/" + id;
   collection["links"] = FeatureJson::array({FeatureLink(request, path, "self", "application/json"),
                                             FeatureLink(request, path + "/items", "items", kFeatureType)});
-  return collection.dump(-1, ' ', false, FeatureJson::error_handler_t::replace);
+  return JsonText(collection);
 }
 
 void AddFeatureRoutes(Router& router, Service& service) {

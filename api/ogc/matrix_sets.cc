@@ -7,6 +7,7 @@
 
 #include "api/http/problem.h"
 #include "api/tiles/cut_tile.h"
+#include "core/base/text/json_io.h"
 #include "core/geo/web_mercator.h"
 
 namespace skyquilt::api {
@@ -19,9 +20,7 @@ constexpr const char* kMercatorSetUri = "http://www.opengis.net/def/tilematrixse
 constexpr const char* kScaleSets = "http://www.opengis.net/def/wkss/OGC/1.0/";
 constexpr int kFinestZoom = 24;
 
-Response SetResponse(const SetJson& value) {
-  return OgcDocument(value.dump(-1, ' ', false, SetJson::error_handler_t::replace));
-}
+Response SetResponse(const SetJson& value) { return OgcDocument(JsonText(value)); }
 
 SetJson SetLink(const std::string& href, const std::string& rel, const char* title) {
   return {{"href", href}, {"rel", rel}, {"type", "application/json"}, {"title", title}};

@@ -18,6 +18,7 @@
 #include "api/ogc/ogc_format.h"
 #include "api/tiles/tile_path.h"
 #include "api/tiles/tiles.h"
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "core/geo/web_mercator.h"
 #include "storage/db/ids.h"
@@ -28,9 +29,7 @@ namespace {
 
 using Value = nlohmann::ordered_json;
 
-Response Document(const Value& value) {
-  return OgcDocument(value.dump(-1, ' ', false, Value::error_handler_t::replace));
-}
+Response Document(const Value& value) { return OgcDocument(JsonText(value)); }
 
 Value Link(const std::string& href, const std::string& rel, const char* type, const char* title) {
   return {{"href", href}, {"rel", rel}, {"type", type}, {"title", title}};
@@ -130,7 +129,7 @@ Response DescribeCollection(Service& service, const Request& request) {
   if (!kind) return Document(Collection(request, shown));
   if (FeaturesOf(shown).empty())
     return Problem({ErrorCode::kNotFound, "This map was not made of photos.", ""}, request);
-  return Document(Value::parse(PhotoCollection(request, shown, *kind)));
+  return Document(ParseOrderedJson(PhotoCollection(request, shown, *kind)));
 }
 
 Response Collections(Service& service, const Request& request) {
@@ -155,7 +154,7 @@ Response Collections(Service& service, const Request& request) {
   for (const storage::ShownFlight& map : page->maps) {
     collections.push_back(Collection(request, map));
     for (const PhotoFeatures kind : FeaturesOf(map))
-      collections.push_back(Value::parse(PhotoCollection(request, map, kind)));
+      collections.push_back(ParseOrderedJson(PhotoCollection(request, map, kind)));
   }
   const MapView at = Nowhere(request);
   Value links = Value::array({Link(at.Link("/ogc/collections"), "self", "application/json", "This list")});

@@ -14,6 +14,7 @@
 #include "api/json/json_codec.h"
 #include "api/json/json_text.h"
 #include "api/ogc/map_view.h"
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {
@@ -25,7 +26,7 @@ constexpr const char* kProcess = "stitch";
 constexpr const char* kException = "http://www.opengis.net/def/exceptions/ogcapi-processes-1/1.0/";
 
 Response Document(int status, const Value& value, const char* type = "application/json") {
-  Response response = Text(status, value.dump(-1, ' ', false, Value::error_handler_t::replace), type);
+  Response response = Text(status, JsonText(value), type);
   response.headers.Add("Cache-Control", "no-cache");
   return response;
 }
@@ -121,7 +122,7 @@ struct Execution {
 
 Result<Execution> ParseExecution(const std::string& body) {
   SKYQUILT_TRY(CheckJsonText(body));
-  const Value parsed = Value::parse(body, nullptr, false);
+  const Value parsed = ParseOrderedJson(body);
   const bool has_flight = parsed.is_object() && parsed.contains("inputs") && parsed["inputs"].is_object() &&
                           parsed["inputs"].contains("flight") && parsed["inputs"]["flight"].is_string();
   if (!has_flight) {
@@ -133,7 +134,7 @@ Result<Execution> ParseExecution(const std::string& body) {
   for (const auto& [name, value] : parsed["inputs"].items()) {
     if (name != "flight") request[name] = value;
   }
-  execution.job_request = request.dump();
+  execution.job_request = JsonText(request);
   return execution;
 }
 

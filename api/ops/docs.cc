@@ -4,6 +4,7 @@
 #include "api/http/responses.h"
 #include "api/ogc/map_view.h"
 #include "api/ops/ops.h"
+#include "core/base/text/json_io.h"
 
 namespace skyquilt::api {
 
@@ -46,7 +47,7 @@ std::string Responses(const Value& operation) {
 }
 
 std::string Page() {
-  const Value contract = Value::parse(kOpenApi);
+  const Value contract = ParseOrderedJson(kOpenApi);
   std::string page = kHead;
   for (const Value& tag : contract.at("tags")) {
     page += "<h2>" + XmlText(tag.value("description", "")) + "</h2>\n";

@@ -11,6 +11,7 @@
 #include "api/json/json_codec.h"
 #include "api/json/json_text.h"
 #include "api/shares/open_network.h"
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "storage/db/ids.h"
 
@@ -25,7 +26,7 @@ constexpr std::size_t kMaxShares = 100;  // of one flight; each request reads al
 Result<std::optional<int>> ParseDays(const std::string& body) {
   if (body.find_first_not_of(" \t\r\n") == std::string::npos) return std::optional<int>(kUsualDays);
   SKYQUILT_TRY(CheckJsonText(body));
-  const auto parsed = nlohmann::json::parse(body, nullptr, false);
+  const auto parsed = ParseJson(body);
   if (!parsed.is_object()) return Error{ErrorCode::kInvalidArgument, "Send {\"expires_in_days\": 30}.", ""};
   std::optional<int> days = kUsualDays;
   for (const auto& [field, value] : parsed.items()) {

@@ -12,6 +12,7 @@
 #include "api/stac/stac_item.h"
 #include "api/stac/stac_search.h"
 #include "api/surface/map_surface.h"
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {
@@ -28,7 +29,7 @@ StacJson StacLink(const Request& request, const std::string& path, const char* r
 }
 
 Response StacDocument(const StacJson& value, const char* type = kJsonType) {
-  Response response = Text(200, value.dump(-1, ' ', false, StacJson::error_handler_t::replace), type);
+  Response response = Text(200, JsonText(value), type);
   response.headers.Add("Cache-Control", "no-cache");
   return response;
 }

@@ -8,6 +8,7 @@
 #include "api/json/json_codec.h"
 #include "api/stac/stac_search.h"
 #include "api/surface/map_surface.h"
+#include "core/base/text/json_io.h"
 #include "core/pipeline/report/map_quality.h"
 
 namespace skyquilt::api {
@@ -125,7 +126,7 @@ std::string StacItem(const Request& request, const storage::ShownFlight& map,
         asset(fmt::format("/{}", FilesOf(surface).heights), kCogType, title, "data");
   }
   item["links"] = links;
-  return item.dump(-1, ' ', false, ItemJson::error_handler_t::replace);
+  return JsonText(item);
 }
 
 }  // namespace skyquilt::api

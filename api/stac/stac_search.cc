@@ -8,6 +8,7 @@
 
 #include "api/json/json_codec.h"
 #include "api/json/json_text.h"
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "storage/db/ids.h"
 
@@ -90,7 +91,7 @@ Result<StacSearch> ParseStacBody(const std::string& body) {
   StacSearch search;
   if (given("limit")) {
     if (!json["limit"].is_number_integer()) return BadParameter("\"limit\" must be a whole number.");
-    SKYQUILT_TRY_ASSIGN(search.limit, ParseLimit(json["limit"].dump(), search.limit, kMaxFound));
+    SKYQUILT_TRY_ASSIGN(search.limit, ParseLimit(JsonText(json["limit"]), search.limit, kMaxFound));
   }
   if (given("cursor")) {
     if (!json["cursor"].is_string()) return BadParameter("\"cursor\" is not one that a page gave.");
@@ -105,8 +106,7 @@ Result<StacSearch> ParseStacBody(const std::string& body) {
     SKYQUILT_TRY_ASSIGN(search.bbox, BboxOf(numbers));
   }
   if (given("intersects")) {
-    SKYQUILT_TRY_ASSIGN(auto parsed, storage::GeoJsonShape::Parse(json["intersects"].dump(
-                                         -1, ' ', false, SearchJson::error_handler_t::replace)));
+    SKYQUILT_TRY_ASSIGN(auto parsed, storage::GeoJsonShape::Parse(JsonText(json["intersects"])));
     search.intersects = std::move(parsed);
   }
   if (given("datetime")) {

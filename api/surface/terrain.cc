@@ -16,6 +16,7 @@
 #include "api/tiles/tile_path.h"
 #include "api/tiles/tiles.h"
 #include "api/tiles/transcode_tile.h"
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "core/geo/web_mercator.h"
 #include "core/render/map_layer.h"
@@ -99,8 +100,7 @@ Result<Response> TerrainTileJson(Service& service, const Request& request) {
   json["maxzoom"] = max_zoom;
   json["tileSize"] = kTerrainTilePx;
   json["encoding"] = "terrarium";
-  Response response =
-      Text(200, json.dump(-1, ' ', false, TerrainJson::error_handler_t::replace), "application/json");
+  Response response = Text(200, JsonText(json), "application/json");
   response.headers.Add("Cache-Control", "no-cache");
   return Tagged(request, std::move(response));
 }

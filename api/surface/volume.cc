@@ -12,6 +12,7 @@
 #include "api/http/responses.h"
 #include "api/json/json_text.h"
 #include "api/surface/map_surface.h"
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "core/surface/terrain/volume.h"
 #include "storage/exports/custom/boundary.h"
@@ -92,7 +93,7 @@ Result<std::string> VolumeText(Service& service, const std::string& flight_id, s
   json["lowest_m"] = RoundedTo3(volume->lowest_m);
   json["highest_m"] = RoundedTo3(volume->highest_m);
   json["mean_m"] = RoundedTo3(volume->mean_m);
-  return json.dump();
+  return JsonText(json);
 }
 
 }  // namespace

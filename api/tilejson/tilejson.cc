@@ -17,6 +17,7 @@
 #include "api/tiles/cut_tile.h"
 #include "api/tiles/index_values.h"
 #include "api/tiles/tiles.h"
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "core/geo/lat_lon_bounds.h"
 #include "core/geo/web_mercator.h"
@@ -207,8 +208,7 @@ Result<Response> TileIndex(Service& service, const Request& request) {
     list.back()["id"] = map.flight_id;
     list.back()["url"] = LinkTo(request, fmt::format("/tiles/{}.json", map.flight_id));
   }
-  Response response =
-      Text(200, list.dump(-1, ' ', false, Value::error_handler_t::replace), "application/json");
+  Response response = Text(200, JsonText(list), "application/json");
   response.headers.Add("Cache-Control", "no-cache");
   if (page.next_cursor) {
     const std::string next =
@@ -246,8 +246,7 @@ Result<Response> TileJson(Service& service, const Request& request, const std::s
                           render::MapLayer layer = {}) {
   SKYQUILT_TRY_ASSIGN(const storage::Flight flight, FlightNamed(service, id));
   SKYQUILT_TRY_ASSIGN(const Value document, DocumentOf(service, request, flight, what, layer));
-  Response response =
-      Text(200, document.dump(-1, ' ', false, Value::error_handler_t::replace), "application/json");
+  Response response = Text(200, JsonText(document), "application/json");
   response.headers.Add("Cache-Control", "no-cache");
   return Tagged(request, std::move(response));
 }

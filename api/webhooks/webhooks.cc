@@ -11,6 +11,7 @@
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
 #include "api/json/json_text.h"
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {
@@ -26,7 +27,7 @@ struct NewWebhook {
 
 Result<NewWebhook> ParseNewWebhook(const std::string& body) {
   SKYQUILT_TRY(CheckJsonText(body));
-  const auto parsed = nlohmann::json::parse(body, nullptr, false);
+  const auto parsed = ParseJson(body);
   if (!parsed.is_object()) return Error{ErrorCode::kInvalidArgument, "Send {\"url\": \"https://...\"}.", ""};
   NewWebhook wanted;
   for (const auto& [field, value] : parsed.items()) {

@@ -9,7 +9,7 @@
 #include <tuple>
 
 #include "core/base/parallel_for.h"
-#include "core/base/printable.h"
+#include "core/base/text/printable.h"
 #include "core/flight/aside/copies.h"
 #include "core/flight/aside/one_camera.h"
 #include "core/flight/lists/duplicates.h"

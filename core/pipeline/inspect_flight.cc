@@ -11,7 +11,7 @@
 #include "core/bands/captures.h"
 #include "core/base/median.h"
 #include "core/base/parallel_for.h"
-#include "core/base/printable.h"
+#include "core/base/text/printable.h"
 #include "core/camera/footprint.h"
 #include "core/flight/remarks/because.h"
 #include "core/geo/tile_id.h"

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "core/base/median.h"
-#include "core/base/printable.h"
+#include "core/base/text/printable.h"
 #include "core/geo/geodesic.h"
 #include "core/poses/conventions/attitude_convention.h"
 #include "core/poses/evidence/common_error.h"

@@ -8,6 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "core/base/text/json_io.h"
+
 namespace skyquilt::render {
 namespace {
 
@@ -131,7 +133,7 @@ std::string LayersJson(const std::vector<MapLayer>& layers, const std::vector<st
         break;
     }
   }
-  return document.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return JsonText(document, 2);
 }
 
 }  // namespace skyquilt::render

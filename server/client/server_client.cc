@@ -13,6 +13,7 @@
 
 #include "api/http/http_message.h"
 #include "core/base/check.h"
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 
 namespace skyquilt::server {
@@ -79,8 +80,7 @@ void Option(CURL* transfer, CURLoption option, Value value) {
 
 // In the server's own words.
 Error Refusal(const ClientAnswer& answer) {
-  constexpr bool kThrows = false;
-  const json problem = json::parse(answer.body, nullptr, kThrows);
+  const json problem = ParseJson(answer.body);
   const bool is_problem = problem.is_object() && problem.contains("detail") && problem["detail"].is_string();
   const std::string said = is_problem ? problem["detail"].get<std::string>()
                                       : fmt::format("The server answered {}.", answer.status);

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "api/http/digest.h"
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 
 namespace skyquilt::server {
@@ -63,8 +64,7 @@ class Tally {
 };
 
 Result<json> Parsed(const ClientAnswer& answer) {
-  constexpr bool kThrows = false;
-  json value = json::parse(answer.body, nullptr, kThrows);
+  json value = ParseJson(answer.body);
   if (value.is_object()) return value;
   return Error{ErrorCode::kUnprocessable, "The server's answer is no JSON; is it a Skyquilt?", ""};
 }
@@ -82,7 +82,7 @@ Result<json> PostJson(ServerClient& client, const std::string& path, const json&
   request.path = path;
   request.headers = {{"Content-Type", "application/json"}};
   if (!once_key.empty()) request.headers.emplace_back("Idempotency-Key", once_key);
-  request.body = value.dump(-1, ' ', false, json::error_handler_t::replace);
+  request.body = JsonText(value);
   SKYQUILT_TRY_ASSIGN(const ClientAnswer answer, client.Send(request));
   return Parsed(answer);
 }
@@ -165,7 +165,7 @@ Result<void> SendFile(ServerClient& client, const std::string& flight_id, const 
 // The member "options" of a flight or a job, where any are given.
 json Wish(const UploadOptions& options) {
   if (options.job_options.empty()) return json::object();
-  return {{"options", json::parse(options.job_options)}};
+  return {{"options", ParseJson(options.job_options)}};
 }
 
 Result<void> WaitForJob(ServerClient& client, const std::string& job_id, Progress& progress) {

@@ -21,7 +21,7 @@
 #include "api/build_api.h"
 #include "api/nodeodm/nodeodm.h"
 #include "api/uploads/unpack.h"
-#include "core/base/printable.h"
+#include "core/base/text/printable.h"
 #include "server/commands/serve_options.h"
 #include "server/confinement/run_apart.h"
 #include "server/confinement/sandbox.h"

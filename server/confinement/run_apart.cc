@@ -18,6 +18,7 @@
 #include <thread>
 #include <utility>
 
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "server/confinement/sandbox.h"
 #include "server/confinement/spawn_self.h"
@@ -143,7 +144,7 @@ Result<std::string> Understand(std::string text, const std::string& refusal) {
   const bool is_good = text[0] == kGood;
   text.erase(0, 1);
   if (is_good) return text;
-  const Json answer = Json::parse(text, nullptr, false);
+  const Json answer = ParseJson(text);
   if (!answer.is_object()) return nonsense;
   const std::string name = answer.value("code", "");
   const auto code = std::find_if(kAllErrorCodes.begin(), kAllErrorCodes.end(),
@@ -210,7 +211,7 @@ void TellParent(const Result<std::string>& answer) {
     const Json failure = {{"code", ErrorCodeName(answer.error().code)},
                           {"message", answer.error().message},
                           {"detail", answer.error().detail}};
-    text += failure.dump(-1, ' ', false, Json::error_handler_t::replace);
+    text += JsonText(failure);
   }
   WriteAll(STDOUT_FILENO, text);
 }

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/base/text/json_io.h"
 #include "server/confinement/message_checks.h"
 
 namespace skyquilt::server {
@@ -15,12 +16,12 @@ std::string ToText(const ExportTask& task) {
                                {"memory_bytes", task.memory_bytes},
                                {"cpu_s", task.cpu_s},
                                {"file_bytes", task.file_bytes}};
-  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  return JsonText(json);
 }
 
 Result<ExportTask> ParseExportTask(std::string_view text) {
   try {
-    const nlohmann::json json = nlohmann::json::parse(text);
+    const nlohmann::json json = ParseJson(text);
     ExportTask task;
     task.map_dir = json.at("map_dir").get<std::string>();
     task.work_dir = json.at("work_dir").get<std::string>();

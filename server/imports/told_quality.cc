@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/text/json_io.h"
 #include "core/geo/lat_lon.h"
 
 namespace skyquilt::server {
@@ -76,7 +77,7 @@ std::optional<Told> ToldOfMap(std::string_view report_json, const pipeline::Mosa
     const ToldReport report = ReadFieldsOf(report_json);
     if (!HasBounds(report, imported, is_of_tiles) || (is_of_tiles && !HasTiles(report, imported)))
       return std::nullopt;
-    Result<pipeline::MapQuality> quality = pipeline::ParseQuality(report.at("quality").dump());
+    Result<pipeline::MapQuality> quality = pipeline::ParseQuality(JsonText(report.at("quality")));
     if (!quality) return std::nullopt;
     Told told{*std::move(quality), imported.gsd_m, imported.area_m2};
     if (!is_of_tiles) return told;
@@ -90,7 +91,7 @@ std::optional<Told> ToldOfMap(std::string_view report_json, const pipeline::Mosa
 
 bool IsReportOfAMap(std::string_view report_json) {
   try {
-    return pipeline::ParseQuality(ReadFieldsOf(report_json).at("quality").dump()).ok();
+    return pipeline::ParseQuality(JsonText(ReadFieldsOf(report_json).at("quality"))).ok();
   } catch (const ToldReport::exception&) {
     return false;
   }

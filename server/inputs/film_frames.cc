@@ -7,6 +7,7 @@
 #include <string>
 #include <system_error>
 
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "storage/files/publish_file.h"
 
@@ -37,8 +38,7 @@ Result<void> WriteSources(const fs::path& folder, const std::vector<flight::Inpu
                     {"path", fs::absolute(source.path).string()},
                     {"digest", std::vector<int>(digest.begin(), digest.end())}});
   }
-  return storage::WriteFileAtomically(folder / kSourcesFile,
-                                      list.dump(1, ' ', false, json::error_handler_t::replace));
+  return storage::WriteFileAtomically(folder / kSourcesFile, JsonText(list, 1));
 }
 
 std::optional<FilmSource> SourceFrom(const json& said) {
@@ -81,8 +81,7 @@ Result<video::FlightFiles> TakeFilmFrames(const std::vector<flight::InputFile>& 
 
 std::vector<FilmSource> SourcesOfFrames(const fs::path& out_dir) {
   std::ifstream file(out_dir / kFramesFolder / kSourcesFile, std::ios::binary);
-  constexpr bool kThrows = false;
-  const json list = file ? json::parse(file, nullptr, kThrows) : json();
+  const json list = file ? ParseJson(file) : json();
   std::vector<FilmSource> sources;
   if (!list.is_array()) return sources;
   for (const json& said : list) {

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "core/flight/logs/texts/gcp_list.h"
 #include "core/pipeline/placing/control_json.h"
@@ -30,7 +31,7 @@ Result<std::string> ControlApart(const std::filesystem::path& list) {
   Result<std::string> json = RunApart({.name = "control",
                                        .words = {"verdict", "--parent", std::to_string(getpid()), "--cpu-s",
                                                  std::to_string(kControlCpuS), "--control"},
-                                       .input = ControlInput(list.string()).dump(),
+                                       .input = JsonText(ControlInput(list.string())),
                                        .deadline = std::chrono::seconds(3 * kControlCpuS),
                                        .refusal = kControlRefusal});
   if (json && !ControlInput::accept(*json))

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/base/scoped_folder.h"
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "server/confinement/run_apart.h"
 #include "storage/db/ids.h"
@@ -53,7 +54,7 @@ std::chrono::seconds DeadlineOf(const fs::path& archive) {
 
 Result<std::vector<UnpackedFile>> Parse(const std::string& answer) {
   try {
-    const Json json = Json::parse(answer);
+    const Json json = ParseJson(answer);
     std::vector<UnpackedFile> files;
     for (const Json& entry : json.at("files")) {
       UnpackedFile file;
@@ -140,7 +141,7 @@ void UnpackHere(const fs::path& staging, const std::string& flight_id, const fs:
     if (file.error) entry["error"] = ErrorJson(*file.error);
     answer["files"].push_back(std::move(entry));
   }
-  TellParent(answer.dump(-1, ' ', false, Json::error_handler_t::replace));
+  TellParent(JsonText(answer));
 }
 
 }  // namespace skyquilt::server

@@ -8,6 +8,7 @@
 #include <system_error>
 
 #include "api/json/job_options.h"
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "core/pipeline/inspect_flight.h"
 #include "server/confinement/run_apart.h"
@@ -79,7 +80,7 @@ Result<std::string> VerdictApart(const std::vector<flight::InputFile>& files, co
   Result<std::string> verdict =
       RunApart({.name = "verdict",
                 .words = {"verdict", "--parent", std::to_string(getpid()), "--cpu-s", std::to_string(cpu_s)},
-                .input = input.dump(-1, ' ', false, Json::error_handler_t::replace),
+                .input = JsonText(input),
                 .deadline = std::chrono::seconds(kVerdictWallSecondsPerCpuSecond * cpu_s),
                 .refusal = kVerdictRefusal});
   if (verdict && !Json::accept(*verdict))
@@ -88,7 +89,7 @@ Result<std::string> VerdictApart(const std::vector<flight::InputFile>& files, co
 }
 
 void VerdictHere(std::int64_t cpu_s) {
-  const Json input = Json::parse(ReadInput());  // by our own server; if not, the exception ends us
+  const Json input = ParseJson(ReadInput());  // by our own server; if not, the exception ends us
   std::vector<flight::InputFile> files;
   ApartNeeds needs{.limits = {.more_cpu_s = cpu_s}};
   for (const Json& file : input.at("files")) {

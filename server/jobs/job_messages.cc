@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "core/base/text/json_io.h"
 #include "core/flight/remarks/remark_json.h"
 #include "core/pipeline/report/map_quality.h"
 #include "server/confinement/message_checks.h"
@@ -27,7 +28,7 @@ constexpr std::size_t kMaxReasonBytes = 16 * 1024;
 constexpr std::size_t kMaxGrowth = 3;
 
 // Texts of photos may hold any bytes: those that are no UTF-8 are replaced.
-std::string DumpJob(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+std::string DumpJob(const Json& json) { return JsonText(json); }
 
 // A time of ISO 8601, or nothing.
 bool IsTime(const std::string& text) {
@@ -132,7 +133,7 @@ std::string ToText(const StitchTask& task) {
 
 Result<StitchTask> ParseTask(std::string_view text) {
   try {
-    const Json json = Json::parse(text);
+    const Json json = ParseJson(text);
     StitchTask task;
     for (const Json& file : json.at("files"))
       task.files.push_back({file.at(0).get<std::string>(), file.at(1).get<std::string>()});
@@ -175,7 +176,7 @@ std::string ToText(const JobMessage& message) {
 
 Result<JobMessage> ParseJobMessage(std::string_view text) {
   try {
-    const Json json = Json::parse(text);
+    const Json json = ParseJson(text);
     if (json.contains("stage")) {
       StageBegun begun{json.at("stage")};
       if (!IsStage(begun.stage)) return Untrue("a stage that is none");

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "core/base/text/json_io.h"
 #include "server/confinement/message_checks.h"
 #include "storage/db/ids.h"
 
@@ -13,9 +14,7 @@ using Json = nlohmann::json;
 
 constexpr std::size_t kMaxForgone = 64;
 
-std::string DumpPreview(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
+std::string DumpPreview(const Json& json) { return JsonText(json); }
 
 Json FilesJson(const std::vector<storage::StoredFile>& files) {
   Json list = Json::array();
@@ -52,7 +51,7 @@ std::optional<storage::Preview> PreviewOf(const Json& json) {
 template <typename Parse>
 auto Guarded(std::string_view text, Parse parse) -> decltype(parse(Json())) {
   try {
-    return parse(Json::parse(text));
+    return parse(ParseJson(text));
   } catch (const Json::exception& broken) {
     return Untrue(broken.what());
   }

@@ -10,6 +10,7 @@
 #include "api/http/digest.h"
 #include "api/ogc/map_view.h"
 #include "core/base/median.h"
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "core/pipeline/report/map_quality.h"
 
@@ -207,7 +208,7 @@ std::string LeftOut(const Json& report) {
 
 // Nothing for a report of before there was one.
 std::optional<pipeline::MapQuality> QualityIn(const Json& report) {
-  const auto quality = pipeline::ParseQuality(At(report, {"quality"}).dump());
+  const auto quality = pipeline::ParseQuality(JsonText(At(report, {"quality"})));
   return quality ? std::optional(*quality) : std::nullopt;
 }
 
@@ -225,7 +226,7 @@ std::string Verdict(const std::optional<pipeline::MapQuality>& quality) {
 
 Result<std::string> ReportPage(std::string_view report_json, const std::optional<MapPicture>& picture,
                                const std::string& made) {
-  const Json report = Json::parse(report_json, nullptr, false);
+  const Json report = ParseJson(report_json);
   if (!report.is_object())
     return Error{ErrorCode::kCorrupt, "report.json of the map is damaged. Make the map again.", ""};
   const bool is_placed = !At(report, {"is_placed"}).is_boolean() || At(report, {"is_placed"}).get<bool>();

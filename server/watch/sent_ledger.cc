@@ -13,6 +13,7 @@
 #include <system_error>
 #include <utility>
 
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "storage/files/publish_file.h"
 
@@ -119,8 +120,7 @@ Result<void> SentLedger::Refresh() {
 }
 
 void SentLedger::Apply(const std::string& line) {
-  constexpr bool kThrows = false;
-  const json value = json::parse(line, nullptr, kThrows);
+  const json value = ParseJson(line);
   if (!value.is_object()) return;
   const std::string key = TextOf(value, "flight");
   if (key.empty()) return;
@@ -186,7 +186,7 @@ namespace {
 
 std::string LineOf(const std::string& key, const char* what, json value) {
   const json line = {{"flight", key}, {what, std::move(value)}};
-  return line.dump(-1, ' ', false, json::error_handler_t::replace);
+  return JsonText(line);
 }
 
 }  // namespace

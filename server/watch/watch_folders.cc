@@ -9,7 +9,7 @@
 #include <string>
 #include <utility>
 
-#include "core/base/printable.h"
+#include "core/base/text/printable.h"
 #include "core/base/try.h"
 #include "server/watch/folder_events.h"
 

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <map>
 
-#include "core/base/printable.h"
+#include "core/base/text/printable.h"
 
 namespace skyquilt::server {
 namespace {

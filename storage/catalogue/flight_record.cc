@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "core/base/text/json_io.h"
 #include "storage/files/publish_file.h"
 #include "storage/tags/flight_tags.h"
 
@@ -19,9 +20,7 @@ namespace {
 using Json = nlohmann::json;
 
 // Names come from clients and are checked, but a record must never be what fails.
-std::string LineOf(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
-}
+std::string LineOf(const Json& json) { return JsonText(json) + "\n"; }
 
 // For whoever sends photos: where the server keeps them is not theirs to know.
 Error NotStored(const Error& error) {
@@ -126,7 +125,7 @@ FlightRecord ParseFlightRecord(std::string_view text) {
     const std::string_view line = text.substr(0, end);
     text.remove_prefix(is_torn ? text.size() : end + 1);
     if (line.empty()) continue;
-    const Json json = Json::parse(line, nullptr, /*allow_exceptions=*/false);
+    const Json json = ParseJson(line);
     const bool is_taken = !json.is_discarded() && TakeLine(json, record, newest);
     if (is_first) is_whole = is_taken && record.name.has_value();
     if (!is_taken && !is_torn) is_whole = false;

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "storage/db/ids.h"
 #include "storage/files/publish_file.h"
@@ -34,7 +35,7 @@ Result<std::string> ReadMarkerText(const DataDir& dir) {
 
 Result<std::string> ParseMarker(std::string_view text) {
   const Error damaged{ErrorCode::kCorrupt, "The marker skyquilt-data.json is damaged.", ""};
-  const auto json = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
+  const auto json = ParseJson(text);
   if (!json.is_object() || !json.contains("format") || !json["format"].is_number_integer()) return damaged;
   if (json["format"].get<std::int64_t>() > kFormat) {
     return Error{ErrorCode::kConflict,
@@ -70,8 +71,7 @@ Result<void> WriteMarker(const DataDir& dir, const std::string& id, bool is_shar
 
 bool HasSharedCatalogue(const DataDir& dir) {
   const Result<std::string> text = ReadMarkerText(dir);
-  const auto json =
-      text ? nlohmann::json::parse(*text, nullptr, /*allow_exceptions=*/false) : nlohmann::json();
+  const auto json = text ? ParseJson(*text) : nlohmann::json();
   return json.is_object() && json.value("catalogue", nlohmann::json()) == "postgresql";
 }
 

@@ -13,6 +13,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "storage/db/ids.h"
 #include "storage/tilesets/mbtiles_reader.h"
@@ -57,7 +58,7 @@ DiskFlight SurveyFlight(const fs::path& folder) {
 Json ReportIn(const fs::path& folder) {
   std::ifstream file(folder / "report.json", std::ios::binary);
   const std::string text((std::istreambuf_iterator<char>(file)), {});
-  Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+  Json json = ParseJson(text);
   return json.is_object() ? json : Json::object();
 }
 
@@ -152,7 +153,7 @@ Result<Revision> RevisionOnDisk(const fs::path& revision_folder, std::int64_t nu
   revision.first_capture = TextOr(captured, "first");
   revision.last_capture = TextOr(captured, "last");
   if (report.contains("quality") && report["quality"].is_object())
-    revision.quality = report["quality"].dump();
+    revision.quality = JsonText(report["quality"]);
   return revision;
 }
 

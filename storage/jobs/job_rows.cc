@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/check.h"
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
 #include "core/flight/remarks/remark_json.h"
@@ -61,8 +62,7 @@ std::string LeaseEndSql(const SqlConnection& db, std::string_view parameter) {
 std::string ReasonText(const Error& error) {
   if (!flight::HasReason(error)) return "";
   using Json = nlohmann::ordered_json;
-  return flight::JsonOfRemark<Json>(flight::WhyOf(error))
-      .dump(-1, ' ', false, Json::error_handler_t::replace);
+  return JsonText(flight::JsonOfRemark<Json>(flight::WhyOf(error)));
 }
 
 Result<int> NumberFrom(Statement& change) {

@@ -9,6 +9,7 @@
 #include <new>
 #include <nlohmann/json.hpp>
 
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "core/geo/tile_id.h"
 
@@ -167,7 +168,7 @@ Result<std::vector<PmtilesEntry>> ParsePmtilesDirectory(std::string_view packed)
 Result<std::map<std::string, std::string>> ParsePmtilesMetadata(std::string_view packed,
                                                                 const PmtilesHeader& header) {
   SKYQUILT_TRY_ASSIGN(const std::string text, Unpacked(packed));
-  const nlohmann::json json = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
+  const nlohmann::json json = ParseJson(text);
   if (!json.is_object()) return Damaged("metadata that are no JSON object");
   std::map<std::string, std::string> metadata;
   for (const auto& [name, value] : json.items()) {

@@ -7,6 +7,7 @@
 #include <set>
 #include <system_error>
 
+#include "core/base/text/json_io.h"
 #include "core/image/picture_codec.h"
 #include "storage/files/publish_file.h"
 #include "storage/validation/validate_map.h"
@@ -35,7 +36,7 @@ std::optional<json> ReadJson(const fs::path& path, std::vector<FileVerdict>& ver
     verdict.Add(Severity::kError, "it cannot be read: " + text.error().message);
     return std::nullopt;
   }
-  json value = json::parse(*text, nullptr, /*allow_exceptions=*/false);
+  json value = ParseJson(*text);
   if (value.is_object()) return value;
   verdict.Add(Severity::kError, "it is no JSON object: cut off, or changed by hand");
   return std::nullopt;

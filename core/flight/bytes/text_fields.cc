@@ -4,7 +4,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "core/base/printable.h"
+#include "core/base/text/printable.h"
 
 namespace skyquilt::flight {
 namespace {

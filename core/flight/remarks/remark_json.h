@@ -11,6 +11,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/base/text/json_io.h"
 #include "core/flight/remarks/remark_words.h"
 
 namespace skyquilt::flight {
@@ -76,7 +77,7 @@ std::vector<Remark> RemarksOfJson(const Json& json) {
 // What a table keeps of an error's reason (storage/jobs/job_rows.h), in an answer; null where it keeps none.
 template <typename Json>
 Json ReasonValue(const std::string& kept) {
-  const Json reason = kept.empty() ? Json() : Json::parse(kept, nullptr, false);
+  const Json reason = kept.empty() ? Json() : Json(ParseOrderedJson(kept));
   return reason.is_object() ? reason : Json();
 }
 

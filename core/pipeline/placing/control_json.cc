@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/base/text/json_io.h"
 #include "core/flight/remarks/remark_words.h"
 
 namespace skyquilt::pipeline {
@@ -27,7 +28,7 @@ std::string ControlJson(const flight::GcpList& list) {
   const Document document = {{"reference_system", list.reference_system},
                              {"points", points},
                              {"warnings", flight::InWords(list.warnings)}};
-  return document.dump(-1, ' ', false, Document::error_handler_t::replace);
+  return JsonText(document);
 }
 
 }  // namespace skyquilt::pipeline

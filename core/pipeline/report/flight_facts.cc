@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "core/base/text/json_io.h"
 #include "core/flight/remarks/remark_json.h"
 #include "core/pipeline/report/cbor_values.h"
 #include "core/pipeline/report/locate.h"
@@ -56,11 +57,11 @@ render::KnownExposure ToExposure(const Cbor& json) {
 // too.
 template <typename Report>
 std::string ReportText(const Report& report) {
-  return JsonOf<nlohmann::ordered_json>(report).dump(-1, ' ', false, Cbor::error_handler_t::replace);
+  return JsonText(JsonOf<nlohmann::ordered_json>(report));
 }
 template <typename Report>
 Report OfReportText(const Cbor& text) {
-  return ReportOf<Report>(nlohmann::ordered_json::parse(text.get_ref<const std::string&>()));
+  return ReportOf<Report>(ParseOrderedJson(text.get_ref<const std::string&>()));
 }
 
 // Runs of equal labels, row by row: photo, then how many cells.

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/base/text/json_io.h"
 #include "core/pipeline/report/locate.h"
 
 namespace skyquilt::pipeline {
@@ -120,12 +121,12 @@ std::string LocateJson(const alignment::AlignedFlight& flight, const ground::Gro
   json["origin"] = {origin.lat_deg, origin.lon_deg, origin.height_ellipsoid_m};
   json["ground"] = GroundOf(ground);
   json["cameras"] = std::move(cameras);
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return JsonText(json) + "\n";
 }
 
 Result<LocatedMap> ParseLocateJson(std::string_view text) {
   const Error damaged{ErrorCode::kCorrupt, "The map's camera file is damaged. Stitch the flight again.", ""};
-  const Json json = Json::parse(text, nullptr, false);
+  const Json json = ParseOrderedJson(text);
   if (!json.is_object()) return damaged;
   try {
     if (json.at("version") != kVersion) {

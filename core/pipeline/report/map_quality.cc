@@ -7,6 +7,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/base/text/json_io.h"
+
 namespace skyquilt::pipeline {
 namespace {
 
@@ -268,7 +270,7 @@ std::string QualityJson(const MapQuality& quality) {
                       {"by", NameOf(relative.by)},
                       {"count", relative.count}};
   json["limits"] = limits;
-  return json.dump();
+  return JsonText(json);
 }
 
 Result<MapQuality> ParseQuality(std::string_view json) {

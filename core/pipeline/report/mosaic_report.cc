@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/error_code.h"
+#include "core/base/text/json_io.h"
 #include "core/flight/remarks/remark_json.h"
 #include "core/geo/lat_lon.h"
 #include "core/ground/footprint_on_ground.h"
@@ -25,9 +26,7 @@ double Rounded(double value, int digits) {
 }
 
 // Names come from file systems and need not be UTF-8.
-std::string Printed(const Json& json) {
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-}
+std::string Printed(const Json& json) { return JsonText(json, 2) + "\n"; }
 
 std::string IsoTime(const flight::UtcTime& time) {
   const auto milliseconds = std::chrono::floor<std::chrono::milliseconds>(time);
@@ -106,7 +105,7 @@ std::string ReportJson(const MosaicReport& report) {
   json["blocks"] = {{"total", report.blocks}, {"kept", report.blocks_kept}};
   json["height_rule"] = report.height_rule;
   json["is_placed"] = report.is_placed;
-  json["quality"] = Json::parse(QualityJson(report.quality));
+  json["quality"] = ParseOrderedJson(QualityJson(report.quality));
   json["timings"] = timings;
   json["peak_memory_bytes"] = report.peak_memory_bytes;
   json["warnings"] = flight::InWords(report.warnings);

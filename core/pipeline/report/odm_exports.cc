@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/base/check.h"
+#include "core/base/text/json_io.h"
 #include "core/flight/logs/texts/geo_txt.h"
 #include "core/poses/conventions/attitude_convention.h"
 
@@ -64,7 +65,7 @@ std::string OdmCamerasJson(const alignment::AlignedFlight& flight) {
     // "all" fits whatever name OpenSfM gives a flight's only camera.
     cameras[photo_of_camera.size() == 1 ? "all" : CameraId(photo->photo)] = BrownModel(photo->intrinsics);
   }
-  return cameras.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return JsonText(cameras, 2) + "\n";
 }
 
 std::string OdmGeoTxt(const alignment::AlignedFlight& flight) {

@@ -5,7 +5,8 @@
 #include <optional>
 
 #include "core/base/error_code.h"
-#include "core/base/printable.h"
+#include "core/base/text/json_io.h"
+#include "core/base/text/printable.h"
 #include "core/flight/aside/aside.h"
 #include "core/flight/remarks/remark_json.h"
 #include "core/pipeline/inspect_flight.h"
@@ -110,7 +111,7 @@ std::string StatusText(const FlightVerdict& v) {
 
 nlohmann::ordered_json RecordsJson(const FlightVerdict& v) {
   const std::optional<MapStatus> status = ForeseenStatus(v);
-  nlohmann::ordered_json json = nlohmann::ordered_json::parse(QualityJson(v.by_records));
+  nlohmann::ordered_json json = ParseOrderedJson(QualityJson(v.by_records));
   json.erase("relative");
   json["status"] = status ? nlohmann::ordered_json(NameOf(*status)) : nlohmann::ordered_json();
   return json;
@@ -207,7 +208,7 @@ std::string VerdictJson(const FlightVerdict& v) {
                                     {"left_out", left_out},
                                     {"warnings", flight::InWords(v.warnings)},
                                     {"remarks", flight::JsonOfRemarks<nlohmann::ordered_json>(v.warnings)}};
-  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  return JsonText(json, 2) + "\n";
 }
 
 }  // namespace skyquilt::pipeline

@@ -7,7 +7,7 @@
 #include <iterator>
 
 #include "core/base/median.h"
-#include "core/base/printable.h"
+#include "core/base/text/printable.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
 #include "core/geo/geodesic.h"

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/base/text/json_io.h"
 #include "core/camera/lens_fields.h"
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
@@ -111,7 +112,7 @@ std::string TruthJson(const SimulatedFlight& flight) {
                               {"reflectance_of_red_green_blue", {of_color[1], of_color[2], of_color[3]}},
                               {"intrinsics", Lens(band.lens)}});
   }
-  return truth.dump(1) + "\n";
+  return JsonText(truth, 1) + "\n";
 }
 
 }  // namespace skyquilt::simulate

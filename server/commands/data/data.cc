@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "core/base/printable.h"
+#include "core/base/text/printable.h"
 #include "server/commands/data/move_data.h"
 #include "server/terminal/fail.h"
 #include "server/terminal/terminal_progress.h"

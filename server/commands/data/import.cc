@@ -11,8 +11,9 @@
 #include <system_error>
 #include <vector>
 
-#include "core/base/printable.h"
 #include "core/base/scoped_folder.h"
+#include "core/base/text/json_io.h"
+#include "core/base/text/printable.h"
 #include "server/client/upload_flight.h"
 #include "server/commands/uploads/server_address.h"
 #include "server/imports/enter_map.h"
@@ -98,8 +99,8 @@ void ImportByServer(ImportArguments& arguments) {
   upload.name = arguments.options.title;
   upload.tags = arguments.tags;
   upload.waits = !arguments.no_wait;
-  upload.job_options = nlohmann::json({{"import_file", name}, {"quality", arguments.options.quality}})
-                           .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  upload.job_options =
+      JsonText(nlohmann::json({{"import_file", name}, {"quality", arguments.options.quality}}));
   std::string flight_id;
   std::vector<flight::InputFile> files = {{name, arguments.file}};
   const fs::path report = ReportBeside(arguments.file);

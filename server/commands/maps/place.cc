@@ -14,7 +14,8 @@
 #include <string_view>
 #include <vector>
 
-#include "core/base/printable.h"
+#include "core/base/text/json_io.h"
+#include "core/base/text/printable.h"
 #include "core/flight/logs/texts/gcp_list.h"
 #include "core/flight/remarks/remark_words.h"
 #include "core/render/map_layer.h"
@@ -111,7 +112,7 @@ pipeline::PlaceRequest RequestOf(const PlaceArguments& arguments) {
 
 std::string TitleOf(const fs::path& map_dir) {
   std::ifstream file(map_dir / "report.json", std::ios::binary);
-  const auto report = nlohmann::json::parse(file, nullptr, false);
+  const auto report = ParseJson(file);
   return report.is_object() ? report.value("title", "") : std::string();
 }
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/printable.h"
+#include "core/base/text/printable.h"
 #include "core/simulate/simulate_flight.h"
 #include "server/terminal/fail.h"
 #include "server/terminal/terminal_progress.h"

@@ -20,7 +20,7 @@
 #include <vector>
 
 #include "core/base/digest.h"
-#include "core/base/printable.h"
+#include "core/base/text/printable.h"
 #include "core/base/trace.h"
 #include "core/flight/aside/aside.h"
 #include "core/flight/remarks/remark_words.h"

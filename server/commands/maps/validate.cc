@@ -9,7 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "core/base/printable.h"
+#include "core/base/text/json_io.h"
+#include "core/base/text/printable.h"
 #include "server/terminal/fail.h"
 #include "server/terminal/terminal_progress.h"
 #include "storage/validation/validate_map.h"
@@ -72,7 +73,7 @@ void PrintJson(const std::vector<FileVerdict>& verdicts, const std::string& map,
                             {"errors", CountOf(verdicts, Severity::kError)},
                             {"warnings", CountOf(verdicts, Severity::kWarning)},
                             {"files", std::move(files)}};
-  fmt::print("{}\n", all.dump(2, ' ', false, ordered_json::error_handler_t::replace));
+  fmt::print("{}\n", JsonText(all, 2));
 }
 
 void Run(const ValidateArguments& arguments) {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/printable.h"
+#include "core/base/text/printable.h"
 #include "core/flight/read_flight.h"
 #include "server/client/upload_flight.h"
 #include "server/commands/uploads/server_address.h"

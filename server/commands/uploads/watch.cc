@@ -14,7 +14,7 @@
 #include <system_error>
 
 #include "core/base/digest.h"
-#include "core/base/printable.h"
+#include "core/base/text/printable.h"
 #include "server/commands/uploads/server_address.h"
 #include "server/confinement/process_limits.h"
 #include "server/terminal/fail.h"

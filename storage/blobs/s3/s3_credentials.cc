@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 
 namespace skyquilt::storage {
@@ -87,7 +88,7 @@ std::optional<std::chrono::system_clock::time_point> ParseUtc(const std::string&
 }
 
 std::optional<S3Credentials> CredentialsInAnswer(std::string_view text) {
-  const Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+  const Json json = ParseJson(text);
   if (!json.is_object()) return std::nullopt;
   S3Credentials credentials{
       TextOf(json, "AccessKeyId"), TextOf(json, "SecretAccessKey"), TextOf(json, "Token"), {}};

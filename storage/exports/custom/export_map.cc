@@ -7,6 +7,7 @@
 #include <string>
 #include <system_error>
 
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "storage/exports/cog_writer.h"
 #include "storage/exports/custom/clip_tileset.h"
@@ -132,7 +133,7 @@ Result<ExportSource> ExportSourceOf(const fs::path& map) {
   if (source.mbtiles.filename() != "mosaic.mbtiles") return source;
   if (fs::is_regular_file(folder / "mosaic.tif", error)) source.cog = folder / "mosaic.tif";
   std::ifstream file(folder / "report.json", std::ios::binary);
-  const auto report = nlohmann::json::parse(file, nullptr, false);
+  const auto report = ParseJson(file);
   if (!report.is_object()) return source;
   const auto gsd = report.find("gsd_m"), placed = report.find("is_placed");
   if (gsd != report.end() && gsd->is_number()) source.gsd_m = gsd->get<double>();

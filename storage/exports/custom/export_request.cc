@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
 #include "core/geo/tile_id.h"
@@ -64,7 +65,7 @@ Result<void> TakeField(const std::string& field, const Json& value, ExportReques
     return {};
   }
   if (field == "boundary") {
-    SKYQUILT_TRY_ASSIGN(request.boundary, ParseBoundary(value.dump()));
+    SKYQUILT_TRY_ASSIGN(request.boundary, ParseBoundary(JsonText(value)));
     return {};
   }
   if (field == "resolution_m") {
@@ -123,7 +124,7 @@ std::optional<ExportFormat> ExportFormatOfFile(std::string_view file_name) {
 }
 
 Result<ExportRequest> ParseExportRequest(std::string_view json) {
-  const Json parsed = Json::parse(json, nullptr, false);
+  const Json parsed = ParseJson(json);
   if (!parsed.is_object())
     return Error{ErrorCode::kInvalidArgument,
                  "Send the wish as a JSON object such as {\"format\":\"geotiff\"}.", ""};

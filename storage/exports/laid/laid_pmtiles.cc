@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "storage/exports/laid/tile_table.h"
 #include "storage/pmtiles/gzip.h"
@@ -91,7 +92,7 @@ std::string MetadataJson(const Metadata& metadata) {
   }
   if (const auto found = metadata.find("tile_size"); found != metadata.end())
     json["tile_size"] = std::stoi(found->second);
-  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return JsonText(json);
 }
 
 // The numbers of a comma-separated list.

@@ -9,6 +9,7 @@
 #include <system_error>
 #include <utility>
 
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "storage/blobs/s3/s3_client.h"
 #include "storage/files/publish_file.h"
@@ -43,7 +44,7 @@ Result<std::optional<std::string>> SettledAt(const DataDir& dir) {
   if (!std::filesystem::exists(dir.BlobsMarker(), error)) return std::optional<std::string>();
   std::ifstream file(dir.BlobsMarker(), std::ios::binary);
   const std::string text((std::istreambuf_iterator<char>(file)), {});
-  const auto json = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
+  const auto json = ParseJson(text);
   if (!json.is_object() || !json.contains("blobs") || !json["blobs"].is_string()) {
     return Error{ErrorCode::kCorrupt,
                  fmt::format("The file {} is damaged: it says where photos and maps lie. Write "
@@ -56,7 +57,7 @@ Result<std::optional<std::string>> SettledAt(const DataDir& dir) {
 
 Result<void> SettleAt(const DataDir& dir, const std::string& address) {
   if (!address.empty())
-    return WriteFileAtomically(dir.BlobsMarker(), nlohmann::json{{"blobs", address}}.dump() + "\n");
+    return WriteFileAtomically(dir.BlobsMarker(), JsonText(nlohmann::json{{"blobs", address}}) + "\n");
   std::error_code error;
   std::filesystem::remove(dir.BlobsMarker(), error);
   if (error) return FileError("cannot remove", dir.BlobsMarker(), error.value());

@@ -1,5 +1,5 @@
 // Text for people.
-#include "core/base/printable.h"
+#include "core/base/text/printable.h"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <optional>
 #include <utility>
 
-#include "core/base/printable.h"
+#include "core/base/text/printable.h"
 #include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/csv/csv_columns.h"
 #include "core/flight/logs/log_builder.h"

@@ -5,7 +5,7 @@
 #include <initializer_list>
 #include <optional>
 
-#include "core/base/printable.h"
+#include "core/base/text/printable.h"
 #include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/texts/list_rows.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/printable.h"
+#include "core/base/text/printable.h"
 #include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/remarks/because.h"

@@ -1,0 +1,34 @@
+#include "core/base/text/json_io.h"
+
+#include <istream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+namespace skyquilt {
+namespace {
+
+template <typename Json>
+Json Parse(std::string_view text) {
+  return Json::parse(text.data(), text.data() + text.size(), nullptr, /*allow_exceptions=*/false);
+}
+
+std::string Rest(std::istream& stream) {
+  return std::string(std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>());
+}
+
+template <typename Json>
+std::string Dump(const Json& value, int indent) {
+  return value.dump(indent, ' ', /*ensure_ascii=*/false, Json::error_handler_t::replace);
+}
+
+}  // namespace
+
+nlohmann::json ParseJson(std::string_view text) { return Parse<nlohmann::json>(text); }
+nlohmann::json ParseJson(std::istream& text) { return ParseJson(Rest(text)); }
+nlohmann::ordered_json ParseOrderedJson(std::string_view text) { return Parse<nlohmann::ordered_json>(text); }
+nlohmann::ordered_json ParseOrderedJson(std::istream& text) { return ParseOrderedJson(Rest(text)); }
+
+std::string JsonText(const nlohmann::json& value, int indent) { return Dump(value, indent); }
+std::string JsonText(const nlohmann::ordered_json& value, int indent) { return Dump(value, indent); }
+
+}  // namespace skyquilt

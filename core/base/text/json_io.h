@@ -1,0 +1,25 @@
+// ParseJson, JsonText: between JSON and its text, compiled once: the library's parser and serializer cost
+// seconds in every object that calls them by themselves. A text that is no JSON gives a discarded value
+// (`is_discarded()`, which every access to a member refuses by an exception of the library's); bytes that are
+// not UTF-8 are written as U+FFFD. Pure; any thread.
+#pragma once
+
+#include <iosfwd>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <string_view>
+
+namespace skyquilt {
+
+// Of a stream: all that is left of it.
+nlohmann::json ParseJson(std::string_view text);
+nlohmann::json ParseJson(std::istream& text);
+// Members in the order of the text.
+nlohmann::ordered_json ParseOrderedJson(std::string_view text);
+nlohmann::ordered_json ParseOrderedJson(std::istream& text);
+
+// `indent`: spaces a level; negative: one line.
+std::string JsonText(const nlohmann::json& value, int indent = -1);
+std::string JsonText(const nlohmann::ordered_json& value, int indent = -1);
+
+}  // namespace skyquilt

@@ -1,0 +1,40 @@
+#include "core/base/text/json_io.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+namespace skyquilt {
+namespace {
+
+TEST(ParseJson, OfWhatIsNoJsonIsDiscardedAndRefusesToBeReadFrom) {
+  for (const char* text : {"", "{", "{\"a\":1}x", "nul", "[1,]", "\"\xff\""}) {
+    const nlohmann::json value = ParseJson(text);
+    EXPECT_TRUE(value.is_discarded()) << text;
+    EXPECT_THROW((void)value.at("a"), nlohmann::json::exception) << text;
+  }
+}
+
+TEST(ParseJson, KeepsTheOrderOfMembersWhereThatIsAskedFor) {
+  constexpr const char* kText = R"({"b":1,"a":[true,null,0.1]})";
+  EXPECT_EQ(JsonText(ParseOrderedJson(kText)), kText);
+  EXPECT_EQ(JsonText(ParseJson(kText)), R"({"a":[true,null,0.1],"b":1})");
+}
+
+TEST(ParseJson, TakesAllThatIsLeftOfAStream) {
+  std::istringstream stream("{\"a\":1}\n");
+  EXPECT_EQ(ParseJson(stream).at("a"), 1);
+  std::istringstream ordered("[2]");
+  EXPECT_EQ(ParseOrderedJson(ordered).at(0), 2);
+  EXPECT_TRUE(ParseJson(stream).is_discarded());  // nothing is
+}
+
+TEST(JsonText, WritesNamesThatAreNotUtf8AndIndents) {
+  const nlohmann::json value = {{"name", "DJI_\xff.JPG"}};
+  EXPECT_EQ(JsonText(value), "{\"name\":\"DJI_\xef\xbf\xbd.JPG\"}");
+  EXPECT_EQ(JsonText(value, 1), "{\n \"name\": \"DJI_\xef\xbf\xbd.JPG\"\n}");
+}
+
+}  // namespace
+}  // namespace skyquilt
