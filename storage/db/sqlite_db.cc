@@ -96,7 +96,6 @@ Result<Statement> SqliteDb::Prepare(std::string_view sql) {
 }
 
 std::int64_t SqliteDb::Changes() const { return sqlite3_changes64(handle_); }
-std::int64_t SqliteDb::LastInsertRowId() const { return sqlite3_last_insert_rowid(handle_); }
 
 Result<void> SqliteDb::Close() {
   const int code = sqlite3_close(handle_);

@@ -37,7 +37,6 @@ class SqliteDb final : public SqlConnection {
   Result<Statement> Prepare(std::string_view sql) override;
   std::int64_t Changes() const override;
   Dialect dialect() const override { return Dialect::kSqlite; }
-  std::int64_t LastInsertRowId() const;
   bool is_open() const { return handle_ != nullptr; }
   // Closes now, so that a failure to flush can be seen. Statements must be gone.
   Result<void> Close();

@@ -32,32 +32,31 @@ using Parse = Result<FlightLog> (*)(std::string_view name, LogBytes bytes, const
 
 struct Format {
   LogFormat format;
-  std::string_view name;
   Recognises recognises;
   Parse parse;  // null: not a flight log
 };
 
 // In the order of certainty: the first that fits is meant. The tolerant CSV fits most and comes last.
 constexpr std::array kFormats = {
-    Format{LogFormat::kUlog, "ulog", LooksLikeUlog, ParseUlog},
-    Format{LogFormat::kDataflash, "dataflash", LooksLikeDataflash, ParseDataflash},
-    Format{LogFormat::kMavlinkTlog, "mavlink_tlog", LooksLikeMavlinkTlog, ParseMavlinkTlog},
-    Format{LogFormat::kGpx, "gpx", LooksLikeGpx, ParseGpx},
-    Format{LogFormat::kKml, "kml", LooksLikeKml, ParseKml},
-    Format{LogFormat::kGeoJson, "geojson", LooksLikeGeoJson, ParseGeoJson},
-    Format{LogFormat::kSenseflyGeoinfo, "sensefly_geoinfo", LooksLikeSenseflyGeoinfo, ParseSenseflyGeoinfo},
-    Format{LogFormat::kDjiMrk, "dji_mrk", LooksLikeDjiMrk, ParseDjiMrk},
-    Format{LogFormat::kDjiSrt, "dji_srt", LooksLikeDjiSrt, ParseDjiSrt},
-    Format{LogFormat::kAss, "ass", LooksLikeAss, ParseAss},
-    Format{LogFormat::kRtklibPos, "rtklib_pos", LooksLikeRtklibPos, ParseRtklibPos},
-    Format{LogFormat::kNmea, "nmea", LooksLikeNmea, ParseNmea},
-    Format{LogFormat::kGeoTxt, "geo_txt", LooksLikeGeoTxt, ParseGeoTxt},
-    Format{LogFormat::kGcpList, "gcp_list", LooksLikeGcpList, nullptr},
-    Format{LogFormat::kFlightCsv, "flight_csv", LooksLikeFlightCsv, ParseFlightCsv},
-    Format{LogFormat::kImagesCsv, "images_csv", LooksLikeImagesCsv, ParseImagesCsv},
-    Format{LogFormat::kTolerantCsv, "tolerant_csv", LooksLikeNamedPlaces, ParseTolerantCsv},
-    Format{LogFormat::kPix4dCsv, "pix4d_csv", LooksLikePix4dCsv, ParsePix4dCsv},
-    Format{LogFormat::kTolerantCsv, "tolerant_csv", LooksLikeTolerantCsv, ParseTolerantCsv},
+    Format{LogFormat::kUlog, LooksLikeUlog, ParseUlog},
+    Format{LogFormat::kDataflash, LooksLikeDataflash, ParseDataflash},
+    Format{LogFormat::kMavlinkTlog, LooksLikeMavlinkTlog, ParseMavlinkTlog},
+    Format{LogFormat::kGpx, LooksLikeGpx, ParseGpx},
+    Format{LogFormat::kKml, LooksLikeKml, ParseKml},
+    Format{LogFormat::kGeoJson, LooksLikeGeoJson, ParseGeoJson},
+    Format{LogFormat::kSenseflyGeoinfo, LooksLikeSenseflyGeoinfo, ParseSenseflyGeoinfo},
+    Format{LogFormat::kDjiMrk, LooksLikeDjiMrk, ParseDjiMrk},
+    Format{LogFormat::kDjiSrt, LooksLikeDjiSrt, ParseDjiSrt},
+    Format{LogFormat::kAss, LooksLikeAss, ParseAss},
+    Format{LogFormat::kRtklibPos, LooksLikeRtklibPos, ParseRtklibPos},
+    Format{LogFormat::kNmea, LooksLikeNmea, ParseNmea},
+    Format{LogFormat::kGeoTxt, LooksLikeGeoTxt, ParseGeoTxt},
+    Format{LogFormat::kGcpList, LooksLikeGcpList, nullptr},
+    Format{LogFormat::kFlightCsv, LooksLikeFlightCsv, ParseFlightCsv},
+    Format{LogFormat::kImagesCsv, LooksLikeImagesCsv, ParseImagesCsv},
+    Format{LogFormat::kTolerantCsv, LooksLikeNamedPlaces, ParseTolerantCsv},
+    Format{LogFormat::kPix4dCsv, LooksLikePix4dCsv, ParsePix4dCsv},
+    Format{LogFormat::kTolerantCsv, LooksLikeTolerantCsv, ParseTolerantCsv},
 };
 
 const Format* Recognise(LogBytes head) {
@@ -85,13 +84,6 @@ Result<const Format*> RecogniseOrExplain(LogBytes head, std::string_view name) {
 }
 
 }  // namespace
-
-std::string_view LogFormatName(LogFormat format) {
-  for (const Format& each : kFormats) {
-    if (each.format == format) return each.name;
-  }
-  return "unknown";
-}
 
 Result<std::optional<LogFormat>> RecogniseLog(LogBytes head, std::string_view name) {
   SKYQUILT_TRY_ASSIGN(const auto text, LogText::Of(name, head));

@@ -36,9 +36,6 @@ enum class LogFormat {
   kGcpList,  // known, but not a flight log: ReadGcpList (gcp_list.h) reads it
 };
 
-// A stable lower-case word, the same as FlightLog::format.
-std::string_view LogFormatName(LogFormat format);
-
 // How many first bytes RecogniseLog wants to see (a shorter file: all of it).
 inline constexpr std::size_t kRecogniseBytes = std::size_t{64} << 10;
 

@@ -22,8 +22,8 @@
 #include "core/flight/logs/flight_log.h"
 #include "core/poses/posed_flight.h"
 #include "core/poses/smoother/chain_state.h"
+#include "core/poses/smoother/gravity.h"
 #include "core/poses/smoother/preintegration.h"
-#include "core/poses/smoother/strapdown.h"
 
 namespace skyquilt::poses {
 

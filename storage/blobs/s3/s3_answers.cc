@@ -94,48 +94,6 @@ Result<ListedPage> ParseListedPage(std::string_view xml, std::string_view prefix
   return page;
 }
 
-Result<ListedParts> ParseListedParts(std::string_view xml) {
-  XMLDocument document;
-  SKYQUILT_TRY_ASSIGN(const XMLElement* const root, RootOf(document, xml, "ListPartsResult"));
-  ListedParts listed;
-  for (const XMLElement* entry = root->FirstChildElement("Part"); entry != nullptr;
-       entry = entry->NextSiblingElement("Part")) {
-    if (listed.parts.size() >= kMaxPageEntries) return Unreadable("too many parts");
-    const auto number = NumberIn(*entry, "PartNumber");
-    const auto bytes = NumberIn(*entry, "Size");
-    if (!number || !bytes || *number < 1 || *number > kMaxPartNumber)
-      return Unreadable("a part without number");
-    listed.parts.push_back({static_cast<int>(*number), TextIn(*entry, "ETag", kMaxWordBytes), *bytes});
-  }
-  if (IsTrue(*root, "IsTruncated")) {
-    const auto marker = NumberIn(*root, "NextPartNumberMarker");
-    if (!marker || *marker < 1 || *marker > kMaxPartNumber) return Unreadable("a page without its end");
-    listed.next_marker = static_cast<int>(*marker);
-  }
-  return listed;
-}
-
-Result<BegunUploads> ParseBegunUploads(std::string_view xml, std::string_view prefix) {
-  XMLDocument document;
-  SKYQUILT_TRY_ASSIGN(const XMLElement* const root, RootOf(document, xml, "ListMultipartUploadsResult"));
-  BegunUploads listed;
-  for (const XMLElement* entry = root->FirstChildElement("Upload"); entry != nullptr;
-       entry = entry->NextSiblingElement("Upload")) {
-    if (listed.uploads.size() >= kMaxPageEntries) return Unreadable("too many uploads");
-    BegunUpload upload{TextIn(*entry, "Key", kMaxKeyBytes), TextIn(*entry, "UploadId", kMaxWordBytes),
-                       TimeIn(*entry, "Initiated")};
-    if (!IsKeyBelow(upload.key, prefix) || upload.upload_id.empty())
-      return Unreadable("an upload that was not asked for");
-    listed.uploads.push_back(std::move(upload));
-  }
-  if (IsTrue(*root, "IsTruncated")) {
-    listed.next_key = TextIn(*root, "NextKeyMarker", kMaxKeyBytes);
-    listed.next_upload_id = TextIn(*root, "NextUploadIdMarker", kMaxWordBytes);
-    if (listed.next_key.empty()) return Unreadable("a page without its end");
-  }
-  return listed;
-}
-
 Result<std::string> ParseUploadId(std::string_view xml) {
   XMLDocument document;
   SKYQUILT_TRY_ASSIGN(const XMLElement* const root, RootOf(document, xml, "InitiateMultipartUploadResult"));

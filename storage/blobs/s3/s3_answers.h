@@ -18,7 +18,6 @@ namespace skyquilt::storage {
 
 inline constexpr std::size_t kMaxAnswerXmlBytes = std::size_t{8} << 20;
 inline constexpr std::size_t kMaxPageEntries = 1000;
-inline constexpr int kMaxPartNumber = 10'000;
 
 struct ListedObject {
   std::string key;  // whole, the store's prefix included
@@ -45,21 +44,6 @@ struct UploadedPart {
 
 // `prefix`: what was asked for; an answer with other keys is refused.
 Result<ListedPage> ParseListedPage(std::string_view xml, std::string_view prefix);
-struct ListedParts {
-  std::vector<UploadedPart> parts;
-  int next_marker = 0;  // 0: all are here
-};
-Result<ListedParts> ParseListedParts(std::string_view xml);
-struct BegunUpload {
-  std::string key;
-  std::string upload_id;
-  std::chrono::system_clock::time_point begun;
-};
-struct BegunUploads {
-  std::vector<BegunUpload> uploads;
-  std::string next_key, next_upload_id;  // empty: all are here
-};
-Result<BegunUploads> ParseBegunUploads(std::string_view xml, std::string_view prefix);
 // Of CreateMultipartUpload.
 Result<std::string> ParseUploadId(std::string_view xml);
 // Of CopyObject and UploadPartCopy.

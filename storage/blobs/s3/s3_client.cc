@@ -423,13 +423,4 @@ Result<ListedPage> S3Client::List(const std::string& prefix, const std::string& 
   return page;
 }
 
-Result<std::string> S3Client::Presign(const std::string& method, const std::string& key,
-                                      const NamedValues& query, std::chrono::seconds lifetime) {
-  SKYQUILT_TRY_ASSIGN(const S3Credentials keys, credentials_.Get(std::chrono::system_clock::now()));
-  const RequestToSign request{method, settings_.HostOfRequests(), settings_.PathOf(key), query, {}, ""};
-  const NamedValues signed_query = PresignRequest(request, keys, Region(), StoreTime(), lifetime);
-  return fmt::format("{}://{}{}?{}", settings_.scheme, request.host, UriEncode(request.path, true),
-                     EncodedQuery(signed_query));
-}
-
 }  // namespace skyquilt::storage

@@ -67,18 +67,10 @@ class S3Client {
   Result<std::string> BeginUpload(const std::string& key, const S3PutOptions& options);
   Result<UploadedPart> PutPart(const std::string& key, const std::string& upload_id, int number,
                                std::string_view bytes);
-  Result<UploadedPart> CopyPart(const std::string& key, const std::string& upload_id, int number,
-                                const std::string& from, std::int64_t offset, std::int64_t length);
-  Result<std::vector<UploadedPart>> PartsOf(const std::string& key, const std::string& upload_id);
   // `bytes`: of the whole: by it a completion whose answer was lost is recognised.
   Result<void> Complete(const std::string& key, const std::string& upload_id,
                         const std::vector<UploadedPart>& parts, std::int64_t bytes);
   Result<void> Abort(const std::string& key, const std::string& upload_id);  // good also where it is gone
-  Result<std::vector<BegunUpload>> BegunUploadsBelow(const std::string& prefix);
-
-  // An address at which whoever has it may do this one thing until it ends.
-  Result<std::string> Presign(const std::string& method, const std::string& key, const NamedValues& query,
-                              std::chrono::seconds lifetime);
 
   // Requests that were sent, repeated ones included.
   std::int64_t requests() const { return requests_; }

@@ -35,32 +35,6 @@ Result<UploadedPart> S3Client::PutPart(const std::string& key, const std::string
   return part;
 }
 
-Result<UploadedPart> S3Client::CopyPart(const std::string& key, const std::string& upload_id, int number,
-                                        const std::string& from, std::int64_t offset, std::int64_t length) {
-  Ask ask{"PUT", key};
-  ask.query = {{"partNumber", std::to_string(number)}, {"uploadId", upload_id}};
-  ask.headers = {{"x-amz-copy-source", UriEncode(fmt::format("/{}/{}", settings_.bucket, Whole(from)), true)},
-                 {"x-amz-copy-source-range", fmt::format("bytes={}-{}", offset, offset + length - 1)}};
-  ask.stall_patience = kCompletionPatience;
-  SKYQUILT_TRY_ASSIGN(const HttpAnswer answer, Perform(ask));
-  SKYQUILT_TRY_ASSIGN(std::string etag, ParseCopiedEtag(answer.body));
-  return UploadedPart{number, std::move(etag), length};
-}
-
-Result<std::vector<UploadedPart>> S3Client::PartsOf(const std::string& key, const std::string& upload_id) {
-  std::vector<UploadedPart> parts;
-  for (int marker = 0;;) {
-    Ask ask{"GET", key};
-    ask.query = {{"uploadId", upload_id}};
-    if (marker > 0) ask.query.emplace_back("part-number-marker", std::to_string(marker));
-    SKYQUILT_TRY_ASSIGN(const HttpAnswer answer, Perform(ask));
-    SKYQUILT_TRY_ASSIGN(ListedParts page, ParseListedParts(answer.body));
-    parts.insert(parts.end(), page.parts.begin(), page.parts.end());
-    if (page.next_marker <= marker) return parts;
-    marker = page.next_marker;
-  }
-}
-
 Result<void> S3Client::Complete(const std::string& key, const std::string& upload_id,
                                 const std::vector<UploadedPart>& parts, std::int64_t bytes) {
   const std::string xml = CompletionXml(parts);
@@ -97,28 +71,6 @@ Result<void> S3Client::Abort(const std::string& key, const std::string& upload_i
   const Result<HttpAnswer> answer = Perform(ask);
   if (answer || answer.error().code == ErrorCode::kNotFound) return {};
   return answer.error();
-}
-
-Result<std::vector<BegunUpload>> S3Client::BegunUploadsBelow(const std::string& prefix) {
-  std::vector<BegunUpload> uploads;
-  std::string key_marker, id_marker;
-  while (true) {
-    Ask ask{"GET", ""};
-    ask.query = {{"uploads", ""}, {"prefix", Whole(prefix)}};
-    if (!key_marker.empty()) ask.query.emplace_back("key-marker", key_marker);
-    if (!id_marker.empty()) ask.query.emplace_back("upload-id-marker", id_marker);
-    SKYQUILT_TRY_ASSIGN(const HttpAnswer answer, Perform(ask));
-    SKYQUILT_TRY_ASSIGN(BegunUploads page, ParseBegunUploads(answer.body, Whole(prefix)));
-    for (BegunUpload& upload : page.uploads) {
-      upload.key = Relative(upload.key);
-      uploads.push_back(std::move(upload));
-    }
-    if (page.next_key.empty() ||
-        std::pair(page.next_key, page.next_upload_id) <= std::pair(key_marker, id_marker))
-      return uploads;
-    key_marker = page.next_key;
-    id_marker = page.next_upload_id;
-  }
 }
 
 }  // namespace skyquilt::storage

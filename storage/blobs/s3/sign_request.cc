@@ -16,7 +16,6 @@ namespace skyquilt::storage {
 namespace {
 
 constexpr const char* kAlgorithm = "AWS4-HMAC-SHA256";
-constexpr const char* kUnsignedPayload = "UNSIGNED-PAYLOAD";
 
 std::string Hmac(std::string_view key, std::string_view text) {
   std::array<unsigned char, EVP_MAX_MD_SIZE> mac{};
@@ -66,12 +65,12 @@ std::string NamesOf(const std::map<std::string, std::string>& headers) {
 }
 
 std::string SignatureOf(const RequestToSign& request, const std::map<std::string, std::string>& headers,
-                        const std::string& payload, const S3Credentials& credentials,
-                        const std::string& region, const std::string& stamp) {
+                        const S3Credentials& credentials, const std::string& region,
+                        const std::string& stamp) {
   std::string canonical =
       fmt::format("{}\n{}\n{}\n", request.method, UriEncode(request.path, true), EncodedQuery(request.query));
   for (const auto& [name, value] : headers) canonical += fmt::format("{}:{}\n", name, value);
-  canonical += fmt::format("\n{}\n{}", NamesOf(headers), payload);
+  canonical += fmt::format("\n{}\n{}", NamesOf(headers), request.payload_sha256);
   const std::string to_sign =
       fmt::format("{}\n{}\n{}\n{}", kAlgorithm, stamp, ScopeOf(stamp, region), Sha256Hex(canonical));
   std::string key = Hmac("AWS4" + credentials.secret_key, stamp.substr(0, 8));
@@ -129,33 +128,11 @@ NamedValues SignRequest(const RequestToSign& request, const S3Credentials& crede
   if (!credentials.session_token.empty())
     headers.emplace_back("x-amz-security-token", credentials.session_token);
   const auto canonical = CanonicalHeaders(headers, request.host);
-  const std::string signature =
-      SignatureOf(request, canonical, request.payload_sha256, credentials, region, stamp);
+  const std::string signature = SignatureOf(request, canonical, credentials, region, stamp);
   headers.emplace_back("Authorization", fmt::format("{} Credential={}/{},SignedHeaders={},Signature={}",
                                                     kAlgorithm, credentials.access_key,
                                                     ScopeOf(stamp, region), NamesOf(canonical), signature));
   return headers;
-}
-
-NamedValues PresignRequest(const RequestToSign& request, const S3Credentials& credentials,
-                           const std::string& region, std::chrono::system_clock::time_point now,
-                           std::chrono::seconds lifetime) {
-  const std::string stamp = StampOf(now);
-  const auto canonical = CanonicalHeaders(request.headers, request.host);
-  RequestToSign with_query = request;
-  NamedValues& query = with_query.query;
-  query.emplace_back("X-Amz-Algorithm", kAlgorithm);
-  query.emplace_back("X-Amz-Credential",
-                     fmt::format("{}/{}", credentials.access_key, ScopeOf(stamp, region)));
-  query.emplace_back("X-Amz-Date", stamp);
-  query.emplace_back("X-Amz-Expires", std::to_string(lifetime.count()));
-  if (!credentials.session_token.empty())
-    query.emplace_back("X-Amz-Security-Token", credentials.session_token);
-  query.emplace_back("X-Amz-SignedHeaders", NamesOf(canonical));
-  const std::string signature =
-      SignatureOf(with_query, canonical, kUnsignedPayload, credentials, region, stamp);
-  query.emplace_back("X-Amz-Signature", signature);
-  return query;
 }
 
 }  // namespace skyquilt::storage

@@ -1,7 +1,6 @@
-// SignRequest: the Authorization of a request to S3, by AWS Signature Version 4; and addresses that are
-// signed themselves, for clients that have no keys. Pure; any thread. The secret key appears in nothing that
-// comes out. Source: AWS General Reference, "Signature Version 4 signing process"; Amazon S3 API Reference,
-// "Authenticating Requests".
+// SignRequest: the Authorization of a request to S3, by AWS Signature Version 4. Pure; any thread. The secret
+// key appears in nothing that comes out. Source: AWS General Reference, "Signature Version 4 signing
+// process"; Amazon S3 API Reference, "Authenticating Requests".
 #pragma once
 
 #include <chrono>
@@ -45,10 +44,5 @@ std::string Sha256Hex(std::string_view bytes);
 // The headers to send, those given included, without Host.
 NamedValues SignRequest(const RequestToSign& request, const S3Credentials& credentials,
                         const std::string& region, std::chrono::system_clock::time_point now);
-
-// The query with which the request is accepted for `lifetime` from `now` on, by whoever sends it.
-NamedValues PresignRequest(const RequestToSign& request, const S3Credentials& credentials,
-                           const std::string& region, std::chrono::system_clock::time_point now,
-                           std::chrono::seconds lifetime);
 
 }  // namespace skyquilt::storage

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/geo/rigid3.h"
-#include "core/poses/smoother/strapdown.h"
+#include "tests/bench/poses/strapdown.h"
 
 namespace skyquilt::bench {
 namespace {

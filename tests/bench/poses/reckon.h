@@ -13,7 +13,7 @@
 #include "core/base/result.h"
 #include "core/flight/logs/flight_log.h"
 #include "core/poses/evidence/recorded_series.h"
-#include "core/poses/smoother/strapdown.h"
+#include "tests/bench/poses/strapdown.h"
 
 namespace skyquilt::poses {
 

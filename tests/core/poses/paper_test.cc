@@ -9,7 +9,7 @@
 
 #include "core/geo/lat_lon.h"
 #include "core/poses/conventions/attitude_convention.h"
-#include "core/poses/smoother/strapdown.h"
+#include "tests/bench/poses/strapdown.h"
 #include "tests/support/ground_homography.h"
 
 namespace skyquilt::poses {

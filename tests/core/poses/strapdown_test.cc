@@ -1,4 +1,4 @@
-#include "core/poses/smoother/strapdown.h"
+#include "tests/bench/poses/strapdown.h"
 
 #include <gtest/gtest.h>
 

@@ -15,15 +15,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     for (const ListedObject& object : page->objects)
       SKYQUILT_CHECK(object.key.starts_with("a/") && object.bytes >= 0, "an object that was not asked for");
   }
-  if (const auto parts = ParseListedParts(text)) {
-    for (const UploadedPart& part : parts->parts)
-      SKYQUILT_CHECK(part.number >= 1 && part.number <= kMaxPartNumber && part.bytes >= 0,
-                     "a part of no number");
-  }
-  if (const auto uploads = ParseBegunUploads(text, "a/")) {
-    for (const BegunUpload& upload : uploads->uploads)
-      SKYQUILT_CHECK(upload.key.starts_with("a/") && !upload.upload_id.empty(), "an upload of others");
-  }
   (void)ParseUploadId(text).ok();
   (void)ParseCopiedEtag(text).ok();
   (void)ParseDeletionRefusal(text).has_value();

@@ -269,17 +269,6 @@ TEST_P(EachBlobStore, GivesNothingButWhatWasPublished) {
   EXPECT_EQ(s3_->Local("flights/f/r1/layer_error.mbtiles").error().code, ErrorCode::kCorrupt);
 }
 
-TEST_P(EachBlobStore, PresignsWhereItIsS3) {
-  if (s3_ == nullptr) GTEST_SKIP() << "a folder has no addresses";
-  HttpTransfers transfers;
-  HttpExchange put;
-  put.method = "PUT";
-  put.url = *s3_->client().Presign("PUT", "flights/a b/files/x", {}, std::chrono::minutes(5));
-  put.body = "from a browser";
-  ASSERT_EQ(transfers.Perform(put)->status, 200);
-  EXPECT_EQ(*blobs_->ReadRange("flights/a b/files/x", 0, 100), "from a browser");
-}
-
 INSTANTIATE_TEST_SUITE_P(Blobs, EachBlobStore, testing::Values("folder", "s3"),
                          [](const auto& one) { return std::string(one.param); });
 

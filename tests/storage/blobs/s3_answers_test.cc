@@ -59,30 +59,6 @@ TEST(ParseRefusal, ReadsWhyAndWhere) {
   EXPECT_FALSE(ParseRefusal("<Error/>"));
 }
 
-TEST(ParseListedParts, ReadsPartsAndRefusesNumbersThatNoneHas) {
-  const auto parts = ParseListedParts(
-      "<ListPartsResult><Part><PartNumber>2</PartNumber><ETag>\"e\"</ETag><Size>5</Size></Part>"
-      "<IsTruncated>true</IsTruncated><NextPartNumberMarker>2</NextPartNumberMarker></ListPartsResult>");
-  ASSERT_TRUE(parts);
-  EXPECT_EQ(parts->parts[0].number, 2);
-  EXPECT_EQ(parts->parts[0].etag, "\"e\"");
-  EXPECT_EQ(parts->next_marker, 2);
-  for (const char* number : {"0", "10001", "-1", "x", ""}) {
-    EXPECT_FALSE(ParseListedParts(fmt::format(
-        "<ListPartsResult><Part><PartNumber>{}</PartNumber><Size>5</Size></Part></ListPartsResult>", number)))
-        << number;
-  }
-}
-
-TEST(ParseBegunUploads, ReadsThemAndRefusesThoseOfOthers) {
-  const std::string xml =
-      "<ListMultipartUploadsResult><Upload><Key>a/k</Key><UploadId>u</UploadId>"
-      "<Initiated>2013-05-24T00:00:00.000Z</Initiated></Upload></ListMultipartUploadsResult>";
-  ASSERT_TRUE(ParseBegunUploads(xml, "a/"));
-  EXPECT_EQ(ParseBegunUploads(xml, "a/")->uploads[0].upload_id, "u");
-  EXPECT_FALSE(ParseBegunUploads(xml, "b/"));
-}
-
 TEST(ParseUploadId, WantsAnId) {
   EXPECT_EQ(*ParseUploadId("<InitiateMultipartUploadResult><UploadId>u-1</UploadId>"
                            "</InitiateMultipartUploadResult>"),

@@ -290,33 +290,5 @@ TEST(S3Client, KnowsACompletionWhoseAnswerWasLost) {
   EXPECT_TRUE(store->Complete("k", "u", {{1, "e", 5}}, 5));
 }
 
-TEST(S3Client, AsksForPartsCopiesAndBegunUploadsAsS3HasThem) {
-  ScriptedStore store([](int n, const std::string&) {
-    if (n == 0) return HttpText(200, "<CopyPartResult><ETag>\"c\"</ETag></CopyPartResult>");
-    if (n == 1)
-      return HttpText(200,
-                      "<ListPartsResult><Part><PartNumber>1</PartNumber><ETag>e</ETag><Size>5</Size></Part>"
-                      "<IsTruncated>true</IsTruncated><NextPartNumberMarker>1</NextPartNumberMarker>"
-                      "</ListPartsResult>");
-    if (n == 2)
-      return HttpText(200,
-                      "<ListPartsResult><Part><PartNumber>2</PartNumber><ETag>f</ETag><Size>6</Size></Part>"
-                      "</ListPartsResult>");
-    return HttpText(
-        200,
-        "<ListMultipartUploadsResult><Upload><Key>p/flights/x</Key><UploadId>u</UploadId></Upload>"
-        "</ListMultipartUploadsResult>");
-  });
-  EXPECT_EQ(store->CopyPart("to", "u", 3, "from a", 10, 5)->etag, "\"c\"");
-  EXPECT_EQ(store->PartsOf("to", "u")->size(), 2U);
-  EXPECT_EQ(store->BegunUploadsBelow("flights/")->at(0).key, "flights/x");
-  const std::vector<std::string> requests = store.requests();
-  EXPECT_NE(requests[0].find("x-amz-copy-source: /maps/p/from%20a"), std::string::npos);
-  EXPECT_NE(requests[0].find("x-amz-copy-source-range: bytes=10-14"), std::string::npos);
-  EXPECT_TRUE(requests[2].starts_with("GET /maps/p/to?part-number-marker=1&uploadId=u HTTP/1.1"))
-      << requests[2];
-  EXPECT_TRUE(requests[3].starts_with("GET /maps?prefix=p%2Fflights%2F&uploads= HTTP/1.1")) << requests[3];
-}
-
 }  // namespace
 }  // namespace skyquilt::storage

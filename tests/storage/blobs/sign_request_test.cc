@@ -55,15 +55,6 @@ TEST(SignRequest, SignsAListAsPublishedInWhateverOrderItsQueryComes) {
   EXPECT_EQ(SignatureOf(request), "34b48302e7b5fa45bde8084f4b7868a86f0a534bc59db6670ed5711ef69dc6f7");
 }
 
-TEST(SignRequest, PresignsAsPublished) {
-  const NamedValues query = PresignRequest(Example("GET", "/test.txt"), kExampleKeys, "us-east-1",
-                                           kExampleTime, std::chrono::seconds(86'400));
-  EXPECT_EQ(ValueOf(query, "X-Amz-Signature"),
-            "aeeed9bbccd4d02ee5c0109b86d86835f995330da4c265957d157751f604d404");
-  EXPECT_EQ(EncodedQuery({{"X-Amz-Credential", ValueOf(query, "X-Amz-Credential")}}),
-            "X-Amz-Credential=AKIAIOSFODNN7EXAMPLE%2F20130524%2Fus-east-1%2Fs3%2Faws4_request");
-}
-
 TEST(SignRequest, SendsTheTokenOfARoleAndNeverTheSecret) {
   S3Credentials keys = kExampleKeys;
   keys.session_token = "token-of-a-role";

@@ -149,9 +149,4 @@ std::optional<double> UlogNumber(const UlogField& field, LogBytes payload, std::
   return std::nullopt;
 }
 
-std::optional<std::uint64_t> UlogUnsigned(const UlogField& field, LogBytes payload) {
-  if (field.type != UlogScalar::kUint64 || field.offset + 8 > payload.size()) return std::nullopt;
-  return LoadLittle<std::uint64_t>(payload.data() + field.offset);
-}
-
 }  // namespace skyquilt::flight

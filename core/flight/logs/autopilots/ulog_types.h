@@ -73,6 +73,5 @@ class UlogTypes {
 // The number at an index of a field; nothing when the payload ends before it (trailing padding is not
 // written).
 std::optional<double> UlogNumber(const UlogField& field, LogBytes payload, std::size_t index = 0);
-std::optional<std::uint64_t> UlogUnsigned(const UlogField& field, LogBytes payload);
 
 }  // namespace skyquilt::flight

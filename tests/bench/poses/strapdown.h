@@ -14,12 +14,9 @@
 
 #include "core/base/result.h"
 #include "core/flight/logs/flight_log.h"
+#include "core/poses/smoother/gravity.h"
 
 namespace skyquilt::poses {
-
-inline constexpr double kStandardGravityMps2 = 9.80665;
-// Normal gravity on the WGS84 ellipsoid (Somigliana), reduced to height by the free-air gradient.
-double NormalGravityMps2(double lat_deg, double height_ellipsoid_m);
 
 enum class IntegrationRule { kTrapezoid, kSimpson };
 

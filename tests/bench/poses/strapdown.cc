@@ -1,4 +1,4 @@
-#include "core/poses/smoother/strapdown.h"
+#include "tests/bench/poses/strapdown.h"
 
 #include <cmath>
 #include <string>
@@ -133,14 +133,6 @@ std::vector<StrapdownState> Sum(const std::vector<flight::ImuSample>& samples,
 }
 
 }  // namespace
-
-double NormalGravityMps2(double lat_deg, double height_ellipsoid_m) {
-  const double sine = std::sin(geo::DegToRad(lat_deg));
-  const double s2 = sine * sine;
-  const double on_ellipsoid =
-      9.7803253359 * (1.0 + 0.00193185265241 * s2) / std::sqrt(1.0 - geo::kWgs84EccentricitySquared * s2);
-  return on_ellipsoid - 3.086e-6 * height_ellipsoid_m;
-}
 
 Result<std::vector<StrapdownState>> IntegrateStrapdown(const std::vector<flight::ImuSample>& samples,
                                                        const StrapdownState& start,
