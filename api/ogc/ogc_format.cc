@@ -11,14 +11,10 @@ namespace {
 
 using image::PictureFormat;
 
-constexpr PictureFormat kTileFormats[] = {PictureFormat::kPng, PictureFormat::kJpeg, PictureFormat::kWebp};
-
-std::optional<PictureFormat> TileFormatNamed(std::string_view name) {
-  if (EqualsIgnoringCase(name, "jpeg")) return PictureFormat::kJpeg;
-  for (const PictureFormat format : kTileFormats) {
-    if (EqualsIgnoringCase(name, image::ExtensionOf(format)) ||
-        EqualsIgnoringCase(name, image::ContentTypeOf(format))) {
-      return format;
+std::optional<PictureFormat> FormatAsked(std::string_view word) {
+  for (const image::PictureFormatRow& row : image::kPictureFormats) {
+    for (const char* known : {row.name, row.extension, row.content_type}) {
+      if (EqualsIgnoringCase(word, known)) return row.format;
     }
   }
   return std::nullopt;
@@ -72,20 +68,24 @@ Result<void> CheckTakesGeoJson(const Request& request) {
 
 Result<PictureFormat> PictureFormatFor(const Request& request) {
   if (const auto wanted = request.Query("f")) {
-    const std::optional<PictureFormat> format = TileFormatNamed(*wanted);
+    const std::optional<PictureFormat> format = FormatAsked(*wanted);
     if (format) return *format;
-    return Error{ErrorCode::kNotAcceptable, "Pictures are there with f=png, f=jpeg and f=webp.", ""};
+    return Error{
+        ErrorCode::kNotAcceptable,
+        "Pictures are there with " + image::ListedFormats(&image::PictureFormatRow::name, "f=") + ".", ""};
   }
   const std::string_view accept = request.headers.Find("Accept");
   std::optional<PictureFormat> best;
   int most = 0;
-  for (const PictureFormat format : kTileFormats) {
-    const int quality = AcceptedQuality(accept, image::ContentTypeOf(format));
-    if (quality > most) best = format;
+  for (const image::PictureFormatRow& row : image::kPictureFormats) {
+    const int quality = AcceptedQuality(accept, row.content_type);
+    if (quality > most) best = row.format;
     most = std::max(most, quality);
   }
   if (best) return *best;
-  return Error{ErrorCode::kNotAcceptable, "Pictures are there as image/png, image/jpeg and image/webp.", ""};
+  return Error{ErrorCode::kNotAcceptable,
+               "Pictures are there as " + image::ListedFormats(&image::PictureFormatRow::content_type) + ".",
+               ""};
 }
 
 Result<std::optional<PictureFormat>> TileFormatFor(const Request& request, const storage::Tileset& tileset) {

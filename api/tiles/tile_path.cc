@@ -17,13 +17,6 @@ std::optional<std::int64_t> ParseTileNumber(std::string_view text) {
   return number;
 }
 
-std::optional<image::PictureFormat> ParseExtension(std::string_view extension) {
-  if (extension == "jpg" || extension == "jpeg") return image::PictureFormat::kJpeg;
-  if (extension == "png") return image::PictureFormat::kPng;
-  if (extension == "webp") return image::PictureFormat::kWebp;
-  return std::nullopt;
-}
-
 }  // namespace
 
 Result<TileNumbers> ParseTileNumbers(std::string_view z, std::string_view x,
@@ -31,10 +24,13 @@ Result<TileNumbers> ParseTileNumbers(std::string_view z, std::string_view x,
   TileNumbers numbers;
   const std::size_t dot = y_and_extension.find('.');
   if (dot != std::string_view::npos) {
-    numbers.format = ParseExtension(y_and_extension.substr(dot + 1));
+    numbers.format = image::PictureFormatNamed(y_and_extension.substr(dot + 1));
     if (!numbers.format) {
       return Error{ErrorCode::kInvalidArgument,
-                   "A tile is asked for as .jpg, .png, .webp or without extension.", ""};
+                   "A tile is asked for as " +
+                       image::ListedFormats(&image::PictureFormatRow::extension, ".") +
+                       ", or without extension.",
+                   ""};
     }
   }
   std::string_view y = y_and_extension.substr(0, dot);

@@ -65,9 +65,8 @@ Result<Response> DoubleTile(Service& service, const Request& request, const stor
 // The format in Accept, where the address has none: an exact image type, or else as stored.
 std::optional<image::PictureFormat> FormatByAccept(const Request& request) {
   const std::string_view accept = request.headers.Find("Accept");
-  for (const auto format :
-       {image::PictureFormat::kPng, image::PictureFormat::kJpeg, image::PictureFormat::kWebp}) {
-    if (EqualsIgnoringCase(accept, image::ContentTypeOf(format))) return format;
+  for (const image::PictureFormatRow& row : image::kPictureFormats) {
+    if (EqualsIgnoringCase(accept, row.content_type)) return row.format;
   }
   return std::nullopt;
 }

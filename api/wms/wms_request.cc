@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -120,12 +121,13 @@ Result<WmsMap> ParseGetMap(const Request& request) {
   map.layers = std::move(layers);
   map.styles = std::move(styles);
   const std::string format = Parameter(request, "FORMAT").value_or("");
-  if (format == "image/jpeg") {
-    map.format = image::PictureFormat::kJpeg;
-  } else if (format == "image/webp") {
-    map.format = image::PictureFormat::kWebp;
-  } else if (!format.starts_with("image/png")) {
-    return BadWms("InvalidFormat", "Formats are image/png, image/jpeg and image/webp.");
+  const auto named = std::find_if(image::kPictureFormats.begin(), image::kPictureFormats.end(),
+                                  [&](const auto& row) { return format == row.content_type; });
+  if (named != image::kPictureFormats.end()) {
+    map.format = named->format;
+  } else if (!format.starts_with("image/png")) {  // "image/png; mode=8bit"
+    return BadWms("InvalidFormat",
+                  "Formats are " + image::ListedFormats(&image::PictureFormatRow::content_type) + ".");
   }
   map.is_transparent = EqualsIgnoringCase(Parameter(request, "TRANSPARENT").value_or("FALSE"), "TRUE");
   return map;

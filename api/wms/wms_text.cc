@@ -6,6 +6,7 @@
 #include "api/ogc/feature_info.h"
 #include "api/wms/wms_request.h"
 #include "core/geo/web_mercator.h"
+#include "core/image/picture_format.h"
 #include "core/indices/spectral_index.h"
 
 namespace skyquilt::api {
@@ -73,7 +74,9 @@ std::string WmsCapabilities(const ListedMaps& listed, bool is_newer) {
                                  R"(xmlns:sld="http://www.opengis.net/sld" )"
                                  R"(xmlns:xlink="http://www.w3.org/1999/xlink">)"
                                : R"(<WMT_MS_Capabilities version="1.1.1">)";
-  std::string info_formats;
+  std::string map_formats, info_formats;
+  for (const image::PictureFormatRow& row : image::kPictureFormats)
+    map_formats += fmt::format("<Format>{}</Format>", row.content_type);
   for (const char* type : kInfoFormats) info_formats += fmt::format("<Format>{}</Format>", type);
   std::string layers;
   for (const ListedMap& map : listed.maps) {
@@ -87,7 +90,7 @@ std::string WmsCapabilities(const ListedMaps& listed, bool is_newer) {
 <OnlineResource xmlns:xlink="http://www.w3.org/1999/xlink" xlink:href="{3}"/>{4}</Service>
 <Capability><Request>
 <GetCapabilities><Format>{5}</Format>{6}</GetCapabilities>
-<GetMap><Format>image/png</Format><Format>image/jpeg</Format><Format>image/webp</Format>{6}</GetMap>
+<GetMap>{16}{6}</GetMap>
 <GetFeatureInfo>{14}{6}</GetFeatureInfo>
 <{15}><Format>image/png</Format><Format>image/svg+xml</Format>{6}</{15}>
 </Request><Exception><Format>{7}</Format></Exception>
@@ -105,7 +108,7 @@ std::string WmsCapabilities(const ListedMaps& listed, bool is_newer) {
       is_newer ? "<CRS>CRS:84</CRS>" : "", BoxesText(WholeOf(listed), is_newer), layers,
       is_newer ? "</WMS_Capabilities>" : "</WMT_MS_Capabilities>",
       listed.next_cursor ? "<Abstract>" + XmlText(listed.Note()) + "</Abstract>" : "", info_formats,
-      is_newer ? "sld:GetLegendGraphic" : "GetLegendGraphic");
+      is_newer ? "sld:GetLegendGraphic" : "GetLegendGraphic", map_formats);
 }
 
 }  // namespace skyquilt::api

@@ -17,6 +17,7 @@
 #include "api/wmts/wmts_text.h"
 #include "core/base/try.h"
 #include "core/geo/web_mercator.h"
+#include "core/image/picture_format.h"
 
 namespace skyquilt::api {
 namespace {
@@ -48,9 +49,9 @@ Response AnswerCapabilities(Service& service, const Request& request) {
 
 // What an address has behind the column for tiles of this type.
 std::optional<std::string> EndingOfType(std::string_view type) {
-  if (type == "image/png") return ".png";
-  if (type == "image/jpeg") return ".jpg";
-  if (type == "image/webp") return ".webp";
+  for (const image::PictureFormatRow& row : image::kPictureFormats) {
+    if (type == row.content_type) return std::string(".") + row.extension;
+  }
   if (type == kStoredTileType) return "";
   return std::nullopt;
 }
@@ -107,8 +108,10 @@ std::variant<WmtsTile, Response> ParseKvpTile(Service& service, const Request& r
   const std::string style = Parameter(request, "Style").value_or("default");
   const std::optional<std::string> ending = EndingOfType(*Parameter(request, "Format"));
   if (!ending) {
-    return Exception(400, "InvalidParameterValue", "Format",
-                     fmt::format("Formats are image/png, image/jpeg, image/webp and {}.", kStoredTileType));
+    return Exception(
+        400, "InvalidParameterValue", "Format",
+        fmt::format("Formats are {}, and {} as it is stored.",
+                    image::ListedFormats(&image::PictureFormatRow::content_type), kStoredTileType));
   }
   const Result<MapView> map = FindMap(service, request, *flight_id);
   if (!map) return Exception(map.error());

@@ -10,6 +10,7 @@
 #include "api/ogc/feature_info.h"
 #include "api/tiles/cut_tile.h"
 #include "core/geo/web_mercator.h"
+#include "core/image/picture_format.h"
 #include "core/indices/spectral_index.h"
 
 namespace skyquilt::api {
@@ -30,15 +31,20 @@ std::string WmtsOperation(const char* name,
 }
 
 struct TileType {
-  const char* type;
-  const char* ending;
+  std::string type;
+  std::string ending;
 };
 // Programs take the first. That is what is stored, where all tiles are of one format; maps of JPEG have PNG
 // at their fringe, and a JPEG there would be black where nothing was seen: of them PNG comes first.
 std::vector<TileType> TypesOf(const TileFacts& tiles) {
-  std::vector<TileType> types = {{"image/png", ".png"}, {"image/jpeg", ".jpg"}, {"image/webp", ".webp"}};
+  std::vector<TileType> types;
+  for (const image::PictureFormatRow& row : image::kPictureFormats)
+    types.push_back({row.content_type, std::string(".") + row.extension});
   if (tiles.is_webp) {
-    std::rotate(types.begin(), types.end() - 1, types.end());
+    const auto webp = std::find_if(types.begin(), types.end(), [](const TileType& type) {
+      return type.type == image::ContentTypeOf(image::PictureFormat::kWebp);
+    });
+    std::rotate(types.begin(), webp, webp + 1);
   } else {
     types.push_back({kStoredTileType, ""});
   }

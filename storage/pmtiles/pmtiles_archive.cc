@@ -8,10 +8,12 @@
 #include <limits>
 #include <new>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "core/geo/tile_id.h"
+#include "core/image/picture_format.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -106,19 +108,10 @@ Result<PmtilesHeader> ParsePmtilesHeader(std::string_view archive) {
       header.root.bytes > kPmtilesHeadBytes - header.root.offset || header.root.bytes == 0)
     return Damaged("the root");
   if (header.metadata.bytes > kMaxLeafBytes) return Damaged("the metadata");
-  switch (byte_at(99)) {
-    case 2:
-      header.format = "png";
-      break;
-    case 3:
-      header.format = "jpg";
-      break;
-    case 4:
-      header.format = "webp";
-      break;
-    default:
-      return Error{ErrorCode::kUnsupportedFormat, "The tiles of mosaic.pmtiles are no pictures.", ""};
-  }
+  const std::optional<image::PictureFormat> format = image::PictureFormatOfPmtiles(byte_at(99));
+  if (!format)
+    return Error{ErrorCode::kUnsupportedFormat, "The tiles of mosaic.pmtiles are no pictures.", ""};
+  header.format = image::ExtensionOf(*format);
   header.min_zoom = byte_at(100);
   header.max_zoom = byte_at(101);
   if (header.max_zoom > geo::kMaxZoom || header.min_zoom > header.max_zoom) return Damaged("zooms");

@@ -9,6 +9,7 @@
 #include "core/base/try.h"
 #include "core/image/fringe_encoder.h"
 #include "core/image/picture_codec.h"
+#include "core/image/picture_format.h"
 #include "storage/db/sqlite_db.h"
 #include "storage/files/publish_file.h"
 #include "storage/tilesets/earlier_map.h"
@@ -32,9 +33,8 @@ CREATE TABLE facts (name TEXT NOT NULL PRIMARY KEY, bytes BLOB NOT NULL);
 constexpr int kBlocksACommit = 8;
 
 image::PictureFormat FormatOf(std::span<const std::uint8_t> bytes) {
-  if (!bytes.empty() && bytes[0] == 0x89) return image::PictureFormat::kPng;
-  if (!bytes.empty() && bytes[0] == 'R') return image::PictureFormat::kWebp;
-  return image::PictureFormat::kJpeg;
+  return image::PictureFormatOf({reinterpret_cast<const char*>(bytes.data()), bytes.size()})
+      .value_or(image::PictureFormat::kJpeg);
 }
 
 }  // namespace

@@ -5,10 +5,13 @@
 
 #include <array>
 #include <cstring>
+#include <optional>
 #include <set>
 #include <utility>
 
+#include "core/base/check.h"
 #include "core/base/try.h"
+#include "core/image/picture_format.h"
 #include "storage/db/sqlite_db.h"
 #include "storage/files/publish_file.h"
 
@@ -30,11 +33,6 @@ CREATE TABLE tiles_data (tile_data_id INTEGER PRIMARY KEY, tile_data BLOB NOT NU
 CREATE VIEW tiles AS SELECT s.zoom_level AS zoom_level, s.tile_column AS tile_column, s.tile_row AS tile_row,
   d.tile_data AS tile_data FROM tiles_shallow s JOIN tiles_data d ON s.tile_data_id = d.tile_data_id;
 )sql";
-
-// As tile_table.h reads it.
-std::int64_t StoredFormat(image::PictureFormat format) {
-  return format == image::PictureFormat::kJpeg ? 0 : format == image::PictureFormat::kWebp ? 1 : 2;
-}
 
 }  // namespace
 
@@ -119,7 +117,7 @@ Result<void> MbtilesWriter::Put(const geo::TileId& tile, image::PictureFormat fo
       .Bind(3, static_cast<std::int64_t>(tile.TmsRow()))
       .Bind(4, id)
       .Bind(5, static_cast<std::int64_t>(bytes.size()))
-      .Bind(6, StoredFormat(format))
+      .Bind(6, image::MbtilesCodeOf(format))
       .Run();
 }
 
@@ -134,7 +132,9 @@ Result<const char*> MbtilesWriter::NamedFormat() {
   SKYQUILT_TRY_ASSIGN(auto first, state_->db.Prepare("SELECT tile_format FROM tiles_shallow"
                                                      " ORDER BY zoom_level, tile_column, tile_row LIMIT 1"));
   SKYQUILT_TRY(first.Step());
-  return std::array{"jpg", "webp", "png"}.at(static_cast<std::size_t>(first.ColumnInt64(0)));
+  const std::optional<image::PictureFormat> format = image::PictureFormatOfMbtiles(first.ColumnInt64(0));
+  SKYQUILT_CHECK(format, "a tile of a format that was not written");
+  return image::ExtensionOf(*format);
 }
 
 Result<void> MbtilesWriter::Publish(const TilesetMetadata& metadata) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <numeric>
 
 #include "core/geo/web_mercator.h"
 #include "core/image/picture_codec.h"
@@ -14,12 +15,6 @@ namespace {
 constexpr double kLastLatDeg = 85.0511287798;
 
 std::uint64_t PlaceInZoom(const geo::TileId& tile) { return std::uint64_t{tile.x()} << 32 | tile.y(); }
-
-image::PictureFormat FormatNamed(const std::string& name) {
-  return name == "webp"  ? image::PictureFormat::kWebp
-         : name == "png" ? image::PictureFormat::kPng
-                         : image::PictureFormat::kJpeg;
-}
 
 std::string TextOfBounds(const geo::LatLonBounds& b) {
   return fmt::format("{:.6f},{:.6f},{:.6f},{:.6f}", b.west_deg, b.south_deg, b.east_deg, b.north_deg);
@@ -60,10 +55,11 @@ void TileJudge::LookAt(const geo::TileId& tile, std::string_view picture) {
 }
 
 void TileJudge::JudgePictures(const TilesetClaims& claims, FileVerdict& verdict) const {
-  const std::int64_t all = of_format_[0] + of_format_[1] + of_format_[2];
+  const std::int64_t all = std::accumulate(of_format_.begin(), of_format_.end(), std::int64_t{0});
   if (all == 0) return;
   if (!claims.format.empty()) {
-    const std::int64_t said = of_format_[static_cast<std::size_t>(FormatNamed(claims.format))];
+    const auto format = image::PictureFormatNamed(claims.format).value_or(image::PictureFormat::kJpeg);
+    const std::int64_t said = of_format_[static_cast<std::size_t>(format)];
     if (said == 0) {
       verdict.Add(Severity::kError, fmt::format("it says that its tiles are {}, and none is", claims.format));
     } else if (said < all) {

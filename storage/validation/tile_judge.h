@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/geo/tile_id.h"
+#include "core/image/picture_format.h"
 #include "storage/validation/file_verdict.h"
 
 namespace skyquilt::storage {
@@ -49,7 +50,7 @@ class TileJudge {
   CountedFindings counted_;
   std::array<std::vector<std::uint64_t>, geo::kMaxZoom + 1> by_zoom_;
   std::int64_t tiles_ = 0, pictures_ = 0;
-  std::array<std::int64_t, 3> of_format_{};  // by image::PictureFormat
+  std::array<std::int64_t, image::kPictureFormats.size()> of_format_{};  // by image::PictureFormat
   int side_px_ = 0;
 };
 

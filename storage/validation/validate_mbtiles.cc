@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "core/base/try.h"
+#include "core/image/picture_format.h"
 #include "storage/db/sqlite_db.h"
 #include "storage/validation/tile_judge.h"
 #include "storage/validation/validate_map.h"
@@ -96,7 +97,8 @@ TilesetClaims JudgeClaims(const Claims& claims, FileVerdict& verdict) {
   if (value("name").empty()) verdict.Add(Severity::kError, "metadata has no name, which MBTiles demands");
   const std::string format = value("format");
   if (format.empty()) verdict.Add(Severity::kError, "metadata has no format, which MBTiles demands");
-  if (format == "jpg" || format == "png" || format == "webp") told.format = format;
+  const std::optional<image::PictureFormat> known = image::PictureFormatNamed(format);
+  if (known && format == image::ExtensionOf(*known)) told.format = format;
   if (format == "jpeg") verdict.Add(Severity::kError, "format is \"jpeg\"; MBTiles has it as \"jpg\"");
   if (format == "pbf" && value("json").empty())
     verdict.Add(Severity::kError, "metadata has no json, which MBTiles demands of vector tiles");

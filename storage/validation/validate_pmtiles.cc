@@ -11,6 +11,7 @@
 
 #include "core/base/try.h"
 #include "core/geo/hilbert.h"
+#include "core/image/picture_format.h"
 #include "storage/pmtiles/pmtiles_archive.h"
 #include "storage/validation/tile_judge.h"
 #include "storage/validation/validate_map.h"
@@ -148,10 +149,10 @@ class PmtilesCheck {
   TilesetClaims ReadClaims(const HeadFields& fields) {
     TilesetClaims claims;
     const int type = fields.ByteAt(99);
-    constexpr std::array<const char*, 5> kNames{"unknown", "mvt", "png", "jpg", "webp"};
-    are_pictures_ = type >= 2 && type <= 4 && fields.ByteAt(98) <= 1;
+    const std::optional<image::PictureFormat> format = image::PictureFormatOfPmtiles(type);
+    are_pictures_ = format && fields.ByteAt(98) <= 1;
     if (are_pictures_) {
-      claims.format = kNames[static_cast<std::size_t>(type)];
+      claims.format = image::ExtensionOf(*format);
     } else {
       verdict_.Add(Severity::kNote,
                    fmt::format("its tiles are {}; what is in them is not looked at",

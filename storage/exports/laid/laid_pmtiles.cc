@@ -14,6 +14,7 @@
 
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
+#include "core/image/picture_format.h"
 #include "storage/exports/laid/tile_table.h"
 #include "storage/pmtiles/gzip.h"
 #include "storage/pmtiles/pmtiles_directory.h"
@@ -112,10 +113,10 @@ std::vector<double> Numbers(const Metadata& metadata, const char* name, std::siz
 }
 
 std::uint8_t TileType(const Metadata& metadata) {
-  constexpr std::uint8_t kPng = 2, kJpeg = 3, kWebp = 4;
   const auto found = metadata.find("format");
   const std::string format = found != metadata.end() ? found->second : "";
-  return format == "webp" ? kWebp : format == "png" ? kPng : kJpeg;
+  return static_cast<std::uint8_t>(
+      image::PmtilesTypeOf(image::PictureFormatNamed(format).value_or(image::PictureFormat::kJpeg)));
 }
 
 class HeaderBytes {

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "core/base/try.h"
+#include "core/image/picture_format.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -17,12 +18,6 @@ constexpr const char* kMeasured =
     "SELECT s.zoom_level, s.tile_column, s.tile_row, s.tile_data_id, length(d.tile_data), "
     "CASE hex(substr(d.tile_data, 1, 1)) WHEN 'FF' THEN 0 WHEN '52' THEN 1 ELSE 2 END "
     "FROM tiles_shallow s JOIN tiles_data d ON s.tile_data_id = d.tile_data_id";
-
-image::PictureFormat FormatOfCode(std::int64_t code) {
-  return code == 0   ? image::PictureFormat::kJpeg
-         : code == 1 ? image::PictureFormat::kWebp
-                     : image::PictureFormat::kPng;
-}
 
 }  // namespace
 
@@ -40,9 +35,9 @@ Result<std::vector<TableTile>> ReadTileTable(SqliteDb& mbtiles) {
     SKYQUILT_TRY_ASSIGN(const auto tile,
                         geo::TileId::Make(zoom, rows.ColumnInt64(1), side - 1 - rows.ColumnInt64(2)));
     const std::int64_t bytes = rows.ColumnInt64(4);
-    if (bytes <= 0 || bytes > std::numeric_limits<std::int32_t>::max()) return damaged;
-    tiles.push_back(
-        {tile, rows.ColumnInt64(3), static_cast<std::uint32_t>(bytes), FormatOfCode(rows.ColumnInt64(5))});
+    const auto format = image::PictureFormatOfMbtiles(rows.ColumnInt64(5));
+    if (!format || bytes <= 0 || bytes > std::numeric_limits<std::int32_t>::max()) return damaged;
+    tiles.push_back({tile, rows.ColumnInt64(3), static_cast<std::uint32_t>(bytes), *format});
   }
   if (tiles.empty())
     return Error{ErrorCode::kCorrupt, "The tileset of the map holds no tiles. Stitch the flight again.", ""};
