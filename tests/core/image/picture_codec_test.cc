@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <opencv2/imgcodecs.hpp>
+#include <optional>
+#include <set>
 #include <string>
 
 #include "tests/support/bytes_of.h"
@@ -58,6 +60,25 @@ TEST(PictureCodec, KeepsTheAlphaOfWebpAndLaysJpegOnWhite) {
       EXPECT_NEAR(jpeg->Pixel(x, 24)[c], (color * alpha + 255 * (255 - alpha)) / 255, 10);
     }
   }
+}
+
+TEST(PictureFormat, EachOfTheTableIsWrittenReadAndRecognised) {
+  std::set<std::string> words, types;
+  std::set<int> of_pmtiles, of_mbtiles;
+  for (const PictureFormatRow& row : kPictureFormats) {
+    const auto bytes = EncodePicture(Painted(32, 32), row.format);
+    EXPECT_EQ(PictureFormatOf(Text(bytes)), row.format) << row.name;
+    EXPECT_TRUE(DecodePicture(Text(bytes))) << row.name;
+    EXPECT_EQ(PictureFormatNamed(row.extension), row.format);
+    EXPECT_EQ(PictureFormatNamed(row.name), row.format);
+    EXPECT_EQ(PictureFormatOfPmtiles(PmtilesTypeOf(row.format)), row.format);
+    EXPECT_EQ(PictureFormatOfMbtiles(MbtilesCodeOf(row.format)), row.format);
+    EXPECT_TRUE(words.insert(row.extension).second && types.insert(row.content_type).second) << row.name;
+    EXPECT_TRUE(of_pmtiles.insert(row.pmtiles_type).second && of_mbtiles.insert(row.mbtiles_code).second);
+  }
+  EXPECT_EQ(PictureFormatOf("RIFF\x10\0\0\0WEB"), std::nullopt);
+  EXPECT_EQ(PictureFormatNamed("PNG"), std::nullopt);  // addresses are written as they stand
+  EXPECT_EQ(ListedFormats(&PictureFormatRow::extension, "."), ".png, .jpg and .webp");
 }
 
 TEST(PictureFormat, SaysWhetherAWebpHasAlpha) {
