@@ -54,7 +54,7 @@ std::optional<PictureFormat> PictureFormatNamed(std::string_view word) {
 }
 
 std::optional<PictureFormat> PictureFormatOfPmtiles(int type) {
-  return FirstThat([&](const auto& row) { return row.pmtiles_type == type; });
+  return FirstThat([&](const auto& row) { return row.pmtiles_type == type && type > 0; });
 }
 
 std::optional<PictureFormat> PictureFormatOfMbtiles(std::int64_t code) {

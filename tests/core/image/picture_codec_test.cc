@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 
 #include "tests/support/bytes_of.h"
 #include "tests/support/long_png.h"
@@ -71,12 +72,13 @@ TEST(PictureFormat, EachOfTheTableIsWrittenReadAndRecognised) {
     EXPECT_TRUE(DecodePicture(Text(bytes))) << row.name;
     EXPECT_EQ(PictureFormatNamed(row.extension), row.format);
     EXPECT_EQ(PictureFormatNamed(row.name), row.format);
-    EXPECT_EQ(PictureFormatOfPmtiles(PmtilesTypeOf(row.format)), row.format);
+    if (row.pmtiles_type > 0) EXPECT_EQ(PictureFormatOfPmtiles(row.pmtiles_type), row.format);
     EXPECT_EQ(PictureFormatOfMbtiles(MbtilesCodeOf(row.format)), row.format);
     EXPECT_TRUE(words.insert(row.extension).second && types.insert(row.content_type).second) << row.name;
-    EXPECT_TRUE(of_pmtiles.insert(row.pmtiles_type).second && of_mbtiles.insert(row.mbtiles_code).second);
+    EXPECT_TRUE(row.pmtiles_type == 0 || of_pmtiles.insert(row.pmtiles_type).second) << row.name;
+    EXPECT_TRUE(of_mbtiles.insert(row.mbtiles_code).second);
   }
-  EXPECT_EQ(PictureFormatOf("RIFF\x10\0\0\0WEB"), std::nullopt);
+  EXPECT_EQ(PictureFormatOf(std::string_view("RIFF\x10\0\0\0WEB", 11)), std::nullopt);
   EXPECT_EQ(PictureFormatNamed("PNG"), std::nullopt);  // addresses are written as they stand
   EXPECT_EQ(ListedFormats(&PictureFormatRow::extension, "."), ".png, .jpg and .webp");
 }
