@@ -28,7 +28,7 @@ timed() {  # says how long a command took
   echo "== $((SECONDS - begun)) s: $*"
 }
 
-echo "== AddressSanitizer and UndefinedBehaviorSanitizer: the units, and the server from end to end with its confined processes"
+echo "== AddressSanitizer and UndefinedBehaviorSanitizer: the units, and the server from end to end with its sandboxed processes"
 cmake --preset asan >/dev/null
 timed cmake --build --preset asan -j "$jobs"
 timed ctest --preset asan -j "$jobs" -LE "long|web|e2e" -E "^Architecture"

@@ -29,7 +29,7 @@
 #include "storage/catalogue/tokens.h"
 #include "storage/catalogue/trash.h"
 #include "storage/catalogue/webhooks.h"
-#include "storage/exports/laid/laid_maps.h"
+#include "storage/exports/streamed/streamed_maps.h"
 #include "storage/jobs/job_queue.h"
 #include "storage/jobs/map_exports.h"
 #include "storage/rasters/band_raster.h"
@@ -65,7 +65,7 @@ struct Service {
   int keep_days = 0;  // after which a flight that nobody changes goes to the trash; 0: never
   storage::PreviewCache preview_cache{store.dir(), previews};
   storage::MadeTiles made_tiles{};
-  storage::LaidMaps laid_maps{};
+  storage::StreamedMaps streamed_maps{};
   PerRevision<TileFacts> tile_facts{};
   storage::OpenRasters<storage::BandRaster> band_rasters{};
   PerRevision<std::vector<Surface>> surfaces{};  // as api/surface/map_surface.h finds them

@@ -1,7 +1,7 @@
 #include "server/open_blobs.h"
 
 #include "core/base/try.h"
-#include "storage/folder/elsewhere/settle_blobs.h"
+#include "storage/folder/object_store/settle_blobs.h"
 #include "storage/jobs/map_products.h"
 
 namespace skyquilt::server {

@@ -1,5 +1,5 @@
 // The place of photos and maps as the operator chose it, settled for this catalogue
-// (storage/folder/elsewhere/settle_blobs). Errors: those of OpenBlobs and SettleBlobs.
+// (storage/folder/object_store/settle_blobs). Errors: those of OpenBlobs and SettleBlobs.
 #pragma once
 
 #include <memory>

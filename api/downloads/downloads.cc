@@ -7,9 +7,9 @@
 #include <iterator>
 #include <vector>
 
-#include "api/downloads/laid_product.h"
 #include "api/downloads/send_file.h"
 #include "api/downloads/small_picture.h"
+#include "api/downloads/streamed_product.h"
 #include "api/downloads/zip_layout.h"
 #include "api/http/problem.h"
 #include "api/shown_map.h"
@@ -36,8 +36,9 @@ Result<Response> OfShownMap(Service& service, const std::string& flight_id,
   }
 }
 
-bool IsLaid(const std::string& name) {
-  return std::find(std::begin(kLaidProducts), std::end(kLaidProducts), name) != std::end(kLaidProducts);
+bool IsStreamed(const std::string& name) {
+  return std::find(std::begin(kStreamedProducts), std::end(kStreamedProducts), name) !=
+         std::end(kStreamedProducts);
 }
 
 // The file that the map has, as maps of earlier versions do; else what is laid out over its tiles.
@@ -46,9 +47,10 @@ Result<Response> SendProduct(Service& service, const Request& request, const Sho
   Result<Response> sent =
       SendBlob(request, service.store.blobs(), map.prefix + product.file, product.content_type,
                fmt::format("\"{}-r{}-{}\"", id, map.revision, product.file));
-  if (sent || sent.error().code != ErrorCode::kNotFound || !IsLaid(product.file)) return sent;
-  SKYQUILT_TRY_ASSIGN(const storage::OpenLaid laid, OpenLaidProduct(service, map.prefix, product.file));
-  return SendLaid(request, laid, product.content_type);
+  if (sent || sent.error().code != ErrorCode::kNotFound || !IsStreamed(product.file)) return sent;
+  SKYQUILT_TRY_ASSIGN(const storage::OpenStreamed streamed,
+                      OpenStreamedProduct(service, map.prefix, product.file));
+  return SendStreamed(request, streamed, product.content_type);
 }
 
 Result<Response> Send(Service& service, const Request& request, const Product& product) {
@@ -88,10 +90,10 @@ Result<Response> SendAll(Service& service, const Request& request) {
     return std::any_of(entries.begin(), entries.end(),
                        [&](const ZipEntry& entry) { return entry.name == name; });
   };
-  for (const char* name : kLaidProducts) {
+  for (const char* name : kStreamedProducts) {
     if (has(name) || !has("mosaic.mbtiles")) continue;
-    SKYQUILT_TRY_ASSIGN(storage::OpenLaid laid, OpenLaidProduct(service, map.prefix, name));
-    entries.push_back({name, "", {}, std::move(laid)});
+    SKYQUILT_TRY_ASSIGN(storage::OpenStreamed streamed, OpenStreamedProduct(service, map.prefix, name));
+    entries.push_back({name, "", {}, std::move(streamed)});
   }
   if (entries.empty()) return Error{ErrorCode::kNotFound, "The map was replaced this moment. Ask again.", ""};
   SKYQUILT_TRY_ASSIGN(ZipLayout planned, PlanZip(entries));

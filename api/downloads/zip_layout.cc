@@ -14,7 +14,7 @@
 #include <tuple>
 #include <utility>
 
-#include "api/downloads/laid_product.h"
+#include "api/downloads/streamed_product.h"
 #include "api/http/etag.h"
 #include "core/base/check.h"
 #include "core/base/parallel_for.h"
@@ -95,26 +95,26 @@ Result<Measured> MeasureFile(const std::filesystem::path& path) {
   return measured;
 }
 
-Result<Measured> MeasureLaid(const storage::OpenLaid& laid) {
+Result<Measured> MeasureStreamed(const storage::OpenStreamed& streamed) {
   static std::mutex mutex;
   static std::map<std::string, std::uint32_t> known;
   Measured measured;
-  measured.size = laid.file->length();
+  measured.size = streamed.file->length();
   {
     const std::lock_guard lock(mutex);
-    const auto found = known.find(laid.identity);
+    const auto found = known.find(streamed.identity);
     if (found != known.end()) measured.crc = found->second;
     if (found != known.end()) return measured;
   }
   const auto add = [](uLong crc, const std::string& bytes) {
     return crc32_z(crc, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());
   };
-  uLong crc = add(crc32(0, nullptr, 0), laid.file->head());
+  uLong crc = add(crc32(0, nullptr, 0), streamed.file->head());
   std::optional<Error> failure;
   constexpr std::size_t kWindow = 32;
   ParallelOrdered<Result<std::string>>(
-      laid.file->PieceCount(), 0, kWindow,
-      [&](std::size_t i) { return laid.file->MakePiece(i, *laid.tiles); },
+      streamed.file->PieceCount(), 0, kWindow,
+      [&](std::size_t i) { return streamed.file->MakePiece(i, *streamed.tiles); },
       [&](std::size_t, Result<std::string>&& piece) {
         if (!piece && !failure) failure = piece.error();
         if (piece) crc = add(crc, *piece);
@@ -124,12 +124,12 @@ Result<Measured> MeasureLaid(const storage::OpenLaid& laid) {
   constexpr std::size_t kMaxKnown = 4096;
   const std::lock_guard lock(mutex);
   if (known.size() >= kMaxKnown) known.clear();
-  known[laid.identity] = measured.crc;
+  known[streamed.identity] = measured.crc;
   return measured;
 }
 
 Result<Measured> Measure(const ZipEntry& entry) {
-  if (entry.laid) return MeasureLaid(*entry.laid);
+  if (entry.streamed) return MeasureStreamed(*entry.streamed);
   if (!entry.path.empty()) return MeasureFile(entry.path);
   Measured content;
   content.size = entry.bytes.size();
@@ -240,12 +240,12 @@ class ZipSource final : public BodySource {
     const auto wanted =
         static_cast<std::size_t>(std::min<std::uint64_t>({into.size(), piece.length - inside, end_ - at_}));
     std::size_t got = wanted;
-    if (piece.laid) {
-      if (laid_ == nullptr || laid_piece_ != piece_) {
-        SKYQUILT_TRY_ASSIGN(laid_, ReadLaid(*piece.laid, inside, piece.length - inside));
-        laid_piece_ = piece_;
+    if (piece.streamed) {
+      if (streamed_ == nullptr || streamed_piece_ != piece_) {
+        SKYQUILT_TRY_ASSIGN(streamed_, ReadStreamed(*piece.streamed, inside, piece.length - inside));
+        streamed_piece_ = piece_;
       }
-      SKYQUILT_TRY_ASSIGN(got, laid_->Read(into.first(wanted)));
+      SKYQUILT_TRY_ASSIGN(got, streamed_->Read(into.first(wanted)));
       if (got == 0) return Error{ErrorCode::kIo, "A file of the archive could not be read.", "short"};
     } else if (piece.path.empty()) {
       std::memcpy(into.data(), piece.bytes.data() + inside, wanted);
@@ -266,8 +266,8 @@ class ZipSource final : public BodySource {
   std::size_t first_piece_;
   std::size_t piece_;
   std::vector<OpenedFile> files_;
-  std::unique_ptr<BodySource> laid_;  // of the piece laid_piece_, from where the last read ended
-  std::size_t laid_piece_ = 0;
+  std::unique_ptr<BodySource> streamed_;  // of the piece streamed_piece_, from where the last read ended
+  std::size_t streamed_piece_ = 0;
   std::uint64_t at_;
   std::uint64_t end_;
   std::uint64_t length_;
@@ -290,7 +290,7 @@ Result<ZipLayout> PlanZip(const std::vector<ZipEntry>& entries) {
     std::string header = LocalHeader(placed.back());
     const std::uint64_t header_bytes = header.size();
     add({std::move(header), {}, {}, 0, header_bytes});
-    add({entry.bytes, entry.path, entry.laid, 0, content.size});
+    add({entry.bytes, entry.path, entry.streamed, 0, content.size});
   }
   std::string directory = Directory(placed, layout.length);
   const std::uint64_t directory_bytes = directory.size();

@@ -13,21 +13,21 @@
 
 #include "api/http/http_message.h"
 #include "core/base/result.h"
-#include "storage/exports/laid/laid_maps.h"
+#include "storage/exports/streamed/streamed_maps.h"
 
 namespace skyquilt::api {
 
 struct ZipEntry {
-  std::string name;                       // "folder/file.ext" in the archive
-  std::string bytes;                      // its content, or
-  std::filesystem::path path;             // the file with its content, when not empty, or
-  std::optional<storage::OpenLaid> laid;  // a file that is nowhere on the disk
+  std::string name;                               // "folder/file.ext" in the archive
+  std::string bytes;                              // its content, or
+  std::filesystem::path path;                     // the file with its content, when not empty, or
+  std::optional<storage::OpenStreamed> streamed;  // a file that is nowhere on the disk
 };
 
 struct ZipPiece {
   std::string bytes;           // headers and small entries
   std::filesystem::path path;  // or a whole file
-  std::optional<storage::OpenLaid> laid;
+  std::optional<storage::OpenStreamed> streamed;
   std::uint64_t offset = 0;  // in the archive
   std::uint64_t length = 0;
 };

@@ -6,8 +6,8 @@
 #include <numeric>
 #include <sstream>
 
-#include "api/downloads/laid_product.h"
 #include "api/downloads/send_file.h"
+#include "api/downloads/streamed_product.h"
 #include "api/downloads/zip_layout.h"
 #include "api/http/problem.h"
 #include "api/json/json_codec.h"
@@ -133,9 +133,9 @@ Result<std::vector<ZipEntry>> EntriesOf(Service& service, const storage::NodeTas
     Result<storage::LocalBlob> file = blobs.Local(prefix + ours);
     if (!file && file.error().code != ErrorCode::kNotFound) return file.error();
     if (!file) {
-      Result<storage::OpenLaid> laid = OpenLaidProduct(service, prefix, ours);
-      if (!laid && laid.error().code != ErrorCode::kNotFound) return laid.error();
-      if (laid) entries.push_back({std::string(theirs), "", {}, *std::move(laid)});
+      Result<storage::OpenStreamed> streamed = OpenStreamedProduct(service, prefix, ours);
+      if (!streamed && streamed.error().code != ErrorCode::kNotFound) return streamed.error();
+      if (streamed) entries.push_back({std::string(theirs), "", {}, *std::move(streamed)});
       continue;
     }
     entries.push_back({std::string(theirs), "", file->path, {}});

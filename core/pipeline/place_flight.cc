@@ -176,7 +176,7 @@ std::vector<render::Thumbnail> Ordered(const alignment::AlignedFlight& flight,
 }
 
 // By the heights that the photos carry, or over the ground where it is known.
-std::size_t LeaveOutNonsense(const ground::GroundSurface* ground, alignment::AlignedFlight& flight) {
+std::size_t FilterOutliers(const ground::GroundSurface* ground, alignment::AlignedFlight& flight) {
   return poses::LeaveOutImplausible(
       flight.frame,
       [&](const alignment::AlignedPhoto& photo) {
@@ -248,7 +248,7 @@ Result<FlightFacts> PlaceAnew(flight::Flight read, const MosaicOptions& options,
     return Align(posed, checked.flight.gcp_lists, options, source, std::move(checked.features), report,
                  progress);
   }));
-  LeaveOutNonsense(nullptr, aligned);
+  FilterOutliers(nullptr, aligned);
   if (aligned.photos.empty()) return NothingLeft(aligned);
   FlightFacts facts;
   facts.ground = stages.Run("ground", [&] {
@@ -256,7 +256,7 @@ Result<FlightFacts> PlaceAnew(flight::Flight read, const MosaicOptions& options,
     if (dem != nullptr && posed.dem_zero_m) model = ground::ElevationModel{dem, *posed.dem_zero_m};
     return ground::ModelGround(aligned, facts.ground_report, model);
   });
-  LeaveOutNonsense(&facts.ground, aligned);
+  FilterOutliers(&facts.ground, aligned);
   if (aligned.photos.empty()) return NothingLeft(aligned);
   facts.flight = std::move(aligned);
   facts.ground_choice = ChooseGround(facts.flight, facts.ground);
@@ -336,7 +336,7 @@ Result<std::optional<FlightFacts>> PlaceAdded(Recalled recalled, const flight::F
   // What is left out now may be of the finished flight: then its tones and labels count other photos.
   const std::size_t finished = recalled.facts.flight.photos.size();
   alignment::AlignedFlight& flight = (*grown)->flight;
-  if (LeaveOutNonsense(&(*grown)->ground, flight) > 0) {
+  if (FilterOutliers(&(*grown)->ground, flight) > 0) {
     const auto is_finished = [&](std::size_t i) {
       return i < flight.photos.size() &&
              flight.photos[i].photo.name == recalled.facts.flight.photos[i].photo.name;

@@ -283,7 +283,7 @@ void PutGroundBelow(PosedFlight& posed) {
 
 // What no map can be drawn with goes, and what the last photo before it shared with it. `keep_unplaced`: what
 // such photos show may place them all the same.
-void LeaveOutNonsense(bool keep_unplaced, PosedFlight& posed) {
+void FilterOutliers(bool keep_unplaced, PosedFlight& posed) {
   std::vector<std::string> next;
   for (std::size_t i = 1; i < posed.photos.size(); ++i) next.push_back(posed.photos[i].photo.name);
   next.emplace_back();
@@ -420,7 +420,7 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
   posed.warnings.insert(posed.warnings.begin(), flight.warnings.begin(), flight.warnings.end());
   PutGroundBelow(posed);
   const std::size_t before = posed.left_out.size();
-  LeaveOutNonsense(options.keep_unplaced, posed);
+  FilterOutliers(options.keep_unplaced, posed);
   if (posed.photos.empty() && !posed.unplaced.empty()) {
     LeaveUnplaced(flight, options, given_takeoff_m, posed);
     return posed;

@@ -1,6 +1,5 @@
 #include "server/commands/commands.h"
 
-#include "server/commands/confined.h"
 #include "server/commands/data/data.h"
 #include "server/commands/data/import.h"
 #include "server/commands/maps/export.h"
@@ -11,6 +10,7 @@
 #include "server/commands/maps/simulate.h"
 #include "server/commands/maps/stitch.h"
 #include "server/commands/maps/validate.h"
+#include "server/commands/sandboxed.h"
 #include "server/commands/serve.h"
 #include "server/commands/token.h"
 #include "server/commands/unpack.h"
@@ -39,7 +39,7 @@ void AddCommands(CLI::App& app) {
   AddUnpackCommand(app);
   AddVerdictCommand(app);
   AddWorkerCommand(app);
-  AddConfinedCommands(app);
+  AddSandboxedCommands(app);
 }
 
 }  // namespace skyquilt::server

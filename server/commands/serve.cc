@@ -23,14 +23,12 @@
 #include "api/uploads/unpack.h"
 #include "core/base/text/printable.h"
 #include "server/commands/serve_options.h"
-#include "server/confinement/run_apart.h"
-#include "server/confinement/sandbox.h"
 #include "server/exports/export_runner.h"
 #include "server/housekeeper.h"
 #include "server/http/http_server.h"
-#include "server/intake/control_apart.h"
-#include "server/intake/unpack_apart.h"
-#include "server/intake/verdict_apart.h"
+#include "server/intake/control_sandboxed.h"
+#include "server/intake/unpack_sandboxed.h"
+#include "server/intake/verdict_sandboxed.h"
 #include "server/intake/verdicts.h"
 #include "server/open_blobs.h"
 #include "server/open_storage.h"
@@ -38,13 +36,15 @@
 #include "server/routing/network_addresses.h"
 #include "server/routing/request_log.h"
 #include "server/routing/static_files.h"
+#include "server/sandbox/run_sandboxed.h"
+#include "server/sandbox/sandbox.h"
 #include "server/terminal/fail.h"
 #include "server/usage/blob_options.h"
 #include "server/usage/catalogue_options.h"
 #include "server/webhooks/post_message.h"
 #include "server/webhooks/webhook_sender.h"
 #include "server/workers/worker_pool.h"
-#include "storage/folder/elsewhere/settle_blobs.h"
+#include "storage/folder/object_store/settle_blobs.h"
 #include "storage/folder/open_data_folder.h"
 
 namespace skyquilt::server {
@@ -281,13 +281,13 @@ void RunServer(const ServeOptions& options) {
   api::Metrics metrics;
   api::Service service{catalogue,        queue,          store, tilesets, metrics, *opened.db,
                        SKYQUILT_VERSION, options.workers};
-  Verdicts verdicts(VerdictApart);
+  Verdicts verdicts(VerdictSandboxed);
   service.inspect = [&verdicts](const std::vector<flight::InputFile>& files,
                                 const std::string& mosaic_options) {
     return verdicts.Of(files, mosaic_options);
   };
-  service.unpack = UnpackApart;
-  service.read_control = ControlApart;
+  service.unpack = UnpackSandboxed;
+  service.read_control = ControlSandboxed;
   service.storage_in_place = [&opened] { return opened.watch.Check(); };
   const Result<void> recovered = Recover(opened.dir, catalogue, queue, storage::Previews(*opened.db),
                                          service.spool, service.db.ages().Now());
@@ -351,7 +351,7 @@ void RunServer(const ServeOptions& options) {
   ExitAt(deadline);
   std::thread draining([&server = **server] {
     if (!server.Drain(kDrainTime)) LogEvent("some connections did not finish in time and were cut");
-    EndAllApart();
+    EndAllSandboxed();
   });
   watching.Stop(kWatchGrace);
   workers.Stop(kWorkerGrace);

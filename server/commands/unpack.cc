@@ -9,8 +9,8 @@
 #include <memory>
 #include <string>
 
-#include "server/confinement/process_limits.h"
-#include "server/intake/unpack_apart.h"
+#include "server/intake/unpack_sandboxed.h"
+#include "server/sandbox/process_limits.h"
 
 namespace skyquilt::server {
 namespace {

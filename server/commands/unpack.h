@@ -1,4 +1,4 @@
-// `skyquilt unpack`: started by `serve` for an uploaded archive (server/intake/unpack_apart.h). Internal.
+// `skyquilt unpack`: started by `serve` for an uploaded archive (server/intake/unpack_sandboxed.h). Internal.
 #pragma once
 
 namespace CLI {

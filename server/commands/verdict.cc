@@ -7,9 +7,9 @@
 #include <cstdint>
 #include <memory>
 
-#include "server/confinement/process_limits.h"
-#include "server/intake/control_apart.h"
-#include "server/intake/verdict_apart.h"
+#include "server/intake/control_sandboxed.h"
+#include "server/intake/verdict_sandboxed.h"
+#include "server/sandbox/process_limits.h"
 
 namespace skyquilt::server {
 namespace {

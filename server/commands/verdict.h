@@ -1,4 +1,4 @@
-// `skyquilt verdict`: started by `serve` to inspect a flight's files (server/intake/verdict_apart.h).
+// `skyquilt verdict`: started by `serve` to inspect a flight's files (server/intake/verdict_sandboxed.h).
 // Internal.
 #pragma once
 

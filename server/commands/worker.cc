@@ -13,10 +13,10 @@
 #include <utility>
 
 #include "core/base/try.h"
-#include "server/confinement/process_limits.h"
 #include "server/open_blobs.h"
-#include "server/preview/preview_apart.h"
+#include "server/preview/preview_sandboxed.h"
 #include "server/routing/request_log.h"
+#include "server/sandbox/process_limits.h"
 #include "server/terminal/fail.h"
 #include "server/units/run_unit.h"
 #include "server/usage/blob_options.h"
@@ -24,7 +24,7 @@
 #include "server/workers/run_job.h"
 #include "storage/db/ids.h"
 #include "storage/db/machine_boot.h"
-#include "storage/folder/elsewhere/settle_blobs.h"
+#include "storage/folder/object_store/settle_blobs.h"
 #include "storage/folder/open_data_folder.h"
 #include "storage/jobs/workers_aside.h"
 
@@ -84,7 +84,7 @@ void DrawPreviews(const storage::DataDir& dir, storage::BlobStore& blobs, storag
   storage::Previews previews(db);
   PhotoLimits limits;
   if (options.photo_timeout_s > 0) limits.cpu_s = options.photo_timeout_s;
-  PreviewApart drawing(dir, blobs, previews, limits);
+  SandboxedPreview drawing(dir, blobs, previews, limits);
   while (!is_stopping) {
     const Result<bool> drawn = drawing.Step();
     if (!drawn) {

@@ -9,7 +9,7 @@
 
 #include "core/base/scoped_folder.h"
 #include "core/base/try.h"
-#include "server/exports/export_apart.h"
+#include "server/exports/export_sandboxed.h"
 #include "server/routing/request_log.h"
 #include "storage/exports/custom/export_map.h"
 #include "storage/files/publish_file.h"
@@ -151,7 +151,7 @@ Result<std::int64_t> ExportRunner::MakeIn(const MapExport& claimed, const fs::pa
   task.request = claimed.request;
   task.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()) / 2);
   auto beaten = std::chrono::steady_clock::time_point();
-  SKYQUILT_TRY_ASSIGN(const std::int64_t bytes, ExportApart(task, limits, [&](double fraction) {
+  SKYQUILT_TRY_ASSIGN(const std::int64_t bytes, ExportSandboxed(task, limits, [&](double fraction) {
                         if (IsEnded()) return false;
                         const auto now = std::chrono::steady_clock::now();
                         if (now - beaten < kBeatEvery) return true;

@@ -1,6 +1,7 @@
 // ExportRunner: makes the exports that were asked for, one at a time, beside the requests: a thread of its
-// own that claims them and watches over a confined process each (server/exports/export_apart.h). One whose
-// server ends waits for the next; what was removed is stopped within a second. Owned by the main thread.
+// own that claims them and watches over a sandboxed process each (server/exports/export_sandboxed.h). One
+// whose server ends waits for the next; what was removed is stopped within a second. Owned by the main
+// thread.
 #pragma once
 
 #include <condition_variable>

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text/json_io.h"
-#include "server/confinement/message_checks.h"
+#include "server/sandbox/message_checks.h"
 
 namespace skyquilt::server {
 

@@ -1,4 +1,4 @@
-// ExportTask: what a server tells the confined process that makes an export, as a JSON text. What that
+// ExportTask: what a server tells the sandboxed process that makes an export, as a JSON text. What that
 // process says are JobMessages (server/jobs/job_messages.h). Pure. Error: kUnprocessable.
 #pragma once
 

@@ -1,5 +1,5 @@
 // ImportForJob: the finished map of others among the files of a job (its option "import_file") as the
-// products of the flight's map. Foreign bytes: run by the confined process of a job, whose files may grow to
+// products of the flight's map. Foreign bytes: run by the sandboxed process of a job, whose files may grow to
 // RoomForImport: a small file may describe a map of any size. Blocking. Errors: those of ImportMap, in the
 // words of the file's own name; kUnprocessable (the flight has no such file).
 #pragma once

@@ -2,7 +2,7 @@
 // map in a folder: mosaic.mbtiles, thumbnail.png, report.json, photos.geojson, as
 // StitchToDirectory leaves them, without photos. How true it is, the report that lay beside it says where it
 // is of this map (told_quality.h); nobody knows otherwise. Foreign bytes: run by a user on his own files, or
-// by a confined process. Blocking. Errors: kUnsupportedFormat, kUnprocessable, kCorrupt, kTooLarge (the
+// by a sandboxed process. Blocking. Errors: kUnsupportedFormat, kUnprocessable, kCorrupt, kTooLarge (the
 // message says what to do), kCancelled, kOutOfSpace, kIo.
 #pragma once
 

@@ -11,7 +11,7 @@
 #include "core/base/text/json_io.h"
 #include "core/flight/remarks/remark_json.h"
 #include "core/pipeline/report/map_quality.h"
-#include "server/confinement/message_checks.h"
+#include "server/sandbox/message_checks.h"
 
 namespace skyquilt::server {
 namespace {

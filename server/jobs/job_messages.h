@@ -1,4 +1,4 @@
-// The messages between a worker and the confined process that makes a map for it, as JSON texts. The worker
+// The messages between a worker and the sandboxed process that makes a map for it, as JSON texts. The worker
 // sends a StitchTask. What the other sends is not trusted: ParseJobMessage accepts texts of bounded length in
 // UTF-8 and figures that a map can have. Pure. Error: kUnprocessable.
 #pragma once

@@ -1,5 +1,5 @@
 // KindOf: what a job's options make of it. IsMadeWhole: one that units of other machines know nothing of.
-// TaskOf: what a worker asks the confined process that works on a job for: the flight's files, or the one
+// TaskOf: what a worker asks the sandboxed process that works on a job for: the flight's files, or the one
 // that is to be imported with the report beside it, where they are on this machine (fetched, where photos lie
 // elsewhere), the options, and the limits. Blocking. Errors: those of the catalogue and of blobs;
 // kInvalidArgument (the options); kCancelled.

@@ -1,4 +1,4 @@
-// PipeProgress: a confined process tells its parent how far it is, as JobMessages, ten times a second at
+// PipeProgress: a sandboxed process tells its parent how far it is, as JobMessages, ten times a second at
 // most. Who wishes it to end, ends the process. Any number of threads.
 #pragma once
 
@@ -7,7 +7,7 @@
 #include <mutex>
 
 #include "core/base/progress.h"
-#include "server/confinement/message_pipe.h"
+#include "server/sandbox/message_pipe.h"
 
 namespace skyquilt::server {
 

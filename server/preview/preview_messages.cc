@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "core/base/text/json_io.h"
-#include "server/confinement/message_checks.h"
+#include "server/sandbox/message_checks.h"
 #include "storage/db/ids.h"
 
 namespace skyquilt::server {

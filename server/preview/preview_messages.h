@@ -1,5 +1,5 @@
-// The messages between the process that manages previews and the confined one that draws them, as JSON texts:
-// one PreviewPlace, then PreviewRequests; of the answers only values that are possible for photos are
+// The messages between the process that manages previews and the sandboxed one that draws them, as JSON
+// texts: one PreviewPlace, then PreviewRequests; of the answers only values that are possible for photos are
 // accepted. Pure. Error: kUnprocessable.
 #pragma once
 

@@ -1,7 +1,7 @@
 // PreviewPainter: draws photos of one flight into its preview as they arrive: by recorded poses, coarse.
-// Decodes what others uploaded, so it runs in a confined process (server/preview/preview_apart.h); it writes
-// the tiles and knows no catalogue. Photos without a position take no part (a log may place them later, in
-// the map), nor does what is no photo. Blocking; one thread.
+// Decodes what others uploaded, so it runs in a sandboxed process (server/preview/preview_sandboxed.h); it
+// writes the tiles and knows no catalogue. Photos without a position take no part (a log may place them
+// later, in the map), nor does what is no photo. Blocking; one thread.
 #pragma once
 
 #include <filesystem>

@@ -17,7 +17,7 @@
 #include "core/pipeline/units/flight_cut.h"
 #include "core/pipeline/units/shown_photos.h"
 #include "server/jobs/job_task.h"
-#include "server/jobs/stitch_apart.h"
+#include "server/jobs/stitch_sandboxed.h"
 #include "server/routing/request_log.h"
 #include "storage/db/ids.h"
 #include "storage/files/publish_file.h"
@@ -139,7 +139,7 @@ Result<std::int64_t> PlaceUnits(WorkerContext& context, const storage::Lease& le
   const ScopedFolder out(std::move(folder));
   made.task.out_dir = out.path();
   made.task.unit = UnitToDo{.kind = UnitKind::kPlace, .looks = cut.looks};
-  const StitchedApart done = StitchApart(std::move(made.task), made.limits, progress);
+  const StitchedInSandbox done = StitchSandboxed(std::move(made.task), made.limits, progress);
   if (!done.outcome) return done.outcome.error();
   SKYQUILT_TRY(HandIn(context, lease.flight_id, cut.units_of, UnitKind::kPlace, 0, out.path(), progress));
   return done.outcome->blocks;

@@ -2,7 +2,8 @@
 // that it is cut, the next step between units. The steps are one after the other: the files are looked at
 // (units), the flight is placed (whoever claims the job), ranges of the map are rendered (units), the map is
 // put together (whoever claims the job). What units leave for each other lies below work/, or, where photos
-// and maps lie elsewhere, beside these. Blocking. Errors: those of the queue, of blobs and of StitchApart.
+// and maps lie elsewhere, beside these. Blocking. Errors: those of the queue, of blobs and of
+// StitchSandboxed.
 #pragma once
 
 #include <cstdint>

@@ -10,7 +10,7 @@
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
 #include "server/jobs/job_task.h"
-#include "server/jobs/stitch_apart.h"
+#include "server/jobs/stitch_sandboxed.h"
 #include "server/routing/request_log.h"
 #include "server/units/cut_job.h"
 #include "server/units/end_of_work.h"
@@ -44,7 +44,7 @@ Result<void> Make(const WorkerContext& context, const storage::UnitLease& unit, 
   ScopedFolder out(std::move(folder));
   made.task.out_dir = out.path();
   made.task.unit = UnitToDo{kind, unit.number, unit.count, looks ? 0 : unit.items};
-  const StitchedApart done = StitchApart(std::move(made.task), made.limits, progress);
+  const StitchedInSandbox done = StitchSandboxed(std::move(made.task), made.limits, progress);
   if (done.has_died) out.Keep();  // the next attempt goes on from there
   if (!done.outcome) return done.outcome.error();
   return HandIn(context, unit.flight_id, unit.units_of, kind, unit.number, out.path(), progress);

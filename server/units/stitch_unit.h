@@ -1,5 +1,5 @@
 // StitchUnit: one unit of a flight, from files and what other units left to what the next ones need. What the
-// confined process of a worker runs. Blocking; one call at a time per process. Errors: those of the stages;
+// sandboxed process of a worker runs. Blocking; one call at a time per process. Errors: those of the stages;
 // kCorrupt (what another unit left is damaged), kOutOfSpace, kIo.
 #pragma once
 

@@ -9,8 +9,8 @@
 #include <system_error>
 #include <thread>
 
-#include "server/confinement/spawn_self.h"
 #include "server/routing/request_log.h"
+#include "server/sandbox/spawn_self.h"
 
 namespace skyquilt::server {
 namespace {

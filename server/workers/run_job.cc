@@ -19,11 +19,11 @@
 #include "server/jobs/job_blobs.h"
 #include "server/jobs/job_progress.h"
 #include "server/jobs/job_task.h"
-#include "server/jobs/stitch_apart.h"
+#include "server/jobs/stitch_sandboxed.h"
 #include "server/routing/request_log.h"
 #include "server/units/cut_job.h"
 #include "server/units/end_of_work.h"
-#include "storage/folder/elsewhere/sweep_blobs.h"
+#include "storage/folder/object_store/sweep_blobs.h"
 #include "storage/folder/sweep.h"
 
 namespace skyquilt::server {
@@ -125,8 +125,8 @@ StageShares UsualSharesOf(JobKind kind) {
   return UsualShares();
 }
 
-StitchedApart Stitch(WorkerContext& context, const storage::Lease& lease, const CutJob& cut,
-                     const fs::path& out_dir, Progress& progress) {
+StitchedInSandbox Stitch(WorkerContext& context, const storage::Lease& lease, const CutJob& cut,
+                         const fs::path& out_dir, Progress& progress) {
   std::error_code error;
   fs::create_directory(out_dir, error);  // below work/, which a data folder that is gone does not have
   if (error) return {OsError("make " + out_dir.string(), error.value())};
@@ -146,11 +146,11 @@ StitchedApart Stitch(WorkerContext& context, const storage::Lease& lease, const 
     UseParts(*std::move(parts), *made);
     made->task.renders = cut.renders;
   }
-  return StitchApart(std::move(made->task), made->limits, progress);
+  return StitchSandboxed(std::move(made->task), made->limits, progress);
 }
 
-// What a confined process left: plain files with no second name, nothing that leads elsewhere, and one folder
-// of such files, the frames of its films.
+// What a sandboxed process left: plain files with no second name, nothing that leads elsewhere, and one
+// folder of such files, the frames of its films.
 Result<void> CheckProducts(const fs::path& folder, bool may_hold_frames = true) {
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
@@ -179,8 +179,8 @@ void RemoveRetired(WorkerContext& context, const std::string& flight_id,
 }
 
 // As Publish below; every product is put in its place before anybody is told.
-Result<bool> PublishElsewhere(WorkerContext& context, const storage::Lease& lease, const fs::path& made,
-                              const storage::Revision& revision, Progress& progress) {
+Result<bool> PublishInObjectStore(WorkerContext& context, const storage::Lease& lease, const fs::path& made,
+                                  const storage::Revision& revision, Progress& progress) {
   const std::string prefix = storage::RevisionPrefix(lease.flight_id, revision.revision);
   SKYQUILT_TRY_ASSIGN(const std::vector<storage::MapProduct> products, storage::ProductsIn(made));
   Result<bool> published = false;
@@ -204,7 +204,7 @@ Result<bool> Publish(WorkerContext& context, const storage::Lease& lease, const 
   if (!number) return false;
   revision.revision = *number;
   if (!context.blobs.IsFolder()) {
-    SKYQUILT_TRY_ASSIGN(const bool is_shown, PublishElsewhere(context, lease, made, revision, progress));
+    SKYQUILT_TRY_ASSIGN(const bool is_shown, PublishInObjectStore(context, lease, made, revision, progress));
     if (is_shown) RemoveRetired(context, lease.flight_id, before);
     if (is_shown) storage::SweepPreviews(context.dir, lease.flight_id, "");
     return is_shown;
@@ -278,8 +278,8 @@ void RunJob(WorkerContext& context, const storage::Lease& lease) {
         }
         failure = waits.error();
       }
-      const StitchedApart made =
-          failure ? StitchedApart{*failure, false} : Stitch(context, lease, cut, work.path(), progress);
+      const StitchedInSandbox made =
+          failure ? StitchedInSandbox{*failure, false} : Stitch(context, lease, cut, work.path(), progress);
       if (!made.outcome) failure = made.outcome.error();
       if (made.outcome && !progress.IsCancelled()) {
         const Result<bool> published = Publish(context, lease, work.path(), made.outcome->figures, progress);

@@ -8,8 +8,8 @@
 #include <thread>
 #include <utility>
 
-#include "server/confinement/spawn_self.h"
 #include "server/routing/request_log.h"
+#include "server/sandbox/spawn_self.h"
 #include "storage/folder/sweep.h"
 
 namespace skyquilt::server {

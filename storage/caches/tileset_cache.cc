@@ -59,9 +59,9 @@ Result<Tileset> OpenHere(const std::string& flight_id, const Revision& revision,
 }
 
 // The map by ranges; layers are small and come whole.
-Result<Tileset> OpenElsewhere(const std::string& flight_id, const Revision& revision,
-                              const std::shared_ptr<BlobStore>& blobs,
-                              const std::shared_ptr<PmtilesMemory>& memory) {
+Result<Tileset> OpenInObjectStore(const std::string& flight_id, const Revision& revision,
+                                  const std::shared_ptr<BlobStore>& blobs,
+                                  const std::shared_ptr<PmtilesMemory>& memory) {
   const std::string prefix = RevisionPrefix(flight_id, revision.revision);
   SKYQUILT_TRY_ASSIGN(const std::vector<BlobInfo> products, blobs->List(prefix));
   const auto has = [&](const std::string& name) {
@@ -175,7 +175,7 @@ Result<std::shared_ptr<const Tileset>> TilesetCache::Refresh(const std::string& 
         return found->second.tileset;
     }
     Result<Tileset> opened = blobs_ != nullptr
-                                 ? OpenElsewhere(flight_id, revision, blobs_, memory_)
+                                 ? OpenInObjectStore(flight_id, revision, blobs_, memory_)
                                  : OpenHere(flight_id, revision, dir_.Revision(flight_id, revision.revision));
     if (!opened) {
       if (opened.error().code == ErrorCode::kNotFound && attempt < kTries) continue;

@@ -18,7 +18,7 @@
 #include "core/image/png_encoder.h"
 #include "core/image/shrink/shrink_picture.h"
 #include "storage/exports/cog_writer.h"
-#include "storage/exports/laid/cog_cells.h"
+#include "storage/exports/streamed/cog_cells.h"
 #include "storage/files/publish_file.h"
 #include "storage/rasters/register_gdal.h"
 #include "storage/tilesets/mbtiles_reader.h"

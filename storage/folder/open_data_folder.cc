@@ -16,7 +16,7 @@
 #include "storage/files/publish_file.h"
 #include "storage/folder/data_marker.h"
 #include "storage/folder/disk_flights.h"
-#include "storage/folder/elsewhere/settle_blobs.h"
+#include "storage/folder/object_store/settle_blobs.h"
 #include "storage/folder/shared_catalogue.h"
 
 namespace skyquilt::storage {

@@ -9,7 +9,7 @@
 #include "storage/db/ids.h"
 #include "storage/db/machine_boot.h"
 #include "storage/folder/data_marker.h"
-#include "storage/folder/elsewhere/settle_blobs.h"
+#include "storage/folder/object_store/settle_blobs.h"
 
 namespace skyquilt::storage {
 

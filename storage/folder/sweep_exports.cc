@@ -6,8 +6,8 @@
 #include "core/base/try.h"
 #include "storage/blobs/flight_blobs.h"
 #include "storage/db/ids.h"
-#include "storage/folder/elsewhere/sweep_blobs.h"
 #include "storage/folder/lost_folder.h"
+#include "storage/folder/object_store/sweep_blobs.h"
 
 namespace skyquilt::storage {
 namespace {

@@ -162,7 +162,7 @@ Result<SpooledUpload> UploadSpool::Join(const SpooledUpload& wish, const std::ve
     return Error{ErrorCode::kTooLarge, "The parts together are larger than the server takes.", ""};
   SKYQUILT_TRY(store_.CheckSpace(joined.offset));
   Result<void> done;
-  if (IsElsewhere()) {
+  if (IsInObjectStore()) {
     // Their chunks are its chunks.
     for (const SpooledUpload& part : complete) joined.parts += part.parts;
   } else {

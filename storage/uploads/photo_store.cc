@@ -155,7 +155,7 @@ Result<std::string> Upload::Finish() {
   if (bytes_ == 0) {
     return flight::Because(ErrorCode::kUnprocessable, flight::RemarkCode::kFailFileEmpty);
   }
-  if (elsewhere_ != nullptr) return FinishElsewhere();
+  if (elsewhere_ != nullptr) return FinishInObjectStore();
   if (fsync(fd_) != 0) return OsError("fsync " + temporary_.string(), errno);
   close(std::exchange(fd_, -1));
   const std::filesystem::path published = folder_ / stored_name_;
@@ -172,7 +172,7 @@ Result<std::string> Upload::Finish() {
   return stored_name_;
 }
 
-Result<std::string> Upload::FinishElsewhere() {
+Result<std::string> Upload::FinishInObjectStore() {
   close(std::exchange(fd_, -1));
   SKYQUILT_TRY(elsewhere_->Put(prefix_ + stored_name_, temporary_));
   unlink(std::exchange(temporary_, {}).c_str());  // what stays the sweep removes

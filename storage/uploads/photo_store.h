@@ -45,7 +45,7 @@ class Upload {
   // `elsewhere` with a prefix for keys: where it goes instead of `folder`.
   Upload(int fd, std::filesystem::path temporary, std::filesystem::path folder,
          std::shared_ptr<BlobStore> elsewhere, std::string prefix);
-  Result<std::string> FinishElsewhere();
+  Result<std::string> FinishInObjectStore();
   int fd_ = -1;
   std::int64_t bytes_ = 0;
   std::filesystem::path temporary_;  // empty once published

@@ -93,7 +93,7 @@ Result<SpooledUpload> UploadSpool::Create(const SpooledUpload& wish, Time now) {
   SpooledUpload upload = wish;
   upload.id = NewId();
   upload.expires = now + kUploadLifetime;
-  if (!IsElsewhere()) {
+  if (!IsInObjectStore()) {
     const int fd =
         open(PathOf(upload.id).c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0640);
     if (fd < 0) return WriteError("open " + PathOf(upload.id).string());
@@ -148,7 +148,7 @@ Result<std::unique_ptr<UploadSpool::Append>> UploadSpool::Begin(const std::strin
   }
   int fd = -1;
   fs::path temporary;
-  if (!upload.is_done && IsElsewhere()) {
+  if (!upload.is_done && IsInObjectStore()) {
     const DataDir& dir = store_.dir();
     temporary = dir.Incoming() / dir.NewTemporaryName(kUploadKind);
     fd = open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0640);
@@ -199,7 +199,7 @@ Result<void> UploadSpool::MakeFile(SpooledUpload& upload) const {
   if (upload.offset == 0) {
     return flight::Because(ErrorCode::kUnprocessable, flight::RemarkCode::kFailFileEmpty);
   }
-  if (IsElsewhere()) return MakeFileElsewhere(upload);
+  if (IsInObjectStore()) return MakeFileInObjectStore(upload);
   SKYQUILT_TRY_ASSIGN(const std::string stored, store_.Adopt(upload.flight_id, PathOf(upload.id)));
   const Result<StoredFile> added = catalogue_.AddFileUnderFreeName(
       upload.flight_id, {upload.name, stored, upload.offset}, Now(), upload.id);
@@ -251,7 +251,7 @@ Result<std::vector<SpooledUpload>> UploadSpool::FinishComplete(Time now) {
 }
 
 Result<int> UploadSpool::RemoveExpired(Time now) {
-  if (IsElsewhere()) return RemoveExpiredElsewhere(now);
+  if (IsInObjectStore()) return RemoveExpiredInObjectStore(now);
   std::vector<std::string> over;
   {
     const auto db = db_.Lock();
@@ -316,7 +316,7 @@ UploadSpool::Append::~Append() {
 
 Result<void> UploadSpool::Append::Sync(Time now) {
   if (written_ == upload_.offset) return {};
-  if (!temporary_.empty()) return SyncElsewhere(now);
+  if (!temporary_.empty()) return SyncToObjectStore(now);
   if (fdatasync(fd_) != 0) return WriteError("sync " + spool_.PathOf(upload_.id).string());
   SKYQUILT_TRY(spool_.SaveOffset(upload_.id, written_, now));
   upload_.offset = written_;

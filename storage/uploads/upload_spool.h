@@ -92,12 +92,12 @@ class UploadSpool {
   Result<SpooledUpload> Read(const std::string& id, Time now) const;
   Result<void> SaveOffset(const std::string& id, std::int64_t offset, Time now) const;
   Result<void> MakeFile(SpooledUpload& upload) const;
-  bool IsElsewhere() const { return !store_.blobs().IsFolder(); }
-  // The rest of the class where photos lie elsewhere (elsewhere_uploads.cc).
+  bool IsInObjectStore() const { return !store_.blobs().IsFolder(); }
+  // The rest of the class where photos lie elsewhere (object_store_uploads.cc).
   Result<void> SaveChunk(SpooledUpload& upload, std::int64_t offset, const std::string& part, Time now) const;
-  Result<void> MakeFileElsewhere(SpooledUpload& upload) const;
+  Result<void> MakeFileInObjectStore(SpooledUpload& upload) const;
   void RemoveChunks(const std::string& parts) const;
-  Result<int> RemoveExpiredElsewhere(Time now) const;
+  Result<int> RemoveExpiredInObjectStore(Time now) const;
   std::filesystem::path PathOf(const std::string& id) const;
   Result<std::optional<SpooledUpload>> JoinedBefore(const SpooledUpload& wish, Time now) const;
   Result<std::vector<SpooledUpload>> CompleteParts(const std::vector<std::string>& parts, Time now) const;
@@ -133,7 +133,7 @@ class UploadSpool::Append {
   Append(UploadSpool& spool, std::shared_ptr<Turn> turn, SpooledUpload upload, int fd, bool all_or_nothing,
          std::filesystem::path temporary);
   Result<void> Sync(Time now);
-  Result<void> SyncElsewhere(Time now);
+  Result<void> SyncToObjectStore(Time now);
 
   UploadSpool& spool_;
   std::shared_ptr<Turn> turn_;

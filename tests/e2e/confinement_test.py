@@ -1,4 +1,4 @@
-"""Whoever takes over a decoder reaches nothing: what confined processes hold and may do, and what becomes of their ends."""
+"""Whoever takes over a decoder reaches nothing: what sandboxed processes hold and may do, and what becomes of their ends."""
 import ctypes
 import errno
 import os
@@ -65,7 +65,7 @@ class Confinement(ServerTestCase):
         return made["flight"]["id"], made["job"]["id"]
 
     def find(self, server, kind):
-        """The confined process of a kind, once it is confined."""
+        """The sandboxed process of a kind, once it is confined."""
         found = []
 
         def is_there():
@@ -81,7 +81,7 @@ class Confinement(ServerTestCase):
         server = self.serve("--no-previews")
         wait_until(lambda: "decoded under seccomp" in server.errors(), "the log does not say what confines decoders")
         flight_id, job_id = self.start_job(server, self.photos + [(f"again_{name}", content) for name, content in self.photos])
-        pid = self.find(server, "stitch-confined")
+        pid = self.find(server, "stitch-sandboxed")
         os.kill(pid, signal.SIGSTOP)
         try:
             status, files, limits = status_of(pid), open_files_of(pid), limits_of(pid)
@@ -96,12 +96,12 @@ class Confinement(ServerTestCase):
         finally:
             os.kill(pid, signal.SIGCONT)
         self.assertEqual(server.wait_for_job(job_id)["state"], "successful", server.errors())
-        wait_until(lambda: confined_of(server, "stitch-confined") == [], "its process outlived the job")
+        wait_until(lambda: confined_of(server, "stitch-sandboxed") == [], "its process outlived the job")
 
     def test_a_job_whose_process_is_killed_is_done_again(self):
         server = self.serve("--no-previews")
         flight_id, job_id = self.start_job(server)
-        pid = self.find(server, "stitch-confined")
+        pid = self.find(server, "stitch-sandboxed")
         os.kill(pid, signal.SIGKILL)
         job = server.wait_for_job(job_id)
         self.assertEqual((job["state"], job["attempts"]), ("successful", 2), server.errors())
@@ -111,7 +111,7 @@ class Confinement(ServerTestCase):
     def test_a_job_whose_process_is_deaf_is_cancelled_all_the_same(self):
         server = self.serve("--no-previews")
         _, job_id = self.start_job(server)
-        pid = self.find(server, "stitch-confined")
+        pid = self.find(server, "stitch-sandboxed")
         os.kill(pid, signal.SIGSTOP)
         self.assertEqual(server.json("DELETE", f"/api/v1/jobs/{job_id}")[0], 200)
         self.assertEqual(server.wait_for_job(job_id)["state"], "dismissed")
@@ -127,7 +127,7 @@ class Confinement(ServerTestCase):
         self.assertRegex(str(job["error"]), r"took more than 4 seconds and was still in the stage \\?\"check")
         self.assertIn("--job-timeout", str(job["error"]))
         wait_until(lambda: server.garbage() == [], f"left over: {server.garbage()}")
-        wait_until(lambda: confined_of(server, "stitch-confined") == [], "its process lives on")
+        wait_until(lambda: confined_of(server, "stitch-sandboxed") == [], "its process lives on")
         server.stop()
         server = self.serve("--no-previews")
         _, job_id = self.start_job(server)
@@ -154,7 +154,7 @@ class Confinement(ServerTestCase):
             self.put(server, flight["id"], name, content)
         self.wait_for_preview(server, flight["id"], len(self.photos))
         wait_until(lambda: "slow.jpg is not in the preview: it takes more than 2 seconds" in server.errors(), server.errors())
-        pid = self.find(server, "preview-confined")
+        pid = self.find(server, "preview-sandboxed")
         status, files = status_of(pid), open_files_of(pid)
         self.assertEqual((status["Seccomp"].strip(), status["NoNewPrivs"].strip()), ("2", "1"))
         for held in files:
@@ -172,7 +172,7 @@ class Confinement(ServerTestCase):
         for number, (name, content) in enumerate(self.photos[:3]):
             self.put(server, flight["id"], name, content)
             self.wait_for_preview(server, flight["id"], number + 1)
-            os.kill(self.find(server, "preview-confined"), (signal.SIGKILL, signal.SIGSTOP, signal.SIGSEGV)[number])
+            os.kill(self.find(server, "preview-sandboxed"), (signal.SIGKILL, signal.SIGSTOP, signal.SIGSEGV)[number])
         self.put(server, flight["id"], self.photos[3][0], self.photos[3][1])
         self.wait_for_preview(server, flight["id"], 4)
 
@@ -189,7 +189,7 @@ class Confinement(ServerTestCase):
             self.put(server, flight["id"], name, content)
         self.wait_for_preview(server, flight["id"], len(self.photos))
         _, job = server.json("POST", f"/api/v1/flights/{flight['id']}/jobs", {})
-        self.assertEqual(status_of(self.find(server, "stitch-confined"))["NoNewPrivs"].strip(), "1")
+        self.assertEqual(status_of(self.find(server, "stitch-sandboxed"))["NoNewPrivs"].strip(), "1")
         self.assertEqual(server.wait_for_job(job["id"])["state"], "successful", server.errors())
 
 

@@ -170,7 +170,7 @@ class Server:
 
     def close(self):
         self.process.stdout.close()
-        said = self.errors()  # also what its workers and their confined processes said, whose end a test may not notice
+        said = self.errors()  # also what its workers and their sandboxed processes said, whose end a test may not notice
         assert "Sanitizer:" not in said and ": runtime error: " not in said, said
 
 

@@ -1,4 +1,4 @@
-#include "server/confinement/sandbox.h"
+#include "server/sandbox/sandbox.h"
 
 #include <dirent.h>
 #include <fcntl.h>
@@ -20,7 +20,7 @@
 #include <functional>
 #include <thread>
 
-#include "server/confinement/system_calls.h"
+#include "server/sandbox/system_calls.h"
 #include "tests/storage/scratch_dir.h"
 
 namespace skyquilt::server {
@@ -47,7 +47,7 @@ class SandboxTest : public testing::Test {
   fs::path job() const { return data() / "work/job"; }
   fs::path photo() const { return data() / "flights/a/files/photo"; }
 
-  // How a confined process ends that returns what `act` does; negative: by that signal. 99: not confined.
+  // How a sandboxed process ends that returns what `act` does; negative: by that signal. 99: not confined.
   int Ends(const std::function<int()>& act, bool has_landlock = true) const {
     const pid_t pid = fork();
     if (pid == 0) {

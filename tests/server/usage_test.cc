@@ -31,7 +31,7 @@ struct Program {
     CLI::App* token = app.add_subcommand("token", "");
     token->require_subcommand(1);
     token->add_subcommand("add", "");
-    app.add_subcommand("stitch-confined", "")->group("");
+    app.add_subcommand("stitch-sandboxed", "")->group("");
   }
   std::string Of(const std::vector<std::string>& words) const {
     return WhatIsUnknown(app, words).value_or("");
@@ -87,7 +87,7 @@ TEST(WhatIsUnknown, LeavesWhatTheLibraryKnows) {
                                                 {"stitch", "--", "--odd-name.jpg"},
                                                 {"token", "add"},
                                                 {"token", "--help"},
-                                                {"stitch-confined"},
+                                                {"stitch-sandboxed"},
                                                 {"stitch", "inspekt"}}) {
     EXPECT_EQ(program.Of(words), "");
   }

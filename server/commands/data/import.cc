@@ -21,7 +21,7 @@
 #include "server/terminal/fail.h"
 #include "server/terminal/terminal_progress.h"
 #include "storage/files/publish_file.h"
-#include "storage/folder/elsewhere/settle_blobs.h"
+#include "storage/folder/object_store/settle_blobs.h"
 #include "storage/folder/open_data_folder.h"
 #include "storage/tags/flight_tags.h"
 

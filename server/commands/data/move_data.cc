@@ -12,8 +12,8 @@
 #include "server/usage/catalogue_options.h"
 #include "storage/blobs/folder_blobs.h"
 #include "storage/blobs/open_blobs.h"
-#include "storage/folder/elsewhere/move_blobs.h"
-#include "storage/folder/elsewhere/settle_blobs.h"
+#include "storage/folder/object_store/move_blobs.h"
+#include "storage/folder/object_store/settle_blobs.h"
 #include "storage/folder/open_data_folder.h"
 
 namespace skyquilt::server {

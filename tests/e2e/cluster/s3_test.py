@@ -374,7 +374,7 @@ class Faults(S3TestCase):
         seen = []
 
         def looked():
-            for pid in confined_of(server, "stitch-confined"):
+            for pid in confined_of(server, "stitch-sandboxed"):
                 try:
                     seen.append(pathlib.Path(f"/proc/{pid}/environ").read_bytes())
                 except (FileNotFoundError, ProcessLookupError):

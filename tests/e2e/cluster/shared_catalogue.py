@@ -31,7 +31,7 @@ class Worker:
         self.process.kill()
         self.process.wait()
         for pid in children:
-            wait_until(lambda: not is_running(pid), "a confined process outlived its worker")
+            wait_until(lambda: not is_running(pid), "a sandboxed process outlived its worker")
 
     def stop(self):
         if self.process.poll() is None:

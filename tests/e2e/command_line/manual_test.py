@@ -73,7 +73,7 @@ class Completions(unittest.TestCase):
     def hold_against_help(self, answer):
         """`answer(words)`: what the shell proposes for the last of these words."""
         self.assertLessEqual({path[0] for path in ALL if len(path) == 1}, set(answer([""])))
-        self.assertNotIn("stitch-confined", answer([""]))
+        self.assertNotIn("stitch-sandboxed", answer([""]))
         self.assertEqual(set(answer(["token", ""])) - {"-h", "--help"}, {"add", "list", "revoke"})
         for path in ALL:
             options = options_of(path)

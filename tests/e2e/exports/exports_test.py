@@ -17,7 +17,7 @@ def confined_exports(server):
     found = []
     for pid in children_of(server.process.pid):
         try:
-            if b"export-confined" in pathlib.Path(f"/proc/{pid}/cmdline").read_bytes():
+            if b"export-sandboxed" in pathlib.Path(f"/proc/{pid}/cmdline").read_bytes():
                 found.append(pid)
         except FileNotFoundError:
             continue

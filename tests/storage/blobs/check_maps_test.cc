@@ -1,4 +1,4 @@
-#include "storage/folder/elsewhere/check_maps.h"
+#include "storage/folder/object_store/check_maps.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "storage/folder/elsewhere/move_blobs.h"
+#include "storage/folder/object_store/move_blobs.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include "storage/catalogue/catalogue.h"
 #include "storage/db/ids.h"
 #include "storage/exports/pmtiles_writer.h"
-#include "storage/folder/elsewhere/settle_blobs.h"
+#include "storage/folder/object_store/settle_blobs.h"
 #include "storage/jobs/job_queue.h"
 #include "tests/storage/blobs/far_folder.h"
 #include "tests/storage/painted_tileset.h"

@@ -1,4 +1,4 @@
-#include "storage/folder/elsewhere/settle_blobs.h"
+#include "storage/folder/object_store/settle_blobs.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "storage/folder/elsewhere/sweep_blobs.h"
+#include "storage/folder/object_store/sweep_blobs.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include "storage/blobs/flight_blobs.h"
 #include "storage/blobs/folder_blobs.h"
 #include "storage/db/ids.h"
-#include "storage/folder/elsewhere/settle_blobs.h"
+#include "storage/folder/object_store/settle_blobs.h"
 #include "storage/jobs/unit_queue.h"
 #include "tests/support/temporary_folder.h"
 

@@ -1,0 +1,58 @@
+// The sandboxed side of ExportSandboxed.
+#include <signal.h>
+
+#include <chrono>
+#include <exception>
+#include <optional>
+#include <string>
+
+#include "core/base/try.h"
+#include "server/exports/export_sandboxed.h"
+#include "server/exports/export_task.h"
+#include "server/jobs/job_messages.h"
+#include "server/jobs/pipe_progress.h"
+#include "server/sandbox/process_limits.h"
+#include "server/sandbox/sandbox.h"
+#include "server/sandbox/sandboxed_child.h"
+#include "storage/exports/custom/export_map.h"
+
+namespace skyquilt::server {
+namespace {
+
+Result<void> RunExportTask(const std::string& text, MessageWriter& writer) {
+  SKYQUILT_TRY_ASSIGN(const ExportTask task, ParseExportTask(text));
+  KeepTemporaryFilesIn(task.work_dir);
+  // A file that grows beyond its limit is an error of writing, which GDAL tells of.
+  signal(SIGXFSZ, SIG_IGN);
+  StepBack();
+  LimitThisProcess(
+      {.more_data_bytes = task.memory_bytes, .more_cpu_s = task.cpu_s, .file_bytes = task.file_bytes});
+  SKYQUILT_TRY(Confine({.reads = {task.map_dir}, .writes = {task.work_dir}}));
+  PipeProgress progress(writer);
+  try {
+    SKYQUILT_TRY_ASSIGN(const storage::ExportRequest request, storage::ParseExportRequest(task.request));
+    SKYQUILT_TRY_ASSIGN(const storage::ExportSource source, storage::ExportSourceOf(task.map_dir));
+    const storage::ExportOptions options{.threads = task.threads};
+    return storage::ExportMap(source, request, task.work_dir, task.work_dir / task.out_name, options,
+                              progress);
+  } catch (const std::exception& thrown) {
+    return Error{ErrorCode::kOutOfSpace,
+                 "The server ran out of memory for this export. Ask for a smaller area.", thrown.what()};
+  }
+}
+
+}  // namespace
+
+int ExportInSandbox(int parent) {
+  auto writer = MeetParent(parent);
+  if (!writer) return 1;
+  MessageReader reader = ParentsMessages();
+  const std::optional<std::string> task = reader.Read(std::chrono::minutes(1));
+  if (!task) return 1;
+  const Result<void> outcome = RunExportTask(*task, *writer);
+  if (outcome) return 0;
+  writer->Write(ToText(JobMessage(outcome.error())));
+  return 1;
+}
+
+}  // namespace skyquilt::server

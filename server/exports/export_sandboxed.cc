@@ -1,0 +1,104 @@
+#include "server/exports/export_sandboxed.h"
+
+#include <fmt/format.h>
+#include <sys/statvfs.h>
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <system_error>
+#include <variant>
+
+#include "core/base/try.h"
+#include "server/jobs/job_messages.h"
+#include "server/sandbox/sandboxed_child.h"
+#include "server/sandbox/spawn_self.h"
+
+namespace skyquilt::server {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::milliseconds kExportPollInterval{200};
+constexpr std::chrono::seconds kExportEndPatience{10};
+// The least that an export is given to write, however full the disk is.
+constexpr std::int64_t kMinFileBytes = std::int64_t{1} << 20;
+
+Error DiskFull() {
+  return {ErrorCode::kOutOfSpace,
+          "The server's disk has no room for this export. Ask for a smaller area or a coarser resolution.",
+          ""};
+}
+
+// Stages without a share of their own: cutting and gathering come first, writing is the most of it.
+double Overall(const std::string& stage, double fraction) {
+  return stage == "export" ? 0.3 + 0.7 * fraction : 0.3 * fraction;
+}
+
+std::optional<Error> OverLimit(const SandboxedChild& child, const ExportTask& task,
+                               const ExportLimits& limits, Clock::time_point begun) {
+  if (Clock::now() - begun > limits.wall || child.CpuS() > static_cast<double>(task.cpu_s))
+    return Error{
+        ErrorCode::kTimeout,
+        fmt::format("The export took more than {} minutes. Ask for a smaller area or a coarser resolution.",
+                    limits.wall.count() / 60),
+        ""};
+  if (const std::int64_t memory = child.MemoryBytes(); memory > limits.memory_bytes)
+    return Error{ErrorCode::kUnprocessable,
+                 "The export took more memory than the server gives for it. Ask for a smaller area.",
+                 fmt::format("{} bytes", memory)};
+  if (FreeBytes(task.work_dir) < limits.keep_free_bytes) return DiskFull();
+  return std::nullopt;
+}
+
+// A link would lead to what the process itself may not read.
+Result<std::int64_t> SizeOf(const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_regular_file(fs::symlink_status(path, error)))
+    return Error{ErrorCode::kInternal, "The export ended without a file.", path.string()};
+  return static_cast<std::int64_t>(fs::file_size(path, error));
+}
+
+}  // namespace
+
+std::int64_t FreeBytes(const fs::path& folder) {
+  struct statvfs disk {};
+  if (statvfs(folder.c_str(), &disk) != 0) return 0;
+  return static_cast<std::int64_t>(disk.f_bavail) * static_cast<std::int64_t>(disk.f_frsize);
+}
+
+Result<std::int64_t> ExportSandboxed(ExportTask task, const ExportLimits& limits,
+                                     const std::function<bool(double fraction)>& go_on) {
+  const std::int64_t room = FreeBytes(task.work_dir) - limits.keep_free_bytes;
+  if (room < kMinFileBytes) return DiskFull();
+  task.file_bytes = room;
+  task.memory_bytes = limits.memory_bytes;
+  task.cpu_s = limits.wall.count() * std::max(1, task.threads);
+  SKYQUILT_TRY_ASSIGN(const auto child, SandboxedChild::Start({"export-sandboxed"}));
+  child->Tell(ToText(task));  // one that does not listen does not answer either
+  const Clock::time_point begun = Clock::now();
+  std::string stage;
+  double fraction = 0.0;
+  std::optional<Error> said;
+  while (!child->is_silent()) {
+    if (!go_on(fraction)) return Error{ErrorCode::kCancelled, "The export was cancelled.", ""};
+    if (const auto over = OverLimit(*child, task, limits, begun)) return *over;
+    const std::optional<std::string> text = child->Listen(kExportPollInterval);
+    if (!text) continue;
+    SKYQUILT_TRY_ASSIGN(const JobMessage message, ParseJobMessage(*text));
+    if (const auto* begins = std::get_if<StageBegun>(&message)) stage = begins->stage;
+    if (const auto* progress = std::get_if<StageProgress>(&message))
+      fraction = Overall(stage, progress->fraction);
+    if (const auto* error = std::get_if<Error>(&message)) said = *error;
+  }
+  const int status = child->End(kExportEndPatience);
+  if (said) return *said;
+  if (status != 0)
+    return Error{ErrorCode::kUnprocessable,
+                 "The export could not be made: its process ended. Ask for a smaller area or another format.",
+                 HowItEnded(status)};
+  return SizeOf(task.work_dir / task.out_name);
+}
+
+}  // namespace skyquilt::server

@@ -1,0 +1,238 @@
+#include "server/preview/preview_sandboxed.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "core/base/try.h"
+#include "server/routing/request_log.h"
+#include "server/sandbox/spawn_self.h"
+
+namespace skyquilt::server {
+namespace {
+
+namespace fs = std::filesystem;
+using storage::Preview;
+using storage::StoredFile;
+
+constexpr int kPhotosAtOnce = 3;
+constexpr std::size_t kMaxSessions = 4;
+constexpr std::chrono::seconds kIdle{20};
+constexpr std::chrono::milliseconds kPreviewPollInterval{50};
+// A process that waits for the disk takes no processor time; on a machine with other work to do it gets a
+// share.
+constexpr double kWallPerCpu = 5.0;
+
+bool Remove(std::vector<StoredFile>& files, const std::string& stored_name) {
+  return std::erase_if(files, [&](const StoredFile& file) { return file.stored_name == stored_name; }) > 0;
+}
+
+bool Has(const std::vector<StoredFile>& files, const std::string& stored_name) {
+  return std::any_of(files.begin(), files.end(),
+                     [&](const StoredFile& file) { return file.stored_name == stored_name; });
+}
+
+}  // namespace
+
+class SandboxedPreview::Session {
+ public:
+  Session(std::unique_ptr<SandboxedChild> child, fs::path folder, bool is_shown)
+      : child_(std::move(child)), folder_(std::move(folder)), is_shown_(is_shown) {}
+  ~Session() {
+    child_->Kill();
+    std::error_code ignored;  // what stays is swept at the next start
+    if (!is_shown_) fs::remove_all(folder_, ignored);
+  }
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+  SandboxedChild& child() { return *child_; }
+  std::string folder() const { return folder_.filename().string(); }
+  bool is_shown() const { return is_shown_; }
+  void SetShown(bool is_shown) { is_shown_ = is_shown; }
+  Clock::time_point used = Clock::now();
+
+ private:
+  std::unique_ptr<SandboxedChild> child_;
+  fs::path folder_;
+  bool is_shown_;
+};
+
+SandboxedPreview::SandboxedPreview(const storage::DataDir& dir, storage::BlobStore& blobs,
+                                   storage::Previews& previews, const PhotoLimits& limits)
+    : dir_(dir), blobs_(blobs), previews_(previews), limits_(limits) {}
+SandboxedPreview::~SandboxedPreview() = default;
+
+void SandboxedPreview::EndIdle() {
+  const auto oldest = [&] {
+    return std::min_element(sessions_.begin(), sessions_.end(),
+                            [](const auto& a, const auto& b) { return a.second->used < b.second->used; });
+  };
+  while (!sessions_.empty()) {
+    const auto session = oldest();
+    if (sessions_.size() < kMaxSessions && Clock::now() - session->second->used < kIdle) return;
+    sessions_.erase(session);
+  }
+}
+
+Result<SandboxedPreview::Session*> SandboxedPreview::SessionOf(const std::string& flight_id,
+                                                               const std::optional<Preview>& preview) {
+  const auto found = sessions_.find(flight_id);
+  if (found != sessions_.end()) {
+    Session& session = *found->second;
+    session.used = Clock::now();
+    const bool is_its = preview && session.folder() == preview->folder;
+    if (is_its && !session.child().is_silent()) return &session;
+    session.SetShown(is_its);  // begun anew since, after a photo was taken out
+    sessions_.erase(found);
+  }
+  EndIdle();
+  const fs::path folder = dir_.Flight(flight_id) / (preview ? preview->folder : storage::NewPreviewFolder());
+  std::error_code error;
+  // Of a flight that lies elsewhere there may be nothing here yet; else one without a folder is gone.
+  if (blobs_.IsFolder()) {
+    fs::create_directory(folder, error);
+  } else {
+    fs::create_directories(folder, error);
+  }
+  if (error) return Error{ErrorCode::kIo, "The folder of a preview cannot be made.", error.message()};
+  Result<std::unique_ptr<SandboxedChild>> child = SandboxedChild::Start({"preview-sandboxed"});
+  if (!child) {
+    if (!preview) fs::remove(folder, error);
+    return child.error();
+  }
+  const PreviewPlace place{blobs_.FolderOf(storage::FilesPrefix(flight_id)), folder, limits_.memory_bytes};
+  (*child)->Tell(ToText(place));  // one that does not listen does not answer either
+  auto session = std::make_unique<Session>(*std::move(child), folder, preview.has_value());
+  return (sessions_[flight_id] = std::move(session)).get();
+}
+
+Result<std::vector<storage::LocalBlob>> SandboxedPreview::Fetch(const std::string& flight_id,
+                                                                const PreviewRequest& request) {
+  std::vector<storage::LocalBlob> photos;
+  if (blobs_.IsFolder()) return photos;
+  for (const auto* files : {&request.fresh, &request.tried}) {
+    for (const StoredFile& file : *files) {
+      Result<storage::LocalBlob> photo = blobs_.Local(storage::FilesPrefix(flight_id) + file.stored_name);
+      // One that is gone was taken out a moment ago; whoever draws finds no such file.
+      if (!photo && photo.error().code == ErrorCode::kNotFound) continue;
+      if (!photo) return photo.error();
+      photos.push_back(*std::move(photo));
+    }
+  }
+  return photos;
+}
+
+SandboxedPreview::Answer SandboxedPreview::Exchange(Session& session, const PreviewRequest& request) const {
+  SandboxedChild& child = session.child();
+  Answer answer;
+  if (!child.Tell(ToText(request))) return {{}, "", "its process does not listen"};
+  double cpu_before_s = child.CpuS();
+  auto began = Clock::now();
+  while (!child.is_silent()) {
+    if (child.MemoryBytes() > limits_.memory_bytes) {
+      answer.why = fmt::format("it takes more than {} MiB of memory", limits_.memory_bytes >> 20);
+      return answer;
+    }
+    const std::chrono::duration<double> wall = Clock::now() - began;
+    if (child.CpuS() - cpu_before_s > limits_.cpu_s || wall.count() > kWallPerCpu * limits_.cpu_s) {
+      answer.why = fmt::format("it takes more than {:.0f} seconds of processor time", limits_.cpu_s);
+      return answer;
+    }
+    const std::optional<std::string> text = child.Listen(kPreviewPollInterval);
+    if (!text) continue;
+    Result<PreviewMessage> message = ParsePreviewMessage(*text);
+    if (!message) {
+      answer.why = message.error().message + " " + message.error().detail;
+      return answer;
+    }
+    if (const auto* begun = std::get_if<PhotoBegun>(&*message)) {
+      if (!Has(request.fresh, begun->stored_name) && !Has(request.tried, begun->stored_name)) {
+        answer.why = "it speaks of a photo that is none of its";
+        return answer;
+      }
+      answer.culprit = begun->stored_name;
+      cpu_before_s = child.CpuS();
+      began = Clock::now();
+    } else if (auto* drawn = std::get_if<PreviewDrawn>(&*message)) {
+      answer.drawn = std::move(*drawn);
+      return answer;
+    } else {
+      const Error& error = std::get<Error>(*message);
+      return {{}, "", error.message + " " + error.detail};
+    }
+  }
+  answer.why = "its decoder ended " + HowItEnded(child.Kill());
+  return answer;
+}
+
+Result<void> SandboxedPreview::Show(const storage::PreviewWork& work, const PreviewRequest& request,
+                                    const PreviewDrawn& drawn) {
+  std::vector<StoredFile> without_part;
+  for (const StoredFile& file : request.fresh) {
+    if (std::find(drawn.forgone.begin(), drawn.forgone.end(), file.stored_name) != drawn.forgone.end())
+      without_part.push_back(file);
+  }
+  if (!without_part.empty()) {
+    if (auto forgone = previews_.Forgo(without_part); !forgone) return forgone;
+  }
+  const auto session = sessions_.find(work.flight_id);
+  if (!drawn.preview) {
+    // No preview yet, so no folder; what is known of the photos is read again when there are more.
+    if (!session->second->is_shown()) sessions_.erase(session);
+    return {};
+  }
+  Preview preview = *drawn.preview;
+  preview.flight_id = work.flight_id;
+  preview.folder = session->second->folder();
+  preview.edition = request.preview ? request.preview->edition + 1 : 1;
+  SKYQUILT_TRY_ASSIGN(const bool shown, previews_.Show(preview));
+  session->second->SetShown(shown);
+  // The map came first, or a photo was taken out: what was drawn is nobody's now.
+  if (!shown) sessions_.erase(session);
+  return {};
+}
+
+Result<bool> SandboxedPreview::Step() {
+  SKYQUILT_TRY_ASSIGN(const std::optional<storage::PreviewWork> claimed, previews_.Claim(kPhotosAtOnce));
+  if (!claimed) {
+    std::erase_if(sessions_, [](const auto& one) { return Clock::now() - one.second->used > kIdle; });
+    return false;
+  }
+  const storage::PreviewWork& work = *claimed;
+  PreviewRequest request{work.fresh, work.tried, std::nullopt};
+  bool may_retry = true;
+  while (true) {
+    SKYQUILT_TRY_ASSIGN(std::optional<Preview> preview, previews_.Find(work.flight_id));
+    request.preview = std::move(preview);
+    SKYQUILT_TRY_ASSIGN(const std::vector<storage::LocalBlob> photos, Fetch(work.flight_id, request));
+    SKYQUILT_TRY_ASSIGN(Session* const session, SessionOf(work.flight_id, request.preview));
+    Answer answer = Exchange(*session, request);
+    if (answer.drawn) {
+      SKYQUILT_TRY(Show(work, request, *answer.drawn));
+      return true;
+    }
+    sessions_.erase(work.flight_id);
+    if (answer.culprit.empty()) {
+      // No photo is to blame: killed from outside while it waited, or the disk is full.
+      if (std::exchange(may_retry, false)) continue;
+      return Error{ErrorCode::kUnavailable, "A preview could not be drawn.", answer.why};
+    }
+    // Passed over for good: no later process reads it again.
+    const auto is_it = [&](const StoredFile& file) { return file.stored_name == answer.culprit; };
+    std::vector<StoredFile> culprit;
+    std::copy_if(request.fresh.begin(), request.fresh.end(), std::back_inserter(culprit), is_it);
+    std::copy_if(request.tried.begin(), request.tried.end(), std::back_inserter(culprit), is_it);
+    SKYQUILT_TRY(previews_.Forgo(culprit));
+    LogEvent(fmt::format("{} is not in the preview: {}", culprit.front().name, answer.why));
+    Remove(request.fresh, answer.culprit);
+    Remove(request.tried, answer.culprit);
+    if (request.fresh.empty()) return true;
+  }
+}
+
+}  // namespace skyquilt::server

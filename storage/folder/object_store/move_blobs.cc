@@ -1,0 +1,215 @@
+#include "storage/folder/object_store/move_blobs.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "core/base/parallel_for.h"
+#include "core/base/try.h"
+#include "storage/blobs/range_cache.h"
+#include "storage/blobs/sha256.h"
+#include "storage/catalogue/catalogue.h"
+#include "storage/folder/data_marker.h"
+#include "storage/folder/disk_flights.h"
+#include "storage/folder/object_store/pack_maps.h"
+#include "storage/folder/object_store/settle_blobs.h"
+#include "storage/jobs/job_queue.h"
+#include "storage/jobs/map_products.h"
+
+namespace skyquilt::storage {
+namespace {
+
+constexpr int kMovedSideBySide = 4;
+
+// What a flight's place holds beside its record and its previews, which stay in the folder.
+bool IsMoved(const std::string& key) {
+  const std::optional<FlightBlob> blob = FlightBlobOf(key);
+  return blob && (blob->folder == "files" || IsRevisionFolder(blob->folder));
+}
+
+Result<std::vector<BlobInfo>> Moved(BlobStore& blobs) {
+  SKYQUILT_TRY_ASSIGN(std::vector<BlobInfo> all, blobs.List("flights/"));
+  std::erase_if(all, [](const BlobInfo& blob) { return !IsMoved(blob.key); });
+  return all;
+}
+
+std::vector<std::string> MapsAmong(const std::vector<BlobInfo>& blobs) {
+  std::vector<std::string> maps;
+  for (const BlobInfo& blob : blobs)
+    if (blob.key.ends_with("/mosaic.mbtiles")) maps.push_back(blob.key);
+  return maps;
+}
+
+// What Put and PackMaps make anew wherever it is wanted: in a folder, tiles and mosaic.pmtiles itself are
+// read out of the map beside it.
+void LeavePacks(std::vector<BlobInfo>& blobs) {
+  std::set<std::string> packs;
+  for (const std::string& map : MapsAmong(blobs))
+    packs.insert({PackOf(map), RangeSumsKey(PackOf(map)), RangeSumsKey(map)});
+  std::erase_if(blobs, [&](const BlobInfo& blob) { return packs.contains(blob.key); });
+}
+
+// A move would hide what is missing: it is said before.
+Result<void> CheckComplete(CatalogueDb& db, const std::vector<BlobInfo>& blobs, const BlobStore& from) {
+  std::set<std::string> keys;
+  for (const BlobInfo& blob : blobs) keys.insert(blob.key);
+  const Catalogue catalogue(db);
+  SKYQUILT_TRY_ASSIGN(const std::vector<std::string> ids, catalogue.FlightIds());
+  for (const std::string& id : ids) {
+    SKYQUILT_TRY_ASSIGN(const std::vector<StoredFile> files, catalogue.ListFiles(id));
+    for (const StoredFile& file : files) {
+      if (keys.contains(FilesPrefix(id) + file.stored_name)) continue;
+      return Error{ErrorCode::kNotFound,
+                   fmt::format("{} lacks {}{} ({}). See \"skyquilt data check\"; nothing was moved.",
+                               from.Address(), FilesPrefix(id), file.stored_name, file.name),
+                   ""};
+    }
+    SKYQUILT_TRY_ASSIGN(const std::vector<std::int64_t> revisions, catalogue.Revisions(id));
+    for (const std::int64_t revision : revisions) {
+      if (keys.contains(RevisionPrefix(id, revision) + "mosaic.mbtiles")) continue;
+      return Error{ErrorCode::kNotFound,
+                   fmt::format("{} lacks {}mosaic.mbtiles. See \"skyquilt data check\"; nothing was moved.",
+                               from.Address(), RevisionPrefix(id, revision)),
+                   ""};
+    }
+  }
+  return {};
+}
+
+// True: it was copied; false: it was there.
+Result<bool> MoveOne(const BlobInfo& blob, BlobStore& from, BlobStore& to) {
+  SKYQUILT_TRY_ASSIGN(const std::string sum, Sha256OfBlob(from, blob));
+  const auto is_there = [&]() -> Result<bool> {
+    const Result<BlobInfo> copy = to.Find(blob.key);
+    if (!copy && copy.error().code == ErrorCode::kNotFound) return false;
+    if (!copy) return copy.error();
+    if (copy->bytes != blob.bytes) return false;
+    SKYQUILT_TRY_ASSIGN(const std::string sum_of_copy, Sha256OfBlob(to, *copy));
+    return sum_of_copy == sum;
+  };
+  SKYQUILT_TRY_ASSIGN(const bool was_there, is_there());
+  if (was_there) return false;
+  SKYQUILT_TRY_ASSIGN(const LocalBlob local, from.Local(blob.key));
+  SKYQUILT_TRY(to.Put(blob.key, local.path));
+  SKYQUILT_TRY_ASSIGN(const bool is_same, is_there());
+  if (is_same) return true;
+  return Error{
+      ErrorCode::kCorrupt,
+      fmt::format("The copy of {} at {} is not the same as the original. Nothing was removed; run the "
+                  "same command again.",
+                  blob.key, to.Address()),
+      ""};
+}
+
+// Whoever is at work puts a map where nobody will look for it, and the parts of a flight are not moved.
+Result<void> CheckNobodyWorks(CatalogueDb& db) {
+  SKYQUILT_TRY_ASSIGN(const std::vector<JobQueue::LiveLease> leases, JobQueue(db).LiveLeases(Now()));
+  if (leases.empty()) return {};
+  return Error{ErrorCode::kConflict,
+               fmt::format("A job of flight {} is running. Let it end, or cancel it, stop all servers and "
+                           "workers and run the command again; a worker that was killed counts for {} s. "
+                           "Nothing was removed.",
+                           leases.front().flight_id, kLeaseTime.count()),
+               ""};
+}
+
+// While those that were listed were copied.
+Result<void> CheckNothingCame(BlobStore& from, const std::vector<BlobInfo>& listed) {
+  std::set<std::string> keys;
+  for (const BlobInfo& blob : listed) keys.insert(blob.key);
+  SKYQUILT_TRY_ASSIGN(const std::vector<BlobInfo> blobs, Moved(from));
+  for (const BlobInfo& blob : blobs) {
+    if (keys.contains(blob.key)) continue;
+    return Error{ErrorCode::kConflict,
+                 fmt::format("{} came to {} while the others were copied. Stop all servers and workers, and "
+                             "run the command again. Nothing was removed.",
+                             blob.key, from.Address()),
+                 ""};
+  }
+  return {};
+}
+
+// `blobs`: whose copies were held against them, and packs of such.
+Result<std::int64_t> RemoveSource(BlobStore& from, const std::vector<BlobInfo>& blobs) {
+  for (const BlobInfo& blob : blobs) {
+    SKYQUILT_TRY(from.Remove(blob.key));
+  }
+  // Others may have the place now.
+  if (!from.IsFolder()) {
+    SKYQUILT_TRY(from.Remove("skyquilt-data.json"));
+  }
+  return static_cast<std::int64_t>(blobs.size());
+}
+
+}  // namespace
+
+Result<MoveReport> MoveBlobs(const DataDir& dir, const std::string& catalogue_id, CatalogueDb& db,
+                             BlobStore& from, BlobStore& to, bool removes_source, Progress& progress) {
+  SKYQUILT_TRY(db.HoldAlone());
+  SKYQUILT_TRY(CheckNobodyWorks(db));
+  SKYQUILT_TRY_ASSIGN(const std::optional<std::string> settled, SettledAt(dir));
+  const std::string lies_at = settled.value_or("");
+  const std::string moves_to = to.IsFolder() ? "" : to.Address();
+  // A move that was done already has only the originals left to remove.
+  const bool is_done = lies_at == moves_to;
+  if (!is_done && lies_at != (from.IsFolder() ? "" : from.Address())) {
+    return Error{ErrorCode::kConflict,
+                 fmt::format("The photos and maps of {} lie at {}, not at {}.", dir.root().string(),
+                             settled ? *settled : dir.root().string(), from.Address()),
+                 ""};
+  }
+  for (BlobStore* place : {&from, &to}) {
+    if (place->IsFolder()) continue;
+    SKYQUILT_TRY(ClaimBlobs(catalogue_id, *place));
+  }
+  MoveReport report;
+  SKYQUILT_TRY_ASSIGN(const std::vector<BlobInfo> listed, Moved(from));
+  std::vector<BlobInfo> blobs = listed;
+  if (!is_done) {
+    SKYQUILT_TRY(CheckComplete(db, blobs, from));
+  }
+  if (to.IsFolder()) LeavePacks(blobs);
+  for (const BlobInfo& blob : blobs) report.bytes += blob.bytes;
+  progress.BeginStage("move");
+  std::mutex mutex;
+  std::optional<Error> failure;
+  std::int64_t bytes_done = 0;
+  ParallelFor(blobs.size(), kMovedSideBySide, [&](std::size_t i) {
+    {
+      const std::lock_guard lock(mutex);
+      if (failure) return;
+    }
+    const Result<bool> moved = MoveOne(blobs[i], from, to);
+    const std::lock_guard lock(mutex);
+    if (!moved && !failure) failure = moved.error();
+    if (!moved) return;
+    ++(*moved ? report.copied : report.there_already);
+    bytes_done += blobs[i].bytes;
+    progress.Report(
+        static_cast<double>(bytes_done) / static_cast<double>(std::max<std::int64_t>(1, report.bytes)),
+        fmt::format("{} of {} files, {:.1f} of {:.1f} MB", report.copied + report.there_already, blobs.size(),
+                    static_cast<double>(bytes_done) / 1e6, static_cast<double>(report.bytes) / 1e6));
+  });
+  if (failure) return *failure;
+  if (!to.IsFolder()) {
+    SKYQUILT_TRY_ASSIGN(report.pack, PackMaps(dir, MapsAmong(blobs), from, to, progress));
+  }
+  SKYQUILT_TRY(CheckNobodyWorks(db));
+  SKYQUILT_TRY(CheckNothingCame(from, listed));
+  if (db.IsShared()) {
+    SKYQUILT_TRY(ChangeCatalogueBlobs(*db.Lock(), to.IsFolder() ? kInDataFolder : moves_to));
+  }
+  SKYQUILT_TRY(ForgetProducts(*db.Lock()));
+  SKYQUILT_TRY(SettleAt(dir, moves_to));
+  if (removes_source) {
+    SKYQUILT_TRY_ASSIGN(report.removed, RemoveSource(from, listed));
+  }
+  return report;
+}
+
+}  // namespace skyquilt::storage
