@@ -1,5 +1,5 @@
 """Writes what the program is made of as a CycloneDX 1.5 document: the Debian packages of the libraries that are loaded
-with it, directly or by each other, those whose headers are compiled into it, and the npm packages of the page.
+with it or by it, directly or by each other, those whose headers are compiled into it, and the npm packages of the page.
 
 Reads ELF files by readelf and asks dpkg whose they are, so that programs of another architecture can be listed too where
 their libraries are installed (multiarch). A library without a package is listed by its name and file alone."""
@@ -42,7 +42,9 @@ class Libraries:
         own = [pathlib.Path(folder.replace("$ORIGIN", str(pathlib.Path(path).parent)))
                for line in re.findall(r"\((?:RPATH|RUNPATH)\).*\[(.*)\]", said) for folder in line.split(":") if folder]
         needed = []
-        for name in re.findall(r"\(NEEDED\).*\[(.*)\]", said):
+        # Loaded when they are first needed: the note of systemd's "ELF dlopen metadata".
+        late = re.findall(r'"soname":\["([^"]+)"\]', run("readelf", "-W", "-p", ".note.dlopen", path))
+        for name in re.findall(r"\(NEEDED\).*\[(.*)\]", said) + sorted(set(late)):
             place = next((folder / name for folder in own + self.folders if (folder / name).exists()), None)
             if place is None:
                 self.missing.add(name)

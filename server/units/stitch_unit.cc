@@ -4,7 +4,7 @@
 
 #include <utility>
 
-#include "core/base/large_blocks_apart.h"
+#include "core/base/process/large_blocks_apart.h"
 #include "core/base/try.h"
 #include "core/flight/photos/photo_decoder.h"
 #include "core/pipeline/memory_budget.h"

@@ -5,8 +5,8 @@
 
 #include "core/alignment/from_records/bundle_setup.h"
 #include "core/alignment/scene/tracks.h"
-#include "core/base/large_blocks_apart.h"
 #include "core/base/median.h"
+#include "core/base/process/large_blocks_apart.h"
 #include "core/base/scoped_timer.h"
 #include "core/base/trace.h"
 

@@ -1,12 +1,17 @@
 """The release program as users get it: hardened, and without debug information, with its names."""
+import os
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
+import tempfile
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from server_support import BINARY  # noqa: E402
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
 
 
 @unittest.skipUnless(shutil.which("readelf"), "readelf is not here")
@@ -31,6 +36,32 @@ class HardenedProgram(unittest.TestCase):
         self.assertIn("__stack_chk_fail", symbols)
         self.assertRegex(symbols, r"__\w+_chk\b")  # FORTIFY
         self.assertIn("__glibcxx_assert_fail", symbols)  # checked containers
+
+    @unittest.skipUnless(shutil.which("dpkg-query"), "dpkg is not here")
+    def test_what_it_loads_late_is_among_the_packages_it_runs_with(self):
+        late = set(re.findall(r'"soname":\["([^"]+)"\]', self.read("-p", ".note.dlopen")))
+        if not late:
+            self.skipTest("every library is linked: there are no stubs for this processor")
+        self.assertIn("libgdal.so.32", late)
+        self.assertEqual({name for name in late if f"[{name}]" in self.read("-d")}, set())
+        listed = subprocess.run([ROOT / "cmake" / "list_packages.sh", "run"], capture_output=True, text=True, check=True).stdout.split()
+        known = {line.split()[0]: line.split()[-1] for line in
+                 subprocess.run(["/sbin/ldconfig", "-p"], capture_output=True, text=True, check=True).stdout.splitlines()[1:]}
+        for name in sorted(late):
+            said = subprocess.run(["dpkg-query", "-S", f"*/{pathlib.Path(known[name]).resolve().name}"], capture_output=True, text=True,
+                                  check=True).stdout
+            self.assertIn(said.split(":")[0], listed, name)
+
+    def test_a_library_that_is_gone_is_named(self):
+        """As where its package was taken away by force: the command that needs it says which, others go on."""
+        with tempfile.TemporaryDirectory() as folder:
+            pathlib.Path(folder, "libgdal.so.32").write_bytes(b"no library")
+            environment = {**os.environ, "LD_LIBRARY_PATH": folder}
+            self.assertEqual(subprocess.run([BINARY, "--version"], env=environment, capture_output=True).returncode, 0)
+            pathlib.Path(folder, "a.tif").write_bytes(b"II*\0" + bytes(100))
+            asked = subprocess.run([BINARY, "validate", f"{folder}/a.tif"], env=environment, capture_output=True, text=True)
+            self.assertNotEqual(asked.returncode, 0)
+            self.assertIn("libgdal.so.32 cannot be loaded", asked.stderr)
 
     def test_it_keeps_the_names_of_its_functions(self):
         sections = self.read("-S")

@@ -1,4 +1,4 @@
-#include "core/base/large_blocks_apart.h"
+#include "core/base/process/large_blocks_apart.h"
 
 #if defined(__GLIBC__)
 #include <malloc.h>
