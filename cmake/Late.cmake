@@ -21,7 +21,7 @@ function(skyquilt_load_late library)
   endforeach()
   set(stubs ${CMAKE_CURRENT_BINARY_DIR}/${library}_late.S)
   add_custom_command(OUTPUT ${stubs}
-    COMMAND ${CMAKE_SOURCE_DIR}/cmake/late/late_stubs.sh ${stubs} ${CMAKE_NM} $<TARGET_FILE:${library}> ${ARG_FILES}
+    COMMAND ${CMAKE_SOURCE_DIR}/cmake/late/late_stubs.sh ${stubs} ${CMAKE_NM} ${CMAKE_READELF} $<TARGET_FILE:${library}> ${ARG_FILES}
     DEPENDS ${library} ${CMAKE_SOURCE_DIR}/cmake/late/late_stubs.sh ${CMAKE_SOURCE_DIR}/cmake/late/x86_64.S VERBATIM)
   add_library(${library}_late STATIC ${stubs})
   target_include_directories(${library}_late PRIVATE ${CMAKE_SOURCE_DIR})

@@ -97,6 +97,9 @@ The service listens to its own machine until /etc/skyquilt.conf says
 otherwise.")
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "adduser, init-system-helpers (>= 1.52), ${run_packages}")
+set(CPACK_PROJECT_CONFIG_FILE ${CMAKE_BINARY_DIR}/late_depends.cmake)
+file(GENERATE OUTPUT ${CPACK_PROJECT_CONFIG_FILE} CONTENT
+  "set(SKYQUILT_PROGRAM \"$<TARGET_FILE:skyquilt>\")\ninclude(\"${package_dir}/late_depends.cmake\")\n")
 set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA
     ${package_dir}/conffiles ${package_dir}/postinst ${package_dir}/prerm ${package_dir}/postrm)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)

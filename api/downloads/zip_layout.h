@@ -38,7 +38,7 @@ struct ZipLayout {
 };
 
 // Reads every file once for its checksum; those of unchanged files are remembered. Errors: kNotFound, kIo,
-// those of laid files.
+// those of streamed files.
 Result<ZipLayout> PlanZip(const std::vector<ZipEntry>& entries);
 
 // A strong entity tag: of the directory at the end, which has every name, size and checksum.

@@ -88,7 +88,7 @@ Result<std::string> ProfileJson(Service& service, const std::string& flight_id, 
 
 Result<std::vector<geo::LatLon>> ParseLine(std::string_view json) {
   SKYQUILT_TRY(CheckJsonText(json));
-  const HeightsJson parsed = HeightsJson::parse(json, nullptr, false);
+  const HeightsJson parsed = ParseOrderedJson(json);
   if (parsed.is_discarded()) return Error{ErrorCode::kInvalidArgument, "The body is not JSON.", ""};
   const auto member = [](const HeightsJson& object, const char* name) {
     const auto found = object.find(name);

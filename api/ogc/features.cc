@@ -81,7 +81,7 @@ Result<FeatureJson> ReadPhotos(Service& service, const std::string& flight_id) {
   SKYQUILT_TRY_ASSIGN(const ShownMap shown, FindShownMap(service, flight_id));
   SKYQUILT_TRY_ASSIGN(const storage::LocalBlob file, FetchProduct(service, shown, "photos.geojson"));
   SKYQUILT_TRY_ASSIGN(const std::string text, storage::ReadWholeFile(file.path));
-  FeatureJson json = FeatureJson::parse(text, nullptr, false);
+  FeatureJson json = ParseOrderedJson(text);
   if (!json.is_object() || !json.contains("features") || !json["features"].is_array())
     return Error{ErrorCode::kCorrupt, "The list of photos of this map is damaged.", file.path.string()};
   return std::move(json["features"]);

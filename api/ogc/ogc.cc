@@ -21,6 +21,7 @@
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "core/geo/web_mercator.h"
+#include "core/image/picture_format.h"
 #include "storage/db/ids.h"
 #include "storage/exports/utm_writer.h"
 
@@ -92,10 +93,11 @@ Value Collection(const Request& request, const storage::ShownFlight& map) {
   Value links = Value::array();
   const std::string at = "/ogc/collections/" + map.flight_id;
   links.push_back(link(at, "self", "application/json", "This map"));
-  // Without a format it is PNG.
-  links.push_back(link(at + "/map", kOgcRel + "map", "image/png", "This map as a picture"));
-  links.push_back(link(at + "/map?f=jpeg", kOgcRel + "map", "image/jpeg", "This map as a picture"));
-  links.push_back(link(at + "/map?f=webp", kOgcRel + "map", "image/webp", "This map as a picture"));
+  for (const image::PictureFormatRow& row : image::kPictureFormats) {
+    const bool is_first = &row == &image::kPictureFormats.front();  // which comes without being asked for
+    links.push_back(link(at + (is_first ? "/map" : std::string("/map?f=") + row.name), kOgcRel + "map",
+                         row.content_type, "This map as a picture"));
+  }
   links.push_back(link(at + "/map/tiles", kOgcRel + "tilesets-map", "application/json", "Its tilesets"));
   links.push_back(link("/stac/" + map.flight_id, "describedby", "application/geo+json", "STAC item"));
   for (const PhotoFeatures kind : FeaturesOf(map)) {

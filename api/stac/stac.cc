@@ -173,7 +173,7 @@ Response AnswerSearch(Service& service, const Request& request, const Result<Sta
   for (const storage::ShownFlight& map : found->maps) {
     const Result<std::string> item = ItemText(service, request, map);
     if (!item) return Problem(item.error(), request);
-    features.push_back(StacJson::parse(*item));
+    features.push_back(ParseOrderedJson(*item));
   }
   StacJson links = StacJson::array();
   links.push_back(StacLink(request, "/stac", "root", kJsonType));
@@ -209,7 +209,7 @@ Response SearchByBody(Service& service, const Request& request, const std::strin
   return AnswerSearch(service, request, ParseStacBody(body), "/stac/search", [&](const std::string& cursor) {
     StacJson link = StacLink(request, "/stac/search", "next", kGeoJsonType);
     link["method"] = "POST";
-    link["body"] = StacJson::parse(body);
+    link["body"] = ParseOrderedJson(body);
     link["body"]["cursor"] = cursor;
     return link;
   });

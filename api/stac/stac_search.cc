@@ -78,7 +78,7 @@ Result<StacSearch> ParseStacQuery(const Request& request) {
 
 Result<StacSearch> ParseStacBody(const std::string& body) {
   SKYQUILT_TRY(CheckJsonText(body));
-  const SearchJson json = SearchJson::parse(body, nullptr, false);
+  const SearchJson json = ParseJson(body);
   if (!json.is_object()) return BadParameter("The body must be a JSON object.");
   for (const char* unknown : {"query", "filter"}) {
     if (json.contains(unknown)) {

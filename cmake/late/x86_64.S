@@ -16,6 +16,10 @@ late_slots_\library:
     .balign 8
 late_table_\library:
     .quad late_soname_\library, late_names_\library, late_slots_\library
+    .section late_tables, "aw"  /* late_library.cc walks them all */
+    .balign 8
+    .quad late_table_\library
+    .section .data.rel.ro, "aw"
 late_names_\library:
     .endm
 
@@ -31,29 +35,43 @@ late_name_\library\()_\index:
     .type \name, @function
     .balign 16
 \name:
+    .cfi_startproc
     endbr64
     movq late_slots_\library + 8 * \index(%rip), %r11
     testq %r11, %r11
     je 1f
     jmp *%r11
 1:  pushq $\index
+    .cfi_adjust_cfa_offset 8
     leaq late_table_\library(%rip), %r11
     jmp late_first_call
+    .cfi_endproc
     .size \name, . - \name
     .endm
 
     .text
     .type late_first_call, @function
 late_first_call:
+    .cfi_startproc
+    .cfi_adjust_cfa_offset 8  /* the index */
     pushq %rax
+    .cfi_adjust_cfa_offset 8
     pushq %rdi
+    .cfi_adjust_cfa_offset 8
     pushq %rsi
+    .cfi_adjust_cfa_offset 8
     pushq %rdx
+    .cfi_adjust_cfa_offset 8
     pushq %rcx
+    .cfi_adjust_cfa_offset 8
     pushq %r8
+    .cfi_adjust_cfa_offset 8
     pushq %r9
+    .cfi_adjust_cfa_offset 8
     pushq %r10
+    .cfi_adjust_cfa_offset 8
     subq $128, %rsp
+    .cfi_adjust_cfa_offset 128
     movups %xmm0, (%rsp)
     movups %xmm1, 16(%rsp)
     movups %xmm2, 32(%rsp)
@@ -75,16 +93,27 @@ late_first_call:
     movups 96(%rsp), %xmm6
     movups 112(%rsp), %xmm7
     addq $128, %rsp
+    .cfi_adjust_cfa_offset -128
     popq %r10
+    .cfi_adjust_cfa_offset -8
     popq %r9
+    .cfi_adjust_cfa_offset -8
     popq %r8
+    .cfi_adjust_cfa_offset -8
     popq %rcx
+    .cfi_adjust_cfa_offset -8
     popq %rdx
+    .cfi_adjust_cfa_offset -8
     popq %rsi
+    .cfi_adjust_cfa_offset -8
     popq %rdi
+    .cfi_adjust_cfa_offset -8
     popq %rax
+    .cfi_adjust_cfa_offset -8
     addq $8, %rsp
+    .cfi_adjust_cfa_offset -8
     jmp *%r11
+    .cfi_endproc
     .size late_first_call, . - late_first_call
 
     .section .note.GNU-stack, "", @progbits

@@ -19,9 +19,9 @@ struct PictureFormatRow {
   const char* content_type;  // in HTTP
   const char* name;          // of f= in OGC's APIs
   int pmtiles_type;          // in the head of a PMTiles archive (specification 3, "Tile Type"); 0: of none
-  int mbtiles_code;          // in the column `tile_format` of our own MBTiles
-  std::string_view begins;   // first bytes of every such picture
-  std::string_view at_8;     // and those behind its eighth, where the first do not tell
+  int mbtiles_code;  // in the column `tile_format` of our own MBTiles (those without it: tile_table.cc)
+  std::string_view begins;  // first bytes of every such picture
+  std::string_view at_8;    // and those behind its eighth, where the first do not tell
 };
 
 // In the order in which they are offered: who takes the first has what every program shows, at the map's edge

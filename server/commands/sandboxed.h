@@ -1,5 +1,5 @@
-// `skyquilt stitch-sandboxed` and `skyquilt preview-sandboxed`: started by a worker to decode files of users
-// (server/jobs/stitch_sandboxed.h, server/preview/preview_sandboxed.h). Internal.
+// `skyquilt stitch-sandboxed`, `preview-sandboxed` and `export-sandboxed`: started by a worker to decode
+// files of users (server/jobs/stitch_sandboxed.h, server/preview/preview_sandboxed.h). Internal.
 #pragma once
 
 namespace CLI {

@@ -21,6 +21,7 @@
 #include "api/build_api.h"
 #include "api/nodeodm/nodeodm.h"
 #include "api/uploads/unpack.h"
+#include "core/base/process/late_library.h"
 #include "core/base/text/printable.h"
 #include "server/commands/serve_options.h"
 #include "server/exports/export_runner.h"
@@ -244,6 +245,8 @@ void RunServer(const ServeOptions& options) {
   }
   const sigset_t signals = BlockSignals();
   RaiseDescriptorLimit();
+  const Result<void> loaded = LoadLate();  // a library that is missing is no surprise of the first request
+  if (!loaded) Fail("skyquilt serve", loaded.error());
   KeepFreedMemory();
   const storage::CataloguePlace given =
       PlaceOf("skyquilt serve", options.catalogue, options.catalogue_password_file);

@@ -12,6 +12,7 @@
 #include <thread>
 #include <utility>
 
+#include "core/base/process/late_library.h"
 #include "core/base/try.h"
 #include "server/open_blobs.h"
 #include "server/preview/preview_sandboxed.h"
@@ -168,6 +169,8 @@ void RunWorker(const WorkerOptions& options) {
   // A worker whose server died must not go on for nobody.
   if (options.parent != 0 && !FollowParent(options.parent, SIGTERM)) return;
   StepBack();
+  const Result<void> loaded = LoadLate();
+  if (!loaded) Fail("skyquilt worker", loaded.error());
   LimitThisProcess({});
   const storage::CataloguePlace given =
       PlaceOf("skyquilt worker", options.catalogue, options.catalogue_password_file);

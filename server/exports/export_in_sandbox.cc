@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "core/base/process/late_library.h"
 #include "core/base/try.h"
 #include "server/exports/export_sandboxed.h"
 #include "server/exports/export_task.h"
@@ -25,6 +26,7 @@ Result<void> RunExportTask(const std::string& text, MessageWriter& writer) {
   // A file that grows beyond its limit is an error of writing, which GDAL tells of.
   signal(SIGXFSZ, SIG_IGN);
   StepBack();
+  SKYQUILT_TRY(LoadLate());
   LimitThisProcess(
       {.more_data_bytes = task.memory_bytes, .more_cpu_s = task.cpu_s, .file_bytes = task.file_bytes});
   SKYQUILT_TRY(Confine({.reads = {task.map_dir}, .writes = {task.work_dir}}));

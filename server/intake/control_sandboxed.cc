@@ -34,14 +34,13 @@ Result<std::string> ControlSandboxed(const std::filesystem::path& list) {
                                            .input = JsonText(ControlInput(list.string())),
                                            .deadline = std::chrono::seconds(3 * kControlCpuS),
                                            .refusal = kControlRefusal});
-  if (json && !ControlInput::accept(*json))
+  if (json && ParseJson(*json).is_discarded())
     return Error{ErrorCode::kUnprocessable, kControlRefusal, "the control points are not JSON"};
   return json;
 }
 
 void ControlHere(std::int64_t cpu_s) {
-  const std::filesystem::path list =
-      ControlInput::parse(ReadInput()).get<std::string>();  // by our own server
+  const std::filesystem::path list = ParseJson(ReadInput()).get<std::string>();  // by our own server
   SandboxNeeds needs{.limits = {.more_data_bytes = kControlDataBytes, .more_cpu_s = cpu_s}};
   needs.reads.push_back(list);
   BecomeSandboxed(needs);

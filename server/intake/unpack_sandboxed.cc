@@ -126,7 +126,8 @@ void UnpackHere(const fs::path& staging, const std::string& flight_id, const fs:
                               .more_cpu_s = CpuSecondsFor(archive),
                               .file_bytes = limits.file_bytes},
                    .reads = {archive},
-                   .writes_below = staging});
+                   .writes_below = staging,
+                   .library = "libarchive.so"});
   const Result<storage::DataDir> dir = storage::DataDir::Open(staging);
   const Result<std::vector<UnpackedFile>> files =
       dir ? storage::UnpackArchive(storage::PhotoStore(*dir), flight_id, archive, limits) : dir.error();

@@ -84,7 +84,7 @@ Result<std::string> VerdictSandboxed(const std::vector<flight::InputFile>& files
        .input = JsonText(input),
        .deadline = std::chrono::seconds(kVerdictWallSecondsPerCpuSecond * cpu_s),
        .refusal = kVerdictRefusal});
-  if (verdict && !Json::accept(*verdict))
+  if (verdict && ParseJson(*verdict).is_discarded())
     return Error{ErrorCode::kUnprocessable, kVerdictRefusal, "the verdict is not JSON"};
   return verdict;
 }

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "core/base/process/late_library.h"
 #include "core/base/try.h"
 #include "server/preview/preview_painter.h"
 #include "server/preview/preview_sandboxed.h"
@@ -33,8 +34,11 @@ int PreviewInSandbox(int parent) {
   const Result<PreviewPlace> place = ParsePlace(*place_text);
   if (!place) return 1;
   setenv("SQLITE_TMPDIR", place->folder.c_str(), 1);
-  LimitThisProcess({.more_memory_bytes = place->memory_bytes});
-  const Result<void> confined = Confine({.reads = {place->files_dir}, .writes = {place->folder}});
+  const Result<void> confined = [&]() -> Result<void> {
+    SKYQUILT_TRY(LoadLate());
+    LimitThisProcess({.more_memory_bytes = place->memory_bytes});
+    return Confine({.reads = {place->files_dir}, .writes = {place->folder}});
+  }();
   if (!confined) {
     writer->Write(ToText(PreviewMessage(confined.error())));
     return 1;

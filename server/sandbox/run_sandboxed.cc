@@ -18,6 +18,7 @@
 #include <thread>
 #include <utility>
 
+#include "core/base/process/late_library.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "server/routing/request_log.h"
@@ -187,10 +188,13 @@ void EndAllSandboxed() { is_ending = true; }
 
 void BecomeSandboxed(const SandboxNeeds& needs) {
   StepBack();
-  LimitThisProcess(needs.limits);
   FileAccess access{.reads = needs.reads, .writes = {}};
   if (needs.writes_below) access.writes.push_back(*needs.writes_below);
-  const Result<void> confined = Confine(std::move(access));
+  const Result<void> confined = [&]() -> Result<void> {
+    SKYQUILT_TRY(LoadLate({needs.library}));  // what is loaded already counts in no limit
+    LimitThisProcess(needs.limits);
+    return Confine(std::move(access));
+  }();
   if (confined) return;
   TellParent(confined.error());
   _exit(0);

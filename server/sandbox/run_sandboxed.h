@@ -41,6 +41,7 @@ struct SandboxNeeds {
   ProcessLimits limits;
   std::vector<std::filesystem::path> reads = {};                     // files and folders
   std::optional<std::filesystem::path> writes_below = std::nullopt;  // nothing: writes no file
+  std::string_view library = "libproj.so";  // the one that is loaded late and that it needs
 };
 
 // The first thing a child does, before it has threads and before it looks at anything that others made. The

@@ -20,12 +20,12 @@ constexpr const char* kSystemFiles[] = {
     "/usr/local/lib", "/usr/local/share", "/etc/ld.so.cache", "/etc/localtime",
     "/proc/self",     "/proc/cpuinfo",    "/proc/meminfo",    "/sys/devices/system",
     "/sys/fs/cgroup", "/dev/urandom",     "/dev/random",      "/dev/zero"};
-// Where an operator's own libraries, and PROJ's and GDAL's data, lie; lists with colons.
-constexpr const char* kFolderVariables[] = {"LD_LIBRARY_PATH", "PROJ_DATA", "PROJ_LIB", "GDAL_DATA"};
+// Where an operator's own PROJ and GDAL have their data; lists with colons.
+constexpr const char* kDataVariables[] = {"PROJ_DATA", "PROJ_LIB", "GDAL_DATA"};
 
 void AddSystemFiles(FileAccess& access) {
   access.reads.insert(access.reads.end(), std::begin(kSystemFiles), std::end(kSystemFiles));
-  for (const char* variable : kFolderVariables) {
+  for (const char* variable : kDataVariables) {
     const char* value = std::getenv(variable);
     std::istringstream folders(value == nullptr ? "" : value);
     for (std::string folder; std::getline(folders, folder, ':');) {

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "api/json/job_options.h"
+#include "core/base/process/late_library.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
 #include "server/imports/import_for_job.h"
@@ -91,6 +92,7 @@ Result<StitchOutcome> RunStitchTask(const std::string& text, MessageWriter& writ
   const std::int64_t file_bytes = is_import ? RoomForImport(task.out_dir) : kFileBytes;
   // A file that grows beyond its limit is an error of writing, which the import tells of.
   if (is_import) signal(SIGXFSZ, SIG_IGN);
+  SKYQUILT_TRY(LoadLate());
   LimitThisProcess(
       {.more_memory_bytes = task.memory_bytes, .more_cpu_s = task.cpu_s, .file_bytes = file_bytes});
   FileAccess access{.reads = {task.files_dir}, .writes = {task.out_dir}};

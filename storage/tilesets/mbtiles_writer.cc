@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 #include <xxhash.h>
 
-#include <array>
 #include <cstring>
 #include <optional>
 #include <set>

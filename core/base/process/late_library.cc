@@ -2,18 +2,55 @@
 
 #include <dlfcn.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstdio>
 #include <cstdlib>
+#include <string>
+
+// Of the stubs that are linked; the linker makes both names. Null where there are none.
+extern "C" {
+[[gnu::weak, gnu::visibility("hidden")]] extern const SkyquiltLateTable* const __start_late_tables[];
+[[gnu::weak, gnu::visibility("hidden")]] extern const SkyquiltLateTable* const __stop_late_tables[];
+}
+
+namespace skyquilt {
+namespace {
+
+void* Load(const SkyquiltLateTable& table) { return dlopen(table.soname, RTLD_LAZY | RTLD_LOCAL); }
+
+std::string LastFault() {
+  const char* const why = dlerror();
+  return why != nullptr ? why : "no reason is known";
+}
+
+}  // namespace
+
+Result<void> LoadLate(std::initializer_list<std::string_view> names) {
+  for (const SkyquiltLateTable* const* table = __start_late_tables; table != __stop_late_tables; ++table) {
+    std::string_view soname = (*table)->soname;  // or a path
+    soname.remove_prefix(soname.rfind('/') + 1);
+    const auto is_meant = [&](std::string_view name) { return soname.starts_with(name); };
+    if (names.size() > 0 && std::none_of(names.begin(), names.end(), is_meant)) continue;
+    if (Load(**table) == nullptr)
+      return Error{ErrorCode::kUnavailable,
+                   "The library " + std::string(soname) +
+                       " cannot be loaded. Install the libraries that Skyquilt needs again.",
+                   LastFault()};
+  }
+  return {};
+}
+
+}  // namespace skyquilt
 
 // Two threads may come at once: they find the same.
 extern "C" void* SkyquiltLateFunction(const SkyquiltLateTable* table, std::size_t index) {
-  void* const library = dlopen(table->soname, RTLD_LAZY | RTLD_LOCAL);
+  void* const library = skyquilt::Load(*table);
   void* const function = library == nullptr ? nullptr : dlsym(library, table->names[index]);
   if (function == nullptr) {
-    const char* const why = dlerror();
-    std::fprintf(stderr, "skyquilt: %s of %s cannot be loaded: %s. Install Skyquilt's libraries again.\n",
-                 table->names[index], table->soname, why != nullptr ? why : "no reason is known");
+    std::fprintf(
+        stderr, "skyquilt: %s of %s cannot be loaded: %s. Install the libraries that Skyquilt needs again.\n",
+        table->names[index], table->soname, skyquilt::LastFault().c_str());
     std::abort();
   }
   std::atomic_ref(table->slots[index]).store(function, std::memory_order_release);

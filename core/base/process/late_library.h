@@ -1,9 +1,22 @@
-// Shared libraries that are loaded when the first of their functions is called: what the stubs of cmake/late
-// call. A library that cannot be loaded ends the process with a message that names it, as the loader would
-// have at the start. Any thread.
+// Shared libraries that are loaded when the first of their functions is called (cmake/Late.cmake): what their
+// stubs call, and a way to have them beforehand. A library that cannot be loaded at a call ends the process
+// with a message that names it, as the loader would have at the start. Any thread.
 #pragma once
 
 #include <cstddef>
+#include <initializer_list>
+#include <string_view>
+
+#include "core/base/result.h"
+
+namespace skyquilt {
+
+// Loads the libraries whose names begin so ("libproj.so"), or all where none is named: by who serves, so that
+// a missing one is found at the start, and by who will soon be allowed to open no files. Nothing to do where
+// all are linked. Error: kUnavailable, with the library's name.
+Result<void> LoadLate(std::initializer_list<std::string_view> names = {});
+
+}  // namespace skyquilt
 
 // As cmake/late/x86_64.S lays it out.
 struct SkyquiltLateTable {

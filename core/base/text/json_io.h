@@ -1,7 +1,8 @@
 // ParseJson, JsonText: between JSON and its text, compiled once: the library's parser and serializer cost
-// seconds in every object that calls them by themselves. A text that is no JSON gives a discarded value
-// (`is_discarded()`, which every access to a member refuses by an exception of the library's); bytes that are
-// not UTF-8 are written as U+FFFD. Pure; any thread.
+// seconds in every object that calls them by themselves. A text that is no JSON gives a discarded value: ask
+// `is_discarded()`, or what it should be (`is_object()`), before a look inside; at(), [], value() and get()
+// of it throw an exception of the library's, but contains() is false, and a loop over it runs once. Bytes
+// that are not UTF-8 are written as U+FFFD. Pure; any thread.
 #pragma once
 
 #include <iosfwd>

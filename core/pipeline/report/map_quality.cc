@@ -275,7 +275,7 @@ std::string QualityJson(const MapQuality& quality) {
 
 Result<MapQuality> ParseQuality(std::string_view json) {
   try {
-    return QualityOf(QualityDocument::parse(json));
+    return QualityOf(ParseOrderedJson(json));
   } catch (const QualityDocument::exception& broken) {
     return Error{ErrorCode::kCorrupt, "What is said of the map's quality is damaged.", broken.what()};
   }

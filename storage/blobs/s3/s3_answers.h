@@ -1,7 +1,7 @@
 // What S3 says in XML, and the one document that is said to it. The answers are foreign bytes: whatever they
 // are, these functions take time in proportion to their length, and believe no key that lies outside what
 // was asked for, no length below zero and no more entries than a page may have. Pure. Error: kCorrupt.
-// Source: Amazon S3 API Reference (ListObjectsV2, ListParts, CreateMultipartUpload, error responses).
+// Source: Amazon S3 API Reference (ListObjectsV2, CreateMultipartUpload, error responses).
 #pragma once
 
 #include <chrono>
@@ -46,7 +46,7 @@ struct UploadedPart {
 Result<ListedPage> ParseListedPage(std::string_view xml, std::string_view prefix);
 // Of CreateMultipartUpload.
 Result<std::string> ParseUploadId(std::string_view xml);
-// Of CopyObject and UploadPartCopy.
+// Of CopyObject.
 Result<std::string> ParseCopiedEtag(std::string_view xml);
 // Absent: it is no error document. A 200 may hold one (CompleteMultipartUpload, copies).
 std::optional<S3Refusal> ParseRefusal(std::string_view xml);

@@ -16,7 +16,7 @@ namespace skyquilt::storage {
 
 enum class StreamedFormat { kPmtiles, kGeotiff };
 
-// A laid file with the tileset that its pieces are made from, which may be unlinked meanwhile.
+// A streamed file with the tileset that its pieces are made from, which may be unlinked meanwhile.
 struct OpenStreamed {
   std::shared_ptr<const StreamedFile> file;
   std::shared_ptr<MapTiles> tiles;

@@ -77,9 +77,11 @@ def run(program, method, photos, folder, world):
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     cost = f"{wall_s:.1f} | {after.ru_utime + after.ru_stime - used.ru_utime - used.ru_stime:.1f} |"
     if made.returncode != 0:
-        return f"| {method} | none: {made.stderr.strip().splitlines()[-1]} | - | - | - | - | - | {cost}\n", None
+        return f"| {method} | none: {(made.stderr.strip().splitlines() or [made.returncode])[-1]} | - | - | - | - | - | {cost}\n", None
     report = json.loads((folder / "report.json").read_text())
     counts, alignment, seams = report["photos"], report["alignment"] or {}, report["seams"] or {}
+    if not seams.get("reliable"):
+        seams = {}  # nothing was measured
     absolute_m, relative_m = truth_error(folder, world)
     return (f"| {method} | {counts['aligned'] + counts['pose_only']} of {counts['total']} | {counts['aligned']} "
             f"| {alignment.get('pieces') or '-'} | {number(absolute_m)} / {number(relative_m)} "
@@ -119,8 +121,12 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program", type=pathlib.Path, help="the skyquilt binary")
     parser.add_argument("--flight", type=pathlib.Path, help="a folder of photos, or one that the simulator made")
-    parser.add_argument("-o", "--out", type=pathlib.Path, default=pathlib.Path(__file__).parent)
+    parser.add_argument("-o", "--out", type=pathlib.Path)
     arguments = parser.parse_args()
+    if arguments.flight and not arguments.out:
+        parser.error("--flight needs --out, where the maps of the methods go")
+    arguments.out = arguments.out or pathlib.Path(__file__).parent
+    arguments.out.mkdir(parents=True, exist_ok=True)
     if arguments.flight:
         photos = arguments.flight / "photos" if (arguments.flight / "photos").is_dir() else arguments.flight
         table, picture = compare(arguments.program, photos, arguments.flight / "truth" / "world.tif", arguments.out)

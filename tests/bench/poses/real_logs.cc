@@ -65,16 +65,17 @@ void PrintLog(const std::filesystem::path& path) {
   const geo::LocalFrame frame(
       {first.position.lat_deg, first.position.lon_deg, first.height_amsl_m.value_or(0.0)});
   const poses::GnssSeries gnss = poses::GnssOfLog(log->gnss, frame);
-  const auto reckoning = poses::ReckonBetween(*log, {});
-  if (!reckoning) {
-    fmt::print("  {}\n", reckoning.error().message);
+  const auto drifts = poses::DriftsOfReckoning(*log);
+  if (!drifts) {
+    fmt::print("  {}\n", drifts.error().message);
     return;
   }
   const double references[] = {8.0, 57.0, 210.0};
   int row = 0;
-  for (const poses::ReckonedDrift& drift : reckoning->drifts) {
-    fmt::print("  dead reckoning {:>2.0f} s: {:>7.1f} m RMS of {} windows (reference about {:.0f} m)\n",
-               drift.length_s, drift.trapezoid_rms_m, drift.windows, references[row++]);
+  for (const poses::ReckonedDrift& drift : *drifts) {
+    fmt::print(
+        "  dead reckoning {:>2.0f} s: {:>7.1f} m RMS, {:.1f} by Simpson's rule, of {} windows (reference about {:.0f} m)\n",
+        drift.length_s, drift.trapezoid_rms_m, drift.simpson_rms_m, drift.windows, references[row++]);
   }
   poses::FlightSources sources;
   sources.log = &*log;

@@ -116,51 +116,6 @@ std::vector<ReckonedDrift> Drifts(const flight::FlightLog& log, const Recorded& 
   return drifts;
 }
 
-std::optional<ReckonedStep> StepOf(const std::vector<flight::ImuSample>& samples, const StrapdownState& start,
-                                   const Vector3d& recorded_in_enu_m, double gravity_mps2,
-                                   IntegrationRule rule) {
-  StrapdownOptions options;
-  options.rule = rule;
-  options.gravity_mps2 = gravity_mps2;
-  const auto path = IntegrateStrapdown(samples, start, options);
-  if (!path) return std::nullopt;
-  ReckonedStep step;
-  step.displacement_in_enu_m = path->back().position_in_enu_m - start.position_in_enu_m;
-  step.rotation_rad = path->back().enu_from_body.angularDistance(start.enu_from_body);
-  step.drift_m = (step.displacement_in_enu_m - recorded_in_enu_m).head<2>().norm();
-  return step;
-}
-
-std::optional<ReckonedInterval> IntervalOf(const flight::FlightLog& log, const Recorded& recorded,
-                                           const Capture& from, const Capture& to) {
-  const auto samples = SamplesOf(log.imu, from.t_s, to.t_s);
-  if (samples.empty()) return std::nullopt;
-  const double begin_s = samples.front().t_s;
-  const double end_s = samples.back().t_s;
-  const auto start = GnssAt(recorded.gnss, begin_s);
-  const auto end = GnssAt(recorded.gnss, end_s);
-  const auto attitude = AttitudeAt(recorded.attitudes, begin_s);
-  const auto attitude_after = AttitudeAt(recorded.attitudes, end_s);
-  if (!start || !end || !attitude || !attitude_after) return std::nullopt;
-  StrapdownState state;
-  state.enu_from_body = *attitude;
-  state.velocity_in_enu_mps = start->velocity_in_enu_mps;
-  ReckonedInterval interval;
-  interval.from_s = begin_s;
-  interval.to_s = end_s;
-  interval.from_name = from.name;
-  interval.to_name = to.name;
-  interval.recorded_displacement_in_enu_m = end->position_in_enu_m - start->position_in_enu_m;
-  interval.recorded_rotation_rad = attitude->angularDistance(*attitude_after);
-  const Vector3d& moved = interval.recorded_displacement_in_enu_m;
-  const auto trapezoid = StepOf(samples, state, moved, recorded.gravity_mps2, IntegrationRule::kTrapezoid);
-  const auto simpson = StepOf(samples, state, moved, recorded.gravity_mps2, IntegrationRule::kSimpson);
-  if (!trapezoid || !simpson) return std::nullopt;
-  interval.trapezoid = *trapezoid;
-  interval.simpson = *simpson;
-  return interval;
-}
-
 }  // namespace
 
 std::vector<double> WindowsInFlight(const flight::FlightLog& log, const GnssSeries& gnss, double length_s) {
@@ -182,7 +137,7 @@ std::vector<double> WindowsInFlight(const flight::FlightLog& log, const GnssSeri
   return starts;
 }
 
-Result<Reckoning> ReckonBetween(const flight::FlightLog& log, const std::vector<Capture>& captures) {
+Result<std::vector<ReckonedDrift>> DriftsOfReckoning(const flight::FlightLog& log) {
   const auto lacks = [&](const char* what) {
     return Error{ErrorCode::kUnprocessable,
                  "The log " + log.file_name + " holds no " + what +
@@ -197,16 +152,7 @@ Result<Reckoning> ReckonBetween(const flight::FlightLog& log, const std::vector<
   const geo::LocalFrame frame({middle.position.lat_deg, middle.position.lon_deg, height_m});
   const Recorded recorded{GnssOfLog(log.gnss, frame), AttitudesOfLog(log.attitude),
                           NormalGravityMps2(middle.position.lat_deg, height_m)};
-  Reckoning reckoning;
-  reckoning.drifts = Drifts(log, recorded);
-  for (std::size_t i = 1; i < captures.size(); ++i) {
-    if (auto interval = IntervalOf(log, recorded, captures[i - 1], captures[i])) {
-      reckoning.intervals.push_back(*std::move(interval));
-    } else {
-      ++reckoning.intervals_without_record;
-    }
-  }
-  return reckoning;
+  return Drifts(log, recorded);
 }
 
 }  // namespace skyquilt::poses
