@@ -34,9 +34,9 @@ Result<void> LoadLate(std::initializer_list<std::string_view> names) {
     if (names.size() > 0 && std::none_of(names.begin(), names.end(), is_meant)) continue;
     if (Load(**table) == nullptr)
       return Error{ErrorCode::kUnavailable,
-                   "The library " + std::string(soname) +
-                       " cannot be loaded. Install the libraries that Skyquilt needs again.",
-                   LastFault()};
+                   "The library " + std::string(soname) + " cannot be loaded: " + LastFault() +
+                       ". Install the libraries that Skyquilt needs again.",
+                   ""};
   }
   return {};
 }

@@ -62,7 +62,7 @@ class HardenedProgram(unittest.TestCase):
             served = subprocess.run([BINARY, "serve", "--data", f"{folder}/data", "--listen", "127.0.0.1:0"], env=environment,
                                     capture_output=True, text=True, timeout=60)
             self.assertEqual(served.returncode, 1)
-            self.assertIn("libgdal.so.32 cannot be loaded", served.stderr)
+            self.assertRegex(served.stderr, r"cannot be loaded: .*libgdal\.so\.32")  # by it, or by one that needs it
 
     def test_it_keeps_the_names_of_its_functions(self):
         sections = self.read("-S")
