@@ -22,7 +22,7 @@ import numpy
 from osgeo import gdal
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from map_against_truth import after_similarity, measure  # noqa: E402
+from map_against_truth import after_similarity, measure, metres_per_degree, rotation  # noqa: E402
 
 METHODS = ("imu", "features", "direct", "auto")
 PAIR = ["--photos", "2", "--overlap", "0.3", "--pixel-noise", "8", "--shutter-ms", "8", "--yaw", "any", "--tilt-deg", "5"]
@@ -44,8 +44,8 @@ where the ground is rough, the photos are far apart or all looks alike, and that
 scenes here, simulated, so that the truth is known; positions 1.5 m, tilt 0.6 and yaw 1.5 degrees, focal length 1 %
 off. `imu` is the paper's method with its geometry done exactly, `features` its baseline (homographies chained as in
 its equations 1 to 3), `direct` shifts whole pictures, `auto` is what `skyquilt stitch` does. Error: nine of ten patches
-of the map lie nearer to their true place; relative, after the best shift, turn and scale of the whole map. The absolute
-error of all is that of the recorded positions. A dash: too little to measure.
+of the map (on level ground: pixels of its photos) lie nearer to their true place; relative, after the best shift, turn
+and scale of the whole map. The absolute error of all is that of the recorded positions. A dash: too little to measure.
 
 Made by `python3 tests/bench/alignment/paper.py PROGRAM` on {machine}.
 
@@ -57,32 +57,68 @@ def number(value, digits=3):
     return "-" if value is None else f"{value:.{digits}f}"
 
 
-def truth_error(folder, world):
-    """CE90 in metres of the map's patches, as they are and after a similarity; none where too few can be compared."""
-    if not world.exists():
+def on_the_ground(size_px, focal_px, center_px, distortion, cam_from_enu_wxyz, center_in_enu, ground_z):
+    """Where a photo's 5 x 5 pixels, spread over it, lie on level ground: east and north in metres."""
+    across = (numpy.arange(5) + 0.5) / 5
+    pixels = numpy.stack(numpy.meshgrid(across * size_px[0] - 0.5, across * size_px[1] - 0.5), -1).reshape(-1, 1, 2)
+    lens = numpy.array([[focal_px[0], 0, center_px[0]], [0, focal_px[1], center_px[1]], [0, 0, 1]])
+    rays = cv2.undistortPoints(pixels, lens, numpy.array(distortion)).reshape(-1, 2)
+    rays = numpy.column_stack([rays, numpy.ones(len(rays))]) @ rotation(cam_from_enu_wxyz)
+    return center_in_enu[:2] + rays[:, :2] * ((ground_z - center_in_enu[2]) / rays[:, 2])[:, None]
+
+
+def shifts_of_pixels(folder, truth):
+    """As `measure`, by where the photos' pixels lie: on level ground that tells of photos that show nothing to compare by."""
+    located = json.loads((folder / "locate.json").read_text())
+    per_lat, per_lon = metres_per_degree(truth["origin"]["lat_deg"])
+    origin = numpy.array([(located["origin"][1] - truth["origin"]["lon_deg"]) * per_lon,
+                          (located["origin"][0] - truth["origin"]["lat_deg"]) * per_lat])
+    ground_z = numpy.median(located["ground"].get("heights_m") or [located["ground"]["z_m"]])
+    true_photo, lens = {photo["name"]: photo for photo in truth["photos"]}, truth["intrinsics"]
+    shown, real = [], []
+    for camera in located["cameras"]:
+        photo = true_photo[camera["name"]]
+        center = -rotation(camera["rotation_wxyz"]).T @ camera["translation_m"]
+        shown.append(origin + on_the_ground(camera["size_px"], camera["focal_px"], camera["center_px"], camera["distortion"],
+                                            camera["rotation_wxyz"], center, ground_z))
+        real.append(on_the_ground(camera["size_px"], (lens["focal_x_px"], lens["focal_y_px"]), (lens["center_x_px"], lens["center_y_px"]),
+                                  [lens[name] for name in ("k1", "k2", "p1", "p2", "k3")], photo["cam_from_enu_wxyz"],
+                                  numpy.array(photo["camera_center_in_enu"]), 0.0))
+    shown, real = numpy.vstack(shown), numpy.vstack(real)
+    return shown - real, real
+
+
+def truth_error(folder, made):
+    """CE90 in metres, as it is and after a similarity: of the photos' pixels on level ground, of the map's patches on any
+    other; none where too few can be compared, or the flight `made` was not simulated."""
+    if not (made / "truth" / "poses.json").exists():
         return None, None
-    shifts, centres, _, _ = measure(folder / "mosaic.mbtiles", world)
+    truth = json.loads((made / "truth" / "poses.json").read_text())
+    if truth["relief_m"] > 0:
+        shifts, centres, _, _ = measure(folder / "mosaic.mbtiles", made / "truth" / "world.tif")
+    else:
+        shifts, centres = shifts_of_pixels(folder, truth)
     if len(shifts) < 4:
         return None, None
     return (float(numpy.percentile(numpy.linalg.norm(shifts, axis=1), 90)),
             float(numpy.percentile(after_similarity(shifts, centres), 90)))
 
 
-def run(program, method, photos, folder, world):
+def run(program, method, photos, folder, made):
     """A row of the table, and the folder of the map where there is one."""
     used, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
-    made = subprocess.run([program, "stitch", photos, "-o", folder, "--method", method, "--overwrite"], capture_output=True,
+    ran = subprocess.run([program, "stitch", photos, "-o", folder, "--method", method, "--overwrite"], capture_output=True,
                           text=True)
     wall_s = time.monotonic() - start
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     cost = f"{wall_s:.1f} | {after.ru_utime + after.ru_stime - used.ru_utime - used.ru_stime:.1f} |"
-    if made.returncode != 0:
-        return f"| {method} | none: {(made.stderr.strip().splitlines() or [made.returncode])[-1]} | - | - | - | - | - | {cost}\n", None
+    if ran.returncode != 0:
+        return f"| {method} | none: {(ran.stderr.strip().splitlines() or [ran.returncode])[-1]} | - | - | - | - | - | {cost}\n", None
     report = json.loads((folder / "report.json").read_text())
     counts, alignment, seams = report["photos"], report["alignment"] or {}, report["seams"] or {}
     if not seams.get("reliable"):
         seams = {}  # nothing was measured
-    absolute_m, relative_m = truth_error(folder, world)
+    absolute_m, relative_m = truth_error(folder, made)
     return (f"| {method} | {counts['aligned'] + counts['pose_only']} of {counts['total']} | {counts['aligned']} "
             f"| {alignment.get('pieces') or '-'} | {number(absolute_m)} / {number(relative_m)} "
             f"| {number(alignment.get('residual_rms_px'), 2)} "
@@ -107,11 +143,11 @@ def panels(folder, method):
     return numpy.vstack(drawn)
 
 
-def compare(program, photos, world, out):
+def compare(program, photos, made, out):
     """The table of one flight by every method, and their maps beside each other."""
     table, columns = HEAD, []
     for method in METHODS:
-        row, folder = run(program, method, photos, out / method, world)
+        row, folder = run(program, method, photos, out / method, made)
         table += row
         columns.append(panels(folder, method) if folder else numpy.full((2 * (PANEL_PX + 24), PANEL_PX, 3), 255, numpy.uint8))
     return table, numpy.hstack(columns)
@@ -129,7 +165,7 @@ def main():
     arguments.out.mkdir(parents=True, exist_ok=True)
     if arguments.flight:
         photos = arguments.flight / "photos" if (arguments.flight / "photos").is_dir() else arguments.flight
-        table, picture = compare(arguments.program, photos, arguments.flight / "truth" / "world.tif", arguments.out)
+        table, picture = compare(arguments.program, photos, arguments.flight, arguments.out)
         cv2.imwrite(str(arguments.out / "compare.png"), picture)
         print(table)
         return
@@ -139,8 +175,7 @@ def main():
         for index, (title, scene) in enumerate(SCENES):
             flight = pathlib.Path(scratch, f"flight{index}")
             subprocess.run([arguments.program, "simulate", "-o", flight, *COMMON, *scene], check=True, capture_output=True)
-            table, picture = compare(arguments.program, flight / "photos", flight / "truth" / "world.tif",
-                                     pathlib.Path(scratch, f"compared{index}"))
+            table, picture = compare(arguments.program, flight / "photos", flight, pathlib.Path(scratch, f"compared{index}"))
             text += f"\n## {title}\n\n`simulate {' '.join(COMMON + scene)}`\n\n{table}"
             print(title, table, sep="\n", flush=True)
             pictures.append(picture)
