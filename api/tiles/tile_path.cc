@@ -27,9 +27,8 @@ Result<TileNumbers> ParseTileNumbers(std::string_view z, std::string_view x,
     numbers.format = image::PictureFormatNamed(y_and_extension.substr(dot + 1));
     if (!numbers.format) {
       return Error{ErrorCode::kInvalidArgument,
-                   "A tile is asked for as " +
-                       image::ListedFormats(&image::PictureFormatRow::extension, ".") +
-                       ", or without extension.",
+                   "A tile is asked for without extension, or with one of " +
+                       image::ListedFormats(&image::PictureFormatRow::extension, ".") + ".",
                    ""};
     }
   }
