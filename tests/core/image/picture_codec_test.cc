@@ -80,7 +80,9 @@ TEST(PictureFormat, EachOfTheTableIsWrittenReadAndRecognised) {
   }
   EXPECT_EQ(PictureFormatOf(std::string_view("RIFF\x10\0\0\0WEB", 11)), std::nullopt);
   EXPECT_EQ(PictureFormatNamed("PNG"), std::nullopt);  // addresses are written as they stand
-  EXPECT_EQ(ListedFormats(&PictureFormatRow::extension, "."), ".png, .jpg and .webp");
+  const std::string listed = ListedFormats(&PictureFormatRow::extension, ".");
+  EXPECT_TRUE(listed.starts_with(".png, .jpg")) << listed;
+  EXPECT_TRUE(listed.ends_with(std::string(" and .") + kPictureFormats.back().extension)) << listed;
 }
 
 TEST(PictureFormat, SaysWhetherAWebpHasAlpha) {
