@@ -7,8 +7,8 @@ if(CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64" AND CMAKE_CXX_COMPILER_ID STREQUAL "
 endif()
 
 # skyquilt_load_late(library DEPS targets... FILES shared libraries...): `library` is compiled against the targets; whoever links
-# it gets, in place of the shared libraries, a stub for each function that `library` calls (cmake/late). Where there are no stubs
-# for the processor, or a sanitizer looks on, they are linked as any.
+# it gets, in place of the shared libraries, a trampoline for each function that `library` calls (cmake/late). Where there are none
+# for the processor, or a sanitizer looks on, the libraries are linked as any.
 function(skyquilt_load_late library)
   cmake_parse_arguments(ARG "" "" "DEPS;FILES" ${ARGN})
   if(NOT SKYQUILT_LATE)
@@ -19,11 +19,11 @@ function(skyquilt_load_late library)
     target_include_directories(${library} SYSTEM PRIVATE $<TARGET_PROPERTY:${dependency},INTERFACE_INCLUDE_DIRECTORIES>)
     target_compile_definitions(${library} PRIVATE $<TARGET_PROPERTY:${dependency},INTERFACE_COMPILE_DEFINITIONS>)
   endforeach()
-  set(stubs ${CMAKE_CURRENT_BINARY_DIR}/${library}_late.S)
-  add_custom_command(OUTPUT ${stubs}
-    COMMAND ${CMAKE_SOURCE_DIR}/cmake/late/late_stubs.sh ${stubs} ${CMAKE_NM} ${CMAKE_READELF} $<TARGET_FILE:${library}> ${ARG_FILES}
-    DEPENDS ${library} ${CMAKE_SOURCE_DIR}/cmake/late/late_stubs.sh ${CMAKE_SOURCE_DIR}/cmake/late/x86_64.S VERBATIM)
-  add_library(${library}_late STATIC ${stubs})
+  set(trampolines ${CMAKE_CURRENT_BINARY_DIR}/${library}_late.S)
+  add_custom_command(OUTPUT ${trampolines}
+    COMMAND ${CMAKE_SOURCE_DIR}/cmake/late/trampolines.sh ${trampolines} ${CMAKE_NM} ${CMAKE_READELF} $<TARGET_FILE:${library}> ${ARG_FILES}
+    DEPENDS ${library} ${CMAKE_SOURCE_DIR}/cmake/late/trampolines.sh ${CMAKE_SOURCE_DIR}/cmake/late/x86_64.S VERBATIM)
+  add_library(${library}_late STATIC ${trampolines})
   target_include_directories(${library}_late PRIVATE ${CMAKE_SOURCE_DIR})
   target_link_libraries(${library}_late PRIVATE skyquilt_base)
   target_link_libraries(${library} INTERFACE ${library}_late)

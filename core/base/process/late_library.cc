@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <string>
 
-// Of the stubs that are linked; the linker makes both names. Null where there are none.
+// Of the trampolines that are linked; the linker makes both names. Null where there are none.
 extern "C" {
 [[gnu::weak, gnu::visibility("hidden")]] extern const SkyquiltLateTable* const __start_late_tables[];
 [[gnu::weak, gnu::visibility("hidden")]] extern const SkyquiltLateTable* const __stop_late_tables[];

@@ -1,6 +1,6 @@
 // Shared libraries that are loaded when the first of their functions is called (cmake/Late.cmake): what their
-// stubs call, and a way to have them beforehand. A library that cannot be loaded at a call ends the process
-// with a message that names it, as the loader would have at the start. Any thread.
+// trampolines call, and a way to have them beforehand. A library that cannot be loaded at a call ends the
+// process with a message that names it, as the loader would have at the start. Any thread.
 #pragma once
 
 #include <cstddef>

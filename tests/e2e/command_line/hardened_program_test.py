@@ -41,7 +41,7 @@ class HardenedProgram(unittest.TestCase):
 
     def test_what_it_loads_late_is_not_loaded_at_the_start(self):
         if not self.late():
-            self.skipTest("every library is linked: there are no stubs for this processor")
+            self.skipTest("every library is linked: there are no trampolines for this processor")
         self.assertLessEqual({"libgdal.so.32", "libavformat.so.59", "libproj.so.25"}, self.late())
         traced = subprocess.run([BINARY, "--version"], env={**os.environ, "LD_TRACE_LOADED_OBJECTS": "1"}, capture_output=True, text=True)
         self.assertEqual({name for name in self.late() if f"{name} =>" in traced.stdout}, set())
@@ -50,7 +50,7 @@ class HardenedProgram(unittest.TestCase):
         """As where its package was taken away by force: the command that needs it says which, others go on; a server that
         would need it one day does not start."""
         if not self.late():
-            self.skipTest("every library is linked: there are no stubs for this processor")
+            self.skipTest("every library is linked: there are no trampolines for this processor")
         with tempfile.TemporaryDirectory() as folder:
             pathlib.Path(folder, "libgdal.so.32").write_bytes(b"no library")
             environment = {**os.environ, "LD_LIBRARY_PATH": folder}

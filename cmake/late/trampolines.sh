@@ -1,5 +1,5 @@
 #!/bin/bash
-# late_stubs.sh OUT.S NM READELF ARCHIVE LIBRARY.so...: for each function that the objects of ARCHIVE ask of a LIBRARY, a stub of
+# trampolines.sh OUT.S NM READELF ARCHIVE LIBRARY.so...: for each function that the objects of ARCHIVE ask of a LIBRARY, a trampoline of
 # its name that loads the library when it is first called, and a note that says so (".note.dlopen", as systemd specifies it).
 set -euo pipefail
 export LC_ALL=C
@@ -24,7 +24,7 @@ trap 'rm -rf "$scratch"' EXIT
     "$nm" -D --defined-only "$library" | awk '$3 !~ /[^@]@[^@]/ { sub(/@@.*/, "", $3); print $3, $2 }' | sort -u -k1,1 \
       | join "$scratch/asked" - > "$scratch/here"
     if grep -v ' [TWi]$' "$scratch/here" >&2; then
-      echo "late_stubs.sh: $archive uses data of $soname, which cannot be loaded late." >&2
+      echo "trampolines.sh: $archive uses data of $soname, which cannot be loaded late." >&2
       exit 1
     fi
     [ -s "$scratch/here" ] || continue
@@ -40,5 +40,5 @@ trap 'rm -rf "$scratch"' EXIT
 2:  .balign 4
 NOTE
   done
-} > "$scratch/stubs.S"
-mv "$scratch/stubs.S" "$out"
+} > "$scratch/trampolines.S"
+mv "$scratch/trampolines.S" "$out"
