@@ -87,8 +87,8 @@ Router BuildApi(Service& service) {
   AddNodeChangeRoutes(router, service);
   AddNodeUploadRoutes(router, service);
   AddNodeArchiveRoute(router, service);
-  router.PutBefore([&service](const Request& request, std::string_view pattern) {
-    return CheckFlightAccess(service, request, pattern);
+  router.PutBefore([&service](const Request& request, const Route& route) {
+    return CheckFlightAccess(service, request, route);
   });
   return router;
 }

@@ -19,70 +19,6 @@ using storage::Scope;
 
 constexpr std::string_view kShareText = "sq_share_";  // begins so
 
-struct Rule {
-  Method method;
-  std::string_view pattern;  // a '*' at the end stands for anything
-  std::optional<Scope> scope;
-};
-
-// The first rule that fits counts.
-constexpr Rule kRules[] = {
-    {Method::kGet, "/healthz", std::nullopt},
-    {Method::kGet, "/readyz", std::nullopt},
-    {Method::kGet, "/version", std::nullopt},
-    {Method::kGet, "/openapi.json", std::nullopt},
-    {Method::kGet, "/docs", std::nullopt},
-    {Method::kGet, "/auth/info", std::nullopt},
-    {Method::kPost, "/auth/login", std::nullopt},
-    {Method::kPost, "/auth/register", std::nullopt},
-    {Method::kGet, "(page)", std::nullopt},
-    {Method::kGet, "/basemap.json", std::nullopt},
-    {Method::kGet, "/basemap.pmtiles", std::nullopt},
-    {Method::kGet, "/metrics", Scope::kAdmin},
-    {Method::kGet, "/api/v1/webhooks", Scope::kAdmin},
-    {Method::kPost, "/api/v1/webhooks", Scope::kAdmin},
-    {Method::kDelete, "/api/v1/webhooks/{webhook}", Scope::kAdmin},
-    {Method::kPost, "/api/v1/network", Scope::kAdmin},
-    {Method::kGet, "/api/v1/flights/{flight}/shares", Scope::kUpload},
-    {Method::kPost, "/api/v1/flights/{flight}/exports", Scope::kRead},
-    {Method::kPost, "/api/v1/flights/{flight}/heights", Scope::kRead},
-    {Method::kPost, "/api/v1/flights/{flight}/statistics", Scope::kRead},
-    {Method::kPost, "/api/v1/flights/{flight}/volume", Scope::kRead},
-    {Method::kDelete, "/api/v1/flights/{flight}/exports/{export}", Scope::kRead},
-    {Method::kGet, "/api/v1/*", Scope::kRead},
-    {Method::kGet, "/tiles/*", Scope::kRead},
-    {Method::kGet, "/tms*", Scope::kRead},
-    {Method::kGet, "/wmts*", Scope::kRead},
-    {Method::kGet, "/wms*", Scope::kRead},
-    {Method::kGet, "/ogc*", Scope::kRead},
-    {Method::kGet, "/arcgis/*", Scope::kRead},
-    {Method::kGet, "/stac*", Scope::kRead},
-    {Method::kPost, "/stac/search", Scope::kRead},
-    {Method::kGet, "/connect/*", Scope::kRead},
-    {Method::kGet, "/info", Scope::kRead},
-    {Method::kGet, "/options", Scope::kRead},
-    {Method::kGet, "/task/*", Scope::kRead},
-    {Method::kDelete, "/api/v1/*", Scope::kUpload},
-    {Method::kPost, "/api/v1/*", Scope::kUpload},
-    {Method::kPut, "/api/v1/*", Scope::kUpload},
-    {Method::kPatch, "/api/v1/*", Scope::kUpload},
-    {Method::kOptions, "/api/v1/*", std::nullopt},
-    {Method::kPost, "/task/*", Scope::kUpload},
-    {Method::kPost, "/ogc/processes/*", Scope::kUpload},
-    {Method::kDelete, "/ogc/jobs/*", Scope::kUpload},
-};
-
-const Rule* FindRule(Method method, std::string_view pattern) {
-  for (const Rule& rule : kRules) {
-    if (rule.method != method) continue;
-    const bool fits = rule.pattern.ends_with('*')
-                          ? pattern.starts_with(rule.pattern.substr(0, rule.pattern.size() - 1))
-                          : pattern == rule.pattern;
-    if (fits) return &rule;
-  }
-  return nullptr;
-}
-
 struct ShownToken {
   std::string_view text;
   bool is_in_query = false;
@@ -157,16 +93,8 @@ bool IsNode(std::string_view pattern) {
   return pattern.starts_with("/task/") || pattern == "/info" || pattern == "/options";
 }
 
-std::optional<Scope> ScopeOf(Method method, std::string_view pattern) {
-  const Rule* rule = FindRule(method, pattern);
-  return rule == nullptr ? Scope::kAdmin : rule->scope;
-}
-
-bool IsListed(Method method, std::string_view pattern) { return FindRule(method, pattern) != nullptr; }
-
-std::optional<Response> CheckAccess(Service& service, Request& request, std::string_view pattern) {
-  const std::optional<Scope> needed = ScopeOf(request.method, pattern);
-  if (!needed) return std::nullopt;
+std::optional<Response> CheckAccess(Service& service, Request& request, const Route& route) {
+  if (!route.scope) return std::nullopt;
   const auto tokens = service.tokens.Known();
   if (!tokens) return Problem(tokens.error(), request);
   const ShownToken shown = ShownBy(request);
@@ -177,17 +105,17 @@ std::optional<Response> CheckAccess(Service& service, Request& request, std::str
     return std::nullopt;
   }
   if (token == nullptr)
-    return Unauthorized(request, pattern, (*tokens)->HasLiveOne(storage::Now()), shown.text);
+    return Unauthorized(request, route.pattern, (*tokens)->HasLiveOne(storage::Now()), shown.text);
   // What stands in an address gets into histories and logs of others: it opens nothing but reading.
-  const bool only_reads = (shown.is_in_query && !IsNode(pattern)) || !token->flight_id.empty();
+  const bool only_reads = (shown.is_in_query && !IsNode(route.pattern)) || !token->flight_id.empty();
   const Scope granted = only_reads ? Scope::kRead : token->scope;
-  if (granted < *needed) return Forbidden(request, pattern, *needed);
+  if (granted < *route.scope) return Forbidden(request, route.pattern, *route.scope);
   request.owner = token->id;
   request.is_admin = granted == Scope::kAdmin;
   request.only_flight = token->flight_id;
   const Result<void> within = CheckLimits(service, *token);
   if (within) return std::nullopt;
-  return IsNode(pattern) ? NodeRefusal(within.error().message) : Problem(within.error(), request);
+  return IsNode(route.pattern) ? NodeRefusal(within.error().message) : Problem(within.error(), request);
 }
 
 void KeepToAsker(const Service& service, const Request& request, Response& response) {

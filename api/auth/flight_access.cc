@@ -96,19 +96,17 @@ Result<void> CheckMayChange(Service& service, const Request& request, const std:
   return flight::Because(ErrorCode::kForbidden, flight::RemarkCode::kFailOfAnotherToken);
 }
 
-std::optional<Response> CheckFlightAccess(Service& service, const Request& request,
-                                          std::string_view pattern) {
+std::optional<Response> CheckFlightAccess(Service& service, const Request& request, const Route& route) {
   if (request.is_admin) return std::nullopt;
-  const std::optional<storage::Scope> needed = ScopeOf(request.method, pattern);
-  if (!needed) return std::nullopt;
-  const bool changes = *needed >= storage::Scope::kUpload;
+  if (!route.scope) return std::nullopt;
+  const bool changes = *route.scope >= storage::Scope::kUpload;
   if (!changes && request.only_flight.empty()) return std::nullopt;
   const auto refuse = [&](const Error& error) {
-    return IsNode(pattern) ? NodeProblem(error, request) : Problem(error, request);
+    return IsNode(route.pattern) ? NodeProblem(error, request) : Problem(error, request);
   };
   const Result<std::optional<std::string>> flight = FlightOf(service, request);
   if (!flight) return refuse(flight.error());
-  if (!request.only_flight.empty() && !IsOpenToOneFlight(request, pattern, *flight)) {
+  if (!request.only_flight.empty() && !IsOpenToOneFlight(request, route.pattern, *flight)) {
     return refuse(
         {ErrorCode::kNotFound, "This token opens one flight, and there is nothing of it here.", ""});
   }

@@ -21,7 +21,7 @@ Result<void> CheckMayChange(Service& service, const Request& request, const std:
 
 // For every route: the refusal, where the flight that the address names, or the job or task of one, is not
 // for who asks. An address that names nothing we have passes: its handler says so.
-std::optional<Response> CheckFlightAccess(Service& service, const Request& request, std::string_view pattern);
+std::optional<Response> CheckFlightAccess(Service& service, const Request& request, const Route& route);
 
 // The flights that the requester may know of, as Catalogue::ListFlights.
 Result<storage::FlightPage> ListVisibleFlights(Service& service, const Request& request, int limit,

@@ -108,10 +108,13 @@ Result<Basemap> BasemapFrom(const std::string& text, const std::string& attribut
 }
 
 void AddBasemapRoutes(Router& router, const Basemap& basemap) {
-  router.Add(Method::kGet, "/basemap.json",
-             [basemap](const Request& request) { return Describe(basemap, request); });
-  router.Add(Method::kGet, "/basemap.pmtiles",
-             [basemap](const Request& r) { return SendPmtiles(basemap, r); });
+  router
+      .Add(Method::kGet, "/basemap.json",
+           [basemap](const Request& request) { return Describe(basemap, request); })
+      .scope = kEverybody;
+  router
+      .Add(Method::kGet, "/basemap.pmtiles", [basemap](const Request& r) { return SendPmtiles(basemap, r); })
+      .scope = kEverybody;
 }
 
 }  // namespace skyquilt::api

@@ -173,28 +173,36 @@ Response AnswerExports(const Request& request, Result<std::string> json) {
 void AddExportRoutes(Router& router, Service& service) {
   constexpr const char* kAll = "/api/v1/flights/{flight}/exports";
   constexpr const char* kOne = "/api/v1/flights/{flight}/exports/{export}";
-  router.AddUpload(
-      Method::kPost, kAll, [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
-        if (!IsJson(request))
-          return Problem(
-              {ErrorCode::kUnsupportedFormat,
-               "Send the wish as JSON with its header: curl -H 'Content-Type: application/json' -d "
-               "'{\"format\":\"geotiff\"}' ...",
-               ""},
-              request);
-        return CollectBody([&service, request](const std::string& body) {
-          return Once(service, request, body, [&] { return AskForExport(service, request, body); });
-        });
-      });
+  // Another form of what may be downloaded anyway: no flight changes.
+  constexpr storage::Scope kReads = storage::Scope::kRead;
+  router
+      .AddUpload(
+          Method::kPost, kAll,
+          [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
+            if (!IsJson(request))
+              return Problem(
+                  {ErrorCode::kUnsupportedFormat,
+                   "Send the wish as JSON with its header: curl -H 'Content-Type: application/json' -d "
+                   "'{\"format\":\"geotiff\"}' ...",
+                   ""},
+                  request);
+            return CollectBody([&service, request](const std::string& body) {
+              return Once(service, request, body, [&] { return AskForExport(service, request, body); });
+            });
+          })
+      .scope = kReads;
   router.Add(Method::kGet, kAll, [&](const Request& request) {
     return AnswerExports(request, ListExports(service, request, request.Parameter("flight")));
   });
   router.Add(Method::kGet, kOne,
              [&](const Request& request) { return AnswerExports(request, ShowExport(service, request)); });
-  router.Add(Method::kDelete, kOne, [&](const Request& request) {
-    const Result<void> removed = RemoveExport(service, request);
-    return removed ? NoContent() : Problem(removed.error(), request);
-  });
+  router
+      .Add(Method::kDelete, kOne,
+           [&](const Request& request) {
+             const Result<void> removed = RemoveExport(service, request);
+             return removed ? NoContent() : Problem(removed.error(), request);
+           })
+      .scope = kReads;
   router.Add(Method::kGet, "/api/v1/flights/{flight}/exports/{export}/file", [&](const Request& request) {
     Result<Response> sent = DownloadExport(service, request);
     return sent ? *std::move(sent) : DownloadProblem(sent.error(), request);

@@ -1,4 +1,5 @@
-// AddGeoJsonRoute: a POST whose body is GeoJSON and whose answer is JSON, computed from it. Any thread.
+// AddGeoJsonRoute: a POST whose body is GeoJSON and whose answer is JSON, computed from it: a question, for
+// whoever may read. Any thread.
 #pragma once
 
 #include <functional>

@@ -48,46 +48,51 @@ Route& Router::Insert(Method method, std::string_view pattern) {
   node->names[method] = std::move(names);
   Route& route = node->routes[method];
   route.pattern = pattern;
+  route.scope = method == Method::kGet ? storage::Scope::kRead : storage::Scope::kUpload;
   return route;
 }
 
-void Router::Add(Method method, std::string_view pattern, Handler handler) {
+Route& Router::Add(Method method, std::string_view pattern, Handler handler) {
   Route& route = Insert(method, pattern);
   route.handler = std::move(handler);
   route.work = method == Method::kGet ? Work::kRead : Work::kWrite;
+  return route;
 }
 
-void Router::AddCompute(Method method, std::string_view pattern, Handler handler) {
+Route& Router::AddCompute(Method method, std::string_view pattern, Handler handler) {
   Route& route = Insert(method, pattern);
   route.handler = std::move(handler);
   route.work = Work::kCompute;
+  return route;
 }
 
-void Router::AddQuick(Method method, std::string_view pattern, Handler handler) {
+Route& Router::AddQuick(Method method, std::string_view pattern, Handler handler) {
   Route& route = Insert(method, pattern);
   route.handler = std::move(handler);
   route.work = Work::kQuick;
+  return route;
 }
 
-void Router::AddUpload(Method method, std::string_view pattern, UploadHandler handler) {
+Route& Router::AddUpload(Method method, std::string_view pattern, UploadHandler handler) {
   Route& route = Insert(method, pattern);
   route.upload = std::move(handler);
   route.work = Work::kWrite;
+  return route;
 }
 
 void Router::PutBefore(const Guard& guard) {
   const std::function<void(Node&)> visit = [&](Node& node) {
     for (auto& [method, route] : node.routes) {
       if (route.handler) {
-        route.handler = [guard, pattern = route.pattern,
+        route.handler = [guard, &route = std::as_const(route),
                          handler = std::move(route.handler)](const Request& request) {
-          std::optional<Response> refused = guard(request, pattern);
+          std::optional<Response> refused = guard(request, route);
           return refused ? *std::move(refused) : handler(request);
         };
       } else {
-        route.upload = [guard, pattern = route.pattern, upload = std::move(route.upload)](
+        route.upload = [guard, &route = std::as_const(route), upload = std::move(route.upload)](
                            const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
-          std::optional<Response> refused = guard(request, pattern);
+          std::optional<Response> refused = guard(request, route);
           if (refused) return *std::move(refused);
           return upload(request);
         };
@@ -158,10 +163,10 @@ Router::Match Router::Find(Method method, const std::vector<std::string>& segmen
   return match;
 }
 
-std::vector<std::pair<Method, std::string>> Router::Routes() const {
-  std::vector<std::pair<Method, std::string>> routes;
+std::vector<std::pair<Method, const Route*>> Router::Routes() const {
+  std::vector<std::pair<Method, const Route*>> routes;
   const std::function<void(const Node&)> visit = [&](const Node& node) {
-    for (const auto& [method, route] : node.routes) routes.emplace_back(method, route.pattern);
+    for (const auto& [method, route] : node.routes) routes.emplace_back(method, &route);
     for (const auto& [name, next] : node.literals) visit(*next);
     if (node.any != nullptr) visit(*node.any);
   };

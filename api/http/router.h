@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "api/http/http_message.h"
+#include "storage/catalogue/tokens.h"
 
 namespace skyquilt::api {
 
@@ -20,9 +21,14 @@ using Handler = std::function<Response(const Request&)>;
 // Begins an upload: either takes the body, or refuses it with a Response before it is read.
 using UploadHandler = std::function<std::variant<std::unique_ptr<BodySink>, Response>(const Request&)>;
 
+// What a route is for, as Route::scope: nobody is asked who he is.
+inline constexpr std::optional<storage::Scope> kEverybody;
+
 struct Route {
   std::string pattern;  // for metrics and the test that walks the contract
-  Handler handler;      // exactly one of the two is set
+  // What a token must be good for, where tokens are asked for (api/auth/access).
+  std::optional<storage::Scope> scope;
+  Handler handler;  // exactly one of the two is set
   UploadHandler upload;
   Work work = Work::kRead;  // where it begins; an answer may ask for more (Response::wants)
 };
@@ -34,16 +40,18 @@ class Router {
   Router(Router&&) noexcept;
   Router& operator=(Router&&) noexcept;
 
-  // GET where reading is fine, everything else where writing is.
-  void Add(Method method, std::string_view pattern, Handler handler);
+  // A route is registered in one place, with all that is to be known of it. A GET asks for the scope to read
+  // and all else for the scope to upload, unless the route that is returned is told otherwise. GET where
+  // reading is fine, everything else where writing is.
+  Route& Add(Method method, std::string_view pattern, Handler handler);
   // Makes pictures, plans or verdicts.
-  void AddCompute(Method method, std::string_view pattern, Handler handler);
+  Route& AddCompute(Method method, std::string_view pattern, Handler handler);
   // Answers from memory, with at most a page or two read from a file that is open: runs where sockets are
   // served, and everybody there waits for it.
-  void AddQuick(Method method, std::string_view pattern, Handler handler);
-  void AddUpload(Method method, std::string_view pattern, UploadHandler handler);
+  Route& AddQuick(Method method, std::string_view pattern, Handler handler);
+  Route& AddUpload(Method method, std::string_view pattern, UploadHandler handler);
   // Asked before the handler of every route that is there now; a Response of its is the answer.
-  using Guard = std::function<std::optional<Response>(const Request&, std::string_view pattern)>;
+  using Guard = std::function<std::optional<Response>(const Request&, const Route&)>;
   void PutBefore(const Guard& guard);
   // Answers GET of paths that no pattern has (the web page).
   void SetFallback(Handler handler);
@@ -56,7 +64,7 @@ class Router {
   Match Find(Method method, const std::vector<std::string>& segments) const;
   // What the path allows at all; empty when there is no such path.
   std::string Allowed(const std::vector<std::string>& segments) const;
-  std::vector<std::pair<Method, std::string>> Routes() const;
+  std::vector<std::pair<Method, const Route*>> Routes() const;
 
  private:
   struct Node;

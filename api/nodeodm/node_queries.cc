@@ -221,12 +221,15 @@ void AddNodeRoutes(Router& router, Service& service) {
   router.Add(Method::kGet, "/task/list", [&](const Request& r) { return ListTasks(service, r); });
   router.Add(Method::kGet, "/task/{uuid}/info", [&](const Request& r) { return TaskInfo(service, r); });
   router.Add(Method::kGet, "/task/{uuid}/output", [&](const Request& r) { return TaskOutput(service, r); });
-  router.AddQuick(Method::kGet, "/auth/info", [&](const Request& r) { return AuthInfo(service, r); });
+  router.AddQuick(Method::kGet, "/auth/info", [&](const Request& r) { return AuthInfo(service, r); }).scope =
+      kEverybody;
   for (const char* pattern : {"/auth/login", "/auth/register"}) {
-    router.AddUpload(Method::kPost, pattern,
-                     [](const Request&) -> std::variant<std::unique_ptr<BodySink>, Response> {
-                       return CollectBody([](const std::string&) { return NodeRefusal("Not available"); });
-                     });
+    router
+        .AddUpload(Method::kPost, pattern,
+                   [](const Request&) -> std::variant<std::unique_ptr<BodySink>, Response> {
+                     return CollectBody([](const std::string&) { return NodeRefusal("Not available"); });
+                   })
+        .scope = kEverybody;
   }
 }
 

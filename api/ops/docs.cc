@@ -70,12 +70,16 @@ std::string Page() {
 }  // namespace
 
 void AddDocsRoute(Router& router) {
-  router.AddQuick(Method::kGet, "/docs", [](const Request&) {
-    static const std::string kPage = Page();
-    Response response = Text(200, kPage, "text/html; charset=utf-8");
-    response.headers.Add("Content-Security-Policy", "default-src 'none'; frame-ancestors 'none'");
-    return response;
-  });
+  router
+      .AddQuick(Method::kGet, "/docs",
+                [](const Request&) {
+                  static const std::string kPage = Page();
+                  Response response = Text(200, kPage, "text/html; charset=utf-8");
+                  response.headers.Add("Content-Security-Policy",
+                                       "default-src 'none'; frame-ancestors 'none'");
+                  return response;
+                })
+      .scope = kEverybody;
 }
 
 }  // namespace skyquilt::api

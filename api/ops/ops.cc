@@ -33,28 +33,38 @@ Response Ready(Service& service, const Request& request) {
 }  // namespace
 
 void AddOpsRoutes(Router& router, Service& service) {
-  router.AddQuick(Method::kGet, "/healthz", [](const Request&) { return Json(200, R"({"status":"ok"})"); });
+  router.AddQuick(Method::kGet, "/healthz", [](const Request&) { return Json(200, R"({"status":"ok"})"); })
+      .scope = kEverybody;
   // Not behind what waits for the catalogue.
-  router.AddQuick(Method::kGet, "/readyz", [&](const Request& request) { return Ready(service, request); });
-  router.Add(Method::kGet, "/metrics", [&](const Request& request) {
-    const Result<storage::JobCounts> jobs = service.queue.Count();
-    if (!jobs) return Problem(jobs.error(), request);
-    const storage::UnitQueue queue(service.db);
-    const auto units = queue.Count(storage::Now());
-    if (!units) return Problem(units.error(), request);
-    const auto held = queue.Held();
-    if (!held) return Problem(held.error(), request);
-    const auto aside = storage::WorkersAside(service.db).List();
-    if (!aside) return Problem(aside.error(), request);
-    return Text(200, service.metrics.Text(*jobs, *units, *aside, *held),
-                "text/plain; version=0.0.4; charset=utf-8");
-  });
-  router.AddQuick(Method::kGet, "/version", [&](const Request&) {
-    return Json(200,
-                JsonObject({{"name", JsonString("skyquilt")}, {"version", JsonString(service.version)}}));
-  });
-  router.AddQuick(Method::kGet, "/openapi.json",
-                  [](const Request&) { return Text(200, std::string(kOpenApi), "application/json"); });
+  router.AddQuick(Method::kGet, "/readyz", [&](const Request& request) { return Ready(service, request); })
+      .scope = kEverybody;
+  router
+      .Add(Method::kGet, "/metrics",
+           [&](const Request& request) {
+             const Result<storage::JobCounts> jobs = service.queue.Count();
+             if (!jobs) return Problem(jobs.error(), request);
+             const storage::UnitQueue queue(service.db);
+             const auto units = queue.Count(storage::Now());
+             if (!units) return Problem(units.error(), request);
+             const auto held = queue.Held();
+             if (!held) return Problem(held.error(), request);
+             const auto aside = storage::WorkersAside(service.db).List();
+             if (!aside) return Problem(aside.error(), request);
+             return Text(200, service.metrics.Text(*jobs, *units, *aside, *held),
+                         "text/plain; version=0.0.4; charset=utf-8");
+           })
+      .scope = storage::Scope::kAdmin;
+  router
+      .AddQuick(Method::kGet, "/version",
+                [&](const Request&) {
+                  return Json(200, JsonObject({{"name", JsonString("skyquilt")},
+                                               {"version", JsonString(service.version)}}));
+                })
+      .scope = kEverybody;
+  router
+      .AddQuick(Method::kGet, "/openapi.json",
+                [](const Request&) { return Text(200, std::string(kOpenApi), "application/json"); })
+      .scope = kEverybody;
 }
 
 }  // namespace skyquilt::api

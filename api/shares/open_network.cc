@@ -32,11 +32,13 @@ bool MayOpenNetwork(const Service& service, const Request& request) {
 }
 
 void AddNetworkRoute(Router& router, Service& service) {
-  router.AddUpload(
-      Method::kPost, "/api/v1/network",
-      [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
-        return CollectBody([&service, request](const std::string&) { return OpenNetwork(service, request); });
-      });
+  router
+      .AddUpload(Method::kPost, "/api/v1/network",
+                 [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
+                   return CollectBody(
+                       [&service, request](const std::string&) { return OpenNetwork(service, request); });
+                 })
+      .scope = storage::Scope::kAdmin;
 }
 
 }  // namespace skyquilt::api

@@ -145,8 +145,10 @@ Response RemoveShare(Service& service, const Request& request) {
 }  // namespace
 
 void AddShareRoutes(Router& router, Service& service) {
-  router.Add(Method::kGet, "/api/v1/flights/{flight}/shares",
-             [&](const Request& r) { return ListShares(service, r); });
+  router
+      .Add(Method::kGet, "/api/v1/flights/{flight}/shares",
+           [&](const Request& r) { return ListShares(service, r); })
+      .scope = storage::Scope::kUpload;  // who may revoke them
   router.AddUpload(
       Method::kPost, "/api/v1/flights/{flight}/shares",
       [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {

@@ -260,17 +260,19 @@ void AddStacRoutes(Router& router, Service& service) {
   router.Add(Method::kGet, "/stac/search", [&](const Request& request) {
     return SearchByAddress(service, request, "/stac/search", ParseStacQuery(request));
   });
-  router.AddUpload(
-      Method::kPost, "/stac/search",
-      [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
-        if (!IsJson(request)) {
-          return Problem({ErrorCode::kUnsupportedFormat,
-                          "Send the search as JSON, with \"Content-Type: application/json\".", ""},
-                         request);
-        }
-        return CollectBody(
-            [&service, request](const std::string& body) { return SearchByBody(service, request, body); });
-      });
+  router
+      .AddUpload(Method::kPost, "/stac/search",
+                 [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
+                   if (!IsJson(request)) {
+                     return Problem({ErrorCode::kUnsupportedFormat,
+                                     "Send the search as JSON, with \"Content-Type: application/json\".", ""},
+                                    request);
+                   }
+                   return CollectBody([&service, request](const std::string& body) {
+                     return SearchByBody(service, request, body);
+                   });
+                 })
+      .scope = storage::Scope::kRead;  // a question, too long for an address
   router.Add(Method::kGet, "/stac/{flight}", [&](const Request& request) {
     return AnswerItem(service, request, request.Parameter("flight"), "");
   });

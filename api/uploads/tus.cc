@@ -106,8 +106,8 @@ void AddTusRoutes(Router& router, Service& service) {
   constexpr const char* kOne = "/api/v1/uploads/{upload}";
   router.AddUpload(Method::kPost, "/api/v1/uploads",
                    [&](const Request& r) { return BeginTusCreation(service, r); });
-  router.AddQuick(Method::kOptions, "/api/v1/uploads", Options);
-  router.AddQuick(Method::kOptions, kOne, Options);
+  router.AddQuick(Method::kOptions, "/api/v1/uploads", Options).scope = kEverybody;
+  router.AddQuick(Method::kOptions, kOne, Options).scope = kEverybody;
   router.Add(Method::kGet, kOne, [&](const Request& r) { return GetUpload(service, r); });
   router.AddUpload(Method::kPatch, kOne, [&](const Request& r) { return BeginPatch(service, r); });
   router.AddUpload(Method::kPost, kOne, [&](const Request& r) { return Overridden(service, r); });

@@ -107,15 +107,21 @@ std::string WebhookSignature(const std::string& secret, std::int64_t at_s, const
 }
 
 void AddWebhookRoutes(Router& router, Service& service) {
-  router.Add(Method::kGet, "/api/v1/webhooks", [&](const Request& r) { return ListWebhooks(service, r); });
-  router.AddUpload(Method::kPost, "/api/v1/webhooks",
-                   [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
-                     return CollectBody([&service, request](const std::string& body) {
-                       return AddWebhook(service, request, body);
-                     });
+  using enum storage::Scope;
+  router.Add(Method::kGet, "/api/v1/webhooks", [&](const Request& r) { return ListWebhooks(service, r); })
+      .scope = kAdmin;
+  router
+      .AddUpload(Method::kPost, "/api/v1/webhooks",
+                 [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
+                   return CollectBody([&service, request](const std::string& body) {
+                     return AddWebhook(service, request, body);
                    });
-  router.Add(Method::kDelete, "/api/v1/webhooks/{webhook}",
-             [&](const Request& r) { return RemoveWebhook(service, r); });
+                 })
+      .scope = kAdmin;
+  router
+      .Add(Method::kDelete, "/api/v1/webhooks/{webhook}",
+           [&](const Request& r) { return RemoveWebhook(service, r); })
+      .scope = kAdmin;
 }
 
 }  // namespace skyquilt::api

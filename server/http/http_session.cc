@@ -163,7 +163,7 @@ class Session : public std::enable_shared_from_this<Session> {
 
   // Whoever may not, and whatever would change what can no longer be stored.
   std::optional<api::Response> Refused(api::Request& request, const api::Route& route) {
-    if (auto refused = api::CheckAccess(context_.service, request, route.pattern)) return refused;
+    if (auto refused = api::CheckAccess(context_.service, request, route)) return refused;
     return RefusedUnlessStored(request);
   }
 

@@ -214,9 +214,9 @@ std::string StateOf(World& w) {
 TEST(FlightAccess, NoRouteChangesWhatIsAnothers) {
   const auto asks = Asks();
   World table;
-  for (const auto& [method, pattern] : table.sample.router().Routes()) {
-    const std::optional<Scope> scope = ScopeOf(method, pattern);
-    if (scope != Scope::kUpload || kMakes.contains({method, pattern})) continue;
+  for (const auto& [method, route] : table.sample.router().Routes()) {
+    const std::string& pattern = route->pattern;
+    if (route->scope != Scope::kUpload || kMakes.contains({method, pattern})) continue;
     const std::string what = std::string(MethodName(method)) + " " + pattern;
     const auto ask = asks.find({method, pattern});
     ASSERT_NE(ask, asks.end()) << what
@@ -263,9 +263,9 @@ TEST(FlightAccess, ATokenOfOneFlightReadsThatOneAlone) {
   const std::string at = "/api/v1/flights/" + world.ended_flight;
   EXPECT_EQ(world.sample.Send(Method::kPatch, at, R"({"name":"x"})", share).status, 403);
   EXPECT_EQ(world.sample.Send(Method::kPost, "/api/v1/flights", "{}", share).status, 403);
-  for (const auto& [method, pattern] : world.sample.router().Routes()) {
-    if (method != Method::kGet || ScopeOf(method, pattern) != Scope::kRead) continue;
-    const auto target = [&, &path = pattern](const World& w, const std::string& flight) {
+  for (const auto& [method, route] : world.sample.router().Routes()) {
+    if (method != Method::kGet || route->scope != Scope::kRead) continue;
+    const auto target = [&, &path = route->pattern](const World& w, const std::string& flight) {
       std::string text = path;
       const std::pair<std::string, std::string> values[] = {
           {"{flight}", flight},
@@ -297,7 +297,7 @@ TEST(FlightAccess, ATokenOfOneFlightReadsThatOneAlone) {
       }
       return text;
     };
-    EXPECT_EQ(target(world, world.ended_flight).find('{'), std::string::npos) << pattern;
+    EXPECT_EQ(target(world, world.ended_flight).find('{'), std::string::npos) << route->pattern;
     const std::string one = target(world, world.ended_flight);
     const std::string other = target(world, world.flight);
     if (one != other) {
@@ -306,7 +306,7 @@ TEST(FlightAccess, ATokenOfOneFlightReadsThatOneAlone) {
       EXPECT_NE(refused.body.find("opens one flight"), std::string::npos) << other << " " << refused.body;
       Response own = world.sample.Get(one, share);
       EXPECT_EQ(BodyOf(own).find("opens one flight"), std::string::npos) << one;
-    } else if (pattern != "/api/v1/events") {
+    } else if (route->pattern != "/api/v1/events") {
       // Without a flight in the address it tells nothing of others.
       Response told = world.sample.Get(one, share);
       const std::string body = BodyOf(told);

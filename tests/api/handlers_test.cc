@@ -363,7 +363,8 @@ TEST(OpenApi, DescribesEveryRouteAndNoOther) {
     }
   }
   std::set<std::string> served;
-  for (const auto& [method, pattern] : sample.router().Routes()) {
+  for (const auto& [method, route] : sample.router().Routes()) {
+    const std::string& pattern = route->pattern;
     std::string name = MethodName(method);
     for (char& c : name) c = static_cast<char>(std::tolower(c));
     // The router has no names for a part of a segment.

@@ -76,7 +76,8 @@ TEST(Limits, RequestsAreCounted) {
   const auto status = [&] {
     Request request;
     request.headers.Add("Authorization", "Bearer sq_x");
-    const auto refused = CheckAccess(sample.service(), request, "/api/v1/flights");
+    const auto refused = CheckAccess(sample.service(), request,
+                                     *sample.router().Find(Method::kGet, {"api", "v1", "flights"}).route);
     EXPECT_EQ(request.owner, "t");
     return refused ? refused->status : 0;
   };

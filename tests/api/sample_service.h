@@ -43,7 +43,7 @@ class SampleService {
     request.headers = std::move(headers);
     if (says_length) request.content_length = body.size();
     request.base_url = "http://127.0.0.1:1";
-    if (auto refused = CheckAccess(service_, request, match.route->pattern)) return *std::move(refused);
+    if (auto refused = CheckAccess(service_, request, *match.route)) return *std::move(refused);
     if (match.route->handler) {
       Response answer = match.route->handler(request);
       KeepToAsker(service_, request, answer);
