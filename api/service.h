@@ -78,6 +78,8 @@ struct Service {
   std::function<Result<void>(const std::string& url)> check_receiver = [](const std::string&) {
     return Result<void>();
   };
+  // This machine has a program that makes a PDF of a report.
+  std::function<bool()> prints_pdf = [] { return false; };
   storage::Tokens tokens{db};
   bool has_keyed_cache = false;  // the operator's cache in front has Authorization and the query in its key
   storage::IdempotentAnswers idempotent_answers{db};

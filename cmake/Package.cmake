@@ -96,6 +96,7 @@ also files: GeoTIFF, MBTiles and PMTiles.
 The service listens to its own machine until /etc/skyquilt.conf says
 otherwise.")
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "weasyprint")
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "adduser, init-system-helpers (>= 1.52), ${run_packages}")
 set(CPACK_PROJECT_CONFIG_FILE ${CMAKE_BINARY_DIR}/late_depends.cmake)
 file(GENERATE OUTPUT ${CPACK_PROJECT_CONFIG_FILE} CONTENT

@@ -15,6 +15,7 @@
 #include "api/shown_map.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 #include "core/flight/remarks/remark_json.h"
 #include "storage/exports/custom/export_request.h"
 #include "storage/files/publish_file.h"
@@ -87,6 +88,8 @@ Result<std::string> QueueExport(Service& service, const Request& request, const 
   SKYQUILT_TRY_ASSIGN(const storage::ExportRequest wish, storage::ParseExportRequest(body));
   SKYQUILT_TRY_ASSIGN(const storage::MapFacts facts, FactsOfShownMap(service, map, flight_id));
   SKYQUILT_TRY(storage::CheckExport(wish, facts));
+  if (wish.format == storage::ExportFormat::kReport && !service.prints_pdf())
+    return flight::Because(ErrorCode::kUnavailable, flight::RemarkCode::kExportWithoutPrinter);
   MapExport wanted;
   wanted.flight_id = flight_id;
   wanted.revision = map.revision;

@@ -33,6 +33,7 @@
 #include "server/intake/verdicts.h"
 #include "server/open_blobs.h"
 #include "server/open_storage.h"
+#include "server/reports/print_pdf.h"
 #include "server/routing/address_range.h"
 #include "server/routing/network_addresses.h"
 #include "server/routing/request_log.h"
@@ -309,6 +310,7 @@ void RunServer(const ServeOptions& options) {
   service.node_engine = options.node_engine;
   service.sends_webhooks = options.webhooks != "off";
   if (options.webhooks == "public") service.check_receiver = CheckReceiver;
+  service.prints_pdf = CanPrintPdf;
   api::Router router = api::BuildApi(service);
   const std::optional<std::filesystem::path> page = FindPageFolder(options.web_dir);
   if (!page && !options.web_dir.empty()) {

@@ -12,10 +12,12 @@
 #include "server/exports/export_task.h"
 #include "server/jobs/job_messages.h"
 #include "server/jobs/pipe_progress.h"
+#include "server/reports/map_picture.h"
 #include "server/sandbox/process_limits.h"
 #include "server/sandbox/sandbox.h"
 #include "server/sandbox/sandboxed_child.h"
 #include "storage/exports/custom/export_map.h"
+#include "storage/files/publish_file.h"
 
 namespace skyquilt::server {
 namespace {
@@ -33,6 +35,12 @@ Result<void> RunExportTask(const std::string& text, MessageWriter& writer) {
   PipeProgress progress(writer);
   try {
     SKYQUILT_TRY_ASSIGN(const storage::ExportRequest request, storage::ParseExportRequest(task.request));
+    if (request.format == storage::ExportFormat::kReport) {
+      // Its picture alone: what is printed beside the sandbox is a page of the server's own.
+      SKYQUILT_TRY_ASSIGN(const MapPicture picture,
+                          MakeMapPicture(task.map_dir, kReportPicturePx, task.work_dir, progress));
+      return storage::WriteFileAtomically(task.work_dir / task.out_name, ToBytes(picture));
+    }
     SKYQUILT_TRY_ASSIGN(const storage::ExportSource source, storage::ExportSourceOf(task.map_dir));
     const storage::ExportOptions options{.threads = task.threads};
     return storage::ExportMap(source, request, task.work_dir, task.work_dir / task.out_name, options,

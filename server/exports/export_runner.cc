@@ -7,9 +7,13 @@
 #include <cerrno>
 #include <system_error>
 
+#include "api/json/json_codec.h"
 #include "core/base/scoped_folder.h"
 #include "core/base/try.h"
 #include "server/exports/export_sandboxed.h"
+#include "server/reports/map_picture.h"
+#include "server/reports/print_pdf.h"
+#include "server/reports/report_page.h"
 #include "server/routing/request_log.h"
 #include "storage/exports/custom/export_map.h"
 #include "storage/files/publish_file.h"
@@ -25,6 +29,7 @@ constexpr std::chrono::milliseconds kExportPause{500};
 constexpr std::chrono::seconds kBeatEvery{1};
 // A shared catalogue is asked at once for what came in here, and now and then for what others could not make.
 constexpr std::chrono::seconds kAskSharedEvery{10};
+constexpr double kShareOfPicture = 0.5;  // of the work on a report; printing says nothing of how far it is
 
 Error Replaced() {
   return {ErrorCode::kConflict, "The map was replaced before its export began. Ask for the export again.",
@@ -52,6 +57,24 @@ std::int64_t ExpectedBytes(const fs::path& map_dir, const storage::ExportRequest
   const bool is_warped =
       request.format == storage::ExportFormat::kGeotiff && (!request.crs.empty() || request.resolution_m);
   return (is_warped && !request.boundary ? 10 : 2) * bytes;
+}
+
+// From the picture that the sandboxed process left, the page about it, printed. The bytes of the file.
+Result<std::int64_t> PrintReport(const fs::path& map_dir, const fs::path& work_dir,
+                                 const fs::path& picture_file, const fs::path& pdf,
+                                 const std::string& flight_name, const std::function<bool()>& go_on) {
+  SKYQUILT_TRY_ASSIGN(const std::string bytes, storage::ReadWholeFile(picture_file));
+  SKYQUILT_TRY_ASSIGN(const MapPicture picture, ParseMapPicture(bytes));
+  SKYQUILT_TRY_ASSIGN(const std::string report, storage::ReadWholeFile(map_dir / "report.json"));
+  const std::string today = api::FormatTime(storage::Now()).substr(0, 10);
+  SKYQUILT_TRY_ASSIGN(const std::string page, ReportPage(report, picture, today, flight_name));
+  const fs::path html = work_dir / "report.html";
+  SKYQUILT_TRY(storage::WriteFileAtomically(html, page));
+  SKYQUILT_TRY(PrintPdf(html, pdf, work_dir, go_on));
+  std::error_code error;
+  const std::uintmax_t size = fs::file_size(pdf, error);
+  if (error) return storage::FileError("cannot read", pdf, error.value());
+  return static_cast<std::int64_t>(size);
 }
 
 bool NeedsCog(const storage::ExportRequest& request) {
@@ -147,21 +170,28 @@ Result<std::int64_t> ExportRunner::MakeIn(const MapExport& claimed, const fs::pa
   ExportTask task;
   task.map_dir = map_dir;
   task.work_dir = work_dir;
-  task.out_name = std::string("export.") + storage::EndingOf(request.format);
+  const std::string file_name = std::string("export.") + storage::EndingOf(request.format);
+  const bool is_report = request.format == storage::ExportFormat::kReport;
+  task.out_name = is_report ? "picture" : file_name;
   task.request = claimed.request;
   task.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()) / 2);
   auto beaten = std::chrono::steady_clock::time_point();
-  SKYQUILT_TRY_ASSIGN(const std::int64_t bytes, ExportSandboxed(task, limits, [&](double fraction) {
-                        if (IsEnded()) return false;
-                        const auto now = std::chrono::steady_clock::now();
-                        if (now - beaten < kBeatEvery) return true;
-                        beaten = now;
-                        // A catalogue that is away for a moment stops nothing: the lease is longer.
-                        const Result<bool> is_ours =
-                            service_.exports.Heartbeat(claimed, fraction, storage::Now());
-                        return !is_ours || *is_ours;
-                      }));
-  SKYQUILT_TRY(Store(claimed, work_dir / task.out_name));
+  const auto go_on = [&](double fraction) {
+    if (IsEnded()) return false;
+    const auto now = std::chrono::steady_clock::now();
+    if (now - beaten < kBeatEvery) return true;
+    beaten = now;
+    // A catalogue that is away for a moment stops nothing: the lease is longer.
+    const Result<bool> is_ours = service_.exports.Heartbeat(claimed, fraction, storage::Now());
+    return !is_ours || *is_ours;
+  };
+  SKYQUILT_TRY_ASSIGN(std::int64_t bytes, ExportSandboxed(task, limits, go_on));
+  if (is_report) {
+    SKYQUILT_TRY_ASSIGN(const storage::Flight flight, service_.catalogue.GetFlight(claimed.flight_id));
+    SKYQUILT_TRY_ASSIGN(bytes, PrintReport(map_dir, work_dir, work_dir / task.out_name, work_dir / file_name,
+                                           flight.name, [&] { return go_on(kShareOfPicture); }));
+  }
+  SKYQUILT_TRY(Store(claimed, work_dir / file_name));
   return bytes;
 }
 

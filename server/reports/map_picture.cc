@@ -1,7 +1,10 @@
 #include "server/reports/map_picture.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -10,6 +13,7 @@
 #include "core/base/try.h"
 #include "core/geo/lat_lon.h"
 #include "core/image/picture_codec.h"
+#include "core/image/picture_format.h"
 #include "storage/exports/custom/export_map.h"
 #include "storage/exports/thumbnail_writer.h"
 #include "storage/files/publish_file.h"
@@ -51,6 +55,31 @@ Result<MapPicture> MakeMapPicture(const std::filesystem::path& map, int longer_s
   std::filesystem::remove(tif, stays);
   std::filesystem::remove(png, stays);
   return picture;
+}
+
+std::string ToBytes(const MapPicture& picture) {
+  std::string bytes = fmt::format("{} {} {:.17g}\n", picture.width_px, picture.height_px, picture.pixel_m);
+  bytes.append(reinterpret_cast<const char*>(picture.webp.data()), picture.webp.size());
+  return bytes;
+}
+
+Result<MapPicture> ParseMapPicture(std::string_view bytes) {
+  constexpr std::size_t kMaxHeadBytes = 100;
+  const std::size_t end = bytes.substr(0, kMaxHeadBytes).find('\n');
+  MapPicture picture;
+  if (end != std::string_view::npos) {
+    const std::string head(bytes.substr(0, end));
+    const std::string_view webp = bytes.substr(end + 1);
+    const auto is_side = [](int side) { return side > 0 && side <= image::kMaxPictureSidePx; };
+    if (std::sscanf(head.c_str(), "%d %d %lf", &picture.width_px, &picture.height_px, &picture.pixel_m) ==
+            3 &&
+        is_side(picture.width_px) && is_side(picture.height_px) && std::isfinite(picture.pixel_m) &&
+        picture.pixel_m > 0.0 && image::PictureFormatOf(webp) == image::PictureFormat::kWebp) {
+      picture.webp.assign(webp.begin(), webp.end());
+      return picture;
+    }
+  }
+  return Error{ErrorCode::kCorrupt, "The report's picture of the map is damaged.", ""};
 }
 
 double ScaleBarM(double most_m) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <boost/process/args.hpp>
 #include <boost/process/child.hpp>
@@ -24,6 +25,7 @@ namespace fs = std::filesystem;
 namespace process = boost::process;
 
 constexpr std::chrono::minutes kPrintTime{2};
+constexpr std::chrono::milliseconds kPrintPollInterval{200};
 constexpr std::size_t kMaxWordsBytes = 300;
 
 enum class Printer { kWeasyPrint, kChromium, kWkHtml };
@@ -78,7 +80,13 @@ std::string LastWords(const fs::path& log) {
 
 }  // namespace
 
-Result<void> PrintPdf(const fs::path& html, const fs::path& pdf, const fs::path& work_dir) {
+bool CanPrintPdf() {
+  return std::any_of(kPrinters.begin(), kPrinters.end(),
+                     [](const PrinterName& printer) { return !FindProgram(printer.program).empty(); });
+}
+
+Result<void> PrintPdf(const fs::path& html, const fs::path& pdf, const fs::path& work_dir,
+                      const std::function<bool()>& go_on) {
   for (const PrinterName& printer : kPrinters) {
     const std::string program = FindProgram(printer.program);
     if (program.empty()) continue;
@@ -88,9 +96,18 @@ Result<void> PrintPdf(const fs::path& html, const fs::path& pdf, const fs::path&
       process::child child(program, process::args(WordsFor(printer.kind, html, pdf, work_dir)),
                            process::std_in<process::null, process::std_out> process::null,
                            process::std_err > log.string(), group);
-      if (!child.wait_for(kPrintTime)) {
+      const auto end = std::chrono::steady_clock::now() + kPrintTime;
+      const auto stop = [&] {
         group.terminate();
         child.wait();
+      };
+      while (!child.wait_for(kPrintPollInterval)) {
+        if (go_on && !go_on()) {
+          stop();
+          return Error{ErrorCode::kCancelled, "The report was cancelled.", ""};
+        }
+        if (std::chrono::steady_clock::now() < end) continue;
+        stop();
         return Error{ErrorCode::kTimeout,
                      fmt::format("{} took more than {} minutes to print the report.", printer.program,
                                  kPrintTime.count()),

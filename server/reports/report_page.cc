@@ -225,12 +225,12 @@ std::string Verdict(const std::optional<pipeline::MapQuality>& quality) {
 }  // namespace
 
 Result<std::string> ReportPage(std::string_view report_json, const std::optional<MapPicture>& picture,
-                               const std::string& made) {
+                               const std::string& made, const std::string& name) {
   const Json report = ParseJson(report_json);
   if (!report.is_object())
     return Error{ErrorCode::kCorrupt, "report.json of the map is damaged. Make the map again.", ""};
   const bool is_placed = !At(report, {"is_placed"}).is_boolean() || At(report, {"is_placed"}).get<bool>();
-  std::string title = TextAt(report, {"title"});
+  std::string title = name.empty() ? TextAt(report, {"title"}) : name;
   if (title.empty()) title = "Map";
   std::string page = fmt::format(
       "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "

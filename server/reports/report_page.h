@@ -12,8 +12,9 @@
 
 namespace skyquilt::server {
 
-// `picture`: absent where there is none to show. `made`: when, for people.
+// `picture`: absent where there is none to show. `made`: when, for people. `name`: that the map goes by now;
+// empty: as the report says.
 Result<std::string> ReportPage(std::string_view report_json, const std::optional<MapPicture>& picture,
-                               const std::string& made);
+                               const std::string& made, const std::string& name = "");
 
 }  // namespace skyquilt::server

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <vector>
 
 #include "server/reports/map_picture.h"
 #include "server/reports/report_page.h"
@@ -32,6 +33,30 @@ TEST(ReportPage, SaysWhatTheReportHasAndEscapesIt) {
   EXPECT_FALSE(Has(*page, "<script"));
   EXPECT_FALSE(Has(*page, "not georeferenced"));
   EXPECT_FALSE(Has(*page, "adjusted ones"));
+}
+
+TEST(ReportPage, IsHeadedByTheNameThatTheMapGoesBy) {
+  const auto page = ReportPage(kReport, std::nullopt, "", "Mill <north>");
+  ASSERT_TRUE(page.ok());
+  EXPECT_TRUE(Has(*page, "<h1>Mill &lt;north&gt;</h1>"));
+  EXPECT_FALSE(Has(*page, "Field"));
+}
+
+TEST(MapPicture, IsBelievedOnlyWhereItIsOne) {
+  const std::string webp = "RIFF\x10\x20\x30\x40WEBPVP8 \nand more";
+  const MapPicture picture{{webp.begin(), webp.end()}, 1000, 500, 0.1 / 3};
+  const auto same = ParseMapPicture(ToBytes(picture));
+  ASSERT_TRUE(same.ok());
+  EXPECT_EQ(same->webp, picture.webp);
+  EXPECT_EQ(same->width_px, 1000);
+  EXPECT_EQ(same->height_px, 500);
+  EXPECT_EQ(same->pixel_m, picture.pixel_m);
+  const std::string png = "\x89PNG\r\n\x1a\n";
+  for (const std::string& bad : std::initializer_list<std::string>{
+           "", "1000 500 0.1" + webp, "1000 500 0.1\n", "1000 500 0.1\n" + png, "0 500 0.1\n" + webp,
+           "1000 9999999 0.1\n" + webp, "1000 500 -1\n" + webp, "1000 500 nan\n" + webp, "1000 500\n" + webp,
+           std::string(200, '1') + " 500 0.1\n" + webp})
+    EXPECT_FALSE(ParseMapPicture(bad).ok()) << bad;
 }
 
 TEST(ReportPage, HasAScaleBarAndANorthArrowOnlyWhereTheyAreTrue) {

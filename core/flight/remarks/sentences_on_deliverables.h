@@ -89,6 +89,9 @@ inline constexpr std::array kSentencesOnDeliverables = std::to_array<RemarkSente
      "system of this region, or \"utm\"."},
     {RemarkCode::kExportSystemUnreachable, "export_system_unreachable",
      "EPSG:{epsg} does not reach the map. Give the code of a coordinate system of this region, or \"utm\"."},
+    {RemarkCode::kExportWithoutPrinter, "export_without_printer",
+     "This server has no program that makes a PDF. Whoever runs it installs one (apt install weasyprint); until then "
+     "print the map's page from the browser."},
     {RemarkCode::kExportOneOfLink, "export_one_of_link",
      "A link has one export at a time, and this one's is not made yet. Wait for it, or delete it."},
     {RemarkCode::kExportsOfFlight, "exports_of_flight",

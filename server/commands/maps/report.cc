@@ -33,7 +33,7 @@ constexpr const char* kReportCommand = "skyquilt report";
 struct ReportArguments {
   fs::path map_dir;
   fs::path out;
-  int picture_px = 1600;
+  int picture_px = kReportPicturePx;
   bool overwrite = false;
 };
 

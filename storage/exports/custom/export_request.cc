@@ -28,11 +28,12 @@ struct FormatWords {
   const char* ending;
   const char* content_type;
 };
-constexpr std::array<FormatWords, 4> kFormats = {{
+constexpr std::array<FormatWords, 5> kFormats = {{
     {ExportFormat::kGeotiff, "geotiff", "tif", "image/tiff; application=geotiff; profile=cloud-optimized"},
     {ExportFormat::kPmtiles, "pmtiles", "pmtiles", "application/vnd.pmtiles"},
     {ExportFormat::kMbtiles, "mbtiles", "mbtiles", "application/vnd.sqlite3"},
     {ExportFormat::kKmz, "kmz", "kmz", "application/vnd.google-earth.kmz"},
+    {ExportFormat::kReport, "report", "pdf", "application/pdf"},
 }};
 
 constexpr double kCoarsestM = 100'000.0;
@@ -44,14 +45,15 @@ const FormatWords& WordsOf(ExportFormat format) {
                        [&](const auto& one) { return one.format == format; });
 }
 
+constexpr const char* kFormatNames = "\"geotiff\", \"pmtiles\", \"mbtiles\", \"kmz\" or \"report\".";
+
 Error Refused(flight::Remark why) { return flight::Because(ErrorCode::kUnprocessable, std::move(why)); }
 
 Result<void> TakeField(const std::string& field, const Json& value, ExportRequest& request,
                        bool& has_format) {
   if (field == "format") {
     const auto format = value.is_string() ? ExportFormatOfName(value.get<std::string>()) : std::nullopt;
-    if (!format)
-      return Refused("The field \"format\" must be \"geotiff\", \"pmtiles\", \"mbtiles\" or \"kmz\".");
+    if (!format) return Refused(fmt::format("The field \"format\" must be {}", kFormatNames));
     request.format = *format;
     has_format = true;
     return {};
@@ -118,7 +120,7 @@ std::optional<ExportFormat> ExportFormatOfFile(std::string_view file_name) {
                  [](unsigned char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
   if (ending == "tiff") ending = "tif";
   for (const FormatWords& one : kFormats) {
-    if (ending == one.ending) return one.format;
+    if (ending == one.ending && one.format != ExportFormat::kReport) return one.format;
   }
   return std::nullopt;
 }
@@ -132,8 +134,12 @@ Result<ExportRequest> ParseExportRequest(std::string_view json) {
   bool has_format = false;
   for (const auto& [field, value] : parsed.items())
     SKYQUILT_TRY(TakeField(field, value, request, has_format));
-  if (!has_format)
-    return Refused("Say the format: \"format\" is \"geotiff\", \"pmtiles\", \"mbtiles\" or \"kmz\".");
+  if (!has_format) return Refused(fmt::format("Say the format: \"format\" is {}", kFormatNames));
+  if (request.format == ExportFormat::kReport) {
+    if (!request.crs.empty() || request.boundary || request.resolution_m)
+      return Refused("A report is of the whole map; leave out \"crs\", \"boundary\" and \"resolution_m\".");
+    return request;
+  }
   if (!request.crs.empty() && request.format != ExportFormat::kGeotiff)
     return Refused(fmt::format("{} is always in Web Mercator; leave out \"crs\", or take a GeoTIFF.",
                                NameOf(request.format)));

@@ -1,5 +1,6 @@
 // ExportRequest: how somebody wants a finished map: format, coordinate system, area, resolution. CheckExport
-// says what of it cannot be, before any work. Pure but for PROJ's database; any thread. Errors:
+// says what of it cannot be, before any work. A report is no other form of the tiles but a page about the
+// map, which whoever serves it prints (server/reports). Pure but for PROJ's database; any thread. Errors:
 // kInvalidArgument (not JSON), kUnprocessable (a field that is unknown, of a wrong kind, or that this map
 // cannot serve; the message says what to ask for instead), kCorrupt (a tileset without bounds or zooms).
 #pragma once
@@ -15,14 +16,14 @@
 
 namespace skyquilt::storage {
 
-enum class ExportFormat { kGeotiff, kPmtiles, kMbtiles, kKmz };
+enum class ExportFormat { kGeotiff, kPmtiles, kMbtiles, kKmz, kReport };
 
 // "geotiff", and the ending of such a file: "tif".
 const char* NameOf(ExportFormat format);
 const char* EndingOf(ExportFormat format);
 const char* ContentTypeOf(ExportFormat format);
 std::optional<ExportFormat> ExportFormatOfName(std::string_view name);
-// Of "map.tif", "MAP.TIFF", "map.pmtiles".
+// Of "map.tif", "MAP.TIFF", "map.pmtiles"; none for a report, which is no form of the tiles.
 std::optional<ExportFormat> ExportFormatOfFile(std::string_view file_name);
 
 struct ExportRequest {

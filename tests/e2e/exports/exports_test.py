@@ -97,6 +97,12 @@ class Exports(ServerTestCase):
         wishes = [{"format": "geotiff", "crs": "utm"}, {"format": "geotiff", "crs": "EPSG:3857", "boundary": quarter},
                   {"format": "geotiff", "crs": "EPSG:4326", "resolution_m": 0.5, "boundary": quarter},
                   {"format": "mbtiles"}, {"format": "pmtiles", "boundary": quarter}, {"format": "kmz", "resolution_m": 0.3}]
+        prints = any(shutil.which(name) for name in ("weasyprint", "chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "wkhtmltopdf"))
+        if prints:
+            wishes.append({"format": "report"})
+        else:
+            status, refused = self.ask(server, flight, format="report")
+            self.assertEqual((status, refused["reason"]["code"]), (503, "export_without_printer"), refused)
         asked = []
         for wish in wishes:
             status, export = self.ask(server, flight, **wish)
@@ -104,7 +110,7 @@ class Exports(ServerTestCase):
             asked.append(export)
         # The same again is the same.
         self.assertEqual(self.ask(server, flight, **wishes[0])[1]["id"], asked[0]["id"])
-        starts = {"geotiff": b"II", "mbtiles": b"SQLite format 3", "pmtiles": b"PMTiles", "kmz": b"PK"}
+        starts = {"geotiff": b"II", "mbtiles": b"SQLite format 3", "pmtiles": b"PMTiles", "kmz": b"PK", "report": b"%PDF-"}
         for wish, export in zip(wishes, asked):
             export = self.finished(server, export)
             self.assertEqual(export["state"], "successful", (wish, export, server.errors()))
@@ -128,7 +134,7 @@ class Exports(ServerTestCase):
 
         for wish, words in [({"format": "geotiff", "crs": "EPSG:12"}, "not known"), ({"format": "geotiff", "crs": "EPSG:32755"}, "the map lies at"),
                             ({"format": "pmtiles", "crs": "utm"}, "Web Mercator"), ({"format": "kmz", "boundary": box(1, 1, 2, 2)}, "outside the map"),
-                            ({"format": "geotiff", "resolution_m": 0.0001}, "finest pixels"), ({"crs": "utm"}, "Say the format"),
+                            ({"format": "geotiff", "resolution_m": 0.0001}, "finest pixels"), ({"format": "report", "crs": "utm"}, "whole map"), ({"crs": "utm"}, "Say the format"),
                             ({"format": "kmz", "boundary": {"type": "Point", "coordinates": [1, 2]}}, "Polygon"), ({"format": "kmz", "size": 3}, "size")]:
             status, refused = self.ask(server, flight, **wish)
             self.assertEqual(status, 422, refused)

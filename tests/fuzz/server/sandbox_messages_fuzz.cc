@@ -6,6 +6,7 @@
 #include "core/base/check.h"
 #include "server/jobs/job_messages.h"
 #include "server/preview/preview_messages.h"
+#include "server/reports/map_picture.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace skyquilt::server;
@@ -15,5 +16,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   if (const auto message = ParsePreviewMessage(text))
     SKYQUILT_CHECK(ParsePreviewMessage(ToText(*message)).ok(),
                    "a message was believed that we would not send");
+  if (const auto picture = ParseMapPicture(text))
+    SKYQUILT_CHECK(ParseMapPicture(ToBytes(*picture)).ok(), "a picture was believed that we would not send");
   return 0;
 }

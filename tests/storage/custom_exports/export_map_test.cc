@@ -222,6 +222,8 @@ TEST_F(ExportMapTest, WhatCannotBeIsRefusedWithWhatToDo) {
   EXPECT_NE(Refusal(R"({"format":"geotiff","resolution_m":-1})").find("above 0"), std::string::npos);
   EXPECT_NE(Refusal(R"({"format":"shp"})").find("\"kmz\""), std::string::npos);
   EXPECT_NE(Refusal(R"({})").find("Say the format"), std::string::npos);
+  EXPECT_NE(Refusal(R"({"format":"report","crs":"utm"})").find("of the whole map"), std::string::npos);
+  EXPECT_EQ(ExportFormatOfFile("map.pdf"), std::nullopt) << "a report is no form of the tiles";
   EXPECT_NE(Refusal(R"({"format":"kmz","color":1})").find("color"), std::string::npos);
   const std::string elsewhere = R"({"format":"kmz","boundary":)" + BoxText({1, 1, 2, 2}) + "}";
   EXPECT_EQ(Reason(elsewhere), "export_outside_map");

@@ -86,6 +86,24 @@ test('the first download is what one measures in', options, async () => {
   await assertQuiet(opened);
 });
 
+test('a report and a file for Google Earth are one click away', options, async () => {
+  const opened = await setUpReady('Meadow');
+  const { page, flight } = opened;
+  for (const [name, format] of [['report', 'report'], ['kmz', 'kmz']]) {
+    await page.click('#flight-download');
+    await page.click(`#download-${name}`);
+    await page.waitForSelector('#exports li a');
+    assert.deepEqual(flight.exports.map((/** @type {any} */ wish) => wish.format).includes(format), true);
+    await page.keyboard.press('Escape');
+    await page.waitForSelector('#download-dialog', { state: 'detached' });
+  }
+  await page.click('#flight-download');
+  await page.click('#export-open');
+  await page.selectOption('#export-format', 'report');
+  for (const hidden of ['#export-crs', '#export-resolution', '#export-area']) assert.ok(await page.locator(hidden).isHidden(), hidden);
+  await assertQuiet(opened);
+});
+
 test('a map is cut to what is drawn, to a loaded file, or to one that is chosen there', options, async () => {
   const opened = await setUpReady('Meadow');
   const { page, flight } = opened;

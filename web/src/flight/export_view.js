@@ -27,6 +27,7 @@ const isOver = ({ state }) => state === 'successful' || state === 'failed';
 export function wishOf({ format, crs, epsg, resolution_cm }, outline) {
   const code = epsg.trim().replace(/^epsg\s*:?\s*/i, '');
   const centimetres = resolution_cm.trim() === '' ? null : Number(resolution_cm);
+  if (format === 'report') return { format };  // of the whole map
   return {
     format,
     ...(format === 'geotiff' && crs !== 'stored' ? { crs: crs === 'utm' ? 'utm' : `EPSG:${code}` } : {}),
@@ -93,8 +94,12 @@ export function exportView(flight, outlines, signal, cut_to = -1) {
   const row = (/** @type {HTMLElement} */ field, /** @type {string} */ label, /** @type {(HTMLElement|null)[]} */ ...more) =>
     h('div', { class: 'export-row' }, h('label', { for: field.id }, label), h('div', { class: 'export-fields' }, field, ...more));
   const crs_row = row(crs, words.crs, epsg);
+  const resolution_row = row(resolution, words.resolution);
+  const area_row = row(area, words.area, browse, file);
   const drawForm = () => {
     crs_row.hidden = format.value !== 'geotiff';
+    resolution_row.hidden = area_row.hidden = format.value === 'report';
+    resolution.disabled = resolution_row.hidden;  // what nobody sees is not held against the form
     epsg.hidden = crs.value !== 'epsg';
     epsg.disabled = crs_row.hidden || epsg.hidden;
   };
@@ -108,8 +113,8 @@ export function exportView(flight, outlines, signal, cut_to = -1) {
     { class: 'export-form', id: 'export-form' },
     row(format, words.format),
     crs_row,
-    row(resolution, words.resolution),
-    row(area, words.area, browse, file),
+    resolution_row,
+    area_row,
     known.length === 0 && h('p', { class: 'muted fine' }, words.area_hint),
     h('div', { class: 'row' }, start),
   );

@@ -50,6 +50,9 @@ function showDialog(id, title, body) {
   return dialog;
 }
 
+/** What is made when somebody wants it, as the server takes it. @type {Record<'utm'|'report'|'kmz', import('../shared/api.js').ExportWish>} */
+const kWishes = { utm: { format: 'geotiff', crs: 'utm' }, report: { format: 'report' }, kmz: { format: 'kmz' } };
+
 /**
  * @param {Flight} flight
  * @param {import('../map/outlines.js').Outline[]} outlines
@@ -58,7 +61,7 @@ function showDialog(id, title, body) {
 export function showDownloads(flight, outlines, cut_to = -1) {
   const words = strings.actions;
   const link = (/** @type {import('../shared/api.js').DownloadName} */ name) => {
-    const [title, hint] = { ...words.files, ...words.height_files }[name];
+    const [title, hint] = { ...words.files, ...words.band_files, ...words.height_files }[name];
     const small = h('small', {}, hint);
     const has_size = downloadSize(flight.id, name).then((bytes) => {
       if (bytes !== null) small.textContent = `${formatBytes(bytes)}, ${hint}`;
@@ -85,19 +88,22 @@ export function showDownloads(flight, outlines, cut_to = -1) {
   };
   const open = h('button', { type: 'button', class: 'text-button', id: 'export-open' }, strings.exports.open);
   open.addEventListener('click', () => void showExports(open, null));
-  // What the tiles lie in is not what distances are measured in: that one is made when somebody wants it.
-  const [utm_name, utm_hint] = words.utm;
-  const utm = h('button', { type: 'button', class: 'download', id: 'download-utm' }, icon('download'), h('span', {}, utm_name), h('small', {}, utm_hint));
-  utm.addEventListener('click', () => void showExports(utm, { format: 'geotiff', crs: 'utm' }));
-  const downloads = h('div', { class: 'downloads' }, utm, ...namesIn(words.files).map((name) => link(name).made));
-  const addHeights = async () => {
-    const { surface } = await getReport(flight.id);
-    for (const name of surface ? namesIn(words.height_files) : []) {
+  const wish = (/** @type {keyof typeof kWishes} */ name) => {
+    const [title, hint] = words.wishes[name];
+    const button = h('button', { type: 'button', class: 'download', id: `download-${name}` }, icon('download'), h('span', {}, title), h('small', {}, hint));
+    button.addEventListener('click', () => void showExports(button, kWishes[name]));
+    return button;
+  };
+  // What the tiles lie in is not what distances are measured in, so that this comes first.
+  const downloads = h('div', { class: 'downloads' }, wish('utm'), wish('report'), wish('kmz'), ...namesIn(words.files).map((name) => link(name).made));
+  const addWhatElseThereIs = async () => {
+    const { surface, bands } = await getReport(flight.id);
+    for (const name of [...(bands ? namesIn(words.band_files) : []), ...(surface ? namesIn(words.height_files) : [])]) {
       const { made, has_size } = link(name);
       if (await has_size) downloads.append(made);
     }
   };
-  addHeights().catch((error) => console.debug('a map without a report has no heights', error));
+  addWhatElseThereIs().catch((error) => console.debug('a map without a report has neither bands nor heights', error));
   put(exports, open);
   const dialog = showDialog('download-dialog', words.download, h('div', {}, downloads, exports));
   dialog.addEventListener('close', () => closed.abort());

@@ -365,7 +365,7 @@ export const removeShare = (id, share) => request('DELETE', `${flight_path(id)}/
 export const thumbnailPath = ({ id, revision }, use = 'list') =>
   readable(`${flight_path(id)}/thumbnail.webp?size=${use === 'list' ? 320 : 1024}&rev=${revision}`);
 
-/** @typedef {'download.tif'|'download.mbtiles'|'download.pmtiles'|'download.zip'|'dsm.tif'|'dtm.tif'|'contours.gpkg'|'contours.dxf'} DownloadName */
+/** @typedef {'download.tif'|'download.mbtiles'|'download.pmtiles'|'download.zip'|'photos.geojson'|'bands.tif'|'dsm.tif'|'dtm.tif'|'contours.gpkg'|'contours.dxf'} DownloadName */
 
 /** @param {string} id @param {DownloadName} name @returns {string} */
 export const downloadPath = (id, name) => `${flight_path(id)}/${name}`;

@@ -23,6 +23,7 @@ DOWNLOADS: Dict[str, str] = {
     "layer_height": "layer_height.mbtiles", "layers": "layers.json", "dsm": "dsm.tif", "dsm_photos": "dsm_photos.tif",
     "dtm": "dtm.tif", "dtm_ground": "dtm_ground.tif", "contours": "contours.gpkg", "contours_geojson": "contours.geojson",
     "contours_dxf": "contours.dxf"}
+_ENDINGS = {"geotiff": "tif", "report": "pdf"}  # those of other formats are their names
 POLL_FIRST_S, POLL_LONGEST_S = 0.3, 3.0
 
 
@@ -112,7 +113,7 @@ class Flight:
 
     def export(self, format: str, path: Path, *, crs: Optional[str] = None, boundary: Optional[Mapping[str, Any]] = None,
                resolution_m: Optional[float] = None, progress: OnProgress = ignore) -> pathlib.Path:
-        """Has the map written as geotiff, pmtiles, mbtiles or kmz, in another coordinate system ("utm", "EPSG:2056"), within a
+        """Has the map written as geotiff, pmtiles, mbtiles, kmz or report (a PDF about it), in another coordinate system ("utm", "EPSG:2056"), within a
         boundary (GeoJSON, degrees) or coarser, and writes it to `path`. `Unprocessable` says what of that cannot be."""
         body = {"format": format, "crs": crs, "boundary": boundary, "resolution_m": resolution_m}
         wish = cast("models.AddExportBody", {key: value for key, value in body.items() if value is not None})
@@ -128,7 +129,7 @@ class Flight:
             error = export["error"]
             raise self._about(JobFailed(f"The export could not be made: {error['message'] if error else 'no reason is known'}",
                                         error["code"] if error else ""))
-        target = _target(path, f"{self.id}_map.{'tif' if format == 'geotiff' else format}")
+        target = _target(path, f"{self.id}_map.{_ENDINGS.get(format, format)}")
         self._fetch("/api/v1/flights/{flight}/exports/{export}/file", {"export": export["id"]}, target, progress)
         return target
 

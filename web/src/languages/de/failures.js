@@ -259,6 +259,7 @@ export const failure_words = {
   export_system_no_plane: (v) => `EPSG:${v.epsg} ist weder eine Kartenprojektion noch einfache Länge und Breite. ${system_of_region}`,
   export_system_elsewhere: (v) => `EPSG:${v.epsg} gilt für eine andere Region; die Karte liegt bei ${place(v.lat_deg, v.lon_deg)}. ${system_of_region}`,
   export_system_unreachable: (v) => `EPSG:${v.epsg} reicht nicht bis zur Karte. ${system_of_region}`,
+  export_without_printer: () => 'Auf diesem Server ist kein Programm, das PDF-Dateien erzeugt. Wer ihn betreibt, installiert eines (apt install weasyprint); bis dahin drucken Sie diese Seite im Browser.',
   export_one_of_link: () => 'Über einen Link entsteht nur ein Export auf einmal, und der vorige ist noch nicht fertig. Warten Sie, oder löschen Sie ihn.',
   exports_of_flight: (v) => `Dieser Flug hat bereits ${number(v.most)} Exporte. Löschen Sie einen, oder warten Sie: Jeder verschwindet einen Tag, nachdem er entstand.`,
   exports_of_server: () => 'Auf diesem Server warten zu viele Exporte. Versuchen Sie es später erneut.',

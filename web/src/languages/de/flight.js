@@ -329,12 +329,20 @@ export const flight_words = {
   },
   actions: {
     download: 'Download',
-    utm: ['GeoTIFF in UTM-Koordinaten', 'zum Messen, für GIS und CAD'],
+    wishes: {
+      utm: ['GeoTIFF in UTM-Koordinaten', 'zum Messen, für GIS und CAD'],
+      report: ['Bericht (PDF)', 'Karte mit Maßstab, Genauigkeit, was wegblieb'],
+      kmz: ['Google Earth', 'KMZ, für Google Earth und Telefone'],
+    },
     files: {
       'download.tif': ['GeoTIFF in Web-Mercator', 'für Webkarten; Strecken sind darin zu lang'],
       'download.mbtiles': ['MBTiles', 'für Karten ohne Netz'],
       'download.pmtiles': ['PMTiles', 'für Webkarten'],
+      'photos.geojson': ['Orte der Fotos', 'wo jedes entstand und was es zeigt, GeoJSON'],
       'download.zip': ['Alle Dateien', 'mit dem Bericht, in einem ZIP'],
+    },
+    band_files: {
+      'bands.tif': ['Kanäle', 'alle Kanäle der Kamera, GeoTIFF'],
     },
     height_files: {
       'dsm.tif': ['Oberflächenmodell (DOM)', 'Höhen von Boden, Dächern und Bäumen, GeoTIFF in UTM'],
@@ -354,7 +362,7 @@ export const flight_words = {
   exports: {
     open: 'Anderes Format oder Koordinatensystem',
     format: 'Format',
-    formats: { geotiff: 'GeoTIFF', pmtiles: 'PMTiles', mbtiles: 'MBTiles', kmz: 'KMZ (Google Earth)' },
+    formats: { geotiff: 'GeoTIFF', pmtiles: 'PMTiles', mbtiles: 'MBTiles', kmz: 'KMZ (Google Earth)', report: 'Bericht (PDF)' },
     crs: 'Koordinatensystem',
     systems: { utm: 'UTM-Zone der Karte, zum Messen', epsg: 'EPSG-Code', stored: 'Web-Mercator, für Webkarten' },
     epsg: 'EPSG-Code',

@@ -262,6 +262,7 @@ export const failure_words = {
   export_system_no_plane: (v) => `EPSG:${v.epsg} is neither a map projection nor plain longitude and latitude. ${system_of_region}`,
   export_system_elsewhere: (v) => `EPSG:${v.epsg} is for another region; the map lies at ${place(v.lat_deg, v.lon_deg)}. ${system_of_region}`,
   export_system_unreachable: (v) => `EPSG:${v.epsg} does not reach the map. ${system_of_region}`,
+  export_without_printer: () => 'This server has no program that makes a PDF. Whoever runs it installs one (apt install weasyprint); until then, print this page from the browser.',
   export_one_of_link: () => 'A link has one export at a time, and this one’s is not made yet. Wait for it, or delete it.',
   exports_of_flight: (v) => `This flight has ${number(v.most)} exports already. Delete one, or wait: each goes a day after it was made.`,
   exports_of_server: () => 'Too many exports wait on this server. Try again later.',

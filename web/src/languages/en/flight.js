@@ -328,12 +328,20 @@ export const flight_words = {
   },
   actions: {
     download: 'Download',
-    utm: ['GeoTIFF in UTM', 'to measure, for GIS and CAD'],
+    wishes: {
+      utm: ['GeoTIFF in UTM', 'to measure, for GIS and CAD'],
+      report: ['Report (PDF)', 'map with scale bar, accuracy, what was left out'],
+      kmz: ['Google Earth', 'KMZ, for Google Earth and phones'],
+    },
     files: {
       'download.tif': ['GeoTIFF in Web Mercator', 'for web maps; distances are too long in it'],
       'download.mbtiles': ['MBTiles', 'for offline maps'],
       'download.pmtiles': ['PMTiles', 'for web maps'],
+      'photos.geojson': ['Positions of the photos', 'where each was taken and what it shows, GeoJSON'],
       'download.zip': ['All files', 'with the report, in one zip'],
+    },
+    band_files: {
+      'bands.tif': ['Bands', 'all bands of the camera, GeoTIFF'],
     },
     height_files: {
       'dsm.tif': ['Surface model (DSM)', 'heights of ground, roofs and trees, GeoTIFF in UTM'],
@@ -349,7 +357,7 @@ export const flight_words = {
   exports: {
     open: 'Other format or coordinate system',
     format: 'Format',
-    formats: /** @type {Record<string, string>} */ ({ geotiff: 'GeoTIFF', pmtiles: 'PMTiles', mbtiles: 'MBTiles', kmz: 'KMZ (Google Earth)' }),
+    formats: /** @type {Record<string, string>} */ ({ geotiff: 'GeoTIFF', pmtiles: 'PMTiles', mbtiles: 'MBTiles', kmz: 'KMZ (Google Earth)', report: 'Report (PDF)' }),
     crs: 'Coordinate system',
     systems: { utm: 'UTM zone of the map, to measure', epsg: 'EPSG code', stored: 'Web Mercator, for web maps' },
     epsg: 'EPSG code',

@@ -312,7 +312,7 @@ class Export(TypedDict):
     revision: int
     # false: the flight shows another map since
     is_current: bool
-    format: Literal['geotiff', 'pmtiles', 'mbtiles', 'kmz']
+    format: Literal['geotiff', 'pmtiles', 'mbtiles', 'kmz', 'report']
     crs: Optional[str]
     resolution_m: Optional[float]
     # GeoJSON Polygon or MultiPolygon (or a Feature or FeatureCollection of them) with longitudes and latitudes of WGS

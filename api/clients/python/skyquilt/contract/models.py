@@ -255,7 +255,7 @@ class MapVolume(TypedDict):
 
 class AddExportBodyForSure(TypedDict):
     """What AddExportBody always has."""
-    format: Literal['geotiff', 'pmtiles', 'mbtiles', 'kmz']
+    format: Literal['geotiff', 'pmtiles', 'mbtiles', 'kmz', 'report']
 
 
 class AddExportBody(AddExportBodyForSure, total=False):
