@@ -13,6 +13,7 @@
 #include "api/json/json_codec.h"
 #include "api/json/json_text.h"
 #include "api/shown_map.h"
+#include "api/tiles/index_values.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
@@ -47,6 +48,8 @@ std::string ExportJson(Service& service, const Request& asked, const MapExport& 
   json["crs"] = wished("crs");
   json["resolution_m"] = wished("resolution_m");
   json["boundary"] = wished("boundary");
+  json["index"] = wished("index");
+  json["expression"] = wished("expression");
   json["state"] = storage::NameOf(made.state);
   json["progress"] = made.progress;
   json["bytes"] = is_there ? Value(made.bytes) : Value();
@@ -88,6 +91,11 @@ Result<std::string> QueueExport(Service& service, const Request& request, const 
   SKYQUILT_TRY_ASSIGN(const storage::ExportRequest wish, storage::ParseExportRequest(body));
   SKYQUILT_TRY_ASSIGN(const storage::MapFacts facts, FactsOfShownMap(service, map, flight_id));
   SKYQUILT_TRY(storage::CheckExport(wish, facts));
+  if (wish.IsOfValues()) {
+    SKYQUILT_TRY_ASSIGN(const auto tileset, service.tilesets.Get(flight_id));
+    const Result<void> has_bands = CheckBands(service, *tileset, storage::ExpressionOf(wish));
+    if (!has_bands) return Error{ErrorCode::kUnprocessable, has_bands.error().message, ""};
+  }
   if (wish.format == storage::ExportFormat::kReport && !service.prints_pdf())
     return flight::Because(ErrorCode::kUnavailable, flight::RemarkCode::kExportWithoutPrinter);
   MapExport wanted;

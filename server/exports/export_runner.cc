@@ -49,13 +49,13 @@ Result<void> Hold(storage::BlobStore& blobs, const std::string& prefix, const ch
 // the file without loss meanwhile.
 std::int64_t ExpectedBytes(const fs::path& map_dir, const storage::ExportRequest& request) {
   std::int64_t bytes = 0;
-  for (const char* name : {"mosaic.mbtiles", "mosaic.tif"}) {
+  for (const char* name : {"mosaic.mbtiles", "mosaic.tif", "bands.tif"}) {
     std::error_code missing;
     const std::uintmax_t size = fs::file_size(map_dir / name, missing);
     if (!missing) bytes = std::max(bytes, static_cast<std::int64_t>(size));
   }
-  const bool is_warped =
-      request.format == storage::ExportFormat::kGeotiff && (!request.crs.empty() || request.resolution_m);
+  const bool is_warped = request.format == storage::ExportFormat::kGeotiff &&
+                         (!request.crs.empty() || request.resolution_m || request.IsOfValues());
   return (is_warped && !request.boundary ? 10 : 2) * bytes;
 }
 
@@ -77,8 +77,10 @@ Result<std::int64_t> PrintReport(const fs::path& map_dir, const fs::path& work_d
   return static_cast<std::int64_t>(size);
 }
 
-bool NeedsCog(const storage::ExportRequest& request) {
-  return request.format == storage::ExportFormat::kGeotiff && !request.boundary;
+// What an export reads of the map beside its tiles, where it is there; null: nothing.
+const char* FileBesideTiles(const storage::ExportRequest& request) {
+  if (request.IsOfValues()) return "bands.tif";
+  return request.format == storage::ExportFormat::kGeotiff && !request.boundary ? "mosaic.tif" : nullptr;
 }
 
 }  // namespace
@@ -157,9 +159,9 @@ Result<std::int64_t> ExportRunner::MakeIn(const MapExport& claimed, const fs::pa
   const std::string prefix = storage::RevisionPrefix(claimed.flight_id, claimed.revision);
   SKYQUILT_TRY(Hold(blobs, prefix, "mosaic.mbtiles", map_dir));
   SKYQUILT_TRY(Hold(blobs, prefix, "report.json", map_dir));
-  if (NeedsCog(request)) {
-    // A map without one is exported all the same: it is made from the tiles.
-    const Result<void> held = Hold(blobs, prefix, "mosaic.tif", map_dir);
+  // A map without it is exported all the same: from its tiles, from its colours.
+  if (const char* const more = FileBesideTiles(request)) {
+    const Result<void> held = Hold(blobs, prefix, more, map_dir);
     if (!held && held.error().code != ErrorCode::kConflict) return held.error();
   }
   const ExportLimits limits;

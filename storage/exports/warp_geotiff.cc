@@ -29,6 +29,8 @@ const char* ResamplingOf(const WarpOptions& options) {
       return "bilinear";
     case WarpedPixels::kCounts:
       return "near";
+    case WarpedPixels::kValues:
+      return options.is_coarser ? "average" : "bilinear";
     case WarpedPixels::kColours:
       break;
   }

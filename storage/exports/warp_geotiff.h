@@ -18,6 +18,7 @@ enum class WarpedPixels {
   kColours,  // cubic; JPEG with a mask
   kHeights,  // in metres: bilinear, without loss
   kCounts,   // the nearest, without loss
+  kValues,   // of an index: bilinear, averaged where they become larger, without loss
 };
 
 struct WarpOptions {

@@ -8,7 +8,9 @@
 #include <optional>
 #include <string>
 #include <system_error>
+#include <vector>
 
+#include "core/indices/spectral_index.h"
 #include "server/inputs/read_boundary.h"
 #include "server/terminal/fail.h"
 #include "server/terminal/terminal_progress.h"
@@ -31,6 +33,7 @@ struct ExportArguments {
   std::string crs;
   fs::path clip;
   std::optional<double> resolution_m;
+  std::string index, expression;
   int quality = 85;
   int threads = 0;
   bool overwrite = false;
@@ -55,10 +58,24 @@ storage::ExportRequest ExportRequestOf(const ExportArguments& arguments) {
     RefuseExport(std::string("--crs is for GeoTIFFs; ") + storage::NameOf(request.format) +
                  " is always in Web Mercator.");
   request.resolution_m = arguments.resolution_m;
+  request.index = arguments.index;
+  request.expression = arguments.expression;
+  if (request.IsOfValues() && request.format != storage::ExportFormat::kGeotiff)
+    RefuseExport("The values of an index are a GeoTIFF: end the file's name in .tif.");
+  if (!request.expression.empty()) {
+    const auto parsed = indices::BandExpression::Parse(request.expression);
+    if (!parsed) RefuseExport("--expression: " + parsed.error().message);
+  }
   if (!arguments.clip.empty()) {
     request.boundary = ReadBoundary(kExportCommand, arguments.clip);
   }
   return request;
+}
+
+std::vector<std::string> IndexNames() {
+  std::vector<std::string> names;
+  for (const indices::SpectralIndex& index : indices::AllIndices()) names.emplace_back(index.name);
+  return names;
 }
 
 void Run(const ExportArguments& arguments) {
@@ -114,6 +131,14 @@ void AddExportCommand(CLI::App& app) {
           "written. Default: the map's own, the finest there is")
       ->transform(Length())
       ->check(CLI::PositiveNumber);
+  CLI::Option* const index = command->add_option(
+      "--index", arguments->index,
+      "A GeoTIFF of the values of a vegetation index (ndvi, vari ...) as floats, instead of colours");
+  index->check(OneOf(IndexNames()));
+  command
+      ->add_option("--expression", arguments->expression,
+                   "The same by a formula over the map's bands, such as \"(nir-red)/(nir+red)\"")
+      ->excludes(index);
   command->add_option("--quality", arguments->quality, "JPEG quality of what has to be encoded anew")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
@@ -122,6 +147,7 @@ void AddExportCommand(CLI::App& app) {
   command->footer(
       "\nExample:\n"
       "  skyquilt export map -o field.tif --crs utm\n"
+      "  skyquilt export map -o ndvi.tif --crs utm --index ndvi\n"
       "  skyquilt export map -o parcel.tif --crs EPSG:2056 --clip parcel.geojson --resolution 0.1\n"
       "  skyquilt export map -o small.pmtiles --resolution 0.25");
   command->callback([arguments] { Run(*arguments); });

@@ -3,25 +3,32 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <system_error>
 
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
+#include "core/geo/tile_id.h"
+#include "core/geo/web_mercator.h"
 #include "storage/exports/cog_writer.h"
 #include "storage/exports/custom/clip_tileset.h"
+#include "storage/exports/custom/index_grid.h"
 #include "storage/exports/custom/target_crs.h"
 #include "storage/exports/kmz_writer.h"
 #include "storage/exports/pmtiles_writer.h"
 #include "storage/exports/warp_geotiff.h"
 #include "storage/files/publish_file.h"
+#include "storage/rasters/band_raster.h"
 #include "storage/tilesets/mbtiles_reader.h"
 
 namespace skyquilt::storage {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr int kWebMercatorEpsg = 3857;
 
 // Gone at the end of the scope.
 class ScratchFile {
@@ -55,20 +62,7 @@ double PixelOf(const ExportRequest& request, const MapFacts& map) {
   return request.resolution_m ? *request.resolution_m : std::max(map.gsd_m, map.FinestPixelM());
 }
 
-Result<void> WriteGeotiff(const fs::path& tiles, const fs::path& cog, const ExportRequest& request,
-                          const MapFacts& map, const fs::path& work_folder, const fs::path& path,
-                          const ExportOptions& options, Progress& progress) {
-  const CogOptions cog_options{options.quality, options.threads};
-  const bool is_as_stored = (request.crs.empty() || request.crs.ends_with(":3857")) && !request.resolution_m;
-  if (is_as_stored) {
-    progress.BeginStage("export");
-    return cog.empty() ? WriteCog(tiles, path, cog_options, progress) : CopyWhole(cog, path);
-  }
-  const ScratchFile made(work_folder / "whole.tif");
-  if (cog.empty()) {
-    progress.BeginStage("gather");
-    SKYQUILT_TRY(WriteCog(tiles, made.path(), cog_options, progress));
-  }
+Result<WarpOptions> WarpFor(const ExportRequest& request, const MapFacts& map, const ExportOptions& options) {
   const geo::LatLonBounds bounds =
       request.boundary ? Common(map.bounds, request.boundary->Bounds()) : map.bounds;
   SKYQUILT_TRY_ASSIGN(const int epsg, EpsgOf(request.crs, map.bounds.Middle()));
@@ -83,6 +77,45 @@ Result<void> WriteGeotiff(const fs::path& tiles, const fs::path& cog, const Expo
   if (bounds.east_deg <= 180.0) warp.bounds = bounds;
   warp.jpeg_quality = options.quality;
   warp.threads = options.threads;
+  return warp;
+}
+
+Result<void> WriteIndex(const IndexSource& source, const ExportRequest& request, const fs::path& work_folder,
+                        const fs::path& path, const ExportOptions& options, Progress& progress) {
+  const ScratchFile grid(work_folder / "index.tif");
+  progress.BeginStage("gather");
+  SKYQUILT_TRY(WriteIndexGrid(source, ExpressionOf(request), IndexNameOf(request),
+                              request.boundary ? &*request.boundary : nullptr, grid.path(), progress));
+  SKYQUILT_TRY_ASSIGN(WarpOptions warp, WarpFor(request, source.facts, options));
+  warp.pixels = WarpedPixels::kValues;
+  if (!source.bands.empty() && !request.boundary) {  // which may reach further than the map's tiles do
+    SKYQUILT_TRY_ASSIGN(const std::shared_ptr<BandRaster> raster, BandRaster::Open(source.bands));
+    warp.bounds = geo::LatLonBoundsFromMerc(raster->BoundsInMerc());
+  }
+  if (warp.epsg == kWebMercatorEpsg && !request.resolution_m) {
+    // The map's own pixels stay as they are.
+    warp.pixel_x = warp.pixel_y = geo::PixelSizeInMercM(source.facts.max_zoom, source.facts.tile_size_px);
+    warp.is_coarser = false;
+  }
+  progress.BeginStage("export");
+  return WarpGeotiff(grid.path(), path, warp, progress);
+}
+
+Result<void> WriteGeotiff(const fs::path& tiles, const fs::path& cog, const ExportRequest& request,
+                          const MapFacts& map, const fs::path& work_folder, const fs::path& path,
+                          const ExportOptions& options, Progress& progress) {
+  const CogOptions cog_options{options.quality, options.threads};
+  const bool is_as_stored = (request.crs.empty() || request.crs.ends_with(":3857")) && !request.resolution_m;
+  if (is_as_stored) {
+    progress.BeginStage("export");
+    return cog.empty() ? WriteCog(tiles, path, cog_options, progress) : CopyWhole(cog, path);
+  }
+  const ScratchFile made(work_folder / "whole.tif");
+  if (cog.empty()) {
+    progress.BeginStage("gather");
+    SKYQUILT_TRY(WriteCog(tiles, made.path(), cog_options, progress));
+  }
+  SKYQUILT_TRY_ASSIGN(const WarpOptions warp, WarpFor(request, map, options));
   progress.BeginStage("export");
   return WarpGeotiff(cog.empty() ? made.path() : cog, path, warp, progress);
 }
@@ -96,6 +129,8 @@ Result<void> ExportMap(const ExportSource& source, const ExportRequest& request,
   map.gsd_m = source.gsd_m;
   map.is_placed = source.is_placed;
   SKYQUILT_TRY(CheckExport(request, map));
+  if (request.IsOfValues())
+    return WriteIndex({*reader, source.bands, map}, request, work_folder, path, options, progress);
   const bool is_geotiff = request.format == ExportFormat::kGeotiff;
   const int zoom = is_geotiff ? map.max_zoom : ZoomOfExport(request, map);
   const bool is_cut = request.boundary.has_value() || zoom < map.max_zoom;
@@ -132,6 +167,7 @@ Result<ExportSource> ExportSourceOf(const fs::path& map) {
   const fs::path folder = source.mbtiles.parent_path();
   if (source.mbtiles.filename() != "mosaic.mbtiles") return source;
   if (fs::is_regular_file(folder / "mosaic.tif", error)) source.cog = folder / "mosaic.tif";
+  if (fs::is_regular_file(folder / "bands.tif", error)) source.bands = folder / "bands.tif";
   std::ifstream file(folder / "report.json", std::ios::binary);
   const auto report = ParseJson(file);
   if (!report.is_object()) return source;

@@ -17,8 +17,9 @@ namespace skyquilt::storage {
 
 struct ExportSource {
   std::filesystem::path mbtiles;
-  std::filesystem::path cog;  // of the same map; empty: made where it is needed
-  double gsd_m = 0.0;         // of its photos; 0: not known
+  std::filesystem::path cog;    // of the same map; empty: made where it is needed
+  std::filesystem::path bands;  // bands.tif; empty: it has its colours alone
+  double gsd_m = 0.0;           // of its photos; 0: not known
   bool is_placed = true;
 };
 

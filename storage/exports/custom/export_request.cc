@@ -9,11 +9,13 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "core/base/check.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
+#include "core/indices/spectral_index.h"
 #include "storage/exports/custom/target_crs.h"
 #include "storage/exports/utm_writer.h"
 
@@ -78,6 +80,21 @@ Result<void> TakeField(const std::string& field, const Json& value, ExportReques
     request.resolution_m = metres;
     return {};
   }
+  if (field == "index") {
+    if (!value.is_string() || indices::FindIndex(value.get<std::string>()) == nullptr)
+      return Refused(
+          "The field \"index\" must be the name of an index, such as \"ndvi\"; any other is an \"expression\".");
+    request.index = value.get<std::string>();
+    return {};
+  }
+  if (field == "expression") {
+    if (!value.is_string())
+      return Refused("The field \"expression\" must be a formula such as \"(nir-red)/(nir+red)\".");
+    request.expression = value.get<std::string>();
+    const auto parsed = indices::BandExpression::Parse(request.expression);
+    if (!parsed) return Refused(parsed.error().message);
+    return {};
+  }
   return Refused(fmt::format("The field \"{}\" is not known.", field.substr(0, 40)));
 }
 
@@ -136,14 +153,32 @@ Result<ExportRequest> ParseExportRequest(std::string_view json) {
     SKYQUILT_TRY(TakeField(field, value, request, has_format));
   if (!has_format) return Refused(fmt::format("Say the format: \"format\" is {}", kFormatNames));
   if (request.format == ExportFormat::kReport) {
-    if (!request.crs.empty() || request.boundary || request.resolution_m)
+    if (!request.crs.empty() || request.boundary || request.resolution_m || request.IsOfValues())
       return Refused("A report is of the whole map; leave out \"crs\", \"boundary\" and \"resolution_m\".");
     return request;
   }
   if (!request.crs.empty() && request.format != ExportFormat::kGeotiff)
     return Refused(fmt::format("{} is always in Web Mercator; leave out \"crs\", or take a GeoTIFF.",
                                NameOf(request.format)));
+  if (request.IsOfValues() && request.format != ExportFormat::kGeotiff)
+    return Refused(
+        "The values of an index are a GeoTIFF; leave out \"index\" and \"expression\", or take \"geotiff\".");
+  if (!request.index.empty() && !request.expression.empty())
+    return Refused("Send \"index\" or \"expression\", not both.");
   return request;
+}
+
+std::string IndexNameOf(const ExportRequest& request) {
+  const indices::SpectralIndex* const known = indices::FindIndex(request.index);
+  return known != nullptr ? std::string(known->title) : request.expression;
+}
+
+indices::BandExpression ExpressionOf(const ExportRequest& request) {
+  const indices::SpectralIndex* const known = indices::FindIndex(request.index);
+  Result<indices::BandExpression> parsed = indices::BandExpression::Parse(
+      known != nullptr ? known->expression : std::string_view(request.expression));
+  SKYQUILT_CHECK(parsed.ok(), "what was parsed before is parsed again");
+  return *std::move(parsed);
 }
 
 Result<int> EpsgOf(const std::string& crs, const geo::LatLon& middle) {

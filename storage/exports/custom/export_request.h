@@ -12,6 +12,7 @@
 
 #include "core/base/result.h"
 #include "core/geo/lat_lon_bounds.h"
+#include "core/indices/band_expression.h"
 #include "storage/exports/custom/boundary.h"
 
 namespace skyquilt::storage {
@@ -31,9 +32,18 @@ struct ExportRequest {
   std::string crs;  // "EPSG:2056", "utm"; empty: Web Mercator, as the map is served
   std::optional<Boundary> boundary;
   std::optional<double> resolution_m;  // of a pixel, on the ground
-};
+  // Of a GeoTIFF: its values instead of colours (core/indices); at most one of the two.
+  std::string index;       // "ndvi"
+  std::string expression;  // "(nir-red)/(nir+red)"
 
-// {"format":"geotiff","crs":"EPSG:2056","boundary":{...},"resolution_m":0.1}
+  bool IsOfValues() const { return !index.empty() || !expression.empty(); }
+};
+// What an index calls itself, and how it is computed. Precondition: IsOfValues, as ParseExportRequest checks
+// it.
+std::string IndexNameOf(const ExportRequest& request);
+indices::BandExpression ExpressionOf(const ExportRequest& request);
+
+// {"format":"geotiff","crs":"EPSG:2056","boundary":{...},"resolution_m":0.1,"index":"ndvi"}
 Result<ExportRequest> ParseExportRequest(std::string_view json);
 // "utm", or the code of "EPSG:2056". Error: kUnprocessable.
 Result<int> EpsgOf(const std::string& crs, const geo::LatLon& middle);

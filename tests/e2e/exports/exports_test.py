@@ -96,7 +96,8 @@ class Exports(ServerTestCase):
         quarter = box((west + east) / 2, (south + north) / 2, east, north)
         wishes = [{"format": "geotiff", "crs": "utm"}, {"format": "geotiff", "crs": "EPSG:3857", "boundary": quarter},
                   {"format": "geotiff", "crs": "EPSG:4326", "resolution_m": 0.5, "boundary": quarter},
-                  {"format": "mbtiles"}, {"format": "pmtiles", "boundary": quarter}, {"format": "kmz", "resolution_m": 0.3}]
+                  {"format": "mbtiles"}, {"format": "pmtiles", "boundary": quarter}, {"format": "kmz", "resolution_m": 0.3},
+                  {"format": "geotiff", "crs": "utm", "index": "vari"}]
         prints = any(shutil.which(name) for name in ("weasyprint", "chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "wkhtmltopdf"))
         if prints:
             wishes.append({"format": "report"})
@@ -134,7 +135,7 @@ class Exports(ServerTestCase):
 
         for wish, words in [({"format": "geotiff", "crs": "EPSG:12"}, "not known"), ({"format": "geotiff", "crs": "EPSG:32755"}, "the map lies at"),
                             ({"format": "pmtiles", "crs": "utm"}, "Web Mercator"), ({"format": "kmz", "boundary": box(1, 1, 2, 2)}, "outside the map"),
-                            ({"format": "geotiff", "resolution_m": 0.0001}, "finest pixels"), ({"format": "report", "crs": "utm"}, "whole map"), ({"crs": "utm"}, "Say the format"),
+                            ({"format": "geotiff", "resolution_m": 0.0001}, "finest pixels"), ({"format": "report", "crs": "utm"}, "whole map"), ({"format": "geotiff", "index": "ndvi"}, "no band"), ({"crs": "utm"}, "Say the format"),
                             ({"format": "kmz", "boundary": {"type": "Point", "coordinates": [1, 2]}}, "Polygon"), ({"format": "kmz", "size": 3}, "size")]:
             status, refused = self.ask(server, flight, **wish)
             self.assertEqual(status, 422, refused)
@@ -163,6 +164,8 @@ class Exports(ServerTestCase):
         if wish["crs"] == "EPSG:4326":
             lons = [corner[0] for corner in boundary["coordinates"][0]]
             self.assertAlmostEqual(told["geoTransform"][0], min(lons), delta=2 * told["geoTransform"][1])
+        if "index" in wish:
+            self.assertEqual([(band["type"], band["description"]) for band in told["bands"]], [("Float32", "VARI")])
         if wish["crs"] == "utm":
             self.assertIn("UTM zone", told["coordinateSystem"]["wkt"])
 

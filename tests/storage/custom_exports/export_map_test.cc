@@ -24,6 +24,7 @@
 #include "storage/rasters/register_gdal.h"
 #include "storage/tilesets/mbtiles_reader.h"
 #include "tests/storage/painted_tileset.h"
+#include "tests/storage/rasters/band_file.h"
 #include "tests/storage/scratch_dir.h"
 
 namespace skyquilt::storage {
@@ -208,6 +209,103 @@ TEST_F(ExportMapTest, UtmAndDegreesWork) {
   EXPECT_NEAR(-from[5] * 111180, 0.3, 0.002);
 }
 
+std::vector<float> ValuesIn(GDALDataset& file) {
+  std::vector<float> values(static_cast<std::size_t>(file.GetRasterXSize()) *
+                            static_cast<std::size_t>(file.GetRasterYSize()));
+  EXPECT_EQ(file.GetRasterBand(1)->RasterIO(GF_Read, 0, 0, file.GetRasterXSize(), file.GetRasterYSize(),
+                                            values.data(), file.GetRasterXSize(), file.GetRasterYSize(),
+                                            GDT_Float32, 0, 0, nullptr),
+            CE_None);
+  return values;
+}
+
+TEST_F(ExportMapTest, AnIndexHasTheValuesOfThePixels) {
+  ExportWell(R"({"format":"geotiff","expression":"red-0.5"})", "red.tif");
+  const auto file = Open("red.tif");
+  ASSERT_NE(file, nullptr);
+  constexpr int kSide = kTiles * 256;
+  ASSERT_EQ(file->GetRasterXSize(), kSide);
+  ASSERT_EQ(file->GetRasterYSize(), kSide);
+  EXPECT_EQ(file->GetRasterBand(1)->GetRasterDataType(), GDT_Float32);
+  EXPECT_STREQ(file->GetRasterBand(1)->GetDescription(), "red-0.5");
+  EXPECT_GT(file->GetRasterBand(1)->GetOverviewCount(), 0);
+  const std::vector<float> values = ValuesIn(*file);
+  const auto reader = *MbtilesReader::Open(Out("map") / "mosaic.mbtiles");
+  int known = 0, unknown = 0;
+  for (int row = 0; row < kTiles; ++row) {
+    for (int column = 0; column < kTiles; ++column) {
+      const auto found = *reader->Find(*geo::TileId::Make(kZoom, kFirstColumn + column, kFirstRow + row));
+      const auto tile =
+          found ? *image::DecodePicture(*reader->Load(*found))
+                : image::RgbaImage{256, 256, decltype(image::RgbaImage::rgba)(std::size_t{4} * 256 * 256, 0)};
+      for (int y = 0; y < 256; y += 7) {
+        for (int x = 0; x < 256; x += 5) {
+          const float value = values[static_cast<std::size_t>((row * 256 + y) * kSide + column * 256 + x)];
+          const auto* pixel = tile.Pixel(x, y);
+          const bool is_known = pixel[3] >= 128;
+          ASSERT_EQ(std::isnan(value), !is_known) << column << "," << row << " " << x << "," << y;
+          if (is_known) {
+            ASSERT_NEAR(value, pixel[0] / 255.0 - 0.5, 1e-6);
+          }
+          ++(is_known ? known : unknown);
+        }
+      }
+    }
+  }
+  EXPECT_GT(known, 1000);
+  EXPECT_GT(unknown, 100) << "the map is round";
+}
+
+TEST_F(ExportMapTest, AnIndexIsCutAndBroughtToOtherSystems) {
+  const geo::LatLonBounds box = BoundsOf(1.5, 1.0, 3.0, 3.0);
+  ExportWell(R"({"format":"geotiff","expression":"0*red+7","crs":"utm","resolution_m":0.5,"boundary":)" +
+                 BoxText(box) + "}",
+             "cut.tif");
+  const auto file = Open("cut.tif");
+  ASSERT_NE(file, nullptr);
+  std::array<double, 6> from{};
+  ASSERT_EQ(file->GetGeoTransform(from.data()), CE_None);
+  EXPECT_NEAR(from[1], 0.5, 1e-9);
+  double square_m = 0.0;
+  for (const float value : ValuesIn(*file)) {
+    if (std::isnan(value)) continue;
+    EXPECT_NEAR(value, 7.0, 1e-5);
+    square_m += 0.25;
+  }
+  const double ground = geo::GroundMetresPerMercMetre(box.Middle().lat_deg);
+  const double tile_m = geo::TileSizeInMercM(kZoom) * ground;
+  EXPECT_NEAR(square_m, 1.5 * 2.0 * tile_m * tile_m, 0.03 * 3.0 * tile_m * tile_m);
+}
+
+TEST_F(ExportMapTest, AnIndexOfBandsComesFromTheirFile) {
+  EXPECT_NE(Refusal(R"({"format":"geotiff","index":"ndvi"})").find("no band \"nir\""), std::string::npos);
+  const double tile_m = geo::TileSizeInMercM(kZoom);
+  test::BandFile bands;
+  bands.west_m = (kFirstColumn + 1) * tile_m - geo::kMercHalfWidthM;
+  bands.north_m = geo::kMercHalfWidthM - (kFirstRow + 1) * tile_m;
+  bands.pixel_m = tile_m / 256;
+  bands.width_px = 300;
+  bands.height_px = 200;
+  bands.bands = {"red", "nir"};
+  bands.value = [](int band, int column, int row) {
+    if (column < 10) return std::nanf("");
+    return band == 0 ? 0.1f : 0.1f + 0.001f * static_cast<float>(row);
+  };
+  test::WriteBandFile(Out("map") / "bands.tif", bands);
+  ExportWell(R"({"format":"geotiff","index":"ndvi"})", "ndvi.tif");
+  const auto file = Open("ndvi.tif");
+  ASSERT_NE(file, nullptr);
+  EXPECT_STREQ(file->GetRasterBand(1)->GetDescription(), "NDVI");
+  ASSERT_EQ(file->GetRasterXSize(), 300);
+  ASSERT_EQ(file->GetRasterYSize(), 200);
+  const std::vector<float> values = ValuesIn(*file);
+  for (int row = 0; row < 200; row += 11) {
+    EXPECT_TRUE(std::isnan(values[static_cast<std::size_t>(row * 300 + 5)]));
+    const double nir = 0.1 + 0.001 * row;
+    EXPECT_NEAR(values[static_cast<std::size_t>(row * 300 + 200)], (nir - 0.1) / (nir + 0.1), 1e-4) << row;
+  }
+}
+
 TEST_F(ExportMapTest, WhatCannotBeIsRefusedWithWhatToDo) {
   EXPECT_EQ(Reason(R"({"format":"geotiff","crs":"EPSG:999999"})"), "export_system_unknown");
   EXPECT_EQ(Reason(R"({"format":"geotiff","crs":"EPSG:32610"})"), "export_system_elsewhere");
@@ -223,6 +321,13 @@ TEST_F(ExportMapTest, WhatCannotBeIsRefusedWithWhatToDo) {
   EXPECT_NE(Refusal(R"({"format":"shp"})").find("\"kmz\""), std::string::npos);
   EXPECT_NE(Refusal(R"({})").find("Say the format"), std::string::npos);
   EXPECT_NE(Refusal(R"({"format":"report","crs":"utm"})").find("of the whole map"), std::string::npos);
+  EXPECT_NE(Refusal(R"({"format":"kmz","index":"vari"})").find("take \"geotiff\""), std::string::npos);
+  EXPECT_NE(Refusal(R"({"format":"geotiff","index":"vigour"})").find("\"expression\""), std::string::npos);
+  EXPECT_NE(Refusal(R"({"format":"geotiff","expression":"red-"})").find("expression"), std::string::npos);
+  EXPECT_NE(Refusal(R"({"format":"geotiff","expression":"red","index":"vari"})").find("not both"),
+            std::string::npos);
+  EXPECT_NE(Refusal(R"({"format":"geotiff","expression":"red/0"})").find("no value anywhere"),
+            std::string::npos);
   EXPECT_EQ(ExportFormatOfFile("map.pdf"), std::nullopt) << "a report is no form of the tiles";
   EXPECT_NE(Refusal(R"({"format":"kmz","color":1})").find("color"), std::string::npos);
   const std::string elsewhere = R"({"format":"kmz","boundary":)" + BoxText({1, 1, 2, 2}) + "}";

@@ -37,9 +37,9 @@ export function wishOf({ format, crs, epsg, resolution_cm }, outline) {
 }
 
 /** @param {MapExport} made @returns {string} what was asked for, in words */
-export function exportWords({ format, crs, resolution_m, boundary, is_current }) {
+export function exportWords({ format, crs, resolution_m, boundary, index, expression, is_current }) {
   const words = strings.exports;
-  return [words.formats[format] ?? format, crs === 'utm' ? words.systems.utm : crs, resolution_m ? formatGsd(resolution_m) : '', boundary ? words.cut : '', is_current ? '' : words.earlier].filter(Boolean).join(' · ');
+  return [index?.toUpperCase() ?? expression, words.formats[format] ?? format, crs === 'utm' ? words.systems.utm : crs, resolution_m ? formatGsd(resolution_m) : '', boundary ? words.cut : '', is_current ? '' : words.earlier].filter(Boolean).join(' · ');
 }
 
 /**

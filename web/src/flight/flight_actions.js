@@ -2,7 +2,7 @@
 /** @import { Flight } from '../shared/types.js' */
 import { readable, withToken } from '../shared/token.js';
 import { showError } from '../shared/announce.js';
-import { downloadPath, downloadSize, getReport, startExport } from '../shared/api.js';
+import { downloadPath, downloadSize, getBands, getReport, startExport } from '../shared/api.js';
 import { at } from '../shared/router.js';
 import { h, put } from '../shared/dom.js';
 import { formatBytes } from '../shared/format.js';
@@ -88,16 +88,19 @@ export function showDownloads(flight, outlines, cut_to = -1) {
   };
   const open = h('button', { type: 'button', class: 'text-button', id: 'export-open' }, strings.exports.open);
   open.addEventListener('click', () => void showExports(open, null));
-  const wish = (/** @type {keyof typeof kWishes} */ name) => {
-    const [title, hint] = words.wishes[name];
+  const wishRow = (/** @type {string} */ name, /** @type {string} */ title, /** @type {string} */ hint, /** @type {import('../shared/api.js').ExportWish} */ wish) => {
     const button = h('button', { type: 'button', class: 'download', id: `download-${name}` }, icon('download'), h('span', {}, title), h('small', {}, hint));
-    button.addEventListener('click', () => void showExports(button, kWishes[name]));
+    button.addEventListener('click', () => void showExports(button, wish));
     return button;
   };
+  const wish = (/** @type {keyof typeof kWishes} */ name) => wishRow(name, words.wishes[name][0], words.wishes[name][1], kWishes[name]);
   // What the tiles lie in is not what distances are measured in, so that this comes first.
   const downloads = h('div', { class: 'downloads' }, wish('utm'), wish('report'), wish('kmz'), ...namesIn(words.files).map((name) => link(name).made));
   const addWhatElseThereIs = async () => {
     const { surface, bands } = await getReport(flight.id);
+    for (const { id, title } of bands ? (await getBands(flight.id)).indices : []) {
+      if (id) downloads.append(wishRow(id, title, words.index_values, { format: 'geotiff', crs: 'utm', index: id }));
+    }
     for (const name of [...(bands ? namesIn(words.band_files) : []), ...(surface ? namesIn(words.height_files) : [])]) {
       const { made, has_size } = link(name);
       if (await has_size) downloads.append(made);

@@ -152,6 +152,8 @@
  * @property {string|null} crs
  * @property {number|null} resolution_m
  * @property {object|null} boundary
+ * @property {string|null} index by its name, of a file of values
+ * @property {string|null} expression likewise
  * @property {boolean} is_current of the map that is shown now
  * @property {'accepted'|'running'|'successful'|'failed'} state
  * @property {number} progress 0..1

@@ -112,10 +112,12 @@ class Flight:
         return target
 
     def export(self, format: str, path: Path, *, crs: Optional[str] = None, boundary: Optional[Mapping[str, Any]] = None,
-               resolution_m: Optional[float] = None, progress: OnProgress = ignore) -> pathlib.Path:
+               resolution_m: Optional[float] = None, index: Optional[str] = None, expression: Optional[str] = None,
+               progress: OnProgress = ignore) -> pathlib.Path:
         """Has the map written as geotiff, pmtiles, mbtiles, kmz or report (a PDF about it), in another coordinate system ("utm", "EPSG:2056"), within a
-        boundary (GeoJSON, degrees) or coarser, and writes it to `path`. `Unprocessable` says what of that cannot be."""
-        body = {"format": format, "crs": crs, "boundary": boundary, "resolution_m": resolution_m}
+        boundary (GeoJSON, degrees) or coarser, or the values of an index ("ndvi", or a formula), and writes it to `path`. `Unprocessable` says what of that cannot be."""
+        body = {"format": format, "crs": crs, "boundary": boundary, "resolution_m": resolution_m, "index": index,
+                "expression": expression}
         wish = cast("models.AddExportBody", {key: value for key, value in body.items() if value is not None})
         api = self.client.patient(lambda why: progress(Progress("waiting", 0.0, why, flight_id=self.id)))
         # The same wish for the same map is the same export: this goes on where an earlier call was broken off.

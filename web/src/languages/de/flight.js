@@ -341,6 +341,7 @@ export const flight_words = {
       'photos.geojson': ['Orte der Fotos', 'wo jedes entstand und was es zeigt, GeoJSON'],
       'download.zip': ['Alle Dateien', 'mit dem Bericht, in einem ZIP'],
     },
+    index_values: 'seine Werte in jedem Pixel, GeoTIFF in UTM',
     band_files: {
       'bands.tif': ['Kanäle', 'alle Kanäle der Kamera, GeoTIFF'],
     },

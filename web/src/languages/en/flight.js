@@ -340,6 +340,7 @@ export const flight_words = {
       'photos.geojson': ['Positions of the photos', 'where each was taken and what it shows, GeoJSON'],
       'download.zip': ['All files', 'with the report, in one zip'],
     },
+    index_values: 'its values in every pixel, GeoTIFF in UTM',
     band_files: {
       'bands.tif': ['Bands', 'all bands of the camera, GeoTIFF'],
     },

@@ -318,6 +318,10 @@ class Export(TypedDict):
     # GeoJSON Polygon or MultiPolygon (or a Feature or FeatureCollection of them) with longitudes and latitudes of WGS
     # 84
     boundary: Optional[Dict[str, Any]]
+    # Of a GeoTIFF of values: the name of the index
+    index: Optional[str]
+    # Of a GeoTIFF of values: the formula
+    expression: Optional[str]
     state: Literal['accepted', 'running', 'successful', 'failed']
     progress: float
     # Of the file, once it is there

@@ -255,6 +255,7 @@ class MapVolume(TypedDict):
 
 class AddExportBodyForSure(TypedDict):
     """What AddExportBody always has."""
+    # "report": a PDF about the whole map, where the server has a program that prints
     format: Literal['geotiff', 'pmtiles', 'mbtiles', 'kmz', 'report']
 
 
@@ -267,6 +268,10 @@ class AddExportBody(AddExportBodyForSure, total=False):
     boundary: Optional[Dict[str, Any]]
     # Ground that a pixel shows, in metres. Of tiles the zooms down to it are written
     resolution_m: Optional[float]
+    # Of a GeoTIFF: the values of an index by its name, as floats, instead of colours
+    index: Optional[str]
+    # The same by a formula over the bands of the map
+    expression: Optional[str]
 
 
 class ListExportsAnswer(TypedDict):
