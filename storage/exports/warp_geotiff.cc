@@ -40,8 +40,9 @@ const char* ResamplingOf(const WarpOptions& options) {
 // In the other system, without loss.
 Result<void> Warp(GDALDataset& source, const char* path, const WarpOptions& options,
                   const std::string& threads, Progress& progress) {
-  // Metres to the micrometre, degrees to a tenth of one.
-  const int digits = options.pixel_x < 1e-3 ? 12 : 6;
+  // Metres to the micrometre, degrees to a tenth of one; values may lie on the pixels of the web map, 20,000
+  // km from where those are counted from.
+  const int digits = options.pixel_x < 1e-3 || options.pixels == WarpedPixels::kValues ? 12 : 6;
   CPLStringList words;
   AddWords(words, {"-t_srs",
                    fmt::format("EPSG:{}", options.epsg),

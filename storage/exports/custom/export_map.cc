@@ -93,8 +93,17 @@ Result<void> WriteIndex(const IndexSource& source, const ExportRequest& request,
     warp.bounds = geo::LatLonBoundsFromMerc(raster->BoundsInMerc());
   }
   if (warp.epsg == kWebMercatorEpsg && !request.resolution_m) {
-    // The map's own pixels stay as they are.
-    warp.pixel_x = warp.pixel_y = geo::PixelSizeInMercM(source.facts.max_zoom, source.facts.tile_size_px);
+    // The map's own pixels stay as they are; a bound that is on one's edge but for rounding takes in no
+    // other.
+    constexpr double kOnEdge = 0.01;
+    const double pixel_m = geo::PixelSizeInMercM(source.facts.max_zoom, source.facts.tile_size_px);
+    warp.pixel_x = warp.pixel_y = pixel_m;
+    if (warp.bounds) {
+      geo::Bounds2 merc = geo::MercFromLatLonBounds(*warp.bounds);
+      merc.min.array() += kOnEdge * pixel_m;
+      merc.max.array() -= kOnEdge * pixel_m;
+      warp.bounds = geo::LatLonBoundsFromMerc(merc);
+    }
     warp.is_coarser = false;
   }
   progress.BeginStage("export");

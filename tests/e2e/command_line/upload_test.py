@@ -39,12 +39,13 @@ class BreakingProxy:
                     self.has_broken = True
                     break
         except OSError:
-            pass  # the other side has closed
+            pass  # an end has closed, or the other thread closed it
         for end in (source, sink):
             try:
                 end.shutdown(socket.SHUT_RDWR)
             except OSError:
                 pass
+            end.close()  # with what nobody read: else the other end goes on sending, into a full buffer, for a minute
 
 
 class Upload(ServerTestCase):
