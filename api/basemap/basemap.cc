@@ -4,6 +4,8 @@
 #include <fmt/ranges.h>
 #include <sys/stat.h>
 
+#include <algorithm>
+
 #include "api/downloads/send_file.h"
 #include "api/http/problem.h"
 #include "api/http/responses.h"
@@ -14,26 +16,39 @@ namespace {
 
 struct PublicBasemap {
   std::string_view name;
+  std::string_view title;
   std::string_view tiles;
   std::string_view attribution;
   int max_zoom;
 };
 
 constexpr PublicBasemap kPublicBasemaps[] = {
-    {"openstreetmap", "https://tile.openstreetmap.org/{z}/{x}/{y}.png", "© OpenStreetMap contributors", 19},
-    {"opentopomap", "https://tile.opentopomap.org/{z}/{x}/{y}.png",
+    {"openstreetmap", "OpenStreetMap", "https://tile.openstreetmap.org/{z}/{x}/{y}.png", "© OpenStreetMap contributors", 19},
+    {"opentopomap", "OpenTopoMap", "https://tile.opentopomap.org/{z}/{x}/{y}.png",
      "© OpenStreetMap contributors, SRTM; map style: © OpenTopoMap (CC-BY-SA)", 17},
-    {"carto-light", "https://basemaps.cartocdn.com/light_all/{z}/{x}/{y}.png",
+    {"carto-light", "CARTO light", "https://basemaps.cartocdn.com/light_all/{z}/{x}/{y}.png",
      "© OpenStreetMap contributors, © CARTO", 20},
-    {"carto-dark", "https://basemaps.cartocdn.com/dark_all/{z}/{x}/{y}.png",
+    {"carto-dark", "CARTO dark", "https://basemaps.cartocdn.com/dark_all/{z}/{x}/{y}.png",
      "© OpenStreetMap contributors, © CARTO", 20},
-    {"esri-imagery",
+    {"esri-imagery", "Esri World Imagery",
      "https://server.arcgisonline.com/ArcGIS/rest/services/World_Imagery/MapServer/tile/{z}/{y}/{x}",
      "Esri, Maxar, Earthstar Geographics and the GIS user community", 19},
-    {"usgs-imagery",
+    {"usgs-imagery", "USGS Imagery (USA)",
      "https://basemap.nationalmap.gov/arcgis/rest/services/USGSImageryOnly/MapServer/tile/{z}/{y}/{x}",
      "USGS The National Map", 16},
 };
+
+std::string OriginOf(std::string_view tiles) {
+  return std::string(tiles.substr(0, tiles.find('/', tiles.find("//") + 2)));
+}
+
+std::string OfferedJson(const PublicBasemap& offered) {
+  return JsonObject({{"name", JsonString(offered.name)},
+                     {"title", JsonString(offered.title)},
+                     {"tiles", JsonArray({JsonString(offered.tiles)})},
+                     {"attribution", JsonString(offered.attribution)},
+                     {"maxzoom", std::to_string(offered.max_zoom)}});
+}
 
 Response Describe(const Basemap& basemap, const Request& request) {
   const std::vector<std::string> tiles =
@@ -44,6 +59,11 @@ Response Describe(const Basemap& basemap, const Request& request) {
     fields.emplace_back("pmtiles", JsonString(request.base_path + "/basemap.pmtiles"));
   if (!basemap.attribution.empty()) fields.emplace_back("attribution", JsonString(basemap.attribution));
   if (basemap.max_zoom > 0) fields.emplace_back("maxzoom", std::to_string(basemap.max_zoom));
+  std::vector<std::string> offered;
+  for (const PublicBasemap& known : kPublicBasemaps) {
+    if (basemap.offers_public) offered.push_back(OfferedJson(known));
+  }
+  fields.emplace_back("public", JsonArray(offered));
   return Json(200, JsonObject(fields));
 }
 
@@ -60,7 +80,15 @@ Response SendPmtiles(const Basemap& basemap, const Request& request) {
 
 }  // namespace
 
-std::string Basemap::Origin() const { return tiles.substr(0, tiles.find('/', tiles.find("//") + 2)); }
+std::string Basemap::Origins() const {
+  if (!offers_public) return OriginOf(tiles);
+  std::vector<std::string> origins;
+  for (const PublicBasemap& known : kPublicBasemaps) {
+    std::string origin = OriginOf(known.tiles);
+    if (std::find(origins.begin(), origins.end(), origin) == origins.end()) origins.push_back(std::move(origin));
+  }
+  return fmt::format("{}", fmt::join(origins, " "));
+}
 
 std::vector<std::string> BasemapNames() {
   std::vector<std::string> names;
@@ -76,6 +104,8 @@ Result<Basemap> BasemapFrom(const std::string& text, const std::string& attribut
                  "The option --basemap-attribution needs --basemap, whose makers it names.", ""};
   }
   if (text.empty()) return basemap;
+  basemap.offers_public = false;
+  if (text == "none") return basemap;
   for (const PublicBasemap& known : kPublicBasemaps) {
     if (text != known.name) continue;
     basemap.tiles = known.tiles;

@@ -316,7 +316,7 @@ void RunServer(const ServeOptions& options) {
   if (!page && !options.web_dir.empty()) {
     Fail("skyquilt serve", {ErrorCode::kNotFound, "--web " + options.web_dir + " has no index.html.", ""});
   }
-  router.SetFallback([page, origin = basemap->Origin()](const api::Request& request) {
+  router.SetFallback([page, origin = basemap->Origins()](const api::Request& request) {
     return page ? ServePage(*page, request, origin) : NoPage(request);
   });
   Result<std::unique_ptr<HttpServer>> server = HttpServer::Listen(*settings, router, service);

@@ -202,8 +202,8 @@ void AddServeOptions(CLI::App& command, ServeOptions& options) {
       .add_option(
           "--basemap", options.basemap,
           fmt::format("What lies below the maps on the page, fetched by each browser from there: {} (read "
-                      "their terms of use), https://host/{{z}}/{{x}}/{{y}}.png, or a PMTiles file of raster "
-                      "tiles here",
+                      "their terms of use), https://host/{{z}}/{{x}}/{{y}}.png, a PMTiles file of raster "
+                      "tiles here, or none. Default: whoever looks may choose one of these names",
                       fmt::join(api::BasemapNames(), ", ")))
       ->envname(VariableOf("basemap"));
   command

@@ -29,7 +29,7 @@ figure{margin:0}figure svg{width:100%;height:auto;max-height:75vh;border:1px sol
 table{border-collapse:collapse;width:100%}th,td{text-align:left;vertical-align:top;padding:.25rem .6rem .25rem 0;border-bottom:1px solid #eaeef2}
 th{font-weight:600;width:16rem}thead th{width:auto;border-bottom:2px solid #d0d7de}li{margin:.2rem 0}
 footer{color:#57606a;margin-top:2rem;font-size:.85rem}
-@media print{body{margin:0;max-width:none;font-size:11pt}h2,tr,figure{break-inside:avoid}h2{break-after:avoid}figure svg{max-height:16cm}}
+@page{size:A4;margin:16mm}@media print{body{margin:0;max-width:none;font-size:11pt}h2,tr,figure{break-inside:avoid}h2{break-after:avoid}figure svg{max-height:16cm}}
 )css";
 
 std::string Html(std::string_view text) { return api::XmlText(text); }

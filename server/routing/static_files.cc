@@ -37,9 +37,10 @@ constexpr std::array<std::pair<std::string_view, const char*>, 14> kTypes = {{
 }};
 
 // Scripts and styles from here alone; tiles and previews of dropped photos as blob and data; a basemap from
-// where the operator says. Pages of others may frame the bare map, which changes nothing, and nothing else.
-std::string ContentSecurityPolicy(const std::string& basemap_origin, bool may_be_framed) {
-  const std::string basemap = basemap_origin.empty() ? "" : " " + basemap_origin;
+// where the operator or whoever looks chose. Pages of others may frame the bare map, which changes nothing,
+// and nothing else.
+std::string ContentSecurityPolicy(const std::string& basemap_origins, bool may_be_framed) {
+  const std::string basemap = basemap_origins.empty() ? "" : " " + basemap_origins;
   return "default-src 'self'; connect-src 'self'" + basemap + "; img-src 'self' data: blob:" + basemap +
          "; worker-src 'self' blob:; style-src 'self' 'unsafe-inline'; object-src 'none'; base-uri 'none';"
          " form-action 'self'; frame-ancestors " +
@@ -85,7 +86,7 @@ std::optional<std::string> EtagOf(const std::filesystem::path& path) {
 }
 
 Result<api::Response> Find(const std::filesystem::path& folder, const api::Request& request,
-                           const std::string& basemap_origin) {
+                           const std::string& basemap_origins) {
   const Error missing{ErrorCode::kNotFound, "There is nothing at this address.", ""};
   SKYQUILT_TRY_ASSIGN(api::Target target, api::ParseTarget(request.path));
   std::vector<std::string> segments = std::move(target.segments);
@@ -117,15 +118,15 @@ Result<api::Response> Find(const std::filesystem::path& folder, const api::Reque
   if (coding != nullptr) sent->headers.Add("Content-Encoding", coding);
   if (has_codings) sent->headers.Add("Vary", "Accept-Encoding");
   sent->headers.Add("Cache-Control", "no-cache");
-  sent->headers.Add("Content-Security-Policy", ContentSecurityPolicy(basemap_origin, is_bare_map));
+  sent->headers.Add("Content-Security-Policy", ContentSecurityPolicy(basemap_origins, is_bare_map));
   return sent;
 }
 
 }  // namespace
 
 api::Response ServePage(const std::filesystem::path& folder, const api::Request& request,
-                        const std::string& basemap_origin) {
-  Result<api::Response> found = Find(folder, request, basemap_origin);
+                        const std::string& basemap_origins) {
+  Result<api::Response> found = Find(folder, request, basemap_origins);
   return found ? *std::move(found) : api::Problem(found.error(), request);
 }
 

@@ -14,9 +14,10 @@
 
 namespace skyquilt::server {
 
-// `basemap_origin`: "https://host" that the page may load basemap tiles from; empty for none.
+// `basemap_origins`: "https://host" that the page may load basemap tiles from, with blanks between; empty for
+// none.
 api::Response ServePage(const std::filesystem::path& folder, const api::Request& request,
-                        const std::string& basemap_origin = "");
+                        const std::string& basemap_origins = "");
 
 // The folder given, or else the one beside the binary (../share/skyquilt/web), or else the source tree's.
 // Absent when none has an index.html.

@@ -93,10 +93,24 @@ class Security(ServerTestCase):
         config = pathlib.Path(self.scratch, "skyquilt.toml")
         config.write_text(f'workers = 0\nbasemap = "https://tiles.example/{{z}}/{{x}}/{{y}}.png"\nbasemap-attribution = "{text}"\n')
         server = self.serve("--config", str(config))
-        basemap = {"tilejson": "3.0.0", "tiles": ["https://tiles.example/{z}/{x}/{y}.png"], "attribution": text}
+        basemap = {"tilejson": "3.0.0", "tiles": ["https://tiles.example/{z}/{x}/{y}.png"], "attribution": text, "public": []}
         self.assertEqual(server.json("GET", "/basemap.json"), (200, basemap))
         server.stop()
         self.assertIn("needs --basemap", self.refusal("--listen", "127.0.0.1:0", "--basemap-attribution", text))
+
+    def test_without_a_choice_each_browser_may_choose_unless_the_operator_wants_none(self):
+        server = self.serve("--workers", "0")
+        basemap = server.json("GET", "/basemap.json")[1]
+        self.assertEqual(basemap["tiles"], [])
+        self.assertIn("openstreetmap", [one["name"] for one in basemap["public"]])
+        policy = server.request("GET", "/")[1]["Content-Security-Policy"]
+        for one in basemap["public"]:
+            self.assertIn("/".join(one["tiles"][0].split("/")[:3]), policy)
+        server.stop()
+        server = self.serve("--workers", "0", "--basemap", "none")
+        self.assertEqual(server.json("GET", "/basemap.json")[1], {"tilejson": "3.0.0", "tiles": [], "public": []})
+        self.assertNotIn("https:", server.request("GET", "/")[1]["Content-Security-Policy"])
+        server.stop()
 
     def test_a_public_basemap_is_had_by_its_name(self):
         server = self.serve("--workers", "0", "--basemap", "openstreetmap")

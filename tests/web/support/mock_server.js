@@ -46,9 +46,9 @@ const kAside = [
 export const kNetworkAddress = 'http://192.168.1.20:8080';
 
 /**
- * @param {{port?: number, job_ms?: number, upload_ms?: number, basemap_makers?: string, has_tokens?: boolean, scope?: 'read'|'upload'|'admin', trash_days?: number, keep_days?: number, is_whole?: boolean, is_unplaced?: boolean, has_indices?: boolean, has_heights?: boolean, bands_bounds?: number[], page_limit?: number, addresses?: string[]}} [options] upload_ms: time each file takes at least;
+ * @param {{port?: number, job_ms?: number, upload_ms?: number, basemap_makers?: string, public_basemap?: string, has_tokens?: boolean, scope?: 'read'|'upload'|'admin', trash_days?: number, keep_days?: number, is_whole?: boolean, is_unplaced?: boolean, has_indices?: boolean, has_heights?: boolean, bands_bounds?: number[], page_limit?: number, addresses?: string[]}} [options] upload_ms: time each file takes at least;
  *   addresses: where other machines reach it;
- *   basemap_makers: there is a basemap, of theirs; has_tokens: it asks for tokens where flights are shared; scope: what
+ *   basemap_makers: there is a basemap, of theirs; public_basemap: https://host of tiles that a browser may choose; has_tokens: it asks for tokens where flights are shared; scope: what
  *   every token may do; page_limit: flights in one answer, few so that paging is used; is_whole: maps have all photos; is_unplaced: they lie nowhere until they are placed
  */
 export async function startMockServer(options = {}) {
@@ -191,7 +191,8 @@ export async function startMockServer(options = {}) {
     }
     if (path === '/api/v1/access') return send(200, { needs_token: Boolean(options.has_tokens), scope: options.scope ?? 'admin', flight: null, keep_days: options.keep_days ?? 0 });
     if (path === '/basemap.json') {
-      if (!options.basemap_makers) return send(200, { tilejson: '3.0.0', tiles: [] });
+      const left = options.public_basemap ? [{ name: 'stand-in', title: 'Stand-in', tiles: [`${options.public_basemap}/{z}/{x}/{y}.png`], attribution: 'Stand-in makers', maxzoom: 19 }] : [];
+      if (!options.basemap_makers) return send(200, { tilejson: '3.0.0', tiles: [], public: left });
       return send(200, { tilejson: '3.0.0', tiles: [`http://${request.headers.host}/basemap.png?{z}/{x}/{y}`], attribution: options.basemap_makers });
     }
     if (path === '/basemap.png') return send(200, encodePng(1, 1, new Uint8Array([200, 210, 200, 255])), 'image/png');
@@ -332,7 +333,8 @@ export async function startMockServer(options = {}) {
     }
     if (path.startsWith('/api/') || path.startsWith('/tiles/')) return problem(404, 'Not found', `There is nothing at ${path}.`);
     const is_bare_map = /^\/embed\/\w+$/.test(path);
-    const page_headers = is_bare_map ? { ...security_headers, 'Content-Security-Policy': security_headers['Content-Security-Policy'].replace(/frame-ancestors .*/, 'frame-ancestors *') } : security_headers;
+    const policy = security_headers['Content-Security-Policy'].replace("img-src 'self'", `connect-src 'self' ${options.public_basemap ?? ''}; img-src 'self' ${options.public_basemap ?? ''}`);
+    const page_headers = { ...security_headers, 'Content-Security-Policy': is_bare_map ? policy.replace(/frame-ancestors .*/, 'frame-ancestors *') : policy };
     const file = join(web_root, normalize(is_bare_map ? '/embed.html' : path === '/' ? '/index.html' : path));
     if (!file.startsWith(web_root) || !existsSync(file) || !statSync(file).isFile()) return problem(404, 'Not found', path);
     // As the server does: what the build compressed is sent so.

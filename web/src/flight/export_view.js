@@ -47,9 +47,10 @@ export function exportWords({ format, crs, resolution_m, boundary, index, expres
  * @param {Outline[]} outlines on the map now
  * @param {AbortSignal} signal the view is gone
  * @param {number} [cut_to] which of the outlines is chosen; -1: none
+ * @param {boolean} [has_asked] something was asked for just now: what there is comes first
  * @returns {HTMLElement}
  */
-export function exportView(flight, outlines, signal, cut_to = -1) {
+export function exportView(flight, outlines, signal, cut_to = -1, has_asked = false) {
   const words = strings.exports;
   const list = h('ul', { class: 'shares exports', id: 'exports' });
   const refusal = h('div', { 'aria-live': 'assertive' });
@@ -198,7 +199,7 @@ export function exportView(flight, outlines, signal, cut_to = -1) {
   signal.addEventListener('abort', () => clearTimeout(timer));
   const heading = h('h3', { class: 'share-heading', hidden: true }, words.heading);
   void watch();
-  return h('section', { id: 'export-view', 'aria-label': words.open }, form, refusal, heading, list);
+  return h('section', { id: 'export-view', 'aria-label': words.open }, ...(has_asked ? [refusal, heading, list, form] : [form, refusal, heading, list]));
 }
 
 /** @param {MapExport} made @returns {HTMLElement[]} */

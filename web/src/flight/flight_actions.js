@@ -78,9 +78,9 @@ export function showDownloads(flight, outlines, cut_to = -1) {
       const { exportView } = await import('./export_view.js');
       if (wish) await startExport(flight.id, wish);  // one that is there already is what this gives
       downloads.remove();  // the exports themselves would be out of sight below
-      put(exports, exportView(flight, outlines, closed.signal, cut_to));
-      put(dialog.querySelector('h2') ?? dialog, strings.exports.open);
-      exports.querySelector('select')?.focus();
+      put(exports, exportView(flight, outlines, closed.signal, cut_to, wish !== null));
+      if (!wish) put(dialog.querySelector('h2') ?? dialog, strings.exports.open);
+      exports.querySelector(wish ? 'a, button' : 'select')?.focus();
     } catch (error) {
       button.disabled = false;
       showError(error);

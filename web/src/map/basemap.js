@@ -1,12 +1,14 @@
-// What lies below the maps: nothing, the outlines of the land that came with the page, or the basemap that the server's
-// operator chose. The choice stays in this browser.
+// What lies below the maps: nothing, the outlines of the land that came with the page, the basemap that the server's
+// operator chose, or, where none was, a public one. The choice stays in this browser; nobody else is asked before it.
 /** @import { TileJson } from '../shared/types.js' */
 /** @import { LayerSpecification, SourceSpecification } from '@maplibre/maplibre-gl-style-spec' */
 import { authorization } from '../shared/token.js';
 import { at } from '../shared/router.js';
 import { keptChoice } from '../shared/language.js';
 
-/** @typedef {'none'|'land'|'server'} BasemapKind */
+/** @typedef {'none'|'land'|'server'|`public:${string}`} BasemapKind */
+/** @typedef {{name: string, title: string, tiles: string[], attribution: string, maxzoom: number}} PublicBasemap */
+/** @typedef {TileJson & {pmtiles?: string, attribution?: string, maxzoom?: number}} BasemapTiles */
 
 const kKey = 'skyquilt.basemap';
 // Close up the coarse outline would be wrong by kilometres.
@@ -14,26 +16,29 @@ const kLandUpTo = 10;
 // So that the map stands out.
 const kMuted = { 'raster-saturation': -0.5, 'raster-contrast': -0.15 };
 
-/** @type {Promise<TileJson & {pmtiles?: string, attribution?: string, maxzoom?: number}|null>|null} */
+/** @type {Promise<{server: BasemapTiles|null, public: PublicBasemap[]}>|null} */
 let offered = null;
 
-/** What the server's operator chose; null for nothing. Asked once. */
-export function offeredBasemap() {
+/** What the server's operator chose, null for nothing, and what is left to this browser. Asked once. */
+export function offeredBasemaps() {
   offered ??= fetch(at('/basemap.json'), { headers: authorization() }).then(
     async (response) => {
-      const tilejson = response.ok ? await response.json() : { tiles: [] };
-      return tilejson.pmtiles || tilejson.tiles.length > 0 ? tilejson : null;
+      const { public: left = [], ...tilejson } = response.ok ? await response.json() : { tiles: [] };
+      return { server: tilejson.pmtiles || tilejson.tiles.length > 0 ? tilejson : null, public: left };
     },
-    () => null,  // without an answer there is none to offer
+    () => ({ server: null, public: [] }),  // without an answer there is none to offer
   );
   return offered;
 }
 
 /** @returns {BasemapKind} */
 export function chosenBasemap() {
-  const kept = keptChoice(kKey);
-  return kept === 'none' || kept === 'server' ? kept : 'land';
+  const kept = keptChoice(kKey) ?? '';
+  return kept === 'none' || kept === 'server' || kept.startsWith('public:') ? /** @type {BasemapKind} */ (kept) : 'land';
 }
+
+/** @param {BasemapKind} kind of tiles, on which places can be found */
+export const showsPlaces = (kind) => kind !== 'none' && kind !== 'land';
 
 /**
  * What operators and makers of maps wrote is text; the map's attribution control reads markup.
@@ -66,7 +71,8 @@ export async function basemapParts(kind) {
       ],
     };
   }
-  const tilejson = await offeredBasemap();
+  const { server, public: left } = await offeredBasemaps();
+  const tilejson = kind === 'server' ? server : /** @type {BasemapTiles|undefined} */ (left.find(({ name }) => kind === `public:${name}`));
   if (!tilejson) return null;
   /** @type {any} */
   const source = { type: 'raster', tileSize: 256, attribution: asMarkup(tilejson.attribution ?? '') };

@@ -7,7 +7,7 @@ import { heightLayers } from '../heights/height_layers.js';
 import { heightReadout } from '../heights/height_readout.js';
 import { relief } from '../heights/relief.js';
 import { indexSection } from '../indices/index_section.js';
-import { chosenBasemap, keepBasemap, offeredBasemap } from './basemap.js';
+import { chosenBasemap, keepBasemap, offeredBasemaps } from './basemap.js';
 import { coordinate_forms, formatCoordinates } from './coordinates.js';
 import { checkRow, h, put } from '../shared/dom.js';
 import { formatLength } from '../shared/format.js';
@@ -117,10 +117,18 @@ function layersCard(view) {
   const footprints = /** @type {HTMLInputElement} */ (footprints_row.querySelector('input'));
   const basemap = h('select', { id: 'basemap', class: 'field' });
   const drawBasemaps = async () => {
-    const kinds = /** @type {const} */ (['none', 'land', ...((await offeredBasemap()) ? ['server'] : [])]);
-    put(basemap, ...kinds.map((kind) => h('option', { value: kind }, words.basemaps[/** @type {'none'|'land'|'server'} */ (kind)])));
+    const { server, public: left } = await offeredBasemaps();
+    const kinds = /** @type {const} */ (['none', 'land', ...(server ? ['server'] : [])]);
+    put(
+      basemap,
+      ...kinds.map((kind) => h('option', { value: kind }, words.basemaps[/** @type {'none'|'land'|'server'} */ (kind)])),
+      left.length > 0 && h('optgroup', { label: words.public_basemaps }, ...left.map(({ name, title }) => h('option', { value: `public:${name}` }, title))),
+    );
     basemap.value = chosenBasemap();
+    if (basemap.selectedIndex < 0) basemap.value = 'land';  // one that is offered no more
+    basemap_note.hidden = left.length === 0;
   };
+  const basemap_note = h('p', { class: 'muted fine', id: 'basemap-note', hidden: true }, words.public_basemaps_note);
   basemap.addEventListener('change', () => {
     const kind = /** @type {import('./basemap.js').BasemapKind} */ (basemap.value);
     keepBasemap(kind);
@@ -143,6 +151,7 @@ function layersCard(view) {
     legend,
     h('label', { for: 'basemap', class: 'small-label' }, words.basemap),
     basemap,
+    basemap_note,
     ownDataView(view),
   );
   return {

@@ -75,7 +75,8 @@ export class MapView {
       container,
       style: emptyStyle(),
       attributionControl: false,
-      transformRequest: (url) => ({ url, headers: new URL(url, location.href).origin === location.origin ? authorization() : {} }),
+      // Makers of public tiles ask to be told which site shows them; nothing else is told to anybody.
+      transformRequest: (url) => (new URL(url, location.href).origin === location.origin ? { url, headers: authorization() } : { url, referrerPolicy: 'origin' }),
       maxZoom: kMaxZoom,
       maxPitch: 0,  // until heights stand up (heights/relief.js)
       renderWorldCopies: false,

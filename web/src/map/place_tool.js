@@ -6,7 +6,7 @@
 /** @import { PlacePair } from './place_pairs.js' */
 /** @import { PlacePoint } from './place_point.js' */
 import { announce } from '../shared/announce.js';
-import { chosenBasemap, offeredBasemap } from './basemap.js';
+import { chosenBasemap, offeredBasemaps, showsPlaces } from './basemap.js';
 import { wrapLongitude } from './coordinates.js';
 import { h, put } from '../shared/dom.js';
 import { formatLength } from '../shared/format.js';
@@ -40,7 +40,8 @@ export function placeTool(view, listener) {
   let kept_key = '';
   /** @type {PlacePoint[]} */
   let points = [];
-  let has_basemap = false;
+  /** To find true places on: the one that is chosen, else the server's. @type {import('./basemap.js').BasemapKind|null} */
+  let findable = null;
   /** Set while a true place is clicked on the basemap. @type {(() => void)|null} */
   let endPicking = null;
 
@@ -93,7 +94,7 @@ export function placeTool(view, listener) {
     if (points.length > 1) return words.enough;
     return subject?.is_guessed ? words.one_more : words.enough_one;
   };
-  const canPick = () => has_basemap && (subject?.is_placed === true || near() !== null);
+  const canPick = () => findable !== null && (subject?.is_placed === true || near() !== null);
 
   const draw = () => {
     if (!subject) return;
@@ -178,12 +179,12 @@ export function placeTool(view, listener) {
     endPicking = () => {
       endPicking = null;
       view.setOpacity(opacity);
-      if (chosenBasemap() !== 'server') void view.setBasemap(chosenBasemap());
+      if (chosenBasemap() !== findable) void view.setBasemap(chosenBasemap());
       if (there) view.map.jumpTo(camera);
       changed();
     };
     view.setOpacity(kSeeThrough);
-    if (chosenBasemap() !== 'server') void view.setBasemap('server');
+    if (findable && chosenBasemap() !== findable) void view.setBasemap(findable);
     if (there) view.map.jumpTo({ center: there, zoom: Math.min(kNearZoom, camera.zoom), bearing: 0 });
     draw();
     focusMap();
@@ -249,8 +250,8 @@ export function placeTool(view, listener) {
       listener.on_change(true);
       draw();
       focusMap();
-      void offeredBasemap().then((offered) => {
-        has_basemap = offered !== null;
+      void offeredBasemaps().then(({ server }) => {
+        findable = showsPlaces(chosenBasemap()) ? chosenBasemap() : server ? 'server' : null;
         draw();
       });
     },

@@ -120,6 +120,8 @@ export const flight_words = {
     opacity: 'Deckkraft der Karte',
     basemap: 'Hintergrundkarte',
     basemaps: { none: 'Keine', land: 'Küstenlinien', server: 'Hintergrundkarte des Servers' },
+    public_basemaps: 'Öffentliche Karten',
+    public_basemaps_note: 'Öffentliche Karten kommen von den Servern ihrer Anbieter; diese erfahren Ihre Adresse und welche Orte Sie ansehen. Gefragt wird keiner, bevor Sie ihn wählen.',
     overlay: 'Überlagerung',
     overlays: { none: 'Keine', photo: 'Ausgangsfoto', error: 'Lagefehler', height: 'Geländehöhe' },
     overlay_photo: 'Jede Farbe steht für ein Ausgangsfoto.',

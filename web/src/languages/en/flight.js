@@ -120,6 +120,8 @@ export const flight_words = {
     opacity: 'Map opacity',
     basemap: 'Basemap',
     basemaps: { none: 'None', land: 'Coastlines', server: 'Server basemap' },
+    public_basemaps: 'Public maps',
+    public_basemaps_note: 'Public maps come from their makers’ servers, which learn your address and the places you look at. None is asked before you choose it.',
     overlay: 'Overlay',
     overlays: { none: 'None', photo: 'Source photo', error: 'Position error', height: 'Ground height' },
     overlay_photo: 'Each colour is one source photo.',

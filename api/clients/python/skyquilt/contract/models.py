@@ -390,10 +390,21 @@ class StartJobBody(TypedDict, total=False):
     priority: int
 
 
+class BasemapAnswerPublicItem(TypedDict):
+    name: str
+    title: str
+    tiles: List[str]
+    # Plain text, not markup
+    attribution: str
+    maxzoom: int
+
+
 class BasemapAnswerForSure(TypedDict):
     """What BasemapAnswer always has."""
     tilejson: str
     tiles: List[str]
+    # What each browser may choose, where the operator left it to them
+    public: List[BasemapAnswerPublicItem]
 
 
 class BasemapAnswer(BasemapAnswerForSure, total=False):

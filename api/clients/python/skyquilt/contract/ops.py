@@ -11,7 +11,7 @@ class Ops(Calls):
     """For operators."""
 
     def basemap(self) -> models.BasemapAnswer:
-        """The basemap that the operator chose for the page."""
+        """What may lie below the maps on the page."""
         return cast("models.BasemapAnswer", self._send("GET", "/basemap.json"))
 
     def basemap_file(self, *, headers: Optional[Mapping[str, str]] = None) -> Answer:
