@@ -23,7 +23,8 @@ struct PublicBasemap {
 };
 
 constexpr PublicBasemap kPublicBasemaps[] = {
-    {"openstreetmap", "OpenStreetMap", "https://tile.openstreetmap.org/{z}/{x}/{y}.png", "© OpenStreetMap contributors", 19},
+    {"openstreetmap", "OpenStreetMap", "https://tile.openstreetmap.org/{z}/{x}/{y}.png",
+     "© OpenStreetMap contributors", 19},
     {"opentopomap", "OpenTopoMap", "https://tile.opentopomap.org/{z}/{x}/{y}.png",
      "© OpenStreetMap contributors, SRTM; map style: © OpenTopoMap (CC-BY-SA)", 17},
     {"carto-light", "CARTO light", "https://basemaps.cartocdn.com/light_all/{z}/{x}/{y}.png",
@@ -85,7 +86,8 @@ std::string Basemap::Origins() const {
   std::vector<std::string> origins;
   for (const PublicBasemap& known : kPublicBasemaps) {
     std::string origin = OriginOf(known.tiles);
-    if (std::find(origins.begin(), origins.end(), origin) == origins.end()) origins.push_back(std::move(origin));
+    if (std::find(origins.begin(), origins.end(), origin) == origins.end())
+      origins.push_back(std::move(origin));
   }
   return fmt::format("{}", fmt::join(origins, " "));
 }

@@ -1,7 +1,7 @@
-// What may lie below the maps on the page. The operator chooses tiles of another server by their address, a PMTiles
-// file of this one, or a public one by its name; or leaves it to whoever looks: each browser is offered the public
-// ones, and asks nobody before one is chosen there. GET /basemap.json says which, as TileJSON; without a choice of the
-// operator's it has no tiles. Any thread.
+// What may lie below the maps on the page. The operator chooses tiles of another server by their address, a
+// PMTiles file of this one, or a public one by its name; or leaves it to whoever looks: each browser is
+// offered the public ones, and asks nobody before one is chosen there. GET /basemap.json says which, as
+// TileJSON; without a choice of the operator's it has no tiles. Any thread.
 #pragma once
 
 #include <filesystem>
@@ -28,8 +28,8 @@ struct Basemap {
 // read.
 std::vector<std::string> BasemapNames();
 
-// `text`: one of these names, an address with {z}, {x} and {y}, a path, "none" for nothing at all, or empty. Errors: kInvalidArgument,
-// kNotFound.
+// `text`: one of these names, an address with {z}, {x} and {y}, a path, "none" for nothing at all, or empty.
+// Errors: kInvalidArgument, kNotFound.
 Result<Basemap> BasemapFrom(const std::string& text, const std::string& attribution);
 
 void AddBasemapRoutes(Router& router, const Basemap& basemap);

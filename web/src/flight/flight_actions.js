@@ -80,7 +80,7 @@ export function showDownloads(flight, outlines, cut_to = -1) {
       downloads.remove();  // the exports themselves would be out of sight below
       put(exports, exportView(flight, outlines, closed.signal, cut_to, wish !== null));
       if (!wish) put(dialog.querySelector('h2') ?? dialog, strings.exports.open);
-      exports.querySelector(wish ? 'a, button' : 'select')?.focus();
+      /** @type {HTMLElement|null} */ (exports.querySelector(wish ? 'a, button' : 'select'))?.focus();
     } catch (error) {
       button.disabled = false;
       showError(error);

@@ -65,6 +65,7 @@ export const page_words = {
     restored: (name) => `„${name}“ wurde wiederhergestellt.`,
     gone: 'Flug nicht gefunden. Möglicherweise wurde er gelöscht.',
     default_name: (date) => `Flug vom ${date}`,
+    name_of_place: (place, date) => `${place}, ${date}`,
   },
   trash: {
     heading: 'Kürzlich gelöscht',

@@ -64,6 +64,7 @@ export const page_words = {
     restored: (/** @type {string} */ name) => `“${name}” was restored.`,
     gone: 'Flight not found. It may have been deleted.',
     default_name: (/** @type {string} */ date) => `Flight of ${date}`,
+    name_of_place: (/** @type {string} */ place, /** @type {string} */ date) => `${place}, ${date}`,
   },
   trash: {
     heading: 'Recently deleted',
