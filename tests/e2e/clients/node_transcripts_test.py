@@ -166,7 +166,7 @@ class NodeTranscripts(ServerTestCase):
         server.stop()
 
     def test_pyodms_own_tests(self):
-        self.assertEqual(self.run_transcript("pyodm.json", most=4), (21, 25))
+        self.assertEqual(self.run_transcript("pyodm.json", most=4), (22, 25))
 
     def test_webodms_nodeodm_tests(self):
         self.assertEqual(self.run_transcript("webodm.json", most=2), (9, 9))
