@@ -74,6 +74,9 @@ install(SCRIPT ${package_dir}/install_service.cmake)
 execute_process(COMMAND ${CMAKE_SOURCE_DIR}/cmake/list_packages.sh run OUTPUT_VARIABLE run_packages
                 COMMAND_ERROR_IS_FATAL ANY)
 string(STRIP "${run_packages}" run_packages)
+execute_process(COMMAND ${CMAKE_SOURCE_DIR}/cmake/list_packages.sh recommended OUTPUT_VARIABLE recommended_packages
+                OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+string(REPLACE "\n" ", " recommended_packages "${recommended_packages}")
 string(REPLACE "\n" ", " run_packages "${run_packages}")
 set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)  # tests need not be built for a package
 set(CPACK_GENERATOR DEB)
@@ -96,7 +99,7 @@ also files: GeoTIFF, MBTiles and PMTiles.
 The service listens to its own machine until /etc/skyquilt.conf says
 otherwise.")
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "weasyprint")
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "${recommended_packages}")
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "adduser, init-system-helpers (>= 1.52), ${run_packages}")
 set(CPACK_PROJECT_CONFIG_FILE ${CMAKE_BINARY_DIR}/late_depends.cmake)
 file(GENERATE OUTPUT ${CPACK_PROJECT_CONFIG_FILE} CONTENT

@@ -93,15 +93,21 @@ Result<std::string> QueueExport(Service& service, const Request& request, const 
   SKYQUILT_TRY(storage::CheckExport(wish, facts));
   if (wish.IsOfValues()) {
     SKYQUILT_TRY_ASSIGN(const auto tileset, service.tilesets.Get(flight_id));
-    const Result<void> has_bands = CheckBands(service, *tileset, storage::ExpressionOf(wish));
-    if (!has_bands) return Error{ErrorCode::kUnprocessable, has_bands.error().message, ""};
+    Result<void> has_bands = CheckBands(service, *tileset, storage::ExpressionOf(wish));
+    if (!has_bands && has_bands.error().code == ErrorCode::kInvalidArgument)
+      return Error{ErrorCode::kUnprocessable, has_bands.error().message, ""};
+    SKYQUILT_TRY(has_bands);
   }
   if (wish.format == storage::ExportFormat::kReport && !service.prints_pdf())
     return flight::Because(ErrorCode::kUnavailable, flight::RemarkCode::kExportWithoutPrinter);
   MapExport wanted;
   wanted.flight_id = flight_id;
   wanted.revision = map.revision;
-  wanted.request = JsonText(ParseJson(body));  // so that the same wish is known again
+  nlohmann::json request_json = ParseJson(body);
+  // Under another name it is another report.
+  if (wish.format == storage::ExportFormat::kReport && wish.name.empty())
+    request_json["name"] = map.flight_name;
+  wanted.request = JsonText(request_json);  // so that the same wish is known again
   wanted.format = storage::NameOf(wish.format);
   wanted.owner = request.owner;
   wanted.is_of_link = !request.only_flight.empty();

@@ -36,10 +36,10 @@ Result<void> RunExportTask(const std::string& text, MessageWriter& writer) {
   try {
     SKYQUILT_TRY_ASSIGN(const storage::ExportRequest request, storage::ParseExportRequest(task.request));
     if (request.format == storage::ExportFormat::kReport) {
-      // Its picture alone: what is printed beside the sandbox is a page of the server's own.
-      SKYQUILT_TRY_ASSIGN(const MapPicture picture,
-                          MakeMapPicture(task.map_dir, kReportPicturePx, task.work_dir, progress));
-      return storage::WriteFileAtomically(task.work_dir / task.out_name, ToBytes(picture));
+      // Its pixels alone: what is printed beside the sandbox is a page of the server's own.
+      SKYQUILT_TRY_ASSIGN(const MapPixels pixels, MakeMapPixels(task.map_dir, kReportPicturePx, task.threads,
+                                                                task.work_dir, progress));
+      return storage::WriteFileAtomically(task.work_dir / task.out_name, ToBytes(pixels));
     }
     SKYQUILT_TRY_ASSIGN(const storage::ExportSource source, storage::ExportSourceOf(task.map_dir));
     const storage::ExportOptions options{.threads = task.threads};

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <exception>
 #include <system_error>
 
 #include "api/json/json_codec.h"
@@ -46,32 +47,45 @@ Result<void> Hold(storage::BlobStore& blobs, const std::string& prefix, const ch
 }
 
 // What an export will hardly take while it is made: twice the map, and ten times where its pixels lie beside
-// the file without loss meanwhile.
-std::int64_t ExpectedBytes(const fs::path& map_dir, const storage::ExportRequest& request) {
+// the file without loss meanwhile. Values are floats, three times over: on the map's pixels, in the other
+// system, in the file.
+Result<std::int64_t> ExpectedBytes(const fs::path& map_dir, const storage::ExportRequest& request) {
+  constexpr std::int64_t kOfReport = std::int64_t{256} << 20;
+  constexpr double kOfValue = 14.0;
+  if (request.format == storage::ExportFormat::kReport) return kOfReport;
+  if (request.IsOfValues()) {
+    SKYQUILT_TRY_ASSIGN(const double pixels, storage::PixelsOfExport(map_dir, request));
+    return static_cast<std::int64_t>(kOfValue * pixels);
+  }
   std::int64_t bytes = 0;
-  for (const char* name : {"mosaic.mbtiles", "mosaic.tif", "bands.tif"}) {
+  for (const char* name : {"mosaic.mbtiles", "mosaic.tif"}) {
     std::error_code missing;
     const std::uintmax_t size = fs::file_size(map_dir / name, missing);
     if (!missing) bytes = std::max(bytes, static_cast<std::int64_t>(size));
   }
-  const bool is_warped = request.format == storage::ExportFormat::kGeotiff &&
-                         (!request.crs.empty() || request.resolution_m || request.IsOfValues());
+  const bool is_warped =
+      request.format == storage::ExportFormat::kGeotiff && (!request.crs.empty() || request.resolution_m);
   return (is_warped && !request.boundary ? 10 : 2) * bytes;
 }
 
-// From the picture that the sandboxed process left, the page about it, printed. The bytes of the file.
-Result<std::int64_t> PrintReport(const fs::path& map_dir, const fs::path& work_dir,
-                                 const fs::path& picture_file, const fs::path& pdf,
-                                 const std::string& flight_name, const std::function<bool()>& go_on) {
-  SKYQUILT_TRY_ASSIGN(const std::string bytes, storage::ReadWholeFile(picture_file));
-  SKYQUILT_TRY_ASSIGN(const MapPicture picture, ParseMapPicture(bytes));
+// From the pixels that the sandboxed process left, the page about the map, printed in a folder that it never
+// saw. The bytes of the file.
+Result<std::int64_t> PrintReport(const fs::path& map_dir, const fs::path& pixels_file, const fs::path& folder,
+                                 const fs::path& pdf, const std::string& name,
+                                 const std::function<bool()>& go_on) {
+  std::error_code error;
+  const std::uintmax_t left = fs::file_size(pixels_file, error);
+  if (error || left > kMaxMapPixelBytes)
+    return Error{ErrorCode::kCorrupt, "The report's picture of the map is damaged.", pixels_file.string()};
+  SKYQUILT_TRY_ASSIGN(const std::string bytes, storage::ReadWholeFile(pixels_file));
+  SKYQUILT_TRY_ASSIGN(const MapPixels pixels, ParseMapPixels(bytes));
   SKYQUILT_TRY_ASSIGN(const std::string report, storage::ReadWholeFile(map_dir / "report.json"));
   const std::string today = api::FormatTime(storage::Now()).substr(0, 10);
-  SKYQUILT_TRY_ASSIGN(const std::string page, ReportPage(report, picture, today, flight_name));
-  const fs::path html = work_dir / "report.html";
+  SKYQUILT_TRY_ASSIGN(const std::string page, ReportPage(report, EncodeMapPicture(pixels), today, name));
+  if (!fs::create_directory(folder, error)) return storage::FileError("cannot make", folder, error.value());
+  const fs::path html = folder / "report.html";
   SKYQUILT_TRY(storage::WriteFileAtomically(html, page));
-  SKYQUILT_TRY(PrintPdf(html, pdf, work_dir, go_on));
-  std::error_code error;
+  SKYQUILT_TRY(PrintPdf(html, pdf, folder, go_on));
   const std::uintmax_t size = fs::file_size(pdf, error);
   if (error) return storage::FileError("cannot read", pdf, error.value());
   return static_cast<std::int64_t>(size);
@@ -110,7 +124,7 @@ void ExportRunner::Run() {
     const auto now = std::chrono::steady_clock::now();
     const bool asks = made_one || !service_.db.IsShared() || now - asked >= kAskSharedEvery;
     if (service_.storage_in_place() && ((service_.exports.HasNew() && !is_failing) || asks)) {
-      claimed = service_.exports.Claim(storage::Now());
+      claimed = service_.exports.Claim(storage::Now(), service_.prints_pdf());
       asked = now;
       is_failing = !claimed;
     }
@@ -132,7 +146,7 @@ void ExportRunner::Make(const MapExport& claimed) {
   fs::create_directory(staging.path(), unmade);
   const auto begun = std::chrono::steady_clock::now();
   const Result<std::int64_t> made = unmade ? storage::FileError("cannot make", staging.path(), unmade.value())
-                                           : MakeIn(claimed, staging.path());
+                                           : MakeWhateverHappens(claimed, staging.path());
   Result<bool> told = false;
   if (made) {
     told = service_.exports.Succeed(claimed, *made, storage::Now());
@@ -149,6 +163,16 @@ void ExportRunner::Make(const MapExport& claimed) {
   if (!told) LogFailure(claimed.id, "export", told.error().detail);
 }
 
+// What this process is out of ends one export, not the server.
+Result<std::int64_t> ExportRunner::MakeWhateverHappens(const MapExport& claimed, const fs::path& staging) {
+  try {
+    return MakeIn(claimed, staging);
+  } catch (const std::exception& thrown) {
+    return Error{ErrorCode::kOutOfSpace, "The server ran out of memory for this export. Try again later.",
+                 thrown.what()};
+  }
+}
+
 Result<std::int64_t> ExportRunner::MakeIn(const MapExport& claimed, const fs::path& staging) {
   SKYQUILT_TRY_ASSIGN(const storage::ExportRequest request, storage::ParseExportRequest(claimed.request));
   const fs::path map_dir = staging / "map", work_dir = staging / "work";
@@ -157,15 +181,17 @@ Result<std::int64_t> ExportRunner::MakeIn(const MapExport& claimed, const fs::pa
     return storage::FileError("cannot make", staging, unmade.value());
   storage::BlobStore& blobs = service_.store.blobs();
   const std::string prefix = storage::RevisionPrefix(claimed.flight_id, claimed.revision);
-  SKYQUILT_TRY(Hold(blobs, prefix, "mosaic.mbtiles", map_dir));
-  SKYQUILT_TRY(Hold(blobs, prefix, "report.json", map_dir));
-  // A map without it is exported all the same: from its tiles, from its colours.
+  // A map without it is exported all the same: from its tiles, from its colours. The tiles last: while they
+  // are there, what was not there before was not removed meanwhile.
   if (const char* const more = FileBesideTiles(request)) {
     const Result<void> held = Hold(blobs, prefix, more, map_dir);
     if (!held && held.error().code != ErrorCode::kConflict) return held.error();
   }
+  SKYQUILT_TRY(Hold(blobs, prefix, "report.json", map_dir));
+  SKYQUILT_TRY(Hold(blobs, prefix, "mosaic.mbtiles", map_dir));
   const ExportLimits limits;
-  if (FreeBytes(staging) < limits.keep_free_bytes + ExpectedBytes(map_dir, request))
+  SKYQUILT_TRY_ASSIGN(const std::int64_t expected_bytes, ExpectedBytes(map_dir, request));
+  if (FreeBytes(staging) < limits.keep_free_bytes + expected_bytes)
     return Error{ErrorCode::kOutOfSpace,
                  "The server's disk has no room for this export. Free some space, or ask for a smaller area.",
                  ""};
@@ -174,7 +200,7 @@ Result<std::int64_t> ExportRunner::MakeIn(const MapExport& claimed, const fs::pa
   task.work_dir = work_dir;
   const std::string file_name = std::string("export.") + storage::EndingOf(request.format);
   const bool is_report = request.format == storage::ExportFormat::kReport;
-  task.out_name = is_report ? "picture" : file_name;
+  task.out_name = is_report ? "pixels" : file_name;
   task.request = claimed.request;
   task.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()) / 2);
   auto beaten = std::chrono::steady_clock::time_point();
@@ -188,12 +214,14 @@ Result<std::int64_t> ExportRunner::MakeIn(const MapExport& claimed, const fs::pa
     return !is_ours || *is_ours;
   };
   SKYQUILT_TRY_ASSIGN(std::int64_t bytes, ExportSandboxed(task, limits, go_on));
-  if (is_report) {
-    SKYQUILT_TRY_ASSIGN(const storage::Flight flight, service_.catalogue.GetFlight(claimed.flight_id));
-    SKYQUILT_TRY_ASSIGN(bytes, PrintReport(map_dir, work_dir, work_dir / task.out_name, work_dir / file_name,
-                                           flight.name, [&] { return go_on(kShareOfPicture); }));
+  if (!is_report) {
+    SKYQUILT_TRY(Store(claimed, work_dir / file_name));
+    return bytes;
   }
-  SKYQUILT_TRY(Store(claimed, work_dir / file_name));
+  const fs::path folder = staging / "print";
+  SKYQUILT_TRY_ASSIGN(bytes, PrintReport(map_dir, work_dir / task.out_name, folder, folder / file_name,
+                                         request.name, [&] { return go_on(kShareOfPicture); }));
+  SKYQUILT_TRY(Store(claimed, folder / file_name));
   return bytes;
 }
 

@@ -23,6 +23,8 @@ class ExportRunner {
   void Run();
   bool IsEnded();
   void Make(const storage::MapExport& claimed);
+  Result<std::int64_t> MakeWhateverHappens(const storage::MapExport& claimed,
+                                           const std::filesystem::path& staging);
   Result<std::int64_t> MakeIn(const storage::MapExport& claimed, const std::filesystem::path& staging);
   Result<void> Store(const storage::MapExport& claimed, const std::filesystem::path& made);
 

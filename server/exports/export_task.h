@@ -12,7 +12,7 @@
 namespace skyquilt::server {
 
 struct ExportTask {
-  std::filesystem::path map_dir;   // mosaic.mbtiles, report.json, perhaps mosaic.tif
+  std::filesystem::path map_dir;   // mosaic.mbtiles, report.json, perhaps mosaic.tif or bands.tif
   std::filesystem::path work_dir;  // all that it may write below
   std::string out_name;            // of the file that it leaves there
   std::string request;             // as storage::ParseExportRequest reads it

@@ -13,7 +13,6 @@
 #include "core/base/try.h"
 #include "core/geo/lat_lon.h"
 #include "core/image/picture_codec.h"
-#include "core/image/picture_format.h"
 #include "storage/exports/custom/export_map.h"
 #include "storage/exports/thumbnail_writer.h"
 #include "storage/files/publish_file.h"
@@ -33,50 +32,57 @@ double LongerSideM(const geo::LatLonBounds& bounds) {
 
 }  // namespace
 
-Result<MapPicture> MakeMapPicture(const std::filesystem::path& map, int longer_side_px,
-                                  const std::filesystem::path& work_folder, Progress& progress) {
+Result<MapPixels> MakeMapPixels(const std::filesystem::path& map, int longer_side_px, int threads,
+                                const std::filesystem::path& work_folder, Progress& progress) {
   SKYQUILT_TRY_ASSIGN(storage::ExportSource source, storage::ExportSourceOf(map));
   SKYQUILT_TRY_ASSIGN(const auto reader, storage::MbtilesReader::Open(source.mbtiles));
   SKYQUILT_TRY_ASSIGN(const storage::MapFacts facts, storage::FactsOfTileset(reader->metadata()));
   source.is_placed = true;  // a picture has a scale wherever the map lies; the page says what it is worth
-  MapPicture picture;
-  picture.pixel_m = std::max(facts.FinestPixelM(), LongerSideM(facts.bounds) / longer_side_px);
+  MapPixels pixels;
+  pixels.pixel_m = std::max(facts.FinestPixelM(), LongerSideM(facts.bounds) / longer_side_px);
   storage::ExportRequest request;
-  request.resolution_m = picture.pixel_m;
+  request.resolution_m = pixels.pixel_m;
   const std::filesystem::path tif = work_folder / "picture.tif", png = work_folder / "picture.png";
-  SKYQUILT_TRY(storage::ExportMap(source, request, work_folder, tif, {}, progress));
+  const storage::ExportOptions options{.threads = threads};
+  SKYQUILT_TRY(storage::ExportMap(source, request, work_folder, tif, options, progress));
   SKYQUILT_TRY(storage::WriteThumbnail(tif, png, image::kMaxPictureSidePx));
   SKYQUILT_TRY_ASSIGN(const std::string bytes, storage::ReadWholeFile(png));
-  SKYQUILT_TRY_ASSIGN(const image::RgbaImage pixels, image::DecodePicture(bytes));
-  picture.width_px = pixels.width_px;
-  picture.height_px = pixels.height_px;
-  picture.webp = image::EncodeWebp(image::RowsOf(pixels), kPictureQuality);
+  SKYQUILT_TRY_ASSIGN(pixels.image, image::DecodePicture(bytes));
   std::error_code stays;  // the folder's owner removes what is left
   std::filesystem::remove(tif, stays);
   std::filesystem::remove(png, stays);
-  return picture;
+  return pixels;
 }
 
-std::string ToBytes(const MapPicture& picture) {
-  std::string bytes = fmt::format("{} {} {:.17g}\n", picture.width_px, picture.height_px, picture.pixel_m);
-  bytes.append(reinterpret_cast<const char*>(picture.webp.data()), picture.webp.size());
+MapPicture EncodeMapPicture(const MapPixels& pixels) {
+  return {image::EncodeWebp(image::RowsOf(pixels.image), kPictureQuality), pixels.image.width_px,
+          pixels.image.height_px, pixels.pixel_m};
+}
+
+std::string ToBytes(const MapPixels& pixels) {
+  std::string bytes =
+      fmt::format("{} {} {:.17g}\n", pixels.image.width_px, pixels.image.height_px, pixels.pixel_m);
+  bytes.append(reinterpret_cast<const char*>(pixels.image.rgba.data()), pixels.image.rgba.size());
   return bytes;
 }
 
-Result<MapPicture> ParseMapPicture(std::string_view bytes) {
+Result<MapPixels> ParseMapPixels(std::string_view bytes) {
   constexpr std::size_t kMaxHeadBytes = 100;
   const std::size_t end = bytes.substr(0, kMaxHeadBytes).find('\n');
-  MapPicture picture;
+  MapPixels pixels;
+  int width_px = 0, height_px = 0;
   if (end != std::string_view::npos) {
     const std::string head(bytes.substr(0, end));
-    const std::string_view webp = bytes.substr(end + 1);
+    const std::string_view rgba = bytes.substr(end + 1);
     const auto is_side = [](int side) { return side > 0 && side <= image::kMaxPictureSidePx; };
-    if (std::sscanf(head.c_str(), "%d %d %lf", &picture.width_px, &picture.height_px, &picture.pixel_m) ==
-            3 &&
-        is_side(picture.width_px) && is_side(picture.height_px) && std::isfinite(picture.pixel_m) &&
-        picture.pixel_m > 0.0 && image::PictureFormatOf(webp) == image::PictureFormat::kWebp) {
-      picture.webp.assign(webp.begin(), webp.end());
-      return picture;
+    if (std::sscanf(head.c_str(), "%d %d %lf", &width_px, &height_px, &pixels.pixel_m) == 3 &&
+        is_side(width_px) && is_side(height_px) && std::isfinite(pixels.pixel_m) && pixels.pixel_m > 0.0 &&
+        rgba.size() ==
+            std::size_t{4} * static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px)) {
+      pixels.image.width_px = width_px;
+      pixels.image.height_px = height_px;
+      pixels.image.rgba.assign(rgba.begin(), rgba.end());
+      return pixels;
     }
   }
   return Error{ErrorCode::kCorrupt, "The report's picture of the map is damaged.", ""};

@@ -3,6 +3,7 @@
 // kCorrupt.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -11,6 +12,7 @@
 
 #include "core/base/progress.h"
 #include "core/base/result.h"
+#include "core/image/rgba_image.h"
 
 namespace skyquilt::server {
 
@@ -23,13 +25,23 @@ struct MapPicture {
   double pixel_m = 0.0;
 };
 
-Result<MapPicture> MakeMapPicture(const std::filesystem::path& map, int longer_side_px,
-                                  const std::filesystem::path& work_folder, Progress& progress);
+// The same before it is encoded.
+struct MapPixels {
+  image::RgbaImage image;
+  double pixel_m = 0.0;
+};
+// `threads`: 0 = all cores.
+Result<MapPixels> MakeMapPixels(const std::filesystem::path& map, int longer_side_px, int threads,
+                                const std::filesystem::path& work_folder, Progress& progress);
+MapPicture EncodeMapPicture(const MapPixels& pixels);
 
-// How one process gives it to another: a line of its numbers, then the picture. Of what comes from a
-// sandboxed process nothing is believed: kCorrupt where the numbers are no picture's or the bytes no WebP.
-std::string ToBytes(const MapPicture& picture);
-Result<MapPicture> ParseMapPicture(std::string_view bytes);
+// How a sandboxed process gives them to its parent, which encodes them: a line of numbers, then the pixels as
+// they are, so that nothing of that process is decoded outside it. Error: kCorrupt (not just as many as the
+// numbers say).
+inline constexpr std::size_t kMaxMapPixelBytes =
+    std::size_t{4} * (kReportPicturePx + 64) * (kReportPicturePx + 64);
+std::string ToBytes(const MapPixels& pixels);
+Result<MapPixels> ParseMapPixels(std::string_view bytes);
 
 // 1, 2 or 5 times a power of ten: the longest scale bar that is no longer than this.
 double ScaleBarM(double most_m);

@@ -5,27 +5,24 @@
 
 #include <algorithm>
 #include <array>
-#include <boost/process/args.hpp>
-#include <boost/process/child.hpp>
-#include <boost/process/group.hpp>
-#include <boost/process/io.hpp>
-#include <chrono>
 #include <cstdlib>
 #include <sstream>
 #include <string>
 #include <system_error>
 #include <vector>
 
+#include "core/base/try.h"
+#include "core/flight/remarks/because.h"
+#include "server/sandbox/spawn_program.h"
+#include "server/sandbox/spawn_self.h"
 #include "storage/files/publish_file.h"
 
 namespace skyquilt::server {
 namespace {
 
 namespace fs = std::filesystem;
-namespace process = boost::process;
 
-constexpr std::chrono::minutes kPrintTime{2};
-constexpr std::chrono::milliseconds kPrintPollInterval{200};
+constexpr const char* kUsualPath = "/usr/bin:/bin";
 constexpr std::size_t kMaxWordsBytes = 300;
 
 enum class Printer { kWeasyPrint, kChromium, kWkHtml };
@@ -58,7 +55,7 @@ std::vector<std::string> WordsFor(Printer kind, const fs::path& html, const fs::
 // Along PATH; empty where it is not.
 std::string FindProgram(const char* name) {
   const char* path = std::getenv("PATH");
-  std::istringstream folders(path == nullptr ? "/usr/bin:/bin" : path);
+  std::istringstream folders(path == nullptr ? kUsualPath : path);
   for (std::string folder; std::getline(folders, folder, ':');) {
     const fs::path program = fs::path(folder) / name;
     std::error_code none;
@@ -87,41 +84,24 @@ bool CanPrintPdf() {
 
 Result<void> PrintPdf(const fs::path& html, const fs::path& pdf, const fs::path& work_dir,
                       const std::function<bool()>& go_on) {
+  const char* const path = std::getenv("PATH");
+  std::string failures;
   for (const PrinterName& printer : kPrinters) {
-    const std::string program = FindProgram(printer.program);
-    if (program.empty()) continue;
-    const fs::path log = work_dir / "print.log";
-    try {
-      process::group group;
-      process::child child(program, process::args(WordsFor(printer.kind, html, pdf, work_dir)),
-                           process::std_in<process::null, process::std_out> process::null,
-                           process::std_err > log.string(), group);
-      const auto end = std::chrono::steady_clock::now() + kPrintTime;
-      const auto stop = [&] {
-        group.terminate();
-        child.wait();
-      };
-      while (!child.wait_for(kPrintPollInterval)) {
-        if (go_on && !go_on()) {
-          stop();
-          return Error{ErrorCode::kCancelled, "The report was cancelled.", ""};
-        }
-        if (std::chrono::steady_clock::now() < end) continue;
-        stop();
-        return Error{ErrorCode::kTimeout,
-                     fmt::format("{} took more than {} minutes to print the report.", printer.program,
-                                 kPrintTime.count()),
-                     ""};
-      }
-      std::error_code missing;
-      if (child.exit_code() == 0 && fs::file_size(pdf, missing) > 0 && !missing) return {};
-      return Error{ErrorCode::kInternal,
-                   fmt::format("{} could not print the report{}", printer.program, LastWords(log)), ""};
-    } catch (const process::process_error& failed) {
-      return Error{ErrorCode::kInternal, fmt::format("{} could not be started.", printer.program),
-                   failed.what()};
-    }
+    ProgramToRun program;
+    program.path = FindProgram(printer.program);
+    if (program.path.empty()) continue;
+    program.words = WordsFor(printer.kind, html, pdf, work_dir);
+    program.environment = {std::string("PATH=") + (path == nullptr ? kUsualPath : path),
+                           "HOME=" + work_dir.string(), "TMPDIR=" + work_dir.string(), "LC_ALL=C.UTF-8"};
+    program.log = work_dir / "print.log";
+    SKYQUILT_TRY_ASSIGN(const int status, RunProgram(program, go_on));
+    std::error_code missing;
+    if (status == 0 && fs::file_size(pdf, missing) > 0 && !missing) return {};
+    failures += fmt::format("{} ended {}{} ", printer.program, HowItEnded(status), LastWords(program.log));
+    fs::remove(pdf, missing);  // the next one may be of more use
   }
+  if (!failures.empty())
+    return flight::Because(ErrorCode::kInternal, flight::RemarkCode::kReportNotPrinted, failures);
   return Error{ErrorCode::kUnavailable,
                "A PDF is printed by WeasyPrint or Chromium, and neither is installed here. Install one "
                "(apt install weasyprint), or write report.html and print it from any browser.",

@@ -1,7 +1,7 @@
 // PrintPdf: an HTML page as PDF, by whichever printing program this machine has (WeasyPrint, Chromium, Chrome
-// or wkhtmltopdf: they are found by name and not part of Skyquilt). Blocking, two minutes at most. Errors:
-// kUnavailable (there is none; says what to install), kTimeout, kCancelled, kInternal (it failed; its last
-// words are told).
+// or wkhtmltopdf: they are found by name and not part of Skyquilt; where one fails, the next is tried).
+// Blocking, two minutes at most. Errors: kUnavailable (there is none; says what to install), kTimeout,
+// kCancelled, kInternal (it failed; its last words are told).
 #pragma once
 
 #include <filesystem>

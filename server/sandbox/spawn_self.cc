@@ -1,5 +1,6 @@
 #include "server/sandbox/spawn_self.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
 #include <spawn.h>
@@ -16,7 +17,7 @@ namespace {
 
 class SpawnSettings {
  public:
-  SpawnSettings(std::optional<int> stdout_fd, std::optional<int> stdin_fd) {
+  SpawnSettings() {
     posix_spawnattr_init(&attributes_);
     posix_spawn_file_actions_init(&actions_);
     sigset_t none;
@@ -26,8 +27,20 @@ class SpawnSettings {
     posix_spawnattr_setsigmask(&attributes_, &none);
     posix_spawnattr_setsigdefault(&attributes_, &all);
     posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
-    if (stdin_fd) posix_spawn_file_actions_adddup2(&actions_, *stdin_fd, STDIN_FILENO);
-    if (stdout_fd) posix_spawn_file_actions_adddup2(&actions_, *stdout_fd, STDOUT_FILENO);
+  }
+  void Take(std::optional<int> fd, int as) {
+    if (fd) posix_spawn_file_actions_adddup2(&actions_, *fd, as);
+  }
+  void TakeNothing(int as, int flags) {
+    posix_spawn_file_actions_addopen(&actions_, as, "/dev/null", flags, 0);
+  }
+  void OfAGroupOfItsOwn() {
+    posix_spawnattr_setpgroup(&attributes_, 0);
+    posix_spawnattr_setflags(&attributes_,
+                             POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
+  }
+  // After what is taken.
+  void TakeNoOther() {
     // Asio's sockets would go along: a child that outlives a killed server kept its port from the next one.
     posix_spawn_file_actions_addclosefrom_np(&actions_, STDERR_FILENO + 1);
   }
@@ -45,6 +58,23 @@ class SpawnSettings {
   posix_spawn_file_actions_t actions_{};
 };
 
+std::vector<char*> ListOf(std::vector<std::string>& texts) {
+  std::vector<char*> list;
+  for (std::string& text : texts) list.push_back(text.data());
+  list.push_back(nullptr);
+  return list;
+}
+
+Result<pid_t> Spawn(const char* program, const SpawnSettings& settings, std::vector<char*> argv,
+                    std::vector<char*> variables) {
+  pid_t pid = 0;
+  const int failed =
+      posix_spawn(&pid, program, settings.actions(), settings.attributes(), argv.data(), variables.data());
+  if (failed == 0) return pid;
+  return Error{ErrorCode::kUnavailable, "The server could not start a process. Try again later.",
+               std::strerror(failed)};
+}
+
 std::vector<char*> EnvironmentFor(Secrets secrets) {
   std::vector<char*> variables;
   for (char** variable = environ; *variable != nullptr; ++variable) {
@@ -61,17 +91,23 @@ std::vector<char*> EnvironmentFor(Secrets secrets) {
 Result<pid_t> SpawnSelf(std::vector<std::string> words, Secrets secrets, std::optional<int> stdout_fd,
                         std::optional<int> stdin_fd) {
   words.insert(words.begin(), "skyquilt");
-  std::vector<char*> argv;
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
-  const SpawnSettings settings(stdout_fd, stdin_fd);
-  std::vector<char*> variables = EnvironmentFor(secrets);
-  pid_t pid = 0;
-  const int failed = posix_spawn(&pid, "/proc/self/exe", settings.actions(), settings.attributes(),
-                                 argv.data(), variables.data());
-  if (failed == 0) return pid;
-  return Error{ErrorCode::kUnavailable, "The server could not start a process. Try again later.",
-               std::strerror(failed)};
+  SpawnSettings settings;
+  settings.Take(stdin_fd, STDIN_FILENO);
+  settings.Take(stdout_fd, STDOUT_FILENO);
+  settings.TakeNoOther();
+  return Spawn("/proc/self/exe", settings, ListOf(words), EnvironmentFor(secrets));
+}
+
+Result<pid_t> SpawnOther(const std::string& program, std::vector<std::string> words,
+                         std::vector<std::string> environment, int log_fd) {
+  words.insert(words.begin(), program);
+  SpawnSettings settings;
+  settings.OfAGroupOfItsOwn();
+  settings.Take(log_fd, STDERR_FILENO);
+  settings.TakeNothing(STDIN_FILENO, O_RDONLY);
+  settings.TakeNothing(STDOUT_FILENO, O_WRONLY);
+  settings.TakeNoOther();
+  return Spawn(program.c_str(), settings, ListOf(words), ListOf(environment));
 }
 
 std::string HowItEnded(int wait_status) {

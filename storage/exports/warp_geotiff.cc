@@ -5,6 +5,7 @@
 #include <fmt/core.h>
 #include <gdal_priv.h>
 #include <gdal_utils.h>
+#include <ogr_spatialref.h>
 
 #include <initializer_list>
 #include <memory>
@@ -37,12 +38,29 @@ const char* ResamplingOf(const WarpOptions& options) {
   return options.is_coarser ? "average" : "cubic";
 }
 
+// What covers the bounds: their edges bend in the other system, so that two corners do not tell.
+Result<geo::Bounds2> BoundsInTarget(const geo::LatLonBounds& bounds, int epsg, const Progress& progress) {
+  constexpr int kWgs84 = 4326, kPointsOfEdge = 21;
+  OGRSpatialReference from, to;
+  for (auto& [system, code] : {std::pair<OGRSpatialReference&, int>(from, kWgs84), {to, epsg}}) {
+    if (system.importFromEPSG(code) != OGRERR_NONE) return LastGdalError(progress);
+    system.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  }
+  const std::unique_ptr<OGRCoordinateTransformation> transformation(
+      OGRCreateCoordinateTransformation(&from, &to));
+  geo::Bounds2 box;
+  if (!transformation || transformation->TransformBounds(bounds.west_deg, bounds.south_deg, bounds.east_deg,
+                                                         bounds.north_deg, &box.min.x(), &box.min.y(),
+                                                         &box.max.x(), &box.max.y(), kPointsOfEdge) == 0)
+    return LastGdalError(progress);
+  return box;
+}
+
 // In the other system, without loss.
 Result<void> Warp(GDALDataset& source, const char* path, const WarpOptions& options,
                   const std::string& threads, Progress& progress) {
-  // Metres to the micrometre, degrees to a tenth of one; values may lie on the pixels of the web map, 20,000
-  // km from where those are counted from.
-  const int digits = options.pixel_x < 1e-3 || options.pixels == WarpedPixels::kValues ? 12 : 6;
+  // Metres to the micrometre, degrees to a tenth of one.
+  const int digits = options.pixel_x < 1e-3 ? 12 : 6;
   CPLStringList words;
   AddWords(words, {"-t_srs",
                    fmt::format("EPSG:{}", options.epsg),
@@ -73,9 +91,9 @@ Result<void> Warp(GDALDataset& source, const char* path, const WarpOptions& opti
                    "BIGTIFF=IF_SAFER"});
   if (source.GetRasterCount() == 3) AddWords(words, {"-dstalpha"});
   if (options.bounds) {
-    const auto& [west, south, east, north] = *options.bounds;
-    AddWords(words, {"-te", fmt::format("{:.12f}", west), fmt::format("{:.12f}", south),
-                     fmt::format("{:.12f}", east), fmt::format("{:.12f}", north), "-te_srs", "EPSG:4326"});
+    SKYQUILT_TRY_ASSIGN(const geo::Bounds2 box, BoundsInTarget(*options.bounds, options.epsg, progress));
+    AddWords(words, {"-te", fmt::format("{:.9f}", box.min.x()), fmt::format("{:.9f}", box.min.y()),
+                     fmt::format("{:.9f}", box.max.x()), fmt::format("{:.9f}", box.max.y())});
   }
   const std::unique_ptr<GDALWarpAppOptions, void (*)(GDALWarpAppOptions*)> warp(
       GDALWarpAppOptionsNew(words.List(), nullptr), GDALWarpAppOptionsFree);
@@ -93,7 +111,7 @@ Result<void> Warp(GDALDataset& source, const char* path, const WarpOptions& opti
 
 // Tiled, with overviews.
 Result<void> MakeCog(const char* from, const char* path, const WarpOptions& options,
-                     const std::string& threads, Progress& progress) {
+                     const std::string& threads, double done, Progress& progress) {
   const std::unique_ptr<GDALDataset> source(GDALDataset::Open(from, GDAL_OF_RASTER | GDAL_OF_READONLY));
   if (!source) return LastGdalError(progress);
   CPLStringList words;
@@ -105,10 +123,15 @@ Result<void> MakeCog(const char* from, const char* path, const WarpOptions& opti
   }
   AddWords(words, {"-co", options.pixels == WarpedPixels::kCounts ? "OVERVIEW_RESAMPLING=NEAREST"
                                                                   : "OVERVIEW_RESAMPLING=AVERAGE"});
+  if (options.window) {
+    const auto& [low, high] = *options.window;
+    AddWords(words, {"-projwin", fmt::format("{:.6f}", low.x()), fmt::format("{:.6f}", high.y()),
+                     fmt::format("{:.6f}", high.x()), fmt::format("{:.6f}", low.y())});
+  }
   const std::unique_ptr<GDALTranslateOptions, void (*)(GDALTranslateOptions*)> translate(
       GDALTranslateOptionsNew(words.List(), nullptr), GDALTranslateOptionsFree);
   if (!translate) return LastGdalError(progress);
-  GdalStep step{progress, options.message, 0.8, 1.0};
+  GdalStep step{progress, options.message, done, 1.0};
   GDALTranslateOptionsSetProgress(translate.get(), ForwardGdalProgress, &step);
   std::unique_ptr<GDALDataset> written(GDALDataset::FromHandle(
       GDALTranslate(path, GDALDataset::ToHandle(source.get()), translate.get(), nullptr)));
@@ -126,10 +149,15 @@ Result<void> WarpGeotiff(const std::filesystem::path& geotiff, const std::filesy
       GDALDataset::Open(geotiff.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY));
   if (!source) return LastGdalError(progress);
   const std::string threads = options.threads > 0 ? std::to_string(options.threads) : "ALL_CPUS";
-  // In two steps: a COG is written in several passes over its source, each of which would warp again.
   const TemporaryTiff warped(path, ".warped.tmp"), made(path, ".tmp");
+  if (options.window) {
+    SKYQUILT_TRY(MakeCog(geotiff.c_str(), made.c_str(), options, threads, 0.0, progress));
+    return PublishFile(made.path(), path);
+  }
+  // In two steps: a COG is written in several passes over its source, each of which would warp again.
+  constexpr double kShareOfWarp = 0.8;
   SKYQUILT_TRY(Warp(*source, warped.c_str(), options, threads, progress));
-  SKYQUILT_TRY(MakeCog(warped.c_str(), made.c_str(), options, threads, progress));
+  SKYQUILT_TRY(MakeCog(warped.c_str(), made.c_str(), options, threads, kShareOfWarp, progress));
   return PublishFile(made.path(), path);
 }
 

@@ -10,6 +10,7 @@
 
 #include "core/base/progress.h"
 #include "core/base/result.h"
+#include "core/geo/bounds.h"
 #include "core/geo/lat_lon_bounds.h"
 
 namespace skyquilt::storage {
@@ -26,8 +27,12 @@ struct WarpOptions {
   int epsg = 3857;
   double pixel_x = 1.0;  // in units of that system
   double pixel_y = 1.0;
-  bool is_coarser = false;                  // than what is read
-  std::optional<geo::LatLonBounds> bounds;  // absent: of all that is there
+  bool is_coarser = false;  // than what is read
+  std::optional<geo::LatLonBounds>
+      bounds;  // all of them, whichever way their edges bend; absent: of all there is
+  // The pixels of the source as they are, in its own system: nothing but the file's form is new. Those of the
+  // window, in that system.
+  std::optional<geo::Bounds2> window;
   int jpeg_quality = 85;
   int threads = 0;  // 0 = all cores
   const char* message = "writing the GeoTIFF";

@@ -158,14 +158,14 @@ Result<void> MapExports::Remove(const std::string& id) {
   return remove.Bind(1, id).Run();
 }
 
-Result<std::optional<MapExport>> MapExports::Claim(Time now) {
+Result<std::optional<MapExport>> MapExports::Claim(Time now, bool prints) {
   const bool had_new = has_new_.exchange(false);
-  Result<std::optional<MapExport>> claimed = ClaimOnce(now);
+  Result<std::optional<MapExport>> claimed = ClaimOnce(now, prints);
   if (!claimed && had_new) has_new_ = true;  // it is still there
   return claimed;
 }
 
-Result<std::optional<MapExport>> MapExports::ClaimOnce(Time now) {
+Result<std::optional<MapExport>> MapExports::ClaimOnce(Time now, bool prints) {
   const auto db = db_.Lock();
   const Time time = db_.SharedTime(now, *db);
   while (true) {
@@ -176,8 +176,8 @@ Result<std::optional<MapExport>> MapExports::ClaimOnce(Time now) {
           db->Prepare(fmt::format("SELECT {} FROM map_export e JOIN flight f ON f.id=e.flight_id"
                                   " WHERE e.state IN ('accepted','running') AND"
                                   " e.lease_until_us<CASE e.state WHEN 'running' THEN ?2 ELSE ?1 END"
-                                  " AND f.deleted_us IS NULL ORDER BY is_of_link, e.id LIMIT 1",
-                                  kExportColumns)));
+                                  " AND f.deleted_us IS NULL{} ORDER BY is_of_link, e.id LIMIT 1",
+                                  kExportColumns, prints ? "" : " AND e.format<>'report'")));
       query.Bind(1, ToUs(time)).Bind(2, ToUs(db_.LostBefore(time)));
       SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
       if (!row) return std::optional<MapExport>();

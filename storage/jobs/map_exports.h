@@ -68,8 +68,8 @@ class MapExports {
   // Something was asked for here that no claim has looked for since.
   bool HasNew() const { return has_new_; }
   // The oldest that waits, or whose server has died; those of links last. One that did not survive
-  // kMaxAttempts has failed.
-  Result<std::optional<MapExport>> Claim(Time now);
+  // kMaxAttempts has failed. `prints`: this server can make a report a PDF; else it leaves those to others.
+  Result<std::optional<MapExport>> Claim(Time now, bool prints = true);
   // False: it was removed, or is another's by now.
   Result<bool> Heartbeat(const MapExport& claimed, double progress, Time now);
   Result<bool> Succeed(const MapExport& claimed, std::int64_t bytes, Time now);
@@ -85,7 +85,7 @@ class MapExports {
   bool HasExpired(const MapExport& made) const { return made.expires && *made.expires <= db_.ages().Now(); }
 
  private:
-  Result<std::optional<MapExport>> ClaimOnce(Time now);
+  Result<std::optional<MapExport>> ClaimOnce(Time now, bool prints);
   Result<bool> End(const MapExport& claimed, ExportState state, std::int64_t bytes, const Error& error,
                    Time now);
   CatalogueDb& db_;

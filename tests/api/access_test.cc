@@ -40,11 +40,13 @@ TEST(Access, EveryRouteAsksForWhatItDoes) {
   SampleService sample;
   std::set<std::string> open;
   std::set<std::string> read_by_post;
+  std::set<std::string> uploaders_get;
   std::set<std::string> for_admins;
   for (const auto& [method, route] : sample.router().Routes()) {
     const std::string what = std::string(MethodName(method)) + " " + route->pattern;
     if (!route->scope) open.insert(what);
     if (method != Method::kGet && route->scope == Scope::kRead) read_by_post.insert(what);
+    if (method == Method::kGet && route->scope == Scope::kUpload) uploaders_get.insert(what);
     if (route->scope == Scope::kAdmin) for_admins.insert(what);
   }
   // What needs no token is nothing of any flight.
@@ -59,6 +61,8 @@ TEST(Access, EveryRouteAsksForWhatItDoes) {
                 "DELETE /api/v1/flights/{flight}/exports/{export}", "POST /api/v1/flights/{flight}/exports",
                 "POST /api/v1/flights/{flight}/heights", "POST /api/v1/flights/{flight}/statistics",
                 "POST /api/v1/flights/{flight}/volume", "POST /stac/search"}));
+  // Links are for who may end them. What changes something is listed in flight_access_test.
+  EXPECT_EQ(uploaders_get, std::set<std::string>{"GET /api/v1/flights/{flight}/shares"});
   EXPECT_EQ(for_admins,
             (std::set<std::string>{"DELETE /api/v1/webhooks/{webhook}", "GET /api/v1/webhooks",
                                    "GET /metrics", "POST /api/v1/network", "POST /api/v1/webhooks"}));

@@ -42,21 +42,27 @@ TEST(ReportPage, IsHeadedByTheNameThatTheMapGoesBy) {
   EXPECT_FALSE(Has(*page, "Field"));
 }
 
-TEST(MapPicture, IsBelievedOnlyWhereItIsOne) {
-  const std::string webp = "RIFF\x10\x20\x30\x40WEBPVP8 \nand more";
-  const MapPicture picture{{webp.begin(), webp.end()}, 1000, 500, 0.1 / 3};
-  const auto same = ParseMapPicture(ToBytes(picture));
+TEST(MapPixels, AreBelievedOnlyWhereTheyAreAsManyAsTheySay) {
+  MapPixels pixels;
+  pixels.image.width_px = 3;
+  pixels.image.height_px = 2;
+  for (std::uint8_t i = 0; i < 24; ++i) pixels.image.rgba.push_back(i);
+  pixels.pixel_m = 0.1 / 3;
+  const auto same = ParseMapPixels(ToBytes(pixels));
   ASSERT_TRUE(same.ok());
-  EXPECT_EQ(same->webp, picture.webp);
-  EXPECT_EQ(same->width_px, 1000);
-  EXPECT_EQ(same->height_px, 500);
-  EXPECT_EQ(same->pixel_m, picture.pixel_m);
-  const std::string png = "\x89PNG\r\n\x1a\n";
+  EXPECT_EQ(same->image.rgba, pixels.image.rgba);
+  EXPECT_EQ(same->image.width_px, 3);
+  EXPECT_EQ(same->image.height_px, 2);
+  EXPECT_EQ(same->pixel_m, pixels.pixel_m);
+  const MapPicture picture = EncodeMapPicture(*same);
+  EXPECT_EQ(std::string(picture.webp.begin(), picture.webp.begin() + 4), "RIFF");
+  EXPECT_EQ(picture.width_px, 3);
+  const std::string rgba(24, 'x');
   for (const std::string& bad : std::initializer_list<std::string>{
-           "", "1000 500 0.1" + webp, "1000 500 0.1\n", "1000 500 0.1\n" + png, "0 500 0.1\n" + webp,
-           "1000 9999999 0.1\n" + webp, "1000 500 -1\n" + webp, "1000 500 nan\n" + webp, "1000 500\n" + webp,
-           std::string(200, '1') + " 500 0.1\n" + webp})
-    EXPECT_FALSE(ParseMapPicture(bad).ok()) << bad;
+           "", "3 2 0.1" + rgba, "3 2 0.1\n", "3 2 0.1\n" + rgba + "x", "3 2 0.1\n" + rgba.substr(1),
+           "2 2 0.1\n" + rgba, "-3 -2 0.1\n" + rgba, "0 2 0.1\n", "3 9999999 0.1\n" + rgba, "3 2 -1\n" + rgba,
+           "3 2 nan\n" + rgba, "3 2\n" + rgba, std::string(200, '1') + " 2 0.1\n" + rgba})
+    EXPECT_FALSE(ParseMapPixels(bad).ok()) << bad;
 }
 
 TEST(ReportPage, HasAScaleBarAndANorthArrowOnlyWhereTheyAreTrue) {

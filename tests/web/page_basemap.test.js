@@ -83,3 +83,17 @@ test('a public basemap asks nobody before it is chosen, and lies below the map t
   assert.deepEqual(opened.foreign_requests.filter((/** @type {string} */ address) => !address.startsWith(makers.origin)), []);
   assert.deepEqual(opened.console_errors, []);
 });
+
+test('a basemap that is offered no more gives way to the coastlines', options, async () => {
+  const opened = await setUp({}, {}, (mock) => `#/flights/${mock.seedReady('Meadow').id}`);
+  const { page } = opened;
+  await mapIdle(page);
+  await page.evaluate(() => localStorage.setItem('skyquilt.basemap', 'public:gone'));
+  await page.reload();
+  await mapIdle(page);
+  await page.waitForFunction(() => Boolean(/** @type {any} */ (window).skyquilt.map.getLayer('basemap-land')));
+  await page.click('#tool-layers');
+  await page.waitForFunction(() => /** @type {HTMLSelectElement} */ (document.querySelector('#basemap')).value === 'land');
+  assert.ok(await page.locator('#basemap-note').isHidden(), 'nothing public is offered');
+  assert.deepEqual([...opened.foreign_requests, ...opened.console_errors], []);
+});

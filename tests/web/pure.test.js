@@ -377,4 +377,5 @@ test('a flight is named by the nearest town, across every border of the lists', 
   // On both sides of the border between two lists the same town.
   assert.equal(near(45.0001, 9.7), near(44.9999, 9.7));
   assert.notEqual(near(45.0001, 9.7), '');
+  assert.equal(near(78.22, 14.95), 'Longyearbyen', 'in the far north a list reaches further round');
 });

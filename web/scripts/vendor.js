@@ -55,7 +55,7 @@ function landOutlines(text) {
 const kSquare_deg = 15, kAround_deg = 0.5;
 
 /**
- * The places of GeoNames with a thousand inhabitants or more (CC BY 4.0), a file for each square of the Earth with what lies
+ * The towns and villages of GeoNames (CC BY 4.0; a thousand inhabitants or more, or the seat of something), a file for each square of the Earth with what lies
  * a little around it, so that whoever asks for what is near gets one: a line each, name, latitude and longitude in hundredths
  * of a degree, and how far it counts: ten times the fifth root of its inhabitants.
  */
@@ -65,10 +65,13 @@ function writePlaces() {
   /** @type {Map<string, string[]>} */
   const squares = new Map();
   for (const { name, population, loc: { coordinates: [lon, lat] } } of cities) {
-    const line = `${name}\t${Math.round(100 * lat)}\t${Math.round(100 * lon)}\t${Math.round(10 * population ** 0.2)}`;
+    // Of some nobody says how many live there.
+    const counts = Math.round(10 * Math.max(population, 1000) ** 0.2);
+    const around_lon_deg = kAround_deg / Math.max(Math.cos((lat * Math.PI) / 180), 0.05);
+    const line = `${name}\t${Math.round(100 * lat)}\t${Math.round(100 * lon)}\t${counts}`;
     const keys = new Set();
     for (const north of [-kAround_deg, kAround_deg]) {
-      for (const east of [-kAround_deg, kAround_deg]) {
+      for (const east of [-around_lon_deg, around_lon_deg]) {
         const column = Math.floor(((((lon + east + 180) % 360) + 360) % 360) / kSquare_deg);
         keys.add(`${Math.floor((Math.min(Math.max(lat + north, -90), 89.99) + 90) / kSquare_deg)}_${column}`);
       }

@@ -92,6 +92,12 @@ inline constexpr std::array kSentencesOnDeliverables = std::to_array<RemarkSente
     {RemarkCode::kExportWithoutPrinter, "export_without_printer",
      "This server has no program that makes a PDF. Whoever runs it installs one (apt install weasyprint); until then "
      "print the map's page from the browser."},
+    {RemarkCode::kReportNotPrinted, "report_not_printed",
+     "The report could not be made a PDF: the program that prints failed. Ask again; whoever runs the server finds why "
+     "in its log."},
+    {RemarkCode::kIndexWithoutValue, "index_without_value",
+     "This index has no value anywhere on the map. Choose another."},
+    {RemarkCode::kIndexWithoutBand, "index_without_band", "This map has no band \"{band}\". It has {bands}."},
     {RemarkCode::kExportOneOfLink, "export_one_of_link",
      "A link has one export at a time, and this one's is not made yet. Wait for it, or delete it."},
     {RemarkCode::kExportsOfFlight, "exports_of_flight",

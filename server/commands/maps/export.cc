@@ -34,6 +34,7 @@ struct ExportArguments {
   fs::path clip;
   std::optional<double> resolution_m;
   std::string index, expression;
+  bool has_expression = false;  // which may be empty, and is refused then
   int quality = 85;
   int threads = 0;
   bool overwrite = false;
@@ -51,7 +52,8 @@ storage::ExportRequest ExportRequestOf(const ExportArguments& arguments) {
   if (!format)
     RefuseExport(
         arguments.out.string() +
-        " does not say its format. End its name in .tif, .pmtiles, .mbtiles or .kmz, or say --format.");
+        " does not say its format. End its name in .tif, .pmtiles, .mbtiles or .kmz, or say --format. A PDF about the "
+        "map is written by \"skyquilt report\".");
   request.format = *format;
   request.crs = arguments.crs;
   if (!request.crs.empty() && request.format != storage::ExportFormat::kGeotiff)
@@ -62,7 +64,7 @@ storage::ExportRequest ExportRequestOf(const ExportArguments& arguments) {
   request.expression = arguments.expression;
   if (request.IsOfValues() && request.format != storage::ExportFormat::kGeotiff)
     RefuseExport("The values of an index are a GeoTIFF: end the file's name in .tif.");
-  if (!request.expression.empty()) {
+  if (arguments.has_expression) {
     const auto parsed = indices::BandExpression::Parse(request.expression);
     if (!parsed) RefuseExport("--expression: " + parsed.error().message);
   }
@@ -84,8 +86,10 @@ void Run(const ExportArguments& arguments) {
   if (!source) Fail(kExportCommand, source.error());
   const fs::path out = fs::absolute(arguments.out);
   std::error_code error;
-  if (fs::equivalent(out, source->mbtiles, error) || fs::equivalent(out, source->cog, error))
-    RefuseExport(out.string() + " is the map itself; choose another name.");
+  for (const fs::path& own : {source->mbtiles, source->cog, source->bands}) {
+    if (!own.empty() && fs::equivalent(out, own, error))
+      RefuseExport(out.string() + " is the map's own; choose another name.");
+  }
   CheckOutFile(kExportCommand, out, arguments.overwrite);
   const WorkBeside work(kExportCommand, out);
   const Result<void> made = [&] {
@@ -135,10 +139,10 @@ void AddExportCommand(CLI::App& app) {
       "--index", arguments->index,
       "A GeoTIFF of the values of a vegetation index (ndvi, vari ...) as floats, instead of colours");
   index->check(OneOf(IndexNames()));
-  command
-      ->add_option("--expression", arguments->expression,
-                   "The same by a formula over the map's bands, such as \"(nir-red)/(nir+red)\"")
-      ->excludes(index);
+  CLI::Option* const expression =
+      command->add_option("--expression", arguments->expression,
+                          "The same by a formula over the map's bands, such as \"(nir-red)/(nir+red)\"");
+  expression->excludes(index);
   command->add_option("--quality", arguments->quality, "JPEG quality of what has to be encoded anew")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
@@ -150,7 +154,10 @@ void AddExportCommand(CLI::App& app) {
       "  skyquilt export map -o ndvi.tif --crs utm --index ndvi\n"
       "  skyquilt export map -o parcel.tif --crs EPSG:2056 --clip parcel.geojson --resolution 0.1\n"
       "  skyquilt export map -o small.pmtiles --resolution 0.25");
-  command->callback([arguments] { Run(*arguments); });
+  command->callback([arguments, expression] {
+    arguments->has_expression = expression->count() > 0;
+    Run(*arguments);
+  });
 }
 
 }  // namespace skyquilt::server

@@ -72,14 +72,14 @@ void Run(const ReportArguments& arguments) {
                               " has no report.json. Name the folder that \"skyquilt stitch -o\" wrote.",
                           ""});
   const WorkBeside work(kReportCommand, out);
-  const Result<MapPicture> picture = [&] {
+  const Result<MapPixels> pixels = [&] {
     TerminalProgress progress;
-    return MakeMapPicture(arguments.map_dir, arguments.picture_px, work.path(), progress);
+    return MakeMapPixels(arguments.map_dir, arguments.picture_px, 0, work.path(), progress);
   }();
-  if (!picture) Fail(kReportCommand, picture.error());
+  if (!pixels) Fail(kReportCommand, pixels.error());
+  const MapPicture picture = EncodeMapPicture(*pixels);
   const auto now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-  const Result<std::string> page =
-      ReportPage(*report, *picture, fmt::format("{:%Y-%m-%d}", fmt::gmtime(now)));
+  const Result<std::string> page = ReportPage(*report, picture, fmt::format("{:%Y-%m-%d}", fmt::gmtime(now)));
   if (!page) Fail(kReportCommand, page.error());
   const Result<void> written = format == ReportFormat::kPdf ? WritePdf(*page, out, work.path())
                                                             : storage::WriteFileAtomically(out, *page);

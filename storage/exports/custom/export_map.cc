@@ -80,6 +80,14 @@ Result<WarpOptions> WarpFor(const ExportRequest& request, const MapFacts& map, c
   return warp;
 }
 
+// In merc: where the values of an index lie. Bands may reach further than the map's tiles do.
+Result<geo::Bounds2> ReachOfValues(const ExportRequest& request, const MapFacts& map, const fs::path& bands) {
+  if (request.boundary) return geo::MercFromLatLonBounds(Common(map.bounds, request.boundary->Bounds()));
+  if (bands.empty()) return geo::MercFromLatLonBounds(map.bounds);
+  SKYQUILT_TRY_ASSIGN(const std::shared_ptr<BandRaster> raster, BandRaster::Open(bands));
+  return raster->BoundsInMerc();
+}
+
 Result<void> WriteIndex(const IndexSource& source, const ExportRequest& request, const fs::path& work_folder,
                         const fs::path& path, const ExportOptions& options, Progress& progress) {
   const ScratchFile grid(work_folder / "index.tif");
@@ -88,24 +96,12 @@ Result<void> WriteIndex(const IndexSource& source, const ExportRequest& request,
                               request.boundary ? &*request.boundary : nullptr, grid.path(), progress));
   SKYQUILT_TRY_ASSIGN(WarpOptions warp, WarpFor(request, source.facts, options));
   warp.pixels = WarpedPixels::kValues;
-  if (!source.bands.empty() && !request.boundary) {  // which may reach further than the map's tiles do
-    SKYQUILT_TRY_ASSIGN(const std::shared_ptr<BandRaster> raster, BandRaster::Open(source.bands));
-    warp.bounds = geo::LatLonBoundsFromMerc(raster->BoundsInMerc());
-  }
-  if (warp.epsg == kWebMercatorEpsg && !request.resolution_m) {
-    // The map's own pixels stay as they are; a bound that is on one's edge but for rounding takes in no
-    // other.
-    constexpr double kOnEdge = 0.01;
-    const double pixel_m = geo::PixelSizeInMercM(source.facts.max_zoom, source.facts.tile_size_px);
-    warp.pixel_x = warp.pixel_y = pixel_m;
-    if (warp.bounds) {
-      geo::Bounds2 merc = geo::MercFromLatLonBounds(*warp.bounds);
-      merc.min.array() += kOnEdge * pixel_m;
-      merc.max.array() -= kOnEdge * pixel_m;
-      warp.bounds = geo::LatLonBoundsFromMerc(merc);
-    }
-    warp.is_coarser = false;
-  }
+  SKYQUILT_TRY_ASSIGN(const geo::Bounds2 reach, ReachOfValues(request, source.facts, source.bands));
+  // A map across the antimeridian is cut by no such box.
+  const bool is_in_one = reach.max.x() <= geo::kMercHalfWidthM;
+  warp.bounds = is_in_one ? std::optional(geo::LatLonBoundsFromMerc(reach)) : std::nullopt;
+  // The map's own pixels stay as they are.
+  if (warp.epsg == kWebMercatorEpsg && !request.resolution_m) warp.window = reach;
   progress.BeginStage("export");
   return WarpGeotiff(grid.path(), path, warp, progress);
 }
@@ -184,6 +180,15 @@ Result<ExportSource> ExportSourceOf(const fs::path& map) {
   if (gsd != report.end() && gsd->is_number()) source.gsd_m = gsd->get<double>();
   if (placed != report.end() && placed->is_boolean()) source.is_placed = placed->get<bool>();
   return source;
+}
+
+Result<double> PixelsOfExport(const fs::path& map, const ExportRequest& request) {
+  SKYQUILT_TRY_ASSIGN(const ExportSource source, ExportSourceOf(map));
+  SKYQUILT_TRY_ASSIGN(const auto reader, MbtilesReader::Open(source.mbtiles));
+  SKYQUILT_TRY_ASSIGN(const MapFacts facts, FactsOfTileset(reader->metadata()));
+  SKYQUILT_TRY_ASSIGN(const geo::Bounds2 reach, ReachOfValues(request, facts, source.bands));
+  const double pixel_m = geo::PixelSizeInMercM(facts.max_zoom, facts.tile_size_px);
+  return std::max(reach.Width(), 0.0) * std::max(reach.Height(), 0.0) / (pixel_m * pixel_m);
 }
 
 }  // namespace skyquilt::storage

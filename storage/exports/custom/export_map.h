@@ -36,4 +36,8 @@ Result<void> ExportMap(const ExportSource& source, const ExportRequest& request,
 // for it. Errors: kNotFound (no map there).
 Result<ExportSource> ExportSourceOf(const std::filesystem::path& map);
 
+// How many pixels of the map the values of an index are made for: what an export of them takes while it is
+// made.
+Result<double> PixelsOfExport(const std::filesystem::path& map, const ExportRequest& request);
+
 }  // namespace skyquilt::storage

@@ -87,6 +87,13 @@ Result<void> TakeField(const std::string& field, const Json& value, ExportReques
     request.index = value.get<std::string>();
     return {};
   }
+  if (field == "name") {
+    constexpr std::size_t kMaxNameBytes = 400;  // as that of a flight
+    if (!value.is_string() || value.get<std::string>().size() > kMaxNameBytes)
+      return Refused("The field \"name\" must be what the report calls the map.");
+    request.name = value.get<std::string>();
+    return {};
+  }
   if (field == "expression") {
     if (!value.is_string())
       return Refused("The field \"expression\" must be a formula such as \"(nir-red)/(nir+red)\".");
@@ -154,9 +161,12 @@ Result<ExportRequest> ParseExportRequest(std::string_view json) {
   if (!has_format) return Refused(fmt::format("Say the format: \"format\" is {}", kFormatNames));
   if (request.format == ExportFormat::kReport) {
     if (!request.crs.empty() || request.boundary || request.resolution_m || request.IsOfValues())
-      return Refused("A report is of the whole map; leave out \"crs\", \"boundary\" and \"resolution_m\".");
+      return Refused(
+          "A report is of the whole map; leave out \"crs\", \"boundary\", \"resolution_m\", \"index\" and "
+          "\"expression\".");
     return request;
   }
+  if (!request.name.empty()) return Refused("Only a report has a \"name\".");
   if (!request.crs.empty() && request.format != ExportFormat::kGeotiff)
     return Refused(fmt::format("{} is always in Web Mercator; leave out \"crs\", or take a GeoTIFF.",
                                NameOf(request.format)));

@@ -36,6 +36,8 @@ struct ExportRequest {
   std::string index;       // "ndvi"
   std::string expression;  // "(nir-red)/(nir+red)"
 
+  std::string name;  // of a report: what its map is called
+
   bool IsOfValues() const { return !index.empty() || !expression.empty(); }
 };
 // What an index calls itself, and how it is computed. Precondition: IsOfValues, as ParseExportRequest checks

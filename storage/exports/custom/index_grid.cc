@@ -60,9 +60,9 @@ class Planes {
     for (const std::string& band : expression.bands()) {
       const auto found = std::find(there.begin(), there.end(), band);
       if (found == there.end())
-        return Error{ErrorCode::kUnprocessable,
-                     fmt::format("This map has no band \"{}\". It has {}.", band, fmt::join(there, ", ")),
-                     ""};
+        return flight::Because(ErrorCode::kUnprocessable,
+                               {flight::RemarkCode::kIndexWithoutBand,
+                                {{"band", band}, {"bands", fmt::format("{}", fmt::join(there, ", "))}}});
       planes.places_.push_back(static_cast<std::size_t>(found - there.begin()));
     }
     return planes;
@@ -204,7 +204,7 @@ Result<void> WriteIndexGrid(const IndexSource& source, const indices::BandExpres
   if (has_value) return {};
   if (boundary != nullptr)
     return flight::Because(ErrorCode::kUnprocessable, flight::RemarkCode::kExportNothingWithin);
-  return Error{ErrorCode::kUnprocessable, "This index has no value anywhere on the map. Choose another.", ""};
+  return flight::Because(ErrorCode::kUnprocessable, flight::RemarkCode::kIndexWithoutValue);
 }
 
 }  // namespace skyquilt::storage

@@ -155,7 +155,7 @@ class Import(unittest.TestCase):
         for name, words in [("nowhere.tif", "not georeferenced"), ("picture.png", "GeoTIFF"), ("sixteen.tif", "8 bits"), ("local.tif", "-a_srs"),
                             ("wrong.tif", "system"), ("unsaid.tif", "coordinate system"), ("cut.tif", "damaged"), ("noise.tif", "damaged"), ("empty.tif", "no data"),
                             ("vector.mbtiles", "vector"), ("degrees.mbtiles", "Web Mercator"), ("text.mbtiles", "no PNG"), ("torn.mbtiles", "damaged"),
-                            ("bare.mbtiles", "no tiles"), ("none.mbtiles", "metadata"), ("short.mbtiles", "damaged")]:
+                            ("bare.mbtiles", "no tiles"), ("none.mbtiles", "is no MBTiles"), ("short.mbtiles", "damaged")]:
             done = self.import_(self.scratch / name)
             self.assertEqual(done.returncode, 1, (name, done.stdout, done.stderr))
             self.assertIn(words, done.stderr, name)

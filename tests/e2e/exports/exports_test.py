@@ -6,7 +6,9 @@ import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import unittest
+import unittest.mock
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from server_support import (BINARY, BLOBS, ServerTestCase, catalogue_words, children_of, in_catalogue, is_running,  # noqa: E402
@@ -26,6 +28,9 @@ def confined_exports(server):
 
 def box(west, south, east, north):
     return {"type": "Polygon", "coordinates": [[[west, south], [east, south], [east, north], [west, north], [west, south]]]}
+
+
+PRINTERS = ("weasyprint", "chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "wkhtmltopdf")
 
 
 class Exports(ServerTestCase):
@@ -98,12 +103,8 @@ class Exports(ServerTestCase):
                   {"format": "geotiff", "crs": "EPSG:4326", "resolution_m": 0.5, "boundary": quarter},
                   {"format": "mbtiles"}, {"format": "pmtiles", "boundary": quarter}, {"format": "kmz", "resolution_m": 0.3},
                   {"format": "geotiff", "crs": "utm", "index": "vari"}]
-        prints = any(shutil.which(name) for name in ("weasyprint", "chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "wkhtmltopdf"))
-        if prints:
+        if any(shutil.which(name) for name in PRINTERS):
             wishes.append({"format": "report"})
-        else:
-            status, refused = self.ask(server, flight, format="report")
-            self.assertEqual((status, refused["reason"]["code"]), (503, "export_without_printer"), refused)
         asked = []
         for wish in wishes:
             status, export = self.ask(server, flight, **wish)
@@ -168,6 +169,63 @@ class Exports(ServerTestCase):
             self.assertEqual([(band["type"], band["description"]) for band in told["bands"]], [("Float32", "VARI")])
         if wish["crs"] == "utm":
             self.assertIn("UTM zone", told["coordinateSystem"]["wkt"])
+
+    def programs(self, **scripts):
+        """A folder of programs, for a PATH that has nothing else."""
+        folder = pathlib.Path(tempfile.mkdtemp(dir=self.scratch))
+        for name, script in scripts.items():
+            (folder / name).write_text(f"#!/bin/sh\n{script}\n")
+            (folder / name).chmod(0o755)
+        return folder
+
+    def serve_with(self, folder):
+        with unittest.mock.patch.dict(os.environ, {"PATH": str(folder), "AWS_SECRET_ACCESS_KEY": "of the store"}):
+            return self.serve_map()
+
+    def test_who_prints_a_report(self):
+        server, flight = self.serve_with(self.programs())
+        status, refused = self.ask(server, flight, format="report")
+        self.assertEqual((status, refused["reason"]["code"]), (503, "export_without_printer"), refused)
+        server.stop()
+        # One that fails makes way for the next, which gets nothing of the server's.
+        folder = self.programs(weasyprint="exit 3", wkhtmltopdf=
+                               'env > "$PATH/seen"; ls -l /proc/$$/fd > "$PATH/open" 2>&1; for last; do :; done; echo "%PDF-1.4 made" > "$last"'
+                               .replace("env ", "/usr/bin/env ").replace("; ls ", "; /bin/ls "))
+        server, flight = self.serve_with(folder)
+        export = self.finished(server, self.ask(server, flight, format="report")[1])
+        self.assertEqual(export["state"], "successful", (export, server.errors()))
+        self.assertEqual(server.request("GET", export["download"])[2], b"%PDF-1.4 made\n")
+        seen = (folder / "seen").read_text()
+        self.assertNotIn("AWS_", seen)
+        self.assertEqual({line.split("=")[0] for line in seen.splitlines()} - {"PWD", "OLDPWD", "SHLVL", "_"}, {"PATH", "HOME", "TMPDIR", "LC_ALL"})
+        self.assertNotIn("socket:", (folder / "open").read_text())
+        # Under another name it is another report; under the same it is the same.
+        self.assertEqual(self.ask(server, flight, format="report")[1]["id"], export["id"])
+        self.assertEqual(server.request("PATCH", f"/api/v1/flights/{flight}", '{"name": "Mill"}', {"Content-Type": "application/json"})[0], 200)
+        self.assertNotEqual(self.ask(server, flight, format="report")[1]["id"], export["id"])
+        server.stop()
+        # None of them prints.
+        server, flight = self.serve_with(self.programs(weasyprint="echo a font is missing >&2; exit 3"))
+        export = self.finished(server, self.ask(server, flight, format="report")[1])
+        self.assertEqual((export["state"], export["error"]["reason"]["code"]), ("failed", "report_not_printed"), export)
+        self.assertIn("a font is missing", server.errors())
+        server.stop()
+        # What nobody wants any more is ended, with what it started.
+        folder = self.programs(weasyprint='/bin/sleep 500 & echo $! > "$PATH/pid"; wait')
+        server, flight = self.serve_with(folder)
+        export = self.ask(server, flight, format="report")[1]
+        wait_until(lambda: (folder / "pid").exists() and (folder / "pid").read_text().strip(), "nothing prints")
+        asleep = pathlib.Path("/proc", (folder / "pid").read_text().strip(), "cmdline")
+        self.assertIn(b"sleep", asleep.read_bytes())
+        self.assertEqual(server.request("DELETE", export["href"])[0], 204)
+
+        def is_gone():
+            try:
+                return b"sleep" not in asleep.read_bytes()
+            except OSError:
+                return True
+        wait_until(is_gone, "it prints on")
+        wait_until(lambda: not server.garbage(), "something was left over")
 
     def test_a_map_that_is_replaced_and_a_day_that_ends(self):
         server, flight = self.serve_map()

@@ -16,7 +16,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   if (const auto message = ParsePreviewMessage(text))
     SKYQUILT_CHECK(ParsePreviewMessage(ToText(*message)).ok(),
                    "a message was believed that we would not send");
-  if (const auto picture = ParseMapPicture(text))
-    SKYQUILT_CHECK(ParseMapPicture(ToBytes(*picture)).ok(), "a picture was believed that we would not send");
+  if (const auto pixels = ParseMapPixels(text))
+    SKYQUILT_CHECK(ParseMapPixels(ToBytes(*pixels)).ok(), "pixels were believed that we would not send");
   return 0;
 }

@@ -306,6 +306,33 @@ TEST_F(ExportMapTest, AnIndexOfBandsComesFromTheirFile) {
   }
 }
 
+TEST_F(ExportMapTest, NothingIsLostAtTheSidesWhereNorthLeans) {
+  // Full to its corners, two degrees off the zone's middle meridian.
+  constexpr int kSide = kTiles * 256;
+  const double tile_m = geo::TileSizeInMercM(kZoom);
+  test::BandFile bands;
+  bands.west_m = kFirstColumn * tile_m - geo::kMercHalfWidthM;
+  bands.north_m = geo::kMercHalfWidthM - kFirstRow * tile_m;
+  bands.pixel_m = tile_m / 256;
+  bands.width_px = kSide;
+  bands.height_px = kSide;
+  bands.bands = {"red", "nir"};
+  bands.value = [](int band, int, int) { return band == 0 ? 1.0f : 3.0f; };
+  test::WriteBandFile(Out("map") / "bands.tif", bands);
+  ExportWell(R"({"format":"geotiff","index":"ndvi","crs":"utm"})", "utm.tif");
+  const auto file = Open("utm.tif");
+  ASSERT_NE(file, nullptr);
+  std::array<double, 6> from{};
+  ASSERT_EQ(file->GetGeoTransform(from.data()), CE_None);
+  double square_m = 0.0;
+  for (const float value : ValuesIn(*file)) {
+    if (!std::isnan(value)) square_m += -from[1] * from[5];
+  }
+  const double side_m =
+      kTiles * tile_m * geo::GroundMetresPerMercMetre(BoundsOf(0, 0, kTiles, kTiles).Middle().lat_deg);
+  EXPECT_NEAR(square_m / (side_m * side_m), 1.0, 0.008);  // a pixel along each side, and the ellipsoid
+}
+
 TEST_F(ExportMapTest, WhatCannotBeIsRefusedWithWhatToDo) {
   EXPECT_EQ(Reason(R"({"format":"geotiff","crs":"EPSG:999999"})"), "export_system_unknown");
   EXPECT_EQ(Reason(R"({"format":"geotiff","crs":"EPSG:32610"})"), "export_system_elsewhere");

@@ -96,17 +96,22 @@ export function showDownloads(flight, outlines, cut_to = -1) {
   const wish = (/** @type {keyof typeof kWishes} */ name) => wishRow(name, words.wishes[name][0], words.wishes[name][1], kWishes[name]);
   // What the tiles lie in is not what distances are measured in, so that this comes first.
   const downloads = h('div', { class: 'downloads' }, wish('utm'), wish('report'), wish('kmz'), ...namesIn(words.files).map((name) => link(name).made));
-  const addWhatElseThereIs = async () => {
-    const { surface, bands } = await getReport(flight.id);
-    for (const { id, title } of bands ? (await getBands(flight.id)).indices : []) {
-      if (id) downloads.append(wishRow(id, title, words.index_values, { format: 'geotiff', crs: 'utm', index: id }));
-    }
-    for (const name of [...(bands ? namesIn(words.band_files) : []), ...(surface ? namesIn(words.height_files) : [])]) {
+  const addFiles = async (/** @type {object} */ files) => {
+    for (const name of namesIn(files)) {
       const { made, has_size } = link(name);
       if (await has_size) downloads.append(made);
     }
   };
-  addWhatElseThereIs().catch((error) => console.debug('a map without a report has neither bands nor heights', error));
+  const addIndices = async () => {
+    for (const { id, title } of (await getBands(flight.id)).indices) {
+      if (id) downloads.append(wishRow(id, title, words.index_values, { format: 'geotiff', crs: 'utm', index: id }));
+    }
+  };
+  getReport(flight.id).then(({ surface, bands }) => {
+    if (bands) void addFiles(words.band_files);
+    if (bands) addIndices().catch(showError);
+    if (surface) void addFiles(words.height_files);
+  }, (error) => console.debug('a map without a report has neither bands nor heights', error));
   put(exports, open);
   const dialog = showDialog('download-dialog', words.download, h('div', {}, downloads, exports));
   dialog.addEventListener('close', () => closed.abort());

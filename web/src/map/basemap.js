@@ -37,8 +37,27 @@ export function chosenBasemap() {
   return kept === 'none' || kept === 'server' || kept.startsWith('public:') ? /** @type {BasemapKind} */ (kept) : 'land';
 }
 
-/** @param {BasemapKind} kind of tiles, on which places can be found */
-export const showsPlaces = (kind) => kind !== 'none' && kind !== 'land';
+/**
+ * What was chosen as far as it is offered still.
+ * @param {BasemapKind} kind
+ * @returns {Promise<{kind: BasemapKind, tiles: BasemapTiles|null}>} tiles: null without a basemap of tiles
+ */
+async function offeredAs(kind) {
+  if (kind === 'none' || kind === 'land') return { kind, tiles: null };
+  const { server, public: left } = await offeredBasemaps();
+  const tiles = kind === 'server' ? server : /** @type {BasemapTiles|undefined} */ (left.find(({ name }) => kind === `public:${name}`));
+  return tiles ? { kind, tiles } : { kind: 'land', tiles: null };
+}
+
+/** The choice that is kept, or the coastlines where it is offered no more. */
+export const shownBasemap = async () => (await offeredAs(chosenBasemap())).kind;
+
+/** On which true places can be found: the one that is shown, else the server's; null: none. @returns {Promise<BasemapKind|null>} */
+export async function basemapWithPlaces() {
+  const { kind, tiles } = await offeredAs(chosenBasemap());
+  if (tiles) return kind;
+  return (await offeredBasemaps()).server ? 'server' : null;
+}
 
 /**
  * What operators and makers of maps wrote is text; the map's attribution control reads markup.
@@ -54,10 +73,11 @@ export function asMarkup(text) {
 export const keepBasemap = (kind) => localStorage.setItem(kKey, kind);
 
 /**
- * @param {BasemapKind} kind
+ * @param {BasemapKind} wanted
  * @returns {Promise<{source: SourceSpecification, layers: LayerSpecification[]}|null>}
  */
-export async function basemapParts(kind) {
+export async function basemapParts(wanted) {
+  const { kind, tiles: tilejson } = await offeredAs(wanted);
   if (kind === 'none') return null;
   if (kind === 'land') {
     const style = getComputedStyle(document.documentElement);
@@ -71,8 +91,6 @@ export async function basemapParts(kind) {
       ],
     };
   }
-  const { server, public: left } = await offeredBasemaps();
-  const tilejson = kind === 'server' ? server : /** @type {BasemapTiles|undefined} */ (left.find(({ name }) => kind === `public:${name}`));
   if (!tilejson) return null;
   /** @type {any} */
   const source = { type: 'raster', tileSize: 256, attribution: asMarkup(tilejson.attribution ?? '') };

@@ -7,7 +7,7 @@ import { heightLayers } from '../heights/height_layers.js';
 import { heightReadout } from '../heights/height_readout.js';
 import { relief } from '../heights/relief.js';
 import { indexSection } from '../indices/index_section.js';
-import { chosenBasemap, keepBasemap, offeredBasemaps } from './basemap.js';
+import { keepBasemap, offeredBasemaps, shownBasemap } from './basemap.js';
 import { coordinate_forms, formatCoordinates } from './coordinates.js';
 import { checkRow, h, put } from '../shared/dom.js';
 import { formatLength } from '../shared/format.js';
@@ -124,8 +124,7 @@ function layersCard(view) {
       ...kinds.map((kind) => h('option', { value: kind }, words.basemaps[/** @type {'none'|'land'|'server'} */ (kind)])),
       left.length > 0 && h('optgroup', { label: words.public_basemaps }, ...left.map(({ name, title }) => h('option', { value: `public:${name}` }, title))),
     );
-    basemap.value = chosenBasemap();
-    if (basemap.selectedIndex < 0) basemap.value = 'land';  // one that is offered no more
+    basemap.value = await shownBasemap();
     basemap_note.hidden = left.length === 0;
   };
   const basemap_note = h('p', { class: 'muted fine', id: 'basemap-note', hidden: true }, words.public_basemaps_note);

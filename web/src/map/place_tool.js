@@ -6,7 +6,7 @@
 /** @import { PlacePair } from './place_pairs.js' */
 /** @import { PlacePoint } from './place_point.js' */
 import { announce } from '../shared/announce.js';
-import { chosenBasemap, offeredBasemaps, showsPlaces } from './basemap.js';
+import { basemapWithPlaces, chosenBasemap } from './basemap.js';
 import { wrapLongitude } from './coordinates.js';
 import { h, put } from '../shared/dom.js';
 import { formatLength } from '../shared/format.js';
@@ -250,8 +250,8 @@ export function placeTool(view, listener) {
       listener.on_change(true);
       draw();
       focusMap();
-      void offeredBasemaps().then(({ server }) => {
-        findable = showsPlaces(chosenBasemap()) ? chosenBasemap() : server ? 'server' : null;
+      void basemapWithPlaces().then((kind) => {
+        findable = kind;
         draw();
       });
     },

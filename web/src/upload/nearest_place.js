@@ -4,6 +4,7 @@
 const kSquare_deg = 15;  // as scripts/vendor.js cuts them
 const kFurthest_km = 25;
 const kKmOfDegree = 111.2;
+const kPatience_ms = 2000;
 
 /** @param {number} lat_deg @param {number} lon_deg @returns {string} the list that has what is near */
 export function squareOf(lat_deg, lon_deg) {
@@ -33,6 +34,11 @@ export function nearestIn(list, lat_deg, lon_deg) {
 
 /** @param {number} lat_deg @param {number} lon_deg @returns {Promise<string>} '' where none is near, or nobody says */
 export async function nearestPlace(lat_deg, lon_deg) {
-  const list = await fetch(new URL(`../../vendor/places/${squareOf(lat_deg, lon_deg)}.txt`, import.meta.url)).catch(() => null);
-  return list?.ok ? nearestIn(await list.text(), lat_deg, lon_deg) : '';  // the sea has no list
+  try {
+    const list = await fetch(new URL(`../../vendor/places/${squareOf(lat_deg, lon_deg)}.txt`, import.meta.url), { signal: AbortSignal.timeout(kPatience_ms) });
+    return list.ok ? nearestIn(await list.text(), lat_deg, lon_deg) : '';  // the sea has no list
+  } catch (error) {
+    console.debug('no list of places', error);
+    return '';  // an upload waits for no name
+  }
 }

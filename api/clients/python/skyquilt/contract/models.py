@@ -272,6 +272,8 @@ class AddExportBody(AddExportBodyForSure, total=False):
     index: Optional[str]
     # The same by a formula over the bands of the map
     expression: Optional[str]
+    # Of a report: what it calls the map; else the name of the flight
+    name: Optional[str]
 
 
 class ListExportsAnswer(TypedDict):
