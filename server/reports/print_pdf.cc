@@ -91,8 +91,10 @@ Result<void> PrintPdf(const fs::path& html, const fs::path& pdf, const fs::path&
     program.path = FindProgram(printer.program);
     if (program.path.empty()) continue;
     program.words = WordsFor(printer.kind, html, pdf, work_dir);
+    // No TMPDIR of its own: Chromium has sockets there, whose paths may have no more than a hundred
+    // characters.
     program.environment = {std::string("PATH=") + (path == nullptr ? kUsualPath : path),
-                           "HOME=" + work_dir.string(), "TMPDIR=" + work_dir.string(), "LC_ALL=C.UTF-8"};
+                           "HOME=" + work_dir.string(), "LC_ALL=C.UTF-8"};
     program.log = work_dir / "print.log";
     SKYQUILT_TRY_ASSIGN(const int status, RunProgram(program, go_on));
     std::error_code missing;
