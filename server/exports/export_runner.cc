@@ -11,6 +11,7 @@
 #include "api/json/json_codec.h"
 #include "core/base/scoped_folder.h"
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 #include "server/exports/export_sandboxed.h"
 #include "server/reports/map_picture.h"
 #include "server/reports/print_pdf.h"
@@ -85,7 +86,13 @@ Result<std::int64_t> PrintReport(const fs::path& map_dir, const fs::path& pixels
   if (!fs::create_directory(folder, error)) return storage::FileError("cannot make", folder, error.value());
   const fs::path html = folder / "report.html";
   SKYQUILT_TRY(storage::WriteFileAtomically(html, page));
-  SKYQUILT_TRY(PrintPdf(html, pdf, folder, go_on));
+  const Result<void> printed = PrintPdf(html, pdf, folder, go_on);
+  if (!printed && printed.error().code == ErrorCode::kInternal)
+    return flight::Because(ErrorCode::kInternal, flight::RemarkCode::kReportNotPrinted,
+                           printed.error().message);
+  if (!printed && printed.error().code == ErrorCode::kUnavailable)
+    return flight::Because(ErrorCode::kUnavailable, flight::RemarkCode::kExportWithoutPrinter);
+  SKYQUILT_TRY(printed);
   const std::uintmax_t size = fs::file_size(pdf, error);
   if (error) return storage::FileError("cannot read", pdf, error.value());
   return static_cast<std::int64_t>(size);

@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "core/base/try.h"
-#include "core/flight/remarks/because.h"
 #include "server/sandbox/spawn_program.h"
 #include "server/sandbox/spawn_self.h"
 #include "storage/files/publish_file.h"
@@ -99,11 +98,11 @@ Result<void> PrintPdf(const fs::path& html, const fs::path& pdf, const fs::path&
     SKYQUILT_TRY_ASSIGN(const int status, RunProgram(program, go_on));
     std::error_code missing;
     if (status == 0 && fs::file_size(pdf, missing) > 0 && !missing) return {};
-    failures += fmt::format("{} ended {}{} ", printer.program, HowItEnded(status), LastWords(program.log));
+    failures += fmt::format("{}{} could not print the report ({}){}", failures.empty() ? "" : " ",
+                            printer.program, HowItEnded(status), LastWords(program.log));
     fs::remove(pdf, missing);  // the next one may be of more use
   }
-  if (!failures.empty())
-    return flight::Because(ErrorCode::kInternal, flight::RemarkCode::kReportNotPrinted, failures);
+  if (!failures.empty()) return Error{ErrorCode::kInternal, failures, ""};
   return Error{ErrorCode::kUnavailable,
                "A PDF is printed by WeasyPrint or Chromium, and neither is installed here. Install one "
                "(apt install weasyprint), or write report.html and print it from any browser.",

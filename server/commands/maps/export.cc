@@ -88,7 +88,7 @@ void Run(const ExportArguments& arguments) {
   std::error_code error;
   for (const fs::path& own : {source->mbtiles, source->cog, source->bands}) {
     if (!own.empty() && fs::equivalent(out, own, error))
-      RefuseExport(out.string() + " is the map's own; choose another name.");
+      RefuseExport(out.string() + " is the map itself or a part of it; choose another name.");
   }
   CheckOutFile(kExportCommand, out, arguments.overwrite);
   const WorkBeside work(kExportCommand, out);
