@@ -19,6 +19,7 @@ test('what the form says is what the server is asked for', () => {
   for (const epsg of ['2056', ' EPSG:2056 ', 'epsg 2056']) assert.equal(wishOf({ ...form, crs: 'epsg', epsg }, null).crs, 'EPSG:2056');
   const geometry = /** @type {const} */ ({ type: 'Polygon', coordinates: [ring] });
   assert.deepEqual(wishOf({ ...form, format: 'kmz', crs: 'utm' }, { name: 'Field', geometry }), { format: 'kmz', boundary: geometry }, 'only a GeoTIFF has another system');
+  assert.deepEqual(wishOf({ ...form, format: 'report', resolution_cm: '5' }, { name: 'Field', geometry }), { format: 'report' }, 'a report is of the whole map');
   const words = exportWords(/** @type {any} */ ({ format: 'geotiff', crs: 'EPSG:2056', resolution_m: 0.1, boundary: geometry, is_current: false }));
   assert.match(words, /^GeoTIFF · EPSG:2056 · 10.*cm.* · part of the map · earlier version of the map$/);
 });
@@ -36,7 +37,7 @@ for (const [screen, context] of /** @type {const} */ ([['laptop', {}], ['phone',
     const opened = await setUpReady('Meadow', {}, context);
     const { page, flight } = opened;
     await page.click('#flight-download');
-    assert.equal(await page.locator('.download').count(), 5);
+    assert.equal(await page.locator('.download').count(), 8);
     await page.click('#export-open');
     await page.selectOption('#export-crs', 'epsg');
     await page.click('#export-start');
