@@ -336,8 +336,8 @@ HeightRaster::RingsInCells HeightRaster::RingsOf(const geo::Boundary& area,
 double HeightRaster::GroundCellM(const Eigen::Vector2d& cell, const geo::MapProjection& zone) const {
   constexpr double kHalf = 50.0;  // of a square of cells about it
   std::vector<geo::LatLon> square;
-  for (const Eigen::Vector2d corner : {Eigen::Vector2d(-kHalf, -kHalf), Eigen::Vector2d(kHalf, -kHalf),
-                                       Eigen::Vector2d(kHalf, kHalf), Eigen::Vector2d(-kHalf, kHalf)}) {
+  for (const Eigen::Vector2d& corner : {Eigen::Vector2d(-kHalf, -kHalf), Eigen::Vector2d(kHalf, -kHalf),
+                                        Eigen::Vector2d(kHalf, kHalf), Eigen::Vector2d(-kHalf, kHalf)}) {
     const Eigen::Vector2d at = cell + corner;
     const auto place = zone.LatLonOf({west_m_ + cell_m_ * at.x(), north_m_ - cell_m_ * at.y()});
     if (place) square.push_back(*place);

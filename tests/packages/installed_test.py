@@ -87,7 +87,8 @@ class Installed(unittest.TestCase):
         readme = (ROOT / "README.md").read_text()
         curl = re.search(r"^photos=\(\);.*\ncurl -F name=beach .*flights$", readme, re.M)[0]
         self.system.run("skyquilt", "simulate", "-o", "/home/card", "--photos", "6", "--size", "640x480", "--no-world")
-        (self.root / "home/card/photos").rename(self.root / "home/card/DCIM")
+        (self.root / "home/card/DCIM").mkdir()
+        (self.root / "home/card/photos").rename(self.root / "home/card/DCIM/100MEDIA")
         sent = digests(self.root / "home/card/DCIM")
         self.assertEqual(len(sent), 6)
         work = (f"({curl}) > answer\n"

@@ -9,10 +9,12 @@
 #include <string>
 
 // Of the trampolines that are linked; the linker makes both names. Null where there are none.
+// NOLINTBEGIN(readability-identifier-naming): the linker's words
 extern "C" {
 [[gnu::weak, gnu::visibility("hidden")]] extern const SkyquiltLateTable* const __start_late_tables[];
 [[gnu::weak, gnu::visibility("hidden")]] extern const SkyquiltLateTable* const __stop_late_tables[];
 }
+// NOLINTEND(readability-identifier-naming)
 
 namespace skyquilt {
 namespace {

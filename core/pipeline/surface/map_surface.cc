@@ -158,7 +158,8 @@ Result<MapSurface> MatchMapSurface(const FlightFacts& facts, const std::optional
                       render::PlanMosaic(facts.flight, facts.ground, plan_options));
   const geo::Bounds2 area = AreaBelow(geo::LatLonBoundsFromMerc(plan.bounds_in_merc), facts.flight.frame,
                                       facts.ground.MeanHeight());
-  const double most_cells = static_cast<double>(options.max_memory_bytes / 4 / kBytesPerCell);
+  const auto whole_cells = options.max_memory_bytes / 4 / kBytesPerCell;
+  const auto most_cells = static_cast<double>(whole_cells);
   const double cell_m = std::max(kSurfaceCellPx * FinestShownM(plan, gsd_m, facts.flight),
                                  std::sqrt(area.Width() * area.Height() / most_cells));
   SKYQUILT_TRY_ASSIGN(surface::DenseSurface heights, surface::MatchSurface(facts.flight, photos, facts.ground,
