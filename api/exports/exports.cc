@@ -93,10 +93,10 @@ Result<std::string> QueueExport(Service& service, const Request& request, const 
   SKYQUILT_TRY(storage::CheckExport(wish, facts));
   if (wish.IsOfValues()) {
     SKYQUILT_TRY_ASSIGN(const auto tileset, service.tilesets.Get(flight_id));
-    Result<void> has_bands = CheckBands(service, *tileset, storage::ExpressionOf(wish));
+    const Result<void> has_bands = CheckBands(service, *tileset, storage::ExpressionOf(wish));
     if (!has_bands && has_bands.error().code == ErrorCode::kInvalidArgument)
       return Error{ErrorCode::kUnprocessable, has_bands.error().message, ""};
-    SKYQUILT_TRY(has_bands);
+    if (!has_bands) return has_bands.error();
   }
   if (wish.format == storage::ExportFormat::kReport && !service.prints_pdf())
     return flight::Because(ErrorCode::kUnavailable, flight::RemarkCode::kExportWithoutPrinter);

@@ -92,7 +92,7 @@ Result<std::int64_t> PrintReport(const fs::path& map_dir, const fs::path& pixels
                            printed.error().message);
   if (!printed && printed.error().code == ErrorCode::kUnavailable)
     return flight::Because(ErrorCode::kUnavailable, flight::RemarkCode::kExportWithoutPrinter);
-  SKYQUILT_TRY(printed);
+  if (!printed) return printed.error();
   const std::uintmax_t size = fs::file_size(pdf, error);
   if (error) return storage::FileError("cannot read", pdf, error.value());
   return static_cast<std::int64_t>(size);
