@@ -95,7 +95,7 @@ Result<std::string> QueueExport(Service& service, const Request& request, const 
     SKYQUILT_TRY_ASSIGN(const auto tileset, service.tilesets.Get(flight_id));
     const Result<void> has_bands = CheckBands(service, *tileset, storage::ExpressionOf(wish));
     if (!has_bands && has_bands.error().code == ErrorCode::kInvalidArgument)
-      return Error{ErrorCode::kUnprocessable, has_bands.error().message, ""};
+      return flight::Because(ErrorCode::kUnprocessable, flight::WhyOf(has_bands.error()));
     if (!has_bands) return has_bands.error();
   }
   if (wish.format == storage::ExportFormat::kReport && !service.prints_pdf())

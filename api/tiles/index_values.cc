@@ -1,7 +1,6 @@
 #include "api/tiles/index_values.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -16,11 +15,10 @@
 namespace skyquilt::api {
 namespace {
 
+using storage::ColourBands;
+using storage::PlacesOf;
+
 constexpr const char* kBandsFile = "bands.tif";
-const std::vector<std::string>& ColourBands() {
-  static const std::vector<std::string> bands = {"red", "green", "blue"};
-  return bands;
-}
 
 std::size_t PixelCount(int width_px, int height_px) {
   return static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px);
@@ -39,20 +37,6 @@ Result<std::shared_ptr<storage::BandRaster>> RasterOf(Service& service, const st
                             storage::BandRaster::Open(file->path));
         return storage::KeepingFile(std::move(raster), *file);
       });
-}
-
-// Where the bands that an expression reads stand among those that there are.
-Result<std::vector<std::size_t>> PlacesOf(const indices::BandExpression& expression,
-                                          const std::vector<std::string>& bands) {
-  std::vector<std::size_t> places;
-  for (const std::string& name : expression.bands()) {
-    const auto found = std::find(bands.begin(), bands.end(), name);
-    if (found == bands.end())
-      return Error{ErrorCode::kInvalidArgument,
-                   fmt::format("This map has no band \"{}\". It has {}.", name, fmt::join(bands, ", ")), ""};
-    places.push_back(static_cast<std::size_t>(found - bands.begin()));
-  }
-  return places;
 }
 
 template <typename Value>

@@ -87,12 +87,12 @@ Result<std::int64_t> PrintReport(const fs::path& map_dir, const fs::path& pixels
   const fs::path html = folder / "report.html";
   SKYQUILT_TRY(storage::WriteFileAtomically(html, page));
   const Result<void> printed = PrintPdf(html, pdf, folder, go_on);
-  if (!printed && printed.error().code == ErrorCode::kInternal)
-    return flight::Because(ErrorCode::kInternal, flight::RemarkCode::kReportNotPrinted,
-                           printed.error().message);
-  if (!printed && printed.error().code == ErrorCode::kUnavailable)
-    return flight::Because(ErrorCode::kUnavailable, flight::RemarkCode::kExportWithoutPrinter);
-  if (!printed) return printed.error();
+  if (!printed && printed.error().code == ErrorCode::kCancelled) return printed.error();
+  if (!printed)
+    return flight::Because(
+        ErrorCode::kInternal,
+        CanPrintPdf() ? flight::RemarkCode::kReportNotPrinted : flight::RemarkCode::kExportWithoutPrinter,
+        printed.error().message);
   const std::uintmax_t size = fs::file_size(pdf, error);
   if (error) return storage::FileError("cannot read", pdf, error.value());
   return static_cast<std::int64_t>(size);
@@ -131,7 +131,7 @@ void ExportRunner::Run() {
     const auto now = std::chrono::steady_clock::now();
     const bool asks = made_one || !service_.db.IsShared() || now - asked >= kAskSharedEvery;
     if (service_.storage_in_place() && ((service_.exports.HasNew() && !is_failing) || asks)) {
-      claimed = service_.exports.Claim(storage::Now(), service_.prints_pdf());
+      claimed = service_.exports.Claim(storage::Now(), !service_.db.IsShared() || service_.prints_pdf());
       asked = now;
       is_failing = !claimed;
     }

@@ -57,7 +57,7 @@ int Collect(pid_t pid) {
 Result<int> RunProgram(const ProgramToRun& program, const std::function<bool()>& go_on) {
   const LogFile log(program.log);
   if (log.fd() < 0)
-    return Error{ErrorCode::kUnavailable, "The server could not start a program. Try again later.",
+    return Error{ErrorCode::kUnavailable, "A program could not be started. Try again later.",
                  program.log.string()};
   SKYQUILT_TRY_ASSIGN(const pid_t pid,
                       SpawnOther(program.path, program.words, program.environment, log.fd()));

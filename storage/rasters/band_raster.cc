@@ -1,6 +1,7 @@
 #include "storage/rasters/band_raster.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gdal_priv.h>
 
 #include <algorithm>
@@ -12,6 +13,7 @@
 #include <utility>
 
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 #include "storage/rasters/quiet_gdal.h"
 
 namespace skyquilt::storage {
@@ -78,6 +80,25 @@ void ToValues(GDALRasterBand& band, std::span<float> values) {
 }
 
 }  // namespace
+
+const std::vector<std::string>& ColourBands() {
+  static const std::vector<std::string> bands = {"red", "green", "blue"};
+  return bands;
+}
+
+Result<std::vector<std::size_t>> PlacesOf(const indices::BandExpression& expression,
+                                          const std::vector<std::string>& bands) {
+  std::vector<std::size_t> places;
+  for (const std::string& name : expression.bands()) {
+    const auto found = std::find(bands.begin(), bands.end(), name);
+    if (found == bands.end())
+      return flight::Because(ErrorCode::kInvalidArgument,
+                             {flight::RemarkCode::kIndexWithoutBand,
+                              {{"band", name}, {"bands", fmt::format("{}", fmt::join(bands, ", "))}}});
+    places.push_back(static_cast<std::size_t>(found - bands.begin()));
+  }
+  return places;
+}
 
 geo::Bounds2 BandRaster::BoundsInMerc() const {
   return {{west_m_, north_m_ - height_px_ * pixel_m_}, {west_m_ + width_px_ * pixel_m_, north_m_}};

@@ -18,10 +18,18 @@
 
 #include "core/base/result.h"
 #include "core/geo/bounds.h"
+#include "core/indices/band_expression.h"
 #include "storage/rasters/geotiff_pool.h"
 #include "storage/rasters/merc_grid.h"
 
 namespace skyquilt::storage {
+
+// Of a map without bands.tif: its colours, 0 to 1.
+const std::vector<std::string>& ColourBands();
+// Where the bands that an expression reads stand among those that there are. Error: kInvalidArgument (one is
+// not).
+Result<std::vector<std::size_t>> PlacesOf(const indices::BandExpression& expression,
+                                          const std::vector<std::string>& bands);
 
 class BandRaster {
  public:

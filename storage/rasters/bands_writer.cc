@@ -5,7 +5,6 @@
 #include <fmt/core.h>
 #include <gdal_priv.h>
 #include <gdal_utils.h>
-#include <ogr_spatialref.h>
 
 #include <algorithm>
 #include <bit>
@@ -15,12 +14,10 @@
 #include <string>
 #include <utility>
 
-#include "core/base/check.h"
 #include "core/base/try.h"
 #include "core/image/decoded_image.h"
 #include "storage/files/publish_file.h"
 #include "storage/rasters/gdal_steps.h"
-#include "storage/rasters/register_gdal.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -81,26 +78,11 @@ BandsWriter::BandsWriter(std::filesystem::path path, int threads, Progress& prog
 BandsWriter::~BandsWriter() = default;
 
 Result<void> BandsWriter::Begin(const bands::BandRaster& raster) {
-  RegisterGdalOnce();
-  CPLErrorReset();
-  GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("GTiff");
-  SKYQUILT_CHECK(driver != nullptr, "GDAL writes GeoTIFF");
-  CPLStringList options;
-  for (const char* option :
-       {"TILED=YES", "BLOCKXSIZE=512", "BLOCKYSIZE=512", "INTERLEAVE=BAND", "COMPRESS=ZSTD", "ZSTD_LEVEL=1",
-        "PREDICTOR=3", "SPARSE_OK=TRUE", "BIGTIFF=IF_SAFER"})
-    options.AddString(option);
-  work_->dataset.reset(driver->Create(work_->raw.c_str(), raster.width_px, raster.height_px,
-                                      static_cast<int>(raster.bands.size()), GDT_Float32, options.List()));
-  if (!work_->dataset) return LastGdalError(work_->progress);
-  OGRSpatialReference mercator;
-  constexpr int kWebMercator = 3857;
-  mercator.importFromEPSG(kWebMercator);
-  double transform[6] = {raster.west_in_merc_m,  raster.pixel_in_merc_m, 0.0, raster.north_in_merc_m, 0.0,
-                         -raster.pixel_in_merc_m};
-  if (work_->dataset->SetSpatialRef(&mercator) != CE_None ||
-      work_->dataset->SetGeoTransform(transform) != CE_None)
-    return LastGdalError(work_->progress);
+  const MercGrid grid{raster.west_in_merc_m,  raster.north_in_merc_m, raster.pixel_in_merc_m,
+                      raster.pixel_in_merc_m, raster.width_px,        raster.height_px};
+  SKYQUILT_TRY_ASSIGN(
+      work_->dataset,
+      CreateMercFloats(work_->raw.path(), grid, static_cast<int>(raster.bands.size()), work_->progress));
   for (std::size_t i = 0; i < raster.bands.size(); ++i)
     DescribeBand(raster.bands[i], *work_->dataset->GetRasterBand(static_cast<int>(i) + 1));
   work_->block_px = raster.block_px;

@@ -1,10 +1,15 @@
 #include "storage/rasters/gdal_steps.h"
 
 #include <cpl_error.h>
+#include <cpl_string.h>
 #include <gdal_priv.h>
+#include <ogr_spatialref.h>
 
 #include <string>
 #include <system_error>
+
+#include "core/base/check.h"
+#include "storage/rasters/register_gdal.h"
 
 namespace skyquilt::storage {
 
@@ -25,6 +30,29 @@ Error LastGdalError(const Progress& progress) {
   const bool is_full =
       detail.find("No space") != std::string::npos || detail.find("too small") != std::string::npos;
   return {is_full ? ErrorCode::kOutOfSpace : ErrorCode::kIo, "cannot write the GeoTIFF: " + detail, detail};
+}
+
+Result<std::unique_ptr<GDALDataset>> CreateMercFloats(const std::filesystem::path& path, const MercGrid& grid,
+                                                      int bands, const Progress& progress) {
+  RegisterGdalOnce();
+  CPLErrorReset();
+  GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("GTiff");
+  SKYQUILT_CHECK(driver != nullptr, "GDAL writes GeoTIFF");
+  CPLStringList options;
+  for (const char* option :
+       {"TILED=YES", "BLOCKXSIZE=512", "BLOCKYSIZE=512", "INTERLEAVE=BAND", "COMPRESS=ZSTD", "ZSTD_LEVEL=1",
+        "PREDICTOR=3", "SPARSE_OK=TRUE", "BIGTIFF=IF_SAFER"})
+    options.AddString(option);
+  std::unique_ptr<GDALDataset> made(
+      driver->Create(path.c_str(), grid.width_px, grid.height_px, bands, GDT_Float32, options.List()));
+  if (!made) return LastGdalError(progress);
+  OGRSpatialReference mercator;
+  constexpr int kWebMercator = 3857;
+  mercator.importFromEPSG(kWebMercator);
+  double transform[6] = {grid.west_m, grid.pixel_width_m, 0.0, grid.north_m, 0.0, -grid.pixel_height_m};
+  if (made->SetSpatialRef(&mercator) != CE_None || made->SetGeoTransform(transform) != CE_None)
+    return LastGdalError(progress);
+  return made;
 }
 
 bool IsClosedWell(std::unique_ptr<GDALDataset> written) {

@@ -7,6 +7,7 @@
 
 #include "core/base/progress.h"
 #include "core/base/result.h"
+#include "storage/rasters/merc_grid.h"
 
 class GDALDataset;
 
@@ -38,6 +39,12 @@ class TemporaryTiff {
 
 // Of the last call, as a file that could not be written: kCancelled, kOutOfSpace, kIo.
 Error LastGdalError(const Progress& progress);
+
+// An empty GeoTIFF of floats on pixels of the web map (EPSG:3857), for what comes block by block: tiled,
+// compressed without loss, a step on the way to a cloud-optimised one. Blocks that nobody writes take no
+// room.
+Result<std::unique_ptr<GDALDataset>> CreateMercFloats(const std::filesystem::path& path, const MercGrid& grid,
+                                                      int bands, const Progress& progress);
 
 // Closing writes what is left; an error there is an error of the file.
 bool IsClosedWell(std::unique_ptr<GDALDataset> written);

@@ -1,11 +1,6 @@
 #include "storage/exports/custom/index_grid.h"
 
-#include <cpl_error.h>
-#include <cpl_string.h>
-#include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <gdal_priv.h>
-#include <ogr_spatialref.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +8,6 @@
 #include <memory>
 #include <utility>
 
-#include "core/base/check.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
 #include "core/geo/tile_id.h"
@@ -21,7 +15,6 @@
 #include "storage/exports/fringe_tile.h"
 #include "storage/rasters/band_raster.h"
 #include "storage/rasters/gdal_steps.h"
-#include "storage/rasters/register_gdal.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -47,6 +40,18 @@ TileRange TilesOver(const geo::Bounds2& merc, int zoom) {
           last(half_m - merc.min.y())};
 }
 
+// The pixels of these tiles.
+MercGrid GridOf(const TileRange& range, const MapFacts& facts) {
+  const double side_m = geo::TileSizeInMercM(facts.max_zoom);
+  const double pixel_m = geo::PixelSizeInMercM(facts.max_zoom, facts.tile_size_px);
+  return {static_cast<double>(range.left) * side_m - geo::kMercHalfWidthM,
+          geo::kMercHalfWidthM - static_cast<double>(range.top) * side_m,
+          pixel_m,
+          pixel_m,
+          static_cast<int>((range.right - range.left + 1) * facts.tile_size_px),
+          static_cast<int>((range.bottom - range.top + 1) * facts.tile_size_px)};
+}
+
 // The values of the bands that an expression reads, a plane each, over one tile.
 class Planes {
  public:
@@ -55,16 +60,8 @@ class Planes {
     if (!source.bands.empty()) {
       SKYQUILT_TRY_ASSIGN(planes.raster_, BandRaster::Open(source.bands));
     }
-    const std::vector<std::string> colours = {"red", "green", "blue"};
-    const std::vector<std::string>& there = planes.raster_ ? planes.raster_->bands() : colours;
-    for (const std::string& band : expression.bands()) {
-      const auto found = std::find(there.begin(), there.end(), band);
-      if (found == there.end())
-        return flight::Because(ErrorCode::kUnprocessable,
-                               {flight::RemarkCode::kIndexWithoutBand,
-                                {{"band", band}, {"bands", fmt::format("{}", fmt::join(there, ", "))}}});
-      planes.places_.push_back(static_cast<std::size_t>(found - there.begin()));
-    }
+    SKYQUILT_TRY_ASSIGN(planes.places_,
+                        PlacesOf(expression, planes.raster_ ? planes.raster_->bands() : ColourBands()));
     return planes;
   }
 
@@ -85,16 +82,8 @@ class Planes {
   explicit Planes(const IndexSource& source) : source_(&source) {}
 
   Result<bool> ReadRaster(std::int64_t column, std::int64_t row, std::vector<std::vector<double>>& values) {
-    const MapFacts& facts = source_->facts;
-    const double side_m = geo::TileSizeInMercM(facts.max_zoom), half_m = geo::kMercHalfWidthM;
-    const double pixel_m = geo::PixelSizeInMercM(facts.max_zoom, facts.tile_size_px);
-    const MercGrid grid{static_cast<double>(column) * side_m - half_m,
-                        half_m - static_cast<double>(row) * side_m,
-                        pixel_m,
-                        pixel_m,
-                        facts.tile_size_px,
-                        facts.tile_size_px};
-    SKYQUILT_TRY_ASSIGN(const std::vector<std::vector<float>> read, raster_->Read(grid, places_));
+    SKYQUILT_TRY_ASSIGN(const std::vector<std::vector<float>> read,
+                        raster_->Read(GridOf({column, row, column, row}, source_->facts), places_));
     for (std::size_t i = 0; i < read.size(); ++i)
       std::copy(read[i].begin(), read[i].end(), values[i].begin());
     return true;
@@ -123,37 +112,6 @@ class Planes {
   std::vector<std::size_t> places_;
 };
 
-Result<std::unique_ptr<GDALDataset>> Create(const std::filesystem::path& path, const TileRange& range,
-                                            const MapFacts& facts, const std::string& name,
-                                            Progress& progress) {
-  RegisterGdalOnce();
-  CPLErrorReset();
-  GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("GTiff");
-  SKYQUILT_CHECK(driver != nullptr, "GDAL writes GeoTIFF");
-  CPLStringList words;
-  for (const char* word :
-       {"TILED=YES", "COMPRESS=ZSTD", "ZSTD_LEVEL=1", "PREDICTOR=3", "SPARSE_OK=TRUE", "BIGTIFF=IF_SAFER"})
-    words.AddString(word);
-  const std::int64_t width_px = (range.right - range.left + 1) * facts.tile_size_px;
-  const std::int64_t height_px = (range.bottom - range.top + 1) * facts.tile_size_px;
-  std::unique_ptr<GDALDataset> made(driver->Create(
-      path.c_str(), static_cast<int>(width_px), static_cast<int>(height_px), 1, GDT_Float32, words.List()));
-  if (!made) return LastGdalError(progress);
-  const double pixel_m = geo::PixelSizeInMercM(facts.max_zoom, facts.tile_size_px);
-  const double side_m = geo::TileSizeInMercM(facts.max_zoom);
-  double transform[6] = {static_cast<double>(range.left) * side_m - geo::kMercHalfWidthM, pixel_m, 0.0,
-                         geo::kMercHalfWidthM - static_cast<double>(range.top) * side_m,  0.0,     -pixel_m};
-  OGRSpatialReference mercator;
-  constexpr int kWebMercator = 3857;
-  mercator.importFromEPSG(kWebMercator);
-  GDALRasterBand& band = *made->GetRasterBand(1);
-  band.SetDescription(name.c_str());
-  if (made->SetSpatialRef(&mercator) != CE_None || made->SetGeoTransform(transform) != CE_None ||
-      band.SetNoDataValue(kNoValue) != CE_None)
-    return LastGdalError(progress);
-  return made;
-}
-
 }  // namespace
 
 Result<void> WriteIndexGrid(const IndexSource& source, const indices::BandExpression& expression,
@@ -163,7 +121,10 @@ Result<void> WriteIndexGrid(const IndexSource& source, const indices::BandExpres
   const int side = facts.tile_size_px;
   SKYQUILT_TRY_ASSIGN(Planes planes, Planes::Of(source, expression));
   const TileRange range = planes.Range();
-  SKYQUILT_TRY_ASSIGN(std::unique_ptr<GDALDataset> made, Create(path, range, facts, name, progress));
+  SKYQUILT_TRY_ASSIGN(std::unique_ptr<GDALDataset> made,
+                      CreateMercFloats(path, GridOf(range, facts), 1, progress));
+  made->GetRasterBand(1)->SetDescription(name.c_str());
+  made->GetRasterBand(1)->SetNoDataValue(kNoValue);
   std::optional<geo::BoundaryOnZoom> on_zoom;
   if (boundary != nullptr) on_zoom.emplace(*boundary, facts.max_zoom, side);
   std::vector<std::uint8_t> inside;

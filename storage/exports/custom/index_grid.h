@@ -2,8 +2,8 @@
 // has no value, in EPSG:3857 on the map's own pixels, described by the index's name or formula. The bands are
 // those of bands.tif, or the map's own colours, 0 to 1, where it has none. Tile by tile; memory: a tile and
 // GDAL's block cache. Tiled and compressed without loss, but not cloud-optimised: a step on the way
-// (warp_geotiff.h). Blocking; one thread. Errors: kUnprocessable (a band that the map has not; nothing within
-// the boundary), kCorrupt, kIo, kOutOfSpace, kCancelled.
+// (warp_geotiff.h). Blocking; one thread. Errors: kInvalidArgument (as PlacesOf), kUnprocessable (nothing
+// within the boundary), kCorrupt, kIo, kOutOfSpace, kCancelled.
 #pragma once
 
 #include <filesystem>
