@@ -1,4 +1,4 @@
-"""Fails when a row of docs/clients.md names a test that is not there or not run, or an npm package in another version than the
+"""Fails when a row of docs/developers/clients.md names a test that is not there or not run, or an npm package in another version than the
 tests install."""
 import json
 import pathlib
@@ -13,11 +13,11 @@ FEWEST_ROWS = 25  # a matrix that shrank below what it held is no matrix
 packages = json.loads((E2E / "clients" / "package.json").read_text())["dependencies"]
 registered = (E2E / "CMakeLists.txt").read_text()
 problems, rows = [], 0
-for number, line in enumerate((ROOT / "docs" / "clients.md").read_text().splitlines(), 1):
+for number, line in enumerate((ROOT / "docs" / "developers" / "clients.md").read_text().splitlines(), 1):
     if not line.startswith("|") or set(line) <= set("|-"):
         continue
     cells = [cell.strip() for cell in line.strip("|").split("|")]
-    where = f"docs/clients.md:{number}"
+    where = f"docs/developers/clients.md:{number}"
     if cells == COLUMNS:
         continue
     if len(cells) != len(COLUMNS) or not all(cells):
@@ -37,6 +37,6 @@ for number, line in enumerate((ROOT / "docs" / "clients.md").read_text().splitli
         elif not re.search(rf"[ (]{file}[ )\n]", registered):
             problems.append(f"{where}: tests/e2e/CMakeLists.txt does not run {file}")
 if rows < FEWEST_ROWS:
-    problems.append(f"docs/clients.md: {rows} rows, fewer than {FEWEST_ROWS}")
+    problems.append(f"docs/developers/clients.md: {rows} rows, fewer than {FEWEST_ROWS}")
 print("\n".join(problems) or f"every test of the {rows} rows is there")
 sys.exit(1 if problems else 0)

@@ -1,4 +1,4 @@
-"""Fails on words that docs/glossary.md refuses, in names, comments and messages.
+"""Fails on words that docs/developers/glossary.md refuses, in names, comments and messages.
 
 Names are split into their words first (kMinFollowers reads "k min followers"), so that one rule finds a word in
 prose, in CamelCase and in snake_case."""
@@ -28,7 +28,7 @@ RULES = [
 ]
 # Where the word is plainly another: the glossary itself, and names that files or clients keep.
 ALLOWED = {
-    ("docs/glossary.md", None),
+    ("docs/developers/glossary.md", None),
     ("core/pipeline/report/report_fields.h", "pieces"),  # a key of report.json
 }
 
@@ -51,7 +51,7 @@ def refused_in(name, text):
                 if found[0] == "miss" and re.match(r" (east|north|up) m\b", words[found.end():]):
                     continue
                 if (name, None) not in ALLOWED and (name, found[0]) not in ALLOWED:
-                    yield f'{name}:{number}: "{found[0]}"; docs/glossary.md says: {instead}'
+                    yield f'{name}:{number}: "{found[0]}"; docs/developers/glossary.md says: {instead}'
 
 
 # The rules find what they are there for.

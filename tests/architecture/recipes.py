@@ -1,4 +1,4 @@
-"""Fails when a patch of docs/recipes does not fit the sources, touches more files than docs/recipes.md says, or, with
+"""Fails when a patch of docs/recipes does not fit the sources, touches more files than docs/developers/recipes.md says, or, with
 --compile, what it makes of a source does not compile."""
 import pathlib
 import re
@@ -14,9 +14,9 @@ INCLUDES = ["-isystem", "/usr/include/eigen3", "-isystem", "/usr/include/opencv4
 
 
 def problems_of(name, most):
-    patch = ROOT / "docs" / "recipes" / f"{name}.patch"
+    patch = ROOT / "docs" / "developers" / "recipes" / f"{name}.patch"
     if not patch.is_file():
-        return [f"docs/recipes.md: there is no recipes/{name}.patch"]
+        return [f"docs/developers/recipes.md: there is no recipes/{name}.patch"]
     touched = sorted(set(re.findall(r"^(?:---|\+\+\+) [ab]/(\S+)$", patch.read_text(), re.MULTILINE)))
     written = [path for path in touched if not path.startswith(GENERATED)]
     if len(written) > most:
@@ -42,12 +42,12 @@ def problems_of(name, most):
         return found
 
 
-rows = ROW.findall((ROOT / "docs" / "recipes.md").read_text())
-problems = [] if rows else ["docs/recipes.md: no recipe in its table"]
+rows = ROW.findall((ROOT / "docs" / "developers" / "recipes.md").read_text())
+problems = [] if rows else ["docs/developers/recipes.md: no recipe in its table"]
 for most, name in rows:
     problems += problems_of(name, int(most))
 told = {name for _, name in rows}
-problems += [f"docs/recipes.md does not name {path.name}" for path in sorted((ROOT / "docs" / "recipes").iterdir())
+problems += [f"docs/developers/recipes.md does not name {path.name}" for path in sorted((ROOT / "docs" / "developers" / "recipes").iterdir())
              if path.stem not in told]
 print("\n".join(problems) or f"{len(rows)} recipes fit")
 sys.exit(1 if problems else 0)

@@ -1,7 +1,7 @@
-"""Writes docs/hardening.md: what was tried against the program, what it did, what it does now, and the test that holds it.
+"""Writes docs/developers/hardening.md: what was tried against the program, what it did, what it does now, and the test that holds it.
 
     python3 tests/hardening/hardening_table.py            writes the table; fails on a test that does not exist
-    python3 tests/hardening/hardening_table.py --check    fails when docs/hardening.md is not what this would write
+    python3 tests/hardening/hardening_table.py --check    fails when docs/developers/hardening.md is not what this would write
 """
 import pathlib
 import re
@@ -10,7 +10,7 @@ import sys
 from rows import ROWS
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-TABLE = ROOT / "docs" / "hardening.md"
+TABLE = ROOT / "docs" / "developers" / "hardening.md"
 HEAD = """# Hardening
 
 What was tried against the program on purpose, what it did before, what it does now, and the test that holds it there.
@@ -65,12 +65,12 @@ def main():
         return 1
     if "--check" in sys.argv[1:]:
         if not TABLE.exists() or TABLE.read_text() != text:
-            print("docs/hardening.md is out of date: run python3 tests/hardening/hardening_table.py")
+            print("docs/developers/hardening.md is out of date: run python3 tests/hardening/hardening_table.py")
             return 1
-        print("docs/hardening.md is current")
+        print("docs/developers/hardening.md is current")
         return 0
     TABLE.write_text(text)
-    print(f"{sum(len(rows) for _, rows in ROWS)} rows in docs/hardening.md")
+    print(f"{sum(len(rows) for _, rows in ROWS)} rows in docs/developers/hardening.md")
     return 0
 
 

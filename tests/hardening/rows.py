@@ -1,4 +1,4 @@
-"""The rows of docs/hardening.md: (what was tried, what happened before, what happens now, names of tests)."""
+"""The rows of docs/developers/hardening.md: (what was tried, what happened before, what happens now, names of tests)."""
 
 DATA = ("Data", [
     ("`serve` on a folder with flights of another installation, or with anything of others",

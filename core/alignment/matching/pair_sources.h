@@ -1,5 +1,5 @@
 // Sources of pairs: each says which photos may show the same, for a reason of its own; what several say is
-// compared once (candidate_pairs.h). How to add one: docs/recipes.md. Pure; any thread.
+// compared once (candidate_pairs.h). How to add one: docs/developers/recipes.md. Pure; any thread.
 #pragma once
 
 #include <cstddef>

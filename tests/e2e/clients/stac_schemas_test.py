@@ -1,5 +1,5 @@
 """Every document of the STAC catalogue against the official schemas, copies of which lie in SKYQUILT_STAC_SCHEMAS
-(docs/developing.md): without that folder nothing is tested."""
+(docs/developers/developing.md): without that folder nothing is tested."""
 import copy
 import datetime
 import json
