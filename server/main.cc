@@ -1,8 +1,10 @@
 // skyquilt: one program, one subcommand a task.
+#include <dlfcn.h>
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdlib>
 #include <exception>
 #include <string>
 #include <utility>
@@ -15,9 +17,23 @@
 
 namespace {
 constexpr int kUsageError = 64;  // EX_USAGE of sysexits.h
+
+// OpenBLAS, where a machine has it for BLAS (numpy and QGIS bring it along), begins a thread for each
+// processor as it is loaded. A process with threads cannot be confined, and sums that are shared out differ
+// between machines. For libraries that are loaded later and processes that are started from here the variable
+// is enough.
+void KeepBlasToOneThread() {
+  setenv("OPENBLAS_NUM_THREADS", "1", 1);
+  using SetThreads = void (*)(int);
+  if (const auto set_threads =
+          reinterpret_cast<SetThreads>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"))) {
+    set_threads(1);
+  }
 }
+}  // namespace
 
 int main(int argc, char** argv) {
+  KeepBlasToOneThread();
   CLI::App app{"Skyquilt: from a drone's SD card to a map in the browser"};
   app.require_subcommand(1);
   app.set_version_flag("--version", std::string("skyquilt ") + SKYQUILT_VERSION);

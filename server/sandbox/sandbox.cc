@@ -5,7 +5,6 @@
 #include <sstream>
 #include <string>
 
-#include "core/base/check.h"
 #include "server/sandbox/system_calls.h"
 
 namespace skyquilt::server {
@@ -36,20 +35,25 @@ void AddSystemFiles(FileAccess& access) {
 
 // ThreadSanitizer has a thread of its own, which decodes nothing.
 #if defined(__SANITIZE_THREAD__)
-void RequireOneThread() {}
+Result<void> RequireOneThread() { return {}; }
 #else
-void RequireOneThread() {
+Result<void> RequireOneThread() {
   std::error_code unknown;  // no /proc: then nobody can say
   const auto threads =
       std::distance(fs::directory_iterator("/proc/self/task", unknown), fs::directory_iterator());
-  SKYQUILT_CHECK(threads <= 1, "a process with threads cannot be confined: those that run stay free");
+  if (threads <= 1) return {};
+  return Error{
+      ErrorCode::kUnavailable,
+      "Nothing is decoded on this machine: one of its libraries begins threads as it is loaded, and those "
+      "would not be confined. The operator finds it by starting without LD_PRELOAD and without another BLAS.",
+      std::to_string(threads) + " threads"};
 }
 #endif
 
 }  // namespace
 
 Result<void> Confine(FileAccess access) {
-  RequireOneThread();
+  if (auto alone = RequireOneThread(); !alone) return alone;
   AddSystemFiles(access);
   if (auto files = ConfineFiles(access); !files) return files;
   return ConfineSystemCalls();

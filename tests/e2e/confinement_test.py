@@ -3,10 +3,12 @@ import ctypes
 import errno
 import os
 import pathlib
+import shutil
 import signal
 import struct
 import subprocess
 import unittest
+import unittest.mock
 
 import server_support
 from server_support import ServerTestCase, confined_of, limits_of, open_files_of, parts_of, wait_until
@@ -58,7 +60,42 @@ def forbid_landlock():
         os._exit(1)
 
 
+# Begins threads as OpenBLAS does: as it is loaded, as many as the machine has processors or the variable says.
+BEGINS_THREADS = r"""
+#include <pthread.h>
+#include <stdlib.h>
+#include <unistd.h>
+static void *wait(void *nothing) { for (;;) pause(); return nothing; }
+__attribute__((constructor)) static void begin(void) {
+  const char *said = getenv("%s");
+  int threads = said ? atoi(said) : 2;
+  pthread_t thread;
+  while (threads-- > 1) pthread_create(&thread, NULL, wait, NULL);
+}
+"""
+
+
 class Confinement(ServerTestCase):
+    def serve_with(self, variable):
+        """A server on a machine where a library that is always loaded heeds this variable."""
+        compiler = shutil.which("cc")
+        if compiler is None:
+            self.skipTest("no compiler (apt install gcc)")
+        library = pathlib.Path(self.data, "..", f"begins_{variable}.so").resolve()
+        subprocess.run([compiler, "-shared", "-fPIC", "-o", library, "-x", "c", "-"], input=BEGINS_THREADS % variable, text=True, check=True)
+        with unittest.mock.patch.dict(os.environ, LD_PRELOAD=str(library)):
+            return self.serve("--workers", "1")
+
+    def test_a_blas_with_threads_is_kept_to_one(self):
+        server = self.serve_with("OPENBLAS_NUM_THREADS")
+        self.assertGreater(len(list(pathlib.Path(f"/proc/{server.process.pid}/task").iterdir())), 1)
+        _, job = self.start_job(server, self.photos[:2])
+        self.assertEqual(server.wait_for_job(job)["state"], "successful", server.errors())
+
+    def test_where_a_library_begins_threads_the_job_says_so(self):
+        _, job = self.start_job(server := self.serve_with("NOBODY_SETS_THIS"), self.photos[:2])
+        self.assertIn("begins threads as it is loaded", server.wait_for_job(job)["error"]["message"])
+
     def start_job(self, server, photos=None):
         status, made = server.upload(photos or self.photos)
         self.assertEqual(status, 202, made)
