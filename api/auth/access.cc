@@ -95,10 +95,17 @@ bool IsNode(std::string_view pattern) {
 
 std::optional<Response> CheckAccess(Service& service, Request& request, const Route& route) {
   if (!route.scope) return std::nullopt;
-  const auto tokens = service.tokens.Known();
-  if (!tokens) return Problem(tokens.error(), request);
+  auto tokens = service.tokens.Known();
   const ShownToken shown = ShownBy(request);
-  const storage::Token* token = shown.text.empty() ? nullptr : Recognise(**tokens, shown.text);
+  const auto recognised = [&] {
+    return !tokens || shown.text.empty() ? nullptr : Recognise(**tokens, shown.text);
+  };
+  const storage::Token* token = recognised();
+  if (token == nullptr && !shown.text.empty()) {
+    tokens = service.tokens.Known(storage::Tokens::kFreshForUnknown);
+    token = recognised();
+  }
+  if (!tokens) return Problem(tokens.error(), request);
   const bool is_share = shown.text.starts_with(kShareText) || (token != nullptr && !token->flight_id.empty());
   if (!(*tokens)->requires_token && !is_share && !request.needs_token) {
     request.is_admin = true;

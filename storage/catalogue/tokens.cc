@@ -12,7 +12,6 @@ namespace skyquilt::storage {
 namespace {
 
 constexpr std::array kScopeNames = {"read", "upload", "admin"};
-constexpr std::chrono::seconds kFreshFor{1};
 
 std::span<const std::uint8_t> Bytes(const std::string& text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
@@ -163,14 +162,14 @@ Result<void> Tokens::ReadIntoMemory() {
   return {};
 }
 
-Result<std::shared_ptr<const TokenSet>> Tokens::Known() {
+Result<std::shared_ptr<const TokenSet>> Tokens::Known(std::chrono::milliseconds fresh_for) {
   const auto now = std::chrono::steady_clock::now();
   bool has_changed = false;
   std::shared_ptr<const TokenSet> known;
   {
     const std::lock_guard lock(mutex_);
     has_changed = HasChanged();
-    if (!has_changed && known_ != nullptr && now - read_at_ < kFreshFor) return known_;
+    if (!has_changed && known_ != nullptr && now - read_at_ < fresh_for) return known_;
     if (now - read_at_ < kTrusted) known = known_;
   }
   // What was changed here is never answered from before.

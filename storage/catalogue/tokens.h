@@ -50,6 +50,10 @@ struct TokenSet {
 class Tokens {
  public:
   static constexpr std::chrono::minutes kTrusted{10};
+  static constexpr std::chrono::milliseconds kFreshFor{1000};
+  // For a token that is not among those known: one that a command made just now is good at once, and who
+  // tries out many costs no more than so many reads a second.
+  static constexpr std::chrono::milliseconds kFreshForUnknown{10};
   explicit Tokens(CatalogueDb& db) : db_(db) {}
   Result<void> Add(const Token& token);
   // One that opens a flight. It closes no server that asks nobody for a token.
@@ -61,9 +65,9 @@ class Tokens {
   Result<TokenSet> Read() const;
   // Until the next token is made, nobody needs one. What `serve --open` says where no token is left.
   Result<void> LetEverybodyIn();
-  // The same, from memory where it is younger than a second: for every request. While a database that many
+  // The same, from memory where it is younger than `fresh_for`: for every request. While a database that many
   // machines share does not answer, what was read in the last kTrusted holds.
-  Result<std::shared_ptr<const TokenSet>> Known();
+  Result<std::shared_ptr<const TokenSet>> Known(std::chrono::milliseconds fresh_for = kFreshFor);
   // Whether the server requires a token, as Known found it last; read from memory except the first time.
   bool RequiresToken();
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <set>
+#include <thread>
 
 #include "tests/api/sample_service.h"
 
@@ -34,6 +35,21 @@ int StatusFor(SampleService& sample, Method method, const Route& route, const st
   return refused->status == 200
              ? (refused->body.find("Invalid authentication") == std::string::npos ? 403 : 401)
              : refused->status;
+}
+
+TEST(Access, ATokenThatACommandMadeIsGoodAtOnce) {
+  SampleService sample;
+  const std::string first = MakeToken(sample, "first", Scope::kRead);
+  Route route;
+  route.scope = Scope::kRead;
+  ASSERT_EQ(StatusFor(sample, Method::kGet, route, first), 0);
+  // As another program does it: what the server has in memory does not know.
+  storage::Tokens elsewhere(sample.service().db);
+  const std::string text = NewTokenText();
+  ASSERT_TRUE(elsewhere.Add({"new", "new", HashToken(text), Scope::kRead, storage::Now(), {}}));
+  std::this_thread::sleep_for(storage::Tokens::kFreshForUnknown);
+  EXPECT_EQ(StatusFor(sample, Method::kGet, route, text), 0);
+  EXPECT_EQ(StatusFor(sample, Method::kGet, route, text + "x"), 401);
 }
 
 TEST(Access, EveryRouteAsksForWhatItDoes) {
