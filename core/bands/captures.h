@@ -25,12 +25,16 @@ struct Capture {
   std::vector<BandPhoto> photos;  // that have values, one per band at most, in the order of the bands
 };
 
+// What of known reflectance a band's values were held against.
+enum class HeldAgainst { kNothing, kPanel, kTargets };
+
 struct Band {
   std::string name;
   std::optional<double> wavelength_nm;
   std::optional<double> width_nm;
   Calibration calibration = Calibration::kLevels;  // of all photos that have values
   std::string method;
+  HeldAgainst held_against = HeldAgainst::kNothing;
 };
 
 struct Captures {

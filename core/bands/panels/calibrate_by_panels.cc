@@ -141,7 +141,7 @@ void CalibrateByPanels(Flight& flight, Captures& captures, const PhotoSource& so
     for (const Measured& measured : found->second) factors.push_back(measured.factor);
     const std::size_t pictures = factors.size();
     ScaleBand(
-        captures, band.name, std::move(factors), RemarkCode::kPanelsApart,
+        captures, band.name, std::move(factors), HeldAgainst::kPanel,
         fmt::format("by {} picture{} of {}", pictures, pictures == 1 ? "" : "s", found->second.front().panel),
         flight.warnings);
   }

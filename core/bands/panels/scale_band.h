@@ -12,10 +12,10 @@
 
 namespace skyquilt::bands {
 
-// Multiplies all values of the band in `captures`; `by` is added to the band's method; `if_apart`: what is
-// said where the witnesses are apart. The factor.
-double ScaleBand(Captures& captures, const std::string& band, std::vector<double> factors,
-                 flight::RemarkCode if_apart, const std::string& by, std::vector<flight::Remark>& warnings);
+// Multiplies all values of the band in `captures`; `by`: what the witnesses are, `method`: the same in words,
+// for the band's. A warning where they are apart goes to `warnings`. The factor.
+double ScaleBand(Captures& captures, const std::string& band, std::vector<double> factors, HeldAgainst by,
+                 const std::string& method, std::vector<flight::Remark>& warnings);
 
 // What a list says of a band; nothing where it says nothing.
 std::optional<double> ReflectanceOf(const flight::KnownReflectance& known, const std::string& band);

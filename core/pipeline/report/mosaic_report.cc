@@ -49,6 +49,18 @@ Json FootprintRing(const alignment::AlignedPhoto& photo, const geo::LocalFrame& 
 
 Json OrNull(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
 
+Json HeldAgainstJson(bands::HeldAgainst held_against) {
+  switch (held_against) {
+    case bands::HeldAgainst::kPanel:
+      return "panel";
+    case bands::HeldAgainst::kTargets:
+      return "targets";
+    case bands::HeldAgainst::kNothing:
+      break;
+  }
+  return nullptr;
+}
+
 Json BandsJson(const bands::BandsReport& report) {
   Json bands = Json::array();
   for (const bands::BandReport& one : report.bands) {
@@ -57,6 +69,7 @@ Json BandsJson(const bands::BandsReport& report) {
                      {"width_nm", OrNull(one.band.width_nm)},
                      {"calibration", bands::CalibrationName(one.band.calibration)},
                      {"method", one.band.method},
+                     {"held_against", HeldAgainstJson(one.band.held_against)},
                      {"pictures", one.pictures},
                      {"registered", one.registered},
                      {"patches", one.patches},

@@ -1,7 +1,7 @@
 // Vegetation indices on the page, in Chromium against the mock server; what their addresses are.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { indexTiles, parseRange, roundTo } from '../../../web/src/indices/index_query.js';
+import { calibrationOf, indexTiles, parseRange, roundTo } from '../../../web/src/indices/index_query.js';
 import { mapIdle } from '../support/browser.js';
 import { assertAccessible, assertQuiet, options, usePages } from '../support/pages.js';
 import { screenshotPixels } from '../support/pixels.js';
@@ -22,6 +22,18 @@ test('a range is two numbers, the lesser first, with the comma of German too', (
   assert.equal(roundTo(-1234.5, 900), -1230);
 });
 
+test('an index is worth no more than the least of its bands', () => {
+  const bands = /** @type {import('../../../web/src/shared/types.js').ReportedBand[]} */ ([
+    { name: 'red', calibration: 'reflectance', held_against: 'panel' }, { name: 'nir', calibration: 'reflectance', held_against: null },
+    { name: 'green', calibration: 'relative reflectance' }, { name: 'lwir', calibration: 'kelvin' },
+  ]);
+  assert.equal(calibrationOf('(nir-red)/(nir+red)', bands), 'reflectance');
+  assert.equal(calibrationOf('red', bands), 'panel');
+  assert.equal(calibrationOf('(green - RED) / red', bands), 'relative reflectance');
+  assert.equal(calibrationOf('lwir-273.15', bands), 'kelvin');
+  assert.equal(calibrationOf('(green-red)/(green+red-blue)', null), 'colours');
+});
+
 /** @param {object} [context] is_drawn: for who looks at its pixels @param {object} [facts] of the stand-in server */
 async function openIndices(context = { locale: 'en-GB' }, facts = {}) {
   const opened = await setUp({ has_indices: true, ...facts }, context);
@@ -32,10 +44,32 @@ async function openIndices(context = { locale: 'en-GB' }, facts = {}) {
   page.on('request', (request) => asked.push(request.url()));
   await page.goto(`${mock.url}#/flights/${flight.id}`);
   await mapIdle(page);
-  await page.click('#tool-layers');
+  if (await page.locator('#layers-card').isHidden()) await page.click('#tool-layers');
   await page.waitForSelector('#index option[value="vari"]', { state: 'attached' });
   return { ...opened, asked };
 }
+
+test('a flight with bands opens with its first index, in words, and what its values are worth', options, async () => {
+  const opened = await setUp({ has_indices: true, bands_bounds: [-180, -85, 180, 85] }, { locale: 'en-GB' });
+  const { page, mock } = opened;
+  const flight = mock.seedReady('Field');
+  await page.goto(`${mock.url}#/flights/${flight.id}`);
+  await page.waitForSelector('#index-histogram rect');
+  assert.equal(await page.inputValue('#index'), 'vari');
+  assert.deepEqual(await page.locator('#index-colours option').allTextContents(), ['Red to green', 'Purple to yellow']);
+  assert.equal(await page.textContent('#index-calibration'), 'Sensor levels, not calibrated', 'blue is not');
+  await page.selectOption('#index', 'own');
+  await page.fill('#index-expression', '(green-red)/(green+red)');
+  await page.waitForFunction(() => document.querySelector('#index-calibration')?.textContent === 'Reflectance, by a calibration panel');
+  await page.click('#index-geotiff');
+  await page.waitForSelector('#download-dialog #exports li');
+  const { format, crs, expression } = flight.exports[0];
+  assert.deepEqual([format, crs, expression], ['geotiff', 'utm', '(green-red)/(green+red)']);
+  await page.keyboard.press('Escape');
+  await page.goto(`${mock.url}#/`);
+  await page.waitForSelector('#layers-card', { state: 'hidden' });
+  await assertQuiet(opened, [/bands\.tif/]);
+});
 
 test('an index reaches as far as its bands do', options, async () => {
   const opened = await openIndices(undefined, { bands_bounds: [-180, -85, 180, 85] });

@@ -48,6 +48,18 @@ async function cameras(url, id) {
   return new Map(features.map(({ properties }) => [properties.name, [properties.camera_lon, properties.camera_lat]]));
 }
 
+/** Metres east and north of a place nearby. */
+const metresFrom = ([lon0, lat0], [lon, lat]) => [(lon - lon0) * 111_320 * Math.cos((lat0 * Math.PI) / 180), (lat - lat0) * 111_170];
+
+/** How far from where a clicked point is the map shows it now, by where two cameras were before and after. */
+function missOfPoint(before, after, names, shown, is) {
+  const [a, b] = names;
+  const [x, y] = metresFrom(before.get(a), before.get(b)), [u, v] = metresFrom(after.get(a), after.get(b));
+  const [re, im] = [(u * x + v * y) / (x * x + y * y), (v * x - u * y) / (x * x + y * y)];  // turn and scale, as a complex number
+  const [p, q] = metresFrom(before.get(a), shown), [s, t] = metresFrom(after.get(a), is);
+  return Math.hypot(re * p - im * q - s, re * q + im * p - t);
+}
+
 /** Clicks the map at a place, and types where it is. */
 async function point(page, number, shown, [lon, lat]) {
   const box = await page.locator('#map').boundingBox();
@@ -106,6 +118,16 @@ test('a map without any position comes to its place by two clicks', { skip: miss
     assert.ok(await page.isDisabled('#place-go'));
     await point(page, 2, shown.get(b.name), isAt(b));
     const after = await goAndWait(page, server.url, id);
+
+    // The points lie where it was said, to two pixels of the map.
+    const { gsd_m } = await get(server.url, `flights/${id}/report`);
+    const places = after.job.options.place;
+    assert.equal(places.length, 2);
+    const now = await cameras(server.url, id);
+    for (const { shown: [lat, lon], is } of places) {
+      const miss_m = missOfPoint(shown, now, [a.name, b.name], [lon, lat], [is[1], is[0]]);
+      assert.ok(miss_m < 2 * gsd_m, `a point lies ${miss_m} m off, pixels are ${gsd_m} m`);
+    }
 
     // Every camera, also those that were not clicked, stands where it was flown.
     const placed = await cameras(server.url, id);

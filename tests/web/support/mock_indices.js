@@ -9,6 +9,7 @@ const kColormaps = [
   { id: 'rdylgn', colours: ['#a50026', '#ffffbf', '#006837'] },
   { id: 'viridis', colours: ['#440154', '#1f9e89', '#fde725'] },
 ];
+export const reported_bands = { bands: ['red', 'green', 'blue'].map((name) => ({ name, calibration: name === 'blue' ? 'levels' : 'reflectance', held_against: name === 'blue' ? null : 'panel' })) };
 export const index_facts = { bands: ['red', 'green', 'blue'], indices: kIndices };
 
 /** One colour for one request, so that a picture of the page tells which tiles it shows. @param {URLSearchParams} query */

@@ -13,7 +13,7 @@ import { tilePosition } from '../../../web/src/map/tile_addresses.js';
 import { boundsOf, moveByPairs, photosGeoJson, reportOf, unplacedQuality } from './mock_flight.js';
 import { answerExports } from './mock_exports.js';
 import { heightsOf } from './mock_heights.js';
-import { answerIndices, index_facts, indexTile } from './mock_indices.js';
+import { answerIndices, index_facts, indexTile, reported_bands } from './mock_indices.js';
 import { mockTus } from './mock_tus.js';
 import { countrysidePicture, countrysideTile, encodePng } from './tile_picture.js';
 
@@ -312,7 +312,7 @@ export async function startMockServer(options = {}) {
       if (!flight.ready) return problem(404, 'No map yet', 'The map of this flight has not been made.');
       const of_indices = answerIndices(rest, url.searchParams);
       if (of_indices) return of_indices.detail ? problem(of_indices.status, 'Bad request', of_indices.detail) : send(of_indices.status, of_indices.body ?? null);
-      if (rest === '/report') return send(200, { ...reportOf(flight.place, names, max_zoom, options.is_whole), quality: mapQuality(flight, reportOf(flight.place, names, max_zoom, options.is_whole)), is_placed: !(options.is_unplaced && !flight.is_placed), ...(options.has_heights ? { surface: { cell_m: 0.1, measured_share: 0.9 } } : {}), alignment: { placed_by: options.is_unplaced ? 'images' : 'records' } });
+      if (rest === '/report') return send(200, { ...reportOf(flight.place, names, max_zoom, options.is_whole), quality: mapQuality(flight, reportOf(flight.place, names, max_zoom, options.is_whole)), is_placed: !(options.is_unplaced && !flight.is_placed), ...(options.has_heights ? { surface: { cell_m: 0.1, measured_share: 0.9 } } : {}), ...(options.bands_bounds ? { bands: reported_bands } : {}), alignment: { placed_by: options.is_unplaced ? 'images' : 'records' } });
       if (rest === '/photos.geojson') return send(200, photosGeoJson(flight.place, names), 'application/geo+json');
       if (rest === '/thumbnail.webp' || rest === '/thumbnail.png') return send(200, countrysidePicture(flight.place, url.searchParams.get('size') === '1024' ? 1000 : 160), 'image/png');
       if (options.has_heights && ['/dsm.tif', '/dtm.tif', '/contours.gpkg', '/contours.dxf'].includes(rest)) return send(200, Buffer.from('heights'), 'application/octet-stream');

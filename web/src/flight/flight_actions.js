@@ -56,9 +56,10 @@ const kWishes = { utm: { format: 'geotiff', crs: 'utm' }, report: { format: 'rep
 /**
  * @param {Flight} flight
  * @param {import('../map/outlines.js').Outline[]} outlines
- * @param {number} [cut_to] which of them an export is to be cut to: it alone is asked for
+ * @param {{cut_to?: number, wish?: import('../shared/api.js').ExportWish|null}} [at_once] cut_to: which of the outlines an export is
+ *   to be cut to: it alone is asked for; wish: what is made without further question
  */
-export function showDownloads(flight, outlines, cut_to = -1) {
+export function showDownloads(flight, outlines, { cut_to = -1, wish: wanted = null } = {}) {
   const words = strings.actions;
   const link = (/** @type {import('../shared/api.js').DownloadName} */ name) => {
     const [title, hint] = { ...words.files, ...words.band_files, ...words.height_files }[name];
@@ -115,7 +116,7 @@ export function showDownloads(flight, outlines, cut_to = -1) {
   put(exports, open);
   const dialog = showDialog('download-dialog', words.download, h('div', {}, downloads, exports));
   dialog.addEventListener('close', () => closed.abort());
-  if (cut_to >= 0) void showExports(open, null);
+  if (cut_to >= 0 || wanted) void showExports(open, wanted);
 }
 
 /** Says what to do, with the file that does it. @param {Flight} flight */

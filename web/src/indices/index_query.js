@@ -1,5 +1,5 @@
 // How an index is asked for: the parameters of its addresses, and the addresses of its tiles. Pure.
-/** @import { MapIndex } from '../shared/types.js' */
+/** @import { MapIndex, ReportedBand } from '../shared/types.js' */
 import { parseNumber } from '../shared/format.js';
 
 /**
@@ -41,4 +41,19 @@ export function parseRange(least, most) {
 export function roundTo(value, width) {
   const step = 10 ** Math.floor(Math.log10(Math.max(width, 1e-9)) - 1);
   return Number((Math.round(value / step) * step).toPrecision(6));
+}
+
+// The least that may be said of a value comes first.
+const kCalibrations = ['levels', 'radiance', 'relative reflectance', 'reflectance', 'targets', 'panel', 'kelvin'];
+
+/**
+ * What an index' values are worth: the least of what its bands' are.
+ * @param {string} expression
+ * @param {ReportedBand[]|null} bands null: it is made of the map's colours
+ * @returns {string} a key of the words for it
+ */
+export function calibrationOf(expression, bands) {
+  const named = new Set(expression.toLowerCase().match(/[a-z_][a-z0-9_]*/g));
+  const worth = (bands ?? []).filter(({ name }) => named.has(name)).map(({ calibration, held_against }) => held_against ?? calibration);
+  return kCalibrations.find((one) => worth.includes(one)) ?? 'colours';
 }

@@ -3,11 +3,11 @@
 /** @import { IndexStatistics, MapIndex } from '../shared/types.js' */
 /** @import { MapView } from '../map/map_view.js' */
 import { showNote } from '../shared/announce.js';
-import { getBands, getIndexStatistics, getIndexValue, zonesPath } from '../shared/api.js';
+import { getBands, getIndexStatistics, getIndexValue, getReport, zonesPath } from '../shared/api.js';
 import { h, put, svg } from '../shared/dom.js';
 import { strings } from '../shared/flight_strings.js';
 import { fixed } from '../shared/language.js';
-import { indexQuery, indexTiles, parseRange, roundTo } from './index_query.js';
+import { calibrationOf, indexQuery, indexTiles, parseRange, roundTo } from './index_query.js';
 
 const kNone = '';
 const kOwn = 'own';
@@ -25,8 +25,8 @@ function afterPause(act, pause_ms) {
   };
 }
 
-/** @param {MapView} view */
-export function indexSection(view) {
+/** @param {MapView} view @param {(wish: import('../shared/api.js').ExportWish) => void} download */
+export function indexSection(view, download) {
   const words = strings.indices;
   const which = h('select', { id: 'index', class: 'field' });
   const own = h('input', { type: 'text', id: 'index-expression', class: 'field mono', maxlength: 512, spellcheck: 'false', autocapitalize: 'off', autocomplete: 'off', 'aria-label': words.expression, hidden: true });
@@ -39,6 +39,8 @@ export function indexSection(view) {
   const histogram = svg('svg', { class: 'index-histogram', id: 'index-histogram', viewBox: `0 0 64 ${kHistogramHeight}`, preserveAspectRatio: 'none', role: 'img' });
   const ramp = h('div', { class: 'layer-ramp', id: 'index-ramp', 'aria-hidden': 'true' });
   const value = h('p', { class: 'row between', id: 'index-value' });
+  const calibration = h('p', { class: 'muted fine', id: 'index-calibration' });
+  const geotiff = h('button', { type: 'button', class: 'text-button', id: 'index-geotiff' }, words.geotiff);
   const zones = h('select', { id: 'index-zones', class: 'field' }, ...[3, 4, 5, 6, 7].map((n) => h('option', { value: n }, words.zones(n))));
   zones.value = String(kUsualZones);
   const geojson = h('a', { id: 'zones-geojson', download: '' }, 'GeoJSON');
@@ -53,6 +55,8 @@ export function indexSection(view) {
     ramp,
     h('div', { class: 'index-range' }, least, fit, most),
     value,
+    calibration,
+    h('div', {}, geotiff),
     h('label', { for: 'index-zones', class: 'small-label' }, words.zoning),
     h('div', { class: 'index-zones' }, zones, geojson, shapefile),
   );
@@ -64,6 +68,8 @@ export function indexSection(view) {
   let shown = null;
   /** @type {IndexStatistics|null} */
   let statistics = null;
+  /** @type {import('../shared/types.js').Report['bands']} what the report says of them */
+  let bands;
   let turn = 0;  // of the index that is shown
   let place_turn = 0;
 
@@ -124,6 +130,7 @@ export function indexSection(view) {
     view.hideIndex();
     refuse('');
     put(value);
+    put(calibration);
   };
 
   /** @param {MapIndex} index @param {boolean} fits the ends of the colours come from the values */
@@ -132,6 +139,7 @@ export function indexSection(view) {
     const own_turn = turn;
     const bounds = view.bounds;
     if (!bounds) return;
+    put(calibration, words.calibrations[calibrationOf(index.expression, bands?.bands ?? null)]);
     if (!fits) {
       [least.value, most.value] = index.rescale.map(String);
       colours.value = index.colormap;
@@ -180,7 +188,7 @@ export function indexSection(view) {
     if (shown) showValueSoon();
   });
 
-  which.addEventListener('change', () => {
+  const choose = () => {
     own.hidden = which.value !== kOwn;
     details.hidden = which.value === kNone;
     const index = view.indices.find(({ id }) => id === which.value);
@@ -191,22 +199,31 @@ export function indexSection(view) {
       own.focus();
       showOwn();
     }
-  });
+  };
+  which.addEventListener('change', choose);
   own.addEventListener('input', afterPause(showOwn, 2 * kTypingPause_ms));
   for (const input of [least, most]) input.addEventListener('input', recolourSoon);
   for (const input of [colours, turned, zones]) input.addEventListener('change', recolour);
   fit.addEventListener('click', fitToValues);
+  geotiff.addEventListener('click', () => {
+    if (shown) download({ format: 'geotiff', crs: 'utm', ...(shown.id ? { index: shown.id } : { expression: shown.expression }) });
+  });
 
   const loadRamps = async () => {
     if (ramps.size > 0) return;
     const { colormaps } = await getBands(view.flight_id);
     for (const { id, colours: stops } of colormaps) ramps.set(id, stops);
-    put(colours, ...[...ramps.keys()].map((id) => h('option', { value: id }, id)));
+    put(colours, ...[...ramps.keys()].map((id) => h('option', { value: id }, words.ramps[id] ?? id)));
+  };
+  // A map that is there without its report is shown all the same, as one of whose values nothing is known.
+  const loadBands = async () => {
+    bands = view.has_bands ? (await getReport(view.flight_id).catch(() => null))?.bands : undefined;
   };
 
   return {
     element,
-    async draw() {
+    /** @param {boolean} [shows_first] the first index at once */
+    async draw(shows_first = false) {
       element.hidden = view.bands.length === 0 || view.flight_id === '';
       if (element.hidden) return;
       try {
@@ -216,6 +233,9 @@ export function indexSection(view) {
         return;
       }
       if (shown && view.has_index) return;
+      const { flight_id } = view;
+      await loadBands();
+      if (flight_id !== view.flight_id) return;
       stop();
       put(
         which,
@@ -223,9 +243,8 @@ export function indexSection(view) {
         ...view.indices.map(({ id, title }) => h('option', { value: id ?? '' }, `${title}: ${words.about[id ?? ''] ?? ''}`)),
         h('option', { value: kOwn }, words.own(view.bands.join(', '))),
       );
-      which.value = kNone;
-      details.hidden = true;
-      own.hidden = true;
+      which.value = (shows_first && view.indices[0]?.id) || kNone;
+      choose();
     },
   };
 }

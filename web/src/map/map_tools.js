@@ -18,9 +18,11 @@ import { fixed } from '../shared/language.js';
 import { strings } from '../shared/flight_strings.js';
 import { ownHost } from './tile_addresses.js';
 
+const kNarrow = '(max-width: 760px)';  // as in the styles
+
 /**
  * @param {MapView} view
- * @param {{fit: () => void, measure: (kind: 'distance'|'area') => void, compare: () => void, layers: () => void}} actions layers: they are about to show
+ * @param {{fit: () => void, measure: (kind: 'distance'|'area') => void, compare: () => void, layers: () => void, download: (wish: import('../shared/api.js').ExportWish) => void}} actions layers: they are about to show; download: of a map as somebody wants it
  */
 export function mapTools(view, actions) {
   const words = strings.map;
@@ -28,7 +30,7 @@ export function mapTools(view, actions) {
     h('button', { type: 'button', class: 'tool', id: id || null, 'aria-label': label, title: label, on: run && { click: run } }, picture);
 
   const needle = compassNeedle();
-  const layers_button = tool(icon('layers'), words.layers, () => toggleLayers(), 'tool-layers');
+  const layers_button = tool(icon('layers'), words.layers, () => chooseLayers(), 'tool-layers');
   const distance = tool(icon('ruler'), words.distance, () => actions.measure('distance'), 'tool-distance');
   const area = tool(icon('area'), words.area, () => actions.measure('area'), 'tool-area');
   const three_d = tool(h('span', { class: 'tool-text' }, words.three_d_short), words.three_d, null, 'tool-3d');
@@ -50,13 +52,18 @@ export function mapTools(view, actions) {
   const turn = () => needle.style.setProperty('transform', `rotate(${-view.map.getBearing()}deg)`);
   view.map.on('rotate', turn);
 
-  const card = layersCard(view);
-  const toggleLayers = (open = card.element.hidden) => {
+  const card = layersCard(view, actions.download);
+  let opened_itself = false;
+  const toggleLayers = (open = card.element.hidden, shows_index = false) => {
     card.element.hidden = !open;
     layers_button.setAttribute('aria-expanded', String(open));
     if (!open) return;
     actions.layers();
-    card.draw();
+    card.draw(shows_index);
+  };
+  const chooseLayers = () => {
+    opened_itself = false;
+    toggleLayers();
   };
   layers_button.setAttribute('aria-expanded', 'false');
   layers_button.setAttribute('aria-controls', card.element.id);
@@ -70,7 +77,17 @@ export function mapTools(view, actions) {
     column,
     layers: card.element,
     coordinates: coordinateReadout(view),
-    drawLayers: card.draw,
+    /**
+     * Who flew bands wants what is made of them: the card opens with the first index. A phone has no room for card and map.
+     * @param {boolean} is_new another flight's map
+     */
+    drawLayers(is_new) {
+      const opens = is_new && view.has_bands && !matchMedia(kNarrow).matches;
+      if (opens) toggleLayers(true, true);
+      else if (is_new && opened_itself) toggleLayers(false);
+      else card.draw(false);
+      if (is_new) opened_itself = opens;
+    },
     closeLayers: () => toggleLayers(false),
     /** For what a tilted map is of no use to. */
     keepLevel: standing.keepLevel,
@@ -82,8 +99,8 @@ export function mapTools(view, actions) {
   };
 }
 
-/** @param {MapView} view */
-function layersCard(view) {
+/** @param {MapView} view @param {(wish: import('../shared/api.js').ExportWish) => void} download */
+function layersCard(view, download) {
   const words = strings.map;
   const opacity = h('input', { type: 'range', id: 'opacity', min: 0, max: 100, step: 1, value: Math.round(view.opacity * 100) });
   opacity.addEventListener('input', () => view.setOpacity(Number(opacity.value) / 100));
@@ -134,7 +151,7 @@ function layersCard(view) {
     void view.setBasemap(kind);
   });
   const overlay = overlayChooser(view);
-  const index = indexSection(view);
+  const index = indexSection(view, download);
   const element = h(
     'section',
     { class: 'layers-card floating', id: 'layers-card', 'aria-label': words.layers, hidden: true },
@@ -155,10 +172,11 @@ function layersCard(view) {
   );
   return {
     element,
-    draw: () => {
+    /** @param {boolean} shows_index */
+    draw: (shows_index) => {
       draw();
       overlay.draw();
-      void index.draw();
+      void index.draw(shows_index);
       void drawBasemaps();
     },
   };

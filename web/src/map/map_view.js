@@ -34,6 +34,7 @@ export class MapView {
   overlay = '';
   /** @type {string[]} that expressions can name */
   bands = [];
+  has_bands = false;  // of a camera with several: beside the map's colours
   /** @type {MapIndex[]} that can be made of the map */
   indices = [];
   /** @type {Surface[]} whose heights the map has */
@@ -128,6 +129,7 @@ export class MapView {
     this.hideIndex();
     this.layers = tilejson.layers ?? [];
     this.bands = grows ? [] : (tilejson.bands ?? []);
+    this.has_bands = !grows && tilejson.bands_bounds !== undefined;
     this.#index_bounds = tilejson.bands_bounds ?? bounds;
     this.indices = tilejson.indices ?? [];
     this.flight_id = flight_id;
@@ -292,6 +294,7 @@ export class MapView {
     this.hideIndex();
     this.layers = [];
     this.bands = [];
+    this.has_bands = false;
     this.indices = [];
     this.#setHeights({});
     this.remove('photos', ['photos-fill', 'photos-line']);

@@ -87,7 +87,7 @@ export function measureTool(view, listener) {
   /** @type {Keeper|null} */
   let keeper = null;
   const keep_button = button(strings.notes.keep, () => keep(), 'measure-keep');
-  const export_button = button(strings.exports.drawn_go, () => flight && showDownloads(flight, listener.outlines(), 0), 'measure-export');
+  const export_button = button(strings.exports.drawn_go, () => flight && showDownloads(flight, listener.outlines(), { cut_to: 0 }), 'measure-export');
   const element = h(
     'section',
     { class: 'measure-card no-print', id: 'measure-card', 'aria-label': words.distance, hidden: true },

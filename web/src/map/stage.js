@@ -16,6 +16,7 @@ import { outlinesOfNotes } from './outlines.js';
 import { placeTool } from './place_tool.js';
 import { kStagePadding } from '../first_view/poster_place.js';
 import { dropPoster, uncoverMap } from '../first_view/poster.js';
+import { showDownloads } from '../flight/flight_actions.js';
 import { photoCard } from '../flight/photo_card.js';
 import { byQuality } from './sighting_order.js';
 import { strings } from '../shared/flight_strings.js';
@@ -132,6 +133,9 @@ export class Stage {
       },
       compare: () => this.#chooseCompare(),
       layers: () => this.makeRoom(),
+      download: (wish) => {
+        if (this.#flight) showDownloads(this.#flight, this.outlines(), { wish });
+      },
     });
     this.#parts = { fit, card, measure, place, tools };
     this.area.append(measure.cross, place.cross, tools.column, tools.layers, card.element, place.element, tools.coordinates);
@@ -323,7 +327,7 @@ export class Stage {
     const found = await photos;
     if (this.#shown?.id !== flight.id || this.#shown.revision !== revision) return;
     if (found) await view.showPhotos(found);
-    this.#parts?.tools.drawLayers();
+    this.#parts?.tools.drawLayers(is_new);
   }
 
   async clear() {

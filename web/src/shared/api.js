@@ -381,7 +381,7 @@ export async function downloadSize(id, name) {
   return Number.isFinite(length) ? length : null;
 }
 
-/** @typedef {{format: string, crs?: string, resolution_m?: number, boundary?: GeoJSON.Geometry, index?: string}} ExportWish */
+/** @typedef {{format: string, crs?: string, resolution_m?: number, boundary?: GeoJSON.Geometry, index?: string, expression?: string}} ExportWish */
 
 /** @param {string} id @returns {Promise<MapExport[]>} newest first */
 export const listExports = async (id) => (await request('GET', `${flight_path(id)}/exports`)).exports;

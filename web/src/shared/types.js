@@ -210,8 +210,15 @@
  * @property {boolean} [is_placed] false: nothing says where on Earth the flight was
  * @property {MapQuality} [quality]
  * @property {{placed_by?: 'images'|'records', ground_control?: ControlFigures[]}|null} [alignment]
- * @property {object} [bands] of a camera with several
+ * @property {{bands: ReportedBand[]}} [bands] of a camera with several
  * @property {{cell_m: number, measured_share: number, contour_interval_m?: number}} [surface] of heights that were matched
+ */
+
+/**
+ * @typedef {object} ReportedBand
+ * @property {string} name
+ * @property {'levels'|'radiance'|'relative reflectance'|'reflectance'|'kelvin'} calibration
+ * @property {'panel'|'targets'|null} [held_against] what of known reflectance
  */
 
 /**
