@@ -26,25 +26,13 @@ def blocks(page):
     return re.findall(r"^```sh\n(.*?)^```$", (TASKS / page).read_text(), re.M | re.S)
 
 
-class Tasks(ServerTestCase):
-    def setUp(self):
-        super().setUp()
-        self.folder = pathlib.Path(tempfile.mkdtemp(dir=self.scratch))
-        self.programs = pathlib.Path(tempfile.mkdtemp(dir=self.scratch))
-        (self.programs / "skyquilt").symlink_to(pathlib.Path(BINARY).resolve())
+class TaskPages:
+    """The pages, for a test case that has a `folder` to run their lines in, serve() and run_block(text, server)."""
+    prints = any(shutil.which(name) for name in PRINTERS)
+    has_gdalinfo = shutil.which("gdalinfo") is not None
 
     def card(self, name="DCIM", flight=None):
         shutil.copytree((flight or made_flights.small_flight()) / "photos", self.folder / name / "100MEDIA")
-
-    def run_block(self, text, server=None):
-        """One block in a shell of its own; the page's address is that of the server of this test, its data folder too."""
-        if server is not None:
-            text = text.replace(ADDRESS, f"127.0.0.1:{server.port}").replace("--data data", f"--data {server.data}")
-            text = re.sub(r"\bskyquilt upload ", f"skyquilt upload --server http://127.0.0.1:{server.port} ", text)
-        done = subprocess.run(["bash", "-euo", "pipefail", "-c", text], cwd=self.folder, capture_output=True, text=True, timeout=900,
-                              env={**os.environ, "PATH": f"{self.programs}:{os.environ['PATH']}"})
-        self.assertEqual(done.returncode, 0, f"{text}\n{done.stdout}\n{done.stderr}")
-        return done.stdout
 
     def assert_begins(self, **files):
         for name, bytes_ in files.items():
@@ -61,7 +49,7 @@ class Tasks(ServerTestCase):
                     self.assertTrue((TASKS / target).resolve().exists(), f"{page.name}: {target}")
 
     def test_from_the_card_to_a_pdf(self):
-        if not any(shutil.which(name) for name in PRINTERS):
+        if not self.prints:
             self.skipTest("no program that prints a PDF (apt install weasyprint)")
         by_command, by_curl = blocks("card-to-pdf.md")
         self.card()
@@ -85,7 +73,7 @@ class Tasks(ServerTestCase):
         self.card(flight=flight)
         rows = gcp_list(json.loads((flight / "truth" / "poses.json").read_text()), [(-20, -20), (20, 20), (-18, 18), (19, -19), (0, 5)])
         (self.folder / "DCIM" / "100MEDIA" / "gcp_list.txt").write_text(rows.replace(" p4\n", " p4_check\n"))
-        if any(shutil.which(name) for name in PRINTERS):
+        if self.prints:
             self.run_block(lines)
             self.assert_begins(map__pdf=b"%PDF-")
         else:
@@ -94,8 +82,9 @@ class Tasks(ServerTestCase):
         self.assertEqual([point["is_check"] for point in report["alignment"]["ground_control"]].count(True), 1)
         self.assertEqual(report["quality"]["absolute"]["by"], "check_points")
 
-    @unittest.skipUnless(shutil.which("gdalinfo"), "no gdalinfo (apt install gdal-bin)")
     def test_into_qgis(self):
+        if not self.has_gdalinfo:
+            self.skipTest("no gdalinfo (apt install gdal-bin)")
         from_server, from_folder = blocks("into-qgis.md")
         self.card()
         server = self.serve()
@@ -116,6 +105,24 @@ class Tasks(ServerTestCase):
         self.run_block(programs + share, server)
         self.assertEqual(json.loads((self.folder / "flights.json").read_text())["flights"][0]["name"], "beach")
         self.assertIn("sq_share_", (self.folder / "share.json").read_text())
+
+
+class Tasks(TaskPages, ServerTestCase):
+    def setUp(self):
+        super().setUp()
+        self.folder = pathlib.Path(tempfile.mkdtemp(dir=self.scratch))
+        self.programs = pathlib.Path(tempfile.mkdtemp(dir=self.scratch))
+        (self.programs / "skyquilt").symlink_to(pathlib.Path(BINARY).resolve())
+
+    def run_block(self, text, server=None):
+        """One block in a shell of its own; the page's address is that of the server of this test, its data folder too."""
+        if server is not None:
+            text = text.replace(ADDRESS, f"127.0.0.1:{server.port}").replace("--data data", f"--data {server.data}")
+            text = re.sub(r"\bskyquilt upload ", f"skyquilt upload --server http://127.0.0.1:{server.port} ", text)
+        done = subprocess.run(["bash", "-euo", "pipefail", "-c", text], cwd=self.folder, capture_output=True, text=True, timeout=900,
+                              env={**os.environ, "PATH": f"{self.programs}:{os.environ['PATH']}"})
+        self.assertEqual(done.returncode, 0, f"{text}\n{done.stdout}\n{done.stderr}")
+        return done.stdout
 
 
 if __name__ == "__main__":
