@@ -11,11 +11,13 @@
 #include "core/flight/aside/other_pictures.h"
 #include "core/flight/bytes/byte_source.h"
 #include "core/flight/bytes/log_text.h"
+#include "core/flight/bytes/text_fields.h"
 #include "core/flight/lists/elevation_model_file.h"
 #include "core/flight/lists/film_file.h"
 #include "core/flight/lists/reflectance_list.h"
 #include "core/flight/logs/csv/unknown_table.h"
 #include "core/flight/logs/read_log.h"
+#include "core/flight/logs/texts/list_rows.h"
 #include "core/flight/logs/texts/unknown_list.h"
 #include "core/flight/logs/tracks/unknown_track.h"
 #include "core/flight/remarks/because.h"
@@ -89,7 +91,11 @@ Result<Kind> KindOf(const InputFile& file) {
     if (auto why = ExplainUnknownList(text.bytes(), file.name))
       return Because(ErrorCode::kUnsupportedFormat, *std::move(why));
   }
-  if (!format) return unknown;
+  if (!format) {
+    // A licence, a note: nobody meant it to be a photo, so that none is missing.
+    const bool is_note = LooksLikeText(TextOf(text.bytes())) && !LooksLikePhotoFile(file.name);
+    return is_note ? Kind::kNothing : unknown;
+  }
   return *format == LogFormat::kGcpList ? Kind::kGcpList : Kind::kLog;
 }
 

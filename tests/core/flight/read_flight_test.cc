@@ -180,6 +180,19 @@ TEST(ReadFlight, WarnsOfLogsByNameThatHoldNone) {
               Contains(::testing::AllOf(HasSubstr("Not used"), HasSubstr("notes.dat"))));
 }
 
+TEST(ReadFlight, MissesNoPhotoWhereALicenceLiesBesideThem) {
+  const Folder folder;
+  folder.Write("a.jpg", PhotoAt(1.0, ""));
+  const std::string text = "Permission is hereby granted, free of charge, to any person\n";
+  folder.Write("LICENSE", Bytes(text.begin(), text.end()));
+  folder.Write("page.jpg", Bytes(text.begin(), text.end()));
+  const Flight flight = Read(folder);
+  ASSERT_EQ(flight.left_out.size(), 1u);
+  EXPECT_EQ(flight.left_out.front().name, "page.jpg");
+  EXPECT_THAT(InWords(flight.warnings),
+              Contains(::testing::AllOf(HasSubstr("Not used"), HasSubstr("LICENSE"))));
+}
+
 TEST(ReadFlight, SaysNothingOfNotesOnTheMap) {
   const Folder folder;
   folder.Write("a.jpg", PhotoAt(1.0, ""));

@@ -216,7 +216,7 @@ class Exports(ServerTestCase):
         export = self.ask(server, flight, format="report")[1]
         wait_until(lambda: (folder / "pid").exists() and (folder / "pid").read_text().strip(), "nothing prints")
         asleep = pathlib.Path("/proc", (folder / "pid").read_text().strip(), "cmdline")
-        self.assertIn(b"sleep", asleep.read_bytes())
+        wait_until(lambda: b"sleep" in asleep.read_bytes(), "nothing sleeps")  # its number is known before it is another program
         self.assertEqual(server.request("DELETE", export["href"])[0], 204)
 
         def is_gone():

@@ -44,7 +44,7 @@ export function roundTo(value, width) {
 }
 
 // The least that may be said of a value comes first.
-const kCalibrations = ['levels', 'radiance', 'relative reflectance', 'reflectance', 'targets', 'panel', 'kelvin'];
+const kCalibrations = /** @type {const} */ (['levels', 'radiance', 'relative reflectance', 'reflectance', 'targets', 'panel', 'kelvin']);
 
 /**
  * What an index' values are worth: the least of what its bands' are.

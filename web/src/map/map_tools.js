@@ -79,7 +79,7 @@ export function mapTools(view, actions) {
     coordinates: coordinateReadout(view),
     /**
      * Who flew bands wants what is made of them: the card opens with the first index. A phone has no room for card and map.
-     * @param {boolean} is_new another flight's map
+     * @param {boolean} is_new another flight's map, or the first one after its preview
      */
     drawLayers(is_new) {
       const opens = is_new && view.has_bands && !matchMedia(kNarrow).matches;

@@ -327,7 +327,7 @@ export class Stage {
     const found = await photos;
     if (this.#shown?.id !== flight.id || this.#shown.revision !== revision) return;
     if (found) await view.showPhotos(found);
-    this.#parts?.tools.drawLayers(is_new);
+    this.#parts?.tools.drawLayers(is_new || was_preview);
   }
 
   async clear() {
