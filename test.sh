@@ -20,7 +20,7 @@ echo "== long tests"
 need_packages long
 python3 tests/e2e/npm_clients.py build/release/test_clients --native
 cmake --preset release >/dev/null  # looks again for what was installed
-ctest --preset long -j "$jobs"
+ctest --preset long -j $((jobs + 1))
 
 timed() {  # says how long a command took
   local begun=$SECONDS
