@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "core/base/parallel_for.h"
-#include "core/base/scoped_folder.h"
 #include "core/base/scoped_timer.h"
 #include "core/base/trace.h"
 #include "core/base/try.h"
@@ -20,13 +19,11 @@
 #include "server/inputs/open_elevation_model.h"
 #include "server/surface/write_surface.h"
 #include "server/tileset_metadata.h"
-#include "storage/db/ids.h"
 #include "storage/exports/cog_writer.h"
 #include "storage/exports/kmz_writer.h"
 #include "storage/exports/pmtiles_writer.h"
 #include "storage/exports/thumbnail_writer.h"
 #include "storage/exports/utm_writer.h"
-#include "storage/files/publish_file.h"
 #include "storage/rasters/bands_writer.h"
 #include "storage/tilesets/map_keeper.h"
 #include "storage/tilesets/mbtiles_writer.h"
@@ -47,22 +44,16 @@ Result<void> MakeFolder(const std::filesystem::path& folder) {
   return {};
 }
 
-// From the GeoTIFF that was asked for, or from one that goes again.
 Result<void> WriteUtm(const std::filesystem::path& mbtiles, const StitchJobOptions& options,
                       const pipeline::MosaicReport& report, const std::filesystem::path& out_dir,
                       Progress& progress) {
-  const storage::UtmOptions utm{report.bounds.Middle(), options.mosaic.OutputGsdM(report.gsd_m),
-                                options.mosaic.jpeg_quality, options.mosaic.threads};
-  const std::filesystem::path path = out_dir / "mosaic_utm.tif";
-  if (options.write_cog) return storage::WriteUtmGeotiff(out_dir / "mosaic.tif", path, utm, progress);
-  const std::filesystem::path made = out_dir / (".utm-" + storage::NewId());
-  std::error_code unmade;
-  std::filesystem::create_directory(made, unmade);
-  if (unmade) return storage::FileError("cannot make", made, unmade.value());
-  const ScopedFolder scratch(made);
-  const storage::CogOptions cog{options.mosaic.jpeg_quality, options.mosaic.threads};
-  SKYQUILT_TRY(storage::WriteCog(mbtiles, scratch.path() / "mosaic.tif", cog, progress));
-  return storage::WriteUtmGeotiff(scratch.path() / "mosaic.tif", path, utm, progress);
+  const storage::UtmOptions utm{report.bounds,
+                                report.min_zoom,
+                                report.max_zoom,
+                                options.mosaic.OutputGsdM(report.gsd_m),
+                                options.mosaic.jpeg_quality,
+                                options.mosaic.threads};
+  return storage::WriteUtmGeotiff(mbtiles, out_dir / "mosaic_utm.tif", utm, progress);
 }
 
 // The tileset in the other formats that were asked for.

@@ -16,13 +16,12 @@
 namespace skyquilt::storage {
 namespace {
 
-// One block as the structure note promises it: its size before it, its last four bytes once more behind it.
+// Where its own bytes begin.
 std::uint64_t WriteBlock(StreamFile& file, std::string_view block) {
-  const auto size = static_cast<std::uint32_t>(block.size());
-  file.Write({reinterpret_cast<const char*>(&size), 4});
-  const std::uint64_t at = file.position();
-  file.Write(block);
-  file.Write(block.substr(block.size() - 4));
+  const std::uint64_t at = file.position() + kBlockSizeBytes;
+  std::string framed;
+  AppendBlock(block, framed);
+  file.Write(framed);
   return at;
 }
 

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <iterator>
+#include <utility>
 
 #include "core/geo/web_mercator.h"
 
@@ -39,6 +41,7 @@ enum Tag : std::uint16_t {
   kGdalMetadata = 42112,
 };
 
+constexpr int kMercEpsg = 3857;
 constexpr std::uint16_t kReducedImage = 1, kMaskImage = 4;
 constexpr std::uint16_t kJpegCompression = 7, kDeflateCompression = 8, kWebpCompression = 50001;
 constexpr std::uint16_t kRgb = 2, kMaskPhotometric = 4, kYcbcr = 6;
@@ -75,8 +78,25 @@ std::string StructureNote(bool has_masks) {
 
 }  // namespace
 
+TiffHead::TiffHead(const std::vector<GridLevel>& grid, int tile_size_px, TiffTiles tiles, bool is_big,
+                   const TiffPlace& place)
+    : tile_size_px_(tile_size_px), tiles_(tiles), is_big_(is_big) {
+  AddLevels(grid, GeoEntries(place));
+}
+
 TiffHead::TiffHead(const std::vector<GridLevel>& grid, int tile_size_px, TiffTiles tiles, bool is_big)
     : tile_size_px_(tile_size_px), tiles_(tiles), is_big_(is_big) {
+  const double tile_m = geo::TileSizeInMercM(grid[0].zoom);
+  const double pixel_m = geo::PixelSizeInMercM(grid[0].zoom, tile_size_px);
+  std::vector<Entry> entries =
+      GeoEntries({kMercEpsg, false, "WGS 84 / Pseudo-Mercator",
+                  static_cast<double>(grid[0].first_column) * tile_m - geo::kMercHalfWidthM,
+                  geo::kMercHalfWidthM - static_cast<double>(grid[0].first_row) * tile_m, pixel_m, pixel_m});
+  entries.push_back(SchemeEntry(grid[0]));
+  AddLevels(grid, std::move(entries));
+}
+
+void TiffHead::AddLevels(const std::vector<GridLevel>& grid, std::vector<Entry> of_finest) {
   bytes_ = "II";
   if (is_big_) {
     bytes_ += Packed<std::uint16_t>({43, 8, 0});
@@ -91,9 +111,7 @@ TiffHead::TiffHead(const std::vector<GridLevel>& grid, int tile_size_px, TiffTil
   bytes_ += StructureNote(has_masks);
   for (std::size_t i = 0; i < grid.size(); ++i) {
     std::vector<Entry> image = ImageEntries(grid[i], i > 0);
-    if (i == 0) {
-      for (Entry& entry : GeoEntries(grid[0])) image.push_back(std::move(entry));
-    }
+    if (i == 0) std::move(of_finest.begin(), of_finest.end(), std::back_inserter(image));
     images_.push_back(AddDirectory(std::move(image)));
     if (has_masks) masks_.push_back(AddDirectory(MaskEntries(grid[i], i > 0)));
   }
@@ -148,51 +166,46 @@ std::vector<TiffHead::Entry> TiffHead::MaskEntries(const GridLevel& level, bool 
   return entries;
 }
 
-std::vector<TiffHead::Entry> TiffHead::GeoEntries(const GridLevel& level) const {
-  const double pixel_m = geo::PixelSizeInMercM(level.zoom, tile_size_px_);
-  const double tile_m = geo::TileSizeInMercM(level.zoom);
-  const double west_m = static_cast<double>(level.first_column) * tile_m - geo::kMercHalfWidthM;
-  const double north_m = geo::kMercHalfWidthM - static_cast<double>(level.first_row) * tile_m;
-  const std::string name = "WGS 84 / Pseudo-Mercator|";
-  // Version 1.1.0, then: projected (1), pixel is area (1), the name (1026), EPSG 3857, metres (9001).
-  const std::string keys = Packed<std::uint16_t>({1,
-                                                  1,
-                                                  0,
-                                                  5,  //
-                                                  1024,
-                                                  0,
-                                                  1,
-                                                  1,  //
-                                                  1025,
-                                                  0,
-                                                  1,
-                                                  1,  //
-                                                  1026,
-                                                  kGeoAsciiParams,
-                                                  static_cast<std::uint16_t>(name.size()),
-                                                  0,  //
-                                                  3072,
-                                                  0,
-                                                  1,
-                                                  3857,  //
-                                                  3076,
-                                                  0,
-                                                  1,
-                                                  9001});
+std::vector<TiffHead::Entry> TiffHead::GeoEntries(const TiffPlace& place) {
+  // Names of GeoTIFF's keys, each with the value's place (0: here), their number and the value.
+  enum Key : std::uint16_t {
+    kModelType = 1024,
+    kRasterType = 1025,
+    kCitation = 1026,
+    kGeodeticSystem = 2048,
+    kAngularUnits = 2054,
+    kProjectedSystem = 3072,
+    kLinearUnits = 3076,
+  };
+  constexpr std::uint16_t kProjected = 1, kGeographic = 2, kPixelIsArea = 1, kMetre = 9001, kDegree = 9102;
+  const std::string name = place.name + "|";
+  const auto code = static_cast<std::uint16_t>(place.epsg);
+  std::string keys;
+  std::uint16_t count = 0;
+  const auto add = [&](std::uint16_t key, std::uint16_t at, std::uint16_t values, std::uint16_t value) {
+    keys += Packed<std::uint16_t>({key, at, values, value});
+    ++count;
+  };
+  add(kModelType, 0, 1, place.is_geographic ? kGeographic : kProjected);
+  add(kRasterType, 0, 1, kPixelIsArea);
+  add(kCitation, kGeoAsciiParams, static_cast<std::uint16_t>(name.size()), 0);
+  add(place.is_geographic ? kGeodeticSystem : kProjectedSystem, 0, 1, code);
+  if (place.is_geographic) add(kAngularUnits, 0, 1, kDegree);
+  if (place.epsg == kMercEpsg) add(kLinearUnits, 0, 1, kMetre);  // of others the code says it
+  return {{kModelPixelScale, kDouble, 3, Packed<double>({place.pixel_x, place.pixel_y, 0.0})},
+          {kModelTiepoint, kDouble, 6, Packed<double>({0.0, 0.0, 0.0, place.west, place.north, 0.0})},
+          {kGeoKeyDirectory, kShort, 4 + 4ULL * count, Packed<std::uint16_t>({1, 1, 0, count}) + keys},
+          {kGeoAsciiParams, kAscii, name.size() + 1, name + '\0'}};
+}
+
+TiffHead::Entry TiffHead::SchemeEntry(const GridLevel& level) const {
   // The zoom as the well-known scale set of 256-pixel tiles counts it.
   const int zoom_of_256 = level.zoom + std::countr_zero(static_cast<unsigned>(tile_size_px_)) - 8;
   const std::string metadata = fmt::format(
       "<GDALMetadata>\n  <Item name=\"NAME\" domain=\"TILING_SCHEME\">GoogleMapsCompatible</Item>\n"
       "  <Item name=\"ZOOM_LEVEL\" domain=\"TILING_SCHEME\">{}</Item>\n</GDALMetadata>\n",
       zoom_of_256);
-  const auto text = [](Tag tag, const std::string& value) {
-    return Entry{tag, kAscii, value.size() + 1, value + '\0'};
-  };
-  return {{kModelPixelScale, kDouble, 3, Packed<double>({pixel_m, pixel_m, 0.0})},
-          {kModelTiepoint, kDouble, 6, Packed<double>({0.0, 0.0, 0.0, west_m, north_m, 0.0})},
-          {kGeoKeyDirectory, kShort, keys.size() / 2, keys},
-          text(kGeoAsciiParams, name),
-          text(kGdalMetadata, metadata)};
+  return {kGdalMetadata, kAscii, metadata.size() + 1, metadata + '\0'};
 }
 
 TiffHead::TileArrays TiffHead::AddDirectory(std::vector<Entry> entries) {

@@ -14,9 +14,20 @@ namespace skyquilt::storage {
 
 enum class TiffTiles { kJpeg, kWebp };
 
+// Where the finest level lies: the corner in the north-west and a pixel's sides, in units of the system.
+struct TiffPlace {
+  int epsg = 0;
+  bool is_geographic = false;
+  std::string name;  // of the system
+  double west = 0.0, north = 0.0, pixel_x = 1.0, pixel_y = 1.0;
+};
+
 class TiffHead {
  public:
   // With JPEG every level has a directory of one-bit masks beside it; WebP carries alpha itself.
+  TiffHead(const std::vector<GridLevel>& grid, int tile_size_px, TiffTiles tiles, bool is_big,
+           const TiffPlace& place);
+  // Of a map on the web map's own tiles: its place follows from them, and a reader learns of the scheme.
   TiffHead(const std::vector<GridLevel>& grid, int tile_size_px, TiffTiles tiles, bool is_big);
 
   // Where a tile of a level begins in the file, and its size; cells without a tile stay at zero.
@@ -39,7 +50,9 @@ class TiffHead {
   std::vector<Entry> ImageEntries(const GridLevel& level, bool is_overview) const;
   std::vector<Entry> MaskEntries(const GridLevel& level, bool is_overview) const;
   void AddPlaces(const GridLevel& level, std::vector<Entry>& entries) const;
-  std::vector<Entry> GeoEntries(const GridLevel& level) const;
+  void AddLevels(const std::vector<GridLevel>& grid, std::vector<Entry> of_finest);
+  static std::vector<Entry> GeoEntries(const TiffPlace& place);
+  Entry SchemeEntry(const GridLevel& level) const;
   TileArrays AddDirectory(std::vector<Entry> entries);
   void Set(const TileArrays& arrays, std::int64_t cell, std::uint64_t offset, std::uint64_t size);
   int OffsetSize() const { return is_big_ ? 8 : 4; }

@@ -2,7 +2,8 @@
 
 #include "core/base/try.h"
 #include "core/geo/crs/reference_system.h"
-#include "storage/exports/warp_geotiff.h"
+#include "storage/exports/warped/warp_tiles.h"
+#include "storage/tilesets/mbtiles_reader.h"
 
 namespace skyquilt::storage {
 
@@ -15,16 +16,19 @@ Result<int> UtmEpsg(const geo::LatLon& position) {
   return geo::UtmCodeOf(position);
 }
 
-Result<void> WriteUtmGeotiff(const std::filesystem::path& cog, const std::filesystem::path& path,
+Result<void> WriteUtmGeotiff(const std::filesystem::path& mbtiles, const std::filesystem::path& path,
                              const UtmOptions& options, Progress& progress) {
-  SKYQUILT_TRY_ASSIGN(const int epsg, UtmEpsg(options.middle));
-  WarpOptions warp;
-  warp.epsg = epsg;
+  WarpTilesOptions warp;
+  SKYQUILT_TRY_ASSIGN(warp.epsg, UtmEpsg(options.bounds.Middle()));
+  warp.bounds = options.bounds;
+  warp.min_zoom = options.min_zoom;
+  warp.max_zoom = options.max_zoom;
   warp.pixel_x = warp.pixel_y = options.pixel_m;
   warp.jpeg_quality = options.jpeg_quality;
   warp.threads = options.threads;
   warp.message = "writing the UTM GeoTIFF";
-  return WarpGeotiff(cog, path, warp, progress);
+  SKYQUILT_TRY_ASSIGN(const auto tiles, MbtilesReader::Open(mbtiles));
+  return WarpTiles(*tiles, path, warp, progress);
 }
 
 }  // namespace skyquilt::storage

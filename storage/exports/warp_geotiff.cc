@@ -31,11 +31,9 @@ const char* ResamplingOf(const WarpOptions& options) {
     case WarpedPixels::kCounts:
       return "near";
     case WarpedPixels::kValues:
-      return options.is_coarser ? "average" : "bilinear";
-    case WarpedPixels::kColours:
       break;
   }
-  return options.is_coarser ? "average" : "cubic";
+  return options.is_coarser ? "average" : "bilinear";
 }
 
 // What covers the bounds: their edges bend in the other system, so that two corners do not tell.
@@ -89,7 +87,6 @@ Result<void> Warp(GDALDataset& source, const char* path, const WarpOptions& opti
                    "NUM_THREADS=" + threads,
                    "-co",
                    "BIGTIFF=IF_SAFER"});
-  if (source.GetRasterCount() == 3) AddWords(words, {"-dstalpha"});
   if (options.bounds) {
     SKYQUILT_TRY_ASSIGN(const geo::Bounds2 box, BoundsInTarget(*options.bounds, options.epsg, progress));
     AddWords(words, {"-te", fmt::format("{:.9f}", box.min.x()), fmt::format("{:.9f}", box.min.y()),
@@ -116,11 +113,7 @@ Result<void> MakeCog(const char* from, const char* path, const WarpOptions& opti
   if (!source) return LastGdalError(progress);
   CPLStringList words;
   AddWords(words, {"-of", "COG", "-co", "BIGTIFF=IF_SAFER", "-co", "NUM_THREADS=" + threads});
-  if (options.pixels == WarpedPixels::kColours) {
-    AddWords(words, {"-co", "COMPRESS=JPEG", "-co", fmt::format("QUALITY={}", options.jpeg_quality)});
-  } else {
-    AddWords(words, {"-co", "COMPRESS=DEFLATE", "-co", "LEVEL=6", "-co", "PREDICTOR=YES"});
-  }
+  AddWords(words, {"-co", "COMPRESS=DEFLATE", "-co", "LEVEL=6", "-co", "PREDICTOR=YES"});
   AddWords(words, {"-co", options.pixels == WarpedPixels::kCounts ? "OVERVIEW_RESAMPLING=NEAREST"
                                                                   : "OVERVIEW_RESAMPLING=AVERAGE"});
   if (options.window) {

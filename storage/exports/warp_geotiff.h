@@ -1,5 +1,5 @@
-// WarpGeotiff: a finished GeoTIFF once more in another coordinate system or resolution. The pixels are
-// resampled (as WarpedPixels says; averaged where they become larger) and encoded anew, by GDAL, block by
+// WarpGeotiff: a finished GeoTIFF of values once more in another coordinate system or resolution (colours:
+// warped/warp_tiles.h). The pixels are resampled as WarpedPixels says and encoded anew, by GDAL, block by
 // block. Cloud-optimised. Memory: GDAL's block cache and warp buffer. What it puts down meanwhile lies beside
 // `path`: the pixels without loss, some eight times the bytes of the outcome. Published by rename. Blocking.
 // Errors: kIo, kOutOfSpace, kCancelled.
@@ -16,14 +16,13 @@
 namespace skyquilt::storage {
 
 enum class WarpedPixels {
-  kColours,  // cubic; JPEG with a mask
-  kHeights,  // in metres: bilinear, without loss
-  kCounts,   // the nearest, without loss
-  kValues,   // of an index: bilinear, averaged where they become larger, without loss
+  kHeights,  // in metres: bilinear
+  kCounts,   // the nearest
+  kValues,   // of an index: bilinear, averaged where they become larger
 };
 
 struct WarpOptions {
-  WarpedPixels pixels = WarpedPixels::kColours;
+  WarpedPixels pixels = WarpedPixels::kValues;
   int epsg = 3857;
   double pixel_x = 1.0;  // in units of that system
   double pixel_y = 1.0;
@@ -33,7 +32,6 @@ struct WarpOptions {
   // The pixels of the source as they are, in its own system: nothing but the file's form is new. Those of the
   // window, in that system.
   std::optional<geo::Bounds2> window;
-  int jpeg_quality = 85;
   int threads = 0;  // 0 = all cores
   const char* message = "writing the GeoTIFF";
 };

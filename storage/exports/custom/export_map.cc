@@ -19,6 +19,7 @@
 #include "storage/exports/kmz_writer.h"
 #include "storage/exports/pmtiles_writer.h"
 #include "storage/exports/warp_geotiff.h"
+#include "storage/exports/warped/warp_tiles.h"
 #include "storage/files/publish_file.h"
 #include "storage/rasters/band_raster.h"
 #include "storage/tilesets/mbtiles_reader.h"
@@ -75,7 +76,6 @@ Result<WarpOptions> WarpFor(const ExportRequest& request, const MapFacts& map, c
   warp.is_coarser = pixel_m > 1.5 * map.FinestPixelM();
   // A map across the antimeridian is cut by no such box.
   if (bounds.east_deg <= 180.0) warp.bounds = bounds;
-  warp.jpeg_quality = options.quality;
   warp.threads = options.threads;
   return warp;
 }
@@ -107,22 +107,26 @@ Result<void> WriteIndex(const IndexSource& source, const ExportRequest& request,
 }
 
 Result<void> WriteGeotiff(const fs::path& tiles, const fs::path& cog, const ExportRequest& request,
-                          const MapFacts& map, const fs::path& work_folder, const fs::path& path,
-                          const ExportOptions& options, Progress& progress) {
-  const CogOptions cog_options{options.quality, options.threads};
-  const bool is_as_stored = (request.crs.empty() || request.crs.ends_with(":3857")) && !request.resolution_m;
-  if (is_as_stored) {
-    progress.BeginStage("export");
-    return cog.empty() ? WriteCog(tiles, path, cog_options, progress) : CopyWhole(cog, path);
-  }
-  const ScratchFile made(work_folder / "whole.tif");
-  if (cog.empty()) {
-    progress.BeginStage("gather");
-    SKYQUILT_TRY(WriteCog(tiles, made.path(), cog_options, progress));
-  }
-  SKYQUILT_TRY_ASSIGN(const WarpOptions warp, WarpFor(request, map, options));
+                          const MapFacts& map, const fs::path& path, const ExportOptions& options,
+                          Progress& progress) {
   progress.BeginStage("export");
-  return WarpGeotiff(cog.empty() ? made.path() : cog, path, warp, progress);
+  const bool is_as_stored = (request.crs.empty() || request.crs.ends_with(":3857")) && !request.resolution_m;
+  if (is_as_stored)
+    return cog.empty() ? WriteCog(tiles, path, {options.quality, options.threads}, progress)
+                       : CopyWhole(cog, path);
+  SKYQUILT_TRY_ASSIGN(const WarpOptions wanted, WarpFor(request, map, options));
+  WarpTilesOptions warp;
+  warp.bounds = request.boundary ? Common(map.bounds, request.boundary->Bounds()) : map.bounds;
+  warp.min_zoom = map.min_zoom;
+  warp.max_zoom = map.max_zoom;
+  warp.epsg = wanted.epsg;
+  warp.pixel_x = wanted.pixel_x;
+  warp.pixel_y = wanted.pixel_y;
+  warp.is_coarser = wanted.is_coarser;
+  warp.jpeg_quality = options.quality;
+  warp.threads = options.threads;
+  SKYQUILT_TRY_ASSIGN(const auto reader, MbtilesReader::Open(tiles));
+  return WarpTiles(*reader, path, warp, progress);
 }
 
 }  // namespace
@@ -149,8 +153,7 @@ Result<void> ExportMap(const ExportSource& source, const ExportRequest& request,
   }
   const fs::path tiles = is_cut ? cut.path() : source.mbtiles;
   if (is_geotiff)
-    return WriteGeotiff(tiles, is_cut ? fs::path() : source.cog, request, map, work_folder, path, options,
-                        progress);
+    return WriteGeotiff(tiles, is_cut ? fs::path() : source.cog, request, map, path, options, progress);
   progress.BeginStage("export");
   if (request.format == ExportFormat::kPmtiles) return WritePmtiles(tiles, path, progress);
   if (request.format == ExportFormat::kKmz) return WriteKmz(tiles, path, progress);

@@ -1,9 +1,9 @@
 // ExportMap: a finished map as one file, as an ExportRequest wants it. What it takes over from the map
 // (tiles, the whole GeoTIFF) is copied byte for byte; pixels are resampled only for another coordinate system
 // or resolution of a GeoTIFF, and encoded anew only there and on the boundary. Deterministic but for GDAL's
-// version. Temporary files lie in `work_folder` and beside `path` (warp_geotiff.h); `path` is published by
-// rename. Memory: GDAL's caches (some 300 MiB) and a few tiles a thread. Blocking. Errors: those of
-// CheckExport, kIo, kOutOfSpace, kCorrupt, kCancelled.
+// version, where values are warped. Temporary files lie in `work_folder` and beside `path`; `path` is
+// published by rename. Memory: some 150 MiB a thread (warped/warp_tiles.h), of values GDAL's caches.
+// Blocking. Errors: those of CheckExport, kIo, kOutOfSpace, kCorrupt, kCancelled.
 #pragma once
 
 #include <filesystem>
@@ -17,7 +17,7 @@ namespace skyquilt::storage {
 
 struct ExportSource {
   std::filesystem::path mbtiles;
-  std::filesystem::path cog;    // of the same map; empty: made where it is needed
+  std::filesystem::path cog;    // of the same map; empty: made of the tiles where it is asked for
   std::filesystem::path bands;  // bands.tif; empty: it has its colours alone
   double gsd_m = 0.0;           // of its photos; 0: not known
   bool is_placed = true;

@@ -116,6 +116,13 @@ Result<std::string> LoadTile(const geo::TileId& tile, MapTiles& tiles) {
 
 }  // namespace
 
+void AppendBlock(std::string_view block, std::string& out) {
+  const auto size = static_cast<std::uint32_t>(block.size());
+  out.append(reinterpret_cast<const char*>(&size), kBlockSizeBytes);
+  out += block;
+  out += block.substr(block.size() - (kBlockFrameBytes - kBlockSizeBytes));
+}
+
 CogCells::CogCells(TiffTiles kind, int tile_size_px, int quality)
     : kind_(kind), tile_size_px_(tile_size_px), quality_(quality), full_mask_(FullMask(tile_size_px)) {}
 

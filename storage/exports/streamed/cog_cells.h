@@ -17,6 +17,12 @@
 
 namespace skyquilt::storage {
 
+// What stands before a block's bytes, its size, and with it what stands behind: its last bytes once more.
+inline constexpr std::uint64_t kBlockSizeBytes = 4, kBlockFrameBytes = 8;
+
+// A block as the note on the order of the file promises it (TiffHead).
+void AppendBlock(std::string_view block, std::string& out);
+
 struct CogCell {
   std::string image;  // empty: nothing is shown here
   std::string mask;   // deflated; empty with WebP
@@ -39,6 +45,8 @@ class CogCells {
   // more, its quality is lowered and its mask made coarser until it fits. What is copied stays as it is.
   Result<CogCell> MakeWithin(const GridLevel& level, std::int64_t cell, std::uint64_t bytes,
                              MapTiles& tiles) const;
+  // Of pixels with straight alpha, as large as a tile.
+  CogCell Encode(const image::RgbaImage& pixels) const { return Encoded(pixels, quality_); }
   // `mask` of every cell that is encoded anew.
   CogRoom LeastRoom() const;
   // The mask of a tile that is covered everywhere.

@@ -16,9 +16,6 @@
 namespace skyquilt::storage {
 namespace {
 
-// Of a block beside its own bytes: its size before it, its last four bytes once more behind it.
-constexpr std::uint64_t kBlockFrameBytes = 8;
-
 // A cell among those of all levels.
 constexpr int kLevelShift = 48;
 
@@ -36,13 +33,6 @@ std::uint64_t ExpectedBytes(const TableTile& tile) {
   return tile.format == image::PictureFormat::kPng    ? bytes * 2 / 5
          : tile.format == image::PictureFormat::kWebp ? bytes * 2
                                                       : bytes * 5 / 4;
-}
-
-void AppendBlock(std::string_view block, std::string& out) {
-  const auto size = static_cast<std::uint32_t>(block.size());
-  out.append(reinterpret_cast<const char*>(&size), 4);
-  out += block;
-  out += block.substr(block.size() - 4);
 }
 
 class StreamedCog final : public StreamedFile {
@@ -130,9 +120,10 @@ Result<std::shared_ptr<const StreamedFile>> LayOutCog(SqliteDb& mbtiles, const T
   std::uint64_t at = head.bytes().size();
   for (const Placed& one : placed) {
     pieces.push_back({at, StreamedCog::WhatOf(one.level, one.cell)});
-    head.SetTile(one.level, one.cell, at + 4, one.room.image);
+    head.SetTile(one.level, one.cell, at + kBlockSizeBytes, one.room.image);
     if (kind == TiffTiles::kJpeg)
-      head.SetMask(one.level, one.cell, at + kBlockFrameBytes + one.room.image + 4, one.room.mask);
+      head.SetMask(one.level, one.cell, at + kBlockFrameBytes + one.room.image + kBlockSizeBytes,
+                   one.room.mask);
     at += one.room.Sum() + frames;
   }
   return std::shared_ptr<const StreamedFile>(std::make_shared<const StreamedCog>(

@@ -8,6 +8,7 @@
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
 #include "storage/exports/cog_writer.h"
+#include "storage/rasters/register_gdal.h"
 #include "tests/storage/painted_tileset.h"
 #include "tests/storage/scratch_dir.h"
 
@@ -26,6 +27,7 @@ TEST(UtmEpsg, KnowsTheZonesAndTheirExceptions) {
 }
 
 TEST(WriteUtmGeotiff, KeepsEveryPlaceAndTheMask) {
+  RegisterGdalOnce();
   ScratchDir folder;
   const test::PaintedTileset tileset{19, 256, 272500, 184700, 4, 4};
   test::WritePaintedTileset(folder.path() / "map.mbtiles", tileset);
@@ -34,8 +36,10 @@ TEST(WriteUtmGeotiff, KeepsEveryPlaceAndTheMask) {
   const Eigen::Vector2d middle_merc = geo::TileId::Make(19, 272502, 184702)->BoundsInMerc().min;
   const geo::LatLon middle =
       geo::LatLonFromMerc({middle_merc.x(), middle_merc.y() + geo::TileSizeInMercM(19)});
-  const auto written =
-      WriteUtmGeotiff(folder.path() / "map.tif", folder.path() / "utm.tif", {middle, 0.2, 90, 1}, progress);
+  const geo::Bounds2 whole{geo::TileId::Make(19, 272500, 184703)->BoundsInMerc().min,
+                           geo::TileId::Make(19, 272503, 184700)->BoundsInMerc().max};
+  const auto written = WriteUtmGeotiff(folder.path() / "map.mbtiles", folder.path() / "utm.tif",
+                                       {geo::LatLonBoundsFromMerc(whole), 19, 19, 0.2, 90, 1}, progress);
   ASSERT_TRUE(written.ok()) << written.error().message;
   const std::unique_ptr<GDALDataset> merc(GDALDataset::Open((folder.path() / "map.tif").c_str()));
   const std::unique_ptr<GDALDataset> utm(GDALDataset::Open((folder.path() / "utm.tif").c_str()));

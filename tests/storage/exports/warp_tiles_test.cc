@@ -1,0 +1,194 @@
+#include "storage/exports/warped/warp_tiles.h"
+
+#include <gdal_priv.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/geo/tile_id.h"
+#include "storage/exports/warped/resampling_kernel.h"
+#include "storage/rasters/register_gdal.h"
+#include "storage/tilesets/mbtiles_reader.h"
+#include "tests/storage/painted_tileset.h"
+#include "tests/storage/scratch_dir.h"
+
+namespace skyquilt::storage {
+namespace {
+
+constexpr int kZoom = 19, kColumn = 272500, kRow = 184700, kTiles = 8;
+
+class WarpTilesTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    RegisterGdalOnce();
+    test::WritePaintedTileset(folder_.path() / "map.mbtiles", {kZoom, 256, kColumn, kRow, kTiles, kTiles});
+    tiles_ = *MbtilesReader::Open(folder_.path() / "map.mbtiles");
+    const geo::Bounds2 whole{geo::TileId::Make(kZoom, kColumn, kRow + kTiles - 1)->BoundsInMerc().min,
+                             geo::TileId::Make(kZoom, kColumn + kTiles - 1, kRow)->BoundsInMerc().max};
+    options_.bounds = geo::LatLonBoundsFromMerc(whole);
+    options_.min_zoom = kZoom - 3;
+    options_.max_zoom = kZoom;
+    options_.epsg = 32632;
+    options_.pixel_x = options_.pixel_y = 0.2;
+  }
+  Result<void> Warp(const char* name, int threads = 1) {
+    options_.threads = threads;
+    return WarpTiles(*tiles_, folder_.path() / name, options_, progress_);
+  }
+  std::string Bytes(const char* name) {
+    std::ifstream file(folder_.path() / name, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+  std::unique_ptr<GDALDataset> Open(const char* name) {
+    return std::unique_ptr<GDALDataset>(GDALDataset::Open((folder_.path() / name).c_str()));
+  }
+
+  ScratchDir folder_;
+  std::shared_ptr<MbtilesReader> tiles_;
+  WarpTilesOptions options_;
+  SilentProgress progress_;
+};
+
+TEST_F(WarpTilesTest, MakesTheSameBytesWithAnyNumberOfThreads) {
+  ASSERT_TRUE(Warp("one.tif", 1));
+  ASSERT_TRUE(Warp("three.tif", 3));
+  EXPECT_GT(Bytes("one.tif").size(), 10'000u);
+  EXPECT_TRUE(Bytes("one.tif") == Bytes("three.tif"));
+  for (const auto& entry : std::filesystem::directory_iterator(folder_.path()))
+    EXPECT_NE(entry.path().extension(), ".tmp") << entry.path();
+}
+
+TEST_F(WarpTilesTest, OverviewsShowTheSameAtTheSamePlace) {
+  ASSERT_TRUE(Warp("map.tif"));
+  const auto map = Open("map.tif");
+  ASSERT_NE(map, nullptr);
+  GDALRasterBand* green = map->GetRasterBand(2);
+  ASSERT_EQ(green->GetOverviewCount(), 3);
+  int compared = 0;
+  // Within the disk that is shown.
+  const int width = map->GetRasterXSize(), height = map->GetRasterYSize();
+  for (int y = height / 4; y < 3 * height / 4; y += 37) {
+    for (int x = width / 4; x < 3 * width / 4; x += 41) {
+      std::uint8_t fine = 0, coarse = 0;
+      ASSERT_EQ(green->RasterIO(GF_Read, x, y, 1, 1, &fine, 1, 1, GDT_Byte, 0, 0), CE_None);
+      ASSERT_EQ(green->GetOverview(0)->RasterIO(GF_Read, x / 2, y / 2, 1, 1, &coarse, 1, 1, GDT_Byte, 0, 0),
+                CE_None);
+      EXPECT_NEAR(fine, coarse, 12) << x << " " << y;
+      ++compared;
+    }
+  }
+  EXPECT_GT(compared, 200);
+}
+
+TEST_F(WarpTilesTest, LargerPixelsAreMadeOfTheOverviews) {
+  ASSERT_TRUE(Warp("fine.tif"));
+  options_.pixel_x = options_.pixel_y = 1.6;
+  options_.is_coarser = true;
+  ASSERT_TRUE(Warp("coarse.tif"));
+  const auto fine = Open("fine.tif"), coarse = Open("coarse.tif");
+  ASSERT_NE(coarse, nullptr);
+  EXPECT_NEAR(coarse->GetRasterXSize(), fine->GetRasterXSize() / 8.0, 2.0);
+  // The middle of the map, as both see it.
+  double from_fine[6] = {}, from_coarse[6] = {};
+  fine->GetGeoTransform(from_fine);
+  coarse->GetGeoTransform(from_coarse);
+  const int x = coarse->GetRasterXSize() / 2, y = coarse->GetRasterYSize() / 2;
+  std::uint8_t value = 0;
+  ASSERT_EQ(coarse->GetRasterBand(1)->RasterIO(GF_Read, x, y, 1, 1, &value, 1, 1, GDT_Byte, 0, 0), CE_None);
+  const int u =
+      static_cast<int>(std::round((from_coarse[0] + x * from_coarse[1] - from_fine[0]) / from_fine[1]));
+  const int v =
+      static_cast<int>(std::round((from_coarse[3] + y * from_coarse[5] - from_fine[3]) / from_fine[5]));
+  std::uint8_t below[64] = {};
+  ASSERT_EQ(fine->GetRasterBand(1)->RasterIO(GF_Read, u, v, 8, 8, below, 8, 8, GDT_Byte, 0, 0), CE_None);
+  double sum = 0.0;
+  for (const std::uint8_t level : below) sum += level;
+  EXPECT_NEAR(value, sum / 64.0, 6.0);
+}
+
+TEST_F(WarpTilesTest, DegreesAreSaidToBeDegrees) {
+  options_.epsg = 4326;
+  options_.pixel_x = options_.pixel_y = 2e-6;
+  ASSERT_TRUE(Warp("degrees.tif"));
+  const auto map = Open("degrees.tif");
+  ASSERT_NE(map, nullptr);
+  EXPECT_TRUE(map->GetSpatialRef()->IsGeographic());
+  EXPECT_STREQ(map->GetSpatialRef()->GetAuthorityCode(nullptr), "4326");
+  double place[6] = {};
+  map->GetGeoTransform(place);
+  EXPECT_NEAR(place[0], options_.bounds.west_deg, 4e-6);
+  EXPECT_NEAR(place[3], options_.bounds.north_deg, 4e-6);
+}
+
+TEST_F(WarpTilesTest, OneThatIsCancelledLeavesNothing) {
+  class Cancelled final : public Progress {
+   public:
+    void BeginStage(std::string_view) override {}
+    void Report(double, std::string_view) override {}
+    bool IsCancelled() const override { return true; }
+  } cancelled;
+  const auto written = WarpTiles(*tiles_, folder_.path() / "map.tif", options_, cancelled);
+  ASSERT_FALSE(written);
+  EXPECT_EQ(written.error().code, ErrorCode::kCancelled);
+  for (const auto& entry : std::filesystem::directory_iterator(folder_.path()))
+    EXPECT_EQ(entry.path().filename().string().find("map.tif"), std::string::npos) << entry.path();
+}
+
+TEST(WarpTiles, GoesOnBeyondTheDateLine) {
+  RegisterGdalOnce();
+  const ScratchDir folder;
+  const int around = 1 << 12;
+  test::WritePaintedTileset(folder.path() / "map.mbtiles", {12, 256, around - 2, 1500, 2, 2});
+  const auto tiles = *MbtilesReader::Open(folder.path() / "map.mbtiles");
+  WarpTilesOptions options;
+  const geo::Bounds2 west{geo::TileId::Make(12, around - 2, 1501)->BoundsInMerc().min,
+                          geo::TileId::Make(12, around - 1, 1500)->BoundsInMerc().max};
+  options.bounds = geo::LatLonBoundsFromMerc(west);
+  options.bounds.east_deg += 0.05;  // beyond, where nothing is shown
+  options.min_zoom = 11;
+  options.max_zoom = 12;
+  options.epsg = 32660;
+  options.pixel_x = options.pixel_y = 40.0;
+  SilentProgress progress;
+  const auto written = WarpTiles(*tiles, folder.path() / "map.tif", options, progress);
+  ASSERT_TRUE(written) << written.error().message;
+  const std::unique_ptr<GDALDataset> map(GDALDataset::Open((folder.path() / "map.tif").c_str()));
+  std::vector<std::uint8_t> mask(static_cast<std::size_t>(map->GetRasterXSize()) * map->GetRasterYSize());
+  ASSERT_EQ(map->GetRasterBand(1)->GetMaskBand()->RasterIO(
+                GF_Read, 0, 0, map->GetRasterXSize(), map->GetRasterYSize(), mask.data(),
+                map->GetRasterXSize(), map->GetRasterYSize(), GDT_Byte, 0, 0),
+            CE_None);
+  const auto shown = std::count(mask.begin(), mask.end(), 255);
+  // A disk of 0.48 of the smaller side.
+  EXPECT_NEAR(static_cast<double>(shown) / static_cast<double>(mask.size()), 0.62, 0.12);
+}
+
+TEST(ResamplingKernel, WeighsWhatLiesAround) {
+  for (const double ratio : {0.3, 1.0, 1.29, 1.99}) {
+    // The part of a pixel that the mean takes in lies beside the pixel's centre.
+    for (const auto& [kernel, tolerance] : {std::pair{ResamplingKernel::Cubic(ratio), 0.02},
+                                            std::pair{ResamplingKernel::Average(ratio), 0.15}}) {
+      for (const float fraction : {0.0F, 0.25F, 0.5F, 0.999F, 1.0F}) {
+        const float* weights = kernel.WeightsAt(fraction);
+        double sum = 0.0, centre = 0.0;
+        for (int i = 0; i < kernel.size(); ++i) {
+          sum += weights[i];
+          centre += weights[i] * (kernel.first() + i);
+        }
+        EXPECT_NEAR(sum, 1.0, 1e-5);
+        EXPECT_NEAR(centre, fraction, tolerance) << ratio << " " << fraction;
+      }
+    }
+  }
+  EXPECT_EQ(ResamplingKernel::Cubic(1.0).size(), 4);
+}
+
+}  // namespace
+}  // namespace skyquilt::storage
