@@ -140,7 +140,8 @@ function(skyquilt_bench name)
   target_link_libraries(${name} PRIVATE skyquilt_flags ${ARG_DEPS} benchmark::benchmark)
 endfunction()
 
-# skyquilt_fuzz(name SOURCE fuzz.cc DEPS ...): a libFuzzer program (preset fuzz) built with clang.
+# skyquilt_fuzz(name SOURCE fuzz.cc DEPS ...): a libFuzzer program (preset fuzz) built with clang, one of skyquilt_fuzz_targets. The
+# server itself is no part of those: its coroutines are more than clang 14 and Debian's Boost can do together.
 function(skyquilt_fuzz name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPS" ${ARGN})
   if(NOT SKYQUILT_FUZZ)
@@ -149,6 +150,10 @@ function(skyquilt_fuzz name)
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE skyquilt_flags ${ARG_DEPS})
   target_link_options(${name} PRIVATE -fsanitize=fuzzer)
+  if(NOT TARGET skyquilt_fuzz_targets)
+    add_custom_target(skyquilt_fuzz_targets)
+  endif()
+  add_dependencies(skyquilt_fuzz_targets ${name})
 endfunction()
 
 # Compiles each header on its own, so that none leans on what another includes.
