@@ -390,8 +390,8 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
     const FlightHeights heights = ChooseHeights(rest, options.dem, given_takeoff_m);
     if (!has_frame && heights.rule == HeightRule::kElevationModel) dem_zero = DemZero::kSeaLevel;
     PlacedByRecords placed = PlaceRest(rest, heights, has_frame, posed);
-    any_without_height = !placed.without_height.empty();
-    if (options.keep_unplaced) Append(std::move(placed.without_height), posed.unplaced);
+    any_without_height = placed.any_without_height;
+    if (options.keep_unplaced) Append(std::move(placed.unplaced), posed.unplaced);
     Append(std::move(placed.photos), posed.photos);
     Append(std::move(placed.left_out), posed.left_out);
   }

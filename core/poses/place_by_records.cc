@@ -74,10 +74,11 @@ PlacedByRecords PlaceByRecords(const std::vector<Photo>& photos, const FlightHei
     const Photo& photo = photos[i];
     const auto leave_out = [&](flight::Remark reason) {
       placed.left_out.push_back({photo.name, ErrorCode::kNoPosition, std::move(reason)});
+      placed.unplaced.push_back(photo);
     };
     if (!heights.above_ground_m[i]) {
       leave_out(flight::RemarkCode::kLeftWithoutHeight);
-      placed.without_height.push_back(photo);
+      placed.any_without_height = true;
       continue;
     }
     const geo::LatLon& at = photo.position->position;

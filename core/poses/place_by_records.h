@@ -16,7 +16,8 @@ struct PlacedByRecords {
   std::vector<PosedPhoto> photos;
   std::vector<flight::LeftOutPhoto> left_out;
   std::size_t without_angles = 0;
-  std::vector<flight::Photo> without_height;  // of those left out
+  std::vector<flight::Photo> unplaced;  // those left out: without a height, or said to be far away
+  bool any_without_height = false;
 };
 
 // `photos` all have a position; heights as chosen for them. The frame's z = 0 is the ground of those heights.

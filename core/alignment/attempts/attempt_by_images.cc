@@ -206,10 +206,14 @@ void MergePhoto(const Registration& registration, const BlockPlace& place, const
       expected.z() = height_m;
       sigma.z() = std::min(unknown_m, std::max(record.sigma_m.z(), height_spread_m));
     }
-  } else if (record.center_in_enu && place.placing == Placing::kByPositions && !place.position_holds[i]) {
+  } else if (place.placing == Placing::kByPositions && photo.photo.position && !place.position_holds[i]) {
+    // Also where it is said to be so far away that it was no record at all.
     corrected.position_was_wrong = true;
-    corrected.notes.push_back({flight::RemarkCode::kPositionElsewhere,
-                               {{"off_m", (record.center_in_enu->head<2>() - center.head<2>()).norm()}}});
+    const geo::LatLon& at = photo.photo.position->position;
+    const double off_m =
+        (second.posed.frame.EnuFromWgs84({at.lat_deg, at.lon_deg, 0.0}) - center).head<2>().norm();
+    if (std::isfinite(off_m))
+      corrected.notes.push_back({flight::RemarkCode::kPositionElsewhere, {{"off_m", off_m}}});
   }
   // A recorded attitude that agrees goes on to hold, where north is the flight's own.
   const double turned =

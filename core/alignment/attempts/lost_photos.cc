@@ -14,8 +14,19 @@ namespace {
 
 constexpr double kMaxLostShare = 0.3;
 
+// A position that is as far off as this counts for nothing in what is said of the map.
+bool IsSaidToBeFar(const flight::Photo& photo, const Eigen::Vector3d& center, const geo::LocalFrame& frame) {
+  constexpr double kFarM = 1000.0;
+  if (!photo.position) return false;
+  const geo::LatLon& at = photo.position->position;
+  const Eigen::Vector3d recorded =
+      frame.EnuFromWgs84({at.lat_deg, at.lon_deg, frame.origin().height_ellipsoid_m});
+  return !((recorded - center).head<2>().norm() < kFarM);
+}
+
 // A photo without record: its pose is where it was found, give or take much.
-CorrectedPose PlaceUnrecorded(const geo::Rigid3& cam_from_enu, double ground_z_m, poses::PosedPhoto& photo) {
+CorrectedPose PlaceUnrecorded(const geo::Rigid3& cam_from_enu, double ground_z_m,
+                              const geo::LocalFrame& frame, poses::PosedPhoto& photo) {
   photo.cam_from_enu = cam_from_enu;
   photo.height_above_ground_m = std::max(0.5, cam_from_enu.TargetOriginInSource().z() - ground_z_m);
   const double unknown_m = kUnknownShare * photo.height_above_ground_m;
@@ -28,6 +39,7 @@ CorrectedPose PlaceUnrecorded(const geo::Rigid3& cam_from_enu, double ground_z_m
   CorrectedPose corrected;
   corrected.start_cam_from_enu = corrected.prior_cam_from_enu = cam_from_enu;
   corrected.notes = {flight::RemarkCode::kPlacedWithoutRecord};
+  corrected.position_was_wrong = IsSaidToBeFar(photo.photo, cam_from_enu.TargetOriginInSource(), frame);
   return corrected;
 }
 
@@ -62,9 +74,9 @@ int TakeInLost(const WeighedAttempt& attempt, const std::vector<Track>& tracks, 
     TraceDecision("lost photo registered", {{"photo", i}, {"tied_to", one.links.size()}},
                   posed.photos[i].photo.name);
     const bool is_unrecorded = is_common || (*attempt.records)[i].is_unplaced;
-    linked.corrected[i] = is_unrecorded
-                              ? PlaceUnrecorded(one.cam_from_enu, posed.ground_z_in_enu_m, posed.photos[i])
-                              : CorrectToPose(posed.photos[i], recorded[i], one.cam_from_enu);
+    linked.corrected[i] = is_unrecorded ? PlaceUnrecorded(one.cam_from_enu, posed.ground_z_in_enu_m,
+                                                          posed.frame, posed.photos[i])
+                                        : CorrectToPose(posed.photos[i], recorded[i], one.cam_from_enu);
     if (is_common) linked.corrected[i].notes.clear();
     problem.photos[i] =
         MakeBundlePhoto(posed.photos[i], linked.corrected[i], problem.photos[i].lens, problem.photos[i].line);

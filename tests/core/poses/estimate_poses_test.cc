@@ -359,22 +359,23 @@ TEST(EstimatePoses, HandsOnPhotosThatNoMapCanBeDrawnWithWhereTheyWereRecorded) {
   for (std::size_t k = 0; k < flight.photos.size(); ++k) {
     const geo::Wgs84 at = TrueAt(TimeOf(static_cast<int>(k)));
     flight.photos[k].position.emplace();
-    flight.photos[k].position->position = {at.lat_deg, at.lon_deg};
+    flight.photos[k].position->position = {k == 5 ? -at.lat_deg : at.lat_deg, at.lon_deg};
     flight.photos[k].position->height_above_takeoff_m = k == 3 ? 6000.0 : 60.0;
   }
   EstimatePosesOptions options;
   const Result<PosedFlight> refused = EstimatePoses(flight, options);
   ASSERT_TRUE(refused.ok());
-  EXPECT_EQ(refused->photos.size(), 7U);
+  EXPECT_EQ(refused->photos.size(), 6U);
   EXPECT_TRUE(refused->unplaced.empty());
   options.keep_unplaced = true;
   const Result<PosedFlight> posed = EstimatePoses(flight, options);
   ASSERT_TRUE(posed.ok());
-  EXPECT_EQ(posed->photos.size(), 7U);
-  ASSERT_EQ(posed->unplaced.size(), 1U);
-  EXPECT_EQ(posed->unplaced.front().name, "IMG_3.JPG");
-  ASSERT_EQ(posed->left_out.size(), 1U);
-  EXPECT_THAT(InWords(posed->left_out.front().reason), HasSubstr("times as much ground"));
+  EXPECT_EQ(posed->photos.size(), 6U);
+  ASSERT_EQ(posed->unplaced.size(), 2U);
+  EXPECT_EQ(posed->unplaced[0].name + ", " + posed->unplaced[1].name, "IMG_5.JPG, IMG_3.JPG");
+  ASSERT_EQ(posed->left_out.size(), 2U);
+  EXPECT_THAT(InWords(posed->left_out[1].reason), HasSubstr("km away"));
+  EXPECT_THAT(InWords(posed->left_out[0].reason), HasSubstr("times as much ground"));
 }
 
 TEST(EstimatePoses, CountsHeightsFromTheElevationModel) {
