@@ -4,6 +4,7 @@
 #include <sys/random.h>
 
 #include <array>
+#include <memory>
 #include <stdexcept>
 
 #include "api/auth/limits.h"
@@ -17,7 +18,8 @@ namespace {
 
 using storage::Scope;
 
-constexpr std::string_view kShareText = "sq_share_";  // begins so
+// How they begin.
+constexpr std::string_view kTokenText = "sq_", kShareText = "sq_share_";
 
 struct ShownToken {
   std::string_view text;
@@ -95,24 +97,23 @@ bool IsNode(std::string_view pattern) {
 
 std::optional<Response> CheckAccess(Service& service, Request& request, const Route& route) {
   if (!route.scope) return std::nullopt;
-  auto tokens = service.tokens.Known();
+  const auto known = service.tokens.Known();
+  if (!known) return Problem(known.error(), request);
+  std::shared_ptr<const storage::TokenSet> tokens = *known;
   const ShownToken shown = ShownBy(request);
-  const auto recognised = [&] {
-    return !tokens || shown.text.empty() ? nullptr : Recognise(**tokens, shown.text);
-  };
-  const storage::Token* token = recognised();
-  if (token == nullptr && !shown.text.empty()) {
-    tokens = service.tokens.Known(storage::Tokens::kFreshForUnknown);
-    token = recognised();
+  const storage::Token* token = shown.text.empty() ? nullptr : Recognise(*tokens, shown.text);
+  // A command may have made it since; what is no token of ours costs nobody a look.
+  if (token == nullptr && shown.text.starts_with(kTokenText)) {
+    if (const auto again = service.tokens.Known(storage::Tokens::kFreshForUnknown)) tokens = *again;
+    token = Recognise(*tokens, shown.text);
   }
-  if (!tokens) return Problem(tokens.error(), request);
   const bool is_share = shown.text.starts_with(kShareText) || (token != nullptr && !token->flight_id.empty());
-  if (!(*tokens)->requires_token && !is_share && !request.needs_token) {
+  if (!tokens->requires_token && !is_share && !request.needs_token) {
     request.is_admin = true;
     return std::nullopt;
   }
   if (token == nullptr)
-    return Unauthorized(request, route.pattern, (*tokens)->HasLiveOne(storage::Now()), shown.text);
+    return Unauthorized(request, route.pattern, tokens->HasLiveOne(storage::Now()), shown.text);
   // What stands in an address gets into histories and logs of others: it opens nothing but reading.
   const bool only_reads = (shown.is_in_query && !IsNode(route.pattern)) || !token->flight_id.empty();
   const Scope granted = only_reads ? Scope::kRead : token->scope;
@@ -151,7 +152,7 @@ bool IsStillGood(Service& service, const Request& request) {
   return false;
 }
 
-std::string NewTokenText() { return NewTextAfter("sq_"); }
+std::string NewTokenText() { return NewTextAfter(kTokenText); }
 
 std::string NewShareText() { return NewTextAfter(kShareText); }
 

@@ -25,7 +25,7 @@ namespace {
 Result<void> RunExportTask(const std::string& text, MessageWriter& writer) {
   SKYQUILT_TRY_ASSIGN(const ExportTask task, ParseExportTask(text));
   KeepTemporaryFilesIn(task.work_dir);
-  // A file that grows beyond its limit is an error of writing, which GDAL tells of.
+  // A file that grows beyond its limit is an error of writing.
   signal(SIGXFSZ, SIG_IGN);
   StepBack();
   SKYQUILT_TRY(LoadLate());

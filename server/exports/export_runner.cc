@@ -47,9 +47,13 @@ Result<void> Hold(storage::BlobStore& blobs, const std::string& prefix, const ch
   return errno == ENOENT ? Replaced() : storage::FileError("cannot link", product->path, errno);
 }
 
-// What an export will hardly take while it is made: twice the map, and ten times where its pixels lie beside
-// the file without loss meanwhile. Values are floats, three times over: on the map's pixels, in the other
-// system, in the file.
+bool IsWarped(const storage::ExportRequest& request) {
+  return request.format == storage::ExportFormat::kGeotiff && (!request.crs.empty() || request.resolution_m);
+}
+
+// What an export will hardly take while it is made: twice the map, and three times where it is warped, for
+// its blocks lie beside the file meanwhile. Values are floats, three times over: on the map's pixels, in the
+// other system, in the file.
 Result<std::int64_t> ExpectedBytes(const fs::path& map_dir, const storage::ExportRequest& request) {
   constexpr std::int64_t kOfReport = std::int64_t{256} << 20;
   constexpr double kOfValue = 14.0;
@@ -64,9 +68,7 @@ Result<std::int64_t> ExpectedBytes(const fs::path& map_dir, const storage::Expor
     const std::uintmax_t size = fs::file_size(map_dir / name, missing);
     if (!missing) bytes = std::max(bytes, static_cast<std::int64_t>(size));
   }
-  const bool is_warped =
-      request.format == storage::ExportFormat::kGeotiff && (!request.crs.empty() || request.resolution_m);
-  return (is_warped && !request.boundary ? 10 : 2) * bytes;
+  return (IsWarped(request) ? 3 : 2) * bytes;
 }
 
 // From the pixels that the sandboxed process left, the page about the map, printed in a folder that it never
@@ -101,7 +103,9 @@ Result<std::int64_t> PrintReport(const fs::path& map_dir, const fs::path& pixels
 // What an export reads of the map beside its tiles, where it is there; null: nothing.
 const char* FileBesideTiles(const storage::ExportRequest& request) {
   if (request.IsOfValues()) return "bands.tif";
-  return request.format == storage::ExportFormat::kGeotiff && !request.boundary ? "mosaic.tif" : nullptr;
+  const bool is_copied =
+      request.format == storage::ExportFormat::kGeotiff && !request.boundary && !IsWarped(request);
+  return is_copied ? "mosaic.tif" : nullptr;
 }
 
 }  // namespace

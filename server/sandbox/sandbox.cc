@@ -45,7 +45,7 @@ Result<void> RequireOneThread() {
   return Error{
       ErrorCode::kUnavailable,
       "Nothing is decoded on this machine: one of its libraries begins threads as it is loaded, and those "
-      "would not be confined. The operator finds it by starting without LD_PRELOAD and without another BLAS.",
+      "would not be confined. LD_PRELOAD and \"ldd\" of the program show the operator which.",
       std::to_string(threads) + " threads"};
 }
 #endif

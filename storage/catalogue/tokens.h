@@ -51,8 +51,7 @@ class Tokens {
  public:
   static constexpr std::chrono::minutes kTrusted{10};
   static constexpr std::chrono::milliseconds kFreshFor{1000};
-  // For a token that is not among those known: one that a command made just now is good at once, and who
-  // tries out many costs no more than so many reads a second.
+  // For a token that is not among those known: one that a command made just now is good at once.
   static constexpr std::chrono::milliseconds kFreshForUnknown{10};
   explicit Tokens(CatalogueDb& db) : db_(db) {}
   Result<void> Add(const Token& token);

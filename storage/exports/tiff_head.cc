@@ -89,7 +89,7 @@ TiffHead::TiffHead(const std::vector<GridLevel>& grid, int tile_size_px, TiffTil
   const double tile_m = geo::TileSizeInMercM(grid[0].zoom);
   const double pixel_m = geo::PixelSizeInMercM(grid[0].zoom, tile_size_px);
   std::vector<Entry> entries =
-      GeoEntries({kMercEpsg, false, "WGS 84 / Pseudo-Mercator",
+      GeoEntries({kMercEpsg, false, false, "WGS 84 / Pseudo-Mercator",
                   static_cast<double>(grid[0].first_column) * tile_m - geo::kMercHalfWidthM,
                   geo::kMercHalfWidthM - static_cast<double>(grid[0].first_row) * tile_m, pixel_m, pixel_m});
   entries.push_back(SchemeEntry(grid[0]));
@@ -190,7 +190,7 @@ std::vector<TiffHead::Entry> TiffHead::GeoEntries(const TiffPlace& place) {
   add(kRasterType, 0, 1, kPixelIsArea);
   add(kCitation, kGeoAsciiParams, static_cast<std::uint16_t>(name.size()), 0);
   add(place.is_geographic ? kGeodeticSystem : kProjectedSystem, 0, 1, code);
-  if (place.is_geographic) add(kAngularUnits, 0, 1, kDegree);
+  if (place.is_in_degrees) add(kAngularUnits, 0, 1, kDegree);
   if (place.epsg == kMercEpsg) add(kLinearUnits, 0, 1, kMetre);  // of others the code says it
   return {{kModelPixelScale, kDouble, 3, Packed<double>({place.pixel_x, place.pixel_y, 0.0})},
           {kModelTiepoint, kDouble, 6, Packed<double>({0.0, 0.0, 0.0, place.west, place.north, 0.0})},

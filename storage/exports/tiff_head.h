@@ -17,7 +17,7 @@ enum class TiffTiles { kJpeg, kWebp };
 // Where the finest level lies: the corner in the north-west and a pixel's sides, in units of the system.
 struct TiffPlace {
   int epsg = 0;
-  bool is_geographic = false;
+  bool is_geographic = false, is_in_degrees = false;
   std::string name;  // of the system
   double west = 0.0, north = 0.0, pixel_x = 1.0, pixel_y = 1.0;
 };

@@ -1,4 +1,4 @@
-"""Fails when a patch of docs/recipes does not fit the sources, touches more files than docs/developers/recipes.md says, or, with
+"""Fails when a patch of docs/developers/recipes does not fit the sources, touches more files than docs/developers/recipes.md says, or, with
 --compile, what it makes of a source does not compile."""
 import pathlib
 import re

@@ -50,8 +50,11 @@ class BuiltImage(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.engine = engine_here()
-        cls.build, cls.run_line = re.search(r"^(docker build .* -t skyquilt \.)\n(docker run .*)$", README, re.M).groups()
-        cls.execute(words_of(cls.build, "SKYQUILT_CONTAINER_BUILD", cls.engine))
+        build, run = re.search(r"^(docker build .* -t skyquilt \.)\n(docker run .* skyquilt)$", README, re.M).groups()
+        cls.image = f"skyquilt-test-{os.getpid()}"  # that of whoever works here stays
+        cls.run_line = re.sub(r"skyquilt$", cls.image, run)
+        cls.execute(words_of(build.replace("-t skyquilt", f"-t {cls.image}"), "SKYQUILT_CONTAINER_BUILD", cls.engine))
+        cls.addClassCleanup(subprocess.run, [*cls.engine, "rmi", "-f", cls.image], capture_output=True)
 
     @classmethod
     def execute(cls, words):
@@ -84,6 +87,7 @@ class BuiltImage(unittest.TestCase):
             curl = re.search(r"^photos=\(\);.*\ncurl -F name=beach .*flights$", README, re.M)[0]
             made = json.loads(subprocess.run(["bash", "-euo", "pipefail", "-c", curl], cwd=card, check=True, capture_output=True).stdout)
         flight = f"/api/v1/flights/{made['flight']['id']}"
+        end = time.monotonic() + PATIENCE_S
         while json.loads(asked(flight))["state"] not in ("ready", "failed"):
             self.assertLess(time.monotonic(), end, "the map does not come")
             time.sleep(0.2)
@@ -91,6 +95,7 @@ class BuiltImage(unittest.TestCase):
         self.assertIn(b"<html", asked("/"))
         # As the page offers it, so that the program that prints is there too.
         export = json.loads(asked(f"{flight}/exports", b'{"format":"report"}'))
+        end = time.monotonic() + PATIENCE_S
         while (state := json.loads(asked(f"{flight}/exports/{export['id']}")))["state"] not in ("successful", "failed"):
             self.assertLess(time.monotonic(), end, "the report does not come")
             time.sleep(0.2)

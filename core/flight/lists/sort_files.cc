@@ -17,7 +17,6 @@
 #include "core/flight/lists/reflectance_list.h"
 #include "core/flight/logs/csv/unknown_table.h"
 #include "core/flight/logs/read_log.h"
-#include "core/flight/logs/texts/list_rows.h"
 #include "core/flight/logs/texts/unknown_list.h"
 #include "core/flight/logs/tracks/unknown_track.h"
 #include "core/flight/remarks/because.h"
@@ -38,6 +37,11 @@ bool IsPicture(const std::vector<std::uint8_t>& head) {
 
 // Endings of the logs that are read here, of the formats that nothing else uses them for.
 constexpr std::array<std::string_view, 6> kLogEndings = {".bin", ".ulg", ".tlog", ".mrk", ".srt", ".ass"};
+
+// Endings of pictures and films, whatever the file holds.
+constexpr std::array<std::string_view, 24> kPictureEndings = {
+    ".jpg", ".jpeg", ".jpe", ".tif", ".tiff", ".png", ".dng", ".heic", ".heif", ".webp", ".avif", ".gif",
+    ".bmp", ".raw",  ".arw", ".cr2", ".cr3",  ".nef", ".orf", ".raf",  ".rw2",  ".mp4",  ".mov",  ".seq"};
 
 // Endings of what else lies in a flight's folder and is nobody's fault: side files, notes.
 constexpr std::array<std::string_view, 32> kSideEndings = {
@@ -85,17 +89,15 @@ Result<Kind> KindOf(const InputFile& file) {
   if (!format && is_log_by_name) {
     return Because(ErrorCode::kUnsupportedFormat, {RemarkCode::kFileNamedAsLog, {{"file", file.name}}});
   }
-  if (!format && unknown == Kind::kNothing) {
+  // A licence, a note, a list without an ending: nobody meant it to be a photo, so that none is missing.
+  const bool is_note = LooksLikeText(TextOf(text.bytes())) && !EndsWithOneOf(file.name, kPictureEndings);
+  if (!format && (unknown == Kind::kNothing || is_note)) {
     if (auto why = ExplainUnknownTable(text.bytes(), file.name))
       return Because(ErrorCode::kUnsupportedFormat, *std::move(why));
     if (auto why = ExplainUnknownList(text.bytes(), file.name))
       return Because(ErrorCode::kUnsupportedFormat, *std::move(why));
   }
-  if (!format) {
-    // A licence, a note: nobody meant it to be a photo, so that none is missing.
-    const bool is_note = LooksLikeText(TextOf(text.bytes())) && !LooksLikePhotoFile(file.name);
-    return is_note ? Kind::kNothing : unknown;
-  }
+  if (!format) return is_note ? Kind::kNothing : unknown;
   return *format == LogFormat::kGcpList ? Kind::kGcpList : Kind::kLog;
 }
 

@@ -1,4 +1,4 @@
-// BlockPyramid: the levels of blocks over a grid, and the order in which they can be made so that few are
+// Blocks over a grid: their levels, and the order in which they can be made so that few are
 // held: by units of some blocks each, which are made on any thread, and the overviews above them, of which
 // one row of four waits at each level. A value; one thread.
 #pragma once

@@ -1,5 +1,5 @@
-// BlockSpool: blocks that are kept in a file until it is known where they belong, which is gone with it. One
-// thread. Errors: kIo, kOutOfSpace.
+// BlockSpool: blocks that are kept in a file until it is known where they belong. The file has no name any
+// more while it is used, so that it goes however the program ends. One thread. Errors: kIo, kOutOfSpace.
 #pragma once
 
 #include <cstdint>
@@ -23,6 +23,8 @@ class BlockSpool {
   std::uint64_t length() const { return length_; }
   // Behind what is there: at length() as it was.
   Result<void> Append(std::string_view block);
+  // After the last one, before the first is read.
+  Result<void> Flush();
   Result<std::string> Read(std::uint64_t offset, std::uint64_t bytes);
 
  private:

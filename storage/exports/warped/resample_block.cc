@@ -66,6 +66,15 @@ Pixel4 Weighed(const Pixel4* pixels, int stride, const float* across, const floa
 struct Square {
   Eigen::Vector2d north_west, north_east, south_west, south_east;
 
+  // Near enough to be looked at at all.
+  bool IsWithin(const image::RgbaImage& window) const {
+    constexpr double kMaxSidePx = 2048.0;
+    const Eigen::Vector2d low = Lowest(), high = Highest();
+    const bool is_finite =
+        north_west.allFinite() && north_east.allFinite() && south_west.allFinite() && south_east.allFinite();
+    return is_finite && (high - low).maxCoeff() < kMaxSidePx && high.minCoeff() > -kMaxSidePx &&
+           low.x() < window.width_px + kMaxSidePx && low.y() < window.height_px + kMaxSidePx;
+  }
   Eigen::Vector2d Lowest() const {
     return north_west.cwiseMin(north_east).cwiseMin(south_west).cwiseMin(south_east);
   }
@@ -104,6 +113,26 @@ void ResampleSquare(Patch& patch, const Square& square, const ResamplingKernel& 
   }
 }
 
+void HalveInto(const image::RgbaImage& image, image::RgbaImage& half, int left, int top) {
+  for (int y = 0; 2 * y < image.height_px; ++y) {
+    std::uint8_t* out = half.Pixel(left, top + y);
+    for (int x = 0; 2 * x < image.width_px; ++x, out += 4) {
+      int sums[3] = {0, 0, 0}, shown = 0;
+      for (int v = 2 * y; v < std::min(2 * y + 2, image.height_px); ++v) {
+        for (int u = 2 * x; u < std::min(2 * x + 2, image.width_px); ++u) {
+          const std::uint8_t* pixel = image.Pixel(u, v);
+          if (pixel[3] < kShown) continue;
+          ++shown;
+          for (int c = 0; c < 3; ++c) sums[c] += pixel[c];
+        }
+      }
+      if (shown < 2) continue;
+      for (int c = 0; c < 3; ++c) out[c] = static_cast<std::uint8_t>((sums[c] + shown / 2) / shown);
+      out[3] = 255;
+    }
+  }
+}
+
 }  // namespace
 
 bool ResampleBlock(const SourceWindow& window, const BlockCorners& corners, const ResamplingKernel& kernel,
@@ -117,6 +146,7 @@ bool ResampleBlock(const SourceWindow& window, const BlockCorners& corners, cons
       };
       const Square square{at(j, i), at(j, i + 1), at(j + 1, i), at(j + 1, i + 1)};
       const Eigen::Vector2d low = square.Lowest(), high = square.Highest();
+      if (!square.IsWithin(window.pixels)) continue;
       const int before = 1 - kernel.first(), behind = kernel.first() + kernel.size();
       patch.Fill(window, static_cast<int>(std::floor(low.x())) - before,
                  static_cast<int>(std::floor(low.y())) - before,
@@ -131,28 +161,18 @@ bool ResampleBlock(const SourceWindow& window, const BlockCorners& corners, cons
   return shows;
 }
 
+image::RgbaImage Halved(const image::RgbaImage& image) {
+  auto half = image::RgbaImage::Transparent((image.width_px + 1) / 2, (image.height_px + 1) / 2);
+  HalveInto(image, half, 0, 0);
+  return half;
+}
+
 image::RgbaImage HalveBlocks(const std::array<const image::RgbaImage*, 4>& blocks) {
   image::RgbaImage half = image::RgbaImage::Transparent(kWarpedBlockPx, kWarpedBlockPx);
   constexpr int kHalf = kWarpedBlockPx / 2;
   for (std::size_t quarter = 0; quarter < blocks.size(); ++quarter) {
     if (blocks[quarter] == nullptr) continue;
-    const int left = quarter % 2 == 1 ? kHalf : 0, top = quarter / 2 == 1 ? kHalf : 0;
-    for (int y = 0; y < kHalf; ++y) {
-      const std::uint8_t* upper = blocks[quarter]->Pixel(0, 2 * y);
-      const std::uint8_t* lower = blocks[quarter]->Pixel(0, 2 * y + 1);
-      std::uint8_t* out = half.Pixel(left, top + y);
-      for (int x = 0; x < kHalf; ++x, upper += 8, lower += 8, out += 4) {
-        int sums[3] = {0, 0, 0}, shown = 0;
-        for (const std::uint8_t* pixel : {upper, upper + 4, lower, lower + 4}) {
-          if (pixel[3] < kShown) continue;
-          ++shown;
-          for (int c = 0; c < 3; ++c) sums[c] += pixel[c];
-        }
-        if (shown < 2) continue;
-        for (int c = 0; c < 3; ++c) out[c] = static_cast<std::uint8_t>((sums[c] + shown / 2) / shown);
-        out[3] = 255;
-      }
-    }
+    HalveInto(*blocks[quarter], half, quarter % 2 == 1 ? kHalf : 0, quarter / 2 == 1 ? kHalf : 0);
   }
   return half;
 }

@@ -1,6 +1,6 @@
 // TargetGrid: the pixels of a GeoTIFF in some coordinate system that covers a part of a web map, north up,
-// and where they lie in the map's own pixels. Any thread; the places are asked of PROJ by one thread at a
-// time. Errors: kUnprocessable (a system that PROJ does not lead to), kIo.
+// and where they lie in the web map's. Any thread; the places are asked of PROJ by one thread at a time.
+// Errors: kUnprocessable (a system that PROJ does not lead to, or in which the map would be too large).
 #pragma once
 
 #include <ogr_spatialref.h>
@@ -31,13 +31,13 @@ class TargetGrid {
   // How many metres of Web Mercator a pixel spans, about its middle.
   double PixelInMercM() const { return pixel_in_merc_m_; }
   // In Web Mercator: of the corners of squares of `step_px`, `columns` by `rows` of them row by row from the
-  // corner at (left_px, top_px). Eastings go on beyond the date line as the bounds do.
-  Result<std::vector<Eigen::Vector2d>> CornersInMerc(std::int64_t left_px, std::int64_t top_px, int step_px,
-                                                     int columns, int rows) const;
+  // corner at (left_px, top_px); no numbers where a place is none on Earth, as beyond the grid it may be.
+  // Eastings go on beyond the date line as the bounds do.
+  std::vector<Eigen::Vector2d> CornersInMerc(std::int64_t left_px, std::int64_t top_px, int step_px,
+                                             int columns, int rows) const;
 
  private:
   TargetGrid() = default;
-  Result<Eigen::Vector2d> InMerc(double x_px, double y_px) const;
 
   OGRSpatialReference system_;
   std::string name_;

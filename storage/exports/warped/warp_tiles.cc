@@ -1,6 +1,7 @@
 #include "storage/exports/warped/warp_tiles.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <memory>
@@ -11,6 +12,7 @@
 
 #include "core/base/parallel_for.h"
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
 #include "storage/exports/cog_writer.h"
@@ -43,6 +45,9 @@ struct Unit {
   std::optional<image::RgbaImage> top;
 };
 
+// More would not be quicker, and each has windows of its own.
+constexpr int kMaxThreads = 8;
+
 // The coarsest zoom whose pixels are not larger than the target's.
 SourceLevel LevelFor(double pixel_in_merc_m, const WarpTilesOptions& options, int tile_size_px) {
   constexpr double kNearly = 1.0 + 1e-6;
@@ -53,22 +58,54 @@ SourceLevel LevelFor(double pixel_in_merc_m, const WarpTilesOptions& options, in
   return {zoom, tile_size_px};
 }
 
+// Pixels of the source that count: nothing lies beyond.
+struct SourceReach {
+  std::int64_t west = 0, north = 0, east = 0, south = 0;
+
+  static SourceReach Of(const geo::LatLonBounds& bounds, double px_per_m) {
+    const double west_m = geo::MercFromLatLon({bounds.south_deg, bounds.west_deg}).x();
+    const double north_m = geo::MercFromLatLon({bounds.north_deg, bounds.west_deg}).y();
+    const double south_m = geo::MercFromLatLon({bounds.south_deg, bounds.west_deg}).y();
+    const double width_m = (bounds.east_deg - bounds.west_deg) / 180.0 * geo::kMercHalfWidthM;
+    const auto px = [&](double metres, auto round) {
+      return static_cast<std::int64_t>(round(metres * px_per_m));
+    };
+    const auto down = [](double value) { return std::floor(value) - 1.0; };
+    const auto up = [](double value) { return std::ceil(value) + 1.0; };
+    return {px(west_m + geo::kMercHalfWidthM, down), px(geo::kMercHalfWidthM - north_m, down),
+            px(west_m + width_m + geo::kMercHalfWidthM, up), px(geo::kMercHalfWidthM - south_m, up)};
+  }
+  // Whole pixels of a picture that is halved so often.
+  SourceReach OnPixelsOf(int halvings) const {
+    const std::int64_t side = std::int64_t{1} << halvings;
+    const auto down = [&](std::int64_t px) { return (px >= 0 ? px : px - side + 1) / side * side; };
+    return {down(west), down(north), down(east + side - 1), down(south + side - 1)};
+  }
+};
+
 class Warper {
  public:
-  Warper(MapTiles& tiles, const TargetGrid& grid, const SourceLevel& source, const ResamplingKernel& kernel,
+  // `whole`: all that there is, for a source that no tiles are as coarse as; null: tiles are.
+  Warper(MapTiles& tiles, const TargetGrid& grid, const SourceLevel& source, double source_px_per_m,
+         const SourceReach& reach, const SourceWindow* whole, const ResamplingKernel& kernel,
          const std::vector<GridLevel>& levels, const CogCells& cells)
       : tiles_(tiles),
         grid_(grid),
         source_(source),
+        source_px_per_m_(source_px_per_m),
+        reach_(reach),
+        whole_(whole),
         kernel_(kernel),
         levels_(levels),
-        cells_(cells),
-        source_px_per_m_(1.0 / geo::PixelSizeInMercM(source.zoom, source.tile_size_px)) {}
+        cells_(cells) {}
 
   Result<Unit> Make(const BlockId& top) const {
     Unit unit;
-    SKYQUILT_TRY_ASSIGN(const std::optional<SourceWindow> window, WindowBelow(top));
-    SKYQUILT_TRY_ASSIGN(unit.top, MakeBlock(top, window ? &*window : nullptr, unit));
+    std::optional<SourceWindow> window;
+    if (whole_ == nullptr) {
+      SKYQUILT_TRY_ASSIGN(window, WindowBelow(top));
+    }
+    SKYQUILT_TRY_ASSIGN(unit.top, MakeBlock(top, window ? &*window : whole_, unit));
     return unit;
   }
 
@@ -104,11 +141,10 @@ class Warper {
     if (window == nullptr) {
       SKYQUILT_TRY_ASSIGN(own, WindowBelow(id));
       if (!own)
-        return Error{ErrorCode::kUnprocessable,
-                     "The coordinate system is too far from the map's. Ask for another one.", ""};
+        return flight::Because(ErrorCode::kUnprocessable, flight::RemarkCode::kExportSystemUnreachable);
       window = &*own;
     }
-    SKYQUILT_TRY_ASSIGN(const auto places, PlacesIn(id, kStepsOfBlock));
+    const std::vector<Eigen::Vector2d> places = PlacesIn(id, kStepsOfBlock);
     BlockCorners corners;
     const Eigen::Vector2d corner(static_cast<double>(window->left_px), static_cast<double>(window->top_px));
     for (std::size_t j = 0; j < corners.size(); ++j) {
@@ -121,10 +157,9 @@ class Warper {
   }
 
   // In the source's pixels: of the corners of so many steps across and down a block of the finest level.
-  Result<std::vector<Eigen::Vector2d>> PlacesIn(const BlockId& finest, int steps) const {
-    SKYQUILT_TRY_ASSIGN(std::vector<Eigen::Vector2d> places,
-                        grid_.CornersInMerc(finest.column * kWarpedBlockPx, finest.row * kWarpedBlockPx,
-                                            kWarpedStepPx, steps + 1, steps + 1));
+  std::vector<Eigen::Vector2d> PlacesIn(const BlockId& finest, int steps) const {
+    std::vector<Eigen::Vector2d> places = grid_.CornersInMerc(
+        finest.column * kWarpedBlockPx, finest.row * kWarpedBlockPx, kWarpedStepPx, steps + 1, steps + 1);
     for (Eigen::Vector2d& place : places) {
       place = Eigen::Vector2d(place.x() + geo::kMercHalfWidthM, geo::kMercHalfWidthM - place.y()) *
               source_px_per_m_;
@@ -132,33 +167,62 @@ class Warper {
     return places;
   }
 
-  // Of all blocks below one; nothing where it would be too large.
+  // What lies below all blocks below one, as far as there is something; nothing where it would be too large.
   Result<std::optional<SourceWindow>> WindowBelow(const BlockId& block) const {
     const std::int64_t side = std::int64_t{1} << block.level;
-    SKYQUILT_TRY_ASSIGN(const auto places, PlacesIn({0, block.column * side, block.row * side},
-                                                    kStepsOfBlock * static_cast<int>(side)));
-    Eigen::Vector2d low = places.front(), high = places.front();
-    for (const Eigen::Vector2d& place : places) low = low.cwiseMin(place), high = high.cwiseMax(place);
-    const Eigen::Vector2d room = Eigen::Vector2d::Constant(kernel_.size() + 1);
-    low = (low - room).array().floor();
-    high = (high + room).array().ceil();
-    const Eigen::Vector2d size = high - low;
-    if (!(size.x() * size.y() <= static_cast<double>(kMaxWindowPx))) return std::optional<SourceWindow>();
-    SKYQUILT_TRY_ASSIGN(
-        SourceWindow window,
-        LoadWindow(tiles_, source_, static_cast<std::int64_t>(low.x()), static_cast<std::int64_t>(low.y()),
-                   static_cast<int>(size.x()), static_cast<int>(size.y())));
-    return std::optional(std::move(window));
+    geo::Bounds2 below;
+    for (const Eigen::Vector2d& place :
+         PlacesIn({0, block.column * side, block.row * side}, kStepsOfBlock * static_cast<int>(side))) {
+      if (place.allFinite()) below.Include(place);
+    }
+    const double room = kernel_.size() + 1.0;
+    const auto between = [](double px, std::int64_t low, std::int64_t high) {
+      return static_cast<std::int64_t>(std::clamp(px, static_cast<double>(low), static_cast<double>(high)));
+    };
+    SourceReach window;
+    if (!below.IsEmpty()) {
+      window = {between(std::floor(below.min.x() - room), reach_.west, reach_.east),
+                between(std::floor(below.min.y() - room), reach_.north, reach_.south),
+                between(std::ceil(below.max.x() + room), reach_.west, reach_.east),
+                between(std::ceil(below.max.y() + room), reach_.north, reach_.south)};
+    }
+    const std::int64_t width = window.east - window.west, height = window.south - window.north;
+    if (width > kMaxWindowPx || height > kMaxWindowPx || width * height > kMaxWindowPx)
+      return std::optional<SourceWindow>();
+    SKYQUILT_TRY_ASSIGN(SourceWindow loaded, LoadWindow(tiles_, source_, window.west, window.north,
+                                                        static_cast<int>(width), static_cast<int>(height)));
+    return std::optional(std::move(loaded));
   }
 
   MapTiles& tiles_;
   const TargetGrid& grid_;
   const SourceLevel source_;
+  const double source_px_per_m_;
+  const SourceReach reach_;
+  const SourceWindow* const whole_;
   const ResamplingKernel& kernel_;
   const std::vector<GridLevel>& levels_;
   const CogCells& cells_;
-  const double source_px_per_m_;
 };
+
+// All pixels of a level, halved so often.
+Result<SourceWindow> LoadHalved(MapTiles& tiles, const SourceLevel& level, const SourceReach& reach,
+                                int halvings) {
+  const SourceReach whole = reach.OnPixelsOf(halvings);
+  const std::int64_t width = whole.east - whole.west, height = whole.south - whole.north;
+  if (width > kMaxWindowPx || height > kMaxWindowPx || width * height > kMaxWindowPx)
+    return flight::Because(ErrorCode::kUnprocessable, flight::RemarkCode::kExportSystemUnreachable);
+  SKYQUILT_TRY_ASSIGN(SourceWindow window, LoadWindow(tiles, level, whole.west, whole.north,
+                                                      static_cast<int>(width), static_cast<int>(height)));
+  for (int i = 0; i < halvings; ++i) {
+    window.pixels = Halved(window.pixels);
+    window.left_px /= 2;
+    window.top_px /= 2;
+  }
+  return window;
+}
+
+Error Cancelled() { return {ErrorCode::kCancelled, "The job was cancelled.", ""}; }
 
 // Where the encoded blocks lie in the spool.
 struct Kept {
@@ -178,7 +242,9 @@ Result<void> Keep(const EncodedBlock& block, const std::vector<GridLevel>& level
 
 // The smallest overview first, and each level row by row, as readers expect it.
 Result<void> WriteFile(const std::filesystem::path& path, const std::vector<GridLevel>& levels,
-                       const TiffPlace& place, BlockSpool& spool, const KeptLevels& kept) {
+                       const TiffPlace& place, BlockSpool& spool, const KeptLevels& kept,
+                       const Progress& progress) {
+  SKYQUILT_TRY(spool.Flush());
   std::uint64_t bytes = spool.length();
   for (const auto& level : kept) bytes += 64 * level.size();
   TiffHead head(levels, kWarpedBlockPx, TiffTiles::kJpeg, bytes > kClassicTiffLimitBytes, place);
@@ -188,6 +254,7 @@ Result<void> WriteFile(const std::filesystem::path& path, const std::vector<Grid
     for (std::size_t cell = 0; cell < kept[level].size(); ++cell) {
       const Kept& block = kept[level][cell];
       if (!block.is_there()) continue;
+      if (progress.IsCancelled()) return Cancelled();
       const std::uint64_t at = file->position();
       const auto number = static_cast<std::int64_t>(cell);
       const std::uint64_t both = block.image_bytes + block.mask_bytes + 2 * kBlockFrameBytes;
@@ -210,12 +277,22 @@ Result<void> WarpTiles(MapTiles& tiles, const std::filesystem::path& path, const
   SKYQUILT_TRY_ASSIGN(const auto grid,
                       TargetGrid::Cover(options.bounds, options.epsg, options.pixel_x, options.pixel_y));
   const SourceLevel source = LevelFor(grid->PixelInMercM(), options, tile_size_px);
-  const double ratio = grid->PixelInMercM() / geo::PixelSizeInMercM(source.zoom, tile_size_px);
+  // Of a map whose coarsest tiles are still finer than that, coarser pixels are made of all of them.
+  double ratio = grid->PixelInMercM() / geo::PixelSizeInMercM(source.zoom, tile_size_px);
+  double source_px_per_m = 1.0 / geo::PixelSizeInMercM(source.zoom, tile_size_px);
+  const SourceReach reach = SourceReach::Of(options.bounds, source_px_per_m);
+  std::optional<SourceWindow> whole;
+  int halvings = 0;
+  for (; ratio >= 2.0; ratio /= 2.0, source_px_per_m /= 2.0) ++halvings;
+  if (halvings > 0) {
+    SKYQUILT_TRY_ASSIGN(whole, LoadHalved(tiles, source, reach, halvings));
+  }
   const ResamplingKernel kernel =
       options.is_coarser ? ResamplingKernel::Average(ratio) : ResamplingKernel::Cubic(ratio);
   const std::vector<GridLevel> levels = LevelsOver(grid->width_px(), grid->height_px());
   const CogCells cells(TiffTiles::kJpeg, kWarpedBlockPx, options.jpeg_quality);
-  const Warper warper(tiles, *grid, source, kernel, levels, cells);
+  const Warper warper(tiles, *grid, source, source_px_per_m, reach, whole ? &*whole : nullptr, kernel, levels,
+                      cells);
 
   std::filesystem::path beside = path;
   beside += ".blocks.tmp";
@@ -227,10 +304,12 @@ Result<void> WarpTiles(MapTiles& tiles, const std::filesystem::path& path, const
   });
   const std::vector<BlockId> units = InQuarters(levels, std::min(kUnitLevel, levels.size() - 1));
   std::optional<Error> failure;
+  std::atomic<bool> has_failed = false;
+  const int threads = std::min(ThreadCount(options.threads), kMaxThreads);
   ParallelOrdered<Result<Unit>>(
-      units.size(), options.threads, static_cast<std::size_t>(ThreadCount(options.threads)) + 1,
+      units.size(), threads, static_cast<std::size_t>(threads) + 1,
       [&](std::size_t i) -> Result<Unit> {
-        if (progress.IsCancelled()) return Error{ErrorCode::kCancelled, "The job was cancelled.", ""};
+        if (has_failed || progress.IsCancelled()) return Cancelled();
         return warper.Make(units[i]);
       },
       [&](std::size_t i, Result<Unit>&& unit) {
@@ -240,11 +319,18 @@ Result<void> WarpTiles(MapTiles& tiles, const std::filesystem::path& path, const
           for (const EncodedBlock& block : unit->blocks) SKYQUILT_TRY(Keep(block, levels, *spool, kept));
           return overviews.Add(units[i], std::move(unit->top));
         };
-        if (const Result<void> taken = take(); !taken) failure = taken.error();
+        if (const Result<void> taken = take(); !taken) {
+          failure = taken.error();
+          has_failed = true;
+          return;
+        }
         progress.Report(static_cast<double>(i + 1) / static_cast<double>(units.size()), options.message);
       });
   if (failure) return *failure;
-  return WriteFile(path, levels, grid->place(), *spool, kept);
+  if (spool->length() == 0)
+    return Error{ErrorCode::kCorrupt,
+                 "The map has no tiles where it says that it has some. Make or import it again.", ""};
+  return WriteFile(path, levels, grid->place(), *spool, kept, progress);
 }
 
 }  // namespace skyquilt::storage

@@ -9,11 +9,13 @@
 #include <iterator>
 #include <memory>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "core/geo/tile_id.h"
 #include "storage/exports/warped/resampling_kernel.h"
+#include "storage/exports/warped/target_grid.h"
 #include "storage/rasters/register_gdal.h"
 #include "storage/tilesets/mbtiles_reader.h"
 #include "tests/storage/painted_tileset.h"
@@ -113,6 +115,35 @@ TEST_F(WarpTilesTest, LargerPixelsAreMadeOfTheOverviews) {
   EXPECT_NEAR(value, sum / 64.0, 6.0);
 }
 
+TEST_F(WarpTilesTest, PixelsLargerThanThoseOfAnyOverview) {
+  options_.pixel_x = options_.pixel_y = 30.0;
+  options_.is_coarser = true;
+  ASSERT_TRUE(Warp("coarse.tif"));
+  const auto map = Open("coarse.tif");
+  ASSERT_NE(map, nullptr);
+  ASSERT_GT(map->GetRasterXSize(), 8);
+  std::vector<std::uint8_t> levels(static_cast<std::size_t>(map->GetRasterXSize()) * map->GetRasterYSize());
+  const auto read = [&](GDALRasterBand* band) {
+    return band->RasterIO(GF_Read, 0, 0, map->GetRasterXSize(), map->GetRasterYSize(), levels.data(),
+                          map->GetRasterXSize(), map->GetRasterYSize(), GDT_Byte, 0, 0);
+  };
+  ASSERT_EQ(read(map->GetRasterBand(1)->GetMaskBand()), CE_None);
+  EXPECT_NEAR(
+      static_cast<double>(std::count(levels.begin(), levels.end(), 255)) / static_cast<double>(levels.size()),
+      0.7, 0.15);  // the disk
+  ASSERT_EQ(read(map->GetRasterBand(1)), CE_None);
+  const std::size_t middle = levels.size() / 2 + map->GetRasterXSize() / 2;
+  EXPECT_NEAR(levels[middle], 128, 40);  // of waves, about their mean
+}
+
+TEST_F(WarpTilesTest, AMapWithoutTilesWhereItSaysSoIsRefused) {
+  options_.max_zoom = kZoom + 3;
+  options_.pixel_x = options_.pixel_y = 0.01;
+  const auto written = Warp("map.tif");
+  ASSERT_FALSE(written);
+  EXPECT_EQ(written.error().code, ErrorCode::kCorrupt);
+}
+
 TEST_F(WarpTilesTest, DegreesAreSaidToBeDegrees) {
   options_.epsg = 4326;
   options_.pixel_x = options_.pixel_y = 2e-6;
@@ -168,6 +199,26 @@ TEST(WarpTiles, GoesOnBeyondTheDateLine) {
   const auto shown = std::count(mask.begin(), mask.end(), 255);
   // A disk of 0.48 of the smaller side.
   EXPECT_NEAR(static_cast<double>(shown) / static_cast<double>(mask.size()), 0.62, 0.12);
+}
+
+TEST(TargetGrid, GoesOnBeyondTheDateLine) {
+  const geo::LatLonBounds bounds{179.99, -17.0, 180.01, -16.99};
+  for (const auto& [epsg, pixel, width] : {std::tuple{3857, 1.0, 2226},
+                                           {3395, 1.0, 2226},
+                                           {4326, 1e-5, 2000},
+                                           {32660, 1.0, 2130},
+                                           {3832, 1.0, 2226}}) {
+    const auto grid = TargetGrid::Cover(bounds, epsg, pixel, pixel);
+    ASSERT_TRUE(grid) << epsg << " " << grid.error().message;
+    EXPECT_NEAR((*grid)->width_px(), width, 30) << epsg;
+    const auto corners = (*grid)->CornersInMerc(0, 0, static_cast<int>((*grid)->width_px()), 2, 1);
+    EXPECT_NEAR(corners[1].x() - corners[0].x(), 2226.0, 30.0) << epsg;
+  }
+}
+
+TEST(TargetGrid, OfTooManyPixelsIsRefused) {
+  EXPECT_FALSE(TargetGrid::Cover({-170.0, -80.0, 170.0, 80.0}, 3857, 0.001, 0.001));
+  EXPECT_FALSE(TargetGrid::Cover({7.0, 46.0, 7.1, 46.1}, 900913, 1.0, 1.0));
 }
 
 TEST(ResamplingKernel, WeighsWhatLiesAround) {

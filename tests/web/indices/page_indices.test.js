@@ -27,10 +27,12 @@ test('an index is worth no more than the least of its bands', () => {
     { name: 'red', calibration: 'reflectance', held_against: 'panel' }, { name: 'nir', calibration: 'reflectance', held_against: null },
     { name: 'green', calibration: 'relative reflectance' }, { name: 'lwir', calibration: 'kelvin' },
   ]);
-  assert.equal(calibrationOf('(nir-red)/(nir+red)', bands), 'reflectance');
+  assert.equal(calibrationOf('(nir-red)/(nir+red)', bands), 'sensor');
   assert.equal(calibrationOf('red', bands), 'panel');
   assert.equal(calibrationOf('(green - RED) / red', bands), 'relative reflectance');
   assert.equal(calibrationOf('lwir-273.15', bands), 'kelvin');
+  assert.equal(calibrationOf('nir', [{ name: 'nir', calibration: 'reflectance' }]), 'reflectance', 'of an older report');
+  assert.equal(calibrationOf('nir', []), 'unknown');
   assert.equal(calibrationOf('(green-red)/(green+red-blue)', null), 'colours');
 });
 
@@ -60,7 +62,7 @@ test('a flight with bands opens with its first index, in words, and what its val
   assert.equal(await page.textContent('#index-calibration'), 'Sensor levels, not calibrated', 'blue is not');
   await page.selectOption('#index', 'own');
   await page.fill('#index-expression', '(green-red)/(green+red)');
-  await page.waitForFunction(() => document.querySelector('#index-calibration')?.textContent === 'Reflectance, by a calibration panel');
+  await page.waitForFunction(() => document.querySelector('#index-calibration')?.textContent === 'Reflectance, calibrated with a panel');
   await page.click('#index-geotiff');
   await page.waitForSelector('#download-dialog #exports li');
   const { format, crs, expression } = flight.exports[0];

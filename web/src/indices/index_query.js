@@ -44,7 +44,10 @@ export function roundTo(value, width) {
 }
 
 // The least that may be said of a value comes first.
-const kCalibrations = /** @type {const} */ (['levels', 'radiance', 'relative reflectance', 'reflectance', 'targets', 'panel', 'kelvin']);
+const kCalibrations = /** @type {const} */ (['levels', 'radiance', 'relative reflectance', 'reflectance', 'sensor', 'targets', 'panel', 'kelvin']);
+
+/** An older report does not say whether a panel was there. @param {ReportedBand} band */
+const worthOf = ({ calibration, held_against }) => held_against ?? (calibration === 'reflectance' && held_against === null ? 'sensor' : calibration);
 
 /**
  * What an index' values are worth: the least of what its bands' are.
@@ -53,7 +56,8 @@ const kCalibrations = /** @type {const} */ (['levels', 'radiance', 'relative ref
  * @returns {string} a key of the words for it
  */
 export function calibrationOf(expression, bands) {
+  if (!bands) return 'colours';
   const named = new Set(expression.toLowerCase().match(/[a-z_][a-z0-9_]*/g));
-  const worth = (bands ?? []).filter(({ name }) => named.has(name)).map(({ calibration, held_against }) => held_against ?? calibration);
-  return kCalibrations.find((one) => worth.includes(one)) ?? 'colours';
+  const worth = bands.filter(({ name }) => named.has(name)).map(worthOf);
+  return kCalibrations.find((one) => worth.includes(one)) ?? 'unknown';
 }

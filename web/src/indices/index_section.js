@@ -70,6 +70,9 @@ export function indexSection(view, download) {
   let statistics = null;
   /** @type {import('../shared/types.js').Report['bands']} what the report says of them */
   let bands;
+  let bands_of = '';  // the map
+  let draw_turn = 0;
+  let opens_first = false;  // whoever draws next shows the first index
   let turn = 0;  // of the index that is shown
   let place_turn = 0;
 
@@ -139,7 +142,7 @@ export function indexSection(view, download) {
     const own_turn = turn;
     const bounds = view.bounds;
     if (!bounds) return;
-    put(calibration, words.calibrations[calibrationOf(index.expression, bands?.bands ?? null)]);
+    put(calibration, words.calibrations[calibrationOf(index.expression, view.has_bands ? bands?.bands ?? [] : null)]);
     if (!fits) {
       [least.value, most.value] = index.rescale.map(String);
       colours.value = index.colormap;
@@ -217,25 +220,28 @@ export function indexSection(view, download) {
   };
   // A map that is there without its report is shown all the same, as one of whose values nothing is known.
   const loadBands = async () => {
-    bands = view.has_bands ? (await getReport(view.flight_id).catch(() => null))?.bands : undefined;
+    const map = view.tile_template;  // with its revision
+    if (bands_of === map) return;
+    const found = view.has_bands ? (await getReport(view.flight_id).catch(() => null))?.bands : undefined;
+    if (map === view.tile_template) [bands, bands_of] = [found, map];
   };
 
   return {
     element,
     /** @param {boolean} [shows_first] the first index at once */
     async draw(shows_first = false) {
+      const own_turn = (draw_turn += 1);
+      opens_first ||= shows_first;
       element.hidden = view.bands.length === 0 || view.flight_id === '';
       if (element.hidden) return;
       try {
         await loadRamps();
+        await loadBands();
       } catch {
         element.hidden = true;  // the map is there without its indices
         return;
       }
-      if (shown && view.has_index) return;
-      const { flight_id } = view;
-      await loadBands();
-      if (flight_id !== view.flight_id) return;
+      if (own_turn !== draw_turn || (shown && view.has_index)) return;
       stop();
       put(
         which,
@@ -243,7 +249,8 @@ export function indexSection(view, download) {
         ...view.indices.map(({ id, title }) => h('option', { value: id ?? '' }, `${title}: ${words.about[id ?? ''] ?? ''}`)),
         h('option', { value: kOwn }, words.own(view.bands.join(', '))),
       );
-      which.value = (shows_first && view.indices[0]?.id) || kNone;
+      which.value = (opens_first && view.indices[0]?.id) || kNone;
+      opens_first = false;
       choose();
     },
   };

@@ -82,11 +82,12 @@ export function mapTools(view, actions) {
      * @param {boolean} is_new another flight's map, or the first one after its preview
      */
     drawLayers(is_new) {
+      const was_hidden = card.element.hidden;
       const opens = is_new && view.has_bands && !matchMedia(kNarrow).matches;
       if (opens) toggleLayers(true, true);
       else if (is_new && opened_itself) toggleLayers(false);
       else card.draw(false);
-      if (is_new) opened_itself = opens;
+      if (is_new) opened_itself = opens && (was_hidden || opened_itself);
     },
     closeLayers: () => toggleLayers(false),
     /** For what a tilted map is of no use to. */
