@@ -8,6 +8,7 @@
 
 #include "core/poses/conventions/attitude_convention.h"
 #include "core/poses/conventions/course.h"
+#include "core/poses/plausible_poses.h"
 
 namespace skyquilt::poses {
 namespace {
@@ -74,7 +75,8 @@ PlacedByRecords PlaceByRecords(const std::vector<Photo>& photos, const FlightHei
     const Photo& photo = photos[i];
     const auto leave_out = [&](flight::Remark reason) {
       placed.left_out.push_back({photo.name, ErrorCode::kNoPosition, std::move(reason)});
-      placed.unplaced.push_back(photo);
+      // No picture brings a flight back from where web maps end.
+      if (std::abs(photo.position->position.lat_deg) <= kHighestLatDeg) placed.unplaced.push_back(photo);
     };
     if (!heights.above_ground_m[i]) {
       leave_out(flight::RemarkCode::kLeftWithoutHeight);
