@@ -47,10 +47,6 @@ Result<void> Hold(storage::BlobStore& blobs, const std::string& prefix, const ch
   return errno == ENOENT ? Replaced() : storage::FileError("cannot link", product->path, errno);
 }
 
-bool IsWarped(const storage::ExportRequest& request) {
-  return request.format == storage::ExportFormat::kGeotiff && (!request.crs.empty() || request.resolution_m);
-}
-
 // What an export will hardly take while it is made: twice the map, and three times where it is warped, for
 // its blocks lie beside the file meanwhile. Values are floats, three times over: on the map's pixels, in the
 // other system, in the file.
@@ -68,7 +64,8 @@ Result<std::int64_t> ExpectedBytes(const fs::path& map_dir, const storage::Expor
     const std::uintmax_t size = fs::file_size(map_dir / name, missing);
     if (!missing) bytes = std::max(bytes, static_cast<std::int64_t>(size));
   }
-  return (IsWarped(request) ? 3 : 2) * bytes;
+  const bool is_warped = request.format == storage::ExportFormat::kGeotiff && !storage::IsAsStored(request);
+  return (is_warped ? 3 : 2) * bytes;
 }
 
 // From the pixels that the sandboxed process left, the page about the map, printed in a folder that it never
@@ -104,7 +101,7 @@ Result<std::int64_t> PrintReport(const fs::path& map_dir, const fs::path& pixels
 const char* FileBesideTiles(const storage::ExportRequest& request) {
   if (request.IsOfValues()) return "bands.tif";
   const bool is_copied =
-      request.format == storage::ExportFormat::kGeotiff && !request.boundary && !IsWarped(request);
+      request.format == storage::ExportFormat::kGeotiff && !request.boundary && storage::IsAsStored(request);
   return is_copied ? "mosaic.tif" : nullptr;
 }
 

@@ -19,11 +19,11 @@ Result<int> UtmEpsg(const geo::LatLon& position) {
 Result<void> WriteUtmGeotiff(const std::filesystem::path& mbtiles, const std::filesystem::path& path,
                              const UtmOptions& options, Progress& progress) {
   WarpTilesOptions warp;
-  SKYQUILT_TRY_ASSIGN(warp.epsg, UtmEpsg(options.bounds.Middle()));
+  SKYQUILT_TRY_ASSIGN(warp.target.epsg, UtmEpsg(options.bounds.Middle()));
   warp.bounds = options.bounds;
   warp.min_zoom = options.min_zoom;
   warp.max_zoom = options.max_zoom;
-  warp.pixel_x = warp.pixel_y = options.pixel_m;
+  warp.target.pixel_x = warp.target.pixel_y = options.pixel_m;
   warp.jpeg_quality = options.jpeg_quality;
   warp.threads = options.threads;
   warp.message = "writing the UTM GeoTIFF";

@@ -33,7 +33,7 @@ const char* ResamplingOf(const WarpOptions& options) {
     case WarpedPixels::kValues:
       break;
   }
-  return options.is_coarser ? "average" : "bilinear";
+  return options.target.is_coarser ? "average" : "bilinear";
 }
 
 // What covers the bounds: their edges bend in the other system, so that two corners do not tell.
@@ -58,13 +58,13 @@ Result<geo::Bounds2> BoundsInTarget(const geo::LatLonBounds& bounds, int epsg, c
 Result<void> Warp(GDALDataset& source, const char* path, const WarpOptions& options,
                   const std::string& threads, Progress& progress) {
   // Metres to the micrometre, degrees to a tenth of one.
-  const int digits = options.pixel_x < 1e-3 ? 12 : 6;
+  const int digits = options.target.pixel_x < 1e-3 ? 12 : 6;
   CPLStringList words;
   AddWords(words, {"-t_srs",
-                   fmt::format("EPSG:{}", options.epsg),
+                   fmt::format("EPSG:{}", options.target.epsg),
                    "-tr",
-                   fmt::format("{:.{}f}", options.pixel_x, digits),
-                   fmt::format("{:.{}f}", options.pixel_y, digits),
+                   fmt::format("{:.{}f}", options.target.pixel_x, digits),
+                   fmt::format("{:.{}f}", options.target.pixel_y, digits),
                    "-tap",
                    "-r",
                    ResamplingOf(options),
@@ -88,7 +88,8 @@ Result<void> Warp(GDALDataset& source, const char* path, const WarpOptions& opti
                    "-co",
                    "BIGTIFF=IF_SAFER"});
   if (options.bounds) {
-    SKYQUILT_TRY_ASSIGN(const geo::Bounds2 box, BoundsInTarget(*options.bounds, options.epsg, progress));
+    SKYQUILT_TRY_ASSIGN(const geo::Bounds2 box,
+                        BoundsInTarget(*options.bounds, options.target.epsg, progress));
     AddWords(words, {"-te", fmt::format("{:.9f}", box.min.x()), fmt::format("{:.9f}", box.min.y()),
                      fmt::format("{:.9f}", box.max.x()), fmt::format("{:.9f}", box.max.y())});
   }

@@ -12,6 +12,7 @@
 #include "core/base/result.h"
 #include "core/geo/bounds.h"
 #include "core/geo/lat_lon_bounds.h"
+#include "storage/exports/warp_target.h"
 
 namespace skyquilt::storage {
 
@@ -23,10 +24,7 @@ enum class WarpedPixels {
 
 struct WarpOptions {
   WarpedPixels pixels = WarpedPixels::kValues;
-  int epsg = 3857;
-  double pixel_x = 1.0;  // in units of that system
-  double pixel_y = 1.0;
-  bool is_coarser = false;  // than what is read
+  WarpTarget target;
   std::optional<geo::LatLonBounds>
       bounds;  // all of them, whichever way their edges bend; absent: of all there is
   // The pixels of the source as they are, in its own system: nothing but the file's form is new. Those of the

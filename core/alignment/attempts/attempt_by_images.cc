@@ -209,9 +209,9 @@ void MergePhoto(const Registration& registration, const BlockPlace& place, const
   } else if (place.placing == Placing::kByPositions && photo.photo.position && !place.position_holds[i]) {
     // Also where it is said to be so far away that it was no record at all.
     corrected.position_was_wrong = true;
-    const geo::LatLon& at = photo.photo.position->position;
-    const double off_m =
-        (second.posed.frame.EnuFromWgs84({at.lat_deg, at.lon_deg, 0.0}) - center).head<2>().norm();
+    const Eigen::Vector3d recorded =
+        second.posed.frame.EnuAtHeight(photo.photo.position->position, center.z());
+    const double off_m = (recorded - center).head<2>().norm();
     if (std::isfinite(off_m))
       corrected.notes.push_back({flight::RemarkCode::kPositionElsewhere, {{"off_m", off_m}}});
   }

@@ -17,11 +17,8 @@ constexpr double kMaxLostShare = 0.3;
 // A position that is as far off as this counts for nothing in what is said of the map.
 bool IsSaidToBeFar(const flight::Photo& photo, const Eigen::Vector3d& center, const geo::LocalFrame& frame) {
   constexpr double kFarM = 1000.0;
-  if (!photo.position) return false;
-  const geo::LatLon& at = photo.position->position;
-  const Eigen::Vector3d recorded =
-      frame.EnuFromWgs84({at.lat_deg, at.lon_deg, frame.origin().height_ellipsoid_m});
-  return !((recorded - center).head<2>().norm() < kFarM);
+  return photo.position &&
+         !((frame.EnuAtHeight(photo.position->position, center.z()) - center).head<2>().norm() < kFarM);
 }
 
 // A photo without record: its pose is where it was found, give or take much.

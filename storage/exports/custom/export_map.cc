@@ -63,27 +63,21 @@ double PixelOf(const ExportRequest& request, const MapFacts& map) {
   return request.resolution_m ? *request.resolution_m : std::max(map.gsd_m, map.FinestPixelM());
 }
 
-Result<WarpOptions> WarpFor(const ExportRequest& request, const MapFacts& map, const ExportOptions& options) {
-  const geo::LatLonBounds bounds =
-      request.boundary ? Common(map.bounds, request.boundary->Bounds()) : map.bounds;
+geo::LatLonBounds BoundsOf(const ExportRequest& request, const MapFacts& map) {
+  return request.boundary ? Common(map.bounds, request.boundary->Bounds()) : map.bounds;
+}
+
+Result<WarpTarget> TargetOf(const ExportRequest& request, const MapFacts& map) {
   SKYQUILT_TRY_ASSIGN(const int epsg, EpsgOf(request.crs, map.bounds.Middle()));
-  SKYQUILT_TRY_ASSIGN(const TargetCrs crs, FindTargetCrs(epsg, bounds.Middle()));
+  SKYQUILT_TRY_ASSIGN(const TargetCrs crs, FindTargetCrs(epsg, BoundsOf(request, map).Middle()));
   const double pixel_m = PixelOf(request, map);
-  WarpOptions warp;
-  warp.epsg = epsg;
-  warp.pixel_x = pixel_m * crs.units_per_m_east;
-  warp.pixel_y = pixel_m * crs.units_per_m_north;
-  warp.is_coarser = pixel_m > 1.5 * map.FinestPixelM();
-  // A map across the antimeridian is cut by no such box.
-  if (bounds.east_deg <= 180.0) warp.bounds = bounds;
-  warp.threads = options.threads;
-  return warp;
+  return WarpTarget{epsg, pixel_m * crs.units_per_m_east, pixel_m * crs.units_per_m_north,
+                    pixel_m > 1.5 * map.FinestPixelM()};
 }
 
 // In merc: where the values of an index lie. Bands may reach further than the map's tiles do.
 Result<geo::Bounds2> ReachOfValues(const ExportRequest& request, const MapFacts& map, const fs::path& bands) {
-  if (request.boundary) return geo::MercFromLatLonBounds(Common(map.bounds, request.boundary->Bounds()));
-  if (bands.empty()) return geo::MercFromLatLonBounds(map.bounds);
+  if (request.boundary || bands.empty()) return geo::MercFromLatLonBounds(BoundsOf(request, map));
   SKYQUILT_TRY_ASSIGN(const std::shared_ptr<BandRaster> raster, BandRaster::Open(bands));
   return raster->BoundsInMerc();
 }
@@ -94,14 +88,16 @@ Result<void> WriteIndex(const IndexSource& source, const ExportRequest& request,
   progress.BeginStage("gather");
   SKYQUILT_TRY(WriteIndexGrid(source, ExpressionOf(request), IndexNameOf(request),
                               request.boundary ? &*request.boundary : nullptr, grid.path(), progress));
-  SKYQUILT_TRY_ASSIGN(WarpOptions warp, WarpFor(request, source.facts, options));
+  WarpOptions warp;
+  SKYQUILT_TRY_ASSIGN(warp.target, TargetOf(request, source.facts));
   warp.pixels = WarpedPixels::kValues;
+  warp.threads = options.threads;
   SKYQUILT_TRY_ASSIGN(const geo::Bounds2 reach, ReachOfValues(request, source.facts, source.bands));
   // A map across the antimeridian is cut by no such box.
   const bool is_in_one = reach.max.x() <= geo::kMercHalfWidthM;
   warp.bounds = is_in_one ? std::optional(geo::LatLonBoundsFromMerc(reach)) : std::nullopt;
   // The map's own pixels stay as they are.
-  if (warp.epsg == kWebMercatorEpsg && !request.resolution_m) warp.window = reach;
+  if (warp.target.epsg == kWebMercatorEpsg && !request.resolution_m) warp.window = reach;
   progress.BeginStage("export");
   return WarpGeotiff(grid.path(), path, warp, progress);
 }
@@ -110,19 +106,14 @@ Result<void> WriteGeotiff(const fs::path& tiles, const fs::path& cog, const Expo
                           const MapFacts& map, const fs::path& path, const ExportOptions& options,
                           Progress& progress) {
   progress.BeginStage("export");
-  const bool is_as_stored = (request.crs.empty() || request.crs.ends_with(":3857")) && !request.resolution_m;
-  if (is_as_stored)
+  if (IsAsStored(request))
     return cog.empty() ? WriteCog(tiles, path, {options.quality, options.threads}, progress)
                        : CopyWhole(cog, path);
-  SKYQUILT_TRY_ASSIGN(const WarpOptions wanted, WarpFor(request, map, options));
   WarpTilesOptions warp;
-  warp.bounds = request.boundary ? Common(map.bounds, request.boundary->Bounds()) : map.bounds;
+  SKYQUILT_TRY_ASSIGN(warp.target, TargetOf(request, map));
+  warp.bounds = BoundsOf(request, map);
   warp.min_zoom = map.min_zoom;
   warp.max_zoom = map.max_zoom;
-  warp.epsg = wanted.epsg;
-  warp.pixel_x = wanted.pixel_x;
-  warp.pixel_y = wanted.pixel_y;
-  warp.is_coarser = wanted.is_coarser;
   warp.jpeg_quality = options.quality;
   warp.threads = options.threads;
   SKYQUILT_TRY_ASSIGN(const auto reader, MbtilesReader::Open(tiles));

@@ -191,6 +191,10 @@ indices::BandExpression ExpressionOf(const ExportRequest& request) {
   return *std::move(parsed);
 }
 
+bool IsAsStored(const ExportRequest& request) {
+  return (request.crs.empty() || request.crs.ends_with(":3857")) && !request.resolution_m;
+}
+
 Result<int> EpsgOf(const std::string& crs, const geo::LatLon& middle) {
   if (crs.empty()) return 3857;
   if (crs == "utm" || crs == "UTM") {

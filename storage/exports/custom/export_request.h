@@ -47,6 +47,8 @@ indices::BandExpression ExpressionOf(const ExportRequest& request);
 
 // {"format":"geotiff","crs":"EPSG:2056","boundary":{...},"resolution_m":0.1,"index":"ndvi"}
 Result<ExportRequest> ParseExportRequest(std::string_view json);
+// A GeoTIFF on the web map's own pixels: nothing of it is resampled.
+bool IsAsStored(const ExportRequest& request);
 // "utm", or the code of "EPSG:2056". Error: kUnprocessable.
 Result<int> EpsgOf(const std::string& crs, const geo::LatLon& middle);
 

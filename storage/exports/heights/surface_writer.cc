@@ -103,8 +103,8 @@ Result<void> SurfaceWriter::Work::PutGround() {
 Result<void> SurfaceWriter::Work::PublishAs(const char* name, const TemporaryTiff& raw, WarpedPixels pixels,
                                             int epsg, const char* message) const {
   WarpOptions warp;
-  warp.epsg = epsg;
-  warp.pixel_x = warp.pixel_y = grid.cell_m;
+  warp.target.epsg = epsg;
+  warp.target.pixel_x = warp.target.pixel_y = grid.cell_m;
   warp.threads = threads;
   warp.message = message;
   warp.pixels = pixels;

@@ -1,11 +1,14 @@
 #include "storage/exports/warped/source_window.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include "core/base/try.h"
 #include "core/geo/tile_id.h"
+#include "core/geo/web_mercator.h"
 #include "storage/exports/fringe_tile.h"
+#include "storage/exports/warped/resample_block.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -30,12 +33,44 @@ void CopyInto(SourceWindow& window, const image::RgbaImage& tile, std::int64_t l
 
 }  // namespace
 
-Result<SourceWindow> LoadWindow(MapTiles& tiles, const SourceLevel& level, std::int64_t left_px,
-                                std::int64_t top_px, int width_px, int height_px) {
-  SourceWindow window{left_px, top_px, image::RgbaImage::Transparent(width_px, height_px)};
+SourceReach SourceReach::Of(const geo::LatLonBounds& bounds, double px_per_m) {
+  const Eigen::Vector2d north_west = geo::MercFromLatLon({bounds.north_deg, bounds.west_deg});
+  const double south_m = geo::MercFromLatLon({bounds.south_deg, bounds.west_deg}).y();
+  const double width_m = (bounds.east_deg - bounds.west_deg) / 180.0 * geo::kMercHalfWidthM;
+  const double west_m = north_west.x() + geo::kMercHalfWidthM;
+  const auto before = [&](double metres) {
+    return static_cast<std::int64_t>(std::floor(metres * px_per_m)) - 1;
+  };
+  const auto behind = [&](double metres) {
+    return static_cast<std::int64_t>(std::ceil(metres * px_per_m)) + 1;
+  };
+  return {before(west_m), before(geo::kMercHalfWidthM - north_west.y()), behind(west_m + width_m),
+          behind(geo::kMercHalfWidthM - south_m)};
+}
+
+SourceReach SourceReach::Within(const geo::Bounds2& bounds, double room) const {
+  if (bounds.IsEmpty()) return {};
+  const auto between = [](double px, std::int64_t low, std::int64_t high) {
+    return static_cast<std::int64_t>(std::clamp(px, static_cast<double>(low), static_cast<double>(high)));
+  };
+  return {between(std::floor(bounds.min.x() - room), west, east),
+          between(std::floor(bounds.min.y() - room), north, south),
+          between(std::ceil(bounds.max.x() + room), west, east),
+          between(std::ceil(bounds.max.y() + room), north, south)};
+}
+
+bool SourceReach::IsLargerThan(std::int64_t pixels) const {
+  const std::int64_t width = east - west, height = south - north;
+  return width > pixels || height > pixels || width * height > pixels;
+}
+
+Result<SourceWindow> LoadWindow(MapTiles& tiles, const SourceLevel& level, const SourceReach& reach) {
+  SourceWindow window{reach.west, reach.north,
+                      image::RgbaImage::Transparent(static_cast<int>(reach.east - reach.west),
+                                                    static_cast<int>(reach.south - reach.north))};
   const std::int64_t side = level.tile_size_px, around = std::int64_t{1} << level.zoom;
-  for (std::int64_t row = FloorDiv(top_px, side); row * side < top_px + height_px; ++row) {
-    for (std::int64_t column = FloorDiv(left_px, side); column * side < left_px + width_px; ++column) {
+  for (std::int64_t row = FloorDiv(reach.north, side); row * side < reach.south; ++row) {
+    for (std::int64_t column = FloorDiv(reach.west, side); column * side < reach.east; ++column) {
       const auto tile = geo::TileId::Make(level.zoom, column - FloorDiv(column, around) * around, row);
       if (!tile) continue;  // beyond the world's northern or southern edge
       SKYQUILT_TRY_ASSIGN(std::optional<FoundTile> found, tiles.Find(*tile));
@@ -45,6 +80,20 @@ Result<SourceWindow> LoadWindow(MapTiles& tiles, const SourceLevel& level, std::
       CopyInto(window, pixels, column * side, row * side);
     }
   }
+  return window;
+}
+
+Result<SourceWindow> LoadHalved(MapTiles& tiles, const SourceLevel& level, const SourceReach& reach,
+                                int halvings) {
+  const std::int64_t side = std::int64_t{1} << halvings;
+  const auto before = [&](std::int64_t px) { return FloorDiv(px, side) * side; };
+  const auto behind = [&](std::int64_t px) { return before(px + side - 1); };
+  SKYQUILT_TRY_ASSIGN(SourceWindow window, LoadWindow(tiles, level,
+                                                      {before(reach.west), before(reach.north),
+                                                       behind(reach.east), behind(reach.south)}));
+  for (int i = 0; i < halvings; ++i) window.pixels = Halved(window.pixels);
+  window.left_px /= side;
+  window.top_px /= side;
   return window;
 }
 

@@ -11,15 +11,11 @@
 namespace skyquilt::storage {
 namespace {
 
-Error Unreachable() {
-  return flight::Because(ErrorCode::kUnprocessable, flight::RemarkCode::kExportSystemUnreachable);
-}
-
 constexpr int kWgs84 = 4326, kWebMercator = 3857;
 
 // The edges bend in the other system, so that four corners do not tell.
-Result<geo::Bounds2> BoundsIn(OGRCoordinateTransformation& target_from_wgs84,
-                              const geo::LatLonBounds& bounds) {
+Result<geo::Bounds2> BoundsIn(OGRCoordinateTransformation& target_from_wgs84, const geo::LatLonBounds& bounds,
+                              int epsg) {
   constexpr int kPointsOfEdge = 21;
   constexpr double kBesideDateLineDeg = 180.0 - 1e-9;
   const double middle_deg = bounds.Middle().lat_deg;
@@ -41,12 +37,17 @@ Result<geo::Bounds2> BoundsIn(OGRCoordinateTransformation& target_from_wgs84,
     const double lat = bounds.south_deg + share * (bounds.north_deg - bounds.south_deg);
     if (!include(lon, bounds.south_deg) || !include(lon, bounds.north_deg) ||
         !include(bounds.west_deg, lat) || !include(bounds.east_deg, lat))
-      return Unreachable();
+      return TargetGrid::Unreachable(epsg);
   }
   return box;
 }
 
 }  // namespace
+
+Error TargetGrid::Unreachable(int epsg) {
+  return flight::Because(ErrorCode::kUnprocessable,
+                         {flight::RemarkCode::kExportSystemUnreachable, {{"epsg", epsg}}});
+}
 
 Result<std::unique_ptr<TargetGrid>> TargetGrid::Cover(const geo::LatLonBounds& bounds, int epsg,
                                                       double pixel_x, double pixel_y) {
@@ -55,19 +56,20 @@ Result<std::unique_ptr<TargetGrid>> TargetGrid::Cover(const geo::LatLonBounds& b
   OGRSpatialReference wgs84, merc;
   for (auto& [system, code] :
        {std::pair<OGRSpatialReference&, int>(wgs84, kWgs84), {merc, kWebMercator}, {grid->system_, epsg}}) {
-    if (system.importFromEPSG(code) != OGRERR_NONE) return Unreachable();
+    if (system.importFromEPSG(code) != OGRERR_NONE) return TargetGrid::Unreachable(epsg);
     system.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
   }
   const std::unique_ptr<OGRCoordinateTransformation> target_from_wgs84(
       OGRCreateCoordinateTransformation(&wgs84, &grid->system_));
   grid->merc_from_target_.reset(OGRCreateCoordinateTransformation(&grid->system_, &merc));
-  if (!target_from_wgs84 || !grid->merc_from_target_) return Unreachable();
-  SKYQUILT_TRY_ASSIGN(const geo::Bounds2 box, BoundsIn(*target_from_wgs84, bounds));
+  if (!target_from_wgs84 || !grid->merc_from_target_) return TargetGrid::Unreachable(epsg);
+  SKYQUILT_TRY_ASSIGN(const geo::Bounds2 box, BoundsIn(*target_from_wgs84, bounds, epsg));
   const double columns = std::ceil(box.max.x() / pixel_x) - std::floor(box.min.x() / pixel_x);
   const double rows = std::ceil(box.max.y() / pixel_y) - std::floor(box.min.y() / pixel_y);
   constexpr double kMaxPixels = 1e12;  // four million blocks
   constexpr int kMaxCode = 0xffff;     // of a GeoTIFF
-  if (!(columns > 0.0 && rows > 0.0 && columns * rows < kMaxPixels) || epsg > kMaxCode) return Unreachable();
+  if (!(columns > 0.0 && rows > 0.0 && columns * rows < kMaxPixels) || epsg > kMaxCode)
+    return TargetGrid::Unreachable(epsg);
   grid->name_ = grid->system_.GetName() != nullptr ? grid->system_.GetName() : "";
   grid->epsg_ = epsg;
   grid->west_ = std::floor(box.min.x() / pixel_x) * pixel_x;
@@ -82,7 +84,7 @@ Result<std::unique_ptr<TargetGrid>> TargetGrid::Cover(const geo::LatLonBounds& b
   const std::vector<Eigen::Vector2d> corners = grid->CornersInMerc(middle_x, middle_y, 1, 2, 2);
   const Eigen::Vector2d along_x = corners[1] - corners[0], along_y = corners[2] - corners[0];
   grid->pixel_in_merc_m_ = std::sqrt(std::abs(along_x.x() * along_y.y() - along_x.y() * along_y.x()));
-  if (!(grid->pixel_in_merc_m_ > 0.0)) return Unreachable();
+  if (!(grid->pixel_in_merc_m_ > 0.0)) return TargetGrid::Unreachable(epsg);
   return grid;
 }
 

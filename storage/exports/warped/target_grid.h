@@ -25,6 +25,9 @@ class TargetGrid {
   static Result<std::unique_ptr<TargetGrid>> Cover(const geo::LatLonBounds& bounds, int epsg, double pixel_x,
                                                    double pixel_y);
 
+  // Nothing leads there, or not with so many pixels.
+  static Error Unreachable(int epsg);
+
   std::int64_t width_px() const { return width_px_; }
   std::int64_t height_px() const { return height_px_; }
   TiffPlace place() const;

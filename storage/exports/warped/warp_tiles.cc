@@ -12,7 +12,6 @@
 
 #include "core/base/parallel_for.h"
 #include "core/base/try.h"
-#include "core/flight/remarks/because.h"
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
 #include "storage/exports/cog_writer.h"
@@ -57,31 +56,6 @@ SourceLevel LevelFor(double pixel_in_merc_m, const WarpTilesOptions& options, in
     --zoom;
   return {zoom, tile_size_px};
 }
-
-// Pixels of the source that count: nothing lies beyond.
-struct SourceReach {
-  std::int64_t west = 0, north = 0, east = 0, south = 0;
-
-  static SourceReach Of(const geo::LatLonBounds& bounds, double px_per_m) {
-    const double west_m = geo::MercFromLatLon({bounds.south_deg, bounds.west_deg}).x();
-    const double north_m = geo::MercFromLatLon({bounds.north_deg, bounds.west_deg}).y();
-    const double south_m = geo::MercFromLatLon({bounds.south_deg, bounds.west_deg}).y();
-    const double width_m = (bounds.east_deg - bounds.west_deg) / 180.0 * geo::kMercHalfWidthM;
-    const auto px = [&](double metres, auto round) {
-      return static_cast<std::int64_t>(round(metres * px_per_m));
-    };
-    const auto down = [](double value) { return std::floor(value) - 1.0; };
-    const auto up = [](double value) { return std::ceil(value) + 1.0; };
-    return {px(west_m + geo::kMercHalfWidthM, down), px(geo::kMercHalfWidthM - north_m, down),
-            px(west_m + width_m + geo::kMercHalfWidthM, up), px(geo::kMercHalfWidthM - south_m, up)};
-  }
-  // Whole pixels of a picture that is halved so often.
-  SourceReach OnPixelsOf(int halvings) const {
-    const std::int64_t side = std::int64_t{1} << halvings;
-    const auto down = [&](std::int64_t px) { return (px >= 0 ? px : px - side + 1) / side * side; };
-    return {down(west), down(north), down(east + side - 1), down(south + side - 1)};
-  }
-};
 
 class Warper {
  public:
@@ -140,8 +114,7 @@ class Warper {
     std::optional<SourceWindow> own;
     if (window == nullptr) {
       SKYQUILT_TRY_ASSIGN(own, WindowBelow(id));
-      if (!own)
-        return flight::Because(ErrorCode::kUnprocessable, flight::RemarkCode::kExportSystemUnreachable);
+      if (!own) return TargetGrid::Unreachable(grid_.place().epsg);
       window = &*own;
     }
     const std::vector<Eigen::Vector2d> places = PlacesIn(id, kStepsOfBlock);
@@ -175,22 +148,9 @@ class Warper {
          PlacesIn({0, block.column * side, block.row * side}, kStepsOfBlock * static_cast<int>(side))) {
       if (place.allFinite()) below.Include(place);
     }
-    const double room = kernel_.size() + 1.0;
-    const auto between = [](double px, std::int64_t low, std::int64_t high) {
-      return static_cast<std::int64_t>(std::clamp(px, static_cast<double>(low), static_cast<double>(high)));
-    };
-    SourceReach window;
-    if (!below.IsEmpty()) {
-      window = {between(std::floor(below.min.x() - room), reach_.west, reach_.east),
-                between(std::floor(below.min.y() - room), reach_.north, reach_.south),
-                between(std::ceil(below.max.x() + room), reach_.west, reach_.east),
-                between(std::ceil(below.max.y() + room), reach_.north, reach_.south)};
-    }
-    const std::int64_t width = window.east - window.west, height = window.south - window.north;
-    if (width > kMaxWindowPx || height > kMaxWindowPx || width * height > kMaxWindowPx)
-      return std::optional<SourceWindow>();
-    SKYQUILT_TRY_ASSIGN(SourceWindow loaded, LoadWindow(tiles_, source_, window.west, window.north,
-                                                        static_cast<int>(width), static_cast<int>(height)));
+    const SourceReach window = reach_.Within(below, kernel_.size() + 1.0);
+    if (window.IsLargerThan(kMaxWindowPx)) return std::optional<SourceWindow>();
+    SKYQUILT_TRY_ASSIGN(SourceWindow loaded, LoadWindow(tiles_, source_, window));
     return std::optional(std::move(loaded));
   }
 
@@ -204,23 +164,6 @@ class Warper {
   const std::vector<GridLevel>& levels_;
   const CogCells& cells_;
 };
-
-// All pixels of a level, halved so often.
-Result<SourceWindow> LoadHalved(MapTiles& tiles, const SourceLevel& level, const SourceReach& reach,
-                                int halvings) {
-  const SourceReach whole = reach.OnPixelsOf(halvings);
-  const std::int64_t width = whole.east - whole.west, height = whole.south - whole.north;
-  if (width > kMaxWindowPx || height > kMaxWindowPx || width * height > kMaxWindowPx)
-    return flight::Because(ErrorCode::kUnprocessable, flight::RemarkCode::kExportSystemUnreachable);
-  SKYQUILT_TRY_ASSIGN(SourceWindow window, LoadWindow(tiles, level, whole.west, whole.north,
-                                                      static_cast<int>(width), static_cast<int>(height)));
-  for (int i = 0; i < halvings; ++i) {
-    window.pixels = Halved(window.pixels);
-    window.left_px /= 2;
-    window.top_px /= 2;
-  }
-  return window;
-}
 
 Error Cancelled() { return {ErrorCode::kCancelled, "The job was cancelled.", ""}; }
 
@@ -274,8 +217,8 @@ Result<void> WriteFile(const std::filesystem::path& path, const std::vector<Grid
 Result<void> WarpTiles(MapTiles& tiles, const std::filesystem::path& path, const WarpTilesOptions& options,
                        Progress& progress) {
   const int tile_size_px = TileSizeOf(tiles.metadata());
-  SKYQUILT_TRY_ASSIGN(const auto grid,
-                      TargetGrid::Cover(options.bounds, options.epsg, options.pixel_x, options.pixel_y));
+  SKYQUILT_TRY_ASSIGN(const auto grid, TargetGrid::Cover(options.bounds, options.target.epsg,
+                                                         options.target.pixel_x, options.target.pixel_y));
   const SourceLevel source = LevelFor(grid->PixelInMercM(), options, tile_size_px);
   // Of a map whose coarsest tiles are still finer than that, coarser pixels are made of all of them.
   double ratio = grid->PixelInMercM() / geo::PixelSizeInMercM(source.zoom, tile_size_px);
@@ -285,10 +228,11 @@ Result<void> WarpTiles(MapTiles& tiles, const std::filesystem::path& path, const
   int halvings = 0;
   for (; ratio >= 2.0; ratio /= 2.0, source_px_per_m /= 2.0) ++halvings;
   if (halvings > 0) {
+    if (reach.IsLargerThan(kMaxWindowPx)) return TargetGrid::Unreachable(options.target.epsg);
     SKYQUILT_TRY_ASSIGN(whole, LoadHalved(tiles, source, reach, halvings));
   }
   const ResamplingKernel kernel =
-      options.is_coarser ? ResamplingKernel::Average(ratio) : ResamplingKernel::Cubic(ratio);
+      options.target.is_coarser ? ResamplingKernel::Average(ratio) : ResamplingKernel::Cubic(ratio);
   const std::vector<GridLevel> levels = LevelsOver(grid->width_px(), grid->height_px());
   const CogCells cells(TiffTiles::kJpeg, kWarpedBlockPx, options.jpeg_quality);
   const Warper warper(tiles, *grid, source, source_px_per_m, reach, whole ? &*whole : nullptr, kernel, levels,

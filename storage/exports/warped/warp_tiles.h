@@ -11,6 +11,7 @@
 #include "core/base/progress.h"
 #include "core/base/result.h"
 #include "core/geo/lat_lon_bounds.h"
+#include "storage/exports/warp_target.h"
 #include "storage/tilesets/tile_source.h"
 
 namespace skyquilt::storage {
@@ -18,9 +19,7 @@ namespace skyquilt::storage {
 struct WarpTilesOptions {
   geo::LatLonBounds bounds;
   int min_zoom = 0, max_zoom = 0;  // of the tileset
-  int epsg = 3857;
-  double pixel_x = 1.0, pixel_y = 1.0;  // in units of that system
-  bool is_coarser = false;              // than what is stored
+  WarpTarget target;
   int jpeg_quality = 85;
   int threads = 0;  // 0 = all cores
   const char* message = "writing the GeoTIFF";
