@@ -160,7 +160,8 @@ test('the panel says what counts first, and what to do with the map', options, a
   assert.equal(await page.locator('#processing-details').getAttribute('open'), null);
   assert.deepEqual(await page.locator('.flight-actions > *').evaluateAll((all) => all.map(({ id }) => id)), ['flight-share', 'flight-download', 'flight-qgis']);
   await page.click('#flight-download');
-  assert.deepEqual(await page.locator('.download span').allTextContents(), ['GeoTIFF in UTM', 'GeoTIFF in Web Mercator', 'MBTiles', 'PMTiles', 'All files']);
+  assert.deepEqual(await page.locator('.download span').allTextContents(), ['GeoTIFF in UTM', 'Report (PDF)', 'Google Earth', 'GeoTIFF in Web Mercator',
+    'MBTiles', 'PMTiles', 'Positions of the photos', 'All files']);
   await page.keyboard.press('Escape');
   await page.click('#flight-qgis');
   assert.equal(await page.getAttribute('#qgis-file', 'href'), `/connect/${flight.id}/qgis.qlr`);
@@ -204,6 +205,6 @@ test('heights can be downloaded where the map has them', options, async () => {
   await page.goto(`${mock.url}#/flights/${flight.id}`);
   await page.click('#flight-download');
   await page.waitForSelector('.download[href*="contours.dxf"] small:has-text("7")');
-  assert.deepEqual((await page.locator('.download span').allTextContents()).slice(5), ['Surface model (DSM)', 'Terrain model (DTM)', 'Contours', 'Contours']);
+  assert.deepEqual((await page.locator('.download span').allTextContents()).slice(8), ['Surface model (DSM)', 'Terrain model (DTM)', 'Contours', 'Contours']);
   await assertQuiet(opened);
 });

@@ -154,8 +154,8 @@ class OperationsData(OperationsCase):
         server = self.serve_page(public.replace("public", any_address))
         self.assertEqual(name(server, "http://10.0.0.1/")[0], 201)
 
-    @replays("serve --basemap", "--basemap-attribution", r"openstreetmap|opentopomap|[a-z]+-(?:light|dark|imagery)")
-    def test_basemaps(self, option, attribution, names):
+    @replays("serve --basemap", "--basemap-attribution", r"openstreetmap|opentopomap|[a-z]+-(?:light|dark|imagery)", "--basemap none")
+    def test_basemaps(self, option, attribution, names, none):
         told = re.search(r"fetched by each browser from there: (.*?) \(read", self.run_page("skyquilt serve --help"))[1]
         self.assertEqual(names, told.split(", "))
         for name in names:
@@ -167,7 +167,10 @@ class OperationsData(OperationsCase):
         self.assertEqual(server.json("GET", "/basemap.json")[1]["attribution"], "Makers")
         server.stop()
         server = self.serve("--workers", "0")
-        self.assertEqual(server.json("GET", "/basemap.json")[1]["tiles"], [])
+        basemap = server.json("GET", "/basemap.json")[1]
+        self.assertEqual((basemap["tiles"], bool(basemap["public"])), ([], True))
+        server.stop()
+        self.assertEqual(self.serve_page(f"serve {none}").json("GET", "/basemap.json")[1]["public"], [])
 
 
 if __name__ == "__main__":
