@@ -21,7 +21,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
       }
     }
   }
-  // A picture of 8 x 6 with the bytes as its record.
+  // A picture with the bytes as its record, of a thermal camera's size.
+  constexpr int kWidthPx = 160, kHeightPx = 120;
   constexpr std::size_t kMaxPart = 60'000;
   const std::size_t part = size < kMaxPart ? size : kMaxPart;
   std::vector<std::uint8_t> jpeg{0xFF,
@@ -39,13 +40,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
                                  0,
                                  0};
   jpeg.insert(jpeg.end(), bytes, bytes + part);
-  const std::vector<std::uint8_t> rest{0xFF, 0xC0, 0, 11,   8,    0, 6, 0,    8,   1,
-                                       1,    0x11, 0, 0xFF, 0xDA, 0, 2, 0xFF, 0xD9};
+  const std::vector<std::uint8_t> rest{0xFF, 0xC0, 0, 11,   8,    0, kHeightPx, 0,    kWidthPx, 1,
+                                       1,    0x11, 0, 0xFF, 0xDA, 0, 2,         0xFF, 0xD9};
   jpeg.insert(jpeg.end(), rest.begin(), rest.end());
   flight::MemoryBytes source(jpeg);
   const auto facts = bands::ReadBandFacts(source);
-  SKYQUILT_CHECK(facts.ok() && facts->name == "lwir", "a thermal picture without its band");
-  const auto levels = flight::DecodeSampleBytes(jpeg, 8, 6);
-  SKYQUILT_CHECK(!levels || levels->samples.size() == 48, "levels of another size");
+  const bool is_thermal = facts.ok() && facts->name == "lwir";
+  SKYQUILT_CHECK(is_thermal == (part > 0), "a thermal picture without its band, or one without a record");
+  const auto levels = flight::DecodeSampleBytes(jpeg, kWidthPx, kHeightPx);
+  SKYQUILT_CHECK(!levels || levels->samples.size() == std::size_t{kWidthPx} * kHeightPx,
+                 "levels of another size");
   return 0;
 }
