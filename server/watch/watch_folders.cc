@@ -9,9 +9,9 @@
 #include <string>
 #include <utility>
 
+#include "core/base/process/folder_events.h"
 #include "core/base/text/printable.h"
 #include "core/base/try.h"
-#include "server/watch/folder_events.h"
 
 namespace skyquilt::server {
 namespace {

@@ -1,4 +1,4 @@
-#include "server/watch/folder_events.h"
+#include "core/base/process/folder_events.h"
 
 #include <linux/magic.h>
 #include <poll.h>
@@ -10,7 +10,7 @@
 #include <array>
 #include <cstdint>
 
-namespace skyquilt::server {
+namespace skyquilt {
 namespace {
 
 constexpr std::uint32_t kWhatHappens = IN_CREATE | IN_CLOSE_WRITE | IN_MODIFY | IN_MOVED_TO | IN_MOVED_FROM |
@@ -64,4 +64,4 @@ bool FolderEvents::Wait(std::chrono::milliseconds time) {
   return true;
 }
 
-}  // namespace skyquilt::server
+}  // namespace skyquilt

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <vector>
 
-namespace skyquilt::server {
+namespace skyquilt {
 
 class FolderEvents {
  public:
@@ -29,4 +29,4 @@ class FolderEvents {
   std::vector<std::filesystem::path> folders_;
 };
 
-}  // namespace skyquilt::server
+}  // namespace skyquilt
