@@ -33,7 +33,10 @@ namespace skyquilt::server {
 namespace {
 
 constexpr std::chrono::milliseconds kPoll{200};
-constexpr std::chrono::seconds kPatience{30};  // with a database that is restarted
+// What nobody tells, such as a lease that ran out or a time that came, is looked for by itself so often.
+constexpr std::chrono::seconds kLookAnyway{2};
+constexpr std::chrono::seconds kLookAnywayShared{10};  // a server of PostgreSQL has others to answer
+constexpr std::chrono::seconds kPatience{30};          // with a database that is restarted
 constexpr std::chrono::minutes kPatienceAtStart{15};
 // Who is asked to stop does so; what it could not take back is forgotten by itself.
 constexpr std::chrono::seconds kPatienceAtEnd{1};
@@ -93,7 +96,8 @@ void DrawPreviews(const storage::DataDir& dir, storage::BlobStore& blobs, storag
       std::this_thread::sleep_for(std::chrono::seconds(1));
     } else if (!*drawn) {
       if (options.once || options.until_empty) return;
-      std::this_thread::sleep_for(kPoll);
+      const auto end = std::chrono::steady_clock::now() + kLookAnyway;
+      while (!is_stopping && !db.WaitForWrites() && std::chrono::steady_clock::now() < end) continue;
     }
   }
 }
@@ -227,8 +231,8 @@ void RunWorker(const WorkerOptions& options) {
       if (options.once) throw CLI::RuntimeError(kNothingToDo);
       return;
     } else {
-      // What nobody tells, such as a lease that ran out, is looked for by itself every ten seconds.
-      for (int listened = 0; listened < 5 && !is_stopping && !queue.WaitForJobs();) ++listened;
+      const auto end = std::chrono::steady_clock::now() + (db->IsShared() ? kLookAnywayShared : kLookAnyway);
+      while (!is_stopping && !queue.WaitForJobs() && std::chrono::steady_clock::now() < end) continue;
     }
   }
 }

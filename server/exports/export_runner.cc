@@ -29,8 +29,9 @@ using storage::MapExport;
 
 constexpr std::chrono::milliseconds kExportPause{500};
 constexpr std::chrono::seconds kBeatEvery{1};
-// A shared catalogue is asked at once for what came in here, and now and then for what others could not make.
-constexpr std::chrono::seconds kAskSharedEvery{10};
+// The catalogue is asked at once for what came in here, and now and then for what was left or others could
+// not make.
+constexpr std::chrono::seconds kAskEvery{10};
 constexpr double kShareOfPicture = 0.5;  // of the work on a report; printing says nothing of how far it is
 
 Error Replaced() {
@@ -124,14 +125,14 @@ bool ExportRunner::IsEnded() {
 }
 
 void ExportRunner::Run() {
-  auto asked = std::chrono::steady_clock::now() - kAskSharedEvery;
+  auto asked = std::chrono::steady_clock::now() - kAskEvery;
   bool made_one = false;    // others may wait behind it
-  bool is_failing = false;  // a shared catalogue that is away is asked no more often than one without news
+  bool is_failing = false;  // a catalogue that is away is asked no more often than one without news
   while (!IsEnded()) {
     Result<std::optional<MapExport>> claimed = std::optional<MapExport>();
     const auto now = std::chrono::steady_clock::now();
-    const bool asks = made_one || !service_.db.IsShared() || now - asked >= kAskSharedEvery;
-    if (service_.storage_in_place() && ((service_.exports.HasNew() && !is_failing) || asks)) {
+    const bool asks = made_one || now - asked >= kAskEvery || (service_.exports.HasNew() && !is_failing);
+    if (asks && service_.storage_in_place()) {
       claimed = service_.exports.Claim(storage::Now(), !service_.db.IsShared() || service_.prints_pdf());
       asked = now;
       is_failing = !claimed;

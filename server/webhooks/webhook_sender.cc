@@ -11,6 +11,7 @@ namespace skyquilt::server {
 namespace {
 
 constexpr std::chrono::milliseconds kDeliveryPause{500};
+constexpr std::chrono::seconds kLookForRetries{2};  // those wait for their time
 constexpr int kAtOnce = 20;
 
 bool MayTell(const Result<bool>& taken) {
@@ -33,10 +34,15 @@ WebhookSender::~WebhookSender() {
 }
 
 void WebhookSender::Run() {
+  std::chrono::steady_clock::time_point looked;
   std::unique_lock lock(mutex_);
   while (!is_ended_) {
     lock.unlock();
-    TellAllDue();
+    const auto now = std::chrono::steady_clock::now();
+    if (service_.db.WasWritten() || now - looked >= kLookForRetries) {
+      TellAllDue();
+      looked = now;
+    }
     lock.lock();
     end_.wait_for(lock, kDeliveryPause, [this] { return is_ended_; });
   }

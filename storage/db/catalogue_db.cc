@@ -15,6 +15,10 @@
 namespace skyquilt::storage {
 namespace {
 
+constexpr std::chrono::milliseconds kPoll{200};
+constexpr std::chrono::milliseconds kListen{2'000};  // nothing is asked of a database
+constexpr std::chrono::milliseconds kSoon{50}, kSettled{1'000};
+
 // Tokens' digests and the secrets of webhooks are in it. SQLite gives what it keeps beside a file the file's
 // mode.
 void KeepFromOthers(const std::filesystem::path& path) {
@@ -59,6 +63,7 @@ Result<std::unique_ptr<CatalogueDb>> CatalogueDb::Prepare(SqliteDb db, const std
   SKYQUILT_TRY_ASSIGN(const AgeClock ages, AgeClock::Open(db));
   std::unique_ptr<CatalogueDb> catalogue(new CatalogueDb(std::make_unique<SqliteDb>(std::move(db)), ages));
   catalogue->reserve_.emplace(path);
+  catalogue->path_ = path;
   for (int i = 0; i < readers; ++i) {
     SKYQUILT_TRY_ASSIGN(SqliteDb reader, SqliteDb::Open(path, OpenMode::kReadShared));
     catalogue->idle_readers_.push_back(std::make_unique<SqliteDb>(std::move(reader)));
@@ -136,15 +141,47 @@ Result<void> CatalogueDb::HoldAlone() {
 }
 
 bool CatalogueDb::WaitForJobs() {
-  constexpr std::chrono::milliseconds kPoll{200};
-  constexpr std::chrono::milliseconds kListen{2'000};  // it asks the database nothing
-  if (!listener_) {
-    std::this_thread::sleep_for(kPoll);
-    return true;
-  }
+  if (!place_) return WaitForWrites();
   const Result<bool> heard = static_cast<PostgresDb&>(*listener_).WaitForNotice("jobs", kListen);
   if (!heard) std::this_thread::sleep_for(kPoll);
   return !heard || *heard;
+}
+
+// The log is written, then forced to the disk, then shown to others by shared memory, which wakes nobody.
+bool CatalogueDb::WaitForWrites() {
+  if (!place_ && !events_) {
+    events_.emplace();
+    events_->Watch({path_.parent_path()});
+    return WasWritten();
+  }
+  if (!events_ || !events_->IsReliable()) {
+    std::this_thread::sleep_for(kPoll);
+    return WasWritten();
+  }
+  using Clock = std::chrono::steady_clock;
+  if (Clock::now() >= settled_) {
+    if (!events_->Wait(kListen)) return false;
+    settled_ = Clock::now() + kSettled;
+  }
+  std::this_thread::sleep_for(kSoon);
+  return WasWritten();
+}
+
+// SQLite counts for each connection what others have written.
+bool CatalogueDb::WasWritten() {
+  if (place_) return true;
+  const auto version = [&]() -> Result<std::int64_t> {
+    if (!listener_) {
+      SKYQUILT_TRY_ASSIGN(SqliteDb listener, SqliteDb::Open(path_, OpenMode::kReadShared));
+      listener_ = std::make_unique<SqliteDb>(std::move(listener));
+    }
+    SKYQUILT_TRY_ASSIGN(Statement query, listener_->Prepare("PRAGMA data_version"));
+    SKYQUILT_TRY(query.Step());
+    return query.ColumnInt64(0);
+  }();
+  const bool is_news = !version || seen_version_ != *version;
+  seen_version_ = version ? std::optional(*version) : std::nullopt;
+  return is_news;
 }
 
 std::unique_ptr<SqlConnection> CatalogueDb::TakeReader() {

@@ -10,6 +10,7 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <mutex>
@@ -17,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/process/folder_events.h"
 #include "core/base/result.h"
 #include "storage/db/age_clock.h"
 #include "storage/db/outage/silence.h"
@@ -122,10 +124,16 @@ class CatalogueDb {
   Time LostBefore(Time now) const { return silence_->EndedWithin(kLeaseTime / 2) ? Time() : now; }
   // Prefix of the names of workers that this server supervises: it releases what they held when they die.
   const std::string& served_prefix() const { return served_prefix_; }
-  // Until there may be a job to claim, a signal, or the end of the time: with PostgreSQL by LISTEN, over a
-  // connection of its own; in a data folder the queue is cheap to look at, and looked at often. False:
-  // nothing was heard in two seconds.
+  // Until there may be a job to claim, a signal, or the end of two seconds: with PostgreSQL by LISTEN, over a
+  // connection of its own; in a data folder WaitForWrites. False: nothing was heard.
   bool WaitForJobs();
+  // Until something was written, by any process, a signal, or the end of two seconds: where nothing wakes
+  // (PostgreSQL, folders of other machines), a moment. False: nothing was. What is written meanwhile may be
+  // missed, rarely. One thread, that of WasWritten.
+  bool WaitForWrites();
+  // Whether anything was written, by any process, since the same thread last asked; true where that is not
+  // known: at first, with PostgreSQL, after an error. It takes a few microseconds. One thread.
+  bool WasWritten();
 
  private:
   CatalogueDb(std::unique_ptr<SqlConnection> db, const AgeClock& ages) : db_(std::move(db)), ages_(ages) {}
@@ -145,7 +153,11 @@ class CatalogueDb {
   ServerClock clock_;
   std::shared_ptr<Silence> silence_ = std::make_shared<Silence>();  // of PostgreSQL
   std::string served_prefix_ = kServedWorkerPrefix;
+  std::filesystem::path path_;  // of a data folder's
+  std::optional<FolderEvents> events_;
+  std::chrono::steady_clock::time_point settled_;  // what was seen to be written is to be read by then
   std::unique_ptr<SqlConnection> listener_;
+  std::optional<std::int64_t> seen_version_;  // by the listener, in a data folder
 };
 
 }  // namespace skyquilt::storage

@@ -54,6 +54,40 @@ TEST_F(CatalogueReadersTest, SeeWhatWasJustWritten) {
   }
 }
 
+TEST_F(CatalogueReadersTest, HearWhetherAnythingWasWritten) {
+  EXPECT_TRUE(db_->WasWritten()) << "what was written before";
+  EXPECT_EQ(db_->WasWritten(), TestsPostgres()) << "there it is not known";
+  const auto others = *OpenTestCatalogue(dir_.path() / "catalogue.db");
+  (void)db_->WasWritten();
+  {
+    const auto other = others->Lock();
+    ASSERT_TRUE(
+        other->Exec(std::string(TestsPostgres() ? "BEGIN" : "BEGIN IMMEDIATE") + "; DELETE FROM flight"));
+    EXPECT_EQ(db_->WasWritten(), TestsPostgres()) << "it may come to nothing";
+    ASSERT_TRUE(other->Exec("INSERT INTO flight(id,name,created_us) VALUES('a','field',1); COMMIT"));
+  }
+  EXPECT_TRUE(db_->WasWritten());
+  ASSERT_TRUE(catalogue_.AddFlight("by this process", "{}", Now()));
+  EXPECT_TRUE(db_->WasWritten());
+  (void)catalogue_.GetFlight("a");
+  EXPECT_EQ(db_->WasWritten(), TestsPostgres());
+}
+
+TEST_F(CatalogueReadersTest, AreWokenByWhatIsWritten) {
+  if (TestsPostgres()) GTEST_SKIP() << "there who waits looks again and again";
+  EXPECT_TRUE(db_->WaitForWrites()) << "what was written before";
+  std::thread writer([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    const auto others = *OpenTestCatalogue(dir_.path() / "catalogue.db");
+    EXPECT_TRUE(Catalogue(*others).AddFlight("field", "{}", Now()));
+  });
+  // The folder stirs while the file is opened, the change may show a moment later.
+  bool is_heard = false;
+  for (int tries = 0; tries < 25 && !is_heard; ++tries) is_heard = db_->WaitForWrites();
+  writer.join();
+  EXPECT_TRUE(is_heard);
+}
+
 TEST_F(CatalogueReadersTest, CannotWrite) {
   const auto db = db_->Read();
   EXPECT_FALSE(db->Exec("DELETE FROM flight"));
