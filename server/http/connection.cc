@@ -11,11 +11,11 @@
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/asio/write.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
-#include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http/buffer_body.hpp>
 #include <boost/beast/http/parser.hpp>
 #include <boost/beast/http/read.hpp>
 #include <exception>
+#include <optional>
 #include <vector>
 
 #include "server/http/head_parser.h"
@@ -28,6 +28,7 @@ namespace net = boost::asio;
 namespace beast = boost::beast;
 namespace http = boost::beast::http;
 using SystemError = boost::system::error_code;
+using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kDeadlineBytes = 128 * 1024;
 constexpr std::size_t kLingerSliceBytes = 128 * 1024;
@@ -38,7 +39,7 @@ class SocketConnection : public Connection, public std::enable_shared_from_this<
  public:
   SocketConnection(net::io_context& io, net::ip::tcp::socket socket, std::string peer,
                    const HttpSettings& settings)
-      : io_(io), stream_(std::move(socket)), settings_(settings), deadline_(io), rest_(io) {
+      : io_(io), socket_(std::move(socket)), settings_(settings), clock_(io), rest_(io) {
     peer_ = std::move(peer);
   }
 
@@ -52,13 +53,12 @@ class SocketConnection : public Connection, public std::enable_shared_from_this<
     HeadState state = reading.Examine(Buffered());
     while (state == HeadState::kNeedsMore) {
       SystemError error;
-      const std::size_t got = co_await stream_.async_read_some(
+      const std::size_t got = co_await socket_.async_read_some(
           buffer_.prepare(4096), net::redirect_error(net::use_awaitable, error));
       if (error && is_late_ && has_begun) co_return Refuse({408, "The request head came too slowly."});
       if (error) co_return Head::kClosed;
       buffer_.commit(got);
       state = reading.Examine(Buffered());
-      // Most heads come whole, and setting a timer that is sooner than all others costs a system call.
       if (state == HeadState::kNeedsMore && !has_begun && !is_first_) SetDeadline(settings_.header_deadline);
       has_begun = true;
     }
@@ -85,7 +85,7 @@ class SocketConnection : public Connection, public std::enable_shared_from_this<
       since_deadline_ = 0;
     }
     SystemError error;
-    co_await http::async_read_some(stream_, buffer_, *parser_,
+    co_await http::async_read_some(socket_, buffer_, *parser_,
                                    net::redirect_error(net::use_awaitable, error));
     const std::size_t size = into.size() - parser_->get().body().size;
     since_deadline_ += size;
@@ -108,10 +108,10 @@ class SocketConnection : public Connection, public std::enable_shared_from_this<
   Awaitable<void> Write(std::string_view head, std::span<const std::uint8_t> body) override {
     const std::array<net::const_buffer, 2> buffers = {net::buffer(head.data(), head.size()),
                                                       net::buffer(body.data(), body.size())};
-    if (since_deadline_ < kDeadlineBytes) EndDeadline();  // of a body that is answered before it was read
-    stream_.expires_after(settings_.slice_deadline);
+    SetDeadline(settings_.slice_deadline);  // also where a body is answered before it was read
     SystemError error;
-    co_await net::async_write(stream_, buffers, net::redirect_error(net::use_awaitable, error));
+    co_await net::async_write(socket_, buffers, net::redirect_error(net::use_awaitable, error));
+    EndDeadline();
     if (error) has_failed_ = true;
   }
 
@@ -145,31 +145,31 @@ class SocketConnection : public Connection, public std::enable_shared_from_this<
   }
 
   void WatchForEnd() override {
-    stream_.socket().async_wait(net::ip::tcp::socket::wait_read,
-                                [weak = weak_from_this()](const SystemError& error) {
-                                  const auto self = weak.lock();
-                                  if (self == nullptr || error == net::error::operation_aborted) return;
-                                  SystemError unknown;
-                                  const bool has_ended = self->stream_.socket().available(unknown) == 0;
-                                  if (error || unknown || has_ended) self->has_failed_ = true;
-                                  self->Wake();
-                                });
+    socket_.async_wait(net::ip::tcp::socket::wait_read, [weak = weak_from_this()](const SystemError& error) {
+      const auto self = weak.lock();
+      if (self == nullptr || error == net::error::operation_aborted) return;
+      SystemError unknown;
+      const bool has_ended = self->socket_.available(unknown) == 0;
+      if (error || unknown || has_ended) self->has_failed_ = true;
+      self->Wake();
+    });
   }
 
   Awaitable<void> EndGently() override {
     SystemError error;
-    stream_.socket().shutdown(net::ip::tcp::socket::shutdown_send, error);
-    stream_.expires_after(kLingerTime);
+    socket_.shutdown(net::ip::tcp::socket::shutdown_send, error);
+    SetDeadline(kLingerTime);
     std::vector<std::uint8_t> slice(kLingerSliceBytes);
     std::uint64_t dropped = 0;
     while (!error && dropped < kLingerBytes) {
-      dropped += co_await stream_.async_read_some(net::buffer(slice),
+      dropped += co_await socket_.async_read_some(net::buffer(slice),
                                                   net::redirect_error(net::use_awaitable, error));
     }
   }
 
   void CloseIfIdle() override {
-    if (is_idle_) stream_.close();
+    SystemError unknown;
+    if (is_idle_) socket_.close(unknown);
     Wake();
   }
 
@@ -207,23 +207,31 @@ class SocketConnection : public Connection, public std::enable_shared_from_this<
         net::use_awaitable);
   }
 
-  // At the deadline the read is given up, but the socket stays: who sent a part of a request is told.
+  // At the deadline what is read or written is given up, but the socket stays: who sent a part of a request
+  // is told. A clock that rings too early looks again at the time; setting it for each request costs more.
   void SetDeadline(std::chrono::seconds time) {
-    stream_.expires_never();
     is_late_ = false;
-    deadline_.expires_after(time);
-    deadline_.async_wait([weak = weak_from_this(), round = ++deadline_round_](const SystemError& error) {
+    due_ = Clock::now() + time;
+    if (!rings_ || *due_ < *rings_) SetClock();
+  }
+
+  void SetClock() {
+    rings_ = due_;
+    clock_.expires_at(*rings_);
+    clock_.async_wait([weak = weak_from_this(), rings = *rings_](const SystemError& error) {
       const std::shared_ptr<SocketConnection> self = weak.lock();
-      if (error || self == nullptr || round != self->deadline_round_) return;
+      if (error || self == nullptr || self->rings_ != rings) return;  // set anew meanwhile
+      self->rings_.reset();
+      if (!self->due_) return;
+      if (*self->due_ > Clock::now()) return self->SetClock();
+      self->due_.reset();
       self->is_late_ = true;
-      self->stream_.cancel();
+      SystemError unknown;
+      self->socket_.cancel(unknown);
     });
   }
 
-  void EndDeadline() {
-    ++deadline_round_;  // one that has rung already, but was not heard, is too late
-    deadline_.cancel();
-  }
+  void EndDeadline() { due_.reset(); }
 
   void EndHeadDeadline() {
     EndDeadline();
@@ -238,14 +246,15 @@ class SocketConnection : public Connection, public std::enable_shared_from_this<
   }
 
   net::io_context& io_;
-  beast::tcp_stream stream_;
+  net::ip::tcp::socket socket_;
   const HttpSettings& settings_;
   beast::flat_buffer buffer_;
   std::unique_ptr<RequestParser> parser_;
-  net::steady_timer deadline_;
+  net::steady_timer clock_;
+  std::optional<Clock::time_point> rings_;  // when the clock does
+  std::optional<Clock::time_point> due_;    // the deadline; none while nobody waits for the client
   net::steady_timer rest_;
   bool is_woken_ = false;
-  int deadline_round_ = 0;
   std::size_t since_deadline_ = 0;
   bool is_late_ = false;
   bool is_idle_ = true;
