@@ -8,6 +8,7 @@
 
 #include "core/base/check.h"
 #include "core/base/try.h"
+#include "storage/db/immutable/read_ahead.h"
 #include "storage/db/sqlite_error.h"
 #include "storage/db/sqlite_statement.h"
 
@@ -45,7 +46,8 @@ Result<SqliteDb> SqliteDb::Open(const std::filesystem::path& path, OpenMode mode
                         : SQLITE_OPEN_READONLY | SQLITE_OPEN_URI | SQLITE_OPEN_NOMUTEX;
   const std::string name =
       mode == OpenMode::kReadOnlyImmutable ? UriOf(path) : std::filesystem::absolute(path).string();
-  const int code = sqlite3_open_v2(name.c_str(), &handle, flags, nullptr);
+  const char* const vfs = mode == OpenMode::kReadOnlyImmutable ? ReadAheadVfs() : nullptr;
+  const int code = sqlite3_open_v2(name.c_str(), &handle, flags, vfs);
   SqliteDb db(handle);
   if (code == SQLITE_CANTOPEN && mode == OpenMode::kReadWriteCreate) {
     return Error{ErrorCode::kIo,

@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cstdint>
+#include <filesystem>
 #include <fstream>
+#include <span>
 #include <vector>
 
 #include "tests/storage/scratch_dir.h"
@@ -53,6 +56,59 @@ TEST(SqliteDb, KeepsWhatWasBoundThoughItIsGone) {
   ASSERT_TRUE(*query->Step());
   EXPECT_EQ(query->ColumnText(0), text);
   EXPECT_TRUE(std::ranges::equal(query->ColumnBlob(1), bytes));
+}
+
+// Values of many sizes whose pages lie in pieces: what was removed makes room for others.
+void FillInPieces(SqliteDb& db) {
+  ASSERT_TRUE(db.Exec("CREATE TABLE t(id INTEGER PRIMARY KEY, size INTEGER, value BLOB)"));
+  ASSERT_TRUE(
+      db.Exec("WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i+1 FROM n WHERE i<120)"
+              " INSERT INTO t SELECT i, i*i*17%90001, randomblob(i*i*17%90001) FROM n;"
+              " DELETE FROM t WHERE id%3=0; INSERT INTO t SELECT id+200, size*3, randomblob(size*3) FROM t"));
+}
+
+std::uint64_t SumOf(std::span<const std::uint8_t> bytes) {
+  std::uint64_t sum = bytes.size();
+  for (const std::uint8_t byte : bytes) sum = sum * 31 + byte;
+  return sum;
+}
+
+TEST(SqliteDb, ReadsWhatNeverChangesAsItWasWritten) {
+  ScratchDir dir;
+  std::vector<std::uint64_t> written, first, second;
+  for (const char* name : {"a.db", "b.db"}) {
+    auto db = SqliteDb::Open(dir.path() / name, OpenMode::kReadWriteCreate);
+    ASSERT_NO_FATAL_FAILURE(FillInPieces(*db));
+    auto all = db->Prepare("SELECT value FROM t ORDER BY id");
+    while (*all->Step()) written.push_back(SumOf(all->ColumnBlob(0)));
+  }
+  // One thread with two files, in turns.
+  auto a = SqliteDb::Open(dir.path() / "a.db", OpenMode::kReadOnlyImmutable);
+  auto b = SqliteDb::Open(dir.path() / "b.db", OpenMode::kReadOnlyImmutable);
+  ASSERT_TRUE(a && b);
+  auto of_a = a->Prepare("SELECT value FROM t ORDER BY id");
+  auto of_b = b->Prepare("SELECT value FROM t ORDER BY id");
+  while (*of_a->Step() && *of_b->Step()) {
+    first.push_back(SumOf(of_a->ColumnBlob(0)));
+    second.push_back(SumOf(of_b->ColumnBlob(0)));
+  }
+  first.insert(first.end(), second.begin(), second.end());
+  EXPECT_EQ(first, written);
+}
+
+TEST(SqliteDb, SaysThatAFileWasCutOffWhileItIsRead) {
+  ScratchDir dir;
+  {
+    auto db = SqliteDb::Open(dir.path() / "a.db", OpenMode::kReadWriteCreate);
+    ASSERT_NO_FATAL_FAILURE(FillInPieces(*db));
+  }
+  auto db = SqliteDb::Open(dir.path() / "a.db", OpenMode::kReadOnlyImmutable);
+  auto all = db->Prepare("SELECT value FROM t ORDER BY id");
+  ASSERT_TRUE(*all->Step());
+  std::filesystem::resize_file(dir.path() / "a.db", std::filesystem::file_size(dir.path() / "a.db") / 2);
+  Result<bool> row = true;
+  while (row && *row) row = all->Step();
+  EXPECT_FALSE(row);
 }
 
 TEST(SqliteDb, RollsBackATransactionThatWasNotCommitted) {
