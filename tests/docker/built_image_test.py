@@ -46,7 +46,7 @@ def words_of(line, variable, engine):
 
 
 def asked(path, data=None):
-    with urllib.request.urlopen(urllib.request.Request(ADDRESS + path, data), timeout=30) as response:
+    with urllib.request.urlopen(urllib.request.Request(ADDRESS + path, data, {"Content-Type": "application/json"} if data else {}), timeout=30) as response:
         return response.read()
 
 
