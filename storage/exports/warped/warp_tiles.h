@@ -1,9 +1,9 @@
 // WarpTiles: the colours of a finished tileset as a cloud-optimised GeoTIFF in another coordinate system or
 // resolution. The pixels are resampled (cubic; averaged where they become larger) from the zoom that is just
 // fine enough, and encoded as JPEG with a one-bit mask; overviews are means of the level below. The same
-// bytes // for any number of threads, eight of which are used. Memory: some 150 MiB a thread. Encoded blocks
+// bytes for any number of threads, eight of which are used. Memory: some 150 MiB a thread. Encoded blocks
 // lie beside `path` until all are there. Published by rename. Blocking. Errors: kUnprocessable
-// (TargetGrid's), kCorrupt (nothing is shown at all), kIo, kOutOfSpace, kCorrupt, kCancelled.
+// (TargetGrid's), kCorrupt (a damaged tile, or nothing is shown at all), kIo, kOutOfSpace, kCancelled.
 #pragma once
 
 #include <filesystem>
