@@ -36,6 +36,9 @@ constexpr float kAlikeSteps = 2.5f;
 constexpr std::uint8_t kManyAlike = 33, kSomeAlike = 17, kNearlyAllAlike = 44;
 constexpr float kSpeckleSteps = 2.0f;
 constexpr std::size_t kMinCells = 48, kMinWeight = 400, kThirdPhoto = 10;
+// A patch too small for that is looked at again in smaller cells where so many photos agree on it, and counts
+// there where so many do: a narrow house is a few of the largest cells. Two photos agree by chance.
+constexpr std::uint8_t kMinDoubtedPhotos = 3;
 constexpr int kFillReach = 24;
 constexpr float kFillSteps = 4.0f;
 constexpr float kEdgeSteps = 4.0f;
@@ -73,6 +76,8 @@ struct MatchedLevel {
   CellBox box;  // of the level's cells
   LevelHeights heights;
   std::vector<std::uint8_t> agreeing, confidence;
+  // What may stand there: as heights, but where patches too small to be borne out lie higher.
+  std::vector<float> highest_m;
 };
 
 class BlockMatcher {
@@ -106,8 +111,8 @@ class BlockMatcher {
     for (int level = kSurfaceLevels - 2; level >= 0; --level) {
       box = LevelBox(box_, level);
       frame = FrameOf(context_.grid, box, level);
-      const HeightSheets sheets =
-          SheetsFollowing(matched.heights.heights_m, matched.box, box, step_m_ * (1 << level));
+      const HeightSheets sheets = SheetsFollowing(matched.heights.heights_m, matched.highest_m, matched.box,
+                                                  box, step_m_ * (1 << level));
       const MatchedLevel coarser = std::move(matched);
       matched = MatchLevel(box, frame, sheets, &coarser, level == 0);
     }
@@ -160,12 +165,13 @@ class BlockMatcher {
   MatchedLevel MatchLevel(const CellBox& box, const LevelFrame& frame, const HeightSheets& sheets,
                           const MatchedLevel* coarser, bool is_finest) {
     const std::size_t cells = sheets.Cells();
-    MatchedLevel matched{box, {frame.columns, frame.rows, {}, std::vector<std::uint8_t>(cells, 0)}, {}, {}};
+    MatchedLevel matched{
+        box, {frame.columns, frame.rows, {}, std::vector<std::uint8_t>(cells, 0)}, {}, {}, {}};
     LevelHeights& level = matched.heights;
     matched.agreeing.assign(cells, 0);
     matched.confidence.assign(cells, 0);
     if (near_.size() < 2) {
-      level.heights_m = sheets.expected_m;
+      level.heights_m = matched.highest_m = sheets.expected_m;
       return matched;
     }
     const std::vector<MatchedTile> tiles = Tiles(frame, sheets);
@@ -181,19 +187,32 @@ class BlockMatcher {
     for (const MatchedTile& tile : tiles) matcher.FillAgreeing(tile, level.heights_m, matched.agreeing, gray);
     const std::vector<std::uint8_t> contrasts = MeansAround(picked.contrasts, frame.columns, frame.rows);
     for (std::size_t i = 0; i < cells; ++i) {
-      level.is_known[i] =
-          matched.agreeing[i] >= 2 && picked.margins[i] >= kMinMargin && contrasts[i] >= kMinContrast;
+      const bool is_doubted =
+          !sheets.doubted_above_m.empty() && level.heights_m[i] > sheets.doubted_above_m[i];
+      level.is_known[i] = matched.agreeing[i] >= (is_doubted ? kMinDoubtedPhotos : 2) &&
+                          picked.margins[i] >= kMinMargin && contrasts[i] >= kMinContrast;
       matched.confidence[i] = static_cast<std::uint8_t>(
           std::min({255, picked.margins[i] * 255 / kFullMargin, contrasts[i] * 255 / kFullContrast}));
     }
     const std::vector<std::uint8_t> alike = CountAlike(level, kAlikeSteps * sheets.step_m);
+    const std::vector<float> doubted_m = is_finest ? std::vector<float>{} : level.heights_m;
+    const std::vector<std::uint8_t> is_picked = level.is_known;
     DropSpeckles(level, alike, matched.agreeing,
                  {kSpeckleSteps * sheets.step_m, kManyAlike, kSomeAlike, kMinCells, kMinWeight, kThirdPhoto,
                   kNearlyAllAlike});
     if (coarser != nullptr) TakeCoarser(*coarser, contrasts, alike, sheets, matched);
     FillUnknown(level, sheets.expected_m, kFillReach, kFillSteps * sheets.step_m);
     TakeMedians(level);
-    if (is_finest) MoveSteps(tiles, kEdgeSteps * sheets.step_m, matcher, level);
+    if (is_finest) {
+      MoveSteps(tiles, kEdgeSteps * sheets.step_m, matcher, level);
+      return matched;
+    }
+    matched.highest_m = level.heights_m;
+    for (std::size_t i = 0; i < cells; ++i) {
+      const bool may_stand = level.is_known[i] == 0 && is_picked[i] != 0 &&
+                             matched.agreeing[i] >= kMinDoubtedPhotos && alike[i] >= kSomeAlike;
+      if (may_stand) matched.highest_m[i] = std::max(matched.highest_m[i], doubted_m[i]);
+    }
     return matched;
   }
 
@@ -223,15 +242,13 @@ class BlockMatcher {
     for (int round = 0; round < kEdgeRounds; ++round) {
       const OtherSides sides = FindOtherSides(level, memory_.gray, step_m);
       std::vector<std::int16_t> worse(level.heights_m.size(), 0);
+      const float *own = level.heights_m.data(), *other = sides.heights_m.data();
       for (const MatchedTile& tile : tiles) {
-        const auto has_step = [&](int row) {
-          const auto at = static_cast<std::ptrdiff_t>(level.IndexOf(tile.column, row));
-          const auto own = level.heights_m.begin() + at;
-          return !std::equal(own, own + tile.columns, sides.heights_m.begin() + at);
-        };
-        int row = tile.row;
-        while (row < tile.row + tile.rows && !has_step(row)) ++row;
-        if (row < tile.row + tile.rows) matcher.CompareOthers(tile, level.heights_m, sides.heights_m, worse);
+        const MatchedTile part = PartWith(tile, [&](int column, int row) {
+          const std::size_t cell = level.IndexOf(column, row);
+          return own[cell] != other[cell];
+        });
+        if (part.columns > 0) matcher.CompareOthers(part, level.heights_m, sides.heights_m, worse);
       }
       TakeBetterSides(sides, worse, level);
       TakeMedians(level);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "core/base/check.h"
@@ -22,6 +23,7 @@ constexpr float kSmoothSteps = 4.0f;
 struct CoarseCell {
   float height_m = 0.0f;
   float lower_m = 0.0f, higher_m = 0.0f;  // the same where there is no step
+  float sure_m = 0.0f;  // the highest about it, where a higher one was doubted; else infinite
   bool has_step = false;
 };
 
@@ -61,17 +63,21 @@ float MeanAround(const std::vector<float>& values, int columns, int rows, int co
   return sum / static_cast<float>(count);
 }
 
-std::vector<CoarseCell> CoarseCells(const std::vector<float>& heights, const CellBox& box, float step_m) {
+std::vector<CoarseCell> CoarseCells(const std::vector<float>& heights, const std::vector<float>& highest,
+                                    const CellBox& box, float step_m) {
   const auto lower =
       OfSquares(heights, box.columns, box.rows, [](float a, float b) { return std::min(a, b); });
-  const auto higher =
+  const auto sure =
       OfSquares(heights, box.columns, box.rows, [](float a, float b) { return std::max(a, b); });
+  const auto higher =
+      OfSquares(highest, box.columns, box.rows, [](float a, float b) { return std::max(a, b); });
   std::vector<CoarseCell> cells(heights.size());
   for (int row = 0; row < box.rows; ++row) {
     for (int column = 0; column < box.columns; ++column) {
       const std::size_t i = static_cast<std::size_t>(row) * box.columns + column;
       CoarseCell& cell = cells[i];
       cell.height_m = heights[i];
+      cell.sure_m = higher[i] > sure[i] ? sure[i] : std::numeric_limits<float>::infinity();
       const float mean_m = MeanAround(heights, box.columns, box.rows, column, row);
       cell.has_step = std::max(higher[i] - mean_m, mean_m - lower[i]) > kOneSheetSteps * step_m;
       cell.lower_m = cell.has_step ? lower[i] : mean_m;
@@ -108,10 +114,10 @@ HeightSheets SheetsAbout(int columns, int rows, std::vector<float> ground_m, dou
   return sheets;
 }
 
-HeightSheets SheetsFollowing(const std::vector<float>& coarse_m, const CellBox& coarse, const CellBox& fine,
-                             double step_m) {
+HeightSheets SheetsFollowing(const std::vector<float>& coarse_m, const std::vector<float>& highest_m,
+                             const CellBox& coarse, const CellBox& fine, double step_m) {
   const float step = static_cast<float>(step_m);
-  const std::vector<CoarseCell> cells = CoarseCells(coarse_m, coarse, step);
+  const std::vector<CoarseCell> cells = CoarseCells(coarse_m, highest_m, coarse, step);
   HeightSheets sheets;
   sheets.columns = fine.columns;
   sheets.rows = fine.rows;
@@ -121,6 +127,7 @@ HeightSheets SheetsFollowing(const std::vector<float>& coarse_m, const CellBox& 
   sheets.second.assign(count, HeightSheets::kNone);
   sheets.second_low_m.resize(count);
   sheets.expected_m.resize(count);
+  sheets.doubted_above_m.resize(count);
   std::size_t i = 0;
   for (int row = 0; row < fine.rows; ++row) {
     // A coarse cell's centre lies between those of its two by two finer ones.
@@ -144,6 +151,7 @@ HeightSheets SheetsFollowing(const std::vector<float>& coarse_m, const CellBox& 
       sheets.expected_m[i] = of(&CoarseCell::height_m);
       sheets.low_m[i] = lower - step * (nearest.has_step ? kStepsBeyond : 0.5f * kSheetHeights);
       sheets.second_low_m[i] = sheets.low_m[i];
+      sheets.doubted_above_m[i] = nearest.sure_m + kStepsBeyond * step;
       if (!nearest.has_step) continue;
       sheets.second[i] = sheets.second_count++;
       const float above_first = sheets.low_m[i] + step * kSheetHeights;

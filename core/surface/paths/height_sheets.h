@@ -27,6 +27,8 @@ struct HeightSheets {
   std::vector<float> second_low_m;
   std::int32_t second_count = 0;
   std::vector<float> expected_m;  // what the coarser level says
+  // By cell: what lies higher was doubted by the coarser level; infinite where nothing was. Empty: nowhere.
+  std::vector<float> doubted_above_m;
 
   std::size_t Cells() const { return low_m.size(); }
 };
@@ -35,9 +37,10 @@ struct HeightSheets {
 HeightSheets SheetsAbout(int columns, int rows, std::vector<float> ground_m, double low_m, double step_m,
                          int heights);
 
-// About the heights of a level whose cells are twice as large; both boxes count cells of their own level from
-// the same corner, and the coarser one reaches beyond the finer.
-HeightSheets SheetsFollowing(const std::vector<float>& coarse_m, const CellBox& coarse, const CellBox& fine,
-                             double step_m);
+// About the heights of a level whose cells are twice as large, and what may stand there (`highest_m`, nowhere
+// lower); both boxes count cells of their own level from the same corner, and the coarser one reaches beyond
+// the finer.
+HeightSheets SheetsFollowing(const std::vector<float>& coarse_m, const std::vector<float>& highest_m,
+                             const CellBox& coarse, const CellBox& fine, double step_m);
 
 }  // namespace skyquilt::surface

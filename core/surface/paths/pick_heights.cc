@@ -1,10 +1,11 @@
 #include "core/surface/paths/pick_heights.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
-#include <type_traits>
+#include <opencv2/core/hal/intrin.hpp>
 
 namespace skyquilt::surface {
 namespace {
@@ -15,6 +16,7 @@ constexpr int kAroundLeast = 2;  // steps that are one minimum
 constexpr int kCurveReach = 3, kCurveStep = 3;
 // Neighbours further off than this lie on something else.
 constexpr float kSameSurfaceSteps = 1.5f;
+constexpr int kCostsAround = 3;  // one beyond those
 
 struct Winner {
   std::uint16_t sum = kNoSum;
@@ -23,57 +25,72 @@ struct Winner {
 
 // What was taken at a cell.
 struct Taken {
-  const std::uint8_t* costs = nullptr;  // of its sheet
-  float low_m = 0.0f;                   // of that sheet
-  std::int16_t at = 0;
-  std::int16_t count = 0;
+  float low_steps = 0.0f;  // of its sheet
+  std::int16_t at = 0, count = 0;
+  std::array<std::uint8_t, 2 * kCostsAround + 1> costs{};  // about `at`, where the sheet has heights
 };
 
-// With a number of heights that the compiler knows, the usual one, these are a few vector instructions.
-template <typename Count>
-Winner LeastOf(const std::uint16_t* sums, Count count) {
-  std::uint16_t least = kNoSum;
-  for (int i = 0; i < count; ++i) least = std::min(least, sums[i]);
-  return {least, static_cast<int>(std::find(sums, sums + count, least) - sums)};
+using Sums = cv::v_uint16x8;
+static_assert(kSheetHeights == 16, "a sheet is two vectors of sums");
+
+// Of a whole number of sheets' heights.
+Winner LeastOf(const std::uint16_t* sums, int count) {
+  Sums least = cv::v_setall_u16(kNoSum);
+  for (int at = 0; at < count; at += 8) least = cv::v_min(least, cv::v_load(sums + at));
+  const std::uint16_t sum = cv::v_reduce_min(least);
+  const Sums wanted = cv::v_setall_u16(sum);
+  int at = 0;
+  while (!cv::v_check_any(cv::v_load(sums + at) == wanted)) at += 8;
+  while (sums[at] != sum) ++at;
+  return {sum, at};
 }
 
 // The least beyond kAroundLeast of `at`, which may lie outside.
-template <typename Count>
-std::uint16_t LeastBeyond(const std::uint16_t* sums, Count count, int at) {
-  std::uint16_t least = kNoSum;
-  const auto low = static_cast<std::int16_t>(std::clamp(at, -1000, 1000) - kAroundLeast),
-             high = static_cast<std::int16_t>(low + 2 * kAroundLeast);
-  for (int i = 0; i < count; ++i) {
-    const auto here = static_cast<std::int16_t>(i);
-    least = std::min(least, here < low || here > high ? sums[i] : kNoSum);
+std::uint16_t LeastBeyond(const std::uint16_t* sums, int count, int at) {
+  const auto low = static_cast<std::int16_t>(std::clamp(at, -1000, 1000) - kAroundLeast);
+  const cv::v_int16x8 below = cv::v_setall_s16(low),
+                      above = cv::v_setall_s16(static_cast<std::int16_t>(low + 2 * kAroundLeast)),
+                      next = cv::v_setall_s16(8);
+  cv::v_int16x8 here(0, 1, 2, 3, 4, 5, 6, 7);
+  Sums least = cv::v_setall_u16(kNoSum);
+  for (int from = 0; from < count; from += 8) {
+    const cv::v_int16x8 is_beyond = (here < below) | (here > above);
+    least = cv::v_min(least, cv::v_load(sums + from) | cv::v_reinterpret_as_u16(~is_beyond));
+    here += next;
   }
-  return least;
+  return cv::v_reduce_min(least);
 }
 
-std::uint8_t ContrastOf(const Taken& taken) {
+Taken TakenOf(const std::uint8_t* costs, int count, float low_steps, int at) {
+  Taken taken{low_steps, static_cast<std::int16_t>(at), static_cast<std::int16_t>(count), {}};
+  const int first = std::max(0, at - kCostsAround), last = std::min(count - 1, at + kCostsAround);
+  std::copy(costs + first, costs + last + 1, taken.costs.data() + (first - at + kCostsAround));
+  return taken;
+}
+
+std::uint8_t ContrastOf(const std::uint8_t* costs, int count, int at) {
   int sum = 0;
-  for (int i = 0; i < taken.count; ++i) sum += taken.costs[i];
-  return static_cast<std::uint8_t>(std::max(0, sum / taken.count - taken.costs[taken.at]));
+  for (int i = 0; i < count; ++i) sum += costs[i];
+  return static_cast<std::uint8_t>(std::max(0, sum / count - costs[at]));
 }
 
 // How far from the height taken, in steps, the cell and those around it have their least cost.
-float BetweenSteps(const HeightSheets& sheets, const std::vector<Taken>& taken, int column, int row) {
-  const float per_step = 1.0f / sheets.step_m;
+float BetweenSteps(const HeightSheets& sheets, const Taken* taken, int column, int row) {
   const Taken& own = taken[static_cast<std::size_t>(row) * sheets.columns + column];
-  const float own_steps = own.low_m * per_step + own.at;
+  const float own_steps = own.low_steps + own.at;
   int below = 0, here = 0, above = 0;
   for (int y = std::max(0, row - kCurveReach); y <= std::min(sheets.rows - 1, row + kCurveReach);
        y += kCurveStep) {
     for (int x = std::max(0, column - kCurveReach); x <= std::min(sheets.columns - 1, column + kCurveReach);
          x += kCurveStep) {
       const Taken& other = taken[static_cast<std::size_t>(y) * sheets.columns + x];
-      const float other_low = other.low_m * per_step;
-      if (std::abs(other_low + other.at - own_steps) > kSameSurfaceSteps) continue;
-      const int at = static_cast<int>(own_steps - other_low + 0.5f);
+      if (std::abs(other.low_steps + other.at - own_steps) > kSameSurfaceSteps) continue;
+      const int at = static_cast<int>(own_steps - other.low_steps + 0.5f);
       if (at < 1 || at + 1 >= other.count) continue;
-      below += other.costs[at - 1];
-      here += other.costs[at];
-      above += other.costs[at + 1];
+      const std::uint8_t* costs = other.costs.data() + kCostsAround + (at - other.at);
+      below += costs[-1];
+      here += costs[0];
+      above += costs[1];
     }
   }
   // Census costs rise on both sides like a V, which a parabola would draw towards the step.
@@ -91,44 +108,49 @@ PickedHeights PickHeights(const HeightSheets& sheets, const SheetCosts& costs, c
   picked.contrasts.resize(sheets.Cells());
   std::vector<Taken> all_taken(sheets.Cells());
   const int heights = sheets.heights;
-  constexpr std::integral_constant<int, kSheetHeights> kShort;
-  const bool is_short = heights == kShort;
+  const float per_step = 1.0f / sheets.step_m;
+  const float *low_m = sheets.low_m.data(), *second_low_m = sheets.second_low_m.data();
+  const std::int32_t* seconds = sheets.second.data();
+  Taken* const taken_at = all_taken.data();
   for (std::size_t cell = 0; cell < sheets.Cells(); ++cell) {
     const std::size_t from = cell * static_cast<std::size_t>(heights);
     const std::uint16_t* first = sums.first.data() + from;
-    Winner winner = is_short ? LeastOf(first, kShort) : LeastOf(first, heights);
-    Taken& taken = all_taken[cell];
-    taken = {costs.first.data() + from, sheets.low_m[cell], static_cast<std::int16_t>(winner.at),
-             static_cast<std::int16_t>(heights)};
-    const std::int32_t second = sheets.second[cell];
+    Winner winner = LeastOf(first, heights);
+    const std::uint8_t* own_costs = costs.first.data() + from;
+    int own_count = heights;
+    float own_low_m = low_m[cell];
+    const std::int32_t second = seconds[cell];
     std::uint16_t others = kNoSum;
     if (second == HeightSheets::kNone) {
-      others = is_short ? LeastBeyond(first, kShort, winner.at) : LeastBeyond(first, heights, winner.at);
+      others = LeastBeyond(first, heights, winner.at);
     } else {
       const std::size_t from_second = static_cast<std::size_t>(second) * kSheetHeights;
       const std::uint16_t* upper = sums.second.data() + from_second;
-      const Winner in_upper = LeastOf(upper, kShort);
-      const float between = (sheets.second_low_m[cell] - sheets.low_m[cell]) / sheets.step_m;
+      const Winner in_upper = LeastOf(upper, kSheetHeights);
+      const float between = (second_low_m[cell] - low_m[cell]) / sheets.step_m;
       const int apart = static_cast<int>(std::min(between, 10000.0f) + 0.5f);
       int at_in_first = winner.at;
       if (in_upper.sum < winner.sum) {
         winner = in_upper;
         at_in_first = winner.at + apart;
-        taken = {costs.second.data() + from_second, sheets.second_low_m[cell],
-                 static_cast<std::int16_t>(winner.at), kSheetHeights};
+        own_costs = costs.second.data() + from_second;
+        own_count = kSheetHeights;
+        own_low_m = second_low_m[cell];
       }
-      others =
-          std::min(LeastBeyond(first, kShort, at_in_first), LeastBeyond(upper, kShort, at_in_first - apart));
+      others = std::min(LeastBeyond(first, kSheetHeights, at_in_first),
+                        LeastBeyond(upper, kSheetHeights, at_in_first - apart));
     }
-    picked.margins[cell] = static_cast<std::uint16_t>(std::max(0, others - winner.sum));
-    picked.contrasts[cell] = ContrastOf(taken);
+    picked.margins.data()[cell] = static_cast<std::uint16_t>(std::max(0, others - winner.sum));
+    picked.contrasts.data()[cell] = ContrastOf(own_costs, own_count, winner.at);
+    taken_at[cell] = TakenOf(own_costs, own_count, own_low_m * per_step, winner.at);
   }
   std::size_t cell = 0;
   for (int row = 0; row < sheets.rows; ++row) {
     for (int column = 0; column < sheets.columns; ++column, ++cell) {
-      const Taken& taken = all_taken[cell];
-      const float steps = static_cast<float>(taken.at) + BetweenSteps(sheets, all_taken, column, row);
-      picked.heights_m[cell] = taken.low_m + sheets.step_m * steps;
+      const Taken& taken = taken_at[cell];
+      const float steps =
+          taken.low_steps + static_cast<float>(taken.at) + BetweenSteps(sheets, taken_at, column, row);
+      picked.heights_m.data()[cell] = sheets.step_m * steps;
     }
   }
   return picked;

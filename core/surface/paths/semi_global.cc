@@ -2,10 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdlib>
 #include <opencv2/core/hal/intrin.hpp>
+#include <utility>
+#include <vector>
 
 #include "core/base/check.h"
+#include "core/base/vector_clones.h"
 
 namespace skyquilt::surface {
 namespace {
@@ -17,21 +21,43 @@ using Lanes = cv::v_uint8x16;
 constexpr int kPad = 20;
 constexpr int kPaths = 4;  // of one direction through the cells; there are two
 constexpr std::uint8_t kNoPath = 255;
+constexpr float kFarShift = 100.0f;  // steps, in which no two sheets overlap
 
-// The path costs of one row for one of the four paths.
+// By how many steps cells begin above others, rounded; no further than tells that no height is alike.
+SKYQUILT_VECTOR_CLONES void ShiftRow(const float* __restrict low_m, const float* __restrict other_low_m,
+                                     float per_step, int count, std::int8_t* __restrict shifts) {
+  for (int i = 0; i < count; ++i) {
+    float steps = (low_m[i] - other_low_m[i]) * per_step;
+    steps = steps < kFarShift ? steps : kFarShift;
+    steps = steps > -kFarShift ? steps : -kFarShift;
+    shifts[i] = static_cast<std::int8_t>(static_cast<int>(steps + (steps >= 0.0f ? 0.5f : -0.5f)));
+  }
+}
+
+// One of the four paths at a row: what it costs there and at the row before, and how the cells before on it
+// lie against those of the row.
 struct PathRow {
-  std::vector<std::uint8_t> lanes;  // by cell: pad, first sheet, pad, second sheet, pad
-  std::vector<std::uint8_t> least;
+  std::vector<std::uint8_t> lanes, lanes_before;  // by cell: pad, first sheet, pad, second sheet, pad
+  std::vector<std::uint8_t> least, least_before;
+  std::vector<std::int8_t> shifts;  // of first sheets
+  std::vector<std::uint8_t> jumps;  // what a jump costs
 };
 
 class PathSummer {
  public:
   PathSummer(const HeightSheets& sheets, const SheetCosts& costs, const std::vector<std::uint8_t>& gray,
              const JumpPenalties& penalties, SheetSums& sums)
-      : sheets_(sheets),
-        costs_(costs),
-        gray_(gray),
-        sums_(sums),
+      : columns_(sheets.columns),
+        rows_(sheets.rows),
+        heights_(sheets.heights),
+        low_m_(sheets.low_m.data()),
+        second_low_m_(sheets.second_low_m.data()),
+        second_(sheets.second.data()),
+        costs_(costs.first.data()),
+        second_costs_(costs.second.data()),
+        gray_(gray.data()),
+        sums_(sums.first.data()),
+        second_sums_(sums.second.data()),
         step_penalty_(static_cast<std::uint8_t>(penalties.step)),
         per_step_(1.0f / sheets.step_m),
         second_at_(2 * kPad + sheets.heights),
@@ -41,133 +67,158 @@ class PathSummer {
       jump_[static_cast<std::size_t>(difference)] =
           static_cast<std::uint8_t>(penalties.most - lowered / std::max(1, penalties.whole_edge));
     }
-    for (auto& rows : rows_) {
-      for (PathRow& row : rows) {
-        row.lanes.assign(static_cast<std::size_t>(sheets.columns) * stride_, kNoPath);
-        row.least.assign(static_cast<std::size_t>(sheets.columns), 0);
-      }
+    const auto columns = static_cast<std::size_t>(columns_);
+    for (PathRow& path : paths_) {
+      path.lanes.assign(columns * static_cast<std::size_t>(stride_), kNoPath);
+      path.lanes_before = path.lanes;
+      path.least.assign(columns, 0);
+      path.least_before = path.least;
+      path.shifts.assign(columns, 0);
+      path.jumps.assign(columns, 0);
     }
   }
 
   // Through all rows: upwards from the first cell, which begins the sums, and downwards from the last.
   void Run(bool is_upwards) {
     const int way = is_upwards ? 1 : -1;
-    for (int done = 0; done < sheets_.rows; ++done) {
-      const int row = is_upwards ? done : sheets_.rows - 1 - done;
-      for (int passed = 0; passed < sheets_.columns; ++passed) {
-        Visit(is_upwards ? passed : sheets_.columns - 1 - passed, row, way, done == 0);
+    for (int done = 0; done < rows_; ++done) {
+      const int row = is_upwards ? done : rows_ - 1 - done;
+      std::array<PathAt, kPaths> paths;
+      for (std::size_t path = 0; path < kPaths; ++path) paths[path] = PrepareRow(path, row, way, done == 0);
+      VisitRow(paths, row, way);
+      for (PathRow& path : paths_) {
+        std::swap(path.lanes, path.lanes_before);
+        std::swap(path.least, path.least_before);
       }
-      for (auto& rows : rows_) std::swap(rows[0], rows[1]);
     }
   }
 
  private:
-  // The cell before on a path; without lanes there is none.
-  struct Before {
-    const std::uint8_t* lanes = nullptr;
-    Lanes least, jumped;
-    std::array<int, 2> to_first{}, to_second{};  // shifts from this cell's sheets to the other's
-    bool has_second = false;
+  // A path at a row, and the row of the cells before: that of a cell lies `back` columns beside it.
+  struct PathAt {
+    std::uint8_t *lanes = nullptr, *least = nullptr;
+    int back = 0, first = 0, last = -1;  // columns that have a cell before
+    const std::uint8_t *lanes_before = nullptr, *least_before = nullptr, *jumps = nullptr;
+    const std::int8_t* shifts = nullptr;
+    const std::int32_t* second_before = nullptr;
+    const float *low_m_before = nullptr, *second_low_m_before = nullptr;
   };
 
-  int ShiftOf(float low_m, float other_low_m) const {
-    const float steps = std::clamp((low_m - other_low_m) * per_step_, -1000.0f, 1000.0f);
-    return static_cast<int>(steps + (steps >= 0.0f ? 0.5f : -0.5f));
-  }
-
-  Before CellBefore(std::size_t cell, int path, int column, int row, int way, bool is_first_row) const {
+  PathAt PrepareRow(std::size_t path, int row, int way, bool is_first_row) {
     constexpr std::array<int, kPaths> kBack = {-1, -1, 0, 1};
-    const int from_column = column + way * kBack[static_cast<std::size_t>(path)];
-    const int from_row = path == 0 ? row : row - way;
-    Before before;
-    if (from_column < 0 || from_column >= sheets_.columns || (path != 0 && is_first_row)) return before;
+    PathRow& here = paths_[path];
+    PathAt at;
+    at.lanes = here.lanes.data();
+    at.least = here.least.data();
+    if (path != 0 && is_first_row) return at;
+    const int back = way * kBack[path];
+    at.first = std::max(0, -back);
+    at.last = columns_ - 1 - std::max(0, back);
     // The path along the row reads what this row has written; the others the row before.
-    const PathRow& from = rows_[static_cast<std::size_t>(path)][path == 0 ? 0 : 1];
-    const std::size_t other = static_cast<std::size_t>(from_row) * sheets_.columns + from_column;
-    before.lanes = from.lanes.data() + static_cast<std::size_t>(from_column) * stride_;
-    const std::uint8_t least = from.least[static_cast<std::size_t>(from_column)];
-    before.least = cv::v_setall_u8(least);
-    before.jumped =
-        before.least + cv::v_setall_u8(jump_[static_cast<std::size_t>(std::abs(gray_[cell] - gray_[other]))]);
-    before.has_second = sheets_.second[other] != HeightSheets::kNone;
-    before.to_first[0] = ShiftOf(sheets_.low_m[cell], sheets_.low_m[other]);
-    before.to_first[1] = ShiftOf(sheets_.second_low_m[cell], sheets_.low_m[other]);
-    if (before.has_second) {
-      before.to_second[0] = ShiftOf(sheets_.low_m[cell], sheets_.second_low_m[other]);
-      before.to_second[1] = ShiftOf(sheets_.second_low_m[cell], sheets_.second_low_m[other]);
+    at.back = back;
+    at.lanes_before = (path == 0 ? here.lanes : here.lanes_before).data();
+    at.least_before = (path == 0 ? here.least : here.least_before).data();
+    const std::ptrdiff_t own = static_cast<std::ptrdiff_t>(row) * columns_,
+                         other = static_cast<std::ptrdiff_t>(path == 0 ? row : row - way) * columns_;
+    at.second_before = second_ + other;
+    at.low_m_before = low_m_ + other;
+    at.second_low_m_before = second_low_m_ + other;
+    ShiftRow(low_m_ + own + at.first, at.low_m_before + at.first + back, per_step_, at.last - at.first + 1,
+             here.shifts.data() + at.first);
+    for (int column = at.first; column <= at.last; ++column) {
+      here.jumps.data()[column] = jump_.data()[std::abs(gray_[own + column] - gray_[other + column + back])];
     }
-    return before;
+    at.shifts = here.shifts.data();
+    at.jumps = here.jumps.data();
+    return at;
   }
 
-  Lanes Cheaper(Lanes best, const std::uint8_t* lanes, int shift, Lanes step) const {
+  int ShiftOf(float low_m, float other_low_m) const {
+    std::int8_t shift = 0;
+    ShiftRow(&low_m, &other_low_m, per_step_, 1, &shift);
+    return shift;
+  }
+
+  static Lanes Cheaper(Lanes best, const std::uint8_t* lanes, int shift, Lanes step) {
     if (shift < -kSheetHeights || shift > kSheetHeights) return best;
     lanes += shift;
     return cv::v_min(
         best, cv::v_min(cv::v_load(lanes), cv::v_min(cv::v_load(lanes - 1), cv::v_load(lanes + 1)) + step));
   }
 
-  // kSheetHeights heights of one of the cell's sheets, along all four paths.
-  void VisitLanes(const std::array<Before, kPaths>& before, std::size_t sheet, int at,
-                  const std::uint8_t* cost, const std::array<std::uint8_t*, kPaths>& out,
-                  std::array<Lanes, kPaths>& least, bool begins, std::uint16_t* sum) const {
-    const Lanes own = cv::v_load(cost), step = cv::v_setall_u8(step_penalty_);
-    cv::v_uint16x8 low = cv::v_setzero_u16(), high = cv::v_setzero_u16();
-    if (!begins) {
-      low = cv::v_load(sum);
-      high = cv::v_load(sum + 8);
-    }
-    const int to = sheet == 0 ? kPad + at : second_at_;
-    for (std::size_t path = 0; path < kPaths; ++path) {
-      Lanes here = own;
-      if (const Before& from = before[path]; from.lanes != nullptr) {
-        Lanes best = Cheaper(from.jumped, from.lanes + kPad + at, from.to_first[sheet], step);
-        if (from.has_second) best = Cheaper(best, from.lanes + second_at_, from.to_second[sheet], step);
-        here = own + (best - from.least);
+  // Paths by value: what a path writes could be any of their pointers, as far as the compiler knows.
+  void VisitRow(const std::array<PathAt, kPaths> paths, int row, int way) {
+    const std::ptrdiff_t row_at = static_cast<std::ptrdiff_t>(row) * columns_;
+    const std::int32_t* const seconds = second_ + row_at;
+    const float *const low_m = low_m_ + row_at, *const second_low_m = second_low_m_ + row_at;
+    const int heights = heights_, columns = columns_, second_at = second_at_, stride = stride_;
+    const std::uint8_t *const costs = costs_ + row_at * heights, *const second_costs = second_costs_;
+    std::uint16_t *const sums = sums_ + row_at * heights, *const second_sums = second_sums_;
+    const Lanes step = cv::v_setall_u8(step_penalty_);
+    const bool begins = way > 0;
+    for (int passed = 0; passed < columns; ++passed) {
+      const int column = begins ? passed : columns - 1 - passed;
+      const std::ptrdiff_t at_cell = static_cast<std::ptrdiff_t>(column) * stride;
+      const std::int32_t second = seconds[column];
+      std::array<Lanes, kPaths> least;
+      for (Lanes& lanes : least) lanes = cv::v_setall_u8(kNoPath);
+      // kSheetHeights heights of one of the cell's sheets, along all four paths.
+      const auto visit = [&](const std::uint8_t* cost, std::uint16_t* sum, int at, int to, bool is_second) {
+        const Lanes own = cv::v_load(cost);
+        cv::v_uint16x8 low = cv::v_setzero_u16(), high = cv::v_setzero_u16();
+        if (!begins) {
+          low = cv::v_load(sum);
+          high = cv::v_load(sum + 8);
+        }
+        for (std::size_t p = 0; p < kPaths; ++p) {
+          const PathAt& path = paths[p];
+          Lanes here = own;
+          if (column >= path.first && column <= path.last) {
+            const int from = column + path.back;
+            const std::uint8_t* lanes = path.lanes_before + static_cast<std::ptrdiff_t>(from) * stride;
+            const Lanes least_before = cv::v_setall_u8(path.least_before[from]);
+            const float own_m = is_second ? second_low_m[column] : low_m[column];
+            Lanes best =
+                Cheaper(least_before + cv::v_setall_u8(path.jumps[column]), lanes + kPad + at,
+                        is_second ? ShiftOf(own_m, path.low_m_before[from]) : path.shifts[column], step);
+            if (path.second_before[from] != HeightSheets::kNone) {
+              best = Cheaper(best, lanes + second_at, ShiftOf(own_m, path.second_low_m_before[from]), step);
+            }
+            here = own + (best - least_before);
+          }
+          cv::v_store(path.lanes + at_cell + to, here);
+          least[p] = cv::v_min(least[p], here);
+          cv::v_uint16x8 wide_low, wide_high;
+          cv::v_expand(here, wide_low, wide_high);
+          low += wide_low;
+          high += wide_high;
+        }
+        cv::v_store(sum, low);
+        cv::v_store(sum + 8, high);
+      };
+      for (int at = 0; at < heights; at += kSheetHeights) {
+        const std::ptrdiff_t from = static_cast<std::ptrdiff_t>(column) * heights + at;
+        visit(costs + from, sums + from, at, kPad + at, false);
       }
-      cv::v_store(out[path] + to, here);
-      least[path] = cv::v_min(least[path], here);
-      cv::v_uint16x8 wide_low, wide_high;
-      cv::v_expand(here, wide_low, wide_high);
-      low += wide_low;
-      high += wide_high;
-    }
-    cv::v_store(sum, low);
-    cv::v_store(sum + 8, high);
-  }
-
-  void Visit(int column, int row, int way, bool is_first_row) {
-    const std::size_t cell = static_cast<std::size_t>(row) * sheets_.columns + column;
-    std::array<Before, kPaths> before;
-    std::array<std::uint8_t*, kPaths> out;
-    std::array<Lanes, kPaths> least;
-    for (std::size_t path = 0; path < kPaths; ++path) {
-      before[path] = CellBefore(cell, static_cast<int>(path), column, row, way, is_first_row);
-      out[path] = rows_[path][0].lanes.data() + static_cast<std::size_t>(column) * stride_;
-      least[path] = cv::v_setall_u8(kNoPath);
-    }
-    const std::size_t heights = static_cast<std::size_t>(sheets_.heights);
-    for (int at = 0; at < sheets_.heights; at += kSheetHeights) {
-      const std::size_t from = cell * heights + static_cast<std::size_t>(at);
-      VisitLanes(before, 0, at, costs_.first.data() + from, out, least, way > 0, sums_.first.data() + from);
-    }
-    if (const std::int32_t second = sheets_.second[cell]; second != HeightSheets::kNone) {
-      const std::size_t from = static_cast<std::size_t>(second) * kSheetHeights;
-      VisitLanes(before, 1, 0, costs_.second.data() + from, out, least, way > 0, sums_.second.data() + from);
-    }
-    for (std::size_t path = 0; path < kPaths; ++path) {
-      rows_[path][0].least[static_cast<std::size_t>(column)] = cv::v_reduce_min(least[path]);
+      if (second != HeightSheets::kNone) {
+        const std::ptrdiff_t from = static_cast<std::ptrdiff_t>(second) * kSheetHeights;
+        visit(second_costs + from, second_sums + from, 0, second_at, true);
+      }
+      for (std::size_t p = 0; p < kPaths; ++p) paths[p].least[column] = cv::v_reduce_min(least[p]);
     }
   }
 
-  const HeightSheets& sheets_;
-  const SheetCosts& costs_;
-  const std::vector<std::uint8_t>& gray_;
-  SheetSums& sums_;
+  // Pointers, because what is looked up here is so a hundred times a cell.
+  const int columns_, rows_, heights_;
+  const float *low_m_, *second_low_m_;
+  const std::int32_t* second_;
+  const std::uint8_t *costs_, *second_costs_, *gray_;
+  std::uint16_t *sums_, *second_sums_;
   const std::uint8_t step_penalty_;
   const float per_step_;
   const int second_at_, stride_;
   std::array<std::uint8_t, 256> jump_;
-  std::array<std::array<PathRow, 2>, kPaths> rows_;  // this row and the one before
+  std::array<PathRow, kPaths> paths_;
 };
 
 }  // namespace

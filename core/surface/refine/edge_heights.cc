@@ -58,39 +58,44 @@ OtherSides FindOtherSides(const LevelHeights& level, const std::vector<std::uint
   const std::vector<float>& from = level.heights_m;
   OtherSides sides{from, std::vector<float>(from.size(), 1.0f)};
   Window heights, weights;
+  float *const window_m = heights.data(), *const window_weights = weights.data();
   for (int row = kEdgeWindow; row + kEdgeWindow < level.rows; ++row) {
     for (int column = kEdgeWindow; column + kEdgeWindow < level.columns; ++column) {
       const std::size_t cell = level.IndexOf(column, row);
       if (is_near[cell] == 0) continue;
-      std::size_t count = 0;
-      float lowest = from[cell], highest = from[cell];
-      for (int y = -kEdgeWindow; y <= kEdgeWindow; ++y) {
-        std::size_t other = level.IndexOf(column - kEdgeWindow, row + y);
-        for (int x = -kEdgeWindow; x <= kEdgeWindow; ++x, ++count, ++other) {
-          heights[count] = from[other];
-          lowest = std::min(lowest, from[other]);
-          highest = std::max(highest, from[other]);
-          weights[count] = near[count] * like[static_cast<std::size_t>(std::abs(gray[cell] - gray[other]))] *
-                           (level.is_known[other] != 0 ? 1.0f : kFilledTrust);
+      const float own_m = from[cell];
+      float lowest = own_m, highest = own_m;
+      for (int y = 0; y < kSide; ++y) {
+        const std::size_t first = level.IndexOf(column - kEdgeWindow, row - kEdgeWindow + y);
+        const float *others_m = from.data() + first, *nearness = near.data() + y * kSide;
+        const std::uint8_t *grays = gray.data() + first, *known = level.is_known.data() + first;
+        for (int x = 0; x < kSide; ++x) {
+          const float other_m = others_m[x];
+          lowest = std::min(lowest, other_m);
+          highest = std::max(highest, other_m);
+          window_m[y * kSide + x] = other_m;
+          window_weights[y * kSide + x] = nearness[x] * like.data()[std::abs(gray[cell] - grays[x])] *
+                                          (known[x] != 0 ? 1.0f : kFilledTrust);
         }
       }
       if (highest - lowest <= step_m) continue;
       const float middle = 0.5f * (lowest + highest);
-      const bool is_upper = from[cell] > middle;
+      const bool is_upper = own_m > middle;
       float own = 0.0f, others = 0.0f;
-      std::size_t most_like = 0;
+      int most_like = 0;
       float most = -1.0f;
-      for (std::size_t i = 0; i < count; ++i) {
-        if ((heights[i] > middle) == is_upper) {
-          own += weights[i];
+      for (int i = 0; i < kSide * kSide; ++i) {
+        const float weight = window_weights[i];
+        if ((window_m[i] > middle) == is_upper) {
+          own += weight;
           continue;
         }
-        others += weights[i];
-        if (weights[i] <= most) continue;
-        most = weights[i];
+        others += weight;
+        if (weight <= most) continue;
+        most = weight;
         most_like = i;
       }
-      sides.heights_m[cell] = heights[most_like];
+      sides.heights_m[cell] = window_m[most_like];
       sides.votes[cell] = (own - others) / (own + others);
     }
   }

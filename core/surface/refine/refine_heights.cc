@@ -44,16 +44,18 @@ SKYQUILT_VECTOR_CLONES void MedianRow(const float* below, const float* here, con
 // the one before it that way has, and one more.
 using Gone = std::array<std::uint8_t, kDirections>;
 std::vector<Gone> NextKnown(const LevelHeights& level, int reach) {
-  std::vector<Gone> gone(level.is_known.size(), Gone{});
+  std::vector<Gone> all_gone(level.is_known.size(), Gone{});
+  Gone* const gone = all_gone.data();
+  const std::uint8_t* const is_known = level.is_known.data();
   const auto follow = [&](int column, int row, std::size_t direction) {
     const int x = column + kAround[direction][0], y = row + kAround[direction][1];
     if (x < 0 || y < 0 || x >= level.columns || y >= level.rows) return;
     const std::size_t other = level.IndexOf(x, y);
     const int before = gone[other][direction];
-    const bool is_within = level.is_known[other] != 0 || (before != 0 && before < reach);
+    const bool is_within = is_known[other] != 0 || (before != 0 && before < reach);
     if (is_within)
       gone[level.IndexOf(column, row)][direction] =
-          static_cast<std::uint8_t>(level.is_known[other] != 0 ? 1 : before + 1);
+          static_cast<std::uint8_t>(is_known[other] != 0 ? 1 : before + 1);
   };
   constexpr std::array<std::size_t, kDirections / 2> kBack = {4, 5, 6, 7}, kForth = {0, 1, 2, 3};
   for (int row = 0; row < level.rows; ++row) {
@@ -66,7 +68,7 @@ std::vector<Gone> NextKnown(const LevelHeights& level, int reach) {
       for (const std::size_t direction : kForth) follow(column, row, direction);
     }
   }
-  return gone;
+  return all_gone;
 }
 
 // By insertion: they are a few.

@@ -10,24 +10,6 @@ constexpr std::uint8_t kMaxAgreeingBits = 15;
 constexpr int kSeenSquare = 4;  // cells that are asked for together whether a photo shows them
 constexpr std::uint8_t kUnknownCost = BetterHalf::kMaxCost / 2;
 
-// The part of the tile whose cells have second sheets; no columns where none has.
-MatchedTile PartWithSecond(const MatchedTile& tile, const HeightSheets& sheets) {
-  int left = tile.columns, right = -1, low = tile.rows, high = -1;
-  for (int row = 0; row < tile.rows; ++row) {
-    const std::int32_t* second =
-        sheets.second.data() + static_cast<std::size_t>(tile.row + row) * sheets.columns + tile.column;
-    for (int column = 0; column < tile.columns; ++column) {
-      if (second[column] == HeightSheets::kNone) continue;
-      left = std::min(left, column);
-      right = std::max(right, column);
-      low = std::min(low, row);
-      high = row;
-    }
-  }
-  if (right < 0) return {};
-  return {tile.column + left, tile.row + low, right - left + 1, high - low + 1, tile.cameras};
-}
-
 }  // namespace
 
 const GrayPyramid* BlockPhotos::Pyramid(std::size_t camera) {
@@ -130,7 +112,9 @@ void TileMatcher::FillCosts(const MatchedTile& tile, const HeightSheets& sheets,
       }
     }
   }
-  const MatchedTile part = PartWithSecond(tile, sheets);
+  const std::int32_t* seconds = sheets.second.data();
+  const MatchedTile part = PartWith(
+      tile, [&](int column, int row) { return seconds[frame_.IndexOf(column, row)] != HeightSheets::kNone; });
   if (part.columns == 0) return;
   FillPlanes(part, sheets.second_low_m, 0.0, step_m, -1, nullptr);
   for (int row = 0; row < part.rows; ++row) {

@@ -3,6 +3,7 @@
 // thread at a time. Frames: enu, cells of a level. Photos that cannot be decoded count as not there.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -51,6 +52,23 @@ struct MatchedTile {
   int column = 0, row = 0, columns = 0, rows = 0;
   std::vector<std::size_t> cameras;
 };
+
+// The least part of a tile that has all cells of the level that are wanted; no columns where none is.
+template <typename IsWanted>
+MatchedTile PartWith(const MatchedTile& tile, const IsWanted& is_wanted) {
+  int left = tile.column + tile.columns, right = -1, low = tile.row + tile.rows, high = -1;
+  for (int row = tile.row; row < tile.row + tile.rows; ++row) {
+    for (int column = tile.column; column < tile.column + tile.columns; ++column) {
+      if (!is_wanted(column, row)) continue;
+      left = std::min(left, column);
+      right = std::max(right, column);
+      low = std::min(low, row);
+      high = row;
+    }
+  }
+  if (right < 0) return {};
+  return {left, low, right - left + 1, high - low + 1, tile.cameras};
+}
 
 class TileMatcher {
  public:

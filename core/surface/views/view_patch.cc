@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstring>
 #include <optional>
 
 #include "core/base/vector_clones.h"
@@ -15,8 +17,8 @@ constexpr int kExactStep = 16;  // cells
 constexpr float kBorderPx = 4.0f;
 constexpr double kMinDepthM = 0.5;
 constexpr double kMaxHalfWay = 0.9;  // of the inverse depth; beyond, a camera looks up past the heights
-constexpr std::int64_t kMaxBoxPixels = 1 << 20;
-constexpr float kParts = 64.0f;  // of a pixel, in bilinear weights
+constexpr float kParts = 64.0f;      // of a pixel, in bilinear weights
+constexpr float kMinPart = 0.01f;    // of a pixel, that even numbers of ten thousands have
 
 // Of a place of the ground: the pixel at height s is at + s * (linear + s * square), where s runs from 0 at
 // the lowest height to 1 at the highest with the inverse of the depth.
@@ -56,17 +58,32 @@ struct LineSpan {
   float low_z_m = 0.0f, range_m = 1.0f, span_m = 0.0f, per_step = 1.0f;
 };
 
+// A span's lines number by number: the first and by how much the other differs from it.
+struct SpanNumbers {
+  float at_x, at_y, linear_x, linear_y, square_x, square_y;
+  float to_at_x, to_at_y, to_linear_x, to_linear_y, to_square_x, to_square_y;
+
+  explicit SpanNumbers(const LineSpan& span)
+      : at_x(span.from.at.x()),
+        at_y(span.from.at.y()),
+        linear_x(span.from.linear.x()),
+        linear_y(span.from.linear.y()),
+        square_x(span.from.square.x()),
+        square_y(span.from.square.y()),
+        to_at_x(span.to.at.x() - at_x),
+        to_at_y(span.to.at.y() - at_y),
+        to_linear_x(span.to.linear.x() - linear_x),
+        to_linear_y(span.to.linear.y() - linear_y),
+        to_square_x(span.to.square.x() - square_x),
+        to_square_y(span.to.square.y() - square_y) {}
+};
+
 // Pointers one by one: of those in a struct the compiler does not believe that they are apart.
 SKYQUILT_VECTOR_CLONES void FollowLines(const LineSpan& span, const float* __restrict low_m, int count,
                                         float* __restrict x, float* __restrict y, float* __restrict step_x,
                                         float* __restrict step_y, float* __restrict bend_x,
                                         float* __restrict bend_y) {
-  const float at_x = span.from.at.x(), at_y = span.from.at.y();
-  const float linear_x = span.from.linear.x(), linear_y = span.from.linear.y();
-  const float square_x = span.from.square.x(), square_y = span.from.square.y();
-  const float to_at_x = span.to.at.x() - at_x, to_at_y = span.to.at.y() - at_y;
-  const float to_linear_x = span.to.linear.x() - linear_x, to_linear_y = span.to.linear.y() - linear_y;
-  const float to_square_x = span.to.square.x() - square_x, to_square_y = span.to.square.y() - square_y;
+  const SpanNumbers of(span);
   const float first = span.depth.first, column = span.depth.column, up = span.depth.up;
   const float low_z_m = span.low_z_m, per_range = 1.0f / span.range_m, span_m = span.span_m;
   const float range_m = span.range_m, per_step = span.per_step;
@@ -78,9 +95,9 @@ SKYQUILT_VECTOR_CLONES void FollowLines(const LineSpan& span, const float* __res
     const float s = above * scale / (depth_low + above * up);
     const float s_half = above_half * scale / (depth_low + above_half * up);
     const float s_end = above_end * scale / (depth_low + above_end * up);
-    const float ax = at_x + t * to_at_x, ay = at_y + t * to_at_y;
-    const float bx = linear_x + t * to_linear_x, by = linear_y + t * to_linear_y;
-    const float cx = square_x + t * to_square_x, cy = square_y + t * to_square_y;
+    const float ax = of.at_x + t * of.to_at_x, ay = of.at_y + t * of.to_at_y;
+    const float bx = of.linear_x + t * of.to_linear_x, by = of.linear_y + t * of.to_linear_y;
+    const float cx = of.square_x + t * of.to_square_x, cy = of.square_y + t * of.to_square_y;
     const float start_x = ax + s * (bx + s * cx), start_y = ay + s * (by + s * cy);
     const float half_x = ax + s_half * (bx + s_half * cx) - start_x,
                 half_y = ay + s_half * (by + s_half * cy) - start_y;
@@ -95,30 +112,67 @@ SKYQUILT_VECTOR_CLONES void FollowLines(const LineSpan& span, const float* __res
   }
 }
 
-// Where in the box each cell lies, and how far between its pixels.
-SKYQUILT_VECTOR_CLONES void PlaceCells(const float* __restrict x, const float* __restrict y,
-                                       const float* __restrict step_x, const float* __restrict step_y,
-                                       const float* __restrict bend_x, const float* __restrict bend_y,
-                                       float height, float last_x, float last_y, float stride, int count,
-                                       std::int32_t* __restrict index, std::int32_t* __restrict weights) {
+// As FollowLines, of one height.
+SKYQUILT_VECTOR_CLONES void FollowLinesOnce(const LineSpan& span, const float* __restrict low_m, int count,
+                                            float* __restrict x, float* __restrict y) {
+  const SpanNumbers of(span);
+  const float first = span.depth.first, column = span.depth.column, up = span.depth.up;
+  const float low_z_m = span.low_z_m, range_m = span.range_m, per_range = 1.0f / range_m;
   for (int i = 0; i < count; ++i) {
-    float u = x[i] + height * (step_x[i] + height * bend_x[i]);
-    float v = y[i] + height * (step_y[i] + height * bend_y[i]);
-    u = u > 0.0f ? u : 0.0f;
-    v = v > 0.0f ? v : 0.0f;
-    u = u < last_x ? u : last_x;
-    v = v < last_y ? v : last_y;
-    const std::int32_t column = static_cast<std::int32_t>(u), row = static_cast<std::int32_t>(v);
-    const float whole_u = static_cast<float>(column), whole_v = static_cast<float>(row);
-    index[i] = static_cast<std::int32_t>(whole_v * stride + whole_u);
-    weights[i] = static_cast<std::int32_t>((u - whole_u) * kParts) |
-                 (static_cast<std::int32_t>((v - whole_v) * kParts) << 8);
+    const float cells = static_cast<float>(i), t = cells * (1.0f / kExactStep);
+    const float depth_low = first + cells * column;
+    const float above = low_m[i] - low_z_m;
+    const float s = above * (depth_low + range_m * up) * per_range / (depth_low + above * up);
+    const float bx = of.linear_x + t * of.to_linear_x, by = of.linear_y + t * of.to_linear_y;
+    const float cx = of.square_x + t * of.to_square_x, cy = of.square_y + t * of.to_square_y;
+    x[i] = of.at_x + t * of.to_at_x + s * (bx + s * cx);
+    y[i] = of.at_y + t * of.to_at_y + s * (by + s * cy);
   }
 }
 
-// Alone: instructions that gather are slower than this on many processors.
-void TakeFours(const std::uint32_t* fours, const std::int32_t* index, int count, std::uint32_t* taken) {
-  for (int i = 0; i < count; ++i) taken[i] = fours[index[i]];
+// Where the cells lie so many heights up.
+SKYQUILT_VECTOR_CLONES void RaiseCells(const float* __restrict at, const float* __restrict step,
+                                       const float* __restrict bend, float height, int count,
+                                       float* __restrict raised) {
+  for (int i = 0; i < count; ++i) raised[i] = at[i] + height * (step[i] + height * bend[i]);
+}
+
+// 0 where a cell lies within the picture at both ends of its heights, else kNotCompared.
+SKYQUILT_VECTOR_CLONES void MarkUnseen(const float* __restrict low, const float* __restrict high, float last,
+                                       int count, std::uint8_t* __restrict unseen) {
+  for (int i = 0; i < count; ++i) {
+    const float least = low[i] < high[i] ? low[i] : high[i], most = low[i] < high[i] ? high[i] : low[i];
+    const bool is_seen = (least >= kBorderPx) & (most <= last);
+    unseen[i] = static_cast<std::uint8_t>(unseen[i] | (is_seen ? 0 : kNotCompared));
+  }
+}
+
+// Which pixel each cell lies right and below of, and how far between it and the next ones.
+SKYQUILT_VECTOR_CLONES void PlaceCells(const float* __restrict x, const float* __restrict y, float last_x,
+                                       float last_y, std::int32_t stride, int count,
+                                       std::int32_t* __restrict index, std::int32_t* __restrict weights) {
+  for (int i = 0; i < count; ++i) {
+    float u = x[i] > 0.0f ? x[i] : 0.0f, v = y[i] > 0.0f ? y[i] : 0.0f;
+    u = u < last_x ? u : last_x;
+    v = v < last_y ? v : last_y;
+    const std::int32_t column = static_cast<std::int32_t>(u), row = static_cast<std::int32_t>(v);
+    index[i] = row * stride + column;
+    weights[i] = static_cast<std::int32_t>((u - static_cast<float>(column)) * kParts) |
+                 (static_cast<std::int32_t>((v - static_cast<float>(row)) * kParts) << 8);
+  }
+}
+
+// A pixel and those right, below and both of it, as one word. Alone: instructions that gather are slower than
+// this on many processors.
+static_assert(std::endian::native == std::endian::little, "two pixels side by side are read as one number");
+void TakeFours(const std::uint8_t* gray, std::ptrdiff_t stride, const std::int32_t* index, int count,
+               std::uint32_t* taken) {
+  for (int i = 0; i < count; ++i) {
+    std::uint16_t upper, lower;
+    std::memcpy(&upper, gray + index[i], sizeof(upper));
+    std::memcpy(&lower, gray + index[i] + stride, sizeof(lower));
+    taken[i] = static_cast<std::uint32_t>(upper) | static_cast<std::uint32_t>(lower) << 16;
+  }
 }
 
 SKYQUILT_VECTOR_CLONES void MixFours(const std::uint32_t* __restrict fours,
@@ -141,6 +195,7 @@ bool ViewPatch::Prepare(const SurfaceCamera& camera, const GrayPyramid& pyramid,
   heights_ = heights;
   const std::size_t level = pyramid.LevelFor(camera.CellInPhotoPx(frame.cell_m));
   const GrayPicture& picture = pyramid.pictures[level];
+  if (picture.width_px < 2 || picture.height_px < 2) return false;
   const double scale = 1.0 / (static_cast<double>(pyramid.denominator) * static_cast<double>(1U << level));
   const auto [lowest, highest] = std::minmax_element(low_m.begin(), low_m.end());
   const double low_z_m = *lowest;
@@ -158,8 +213,10 @@ bool ViewPatch::Prepare(const SurfaceCamera& camera, const GrayPyramid& pyramid,
       nodes.push_back(*line);
     }
   }
-  for (std::vector<float>* values : {&x_, &y_, &step_x_, &step_y_, &bend_x_, &bend_y_})
-    values->resize(frame.Count());
+  for (std::vector<float>* values : {&x_, &y_}) values->resize(frame.Count());
+  if (heights > 1) {
+    for (std::vector<float>* values : {&step_x_, &step_y_, &bend_x_, &bend_y_}) values->resize(frame.Count());
+  }
   const Eigen::RowVector3d axis = camera.rotation.row(2);
   const Eigen::Vector3d first(frame.first_in_enu.x(), frame.first_in_enu.y(), low_z_m);
   const double first_depth = axis.dot(first - camera.center_in_enu);
@@ -182,85 +239,68 @@ bool ViewPatch::Prepare(const SurfaceCamera& camera, const GrayPyramid& pyramid,
       span.span_m = static_cast<float>(span_m);
       span.per_step = heights > 1 ? 1.0f / static_cast<float>(heights - 1) : 0.0f;
       const std::size_t at = static_cast<std::size_t>(row) * frame.columns + column;
-      FollowLines(span, low_m.data() + at, std::min(kExactStep, frame.columns - column), x_.data() + at,
-                  y_.data() + at, step_x_.data() + at, step_y_.data() + at, bend_x_.data() + at,
-                  bend_y_.data() + at);
+      const int count = std::min(kExactStep, frame.columns - column);
+      if (heights == 1) {
+        FollowLinesOnce(span, low_m.data() + at, count, x_.data() + at, y_.data() + at);
+        continue;
+      }
+      FollowLines(span, low_m.data() + at, count, x_.data() + at, y_.data() + at, step_x_.data() + at,
+                  step_y_.data() + at, bend_x_.data() + at, bend_y_.data() + at);
     }
   }
-  // A cell is seen where the picture has it, and what lies around it, at both ends of its heights.
-  const CensusShape shape{frame.columns - 2 * kCensusRadius, frame.rows - 2 * kCensusRadius};
-  unseen_.assign(shape.PlaneSize(), kNotCompared);
-  const float last_x = static_cast<float>(picture.width_px - 1) - kBorderPx,
-              last_y = static_cast<float>(picture.height_px - 1) - kBorderPx;
-  const float steps = static_cast<float>(heights - 1);
-  bool sees_any = false;
-  for (int row = 0; row < shape.rows; ++row) {
-    for (int column = 0; column < shape.columns; ++column) {
-      const std::size_t at =
-          static_cast<std::size_t>(row + kCensusRadius) * frame.columns + column + kCensusRadius;
-      const float end_x = x_[at] + steps * (step_x_[at] + steps * bend_x_[at]),
-                  end_y = y_[at] + steps * (step_y_[at] + steps * bend_y_[at]);
-      const bool is_seen = std::min(x_[at], end_x) >= kBorderPx && std::max(x_[at], end_x) <= last_x &&
-                           std::min(y_[at], end_y) >= kBorderPx && std::max(y_[at], end_y) <= last_y;
-      if (is_seen) unseen_[shape.IndexOf(column, row)] = 0;
-      sees_any = sees_any || is_seen;
-    }
-  }
-  return sees_any && TakeBox(picture);
+  picture_ = &picture;
+  return MarkSeen();
 }
 
-bool ViewPatch::TakeBox(const GrayPicture& picture) {
-  float left = 1e9f, top = 1e9f, right = -1e9f, bottom = -1e9f;
+bool ViewPatch::MarkSeen() {
+  const CensusShape shape{frame_.columns - 2 * kCensusRadius, frame_.rows - 2 * kCensusRadius};
+  unseen_.assign(shape.PlaneSize(), kNotCompared);
+  const float last_x = static_cast<float>(picture_->width_px - 1) - kBorderPx,
+              last_y = static_cast<float>(picture_->height_px - 1) - kBorderPx;
   const float steps = static_cast<float>(heights_ - 1);
-  for (std::size_t i = 0; i < x_.size(); ++i) {
-    const float end_x = x_[i] + steps * (step_x_[i] + steps * bend_x_[i]),
-                end_y = y_[i] + steps * (step_y_[i] + steps * bend_y_[i]);
-    left = std::min(left, std::min(x_[i], end_x));
-    right = std::max(right, std::max(x_[i], end_x));
-    top = std::min(top, std::min(y_[i], end_y));
-    bottom = std::max(bottom, std::max(y_[i], end_y));
+  const auto columns = static_cast<std::size_t>(shape.columns);
+  high_.resize(columns);
+  bool sees_any = false;
+  for (int row = 0; row < shape.rows; ++row) {
+    const std::size_t at = static_cast<std::size_t>(row + kCensusRadius) * frame_.columns + kCensusRadius;
+    std::uint8_t* unseen = unseen_.data() + shape.IndexOf(0, row);
+    std::fill_n(unseen, columns, std::uint8_t{0});
+    const auto mark = [&](const std::vector<float>& low, const std::vector<float>& step,
+                          const std::vector<float>& bend, float last) {
+      const float* high = low.data() + at;
+      if (heights_ > 1) {
+        RaiseCells(high, step.data() + at, bend.data() + at, steps, shape.columns, high_.data());
+        high = high_.data();
+      }
+      MarkUnseen(low.data() + at, high, last, shape.columns, unseen);
+    };
+    mark(x_, step_x_, bend_x_, last_x);
+    mark(y_, step_y_, bend_y_, last_y);
+    sees_any = sees_any || std::find(unseen, unseen + columns, std::uint8_t{0}) != unseen + columns;
   }
-  const auto within = [](float value, int last) {
-    return static_cast<int>(std::clamp(value, 0.0f, static_cast<float>(last)));
-  };
-  const int first_x = within(std::floor(left), picture.width_px - 2),
-            first_y = within(std::floor(top), picture.height_px - 2);
-  const int end_x = within(std::floor(right) + 2.0f, picture.width_px - 1),
-            end_y = within(std::floor(bottom) + 2.0f, picture.height_px - 1);
-  box_width_ = std::max(1, end_x - first_x);
-  box_height_ = std::max(1, end_y - first_y);
-  if (static_cast<std::int64_t>(box_width_) * box_height_ > kMaxBoxPixels) return false;
-  fours_.resize(static_cast<std::size_t>(box_width_) * box_height_);
-  for (int y = 0; y < box_height_; ++y) {
-    const std::uint8_t* upper =
-        picture.gray.data() + static_cast<std::size_t>(first_y + y) * picture.width_px + first_x;
-    const std::uint8_t* lower = upper + picture.width_px;
-    std::uint32_t* four = fours_.data() + static_cast<std::size_t>(y) * box_width_;
-    for (int x = 0; x < box_width_; ++x) {
-      four[x] = static_cast<std::uint32_t>(upper[x]) | static_cast<std::uint32_t>(upper[x + 1]) << 8 |
-                static_cast<std::uint32_t>(lower[x]) << 16 | static_cast<std::uint32_t>(lower[x + 1]) << 24;
-    }
-  }
-  for (std::size_t i = 0; i < x_.size(); ++i) {
-    x_[i] -= static_cast<float>(first_x);
-    y_[i] -= static_cast<float>(first_y);
-  }
-  return true;
+  return sees_any;
 }
 
 void ViewPatch::Sample(int height, std::uint8_t* patch) {
   constexpr std::size_t kCellsAtOnce = 1024;  // cells that stay in the nearest cache
+  std::array<float, kCellsAtOnce> raised_x, raised_y;
   std::array<std::int32_t, kCellsAtOnce> index, weights;
   std::array<std::uint32_t, kCellsAtOnce> fours;
-  // The last word of a row and the last row hold the pixels beyond them too.
-  const float last_x = static_cast<float>(box_width_) - 0.01f,
-              last_y = static_cast<float>(box_height_) - 0.01f;
+  // Of the last but one pixel, which has others right and below.
+  const float last_x = static_cast<float>(picture_->width_px - 1) - kMinPart,
+              last_y = static_cast<float>(picture_->height_px - 1) - kMinPart;
   for (std::size_t at = 0; at < x_.size(); at += kCellsAtOnce) {
     const int count = static_cast<int>(std::min(kCellsAtOnce, x_.size() - at));
-    PlaceCells(x_.data() + at, y_.data() + at, step_x_.data() + at, step_y_.data() + at, bend_x_.data() + at,
-               bend_y_.data() + at, static_cast<float>(height), last_x, last_y,
-               static_cast<float>(box_width_), count, index.data(), weights.data());
-    TakeFours(fours_.data(), index.data(), count, fours.data());
+    const float *x = x_.data() + at, *y = y_.data() + at;
+    if (height > 0) {
+      const float up = static_cast<float>(height);
+      RaiseCells(x, step_x_.data() + at, bend_x_.data() + at, up, count, raised_x.data());
+      RaiseCells(y, step_y_.data() + at, bend_y_.data() + at, up, count, raised_y.data());
+      x = raised_x.data();
+      y = raised_y.data();
+    }
+    PlaceCells(x, y, last_x, last_y, picture_->width_px, count, index.data(), weights.data());
+    TakeFours(picture_->gray.data(), picture_->width_px, index.data(), count, fours.data());
     MixFours(fours.data(), weights.data(), count, patch + at);
   }
 }

@@ -28,7 +28,8 @@ struct TileFrame {
 class ViewPatch {
  public:
   // low_m: by cell of the frame, z of the lowest height in enu; the highest is span_m above it and the
-  // heights between are evenly spaced. False where the photo sees none of it.
+  // heights between are evenly spaced. False where the photo sees none of it. The pyramid has to outlive what
+  // is sampled.
   bool Prepare(const SurfaceCamera& camera, const GrayPyramid& pyramid, const TileFrame& frame,
                const std::vector<float>& low_m, double span_m, int heights);
   // The gray of each cell of the frame at a height, bilinear.
@@ -38,16 +39,17 @@ class ViewPatch {
   const std::vector<std::uint8_t>& Unseen() const { return unseen_; }
 
  private:
-  bool TakeBox(const GrayPicture& picture);
+  // Fills unseen_; false where nothing is seen.
+  bool MarkSeen();
 
   TileFrame frame_;
   int heights_ = 1;
   // By cell of the frame: the pixel at the lowest height, and with n steps up n * (step + n * bend) more.
+  // Of one height there are no steps.
   std::vector<float> x_, y_, step_x_, step_y_, bend_x_, bend_y_;
+  std::vector<float> high_;  // of a row at its highest
   std::vector<std::uint8_t> unseen_;
-  // The part of the picture that is needed; each word has a pixel and those right, below and both of it.
-  std::vector<std::uint32_t> fours_;
-  int box_width_ = 0, box_height_ = 0;
+  const GrayPicture* picture_ = nullptr;
 };
 
 }  // namespace skyquilt::surface

@@ -121,6 +121,21 @@ TEST(MatchSurface, RaisesABoxAndKeepsTheGroundBesideIt) {
   EXPECT_NEAR(volume_m3, true_m3, 0.095 * true_m3);
 }
 
+// Seven of the largest cells wide, and higher than is looked for about the ground in smaller ones.
+TEST(MatchSurface, RaisesATower) {
+  SyntheticScene scene = Scene(4, 4);
+  constexpr double kHalfM = 5.6;
+  scene.boxes.push_back({Around(-kHalfM, -kHalfM, kHalfM, kHalfM), 14.0});
+  const auto surface = Match(scene, Around(-12, -12, 12, 12));
+  ASSERT_TRUE(surface);
+  const Off roof = OffIn(*surface, scene, [&](const Eigen::Vector2d& place) {
+    return place.cwiseAbs().maxCoeff() < kHalfM - 5 * kCellM;
+  });
+  EXPECT_LT(roof.median_m, 0.5 * kGsdM);
+  EXPECT_LT(roof.most_m, 2.0 * kGsdM);
+  EXPECT_GT(roof.share_known, 0.95);
+}
+
 TEST(MatchSurface, FillsWaterAndSaysSo) {
   SyntheticScene scene = Scene(3, 3);
   scene.even = Around(-6, -5, 6, 5);
