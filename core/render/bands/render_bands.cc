@@ -83,13 +83,12 @@ std::vector<float> BandOfBlock(const BandsContext& context, std::size_t band, co
     const int denominator = DenominatorFor(camera->photo, pixel_m);
     const auto picture = cache.Get(share.photo, *camera, denominator);
     if (!picture) continue;  // read while the bands were registered: gone from the disk since
-    for (const SquareShare& square : share.squares) {
-      const SquarePixels in_photo(view, weighed.geometry, square.x, square.y, denominator);
-      const bool is_alone = square.first_weight == SquareShare::kAlone;
-      const float* weight = is_alone ? nullptr : share.weights.data() + square.first_weight;
-      for (int y = square.y; y < square.y + side; ++y) {
-        for (int x = square.x; x < square.x + side; ++x) {
-          const float share_of_pixel = is_alone ? 1.0F : *weight++;
+    // A part of a square: of one cell of nodes.
+    const auto add_part = [&](const SquareShare& square, int left, int top, int part_px) {
+      const SquarePixels in_photo(view, weighed.geometry, left, top, denominator);
+      for (int y = top; y < top + part_px; ++y) {
+        for (int x = left; x < left + part_px; ++x) {
+          const float share_of_pixel = share.WeightAt(square, x, y, side);
           if (!(share_of_pixel > 0.0F) || !boundary.Holds(x, y)) continue;
           const Eigen::Vector2f at = in_photo.At(x, y);
           const float value = ValueAt(**picture, at.x(), at.y());
@@ -98,6 +97,12 @@ std::vector<float> BandOfBlock(const BandsContext& context, std::size_t band, co
           sums[pixel] += share_of_pixel * value;
           weights[pixel] += share_of_pixel;
         }
+      }
+    };
+    const int part_px = std::min(side, weighed.geometry.node_step_px);
+    for (const SquareShare& square : share.squares) {
+      for (int y = square.y; y < square.y + side; y += part_px) {
+        for (int x = square.x; x < square.x + side; x += part_px) add_part(square, x, y, part_px);
       }
     }
   }

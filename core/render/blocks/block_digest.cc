@@ -10,7 +10,7 @@ namespace skyquilt::render {
 namespace {
 
 // Raised whenever the same input gives other pixels than before.
-constexpr int kRendererVersion = 5;
+constexpr int kRendererVersion = 6;
 // Ground nearer together than this is the same: a grid that grew tells it a rounding error differently.
 constexpr double kGroundStepM = 1e-4;
 constexpr std::int32_t kOtherPhoto = -2;  // one that shows nothing of the block itself
@@ -41,7 +41,7 @@ void AddPhoto(const alignment::AlignedPhoto& photo, const PhotoTone& tone, Hashe
 Digest DigestSteps(const ground::GroundSurface& ground) {
   Hasher hasher;
   hasher.Add(ground.SouthWest().x()).Add(ground.SouthWest().y()).Add(ground.CellSize());
-  hasher.Add(ground.Columns()).Add(ground.Rows());
+  hasher.Add(ground.Columns()).Add(ground.Rows()).Add(ground.MeanHeight());
   hasher.AddBytes(ground.Heights().data(), ground.Heights().size() * sizeof(float));
   return hasher.Finish();
 }
@@ -55,11 +55,17 @@ Digest DigestBlock(const RenderContext& context, const pyramid::EncodeOptions& e
   hasher.Add(kRendererVersion).Add(static_cast<std::uint8_t>(encode.encoding)).Add(encode.quality);
   hasher.Add(plan.block_levels).Add(plan.tile_size_px).Add(plan.feather_m);
   hasher.Add(grid.cell_px).Add(context.seams.cell_m).Add(context.flight.frame.origin().lat_deg);
-  for (const Eigen::Vector3d& node : geometry.ground_in_enu) {
-    for (const double metres : {node.x(), node.y(), node.z()})
-      hasher.Add(std::llround(metres / kGroundStepM));
+  if (steps) {  // all of the ground, in fewer bytes than the block's nodes have
+    const geo::Wgs84& origin = context.flight.frame.origin();
+    hasher.AddBytes(steps->data(), steps->size());
+    hasher.Add(block.tile.z()).Add(block.tile.x()).Add(block.tile.y());
+    hasher.Add(origin.lon_deg).Add(origin.height_ellipsoid_m);
+  } else {
+    for (const Eigen::Vector3d& node : geometry.ground_in_enu) {
+      for (const double metres : {node.x(), node.y(), node.z()})
+        hasher.Add(std::llround(metres / kGroundStepM));
+    }
   }
-  if (steps) hasher.AddBytes(steps->data(), steps->size());
   const BlockBoundary boundary(plan, block.tile);
   if (!boundary.CutsNothing()) hasher.AddBytes(boundary.inside().data(), boundary.inside().size());
   const BlockCells cells(context.seams, block.tile, plan.block_levels);

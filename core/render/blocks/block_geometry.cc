@@ -123,8 +123,15 @@ class RowPoses {
 
 PhotoView ViewBlock(const alignment::AlignedPhoto& photo, const BlockGeometry& block) {
   PhotoView view;
-  view.pixel_in_image.resize(block.ground_in_enu.size());
-  view.nadir_distance_m.resize(block.ground_in_enu.size());
+  ViewNodes(photo, block, std::vector<std::uint8_t>(block.ground_in_enu.size(), 1), view);
+  return view;
+}
+
+void ViewNodes(const alignment::AlignedPhoto& photo, const BlockGeometry& block,
+               const std::vector<std::uint8_t>& wanted, PhotoView& view) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  view.pixel_in_image.resize(block.ground_in_enu.size(), {kNan, kNan});
+  view.nadir_distance_m.resize(block.ground_in_enu.size(), 0.0f);
   const camera::Intrinsics& lens = photo.intrinsics;
   const Eigen::Matrix3d rotation = photo.cam_from_enu.rotation.toRotationMatrix();
   const Eigen::Vector3d center = photo.cam_from_enu.TargetOriginInSource();
@@ -141,12 +148,11 @@ PhotoView ViewBlock(const alignment::AlignedPhoto& photo, const BlockGeometry& b
     return Eigen::Vector2d(lens.focal_x_px * bent.x() + lens.center_x_px,
                            lens.focal_y_px * bent.y() + lens.center_y_px);
   };
-  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   for (std::size_t i = 0; i < block.ground_in_enu.size(); ++i) {
+    if (wanted[i] == 0) continue;
     const Eigen::Vector3d offset = block.ground_in_enu[i] - center;
     const double sideways_m = offset.head<2>().norm();
     view.nadir_distance_m[i] = static_cast<float>(sideways_m);
-    view.pixel_in_image[i] = {kNan, kNan};
     if (rows) {
       const RowPoses::Pose* about = rows->At(i);
       if (about == nullptr || offset.z() >= 0.0 || sideways_m > -offset.z() * widest_tangent) continue;
@@ -191,7 +197,6 @@ PhotoView ViewBlock(const alignment::AlignedPhoto& photo, const BlockGeometry& b
       }
     }
   }
-  return view;
 }
 
 }  // namespace skyquilt::render

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <vector>
 
 #include "core/alignment/scene/aligned_flight.h"
@@ -29,7 +30,8 @@ BlockGeometry MakeBlockGeometry(const geo::TileId& block_tile, int size_px, cons
 
 // What one photo sees of a block, at the nodes.
 struct PhotoView {
-  // Pixel in the full-size image; NaN where the photo cannot see (behind it, beyond the lens, too oblique).
+  // Pixel in the full-size image; NaN where the photo cannot see (behind it, beyond the lens, too oblique),
+  // and where nobody asked.
   std::vector<Eigen::Vector2f> pixel_in_image;
   std::vector<float> nadir_distance_m;  // ground distance from the point straight below the camera
   // Whether something stands before the ground there that another photo sees (hide_ground.h); empty: nowhere.
@@ -38,5 +40,8 @@ struct PhotoView {
 };
 
 PhotoView ViewBlock(const alignment::AlignedPhoto& photo, const BlockGeometry& block);
+// At some nodes, by node, beside those that the view has.
+void ViewNodes(const alignment::AlignedPhoto& photo, const BlockGeometry& block,
+               const std::vector<std::uint8_t>& wanted, PhotoView& view);
 
 }  // namespace skyquilt::render

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "core/render/seams/view_score.h"
 
@@ -27,16 +28,16 @@ struct Corners {
 
 struct NodeCell {
   Corners x, y, distance;
-  bool is_valid = false;  // all four nodes are seen, and nothing stands before them
+  bool is_valid = false;  // all four nodes are seen, and nothing stands before them that matters
 };
 
-NodeCell NodeCellOf(const PhotoView& view, int nodes_per_side, int row, int column) {
+NodeCell NodeCellOf(const PhotoView& view, int nodes_per_side, int row, int column, bool past_things) {
   const std::size_t k = static_cast<std::size_t>(row) * nodes_per_side + column;
   const std::array<std::size_t, 4> nodes{k, k + 1, k + nodes_per_side, k + nodes_per_side + 1};
   NodeCell cell;
   for (const std::size_t node : nodes) {
     if (std::isnan(view.pixel_in_image[node].x())) return cell;
-    if (!view.is_hidden.empty() && view.is_hidden[node]) return cell;
+    if (!past_things && !view.is_hidden.empty() && view.is_hidden[node]) return cell;
   }
   const auto corners = [&](auto&& read) {
     return Corners{read(nodes[0]), read(nodes[1]), read(nodes[2]), read(nodes[3])};
@@ -88,7 +89,7 @@ class Weigher {
         block_(block),
         cells_(cells),
         cell_px_(cells.seams.grid.cell_px),
-        square_px_(std::min(cell_px_ / 2, block.node_step_px)) {
+        square_px_(std::min(cell_px_ / 2, kNodeStepPx)) {
     for (const std::uint32_t photo : photos) scores_.push_back(ViewScore::Of(flight.photos[photo]));
     // Weights to this power: the B-spline's own width is about 1.5 cells.
     const double wanted =
@@ -102,6 +103,9 @@ class Weigher {
       spline_[2][static_cast<std::size_t>(i)] = 0.5f * (0.5f + t) * (0.5f + t);
     }
     shares_.resize(photos.size());
+    at_edge_.resize(photos.size());
+    hides_ = std::any_of(views.begin(), views.end(),
+                         [](const PhotoView& view) { return !view.is_hidden.empty(); });
     for (std::size_t i = 0; i < photos.size(); ++i) shares_[i].photo = photos[i];
   }
 
@@ -215,52 +219,81 @@ class Weigher {
   // At the edge of the map or of a photo every pixel is asked who sees it.
   void WeighAtEdge(const Neighbourhood& around, const std::array<int, kTaps * kTaps>& label_place, int x,
                    int y, int block_x, int block_y) {
-    struct Candidate {
-      int place;
-      int label;  // among the distinct ones around; -1: none
-      NodeCell nodes;
-      Square weights{};
-    };
-    std::vector<Candidate> candidates;
+    WeighLabels(around, x, y);
+    const int part_px = std::min(square_px_, block_.node_step_px);
+    for (int top = 0; top < square_px_; top += part_px) {
+      for (int left = 0; left < square_px_; left += part_px)
+        WeighPart(around, label_place, block_x, block_y, left, top, part_px);
+    }
+    for (std::size_t i = 0; i < at_edge_.size(); ++i) {
+      if (!at_edge_[i]) continue;
+      Add(static_cast<int>(i), block_x, block_y, *at_edge_[i]);
+      at_edge_[i].reset();
+    }
+  }
+
+  // A part of that square in one cell of nodes, `left` and `top` in the square. What lies between places that
+  // are hidden from one photo each is shown by whoever looks there, so that the map has no holes.
+  void WeighPart(const Neighbourhood& around, const std::array<int, kTaps * kTaps>& label_place, int block_x,
+                 int block_y, int left, int top, int part_px) {
+    for (int dy = top; dy < top + part_px; ++dy)
+      std::fill_n(is_shown_.begin() + dy * square_px_ + left, part_px, false);
+    FindCandidates(around, label_place, block_x + left, block_y + top, false);
+    if (WeighPixels(block_x, block_y, left, top, part_px) || !hides_) return;
+    FindCandidates(around, label_place, block_x + left, block_y + top, true);
+    WeighPixels(block_x, block_y, left, top, part_px);
+  }
+
+  void FindCandidates(const Neighbourhood& around, const std::array<int, kTaps * kTaps>& label_place, int x,
+                      int y, bool past_things) {
+    candidates_.clear();
     for (std::size_t i = 0; i < photos_.size(); ++i) {
       if (!views_[i].sees_block) continue;
-      const NodeCell nodes = NodeCellOf(views_[i], block_.nodes_per_side, block_y / block_.node_step_px,
-                                        block_x / block_.node_step_px);
+      const NodeCell nodes = NodeCellOf(views_[i], block_.nodes_per_side, y / block_.node_step_px,
+                                        x / block_.node_step_px, past_things);
       if (!nodes.is_valid || !IsNear(nodes, scores_[i])) continue;
       const auto label =
           std::find(label_place.begin(), label_place.begin() + around.count, static_cast<int>(i)) -
           label_place.begin();
-      candidates.push_back(
-          {static_cast<int>(i), label < around.count ? static_cast<int>(label) : -1, nodes, {}});
+      if (!at_edge_[i]) at_edge_[i].emplace(Square{});
+      candidates_.push_back(
+          {&*at_edge_[i], &scores_[i],
+           label < around.count ? by_label_[static_cast<std::size_t>(label)].data() : nullptr, nodes});
     }
-    if (candidates.empty()) return;
-    WeighLabels(around, x, y);
-    for (int dy = 0; dy < square_px_; ++dy) {
-      for (int dx = 0; dx < square_px_; ++dx) {
-        const int step_px = block_.node_step_px;
+  }
+
+  // Of those that are not shown yet; whether all are now.
+  bool WeighPixels(int block_x, int block_y, int left, int top, int part_px) {
+    const int step_px = block_.node_step_px;
+    bool all = true;
+    for (int dy = top; dy < top + part_px; ++dy) {
+      for (int dx = left; dx < left + part_px; ++dx) {
+        const auto pixel = static_cast<std::size_t>(dy * square_px_ + dx);
+        if (is_shown_[pixel]) continue;
         const float per_px = 1.0f / static_cast<float>(step_px);
         const float node_x = static_cast<float>((block_x + dx) % step_px) * per_px,
                     node_y = static_cast<float>((block_y + dy) % step_px) * per_px;
-        const auto pixel = static_cast<std::size_t>(dy * square_px_ + dx);
         float sum = 0.0f, best = std::numeric_limits<float>::infinity();
-        Candidate* best_candidate = nullptr;
-        for (Candidate& candidate : candidates) {
-          const ViewScore& score = scores_[static_cast<std::size_t>(candidate.place)];
+        const Candidate* best_candidate = nullptr;
+        for (const Candidate& candidate : candidates_) {
+          const ViewScore& score = *candidate.score;
           const float margin =
               score.Margin(candidate.nodes.x.At(node_x, node_y), candidate.nodes.y.At(node_x, node_y));
           if (margin < 0.0f) continue;
           const float value = score.Score(candidate.nodes.distance.At(node_x, node_y), margin);
           if (value < best) best = value, best_candidate = &candidate;
-          if (candidate.label >= 0)
-            candidate.weights[pixel] = by_label_[static_cast<std::size_t>(candidate.label)][pixel];
-          sum += candidate.weights[pixel];
+          float& weight = (*candidate.weights)[pixel];
+          if (candidate.label_weights != nullptr) weight = candidate.label_weights[pixel];
+          sum += weight;
         }
+        is_shown_[pixel] = best_candidate != nullptr;
+        all = all && is_shown_[pixel];
         if (best_candidate == nullptr) continue;
-        if (sum <= 0.0f) best_candidate->weights[pixel] = sum = 1.0f;
-        for (Candidate& candidate : candidates) candidate.weights[pixel] /= sum;
+        if (sum <= 0.0f) (*best_candidate->weights)[pixel] = sum = 1.0f;
+        for (const Candidate& candidate : candidates_) (*candidate.weights)[pixel] /= sum;
       }
     }
-    for (const Candidate& candidate : candidates) Add(candidate.place, block_x, block_y, candidate.weights);
+    return all;
   }
 
   // Whether some pixel between the nodes may lie in the image.
@@ -280,6 +313,17 @@ class Weigher {
   std::vector<ViewScore> scores_;
   std::array<std::vector<float>, kTaps> spline_;  // by tap, then by pixel of a cell
   LabelSquares by_label_{};
+  // Of the square at hand, where every pixel is asked: what each photo has of it, if it may see some.
+  struct Candidate {
+    Square* weights;
+    const ViewScore* score;
+    const float* label_weights;  // null: no photo of the cells around
+    NodeCell nodes;
+  };
+  std::vector<std::optional<Square>> at_edge_;  // by photo
+  std::vector<Candidate> candidates_;
+  std::array<bool, static_cast<std::size_t>(kNodeStepPx) * kNodeStepPx> is_shown_{};  // by pixel
+  bool hides_ = false;  // whether anything stands before some of the ground
   std::vector<PhotoShare> shares_;
 };
 
@@ -300,6 +344,11 @@ bool BlockCells::IsInner() const {
 }
 
 bool BlockCells::IsWhole(int column, int row) const { return Neighbourhood(*this, column, row).is_whole; }
+
+std::vector<std::uint32_t> BlockCells::PhotosAround(int column, int row) const {
+  const Neighbourhood around(*this, column, row);
+  return {around.distinct.begin(), around.distinct.begin() + around.count};
+}
 
 BlockShares WeighPhotos(const alignment::AlignedFlight& flight, const std::vector<std::uint32_t>& photos,
                         const std::vector<PhotoView>& views, const BlockGeometry& block,

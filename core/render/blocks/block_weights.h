@@ -26,10 +26,17 @@ struct PhotoShare {
   std::uint32_t photo = 0;  // index in the flight
   std::vector<SquareShare> squares;
   std::vector<float> weights;  // those of all photos at a covered pixel add up to 1
+
+  // Of a pixel of the block that one of its squares has.
+  float WeightAt(const SquareShare& square, int x, int y, int square_px) const {
+    if (square.first_weight == SquareShare::kAlone) return 1.0F;
+    return weights[static_cast<std::size_t>(square.first_weight + (y - square.y) * square_px + x - square.x)];
+  }
 };
 
 struct BlockShares {
-  int square_px = 0;  // a square lies in one cell of nodes and in one quarter of a cell of the seam map
+  // A square lies in one quarter of a cell of the seam map and, over smooth ground, in one cell of nodes.
+  int square_px = 0;
   std::vector<PhotoShare> photos;  // rising
 };
 
@@ -49,6 +56,8 @@ struct BlockCells {
   bool IsInner() const;
   // So for one of its cells, which is then not asked pixel by pixel who sees it.
   bool IsWhole(int column, int row) const;
+  // The photos of a cell and of those around, each once.
+  std::vector<std::uint32_t> PhotosAround(int column, int row) const;
 };
 
 // views[i] belongs to photos[i]; photos are indices into the flight, rising. transition_m: the seam's width

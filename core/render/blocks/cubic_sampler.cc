@@ -74,14 +74,13 @@ struct Extent {
   int left_px, top_px, width_px, height_px;
 };
 
-// From the pixel numbered `first` on. True: the windows of all of them lie among those that there are.
-inline bool FindRun(float x, float y, float step_x, float step_y, int first, const Extent& extent, Run& run) {
+// kRun of them. True: the windows of all lie among the pixels that there are.
+inline bool FindRun(const float* x, const float* y, const Extent& extent, Run& run) {
   constexpr int kWholePx = 5;  // what sixteen bytes reach beyond a window's first pixel
   std::int32_t outside = 0;
   for (int i = 0; i < kRun; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    const auto along = static_cast<float>(first + i);
-    const float at_x = x + along * step_x, at_y = y + along * step_y;
+    const float at_x = x[i], at_y = y[i];
     // Not a number compares false.
     const float safe_x = at_x > -kFarPx && at_x < kFarPx ? at_x : -kFarPx;
     const float safe_y = at_y > -kFarPx && at_y < kFarPx ? at_y : -kFarPx;
@@ -237,14 +236,20 @@ void CubicSampler::AtEdge(int column, int row, int phase_x, int phase_y, Sampled
          weights[static_cast<std::size_t>(phase_y)], pixel);
 }
 
-void CubicSampler::Row(float x, float y, float step_x, float step_y, int count, SampledPixel* pixels) const {
+void CubicSampler::At(const float* x, const float* y, int count, SampledPixel* pixels) const {
   const auto& weights = Weights();
   const Pixels photo{rgb_, stride_};
   const Extent extent{left_px_, top_px_, width_px_, height_px_};
   Run run;
-  for (int first = 0; first < count; first += kRun, pixels += kRun) {
+  for (int first = 0; first < count; first += kRun, x += kRun, y += kRun, pixels += kRun) {
     const int here = std::min(kRun, count - first);
-    const bool is_inside = FindRun(x, y, step_x, step_y, first, extent, run);
+    std::array<float, kRun> end_x, end_y;
+    const bool is_whole = here == kRun;
+    if (!is_whole) {  // the last place again, as often as a run is longer
+      std::fill(std::copy_n(x, here, end_x.begin()), end_x.end(), x[here - 1]);
+      std::fill(std::copy_n(y, here, end_y.begin()), end_y.end(), y[here - 1]);
+    }
+    const bool is_inside = FindRun(is_whole ? x : end_x.data(), is_whole ? y : end_y.data(), extent, run);
     for (int i = is_inside ? AsManyInside(photo, run, here, pixels) : 0; i < here; ++i) {
       const auto k = static_cast<std::size_t>(i);
       if (is_inside) {

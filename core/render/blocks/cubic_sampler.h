@@ -1,6 +1,6 @@
 // CubicSampler: reads a photo between its pixels, bicubic (Keys 1981 with a = -0.75, which keeps the
 // gradients of the photo), to 1/64 of a pixel; beyond the photo's edge its last pixels go on. A view on the
-// image, which must outlive it. Any thread; the same numbers whatever run of pixels is asked for.
+// image, which must outlive it. Any thread; the same numbers whatever is asked for with it.
 #pragma once
 
 #include <array>
@@ -23,9 +23,9 @@ class CubicSampler {
   // photo's.
   explicit CubicSampler(const image::DecodedImage& image, int left_px = 0, int top_px = 0);
 
-  // pixels[i] is the photo at (x + i * step_x, y + i * step_y), pixel centres at whole numbers. Far outside
-  // (or not a number) reads the edge.
-  void Row(float x, float y, float step_x, float step_y, int count, SampledPixel* pixels) const;
+  // pixels[i] is the photo at (x[i], y[i]), pixel centres at whole numbers: places side by side are quickest.
+  // Far outside (or not a number) reads the edge.
+  void At(const float* x, const float* y, int count, SampledPixel* pixels) const;
 
  private:
   void AtEdge(int column, int row, int phase_x, int phase_y, SampledPixel& pixel) const;

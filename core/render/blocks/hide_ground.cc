@@ -6,10 +6,11 @@
 
 namespace skyquilt::render {
 
-void HideGround(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground,
-                const std::vector<std::uint32_t>& photos, const BlockGeometry& block,
-                const std::vector<bool>& asked, std::vector<PhotoView>& views) {
-  if (!ground.HasSteps()) return;
+std::vector<bool> HideGround(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground,
+                             const std::vector<std::uint32_t>& photos, const BlockGeometry& block,
+                             const std::vector<bool>& asked, std::vector<PhotoView>& views) {
+  std::vector<bool> from_all;
+  if (!ground.HasSteps()) return from_all;
   std::vector<Eigen::Vector3d> centers;
   centers.reserve(photos.size());
   for (const std::uint32_t photo : photos)
@@ -33,12 +34,18 @@ void HideGround(const alignment::AlignedFlight& flight, const ground::GroundSurf
         is_seen = true;
       }
     }
-    if (!is_seen) continue;
+    if (!is_seen) {
+      if (hiding.empty()) continue;
+      if (from_all.empty()) from_all.resize(block.ground_in_enu.size());
+      from_all[node] = true;
+      continue;
+    }
     for (const std::size_t i : hiding) {
       if (views[i].is_hidden.empty()) views[i].is_hidden.resize(block.ground_in_enu.size());
       views[i].is_hidden[node] = true;
     }
   }
+  return from_all;
 }
 
 }  // namespace skyquilt::render

@@ -12,9 +12,10 @@
 
 namespace skyquilt::render {
 
-// views[i] belongs to photos[i], an index into the flight. `asked`: by node, whether it matters there.
-void HideGround(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground,
-                const std::vector<std::uint32_t>& photos, const BlockGeometry& block,
-                const std::vector<bool>& asked, std::vector<PhotoView>& views);
+// views[i] belongs to photos[i], an index into the flight. `asked`: by node, whether it matters there. Gives,
+// by node, where the pictures of some lie and something stands before all of them; empty: nowhere.
+std::vector<bool> HideGround(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground,
+                             const std::vector<std::uint32_t>& photos, const BlockGeometry& block,
+                             const std::vector<bool>& asked, std::vector<PhotoView>& views);
 
 }  // namespace skyquilt::render

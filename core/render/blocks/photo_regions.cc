@@ -65,18 +65,21 @@ std::vector<PixelBox> ShownRegions(const alignment::AlignedFlight& flight,
   return regions;
 }
 
-PixelBox ShownBy(const PhotoShare& share, const PhotoView& view, const BlockGeometry& geometry) {
+PixelBox ShownBy(const PhotoShare& share, int square_px, const PhotoView& view,
+                 const BlockGeometry& geometry) {
   Eigen::Vector2f low = Eigen::Vector2f::Constant(INFINITY), high = -low;
+  const int cells = std::max(1, square_px / geometry.node_step_px);  // of nodes, along a square
   for (const SquareShare& square : share.squares) {
     const Eigen::Vector2f* nodes =
         view.pixel_in_image.data() +
         static_cast<std::ptrdiff_t>(square.y / geometry.node_step_px) * geometry.nodes_per_side +
         square.x / geometry.node_step_px;
-    const std::ptrdiff_t below = geometry.nodes_per_side;
-    for (const std::ptrdiff_t node : {std::ptrdiff_t{0}, std::ptrdiff_t{1}, below, below + 1}) {
-      if (std::isnan(nodes[node].x())) continue;
-      low = low.cwiseMin(nodes[node]);
-      high = high.cwiseMax(nodes[node]);
+    for (int row = 0; row <= cells; ++row, nodes += geometry.nodes_per_side) {
+      for (int column = 0; column <= cells; ++column) {
+        if (std::isnan(nodes[column].x())) continue;
+        low = low.cwiseMin(nodes[column]);
+        high = high.cwiseMax(nodes[column]);
+      }
     }
   }
   if (!(low.x() <= high.x())) return {};

@@ -19,7 +19,8 @@ namespace skyquilt::render {
 std::vector<image::PixelBox> ShownRegions(const alignment::AlignedFlight& flight,
                                           const ground::GroundSurface& ground, const SeamMap& seams);
 
-// All that one photo shows of a block, its transitions to others included.
-image::PixelBox ShownBy(const PhotoShare& share, const PhotoView& view, const BlockGeometry& geometry);
+// All that one photo shows of a block, its transitions to others included; square_px: of BlockShares.
+image::PixelBox ShownBy(const PhotoShare& share, int square_px, const PhotoView& view,
+                        const BlockGeometry& geometry);
 
 }  // namespace skyquilt::render

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <optional>
 #include <utility>
 
 #include "core/base/try.h"
@@ -59,39 +60,67 @@ class PhotoOnBlock {
         gain_(FourOf(tone.gain)),
         shade_(tone.shade, photo.intrinsics) {}
 
-  // The numbers at the corners of a square of the block.
-  struct Square {
-    std::array<float, 4> x, y;  // in the decoded image
-    std::array<Four, 4> gain;   // north-west, north-east, south-west, south-east
+  int NodeStepPx() const { return step_px_; }
+  // Light at the corners of a square of the block: north-west, north-east, south-west, south-east.
+  struct Tone {
+    std::array<Four, 4> gain;
     std::array<Four, 4> light;  // what the seam map adds, grey levels
   };
-  Square At(int block_x, int block_y, int side) const {
-    Square square;
+  // Nothing where the photo does not see one of them.
+  std::optional<Tone> ToneOf(int block_x, int block_y, int side) const {
+    Tone tone;
     for (int corner = 0; corner < 4; ++corner) {
       const auto k = static_cast<std::size_t>(corner);
       const int x = block_x + (corner % 2) * side, y = block_y + (corner / 2) * side;
-      const Eigen::Vector2f in_photo = InPhoto(x, y, block_x, block_y);
-      // Pixel corners scale, centres carry the half pixel.
-      square.x[k] = (in_photo.x() + 0.5f) * scale_ - 0.5f;
-      square.y[k] = (in_photo.y() + 0.5f) * scale_ - 0.5f;
+      const Eigen::Vector2f in_photo = InPhoto(x, y, block_x, block_y, std::max(side, step_px_));
+      if (side > step_px_ && std::isnan(in_photo.x())) return std::nullopt;
       const auto shade = shade_.At(in_photo.x(), in_photo.y());
-      square.gain[k] = gain_ * Four{shade[0], shade[1], shade[2], 1.0f};
-      square.light[k] = LightAt(x, y, block_x, block_y);
+      tone.gain[k] = gain_ * Four{shade[0], shade[1], shade[2], 1.0f};
+      tone.light[k] = LightAt(x, y, block_x, block_y);
     }
-    return square;
+    return tone;
+  }
+
+  // Where in the decoded image its pixels lie, row by row.
+  void PlacesOf(int block_x, int block_y, int side, float* x, float* y) const {
+    const int part = std::min(side, step_px_);
+    for (int top = 0; top < side; top += part) {
+      for (int left = 0; left < side; left += part) {
+        std::array<float, 4> corner_x, corner_y;
+        for (int corner = 0; corner < 4; ++corner) {
+          const auto k = static_cast<std::size_t>(corner);
+          const Eigen::Vector2f in_photo =
+              InPhoto(block_x + left + (corner % 2) * part, block_y + top + (corner / 2) * part,
+                      block_x + left, block_y + top, step_px_);
+          // Pixel corners scale, centres carry the half pixel.
+          corner_x[k] = (in_photo.x() + 0.5f) * scale_ - 0.5f;
+          corner_y[k] = (in_photo.y() + 0.5f) * scale_ - 0.5f;
+        }
+        for (int row = 0; row < part; ++row) {
+          const auto along_x = RowOf(corner_x, row, part), along_y = RowOf(corner_y, row, part);
+          const int first = (top + row) * side + left;
+          for (int i = 0; i < part; ++i) {
+            x[first + i] = along_x.first + static_cast<float>(i) * along_x.step;
+            y[first + i] = along_y.first + static_cast<float>(i) * along_y.step;
+          }
+        }
+      }
+    }
   }
 
  private:
-  // Bilinear between the nodes around the square that starts at (block_x, block_y).
-  Eigen::Vector2f InPhoto(int x, int y, int block_x, int block_y) const {
+  // Bilinear between the nodes around the square that starts at (block_x, block_y), `apart_px` from each
+  // other.
+  Eigen::Vector2f InPhoto(int x, int y, int block_x, int block_y, int apart_px) const {
     const int column = block_x / step_px_, row = block_y / step_px_;
-    const auto per_px = 1.0f / static_cast<float>(step_px_);
+    const auto per_px = 1.0f / static_cast<float>(apart_px);
     const float u = static_cast<float>(x - column * step_px_) * per_px;
     const float v = static_cast<float>(y - row * step_px_) * per_px;
+    const std::ptrdiff_t apart = apart_px / step_px_, below = apart * nodes_per_side_;
     const Eigen::Vector2f* nw =
         view_.pixel_in_image.data() + static_cast<std::ptrdiff_t>(row) * nodes_per_side_ + column;
-    const Eigen::Vector2f north = nw[0] + u * (nw[1] - nw[0]);
-    const Eigen::Vector2f south = nw[nodes_per_side_] + u * (nw[nodes_per_side_ + 1] - nw[nodes_per_side_]);
+    const Eigen::Vector2f north = nw[0] + u * (nw[apart] - nw[0]);
+    const Eigen::Vector2f south = nw[below] + u * (nw[below + apart] - nw[below]);
     return north + v * (south - north);
   }
 
@@ -183,35 +212,71 @@ class Mixture {
   std::vector<Four> sums_;
 };
 
-void Paint(const PhotoShare& share, const PhotoOnBlock& photo, const CubicSampler& sampler, int side,
-           image::RgbaImage& image, Mixture& mixture) {
-  std::array<SampledPixel, kNodeStepPx> sampled;
-  for (const SquareShare& at : share.squares) {
-    const PhotoOnBlock::Square square = photo.At(at.x, at.y, side);
-    const bool is_alone = at.first_weight == SquareShare::kAlone;
-    const float* weight = is_alone ? nullptr : share.weights.data() + at.first_weight;
-    Four* sum = is_alone ? nullptr : mixture.Sums(at.x, at.y);
+// What a photo has of a square's pixels.
+class Painter {
+ public:
+  Painter(const PhotoShare& share, const PhotoOnBlock& photo, const CubicSampler& sampler, int square_px,
+          image::RgbaImage& image, Mixture& mixture)
+      : share_(share),
+        photo_(photo),
+        sampler_(sampler),
+        square_px_(square_px),
+        image_(image),
+        mixture_(mixture) {}
+
+  void Paint() {
+    for (const SquareShare& square : share_.squares) {
+      if (const auto tone = photo_.ToneOf(square.x, square.y, square_px_)) {
+        PaintPart(square, square.x, square.y, square_px_, *tone);
+        continue;
+      }
+      // Some of it lies where the photo sees nothing: part by part, each of which is seen or shows nothing.
+      const int part_px = std::min(square_px_, photo_.NodeStepPx());
+      for (int y = square.y; y < square.y + square_px_; y += part_px) {
+        for (int x = square.x; x < square.x + square_px_; x += part_px)
+          PaintPart(square, x, y, part_px, *photo_.ToneOf(x, y, part_px));
+      }
+    }
+  }
+
+ private:
+  static constexpr std::size_t kMaxPixels = std::size_t{kNodeStepPx} * kNodeStepPx;
+
+  void PaintPart(const SquareShare& square, int left, int top, int side, const PhotoOnBlock::Tone& tone) {
+    const bool is_alone = square.first_weight == SquareShare::kAlone;
+    photo_.PlacesOf(left, top, side, x_.data(), y_.data());
+    sampler_.At(x_.data(), y_.data(), side * side, sampled_.data());
     for (int row = 0; row < side; ++row) {
-      const auto x = RowOf(square.x, row, side), y = RowOf(square.y, row, side);
-      const auto gain = RowOf(square.gain, row, side), light = RowOf(square.light, row, side);
-      sampler.Row(x.first, y.first, x.step, y.step, side, sampled.data());
-      std::uint8_t* out = image.Pixel(at.x, at.y + row);
+      const auto gain = RowOf(tone.gain, row, side), light = RowOf(tone.light, row, side);
+      const SampledPixel* sampled = sampled_.data() + static_cast<std::ptrdiff_t>(row) * side;
+      std::uint8_t* out = image_.Pixel(left, top + row);
+      const int in_square = (top + row - square.y) * square_px_ + left - square.x;
+      const float* weights = is_alone ? nullptr : share_.weights.data() + square.first_weight + in_square;
+      Four* sums = is_alone ? nullptr : mixture_.Sums(square.x, square.y) + in_square;
       for (int i = 0; i < side; ++i) {
         Four value;
-        std::memcpy(&value, sampled[static_cast<std::size_t>(i)].data(), sizeof(value));
+        std::memcpy(&value, sampled[i].data(), sizeof(value));
         const auto along = static_cast<float>(i);
         value = Clamped(value * (gain.first + along * gain.step) + (light.first + along * light.step));
         if (is_alone) {
           Write(value, out + 4 * i);
-        } else if (*weight > 0.0f) {
+        } else if (weights[i] > 0.0f) {
           value[3] = 1.0f;
-          *sum += *weight * value;
+          sums[i] += weights[i] * value;
         }
-        if (!is_alone) ++weight, ++sum;
       }
     }
   }
-}
+
+  const PhotoShare& share_;
+  const PhotoOnBlock& photo_;
+  const CubicSampler& sampler_;
+  const int square_px_;
+  image::RgbaImage& image_;
+  Mixture& mixture_;
+  std::array<float, kMaxPixels> x_, y_;
+  std::array<SampledPixel, kMaxPixels> sampled_;
+};
 
 }  // namespace
 
@@ -250,14 +315,15 @@ Result<image::RgbaImage> RenderBlockPixels(const RenderContext& context, const R
     const auto at = std::lower_bound(photos.begin(), photos.end(), share.photo) - photos.begin();
     const int denominator = DenominatorFor(photo, pixel_m);
     const PhotoView& view = views[static_cast<std::size_t>(at)];
-    const image::PixelBox box = ShownBy(share, view, geometry).Grown(denominator * CubicSampler::kReachPx);
+    const image::PixelBox box =
+        ShownBy(share, shares.square_px, view, geometry).Grown(denominator * CubicSampler::kReachPx);
     SKYQUILT_TRY_ASSIGN(const DecodedPhoto decoded,
                         context.cache.Get(share.photo, photo.photo, denominator, box));
     const PhotoOnBlock on_block(photo, context.exposure.tones[share.photo], view, geometry, denominator,
                                 context.seams.levels[share.photo], cells);
     const image::DecodedPart& part = *decoded;
-    Paint(share, on_block, CubicSampler(part.image, part.left_px, part.top_px), shares.square_px, image,
-          mixture);
+    const CubicSampler sampler(part.image, part.left_px, part.top_px);
+    Painter(share, on_block, sampler, shares.square_px, image, mixture).Paint();
   }
   mixture.WriteTo(image);
   BlockBoundary(context.plan, block.tile).Cut(image);
