@@ -7,6 +7,7 @@
 #include <iterator>
 #include <vector>
 
+#include "api/common/media_types.h"
 #include "api/downloads/send_file.h"
 #include "api/downloads/small_picture.h"
 #include "api/downloads/streamed_product.h"
@@ -115,18 +116,18 @@ Response Answer(Service& service, const Request& request, const Product& product
 }  // namespace
 
 void AddDownloadRoutes(Router& router, Service& service) {
-  constexpr const char* kGeotiff = "image/tiff; application=geotiff; profile=cloud-optimized";
   const auto add = [&](const char* pattern, Product product) {
     router.Add(Method::kGet, pattern,
                [&service, product](const Request& request) { return Answer(service, request, product); });
   };
   add("/api/v1/flights/{flight}/download.mbtiles", {"mosaic.mbtiles", "application/vnd.sqlite3", "mbtiles"});
-  add("/api/v1/flights/{flight}/download.tif", {"mosaic.tif", kGeotiff, "tif"});
-  add("/api/v1/flights/{flight}/bands.tif", {"bands.tif", kGeotiff, "tif"});
-  add("/api/v1/flights/{flight}/dsm.tif", {"dsm.tif", kGeotiff, "dsm.tif"});
-  add("/api/v1/flights/{flight}/dsm_photos.tif", {"dsm_photos.tif", kGeotiff, "dsm_photos.tif"});
-  add("/api/v1/flights/{flight}/dtm.tif", {"dtm.tif", kGeotiff, "dtm.tif"});
-  add("/api/v1/flights/{flight}/dtm_ground.tif", {"dtm_ground.tif", kGeotiff, "dtm_ground.tif"});
+  add("/api/v1/flights/{flight}/download.tif", {"mosaic.tif", kCogType, "tif"});
+  add("/api/v1/flights/{flight}/bands.tif", {"bands.tif", kCogType, "tif"});
+  add("/api/v1/flights/{flight}/dsm.tif", {"dsm.tif", kCogType, "dsm.tif"});
+  add("/api/v1/flights/{flight}/dsm_photos.tif", {"dsm_photos.tif", kCogType, "dsm_photos.tif"});
+  add("/api/v1/flights/{flight}/dsm_hillshade.tif", {"dsm_hillshade.tif", kCogType, "dsm_hillshade.tif"});
+  add("/api/v1/flights/{flight}/dtm.tif", {"dtm.tif", kCogType, "dtm.tif"});
+  add("/api/v1/flights/{flight}/dtm_ground.tif", {"dtm_ground.tif", kCogType, "dtm_ground.tif"});
   add("/api/v1/flights/{flight}/contours.gpkg",
       {"contours.gpkg", "application/geopackage+sqlite3", "contours.gpkg"});
   add("/api/v1/flights/{flight}/contours.geojson",

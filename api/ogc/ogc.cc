@@ -5,8 +5,10 @@
 #include <charconv>
 #include <nlohmann/json.hpp>
 #include <span>
+#include <vector>
 
 #include "api/auth/flight_access.h"
+#include "api/common/media_types.h"
 #include "api/grids/grid_tiles.h"
 #include "api/http/links.h"
 #include "api/http/problem.h"
@@ -16,6 +18,7 @@
 #include "api/ogc/map_view.h"
 #include "api/ogc/matrix_sets.h"
 #include "api/ogc/ogc_format.h"
+#include "api/surface/map_surface.h"
 #include "api/tiles/tile_path.h"
 #include "api/tiles/tiles.h"
 #include "core/base/text/json_io.h"
@@ -87,7 +90,8 @@ std::span<const PhotoFeatures> FeaturesOf(const storage::ShownFlight& map) {
   return kPhotoFeatures;
 }
 
-Value Collection(const Request& request, const storage::ShownFlight& map) {
+Value Collection(const Request& request, const storage::ShownFlight& map,
+                 const std::vector<Surface>& surfaces) {
   const auto link = [&](const std::string& path, const std::string& rel, const char* type,
                         const char* title) { return Link(LinkTo(request, path), rel, type, title); };
   Value links = Value::array();
@@ -100,6 +104,10 @@ Value Collection(const Request& request, const storage::ShownFlight& map) {
   }
   links.push_back(link(at + "/map/tiles", kOgcRel + "tilesets-map", "application/json", "Its tilesets"));
   links.push_back(link("/stac/" + map.flight_id, "describedby", "application/geo+json", "STAC item"));
+  for (const Surface surface : surfaces) {
+    links.push_back(link(fmt::format("/api/v1/flights/{}/{}", map.flight_id, FilesOf(surface).heights),
+                         "enclosure", kCogType, FilesOf(surface).title));
+  }
   for (const PhotoFeatures kind : FeaturesOf(map)) {
     links.push_back(link("/ogc/collections/" + NameOfCollection(map.flight_id, kind), "related",
                          "application/json",
@@ -128,7 +136,12 @@ Response DescribeCollection(Service& service, const Request& request) {
   const Result<MapView> map = FindMap(service, request, kind ? name.substr(0, name.find('.')) : name);
   if (!map) return Problem(map.error(), request);
   const storage::ShownFlight shown = map->shown();
-  if (!kind) return Document(Collection(request, shown));
+  if (!kind) {
+    const Result<std::vector<Surface>> surfaces =
+        SurfacesOf(service, shown.flight_id, shown.revision.revision);
+    if (!surfaces) return Problem(surfaces.error(), request);
+    return Document(Collection(request, shown, *surfaces));
+  }
   if (FeaturesOf(shown).empty())
     return Problem({ErrorCode::kNotFound, "This map was not made of photos.", ""}, request);
   return Document(ParseOrderedJson(PhotoCollection(request, shown, *kind)));
@@ -154,7 +167,9 @@ Response Collections(Service& service, const Request& request) {
   if (!page) return Problem(page.error(), request);
   Value collections = Value::array();
   for (const storage::ShownFlight& map : page->maps) {
-    collections.push_back(Collection(request, map));
+    const Result<std::vector<Surface>> surfaces = SurfacesOf(service, map.flight_id, map.revision.revision);
+    if (!surfaces) return Problem(surfaces.error(), request);
+    collections.push_back(Collection(request, map, *surfaces));
     for (const PhotoFeatures kind : FeaturesOf(map))
       collections.push_back(ParseOrderedJson(PhotoCollection(request, map, kind)));
   }

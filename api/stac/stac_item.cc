@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "api/common/media_types.h"
 #include "api/http/links.h"
 #include "api/json/json_codec.h"
 #include "api/stac/stac_search.h"
@@ -111,7 +112,6 @@ std::string StacItem(const Request& request, const storage::ShownFlight& map,
   const auto asset = [&](const std::string& path, const char* type, const char* title, const char* role) {
     return ItemJson{{"href", to(api + path)}, {"type", type}, {"title", title}, {"roles", {role}}};
   };
-  constexpr const char* kCogType = "image/tiff; application=geotiff; profile=cloud-optimized";
   item["assets"] = {
       {"cog", asset("/download.tif", kCogType, "Map", "data")},
       {"mbtiles", asset("/download.mbtiles", "application/vnd.sqlite3", "Tiles", "data")},
@@ -120,10 +120,8 @@ std::string StacItem(const Request& request, const storage::ShownFlight& map,
       {"report", asset("/report", "application/json", "How it was made", "metadata")},
       {"thumbnail", asset("/thumbnail.png", "image/png", "The map, small", "thumbnail")}};
   for (const Surface surface : surfaces) {
-    const char* title =
-        surface == Surface::kPhotos ? "Heights of what the photos show" : "Heights of the ground";
-    item["assets"][NameOf(surface)] =
-        asset(fmt::format("/{}", FilesOf(surface).heights), kCogType, title, "data");
+    const SurfaceFiles& files = FilesOf(surface);
+    item["assets"][files.name] = asset(fmt::format("/{}", files.heights), kCogType, files.title, "data");
   }
   item["links"] = links;
   return JsonText(item);

@@ -9,8 +9,9 @@
 namespace skyquilt::api {
 
 const SurfaceFiles& FilesOf(Surface surface) {
-  static constexpr SurfaceFiles kFiles[] = {{"dsm", "dsm.tif", "dsm_photos.tif"},
-                                            {"dtm", "dtm.tif", "dtm_ground.tif"}};
+  static constexpr SurfaceFiles kFiles[] = {
+      {"dsm", "dsm.tif", "dsm_photos.tif", "Heights of what the photos show"},
+      {"dtm", "dtm.tif", "dtm_ground.tif", "Heights of the ground"}};
   return kFiles[static_cast<std::size_t>(surface)];
 }
 

@@ -20,6 +20,7 @@ struct SurfaceFiles {
   const char* name;  // in addresses and options
   const char* heights;
   const char* measured;  // which of them were
+  const char* title;
 };
 const SurfaceFiles& FilesOf(Surface surface);
 

@@ -23,11 +23,12 @@ namespace fs = std::filesystem;
 
 // Every file that StitchToDirectory writes or removes.
 std::vector<std::string> ProductNames() {
-  std::vector<std::string> names = {"mosaic.mbtiles", "mosaic.pmtiles", "mosaic.tif",       "mosaic_utm.tif",
-                                    "mosaic.kmz",     "thumbnail.png",  "report.json",      "photos.geojson",
-                                    "locate.json",    "cameras.json",   "geo.txt",          "layers.json",
-                                    "bands.tif",      "dsm.tif",        "dsm_photos.tif",   "dtm.tif",
-                                    "dtm_ground.tif", "contours.gpkg",  "contours.geojson", "contours.dxf"};
+  std::vector<std::string> names = {
+      "mosaic.mbtiles",   "mosaic.pmtiles", "mosaic.tif",     "mosaic_utm.tif",   "mosaic.kmz",
+      "thumbnail.png",    "report.json",    "photos.geojson", "locate.json",      "cameras.json",
+      "geo.txt",          "layers.json",    "bands.tif",      "dsm.tif",          "dsm_photos.tif",
+      "dtm.tif",          "dtm_ground.tif", "contours.gpkg",  "contours.geojson", "contours.dxf",
+      "dsm_hillshade.tif"};
   for (const render::MapLayer layer : render::kMapLayers) names.push_back(render::LayerFileName(layer));
   return names;
 }

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <limits>
 #include <optional>
+#include <system_error>
 #include <utility>
 
 #include "core/base/scoped_timer.h"
@@ -12,6 +13,7 @@
 #include "core/surface/match_surface.h"
 #include "core/surface/terrain/ground_sketch.h"
 #include "storage/exports/heights/contours.h"
+#include "storage/exports/heights/hillshade.h"
 #include "storage/exports/heights/surface_writer.h"
 
 namespace skyquilt::server {
@@ -74,12 +76,15 @@ Result<void> WriteSurface(pipeline::BuiltMosaic& built, const pipeline::MosaicOp
                                  built.flight, photos, built.ground, grid, pipeline::SurfaceWithin(options),
                                  [&](surface::SurfaceBlock&& block) { return writer.Put(block); }, progress);
     if (!put) return put.error();
+    std::error_code gone;  // what cannot be removed cannot be written either, which is said
+    std::filesystem::remove(out_dir / "dsm_hillshade.tif", gone);  // of other heights
     SKYQUILT_TRY(writer.Publish());
     if (matched == nullptr) pipeline::TellSurface(cell_m, writer.MeasuredShare(), built.report);
     if (is_ground_wanted) {
       SKYQUILT_TRY_ASSIGN(built.report.surface->contour_interval_m,
                           storage::WriteContours(out_dir / "dtm.tif", surface::kSketchCellM, progress));
     }
+    SKYQUILT_TRY(storage::WriteHillshade(out_dir / "dsm.tif", options.threads, progress));
   }
   built.report.timings.push_back(timing);
   return {};

@@ -1,7 +1,7 @@
-// WriteSurface: the heights of a map that was just made, dsm.tif and dsm_photos.tif in its folder, where
-// options.heights says so also dtm.tif, dtm_ground.tif and the contours of that, and what came of them in its
-// report. Over the rectangle around the map, also where that is cut to a boundary. Blocking; uses all the
-// threads asked for. Errors: kUnprocessable (beyond UTM), kCancelled, kOutOfSpace, kIo.
+// WriteSurface: the heights of a map that was just made, dsm.tif, dsm_photos.tif and dsm_hillshade.tif in its
+// folder, where options.heights says so also dtm.tif, dtm_ground.tif and the contours of that, and what came
+// of them in its report. Over the rectangle around the map, also where that is cut to a boundary. Blocking;
+// uses all the threads asked for. Errors: kUnprocessable (beyond UTM), kCancelled, kOutOfSpace, kIo.
 #pragma once
 
 #include <filesystem>

@@ -280,8 +280,10 @@ void AddStitchCommand(CLI::App& app) {
           "export\" makes each of these later, and a server offers geotiff and pmtiles for download without "
           "storing them. And dsm: the heights of ground, roofs and trees as the photos show them (dsm.tif: a "
           "GeoTIFF in the UTM zone, in metres) with how many photos agree on each (dsm_photos.tif, 0 where it "
-          "was filled in). And dtm: dsm, and the ground below houses and trees (dtm.tif) with where it was seen "
-          "(dtm_ground.tif, 0 where it is bridged) and its contours (contours.gpkg, .geojson, .dxf). Those that the folder has of an earlier map are written again")
+          "was filled in) and the shading of its slopes (dsm_hillshade.tif). And dtm: dsm, and the ground "
+          "below houses and trees (dtm.tif) with where it was seen (dtm_ground.tif, 0 where it is bridged) "
+          "and its contours (contours.gpkg, .geojson, .dxf). Those that the folder has of an earlier map are "
+          "written again")
       ->delimiter(',')
       ->transform(OneOf(std::vector<std::pair<std::string, OtherFormat>>{{"geotiff", OtherFormat::kGeotiff},
                                                                          {"pmtiles", OtherFormat::kPmtiles},

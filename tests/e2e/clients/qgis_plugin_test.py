@@ -77,6 +77,22 @@ class Plugin(MapFileTestCase):
         drawn = self.gdal.Open(str(self.out / "outlines.png")).ReadAsArray()[:3].astype(int)
         self.assertGreater((abs(drawn - [[[0xD9]], [[0xA4]], [[0x41]]]).max(axis=0) < 40).sum(), side)  # lines cross it
 
+    def test_heights_become_layers_where_the_map_has_them(self):
+        server = Server(tempfile.mkdtemp(dir=self.scratch), "--workers", "1")
+        self.servers.append(server)
+        status, made = server.upload(self.photos, name="Village", options=json.dumps({"heights": "dtm"}))
+        self.assertEqual(status, 202, made)
+        server.wait_for_job(made["job"]["id"])
+        flight, url = made["flight"]["id"], f"http://127.0.0.1:{server.port}"
+        kinds = ("surface", "hillshade", "ground", "contours")
+        _, _, *added = self.session(url, ["rows"], ["choose", flight], *(["add", kind] for kind in kinds))
+        self.assertEqual([layer[0::2] for layer in added[:3]], [["gdal", True]] * 3)
+        self.assertEqual(added[3][0::2], ["ogr", True])
+        for layer, file in zip(added, ("dsm.tif", "dsm_hillshade.tif", "dtm.tif", "contours.geojson")):
+            self.assertTrue(layer[1].endswith(f"/flights/{flight}/{file}"), layer)
+        _, _, _, said = self.session(self.address(""), ["rows"], ["choose", self.flight_id], ["ask", "surface"], ["said"])
+        self.assertIn("was made without these heights. Make it again with heights: dsm.", said[-1])
+
     def test_photos_of_a_place(self):
         west, south, east, north = self.tilejson["bounds"]
         lon, lat = (west + east) / 2, (south + north) / 2

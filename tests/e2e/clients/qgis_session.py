@@ -137,6 +137,12 @@ class Session:
         self.shown = layer
         return [layer.providerType(), layer.source(), layer.isValid(), getattr(layer, "featureCount", int)()]
 
+    def ask(self, kind):
+        """For the chosen flight as a layer that it does not have: until it is said so."""
+        said = len(self.iface.said)
+        self.dock.layer_wanted.emit(kind)
+        self.until(lambda: len(self.iface.said) > said)
+
     def render(self, name, west, south, east, north, side):
         """The last layer on the canvas, in Web Mercator, as a picture."""
         settings = self.iface.canvas.mapSettings()

@@ -94,7 +94,7 @@ class Dsm(unittest.TestCase):
     def test_one_thread_and_two_write_the_same(self):
         for threads in ("1", "2"):
             self.stitch(self.scratch / threads, "--formats", "dsm", "--threads", threads)
-        for name in ("dsm.tif", "dsm_photos.tif"):
+        for name in ("dsm.tif", "dsm_photos.tif", "dsm_hillshade.tif"):
             self.assertEqual((self.scratch / "1" / name).read_bytes(), (self.scratch / "2" / name).read_bytes())
 
     def test_without_being_asked_there_is_none_and_the_map_is_the_same(self):

@@ -17,7 +17,7 @@ from gis_support import has_qgis  # noqa: E402
 from server_support import BINARY, Server  # noqa: E402
 
 OF_GROUND = ["dtm.tif", "dtm_ground.tif", "contours.gpkg", "contours.geojson", "contours.dxf"]
-OF_SURFACE = ["dsm.tif", "dsm_photos.tif"]
+OF_SURFACE = ["dsm.tif", "dsm_photos.tif", "dsm_hillshade.tif"]
 
 QGIS_HEIGHTS_SCRIPT = r"""
 import json
@@ -220,6 +220,12 @@ class HeightsServed(unittest.TestCase):
         self.assertAlmostEqual(profile["samples"][0]["dsm_m"], point["dsm_m"], 3)
         status, terrain = self.server.json("GET", f"/tiles/{flight}/terrain.json")
         self.assertEqual((status, terrain["encoding"], terrain["tileSize"]), (200, "terrarium", 256))
+        _, collection = self.server.json("GET", f"/ogc/collections/{flight}")
+        files = [link["href"] for link in collection["links"] if link["rel"] == "enclosure"]
+        self.assertEqual([href[href.index("/api/"):] for href in files], [f"{self.path}/dsm.tif", f"{self.path}/dtm.tif"])
+        _, collections = self.server.json("GET", "/ogc/collections")
+        [listed] = [one for one in collections["collections"] if one["id"] == flight]
+        self.assertEqual(listed["links"], collection["links"])
         n = 2 ** terrain["maxzoom"]
         import math
         x, y = (lon + 180) / 360 * n, (1 - math.asinh(math.tan(math.radians(lat))) / math.pi) / 2 * n
@@ -243,6 +249,8 @@ class HeightsServed(unittest.TestCase):
             self.assertEqual((status, headers["Content-Type"]), (404, "application/problem+json"), name)
         flight = path.split("/")[-1]
         self.assertEqual(self.server.json("GET", f"/tiles/{flight}.json")[1]["heights"], [])
+        links = self.server.json("GET", f"/ogc/collections/{flight}")[1]["links"]
+        self.assertNotIn("enclosure", [link["rel"] for link in links])
         for address in (f"/tiles/{flight}/terrain.json", f"/tiles/{flight}/terrain/0/0/0.png"):
             self.assertEqual(self.server.request("GET", address)[0], 404, address)
         status, told = self.server.json("POST", f"{path}/volume", {"type": "Polygon", "coordinates": [[[1, 1], [2, 1], [2, 2], [1, 1]]]})

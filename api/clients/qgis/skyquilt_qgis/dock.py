@@ -12,7 +12,11 @@ from .photos_panel import PhotosPanel
 STATES = {"empty": "no photos yet", "uploaded": "no map yet", "queued": "waits", "processing": "map is made", "failed": "failed"}
 KINDS = ((layers.TILES, "Map (tiles)", "Quick, and always the newest map"),
          (layers.GEOTIFF, "Map (GeoTIFF)", "Read where it lies at the server, for analysis"),
-         (layers.FOOTPRINTS, "Outlines of the photos", "The ground that each photo shows"))
+         (layers.FOOTPRINTS, "Outlines of the photos", "The ground that each photo shows"),
+         (layers.SURFACE, "Heights: surface", "Of ground, roofs and trees, where the map was made with heights"),
+         (layers.HILLSHADE, "Heights: hillshade", "Their slopes in the light, to lay below other layers"),
+         (layers.GROUND, "Heights: ground", "Below houses and trees, where the map was made with those of the ground"),
+         (layers.CONTOURS, "Heights: contours", "Lines of equal height of that ground"))
 
 
 def described_state(record):

@@ -4,11 +4,15 @@ import dataclasses
 from typing import List, Optional
 from xml.etree import ElementTree
 
-from qgis.core import QgsFillSymbol, QgsRasterLayer, QgsVectorLayer
+from qgis.core import QgsFillSymbol, QgsLineSymbol, QgsRasterLayer, QgsVectorLayer
 
 from .skyquilt import Conflict
 
 TILES, GEOTIFF, FOOTPRINTS = "tiles", "geotiff", "footprints"
+SURFACE, HILLSHADE, GROUND, CONTOURS = "surface", "hillshade", "ground", "contours"
+# File and name of what a map has whose job was asked for these heights.
+OF_HEIGHTS = {SURFACE: ("dsm.tif", "surface", "dsm"), HILLSHADE: ("dsm_hillshade.tif", "hillshade", "dsm"),
+              GROUND: ("dtm.tif", "ground", "dtm"), CONTOURS: ("contours.geojson", "contours", "dtm")}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -21,6 +25,7 @@ class Described:
     tiles: str  # as QGIS' provider of tiles takes it
     token: Optional[str]
     bounds: List[float]
+    heights: List[str]  # dsm, dtm: those that the map has
 
     def below(self, path):
         """An address below the flight's, with the token."""
@@ -51,8 +56,28 @@ def described(client, flight_id, known_tokens):
     token = reading_token(client, flight, known_tokens)
     with client.transport.request("GET", f"/connect/{flight.id}/qgis.qlr" + (f"?token={token}" if token else "")) as answer:
         definition = ElementTree.fromstring(answer.read_all())
+    tiles = flight.tile_json()
     return Described(flight.name, client.url, flight.id, definition.findtext("maplayers/maplayer/datasource"), token,
-                     flight.tile_json()["bounds"])
+                     tiles["bounds"], tiles["heights"])
+
+
+def lacking(map_of, kind):
+    """The heights that a layer of this kind needs and the map was made without; None where it has them."""
+    needed = OF_HEIGHTS[kind][2] if kind in OF_HEIGHTS else None
+    return needed if needed not in map_of.heights else None
+
+
+def heights_of(map_of, kind):
+    """A layer of the map's heights, likewise."""
+    path, word, _ = OF_HEIGHTS[kind]
+    source, name = "/vsicurl/" + map_of.below(path), f"{map_of.name} ({word})"
+    if kind != CONTOURS:
+        return QgsRasterLayer(source, name, "gdal")
+    layer = QgsVectorLayer(source, name, "ogr")
+    if layer.isValid():
+        layer.renderer().setSymbol(QgsLineSymbol.createSimple({"line_color": "#8a5a2b", "line_width": "0.25"}))
+        layer.setDisplayExpression('"height_m"')
+    return layer
 
 
 def layer_of(map_of, kind):
@@ -61,6 +86,8 @@ def layer_of(map_of, kind):
         return QgsRasterLayer(map_of.tiles, map_of.name, "wms")
     if kind == GEOTIFF:
         return QgsRasterLayer("/vsicurl/" + map_of.below("download.tif"), f"{map_of.name} (GeoTIFF)", "gdal")
+    if kind in OF_HEIGHTS:
+        return heights_of(map_of, kind)
     layer = QgsVectorLayer("/vsicurl/" + map_of.below("photos.geojson"), f"{map_of.name} (photos)", "ogr")
     if layer.isValid():
         outline = {"style": "no", "outline_color": "#d9a441", "outline_width": "0.4"}

@@ -126,9 +126,16 @@ class SkyquiltPlugin:
 
     def show_layer(self, map_of, kind):
         """Adds it and goes there."""
+        needed = layers.lacking(map_of, kind)
+        if needed is not None:
+            self.complain(f"The map of {map_of.name} was made without these heights. Make it again with heights: {needed}.")
+            return
         layer = layers.layer_of(map_of, kind)
         if not layer.isValid():
-            self.complain(f"The map of {map_of.name} cannot be opened: {layer.error().summary() or 'no reason is known'}")
+            reason = layer.error().summary() or "no reason is known"
+            if map_of.token:
+                reason = reason.replace(map_of.token, "...")
+            self.complain(f"The map of {map_of.name} cannot be opened: {reason}")
             return
         QgsProject.instance().addMapLayer(layer)
         # After QGIS itself, which shows all of a first layer and stays where it is at others.

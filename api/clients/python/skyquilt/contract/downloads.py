@@ -53,6 +53,12 @@ class Downloads(Calls):
         for heights."""
         return self._stream("GET", "/api/v1/flights/{flight}/dsm.tif", path={"flight": flight}, headers=headers)
 
+    def download_dsm_hillshade(self, flight: str, *, headers: Optional[Mapping[str, str]] = None) -> Answer:
+        """The slopes of dsm.tif lit from four sides, on its cells; 0 where there is no height. 404 for maps whose job
+        did not ask for heights, or that were made by an earlier version."""
+        return self._stream("GET", "/api/v1/flights/{flight}/dsm_hillshade.tif", path={"flight": flight},
+                            headers=headers)
+
     def download_dsm_photos(self, flight: str, *, headers: Optional[Mapping[str, str]] = None) -> Answer:
         """On the cells of dsm.tif: how many photos agree on the height; 0 where it was filled from around."""
         return self._stream("GET", "/api/v1/flights/{flight}/dsm_photos.tif", path={"flight": flight}, headers=headers)

@@ -1,0 +1,44 @@
+#include "storage/exports/heights/hillshade.h"
+
+#include <cpl_error.h>
+#include <cpl_string.h>
+#include <gdal_priv.h>
+#include <gdal_utils.h>
+
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "storage/files/publish_file.h"
+#include "storage/rasters/gdal_steps.h"
+#include "storage/rasters/register_gdal.h"
+
+namespace skyquilt::storage {
+
+Result<void> WriteHillshade(const std::filesystem::path& heights, int threads, Progress& progress) {
+  RegisterGdalOnce();
+  CPLErrorReset();
+  const std::unique_ptr<GDALDataset> source(
+      GDALDataset::Open(heights.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY));
+  if (!source) return LastGdalError(progress);
+  const std::filesystem::path path = heights.parent_path() / "dsm_hillshade.tif";
+  const TemporaryTiff made(path, ".tmp");
+  CPLStringList words;
+  for (const char* word :
+       {"-of", "COG", "-multidirectional", "-compute_edges", "-co", "COMPRESS=DEFLATE", "-co",
+        "PREDICTOR=YES", "-co", "OVERVIEW_RESAMPLING=AVERAGE", "-co", "BIGTIFF=IF_SAFER", "-co"})
+    words.AddString(word);
+  words.AddString(("NUM_THREADS=" + (threads > 0 ? std::to_string(threads) : "ALL_CPUS")).c_str());
+  using Options = GDALDEMProcessingOptions;
+  const std::unique_ptr<Options, void (*)(Options*)> options(
+      GDALDEMProcessingOptionsNew(words.List(), nullptr), GDALDEMProcessingOptionsFree);
+  if (!options) return LastGdalError(progress);
+  GdalStep step{progress, "writing dsm_hillshade.tif"};
+  GDALDEMProcessingOptionsSetProgress(options.get(), ForwardGdalProgress, &step);
+  std::unique_ptr<GDALDataset> written(GDALDataset::FromHandle(GDALDEMProcessing(
+      made.c_str(), GDALDataset::ToHandle(source.get()), "hillshade", nullptr, options.get(), nullptr)));
+  if (!written || !IsClosedWell(std::move(written))) return LastGdalError(progress);
+  return PublishFile(made.path(), path);
+}
+
+}  // namespace skyquilt::storage

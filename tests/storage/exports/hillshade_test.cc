@@ -1,0 +1,92 @@
+#include "storage/exports/heights/hillshade.h"
+
+#include <gdal_priv.h>
+#include <gtest/gtest.h>
+#include <ogr_spatialref.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "storage/rasters/register_gdal.h"
+#include "tests/storage/scratch_dir.h"
+
+namespace skyquilt::storage {
+namespace {
+
+constexpr int kShadeSide = 600;
+constexpr double kShadeWestM = 380'000.0, kShadeNorthM = 5'200'000.0, kShadeCellM = 0.1;
+constexpr double kFarthestM = 25.0;  // beyond, nothing is known
+
+// A cone of 45 degrees on a plain.
+void WriteCone(const std::filesystem::path& path) {
+  RegisterGdalOnce();
+  const std::unique_ptr<GDALDataset> raster(GetGDALDriverManager()->GetDriverByName("GTiff")->Create(
+      path.c_str(), kShadeSide, kShadeSide, 1, GDT_Float32, nullptr));
+  ASSERT_NE(raster, nullptr);
+  OGRSpatialReference utm;
+  utm.importFromEPSG(32632);
+  std::array<double, 6> transform = {kShadeWestM, kShadeCellM, 0.0, kShadeNorthM, 0.0, -kShadeCellM};
+  raster->SetSpatialRef(&utm);
+  raster->SetGeoTransform(transform.data());
+  raster->GetRasterBand(1)->SetNoDataValue(std::numeric_limits<double>::quiet_NaN());
+  std::vector<float> values;
+  for (int row = 0; row < kShadeSide; ++row) {
+    for (int column = 0; column < kShadeSide; ++column) {
+      const double away_m = kShadeCellM * std::hypot(column - kShadeSide / 2, row - kShadeSide / 2);
+      values.push_back(away_m > kFarthestM ? std::numeric_limits<float>::quiet_NaN()
+                                           : static_cast<float>(500.0 + std::max(0.0, 10.0 - away_m)));
+    }
+  }
+  ASSERT_EQ(raster->GetRasterBand(1)->RasterIO(GF_Write, 0, 0, kShadeSide, kShadeSide, values.data(),
+                                               kShadeSide, kShadeSide, GDT_Float32, 0, 0, nullptr),
+            CE_None);
+}
+
+int At(GDALDataset& raster, int column, int row) {
+  std::uint8_t value = 0;
+  EXPECT_EQ(
+      raster.GetRasterBand(1)->RasterIO(GF_Read, column, row, 1, 1, &value, 1, 1, GDT_Byte, 0, 0, nullptr),
+      CE_None);
+  return value;
+}
+
+TEST(Hillshade, IsBrightTowardsTheLightAndEmptyWhereNothingIsKnown) {
+  const ScratchDir folder;
+  SilentProgress progress;
+  WriteCone(folder.path() / "dsm.tif");
+  const Result<void> written = WriteHillshade(folder.path() / "dsm.tif", 1, progress);
+  ASSERT_TRUE(written) << written.error().message;
+  const std::unique_ptr<GDALDataset> shade(GDALDataset::Open((folder.path() / "dsm_hillshade.tif").c_str()));
+  ASSERT_NE(shade, nullptr);
+  EXPECT_STREQ(shade->GetSpatialRef()->GetAuthorityCode(nullptr), "32632");
+  EXPECT_EQ(shade->GetRasterXSize(), kShadeSide);
+  EXPECT_EQ(shade->GetRasterBand(1)->GetRasterDataType(), GDT_Byte);
+  EXPECT_EQ(shade->GetRasterBand(1)->GetNoDataValue(), 0.0);
+  EXPECT_GE(shade->GetRasterBand(1)->GetOverviewCount(), 1);
+  constexpr int kMiddle = kShadeSide / 2, kAway = 50;
+  const int north_west = At(*shade, kMiddle - kAway, kMiddle - kAway),
+            south_east = At(*shade, kMiddle + kAway, kMiddle + kAway),
+            plain = At(*shade, kMiddle + 3 * kAway, kMiddle);
+  EXPECT_GT(north_west, plain);
+  EXPECT_LT(south_east, plain - 60);
+  EXPECT_GT(south_east, 0);
+  EXPECT_EQ(At(*shade, 2, 2), 0);
+}
+
+TEST(Hillshade, OfNoFileIsAnErrorAndLeavesNothing) {
+  const ScratchDir folder;
+  SilentProgress progress;
+  const Result<void> written = WriteHillshade(folder.path() / "dsm.tif", 1, progress);
+  ASSERT_FALSE(written);
+  EXPECT_EQ(written.error().code, ErrorCode::kIo);
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+}  // namespace
+}  // namespace skyquilt::storage
