@@ -34,7 +34,7 @@ class GroundSurface {
   int Rows() const { return rows_; }
   const std::vector<float>& Heights() const { return heights_m_; }
   bool HasSteps() const { return !tops_m_.front().empty(); }
-  // Where it has steps: the highest of each square of so many cells a side, row by row, by size.
+  // Where it has steps: the highest of each square of so many cells a side (powers of two), row by row.
   static constexpr std::array<int, 3> kTopCells = {64, 16, 4};
   const std::vector<float>& Tops(std::size_t size) const { return tops_m_[size]; }
 

@@ -1,6 +1,8 @@
 #include "core/ground/occlusion.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -11,11 +13,13 @@ namespace {
 constexpr double kOwnCells = 2.0;  // a point's surroundings, in which its own height is not sure
 constexpr double kToleranceCells = 1.0;
 
-// How far along a line with this step a square's edge lies.
-double ToEdge(double at, double step, int square) {
+// How far along a line with this step the edge lies of the square of cells, a power of two, that `cell` is
+// in. Places on the grid are not negative: whole numbers are had by cutting off, which is quicker than
+// std::floor.
+double ToEdge(double at, int cell, double step, int square_bits) {
   if (std::abs(step) < 1e-12) return std::numeric_limits<double>::infinity();
-  const double first = std::floor(at / square) * square;
-  return ((step > 0.0 ? first + square : first) - at) / step;
+  const int square = cell >> square_bits;
+  return (static_cast<double>((step > 0.0 ? square + 1 : square) << square_bits) - at) / step;
 }
 
 }  // namespace
@@ -37,23 +41,34 @@ bool IsOccluded(const GroundSurface& surface, const Eigen::Vector3d& point_in_en
   const double end = std::min(away_cells, (surface.MaxHeight() - base_m) / rise_m);
   const int columns = surface.Columns(), rows = surface.Rows();
   const float* heights = surface.Heights().data();
-  constexpr auto& kSquares = GroundSurface::kTopCells;
+  struct Squares {
+    const float* tops;
+    int across, bits;
+  };
+  std::array<Squares, GroundSurface::kTopCells.size()> sizes;
+  for (std::size_t size = 0; size < sizes.size(); ++size) {
+    const int cells = GroundSurface::kTopCells[size];
+    sizes[size] = {surface.Tops(size).data(), (columns + cells - 1) / cells,
+                   std::countr_zero(static_cast<unsigned>(cells))};
+  }
   for (double t = kOwnCells; t < end;) {
-    const Eigen::Vector2d at = start + t * step;
-    const int column = static_cast<int>(std::floor(at.x())), row = static_cast<int>(std::floor(at.y()));
-    if (column < 0 || row < 0 || column >= columns || row >= rows) return false;
+    const double x = start.x() + t * step.x(), y = start.y() + t * step.y();
+    if (!(x >= 0.0 && y >= 0.0 && x < columns && y < rows)) return false;
+    const int column = static_cast<int>(x), row = static_cast<int>(y);
     const double line_m = base_m + t * rise_m;
     double passed = 0.0;  // over the square of which nothing is as high, if one is
-    for (std::size_t size = 0; size < kSquares.size() && passed == 0.0; ++size) {
-      const int cells = kSquares[size], across = (columns + cells - 1) / cells;
-      if (surface.Tops(size)[static_cast<std::size_t>(row / cells) * across + column / cells] <= line_m)
-        passed = std::min(ToEdge(at.x(), step.x(), cells), ToEdge(at.y(), step.y(), cells));
+    for (const Squares& size : sizes) {
+      const std::ptrdiff_t square =
+          static_cast<std::ptrdiff_t>(row >> size.bits) * size.across + (column >> size.bits);
+      if (size.tops[square] > line_m) continue;
+      passed = std::min(ToEdge(x, column, step.x(), size.bits), ToEdge(y, row, step.y(), size.bits));
+      if (passed > 0.0) break;
     }
     if (passed > 0.0) {
       t = kOwnCells + std::max(t - kOwnCells + 1.0, std::ceil(t - kOwnCells + passed));  // on whole cells
       continue;
     }
-    if (heights[static_cast<std::size_t>(row) * columns + column] > line_m) return true;
+    if (heights[static_cast<std::ptrdiff_t>(row) * columns + column] > line_m) return true;
     t += 1.0;
   }
   return false;
