@@ -8,7 +8,7 @@ namespace skyquilt::render {
 
 std::vector<bool> HideGround(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground,
                              const std::vector<std::uint32_t>& photos, const BlockGeometry& block,
-                             const std::vector<bool>& asked, std::vector<PhotoView>& views) {
+                             const std::vector<std::uint8_t>& asked, std::vector<PhotoView>& views) {
   std::vector<bool> from_all;
   if (!ground.HasSteps()) return from_all;
   std::vector<Eigen::Vector3d> centers;
@@ -17,7 +17,7 @@ std::vector<bool> HideGround(const alignment::AlignedFlight& flight, const groun
     centers.push_back(flight.photos[photo].cam_from_enu.TargetOriginInSource());
   std::vector<std::size_t> hiding;
   for (std::size_t node = 0; node < block.ground_in_enu.size(); ++node) {
-    if (!asked[node]) continue;
+    if (asked[node] == 0) continue;
     hiding.clear();
     bool is_seen = false;
     for (std::size_t i = 0; i < views.size(); ++i) {

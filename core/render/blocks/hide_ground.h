@@ -16,6 +16,6 @@ namespace skyquilt::render {
 // by node, where the pictures of some lie and something stands before all of them; empty: nowhere.
 std::vector<bool> HideGround(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground,
                              const std::vector<std::uint32_t>& photos, const BlockGeometry& block,
-                             const std::vector<bool>& asked, std::vector<PhotoView>& views);
+                             const std::vector<std::uint8_t>& asked, std::vector<PhotoView>& views);
 
 }  // namespace skyquilt::render

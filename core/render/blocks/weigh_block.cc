@@ -29,7 +29,7 @@ class ViewsOverSteps {
 
   std::vector<PhotoView> View() && {
     std::vector<Eigen::Vector2i> partly;
-    std::vector<bool> asked(Nodes());
+    std::vector<std::uint8_t> asked(Nodes(), 0);
     for (int row = 0; row < cells_.side; ++row) {
       for (int column = 0; column < cells_.side; ++column) {
         const Eigen::Vector2i cell(column, row);
@@ -46,16 +46,14 @@ class ViewsOverSteps {
       if (!wanted_[i].empty()) Look(i, wanted_[i]);
     }
     hidden_from_all_ = HideGround(flight_, ground_, photos_, geometry_, asked, views_);
-    std::vector<bool> open(Nodes());
-    std::vector<std::uint8_t> open_to_all;
+    std::vector<std::uint8_t> open;  // to all photos
     for (const Eigen::Vector2i& cell : partly) {
       if (IsShown(cell)) continue;
-      open_to_all.resize(Nodes(), 0);
+      open.resize(Nodes(), 0);
       Mark(cell, open);
-      Mark(cell, open_to_all);
     }
-    if (open_to_all.empty()) return std::move(views_);
-    for (std::size_t i = 0; i < photos_.size(); ++i) Look(i, open_to_all);
+    if (open.empty()) return std::move(views_);
+    for (std::size_t i = 0; i < photos_.size(); ++i) Look(i, open);
     HideGround(flight_, ground_, photos_, geometry_, open, views_);
     return std::move(views_);
   }
@@ -66,12 +64,11 @@ class ViewsOverSteps {
     return static_cast<std::size_t>(cell.y() * nodes_per_cell_) * geometry_.nodes_per_side +
            static_cast<std::size_t>(cell.x() * nodes_per_cell_);
   }
-  template <typename Flags>
-  void Mark(const Eigen::Vector2i& cell, Flags& flags) const {
+  void Mark(const Eigen::Vector2i& cell, std::vector<std::uint8_t>& flags) const {
     for (int y = 0; y <= nodes_per_cell_; ++y) {
       const auto first = flags.begin() + static_cast<std::ptrdiff_t>(FirstNode(cell)) +
                          static_cast<std::ptrdiff_t>(y) * geometry_.nodes_per_side;
-      std::fill(first, first + nodes_per_cell_ + 1, true);
+      std::fill(first, first + nodes_per_cell_ + 1, std::uint8_t{1});
     }
   }
 

@@ -51,7 +51,7 @@ class HideGroundTest : public testing::Test {
                                  std::size_t beyond_edge = 99) const {
     std::vector<PhotoView> views(photos.size(), SeeingAll(block_.ground_in_enu.size()));
     if (beyond_edge < views.size()) views[beyond_edge].pixel_in_image[0] = {-20.0f, 50.0f};
-    HideGround(flight_, LongHouse(), photos, block_, std::vector<bool>(3, true), views);
+    HideGround(flight_, LongHouse(), photos, block_, std::vector<std::uint8_t>(3, 1), views);
     return views;
   }
   alignment::AlignedFlight flight_;
@@ -72,7 +72,7 @@ TEST_F(HideGroundTest, WhatNoPhotoSeesIsOccludedFromNone) {
 
 TEST_F(HideGroundTest, WhatIsNotAskedIsNotLookedAt) {
   std::vector<PhotoView> views(2, SeeingAll(block_.ground_in_enu.size()));
-  HideGround(flight_, LongHouse(), {0, 1}, block_, {false, true, true}, views);
+  HideGround(flight_, LongHouse(), {0, 1}, block_, {0, 1, 1}, views);
   EXPECT_TRUE(views[0].is_hidden.empty());
   EXPECT_TRUE(views[1].is_hidden[1]);
 }

@@ -14,42 +14,19 @@
 #include <vector>
 
 #include "storage/files/publish_file.h"
-#include "storage/rasters/register_gdal.h"
+#include "tests/storage/exports/heights_raster.h"
 #include "tests/storage/scratch_dir.h"
 
 namespace skyquilt::storage {
 namespace {
 
 constexpr int kSide = 200;
-constexpr double kPixelM = 0.1, kWestM = 380'000.0, kNorthM = 5'200'000.0;
+constexpr double kWestM = kHeightsWestM, kNorthM = kHeightsNorthM;
 
 // A cone of 5 m radius and as high, 560 m above the ellipsoid; nothing is known beyond.
 double ConeAt(double east_m, double north_m) {
   const double away = std::hypot(east_m - kWestM - 10.0, north_m - kNorthM + 10.0);
   return away > 9.0 ? std::numeric_limits<double>::quiet_NaN() : 560.0 + std::max(0.0, 5.0 - away);
-}
-
-void WriteRaster(const std::filesystem::path& path, double (*height_at)(double, double)) {
-  RegisterGdalOnce();
-  const std::unique_ptr<GDALDataset> raster(GetGDALDriverManager()->GetDriverByName("GTiff")->Create(
-      path.c_str(), kSide, kSide, 1, GDT_Float32, nullptr));
-  ASSERT_NE(raster, nullptr);
-  OGRSpatialReference utm;
-  utm.importFromEPSG(32632);
-  std::array<double, 6> transform = {kWestM, kPixelM, 0.0, kNorthM, 0.0, -kPixelM};
-  raster->SetSpatialRef(&utm);
-  raster->SetGeoTransform(transform.data());
-  raster->GetRasterBand(1)->SetNoDataValue(std::numeric_limits<double>::quiet_NaN());
-  std::vector<float> values;
-  for (int row = 0; row < kSide; ++row) {
-    for (int column = 0; column < kSide; ++column) {
-      values.push_back(
-          static_cast<float>(height_at(kWestM + (column + 0.5) * kPixelM, kNorthM - (row + 0.5) * kPixelM)));
-    }
-  }
-  ASSERT_EQ(raster->GetRasterBand(1)->RasterIO(GF_Write, 0, 0, kSide, kSide, values.data(), kSide, kSide,
-                                               GDT_Float32, 0, 0, nullptr),
-            CE_None);
 }
 
 std::unique_ptr<GDALDataset> OpenLines(const std::filesystem::path& path) {
@@ -59,7 +36,7 @@ std::unique_ptr<GDALDataset> OpenLines(const std::filesystem::path& path) {
 TEST(Contours, AreRoundTheirConeAtTheirHeightInEachFormat) {
   const ScratchDir folder;
   SilentProgress progress;
-  WriteRaster(folder.path() / "dtm.tif", ConeAt);
+  WriteHeights(folder.path() / "dtm.tif", kSide, ConeAt);
   const Result<double> interval_m = WriteContours(folder.path() / "dtm.tif", 0.2, progress);
   ASSERT_TRUE(interval_m) << interval_m.error().message;
   EXPECT_EQ(*interval_m, 0.2);
@@ -105,7 +82,7 @@ TEST(Contours, OfLevelAndOfUnknownGroundAreFilesWithoutLines) {
   for (double (*height_at)(double, double) :
        {+[](double, double) { return 3.04; }, +[](double, double) { return std::nan(""); }}) {
     const ScratchDir folder;
-    WriteRaster(folder.path() / "dtm.tif", height_at);
+    WriteHeights(folder.path() / "dtm.tif", kSide, height_at);
     const Result<double> interval_m = WriteContours(folder.path() / "dtm.tif", 0.5, progress);
     ASSERT_TRUE(interval_m) << interval_m.error().message;
     EXPECT_EQ(*interval_m, 0.1);
@@ -121,7 +98,7 @@ TEST(Contours, AreTheSameBytesEachTime) {
   const ScratchDir first, second;
   SilentProgress progress;
   for (const ScratchDir* folder : {&first, &second}) {
-    WriteRaster(folder->path() / "dtm.tif", ConeAt);
+    WriteHeights(folder->path() / "dtm.tif", kSide, ConeAt);
     ASSERT_TRUE(WriteContours(folder->path() / "dtm.tif", 0.2, progress));
   }
   for (const char* name : {"contours.gpkg", "contours.geojson", "contours.dxf"})

@@ -5,47 +5,27 @@
 #include <ogr_spatialref.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
 #include <memory>
-#include <vector>
 
-#include "storage/rasters/register_gdal.h"
+#include "tests/storage/exports/heights_raster.h"
 #include "tests/storage/scratch_dir.h"
 
 namespace skyquilt::storage {
 namespace {
 
 constexpr int kShadeSide = 600;
-constexpr double kShadeWestM = 380'000.0, kShadeNorthM = 5'200'000.0, kShadeCellM = 0.1;
 constexpr double kFarthestM = 25.0;  // beyond, nothing is known
 
-// A cone of 45 degrees on a plain.
-void WriteCone(const std::filesystem::path& path) {
-  RegisterGdalOnce();
-  const std::unique_ptr<GDALDataset> raster(GetGDALDriverManager()->GetDriverByName("GTiff")->Create(
-      path.c_str(), kShadeSide, kShadeSide, 1, GDT_Float32, nullptr));
-  ASSERT_NE(raster, nullptr);
-  OGRSpatialReference utm;
-  utm.importFromEPSG(32632);
-  std::array<double, 6> transform = {kShadeWestM, kShadeCellM, 0.0, kShadeNorthM, 0.0, -kShadeCellM};
-  raster->SetSpatialRef(&utm);
-  raster->SetGeoTransform(transform.data());
-  raster->GetRasterBand(1)->SetNoDataValue(std::numeric_limits<double>::quiet_NaN());
-  std::vector<float> values;
-  for (int row = 0; row < kShadeSide; ++row) {
-    for (int column = 0; column < kShadeSide; ++column) {
-      const double away_m = kShadeCellM * std::hypot(column - kShadeSide / 2, row - kShadeSide / 2);
-      values.push_back(away_m > kFarthestM ? std::numeric_limits<float>::quiet_NaN()
-                                           : static_cast<float>(500.0 + std::max(0.0, 10.0 - away_m)));
-    }
-  }
-  ASSERT_EQ(raster->GetRasterBand(1)->RasterIO(GF_Write, 0, 0, kShadeSide, kShadeSide, values.data(),
-                                               kShadeSide, kShadeSide, GDT_Float32, 0, 0, nullptr),
-            CE_None);
+// A cone of 45 degrees on a plain, in the middle.
+double SteepConeAt(double east_m, double north_m) {
+  constexpr double kHalfM = 0.5 * kShadeSide * kHeightsCellM;
+  const double away_m = std::hypot(east_m - kHeightsWestM - kHalfM, north_m - kHeightsNorthM + kHalfM);
+  return away_m > kFarthestM ? std::numeric_limits<double>::quiet_NaN()
+                             : 500.0 + std::max(0.0, 10.0 - away_m);
 }
 
 int At(GDALDataset& raster, int column, int row) {
@@ -59,7 +39,7 @@ int At(GDALDataset& raster, int column, int row) {
 TEST(Hillshade, IsBrightTowardsTheLightAndEmptyWhereNothingIsKnown) {
   const ScratchDir folder;
   SilentProgress progress;
-  WriteCone(folder.path() / "dsm.tif");
+  WriteHeights(folder.path() / "dsm.tif", kShadeSide, SteepConeAt);
   const Result<void> written = WriteHillshade(folder.path() / "dsm.tif", 1, progress);
   ASSERT_TRUE(written) << written.error().message;
   const std::unique_ptr<GDALDataset> shade(GDALDataset::Open((folder.path() / "dsm_hillshade.tif").c_str()));
