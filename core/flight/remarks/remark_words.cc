@@ -4,10 +4,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 namespace skyquilt::flight {
 namespace {
+
+constexpr auto kSentences = std::to_array<RemarkSentence>({
+#define REMARK(code, ...) {RemarkCode::code, __VA_ARGS__},
+#include "core/flight/remarks/remarks.inc"
+#undef REMARK
+});
 
 struct SaidNumber {
   double is = 0.0;
@@ -77,18 +84,19 @@ Remark InARow(std::vector<Remark> remarks) {
   return {RemarkCode::kSentences, {{"first", std::move(remarks.front())}, {"then", std::move(then)}}};
 }
 
-std::string_view NameOf(RemarkCode code) { return RemarkSentences()[static_cast<std::size_t>(code)].name; }
+std::span<const RemarkSentence> RemarkSentences() { return kSentences; }
+
+std::string_view NameOf(RemarkCode code) { return kSentences[static_cast<std::size_t>(code)].name; }
 
 std::optional<RemarkCode> RemarkCodeOf(std::string_view name) {
-  const auto all = RemarkSentences();
-  const auto found =
-      std::find_if(all.begin(), all.end(), [&](const RemarkSentence& one) { return one.name == name; });
-  if (found == all.end()) return std::nullopt;
+  const auto found = std::find_if(kSentences.begin(), kSentences.end(),
+                                  [&](const RemarkSentence& one) { return one.name == name; });
+  if (found == kSentences.end()) return std::nullopt;
   return found->code;
 }
 
 std::string InWords(const Remark& remark) {
-  const RemarkSentence& said = RemarkSentences()[static_cast<std::size_t>(remark.code)];
+  const RemarkSentence& said = kSentences[static_cast<std::size_t>(remark.code)];
   fmt::dynamic_format_arg_store<fmt::format_context> values;
   for (const auto& [name, value] : remark.values) {
     if (const auto* whole = std::get_if<std::int64_t>(&value.is)) {

@@ -1,4 +1,4 @@
-// What the server remarks: every code of core/flight/remarks/codes_on_*.inc has its English sentence there and words in every
+// What the server remarks: every code of core/flight/remarks/remarks_on_*.inc has its English sentence there and words in every
 // language of the page, which say the same values; and the page shows them in place of the server's sentences.
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
@@ -17,13 +17,14 @@ const tags = /** @type {Language[]} */ (Object.keys(kLanguages));
 const source = (/** @type {string} */ name) => readFileSync(join(web_root, '../core/flight/remarks', name), 'utf8').replace(/\/\/.*/g, '');
 const snake = (/** @type {string} */ name) => name.replace(/(?<!^)([A-Z])/g, '_$1').toLowerCase();
 
-/** Every code, as its name in JSON. */
-const lists = [...source('remark_code.h').matchAll(/codes_on_(\w+)\.inc/g)].map(([, on]) => on);
-const codes = lists.flatMap((on) => [...source(`codes_on_${on}.inc`).matchAll(/\bk(\w+)/g)].map(([, name]) => snake(name)));
+/** The row of every remark, and its code as its name in JSON. */
+const lists = [...source('remarks.inc').matchAll(/remarks_on_\w+\.inc/g)].map(([name]) => source(name));
+const rows = lists.join('').split('REMARK(k').slice(1);
+const codes = rows.map((row) => snake(row.slice(0, row.indexOf(','))));
 
 /** @type {Map<string, Set<string>>} by code, the values that its English sentence says */
 const said_there = new Map(
-  lists.map((on) => source(`sentences_on_${on}.h`)).join('').split('{RemarkCode::k').slice(1).map((row) => {
+  rows.map((row) => {
     const literals = [...row.matchAll(/"((?:[^"\\]|\\.)*)"/g)].map(([, text]) => text);
     const values = [...literals.slice(1).join('').matchAll(/\{(\w+)(?::[^}]*)?\}/g)].map(([, name]) => name);
     return [literals[0], new Set(values)];
