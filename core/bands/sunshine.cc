@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/base/median.h"
+#include "core/flight/bytes/log_bytes.h"
 #include "core/flight/metadata/base64.h"
 #include "core/flight/metadata/xmp.h"
 
@@ -29,10 +30,10 @@ std::optional<std::vector<SunshineRecord>> ReadIrradianceList(std::string_view t
   // Padding may be missing: what is behind the last whole record is of no use.
   for (std::size_t at = 0; at + kRecordBytes <= bytes->size(); at += kRecordBytes) {
     const std::uint8_t* record = bytes->data() + at;
-    const double time_s = 1e-6 * static_cast<double>(flight::LittleEndian<std::uint64_t>(record));
-    const double counts = flight::LittleEndian<std::uint16_t>(record + 8);
-    const std::size_t gain = flight::LittleEndian<std::uint16_t>(record + 12);
-    const double integration_ms = flight::LittleEndian<std::uint16_t>(record + 14);
+    const double time_s = 1e-6 * static_cast<double>(flight::LoadLittle<std::uint64_t>(record));
+    const double counts = flight::LoadLittle<std::uint16_t>(record + 8);
+    const std::size_t gain = flight::LoadLittle<std::uint16_t>(record + 12);
+    const double integration_ms = flight::LoadLittle<std::uint16_t>(record + 14);
     if (gain >= kGains.size() || !(integration_ms > 0.0) || counts >= kSaturatedCounts || counts <= 0.0)
       continue;
     records.push_back({time_s, counts / integration_ms / kGains[gain]});

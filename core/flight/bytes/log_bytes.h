@@ -1,4 +1,4 @@
-// The bytes of a log as the parsers of this folder see them, and checked little-endian loads. Any thread.
+// The bytes of a log as the parsers of this folder see them, and the numbers in them. Any thread.
 #pragma once
 
 #include <cstdint>
@@ -45,6 +45,17 @@ T LoadLittle(const std::uint8_t* from) {
   T value;
   std::memcpy(&value, from, sizeof(T));
   return value;
+}
+
+// Of `size` bytes from `p`, 8 at most, in either byte order.
+inline std::uint64_t UnsignedAt(const std::uint8_t* p, std::size_t size, bool is_big_endian) {
+  std::uint64_t value = 0;
+  for (std::size_t i = 0; i < size; ++i) value = (value << 8) | p[is_big_endian ? i : size - 1 - i];
+  return value;
+}
+
+inline std::uint32_t BigEndian32(const std::uint8_t* p) {
+  return static_cast<std::uint32_t>(UnsignedAt(p, 4, true));
 }
 
 }  // namespace skyquilt::flight

@@ -3,7 +3,7 @@
 #include <bit>
 #include <cmath>
 
-#include "core/flight/metadata/tiff_number.h"
+#include "core/flight/bytes/log_bytes.h"
 
 namespace skyquilt::flight {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "core/flight/metadata/tiff_number.h"
+#include "core/flight/bytes/log_bytes.h"
 
 namespace skyquilt::flight {
 namespace {

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <utility>
 
-#include "core/flight/metadata/tiff_number.h"
+#include "core/flight/bytes/log_bytes.h"
 #include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {

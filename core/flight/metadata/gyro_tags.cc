@@ -1,10 +1,10 @@
 #include "core/flight/metadata/gyro_tags.h"
 
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 
+#include "core/flight/bytes/log_bytes.h"
 #include "core/flight/metadata/base64.h"
 
 namespace skyquilt::flight {
@@ -37,14 +37,13 @@ std::optional<RecordedTurning> TurningFromTags(const XmpTags& xmp, std::vector<R
   if (!bytes || bytes->size() % kRecordBytes != 0) return refuse(RemarkCode::kGyroDamaged);
   if (bytes->size() < 2 * kRecordBytes) return refuse(RemarkCode::kGyroTooShort);
   RecordedTurning turning;
-  const auto first_us = LittleEndian<std::uint64_t>(bytes->data());
+  const auto first_us = LoadLittle<std::uint64_t>(bytes->data());
   for (std::size_t at = 0; at < bytes->size(); at += kRecordBytes) {
     const std::uint8_t* record = bytes->data() + at;
-    const auto us = LittleEndian<std::uint64_t>(record);
+    const auto us = LoadLittle<std::uint64_t>(record);
     Eigen::Vector3d in_body;
     for (int axis = 0; axis < 3; ++axis)
-      in_body[axis] =
-          std::bit_cast<float>(LittleEndian<std::uint32_t>(record + 8 + std::ptrdiff_t{4} * axis));
+      in_body[axis] = LoadLittle<float>(record + 8 + std::ptrdiff_t{4} * axis);
     // Compared so that no NaN passes.
     if (!(in_body.cwiseAbs().maxCoeff() <= kFastestRadps) || !in_body.allFinite())
       return refuse(RemarkCode::kGyroImpossibleRates);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/try.h"
+#include "core/flight/bytes/log_bytes.h"
 #include "core/flight/metadata/exif_table.h"
 #include "core/flight/remarks/because.h"
 
@@ -27,7 +28,7 @@ class TiffWalker {
   std::optional<std::uint64_t> Unsigned(std::uint64_t offset, std::size_t size) {
     std::uint8_t bytes[8];
     if (!source_.Read(offset, std::span(bytes, size))) return std::nullopt;
-    return Decode(bytes, size);
+    return UnsignedAt(bytes, size, is_big_endian_);
   }
 
   // Of the next directory in the chain; 0 at its end, or where the file ends before.
@@ -54,19 +55,16 @@ class TiffWalker {
   }
 
  private:
-  std::uint64_t Decode(const std::uint8_t* p, std::size_t size) const {
-    std::uint64_t value = 0;
-    for (std::size_t i = 0; i < size; ++i) value = (value << 8) | p[is_big_endian_ ? i : size - 1 - i];
-    return value;
-  }
-
   void ReadEntry(const std::uint8_t* entry, ExifIfd ifd, ExifTable& table) {
-    const auto tag = static_cast<std::uint16_t>(Decode(entry, 2));
+    const auto number = [&](const std::uint8_t* p, std::size_t size) {
+      return UnsignedAt(p, size, is_big_endian_);
+    };
+    const auto tag = static_cast<std::uint16_t>(number(entry, 2));
     ExifValue value;
-    value.type = static_cast<std::uint16_t>(Decode(entry + 2, 2));
+    value.type = static_cast<std::uint16_t>(number(entry + 2, 2));
     value.is_big_endian = is_big_endian_;
     const std::size_t field = is_big_tiff_ ? 8 : 4;
-    const std::uint64_t count = Decode(entry + 4, field);
+    const std::uint64_t count = number(entry + 4, field);
     const std::size_t size = ExifTypeSize(value.type);
     if (size == 0 || count == 0 || count > kMaxValueBytes / size) return;
     value.count = static_cast<std::uint32_t>(count);
@@ -77,7 +75,7 @@ class TiffWalker {
     } else {
       if (total > kMaxTotalBytes - total_bytes_) return;
       value.bytes.resize(static_cast<std::size_t>(total));
-      if (!source_.Read(Decode(inline_bytes, field), value.bytes)) return;
+      if (!source_.Read(number(inline_bytes, field), value.bytes)) return;
       total_bytes_ += total;
     }
     if (table.Find(ifd, tag) == nullptr) table.Set(ifd, tag, std::move(value));

@@ -6,7 +6,7 @@
 #include <span>
 #include <string_view>
 
-#include "core/flight/metadata/tiff_number.h"
+#include "core/flight/bytes/log_bytes.h"
 #include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {

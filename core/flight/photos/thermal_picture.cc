@@ -11,8 +11,8 @@
 
 #include "core/base/try.h"
 #include "core/flight/bytes/byte_source.h"
+#include "core/flight/bytes/log_bytes.h"
 #include "core/flight/metadata/flir_record.h"
-#include "core/flight/metadata/tiff_number.h"
 #include "core/flight/photos/jpeg_segments.h"
 #include "core/flight/remarks/because.h"
 #include "core/image/decode_errors.h"

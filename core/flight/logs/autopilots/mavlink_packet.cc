@@ -84,12 +84,6 @@ void AccumulateCrc(std::uint16_t& crc, std::uint8_t byte) {
   crc = static_cast<std::uint16_t>((crc >> 8) ^ (t << 8) ^ (t << 3) ^ (t >> 4));
 }
 
-std::uint64_t LoadBig64(const std::uint8_t* from) {
-  std::uint64_t value = 0;
-  for (int i = 0; i < 8; ++i) value = value << 8 | from[i];
-  return value;
-}
-
 }  // namespace
 
 MavlinkFrame ReadMavlinkPacket(LogBytes bytes, std::size_t at, MavlinkPacket& packet) {
@@ -98,7 +92,7 @@ MavlinkFrame ReadMavlinkPacket(LogBytes bytes, std::size_t at, MavlinkPacket& pa
   constexpr std::size_t kStamp = 8;
   if (at > bytes.size() || bytes.size() - at < kStamp + 8) return MavlinkFrame::kCut;
   const std::uint8_t* head = bytes.data() + at + kStamp;
-  packet.ground_unix_us = LoadBig64(bytes.data() + at);
+  packet.ground_unix_us = UnsignedAt(bytes.data() + at, kStamp, true);
   const bool is_second = head[0] == 0xFD;
   if ((head[0] != 0xFE && !is_second) || packet.ground_unix_us < kYear2000Us ||
       packet.ground_unix_us > kYear2100Us) {
