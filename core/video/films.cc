@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <iterator>
 #include <map>
 #include <optional>
@@ -11,6 +10,7 @@
 
 #include "core/base/try.h"
 #include "core/flight/bytes/byte_source.h"
+#include "core/flight/bytes/text_fields.h"
 #include "core/flight/lists/film_file.h"
 #include "core/flight/remarks/because.h"
 #include "core/video/video_file.h"
@@ -20,13 +20,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string Lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
+std::string Stem(const flight::InputFile& file) {
+  return flight::LowerCase(fs::path(file.name).stem().string());
 }
-
-std::string Stem(const flight::InputFile& file) { return Lower(fs::path(file.name).stem().string()); }
 
 bool IsFilm(const flight::InputFile& file) {
   const auto source = flight::OpenFileBytes(file.path);
@@ -58,7 +54,7 @@ Result<FlightFiles> WithFramesOfFilms(const std::vector<flight::InputFile>& file
   FlightFiles result;
   std::map<std::string, flight::InputFile> subtitles;
   for (const flight::InputFile& file : files) {
-    const std::string ending = Lower(fs::path(file.name).extension().string());
+    const std::string ending = flight::LowerCase(fs::path(file.name).extension().string());
     if (ending == ".srt" || ending == ".ass") subtitles.emplace(Stem(file), file);
   }
   progress.BeginStage("frames");

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <map>
 #include <optional>
 #include <set>
@@ -14,6 +13,7 @@
 
 #include "core/base/scoped_folder.h"
 #include "core/base/try.h"
+#include "core/flight/bytes/text_fields.h"
 #include "core/pipeline/units/flight_cut.h"
 #include "core/pipeline/units/shown_photos.h"
 #include "server/jobs/job_task.h"
@@ -41,8 +41,7 @@ const storage::UnitCount* CountOf(const std::vector<storage::UnitCount>& counts,
 }
 
 bool IsNameOfFilm(const std::string& name) {
-  std::string end = std::filesystem::path(name).extension().string();
-  std::transform(end.begin(), end.end(), end.begin(), [](unsigned char c) { return std::tolower(c); });
+  const std::string end = flight::LowerCase(std::filesystem::path(name).extension().string());
   constexpr std::array kEnds = {".mp4", ".mov", ".m4v", ".avi", ".mkv", ".ts", ".mts"};
   return std::find(kEnds.begin(), kEnds.end(), end) != kEnds.end();
 }

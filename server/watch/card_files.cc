@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <string_view>
 #include <system_error>
 #include <utility>
 
 #include "core/flight/bytes/byte_source.h"
+#include "core/flight/bytes/text_fields.h"
 #include "core/flight/lists/sort_files.h"
 #include "core/flight/metadata/name_time.h"
 #include "core/flight/photos/jpeg_segments.h"
@@ -28,9 +28,7 @@ bool IsPassedOver(const fs::path& path) {
   // Of Windows, of Android, and DJI's thumbnails.
   constexpr std::array<std::string_view, 4> kFolders{"System Volume Information", "LOST.DIR", "MISC", "THM"};
   if (std::find(kFolders.begin(), kFolders.end(), name) != kFolders.end()) return true;
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string ending = flight::LowerCase(path.extension().string());
   // Thumbnails and films of low resolution beside the true ones; and what copying programs leave unfinished.
   constexpr std::array<std::string_view, 7> kEndings{".thm", ".scr",  ".lrf",       ".lrv",
                                                      ".tmp", ".part", ".crdownload"};

@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <limits>
 
 #include "core/base/median.h"
+#include "core/flight/bytes/text_fields.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -22,11 +22,7 @@ constexpr double kWrongMarkShare = 0.01;  // of a photo's width, off where the o
 constexpr std::size_t kMinMarks = 2;
 
 // Lists name photos in another case, with or without their ending.
-std::string Key(const std::string& name) {
-  std::string key = name.substr(0, name.find_last_of('.'));
-  std::transform(key.begin(), key.end(), key.begin(), [](unsigned char c) { return std::tolower(c); });
-  return key;
-}
+std::string Key(const std::string& name) { return flight::LowerCase(name.substr(0, name.find_last_of('.'))); }
 
 // The largest error of a mark, in widths of its photo; endless where the marks do not meet.
 double WorstMarkShare(const std::vector<View>& views, Track& track) {

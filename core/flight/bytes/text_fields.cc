@@ -78,7 +78,7 @@ int DecimalPlaces(std::string_view text) {
   const std::size_t point = text.find('.');
   if (point == std::string_view::npos) return 0;
   int places = 0;
-  for (std::size_t i = point + 1; i < text.size() && text[i] >= '0' && text[i] <= '9'; ++i) ++places;
+  for (std::size_t i = point + 1; i < text.size() && IsDigit(text[i]); ++i) ++places;
   return places;
 }
 
@@ -137,9 +137,7 @@ char GuessSeparator(std::string_view header) {
   // What stands in brackets is a unit: "Latitude (deg, WGS84)"; a comma between digits may be a decimal one.
   int depth = 0;
   std::ptrdiff_t commas = 0, decimal_commas = 0, semicolons = 0, tabs = 0, pipes = 0;
-  const auto is_digit_at = [&](std::size_t i) {
-    return i < header.size() && header[i] >= '0' && header[i] <= '9';
-  };
+  const auto is_digit_at = [&](std::size_t i) { return i < header.size() && IsDigit(header[i]); };
   for (std::size_t i = 0; i < header.size(); ++i) {
     const char c = header[i];
     if (c == '(' || c == '[') ++depth;

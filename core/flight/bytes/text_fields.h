@@ -15,6 +15,7 @@ namespace skyquilt::flight {
 // Characters of a photo's or a point's name in a list; the rest is cut off.
 inline constexpr std::size_t kMaxNameLength = 512;
 
+inline bool IsDigit(char c) { return c >= '0' && c <= '9'; }
 // Without blanks, tabs, carriage returns and newlines at both ends.
 std::string_view Trim(std::string_view text);
 std::string LowerCase(std::string_view text);

@@ -34,8 +34,7 @@ namespace {
 std::optional<int> TakeNumber(std::string_view text, std::size_t& at) {
   const std::size_t start = at;
   int value = 0;
-  while (at < text.size() && text[at] >= '0' && text[at] <= '9' && at - start < 9)
-    value = value * 10 + (text[at++] - '0');
+  while (at < text.size() && IsDigit(text[at]) && at - start < 9) value = value * 10 + (text[at++] - '0');
   if (at == start) return std::nullopt;
   return value;
 }
@@ -52,7 +51,7 @@ double TakeFraction(std::string_view text, std::size_t& at, double& resolution_s
   double unit = 1.0;
   const auto digits = [&](int most) {
     int count = 0;
-    while (at < text.size() && text[at] >= '0' && text[at] <= '9') {
+    while (at < text.size() && IsDigit(text[at])) {
       if (count < most && unit > 1e-9) value += (text[at] - '0') * (unit *= 0.1);
       ++at;
       ++count;
@@ -61,7 +60,7 @@ double TakeFraction(std::string_view text, std::size_t& at, double& resolution_s
   };
   if (!TakeOneOf(text, at, ".,")) return 0.0;
   const int count = digits(9);
-  if (count == 3 && at + 1 < text.size() && text[at] == ',' && text[at + 1] >= '0' && text[at + 1] <= '9') {
+  if (count == 3 && at + 1 < text.size() && text[at] == ',' && IsDigit(text[at + 1])) {
     ++at;
     digits(3);
   }

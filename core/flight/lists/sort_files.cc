@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <span>
 #include <string>
 #include <string_view>
@@ -50,16 +49,9 @@ constexpr std::array<std::string_view, 32> kSideEndings = {
     ".prj", ".xmp", ".rtb", ".rpt", ".bbx", ".bb3", ".sbf", ".geojson", ".waypoints", ".nmea"};
 
 bool EndsWithOneOf(std::string_view name, std::span<const std::string_view> endings) {
-  std::string lower(name);
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string lower = LowerCase(name);
   return std::any_of(endings.begin(), endings.end(),
                      [&](std::string_view ending) { return lower.ends_with(ending); });
-}
-
-bool IsMapNotes(std::string_view name) {
-  constexpr std::array<std::string_view, 1> kNames = {kMapNotesName};
-  return EndsWithOneOf(name, kNames);
 }
 
 enum class Kind { kPhoto, kLog, kGcpList, kElevationModel, kFilm, kNothing };
@@ -117,7 +109,7 @@ SortedFiles SortFiles(const std::vector<InputFile>& files) {
   std::size_t unread_tables = 0;
   constexpr std::size_t kMaxTablesExplained = 10;
   for (const InputFile& file : files) {
-    if (IsMapNotes(file.name)) continue;  // for who looks at the map
+    if (LowerCase(file.name).ends_with(kMapNotesName)) continue;  // for who looks at the map
     if (IsReflectanceList(file.name)) {
       sorted.reflectance_lists.push_back(file);
       continue;

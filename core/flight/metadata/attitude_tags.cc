@@ -1,10 +1,9 @@
 #include "core/flight/metadata/attitude_tags.h"
 
-#include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <string_view>
 
+#include "core/flight/bytes/text_fields.h"
 #include "core/geo/lat_lon.h"
 
 namespace skyquilt::flight {
@@ -56,12 +55,7 @@ RecordedAttitude Gimbal(const Degrees& angles, std::string_view source) {
   return attitude;
 }
 
-bool IsAutel(const std::string& make) {
-  std::string lower(make);
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return lower.find("autel") != std::string::npos;
-}
+bool IsAutel(const std::string& make) { return LowerCase(make).find("autel") != std::string::npos; }
 
 std::optional<double> Sum(std::optional<double> a, std::optional<double> b) {
   if (!a || !b) return std::nullopt;
@@ -130,14 +124,8 @@ std::optional<RecordedVelocity> VelocityFromTags(const XmpTags& xmp) {
   const auto y = xmp.Number("drone-dji:FlightYSpeed");
   const auto z = xmp.Number("drone-dji:FlightZSpeed");
   if (x && y && z) return checked(*y, *x, *z == 0.0 ? 0.0 : -*z);
-  std::string list = xmp.Text("Camera:IMULinearVelocity");
-  std::optional<double> parts[3];
-  for (auto& part : parts) {
-    const std::size_t end = list.find_first_of(";,");
-    part = ParseXmpNumber(list.substr(0, end));
-    list = end == std::string::npos ? "" : list.substr(end + 1);
-  }
-  if (parts[0] && parts[1] && parts[2]) return checked(*parts[0], *parts[1], *parts[2]);
+  const auto parts = ParseXmpNumbers(xmp.Text("Camera:IMULinearVelocity"));
+  if (parts.size() > 2 && parts[0] && parts[1] && parts[2]) return checked(*parts[0], *parts[1], *parts[2]);
   return std::nullopt;
 }
 

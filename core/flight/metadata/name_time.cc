@@ -8,11 +8,10 @@
 #include <utility>
 
 #include "core/flight/bytes/gps_time.h"
+#include "core/flight/bytes/text_fields.h"
 
 namespace skyquilt::flight {
 namespace {
-
-bool IsDigit(char c) { return c >= '0' && c <= '9'; }
 
 // Reads a name from left to right; characters beyond its end are zero.
 class NameReader {

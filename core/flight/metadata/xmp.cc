@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <vector>
 
+#include "core/flight/bytes/text_fields.h"
 namespace skyquilt::flight {
 namespace {
 
@@ -44,9 +44,7 @@ constexpr std::array kKnownNamespaces = {
 };
 
 std::string NormalUri(std::string_view uri) {
-  std::string lower(uri);
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::string lower = LowerCase(uri);
   for (const std::string_view start : {"https://", "http://", "www."}) {
     if (lower.starts_with(start)) lower.erase(0, start.size());
   }
@@ -54,12 +52,7 @@ std::string NormalUri(std::string_view uri) {
   return lower;
 }
 
-std::string Trimmed(std::string_view text) {
-  const auto is_blank = [](char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; };
-  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
-  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
-  return std::string(text.substr(0, kMaxText));
-}
+std::string Trimmed(std::string_view text) { return std::string(Trim(text).substr(0, kMaxText)); }
 
 // Where what begins at `at` ends, if it is none that has attributes: a comment, CDATA, a declaration.
 std::optional<std::size_t> EndOfOther(std::string_view packet, std::size_t at) {

@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -11,6 +10,7 @@
 
 #include "core/base/check.h"
 #include "core/base/text/json_io.h"
+#include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/texts/geo_txt.h"
 #include "core/poses/conventions/attitude_convention.h"
 
@@ -38,10 +38,9 @@ Json BrownModel(const camera::Intrinsics& lens) {
 
 std::string CameraId(const flight::Photo& photo) {
   const camera::Intrinsics& lens = photo.intrinsics;
-  std::string id = fmt::format("v2 {} {} {} {} brown {:.4f}", photo.make, photo.model, lens.width_px,
-                               lens.height_px, lens.focal_x_px / std::max(lens.width_px, lens.height_px));
-  std::transform(id.begin(), id.end(), id.begin(), [](unsigned char c) { return std::tolower(c); });
-  return id;
+  return flight::LowerCase(fmt::format("v2 {} {} {} {} brown {:.4f}", photo.make, photo.model, lens.width_px,
+                                       lens.height_px,
+                                       lens.focal_x_px / std::max(lens.width_px, lens.height_px)));
 }
 
 // Angles of the airframe that a down-looking camera would be fixed to: zero where gimbal angles turn

@@ -5,7 +5,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cctype>
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
@@ -15,6 +14,7 @@
 #include <system_error>
 
 #include "core/base/try.h"
+#include "core/flight/bytes/text_fields.h"
 #include "server/reports/map_picture.h"
 #include "server/reports/print_pdf.h"
 #include "server/reports/report_page.h"
@@ -40,9 +40,7 @@ struct ReportArguments {
 enum class ReportFormat : std::uint8_t { kHtml, kPdf };
 
 ReportFormat FormatOf(const fs::path& out) {
-  std::string ending = out.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
+  const std::string ending = flight::LowerCase(out.extension().string());
   if (ending == ".html" || ending == ".htm") return ReportFormat::kHtml;
   if (ending == ".pdf") return ReportFormat::kPdf;
   Fail(kReportCommand,

@@ -9,7 +9,6 @@
 
 namespace skyquilt::flight {
 
-inline bool IsDigit(char c) { return c >= '0' && c <= '9'; }
 // Bytes of the blank or of the minus that `text` begins with, of any width; 0: of none.
 std::size_t LengthOfBlank(std::string_view text);
 std::size_t LengthOfMinus(std::string_view text);
