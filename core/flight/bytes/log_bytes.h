@@ -47,6 +47,12 @@ T LoadLittle(const std::uint8_t* from) {
   return value;
 }
 
+// The same as a double, for tables of the types of a format.
+template <typename T>
+double NumberAt(const std::uint8_t* from) {
+  return static_cast<double>(LoadLittle<T>(from));
+}
+
 // Of `size` bytes from `p`, 8 at most, in either byte order.
 inline std::uint64_t UnsignedAt(const std::uint8_t* p, std::size_t size, bool is_big_endian) {
   std::uint64_t value = 0;

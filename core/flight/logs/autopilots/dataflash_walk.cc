@@ -7,49 +7,14 @@
 namespace skyquilt::flight {
 namespace {
 
-std::size_t SizeOfCode(char code) {
-  switch (code) {
-    case 'b':
-    case 'B':
-    case 'M':
-      return 1;
-    case 'h':
-    case 'H':
-    case 'c':
-    case 'C':
-    case 'g':
-      return 2;
-    case 'i':
-    case 'I':
-    case 'e':
-    case 'E':
-    case 'f':
-    case 'L':
-    case 'n':
-      return 4;
-    case 'q':
-    case 'Q':
-    case 'd':
-      return 8;
-    case 'N':
-      return 16;
-    case 'Z':
-    case 'a':
-      return 64;
-    default:
-      return 0;
-  }
-}
-
-bool IsNumber(char code) { return code != 'n' && code != 'N' && code != 'Z' && code != 'a'; }
-
 std::string_view FixedText(const std::uint8_t* from, std::size_t most) {
   std::size_t size = 0;
   while (size < most && from[size] != 0) ++size;
   return {reinterpret_cast<const char*>(from), size};
 }
 
-double HalfFloat(std::uint16_t bits) {
+double HalfFloatAt(const std::uint8_t* from) {
+  const auto bits = LoadLittle<std::uint16_t>(from);
   const int exponent = bits >> 10 & 31;
   const double fraction = bits & 1023;
   const double sign = bits >> 15 ? -1.0 : 1.0;
@@ -58,56 +23,38 @@ double HalfFloat(std::uint16_t bits) {
   return sign * std::ldexp(1024.0 + fraction, exponent - 25);
 }
 
+constexpr double kHundredths = 0.01;
+constexpr std::array kCodes = {DataflashCode{'b', 1, NumberAt<std::int8_t>},
+                               DataflashCode{'B', 1, NumberAt<std::uint8_t>},
+                               DataflashCode{'M', 1, NumberAt<std::uint8_t>},
+                               DataflashCode{'h', 2, NumberAt<std::int16_t>},
+                               DataflashCode{'H', 2, NumberAt<std::uint16_t>},
+                               DataflashCode{'c', 2, NumberAt<std::int16_t>, kHundredths},
+                               DataflashCode{'C', 2, NumberAt<std::uint16_t>, kHundredths},
+                               DataflashCode{'g', 2, HalfFloatAt},
+                               DataflashCode{'i', 4, NumberAt<std::int32_t>},
+                               DataflashCode{'I', 4, NumberAt<std::uint32_t>},
+                               DataflashCode{'e', 4, NumberAt<std::int32_t>, kHundredths},
+                               DataflashCode{'E', 4, NumberAt<std::uint32_t>, kHundredths},
+                               DataflashCode{'L', 4, NumberAt<std::int32_t>, 1e-7},
+                               DataflashCode{'f', 4, NumberAt<float>},
+                               DataflashCode{'d', 8, NumberAt<double>},
+                               DataflashCode{'q', 8, NumberAt<std::int64_t>},
+                               DataflashCode{'Q', 8, NumberAt<std::uint64_t>},
+                               DataflashCode{'n', 4},
+                               DataflashCode{'N', 16},
+                               DataflashCode{'Z', 64},
+                               DataflashCode{'a', 64}};
+
 }  // namespace
 
 const DataflashField* DataflashLayout::Find(std::initializer_list<std::string_view> names) const {
   for (const std::string_view wanted : names) {
     for (const DataflashField& field : fields) {
-      if (field.name == wanted && IsNumber(field.code)) return &field;
+      if (field.name == wanted && field.code->number != nullptr) return &field;
     }
   }
   return nullptr;
-}
-
-double DataflashNumber(const DataflashField& field, const std::uint8_t* payload) {
-  const std::uint8_t* from = payload + field.offset;
-  switch (field.code) {
-    case 'b':
-      return LoadLittle<std::int8_t>(from);
-    case 'B':
-    case 'M':
-      return *from;
-    case 'h':
-      return LoadLittle<std::int16_t>(from);
-    case 'H':
-      return LoadLittle<std::uint16_t>(from);
-    case 'c':
-      return LoadLittle<std::int16_t>(from) * 0.01;
-    case 'C':
-      return LoadLittle<std::uint16_t>(from) * 0.01;
-    case 'g':
-      return HalfFloat(LoadLittle<std::uint16_t>(from));
-    case 'i':
-      return LoadLittle<std::int32_t>(from);
-    case 'I':
-      return LoadLittle<std::uint32_t>(from);
-    case 'e':
-      return LoadLittle<std::int32_t>(from) * 0.01;
-    case 'E':
-      return LoadLittle<std::uint32_t>(from) * 0.01;
-    case 'L':
-      return LoadLittle<std::int32_t>(from) * 1e-7;
-    case 'f':
-      return LoadLittle<float>(from);
-    case 'd':
-      return LoadLittle<double>(from);
-    case 'q':
-      return static_cast<double>(LoadLittle<std::int64_t>(from));
-    case 'Q':
-      return static_cast<double>(LoadLittle<std::uint64_t>(from));
-    default:
-      return std::numeric_limits<double>::quiet_NaN();
-  }
 }
 
 bool DataflashWalk::LearnLayout(const std::uint8_t* payload, int& type) {
@@ -124,16 +71,18 @@ bool DataflashWalk::LearnLayout(const std::uint8_t* payload, int& type) {
   std::size_t offset = 0;
   for (const char code : codes) {
     const std::size_t comma = std::min(labels.find(','), labels.size());
-    if (SizeOfCode(code) == 0) {
+    const auto* known = std::find_if(kCodes.begin(), kCodes.end(),
+                                     [&](const DataflashCode& each) { return each.letter == code; });
+    if (known == kCodes.end()) {
       offset = 256;  // an unknown code: nothing behind it can be placed
       break;
     }
-    layout.fields.push_back({std::string(labels.substr(0, comma)), code, offset});
+    layout.fields.push_back({std::string(labels.substr(0, comma)), known, offset});
     labels.remove_prefix(std::min(labels.size(), comma + 1));
-    offset += SizeOfCode(code);
+    offset += known->size;
   }
   std::erase_if(layout.fields, [&](const DataflashField& field) {
-    return field.offset + SizeOfCode(field.code) + 3 > layout.length;
+    return field.offset + field.code->size + 3 > layout.length;
   });
   if (offset + 3 != layout.length && offset != 256) layout.fields.clear();
   layouts[static_cast<std::size_t>(type)] = std::move(layout);

@@ -12,10 +12,18 @@
 
 namespace skyquilt::flight {
 
+// How numbers and texts are coded, by AP_Logger's format characters.
+struct DataflashCode {
+  char letter = 0;
+  std::size_t size = 0;
+  double (*number)(const std::uint8_t* from) = nullptr;  // null: of texts
+  double unit = 1.0;                                     // SI or degrees
+};
+
 // One field of a message: where it lies in the payload and how it is coded.
 struct DataflashField {
   std::string name;
-  char code = 0;  // AP_Logger's format character
+  const DataflashCode* code = nullptr;
   std::size_t offset = 0;
 };
 
@@ -28,8 +36,10 @@ struct DataflashLayout {
   const DataflashField* Find(std::initializer_list<std::string_view> names) const;
 };
 
-// The number in SI units or degrees: c, C, e, E are hundredths, L is 1e-7 degrees.
-double DataflashNumber(const DataflashField& field, const std::uint8_t* payload);
+// Of a field that Find gave, in SI units or degrees.
+inline double DataflashNumber(const DataflashField& field, const std::uint8_t* payload) {
+  return field.code->number(payload + field.offset) * field.code->unit;
+}
 
 struct DataflashWalk {
   std::array<DataflashLayout, 256> layouts;

@@ -123,7 +123,7 @@ struct UlogReaders {
           ned_valid = Find("vel_ned_valid");
     using Base::Base;
     static double Scale(const Field& field, double integer_unit) {
-      return field && field->type == UlogScalar::kDouble ? 1.0 : integer_unit;
+      return field && field->type->name == "double" ? 1.0 : integer_unit;
     }
     void Take(LogBytes payload) override {
       const auto t_s = stamp.Seconds(payload);

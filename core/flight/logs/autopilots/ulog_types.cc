@@ -15,31 +15,19 @@ constexpr std::size_t kMaxMembersInAll = 50'000;
 constexpr int kDeepest = 8;
 constexpr int kMaxSteps = 1'000'000;  // a log of PX4 takes some ten thousand
 
-struct ScalarName {
-  std::string_view name;
-  UlogScalar type;
-  std::size_t size;
-};
 constexpr std::array kScalars = {
-    ScalarName{"int8_t", UlogScalar::kInt8, 1},   ScalarName{"uint8_t", UlogScalar::kUint8, 1},
-    ScalarName{"int16_t", UlogScalar::kInt16, 2}, ScalarName{"uint16_t", UlogScalar::kUint16, 2},
-    ScalarName{"int32_t", UlogScalar::kInt32, 4}, ScalarName{"uint32_t", UlogScalar::kUint32, 4},
-    ScalarName{"int64_t", UlogScalar::kInt64, 8}, ScalarName{"uint64_t", UlogScalar::kUint64, 8},
-    ScalarName{"float", UlogScalar::kFloat, 4},   ScalarName{"double", UlogScalar::kDouble, 8},
-    ScalarName{"bool", UlogScalar::kBool, 1},     ScalarName{"char", UlogScalar::kChar, 1}};
+    UlogScalar{"int8_t", 1, NumberAt<std::int8_t>},   UlogScalar{"uint8_t", 1, NumberAt<std::uint8_t>},
+    UlogScalar{"int16_t", 2, NumberAt<std::int16_t>}, UlogScalar{"uint16_t", 2, NumberAt<std::uint16_t>},
+    UlogScalar{"int32_t", 4, NumberAt<std::int32_t>}, UlogScalar{"uint32_t", 4, NumberAt<std::uint32_t>},
+    UlogScalar{"int64_t", 8, NumberAt<std::int64_t>}, UlogScalar{"uint64_t", 8, NumberAt<std::uint64_t>},
+    UlogScalar{"float", 4, NumberAt<float>},          UlogScalar{"double", 8, NumberAt<double>},
+    UlogScalar{"bool", 1, NumberAt<std::uint8_t>},    UlogScalar{"char", 1, NumberAt<std::uint8_t>}};
 
-const ScalarName* FindScalar(std::string_view name) {
-  for (const ScalarName& scalar : kScalars) {
+const UlogScalar* FindScalar(std::string_view name) {
+  for (const UlogScalar& scalar : kScalars) {
     if (scalar.name == name) return &scalar;
   }
   return nullptr;
-}
-
-std::size_t SizeOfScalar(UlogScalar type) {
-  for (const ScalarName& scalar : kScalars) {
-    if (scalar.type == type) return scalar.size;
-  }
-  return 1;
 }
 
 }  // namespace
@@ -81,7 +69,7 @@ bool UlogTypes::Define(std::string_view definition) {
 std::optional<std::size_t> UlogTypes::SizeOf(std::string_view type) { return SizeOf(type, 0); }
 
 std::optional<std::size_t> UlogTypes::SizeOf(std::string_view type, int depth) {
-  if (const ScalarName* scalar = FindScalar(type)) return scalar->size;
+  if (const UlogScalar* scalar = FindScalar(type)) return scalar->size;
   const auto found = definitions_.find(type);
   if (found == definitions_.end() || depth > kDeepest) return std::nullopt;
   if (!found->second.is_known) WorkOut(found->second, depth);
@@ -99,8 +87,8 @@ void UlogTypes::WorkOut(Definition& definition, int depth) {
     ++steps_;
     const auto member_size = SizeOf(member.type, depth + 1);
     if (!member_size) return;
-    if (const ScalarName* scalar = FindScalar(member.type); scalar != nullptr && member.count > 0) {
-      definition.fields.try_emplace(member.name, UlogField{scalar->type, size, member.count});
+    if (const UlogScalar* scalar = FindScalar(member.type); scalar != nullptr && member.count > 0) {
+      definition.fields.try_emplace(member.name, UlogField{scalar, size, member.count});
     }
     size += *member_size * member.count;
     if (size > kLargestType) return;
@@ -118,35 +106,9 @@ std::optional<UlogField> UlogTypes::Find(std::string_view type, std::string_view
 }
 
 std::optional<double> UlogNumber(const UlogField& field, LogBytes payload, std::size_t index) {
-  const std::size_t size = SizeOfScalar(field.type);
-  const std::size_t at = field.offset + index * size;
-  if (index >= field.count || at + size > payload.size()) return std::nullopt;
-  const std::uint8_t* from = payload.data() + at;
-  switch (field.type) {
-    case UlogScalar::kInt8:
-      return LoadLittle<std::int8_t>(from);
-    case UlogScalar::kInt16:
-      return LoadLittle<std::int16_t>(from);
-    case UlogScalar::kUint16:
-      return LoadLittle<std::uint16_t>(from);
-    case UlogScalar::kInt32:
-      return LoadLittle<std::int32_t>(from);
-    case UlogScalar::kUint32:
-      return LoadLittle<std::uint32_t>(from);
-    case UlogScalar::kInt64:
-      return static_cast<double>(LoadLittle<std::int64_t>(from));
-    case UlogScalar::kUint64:
-      return static_cast<double>(LoadLittle<std::uint64_t>(from));
-    case UlogScalar::kFloat:
-      return LoadLittle<float>(from);
-    case UlogScalar::kDouble:
-      return LoadLittle<double>(from);
-    case UlogScalar::kUint8:
-    case UlogScalar::kBool:
-    case UlogScalar::kChar:
-      return *from;
-  }
-  return std::nullopt;
+  const std::size_t at = field.offset + index * field.type->size;
+  if (index >= field.count || at + field.type->size > payload.size()) return std::nullopt;
+  return field.type->number(payload.data() + at);
 }
 
 }  // namespace skyquilt::flight

@@ -15,24 +15,15 @@
 
 namespace skyquilt::flight {
 
-enum class UlogScalar {
-  kInt8,
-  kUint8,
-  kInt16,
-  kUint16,
-  kInt32,
-  kUint32,
-  kInt64,
-  kUint64,
-  kFloat,
-  kDouble,
-  kBool,
-  kChar
+struct UlogScalar {
+  std::string_view name;
+  std::size_t size = 0;
+  double (*number)(const std::uint8_t* from) = nullptr;
 };
 
 // Where one scalar field (or the first of an array) lies from the start of the message's payload.
 struct UlogField {
-  UlogScalar type = UlogScalar::kUint8;
+  const UlogScalar* type = nullptr;
   std::size_t offset = 0;
   std::size_t count = 1;
 };
