@@ -24,13 +24,6 @@ bool ReadHeader(LineReader& lines, std::vector<std::string_view>& cells) {
   return false;
 }
 
-bool HasColumn(const std::vector<CsvColumn>& columns, M meaning) {
-  for (const CsvColumn& column : columns) {
-    if (column.meaning == meaning) return true;
-  }
-  return false;
-}
-
 CameraEvent EventOf(const CsvRow& row, AttitudeKind kind) {
   CameraEvent event;
   event.image_name = std::string(row.image.substr(0, kMaxNameLength));

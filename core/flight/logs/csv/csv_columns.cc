@@ -231,11 +231,7 @@ bool IsCanonicalImagesHeader(const std::vector<std::string_view>& header) {
 std::vector<CsvColumn> MapTolerantColumns(const std::vector<std::string_view>& header) {
   std::vector<CsvColumn> columns;
   for (const std::string_view name : header) columns.push_back(MapTolerantColumn(name));
-  const auto has = [&](M meaning) {
-    return std::any_of(columns.begin(), columns.end(),
-                       [&](const CsvColumn& c) { return c.meaning == meaning; });
-  };
-  if (!has(M::kLat) || !has(M::kLon)) return columns;
+  if (!HasColumn(columns, M::kLat) || !HasColumn(columns, M::kLon)) return columns;
   // Beside a latitude and a longitude it is a height; by itself it may be an axis of anything.
   for (CsvColumn& column : columns) {
     if (column.meaning != M::kIgnored || LowerCase(column.header) != "z") continue;

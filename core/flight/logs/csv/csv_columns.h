@@ -3,6 +3,7 @@
 // Pure functions; any thread.
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -35,6 +36,17 @@ bool IsCanonicalImagesHeader(const std::vector<std::string_view>& header);
 
 // Any other header. Several columns may have one meaning until SettleColumns has seen their cells.
 std::vector<CsvColumn> MapTolerantColumns(const std::vector<std::string_view>& header);
+
+// The first column with this meaning; null where there is none.
+template <typename Columns>
+auto* ColumnOf(Columns& columns, CsvMeaning meaning) {
+  const auto found = std::find_if(columns.begin(), columns.end(),
+                                  [&](const CsvColumn& column) { return column.meaning == meaning; });
+  return found == columns.end() ? nullptr : &*found;
+}
+inline bool HasColumn(const std::vector<CsvColumn>& columns, CsvMeaning meaning) {
+  return ColumnOf(columns, meaning) != nullptr;
+}
 
 // "column -> meaning, unit" for each column that is used.
 std::vector<std::string> DescribeColumns(const std::vector<CsvColumn>& columns);

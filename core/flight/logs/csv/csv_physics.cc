@@ -15,13 +15,6 @@ namespace {
 using M = CsvMeaning;
 constexpr double kGravity = 9.80665;
 
-CsvColumn* Find(std::vector<CsvColumn>& columns, M meaning) {
-  for (CsvColumn& column : columns) {
-    if (column.meaning == meaning) return &column;
-  }
-  return nullptr;
-}
-
 void Rescale(std::vector<CsvColumn>& columns, M first, M last, double factor, const char* unit) {
   for (CsvColumn& column : columns) {
     if (column.meaning >= first && column.meaning <= last) {
@@ -48,7 +41,7 @@ Result<double> CheckAcceleration(std::vector<CsvColumn>& columns, const CsvPrevi
     norms.push_back(std::sqrt(x.back() * x.back() + y.back() * y.back() + z.back() * z.back()));
   }
   if (norms.size() < 10) return 1.0;
-  CsvColumn* column = Find(columns, M::kAccelX);
+  CsvColumn* column = ColumnOf(columns, M::kAccelX);
   const double norm = Median(norms);
   double factor = 0.0;
   const auto near = [&](double one_gravity) { return norm > 0.7 * one_gravity && norm < 1.4 * one_gravity; };
@@ -67,7 +60,7 @@ Result<double> CheckAcceleration(std::vector<CsvColumn>& columns, const CsvPrevi
   if (factor != 1.0) Rescale(columns, M::kAccelX, M::kAccelZ, factor, factor > 1.0 ? "g" : "mg");
   const double up = Median(z);
   if (std::abs(up) < 0.6 * norm) {
-    return Contradiction(*Find(columns, M::kAccelZ), RemarkCode::kGravityOffAxis);
+    return Contradiction(*ColumnOf(columns, M::kAccelZ), RemarkCode::kGravityOffAxis);
   }
   findings.imu_z_is_up = up > 0.0;
   findings.notes.push_back(
@@ -79,7 +72,7 @@ Result<double> CheckAcceleration(std::vector<CsvColumn>& columns, const CsvPrevi
 
 // Turns seen by the attitude column against the turns of the integrated rates.
 Result<bool> CheckRates(std::vector<CsvColumn>& columns, const CsvPreview& preview, double seconds_per_time) {
-  CsvColumn* column = Find(columns, M::kGyroX);
+  CsvColumn* column = ColumnOf(columns, M::kGyroX);
   if (column == nullptr) return true;
   std::optional<Eigen::Quaterniond> last_attitude;
   std::optional<double> last_t;
@@ -125,8 +118,8 @@ Result<bool> CheckRates(std::vector<CsvColumn>& columns, const CsvPreview& previ
 
 // A column of exposures with more than noughts and ones numbers the photos.
 void TellNumbersFromFlags(std::vector<CsvColumn>& columns, const CsvPreview& preview) {
-  CsvColumn* column = Find(columns, M::kIsPhoto);
-  if (column == nullptr || Find(columns, M::kEvent) != nullptr) return;
+  CsvColumn* column = ColumnOf(columns, M::kIsPhoto);
+  if (column == nullptr || HasColumn(columns, M::kEvent)) return;
   const bool is_numbered = std::any_of(preview.rows.begin(), preview.rows.end(), [](const CsvRow& row) {
     return row[M::kIsPhoto].value_or(0.0) > 1.0;
   });
@@ -154,7 +147,7 @@ bool HoldsExposuresAlone(std::vector<CsvColumn>& columns) {
 
 // The unit of the time column from its size (Unix times) or its step.
 Result<double> CheckTime(std::vector<CsvColumn>& columns, const CsvPreview& preview, CsvFindings& findings) {
-  CsvColumn* column = Find(columns, M::kTime);
+  CsvColumn* column = ColumnOf(columns, M::kTime);
   if (column == nullptr) return 1.0;
   std::vector<double> steps;
   std::optional<double> first, last;
@@ -230,7 +223,7 @@ Result<CsvFindings> CheckCsvPhysics(std::vector<CsvColumn>& columns, const CsvPr
     for (const CsvRow& row : preview.rows) {
       if (row[meaning] && *row[meaning] != 0.0) sizes.push_back(std::abs(*row[meaning]));
     }
-    CsvColumn* column = Find(columns, meaning);
+    CsvColumn* column = ColumnOf(columns, meaning);
     if (sizes.empty() || column == nullptr) continue;
     const double most = meaning == M::kLat ? 90.0 : 180.0;
     const double median = Median(sizes);

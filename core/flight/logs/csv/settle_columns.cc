@@ -223,12 +223,6 @@ void SettleMarks(const TableCounts& table, char separator, std::vector<CsvColumn
     columns[i].mark = MarkOfColumn(table.columns[i], points, commas, separator);
 }
 
-CsvColumn* ColumnOf(std::vector<CsvColumn>& columns, M meaning) {
-  const auto found = std::find_if(columns.begin(), columns.end(),
-                                  [&](const CsvColumn& column) { return column.meaning == meaning; });
-  return found == columns.end() ? nullptr : &*found;
-}
-
 void SettleDates(const TableCounts& table, LineReader lines, char separator, std::vector<CsvColumn>& columns,
                  SettledColumns& settled) {
   CsvColumn* date = ColumnOf(columns, M::kUtc);
@@ -263,8 +257,8 @@ void SettleDates(const TableCounts& table, LineReader lines, char separator, std
 bool RowsArePhotos(const TableCounts& table, std::vector<CsvColumn>& columns) {
   const CsvColumn* image = ColumnOf(columns, M::kImage);
   if (image == nullptr) image = ColumnOf(columns, M::kIsPhoto);
-  if (image == nullptr || ColumnOf(columns, M::kTime) != nullptr || ColumnOf(columns, M::kLat) == nullptr ||
-      ColumnOf(columns, M::kLon) == nullptr)
+  if (image == nullptr || HasColumn(columns, M::kTime) || !HasColumn(columns, M::kLat) ||
+      !HasColumn(columns, M::kLon))
     return false;
   const CellCounts& cells = table.columns[static_cast<std::size_t>(image - columns.data())];
   return table.rows > 0 && 10 * cells.changes >= 9 * table.rows && 10 * cells.names >= 9 * table.rows;

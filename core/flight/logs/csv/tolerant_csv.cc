@@ -43,16 +43,9 @@ std::optional<CsvHeader> FindHeader(LineReader& lines) {
       SplitBlanks(line, cells);
       header.separator = ' ';
       header.columns = MapTolerantColumns(cells);
-      if (std::any_of(header.columns.begin(), header.columns.end(),
-                      [](const CsvColumn& column) { return column.meaning == M::kIgnored; }))
-        continue;
+      if (HasColumn(header.columns, M::kIgnored)) continue;
     }
-    const auto has = [&](M meaning) {
-      for (const CsvColumn& column : header.columns) {
-        if (column.meaning == meaning) return true;
-      }
-      return false;
-    };
+    const auto has = [&](M meaning) { return HasColumn(header.columns, meaning); };
     const bool timed = has(M::kTime) || has(M::kUtc) || has(M::kDate);
     const bool has_position = has(M::kLat) && has(M::kLon);
     const bool names_photos = has(M::kImage) || has(M::kIsPhoto);
@@ -141,12 +134,8 @@ bool LooksLikeNamedPlaces(LogBytes head) {
   const auto header = FindHeader(lines);
   if (!header) return false;
   const std::vector<CsvColumn>& columns = header->columns;
-  const auto at = [&](M meaning) {
-    return std::find_if(columns.begin(), columns.end(),
-                        [&](const CsvColumn& c) { return c.meaning == meaning; });
-  };
-  const bool names_photos = at(M::kImage) != columns.end() || at(M::kIsPhoto) != columns.end();
-  if (at(M::kLat) == columns.end() || at(M::kLon) == columns.end() || !names_photos) return false;
+  const auto has = [&](M meaning) { return HasColumn(columns, meaning); };
+  if (!has(M::kLat) || !has(M::kLon) || !(has(M::kImage) || has(M::kIsPhoto))) return false;
   const bool is_image_lat_lon = columns.size() > 3 && columns[0].meaning == M::kImage &&
                                 columns[1].meaning == M::kLat && columns[2].meaning == M::kLon;
   const auto is_metres = [](const CsvColumn& column) {
@@ -209,9 +198,7 @@ Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const 
   preview.rows.clear();
   preview.rows.shrink_to_fit();
 
-  bool relative = false;
-  for (const CsvColumn& column : header->columns)
-    relative = relative || column.meaning == M::kHeightAboveTakeoff;
+  const bool relative = HasColumn(header->columns, M::kHeightAboveTakeoff);
   CsvSampler sampler(builder, findings.clock, findings.imu_z_is_up, relative);
   std::uint64_t rows = 0;
   std::uint64_t bad = 0;
