@@ -33,14 +33,15 @@ using Parse = Result<FlightLog> (*)(std::string_view name, LogBytes bytes, const
 struct Format {
   LogFormat format;
   Recognises recognises;
-  Parse parse;  // null: not a flight log
+  Parse parse;             // null: not a flight log
+  bool is_binary = false;  // the others are asked of text alone
 };
 
 // In the order of certainty: the first that fits is meant. The tolerant CSV fits most and comes last.
 constexpr std::array kFormats = {
-    Format{LogFormat::kUlog, LooksLikeUlog, ParseUlog},
-    Format{LogFormat::kDataflash, LooksLikeDataflash, ParseDataflash},
-    Format{LogFormat::kMavlinkTlog, LooksLikeMavlinkTlog, ParseMavlinkTlog},
+    Format{LogFormat::kUlog, LooksLikeUlog, ParseUlog, true},
+    Format{LogFormat::kDataflash, LooksLikeDataflash, ParseDataflash, true},
+    Format{LogFormat::kMavlinkTlog, LooksLikeMavlinkTlog, ParseMavlinkTlog, true},
     Format{LogFormat::kGpx, LooksLikeGpx, ParseGpx},
     Format{LogFormat::kKml, LooksLikeKml, ParseKml},
     Format{LogFormat::kGeoJson, LooksLikeGeoJson, ParseGeoJson},
@@ -60,8 +61,9 @@ constexpr std::array kFormats = {
 };
 
 const Format* Recognise(LogBytes head) {
+  const bool is_text = LooksLikeText(TextOf(head));
   for (const Format& format : kFormats) {
-    if (format.recognises(head)) return &format;
+    if ((is_text || format.is_binary) && format.recognises(head)) return &format;
   }
   return nullptr;
 }

@@ -75,13 +75,13 @@ struct OffTheEarth {
 bool LooksLikeFlightCsv(LogBytes head) {
   LineReader lines(TextOf(head));
   std::vector<std::string_view> cells;
-  return LooksLikeText(TextOf(head)) && ReadHeader(lines, cells) && IsCanonicalFlightHeader(cells);
+  return ReadHeader(lines, cells) && IsCanonicalFlightHeader(cells);
 }
 
 bool LooksLikeImagesCsv(LogBytes head) {
   LineReader lines(TextOf(head));
   std::vector<std::string_view> cells;
-  return LooksLikeText(TextOf(head)) && ReadHeader(lines, cells) && IsCanonicalImagesHeader(cells);
+  return ReadHeader(lines, cells) && IsCanonicalImagesHeader(cells);
 }
 
 Result<FlightLog> ParseFlightCsv(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed) {

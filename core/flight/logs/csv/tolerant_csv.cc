@@ -129,7 +129,6 @@ Result<FlightLog> ParseReplay(std::string_view name, LogBytes bytes, const Consu
 }  // namespace
 
 bool LooksLikeNamedPlaces(LogBytes head) {
-  if (!LooksLikeText(TextOf(head))) return false;
   LineReader lines(TextOf(head));
   const auto header = FindHeader(lines);
   if (!header) return false;
@@ -161,7 +160,6 @@ bool LooksLikeNamedPlaces(LogBytes head) {
 }
 
 bool LooksLikeTolerantCsv(LogBytes head) {
-  if (!LooksLikeText(TextOf(head))) return false;
   LineReader lines(TextOf(head));
   return LooksLikeReplay(head) || FindHeader(lines).has_value();
 }

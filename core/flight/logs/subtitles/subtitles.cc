@@ -205,7 +205,6 @@ Result<FlightLog> ParseCues(std::string_view format, std::string_view name, LogB
 }  // namespace
 
 bool LooksLikeDjiSrt(LogBytes head) {
-  if (!LooksLikeText(TextOf(head))) return false;
   LineReader lines(TextOf(head));
   std::string_view line;
   for (int i = 0; i < 8 && lines.Next(line); ++i) {
@@ -215,7 +214,6 @@ bool LooksLikeDjiSrt(LogBytes head) {
 }
 
 bool LooksLikeAss(LogBytes head) {
-  if (!LooksLikeText(TextOf(head))) return false;
   LineReader lines(TextOf(head));
   std::string_view line;
   const ConsumedUpTo nobody;
@@ -237,7 +235,8 @@ Result<FlightLog> ParseAss(std::string_view name, LogBytes bytes, const Consumed
 Result<FlightLog> ParseFilmSubtitles(std::string_view name, LogBytes bytes) {
   SKYQUILT_TRY_ASSIGN(const auto text, LogText::Of(name, bytes));
   bytes = text.bytes();
-  if (LooksLikeAss(bytes.first(std::min(bytes.size(), kHeadBytes))))
+  const LogBytes head = bytes.first(std::min(bytes.size(), kHeadBytes));
+  if (LooksLikeText(TextOf(head)) && LooksLikeAss(head))
     return ParseCues("ass", name, bytes, {}, ForEachAssCue, false);
   return ParseCues("dji_srt", name, bytes, {}, ForEachSrtCue, false);
 }

@@ -67,7 +67,6 @@ std::optional<MrkRow> ParseRow(std::string_view line, std::vector<std::string_vi
 }  // namespace
 
 bool LooksLikeDjiMrk(LogBytes head) {
-  if (!LooksLikeText(TextOf(head))) return false;
   LineReader lines(TextOf(head));
   std::string_view line;
   std::vector<std::string_view> cells;

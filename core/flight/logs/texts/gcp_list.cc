@@ -94,7 +94,6 @@ void DropHeightsThatAreFillers(GcpList& list) {
 bool IsCheckPoint(std::string_view point_name) { return LowerCase(point_name).ends_with(kCheckEnding); }
 
 bool LooksLikeGcpList(LogBytes head) {
-  if (!LooksLikeText(TextOf(head))) return false;
   const std::optional<ListTop> top = ReadListTop(TextOf(head), IsSighting);
   if (!top) return false;
   const bool names_photo = LooksLikeImageName(top->row[5]);

@@ -80,7 +80,6 @@ void TakeAnglesAndSigmas(const std::vector<std::string_view>& cells, bool has_an
 // Without a line that names the system the rows must be cut at blanks: others are read as CSV. Below names of
 // columns, or above names without endings, the line must name one, else it is the title of some other table.
 bool LooksLikeGeoTxt(LogBytes head) {
-  if (!LooksLikeText(TextOf(head))) return false;
   const std::optional<ListTop> top = ReadListTop(TextOf(head), IsGeoRow);
   if (!top || !CoordinatesComeSecond(top->columns)) return false;
   const bool names_file = LooksLikeImageName(top->row[0]);

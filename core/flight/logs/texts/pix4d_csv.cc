@@ -110,7 +110,6 @@ Eigen::Vector3d YawPitchRollFromOpk(double omega_rad, double phi_rad, double kap
 }  // namespace
 
 bool LooksLikePix4dCsv(LogBytes head) {
-  if (!LooksLikeText(TextOf(head))) return false;
   LineReader lines(TextOf(head));
   std::string_view line;
   std::vector<std::string_view> cells;

@@ -117,7 +117,6 @@ std::optional<Solution> ParseRow(std::string_view line, const PosHeader& header,
 }  // namespace
 
 bool LooksLikeRtklibPos(LogBytes head) {
-  if (!LooksLikeText(TextOf(head))) return false;
   LineReader lines(TextOf(head));
   std::string_view line;
   PosHeader header;

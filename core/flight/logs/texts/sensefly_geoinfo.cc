@@ -9,7 +9,6 @@
 namespace skyquilt::flight {
 
 bool LooksLikeSenseflyGeoinfo(LogBytes head) {
-  if (!LooksLikeText(TextOf(head))) return false;
   const std::string lower = LowerCase(TextOf(head).substr(0, 400));
   return lower.find("sensefly/geoinfo") != std::string::npos ||
          (lower.starts_with("filename\t") && lower.find("altitude_wgs84") != std::string::npos);

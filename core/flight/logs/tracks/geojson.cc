@@ -187,7 +187,6 @@ class FeatureReader final : public nlohmann::json_sax<Json> {
 
 bool LooksLikeGeoJson(LogBytes head) {
   std::string_view text = TextOf(head);
-  if (!LooksLikeText(text)) return false;
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
   return Trim(text).starts_with('{') && (text.find("\"Feature\"") != std::string_view::npos ||
                                          text.find("\"FeatureCollection\"") != std::string_view::npos);

@@ -55,7 +55,7 @@ void ForEachGpxPoint(LogBytes bytes, const ConsumedUpTo& consumed, Take take) {
 
 }  // namespace
 
-bool LooksLikeGpx(LogBytes head) { return LooksLikeText(TextOf(head)) && XmlRootName(TextOf(head)) == "gpx"; }
+bool LooksLikeGpx(LogBytes head) { return XmlRootName(TextOf(head)) == "gpx"; }
 
 Result<FlightLog> ParseGpx(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed) {
   std::array<std::uint64_t, kGpxPoints.size()> timed{};

@@ -102,7 +102,7 @@ class KmlReader {
 
 }  // namespace
 
-bool LooksLikeKml(LogBytes head) { return LooksLikeText(TextOf(head)) && XmlRootName(TextOf(head)) == "kml"; }
+bool LooksLikeKml(LogBytes head) { return XmlRootName(TextOf(head)) == "kml"; }
 
 Result<FlightLog> ParseKml(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed) {
   TrackPoints points("kml", name, TrackPoints::BareTime::kLocal);

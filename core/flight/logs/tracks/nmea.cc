@@ -180,7 +180,6 @@ class NmeaReader {
 }  // namespace
 
 bool LooksLikeNmea(LogBytes head) {
-  if (!LooksLikeText(TextOf(head))) return false;
   LineReader lines(TextOf(head));
   std::string_view line;
   std::vector<std::string_view> fields;
