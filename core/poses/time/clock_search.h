@@ -1,7 +1,6 @@
 // The offset between a camera's clock and a log's, found on the track itself where no events help: the offset
-// at which the photos' own positions, or the distances between them, fit the log's track best. Constant-speed
-// legs say nothing about time; turns, stops and changes of speed do, and the sigma shows it. Pure functions;
-// any thread; deterministic.
+// at which the photos' own positions fit the log's track best. Constant-speed legs say nothing about time;
+// turns, stops and changes of speed do, and the sigma shows it. Pure functions; any thread; deterministic.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,8 +23,6 @@ struct ClockOffset {
   double offset_s = 0.0;  // add to the photo's time to get the log's
   double sigma_s = 0.0;
   double residual_m = 0.0;  // robust, of one photo
-  // Second-best offset, elsewhere, relative to the best cost (1 = as good).
-  double rival_cost_ratio = 0.0;
 };
 
 // Photos with a position in the same plane. Every offset that keeps four fifths of them on the track is
@@ -36,14 +33,5 @@ struct TimedPosition {
 };
 std::optional<ClockOffset> SearchByPositions(std::span<const TimedPosition> photos,
                                              std::span<const TrackPoint> track);
-
-// Distances between consecutive photos, in metres or in any one unit (their common scale is estimated).
-struct TimedDistance {
-  double from_s = 0.0;
-  double to_s = 0.0;
-  double distance = 0.0;
-};
-std::optional<ClockOffset> SearchByDistances(std::span<const TimedDistance> distances,
-                                             std::span<const TrackPoint> track, bool scale_is_known);
 
 }  // namespace skyquilt::poses

@@ -16,15 +16,17 @@ namespace {
 using flight::FlightLog;
 using flight::Photo;
 
+// Of a camera's clock that claims UTC and is not checked by anything.
+constexpr double kCameraClockSigmaS = 2.0;
+
 class OffsetSearch {
  public:
   OffsetSearch(const std::vector<Photo>& photos, const StampedPhotos& camera, flight::UtcTime first,
-               const FlightLog& log, const TimeSyncOptions& options)
+               const FlightLog& log)
       : photos_(photos),
         camera_(camera),
         first_(first),
         log_(log),
-        options_(options),
         refined_(RefineByTriggerInterval(camera.stamp_s, camera.resolution_s)) {
     if (refined_.refined > 0)
       stamps_ = fmt::format("; {} stamps refined by a constant trigger interval", refined_.refined);
@@ -32,7 +34,7 @@ class OffsetSearch {
   }
 
   std::optional<FoundOffset> Run() {
-    if (!track_.empty() && (ByPositions() || ByDistances())) return found_;
+    if (!track_.empty() && ByPositions()) return found_;
     // Photos that know where they were and fit nowhere on the track belong to another flight: clocks alone
     // must not tie them to this one.
     const auto placed = std::count_if(camera_.photo.begin(), camera_.photo.end(),
@@ -72,26 +74,6 @@ class OffsetSearch {
     return true;
   }
 
-  bool ByDistances() {
-    if (options_.distance_to_next.empty()) return false;
-    std::vector<TimedDistance> timed;
-    for (std::size_t k = 0; k + 1 < camera_.photo.size(); ++k) {
-      const std::size_t photo = camera_.photo[k];
-      if (camera_.photo[k + 1] != photo + 1 || photo >= options_.distance_to_next.size()) continue;
-      if (const auto distance = options_.distance_to_next[photo]) {
-        timed.push_back({refined_.times_s[k], refined_.times_s[k + 1], *distance});
-      }
-    }
-    const auto found = SearchByDistances(timed, track_, options_.distances_in_metres);
-    if (!found || found->rival_cost_ratio > 0.9) return false;
-    found_.method = TimeSyncMethod::kDistances;
-    found_.offset_s = found->offset_s;
-    found_.sigma_s = std::hypot(found->sigma_s, refined_.common_sigma_s);
-    found_.method_in_words =
-        fmt::format("{} distances between photos compared with the log's track{}", timed.size(), stamps_);
-    return true;
-  }
-
   // Only the clocks as they stand. A local clock may be any whole quarter hour off: the one that puts the
   // photos into the log is taken when it is the only one.
   bool ByClocks() {
@@ -118,7 +100,7 @@ class OffsetSearch {
     });
     found_.method = TimeSyncMethod::kClocks;
     found_.offset_s = *nearest;
-    found_.sigma_s = std::hypot(options_.camera_clock_sigma_s, log_.utc_sigma_s);
+    found_.sigma_s = std::hypot(kCameraClockSigmaS, log_.utc_sigma_s);
     if (fitting.size() > 1) found_.sigma_s = 900.0;
     found_.method_in_words = fmt::format("the clocks of camera and log as they stand{}", stamps_);
     if (!both_utc)
@@ -151,7 +133,6 @@ class OffsetSearch {
   const StampedPhotos& camera_;
   flight::UtcTime first_;
   const FlightLog& log_;
-  const TimeSyncOptions& options_;
   RefinedStamps refined_;
   std::string stamps_;  // what was done to them, in words
   std::optional<geo::LocalFrame> frame_;
@@ -162,9 +143,8 @@ class OffsetSearch {
 }  // namespace
 
 std::optional<FoundOffset> FindClockOffset(const std::vector<Photo>& photos, const StampedPhotos& camera,
-                                           flight::UtcTime first, const FlightLog& log,
-                                           const TimeSyncOptions& options) {
-  return OffsetSearch(photos, camera, first, log, options).Run();
+                                           flight::UtcTime first, const FlightLog& log) {
+  return OffsetSearch(photos, camera, first, log).Run();
 }
 
 }  // namespace skyquilt::poses

@@ -1,5 +1,5 @@
 // FindClockOffset: how far a camera's clock is from a log's where no events tell: from the photos' own
-// positions on the log's track, from distances between photos, or from the two clocks as they stand.
+// positions on the log's track, or from the two clocks as they stand.
 // Deterministic; any thread.
 #pragma once
 
@@ -25,6 +25,6 @@ struct FoundOffset {
 // `first`: the stamp from which the camera's stamps count. Nothing where the two cannot be tied.
 std::optional<FoundOffset> FindClockOffset(const std::vector<flight::Photo>& photos,
                                            const StampedPhotos& camera, flight::UtcTime first,
-                                           const flight::FlightLog& log, const TimeSyncOptions& options);
+                                           const flight::FlightLog& log);
 
 }  // namespace skyquilt::poses

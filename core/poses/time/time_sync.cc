@@ -8,7 +8,6 @@
 
 #include "core/base/median.h"
 #include "core/base/text/printable.h"
-#include "core/base/try.h"
 #include "core/flight/remarks/because.h"
 #include "core/geo/geodesic.h"
 #include "core/poses/lists/named_photos.h"
@@ -23,10 +22,12 @@ using flight::CameraEvent;
 using flight::FlightLog;
 using flight::Photo;
 
+// Between a measured shutter, or a command, and the exposure, 1 sigma.
+constexpr double kFeedbackJitterS = 0.02, kCommandJitterS = 0.05;
+
 class Synchroniser {
  public:
-  Synchroniser(const std::vector<Photo>& photos, const FlightLog& log, const TimeSyncOptions& options)
-      : photos_(photos), log_(log), options_(options) {
+  Synchroniser(const std::vector<Photo>& photos, const FlightLog& log) : photos_(photos), log_(log) {
     sync_.photos.resize(photos.size());
     first_ = FirstStamp(photos);
     const bool any_feedback = std::any_of(log.events.begin(), log.events.end(),
@@ -38,7 +39,7 @@ class Synchroniser {
         event_s_.push_back(event.t_s);
       }
     }
-    jitter_s_ = any_feedback ? options.trigger_jitter_s : options.command_jitter_s;
+    jitter_s_ = any_feedback ? kFeedbackJitterS : kCommandJitterS;
   }
 
   Result<TimeSync> Run() {
@@ -244,7 +245,7 @@ class Synchroniser {
   }
 
   bool BySearch(const StampedPhotos& camera) {
-    auto found = FindClockOffset(photos_, camera, *first_, log_, options_);
+    auto found = FindClockOffset(photos_, camera, *first_, log_);
     if (!found) return false;
     sync_.method = found->method;
     sync_.offset_s = found->offset_s;
@@ -273,34 +274,20 @@ class Synchroniser {
 
   const std::vector<Photo>& photos_;
   const FlightLog& log_;
-  const TimeSyncOptions& options_;
   TimeSync sync_;
   std::optional<flight::UtcTime> first_;
   std::vector<std::size_t> event_index_;
   std::vector<double> event_s_;
-  double jitter_s_ = 0.02;
+  double jitter_s_ = kFeedbackJitterS;
   double open_by_s_ = 0.0;  // shifts of events by this fit as well, and nothing decides
 };
 
 }  // namespace
 
-Result<void> TimeSyncOptions::Validate() const {
-  const auto positive = [](const char* field, double value) -> Result<void> {
-    if (std::isfinite(value) && value > 0.0) return {};
-    return Error{ErrorCode::kInvalidArgument, fmt::format("{} is {}, but must be above 0.", field, value),
-                 ""};
-  };
-  if (auto r = positive("trigger_jitter_s", trigger_jitter_s); !r) return r;
-  if (auto r = positive("command_jitter_s", command_jitter_s); !r) return r;
-  return positive("camera_clock_sigma_s", camera_clock_sigma_s);
-}
-
-Result<TimeSync> MatchPhotosToLog(const std::vector<Photo>& photos, const FlightLog& log,
-                                  const TimeSyncOptions& options) {
-  SKYQUILT_TRY(options.Validate());
+Result<TimeSync> MatchPhotosToLog(const std::vector<Photo>& photos, const FlightLog& log) {
   if (photos.empty())
     return Error{ErrorCode::kInvalidArgument, "There are no photos to match to the log.", ""};
-  return Synchroniser(photos, log, options).Run();
+  return Synchroniser(photos, log).Run();
 }
 
 }  // namespace skyquilt::poses

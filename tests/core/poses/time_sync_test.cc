@@ -222,27 +222,6 @@ TEST(MatchPhotosToLog, AdmitsThatWholeSecondIntervalsHideTheFraction) {
   EXPECT_LT(std::abs(*sync->camera_ahead_of_utc_s - 4.25), 0.6);
 }
 
-TEST(MatchPhotosToLog, UsesDistancesWherePhotosHaveNoPosition) {
-  for (unsigned seed = 1; seed <= 5; ++seed) {
-    const Survey survey = Fly(seed, false, 2.07);
-    const auto photos = PhotosOf(survey.exposures_s, 3607.3, 1.0);
-    std::mt19937 random(seed);
-    std::normal_distribution<double> noise(0.0, 0.1);
-    TimeSyncOptions options;
-    for (std::size_t i = 0; i + 1 < photos.size(); ++i) {
-      const double metres =
-          (*TrackAt(survey.track, survey.exposures_s[i + 1]) - *TrackAt(survey.track, survey.exposures_s[i]))
-              .norm();
-      options.distance_to_next.push_back(0.013 * (metres + noise(random)));  // in units of the height, say
-    }
-    const auto sync = MatchPhotosToLog(photos, LogOf(survey, {}, 0.1, seed), options);
-    ASSERT_TRUE(sync.ok());
-    EXPECT_EQ(sync->method, TimeSyncMethod::kDistances);
-    EXPECT_NEAR(*sync->camera_ahead_of_utc_s, 3607.3, 0.1) << seed;
-    EXPECT_LT(std::abs(*sync->camera_ahead_of_utc_s - 3607.3), 4.0 * sync->sigma_s + 0.02);
-  }
-}
-
 TEST(MatchPhotosToLog, FallsBackToTheClocksAndSaysSo) {
   const Survey survey = Fly(6, true, 16.0);
   auto photos = PhotosOf(survey.exposures_s, 0.4, 1.0);
