@@ -55,7 +55,6 @@ class LogBuilder {
 
   std::size_t gnss_count() const { return gnss_.samples().size(); }
   std::size_t imu_count() const { return imu_.samples().size(); }
-  std::size_t attitude_count() const { return attitude_.samples().size(); }
   std::size_t baro_count() const { return baro_.samples().size(); }
   std::size_t event_count() const { return log_.events.size(); }
 

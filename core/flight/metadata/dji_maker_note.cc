@@ -15,11 +15,10 @@ std::optional<DjiMakerNote> ReadInOrder(std::span<const std::uint8_t> note, bool
   const std::uint64_t count = UnsignedAt(note.data(), 2, is_big_endian);
   if (count == 0 || count > kMaxEntries || note.size() < 2 + 12 * std::size_t{count}) return std::nullopt;
   DjiMakerNote found;
-  std::optional<double>* const fields[] = {
-      &found.speed_x_mps,      &found.speed_y_mps,    &found.speed_z_mps,
-      &found.pitch_deg,        &found.yaw_deg,        &found.roll_deg,
-      &found.camera_pitch_deg, &found.camera_yaw_deg, &found.camera_roll_deg};
-  constexpr std::uint32_t kFirstTag = 3;
+  std::optional<double>* const fields[] = {&found.pitch_deg,      &found.yaw_deg,
+                                           &found.roll_deg,       &found.camera_pitch_deg,
+                                           &found.camera_yaw_deg, &found.camera_roll_deg};
+  constexpr std::uint32_t kFirstTag = 6;
   bool any = false;
   for (std::uint32_t i = 0; i < count; ++i) {
     const std::uint8_t* entry = note.data() + 2 + 12 * std::size_t{i};

@@ -1,6 +1,6 @@
 // The angles in DJI's maker note: floats that older models write beside, or instead of, XMP. A few lines of
 // our own; bounded to the note's bytes. Degrees as found; camera pitch 0 = horizon. Any thread. Source: the
-// tag list of ExifTool's documentation (DJI tags 0x03..0x0b).
+// tag list of ExifTool's documentation (DJI tags 0x06..0x0b).
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,6 @@
 namespace skyquilt::flight {
 
 struct DjiMakerNote {
-  std::optional<double> speed_x_mps, speed_y_mps, speed_z_mps;
   std::optional<double> pitch_deg, yaw_deg, roll_deg;
   std::optional<double> camera_pitch_deg, camera_yaw_deg, camera_roll_deg;
 };

@@ -14,7 +14,7 @@ constexpr std::uint16_t kDateTimeOriginal = 0x9003, kDateTimeDigitized = 0x9004,
                         kOffsetTimeOriginal = 0x9011;
 constexpr std::uint16_t kOffsetTimeDigitized = 0x9012, kFocalLength = 0x920A, kSubSecTime = 0x9290;
 constexpr std::uint16_t kSubSecTimeOriginal = 0x9291, kSubSecTimeDigitized = 0x9292, kPixelWidth = 0xA002;
-constexpr std::uint16_t kPixelHeight = 0xA003, kFocalPlaneX = 0xA20E, kFocalPlaneY = 0xA20F;
+constexpr std::uint16_t kFocalPlaneX = 0xA20E, kFocalPlaneY = 0xA20F;
 constexpr std::uint16_t kFocalPlaneUnit = 0xA210, kDigitalZoom = 0xA404, kFocalLength35 = 0xA405;
 constexpr std::uint16_t kBodySerialNumber = 0xA431;
 constexpr std::uint16_t kLatitudeRef = 1, kLatitude = 2, kLongitudeRef = 3, kLongitude = 4, kAltitudeRef = 5;
@@ -235,9 +235,6 @@ ExifRecord InterpretExif(const ExifTable& table) {
   constexpr double kMaxSide = 100000.0;
   if (const auto value = Within(table.Number(ExifIfd::kExif, tag::kPixelWidth), 1.0, kMaxSide)) {
     record.recorded_width_px = static_cast<int>(*value);
-  }
-  if (const auto value = Within(table.Number(ExifIfd::kExif, tag::kPixelHeight), 1.0, kMaxSide)) {
-    record.recorded_height_px = static_cast<int>(*value);
   }
   record.digital_zoom = Within(table.Number(ExifIfd::kExif, tag::kDigitalZoom), 1.0, 100.0).value_or(1.0);
   record.position_error_m = Within(table.Number(ExifIfd::kGps, tag::kPositioningError), 1e-4, 10000.0);

@@ -31,7 +31,6 @@ struct ExifRecord {
   std::optional<double> focal_plane_y_px_per_mm;
   std::optional<int>
       recorded_width_px;  // what the tags say; another program may have changed the image since
-  std::optional<int> recorded_height_px;
   double digital_zoom = 1.0;
 
   std::optional<geo::LatLon> position;

@@ -189,7 +189,6 @@ class Preparation {
     std::erase_if(still, [&](const StillInterval& s) { return IsAloft(out_.input.heights, s); });
     Marker start;
     start.position_in_enu_m = from_.start_in_enu_m;
-    start.yaw_rad = from_.start_yaw_rad;
     const double first_photo = from_.photos.empty() ? 0.0 : from_.photos.front().t_s;
     const double last_photo = from_.photos.empty() ? 0.0 : from_.photos.back().t_s;
     // The last rest before the photos and the first after them: what was flown before is another flight.
@@ -216,7 +215,6 @@ class Preparation {
     if (from_.ended_at_start && after_last != still.end()) {
       Marker end = start;
       end.t_s = after_last->end_s;
-      end.yaw_rad.reset();
       end.position_in_enu_m = from_.start_in_enu_m;
       out_.input.markers.push_back(end);
       Note("landed where it took off");

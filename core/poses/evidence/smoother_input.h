@@ -35,7 +35,6 @@ struct FlightSources {
   bool has_barometric_heights = true;      // photo heights are relative heights, not guesses
   // Without any position: where the flight started (in enu), and whether it came back there.
   Eigen::Vector3d start_in_enu_m = Eigen::Vector3d::Zero();
-  std::optional<double> start_yaw_rad;
   bool ended_at_start = false;
 };
 

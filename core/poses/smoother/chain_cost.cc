@@ -144,7 +144,7 @@ void ChainProblem::VisitPriors(const ChainGuess& guess, Sink& sink) const {
   Linear<22> border;
   for (int i = 0; i < kStateSize; ++i) {
     const double sigma = border_sigma_(i) > 0.0 ? border_sigma_(i) : 1.0;
-    border.residual(i) = (guess.border.value(i) - border_prior_(i)) / sigma;
+    border.residual(i) = guess.border.value(i) / sigma;
     border.by_first(i, i) = 1.0 / sigma;
   }
   sink.template Add<22>("prior", timeline_.size(), -1, border, false);

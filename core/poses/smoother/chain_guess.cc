@@ -53,7 +53,6 @@ class Guesser {
   explicit Guesser(ChainProblem& problem)
       : problem_(problem), input_(problem.input()), times_(problem.timeline().times()) {
     guess_.knots.resize(times_.size());
-    guess_.border.value = problem.border_prior();
   }
 
   ChainGuess Make() {

@@ -61,13 +61,10 @@ ChainProblem::ChainProblem(const SmootherInput& input, ChainTimeline timeline)
       still_[Index(k)] = still_[Index(k)] || (t >= s.begin_s && t <= s.end_s);
   }
   const SmootherOptions& o = input_.options;
-  border_prior_.segment<3>(kAtLeverGnss) = o.lever_gnss_in_body_m;
-  border_prior_.segment<3>(kAtLeverCamera) = o.lever_camera_in_body_m;
   border_sigma_(kAtTauGnss) = o.tau_gnss_sigma_s;
   border_sigma_.segment<3>(kAtLeverGnss).setConstant(o.lever_gnss_sigma_m);
   border_sigma_(kAtTauCamera) = o.tau_camera_sigma_s;
   border_sigma_.segment<3>(kAtBoresight).setConstant(o.boresight_sigma_rad);
-  border_sigma_.segment<3>(kAtLeverCamera).setConstant(o.lever_camera_sigma_m);
   has_border_ = border_sigma_.maxCoeff() > 0.0;
 }
 

@@ -37,7 +37,6 @@ class ChainProblem {
   const SmootherInput& input() const { return input_; }
   const ChainTimeline& timeline() const { return timeline_; }
   bool HasBorder() const { return has_border_; }
-  const Vector22& border_prior() const { return border_prior_; }
   const Vector22& border_sigma() const { return border_sigma_; }
   bool HasImu(int interval) const { return imu_[static_cast<std::size_t>(interval)].has_value(); }
   int ImuIntervals() const;
@@ -87,7 +86,6 @@ class ChainProblem {
   std::optional<CourseEvidence> course_evidence_;  // where recorded headings are the only ones
   std::vector<double> turned_rad_;                 // one an interval: how far the heading turns in it
   std::optional<Eigen::Quaterniond> first_rotation_;
-  Vector22 border_prior_ = Vector22::Zero();
   Vector22 border_sigma_ = Vector22::Zero();
   std::vector<int> photo_knots_;
   std::vector<Placed> positions_, velocities_, attitudes_, heights_, ranges_, markers_;

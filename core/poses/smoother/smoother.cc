@@ -52,7 +52,6 @@ bool BiasesMovedFar(const ChainProblem& problem, const ChainGuess& guess) {
 Result<void> Iterate(ChainProblem& problem, ChainGuess& guess, SmootherReport& report) {
   BlockSkyline matrix(problem.Outline(false));
   std::vector<Vector22> step;
-  report.first_cost = problem.Cost(guess);
   bool expanded_again = false;
   for (report.iterations = 0; report.iterations < problem.input().options.max_iterations;) {
     ++report.iterations;

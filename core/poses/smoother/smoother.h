@@ -92,10 +92,7 @@ struct SmootherOptions {
   // Priors of what is common to the flight; zero sigma = held.
   double tau_gnss_sigma_s = 0.0;
   double tau_camera_sigma_s = 0.0;
-  Eigen::Vector3d lever_gnss_in_body_m = Eigen::Vector3d::Zero();
   double lever_gnss_sigma_m = 0.0;
-  Eigen::Vector3d lever_camera_in_body_m = Eigen::Vector3d::Zero();
-  double lever_camera_sigma_m = 0.0;
   double boresight_sigma_rad = 0.0;
   // The first knot, where nothing else says it.
   double first_position_sigma_m = 1.0e4;
@@ -137,7 +134,6 @@ struct SmootherReport {
   int knots = 0;
   int iterations = 0;
   bool converged = false;
-  double first_cost = 0.0;
   double cost = 0.0;                         // half the sum of squared, weighted residuals
   int residuals = 0;                         // how many numbers were fitted, without priors
   std::map<std::string, int> used;           // factors by kind

@@ -105,11 +105,9 @@ MavlinkFrame ReadMavlinkPacket(LogBytes bytes, std::size_t at, MavlinkPacket& pa
   if (bytes.size() - at < packet.size) return MavlinkFrame::kCut;
   if (is_second) {
     packet.system_id = head[5];
-    packet.component_id = head[6];
     packet.message_id = head[7] | std::uint32_t{head[8]} << 8 | std::uint32_t{head[9]} << 16;
   } else {
     packet.system_id = head[3];
-    packet.component_id = head[4];
     packet.message_id = head[5];
   }
   packet.payload = bytes.subspan(at + kStamp + head_size, payload_size);

@@ -13,7 +13,6 @@ struct MavlinkPacket {
   std::uint64_t ground_unix_us = 0;  // when the ground station received it
   std::uint32_t message_id = 0;
   std::uint8_t system_id = 0;
-  std::uint8_t component_id = 0;
   LogBytes payload;             // protocol 2 drops zeros at the end
   std::size_t size = 0;         // in the file, with the time in front
   bool checksum_known = false;  // we know this message's seed, and the checksum was right

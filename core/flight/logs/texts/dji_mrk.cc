@@ -11,7 +11,6 @@ namespace skyquilt::flight {
 namespace {
 
 struct MrkRow {
-  std::int64_t sequence = 0;
   UtcTime time;
   CameraEvent event;
 };
@@ -37,7 +36,6 @@ std::optional<MrkRow> ParseRow(std::string_view line, std::vector<std::string_vi
   if (!sequence || !tow_s || !week || std::abs(*tow_s) > 1e6) return std::nullopt;
   const auto time = UtcFromGpsWeek(*week, std::llround(*tow_s * 1e6));
   if (!time) return std::nullopt;
-  row.sequence = *sequence;
   row.time = *time;
   row.event.sequence = *sequence;
   std::optional<double> lat, lon;
