@@ -49,15 +49,12 @@ std::vector<std::optional<Result<Photo>>> ReadAll(const std::vector<InputFile>& 
   return read;
 }
 
-// Such errors name their file.
-Remark NotRead(const Error& error) { return {RemarkCode::kFileNotRead, {{"why", WhyOf(error)}}}; }
-
-// What a list says, its doubts to the notes; what cannot be read is a warning.
+// What a log or list says, its doubts to the notes; what cannot be read is a warning, which names its file.
 template <typename List>
 void KeepList(Result<List> list, std::vector<List>& lists, std::vector<Remark>& warnings,
               std::vector<Remark>& notes) {
   if (!list) {
-    warnings.push_back(NotRead(list.error()));
+    warnings.push_back({RemarkCode::kFileNotRead, {{"why", WhyOf(list.error())}}});
     return;
   }
   for (const Remark& warning : list->warnings)
@@ -69,9 +66,7 @@ void KeepList(Result<List> list, std::vector<List>& lists, std::vector<Remark>& 
 void ReadLogs(const SortedFiles& files, Flight& flight, Progress& progress) {
   flight.warnings.insert(flight.warnings.end(), files.refused.begin(), files.refused.end());
   std::vector<Remark> notes;
-  std::vector<std::filesystem::path> paths;
-  for (const InputFile& file : files.logs) paths.push_back(file.path);
-  const auto duplicate_of = FindDuplicates(paths);
+  const auto duplicate_of = FindDuplicates(files.logs);
   for (std::size_t i = 0; i < files.logs.size(); ++i) {
     const InputFile& file = files.logs[i];
     if (progress.IsCancelled()) continue;
@@ -81,15 +76,7 @@ void ReadLogs(const SortedFiles& files, Flight& flight, Progress& progress) {
       continue;
     }
     progress.Report(0.0, fmt::format("reading the log {}", file.name));
-    Result<FlightLog> log = ReadLog(file);
-    if (!log) {
-      flight.warnings.push_back(NotRead(log.error()));
-      continue;
-    }
-    for (const Remark& warning : log->warnings) {
-      notes.push_back({RemarkCode::kOfFile, {{"file", file.name}, {"said", warning}}});
-    }
-    flight.logs.push_back(*std::move(log));
+    KeepList(ReadLog(file), flight.logs, flight.warnings, notes);
   }
   for (const InputFile& file : files.gcp_lists)
     KeepList(ReadWrittenGcpList(file), flight.gcp_lists, flight.warnings, notes);
@@ -185,12 +172,9 @@ Result<Flight> ReadFlight(const std::vector<InputFile>& files, const ReadFlightO
   const std::vector<InputFile>& candidates = sorted.photos;
   Flight flight;
   ReadLogs(sorted, flight, progress);
-  std::vector<std::filesystem::path> paths;
-  paths.reserve(candidates.size());
-  for (const InputFile& file : candidates) paths.push_back(file.path);
   auto read = ReadAll(candidates, options.threads, progress);
   if (progress.IsCancelled()) return Error{ErrorCode::kCancelled, "Reading the photos was cancelled.", ""};
-  const auto duplicate_of = FindDuplicates(paths);
+  const auto duplicate_of = FindDuplicates(candidates);
 
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     Result<Photo>& photo = *read[i];

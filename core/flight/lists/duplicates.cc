@@ -38,19 +38,19 @@ bool HaveSameBytes(const std::filesystem::path& first, const std::filesystem::pa
 
 }  // namespace
 
-std::vector<std::optional<std::size_t>> FindDuplicates(const std::vector<std::filesystem::path>& files) {
+std::vector<std::optional<std::size_t>> FindDuplicates(const std::vector<InputFile>& files) {
   std::vector<std::optional<std::size_t>> duplicate_of(files.size());
   std::map<std::uint64_t, std::vector<std::size_t>> by_size;
   for (std::size_t i = 0; i < files.size(); ++i) {
     std::error_code error;
-    const auto size = std::filesystem::file_size(files[i], error);
+    const auto size = std::filesystem::file_size(files[i].path, error);
     if (!error) by_size[size].push_back(i);
   }
   for (const auto& [size, same_size] : by_size) {
     if (same_size.size() < 2) continue;
     std::map<Fingerprint, std::vector<std::size_t>> alike;
     for (const std::size_t i : same_size) {
-      if (const auto fingerprint = FingerprintOf(files[i])) alike[*fingerprint].push_back(i);
+      if (const auto fingerprint = FingerprintOf(files[i].path)) alike[*fingerprint].push_back(i);
     }
     for (const auto& [fingerprint, candidates] : alike) {
       if (candidates.size() < 2) continue;
@@ -58,10 +58,11 @@ std::vector<std::optional<std::size_t>> FindDuplicates(const std::vector<std::fi
       // digest.
       std::map<Digest, std::size_t> firsts;
       for (const std::size_t i : candidates) {
-        const Result<Digest> digest = DigestOfFile(files[i]);
+        const Result<Digest> digest = DigestOfFile(files[i].path);
         if (!digest) continue;
         const auto [first, is_new] = firsts.try_emplace(*digest, i);
-        if (!is_new && HaveSameBytes(files[first->second], files[i])) duplicate_of[i] = first->second;
+        if (!is_new && HaveSameBytes(files[first->second].path, files[i].path))
+          duplicate_of[i] = first->second;
       }
     }
   }

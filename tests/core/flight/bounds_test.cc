@@ -219,10 +219,10 @@ TEST(TiffDirectories, ChainsAreCountedOnlySoFar) {
 TEST(FindDuplicates, FilesThatAreAlikeAtFirstAreToldApart) {
   const auto folder = std::filesystem::temp_directory_path() / ("alike_" + std::to_string(::getpid()));
   std::filesystem::create_directory(folder);
-  std::vector<std::filesystem::path> files;
+  std::vector<InputFile> files;
   for (int i = 0; i < 40; ++i) {
-    files.push_back(folder / std::to_string(i));
-    std::ofstream(files.back()) << std::string(70'000, 'x') << static_cast<char>('a' + i % 20);
+    files.push_back({std::to_string(i), folder / std::to_string(i)});
+    std::ofstream(files.back().path) << std::string(70'000, 'x') << static_cast<char>('a' + i % 20);
   }
   const auto duplicate_of = FindDuplicates(files);
   for (std::size_t i = 0; i < 20; ++i) {
