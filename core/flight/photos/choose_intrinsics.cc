@@ -21,27 +21,17 @@ bool IsPlausible(double focal_px, int width_px, int height_px) {
   return std::isfinite(focal_px) && focal_px > 0.13 * side && focal_px < 60.0 * side;
 }
 
-struct NativeSize {
-  double width_px = 0.0;
-  double height_px = 0.0;
-};
-
-// The size to which DJI's calibrated pixels belong.
-NativeSize DjiNativeSize(int width_px, int height_px, const XmpTags& xmp) {
+// Of an image against the size to which DJI's calibrated pixels belong.
+double DjiScale(int width_px, int height_px, const XmpTags& xmp) {
   const auto center_x = xmp.Number("drone-dji:CalibratedOpticalCenterX");
   const auto center_y = xmp.Number("drone-dji:CalibratedOpticalCenterY");
   constexpr double kSmallest = 100.0, kLargest = 20000.0;
   const auto is_sane = [](const std::optional<double>& center) {
     return center && *center > kSmallest && *center < kLargest;
   };
-  if (is_sane(center_x) && is_sane(center_y))
-    return {std::round(2.0 * *center_x), std::round(2.0 * *center_y)};
-  return {static_cast<double>(width_px), static_cast<double>(height_px)};
-}
-
-double DjiScale(int width_px, int height_px, const NativeSize& native) {
-  return camera::ScaleFromNative(width_px, height_px, static_cast<int>(native.width_px),
-                                 static_cast<int>(native.height_px));
+  if (!is_sane(center_x) || !is_sane(center_y)) return 1.0;
+  return camera::ScaleFromNative(width_px, height_px, static_cast<int>(std::round(2.0 * *center_x)),
+                                 static_cast<int>(std::round(2.0 * *center_y)));
 }
 
 std::optional<Intrinsics> FromDewarpData(int width_px, int height_px, const XmpTags& xmp) {
@@ -52,8 +42,7 @@ std::optional<Intrinsics> FromDewarpData(int width_px, int height_px, const XmpT
   if (items.size() < 9 || std::any_of(items.begin(), items.begin() + 9, [](const auto& v) { return !v; })) {
     return std::nullopt;
   }
-  const NativeSize native = DjiNativeSize(width_px, height_px, xmp);
-  const double scale = DjiScale(width_px, height_px, native);
+  const double scale = DjiScale(width_px, height_px, xmp);
   Intrinsics camera = Intrinsics::Centered(width_px, height_px, *items[0] * scale);
   camera.focal_y_px = *items[1] * scale;
   if (!IsPlausible(camera.focal_x_px, width_px, height_px) ||
@@ -78,7 +67,7 @@ std::optional<Intrinsics> FromDewarpData(int width_px, int height_px, const XmpT
 std::optional<Intrinsics> FromCalibratedFocalLength(int width_px, int height_px, const XmpTags& xmp) {
   const auto focal_px = xmp.Number("drone-dji:CalibratedFocalLength");
   if (!focal_px) return std::nullopt;
-  const double scaled = *focal_px * DjiScale(width_px, height_px, DjiNativeSize(width_px, height_px, xmp));
+  const double scaled = *focal_px * DjiScale(width_px, height_px, xmp);
   if (!IsPlausible(scaled, width_px, height_px)) return std::nullopt;
   return Intrinsics::Centered(width_px, height_px, scaled);
 }

@@ -92,15 +92,7 @@ struct JudgedList {
 };
 
 ListUse UseOf(const ListVerdict& verdict, const OwnRecords& own) {
-  ListUse use;
-  use.reading = verdict.reading;
-  use.fault = verdict.fault;
-  use.is_as_written = verdict.is_as_written;
-  use.is_in_area = verdict.is_in_area;
-  use.apart_m = verdict.apart_m;
-  use.as_written_apart_m = verdict.as_written_apart_m;
-  use.off_shape_m = verdict.off_shape_m;
-  use.other_order_apart_m = verdict.other_order_apart_m;
+  ListUse use = verdict.use;
   use.own_are_photos = own.is_of_photos;
   use.own_are_stale = own.is_stale;
   use.rows_used = static_cast<std::size_t>(std::count_if(

@@ -290,9 +290,9 @@ ListVerdict JudgeList(const WrittenList& list, const OwnPlaces& own) {
   const std::optional<LatLon> near = own_middle ? own_middle : own.of_flight;
   const ListReader reader(list.system, near);
   const ListReading plain_reading{.counts_in = reader.named() ? CountsIn::kSystem : CountsIn::kDegrees};
-  verdict.reading = plain_reading;
+  verdict.use.reading = plain_reading;
   if (list.rows.empty()) {
-    verdict.fault = ListFault::kNoPlace;
+    verdict.use.fault = ListFault::kNoPlace;
     return verdict;
   }
   const std::vector<WrittenPlace> rows = Thinned(list.rows);
@@ -306,7 +306,7 @@ ListVerdict JudgeList(const WrittenList& list, const OwnPlaces& own) {
   const TriedReading* plain = FindReading(tried, plain_reading);
   if (tried.empty()) {
     const bool lacks_system = list.system.empty() && !AreMostlyDegrees(list.rows);
-    verdict.fault = lacks_system ? ListFault::kNoSystem : ListFault::kNoPlace;
+    verdict.use.fault = lacks_system ? ListFault::kNoSystem : ListFault::kNoPlace;
     return verdict;
   }
   const double flight_m = list.is_one_of_photos ? kFlightM : kSurveyM;
@@ -317,27 +317,27 @@ ListVerdict JudgeList(const WrittenList& list, const OwnPlaces& own) {
   // A fix that all photos share may be of another day.
   const bool is_refused_by_stale = choice.fault != ListFault::kNone && !own_middle && own.is_stale;
   if (!is_comparable || is_refused_by_stale) choice = ChooseAlone(list, reader, tried, plain);
-  verdict.fault = choice.fault;
+  verdict.use.fault = choice.fault;
   if (choice.reading == nullptr) return verdict;
   const TriedReading& taken = *choice.reading;
-  verdict.reading = taken.reading;
-  verdict.is_as_written = taken.reading == plain_reading;
-  verdict.is_in_area = taken.is_in_area;
-  verdict.apart_m = taken.apart_m;
-  verdict.off_shape_m = taken.off_shape_m;
+  verdict.use.reading = taken.reading;
+  verdict.use.is_as_written = taken.reading == plain_reading;
+  verdict.use.is_in_area = taken.is_in_area;
+  verdict.use.apart_m = taken.apart_m;
+  verdict.use.off_shape_m = taken.off_shape_m;
   verdict.middle = taken.middle;
-  if (plain != nullptr) verdict.as_written_apart_m = plain->apart_m;
+  if (plain != nullptr) verdict.use.as_written_apart_m = plain->apart_m;
   if (choice.other != nullptr) {
     // The order that a format documents is not asked for, only said.
-    const bool is_documented = verdict.is_as_written && !list.order_is_assumed;
+    const bool is_documented = verdict.use.is_as_written && !list.order_is_assumed;
     verdict.is_ambiguous = !is_documented && list.is_one_of_photos;
     verdict.other = choice.other->reading;
     verdict.other_middle = choice.other->middle;
-    verdict.other_order_apart_m = MetresApart(choice.other->middle, taken.middle);
+    verdict.use.other_order_apart_m = MetresApart(choice.other->middle, taken.middle);
   }
-  if (verdict.fault == ListFault::kNone) {
-    verdict.places = reader.PlacesOf(list.rows, verdict.reading);
-    verdict.other_places = reader.PlacesOf(list.others, verdict.reading);
+  if (verdict.use.fault == ListFault::kNone) {
+    verdict.places = reader.PlacesOf(list.rows, verdict.use.reading);
+    verdict.other_places = reader.PlacesOf(list.others, verdict.use.reading);
   }
   return verdict;
 }

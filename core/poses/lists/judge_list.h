@@ -37,12 +37,8 @@ struct OwnPlaces {
 };
 
 struct ListVerdict {
-  flight::ListReading reading;
-  flight::ListFault fault = flight::ListFault::kNone;
-  bool is_as_written = true;
-  bool is_in_area = true;
-  bool is_ambiguous = false;  // another reading is as likely: `other`, with its place
-  std::optional<double> apart_m, as_written_apart_m, off_shape_m, other_order_apart_m;
+  flight::ListUse use;                // the reading, its fault, and how far it lies from what
+  bool is_ambiguous = false;          // another reading is as likely: `other`, with its place
   std::optional<geo::LatLon> middle;  // of the list as it is read
   std::optional<flight::ListReading> other;
   std::optional<geo::LatLon> other_middle;

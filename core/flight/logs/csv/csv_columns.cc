@@ -39,13 +39,13 @@ std::pair<std::string, std::string> CutBrackets(const std::string& lower) {
   return {base, inside};
 }
 
-// Words beside the unit that say above what a height counts: "ft amsl", "m, ellipsoidal", "wgs84".
-struct HeightWords {
+struct MeaningAndUnit {
   M meaning = M::kIgnored;  // not said
   std::string unit;
 };
 
-std::optional<HeightWords> ReadHeightWords(std::string words) {
+// Words beside the unit that say above what a height counts: "ft amsl", "m, ellipsoidal", "wgs84".
+std::optional<MeaningAndUnit> ReadHeightWords(std::string words) {
   constexpr std::array<std::string_view, 6> kSea = {"amsl", "msl", "asl", "orthometric", "egm96", "nn"};
   constexpr std::array<std::string_view, 6> kEllipsoid = {"hae",         "ellipsoidal", "ellipsoid",
                                                           "ellipsoidic", "wgs84",       "ell"};
@@ -55,7 +55,7 @@ std::optional<HeightWords> ReadHeightWords(std::string words) {
   std::replace(words.begin(), words.end(), ',', ' ');
   std::vector<std::string_view> parts;
   SplitBlanks(words, parts);
-  HeightWords read;
+  MeaningAndUnit read;
   for (const std::string_view word : parts) {
     M said = M::kIgnored;
     if (is_one_of(kSea, word)) said = M::kHeightAmsl;
@@ -87,14 +87,9 @@ std::string WordsOf(std::string_view header) {
   return LowerCase(words);
 }
 
-struct NameWithUnit {
-  M meaning = M::kIgnored;
-  std::string unit;
-};
-
 // The last words may be the unit: "gyro_x_dps", "lat_deg", "vel_n_m_s"; in names of one word, the last
 // letters: "LATDEG", "timeus".
-NameWithUnit CutUnit(const std::string& words) {
+MeaningAndUnit CutUnit(const std::string& words) {
   constexpr std::size_t kMaxName = 64;  // every cut of a name is tried
   if (words.size() > kMaxName) return {};
   std::string unit;
@@ -151,7 +146,7 @@ CsvColumn MapTolerantColumn(std::string_view header) {
   column.says_utc = lower.find("utc") != std::string::npos || lower.find("gmt") != std::string::npos;
   column.meaning = FindCsvSynonym(Letters(base));
   if (column.meaning == M::kIgnored && unit.empty()) {
-    NameWithUnit found = CutUnit(WordsOf(column.header));
+    MeaningAndUnit found = CutUnit(WordsOf(column.header));
     column.meaning = found.meaning;
     unit = std::move(found.unit);
   }

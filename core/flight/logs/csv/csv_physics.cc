@@ -30,17 +30,17 @@ Error Contradiction(const CsvColumn& column, Remark why) {
 }
 
 // Median |specific force| is one gravity, whatever the motion of an ordinary flight.
-Result<double> CheckAcceleration(std::vector<CsvColumn>& columns, const CsvPreview& preview,
-                                 CsvFindings& findings) {
+Result<void> CheckAcceleration(std::vector<CsvColumn>& columns, const std::vector<CsvRow>& preview,
+                               CsvFindings& findings) {
   std::vector<double> norms, x, y, z;
-  for (const CsvRow& row : preview.rows) {
+  for (const CsvRow& row : preview) {
     if (!row.Has(M::kAccelX, M::kAccelZ)) continue;
     x.push_back(*row[M::kAccelX]);
     y.push_back(*row[M::kAccelY]);
     z.push_back(*row[M::kAccelZ]);
     norms.push_back(std::sqrt(x.back() * x.back() + y.back() * y.back() + z.back() * z.back()));
   }
-  if (norms.size() < 10) return 1.0;
+  if (norms.size() < 10) return {};
   CsvColumn* column = ColumnOf(columns, M::kAccelX);
   const double norm = Median(norms);
   double factor = 0.0;
@@ -67,18 +67,19 @@ Result<double> CheckAcceleration(std::vector<CsvColumn>& columns, const CsvPrevi
       findings.imu_z_is_up
           ? "IMU axes -> forward, left, up (az is positive at rest); turned to forward, right, down"
           : "IMU axes -> forward, right, down");
-  return factor;
+  return {};
 }
 
 // Turns seen by the attitude column against the turns of the integrated rates.
-Result<bool> CheckRates(std::vector<CsvColumn>& columns, const CsvPreview& preview, double seconds_per_time) {
+Result<void> CheckRates(std::vector<CsvColumn>& columns, const std::vector<CsvRow>& preview,
+                        double seconds_per_time) {
   CsvColumn* column = ColumnOf(columns, M::kGyroX);
-  if (column == nullptr) return true;
+  if (column == nullptr) return {};
   std::optional<Eigen::Quaterniond> last_attitude;
   std::optional<double> last_t;
   double turned = 0.0;
   std::vector<double> rates, ratios;
-  for (const CsvRow& row : preview.rows) {
+  for (const CsvRow& row : preview) {
     const auto t = row[M::kTime];
     if (!row.Has(M::kGyroX, M::kGyroZ) || !t) continue;
     const double rate = std::sqrt(*row[M::kGyroX] * *row[M::kGyroX] + *row[M::kGyroY] * *row[M::kGyroY] +
@@ -100,7 +101,7 @@ Result<bool> CheckRates(std::vector<CsvColumn>& columns, const CsvPreview& previ
     last_attitude = attitude;
     turned = 0.0;
   }
-  if (rates.empty()) return true;
+  if (rates.empty()) return {};
   const double limit = 20.0;  // rad/s; nothing that takes photos turns faster for long
   const double factor_deg = geo::DegToRad(1.0);
   bool is_deg = false;
@@ -108,21 +109,20 @@ Result<bool> CheckRates(std::vector<CsvColumn>& columns, const CsvPreview& previ
     is_deg = std::abs(std::log(Median(ratios) * factor_deg)) < std::abs(std::log(Median(ratios)));
   else
     is_deg = Median(rates) > limit;
-  if (!is_deg) return true;
+  if (!is_deg) return {};
   if (column->unit_is_written) {
     return Contradiction(*column, {RemarkCode::kRatesLookLikeDegrees, {{"unit", column->unit}}});
   }
   Rescale(columns, M::kGyroX, M::kGyroZ, factor_deg, "deg/s");
-  return true;
+  return {};
 }
 
 // A column of exposures with more than noughts and ones numbers the photos.
-void TellNumbersFromFlags(std::vector<CsvColumn>& columns, const CsvPreview& preview) {
+void TellNumbersFromFlags(std::vector<CsvColumn>& columns, const std::vector<CsvRow>& preview) {
   CsvColumn* column = ColumnOf(columns, M::kIsPhoto);
   if (column == nullptr || HasColumn(columns, M::kEvent)) return;
-  const bool is_numbered = std::any_of(preview.rows.begin(), preview.rows.end(), [](const CsvRow& row) {
-    return row[M::kIsPhoto].value_or(0.0) > 1.0;
-  });
+  const bool is_numbered = std::any_of(
+      preview.begin(), preview.end(), [](const CsvRow& row) { return row[M::kIsPhoto].value_or(0.0) > 1.0; });
   if (is_numbered) column->meaning = M::kEvent;
 }
 
@@ -146,13 +146,14 @@ bool HoldsExposuresAlone(std::vector<CsvColumn>& columns) {
 }
 
 // The unit of the time column from its size (Unix times) or its step.
-Result<double> CheckTime(std::vector<CsvColumn>& columns, const CsvPreview& preview, CsvFindings& findings) {
+Result<double> CheckTime(std::vector<CsvColumn>& columns, const std::vector<CsvRow>& preview,
+                         CsvFindings& findings) {
   CsvColumn* column = ColumnOf(columns, M::kTime);
   if (column == nullptr) return 1.0;
   std::vector<double> steps;
   std::optional<double> first, last;
   std::size_t back = 0;
-  for (const CsvRow& row : preview.rows) {
+  for (const CsvRow& row : preview) {
     const auto t = row[M::kTime];
     if (!t) continue;
     if (!first) first = t;
@@ -185,7 +186,8 @@ Result<double> CheckTime(std::vector<CsvColumn>& columns, const CsvPreview& prev
   return factor;
 }
 
-void CheckDate(const std::vector<CsvColumn>& columns, const CsvPreview& preview, CsvFindings& findings) {
+void CheckDate(const std::vector<CsvColumn>& columns, const std::vector<CsvRow>& preview,
+               CsvFindings& findings) {
   bool has_date = false;
   bool says_utc = false;
   for (const CsvColumn& column : columns) {
@@ -197,7 +199,7 @@ void CheckDate(const std::vector<CsvColumn>& columns, const CsvPreview& preview,
   std::size_t ticks = 0;
   std::size_t rows = 0;
   std::optional<UtcTime> last;
-  for (const CsvRow& row : preview.rows) {
+  for (const CsvRow& row : preview) {
     if (!row.written) continue;
     if (++rows == 1 && row.written->names_zone) findings.clock.utc_is_utc = true;
     if (row.written->time != last) ++ticks;
@@ -208,19 +210,17 @@ void CheckDate(const std::vector<CsvColumn>& columns, const CsvPreview& preview,
 
 }  // namespace
 
-Result<CsvFindings> CheckCsvPhysics(std::vector<CsvColumn>& columns, const CsvPreview& preview) {
+Result<CsvFindings> CheckCsvPhysics(std::vector<CsvColumn>& columns, const std::vector<CsvRow>& preview) {
   CsvFindings findings;
   SKYQUILT_TRY_ASSIGN(const auto time_factor, CheckTime(columns, preview, findings));
   CheckDate(columns, preview, findings);
   TellNumbersFromFlags(columns, preview);
-  const auto acceleration = CheckAcceleration(columns, preview, findings);
-  if (!acceleration) return acceleration.error();
-  const auto rates = CheckRates(columns, preview, time_factor);
-  if (!rates) return rates.error();
+  SKYQUILT_TRY(CheckAcceleration(columns, preview, findings));
+  SKYQUILT_TRY(CheckRates(columns, preview, time_factor));
   // Positions as integers of 1e-7 degrees.
   for (const M meaning : {M::kLat, M::kLon}) {
     std::vector<double> sizes;
-    for (const CsvRow& row : preview.rows) {
+    for (const CsvRow& row : preview) {
       if (row[meaning] && *row[meaning] != 0.0) sizes.push_back(std::abs(*row[meaning]));
     }
     CsvColumn* column = ColumnOf(columns, meaning);

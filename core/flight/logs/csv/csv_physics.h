@@ -7,18 +7,14 @@
 
 namespace skyquilt::flight {
 
-// The first rows of a file as numbers.
-struct CsvPreview {
-  std::vector<CsvRow> rows;  // views into the file's text
-};
-
 struct CsvFindings {
   CsvClockRule clock;
   bool imu_z_is_up = false;
   std::vector<std::string> notes;  // for FlightLog::mapping
 };
 
-// Corrects the scales in `columns` where the unit was not written. Errors: kUnprocessable naming the column.
-Result<CsvFindings> CheckCsvPhysics(std::vector<CsvColumn>& columns, const CsvPreview& preview);
+// Corrects the scales in `columns` where the unit was not written, by the first rows of the file. Errors:
+// kUnprocessable naming the column.
+Result<CsvFindings> CheckCsvPhysics(std::vector<CsvColumn>& columns, const std::vector<CsvRow>& preview);
 
 }  // namespace skyquilt::flight

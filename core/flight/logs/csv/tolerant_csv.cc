@@ -177,15 +177,15 @@ Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const 
   if (!header->is_timed || settled.rows_are_photos)
     return ReadImageRows(header->columns, settled, header->separator, lines,
                          LogBuilder("tolerant_csv", name));
-  CsvPreview preview;
+  std::vector<CsvRow> preview;  // views into the file's text
   std::string_view line;
   std::vector<std::string_view> cells;
   LineReader ahead = lines;
   const std::size_t begin = ahead.offset();
-  while (preview.rows.size() < kPreviewRows && ahead.offset() - begin < kPreviewBytes && ahead.Next(line)) {
+  while (preview.size() < kPreviewRows && ahead.offset() - begin < kPreviewBytes && ahead.Next(line)) {
     if (Trim(line).empty() || line.front() == '#') continue;
     SplitFields(line, header->separator, cells);
-    preview.rows.push_back(ReadCsvRow(header->columns, cells));
+    preview.push_back(ReadCsvRow(header->columns, cells));
   }
   const auto found = CheckCsvPhysics(header->columns, preview);
   if (!found) {
@@ -193,8 +193,7 @@ Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const 
                    {RemarkCode::kTableNotUsed, {{"file", name}, {"why", WhyOf(found.error())}}});
   }
   const CsvFindings& findings = *found;
-  preview.rows.clear();
-  preview.rows.shrink_to_fit();
+  preview = std::vector<CsvRow>();
 
   const bool relative = HasColumn(header->columns, M::kHeightAboveTakeoff);
   CsvSampler sampler(builder, findings.clock, findings.imu_z_is_up, relative);

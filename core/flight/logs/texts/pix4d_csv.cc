@@ -16,15 +16,13 @@ namespace {
 
 enum class Angles { kNone, kUnnamed, kYawPitchRoll, kOmegaPhiKappa };
 
-// How the two coordinates stand: as the format has it (degrees: latitude first; metres: east first), or as
-// the header names them.
-enum class Order { kOfFormat, kUnnamed, kEastFirst, kNorthFirst };
-
 struct Columns {
   std::size_t angles_at = 0;
   std::size_t accuracy_at = 0;  // 0: none
   Angles angles = Angles::kNone;
-  Order order = Order::kOfFormat;
+  // How the two coordinates stand where the header or letters say it; else as the format has it (degrees:
+  // latitude first; metres: east first).
+  std::optional<NamedOrder> order;
 };
 
 bool IsRow(const std::vector<std::string_view>& cells) {
@@ -82,16 +80,12 @@ Columns ColumnsOf(const std::vector<std::string>& header, std::size_t count) {
     }
     if (has("acc") && columns.accuracy_at == 0) columns.accuracy_at = i;
   }
-  const auto order = OrderOfColumns({header[1], header[2]});
-  columns.order = !order                             ? Order::kUnnamed
-                  : *order == NamedOrder::kEastFirst ? Order::kEastFirst
-                                                     : Order::kNorthFirst;
+  columns.order = OrderOfColumns({header[1], header[2]});
   return columns;
 }
 
-WrittenPlace PlaceOfCells(double first, double second, Order order) {
-  const bool is_north_first =
-      order == Order::kNorthFirst || (order != Order::kEastFirst && IsInDegrees(first, second));
+WrittenPlace PlaceOfCells(double first, double second, std::optional<NamedOrder> order) {
+  const bool is_north_first = order ? *order == NamedOrder::kNorthFirst : IsInDegrees(first, second);
   return is_north_first ? WrittenPlace{second, first} : WrittenPlace{first, second};
 }
 
@@ -148,9 +142,7 @@ Result<FlightLog> ParsePix4dCsv(std::string_view name, LogBytes bytes, const Con
     }
     if (!columns) {
       columns = ColumnsOf(header, cells.size());
-      const auto told = OrderOfLetters(cells[1], cells[2]);
-      if (told && columns->order != Order::kEastFirst && columns->order != Order::kNorthFirst)
-        columns->order = *told == NamedOrder::kEastFirst ? Order::kEastFirst : Order::kNorthFirst;
+      if (!columns->order) columns->order = OrderOfLetters(cells[1], cells[2]);
     }
     const auto number = [&](std::size_t i) {
       return i < cells.size() ? ReadBareNumber(cells[i]) : std::nullopt;
@@ -187,9 +179,8 @@ Result<FlightLog> ParsePix4dCsv(std::string_view name, LogBytes bytes, const Con
   if (columns->angles == Angles::kUnnamed) {
     builder.Warn(RemarkCode::kAnglesWithoutHeader);
   }
-  builder.log().written_order_is_named =
-      columns->order == Order::kEastFirst || columns->order == Order::kNorthFirst;
-  builder.log().written_order_is_assumed = columns->order == Order::kUnnamed && is_in_degrees;
+  builder.log().written_order_is_named = columns->order.has_value();
+  builder.log().written_order_is_assumed = !header.empty() && !columns->order && is_in_degrees;
   builder.log().mapping = {"height -> above the ellipsoid",
                            columns->angles == Angles::kOmegaPhiKappa ? "omega, phi, kappa -> degrees"
                            : columns->angles == Angles::kYawPitchRoll
