@@ -7,7 +7,7 @@
 #include <optional>
 #include <string_view>
 
-#include "core/flight/logs/csv/number_cell.h"
+#include "core/flight/logs/number_cell.h"
 
 namespace skyquilt::flight {
 

@@ -10,7 +10,7 @@
 
 #include "core/flight/bytes/written_time.h"
 #include "core/flight/logs/csv/csv_meanings.h"
-#include "core/flight/logs/csv/number_cell.h"
+#include "core/flight/logs/number_cell.h"
 
 namespace skyquilt::flight {
 

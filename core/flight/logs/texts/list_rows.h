@@ -10,7 +10,7 @@
 
 #include "core/base/result.h"
 #include "core/flight/bytes/text_fields.h"
-#include "core/flight/logs/csv/number_cell.h"
+#include "core/flight/logs/number_cell.h"
 
 namespace skyquilt::flight {
 

@@ -4,7 +4,7 @@
 #include <array>
 
 #include "core/flight/bytes/text_fields.h"
-#include "core/flight/logs/csv/number_cell.h"
+#include "core/flight/logs/number_cell.h"
 #include "core/flight/logs/tracks/track_points.h"
 #include "core/flight/logs/tracks/xml_scanner.h"
 

@@ -1,4 +1,4 @@
-#include "core/flight/logs/csv/number_cell.h"
+#include "core/flight/logs/number_cell.h"
 
 #include <array>
 #include <string>
