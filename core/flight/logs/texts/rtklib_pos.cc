@@ -16,15 +16,29 @@ struct PosHeader {
   bool is_utc = false;
   bool is_ecef = false;
   bool is_dms = false;
+  bool is_above_sea = false;  // heights, by its geoid
+  bool is_baseline = false;   // metres from a base
+  std::chrono::hours ahead_of_utc{0};
 };
+
+// Times of Japan and of China, as its programs write them.
+constexpr std::array kZones = {std::pair{"jst", std::chrono::hours(9)},
+                               std::pair{"bjt", std::chrono::hours(8)}};
 
 void ReadHeaderLine(std::string_view line, PosHeader& header) {
   const std::string lower = LowerCase(line);
   if (lower.find("latitude(d'\")") != std::string::npos) header.is_dms = true;
   if (lower.find("x-ecef") != std::string::npos) header.is_ecef = true;
+  if (lower.find("/geodetic") != std::string::npos) header.is_above_sea = true;
+  if (lower.find("e-baseline") != std::string::npos) header.is_baseline = true;
   const std::string_view start = Trim(std::string_view(lower).substr(1));
   if (start.starts_with("utc")) header.is_utc = true;
   if (start.starts_with("gpst")) header.is_utc = false;
+  for (const auto& [name, ahead] : kZones) {
+    if (!start.starts_with(name)) continue;
+    header.is_utc = true;
+    header.ahead_of_utc = ahead;
+  }
 }
 
 std::optional<double> DegreesOf(std::string_view d, std::string_view m, std::string_view s) {
@@ -53,7 +67,7 @@ std::optional<Solution> ParseRow(std::string_view line, const PosHeader& header,
     const auto written = ParseWrittenTime(
         fmt::format("{} {}", std::string(words[0].substr(0, 16)), std::string(words[1].substr(0, 24))));
     if (!written) return std::nullopt;
-    solution.time = written->time;
+    solution.time = written->time - header.ahead_of_utc;
     if (!header.is_utc) {
       // The calendar of GPS time: the civil date counted without leap seconds.
       const std::int64_t gps_us = written->time.time_since_epoch().count() - kGpsEpochUnixUs;
@@ -93,7 +107,7 @@ std::optional<Solution> ParseRow(std::string_view line, const PosHeader& header,
     const auto height = number(at++);
     if (!lat || !lon || !height) return std::nullopt;
     solution.sample.position = {*lat, *lon};
-    solution.sample.height_ellipsoid_m = height;
+    (header.is_above_sea ? solution.sample.height_amsl_m : solution.sample.height_ellipsoid_m) = height;
   }
   const auto quality = number(at);
   if (!quality || *quality < 1.0) return std::nullopt;  // 0 is no solution
@@ -149,6 +163,8 @@ Result<FlightLog> ParseRtklibPos(std::string_view name, LogBytes bytes, const Co
       ReadHeaderLine(line, header);
       continue;
     }
+    if (header.is_baseline)
+      return Because(ErrorCode::kUnprocessable, {RemarkCode::kSolutionFromBase, {{"file", name}}});
     auto solution = ParseRow(line, header, words);
     if (!solution) {
       ++bad;

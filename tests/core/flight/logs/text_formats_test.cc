@@ -137,6 +137,25 @@ TEST(ParseRtklibPos, ReadsItsCoordinateAndTimeForms) {
   EXPECT_EQ(*by_ecef->utc_at_zero, *UtcFromCivil(2005, 4, 2, 0, 0, 0.0));
 }
 
+TEST(ParseRtklibPos, TakesHeightsTimesAndOriginsAsItsHeaderSays) {
+  const auto japan = ParseRtklibPos(
+      "a.pos", BytesOf("% (lat/lon/height=WGS84/geodetic,Q=1:fix,2:float)\n"
+                       "%  JST                  latitude(deg) longitude(deg)  height(m)   Q  ns\n"
+                       "2005/04/02 09:00:00.000   35.160865956  139.613842997  31.9  1  7 1 2 3\n"));
+  ASSERT_TRUE(japan.ok());
+  EXPECT_EQ(*japan->utc_at_zero, *UtcFromCivil(2005, 4, 2, 0, 0, 0.0));
+  EXPECT_EQ(japan->gnss[0].height_amsl_m, 31.9);
+  EXPECT_FALSE(japan->gnss[0].height_ellipsoid_m);
+  const std::string_view from_base =
+      "%  GPST                 e-baseline(m)  n-baseline(m)  u-baseline(m)   Q  ns\n"
+      "2005/04/02 00:00:00.000   12.34  -45.6  80.1  1  9\n";
+  ASSERT_TRUE(LooksLikeRtklibPos(BytesOf(from_base)));
+  const auto refused = ParseRtklibPos("b.pos", BytesOf(from_base));
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.error().code, ErrorCode::kUnprocessable);
+  EXPECT_NE(refused.error().message.find("metres from its base station"), std::string::npos);
+}
+
 TEST(ParseGeoTxt, ReadsProjectedAndGeographicSystems) {
   const std::string utm =
       "WGS84 UTM 16N\r\nDJI_0001.JPG 609925.8180680283 4950688.771811823 171.66 92.5 1.5 NaN\n";

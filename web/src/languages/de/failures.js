@@ -147,6 +147,8 @@ export const failure_words = {
   points_outside_system: (v) => `${v.file} enthält keinen Passpunkt im Gebiet von ${v.system}.`,
   points_name_no_system: (v) => `${v.file} nennt kein Koordinatensystem, daher sind die Zahlen keine Orte. Schreiben Sie es in die erste Zeile, etwa EPSG:4326 (Länge, Breite), EPSG:32632 (WGS 84 / UTM-Zone 32N) oder den EPSG-Code der Vermessung.`,
   mrk_empty: (v) => `${v.file} enthält keine Belichtung. Kopieren Sie die Datei erneut von der Karte der Kamera.`,
+  solution_from_base: (v) =>
+    `${v.file} enthält Meter von der Basisstation aus (e-baseline), keine Orte. Führen Sie das Post-Processing erneut aus, mit Breite, Länge und Höhe als Ausgabe.`,
   solution_empty: (v) => `${v.file} enthält keine Lösung. Führen Sie das Post-Processing erneut aus.`,
   subtitles_empty: (v) => `${v.file} enthält keinen Untertitel. Kopieren Sie die Datei erneut von der Karte der Kamera.`,
   subtitles_without_place: (v) => `${v.file} enthält keine lesbare Position: Der erste von ${number(v.cues)} Untertiteln lautet ${v.text}. Schalten Sie in der Kamera die Videountertitel ein.`,

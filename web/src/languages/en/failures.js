@@ -150,6 +150,8 @@ export const failure_words = {
   points_outside_system: (v) => `${v.file} has no control point within the area of ${v.system}.`,
   points_name_no_system: (v) => `${v.file} names no coordinate system, so its numbers are no places. Write one into its first line, such as EPSG:4326 (longitude, latitude), EPSG:32632 (WGS 84 / UTM zone 32N) or the EPSG code of the survey.`,
   mrk_empty: (v) => `${v.file} has no exposure in its rows. Copy it from the camera's card again.`,
+  solution_from_base: (v) =>
+    `${v.file} has metres from its base station (e-baseline), not places. Run the post-processing again with latitude, longitude and height as its output.`,
   solution_empty: (v) => `${v.file} has no solution. Run the post-processing again.`,
   subtitles_empty: (v) => `${v.file} has no subtitle. Copy it from the camera's card again.`,
   subtitles_without_place: (v) => `${v.file} has no readable position: the first of its ${number(v.cues)} subtitles says ${v.text}. Switch on video captions in the camera's settings.`,
