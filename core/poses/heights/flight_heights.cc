@@ -198,9 +198,16 @@ FlightHeights ChooseHeights(const std::vector<Photo>& photos, const geo::DemSour
       continue;
     heights.above_ground_m[i] = *photos[i].position->height_ellipsoid_m - *takeoff_m;
   }
-  // Photos without a relative height are tied to the others through their absolute one.
+  // Photos without a relative height are tied to the others through their absolute one. Where others are up
+  // in the air, one below the take-off is down a slope: only an elevation model knows how far above the
+  // ground.
   for (std::size_t i = 0; i < photos.size(); ++i) {
     if (heights.above_ground_m[i] || !photos[i].position) continue;
+    if (const auto below_m = photos[i].position->height_above_takeoff_m;
+        known > 0 && below_m && *below_m < -1.0) {
+      heights.above_ground_m[i] = below_m;
+      continue;
+    }
     if (known > 0 && !takeoff_m) continue;
     if (const auto ellipsoid_m = EllipsoidHeightM(*photos[i].position)) {
       const double above_ground_m = *ellipsoid_m - takeoff_m.value_or(heights.takeoff_ellipsoid_m);

@@ -4,6 +4,7 @@
 
 #include "core/flight/remarks/remark_words.h"
 #include "core/geo/geoid.h"
+#include "core/poses/estimate_poses.h"
 
 namespace skyquilt::poses {
 namespace {
@@ -56,6 +57,47 @@ TEST(ChooseHeights, TiesAPhotoWithoutRelativeHeightToTheOthersThroughItsAbsolute
   const FlightHeights heights = ChooseHeights(photos, nullptr);
   EXPECT_EQ(heights.above_ground_m[2], 65.0);
   EXPECT_FALSE(heights.above_ground_m[3].has_value());
+}
+
+TEST(ChooseHeights, KeepsPhotosBelowTheTakeoffForAnElevationModel) {
+  std::vector<flight::Photo> photos = Photos(4);
+  const double above_takeoff_m[] = {40.0, 15.0, -12.0, -35.0};
+  for (std::size_t i = 0; i < photos.size(); ++i) {
+    photos[i].position->height_above_takeoff_m = above_takeoff_m[i];
+    photos[i].position->height_ellipsoid_m = 500.0 + above_takeoff_m[i];
+  }
+  const FlightHeights heights = ChooseHeights(photos, nullptr);
+  for (std::size_t i = 0; i < photos.size(); ++i) EXPECT_EQ(heights.above_ground_m[i], above_takeoff_m[i]);
+  EXPECT_DOUBLE_EQ(heights.takeoff_ellipsoid_m, 500.0);
+}
+
+// Falls by a twentieth towards north.
+class FallingDem final : public geo::DemSource {
+ public:
+  std::optional<double> GroundHeightM(const geo::LatLon& at) const override {
+    return 500.0 - 0.05 * (at.lat_deg - 50.8) / kDegPerM;
+  }
+};
+
+TEST(ChooseHeights, PhotosBelowTheTakeoffLieOverAnElevationModel) {
+  flight::Flight flight;
+  flight.photos = Photos(5);
+  for (std::size_t i = 0; i < flight.photos.size(); ++i) {
+    flight.photos[i].name = "IMG_" + std::to_string(i) + ".JPG";
+    flight.photos[i].position->position.lat_deg = 50.8 + 280.0 * kDegPerM * static_cast<double>(i);
+    flight.photos[i].position->height_above_takeoff_m = 30.0 - 14.0 * static_cast<double>(i);
+  }
+  const FallingDem dem;
+  EstimatePosesOptions options;
+  const auto without = EstimatePoses(flight, options);
+  ASSERT_TRUE(without.ok()) << without.error().message;
+  ASSERT_FALSE(without->left_out.empty());
+  EXPECT_NE(InWords(without->left_out.back().reason).find("--dem"), std::string::npos);
+  options.dem = &dem;
+  const auto over_model = EstimatePoses(flight, options);
+  ASSERT_TRUE(over_model.ok()) << over_model.error().message;
+  ASSERT_EQ(over_model->photos.size(), 5u);
+  for (const PosedPhoto& photo : over_model->photos) EXPECT_NEAR(photo.height_above_ground_m, 30.0, 2.0);
 }
 
 TEST(ChooseHeights, LetsSurveyedHeightsDifferAsTheyWereMeasured) {
