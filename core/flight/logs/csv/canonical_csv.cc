@@ -33,14 +33,7 @@ CameraEvent EventOf(const CsvRow& row, AttitudeKind kind) {
   event.height_ellipsoid_m = row[M::kHeightEllipsoid];
   event.height_amsl_m = row[M::kHeightAmsl];
   event.height_above_takeoff_m = row[M::kHeightAboveTakeoff];
-  if (row.Has(M::kRoll, M::kYaw)) {
-    event.yaw_pitch_roll_rad = Eigen::Vector3d(*row[M::kYaw], *row[M::kPitch], *row[M::kRoll]);
-    event.attitude_kind = kind;
-  } else if (row[M::kGimbalPitch] && row[M::kGimbalYaw]) {
-    event.yaw_pitch_roll_rad =
-        Eigen::Vector3d(*row[M::kGimbalYaw], *row[M::kGimbalPitch], row[M::kGimbalRoll].value_or(0.0));
-    event.attitude_kind = AttitudeKind::kGimbal;
-  }
+  TakeAngles(row, kind, event);
   const auto horizontal = row[M::kSigmaHorizontal];
   if (horizontal && *horizontal > 0.0) {
     const double vertical = row[M::kSigmaVertical].value_or(2.0 * *horizontal);

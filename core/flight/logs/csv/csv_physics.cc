@@ -1,121 +1,19 @@
 #include "core/flight/logs/csv/csv_physics.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "core/base/median.h"
 #include "core/base/try.h"
-#include "core/flight/bytes/text_fields.h"
-#include "core/flight/remarks/because.h"
+#include "core/geo/geodesic.h"
 
 namespace skyquilt::flight {
 namespace {
 
 using M = CsvMeaning;
-constexpr double kGravity = 9.80665;
-
-void Rescale(std::vector<CsvColumn>& columns, M first, M last, double factor, const char* unit) {
-  for (CsvColumn& column : columns) {
-    if (column.meaning >= first && column.meaning <= last) {
-      column.scale *= factor;
-      column.unit = unit;
-    }
-  }
-}
-
-Error Contradiction(const CsvColumn& column, Remark why) {
-  return Because(ErrorCode::kUnprocessable, {RemarkCode::kColumnContradicts,
-                                             {{"column", Quoted(column.header)}, {"why", std::move(why)}}});
-}
-
-// Median |specific force| is one gravity, whatever the motion of an ordinary flight.
-Result<void> CheckAcceleration(std::vector<CsvColumn>& columns, const std::vector<CsvRow>& preview,
-                               CsvFindings& findings) {
-  std::vector<double> norms, x, y, z;
-  for (const CsvRow& row : preview) {
-    if (!row.Has(M::kAccelX, M::kAccelZ)) continue;
-    x.push_back(*row[M::kAccelX]);
-    y.push_back(*row[M::kAccelY]);
-    z.push_back(*row[M::kAccelZ]);
-    norms.push_back(std::sqrt(x.back() * x.back() + y.back() * y.back() + z.back() * z.back()));
-  }
-  if (norms.size() < 10) return {};
-  CsvColumn* column = ColumnOf(columns, M::kAccelX);
-  const double norm = Median(norms);
-  double factor = 0.0;
-  const auto near = [&](double one_gravity) { return norm > 0.7 * one_gravity && norm < 1.4 * one_gravity; };
-  if (near(kGravity))
-    factor = 1.0;
-  else if (column->unit_is_written) {
-    return Contradiction(*column,
-                         {RemarkCode::kUnitMakesGravity, {{"unit", column->unit}, {"gravity_mps2", norm}}});
-  } else if (near(1.0))
-    factor = kGravity;
-  else if (near(1000.0))
-    factor = kGravity * 1e-3;
-  if (factor == 0.0) {
-    return Contradiction(*column, {RemarkCode::kGravityOfNoUnit, {{"force", norm}}});
-  }
-  if (factor != 1.0) Rescale(columns, M::kAccelX, M::kAccelZ, factor, factor > 1.0 ? "g" : "mg");
-  const double up = Median(z);
-  if (std::abs(up) < 0.6 * norm) {
-    return Contradiction(*ColumnOf(columns, M::kAccelZ), RemarkCode::kGravityOffAxis);
-  }
-  findings.imu_z_is_up = up > 0.0;
-  findings.notes.push_back(
-      findings.imu_z_is_up
-          ? "IMU axes -> forward, left, up (az is positive at rest); turned to forward, right, down"
-          : "IMU axes -> forward, right, down");
-  return {};
-}
-
-// Turns seen by the attitude column against the turns of the integrated rates.
-Result<void> CheckRates(std::vector<CsvColumn>& columns, const std::vector<CsvRow>& preview,
-                        double seconds_per_time) {
-  CsvColumn* column = ColumnOf(columns, M::kGyroX);
-  if (column == nullptr) return {};
-  std::optional<Eigen::Quaterniond> last_attitude;
-  std::optional<double> last_t;
-  double turned = 0.0;
-  std::vector<double> rates, ratios;
-  for (const CsvRow& row : preview) {
-    const auto t = row[M::kTime];
-    if (!row.Has(M::kGyroX, M::kGyroZ) || !t) continue;
-    const double rate = std::sqrt(*row[M::kGyroX] * *row[M::kGyroX] + *row[M::kGyroY] * *row[M::kGyroY] +
-                                  *row[M::kGyroZ] * *row[M::kGyroZ]);
-    rates.push_back(rate);
-    if (last_t) turned += rate * std::clamp((*t - *last_t) * seconds_per_time, 0.0, 1.0);
-    last_t = t;
-    std::optional<Eigen::Quaterniond> attitude;
-    if (row.Has(M::kQw, M::kQz))
-      attitude = Eigen::Quaterniond(*row[M::kQw], *row[M::kQx], *row[M::kQy], *row[M::kQz]).normalized();
-    else if (row.Has(M::kRoll, M::kYaw))
-      attitude = NedFromYawPitchRoll(*row[M::kYaw], *row[M::kPitch], *row[M::kRoll]);
-    if (!attitude) continue;
-    if (last_attitude) {
-      const double angle = last_attitude->angularDistance(*attitude);
-      if (angle < 0.05) continue;  // wait until a turn stands out of the noise
-      if (angle < 1.0 && turned > 0.0) ratios.push_back(turned / angle);
-    }
-    last_attitude = attitude;
-    turned = 0.0;
-  }
-  if (rates.empty()) return {};
-  const double limit = 20.0;  // rad/s; nothing that takes photos turns faster for long
-  const double factor_deg = geo::DegToRad(1.0);
-  bool is_deg = false;
-  if (ratios.size() >= 5)
-    is_deg = std::abs(std::log(Median(ratios) * factor_deg)) < std::abs(std::log(Median(ratios)));
-  else
-    is_deg = Median(rates) > limit;
-  if (!is_deg) return {};
-  if (column->unit_is_written) {
-    return Contradiction(*column, {RemarkCode::kRatesLookLikeDegrees, {{"unit", column->unit}}});
-  }
-  Rescale(columns, M::kGyroX, M::kGyroZ, factor_deg, "deg/s");
-  return {};
-}
 
 // A column of exposures with more than noughts and ones numbers the photos.
 void TellNumbersFromFlags(std::vector<CsvColumn>& columns, const std::vector<CsvRow>& preview) {
@@ -143,6 +41,33 @@ bool HoldsExposuresAlone(std::vector<CsvColumn>& columns) {
   return std::all_of(columns.begin(), columns.end(), [](const CsvColumn& column) {
     return column.meaning <= M::kTimeOfDay || column.meaning >= M::kEvent;
   });
+}
+
+// Between places that differ, were the time column's unit a second; nothing where rows hold no two places.
+std::optional<double> MedianSpeedMps(const std::vector<CsvRow>& preview) {
+  std::optional<geo::LatLon> last;
+  double last_t = 0.0;
+  std::vector<double> speeds_mps;
+  for (const CsvRow& row : preview) {
+    const auto place = PlaceOf(row);
+    if (!place || !row[M::kTime]) continue;
+    const double metres = last ? geo::MetresApart(*last, *place) : 0.0;
+    if (last && metres <= 0.0) continue;  // not measured anew
+    const double step = *row[M::kTime] - last_t;
+    if (last && step > 0.0) speeds_mps.push_back(metres / step);
+    last = place;
+    last_t = *row[M::kTime];
+  }
+  return MedianIfAny(std::move(speeds_mps));
+}
+
+// Rows of exposures and slow receivers come seconds apart, which is a recorder's step in milliseconds: where
+// it flew says which.
+double FactorOfSpeed(const std::vector<CsvRow>& preview, double factor) {
+  constexpr double kFastestMps = 150.0;  // of what takes photos for maps
+  const auto speed_mps = MedianSpeedMps(preview);
+  while (speed_mps && factor < 1.0 && *speed_mps / factor > kFastestMps) factor *= 1e3;
+  return std::min(factor, 1.0);
 }
 
 // The unit of the time column from its size (Unix times) or its step.
@@ -176,7 +101,8 @@ Result<double> CheckTime(std::vector<CsvColumn>& columns, const std::vector<CsvR
     else if (size > 3e8 && step <= 60.0)
       factor = 1.0;
     else
-      factor = HoldsExposuresAlone(columns) ? FactorOfTriggerStep(step) : FactorOfRecorderStep(step);
+      factor = HoldsExposuresAlone(columns) ? FactorOfTriggerStep(step)
+                                            : FactorOfSpeed(preview, FactorOfRecorderStep(step));
     column->scale *= factor;
     column->unit = factor == 1.0 ? "s" : factor == 1e-3 ? "ms" : factor == 1e-6 ? "us" : "ns";
   }
@@ -208,33 +134,75 @@ void CheckDate(const std::vector<CsvColumn>& columns, const std::vector<CsvRow>&
   if (ticks > 2) findings.clock.rows_per_tick = static_cast<double>(rows) / static_cast<double>(ticks);
 }
 
+// The sizes of a column's numbers that are not 0.
+struct Sizes {
+  double median = 0.0, least = 0.0, greatest = 0.0;
+  bool are_whole = true;
+};
+
+std::optional<Sizes> SizesOf(const std::vector<CsvRow>& preview, M meaning) {
+  std::vector<double> values;
+  for (const CsvRow& row : preview) {
+    if (row[meaning] && *row[meaning] != 0.0) values.push_back(std::abs(*row[meaning]));
+  }
+  if (values.empty()) return std::nullopt;
+  const auto [least, greatest] = std::minmax_element(values.begin(), values.end());
+  Sizes sizes{0.0, *least, *greatest, true};
+  sizes.are_whole =
+      std::all_of(values.begin(), values.end(), [](double value) { return value == std::floor(value); });
+  sizes.median = Median(std::move(values));
+  return sizes;
+}
+
+// Heights beside positions that are whole numbers are so in millimetres: no flight climbs a kilometre.
+void CheckHeights(std::vector<CsvColumn>& columns, std::vector<CsvRow>& preview) {
+  constexpr double kHighestM = 9000.0, kHighestClimbM = 1000.0;
+  for (const M meaning : {M::kHeightEllipsoid, M::kHeightAmsl, M::kHeightAboveTakeoff}) {
+    const CsvColumn* column = ColumnOf(columns, meaning);
+    const auto sizes = SizesOf(preview, meaning);
+    if (column == nullptr || column->unit_is_written || !sizes || !sizes->are_whole) continue;
+    if (sizes->median > kHighestM || sizes->greatest - sizes->least > kHighestClimbM)
+      Rescale(columns, preview, {meaning, meaning}, 1e-3, "mm");
+  }
+}
+
+// Positions may be whole numbers of 1e-7 degrees. What else is no degrees is metres of a plane, degrees with
+// their minutes ("4650.5565") or the other coordinate, and would lie in the sea before Africa.
+Result<void> CheckPositions(std::vector<CsvColumn>& columns, std::vector<CsvRow>& preview) {
+  constexpr double kSmallUnit = 1e-7, kNearestDeg = 1.0;
+  constexpr std::array kBoth = {std::pair{M::kLat, 90.0}, std::pair{M::kLon, 180.0}};
+  const std::array sizes = {SizesOf(preview, M::kLat), SizesOf(preview, M::kLon)};
+  if (!sizes[0] || !sizes[1]) return {};
+  const bool may_be_small = sizes[0]->are_whole && sizes[1]->are_whole &&
+                            std::max(sizes[0]->median, sizes[1]->median) * kSmallUnit > kNearestDeg;
+  bool are_small = false;
+  for (std::size_t i = 0; i < kBoth.size(); ++i) {
+    const auto& [meaning, most_deg] = kBoth[i];
+    const double median = sizes[i]->median;
+    if (median <= most_deg) continue;
+    if (!may_be_small || median * kSmallUnit > most_deg) {
+      const RemarkCode why = meaning == M::kLat ? RemarkCode::kIsNoLatitude : RemarkCode::kIsNoLongitude;
+      return Contradiction(*ColumnOf(columns, meaning), {why, {{"degrees", median}}});
+    }
+    are_small = true;
+  }
+  if (!are_small) return {};
+  Rescale(columns, preview, {M::kLat, M::kLon}, kSmallUnit, "1e-7 deg");
+  CheckHeights(columns, preview);
+  return {};
+}
+
 }  // namespace
 
-Result<CsvFindings> CheckCsvPhysics(std::vector<CsvColumn>& columns, const std::vector<CsvRow>& preview) {
+Result<CsvFindings> CheckCsvPhysics(std::vector<CsvColumn>& columns, std::vector<CsvRow>& preview) {
   CsvFindings findings;
-  SKYQUILT_TRY_ASSIGN(const auto time_factor, CheckTime(columns, preview, findings));
+  SKYQUILT_TRY(CheckPositions(columns, preview));
+  SKYQUILT_TRY_ASSIGN(const double seconds_per_time, CheckTime(columns, preview, findings));
   CheckDate(columns, preview, findings);
   TellNumbersFromFlags(columns, preview);
-  SKYQUILT_TRY(CheckAcceleration(columns, preview, findings));
-  SKYQUILT_TRY(CheckRates(columns, preview, time_factor));
-  // Positions as integers of 1e-7 degrees.
-  for (const M meaning : {M::kLat, M::kLon}) {
-    std::vector<double> sizes;
-    for (const CsvRow& row : preview) {
-      if (row[meaning] && *row[meaning] != 0.0) sizes.push_back(std::abs(*row[meaning]));
-    }
-    CsvColumn* column = ColumnOf(columns, meaning);
-    if (sizes.empty() || column == nullptr) continue;
-    const double most = meaning == M::kLat ? 90.0 : 180.0;
-    const double median = Median(sizes);
-    if (median <= most) continue;
-    if (median * 1e-7 > most) {
-      const bool is_lat = meaning == M::kLat;
-      return Contradiction(
-          *column, {is_lat ? RemarkCode::kIsNoLatitude : RemarkCode::kIsNoLongitude, {{"degrees", median}}});
-    }
-    Rescale(columns, meaning, meaning, 1e-7, "1e-7 deg");
-  }
+  SettleAngleUnits(columns, preview);
+  SettlePressureUnit(columns, preview);
+  SKYQUILT_TRY_ASSIGN(findings.axes, SettleInertialUnits(columns, preview, seconds_per_time));
   return findings;
 }
 

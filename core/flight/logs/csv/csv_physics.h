@@ -4,17 +4,17 @@
 
 #include "core/base/result.h"
 #include "core/flight/logs/csv/csv_rows.h"
+#include "core/flight/logs/csv/sensor_units.h"
 
 namespace skyquilt::flight {
 
 struct CsvFindings {
   CsvClockRule clock;
-  bool imu_z_is_up = false;
-  std::vector<std::string> notes;  // for FlightLog::mapping
+  SensorAxes axes;
 };
 
 // Corrects the scales in `columns` where the unit was not written, by the first rows of the file. Errors:
 // kUnprocessable naming the column.
-Result<CsvFindings> CheckCsvPhysics(std::vector<CsvColumn>& columns, const std::vector<CsvRow>& preview);
+Result<CsvFindings> CheckCsvPhysics(std::vector<CsvColumn>& columns, std::vector<CsvRow>& preview);
 
 }  // namespace skyquilt::flight

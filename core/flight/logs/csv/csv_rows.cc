@@ -140,6 +140,17 @@ std::optional<WrittenPlace> WrittenPlaceOf(const CsvRow& row) {
   return WrittenPlace{*row[M::kLon], *row[M::kLat]};
 }
 
+void TakeAngles(const CsvRow& row, AttitudeKind kind, CameraEvent& event) {
+  if (row[M::kGimbalPitch] && row[M::kGimbalYaw]) {
+    event.yaw_pitch_roll_rad =
+        Eigen::Vector3d(*row[M::kGimbalYaw], *row[M::kGimbalPitch], row[M::kGimbalRoll].value_or(0.0));
+    event.attitude_kind = AttitudeKind::kGimbal;
+  } else if (row.Has(M::kRoll, M::kYaw)) {
+    event.yaw_pitch_roll_rad = Eigen::Vector3d(*row[M::kYaw], *row[M::kPitch], *row[M::kRoll]);
+    event.attitude_kind = kind;
+  }
+}
+
 std::optional<double> CsvSampler::PlaceInTime(const CsvRow& row) {
   const auto& written = row.written;
   if (rule_.has_time_column) {
@@ -252,13 +263,7 @@ void CsvSampler::TakeEvent(const CsvRow& row, double t_s) {
   event.height_amsl_m = row[M::kHeightAmsl];
   event.height_above_takeoff_m = row[M::kHeightAboveTakeoff];
   event.height_above_ground_m = row[M::kHeightAboveGround];
-  if (row[M::kGimbalPitch] && row[M::kGimbalYaw]) {
-    event.yaw_pitch_roll_rad =
-        Eigen::Vector3d(*row[M::kGimbalYaw], *row[M::kGimbalPitch], row[M::kGimbalRoll].value_or(0.0));
-    event.attitude_kind = AttitudeKind::kGimbal;
-  } else if (row.Has(M::kRoll, M::kYaw)) {
-    event.yaw_pitch_roll_rad = Eigen::Vector3d(*row[M::kYaw], *row[M::kPitch], *row[M::kRoll]);
-  }
+  TakeAngles(row, event.attitude_kind, event);
   builder_.Add(std::move(event));
 }
 

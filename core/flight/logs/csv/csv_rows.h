@@ -46,6 +46,9 @@ struct CsvClockRule {
 // Longitude and latitude of a row as its cells give them.
 std::optional<WrittenPlace> WrittenPlaceOf(const CsvRow& row);
 
+// The camera's own angles; where the row has none the others, which are of `kind`.
+void TakeAngles(const CsvRow& row, AttitudeKind kind, CameraEvent& event);
+
 // Turns rows into samples. Also the axes of the IMU: flips y and z where the file's z points up.
 class CsvSampler {
  public:

@@ -6,6 +6,7 @@
 #include <map>
 #include <utility>
 
+#include "core/base/median.h"
 #include "core/base/try.h"
 #include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/csv/canonical_csv.h"
@@ -55,6 +56,36 @@ std::optional<CsvHeader> FindHeader(LineReader& lines) {
     if (timed ? useful : has_position && names_photos) return header;
   }
   return std::nullopt;
+}
+
+std::vector<CsvRow> PreviewOf(LineReader lines, const CsvHeader& header) {
+  std::vector<CsvRow> preview;
+  std::string_view line;
+  std::vector<std::string_view> cells;
+  const std::size_t begin = lines.offset();
+  while (preview.size() < kPreviewRows && lines.offset() - begin < kPreviewBytes && lines.Next(line)) {
+    if (Trim(line).empty() || line.front() == '#') continue;
+    SplitFields(line, header.separator, cells);
+    preview.push_back(ReadCsvRow(header.columns, cells));
+  }
+  return preview;
+}
+
+// "height" alone: of drones' own programs above take-off, of surveys above the ellipsoid. Nobody maps from as
+// high above the take-off as much land lies above the sea.
+void SettleListHeight(std::vector<CsvColumn>& columns, const std::vector<CsvRow>& preview) {
+  constexpr double kHighestFlightM = 150.0;
+  CsvColumn* column = ColumnOf(columns, M::kHeightAboveTakeoff);
+  if (column == nullptr || HasColumn(columns, M::kHeightEllipsoid)) return;
+  const std::string name = LowerCase(column->header);
+  const auto says = [&](std::string_view word) { return name.find(word) != std::string::npos; };
+  if (!name.starts_with("height") || says("take") || says("rel")) return;
+  std::vector<double> heights_m;
+  for (const CsvRow& row : preview) {
+    if (const auto height_m = row[M::kHeightAboveTakeoff]) heights_m.push_back(*height_m);
+  }
+  const auto typical_m = MedianIfAny(std::move(heights_m));
+  if (typical_m && *typical_m > kHighestFlightM) column->meaning = M::kHeightEllipsoid;
 }
 
 // Replay rows: "4000,imu,ax,ay,az,gx,gy,gz", "200000,gps,alt_mm,lon_e7,lat_e7,vn,ve,vd", "4000,baro,height".
@@ -174,18 +205,12 @@ Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const 
   }
   SKYQUILT_TRY_ASSIGN(const SettledColumns settled,
                       SettleColumns(name, lines, header->separator, header->columns));
-  if (!header->is_timed || settled.rows_are_photos)
+  std::vector<CsvRow> preview = PreviewOf(lines, *header);
+  if (!header->is_timed || settled.rows_are_photos) {
+    SettleAngleUnits(header->columns, preview);
+    SettleListHeight(header->columns, preview);
     return ReadImageRows(header->columns, settled, header->separator, lines,
                          LogBuilder("tolerant_csv", name));
-  std::vector<CsvRow> preview;  // views into the file's text
-  std::string_view line;
-  std::vector<std::string_view> cells;
-  LineReader ahead = lines;
-  const std::size_t begin = ahead.offset();
-  while (preview.size() < kPreviewRows && ahead.offset() - begin < kPreviewBytes && ahead.Next(line)) {
-    if (Trim(line).empty() || line.front() == '#') continue;
-    SplitFields(line, header->separator, cells);
-    preview.push_back(ReadCsvRow(header->columns, cells));
   }
   const auto found = CheckCsvPhysics(header->columns, preview);
   if (!found) {
@@ -196,7 +221,9 @@ Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const 
   preview = std::vector<CsvRow>();
 
   const bool relative = HasColumn(header->columns, M::kHeightAboveTakeoff);
-  CsvSampler sampler(builder, findings.clock, findings.imu_z_is_up, relative);
+  CsvSampler sampler(builder, findings.clock, findings.axes.imu_z_is_up, relative);
+  std::string_view line;
+  std::vector<std::string_view> cells;
   std::uint64_t rows = 0;
   std::uint64_t bad = 0;
   UnreadCells unread;
@@ -219,7 +246,7 @@ Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const 
   sampler.Finish();
   builder.Count("row", rows);
   builder.log().mapping = DescribeColumns(header->columns);
-  for (const auto* notes : {&settled.notes, &findings.notes})
+  for (const auto* notes : {&settled.notes, &findings.axes.notes})
     builder.log().mapping.insert(builder.log().mapping.end(), notes->begin(), notes->end());
   for (const Remark& warning : settled.warnings) builder.Warn(warning);
   unread.Tell(header->columns, builder);

@@ -1,6 +1,7 @@
 #include "core/flight/logs/texts/pix4d_csv.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <initializer_list>
 #include <optional>
@@ -49,12 +50,15 @@ std::vector<std::string> HeaderOf(std::string_view line) {
     return std::any_of(words.begin(), words.end(),
                        [&](std::string_view w) { return names[i].starts_with(w); });
   };
+  // A list of Pix4D's has heights above the ellipsoid, in metres; other ones say what theirs are.
+  constexpr std::array<std::string_view, 9> kOther = {"ft",  "feet",   "takeoff", "take-off", "take_off",
+                                                      "rel", "ground", "msl",     "sea"};
+  const auto is_other = [&](std::string_view word) { return names[3].find(word) != std::string::npos; };
   const bool is_header = names.size() >= 4 && names[0].starts_with("image") &&
                          starts(1, {"latitude", "longitude", "east", "north", "x", "y", "coordinate"}) &&
                          starts(2, {"latitude", "longitude", "east", "north", "x", "y", "coordinate"}) &&
                          starts(3, {"alt", "z", "height", "elev", "coordinate"}) &&
-                         names[3].find("ft") == std::string::npos &&
-                         names[3].find("feet") == std::string::npos;
+                         std::none_of(kOther.begin(), kOther.end(), is_other);
   if (!is_header) names.clear();
   return names;
 }

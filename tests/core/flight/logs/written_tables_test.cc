@@ -360,6 +360,17 @@ TEST(WrittenTables, ReadsListsOfExiftoolWithLocalDates) {
   EXPECT_NEAR(*log.events[1].height_amsl_m, 198.6, 1e-9);
 }
 
+TEST(WrittenTables, TakesTheCamerasAnglesBeforeTheAirframes) {
+  const FlightLog log = Parse(
+      "SourceFile,GPSLatitude,GPSLongitude,Pitch,Yaw,Roll,GimbalRollDegree,GimbalYawDegree,GimbalPitchDegree\n"
+      "./a.JPG,46.842608,-91.994561,-12.4,91.0,1.2,+0.00,+90.1,-90.00\n"
+      "./b.JPG,46.842692,-91.994428,-11.9,91.0,1.1,+0.00,+90.2,-60.00\n");
+  ASSERT_EQ(log.events.size(), 2u);
+  EXPECT_EQ(log.events[0].attitude_kind, AttitudeKind::kGimbal);
+  EXPECT_NEAR(log.events[1].yaw_pitch_roll_rad->x(), geo::DegToRad(90.2), 1e-9);
+  EXPECT_NEAR(log.events[1].yaw_pitch_roll_rad->y(), geo::DegToRad(-60.0), 1e-9);
+}
+
 TEST(WrittenTables, ExplainsWhatStopsATable) {
   const auto why = [](std::string_view text) {
     return InWords(ExplainUnknownTable(BytesOf(text), "a.csv").value_or(""));

@@ -1,0 +1,46 @@
+// The units of a table's sensors, where no header says them, by what its first rows show: gravity, turns, the
+// course, the air. Also what the other checks of them need (csv_physics.h). Angles in radians, NED. Pure; any
+// thread.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/flight/logs/csv/csv_rows.h"
+#include "core/flight/remarks/remark.h"
+
+namespace skyquilt::flight {
+
+// Meanings from the first to the last.
+struct CsvMeanings {
+  CsvMeaning first = CsvMeaning::kIgnored, last = CsvMeaning::kIgnored;
+};
+
+// The columns of these meanings, and their numbers in the first rows.
+void Rescale(std::vector<CsvColumn>& columns, std::vector<CsvRow>& preview, CsvMeanings meanings,
+             double factor, const char* unit);
+
+// kUnprocessable, with the column's name.
+Error Contradiction(const CsvColumn& column, Remark why);
+
+// Nothing where the row has none, or one off the Earth.
+std::optional<geo::LatLon> PlaceOf(const CsvRow& row);
+
+struct SensorAxes {
+  bool imu_z_is_up = false;
+  std::vector<std::string> notes;  // for FlightLog::mapping
+};
+
+// Specific force in g, mg or m/s2, rates in degrees or radians a second, and which way the axes point. Error:
+// Contradiction.
+Result<SensorAxes> SettleInertialUnits(std::vector<CsvColumn>& columns, std::vector<CsvRow>& preview,
+                                       double seconds_per_time);
+
+// Angles that are read as degrees and keep to the course of the positions as radians alone.
+void SettleAngleUnits(std::vector<CsvColumn>& columns, std::vector<CsvRow>& preview);
+
+// Pascals, hectopascals, kilopascals and inches of mercury differ by more than the weather and any flight.
+void SettlePressureUnit(std::vector<CsvColumn>& columns, std::vector<CsvRow>& preview);
+
+}  // namespace skyquilt::flight
