@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
-import { formOf, jobArea, kFormats, kHeights, kLayers, kLimits, kMethods, kPresets, kStandard, kSurfaces, optionsOf, timesCoarser } from '../../web/src/flight/job_options.js';
+import { formOf, jobArea, kChoices, kLayers, kLimits, kPresets, kStandard, optionsOf, timesCoarser } from '../../web/src/flight/job_options.js';
 import { mapIdle } from './support/browser.js';
 import { photoFiles } from './support/photo_files.js';
 import { assertAccessible, assertQuiet, openReady, options, usePages } from './support/pages.js';
@@ -13,17 +13,16 @@ const contract = JSON.parse(readFileSync(new URL('../../api/openapi.json', impor
 const kArea = /** @type {GeoJSON.Polygon} */ ({ type: 'Polygon', coordinates: [[[7.1, 46.8], [7.2, 46.8], [7.2, 46.9], [7.1, 46.8]]] });
 
 test('the form offers what the contract allows', () => {
-  assert.deepEqual(kMethods, contract.method.enum);
-  assert.deepEqual(kFormats, contract.format.enum);
-  assert.deepEqual(kSurfaces, contract.surface.enum);
-  assert.deepEqual(kHeights, contract.heights.enum);
+  for (const [name, values] of Object.entries(kChoices)) {
+    assert.deepEqual(values, contract[name].enum);
+    assert.equal(values[0], contract[name].default);
+  }
   assert.deepEqual(kLayers, contract.layers.items.enum);
-  const limits = (/** @type {string} */ name, scale = 1) => ({ least: contract[name].minimum * scale, most: contract[name].maximum * scale });
-  assert.deepEqual(kLimits.resolution_cm, limits('gsd_m', 100));
-  assert.deepEqual(kLimits.max_look_deg, limits('max_look_deg'));
-  assert.deepEqual(kLimits.readout_ms, limits('readout_ms'));
-  assert.deepEqual(kLimits.takeoff_height_m, limits('takeoff_height_m'));
-  assert.deepEqual(kLimits.quality, { ...limits('quality'), is_whole: true });
+  for (const [field, limits] of Object.entries(kLimits)) {
+    const [name, scale] = field === 'resolution_cm' ? ['gsd_m', 100] : [field, 1];
+    const { minimum, maximum, default: usual, type } = contract[name];
+    assert.deepEqual(limits, { least: minimum * scale, most: maximum * scale, ...(usual === undefined ? {} : { usual }), ...(type === 'integer' ? { is_whole: true } : {}) });
+  }
   for (const name of Object.keys(optionsOf({ ...kStandard, resolution_cm: '5', method: 'imu', surface: 'dense', heights: 'dtm', max_look_deg: '50', readout_ms: '30', format: 'webp', quality: '90', origin: '46.95 7.44', takeoff_height_m: '512', boundary: kArea }).options)) assert.ok(name in contract, name);
 });
 

@@ -21,24 +21,31 @@ import { parsePlace } from '../map/parse_place.js';
  */
 /** @typedef {GeoJSON.Polygon|GeoJSON.MultiPolygon} Area */
 /** @typedef {Record<string, any>} JobOptions */
-/** @typedef {'resolution_cm'|'max_look_deg'|'readout_ms'|'quality'|'origin'|'takeoff_height_m'} TypedField */
+/** @typedef {'method'|'surface'|'heights'|'format'} Choice */
+/** @typedef {'resolution_cm'|'max_look_deg'|'readout_ms'|'quality'|'takeoff_height_m'} NumberField */
+/** @typedef {NumberField|'origin'} TypedField */
 
-export const kMethods = ['auto', 'images', 'imu', 'features', 'direct'];
-export const kSurfaces = ['smooth', 'dense', 'auto'];
-export const kHeights = ['none', 'dsm', 'dtm'];
-export const kFormats = ['auto', 'jpeg-png', 'webp'];
+/** What is chosen of each; the first where nothing is said. @type {Record<Choice, string[]>} */
+export const kChoices = {
+  method: ['auto', 'images', 'imu', 'features', 'direct'],
+  surface: ['smooth', 'dense', 'auto'],
+  heights: ['none', 'dsm', 'dtm'],
+  format: ['auto', 'jpeg-png', 'webp'],
+};
+export const kChoiceNames = /** @type {Choice[]} */ (Object.keys(kChoices));
 export const kLayers = ['photo', 'error', 'height'];
-/** What the contract allows. @type {Record<Exclude<TypedField, 'origin'>, {least: number, most: number, is_whole?: boolean}>} */
+/** What the contract allows; usual: where nothing is typed. @type {Record<NumberField, {least: number, most: number, usual?: number, is_whole?: boolean}>} */
 export const kLimits = {
   resolution_cm: { least: 0.1, most: 10_000 },
-  max_look_deg: { least: 10, most: 75 },
+  max_look_deg: { least: 10, most: 75, usual: 65 },
   readout_ms: { least: 0, most: 500 },
-  quality: { least: 1, most: 100, is_whole: true },
+  quality: { least: 1, most: 100, usual: 85, is_whole: true },
   takeoff_height_m: { least: -500, most: 9000 },
 };
+const kNumbers = /** @type {NumberField[]} */ (Object.keys(kLimits));
 
 /** @type {Readonly<OptionsForm>} */
-export const kStandard = { resolution_cm: '', not_finer: true, method: 'auto', surface: 'smooth', heights: 'none', layers: kLayers, max_look_deg: '', readout_ms: '', format: 'auto', quality: '', origin: '', takeoff_height_m: '', boundary: null };
+export const kStandard = formOf({ layers: kLayers });
 
 /** Those that come with the page, by their names in strings.options.presets. @type {Record<'standard'|'quick'|'detailed', OptionsForm>} */
 export const kPresets = {
@@ -50,6 +57,9 @@ export const kPresets = {
 /** @param {string} text as people of many countries write numbers @returns {number} NaN where it is none */
 const numberOf = (text) => (/^[+-]?(\d+([.,]\d*)?|[.,]\d+)$/.test(text.trim()) ? Number(text.trim().replace(',', '.')) : NaN);
 
+/** What is not as where nothing is said. @param {OptionsForm} form @returns {[Choice, string][]} */
+export const chosenIn = (form) => kChoiceNames.flatMap((field) => (form[field] === kChoices[field][0] ? [] : [[field, form[field]]]));
+
 /**
  * @param {OptionsForm} form
  * @returns {{options: JobOptions, faults: TypedField[]}} faults: fields that the server would refuse
@@ -57,33 +67,22 @@ const numberOf = (text) => (/^[+-]?(\d+([.,]\d*)?|[.,]\d+)$/.test(text.trim()) ?
 export function optionsOf(form) {
   /** @type {TypedField[]} */
   const faults = [];
-  const typed = (/** @type {Exclude<TypedField, 'origin'>} */ field) => {
-    if (form[field].trim() === '') return null;
+  /** @type {JobOptions} */
+  const options = { layers: kLayers.filter((layer) => form.layers.includes(layer)) };
+  for (const field of kNumbers) {
+    if (form[field].trim() === '') continue;
     const value = numberOf(form[field]);
     const { least, most, is_whole } = kLimits[field];
     if (!(value >= least && value <= most) || (is_whole && !Number.isInteger(value))) faults.push(field);
-    return value;
-  };
-  const [resolution_cm, max_look_deg, readout_ms, quality, takeoff_height_m] = [typed('resolution_cm'), typed('max_look_deg'), typed('readout_ms'), typed('quality'), typed('takeoff_height_m')];
+    if (field === 'resolution_cm') Object.assign(options, { gsd_m: value / 100, not_finer_than_photos: form.not_finer });
+    else options[field] = value;
+  }
+  for (const [field, value] of chosenIn(form)) options[field] = value;
   const origin = form.origin.trim() === '' ? null : parsePlace(form.origin);
   if (origin && 'fault' in origin) faults.push('origin');
-  return {
-    options: {
-      layers: kLayers.filter((layer) => form.layers.includes(layer)),
-      ...(resolution_cm === null ? {} : { gsd_m: resolution_cm / 100, not_finer_than_photos: form.not_finer }),
-      ...(form.method === 'auto' ? {} : { method: form.method }),
-      ...(form.surface === 'smooth' ? {} : { surface: form.surface }),
-      ...(form.heights === 'none' ? {} : { heights: form.heights }),
-      ...(max_look_deg === null ? {} : { max_look_deg }),
-      ...(readout_ms === null ? {} : { readout_ms }),
-      ...(form.format === 'auto' ? {} : { format: form.format }),
-      ...(quality === null ? {} : { quality }),
-      ...(origin && 'place' in origin ? { origin: [origin.place[1], origin.place[0]] } : {}),
-      ...(takeoff_height_m === null ? {} : { takeoff_height_m }),
-      ...(form.boundary ? { boundary: form.boundary } : {}),
-    },
-    faults,
-  };
+  else if (origin) options.origin = [origin.place[1], origin.place[0]];
+  if (form.boundary) options.boundary = form.boundary;
+  return { options, faults };
 }
 
 /** As MosaicOptions::CheckGsd has it. */
@@ -124,21 +123,13 @@ function areaOf(boundary) {
 
 /** @param {JobOptions} options of a job @returns {OptionsForm} */
 export function formOf(options) {
-  const text = (/** @type {unknown} */ value) => (typeof value === 'number' ? String(value) : '');
-  const word = (/** @type {unknown} */ value, /** @type {string[]} */ words) => (typeof value === 'string' && words.includes(value) ? value : words[0]);
   return {
+    .../** @type {Record<Choice, string>} */ (Object.fromEntries(kChoiceNames.map((field) => [field, kChoices[field].includes(options[field]) ? options[field] : kChoices[field][0]]))),
+    .../** @type {Record<NumberField, string>} */ (Object.fromEntries(kNumbers.map((field) => [field, typeof options[field] === 'number' ? String(options[field]) : '']))),
     resolution_cm: typeof options.gsd_m === 'number' ? String(Number((options.gsd_m * 100).toPrecision(6))) : '',
     not_finer: typeof options.gsd_m !== 'number' || options.not_finer_than_photos === true,
-    method: word(options.method, kMethods),
-    surface: word(options.surface, kSurfaces),
-    heights: word(options.heights, kHeights),
     layers: Array.isArray(options.layers) ? kLayers.filter((layer) => options.layers.includes(layer)) : [],
-    max_look_deg: text(options.max_look_deg),
-    readout_ms: text(options.readout_ms),
-    format: word(options.format, kFormats),
-    quality: text(options.quality),
     origin: Array.isArray(options.origin) ? options.origin.join(', ') : '',
-    takeoff_height_m: text(options.takeoff_height_m),
     boundary: areaOf(options.boundary),
   };
 }

@@ -2,14 +2,14 @@
 // refuse, before anything is sent.
 /** @import { Flight } from '../shared/types.js' */
 /** @import { Outline } from '../map/outlines.js' */
-/** @import { JobOptions, OptionsForm, TypedField } from './job_options.js' */
+/** @import { Choice, JobOptions, OptionsForm, TypedField } from './job_options.js' */
 import { kMaxBytes, OwnDataError, readOwnData } from '../map/own_data.js';
 import { outlineOf } from '../map/outlines.js';
 import { h, put } from '../shared/dom.js';
 import { strings } from '../shared/flight_strings.js';
 import { icon } from '../shared/icons.js';
 import { confirmCoarse } from './coarse_map.js';
-import { chooseOptions, chosenOptions, formOf, jobArea, keepPreset, keptPresets, kFormats, kHeights, kLayers, kLimits, kMethods, kPresets, kSurfaces, optionsOf } from './job_options.js';
+import { chosenIn, chooseOptions, chosenOptions, formOf, jobArea, kChoiceNames, kChoices, keepPreset, keptPresets, kLayers, kLimits, kPresets, optionsOf } from './job_options.js';
 
 const kOwn = 'own:';  // before the names of the user's presets, which may be called as ours are
 
@@ -21,8 +21,8 @@ export function askOptions({ flight_id, title, hint = '', submit, options, outli
   const words = strings.options;
   const text = (/** @type {TypedField} */ name, /** @type {string} */ placeholder) =>
     h('input', { id: `option-${name}`, class: 'field', type: 'text', inputmode: name === 'origin' ? 'text' : 'decimal', placeholder, autocomplete: 'off', 'aria-describedby': `option-${name}-hint option-${name}-fault` });
-  const choice = (/** @type {string} */ name, /** @type {string[]} */ values, /** @type {Record<string, string>} */ labels) =>
-    h('select', { id: `option-${name}`, class: 'field', 'aria-describedby': `option-${name}-hint` }, ...values.map((value) => h('option', { value }, labels[value])));
+  const choice = (/** @type {Choice} */ name) =>
+    h('select', { id: `option-${name}`, class: 'field', 'aria-describedby': `option-${name}-hint` }, ...kChoices[name].map((value) => h('option', { value }, choiceWords(name, value))));
   const box = (/** @type {string} */ id, /** @type {string} */ label) => {
     const input = h('input', { type: 'checkbox', id });
     return { input, row: h('label', { class: 'check', for: id }, input, h('span', {}, label)) };
@@ -30,29 +30,29 @@ export function askOptions({ flight_id, title, hint = '', submit, options, outli
 
   const typed = {
     resolution_cm: text('resolution_cm', words.as_photos),
-    max_look_deg: text('max_look_deg', '65'),
+    max_look_deg: text('max_look_deg', String(kLimits.max_look_deg.usual)),
     readout_ms: text('readout_ms', words.automatic),
-    quality: text('quality', '85'),
+    quality: text('quality', String(kLimits.quality.usual)),
     origin: text('origin', words.none),
     takeoff_height_m: text('takeoff_height_m', words.as_recorded),
   };
   const fields = /** @type {TypedField[]} */ (Object.keys(typed));
-  const method = choice('method', kMethods, words.methods);
-  const surface = choice('surface', kSurfaces, words.surfaces);
-  const heights = choice('heights', kHeights, words.heights);
-  const format = choice('format', kFormats, words.formats);
+  const choices = /** @type {Record<Choice, HTMLSelectElement>} */ (Object.fromEntries(kChoiceNames.map((name) => [name, choice(name)])));
   const not_finer = box('option-not_finer', words.not_finer);
   const layers = kLayers.map((name) => ({ name, ...box(`option-layer-${name}`, /** @type {Record<string, string>} */ (strings.map.overlays)[name]) }));
   /** @type {Record<string, HTMLElement>} */
   const faults = Object.fromEntries(fields.map((name) => [name, h('small', { class: 'bad', id: `option-${name}-fault`, role: 'alert' })]));
 
-  const row = (/** @type {string} */ name, /** @type {HTMLElement} */ field, /** @type {HTMLElement|null} */ more = null) =>
-    h(
+  const row = (/** @type {string} */ name, /** @type {HTMLElement} */ field, /** @type {HTMLElement|null} */ more = null) => {
+    const hint = /** @type {Record<string, string|((least: number, most: number) => string)>} */ (words.hints)[name];
+    const { least, most } = kLimits[/** @type {keyof typeof kLimits} */ (name)] ?? {};
+    return h(
       'div',
       { class: 'export-row' },
       h('label', { for: field.id }, /** @type {Record<string, string>} */ (words.names)[name]),
-      h('div', { class: 'option-field' }, field, h('small', { class: 'muted', id: `${field.id}-hint` }, /** @type {Record<string, string>} */ (words.hints)[name]), faults[name] ?? null, more),
+      h('div', { class: 'option-field' }, field, h('small', { class: 'muted', id: `${field.id}-hint` }, typeof hint === 'string' ? hint : hint(least, most)), faults[name] ?? null, more),
     );
+  };
 
   // The areas that can be chosen; an area that the options came with stands first, without a name of its own.
   /** @type {Outline[]} */
@@ -83,22 +83,15 @@ export function askOptions({ flight_id, title, hint = '', submit, options, outli
 
   /** @returns {OptionsForm} */
   const read = () => ({
-    .../** @type {Record<TypedField, string>} */ (Object.fromEntries(fields.map((name) => [name, typed[name].value]))),
+    .../** @type {Record<TypedField|Choice, string>} */ (Object.fromEntries(Object.entries({ ...typed, ...choices }).map(([name, { value }]) => [name, value]))),
     not_finer: not_finer.input.checked,
-    method: method.value,
-    surface: surface.value,
-    heights: heights.value,
-    format: format.value,
     layers: layers.filter(({ input }) => input.checked).map(({ name }) => name),
     boundary: areaNow(),
   });
   /** @param {OptionsForm} form */
   const fill = (form) => {
     for (const name of fields) typed[name].value = form[name];
-    method.value = form.method;
-    surface.value = form.surface;
-    heights.value = form.heights;
-    format.value = form.format;
+    for (const name of kChoiceNames) choices[name].value = form[name];
     not_finer.input.checked = form.not_finer;
     for (const { name, input } of layers) input.checked = form.layers.includes(name);
     if (form.boundary) areas.push({ name: words.chosen_area, geometry: form.boundary });
@@ -165,9 +158,9 @@ export function askOptions({ flight_id, title, hint = '', submit, options, outli
     { class: 'export-form', id: 'options-form', novalidate: true },
     h('div', { class: 'export-row' }, h('label', { for: preset.id }, words.preset), h('div', { class: 'export-fields' }, preset, forget)),
     row('resolution_cm', typed.resolution_cm, not_finer.row),
-    row('method', method),
-    row('surface', surface),
-    row('heights', heights),
+    row('method', choices.method),
+    row('surface', choices.surface),
+    row('heights', choices.heights),
     row('boundary', area, h('div', { class: 'row' }, browse, area_file)),
     h('fieldset', { class: 'option-layers' }, h('legend', {}, words.names.layers), ...layers.map(({ row: line }) => line), h('small', { class: 'muted' }, words.hints.layers)),
     h(
@@ -176,7 +169,7 @@ export function askOptions({ flight_id, title, hint = '', submit, options, outli
       h('summary', {}, words.more),
       row('max_look_deg', typed.max_look_deg),
       row('readout_ms', typed.readout_ms),
-      row('format', format),
+      row('format', choices.format),
       row('quality', typed.quality),
       row('origin', typed.origin),
       row('takeoff_height_m', typed.takeoff_height_m),
@@ -226,18 +219,22 @@ export function askOptions({ flight_id, title, hint = '', submit, options, outli
   dialog.showModal();
 }
 
+/** @param {Choice} name @param {string} value */
+const choiceWords = (name, value) => /** @type {Record<string, string>} */ (strings.options.choices[name])[value];
+
 /** @param {JobOptions} options @returns {string} what differs from the usual, in words; '' for nothing */
 export function optionWords(options) {
   const words = strings.options;
   const form = formOf(options);
+  const chosen = Object.fromEntries(chosenIn(form).map(([name, value]) => [name, choiceWords(name, value)]));
   return [
     form.resolution_cm && `${form.resolution_cm} cm`,
-    form.method !== 'auto' && words.methods[/** @type {keyof typeof words.methods} */ (form.method)],
-    form.surface !== 'smooth' && words.surfaces[/** @type {keyof typeof words.surfaces} */ (form.surface)],
-    form.heights !== 'none' && words.heights[/** @type {keyof typeof words.heights} */ (form.heights)],
+    chosen.method,
+    chosen.surface,
+    chosen.heights,
     form.max_look_deg && `${words.names.max_look_deg} ${form.max_look_deg}°`,
     form.readout_ms && `${words.names.readout_ms} ${form.readout_ms} ms`,
-    form.format !== 'auto' && words.formats[/** @type {keyof typeof words.formats} */ (form.format)],
+    chosen.format,
     form.quality && `${words.names.quality} ${form.quality}`,
     form.origin && `${words.names.origin} ${form.origin}`,
     form.takeoff_height_m && `${words.names.takeoff_height_m} ${form.takeoff_height_m} m`,
