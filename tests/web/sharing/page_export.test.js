@@ -127,10 +127,10 @@ test('a map is cut to what is drawn, to a loaded file, or to one that is chosen 
   await page.waitForSelector('#exports li');
   assert.equal(flight.exports[0].boundary.type, 'Polygon');
   assert.equal(flight.exports[0].boundary.coordinates[0].length, 4);
-  await page.setInputFiles('#export-file', file('line.geojson', { type: 'LineString', coordinates: ring }));
+  await page.setInputFiles('#export-area-file', file('line.geojson', { type: 'LineString', coordinates: ring }));
   await page.waitForSelector('#export-refusal');
   assert.match((await page.textContent('#export-refusal')) ?? '', /line\.geojson: The file has no areas/);
-  await page.setInputFiles('#export-file', file('two.geojson', { type: 'MultiPolygon', coordinates: [[ring], [ring]] }));
+  await page.setInputFiles('#export-area-file', file('two.geojson', { type: 'MultiPolygon', coordinates: [[ring], [ring]] }));
   await page.waitForFunction(() => /** @type {HTMLSelectElement} */ (document.getElementById('export-area')).value === '2');
   await page.click('#export-start');
   await page.waitForFunction(() => document.querySelectorAll('#exports li').length === 2);

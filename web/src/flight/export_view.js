@@ -8,9 +8,8 @@ import { listExports, removeExport, serverWords, startExport } from '../shared/a
 import { h, put } from '../shared/dom.js';
 import { formatBytes, formatDate, formatGsd, formatPercent } from '../shared/format.js';
 import { icon } from '../shared/icons.js';
-import { kMaxBytes, OwnDataError, readOwnData } from '../map/own_data.js';
-import { outlineOf } from '../map/outlines.js';
 import { strings } from '../shared/flight_strings.js';
+import { areaChoice } from './area_choice.js';
 
 const kAgain_ms = 1000;
 const kAgainWhenAway_ms = 5000;
@@ -54,7 +53,6 @@ export function exportView(flight, outlines, signal, cut_to = -1, has_asked = fa
   const words = strings.exports;
   const list = h('ul', { class: 'shares exports', id: 'exports' });
   const refusal = h('div', { 'aria-live': 'assertive' });
-  const known = [...outlines];
 
   /** @param {string} text '' for none */
   const refuse = (text) => {
@@ -68,35 +66,13 @@ export function exportView(flight, outlines, signal, cut_to = -1, has_asked = fa
   const crs = h('select', { id: 'export-crs', class: 'field' }, ...Object.entries(words.systems).map(([value, label]) => option(value, label)));
   const epsg = h('input', { id: 'export-epsg', class: 'field', type: 'text', inputmode: 'numeric', placeholder: '2056', 'aria-label': words.epsg, required: true, pattern: '\\s*([Ee][Pp][Ss][Gg]\\s*:?\\s*)?[0-9]{1,6}\\s*', title: words.epsg_hint });
   const resolution = h('input', { id: 'export-resolution', class: 'field', type: 'number', min: 0, step: 'any', placeholder: words.as_map });
-  const area = h('select', { id: 'export-area', class: 'field' });
-  const drawAreas = (/** @type {number} */ chosen) => {
-    put(area, option('', words.whole), ...known.map(({ name }, i) => option(String(i), name)));
-    area.value = chosen < 0 ? '' : String(chosen);
-  };
-  drawAreas(cut_to);
-  const file = h('input', { type: 'file', accept: '.geojson,.json,.kml', hidden: true, id: 'export-file' });
-  file.addEventListener('change', async () => {
-    const [chosen] = file.files ?? [];
-    file.value = '';
-    if (!chosen) return;
-    refuse('');
-    try {
-      if (chosen.size > kMaxBytes) throw new OwnDataError(strings.own_data.faults.large);
-      const outline = outlineOf(chosen.name, readOwnData(chosen.name, await chosen.text()));
-      if (!outline) throw new OwnDataError(words.no_area);
-      known.push(outline);
-      drawAreas(known.length - 1);
-    } catch (error) {
-      refuse(`${chosen.name}: ${error instanceof OwnDataError ? error.message : strings.own_data.faults.unread}`);
-    }
-  });
-  const browse = h('button', { type: 'button', class: 'button small', id: 'export-browse', on: { click: () => file.click() } }, words.browse);
+  const area = areaChoice('export-area', outlines, refuse, cut_to);
 
   const row = (/** @type {HTMLElement} */ field, /** @type {string} */ label, /** @type {(HTMLElement|null)[]} */ ...more) =>
     h('div', { class: 'export-row' }, h('label', { for: field.id }, label), h('div', { class: 'export-fields' }, field, ...more));
   const crs_row = row(crs, words.crs, epsg);
   const resolution_row = row(resolution, words.resolution);
-  const area_row = row(area, words.area, browse, file);
+  const area_row = row(area.field, words.area, area.browse, area.file);
   const drawForm = () => {
     crs_row.hidden = format.value !== 'geotiff';
     resolution_row.hidden = area_row.hidden = format.value === 'report';
@@ -116,7 +92,7 @@ export function exportView(flight, outlines, signal, cut_to = -1, has_asked = fa
     crs_row,
     resolution_row,
     area_row,
-    known.length === 0 && h('p', { class: 'muted fine' }, words.area_hint),
+    outlines.length === 0 && h('p', { class: 'muted fine' }, words.area_hint),
     h('div', { class: 'row' }, start),
   );
   form.addEventListener('submit', async (event) => {
@@ -124,8 +100,7 @@ export function exportView(flight, outlines, signal, cut_to = -1, has_asked = fa
     refuse('');
     start.disabled = true;
     try {
-      const outline = area.value === '' ? null : known[Number(area.value)];
-      await startExport(flight.id, wishOf({ format: format.value, crs: crs.value, epsg: epsg.value, resolution_cm: resolution.value }, outline));
+      await startExport(flight.id, wishOf({ format: format.value, crs: crs.value, epsg: epsg.value, resolution_cm: resolution.value }, area.chosen()));
       await refresh();
       list.firstElementChild?.scrollIntoView({ block: 'nearest' });
     } catch (error) {

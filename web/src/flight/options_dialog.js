@@ -3,11 +3,10 @@
 /** @import { Flight } from '../shared/types.js' */
 /** @import { Outline } from '../map/outlines.js' */
 /** @import { Choice, JobOptions, OptionsForm, TypedField } from './job_options.js' */
-import { kMaxBytes, OwnDataError, readOwnData } from '../map/own_data.js';
-import { outlineOf } from '../map/outlines.js';
 import { h, put } from '../shared/dom.js';
 import { strings } from '../shared/flight_strings.js';
 import { icon } from '../shared/icons.js';
+import { areaChoice } from './area_choice.js';
 import { confirmCoarse } from './coarse_map.js';
 import { chosenIn, chooseOptions, chosenOptions, formOf, jobArea, kChoiceNames, kChoices, keepPreset, keptPresets, kLayers, kLimits, kPresets, optionsOf } from './job_options.js';
 
@@ -54,39 +53,15 @@ export function askOptions({ flight_id, title, hint = '', submit, options, outli
     );
   };
 
-  // The areas that can be chosen; an area that the options came with stands first, without a name of its own.
-  /** @type {Outline[]} */
-  const areas = [...outlines];
-  const area = h('select', { id: 'option-boundary', class: 'field', 'aria-describedby': 'option-boundary-hint' });
-  const drawAreas = (/** @type {number} */ chosen) => {
-    put(area, h('option', { value: '' }, words.whole), ...areas.map(({ name }, i) => h('option', { value: String(i) }, name)));
-    area.value = chosen < 0 ? '' : String(chosen);
-  };
-  const areaNow = () => (area.value === '' ? null : areas[Number(area.value)].geometry);
-  const area_file = h('input', { type: 'file', accept: '.geojson,.json,.kml', hidden: true, id: 'option-boundary-file' });
-  area_file.addEventListener('change', async () => {
-    const [chosen_file] = area_file.files ?? [];
-    area_file.value = '';
-    if (!chosen_file) return;
-    refuse('');
-    try {
-      if (chosen_file.size > kMaxBytes) throw new OwnDataError(strings.own_data.faults.large);
-      const outline = outlineOf(chosen_file.name, readOwnData(chosen_file.name, await chosen_file.text()));
-      if (!outline) throw new OwnDataError(strings.exports.no_area);
-      areas.push(outline);
-      drawAreas(areas.length - 1);
-    } catch (error) {
-      refuse(`${chosen_file.name}: ${error instanceof OwnDataError ? error.message : strings.own_data.faults.unread}`);
-    }
-  });
-  const browse = h('button', { type: 'button', class: 'button small', id: 'option-boundary-browse', on: { click: () => area_file.click() } }, strings.exports.browse);
+  const area = areaChoice('option-boundary', outlines, (why) => refuse(why));
+  area.field.setAttribute('aria-describedby', 'option-boundary-hint');
 
   /** @returns {OptionsForm} */
   const read = () => ({
     .../** @type {Record<TypedField|Choice, string>} */ (Object.fromEntries(Object.entries({ ...typed, ...choices }).map(([name, { value }]) => [name, value]))),
     not_finer: not_finer.input.checked,
     layers: layers.filter(({ input }) => input.checked).map(({ name }) => name),
-    boundary: areaNow(),
+    boundary: area.chosen()?.geometry ?? null,
   });
   /** @param {OptionsForm} form */
   const fill = (form) => {
@@ -94,8 +69,7 @@ export function askOptions({ flight_id, title, hint = '', submit, options, outli
     for (const name of kChoiceNames) choices[name].value = form[name];
     not_finer.input.checked = form.not_finer;
     for (const { name, input } of layers) input.checked = form.layers.includes(name);
-    if (form.boundary) areas.push({ name: words.chosen_area, geometry: form.boundary });
-    drawAreas(form.boundary ? areas.length - 1 : -1);
+    area.choose(form.boundary && { name: words.chosen_area, geometry: form.boundary });
     check();
   };
   /** Says what is wrong. @returns {JobOptions|null} null: something is */
@@ -127,9 +101,9 @@ export function askOptions({ flight_id, title, hint = '', submit, options, outli
     const name = preset.value;
     const form = name.startsWith(kOwn) ? keptPresets()[name.slice(kOwn.length)] : kPresets[/** @type {keyof typeof kPresets} */ (name)];
     const { origin, takeoff_height_m } = read();
-    const shown_area = area.value;
+    const shown_area = area.field.value;
     if (form) fill({ ...form, origin, takeoff_height_m, boundary: null });
-    area.value = shown_area;
+    area.field.value = shown_area;
     forget.hidden = !name.startsWith(kOwn);
   });
   forget.addEventListener('click', () => {
@@ -161,7 +135,7 @@ export function askOptions({ flight_id, title, hint = '', submit, options, outli
     row('method', choices.method),
     row('surface', choices.surface),
     row('heights', choices.heights),
-    row('boundary', area, h('div', { class: 'row' }, browse, area_file)),
+    row('boundary', area.field, h('div', { class: 'row' }, area.browse, area.file)),
     h('fieldset', { class: 'option-layers' }, h('legend', {}, words.names.layers), ...layers.map(({ row: line }) => line), h('small', { class: 'muted' }, words.hints.layers)),
     h(
       'details',

@@ -2,7 +2,7 @@
 // with a message that says what to do; sizes are bounded, so that no file stalls the page.
 import { strings } from '../shared/flight_strings.js';
 
-export const kMaxBytes = 20_000_000;
+const kMaxBytes = 20_000_000;
 const kMaxPoints = 200_000;
 const kDeepest = 8;
 
@@ -25,6 +25,15 @@ export function readOwnData(name, text) {
   if (features.length === 0) throw new OwnDataError(words().empty(name));
   return { type: 'FeatureCollection', features };
 }
+
+/** @param {File} file @returns {Promise<GeoJSON.FeatureCollection>} */
+export async function readOwnFile(file) {
+  if (file.size > kMaxBytes) throw new OwnDataError(words().large);
+  return readOwnData(file.name, await file.text());
+}
+
+/** @param {File} file @param {unknown} error @returns {string} why it is not taken */
+export const ownDataFault = (file, error) => `${file.name}: ${error instanceof OwnDataError ? error.message : words().unread}`;
 
 /** @typedef {{points: number}} Counter */
 

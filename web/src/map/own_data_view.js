@@ -4,7 +4,7 @@ import { announce, showNote } from '../shared/announce.js';
 import { h } from '../shared/dom.js';
 import { icon } from '../shared/icons.js';
 import { strings } from '../shared/flight_strings.js';
-import { boundsOfData, kMaxBytes, OwnDataError, readOwnData } from './own_data.js';
+import { boundsOfData, ownDataFault, readOwnFile } from './own_data.js';
 
 const kColours = ['#e6007e', '#00a5e5', '#ffb000', '#7a3ff2', '#00b06b'];
 const kMargin_px = 70;
@@ -21,8 +21,7 @@ export function ownDataView(view) {
 
   /** @param {File} file */
   const add = async (file) => {
-    if (file.size > kMaxBytes) throw new OwnDataError(strings.own_data.faults.large);
-    const data = readOwnData(file.name, await file.text());
+    const data = await readOwnFile(file);
     const bounds = boundsOfData(data);
     const colour = kColours[count % kColours.length];
     const id = `own-${(count += 1)}`;
@@ -54,7 +53,7 @@ export function ownDataView(view) {
       try {
         await add(file);
       } catch (error) {
-        showNote(`${file.name}: ${error instanceof OwnDataError ? error.message : strings.own_data.faults.unread}`, { is_error: true, duration_ms: 15_000 });
+        showNote(ownDataFault(file, error), { is_error: true, duration_ms: 15_000 });
       }
     }
   });

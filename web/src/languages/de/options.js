@@ -25,7 +25,6 @@ export const option_words = {
   automatic: 'automatisch',
   none: 'keiner',
   as_recorded: 'wie aufgezeichnet',
-  whole: 'Ganze Karte',
   chosen_area: 'Bisher gewählte Fläche',
   large_area: 'Diese Fläche hat zu viele Eckpunkte. Vereinfachen Sie sie auf weniger als etwa 2000.',
   names: {

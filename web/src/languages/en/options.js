@@ -25,7 +25,6 @@ export const option_words = {
   automatic: 'automatic',
   none: 'none',
   as_recorded: 'as recorded',
-  whole: 'Whole map',
   chosen_area: 'Area chosen before',
   large_area: 'This area has too many corners. Simplify it to fewer than about 2000.',
   names: {
