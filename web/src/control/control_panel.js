@@ -6,7 +6,7 @@
 import { showError, showNote } from '../shared/announce.js';
 import { h, put } from '../shared/dom.js';
 import { formatLength } from '../shared/format.js';
-import { icon } from '../shared/icons.js';
+import { icon, iconButton } from '../shared/icons.js';
 import { fixed, number } from '../shared/language.js';
 import { inOneLine } from '../shared/remarks.js';
 import { strings } from '../shared/flight_strings.js';
@@ -18,10 +18,6 @@ import { openMarking } from './marking_dialog.js';
 
 const kMinMarks = 2;
 const kMinPoints = { placed: 1, nowhere: 3 };
-
-/** @param {string} picture @param {string} label @param {() => void} run @param {string} [id] */
-const iconButton = (picture, label, run, id = '') =>
-  h('button', { type: 'button', class: 'icon-button', id: id || null, 'aria-label': label, title: label, on: { click: run } }, icon(picture));
 
 /** @param {number} px */
 const pixels = (px) => `${fixed(px, px < 10 ? 1 : 0)}\u00a0px`;

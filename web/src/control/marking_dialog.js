@@ -7,7 +7,7 @@
 /** @import { ControlDocument } from './control_document.js' */
 import { announce } from '../shared/announce.js';
 import { h } from '../shared/dom.js';
-import { icon } from '../shared/icons.js';
+import { iconButton } from '../shared/icons.js';
 import { fixed } from '../shared/language.js';
 import { strings } from '../shared/flight_strings.js';
 import { filmstrip } from '../flight/filmstrip.js';
@@ -38,24 +38,22 @@ export function openMarking(control, name, photos, listener) {
   const note = h('p', { class: 'viewer-note', role: 'status' });
   const glass = loupe(image);
   const view = h('div', { class: 'viewer-view marking-view', tabindex: 0, role: 'application', 'aria-label': words.marking_hint, id: 'marking-view' }, image, expected, mark, cross, glass.element, note);
-  const button = (/** @type {Node} */ picture, /** @type {string} */ label, /** @type {() => void} */ run, /** @type {string} */ id) =>
-    h('button', { type: 'button', class: 'icon-button', id, 'aria-label': label, title: label, on: { click: run } }, picture);
   const title = h('h2', { class: 'card-title' }, words.marking_title(name));
   const facts = h('p', { class: 'viewer-facts', id: 'marking-facts' });
-  const undo = button(icon('undo'), words.undo, () => control.undo(), 'marking-undo');
-  const remove = button(icon('trash'), words.remove_mark, () => put(null), 'marking-remove');
+  const undo = iconButton('undo', words.undo, () => control.undo(), 'marking-undo');
+  const remove = iconButton('trash', words.remove_mark, () => put(null), 'marking-remove');
   const strip = filmstrip(photos, (index) => show(index));
   const tools = h(
     'div',
     { class: 'viewer-tools' },
-    button(icon('back'), strings.photo.previous, () => show(shown - 1), 'marking-previous'),
-    button(icon('next'), strings.photo.next, () => show(shown + 1), 'marking-next'),
+    iconButton('back', strings.photo.previous, () => show(shown - 1), 'marking-previous'),
+    iconButton('next', strings.photo.next, () => show(shown + 1), 'marking-next'),
     undo,
     remove,
-    button(icon('plus'), strings.photo.zoom_in, () => plane.zoom(kZoomStep), 'marking-zoom-in'),
-    button(icon('minus'), strings.photo.zoom_out, () => plane.zoom(1 / kZoomStep), 'marking-zoom-out'),
-    button(icon('fit'), strings.photo.whole, () => plane.showWhole(), 'marking-whole'),
-    button(icon('close'), strings.photo.close, () => dialog.close(), 'marking-close'),
+    iconButton('plus', strings.photo.zoom_in, () => plane.zoom(kZoomStep), 'marking-zoom-in'),
+    iconButton('minus', strings.photo.zoom_out, () => plane.zoom(1 / kZoomStep), 'marking-zoom-out'),
+    iconButton('fit', strings.photo.whole, () => plane.showWhole(), 'marking-whole'),
+    iconButton('close', strings.photo.close, () => dialog.close(), 'marking-close'),
   );
   const head = h('div', { class: 'viewer-head' }, h('div', { class: 'viewer-title' }, title, facts), tools);
   const dialog = h('dialog', { class: 'dialog viewer', id: 'marking', 'aria-label': words.marking_title(name) }, head, view, strip.element);

@@ -3,7 +3,7 @@
 /** @import { TileJson } from '../shared/types.js' */
 import { ApiError, getTileJson } from '../shared/api.js';
 import { byId, h, put } from '../shared/dom.js';
-import { icon } from '../shared/icons.js';
+import { toolButton } from '../shared/icons.js';
 import { embedded } from './embed_address.js';
 import { MapView } from '../map/map_view.js';
 import { dropPoster, uncoverMap } from '../first_view/poster.js';
@@ -39,11 +39,9 @@ async function show() {
   // Who scrolls the page around the frame does not mean the map.
   if (window.parent !== window) view.map.cooperativeGestures.enable();
   const fit = (/** @type {boolean} */ animated) => view.fit(kEmbedPadding, animated);
-  const tool = (/** @type {string} */ name, /** @type {string} */ label, /** @type {() => void} */ run) =>
-    h('button', { type: 'button', class: 'tool', 'aria-label': label, title: label, on: { click: run } }, icon(name));
   byId('stage').append(
     caption(tilejson),
-    h('div', { class: 'tools' }, h('div', { class: 'tool-group' }, tool('plus', strings.map.zoom_in, () => view.map.zoomIn()), tool('minus', strings.map.zoom_out, () => view.map.zoomOut()), tool('fit', strings.map.fit, () => fit(true)))),
+    h('div', { class: 'tools' }, h('div', { class: 'tool-group' }, toolButton('plus', strings.map.zoom_in, () => view.map.zoomIn()), toolButton('minus', strings.map.zoom_out, () => view.map.zoomOut()), toolButton('fit', strings.map.fit, () => fit(true)))),
   );
   Object.assign(window, { skyquilt: { map: view.map } });
   await view.showMosaic(tilejson, bounds);

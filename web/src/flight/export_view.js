@@ -7,7 +7,7 @@ import { announce } from '../shared/announce.js';
 import { listExports, removeExport, serverWords, startExport } from '../shared/api.js';
 import { h, put } from '../shared/dom.js';
 import { formatBytes, formatDate, formatGsd, formatPercent } from '../shared/format.js';
-import { icon } from '../shared/icons.js';
+import { icon, iconButton } from '../shared/icons.js';
 import { strings } from '../shared/flight_strings.js';
 import { areaChoice } from './area_choice.js';
 
@@ -122,7 +122,7 @@ export function exportView(flight, outlines, signal, cut_to = -1, has_asked = fa
     entry.row.dataset.state = made.state;
     const what = exportWords(made);
     if (before !== made.state && isOver(made)) announce(made.state === 'successful' ? words.ready(what) : words.failed(what));
-    const remove = h('button', { type: 'button', class: 'icon-button', 'aria-label': words.remove(what), title: words.remove(what) }, icon(isOver(made) ? 'trash' : 'close'));
+    const remove = iconButton(isOver(made) ? 'trash' : 'close', words.remove(what), null);
     remove.addEventListener('click', async () => {
       remove.disabled = true;
       refuse('');

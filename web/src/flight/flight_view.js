@@ -12,7 +12,7 @@ import { askOptions, lastOptions, optionsButton } from './options_dialog.js';
 import { flightActions } from './flight_actions.js';
 import { tagRow } from './flight_tags.js';
 import { followFlight } from './follow_flight.js';
-import { icon } from '../shared/icons.js';
+import { icon, iconButton } from '../shared/icons.js';
 import { isOver, watchJob } from './job_watch.js';
 import { jobView } from './job_view.js';
 import { linksView } from '../sharing/links_view.js';
@@ -144,8 +144,6 @@ export class FlightView {
   /** @param {Flight} flight */
   drawHead(flight) {
     const words = strings.flights;
-    const button = (/** @type {string} */ name, /** @type {string} */ label, /** @type {() => void} */ run, /** @type {string} */ id) =>
-      h('button', { type: 'button', class: 'icon-button', id, 'aria-label': label, title: label, on: { click: run } }, icon(name));
     const focused = this.#head.contains(document.activeElement) ? document.activeElement?.id : '';
     document.title = `${flight.name} · Skyquilt`;
     put(
@@ -159,10 +157,10 @@ export class FlightView {
           { class: 'head-actions no-print' },
           ...(mayChange(flight)
             ? [
-                !flight.tilejson && button('share', strings.share.action, () => this.actions.share(flight), 'flight-share'),
-                button('upload', strings.drop.more, this.actions.add_photos, 'flight-add'),
-                button('pencil', words.rename, () => this.actions.rename(flight), 'flight-rename'),
-                button('trash', words.remove, () => this.actions.remove(flight), 'flight-delete'),
+                !flight.tilejson && iconButton('share', strings.share.action, () => this.actions.share(flight), 'flight-share'),
+                iconButton('upload', strings.drop.more, this.actions.add_photos, 'flight-add'),
+                iconButton('pencil', words.rename, () => this.actions.rename(flight), 'flight-rename'),
+                iconButton('trash', words.remove, () => this.actions.remove(flight), 'flight-delete'),
               ]
             : []),
         ),

@@ -4,15 +4,11 @@ import { announce } from '../shared/announce.js';
 import { formatCoordinates } from '../map/coordinates.js';
 import { h, put } from '../shared/dom.js';
 import { formatDate, formatError, formatLength } from '../shared/format.js';
-import { icon } from '../shared/icons.js';
+import { icon, iconButton } from '../shared/icons.js';
 import { openPhotos } from './photo_viewer.js';
 import { fixed } from '../shared/language.js';
 import { inOneLine } from '../shared/remarks.js';
 import { strings } from '../shared/flight_strings.js';
-
-/** @param {string} name @param {string} label @param {() => void} run */
-const iconButton = (name, label, run) =>
-  h('button', { type: 'button', class: 'icon-button', 'aria-label': label, title: label, on: { click: run } }, icon(name));
 
 /**
  * @param {PhotoRecord} record

@@ -4,7 +4,7 @@
 /** @import { SeenPhoto } from './photo_card.js' */
 import { announce } from '../shared/announce.js';
 import { h } from '../shared/dom.js';
-import { compassNeedle, icon } from '../shared/icons.js';
+import { compassNeedle, icon, iconButton } from '../shared/icons.js';
 import { strings } from '../shared/flight_strings.js';
 import { filmstrip } from './filmstrip.js';
 import { kZoomStep, photoPlane } from './photo_plane.js';
@@ -24,13 +24,11 @@ export function openPhotos(photos, first, on_step) {
   const mark = h('div', { class: 'viewer-mark', hidden: true, 'aria-hidden': 'true' });
   const note = h('p', { class: 'viewer-note', role: 'status' });
   const view = h('div', { class: 'viewer-view', tabindex: 0, role: 'application', 'aria-label': words.viewer_hint, id: 'viewer-view' }, image, mark, note);
-  const button = (/** @type {Node} */ picture, /** @type {string} */ label, /** @type {() => void} */ run, id = '') =>
-    h('button', { type: 'button', class: 'icon-button', id: id || null, 'aria-label': label, title: label, on: { click: run } }, picture);
   const title = h('h2', { class: 'card-title' });
   const facts = h('p', { class: 'viewer-facts' });
   const save = h('a', { class: 'icon-button', 'aria-label': words.download, title: words.download }, icon('download'));
   const needle = compassNeedle();
-  const north = button(needle, words.to_north, () => setNorth(!is_north), 'viewer-north');
+  const north = iconButton(needle, words.to_north, () => setNorth(!is_north), 'viewer-north');
   const strip = filmstrip(photos, (index) => show(index));
   const dialog = h(
     'dialog',
@@ -43,11 +41,11 @@ export function openPhotos(photos, first, on_step) {
         'div',
         { class: 'viewer-tools' },
         north,
-        button(icon('plus'), words.zoom_in, () => plane.zoom(kZoomStep)),
-        button(icon('minus'), words.zoom_out, () => plane.zoom(1 / kZoomStep)),
-        button(icon('fit'), words.whole, () => plane.showWhole()),
+        iconButton('plus', words.zoom_in, () => plane.zoom(kZoomStep)),
+        iconButton('minus', words.zoom_out, () => plane.zoom(1 / kZoomStep)),
+        iconButton('fit', words.whole, () => plane.showWhole()),
         save,
-        button(icon('close'), words.close, () => dialog.close()),
+        iconButton('close', words.close, () => dialog.close()),
       ),
     ),
     view,

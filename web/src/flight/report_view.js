@@ -3,7 +3,7 @@
 import { photoPath, thumbnailPath } from '../shared/api.js';
 import { h } from '../shared/dom.js';
 import { formatBytes, formatCaptureTime, formatDate, formatGsd } from '../shared/format.js';
-import { icon } from '../shared/icons.js';
+import { icon, iconButton } from '../shared/icons.js';
 import { coveragePicture, errorPicture, timingPicture } from './report_pictures.js';
 import { number } from '../shared/language.js';
 import { saidOf, whyLeftOut } from '../shared/remarks.js';
@@ -31,10 +31,6 @@ function placementBar(photos) {
   }
   return h('div', {}, bar, legend);
 }
-
-/** @param {string} name @param {string} label @param {(button: HTMLElement) => void} run @param {string} [id] */
-const iconButton = (name, label, run, id = '') =>
-  h('button', { type: 'button', class: 'icon-button', id: id || null, 'aria-label': label, title: label, on: { click: (/** @type {Event} */ event) => run(/** @type {HTMLElement} */ (event.currentTarget)) } }, icon(name));
 
 /** @param {string} term @param {string} value */
 const fact = (term, value) => h('div', {}, h('dt', {}, term), h('dd', {}, value));
@@ -113,7 +109,7 @@ export function reportView(flight, report, photos, change) {
       h(
         'div',
         { class: 'head-actions no-print' },
-        place && report.is_placed !== false && iconButton('move', strings.place.move, place, 'flight-move'),
+        place && report.is_placed !== false && iconButton('move', strings.place.move, (event) => place(/** @type {HTMLElement} */ (event.currentTarget)), 'flight-move'),
         iconButton('print', words.print, () => print()),
       ),
     ),

@@ -5,7 +5,7 @@ import { h, put } from '../shared/dom.js';
 import { formatCaptureDay } from '../shared/format.js';
 import { mayChange, shortFacts, stateChip } from '../flight/flight_words.js';
 import { thumbnailPath } from '../shared/api.js';
-import { icon } from '../shared/icons.js';
+import { icon, iconButton } from '../shared/icons.js';
 import { routeHash } from '../shared/router.js';
 import { nameOrder, number } from '../shared/language.js';
 import { strings } from '../shared/strings.js';
@@ -168,8 +168,8 @@ export function flightList(actions) {
         h(
           'span',
           { class: 'row-actions' },
-          mayChange(flight) && action('pencil', `${strings.flights.rename}: ${flight.name}`, () => actions.rename(flight)),
-          mayChange(flight) && action('trash', `${strings.flights.remove}: ${flight.name}`, () => actions.remove(flight)),
+          mayChange(flight) && iconButton('pencil', `${strings.flights.rename}: ${flight.name}`, () => actions.rename(flight)),
+          mayChange(flight) && iconButton('trash', `${strings.flights.remove}: ${flight.name}`, () => actions.remove(flight)),
         ),
       );
       if (had_focus) entry.row.querySelector('a')?.focus();
@@ -206,11 +206,6 @@ function showPicture(place) {
   // A missing picture is no loss the user must hear of.
   image.addEventListener('error', () => put(place, icon('photo')));
   put(place, image);
-}
-
-/** @param {string} name @param {string} label @param {() => void} run */
-function action(name, label, run) {
-  return h('button', { type: 'button', class: 'icon-button', 'aria-label': label, title: label, on: { click: run } }, icon(name));
 }
 
 const kRowTags = 4;  // of a flight's tags in its row

@@ -4,7 +4,7 @@
 import { thumbnailPath } from '../shared/api.js';
 import { h, put } from '../shared/dom.js';
 import { formatDistance } from '../shared/format.js';
-import { icon } from '../shared/icons.js';
+import { toolButton } from '../shared/icons.js';
 import { parseRoute, routeHash } from '../shared/router.js';
 import { fixed, number } from '../shared/language.js';
 import { strings } from '../shared/strings.js';
@@ -40,15 +40,13 @@ export function overviewMap(listener) {
   const marks = h('div', { class: 'overview-marks' });
   const bar = h('p', { class: 'overview-scale', 'aria-hidden': 'true' });
   const choice = h('div', { class: 'overview-choice floating', id: 'overview-choice', hidden: true });
-  const tool = (/** @type {string} */ name, /** @type {string} */ label, /** @type {() => void} */ run) =>
-    h('button', { type: 'button', class: 'tool', 'aria-label': label, title: label, on: { click: run } }, icon(name));
   const element = h(
     'section',
     { class: 'overview', id: 'overview', 'aria-label': words.label },
     canvas,
     marks,
     choice,
-    h('div', { class: 'tools' }, h('div', { class: 'tool-group' }, tool('plus', words.zoom_in, () => zoom(kStep)), tool('minus', words.zoom_out, () => zoom(1 / kStep)), tool('fit', words.fit, () => fit()))),
+    h('div', { class: 'tools' }, h('div', { class: 'tool-group' }, toolButton('plus', words.zoom_in, () => zoom(kStep)), toolButton('minus', words.zoom_out, () => zoom(1 / kStep)), toolButton('fit', words.fit, () => fit()))),
     h('div', { class: 'overview-foot' }, bar, h('p', { class: 'overview-makers' }, words.makers)),
   );
   /** @type {Placed[]} */

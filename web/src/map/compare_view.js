@@ -5,7 +5,7 @@
 import { h } from '../shared/dom.js';
 import { formatDate } from '../shared/format.js';
 import { takenDay } from '../flight/flight_words.js';
-import { icon } from '../shared/icons.js';
+import { icon, iconButton } from '../shared/icons.js';
 import { strings } from '../shared/flight_strings.js';
 
 /** @param {Flight} flight @returns {string} when it was flown, or at least when it was uploaded */
@@ -96,7 +96,7 @@ export function compareView(below, above, options) {
     side('left', options.left),
     h('div', { class: 'compare-middle' }, h('div', { class: 'row modes', role: 'radiogroup', 'aria-label': words.heading }, radio('swipe', words.swipe), radio('fade', words.fade)), slider),
     side('right', options.right),
-    h('button', { type: 'button', class: 'icon-button', 'aria-label': words.close, title: words.close, on: { click: options.on_close } }, icon('close')),
+    iconButton('close', words.close, options.on_close),
   );
   const element = h('div', { class: 'compare' }, line, bar);
   draw();

@@ -11,7 +11,7 @@ import { keepBasemap, offeredBasemaps, shownBasemap } from './basemap.js';
 import { coordinate_forms, formatCoordinates } from './coordinates.js';
 import { checkRow, h, put } from '../shared/dom.js';
 import { formatLength } from '../shared/format.js';
-import { compassNeedle, icon } from '../shared/icons.js';
+import { compassNeedle, toolButton } from '../shared/icons.js';
 import { overlayLegend } from './map_layers.js';
 import { ownDataView } from './own_data_view.js';
 import { fixed } from '../shared/language.js';
@@ -26,26 +26,23 @@ const kNarrow = '(max-width: 760px)';  // as in the styles
  */
 export function mapTools(view, actions) {
   const words = strings.map;
-  const tool = (/** @type {Node} */ picture, /** @type {string} */ label, /** @type {(() => void)|null} */ run, id = '') =>
-    h('button', { type: 'button', class: 'tool', id: id || null, 'aria-label': label, title: label, on: run && { click: run } }, picture);
-
   const needle = compassNeedle();
-  const layers_button = tool(icon('layers'), words.layers, () => chooseLayers(), 'tool-layers');
-  const distance = tool(icon('ruler'), words.distance, () => actions.measure('distance'), 'tool-distance');
-  const area = tool(icon('area'), words.area, () => actions.measure('area'), 'tool-area');
-  const three_d = tool(h('span', { class: 'tool-text' }, words.three_d_short), words.three_d, null, 'tool-3d');
+  const layers_button = toolButton('layers', words.layers, () => chooseLayers(), 'tool-layers');
+  const distance = toolButton('ruler', words.distance, () => actions.measure('distance'), 'tool-distance');
+  const area = toolButton('area', words.area, () => actions.measure('area'), 'tool-area');
+  const three_d = toolButton(h('span', { class: 'tool-text' }, words.three_d_short), words.three_d, null, 'tool-3d');
   const standing = relief(view, three_d);
-  const compare = tool(icon('compare'), words.compare, () => actions.compare(), 'tool-compare');
+  const compare = toolButton('compare', words.compare, () => actions.compare(), 'tool-compare');
   const column = h(
     'div',
     { class: 'tools', role: 'group', 'aria-label': words.layers },
     h(
       'div',
       { class: 'tool-group' },
-      tool(icon('plus'), words.zoom_in, () => view.map.zoomIn()),
-      tool(icon('minus'), words.zoom_out, () => view.map.zoomOut()),
-      tool(needle, words.north, () => view.map.resetNorth()),
-      tool(icon('fit'), words.fit, actions.fit, 'tool-fit'),
+      toolButton('plus', words.zoom_in, () => view.map.zoomIn()),
+      toolButton('minus', words.zoom_out, () => view.map.zoomOut()),
+      toolButton(needle, words.north, () => view.map.resetNorth()),
+      toolButton('fit', words.fit, actions.fit, 'tool-fit'),
     ),
     h('div', { class: 'tool-group' }, layers_button, three_d, distance, area, compare),
   );

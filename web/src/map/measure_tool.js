@@ -10,7 +10,7 @@ import { h } from '../shared/dom.js';
 import { saveText } from '../sharing/connect_files.js';
 import { showDownloads } from '../flight/flight_actions.js';
 import { geodesicLength, pathLength, polygonArea } from './geodesy.js';
-import { icon } from '../shared/icons.js';
+import { iconButton } from '../shared/icons.js';
 import { heightProfile } from '../heights/height_profile.js';
 import { volumeSection } from '../heights/volume_section.js';
 import { measureLayers } from './map_style.js';
@@ -96,7 +96,7 @@ export function measureTool(view, listener) {
       { class: 'row between card-head' },
       title,
       h('div', { class: 'measure-head' }, unit_choice,
-        h('button', { type: 'button', class: 'icon-button', 'aria-label': words.close, title: words.close, on: { click: () => end() } }, icon('close'))),
+        iconButton('close', words.close, () => end())),
     ),
     result,
     more,

@@ -2,7 +2,7 @@
 /** @import { MapView } from './map_view.js' */
 import { announce, showNote } from '../shared/announce.js';
 import { h } from '../shared/dom.js';
-import { icon } from '../shared/icons.js';
+import { icon, iconButton } from '../shared/icons.js';
 import { strings } from '../shared/flight_strings.js';
 import { boundsOfData, ownDataFault, readOwnFile } from './own_data.js';
 
@@ -34,11 +34,11 @@ export function ownDataView(view) {
       {},
       swatch,
       h('button', { type: 'button', class: 'text-button', title: words.show(file.name), on: { click: show } }, file.name),
-      h('button', { type: 'button', class: 'icon-button', 'aria-label': words.remove(file.name), title: words.remove(file.name), on: { click: () => {
+      iconButton('close', words.remove(file.name), () => {
         view.removeOwnData(id);
         row.remove();
         button.focus();
-      } } }, icon('close')),
+      }),
     );
     list.append(row);
     announce(words.added(file.name));

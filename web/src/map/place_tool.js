@@ -10,7 +10,7 @@ import { basemapWithPlaces, chosenBasemap } from './basemap.js';
 import { wrapLongitude } from './coordinates.js';
 import { h, put } from '../shared/dom.js';
 import { formatLength } from '../shared/format.js';
-import { icon } from '../shared/icons.js';
+import { iconButton } from '../shared/icons.js';
 import { lieNear, movement } from './place_pairs.js';
 import { placePoint } from './place_point.js';
 import { number } from '../shared/language.js';
@@ -63,7 +63,7 @@ export function placeTool(view, listener) {
       'div',
       { class: 'row between card-head' },
       title,
-      h('button', { type: 'button', class: 'icon-button', 'aria-label': words.close, title: words.close, on: { click: () => leave() } }, icon('close')),
+      iconButton('close', words.close, () => leave()),
     ),
     step,
     h('div', { class: 'place-scroll' }, list, hint, effect, failure),

@@ -6,7 +6,7 @@
 import { announce, showNote } from '../shared/announce.js';
 import { saveText } from '../sharing/connect_files.js';
 import { h, put } from '../shared/dom.js';
-import { icon } from '../shared/icons.js';
+import { icon, iconButton } from '../shared/icons.js';
 import { measurementsGeoJson, measurementsGpx, measurementsKml } from '../map/measurement_files.js';
 import { strings } from '../shared/flight_strings.js';
 import { areaIn, chosenUnits, lengthIn, units_chosen } from '../shared/units.js';
@@ -99,16 +99,14 @@ export function notesSection(flight, stage, may_change) {
   /** @param {Note} note */
   const row = (note) => {
     const { name, text } = note.properties;
-    const tool = (/** @type {'pencil'|'trash'} */ picture, /** @type {string} */ label, /** @type {string} */ kind, /** @type {() => void} */ run) =>
-      h('button', { type: 'button', class: `icon-button ${kind}`, 'aria-label': label, title: label, on: { click: run } }, icon(picture));
     return h(
       'li',
       { 'data-note': note.id },
       icon(kIcons[note.geometry.type]),
       h('button', { type: 'button', class: 'text-button note-show', title: words.show(name), on: { click: () => stage.showBounds(boundsOfNote(note)) } }, name),
       h('span', { class: 'muted note-figure' }, figure(note)),
-      may_change && tool('pencil', words.edit(name), 'note-edit', () => openForm(note)),
-      may_change && tool('trash', words.remove(name), 'note-remove', () => remove(note)),
+      may_change && iconButton('pencil', words.edit(name), () => openForm(note), '', 'icon-button note-edit'),
+      may_change && iconButton('trash', words.remove(name), () => remove(note), '', 'icon-button note-remove'),
       text && h('p', { class: 'note-words' }, text),
     );
   };

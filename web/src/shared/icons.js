@@ -1,5 +1,5 @@
 // The page's icons as stroke paths on a 24 x 24 grid; drawn in the colour of the text around them.
-import { svg } from './dom.js';
+import { h, svg } from './dom.js';
 
 /** @type {Record<string, string>} */
 const paths = {
@@ -47,6 +47,21 @@ export function icon(name) {
     svg('path', { d: path }),
   );
 }
+
+/**
+ * A button that shows no word: its label is read out, and shown where it is pointed at.
+ * @param {string|Node} picture the name of an icon, or what is drawn
+ * @param {string} label
+ * @param {((event: MouseEvent) => void)|null} run
+ * @param {string} [id]
+ * @param {string} [style] class
+ * @returns {HTMLButtonElement}
+ */
+export const iconButton = (picture, label, run, id = '', style = 'icon-button') =>
+  h('button', { type: 'button', class: style, id: id || null, 'aria-label': label, title: label, on: run && { click: run } }, typeof picture === 'string' ? icon(picture) : picture);
+
+/** Over a map. @param {string|Node} picture @param {string} label @param {((event: MouseEvent) => void)|null} run @param {string} [id] */
+export const toolButton = (picture, label, run, id = '') => iconButton(picture, label, run, id, 'tool');
 
 /**
  * North arrow for the compass button; turned by the map.

@@ -7,7 +7,7 @@ import { connectFiles, josmAddress, saveText } from './connect_files.js';
 import { at } from '../shared/router.js';
 import { h, put } from '../shared/dom.js';
 import { mayChange } from '../flight/flight_words.js';
-import { icon } from '../shared/icons.js';
+import { icon, iconButton } from '../shared/icons.js';
 import { strings } from '../shared/flight_strings.js';
 import { ownHost } from '../map/tile_addresses.js';
 
@@ -17,11 +17,7 @@ import { ownHost } from '../map/tile_addresses.js';
  * @returns {HTMLButtonElement}
  */
 export function copyButton(what, text) {
-  const button = h(
-    'button',
-    { type: 'button', class: 'icon-button', 'aria-label': strings.page.copy(what), title: strings.page.copy(what) },
-    icon('copy'),
-  );
+  const button = iconButton('copy', strings.page.copy(what), null);
   button.addEventListener('click', async () => {
     try {
       await copyText(text);
