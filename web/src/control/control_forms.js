@@ -2,6 +2,7 @@
 // in the form, and nothing is changed.
 /** @import { ControlDocument } from './control_document.js' */
 /** @import { ControlPoint } from './control_lists.js' */
+import { ask, closeButton } from '../shared/dialogs.js';
 import { h, put } from '../shared/dom.js';
 import { strings } from '../shared/flight_strings.js';
 import { parseControlList, withPoints } from './control_lists.js';
@@ -31,7 +32,7 @@ function openForm(id, title, fields, go, submit) {
     h('h2', { class: 'dialog-title', id: `${id}-title` }, title),
     ...fields,
     fault,
-    h('div', { class: 'dialog-actions' }, h('button', { type: 'button', class: 'button', on: { click: () => dialog.close() } }, strings.flights.cancel), button),
+    h('div', { class: 'dialog-actions' }, closeButton(), button),
   );
   const dialog = h('dialog', { class: 'dialog control-dialog', id, 'aria-labelledby': `${id}-title` }, form);
   form.addEventListener('submit', async (event) => {
@@ -42,9 +43,7 @@ function openForm(id, title, fields, go, submit) {
     put(fault, text);
     if (text === '') dialog.close();
   });
-  dialog.addEventListener('close', () => dialog.remove());
-  document.body.append(dialog);
-  dialog.showModal();
+  void ask(dialog);
 }
 
 /**

@@ -115,7 +115,7 @@ export function controlPanel({ flight, report, photos, stage, may_change, apply 
   };
   const remove = (/** @type {string} */ name) => {
     control.change({ reference_system: control.reference_system, points: control.points.filter((point) => point.name !== name) });
-    showNote(words.removed(name), { action: { label: words.undo, run: () => control.undo() } });
+    showNote(words.removed(name), { action: { label: strings.flights.undo, run: () => control.undo() } });
   };
   const mark = async (/** @type {string} */ name) => {
     const point = control.point(name);

@@ -40,7 +40,7 @@ export function openMarking(control, name, photos, listener) {
   const view = h('div', { class: 'viewer-view marking-view', tabindex: 0, role: 'application', 'aria-label': words.marking_hint, id: 'marking-view' }, image, expected, mark, cross, glass.element, note);
   const title = h('h2', { class: 'card-title' }, words.marking_title(name));
   const facts = h('p', { class: 'viewer-facts', id: 'marking-facts' });
-  const undo = iconButton('undo', words.undo, () => control.undo(), 'marking-undo');
+  const undo = iconButton('undo', strings.flights.undo, () => control.undo(), 'marking-undo');
   const remove = iconButton('trash', words.remove_mark, () => put(null), 'marking-remove');
   const strip = filmstrip(photos, (index) => show(index));
   const tools = h(
@@ -50,10 +50,10 @@ export function openMarking(control, name, photos, listener) {
     iconButton('next', strings.photo.next, () => show(shown + 1), 'marking-next'),
     undo,
     remove,
-    iconButton('plus', strings.photo.zoom_in, () => plane.zoom(kZoomStep), 'marking-zoom-in'),
-    iconButton('minus', strings.photo.zoom_out, () => plane.zoom(1 / kZoomStep), 'marking-zoom-out'),
+    iconButton('plus', strings.page.zoom_in, () => plane.zoom(kZoomStep), 'marking-zoom-in'),
+    iconButton('minus', strings.page.zoom_out, () => plane.zoom(1 / kZoomStep), 'marking-zoom-out'),
     iconButton('fit', strings.photo.whole, () => plane.showWhole(), 'marking-whole'),
-    iconButton('close', strings.photo.close, () => dialog.close(), 'marking-close'),
+    iconButton('close', strings.page.close, () => dialog.close(), 'marking-close'),
   );
   const head = h('div', { class: 'viewer-head' }, h('div', { class: 'viewer-title' }, title, facts), tools);
   const dialog = h('dialog', { class: 'dialog viewer', id: 'marking', 'aria-label': words.marking_title(name) }, head, view, strip.element);

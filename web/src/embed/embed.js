@@ -41,7 +41,7 @@ async function show() {
   const fit = (/** @type {boolean} */ animated) => view.fit(kEmbedPadding, animated);
   byId('stage').append(
     caption(tilejson),
-    h('div', { class: 'tools' }, h('div', { class: 'tool-group' }, toolButton('plus', strings.map.zoom_in, () => view.map.zoomIn()), toolButton('minus', strings.map.zoom_out, () => view.map.zoomOut()), toolButton('fit', strings.map.fit, () => fit(true)))),
+    h('div', { class: 'tools' }, h('div', { class: 'tool-group' }, toolButton('plus', strings.page.zoom_in, () => view.map.zoomIn()), toolButton('minus', strings.page.zoom_out, () => view.map.zoomOut()), toolButton('fit', strings.map.fit, () => fit(true)))),
   );
   Object.assign(window, { skyquilt: { map: view.map } });
   await view.showMosaic(tilejson, bounds);

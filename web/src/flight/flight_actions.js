@@ -4,6 +4,7 @@ import { readable, withToken } from '../shared/token.js';
 import { showError } from '../shared/announce.js';
 import { downloadPath, downloadSize, getBands, getReport, startExport } from '../shared/api.js';
 import { at } from '../shared/router.js';
+import { showDialog } from '../shared/dialogs.js';
 import { h, put } from '../shared/dom.js';
 import { formatBytes } from '../shared/format.js';
 import { icon } from '../shared/icons.js';
@@ -28,26 +29,6 @@ export function flightActions(flight, share, outlines) {
     button('flight-download', 'download', words.download, () => showDownloads(flight, outlines())),
     button('flight-qgis', 'layers', words.qgis, () => showQgis(flight)),
   );
-}
-
-/**
- * @param {string} id
- * @param {string} title
- * @param {HTMLElement} body
- * @returns {HTMLDialogElement}
- */
-function showDialog(id, title, body) {
-  const dialog = h(
-    'dialog',
-    { class: 'dialog', 'aria-labelledby': `${id}-title`, id },
-    h('h2', { id: `${id}-title`, class: 'dialog-title' }, title),
-    body,
-    h('div', { class: 'dialog-actions' }, h('button', { type: 'button', class: 'button', on: { click: () => dialog.close() } }, strings.share.close)),
-  );
-  dialog.addEventListener('close', () => dialog.remove());
-  document.body.append(dialog);
-  dialog.showModal();
-  return dialog;
 }
 
 /** What is made when somebody wants it, as the server takes it. @type {Record<'utm'|'report'|'kmz', import('../shared/api.js').ExportWish>} */

@@ -3,6 +3,7 @@
 /** @import { Flight } from '../shared/types.js' */
 /** @import { Outline } from '../map/outlines.js' */
 /** @import { Choice, JobOptions, OptionsForm, TypedField } from './job_options.js' */
+import { closeButton } from '../shared/dialogs.js';
 import { h, put } from '../shared/dom.js';
 import { strings } from '../shared/flight_strings.js';
 import { icon } from '../shared/icons.js';
@@ -111,7 +112,7 @@ export function askOptions({ flight_id, title, hint = '', submit, options, outli
     drawPresets('');
   });
   const name_of_preset = h('input', { id: 'preset-name', class: 'field', type: 'text', maxlength: 60, placeholder: words.preset_name, 'aria-label': words.preset_name });
-  const keep = h('button', { type: 'button', class: 'button small', id: 'preset-keep' }, words.keep);
+  const keep = h('button', { type: 'button', class: 'button small', id: 'preset-keep' }, strings.flights.save);
   keep.addEventListener('click', () => {
     const name = name_of_preset.value.trim();
     if (name === '' || !check()) return name_of_preset.focus();
@@ -150,7 +151,7 @@ export function askOptions({ flight_id, title, hint = '', submit, options, outli
     ),
     h('div', { class: 'export-row' }, h('label', { for: name_of_preset.id }, words.keep_as), h('div', { class: 'export-fields' }, name_of_preset, keep)),
     refusal,
-    h('div', { class: 'dialog-actions' }, h('button', { type: 'button', class: 'button', on: { click: () => dialog.close() } }, strings.flights.cancel), send),
+    h('div', { class: 'dialog-actions' }, closeButton(), send),
   );
   form.addEventListener('input', (event) => {
     if (event.target !== preset && event.target !== name_of_preset) drawPresets('');

@@ -72,7 +72,7 @@ export function photoCard(listener) {
         'div',
         { class: 'row between card-head' },
         h('h2', { class: 'card-title' }, h('span', { class: `dot dot-${record.placement}` }), record.name),
-        iconButton('close', words.close, close),
+        iconButton('close', strings.page.close, close),
       ),
       h('dl', { class: 'record' }, ...facts(record, off_vertical_deg).map(([term, value]) => h('div', {}, h('dt', {}, term), h('dd', {}, value)))),
       h('button', { type: 'button', class: 'button small', id: 'photo-open', on: { click: () => openPhotos(photos, shown, (index) => { shown = index; draw(); }) } },

@@ -46,7 +46,7 @@ export function overviewMap(listener) {
     canvas,
     marks,
     choice,
-    h('div', { class: 'tools' }, h('div', { class: 'tool-group' }, toolButton('plus', words.zoom_in, () => zoom(kStep)), toolButton('minus', words.zoom_out, () => zoom(1 / kStep)), toolButton('fit', words.fit, () => fit()))),
+    h('div', { class: 'tools' }, h('div', { class: 'tool-group' }, toolButton('plus', strings.page.zoom_in, () => zoom(kStep)), toolButton('minus', strings.page.zoom_out, () => zoom(1 / kStep)), toolButton('fit', words.fit, () => fit()))),
     h('div', { class: 'overview-foot' }, bar, h('p', { class: 'overview-makers' }, words.makers)),
   );
   /** @type {Placed[]} */

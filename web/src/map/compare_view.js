@@ -122,7 +122,7 @@ export function compareChooser(others, on_choose) {
     'section',
     { class: 'layers-card floating', id: 'compare-chooser', 'aria-label': strings.compare.with },
     h('div', { class: 'row between' }, h('h2', { class: 'card-title' }, strings.compare.with),
-      h('button', { type: 'button', class: 'icon-button', 'aria-label': strings.photo.close, on: { click: () => element.remove() } }, icon('close'))),
+      h('button', { type: 'button', class: 'icon-button', 'aria-label': strings.page.close, on: { click: () => element.remove() } }, icon('close'))),
     others.length === 0 ? h('p', { class: 'muted' }, strings.compare.none) : list,
   );
   for (const other of others) {

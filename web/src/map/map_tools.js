@@ -39,8 +39,8 @@ export function mapTools(view, actions) {
     h(
       'div',
       { class: 'tool-group' },
-      toolButton('plus', words.zoom_in, () => view.map.zoomIn()),
-      toolButton('minus', words.zoom_out, () => view.map.zoomOut()),
+      toolButton('plus', strings.page.zoom_in, () => view.map.zoomIn()),
+      toolButton('minus', strings.page.zoom_out, () => view.map.zoomOut()),
       toolButton(needle, words.north, () => view.map.resetNorth()),
       toolButton('fit', words.fit, actions.fit, 'tool-fit'),
     ),

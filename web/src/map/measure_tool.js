@@ -73,7 +73,7 @@ export function measureTool(view, listener) {
     { class: 'field units', id: 'units', 'aria-label': words.units, on: { change: () => setUnits(/** @type {Units} */ (unit_choice.value)) } },
     ...Object.entries(words.unit_names).map(([value, label]) => h('option', { value }, label)),
   );
-  const undo_button = button(words.undo, () => undo(), 'measure-undo');
+  const undo_button = button(strings.flights.undo, () => undo(), 'measure-undo');
   const saving = h(
     'div',
     { class: 'row measure-save' },

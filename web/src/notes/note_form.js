@@ -50,9 +50,9 @@ export function noteForm(stage, note, listener) {
     h(
       'div',
       { class: 'row' },
-      h('button', { type: 'submit', class: 'button small primary', id: 'note-save' }, words.save),
+      h('button', { type: 'submit', class: 'button small primary', id: 'note-save' }, strings.flights.save),
       mark && h('button', { type: 'button', class: 'button small', id: 'note-centre', on: { click: () => moveTo(centre()) } }, words.at_centre),
-      h('button', { type: 'button', class: 'button small', on: { click: end } }, words.cancel),
+      h('button', { type: 'button', class: 'button small', on: { click: end } }, strings.flights.cancel),
     ),
   );
   element.addEventListener('keydown', (event) => {

@@ -93,7 +93,7 @@ export function notesSection(flight, stage, may_change) {
   const remove = (note) => {
     closeForm();
     notes.remove(note.id);
-    showNote(words.removed(note.properties.name), { action: { label: words.undo, run: () => notes.set(note) } });
+    showNote(words.removed(note.properties.name), { action: { label: strings.flights.undo, run: () => notes.set(note) } });
     (/** @type {HTMLElement|null} */ (list.querySelector('button')) ?? add_button).focus();
   };
   /** @param {Note} note */
@@ -135,7 +135,7 @@ export function notesSection(flight, stage, may_change) {
     state.dataset.state = notes.state;
     state.classList.toggle('amber', notes.state === 'waiting' || notes.state === 'failed');
     if (state.firstChild?.textContent === text) return;
-    put(state, text, notes.state === 'failed' && h('button', { type: 'button', class: 'text-button', id: 'notes-retry', on: { click: () => void notes.flush() } }, words.retry));
+    put(state, text, notes.state === 'failed' && h('button', { type: 'button', class: 'text-button', id: 'notes-retry', on: { click: () => void notes.flush() } }, strings.errors.retry));
   };
   notes.addEventListener('change', draw);
   notes.addEventListener('saved', tell);
@@ -166,7 +166,7 @@ export function notesSection(flight, stage, may_change) {
         put(state);
         void read();
       };
-      put(state, words.unread(error instanceof Error ? error.message : String(error)), ' ', h('button', { type: 'button', class: 'text-button', on: { click: again } }, words.retry));
+      put(state, words.unread(error instanceof Error ? error.message : String(error)), ' ', h('button', { type: 'button', class: 'text-button', on: { click: again } }, strings.errors.retry));
       add_button.hidden = true;
       saving.hidden = true;
       return;

@@ -17,6 +17,31 @@ export function ask(dialog) {
   });
 }
 
+/** Leaves the dialog that it stands in. @param {string} [label] @returns {HTMLButtonElement} */
+export function closeButton(label = strings.flights.cancel) {
+  const button = h('button', { type: 'button', class: 'button', on: { click: () => button.closest('dialog')?.close() } }, label);
+  return button;
+}
+
+/**
+ * Shows something until it is closed.
+ * @param {string} id
+ * @param {string} title
+ * @param {HTMLElement} body
+ * @returns {HTMLDialogElement}
+ */
+export function showDialog(id, title, body) {
+  const dialog = h(
+    'dialog',
+    { class: 'dialog', 'aria-labelledby': `${id}-title`, id },
+    h('h2', { id: `${id}-title`, class: 'dialog-title' }, title),
+    body,
+    h('div', { class: 'dialog-actions' }, closeButton(strings.page.close)),
+  );
+  void ask(dialog);
+  return dialog;
+}
+
 /**
  * @param {string} name
  * @returns {Promise<string|null>} the new name, or null
@@ -34,7 +59,7 @@ export async function askName(name) {
       h(
         'div',
         { class: 'dialog-actions' },
-        h('button', { type: 'button', class: 'button', on: { click: () => dialog.close('') } }, strings.flights.cancel),
+        closeButton(),
         h('button', { type: 'submit', class: 'button primary', value: 'save' }, strings.flights.save),
       ),
     ),
@@ -61,7 +86,7 @@ export async function askWhereTo(count, flight_name, has_map) {
     h(
       'div',
       { class: 'dialog-actions' },
-      h('button', { type: 'button', class: 'button', on: { click: choose('') } }, strings.flights.cancel),
+      closeButton(),
       h('button', { type: 'button', class: 'button', on: { click: choose('add') } }, strings.drop.choice_add),
       h('button', { type: 'button', class: 'button primary', on: { click: choose('new') } }, strings.drop.choice_new),
     ),
@@ -82,7 +107,7 @@ export async function askToRemove(name) {
     h(
       'div',
       { class: 'dialog-actions' },
-      h('button', { type: 'button', class: 'button', on: { click: () => dialog.close('') } }, strings.flights.cancel),
+      closeButton(),
       h('button', { type: 'button', class: 'button primary', id: 'remove-confirm', on: { click: () => dialog.close('remove') } }, strings.trash.remove),
     ),
   );

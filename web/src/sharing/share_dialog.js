@@ -4,6 +4,7 @@
 /** @import { Flight, Share } from '../shared/types.js' */
 import { addShare, listShares, openNetwork, removeShare } from '../shared/api.js';
 import { serverAddress } from '../shared/router.js';
+import { showDialog } from '../shared/dialogs.js';
 import { fill, h, put } from '../shared/dom.js';
 import { formatDate } from '../shared/format.js';
 import { xmlText } from './connect_files.js';
@@ -34,16 +35,7 @@ function embedField(flight, server, token) {
 export function showShareDialog(flight) {
   const words = strings.share;
   const body = h('div', { id: 'share-body', 'aria-live': 'polite' }, h('p', { class: 'muted' }, words.loading));
-  const dialog = h(
-    'dialog',
-    { class: 'dialog', 'aria-labelledby': 'share-title', id: 'share-dialog' },
-    h('h2', { id: 'share-title', class: 'dialog-title' }, words.title(flight.name)),
-    body,
-    h('div', { class: 'dialog-actions' }, h('button', { type: 'button', class: 'button', on: { click: () => dialog.close() } }, words.close)),
-  );
-  dialog.addEventListener('close', () => dialog.remove());
-  document.body.append(dialog);
-  dialog.showModal();
+  showDialog('share-dialog', words.title(flight.name), body);
   /** @param {unknown} error */
   const showFailure = (error) => {
     const text = error instanceof Error ? error.message : String(error);

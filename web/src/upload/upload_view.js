@@ -86,7 +86,7 @@ export function uploadView(session) {
           h(
             'div',
             { class: 'row' },
-            h('button', { type: 'button', class: 'button small primary', on: { click: () => queue.retryFailed() } }, icon('retry'), words.retry),
+            h('button', { type: 'button', class: 'button small primary', on: { click: () => queue.retryFailed() } }, icon('retry'), strings.errors.retry),
             finished &&
               queue.picture.done > 0 &&
               h('button', { type: 'button', class: 'button small', on: { click: () => session.startJob() } }, words.go_on_without),

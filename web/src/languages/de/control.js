@@ -37,7 +37,6 @@ export const control_words = {
   changed_elsewhere: 'Die Punkte wurden inzwischen anderswo geändert. Sie wurden neu geladen; bitte wiederholen Sie Ihre letzte Änderung.',
   unseen: (name) => `Kein Foto dieser Karte zeigt die Stelle von ${name}. Prüfen Sie die Koordinaten.`,
   was_missed: (pixels) => `beim letzten Lauf um ${pixels} verfehlt`,
-  undo: 'Rückgängig',
   marking_title: (name) => `${name} markieren`,
   marking_hint: 'Foto. Ein Klick markiert den Punkt. Die Pfeiltasten bewegen ein Kreuz um ein Pixel, mit Umschalt um zehn, mit Strg um ein Zehntel; Eingabe markiert dort. Bild auf und Bild ab wechseln das Foto, Entf entfernt die Marke.',
   is_marked: 'markiert',

@@ -17,7 +17,6 @@ export const option_words = {
   own_choice: 'Eigene Auswahl',
   keep_as: 'Als Vorlage speichern',
   preset_name: 'Name der Vorlage',
-  keep: 'Speichern',
   forget: 'Vorlage löschen',
   not_kept: 'Dieser Browser konnte die Vorlage nicht speichern.',
   more: 'Weitere Optionen',

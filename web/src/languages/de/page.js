@@ -12,6 +12,8 @@ export const page_words = {
     panel: 'Flüge',
     home: 'Skyquilt, alle Flüge',
     close: 'Schließen',
+    zoom_in: 'Vergrößern',
+    zoom_out: 'Verkleinern',
     copy: (what) => `Adresse kopieren: ${what}`,
     copied: 'Kopiert.',
     language: 'Sprache',
@@ -34,8 +36,6 @@ export const page_words = {
   overview: {
     label: 'Karte aller Flüge. Die Liste zeigt dieselben Flüge.',
     fit: 'Alle Flüge zeigen',
-    zoom_in: 'Vergrößern',
-    zoom_out: 'Verkleinern',
     group: (n) => `${count(n, { one: 'Flug', other: 'Flüge' })} an dieser Stelle: vergrößern`,
     makers: 'Küstenlinien: Natural Earth',
     sides: ['N', 'S', 'O', 'W'],

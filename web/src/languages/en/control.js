@@ -36,7 +36,6 @@ export const control_words = {
   changed_elsewhere: 'The points were changed elsewhere in the meantime and have been loaded again. Please repeat your last change.',
   unseen: (/** @type {string} */ name) => `No photo of this map shows the place of ${name}. Check its coordinates.`,
   was_missed: (/** @type {string} */ pixels) => `missed by ${pixels} in the last run`,
-  undo: 'Undo',
   marking_title: (/** @type {string} */ name) => `Mark ${name}`,
   marking_hint: 'Photo. Click to mark the point. Arrow keys move a cross by one pixel, with Shift by ten, with Ctrl by a tenth; Enter marks the point there. Page Up and Page Down change the photo, Delete removes the mark.',
   is_marked: 'marked',

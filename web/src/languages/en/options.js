@@ -17,7 +17,6 @@ export const option_words = {
   own_choice: 'Custom',
   keep_as: 'Save as a preset',
   preset_name: 'Name of the preset',
-  keep: 'Save',
   forget: 'Delete preset',
   not_kept: 'This browser could not save the preset.',
   more: 'More options',

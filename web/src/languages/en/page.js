@@ -11,6 +11,8 @@ export const page_words = {
     panel: 'Flights',
     home: 'Skyquilt, all flights',
     close: 'Close',
+    zoom_in: 'Zoom in',
+    zoom_out: 'Zoom out',
     copy: (/** @type {string} */ what) => `Copy URL: ${what}`,
     copied: 'Copied.',
     language: 'Language',
@@ -33,8 +35,6 @@ export const page_words = {
   overview: {
     label: 'Map of all flights. The list shows the same flights.',
     fit: 'Zoom to all flights',
-    zoom_in: 'Zoom in',
-    zoom_out: 'Zoom out',
     group: (/** @type {number} */ n) => `${count(n, { one: 'flight', other: 'flights' })} here: zoom in`,
     makers: 'Coastlines: Natural Earth',
     sides: ['N', 'S', 'E', 'W'],
