@@ -11,7 +11,7 @@ const kMinPx = 3;      // less is as well as one clicks
 const kMinGsds = 3;
 
 /** @param {number[]} values @returns {number} NaN of none */
-export function median(values) {
+function median(values) {
   const sorted = [...values].sort((a, b) => a - b);
   const half = sorted.length / 2;
   return sorted.length % 2 ? sorted[Math.floor(half)] : (sorted[half - 1] + sorted[half]) / 2;

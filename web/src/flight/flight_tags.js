@@ -8,7 +8,7 @@ import { icon } from '../shared/icons.js';
 import { strings } from '../shared/flight_strings.js';
 import { mayChange } from './flight_words.js';
 
-export const kMaxTags = 20;
+const kMaxTags = 20;
 const kMaxLength = 40;
 
 /**

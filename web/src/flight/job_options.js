@@ -144,7 +144,7 @@ export const chosenOptions = (flight_id) => chosen.get(flight_id) ?? optionsOf(k
 export const chooseOptions = (flight_id, options) => void chosen.set(flight_id, options);
 
 /** What no other flight shares. @type {Pick<OptionsForm, 'origin'|'takeoff_height_m'|'boundary'>} */
-export const kOfOneFlight = { origin: '', takeoff_height_m: '', boundary: null };
+const kOfOneFlight = { origin: '', takeoff_height_m: '', boundary: null };
 
 const kKey = 'skyquilt.presets';
 const kMaxPresets = 50;

@@ -7,7 +7,6 @@ const kMaxScale = 16;
 const kPixelated = 3;
 
 /** @typedef {{x: number, y: number}} Spot */
-/** @typedef {ReturnType<typeof photoPlane>} PhotoPlane */
 
 /** @param {Spot} by @param {number} angle clockwise on the screen @returns {Spot} */
 const turned = ({ x, y }, angle) => ({ x: x * Math.cos(angle) - y * Math.sin(angle), y: x * Math.sin(angle) + y * Math.cos(angle) });

@@ -26,7 +26,7 @@ const kAllCovered = 0.99;
  * @param {Units} units
  * @returns {Node[]}
  */
-export function volumeWords(found, units) {
+function volumeWords(found, units) {
   const words = strings.volume;
   const in_units = (/** @type {number} */ cubic_metres) => volumeIn(cubic_metres, units);
   const covered_share = found.area_m2 > 0 ? found.covered_m2 / found.area_m2 : 1;

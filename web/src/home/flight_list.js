@@ -226,7 +226,7 @@ export function tagCounts(flights, chosen) {
 }
 
 /** The tags of one flight in its row. @param {Flight} flight @returns {HTMLElement|null} */
-export function rowTags({ tags = [] }) {
+function rowTags({ tags = [] }) {
   if (tags.length === 0) return null;
   const rest = tags.length - kRowTags;
   return h('span', { class: 'tags' }, ...tags.slice(0, kRowTags).map((tag) => h('span', { class: 'tag' }, tag)), rest > 0 && h('span', { class: 'tag tag-more' }, `+${number(rest)}`));
@@ -236,7 +236,7 @@ export function rowTags({ tags = [] }) {
  * @param {(chosen: string[]) => void} on_change
  * @returns {{element: HTMLElement, chosen: () => string[], choose: (tags: string[]) => void, update: (flights: Flight[]) => void}}
  */
-export function tagFilter(on_change) {
+function tagFilter(on_change) {
   const element = h('div', { class: 'tag-filter', id: 'tag-filter', role: 'group', 'aria-label': strings.flights.tags_filter, hidden: true });
   /** @type {string[]} */
   let chosen = [];

@@ -403,7 +403,7 @@ export function placeOf(flight) {
 }
 
 /** The same as tile_addresses.js has of zoom 0, which would be one request more for the first view. @param {number} lon_deg @param {number} lat_deg */
-export const worldPosition = (lon_deg, lat_deg) => ({ x: (lon_deg + 180) / 360, y: 0.5 - Math.atanh(Math.sin((lat_deg * Math.PI) / 180)) / (2 * Math.PI) });
+const worldPosition = (lon_deg, lat_deg) => ({ x: (lon_deg + 180) / 360, y: 0.5 - Math.atanh(Math.sin((lat_deg * Math.PI) / 180)) / (2 * Math.PI) });
 
 /** @param {Bounds} bounds @returns {Box} */
 export function boxOf([west, south, east, north]) {
@@ -413,7 +413,7 @@ export function boxOf([west, south, east, north]) {
 }
 
 /** @param {Box[]} boxes at least one @returns {Box} */
-export const around = (boxes) => ({
+const around = (boxes) => ({
   left: Math.min(...boxes.map(({ left }) => left)),
   top: Math.min(...boxes.map(({ top }) => top)),
   right: Math.max(...boxes.map(({ right }) => right)),
@@ -426,7 +426,7 @@ export const around = (boxes) => ({
  * @param {number} height
  * @returns {View} the same within the world and the zooms there are
  */
-export function bounded(view, width, height) {
+function bounded(view, width, height) {
   const scale = Math.min(kClosest, Math.max(Math.min(width, height) * 0.9, view.scale));
   return { x: Math.min(1, Math.max(0, view.x)), y: Math.min(1, Math.max(0, view.y)), scale };
 }
@@ -486,4 +486,4 @@ export function groups(placed, view, width, height) {
 }
 
 /** On the ground, at the centre. @param {View} view */
-export const metresOfPixel = ({ y, scale }) => kAround_m / Math.cosh(Math.PI * (1 - 2 * y)) / scale;
+const metresOfPixel = ({ y, scale }) => kAround_m / Math.cosh(Math.PI * (1 - 2 * y)) / scale;

@@ -13,7 +13,7 @@ import { parseNumber } from '../shared/format.js';
 export const indexQuery = (index) => (index.id ? `index=${encodeURIComponent(index.id)}` : `expression=${encodeURIComponent(index.expression)}`);
 
 /** @param {IndexLook} look */
-export const lookQuery = ({ index, colormap, rescale }) => `${indexQuery(index)}&rescale=${rescale.join(',')}&colormap=${encodeURIComponent(colormap)}`;
+const lookQuery = ({ index, colormap, rescale }) => `${indexQuery(index)}&rescale=${rescale.join(',')}&colormap=${encodeURIComponent(colormap)}`;
 
 /**
  * The addresses of an index' tiles from those of its map.

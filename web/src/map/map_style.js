@@ -3,8 +3,8 @@
 /** @import { PhotoCollection } from '../shared/types.js' */
 /** @import { LayerSpecification, StyleSpecification, ExpressionSpecification } from '@maplibre/maplibre-gl-style-spec' */
 
-export const kAlignedColour = '#1f77d0';
-export const kPoseOnlyColour = '#f28e1c';
+const kAlignedColour = '#1f77d0';
+const kPoseOnlyColour = '#f28e1c';
 const kErrorColours = ['#2b83ba', '#ffd34d', '#d7301f'];
 
 /** @typedef {'placement'|'error'} ColourBy */

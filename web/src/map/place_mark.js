@@ -12,7 +12,7 @@ const kWorld_px = 512;  // of MapLibre's zoom 0
  * @param {number} min_zoom of MapLibre, from which the tiles are drawn
  * @returns {number} the zoom up to which the mark is shown
  */
-export function markZoom([west, south, east, north], min_zoom) {
+function markZoom([west, south, east, north], min_zoom) {
   const from = tilePosition(west, north, 0);
   const to = tilePosition(east, south, 0);
   const span = Math.max(to.x - from.x, to.y - from.y, 1e-9);

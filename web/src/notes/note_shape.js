@@ -14,7 +14,7 @@ export const kMaxTextBytes = 4000;
 export const bytesOf = (text) => new TextEncoder().encode(text).length;
 
 /** @param {Note} note @returns {LonLat[]} of an area without the last one, which is its first */
-export function placesOf({ geometry }) {
+function placesOf({ geometry }) {
   const places = geometry.type === 'Point' ? [geometry.coordinates] : geometry.type === 'LineString' ? geometry.coordinates : geometry.coordinates[0].slice(0, -1);
   return /** @type {LonLat[]} */ (places);
 }

@@ -50,7 +50,7 @@ export function localeFor(language, tags) {
 /** What the page speaks now. @type {Language} */
 export let language = kFallback;
 /** @type {string} */
-export let locale = kFallback;
+let locale = kFallback;
 
 /** @param {Language} spoken whose words are loaded */
 export function speak(spoken) {

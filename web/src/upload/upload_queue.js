@@ -44,7 +44,7 @@
  * @property {number} bytes_per_s over this connection, over the last seconds; 0 when unknown
  * @property {number|null} left_s
  * @property {{reason: string, at_ms: number}|null} retry everything waits for the next try, and when that is
- * @property {'running'|'paused'|'stopped'|'finished'} state
+ * @property {'running'|'paused'|'finished'} state
  */
 
 const kWindow_ms = 8000;
@@ -53,7 +53,7 @@ const kLongestDelay_ms = 15_000;
 export class UploadQueue extends EventTarget {
   /** @type {UploadItem[]} */
   items = [];
-  /** @type {'running'|'paused'|'stopped'|'finished'} */
+  /** @type {'running'|'paused'|'finished'} */
   #state = 'paused';
   /** @type {Map<UploadItem, AbortController>} */
   #aborts = new Map();
@@ -124,7 +124,6 @@ export class UploadQueue extends EventTarget {
   }
 
   start() {
-    if (this.#state === 'stopped') return;
     if (this.#state !== 'running') this.#history = [];
     this.#state = 'running';
     this.#pump();
@@ -134,12 +133,6 @@ export class UploadQueue extends EventTarget {
   pause() {
     if (this.#state !== 'running') return;
     this.#state = 'paused';
-    this.#abortAll();
-    this.#changed();
-  }
-
-  stop() {
-    this.#state = 'stopped';
     this.#abortAll();
     this.#changed();
   }

@@ -114,7 +114,7 @@ export function uploadView(session) {
       .join(' · ');
     const label = picture.state === 'paused' ? words.resume : words.pause;
     if (pause.textContent !== label) put(pause, icon(picture.state === 'paused' ? 'play' : 'pause'), label);
-    pause.hidden = picture.state === 'finished' || picture.state === 'stopped';
+    pause.hidden = picture.state === 'finished';
     if (session.verdict !== shown_verdict && session.verdict) put(verdict, verdictView(session.verdict));
     shown_verdict = session.verdict;
     if (session.server_verdict !== shown_server_verdict && session.server_verdict) {

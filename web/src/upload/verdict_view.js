@@ -61,7 +61,7 @@ const kShownReasons = 5;
  * @param {boolean} is_of_all false: of the first files alone
  * @returns {{title: string, facts: string, warnings: string[], is_good: boolean}}
  */
-export function serverVerdictWords(verdict, is_of_all) {
+function serverVerdictWords(verdict, is_of_all) {
   const words = strings.verdict.server;
   const left_out = verdict.left_out ?? [];
   const by_images = verdict.photos_by_images ?? 0;

@@ -53,7 +53,6 @@ export const flight_words = {
     done: 'Hochladen abgeschlossen.',
     total: 'Fortschritt des Hochladens',
     file_progress: (name) => `Fortschritt von ${name}`,
-    leave: 'Das Hochladen läuft noch.',
     start: 'Karte erstellen',
     start_hint: (n) => `${plural(n, { one: 'Die Datei ist', other: `Alle ${number(n)} Dateien sind` })} auf dem Server. Die Verarbeitung hat noch nicht begonnen.`,
     there: (n) => `${count(n, { one: 'Datei ist', other: 'Dateien sind' })} auf dem Server. Die Verarbeitung hat noch nicht begonnen.`,
@@ -300,7 +299,6 @@ export const flight_words = {
     strength: 'Deckkraft der rechten Karte',
     close: 'Vergleich beenden',
     none: 'Kein anderer Flug hat eine Karte dieses Gebiets.',
-    left: 'Links',
     right: 'Rechts',
   },
   report: {

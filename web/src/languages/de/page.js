@@ -49,7 +49,6 @@ export const page_words = {
     uploaded: (date) => `hochgeladen am ${date}`,
     tags_filter: 'Nur Flüge mit diesen Schlagwörtern zeigen',
     no_match: 'Keine passenden Flüge.',
-    open: (name) => `${name} öffnen`,
     photos: (n) => count(n, photos),
     imported: 'importierte Karte',
     files: (n) => count(n, files),

@@ -53,7 +53,6 @@ export const flight_words = {
     done: 'Upload finished.',
     total: 'Upload progress',
     file_progress: (/** @type {string} */ name) => `Upload progress of ${name}`,
-    leave: 'An upload is still in progress.',
     start: 'Create map',
     start_hint: (/** @type {number} */ n) => `${plural(n, { one: 'The file is', other: `All ${number(n)} files are` })} on the server. Processing has not started yet.`,
     there: (/** @type {number} */ n) => `${count(n, { one: 'file is', other: 'files are' })} on the server. Processing has not started yet.`,
@@ -297,7 +296,6 @@ export const flight_words = {
     strength: 'Opacity of the right map',
     close: 'Stop comparing',
     none: 'No other flight has a map of this area.',
-    left: 'Left',
     right: 'Right',
   },
   report: {

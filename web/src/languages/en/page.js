@@ -48,7 +48,6 @@ export const page_words = {
     uploaded: (/** @type {string} */ date) => `uploaded ${date}`,
     tags_filter: 'Show only flights with these tags',
     no_match: 'No flights match.',
-    open: (/** @type {string} */ name) => `Open ${name}`,
     photos: (/** @type {number} */ n) => count(n, { one: 'photo', other: 'photos' }),
     imported: 'imported map',
     files: (/** @type {number} */ n) => count(n, { one: 'file', other: 'files' }),
