@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
-import { measurementGeoJson, measurementGpx, measurementKml } from '../../web/src/map/measurement_files.js';
+import { measurementsGeoJson, measurementsGpx, measurementsKml } from '../../web/src/map/measurement_files.js';
 import { boundsOfData, OwnDataError, readOwnData } from '../../web/src/map/own_data.js';
 import { loadFlightStrings } from '../../web/src/shared/flight_strings.js';
 import { areaIn, lengthIn, usualUnits } from '../../web/src/shared/units.js';
@@ -25,15 +25,15 @@ test('feet and acres are those of the United States, metres and hectares of near
 
 test('a measurement is saved as GeoJSON and KML that are read back as they were', () => {
   const area = { name: 'Field <1>', places: square, length_m: 230.1234, area_m2: 3385.25 };
-  const { features } = JSON.parse(measurementGeoJson(area));
+  const { features } = JSON.parse(measurementsGeoJson([area]));
   assert.deepEqual(features[0].properties, { name: 'Field <1>', area_m2: 3385.25, perimeter_m: 230.123 });
   // It was drawn clockwise; RFC 7946 wants outlines anticlockwise and closed.
   assert.deepEqual(features[0].geometry.coordinates, [[...square].reverse().concat([square[3]])]);
-  const path = JSON.parse(measurementGeoJson({ name: 'Path', places: square.slice(0, 2), length_m: 55.6, area_m2: null }));
+  const path = JSON.parse(measurementsGeoJson([{ name: 'Path', places: square.slice(0, 2), length_m: 55.6, area_m2: null }]));
   assert.equal(path.features[0].geometry.type, 'LineString');
   assert.deepEqual(boundsOfData(readOwnData('path.geojson', JSON.stringify(path))), [7.4388, 46.951, 7.4388, 46.9515]);
-  assert.match(measurementKml(area), /<name>Field &lt;1&gt;<\/name>[^]*<Polygon>.*7\.4396,46\.951 7\.4396,46\.9515/);
-  const track = measurementGpx(area);
+  assert.match(measurementsKml([area]), /<name>Field &lt;1&gt;<\/name>[^]*<Polygon>.*7\.4396,46\.951 7\.4396,46\.9515/);
+  const track = measurementsGpx([area]);
   assert.match(track, /<name>Field &lt;1&gt;<\/name>/);
   const points = [...track.matchAll(/<trkpt lat="([\d.]+)" lon="([\d.]+)"\/>/g)].map(([, lat, lon]) => [Number(lon), Number(lat)]);
   assert.equal(points.length, 5, 'closed');

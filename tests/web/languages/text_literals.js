@@ -2,7 +2,7 @@
 // put into an element, what is said aloud or shown as a note, attributes that people read, and whole sentences anywhere.
 
 /** What is the same in every language. */
-const kNames = /Skyquilt|GeoJSON|KML|QGIS|GDAL|JOSM|Natural Earth|iframe/g;
+const kNames = /Skyquilt|GeoJSON|GPX|KML|QGIS|GDAL|JOSM|Natural Earth|iframe/g;
 /** Arguments from this one on are text. @type {Record<string, number>} */
 const kSpeakers = { h: 2, svg: 2, put: 1, fill: 1, announce: 0, showNote: 0, alert: 0, confirm: 0, OwnDataError: 0, ApiError: 1 };
 const kAttributes = new Set(['aria-label', 'aria-description', 'aria-roledescription', 'title', 'placeholder', 'alt', 'label']);

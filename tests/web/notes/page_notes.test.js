@@ -6,7 +6,7 @@ import { test } from 'node:test';
 import { measurementsGeoJson, measurementsGpx, measurementsKml } from '../../../web/src/map/measurement_files.js';
 import { rebased, withChanges } from '../../../web/src/notes/note_merge.js';
 import { withRoom } from '../../../web/src/notes/note_labels.js';
-import { boundsOfNote, labelPlace, measurementOf, noteOf } from '../../../web/src/notes/note_shape.js';
+import { boundsOfNote, labelPlace, measurementOfNote, noteOf } from '../../../web/src/notes/note_shape.js';
 import { mapIdle } from '../support/browser.js';
 import { assertAccessible, assertQuiet, options, usePages } from '../support/pages.js';
 
@@ -39,7 +39,7 @@ test('notes are files that other programs open, with their words', () => {
   const line = noteOf('Fence <1>', '', { type: 'LineString', coordinates: [[7.4391, 46.9512], [7.4401, 46.9512]] });
   const ring = [[7.4, 46.9], [7.41, 46.9], [7.41, 46.91], [7.4, 46.9]];
   const area = noteOf('Pond', '', { type: 'Polygon', coordinates: [ring] });
-  const all = [line, area, pointAt('w', 'Well', 'Cover & lid\nloose')].map(measurementOf);
+  const all = [line, area, pointAt('w', 'Well', 'Cover & lid\nloose')].map(measurementOfNote);
   assert.ok(Math.abs(all[0].length_m - 76.125) < 0.01, 'GeographicLib says 76.125 m');
   assert.equal(all[1].places.length, 3);
   const { features } = JSON.parse(measurementsGeoJson(all));

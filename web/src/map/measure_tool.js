@@ -7,15 +7,14 @@
 /** @import { Units } from '../shared/units.js' */
 import { announce } from '../shared/announce.js';
 import { h } from '../shared/dom.js';
-import { saveText } from '../sharing/connect_files.js';
 import { showDownloads } from '../flight/flight_actions.js';
-import { geodesicLength, pathLength, polygonArea } from './geodesy.js';
+import { geodesicLength } from './geodesy.js';
 import { iconButton } from '../shared/icons.js';
 import { heightProfile } from '../heights/height_profile.js';
 import { volumeSection } from '../heights/volume_section.js';
 import { measureLayers } from './map_style.js';
 import { measureMarks } from './measure_marks.js';
-import { measurementGeoJson, measurementGpx, measurementKml, polygonOf } from './measurement_files.js';
+import { measurementOf, polygonOf, savingRow } from './measurement_files.js';
 import { crossesItself } from './ring_crossing.js';
 import { strings } from '../shared/flight_strings.js';
 import { areaIn, chosenUnits, keepUnits, lengthIn } from '../shared/units.js';
@@ -74,14 +73,10 @@ export function measureTool(view, listener) {
     ...Object.entries(words.unit_names).map(([value, label]) => h('option', { value }, label)),
   );
   const undo_button = button(strings.flights.undo, () => undo(), 'measure-undo');
-  const saving = h(
-    'div',
-    { class: 'row measure-save' },
-    h('span', { class: 'fine' }, words.save),
-    button('GeoJSON', () => save('geojson'), 'measure-geojson'),
-    button('KML', () => save('kml'), 'measure-kml'),
-    button('GPX', () => save('gpx'), 'measure-gpx'),
-  );
+  const saving = savingRow('measure', () => {
+    const found = measured();
+    return found && kind && { file: words.file_name[kind], measurements: [found] };
+  });
   const heights = heightProfile(view);
   const volume = volumeSection(view);
   /** @type {Keeper|null} */
@@ -127,8 +122,7 @@ export function measureTool(view, listener) {
   /** @returns {Measurement|null} null while there is nothing to measure */
   const measured = () => {
     if (!kind || places.length < (kind === 'area' ? 3 : 2) || isCrossing()) return null;
-    const is_area = kind === 'area';
-    return { name: words[kind], places, length_m: pathLength(is_area ? [...places, places[0]] : places), area_m2: is_area ? polygonArea(places) : null };
+    return measurementOf(words[kind], places, kind === 'area');
   };
   const tell = () => {
     if (isCrossing()) announce(words.crossing);
@@ -183,16 +177,6 @@ export function measureTool(view, listener) {
     view.setUnits(next);
     draw();
   };
-  /** @param {'geojson'|'kml'|'gpx'} form */
-  const save = (form) => {
-    const found = measured();
-    if (!found || !kind) return;
-    const file = `${words.file_name[kind]}.${form}`;
-    if (form === 'kml') saveText(file, measurementKml(found), 'application/vnd.google-earth.kml+xml');
-    else if (form === 'gpx') saveText(file, measurementGpx(found), 'application/gpx+xml');
-    else saveText(file, measurementGeoJson(found), 'application/geo+json');
-  };
-
   const keep = () => {
     const found = measured();
     if (!found || !kind || !keeper) return;

@@ -1,6 +1,9 @@
 // Measurements, and points with words, as files that other programs open. WGS84, longitude first, as GeoJSON and KML have it.
 /** @import { LonLat } from './geodesy.js' */
-import { xmlText } from '../sharing/connect_files.js';
+import { h } from '../shared/dom.js';
+import { strings } from '../shared/flight_strings.js';
+import { saveText, xmlText } from '../sharing/connect_files.js';
+import { pathLength, polygonArea } from './geodesy.js';
 
 /**
  * @typedef {object} Measurement
@@ -12,7 +15,11 @@ import { xmlText } from '../sharing/connect_files.js';
  */
 
 const kDigits = 9;
-const rounded = (/** @type {LonLat} */ place) => place.map((degrees) => Number(degrees.toFixed(kDigits)));
+/** To a tenth of a millimetre. */
+export const rounded = (/** @type {LonLat} */ place) => place.map((degrees) => Number(degrees.toFixed(kDigits)));
+
+/** @param {string} name @param {LonLat[]} places @param {boolean} is_area @returns {Measurement} */
+export const measurementOf = (name, places, is_area) => ({ name, places, length_m: pathLength(is_area ? [...places, places[0]] : places), area_m2: is_area ? polygonArea(places) : null });
 
 /** An outline as RFC 7946 wants it: closed, anticlockwise. @param {LonLat[]} places */
 function ring(places) {
@@ -86,9 +93,28 @@ export function measurementsGpx(measurements) {
 `;
 }
 
-/** @param {Measurement} measurement */
-export const measurementGeoJson = (measurement) => measurementsGeoJson([measurement]);
-/** @param {Measurement} measurement */
-export const measurementKml = (measurement) => measurementsKml([measurement]);
-/** @param {Measurement} measurement */
-export const measurementGpx = (measurement) => measurementsGpx([measurement]);
+/** @typedef {'geojson'|'kml'|'gpx'} FileForm */
+/** @type {Record<FileForm, {label: string, type: string, write: (measurements: Measurement[]) => string}>} */
+const kForms = {
+  geojson: { label: 'GeoJSON', type: 'application/geo+json', write: measurementsGeoJson },
+  kml: { label: 'KML', type: 'application/vnd.google-earth.kml+xml', write: measurementsKml },
+  gpx: { label: 'GPX', type: 'application/gpx+xml', write: measurementsGpx },
+};
+
+/**
+ * @param {string} id the buttons' begin with it
+ * @param {() => {file: string, measurements: Measurement[]}|null} what is saved, in a file of this name; null: nothing now
+ * @returns {HTMLElement} a button for each kind of file
+ */
+export function savingRow(id, what) {
+  const save = (/** @type {FileForm} */ form) => {
+    const found = what();
+    if (found) saveText(`${found.file}.${form}`, kForms[form].write(found.measurements), kForms[form].type);
+  };
+  return h(
+    'div',
+    { class: `row ${id}-save` },
+    h('span', { class: 'fine' }, strings.measure.save),
+    ...Object.entries(kForms).map(([form, { label }]) => h('button', { type: 'button', class: 'button small', id: `${id}-${form}`, on: { click: () => save(/** @type {FileForm} */ (form)) } }, label)),
+  );
+}

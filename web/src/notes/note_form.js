@@ -2,6 +2,7 @@
 /** @import { LonLat } from '../map/geodesy.js' */
 /** @import { Stage } from '../map/stage.js' */
 /** @import { Note } from './note_shape.js' */
+import { rounded } from '../map/measurement_files.js';
 import { h } from '../shared/dom.js';
 import { strings } from '../shared/flight_strings.js';
 import { bytesOf, kMaxNameBytes, kMaxTextBytes, noteOf } from './note_shape.js';
@@ -62,8 +63,7 @@ export function noteForm(stage, note, listener) {
   });
   element.addEventListener('submit', (event) => {
     event.preventDefault();
-    const rounded = place.map((degrees) => Number(degrees.toFixed(9)));
-    const geometry = is_point ? { type: /** @type {const} */ ('Point'), coordinates: rounded } : /** @type {Note} */ (note).geometry;
+    const geometry = is_point ? { type: /** @type {const} */ ('Point'), coordinates: rounded(place) } : /** @type {Note} */ (note).geometry;
     const made = noteOf(name.value.trim(), text.value.replaceAll('\r\n', '\n').trim(), geometry, note?.id);
     if (made.properties.name === '') {
       name.value = '';

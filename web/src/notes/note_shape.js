@@ -2,8 +2,7 @@
 /** @import { LonLat } from '../map/geodesy.js' */
 /** @import { Measurement } from '../map/measurement_files.js' */
 /** @import { Bounds } from '../shared/types.js' */
-import { pathLength, polygonArea } from '../map/geodesy.js';
-import { polygonOf } from '../map/measurement_files.js';
+import { measurementOf, polygonOf, rounded } from '../map/measurement_files.js';
 
 /** @typedef {GeoJSON.Feature<GeoJSON.Point|GeoJSON.LineString|GeoJSON.Polygon, {name: string, text?: string}> & {id: string}} Note */
 
@@ -20,17 +19,7 @@ function placesOf({ geometry }) {
 }
 
 /** @param {Note} note @returns {Measurement} */
-export function measurementOf(note) {
-  const places = placesOf(note);
-  const is_area = note.geometry.type === 'Polygon';
-  return {
-    name: note.properties.name,
-    text: note.properties.text ?? '',
-    places,
-    length_m: pathLength(is_area ? [...places, places[0]] : places),
-    area_m2: is_area ? polygonArea(places) : null,
-  };
-}
+export const measurementOfNote = (note) => ({ ...measurementOf(note.properties.name, placesOf(note), note.geometry.type === 'Polygon'), text: note.properties.text ?? '' });
 
 /** @param {Note} note @returns {Bounds} */
 export function boundsOfNote(note) {
@@ -63,4 +52,4 @@ function newId() {
 export const noteOf = (name, text, geometry, id = newId()) => ({ type: 'Feature', id, geometry, properties: text ? { name, text } : { name } });
 
 /** @param {LonLat[]} places @param {'distance'|'area'} kind @returns {Note['geometry']} */
-export const geometryOf = (places, kind) => (kind === 'area' ? polygonOf(places) : { type: 'LineString', coordinates: places.map((place) => place.map((degrees) => Number(degrees.toFixed(9)))) });
+export const geometryOf = (places, kind) => (kind === 'area' ? polygonOf(places) : { type: 'LineString', coordinates: places.map(rounded) });

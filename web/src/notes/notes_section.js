@@ -4,15 +4,14 @@
 /** @import { Stage } from '../map/stage.js' */
 /** @import { Note } from './note_shape.js' */
 import { announce, showNote } from '../shared/announce.js';
-import { saveText } from '../sharing/connect_files.js';
 import { h, put } from '../shared/dom.js';
 import { icon, iconButton } from '../shared/icons.js';
-import { measurementsGeoJson, measurementsGpx, measurementsKml } from '../map/measurement_files.js';
+import { savingRow } from '../map/measurement_files.js';
 import { strings } from '../shared/flight_strings.js';
 import { areaIn, chosenUnits, lengthIn, units_chosen } from '../shared/units.js';
 import { NoteDocument } from './note_document.js';
 import { noteForm } from './note_form.js';
-import { boundsOfNote, geometryOf, measurementOf, noteOf } from './note_shape.js';
+import { boundsOfNote, geometryOf, measurementOfNote, noteOf } from './note_shape.js';
 
 const kStale_ms = 20_000;
 const kIcons = /** @type {const} */ ({ Point: 'pencil', LineString: 'ruler', Polygon: 'area' });
@@ -20,7 +19,7 @@ const kIcons = /** @type {const} */ ({ Point: 'pencil', LineString: 'ruler', Pol
 /** What was measured, in words; '' of a point. @param {Note} note */
 function figure(note) {
   if (note.geometry.type === 'Point') return '';
-  const { length_m, area_m2 } = measurementOf(note);
+  const { length_m, area_m2 } = measurementOfNote(note);
   return area_m2 === null ? lengthIn(length_m, chosenUnits()) : areaIn(area_m2, chosenUnits());
 }
 
@@ -37,16 +36,8 @@ export function notesSection(flight, stage, may_change) {
   const state = h('p', { class: 'muted fine', id: 'notes-state', role: 'status' });
   const form_place = h('div', {});
   const list = h('ul', { class: 'note-list', id: 'note-list' });
-  const button = (/** @type {string} */ label, /** @type {() => void} */ run, /** @type {string} */ id) => h('button', { type: 'button', class: 'button small', id, on: { click: run } }, label);
   const add_button = h('button', { type: 'button', class: 'button small', id: 'note-add', on: { click: () => openForm(null) } }, icon('plus'), words.add);
-  const saving = h(
-    'div',
-    { class: 'row note-files' },
-    h('span', { class: 'fine' }, words.export),
-    button('GeoJSON', () => save('geojson'), 'notes-geojson'),
-    button('KML', () => save('kml'), 'notes-kml'),
-    button('GPX', () => save('gpx'), 'notes-gpx'),
-  );
+  const saving = savingRow('notes', () => ({ file: words.file_name, measurements: notes.notes.map(measurementOfNote) }));
   const element = h(
     'details',
     { class: 'block notes no-print', id: 'notes', open: true, hidden: true },
@@ -58,14 +49,6 @@ export function notesSection(flight, stage, may_change) {
   let is_closed = false;
   let read_ms = 0;
 
-  /** @param {'geojson'|'kml'|'gpx'} kind */
-  const save = (kind) => {
-    const measured = notes.notes.map(measurementOf);
-    const file = `${words.file_name}.${kind}`;
-    if (kind === 'kml') saveText(file, measurementsKml(measured), 'application/vnd.google-earth.kml+xml');
-    else if (kind === 'gpx') saveText(file, measurementsGpx(measured), 'application/gpx+xml');
-    else saveText(file, measurementsGeoJson(measured), 'application/geo+json');
-  };
   const closeForm = () => {
     form?.close();
     form = null;

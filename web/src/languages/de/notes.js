@@ -25,7 +25,6 @@ export const note_words = {
   failed: (why) => `Nicht auf dem Server. In diesem Browser gespeichert: ${why}`,
   merged: 'Jemand anderes hat dieselben Notizen inzwischen geändert. Beide Fassungen bleiben erhalten.',
   own_copy: (name) => `${name} (meine Fassung)`,
-  export: 'Speichern als',
   file_name: 'Notizen',
   unread: (why) => `Die Notizen lassen sich nicht lesen: ${why}`,
 };

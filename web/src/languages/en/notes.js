@@ -24,7 +24,6 @@ export const note_words = {
   failed: (/** @type {string} */ why) => `Not on the server. Kept in this browser: ${why}`,
   merged: 'Someone else changed the same notes in the meantime. Both versions are kept.',
   own_copy: (/** @type {string} */ name) => `${name} (my version)`,
-  export: 'Save as',
   file_name: 'notes',
   unread: (/** @type {string} */ why) => `The notes could not be read: ${why}`,
 };
