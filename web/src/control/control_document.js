@@ -1,39 +1,19 @@
 // The control points of an open flight: changed here at once, sent to the server a moment later, undone step by step.
 // Events: 'change' (the points), 'saved' (what the state of saving is).
 /** @import { ControlMark, ControlPoint } from './control_lists.js' */
-import { authorization } from '../shared/token.js';
-import { ApiError, problem } from '../shared/api.js';
+import { ApiError } from '../shared/api.js';
 import { strings } from '../shared/flight_strings.js';
-import { at } from '../shared/router.js';
-import { SavedDocument } from '../shared/saved_document.js';
+import { askDocument, kPatience_ms, kPause_ms, SavedDocument } from '../shared/saved_document.js';
 
 /** @typedef {{reference_system: string, points: ControlPoint[]}} ControlPoints */
 
-const kPause_ms = 500;
-const kPatience_ms = 5000;  // until a server that was away, or a flight that was being stitched, is asked again
 const kMaxUndo = 200;
-
-const address = (/** @type {string} */ id) => at(`/api/v1/flights/${encodeURIComponent(id)}/control`);
 
 /** What a panel that was closed still sends: who opens the flight's points next waits for it. @type {Map<string, Promise<void>>} */
 const leaving = new Map();
 
-/**
- * @param {string} id of the flight
- * @param {RequestInit} [init]
- * @returns {Promise<{document: ControlPoints, etag: string}>}
- */
-async function ask(id, init = {}) {
-  let response;
-  try {
-    response = await fetch(address(id), { ...init, headers: { ...authorization(), ...init.headers } });
-  } catch {
-    throw new ApiError(0, strings.errors.unreachable);
-  }
-  const text = await response.text();
-  if (!response.ok) throw problem(response.status, text);
-  return { document: JSON.parse(text), etag: response.headers.get('ETag') ?? '' };
-}
+/** @param {string} id of the flight @param {RequestInit} [init] @returns {Promise<{document: ControlPoints, etag: string}>} */
+const ask = (id, init) => askDocument(id, 'control', init);
 
 export class ControlDocument extends SavedDocument {
   /** @type {ControlPoints} */

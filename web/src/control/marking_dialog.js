@@ -10,6 +10,7 @@ import { h } from '../shared/dom.js';
 import { iconButton } from '../shared/icons.js';
 import { fixed } from '../shared/language.js';
 import { strings } from '../shared/flight_strings.js';
+import { kArrows } from '../shared/follow_pointer.js';
 import { filmstrip } from '../flight/filmstrip.js';
 import { kZoomStep, photoPlane } from '../flight/photo_plane.js';
 import { photoKey } from './control_lists.js';
@@ -19,9 +20,6 @@ const kExpected_px = 44;
 const kMark_px = 32;
 const kCross_px = 40;
 const kNear = 1;  // pixels of the screen for one of the photo, where it is marked
-
-/** @type {Record<string, [number, number]>} */
-const arrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 
 /**
  * @param {ControlDocument} control
@@ -173,10 +171,7 @@ export function openMarking(control, name, photos, listener) {
 
   /** @type {Record<string, () => void>} */
   const keys = {
-    '+': () => plane.zoom(kZoomStep),
-    '=': () => plane.zoom(kZoomStep),
-    '-': () => plane.zoom(1 / kZoomStep),
-    0: plane.showWhole,
+    ...plane.keys,
     PageDown: () => show(shown + 1),
     PageUp: () => show(shown - 1),
     Delete: () => put(null),
@@ -185,7 +180,7 @@ export function openMarking(control, name, photos, listener) {
   /** @param {KeyboardEvent} event @returns {(() => void)|undefined} */
   const actionOf = (event) => {
     if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === 'z') return () => control.undo();
-    const arrow = arrows[event.key];
+    const arrow = kArrows[event.key];
     if (arrow) {
       const step = event.shiftKey ? 10 : event.ctrlKey ? 0.1 : 1;
       return () => move([step * arrow[0], step * arrow[1]]);

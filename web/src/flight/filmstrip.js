@@ -1,7 +1,7 @@
 // A strip of photos to choose from. Their small pictures are those that cameras write into the first bytes of a photo:
 // fetched alone, and when they come into sight.
 /** @import { SeenPhoto } from './photo_card.js' */
-import { h, put } from '../shared/dom.js';
+import { h, put, whenSeen } from '../shared/dom.js';
 import { fixed, number } from '../shared/language.js';
 import { strings } from '../shared/flight_strings.js';
 import { embeddedPicture, kHeadBytes } from '../upload/exif_reader.js';
@@ -37,13 +37,7 @@ export function filmstrip(photos, on_choose) {
       if (!abort.signal.aborted) console.debug('no small picture', error);  // its number is there instead
     }
   };
-  const in_sight = new IntersectionObserver((entries) => {
-    for (const { isIntersecting, target } of entries) {
-      if (!isIntersecting) continue;
-      in_sight.unobserve(target);
-      void draw(/** @type {HTMLElement} */ (target));
-    }
-  });
+  const in_sight = whenSeen((frame) => void draw(frame));
   for (const frame of frames) in_sight.observe(frame);
   return {
     element,

@@ -290,13 +290,16 @@ export class FlightView {
       bounds: flight.bounds,
       is_placed: report.is_placed !== false,
       is_guessed: isGuessed(report),
-      submit: async (pairs) => {
-        placing_jobs.add((await startPlacing(flight.id, pairs)).id);
-        this.stage.fitNext();
-        await this.refresh();
-      },
+      submit: (pairs) => this.#followMoving(startPlacing(flight.id, pairs)),
       on_leave: () => (opener.isConnected ? opener : document.getElementById('flight-title'))?.focus({ preventScroll: true }),
     });
+  }
+
+  /** @param {Promise<Job>} begun moves the map */
+  async #followMoving(begun) {
+    placing_jobs.add((await begun).id);
+    this.stage.fitNext();
+    await this.refresh();
   }
 
   /** Makes the map anew; the one that is there stays until then. @param {Flight} flight */
@@ -319,11 +322,7 @@ export class FlightView {
   #controlOf(flight, report, photos) {
     const may_change = mayChange(flight) && !isImported(flight);
     if (!may_change && !report.alignment?.ground_control?.length) return null;
-    const apply = async () => {
-      placing_jobs.add((await startControl(flight.id)).id);
-      this.stage.fitNext();
-      await this.refresh();
-    };
+    const apply = () => this.#followMoving(startControl(flight.id));
     return controlSection({ flight, report, photos, stage: this.stage, may_change, apply }, {
       is_open: this.#is_control_open,
       on_toggle: (is_open) => (this.#is_control_open = is_open),

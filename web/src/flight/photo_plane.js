@@ -56,6 +56,8 @@ export function photoPlane(view, image, { turn_rad = () => 0, on_draw }) {
   followPointer(view, { pan, zoom });
   return {
     draw,
+    /** What keys do. */
+    keys: { '+': () => zoom(kZoomStep), '=': () => zoom(kZoomStep), '-': () => zoom(1 / kZoomStep), 0: showWhole },
     pan,
     zoom,
     showWhole,

@@ -6,6 +6,7 @@ import { announce } from '../shared/announce.js';
 import { h } from '../shared/dom.js';
 import { compassNeedle, icon, iconButton } from '../shared/icons.js';
 import { strings } from '../shared/flight_strings.js';
+import { kArrows } from '../shared/follow_pointer.js';
 import { filmstrip } from './filmstrip.js';
 import { kZoomStep, photoPlane } from './photo_plane.js';
 
@@ -112,17 +113,15 @@ export function openPhotos(photos, first, on_step) {
     is_first = false;
   });
   /** @type {Record<string, () => void>} */
-  const keys = { '+': () => plane.zoom(kZoomStep), '=': () => plane.zoom(kZoomStep), '-': () => plane.zoom(1 / kZoomStep), 0: plane.showWhole, n: () => setNorth(!is_north) };
-  /** @type {Record<string, [number, number]>} */
-  const arrows = { ArrowLeft: [1, 0], ArrowRight: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+  const keys = { ...plane.keys, n: () => setNorth(!is_north) };
   dialog.addEventListener('keydown', (event) => {
-    const arrow = arrows[event.key];
+    const arrow = kArrows[event.key];
     const run = keys[event.key.toLowerCase()];
     if (event.ctrlKey || event.metaKey || event.altKey || (!arrow && !run)) return;
     event.preventDefault();
     if (run) run();
-    else if (arrow[0] !== 0 && !event.shiftKey && photos.length > 1) show(shown - arrow[0]);
-    else plane.pan(arrow[0] * kPanStep_px, arrow[1] * kPanStep_px);
+    else if (arrow[0] !== 0 && !event.shiftKey && photos.length > 1) show(shown + arrow[0]);
+    else plane.pan(-arrow[0] * kPanStep_px, -arrow[1] * kPanStep_px);
   });
   dialog.addEventListener('close', () => {
     strip.close();

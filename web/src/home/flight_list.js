@@ -1,7 +1,7 @@
 // The list of flights in the panel: open, rename, delete, search and tags; states that change are redrawn in place. A flight's picture is
 // fetched when its row comes into sight.
 /** @import { Flight } from '../shared/types.js' */
-import { h, put } from '../shared/dom.js';
+import { h, put, whenSeen } from '../shared/dom.js';
 import { formatCaptureDay } from '../shared/format.js';
 import { mayChange, shortFacts, stateChip } from '../flight/flight_words.js';
 import { thumbnailPath } from '../shared/api.js';
@@ -38,7 +38,6 @@ function areaOf({ bounds }) {
   const [west, south, east, north] = bounds;
   return (east - west) * (north - south) * Math.cos((((south + north) / 2) * Math.PI) / 180);
 }
-
 
 /** @type {Record<'taken'|'newest'|'name'|'area', (a: Flight, b: Flight) => number>} */
 export const orders = {
@@ -91,15 +90,7 @@ export function flightList(actions) {
     choose(tags);
     actions.on_tags(tags);
   });
-  const in_sight = new IntersectionObserver(
-    (entries) => {
-      for (const { isIntersecting, target } of entries) {
-        if (!isIntersecting) continue;
-        in_sight.unobserve(target);
-        showPicture(/** @type {HTMLElement} */ (target));
-      }
-    },
-  );
+  const in_sight = whenSeen(showPicture);
   const element = h(
     'section',
     { class: 'flight-list', 'aria-labelledby': 'flights-heading' },

@@ -3,6 +3,7 @@
 /** @import { LonLat } from './geodesy.js' */
 /** @import { MapView } from './map_view.js' */
 import { h } from '../shared/dom.js';
+import { kArrows } from '../shared/follow_pointer.js';
 import { strings } from '../shared/flight_strings.js';
 
 const kKeyStep_px = 4;
@@ -44,9 +45,7 @@ export function measureMarks(view, listener) {
         points[Math.min(index, points.length - 1)]?.element.focus();
         return;
       }
-      /** @type {Record<string, [number, number]>} */
-      const steps = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
-      const step = steps[event.key];
+      const step = kArrows[event.key];
       if (!step) return;
       event.preventDefault();
       event.stopPropagation();

@@ -4,6 +4,7 @@
 /** @import { MapView } from './map_view.js' */
 import { formatCoordinates, wrapLongitude } from './coordinates.js';
 import { h } from '../shared/dom.js';
+import { kArrows } from '../shared/follow_pointer.js';
 import { icon } from '../shared/icons.js';
 import { parsePlace } from './parse_place.js';
 import { strings } from '../shared/flight_strings.js';
@@ -12,9 +13,6 @@ const kStem_px = 14;  // of a mark, as its style draws it: what is marked stays 
 const kPatience_ms = 900;  // until what is being typed is said to be no place
 
 /** @typedef {ReturnType<typeof placePoint>} PlacePoint */
-
-/** @type {Record<string, [number, number]>} */
-const arrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 
 /**
  * @param {MapView} view
@@ -28,7 +26,7 @@ function markAt(view, kind, place, on_move) {
   const mark = view.addMark(element, place, kind === 'shown' ? kStem_px : -kStem_px, moved);
   element.addEventListener('click', (event) => event.stopPropagation());  // not one on the map
   element.addEventListener('keydown', (event) => {
-    const step = arrows[event.key];
+    const step = kArrows[event.key];
     if (!step) return;
     event.preventDefault();
     event.stopPropagation();

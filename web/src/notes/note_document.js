@@ -2,38 +2,19 @@
 // Events: 'change' (the notes), 'saved' (what the state of saving is), 'merged' (others had changed the same notes).
 /** @import { Changes } from './note_merge.js' */
 /** @import { Note } from './note_shape.js' */
-import { ApiError, problem } from '../shared/api.js';
+import { ApiError } from '../shared/api.js';
 import { strings } from '../shared/flight_strings.js';
-import { at } from '../shared/router.js';
-import { SavedDocument } from '../shared/saved_document.js';
-import { authorization } from '../shared/token.js';
+import { askDocument, kPatience_ms, kPause_ms, SavedDocument } from '../shared/saved_document.js';
 import { rebased, withChanges } from './note_merge.js';
 
-const kPause_ms = 500;
-const kPatience_ms = 5000;  // until a server that was away, or a flight that was being stitched, is asked again
-const kMaxTurns = 5;        // of others who save at the same moment
+const kMaxTurns = 5;  // of others who save at the same moment
 
 const memoryKey = (/** @type {string} */ id) => `skyquilt.notes.${id}`;
 
-/**
- * @param {string} id of the flight
- * @param {RequestInit} [init]
- * @returns {Promise<{notes: Note[], etag: string}>}
- */
-async function ask(id, init = {}) {
-  let response;
-  try {
-    response = await fetch(at(`/api/v1/flights/${encodeURIComponent(id)}/notes`), { priority: 'low', ...init, headers: { ...authorization(), ...init.headers } });
-  } catch {
-    throw new ApiError(0, strings.errors.unreachable);
-  }
-  const text = await response.text();
-  if (!response.ok) throw problem(response.status, text);
-  try {
-    return { notes: JSON.parse(text).features, etag: response.headers.get('ETag') ?? '' };
-  } catch {
-    throw new ApiError(response.status, strings.errors.not_json);
-  }
+/** @param {string} id of the flight @param {RequestInit} [init] @returns {Promise<{notes: Note[], etag: string}>} */
+async function ask(id, init) {
+  const { document, etag } = await askDocument(id, 'notes', { priority: 'low', ...init });
+  return { notes: document.features, etag };
 }
 
 /** @param {string} id of the flight @returns {Changes} that a page left behind */

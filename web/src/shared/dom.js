@@ -75,6 +75,18 @@ export function checkRow(label, id, checked, set) {
   return h('label', { class: 'check', for: id }, input, h('span', {}, label));
 }
 
+/** @param {(element: HTMLElement) => void} run once for each that is observed, when it comes into sight */
+export function whenSeen(run) {
+  const observer = new IntersectionObserver((entries) => {
+    for (const { isIntersecting, target } of entries) {
+      if (!isIntersecting) continue;
+      observer.unobserve(target);
+      run(/** @type {HTMLElement} */ (target));
+    }
+  });
+  return observer;
+}
+
 /**
  * The element with this id; a missing one is a mistake in index.html.
  * @param {string} id

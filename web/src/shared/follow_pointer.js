@@ -1,4 +1,7 @@
-// Drag, wheel and two fingers on something that is panned and zoomed.
+// Drag, wheel and two fingers on something that is panned and zoomed; where the arrow keys lead.
+
+/** On the screen: right, down. @type {Record<string, [number, number]>} */
+export const kArrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 
 /**
  * @param {HTMLElement} element

@@ -174,19 +174,18 @@ addEventListener('online', () => {
 export function startUpload(flight_id, selection) {
   const session = sessions.get(flight_id) ?? held.get(flight_id) ?? new UploadSession(flight_id);
   sessions.set(flight_id, session);
-  session.add(selection).catch((error) => {
-    if (error instanceof DOMException && error.name === 'AbortError') return;  // stopped meanwhile
-    showError(error);
-    session.queue.start();  // sending a file twice is harmless: the server replaces it
-  });
+  sendAnyway(session, session.add(selection));
   return session;
 }
 
 /** @param {UploadSession} session one that was stopped */
-export function resumeUpload(session) {
-  session.resume().catch((error) => {
-    if (error instanceof DOMException && error.name === 'AbortError') return;  // stopped again
+export const resumeUpload = (session) => sendAnyway(session, session.resume());
+
+/** Also where it is not known what the server has. @param {UploadSession} session @param {Promise<void>} beginning */
+function sendAnyway(session, beginning) {
+  beginning.catch((error) => {
+    if (error instanceof DOMException && error.name === 'AbortError') return;  // stopped meanwhile
     showError(error);
-    session.queue.start();
+    session.queue.start();  // sending a file twice is harmless: the server replaces it
   });
 }
