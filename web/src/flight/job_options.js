@@ -1,5 +1,6 @@
 // How a map is made, as the form has it and as the server takes it (JobOptions of the contract); what was chosen for
 // each flight of this page; and presets, which this browser keeps. Pure but for these.
+import { kLayers } from '../shared/api.js';
 import { keptChoice } from '../shared/language.js';
 import { parsePlace } from '../map/parse_place.js';
 
@@ -33,7 +34,6 @@ export const kChoices = {
   format: ['auto', 'jpeg-png', 'webp'],
 };
 export const kChoiceNames = /** @type {Choice[]} */ (Object.keys(kChoices));
-export const kLayers = ['photo', 'error', 'height'];
 /** What the contract allows; usual: where nothing is typed. @type {Record<NumberField, {least: number, most: number, usual?: number, is_whole?: boolean}>} */
 export const kLimits = {
   resolution_cm: { least: 0.1, most: 10_000 },

@@ -3,13 +3,14 @@
 /** @import { Flight } from '../shared/types.js' */
 /** @import { Outline } from '../map/outlines.js' */
 /** @import { Choice, JobOptions, OptionsForm, TypedField } from './job_options.js' */
+import { kLayers } from '../shared/api.js';
 import { closeButton } from '../shared/dialogs.js';
 import { h, put } from '../shared/dom.js';
 import { strings } from '../shared/flight_strings.js';
 import { icon } from '../shared/icons.js';
 import { areaChoice } from './area_choice.js';
 import { confirmCoarse } from './coarse_map.js';
-import { chosenIn, chooseOptions, chosenOptions, formOf, jobArea, kChoiceNames, kChoices, keepPreset, keptPresets, kLayers, kLimits, kPresets, optionsOf } from './job_options.js';
+import { chosenIn, chooseOptions, chosenOptions, formOf, jobArea, kChoiceNames, kChoices, keepPreset, keptPresets, kLimits, kPresets, optionsOf } from './job_options.js';
 
 const kOwn = 'own:';  // before the names of the user's presets, which may be called as ours are
 

@@ -243,7 +243,7 @@ export async function listFiles(id) {
 }
 
 /** The layers that the map page offers. */
-const kLayers = ['photo', 'error', 'height'];
+export const kLayers = ['photo', 'error', 'height'];
 
 /** @param {string} id @param {Record<string, any>} options JobOptions of the contract @returns {Promise<Job>} */
 export const startJob = (id, options) => request('POST', `${flight_path(id)}/jobs`, { options });

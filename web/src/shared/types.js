@@ -1,4 +1,4 @@
-// The values that travel between the server and this page (see api/openapi.yaml). Types only; no code.
+// The values that travel between the server and this page (see api/openapi.json). Types only; no code.
 
 /**
  * @typedef {'empty'|'uploaded'|'queued'|'processing'|'ready'|'failed'} FlightState
