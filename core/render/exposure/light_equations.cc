@@ -59,8 +59,12 @@ class OwnTerms {
   std::size_t count_, camera_;
 };
 
+// A spot that a thousand photos show is a million gains by gains: so many are summed up at a time.
+constexpr std::size_t kMaxGains = std::size_t{1} << 22;
+
 struct Normal {
-  std::vector<Eigen::Triplet<double>> gains;
+  std::vector<Eigen::Triplet<double>> gains;  // those that are not in `summed`
+  Eigen::SparseMatrix<double> summed;
   Eigen::MatrixXd mixed, terms;  // gains by terms, terms by terms
   Eigen::VectorXd gains_right, terms_right;
 
@@ -70,6 +74,18 @@ struct Normal {
         terms(Eigen::MatrixXd::Zero(mixed.cols(), mixed.cols())),
         gains_right(Eigen::VectorXd::Zero(mixed.rows())),
         terms_right(Eigen::VectorXd::Zero(mixed.cols())) {}
+
+  Eigen::SparseMatrix<double> Gains() const {
+    Eigen::SparseMatrix<double> all(mixed.rows(), mixed.rows());
+    all.setFromTriplets(gains.begin(), gains.end());
+    if (summed.nonZeros() > 0) all += summed;
+    return all;
+  }
+  void SumUpMany() {
+    if (gains.size() < kMaxGains) return;
+    summed = Gains();
+    gains.clear();
+  }
 };
 
 Eigen::Vector2d PriorPlace(int point) {  // -1 to 1
@@ -158,6 +174,7 @@ class SpotAdder {
       for (const ExposureSample* other = begin; other != end; ++other)
         normal_.gains.emplace_back(photo, static_cast<Eigen::Index>(other->photo),
                                    -share * weights[other - begin]);
+      normal_.SumUpMany();
       for (const Eigen::Index term : touched_) normal_.mixed(photo, term) += share * mean_[term];
     }
     for (const Eigen::Index row : touched_) {
@@ -187,9 +204,7 @@ double MedianOfMisfits(std::vector<double> misfits) {
 
 // False where there is no solution.
 bool Solve(const Normal& normal, bool has_spot, SolvedLight& light) {
-  Eigen::SparseMatrix<double> gains(normal.mixed.rows(), normal.mixed.rows());
-  gains.setFromTriplets(normal.gains.begin(), normal.gains.end());
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> of_gains(gains);
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> of_gains(normal.Gains());
   if (of_gains.info() != Eigen::Success) return false;
   const Eigen::MatrixXd eliminated = of_gains.solve(normal.mixed);
   Eigen::MatrixXd left = normal.terms.selfadjointView<Eigen::Lower>();

@@ -152,6 +152,33 @@ TEST(Exposure, KnowsNothingOfPhotosThatShareNoGround) {
   }
 }
 
+// A thousand photos of one place would be many gigabytes otherwise.
+TEST(SolveLight, SumsUpTheEquationsOfSpotsThatManyPhotosShow) {
+  constexpr std::uint32_t kPhotos = 500, kSpots = 20;  // five million gains by gains
+  const auto gain = [](std::uint32_t photo) { return 0.1 * std::sin(0.37 * photo); };
+  std::vector<ExposureSample> samples;
+  for (std::uint32_t spot = 0; spot < kSpots; ++spot) {
+    for (std::uint32_t photo = 0; photo < kPhotos; ++photo) {
+      ExposureSample sample;
+      sample.spot = spot;
+      sample.photo = photo;
+      sample.log_value.fill(static_cast<float>(0.2 * spot - gain(photo)));
+      samples.push_back(sample);
+    }
+  }
+  LightTerms terms;
+  terms.camera_of_photo.assign(kPhotos, LightTerms::kNone);
+  terms.exposure_of_photo.assign(kPhotos, 0.0);
+  terms.directions.widest_look = 1.0;
+  const SolvedLight light = SolveLight(samples, 0, terms);
+  double mean = 0.0, off = 0.0;
+  for (std::uint32_t photo = 0; photo < kPhotos; ++photo)
+    mean += (light.log_gains[photo] - gain(photo)) / kPhotos;
+  for (std::uint32_t photo = 0; photo < kPhotos; ++photo)
+    off = std::max(off, std::abs(light.log_gains[photo] - gain(photo) - mean));
+  EXPECT_LT(off, 0.03);
+}
+
 TEST(LightModel, ShadeUndoesWhatLensAndSunDid) {
   LightModel light;
   light.directions.widest_look = 0.8;
