@@ -24,6 +24,9 @@ constexpr double kMaxFocalWidths = 1000.0;
 // Of what a photo in the middle of the flight shows. Looking as far towards the horizon as is ever drawn
 // shows some 60 times the ground of looking down, a climb to five times the height 25 times.
 constexpr double kMaxTimesTheGround = 400.0;
+// Of the map, at the resolution of a photo in the middle of the flight: a quarter of what is ever drawn of
+// one photo, since tiles are up to twice as fine each way. One recorded a kilometre too high comes to that.
+constexpr double kMaxPixels = 20'000.0 * (1 << 20) / 4.0;
 
 bool IsFocalLength(double focal_px, const camera::Intrinsics& lens) {
   const double widths = focal_px / std::max(1, lens.width_px);
@@ -64,7 +67,7 @@ std::vector<std::optional<Remark>> WhyImplausible(const std::vector<CameraStand>
   }
   if (easts.empty()) return why;
   const Eigen::Vector2d middle(Median(std::move(easts)), Median(std::move(norths)));
-  std::vector<double> seen_m2(stands.size(), 0.0), some_m2;
+  std::vector<double> seen_m2(stands.size(), 0.0), some_m2, pixels_m2;
   for (std::size_t i = 0; i < stands.size(); ++i) {
     if (why[i]) continue;
     const Eigen::Vector3d center = stands[i].cam_from_enu.TargetOriginInSource();
@@ -81,12 +84,14 @@ std::vector<std::optional<Remark>> WhyImplausible(const std::vector<CameraStand>
     } else {
       seen_m2[i] = GroundSeenM2(stands[i]);
       if (seen_m2[i] > 0.0) some_m2.push_back(seen_m2[i]);
+      pixels_m2.push_back(std::pow(height_m / stands[i].intrinsics.MeanFocalPx(), 2));
     }
   }
   if (some_m2.empty()) return why;
   const double typical_m2 = Median(std::move(some_m2));
+  const double most_m2 = std::min(kMaxTimesTheGround * typical_m2, kMaxPixels * Median(std::move(pixels_m2)));
   for (std::size_t i = 0; i < stands.size(); ++i) {
-    if (seen_m2[i] <= kMaxTimesTheGround * typical_m2) continue;
+    if (seen_m2[i] <= most_m2) continue;
     why[i] = Remark{RemarkCode::kLeftTooMuchGround,
                     {{"times", seen_m2[i] / typical_m2}, {"height_m", stands[i].height_above_ground_m}}};
   }

@@ -49,6 +49,19 @@ TEST(WhyImplausible, NamesWhatIsWrong) {
   }
 }
 
+// A kilometre too high: 400 times the ground of the others, and at their resolution more than can be drawn.
+TEST(WhyImplausible, LeavesOutWhatWouldBeDrawnInTooManyPixels) {
+  CameraStand fine = LookingDown(0.0, 0.0, 900.0);
+  EXPECT_FALSE(WhyBesideFive({fine})[0]) << "324 times the ground in 12 megapixels each";
+  std::vector<CameraStand> large(6, LookingDown(0.0, 0.0, 50.0));
+  for (CameraStand& stand : large) stand.intrinsics = camera::Intrinsics::Centered(8000, 6000, 6000.0);
+  large.back() = LookingDown(0.0, 0.0, 900.0);
+  const auto why = WhyImplausible(large, geo::LocalFrame({46.8, 7.1, 500.0}));
+  EXPECT_FALSE(why[0]);
+  ASSERT_TRUE(why[5]);
+  EXPECT_EQ(why[5]->code, flight::RemarkCode::kLeftTooMuchGround);
+}
+
 TEST(WhyImplausible, AFlightThatIsTogetherElsewhereThanOnEarthIsNowhere) {
   const std::vector<CameraStand> far(3, LookingDown(0.0, 1e298, 50.0));
   for (const auto& why : WhyImplausible(far, geo::LocalFrame({46.8, 7.1, 500.0})))
