@@ -156,7 +156,10 @@ void TakeLogged(LoggedPart part, bool has_origin, PosedFlight& posed) {
   report.photos_by_log = static_cast<int>(posed.photos.size());
   report.method = "smoothed track of the log";
   Append(std::move(part.placed.warnings), posed.warnings);
-  if (part.takeoff.assumption) posed.assumptions.push_back(*std::move(part.takeoff.assumption));
+  if (part.takeoff.assumption) {
+    posed.assumptions.push_back(*std::move(part.takeoff.assumption));
+    report.is_height_guessed = true;
+  }
   if (part.placed.is_placed) return;
   report.method = "reckoned from the start without any position";
   posed.warnings.push_back(has_origin ? RemarkCode::kReckonedFromOrigin : RemarkCode::kReckonedFromNowhere);
@@ -166,7 +169,10 @@ void TakeLogged(LoggedPart part, bool has_origin, PosedFlight& posed) {
 PlacedByRecords PlaceRest(const std::vector<Photo>& rest, const FlightHeights& heights, bool has_frame,
                           PosedFlight& posed) {
   PoseReport& report = posed.report;
-  if (heights.assumption) posed.assumptions.push_back(*heights.assumption);
+  if (heights.assumption) {
+    posed.assumptions.push_back(*heights.assumption);
+    report.is_height_guessed = true;
+  }
   if (report.height_rule.empty()) report.height_rule = heights.rule_in_words;
   if (!has_frame) {
     std::vector<geo::LatLon> positions;
@@ -276,6 +282,7 @@ void PutGroundBelow(PosedFlight& posed) {
   for (PosedPhoto& photo : posed.photos)
     photo.height_above_ground_m = photo.cam_from_enu.TargetOriginInSource().z() - ground_z_m;
   posed.report.height_rule = "height above ground guessed from the spacing of the photos";
+  posed.report.is_height_guessed = true;
   posed.assumptions.push_back({{RemarkCode::kOnTheGround, {{"height_m", height_m}}},
                                {RemarkCode::kHeightBySpacingOnTheGround, {{"height_m", guessed_m}}},
                                guessed_m});

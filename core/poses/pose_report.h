@@ -18,7 +18,8 @@ struct PoseReport {
   std::optional<double> camera_ahead_of_utc_s;
   std::string convention;  // which reading of the recorded angles was taken, and why
   std::string height_rule;
-  bool is_placed = true;  // false: nothing says where on Earth the flight was
+  std::optional<bool> is_height_guessed;  // of photos without one, by their spacing
+  bool is_placed = true;                  // false: nothing says where on Earth the flight was
   int photos_by_log = 0;
   int photos_by_records = 0;
   int knots = 0;  // of the smoothed chain

@@ -30,8 +30,23 @@ constexpr std::size_t kHandful = 5;
 constexpr double kFarOffM = 10.0;  // what a receiver of a phone or a drone is good for
 constexpr int kFewestSeams = 5;
 
+bool IsAnyAligned(const JudgedMap& map) {
+  return std::any_of(map.flight.photos.begin(), map.flight.photos.end(),
+                     [](const AlignedPhoto& photo) { return photo.placement == Placement::kAligned; });
+}
+
+// Where none is aligned each lies by its own record.
 bool IsJudged(const JudgedMap& map, const AlignedPhoto& photo) {
-  return map.is_forecast || map.alignment == nullptr || photo.placement == Placement::kAligned;
+  return map.is_forecast || map.alignment == nullptr || photo.placement == Placement::kAligned ||
+         !IsAnyAligned(map);
+}
+
+// Nothing recorded says how large the map is: neither where two photos were taken nor how high.
+bool IsScaleGuessed(const JudgedMap& map) {
+  if (map.is_by_hand || map.is_forecast) return false;
+  const bool is_by_images = map.alignment != nullptr && map.alignment->by_images.is_taken;
+  if (is_by_images) return map.alignment->by_images.is_scale_guessed.value_or(false);
+  return map.poses.is_height_guessed.value_or(false) && !IsAnyAligned(map);
 }
 
 struct SupportingPositions {
@@ -96,10 +111,7 @@ double MedianRadiusM(const JudgedMap& map) {
 
 // Without alignment every photo has its own error, its angles' on the ground with it.
 double OwnErrorM(const JudgedMap& map) {
-  const bool is_any_aligned =
-      std::any_of(map.flight.photos.begin(), map.flight.photos.end(),
-                  [](const AlignedPhoto& photo) { return photo.placement == Placement::kAligned; });
-  return map.is_forecast || is_any_aligned ? 0.0 : MedianRadiusM(map);
+  return map.is_forecast || IsAnyAligned(map) ? 0.0 : MedianRadiusM(map);
 }
 
 AbsoluteAccuracy StatedRadius(double sigma_of_axis_m, AbsoluteSupport by, std::size_t count) {
@@ -176,7 +188,9 @@ bool AreFewPositions(std::size_t count, std::size_t placed) {
 
 AbsoluteAccuracy ByPositions(const JudgedMap& map) {
   const double own_m = OwnErrorM(map) / kCircleSigmas;
-  const std::size_t placed = map.flight.photos.size();
+  const auto placed = static_cast<std::size_t>(
+      std::count_if(map.flight.photos.begin(), map.flight.photos.end(),
+                    [&](const AlignedPhoto& photo) { return IsJudged(map, photo); }));
   const SupportingPositions positions = PositionsOf(map);
   const auto by_log = static_cast<std::size_t>(std::max(0, map.poses.photos_by_log));
   if (map.poses.log_position_sigma_m && (2 * by_log >= placed || by_log >= positions.records.size())) {
@@ -205,7 +219,9 @@ AbsoluteAccuracy AbsoluteOf(const JudgedMap& map) {
   if (!map.is_placed) return {};
   if (const auto surveyed = BySurvey(map)) return *surveyed;
   if (map.is_by_hand) return {std::nullopt, AbsoluteSupport::kHand, 0};
-  return ByPositions(map);
+  AbsoluteAccuracy by_positions = ByPositions(map);
+  if (IsScaleGuessed(map)) by_positions.sigma_m.reset();
+  return by_positions;
 }
 
 RelativeAccuracy RelativeOf(const JudgedMap& map, bool is_scale_guessed) {
@@ -232,8 +248,10 @@ std::vector<MapLimit> LimitsOf(const JudgedMap& map, const AbsoluteAccuracy& abs
   const int left_out = static_cast<int>(map.flight.left_out.size());
   if (!map.is_placed) limits.push_back({LimitKind::kNotGeoreferenced});
   // None at all where the pictures refute each that there is.
-  const bool is_placed_by_few = map.is_placed && !absolute.sigma_m && absolute.by != AbsoluteSupport::kHand;
-  if (map.is_by_images && (!map.is_placed || (is_placed_by_few && absolute.count < 2)))
+  const bool is_guessed = IsScaleGuessed(map);
+  const bool is_placed_by_few =
+      map.is_placed && !absolute.sigma_m && absolute.by != AbsoluteSupport::kHand && !is_guessed;
+  if (is_guessed || (map.is_by_images && (!map.is_placed || (is_placed_by_few && absolute.count < 2))))
     limits.push_back({LimitKind::kScaleGuessed});
   if (is_placed_by_few) limits.push_back({LimitKind::kFewPositions, absolute.count, placed});
   if (absolute.sigma_m && *absolute.sigma_m > kFarOffM) limits.push_back({LimitKind::kFarOff});
@@ -259,10 +277,12 @@ MapQuality JudgeMap(const JudgedMap& map) {
   quality.absolute = AbsoluteOf(map);
   quality.limits = LimitsOf(map, quality.absolute);
   quality.relative = RelativeOf(map, quality.IsLimitedBy(LimitKind::kScaleGuessed));
-  quality.status = !map.is_placed                                  ? MapStatus::kUnplaced
-                   : quality.IsLimitedBy(LimitKind::kFewPositions) ? MapStatus::kDoubtful
-                   : quality.limits.empty()                        ? MapStatus::kReady
-                                                                   : MapStatus::kLimited;
+  quality.status =
+      !map.is_placed ? MapStatus::kUnplaced
+      : quality.IsLimitedBy(LimitKind::kFewPositions) || quality.IsLimitedBy(LimitKind::kScaleGuessed)
+          ? MapStatus::kDoubtful
+      : quality.limits.empty() ? MapStatus::kReady
+                               : MapStatus::kLimited;
   return quality;
 }
 

@@ -34,6 +34,7 @@ void VisitFields(Report& report, Visit& visit) {
   visit("camera_ahead_of_utc_s", report.camera_ahead_of_utc_s);
   visit("convention", report.convention);
   visit("height_rule", report.height_rule);
+  visit.IfKnown("is_height_guessed", report.is_height_guessed);
   visit("photos_by_log", report.photos_by_log);
   visit("photos_by_records", report.photos_by_records);
   visit("knots", report.knots);
@@ -168,6 +169,7 @@ void VisitFields(Attempt& attempt, Visit& visit) {
   visit.Remarked("why", "why_remark", attempt.why);
   visit.Remarked("outcome", "outcome_remark", attempt.outcome);
   visit("is_taken", attempt.is_taken);
+  visit.IfKnown("is_scale_guessed", attempt.is_scale_guessed);
   visit("registered", attempt.registered);
   visit("groups", attempt.groups);
   visit("pairs_compared", attempt.pairs_compared);

@@ -124,6 +124,34 @@ TEST(JudgeMap, SaysNoNumberWithoutPositions) {
   EXPECT_FALSE(JudgeMap(map).IsLimitedBy(LimitKind::kScaleGuessed));
 }
 
+TEST(JudgeMap, ByRecordsAloneEachPhotoIsAsFarOffAsItSays) {
+  JudgedFlight flight(5);
+  for (auto& photo : flight.flight.photos) photo.placement = alignment::Placement::kPoseOnly;
+  const MapQuality quality = flight.Judge();
+  EXPECT_EQ(quality.absolute, (AbsoluteAccuracy{9.0, AbsoluteSupport::kGnss, 5}));
+  EXPECT_FALSE(quality.IsLimitedBy(LimitKind::kFewPositions)) << "all five have one";
+  EXPECT_EQ(quality.status, MapStatus::kLimited);
+}
+
+TEST(JudgeMap, StatesNoNumberWhereTheScaleIsAGuess) {
+  JudgedFlight by_images(8);
+  by_images.report.by_images.is_taken = true;
+  by_images.report.by_images.is_scale_guessed = true;
+  JudgedFlight by_records(1);
+  by_records.flight.photos[0].placement = alignment::Placement::kPoseOnly;
+  by_records.poses.is_height_guessed = true;
+  for (const JudgedFlight* flight : {&by_images, &by_records}) {
+    const MapQuality quality = flight->Judge();
+    EXPECT_FALSE(quality.absolute.sigma_m);
+    EXPECT_TRUE(quality.IsLimitedBy(LimitKind::kScaleGuessed));
+    EXPECT_FALSE(quality.relative.error_m);
+    EXPECT_EQ(quality.status, MapStatus::kDoubtful);
+  }
+  JudgedFlight aligned(8);
+  aligned.poses.is_height_guessed = true;
+  EXPECT_EQ(aligned.Judge().status, MapStatus::kReady) << "its positions tell the scale";
+}
+
 TEST(JudgeMap, NeverCallsUsableWhatAHandfulOfPhotosPlaces) {
   for (const std::size_t with : {1u, 2u, 3u, 4u, 5u}) {
     JudgedFlight flight(42);
