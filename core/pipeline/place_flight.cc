@@ -266,7 +266,7 @@ Result<FlightFacts> PlaceAnew(flight::Flight read, const MosaicOptions& options,
   facts.is_by_images =
       std::any_of(report.photo_reports.begin(), report.photo_reports.end(),
                   [](const alignment::AlignPhotoReport& photo) { return photo.is_by_images; });
-  facts.is_placed = posed.is_placed || report.by_images.is_placed;
+  facts.is_placed = report.by_images.is_taken ? report.by_images.is_placed : posed.is_placed;
   if (options.method != AlignMethod::kImu) facts.align_report = std::move(report);
   return facts;
 }

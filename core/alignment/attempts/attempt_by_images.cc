@@ -17,6 +17,7 @@
 #include "core/base/trace.h"
 #include "core/flight/remarks/because.h"
 #include "core/flight/remarks/remark_words.h"
+#include "core/poses/conventions/attitude_convention.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -82,6 +83,7 @@ PhotoRecord RecordOf(const poses::PosedPhoto& posed, bool is_unplaced, const geo
     }
     return record;
   }
+  if (posed.photo.attitude) record.cam_from_enu = poses::CamFromEnu(*posed.photo.attitude);
   if (!HasPosition(posed.photo, frame)) return record;
   const flight::RecordedPosition& position = *posed.photo.position;
   record.center_in_enu = frame.EnuFromWgs84(
@@ -287,6 +289,12 @@ std::optional<AttemptByImages> PlaceByImages(const AttemptByRecords& first, std:
   if (!heights.empty()) expected_height_m = Median(std::move(heights));
   records.trusts_heights =
       expected_height_m && Median(std::move(sigmas)) < kTrustedHeightShare * *expected_height_m;
+  for (std::size_t i = 0; i < count && records.trusts_heights; ++i) {
+    if (!records.photos[i].is_unplaced)
+      records.photos[i].height_above_ground_m = posed.photos[i].height_above_ground_m;
+  }
+  // Reckoned from nowhere: records say how photos lie to each other, not where on Earth.
+  const bool is_reckoned = !posed.is_placed && expected_height_m;
   const Registration registration = RegisterPhotos(InputOf(first, records.photos), {}, threads, progress);
   report.pairs_compared = registration.report.pairs_compared;
   report.pairs_verified = registration.report.pairs_verified;
@@ -328,9 +336,11 @@ std::optional<AttemptByImages> PlaceByImages(const AttemptByRecords& first, std:
                                    {"residual_m", place.median_residual_m}});
     const bool is_on_earth = place.placing == Placing::kByPositions || place.placing == Placing::kByControl;
     // Where nothing says how two groups lie to each other, the larger one is the map.
-    if (b > 0 && !is_on_earth) continue;
+    if (b > 0 && !(is_on_earth && second.is_placed)) continue;
     if (b == 0) {
-      second.is_placed = is_on_earth || place.positions > 0;
+      second.is_placed =
+          place.placing == Placing::kByControl || (!is_reckoned && (is_on_earth || place.positions > 0));
+      if (place.placing == Placing::kByGuess) report.is_scale_guessed = true;
       std::vector<flight::Remark> height;
       if (is_on_earth)
         height.push_back(HowHigh(MedianHeightM(registration, place, posed), expected_height_m));
@@ -364,12 +374,17 @@ std::optional<AttemptByImages> PlaceByImages(const AttemptByRecords& first, std:
 }
 
 Result<void> SettleUnplaced(const poses::PosedFlight& recorded, AlignedFlight& flight, AlignReport& report) {
-  if (recorded.unplaced.empty()) return {};
+  // Nothing says how a map that lies nowhere on Earth lies to photos that are somewhere.
+  const bool is_adrift = report.by_images.is_taken && !report.by_images.is_placed;
+  if (recorded.unplaced.empty() && !is_adrift) return {};
   std::set<std::string> unplaced, found;
   for (const flight::Photo& photo : recorded.unplaced) unplaced.insert(photo.name);
   for (const AlignedPhoto& photo : flight.photos) {
-    if (unplaced.contains(photo.photo.name) && photo.placement == Placement::kAligned)
+    if (photo.placement == Placement::kAligned)
       found.insert(photo.photo.name);
+    else if (is_adrift && unplaced.insert(photo.photo.name).second)
+      flight.left_out.push_back(
+          {photo.photo.name, ErrorCode::kNoPosition, flight::RemarkCode::kLeftBesideAdrift});
   }
   const auto is_nowhere = [&](const std::string& name) {
     return unplaced.contains(name) && !found.contains(name);
@@ -377,21 +392,24 @@ Result<void> SettleUnplaced(const poses::PosedFlight& recorded, AlignedFlight& f
   std::erase_if(flight.photos, [&](const AlignedPhoto& photo) { return is_nowhere(photo.photo.name); });
   std::erase_if(report.photo_reports, [&](const AlignPhotoReport& photo) { return is_nowhere(photo.name); });
   report.photos = static_cast<int>(report.photo_reports.size());
+  const bool was_tried = report.by_images.why.has_value();
   std::set<std::string> told;
   std::erase_if(flight.left_out, [&](const flight::LeftOutPhoto& photo) {
     // One that nothing placed may have been found far away as well: the first reason is the one.
     return found.contains(photo.name) || (is_nowhere(photo.name) && !told.insert(photo.name).second);
   });
   for (flight::LeftOutPhoto& photo : flight.left_out) {
-    if (is_nowhere(photo.name)) {
+    if (is_nowhere(photo.name) && was_tried && photo.reason.code != flight::RemarkCode::kLeftBesideAdrift) {
       photo.reason = {
           flight::RemarkCode::kSentences,
           {{"first", photo.reason}, {"then", flight::Remark(flight::RemarkCode::kLeftNothingInCommon)}}};
     }
   }
   if (!flight.photos.empty()) return {};
-  return flight::Because(ErrorCode::kUnprocessable, flight::RemarkCode::kFailNothingInCommon,
-                         report.by_images.outcome ? flight::InWords(*report.by_images.outcome) : "");
+  return flight::Because(
+      ErrorCode::kUnprocessable,
+      was_tried ? flight::RemarkCode::kFailNothingInCommon : flight::RemarkCode::kFailTooFewWithoutPlaces,
+      report.by_images.outcome ? flight::InWords(*report.by_images.outcome) : "");
 }
 
 std::vector<flight::Remark> RemarksOn(const ByImagesReport& report) {

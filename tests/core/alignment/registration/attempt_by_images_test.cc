@@ -95,9 +95,76 @@ TEST(AttemptByImages, AFlightWithoutAnyRecordBecomesAWholeMapThatIsNotGeoreferen
   EXPECT_TRUE(outcome.flight.left_out.empty());
   EXPECT_TRUE(outcome.report.by_images.is_taken);
   EXPECT_FALSE(outcome.report.by_images.is_placed);
+  EXPECT_TRUE(outcome.report.by_images.is_scale_guessed.value_or(false));
   EXPECT_LT(outcome.error.relative_ce90_m, 1.5 * truth.GsdM());
   ASSERT_FALSE(outcome.flight.warnings.empty());
   EXPECT_NE(InWords(outcome.flight.warnings.front()).find("NOT GEOREFERENCED"), std::string::npos);
+}
+
+// Photos of two places: those of the second record it, those of the first nothing.
+TEST(AttemptByImages, AGroupThatLiesNowhereIsNotDrawnOverPhotosThatLieSomewhere) {
+  const simulate::SimulatedFlight truth = SmallTruth(24, 2.0);
+  poses::PosedFlight posed = PosesOf(truth);
+  const poses::PosedFlight bare = Unplaced(truth);
+  // The first two lines of four and the last: nothing was taken of those between.
+  posed.photos.erase(posed.photos.begin(), posed.photos.begin() + 20);
+  posed.unplaced.assign(bare.unplaced.begin(), bare.unplaced.begin() + 8);
+  posed.left_out.assign(bare.left_out.begin(), bare.left_out.begin() + 8);
+  const Outcome outcome = Align(truth, posed);
+  ASSERT_TRUE(outcome.report.by_images.is_taken);
+  EXPECT_FALSE(outcome.report.by_images.is_placed);
+  ASSERT_EQ(outcome.flight.photos.size(), 8u);
+  ASSERT_EQ(outcome.flight.left_out.size(), 4u);
+  for (const flight::LeftOutPhoto& photo : outcome.flight.left_out)
+    EXPECT_EQ(photo.reason.code, flight::RemarkCode::kLeftBesideAdrift) << InWords(photo.reason);
+}
+
+TEST(AttemptByImages, APlaceThatWasReckonedFromNowhereIsNone) {
+  const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
+  poses::PosedFlight posed = PosesOf(truth);
+  posed.is_placed = false;
+  for (poses::PosedPhoto& photo : posed.photos) photo.photo.position.reset();
+  ForgetAngles(posed);
+  const Outcome outcome = Align(truth, posed);
+  ASSERT_TRUE(outcome.report.by_images.is_taken);
+  EXPECT_FALSE(outcome.report.by_images.is_placed);
+}
+
+// A receiver that stood still.
+TEST(AttemptByImages, RecordedHeightsTellTheScaleWherePositionsDoNot) {
+  const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
+  poses::PosedFlight posed = PosesOf(truth);
+  const auto span_m = [](const auto& photos) {
+    const Eigen::Vector3d span = photos.back().cam_from_enu.TargetOriginInSource() -
+                                 photos.front().cam_from_enu.TargetOriginInSource();
+    return std::hypot(span.x(), span.y());
+  };
+  const double true_span_m = span_m(posed.photos);
+  const Eigen::Vector3d stood = posed.photos[5].cam_from_enu.TargetOriginInSource();
+  for (poses::PosedPhoto& photo : posed.photos) {
+    photo.photo.position->position = posed.photos[5].photo.position->position;
+    const double z_m = photo.cam_from_enu.TargetOriginInSource().z();
+    photo.cam_from_enu =
+        geo::Rigid3::FromRotationAndTargetOrigin(photo.cam_from_enu.rotation, {stood.x(), stood.y(), z_m});
+  }
+  const Outcome outcome = Align(truth, posed);
+  ASSERT_TRUE(outcome.report.by_images.is_taken);
+  EXPECT_FALSE(outcome.report.by_images.is_scale_guessed);
+  ASSERT_EQ(outcome.flight.photos.size(), 16u);
+  EXPECT_NEAR(span_m(outcome.flight.photos) / true_span_m, 1.0, 0.1);
+}
+
+TEST(AttemptByImages, TwoPhotosWithoutPlacesAreToldThatItTakesThree) {
+  const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
+  poses::PosedFlight posed = Unplaced(truth);
+  posed.unplaced.resize(2);
+  posed.left_out.resize(2);
+  AlignReport report;
+  SilentProgress progress;
+  const Result<AlignedFlight> aligned = AlignFlight(posed, test::PhotosOf(truth), {}, report, progress);
+  ASSERT_FALSE(aligned.ok());
+  EXPECT_NE(aligned.error().message.find("three photos or more"), std::string::npos)
+      << aligned.error().message;
 }
 
 // Of a line: ten photos, and after a gap two more that share a strip with the tenth and no point with two

@@ -296,5 +296,6 @@ export const remark_words = {
   left_far_away: (v) => `Recorded ${fixed(v.apart_km, 1)}\u00a0km from the other photos, with nothing in common with them. If the place is right, make it a flight of its own.`,
   left_no_features_match: () => 'Its features match none of the photos before or after it.',
   left_bent_by_chain: () => 'Joined to its neighbours by features alone, it would be bent beyond what a camera could see.',
+  left_beside_adrift: () => 'Its place is recorded, but it shows nothing of the map, whose place is not. Upload it by itself, or with photos between.',
   left_nothing_in_common: () => 'It shows too little in common with the other photos to be placed by that.',
 };
