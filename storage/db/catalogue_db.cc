@@ -35,11 +35,10 @@ void KeepFromOthers(const std::filesystem::path& path) {
 
 Result<bool> IsCatalogue(SqliteDb& db) {
   SKYQUILT_TRY_ASSIGN(
-      Statement query,
-      db.Prepare(
+      const std::int64_t tables,
+      db.Number(
           "SELECT count(*) FROM sqlite_master WHERE type='table' AND name IN ('flight','file','revision','job')"));
-  SKYQUILT_TRY(query.Step());
-  return query.ColumnInt64(0) == 4;
+  return tables == 4;
 }
 
 // Room to start with, where the disk is full.
@@ -101,16 +100,12 @@ Result<std::unique_ptr<CatalogueDb>> CatalogueDb::OpenPostgres(const CataloguePl
   const auto silence = std::make_shared<Silence>();
   auto db = std::make_unique<PostgresDb>(place, PostgresDb::Use::kWrite, silence);
   SKYQUILT_TRY(PreparePostgres(*db, place, may_make));
-  {
-    SKYQUILT_TRY_ASSIGN(Statement enter,
-                        db->Prepare("INSERT INTO machine VALUES(?1, ?2, now_us()) ON CONFLICT(host) DO UPDATE"
-                                    " SET boot_id=?2, seen_us=now_us()"
-                                    " WHERE machine.boot_id<>?2 OR machine.seen_us<now_us()-86400000000"));
-    SKYQUILT_TRY(enter.Bind(1, MachineBoot::HostName()).Bind(2, MachineBoot::Id()).Run());
-    SKYQUILT_TRY_ASSIGN(Statement forget,
-                        db->Prepare("DELETE FROM machine WHERE seen_us<now_us()-30*86400000000"));
-    SKYQUILT_TRY(forget.Run());
-  }
+  SKYQUILT_TRY(
+      db->Change("INSERT INTO machine VALUES(?1, ?2, now_us()) ON CONFLICT(host) DO UPDATE"
+                 " SET boot_id=?2, seen_us=now_us()"
+                 " WHERE machine.boot_id<>?2 OR machine.seen_us<now_us()-86400000000",
+                 MachineBoot::HostName(), MachineBoot::Id()));
+  SKYQUILT_TRY(db->Change("DELETE FROM machine WHERE seen_us<now_us()-30*86400000000"));
   SKYQUILT_TRY_ASSIGN(const AgeClock ages, AgeClock::Open(*db));
   std::unique_ptr<CatalogueDb> catalogue(new CatalogueDb(std::move(db), ages));
   catalogue->place_ = place;
@@ -175,9 +170,7 @@ bool CatalogueDb::WasWritten() {
       SKYQUILT_TRY_ASSIGN(SqliteDb listener, SqliteDb::Open(path_, OpenMode::kReadShared));
       listener_ = std::make_unique<SqliteDb>(std::move(listener));
     }
-    SKYQUILT_TRY_ASSIGN(Statement query, listener_->Prepare("PRAGMA data_version"));
-    SKYQUILT_TRY(query.Step());
-    return query.ColumnInt64(0);
+    return listener_->Number("PRAGMA data_version");
   }();
   const bool is_news = !version || seen_version_ != *version;
   seen_version_ = version ? std::optional(*version) : std::nullopt;

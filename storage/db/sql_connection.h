@@ -32,6 +32,34 @@ class SqlConnection {
   // One or several statements without parameters; rows are dropped.
   virtual Result<void> Exec(const std::string& sql) = 0;
   virtual Result<Statement> Prepare(std::string_view sql) = 0;
+  // One statement with its first parameters, in their order.
+  template <typename... Values>
+  Result<Statement> Query(std::string_view sql, const Values&... values) {
+    Result<Statement> query = Prepare(sql);
+    if (query) query->BindAll(values...);
+    return query;
+  }
+  // The same of one that writes, to its end.
+  template <typename... Values>
+  Result<void> Change(std::string_view sql, const Values&... values) {
+    Result<Statement> change = Query(sql, values...);
+    if (!change) return change.error();
+    return change->Run();
+  }
+  // The same, as Statement::Number.
+  template <typename... Values>
+  Result<std::int64_t> Number(std::string_view sql, const Values&... values) {
+    Result<Statement> query = Query(sql, values...);
+    if (!query) return query.error();
+    return query->Number();
+  }
+  // Whether it has a row.
+  template <typename... Values>
+  Result<bool> Finds(std::string_view sql, const Values&... values) {
+    Result<Statement> query = Query(sql, values...);
+    if (!query) return query.error();
+    return query->Step();
+  }
   // Rows changed by the last INSERT, UPDATE or DELETE.
   virtual std::int64_t Changes() const = 0;
   virtual Dialect dialect() const = 0;

@@ -5,13 +5,12 @@
 namespace skyquilt::storage {
 
 Result<std::vector<std::string>> Statement::AllText() {
-  std::vector<std::string> texts;
-  while (true) {
-    const Result<bool> row = Step();
-    if (!row) return row.error();
-    if (!*row) return texts;
-    texts.emplace_back(ColumnText(0));
-  }
+  return All([](const Statement& row) { return std::string(row.ColumnText(0)); });
+}
+
+Result<std::int64_t> Statement::Number() {
+  SKYQUILT_TRY_ASSIGN(const auto number, First([](const Statement& row) { return row.ColumnInt64(0); }));
+  return number.value_or(0);
 }
 
 Result<void> Statement::Run() {

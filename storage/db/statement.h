@@ -8,9 +8,12 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "core/base/result.h"
@@ -65,11 +68,55 @@ class Statement {
     driver_->BindNull(index);
     return *this;
   }
+  // Nothing is NULL.
+  template <typename T>
+  Statement& Bind(int index, const std::optional<T>& value) {
+    return value ? Bind(index, *value) : BindNull(index);
+  }
+  // The first parameters, in their order.
+  template <typename... Values>
+  Statement& BindAll(const Values&... values) {
+    [[maybe_unused]] int index = 0;
+    (Bind(++index, values), ...);
+    return *this;
+  }
 
   // True: a row is there. False: done.
   Result<bool> Step() { return driver_->Step(); }
+  // Shows `visit` each row that is left.
+  template <typename Visit>
+  Result<void> Each(const Visit& visit) {
+    while (true) {
+      const Result<bool> row = Step();
+      if (!row) return row.error();
+      if (!*row) return {};
+      visit(*this);
+    }
+  }
+  // What `read` makes of each row that is left.
+  template <typename Read>
+  auto All(const Read& read) -> Result<std::vector<std::invoke_result_t<Read, const Statement&>>> {
+    std::vector<std::invoke_result_t<Read, const Statement&>> all;
+    const Result<void> read_all = Each([&](const Statement& row) { all.push_back(read(row)); });
+    if (!read_all) return read_all.error();
+    return all;
+  }
+  // What `read` makes of the first row, if there is one; then as Run: RETURNING hands out its row before the
+  // statement is done, and only done is committed.
+  template <typename Read>
+  auto First(const Read& read) -> Result<std::optional<std::invoke_result_t<Read, const Statement&>>> {
+    std::optional<std::invoke_result_t<Read, const Statement&>> first;
+    const Result<bool> row = Step();
+    if (!row) return row.error();
+    if (!*row) return first;
+    first.emplace(read(*this));
+    if (const Result<void> done = Run(); !done) return done.error();
+    return first;
+  }
   // The first column of all rows that are left.
   Result<std::vector<std::string>> AllText();
+  // The first column of the first row, as First; 0 where there is none.
+  Result<std::int64_t> Number();
   // Steps to the end, drops any rows and resets: for statements that write.
   Result<void> Run();
   void Reset() {

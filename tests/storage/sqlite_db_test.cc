@@ -6,7 +6,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "tests/storage/scratch_dir.h"
@@ -37,6 +39,32 @@ TEST(SqliteDb, GivesBackWhatWasBound) {
   EXPECT_TRUE(std::ranges::equal(select->ColumnBlob(3), bytes));
   EXPECT_TRUE(select->IsNull(4));
   EXPECT_FALSE(*select->Step());
+}
+
+TEST(SqliteDb, ReadsAndWritesInOneCall) {
+  ScratchDir dir;
+  auto db = SqliteDb::Open(dir.path() / "a.db", OpenMode::kReadWriteCreate);
+  ASSERT_TRUE(db->Exec("CREATE TABLE t(a INTEGER, b TEXT)"));
+  const auto text_of = [](const Statement& row) { return std::string(row.ColumnText(0)); };
+  for (const std::optional<std::string>& b : {std::optional<std::string>("one"), {}}) {
+    ASSERT_TRUE(db->Change("INSERT INTO t VALUES(?,?)", b ? 1 : 2, b));
+    EXPECT_EQ(db->Changes(), 1);
+  }
+  EXPECT_EQ(*db->Number("SELECT count(*) FROM t WHERE b IS NULL AND a=?", 2), 1);
+  EXPECT_EQ(*db->Number("SELECT a FROM t WHERE a=?", 3), 0);
+  EXPECT_TRUE(*db->Finds("SELECT 1 FROM t WHERE b=?", "one"));
+  EXPECT_FALSE(*db->Finds("SELECT 1 FROM t WHERE b=?", "two"));
+  auto all = db->Query("SELECT coalesce(b,'-') FROM t WHERE a<? ORDER BY a", 3);
+  EXPECT_EQ(*all->All(text_of), (std::vector<std::string>{"one", "-"}));
+  all->Reset();
+  EXPECT_EQ(*all->First(text_of), "one");
+  auto none = db->Query("SELECT b FROM t WHERE a=?", 3);
+  EXPECT_FALSE(none->First(text_of)->has_value());
+  // A row of RETURNING comes before the statement is done.
+  auto other = SqliteDb::Open(dir.path() / "a.db", OpenMode::kReadWrite);
+  auto taken = db->Query("UPDATE t SET a=a+? WHERE b='one' RETURNING a", 5);
+  EXPECT_EQ(*taken->Number(), 6);
+  EXPECT_EQ(*other->Number("SELECT max(a) FROM t"), 6);
 }
 
 TEST(SqliteDb, KeepsWhatWasBoundThoughItIsGone) {
