@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <string>
 #include <string_view>
 
@@ -25,12 +26,11 @@ extern const std::string_view kCatalogue23To24;  // storage/db/steps/schema_24.s
 namespace {
 
 constexpr int kFirstVersion = 13;
-
-Result<int> CurrentVersion(SqliteDb& db) {
-  SKYQUILT_TRY_ASSIGN(Statement query, db.Prepare("PRAGMA user_version"));
-  SKYQUILT_TRY(query.Step());
-  return static_cast<int>(query.ColumnInt64(0));
-}
+// From each version since to the next.
+constexpr std::array kSteps = {&kCatalogue13To14, &kCatalogue14To15, &kCatalogue15To16, &kCatalogue16To17,
+                               &kCatalogue17To18, &kCatalogue18To19, &kCatalogue19To20, &kCatalogue20To21,
+                               &kCatalogue21To22, &kCatalogue22To23, &kCatalogue23To24};
+static_assert(kFirstVersion + kSteps.size() == kSchemaVersion);
 
 }  // namespace
 
@@ -48,44 +48,16 @@ Error OtherVersion(int version) {
 Result<void> PrepareSchema(SqliteDb& db) {
   // Read inside the write lock: another process may be making the tables.
   SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(db));
-  SKYQUILT_TRY_ASSIGN(const int version, CurrentVersion(db));
+  SKYQUILT_TRY_ASSIGN(const std::int64_t user_version, db.Number("PRAGMA user_version"));
+  const int version = static_cast<int>(user_version);
   if (version == kSchemaVersion) return {};
   if (version != 0 && (version < kFirstVersion || version > kSchemaVersion)) return OtherVersion(version);
   if (version == 0) {
     SKYQUILT_TRY(db.Exec(std::string(kCatalogueSchema)));
-  }
-  if (version == 13) {
-    SKYQUILT_TRY(db.Exec(std::string(kCatalogue13To14)));
-  }
-  if (version == 13 || version == 14) {
-    SKYQUILT_TRY(db.Exec(std::string(kCatalogue14To15)));
-  }
-  if (version >= 13 && version <= 15) {
-    SKYQUILT_TRY(db.Exec(std::string(kCatalogue15To16)));
-  }
-  if (version >= 13 && version <= 16) {
-    SKYQUILT_TRY(db.Exec(std::string(kCatalogue16To17)));
-  }
-  if (version >= 13 && version <= 17) {
-    SKYQUILT_TRY(db.Exec(std::string(kCatalogue17To18)));
-  }
-  if (version >= 13 && version <= 18) {
-    SKYQUILT_TRY(db.Exec(std::string(kCatalogue18To19)));
-  }
-  if (version >= 13 && version <= 19) {
-    SKYQUILT_TRY(db.Exec(std::string(kCatalogue19To20)));
-  }
-  if (version >= 13 && version <= 20) {
-    SKYQUILT_TRY(db.Exec(std::string(kCatalogue20To21)));
-  }
-  if (version >= 13 && version <= 21) {
-    SKYQUILT_TRY(db.Exec(std::string(kCatalogue21To22)));
-  }
-  if (version >= 13 && version <= 22) {
-    SKYQUILT_TRY(db.Exec(std::string(kCatalogue22To23)));
-  }
-  if (version >= 13 && version <= 23) {
-    SKYQUILT_TRY(db.Exec(std::string(kCatalogue23To24)));
+  } else {
+    for (int from = version; from < kSchemaVersion; ++from) {
+      SKYQUILT_TRY(db.Exec(std::string(*kSteps[static_cast<std::size_t>(from - kFirstVersion)])));
+    }
   }
   SKYQUILT_TRY(db.Exec(fmt::format("PRAGMA user_version={}", kSchemaVersion)));
   return transaction.Commit();

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <string>
 #include <string_view>
 
@@ -23,20 +24,31 @@ extern const std::string_view kPostgres23To24;     // storage/db/postgres/schema
 
 namespace {
 
+constexpr int kFirstPostgresVersion = 16;
+// From each version since to the next.
+constexpr std::array kPostgresSteps = {&kPostgres16To17, &kPostgres17To18, &kPostgres18To19,
+                                       &kPostgres19To20, &kPostgres20To21, &kPostgres21To22,
+                                       &kPostgres22To23, &kPostgres23To24};
+static_assert(kFirstPostgresVersion + kPostgresSteps.size() == kSchemaVersion);
+
 Result<bool> HasTable(SqlConnection& db, std::string_view name) {
-  SKYQUILT_TRY_ASSIGN(
-      Statement query,
-      db.Prepare("SELECT 1 FROM pg_tables WHERE schemaname=current_schema() AND tablename=?"));
-  return query.Bind(1, name).Step();
+  return db.Finds("SELECT 1 FROM pg_tables WHERE schemaname=current_schema() AND tablename=?", name);
 }
 
 // 0: no catalogue.
 Result<int> PostgresVersion(SqlConnection& db) {
   SKYQUILT_TRY_ASSIGN(const bool is_there, HasTable(db, "catalogue_version"));
   if (!is_there) return 0;
-  SKYQUILT_TRY_ASSIGN(Statement query, db.Prepare("SELECT version FROM catalogue_version"));
-  SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
-  return row ? static_cast<int>(query.ColumnInt64(0)) : 0;
+  SKYQUILT_TRY_ASSIGN(const std::int64_t version, db.Number("SELECT version FROM catalogue_version"));
+  return static_cast<int>(version);
+}
+
+Result<void> StepFrom(PostgresDb& db, int version) {
+  for (int from = version; from < kSchemaVersion; ++from) {
+    SKYQUILT_TRY(
+        db.Exec(std::string(*kPostgresSteps[static_cast<std::size_t>(from - kFirstPostgresVersion)])));
+  }
+  return {};
 }
 
 }  // namespace
@@ -68,29 +80,8 @@ Result<void> PreparePostgres(PostgresDb& db, const CataloguePlace& place, bool m
   }
   SKYQUILT_TRY_ASSIGN(const int version, PostgresVersion(db));
   if (version == kSchemaVersion) return {};
-  if (version >= 16 && version <= 23) {
-    if (version == 16) {
-      SKYQUILT_TRY(db.Exec(std::string(kPostgres16To17)));
-    }
-    if (version <= 17) {
-      SKYQUILT_TRY(db.Exec(std::string(kPostgres17To18)));
-    }
-    if (version <= 18) {
-      SKYQUILT_TRY(db.Exec(std::string(kPostgres18To19)));
-    }
-    if (version <= 19) {
-      SKYQUILT_TRY(db.Exec(std::string(kPostgres19To20)));
-    }
-    if (version <= 20) {
-      SKYQUILT_TRY(db.Exec(std::string(kPostgres20To21)));
-    }
-    if (version <= 21) {
-      SKYQUILT_TRY(db.Exec(std::string(kPostgres21To22)));
-    }
-    if (version <= 22) {
-      SKYQUILT_TRY(db.Exec(std::string(kPostgres22To23)));
-    }
-    SKYQUILT_TRY(db.Exec(std::string(kPostgres23To24)));
+  if (version >= kFirstPostgresVersion && version < kSchemaVersion) {
+    SKYQUILT_TRY(StepFrom(db, version));
     SKYQUILT_TRY(db.Exec(fmt::format("UPDATE catalogue_version SET version={}", kSchemaVersion)));
     return transaction.Commit();
   }
@@ -104,14 +95,7 @@ Result<void> PreparePostgres(PostgresDb& db, const CataloguePlace& place, bool m
         ""};
   }
   SKYQUILT_TRY(db.Exec(std::string(kPostgresTables)));
-  SKYQUILT_TRY(db.Exec(std::string(kPostgres16To17)));
-  SKYQUILT_TRY(db.Exec(std::string(kPostgres17To18)));
-  SKYQUILT_TRY(db.Exec(std::string(kPostgres18To19)));
-  SKYQUILT_TRY(db.Exec(std::string(kPostgres19To20)));
-  SKYQUILT_TRY(db.Exec(std::string(kPostgres20To21)));
-  SKYQUILT_TRY(db.Exec(std::string(kPostgres21To22)));
-  SKYQUILT_TRY(db.Exec(std::string(kPostgres22To23)));
-  SKYQUILT_TRY(db.Exec(std::string(kPostgres23To24)));
+  SKYQUILT_TRY(StepFrom(db, kFirstPostgresVersion));
   SKYQUILT_TRY(db.Exec(std::string(kPostgresFunctions)));
   SKYQUILT_TRY(db.Exec(fmt::format("INSERT INTO catalogue_version VALUES(1, {}, pg_postmaster_start_time())",
                                    kSchemaVersion)));
