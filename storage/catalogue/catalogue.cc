@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
+
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
 #include "storage/db/ids.h"
@@ -39,24 +41,19 @@ Flight FlightFrom(const Statement& row) {
 
 Result<Flight> ReadFlight(SqlConnection& db, const std::string& id) {
   SKYQUILT_TRY_ASSIGN(Statement query,
-                      db.Prepare(std::string(kFlightColumns) + "WHERE f.id=? AND f.deleted_us IS NULL"));
-  SKYQUILT_TRY_ASSIGN(const bool row, query.Bind(1, id).Step());
-  if (!row) return NoSuchFlight(id);
-  return FlightFrom(query);
+                      db.Query(std::string(kFlightColumns) + "WHERE f.id=? AND f.deleted_us IS NULL", id));
+  SKYQUILT_TRY_ASSIGN(std::optional<Flight> flight, query.First(FlightFrom));
+  if (!flight) return NoSuchFlight(id);
+  return *std::move(flight);
 }
 
-// Up to `limit` rows after the cursor, the query's first parameter, by rising or falling id; where others
-// follow, the cursor of the next page.
+// Up to `limit` rows after the cursor, the query's first two parameters, by rising or falling id; where
+// others follow, the cursor of the next page.
 template <typename Item, typename Read, typename IdOf>
 Result<std::optional<std::string>> ReadPage(Statement& query, int limit,
                                             const std::optional<std::string>& cursor,
                                             std::vector<Item>& items, const Read& read, const IdOf& id_of) {
-  if (cursor) {
-    query.Bind(1, *cursor);
-  } else {
-    query.BindNull(1);
-  }
-  query.Bind(2, limit + 1);  // one extra row shows whether another page follows
+  query.BindAll(cursor, limit + 1);  // one extra row shows whether another page follows
   while (true) {
     SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
     if (!row) return std::optional<std::string>();
@@ -65,16 +62,8 @@ Result<std::optional<std::string>> ReadPage(Statement& query, int limit,
   }
 }
 
-Result<bool> Exists(SqlConnection& db, std::string_view sql, std::string_view first,
-                    std::string_view second = {}) {
-  SKYQUILT_TRY_ASSIGN(Statement query, db.Prepare(sql));
-  query.Bind(1, first);
-  if (second.data() != nullptr) query.Bind(2, second);
-  return query.Step();
-}
-
 Result<void> RequireFlight(SqlConnection& db, const std::string& id) {
-  SKYQUILT_TRY_ASSIGN(const bool known, Exists(db, kIsThere, id));
+  SKYQUILT_TRY_ASSIGN(const bool known, db.Finds(kIsThere, id));
   if (!known) return NoSuchFlight(id);
   return {};
 }
@@ -82,43 +71,35 @@ Result<void> RequireFlight(SqlConnection& db, const std::string& id) {
 Result<void> RequireNotRunning(SqlConnection& db, const std::string& flight_id) {
   // A waiting job that is locked cannot begin before this transaction ends.
   SKYQUILT_TRY_ASSIGN(Statement query,
-                      db.Prepare(std::string("SELECT state FROM job WHERE flight_id=? AND state IN"
-                                             " ('accepted','running')") +
-                                 db.ForShare()));
-  query.Bind(1, flight_id);
-  while (true) {
-    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
-    if (!row) break;
-    if (query.ColumnText(0) != "running") continue;
-    return flight::Because(ErrorCode::kConflict, flight::RemarkCode::kFailBeingStitched);
-  }
-  return {};
+                      db.Query(std::string("SELECT state FROM job WHERE flight_id=? AND state IN"
+                                           " ('accepted','running')") +
+                                   db.ForShare(),
+                               flight_id));
+  SKYQUILT_TRY_ASSIGN(const std::vector<std::string> states, query.AllText());
+  if (std::find(states.begin(), states.end(), "running") == states.end()) return {};
+  return flight::Because(ErrorCode::kConflict, flight::RemarkCode::kFailBeingStitched);
 }
 
 Result<void> InsertFile(SqlConnection& db, const std::string& flight_id, const StoredFile& file, Time now) {
-  SKYQUILT_TRY_ASSIGN(
-      Statement insert,
-      db.Prepare("INSERT INTO file(flight_id,name,bytes,stored_name,created_us) VALUES(?,?,?,?,?)"));
-  insert.Bind(1, flight_id).Bind(2, file.name).Bind(3, file.bytes).Bind(4, file.stored_name);
-  SKYQUILT_TRY(insert.Bind(5, ToUs(now)).Run());
+  SKYQUILT_TRY(db.Change("INSERT INTO file(flight_id,name,bytes,stored_name,created_us) VALUES(?,?,?,?,?)",
+                         flight_id, file.name, file.bytes, file.stored_name, ToUs(now)));
   // What a running job's units are made from now on, its digest does not tell.
-  SKYQUILT_TRY_ASSIGN(Statement forget,
-                      db.Prepare("UPDATE job SET made_from='' WHERE flight_id=? AND state IN"
-                                 " ('accepted','running') AND made_from<>''"));
-  return forget.Bind(1, flight_id).Run();
+  return db.Change(
+      "UPDATE job SET made_from='' WHERE flight_id=? AND state IN ('accepted','running') AND made_from<>''",
+      flight_id);
 }
 
 Result<std::optional<StoredFile>> FileNamed(SqlConnection& db, const std::string& flight_id,
                                             const std::string& name) {
-  SKYQUILT_TRY_ASSIGN(Statement query, db.Prepare("SELECT name, stored_name, bytes FROM file"
-                                                  " WHERE flight_id=? AND name=?"));
-  SKYQUILT_TRY_ASSIGN(const std::vector<StoredFile> found, FilesOf(query.Bind(1, flight_id).Bind(2, name)));
-  return found.empty() ? std::nullopt : std::optional(found.front());
+  SKYQUILT_TRY_ASSIGN(
+      Statement query,
+      db.Query("SELECT name, stored_name, bytes FROM file WHERE flight_id=? AND name=?", flight_id, name));
+  return query.First(FileFrom);
 }
 
 Result<std::vector<std::string>> UploadsOf(SqlConnection& db, const std::string& flight_id) {
-  SKYQUILT_TRY_ASSIGN(Statement query, db.Prepare("SELECT id FROM upload WHERE flight_id=?"));
-  return query.Bind(1, flight_id).AllText();
+  SKYQUILT_TRY_ASSIGN(Statement query, db.Query("SELECT id FROM upload WHERE flight_id=?", flight_id));
+  return query.AllText();
 }
 
 // "a.jpg", "2" -> "a (2).jpg"
@@ -156,6 +137,23 @@ Revision RevisionFrom(const Statement& query) {
 
 }  // namespace
 
+StoredFile FileFrom(const Statement& row) {
+  return {std::string(row.ColumnText(0)), std::string(row.ColumnText(1)), row.ColumnInt64(2)};
+}
+
+Result<void> ShowRevision(SqlConnection& db, const std::string& flight_id, const Revision& revision,
+                          Time created) {
+  const geo::LatLonBounds& bounds = revision.bounds;
+  SKYQUILT_TRY(db.Change("INSERT INTO revision VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)", flight_id,
+                         revision.revision, ToUs(created), bounds.west_deg, bounds.south_deg, bounds.east_deg,
+                         bounds.north_deg, revision.min_zoom, revision.max_zoom, revision.gsd_m,
+                         revision.photos_total, revision.photos_aligned, revision.photos_pose_only,
+                         revision.photos_left_out, revision.first_capture, revision.last_capture,
+                         revision.quality));
+  SKYQUILT_TRY(db.Change("DELETE FROM preview WHERE flight_id=?", flight_id));
+  return db.Change("UPDATE flight SET active_revision=?2 WHERE id=?1", flight_id, revision.revision);
+}
+
 Result<void> Catalogue::Record(const std::string& flight_id, const StoredFile& file, Time now) const {
   if (!records_) return {};
   return records_->AddFile(flight_id, file.stored_name, {file.name, file.bytes, now, false});
@@ -164,9 +162,6 @@ Result<void> Catalogue::Record(const std::string& flight_id, const StoredFile& f
 Result<Flight> Catalogue::AddFlight(const std::string& name, const std::string& options, Time now,
                                     const std::string& owner, const FlightChange& marks) {
   const auto db = db_.Lock();
-  SKYQUILT_TRY_ASSIGN(Statement insert,
-                      db->Prepare("INSERT INTO flight(id,name,created_us,options,owner,tags,is_kept)"
-                                  " VALUES(?,?,?,?,?,?,?)"));
   Flight flight;
   flight.id = NewId();
   flight.name = name;
@@ -185,9 +180,9 @@ Result<Flight> Catalogue::AddFlight(const std::string& name, const std::string& 
     record.created = now;
     SKYQUILT_TRY(records_->Begin(flight.id, record));
   }
-  insert.Bind(1, flight.id).Bind(2, name).Bind(3, ToUs(now)).Bind(4, options).Bind(5, owner);
   const Result<void> done =
-      insert.Bind(6, TagsText(flight.tags)).Bind(7, static_cast<std::int64_t>(flight.is_kept)).Run();
+      db->Change("INSERT INTO flight(id,name,created_us,options,owner,tags,is_kept) VALUES(?,?,?,?,?,?,?)",
+                 flight.id, name, ToUs(now), options, owner, TagsText(flight.tags), flight.is_kept);
   if (!done && records_) records_->Undo(flight.id);
   if (!done) return done.error();
   return flight;
@@ -195,21 +190,18 @@ Result<Flight> Catalogue::AddFlight(const std::string& name, const std::string& 
 
 Result<std::int64_t> Catalogue::BytesOf(const std::string& owner) const {
   const auto db = db_.Read();
-  SKYQUILT_TRY_ASSIGN(
-      Statement query,
-      db->Prepare(
-          "SELECT (SELECT coalesce(sum(bytes),0) FROM file JOIN flight f ON f.id=flight_id WHERE f.owner=?1)"
-          " + (SELECT coalesce(sum(coalesce(length,byte_offset)),0) FROM upload JOIN flight f ON f.id=flight_id"
-          "    WHERE f.owner=?1 AND is_done=0)"
-          " + (SELECT coalesce(sum(coalesce(length,byte_offset)),0) FROM upload WHERE flight_id IS NULL AND owner=?1)"));
-  SKYQUILT_TRY(query.Bind(1, owner).Step());
-  return query.ColumnInt64(0);
+  return db->Number(
+      "SELECT (SELECT coalesce(sum(bytes),0) FROM file JOIN flight f ON f.id=flight_id WHERE f.owner=?1)"
+      " + (SELECT coalesce(sum(coalesce(length,byte_offset)),0) FROM upload JOIN flight f ON f.id=flight_id"
+      "    WHERE f.owner=?1 AND is_done=0)"
+      " + (SELECT coalesce(sum(coalesce(length,byte_offset)),0) FROM upload WHERE flight_id IS NULL AND owner=?1)",
+      owner);
 }
 
 Result<std::string> Catalogue::OwnerOf(const std::string& flight_id) const {
   const auto db = db_.Lock();
-  SKYQUILT_TRY_ASSIGN(Statement query, db->Prepare("SELECT owner FROM flight WHERE id=?"));
-  SKYQUILT_TRY_ASSIGN(const bool row, query.Bind(1, flight_id).Step());
+  SKYQUILT_TRY_ASSIGN(Statement query, db->Query("SELECT owner FROM flight WHERE id=?", flight_id));
+  SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
   if (!row) return NoSuchFlight(flight_id);
   return std::string(query.ColumnText(0));
 }
@@ -228,11 +220,7 @@ Result<FlightPage> Catalogue::ListFlights(int limit, const std::optional<std::st
           std::string(kFlightColumns) +
           "WHERE (CAST(?1 AS TEXT) IS NULL OR f.id < ?1) AND f.deleted_us IS NULL"
           " AND (CAST(?3 AS TEXT) IS NULL OR replace(f.tags,?3,'')<>f.tags) ORDER BY f.id DESC LIMIT ?2"));
-  if (tag) {
-    query.Bind(3, TagsText({*tag}));
-  } else {
-    query.BindNull(3);
-  }
+  query.Bind(3, tag ? std::optional(TagsText({*tag})) : std::nullopt);
   FlightPage page;
   SKYQUILT_TRY_ASSIGN(page.next_cursor, ReadPage(query, limit, cursor, page.flights, FlightFrom,
                                                  [](const Flight& flight) { return flight.id; }));
@@ -241,27 +229,12 @@ Result<FlightPage> Catalogue::ListFlights(int limit, const std::optional<std::st
 
 Result<void> Catalogue::ChangeFlight(const std::string& id, const FlightChange& change) {
   const auto db = db_.Lock();
-  SKYQUILT_TRY_ASSIGN(Statement update,
-                      db->Prepare("UPDATE flight SET name=coalesce(?2,name), options=coalesce(?3,options),"
-                                  " tags=coalesce(?4,tags), is_kept=coalesce(?5,is_kept)"
-                                  " WHERE id=?1 AND deleted_us IS NULL"));
-  const auto bind = [&](int parameter, const std::optional<std::string>& text) {
-    if (text) {
-      update.Bind(parameter, *text);
-    } else {
-      update.BindNull(parameter);
-    }
-  };
-  update.Bind(1, id);
-  bind(2, change.name);
-  bind(3, change.options);
-  bind(4, change.tags ? std::optional(TagsText(*change.tags)) : std::nullopt);
-  if (change.is_kept) {
-    update.Bind(5, static_cast<std::int64_t>(*change.is_kept));
-  } else {
-    update.BindNull(5);
-  }
-  SKYQUILT_TRY(update.Run());
+  SKYQUILT_TRY(
+      db->Change("UPDATE flight SET name=coalesce(?2,name), options=coalesce(?3,options),"
+                 " tags=coalesce(?4,tags), is_kept=coalesce(?5,is_kept)"
+                 " WHERE id=?1 AND deleted_us IS NULL",
+                 id, change.name, change.options,
+                 change.tags ? std::optional(TagsText(*change.tags)) : std::nullopt, change.is_kept));
   if (db->Changes() == 0) return NoSuchFlight(id);
   if (!records_) return {};
   FlightRecord line;
@@ -284,14 +257,13 @@ Result<void> Catalogue::DeleteFlight(const std::string& id) {
   return db_.Again([&]() -> Result<void> {
     const auto db = db_.Lock();
     SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db, id));
-    SKYQUILT_TRY_ASSIGN(Statement remove, db->Prepare("DELETE FROM flight WHERE id=?"));
-    SKYQUILT_TRY_ASSIGN(const bool known, Exists(*db, "SELECT 1 FROM flight WHERE id=?", id));
+    SKYQUILT_TRY_ASSIGN(const bool known, db->Finds("SELECT 1 FROM flight WHERE id=?", id));
     if (!known) return NoSuchFlight(id);
     SKYQUILT_TRY_ASSIGN(const std::vector<std::string> uploads, UploadsOf(*db, id));
     // What the record cannot take (a full disk, the one thing that deleting mends) must not keep the flight:
     // the record only tells a repair of a lost catalogue not to bring the flight back.
     if (records_) (void)records_->Deleting(id, Now()).ok();
-    Result<void> done = remove.Bind(1, id).Run();
+    Result<void> done = db->Change("DELETE FROM flight WHERE id=?", id);
     if (done) done = transaction.Commit();
     if (!done && records_) (void)records_->Change(id, {}).ok();
     if (!done) return done.error();
@@ -305,7 +277,7 @@ Result<void> Catalogue::DeleteFlight(const std::string& id) {
 
 Result<bool> Catalogue::HasFlight(const std::string& id) const {
   const auto db = db_.Read();
-  return Exists(*db, kIsThere, id);
+  return db->Finds(kIsThere, id);
 }
 
 Result<std::vector<std::string>> Catalogue::FlightIds() const {
@@ -329,8 +301,7 @@ Result<AddedFile> Catalogue::AddFile(const std::string& flight_id, const StoredF
     }
     if (added.replaced) {
       SKYQUILT_TRY(RequireNotRunning(*db, flight_id));
-      SKYQUILT_TRY_ASSIGN(Statement remove, db->Prepare("DELETE FROM file WHERE flight_id=? AND name=?"));
-      SKYQUILT_TRY(remove.Bind(1, flight_id).Bind(2, file.name).Run());
+      SKYQUILT_TRY(db->Change("DELETE FROM file WHERE flight_id=? AND name=?", flight_id, file.name));
     }
     SKYQUILT_TRY(InsertFile(*db, flight_id, file, now));
     SKYQUILT_TRY(Record(flight_id, file, now));
@@ -349,8 +320,8 @@ Result<StoredFile> Catalogue::AddFileUnderFreeName(const std::string& flight_id,
     SKYQUILT_TRY(RequireFlight(*db, flight_id));
     StoredFile added = file;
     for (int number = 2;; ++number) {
-      SKYQUILT_TRY_ASSIGN(const bool taken, Exists(*db, "SELECT 1 FROM file WHERE flight_id=? AND name=?",
-                                                   flight_id, added.name));
+      SKYQUILT_TRY_ASSIGN(const bool taken, db->Finds("SELECT 1 FROM file WHERE flight_id=? AND name=?",
+                                                      flight_id, added.name));
       if (!taken) break;
       // Thousands of equal names must not cost thousands of look-ups each: then our own unique name is the
       // mark.
@@ -360,9 +331,7 @@ Result<StoredFile> Catalogue::AddFileUnderFreeName(const std::string& flight_id,
     SKYQUILT_TRY(InsertFile(*db, flight_id, added, now));
     SKYQUILT_TRY(Record(flight_id, added, now));
     if (upload_id) {
-      SKYQUILT_TRY_ASSIGN(Statement update,
-                          db->Prepare("UPDATE upload SET is_done=1 WHERE id=? AND is_done=0"));
-      SKYQUILT_TRY(update.Bind(1, *upload_id).Run());
+      SKYQUILT_TRY(db->Change("UPDATE upload SET is_done=1 WHERE id=? AND is_done=0", *upload_id));
       if (db->Changes() == 0)
         return Error{ErrorCode::kConflict, "This upload was finished or removed meanwhile.", ""};
     }
@@ -380,11 +349,12 @@ Result<StoredFile> Catalogue::RemoveFile(const std::string& flight_id, const std
     StoredFile removed;
     Time created;
     {
-      SKYQUILT_TRY_ASSIGN(Statement remove, db->Prepare("DELETE FROM file WHERE flight_id=? AND name=?"
-                                                        " RETURNING name, stored_name, bytes, created_us"));
-      SKYQUILT_TRY_ASSIGN(const bool row, remove.Bind(1, flight_id).Bind(2, name).Step());
+      SKYQUILT_TRY_ASSIGN(Statement remove, db->Query("DELETE FROM file WHERE flight_id=? AND name=?"
+                                                      " RETURNING name, stored_name, bytes, created_us",
+                                                      flight_id, name));
+      SKYQUILT_TRY_ASSIGN(const bool row, remove.Step());
       if (!row) return Error{ErrorCode::kNotFound, fmt::format("This flight has no file \"{}\".", name), ""};
-      removed = {std::string(remove.ColumnText(0)), std::string(remove.ColumnText(1)), remove.ColumnInt64(2)};
+      removed = FileFrom(remove);
       created = FromUs(remove.ColumnInt64(3));
     }
     // Before the catalogue: a process that dies between the two must not leave a record that brings the file
@@ -400,16 +370,6 @@ Result<StoredFile> Catalogue::RemoveFile(const std::string& flight_id, const std
   });
 }
 
-Result<std::vector<StoredFile>> FilesOf(Statement& query) {
-  std::vector<StoredFile> files;
-  while (true) {
-    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
-    if (!row) return files;
-    files.push_back(
-        {std::string(query.ColumnText(0)), std::string(query.ColumnText(1)), query.ColumnInt64(2)});
-  }
-}
-
 Result<std::optional<StoredFile>> Catalogue::FindFile(const std::string& flight_id,
                                                       const std::string& name) const {
   const auto db = db_.Read();
@@ -418,12 +378,12 @@ Result<std::optional<StoredFile>> Catalogue::FindFile(const std::string& flight_
 
 Result<std::vector<StoredFile>> Catalogue::ListFiles(const std::string& flight_id) const {
   const auto db = db_.Read();
-  SKYQUILT_TRY_ASSIGN(const bool known, Exists(*db, "SELECT 1 FROM flight WHERE id=?", flight_id));
+  SKYQUILT_TRY_ASSIGN(const bool known, db->Finds("SELECT 1 FROM flight WHERE id=?", flight_id));
   if (!known) return NoSuchFlight(flight_id);
   SKYQUILT_TRY_ASSIGN(
       Statement query,
-      db->Prepare("SELECT name, stored_name, bytes FROM file WHERE flight_id=? ORDER BY name"));
-  return FilesOf(query.Bind(1, flight_id));
+      db->Query("SELECT name, stored_name, bytes FROM file WHERE flight_id=? ORDER BY name", flight_id));
+  return query.All(FileFrom);
 }
 
 Result<FlightRecord> Catalogue::RecordOf(const std::string& flight_id) const {
@@ -432,9 +392,9 @@ Result<FlightRecord> Catalogue::RecordOf(const std::string& flight_id) const {
   {
     SKYQUILT_TRY_ASSIGN(
         Statement query,
-        db->Prepare(
-            "SELECT name, options, owner, created_us, deleted_us, tags, is_kept FROM flight WHERE id=?"));
-    SKYQUILT_TRY_ASSIGN(const bool row, query.Bind(1, flight_id).Step());
+        db->Query("SELECT name, options, owner, created_us, deleted_us, tags, is_kept FROM flight WHERE id=?",
+                  flight_id));
+    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
     if (!row) return NoSuchFlight(flight_id);
     record.name = std::string(query.ColumnText(0));
     record.options = std::string(query.ColumnText(1));
@@ -444,25 +404,22 @@ Result<FlightRecord> Catalogue::RecordOf(const std::string& flight_id) const {
     record.tags = TagsFrom(query.ColumnText(5));
     record.is_kept = query.ColumnInt64(6) != 0;
   }
-  SKYQUILT_TRY_ASSIGN(Statement query,
-                      db->Prepare("SELECT stored_name, name, bytes, created_us FROM file WHERE flight_id=?"));
-  query.Bind(1, flight_id);
-  while (true) {
-    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
-    if (!row) return record;
-    record.files[std::string(query.ColumnText(0))] = {std::string(query.ColumnText(1)), query.ColumnInt64(2),
-                                                      FromUs(query.ColumnInt64(3)), false};
-  }
+  SKYQUILT_TRY_ASSIGN(
+      Statement query,
+      db->Query("SELECT stored_name, name, bytes, created_us FROM file WHERE flight_id=?", flight_id));
+  SKYQUILT_TRY(query.Each([&](const Statement& row) {
+    record.files[std::string(row.ColumnText(0))] = {std::string(row.ColumnText(1)), row.ColumnInt64(2),
+                                                    FromUs(row.ColumnInt64(3)), false};
+  }));
+  return record;
 }
 
 Result<std::optional<Revision>> Catalogue::ActiveRevision(const std::string& flight_id) const {
   const auto db = db_.Read();
-  SKYQUILT_TRY_ASSIGN(Statement query,
-                      db->Prepare(std::string("SELECT ") + kRevisionColumns + kShownRevisions +
-                                  "WHERE f.id=? AND f.deleted_us IS NULL"));
-  SKYQUILT_TRY_ASSIGN(const bool row, query.Bind(1, flight_id).Step());
-  if (!row) return std::optional<Revision>();
-  return std::optional<Revision>(RevisionFrom(query));
+  SKYQUILT_TRY_ASSIGN(Statement query, db->Query(std::string("SELECT ") + kRevisionColumns + kShownRevisions +
+                                                     "WHERE f.id=? AND f.deleted_us IS NULL",
+                                                 flight_id));
+  return query.First(RevisionFrom);
 }
 
 Result<MapPage> Catalogue::ListMaps(int limit, const std::optional<std::string>& cursor) const {
@@ -485,15 +442,10 @@ Result<MapPage> Catalogue::ListMaps(int limit, const std::optional<std::string>&
 
 Result<std::vector<std::int64_t>> Catalogue::Revisions(const std::string& flight_id) const {
   const auto db = db_.Read();
-  SKYQUILT_TRY_ASSIGN(Statement query,
-                      db->Prepare("SELECT revision FROM revision WHERE flight_id=? ORDER BY revision"));
-  query.Bind(1, flight_id);
-  std::vector<std::int64_t> revisions;
-  while (true) {
-    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
-    if (!row) return revisions;
-    revisions.push_back(query.ColumnInt64(0));
-  }
+  SKYQUILT_TRY_ASSIGN(
+      Statement query,
+      db->Query("SELECT revision FROM revision WHERE flight_id=? ORDER BY revision", flight_id));
+  return query.All([](const Statement& row) { return row.ColumnInt64(0); });
 }
 
 }  // namespace skyquilt::storage

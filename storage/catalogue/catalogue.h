@@ -35,8 +35,8 @@ struct StoredFile {
   std::string stored_name;  // ours, below flights/<id>/files
   std::int64_t bytes = 0;
 };
-// The rows that are left of a query for name, stored name and bytes.
-Result<std::vector<StoredFile>> FilesOf(Statement& query);
+// Of a row of name, stored name and bytes.
+StoredFile FileFrom(const Statement& row);
 
 // What a finished map says of itself.
 struct Revision {
@@ -55,6 +55,10 @@ struct Revision {
   std::string first_capture, last_capture;
   std::string quality;  // JSON (core/pipeline/report/map_quality.h); empty where it is not known
 };
+
+// Enters a finished map and shows it in place of the preview. Within the caller's transaction.
+Result<void> ShowRevision(SqlConnection& db, const std::string& flight_id, const Revision& revision,
+                          Time created);
 
 struct FlightPage {
   std::vector<Flight> flights;  // newest first

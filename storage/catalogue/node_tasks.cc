@@ -17,35 +17,25 @@ Result<void> NodeTasks::Add(const NodeTask& task) {
   const auto db = db_.Lock();
   // Its client knows nothing of a trash: the name of a task that it removed is free. The flight there is
   // kept.
-  SKYQUILT_TRY_ASSIGN(
-      Statement let_go,
-      db->Prepare(
-          "DELETE FROM node_task WHERE uuid=? AND flight_id IN (SELECT id FROM flight WHERE deleted_us IS NOT NULL)"));
-  SKYQUILT_TRY(let_go.Bind(1, task.uuid).Run());
-  SKYQUILT_TRY_ASSIGN(
-      Statement insert,
-      db->Prepare(
-          "INSERT INTO node_task(uuid,flight_id,options,created_ms,is_committed,notes,webhook,outputs)"
-          " VALUES(?,?,?,?,?,?,?,?)"));
-  return insert.Bind(1, task.uuid)
-      .Bind(2, task.flight_id)
-      .Bind(3, task.options)
-      .Bind(4, task.created_ms)
-      .Bind(5, task.is_committed ? 1 : 0)
-      .Bind(6, task.notes)
-      .Bind(7, task.webhook)
-      .Bind(8, task.outputs)
-      .Run();
+  SKYQUILT_TRY(db->Change(
+      "DELETE FROM node_task WHERE uuid=? AND flight_id IN (SELECT id FROM flight WHERE deleted_us IS NOT NULL)",
+      task.uuid));
+  return db->Change(
+      "INSERT INTO node_task(uuid,flight_id,options,created_ms,is_committed,notes,webhook,outputs)"
+      " VALUES(?,?,?,?,?,?,?,?)",
+      task.uuid, task.flight_id, task.options, task.created_ms, task.is_committed ? 1 : 0, task.notes,
+      task.webhook, task.outputs);
 }
 
 Result<NodeTask> NodeTasks::Find(const std::string& uuid) const {
   const auto db = db_.Read();
   SKYQUILT_TRY_ASSIGN(
       Statement query,
-      db->Prepare(
+      db->Query(
           "SELECT uuid, flight_id, options, created_ms, is_committed, notes, canceled_job, webhook, outputs FROM node_task WHERE uuid=?"
-          " AND flight_id IN (SELECT id FROM flight WHERE deleted_us IS NULL)"));
-  SKYQUILT_TRY_ASSIGN(const bool row, query.Bind(1, uuid).Step());
+          " AND flight_id IN (SELECT id FROM flight WHERE deleted_us IS NULL)",
+          uuid));
+  SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
   if (!row) return NoSuchTask(uuid);
   NodeTask task;
   task.uuid = query.ColumnText(0);
@@ -66,43 +56,33 @@ Result<std::vector<std::string>> NodeTasks::List() const {
       Statement query,
       db->Prepare("SELECT uuid FROM node_task WHERE is_committed=1"
                   " AND flight_id IN (SELECT id FROM flight WHERE deleted_us IS NULL) ORDER BY flight_id"));
-  std::vector<std::string> uuids;
-  while (true) {
-    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
-    if (!row) return uuids;
-    uuids.emplace_back(query.ColumnText(0));
-  }
+  return query.AllText();
 }
 
 Result<void> NodeTasks::Commit(const std::string& uuid) {
   const auto db = db_.Lock();
-  SKYQUILT_TRY_ASSIGN(Statement update, db->Prepare("UPDATE node_task SET is_committed=1 WHERE uuid=?"));
-  SKYQUILT_TRY(update.Bind(1, uuid).Run());
+  SKYQUILT_TRY(db->Change("UPDATE node_task SET is_committed=1 WHERE uuid=?", uuid));
   if (db->Changes() == 0) return NoSuchTask(uuid);
   return {};
 }
 
 Result<void> NodeTasks::AddNote(const std::string& uuid, const std::string& line) {
   const auto db = db_.Lock();
-  SKYQUILT_TRY_ASSIGN(
-      Statement update,
-      db->Prepare(
-          "UPDATE node_task SET notes=notes||?2 WHERE uuid=?1 AND replace(notes,?2,'')=notes AND length(notes)<65536"));
-  return update.Bind(1, uuid).Bind(2, line + "\n").Run();
+  return db->Change(
+      "UPDATE node_task SET notes=notes||?2 WHERE uuid=?1 AND replace(notes,?2,'')=notes AND length(notes)<65536",
+      uuid, line + "\n");
 }
 
 Result<void> NodeTasks::MarkCanceled(const std::string& uuid, const std::string& job_id) {
   const auto db = db_.Lock();
-  SKYQUILT_TRY_ASSIGN(Statement update, db->Prepare("UPDATE node_task SET canceled_job=?2 WHERE uuid=?1"));
-  return update.Bind(1, uuid).Bind(2, job_id).Run();
+  return db->Change("UPDATE node_task SET canceled_job=?2 WHERE uuid=?1", uuid, job_id);
 }
 
 Result<void> NodeTasks::Restart(const std::string& uuid, const std::string& options,
                                 std::int64_t created_ms) {
   const auto db = db_.Lock();
-  SKYQUILT_TRY_ASSIGN(Statement update,
-                      db->Prepare("UPDATE node_task SET options=?2, created_ms=?3 WHERE uuid=?1"));
-  SKYQUILT_TRY(update.Bind(1, uuid).Bind(2, options).Bind(3, created_ms).Run());
+  SKYQUILT_TRY(
+      db->Change("UPDATE node_task SET options=?2, created_ms=?3 WHERE uuid=?1", uuid, options, created_ms));
   if (db->Changes() == 0) return NoSuchTask(uuid);
   return {};
 }

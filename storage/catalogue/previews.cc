@@ -1,7 +1,5 @@
 #include "storage/catalogue/previews.h"
 
-#include <utility>
-
 #include "core/base/try.h"
 #include "storage/db/ids.h"
 
@@ -9,14 +7,11 @@ namespace skyquilt::storage {
 Result<std::optional<PreviewWork>> Previews::Claim(int limit) {
   return db_.Again([&]() -> Result<std::optional<PreviewWork>> {
     const auto db = db_.Lock();
-    {
-      // Whoever finds nothing only reads.
-      SKYQUILT_TRY_ASSIGN(Statement look,
-                          db->Prepare("SELECT EXISTS(SELECT 1 FROM file f JOIN flight t ON t.id=f.flight_id"
-                                      " WHERE f.preview_state=0 AND t.deleted_us IS NULL)"));
-      SKYQUILT_TRY(look.Step());
-      if (look.ColumnInt64(0) == 0) return std::optional<PreviewWork>();
-    }
+    // Whoever finds nothing only reads.
+    SKYQUILT_TRY_ASSIGN(const bool is_any,
+                        db->Finds("SELECT 1 FROM file f JOIN flight t ON t.id=f.flight_id"
+                                  " WHERE f.preview_state=0 AND t.deleted_us IS NULL LIMIT 1"));
+    if (!is_any) return std::optional<PreviewWork>();
     SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
     SKYQUILT_TRY(
         db->Exec("UPDATE file SET preview_state=2 WHERE preview_state=0"
@@ -35,15 +30,13 @@ Result<std::optional<PreviewWork>> Previews::Claim(int limit) {
     if (work) {
       constexpr const char* kFiles =
           "SELECT name, stored_name, bytes FROM file WHERE flight_id=? AND preview_state=";
-      SKYQUILT_TRY_ASSIGN(Statement tried, db->Prepare(std::string(kFiles) + "1 ORDER BY created_us, name"));
-      tried.Bind(1, work->flight_id);
-      SKYQUILT_TRY_ASSIGN(std::vector<StoredFile> before, FilesOf(tried));
-      work->tried = std::move(before);
-      SKYQUILT_TRY_ASSIGN(Statement fresh,
-                          db->Prepare(std::string(kFiles) + "0 ORDER BY created_us, name LIMIT ?"));
-      fresh.Bind(1, work->flight_id).Bind(2, limit);
-      SKYQUILT_TRY_ASSIGN(std::vector<StoredFile> found, FilesOf(fresh));
-      work->fresh = std::move(found);
+      SKYQUILT_TRY_ASSIGN(Statement tried,
+                          db->Query(std::string(kFiles) + "1 ORDER BY created_us, name", work->flight_id));
+      SKYQUILT_TRY_ASSIGN(work->tried, tried.All(FileFrom));
+      SKYQUILT_TRY_ASSIGN(
+          Statement fresh,
+          db->Query(std::string(kFiles) + "0 ORDER BY created_us, name LIMIT ?", work->flight_id, limit));
+      SKYQUILT_TRY_ASSIGN(work->fresh, fresh.All(FileFrom));
       SKYQUILT_TRY_ASSIGN(Statement mark, db->Prepare("UPDATE file SET preview_state=1 WHERE stored_name=?"));
       for (const StoredFile& file : work->fresh) {
         SKYQUILT_TRY(mark.Bind(1, file.stored_name).Run());
@@ -58,26 +51,25 @@ Result<std::optional<Preview>> Previews::Find(const std::string& flight_id) cons
   const auto db = db_.Read();
   SKYQUILT_TRY_ASSIGN(
       Statement query,
-      db->Prepare(
-          "SELECT folder, edition, photos, min_zoom, max_zoom, west, south, east, north, changed_west, "
-          "changed_south,"
-          " changed_east, changed_north FROM preview WHERE flight_id=?"));
-  SKYQUILT_TRY_ASSIGN(const bool row, query.Bind(1, flight_id).Step());
-  if (!row) return std::optional<Preview>();
-  Preview preview;
-  preview.flight_id = flight_id;
-  preview.folder = query.ColumnText(0);
-  preview.edition = query.ColumnInt64(1);
-  preview.photos = query.ColumnInt64(2);
-  preview.min_zoom = static_cast<int>(query.ColumnInt64(3));
-  preview.max_zoom = static_cast<int>(query.ColumnInt64(4));
-  const auto box = [&](int first) -> geo::LatLonBounds {
-    return {query.ColumnDouble(first), query.ColumnDouble(first + 1), query.ColumnDouble(first + 2),
-            query.ColumnDouble(first + 3)};
-  };
-  preview.bounds = box(5);
-  preview.changed = box(9);
-  return std::optional<Preview>(std::move(preview));
+      db->Query("SELECT folder, edition, photos, min_zoom, max_zoom, west, south, east, north, changed_west,"
+                " changed_south, changed_east, changed_north FROM preview WHERE flight_id=?",
+                flight_id));
+  return query.First([&](const Statement& row) {
+    Preview preview;
+    preview.flight_id = flight_id;
+    preview.folder = row.ColumnText(0);
+    preview.edition = row.ColumnInt64(1);
+    preview.photos = row.ColumnInt64(2);
+    preview.min_zoom = static_cast<int>(row.ColumnInt64(3));
+    preview.max_zoom = static_cast<int>(row.ColumnInt64(4));
+    const auto box = [&](int first) -> geo::LatLonBounds {
+      return {row.ColumnDouble(first), row.ColumnDouble(first + 1), row.ColumnDouble(first + 2),
+              row.ColumnDouble(first + 3)};
+    };
+    preview.bounds = box(5);
+    preview.changed = box(9);
+    return preview;
+  });
 }
 
 Result<void> Previews::Forgo(const std::vector<StoredFile>& files) {
@@ -95,22 +87,17 @@ Result<void> Previews::Forgo(const std::vector<StoredFile>& files) {
 Result<bool> Previews::Show(const Preview& preview) {
   const auto db = db_.Lock();
   // A first edition begins a preview; a later one goes on with the very same, or comes to nothing.
-  Result<Statement> write = db->Prepare(
+  const geo::LatLonBounds &bounds = preview.bounds, &changed = preview.changed;
+  SKYQUILT_TRY(db->Change(
       preview.edition == 1
           ? "INSERT INTO preview SELECT ?1,?2,?3,?4,?5,?6,?7,?8,?9,?10,?11,?12,?13,?14 FROM flight"
             " WHERE id=?1 AND active_revision IS NULL AND deleted_us IS NULL ON CONFLICT DO NOTHING"
           : "UPDATE preview SET edition=?3, photos=?4, min_zoom=?5, max_zoom=?6, west=?7, south=?8, east=?9,"
             " north=?10, changed_west=?11, changed_south=?12, changed_east=?13, changed_north=?14"
-            " WHERE flight_id=?1 AND folder=?2");
-  if (!write) return write.error();
-  write->Bind(1, preview.flight_id).Bind(2, preview.folder).Bind(3, preview.edition).Bind(4, preview.photos);
-  write->Bind(5, preview.min_zoom).Bind(6, preview.max_zoom);
-  const std::array<double, 4> bounds = preview.bounds.ToArray(), changed = preview.changed.ToArray();
-  for (std::size_t i = 0; i < bounds.size(); ++i) {
-    write->Bind(7 + static_cast<int>(i), bounds[i]);
-    write->Bind(11 + static_cast<int>(i), changed[i]);
-  }
-  SKYQUILT_TRY(write->Run());
+            " WHERE flight_id=?1 AND folder=?2",
+      preview.flight_id, preview.folder, preview.edition, preview.photos, preview.min_zoom, preview.max_zoom,
+      bounds.west_deg, bounds.south_deg, bounds.east_deg, bounds.north_deg, changed.west_deg,
+      changed.south_deg, changed.east_deg, changed.north_deg));
   return db->Changes() > 0;
 }
 

@@ -35,8 +35,7 @@ Result<void> StageCosts::Add(const JobCost& cost) {
         db->Prepare("INSERT INTO stage_cost VALUES(?,?,?,?) ON CONFLICT(job_id,stage) DO UPDATE SET"
                     " photos=excluded.photos, seconds=excluded.seconds"));
     for (const auto& [stage, seconds] : cost.stages_s) {
-      insert.Bind(1, cost.job_id).Bind(2, stage).Bind(3, cost.photos).Bind(4, seconds);
-      SKYQUILT_TRY(insert.Run());
+      SKYQUILT_TRY(insert.BindAll(cost.job_id, stage, cost.photos, seconds).Run());
     }
   }
   return transaction.Commit();
@@ -47,19 +46,17 @@ Result<std::vector<JobCost>> StageCosts::Latest(int jobs) const {
   // Ids grow by time.
   SKYQUILT_TRY_ASSIGN(
       Statement query,
-      db->Prepare(
-          "SELECT job_id, photos, stage, seconds FROM stage_cost WHERE job_id IN"
-          " (SELECT DISTINCT job_id FROM stage_cost ORDER BY job_id DESC LIMIT ?) ORDER BY job_id DESC"));
-  query.Bind(1, jobs);
+      db->Query("SELECT job_id, photos, stage, seconds FROM stage_cost WHERE job_id IN"
+                " (SELECT DISTINCT job_id FROM stage_cost ORDER BY job_id DESC LIMIT ?) ORDER BY job_id DESC",
+                jobs));
   std::vector<JobCost> costs;
-  while (true) {
-    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
-    if (!row) return costs;
-    if (costs.empty() || costs.back().job_id != query.ColumnText(0)) {
-      costs.push_back({std::string(query.ColumnText(0)), static_cast<int>(query.ColumnInt64(1)), {}});
+  SKYQUILT_TRY(query.Each([&](const Statement& row) {
+    if (costs.empty() || costs.back().job_id != row.ColumnText(0)) {
+      costs.push_back({std::string(row.ColumnText(0)), static_cast<int>(row.ColumnInt64(1)), {}});
     }
-    costs.back().stages_s.emplace_back(query.ColumnText(2), query.ColumnDouble(3));
-  }
+    costs.back().stages_s.emplace_back(row.ColumnText(2), row.ColumnDouble(3));
+  }));
+  return costs;
 }
 
 std::optional<Expectation> ExpectationFrom(const std::vector<JobCost>& costs, int photos) {

@@ -18,18 +18,15 @@ std::span<const std::uint8_t> Bytes(const std::string& text) {
 }
 
 Result<void> InsertToken(SqlConnection& db, const Token& token) {
-  SKYQUILT_TRY_ASSIGN(
-      Statement insert,
-      db.Prepare("INSERT INTO token(id,name,hash,scope,created_us,expires_us,most_bytes,requests_per_minute,"
-                 "flight_id) VALUES(?,?,?,?,?,?,?,?,?)"));
-  insert.Bind(1, token.id).Bind(2, token.name).Bind(3, Bytes(token.hash)).Bind(4, ScopeName(token.scope));
-  insert.Bind(5, ToUs(token.created)).BindNull(6);
-  if (token.expires) insert.Bind(6, ToUs(*token.expires));
-  insert.BindNull(7).BindNull(8).BindNull(9);
-  if (token.max_bytes) insert.Bind(7, *token.max_bytes);
-  if (token.requests_per_minute) insert.Bind(8, *token.requests_per_minute);
-  if (!token.flight_id.empty()) insert.Bind(9, token.flight_id);
-  Result<void> inserted = insert.Run();
+  const std::optional<std::int64_t> expires_us =
+      token.expires ? std::optional(ToUs(*token.expires)) : std::nullopt;
+  const std::optional<std::string> flight_id =
+      token.flight_id.empty() ? std::nullopt : std::optional(token.flight_id);
+  Result<void> inserted = db.Change(
+      "INSERT INTO token(id,name,hash,scope,created_us,expires_us,most_bytes,requests_per_minute,flight_id)"
+      " VALUES(?,?,?,?,?,?,?,?,?)",
+      token.id, token.name, Bytes(token.hash), ScopeName(token.scope), ToUs(token.created), expires_us,
+      token.max_bytes, token.requests_per_minute, flight_id);
   if (!inserted && inserted.error().code == ErrorCode::kConflict) {
     return Error{ErrorCode::kConflict, fmt::format("There is a token named \"{}\" already.", token.name), ""};
   }
@@ -82,11 +79,10 @@ Result<void> Tokens::Revoke(const std::string& name) {
   const auto db = db_.Lock();
   SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
   SKYQUILT_TRY_ASSIGN(Statement link,
-                      db->Prepare("SELECT id FROM token WHERE name=? AND flight_id IS NOT NULL"));
-  SKYQUILT_TRY_ASSIGN(const std::vector<std::string> links, link.Bind(1, name).AllText());
+                      db->Query("SELECT id FROM token WHERE name=? AND flight_id IS NOT NULL", name));
+  SKYQUILT_TRY_ASSIGN(const std::vector<std::string> links, link.AllText());
   for (const std::string& id : links) SKYQUILT_TRY(EndExportsOf(*db, id));
-  SKYQUILT_TRY_ASSIGN(Statement remove, db->Prepare("DELETE FROM token WHERE name=?"));
-  SKYQUILT_TRY(remove.Bind(1, name).Run());
+  SKYQUILT_TRY(db->Change("DELETE FROM token WHERE name=?", name));
   if (db->Changes() == 0)
     return Error{ErrorCode::kNotFound, fmt::format("There is no token named \"{}\".", name), ""};
   SKYQUILT_TRY(transaction.Commit());
@@ -97,8 +93,7 @@ Result<void> Tokens::Revoke(const std::string& name) {
 Result<void> Tokens::RevokeShare(const std::string& flight_id, const std::string& id) {
   const auto db = db_.Lock();
   SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
-  SKYQUILT_TRY_ASSIGN(Statement remove, db->Prepare("DELETE FROM token WHERE id=? AND flight_id=?"));
-  SKYQUILT_TRY(remove.Bind(1, id).Bind(2, flight_id).Run());
+  SKYQUILT_TRY(db->Change("DELETE FROM token WHERE id=? AND flight_id=?", id, flight_id));
   if (db->Changes() == 0)
     return Error{ErrorCode::kNotFound, "This flight has no such share. It may have been revoked.", ""};
   SKYQUILT_TRY(EndExportsOf(*db, id));
@@ -122,24 +117,22 @@ Result<TokenSet> Tokens::Read() const {
           "SELECT id, name, hash, scope, created_us, expires_us, most_bytes, requests_per_minute, flight_id"
           " FROM token ORDER BY id"));
   TokenSet set;
-  while (true) {
-    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
-    if (!row) break;
+  SKYQUILT_TRY_ASSIGN(set.tokens, query.All([](const Statement& row) {
     Token token;
-    token.id = query.ColumnText(0);
-    token.name = query.ColumnText(1);
-    const auto hash = query.ColumnBlob(2);
+    token.id = row.ColumnText(0);
+    token.name = row.ColumnText(1);
+    const auto hash = row.ColumnBlob(2);
     token.hash.assign(hash.begin(), hash.end());
-    const std::optional<Scope> scope = ScopeFrom(query.ColumnText(3));
+    const std::optional<Scope> scope = ScopeFrom(row.ColumnText(3));
     SKYQUILT_CHECK(scope.has_value(), "the schema allows no other scope");
     token.scope = *scope;
-    token.created = FromUs(query.ColumnInt64(4));
-    if (!query.IsNull(5)) token.expires = FromUs(query.ColumnInt64(5));
-    if (!query.IsNull(6)) token.max_bytes = query.ColumnInt64(6);
-    if (!query.IsNull(7)) token.requests_per_minute = query.ColumnInt64(7);
-    if (!query.IsNull(8)) token.flight_id = query.ColumnText(8);
-    set.tokens.push_back(std::move(token));
-  }
+    token.created = FromUs(row.ColumnInt64(4));
+    if (!row.IsNull(5)) token.expires = FromUs(row.ColumnInt64(5));
+    if (!row.IsNull(6)) token.max_bytes = row.ColumnInt64(6);
+    if (!row.IsNull(7)) token.requests_per_minute = row.ColumnInt64(7);
+    if (!row.IsNull(8)) token.flight_id = row.ColumnText(8);
+    return token;
+  }));
   // Asked after the list: a token that is made in between closes the server, and never is one left out that
   // opens it.
   SKYQUILT_TRY_ASSIGN(set.requires_token, AsksForToken(*db));
@@ -149,13 +142,12 @@ Result<TokenSet> Tokens::Read() const {
 Result<void> Tokens::ReadIntoMemory() {
   const auto now = std::chrono::steady_clock::now();
   const std::uint64_t changes = changes_;
-  Result<TokenSet> tokens = Read();
-  if (!tokens) return tokens.error();
+  SKYQUILT_TRY_ASSIGN(TokenSet tokens, Read());
   const std::lock_guard lock(mutex_);
   // One that began later was done first, and may know of a change that this one does not.
   if (known_ != nullptr && now < read_at_) return {};
   known_changes_ = changes;
-  known_ = std::make_shared<const TokenSet>(*std::move(tokens));
+  known_ = std::make_shared<const TokenSet>(std::move(tokens));
   read_at_ = now;
   requires_token_ = known_->requires_token;
   was_read_ = true;
@@ -191,8 +183,7 @@ bool Tokens::RequiresToken() {
 Result<void> EndExportsOf(SqlConnection& db, const std::string& owner) {
   for (const char* sql : {"DELETE FROM map_export WHERE owner=? AND state IN ('accepted','running')",
                           "UPDATE map_export SET expires_us=0 WHERE owner=?"}) {
-    SKYQUILT_TRY_ASSIGN(Statement end, db.Prepare(sql));
-    SKYQUILT_TRY(end.Bind(1, owner).Run());
+    SKYQUILT_TRY(db.Change(sql, owner));
   }
   return {};
 }

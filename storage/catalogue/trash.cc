@@ -51,31 +51,24 @@ Result<bool> Trash::PutIf(const std::string& flight_id, Time now, const Conditio
     SKYQUILT_TRY_ASSIGN(const bool wanted, is_wanted(*db));
     if (!wanted) return false;
     const std::int64_t age = ToUs(db_.ages().Now());
-    {
-      // One that waits for its units has no worker that would notice.
-      SKYQUILT_TRY_ASSIGN(
-          Statement cancel,
-          db->Prepare(
-              "UPDATE job SET cancel=1,"
-              " finished_us=CASE WHEN state='accepted' OR worker='units' THEN ?2 ELSE finished_us END,"
-              " state=CASE WHEN state='accepted' OR worker='units' THEN 'dismissed' ELSE state END"
-              " WHERE flight_id=?1 AND state IN ('accepted','running')"));
-      SKYQUILT_TRY(cancel.Bind(1, flight_id).Bind(2, ToUs(now)).Run());
-      // Whoever restores it begins anew to count how long nothing has changed.
-      for (const char* sql :
-           {"DELETE FROM preview WHERE flight_id=?", "DELETE FROM idle_flight WHERE flight_id=?",
-            "UPDATE file SET preview_state=0 WHERE flight_id=? AND preview_state=1"}) {
-        SKYQUILT_TRY_ASSIGN(Statement forget, db->Prepare(sql));
-        SKYQUILT_TRY(forget.Bind(1, flight_id).Run());
-      }
-      SKYQUILT_TRY_ASSIGN(
-          Statement put,
-          db->Prepare(
-              "UPDATE flight SET deleted_us=?2, deleted_age_us=?3 WHERE id=?1 AND deleted_us IS NULL"));
-      SKYQUILT_TRY(put.Bind(1, flight_id).Bind(2, ToUs(now)).Bind(3, age).Run());
-      if (db->Changes() == 0) {
-        return Error{ErrorCode::kNotFound, fmt::format("There is no flight {}.", flight_id), ""};
-      }
+    // One that waits for its units has no worker that would notice.
+    SKYQUILT_TRY(
+        db->Change("UPDATE job SET cancel=1,"
+                   " finished_us=CASE WHEN state='accepted' OR worker='units' THEN ?2 ELSE finished_us END,"
+                   " state=CASE WHEN state='accepted' OR worker='units' THEN 'dismissed' ELSE state END"
+                   " WHERE flight_id=?1 AND state IN ('accepted','running')",
+                   flight_id, ToUs(now)));
+    // Whoever restores it begins anew to count how long nothing has changed.
+    for (const char* sql :
+         {"DELETE FROM preview WHERE flight_id=?", "DELETE FROM idle_flight WHERE flight_id=?",
+          "UPDATE file SET preview_state=0 WHERE flight_id=? AND preview_state=1"}) {
+      SKYQUILT_TRY(db->Change(sql, flight_id));
+    }
+    SKYQUILT_TRY(
+        db->Change("UPDATE flight SET deleted_us=?2, deleted_age_us=?3 WHERE id=?1 AND deleted_us IS NULL",
+                   flight_id, ToUs(now), age));
+    if (db->Changes() == 0) {
+      return Error{ErrorCode::kNotFound, fmt::format("There is no flight {}.", flight_id), ""};
     }
     SKYQUILT_TRY(transaction.Commit());
     Record(flight_id, now);
@@ -85,11 +78,9 @@ Result<bool> Trash::PutIf(const std::string& flight_id, Time now, const Conditio
 
 Result<void> Trash::Restore(const std::string& flight_id) {
   const auto db = db_.Lock();
-  SKYQUILT_TRY_ASSIGN(
-      Statement update,
-      db->Prepare(
-          "UPDATE flight SET deleted_us=NULL, deleted_age_us=NULL WHERE id=? AND deleted_us IS NOT NULL"));
-  SKYQUILT_TRY(update.Bind(1, flight_id).Run());
+  SKYQUILT_TRY(db->Change(
+      "UPDATE flight SET deleted_us=NULL, deleted_age_us=NULL WHERE id=? AND deleted_us IS NOT NULL",
+      flight_id));
   if (db->Changes() == 0) return NotInTrash(flight_id);
   Record(flight_id, std::nullopt);
   return {};
@@ -99,29 +90,25 @@ Result<std::vector<TrashedFlight>> Trash::List() const {
   const auto db = db_.Read();
   SKYQUILT_TRY_ASSIGN(Statement query,
                       db->Prepare(std::string(kTrashColumns) + "ORDER BY deleted_age_us DESC, id"));
-  std::vector<TrashedFlight> flights;
-  while (true) {
-    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
-    if (!row) return flights;
-    flights.push_back(TrashedFlightFrom(query));
-  }
+  return query.All(TrashedFlightFrom);
 }
 
 Result<TrashedFlight> Trash::Find(const std::string& flight_id) const {
   const auto db = db_.Read();
-  SKYQUILT_TRY_ASSIGN(Statement query, db->Prepare(std::string(kTrashColumns) + "AND id=?"));
-  SKYQUILT_TRY_ASSIGN(const bool row, query.Bind(1, flight_id).Step());
-  if (!row) return NotInTrash(flight_id);
-  return TrashedFlightFrom(query);
+  SKYQUILT_TRY_ASSIGN(Statement query, db->Query(std::string(kTrashColumns) + "AND id=?", flight_id));
+  SKYQUILT_TRY_ASSIGN(std::optional<TrashedFlight> flight, query.First(TrashedFlightFrom));
+  if (!flight) return NotInTrash(flight_id);
+  return *std::move(flight);
 }
 
 Result<std::vector<std::string>> Trash::DeletedUntil(Time age) const {
   const auto db = db_.Read();
   SKYQUILT_TRY_ASSIGN(
       Statement query,
-      db->Prepare(
-          "SELECT id FROM flight WHERE deleted_us IS NOT NULL AND deleted_age_us<=? ORDER BY deleted_age_us"));
-  return query.Bind(1, ToUs(age)).AllText();
+      db->Query(
+          "SELECT id FROM flight WHERE deleted_us IS NOT NULL AND deleted_age_us<=? ORDER BY deleted_age_us",
+          ToUs(age)));
+  return query.AllText();
 }
 
 }  // namespace skyquilt::storage

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <fstream>
 #include <set>
@@ -40,46 +39,31 @@ std::string FreeName(const std::string& name, const std::string& stored_name,
   return fmt::format("{} ({}){}", stem, stored_name, name.substr(stem.size()));
 }
 
-Result<bool> HasRow(SqlConnection& db, std::string_view sql, std::string_view first) {
-  SKYQUILT_TRY_ASSIGN(Statement query, db.Prepare(sql));
-  return query.Bind(1, first).Step();
-}
-
 // `age`: now, by the AgeClock: the days of a flight in the trash count anew.
 Result<void> InsertFlight(SqlConnection& db, const DiskFlight& flight, const FlightRecord& record, Time age) {
-  SKYQUILT_TRY_ASSIGN(
-      Statement insert,
-      db.Prepare("INSERT INTO flight(id,name,created_us,options,owner,deleted_us,deleted_age_us,tags,is_kept)"
-                 " VALUES(?,?,?,?,?,?,?,?,?)"));
   Time created = record.created.value_or(Time{});
   if (!record.created) {
     for (const DiskFile& file : flight.files) {
       if (created == Time{} || file.changed < created) created = file.changed;
     }
   }
-  const std::string name = record.name.value_or("Recovered flight " + flight.id);
-  const std::string options = record.options.value_or("{}");
-  const std::string owner = record.owner.value_or("");
-  insert.Bind(1, flight.id).Bind(2, name).Bind(3, ToUs(created)).Bind(4, options).Bind(5, owner);
-  insert.Bind(8, TagsText(record.tags.value_or(std::vector<std::string>())));
-  insert.Bind(9, static_cast<std::int64_t>(record.is_kept.value_or(false)));
+  std::optional<std::int64_t> deleted_us, deleted_age_us;
   if (record.trashed) {
-    insert.Bind(6, ToUs(*record.trashed)).Bind(7, ToUs(age));
-  } else {
-    insert.BindNull(6).BindNull(7);
+    deleted_us = ToUs(*record.trashed);
+    deleted_age_us = ToUs(age);
   }
-  return insert.Run();
+  return db.Change(
+      "INSERT INTO flight(id,name,created_us,options,owner,deleted_us,deleted_age_us,tags,is_kept)"
+      " VALUES(?,?,?,?,?,?,?,?,?)",
+      flight.id, record.name.value_or("Recovered flight " + flight.id), ToUs(created),
+      record.options.value_or("{}"), record.owner.value_or(""), deleted_us, deleted_age_us,
+      TagsText(record.tags.value_or(std::vector<std::string>())), record.is_kept.value_or(false));
 }
 
 Result<std::set<std::string>> NamesOf(SqlConnection& db, const std::string& flight_id) {
-  SKYQUILT_TRY_ASSIGN(Statement query, db.Prepare("SELECT name FROM file WHERE flight_id=?"));
-  query.Bind(1, flight_id);
-  std::set<std::string> names;
-  while (true) {
-    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
-    if (!row) return names;
-    names.emplace(query.ColumnText(0));
-  }
+  SKYQUILT_TRY_ASSIGN(Statement query, db.Query("SELECT name FROM file WHERE flight_id=?", flight_id));
+  SKYQUILT_TRY_ASSIGN(const std::vector<std::string> names, query.AllText());
+  return std::set<std::string>(names.begin(), names.end());
 }
 
 Result<void> InsertFiles(SqlConnection& db, const DiskFlight& flight, const FlightRecord& record,
@@ -92,7 +76,7 @@ Result<void> InsertFiles(SqlConnection& db, const DiskFlight& flight, const Flig
       db.Prepare("INSERT INTO file(flight_id,name,bytes,stored_name,created_us) VALUES(?,?,?,?,?)"));
   for (const DiskFile& file : flight.files) {
     SKYQUILT_TRY_ASSIGN(const bool is_known,
-                        HasRow(db, "SELECT 1 FROM file WHERE stored_name=?", file.stored_name));
+                        db.Finds("SELECT 1 FROM file WHERE stored_name=?", file.stored_name));
     if (is_known) continue;
     const auto recorded = record.files.find(file.stored_name);
     if (recorded == record.files.end()
@@ -112,12 +96,7 @@ Result<void> InsertFiles(SqlConnection& db, const DiskFlight& flight, const Flig
     }
     name = FreeName(name, file.stored_name, names);
     names.insert(name);
-    SKYQUILT_TRY(insert.Bind(1, flight.id)
-                     .Bind(2, name)
-                     .Bind(3, file.bytes)
-                     .Bind(4, file.stored_name)
-                     .Bind(5, ToUs(created))
-                     .Run());
+    SKYQUILT_TRY(insert.BindAll(flight.id, name, file.bytes, file.stored_name, ToUs(created)).Run());
     ++entered.files;
   }
   return {};
@@ -130,7 +109,7 @@ Result<void> ForgetRemovedFiles(SqlConnection& db, const std::string& flight_id,
                       db.Prepare("DELETE FROM file WHERE flight_id=? AND stored_name=? RETURNING name"));
   for (const auto& [stored_name, recorded] : record.files) {
     if (!recorded.is_removed) continue;
-    SKYQUILT_TRY_ASSIGN(const bool was_known, forget.Bind(1, flight_id).Bind(2, stored_name).Step());
+    SKYQUILT_TRY_ASSIGN(const bool was_known, forget.BindAll(flight_id, stored_name).Step());
     if (was_known) {
       entered.notes.push_back(
           fmt::format("flight {}: {} was removed or replaced later than this catalogue knows", flight_id,
@@ -142,36 +121,15 @@ Result<void> ForgetRemovedFiles(SqlConnection& db, const std::string& flight_id,
 }
 
 Result<void> ShowMap(SqlConnection& db, const std::string& flight_id, const Revision& map) {
-  SKYQUILT_TRY_ASSIGN(Statement forget, db.Prepare("DELETE FROM revision WHERE flight_id=? AND revision=?"));
-  SKYQUILT_TRY(forget.Bind(1, flight_id).Bind(2, map.revision).Run());
-  SKYQUILT_TRY_ASSIGN(Statement insert,
-                      db.Prepare("INSERT INTO revision VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)"));
-  insert.Bind(1, flight_id).Bind(2, map.revision).Bind(3, ToUs(map.created));
-  insert.Bind(4, map.bounds.west_deg).Bind(5, map.bounds.south_deg);
-  insert.Bind(6, map.bounds.east_deg).Bind(7, map.bounds.north_deg);
-  insert.Bind(8, map.min_zoom).Bind(9, map.max_zoom).Bind(10, map.gsd_m);
-  insert.Bind(11, map.photos_total).Bind(12, map.photos_aligned);
-  insert.Bind(13, map.photos_pose_only).Bind(14, map.photos_left_out);
-  insert.Bind(15, map.first_capture).Bind(16, map.last_capture).Bind(17, map.quality);
-  SKYQUILT_TRY(insert.Run());
-  for (const char* sql :
-       {"DELETE FROM preview WHERE flight_id=?", "UPDATE file SET preview_state=2 WHERE flight_id=?"}) {
-    SKYQUILT_TRY_ASSIGN(Statement statement, db.Prepare(sql));
-    SKYQUILT_TRY(statement.Bind(1, flight_id).Run());
-  }
-  SKYQUILT_TRY_ASSIGN(Statement show, db.Prepare("UPDATE flight SET active_revision=?2 WHERE id=?1"));
-  return show.Bind(1, flight_id).Bind(2, map.revision).Run();
+  SKYQUILT_TRY(db.Change("DELETE FROM revision WHERE flight_id=? AND revision=?", flight_id, map.revision));
+  SKYQUILT_TRY(ShowRevision(db, flight_id, map, map.created));
+  return db.Change("UPDATE file SET preview_state=2 WHERE flight_id=?", flight_id);
 }
 
 // The newest map that can be read, unless that is the one which is shown.
 Result<void> ShowNewestMap(SqlConnection& db, const DiskFlight& flight, EnteredFlight& entered) {
-  std::int64_t active = 0;
-  {
-    SKYQUILT_TRY_ASSIGN(Statement query,
-                        db.Prepare("SELECT coalesce(active_revision, 0) FROM flight WHERE id=?"));
-    SKYQUILT_TRY(query.Bind(1, flight.id).Step());
-    active = query.ColumnInt64(0);
-  }
+  SKYQUILT_TRY_ASSIGN(const std::int64_t active,
+                      db.Number("SELECT coalesce(active_revision, 0) FROM flight WHERE id=?", flight.id));
   for (auto number = flight.revisions.rbegin(); number != flight.revisions.rend() && *number != active;
        ++number) {
     const Result<Revision> map = RevisionOnDisk(flight.folder / RevisionFolderName(*number), *number);
@@ -186,9 +144,8 @@ Result<void> ShowNewestMap(SqlConnection& db, const DiskFlight& flight, EnteredF
   }
   if (flight.revisions.empty()) return {};
   // A number that lies on disk is never given out again.
-  SKYQUILT_TRY_ASSIGN(Statement next,
-                      db.Prepare("UPDATE flight SET next_revision=?2 WHERE id=?1 AND next_revision<?2"));
-  return next.Bind(1, flight.id).Bind(2, flight.revisions.back() + 1).Run();
+  return db.Change("UPDATE flight SET next_revision=?2 WHERE id=?1 AND next_revision<?2", flight.id,
+                   flight.revisions.back() + 1);
 }
 
 }  // namespace
@@ -198,7 +155,7 @@ Result<EnteredFlight> EnterFlight(CatalogueDb& catalogue, const DiskFlight& flig
   const auto db = catalogue.Lock();
   SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db, flight.id));
   EnteredFlight entered;
-  SKYQUILT_TRY_ASSIGN(const bool is_known, HasRow(*db, "SELECT 1 FROM flight WHERE id=?", flight.id));
+  SKYQUILT_TRY_ASSIGN(const bool is_known, db->Finds("SELECT 1 FROM flight WHERE id=?", flight.id));
   const FlightRecord facts = record.value_or(FlightRecord());
   entered.is_new = !is_known;
   if (entered.is_new) {

@@ -14,10 +14,11 @@ Result<void> LetWaitAgain(SqlConnection& db, Time now) {
   SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(db, "leases that ran out"));
   SKYQUILT_TRY(GiveTimeAfterStart(db, now));
   SKYQUILT_TRY(SettleLostLeases(db, now));
-  SKYQUILT_TRY_ASSIGN(Statement wait, db.Prepare("UPDATE job SET state='accepted', not_before_us=0,"
-                                                 " worker=CASE worker WHEN 'units' THEN worker ELSE '' END"
-                                                 " WHERE state='running' AND lease_until_us<?"));
-  SKYQUILT_TRY(wait.Bind(1, ToUs(now)).Run());
+  SKYQUILT_TRY(
+      db.Change("UPDATE job SET state='accepted', not_before_us=0,"
+                " worker=CASE worker WHEN 'units' THEN worker ELSE '' END"
+                " WHERE state='running' AND lease_until_us<?",
+                ToUs(now)));
   return transaction.Commit();
 }
 
@@ -27,12 +28,10 @@ Result<void> GiveTimeAfterStart(SqlConnection& db, Time now) {
   constexpr const char* kStart = "CAST(extract(epoch FROM pg_postmaster_start_time())*1000000 AS BIGINT)";
   constexpr std::chrono::microseconds kLease = kLeaseTime;
   for (const char* table : {"unit", "job"}) {
-    SKYQUILT_TRY_ASSIGN(Statement extend,
-                        db.Prepare(fmt::format("UPDATE {} SET lease_until_us={}+?2 WHERE state='running'"
-                                               " AND worker NOT IN ('','units') AND lease_until_us<?1 AND"
-                                               " ?1<{}+?2",
-                                               table, kStart, kStart)));
-    SKYQUILT_TRY(extend.Bind(1, ToUs(now)).Bind(2, static_cast<std::int64_t>(kLease.count())).Run());
+    SKYQUILT_TRY(db.Change(fmt::format("UPDATE {} SET lease_until_us={}+?2 WHERE state='running'"
+                                       " AND worker NOT IN ('','units') AND lease_until_us<?1 AND ?1<{}+?2",
+                                       table, kStart, kStart),
+                           ToUs(now), static_cast<std::int64_t>(kLease.count())));
   }
   return {};
 }
@@ -44,17 +43,13 @@ Result<std::optional<Lease>> ClaimInPostgres(SqlConnection& db, std::string_view
   for (bool is_settled = lost_before < now;; is_settled = true) {
     SKYQUILT_TRY_ASSIGN(
         Statement claim,
-        db.Prepare(fmt::format(
-            "SELECT job_id, of_flight, with_options, token, attempt FROM claim_job(?1,?2,{},?4,?5)",
-            LeaseEndSql(db, "?3"))));
-    claim.Bind(1, worker).Bind(2, ToUs(now)).Bind(3, ToUs(now + kLeaseTime)).Bind(4, MachineBoot::Id());
-    SKYQUILT_TRY_ASSIGN(const bool row, claim.Bind(5, is_settled ? 1 : 0).Step());
+        db.Query(fmt::format(
+                     "SELECT job_id, of_flight, with_options, token, attempt FROM claim_job(?1,?2,{},?4,?5)",
+                     LeaseEndSql(db, "?3")),
+                 worker, ToUs(now), ToUs(now + kLeaseTime), MachineBoot::Id(), is_settled ? 1 : 0));
+    SKYQUILT_TRY_ASSIGN(const bool row, claim.Step());
     if (!row) return std::optional<Lease>();
-    if (!claim.IsNull(0)) {
-      return std::optional(Lease{std::string(claim.ColumnText(0)), std::string(claim.ColumnText(1)),
-                                 std::string(claim.ColumnText(2)), claim.ColumnInt64(3),
-                                 static_cast<int>(claim.ColumnInt64(4))});
-    }
+    if (!claim.IsNull(0)) return std::optional(LeaseFrom(claim));
     SKYQUILT_TRY(LetWaitAgain(db, now));
   }
 }

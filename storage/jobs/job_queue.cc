@@ -21,21 +21,12 @@ Error NoSuchJob(const std::string& id) {
 constexpr const char* kOfFlightThere =
     "EXISTS(SELECT 1 FROM flight f WHERE f.id=job.flight_id AND f.deleted_us IS NULL)";
 
-Result<std::vector<Job>> JobsOf(Statement& query) {
-  std::vector<Job> jobs;
-  while (true) {
-    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
-    if (!row) return jobs;
-    jobs.push_back(JobFrom(query));
-  }
-}
-
 Result<Job> ReadJob(SqlConnection& db, const std::string& id) {
   SKYQUILT_TRY_ASSIGN(Statement query,
-                      db.Prepare(std::string(kJobColumns) + "FROM job WHERE id=? AND " + kOfFlightThere));
-  SKYQUILT_TRY_ASSIGN(const bool row, query.Bind(1, id).Step());
-  if (!row) return NoSuchJob(id);
-  return JobFrom(query);
+                      db.Query(std::string(kJobColumns) + "FROM job WHERE id=? AND " + kOfFlightThere, id));
+  SKYQUILT_TRY_ASSIGN(std::optional<Job> job, query.First(JobFrom));
+  if (!job) return NoSuchJob(id);
+  return *std::move(job);
 }
 
 }  // namespace
@@ -64,32 +55,21 @@ Result<Job> JobQueue::Add(const std::string& flight_id, const std::string& optio
     job.options = options;
     job.created = now;
     job.priority = turn.priority;
-    {
-      SKYQUILT_TRY_ASSIGN(
-          Statement look,
-          db->Prepare("SELECT (SELECT count(*) FROM flight WHERE id=?1 AND deleted_us IS NULL),"
-                      " (SELECT count(*) FROM job WHERE flight_id=?1 AND state IN ('accepted','running'))"));
-      SKYQUILT_TRY(look.Bind(1, flight_id).Step());
-      if (look.ColumnInt64(0) == 0) {
-        return Error{ErrorCode::kNotFound, fmt::format("There is no flight {}.", flight_id), ""};
-      }
-      if (look.ColumnInt64(1) != 0) {
-        return flight::Because(ErrorCode::kConflict, flight::RemarkCode::kFailUnfinishedJob);
-      }
-      SKYQUILT_TRY_ASSIGN(
-          Statement insert,
-          db->Prepare("INSERT INTO job(id,flight_id,options,state,created_us,max_attempts,priority,owner)"
-                      " VALUES(?,?,?,'accepted',?,?,?,?)"));
-      const Result<void> inserted = insert.Bind(1, job.id)
-                                        .Bind(2, flight_id)
-                                        .Bind(3, options)
-                                        .Bind(4, ToUs(now))
-                                        .Bind(5, kMaxAttempts)
-                                        .Bind(6, turn.priority)
-                                        .Bind(7, turn.owner)
-                                        .Run();
-      if (!inserted) return inserted.error();
+    SKYQUILT_TRY_ASSIGN(const bool is_there,
+                        db->Finds("SELECT 1 FROM flight WHERE id=? AND deleted_us IS NULL", flight_id));
+    if (!is_there) {
+      return Error{ErrorCode::kNotFound, fmt::format("There is no flight {}.", flight_id), ""};
     }
+    SKYQUILT_TRY_ASSIGN(
+        const bool has_unfinished,
+        db->Finds("SELECT 1 FROM job WHERE flight_id=? AND state IN ('accepted','running')", flight_id));
+    if (has_unfinished) {
+      return flight::Because(ErrorCode::kConflict, flight::RemarkCode::kFailUnfinishedJob);
+    }
+    SKYQUILT_TRY(
+        db->Change("INSERT INTO job(id,flight_id,options,state,created_us,max_attempts,priority,owner)"
+                   " VALUES(?,?,?,'accepted',?,?,?,?)",
+                   job.id, flight_id, options, ToUs(now), kMaxAttempts, turn.priority, turn.owner));
     SKYQUILT_TRY(transaction.Commit());
     return job;
   });
@@ -104,34 +84,28 @@ Result<std::vector<Job>> JobQueue::List(const std::optional<std::string>& flight
   const auto db = db_.Read();
   // Two statements, so that each has its index.
   SKYQUILT_TRY_ASSIGN(Statement query,
-                      db->Prepare(std::string(kJobColumns) +
-                                  (flight_id ? "FROM job WHERE flight_id=?1 AND "
-                                             : "FROM job WHERE CAST(?1 AS TEXT) IS NULL AND ") +
-                                  kOfFlightThere + " ORDER BY id DESC LIMIT ?2"));
-  if (flight_id) {
-    query.Bind(1, *flight_id);
-  } else {
-    query.BindNull(1);
-  }
-  query.Bind(2, limit);
-  return JobsOf(query);
+                      db->Query(std::string(kJobColumns) +
+                                    (flight_id ? "FROM job WHERE flight_id=?1 AND "
+                                               : "FROM job WHERE CAST(?1 AS TEXT) IS NULL AND ") +
+                                    kOfFlightThere + " ORDER BY id DESC LIMIT ?2",
+                                flight_id, limit));
+  return query.All(JobFrom);
 }
 
 Result<std::optional<Job>> JobQueue::LatestOf(const std::string& flight_id) const {
   const auto db = db_.Read();
   SKYQUILT_TRY_ASSIGN(Statement query,
-                      db->Prepare(std::string(kJobColumns) + "FROM job WHERE flight_id=? AND " +
-                                  kOfFlightThere + " ORDER BY id DESC LIMIT 1"));
-  SKYQUILT_TRY_ASSIGN(const bool row, query.Bind(1, flight_id).Step());
-  if (!row) return std::optional<Job>();
-  return std::optional<Job>(JobFrom(query));
+                      db->Query(std::string(kJobColumns) + "FROM job WHERE flight_id=? AND " +
+                                    kOfFlightThere + " ORDER BY id DESC LIMIT 1",
+                                flight_id));
+  return query.First(JobFrom);
 }
 
 Result<std::vector<Job>> JobQueue::ListRunning() const {
   const auto db = db_.Read();
   SKYQUILT_TRY_ASSIGN(Statement query,
-                      db->Prepare(std::string(kJobColumns) + "FROM job WHERE state='running' ORDER BY id"));
-  return JobsOf(query);
+                      db->Query(std::string(kJobColumns) + "FROM job WHERE state='running' ORDER BY id"));
+  return query.All(JobFrom);
 }
 
 Result<JobCounts> JobQueue::Count() const {
@@ -149,23 +123,22 @@ Result<JobCounts> JobQueue::Count() const {
 Result<int> JobQueue::CountUnfinished(int most) const {
   const auto db = db_.Read();
   SKYQUILT_TRY_ASSIGN(
-      Statement query,
-      db->Prepare("SELECT (SELECT count(*) FROM (SELECT 1 FROM job WHERE state='running' LIMIT ?1) AS few)"
-                  " + (SELECT count(*) FROM (SELECT 1 FROM job WHERE state='accepted' LIMIT ?1) AS few)"));
-  SKYQUILT_TRY(query.Bind(1, most).Step());
-  return std::min(most, static_cast<int>(query.ColumnInt64(0)));
+      const std::int64_t unfinished,
+      db->Number("SELECT (SELECT count(*) FROM (SELECT 1 FROM job WHERE state='running' LIMIT ?1) AS few)"
+                 " + (SELECT count(*) FROM (SELECT 1 FROM job WHERE state='accepted' LIMIT ?1) AS few)",
+                 most));
+  return std::min(most, static_cast<int>(unfinished));
 }
 
 Result<Job> JobQueue::Cancel(const std::string& id, Time by_machine) {
   const auto db = db_.Lock();
   const Time now = db_.SharedTime(by_machine, *db);
-  SKYQUILT_TRY_ASSIGN(
-      Statement update,
-      db->Prepare("UPDATE job SET cancel=1,"
-                  " finished_us=CASE WHEN state='accepted' OR worker='units' THEN ?2 ELSE finished_us END,"
-                  " state=CASE WHEN state='accepted' OR worker='units' THEN 'dismissed' ELSE state END"
-                  " WHERE id=?1 AND state IN ('accepted','running')"));
-  SKYQUILT_TRY(update.Bind(1, id).Bind(2, ToUs(now)).Run());
+  SKYQUILT_TRY(
+      db->Change("UPDATE job SET cancel=1,"
+                 " finished_us=CASE WHEN state='accepted' OR worker='units' THEN ?2 ELSE finished_us END,"
+                 " state=CASE WHEN state='accepted' OR worker='units' THEN 'dismissed' ELSE state END"
+                 " WHERE id=?1 AND state IN ('accepted','running')",
+                 id, ToUs(now)));
   const bool changed = db->Changes() > 0;
   Result<Job> job = ReadJob(*db, id);
   if (job && !changed && job->state != JobState::kDismissed) {
@@ -176,9 +149,7 @@ Result<Job> JobQueue::Cancel(const std::string& id, Time by_machine) {
 
 Result<void> JobQueue::Remove(const std::string& id) {
   const auto db = db_.Lock();
-  SKYQUILT_TRY_ASSIGN(Statement remove,
-                      db->Prepare("DELETE FROM job WHERE id=? AND state NOT IN ('accepted','running')"));
-  SKYQUILT_TRY(remove.Bind(1, id).Run());
+  SKYQUILT_TRY(db->Change("DELETE FROM job WHERE id=? AND state NOT IN ('accepted','running')", id));
   if (db->Changes() == 0) return Error{ErrorCode::kConflict, "This job has not ended.", ""};
   return {};
 }
@@ -188,29 +159,21 @@ Result<std::vector<JobQueue::LiveLease>> JobQueue::LiveLeases(Time by_machine) c
   const Time now = db_.SharedTime(by_machine, *db);
   SKYQUILT_TRY_ASSIGN(
       Statement query,
-      db->Prepare("SELECT flight_id, id, lease_token FROM job WHERE state='running' AND lease_until_us>=?"));
-  query.Bind(1, ToUs(now));
-  std::vector<LiveLease> leases;
-  while (true) {
-    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
-    if (!row) return leases;
+      db->Query("SELECT flight_id, id, lease_token FROM job WHERE state='running' AND lease_until_us>=?",
+                ToUs(now)));
+  return query.All([](const Statement& row) {
     Lease lease;
-    lease.job_id = query.ColumnText(1);
-    lease.token = query.ColumnInt64(2);
-    leases.push_back({std::string(query.ColumnText(0)), WorkName(lease)});
-  }
+    lease.job_id = row.ColumnText(1);
+    lease.token = row.ColumnInt64(2);
+    return LiveLease{std::string(row.ColumnText(0)), WorkName(lease)};
+  });
 }
 
 Result<std::vector<std::string>> JobQueue::UnfinishedJobs() const {
   const auto db = db_.Read();
   SKYQUILT_TRY_ASSIGN(Statement query,
-                      db->Prepare("SELECT id FROM job WHERE state IN ('accepted', 'running')"));
-  std::vector<std::string> jobs;
-  while (true) {
-    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
-    if (!row) return jobs;
-    jobs.emplace_back(query.ColumnText(0));
-  }
+                      db->Query("SELECT id FROM job WHERE state IN ('accepted', 'running')"));
+  return query.AllText();
 }
 
 }  // namespace skyquilt::storage

@@ -165,9 +165,6 @@ class JobQueue {
   Result<std::vector<std::string>> UnitsOfUse(Time now) const;
 
  private:
-  Result<std::optional<std::int64_t>> ReserveOnce(const Lease& lease);
-  Result<bool> PublishOnce(const Lease& lease, const Revision& revision, Time now,
-                           const std::vector<MapProduct>& products);
   CatalogueDb& db_;
 };
 

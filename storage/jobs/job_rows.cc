@@ -65,13 +65,15 @@ std::string ReasonText(const Error& error) {
   return JsonText(flight::JsonOfRemark<Json>(flight::WhyOf(error)));
 }
 
-Result<int> NumberFrom(Statement& change) {
-  SKYQUILT_TRY_ASSIGN(const bool row, change.Step());
-  if (!row) return 0;
-  const int number = static_cast<int>(change.ColumnInt64(0));
-  // RETURNING hands out its row before the statement is done; only done is committed.
-  SKYQUILT_TRY(change.Step());
-  return number;
+Lease LeaseFrom(const Statement& row) {
+  return {std::string(row.ColumnText(0)), std::string(row.ColumnText(1)), std::string(row.ColumnText(2)),
+          row.ColumnInt64(3), static_cast<int>(row.ColumnInt64(4))};
+}
+
+Result<LeaseState> LeaseStateFrom(Statement& query) {
+  SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
+  if (!row) return LeaseState::kLost;
+  return query.ColumnInt64(0) != 0 ? LeaseState::kCancelRequested : LeaseState::kHeld;
 }
 
 }  // namespace skyquilt::storage

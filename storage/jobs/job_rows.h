@@ -31,7 +31,9 @@ std::string LeaseEndSql(const SqlConnection& db, std::string_view parameter);
 // What is stored of why something failed: the remark in JSON; empty where the message alone tells.
 std::string ReasonText(const Error& error);
 
-// Of a statement that changes one row at most and returns a number of it; 0 where it changed none.
-Result<int> NumberFrom(Statement& change);
+// Of a row of id, flight, options, token and attempts.
+Lease LeaseFrom(const Statement& row);
+// Of a query for `cancel` of a job that is held.
+Result<LeaseState> LeaseStateFrom(Statement& query);
 
 }  // namespace skyquilt::storage

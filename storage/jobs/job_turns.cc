@@ -29,24 +29,21 @@ void KeepFirst(Turn turn, std::optional<Turn>& first) {
 Result<std::map<std::string, std::int64_t>> RunningByOwner(SqlConnection& db, Time now) {
   SKYQUILT_TRY_ASSIGN(
       Statement query,
-      db.Prepare(
-          "SELECT owner, count(*) FROM job WHERE state='running' AND lease_until_us>=? GROUP BY owner"));
-  query.Bind(1, ToUs(now));
+      db.Query("SELECT owner, count(*) FROM job WHERE state='running' AND lease_until_us>=? GROUP BY owner",
+               ToUs(now)));
   std::map<std::string, std::int64_t> running;
-  while (true) {
-    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
-    if (!row) return running;
-    running[std::string(query.ColumnText(0))] = query.ColumnInt64(1);
-  }
+  SKYQUILT_TRY(query.Each(
+      [&](const Statement& row) { running[std::string(row.ColumnText(0))] = row.ColumnInt64(1); }));
+  return running;
 }
 
 Result<std::string> FirstOf(SqlConnection& db, const std::string& owner, std::int64_t priority, Time now) {
   SKYQUILT_TRY_ASSIGN(
       Statement query,
-      db.Prepare(
-          "SELECT id FROM job WHERE state='accepted' AND owner=?1 AND priority=?2 AND not_before_us<=?3"
-          " ORDER BY id LIMIT 1"));
-  SKYQUILT_TRY_ASSIGN(const bool row, query.Bind(1, owner).Bind(2, priority).Bind(3, ToUs(now)).Step());
+      db.Query("SELECT id FROM job WHERE state='accepted' AND owner=?1 AND priority=?2 AND not_before_us<=?3"
+               " ORDER BY id LIMIT 1",
+               owner, priority, ToUs(now)));
+  SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
   return row ? std::string(query.ColumnText(0)) : std::string();
 }
 
@@ -99,17 +96,15 @@ Result<void> AddAbandoned(SqlConnection& db, const std::map<std::string, std::in
                           std::optional<Turn>& first) {
   SKYQUILT_TRY_ASSIGN(
       Statement query,
-      db.Prepare("SELECT id, owner, priority, (SELECT coalesce(max(s.attempt_started_us),0) FROM job s WHERE"
-                 " s.owner=job.owner) FROM job WHERE state='running' AND lease_until_us<?"));
-  query.Bind(1, ToUs(now));
-  while (true) {
-    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
-    if (!row) return {};
-    const auto held = running.find(std::string(query.ColumnText(1)));
-    KeepFirst({-query.ColumnInt64(2), held == running.end() ? 0 : held->second, query.ColumnInt64(3),
-               std::string(query.ColumnText(0))},
+      db.Query("SELECT id, owner, priority, (SELECT coalesce(max(s.attempt_started_us),0) FROM job s WHERE"
+               " s.owner=job.owner) FROM job WHERE state='running' AND lease_until_us<?",
+               ToUs(now)));
+  return query.Each([&](const Statement& row) {
+    const auto held = running.find(std::string(row.ColumnText(1)));
+    KeepFirst({-row.ColumnInt64(2), held == running.end() ? 0 : held->second, row.ColumnInt64(3),
+               std::string(row.ColumnText(0))},
               first);
-  }
+  });
 }
 
 }  // namespace

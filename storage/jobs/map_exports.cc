@@ -48,26 +48,10 @@ MapExport ExportOf(const Statement& row) {
   return made;
 }
 
-Result<std::vector<MapExport>> AllOf(Statement& query) {
-  std::vector<MapExport> all;
-  while (true) {
-    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
-    if (!row) return all;
-    all.push_back(ExportOf(query));
-  }
-}
-
-Result<std::int64_t> CountOpen(SqlConnection& db) {
-  SKYQUILT_TRY_ASSIGN(Statement query,
-                      db.Prepare("SELECT count(*) FROM map_export WHERE state IN ('accepted','running')"));
-  SKYQUILT_TRY(query.Step());
-  return query.ColumnInt64(0);
-}
-
 // Room for the next export of a link, of which it has one.
 Result<void> MakeRoomForLink(SqlConnection& db, const MapExport& wish, const std::vector<MapExport>& known) {
-  SKYQUILT_TRY_ASSIGN(Statement link, db.Prepare("SELECT 1 FROM token WHERE id=? AND flight_id IS NOT NULL"));
-  SKYQUILT_TRY_ASSIGN(const bool is_there, link.Bind(1, wish.owner).Step());
+  SKYQUILT_TRY_ASSIGN(const bool is_there,
+                      db.Finds("SELECT 1 FROM token WHERE id=? AND flight_id IS NOT NULL", wish.owner));
   if (!is_there)
     return Error{ErrorCode::kForbidden, "This link has ended. Ask whoever sent it for another.", ""};
   for (const MapExport& one : known) {
@@ -80,10 +64,10 @@ Result<void> MakeRoomForLink(SqlConnection& db, const MapExport& wish, const std
 Result<std::vector<MapExport>> ListOf(SqlConnection& db, const std::string& flight_id) {
   SKYQUILT_TRY_ASSIGN(
       Statement query,
-      db.Prepare(
-          fmt::format("SELECT {} FROM map_export e WHERE e.flight_id=? ORDER BY e.id DESC", kExportColumns)));
-  query.Bind(1, flight_id);
-  return AllOf(query);
+      db.Query(
+          fmt::format("SELECT {} FROM map_export e WHERE e.flight_id=? ORDER BY e.id DESC", kExportColumns),
+          flight_id));
+  return query.All(ExportOf);
 }
 
 }  // namespace
@@ -100,8 +84,7 @@ Result<MapExport> MapExports::Add(const MapExport& wish, Time now) {
     if (!is_the_same || HasExpired(one)) continue;
     MapExport there = one;
     if (one.is_of_link && !wish.is_of_link) {
-      SKYQUILT_TRY_ASSIGN(Statement take, db->Prepare("UPDATE map_export SET owner=?2 WHERE id=?1"));
-      SKYQUILT_TRY(take.Bind(1, one.id).Bind(2, wish.owner).Run());
+      SKYQUILT_TRY(db->Change("UPDATE map_export SET owner=?2 WHERE id=?1", one.id, wish.owner));
       SKYQUILT_TRY(transaction.Commit());
       there.owner = wish.owner;
       there.is_of_link = false;
@@ -115,18 +98,17 @@ Result<MapExport> MapExports::Add(const MapExport& wish, Time now) {
     return flight::Because(ErrorCode::kConflict,
                            {flight::RemarkCode::kExportsOfFlight, {{"most", kMaxOfFlight}}});
   }
-  SKYQUILT_TRY_ASSIGN(const std::int64_t open, CountOpen(*db));
+  SKYQUILT_TRY_ASSIGN(const std::int64_t open,
+                      db->Number("SELECT count(*) FROM map_export WHERE state IN ('accepted','running')"));
   if (open >= kMaxOpen) return flight::Because(ErrorCode::kRateLimited, flight::RemarkCode::kExportsOfServer);
   MapExport added = wish;
   added.id = NewId();
   added.state = ExportState::kAccepted;
   added.created = now;
-  SKYQUILT_TRY_ASSIGN(
-      Statement insert,
-      db->Prepare("INSERT INTO map_export(id,flight_id,revision,request,format,owner,state,created_us)"
-                  " VALUES(?,?,?,?,?,?,'accepted',?)"));
-  insert.Bind(1, added.id).Bind(2, added.flight_id).Bind(3, added.revision).Bind(4, added.request);
-  SKYQUILT_TRY(insert.Bind(5, added.format).Bind(6, added.owner).Bind(7, ToUs(now)).Run());
+  SKYQUILT_TRY(db->Change(
+      "INSERT INTO map_export(id,flight_id,revision,request,format,owner,state,created_us)"
+      " VALUES(?,?,?,?,?,?,'accepted',?)",
+      added.id, added.flight_id, added.revision, added.request, added.format, added.owner, ToUs(now)));
   SKYQUILT_TRY(transaction.Commit());
   has_new_ = true;
   return added;
@@ -135,13 +117,11 @@ Result<MapExport> MapExports::Add(const MapExport& wish, Time now) {
 Result<MapExport> MapExports::Get(const std::string& flight_id, const std::string& id) const {
   const auto db = db_.Read();
   SKYQUILT_TRY_ASSIGN(Statement query,
-                      db->Prepare(fmt::format("SELECT {} FROM map_export e JOIN flight f ON f.id=e.flight_id"
-                                              " WHERE e.id=? AND e.flight_id=? AND f.deleted_us IS NULL",
-                                              kExportColumns)));
-  query.Bind(1, id).Bind(2, flight_id);
-  SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
-  std::optional<MapExport> found;
-  if (row) found = ExportOf(query);
+                      db->Query(fmt::format("SELECT {} FROM map_export e JOIN flight f ON f.id=e.flight_id"
+                                            " WHERE e.id=? AND e.flight_id=? AND f.deleted_us IS NULL",
+                                            kExportColumns),
+                                id, flight_id));
+  SKYQUILT_TRY_ASSIGN(std::optional<MapExport> found, query.First(ExportOf));
   if (!found || HasExpired(*found))
     return flight::Because(ErrorCode::kNotFound, flight::RemarkCode::kExportGone);
   return *std::move(found);
@@ -154,8 +134,7 @@ Result<std::vector<MapExport>> MapExports::List(const std::string& flight_id) co
 
 Result<void> MapExports::Remove(const std::string& id) {
   const auto db = db_.Lock();
-  SKYQUILT_TRY_ASSIGN(Statement remove, db->Prepare("DELETE FROM map_export WHERE id=?"));
-  return remove.Bind(1, id).Run();
+  return db->Change("DELETE FROM map_export WHERE id=?", id);
 }
 
 Result<std::optional<MapExport>> MapExports::Claim(Time now, bool prints) {
@@ -169,67 +148,52 @@ Result<std::optional<MapExport>> MapExports::ClaimOnce(Time now, bool prints) {
   const auto db = db_.Lock();
   const Time time = db_.SharedTime(now, *db);
   while (true) {
-    std::optional<MapExport> next;
-    {
-      SKYQUILT_TRY_ASSIGN(
-          Statement query,
-          db->Prepare(fmt::format("SELECT {} FROM map_export e JOIN flight f ON f.id=e.flight_id"
-                                  " WHERE e.state IN ('accepted','running') AND"
-                                  " e.lease_until_us<CASE e.state WHEN 'running' THEN ?2 ELSE ?1 END"
-                                  " AND f.deleted_us IS NULL{} ORDER BY is_of_link, e.id LIMIT 1",
-                                  kExportColumns, prints ? "" : " AND e.format<>'report'")));
-      query.Bind(1, ToUs(time)).Bind(2, ToUs(db_.LostBefore(time)));
-      SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
-      if (!row) return std::optional<MapExport>();
-      next = ExportOf(query);
-    }
     SKYQUILT_TRY_ASSIGN(
-        Statement claim,
-        db->Prepare("UPDATE map_export SET state='running', progress=0, attempts=attempts+1,"
-                    " lease_token=lease_token+1, lease_until_us=?3 WHERE id=?1 AND lease_token=?2"));
-    claim.Bind(1, next->id).Bind(2, next->lease_token);
-    SKYQUILT_TRY(claim.Bind(3, ToUs(time + kLease)).Run());
+        Statement query,
+        db->Query(fmt::format("SELECT {} FROM map_export e JOIN flight f ON f.id=e.flight_id"
+                              " WHERE e.state IN ('accepted','running') AND"
+                              " e.lease_until_us<CASE e.state WHEN 'running' THEN ?2 ELSE ?1 END"
+                              " AND f.deleted_us IS NULL{} ORDER BY is_of_link, e.id LIMIT 1",
+                              kExportColumns, prints ? "" : " AND e.format<>'report'"),
+                  ToUs(time), ToUs(db_.LostBefore(time))));
+    SKYQUILT_TRY_ASSIGN(std::optional<MapExport> next, query.First(ExportOf));
+    if (!next) return next;
+    SKYQUILT_TRY(
+        db->Change("UPDATE map_export SET state='running', progress=0, attempts=attempts+1,"
+                   " lease_token=lease_token+1, lease_until_us=?3 WHERE id=?1 AND lease_token=?2",
+                   next->id, next->lease_token, ToUs(time + kLease)));
     if (db->Changes() == 0) continue;  // another server was faster
     next->state = ExportState::kRunning;
     ++next->lease_token;
     if (next->attempts++ < kMaxAttempts) return next;
-    SKYQUILT_TRY_ASSIGN(
-        Statement fail,
-        db->Prepare(
-            "UPDATE map_export SET state='failed', error_code='internal', error_message=?2, finished_us=?3,"
-            " expires_us=?4 WHERE id=?1"));
-    fail.Bind(1, next->id)
-        .Bind(2, "The server ended while it made this export, more than once. Ask for it again.");
-    SKYQUILT_TRY(fail.Bind(3, ToUs(now)).Bind(4, ToUs(db_.ages().Now() + kKept)).Run());
+    SKYQUILT_TRY(db->Change(
+        "UPDATE map_export SET state='failed', error_code='internal', error_message=?2, finished_us=?3,"
+        " expires_us=?4 WHERE id=?1",
+        next->id, "The server ended while it made this export, more than once. Ask for it again.", ToUs(now),
+        ToUs(db_.ages().Now() + kKept)));
   }
 }
 
 Result<bool> MapExports::Heartbeat(const MapExport& claimed, double progress, Time now) {
   const auto db = db_.Lock();
   const Time time = db_.SharedTime(now, *db);
-  SKYQUILT_TRY_ASSIGN(
-      Statement update,
-      db->Prepare("UPDATE map_export SET progress=?3, lease_until_us=?4 WHERE id=?1 AND lease_token=?2"
-                  " AND state='running'"));
-  update.Bind(1, claimed.id).Bind(2, claimed.lease_token).Bind(3, progress);
-  SKYQUILT_TRY(update.Bind(4, ToUs(time + kLease)).Run());
+  SKYQUILT_TRY(
+      db->Change("UPDATE map_export SET progress=?3, lease_until_us=?4 WHERE id=?1 AND lease_token=?2"
+                 " AND state='running'",
+                 claimed.id, claimed.lease_token, progress, ToUs(time + kLease)));
   return db->Changes() > 0;
 }
 
 Result<bool> MapExports::End(const MapExport& claimed, ExportState state, std::int64_t bytes,
                              const Error& error, Time now) {
   const auto db = db_.Lock();
-  SKYQUILT_TRY_ASSIGN(
-      Statement update,
-      db->Prepare(
-          "UPDATE map_export SET state=?3, progress=?4, bytes=?5, error_code=?6, error_message=?7,"
-          " finished_us=?8, expires_us=?9, error_reason=?10 WHERE id=?1 AND lease_token=?2 AND state='running'"));
   const bool is_good = state == ExportState::kSuccessful;
   const std::string_view code = is_good ? std::string_view() : ErrorCodeName(error.code);
-  update.Bind(1, claimed.id).Bind(2, claimed.lease_token).Bind(3, NameOf(state)).Bind(4, is_good ? 1.0 : 0.0);
-  update.Bind(5, bytes).Bind(6, code).Bind(7, error.message).Bind(8, ToUs(now));
-  update.Bind(10, is_good ? std::string() : ReasonText(error));
-  SKYQUILT_TRY(update.Bind(9, ToUs(db_.ages().Now() + kKept)).Run());
+  SKYQUILT_TRY(db->Change(
+      "UPDATE map_export SET state=?3, progress=?4, bytes=?5, error_code=?6, error_message=?7,"
+      " finished_us=?8, expires_us=?9, error_reason=?10 WHERE id=?1 AND lease_token=?2 AND state='running'",
+      claimed.id, claimed.lease_token, NameOf(state), is_good ? 1.0 : 0.0, bytes, code, error.message,
+      ToUs(now), ToUs(db_.ages().Now() + kKept), is_good ? std::string() : ReasonText(error)));
   return db->Changes() > 0;
 }
 
@@ -243,10 +207,10 @@ Result<bool> MapExports::Fail(const MapExport& claimed, const Error& error, Time
 
 Result<bool> MapExports::GiveBack(const MapExport& claimed) {
   const auto db = db_.Lock();
-  SKYQUILT_TRY_ASSIGN(Statement update,
-                      db->Prepare("UPDATE map_export SET state='accepted', progress=0, attempts=attempts-1,"
-                                  " lease_until_us=0 WHERE id=? AND lease_token=? AND state='running'"));
-  SKYQUILT_TRY(update.Bind(1, claimed.id).Bind(2, claimed.lease_token).Run());
+  SKYQUILT_TRY(
+      db->Change("UPDATE map_export SET state='accepted', progress=0, attempts=attempts-1,"
+                 " lease_until_us=0 WHERE id=? AND lease_token=? AND state='running'",
+                 claimed.id, claimed.lease_token));
   return db->Changes() > 0;
 }
 
@@ -259,10 +223,11 @@ Result<void> MapExports::EndThoseOfEndedLinks(Time now) {
   const auto db = db_.Lock();
   SKYQUILT_TRY_ASSIGN(
       Statement query,
-      db->Prepare(
+      db->Query(
           "SELECT id FROM token WHERE flight_id IS NOT NULL AND expires_us<=? AND EXISTS("
-          "SELECT 1 FROM map_export e WHERE e.owner=token.id AND (e.expires_us IS NULL OR e.expires_us>0))"));
-  SKYQUILT_TRY_ASSIGN(const std::vector<std::string> ended, query.Bind(1, ToUs(now)).AllText());
+          "SELECT 1 FROM map_export e WHERE e.owner=token.id AND (e.expires_us IS NULL OR e.expires_us>0))",
+          ToUs(now)));
+  SKYQUILT_TRY_ASSIGN(const std::vector<std::string> ended, query.AllText());
   if (ended.empty()) return {};
   SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
   for (const std::string& owner : ended) SKYQUILT_TRY(EndExportsOf(*db, owner));
@@ -271,11 +236,11 @@ Result<void> MapExports::EndThoseOfEndedLinks(Time now) {
 
 Result<std::vector<MapExport>> MapExports::Expired() const {
   const auto db = db_.Read();
-  SKYQUILT_TRY_ASSIGN(Statement query,
-                      db->Prepare(fmt::format(
-                          "SELECT {} FROM map_export e WHERE e.expires_us<? ORDER BY e.id", kExportColumns)));
-  query.Bind(1, ToUs(db_.ages().Now()));
-  return AllOf(query);
+  SKYQUILT_TRY_ASSIGN(
+      Statement query,
+      db->Query(fmt::format("SELECT {} FROM map_export e WHERE e.expires_us<? ORDER BY e.id", kExportColumns),
+                ToUs(db_.ages().Now())));
+  return query.All(ExportOf);
 }
 
 std::string ExportKey(const MapExport& made) {

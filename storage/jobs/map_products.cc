@@ -46,8 +46,7 @@ Result<void> EnterProducts(SqlConnection& db, const std::string& flight_id, std:
   SKYQUILT_TRY_ASSIGN(Statement enter, db.Prepare("INSERT INTO product(flight_id,revision,name,sha256)"
                                                   " VALUES(?,?,?,?)"));
   for (const MapProduct& product : products) {
-    enter.Bind(1, flight_id).Bind(2, revision).Bind(3, product.name);
-    SKYQUILT_TRY(enter.Bind(4, product.sha256).Run());
+    SKYQUILT_TRY(enter.BindAll(flight_id, revision, product.name, product.sha256).Run());
   }
   return {};
 }
@@ -59,14 +58,11 @@ Result<std::vector<MapProduct>> KnownProducts(CatalogueDb& db, const std::string
   const auto access = db.Read();
   SKYQUILT_TRY_ASSIGN(
       Statement query,
-      access->Prepare("SELECT name, sha256 FROM product WHERE flight_id=? AND revision=? ORDER BY name"));
-  query.Bind(1, flight_id).Bind(2, revision);
-  std::vector<MapProduct> products;
-  while (true) {
-    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
-    if (!row) return products;
-    products.push_back({std::string(query.ColumnText(0)), std::string(query.ColumnText(1))});
-  }
+      access->Query("SELECT name, sha256 FROM product WHERE flight_id=? AND revision=? ORDER BY name",
+                    flight_id, revision));
+  return query.All([](const Statement& row) {
+    return MapProduct{std::string(row.ColumnText(0)), std::string(row.ColumnText(1))};
+  });
 }
 
 Result<std::optional<std::string>> PublishedSum(CatalogueDb& db, const std::string& key) {
@@ -77,9 +73,9 @@ Result<std::optional<std::string>> PublishedSum(CatalogueDb& db, const std::stri
   if (is_below && !blob->name.starts_with("ranges/")) return std::optional<std::string>();
   const auto access = db.Read();
   SKYQUILT_TRY_ASSIGN(Statement query,
-                      access->Prepare("SELECT coalesce(max(CASE WHEN name=?3 THEN sha256 END), ''), count(*)"
-                                      " FROM product WHERE flight_id=?1 AND revision=?2"));
-  query.Bind(1, blob->flight_id).Bind(2, *revision).Bind(3, blob->name);
+                      access->Query("SELECT coalesce(max(CASE WHEN name=?3 THEN sha256 END), ''), count(*)"
+                                    " FROM product WHERE flight_id=?1 AND revision=?2",
+                                    blob->flight_id, *revision, blob->name));
   SKYQUILT_TRY(query.Step());
   if (query.ColumnInt64(1) == 0) return std::optional<std::string>();
   return std::optional<std::string>(query.ColumnText(0));

@@ -41,10 +41,8 @@ std::string DigestOf(const UnitInputs& inputs) {
 
 Result<void> UnitQueue::MakeAs(const std::string& job_id, std::string_view version) {
   const auto db = db_.Lock();
-  SKYQUILT_TRY_ASSIGN(
-      Statement forget,
-      db->Prepare("UPDATE job SET made_from='' WHERE id=?1 AND made_from<>'' AND made_from NOT LIKE ?2"));
-  return forget.Bind(1, job_id).Bind(2, fmt::format("{}:%", version)).Run();
+  return db->Change("UPDATE job SET made_from='' WHERE id=?1 AND made_from<>'' AND made_from NOT LIKE ?2",
+                    job_id, fmt::format("{}:%", version));
 }
 
 Result<std::optional<std::string>> UnitQueue::TakeOver(const Lease& lease, std::string_view made_from,
@@ -54,26 +52,21 @@ Result<std::optional<std::string>> UnitQueue::TakeOver(const Lease& lease, std::
     const Time now = db_.SharedTime(by_machine, *db);
     SKYQUILT_TRY_ASSIGN(
         Statement take,
-        db->Prepare(
+        db->Query(
             std::string("UPDATE job SET made_from=?4, units_of=coalesce((SELECT j.units_of FROM job j WHERE"
                         " j.flight_id=job.flight_id AND j.id<>job.id AND j.made_from=?4 AND") +
-            MayBeTakenOver(" AND n.id<>?2") +
-            " ORDER BY j.id DESC LIMIT 1), id) WHERE id=?2 AND lease_token=?3 AND state='running'"
-            " RETURNING units_of"));
-    take.Bind(1, ToUs(now - kUnitsKept)).Bind(2, lease.job_id).Bind(3, lease.token).Bind(4, made_from);
-    SKYQUILT_TRY_ASSIGN(const bool row, take.Step());
-    if (!row) return std::optional<std::string>();
-    std::optional<std::string> units_of(take.ColumnText(0));
-    // RETURNING hands out its row before the statement is done; only done is committed.
-    SKYQUILT_TRY(take.Step());
-    return units_of;
+                MayBeTakenOver(" AND n.id<>?2") +
+                " ORDER BY j.id DESC LIMIT 1), id) WHERE id=?2 AND lease_token=?3 AND state='running'"
+                " RETURNING units_of",
+            ToUs(now - kUnitsKept), lease.job_id, lease.token, made_from));
+    return take.First([](const Statement& row) { return std::string(row.ColumnText(0)); });
   });
 }
 
 Result<std::string> UnitQueue::UnitsOf(const std::string& job_id) const {
   const auto db = db_.Read();
-  SKYQUILT_TRY_ASSIGN(Statement query, db->Prepare("SELECT units_of FROM job WHERE id=?"));
-  SKYQUILT_TRY_ASSIGN(const bool row, query.Bind(1, job_id).Step());
+  SKYQUILT_TRY_ASSIGN(Statement query, db->Query("SELECT units_of FROM job WHERE id=?", job_id));
+  SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
   return row ? std::string(query.ColumnText(0)) : std::string();
 }
 
@@ -82,10 +75,11 @@ Result<std::vector<std::string>> JobQueue::UnitsOfUse(Time by_machine) const {
   const auto db = db_.Read();
   const Time now = db_.SharedTime(by_machine, *db);
   SKYQUILT_TRY_ASSIGN(Statement query,
-                      db->Prepare(std::string("SELECT DISTINCT j.units_of FROM job j WHERE (j.units_of<>''"
-                                              " AND j.state IN ('accepted','running')) OR (") +
-                                  MayBeTakenOver("") + ")"));
-  return query.Bind(1, ToUs(now - kUnitsKept - kLonger)).AllText();
+                      db->Query(std::string("SELECT DISTINCT j.units_of FROM job j WHERE (j.units_of<>''"
+                                            " AND j.state IN ('accepted','running')) OR (") +
+                                    MayBeTakenOver("") + ")",
+                                ToUs(now - kUnitsKept - kLonger)));
+  return query.AllText();
 }
 
 }  // namespace skyquilt::storage

@@ -117,9 +117,6 @@ class UnitQueue {
   Result<std::vector<HeldUnit>> Held(const std::string& job_id = "") const;
 
  private:
-  Result<bool> CutOnce(const Lease& lease, std::string_view kind, int count, std::int64_t items,
-                       const UnitProgress& progress, const std::set<int>& done);
-  Result<bool> DoneOnce(const UnitLease& unit);
   CatalogueDb& db_;
 };
 

@@ -19,44 +19,31 @@ std::chrono::seconds PauseAside(int times) {
 Result<void> WorkersAside::Put(const std::string& worker, int times, const Error& why, Time by_machine) {
   const auto db = db_.Lock();
   const Time now = db_.SharedTime(by_machine, *db);
-  SKYQUILT_TRY_ASSIGN(Statement forget, db->Prepare("DELETE FROM worker_aside WHERE until_us<?"));
-  SKYQUILT_TRY(forget.Bind(1, ToUs(now) - kForgottenAfterUs).Run());
-  SKYQUILT_TRY_ASSIGN(
-      Statement put,
-      db->Prepare(
-          "INSERT INTO worker_aside(worker,since_us,until_us,times,code,message) VALUES(?1,?2,?3,?4,?5,?6)"
-          " ON CONFLICT(worker) DO UPDATE SET until_us=excluded.until_us, times=excluded.times,"
-          " code=excluded.code, message=excluded.message"));
-  return put.Bind(1, worker)
-      .Bind(2, ToUs(now))
-      .Bind(3, ToUs(now + PauseAside(times)))
-      .Bind(4, times)
-      .Bind(5, ErrorCodeName(why.code))
-      .Bind(6, why.message)
-      .Run();
+  SKYQUILT_TRY(db->Change("DELETE FROM worker_aside WHERE until_us<?", ToUs(now) - kForgottenAfterUs));
+  return db->Change(
+      "INSERT INTO worker_aside(worker,since_us,until_us,times,code,message) VALUES(?1,?2,?3,?4,?5,?6)"
+      " ON CONFLICT(worker) DO UPDATE SET until_us=excluded.until_us, times=excluded.times,"
+      " code=excluded.code, message=excluded.message",
+      worker, ToUs(now), ToUs(now + PauseAside(times)), times, ErrorCodeName(why.code), why.message);
 }
 
 Result<void> WorkersAside::Clear(const std::string& worker) {
   const auto db = db_.Lock();
-  SKYQUILT_TRY_ASSIGN(Statement clear, db->Prepare("DELETE FROM worker_aside WHERE worker=?"));
-  return clear.Bind(1, worker).Run();
+  return db->Change("DELETE FROM worker_aside WHERE worker=?", worker);
 }
 
 Result<std::vector<WorkerAside>> WorkersAside::List() const {
   const auto db = db_.Read();
   const Time now = db_.SharedTime(Now(), *db);
   SKYQUILT_TRY_ASSIGN(Statement query,
-                      db->Prepare("SELECT worker, since_us, until_us, times, code, message FROM worker_aside"
-                                  " WHERE until_us>=? ORDER BY since_us, worker LIMIT 1000"));
-  query.Bind(1, ToUs(now) - kForgottenAfterUs);
-  std::vector<WorkerAside> workers;
-  while (true) {
-    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
-    if (!row) return workers;
-    workers.push_back({std::string(query.ColumnText(0)), FromUs(query.ColumnInt64(1)),
-                       FromUs(query.ColumnInt64(2)), static_cast<int>(query.ColumnInt64(3)),
-                       std::string(query.ColumnText(4)), std::string(query.ColumnText(5))});
-  }
+                      db->Query("SELECT worker, since_us, until_us, times, code, message FROM worker_aside"
+                                " WHERE until_us>=? ORDER BY since_us, worker LIMIT 1000",
+                                ToUs(now) - kForgottenAfterUs));
+  return query.All([](const Statement& row) {
+    return WorkerAside{std::string(row.ColumnText(0)), FromUs(row.ColumnInt64(1)),
+                       FromUs(row.ColumnInt64(2)),     static_cast<int>(row.ColumnInt64(3)),
+                       std::string(row.ColumnText(4)), std::string(row.ColumnText(5))};
+  });
 }
 
 }  // namespace skyquilt::storage
