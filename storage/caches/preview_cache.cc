@@ -20,9 +20,7 @@ Result<std::shared_ptr<const OpenPreview>> PreviewCache::Get(const std::string& 
   if (found != entries_.end() && found->second.open->preview.folder == preview->folder) {
     tiles = found->second.open->tiles;
   } else {
-    SKYQUILT_TRY_ASSIGN(std::shared_ptr<PreviewTiles> opened,
-                        PreviewTiles::OpenToRead(dir_.Flight(flight_id) / preview->folder));
-    tiles = std::move(opened);
+    SKYQUILT_TRY_ASSIGN(tiles, PreviewTiles::OpenToRead(dir_.Flight(flight_id) / preview->folder));
   }
   // The old ones are mostly of flights that have their maps: none is worth keeping.
   if (entries_.size() >= kMaxOpen) entries_.clear();

@@ -53,8 +53,7 @@ Result<Tileset> OpenHere(const std::string& flight_id, const Revision& revision,
     }
   }
   // The map last: its absence says that the folder is gone, and the layers need not be opened.
-  SKYQUILT_TRY_ASSIGN(std::shared_ptr<MbtilesReader> reader, MbtilesReader::Open(folder / "mosaic.mbtiles"));
-  tileset.reader = std::move(reader);
+  SKYQUILT_TRY_ASSIGN(tileset.reader, MbtilesReader::Open(folder / "mosaic.mbtiles"));
   return tileset;
 }
 

@@ -52,8 +52,7 @@ Result<void> WriteCog(const std::filesystem::path& mbtiles, const std::filesyste
   std::vector<GridLevel> grid;
   {
     SKYQUILT_TRY_ASSIGN(auto db, SqliteDb::Open(mbtiles, OpenMode::kReadOnlyImmutable));
-    SKYQUILT_TRY_ASSIGN(auto made, GridOf(db, tile_size_px, GridAlignmentOf(kind)));
-    grid = std::move(made);
+    SKYQUILT_TRY_ASSIGN(grid, GridOf(db, tile_size_px, GridAlignmentOf(kind)));
   }
   std::error_code unknown_size;
   std::uint64_t expected_bytes = std::filesystem::file_size(mbtiles, unknown_size);

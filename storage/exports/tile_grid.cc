@@ -14,25 +14,24 @@ struct Extent {
 
 // `turn` moves the place where columns begin to count, so that a map across the date line stays in one piece.
 Result<Extent> ExtentOf(SqliteDb& mbtiles, const std::string& table, int zoom, std::int64_t turn) {
+  const std::int64_t side = std::int64_t{1} << zoom;
   SKYQUILT_TRY_ASSIGN(
       auto query,
-      mbtiles.Prepare(
+      mbtiles.Query(
           "SELECT min((tile_column + ?2) % ?3), max((tile_column + ?2) % ?3), min(tile_row), max(tile_row) "
           "FROM " +
-          table + " WHERE zoom_level = ?1"));
-  const std::int64_t side = std::int64_t{1} << zoom;
-  query.Bind(1, zoom).Bind(2, turn);
-  SKYQUILT_TRY(query.Bind(3, side).Step());
+              table + " WHERE zoom_level = ?1",
+          zoom, turn, side));
+  SKYQUILT_TRY(query.Step());
   return Extent{query.ColumnInt64(0) + turn, query.ColumnInt64(1) + turn, side - 1 - query.ColumnInt64(3),
                 side - 1 - query.ColumnInt64(2)};
 }
 
 // Where the tiles' places stand: apart from their bytes, if the tileset has that.
 Result<std::string> TableOfPlaces(SqliteDb& mbtiles) {
-  SKYQUILT_TRY_ASSIGN(auto apart,
-                      mbtiles.Prepare("SELECT count(*) FROM sqlite_master WHERE name = 'tiles_shallow'"));
-  SKYQUILT_TRY(apart.Step());
-  return std::string(apart.ColumnInt64(0) > 0 ? "tiles_shallow" : "tiles");
+  SKYQUILT_TRY_ASSIGN(const bool are_apart,
+                      mbtiles.Finds("SELECT 1 FROM sqlite_master WHERE name = 'tiles_shallow'"));
+  return std::string(are_apart ? "tiles_shallow" : "tiles");
 }
 
 // How many levels above the finest may share its corner for the price of an eighth of the map.
@@ -69,30 +68,27 @@ Result<std::vector<GridLevel>> GridOf(SqliteDb& mbtiles, int tile_size_px, GridA
     coarsest = static_cast<int>(zooms.ColumnInt64(1));
   }
   const std::int64_t half = finest > 0 ? std::int64_t{1} << (finest - 1) : 0;
-  auto extent = ExtentOf(mbtiles, table, finest, 0);
-  if (!extent) return extent.error();
-  if (finest >= 2 && extent->last_column - extent->first_column >= half) {
-    auto turned = ExtentOf(mbtiles, table, finest, half);
-    if (!turned) return turned.error();
-    if (turned->last_column - turned->first_column < half) extent = turned;
+  SKYQUILT_TRY_ASSIGN(Extent extent, ExtentOf(mbtiles, table, finest, 0));
+  if (finest >= 2 && extent.last_column - extent.first_column >= half) {
+    SKYQUILT_TRY_ASSIGN(const Extent turned, ExtentOf(mbtiles, table, finest, half));
+    if (turned.last_column - turned.first_column < half) extent = turned;
   }
 
   int levels = 0;
   while (finest - levels > coarsest) {
-    const bool is_small = (extent->last_column >> levels) - (extent->first_column >> levels) < 3 &&
-                          (extent->last_row >> levels) - (extent->first_row >> levels) < 3;
+    const bool is_small = (extent.last_column >> levels) - (extent.first_column >> levels) < 3 &&
+                          (extent.last_row >> levels) - (extent.first_row >> levels) < 3;
     if (is_small) break;
     ++levels;
   }
-  const int aligned = alignment == GridAlignment::kAllLevels ? levels : AlignedLevels(*extent, levels);
-  const std::int64_t first_column = extent->first_column >> aligned << aligned;
-  const std::int64_t first_row = extent->first_row >> aligned << aligned;
+  const int aligned = alignment == GridAlignment::kAllLevels ? levels : AlignedLevels(extent, levels);
+  const std::int64_t first_column = extent.first_column >> aligned << aligned;
+  const std::int64_t first_row = extent.first_row >> aligned << aligned;
   // Whole pixels at every level: the width is a multiple of the coarsest level's pixel.
   const std::int64_t coarsest_pixel_px = std::int64_t{1} << levels;
   const std::int64_t width_px =
-      RoundUp((extent->last_column + 1 - first_column) * tile_size_px, coarsest_pixel_px);
-  const std::int64_t height_px =
-      RoundUp((extent->last_row + 1 - first_row) * tile_size_px, coarsest_pixel_px);
+      RoundUp((extent.last_column + 1 - first_column) * tile_size_px, coarsest_pixel_px);
+  const std::int64_t height_px = RoundUp((extent.last_row + 1 - first_row) * tile_size_px, coarsest_pixel_px);
   std::vector<GridLevel> grid;
   for (int level = 0; level <= levels; ++level) {
     const std::int64_t left_px = first_column * tile_size_px >> level;

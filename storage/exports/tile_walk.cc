@@ -20,9 +20,7 @@ Result<bool> TileWalk::Next() {
   if (!more || !*more) return more;
   const std::int64_t zoom = rows_.ColumnInt64(0);
   const auto side = std::int64_t{1} << std::clamp<std::int64_t>(zoom, 0, geo::kMaxZoom);
-  SKYQUILT_TRY_ASSIGN(const auto tile,
-                      geo::TileId::Make(zoom, rows_.ColumnInt64(1), side - 1 - rows_.ColumnInt64(2)));
-  tile_ = tile;
+  SKYQUILT_TRY_ASSIGN(tile_, geo::TileId::Make(zoom, rows_.ColumnInt64(1), side - 1 - rows_.ColumnInt64(2)));
   return true;
 }
 
@@ -31,10 +29,6 @@ std::string_view TileWalk::bytes() const {
   return {reinterpret_cast<const char*>(blob.data()), blob.size()};
 }
 
-Result<std::int64_t> CountTiles(SqliteDb& db) {
-  SKYQUILT_TRY_ASSIGN(auto count, db.Prepare("SELECT count(*) FROM tiles"));
-  SKYQUILT_TRY(count.Step());
-  return count.ColumnInt64(0);
-}
+Result<std::int64_t> CountTiles(SqliteDb& db) { return db.Number("SELECT count(*) FROM tiles"); }
 
 }  // namespace skyquilt::storage

@@ -76,34 +76,28 @@ bool HasSharedCatalogue(const DataDir& dir) {
 }
 
 Result<std::optional<std::string>> CatalogueId(SqlConnection& db) {
-  SKYQUILT_TRY_ASSIGN(Statement query, db.Prepare("SELECT id FROM data_dir"));
-  SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
-  if (!row) return std::optional<std::string>();
-  return std::optional<std::string>(query.ColumnText(0));
+  SKYQUILT_TRY_ASSIGN(Statement query, db.Query("SELECT id FROM data_dir"));
+  return query.First([](const Statement& row) { return std::string(row.ColumnText(0)); });
 }
 
 Result<void> SetCatalogueId(SqlConnection& db, const std::string& id) {
-  SKYQUILT_TRY_ASSIGN(
-      Statement insert,
-      db.Prepare("INSERT INTO data_dir(one, id) VALUES(1, ?) ON CONFLICT(one) DO UPDATE SET id=excluded.id"));
-  return insert.Bind(1, id).Run();
+  return db.Change("INSERT INTO data_dir(one, id) VALUES(1, ?) ON CONFLICT(one) DO UPDATE SET id=excluded.id",
+                   id);
 }
 
 Result<std::string> CatalogueBlobs(SqlConnection& db) {
-  SKYQUILT_TRY_ASSIGN(Statement query, db.Prepare("SELECT blobs FROM data_dir"));
+  SKYQUILT_TRY_ASSIGN(Statement query, db.Query("SELECT blobs FROM data_dir"));
   SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
   return row ? std::string(query.ColumnText(0)) : std::string();
 }
 
 Result<std::string> SayCatalogueBlobs(SqlConnection& db, const std::string& where) {
-  SKYQUILT_TRY_ASSIGN(Statement say, db.Prepare("UPDATE data_dir SET blobs=? WHERE blobs=''"));
-  SKYQUILT_TRY(say.Bind(1, where).Run());
+  SKYQUILT_TRY(db.Change("UPDATE data_dir SET blobs=? WHERE blobs=''", where));
   return CatalogueBlobs(db);
 }
 
 Result<void> ChangeCatalogueBlobs(SqlConnection& db, const std::string& where) {
-  SKYQUILT_TRY_ASSIGN(Statement change, db.Prepare("UPDATE data_dir SET blobs=?"));
-  return change.Bind(1, where).Run();
+  return db.Change("UPDATE data_dir SET blobs=?", where);
 }
 
 }  // namespace skyquilt::storage

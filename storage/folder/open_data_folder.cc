@@ -112,18 +112,15 @@ struct KnownFlight {
 Result<std::map<std::string, KnownFlight>> KnownFlights(CatalogueDb& db) {
   const auto access = db.Lock();
   std::map<std::string, KnownFlight> flights;
-  SKYQUILT_TRY_ASSIGN(Statement query, access->Prepare("SELECT id, next_revision FROM flight"));
-  while (true) {
-    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
-    if (!row) break;
-    flights[std::string(query.ColumnText(0))].next_revision = query.ColumnInt64(1);
-  }
-  SKYQUILT_TRY_ASSIGN(Statement files, access->Prepare("SELECT flight_id, stored_name FROM file"));
-  while (true) {
-    SKYQUILT_TRY_ASSIGN(const bool row, files.Step());
-    if (!row) return flights;
-    flights[std::string(files.ColumnText(0))].stored_names.emplace(files.ColumnText(1));
-  }
+  SKYQUILT_TRY_ASSIGN(Statement query, access->Query("SELECT id, next_revision FROM flight"));
+  SKYQUILT_TRY(query.Each([&](const Statement& row) {
+    flights[std::string(row.ColumnText(0))].next_revision = row.ColumnInt64(1);
+  }));
+  SKYQUILT_TRY_ASSIGN(Statement files, access->Query("SELECT flight_id, stored_name FROM file"));
+  SKYQUILT_TRY(files.Each([&](const Statement& row) {
+    flights[std::string(row.ColumnText(0))].stored_names.emplace(row.ColumnText(1));
+  }));
+  return flights;
 }
 
 // Files that the flight's record knows and the catalogue does not. `is_elsewhere`: they are not on the disk.

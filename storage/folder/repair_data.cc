@@ -55,8 +55,7 @@ Result<std::unique_ptr<CatalogueDb>> TakeCatalogue(const DataDir& dir, std::opti
             ""};
       }
     }
-    SKYQUILT_TRY_ASSIGN(std::unique_ptr<CatalogueDb> made, CatalogueDb::Open(dir.Catalogue()));
-    db = std::move(made);
+    SKYQUILT_TRY_ASSIGN(db, CatalogueDb::Open(dir.Catalogue()));
     report.made_catalogue = true;
     report.lines.push_back("a new catalogue was made; tokens and webhooks are to be added again");
   }
@@ -174,8 +173,7 @@ Result<RepairReport> RepairData(const fs::path& root, Time now, const CatalogueP
                      " is not a data folder of Skyquilt: it has neither skyquilt-data.json nor flights.",
                  ""};
   }
-  Result<DataDirLock> lock = DataDirLock::Take(at);
-  if (!lock) return lock.error();
+  SKYQUILT_TRY_ASSIGN(const DataDirLock lock, DataDirLock::Take(at));
   RepairReport report;
   LostFolder lost(at, now);
   if (is_damaged) report.lines.push_back(lost.Take(at.Marker(), "is damaged"));

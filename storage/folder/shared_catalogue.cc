@@ -55,8 +55,7 @@ Result<std::string> IdForNewFolder(CatalogueDb& db, const CataloguePlace& place)
   SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*access));
   SKYQUILT_TRY_ASSIGN(const std::optional<std::string> known, CatalogueId(*access));
   SKYQUILT_TRY(CheckBlobsOf(*access, known, place.files_at, place.files_of));
-  SKYQUILT_TRY_ASSIGN(Statement query, access->Prepare("SELECT 1 FROM flight LIMIT 1"));
-  SKYQUILT_TRY_ASSIGN(const bool has_flights, query.Step());
+  SKYQUILT_TRY_ASSIGN(const bool has_flights, access->Finds("SELECT 1 FROM flight LIMIT 1"));
   if (known && has_flights && place.files_at.empty()) {
     return Error{
         ErrorCode::kConflict,

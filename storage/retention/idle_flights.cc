@@ -60,14 +60,9 @@ LookedAt LookedAtFrom(const Statement& row) {
 Result<std::vector<LookedAt>> FlightsAfter(SqlConnection& db, const std::string& id, Time now) {
   SKYQUILT_TRY_ASSIGN(
       Statement query,
-      db.Prepare(std::string(kLook) + fmt::format("f.id>?1 ORDER BY f.id LIMIT {}", kFlightsAtATime)));
-  query.Bind(1, id).Bind(2, ToUs(now));
-  std::vector<LookedAt> found;
-  while (true) {
-    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
-    if (!row) return found;
-    found.push_back(LookedAtFrom(query));
-  }
+      db.Query(std::string(kLook) + fmt::format("f.id>?1 ORDER BY f.id LIMIT {}", kFlightsAtATime), id,
+               ToUs(now)));
+  return query.All(LookedAtFrom);
 }
 
 Result<void> KeepSeen(SqlConnection& db, const std::vector<LookedAt>& looked, Time age) {
@@ -83,7 +78,7 @@ Result<void> KeepSeen(SqlConnection& db, const std::vector<LookedAt>& looked, Ti
                                    " since_us=excluded.since_us"));
     for (const LookedAt& one : looked) {
       if (one.IsAsBefore()) continue;
-      SKYQUILT_TRY(keep.Bind(1, one.flight.id).Bind(2, one.digest).Bind(3, ToUs(age)).Run());
+      SKYQUILT_TRY(keep.BindAll(one.flight.id, one.digest, ToUs(age)).Run());
     }
   }
   return transaction.Commit();
@@ -114,15 +109,14 @@ Result<std::vector<IdleFlight>> IdleFlights::Look(Time age, Time now, std::chron
 
 Result<bool> IdleFlights::IsIdle(SqlConnection& db, const std::string& flight_id, Time age, Time now,
                                  std::chrono::microseconds keep) {
-  SKYQUILT_TRY_ASSIGN(Statement query, db.Prepare(std::string(kLook) + "f.id=?1"));
-  SKYQUILT_TRY_ASSIGN(const bool row, query.Bind(1, flight_id).Bind(2, ToUs(now)).Step());
+  SKYQUILT_TRY_ASSIGN(Statement query, db.Query(std::string(kLook) + "f.id=?1", flight_id, ToUs(now)));
+  SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
   return row && LookedAtFrom(query).IsIdle(age, keep);
 }
 
 Result<void> IdleFlights::Forget() {
   const auto db = db_.Lock();
-  SKYQUILT_TRY_ASSIGN(Statement forget, db->Prepare("DELETE FROM idle_flight"));
-  return forget.Run();
+  return db->Change("DELETE FROM idle_flight");
 }
 
 }  // namespace skyquilt::storage

@@ -1,8 +1,6 @@
 #include "storage/tilesets/earlier_map.h"
 
 #include <algorithm>
-#include <tuple>
-#include <utility>
 
 #include "core/base/try.h"
 
@@ -21,39 +19,25 @@ Result<std::unique_ptr<EarlierMap>> OpenEarlierMap(const MapFiles& paths, bool i
   auto earlier = std::make_unique<EarlierMap>();
   // A file of a killed run is first rolled back to its last commit, which needs writing.
   const OpenMode mode = is_finished ? OpenMode::kReadOnlyImmutable : OpenMode::kReadWriteCreate;
-  for (const auto& [db, path] :
-       {std::pair{&earlier->tiles, &paths.tiles}, std::pair{&earlier->state, &paths.state}}) {
-    SKYQUILT_TRY_ASSIGN(auto opened, SqliteDb::Open(*path, mode));
-    *db = std::move(opened);
-  }
-  const auto prepare = [](SqliteDb& db, const char* sql, Statement& statement) -> Result<void> {
-    SKYQUILT_TRY_ASSIGN(auto prepared, db.Prepare(sql));
-    statement = std::move(prepared);
-    return {};
-  };
-  Statement count, facts, digests;
-  for (const auto& [db, sql, statement] :
-       {std::tuple{&earlier->tiles, kTilesOfLevel, &earlier->select_tiles},
-        std::tuple{&earlier->tiles, "SELECT count(*) FROM tiles_shallow", &count},
-        std::tuple{&earlier->state,
-                   "SELECT levels, tiles, base_tiles, covered_pixels, west, south, east, north FROM blocks "
-                   "WHERE zoom = ?1 AND column = ?2 AND row = ?3",
-                   &earlier->select_block},
-        std::tuple{&earlier->state, "SELECT name, bytes FROM facts", &facts},
-        std::tuple{&earlier->state, "SELECT zoom, column, row, digest FROM blocks", &digests}}) {
-    SKYQUILT_TRY(prepare(*db, sql, *statement));
-  }
+  SKYQUILT_TRY_ASSIGN(earlier->tiles, SqliteDb::Open(paths.tiles, mode));
+  SKYQUILT_TRY_ASSIGN(earlier->state, SqliteDb::Open(paths.state, mode));
+  SqliteDb &tiles_db = earlier->tiles, &state = earlier->state;
+  SKYQUILT_TRY_ASSIGN(earlier->select_tiles, tiles_db.Prepare(kTilesOfLevel));
+  SKYQUILT_TRY_ASSIGN(const std::int64_t count, tiles_db.Number("SELECT count(*) FROM tiles_shallow"));
+  SKYQUILT_TRY_ASSIGN(
+      earlier->select_block,
+      state.Prepare("SELECT levels, tiles, base_tiles, covered_pixels, west, south, east, north FROM blocks "
+                    "WHERE zoom = ?1 AND column = ?2 AND row = ?3"));
+  SKYQUILT_TRY_ASSIGN(Statement facts, state.Query("SELECT name, bytes FROM facts"));
+  SKYQUILT_TRY_ASSIGN(Statement digests, state.Query("SELECT zoom, column, row, digest FROM blocks"));
   const Error other_map{ErrorCode::kCorrupt, "the memory of the map belongs to another map", ""};
-  SKYQUILT_TRY(count.Step());
   std::string tiles;
-  while (true) {
-    SKYQUILT_TRY_ASSIGN(const bool row, facts.Step());
-    if (!row) break;
-    const auto bytes = facts.ColumnBlob(1);
-    std::string& fact = facts.ColumnText(0) == "flight" ? earlier->facts : tiles;
+  SKYQUILT_TRY(facts.Each([&](const Statement& row) {
+    const auto bytes = row.ColumnBlob(1);
+    std::string& fact = row.ColumnText(0) == "flight" ? earlier->facts : tiles;
     fact.assign(bytes.begin(), bytes.end());
-  }
-  if (is_finished && tiles != std::to_string(count.ColumnInt64(0))) return other_map;
+  }));
+  if (is_finished && tiles != std::to_string(count)) return other_map;
   while (true) {
     SKYQUILT_TRY_ASSIGN(const bool row, digests.Step());
     if (!row) break;

@@ -60,7 +60,7 @@ struct MapKeeper::State {
   // Tiles first: a block that is remembered has its tiles.
   Result<void> Commit() {
     uncommitted = 0;
-    if (auto committed = writer->Commit(); !committed) return committed;
+    SKYQUILT_TRY(writer->Commit());
     return db.Exec("COMMIT; BEGIN;");
   }
 
@@ -97,20 +97,16 @@ Result<std::unique_ptr<MapKeeper>> MapKeeper::Create(const fs::path& folder, con
   for (const fs::path& part : parts.folders) look(FinishedMap(part), true);
   look(LeftOverMap(folder), false);
   look(FinishedMap(previous.empty() ? folder : previous), true);
-  SKYQUILT_TRY_ASSIGN(auto writer, MbtilesWriter::Create(folder / "mosaic.mbtiles"));
-  state->writer = std::move(writer);
+  SKYQUILT_TRY_ASSIGN(state->writer, MbtilesWriter::Create(folder / "mosaic.mbtiles"));
   const fs::path temporary = TemporaryMap(folder).state;
   std::error_code removed;
   fs::remove(temporary, removed);
   fs::remove(JournalOf(temporary), removed);
-  SKYQUILT_TRY_ASSIGN(auto db, SqliteDb::Open(temporary, OpenMode::kReadWriteCreate));
-  state->db = std::move(db);
+  SKYQUILT_TRY_ASSIGN(state->db, SqliteDb::Open(temporary, OpenMode::kReadWriteCreate));
   SKYQUILT_TRY(state->db.Exec(kKeeperSchema));
   SKYQUILT_TRY_ASSIGN(
-      auto keep, state->db.Prepare("INSERT INTO blocks VALUES (?1,?2,?3,?4,?5,?6,?7,?8,?9,?10,?11,?12)"));
-  state->keep = std::move(keep);
-  SKYQUILT_TRY_ASSIGN(auto remember, state->db.Prepare("INSERT OR REPLACE INTO facts VALUES (?1, ?2)"));
-  state->remember = std::move(remember);
+      state->keep, state->db.Prepare("INSERT INTO blocks VALUES (?1,?2,?3,?4,?5,?6,?7,?8,?9,?10,?11,?12)"));
+  SKYQUILT_TRY_ASSIGN(state->remember, state->db.Prepare("INSERT OR REPLACE INTO facts VALUES (?1, ?2)"));
   return std::unique_ptr<MapKeeper>(new MapKeeper(std::move(state)));
 }
 
@@ -159,10 +155,7 @@ Result<KeptBlock> MapKeeper::Reuse(const geo::TileId& block, const Digest& diges
                                    std::optional<int> fringe_quality) {
   EarlierMap& earlier = *state_->Of(block);
   Statement& row = earlier.select_block;
-  row.Bind(1, block.z())
-      .Bind(2, static_cast<std::int64_t>(block.x()))
-      .Bind(3, static_cast<std::int64_t>(block.y()));
-  SKYQUILT_TRY(row.Step());
+  SKYQUILT_TRY(row.BindAll(block.z(), std::int64_t{block.x()}, std::int64_t{block.y()}).Step());
   KeptBlock kept;
   kept.levels = static_cast<int>(row.ColumnInt64(0));
   kept.tiles = row.ColumnInt64(1);
@@ -180,8 +173,7 @@ Result<KeptBlock> MapKeeper::Reuse(const geo::TileId& block, const Digest& diges
     const std::int64_t first_column = std::int64_t{block.x()} * side;
     const std::int64_t first_row = std::int64_t{block.TmsRow()} * side;
     Statement& select = earlier.select_tiles;
-    select.Bind(1, zoom).Bind(2, first_column).Bind(3, first_column + side - 1);
-    select.Bind(4, first_row).Bind(5, first_row + side - 1);
+    select.BindAll(zoom, first_column, first_column + side - 1, first_row, first_row + side - 1);
     while (true) {
       SKYQUILT_TRY_ASSIGN(const bool more, select.Step());
       if (!more) break;
@@ -214,18 +206,15 @@ Result<KeptBlock> MapKeeper::Reuse(const geo::TileId& block, const Digest& diges
 
 Result<void> MapKeeper::Keep(const geo::TileId& block, const Digest& digest, const KeptBlock& kept) {
   Statement& row = state_->keep;
-  row.Bind(1, block.z())
-      .Bind(2, static_cast<std::int64_t>(block.x()))
-      .Bind(3, static_cast<std::int64_t>(block.y()));
-  row.Bind(4, kept.levels).Bind(5, std::span<const std::uint8_t>(digest));
-  row.Bind(6, kept.tiles).Bind(7, kept.base_tiles).Bind(8, kept.covered_pixels);
+  row.BindAll(block.z(), std::int64_t{block.x()}, std::int64_t{block.y()}, kept.levels,
+              std::span<const std::uint8_t>(digest), kept.tiles, kept.base_tiles, kept.covered_pixels);
   if (kept.covered_in_merc.IsEmpty()) {
     for (int column = 9; column <= 12; ++column) row.BindNull(column);
   } else {
     row.Bind(9, kept.covered_in_merc.min.x()).Bind(10, kept.covered_in_merc.min.y());
     row.Bind(11, kept.covered_in_merc.max.x()).Bind(12, kept.covered_in_merc.max.y());
   }
-  if (auto kept_row = row.Run(); !kept_row) return kept_row;
+  SKYQUILT_TRY(row.Run());
   if (++state_->uncommitted < kBlocksACommit) return {};
   return state_->Commit();
 }
@@ -241,17 +230,17 @@ const std::string& MapKeeper::Recall() const {
 
 Result<void> MapKeeper::Remember(std::string_view facts) {
   const std::span bytes(reinterpret_cast<const std::uint8_t*>(facts.data()), facts.size());
-  if (auto stored = state_->remember.Bind(1, "flight").Bind(2, bytes).Run(); !stored) return stored;
+  SKYQUILT_TRY(state_->remember.BindAll("flight", bytes).Run());
   return state_->Commit();
 }
 
 Result<void> MapKeeper::Publish(const TilesetMetadata& metadata) {
   const std::string tiles = std::to_string(state_->tiles);
   const std::span bytes(reinterpret_cast<const std::uint8_t*>(tiles.data()), tiles.size());
-  if (auto stored = state_->remember.Bind(1, "tiles").Bind(2, bytes).Run(); !stored) return stored;
+  SKYQUILT_TRY(state_->remember.BindAll("tiles", bytes).Run());
   state_->CloseState();
-  if (auto committed = state_->db.Exec("COMMIT"); !committed) return committed;
-  if (auto closed = state_->db.Close(); !closed) return closed;
+  SKYQUILT_TRY(state_->db.Exec("COMMIT"));
+  SKYQUILT_TRY(state_->db.Close());
   // A map never lies beside the state of another.
   const MapFiles finished = FinishedMap(state_->folder);
   std::error_code gone;
@@ -259,9 +248,8 @@ Result<void> MapKeeper::Publish(const TilesetMetadata& metadata) {
   if (gone)
     return Error{ErrorCode::kIo,
                  "The file " + finished.state.string() + " cannot be replaced: " + gone.message() + ".", ""};
-  if (auto published = state_->writer->Publish(metadata); !published) return published;
-  if (auto published = PublishFile(TemporaryMap(state_->folder).state, finished.state); !published)
-    return published;
+  SKYQUILT_TRY(state_->writer->Publish(metadata));
+  SKYQUILT_TRY(PublishFile(TemporaryMap(state_->folder).state, finished.state));
   state_->is_published = true;
   state_->earlier.clear();
   RemoveMap(LeftOverMap(state_->folder));

@@ -44,16 +44,13 @@ Result<std::shared_ptr<MbtilesReader>> MbtilesReader::Open(const std::filesystem
   std::shared_ptr<MbtilesReader> reader(new MbtilesReader(path));
   SKYQUILT_TRY_ASSIGN(SqliteDb db, SqliteDb::Open(path, OpenMode::kReadOnlyImmutable));
   {
-    SKYQUILT_TRY_ASSIGN(Statement columns, db.Prepare(kHasIntegerKeys));
-    SKYQUILT_TRY(columns.Step());
-    reader->is_deduplicated_ = columns.ColumnInt64(0) == kColumnsOfIntegerKeys;
+    SKYQUILT_TRY_ASSIGN(const std::int64_t columns, db.Number(kHasIntegerKeys));
+    reader->is_deduplicated_ = columns == kColumnsOfIntegerKeys;
     Result<Statement> metadata = db.Prepare("SELECT name, value FROM metadata");
     if (!metadata) return Error{ErrorCode::kCorrupt, "This is not an MBTiles file.", metadata.error().detail};
-    while (true) {
-      SKYQUILT_TRY_ASSIGN(const bool more, metadata->Step());
-      if (!more) break;
-      reader->metadata_[std::string(metadata->ColumnText(0))] = std::string(metadata->ColumnText(1));
-    }
+    SKYQUILT_TRY(metadata->Each([&](const Statement& row) {
+      reader->metadata_[std::string(row.ColumnText(0))] = std::string(row.ColumnText(1));
+    }));
   }
   SKYQUILT_TRY_ASSIGN(std::unique_ptr<Connection> first, reader->Connect());
   reader->idle_.push_back(std::move(first));
@@ -61,14 +58,11 @@ Result<std::shared_ptr<MbtilesReader>> MbtilesReader::Open(const std::filesystem
 }
 
 Result<std::unique_ptr<MbtilesReader::Connection>> MbtilesReader::Connect() const {
-  SKYQUILT_TRY_ASSIGN(SqliteDb db, SqliteDb::Open(path_, OpenMode::kReadOnlyImmutable));
   auto connection = std::make_unique<Connection>();
-  connection->db = std::move(db);
-  SKYQUILT_TRY_ASSIGN(Statement find, connection->db.Prepare(is_deduplicated_ ? kFindId : kFindBytes));
-  connection->find = std::move(find);
+  SKYQUILT_TRY_ASSIGN(connection->db, SqliteDb::Open(path_, OpenMode::kReadOnlyImmutable));
+  SKYQUILT_TRY_ASSIGN(connection->find, connection->db.Prepare(is_deduplicated_ ? kFindId : kFindBytes));
   if (is_deduplicated_) {
-    SKYQUILT_TRY_ASSIGN(Statement load, connection->db.Prepare(kLoadById));
-    connection->load = std::move(load);
+    SKYQUILT_TRY_ASSIGN(connection->load, connection->db.Prepare(kLoadById));
   }
   return connection;
 }
@@ -113,8 +107,8 @@ Result<std::optional<FoundTile>> MbtilesReader::Find(const geo::TileId& tile) {
   SKYQUILT_TRY_ASSIGN(std::unique_ptr<Connection> taken, Take());
   Borrowed connection(*this, std::move(taken));
   Statement& find = connection->find;
-  find.Bind(1, tile.z()).Bind(2, static_cast<std::int64_t>(tile.x()));
-  SKYQUILT_TRY_ASSIGN(const bool row, find.Bind(3, static_cast<std::int64_t>(tile.TmsRow())).Step());
+  SKYQUILT_TRY_ASSIGN(const bool row,
+                      find.BindAll(tile.z(), std::int64_t{tile.x()}, std::int64_t{tile.TmsRow()}).Step());
   if (!row) return std::optional<FoundTile>();
   FoundTile found;
   if (is_deduplicated_) {

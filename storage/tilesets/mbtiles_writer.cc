@@ -46,15 +46,17 @@ struct MbtilesWriter::State {
   bool has_opaque_webp = false;
   std::int64_t tiles = 0;
   bool is_published = false;
+
+  void CloseStatements() {
+    for (Statement* statement : {&find_bytes, &add_bytes, &add_tile}) *statement = Statement();
+  }
 };
 
 MbtilesWriter::MbtilesWriter(std::unique_ptr<State> state) : state_(std::move(state)) {}
 
 MbtilesWriter::~MbtilesWriter() {
   if (state_->is_published) return;
-  state_->find_bytes = Statement();
-  state_->add_bytes = Statement();
-  state_->add_tile = Statement();
+  state_->CloseStatements();
   state_->db = SqliteDb();
   std::error_code gone;  // nothing to do about a temporary file that will not go; the next run overwrites it
   std::filesystem::remove(state_->temporary, gone);
@@ -69,20 +71,14 @@ Result<std::unique_ptr<MbtilesWriter>> MbtilesWriter::Create(const std::filesyst
   std::error_code removed;
   std::filesystem::remove(state->temporary, removed);
   std::filesystem::remove(state->temporary.string() + "-journal", removed);
-  SKYQUILT_TRY_ASSIGN(auto db, SqliteDb::Open(state->temporary, OpenMode::kReadWriteCreate));
-  state->db = std::move(db);
-  SKYQUILT_TRY(state->db.Exec(kSchema));
-  const auto prepare = [&](Statement& statement, const char* sql) -> Result<void> {
-    SKYQUILT_TRY_ASSIGN(auto prepared, state->db.Prepare(sql));
-    statement = std::move(prepared);
-    return {};
-  };
-  for (const auto& [statement, sql] :
-       {std::pair{&state->find_bytes, "SELECT tile_data FROM tiles_data WHERE tile_data_id = ?1"},
-        std::pair{&state->add_bytes, "INSERT INTO tiles_data VALUES (?1, ?2)"},
-        std::pair{&state->add_tile, "INSERT INTO tiles_shallow VALUES (?1, ?2, ?3, ?4, ?5, ?6)"}}) {
-    SKYQUILT_TRY(prepare(*statement, sql));
-  }
+  SKYQUILT_TRY_ASSIGN(state->db, SqliteDb::Open(state->temporary, OpenMode::kReadWriteCreate));
+  SqliteDb& db = state->db;
+  SKYQUILT_TRY(db.Exec(kSchema));
+  SKYQUILT_TRY_ASSIGN(state->find_bytes,
+                      db.Prepare("SELECT tile_data FROM tiles_data WHERE tile_data_id = ?1"));
+  SKYQUILT_TRY_ASSIGN(state->add_bytes, db.Prepare("INSERT INTO tiles_data VALUES (?1, ?2)"));
+  SKYQUILT_TRY_ASSIGN(state->add_tile,
+                      db.Prepare("INSERT INTO tiles_shallow VALUES (?1, ?2, ?3, ?4, ?5, ?6)"));
   return std::unique_ptr<MbtilesWriter>(new MbtilesWriter(std::move(state)));
 }
 
@@ -96,7 +92,7 @@ Result<void> MbtilesWriter::Put(const geo::TileId& tile, image::PictureFormat fo
     SKYQUILT_TRY_ASSIGN(const bool found, state_->find_bytes.Step());
     if (!found) {
       state_->find_bytes.Reset();
-      if (auto added = state_->add_bytes.Bind(1, id).Bind(2, bytes).Run(); !added) return added;
+      SKYQUILT_TRY(state_->add_bytes.BindAll(id, bytes).Run());
       break;
     }
     const std::span<const std::uint8_t> known = state_->find_bytes.ColumnBlob(0);
@@ -111,12 +107,9 @@ Result<void> MbtilesWriter::Put(const geo::TileId& tile, image::PictureFormat fo
       format == image::PictureFormat::kWebp &&
       !image::IsWebpWithAlpha({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   ++state_->tiles;
-  return state_->add_tile.Bind(1, tile.z())
-      .Bind(2, static_cast<std::int64_t>(tile.x()))
-      .Bind(3, static_cast<std::int64_t>(tile.TmsRow()))
-      .Bind(4, id)
-      .Bind(5, static_cast<std::int64_t>(bytes.size()))
-      .Bind(6, image::MbtilesCodeOf(format))
+  return state_->add_tile
+      .BindAll(tile.z(), std::int64_t{tile.x()}, std::int64_t{tile.TmsRow()}, id,
+               static_cast<std::int64_t>(bytes.size()), image::MbtilesCodeOf(format))
       .Run();
 }
 
@@ -128,10 +121,10 @@ Result<const char*> MbtilesWriter::NamedFormat() {
   const bool has_jpeg = state_->formats.contains(image::PictureFormat::kJpeg);
   if (!has_jpeg) return state_->formats.contains(image::PictureFormat::kWebp) ? "webp" : "png";
   if (state_->has_opaque_webp) return "jpg";
-  SKYQUILT_TRY_ASSIGN(auto first, state_->db.Prepare("SELECT tile_format FROM tiles_shallow"
-                                                     " ORDER BY zoom_level, tile_column, tile_row LIMIT 1"));
-  SKYQUILT_TRY(first.Step());
-  const std::optional<image::PictureFormat> format = image::PictureFormatOfMbtiles(first.ColumnInt64(0));
+  SKYQUILT_TRY_ASSIGN(const std::int64_t first,
+                      state_->db.Number("SELECT tile_format FROM tiles_shallow"
+                                        " ORDER BY zoom_level, tile_column, tile_row LIMIT 1"));
+  const std::optional<image::PictureFormat> format = image::PictureFormatOfMbtiles(first);
   SKYQUILT_CHECK(format, "a tile of a format that was not written");
   return image::ExtensionOf(*format);
 }
@@ -161,24 +154,19 @@ Result<void> MbtilesWriter::Publish(const TilesetMetadata& metadata) {
     SKYQUILT_TRY_ASSIGN(auto add, state_->db.Prepare("INSERT INTO metadata VALUES (?1, ?2)"));
     for (const auto& [name, value] : rows) {
       if (value.empty()) continue;
-      if (auto added = add.Bind(1, name).Bind(2, value).Run(); !added) return added;
+      SKYQUILT_TRY(add.BindAll(name, value).Run());
     }
   }
-  state_->find_bytes = Statement();
-  state_->add_bytes = Statement();
-  state_->add_tile = Statement();
-  if (auto committed = state_->db.Exec("COMMIT"); !committed) return committed;
-  {
-    SKYQUILT_TRY_ASSIGN(auto check, state_->db.Prepare("SELECT count(*) FROM tiles"));
-    SKYQUILT_TRY(check.Step());
-    if (check.ColumnInt64(0) != state_->tiles) {
-      return Error{ErrorCode::kCorrupt,
-                   "The tileset lost tiles while it was written. Check the disk and stitch again.",
-                   state_->temporary};
-    }
+  state_->CloseStatements();
+  SKYQUILT_TRY(state_->db.Exec("COMMIT"));
+  SKYQUILT_TRY_ASSIGN(const std::int64_t tiles, state_->db.Number("SELECT count(*) FROM tiles"));
+  if (tiles != state_->tiles) {
+    return Error{ErrorCode::kCorrupt,
+                 "The tileset lost tiles while it was written. Check the disk and stitch again.",
+                 state_->temporary};
   }
-  if (auto closed = state_->db.Close(); !closed) return closed;
-  if (auto published = PublishFile(state_->temporary, state_->path); !published) return published;
+  SKYQUILT_TRY(state_->db.Close());
+  SKYQUILT_TRY(PublishFile(state_->temporary, state_->path));
   state_->is_published = true;
   return {};
 }

@@ -32,14 +32,13 @@ Result<std::shared_ptr<PreviewTiles>> PreviewTiles::OpenToRead(const std::filesy
 
 Result<std::optional<FoundTile>> PreviewTiles::Find(const geo::TileId& tile) {
   const std::lock_guard lock(mutex_);
-  SKYQUILT_TRY_ASSIGN(Statement query, db_.Prepare("SELECT bytes FROM tile WHERE zoom=? AND x=? AND y=?"));
-  query.Bind(1, tile.z()).Bind(2, static_cast<std::int64_t>(tile.x()));
-  SKYQUILT_TRY_ASSIGN(const bool row, query.Bind(3, static_cast<std::int64_t>(tile.y())).Step());
-  if (!row) return std::optional<FoundTile>();
-  const auto blob = query.ColumnBlob(0);
-  return std::optional<FoundTile>(
-      FoundTile{XXH3_64bits(blob.data(), blob.size()),
-                std::string(reinterpret_cast<const char*>(blob.data()), blob.size())});
+  SKYQUILT_TRY_ASSIGN(Statement query, db_.Query("SELECT bytes FROM tile WHERE zoom=? AND x=? AND y=?",
+                                                 tile.z(), std::int64_t{tile.x()}, std::int64_t{tile.y()}));
+  return query.First([](const Statement& row) {
+    const auto blob = row.ColumnBlob(0);
+    return FoundTile{XXH3_64bits(blob.data(), blob.size()),
+                     std::string(reinterpret_cast<const char*>(blob.data()), blob.size())};
+  });
 }
 
 Result<std::string> PreviewTiles::Load(FoundTile tile) {
@@ -53,11 +52,8 @@ Result<void> PreviewTiles::Put(const Tiles& tiles) {
   {
     SKYQUILT_TRY_ASSIGN(Statement write, db_.Prepare("INSERT OR REPLACE INTO tile VALUES(?,?,?,?)"));
     for (const auto& [tile, bytes] : tiles) {
-      write.Bind(1, tile.z())
-          .Bind(2, static_cast<std::int64_t>(tile.x()))
-          .Bind(3, static_cast<std::int64_t>(tile.y()));
-      write.Bind(4, std::span(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()));
-      SKYQUILT_TRY(write.Run());
+      const std::span blob(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
+      SKYQUILT_TRY(write.BindAll(tile.z(), std::int64_t{tile.x()}, std::int64_t{tile.y()}, blob).Run());
     }
   }
   return transaction.Commit();

@@ -43,8 +43,8 @@ Result<std::optional<SpooledUpload>> UploadSpool::JoinedBefore(const SpooledUplo
     const auto db = db_.Read();
     SKYQUILT_TRY_ASSIGN(
         Statement query,
-        db->Prepare("SELECT id FROM upload WHERE flight_id=? AND owner=? AND concat=? AND name=?"));
-    query.Bind(1, wish.flight_id).Bind(2, wish.owner).Bind(3, wish.concat).Bind(4, wish.name);
+        db->Query("SELECT id FROM upload WHERE flight_id=? AND owner=? AND concat=? AND name=?",
+                  wish.flight_id, wish.owner, wish.concat, wish.name));
     SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
     if (!row) return std::optional<SpooledUpload>();
     id = query.ColumnText(0);
@@ -101,24 +101,13 @@ Result<void> UploadSpool::EnterJoined(const SpooledUpload& joined,
                                       const std::vector<SpooledUpload>& parts) const {
   const auto db = db_.Lock();
   SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
-  SKYQUILT_TRY_ASSIGN(
-      Statement insert,
-      db->Prepare(
-          "INSERT INTO upload(id,flight_id,name,metadata,length,byte_offset,expires_us,owner,concat,parts)"
-          " VALUES(?1,?2,?3,?4,?5,?5,?6,?7,?8,?9)"));
-  SKYQUILT_TRY(insert.Bind(1, joined.id)
-                   .Bind(2, joined.flight_id)
-                   .Bind(3, joined.name)
-                   .Bind(4, joined.metadata)
-                   .Bind(5, joined.offset)
-                   .Bind(6, ToUs(joined.expires))
-                   .Bind(7, joined.owner)
-                   .Bind(8, joined.concat)
-                   .Bind(9, joined.parts)
-                   .Run());
+  SKYQUILT_TRY(db->Change(
+      "INSERT INTO upload(id,flight_id,name,metadata,length,byte_offset,expires_us,owner,concat,parts)"
+      " VALUES(?1,?2,?3,?4,?5,?5,?6,?7,?8,?9)",
+      joined.id, joined.flight_id, joined.name, joined.metadata, joined.offset, ToUs(joined.expires),
+      joined.owner, joined.concat, joined.parts));
   for (const SpooledUpload& part : parts) {
-    SKYQUILT_TRY_ASSIGN(Statement remove, db->Prepare("DELETE FROM upload WHERE id=?"));
-    SKYQUILT_TRY(remove.Bind(1, part.id).Run());
+    SKYQUILT_TRY(db->Change("DELETE FROM upload WHERE id=?", part.id));
   }
   return transaction.Commit();
 }

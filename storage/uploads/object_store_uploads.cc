@@ -4,7 +4,6 @@
 
 #include <cerrno>
 #include <cstring>
-#include <utility>
 #include <vector>
 
 #include "core/base/try.h"
@@ -33,16 +32,10 @@ class JoinedFile {
 Result<void> UploadSpool::SaveChunk(SpooledUpload& upload, std::int64_t offset, const std::string& part,
                                     Time now) const {
   const auto db = db_.Lock();
-  SKYQUILT_TRY_ASSIGN(Statement update,
-                      db->Prepare("UPDATE upload SET byte_offset=?3, parts=parts||?4, expires_us=?5"
-                                  " WHERE id=?1 AND byte_offset=?2 AND parts=?6 AND is_done=0"));
-  SKYQUILT_TRY(update.Bind(1, upload.id)
-                   .Bind(2, upload.offset)
-                   .Bind(3, offset)
-                   .Bind(4, part)
-                   .Bind(5, ToUs(now + kUploadLifetime))
-                   .Bind(6, upload.parts)
-                   .Run());
+  SKYQUILT_TRY(
+      db->Change("UPDATE upload SET byte_offset=?3, parts=parts||?4, expires_us=?5"
+                 " WHERE id=?1 AND byte_offset=?2 AND parts=?6 AND is_done=0",
+                 upload.id, upload.offset, offset, part, ToUs(now + kUploadLifetime), upload.parts));
   if (db->Changes() == 0)
     return Error{ErrorCode::kConflict, "Another request goes on with this upload, or it was removed.", ""};
   upload.offset = offset;
@@ -106,15 +99,13 @@ Result<int> UploadSpool::RemoveExpiredInObjectStore(Time now) const {
   std::vector<std::string> over;
   {
     const auto db = db_.Lock();
-    SKYQUILT_TRY_ASSIGN(Statement query,
-                        db->Prepare("DELETE FROM upload WHERE expires_us<=?1 RETURNING is_done, parts"));
-    query.Bind(1, ToUs(now));
-    while (true) {
-      SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
-      if (!row) break;
+    SKYQUILT_TRY_ASSIGN(
+        Statement query,
+        db->Query("DELETE FROM upload WHERE expires_us<=?1 RETURNING is_done, parts", ToUs(now)));
+    SKYQUILT_TRY(query.Each([&](const Statement& row) {
       // Of one that is done, the chunks went when it was.
-      if (query.ColumnInt64(0) == 0) over.emplace_back(query.ColumnText(1));
-    }
+      if (row.ColumnInt64(0) == 0) over.emplace_back(row.ColumnText(1));
+    }));
   }
   for (const std::string& parts : over) RemoveChunks(parts);
   return static_cast<int>(over.size());

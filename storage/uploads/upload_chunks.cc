@@ -84,11 +84,9 @@ Result<int> SweepChunks(CatalogueDb& db, BlobStore& blobs, std::chrono::seconds 
   std::set<std::string> listed;
   {
     const auto access = db.Read();
-    SKYQUILT_TRY_ASSIGN(Statement query, access->Prepare("SELECT parts FROM upload WHERE parts<>''"));
-    while (true) {
-      SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
-      if (!row) break;
-      const std::string text(query.ColumnText(0));
+    SKYQUILT_TRY_ASSIGN(Statement query, access->Query("SELECT parts FROM upload WHERE parts<>''"));
+    SKYQUILT_TRY_ASSIGN(const std::vector<std::string> texts, query.AllText());
+    for (const std::string& text : texts) {
       if (!WholeIn(text).empty()) continue;
       SKYQUILT_TRY_ASSIGN(const std::vector<UploadChunk> chunks, ParseChunks(text));
       for (const UploadChunk& chunk : chunks) listed.insert(chunk.key);

@@ -77,10 +77,11 @@ Result<SpooledUpload> UploadSpool::Read(const std::string& id, Time now) const {
   const auto db = db_.Read();
   SKYQUILT_TRY_ASSIGN(
       Statement query,
-      db->Prepare(std::string(kUploadColumns) + "WHERE id=? AND expires_us>? AND " + kUploadOfFlightThere));
-  SKYQUILT_TRY_ASSIGN(const bool row, query.Bind(1, id).Bind(2, ToUs(now)).Step());
-  if (!row) return NoSuchUpload();
-  return UploadFrom(query);
+      db->Query(std::string(kUploadColumns) + "WHERE id=? AND expires_us>? AND " + kUploadOfFlightThere, id,
+                ToUs(now)));
+  SKYQUILT_TRY_ASSIGN(std::optional<SpooledUpload> upload, query.First(UploadFrom));
+  if (!upload) return NoSuchUpload();
+  return *std::move(upload);
 }
 
 Result<SpooledUpload> UploadSpool::Create(const SpooledUpload& wish, Time now) {
@@ -100,18 +101,11 @@ Result<SpooledUpload> UploadSpool::Create(const SpooledUpload& wish, Time now) {
     close(fd);
   }
   const auto db = db_.Lock();
-  SKYQUILT_TRY_ASSIGN(
-      Statement insert,
-      db->Prepare("INSERT INTO upload(id,flight_id,name,metadata,length,expires_us,owner,concat)"
-                  " VALUES(?,nullif(?,''),?,?,?,?,?,?)"));
-  insert.Bind(1, upload.id)
-      .Bind(2, upload.flight_id)
-      .Bind(3, upload.name)
-      .Bind(4, upload.metadata)
-      .BindNull(5);
-  if (upload.length) insert.Bind(5, *upload.length);
-  const Result<void> inserted =
-      insert.Bind(6, ToUs(upload.expires)).Bind(7, upload.owner).Bind(8, upload.concat).Run();
+  const Result<void> inserted = db->Change(
+      "INSERT INTO upload(id,flight_id,name,metadata,length,expires_us,owner,concat)"
+      " VALUES(?,nullif(?,''),?,?,?,?,?,?)",
+      upload.id, upload.flight_id, upload.name, upload.metadata, upload.length, ToUs(upload.expires),
+      upload.owner, upload.concat);
   if (!inserted) {
     unlink(PathOf(upload.id).c_str());
     return inserted.error();
@@ -179,16 +173,13 @@ Result<void> UploadSpool::DeclareLength(const std::string& id, std::int64_t leng
   }
   SKYQUILT_TRY(store_.CheckSpace(length - upload.offset));
   const auto db = db_.Lock();
-  SKYQUILT_TRY_ASSIGN(Statement update,
-                      db->Prepare("UPDATE upload SET length=?2 WHERE id=?1 AND length IS NULL"));
-  return update.Bind(1, id).Bind(2, length).Run();
+  return db->Change("UPDATE upload SET length=?2 WHERE id=?1 AND length IS NULL", id, length);
 }
 
 Result<void> UploadSpool::SaveOffset(const std::string& id, std::int64_t offset, Time now) const {
   const auto db = db_.Lock();
-  SKYQUILT_TRY_ASSIGN(Statement update,
-                      db->Prepare("UPDATE upload SET byte_offset=?2, expires_us=?3 WHERE id=?1"));
-  SKYQUILT_TRY(update.Bind(1, id).Bind(2, offset).Bind(3, ToUs(now + kUploadLifetime)).Run());
+  SKYQUILT_TRY(db->Change("UPDATE upload SET byte_offset=?2, expires_us=?3 WHERE id=?1", id, offset,
+                          ToUs(now + kUploadLifetime)));
   if (db->Changes() == 0) return NoSuchUpload();
   return {};
 }
@@ -217,14 +208,12 @@ Result<void> UploadSpool::Remove(const std::string& id, Time now) {
   const std::shared_ptr<Turn> turn = TurnOf(id);
   const std::lock_guard lock(turn->mutex);
   SKYQUILT_TRY(TakeOver(*turn, now));
-  const Result<SpooledUpload> upload = Read(id, now);
-  if (!upload) return upload.error();
+  SKYQUILT_TRY_ASSIGN(const SpooledUpload upload, Read(id, now));
   {
     const auto db = db_.Lock();
-    SKYQUILT_TRY_ASSIGN(Statement remove, db->Prepare("DELETE FROM upload WHERE id=?"));
-    SKYQUILT_TRY(remove.Bind(1, id).Run());
+    SKYQUILT_TRY(db->Change("DELETE FROM upload WHERE id=?", id));
   }
-  RemoveChunks(upload->parts);
+  RemoveChunks(upload.parts);
   unlink(PathOf(id).c_str());  // what stays is removed with the expired
   return {};
 }
@@ -235,15 +224,12 @@ Result<std::vector<SpooledUpload>> UploadSpool::FinishComplete(Time now) {
     const auto db = db_.Read();
     SKYQUILT_TRY_ASSIGN(
         Statement query,
-        db->Prepare(std::string(kUploadColumns) +
-                    "WHERE flight_id IS NOT NULL AND is_done=0 AND byte_offset=length AND expires_us>? AND " +
-                    kUploadOfFlightThere));
-    query.Bind(1, ToUs(now));
-    while (true) {
-      SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
-      if (!row) break;
-      complete.push_back(UploadFrom(query));
-    }
+        db->Query(
+            std::string(kUploadColumns) +
+                "WHERE flight_id IS NOT NULL AND is_done=0 AND byte_offset=length AND expires_us>? AND " +
+                kUploadOfFlightThere,
+            ToUs(now)));
+    SKYQUILT_TRY_ASSIGN(complete, query.All(UploadFrom));
   }
   // One that cannot be finished stays as it is: its owner's next look tells why.
   std::erase_if(complete, [&](SpooledUpload& upload) { return !MakeFile(upload); });
@@ -255,8 +241,8 @@ Result<int> UploadSpool::RemoveExpired(Time now) {
   std::vector<std::string> over;
   {
     const auto db = db_.Lock();
-    SKYQUILT_TRY_ASSIGN(Statement query, db->Prepare("SELECT id FROM upload WHERE expires_us<=?1"));
-    SKYQUILT_TRY_ASSIGN(over, query.Bind(1, ToUs(now)).AllText());
+    SKYQUILT_TRY_ASSIGN(Statement query, db->Query("SELECT id FROM upload WHERE expires_us<=?1", ToUs(now)));
+    SKYQUILT_TRY_ASSIGN(over, query.AllText());
   }
   // The bytes first: as long as the row is there, they are known to be nobody's.
   int count = 0;
@@ -264,8 +250,7 @@ Result<int> UploadSpool::RemoveExpired(Time now) {
     if (unlink(PathOf(id).c_str()) == 0) ++count;
   }
   const auto db = db_.Lock();
-  SKYQUILT_TRY_ASSIGN(Statement remove, db->Prepare("DELETE FROM upload WHERE expires_us<=?"));
-  SKYQUILT_TRY(remove.Bind(1, ToUs(now)).Run());
+  SKYQUILT_TRY(db->Change("DELETE FROM upload WHERE expires_us<=?", ToUs(now)));
   return count;
 }
 
@@ -273,12 +258,8 @@ Result<std::vector<fs::path>> UploadSpool::StrayFiles() const {
   std::set<std::string> known;
   {
     const auto db = db_.Lock();
-    SKYQUILT_TRY_ASSIGN(Statement query, db->Prepare("SELECT id FROM upload"));
-    while (true) {
-      SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
-      if (!row) break;
-      known.emplace(query.ColumnText(0));
-    }
+    SKYQUILT_TRY_ASSIGN(Statement query, db->Query("SELECT id FROM upload"));
+    SKYQUILT_TRY(query.Each([&](const Statement& row) { known.emplace(row.ColumnText(0)); }));
   }
   std::vector<fs::path> stray;
   std::error_code missing;  // a folder that is not there has none

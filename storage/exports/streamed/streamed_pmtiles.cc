@@ -46,11 +46,10 @@ struct Layout {
 Result<Metadata> ReadMetadata(SqliteDb& db) {
   SKYQUILT_TRY_ASSIGN(auto rows, db.Prepare("SELECT name, value FROM metadata"));
   Metadata metadata;
-  while (true) {
-    SKYQUILT_TRY_ASSIGN(const bool more, rows.Step());
-    if (!more) return metadata;
-    metadata[std::string(rows.ColumnText(0))] = std::string(rows.ColumnText(1));
-  }
+  SKYQUILT_TRY(rows.Each([&](const Statement& row) {
+    metadata[std::string(row.ColumnText(0))] = std::string(row.ColumnText(1));
+  }));
+  return metadata;
 }
 
 Result<Layout> LayOut(SqliteDb& db) {

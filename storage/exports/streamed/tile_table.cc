@@ -22,9 +22,8 @@ constexpr const char* kMeasured =
 }  // namespace
 
 Result<std::vector<TableTile>> ReadTileTable(SqliteDb& mbtiles) {
-  SKYQUILT_TRY_ASSIGN(auto stated, mbtiles.Prepare(kStatedSizes));
-  SKYQUILT_TRY(stated.Step());
-  SKYQUILT_TRY_ASSIGN(auto rows, mbtiles.Prepare(stated.ColumnInt64(0) == 2 ? kStated : kMeasured));
+  SKYQUILT_TRY_ASSIGN(const std::int64_t stated, mbtiles.Number(kStatedSizes));
+  SKYQUILT_TRY_ASSIGN(auto rows, mbtiles.Prepare(stated == 2 ? kStated : kMeasured));
   const Error damaged{ErrorCode::kCorrupt, "The tileset of the map is damaged. Stitch the flight again.", ""};
   std::vector<TableTile> tiles;
   while (true) {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <system_error>
 #include <utility>
@@ -43,8 +42,7 @@ Result<std::optional<std::string>> SettledAt(const DataDir& dir) {
   std::error_code error;
   if (!std::filesystem::exists(dir.BlobsMarker(), error)) return std::optional<std::string>();
   std::ifstream file(dir.BlobsMarker(), std::ios::binary);
-  const std::string text((std::istreambuf_iterator<char>(file)), {});
-  const auto json = ParseJson(text);
+  const auto json = ParseJson(file);
   if (!json.is_object() || !json.contains("blobs") || !json["blobs"].is_string()) {
     return Error{ErrorCode::kCorrupt,
                  fmt::format("The file {} is damaged: it says where photos and maps lie. Write "
@@ -122,8 +120,7 @@ Result<void> CheckBlobsOf(SqlConnection& db, const std::optional<std::string>& c
   }
   if (address.empty() || (owner && owner == catalogue_id)) return {};
   if (owner) return OfAnotherCatalogue(address, *owner, catalogue_id);
-  SKYQUILT_TRY_ASSIGN(Statement files, db.Prepare("SELECT 1 FROM file LIMIT 1"));
-  SKYQUILT_TRY_ASSIGN(const bool has_files, files.Step());
+  SKYQUILT_TRY_ASSIGN(const bool has_files, db.Finds("SELECT 1 FROM file LIMIT 1"));
   if (known.empty() && !has_files) return {};  // its first server
   return Error{
       ErrorCode::kConflict,
