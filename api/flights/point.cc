@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -42,10 +41,7 @@ Result<std::optional<std::string>> CodeAt(const storage::Tileset& tileset, rende
   std::optional<std::string> code;
   const auto reader = tileset.layers.find(layer);
   if (reader == tileset.layers.end()) return code;
-  const auto said = reader->second->metadata().find("maxzoom");
-  int zoom = tileset.revision.max_zoom;
-  if (said != reader->second->metadata().end())
-    std::from_chars(said->second.data(), said->second.data() + said->second.size(), zoom);
+  const int zoom = storage::TilesetNumber(reader->second->metadata(), "maxzoom", tileset.revision.max_zoom);
   if (zoom < 0 || zoom > geo::kMaxZoom) return code;
   const geo::TileId tile = geo::TileId::AtMerc(zoom, merc);
   SKYQUILT_TRY_ASSIGN(std::optional<storage::FoundTile> found, reader->second->Find(tile));

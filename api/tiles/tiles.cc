@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <memory>
 #include <utility>
 
@@ -322,12 +321,7 @@ void TellByAccept(Response& answer) {
 }
 
 int TileSizePx(const storage::Tileset& tileset) {
-  const auto& metadata = tileset.reader->metadata();
-  const auto found = metadata.find("tile_size");
-  int side_px = 0;
-  if (found != metadata.end()) {
-    std::from_chars(found->second.data(), found->second.data() + found->second.size(), side_px);
-  }
+  const int side_px = storage::TilesetNumber(tileset.reader->metadata(), "tile_size", 0);
   return side_px >= 64 && side_px <= 4096 ? side_px : 256;
 }
 

@@ -1,6 +1,5 @@
 #include "storage/exports/cog_writer.h"
 
-#include <charconv>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -27,14 +26,7 @@ std::uint64_t WriteBlock(StreamFile& file, std::string_view block) {
 
 }  // namespace
 
-int TileSizeOf(const TilesetFacts& metadata) {
-  const auto found = metadata.find("tile_size");
-  int size_px = 256;
-  if (found != metadata.end()) {
-    std::from_chars(found->second.data(), found->second.data() + found->second.size(), size_px);
-  }
-  return size_px;
-}
+int TileSizeOf(const TilesetFacts& metadata) { return TilesetNumber(metadata, "tile_size", 256); }
 
 TiffTiles TiffTilesOf(const TilesetFacts& metadata) {
   return EncodingOf(metadata) == image::TileEncoding::kWebp ? TiffTiles::kWebp : TiffTiles::kJpeg;

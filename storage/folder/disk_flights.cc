@@ -3,10 +3,8 @@
 #include <sys/stat.h>
 
 #include <algorithm>
-#include <charconv>
-#include <cstdio>
+#include <array>
 #include <fstream>
-#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -57,8 +55,7 @@ DiskFlight SurveyFlight(const fs::path& folder) {
 // report.json; empty where it is missing or none.
 Json ReportIn(const fs::path& folder) {
   std::ifstream file(folder / "report.json", std::ios::binary);
-  const std::string text((std::istreambuf_iterator<char>(file)), {});
-  Json json = ParseJson(text);
+  Json json = ParseJson(file);
   return json.is_object() ? json : Json::object();
 }
 
@@ -69,14 +66,6 @@ std::string TextOr(const Json& json, const char* key) {
 int IntOr(const Json& json, const char* key, int fallback) {
   return json.is_object() && json.contains(key) && json[key].is_number_integer() ? json[key].get<int>()
                                                                                  : fallback;
-}
-
-int NumberIn(const std::map<std::string, std::string>& metadata, const char* key, int fallback) {
-  const auto found = metadata.find(key);
-  if (found == metadata.end()) return fallback;
-  int number = fallback;
-  std::from_chars(found->second.data(), found->second.data() + found->second.size(), number);
-  return number;
 }
 
 }  // namespace
@@ -125,12 +114,7 @@ Result<Revision> RevisionOnDisk(const fs::path& revision_folder, std::int64_t nu
   Revision revision;
   revision.revision = number;
   revision.created = ChangedAt(tiles);
-  revision.bounds = {-180.0, -85.0, 180.0, 85.0};
-  if (const auto bounds = metadata.find("bounds"); bounds != metadata.end()) {
-    std::array<double, 4> read{};
-    if (std::sscanf(bounds->second.c_str(), "%lf,%lf,%lf,%lf", &read[0], &read[1], &read[2], &read[3]) == 4)
-      revision.bounds = geo::LatLonBounds::FromArray(read);
-  }
+  revision.bounds = TilesetBounds(metadata).value_or(geo::LatLonBounds{-180.0, -85.0, 180.0, 85.0});
   const Json report = ReportIn(revision_folder);
   if (report.contains("bounds") && report["bounds"].is_array() && report["bounds"].size() == 4) {
     std::array<double, 4> read{};
@@ -141,8 +125,8 @@ Result<Revision> RevisionOnDisk(const fs::path& revision_folder, std::int64_t nu
     }
     if (is_number) revision.bounds = geo::LatLonBounds::FromArray(read);
   }
-  revision.min_zoom = IntOr(report, "min_zoom", NumberIn(metadata, "minzoom", 0));
-  revision.max_zoom = IntOr(report, "max_zoom", NumberIn(metadata, "maxzoom", 22));
+  revision.min_zoom = IntOr(report, "min_zoom", TilesetNumber(metadata, "minzoom", 0));
+  revision.max_zoom = IntOr(report, "max_zoom", TilesetNumber(metadata, "maxzoom", 22));
   if (report.contains("gsd_m") && report["gsd_m"].is_number()) revision.gsd_m = report["gsd_m"].get<double>();
   const Json photos = report.contains("photos") ? report["photos"] : Json::object();
   revision.photos_total = IntOr(photos, "total", 0);

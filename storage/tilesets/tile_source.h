@@ -8,6 +8,7 @@
 #include <string>
 
 #include "core/base/result.h"
+#include "core/geo/lat_lon_bounds.h"
 #include "core/geo/tile_id.h"
 #include "core/image/picture_format.h"
 
@@ -40,14 +41,9 @@ class MapTiles : public TileSource {
 };
 
 // What a tileset says of its tiles, where each may still be of any format.
-inline image::TileEncoding EncodingOf(const TilesetFacts& metadata) {
-  const auto is_webp = [&](const char* key) {
-    const auto found = metadata.find(key);
-    return found != metadata.end() && found->second == "webp";
-  };
-  return is_webp("fringe")   ? image::TileEncoding::kJpegWebp
-         : is_webp("format") ? image::TileEncoding::kWebp
-                             : image::TileEncoding::kJpegPng;
-}
+image::TileEncoding EncodingOf(const TilesetFacts& metadata);
+// "minzoom", "tile_size"; `fallback` where it says no number.
+int TilesetNumber(const TilesetFacts& metadata, const char* key, int fallback);
+std::optional<geo::LatLonBounds> TilesetBounds(const TilesetFacts& metadata);
 
 }  // namespace skyquilt::storage

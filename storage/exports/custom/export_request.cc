@@ -6,7 +6,6 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "core/base/check.h"
@@ -18,6 +17,7 @@
 #include "core/indices/spectral_index.h"
 #include "storage/exports/custom/target_crs.h"
 #include "storage/exports/utm_writer.h"
+#include "storage/tilesets/tile_source.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -103,14 +103,6 @@ Result<void> TakeField(const std::string& field, const Json& value, ExportReques
     return {};
   }
   return Refused(fmt::format("The field \"{}\" is not known.", field.substr(0, 40)));
-}
-
-int NumberOr(const std::map<std::string, std::string>& metadata, const char* key, int fallback) {
-  const auto found = metadata.find(key);
-  if (found == metadata.end()) return fallback;
-  int number = fallback;
-  std::from_chars(found->second.data(), found->second.data() + found->second.size(), number);
-  return number;
 }
 
 Result<void> CheckResolution(double metres, const MapFacts& map) {
@@ -216,20 +208,17 @@ double MapFacts::PixelM(int zoom) const {
   return geo::PixelSizeInMercM(zoom, tile_size_px) * geo::GroundMetresPerMercMetre(bounds.Middle().lat_deg);
 }
 
-Result<MapFacts> FactsOfTileset(const std::map<std::string, std::string>& metadata) {
+Result<MapFacts> FactsOfTileset(const TilesetFacts& metadata) {
   MapFacts facts;
-  facts.min_zoom = NumberOr(metadata, "minzoom", -1);
-  facts.max_zoom = NumberOr(metadata, "maxzoom", -1);
-  facts.tile_size_px = NumberOr(metadata, "tile_size", 256);
-  const auto bounds = metadata.find("bounds");
-  std::array<double, 4> box{};
-  const bool has_bounds = bounds != metadata.end() && std::sscanf(bounds->second.c_str(), "%lf,%lf,%lf,%lf",
-                                                                  &box[0], &box[1], &box[2], &box[3]) == 4;
-  facts.bounds = geo::LatLonBounds::FromArray(box);
-  const bool is_sound = has_bounds && facts.min_zoom >= 0 && facts.max_zoom >= facts.min_zoom &&
-                        facts.max_zoom <= geo::kMaxZoom && facts.tile_size_px >= 64 &&
-                        facts.tile_size_px <= 4096 && box[0] < box[2] && box[1] < box[3] &&
-                        std::abs(box[1]) <= 90.0 && std::abs(box[3]) <= 90.0;
+  facts.min_zoom = TilesetNumber(metadata, "minzoom", -1);
+  facts.max_zoom = TilesetNumber(metadata, "maxzoom", -1);
+  facts.tile_size_px = TilesetNumber(metadata, "tile_size", 256);
+  facts.bounds = TilesetBounds(metadata).value_or(geo::LatLonBounds());
+  const geo::LatLonBounds& box = facts.bounds;
+  const bool is_sound =
+      facts.min_zoom >= 0 && facts.max_zoom >= facts.min_zoom && facts.max_zoom <= geo::kMaxZoom &&
+      facts.tile_size_px >= 64 && facts.tile_size_px <= 4096 && box.west_deg < box.east_deg &&
+      box.south_deg < box.north_deg && std::abs(box.south_deg) <= 90.0 && std::abs(box.north_deg) <= 90.0;
   if (!is_sound)
     return Error{ErrorCode::kCorrupt,
                  "The tileset does not say what it covers (bounds, minzoom, maxzoom). Make the map again.",

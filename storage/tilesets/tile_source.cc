@@ -1,0 +1,36 @@
+#include "storage/tilesets/tile_source.h"
+
+#include <array>
+#include <charconv>
+#include <cstdio>
+
+namespace skyquilt::storage {
+
+image::TileEncoding EncodingOf(const TilesetFacts& metadata) {
+  const auto is_webp = [&](const char* key) {
+    const auto found = metadata.find(key);
+    return found != metadata.end() && found->second == "webp";
+  };
+  return is_webp("fringe")   ? image::TileEncoding::kJpegWebp
+         : is_webp("format") ? image::TileEncoding::kWebp
+                             : image::TileEncoding::kJpegPng;
+}
+
+int TilesetNumber(const TilesetFacts& metadata, const char* key, int fallback) {
+  const auto found = metadata.find(key);
+  if (found == metadata.end()) return fallback;
+  int number = fallback;
+  std::from_chars(found->second.data(), found->second.data() + found->second.size(), number);
+  return number;
+}
+
+std::optional<geo::LatLonBounds> TilesetBounds(const TilesetFacts& metadata) {
+  const auto found = metadata.find("bounds");
+  std::array<double, 4> box{};
+  if (found == metadata.end() ||
+      std::sscanf(found->second.c_str(), "%lf,%lf,%lf,%lf", &box[0], &box[1], &box[2], &box[3]) != 4)
+    return std::nullopt;
+  return geo::LatLonBounds::FromArray(box);
+}
+
+}  // namespace skyquilt::storage
