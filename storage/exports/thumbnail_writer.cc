@@ -1,10 +1,7 @@
 #include "storage/exports/thumbnail_writer.h"
 
-#include <cpl_conv.h>
 #include <cpl_error.h>
-#include <cpl_string.h>
 #include <gdal_priv.h>
-#include <gdal_utils.h>
 
 #include <algorithm>
 #include <cstring>
@@ -20,6 +17,7 @@
 #include "storage/exports/cog_writer.h"
 #include "storage/exports/streamed/cog_cells.h"
 #include "storage/files/publish_file.h"
+#include "storage/rasters/gdal_steps.h"
 #include "storage/rasters/register_gdal.h"
 #include "storage/tilesets/mbtiles_reader.h"
 
@@ -76,24 +74,12 @@ Result<void> WriteThumbnail(const std::filesystem::path& cog, const std::filesys
     return std::to_string(std::max(1, static_cast<int>(side_px * shrink)));
   };
   CPLStringList words;
-  for (const std::string& word :
-       {std::string("-of"), std::string("PNG"), std::string("-r"), std::string("average"),
-        std::string("-outsize"), side(map->GetRasterXSize()), side(map->GetRasterYSize())})
-    words.AddString(word.c_str());
-  if (map->GetRasterCount() == 3) {
-    for (const char* word : {"-b", "1", "-b", "2", "-b", "3", "-b", "mask"}) words.AddString(word);
-  }
-  const std::unique_ptr<GDALTranslateOptions, void (*)(GDALTranslateOptions*)> translate(
-      GDALTranslateOptionsNew(words.List(), nullptr), GDALTranslateOptionsFree);
-  if (!translate) return failed();
+  AddGdalWords(words, {"-of", "PNG", "-r", "average", "-outsize", side(map->GetRasterXSize()),
+                       side(map->GetRasterYSize())});
+  if (map->GetRasterCount() == 3) AddGdalWords(words, {"-b", "1", "-b", "2", "-b", "3", "-b", "mask"});
   std::filesystem::path temporary = path;
   temporary += ".tmp";
-  std::unique_ptr<GDALDataset> written(GDALDataset::FromHandle(
-      GDALTranslate(temporary.c_str(), GDALDataset::ToHandle(map.get()), translate.get(), nullptr)));
-  if (!written) return failed();
-  CPLErrorReset();
-  written.reset();
-  if (CPLGetLastErrorType() >= CE_Failure) return failed();
+  if (!TranslateRaster(*map, temporary.c_str(), words, nullptr)) return failed();
   return PublishFile(temporary, path);
 }
 

@@ -1,13 +1,11 @@
 #include "storage/exports/warp_geotiff.h"
 
 #include <cpl_error.h>
-#include <cpl_string.h>
 #include <fmt/core.h>
 #include <gdal_priv.h>
 #include <gdal_utils.h>
 #include <ogr_spatialref.h>
 
-#include <initializer_list>
 #include <memory>
 #include <string>
 #include <utility>
@@ -19,10 +17,6 @@
 
 namespace skyquilt::storage {
 namespace {
-
-void AddWords(CPLStringList& words, std::initializer_list<std::string> more) {
-  for (const std::string& word : more) words.AddString(word.c_str());
-}
 
 const char* ResamplingOf(const WarpOptions& options) {
   switch (options.pixels) {
@@ -60,38 +54,17 @@ Result<void> Warp(GDALDataset& source, const char* path, const WarpOptions& opti
   // Metres to the micrometre, degrees to a tenth of one.
   const int digits = options.target.pixel_x < 1e-3 ? 12 : 6;
   CPLStringList words;
-  AddWords(words, {"-t_srs",
-                   fmt::format("EPSG:{}", options.target.epsg),
-                   "-tr",
-                   fmt::format("{:.{}f}", options.target.pixel_x, digits),
-                   fmt::format("{:.{}f}", options.target.pixel_y, digits),
-                   "-tap",
-                   "-r",
-                   ResamplingOf(options),
-                   "-wm",
-                   "128",
-                   "-multi",
-                   "-wo",
-                   "NUM_THREADS=" + threads,
-                   "-of",
-                   "GTiff",
-                   "-co",
-                   "TILED=YES",
-                   "-co",
-                   "COMPRESS=DEFLATE",
-                   "-co",
-                   "ZLEVEL=1",
-                   "-co",
-                   "SPARSE_OK=TRUE",
-                   "-co",
-                   "NUM_THREADS=" + threads,
-                   "-co",
-                   "BIGTIFF=IF_SAFER"});
+  AddGdalWords(words, {"-t_srs", fmt::format("EPSG:{}", options.target.epsg), "-tr",
+                       fmt::format("{:.{}f}", options.target.pixel_x, digits),
+                       fmt::format("{:.{}f}", options.target.pixel_y, digits), "-tap"});
+  AddGdalWords(words, {"-r", ResamplingOf(options), "-wm", "128", "-multi", "-wo", threads, "-of", "GTiff"});
+  AddGdalWords(words, {"-co", "TILED=YES", "-co", "COMPRESS=DEFLATE", "-co", "ZLEVEL=1"});
+  AddGdalWords(words, {"-co", "SPARSE_OK=TRUE", "-co", threads, "-co", "BIGTIFF=IF_SAFER"});
   if (options.bounds) {
     SKYQUILT_TRY_ASSIGN(const geo::Bounds2 box,
                         BoundsInTarget(*options.bounds, options.target.epsg, progress));
-    AddWords(words, {"-te", fmt::format("{:.9f}", box.min.x()), fmt::format("{:.9f}", box.min.y()),
-                     fmt::format("{:.9f}", box.max.x()), fmt::format("{:.9f}", box.max.y())});
+    AddGdalWords(words, {"-te", fmt::format("{:.9f}", box.min.x()), fmt::format("{:.9f}", box.min.y()),
+                         fmt::format("{:.9f}", box.max.x()), fmt::format("{:.9f}", box.max.y())});
   }
   const std::unique_ptr<GDALWarpAppOptions, void (*)(GDALWarpAppOptions*)> warp(
       GDALWarpAppOptionsNew(words.List(), nullptr), GDALWarpAppOptionsFree);
@@ -113,23 +86,17 @@ Result<void> MakeCog(const char* from, const char* path, const WarpOptions& opti
   const std::unique_ptr<GDALDataset> source(GDALDataset::Open(from, GDAL_OF_RASTER | GDAL_OF_READONLY));
   if (!source) return LastGdalError(progress);
   CPLStringList words;
-  AddWords(words, {"-of", "COG", "-co", "BIGTIFF=IF_SAFER", "-co", "NUM_THREADS=" + threads});
-  AddWords(words, {"-co", "COMPRESS=DEFLATE", "-co", "LEVEL=6", "-co", "PREDICTOR=YES"});
-  AddWords(words, {"-co", options.pixels == WarpedPixels::kCounts ? "OVERVIEW_RESAMPLING=NEAREST"
-                                                                  : "OVERVIEW_RESAMPLING=AVERAGE"});
+  AddGdalWords(words, {"-of", "COG", "-co", "BIGTIFF=IF_SAFER", "-co", threads});
+  AddGdalWords(words, {"-co", "COMPRESS=DEFLATE", "-co", "LEVEL=6", "-co", "PREDICTOR=YES"});
+  AddGdalWords(words, {"-co", options.pixels == WarpedPixels::kCounts ? "OVERVIEW_RESAMPLING=NEAREST"
+                                                                      : "OVERVIEW_RESAMPLING=AVERAGE"});
   if (options.window) {
     const auto& [low, high] = *options.window;
-    AddWords(words, {"-projwin", fmt::format("{:.6f}", low.x()), fmt::format("{:.6f}", high.y()),
-                     fmt::format("{:.6f}", high.x()), fmt::format("{:.6f}", low.y())});
+    AddGdalWords(words, {"-projwin", fmt::format("{:.6f}", low.x()), fmt::format("{:.6f}", high.y()),
+                         fmt::format("{:.6f}", high.x()), fmt::format("{:.6f}", low.y())});
   }
-  const std::unique_ptr<GDALTranslateOptions, void (*)(GDALTranslateOptions*)> translate(
-      GDALTranslateOptionsNew(words.List(), nullptr), GDALTranslateOptionsFree);
-  if (!translate) return LastGdalError(progress);
   GdalStep step{progress, options.message, done, 1.0};
-  GDALTranslateOptionsSetProgress(translate.get(), ForwardGdalProgress, &step);
-  std::unique_ptr<GDALDataset> written(GDALDataset::FromHandle(
-      GDALTranslate(path, GDALDataset::ToHandle(source.get()), translate.get(), nullptr)));
-  if (!written || !IsClosedWell(std::move(written))) return LastGdalError(progress);
+  if (!TranslateRaster(*source, path, words, &step)) return LastGdalError(progress);
   return {};
 }
 
@@ -142,7 +109,7 @@ Result<void> WarpGeotiff(const std::filesystem::path& geotiff, const std::filesy
   const std::unique_ptr<GDALDataset> source(
       GDALDataset::Open(geotiff.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY));
   if (!source) return LastGdalError(progress);
-  const std::string threads = options.threads > 0 ? std::to_string(options.threads) : "ALL_CPUS";
+  const std::string threads = GdalThreads(options.threads);
   const TemporaryTiff warped(path, ".warped.tmp"), made(path, ".tmp");
   if (options.window) {
     SKYQUILT_TRY(MakeCog(geotiff.c_str(), made.c_str(), options, threads, 0.0, progress));

@@ -1,10 +1,7 @@
 #include "storage/rasters/bands_writer.h"
 
-#include <cpl_error.h>
-#include <cpl_string.h>
 #include <fmt/core.h>
 #include <gdal_priv.h>
-#include <gdal_utils.h>
 
 #include <algorithm>
 #include <bit>
@@ -114,24 +111,14 @@ Result<void> BandsWriter::Publish() {
       GDALDataset::Open(work_->raw.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY));
   if (!source) return LastGdalError(work_->progress);
   const image::PixelBox& box = work_->covered;
-  const std::string threads = work_->threads > 0 ? std::to_string(work_->threads) : "ALL_CPUS";
   CPLStringList words;
-  for (const std::string& word :
-       {std::string("-of"), std::string("COG"), std::string("-srcwin"), std::to_string(box.left),
-        std::to_string(box.top), std::to_string(box.right - box.left), std::to_string(box.bottom - box.top),
-        std::string("-co"), std::string("COMPRESS=DEFLATE"), std::string("-co"), std::string("LEVEL=1"),
-        std::string("-co"), std::string("PREDICTOR=YES"), std::string("-co"),
-        std::string("OVERVIEW_RESAMPLING=AVERAGE"), std::string("-co"), std::string("BIGTIFF=IF_SAFER"),
-        std::string("-co"), "NUM_THREADS=" + threads})
-    words.AddString(word.c_str());
-  const std::unique_ptr<GDALTranslateOptions, void (*)(GDALTranslateOptions*)> translate(
-      GDALTranslateOptionsNew(words.List(), nullptr), GDALTranslateOptionsFree);
-  if (!translate) return LastGdalError(work_->progress);
+  AddGdalWords(words, {"-of", "COG", "-srcwin", std::to_string(box.left), std::to_string(box.top),
+                       std::to_string(box.right - box.left), std::to_string(box.bottom - box.top)});
+  AddGdalWords(words, {"-co", "COMPRESS=DEFLATE", "-co", "LEVEL=1", "-co", "PREDICTOR=YES"});
+  AddGdalWords(words, {"-co", "OVERVIEW_RESAMPLING=AVERAGE", "-co", "BIGTIFF=IF_SAFER", "-co",
+                       GdalThreads(work_->threads)});
   GdalStep step{work_->progress, kMessage};
-  GDALTranslateOptionsSetProgress(translate.get(), ForwardGdalProgress, &step);
-  std::unique_ptr<GDALDataset> written(GDALDataset::FromHandle(
-      GDALTranslate(work_->made.c_str(), GDALDataset::ToHandle(source.get()), translate.get(), nullptr)));
-  if (!written || !IsClosedWell(std::move(written))) return LastGdalError(work_->progress);
+  if (!TranslateRaster(*source, work_->made.c_str(), words, &step)) return LastGdalError(work_->progress);
   return PublishFile(work_->made.path(), work_->path);
 }
 

@@ -1,12 +1,12 @@
 #include "storage/rasters/gdal_steps.h"
 
 #include <cpl_error.h>
-#include <cpl_string.h>
 #include <gdal_priv.h>
+#include <gdal_utils.h>
 #include <ogr_spatialref.h>
 
-#include <string>
 #include <system_error>
+#include <utility>
 
 #include "core/base/check.h"
 #include "storage/rasters/register_gdal.h"
@@ -39,10 +39,8 @@ Result<std::unique_ptr<GDALDataset>> CreateMercFloats(const std::filesystem::pat
   GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("GTiff");
   SKYQUILT_CHECK(driver != nullptr, "GDAL writes GeoTIFF");
   CPLStringList options;
-  for (const char* option :
-       {"TILED=YES", "BLOCKXSIZE=512", "BLOCKYSIZE=512", "INTERLEAVE=BAND", "COMPRESS=ZSTD", "ZSTD_LEVEL=1",
-        "PREDICTOR=3", "SPARSE_OK=TRUE", "BIGTIFF=IF_SAFER"})
-    options.AddString(option);
+  AddGdalWords(options, {"TILED=YES", "BLOCKXSIZE=512", "BLOCKYSIZE=512", "INTERLEAVE=BAND", "COMPRESS=ZSTD",
+                         "ZSTD_LEVEL=1", "PREDICTOR=3", "SPARSE_OK=TRUE", "BIGTIFF=IF_SAFER"});
   std::unique_ptr<GDALDataset> made(
       driver->Create(path.c_str(), grid.width_px, grid.height_px, bands, GDT_Float32, options.List()));
   if (!made) return LastGdalError(progress);
@@ -59,6 +57,24 @@ bool IsClosedWell(std::unique_ptr<GDALDataset> written) {
   CPLErrorReset();
   written.reset();
   return CPLGetLastErrorType() < CE_Failure;
+}
+
+void AddGdalWords(CPLStringList& words, std::initializer_list<std::string> more) {
+  for (const std::string& word : more) words.AddString(word.c_str());
+}
+
+std::string GdalThreads(int threads) {
+  return "NUM_THREADS=" + (threads > 0 ? std::to_string(threads) : "ALL_CPUS");
+}
+
+bool TranslateRaster(GDALDataset& source, const char* path, CPLStringList words, GdalStep* step) {
+  const std::unique_ptr<GDALTranslateOptions, void (*)(GDALTranslateOptions*)> translate(
+      GDALTranslateOptionsNew(words.List(), nullptr), GDALTranslateOptionsFree);
+  if (!translate) return false;
+  if (step != nullptr) GDALTranslateOptionsSetProgress(translate.get(), ForwardGdalProgress, step);
+  std::unique_ptr<GDALDataset> written(
+      GDALDataset::FromHandle(GDALTranslate(path, GDALDataset::ToHandle(&source), translate.get(), nullptr)));
+  return written && IsClosedWell(std::move(written));
 }
 
 }  // namespace skyquilt::storage

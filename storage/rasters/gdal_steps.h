@@ -1,9 +1,13 @@
-// What every long piece of work by GDAL needs: its progress as a share of ours, files that are gone at the
-// end, and its last error as ours. One thread.
+// What every long piece of work by GDAL needs: its words, its progress as a share of ours, files that are
+// gone at the end, and its last error as ours. One thread.
 #pragma once
 
+#include <cpl_string.h>
+
 #include <filesystem>
+#include <initializer_list>
 #include <memory>
+#include <string>
 
 #include "core/base/progress.h"
 #include "core/base/result.h"
@@ -48,5 +52,13 @@ Result<std::unique_ptr<GDALDataset>> CreateMercFloats(const std::filesystem::pat
 
 // Closing writes what is left; an error there is an error of the file.
 bool IsClosedWell(std::unique_ptr<GDALDataset> written);
+
+// For GDAL's programs, as a shell would give them.
+void AddGdalWords(CPLStringList& words, std::initializer_list<std::string> more);
+// "NUM_THREADS=4"; 0: all cores.
+std::string GdalThreads(int threads);
+// What gdal_translate makes of `source`, written to its end. `step`: null where nobody waits for it. False:
+// ask for the last error.
+bool TranslateRaster(GDALDataset& source, const char* path, CPLStringList words, GdalStep* step);
 
 }  // namespace skyquilt::storage

@@ -1,7 +1,6 @@
 #include "storage/rasters/map_raster.h"
 
 #include <cpl_error.h>
-#include <cpl_string.h>
 #include <fmt/core.h>
 #include <gdal_alg.h>
 #include <gdal_priv.h>
@@ -21,6 +20,7 @@
 #include "core/flight/remarks/because.h"
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
+#include "storage/rasters/gdal_steps.h"
 #include "storage/rasters/quiet_gdal.h"
 #include "storage/rasters/register_gdal.h"
 
@@ -33,12 +33,6 @@ constexpr int kMaxMapZoom = 22;  // the finest that GDAL and QGIS open
 constexpr int kMaxTileSizePx = 1024;
 // A pixel that is a hair larger than the tiles' is theirs.
 constexpr double kPixelTolerance = 1.01;
-
-CPLStringList Words(std::initializer_list<std::string> words) {
-  CPLStringList list;
-  for (const std::string& word : words) list.AddString(word.c_str());
-  return list;
-}
 
 Error RasterError(ErrorCode code, const std::string& name, flight::RemarkCode why,
                   std::map<std::string, flight::RemarkValue> values = {}) {
@@ -76,10 +70,9 @@ Result<DatasetPointer> AsColours(GDALDataset& raster, const std::string& name) {
   const int bands = raster.GetRasterCount();
   const auto interpretation = [&](int band) { return raster.GetRasterBand(band)->GetColorInterpretation(); };
   const bool ends_in_alpha = (bands == 2 || bands == 4) && interpretation(bands) == GCI_AlphaBand;
-  CPLStringList words = Words({"-of", "VRT"});
-  const auto add = [&](std::initializer_list<const char*> more) {
-    for (const char* word : more) words.AddString(word);
-  };
+  CPLStringList words;
+  const auto add = [&](std::initializer_list<std::string> more) { AddGdalWords(words, more); };
+  add({"-of", "VRT"});
   if (bands == 1 && raster.GetRasterBand(1)->GetColorTable() != nullptr) {
     add({"-expand", "rgba"});
   } else if (bands < 3) {
@@ -197,12 +190,13 @@ Result<std::unique_ptr<MapRaster>> MapRaster::Open(const std::filesystem::path& 
   const auto size = [&](int first, int last_one) {
     return std::to_string(std::int64_t{last_one - first + 1} * raster->tile_size_px_);
   };
-  CPLStringList words =
-      Words({"-of", "VRT", "-t_srs", "EPSG:3857", "-te", edge(raster->first_column_, false),
-             edge(raster->last_row_ + 1, true), edge(raster->last_column_ + 1, false),
-             edge(raster->first_row_, true), "-ts", size(raster->first_column_, raster->last_column_),
-             size(raster->first_row_, raster->last_row_), "-r",
-             extent.pixel_merc_m > 1.5 * pixel_m ? "bilinear" : "cubic", "-wm", "128"});
+  CPLStringList words;
+  AddGdalWords(words,
+               {"-of", "VRT", "-t_srs", "EPSG:3857", "-te", edge(raster->first_column_, false),
+                edge(raster->last_row_ + 1, true), edge(raster->last_column_ + 1, false),
+                edge(raster->first_row_, true), "-ts", size(raster->first_column_, raster->last_column_),
+                size(raster->first_row_, raster->last_row_), "-r",
+                extent.pixel_merc_m > 1.5 * pixel_m ? "bilinear" : "cubic", "-wm", "128"});
   if (raster->dataset_->colours->GetRasterCount() == 3) words.AddString("-dstalpha");
   GDALWarpAppOptions* options = GDALWarpAppOptionsNew(words.List(), nullptr);
   GDALDatasetH from = GDALDataset::ToHandle(raster->dataset_->colours.get());

@@ -14,6 +14,7 @@
 #include <system_error>
 #include <vector>
 
+#include "storage/rasters/quiet_gdal.h"
 #include "storage/rasters/register_gdal.h"
 #include "storage/validation/validate_map.h"
 
@@ -23,18 +24,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kLargestWithoutOverviews = 512;
-
-// GDAL says what it finds to us alone.
-class QuietTiff {
- public:
-  QuietTiff() {
-    CPLErrorReset();
-    CPLPushErrorHandler(CPLQuietErrorHandler);
-  }
-  ~QuietTiff() { CPLPopErrorHandler(); }
-  QuietTiff(const QuietTiff&) = delete;
-  QuietTiff& operator=(const QuietTiff&) = delete;
-};
 
 std::optional<std::uint64_t> TiffNumber(GDALRasterBand& band, const std::string& item) {
   const char* text = band.GetMetadataItem(item.c_str(), "TIFF");
@@ -220,7 +209,7 @@ class BlockWalk {
 Result<FileVerdict> ValidateGeotiff(const fs::path& path, const ValidateOptions& options,
                                     Progress& progress) {
   RegisterGdalOnce();
-  const QuietTiff quiet;
+  const QuietGdal quiet;
   FileVerdict verdict;
   verdict.file = path.filename().string();
   verdict.kind = "GeoTIFF";

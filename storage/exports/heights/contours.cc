@@ -121,7 +121,7 @@ Result<void> WriteLines(GDALDataset& lines, const std::filesystem::path& folder,
   std::error_code gone;  // what cannot be removed cannot be written either, which is said
   std::filesystem::remove(made.path(), gone);
   CPLStringList words;
-  for (const char* word : {"-f", file.driver}) words.AddString(word);
+  AddGdalWords(words, {"-f", file.driver});
   for (const char* word : file.options) words.AddString(word);
   const std::unique_ptr<GDALVectorTranslateOptions, void (*)(GDALVectorTranslateOptions*)> translate(
       GDALVectorTranslateOptionsNew(words.List(), nullptr), GDALVectorTranslateOptionsFree);

@@ -1,12 +1,10 @@
 #include "storage/exports/heights/hillshade.h"
 
 #include <cpl_error.h>
-#include <cpl_string.h>
 #include <gdal_priv.h>
 #include <gdal_utils.h>
 
 #include <memory>
-#include <string>
 #include <utility>
 
 #include "storage/files/publish_file.h"
@@ -24,11 +22,9 @@ Result<void> WriteHillshade(const std::filesystem::path& heights, int threads, P
   const std::filesystem::path path = heights.parent_path() / "dsm_hillshade.tif";
   const TemporaryTiff made(path, ".tmp");
   CPLStringList words;
-  for (const char* word :
-       {"-of", "COG", "-multidirectional", "-compute_edges", "-co", "COMPRESS=DEFLATE", "-co",
-        "PREDICTOR=YES", "-co", "OVERVIEW_RESAMPLING=AVERAGE", "-co", "BIGTIFF=IF_SAFER", "-co"})
-    words.AddString(word);
-  words.AddString(("NUM_THREADS=" + (threads > 0 ? std::to_string(threads) : "ALL_CPUS")).c_str());
+  AddGdalWords(words, {"-of", "COG", "-multidirectional", "-compute_edges", "-co", "COMPRESS=DEFLATE"});
+  AddGdalWords(words, {"-co", "PREDICTOR=YES", "-co", "OVERVIEW_RESAMPLING=AVERAGE", "-co",
+                       "BIGTIFF=IF_SAFER", "-co", GdalThreads(threads)});
   using Options = GDALDEMProcessingOptions;
   const std::unique_ptr<Options, void (*)(Options*)> options(
       GDALDEMProcessingOptionsNew(words.List(), nullptr), GDALDEMProcessingOptionsFree);

@@ -1,7 +1,6 @@
 #include "storage/exports/heights/surface_writer.h"
 
 #include <cpl_error.h>
-#include <cpl_string.h>
 #include <fmt/core.h>
 #include <gdal_priv.h>
 #include <ogr_spatialref.h>
@@ -36,9 +35,8 @@ std::unique_ptr<GDALDataset> CreateRaw(const char* path, const surface::SurfaceG
   GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("GTiff");
   SKYQUILT_CHECK(driver != nullptr, "GDAL writes GeoTIFF");
   CPLStringList options;
-  for (const char* option : {"TILED=YES", "BLOCKXSIZE=512", "BLOCKYSIZE=512", "COMPRESS=ZSTD", "ZSTD_LEVEL=1",
-                             "SPARSE_OK=TRUE", "BIGTIFF=IF_SAFER"})
-    options.AddString(option);
+  AddGdalWords(options, {"TILED=YES", "BLOCKXSIZE=512", "BLOCKYSIZE=512", "COMPRESS=ZSTD", "ZSTD_LEVEL=1",
+                         "SPARSE_OK=TRUE", "BIGTIFF=IF_SAFER"});
   std::unique_ptr<GDALDataset> dataset(
       driver->Create(path, grid.columns, grid.rows, 1, type, options.List()));
   std::array<double, 6> copy = transform;
