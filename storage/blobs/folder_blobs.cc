@@ -1,6 +1,5 @@
 #include "storage/blobs/folder_blobs.h"
 
-#include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -79,25 +78,7 @@ Result<void> FolderBlobs::PutIfAbsent(const std::string& key, std::string_view b
 }
 
 Result<std::string> FolderBlobs::ReadRange(const std::string& key, std::int64_t offset, std::int64_t length) {
-  const fs::path path = PathOf(key);
-  const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
-  if (fd < 0 && errno == ENOENT) return NoBlob(path);
-  if (fd < 0) return FileError("cannot open", path, errno);
-  std::string bytes(static_cast<std::size_t>(length), '\0');
-  std::size_t have = 0;
-  int failure = 0;
-  while (have < bytes.size()) {
-    const ssize_t got = pread(fd, bytes.data() + have, bytes.size() - have,
-                              static_cast<off_t>(offset + static_cast<std::int64_t>(have)));
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) failure = errno;
-    if (got <= 0) break;
-    have += static_cast<std::size_t>(got);
-  }
-  close(fd);
-  if (failure != 0) return FileError("cannot read", path, failure);
-  bytes.resize(have);
-  return bytes;
+  return ReadRangeOfFile(PathOf(key), offset, length);
 }
 
 Result<BlobInfo> FolderBlobs::Find(const std::string& key) {

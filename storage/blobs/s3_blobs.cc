@@ -1,8 +1,5 @@
 #include "storage/blobs/s3_blobs.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cerrno>
 #include <mutex>
@@ -24,33 +21,12 @@ namespace fs = std::filesystem;
 constexpr int kPartsSideBySide = 4;
 constexpr std::int64_t kMaxParts = 9'000;
 
-class InFile {
- public:
-  explicit InFile(const fs::path& path)
-      : path_(path), fd_(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW)) {}
-  ~InFile() {
-    if (fd_ >= 0) close(fd_);
-  }
-  InFile(const InFile&) = delete;
-  InFile& operator=(const InFile&) = delete;
-
-  Result<std::string> Read(std::int64_t offset, std::int64_t length) const {
-    if (fd_ < 0) return FileError("cannot open", path_, errno);
-    std::string bytes(static_cast<std::size_t>(length), '\0');
-    for (std::size_t have = 0; have < bytes.size();) {
-      const ssize_t got = pread(fd_, bytes.data() + have, bytes.size() - have,
-                                static_cast<off_t>(offset + static_cast<std::int64_t>(have)));
-      if (got < 0 && errno == EINTR) continue;
-      if (got <= 0) return FileError("cannot read", path_, got < 0 ? errno : EIO);
-      have += static_cast<std::size_t>(got);
-    }
-    return bytes;
-  }
-
- private:
-  fs::path path_;
-  int fd_;
-};
+// All of the range.
+Result<std::string> RangeOf(const fs::path& file, std::int64_t offset, std::int64_t length) {
+  SKYQUILT_TRY_ASSIGN(std::string bytes, ReadRangeOfFile(file, offset, length));
+  if (static_cast<std::int64_t>(bytes.size()) < length) return FileError("cannot read", file, EIO);
+  return bytes;
+}
 
 // The first error of several threads.
 class FirstError {
@@ -86,13 +62,12 @@ Result<void> S3Blobs::Put(const std::string& key, const fs::path& file) {
   const auto bytes = static_cast<std::int64_t>(fs::file_size(file, error));
   if (error) return FileError("cannot read", file, error.value());
   if (bytes > kSinglePutBytes) return PutInParts(key, file, bytes, sha256);
-  SKYQUILT_TRY_ASSIGN(const std::string whole, InFile(file).Read(0, bytes));
+  SKYQUILT_TRY_ASSIGN(const std::string whole, RangeOf(file, 0, bytes));
   return client_->Put(key, whole, {sha256});
 }
 
 Result<void> S3Blobs::PutInParts(const std::string& key, const fs::path& file, std::int64_t bytes,
                                  const std::string& sha256) {
-  const InFile source(file);
   const std::int64_t part_bytes = PartBytesFor(bytes);
   const auto count = static_cast<std::size_t>((bytes + part_bytes - 1) / part_bytes);
   SKYQUILT_TRY_ASSIGN(const std::string upload_id, client_->BeginUpload(key, {sha256}));
@@ -101,7 +76,7 @@ Result<void> S3Blobs::PutInParts(const std::string& key, const fs::path& file, s
   ParallelFor(count, kPartsSideBySide, [&](std::size_t i) {
     if (failure.error()) return;
     const std::int64_t offset = static_cast<std::int64_t>(i) * part_bytes;
-    const Result<std::string> part = source.Read(offset, std::min(part_bytes, bytes - offset));
+    const Result<std::string> part = RangeOf(file, offset, std::min(part_bytes, bytes - offset));
     if (!part) return failure.Keep(part.error());
     Result<UploadedPart> put = client_->PutPart(key, upload_id, static_cast<int>(i) + 1, *part);
     if (!put) return failure.Keep(put.error());

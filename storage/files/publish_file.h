@@ -1,6 +1,7 @@
 // Publishing a finished file: bytes on the disk first, then the name, then the folder. Any thread.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -21,5 +22,8 @@ Result<void> PublishFile(const std::filesystem::path& temporary, const std::file
 Result<void> WriteFileAtomically(const std::filesystem::path& path, std::string_view bytes);
 // Of a file written so. Errors: kNotFound, kIo.
 Result<std::string> ReadWholeFile(const std::filesystem::path& path);
+// Fewer bytes only at its end; never through a link. Errors: kNotFound, kIo.
+Result<std::string> ReadRangeOfFile(const std::filesystem::path& path, std::int64_t offset,
+                                    std::int64_t length);
 
 }  // namespace skyquilt::storage
