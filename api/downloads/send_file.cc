@@ -14,6 +14,7 @@
 #include "api/http/etag.h"
 #include "api/http/problem.h"
 #include "api/http/range.h"
+#include "core/base/process/file_descriptor.h"
 #include "core/base/try.h"
 #include "storage/blobs/range_cache.h"
 #include "storage/blobs/sha256.h"
@@ -21,25 +22,9 @@
 namespace skyquilt::api {
 namespace {
 
-class OpenFile {
- public:
-  explicit OpenFile(int fd) : fd_(fd) {}
-  ~OpenFile() {
-    if (fd_ >= 0) close(fd_);
-  }
-  OpenFile(OpenFile&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
-  OpenFile(const OpenFile&) = delete;
-  OpenFile& operator=(const OpenFile&) = delete;
-  OpenFile& operator=(OpenFile&&) = delete;
-  int fd() const { return fd_; }
-
- private:
-  int fd_;
-};
-
 class FileSource final : public BodySource {
  public:
-  FileSource(OpenFile file, std::uint64_t offset, std::uint64_t length)
+  FileSource(FileDescriptor file, std::uint64_t offset, std::uint64_t length)
       : file_(std::move(file)), offset_(offset), length_(length), left_(length) {}
   std::uint64_t length() const override { return length_; }
 
@@ -48,7 +33,7 @@ class FileSource final : public BodySource {
     if (wanted == 0) return std::size_t{0};
     ssize_t got = 0;
     do {
-      got = pread(file_.fd(), into.data(), wanted, static_cast<off_t>(offset_));
+      got = pread(file_.get(), into.data(), wanted, static_cast<off_t>(offset_));
     } while (got < 0 && errno == EINTR);
     if (got <= 0)
       return Error{ErrorCode::kIo, "The file could not be read.", got < 0 ? std::strerror(errno) : "short"};
@@ -58,7 +43,7 @@ class FileSource final : public BodySource {
   }
 
  private:
-  OpenFile file_;
+  FileDescriptor file_;
   std::uint64_t offset_;
   std::uint64_t length_;
   std::uint64_t left_;
@@ -208,10 +193,10 @@ std::string Disposition(const std::string& stem, const char* extension) {
 
 Result<Response> SendFile(const Request& request, const std::filesystem::path& path,
                           const std::string& content_type, const std::string& etag) {
-  OpenFile file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+  FileDescriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
   struct stat status {};
-  if (file.fd() < 0 || fstat(file.fd(), &status) != 0 || !S_ISREG(status.st_mode)) {
-    if (file.fd() >= 0 || errno == ENOENT || errno == ENOTDIR || errno == ELOOP) {
+  if (!file.is_open() || fstat(file.get(), &status) != 0 || !S_ISREG(status.st_mode)) {
+    if (file.is_open() || errno == ENOENT || errno == ENOTDIR || errno == ELOOP) {
       return Error{ErrorCode::kNotFound, "There is no such file.", path.string()};
     }
     return Error{ErrorCode::kIo, "The file could not be opened.",

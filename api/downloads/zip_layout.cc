@@ -18,6 +18,7 @@
 #include "api/http/etag.h"
 #include "core/base/check.h"
 #include "core/base/parallel_for.h"
+#include "core/base/process/file_descriptor.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {
@@ -29,22 +30,9 @@ constexpr std::uint16_t kUtf8 = 1 << 11;
 constexpr std::uint16_t kDosDate = (1 << 5) | 1;  // 1980-01-01: no clock, so that the bytes repeat
 constexpr std::size_t kSlice = 256 * 1024;
 
-class OpenedFile {
- public:
-  explicit OpenedFile(const std::filesystem::path& path)
-      : fd_(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW)) {}
-  ~OpenedFile() {
-    if (fd_ >= 0) close(fd_);
-  }
-  OpenedFile(OpenedFile&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
-  OpenedFile(const OpenedFile&) = delete;
-  OpenedFile& operator=(const OpenedFile&) = delete;
-  OpenedFile& operator=(OpenedFile&&) = delete;
-  int fd() const { return fd_; }
-
- private:
-  int fd_;
-};
+int OpenToRead(const std::filesystem::path& path) {
+  return open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+}
 
 Error ReadError(const std::filesystem::path& path) {
   return {errno == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo, "A file of the archive could not be read.",
@@ -57,9 +45,9 @@ struct Measured {
 };
 
 Result<Measured> MeasureFile(const std::filesystem::path& path) {
-  const OpenedFile file(path);
+  const FileDescriptor file(OpenToRead(path));
   struct stat status {};
-  if (file.fd() < 0 || fstat(file.fd(), &status) != 0) return ReadError(path);
+  if (!file.is_open() || fstat(file.get(), &status) != 0) return ReadError(path);
   // Finished maps never change, and no inode is reused at the same nanosecond with the same size.
   using Identity = std::tuple<dev_t, ino_t, off_t, time_t, long>;
   static std::mutex mutex;
@@ -78,7 +66,7 @@ Result<Measured> MeasureFile(const std::filesystem::path& path) {
   uLong crc = crc32(0, nullptr, 0);
   std::uint64_t total = 0;
   while (true) {
-    const ssize_t got = read(file.fd(), slice.data(), slice.size());
+    const ssize_t got = read(file.get(), slice.data(), slice.size());
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) return ReadError(path);
     if (got == 0) break;
@@ -221,8 +209,8 @@ std::string Directory(const std::vector<Placed>& placed, std::uint64_t offset) {
 class ZipSource final : public BodySource {
  public:
   // `files` are those of the pieces from `first_piece` on, as far as the range goes.
-  ZipSource(std::shared_ptr<const ZipLayout> layout, std::size_t first_piece, std::vector<OpenedFile> files,
-            std::uint64_t offset, std::uint64_t length)
+  ZipSource(std::shared_ptr<const ZipLayout> layout, std::size_t first_piece,
+            std::vector<FileDescriptor> files, std::uint64_t offset, std::uint64_t length)
       : layout_(std::move(layout)),
         first_piece_(first_piece),
         piece_(first_piece),
@@ -252,7 +240,7 @@ class ZipSource final : public BodySource {
     } else {
       ssize_t read = -1;
       do {
-        read = pread(files_[piece_ - first_piece_].fd(), into.data(), wanted, static_cast<off_t>(inside));
+        read = pread(files_[piece_ - first_piece_].get(), into.data(), wanted, static_cast<off_t>(inside));
       } while (read < 0 && errno == EINTR);
       if (read <= 0) return ReadError(piece.path);
       got = static_cast<std::size_t>(read);
@@ -265,7 +253,7 @@ class ZipSource final : public BodySource {
   std::shared_ptr<const ZipLayout> layout_;
   std::size_t first_piece_;
   std::size_t piece_;
-  std::vector<OpenedFile> files_;
+  std::vector<FileDescriptor> files_;
   std::unique_ptr<BodySource> streamed_;  // of the piece streamed_piece_, from where the last read ended
   std::size_t streamed_piece_ = 0;
   std::uint64_t at_;
@@ -310,10 +298,10 @@ Result<std::unique_ptr<BodySource>> ReadZip(std::shared_ptr<const ZipLayout> lay
       std::upper_bound(pieces.begin(), pieces.end(), offset,
                        [](std::uint64_t value, const ZipPiece& piece) { return value < piece.offset; });
   const auto first_piece = static_cast<std::size_t>(first - pieces.begin() - 1);
-  std::vector<OpenedFile> files;
+  std::vector<FileDescriptor> files;
   for (std::size_t i = first_piece; i < pieces.size() && pieces[i].offset < offset + length; ++i) {
-    files.emplace_back(pieces[i].path);
-    if (!pieces[i].path.empty() && files.back().fd() < 0) return ReadError(pieces[i].path);
+    files.emplace_back(OpenToRead(pieces[i].path));
+    if (!pieces[i].path.empty() && !files.back().is_open()) return ReadError(pieces[i].path);
   }
   return std::unique_ptr<BodySource>(
       std::make_unique<ZipSource>(std::move(layout), first_piece, std::move(files), offset, length));

@@ -18,6 +18,7 @@
 #include <thread>
 #include <utility>
 
+#include "core/base/process/file_descriptor.h"
 #include "core/base/process/late_library.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
@@ -37,23 +38,6 @@ constexpr char kGood = '+';
 constexpr char kBad = '-';
 
 std::atomic<bool> is_ending{false};
-
-// Closed at the end, unless it was before.
-class Descriptor {
- public:
-  explicit Descriptor(int fd = -1) : fd_(fd) {}
-  ~Descriptor() { Close(); }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  void Close() {
-    if (fd_ >= 0) close(fd_);
-    fd_ = -1;
-  }
-  int get() const { return fd_; }
-
- private:
-  int fd_;
-};
 
 Error NoMeans() {
   return {ErrorCode::kUnavailable, "The server has no means left for this. Try again later.",
@@ -161,9 +145,9 @@ Result<std::string> RunSandboxed(const SandboxedTask& task) {
   if (is_ending) return stopping;
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) return NoMeans();
-  const Descriptor ours(ends[0]);
-  Descriptor theirs(ends[1]);
-  const Descriptor input(FileOf(task.input));
+  const FileDescriptor ours(ends[0]);
+  FileDescriptor theirs(ends[1]);
+  const FileDescriptor input(FileOf(task.input));
   if (input.get() < 0) return NoMeans();
   const Clock::time_point begun = Clock::now();
   SKYQUILT_TRY_ASSIGN(const pid_t child,

@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <thread>
 
+#include "core/base/process/file_descriptor.h"
 #include "core/base/try.h"
 #include "server/sandbox/spawn_self.h"
 
@@ -18,21 +19,6 @@ namespace {
 
 constexpr std::chrono::milliseconds kProgramPollInterval{100};
 constexpr int kBehindOthers = 10;  // nice
-
-class LogFile {
- public:
-  explicit LogFile(const std::filesystem::path& path)
-      : fd_(open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600)) {}
-  ~LogFile() {
-    if (fd_ >= 0) close(fd_);
-  }
-  LogFile(const LogFile&) = delete;
-  LogFile& operator=(const LogFile&) = delete;
-  int fd() const { return fd_; }
-
- private:
-  int fd_;
-};
 
 void Limit(pid_t pid, const ProgramToRun& program) {
   const auto set = [&](auto what, std::int64_t most) {
@@ -55,12 +41,12 @@ int Collect(pid_t pid) {
 }  // namespace
 
 Result<int> RunProgram(const ProgramToRun& program, const std::function<bool()>& go_on) {
-  const LogFile log(program.log);
-  if (log.fd() < 0)
+  const FileDescriptor log(open(program.log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
+  if (!log.is_open())
     return Error{ErrorCode::kUnavailable, "A program could not be started. Try again later.",
                  program.log.string()};
   SKYQUILT_TRY_ASSIGN(const pid_t pid,
-                      SpawnOther(program.path, program.words, program.environment, log.fd()));
+                      SpawnOther(program.path, program.words, program.environment, log.get()));
   Limit(pid, program);
   const auto end = std::chrono::steady_clock::now() + program.wall;
   const auto stopped = [&](ErrorCode code, std::string message) {

@@ -12,6 +12,7 @@
 #include <system_error>
 #include <vector>
 
+#include "core/base/process/file_descriptor.h"
 #include "core/base/try.h"
 #include "storage/db/ids.h"
 #include "storage/files/publish_file.h"
@@ -26,18 +27,6 @@ constexpr const char* kFetching = ".fetching";
 constexpr std::chrono::hours kStale{2};
 // How exactly the order of use is known: a file is marked as used once in this time.
 constexpr std::int64_t kUsedEveryS = 30;
-
-// A shared lock on a folder says: files in it are in use.
-class FolderInUse {
- public:
-  FolderInUse(int fd) : fd_(fd) {}
-  ~FolderInUse() { close(fd_); }
-  FolderInUse(const FolderInUse&) = delete;
-  FolderInUse& operator=(const FolderInUse&) = delete;
-
- private:
-  int fd_;
-};
 
 bool IsSameFolder(int fd, const fs::path& folder) {
   struct stat held {
@@ -61,7 +50,8 @@ Result<std::shared_ptr<const void>> LockFolder(const fs::path& folder) {
     do {
       failed = flock(fd, LOCK_SH);
     } while (failed != 0 && errno == EINTR);
-    auto in_use = std::make_shared<const FolderInUse>(fd);
+    // A shared lock on a folder says: files in it are in use.
+    auto in_use = std::make_shared<const FileDescriptor>(fd);
     if (failed != 0) return FileError("cannot lock", folder, errno);
     if (IsSameFolder(fd, folder)) return std::shared_ptr<const void>(std::move(in_use));
   }
@@ -102,11 +92,8 @@ void RemoveStaleFetches(const fs::path& folder) {
 // Does it in a folder that nobody uses; false else.
 template <typename Act>
 bool InUnusedFolder(const fs::path& folder, Act act) {
-  const int fd = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (fd < 0) return false;
-  const bool is_done = flock(fd, LOCK_EX | LOCK_NB) == 0 && act();
-  close(fd);
-  return is_done;
+  const FileDescriptor fd(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  return fd.is_open() && flock(fd.get(), LOCK_EX | LOCK_NB) == 0 && act();
 }
 
 // A folder that somebody uses, or that has others in it, stays.

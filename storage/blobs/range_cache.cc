@@ -9,6 +9,7 @@
 #include <fstream>
 #include <utility>
 
+#include "core/base/process/file_descriptor.h"
 #include "core/base/try.h"
 #include "storage/blobs/s3/sign_request.h"
 
@@ -17,14 +18,14 @@ namespace {
 
 // Fewer bytes only at the chunk's end.
 Result<std::string> SliceOf(const LocalBlob& chunk, std::int64_t offset, std::int64_t length) {
-  const int fd = open(chunk.path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
-  if (fd < 0) return Error{ErrorCode::kNotFound, "A chunk is no longer in the cache.", chunk.path.string()};
+  const FileDescriptor file(open(chunk.path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+  if (!file.is_open())
+    return Error{ErrorCode::kNotFound, "A chunk is no longer in the cache.", chunk.path.string()};
   std::string bytes(static_cast<std::size_t>(length), '\0');
   ssize_t got = 0;
   do {
-    got = pread(fd, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    got = pread(file.get(), bytes.data(), bytes.size(), static_cast<off_t>(offset));
   } while (got < 0 && errno == EINTR);
-  close(fd);
   if (got < 0) return Error{ErrorCode::kIo, "The server's cache could not be read.", chunk.path.string()};
   bytes.resize(static_cast<std::size_t>(got));
   return bytes;

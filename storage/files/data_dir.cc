@@ -120,14 +120,13 @@ std::filesystem::path DataDir::Revision(const std::string& flight_id, std::int64
 
 Result<DataDirLock> DataDirLock::Take(const DataDir& dir) {
   const std::string path = dir.root().string();
-  const int fd = open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (fd < 0) {
+  FileDescriptor folder(open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (!folder.is_open()) {
     return Error{ErrorCode::kIo,
                  fmt::format("The data folder {} cannot be opened: {}.", path, std::strerror(errno)), ""};
   }
-  const int old_fd = open((dir.root() / "server.lock").c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW);
-  DataDirLock lock(fd, old_fd);
-  for (const int each : {fd, old_fd}) {
+  FileDescriptor old(open((dir.root() / "server.lock").c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW));
+  for (const int each : {folder.get(), old.get()}) {
     if (each < 0 || flock(each, LOCK_EX | LOCK_NB) == 0) continue;
     if (errno == EWOULDBLOCK) {
       return Error{ErrorCode::kConflict,
@@ -143,16 +142,7 @@ Result<DataDirLock> DataDirLock::Take(const DataDir& dir) {
             path, std::strerror(errno)),
         ""};
   }
-  return lock;
+  return DataDirLock(std::move(folder), std::move(old));
 }
-
-DataDirLock::~DataDirLock() {
-  for (const int fd : {fd_, old_fd_}) {
-    if (fd >= 0) close(fd);
-  }
-}
-
-DataDirLock::DataDirLock(DataDirLock&& other) noexcept
-    : fd_(std::exchange(other.fd_, -1)), old_fd_(std::exchange(other.old_fd_, -1)) {}
 
 }  // namespace skyquilt::storage

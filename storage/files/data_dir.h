@@ -21,7 +21,9 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
+#include "core/base/process/file_descriptor.h"
 #include "core/base/result.h"
 
 namespace skyquilt::storage {
@@ -75,16 +77,11 @@ class DataDirLock {
  public:
   // kConflict when another has it; kIo where the folder cannot be opened or its file system has no locks.
   static Result<DataDirLock> Take(const DataDir& dir);
-  ~DataDirLock();
-  DataDirLock(DataDirLock&& other) noexcept;
-  DataDirLock& operator=(DataDirLock&&) = delete;
-  DataDirLock(const DataDirLock&) = delete;
-  DataDirLock& operator=(const DataDirLock&) = delete;
 
  private:
-  DataDirLock(int fd, int old_fd) : fd_(fd), old_fd_(old_fd) {}
-  int fd_;
-  int old_fd_;  // server.lock, which versions before the marker lock; -1 where there is none
+  DataDirLock(FileDescriptor folder, FileDescriptor old) : folder_(std::move(folder)), old_(std::move(old)) {}
+  FileDescriptor folder_;
+  FileDescriptor old_;  // server.lock, which versions before the marker lock
 };
 
 // Names a revision folder, "r7".

@@ -9,6 +9,8 @@
 #include <iterator>
 #include <string>
 
+#include "core/base/process/file_descriptor.h"
+
 namespace skyquilt::storage {
 
 Error FileError(const std::string& what, const std::filesystem::path& path, int number) {
@@ -19,12 +21,9 @@ Error FileError(const std::string& what, const std::filesystem::path& path, int 
 namespace {
 
 Result<void> SyncPath(const std::filesystem::path& path, int flags) {
-  const int fd = ::open(path.c_str(), flags | O_CLOEXEC);
-  if (fd < 0) return FileError("cannot open", path, errno);
-  const int failed = ::fsync(fd);
-  const int number = errno;
-  ::close(fd);
-  if (failed != 0) return FileError("cannot write", path, number);
+  const FileDescriptor file(::open(path.c_str(), flags | O_CLOEXEC));
+  if (!file.is_open()) return FileError("cannot open", path, errno);
+  if (::fsync(file.get()) != 0) return FileError("cannot write", path, errno);
   return {};
 }
 
@@ -64,23 +63,20 @@ Result<std::string> ReadWholeFile(const std::filesystem::path& path) {
 
 Result<std::string> ReadRangeOfFile(const std::filesystem::path& path, std::int64_t offset,
                                     std::int64_t length) {
-  const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
-  if (fd < 0 && errno == ENOENT)
+  const FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+  if (!file.is_open() && errno == ENOENT)
     return Error{ErrorCode::kNotFound, path.string() + " is not there.", path.string()};
-  if (fd < 0) return FileError("cannot open", path, errno);
+  if (!file.is_open()) return FileError("cannot open", path, errno);
   std::string bytes(static_cast<std::size_t>(length), '\0');
   std::size_t have = 0;
-  int failure = 0;
   while (have < bytes.size()) {
-    const ssize_t got = ::pread(fd, bytes.data() + have, bytes.size() - have,
+    const ssize_t got = ::pread(file.get(), bytes.data() + have, bytes.size() - have,
                                 static_cast<off_t>(offset + static_cast<std::int64_t>(have)));
     if (got < 0 && errno == EINTR) continue;
-    if (got < 0) failure = errno;
-    if (got <= 0) break;
+    if (got < 0) return FileError("cannot read", path, errno);
+    if (got == 0) break;
     have += static_cast<std::size_t>(got);
   }
-  ::close(fd);
-  if (failure != 0) return FileError("cannot read", path, failure);
   bytes.resize(have);
   return bytes;
 }

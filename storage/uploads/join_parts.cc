@@ -8,6 +8,7 @@
 #include <cstring>
 #include <numeric>
 
+#include "core/base/process/file_descriptor.h"
 #include "core/base/try.h"
 #include "storage/db/ids.h"
 #include "storage/uploads/upload_spool.h"
@@ -23,17 +24,6 @@ Error JoinError(const std::filesystem::path& path) {
                   : "The server could not put the parts of the upload together.",
           path.string() + ": " + std::strerror(code)};
 }
-
-// Closes at the end of its scope.
-struct Descriptor {
-  int fd = -1;
-  explicit Descriptor(int opened) : fd(opened) {}
-  ~Descriptor() {
-    if (fd >= 0) close(fd);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-};
 
 }  // namespace
 
@@ -77,15 +67,15 @@ Result<std::vector<SpooledUpload>> UploadSpool::CompleteParts(const std::vector<
 
 Result<void> UploadSpool::CopyParts(const std::vector<SpooledUpload>& parts,
                                     const std::filesystem::path& to) const {
-  const Descriptor whole(open(to.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0640));
-  if (whole.fd < 0) return JoinError(to);
+  const FileDescriptor whole(open(to.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0640));
+  if (!whole.is_open()) return JoinError(to);
   for (const SpooledUpload& part : parts) {
-    const Descriptor from(open(PathOf(part.id).c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
-    if (from.fd < 0) return JoinError(PathOf(part.id));
+    const FileDescriptor from(open(PathOf(part.id).c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
+    if (!from.is_open()) return JoinError(PathOf(part.id));
     // Behind the offset there may be bytes that never were promised.
     for (std::int64_t left = part.offset; left > 0;) {
       const ssize_t copied =
-          copy_file_range(from.fd, nullptr, whole.fd, nullptr, static_cast<std::size_t>(left), 0);
+          copy_file_range(from.get(), nullptr, whole.get(), nullptr, static_cast<std::size_t>(left), 0);
       if (copied < 0 && errno == EINTR) continue;
       if (copied < 0) return JoinError(to);
       if (copied == 0)
@@ -93,7 +83,7 @@ Result<void> UploadSpool::CopyParts(const std::vector<SpooledUpload>& parts,
       left -= copied;
     }
   }
-  if (fdatasync(whole.fd) != 0) return JoinError(to);
+  if (fdatasync(whole.get()) != 0) return JoinError(to);
   return {};
 }
 

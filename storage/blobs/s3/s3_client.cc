@@ -17,6 +17,7 @@
 #include <utility>
 
 #include "core/base/check.h"
+#include "core/base/process/file_descriptor.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
 #include "storage/blobs/sha256.h"
@@ -97,18 +98,13 @@ class Target {
  public:
   explicit Target(const std::filesystem::path& path)
       : path_(path), fd_(open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0640)) {}
-  ~Target() {
-    if (fd_ >= 0) close(fd_);
-  }
-  Target(const Target&) = delete;
-  Target& operator=(const Target&) = delete;
-  bool is_open() const { return fd_ >= 0; }
+  bool is_open() const { return fd_.is_open(); }
   std::int64_t bytes() const { return bytes_; }
   std::string Finish() { return sum_.Finish(); }
 
   Result<void> Write(std::string_view came) {
     for (std::string_view rest = came; !rest.empty();) {
-      const ssize_t wrote = write(fd_, rest.data(), rest.size());
+      const ssize_t wrote = write(fd_.get(), rest.data(), rest.size());
       if (wrote < 0 && errno == EINTR) continue;
       if (wrote < 0) return FileTrouble(path_);
       rest.remove_prefix(static_cast<std::size_t>(wrote));
@@ -120,7 +116,7 @@ class Target {
 
  private:
   std::filesystem::path path_;
-  int fd_;
+  FileDescriptor fd_;
   std::int64_t bytes_ = 0;
   Sha256Sum sum_;
 };
