@@ -135,8 +135,7 @@ Result<LoggedPart> PlaceLogged(const flight::FlightLog& log, const LogTie& tie,
   SKYQUILT_TRY_ASSIGN(auto placed, PlaceByLog(photos, log, frame,
                                               {.clock_sigma_s = tie.clock_sigma_s,
                                                .landed_at_start = options.landed_at_start,
-                                               .ground_z_in_enu_m = takeoff.ground_above_takeoff_m,
-                                               .height_sigma_m = takeoff.sigma_m}));
+                                               .ground_z_in_enu_m = takeoff.ground_above_takeoff_m}));
   // The log's heights agree with each other; where they all hang is what was given.
   const double takeoff_m = given_takeoff_m.value_or(takeoff.height_ellipsoid_m);
   return LoggedPart{std::move(placed), geo::LocalFrame({middle.lat_deg, middle.lon_deg, takeoff_m}),

@@ -49,7 +49,6 @@ Result<PlacedByLog> PlaceByLog(const std::vector<PhotoAtTime>& photos, const fli
   sources.photos = photos;
   sources.log = &part;
   sources.photo_clock_sigma_s = options.clock_sigma_s;
-  sources.height_sigma_m = options.height_sigma_m;
   sources.ended_at_start = options.landed_at_start;
   PreparedSmoothing prepared = MakeSmootherInput(sources, frame);
   SKYQUILT_TRY_ASSIGN(SmootherOutput smoothed, SmoothChain(prepared.input));

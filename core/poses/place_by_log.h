@@ -26,7 +26,6 @@ struct PlaceByLogOptions {
   double clock_sigma_s = 0.0;  // of all photo times together
   bool landed_at_start = false;
   double ground_z_in_enu_m = 0.0;
-  double height_sigma_m = 0.7;  // of the heights above ground, common part
 };
 
 // photos: times rising.

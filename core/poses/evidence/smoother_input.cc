@@ -109,10 +109,9 @@ class Preparation {
       for (const PhotoAtTime& p : from_.photos) {
         if (p.height_above_ground_m) out_.input.heights.push_back({p.t_s, *p.height_above_ground_m, 0.15});
       }
-      // The barometer has drifted since take-off, and a guessed height is common to all photos.
-      const double drift = o.baro_bias_walk * std::sqrt(60.0);
-      const double zero = from_.has_barometric_heights ? 0.1 : from_.height_sigma_m;
-      o.baro_bias_first_sigma_m = std::hypot(zero, drift);
+      // The barometer has drifted since take-off.
+      constexpr double kZeroSigmaM = 0.1;
+      o.baro_bias_first_sigma_m = std::hypot(kZeroSigmaM, o.baro_bias_walk * std::sqrt(60.0));
       if (!out_.input.heights.empty()) Note("heights of the photos");
     }
     // Ground under the range finder is the take-off plane only where there is nothing better to say so.

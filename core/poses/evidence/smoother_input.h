@@ -31,8 +31,6 @@ struct FlightSources {
   std::vector<PhotoAtTime> photos;         // times rising
   const flight::FlightLog* log = nullptr;  // may be absent
   double photo_clock_sigma_s = 0.0;        // of all photo times together against the log
-  double height_sigma_m = 0.5;             // of the zero of the heights above ground
-  bool has_barometric_heights = true;      // photo heights are relative heights, not guesses
   // Without any position: where the flight started (in enu), and whether it came back there.
   Eigen::Vector3d start_in_enu_m = Eigen::Vector3d::Zero();
   bool ended_at_start = false;

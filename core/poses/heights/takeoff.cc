@@ -103,7 +103,6 @@ class TakeoffSearch {
     }
     if (grounds.empty() && !log_.gnss.empty()) return false;
     out_.height_ellipsoid_m = MedianIfAny(std::move(grounds)).value_or(0.0);
-    out_.sigma_m = 0.3;
     out_.rule = "height above flat ground by the log's range finder";
     return true;
   }
@@ -140,7 +139,6 @@ class TakeoffSearch {
     const auto photo_m = MedianIfAny(std::move(over_photos));
     if (!ground_m || !photo_m || *photo_m - *ground_m < 8.0) return false;
     out_.height_ellipsoid_m = *ground_m;
-    out_.sigma_m = 2.5;
     out_.rule = "GNSS height above the place where the log begins, taken for the ground";
     return true;
   }
@@ -159,7 +157,6 @@ class TakeoffSearch {
     }
     const FlightHeights heights = ChooseHeights(photos, nullptr, given_ellipsoid_m_);
     out_.height_ellipsoid_m = heights.takeoff_ellipsoid_m;
-    out_.sigma_m = heights.sigma_m;
     out_.rule = heights.rule_in_words;
     out_.assumption = heights.assumption;
   }
@@ -182,7 +179,6 @@ class TakeoffSearch {
     // A sensor at its limit repeats it: the ground then seems to climb with the aircraft.
     if (*MedianIfAny(std::move(apart)) > 2.0) return;
     out_.ground_above_takeoff_m = ground_m;
-    out_.sigma_m = 0.3;
     out_.rule += fmt::format("; the range finder puts the ground {:+.1f} m from take-off", ground_m);
   }
 

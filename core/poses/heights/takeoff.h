@@ -21,7 +21,6 @@ struct Takeoff {
   std::optional<geo::LatLon> position;  // where it took off, where the log begins there
   double height_ellipsoid_m = 0.0;      // of the frame's z = 0
   double ground_above_takeoff_m = 0.0;  // by the range finder, else zero
-  double sigma_m = 0.7;                 // of the heights above ground, common part
   std::string rule;                     // in words
   std::optional<Assumption> assumption;  // nothing: heights are recorded
 };

@@ -58,7 +58,6 @@ TEST_F(FindTakeoffTest, MovesTheGroundToWhereTheRangeFinderSeesIt) {
   const Takeoff takeoff = Find();
   EXPECT_NEAR(takeoff.height_ellipsoid_m, 100.0, 1e-6);
   EXPECT_NEAR(takeoff.ground_above_takeoff_m, 4.0, 1e-6);
-  EXPECT_NEAR(takeoff.sigma_m, 0.3, 1e-9);
 }
 
 TEST_F(FindTakeoffTest, DoesNotBelieveARangeFinderAtItsLimit) {
