@@ -101,7 +101,7 @@ export function exportView(flight, outlines, signal, cut_to = -1, has_asked = fa
     start.disabled = true;
     try {
       await startExport(flight.id, wishOf({ format: format.value, crs: crs.value, epsg: epsg.value, resolution_cm: resolution.value }, area.chosen()));
-      await refresh();
+      await watch();
       list.firstElementChild?.scrollIntoView({ block: 'nearest' });
     } catch (error) {
       failed(error);
@@ -128,7 +128,7 @@ export function exportView(flight, outlines, signal, cut_to = -1, has_asked = fa
       refuse('');
       try {
         await removeExport(flight.id, made.id);
-        await refresh();
+        await watch();
       } catch (error) {
         remove.disabled = false;
         failed(error);
@@ -162,11 +162,15 @@ export function exportView(flight, outlines, signal, cut_to = -1, has_asked = fa
     if (!exports.every(isOver)) timer = window.setTimeout(() => void watch(), kAgain_ms);
   };
   // A server that is away for a moment goes on with what it was asked for.
+  let is_away = false;
   const watch = async () => {
     try {
       await refresh();
+      if (is_away) refuse('');
+      is_away = false;
     } catch (error) {
       if (signal.aborted) return;
+      is_away = true;
       failed(error);
       timer = window.setTimeout(() => void watch(), kAgainWhenAway_ms);
     }

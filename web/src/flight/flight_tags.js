@@ -55,7 +55,7 @@ export function tagRow(current, known, on_change) {
     add.addEventListener('click', () => askTag(flight, add, known().filter((tag) => !tags.includes(tag)), addTo));
     row.append(add);
   }
-  if (may_change) void ownAccess().then((access) => (access?.keep_days || flight.keep) && row.after(keepSwitch(flight, access?.keep_days ?? 0, (keep) => save({ keep }, 'flight-keep'))));
+  if (may_change) void ownAccess().then((access) => (access?.keep_days || flight.keep) && row.after(keepSwitch(current, access?.keep_days ?? 0, (keep) => save({ keep }, 'flight-keep'))));
   return row;
 }
 
@@ -95,14 +95,17 @@ function askTag(flight, add, proposed, on_tags) {
 }
 
 /**
- * @param {Flight} flight
+ * @param {() => Flight} current
  * @param {number} keep_days of the server
  * @param {(keep: boolean) => Promise<void>} on_keep
  */
-function keepSwitch(flight, keep_days, on_keep) {
+function keepSwitch(current, keep_days, on_keep) {
   const words = strings.tags;
-  const input = h('input', { type: 'checkbox', id: 'flight-keep', checked: Boolean(flight.keep), 'aria-describedby': 'flight-keep-hint' });
-  input.addEventListener('change', () => void on_keep(input.checked));
+  const input = h('input', { type: 'checkbox', id: 'flight-keep', checked: Boolean(current().keep), 'aria-describedby': 'flight-keep-hint' });
+  input.addEventListener('change', async () => {
+    await on_keep(input.checked);
+    input.checked = Boolean(current().keep);  // as before where it could not be saved
+  });
   return h(
     'div',
     { class: 'flight-keep no-print' },

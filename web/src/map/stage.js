@@ -3,7 +3,7 @@
 /** @import { Bounds, Flight, PhotoCollection, TileJson } from '../shared/types.js' */
 /** @import { MapView } from './map_view.js' */
 /** @import { PlaceSubject } from './place_tool.js' */
-import { showNote } from '../shared/announce.js';
+import { showError, showNote } from '../shared/announce.js';
 import { ApiError, getPhotos, getSightings, getTileJson, listFlights, photoPath } from '../shared/api.js';
 import { byId, h, loadStyle, put, styleLoaded } from '../shared/dom.js';
 import { go, parseRoute } from '../shared/router.js';
@@ -131,7 +131,7 @@ export class Stage {
         tools.closeLayers();
         measure.start(kind);
       },
-      compare: () => this.#chooseCompare(),
+      compare: () => void this.#chooseCompare().catch(showError),
       layers: () => this.makeRoom(),
       download: (wish) => {
         if (this.#flight) showDownloads(this.#flight, this.outlines(), { wish });
@@ -433,6 +433,7 @@ export class Stage {
     this.#parts?.tools.closeLayers();
     this.#parts?.place.end();
     const others = (await listFlights()).filter((other) => other.id !== flight.id && overlap(flight, other));
+    if (flight !== this.#flight || byIdOrNull('compare-chooser')) return;
     const chooser = compareChooser(others, (other) => {
       chooser.remove();
       go({ view: 'compare', id: flight.id, other: other.id });

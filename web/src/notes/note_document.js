@@ -14,6 +14,7 @@ const memoryKey = (/** @type {string} */ id) => `skyquilt.notes.${id}`;
 /** @param {string} id of the flight @param {RequestInit} [init] @returns {Promise<{notes: Note[], etag: string}>} */
 async function ask(id, init) {
   const { document, etag } = await askDocument(id, 'notes', { priority: 'low', ...init });
+  if (!document) throw new ApiError(200, strings.errors.not_json);
   return { notes: document.features, etag };
 }
 
@@ -38,7 +39,8 @@ export class NoteDocument extends SavedDocument {
   /** @type {Promise<void>|null} */
   #saving = null;
   #is_closed = false;
-  #online = () => this.#later(0);
+  #is_read = false;
+  #online = () => void (this.#is_read && this.#later(0));
 
   /** @param {string} id of the flight @param {boolean} may_change */
   constructor(id, may_change) {
@@ -69,6 +71,7 @@ export class NoteDocument extends SavedDocument {
     const { notes, etag } = await ask(this.id);
     this.#kept = notes;
     this.#etag = etag;
+    this.#is_read = true;
     const { changes, conflicts } = rebased(notes, this.#changes, strings.notes.own_copy);
     this.#changes = changes;
     this.#remember();

@@ -40,10 +40,11 @@ async function copyText(text) {
   }
   // The clipboard API exists on secure origins only; in a field network the page often comes over plain HTTP.
   const area = h('textarea', { class: 'visually-hidden', 'aria-hidden': 'true', value: text });
-  document.body.append(area);
+  (document.querySelector('dialog[open]') ?? document.body).append(area);  // what lies behind a dialog cannot be selected
   area.select();
-  document.execCommand('copy');
+  const is_copied = document.execCommand('copy');
   area.remove();
+  if (!is_copied) throw new Error(strings.errors.not_copied);
 }
 
 /**

@@ -110,7 +110,8 @@ export class UploadSession extends EventTarget {
         this.trouble = '';
         return answer;
       } catch (error) {
-        if (!(error instanceof api.ApiError) || !error.is_away || signal.aborted) throw error;
+        signal.throwIfAborted();  // stopped meanwhile: whatever came of it is no failure
+        if (!(error instanceof api.ApiError) || !error.is_away) throw error;
         this.trouble = error.message;
         this.#changed();
         await wait(delay_ms, signal);

@@ -154,6 +154,7 @@ export const page_words = {
     unreachable: 'Der Server ist nicht erreichbar.',
     silent: 'Der Server hat seit einer Minute nicht geantwortet.',
     not_json: 'Der Server hat unerwartet geantwortet.',
+    not_copied: 'Der Browser erlaubt das Kopieren hier nicht. Markieren Sie den Text und kopieren Sie ihn selbst.',
     status: (status) => `Der Server hat mit Status ${status} geantwortet.`,
     verbatim: (meaning, text) => `${meaning}. Im Wortlaut: ${text}`,
     list: 'Die Flüge konnten nicht geladen werden.',

@@ -297,6 +297,6 @@ export const remark_words = {
   left_far_away: (v) => `${fixed(v.apart_km, 1)}\u00a0km von den anderen Fotos aufgezeichnet und ohne Gemeinsames mit ihnen. Wenn der Ort stimmt, ${own_flight}`,
   left_no_features_match: () => 'Die Merkmale passen zu keinem der Fotos davor oder danach.',
   left_bent_by_chain: () => 'Nur nach Merkmalen an die Nachbarn gehängt, wäre es stärker verzerrt, als eine Kamera es sehen kann.',
-  left_beside_adrift: () => 'Sein Ort ist aufgezeichnet, aber es zeigt nichts von der Karte, deren Ort es nicht ist. Laden Sie es für sich hoch oder mit Fotos dazwischen.',
+  left_beside_adrift: () => 'Sein Ort ist aufgezeichnet, der Ort der Karte nicht, und es zeigt nichts, was auf ihr zu sehen ist. Laden Sie es für sich hoch oder mit Fotos dazwischen.',
   left_nothing_in_common: () => 'Es zeigt zu wenig Gemeinsames mit den anderen Fotos, um danach gelegt zu werden.',
 };

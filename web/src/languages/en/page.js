@@ -154,6 +154,7 @@ export const page_words = {
     unreachable: 'The server cannot be reached.',
     silent: 'The server has not answered for a minute.',
     not_json: 'The server sent an unexpected response.',
+    not_copied: 'The browser does not allow copying here. Select the text and copy it yourself.',
     status: (/** @type {number} */ status) => `The server responded with status ${status}.`,
     verbatim: (/** @type {string} */ meaning, /** @type {string} */ text) => `${meaning}: ${text}`,
     list: 'The flights could not be loaded.',
