@@ -170,7 +170,7 @@ PlacedByRecords PlaceRest(const std::vector<Photo>& rest, const FlightHeights& h
   PoseReport& report = posed.report;
   if (heights.assumption) {
     posed.assumptions.push_back(*heights.assumption);
-    report.is_height_guessed = true;
+    if (!has_frame) report.is_height_guessed = true;
   }
   if (report.height_rule.empty()) report.height_rule = heights.rule_in_words;
   if (!has_frame) {

@@ -24,9 +24,9 @@ constexpr double kMaxFocalWidths = 1000.0;
 // Of what a photo in the middle of the flight shows. Looking as far towards the horizon as is ever drawn
 // shows some 60 times the ground of looking down, a climb to five times the height 25 times.
 constexpr double kMaxTimesTheGround = 400.0;
-// Of the map, at the resolution of a photo in the middle of the flight: a quarter of what is ever drawn of
-// one photo, since tiles are up to twice as fine each way. One recorded a kilometre too high comes to that.
-constexpr double kMaxPixels = 20'000.0 * (1 << 20) / 4.0;
+// Of the map, at the resolution of a photo in the middle of the flight: half of what is ever drawn of one
+// photo, since tiles may be finer. One recorded a kilometre too high comes to that.
+constexpr double kMaxPixels = 20'000.0 * (1 << 20) / 2.0;
 
 bool IsFocalLength(double focal_px, const camera::Intrinsics& lens) {
   const double widths = focal_px / std::max(1, lens.width_px);

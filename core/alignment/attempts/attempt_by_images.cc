@@ -227,7 +227,7 @@ void MergePhoto(const Registration& registration, const BlockPlace& place, const
   photo.covariance_with_next.setZero();
   photo.clock_sigma_s = 0.0;
   photo.covariance.diagonal() << Eigen::Vector3d::Constant(kSigmaTurnRad * kSigmaTurnRad), sigma.cwiseAbs2();
-  if (attitude_holds) photo.covariance.topLeftCorner<3, 3>() = attitude;
+  if (attitude_holds && !record.is_unplaced) photo.covariance.topLeftCorner<3, 3>() = attitude;
   photo.error_radius_m = sigma.head<2>().norm();
   corrected.start_cam_from_enu = pose;
   corrected.prior_cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(
@@ -336,10 +336,11 @@ std::optional<AttemptByImages> PlaceByImages(const AttemptByRecords& first, std:
                                    {"residual_m", place.median_residual_m}});
     const bool is_on_earth = place.placing == Placing::kByPositions || place.placing == Placing::kByControl;
     // Where nothing says how two groups lie to each other, the larger one is the map.
-    if (b > 0 && !(is_on_earth && second.is_placed)) continue;
+    if (b > 0 && (!is_on_earth || report.is_adrift)) continue;
     if (b == 0) {
-      second.is_placed =
-          place.placing == Placing::kByControl || (!is_reckoned && (is_on_earth || place.positions > 0));
+      const bool is_by_control = place.placing == Placing::kByControl;
+      report.is_adrift = !(is_on_earth || place.positions > 0) || (is_reckoned && is_by_control);
+      second.is_placed = is_by_control || (!is_reckoned && !report.is_adrift);
       if (place.placing == Placing::kByGuess) report.is_scale_guessed = true;
       std::vector<flight::Remark> height;
       if (is_on_earth)
@@ -374,8 +375,8 @@ std::optional<AttemptByImages> PlaceByImages(const AttemptByRecords& first, std:
 }
 
 Result<void> SettleUnplaced(const poses::PosedFlight& recorded, AlignedFlight& flight, AlignReport& report) {
-  // Nothing says how a map that lies nowhere on Earth lies to photos that are somewhere.
-  const bool is_adrift = report.by_images.is_taken && !report.by_images.is_placed;
+  // Nothing says how the map lies to photos that it does not show.
+  const bool is_adrift = report.by_images.is_taken && report.by_images.is_adrift;
   if (recorded.unplaced.empty() && !is_adrift) return {};
   std::set<std::string> unplaced, found;
   for (const flight::Photo& photo : recorded.unplaced) unplaced.insert(photo.name);
@@ -416,7 +417,7 @@ std::vector<flight::Remark> RemarksOn(const ByImagesReport& report) {
   using flight::RemarkCode;
   std::vector<flight::Remark> remarks;
   if (!report.is_taken || !report.why || !report.outcome) return remarks;
-  if (!report.is_placed)
+  if (!report.is_placed && report.is_adrift)
     remarks.push_back({RemarkCode::kNotGeoreferenced, {{"width_m", GeoreferenceRecords().guessed_width_m}}});
   remarks.push_back({RemarkCode::kPlacedByImages, {{"why", *report.why}, {"outcome", *report.outcome}}});
   return remarks;

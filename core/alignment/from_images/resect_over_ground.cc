@@ -81,7 +81,7 @@ std::vector<GroundedPose> ResectOverGround(const Block& block, const std::vector
                                            const std::vector<char>& is_asked, int threads) {
   std::map<int, std::vector<const GraphPair*>> of_photo;
   for (const GraphPair& pair : pairs) {
-    for (const auto [photo, partner] :
+    for (const auto& [photo, partner] :
          {std::pair(pair.first, pair.second), std::pair(pair.second, pair.first)}) {
       if (is_asked[photo] && !block.Has(photo) && block.Has(partner)) of_photo[photo].push_back(&pair);
     }

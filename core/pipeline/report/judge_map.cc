@@ -41,14 +41,6 @@ bool IsJudged(const JudgedMap& map, const AlignedPhoto& photo) {
          !IsAnyAligned(map);
 }
 
-// Nothing recorded says how large the map is: neither where two photos were taken nor how high.
-bool IsScaleGuessed(const JudgedMap& map) {
-  if (map.is_by_hand || map.is_forecast) return false;
-  const bool is_by_images = map.alignment != nullptr && map.alignment->by_images.is_taken;
-  if (is_by_images) return map.alignment->by_images.is_scale_guessed.value_or(false);
-  return map.poses.is_height_guessed.value_or(false) && !IsAnyAligned(map);
-}
-
 struct SupportingPositions {
   std::vector<Vector2d> places;  // of the cameras, as the map has them
   std::vector<Vector2d> misses;  // recorded minus that
@@ -151,6 +143,16 @@ ControlFit FitOf(const JudgedMap& map) {
   return fit;
 }
 
+// Nothing recorded says how large the map is: neither where two photos were taken nor how high.
+bool IsScaleGuessed(const JudgedMap& map) {
+  if (map.is_by_hand || map.is_forecast) return false;
+  if (map.alignment != nullptr && FitOf(map).places.size() >= 2) return false;
+  const bool is_by_images = map.alignment != nullptr && map.alignment->by_images.is_taken;
+  if (is_by_images) return map.alignment->by_images.is_scale_guessed.value_or(false);
+  return map.poses.is_height_guessed.value_or(false) && !IsAnyAligned(map) && map.poses.photos_by_log < 2 &&
+         PositionsOf(map).records.size() < 2;
+}
+
 // Survey and marks average out over the points, by as much as they span the map. What the points are missed
 // by beyond that is the map's own shape, which they do not average out.
 double SigmaByControlM(const JudgedMap& map, const ControlFit& fit) {
@@ -251,7 +253,9 @@ std::vector<MapLimit> LimitsOf(const JudgedMap& map, const AbsoluteAccuracy& abs
   const bool is_guessed = IsScaleGuessed(map);
   const bool is_placed_by_few =
       map.is_placed && !absolute.sigma_m && absolute.by != AbsoluteSupport::kHand && !is_guessed;
-  if (is_guessed || (map.is_by_images && (!map.is_placed || (is_placed_by_few && absolute.count < 2))))
+  const bool is_told = map.alignment != nullptr && map.alignment->by_images.is_taken && !is_guessed;
+  if (is_guessed ||
+      (map.is_by_images && !is_told && (!map.is_placed || (is_placed_by_few && absolute.count < 2))))
     limits.push_back({LimitKind::kScaleGuessed});
   if (is_placed_by_few) limits.push_back({LimitKind::kFewPositions, absolute.count, placed});
   if (absolute.sigma_m && *absolute.sigma_m > kFarOffM) limits.push_back({LimitKind::kFarOff});

@@ -203,18 +203,16 @@ FlightHeights ChooseHeights(const std::vector<Photo>& photos, const geo::DemSour
   // ground.
   for (std::size_t i = 0; i < photos.size(); ++i) {
     if (heights.above_ground_m[i] || !photos[i].position) continue;
-    if (const auto below_m = photos[i].position->height_above_takeoff_m;
-        known > 0 && below_m && *below_m < -1.0) {
-      heights.above_ground_m[i] = below_m;
-      continue;
-    }
-    if (known > 0 && !takeoff_m) continue;
-    if (const auto ellipsoid_m = EllipsoidHeightM(*photos[i].position)) {
+    const auto ellipsoid_m = EllipsoidHeightM(*photos[i].position);
+    if (ellipsoid_m && (known == 0 || takeoff_m)) {
       const double above_ground_m = *ellipsoid_m - takeoff_m.value_or(heights.takeoff_ellipsoid_m);
       if (above_ground_m > 1.0) heights.above_ground_m[i] = above_ground_m;
-    } else {
+    } else if (known == 0) {
       heights.above_ground_m[i] = guessed_above_ground_m;
     }
+    const auto& below_m = photos[i].position->height_above_takeoff_m;
+    if (!heights.above_ground_m[i] && known > 0 && below_m && *below_m < -1.0)
+      heights.above_ground_m[i] = below_m;
   }
   return heights;
 }

@@ -147,6 +147,13 @@ TEST(JudgeMap, StatesNoNumberWhereTheScaleIsAGuess) {
     EXPECT_FALSE(quality.relative.error_m);
     EXPECT_EQ(quality.status, MapStatus::kDoubtful);
   }
+  JudgedFlight many(8);
+  for (auto& photo : many.flight.photos) photo.placement = alignment::Placement::kPoseOnly;
+  many.poses.is_height_guessed = true;
+  EXPECT_FALSE(many.Judge().IsLimitedBy(LimitKind::kScaleGuessed)) << "eight places tell how large it is";
+  by_images.Surveyed(false, 0.01, 0.0);
+  by_images.Surveyed(false, 0.0, 0.01);
+  EXPECT_FALSE(by_images.Judge().IsLimitedBy(LimitKind::kScaleGuessed)) << "surveyed points tell it";
   JudgedFlight aligned(8);
   aligned.poses.is_height_guessed = true;
   EXPECT_EQ(aligned.Judge().status, MapStatus::kReady) << "its positions tell the scale";

@@ -69,6 +69,9 @@ TEST(ChooseHeights, KeepsPhotosBelowTheTakeoffForAnElevationModel) {
   const FlightHeights heights = ChooseHeights(photos, nullptr);
   for (std::size_t i = 0; i < photos.size(); ++i) EXPECT_EQ(heights.above_ground_m[i], above_takeoff_m[i]);
   EXPECT_DOUBLE_EQ(heights.takeoff_ellipsoid_m, 500.0);
+  // Of another take-off: its absolute height says where it was.
+  photos[2].position->height_ellipsoid_m = 588.0;
+  EXPECT_EQ(ChooseHeights(photos, nullptr).above_ground_m[2], 88.0);
 }
 
 // Falls by a twentieth towards north.

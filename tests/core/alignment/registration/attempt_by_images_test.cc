@@ -128,6 +128,8 @@ TEST(AttemptByImages, APlaceThatWasReckonedFromNowhereIsNone) {
   const Outcome outcome = Align(truth, posed);
   ASSERT_TRUE(outcome.report.by_images.is_taken);
   EXPECT_FALSE(outcome.report.by_images.is_placed);
+  EXPECT_FALSE(outcome.report.by_images.is_adrift) << "photos lie to each other as reckoned";
+  EXPECT_TRUE(outcome.flight.left_out.empty());
 }
 
 // A receiver that stood still.
