@@ -50,7 +50,7 @@ std::optional<double> MedianSpeedMps(const std::vector<CsvRow>& preview) {
   std::vector<double> speeds_mps;
   for (const CsvRow& row : preview) {
     const auto place = PlaceOf(row);
-    if (!place || !row[M::kTime]) continue;
+    if (!place || *place == geo::LatLon{} || !row[M::kTime]) continue;  // 0, 0: before the first fix
     const double metres = last ? geo::MetresApart(*last, *place) : 0.0;
     if (last && metres <= 0.0) continue;  // not measured anew
     const double step = *row[M::kTime] - last_t;
@@ -58,7 +58,8 @@ std::optional<double> MedianSpeedMps(const std::vector<CsvRow>& preview) {
     last = place;
     last_t = *row[M::kTime];
   }
-  return MedianIfAny(std::move(speeds_mps));
+  constexpr std::size_t kFewestSteps = 3;
+  return speeds_mps.size() < kFewestSteps ? std::nullopt : MedianIfAny(std::move(speeds_mps));
 }
 
 // Rows of exposures and slow receivers come seconds apart, which is a recorder's step in milliseconds: where
@@ -66,8 +67,10 @@ std::optional<double> MedianSpeedMps(const std::vector<CsvRow>& preview) {
 double FactorOfSpeed(const std::vector<CsvRow>& preview, double factor) {
   constexpr double kFastestMps = 150.0;  // of what takes photos for maps
   const auto speed_mps = MedianSpeedMps(preview);
-  while (speed_mps && factor < 1.0 && *speed_mps / factor > kFastestMps) factor *= 1e3;
-  return std::min(factor, 1.0);
+  for (const double larger : {1e-6, 1e-3, 1.0}) {
+    if (speed_mps && factor<larger&& * speed_mps / factor> kFastestMps) factor = larger;
+  }
+  return factor;
 }
 
 // The unit of the time column from its size (Unix times) or its step.
@@ -136,7 +139,8 @@ void CheckDate(const std::vector<CsvColumn>& columns, const std::vector<CsvRow>&
 
 // The sizes of a column's numbers that are not 0.
 struct Sizes {
-  double median = 0.0, least = 0.0, greatest = 0.0;
+  double median = 0.0;
+  double range = 0.0;  // of nine in ten
   bool are_whole = true;
 };
 
@@ -146,12 +150,11 @@ std::optional<Sizes> SizesOf(const std::vector<CsvRow>& preview, M meaning) {
     if (row[meaning] && *row[meaning] != 0.0) values.push_back(std::abs(*row[meaning]));
   }
   if (values.empty()) return std::nullopt;
-  const auto [least, greatest] = std::minmax_element(values.begin(), values.end());
-  Sizes sizes{0.0, *least, *greatest, true};
-  sizes.are_whole =
-      std::all_of(values.begin(), values.end(), [](double value) { return value == std::floor(value); });
-  sizes.median = Median(std::move(values));
-  return sizes;
+  std::sort(values.begin(), values.end());
+  const std::size_t few = values.size() / 20;
+  return Sizes{
+      values[values.size() / 2], values[values.size() - 1 - few] - values[few],
+      std::all_of(values.begin(), values.end(), [](double value) { return value == std::floor(value); })};
 }
 
 // Heights beside positions that are whole numbers are so in millimetres: no flight climbs a kilometre.
@@ -161,7 +164,7 @@ void CheckHeights(std::vector<CsvColumn>& columns, std::vector<CsvRow>& preview)
     const CsvColumn* column = ColumnOf(columns, meaning);
     const auto sizes = SizesOf(preview, meaning);
     if (column == nullptr || column->unit_is_written || !sizes || !sizes->are_whole) continue;
-    if (sizes->median > kHighestM || sizes->greatest - sizes->least > kHighestClimbM)
+    if (sizes->median > kHighestM || sizes->range > kHighestClimbM)
       Rescale(columns, preview, {meaning, meaning}, 1e-3, "mm");
   }
 }
@@ -173,8 +176,10 @@ Result<void> CheckPositions(std::vector<CsvColumn>& columns, std::vector<CsvRow>
   constexpr std::array kBoth = {std::pair{M::kLat, 90.0}, std::pair{M::kLon, 180.0}};
   const std::array sizes = {SizesOf(preview, M::kLat), SizesOf(preview, M::kLon)};
   if (!sizes[0] || !sizes[1]) return {};
-  const bool may_be_small = sizes[0]->are_whole && sizes[1]->are_whole &&
-                            std::max(sizes[0]->median, sizes[1]->median) * kSmallUnit > kNearestDeg;
+  const auto& [low, high] = std::minmax(sizes[0]->median, sizes[1]->median);
+  // Rows between those of the receiver may be worked out: they are not whole, and less is believed of them.
+  const bool are_whole = sizes[0]->are_whole && sizes[1]->are_whole;
+  const bool may_be_small = (are_whole ? high : low) * kSmallUnit > kNearestDeg;
   bool are_small = false;
   for (std::size_t i = 0; i < kBoth.size(); ++i) {
     const auto& [meaning, most_deg] = kBoth[i];

@@ -129,6 +129,17 @@ double ShareAlongCourse(const std::vector<CsvRow>& preview, M yaw, double factor
   return moved < kFewestRows ? 0.0 : static_cast<double>(along) / static_cast<double>(moved);
 }
 
+// Between the least and the greatest.
+double TurnedRad(const std::vector<CsvRow>& preview, M yaw) {
+  std::vector<double> yaws;
+  for (const CsvRow& row : preview) {
+    if (row[yaw]) yaws.push_back(*row[yaw]);
+  }
+  if (yaws.empty()) return 0.0;
+  const auto [least, greatest] = std::minmax_element(yaws.begin(), yaws.end());
+  return *greatest - *least;
+}
+
 bool IsUnitWritten(std::vector<CsvColumn>& columns, CsvMeanings meanings) {
   return std::any_of(columns.begin(), columns.end(), [&](const CsvColumn& column) {
     return column.meaning >= meanings.first && column.meaning <= meanings.last && column.unit_is_written;
@@ -180,29 +191,38 @@ Result<SensorAxes> SettleInertialUnits(std::vector<CsvColumn>& columns, std::vec
   return axes;
 }
 
-void SettleAngleUnits(std::vector<CsvColumn>& columns, std::vector<CsvRow>& preview) {
+bool SettleAngleUnits(std::vector<CsvColumn>& columns, std::vector<CsvRow>& preview) {
   constexpr double kMinAlong = 0.6,
                    kMinMoreAlong = 0.1;               // of rows; degrees about 0 fit the legs to the north
   constexpr double kOneTurn = 2.0 * geo::kPi + 0.01;  // as written, rounded
+  constexpr double kMinTurn = 1.0;  // as written: a nose that is held one way proves nothing
   const double per_degree = geo::DegToRad(1.0);
+  bool are_found = false;
   for (const CsvMeanings angles :
        {CsvMeanings{M::kRoll, M::kYaw}, CsvMeanings{M::kGimbalRoll, M::kGimbalYaw}}) {
     if (IsUnitWritten(columns, angles) || LargestOf(preview, angles) > kOneTurn * per_degree) continue;
+    if (TurnedRad(preview, angles.last) < kMinTurn * per_degree) continue;
     const double as_radians = ShareAlongCourse(preview, angles.last, 1.0 / per_degree),
                  as_degrees = ShareAlongCourse(preview, angles.last, 1.0);
     if (as_radians < kMinAlong || as_radians < as_degrees + kMinMoreAlong) continue;
     Rescale(columns, preview, angles, 1.0 / per_degree, "rad");
+    are_found = true;
   }
+  return are_found;
 }
 
 void SettlePressureUnit(std::vector<CsvColumn>& columns, std::vector<CsvRow>& preview) {
+  constexpr double kMaxChange = 0.15;  // of a flight of a kilometre; heights change by more
   const CsvColumn* column = ColumnOf(columns, M::kPressure);
-  if (column == nullptr || column->unit_is_written) return;
+  if (column == nullptr || column->unit_is_written || LowerCase(column->header) == "baro") return;
   std::vector<double> values;
   for (const CsvRow& row : preview) {
     if (row[M::kPressure] && *row[M::kPressure] > 0.0) values.push_back(*row[M::kPressure]);
   }
-  const double typical = MedianIfAny(std::move(values)).value_or(0.0);
+  if (values.empty()) return;
+  const auto [least, greatest] = std::minmax_element(values.begin(), values.end());
+  const double change = *greatest - *least, typical = Median(std::move(values));
+  if (change > kMaxChange * typical) return;
   const auto is_of = [&](double pascals) {
     return typical > 40'000.0 / pascals && typical < 120'000.0 / pascals;
   };

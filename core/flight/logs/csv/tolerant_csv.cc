@@ -71,10 +71,20 @@ std::vector<CsvRow> PreviewOf(LineReader lines, const CsvHeader& header) {
   return preview;
 }
 
+bool PitchIsLevel(const std::vector<CsvRow>& preview) {
+  std::size_t pitches = 0, level = 0;
+  for (const CsvRow& row : preview) {
+    if (!row[M::kPitch]) continue;
+    ++pitches;
+    level += std::abs(*row[M::kPitch]) < geo::DegToRad(45.0) ? 1 : 0;
+  }
+  return 2 * level > pitches;
+}
+
 // "height" alone: of drones' own programs above take-off, of surveys above the ellipsoid. Nobody maps from as
 // high above the take-off as much land lies above the sea.
 void SettleListHeight(std::vector<CsvColumn>& columns, const std::vector<CsvRow>& preview) {
-  constexpr double kHighestFlightM = 150.0;
+  constexpr double kHighestFlightM = 150.0, kMaxGeoidM = 120.0;
   CsvColumn* column = ColumnOf(columns, M::kHeightAboveTakeoff);
   if (column == nullptr || HasColumn(columns, M::kHeightEllipsoid)) return;
   const std::string name = LowerCase(column->header);
@@ -82,7 +92,9 @@ void SettleListHeight(std::vector<CsvColumn>& columns, const std::vector<CsvRow>
   if (!name.starts_with("height") || says("take") || says("rel")) return;
   std::vector<double> heights_m;
   for (const CsvRow& row : preview) {
-    if (const auto height_m = row[M::kHeightAboveTakeoff]) heights_m.push_back(*height_m);
+    const auto height_m = row[M::kHeightAboveTakeoff], amsl_m = row[M::kHeightAmsl];
+    if (height_m && amsl_m && std::abs(*height_m - *amsl_m) > kMaxGeoidM) return;  // another than that
+    if (height_m) heights_m.push_back(*height_m);
   }
   const auto typical_m = MedianIfAny(std::move(heights_m));
   if (typical_m && *typical_m > kHighestFlightM) column->meaning = M::kHeightEllipsoid;
@@ -203,11 +215,10 @@ Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const 
   if (!header) {
     return Because(ErrorCode::kUnsupportedFormat, {RemarkCode::kFileWithoutHeader, {{"file", name}}});
   }
-  SKYQUILT_TRY_ASSIGN(const SettledColumns settled,
-                      SettleColumns(name, lines, header->separator, header->columns));
+  SKYQUILT_TRY_ASSIGN(SettledColumns settled, SettleColumns(name, lines, header->separator, header->columns));
   std::vector<CsvRow> preview = PreviewOf(lines, *header);
   if (!header->is_timed || settled.rows_are_photos) {
-    SettleAngleUnits(header->columns, preview);
+    if (SettleAngleUnits(header->columns, preview)) settled.pitch_is_level = PitchIsLevel(preview);
     SettleListHeight(header->columns, preview);
     return ReadImageRows(header->columns, settled, header->separator, lines,
                          LogBuilder("tolerant_csv", name));
@@ -246,7 +257,7 @@ Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const 
   sampler.Finish();
   builder.Count("row", rows);
   builder.log().mapping = DescribeColumns(header->columns);
-  for (const auto* notes : {&settled.notes, &findings.axes.notes})
+  for (const auto* notes : {&std::as_const(settled.notes), &findings.axes.notes})
     builder.log().mapping.insert(builder.log().mapping.end(), notes->begin(), notes->end());
   for (const Remark& warning : settled.warnings) builder.Warn(warning);
   unread.Tell(header->columns, builder);

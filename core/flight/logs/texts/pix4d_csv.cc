@@ -50,15 +50,18 @@ std::vector<std::string> HeaderOf(std::string_view line) {
     return std::any_of(words.begin(), words.end(),
                        [&](std::string_view w) { return names[i].starts_with(w); });
   };
-  // A list of Pix4D's has heights above the ellipsoid, in metres; other ones say what theirs are.
+  // A list of Pix4D's has heights above the ellipsoid, in metres; other ones say what theirs are. Metres of a
+  // plane are read nowhere else.
   constexpr std::array<std::string_view, 9> kOther = {"ft",  "feet",   "takeoff", "take-off", "take_off",
                                                       "rel", "ground", "msl",     "sea"};
   const auto is_other = [&](std::string_view word) { return names[3].find(word) != std::string::npos; };
-  const bool is_header = names.size() >= 4 && names[0].starts_with("image") &&
-                         starts(1, {"latitude", "longitude", "east", "north", "x", "y", "coordinate"}) &&
-                         starts(2, {"latitude", "longitude", "east", "north", "x", "y", "coordinate"}) &&
-                         starts(3, {"alt", "z", "height", "elev", "coordinate"}) &&
-                         std::none_of(kOther.begin(), kOther.end(), is_other);
+  const bool is_header =
+      names.size() >= 4 && names[0].starts_with("image") &&
+      starts(1, {"latitude", "longitude", "east", "north", "x", "y", "coordinate"}) &&
+      starts(2, {"latitude", "longitude", "east", "north", "x", "y", "coordinate"}) &&
+      starts(3, {"alt", "z", "height", "elev", "coordinate"}) &&
+      std::none_of(kOther.begin(), kOther.begin() + 2, is_other) &&
+      (!starts(1, {"latitude", "longitude"}) || std::none_of(kOther.begin(), kOther.end(), is_other));
   if (!is_header) names.clear();
   return names;
 }

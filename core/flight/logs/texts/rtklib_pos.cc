@@ -29,8 +29,9 @@ void ReadHeaderLine(std::string_view line, PosHeader& header) {
   const std::string lower = LowerCase(line);
   if (lower.find("latitude(d'\")") != std::string::npos) header.is_dms = true;
   if (lower.find("x-ecef") != std::string::npos) header.is_ecef = true;
-  if (lower.find("/geodetic") != std::string::npos) header.is_above_sea = true;
-  if (lower.find("e-baseline") != std::string::npos) header.is_baseline = true;
+  if (lower.find("lat/lon/height=") != std::string::npos && lower.find("/geodetic") != std::string::npos)
+    header.is_above_sea = true;
+  if (lower.find("e-baseline(m)") != std::string::npos) header.is_baseline = true;
   const std::string_view start = Trim(std::string_view(lower).substr(1));
   if (start.starts_with("utc")) header.is_utc = true;
   if (start.starts_with("gpst")) header.is_utc = false;

@@ -72,6 +72,14 @@ TEST(TableUnits, ReadsWholeNumbersAsSmallDegreesAndMillimetres) {
   EXPECT_NEAR(*log.gnss[2].height_amsl_m, 518.345, 1e-6);
 }
 
+TEST(TableUnits, ReadsSmallDegreesBetweenWholeNumbers) {
+  const FlightLog log = LogOfTable(
+      "timestamp,lat,lon,alt\n1000000,470123456,81234567,512.1\n1200000,470123461.5,81234567.25,512.3\n"
+      "1400000,470123466,81234568,512.4\n");
+  ASSERT_EQ(log.gnss.size(), 3u);
+  EXPECT_NEAR(log.gnss[1].position.lat_deg, 47.01234615, 1e-9);
+}
+
 TEST(TableUnits, LeavesWholeMetresBesideSmallDegrees) {
   const FlightLog log = LogOfTable(
       "timestamp,lat,lon,alt\n1000000,470123456,81234567,512\n1200000,470123466,81234567,513\n"
@@ -120,6 +128,23 @@ TEST(TableUnits, FindsRadiansInListsOfPhotosToo) {
   EXPECT_NEAR(log.events[30].yaw_pitch_roll_rad->y(), DegToRad(-90.0), 1e-3);
 }
 
+TEST(TableUnits, ANoseThatIsHeldOneWayProvesNothing) {
+  std::string text = "time_s,lat,lon,alt,heading";
+  for (int row = 0; row < kRows; ++row)  // east all the way
+    text += fmt::format("\n{},47.0,{:.8f},60,1.6", row, 8.0 + kStepDeg * row);
+  EXPECT_THAT(LogOfTable(text + "\n").mapping, ::testing::Not(::testing::Contains(HasSubstr("rad"))));
+}
+
+TEST(TableUnits, LevelIsJudgedOfAnglesAsTheyAre) {
+  std::string text = "file,lat,lon,alt,yaw,pitch,roll";
+  for (int row = 0; row < kRows; ++row)
+    text += fmt::format("\nDJI_{:04}.JPG,{:.8f},8.1,560,{:.4f},-1.5708,0", row, LatDeg(row),
+                        DegToRad(CourseDeg(row)));
+  const FlightLog log = LogOfTable(text + "\n");
+  ASSERT_EQ(log.events.size(), static_cast<std::size_t>(kRows));
+  EXPECT_EQ(log.events[30].attitude_kind, AttitudeKind::kGimbal) << "straight down from the horizon";
+}
+
 TEST(TableUnits, FindsSecondsFarApartByTheWayFlown) {
   for (const double step : {3.0, 3000.0}) {
     const FlightLog log = LogOfTable(
@@ -141,6 +166,21 @@ TEST(TableUnits, FindsTheUnitOfPressure) {
   }
 }
 
+TEST(TableUnits, HeightsUnderTheNameOfABarometerAreNoPressure) {
+  const FlightLog log = LogOfTable(
+      Table("time_s,lat,lon,alt,pressure", 1.0, [](int row) { return fmt::format("60,{}", 40 + 2 * row); }));
+  EXPECT_TRUE(log.baro.empty());
+}
+
+TEST(TableUnits, RowsBeforeTheFirstFixSayNothingOfTheClock) {
+  std::string text = "time,lat,lon,alt,roll,pitch,yaw";
+  for (int row = 0; row < kRows; ++row)
+    text += fmt::format("\n{},{},{},60,0,0,0", 5 * row, row < 10 ? 0.0 : 47.0, row < 10 ? 0.0 : 8.1);
+  const FlightLog log = LogOfTable(text + "\n");
+  ASSERT_FALSE(log.attitude.empty());
+  EXPECT_NEAR(log.attitude.back().t_s - log.attitude.front().t_s, 0.195, 1e-6) << "milliseconds";
+}
+
 TEST(TableUnits, ListsOfSurveysCountHeightsFromTheEllipsoid) {
   const FlightLog survey =
       LogOfTable("filename,lat,lon,height\na.jpg,47.1,8.1,512.3\nb.jpg,47.1002,8.1,512.9\n");
@@ -149,6 +189,9 @@ TEST(TableUnits, ListsOfSurveysCountHeightsFromTheEllipsoid) {
   const FlightLog drone =
       LogOfTable("filename,lat,lon,height\na.jpg,47.1,8.1,60.3\nb.jpg,47.1002,8.1,60.9\n");
   EXPECT_EQ(drone.events.at(0).height_above_takeoff_m, 60.3);
+  const FlightLog both =
+      LogOfTable("filename,lat,lon,altitude,height\na.jpg,47.1,8.1,800,200\nb.jpg,47.1002,8.1,801,201\n");
+  EXPECT_EQ(both.events.at(0).height_above_takeoff_m, 200.0) << "no ellipsoid lies 600 m from the sea";
   const FlightLog said =
       LogOfTable("filename,lat,lon,height above takeoff\na.jpg,47.1,8.1,212.3\nb.jpg,47.1002,8.1,212.9\n");
   EXPECT_EQ(said.events.at(0).height_above_takeoff_m, 212.3);

@@ -146,6 +146,12 @@ TEST(ParseRtklibPos, TakesHeightsTimesAndOriginsAsItsHeaderSays) {
   EXPECT_EQ(*japan->utc_at_zero, *UtcFromCivil(2005, 4, 2, 0, 0, 0.0));
   EXPECT_EQ(japan->gnss[0].height_amsl_m, 31.9);
   EXPECT_FALSE(japan->gnss[0].height_ellipsoid_m);
+  const auto in_a_folder = ParseRtklibPos(
+      "c.pos", BytesOf("% inp file  : /data/geodetic/site-baseline/e-baseline/r.obs\n"
+                       "%  GPST                 latitude(deg) longitude(deg)  height(m)   Q  ns\n"
+                       "2005/04/02 09:00:00.000   35.160865956  139.613842997  31.9  1  7 1 2 3\n"));
+  ASSERT_TRUE(in_a_folder.ok());
+  EXPECT_EQ(in_a_folder->gnss[0].height_ellipsoid_m, 31.9);
   const std::string_view from_base =
       "%  GPST                 e-baseline(m)  n-baseline(m)  u-baseline(m)   Q  ns\n"
       "2005/04/02 00:00:00.000   12.34  -45.6  80.1  1  9\n";
