@@ -171,6 +171,9 @@ test('a measured area has a volume above and below the chosen base', options, as
   assert.match((await figures())[0], /^1,615 yd³$/);
   assert.equal(await page.inputValue('#volume-given'), '1327.1');
   assert.equal(asked.volumes.length, before, 'in other units without asking again');
+  await page.press('#volume-given', 'End');
+  await page.press('#volume-given', 'Backspace');
+  assert.equal(await page.inputValue('#volume-given'), '1327.', 'the key is the field’s, not the outline’s');
   await page.click('#tool-distance');
   assert.ok(await page.locator('#volume').isHidden());
   await assertQuiet(opened, [/422/]);
