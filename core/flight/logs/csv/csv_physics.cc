@@ -66,9 +66,11 @@ std::optional<double> MedianSpeedMps(const std::vector<CsvRow>& preview) {
 // it flew says which.
 double FactorOfSpeed(const std::vector<CsvRow>& preview, double factor) {
   constexpr double kFastestMps = 150.0;  // of what takes photos for maps
-  const auto speed_mps = MedianSpeedMps(preview);
+  const std::optional<double> mps_of_seconds = MedianSpeedMps(preview);
+  if (!mps_of_seconds) return factor;
   for (const double larger : {1e-6, 1e-3, 1.0}) {
-    if (speed_mps && factor<larger&& * speed_mps / factor> kFastestMps) factor = larger;
+    const double speed_mps = *mps_of_seconds / factor;
+    if (larger > factor && speed_mps > kFastestMps) factor = larger;
   }
   return factor;
 }

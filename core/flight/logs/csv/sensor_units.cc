@@ -140,7 +140,7 @@ double TurnedRad(const std::vector<CsvRow>& preview, M yaw) {
   return *greatest - *least;
 }
 
-bool IsUnitWritten(std::vector<CsvColumn>& columns, CsvMeanings meanings) {
+bool IsUnitWritten(const std::vector<CsvColumn>& columns, CsvMeanings meanings) {
   return std::any_of(columns.begin(), columns.end(), [&](const CsvColumn& column) {
     return column.meaning >= meanings.first && column.meaning <= meanings.last && column.unit_is_written;
   });
