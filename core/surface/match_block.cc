@@ -71,6 +71,20 @@ geo::Bounds2 BoundsOfCells(const LevelFrame& frame, const MatchedTile& tile) {
   return bounds;
 }
 
+// By row: from the first to the last tile that two photos see.
+std::vector<ColumnSpan> ComparedSpans(const std::vector<MatchedTile>& tiles, int rows) {
+  std::vector<ColumnSpan> spans(static_cast<std::size_t>(rows));
+  for (const MatchedTile& tile : tiles) {
+    if (tile.cameras.size() < 2) continue;
+    for (int row = tile.row; row < tile.row + tile.rows; ++row) {
+      ColumnSpan& span = spans[static_cast<std::size_t>(row)];
+      if (span.end == 0) span.first = tile.column;
+      span.end = tile.column + tile.columns;
+    }
+  }
+  return spans;
+}
+
 // A level's heights with what bears them out.
 struct MatchedLevel {
   CellBox box;  // of the level's cells
@@ -111,10 +125,10 @@ class BlockMatcher {
     for (int level = kSurfaceLevels - 2; level >= 0; --level) {
       box = LevelBox(box_, level);
       frame = FrameOf(context_.grid, box, level);
-      const HeightSheets sheets = SheetsFollowing(matched.heights.heights_m, matched.highest_m, matched.box,
-                                                  box, step_m_ * (1 << level));
+      HeightSheets sheets = SheetsFollowing(matched.heights.heights_m, matched.highest_m, matched.box, box,
+                                            step_m_ * (1 << level));
       const MatchedLevel coarser = std::move(matched);
-      matched = MatchLevel(box, frame, sheets, &coarser, level == 0);
+      matched = MatchLevel(box, frame, std::move(sheets), &coarser, level == 0);
     }
     return Cut(frame, matched);
   }
@@ -162,7 +176,7 @@ class BlockMatcher {
     return tiles;
   }
 
-  MatchedLevel MatchLevel(const CellBox& box, const LevelFrame& frame, const HeightSheets& sheets,
+  MatchedLevel MatchLevel(const CellBox& box, const LevelFrame& frame, HeightSheets sheets,
                           const MatchedLevel* coarser, bool is_finest) {
     const std::size_t cells = sheets.Cells();
     MatchedLevel matched{
@@ -170,17 +184,22 @@ class BlockMatcher {
     LevelHeights& level = matched.heights;
     matched.agreeing.assign(cells, 0);
     matched.confidence.assign(cells, 0);
-    if (near_.size() < 2) {
-      level.heights_m = matched.highest_m = sheets.expected_m;
+    const std::vector<MatchedTile> tiles = Tiles(frame, sheets);
+    sheets.compared = ComparedSpans(tiles, frame.rows);
+    if (std::all_of(sheets.compared.begin(), sheets.compared.end(),
+                    [](const ColumnSpan& span) { return span.first >= span.end; })) {
+      level.heights_m = matched.highest_m = std::move(sheets.expected_m);
       return matched;
     }
-    const std::vector<MatchedTile> tiles = Tiles(frame, sheets);
     TileMatcher matcher(photos_, frame);
     auto& [costs, sums, gray] = memory_;
     costs.first.resize(cells * static_cast<std::size_t>(sheets.heights));
     costs.second.resize(static_cast<std::size_t>(sheets.second_count) * kSheetHeights);
     gray.assign(cells, 0);
-    for (const MatchedTile& tile : tiles) matcher.FillCosts(tile, sheets, costs, gray);
+    for (const MatchedTile& tile : tiles) {
+      const ColumnSpan span = sheets.compared[static_cast<std::size_t>(tile.row)];
+      if (tile.column >= span.first && tile.column < span.end) matcher.FillCosts(tile, sheets, costs, gray);
+    }
     SumAlongPaths(sheets, costs, gray, {}, sums);
     PickedHeights picked = PickHeights(sheets, costs, sums);
     level.heights_m = std::move(picked.heights_m);

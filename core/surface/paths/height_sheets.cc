@@ -88,9 +88,10 @@ std::vector<CoarseCell> CoarseCells(const std::vector<float>& heights, const std
 }
 
 // Between four cells where they lie on one smooth surface, else of the nearest.
-float Between(const std::array<float, 4>& corners, float u, float v, float smooth_m) {
-  const auto [least, greatest] = std::minmax_element(corners.begin(), corners.end());
-  if (*greatest - *least > smooth_m) return corners[(u > 0.5f ? 1 : 0) + (v > 0.5f ? 2 : 0)];
+inline float Between(const std::array<float, 4>& corners, float u, float v, float smooth_m) {
+  const float least = std::min(std::min(corners[0], corners[1]), std::min(corners[2], corners[3])),
+              greatest = std::max(std::max(corners[0], corners[1]), std::max(corners[2], corners[3]));
+  if (greatest - least > smooth_m) return corners[(u > 0.5f ? 1 : 0) + (v > 0.5f ? 2 : 0)];
   return (1.0f - v) * ((1.0f - u) * corners[0] + u * corners[1]) +
          v * ((1.0f - u) * corners[2] + u * corners[3]);
 }
@@ -103,6 +104,7 @@ HeightSheets SheetsAbout(int columns, int rows, std::vector<float> ground_m, dou
   HeightSheets sheets;
   sheets.columns = columns;
   sheets.rows = rows;
+  sheets.compared.assign(static_cast<std::size_t>(rows), {0, columns});
   sheets.heights = heights;
   sheets.step_m = static_cast<float>(step_m);
   sheets.expected_at = static_cast<int>(std::lround(low_m / step_m));
@@ -121,6 +123,7 @@ HeightSheets SheetsFollowing(const std::vector<float>& coarse_m, const std::vect
   HeightSheets sheets;
   sheets.columns = fine.columns;
   sheets.rows = fine.rows;
+  sheets.compared.assign(static_cast<std::size_t>(fine.rows), {0, fine.columns});
   sheets.step_m = step;
   const std::size_t count = fine.Count();
   sheets.low_m.resize(count);

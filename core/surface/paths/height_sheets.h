@@ -13,6 +13,11 @@ namespace skyquilt::surface {
 
 inline constexpr int kSheetHeights = 16;
 
+// Columns from the first to before the end.
+struct ColumnSpan {
+  int first = 0, end = 0;
+};
+
 struct HeightSheets {
   int columns = 0, rows = 0;
   int heights =
@@ -29,6 +34,8 @@ struct HeightSheets {
   std::vector<float> expected_m;  // what the coarser level says
   // By cell: what lies higher was doubted by the coarser level; infinite where nothing was. Empty: nowhere.
   std::vector<float> doubted_above_m;
+  // By row: the columns that are compared, of which all that two photos see are. Nothing is tried at others.
+  std::vector<ColumnSpan> compared;
 
   std::size_t Cells() const { return low_m.size(); }
 };

@@ -16,62 +16,64 @@ constexpr int kAroundLeast = 2;  // steps that are one minimum
 constexpr int kCurveReach = 3, kCurveStep = 3;
 // Neighbours further off than this lie on something else.
 constexpr float kSameSurfaceSteps = 1.5f;
-constexpr int kCostsAround = 3;  // one beyond those
 
 struct Winner {
   std::uint16_t sum = kNoSum;
   int at = 0;
 };
 
-// What was taken at a cell.
+// What was taken at a cell; its own cost among those of its sheet.
 struct Taken {
   float low_steps = 0.0f;  // of its sheet
   std::int16_t at = 0, count = 0;
-  std::array<std::uint8_t, 2 * kCostsAround + 1> costs{};  // about `at`, where the sheet has heights
+  const std::uint8_t* cost = nullptr;
 };
 
-using Sums = cv::v_uint16x8;
-static_assert(kSheetHeights == 16, "a sheet is two vectors of sums");
+static_assert(kSheetHeights == 16, "a sheet is two vectors of sums, and where one lies has four bits");
+static_assert(8 * kMaxPathCost < 1 << 11, "a sum over eight paths, and where it is, have fifteen bits");
 
 // Of a whole number of sheets' heights.
 Winner LeastOf(const std::uint16_t* sums, int count) {
-  Sums least = cv::v_setall_u16(kNoSum);
-  for (int at = 0; at < count; at += 8) least = cv::v_min(least, cv::v_load(sums + at));
-  const std::uint16_t sum = cv::v_reduce_min(least);
-  const Sums wanted = cv::v_setall_u16(sum);
-  int at = 0;
-  while (!cv::v_check_any(cv::v_load(sums + at) == wanted)) at += 8;
-  while (sums[at] != sum) ++at;
-  return {sum, at};
+  const cv::v_int16x8 low_at(0, 1, 2, 3, 4, 5, 6, 7), high_at(8, 9, 10, 11, 12, 13, 14, 15);
+  Winner winner;
+  for (int from = 0; from < count; from += kSheetHeights) {
+    const auto with_place = [&](int first, const cv::v_int16x8& at) {
+      return cv::v_shl<4>(cv::v_reinterpret_as_s16(cv::v_load(sums + from + first))) | at;
+    };
+    const int least = cv::v_reduce_min(cv::v_min(with_place(0, low_at), with_place(8, high_at)));
+    if (least >> 4 < winner.sum) winner = {static_cast<std::uint16_t>(least >> 4), from + (least & 15)};
+  }
+  return winner;
 }
+
+// For LeastBeyond: the bits of a sheet's sums that do not count are set, read from where `at` is in the
+// middle.
+constexpr int kMiddle = 20;
+constexpr std::array<std::int16_t, 2 * kMiddle> kNear = [] {
+  std::array<std::int16_t, 2 * kMiddle> near{};
+  for (int i = kMiddle - kAroundLeast; i <= kMiddle + kAroundLeast; ++i)
+    near[static_cast<std::size_t>(i)] = std::numeric_limits<std::int16_t>::max();
+  return near;
+}();
 
 // The least beyond kAroundLeast of `at`, which may lie outside.
 std::uint16_t LeastBeyond(const std::uint16_t* sums, int count, int at) {
-  const auto low = static_cast<std::int16_t>(std::clamp(at, -1000, 1000) - kAroundLeast);
-  const cv::v_int16x8 below = cv::v_setall_s16(low),
-                      above = cv::v_setall_s16(static_cast<std::int16_t>(low + 2 * kAroundLeast)),
-                      next = cv::v_setall_s16(8);
-  cv::v_int16x8 here(0, 1, 2, 3, 4, 5, 6, 7);
-  Sums least = cv::v_setall_u16(kNoSum);
-  for (int from = 0; from < count; from += 8) {
-    const cv::v_int16x8 is_beyond = (here < below) | (here > above);
-    least = cv::v_min(least, cv::v_load(sums + from) | cv::v_reinterpret_as_u16(~is_beyond));
-    here += next;
+  cv::v_int16x8 least = cv::v_setall_s16(std::numeric_limits<std::int16_t>::max());
+  for (int from = 0; from < count; from += kSheetHeights) {
+    const int of_sheet = std::clamp(at - from, -kAroundLeast - 1, kSheetHeights + kAroundLeast);
+    const std::int16_t* near = kNear.data() + kMiddle - of_sheet;
+    for (int first = 0; first < kSheetHeights; first += 8) {
+      least = cv::v_min(least,
+                        cv::v_reinterpret_as_s16(cv::v_load(sums + from + first)) | cv::v_load(near + first));
+    }
   }
-  return cv::v_reduce_min(least);
-}
-
-Taken TakenOf(const std::uint8_t* costs, int count, float low_steps, int at) {
-  Taken taken{low_steps, static_cast<std::int16_t>(at), static_cast<std::int16_t>(count), {}};
-  const int first = std::max(0, at - kCostsAround), last = std::min(count - 1, at + kCostsAround);
-  std::copy(costs + first, costs + last + 1, taken.costs.data() + (first - at + kCostsAround));
-  return taken;
+  return static_cast<std::uint16_t>(cv::v_reduce_min(least));
 }
 
 std::uint8_t ContrastOf(const std::uint8_t* costs, int count, int at) {
-  int sum = 0;
-  for (int i = 0; i < count; ++i) sum += costs[i];
-  return static_cast<std::uint8_t>(std::max(0, sum / count - costs[at]));
+  unsigned sum = 0;
+  for (int from = 0; from < count; from += kSheetHeights) sum += cv::v_reduce_sum(cv::v_load(costs + from));
+  return static_cast<std::uint8_t>(std::max(0, static_cast<int>(sum) / count - costs[at]));
 }
 
 // How far from the height taken, in steps, the cell and those around it have their least cost.
@@ -87,7 +89,7 @@ float BetweenSteps(const HeightSheets& sheets, const Taken* taken, int column, i
       if (std::abs(other.low_steps + other.at - own_steps) > kSameSurfaceSteps) continue;
       const int at = static_cast<int>(own_steps - other.low_steps + 0.5f);
       if (at < 1 || at + 1 >= other.count) continue;
-      const std::uint8_t* costs = other.costs.data() + kCostsAround + (at - other.at);
+      const std::uint8_t* costs = other.cost + (at - other.at);
       below += costs[-1];
       here += costs[0];
       above += costs[1];
@@ -103,7 +105,7 @@ float BetweenSteps(const HeightSheets& sheets, const Taken* taken, int column, i
 
 PickedHeights PickHeights(const HeightSheets& sheets, const SheetCosts& costs, const SheetSums& sums) {
   PickedHeights picked;
-  picked.heights_m.resize(sheets.Cells());
+  picked.heights_m = sheets.expected_m;
   picked.margins.resize(sheets.Cells());
   picked.contrasts.resize(sheets.Cells());
   std::vector<Taken> all_taken(sheets.Cells());
@@ -112,7 +114,7 @@ PickedHeights PickHeights(const HeightSheets& sheets, const SheetCosts& costs, c
   const float *low_m = sheets.low_m.data(), *second_low_m = sheets.second_low_m.data();
   const std::int32_t* seconds = sheets.second.data();
   Taken* const taken_at = all_taken.data();
-  for (std::size_t cell = 0; cell < sheets.Cells(); ++cell) {
+  const auto pick = [&](std::size_t cell) {
     const std::size_t from = cell * static_cast<std::size_t>(heights);
     const std::uint16_t* first = sums.first.data() + from;
     Winner winner = LeastOf(first, heights);
@@ -142,17 +144,23 @@ PickedHeights PickHeights(const HeightSheets& sheets, const SheetCosts& costs, c
     }
     picked.margins.data()[cell] = static_cast<std::uint16_t>(std::max(0, others - winner.sum));
     picked.contrasts.data()[cell] = ContrastOf(own_costs, own_count, winner.at);
-    taken_at[cell] = TakenOf(own_costs, own_count, own_low_m * per_step, winner.at);
-  }
-  std::size_t cell = 0;
-  for (int row = 0; row < sheets.rows; ++row) {
-    for (int column = 0; column < sheets.columns; ++column, ++cell) {
-      const Taken& taken = taken_at[cell];
-      const float steps =
-          taken.low_steps + static_cast<float>(taken.at) + BetweenSteps(sheets, taken_at, column, row);
-      picked.heights_m.data()[cell] = sheets.step_m * steps;
+    taken_at[cell] = {own_low_m * per_step, static_cast<std::int16_t>(winner.at),
+                      static_cast<std::int16_t>(own_count), own_costs + winner.at};
+  };
+  const auto for_compared = [&](const auto& visit) {
+    for (int row = 0; row < sheets.rows; ++row) {
+      const ColumnSpan span = sheets.compared[static_cast<std::size_t>(row)];
+      for (int column = span.first; column < span.end; ++column)
+        visit(column, row, static_cast<std::size_t>(row) * sheets.columns + column);
     }
-  }
+  };
+  for_compared([&](int, int, std::size_t cell) { pick(cell); });
+  for_compared([&](int column, int row, std::size_t cell) {
+    const Taken& taken = taken_at[cell];
+    const float steps =
+        taken.low_steps + static_cast<float>(taken.at) + BetweenSteps(sheets, taken_at, column, row);
+    picked.heights_m.data()[cell] = sheets.step_m * steps;
+  });
   return picked;
 }
 

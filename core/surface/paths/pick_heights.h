@@ -1,6 +1,7 @@
 // PickHeights: of each cell's heights the one with the least sum over all paths, between steps by a parabola
 // through the costs of its neighbourhood (sums have a kink at the least one and say nothing of what lies
-// between steps). Metres of enu. Pure; any thread; the same bits on any processor.
+// between steps); what is expected where nothing was compared. Metres of enu. Pure; any thread; the same bits
+// on any processor.
 #pragma once
 
 #include <cstdint>

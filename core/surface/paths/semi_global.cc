@@ -24,14 +24,17 @@ constexpr std::uint8_t kNoPath = 255;
 constexpr float kFarShift = 100.0f;  // steps, in which no two sheets overlap
 
 // By how many steps cells begin above others, rounded; no further than tells that no height is alike.
+inline int ShiftOf(float low_m, float other_low_m, float per_step) {
+  float steps = (low_m - other_low_m) * per_step;
+  steps = steps < kFarShift ? steps : kFarShift;
+  steps = steps > -kFarShift ? steps : -kFarShift;
+  return static_cast<int>(steps + (steps >= 0.0f ? 0.5f : -0.5f));
+}
+
 SKYQUILT_VECTOR_CLONES void ShiftRow(const float* __restrict low_m, const float* __restrict other_low_m,
                                      float per_step, int count, std::int8_t* __restrict shifts) {
-  for (int i = 0; i < count; ++i) {
-    float steps = (low_m[i] - other_low_m[i]) * per_step;
-    steps = steps < kFarShift ? steps : kFarShift;
-    steps = steps > -kFarShift ? steps : -kFarShift;
-    shifts[i] = static_cast<std::int8_t>(static_cast<int>(steps + (steps >= 0.0f ? 0.5f : -0.5f)));
-  }
+  for (int i = 0; i < count; ++i)
+    shifts[i] = static_cast<std::int8_t>(ShiftOf(low_m[i], other_low_m[i], per_step));
 }
 
 // One of the four paths at a row: what it costs there and at the row before, and how the cells before on it
@@ -53,6 +56,7 @@ class PathSummer {
         low_m_(sheets.low_m.data()),
         second_low_m_(sheets.second_low_m.data()),
         second_(sheets.second.data()),
+        compared_(sheets.compared.data()),
         costs_(costs.first.data()),
         second_costs_(costs.second.data()),
         gray_(gray.data()),
@@ -112,8 +116,10 @@ class PathSummer {
     at.least = here.least.data();
     if (path != 0 && is_first_row) return at;
     const int back = way * kBack[path];
-    at.first = std::max(0, -back);
-    at.last = columns_ - 1 - std::max(0, back);
+    const ColumnSpan own_span = compared_[row], before = compared_[path == 0 ? row : row - way];
+    at.first = std::max(own_span.first, before.first - back);
+    at.last = std::min(own_span.end, before.end - back) - 1;
+    if (at.first > at.last) return at;
     // The path along the row reads what this row has written; the others the row before.
     at.back = back;
     at.lanes_before = (path == 0 ? here.lanes : here.lanes_before).data();
@@ -133,12 +139,6 @@ class PathSummer {
     return at;
   }
 
-  int ShiftOf(float low_m, float other_low_m) const {
-    std::int8_t shift = 0;
-    ShiftRow(&low_m, &other_low_m, per_step_, 1, &shift);
-    return shift;
-  }
-
   static Lanes Cheaper(Lanes best, const std::uint8_t* lanes, int shift, Lanes step) {
     if (shift < -kSheetHeights || shift > kSheetHeights) return best;
     lanes += shift;
@@ -151,13 +151,15 @@ class PathSummer {
     const std::ptrdiff_t row_at = static_cast<std::ptrdiff_t>(row) * columns_;
     const std::int32_t* const seconds = second_ + row_at;
     const float *const low_m = low_m_ + row_at, *const second_low_m = second_low_m_ + row_at;
-    const int heights = heights_, columns = columns_, second_at = second_at_, stride = stride_;
+    const ColumnSpan span = compared_[row];
+    const int heights = heights_, second_at = second_at_, stride = stride_;
     const std::uint8_t *const costs = costs_ + row_at * heights, *const second_costs = second_costs_;
     std::uint16_t *const sums = sums_ + row_at * heights, *const second_sums = second_sums_;
     const Lanes step = cv::v_setall_u8(step_penalty_);
+    const float per_step = per_step_;
     const bool begins = way > 0;
-    for (int passed = 0; passed < columns; ++passed) {
-      const int column = begins ? passed : columns - 1 - passed;
+    for (int passed = 0; passed < span.end - span.first; ++passed) {
+      const int column = begins ? span.first + passed : span.end - 1 - passed;
       const std::ptrdiff_t at_cell = static_cast<std::ptrdiff_t>(column) * stride;
       const std::int32_t second = seconds[column];
       std::array<Lanes, kPaths> least;
@@ -178,11 +180,12 @@ class PathSummer {
             const std::uint8_t* lanes = path.lanes_before + static_cast<std::ptrdiff_t>(from) * stride;
             const Lanes least_before = cv::v_setall_u8(path.least_before[from]);
             const float own_m = is_second ? second_low_m[column] : low_m[column];
-            Lanes best =
-                Cheaper(least_before + cv::v_setall_u8(path.jumps[column]), lanes + kPad + at,
-                        is_second ? ShiftOf(own_m, path.low_m_before[from]) : path.shifts[column], step);
+            Lanes best = Cheaper(
+                least_before + cv::v_setall_u8(path.jumps[column]), lanes + kPad + at,
+                is_second ? ShiftOf(own_m, path.low_m_before[from], per_step) : path.shifts[column], step);
             if (path.second_before[from] != HeightSheets::kNone) {
-              best = Cheaper(best, lanes + second_at, ShiftOf(own_m, path.second_low_m_before[from]), step);
+              best = Cheaper(best, lanes + second_at,
+                             ShiftOf(own_m, path.second_low_m_before[from], per_step), step);
             }
             here = own + (best - least_before);
           }
@@ -212,6 +215,7 @@ class PathSummer {
   const int columns_, rows_, heights_;
   const float *low_m_, *second_low_m_;
   const std::int32_t* second_;
+  const ColumnSpan* compared_;
   const std::uint8_t *costs_, *second_costs_, *gray_;
   std::uint16_t *sums_, *second_sums_;
   const std::uint8_t step_penalty_;

@@ -24,6 +24,7 @@ const GrayPyramid* BlockPhotos::Pyramid(std::size_t camera) {
 
 bool TileMatcher::Lay(const MatchedTile& tile, const std::vector<float>& low_m, double raised_m,
                       double span_m, int heights) {
+  if (tile.cameras.size() < 2) return false;
   laid_.cell_m = frame_.cell_m;
   laid_.columns = tile.columns + 2 * kCensusRadius;
   laid_.rows = tile.rows + 2 * kCensusRadius;
@@ -84,6 +85,8 @@ void TileMatcher::TakeGray(const MatchedTile& tile, std::vector<std::uint8_t>& g
 void TileMatcher::FillPlanes(const MatchedTile& tile, const std::vector<float>& low_m, double raised_m,
                              double step_m, int shown_height, std::vector<std::uint8_t>* gray) {
   const bool is_seen = Lay(tile, low_m, raised_m, (kSheetHeights - 1) * step_m, kSheetHeights);
+  shape_ = {tile.columns, tile.rows};
+  plane_size_ = shape_.PlaneSize();
   planes_.resize(kSheetHeights * plane_size_);
   if (!is_seen) {
     std::fill(planes_.begin(), planes_.end(), kUnknownCost);

@@ -147,18 +147,34 @@ SKYQUILT_VECTOR_CLONES void MarkUnseen(const float* __restrict low, const float*
   }
 }
 
-// Which pixel each cell lies right and below of, and how far between it and the next ones.
+// Which pixel a cell lies right and below of, and how far between it and the next ones.
+inline std::int32_t PlaceOf(float x, float y, float last_x, float last_y, std::int32_t stride,
+                            std::int32_t& weights) {
+  float u = x > 0.0f ? x : 0.0f, v = y > 0.0f ? y : 0.0f;
+  u = u < last_x ? u : last_x;
+  v = v < last_y ? v : last_y;
+  const std::int32_t column = static_cast<std::int32_t>(u), row = static_cast<std::int32_t>(v);
+  weights = static_cast<std::int32_t>((u - static_cast<float>(column)) * kParts) |
+            (static_cast<std::int32_t>((v - static_cast<float>(row)) * kParts) << 8);
+  return row * stride + column;
+}
+
 SKYQUILT_VECTOR_CLONES void PlaceCells(const float* __restrict x, const float* __restrict y, float last_x,
                                        float last_y, std::int32_t stride, int count,
                                        std::int32_t* __restrict index, std::int32_t* __restrict weights) {
+  for (int i = 0; i < count; ++i) index[i] = PlaceOf(x[i], y[i], last_x, last_y, stride, weights[i]);
+}
+
+// So many heights up.
+SKYQUILT_VECTOR_CLONES void PlaceRaised(const float* __restrict x, const float* __restrict y,
+                                        const float* __restrict step_x, const float* __restrict step_y,
+                                        const float* __restrict bend_x, const float* __restrict bend_y,
+                                        float height, float last_x, float last_y, std::int32_t stride,
+                                        int count, std::int32_t* __restrict index,
+                                        std::int32_t* __restrict weights) {
   for (int i = 0; i < count; ++i) {
-    float u = x[i] > 0.0f ? x[i] : 0.0f, v = y[i] > 0.0f ? y[i] : 0.0f;
-    u = u < last_x ? u : last_x;
-    v = v < last_y ? v : last_y;
-    const std::int32_t column = static_cast<std::int32_t>(u), row = static_cast<std::int32_t>(v);
-    index[i] = row * stride + column;
-    weights[i] = static_cast<std::int32_t>((u - static_cast<float>(column)) * kParts) |
-                 (static_cast<std::int32_t>((v - static_cast<float>(row)) * kParts) << 8);
+    index[i] = PlaceOf(x[i] + height * (step_x[i] + height * bend_x[i]),
+                       y[i] + height * (step_y[i] + height * bend_y[i]), last_x, last_y, stride, weights[i]);
   }
 }
 
@@ -283,7 +299,6 @@ bool ViewPatch::MarkSeen() {
 
 void ViewPatch::Sample(int height, std::uint8_t* patch) {
   constexpr std::size_t kCellsAtOnce = 1024;  // cells that stay in the nearest cache
-  std::array<float, kCellsAtOnce> raised_x, raised_y;
   std::array<std::int32_t, kCellsAtOnce> index, weights;
   std::array<std::uint32_t, kCellsAtOnce> fours;
   // Of the last but one pixel, which has others right and below.
@@ -293,13 +308,12 @@ void ViewPatch::Sample(int height, std::uint8_t* patch) {
     const int count = static_cast<int>(std::min(kCellsAtOnce, x_.size() - at));
     const float *x = x_.data() + at, *y = y_.data() + at;
     if (height > 0) {
-      const float up = static_cast<float>(height);
-      RaiseCells(x, step_x_.data() + at, bend_x_.data() + at, up, count, raised_x.data());
-      RaiseCells(y, step_y_.data() + at, bend_y_.data() + at, up, count, raised_y.data());
-      x = raised_x.data();
-      y = raised_y.data();
+      PlaceRaised(x, y, step_x_.data() + at, step_y_.data() + at, bend_x_.data() + at, bend_y_.data() + at,
+                  static_cast<float>(height), last_x, last_y, picture_->width_px, count, index.data(),
+                  weights.data());
+    } else {
+      PlaceCells(x, y, last_x, last_y, picture_->width_px, count, index.data(), weights.data());
     }
-    PlaceCells(x, y, last_x, last_y, picture_->width_px, count, index.data(), weights.data());
     TakeFours(picture_->gray.data(), picture_->width_px, index.data(), count, fours.data());
     MixFours(fours.data(), weights.data(), count, patch + at);
   }

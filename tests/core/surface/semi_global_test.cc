@@ -50,7 +50,9 @@ class PlainPaths {
   std::vector<int> Path(int column, int row, int dx, int dy) const {
     const std::vector<int> own = Costs(column, row);
     const int from_column = column - dx, from_row = row - dy;
-    if (from_column < 0 || from_row < 0 || from_column >= kColumns || from_row >= kRows) return own;
+    if (from_row < 0 || from_row >= kRows) return own;
+    const ColumnSpan span = sheets_.compared[static_cast<std::size_t>(from_row)];
+    if (from_column < span.first || from_column >= span.end) return own;
     const std::vector<int> before = Path(from_column, from_row, dx, dy);
     const int least = *std::min_element(before.begin(), before.end());
     const std::size_t here = Cell(column, row), there = Cell(from_column, from_row);
@@ -121,6 +123,8 @@ void ExpectPlainSums(const Volume& volume) {
   const std::size_t heights = static_cast<std::size_t>(volume.sheets.heights);
   for (int row = 0; row < kRows; ++row) {
     for (int column = 0; column < kColumns; ++column) {
+      const ColumnSpan span = volume.sheets.compared[static_cast<std::size_t>(row)];
+      if (column < span.first || column >= span.end) continue;
       const std::size_t cell = static_cast<std::size_t>(row) * kColumns + column;
       const std::vector<int> expected = plain.SumsAt(column, row);
       for (std::size_t i = 0; i < expected.size(); ++i) {
@@ -147,6 +151,13 @@ TEST(SumAlongPaths, IsThatOfPlainLoopsWithTwoSheets) {
   ExpectPlainSums(RandomVolume(4, kSheetHeights, true));
 }
 
+TEST(SumAlongPaths, BeginsWhereCellsAreCompared) {
+  Volume volume = RandomVolume(7, kSheetHeights, true);
+  volume.sheets.compared = {{2, 5}, {0, 9}, {4, 4}, {6, 9}, {0, 2}, {1, 8}, {3, 4}};
+  ASSERT_EQ(volume.sheets.compared.size(), static_cast<std::size_t>(kRows));
+  ExpectPlainSums(volume);
+}
+
 // Costs of |height - true height|, of a plane that hardly climbs.
 TEST(PickHeights, FindsWhatLiesBetweenSteps) {
   Volume volume = RandomVolume(5, kSheetHeights, false);
@@ -168,6 +179,40 @@ TEST(PickHeights, FindsWhatLiesBetweenSteps) {
     EXPECT_NEAR(picked.heights_m[at], true_m(cell % kColumns), 0.05) << cell;
     EXPECT_GT(picked.margins[at], 100);
     EXPECT_GT(picked.contrasts[at], 30);
+  }
+}
+
+TEST(PickHeights, LeavesWhatIsExpectedWhereNothingIsCompared) {
+  Volume volume = RandomVolume(8, kSheetHeights, true);
+  volume.sheets.compared.assign(kRows, {3, 6});
+  SheetSums sums;
+  SumAlongPaths(volume.sheets, volume.costs, volume.gray, {}, sums);
+  const PickedHeights picked = PickHeights(volume.sheets, volume.costs, sums);
+  for (std::size_t cell = 0; cell < volume.sheets.Cells(); ++cell) {
+    if (cell % kColumns >= 3 && cell % kColumns < 6) continue;
+    EXPECT_EQ(picked.heights_m[cell], volume.sheets.expected_m[cell]);
+    EXPECT_EQ(picked.margins[cell], 0);
+  }
+}
+
+// The first of equal sums, and of what is left the least beyond two steps of it.
+TEST(PickHeights, TakesTheLeastSumAndSaysByHowMuch) {
+  Volume volume = RandomVolume(9, 3 * kSheetHeights, false);
+  SheetSums sums;
+  SumAlongPaths(volume.sheets, volume.costs, volume.gray, {}, sums);
+  const PickedHeights picked = PickHeights(volume.sheets, volume.costs, sums);
+  const int heights = volume.sheets.heights;
+  for (std::size_t cell = 0; cell < volume.sheets.Cells(); ++cell) {
+    const auto first = sums.first.begin() + static_cast<std::ptrdiff_t>(cell) * heights;
+    const auto least = std::min_element(first, first + heights);
+    int others = 65535;
+    for (auto other = first; other != first + heights; ++other) {
+      if (std::abs(other - least) > 2) others = std::min<int>(others, *other);
+    }
+    EXPECT_EQ(picked.margins[cell], std::max(0, others - *least)) << cell;
+    const float at_m =
+        volume.sheets.low_m[cell] + volume.sheets.step_m * static_cast<float>(std::distance(first, least));
+    EXPECT_NEAR(picked.heights_m[cell], at_m, 1.001f * volume.sheets.step_m) << cell;
   }
 }
 
