@@ -22,15 +22,6 @@ Eigen::Matrix3d Intrinsics::K() const {
   return k;
 }
 
-Eigen::Vector2d Intrinsics::Distort(const Eigen::Vector2d& normalised) const {
-  const double x = normalised.x();
-  const double y = normalised.y();
-  const double r2 = x * x + y * y;
-  const double radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3));
-  return {x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x),
-          y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y};
-}
-
 Eigen::Vector2d Intrinsics::Undistort(const Eigen::Vector2d& distorted) const {
   if (!HasDistortion()) return distorted;
   // Newton on the two equations, from the distorted point; the Jacobian is well conditioned inside the fold.

@@ -28,7 +28,14 @@ struct Intrinsics {
   Eigen::Matrix3d K() const;
 
   // Normalised coordinates (x/z, y/z) before and after the lens bent the ray.
-  Eigen::Vector2d Distort(const Eigen::Vector2d& normalised) const;
+  Eigen::Vector2d Distort(const Eigen::Vector2d& normalised) const {
+    const double x = normalised.x();
+    const double y = normalised.y();
+    const double r2 = x * x + y * y;
+    const double radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3));
+    return {x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x),
+            y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y};
+  }
   Eigen::Vector2d Undistort(const Eigen::Vector2d& distorted) const;
 
   // The pixel that sees a point of the cam frame; nothing behind the camera or beyond the lens' fold.

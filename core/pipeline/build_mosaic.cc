@@ -102,10 +102,8 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   if (finished != 0 && finished != aligned.photos.size()) around = AddedAndAround(aligned, finished);
   std::optional<render::SeamPatches> patches;
   auto rendered = stages.Run("render", [&]() -> Result<render::RenderReport> {
-    if (!surface) {  // where things stand upright any photo may be asked for what another does not see
-      const std::vector<image::PixelBox> shown = render::ShownRegions(aligned, ground, seams);
-      for (std::size_t i = 0; i < shown.size(); ++i) cache.Expect(i, shown[i]);
-    }
+    const std::vector<image::PixelBox> shown = render::ShownRegions(aligned, shown_ground, seams);
+    for (std::size_t i = 0; i < shown.size(); ++i) cache.Expect(i, shown[i]);
     patches.emplace(around ? *around : aligned, shown_ground, measure);
     if (!around) patches->WatchFor(cache);
     const render::RenderContext context{aligned, shown_ground, planned.exposure, seams, plan, cache};
@@ -132,7 +130,7 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   report.seam_shift = seam_shift;
   report.warnings = aligned.warnings;
   if (GroundAsked(facts) == MapGround::kAuto) report.ground_choice = facts.ground_choice;
-  if (surface) TellSurface(surface->heights.grid.cell_m, MeasuredShare(surface->heights.cells), report);
+  if (surface) TellSurface(surface->cell_m, surface->measured_share, report);
   WarnOfCoarserPixels(plan, aligned, planned.gsd_m, report);
   report.align_report = facts.align_report;
   report.ground_report = facts.ground_report;

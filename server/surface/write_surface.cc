@@ -60,7 +60,8 @@ Result<void> WriteSurface(pipeline::BuiltMosaic& built, const pipeline::MosaicOp
   {
     ScopedTimer timer(timing.wall_s);
     ScopedCpuTimer cpu_timer(timing.cpu_s);
-    const surface::DenseSurface* matched = built.surface ? &built.surface->heights : nullptr;
+    const surface::DenseSurface* matched =
+        built.surface && built.surface->heights ? &*built.surface->heights : nullptr;
     const double cell_m =
         matched != nullptr ? matched->grid.cell_m : pipeline::kSurfaceCellPx * built.report.gsd_m;
     const surface::SurfaceGrid grid = surface::GridOver(

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/base/bilinear_grid.h"
+#include "core/base/parallel_for.h"
 #include "core/base/try.h"
 #include "core/geo/web_mercator.h"
 #include "core/pipeline/memory_budget.h"
@@ -22,7 +23,7 @@ namespace {
 // Below this share of measured cells the heights are mostly a guess, which is said.
 constexpr double kMostlyMeasured = 0.5;
 constexpr int kSquareCells = 16, kFadeSquares = 6;
-// Heights twice, confidence and photos that agree.
+// Heights, twice where they are written too, confidence and photos that agree.
 constexpr std::int64_t kBytesPerCell = 10;
 
 // By square of kSquareCells cells: 0 where fewer photos look than one height takes to be borne out by
@@ -72,28 +73,29 @@ std::vector<float> TrustOf(const FlightFacts& facts, const surface::SurfaceGrid&
 }
 
 // Where no photo looks, and where too few do, lies the smooth ground.
-ground::GroundSurface GroundOf(const surface::DenseSurface& heights, const FlightFacts& facts) {
+ground::GroundSurface GroundOf(const surface::SurfaceGrid& grid, std::vector<float> heights_m,
+                               const FlightFacts& facts, int threads) {
   const ground::GroundSurface& smooth = facts.ground;
-  const surface::SurfaceGrid& grid = heights.grid;
   const int squares_across = grid.columns / kSquareCells + 2, squares_up = grid.rows / kSquareCells + 2;
   const std::vector<float> trust = TrustOf(facts, grid, squares_across, squares_up);
-  std::vector<float> filled = heights.cells.heights_m;
-  std::size_t i = 0;
-  for (int row = 0; row < grid.rows; ++row) {
-    for (int column = 0; column < grid.columns; ++column, ++i) {
-      const bool is_known = !std::isnan(filled[i]);
+  ParallelFor(static_cast<std::size_t>(grid.rows), threads, [&](std::size_t row) {
+    float* const of_row = heights_m.data() + row * static_cast<std::size_t>(grid.columns);
+    const auto y = static_cast<double>(row);
+    for (int column = 0; column < grid.columns; ++column) {
+      float& height_m = of_row[column];
+      const bool is_known = !std::isnan(height_m);
       const double share =
           is_known ? BilinearAt(trust, squares_across, squares_up, (column + 0.5) / kSquareCells - 0.5,
-                                (row + 0.5) / kSquareCells - 0.5)
+                                (y + 0.5) / kSquareCells - 0.5)
                    : 0.0;
       if (share >= 1.0) continue;
       const double ground_m =
-          smooth.HeightAt(grid.south_west_in_enu + grid.cell_m * Eigen::Vector2d(column, row));
-      filled[i] = static_cast<float>(is_known ? ground_m + share * (filled[i] - ground_m) : ground_m);
+          smooth.HeightAt(grid.south_west_in_enu + grid.cell_m * Eigen::Vector2d(column, y));
+      height_m = static_cast<float>(is_known ? ground_m + share * (height_m - ground_m) : ground_m);
     }
-  }
+  });
   return ground::GroundSurface::WithSteps(grid.south_west_in_enu, grid.cell_m, grid.columns, grid.rows,
-                                          std::move(filled), smooth.MeanHeight());
+                                          std::move(heights_m), smooth.MeanHeight());
 }
 
 }  // namespace
@@ -165,8 +167,13 @@ Result<MapSurface> MatchMapSurface(const FlightFacts& facts, const std::optional
   SKYQUILT_TRY_ASSIGN(surface::DenseSurface heights, surface::MatchSurface(facts.flight, photos, facts.ground,
                                                                            surface::GridOver(area, cell_m),
                                                                            SurfaceWithin(options), progress));
-  ground::GroundSurface ground = GroundOf(heights, facts);
-  return MapSurface{std::move(heights), std::move(ground)};
+  const double measured_share = MeasuredShare(heights.cells);
+  const surface::SurfaceGrid grid = heights.grid;
+  std::optional<surface::DenseSurface> kept;
+  if (options.heights != MapHeights::kNone) kept = heights;
+  return MapSurface{cell_m, measured_share,
+                    GroundOf(grid, std::move(heights.cells.heights_m), facts, options.threads),
+                    std::move(kept)};
 }
 
 }  // namespace skyquilt::pipeline

@@ -22,8 +22,10 @@ namespace skyquilt::pipeline {
 inline constexpr double kSurfaceCellPx = 2.0;
 
 struct MapSurface {
-  surface::DenseSurface heights;
-  ground::GroundSurface ground;  // the same, and the smooth ground where no photo looks
+  double cell_m = 1.0;
+  double measured_share = 0.0;
+  ground::GroundSurface ground;                  // the heights, and the smooth ground where no photo looks
+  std::optional<surface::DenseSurface> heights;  // where they are written beside the map
 };
 
 // Around the part of enu that lies below geographic bounds, at that height.

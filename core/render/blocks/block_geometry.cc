@@ -8,6 +8,7 @@
 
 #include "core/base/bilinear_grid.h"
 #include "core/base/check.h"
+#include "core/base/vector_clones.h"
 #include "core/camera/footprint.h"
 #include "core/camera/rolling_shutter.h"
 #include "core/geo/web_mercator.h"
@@ -52,17 +53,20 @@ BlockGeometry MakeBlockGeometry(const geo::TileId& block_tile, int size_px, cons
   block.ground_in_enu.reserve(static_cast<std::size_t>(block.nodes_per_side) * block.nodes_per_side);
   const std::vector<geo::Vertical> exact = ExactVerticals(block_tile, size_px, frame);
   const int exact_per_side = size_px / kNodeStepPx + 1, nodes_between = kNodeStepPx / block.node_step_px;
+  std::vector<geo::Vertical> along;  // the row's verticals, where columns are exact
   for (int row = 0; row < block.nodes_per_side; ++row) {
     const int north = row / nodes_between, south = std::min(north + 1, exact_per_side - 1);
-    const double v = static_cast<double>(row % nodes_between) / nodes_between;
+    const double v = (row % nodes_between) * (1.0 / nodes_between);
+    along.clear();
+    for (int x = 0; x < exact_per_side; ++x) {
+      const auto at = [&](int y) { return exact[static_cast<std::size_t>(y) * exact_per_side + x]; };
+      along.push_back(Between(at(north), at(south), v));
+    }
     for (int column = 0; column < block.nodes_per_side; ++column) {
-      const int west = column / nodes_between, east = std::min(west + 1, exact_per_side - 1);
-      const double u = static_cast<double>(column % nodes_between) / nodes_between;
-      const auto at = [&](int x, int y) -> const geo::Vertical& {
-        return exact[static_cast<std::size_t>(y) * exact_per_side + x];
-      };
-      const geo::Vertical vertical = Between(Between(at(west, north), at(east, north), u),
-                                             Between(at(west, south), at(east, south), u), v);
+      const auto west = static_cast<std::size_t>(column / nodes_between),
+                 east = std::min(west + 1, along.size() - 1);
+      const geo::Vertical vertical =
+          Between(along[west], along[east], (column % nodes_between) * (1.0 / nodes_between));
       Eigen::Vector3d point = vertical.AtHeight(ground.MeanHeight());
       if (!ground.IsPlane()) point = vertical.AtHeight(ground.HeightAt(point.head<2>()));
       block.ground_in_enu.push_back(point);
@@ -119,6 +123,36 @@ class RowPoses {
   std::vector<float> rows_px_;  // by coarse node
 };
 
+// Where a camera that stands still while it reads its rows sees places, not a number where it cannot, and how
+// far from below it they lie.
+SKYQUILT_VECTOR_CLONES void ProjectPlaces(const camera::Intrinsics& lens,
+                                          const Eigen::Matrix3d& cam_from_enu_rotation,
+                                          const Eigen::Vector3d& center_in_enu, double max_radius_squared,
+                                          double widest_tangent, const Eigen::Vector3d* places, int count,
+                                          Eigen::Vector2f* __restrict pixels,
+                                          float* __restrict nadir_distances_m) {
+  const camera::Intrinsics own = lens;
+  const Eigen::Matrix3d r = cam_from_enu_rotation;
+  const Eigen::Vector3d center = center_in_enu;
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  for (int i = 0; i < count; ++i) {
+    const double east = places[i].x() - center.x(), north = places[i].y() - center.y(),
+                 up = places[i].z() - center.z();
+    const double sideways_m = std::sqrt(east * east + north * north);
+    const double depth = r(2, 0) * east + r(2, 1) * north + r(2, 2) * up;
+    const double x = (r(0, 0) * east + r(0, 1) * north + r(0, 2) * up) / depth,
+                 y = (r(1, 0) * east + r(1, 1) * north + r(1, 2) * up) / depth;
+    const bool is_seen = (depth > 1e-6) & (up < 0.0) & (sideways_m <= -up * widest_tangent) &
+                         (x * x + y * y <= max_radius_squared);
+    const Eigen::Vector2d bent = own.Distort({x, y});
+    const double column = own.focal_x_px * bent.x() + own.center_x_px,
+                 row = own.focal_y_px * bent.y() + own.center_y_px;
+    pixels[i].x() = static_cast<float>(is_seen ? column : kNan);
+    pixels[i].y() = static_cast<float>(is_seen ? row : kNan);
+    nadir_distances_m[i] = static_cast<float>(sideways_m);
+  }
+}
+
 }  // namespace
 
 PhotoView ViewBlock(const alignment::AlignedPhoto& photo, const BlockGeometry& block) {
@@ -148,43 +182,45 @@ void ViewNodes(const alignment::AlignedPhoto& photo, const BlockGeometry& block,
     return Eigen::Vector2d(lens.focal_x_px * bent.x() + lens.center_x_px,
                            lens.focal_y_px * bent.y() + lens.center_y_px);
   };
-  for (std::size_t i = 0; i < block.ground_in_enu.size(); ++i) {
+  const auto pixel_while_moving = [&](std::size_t node) -> std::optional<Eigen::Vector2d> {
+    const Eigen::Vector3d& place = block.ground_in_enu[node];
+    if (rows) {
+      const RowPoses::Pose* about = rows->At(node);
+      if (about == nullptr) return std::nullopt;
+      const auto first = pixel_of(about->cam_from_enu * place + about->shift);
+      if (!first) return std::nullopt;
+      const RowPoses::Pose& pose = rows->OfRow(first->y());
+      return pixel_of(pose.cam_from_enu * place + pose.shift);
+    }
+    const Eigen::Vector3d in_cam = rotation * (place - center);
+    // Where it turns, another row may see what the middle one cannot.
+    if (turns ? in_cam.z() <= 1e-6 : !pixel_of(in_cam)) return std::nullopt;
+    return camera::ProjectRolling(lens, photo.cam_from_enu, photo.readout_motion, place);
+  };
+  const std::size_t nodes = block.ground_in_enu.size();
+  for (std::size_t i = 0; i < nodes; ++i) {
     if (wanted[i] == 0) continue;
+    if (!moves) {
+      const auto first = wanted.begin() + static_cast<std::ptrdiff_t>(i);
+      const std::ptrdiff_t count = std::find(first, wanted.end(), 0) - first;
+      ProjectPlaces(lens, rotation, center, max_radius_squared, widest_tangent,
+                    block.ground_in_enu.data() + i, static_cast<int>(count), view.pixel_in_image.data() + i,
+                    view.nadir_distance_m.data() + i);
+      i += static_cast<std::size_t>(count);
+      continue;
+    }
     const Eigen::Vector3d offset = block.ground_in_enu[i] - center;
     const double sideways_m = offset.head<2>().norm();
     view.nadir_distance_m[i] = static_cast<float>(sideways_m);
-    if (rows) {
-      const RowPoses::Pose* about = rows->At(i);
-      if (about == nullptr || offset.z() >= 0.0 || sideways_m > -offset.z() * widest_tangent) continue;
-      const auto first = pixel_of(about->cam_from_enu * block.ground_in_enu[i] + about->shift);
-      if (!first) continue;
-      const RowPoses::Pose& pose = rows->OfRow(first->y());
-      if (const auto pixel = pixel_of(pose.cam_from_enu * block.ground_in_enu[i] + pose.shift))
-        view.pixel_in_image[i] = pixel->cast<float>();
-      continue;
-    }
-    const Eigen::Vector3d in_cam = rotation * offset;
-    if (in_cam.z() <= 1e-6 || offset.z() >= 0.0 || sideways_m > -offset.z() * widest_tangent) continue;
-    if (turns) {  // what the middle row cannot see another may
-      if (const auto pixel = camera::ProjectRolling(lens, photo.cam_from_enu, photo.readout_motion,
-                                                    block.ground_in_enu[i])) {
-        view.pixel_in_image[i] = pixel->cast<float>();
-      }
-      continue;
-    }
-    std::optional<Eigen::Vector2d> pixel = pixel_of(in_cam);
-    if (!pixel) continue;
-    if (moves) {
-      pixel = camera::ProjectRolling(lens, photo.cam_from_enu, photo.readout_motion, block.ground_in_enu[i]);
-      if (!pixel) continue;
-    }
-    view.pixel_in_image[i] = pixel->cast<float>();
+    if (offset.z() >= 0.0 || sideways_m > -offset.z() * widest_tangent) continue;
+    if (const auto pixel = pixel_while_moving(i)) view.pixel_in_image[i] = pixel->cast<float>();
   }
   // A cell touches the image if the box around its four corners does.
   const int n = block.nodes_per_side;
   for (int row = 0; row + 1 < n && !view.sees_block; ++row) {
     for (int column = 0; column + 1 < n; ++column) {
       const std::size_t k = static_cast<std::size_t>(row) * n + column;
+      if (wanted[k] == 0) continue;
       Eigen::Vector2f low = view.pixel_in_image[k];
       Eigen::Vector2f high = low;
       for (const std::size_t other : {k + 1, k + n, k + n + 1}) {

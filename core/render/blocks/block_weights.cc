@@ -265,14 +265,15 @@ class Weigher {
   // Of those that are not shown yet; whether all are now.
   bool WeighPixels(int block_x, int block_y, int left, int top, int part_px) {
     const int step_px = block_.node_step_px;
+    const int west_px = (block_x + left) % step_px - left, north_px = (block_y + top) % step_px - top;
+    const float per_px = 1.0f / static_cast<float>(step_px);
     bool all = true;
     for (int dy = top; dy < top + part_px; ++dy) {
+      const float node_y = static_cast<float>(north_px + dy) * per_px;
       for (int dx = left; dx < left + part_px; ++dx) {
         const auto pixel = static_cast<std::size_t>(dy * square_px_ + dx);
         if (is_shown_[pixel]) continue;
-        const float per_px = 1.0f / static_cast<float>(step_px);
-        const float node_x = static_cast<float>((block_x + dx) % step_px) * per_px,
-                    node_y = static_cast<float>((block_y + dy) % step_px) * per_px;
+        const float node_x = static_cast<float>(west_px + dx) * per_px;
         float sum = 0.0f, best = std::numeric_limits<float>::infinity();
         const Candidate* best_candidate = nullptr;
         for (const Candidate& candidate : candidates_) {

@@ -102,6 +102,9 @@ Result<DecodedPhoto> PhotoCache::Get(std::size_t photo_index, const flight::Phot
     recency_.push_front(key);
     entry.recency = recency_.begin();
   } else {
+    // Too little was expected; where that happens twice it would go on.
+    if (entry.was_widened) expected_.erase(photo_index);
+    entry.was_widened = true;
     held_bytes_ -= BytesOf(entry.part);
     entry.part.reset();
     entry.is_ready = false;

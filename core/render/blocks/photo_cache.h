@@ -28,7 +28,8 @@ class PhotoCache {
   PhotoCache(const flight::PhotoSource& source, std::int64_t budget_bytes);
 
   // That this part of a photo will be asked for, in pixels of its full size: it is decoded with the first of
-  // it that is. A photo of which nothing is expected is decoded whole.
+  // it that is. A photo of which nothing is expected is decoded whole, and one of which more was asked for
+  // twice.
   void Expect(std::size_t photo_index, const image::PixelBox& box);
 
   // Called with every photo that is decoded, at 1/denominator of its size, in the thread that wanted it and
@@ -51,6 +52,7 @@ class PhotoCache {
     bool is_ready = false;
     DecodedPhoto part;
     image::PixelBox box;  // what of it is known to be there, in decoded pixels
+    bool was_widened = false;
     std::optional<Error> error;
     std::list<Key>::iterator recency;
   };

@@ -111,7 +111,10 @@ TEST_F(PhotoCacheTest, DecodesWhatIsExpectedOnceAndMoreOnlyWhenAsked) {
   const auto earlier = cache_.Get(0, photo_, 1, {12, 12, 14, 14});
   ExpectHolds(**cache_.Get(0, photo_, 1, {70, 50, 80, 60}), {10, 5, 80, 60});
   ExpectHolds(**earlier, {10, 5, 60, 40});  // whoever holds the smaller part keeps it
-  EXPECT_EQ(cache_.decodes(), 2);
+  // Twice too little was expected.
+  ExpectHolds(**cache_.Get(0, photo_, 1, {150, 90, 160, 95}), {0, 0, 201, 101});
+  ExpectHolds(**cache_.Get(0, photo_, 1, {150, 90, 201, 101}), {0, 0, 201, 101});
+  EXPECT_EQ(cache_.decodes(), 3);
 }
 
 TEST_F(PhotoCacheTest, CountsInPixelsOfTheFullSize) {
