@@ -140,13 +140,13 @@ Result<std::optional<FlightFacts>> AppendPhotos(const FlightFacts& known, const 
   align_options.threads = options.threads;
   for (const std::size_t i : around) {
     part.photos.push_back(AsPosed(known.flight.photos[i]));
-    align_options.fixed.push_back(1);
+    align_options.fixed.Append(true);
   }
   std::map<std::string, const poses::PosedPhoto*> recorded;
   std::set<std::string> names;
   for (const poses::PosedPhoto& photo : added) {
     part.photos.push_back(photo);
-    align_options.fixed.push_back(0);
+    align_options.fixed.Append(false);
     names.insert(photo.photo.name);
   }
   for (const poses::PosedPhoto& photo : posed.photos) recorded[photo.photo.name] = &photo;

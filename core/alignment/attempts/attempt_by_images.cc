@@ -97,15 +97,15 @@ PhotoRecord RecordOf(const poses::PosedPhoto& posed, bool is_unplaced, const geo
 std::vector<PlacePair> ControlOf(const Registration& registration, int block, const poses::PosedFlight& posed,
                                  const std::vector<ControlPoint>& control) {
   std::vector<View> views;
-  std::vector<char> is_of_block;
+  PhotoSet of_block;
   std::vector<std::string> names;
   for (std::size_t i = 0; i < registration.photos.size(); ++i) {
     const RegisteredPhoto& photo = registration.photos[i];
     views.push_back({registration.lenses[photo.lens].intrinsics, photo.cam_from_world, kMedianDepth, {}});
-    is_of_block.push_back(photo.block == block ? 1 : 0);
+    of_block.Append(photo.block == block);
     names.push_back(posed.photos[i].photo.name);
   }
-  const MarkedPhotos marked(names, views, is_of_block);
+  const MarkedPhotos marked(names, views, of_block);
   std::vector<PlacePair> pairs;
   for (const ControlPoint& point : control) {
     ControlReport ignored;
@@ -199,7 +199,7 @@ void MergePhoto(const Registration& registration, const BlockPlace& place, const
   CorrectedPose& corrected = placed.corrected;
   // Positions that contradict the pictures say where the block is, not how its photos lie to each other.
   const bool is_contradicted = place.spread_sigmas > kContradictedSigmas;
-  placed.has_record = place.position_holds[i] && !is_contradicted;
+  placed.has_record = place.holding.Has(i) && !is_contradicted;
   if (placed.has_record) {
     expected.head<2>() = record.center_in_enu->head<2>();
     sigma.head<2>() = place.spread_sigmas * record.sigma_m.head<2>();
@@ -208,7 +208,7 @@ void MergePhoto(const Registration& registration, const BlockPlace& place, const
       expected.z() = height_m;
       sigma.z() = std::min(unknown_m, std::max(record.sigma_m.z(), height_spread_m));
     }
-  } else if (place.placing == Placing::kByPositions && photo.photo.position && !place.position_holds[i]) {
+  } else if (place.placing == Placing::kByPositions && photo.photo.position && !place.holding.Has(i)) {
     // Also where it is said to be so far away that it was no record at all.
     corrected.position_was_wrong = true;
     const Eigen::Vector3d recorded =
@@ -309,14 +309,14 @@ std::optional<AttemptByImages> PlaceByImages(const AttemptByRecords& first, std:
                                          {"verified", report.pairs_verified},
                                          {"refused", report.pairs_refused},
                                          {"residual_px", report.residual_rms_px}});
-  if (progress.IsCancelled() || static_cast<std::size_t>(report.registered) < least) {
+  if (progress.IsCancelled() || report.registered < static_cast<int>(least)) {
     report.outcome = NotTaken(
         {flight::RemarkCode::kImagesTie, {{"photos", report.registered}, {"by_records", tied_by_records}}});
     return std::nullopt;
   }
   AttemptByImages second;
   second.posed = posed;
-  second.tied = static_cast<std::size_t>(report.registered);
+  second.tied = report.registered;
   const auto readable = std::count_if(first.features->begin(), first.features->end(), ShowsEnough);
   second.is_nearly_all = static_cast<double>(second.tied) >= kNearlyAll * static_cast<double>(readable) &&
                          registration.residual_rms_px < kSoundResidualShare * MedianWidthPx(posed);
@@ -353,7 +353,7 @@ std::optional<AttemptByImages> PlaceByImages(const AttemptByRecords& first, std:
     }
     std::vector<double> offsets;
     for (std::size_t i = 0; i < count; ++i) {
-      if (!place.position_holds[i] || !std::isfinite(records.photos[i].sigma_m.z())) continue;
+      if (!place.holding.Has(i) || !std::isfinite(records.photos[i].sigma_m.z())) continue;
       offsets.push_back(
           (place.enu_from_world * registration.photos[i].cam_from_world.TargetOriginInSource()).z() -
           records.photos[i].center_in_enu->z());

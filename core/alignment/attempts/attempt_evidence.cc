@@ -34,7 +34,7 @@ double Share(std::size_t part, std::size_t whole) {
 
 double AttemptEvidence::DroppedShare() const {
   if (is_adjusted && observations == 0) return 1.0;
-  return Share(static_cast<std::size_t>(dropped), static_cast<std::size_t>(observations + dropped));
+  return Share(dropped, observations + dropped);
 }
 bool AttemptEvidence::ContradictsPositions() const {
   return positions >= kMinPositions && 2 * positions_contradicted > positions;
@@ -46,7 +46,7 @@ bool ShowsEnough(const PhotoFeatures* features) {
   return features && features->keypoints.size() >= kMinFeatures;
 }
 
-std::vector<char> TiedPhotos(const WeighedAttempt& attempt) {
+PhotoSet TiedPhotos(const WeighedAttempt& attempt) {
   const std::size_t count = attempt.problem->photos.size();
   std::vector<int> seen(count, 0);
   for (const Track& track : attempt.problem->tracks) {
@@ -64,21 +64,15 @@ std::vector<char> TiedPhotos(const WeighedAttempt& attempt) {
     }
   }
   components.insert(components.begin(), of_map.begin(), of_map.end());
-  std::size_t largest = 0;
-  std::vector<char> is_tied(count, 0);
+  PhotoSet largest(count);
   for (const std::vector<int>& members : components) {
-    std::vector<char> tied(count, 0);
-    std::size_t size = 0;
+    PhotoSet tied(count);
     for (const int i : members) {
-      if (!by_links && seen[i] < kEnoughObservations) continue;
-      tied[i] = 1;
-      ++size;
+      if (by_links || seen[i] >= kEnoughObservations) tied.Add(i);
     }
-    if (size <= largest) continue;
-    largest = size;
-    is_tied = std::move(tied);
+    if (tied.Count() > largest.Count()) largest = std::move(tied);
   }
-  return is_tied;
+  return largest;
 }
 
 AttemptEvidence Weigh(const WeighedAttempt& attempt) {
@@ -89,12 +83,12 @@ AttemptEvidence Weigh(const WeighedAttempt& attempt) {
   evidence.is_adjusted = attempt.is_adjusted;
   evidence.has_fixed = std::any_of(attempt.problem->photos.begin(), attempt.problem->photos.end(),
                                    [](const BundlePhoto& photo) { return photo.is_fixed; });
-  const std::vector<char> is_tied = TiedPhotos(attempt);
+  const PhotoSet tied = TiedPhotos(attempt);
   std::vector<double> errors_m, errors_sigmas;
-  for (std::size_t i = 0; i < is_tied.size(); ++i) {
-    if (!is_tied[i] && !ShowsEnough((*attempt.features)[i])) continue;
+  for (std::size_t i = 0; i < tied.Photos(); ++i) {
+    if (!tied.Has(i) && !ShowsEnough((*attempt.features)[i])) continue;
     ++evidence.readable;
-    if (!is_tied[i]) {
+    if (!tied.Has(i)) {
       evidence.unplaced += (*attempt.records)[i].is_unplaced ? 1 : 0;
       continue;
     }

@@ -11,6 +11,7 @@
 #include "core/alignment/bundle/bundle_adjustment.h"
 #include "core/alignment/scene/keypoints.h"
 #include "core/alignment/scene/matches.h"
+#include "core/alignment/scene/photo_set.h"
 #include "core/alignment/scene/pose_prior.h"
 #include "core/flight/remarks/remark.h"
 
@@ -51,9 +52,9 @@ struct WeighedAttempt {
   bool is_adjusted = false;
 };
 
-// By photo, whether it belongs to the largest connected component and, once there are tracks, sees enough of
-// them. Components with photos of a map that stays are one: that map holds them.
-std::vector<char> TiedPhotos(const WeighedAttempt& attempt);
+// Those that belong to the largest connected component and, once there are tracks, see enough of them.
+// Components with photos of a map that stays are one: that map holds them.
+PhotoSet TiedPhotos(const WeighedAttempt& attempt);
 bool ShowsEnough(const PhotoFeatures* features);
 
 AttemptEvidence Weigh(const WeighedAttempt& attempt);

@@ -52,9 +52,9 @@ bool HasLost(const AttemptEvidence& evidence) {
 int TakeInLost(const WeighedAttempt& attempt, const std::vector<Track>& tracks, const Relief& relief,
                int threads, poses::PosedFlight& posed, MatchingInput& input, MatchedFlight& linked,
                BundleProblem& problem) {
-  const std::vector<char> is_tied = TiedPhotos(attempt);
+  const PhotoSet tied = TiedPhotos(attempt);
   const std::vector<RegisteredLost> found =
-      RegisterLost({attempt.features, &input.views, &is_tied, &tracks, attempt.records, &relief}, threads);
+      RegisterLost({attempt.features, &input.views, &tied, &tracks, attempt.records, &relief}, threads);
   if (found.empty()) return 0;
   // Where the images placed the others, its record counts as little as theirs, and that is said of all of
   // them.

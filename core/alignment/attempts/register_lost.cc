@@ -40,9 +40,8 @@ std::vector<PointOfPixel> IndexPoints(const LostInput& input) {
   std::vector<PointOfPixel> points(input.views->size());
   for (std::size_t t = 0; t < input.tracks->size(); ++t) {
     for (const Observation& one : (*input.tracks)[t].observations) {
-      const int photo = one.photo;
-      if (!(*input.is_tied)[photo]) continue;
-      points[photo].emplace(KeyOf(one.pixel_in_image.x(), one.pixel_in_image.y()), static_cast<int>(t));
+      if (!input.tied->Has(one.photo)) continue;
+      points[one.photo].emplace(KeyOf(one.pixel_in_image.x(), one.pixel_in_image.y()), static_cast<int>(t));
     }
   }
   return points;
@@ -51,12 +50,11 @@ std::vector<PointOfPixel> IndexPoints(const LostInput& input) {
 std::vector<int> PartnersOf(const LostInput& input, int lost, const std::vector<int>& alike) {
   std::set<int> partners;
   const int count = static_cast<int>(input.views->size());
-  const auto is_tied = [&](int i) { return (*input.is_tied)[i] != 0; };
   for (const int step : {-1, 1}) {
     // The next aligned ones, over others that are lost too.
     int found = 0;
     for (int i = lost + step; i >= 0 && i < count && found < kMaxSteps; i += step) {
-      if (!is_tied(i)) continue;
+      if (!input.tied->Has(i)) continue;
       partners.insert(i);
       ++found;
     }
@@ -65,7 +63,7 @@ std::vector<int> PartnersOf(const LostInput& input, int lost, const std::vector<
   if (record.center_in_enu) {
     std::vector<std::pair<double, int>> near;
     for (int i = 0; i < count; ++i) {
-      if (!is_tied(i)) continue;
+      if (!input.tied->Has(i)) continue;
       const Eigen::Vector3d center = (*input.views)[i].CenterInEnu();
       near.emplace_back((center - *record.center_in_enu).head<2>().norm(), i);
     }
@@ -74,7 +72,7 @@ std::vector<int> PartnersOf(const LostInput& input, int lost, const std::vector<
     for (const auto& [apart_m, i] : near) partners.insert(i);
   }
   for (const int i : alike) {
-    if (is_tied(i)) partners.insert(i);
+    if (input.tied->Has(i)) partners.insert(i);
   }
   return {partners.begin(), partners.end()};
 }
@@ -167,7 +165,7 @@ std::vector<RegisteredLost> RegisterLost(const LostInput& input, int threads) {
   std::vector<double> heights_m;
   bool any_without_position = false;
   for (std::size_t i = 0; i < count; ++i) {
-    if ((*input.is_tied)[i]) {
+    if (input.tied->Has(i)) {
       heights_m.push_back((*input.views)[i].height_above_ground_m);
     } else if (ShowsEnough((*input.features)[i])) {
       lost.push_back(static_cast<int>(i));

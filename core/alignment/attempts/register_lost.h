@@ -10,6 +10,7 @@
 
 #include "core/alignment/scene/keypoints.h"
 #include "core/alignment/scene/matches.h"
+#include "core/alignment/scene/photo_set.h"
 #include "core/alignment/scene/pose_prior.h"
 #include "core/alignment/scene/tracks.h"
 #include "core/alignment/scene/view.h"
@@ -18,8 +19,8 @@ namespace skyquilt::alignment {
 
 struct LostInput {
   const std::vector<const PhotoFeatures*>* features = nullptr;  // of all photos that could be read
-  const std::vector<View>* views = nullptr;                     // adjusted where is_tied
-  const std::vector<char>* is_tied = nullptr;                   // by photo: the alignment
+  const std::vector<View>* views = nullptr;                     // adjusted where tied
+  const PhotoSet* tied = nullptr;                               // the alignment
   const std::vector<Track>* tracks = nullptr;                   // in enu, seen by photos of the alignment
   const std::vector<PhotoRecord>* records = nullptr;            // say only which photos may show the same
   const Relief* relief = nullptr;                               // the ground

@@ -69,21 +69,21 @@ class Round {
 
   void Solve(std::vector<Eigen::Vector3d>& line_bias, BundleSummary& summary) {
     for (int l = 0; l < bundle_.lines; ++l) Eigen::Map<Eigen::Vector3d>(Bias(l)) = line_bias[l];
-    std::vector<char> in_use(bundle_.photos.size(), 0);
+    PhotoSet in_use(bundle_.photos.size());
     for (const auto* list : {&bundle_.tracks, &bundle_.soft_tracks}) {
       for (const Track& track : *list) {
-        for (const Observation& seen : track.observations) in_use[seen.photo] = 1;
+        for (const Observation& seen : track.observations) in_use.Add(seen.photo);
       }
     }
     for (const BundleControl& tied : bundle_.control) {
-      for (const Observation& seen : tied.track.observations) in_use[seen.photo] = 1;
+      for (const Observation& seen : tied.track.observations) in_use.Add(seen.photo);
     }
     AddLenses();
     AddObservations();
     AddControl();
-    AddPlane(std::count(in_use.begin(), in_use.end(), 1));
+    AddPlane(in_use.Count());
     for (std::size_t i = 0; i < bundle_.photos.size(); ++i) {
-      if (!in_use[i]) continue;
+      if (!in_use.Has(i)) continue;
       AddPriors(i);
       if (bundle_.photos[i].is_fixed) ceres_.SetParameterBlockConstant(Pose(i));
       if (ceres_.HasParameterBlock(Correction(i))) AddCorrectionPrior(i);
@@ -98,7 +98,7 @@ class Round {
           Bias(l));
     }
     ceres::Solver::Options options;
-    const int active = static_cast<int>(std::count(in_use.begin(), in_use.end(), 1));
+    const int active = in_use.Count();
     options.linear_solver_type = active <= kDenseUpToPhotos ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
     options.max_num_iterations = options_.max_iterations;
     options.function_tolerance = 1e-5;
@@ -107,7 +107,7 @@ class Round {
     options.linear_solver_ordering.reset(ordering_);
     ordering_ = nullptr;
     for (std::size_t i = 0; i < bundle_.photos.size(); ++i) {
-      if (in_use[i]) options.linear_solver_ordering->AddElementToGroup(Pose(i), 1);
+      if (in_use.Has(i)) options.linear_solver_ordering->AddElementToGroup(Pose(i), 1);
       if (ceres_.HasParameterBlock(Correction(i)))
         options.linear_solver_ordering->AddElementToGroup(Correction(i), 1);
     }
@@ -216,7 +216,7 @@ class Round {
     }
   }
 
-  void AddPlane(long photos) {
+  void AddPlane(int photos) {
     if (!bundle_.plane || photos == 0) return;
     const BundlePlane& plane = *bundle_.plane;
     const double points_a_photo =

@@ -47,13 +47,13 @@ double CostOf(const BundleProblem& problem, int lens, std::vector<double>& error
 
 }  // namespace
 
-std::vector<int> LensesThatMayRoll(const BundleProblem& adjusted, const std::vector<char>& may_roll) {
+std::vector<int> LensesThatMayRoll(const BundleProblem& adjusted, const PhotoSet& may_roll) {
   const std::vector<View> views = ViewsOf(adjusted);
   std::vector<Weighed> of_lens(adjusted.lenses.size());
   for (const Track& track : adjusted.tracks) {
     for (const Observation& seen : track.observations) {
       const BundlePhoto& photo = adjusted.photos[seen.photo];
-      if (!may_roll[seen.photo] || !photo.velocity_in_enu_mps || photo.is_fixed) continue;
+      if (!may_roll.Has(seen.photo) || !photo.velocity_in_enu_mps || photo.is_fixed) continue;
       const View& view = views[seen.photo];
       const double share = camera::RowShare(seen.pixel_in_image.y(), view.intrinsics.height_px);
       const auto at = Projected(view, seen, Eigen::Vector3d::Zero(), track.point_in_enu);

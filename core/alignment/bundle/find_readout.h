@@ -8,13 +8,14 @@
 #include <vector>
 
 #include "core/alignment/bundle/bundle_adjustment.h"
+#include "core/alignment/scene/photo_set.h"
 
 namespace skyquilt::alignment {
 
 // Lenses of an adjusted problem whose observations are off by the rows they lie in, as photos that were read
 // while the camera flew would be: worth an adjustment with finds_readout. The cost is that of one evaluation.
-// may_roll: by photo, whether nothing is known of how it was read.
-std::vector<int> LensesThatMayRoll(const BundleProblem& adjusted, const std::vector<char>& may_roll);
+// may_roll: photos of which nothing is known of how they were read.
+std::vector<int> LensesThatMayRoll(const BundleProblem& adjusted, const PhotoSet& may_roll);
 
 // Of those lenses in `adjusted`, a problem adjusted with finds_readout, the ones whose readout is as long as
 // cameras take and explains their observations far better than none.

@@ -57,7 +57,7 @@ std::vector<Eigen::Vector3d> TurnsOfRows(const flight::RecordedTurning& turning,
     }
     const auto after = std::upper_bound(samples.begin() + 1, samples.end() - 1, time_s,
                                         [](double t, const flight::TurnRate& one) { return t < one.time_s; });
-    const auto i = static_cast<std::size_t>(after - samples.begin());
+    const std::size_t i = after - samples.begin();
     const double share = (time_s - samples[i - 1].time_s) / (samples[i].time_s - samples[i - 1].time_s);
     return start_from_then[i - 1].slerp(share, start_from_then[i]);
   };

@@ -59,8 +59,8 @@ std::vector<int> DropWrongMarks(const std::vector<View>& views, Track& track) {
 }  // namespace
 
 MarkedPhotos::MarkedPhotos(const std::vector<std::string>& names, const std::vector<View>& views,
-                           const std::vector<char>& is_tied)
-    : names_(names), views_(views), is_tied_(is_tied) {
+                           const PhotoSet& tied)
+    : names_(names), views_(views), tied_(tied) {
   for (std::size_t i = 0; i < names.size(); ++i) number_of_.emplace(Key(names[i]), i);
 }
 
@@ -73,7 +73,7 @@ std::optional<Track> MarkedPhotos::TrackOf(const ControlPoint& point, ControlRep
     if (photo == number_of_.end() || !views_[photo->second].intrinsics.IsInImage(sighting.pixel_in_image))
       continue;
     ++told.sightings;
-    if (is_tied_[photo->second]) {
+    if (tied_.Has(photo->second)) {
       track.observations.push_back({photo->second, sighting.pixel_in_image, kSightingSigmaPx});
     }
   }
@@ -119,14 +119,11 @@ void TieToControl(const poses::PosedFlight& posed, const std::vector<ControlPoin
                   BundleProblem& problem, std::vector<ControlReport>& reports) {
   problem.control.clear();
   reports.clear();
-  std::vector<char> is_tied(problem.photos.size(), 0);
-  for (const Track& track : problem.tracks) {
-    for (const Observation& seen : track.observations) is_tied[seen.photo] = 1;
-  }
+  const PhotoSet tied_photos = ObservingPhotos(problem.photos.size(), problem.tracks);
   std::vector<std::string> names;
   for (const poses::PosedPhoto& photo : posed.photos) names.push_back(photo.photo.name);
   const std::vector<View> views = ViewsOf(problem);
-  const MarkedPhotos photos(names, views, is_tied);
+  const MarkedPhotos photos(names, views, tied_photos);
 
   for (const ControlPoint& point : control) {
     std::optional<Track> track = photos.TrackOf(point, reports.emplace_back());

@@ -10,6 +10,7 @@
 
 #include "core/alignment/bundle/bundle_adjustment.h"
 #include "core/alignment/scene/ground_control.h"
+#include "core/alignment/scene/photo_set.h"
 #include "core/flight/remarks/remark.h"
 #include "core/poses/posed_flight.h"
 
@@ -19,9 +20,9 @@ namespace skyquilt::alignment {
 // without their ending.
 class MarkedPhotos {
  public:
-  // `is_tied`: held by others; marks in the rest tell nothing of the block.
+  // `tied`: held by others; marks in the rest tell nothing of the block.
   MarkedPhotos(const std::vector<std::string>& names, const std::vector<View>& views,
-               const std::vector<char>& is_tied);  // keeps references to all three
+               const PhotoSet& tied);  // keeps references to all three
 
   // The point's marks, and where they meet; nothing, and the reason in `told`, when they do not. A mark that
   // the others contradict is left out, which `told` says as well.
@@ -35,7 +36,7 @@ class MarkedPhotos {
  private:
   const std::vector<std::string>& names_;
   const std::vector<View>& views_;
-  const std::vector<char>& is_tied_;
+  const PhotoSet& tied_;
   std::map<std::string, int> number_of_;
 };
 

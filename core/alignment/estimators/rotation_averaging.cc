@@ -53,7 +53,7 @@ void FollowTree(int photos, const std::vector<RelativeRotation>& pairs, Averaged
     };
     offer(root);
     while (!open.empty()) {
-      const RelativeRotation& pair = pairs[static_cast<std::size_t>(-std::get<1>(open.top()))];
+      const RelativeRotation& pair = pairs[-std::get<1>(open.top())];
       open.pop();
       const int first = pair.first, second = pair.second;
       if (averaged.component[first] >= 0 && averaged.component[second] >= 0) continue;

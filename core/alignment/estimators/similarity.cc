@@ -56,7 +56,7 @@ double SpreadOf(const std::vector<PlacePair>& pairs) {
 
 // Gauss-Newton over what holds; seven unknowns, robust weights.
 Similarity3 Refine(const Similarity3& start, const std::vector<PlacePair>& pairs,
-                   const std::vector<char>& holds, double spread_sigmas,
+                   const std::vector<bool>& holds, double spread_sigmas,
                    const std::optional<UpDirection>& up) {
   using Vector7d = Eigen::Matrix<double, 7, 1>;
   Similarity3 now = start;
@@ -180,14 +180,14 @@ std::optional<FittedSimilarity> FitRobustly(const std::vector<PlacePair>& pairs,
   fitted.target_from_source = *best;
   double spread_sigmas = std::max(1.0, least / kMedianOfPlane);
   for (int round = 0; round < 4; ++round) {
-    fitted.holds.assign(pairs.size(), 0);
+    fitted.holds.assign(pairs.size(), false);
     fitted.held = 0;
     std::vector<double> residuals, sigmas;
     for (std::size_t k = 0; k < pairs.size(); ++k) {
       const double sigma = pairs[k].sigma.head<2>().mean();
       const double residual = HorizontalResidual(fitted.target_from_source, pairs[k]);
       if (residual > kHoldsSigmas * spread_sigmas * sigma) continue;
-      fitted.holds[k] = 1;
+      fitted.holds[k] = true;
       ++fitted.held;
       residuals.push_back(residual);
       sigmas.push_back(residual / sigma);

@@ -39,7 +39,7 @@ struct UpDirection {
 
 struct FittedSimilarity {
   Similarity3 target_from_source;
-  std::vector<char> holds;  // by pair
+  std::vector<bool> holds;  // by pair
   int held = 0;
   double median_residual = 0.0;  // horizontal, of those that hold
   double spread_sigmas = 1.0;    // RMS residual in sigmas, at least 1

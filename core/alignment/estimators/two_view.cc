@@ -254,7 +254,7 @@ void TakeMatches(const std::vector<KeypointMatch>& matches, const std::vector<in
 
 std::vector<Vector2d> RaysOf(const PhotoFeatures& features, const camera::Intrinsics& lens, int most) {
   std::vector<Vector2d> rays;
-  const std::size_t count = std::min<std::size_t>(static_cast<std::size_t>(most), features.keypoints.size());
+  const std::size_t count = std::min<std::size_t>(most, features.keypoints.size());
   rays.reserve(count);
   for (std::size_t k = 0; k < count; ++k) {
     rays.emplace_back(lens.Unproject(PlaceOf(features, static_cast<int>(k))).head<2>());

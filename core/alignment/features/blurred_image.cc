@@ -82,7 +82,7 @@ BlurredImage Blur(const BlurredImage& image, double sigma_px) {
   const int width = image.width_px, height = image.height_px, radius = kernel.radius;
   BlurredImage blurred{width, height, {}};
   blurred.values.resize(image.values.size());
-  std::vector<std::uint16_t> down(static_cast<std::size_t>(width + 2 * radius));
+  std::vector<std::uint16_t> down(width + 2 * radius);
   std::uint16_t* const middle = down.data() + radius;
   Rows above{}, below{}, west{}, east{};
   for (int k = 1; k <= radius; ++k) west[k] = middle - k, east[k] = middle + k;

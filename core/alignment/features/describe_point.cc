@@ -91,7 +91,7 @@ const SampleGrid& Grid() {
     SampleGrid made;
     for (int row = 0; row < kSide; ++row) {
       for (int column = 0; column < kSide; ++column) {
-        const auto k = static_cast<std::size_t>(row * kSide + column);
+        const std::size_t k = row * kSide + column;
         GridSample& sample = made.samples[k];
         const auto place = [](int step) {
           return (static_cast<float>(step) + 0.5F) / kSamplesACell - 0.5F * (kCells + 1);
@@ -165,7 +165,7 @@ std::vector<float> DirectionsOf(const BlurredImage& layer, const ScalePoint& poi
             middle_y = static_cast<int>(std::lround(point.y_px));
   std::array<float, kDirectionBins + 1> raw{};  // the last is the first again
   const float falloff = -0.5F / (sigma * sigma);
-  std::vector<float> along_x(static_cast<std::size_t>(2 * radius + 1));
+  std::vector<float> along_x(2 * radius + 1);
   for (int d = -radius; d <= radius; ++d) along_x[d + radius] = std::exp(falloff * static_cast<float>(d * d));
   const int west = std::max(-radius, 1 - middle_x), east = std::min(radius, layer.width_px - 2 - middle_x);
   const int north = std::max(-radius, 1 - middle_y), south = std::min(radius, layer.height_px - 2 - middle_y);
@@ -175,8 +175,7 @@ std::vector<float> DirectionsOf(const BlurredImage& layer, const ScalePoint& poi
     FillGradients(layer.Row(middle_y + north + row) + middle_x + west, layer.width_px, across,
                   gradients.x.data() + row * across, gradients.y.data() + row * across);
   }
-  FillBins(gradients.x.data(), gradients.y.data(),
-           static_cast<std::size_t>(rows) * static_cast<std::size_t>(across), gradients.magnitude.data(),
+  FillBins(gradients.x.data(), gradients.y.data(), rows * across, gradients.magnitude.data(),
            gradients.bin.data());
   std::size_t k = 0;
   for (int row = 0; row < rows; ++row) {
@@ -227,8 +226,7 @@ Descriptor Describe(const BlurredImage& layer, const ScalePoint& point, float di
   for (std::size_t i = 0; i < kSamples; ++i) {
     const int low = static_cast<int>(angle[i]);
     const float above = magnitude[i] * (angle[i] - static_cast<float>(low)), below = magnitude[i] - above;
-    const auto first_angle = static_cast<std::size_t>(low % kAngles),
-               next_angle = (first_angle + 1) % kAngles;
+    const std::size_t first_angle = low % kAngles, next_angle = (first_angle + 1) % kAngles;
     float* cell = cells.data() + static_cast<std::size_t>(grid.samples[i].first) * kAngles;
     for (std::size_t corner = 0; corner < 4; ++corner) {
       float* bins = cell + (corner / 2 * kPadded + corner % 2) * kAngles;

@@ -42,8 +42,7 @@ std::vector<ScalePoint> Spread(const std::vector<Octave>& octaves, std::vector<S
     const auto step = static_cast<float>(octaves[found[i].octave].step_px);
     const int column = std::clamp(static_cast<int>(found[i].x_px * step / cell_px), 0, kCellsAcross);
     const int row = std::clamp(static_cast<int>(found[i].y_px * step / cell_px), 0, rows);
-    ranked.emplace_back(taken[static_cast<std::size_t>(row) * (kCellsAcross + 1) + column]++,
-                        static_cast<int>(i));
+    ranked.emplace_back(taken[row * (kCellsAcross + 1) + column]++, static_cast<int>(i));
   }
   std::sort(ranked.begin(), ranked.end());
   if (static_cast<int>(ranked.size()) > max_features) ranked.resize(max_features);
@@ -75,8 +74,7 @@ image::ChannelRows RowsOf(const cv::Mat& grey) { return {grey.data, grey.cols, g
 Thumbnail MakeThumbnail(const cv::Mat& grey, int longer_px) {
   const double scale = std::min(1.0, static_cast<double>(longer_px) / std::max(grey.cols, grey.rows));
   Thumbnail thumbnail{std::max(1, cvRound(grey.cols * scale)), std::max(1, cvRound(grey.rows * scale)), {}};
-  thumbnail.grey.resize(static_cast<std::size_t>(thumbnail.width_px) *
-                        static_cast<std::size_t>(thumbnail.height_px));
+  thumbnail.grey.resize(static_cast<std::size_t>(thumbnail.width_px) * thumbnail.height_px);
   image::ShrinkByArea(RowsOf(grey), thumbnail.width_px, thumbnail.height_px, thumbnail.grey.data());
   return thumbnail;
 }
@@ -107,13 +105,12 @@ void Detect(const cv::Mat& grey, const flight::Photo& photo, const FeatureOption
   }
   const double full_per_x = static_cast<double>(photo.intrinsics.width_px) / image.cols;
   const double full_per_y = static_cast<double>(photo.intrinsics.height_px) / image.rows;
-  const auto most = static_cast<std::size_t>(options.max_features);
   for (const ScalePoint& point :
        Spread(octaves, std::move(found), image.cols, image.rows, options.max_features)) {
     const Octave& octave = octaves[point.octave];
     const BlurredImage& layer = octave.layers[point.layer];
     for (const float direction_rad : DirectionsOf(layer, point)) {
-      if (features.keypoints.size() == most) break;
+      if (static_cast<int>(features.keypoints.size()) == options.max_features) break;
       const auto step = static_cast<double>(octave.step_px);
       features.keypoints.push_back({.x_px = static_cast<float>((point.x_px * step + 0.5) * full_per_x - 0.5),
                                     .y_px = static_cast<float>((point.y_px * step + 0.5) * full_per_y - 0.5),

@@ -27,7 +27,7 @@ Block::Block(const RegistrationInput& input, const SceneTracks& scene, std::vect
     : input_(&input),
       scene_(&scene),
       lenses_(std::move(lenses)),
-      is_placed_(input.photos.size(), 0),
+      placed_(input.photos.size()),
       cam_from_world_(input.photos.size()),
       rays_(input.photos.size()),
       point_(scene.tracks.size(), Eigen::Vector3d::Zero()),
@@ -61,15 +61,9 @@ void Block::FindRays(int photo) {
 }
 
 void Block::Place(int photo, const geo::Rigid3& cam_from_world) {
-  placed_ += is_placed_[photo] != 0 ? 0 : 1;
-  is_placed_[photo] = 1;
+  placed_.Add(photo);
   cam_from_world_[photo] = cam_from_world;
   FindRays(photo);
-}
-
-void Block::Remove(int photo) {
-  placed_ -= is_placed_[photo] != 0 ? 1 : 0;
-  is_placed_[photo] = 0;
 }
 
 double Block::ResidualSigmas(const TrackElement& element, const Eigen::Vector3d& point) const {
@@ -144,12 +138,12 @@ void Block::TriangulateSeenBy(const std::vector<int>& photos, int threads) {
 }
 
 // Points that many photos see first, and of each photo only as many as it needs, spread over its picture.
-std::vector<int> Block::ChooseTracks(const std::vector<char>& is_free, int observations_per_photo) const {
+std::vector<int> Block::ChooseTracks(const PhotoSet& adjusted, int observations_per_photo) const {
   std::vector<int> order;
   for (std::size_t t = 0; t < scene_->tracks.size(); ++t) {
     const std::vector<TrackElement>& elements = scene_->tracks[t];
     const bool counts = std::any_of(seen_by_[t].begin(), seen_by_[t].end(),
-                                    [&](int s) { return is_free[elements[s].photo] != 0; });
+                                    [&](int s) { return adjusted.Has(elements[s].photo); });
     if (counts) order.push_back(static_cast<int>(t));
   }
   std::stable_sort(order.begin(), order.end(),
@@ -159,7 +153,7 @@ std::vector<int> Block::ChooseTracks(const std::vector<char>& is_free, int obser
     spread.BeginTrack();
     for (const int s : SeenBy(t)) {
       const TrackElement& element = scene_->tracks[t][s];
-      if (is_free[element.photo]) spread.SeenBy(element.photo, PixelOf(element), Lens(element.photo));
+      if (adjusted.Has(element.photo)) spread.SeenBy(element.photo, PixelOf(element), Lens(element.photo));
     }
   }
   std::vector<int> chosen;
@@ -169,12 +163,13 @@ std::vector<int> Block::ChooseTracks(const std::vector<char>& is_free, int obser
 }
 
 void Block::Adjust(const std::vector<int>& free, const BlockAdjustment& options, int threads) {
-  std::vector<char> is_free(is_placed_.size(), free.empty() ? 1 : 0);
-  for (const int photo : free) is_free[photo] = 1;
-  for (std::size_t i = 0; i < is_free.size(); ++i) is_free[i] = is_free[i] && is_placed_[i] ? 1 : 0;
+  PhotoSet adjusted = free.empty() ? placed_ : PhotoSet(placed_.Photos());
+  for (const int photo : free) {
+    if (Has(photo)) adjusted.Add(photo);
+  }
   BundleProblem problem;
   problem.lenses = lenses_;
-  std::vector<int> number(is_placed_.size(), -1);
+  std::vector<int> number(placed_.Photos(), -1);
   std::vector<int> photo_of;
   const auto number_of = [&](int photo) {
     int& own = number[photo];
@@ -187,11 +182,11 @@ void Block::Adjust(const std::vector<int>& free, const BlockAdjustment& options,
     bundled.sigma_attitude_rad.setConstant(kUnheldSigma);
     bundled.lens = input_->photos[photo].lens;
     bundled.height_above_ground_m = kMedianDepth;
-    bundled.is_fixed = is_free[photo] == 0;
+    bundled.is_fixed = !adjusted.Has(photo);
     problem.photos.push_back(bundled);
     return own;
   };
-  for (const int t : ChooseTracks(is_free, options.observations_per_photo)) {
+  for (const int t : ChooseTracks(adjusted, options.observations_per_photo)) {
     Track track;
     track.point_in_enu = Point(t);
     for (const int s : SeenBy(t)) {
@@ -213,8 +208,8 @@ void Block::Adjust(const std::vector<int>& free, const BlockAdjustment& options,
   }
   if (bundle.adjust_lens) {
     lenses_ = std::move(problem.lenses);
-    ParallelFor(is_placed_.size(), threads, [&](std::size_t i) {
-      if (is_placed_[i]) FindRays(static_cast<int>(i));
+    ParallelFor(placed_.Photos(), threads, [&](std::size_t i) {
+      if (placed_.Has(i)) FindRays(static_cast<int>(i));
     });
     TriangulateAll(threads);
     Normalise();
@@ -227,8 +222,8 @@ void Block::Adjust(const std::vector<int>& free, const BlockAdjustment& options,
 }
 
 void Block::Move(double scale, const Eigen::Quaterniond& turn, const Eigen::Vector3d& shift) {
-  for (std::size_t i = 0; i < is_placed_.size(); ++i) {
-    if (!is_placed_[i]) continue;
+  for (std::size_t i = 0; i < placed_.Photos(); ++i) {
+    if (!placed_.Has(i)) continue;
     const Eigen::Vector3d center = scale * (turn * cam_from_world_[i].TargetOriginInSource()) + shift;
     cam_from_world_[i] = geo::Rigid3::FromRotationAndTargetOrigin(
         (cam_from_world_[i].rotation * turn.conjugate()).normalized(), center);
@@ -246,16 +241,17 @@ void Block::Normalise() {
       depths.push_back((Pose(scene_->tracks[t][s].photo) * point_[t]).z());
     }
   }
-  if (depths.empty() || placed_ == 0) return;
-  for (std::size_t i = 0; i < is_placed_.size(); ++i) {
-    if (is_placed_[i]) middle += cam_from_world_[i].TargetOriginInSource() / placed_;
+  const int placed = size();
+  if (depths.empty() || placed == 0) return;
+  for (std::size_t i = 0; i < placed_.Photos(); ++i) {
+    if (placed_.Has(i)) middle += cam_from_world_[i].TargetOriginInSource() / placed;
   }
   const double scale = kMedianDepth / Median(std::move(depths));
   Move(scale, Eigen::Quaterniond::Identity(), -scale * middle);
 }
 
 std::vector<int> Block::PointsSeen() const {
-  std::vector<int> seen(is_placed_.size(), 0);
+  std::vector<int> seen(placed_.Photos(), 0);
   for (std::size_t t = 0; t < seen_by_.size(); ++t) {
     for (const int s : seen_by_[t]) {
       ++seen[scene_->tracks[t][s].photo];
@@ -265,7 +261,7 @@ std::vector<int> Block::PointsSeen() const {
 }
 
 std::vector<double> Block::ResidualsPx() const {
-  std::vector<double> square(is_placed_.size(), 0.0);
+  std::vector<double> square(placed_.Photos(), 0.0);
   const std::vector<int> seen = PointsSeen();
   for (std::size_t t = 0; t < seen_by_.size(); ++t) {
     for (const int s : seen_by_[t]) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/alignment/scene/camera_prior.h"
+#include "core/alignment/scene/photo_set.h"
 #include "core/alignment/scene/registration.h"
 #include "core/alignment/scene/scene_tracks.h"
 #include "core/alignment/scene/tracks.h"
@@ -29,8 +30,8 @@ class Block {
   // Keeps references to all three.
   Block(const RegistrationInput& input, const SceneTracks& scene, std::vector<BundleLens> lenses);
 
-  bool Has(int photo) const { return is_placed_[photo] != 0; }
-  int size() const { return placed_; }
+  bool Has(int photo) const { return placed_.Has(photo); }
+  int size() const { return placed_.Count(); }
   const geo::Rigid3& Pose(int photo) const { return cam_from_world_[photo]; }
   const camera::Intrinsics& Lens(int photo) const;
   const std::vector<BundleLens>& lenses() const { return lenses_; }
@@ -38,7 +39,7 @@ class Block {
   const SceneTracks& scene() const { return *scene_; }
 
   void Place(int photo, const geo::Rigid3& cam_from_world);
-  void Remove(int photo);
+  void Remove(int photo) { placed_.Remove(photo); }
 
   // Points from all placed photos that agree on them.
   void TriangulateAll(int threads);
@@ -68,13 +69,12 @@ class Block {
   void Triangulate(int track);
   void FindRays(int photo);
   double ResidualSigmas(const TrackElement& element, const Eigen::Vector3d& point) const;
-  std::vector<int> ChooseTracks(const std::vector<char>& is_free, int observations_per_photo) const;
+  std::vector<int> ChooseTracks(const PhotoSet& adjusted, int observations_per_photo) const;
 
   const RegistrationInput* input_;
   const SceneTracks* scene_;
   std::vector<BundleLens> lenses_;
-  std::vector<char> is_placed_;
-  int placed_ = 0;
+  PhotoSet placed_;
   std::vector<geo::Rigid3> cam_from_world_;
   std::vector<std::vector<Eigen::Vector3d>> rays_;  // unit, in cam; of placed photos, by their tracks' order
   std::vector<Eigen::Vector3d> point_;

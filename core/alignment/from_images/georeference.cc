@@ -149,7 +149,7 @@ std::optional<UpDirection> UpOfGround(const std::vector<Vector3d>& points,
 
 BlockPlace Georeference(const Registration& registration, int block, const GeoreferenceRecords& records) {
   BlockPlace place;
-  place.position_holds.assign(registration.photos.size(), 0);
+  place.holding = PhotoSet(registration.photos.size());
   const std::vector<std::size_t> photos = PhotosOf(registration, block);
   const std::vector<Vector3d> points = PointsOf(registration, block);
   std::vector<Vector3d> centers;
@@ -201,8 +201,9 @@ BlockPlace Georeference(const Registration& registration, int block, const Geore
   if (by_positions) {
     place.spread_sigmas = by_positions->spread_sigmas;
     place.positions_held = by_positions->held;
-    for (std::size_t k = 0; k < photo_of.size(); ++k)
-      place.position_holds[photo_of[k]] = by_positions->holds[k];
+    for (std::size_t k = 0; k < photo_of.size(); ++k) {
+      if (by_positions->holds[k]) place.holding.Add(photo_of[k]);
+    }
     if (place.placing != Placing::kByControl) {
       place.enu_from_world = by_positions->target_from_source;
       place.placing = Placing::kByPositions;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/alignment/estimators/similarity.h"
+#include "core/alignment/scene/photo_set.h"
 #include "core/alignment/scene/pose_prior.h"
 #include "core/alignment/scene/registration.h"
 
@@ -29,7 +30,7 @@ enum class Placing { kByPositions, kByControl, kByHeights, kByGuess };
 struct BlockPlace {
   Similarity3 enu_from_world;
   Placing placing = Placing::kByGuess;
-  std::vector<char> position_holds;  // by photo; zero for those without, or not of this block
+  PhotoSet holding;  // photos of this block whose position holds
   int positions = 0, positions_held = 0;
   double median_residual_m = 0.0;  // horizontal, of positions or surveyed points
   double spread_sigmas = 1.0;      // residual of the inlier positions in their stated sigmas

@@ -27,11 +27,11 @@ struct InitialPair {
   std::size_t pair = 0, pose = 0;
 };
 
-std::vector<InitialPair> InitialPairs(const ViewGraph& graph, const std::vector<char>& is_taken) {
+std::vector<InitialPair> InitialPairs(const ViewGraph& graph, const PhotoSet& used) {
   std::vector<std::pair<double, std::size_t>> ranked;
   for (std::size_t p = 0; p < graph.pairs.size(); ++p) {
     const GraphPair& pair = graph.pairs[p];
-    if (is_taken[pair.first] || is_taken[pair.second]) continue;
+    if (used.Has(pair.first) || used.Has(pair.second)) continue;
     if (pair.view.scene == Scene::kNoParallax || pair.view.angle_rad < kMinAngleRad) continue;
     const double score =
         static_cast<double>(pair.view.matches.size()) * std::min(1.0, pair.view.angle_rad / kWideAngleRad);
@@ -39,7 +39,7 @@ std::vector<InitialPair> InitialPairs(const ViewGraph& graph, const std::vector<
   }
   std::sort(ranked.begin(), ranked.end());
   // Not all from one place: a photo begins two at most.
-  std::vector<int> begun(is_taken.size(), 0);
+  std::vector<int> begun(used.Photos(), 0);
   std::vector<InitialPair> chosen;
   for (const auto& [score, p] : ranked) {
     if (chosen.size() >= kMaxInitialPairs) break;
@@ -59,10 +59,10 @@ struct NextPhoto {
   std::vector<int> tracks;  // with points
 };
 
-std::vector<NextPhoto> PhotosThatSee(const Block& block, const std::vector<char>& is_taken, int at_least) {
+std::vector<NextPhoto> PhotosThatSee(const Block& block, const PhotoSet& used, int at_least) {
   std::vector<NextPhoto> candidates;
-  for (std::size_t i = 0; i < is_taken.size(); ++i) {
-    if (is_taken[i] || block.Has(static_cast<int>(i))) continue;
+  for (std::size_t i = 0; i < used.Photos(); ++i) {
+    if (used.Has(i) || block.Has(static_cast<int>(i))) continue;
     NextPhoto one{static_cast<int>(i), {}};
     for (const int t : block.scene().of_photo[i]) {
       if (block.HasPoint(t)) one.tracks.push_back(t);
@@ -122,13 +122,11 @@ BlockAdjustment WholeAdjustment(const Block& block, const GrowOptions& options) 
 // Photos that hardly any point still holds.
 void DropUnheld(int threads, Block& block) {
   const std::vector<int> seen = block.PointsSeen();
-  bool is_changed = false;
+  const int before = block.size();
   for (std::size_t i = 0; i < seen.size(); ++i) {
-    if (!block.Has(static_cast<int>(i)) || seen[i] >= kMinKept) continue;
-    block.Remove(static_cast<int>(i));
-    is_changed = true;
+    if (seen[i] < kMinKept) block.Remove(static_cast<int>(i));
   }
-  if (is_changed) block.TriangulateAll(threads);
+  if (block.size() < before) block.TriangulateAll(threads);
 }
 
 // What rounds leave behind for the next one.
@@ -138,9 +136,9 @@ struct Rounds {
 };
 
 // One round: what found its place.
-std::vector<int> TakeRound(const std::vector<char>& is_taken, std::size_t most, const GrowOptions& options,
-                           int threads, Rounds& rounds, Block& block) {
-  std::vector<NextPhoto> candidates = PhotosThatSee(block, is_taken, options.min_inliers);
+std::vector<int> TakeRound(const PhotoSet& used, std::size_t most, const GrowOptions& options, int threads,
+                           Rounds& rounds, Block& block) {
+  std::vector<NextPhoto> candidates = PhotosThatSee(block, used, options.min_inliers);
   // Once refused, a photo is asked again when it sees a good deal more.
   std::erase_if(candidates, [&](const NextPhoto& one) {
     const int before = rounds.failed_at[one.photo];
@@ -169,19 +167,17 @@ std::vector<int> TakeRound(const std::vector<char>& is_taken, std::size_t most, 
       rounds.failed_at[candidates[k].photo] = static_cast<int>(candidates[k].tracks.size());
     }
   }
-  if (taken.empty()) return TakeRound(is_taken, most, options, threads, rounds, block);
+  if (taken.empty()) return TakeRound(used, most, options, threads, rounds, block);
   block.TriangulateSeenBy(taken, threads);
   return taken;
 }
 
 // One photo that shows what placed ones show, but hardly any of their points (ResectOverGround), if it then
-// shares points enough. Each is tried once.
-bool TakeOverGround(const std::vector<char>& is_taken, const ViewGraph& graph, const GrowOptions& options,
-                    int threads, std::vector<char>& was_tried, Block& block) {
-  std::vector<char> is_asked(is_taken.size(), 0);
-  for (std::size_t i = 0; i < is_taken.size(); ++i) is_asked[i] = !is_taken[i] && !was_tried[i] ? 1 : 0;
-  for (const GroundedPose& one : ResectOverGround(block, graph.pairs, is_asked, threads)) {
-    was_tried[one.photo] = 1;
+// shares points enough. Each that is tried is left out from then on.
+bool TakeOverGround(const ViewGraph& graph, const GrowOptions& options, int threads, PhotoSet& left_out,
+                    Block& block) {
+  for (const GroundedPose& one : ResectOverGround(block, graph.pairs, left_out, threads)) {
+    left_out.Add(one.photo);
     Block grown = block;
     grown.Place(one.photo, one.cam_from_world);
     grown.TriangulateSeenBy({one.photo}, threads);
@@ -203,7 +199,7 @@ struct Tried {
 };
 
 std::optional<Tried> Try(const RegistrationInput& input, const ViewGraph& graph, const SceneTracks& scene,
-                         const std::vector<BundleLens>& lenses, const std::vector<char>& is_taken,
+                         const std::vector<BundleLens>& lenses, const PhotoSet& used,
                          const InitialPair& initial_pair, const GrowOptions& options, int threads) {
   const GraphPair& pair = graph.pairs[initial_pair.pair];
   const RelativePose& pose = pair.view.poses[initial_pair.pose];
@@ -218,7 +214,7 @@ std::optional<Tried> Try(const RegistrationInput& input, const ViewGraph& graph,
   Rounds rounds{std::vector<int>(input.photos.size(), 0)};
   for (int round = 0; round < kPhotosAfterInitialPair && block.size() < 2 + kPhotosAfterInitialPair;
        ++round) {
-    const std::vector<int> taken = TakeRound(is_taken, 2, options, threads, rounds, block);
+    const std::vector<int> taken = TakeRound(used, 2, options, threads, rounds, block);
     if (taken.empty()) break;
     adjustment = WholeAdjustment(block, options);
     block.Adjust({}, adjustment, threads);
@@ -238,11 +234,11 @@ std::optional<Tried> Try(const RegistrationInput& input, const ViewGraph& graph,
 
 std::optional<Block> BeginBlock(const RegistrationInput& input, const ViewGraph& graph,
                                 const SceneTracks& scene, const std::vector<BundleLens>& lenses,
-                                const std::vector<char>& is_taken, const GrowOptions& options, int threads) {
-  const std::vector<InitialPair> initial_pairs = InitialPairs(graph, is_taken);
+                                const PhotoSet& used, const GrowOptions& options, int threads) {
+  const std::vector<InitialPair> initial_pairs = InitialPairs(graph, used);
   std::vector<std::optional<Tried>> tried(initial_pairs.size());
   ParallelFor(initial_pairs.size(), threads, [&](std::size_t b) {
-    tried[b] = Try(input, graph, scene, lenses, is_taken, initial_pairs[b], options, 1);
+    tried[b] = Try(input, graph, scene, lenses, used, initial_pairs[b], options, 1);
   });
   std::optional<Tried>* best = nullptr;
   for (std::size_t b = 0; b < tried.size(); ++b) {
@@ -259,28 +255,28 @@ std::optional<Block> BeginBlock(const RegistrationInput& input, const ViewGraph&
   return std::move((*best)->block);
 }
 
-int GrowBlock(const ViewGraph& graph, const std::vector<char>& is_taken, const GrowOptions& options,
-              int threads, Progress& progress, Block& block) {
+int GrowBlock(const ViewGraph& graph, const PhotoSet& used, const GrowOptions& options, int threads,
+              Progress& progress, Block& block) {
   const int before = block.size();
-  std::vector<char> was_tried(is_taken.size(), 0);
-  Rounds rounds{std::vector<int>(is_taken.size(), 0), true};
+  PhotoSet left_out = used;  // where photos are taken in over the ground
+  Rounds rounds{std::vector<int>(used.Photos(), 0), true};
   int whole_at = block.size();
   bool asked_again = false;
   while (!progress.IsCancelled()) {
-    const std::size_t most = std::max<std::size_t>(2, static_cast<std::size_t>(block.size()) / 2);
-    const std::vector<int> taken = TakeRound(is_taken, most, options, threads, rounds, block);
+    const std::size_t most = std::max<std::size_t>(2, block.size() / 2);
+    const std::vector<int> taken = TakeRound(used, most, options, threads, rounds, block);
     if (taken.empty()) {
       // Once more with everything in its best place, where somebody still waits for it.
-      if (asked_again || PhotosThatSee(block, is_taken, options.min_inliers).empty()) {
-        if (!TakeOverGround(is_taken, graph, options, threads, was_tried, block)) break;
-        rounds.failed_at.assign(is_taken.size(), 0);
+      if (asked_again || PhotosThatSee(block, used, options.min_inliers).empty()) {
+        if (!TakeOverGround(graph, options, threads, left_out, block)) break;
+        rounds.failed_at.assign(used.Photos(), 0);
         asked_again = false;
         continue;
       }
       asked_again = true;
       block.Adjust({}, WholeAdjustment(block, options), threads);
       DropUnheld(threads, block);
-      rounds.failed_at.assign(is_taken.size(), 0);
+      rounds.failed_at.assign(used.Photos(), 0);
       whole_at = block.size();
       continue;
     }

@@ -10,6 +10,7 @@
 #include "core/alignment/from_images/block.h"
 #include "core/alignment/from_images/view_graph.h"
 #include "core/alignment/scene/camera_prior.h"
+#include "core/alignment/scene/photo_set.h"
 #include "core/base/progress.h"
 
 namespace skyquilt::alignment {
@@ -20,15 +21,15 @@ struct GrowOptions {
   int observations_per_photo = 80;
 };
 
-// Of photos that `is_taken` leaves; nothing when no two of them begin a block of three or more.
+// Of photos that `used` leaves; nothing when no two of them begin a block of three or more.
 std::optional<Block> BeginBlock(const RegistrationInput& input, const ViewGraph& graph,
                                 const SceneTracks& scene, const std::vector<BundleLens>& lenses,
-                                const std::vector<char>& is_taken, const GrowOptions& options, int threads);
+                                const PhotoSet& used, const GrowOptions& options, int threads);
 
-// Takes in photos that `is_taken` leaves until no more follow; how many it took in. The block is adjusted as
+// Takes in photos that `used` leaves until no more follow; how many it took in. The block is adjusted as
 // a whole at the end. Where no photo sees enough of the points, one that shows what placed ones show is taken
 // in over the ground (resect_over_ground.h), and the others follow it.
-int GrowBlock(const ViewGraph& graph, const std::vector<char>& is_taken, const GrowOptions& options,
-              int threads, Progress& progress, Block& block);
+int GrowBlock(const ViewGraph& graph, const PhotoSet& used, const GrowOptions& options, int threads,
+              Progress& progress, Block& block);
 
 }  // namespace skyquilt::alignment

@@ -85,18 +85,18 @@ namespace {
 std::vector<Block> GrowBlocks(const RegistrationInput& input, const ViewGraph& graph,
                               const SceneTracks& scene, const RegisterOptions& options, int threads,
                               Progress& progress) {
-  std::vector<char> is_taken(input.photos.size(), 0);
+  PhotoSet used(input.photos.size());
   std::vector<Block> blocks;
   std::vector<BundleLens> lenses = input.lenses;
   while (!progress.IsCancelled()) {
-    std::optional<Block> begun = BeginBlock(input, graph, scene, lenses, is_taken, options.grow, threads);
+    std::optional<Block> begun = BeginBlock(input, graph, scene, lenses, used, options.grow, threads);
     if (!begun) break;
-    GrowBlock(graph, is_taken, options.grow, threads, progress, *begun);
+    GrowBlock(graph, used, options.grow, threads, progress, *begun);
     AdjustLast(options, threads, *begun);
     // The largest knows the lenses best: the others start from there.
     if (blocks.empty()) lenses = begun->lenses();
-    for (std::size_t i = 0; i < is_taken.size(); ++i) {
-      if (begun->Has(static_cast<int>(i))) is_taken[i] = 1;
+    for (std::size_t i = 0; i < used.Photos(); ++i) {
+      if (begun->Has(static_cast<int>(i))) used.Add(i);
     }
     TraceDecision("group grown", {{"photos", begun->size()}});
     blocks.push_back(*std::move(begun));

@@ -78,12 +78,12 @@ std::optional<GroundedPose> ResectOne(const Block& block, const BlockGround& gro
 }  // namespace
 
 std::vector<GroundedPose> ResectOverGround(const Block& block, const std::vector<GraphPair>& pairs,
-                                           const std::vector<char>& is_asked, int threads) {
+                                           const PhotoSet& left_out, int threads) {
   std::map<int, std::vector<const GraphPair*>> of_photo;
   for (const GraphPair& pair : pairs) {
     for (const auto& [photo, partner] :
          {std::pair(pair.first, pair.second), std::pair(pair.second, pair.first)}) {
-      if (is_asked[photo] && !block.Has(photo) && block.Has(partner)) of_photo[photo].push_back(&pair);
+      if (!left_out.Has(photo) && !block.Has(photo) && block.Has(partner)) of_photo[photo].push_back(&pair);
     }
   }
   if (of_photo.empty()) return {};

@@ -9,6 +9,7 @@
 
 #include "core/alignment/from_images/block.h"
 #include "core/alignment/scene/matches.h"
+#include "core/alignment/scene/photo_set.h"
 
 namespace skyquilt::alignment {
 
@@ -18,8 +19,8 @@ struct GroundedPose {
   int agreeing = 0;  // matches
 };
 
-// `pairs`: of the whole graph. `is_asked`: by photo; those that are not placed yet. The best supported first.
+// `pairs`: of the whole graph. `left_out`: photos that are not asked for. The best supported first.
 std::vector<GroundedPose> ResectOverGround(const Block& block, const std::vector<GraphPair>& pairs,
-                                           const std::vector<char>& is_asked, int threads);
+                                           const PhotoSet& left_out, int threads);
 
 }  // namespace skyquilt::alignment

@@ -73,17 +73,15 @@ class Verifier {
   std::vector<std::vector<Eigen::Vector2d>> rays_;
 };
 
-std::vector<char> WithFewerPartners(const RegistrationInput& input, const std::vector<GraphPair>& pairs,
-                                    int enough) {
+PhotoSet WithFewerPartners(const RegistrationInput& input, const std::vector<GraphPair>& pairs, int enough) {
   std::vector<int> partners(input.photos.size(), 0);
   for (const GraphPair& pair : pairs) {
     ++partners[pair.first];
     ++partners[pair.second];
   }
-  std::vector<char> fewer;
-  for (std::size_t i = 0; i < partners.size(); ++i) {
-    fewer.push_back(input.photos[i].features && partners[i] < enough ? 1 : 0);
-  }
+  PhotoSet fewer;
+  for (std::size_t i = 0; i < partners.size(); ++i)
+    fewer.Append(input.photos[i].features && partners[i] < enough);
   return fewer;
 }
 
@@ -201,8 +199,8 @@ ViewGraph BuildViewGraph(const RegistrationInput& input, const ViewGraphOptions&
     for (const bool is_last : {false, true}) {
       if (progress.IsCancelled()) break;
       const int enough = is_last ? options.few_partners : options.enough_partners;
-      const std::vector<char> wanted = WithFewerPartners(input, graph.pairs, enough);
-      if (std::find(wanted.begin(), wanted.end(), 1) == wanted.end()) break;
+      const PhotoSet wanted = WithFewerPartners(input, graph.pairs, enough);
+      if (wanted.Count() == 0) break;
       std::vector<Pair> more =
           CandidatePairs({input.photos, appearance, CandidateOptions::Generous(), wanted, threads});
       // The last time all of their features are compared, also with those that did not agree by the first.

@@ -171,11 +171,11 @@ namespace {
 
 // Angles of an aircraft without gimbal are worth far less than those of one with; the line's common error is
 // not counted.
-void ReweighAttitudes(const std::vector<char>& seen, BundleProblem& problem) {
+void ReweighAttitudes(const PhotoSet& tied, BundleProblem& problem) {
   std::map<int, std::vector<Eigen::Vector3d>> turns_of_line;
   for (std::size_t i = 0; i < problem.photos.size(); ++i) {
     const BundlePhoto& photo = problem.photos[i];
-    if (!seen[i]) continue;
+    if (!tied.Has(i)) continue;
     turns_of_line[photo.line].push_back(geo::VectorFromRotation(
         (photo.cam_from_enu.rotation * photo.prior_cam_from_enu.rotation.conjugate()).normalized()));
   }
@@ -198,13 +198,10 @@ void ReweighAttitudes(const std::vector<char>& seen, BundleProblem& problem) {
 }  // namespace
 
 void ReweighPriors(BundleProblem& problem) {
-  std::vector<char> seen(problem.photos.size(), 0);
-  for (const Track& track : problem.tracks) {
-    for (const Observation& one : track.observations) seen[one.photo] = 1;
-  }
+  const PhotoSet tied = ObservingPhotos(problem.photos.size(), problem.tracks);
   std::vector<double> horizontal, vertical;
   for (std::size_t i = 0; i < problem.photos.size(); ++i) {
-    if (!seen[i] || !problem.photos[i].has_record) continue;
+    if (!tied.Has(i) || !problem.photos[i].has_record) continue;
     const BundlePhoto& photo = problem.photos[i];
     const Eigen::Vector3d moved = photo.cam_from_enu.TargetOriginInSource() - ExpectedCenter(problem, photo);
     horizontal.push_back(std::abs(moved.x()));
@@ -212,7 +209,7 @@ void ReweighPriors(BundleProblem& problem) {
     vertical.push_back(std::abs(moved.z()));
   }
   if (vertical.size() < 6) return;
-  ReweighAttitudes(seen, problem);
+  ReweighAttitudes(tied, problem);
   // 1.48: from the median to a sigma of a normal distribution; a little more, for it was fitted.
   const double sigma_h = 1.8 * Median(horizontal);
   const double sigma_v = 1.8 * Median(vertical);

@@ -7,6 +7,7 @@
 #include <queue>
 
 #include "core/alignment/matching/connected_components.h"
+#include "core/alignment/scene/photo_set.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -28,27 +29,27 @@ std::vector<GroundCorrection> SpreadAlongPairs(const std::vector<int>& roots,
                                                const std::vector<VerifiedPair>& pairs,
                                                const std::vector<std::vector<int>>& pairs_of) {
   std::vector<GroundCorrection> corrections(priors.size());
-  std::vector<char> placed(priors.size(), 0);
+  PhotoSet placed(priors.size());
   using Entry = std::pair<std::size_t, int>;  // matches, minus pair number: strongest first, then the earlier
   std::priority_queue<Entry> open;
   const auto open_pairs = [&](int photo) {
     for (const int l : pairs_of[photo]) open.emplace(pairs[l].matches.size(), -l);
   };
-  for (const int root : roots) placed[root] = 1;
+  for (const int root : roots) placed.Add(root);
   for (const int root : roots) open_pairs(root);
   while (!open.empty()) {
     const int l = -open.top().second;
     open.pop();
     const VerifiedPair& pair = pairs[l];
-    if (placed[pair.first] && placed[pair.second]) continue;
-    const bool forth = placed[pair.first] != 0;
+    if (placed.Has(pair.first) && placed.Has(pair.second)) continue;
+    const bool forth = placed.Has(pair.first);
     const int from = forth ? pair.first : pair.second;
     const int to = forth ? pair.second : pair.first;
     // The corrected grounds agree: C_to * (to_from * z) = C_from * z.
     const GroundSimilarity to_from = forth ? pair.second_from_first : pair.second_from_first.Inverse();
     const GroundSimilarity from_correction = AsSimilarity(corrections[from], priors[from].middle);
     corrections[to] = AsCorrection(from_correction.After(to_from.Inverse()), priors[to].middle);
-    placed[to] = 1;
+    placed.Add(to);
     open_pairs(to);
   }
   return corrections;
@@ -146,7 +147,7 @@ bool IsTurnedAsAWhole(const std::vector<int>& members, const std::vector<GroundC
   const auto turned = std::count_if(members.begin(), members.end(), [&](int i) {
     return std::abs(std::arg(corrections[i].turn_and_scale)) > kAgreesWithYawRad;
   });
-  return 2 * static_cast<std::size_t>(turned) > members.size();
+  return 2 * turned > std::ssize(members);
 }
 
 // One weighted least-squares step over all photos of all components; unknowns (turn_and_scale, shift) a
@@ -212,7 +213,7 @@ GroundGraph SolveGroundGraph(const std::vector<GroundPrior>& priors, const std::
   const std::size_t count = priors.size();
   GroundGraph graph;
   graph.corrections.resize(count);
-  graph.is_inlier.assign(pairs.size(), 1);
+  graph.is_inlier.assign(pairs.size(), true);
   const ConnectedComponents components = FindConnectedComponents(count, pairs);
   std::vector<std::vector<int>> pairs_of(count);
   std::vector<int> agreeing(count, 0);
@@ -286,7 +287,7 @@ GroundGraph SolveGroundGraph(const std::vector<GroundPrior>& priors, const std::
   }
   for (std::size_t l = 0; l < pairs.size(); ++l) {
     if (PairResidual(pairs[l], places[l], priors, graph.corrections) > 4.0 * tolerance_m)
-      graph.is_inlier[l] = 0;
+      graph.is_inlier[l] = false;
   }
   return graph;
 }

@@ -36,7 +36,7 @@ GroundCorrection AsCorrection(const GroundSimilarity& similarity, std::complex<d
 
 struct GroundGraph {
   std::vector<GroundCorrection> corrections;  // one per photo
-  std::vector<char> is_inlier;                // one per pair: 0 = contradicted by the others
+  std::vector<bool> is_inlier;                // one per pair: false = contradicted by the others
 };
 
 // `pairs` whose turn is near zero are trusted as starting points; the others only connect further photos.

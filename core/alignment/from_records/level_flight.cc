@@ -64,17 +64,14 @@ std::vector<double> RunningMedian(const std::vector<double>& values) {
 
 std::optional<Levelling> FindLevelling(const BundleProblem& adjusted,
                                        const std::vector<PhotoRecord>& records) {
-  std::vector<char> is_tied(adjusted.photos.size(), 0);
-  for (const Track& track : adjusted.tracks) {
-    for (const Observation& seen : track.observations) is_tied[seen.photo] = 1;
-  }
+  const PhotoSet tied = ObservingPhotos(adjusted.photos.size(), adjusted.tracks);
   std::vector<std::size_t> placed;  // photos that say where and which way up
   std::vector<Eigen::Vector2d> tilts;
   std::vector<double> sigmas_tilt, sigmas_height;
   Eigen::Vector3d pivot = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < records.size(); ++i) {
     const PhotoRecord& record = records[i];
-    if (!is_tied[i] || !record.center_in_enu || !std::isfinite(record.sigma_m.z()) ||
+    if (!tied.Has(i) || !record.center_in_enu || !std::isfinite(record.sigma_m.z()) ||
         adjusted.photos[i].is_fixed)
       continue;
     sigmas_height.push_back(record.sigma_m.z());

@@ -98,9 +98,8 @@ void WidenPriors(const std::vector<GroundCorrection>& corrections, std::vector<G
 }
 
 std::size_t CountPlaced(const std::vector<GroundCorrection>& corrections) {
-  return static_cast<std::size_t>(
-      std::count_if(corrections.begin(), corrections.end(),
-                    [](const GroundCorrection& one) { return one.component >= 0; }));
+  return std::count_if(corrections.begin(), corrections.end(),
+                       [](const GroundCorrection& one) { return one.component >= 0; });
 }
 
 std::vector<VerifiedPair> KeepInliers(const GroundGraph& graph, const std::vector<VerifiedPair>& verified) {

@@ -36,7 +36,7 @@ double CommonQuarterTurn(const std::vector<GroundPrior>& recorded, const std::ve
     const double turn = std::arg(way / shown);
     const double quarters = std::round(turn / kQuarterRad);
     if (std::abs(turn - quarters * kQuarterRad) > kNearRad) continue;
-    ++votes[static_cast<std::size_t>((static_cast<int>(quarters) + 4) % 4)];
+    ++votes[(static_cast<int>(quarters) + 4) % 4];
   }
   for (int quarters = 1; quarters < 4; ++quarters) {
     const int agree = votes[quarters];

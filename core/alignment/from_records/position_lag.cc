@@ -120,10 +120,7 @@ std::optional<PositionLag> FindPositionLag(const BundleProblem& adjusted,
                                            const std::vector<double>& times_s) {
   SKYQUILT_CHECK(records.size() == adjusted.photos.size() && times_s.size() == records.size(),
                  "a record and a time for each photo");
-  std::vector<char> is_tied(records.size(), 0);
-  for (const Track& track : adjusted.tracks) {
-    for (const Observation& seen : track.observations) is_tied[seen.photo] = 1;
-  }
+  const PhotoSet tied = ObservingPhotos(records.size(), adjusted.tracks);
   std::vector<Eigen::Vector2d> east_north;
   for (const BundlePhoto& photo : adjusted.photos)
     east_north.push_back(photo.cam_from_enu.TargetOriginInSource().head<2>());
@@ -133,7 +130,7 @@ std::optional<PositionLag> FindPositionLag(const BundleProblem& adjusted,
   std::vector<double> sigmas_m, speeds_mps;
   for (std::size_t i = 0; i < records.size(); ++i) {
     const BundlePhoto& photo = adjusted.photos[i];
-    if (!is_tied[i] || !velocities[i] || !records[i].center_in_enu || photo.is_fixed) continue;
+    if (!tied.Has(i) || !velocities[i] || !records[i].center_in_enu || photo.is_fixed) continue;
     const Eigen::Vector2d off_m = (*records[i].center_in_enu + adjusted.clock_error_s * photo.by_clock_mps -
                                    photo.cam_from_enu.TargetOriginInSource())
                                       .head<2>();

@@ -58,7 +58,7 @@ std::vector<const Descriptor*> Sample(const std::vector<const PhotoFeatures*>& f
   Sampler sampler(1);
   std::vector<const Descriptor*> chosen;
   for (int k = 0; k < kLearntFrom; ++k) {
-    chosen.push_back(all[static_cast<std::size_t>(sampler.Below(static_cast<int>(all.size())))]);
+    chosen.push_back(all[sampler.Below(static_cast<int>(all.size()))]);
   }
   return chosen;
 }
@@ -68,8 +68,7 @@ std::vector<Word> LearnWords(const std::vector<const Descriptor*>& samples, int 
   std::vector<Word> words(std::min<std::size_t>(kWords, samples.size()));
   Sampler sampler(2);
   for (Word& word : words) {
-    const Descriptor& start =
-        *samples[static_cast<std::size_t>(sampler.Below(static_cast<int>(samples.size())))];
+    const Descriptor& start = *samples[sampler.Below(static_cast<int>(samples.size()))];
     std::copy(start.begin(), start.end(), word.begin());
   }
   std::vector<int> nearest(samples.size());
@@ -154,9 +153,9 @@ Appearance Appearance::Learn(const std::vector<const PhotoFeatures*>& features, 
 }
 
 double Appearance::Likeness(int first, int second) const {
-  const auto a = static_cast<std::size_t>(first), b = static_cast<std::size_t>(second);
-  if (lengths_[a] <= 0.0 || lengths_[b] <= 0.0) return -1.0;
-  return Dot(vectors_[a].data(), vectors_[b].data(), vectors_[a].size()) / (lengths_[a] * lengths_[b]);
+  if (lengths_[first] <= 0.0 || lengths_[second] <= 0.0) return -1.0;
+  return Dot(vectors_[first].data(), vectors_[second].data(), vectors_[first].size()) /
+         (lengths_[first] * lengths_[second]);
 }
 
 std::vector<std::vector<int>> Appearance::MostAlike(int most, int threads) const {
@@ -169,7 +168,7 @@ std::vector<std::vector<int>> Appearance::MostAlike(int most, int threads) const
       if (j == static_cast<int>(i) || lengths_[j] <= 0.0) continue;
       ranked.emplace_back(-Likeness(static_cast<int>(i), j), j);
     }
-    const std::size_t kept = std::min<std::size_t>(static_cast<std::size_t>(most), ranked.size());
+    const std::size_t kept = std::min<std::size_t>(most, ranked.size());
     std::partial_sort(ranked.begin(), ranked.begin() + static_cast<std::ptrdiff_t>(kept), ranked.end());
     for (std::size_t k = 0; k < kept; ++k) alike[i].push_back(ranked[k].second);
   });

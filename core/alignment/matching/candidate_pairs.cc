@@ -11,7 +11,7 @@ std::vector<std::pair<int, int>> CandidatePairs(const PairQuestion& question) {
   for (const PairSource& source : kPairSources) {
     const PartnersByPhoto partners = source(question);
     for (int i = 0; i < count; ++i) {
-      if (!question.IsWanted(static_cast<std::size_t>(i))) continue;
+      if (!question.IsWanted(i)) continue;
       for (const int j : partners[i]) {
         if (j >= 0 && j < count && j != i && question.photos[j].features)
           chosen.emplace(std::min(i, j), std::max(i, j));

@@ -1,20 +1,17 @@
 #include "core/alignment/matching/connected_components.h"
 
 #include <algorithm>
-#include <numeric>
 
 namespace skyquilt::alignment {
 
 ConnectedComponents FindConnectedComponents(std::size_t photos, const std::vector<VerifiedPair>& pairs) {
-  std::vector<int> root(photos);
-  std::iota(root.begin(), root.end(), 0);
+  std::vector<int> root(photos, -1);  // negative: no verified pair so far
   const auto find = [&](int i) {
+    if (root[i] < 0) root[i] = i;
     while (root[i] != i) i = root[i] = root[root[i]];
     return i;
   };
-  std::vector<char> linked(photos, 0);
   for (const VerifiedPair& pair : pairs) {
-    linked[pair.first] = linked[pair.second] = 1;
     const int a = find(pair.first);
     const int b = find(pair.second);
     root[std::max(a, b)] = std::min(a, b);
@@ -23,7 +20,7 @@ ConnectedComponents FindConnectedComponents(std::size_t photos, const std::vecto
   components.of_photo.assign(photos, -1);
   std::vector<int> number(photos, -1);
   for (std::size_t i = 0; i < photos; ++i) {
-    if (!linked[i]) continue;
+    if (root[i] < 0) continue;
     const int r = find(static_cast<int>(i));
     if (number[r] < 0) {
       number[r] = static_cast<int>(components.members.size());

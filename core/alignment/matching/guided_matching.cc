@@ -63,9 +63,8 @@ SKYQUILT_VECTOR_CLONES void MarkWanted(const ByCell& cells, std::size_t first, s
 class CellIndex {
  public:
   CellIndex(const std::vector<GroundKeypoint>& projected, int count, double cell_m)
-      : members_(static_cast<std::size_t>(
-            std::count_if(projected.begin(), projected.begin() + count,
-                          [](const GroundKeypoint& one) { return one.is_on_ground; }))),
+      : members_(std::count_if(projected.begin(), projected.begin() + count,
+                               [](const GroundKeypoint& one) { return one.is_on_ground; })),
         is_wanted_(members_.index.size()) {
     for (int i = 0; i < count; ++i) {
       if (projected[i].is_on_ground)

@@ -112,8 +112,7 @@ std::vector<KeypointMatch> MatchDescriptors(const PhotoFeatures& first, const Ph
     CompareFour(a.rows.data() + static_cast<std::size_t>(i) * kDescriptorSize, b.rows.data(), b.square.data(),
                 b.count, distances.data());
     for (int r = 0; r < kRowsAtOnce && i + r < a.count; ++r) {
-      const int j = StandsOut(distances.data() + static_cast<std::size_t>(r) * b.count, b.count,
-                              a.square[i + r], max_ratio2, second);
+      const int j = StandsOut(distances.data() + r * b.count, b.count, a.square[i + r], max_ratio2, second);
       if (j >= 0) forth.push_back(MatchOf(i + r, j));
     }
   }
@@ -122,15 +121,14 @@ std::vector<KeypointMatch> MatchDescriptors(const PhotoFeatures& first, const Ph
   for (std::size_t m = 0; m < forth.size(); m += kRowsAtOnce) {
     const std::size_t rows = std::min<std::size_t>(kRowsAtOnce, forth.size() - m);
     for (std::size_t r = 0; r < rows; ++r) {
-      const std::int16_t* row =
-          b.rows.data() + static_cast<std::size_t>(forth[m + r].second) * kDescriptorSize;
+      const std::int16_t* row = b.rows.data() + forth[m + r].second * kDescriptorSize;
       std::copy(row, row + kDescriptorSize,
                 chosen.begin() + static_cast<std::ptrdiff_t>(r * kDescriptorSize));
     }
     CompareFour(chosen.data(), a.rows.data(), a.square.data(), a.count, distances.data());
     for (std::size_t r = 0; r < rows; ++r) {
-      const int i = StandsOut(distances.data() + r * static_cast<std::size_t>(a.count), a.count,
-                              b.square[forth[m + r].second], max_ratio2, first);
+      const int i = StandsOut(distances.data() + r * a.count, a.count, b.square[forth[m + r].second],
+                              max_ratio2, first);
       if (i == forth[m + r].first) matches.push_back(forth[m + r]);
     }
   }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/alignment/matching/appearance.h"
+#include "core/alignment/scene/photo_set.h"
 #include "core/alignment/scene/registration.h"
 
 namespace skyquilt::alignment {
@@ -27,11 +28,11 @@ struct PairQuestion {
   const std::vector<RegistrationPhoto>& photos;  // in the order of capture
   const Appearance& appearance;
   const CandidateOptions& options;
-  const std::vector<char>& wanted;  // only pairs of which one is marked; empty: all
+  const PhotoSet& wanted;  // only pairs with one of these; of no photos: all
   int threads = 0;
 
   bool IsWanted(std::size_t photo) const {
-    return photos[photo].features && (wanted.empty() || wanted[photo] != 0);
+    return photos[photo].features && (wanted.Photos() == 0 || wanted.Has(photo));
   }
 };
 

@@ -61,7 +61,7 @@ class MatchedPlaces {
         held += static_cast<int>(std::abs(along) <= tolerance.along_m) &
                 static_cast<int>(std::abs(across) <= tolerance.across_m);
       }
-      inliers += static_cast<std::size_t>(held);
+      inliers += held;
     }
     return inliers;
   }

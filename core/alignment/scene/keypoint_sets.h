@@ -38,7 +38,7 @@ class KeypointSets {
     for (const PhotoFeatures* one : features) {
       first_of_.push_back(first_of_.back() + (one ? static_cast<int>(one->keypoints.size()) : 0));
     }
-    root_.resize(static_cast<std::size_t>(first_of_.back()));
+    root_.resize(first_of_.back());
     std::iota(root_.begin(), root_.end(), 0);
   }
 

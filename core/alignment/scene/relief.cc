@@ -40,16 +40,15 @@ Relief Relief::FromPoints(const std::vector<Eigen::Vector3d>& all_points_in_enu,
   std::vector<std::vector<double>> inside(cells);
   for (const Eigen::Vector3d& point : points_in_enu) {
     const Eigen::Vector2d at = (point.head<2>() - bounds.min) / cell_m;
-    const std::size_t cell = static_cast<std::size_t>(std::lround(at.y())) * relief.columns_ +
-                             static_cast<std::size_t>(std::lround(at.x()));
+    const std::size_t cell = std::lround(at.y()) * relief.columns_ + std::lround(at.x());
     inside[cell].push_back(point.z());
   }
   relief.heights_m_.assign(cells, static_cast<float>(relief.mean_z_m_));
-  std::vector<char> known(cells, 0);
+  std::vector<bool> known(cells, false);
   for (std::size_t i = 0; i < cells; ++i) {
     if (inside[i].empty()) continue;
     relief.heights_m_[i] = static_cast<float>(Median(inside[i]));
-    known[i] = 1;
+    known[i] = true;
   }
   // Spread what is known into the empty cells, then let everything settle a little.
   for (int sweep = 0; sweep < 60; ++sweep) {

@@ -49,9 +49,7 @@ class MemberSets {
   std::vector<std::vector<TrackElement>>& members() { return members_; }
 
  private:
-  int Find(const TrackElement& one) {
-    return sets_.Find(sets_.NumberOf(static_cast<std::size_t>(one.photo), one.keypoint));
-  }
+  int Find(const TrackElement& one) { return sets_.Find(sets_.NumberOf(one.photo, one.keypoint)); }
   std::vector<TrackElement>& Members(int set) { return members_[set]; }
 
   const std::vector<const PhotoFeatures*>& features_;

@@ -6,16 +6,14 @@
 namespace skyquilt::alignment {
 
 TrackSpread::TrackSpread(std::size_t photos, int observations_per_photo, int cells_across)
-    : photos_(photos),
-      cells_across_(static_cast<std::size_t>(cells_across)),
-      observations_per_photo_(observations_per_photo) {}
+    : photos_(photos), cells_across_(cells_across), observations_per_photo_(observations_per_photo) {}
 
 void TrackSpread::SeenBy(int photo, const Eigen::Vector2d& pixel_in_image, const camera::Intrinsics& lens) {
   const auto across = static_cast<int>(cells_across_);
   const auto along = [&](double pixel, int size_px) {
-    return static_cast<std::size_t>(std::clamp(static_cast<int>(pixel * across / size_px), 0, across - 1));
+    return std::clamp(static_cast<int>(pixel * across / size_px), 0, across - 1);
   };
-  const auto at = static_cast<std::size_t>(photo);
+  const std::size_t at = photo;
   seen_.push_back({at, (at * cells_across_ + along(pixel_in_image.y(), lens.height_px)) * cells_across_ +
                            along(pixel_in_image.x(), lens.width_px)});
 }

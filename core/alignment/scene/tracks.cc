@@ -33,6 +33,14 @@ std::vector<Track> Thin(std::vector<Track> tracks, const std::vector<View>& view
 
 }  // namespace
 
+PhotoSet ObservingPhotos(std::size_t photos, const std::vector<Track>& tracks) {
+  PhotoSet observing(photos);
+  for (const Track& track : tracks) {
+    for (const Observation& seen : track.observations) observing.Add(seen.photo);
+  }
+  return observing;
+}
+
 double WidestAngle(const std::vector<View>& views, const Track& track) {
   std::vector<Eigen::Vector3d> rays;
   rays.reserve(track.observations.size());
@@ -100,7 +108,7 @@ std::vector<Track> BuildTracks(const std::vector<VerifiedPair>& pairs,
     }
   }
   std::vector<Track> tracks;
-  std::vector<char> is_contradictory(members.size(), 0);
+  std::vector<bool> is_contradictory(members.size(), false);
   const auto observe = [&](std::size_t photo, int keypoint) {
     const Keypoint& seen = features[photo]->keypoints[keypoint];
     return Observation{static_cast<int>(photo), Eigen::Vector2d(seen.x_px, seen.y_px),
@@ -110,18 +118,16 @@ std::vector<Track> BuildTracks(const std::vector<VerifiedPair>& pairs,
     const auto& group = members[set];
     if (group.size() < 2) continue;
     Track track;
-    bool contradictory = false;
     for (std::size_t m = 0; m < group.size(); ++m) {
       const auto& [photo, keypoint] = group[m];
       if (m > 0 && group[m - 1].first == photo) {
         // Two keypoints of one photo: the same place seen in two directions is harmless, two places are not.
-        if (!IsOnePlace(*features[photo], group[m - 1].second, keypoint)) contradictory = true;
+        if (!IsOnePlace(*features[photo], group[m - 1].second, keypoint)) is_contradictory[set] = true;
         continue;
       }
       track.observations.push_back(observe(photo, keypoint));
     }
-    is_contradictory[set] = contradictory ? 1 : 0;
-    if (!contradictory && track.observations.size() >= 2) tracks.push_back(std::move(track));
+    if (!is_contradictory[set] && track.observations.size() >= 2) tracks.push_back(std::move(track));
   }
   for (const VerifiedPair& pair : pairs) {
     if (!options.splits_contradictory) break;

@@ -4,10 +4,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <vector>
 
 #include "core/alignment/scene/keypoints.h"
 #include "core/alignment/scene/matches.h"
+#include "core/alignment/scene/photo_set.h"
 #include "core/alignment/scene/view.h"
 
 namespace skyquilt::alignment {
@@ -23,6 +25,9 @@ struct Track {
   Eigen::Vector3d point_in_enu = Eigen::Vector3d::Zero();
   double angle_rad = 0.0;  // the widest angle between two of its rays
 };
+
+// Which of so many photos see any of the tracks.
+PhotoSet ObservingPhotos(std::size_t photos, const std::vector<Track>& tracks);
 
 // Photos that see fewer are not held by them.
 inline constexpr int kEnoughObservations = 12;

@@ -5,6 +5,7 @@
 
 #include "core/alignment/features/features.h"
 #include "core/alignment/scene/ground_control.h"
+#include "core/alignment/scene/photo_set.h"
 #include "core/base/result.h"
 
 namespace skyquilt::alignment {
@@ -23,8 +24,8 @@ struct AlignOptions {
   int observations_per_photo = 220;  // tie points a photo brings into the adjustment
 
   std::vector<ControlPoint> control;  // surveyed points marked in photos
-  // By photo: placed for good, and its lens known; the others are placed against it. Empty: none.
-  std::vector<char> fixed;
+  // Placed for good, and their lenses known; the others are placed against them. Of no photos: none is.
+  PhotoSet fixed;
   ByImages by_images = ByImages::kByEvidence;  // not asked with `fixed`
 
   FeatureOptions Features() const;

@@ -126,10 +126,10 @@ std::vector<flight::Remark> DoubtsInRemarks(const PhotoDoubt& doubt, const std::
   return remarks;
 }
 
-std::vector<char> LeaveOutFarAway(AlignedFlight& flight) {
+PhotoSet LeaveOutFarAway(AlignedFlight& flight) {
   const std::size_t count = flight.photos.size();
-  std::vector<char> is_far(count, 0);
-  if (count < kFewPhotos) return is_far;
+  PhotoSet far_away(count);
+  if (count < kFewPhotos) return far_away;
   std::vector<Eigen::Vector2d> places;
   std::vector<double> easts, norths;
   for (const AlignedPhoto& photo : flight.photos) {
@@ -151,13 +151,13 @@ std::vector<char> LeaveOutFarAway(AlignedFlight& flight) {
     if (gap_m > std::max(kMinGapM, 2.0 * kGapOverExtent * inner_m)) kept = k;
   }
   if (static_cast<double>(count - kept) > std::max(1.0, kMaxLeftOutShare * static_cast<double>(count)))
-    return is_far;
+    return far_away;
   for (std::size_t k = kept; k < count; ++k) {
-    is_far[order[k]] = flight.photos[order[k]].placement == Placement::kPoseOnly ? 1 : 0;
+    if (flight.photos[order[k]].placement == Placement::kPoseOnly) far_away.Add(order[k]);
   }
   std::vector<AlignedPhoto> near;
   for (std::size_t i = 0; i < count; ++i) {
-    if (!is_far[i]) {
+    if (!far_away.Has(i)) {
       near.push_back(std::move(flight.photos[i]));
       continue;
     }
@@ -166,7 +166,7 @@ std::vector<char> LeaveOutFarAway(AlignedFlight& flight) {
                                               {{"apart_km", (places[i] - middle).norm() / 1000.0}})});
   }
   flight.photos = std::move(near);
-  return is_far;
+  return far_away;
 }
 
 }  // namespace skyquilt::alignment

@@ -10,6 +10,7 @@
 #include "core/alignment/matching/match_and_verify.h"
 #include "core/alignment/scene/aligned_flight.h"
 #include "core/alignment/scene/matches.h"
+#include "core/alignment/scene/photo_set.h"
 
 namespace skyquilt::alignment {
 
@@ -31,7 +32,7 @@ std::vector<PhotoDoubt> DoubtPhotos(const MatchingInput& input, const std::vecto
 std::vector<flight::Remark> DoubtsInRemarks(const PhotoDoubt& doubt, const std::vector<std::string>& names);
 
 // Takes photos out that no verified pair ties to the others and that lie so far away that the map would be
-// mostly empty; each is listed with the reason. Never takes out more than a tenth. By photo: whether it was.
-std::vector<char> LeaveOutFarAway(AlignedFlight& flight);
+// mostly empty; each is listed with the reason. Never takes out more than a tenth. Which ones it took out.
+PhotoSet LeaveOutFarAway(AlignedFlight& flight);
 
 }  // namespace skyquilt::alignment

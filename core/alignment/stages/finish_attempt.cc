@@ -22,25 +22,25 @@ const MatchingPass kLastPass{.min_radius_share = 0.012,
 
 constexpr std::size_t kMaxPhotosForLensSigma = 200;  // its cost grows with their square
 
-// By photo: nobody recorded how its rows were read, and it lies as they were.
-std::vector<char> MayRoll(const poses::PosedFlight& posed) {
-  std::vector<char> may_roll;
+// Photos of which nobody recorded how their rows were read, and which lie as they were.
+PhotoSet MayRoll(const poses::PosedFlight& posed) {
+  PhotoSet may_roll;
   for (const poses::PosedPhoto& one : posed.photos) {
     const flight::Photo& photo = one.photo;
-    may_roll.push_back(!photo.readout_s && !one.readout_motion && !photo.is_resaved_by_viewer &&
-                       photo.intrinsics.width_px >= photo.intrinsics.height_px);
+    may_roll.Append(!photo.readout_s && !one.readout_motion && !photo.is_resaved_by_viewer &&
+                    photo.intrinsics.width_px >= photo.intrinsics.height_px);
   }
   return may_roll;
 }
 
 // The attempt adjusted with a readout time for lenses whose photos show one, if they do.
 Attempt WithReadoutFound(Attempt attempt, const BundleOptions& bundle_options, const AlignOptions& options) {
-  const std::vector<char> may_roll = MayRoll(attempt.posed);
+  const PhotoSet may_roll = MayRoll(attempt.posed);
   const std::vector<int> lenses = LensesThatMayRoll(attempt.problem, may_roll);
   if (lenses.empty()) return attempt;
   Attempt found = attempt;
-  for (std::size_t i = 0; i < may_roll.size(); ++i) {
-    if (!may_roll[i]) found.problem.photos[i].velocity_in_enu_mps.reset();
+  for (std::size_t i = 0; i < may_roll.Photos(); ++i) {
+    if (!may_roll.Has(i)) found.problem.photos[i].velocity_in_enu_mps.reset();
   }
   for (const int lens : lenses) found.problem.lenses[lens].finds_readout = true;
   found = Adjusted(std::move(found), bundle_options, options);
@@ -56,7 +56,7 @@ Attempt WithReadoutFound(Attempt attempt, const BundleOptions& bundle_options, c
     int photos = 0;
     std::string camera;
     for (std::size_t i = 0; i < found.problem.photos.size(); ++i) {
-      if (found.problem.photos[i].lens != lens || !may_roll[i]) continue;
+      if (found.problem.photos[i].lens != lens || !may_roll.Has(i)) continue;
       ++photos;
       camera = found.posed.photos[i].photo.model;
     }

@@ -9,9 +9,9 @@ namespace skyquilt::alignment {
 namespace {
 
 // Photos that are placed already are no matter of doubt, whatever the verified pairs suggested.
-void HoldFixed(const poses::PosedFlight& posed, const std::vector<char>& fixed, BundleProblem& problem) {
-  for (std::size_t i = 0; i < fixed.size(); ++i) {
-    if (fixed[i] == 0) continue;
+void HoldFixed(const poses::PosedFlight& posed, const PhotoSet& fixed, BundleProblem& problem) {
+  for (std::size_t i = 0; i < fixed.Photos(); ++i) {
+    if (!fixed.Has(i)) continue;
     BundlePhoto& photo = problem.photos[i];
     photo.cam_from_enu = photo.prior_cam_from_enu = posed.photos[i].cam_from_enu;
     photo.is_fixed = true;
@@ -45,7 +45,7 @@ Result<Attempt> MatchByRecords(const ExtractedFlight& extracted, const AlignOpti
                                         {"refused", attempt.matched.rejected.size()}});
   attempt.compared = attempt.matched.pairs;
   attempt.problem = MakeBundle(attempt.posed, attempt.matched.corrected, extracted.lines);
-  if (!options.fixed.empty()) {
+  if (options.fixed.Photos() > 0) {
     HoldFixed(attempt.posed, options.fixed, attempt.problem);
     attempt.input.views = ViewsOf(attempt.problem);
   }

@@ -307,7 +307,7 @@ PlacedFlight WithoutPositionLag(const ExtractedFlight& extracted, PlacedFlight p
 
 Result<PlacedFlight> PlaceByEvidence(const ExtractedFlight& extracted, Attempt by_records,
                                      const AlignOptions& options, Progress& progress) {
-  const bool may_go_by_images = options.fixed.empty() && !extracted.posed.photos.empty();
+  const bool may_go_by_images = options.fixed.Photos() == 0 && !extracted.posed.photos.empty();
   TriedByImages tried;
   // Where hardly any photo fits to the others, nothing is worth adjusting.
   if (may_go_by_images) tried = TryByImages(extracted, by_records, kMaxLostShareByLinks, options, progress);

@@ -28,14 +28,14 @@ struct Support {
 std::vector<int> FindAligned(const BundleProblem& problem, std::vector<Support>& support) {
   const std::size_t count = problem.photos.size();
   const std::vector<View> views = ViewsOf(problem);
-  std::vector<char> strong(count, 1);
-  for (bool changed = true; changed;) {
-    changed = false;
+  PhotoSet strong(count, true);
+  for (int before = -1; before != strong.Count();) {
+    before = strong.Count();
     support.assign(count, {});
     for (const Track& track : problem.tracks) {
       std::vector<const Observation*> seen;
       for (const Observation& one : track.observations) {
-        if (strong[one.photo]) seen.push_back(&one);
+        if (strong.Has(one.photo)) seen.push_back(&one);
       }
       if (seen.size() < 2) continue;
       for (const Observation* one : seen) {
@@ -49,16 +49,13 @@ std::vector<int> FindAligned(const BundleProblem& problem, std::vector<Support>&
       }
     }
     for (std::size_t i = 0; i < count; ++i) {
-      if (strong[i] && support[i].observations < kEnoughObservations) {
-        strong[i] = 0;
-        changed = true;
-      }
+      if (support[i].observations < kEnoughObservations) strong.Remove(i);
     }
   }
   std::vector<int> component(count, -1);
   int components = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    if (!strong[i] || component[i] >= 0) continue;
+    if (!strong.Has(i) || component[i] >= 0) continue;
     std::vector<int> open{static_cast<int>(i)};
     component[i] = components;
     while (!open.empty()) {
@@ -321,9 +318,9 @@ AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
   }
   if (report.components > 0) FindTiedLooks(*input.ground_tracks, component, flight);
   TellAssumptions(posed, report.aligned, flight);
-  const std::vector<char> is_far = LeaveOutFarAway(flight);
-  for (std::size_t i = 0; i < is_far.size(); ++i) {
-    if (is_far[i]) report.photo_reports[i].faults.push_back(PhotoFault::kFarAway);
+  const PhotoSet far_away = LeaveOutFarAway(flight);
+  for (std::size_t i = 0; i < far_away.Photos(); ++i) {
+    if (far_away.Has(i)) report.photo_reports[i].faults.push_back(PhotoFault::kFarAway);
   }
   return flight;
 }

@@ -39,12 +39,12 @@ std::vector<alignment::View> ViewsOf(const FlightFacts& known) {
 
 struct NamesAndTies {
   std::vector<std::string> names;
-  std::vector<char> is_tied;
+  alignment::PhotoSet tied;
 
   explicit NamesAndTies(const FlightFacts& known) {
     for (const AlignedPhoto& photo : known.flight.photos) {
       names.push_back(photo.photo.name);
-      is_tied.push_back(photo.placement == alignment::Placement::kAligned ? 1 : 0);
+      tied.Append(photo.placement == alignment::Placement::kAligned);
     }
   }
 };
@@ -130,7 +130,7 @@ std::vector<MarkedPoint> MarkedPointsOf(const FlightFacts& known,
                                         std::vector<alignment::ControlReport>& reports) {
   const NamesAndTies photos_of(known);
   const std::vector<alignment::View> views = ViewsOf(known);
-  const alignment::MarkedPhotos photos(photos_of.names, views, photos_of.is_tied);
+  const alignment::MarkedPhotos photos(photos_of.names, views, photos_of.tied);
   std::vector<MarkedPoint> marked;
   for (const alignment::ControlPoint& point : control) {
     const std::optional<alignment::Track> track = photos.TrackOf(point, reports.emplace_back());
@@ -143,7 +143,7 @@ std::vector<MarksOfPoint> MarkResiduals(const FlightFacts& placed,
                                         const std::vector<alignment::ControlPoint>& control) {
   const NamesAndTies known(placed);
   const std::vector<alignment::View> views = ViewsOf(placed);
-  const alignment::MarkedPhotos photos(known.names, views, known.is_tied);
+  const alignment::MarkedPhotos photos(known.names, views, known.tied);
   std::vector<MarksOfPoint> points;
   for (const alignment::ControlPoint& point : control) {
     alignment::ControlReport ignored;

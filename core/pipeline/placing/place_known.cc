@@ -221,7 +221,7 @@ Result<FlightFacts> PlaceByControl(const FlightFacts& known, const std::vector<f
     told.miss_north_m = miss.y();
     told.miss_up_m = std::isfinite(pairs[k].sigma.z()) ? miss.z() : 0.0;
     told.residual_px = miss.head<2>().norm() / (scale * MedianGsdM(known));
-    told.is_used = fitted->holds[k] != 0 && miss.head<2>().norm() <= agreed_m;
+    told.is_used = fitted->holds[k] && miss.head<2>().norm() <= agreed_m;
     if (told.is_used) {
       misses_m.push_back(miss.head<2>().norm());
     } else {

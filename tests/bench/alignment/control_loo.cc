@@ -46,15 +46,15 @@ int main(int argc, char** argv) {
     if (!aligned) return fmt::print(stderr, "{}\n", aligned.error().message), 1;
     std::vector<std::string> names;
     std::vector<alignment::View> views;
-    std::vector<char> is_tied;
+    alignment::PhotoSet tied;
     for (const alignment::AlignedPhoto& photo : aligned->photos) {
       names.push_back(photo.photo.name);
       views.push_back(
           {photo.intrinsics, photo.cam_from_enu, photo.height_above_ground_m, photo.readout_motion});
-      is_tied.push_back(photo.placement == alignment::Placement::kAligned ? 1 : 0);
+      tied.Append(photo.placement == alignment::Placement::kAligned);
     }
     alignment::ControlReport told;
-    const auto track = alignment::MarkedPhotos(names, views, is_tied).TrackOf(control[left], told);
+    const auto track = alignment::MarkedPhotos(names, views, tied).TrackOf(control[left], told);
     if (!track) {
       fmt::print("{}: {} marks, {}\n", control[left].name, told.sightings,
                  told.reason ? flight::InWords(*told.reason) : "");

@@ -54,13 +54,13 @@ BundleProblem NinePhotos(double readout_s, double turn_rad) {
   return problem;
 }
 
-const std::vector<char> kAnyMayRoll(9, 1);
+const PhotoSet kAnyMayRoll(9, true);
 
 TEST(FindReadout, IsFoundWherePhotosAreTurnedAgainstTheirCourse) {
   BundleProblem still = NinePhotos(kReadoutS, 0.9);
   AdjustBundle(still, {});
   EXPECT_EQ(LensesThatMayRoll(still, kAnyMayRoll), std::vector<int>{0});
-  EXPECT_TRUE(LensesThatMayRoll(still, std::vector<char>(9, 0)).empty());
+  EXPECT_TRUE(LensesThatMayRoll(still, PhotoSet(9)).empty());
 
   BundleProblem rolling = NinePhotos(kReadoutS, 0.9);
   rolling.lenses[0].finds_readout = true;

@@ -69,7 +69,7 @@ void ExpectTurnedBack(const Block& block, const std::vector<double>& recorded_tu
     EXPECT_LT(std::abs(turned - 1.0), 0.02) << i;
     EXPECT_LT(std::abs(graph.corrections[i].shift), 0.2) << i;
   }
-  EXPECT_EQ(std::count(graph.is_inlier.begin(), graph.is_inlier.end(), 0), 0);
+  EXPECT_EQ(std::count(graph.is_inlier.begin(), graph.is_inlier.end(), false), 0);
 }
 
 TEST(SolveGroundGraph, LeavesABlockThatAgreesAlone) {

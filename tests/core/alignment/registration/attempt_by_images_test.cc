@@ -301,8 +301,8 @@ TEST(AttemptByImages, APhotoRecordedFarAwayJoinsPhotosThatStay) {
   AlignReport report;
   SilentProgress progress;
   AlignOptions options;
-  options.fixed.assign(16, 1);
-  options.fixed[kAdded] = 0;
+  options.fixed = PhotoSet(16, true);
+  options.fixed.Remove(kAdded);
   const Result<AlignedFlight> aligned = AlignFlight(posed, test::PhotosOf(truth), options, report, progress);
   ASSERT_TRUE(aligned.ok());
   ASSERT_EQ(aligned->photos.size(), 16U);

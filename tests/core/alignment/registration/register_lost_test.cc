@@ -14,7 +14,7 @@ struct LostPhoto {
   SyntheticScene scene = MakeScene({.columns = 5, .rows = 1, .relief_m = 0.0});
   std::vector<const PhotoFeatures*> features;
   std::vector<View> views;
-  std::vector<char> is_tied;
+  PhotoSet tied;
   std::vector<PhotoRecord> records;
   std::vector<Track> tracks;
   Relief relief{0.0};
@@ -27,14 +27,14 @@ struct LostPhoto {
       view.cam_from_enu = scene.cam_from_enu[i];
       view.height_above_ground_m = 50.0;
       views.push_back(view);
-      is_tied.push_back(i != kLost);
+      tied.Append(i != kLost);
     }
     records.resize(features.size());
   }
   // Every so-many-th keypoint of a tied photo is a track, at its place on the ground.
   void AddTracks(std::size_t every) {
     for (std::size_t i = 0; i < features.size(); ++i) {
-      for (std::size_t k = 0; is_tied[i] && k < features[i]->keypoints.size(); k += every) {
+      for (std::size_t k = 0; tied.Has(i) && k < features[i]->keypoints.size(); k += every) {
         const Keypoint& keypoint = features[i]->keypoints[k];
         Track track;
         track.observations.push_back({static_cast<int>(i), {keypoint.x_px, keypoint.y_px}, 1.0});
@@ -44,7 +44,7 @@ struct LostPhoto {
     }
   }
   std::vector<RegisteredLost> Register() const {
-    return RegisterLost({&features, &views, &is_tied, &tracks, &records, &relief}, 2);
+    return RegisterLost({&features, &views, &tied, &tracks, &records, &relief}, 2);
   }
   double OffM(const RegisteredLost& one) const {
     return (one.cam_from_enu.TargetOriginInSource() - scene.cam_from_enu[kLost].TargetOriginInSource())
