@@ -17,6 +17,10 @@ constexpr std::int64_t kPartsInBudget = 4;  // of photos decoded at once: two th
 
 std::int64_t BytesOf(const DecodedPhoto& part) { return static_cast<std::int64_t>(part->image.rgb.size()); }
 
+std::int64_t BytesOf(const PixelBox& box) {
+  return std::int64_t{3} * (box.right - box.left) * (box.bottom - box.top);
+}
+
 int FloorDiv(int a, int b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
 
 PixelBox AtScale(const PixelBox& box, int denominator) {
@@ -59,28 +63,26 @@ PhotoCache::PhotoCache(const flight::PhotoSource& source, std::int64_t budget_by
 
 PixelBox PhotoCache::DecodedBox(const PixelBox& wanted, const PixelBox& expected,
                                 const PixelBox& whole) const {
-  const auto bytes_of = [](const PixelBox& box) {
-    return std::int64_t{3} * (box.right - box.left) * (box.bottom - box.top);
-  };
   const std::int64_t max_bytes = budget_bytes_ / kPartsInBudget;
-  if (wanted.IsEmpty() || bytes_of(expected) <= max_bytes) return expected;
+  if (wanted.IsEmpty() || BytesOf(expected) <= max_bytes) return expected;
   PixelBox around = wanted;
   for (int by = 64;; by *= 2) {
     const PixelBox larger = wanted.Grown(by).Within(whole);
-    if (bytes_of(larger) > max_bytes || larger.Contains(whole)) return around;
+    if (BytesOf(larger) > max_bytes || larger.Contains(whole)) return around;
     around = larger;
   }
 }
 
 void PhotoCache::Expect(std::size_t photo_index, const PixelBox& box) {
   std::lock_guard lock(mutex_);
-  PixelBox& expected = expected_[photo_index];
+  PixelBox& expected = expected_[photo_index].box;
   expected = expected.With(box);
 }
 
 Result<DecodedPhoto> PhotoCache::Get(std::size_t photo_index, const flight::Photo& photo, int denominator,
                                      const PixelBox& box) {
-  const PixelBox whole = AtScale({0, 0, photo.intrinsics.width_px, photo.intrinsics.height_px}, denominator);
+  const PixelBox all{0, 0, photo.intrinsics.width_px, photo.intrinsics.height_px};
+  const PixelBox whole = AtScale(all, denominator);
   const PixelBox wanted = AtScale(box, denominator).Within(whole);
   const Key key{photo_index, denominator};
   std::unique_lock lock(mutex_);
@@ -102,20 +104,22 @@ Result<DecodedPhoto> PhotoCache::Get(std::size_t photo_index, const flight::Phot
     recency_.push_front(key);
     entry.recency = recency_.begin();
   } else {
-    // Too little was expected; where that happens twice it would go on.
-    if (entry.was_widened) expected_.erase(photo_index);
-    entry.was_widened = true;
     held_bytes_ -= BytesOf(entry.part);
     entry.part.reset();
     entry.is_ready = false;
   }
   const auto expected = expected_.find(photo_index);
-  entry.box =
-      DecodedBox(wanted,
-                 expected == expected_.end()
-                     ? whole
-                     : entry.box.With(wanted).With(AtScale(expected->second, denominator).Within(whole)),
-                 whole);
+  PixelBox more = whole;
+  if (expected != expected_.end()) {
+    auto& [expected_box, was_too_little] = expected->second;
+    const auto fits = [&](const PixelBox& part) { return BytesOf(part) <= budget_bytes_ / kPartsInBudget; };
+    // Where too little was expected twice, that would go on.
+    const bool takes_all = !is_new && was_too_little && fits(whole);
+    was_too_little = was_too_little || !is_new;
+    if (!takes_all) more = entry.box.With(wanted).With(AtScale(expected_box, denominator).Within(whole));
+    if (fits(more)) expected_box = takes_all ? all : expected_box.With(box);
+  }
+  entry.box = DecodedBox(wanted, more, whole);
   ++decodes_;
   lock.unlock();
   Result<image::DecodedPart> decoded = [&] {

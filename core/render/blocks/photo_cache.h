@@ -29,7 +29,7 @@ class PhotoCache {
 
   // That this part of a photo will be asked for, in pixels of its full size: it is decoded with the first of
   // it that is. A photo of which nothing is expected is decoded whole, and one of which more was asked for
-  // twice.
+  // twice, where a few of that size fit.
   void Expect(std::size_t photo_index, const image::PixelBox& box);
 
   // Called with every photo that is decoded, at 1/denominator of its size, in the thread that wanted it and
@@ -52,7 +52,6 @@ class PhotoCache {
     bool is_ready = false;
     DecodedPhoto part;
     image::PixelBox box;  // what of it is known to be there, in decoded pixels
-    bool was_widened = false;
     std::optional<Error> error;
     std::list<Key>::iterator recency;
   };
@@ -68,7 +67,11 @@ class PhotoCache {
   const std::int64_t budget_bytes_;
   mutable std::mutex mutex_;
   std::condition_variable ready_;
-  std::map<std::size_t, image::PixelBox> expected_;
+  struct Expected {
+    image::PixelBox box;  // in pixels of the full size
+    bool was_too_little = false;
+  };
+  std::map<std::size_t, Expected> expected_;
   std::map<Key, Entry> entries_;
   std::list<Key> recency_;  // most recent first
   std::int64_t held_bytes_ = 0;
