@@ -12,6 +12,7 @@
 #include "core/geo/web_mercator.h"
 #include "core/pipeline/memory_budget.h"
 #include "core/pipeline/surface/choose_ground.h"
+#include "core/pipeline/surface/trust_heights.h"
 #include "core/render/blocks/render_block.h"
 #include "core/render/plan_mosaic.h"
 #include "core/surface/match_surface.h"
@@ -22,19 +23,26 @@ namespace {
 
 // Below this share of measured cells the heights are mostly a guess, which is said.
 constexpr double kMostlyMeasured = 0.5;
-constexpr int kSquareCells = 16, kFadeSquares = 6;
 // Heights, twice where they are written too, confidence and photos that agree.
 constexpr std::int64_t kBytesPerCell = 10;
 
-// By square of kSquareCells cells: 0 where fewer photos look than one height takes to be borne out by
-// another, rising to 1 over the squares beside: at the rim of a flight, where two photos show one house and a
-// third does not, a roof stands neither here nor there.
-std::vector<float> TrustOf(const FlightFacts& facts, const surface::SurfaceGrid& grid, int columns,
-                           int rows) {
+// Of the cells that a photo shows, the share whose height was measured; 0 where there are none.
+double MeasuredShare(const surface::CellHeights& cells) {
+  std::size_t shown = 0, measured = 0;
+  for (std::size_t i = 0; i < cells.heights_m.size(); ++i) {
+    shown += std::isnan(cells.heights_m[i]) ? 0 : 1;
+    measured += cells.agreeing_photos[i] != 0 ? 1 : 0;
+  }
+  return shown == 0 ? 0.0 : static_cast<double>(measured) / static_cast<double>(shown);
+}
+
+// By square: how many photos see its middle, on the smooth ground; no more are counted than are enough.
+std::vector<std::uint8_t> PhotosBySquare(const FlightFacts& facts, const surface::SurfaceGrid& grid,
+                                         int columns, int rows) {
   std::vector<std::uint8_t> photos(static_cast<std::size_t>(columns) * rows, 0);
-  const double square_m = kSquareCells * grid.cell_m;
+  const double square_m = kTrustSquareCells * grid.cell_m;
   const Eigen::Vector2d first =
-      grid.south_west_in_enu + Eigen::Vector2d::Constant(0.5 * (kSquareCells - 1) * grid.cell_m);
+      grid.south_west_in_enu + Eigen::Vector2d::Constant(0.5 * (kTrustSquareCells - 1) * grid.cell_m);
   for (const surface::SurfaceCamera& camera : surface::SurfaceCameras(facts.flight, facts.ground, 0.0, 0.0)) {
     const Eigen::Vector2d low = (camera.seen_in_enu.min - first) / square_m,
                           high = (camera.seen_in_enu.max - first) / square_m;
@@ -48,36 +56,19 @@ std::vector<float> TrustOf(const FlightFacts& facts, const surface::SurfaceGrid&
       }
     }
   }
-  std::vector<float> trust(photos.size());
-  for (std::size_t i = 0; i < photos.size(); ++i) trust[i] = photos[i] < kPhotosThatBearOut ? 0.0f : 1.0f;
-  // No square more than 1 / kFadeSquares above those beside it.
-  const auto lower = [&](int row, int column, int other_row, int other_column) {
-    if (other_row < 0 || other_column < 0 || other_row >= rows || other_column >= columns) return;
-    float& here = trust[static_cast<std::size_t>(row) * columns + column];
-    here = std::min(
-        here, trust[static_cast<std::size_t>(other_row) * columns + other_column] + 1.0f / kFadeSquares);
-  };
-  for (int row = 0; row < rows; ++row) {
-    for (int column = 0; column < columns; ++column) {
-      for (const int side : {-1, 0, 1}) lower(row, column, row - 1, column + side);
-      lower(row, column, row, column - 1);
-    }
-  }
-  for (int row = rows - 1; row >= 0; --row) {
-    for (int column = columns - 1; column >= 0; --column) {
-      for (const int side : {-1, 0, 1}) lower(row, column, row + 1, column + side);
-      lower(row, column, row, column + 1);
-    }
-  }
-  return trust;
+  return photos;
 }
 
 // Where no photo looks, and where too few do, lies the smooth ground.
 ground::GroundSurface GroundOf(const surface::SurfaceGrid& grid, std::vector<float> heights_m,
-                               const FlightFacts& facts, int threads) {
+                               const std::vector<std::uint8_t>& agreeing_photos, const FlightFacts& facts,
+                               int threads) {
   const ground::GroundSurface& smooth = facts.ground;
-  const int squares_across = grid.columns / kSquareCells + 2, squares_up = grid.rows / kSquareCells + 2;
-  const std::vector<float> trust = TrustOf(facts, grid, squares_across, squares_up);
+  const int squares_across = grid.columns / kTrustSquareCells + 2,
+            squares_up = grid.rows / kTrustSquareCells + 2;
+  const std::vector<float> trust = TrustHeights(
+      PhotosBySquare(facts, grid, squares_across, squares_up),
+      MeasuredAround(grid, agreeing_photos, squares_across, squares_up), squares_across, squares_up);
   ParallelFor(static_cast<std::size_t>(grid.rows), threads, [&](std::size_t row) {
     float* const of_row = heights_m.data() + row * static_cast<std::size_t>(grid.columns);
     const auto y = static_cast<double>(row);
@@ -85,8 +76,8 @@ ground::GroundSurface GroundOf(const surface::SurfaceGrid& grid, std::vector<flo
       float& height_m = of_row[column];
       const bool is_known = !std::isnan(height_m);
       const double share =
-          is_known ? BilinearAt(trust, squares_across, squares_up, (column + 0.5) / kSquareCells - 0.5,
-                                (y + 0.5) / kSquareCells - 0.5)
+          is_known ? BilinearAt(trust, squares_across, squares_up, (column + 0.5) / kTrustSquareCells - 0.5,
+                                (y + 0.5) / kTrustSquareCells - 0.5)
                    : 0.0;
       if (share >= 1.0) continue;
       const double ground_m =
@@ -121,15 +112,6 @@ bool StandsUpright(const FlightFacts& facts) {
   const MapGround asked = GroundAsked(facts);
   return asked == MapGround::kDense ||
          (asked == MapGround::kAuto && facts.ground_choice && IsUpright(*facts.ground_choice));
-}
-
-double MeasuredShare(const surface::CellHeights& cells) {
-  std::size_t shown = 0, measured = 0;
-  for (std::size_t i = 0; i < cells.heights_m.size(); ++i) {
-    shown += std::isnan(cells.heights_m[i]) ? 0 : 1;
-    measured += cells.agreeing_photos[i] != 0 ? 1 : 0;
-  }
-  return shown == 0 ? 0.0 : static_cast<double>(measured) / static_cast<double>(shown);
 }
 
 void TellSurface(double cell_m, double measured_share, MosaicReport& report) {
@@ -168,12 +150,12 @@ Result<MapSurface> MatchMapSurface(const FlightFacts& facts, const std::optional
                                                                            surface::GridOver(area, cell_m),
                                                                            SurfaceWithin(options), progress));
   const double measured_share = MeasuredShare(heights.cells);
-  const surface::SurfaceGrid grid = heights.grid;
-  std::optional<surface::DenseSurface> kept;
-  if (options.heights != MapHeights::kNone) kept = heights;
-  return MapSurface{cell_m, measured_share,
-                    GroundOf(grid, std::move(heights.cells.heights_m), facts, options.threads),
-                    std::move(kept)};
+  const bool are_written = options.heights != MapHeights::kNone;
+  std::vector<float> laid_m = are_written ? heights.cells.heights_m : std::move(heights.cells.heights_m);
+  ground::GroundSurface ground =
+      GroundOf(heights.grid, std::move(laid_m), heights.cells.agreeing_photos, facts, options.threads);
+  return MapSurface{cell_m, measured_share, std::move(ground),
+                    are_written ? std::optional(std::move(heights)) : std::nullopt};
 }
 
 }  // namespace skyquilt::pipeline

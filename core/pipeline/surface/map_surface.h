@@ -42,9 +42,6 @@ surface::SurfaceOptions SurfaceWithin(const MosaicOptions& options);
 double FinestShownM(const render::MosaicPlan& plan, const std::optional<double>& gsd_m,
                     const alignment::AlignedFlight& flight);
 
-// Of the cells that a photo shows, the share whose height was measured; 0 where there are none.
-double MeasuredShare(const surface::CellHeights& cells);
-
 // What the report says of heights, and the note where most of them are a guess.
 void TellSurface(double cell_m, double measured_share, MosaicReport& report);
 

@@ -21,6 +21,7 @@ struct PickedHeights {
   std::vector<std::uint8_t> contrasts;
 };
 
+// Sums are at most eight times kMaxPathCost, as SumAlongPaths has them.
 PickedHeights PickHeights(const HeightSheets& sheets, const SheetCosts& costs, const SheetSums& sums);
 
 }  // namespace skyquilt::surface
