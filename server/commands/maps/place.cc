@@ -213,6 +213,7 @@ void AddPlaceCommand(CLI::App& app) {
                     "Also a map that is georeferenced: what its records said of its place is overruled");
   command->add_option("--threads", arguments->threads, "Threads; 0 takes all cores")->capture_default_str();
   command->add_option("--max-memory", arguments->max_memory_gib, "Memory for photos and tiles in GiB")
+      ->check(CLI::Range(0.25, 65536.0))
       ->capture_default_str();
   command->footer(
       "A map of photos without any position is whole, but lies at 0,0 with a guessed scale and north. What is known\n"

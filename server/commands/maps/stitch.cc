@@ -270,6 +270,7 @@ void AddStitchCommand(CLI::App& app) {
                    "Threads; 0 takes all cores. The map is the same with any number")
       ->capture_default_str();
   command->add_option("--max-memory", arguments->max_memory_gib, "Memory for photos and tiles in GiB")
+      ->check(CLI::Range(0.25, 65536.0))
       ->capture_default_str();
   command
       ->add_option(
