@@ -7,6 +7,7 @@
 #include "core/flight/bytes/mapped_file.h"
 #include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/autopilots/dataflash.h"
+#include "core/flight/logs/autopilots/dataflash_text.h"
 #include "core/flight/logs/autopilots/mavlink_tlog.h"
 #include "core/flight/logs/autopilots/ulog.h"
 #include "core/flight/logs/csv/canonical_csv.h"
@@ -42,6 +43,7 @@ constexpr std::array kFormats = {
     Format{LogFormat::kUlog, LooksLikeUlog, ParseUlog, true},
     Format{LogFormat::kDataflash, LooksLikeDataflash, ParseDataflash, true},
     Format{LogFormat::kMavlinkTlog, LooksLikeMavlinkTlog, ParseMavlinkTlog, true},
+    Format{LogFormat::kDataflash, LooksLikeDataflashText, ParseDataflashText},
     Format{LogFormat::kGpx, LooksLikeGpx, ParseGpx},
     Format{LogFormat::kKml, LooksLikeKml, ParseKml},
     Format{LogFormat::kGeoJson, LooksLikeGeoJson, ParseGeoJson},

@@ -8,6 +8,7 @@
 
 #include "core/flight/bytes/gps_time.h"
 #include "core/flight/logs/autopilots/dataflash_plan.h"
+#include "core/flight/logs/autopilots/dataflash_text.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/raw_imu.h"
 #include "core/flight/remarks/because.h"
@@ -223,26 +224,12 @@ class DataflashReader {
   std::vector<std::pair<CameraEvent, UtcTime>> events_without_time_;
 };
 
-}  // namespace
-
-bool LooksLikeDataflash(LogBytes head) {
-  // A whole log starts with FMT; a cut one has message heads early on.
-  if (head.size() >= 3 && head[0] == 0xA3 && head[1] == 0x95 && head[2] == kDataflashFmt) return true;
-  const std::size_t most = std::min<std::size_t>(head.size(), 4096);
-  for (std::size_t i = 0; i + kDataflashFmtLength + 3 <= most; ++i) {
-    if (head[i] == 0xA3 && head[i + 1] == 0x95 && head[i + 2] == kDataflashFmt &&
-        head[i + kDataflashFmtLength] == 0xA3 && head[i + kDataflashFmtLength + 1] == 0x95) {
-      return true;
-    }
-  }
-  return false;
-}
-
-Result<FlightLog> ParseDataflash(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed) {
+template <typename Walk>
+Result<FlightLog> ParseBy(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed) {
   LogBuilder builder("dataflash", name);
   Plans plans;
   Census census;
-  DataflashWalk walk;
+  Walk walk;
   walk.Run(
       bytes, consumed, [&](std::uint8_t type) { plans[type] = MakeDataflashPlan(walk.layouts[type]); },
       [&](std::uint8_t type, const std::uint8_t* payload, std::size_t) {
@@ -264,7 +251,7 @@ Result<FlightLog> ParseDataflash(std::string_view name, LogBytes bytes, const Co
 
   DataflashReader reader(census, builder);
   Plans plans_again;
-  DataflashWalk second;
+  Walk second;
   second.Run(
       bytes, consumed,
       [&](std::uint8_t type) { plans_again[type] = MakeDataflashPlan(second.layouts[type]); },
@@ -276,6 +263,29 @@ Result<FlightLog> ParseDataflash(std::string_view name, LogBytes bytes, const Co
     builder.Warn({RemarkCode::kOneImuOf, {{"imus", census.imu_counts.size()}, {"used", reader.imu() + 1}}});
   }
   return std::move(builder).Finish();
+}
+
+}  // namespace
+
+bool LooksLikeDataflash(LogBytes head) {
+  // A whole log starts with FMT; a cut one has message heads early on.
+  if (head.size() >= 3 && head[0] == 0xA3 && head[1] == 0x95 && head[2] == kDataflashFmt) return true;
+  const std::size_t most = std::min<std::size_t>(head.size(), 4096);
+  for (std::size_t i = 0; i + kDataflashFmtLength + 3 <= most; ++i) {
+    if (head[i] == 0xA3 && head[i + 1] == 0x95 && head[i + 2] == kDataflashFmt &&
+        head[i + kDataflashFmtLength] == 0xA3 && head[i + kDataflashFmtLength + 1] == 0x95) {
+      return true;
+    }
+  }
+  return false;
+}
+
+Result<FlightLog> ParseDataflash(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed) {
+  return ParseBy<DataflashWalk>(name, bytes, consumed);
+}
+
+Result<FlightLog> ParseDataflashText(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed) {
+  return ParseBy<DataflashTextWalk>(name, bytes, consumed);
 }
 
 }  // namespace skyquilt::flight

@@ -41,12 +41,15 @@ inline double DataflashNumber(const DataflashField& field, const std::uint8_t* p
   return field.code->number(payload + field.offset) * field.code->unit;
 }
 
-struct DataflashWalk {
+// What a walk has found so far, by type of message.
+struct DataflashFound {
   std::array<DataflashLayout, 256> layouts;
   std::array<std::uint64_t, 256> counts{};
   std::uint64_t skipped_bytes = 0;
   bool ends_inside_message = false;
+};
 
+struct DataflashWalk : DataflashFound {
   // Calls on_message(type, payload, payload_size) for every whole message but FMT; on_layout(type) whenever a
   // type's layout becomes known or changes.
   template <typename OnLayout, typename OnMessage>

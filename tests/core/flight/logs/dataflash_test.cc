@@ -1,11 +1,15 @@
 #include "core/flight/logs/autopilots/dataflash.h"
 
+#include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "core/flight/bytes/gps_time.h"
+#include "core/flight/logs/autopilots/dataflash_text.h"
 #include "core/flight/logs/log_builder.h"
+#include "core/flight/logs/read_log.h"
 #include "core/flight/remarks/remark_words.h"
 #include "tests/core/flight/logs/log_writers.h"
 
@@ -16,9 +20,32 @@ using geo::DegToRad;
 using testing::Bytes;
 using testing::DataflashWriter;
 
+// As Mission Planner writes what it converted: "GPS, 5000000, 0, 6, ...".
+class TextWriter {
+ public:
+  void Define(std::uint8_t type, std::string_view name, std::string_view format, std::string_view labels) {
+    names_[type] = name;
+    fields_[type] = format.size();
+    text_ += fmt::format("FMT, {}, 89, {}, {}, {}\r\n", type, name, format, labels);
+  }
+  void Write(std::uint8_t type, std::initializer_list<double> values) {
+    text_ += names_.at(type);
+    for (const double value : values) text_ += fmt::format(", {}", value);
+    for (std::size_t i = values.size(); i < fields_.at(type); ++i) text_ += ", 0";
+    text_ += "\r\n";
+  }
+  Bytes bytes() const { return Bytes(text_.begin(), text_.end()); }
+
+ private:
+  std::map<std::uint8_t, std::string> names_;
+  std::map<std::uint8_t, std::size_t> fields_;
+  std::string text_ = "FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\r\n";
+};
+
 // A minute of the modern layout: two IMUs of which the first clips, RTK GPS with accuracies, CAM rows.
+template <typename Writer = DataflashWriter>
 Bytes ModernLog() {
-  DataflashWriter w;
+  Writer w;
   w.Define(1, "IMU", "QBffffff", "TimeUS,I,GyrX,GyrY,GyrZ,AccX,AccY,AccZ");
   w.Define(2, "VIBE", "QBfffI", "TimeUS,IMU,VibeX,VibeY,VibeZ,Clip");
   w.Define(3, "GPS", "QBBIHBcLLeffff", "TimeUS,I,Status,GMS,GWk,NSats,HDop,Lat,Lng,Alt,Spd,GCrs,VZ,Yaw");
@@ -189,6 +216,52 @@ TEST(ParseDataflash, GoesOnAfterDamage) {
   EXPECT_GT(log->imu.size(), 580u);
   EXPECT_LT(log->imu.size(), 600u);
   EXPECT_NE(InWords(log->warnings[0]).find("damaged bytes"), std::string::npos);
+}
+
+TEST(ParseDataflashText, ReadsWhatTheLogHeldBeforeItWasConverted) {
+  const Bytes text = ModernLog<TextWriter>();
+  EXPECT_TRUE(LooksLikeDataflashText(text));
+  EXPECT_FALSE(LooksLikeDataflash(text));
+  EXPECT_FALSE(LooksLikeDataflashText(ModernLog()));
+  const auto log = ParseLog("flight.log", text);
+  const auto binary = ParseDataflash("flight.BIN", ModernLog());
+  ASSERT_TRUE(log.ok() && binary.ok());
+  EXPECT_EQ(log->message_counts, binary->message_counts);
+  EXPECT_EQ(log->utc_at_zero, binary->utc_at_zero);
+  ASSERT_EQ(log->imu.size(), binary->imu.size());
+  EXPECT_NEAR(log->imu[10].angular_rate_radps.y(), -0.02, 1e-12);
+  ASSERT_EQ(log->gnss.size(), binary->gnss.size());
+  for (std::size_t i = 0; i < log->gnss.size(); ++i) {
+    EXPECT_NEAR(log->gnss[i].position.lat_deg, binary->gnss[i].position.lat_deg, 1e-7);
+    EXPECT_NEAR(log->gnss[i].position.lon_deg, binary->gnss[i].position.lon_deg, 1e-7);
+    EXPECT_NEAR(*log->gnss[i].sigma_vertical_m, 0.04, 1e-9);
+  }
+  ASSERT_EQ(log->events.size(), binary->events.size());
+  EXPECT_NEAR(*log->events[1].height_above_takeoff_m, 30.5, 1e-9);
+  EXPECT_EQ(log->attitude.size(), binary->attitude.size());
+  EXPECT_EQ(log->range.size(), binary->range.size());
+  EXPECT_TRUE(log->warnings == binary->warnings);
+}
+
+TEST(ParseDataflashText, PassesOverHeadingsWordsAndWhatIsDamaged) {
+  std::string text = "ArduCopter V3.2\r\nFree RAM: 4096\r\n\r\n";
+  text += "FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\n";
+  text += "FMT, 6, 15, BARO, QfN, TimeUS,Alt,Name\nFMT, 999, 15, HUGE, Q, TimeUS\nFMT, 7\n";
+  for (int i = 0; i < 20; ++i) text += fmt::format("BARO, {}, {}, two words\n", 1'000'000 + i * 100'000, i);
+  text += "BARO, here, 5, x\nBARO, 3000000\nNONE, 1, 2\nBARO, 3100000, NaN, x\nBARO, 32";
+  const auto log = ParseLog("flight.log", BytesOf(text));
+  ASSERT_TRUE(log.ok());
+  EXPECT_EQ(log->baro.size(), 20u);
+  EXPECT_EQ(log->message_counts.at("BARO"), 21u);
+  std::vector<RemarkCode> codes;
+  for (const Remark& warning : log->warnings) codes.push_back(warning.code);
+  EXPECT_THAT(codes, ::testing::IsSupersetOf({RemarkCode::kBytesDamaged, RemarkCode::kCutInMessage}));
+}
+
+TEST(ParseDataflashText, RefusesLayoutsWithoutMessages) {
+  const auto log = ParseLog("flight.log", BytesOf("FMT, 6, 15, BARO, Qf, TimeUS,Alt\n"));
+  ASSERT_FALSE(log.ok());
+  EXPECT_EQ(log.error().code, ErrorCode::kCorrupt);
 }
 
 TEST(ParseDataflash, RefusesALogWithoutMessages) {
