@@ -8,11 +8,12 @@ namespace {
 
 constexpr std::string_view kTextCodes = "nNZa";
 constexpr DataflashCode kTextNumber{'d', sizeof(double), NumberAt<double>}, kTextWord{'N', sizeof(double)};
-constexpr std::size_t kHeadLength = 3;
+// As the log that was converted bounds them.
+constexpr std::size_t kHeadLength = 3, kMaxCodes = 16, kMaxName = 4, kMaxLabel = 64;
 
 bool IsFmtLine(const std::vector<std::string_view>& fields) {
   return fields.size() > 5 && fields[0] == "FMT" && ParseInteger(fields[1]) && ParseInteger(fields[2]) &&
-         !fields[3].empty();
+         !fields[3].empty() && fields[4].size() <= kMaxCodes;
 }
 
 }  // namespace
@@ -22,16 +23,19 @@ std::optional<std::uint8_t> DataflashTextWalk::LearnLayout() {
   const std::int64_t type = *ParseInteger(fields_[1]);
   if (type < 0 || type > 255 || type == kDataflashFmt) return std::nullopt;
   DataflashLayout layout;
-  layout.name = fields_[3].substr(0, 4);  // as long as it is in the log that was converted
+  layout.name = fields_[3].substr(0, kMaxName);
   const std::string_view codes = fields_[4];
   for (std::size_t i = 0; i < codes.size() && i + 5 < fields_.size(); ++i) {
     const bool is_word = kTextCodes.find(codes[i]) != std::string_view::npos;
-    layout.fields.push_back(
-        {std::string(fields_[i + 5]), is_word ? &kTextWord : &kTextNumber, i * sizeof(double)});
+    layout.fields.push_back({std::string(fields_[i + 5].substr(0, kMaxLabel)),
+                             is_word ? &kTextWord : &kTextNumber, i * sizeof(double)});
   }
   layout.length = kHeadLength + layout.fields.size() * sizeof(double);
+  DataflashLayout& known = layouts[static_cast<std::size_t>(type)];
+  const auto earlier = types_.find(known.name);
+  if (earlier != types_.end() && earlier->second == type) types_.erase(earlier);
   types_.insert_or_assign(layout.name, static_cast<std::uint8_t>(type));
-  layouts[static_cast<std::size_t>(type)] = std::move(layout);
+  known = std::move(layout);
   return static_cast<std::uint8_t>(type);
 }
 

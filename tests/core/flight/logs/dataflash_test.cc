@@ -258,6 +258,15 @@ TEST(ParseDataflashText, PassesOverHeadingsWordsAndWhatIsDamaged) {
   EXPECT_THAT(codes, ::testing::IsSupersetOf({RemarkCode::kBytesDamaged, RemarkCode::kCutInMessage}));
 }
 
+TEST(ParseDataflashText, TakesTheLastOfTwoLayoutsOfOneType) {
+  std::string text = "FMT, 6, 15, OLD, Qf, TimeUS,Alt\nFMT, 6, 15, BARO, Qf, TimeUS,Alt\n";
+  for (int i = 0; i < 20; ++i)
+    text += fmt::format("OLD, {0}, 7\nBARO, {0}, {1}\n", 1'000'000 + i * 100'000, i);
+  const auto log = ParseLog("flight.log", BytesOf(text));
+  ASSERT_TRUE(log.ok());
+  EXPECT_EQ(log->message_counts, (std::map<std::string, std::uint64_t>{{"BARO", 20}, {"FMT", 2}}));
+}
+
 TEST(ParseDataflashText, RefusesLayoutsWithoutMessages) {
   const auto log = ParseLog("flight.log", BytesOf("FMT, 6, 15, BARO, Qf, TimeUS,Alt\n"));
   ASSERT_FALSE(log.ok());
