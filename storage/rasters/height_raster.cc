@@ -12,6 +12,7 @@
 #include "core/geo/crs/map_projection.h"
 #include "core/geo/geodesic.h"
 #include "core/geo/web_mercator.h"
+#include "storage/rasters/places_in_zone.h"
 #include "storage/rasters/quiet_gdal.h"
 
 namespace skyquilt::storage {
@@ -19,9 +20,6 @@ namespace {
 
 constexpr float kNoHeight = std::numeric_limits<float>::quiet_NaN();
 constexpr int kSketchSide = 64;
-// Between places of a grid so far apart a zone's place is as good as straight.
-constexpr int kPxBetweenNodes = 16;
-
 std::size_t CellCount(int columns, int rows) {
   return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
 }
@@ -115,44 +113,6 @@ void FillFromAround(std::vector<float>& heights_m, int columns, int rows) {
   }
 }
 
-// Places of a grid of Web Mercator in a zone: at every kPxBetweenNodes-th pixel by projection, straight
-// between.
-class PlacesInZone {
- public:
-  // Absent: some of the grid lies where the zone says nothing.
-  static std::optional<PlacesInZone> Of(const MercGrid& grid, const geo::MapProjection& zone) {
-    PlacesInZone places;
-    places.across_ = (grid.width_px + kPxBetweenNodes - 1) / kPxBetweenNodes + 1;
-    const int down = (grid.height_px + kPxBetweenNodes - 1) / kPxBetweenNodes + 1;
-    for (int row = 0; row < down; ++row) {
-      for (int column = 0; column < places.across_; ++column) {
-        const geo::LatLon at =
-            geo::LatLonFromMerc({grid.west_m + column * kPxBetweenNodes * grid.pixel_width_m,
-                                 grid.north_m - row * kPxBetweenNodes * grid.pixel_height_m});
-        const std::optional<Eigen::Vector2d> place = zone.PlaceOf(at);
-        if (!place) return std::nullopt;
-        places.nodes_.push_back(*place);
-      }
-    }
-    return places;
-  }
-
-  // Of a pixel's middle.
-  Eigen::Vector2d At(int column, int row) const {
-    const double x = (column + 0.5) / kPxBetweenNodes, y = (row + 0.5) / kPxBetweenNodes;
-    const auto left = static_cast<std::size_t>(x), top = static_cast<std::size_t>(y);
-    const double u = x - static_cast<double>(left), v = y - static_cast<double>(top);
-    const Eigen::Vector2d* node = nodes_.data() + top * static_cast<std::size_t>(across_) + left;
-    return (1 - v) * ((1 - u) * node[0] + u * node[1]) +
-           v * ((1 - u) * node[across_] + u * node[across_ + 1]);
-  }
-  const std::vector<Eigen::Vector2d>& nodes() const { return nodes_; }
-
- private:
-  int across_ = 0;
-  std::vector<Eigen::Vector2d> nodes_;
-};
-
 // So far apart, in cells; not where nothing is known.
 void AddHeightsAlong(const geo::RingEdge& edge, double apart, HeightCells& cells) {
   const Eigen::Vector2d from(edge.x0, edge.y0), along(edge.x1 - edge.x0, edge.y1 - edge.y0);
@@ -174,6 +134,13 @@ GDALRasterBand& LevelFor(GDALRasterBand& band, double step) {
       found = level;
   }
   return *found;
+}
+
+Result<void> CheckSize(const MercGrid& grid) {
+  constexpr int kMaxPx = HeightRaster::kMaxSidePx;
+  if (grid.width_px >= 1 && grid.height_px >= 1 && grid.width_px <= kMaxPx && grid.height_px <= kMaxPx)
+    return {};
+  return Error{ErrorCode::kInvalidArgument, "More pixels are asked for than are read at once.", ""};
 }
 
 }  // namespace
@@ -266,52 +233,106 @@ Result<std::vector<std::optional<double>>> HeightRaster::HeightsAt(std::span<con
   return found;
 }
 
-Result<std::vector<float>> HeightRaster::GoingOnOver(const MercGrid& grid) {
-  if (grid.width_px < 1 || grid.height_px < 1 || grid.width_px > kMaxSidePx || grid.height_px > kMaxSidePx)
-    return Error{ErrorCode::kInvalidArgument, "More pixels are asked for than are read at once.", ""};
-  std::vector<float> heights_m(CellCount(grid.width_px, grid.height_px), kNoHeight);
-  const QuietGdal quiet;
-  SKYQUILT_TRY_ASSIGN(const geo::MapProjection zone, geo::MapProjection::OfEpsg(epsg_));
-  const std::optional<PlacesInZone> places = PlacesInZone::Of(grid, zone);
-  if (!places) {
-    std::fill(heights_m.begin(), heights_m.end(), sketch_.heights_m.front());
-    return heights_m;
-  }
-  Eigen::Vector2d low = CellOf(places->nodes().front()), high = low;
-  for (const Eigen::Vector2d& node : places->nodes()) {
+Result<SampledHeights> HeightRaster::Sample(const PlacesInZone& places) {
+  Eigen::Vector2d low = CellOf(places.nodes().front()), high = low;
+  for (const Eigen::Vector2d& node : places.nodes()) {
     low = low.cwiseMin(CellOf(node));
     high = high.cwiseMax(CellOf(node));
   }
+  SampledHeights sampled;
+  sampled.heights_m.assign(CellCount(places.columns(), places.rows()), kNoHeight);
+  sampled.is_measured.assign(sampled.heights_m.size(), 0);
   SKYQUILT_TRY_ASSIGN(OpenGeotiff file, heights_.Take());
+  SKYQUILT_TRY_ASSIGN(OpenGeotiff flags, measured_.Take());
   GDALRasterBand& own = *file->GetRasterBand(1);
   GDALRasterBand& level =
-      LevelFor(own, std::min((high.x() - low.x()) / grid.width_px, (high.y() - low.y()) / grid.height_px));
+      LevelFor(own, std::min((high.x() - low.x()) / places.columns(), (high.y() - low.y()) / places.rows()));
   const Eigen::Vector2d to_level(static_cast<double>(level.GetXSize()) / columns_,
                                  static_cast<double>(level.GetYSize()) / rows_);
-  std::optional<HeightWindow> window =
+  const std::optional<HeightWindow> window =
       WindowAround(level, low.cwiseProduct(to_level), high.cwiseProduct(to_level));
-  std::vector<float> around;
   if (window) {
-    around.resize(CellCount(window->columns, window->rows));
+    std::vector<float> around(CellCount(window->columns, window->rows));
     if (!ReadWindow(level, *window, window->columns, window->rows, around.data(), GDT_Float32,
                     GRIORA_NearestNeighbour))
       return heights_.Damaged("some of its cells are damaged");
+    std::vector<std::uint8_t> measured(around.size());
+    // The same cells of the finest level, of which GDAL takes the nearest.
+    const auto finest = [](int cell, double to, int count) {
+      return std::min(count, static_cast<int>(std::lround(cell / to)));
+    };
+    HeightWindow all{finest(window->left, to_level.x(), columns_), finest(window->top, to_level.y(), rows_),
+                     0, 0};
+    all.columns = finest(window->left + window->columns, to_level.x(), columns_) - all.left;
+    all.rows = finest(window->top + window->rows, to_level.y(), rows_) - all.top;
+    if (!ReadWindow(*flags->GetRasterBand(1), all, window->columns, window->rows, measured.data(), GDT_Byte,
+                    GRIORA_NearestNeighbour))
+      return measured_.Damaged("some of its cells are damaged");
+    for (int row = 0; row < places.rows(); ++row) {
+      for (int column = 0; column < places.columns(); ++column) {
+        const std::size_t at = CellCount(places.columns(), row) + static_cast<std::size_t>(column);
+        const Eigen::Vector2d cell = CellOf(places.At(column, row)).cwiseProduct(to_level);
+        sampled.heights_m[at] = Between(around, *window, cell);
+        if (!std::isfinite(sampled.heights_m[at])) continue;
+        const int left = static_cast<int>(cell.x()) - window->left,
+                  top = static_cast<int>(cell.y()) - window->top;
+        sampled.is_measured[at] =
+            measured[CellCount(window->columns, std::clamp(top, 0, window->rows - 1)) +
+                     static_cast<std::size_t>(std::clamp(left, 0, window->columns - 1))];
+      }
+    }
   }
+  heights_.Give(std::move(file));
+  measured_.Give(std::move(flags));
+  return sampled;
+}
+
+Result<SampledHeights> HeightRaster::Over(const MercGrid& grid) {
+  SKYQUILT_TRY(CheckSize(grid));
+  const QuietGdal quiet;
+  SKYQUILT_TRY_ASSIGN(const geo::MapProjection zone, geo::MapProjection::OfEpsg(epsg_));
+  const std::optional<PlacesInZone> places = PlacesInZone::Of(grid, zone);
+  if (places) return Sample(*places);
+  const std::size_t pixels = CellCount(grid.width_px, grid.height_px);
+  return SampledHeights{std::vector<float>(pixels, kNoHeight), std::vector<std::uint8_t>(pixels, 0)};
+}
+
+Result<SampledHeights> HeightRaster::On(const HeightCells& cells, const Eigen::Vector2d& moved_by_merc_m) {
+  const QuietGdal quiet;
+  SKYQUILT_TRY_ASSIGN(const geo::MapProjection theirs, geo::MapProjection::OfEpsg(cells.epsg));
+  SKYQUILT_TRY_ASSIGN(const geo::MapProjection zone, geo::MapProjection::OfEpsg(epsg_));
+  const auto place_at = [&](int column, int row) -> std::optional<geo::LatLon> {
+    const auto place = theirs.LatLonOf(cells.corner_in_zone_m +
+                                       Eigen::Vector2d(column, -row).cwiseProduct(cells.sides_in_zone_m));
+    if (!place) return std::nullopt;
+    return geo::LatLonFromMerc(geo::MercFromLatLon(*place) - moved_by_merc_m);
+  };
+  const std::optional<PlacesInZone> places = PlacesInZone::Of(cells.columns, cells.rows, place_at, zone);
+  if (places) return Sample(*places);
+  return SampledHeights{std::vector<float>(cells.heights_m.size(), kNoHeight),
+                        std::vector<std::uint8_t>(cells.heights_m.size(), 0)};
+}
+
+Result<std::vector<float>> HeightRaster::GoingOnOver(const MercGrid& grid) {
+  SKYQUILT_TRY(CheckSize(grid));
+  const QuietGdal quiet;
+  SKYQUILT_TRY_ASSIGN(const geo::MapProjection zone, geo::MapProjection::OfEpsg(epsg_));
+  const std::optional<PlacesInZone> places = PlacesInZone::Of(grid, zone);
+  if (!places) return std::vector<float>(CellCount(grid.width_px, grid.height_px), sketch_.heights_m.front());
+  SKYQUILT_TRY_ASSIGN(SampledHeights sampled, Sample(*places));
+  const HeightWindow all{0, 0, sketch_.columns, sketch_.rows};
   for (int row = 0; row < grid.height_px; ++row) {
     for (int column = 0; column < grid.width_px; ++column) {
-      float& height_m = heights_m[CellCount(grid.width_px, row) + static_cast<std::size_t>(column)];
-      const Eigen::Vector2d cell = CellOf(places->At(column, row));
-      if (window) height_m = Between(around, *window, cell.cwiseProduct(to_level));
+      float& height_m = sampled.heights_m[CellCount(grid.width_px, row) + static_cast<std::size_t>(column)];
       if (std::isfinite(height_m)) continue;
-      const HeightWindow all{0, 0, sketch_.columns, sketch_.rows};
+      const Eigen::Vector2d cell = CellOf(places->At(column, row));
       const Eigen::Vector2d on_sketch(
           std::clamp(cell.x() / columns_ * sketch_.columns, 0.5, sketch_.columns - 0.5),
           std::clamp(cell.y() / rows_ * sketch_.rows, 0.5, sketch_.rows - 0.5));
       height_m = Between(sketch_.heights_m, all, on_sketch);
     }
   }
-  heights_.Give(std::move(file));
-  return heights_m;
+  return std::move(sampled.heights_m);
 }
 
 HeightRaster::RingsInCells HeightRaster::RingsOf(const geo::Boundary& area,
@@ -369,6 +390,9 @@ Result<std::optional<HeightCells>> HeightRaster::Within(const geo::Boundary& are
   const Eigen::Vector2d corner(window.left, window.top);
   cells.cell_m = std::sqrt(across * down) *
                  GroundCellM(corner + 0.5 * Eigen::Vector2d(window.columns, window.rows), zone);
+  cells.epsg = epsg_;
+  cells.corner_in_zone_m = {west_m_ + cell_m_ * window.left, north_m_ - cell_m_ * window.top};
+  cells.sides_in_zone_m = cell_m_ * Eigen::Vector2d(across, down);
   cells.heights_m.resize(CellCount(cells.columns, cells.rows));
   cells.is_measured.resize(cells.heights_m.size());
   cells.is_inside.assign(cells.heights_m.size(), 0);

@@ -28,6 +28,8 @@
 
 namespace skyquilt::storage {
 
+class PlacesInZone;
+
 // The cells within an area, rows from the north.
 struct HeightCells {
   int columns = 0, rows = 0;
@@ -36,6 +38,15 @@ struct HeightCells {
   std::vector<std::uint8_t> is_measured, is_inside;
   std::vector<surface::EdgeHeight>
       edge;  // along the rings, a cell apart if they are not too long; of known ones
+  // Where they lie: the corner in the north-west and the sides of a cell, in a zone.
+  int epsg = 0;
+  Eigen::Vector2d corner_in_zone_m = Eigen::Vector2d::Zero(), sides_in_zone_m = Eigen::Vector2d::Ones();
+};
+
+// Of other cells than the raster's own; NaN where it knows none.
+struct SampledHeights {
+  std::vector<float> heights_m;
+  std::vector<std::uint8_t> is_measured;
 };
 
 class HeightRaster {
@@ -54,6 +65,9 @@ class HeightRaster {
   Result<std::vector<float>> GoingOnOver(const MercGrid& grid);
   // Absent: the area and the raster have no cell in common.
   Result<std::optional<HeightCells>> Within(const geo::Boundary& area);
+  Result<SampledHeights> Over(const MercGrid& grid);
+  // At the middles of another raster's cells, where this one lies moved by so much.
+  Result<SampledHeights> On(const HeightCells& cells, const Eigen::Vector2d& moved_by_merc_m);
 
  private:
   // The whole raster on few cells, without holes.
@@ -77,6 +91,8 @@ class HeightRaster {
   // The side of a cell about a place, on the ground.
   double GroundCellM(const Eigen::Vector2d& cell, const geo::MapProjection& zone) const;
   bool FindAround(const geo::MapProjection& zone);
+  // `places` in this raster's zone, at the level of detail that they are apart.
+  Result<SampledHeights> Sample(const PlacesInZone& places);
   Result<Sketch> MakeSketch(GDALDataset& file) const;
 
   GeotiffPool heights_, measured_;

@@ -65,59 +65,103 @@ BasePlane BaseOf(const std::vector<EdgeHeight>& edge, VolumeBase base, double gi
   return {.at_origin_m = lowest->height_m, .sigma_m = fitted.sigma_m};
 }
 
+// What was summed up over the cells, and what their errors follow from.
+struct Sums {
+  AreaVolume volume;
+  std::int64_t known = 0, measured = 0;
+  double squares = 0.0;  // of the heights above the base
+  double rises = 0.0;    // from cell to cell, by the cell, of all surfaces whose steps may stand aside
+};
+
+// By how much heights rise or fall to the cells east and south of one.
+double RiseAt(const AreaHeights& area, std::span<const float> heights_m, int column, int row,
+              std::size_t at) {
+  const auto step_to = [&](bool is_there, std::size_t next) {
+    const double step_m = is_there ? heights_m[next] - heights_m[at] : 0.0;
+    return std::isfinite(step_m) ? step_m : 0.0;
+  };
+  return std::hypot(step_to(column + 1 < area.columns, at + 1),
+                    step_to(row + 1 < area.rows, at + static_cast<std::size_t>(area.columns)));
+}
+
+// `base_at` gives the base of a cell by its column, row and place in the grid, `is_measured` and `rise_at`
+// likewise. Cells without height or base are passed over.
+template <typename BaseAt, typename IsMeasured, typename RiseAtCell>
+Sums SumOver(const AreaHeights& area, const BaseAt& base_at, const IsMeasured& is_measured,
+             const RiseAtCell& rise_at) {
+  const double cell_m2 = area.cell_m * area.cell_m;
+  Sums sums;
+  AreaVolume& volume = sums.volume;
+  volume.lowest_m = std::numeric_limits<double>::infinity();
+  volume.highest_m = -volume.lowest_m;
+  double heights = 0.0, bases = 0.0;
+  for (int row = 0; row < area.rows; ++row) {
+    for (int column = 0; column < area.columns; ++column) {
+      const std::size_t at = static_cast<std::size_t>(row) * static_cast<std::size_t>(area.columns) +
+                             static_cast<std::size_t>(column);
+      if (area.is_inside[at] == 0) continue;
+      const double height_m = area.heights_m[at], base_m = base_at(column, row, at);
+      const double above_m = height_m - base_m;
+      if (!std::isfinite(above_m)) continue;
+      ++sums.known;
+      sums.measured += is_measured(at) ? 1 : 0;
+      (above_m > 0.0 ? volume.cut_m3 : volume.fill_m3) += std::abs(above_m) * cell_m2;
+      volume.lowest_m = std::min(volume.lowest_m, height_m);
+      volume.highest_m = std::max(volume.highest_m, height_m);
+      heights += height_m;
+      sums.squares += above_m * above_m;
+      bases += base_m;
+      sums.rises += rise_at(column, row, at);
+    }
+  }
+  const auto count = static_cast<double>(sums.known);
+  volume.base_m = bases / count;
+  volume.mean_m = heights / count;
+  volume.area_m2 = count * cell_m2;
+  volume.measured_share = static_cast<double>(sums.measured) / count;
+  return sums;
+}
+
+// `base_sigma_m`: of the whole base together; absent: nobody knows.
+std::optional<AreaVolume> WithSigma(const Sums& sums, double cell_m, std::optional<double> base_sigma_m) {
+  if (sums.known == 0) return std::nullopt;
+  AreaVolume volume = sums.volume;
+  if (volume.measured_share < kMinMeasuredShare || !base_sigma_m) return volume;
+  const double cell_m2 = cell_m * cell_m, mean_above_m = volume.mean_m - volume.base_m;
+  const double spread_m =
+      std::sqrt(std::max(0.0, sums.squares / static_cast<double>(sums.known) - mean_above_m * mean_above_m));
+  const double steps_m3 = kStepsOffCells * sums.rises * cell_m2;  // rises by the cell, half a cell aside
+  const double base_m3 = *base_sigma_m * volume.area_m2;
+  const double unmeasured_m2 = static_cast<double>(sums.known - sums.measured) * cell_m2;
+  const double patches = std::max(1.0, unmeasured_m2 / (kCorrelatedM * kCorrelatedM));
+  const double filled_m3 = spread_m * unmeasured_m2 / std::sqrt(patches);
+  volume.net_sigma_m3 = std::sqrt(steps_m3 * steps_m3 + base_m3 * base_m3 + filled_m3 * filled_m3);
+  return volume;
+}
+
 }  // namespace
 
 std::optional<AreaVolume> VolumeOver(const AreaHeights& area, const std::vector<EdgeHeight>& edge,
                                      VolumeBase base, double given_m) {
   if (edge.empty() && base != VolumeBase::kGiven) return std::nullopt;
   const BasePlane plane = BaseOf(edge, base, given_m, area.cell_m);
-  const double cell_m2 = area.cell_m * area.cell_m;
-  AreaVolume volume;
-  volume.lowest_m = std::numeric_limits<double>::infinity();
-  volume.highest_m = -volume.lowest_m;
-  double heights = 0.0, squares = 0.0, bases = 0.0, rises = 0.0;
-  std::int64_t known = 0, measured = 0;
-  const auto across = static_cast<std::size_t>(area.columns);
-  for (int row = 0; row < area.rows; ++row) {
-    for (int column = 0; column < area.columns; ++column) {
-      const std::size_t at = static_cast<std::size_t>(row) * across + static_cast<std::size_t>(column);
-      if (area.is_inside[at] == 0) continue;
-      const double height_m = area.heights_m[at];
-      if (!std::isfinite(height_m)) continue;
-      ++known;
-      measured += area.is_measured[at] != 0 ? 1 : 0;
-      const double base_m = plane.At(column + 0.5, row + 0.5), above_m = height_m - base_m;
-      (above_m > 0.0 ? volume.cut_m3 : volume.fill_m3) += std::abs(above_m) * cell_m2;
-      volume.lowest_m = std::min(volume.lowest_m, height_m);
-      volume.highest_m = std::max(volume.highest_m, height_m);
-      heights += height_m;
-      squares += above_m * above_m;
-      bases += base_m;
-      // By how much it rises or falls to the cells east and south of it.
-      const auto step_to = [&](bool is_there, std::size_t next) {
-        const double step_m = is_there ? area.heights_m[next] - height_m : 0.0;
-        return std::isfinite(step_m) ? step_m : 0.0;
-      };
-      rises +=
-          std::hypot(step_to(column + 1 < area.columns, at + 1), step_to(row + 1 < area.rows, at + across));
-    }
-  }
-  if (known == 0) return std::nullopt;
-  const auto count = static_cast<double>(known);
-  volume.base_m = bases / count;
-  volume.mean_m = heights / count;
-  volume.area_m2 = count * cell_m2;
-  volume.measured_share = static_cast<double>(measured) / count;
-  if (volume.measured_share < kMinMeasuredShare) return volume;
-  const double mean_above_m = volume.mean_m - volume.base_m;
-  const double spread_m = std::sqrt(std::max(0.0, squares / count - mean_above_m * mean_above_m));
-  const double steps_m3 = kStepsOffCells * rises * cell_m2;  // rises by the cell, half a cell aside
-  const double base_m3 = plane.sigma_m * volume.area_m2;
-  const double unmeasured_m2 = static_cast<double>(known - measured) * cell_m2;
-  const double patches = std::max(1.0, unmeasured_m2 / (kCorrelatedM * kCorrelatedM));
-  const double filled_m3 = spread_m * unmeasured_m2 / std::sqrt(patches);
-  volume.net_sigma_m3 = std::sqrt(steps_m3 * steps_m3 + base_m3 * base_m3 + filled_m3 * filled_m3);
-  return volume;
+  const Sums sums = SumOver(
+      area, [&](int column, int row, std::size_t) { return plane.At(column + 0.5, row + 0.5); },
+      [&](std::size_t at) { return area.is_measured[at] != 0; },
+      [&](int column, int row, std::size_t at) { return RiseAt(area, area.heights_m, column, row, at); });
+  return WithSigma(sums, area.cell_m, plane.sigma_m);
+}
+
+std::optional<AreaVolume> VolumeSince(const AreaHeights& area, const EarlierHeights& earlier) {
+  const Sums sums = SumOver(
+      area, [&](int, int, std::size_t at) { return static_cast<double>(earlier.heights_m[at]); },
+      [&](std::size_t at) { return area.is_measured[at] != 0 && earlier.is_measured[at] != 0; },
+      // Each flight's steps stand aside by themselves.
+      [&](int column, int row, std::size_t at) {
+        return std::hypot(RiseAt(area, area.heights_m, column, row, at),
+                          RiseAt(area, earlier.heights_m, column, row, at));
+      });
+  return WithSigma(sums, area.cell_m, earlier.sigma_m);
 }
 
 }  // namespace skyquilt::surface

@@ -1,11 +1,12 @@
 // VolumeOver: what lies above and below a base within an area of heights: what would be taken away to level
 // it (cut) and what would be filled up. The base is a given height, a horizontal plane at the lowest height
-// of the area's edge, or the plane through the edge by least squares. Metres; cells row by row, NaN where no
-// height is known: nothing is counted there. Its standard deviation is of three parts that are taken as
-// independent: steps lie half a cell off, all to the same side; the base is as unsure as the edge is rough
-// about it, of which places kCorrelatedM apart tell anew; cells that were not measured lie as far off as the
-// heights vary. That all heights are off by the same share (the calibration) is not in it. Pure; any thread.
-// Absent: no height is known within the area, or none along its edge where the base is taken from that.
+// of the area's edge, the plane through the edge by least squares, or (VolumeSince) the heights of another
+// flight. Metres; cells row by row, NaN where no height is known: nothing is counted there. Its standard
+// deviation is of three parts that are taken as independent: steps lie half a cell off, all to the same side;
+// the base is as unsure as the edge is rough about it, of which places kCorrelatedM apart tell anew; cells
+// that were not measured lie as far off as the heights vary. That all heights are off by the same share (the
+// calibration) is not in it. Pure; any thread. Absent: no height is known within the area, or none along its
+// edge where the base is taken from that.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,6 +18,13 @@
 namespace skyquilt::surface {
 
 enum class VolumeBase : std::uint8_t { kLowest, kPlane, kGiven };
+
+// Of an earlier flight, on the same cells.
+struct EarlierHeights {
+  std::span<const float> heights_m;
+  std::span<const std::uint8_t> is_measured;
+  std::optional<double> sigma_m;  // of all of them together; without, that of the volume is not known either
+};
 
 struct AreaHeights {
   int columns = 0, rows = 0;
@@ -46,5 +54,7 @@ inline constexpr double kMinMeasuredShare = 0.8;
 
 std::optional<AreaVolume> VolumeOver(const AreaHeights& area, const std::vector<EdgeHeight>& edge,
                                      VolumeBase base, double given_m);
+// Above and below those. Cells that either does not know are not counted.
+std::optional<AreaVolume> VolumeSince(const AreaHeights& area, const EarlierHeights& earlier);
 
 }  // namespace skyquilt::surface

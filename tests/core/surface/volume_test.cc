@@ -90,6 +90,25 @@ TEST(VolumeTest, ARoughEdgeMakesTheBaseUnsure) {
   EXPECT_GT(uneven.Over(VolumeBase::kLowest)->net_sigma_m3.value(), 10.0);
 }
 
+TEST(VolumeTest, SinceAnEarlierFlightIsWhatWasBroughtAndTaken) {
+  const Field before([](double x, double) { return 50.0 + 0.1 * x; });
+  const Field after(
+      [](double x, double y) { return 50.0 + 0.1 * x + (IsInBox(x, y) ? (x < 30 ? 2.0 : -1.0) : 0.0); });
+  const AreaHeights now{kFieldSide,      kFieldSide,        kFieldCellM,
+                        after.heights_m, after.is_measured, after.is_inside};
+  const AreaVolume volume = *VolumeSince(now, {before.heights_m, before.is_measured, 0.02});
+  EXPECT_NEAR(volume.cut_m3, 5.0 * 10.0 * 2.0, 0.01);
+  EXPECT_NEAR(volume.fill_m3, 5.0 * 10.0 * 1.0, 0.01);
+  EXPECT_NEAR(volume.area_m2, 25.0 * 25.0, 1e-9);
+  // The flights' level against each other is a part of it.
+  EXPECT_GT(*volume.net_sigma_m3, 0.02 * volume.area_m2);
+  EXPECT_FALSE(VolumeSince(now, {before.heights_m, before.is_measured, std::nullopt})->net_sigma_m3);
+  std::vector<std::uint8_t> few(before.is_measured.size(), 0);
+  EXPECT_EQ(VolumeSince(now, {before.heights_m, few, 0.02})->measured_share, 0.0);
+  const std::vector<float> unknown(before.heights_m.size(), std::numeric_limits<float>::quiet_NaN());
+  EXPECT_FALSE(VolumeSince(now, {unknown, before.is_measured, 0.02}));
+}
+
 TEST(VolumeTest, WithoutHeightsThereIsNone) {
   Field field([](double, double) { return std::numeric_limits<double>::quiet_NaN(); });
   EXPECT_FALSE(field.Over(VolumeBase::kGiven, 1.0));

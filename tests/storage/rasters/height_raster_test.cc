@@ -118,6 +118,32 @@ TEST_F(HeightRasterTest, BeyondTheMapItsHeightGoesOnWithoutACliff) {
   for (const float height_m : antipode) EXPECT_NEAR(height_m, 403.0, 5.0);
 }
 
+TEST_F(HeightRasterTest, OverTheWebMapNothingGoesOnBeyondWhatIsKnown) {
+  const Eigen::Vector2d known = geo::MercFromLatLon(At(30.0, 60.0)),
+                        unknown = geo::MercFromLatLon(At(150.0, 60.0));
+  const SampledHeights here = *Opened()->Over({known.x(), known.y(), 0.3, 0.3, 40, 20});
+  EXPECT_NEAR(here.heights_m.front(), SlopeAt(30.1, 60.1), 0.01);
+  EXPECT_EQ(std::count(here.is_measured.begin(), here.is_measured.end(), 0), 0);
+  const SampledHeights there = *Opened()->Over({unknown.x(), unknown.y(), 0.3, 0.3, 40, 20});
+  EXPECT_TRUE(
+      std::none_of(there.heights_m.begin(), there.heights_m.end(), [](float m) { return std::isfinite(m); }));
+  EXPECT_FALSE(Opened()->Over({0.0, 0.0, 1.0, 1.0, 5000, 10}));
+}
+
+TEST_F(HeightRasterTest, OnAnotherMapsCellsItsHeightsLieWhereTheyAreMovedTo) {
+  const HeightCells cells = **Opened()->Within(Square(40.0, 50.0, 20.0));
+  const Eigen::Vector2d at = geo::MercFromLatLon(At(50.0, 60.0));
+  const Eigen::Vector2d moved = geo::MercFromLatLon(At(52.0, 60.0)) - at;  // two metres east
+  const SampledHeights still = *Opened()->On(cells, Eigen::Vector2d::Zero()),
+                       there = *Opened()->On(cells, moved);
+  ASSERT_EQ(there.heights_m.size(), cells.heights_m.size());
+  for (std::size_t i = 0; i < cells.heights_m.size(); i += 71) {
+    EXPECT_NEAR(still.heights_m[i], cells.heights_m[i], 2e-3);
+    EXPECT_NEAR(there.heights_m[i], cells.heights_m[i] - 0.05 * 2.0, 2e-3);
+    EXPECT_EQ(still.is_measured[i] != 0, cells.is_measured[i] != 0);
+  }
+}
+
 TEST_F(HeightRasterTest, WithinAnAreaAreTheCellsWhoseMiddlesLieInIt) {
   const HeightCells cells = **Opened()->Within(Square(50.0, 50.0, 40.0));
   EXPECT_NEAR(cells.cell_m, kCellM / 0.9996, 1e-6);  // the zone's scale on its meridian
