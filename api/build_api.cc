@@ -29,6 +29,7 @@
 #include "api/shares/open_network.h"
 #include "api/shares/shares.h"
 #include "api/stac/stac.h"
+#include "api/surface/change.h"
 #include "api/surface/terrain.h"
 #include "api/surface/volume.h"
 #include "api/tilejson/tilejson.h"
@@ -58,6 +59,7 @@ Router BuildApi(Service& service) {
   AddHeightsRoute(router, service);
   AddStatisticsRoute(router, service);
   AddTerrainRoutes(router, service);
+  AddChangeRoutes(router, service);
   AddVolumeRoute(router, service);
   AddIndexRoutes(router, service);
   AddControlRoutes(router, service);

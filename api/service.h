@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,7 @@
 #include "api/tiles/tile_facts.h"
 #include "core/base/result.h"
 #include "core/flight/bytes/input_file.h"
+#include "core/surface/terrain/height_shift.h"
 #include "storage/caches/preview_cache.h"
 #include "storage/caches/tileset_cache.h"
 #include "storage/catalogue/catalogue.h"
@@ -70,6 +72,8 @@ struct Service {
   storage::OpenRasters<storage::BandRaster> band_rasters{};
   PerRevision<std::vector<Surface>> surfaces{};  // as api/surface/map_surface.h finds them
   storage::OpenRasters<storage::HeightRaster> surface_rasters{}, ground_rasters{};  // dsm.tif, dtm.tif
+  // Of two maps' heights against each other, as api/surface/change.h finds them.
+  PerRevision<std::optional<surface::HeightShift>> height_shifts{};
   storage::Webhooks webhooks{db};
   storage::NodeDeliveries node_deliveries{db};
   std::string node_engine = kUsualNodeEngine;  // as which the NodeODM-compatible node answers

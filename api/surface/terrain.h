@@ -10,7 +10,6 @@
 namespace skyquilt::api {
 
 inline constexpr const char* kTerrainTiles = "terrain";
-inline constexpr int kTerrainTilePx = 256;
 
 void AddTerrainRoutes(Router& router, Service& service);
 

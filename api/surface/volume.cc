@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
 #include "api/common/locate.h"
 #include "api/forms/geojson_body.h"
 #include "api/http/responses.h"
 #include "api/json/json_text.h"
+#include "api/surface/change.h"
 #include "api/surface/map_surface.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
@@ -27,6 +29,7 @@ constexpr double kMaxHeightM = 20'000.0;
 struct Base {
   surface::VolumeBase kind = surface::VolumeBase::kLowest;
   double given_m = 0.0;
+  std::optional<std::string> since = std::nullopt;  // the flight whose heights are the base instead
 };
 
 const char* NameOfBase(surface::VolumeBase base) {
@@ -42,6 +45,11 @@ const char* NameOfBase(surface::VolumeBase base) {
 }
 
 Result<Base> BaseIn(const Request& request) {
+  SKYQUILT_TRY_ASSIGN(const std::optional<std::string> since, SinceIn(request));
+  if (since && request.Query("base"))
+    return Error{ErrorCode::kInvalidArgument,
+                 "The base is either the heights of the flight of \"since\" or what \"base\" says.", ""};
+  if (since) return Base{.since = since};
   const std::string_view text = request.Query("base").value_or("lowest");
   if (text == "lowest") return Base{surface::VolumeBase::kLowest};
   if (text == "plane") return Base{surface::VolumeBase::kPlane};
@@ -69,16 +77,31 @@ Result<std::string> VolumeText(Service& service, const std::string& flight_id, s
                       OpenSurface(service, flight_id, revision, surface));
   SKYQUILT_TRY_ASSIGN(const std::optional<storage::HeightCells> cells, heights->Within(area));
   if (!cells) return UnusableArea("the polygon lies beside the map.");
-  if (cells->edge.empty() && base.kind != surface::VolumeBase::kGiven)
-    return UnusableArea("the map knows no height along the polygon's edge. Give the base as a height.");
-  const std::optional<surface::AreaVolume> volume = surface::VolumeOver(
-      {cells->columns, cells->rows, cells->cell_m, cells->heights_m, cells->is_measured, cells->is_inside},
-      cells->edge, base.kind, base.given_m);
-  if (!volume) return UnusableArea("the map knows no height within the polygon.");
+  const surface::AreaHeights inside{cells->columns,   cells->rows,        cells->cell_m,
+                                    cells->heights_m, cells->is_measured, cells->is_inside};
+  std::optional<surface::AreaVolume> volume;
+  std::optional<surface::HeightShift> shift;
+  if (base.since) {
+    SKYQUILT_TRY_ASSIGN(const HeightChange change, ChangeSince(service, *tileset, surface, *base.since));
+    shift = change.shift;
+    SKYQUILT_TRY_ASSIGN(storage::SampledHeights then, change.then->On(*cells, change.shift_merc_m));
+    for (float& height_m : then.heights_m) height_m += static_cast<float>(shift->up_m);
+    volume = surface::VolumeSince(inside, {then.heights_m, then.is_measured, shift->sigma_m});
+    if (!volume) return UnusableArea("one of the two maps knows no height within the polygon.");
+  } else {
+    if (cells->edge.empty() && base.kind != surface::VolumeBase::kGiven)
+      return UnusableArea("the map knows no height along the polygon's edge. Give the base as a height.");
+    volume = surface::VolumeOver(inside, cells->edge, base.kind, base.given_m);
+    if (!volume) return UnusableArea("the map knows no height within the polygon.");
+  }
   VolumeJson json;
   json["revision"] = revision;
   json["of"] = NameOf(surface);
-  json["base"] = NameOfBase(base.kind);
+  json["base"] = base.since ? "flight" : NameOfBase(base.kind);
+  if (shift) {
+    json["since"] = *base.since;
+    json["shift"] = ShiftJson(*shift);
+  }
   json["base_m"] = RoundedTo3(volume->base_m);
   // Of the polygon, also of what of it lies beside the map; cells whose middles lie in it may come to more.
   const double area_m2 = std::max(geo::AreaM2(area), volume->area_m2);

@@ -2,6 +2,7 @@
 the archive of a processing node's task."""
 import io
 import json
+import math
 import os
 import pathlib
 import shutil
@@ -43,6 +44,21 @@ invalid = sum(not feature.geometry().isGeosValid() for layer in lines for featur
 print(json.dumps({"system": surface.crs().authid(), "values": values, "lines": [layer.featureCount() for layer in lines],
                   "systems": [layer.crs().authid() for layer in lines], "invalid": invalid}))
 """
+
+
+# The path of the finest tile of a place (longitude, latitude), and where in it that lies: column and row.
+def tile_at(tilejson, place):
+    lon, lat = place
+    n = 2 ** tilejson["maxzoom"]
+    x, y = (lon + 180) / 360 * n, (1 - math.asinh(math.tan(math.radians(lat))) / math.pi) / 2 * n
+    address = tilejson["tiles"][0].replace("{z}", str(tilejson["maxzoom"])).replace("{x}", str(int(x))).replace("{y}", str(int(y)))
+    return address[address.index("/tiles/"):], (int(x % 1 * 256), int(y % 1 * 256))
+
+
+def pixel(tile, at):
+    from osgeo import gdal
+    gdal.FileFromMemBuffer("/vsimem/tile.png", tile)
+    return [int(band[at[1], at[0]]) for band in gdal.Open("/vsimem/tile.png").ReadAsArray()]
 
 
 class HeightsServed(unittest.TestCase):
@@ -202,7 +218,6 @@ class HeightsServed(unittest.TestCase):
         self.assertEqual(status, 415)
 
     def test_terrain_tiles_and_places_say_the_heights_of_the_file(self):
-        from osgeo import gdal
         dsm = self.raster("dsm.tif")
         flight = self.path.split("/")[-1]
         _, tilejson = self.server.json("GET", f"/tiles/{flight}.json")
@@ -226,18 +241,63 @@ class HeightsServed(unittest.TestCase):
         _, collections = self.server.json("GET", "/ogc/collections")
         [listed] = [one for one in collections["collections"] if one["id"] == flight]
         self.assertEqual(listed["links"], collection["links"])
-        n = 2 ** terrain["maxzoom"]
-        import math
-        x, y = (lon + 180) / 360 * n, (1 - math.asinh(math.tan(math.radians(lat))) / math.pi) / 2 * n
-        address = terrain["tiles"][0].replace("{z}", str(terrain["maxzoom"])).replace("{x}", str(int(x))).replace("{y}", str(int(y)))
-        status, headers, tile = self.server.request("GET", address[address.index("/tiles/"):])
+        address, at = tile_at(terrain, (lon, lat))
+        status, headers, tile = self.server.request("GET", address)
         self.assertEqual((status, headers["Content-Type"]), (200, "image/png"))
         self.assertIn("immutable", headers["Cache-Control"])
-        gdal.FileFromMemBuffer("/vsimem/terrain.png", tile)
-        red, green, blue, *_ = (int(band[int(y % 1 * 256), int(x % 1 * 256)]) for band in gdal.Open("/vsimem/terrain.png").ReadAsArray())
+        red, green, blue, *_ = pixel(tile, at)
         self.assertAlmostEqual(red * 256 + green + blue / 256 - 32768, want, delta=0.1)
         for path, wanted in (("0/0/0.png", 200), ("3/1/1.png", 200), ("3/9/1.png", 400), ("3/1/1.jpg", 400), ("3/1/1@2x.png", 400), ("29/1/1.png", 404)):
             self.assertEqual(self.server.request("GET", f"/tiles/{flight}/terrain/{path}")[0], wanted, path)
+
+    def test_a_house_that_was_built_since_an_earlier_flight_is_the_volume_between_the_two(self):
+        village = ["--photos", "12", "--size", "640x480", "--height", "40", "--relief-m", "3", "--seed", "3", "--no-world", "--sidelap", "0.75"]
+        flights = []
+        # The second one is placed by a consumer drone's records, metres from the first.
+        for houses, noise in ((2, "rtk"), (3, "xmp")):
+            folder = self.scratch / f"village_{houses}"
+            subprocess.run([BINARY, "simulate", "-o", folder, "--houses", str(houses), "--noise", noise, *village], check=True, capture_output=True)
+            files = [(path.name, path.read_bytes()) for path in sorted((folder / "photos").glob("*.JPG"))]
+            status, made = self.server.upload(files, name=f"Village with {houses} houses", options=json.dumps({"heights": "dsm"}))
+            self.assertEqual(self.server.wait_for_job(made["job"]["id"])["state"], "successful")
+            flights.append(made["flight"]["id"])
+        before, after = flights
+        truth = json.loads((folder / "truth" / "poses.json").read_text())
+        [house] = truth["objects"][2:]
+        corners = [corner[:2] for corner in house["corners_in_enu"]]
+        area_m2 = abs(sum(a[0] * b[1] - b[0] * a[1] for a, b in zip(corners, corners[1:] + corners[:1]))) / 2
+        volume_m3 = area_m2 * (house["ridge_m"] - house["ground_m"])
+        middle, origin = house["center_in_enu"], truth["origin"]
+
+        def around(factor):  # the house's outline so many times as large
+            m_per_deg = 111_194.9
+            ring = [[origin["lon_deg"] + (middle[0] + factor * (x - middle[0])) / (m_per_deg * math.cos(math.radians(origin["lat_deg"]))),
+                     origin["lat_deg"] + (middle[1] + factor * (y - middle[1])) / m_per_deg] for x, y in corners]
+            return {"type": "Polygon", "coordinates": [ring + ring[:1]]}
+
+        path = f"/api/v1/flights/{after}/volume"
+        status, built = self.server.json("POST", f"{path}?since={before}", around(1.5))
+        self.assertEqual((status, built["base"], built["since"]), (200, "flight", before), built)
+        self.assertLess(built["net_sigma_m3"], 0.1 * volume_m3, built)
+        self.assertAlmostEqual(built["net_m3"], volume_m3, delta=2 * built["net_sigma_m3"])
+        self.assertLess(built["fill_m3"], 0.05 * volume_m3, built)
+        self.assertEqual(set(built["shift"]), {"east_m", "north_m", "up_m", "sigma_m"})
+        status, torn_down = self.server.json("POST", f"/api/v1/flights/{before}/volume?since={after}", around(1.5))
+        self.assertAlmostEqual(torn_down["net_m3"], -volume_m3, delta=2 * torn_down["net_sigma_m3"])
+        for query, wanted in ((f"since={before}&base=plane", 400), (f"since={'0' * 26}", 404), ("since=house", 404), (f"since={before}&of=dtm", 404)):
+            self.assertEqual(self.server.json("POST", f"{path}?{query}", around(1.5))[0], wanted, query)
+
+        status, change = self.server.json("GET", f"/tiles/{after}/change.json?since={before}")
+        self.assertEqual((status, change["shift"]), (200, built["shift"]), change)
+        address, at = tile_at(change, around(0)["coordinates"][0][0])
+        status, headers, tile = self.server.request("GET", address)
+        self.assertEqual((status, headers["Content-Type"]), (200, "image/png"))
+        self.assertIn("immutable", headers["Cache-Control"])
+        red, green, blue, alpha = pixel(tile, at)
+        self.assertTrue(alpha == 255 and blue > green > red, (red, green, blue, alpha))
+        self.assertEqual(self.server.request("GET", address.replace("&since_rev=1", ""))[1]["Cache-Control"], "no-cache")
+        for query, wanted in (("", 400), (f"?since={after}", 200), ("?since=1", 404)):
+            self.assertEqual(self.server.json("GET", f"/tiles/{after}/change.json{query}")[0], wanted, query)
 
     def test_without_being_asked_there_are_none(self):
         status, made = self.server.upload(self.files, name="Plain")
