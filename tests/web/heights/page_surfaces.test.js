@@ -57,7 +57,8 @@ async function openHeights({ surfaces = ['dsm', 'dtm'], context = {}, facts = {}
     const base = query.get('base') ?? '';
     if (base === '9999') return route.fulfill({ status: 422, contentType: 'application/problem+json', json: { title: 'Unprocessable', status: 422, detail: 'The area has no heights.' } });
     const is_plane = base === 'plane';
-    return route.fulfill({ json: { revision: 1, of: 'dsm', base: is_plane || base === 'lowest' ? base : 'given', base_m: is_plane ? 405.6 : 404.8, area_m2: 1000, covered_m2: 1000, measured_share: is_plane ? 0.72 : 0.97, cell_m: 0.1, cut_m3: 1234.5, fill_m3: 34.56, net_m3: 1199.9, net_sigma_m3: 12.3, lowest_m: 404.8, highest_m: 412.4, mean_m: 406 } });
+    const since = query.get('since');
+    return route.fulfill({ json: { revision: 1, of: 'dsm', base: since ? 'flight' : is_plane || base === 'lowest' ? base : 'given', ...(since ? { since, shift: { east_m: 0, north_m: 0, up_m: 0.2, sigma_m: 0.05 } } : {}), base_m: is_plane ? 405.6 : 404.8, area_m2: 1000, covered_m2: 1000, measured_share: is_plane ? 0.72 : 0.97, cell_m: 0.1, cut_m3: 1234.5, fill_m3: 34.56, net_m3: 1199.9, net_sigma_m3: 12.3, lowest_m: 404.8, highest_m: 412.4, mean_m: 406 } });
   });
   await page.route(`**/flights/${flight.id}/contours.geojson`, (route) => route.fulfill({ json: contoursAt(flight.place.lon, flight.place.lat) }));
   await page.goto(`${mock.url}#/flights/${flight.id}`);
@@ -177,6 +178,48 @@ test('a measured area has a volume above and below the chosen base', options, as
   await page.click('#tool-distance');
   assert.ok(await page.locator('#volume').isHidden());
   await assertQuiet(opened, [/422/]);
+});
+
+test('what has changed since another flight is a layer, and a base of volumes', options, async () => {
+  const opened = await openHeights();
+  const { page, mock, flight, other, asked } = opened;
+  const shift = { east_m: 0.9, north_m: -1.2, up_m: -3.4, sigma_m: 0.08 };
+  const address = `${mock.url}tiles/${flight.id}/change/{z}/{x}/{y}.png?rev=1&of=dsm&since=${other.id}&since_rev=1`;
+  const stops = [[-1, '#d6604d'], [-0.1, '#fddbc7'], [0.1, '#d1e5f0'], [1, '#4393c3']].map(([change_m, colour]) => ({ change_m, colour }));
+  let asked_of = '';
+  await page.route(`**/tiles/${flight.id}/change.json*`, (route) => {
+    asked_of = new URL(route.request().url()).search;
+    return route.fulfill({ json: { tilejson: '3.0.0', tileSize: 256, minzoom: 0, maxzoom: 21, tiles: [address], bounds: [7, 46, 8, 47], since: other.id, shift, least_shown_m: 0.16, stops } });
+  });
+  await page.route(`**/tiles/${flight.id}/change/**`, (route) => route.fulfill({ contentType: 'image/png', body: kTile }));
+  await page.click('#tool-layers');
+  await page.waitForSelector('#change-since');
+  assert.deepEqual((await page.locator('#change-since option').allInnerTexts()).map((text) => text.split(',')[0]), ['Not shown', 'Flat']);
+  await page.selectOption('#change-since', other.id);
+  await until(async () => (await layersOf(page)).includes('height-change'));
+  assert.equal(asked_of, `?of=dsm&since=${other.id}`);
+  assert.deepEqual((await page.locator('#change-legend li').allInnerTexts()).map((text) => text.trim().replaceAll('\u00a0', ' ')), ['+1.0 m', '+0.1 m', '-0.1 m', '-1.0 m']);
+  assert.match((await page.textContent('#change-legend')) ?? '', /3\.4\sm apart in height and 1\.5\sm sideways/);
+  await assertAccessible(page, 'a change of heights');
+  await page.selectOption('#change-since', '');
+  await until(async () => !(await layersOf(page)).includes('height-change'));
+  assert.equal(await page.textContent('#change-legend'), '');
+
+  await page.click('#tool-area');
+  await clickAt(page, kTriangle);
+  await page.waitForSelector('#volume-figures');
+  await page.waitForSelector('#volume-base option[value^="since="]', { state: 'attached' });
+  await page.selectOption('#volume-base', `since=${other.id}`);
+  await until(() => asked.volumes.at(-1)?.query === `of=dsm&since=${other.id}`);
+  await page.waitForFunction(() => /Added since then/.test(document.querySelector('#volume-figures')?.textContent ?? ''));
+  assert.equal(await page.locator('#volume-figures dt').count(), 3, 'no height of a base');
+  assert.match((await page.textContent('#volume-result')) ?? '', /this is taken out/);
+  // Another map has other flights of its place.
+  await page.goto(`${mock.url}#/flights/${other.id}`);
+  await mapIdle(page);
+  assert.equal(await page.locator('#volume-base option[value^="since="]').count(), 0);
+  assert.ok(await page.locator('#change-since').isHidden());
+  await assertQuiet(opened);
 });
 
 test('hillshade and contours lie over the map below its photos until they are taken away', options, async () => {

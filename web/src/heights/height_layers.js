@@ -9,6 +9,7 @@ import { checkRow, h } from '../shared/dom.js';
 import { strings } from '../shared/flight_strings.js';
 import { contour_layers } from '../map/map_style.js';
 import { chosenUnits, units_chosen } from '../shared/units.js';
+import { changeLayer } from './change_layer.js';
 import { contourLayers, drawnContours, kContours } from './contour_lines.js';
 import { reliefSource } from './relief.js';
 
@@ -78,7 +79,7 @@ export function heightLayers(view) {
   units_chosen.addEventListener('change', () => {
     if (drawn) /** @type {GeoJSONSource} */ (view.map.getSource(kContours)).setData(drawnContours(drawn, chosenUnits()));
   });
-  const element = h('div', { class: 'height-layers', hidden: true }, hillshade.element, contours.element);
+  const element = h('div', { class: 'height-layers', hidden: true }, hillshade.element, contours.element, changeLayer(view));
   view.shown.addEventListener('change', () => {
     element.hidden = view.heights.length === 0;
     hillshade.reset(view.terrain !== '');

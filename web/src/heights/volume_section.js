@@ -12,9 +12,12 @@ import { number } from '../shared/language.js';
 import { polygonOf } from '../map/measurement_files.js';
 import { chosenUnits, heightIn, heightUnit, metresPer, volumeIn } from '../shared/units.js';
 import { askAtRest, kRest_ms } from './ask_at_rest.js';
+import { shiftWords } from './change_layer.js';
+import { nameWithDay, otherFlights } from './earlier_flights.js';
 import { figureList } from './figures.js';
 
 const kGiven = 'given';
+const kSince = 'since=';  // and the other flight's id
 // Of the server's answer: the map knows no heights within the outline, or along it where the base is taken from that.
 const kNothingThere = 422;
 // Of less measured ground, or less ground with heights, it is said.
@@ -36,13 +39,15 @@ function volumeWords(found, units) {
     ...(covered_share < kAllCovered ? [words.partly(formatPercent(covered_share))] : []),
     ...(measured_share < kMuchMeasured ? [words.little_measured(formatPercent(measured_share))] : []),
   ];
+  const { shift } = found;
   return [
     figureList('volume-figures', [
-      [words.above, in_units(found.cut_m3)],
-      [words.below, in_units(found.fill_m3)],
+      [shift ? words.added : words.above, in_units(found.cut_m3)],
+      [shift ? words.taken : words.below, in_units(found.fill_m3)],
       [words.net, words.with_error(in_units(found.net_m3), found.net_sigma_m3 === null ? words.unknown_error : in_units(found.net_sigma_m3))],
-      [found.base === 'plane' ? words.mean_height : words.height, heightIn(found.base_m, units)],
+      ...(shift ? [] : [/** @type {[string, string]} */ ([found.base === 'plane' ? words.mean_height : words.height, heightIn(found.base_m, units)])]),
     ]),
+    ...(shift ? [h('p', { class: 'muted fine' }, shiftWords(shift))] : []),
     ...doubts.map((text) => h('p', { class: 'fine amber' }, text)),
   ];
 }
@@ -99,7 +104,7 @@ export function volumeSection(view) {
       say(words.no_number);
       return;
     }
-    const wanted = base.value === kGiven ? String(given_m) : base.value;
+    const wanted = base.value.startsWith(kSince) ? base.value : `base=${base.value === kGiven ? given_m : base.value}`;
     const { flight_id } = view;
     const outline = polygonOf(places);
     const is_new = asker.about(JSON.stringify([flight_id, wanted, outline]), (signal) => getVolume(flight_id, wanted, outline, signal));
@@ -108,8 +113,12 @@ export function volumeSection(view) {
   };
   const draw = () => {
     element.hidden = places.length < 3 || !view.heights.includes('dsm');
-    if (element.hidden) drop();
-    else ask();
+    if (element.hidden) {
+      drop();
+      return;
+    }
+    void offerOthers();
+    ask();
   };
   base.addEventListener('change', () => {
     given_row.hidden = base.value !== kGiven;
@@ -123,8 +132,24 @@ export function volumeSection(view) {
     given_m = Number.isFinite(value) ? value * metresPer(units) : null;
     ask();
   });
+  /** Whose other flights are offered. */
+  let offered_for = '';
+  const offerOthers = async () => {
+    const { flight_id } = view;
+    if (offered_for === flight_id) return;
+    offered_for = flight_id;
+    const others = await otherFlights(view).catch(() => []);  // who cannot list flights compares with none
+    if (offered_for !== flight_id) return;
+    base.append(...others.map((other) => h('option', { value: kSince + other.id }, words.since(nameWithDay(other)))));
+  };
+  const withdrawOthers = () => {
+    offered_for = '';
+    if (base.value.startsWith(kSince)) base.selectedIndex = 0;
+    for (const option of base.querySelectorAll(`option[value^="${kSince}"]`)) option.remove();
+  };
   view.shown.addEventListener('change', () => {
     drop();
+    withdrawOthers();
     given_m = null;
     given.value = '';
     draw();

@@ -9,12 +9,12 @@ import { icon, iconButton } from '../shared/icons.js';
 import { strings } from '../shared/flight_strings.js';
 
 /** @param {Flight} flight @returns {string} when it was flown, or at least when it was uploaded */
-const dayOf = (flight) => takenDay(flight) || strings.flights.uploaded(formatDate(flight.created_at));
+export const dayOf = (flight) => takenDay(flight) || strings.flights.uploaded(formatDate(flight.created_at));
 
 /**
  * Do two maps show common ground?
- * @param {Flight} a
- * @param {Flight} b
+ * @param {Pick<Flight, 'bounds'>} a
+ * @param {Pick<Flight, 'bounds'>} b
  * @returns {boolean}
  */
 export function overlap(a, b) {

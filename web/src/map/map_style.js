@@ -12,7 +12,7 @@ const kErrorColours = ['#2b83ba', '#ffd34d', '#d7301f'];
 export const photo_layers = ['photos-fill', 'photos-line', 'cameras'];
 export const path_layers = ['flight-path-casing', 'flight-path'];
 export const contour_layers = ['contours-casing', 'contours', 'contours-label'];
-export const height_layers = ['hillshade', ...contour_layers];
+export const height_layers = ['height-change', 'hillshade', ...contour_layers];
 
 /** @returns {string} the page's ground colour, of the light or the dark scheme */
 export function groundColour() {

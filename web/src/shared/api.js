@@ -1,5 +1,5 @@
 // The server's HTTP API, one function a request. Every failure is an ApiError whose message can be shown.
-/** @import { Access, ContourCollection, Flight, GroundProfile, Job, MapExport, PhotoCollection, Remark, Report, ServerVerdict, Share, Sighting, StoredFile, SurfaceHeights, TileJson, Trash, VolumeFigures } from './types.js' */
+/** @import { Access, ChangeTileJson, ContourCollection, Flight, GroundProfile, Job, MapExport, PhotoCollection, Remark, Report, ServerVerdict, Share, Sighting, StoredFile, SurfaceHeights, TileJson, Trash, VolumeFigures } from './types.js' */
 import { kFallback, language } from './language.js';
 import { at } from './router.js';
 import { strings } from './strings.js';
@@ -213,13 +213,16 @@ export const getSurfaceHeights = (id, lon, lat, signal) => request('GET', `${fli
 /**
  * What lies above and below a base, of what the photos show.
  * @param {string} id
- * @param {string} base 'lowest', 'plane', or its height in metres
+ * @param {string} base as the query has it: base=lowest, base=plane, base= with its height in metres, or since= with a flight
  * @param {GeoJSON.Polygon} outline
  * @param {AbortSignal} [signal]
  * @returns {Promise<VolumeFigures>}
  */
 export const getVolume = (id, base, outline, signal) =>
-  request('POST', `${flight_path(id)}/volume?of=dsm&base=${encodeURIComponent(base)}`, outline, signal, 'auto', 'application/geo+json');
+  request('POST', `${flight_path(id)}/volume?of=dsm&${base}`, outline, signal, 'auto', 'application/geo+json');
+
+/** How heights differ from another flight's. @param {string} id @param {string} since @returns {Promise<ChangeTileJson>} */
+export const getChange = (id, since) => request('GET', `/tiles/${encodeURIComponent(id)}/change.json?of=dsm&since=${encodeURIComponent(since)}`);
 
 /** @param {string} id @returns {Promise<ContourCollection>} */
 export const getContours = (id) => request('GET', `${flight_path(id)}/contours.geojson`);

@@ -129,7 +129,8 @@
 /**
  * What lies above and below a base, within an outline.
  * @typedef {object} VolumeFigures
- * @property {'lowest'|'plane'|'given'} base
+ * @property {'lowest'|'plane'|'given'|'flight'} base
+ * @property {HeightShift} [shift] of a flight's heights, taken out
  * @property {number} base_m its height; of a plane the mean
  * @property {number} area_m2 of the outline
  * @property {number} covered_m2 of it, where heights are known
@@ -139,6 +140,10 @@
  * @property {number} net_m3
  * @property {number|null} net_sigma_m3 null: too little was measured to say
  */
+
+/** How far one map's heights lie off another's. @typedef {{east_m: number, north_m: number, up_m: number, sigma_m: number|null}} HeightShift */
+
+/** @typedef {TileJson & {shift: HeightShift, least_shown_m: number, stops: {change_m: number, colour: string}[]}} ChangeTileJson */
 
 /** @typedef {GeoJSON.FeatureCollection<GeoJSON.LineString, {height_m: number}>} ContourCollection */
 

@@ -21,6 +21,12 @@ export const height_words = {
   ground: 'Boden',
   here: 'Höhe der Oberfläche',
   over_ground: 'über dem Boden',
+  change: {
+    since: 'Höhenänderung seit',
+    none: 'Nicht gezeigt',
+    least: (height) => `Änderungen unter ${height} werden nicht gezeigt.`,
+    shifted: (up, sideways) => `Die beiden Karten liegen in der Höhe ${up} und seitlich ${sideways} auseinander; das ist herausgerechnet.`,
+  },
 };
 
 /** @type {typeof import('../en/heights.js').volume_words} */
@@ -28,10 +34,13 @@ export const volume_words = {
   heading: 'Volumen',
   base: 'Bezugsfläche',
   bases: { lowest: 'Tiefster Punkt des Randes', plane: 'Ebene durch den Rand', given: 'Gegebene Höhe' },
+  since: (flight) => `Höhen von ${flight}`,
   given: 'Höhe der Bezugsfläche',
   no_number: 'Geben Sie die Höhe als Zahl ein.',
   above: 'Oberhalb (Abtrag)',
   below: 'Unterhalb (Auftrag)',
+  added: 'Seitdem hinzugekommen',
+  taken: 'Seitdem abgetragen',
   net: 'Netto',
   height: 'Bezugshöhe',
   mean_height: 'Mittlere Bezugshöhe',

@@ -20,16 +20,25 @@ export const height_words = {
   ground: 'Ground',
   here: 'Surface height',
   over_ground: 'above ground',
+  change: {
+    since: 'Change of heights since',
+    none: 'Not shown',
+    least: (/** @type {string} */ height) => `Changes below ${height} are not shown.`,
+    shifted: (/** @type {string} */ up, /** @type {string} */ sideways) => `The two maps lie ${up} apart in height and ${sideways} sideways; this is taken out.`,
+  },
 };
 
 export const volume_words = {
   heading: 'Volume',
   base: 'Base',
   bases: { lowest: 'Lowest point of the edge', plane: 'Plane through the edge', given: 'Given height' },
+  since: (/** @type {string} */ flight) => `Heights of ${flight}`,
   given: 'Height of the base',
   no_number: 'Enter the height as a number.',
   above: 'Above base (cut)',
   below: 'Below base (fill)',
+  added: 'Added since then',
+  taken: 'Removed since then',
   net: 'Net',
   height: 'Base height',
   mean_height: 'Base height, mean',
