@@ -19,7 +19,7 @@
 #include "core/base/parallel_for.h"
 #include "core/base/process/large_blocks_apart.h"
 #include "core/base/try.h"
-#include "core/flight/photos/sample_ranges.h"
+#include "core/flight/photos/sample_format.h"
 #include "core/flight/remarks/because.h"
 #include "core/ground/dem_grid.h"
 #include "core/ground/model_ground.h"

@@ -6,8 +6,7 @@
 #include <utility>
 
 #include "core/base/try.h"
-#include "core/flight/bytes/log_text.h"
-#include "core/flight/bytes/mapped_file.h"
+#include "core/flight/bytes/byte_source.h"
 #include "core/flight/bytes/text_fields.h"
 #include "core/flight/remarks/because.h"
 

@@ -7,7 +7,6 @@
 
 #include "core/base/try.h"
 #include "core/flight/aside/aside.h"
-#include "core/flight/aside/other_pictures.h"
 #include "core/flight/bytes/log_bytes.h"
 #include "core/flight/photos/jpeg_segments.h"
 #include "core/flight/photos/read_photo.h"

@@ -15,7 +15,6 @@
 #include "core/flight/bytes/byte_source.h"
 #include "core/flight/metadata/exif_table.h"
 #include "core/flight/photos/sample_format.h"
-#include "core/flight/photos/sample_ranges.h"
 #include "core/flight/photos/thermal_picture.h"
 #include "core/flight/remarks/because.h"
 #include "core/image/decode_errors.h"

@@ -1,12 +1,11 @@
 // What cameras write of their gyros, whole, damaged and impossible.
-#include "core/flight/metadata/gyro_tags.h"
-
 #include <gtest/gtest.h>
 
 #include <bit>
 #include <cmath>
 #include <limits>
 
+#include "core/flight/metadata/attitude_tags.h"
 #include "core/flight/remarks/remark_words.h"
 #include "tests/core/flight/synthetic_photo.h"
 

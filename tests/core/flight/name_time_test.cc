@@ -1,10 +1,9 @@
 // Times in file names: the patterns of makers and phones, what is no time, and that a flight's names are
 // believed together or not at all.
-#include "core/flight/metadata/name_time.h"
-
 #include <gtest/gtest.h>
 
 #include "core/flight/bytes/gps_time.h"
+#include "core/flight/metadata/capture_time.h"
 
 namespace skyquilt::flight {
 namespace {

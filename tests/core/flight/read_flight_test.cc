@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <fstream>
 
-#include "core/flight/lists/film_file.h"
+#include "core/flight/lists/file_kinds.h"
 #include "core/flight/remarks/remark_words.h"
 #include "tests/core/flight/synthetic_photo.h"
 

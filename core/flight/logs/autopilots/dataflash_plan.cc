@@ -98,7 +98,6 @@ DataflashPlan MakeDataflashPlan(const DataflashLayout& layout) {
       if (plan.f[7] == nullptr) set(7, {"R"});
       if (plan.f[8] == nullptr) set(8, {"P"});
       if (plan.f[9] == nullptr) set(9, {"Y"});
-      if (plan.f[6] == nullptr) set(6, {"GPSAlt"});
       break;
     case Kind::kOther:
       break;

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "core/base/try.h"
-#include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/csv/csv_rows.h"
+#include "core/flight/logs/formats.h"
 #include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {

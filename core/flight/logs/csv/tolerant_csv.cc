@@ -1,5 +1,3 @@
-#include "core/flight/logs/csv/tolerant_csv.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,6 +10,7 @@
 #include "core/flight/logs/csv/canonical_csv.h"
 #include "core/flight/logs/csv/csv_physics.h"
 #include "core/flight/logs/csv/settle_columns.h"
+#include "core/flight/logs/formats.h"
 #include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {

@@ -1,8 +1,7 @@
-#include "core/flight/logs/texts/sensefly_geoinfo.h"
-
 #include <map>
 
 #include "core/flight/bytes/text_fields.h"
+#include "core/flight/logs/formats.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/remarks/because.h"
 

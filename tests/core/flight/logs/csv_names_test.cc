@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "core/flight/logs/csv/csv_columns.h"
-#include "core/flight/logs/csv/tolerant_csv.h"
-#include "core/flight/logs/csv/unknown_table.h"
+#include "core/flight/logs/explain_unknown.h"
+#include "core/flight/logs/formats.h"
 #include "core/flight/logs/read_log.h"
 #include "core/flight/remarks/remark_words.h"
 

@@ -4,7 +4,7 @@
 
 #include "core/flight/bytes/gps_time.h"
 #include "core/flight/logs/csv/canonical_csv.h"
-#include "core/flight/logs/csv/tolerant_csv.h"
+#include "core/flight/logs/formats.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/read_log.h"
 #include "core/flight/remarks/because.h"

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/flight/logs/texts/geo_txt.h"
+#include "core/flight/logs/formats.h"
 
 namespace skyquilt::flight {
 namespace {

@@ -1,13 +1,12 @@
-#include "core/flight/bytes/log_text.h"
-
 #include <gtest/gtest.h>
 
 #include <fstream>
 #include <string>
 
-#include "core/flight/logs/csv/unknown_table.h"
+#include "core/flight/bytes/text_fields.h"
+#include "core/flight/logs/explain_unknown.h"
+#include "core/flight/logs/formats.h"
 #include "core/flight/logs/read_log.h"
-#include "core/flight/logs/subtitles/subtitles.h"
 #include "core/flight/logs/texts/gcp_list.h"
 #include "tests/support/temporary_folder.h"
 
