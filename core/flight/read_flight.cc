@@ -159,8 +159,7 @@ void WarnAboutFlight(std::ptrdiff_t timed_by_name, Flight& flight) {
 
 }  // namespace
 
-Result<Flight> ReadFlight(const std::vector<InputFile>& files, const ReadFlightOptions& options,
-                          Progress& progress) {
+Result<Flight> ReadFlight(const std::vector<InputFile>& files, int threads, Progress& progress) {
   if (files.empty()) {
     return Because(ErrorCode::kInvalidArgument, RemarkCode::kFailNoFiles);
   }
@@ -171,7 +170,7 @@ Result<Flight> ReadFlight(const std::vector<InputFile>& files, const ReadFlightO
   const std::vector<InputFile>& candidates = sorted.photos;
   Flight flight;
   ReadLogs(sorted, flight, progress);
-  auto read = ReadAll(candidates, options.threads, progress);
+  auto read = ReadAll(candidates, threads, progress);
   if (progress.IsCancelled()) return Error{ErrorCode::kCancelled, "Reading the photos was cancelled.", ""};
   const auto duplicate_of = FindDuplicates(candidates);
 

@@ -382,7 +382,7 @@ Result<PlacedFlight> PlaceFlight(const std::vector<InputFile>& files, const Mosa
   auto read = stages.Run("read", [&]() -> Result<flight::Flight> {
     if (memory != nullptr || !found.digests.empty())
       inputs = DigestsOf(files, found.digests, options.threads);
-    Result<flight::Flight> flight = flight::ReadFlight(files, {options.threads}, progress);
+    Result<flight::Flight> flight = flight::ReadFlight(files, options.threads, progress);
     if (flight) {
       captures = bands::SetBandsApart(*flight, options.threads);
       SKYQUILT_TRY(poses::CompareSources(*flight));

@@ -170,7 +170,7 @@ std::string_view RawFormatOf(std::span<const std::uint8_t> head) {
       Mark{0, "FOVb"sv, "X3F"sv},
       Mark{0, "\0MRM"sv, "MRW"sv},
   };
-  const std::string_view text(reinterpret_cast<const char*>(head.data()), head.size());
+  const std::string_view text = TextOf(head);
   for (const Mark& mark : kMarks) {
     if (text.size() >= mark.at && text.substr(mark.at).starts_with(mark.bytes)) return mark.format;
   }

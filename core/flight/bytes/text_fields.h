@@ -48,6 +48,9 @@ class LineReader {
   bool open_ = false;
 };
 
+// A line of a table without a row.
+inline bool IsBlankOrComment(std::string_view line) { return Trim(line).empty() || line.front() == '#'; }
+
 // The next line that is not blank; says to `steps` how far the reading has come.
 inline bool NextFilledLine(LineReader& lines, ConsumedSteps& steps, std::string_view& line) {
   while (lines.Next(line)) {

@@ -29,7 +29,7 @@ namespace {
 bool IsPicture(const std::vector<std::uint8_t>& head) {
   constexpr std::array<std::string_view, 5> kMagic = {"\xFF\xD8\xFF", std::string_view("II*\0", 4),
                                                       std::string_view("MM\0*", 4), "\x89PNG", "RIFF"};
-  const std::string_view text(reinterpret_cast<const char*>(head.data()), head.size());
+  const std::string_view text = TextOf(head);
   return text.substr(std::min<std::size_t>(4, text.size())).starts_with("ftyp") ||
          !RawFormatOf(head).empty() || std::any_of(kMagic.begin(), kMagic.end(), [&](std::string_view magic) {
            return text.starts_with(magic);
@@ -71,7 +71,7 @@ Result<Kind> KindOf(const InputFile& file) {
   }
   if (head.empty()) return unknown;
   if (IsElevationModel(**source)) return Kind::kElevationModel;
-  if (LooksLikeFilm({reinterpret_cast<const char*>(head.data()), head.size()})) return Kind::kFilm;
+  if (LooksLikeFilm(TextOf(head))) return Kind::kFilm;
   if (IsPicture(head)) return Kind::kPhoto;
   head = (*source)->ReadUpTo(0, kRecogniseBytes);
   SKYQUILT_TRY_ASSIGN(const auto format, RecogniseLog(head, file.name));

@@ -172,7 +172,7 @@ std::optional<Remark> ExplainUnknownList(LogBytes head, std::string_view name) {
     return row.size() >= 2 && std::any_of(row.begin(), row.end(), LooksLikePhotoFile);
   };
   for (int i = 0; i < kLinesLookedAt && lines.Next(line); ++i) {
-    if (Trim(line).empty() || line.front() == '#' || !SplitListRow(line, names_a_photo, cells)) continue;
+    if (IsBlankOrComment(line) || !SplitListRow(line, names_a_photo, cells)) continue;
     const auto photo = std::find_if(cells.begin(), cells.end(), LooksLikePhotoFile);
     if (photo == cells.begin()) {
       const auto bad = FirstBadCell(cells, 1, 2);

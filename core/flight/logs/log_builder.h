@@ -19,11 +19,11 @@
 
 namespace skyquilt::flight {
 
-// One series with the caps and clock rules above. T has t_s.
+// One series with the caps and clock rules above. T has t_s; samples of the IMU are averaged.
 template <typename T>
 class CappedSeries {
  public:
-  CappedSeries(std::size_t cap, bool averages) : cap_(cap), averages_(averages) {}
+  explicit CappedSeries(std::size_t cap) : cap_(cap) {}
   // `segment` counts the restarts of the clock seen so far in the whole log.
   void Push(const T& sample, int segment);
   std::vector<T>& samples() { return samples_; }
@@ -33,7 +33,6 @@ class CappedSeries {
  private:
   void Halve();
   std::size_t cap_;
-  bool averages_;
   std::uint64_t stride_ = 1;
   std::uint64_t in_group_ = 0;
   T group_{};

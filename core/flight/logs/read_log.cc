@@ -57,8 +57,7 @@ const Format* Recognise(LogBytes head) {
 // DJI's own flight records hold no text and no header we could check, but their names are fixed.
 bool IsDjiFlightRecord(LogBytes head, std::string_view name) {
   const std::string lower = LowerCase(name);
-  const std::size_t slash = lower.find_last_of('/');
-  const std::string_view base = std::string_view(lower).substr(slash == std::string::npos ? 0 : slash + 1);
+  const std::string_view base = std::string_view(lower).substr(lower.find_last_of('/') + 1);
   const bool named = (base.starts_with("djiflightrecord") && base.ends_with(".txt")) ||
                      (base.starts_with("fly") && base.ends_with(".dat"));
   return named && !LooksLikeText(TextOf(head));

@@ -21,13 +21,7 @@ double Integer(const std::uint8_t* p, std::size_t size, bool is_big_endian, bool
   return static_cast<double>(static_cast<std::int64_t>(value << shift) >> shift);
 }
 
-std::optional<double> Finite(double value) {
-  if (!std::isfinite(value)) return std::nullopt;
-  return value;
-}
-
-}  // namespace
-
+// Bytes of one item; 0 for unknown types.
 std::size_t ExifTypeSize(std::uint16_t type) {
   switch (static_cast<ExifType>(type)) {
     case ExifType::kByte:
@@ -53,6 +47,13 @@ std::size_t ExifTypeSize(std::uint16_t type) {
   }
   return 0;
 }
+
+std::optional<double> Finite(double value) {
+  if (!std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+}  // namespace
 
 std::optional<ExifValue::Fraction> ExifValue::Rational(std::size_t i) const {
   const bool is_signed = type == static_cast<std::uint16_t>(ExifType::kSRational);

@@ -277,7 +277,7 @@ std::optional<double> XmpTags::Number(std::string_view name) const {
 std::string ScanForXmpPacket(ByteSource& source) {
   constexpr std::size_t kScanned = 2u << 20;
   const std::vector<std::uint8_t> bytes = source.ReadUpTo(0, kScanned);
-  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const std::string_view text = TextOf(bytes);
   const std::size_t begin = text.find("<x:xmpmeta");
   if (begin == std::string_view::npos) return "";
   constexpr std::string_view kClose = "</x:xmpmeta>";

@@ -17,7 +17,7 @@ using M = CsvMeaning;
 bool ReadHeader(LineReader& lines, std::vector<std::string_view>& cells) {
   std::string_view line;
   while (lines.Next(line)) {
-    if (Trim(line).empty() || line.front() == '#') continue;
+    if (IsBlankOrComment(line)) continue;
     SplitFields(line, ',', cells);
     return true;
   }
@@ -94,7 +94,7 @@ Result<FlightLog> ParseFlightCsv(std::string_view name, LogBytes bytes, const Co
   ConsumedSteps steps(consumed);
   while (lines.Next(line)) {
     steps.At(lines.offset());
-    if (Trim(line).empty() || line.front() == '#') continue;
+    if (IsBlankOrComment(line)) continue;
     SplitFields(line, ',', cells);
     if (sampler.Take(ReadCsvRow(columns, cells, &unread, lines.line_number())))
       ++rows;
@@ -140,7 +140,7 @@ Result<FlightLog> ReadImageRows(const std::vector<CsvColumn>& columns, const Set
   UnreadCells unread;
   OffTheEarth off;
   while (lines.Next(line)) {
-    if (Trim(line).empty() || line.front() == '#') continue;
+    if (IsBlankOrComment(line)) continue;
     SplitFields(line, separator, cells);
     const CsvRow row = ReadCsvRow(columns, cells, &unread, lines.line_number());
     if (row.image.empty()) {

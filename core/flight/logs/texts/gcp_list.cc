@@ -26,6 +26,7 @@ constexpr std::size_t kMinFlatPoints = 3;
 constexpr std::size_t kMaxGcpWarnings = 100;
 constexpr std::string_view kCheckEnding = "check";
 constexpr std::string_view kMarkOfCheck = "_check";
+constexpr std::string_view kNoImage = "-";  // of a point that is surveyed and not marked yet
 
 // x y z px py image: five numbers, then a name.
 bool IsSighting(const std::vector<std::string_view>& words) {
@@ -129,7 +130,7 @@ Result<GcpList> ParseWrittenGcpList(std::string_view name, LogBytes bytes) {
   bool has_more = true;
   for (; has_more && list.sightings.size() < kMaxSightings && list.points.size() < kMaxGcpPoints;
        has_more = lines.Next(line)) {
-    if (Trim(line).empty() || line.front() == '#') continue;
+    if (IsBlankOrComment(line)) continue;
     if (!SplitListRow(line, IsSighting, words)) {
       if (list.warnings.size() < kMaxGcpWarnings) {
         list.warnings.push_back({RemarkCode::kLineIsNone,

@@ -119,7 +119,7 @@ Result<FlightLog> ParseGeoTxt(std::string_view name, LogBytes bytes, const Consu
     builder.Warn({RemarkCode::kLineIsNone, {{"line", number}, {"form", kGeoRowForm}}});
   // Counted with the bad ones: each may cost a transformation.
   do {
-    if (Trim(line).empty() || line.front() == '#') continue;
+    if (IsBlankOrComment(line)) continue;
     if (!SplitListRow(line, IsGeoRow, cells)) {
       if (bad++ == 0) {
         builder.Warn({RemarkCode::kLineIsNoneButThis,

@@ -22,7 +22,7 @@ Result<FlightLog> ParseSenseflyGeoinfo(std::string_view name, LogBytes bytes, co
   std::uint64_t rows = 0;
   std::uint64_t bad = 0;
   while (lines.Next(line)) {
-    if (Trim(line).empty() || line.front() == '#') continue;
+    if (IsBlankOrComment(line)) continue;
     SplitFields(line, '\t', cells);
     if (columns.empty()) {
       for (std::size_t i = 0; i < cells.size(); ++i) columns.emplace(LowerCase(cells[i]), i);
