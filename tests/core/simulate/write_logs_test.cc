@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "core/base/check.h"
-#include "core/flight/logs/csv/canonical_csv.h"
 #include "core/flight/logs/formats.h"
 #include "core/flight/remarks/remark_words.h"
 #include "core/simulate/sensors/logged_survey.h"
