@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/median.h"
+#include "core/flight/bytes/text_fields.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -292,6 +293,14 @@ FlightLog LogBuilder::Finish() && {
     for (BaroSample& sample : log_.baro) sample.height_above_takeoff_m -= zero_m;
   }
   return std::move(log_);
+}
+
+CameraEvent EventByName(std::uint64_t row, std::string_view image_name) {
+  CameraEvent event;
+  event.t_s = static_cast<double>(row);
+  event.has_time = false;
+  event.image_name = std::string(image_name.substr(0, kMaxNameLength));
+  return event;
 }
 
 Eigen::Quaterniond NedFromYawPitchRoll(double yaw_rad, double pitch_rad, double roll_rad) {

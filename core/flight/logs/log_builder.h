@@ -93,6 +93,9 @@ class LogBuilder {
   std::uint64_t events_dropped_ = 0;
 };
 
+// The exposure in a row (from 0) of a list that names photos and does not say when they were taken.
+CameraEvent EventByName(std::uint64_t row, std::string_view image_name);
+
 // Z-Y-X angles in radians to the attitude they mean, and back.
 Eigen::Quaterniond NedFromYawPitchRoll(double yaw_rad, double pitch_rad, double roll_rad);
 Eigen::Vector3d YawPitchRollFromNed(const Eigen::Quaterniond& ned_from_body);

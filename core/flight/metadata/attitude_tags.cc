@@ -7,7 +7,7 @@
 
 #include "core/flight/bytes/log_bytes.h"
 #include "core/flight/bytes/text_fields.h"
-#include "core/flight/metadata/base64.h"
+#include "core/flight/metadata/xmp.h"
 #include "core/geo/lat_lon.h"
 
 namespace skyquilt::flight {

@@ -131,10 +131,7 @@ Result<FlightLog> ParseGeoTxt(std::string_view name, LogBytes bytes, const Consu
     }
     WrittenPlace written{*ParseListCoordinate(cells[1]), *ParseListCoordinate(cells[2])};
     if (order == NamedOrder::kNorthFirst) std::swap(written.x, written.y);
-    CameraEvent event;
-    event.t_s = static_cast<double>(rows);
-    event.has_time = false;
-    event.image_name = std::string(cells[0].substr(0, kMaxNameLength));
+    CameraEvent event = EventByName(rows, cells[0]);
     event.written = written;
     if (system) event.position = system->ToLatLon(written.x, written.y);
     const auto z = cells.size() > 3 ? ReadBareNumber(cells[3]) : std::nullopt;

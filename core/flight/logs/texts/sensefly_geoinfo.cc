@@ -44,10 +44,7 @@ Result<FlightLog> ParseSenseflyGeoinfo(std::string_view name, LogBytes bytes, co
       ++bad;
       continue;
     }
-    CameraEvent event;
-    event.t_s = static_cast<double>(rows);
-    event.has_time = false;
-    event.image_name = std::string(cells[name_column].substr(0, 512));
+    CameraEvent event = EventByName(rows, cells[name_column]);
     event.written = WrittenPlace{*lon, *lat};
     event.position = geo::LatLon{*lat, *lon};
     event.height_amsl_m = number("altitude_amsl");

@@ -11,7 +11,6 @@
 namespace skyquilt::flight {
 namespace {
 
-using testing::AsText;
 using testing::Bytes;
 using ::testing::Contains;
 using ::testing::HasSubstr;
