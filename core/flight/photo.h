@@ -109,7 +109,7 @@ struct Photo {
   Lens lens = Lens::kUnsaid;
   PictureOrigin origin;
   SampleKind sample_kind = SampleKind::kBytes;
-  std::optional<SampleRange> sample_range;  // the camera's of a whole flight (sample_ranges.h)
+  std::optional<SampleRange> sample_range;  // the camera's of a whole flight (sample_format.h)
   camera::Intrinsics intrinsics;
   FocalSource focal_source = FocalSource::kAssumed;
   std::optional<UtcTime> captured_at;

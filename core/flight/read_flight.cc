@@ -12,10 +12,9 @@
 #include "core/base/text/printable.h"
 #include "core/flight/aside/copies.h"
 #include "core/flight/aside/one_camera.h"
-#include "core/flight/lists/duplicates.h"
 #include "core/flight/lists/sort_files.h"
 #include "core/flight/logs/read_log.h"
-#include "core/flight/metadata/name_time.h"
+#include "core/flight/metadata/capture_time.h"
 #include "core/flight/remarks/because.h"
 #include "core/flight/remarks/remark_words.h"
 
@@ -160,8 +159,7 @@ void WarnAboutFlight(std::ptrdiff_t timed_by_name, Flight& flight) {
 
 }  // namespace
 
-Result<Flight> ReadFlight(const std::vector<InputFile>& files, const ReadFlightOptions& options,
-                          Progress& progress) {
+Result<Flight> ReadFlight(const std::vector<InputFile>& files, int threads, Progress& progress) {
   if (files.empty()) {
     return Because(ErrorCode::kInvalidArgument, RemarkCode::kFailNoFiles);
   }
@@ -172,7 +170,7 @@ Result<Flight> ReadFlight(const std::vector<InputFile>& files, const ReadFlightO
   const std::vector<InputFile>& candidates = sorted.photos;
   Flight flight;
   ReadLogs(sorted, flight, progress);
-  auto read = ReadAll(candidates, options.threads, progress);
+  auto read = ReadAll(candidates, threads, progress);
   if (progress.IsCancelled()) return Error{ErrorCode::kCancelled, "Reading the photos was cancelled.", ""};
   const auto duplicate_of = FindDuplicates(candidates);
 
@@ -201,6 +199,75 @@ Result<Flight> ReadFlight(const std::vector<InputFile>& files, const ReadFlightO
   progress.Report(1.0, fmt::format("{} and {} read", Counted(flight.photos.size(), "photo"),
                                    Counted(flight.logs.size(), "log")));
   return flight;
+}
+
+namespace {
+
+namespace fs = std::filesystem;
+
+bool IsHidden(const fs::path& path) { return path.filename().string().starts_with("."); }
+
+Result<void> WalkFolder(const fs::path& folder, std::vector<fs::path>& found) {
+  std::error_code error;
+  fs::recursive_directory_iterator it(folder, fs::directory_options::skip_permission_denied, error);
+  std::vector<fs::path> paths;
+  while (!error && it != fs::recursive_directory_iterator()) {
+    std::error_code ignored_kind;  // a file that vanished is no file
+    if (IsHidden(it->path())) {
+      if (it->is_directory(ignored_kind)) it.disable_recursion_pending();
+    } else if (!it->is_directory(ignored_kind)) {
+      paths.push_back(it->path());  // links to nothing and pipes too: reading them says what is wrong
+    }
+    it.increment(error);
+  }
+  if (error) {
+    return Error{ErrorCode::kIo,
+                 "The folder " + folder.string() + " cannot be read: " + error.message() + ".", ""};
+  }
+  std::sort(paths.begin(), paths.end());
+  found.insert(found.end(), paths.begin(), paths.end());
+  return {};
+}
+
+// The file's name alone where it is unique, else with as many folders in front as it takes.
+std::string UniqueName(const fs::path& path, const std::set<std::string>& taken) {
+  std::string name = path.filename().string();
+  fs::path folder = path.parent_path();
+  while (taken.contains(name) && !folder.filename().empty()) {
+    name = folder.filename().string() + "/" + name;
+    folder = folder.parent_path();
+  }
+  for (int copy = 2; taken.contains(name); ++copy) {
+    name = path.filename().string() + " (" + std::to_string(copy) + ")";
+  }
+  return name;
+}
+
+}  // namespace
+
+Result<std::vector<InputFile>> ListInputFiles(const std::vector<fs::path>& paths) {
+  std::vector<fs::path> found;
+  for (const fs::path& path : paths) {
+    std::error_code error;
+    const fs::file_status status = fs::status(path, error);
+    if (!fs::exists(status))
+      return Error{ErrorCode::kNotFound, "There is no file or folder " + path.string() + ".", ""};
+    if (!fs::is_directory(status)) {
+      found.push_back(path);
+    } else if (auto walked = WalkFolder(path, found); !walked) {
+      return walked.error();
+    }
+  }
+  std::vector<InputFile> files;
+  std::set<std::string> names;
+  std::set<fs::path> seen;
+  for (const fs::path& path : found) {
+    if (!seen.insert(path.lexically_normal()).second) continue;  // given twice
+    std::string name = UniqueName(path, names);
+    names.insert(name);
+    files.push_back({std::move(name), path});
+  }
+  return files;
 }
 
 }  // namespace skyquilt::flight

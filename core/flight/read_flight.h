@@ -16,15 +16,11 @@
 
 namespace skyquilt::flight {
 
-struct ReadFlightOptions {
-  int threads = 0;  // 0 = all cores
-};
-
 // Folders are walked (sorted, hidden files skipped); files are taken as they are.
 Result<std::vector<InputFile>> ListInputFiles(const std::vector<std::filesystem::path>& paths);
 
-Result<Flight> ReadFlight(const std::vector<InputFile>& files, const ReadFlightOptions& options,
-                          Progress& progress);
+// `threads`: 0 for all cores.
+Result<Flight> ReadFlight(const std::vector<InputFile>& files, int threads, Progress& progress);
 
 // One photo. Errors: kUnsupportedFormat, kCorrupt, kUnprocessable (a panorama), kIo.
 Result<Photo> ReadPhoto(const InputFile& file);

@@ -169,7 +169,7 @@ std::optional<MapStatus> ForeseenStatus(const FlightVerdict& verdict) {
 
 Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files, const MosaicOptions& options,
                                     Progress& progress, const geo::DemSource* dem) {
-  auto flight = flight::ReadFlight(files, {options.threads}, progress);
+  auto flight = flight::ReadFlight(files, options.threads, progress);
   if (!flight) return flight.error();
   FlightVerdict verdict;
   double input_megapixels = 0.0;

@@ -19,7 +19,7 @@
 #include "core/base/parallel_for.h"
 #include "core/base/process/large_blocks_apart.h"
 #include "core/base/try.h"
-#include "core/flight/photos/sample_ranges.h"
+#include "core/flight/photos/sample_format.h"
 #include "core/flight/remarks/because.h"
 #include "core/ground/dem_grid.h"
 #include "core/ground/model_ground.h"
@@ -382,7 +382,7 @@ Result<PlacedFlight> PlaceFlight(const std::vector<InputFile>& files, const Mosa
   auto read = stages.Run("read", [&]() -> Result<flight::Flight> {
     if (memory != nullptr || !found.digests.empty())
       inputs = DigestsOf(files, found.digests, options.threads);
-    Result<flight::Flight> flight = flight::ReadFlight(files, {options.threads}, progress);
+    Result<flight::Flight> flight = flight::ReadFlight(files, options.threads, progress);
     if (flight) {
       captures = bands::SetBandsApart(*flight, options.threads);
       SKYQUILT_TRY(poses::CompareSources(*flight));

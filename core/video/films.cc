@@ -11,7 +11,7 @@
 #include "core/base/try.h"
 #include "core/flight/bytes/byte_source.h"
 #include "core/flight/bytes/text_fields.h"
-#include "core/flight/lists/film_file.h"
+#include "core/flight/lists/file_kinds.h"
 #include "core/flight/remarks/because.h"
 #include "core/video/video_file.h"
 

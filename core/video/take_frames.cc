@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "core/base/try.h"
-#include "core/flight/bytes/mapped_file.h"
-#include "core/flight/logs/subtitles/subtitles.h"
+#include "core/flight/bytes/byte_source.h"
+#include "core/flight/logs/formats.h"
 #include "core/flight/remarks/because.h"
 #include "core/image/picture_codec.h"
 #include "core/video/frame_motion.h"

@@ -1,7 +1,7 @@
 #include "server/inputs/open_elevation_model.h"
 
 #include "core/base/try.h"
-#include "core/flight/lists/elevation_model_file.h"
+#include "core/flight/lists/file_kinds.h"
 #include "core/flight/remarks/because.h"
 #include "storage/rasters/geotiff_dem.h"
 

@@ -11,7 +11,7 @@
 #include "core/flight/bytes/byte_source.h"
 #include "core/flight/bytes/text_fields.h"
 #include "core/flight/lists/sort_files.h"
-#include "core/flight/metadata/name_time.h"
+#include "core/flight/metadata/capture_time.h"
 #include "core/flight/photos/jpeg_segments.h"
 #include "core/flight/read_flight.h"
 

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "core/flight/lists/elevation_model_file.h"
+#include "core/flight/lists/file_kinds.h"
 #include "tests/storage/scratch_dir.h"
 
 namespace skyquilt::storage {

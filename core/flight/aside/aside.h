@@ -1,11 +1,18 @@
-// Aside: why a picture that could be read takes no part in a map, and the words for it. Pure; any thread.
+// Aside: why a picture that could be read takes no part in a map, and the words for it; and those that are
+// told by content, whatever their names: raw pictures and panoramas. Any thread. Sources: TIFF 6.0 and
+// TIFF/EP (ISO 12234-2); Adobe DNG 1.7, ExifTool's table of compressions; Google, Photo Sphere XMP metadata.
 #pragma once
 
+#include <cstdint>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/flight/metadata/exif_table.h"
+#include "core/flight/metadata/xmp.h"
 #include "core/flight/photo.h"
 
 namespace skyquilt::flight {
@@ -35,5 +42,15 @@ std::string CameraInWords(const Photo& photo, Lens lens);
 std::vector<std::string> LeftOutInLines(const std::vector<LeftOutPhoto>& left_out);
 // The same as one remark: three of them, and how many more.
 Remark FirstLeftOut(const std::vector<LeftOutPhoto>& left_out);
+
+// The format of a raw picture whose file begins so (16 bytes are enough): "RAF", "CR3"; empty for what has no
+// such mark.
+std::string_view RawFormatOf(std::span<const std::uint8_t> head);
+
+// Why a TIFF, of which `first` are the tags, holds no picture as others hold it; nothing for a photo. Looks
+// at 16 directories, and only of a TIFF whose first is a thumbnail or has others below it.
+std::optional<Error> WhyRaw(const ExifTable& first, ByteSource& source);
+
+std::optional<Error> WhyPanorama(int width_px, int height_px, const XmpTags& xmp);
 
 }  // namespace skyquilt::flight

@@ -1,5 +1,6 @@
-// ByteSource: bytes that can be read at any offset, from memory or from a file, so that a header reader
-// touches only what it asks for. Reads are all or nothing and never past the end. One thread per object.
+// The bytes of a file. ByteSource: bytes that can be read at any offset, from memory or from a file, so that
+// a header reader touches only what it asks for; reads are all or nothing and never past the end. MappedFile:
+// all of them, mapped. One thread per object.
 #pragma once
 
 #include <cstddef>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/flight/bytes/log_bytes.h"
 
 namespace skyquilt::flight {
 
@@ -38,5 +40,25 @@ class MemoryBytes final : public ByteSource {
 
 // Errors: kIo, kNotFound; kUnsupportedFormat for what is not a regular file.
 Result<std::unique_ptr<ByteSource>> OpenFileBytes(const std::filesystem::path& path);
+
+// A file's bytes, mapped read-only. Pages that were read can be given back, so that a file of any size is
+// walked through in bounded memory. Move-only. Fails with kIo when the file cannot be opened or mapped. The
+// file must not shrink while it is mapped.
+class MappedFile {
+ public:
+  static Result<MappedFile> Open(const std::filesystem::path& path);
+  MappedFile(MappedFile&& other) noexcept;
+  MappedFile& operator=(MappedFile&& other) noexcept;
+  ~MappedFile();
+
+  LogBytes bytes() const { return {data_, size_}; }
+  // Drops the resident pages that lie wholly before `offset`; they are read again if touched again.
+  void ReleaseBefore(std::size_t offset) const;
+
+ private:
+  MappedFile(const std::uint8_t* bytes, std::size_t size) : data_(bytes), size_(size) {}
+  const std::uint8_t* data_ = nullptr;
+  std::size_t size_ = 0;
+};
 
 }  // namespace skyquilt::flight

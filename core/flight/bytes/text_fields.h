@@ -1,4 +1,5 @@
-// Reading text logs: lines, fields, numbers; never copies, never throws, every length bounded. Any thread.
+// Reading text logs: their bytes as UTF-8 (LogText), then lines, fields and numbers, which copies nothing.
+// Never throws, every length bounded. Any thread.
 #pragma once
 
 #include <cstddef>
@@ -8,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/result.h"
 #include "core/flight/bytes/log_bytes.h"
 
 namespace skyquilt::flight {
@@ -46,6 +48,9 @@ class LineReader {
   bool open_ = false;
 };
 
+// A line of a table without a row.
+inline bool IsBlankOrComment(std::string_view line) { return Trim(line).empty() || line.front() == '#'; }
+
 // The next line that is not blank; says to `steps` how far the reading has come.
 inline bool NextFilledLine(LineReader& lines, ConsumedSteps& steps, std::string_view& line) {
   while (lines.Next(line)) {
@@ -69,5 +74,24 @@ std::string Quoted(std::string_view text, std::size_t longest = 40);
 
 // True where the first bytes look like text rather than a binary file.
 bool LooksLikeText(std::string_view head);
+
+// The bytes of a text log as UTF-8, whatever it was saved as. UTF-16 of either order is decoded, by
+// its byte-order mark or, without one, where every second byte of its beginning is zero; all other bytes,
+// binary logs too, are passed on as they are, but for a byte-order mark of UTF-8. A decoded log is held in
+// memory: 64 MiB of UTF-16 at most (96 MiB decoded), a longer one is refused with advice. Half of a pair
+// becomes U+FFFD. The bytes given must outlive it.
+class LogText {
+ public:
+  // Error: kUnsupportedFormat for UTF-16 beyond the bound.
+  static Result<LogText> Of(std::string_view name, LogBytes bytes);
+
+  LogBytes bytes() const { return is_decoded_ ? BytesOf(decoded_) : raw_; }
+  bool is_decoded() const { return is_decoded_; }
+
+ private:
+  LogBytes raw_;
+  std::string decoded_;
+  bool is_decoded_ = false;
+};
 
 }  // namespace skyquilt::flight

@@ -6,8 +6,7 @@
 #include <utility>
 
 #include "core/base/try.h"
-#include "core/flight/bytes/log_text.h"
-#include "core/flight/bytes/mapped_file.h"
+#include "core/flight/bytes/byte_source.h"
 #include "core/flight/bytes/text_fields.h"
 #include "core/flight/remarks/because.h"
 
@@ -145,8 +144,7 @@ const PanelInPhoto* FindPanelRow(const std::vector<ReflectanceList>& lists, std:
 }
 
 bool IsReflectanceList(std::string_view name) {
-  const std::size_t slash = name.find_last_of('/');
-  return LowerCase(slash == std::string_view::npos ? name : name.substr(slash + 1)) == kReflectanceListName;
+  return LowerCase(name.substr(name.find_last_of('/') + 1)) == kReflectanceListName;
 }
 
 Result<ReflectanceList> ParseReflectanceList(std::string_view name, std::string_view text) {

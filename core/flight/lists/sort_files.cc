@@ -1,23 +1,25 @@
 #include "core/flight/lists/sort_files.h"
 
+#include <xxhash.h>
+
 #include <algorithm>
 #include <array>
+#include <cstdint>
+#include <map>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 
+#include "core/base/digest.h"
 #include "core/base/try.h"
-#include "core/flight/aside/other_pictures.h"
+#include "core/flight/aside/aside.h"
 #include "core/flight/bytes/byte_source.h"
-#include "core/flight/bytes/log_text.h"
 #include "core/flight/bytes/text_fields.h"
-#include "core/flight/lists/elevation_model_file.h"
-#include "core/flight/lists/film_file.h"
+#include "core/flight/lists/file_kinds.h"
 #include "core/flight/lists/reflectance_list.h"
-#include "core/flight/logs/csv/unknown_table.h"
+#include "core/flight/logs/explain_unknown.h"
 #include "core/flight/logs/read_log.h"
-#include "core/flight/logs/texts/unknown_list.h"
-#include "core/flight/logs/tracks/unknown_track.h"
 #include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {
@@ -27,7 +29,7 @@ namespace {
 bool IsPicture(const std::vector<std::uint8_t>& head) {
   constexpr std::array<std::string_view, 5> kMagic = {"\xFF\xD8\xFF", std::string_view("II*\0", 4),
                                                       std::string_view("MM\0*", 4), "\x89PNG", "RIFF"};
-  const std::string_view text(reinterpret_cast<const char*>(head.data()), head.size());
+  const std::string_view text = TextOf(head);
   return text.substr(std::min<std::size_t>(4, text.size())).starts_with("ftyp") ||
          !RawFormatOf(head).empty() || std::any_of(kMagic.begin(), kMagic.end(), [&](std::string_view magic) {
            return text.starts_with(magic);
@@ -69,7 +71,7 @@ Result<Kind> KindOf(const InputFile& file) {
   }
   if (head.empty()) return unknown;
   if (IsElevationModel(**source)) return Kind::kElevationModel;
-  if (LooksLikeFilm({reinterpret_cast<const char*>(head.data()), head.size()})) return Kind::kFilm;
+  if (LooksLikeFilm(TextOf(head))) return Kind::kFilm;
   if (IsPicture(head)) return Kind::kPhoto;
   head = (*source)->ReadUpTo(0, kRecogniseBytes);
   SKYQUILT_TRY_ASSIGN(const auto format, RecogniseLog(head, file.name));
@@ -136,6 +138,64 @@ SortedFiles SortFiles(const std::vector<InputFile>& files) {
   }
   if (!unused.empty()) sorted.unused = NotUsed(unused);
   return sorted;
+}
+
+namespace {
+
+using Fingerprint = std::pair<std::uint64_t, std::uint64_t>;  // size, hash of the start
+
+std::optional<Fingerprint> FingerprintOf(const std::filesystem::path& path) {
+  constexpr std::size_t kStart = 1 << 16;  // holds the time of capture and the position
+  auto source = OpenFileBytes(path);
+  if (!source) return std::nullopt;
+  const auto start = (*source)->ReadUpTo(0, kStart);
+  if (start.empty()) return std::nullopt;
+  return Fingerprint{(*source)->size(), XXH3_64bits(start.data(), start.size())};
+}
+
+bool HaveSameBytes(const std::filesystem::path& first, const std::filesystem::path& second) {
+  auto a = OpenFileBytes(first);
+  auto b = OpenFileBytes(second);
+  if (!a || !b || (*a)->size() != (*b)->size()) return false;
+  constexpr std::size_t kBlock = 1 << 20;
+  for (std::uint64_t offset = 0; offset < (*a)->size(); offset += kBlock) {
+    const auto block = (*a)->ReadUpTo(offset, kBlock);
+    if (block.empty() || block != (*b)->ReadUpTo(offset, kBlock)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::vector<std::optional<std::size_t>> FindDuplicates(const std::vector<InputFile>& files) {
+  std::vector<std::optional<std::size_t>> duplicate_of(files.size());
+  std::map<std::uint64_t, std::vector<std::size_t>> by_size;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    std::error_code error;
+    const auto size = std::filesystem::file_size(files[i].path, error);
+    if (!error) by_size[size].push_back(i);
+  }
+  for (const auto& [size, same_size] : by_size) {
+    if (same_size.size() < 2) continue;
+    std::map<Fingerprint, std::vector<std::size_t>> alike;
+    for (const std::size_t i : same_size) {
+      if (const auto fingerprint = FingerprintOf(files[i].path)) alike[*fingerprint].push_back(i);
+    }
+    for (const auto& [fingerprint, candidates] : alike) {
+      if (candidates.size() < 2) continue;
+      // Each is read once for its digest, however many are alike, and once more beside the first of its
+      // digest.
+      std::map<Digest, std::size_t> firsts;
+      for (const std::size_t i : candidates) {
+        const Result<Digest> digest = DigestOfFile(files[i].path);
+        if (!digest) continue;
+        const auto [first, is_new] = firsts.try_emplace(*digest, i);
+        if (!is_new && HaveSameBytes(files[first->second].path, files[i].path))
+          duplicate_of[i] = first->second;
+      }
+    }
+  }
+  return duplicate_of;
 }
 
 }  // namespace skyquilt::flight

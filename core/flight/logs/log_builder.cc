@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/median.h"
+#include "core/flight/bytes/text_fields.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -83,7 +84,7 @@ void CappedSeries<T>::Halve() {
     T merged = samples_[2 * i];
     if constexpr (std::is_same_v<T, ImuSample>) {
       // Samples of two segments are never averaged.
-      if (averages_ && std::abs(samples_[2 * i + 1].t_s - merged.t_s) < 1.0) {
+      if (std::abs(samples_[2 * i + 1].t_s - merged.t_s) < 1.0) {
         Accumulate(merged, samples_[2 * i + 1]);
         Divide(merged, 2.0);
       }
@@ -104,31 +105,29 @@ void CappedSeries<T>::Push(const T& sample, int segment) {
     return;
   }
   if constexpr (std::is_same_v<T, ImuSample>) {
-    if (averages_) {
-      if (in_group_ > 0 && std::abs(placed.t_s - group_.t_s / static_cast<double>(in_group_)) > 1.0)
-        in_group_ = 0;
-      if (in_group_ == 0) group_ = T{};
-      Accumulate(group_, placed);
-      if (++in_group_ == stride_) {
-        Divide(group_, static_cast<double>(stride_));
-        samples_.push_back(group_);
-        in_group_ = 0;
-      }
-      return;
+    if (in_group_ > 0 && std::abs(placed.t_s - group_.t_s / static_cast<double>(in_group_)) > 1.0)
+      in_group_ = 0;
+    if (in_group_ == 0) group_ = T{};
+    Accumulate(group_, placed);
+    if (++in_group_ == stride_) {
+      Divide(group_, static_cast<double>(stride_));
+      samples_.push_back(group_);
+      in_group_ = 0;
     }
+  } else {
+    if (in_group_++ == 0) samples_.push_back(placed);
+    if (in_group_ == stride_) in_group_ = 0;
   }
-  if (in_group_++ == 0) samples_.push_back(placed);
-  if (in_group_ == stride_) in_group_ = 0;
 }
 
 LogBuilder::LogBuilder(std::string format, std::string_view file_name, std::size_t imu_cap,
                        std::size_t other_cap)
-    : imu_(imu_cap, true),
-      attitude_(other_cap, false),
-      gimbal_(other_cap, false),
-      gnss_(other_cap, false),
-      baro_(other_cap, false),
-      range_(other_cap, false) {
+    : imu_(imu_cap),
+      attitude_(other_cap),
+      gimbal_(other_cap),
+      gnss_(other_cap),
+      baro_(other_cap),
+      range_(other_cap) {
   log_.format = std::move(format);
   log_.file_name = file_name;
 }
@@ -296,6 +295,14 @@ FlightLog LogBuilder::Finish() && {
   return std::move(log_);
 }
 
+CameraEvent EventByName(std::uint64_t row, std::string_view image_name) {
+  CameraEvent event;
+  event.t_s = static_cast<double>(row);
+  event.has_time = false;
+  event.image_name = std::string(image_name.substr(0, kMaxNameLength));
+  return event;
+}
+
 Eigen::Quaterniond NedFromYawPitchRoll(double yaw_rad, double pitch_rad, double roll_rad) {
   return Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()) *
          Eigen::AngleAxisd(pitch_rad, Eigen::Vector3d::UnitY()) *
@@ -314,11 +321,5 @@ Eigen::Vector3d YawPitchRollFromNed(const Eigen::Quaterniond& ned_from_body) {
 double StandardHeightM(double pressure_pa) {
   return 44330.76923 * (1.0 - std::pow(std::max(pressure_pa, 1.0) / 101325.0, 0.190263));
 }
-
-template class CappedSeries<ImuSample>;
-template class CappedSeries<AttitudeSample>;
-template class CappedSeries<GnssSample>;
-template class CappedSeries<BaroSample>;
-template class CappedSeries<RangeSample>;
 
 }  // namespace skyquilt::flight

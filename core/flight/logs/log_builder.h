@@ -19,11 +19,11 @@
 
 namespace skyquilt::flight {
 
-// One series with the caps and clock rules above. T has t_s.
+// One series with the caps and clock rules above. T has t_s; samples of the IMU are averaged.
 template <typename T>
 class CappedSeries {
  public:
-  CappedSeries(std::size_t cap, bool averages) : cap_(cap), averages_(averages) {}
+  explicit CappedSeries(std::size_t cap) : cap_(cap) {}
   // `segment` counts the restarts of the clock seen so far in the whole log.
   void Push(const T& sample, int segment);
   std::vector<T>& samples() { return samples_; }
@@ -33,7 +33,6 @@ class CappedSeries {
  private:
   void Halve();
   std::size_t cap_;
-  bool averages_;
   std::uint64_t stride_ = 1;
   std::uint64_t in_group_ = 0;
   T group_{};
@@ -93,6 +92,9 @@ class LogBuilder {
   std::uint64_t stray_stamps_ = 0;
   std::uint64_t events_dropped_ = 0;
 };
+
+// The exposure in a row (from 0) of a list that names photos and does not say when they were taken.
+CameraEvent EventByName(std::uint64_t row, std::string_view image_name);
 
 // Z-Y-X angles in radians to the attitude they mean, and back.
 Eigen::Quaterniond NedFromYawPitchRoll(double yaw_rad, double pitch_rad, double roll_rad);

@@ -3,26 +3,10 @@
 #include <array>
 
 #include "core/base/try.h"
-#include "core/flight/bytes/log_text.h"
-#include "core/flight/bytes/mapped_file.h"
+#include "core/flight/bytes/byte_source.h"
 #include "core/flight/bytes/text_fields.h"
-#include "core/flight/logs/autopilots/dataflash.h"
-#include "core/flight/logs/autopilots/dataflash_text.h"
-#include "core/flight/logs/autopilots/mavlink_tlog.h"
-#include "core/flight/logs/autopilots/ulog.h"
-#include "core/flight/logs/csv/canonical_csv.h"
-#include "core/flight/logs/csv/tolerant_csv.h"
-#include "core/flight/logs/subtitles/subtitles.h"
-#include "core/flight/logs/texts/dji_mrk.h"
+#include "core/flight/logs/formats.h"
 #include "core/flight/logs/texts/gcp_list.h"
-#include "core/flight/logs/texts/geo_txt.h"
-#include "core/flight/logs/texts/pix4d_csv.h"
-#include "core/flight/logs/texts/rtklib_pos.h"
-#include "core/flight/logs/texts/sensefly_geoinfo.h"
-#include "core/flight/logs/tracks/geojson.h"
-#include "core/flight/logs/tracks/gpx.h"
-#include "core/flight/logs/tracks/kml.h"
-#include "core/flight/logs/tracks/nmea.h"
 #include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {
@@ -73,8 +57,7 @@ const Format* Recognise(LogBytes head) {
 // DJI's own flight records hold no text and no header we could check, but their names are fixed.
 bool IsDjiFlightRecord(LogBytes head, std::string_view name) {
   const std::string lower = LowerCase(name);
-  const std::size_t slash = lower.find_last_of('/');
-  const std::string_view base = std::string_view(lower).substr(slash == std::string::npos ? 0 : slash + 1);
+  const std::string_view base = std::string_view(lower).substr(lower.find_last_of('/') + 1);
   const bool named = (base.starts_with("djiflightrecord") && base.ends_with(".txt")) ||
                      (base.starts_with("fly") && base.ends_with(".dat"));
   return named && !LooksLikeText(TextOf(head));

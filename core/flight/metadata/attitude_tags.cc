@@ -1,12 +1,54 @@
 #include "core/flight/metadata/attitude_tags.h"
 
+#include <bit>
 #include <cmath>
+#include <cstddef>
 #include <string_view>
 
+#include "core/flight/bytes/log_bytes.h"
 #include "core/flight/bytes/text_fields.h"
+#include "core/flight/metadata/xmp.h"
 #include "core/geo/lat_lon.h"
 
 namespace skyquilt::flight {
+namespace {
+
+std::optional<DjiMakerNote> ReadInOrder(std::span<const std::uint8_t> note, bool is_big_endian) {
+  constexpr std::uint32_t kMaxEntries = 100;
+  constexpr std::uint32_t kFloat = 11;
+  if (note.size() < 2) return std::nullopt;
+  const std::uint64_t count = UnsignedAt(note.data(), 2, is_big_endian);
+  if (count == 0 || count > kMaxEntries || note.size() < 2 + 12 * std::size_t{count}) return std::nullopt;
+  DjiMakerNote found;
+  std::optional<double>* const fields[] = {&found.pitch_deg,      &found.yaw_deg,
+                                           &found.roll_deg,       &found.camera_pitch_deg,
+                                           &found.camera_yaw_deg, &found.camera_roll_deg};
+  constexpr std::uint32_t kFirstTag = 6;
+  bool any = false;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const std::uint8_t* entry = note.data() + 2 + 12 * std::size_t{i};
+    const std::uint64_t tag = UnsignedAt(entry, 2, is_big_endian);
+    if (tag < kFirstTag || tag >= kFirstTag + std::size(fields)) continue;
+    if (UnsignedAt(entry + 2, 2, is_big_endian) != kFloat || UnsignedAt(entry + 4, 4, is_big_endian) != 1)
+      continue;
+    const float value =
+        std::bit_cast<float>(static_cast<std::uint32_t>(UnsignedAt(entry + 8, 4, is_big_endian)));
+    if (!std::isfinite(value) || std::abs(value) > 1000.0f) continue;
+    *fields[tag - kFirstTag] = static_cast<double>(value);
+    any = true;
+  }
+  if (!any) return std::nullopt;
+  return found;
+}
+
+}  // namespace
+
+std::optional<DjiMakerNote> ReadDjiMakerNote(std::span<const std::uint8_t> note, bool exif_is_big_endian) {
+  // Read the wrong way round, the number of entries or the type of each is nonsense: one order fits at most.
+  if (auto found = ReadInOrder(note, exif_is_big_endian)) return found;
+  return ReadInOrder(note, !exif_is_big_endian);
+}
+
 namespace {
 
 struct Degrees {
@@ -127,6 +169,57 @@ std::optional<RecordedVelocity> VelocityFromTags(const XmpTags& xmp) {
   const auto parts = ParseXmpNumbers(xmp.Text("Camera:IMULinearVelocity"));
   if (parts.size() > 2 && parts[0] && parts[1] && parts[2]) return checked(*parts[0], *parts[1], *parts[2]);
   return std::nullopt;
+}
+
+namespace {
+
+constexpr std::size_t kRecordBytes = 24;
+constexpr std::size_t kMaxRecords = 4096;
+constexpr double kFastestRadps = 35.0;  // the range of the gyros in cameras: 2000 degrees per second
+constexpr double kLongestGapS = 0.02;   // between records: no shaking may be missed
+constexpr double kMaxOffsetS = 1.0;     // from the first record to the first row
+
+// The gyro's axes are the body's (x ahead, y right, z down) of a camera that looks down with its image top
+// ahead, as its angles are recorded too.
+Eigen::Vector3d InCam(const Eigen::Vector3d& in_body) { return {in_body.y(), -in_body.x(), in_body.z()}; }
+
+}  // namespace
+
+std::optional<RecordedTurning> TurningFromTags(const XmpTags& xmp, std::vector<Remark>& notes) {
+  const std::string* text = xmp.Find("Camera:IMUAngularVelocity");
+  if (text == nullptr || text->empty()) return std::nullopt;
+  const auto refuse = [&](RemarkCode why) -> std::optional<RecordedTurning> {
+    notes.push_back({RemarkCode::kGyroNotUsed, {{"why", Remark(why)}}});
+    return std::nullopt;
+  };
+  const auto offset_ns = xmp.Number("Camera:IMUTimeOffset");
+  const double offset_s = 1e-9 * offset_ns.value_or(0.0);
+  const bool is_odd = !offset_ns && xmp.Find("Camera:IMUTimeOffset") != nullptr;
+  if (is_odd || std::abs(offset_s) > kMaxOffsetS) return refuse(RemarkCode::kGyroAtImpossibleTime);
+  const auto bytes = FromBase64(*text, kRecordBytes * kMaxRecords);
+  if (!bytes || bytes->size() % kRecordBytes != 0) return refuse(RemarkCode::kGyroDamaged);
+  if (bytes->size() < 2 * kRecordBytes) return refuse(RemarkCode::kGyroTooShort);
+  RecordedTurning turning;
+  const auto first_us = LoadLittle<std::uint64_t>(bytes->data());
+  for (std::size_t at = 0; at < bytes->size(); at += kRecordBytes) {
+    const std::uint8_t* record = bytes->data() + at;
+    const auto us = LoadLittle<std::uint64_t>(record);
+    Eigen::Vector3d in_body;
+    for (int axis = 0; axis < 3; ++axis)
+      in_body[axis] = LoadLittle<float>(record + 8 + std::ptrdiff_t{4} * axis);
+    // Compared so that no NaN passes.
+    if (!(in_body.cwiseAbs().maxCoeff() <= kFastestRadps) || !in_body.allFinite())
+      return refuse(RemarkCode::kGyroImpossibleRates);
+    if (us < first_us) return refuse(RemarkCode::kGyroBackwards);
+    const double time_s = 1e-6 * static_cast<double>(us - first_us) - offset_s;
+    if (!turning.samples.empty()) {
+      const double step_s = time_s - turning.samples.back().time_s;
+      if (!(step_s > 0.0)) return refuse(RemarkCode::kGyroBackwards);
+      if (step_s > kLongestGapS) return refuse(RemarkCode::kGyroWithGaps);
+    }
+    turning.samples.push_back({time_s, InCam(in_body)});
+  }
+  return turning;
 }
 
 }  // namespace skyquilt::flight

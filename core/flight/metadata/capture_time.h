@@ -1,17 +1,15 @@
-// ChooseCaptureTime: the instant of exposure in UTC from the clocks a photo carries, in this order: UTC in
-// XMP (drone-dji:UTCAtExposure, sensefly:UTCTime), the camera's clock with its zone, the camera's clock with
-// the zone that the GPS time shows (the clock's finer steps are kept where both agree), the GPS time, the
-// local clock. Beside it the zone of the camera's clock, where that is written or two clocks show it. Any
-// thread.
+// When a photo was taken, by its metadata and, where these say nothing, by its file's name. Any thread.
 #pragma once
 
 #include <chrono>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/flight/metadata/exif.h"
 #include "core/flight/metadata/xmp.h"
+#include "core/flight/photo.h"
 
 namespace skyquilt::flight {
 
@@ -21,6 +19,27 @@ struct CaptureTime {
   std::optional<std::chrono::minutes> clock_minus_utc;  // a time zone's; absent where nothing tells it
 };
 
+// The instant of exposure in UTC from the clocks a photo carries, in this order: UTC in XMP
+// (drone-dji:UTCAtExposure, sensefly:UTCTime), the camera's clock with its zone, the camera's clock with the
+// zone that the GPS time shows (the clock's finer steps are kept where both agree), the GPS time, the local
+// clock. Beside it the zone of the camera's clock, where that is written or two clocks show it.
 CaptureTime ChooseCaptureTime(const ExifRecord& exif, const XmpTags& xmp, std::vector<Remark>& notes);
+
+// A time in a file's name: DJI_20230918115823_0001.JPG,
+// IMG_20190102_030405.jpg, 2019-01-02T03-04-05.250Z.png, 2018080501004480Z.jpg, and seconds, milliseconds or
+// microseconds since 1970. A time of day is the camera's own, of unknown zone, unless a Z follows or the
+// maker is known to write UTC (PXL_); counts since 1970 are UTC.
+struct NameTime {
+  UtcTime time;
+  bool is_local = true;
+};
+
+// Nothing where the name holds no date of 1990 to 2099 with its time of day.
+std::optional<NameTime> TimeInName(std::string_view name);
+
+// Gives the photos without a time the one in their names; returns how many. One name proves little, so they
+// are believed together or not at all: nearly all of these photos must be named by a time, the times must
+// differ, and not count up one by one from midnight as a running number does.
+int TakeTimesFromNames(std::vector<Photo>& photos);
 
 }  // namespace skyquilt::flight

@@ -22,6 +22,8 @@ constexpr std::uint16_t kAltitude = 6, kTimeStamp = 7, kStatus = 9, kDateStamp =
                         kPositioningError = 0x1F;
 }  // namespace tag
 
+constexpr double kMetresPerDegree = 111320.0;  // of latitude, roughly: for how fine a number is written
+
 std::optional<double> Within(std::optional<double> value, double low, double high) {
   if (!value || !(*value >= low) || !(*value <= high)) return std::nullopt;
   return value;

@@ -13,9 +13,6 @@
 
 namespace skyquilt::flight {
 
-inline constexpr double kMetresPerDegree =
-    111320.0;  // of latitude, roughly: for how fine a number is written
-
 struct ExifRecord {
   std::string make;
   std::string model;

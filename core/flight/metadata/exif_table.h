@@ -36,8 +36,6 @@ enum class ExifType : std::uint16_t {
   kSLong8 = 17,
   kIfd8 = 18  // BigTIFF
 };
-// Bytes of one item; 0 for unknown types.
-std::size_t ExifTypeSize(std::uint16_t type);
 
 struct ExifValue {
   std::uint16_t type = 0;

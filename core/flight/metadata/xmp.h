@@ -5,6 +5,8 @@
 // 16684-1), section 7.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
@@ -44,5 +46,9 @@ std::optional<std::vector<double>> AllXmpNumbers(std::string_view text, std::siz
 // The first XMP packet in the first 2 MiB, found by its "<x:xmpmeta": for files that keep it outside of the
 // standard segments.
 std::string ScanForXmpPacket(ByteSource& source);
+
+// Bytes that cameras write as text into their tags (RFC 4648, with or without its padding). Blanks and line
+// ends may stand anywhere, '=' only at the end. Nothing for other characters or for more than `max_bytes`.
+std::optional<std::vector<std::uint8_t>> FromBase64(std::string_view text, std::size_t max_bytes);
 
 }  // namespace skyquilt::flight

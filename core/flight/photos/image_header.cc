@@ -7,7 +7,6 @@
 
 #include "core/base/try.h"
 #include "core/flight/aside/aside.h"
-#include "core/flight/aside/other_pictures.h"
 #include "core/flight/bytes/log_bytes.h"
 #include "core/flight/photos/jpeg_segments.h"
 #include "core/flight/photos/read_photo.h"
@@ -122,7 +121,7 @@ Result<ImageHeader> ReadPng(ByteSource& source) {
     std::uint8_t head[8];
     if (!source.Read(offset, head)) break;
     const std::uint32_t length = BigEndian32(head);
-    const std::string_view type(reinterpret_cast<const char*>(head + 4), 4);
+    const std::string_view type = TextOf({head + 4, 4});
     const std::uint64_t body = offset + 8;
     if (type == "IHDR" && length >= 8) {
       std::uint8_t size[8];

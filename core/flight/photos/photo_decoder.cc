@@ -15,7 +15,6 @@
 #include "core/flight/bytes/byte_source.h"
 #include "core/flight/metadata/exif_table.h"
 #include "core/flight/photos/sample_format.h"
-#include "core/flight/photos/sample_ranges.h"
 #include "core/flight/photos/thermal_picture.h"
 #include "core/flight/remarks/because.h"
 #include "core/image/decode_errors.h"
@@ -163,6 +162,14 @@ Error NeedsTooMuch(std::int64_t needed_bytes, std::int64_t max_bytes) {
                                          {"left_mib", static_cast<double>(max_bytes) / kMib}}});
 }
 
+Result<void> CheckMemory(const std::vector<std::uint8_t>& bytes, int width_px, int height_px,
+                         std::int64_t max_bytes) {
+  const std::int64_t needed_bytes =
+      static_cast<std::int64_t>(bytes.size()) + WorkBytes(bytes, width_px, height_px);
+  if (needed_bytes > max_bytes) return NeedsTooMuch(needed_bytes, max_bytes);
+  return {};
+}
+
 Result<std::vector<std::uint8_t>> ReadFile(const Photo& photo, std::int64_t max_bytes) {
   SKYQUILT_TRY_ASSIGN(auto source, OpenFileBytes(photo.path));
   const std::uint64_t size = source->size();
@@ -193,9 +200,7 @@ Result<DecodedPart> DecodePhotoPart(const std::vector<std::uint8_t>& bytes, int 
                                     const std::optional<SampleRange>& range) {
   SKYQUILT_CHECK(denominator == 1 || denominator == 2 || denominator == 4 || denominator == 8,
                  "photos are decoded at 1, 1/2, 1/4 or 1/8");
-  const std::int64_t needed_bytes =
-      static_cast<std::int64_t>(bytes.size()) + WorkBytes(bytes, width_px, height_px);
-  if (needed_bytes > max_bytes) return NeedsTooMuch(needed_bytes, max_bytes);
+  SKYQUILT_TRY(CheckMemory(bytes, width_px, height_px, max_bytes));
   if (IsJpeg(bytes))
     return Told(image::DecodeJpeg(bytes, width_px, height_px, denominator, box, std::move(memory)));
   if (image::IsPng(bytes) && SampleKindOfPng(bytes) == SampleKind::kBytes)
@@ -207,9 +212,7 @@ Result<DecodedPart> DecodePhotoPart(const std::vector<std::uint8_t>& bytes, int 
 
 Result<image::SampleImage> DecodeSampleBytes(const std::vector<std::uint8_t>& bytes, int width_px,
                                              int height_px, std::int64_t max_bytes) {
-  const std::int64_t needed_bytes =
-      static_cast<std::int64_t>(bytes.size()) + WorkBytes(bytes, width_px, height_px);
-  if (needed_bytes > max_bytes) return NeedsTooMuch(needed_bytes, max_bytes);
+  SKYQUILT_TRY(CheckMemory(bytes, width_px, height_px, max_bytes));
   if (IsJpeg(bytes)) return Told(DecodeThermalLevels(bytes, width_px, height_px));
   SKYQUILT_TRY_ASSIGN(cv::Mat stored, Told(ReadByOpenCv(bytes, width_px, height_px, cv::IMREAD_UNCHANGED)));
   if (stored.channels() != 1 || (stored.depth() != CV_16U && stored.depth() != CV_8U)) {
@@ -250,9 +253,7 @@ Result<std::vector<float>> FilePhotoSource::SampleValues(const Photo& photo, std
   const int width_px = photo.intrinsics.width_px, height_px = photo.intrinsics.height_px;
   const SampleFormat format = FormatOf(bytes);
   if (format.kind == SampleKind::kBytes) return PhotoSource::SampleValues(photo, most);
-  const std::int64_t needed_bytes =
-      static_cast<std::int64_t>(bytes.size()) + WorkBytes(bytes, width_px, height_px);
-  if (needed_bytes > max_bytes_) return NeedsTooMuch(needed_bytes, max_bytes_);
+  SKYQUILT_TRY(CheckMemory(bytes, width_px, height_px, max_bytes_));
   SKYQUILT_TRY_ASSIGN(const cv::Mat stored, ReadStored(bytes, width_px, height_px, format.kind));
   return ValuesOf(stored, format, most);
 }

@@ -1,6 +1,6 @@
 // FilePhotoSource: decodes photos from the files their records name. JPEG by libjpeg-turbo, which makes the
 // smaller sizes while decoding; PNG by libpng, row by row; TIFF, and PNG of 16 bits, by OpenCV, whole.
-// Samples that are more than bytes are drawn in the photo's range (sample_ranges.h), or in their own without
+// Samples that are more than bytes are drawn in the photo's range (sample_format.h), or in their own without
 // one. Grey and CMYK become RGB. EXIF orientation is not applied. At 1/d every output pixel covers exactly d
 // x d source pixels; the last row and column may hang over the edge. Any number of threads at a time; memory:
 // one file's bytes and the picture or part that is asked for a call, and what a format that cannot be read by

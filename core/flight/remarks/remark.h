@@ -1,8 +1,8 @@
-// Remark: one thing that whoever asked for a map is to know, as a code (remark_code.h) with numbers and
-// names. Whoever decides looks at the code. The English sentence is made by InWords (remark_words.h) alone,
-// from remarks_on_*.inc; those of the page stand in web/src/languages/*/remarks.js and failures.js. A value's
-// name ends with its unit (`apart_m`), or with `_words` where it is English that no code stands for. Values;
-// any thread.
+// Remark: one thing that whoever asked for a map is to know, as a code with numbers and names. Whoever
+// decides looks at the code. The English sentence is made by InWords (remark_words.h) alone, from
+// remarks_on_*.inc; those of the page stand in web/src/languages/*/remarks.js and failures.js. A value's name
+// ends with its unit (`apart_m`), or with `_words` where it is English that no code stands for. Values; any
+// thread.
 #pragma once
 
 #include <concepts>
@@ -14,9 +14,15 @@
 #include <variant>
 #include <vector>
 
-#include "core/flight/remarks/remark_code.h"
-
 namespace skyquilt::flight {
+
+// What a remark says, without its values: the lists hold each code with its name in JSON and its English
+// sentence; tests/web/languages/remarks.test.js holds the words of the page to them.
+enum class RemarkCode : std::uint16_t {
+#define REMARK(code, ...) code,
+#include "core/flight/remarks/remarks.inc"
+#undef REMARK
+};
 
 struct Remark;
 

@@ -27,6 +27,12 @@ std::string GroupedDigits(double number) {
   return digits;
 }
 
+// "90 seconds", "12 minutes".
+std::string TimeInWords(double seconds) {
+  return seconds < 120.0 ? fmt::format("{:.0f} seconds", seconds)
+                         : fmt::format("{:.0f} minutes", seconds / 60.0);
+}
+
 bool IsOne(const Remark& remark, std::string_view counted) {
   const auto value = remark.values.find(std::string(counted));
   if (value == remark.values.end()) return false;
@@ -67,11 +73,6 @@ std::string LengthInWords(double metres) {
   if (metres < 100.0) return fmt::format("{:.1f} m", metres);
   if (metres < 10'000.0) return GroupedDigits(metres) + " m";
   return GroupedDigits(metres / 1000.0) + " km";
-}
-
-std::string TimeInWords(double seconds) {
-  return seconds < 120.0 ? fmt::format("{:.0f} seconds", seconds)
-                         : fmt::format("{:.0f} minutes", seconds / 60.0);
 }
 
 Remark InARow(std::vector<Remark> remarks) {

@@ -37,7 +37,5 @@ Remark InARow(std::vector<Remark> remarks);
 
 // "12.3 m", "1,234 m", "12 km".
 std::string LengthInWords(double metres);
-// "90 seconds", "12 minutes".
-std::string TimeInWords(double seconds);
 
 }  // namespace skyquilt::flight

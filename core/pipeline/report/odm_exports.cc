@@ -11,7 +11,7 @@
 #include "core/base/check.h"
 #include "core/base/text/json_io.h"
 #include "core/flight/bytes/text_fields.h"
-#include "core/flight/logs/texts/geo_txt.h"
+#include "core/flight/logs/formats.h"
 #include "core/poses/conventions/attitude_convention.h"
 
 namespace skyquilt::pipeline {

@@ -163,7 +163,7 @@ int main(int argc, char** argv) {
   SilentProgress silent;
   const Result<std::vector<flight::InputFile>> files = flight::ListInputFiles({argv[1]});
   if (!files) return Fail(files.error());
-  const Result<flight::Flight> read = flight::ReadFlight(*files, {}, silent);
+  const Result<flight::Flight> read = flight::ReadFlight(*files, 0, silent);
   if (!read) return Fail(read.error());
   const Result<poses::PosedFlight> posed = poses::EstimatePoses(*read, {});
   if (!posed) return Fail(posed.error());

@@ -21,7 +21,7 @@ int main(int argc, char** argv) {
   std::vector<std::filesystem::path> paths(argv + 1, argv + argc);
   const Result<std::vector<flight::InputFile>> files = flight::ListInputFiles(paths);
   if (!files) return fmt::print(stderr, "{}\n", files.error().message), 1;
-  const Result<flight::Flight> read = flight::ReadFlight(*files, {}, progress);
+  const Result<flight::Flight> read = flight::ReadFlight(*files, 0, progress);
   if (!read) return fmt::print(stderr, "{}\n", read.error().message), 1;
   poses::EstimatePosesOptions pose_options;
   pose_options.keep_unplaced = true;

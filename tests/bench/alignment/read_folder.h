@@ -11,7 +11,7 @@ namespace skyquilt {
 
 inline flight::Flight ReadFolder(const char* folder, Progress& progress) {
   const Result<std::vector<flight::InputFile>> files = flight::ListInputFiles({folder});
-  Result<flight::Flight> read = files ? flight::ReadFlight(*files, {}, progress) : files.error();
+  Result<flight::Flight> read = files ? flight::ReadFlight(*files, 0, progress) : files.error();
   if (!read) {
     fmt::print(stderr, "{}\n", read.error().message);
     std::exit(1);

@@ -8,9 +8,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "core/flight/logs/autopilots/dataflash.h"
-#include "core/flight/logs/autopilots/mavlink_tlog.h"
-#include "core/flight/logs/autopilots/ulog.h"
+#include "core/flight/logs/formats.h"
 #include "core/flight/logs/read_log.h"
 #include "tests/core/flight/logs/log_writers.h"
 

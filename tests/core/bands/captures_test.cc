@@ -35,7 +35,7 @@ class CapturesTest : public testing::Test {
   flight::Flight Read() {
     SilentProgress progress;
     auto files = flight::ListInputFiles({folder_});
-    auto flight = flight::ReadFlight(*files, {2}, progress);
+    auto flight = flight::ReadFlight(*files, 2, progress);
     EXPECT_TRUE(flight.ok());
     return *std::move(flight);
   }

@@ -10,7 +10,6 @@
 
 #include "core/flight/aside/copies.h"
 #include "core/flight/aside/one_camera.h"
-#include "core/flight/aside/other_pictures.h"
 #include "core/flight/aside/picture_name.h"
 #include "core/flight/photos/read_photo.h"
 #include "core/flight/remarks/remark_words.h"

@@ -8,8 +8,8 @@
 #include <string>
 #include <tuple>
 
-#include "core/flight/lists/duplicates.h"
-#include "core/flight/lists/elevation_model_file.h"
+#include "core/flight/lists/file_kinds.h"
+#include "core/flight/lists/sort_files.h"
 #include "core/flight/metadata/xmp.h"
 #include "core/flight/photos/image_header.h"
 #include "core/flight/photos/jpeg_segments.h"

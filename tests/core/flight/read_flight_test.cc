@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <fstream>
 
-#include "core/flight/lists/film_file.h"
+#include "core/flight/lists/file_kinds.h"
 #include "core/flight/remarks/remark_words.h"
 #include "tests/core/flight/synthetic_photo.h"
 
@@ -56,7 +56,7 @@ Flight Read(const Folder& folder) {
   SilentProgress progress;
   const auto files = ListInputFiles({folder.path()});
   EXPECT_TRUE(files.ok());
-  auto flight = ReadFlight(*files, {}, progress);
+  auto flight = ReadFlight(*files, 0, progress);
   EXPECT_TRUE(flight.ok());
   return std::move(*flight);
 }
@@ -119,15 +119,15 @@ TEST(ReadFlight, MakesGivenNamesUnique) {
   folder.Write("y", PhotoAt(1.1, "2021:06:03 12:00:05"));
   SilentProgress progress;
   const auto flight =
-      ReadFlight({{"a.jpg", folder.path() / "x"}, {"a.jpg", folder.path() / "y"}}, {}, progress);
+      ReadFlight({{"a.jpg", folder.path() / "x"}, {"a.jpg", folder.path() / "y"}}, 0, progress);
   ASSERT_TRUE(flight.ok());
   EXPECT_EQ(Names(*flight), (std::vector<std::string>{"a.jpg", "a.jpg (2)"}));
 }
 
 TEST(ReadFlight, FailsOnlyWithoutAnyFile) {
   SilentProgress progress;
-  EXPECT_FALSE(ReadFlight({}, {}, progress).ok());
-  const auto missing = ReadFlight({{"a.jpg", "/nonexistent/a.jpg"}}, {}, progress);
+  EXPECT_FALSE(ReadFlight({}, 0, progress).ok());
+  const auto missing = ReadFlight({{"a.jpg", "/nonexistent/a.jpg"}}, 0, progress);
   ASSERT_TRUE(missing.ok());
   ASSERT_EQ(missing->left_out.size(), 1u);
   EXPECT_EQ(missing->left_out[0].code, ErrorCode::kNotFound);
@@ -139,7 +139,7 @@ TEST(ReadFlight, StopsWhenCancelled) {
     void Report(double, std::string_view) override {}
     bool IsCancelled() const override { return true; }
   } progress;
-  const auto flight = ReadFlight({{"a.jpg", "/nonexistent/a.jpg"}}, {}, progress);
+  const auto flight = ReadFlight({{"a.jpg", "/nonexistent/a.jpg"}}, 0, progress);
   ASSERT_FALSE(flight.ok());
   EXPECT_EQ(flight.error().code, ErrorCode::kCancelled);
 }

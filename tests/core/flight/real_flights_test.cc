@@ -32,7 +32,7 @@ Flight Read(const fs::path& folder, int threads = 0) {
   SilentProgress progress;
   auto files = ListInputFiles({folder});
   EXPECT_TRUE(files.ok());
-  auto flight = ReadFlight(*files, {.threads = threads}, progress);
+  auto flight = ReadFlight(*files, threads, progress);
   EXPECT_TRUE(flight.ok());
   return std::move(*flight);
 }

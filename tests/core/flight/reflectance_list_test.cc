@@ -111,8 +111,8 @@ TEST(ReflectanceList, ThatCannotBeReadIsToldAndHarmsNothing) {
   std::ofstream(folder / "reflectance.csv") << "a,b\n";
   std::ofstream(folder / "x.jpg") << "no photo";
   SilentProgress progress;
-  const auto flight = ReadFlight(
-      {{"reflectance.csv", folder / "reflectance.csv"}, {"x.jpg", folder / "x.jpg"}}, {1}, progress);
+  const auto flight =
+      ReadFlight({{"reflectance.csv", folder / "reflectance.csv"}, {"x.jpg", folder / "x.jpg"}}, 1, progress);
   ASSERT_TRUE(flight.ok());
   EXPECT_TRUE(flight->reflectance_lists.empty());
   EXPECT_THAT(InWords(flight->warnings),

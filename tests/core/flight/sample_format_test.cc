@@ -14,7 +14,6 @@
 
 #include "core/flight/photos/photo_decoder.h"
 #include "core/flight/photos/read_photo.h"
-#include "core/flight/photos/sample_ranges.h"
 #include "tests/core/flight/synthetic_photo.h"
 
 namespace skyquilt::flight {

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/flight/logs/texts/geo_txt.h"
+#include "core/flight/logs/formats.h"
 #include "core/poses/conventions/attitude_convention.h"
 
 namespace skyquilt::pipeline {

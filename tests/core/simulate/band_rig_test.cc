@@ -98,7 +98,7 @@ TEST(BandRigTest, IsReadAsCapturesOfFiveBands) {
   SilentProgress progress;
   auto files = flight::ListInputFiles({folder / "photos"});
   ASSERT_TRUE(files.ok());
-  auto flight = flight::ReadFlight(*files, {2}, progress);
+  auto flight = flight::ReadFlight(*files, 2, progress);
   ASSERT_TRUE(flight.ok());
   const bands::Captures apart = bands::SetBandsApart(*flight, 2);
   ASSERT_EQ(apart.captures.size(), 2U);

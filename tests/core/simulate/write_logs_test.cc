@@ -4,9 +4,7 @@
 #include <cmath>
 
 #include "core/base/check.h"
-#include "core/flight/logs/autopilots/dataflash.h"
-#include "core/flight/logs/autopilots/ulog.h"
-#include "core/flight/logs/csv/canonical_csv.h"
+#include "core/flight/logs/formats.h"
 #include "core/flight/remarks/remark_words.h"
 #include "core/simulate/sensors/logged_survey.h"
 #include "core/simulate/writers/write_csv.h"

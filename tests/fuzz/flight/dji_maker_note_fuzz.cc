@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "core/base/check.h"
-#include "core/flight/metadata/dji_maker_note.h"
+#include "core/flight/metadata/attitude_tags.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   for (const bool is_big_endian : {false, true}) {

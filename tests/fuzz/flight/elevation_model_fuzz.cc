@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "core/flight/lists/elevation_model_file.h"
+#include "core/flight/lists/file_kinds.h"
 #include "core/flight/metadata/exif_table.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "core/base/check.h"
-#include "core/flight/metadata/name_time.h"
+#include "core/flight/metadata/capture_time.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   const std::string_view name(reinterpret_cast<const char*>(bytes), size);

@@ -5,7 +5,6 @@
 
 #include "core/base/check.h"
 #include "core/flight/metadata/attitude_tags.h"
-#include "core/flight/metadata/gyro_tags.h"
 #include "core/flight/metadata/position_tags.h"
 #include "core/flight/metadata/xmp.h"
 #include "core/flight/photos/choose_intrinsics.h"

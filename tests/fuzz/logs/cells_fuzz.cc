@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "core/base/check.h"
-#include "core/flight/bytes/log_text.h"
+#include "core/flight/bytes/text_fields.h"
 #include "core/flight/bytes/written_time.h"
 #include "core/flight/logs/coordinate_cell.h"
 

@@ -1,10 +1,12 @@
-// One fuzz target a parser: SKYQUILT_FUZZ_HEADER and SKYQUILT_FUZZ_PARSER name it. Whatever the bytes are,
-// the parser must answer, and a log it gives must keep the promises of flight_log.h.
+// One fuzz target a parser: SKYQUILT_FUZZ_PARSER names it. Whatever the bytes are, the parser must answer,
+// and a log it gives must keep the promises of flight_log.h.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 
-#include SKYQUILT_FUZZ_HEADER
+#include "core/flight/logs/formats.h"
+#include "core/flight/logs/read_log.h"
+#include "core/flight/logs/texts/gcp_list.h"
 
 namespace {
 

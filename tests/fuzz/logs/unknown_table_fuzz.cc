@@ -3,8 +3,7 @@
 #include <cstdint>
 
 #include "core/base/check.h"
-#include "core/flight/logs/csv/unknown_table.h"
-#include "core/flight/logs/texts/unknown_list.h"
+#include "core/flight/logs/explain_unknown.h"
 #include "core/flight/remarks/remark_words.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {

@@ -4,7 +4,7 @@
  * @typedef {'empty'|'uploaded'|'queued'|'processing'|'ready'|'failed'} FlightState
  * @typedef {'accepted'|'running'|'successful'|'failed'|'dismissed'} JobState
  * @typedef {{code: string, message: string, reason?: Remark|null}} ServerError
- * What the server remarks, as a code of core/flight/remarks/remark_code.h with its values; a list is to be said within.
+ * What the server remarks, as a code of core/flight/remarks/remark.h with its values; a list is to be said within.
  * @typedef {{code: string, values: Record<string, any>}} Remark
  */
 

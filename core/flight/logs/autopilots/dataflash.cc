@@ -1,16 +1,15 @@
-#include "core/flight/logs/autopilots/dataflash.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <map>
 
 #include "core/flight/bytes/gps_time.h"
 #include "core/flight/logs/autopilots/dataflash_plan.h"
-#include "core/flight/logs/autopilots/dataflash_text.h"
+#include "core/flight/logs/autopilots/dataflash_walk.h"
+#include "core/flight/logs/formats.h"
 #include "core/flight/logs/log_builder.h"
-#include "core/flight/logs/raw_imu.h"
 #include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {
@@ -23,13 +22,49 @@ using Plan = DataflashPlan;
 using Census = DataflashCensus;
 using Plans = std::array<Plan, 256>;
 
+constexpr std::size_t kMaxWaiting = 4096;
+constexpr double kLongestGapS = 0.05;  // accelerometer samples further apart are not joined
+
+// Recorders that log gyroscope and accelerometer apart, each at its own times, give one IMU series: at every
+// gyroscope sample, with the accelerometer interpolated between its neighbours.
+class RawImuPairing {
+ public:
+  explicit RawImuPairing(LogBuilder& builder) : builder_(builder) {}
+
+  void AddGyro(double t_s, const Eigen::Vector3d& angular_rate_radps) {
+    if (gyro_.size() == kMaxWaiting) gyro_.pop_front();
+    gyro_.push_back({t_s, angular_rate_radps});
+  }
+  void AddAccel(double t_s, const Eigen::Vector3d& specific_force_mps2) {
+    while (accel_ && !gyro_.empty() && gyro_.front().t_s <= t_s) {
+      const Reading gyro = gyro_.front();
+      gyro_.pop_front();
+      const double gap = t_s - accel_->t_s;
+      if (gyro.t_s < accel_->t_s || gap > kLongestGapS) continue;
+      const double share = gap > 0.0 ? (gyro.t_s - accel_->t_s) / gap : 1.0;
+      builder_.Add(
+          ImuSample{gyro.t_s, gyro.value, accel_->value + share * (specific_force_mps2 - accel_->value)});
+    }
+    accel_ = Reading{t_s, specific_force_mps2};
+  }
+
+ private:
+  struct Reading {
+    double t_s;
+    Eigen::Vector3d value;
+  };
+  LogBuilder& builder_;
+  std::deque<Reading> gyro_;  // later than the last accelerometer sample
+  std::optional<Reading> accel_;
+};
+
 class DataflashReader {
  public:
   DataflashReader(const Census& census, LogBuilder& builder)
       : builder_(builder),
         imu_(std::max(census.BestImu(), 0)),
         uses_raw_imu_(census.HasRawImu(imu_)),
-        raw_imu_([this](const ImuSample& sample) { builder_.Add(sample); }),
+        raw_imu_(builder),
         gps_(census.BestGps()),
         baro_(census.baro_counts.empty() ? 0 : census.baro_counts.begin()->first),
         attitude_rank_(census.attitude_counts.empty() ? 0 : census.attitude_counts.begin()->first),
@@ -232,7 +267,7 @@ Result<FlightLog> ParseBy(std::string_view name, LogBytes bytes, const ConsumedU
   Walk walk;
   walk.Run(
       bytes, consumed, [&](std::uint8_t type) { plans[type] = MakeDataflashPlan(walk.layouts[type]); },
-      [&](std::uint8_t type, const std::uint8_t* payload, std::size_t) {
+      [&](std::uint8_t type, const std::uint8_t* payload) {
         if (plans[type].meaning.kind != Kind::kOther) census.Take(plans[type], payload);
       });
   std::uint64_t messages = 0;
@@ -255,7 +290,7 @@ Result<FlightLog> ParseBy(std::string_view name, LogBytes bytes, const ConsumedU
   second.Run(
       bytes, consumed,
       [&](std::uint8_t type) { plans_again[type] = MakeDataflashPlan(second.layouts[type]); },
-      [&](std::uint8_t type, const std::uint8_t* payload, std::size_t) {
+      [&](std::uint8_t type, const std::uint8_t* payload) {
         if (plans_again[type].meaning.kind != Kind::kOther) reader.Take(plans_again[type], payload);
       });
   reader.Finish();

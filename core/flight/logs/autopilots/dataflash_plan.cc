@@ -37,8 +37,8 @@ DataflashPlan MakeDataflashPlan(const DataflashLayout& layout) {
   const auto known = Meanings().find(layout.name);
   if (known == Meanings().end() || layout.fields.empty()) return plan;
   plan.meaning = known->second;
-  const auto set = [&](std::size_t i, std::initializer_list<std::string_view> names) {
-    plan.f[i] = layout.Find(names);
+  const auto otherwise = [&](std::size_t i, std::string_view name) {
+    if (plan.f[i] == nullptr) plan.f[i] = layout.Find({name});
   };
   const auto set_all = [&](std::initializer_list<std::string_view> names) {
     std::size_t i = 0;
@@ -69,8 +69,8 @@ DataflashPlan MakeDataflashPlan(const DataflashLayout& layout) {
       break;
     case Kind::kGps:
       set_all({"Status", "GMS", "GWk", "Lat", "Lng", "Alt", "Spd", "GCrs", "VZ"});
-      if (plan.f[1] == nullptr) set(1, {"TimeMS"});
-      if (plan.f[2] == nullptr) set(2, {"Week"});
+      otherwise(1, "TimeMS");
+      otherwise(2, "Week");
       break;
     case Kind::kGpa:
       set_all({"HAcc", "VAcc"});
@@ -81,8 +81,8 @@ DataflashPlan MakeDataflashPlan(const DataflashLayout& layout) {
     case Kind::kRange:
       set_all({"Dist", "Orient", "Stat"});
       if (plan.f[0] == nullptr) {
-        set(0, {"Dist1"});
-        set(1, {"Orient1"});
+        plan.f[0] = layout.Find({"Dist1"});
+        plan.f[1] = layout.Find({"Orient1"});
       }
       plan.instance = nullptr;
       break;
@@ -95,10 +95,9 @@ DataflashPlan MakeDataflashPlan(const DataflashLayout& layout) {
       break;
     case Kind::kCamera:
       set_all({"GPSTime", "GPSWeek", "Lat", "Lng", "Alt", "RelAlt", "GPSAlt", "Roll", "Pitch", "Yaw", "Img"});
-      if (plan.f[7] == nullptr) set(7, {"R"});
-      if (plan.f[8] == nullptr) set(8, {"P"});
-      if (plan.f[9] == nullptr) set(9, {"Y"});
-      if (plan.f[6] == nullptr) set(6, {"GPSAlt"});
+      otherwise(7, "R");
+      otherwise(8, "P");
+      otherwise(9, "Y");
       break;
     case Kind::kOther:
       break;

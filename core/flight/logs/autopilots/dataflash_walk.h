@@ -1,14 +1,16 @@
-// Walking a DataFlash log: finds the messages, learns their layouts, skips damage. The meaning of messages is
-// dataflash.cc's. One thread.
+// Walking a DataFlash log, binary or converted to text: finds the messages, learns their layouts, skips
+// damage. The meaning of messages is dataflash_plan.h's. One thread.
 #pragma once
 
 #include <array>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "core/flight/bytes/log_bytes.h"
+#include "core/flight/bytes/text_fields.h"
 
 namespace skyquilt::flight {
 
@@ -50,8 +52,8 @@ struct DataflashFound {
 };
 
 struct DataflashWalk : DataflashFound {
-  // Calls on_message(type, payload, payload_size) for every whole message but FMT; on_layout(type) whenever a
-  // type's layout becomes known or changes.
+  // Calls on_message(type, payload) for every whole message but FMT; on_layout(type) whenever a type's layout
+  // becomes known or changes.
   template <typename OnLayout, typename OnMessage>
   void Run(LogBytes bytes, const ConsumedUpTo& consumed, const OnLayout& on_layout,
            const OnMessage& on_message);
@@ -90,9 +92,55 @@ void DataflashWalk::Run(LogBytes bytes, const ConsumedUpTo& consumed, const OnLa
       int learnt = 0;
       if (LearnLayout(payload, learnt)) on_layout(static_cast<std::uint8_t>(learnt));
     } else {
-      on_message(type, payload, length - 3);
+      on_message(type, payload);
     }
     at += length;
+  }
+}
+
+// A log that was converted to text (.log of Mission Planner and of ArduPilot's old terminal): a message a
+// line, "GPS, 120200000, 3, ...", whose FMT lines name the fields of all others. The same as DataflashWalk to
+// whoever is told of messages, but that every number is a double and already in the unit that its code stands
+// for. Lines that fit no layout are skipped and counted, but for a heading before the first layout.
+struct DataflashTextWalk : DataflashFound {
+  // As DataflashWalk::Run.
+  template <typename OnLayout, typename OnMessage>
+  void Run(LogBytes bytes, const ConsumedUpTo& consumed, const OnLayout& on_layout,
+           const OnMessage& on_message);
+
+ private:
+  // Of fields_, an FMT line; nothing where it is none.
+  std::optional<std::uint8_t> LearnLayout();
+  // Of fields_, into payload_; false where they do not fit.
+  bool FillPayload(const DataflashLayout& layout);
+
+  std::map<std::string, std::uint8_t, std::less<>> types_;
+  std::vector<std::string_view> fields_;
+  std::vector<std::uint8_t> payload_;
+};
+
+template <typename OnLayout, typename OnMessage>
+void DataflashTextWalk::Run(LogBytes bytes, const ConsumedUpTo& consumed, const OnLayout& on_layout,
+                            const OnMessage& on_message) {
+  LineReader lines(TextOf(bytes));
+  ConsumedSteps steps(consumed);
+  std::string_view line;
+  while (NextFilledLine(lines, steps, line)) {
+    SplitFields(line, ',', fields_);
+    if (fields_.front() == "FMT") {
+      if (const auto learnt = LearnLayout()) on_layout(*learnt);
+      ++counts[kDataflashFmt];
+      continue;
+    }
+    const auto type = types_.find(fields_.front());
+    if (type != types_.end() && FillPayload(layouts[type->second])) {
+      ++counts[type->second];
+      on_message(type->second, payload_.data());
+    } else if (lines.last_line_is_open()) {
+      ends_inside_message = true;
+    } else if (!types_.empty()) {
+      skipped_bytes += line.size() + 1;
+    }
   }
 }
 

@@ -1,5 +1,3 @@
-#include "core/flight/logs/autopilots/ulog.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 
 #include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/autopilots/ulog_topics.h"
+#include "core/flight/logs/formats.h"
 #include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {

@@ -1,11 +1,14 @@
 #include "core/flight/logs/csv/canonical_csv.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "core/base/try.h"
-#include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/csv/csv_rows.h"
+#include "core/flight/logs/csv/csv_units.h"
+#include "core/flight/logs/formats.h"
 #include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {
@@ -13,11 +16,95 @@ namespace {
 
 using M = CsvMeaning;
 
+struct CanonicalName {
+  std::string_view name;
+  M meaning;
+};
+
+constexpr std::array kCanonicalNames = {CanonicalName{"t", M::kTime},
+                                        CanonicalName{"utc", M::kUtc},
+                                        CanonicalName{"wx", M::kGyroX},
+                                        CanonicalName{"wy", M::kGyroY},
+                                        CanonicalName{"wz", M::kGyroZ},
+                                        CanonicalName{"ax", M::kAccelX},
+                                        CanonicalName{"ay", M::kAccelY},
+                                        CanonicalName{"az", M::kAccelZ},
+                                        CanonicalName{"qw", M::kQw},
+                                        CanonicalName{"qx", M::kQx},
+                                        CanonicalName{"qy", M::kQy},
+                                        CanonicalName{"qz", M::kQz},
+                                        CanonicalName{"roll", M::kRoll},
+                                        CanonicalName{"pitch", M::kPitch},
+                                        CanonicalName{"yaw", M::kYaw},
+                                        CanonicalName{"lat", M::kLat},
+                                        CanonicalName{"lon", M::kLon},
+                                        CanonicalName{"alt_ell", M::kHeightEllipsoid},
+                                        CanonicalName{"alt_msl", M::kHeightAmsl},
+                                        CanonicalName{"vn", M::kVelocityNorth},
+                                        CanonicalName{"ve", M::kVelocityEast},
+                                        CanonicalName{"vd", M::kVelocityDown},
+                                        CanonicalName{"sh", M::kSigmaHorizontal},
+                                        CanonicalName{"sv", M::kSigmaVertical},
+                                        CanonicalName{"fix", M::kFix},
+                                        CanonicalName{"baro_alt", M::kBaroHeight},
+                                        CanonicalName{"press", M::kPressure},
+                                        CanonicalName{"range", M::kRange},
+                                        CanonicalName{"rel_alt", M::kHeightAboveTakeoff},
+                                        CanonicalName{"event", M::kEvent},
+                                        CanonicalName{"image", M::kImage},
+                                        CanonicalName{"s_rp", M::kSigmaTilt},
+                                        CanonicalName{"s_yaw", M::kSigmaYaw}};
+
+// kIgnored for any other name.
+M MeaningOfCanonical(std::string_view name) {
+  for (const CanonicalName& each : kCanonicalNames) {
+    if (each.name == name) return each.meaning;
+  }
+  return M::kIgnored;
+}
+
+void DropRepeated(std::vector<CsvColumn>& columns) {
+  std::array<bool, static_cast<std::size_t>(M::kCount)> seen{};
+  for (CsvColumn& column : columns) {
+    bool& taken = seen[static_cast<std::size_t>(column.meaning)];
+    if (taken) column.meaning = M::kIgnored;
+    taken = true;
+  }
+}
+
+bool HasName(const std::vector<std::string_view>& header, std::string_view name) {
+  return std::find(header.begin(), header.end(), name) != header.end();
+}
+
+bool AllCanonical(const std::vector<std::string_view>& header) {
+  return header.size() >= 2 && std::all_of(header.begin(), header.end(), [](std::string_view name) {
+           return MeaningOfCanonical(name) != M::kIgnored;
+         });
+}
+
+std::vector<CsvColumn> MapCanonicalColumns(const std::vector<std::string_view>& header) {
+  std::vector<CsvColumn> columns;
+  columns.reserve(header.size());
+  for (const std::string_view name : header) {
+    CsvColumn column;
+    column.header = name;
+    column.meaning = MeaningOfCanonical(name);
+    const auto [scale, unit] = DefaultUnit(CsvMeaningDimension(column.meaning));
+    column.scale = scale;
+    column.unit = unit;
+    column.unit_is_written = true;  // the format fixes it
+    column.says_utc = column.meaning == M::kUtc;
+    columns.push_back(std::move(column));
+  }
+  DropRepeated(columns);
+  return columns;
+}
+
 // The first line that holds anything; lines starting with # before it are comments.
 bool ReadHeader(LineReader& lines, std::vector<std::string_view>& cells) {
   std::string_view line;
   while (lines.Next(line)) {
-    if (Trim(line).empty() || line.front() == '#') continue;
+    if (IsBlankOrComment(line)) continue;
     SplitFields(line, ',', cells);
     return true;
   }
@@ -68,13 +155,14 @@ struct OffTheEarth {
 bool LooksLikeFlightCsv(LogBytes head) {
   LineReader lines(TextOf(head));
   std::vector<std::string_view> cells;
-  return ReadHeader(lines, cells) && IsCanonicalFlightHeader(cells);
+  return ReadHeader(lines, cells) && AllCanonical(cells) && (HasName(cells, "t") || HasName(cells, "utc")) &&
+         !HasName(cells, "image");
 }
 
 bool LooksLikeImagesCsv(LogBytes head) {
   LineReader lines(TextOf(head));
   std::vector<std::string_view> cells;
-  return ReadHeader(lines, cells) && IsCanonicalImagesHeader(cells);
+  return ReadHeader(lines, cells) && AllCanonical(cells) && HasName(cells, "image");
 }
 
 Result<FlightLog> ParseFlightCsv(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed) {
@@ -94,7 +182,7 @@ Result<FlightLog> ParseFlightCsv(std::string_view name, LogBytes bytes, const Co
   ConsumedSteps steps(consumed);
   while (lines.Next(line)) {
     steps.At(lines.offset());
-    if (Trim(line).empty() || line.front() == '#') continue;
+    if (IsBlankOrComment(line)) continue;
     SplitFields(line, ',', cells);
     if (sampler.Take(ReadCsvRow(columns, cells, &unread, lines.line_number())))
       ++rows;
@@ -140,7 +228,7 @@ Result<FlightLog> ReadImageRows(const std::vector<CsvColumn>& columns, const Set
   UnreadCells unread;
   OffTheEarth off;
   while (lines.Next(line)) {
-    if (Trim(line).empty() || line.front() == '#') continue;
+    if (IsBlankOrComment(line)) continue;
     SplitFields(line, separator, cells);
     const CsvRow row = ReadCsvRow(columns, cells, &unread, lines.line_number());
     if (row.image.empty()) {

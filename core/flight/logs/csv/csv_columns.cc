@@ -176,52 +176,7 @@ CsvColumn MapTolerantColumn(std::string_view header) {
   return column;
 }
 
-void DropRepeated(std::vector<CsvColumn>& columns) {
-  std::array<bool, static_cast<std::size_t>(M::kCount)> seen{};
-  for (CsvColumn& column : columns) {
-    bool& taken = seen[static_cast<std::size_t>(column.meaning)];
-    if (taken) column.meaning = M::kIgnored;
-    taken = true;
-  }
-}
-
-bool Has(const std::vector<std::string_view>& header, std::string_view name) {
-  return std::find(header.begin(), header.end(), name) != header.end();
-}
-
-bool AllCanonical(const std::vector<std::string_view>& header) {
-  return header.size() >= 2 && std::all_of(header.begin(), header.end(), [](std::string_view name) {
-           return FindCanonicalCsvName(name) != M::kIgnored;
-         });
-}
-
 }  // namespace
-
-std::vector<CsvColumn> MapCanonicalColumns(const std::vector<std::string_view>& header) {
-  std::vector<CsvColumn> columns;
-  columns.reserve(header.size());
-  for (const std::string_view name : header) {
-    CsvColumn column;
-    column.header = name;
-    column.meaning = FindCanonicalCsvName(name);
-    const auto [scale, unit] = DefaultUnit(CsvMeaningDimension(column.meaning));
-    column.scale = scale;
-    column.unit = unit;
-    column.unit_is_written = true;  // the format fixes it
-    column.says_utc = column.meaning == M::kUtc;
-    columns.push_back(std::move(column));
-  }
-  DropRepeated(columns);
-  return columns;
-}
-
-bool IsCanonicalFlightHeader(const std::vector<std::string_view>& header) {
-  return AllCanonical(header) && (Has(header, "t") || Has(header, "utc")) && !Has(header, "image");
-}
-
-bool IsCanonicalImagesHeader(const std::vector<std::string_view>& header) {
-  return AllCanonical(header) && Has(header, "image");
-}
 
 std::vector<CsvColumn> MapTolerantColumns(const std::vector<std::string_view>& header) {
   std::vector<CsvColumn> columns;

@@ -1,6 +1,5 @@
-// What the columns of a CSV log mean. The canonical header is read by its exact names; any other by synonyms
-// and by the units that headers carry: "height(feet)", "acc_x [m/s^2]", "gyro_x_dps", "lonDeg", "LAT_DEG".
-// Pure functions; any thread.
+// What the columns of a CSV log mean, by synonyms and by the units that headers carry: "height(feet)", "acc_x
+// [m/s^2]", "gyro_x_dps", "lonDeg", "LAT_DEG". Pure functions; any thread.
 #pragma once
 
 #include <algorithm>
@@ -27,14 +26,8 @@ struct CsvColumn {
   bool is_elapsed_text = false;  // "0:12:05" or "12m 5s" as a time
 };
 
-// flight.csv and images.csv: lower-case names exactly as documented, in any order; unknown columns are
-// ignored.
-std::vector<CsvColumn> MapCanonicalColumns(const std::vector<std::string_view>& header);
-// True when every column is a canonical one and there are enough to be a flight.csv (or images.csv).
-bool IsCanonicalFlightHeader(const std::vector<std::string_view>& header);
-bool IsCanonicalImagesHeader(const std::vector<std::string_view>& header);
-
-// Any other header. Several columns may have one meaning until SettleColumns has seen their cells.
+// By a header that is not canonical. Several columns may have one meaning until SettleColumns has seen their
+// cells.
 std::vector<CsvColumn> MapTolerantColumns(const std::vector<std::string_view>& header);
 
 // The first column with this meaning; null where there is none.

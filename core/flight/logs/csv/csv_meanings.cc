@@ -62,45 +62,6 @@ constexpr std::array kFacts = {
     MeaningFacts{M::kImage, "image", Dimension::kNone}};
 static_assert(kFacts.size() == static_cast<std::size_t>(M::kCount));
 
-struct Name {
-  std::string_view name;
-  M meaning;
-};
-
-constexpr std::array kCanonicalFlight = {Name{"t", M::kTime},
-                                         Name{"utc", M::kUtc},
-                                         Name{"wx", M::kGyroX},
-                                         Name{"wy", M::kGyroY},
-                                         Name{"wz", M::kGyroZ},
-                                         Name{"ax", M::kAccelX},
-                                         Name{"ay", M::kAccelY},
-                                         Name{"az", M::kAccelZ},
-                                         Name{"qw", M::kQw},
-                                         Name{"qx", M::kQx},
-                                         Name{"qy", M::kQy},
-                                         Name{"qz", M::kQz},
-                                         Name{"roll", M::kRoll},
-                                         Name{"pitch", M::kPitch},
-                                         Name{"yaw", M::kYaw},
-                                         Name{"lat", M::kLat},
-                                         Name{"lon", M::kLon},
-                                         Name{"alt_ell", M::kHeightEllipsoid},
-                                         Name{"alt_msl", M::kHeightAmsl},
-                                         Name{"vn", M::kVelocityNorth},
-                                         Name{"ve", M::kVelocityEast},
-                                         Name{"vd", M::kVelocityDown},
-                                         Name{"sh", M::kSigmaHorizontal},
-                                         Name{"sv", M::kSigmaVertical},
-                                         Name{"fix", M::kFix},
-                                         Name{"baro_alt", M::kBaroHeight},
-                                         Name{"press", M::kPressure},
-                                         Name{"range", M::kRange},
-                                         Name{"rel_alt", M::kHeightAboveTakeoff},
-                                         Name{"event", M::kEvent},
-                                         Name{"image", M::kImage},
-                                         Name{"s_rp", M::kSigmaTilt},
-                                         Name{"s_yaw", M::kSigmaYaw}};
-
 template <typename Meaning>
 struct Named {
   Meaning meaning;
@@ -220,13 +181,6 @@ const MeaningFacts& FactsOf(M meaning) { return kFacts[static_cast<std::size_t>(
 std::string_view CsvMeaningName(CsvMeaning meaning) { return FactsOf(meaning).words; }
 
 Dimension CsvMeaningDimension(CsvMeaning meaning) { return FactsOf(meaning).dimension; }
-
-CsvMeaning FindCanonicalCsvName(std::string_view name) {
-  for (const Name& each : kCanonicalFlight) {
-    if (each.name == name) return each.meaning;
-  }
-  return M::kIgnored;
-}
 
 CsvMeaning FindCsvSynonym(std::string_view letters) {
   static const std::unordered_map<std::string_view, M> kMeanings = MeaningsByName(kSynonyms);

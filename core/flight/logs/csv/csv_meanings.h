@@ -59,8 +59,6 @@ enum class CsvMeaning {
 std::string_view CsvMeaningName(CsvMeaning meaning);
 Dimension CsvMeaningDimension(CsvMeaning meaning);
 
-// By the exact name that flight.csv and images.csv give it; kIgnored for any other.
-CsvMeaning FindCanonicalCsvName(std::string_view name);
 // By one of the names that other programs use, lower case, without blanks, underscores and units.
 CsvMeaning FindCsvSynonym(std::string_view letters);
 

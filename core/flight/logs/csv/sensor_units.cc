@@ -1,5 +1,3 @@
-#include "core/flight/logs/csv/sensor_units.h"
-
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -8,6 +6,7 @@
 #include "core/base/median.h"
 #include "core/base/try.h"
 #include "core/flight/bytes/text_fields.h"
+#include "core/flight/logs/csv/csv_physics.h"
 #include "core/flight/remarks/because.h"
 #include "core/geo/geodesic.h"
 #include "core/geo/lat_lon.h"

@@ -99,7 +99,7 @@ TableCounts CountCells(LineReader lines, char separator, const std::vector<CsvCo
   std::string_view line;
   std::vector<std::string_view> cells;
   while (table.rows < kRowsLookedAt && lines.offset() - begin < kBytesLookedAt && lines.Next(line)) {
-    if (Trim(line).empty() || line.front() == '#') continue;
+    if (IsBlankOrComment(line)) continue;
     ++table.rows;
     SplitFields(line, separator, cells);
     while (!cells.empty() && cells.back().empty()) cells.pop_back();
@@ -237,7 +237,7 @@ void SettleDates(const TableCounts& table, LineReader lines, char separator, std
   std::vector<std::string_view> cells;
   const std::size_t begin = lines.offset();
   while (lines.offset() - begin < kDateBytesLookedAt && lines.Next(line)) {
-    if (Trim(line).empty() || line.front() == '#') continue;
+    if (IsBlankOrComment(line)) continue;
     SplitFields(line, separator, cells);
     if (date_at >= cells.size() || cells[date_at].empty()) continue;
     const bool has_time = time_of_day != nullptr && time_at < cells.size();

@@ -1,5 +1,3 @@
-#include "core/flight/logs/csv/tolerant_csv.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,6 +10,7 @@
 #include "core/flight/logs/csv/canonical_csv.h"
 #include "core/flight/logs/csv/csv_physics.h"
 #include "core/flight/logs/csv/settle_columns.h"
+#include "core/flight/logs/formats.h"
 #include "core/flight/remarks/because.h"
 
 namespace skyquilt::flight {
@@ -64,7 +63,7 @@ std::vector<CsvRow> PreviewOf(LineReader lines, const CsvHeader& header) {
   std::vector<std::string_view> cells;
   const std::size_t begin = lines.offset();
   while (preview.size() < kPreviewRows && lines.offset() - begin < kPreviewBytes && lines.Next(line)) {
-    if (Trim(line).empty() || line.front() == '#') continue;
+    if (IsBlankOrComment(line)) continue;
     SplitFields(line, header.separator, cells);
     preview.push_back(ReadCsvRow(header.columns, cells));
   }
@@ -192,7 +191,7 @@ bool LooksLikeNamedPlaces(LogBytes head) {
   std::string_view line;
   std::vector<std::string_view> cells;
   while (lines.Next(line) && !lines.last_line_is_open()) {
-    if (Trim(line).empty() || line.front() == '#') continue;
+    if (IsBlankOrComment(line)) continue;
     SplitFields(line, header->separator, cells);
     if (cells.size() > columns.size()) return true;
     for (std::size_t i = 1; i < std::min<std::size_t>(4, cells.size()); ++i) {

@@ -1,13 +1,11 @@
-#include "core/flight/logs/subtitles/subtitles.h"
-
 #include <algorithm>
 #include <cmath>
 #include <functional>
 
 #include "core/base/try.h"
 #include "core/flight/bytes/gps_time.h"
-#include "core/flight/bytes/log_text.h"
 #include "core/flight/bytes/text_fields.h"
+#include "core/flight/logs/formats.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/subtitles/cue_text.h"
 #include "core/flight/remarks/because.h"

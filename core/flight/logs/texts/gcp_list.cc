@@ -10,8 +10,7 @@
 #include <utility>
 
 #include "core/base/try.h"
-#include "core/flight/bytes/log_text.h"
-#include "core/flight/bytes/mapped_file.h"
+#include "core/flight/bytes/byte_source.h"
 #include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/texts/list_rows.h"
 #include "core/flight/remarks/because.h"
@@ -27,6 +26,7 @@ constexpr std::size_t kMinFlatPoints = 3;
 constexpr std::size_t kMaxGcpWarnings = 100;
 constexpr std::string_view kCheckEnding = "check";
 constexpr std::string_view kMarkOfCheck = "_check";
+constexpr std::string_view kNoImage = "-";  // of a point that is surveyed and not marked yet
 
 // x y z px py image: five numbers, then a name.
 bool IsSighting(const std::vector<std::string_view>& words) {
@@ -130,7 +130,7 @@ Result<GcpList> ParseWrittenGcpList(std::string_view name, LogBytes bytes) {
   bool has_more = true;
   for (; has_more && list.sightings.size() < kMaxSightings && list.points.size() < kMaxGcpPoints;
        has_more = lines.Next(line)) {
-    if (Trim(line).empty() || line.front() == '#') continue;
+    if (IsBlankOrComment(line)) continue;
     if (!SplitListRow(line, IsSighting, words)) {
       if (list.warnings.size() < kMaxGcpWarnings) {
         list.warnings.push_back({RemarkCode::kLineIsNone,

@@ -22,9 +22,6 @@ namespace skyquilt::flight {
 // column "check" that says yes gives a name that ending.
 bool IsCheckPoint(std::string_view point_name);
 
-// Stands for the image of a point that is surveyed and not marked yet.
-inline constexpr std::string_view kNoImage = "-";
-
 // One point seen in one photo.
 struct GcpSighting {
   std::string image_name;  // as written; the case of file names often differs from the files

@@ -1,5 +1,3 @@
-#include "core/flight/logs/texts/geo_txt.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,6 +8,7 @@
 #include "core/base/text/printable.h"
 #include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/csv/csv_columns.h"
+#include "core/flight/logs/formats.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/texts/list_rows.h"
 #include "core/flight/remarks/because.h"
@@ -120,7 +119,7 @@ Result<FlightLog> ParseGeoTxt(std::string_view name, LogBytes bytes, const Consu
     builder.Warn({RemarkCode::kLineIsNone, {{"line", number}, {"form", kGeoRowForm}}});
   // Counted with the bad ones: each may cost a transformation.
   do {
-    if (Trim(line).empty() || line.front() == '#') continue;
+    if (IsBlankOrComment(line)) continue;
     if (!SplitListRow(line, IsGeoRow, cells)) {
       if (bad++ == 0) {
         builder.Warn({RemarkCode::kLineIsNoneButThis,
@@ -132,10 +131,7 @@ Result<FlightLog> ParseGeoTxt(std::string_view name, LogBytes bytes, const Consu
     }
     WrittenPlace written{*ParseListCoordinate(cells[1]), *ParseListCoordinate(cells[2])};
     if (order == NamedOrder::kNorthFirst) std::swap(written.x, written.y);
-    CameraEvent event;
-    event.t_s = static_cast<double>(rows);
-    event.has_time = false;
-    event.image_name = std::string(cells[0].substr(0, kMaxNameLength));
+    CameraEvent event = EventByName(rows, cells[0]);
     event.written = written;
     if (system) event.position = system->ToLatLon(written.x, written.y);
     const auto z = cells.size() > 3 ? ReadBareNumber(cells[3]) : std::nullopt;

@@ -1,5 +1,3 @@
-#include "core/flight/logs/texts/pix4d_csv.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +6,7 @@
 
 #include "core/base/text/printable.h"
 #include "core/flight/bytes/text_fields.h"
+#include "core/flight/logs/formats.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/texts/list_rows.h"
 #include "core/flight/remarks/because.h"
@@ -156,10 +155,7 @@ Result<FlightLog> ParsePix4dCsv(std::string_view name, LogBytes bytes, const Con
     };
     const double first = *ParseListCoordinate(cells[1]), second = *ParseListCoordinate(cells[2]);
     is_in_degrees = is_in_degrees && IsInDegrees(first, second);
-    CameraEvent event;
-    event.t_s = static_cast<double>(rows);
-    event.has_time = false;
-    event.image_name = std::string(cells[0].substr(0, kMaxNameLength));
+    CameraEvent event = EventByName(rows, cells[0]);
     event.written = PlaceOfCells(first, second, columns->order);
     if (IsInDegrees(first, second)) event.position = geo::LatLon{event.written->y, event.written->x};
     event.height_ellipsoid_m = number(3);

@@ -1,11 +1,10 @@
-#include "core/flight/logs/texts/rtklib_pos.h"
-
 #include <fmt/format.h>
 
 #include <cmath>
 
 #include "core/flight/bytes/gps_time.h"
 #include "core/flight/bytes/text_fields.h"
+#include "core/flight/logs/formats.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/remarks/because.h"
 

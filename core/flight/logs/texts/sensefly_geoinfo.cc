@@ -1,8 +1,7 @@
-#include "core/flight/logs/texts/sensefly_geoinfo.h"
-
 #include <map>
 
 #include "core/flight/bytes/text_fields.h"
+#include "core/flight/logs/formats.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/remarks/because.h"
 
@@ -23,7 +22,7 @@ Result<FlightLog> ParseSenseflyGeoinfo(std::string_view name, LogBytes bytes, co
   std::uint64_t rows = 0;
   std::uint64_t bad = 0;
   while (lines.Next(line)) {
-    if (Trim(line).empty() || line.front() == '#') continue;
+    if (IsBlankOrComment(line)) continue;
     SplitFields(line, '\t', cells);
     if (columns.empty()) {
       for (std::size_t i = 0; i < cells.size(); ++i) columns.emplace(LowerCase(cells[i]), i);
@@ -45,10 +44,7 @@ Result<FlightLog> ParseSenseflyGeoinfo(std::string_view name, LogBytes bytes, co
       ++bad;
       continue;
     }
-    CameraEvent event;
-    event.t_s = static_cast<double>(rows);
-    event.has_time = false;
-    event.image_name = std::string(cells[name_column].substr(0, 512));
+    CameraEvent event = EventByName(rows, cells[name_column]);
     event.written = WrittenPlace{*lon, *lat};
     event.position = geo::LatLon{*lat, *lon};
     event.height_amsl_m = number("altitude_amsl");

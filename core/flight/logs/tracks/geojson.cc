@@ -1,5 +1,3 @@
-#include "core/flight/logs/tracks/geojson.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/flight/bytes/text_fields.h"
+#include "core/flight/logs/formats.h"
 #include "core/flight/logs/tracks/track_points.h"
 #include "core/flight/remarks/because.h"
 

@@ -1,5 +1,3 @@
-#include "core/flight/logs/tracks/nmea.h"
-
 #include <fmt/format.h>
 
 #include <charconv>
@@ -8,6 +6,7 @@
 
 #include "core/flight/bytes/gps_time.h"
 #include "core/flight/bytes/text_fields.h"
+#include "core/flight/logs/formats.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/remarks/because.h"
 

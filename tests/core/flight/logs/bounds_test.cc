@@ -2,19 +2,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/flight/logs/autopilots/mavlink_tlog.h"
-#include "core/flight/logs/autopilots/ulog.h"
 #include "core/flight/logs/autopilots/ulog_types.h"
+#include "core/flight/logs/formats.h"
 #include "core/flight/logs/texts/gcp_list.h"
-#include "core/flight/logs/texts/geo_txt.h"
-#include "core/flight/logs/tracks/gpx.h"
 #include "core/flight/remarks/remark_words.h"
 #include "tests/core/flight/logs/log_writers.h"
 
 namespace skyquilt::flight {
 namespace {
 
-using testing::AsText;
 using testing::Bytes;
 using ::testing::Contains;
 using ::testing::HasSubstr;

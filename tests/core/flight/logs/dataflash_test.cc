@@ -1,5 +1,3 @@
-#include "core/flight/logs/autopilots/dataflash.h"
-
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +5,8 @@
 #include <cmath>
 
 #include "core/flight/bytes/gps_time.h"
-#include "core/flight/logs/autopilots/dataflash_text.h"
+#include "core/flight/logs/autopilots/dataflash_walk.h"
+#include "core/flight/logs/formats.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/read_log.h"
 #include "core/flight/remarks/remark_words.h"

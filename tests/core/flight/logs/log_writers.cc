@@ -166,8 +166,4 @@ std::string SampleLogsFolder() {
   return std::filesystem::is_directory(logs) ? logs.string() : "";
 }
 
-std::string_view AsText(const Bytes& bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
 }  // namespace skyquilt::testing

@@ -72,6 +72,4 @@ class TlogWriter {
 // Where the real samples lie (SKYQUILT_DATA, else beside the source tree); empty where they are absent.
 std::string SampleLogsFolder();
 
-std::string_view AsText(const Bytes& bytes);
-
 }  // namespace skyquilt::testing

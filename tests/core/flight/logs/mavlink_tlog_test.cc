@@ -1,7 +1,6 @@
-#include "core/flight/logs/autopilots/mavlink_tlog.h"
-
 #include <gtest/gtest.h>
 
+#include "core/flight/logs/formats.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/remarks/remark_words.h"
 #include "tests/core/flight/logs/log_writers.h"

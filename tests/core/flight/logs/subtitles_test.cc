@@ -1,9 +1,8 @@
-#include "core/flight/logs/subtitles/subtitles.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/flight/bytes/gps_time.h"
+#include "core/flight/logs/formats.h"
 #include "core/flight/logs/read_log.h"
 #include "core/flight/logs/subtitles/cue_text.h"
 

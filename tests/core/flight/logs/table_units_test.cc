@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "core/flight/bytes/text_fields.h"
-#include "core/flight/logs/csv/tolerant_csv.h"
+#include "core/flight/logs/formats.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/read_log.h"
 #include "core/flight/remarks/because.h"

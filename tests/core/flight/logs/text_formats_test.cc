@@ -3,18 +3,11 @@
 #include <cmath>
 
 #include "core/flight/bytes/gps_time.h"
+#include "core/flight/logs/explain_unknown.h"
+#include "core/flight/logs/formats.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/read_log.h"
-#include "core/flight/logs/subtitles/subtitles.h"
-#include "core/flight/logs/texts/dji_mrk.h"
 #include "core/flight/logs/texts/gcp_list.h"
-#include "core/flight/logs/texts/geo_txt.h"
-#include "core/flight/logs/texts/pix4d_csv.h"
-#include "core/flight/logs/texts/rtklib_pos.h"
-#include "core/flight/logs/texts/sensefly_geoinfo.h"
-#include "core/flight/logs/texts/unknown_list.h"
-#include "core/flight/logs/tracks/gpx.h"
-#include "core/flight/logs/tracks/nmea.h"
 #include "core/flight/remarks/because.h"
 #include "core/flight/remarks/remark_words.h"
 

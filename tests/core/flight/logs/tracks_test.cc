@@ -1,13 +1,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/flight/logs/explain_unknown.h"
+#include "core/flight/logs/formats.h"
 #include "core/flight/logs/read_log.h"
-#include "core/flight/logs/tracks/geojson.h"
-#include "core/flight/logs/tracks/gpx.h"
-#include "core/flight/logs/tracks/kml.h"
-#include "core/flight/logs/tracks/nmea.h"
 #include "core/flight/logs/tracks/track_points.h"
-#include "core/flight/logs/tracks/unknown_track.h"
 #include "core/flight/logs/tracks/xml_scanner.h"
 #include "core/flight/remarks/because.h"
 #include "core/flight/remarks/remark_words.h"

@@ -1,8 +1,7 @@
-#include "core/flight/logs/autopilots/ulog.h"
-
 #include <gtest/gtest.h>
 
 #include "core/flight/bytes/gps_time.h"
+#include "core/flight/logs/formats.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/remarks/remark_words.h"
 #include "tests/core/flight/logs/log_writers.h"

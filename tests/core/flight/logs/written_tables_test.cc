@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "core/flight/bytes/gps_time.h"
-#include "core/flight/logs/csv/unknown_table.h"
+#include "core/flight/logs/explain_unknown.h"
 #include "core/flight/logs/read_log.h"
 #include "core/flight/remarks/because.h"
 #include "core/flight/remarks/remark_words.h"

@@ -49,7 +49,7 @@ Outcome ReadAndPlace(const GeneratedList& list, bool is_control, const test::Tem
   const std::filesystem::path path = folder / list.file_name;
   std::ofstream(path, std::ios::binary) << list.bytes;
   SilentProgress progress;
-  auto flight = flight::ReadFlight({{list.file_name, path}}, {.threads = 1}, progress);
+  auto flight = flight::ReadFlight({{list.file_name, path}}, 1, progress);
   Outcome outcome;
   if (!flight) {
     outcome.words.push_back(flight.error().message);

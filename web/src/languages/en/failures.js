@@ -1,4 +1,4 @@
-// English: why nothing came of it, by core/flight/remarks/remark_code.h: what ended a job, or refused an upload or an
+// English: why nothing came of it, by core/flight/remarks/remark.h: what ended a job, or refused an upload or an
 // option, and why a file or picture is not used. As remarks.js.
 import { count, fixed, number } from '../../shared/language.js';
 import { formatDuration } from '../../shared/format.js';

@@ -1,4 +1,4 @@
-// English: what the server remarks on a flight or its map, by the codes of core/flight/remarks/remark_code.h. Values have the
+// English: what the server remarks on a flight or its map, by the codes of core/flight/remarks/remark.h. Values have the
 // names that they have there; what ends in _words is English of the server and may be left out.
 import { count, fixed, number, plural } from '../../shared/language.js';
 import { formatDistance } from '../../shared/format.js';

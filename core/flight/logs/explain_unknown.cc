@@ -1,6 +1,7 @@
-#include "core/flight/logs/csv/unknown_table.h"
+#include "core/flight/logs/explain_unknown.h"
 
 #include <algorithm>
+#include <array>
 #include <string>
 #include <utility>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "core/flight/logs/coordinate_cell.h"
 #include "core/flight/logs/csv/csv_columns.h"
 #include "core/flight/logs/csv/unread_cells.h"
+#include "core/flight/logs/texts/list_rows.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -131,6 +133,90 @@ std::optional<Remark> ExplainUnknownTable(LogBytes head, std::string_view name) 
   const Remark missing = WhatIsMissing(taken);
   return Remark{RemarkCode::kTableLacks,
                 {{"file", name}, {"missing", missing}, {"columns", WhatIsKnown(std::move(taken))}}};
+}
+
+namespace {
+
+constexpr std::size_t kCellsOfPoint = 5;  // x y z pixel_x pixel_y, before the photo's name
+
+struct BadCell {
+  std::size_t column = 0;  // from 1
+  std::string_view cell;   // empty: the row ends before it
+};
+
+// The first of `count` cells from `begin` that is no number.
+std::optional<BadCell> FirstBadCell(const std::vector<std::string_view>& cells, std::size_t begin,
+                                    std::size_t count) {
+  for (std::size_t i = begin; i < begin + count; ++i) {
+    if (i >= cells.size()) return BadCell{i + 1, {}};
+    if (!ParseListCoordinate(cells[i])) return BadCell{i + 1, cells[i]};
+  }
+  return std::nullopt;
+}
+
+Remark Explained(RemarkCode list, std::string_view name, std::size_t line_number, const BadCell& bad) {
+  Remark what = RemarkCode::kCellMissing;
+  if (!bad.cell.empty()) what = {RemarkCode::kCellNoNumber, {{"cell", Quoted(bad.cell)}}};
+  return {list, {{"file", name}, {"column", bad.column}, {"line", line_number}, {"what", std::move(what)}}};
+}
+
+}  // namespace
+
+std::optional<Remark> ExplainUnknownList(LogBytes head, std::string_view name) {
+  constexpr int kLinesLookedAt = 24;
+  if (!LooksLikeText(TextOf(head))) return std::nullopt;
+  LineReader lines(TextOf(head));
+  std::string_view line;
+  std::vector<std::string_view> cells;
+  const auto names_a_photo = [](const std::vector<std::string_view>& row) {
+    return row.size() >= 2 && std::any_of(row.begin(), row.end(), LooksLikePhotoFile);
+  };
+  for (int i = 0; i < kLinesLookedAt && lines.Next(line); ++i) {
+    if (IsBlankOrComment(line) || !SplitListRow(line, names_a_photo, cells)) continue;
+    const auto photo = std::find_if(cells.begin(), cells.end(), LooksLikePhotoFile);
+    if (photo == cells.begin()) {
+      const auto bad = FirstBadCell(cells, 1, 2);
+      if (bad) return Explained(RemarkCode::kLikeListOfPlaces, name, lines.line_number(), *bad);
+    } else if (static_cast<std::size_t>(photo - cells.begin()) <= kCellsOfPoint) {
+      const auto bad = FirstBadCell(cells, 0, kCellsOfPoint);
+      if (bad) return Explained(RemarkCode::kLikeListOfPoints, name, lines.line_number(), *bad);
+    }
+  }
+  return std::nullopt;
+}
+
+namespace {
+
+struct NamedTrack {
+  std::string_view ending;
+  RemarkCode lacks;  // the mark by which it is known
+};
+
+constexpr std::array<NamedTrack, 6> kNamedTracks = {{
+    {".gpx", RemarkCode::kNamedAsGpx},
+    {".kml", RemarkCode::kNamedAsKml},
+    {".geojson", RemarkCode::kNamedAsGeojson},
+    {".nmea", RemarkCode::kNamedAsNmea},
+    {".srt", RemarkCode::kNamedAsSrt},
+    {".ass", RemarkCode::kNamedAsAss},
+}};
+
+}  // namespace
+
+std::optional<Remark> ExplainUnknownTrack(LogBytes head, std::string_view name) {
+  constexpr std::size_t kQuotedLine = 60;
+  const std::string lower = LowerCase(name);
+  if (lower.ends_with(".kmz")) return Remark{RemarkCode::kKmzNotRead, {{"file", name}}};
+  const auto named = std::find_if(kNamedTracks.begin(), kNamedTracks.end(),
+                                  [&](const NamedTrack& track) { return lower.ends_with(track.ending); });
+  if (named == kNamedTracks.end()) return std::nullopt;
+  Remark begins = RemarkCode::kFirstBytesNoText;
+  if (LooksLikeText(TextOf(head))) {
+    const std::string_view text = Trim(TextOf(head));
+    begins = {RemarkCode::kFirstLineIs,
+              {{"text", Quoted(text.substr(0, text.find_first_of("\r\n")), kQuotedLine)}}};
+  }
+  return Remark{named->lacks, {{"file", name}, {"begins", std::move(begins)}}};
 }
 
 }  // namespace skyquilt::flight

@@ -1,6 +1,7 @@
-#include "core/flight/lists/elevation_model_file.h"
+#include "core/flight/lists/file_kinds.h"
 
 #include <algorithm>
+#include <array>
 
 #include "core/flight/metadata/exif_table.h"
 #include "core/flight/remarks/because.h"
@@ -54,6 +55,13 @@ std::vector<InputFile> ElevationModelsAmong(const std::vector<InputFile>& files)
   std::stable_sort(models.begin(), models.end(),
                    [](const InputFile& a, const InputFile& b) { return a.name < b.name; });
   return models;
+}
+
+bool LooksLikeFilm(std::string_view head) {
+  if (head.size() < kFilmHeadBytes || head.substr(4, 4) != "ftyp") return false;
+  constexpr std::array<std::string_view, 8> kPictures = {"heic", "heix", "hevc", "heim",
+                                                         "heis", "mif1", "avif", "crx "};
+  return std::find(kPictures.begin(), kPictures.end(), head.substr(8, 4)) == kPictures.end();
 }
 
 }  // namespace skyquilt::flight
