@@ -6,7 +6,7 @@
 
 #include "core/geo/lat_lon.h"
 #include "core/geo/rigid3.h"
-#include "core/poses/smoother/chain_timeline.h"
+#include "core/poses/smoother/chain_problem.h"
 #include "core/poses/so3.h"
 
 namespace skyquilt::poses {

@@ -22,7 +22,6 @@
 #include "core/flight/logs/flight_log.h"
 #include "core/poses/posed_flight.h"
 #include "core/poses/smoother/chain_state.h"
-#include "core/poses/smoother/gravity.h"
 #include "core/poses/smoother/preintegration.h"
 
 namespace skyquilt::poses {

@@ -1,9 +1,12 @@
-// FindClockOffset: how far a camera's clock is from a log's where no events tell: from the photos' own
-// positions on the log's track, or from the two clocks as they stand.
-// Deterministic; any thread.
+// FindClockOffset: how far a camera's clock is from a log's where no events tell: by the offset at which the
+// photos' own positions fit the log's track best, or from the two clocks as they stand. Constant-speed legs
+// say nothing about time; turns, stops and changes of speed do, and the sigma shows it. Deterministic; any
+// thread.
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,6 +16,15 @@
 #include "core/poses/time/time_sync.h"
 
 namespace skyquilt::poses {
+
+// Horizontal track of a log in a local plane, rising times.
+struct TrackPoint {
+  double t_s = 0.0;
+  Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
+};
+
+// Position at a time; nothing outside the track and in its gaps of more than two seconds.
+std::optional<Eigen::Vector2d> TrackAt(std::span<const TrackPoint> track, double t_s);
 
 struct FoundOffset {
   TimeSyncMethod method = TimeSyncMethod::kClocks;

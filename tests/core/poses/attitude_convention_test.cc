@@ -5,7 +5,7 @@
 #include <random>
 
 #include "core/geo/lat_lon.h"
-#include "core/poses/conventions/course.h"
+#include "core/poses/conventions/choose_convention.h"
 
 namespace skyquilt::poses {
 namespace {

@@ -1,11 +1,10 @@
-#include "core/poses/smoother/course_evidence.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "core/geo/lat_lon.h"
 #include "core/poses/conventions/attitude_convention.h"
+#include "core/poses/smoother/chain_problem.h"
 
 namespace skyquilt::poses {
 namespace {

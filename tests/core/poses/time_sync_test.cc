@@ -7,8 +7,8 @@
 #include <random>
 
 #include "core/geo/local_frame.h"
-#include "core/poses/time/clock_search.h"
 #include "core/poses/time/event_alignment.h"
+#include "core/poses/time/find_clock_offset.h"
 
 namespace skyquilt::poses {
 namespace {
