@@ -1,6 +1,4 @@
 // What a wall hides: from where, how far behind it, and that nothing hides itself.
-#include "core/ground/occlusion.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,6 +6,8 @@
 #include <random>
 #include <utility>
 #include <vector>
+
+#include "core/ground/ground_surface.h"
 
 namespace skyquilt::ground {
 namespace {
