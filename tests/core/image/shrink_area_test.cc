@@ -1,5 +1,3 @@
-#include "core/image/shrink/shrink_area.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,6 +5,8 @@
 #include <cstdint>
 #include <random>
 #include <vector>
+
+#include "core/image/shrink/shrink_picture.h"
 
 namespace skyquilt::image {
 namespace {

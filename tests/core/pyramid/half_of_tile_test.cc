@@ -1,5 +1,3 @@
-#include "core/pyramid/half_of_tile.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
