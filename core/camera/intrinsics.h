@@ -53,9 +53,6 @@ struct Intrinsics {
   // Largest r^2 (normalised, undistorted) for which the radial polynomial still grows; infinity without
   // distortion.
   double MaxRadiusSquared() const;
-  // The same camera for an image decoded at another size (both sides scaled by the same factor, up to
-  // rounding).
-  Intrinsics Scaled(int new_width_px, int new_height_px) const;
 
   bool operator==(const Intrinsics&) const = default;
 };

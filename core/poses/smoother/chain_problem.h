@@ -60,14 +60,12 @@ std::optional<CourseEvidence> JudgeCourse(const std::vector<KnotState>& knots,
 struct ChainGuess {
   std::vector<KnotState> knots;
   BorderState border;
-  std::string start;  // how it was made, in words
 };
 
 // What a pass over all factors counts beside the cost.
 struct FactorCount {
   std::map<std::string, int> used;
   std::map<std::string, int> down_weighted;
-  int residuals = 0;
 };
 
 class ChainProblem {

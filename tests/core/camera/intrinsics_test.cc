@@ -39,13 +39,5 @@ TEST(Intrinsics, RefusesRaysBehindTheCameraAndBeyondTheFold) {
   EXPECT_TRUE(folding.Project({0.5, 0.0, 1.0}).has_value());
 }
 
-TEST(Intrinsics, ScaledKeepsRaysAndTheHalfPixel) {
-  const Intrinsics camera = BentCamera();
-  const Intrinsics half = camera.Scaled(2000, 1500);
-  const Eigen::Vector2d pixel{1234.0, 987.0};
-  const Eigen::Vector2d in_half = (pixel + Eigen::Vector2d(0.5, 0.5)) * 0.5 - Eigen::Vector2d(0.5, 0.5);
-  EXPECT_LT((half.Unproject(in_half) - camera.Unproject(pixel)).norm(), 1e-12);
-}
-
 }  // namespace
 }  // namespace skyquilt::camera
