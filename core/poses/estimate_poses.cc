@@ -274,13 +274,6 @@ void FilterOutliers(bool keep_unplaced, PosedFlight& posed) {
   }
 }
 
-void Summarise(PosedFlight& posed) {
-  PoseReport& report = posed.report;
-  report.is_placed = posed.is_placed;
-  std::sort(posed.left_out.begin(), posed.left_out.end(),
-            [](const LeftOutPhoto& a, const LeftOutPhoto& b) { return a.name < b.name; });
-}
-
 }  // namespace
 
 Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePosesOptions& options) {
@@ -386,7 +379,9 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
         ErrorCode::kUnprocessable,
         {RemarkCode::kFailNoneWhereRecorded, {{"left", FirstImplausible({first, posed.left_out.end()})}}});
   }
-  Summarise(posed);
+  posed.report.is_placed = posed.is_placed;
+  std::sort(posed.left_out.begin(), posed.left_out.end(),
+            [](const LeftOutPhoto& a, const LeftOutPhoto& b) { return a.name < b.name; });
   return posed;
 }
 

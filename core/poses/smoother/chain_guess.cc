@@ -1,5 +1,4 @@
-#include "core/poses/smoother/chain_guess.h"
-
+// GuessChain: the smoother's first guess.
 #include <algorithm>
 #include <cmath>
 #include <optional>

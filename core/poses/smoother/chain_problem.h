@@ -130,4 +130,9 @@ class ChainProblem {
   std::vector<Placed> positions_, velocities_, attitudes_, heights_, ranges_, markers_;
 };
 
+// The first guess, from the best that the inputs offer: recorded attitudes; GNSS tracks; without GNSS the
+// chain of photo-to-photo motions scaled by the height; and only last dead reckoning, which starts
+// Gauss-Newton kilometres off. Leaves `problem` expanded about the guess.
+ChainGuess GuessChain(ChainProblem& problem);
+
 }  // namespace skyquilt::poses

@@ -6,7 +6,6 @@
 
 #include "core/base/check.h"
 #include "core/flight/remarks/because.h"
-#include "core/poses/smoother/chain_guess.h"
 #include "core/poses/smoother/chain_problem.h"
 #include "core/poses/smoother/clean_input.h"
 #include "core/poses/so3.h"

@@ -11,6 +11,7 @@
 #include "core/base/median.h"
 #include "core/geo/local_frame.h"
 #include "core/poses/time/event_alignment.h"
+#include "core/poses/time/join_logs.h"
 
 namespace skyquilt::poses {
 namespace {
@@ -197,8 +198,8 @@ class OffsetSearch {
   // photos into the log is taken when it is the only one.
   bool ByClocks() {
     if (!log_.utc_at_zero && !log_.local_at_zero) return false;
-    const auto span = LogSpan();
-    if (!span) return false;
+    const LogSpan span = Span();
+    if (span.IsEmpty()) return false;
     const flight::UtcTime zero = log_.utc_at_zero ? *log_.utc_at_zero : *log_.local_at_zero;
     const double as_it_stands = SecondsBetween(zero, first_);
     const double last = refined_.times_s.back();
@@ -209,8 +210,8 @@ class OffsetSearch {
       const double offset = as_it_stands - quarter * 900.0;
       // A zone is guessed only where it puts all photos into the log; UTC holds for those that lie outside
       // too.
-      const bool fits = both_utc ? offset < span->second && offset + last > span->first
-                                 : offset > span->first - 5.0 && offset + last < span->second + 5.0;
+      const bool fits = both_utc ? offset < span.end_s && offset + last > span.begin_s
+                                 : offset > span.begin_s - 5.0 && offset + last < span.end_s + 5.0;
       if (fits) fitting.push_back(offset);
     }
     if (fitting.empty()) return false;
@@ -230,21 +231,15 @@ class OffsetSearch {
     return true;
   }
 
-  std::optional<std::pair<double, double>> LogSpan() const {
-    std::optional<std::pair<double, double>> span;
-    const auto widen = [&](const auto& samples) {
-      if (samples.empty()) return;
-      if (!span) span.emplace(samples.front().t_s, samples.back().t_s);
-      span->first = std::min(span->first, samples.front().t_s);
-      span->second = std::max(span->second, samples.back().t_s);
-    };
-    widen(log_.gnss);
-    widen(log_.attitude);
-    widen(log_.imu);
-    widen(log_.baro);
+  LogSpan Span() const {
+    LogSpan span;
+    span.Take(log_.gnss);
+    span.Take(log_.attitude);
+    span.Take(log_.imu);
+    span.Take(log_.baro);
     const bool any_timed = std::any_of(log_.events.begin(), log_.events.end(),
                                        [](const flight::CameraEvent& event) { return event.has_time; });
-    if (any_timed) widen(log_.events);
+    if (any_timed) span.Take(log_.events);
     return span;
   }
 
