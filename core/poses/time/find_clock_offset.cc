@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <span>
 #include <utility>
 
 #include "core/base/median.h"
@@ -30,9 +32,9 @@ struct ClockOffset {
   double residual_m = 0.0;  // robust, of one photo
 };
 
-// In the plane of the track.
+// Of a track on the log's clock, of photos on the camera's; in one local plane.
 struct TimedPosition {
-  double t_s = 0.0;  // on the camera's clock
+  double t_s = 0.0;
   Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
 };
 
@@ -96,9 +98,23 @@ std::optional<ClockOffset> Search(const ErrorsAt& errors_at, std::size_t count, 
   return found;
 }
 
+// Position at a time; nothing outside the track and in its gaps of more than two seconds.
+std::optional<Eigen::Vector2d> TrackAt(std::span<const TimedPosition> track, double t_s) {
+  const auto after = std::lower_bound(track.begin(), track.end(), t_s,
+                                      [](const TimedPosition& point, double t) { return point.t_s < t; });
+  if (after == track.end()) return std::nullopt;
+  if (after->t_s == t_s) return after->position_m;
+  if (after == track.begin()) return std::nullopt;
+  const auto before = after - 1;
+  const double gap = after->t_s - before->t_s;
+  if (gap > kLongestGapS) return std::nullopt;
+  const double share = (t_s - before->t_s) / gap;
+  return before->position_m + share * (after->position_m - before->position_m);
+}
+
 // Every offset that keeps four fifths of the photos on the track is tried.
 std::optional<ClockOffset> SearchByPositions(std::span<const TimedPosition> photos,
-                                             std::span<const TrackPoint> track) {
+                                             std::span<const TimedPosition> track) {
   if (photos.size() < 4 || track.size() < 4) return std::nullopt;
   const auto errors_at = [&](double offset, std::size_t stride, std::vector<double>& errors) {
     errors.clear();
@@ -250,24 +266,11 @@ class OffsetSearch {
   RefinedStamps refined_;
   std::string stamps_;  // what was done to them, in words
   std::optional<geo::LocalFrame> frame_;
-  std::vector<TrackPoint> track_;
+  std::vector<TimedPosition> track_;
   FoundOffset found_;
 };
 
 }  // namespace
-
-std::optional<Eigen::Vector2d> TrackAt(std::span<const TrackPoint> track, double t_s) {
-  const auto after = std::lower_bound(track.begin(), track.end(), t_s,
-                                      [](const TrackPoint& point, double t) { return point.t_s < t; });
-  if (after == track.end()) return std::nullopt;
-  if (after->t_s == t_s) return after->position_m;
-  if (after == track.begin()) return std::nullopt;
-  const auto before = after - 1;
-  const double gap = after->t_s - before->t_s;
-  if (gap > kLongestGapS) return std::nullopt;
-  const double share = (t_s - before->t_s) / gap;
-  return before->position_m + share * (after->position_m - before->position_m);
-}
 
 std::optional<FoundOffset> FindClockOffset(const std::vector<Photo>& photos, const StampedPhotos& camera,
                                            flight::UtcTime first, const FlightLog& log) {

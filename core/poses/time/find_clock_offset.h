@@ -4,9 +4,7 @@
 // thread.
 #pragma once
 
-#include <Eigen/Core>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -16,15 +14,6 @@
 #include "core/poses/time/time_sync.h"
 
 namespace skyquilt::poses {
-
-// Horizontal track of a log in a local plane, rising times.
-struct TrackPoint {
-  double t_s = 0.0;
-  Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
-};
-
-// Position at a time; nothing outside the track and in its gaps of more than two seconds.
-std::optional<Eigen::Vector2d> TrackAt(std::span<const TrackPoint> track, double t_s);
 
 struct FoundOffset {
   TimeSyncMethod method = TimeSyncMethod::kClocks;
