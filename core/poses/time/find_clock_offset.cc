@@ -169,7 +169,7 @@ class OffsetSearch {
     MakeTrack();
   }
 
-  std::optional<FoundOffset> Run() {
+  std::optional<TimeSync> Run() {
     if (!track_.empty() && ByPositions()) return found_;
     // Photos that know where they were and fit nowhere on the track belong to another flight: clocks alone
     // must not tie them to this one.
@@ -267,13 +267,13 @@ class OffsetSearch {
   std::string stamps_;  // what was done to them, in words
   std::optional<geo::LocalFrame> frame_;
   std::vector<TimedPosition> track_;
-  FoundOffset found_;
+  TimeSync found_;
 };
 
 }  // namespace
 
-std::optional<FoundOffset> FindClockOffset(const std::vector<Photo>& photos, const StampedPhotos& camera,
-                                           flight::UtcTime first, const FlightLog& log) {
+std::optional<TimeSync> FindClockOffset(const std::vector<Photo>& photos, const StampedPhotos& camera,
+                                        flight::UtcTime first, const FlightLog& log) {
   return OffsetSearch(photos, camera, first, log).Run();
 }
 

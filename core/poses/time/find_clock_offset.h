@@ -5,7 +5,6 @@
 #pragma once
 
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "core/flight/logs/flight_log.h"
@@ -15,17 +14,9 @@
 
 namespace skyquilt::poses {
 
-struct FoundOffset {
-  TimeSyncMethod method = TimeSyncMethod::kClocks;
-  std::string method_in_words;
-  double offset_s = 0.0;  // as TimeSync's
-  double sigma_s = 0.0;
-  std::vector<std::string> notes;
-};
-
-// `first`: the stamp from which the camera's stamps count. Nothing where the two cannot be tied.
-std::optional<FoundOffset> FindClockOffset(const std::vector<flight::Photo>& photos,
-                                           const StampedPhotos& camera, flight::UtcTime first,
-                                           const flight::FlightLog& log);
+// Without the photos' times. `first`: the stamp from which the camera's stamps count. Nothing where the two
+// cannot be tied.
+std::optional<TimeSync> FindClockOffset(const std::vector<flight::Photo>& photos, const StampedPhotos& camera,
+                                        flight::UtcTime first, const flight::FlightLog& log);
 
 }  // namespace skyquilt::poses

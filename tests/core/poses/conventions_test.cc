@@ -120,25 +120,21 @@ TEST(ChooseConvention, LeavesAnglesThatFit) {
   EXPECT_NEAR(photos[3].attitude->pitch_rad, geo::DegToRad(-90.0), 0.02);
 }
 
-TEST(ChooseConvention, FindsAPitchThatCountsFromNadir) {
-  std::vector<Photo> photos = Flown(AttitudeKind::kGimbal, 0.0, 0.0);
-  const ConventionChoice choice = ChooseConvention(photos, {});
-  EXPECT_TRUE(choice.is_changed);
-  for (const Photo& photo : photos) EXPECT_GT(DownOf(photo), 0.99);
-}
-
-TEST(ChooseConvention, FindsAPitchThatCountsDownwards) {
-  std::vector<Photo> photos = Flown(AttitudeKind::kGimbal, 0.0, 70.0);
-  const ConventionChoice choice = ChooseConvention(photos, {});
-  EXPECT_TRUE(choice.is_changed);
-  for (const Photo& photo : photos) EXPECT_GT(DownOf(photo), 0.9);
-}
-
-TEST(ChooseConvention, FindsAnglesOfTheCameraNamedThoseOfTheAirframe) {
-  std::vector<Photo> photos = Flown(AttitudeKind::kAirframe, 0.0, -88.0);
-  const ConventionChoice choice = ChooseConvention(photos, {});
-  EXPECT_TRUE(choice.is_changed);
-  EXPECT_GT(DownOf(photos[0]), 0.99);
+TEST(ChooseConvention, FindsAnotherReadingUnderWhichThePhotosLookDown) {
+  const struct {
+    AttitudeKind kind;
+    double pitch_deg;
+    double down;  // at least
+  } cases[] = {
+      {AttitudeKind::kGimbal, 0.0, 0.99},      // counts from nadir
+      {AttitudeKind::kGimbal, 70.0, 0.9},      // counts downwards
+      {AttitudeKind::kAirframe, -88.0, 0.99},  // the camera's, named the airframe's
+  };
+  for (const auto& [kind, pitch_deg, down] : cases) {
+    std::vector<Photo> photos = Flown(kind, 0.0, pitch_deg);
+    EXPECT_TRUE(ChooseConvention(photos, {}).is_changed) << pitch_deg;
+    for (const Photo& photo : photos) EXPECT_GT(DownOf(photo), down) << pitch_deg;
+  }
 }
 
 TEST(ChooseConvention, BelievesAFewPhotosThatLookAtTheHorizon) {
