@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "core/image/sample_image.h"
+#include "core/image/decoded_image.h"
 
 namespace skyquilt::bands {
 

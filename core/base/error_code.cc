@@ -1,61 +1,51 @@
 #include "core/base/error_code.h"
 
+#include <algorithm>
+
 #include "core/base/check.h"
 
 namespace skyquilt {
+namespace {
+
+struct NamedCode {
+  ErrorCode code;
+  std::string_view name;
+};
+constexpr std::array kNamedCodes = {
+    NamedCode{ErrorCode::kInvalidArgument, "invalid_argument"},
+    NamedCode{ErrorCode::kUnprocessable, "unprocessable"},
+    NamedCode{ErrorCode::kUnsupportedFormat, "unsupported_format"},
+    NamedCode{ErrorCode::kCorrupt, "corrupt"},
+    NamedCode{ErrorCode::kNoPosition, "no_position"},
+    NamedCode{ErrorCode::kNotFound, "not_found"},
+    NamedCode{ErrorCode::kConflict, "conflict"},
+    NamedCode{ErrorCode::kPreconditionFailed, "precondition_failed"},
+    NamedCode{ErrorCode::kTooLarge, "too_large"},
+    NamedCode{ErrorCode::kOutOfSpace, "out_of_space"},
+    NamedCode{ErrorCode::kUnauthorized, "unauthorized"},
+    NamedCode{ErrorCode::kForbidden, "forbidden"},
+    NamedCode{ErrorCode::kMethodNotAllowed, "method_not_allowed"},
+    NamedCode{ErrorCode::kNotAcceptable, "not_acceptable"},
+    NamedCode{ErrorCode::kLengthRequired, "length_required"},
+    NamedCode{ErrorCode::kRangeNotSatisfiable, "range_not_satisfiable"},
+    NamedCode{ErrorCode::kDigestMismatch, "digest_mismatch"},
+    NamedCode{ErrorCode::kRateLimited, "rate_limited"},
+    NamedCode{ErrorCode::kTimeout, "timeout"},
+    NamedCode{ErrorCode::kCancelled, "cancelled"},
+    NamedCode{ErrorCode::kUnavailable, "unavailable"},
+    NamedCode{ErrorCode::kNotImplemented, "not_implemented"},
+    NamedCode{ErrorCode::kIo, "io"},
+    NamedCode{ErrorCode::kInternal, "internal"},
+};
+static_assert(kNamedCodes.size() == kAllErrorCodes.size());
+
+}  // namespace
 
 std::string_view ErrorCodeName(ErrorCode code) {
-  switch (code) {
-    case ErrorCode::kInvalidArgument:
-      return "invalid_argument";
-    case ErrorCode::kUnprocessable:
-      return "unprocessable";
-    case ErrorCode::kUnsupportedFormat:
-      return "unsupported_format";
-    case ErrorCode::kCorrupt:
-      return "corrupt";
-    case ErrorCode::kNoPosition:
-      return "no_position";
-    case ErrorCode::kNotFound:
-      return "not_found";
-    case ErrorCode::kConflict:
-      return "conflict";
-    case ErrorCode::kPreconditionFailed:
-      return "precondition_failed";
-    case ErrorCode::kTooLarge:
-      return "too_large";
-    case ErrorCode::kOutOfSpace:
-      return "out_of_space";
-    case ErrorCode::kUnauthorized:
-      return "unauthorized";
-    case ErrorCode::kForbidden:
-      return "forbidden";
-    case ErrorCode::kMethodNotAllowed:
-      return "method_not_allowed";
-    case ErrorCode::kNotAcceptable:
-      return "not_acceptable";
-    case ErrorCode::kLengthRequired:
-      return "length_required";
-    case ErrorCode::kRangeNotSatisfiable:
-      return "range_not_satisfiable";
-    case ErrorCode::kDigestMismatch:
-      return "digest_mismatch";
-    case ErrorCode::kRateLimited:
-      return "rate_limited";
-    case ErrorCode::kTimeout:
-      return "timeout";
-    case ErrorCode::kCancelled:
-      return "cancelled";
-    case ErrorCode::kUnavailable:
-      return "unavailable";
-    case ErrorCode::kNotImplemented:
-      return "not_implemented";
-    case ErrorCode::kIo:
-      return "io";
-    case ErrorCode::kInternal:
-      return "internal";
-  }
-  SKYQUILT_CHECK(false, "error code outside the closed list");
+  const auto* const known = std::find_if(kNamedCodes.begin(), kNamedCodes.end(),
+                                         [&](const NamedCode& one) { return one.code == code; });
+  SKYQUILT_CHECK(known != kNamedCodes.end(), "error code outside the closed list");
+  return known->name;
 }
 
 }  // namespace skyquilt

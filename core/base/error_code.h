@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <string_view>
 
 namespace skyquilt {
@@ -34,32 +35,11 @@ enum class ErrorCode {
   kInternal,        // a defect of this program
 };
 
-inline constexpr std::array kAllErrorCodes = {
-    ErrorCode::kInvalidArgument,
-    ErrorCode::kUnprocessable,
-    ErrorCode::kUnsupportedFormat,
-    ErrorCode::kCorrupt,
-    ErrorCode::kNoPosition,
-    ErrorCode::kNotFound,
-    ErrorCode::kConflict,
-    ErrorCode::kPreconditionFailed,
-    ErrorCode::kTooLarge,
-    ErrorCode::kOutOfSpace,
-    ErrorCode::kUnauthorized,
-    ErrorCode::kForbidden,
-    ErrorCode::kMethodNotAllowed,
-    ErrorCode::kNotAcceptable,
-    ErrorCode::kLengthRequired,
-    ErrorCode::kRangeNotSatisfiable,
-    ErrorCode::kDigestMismatch,
-    ErrorCode::kRateLimited,
-    ErrorCode::kTimeout,
-    ErrorCode::kCancelled,
-    ErrorCode::kUnavailable,
-    ErrorCode::kNotImplemented,
-    ErrorCode::kIo,
-    ErrorCode::kInternal,
-};
+inline constexpr auto kAllErrorCodes = [] {
+  std::array<ErrorCode, static_cast<std::size_t>(ErrorCode::kInternal) + 1> all{};
+  for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<ErrorCode>(i);
+  return all;
+}();
 
 // A stable lower-case word for machines, e.g. "no_position".
 std::string_view ErrorCodeName(ErrorCode code);

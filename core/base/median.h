@@ -1,6 +1,6 @@
 // Median: the middle value; of an even number the upper of the two middles, so that it is always one of the
 // values. Takes its values by copy, since finding it reorders them. Precondition: non-empty; MedianIfAny
-// is for values of which there may be none. Pure; any thread.
+// is for values of which there may be none. Percentile: the same for any share. Pure; any thread.
 #pragma once
 
 #include <algorithm>
@@ -25,6 +25,15 @@ template <typename Value>
 std::optional<Value> MedianIfAny(std::vector<Value> values) {
   if (values.empty()) return std::nullopt;
   return Median(std::move(values));
+}
+
+// The value below which a share (0..1) of the values lies; one of the values, 0 for none.
+inline double Percentile(std::vector<double> values, double share) {
+  if (values.empty()) return 0.0;
+  const auto at =
+      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
 }
 
 }  // namespace skyquilt

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <cstddef>
 #include <cstdio>
 #include <mutex>
 #include <utility>
@@ -23,6 +24,7 @@ struct Span {
 };
 
 constexpr std::int64_t kInstant = -1;
+constexpr std::size_t kMaxTraceSpans = 1'000'000;
 
 std::atomic<bool> is_tracing{false};
 std::mutex spans_mutex;

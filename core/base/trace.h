@@ -1,11 +1,10 @@
 // Trace: what the program's threads do when, for a timeline: spans of one thread, and decisions with the
 // numbers they were taken by, written as JSON in Chrome's trace event format, a line each (chrome://tracing,
 // ui.perfetto.dev; "Trace Event Format", complete events "X" and instant events "i"). Nothing is collected
-// until BeginTrace; before that each costs one load. At most kMaxTraceSpans are kept, the others are counted.
+// until BeginTrace; before that each costs one load. At most a million are kept, the others are counted.
 // Any thread.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <initializer_list>
 #include <string>
@@ -13,8 +12,6 @@
 #include <utility>
 
 namespace skyquilt {
-
-inline constexpr std::size_t kMaxTraceSpans = 1'000'000;
 
 void BeginTrace();
 

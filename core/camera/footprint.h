@@ -1,8 +1,11 @@
-// Footprint: the outline on the ground of what a photo sees, as a polygon in enu (E, N), counter-clockwise as
-// seen from above, clipped where the view would run towards the horizon. Values; any thread.
+// Between pixels and level ground, through lens and pose: where the ray through a pixel meets a level plane,
+// where a photo shows a point of enu, and the footprint: the outline on the ground of what a photo sees, as a
+// polygon in enu (E, N), counter-clockwise as seen from above, clipped where the view would run towards the
+// horizon. Metres and pixels. Values; any thread.
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "core/camera/intrinsics.h"
@@ -10,6 +13,14 @@
 #include "core/geo/rigid3.h"
 
 namespace skyquilt::camera {
+
+// Where the ray through a pixel meets the plane z = plane_z_m, in enu; nothing for rays that go up or are
+// within half a degree of the horizon.
+std::optional<Eigen::Vector3d> GroundFromPixel(const Intrinsics& intrinsics, const geo::Rigid3& cam_from_enu,
+                                               const Eigen::Vector2d& pixel_in_image, double plane_z_m);
+// The pixel that sees a point of enu; nothing if the photo does not see it.
+std::optional<Eigen::Vector2d> PixelFromEnu(const Intrinsics& intrinsics, const geo::Rigid3& cam_from_enu,
+                                            const Eigen::Vector3d& point_in_enu);
 
 // Rays steeper than this off the vertical are cut: beyond it a pixel covers metres.
 inline constexpr double kMaxViewAngleRad = 1.31;  // 75 degrees

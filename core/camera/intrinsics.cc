@@ -94,18 +94,4 @@ Eigen::Vector3d Intrinsics::Unproject(const Eigen::Vector2d& pixel_in_image) con
   return {straight.x(), straight.y(), 1.0};
 }
 
-Intrinsics Intrinsics::Scaled(int new_width_px, int new_height_px) const {
-  Intrinsics scaled = *this;
-  const double sx = static_cast<double>(new_width_px) / width_px;
-  const double sy = static_cast<double>(new_height_px) / height_px;
-  scaled.width_px = new_width_px;
-  scaled.height_px = new_height_px;
-  scaled.focal_x_px *= sx;
-  scaled.focal_y_px *= sy;
-  // Corners scale; centres carry the half pixel with them.
-  scaled.center_x_px = (center_x_px + 0.5) * sx - 0.5;
-  scaled.center_y_px = (center_y_px + 0.5) * sy - 0.5;
-  return scaled;
-}
-
 }  // namespace skyquilt::camera

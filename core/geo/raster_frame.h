@@ -20,10 +20,6 @@ struct RasterFrame {
     return {north_west_in_merc.x() + (pixel_in_raster.x() + 0.5) * pixel_size_in_merc_m,
             north_west_in_merc.y() - (pixel_in_raster.y() + 0.5) * pixel_size_in_merc_m};
   }
-  Eigen::Vector2d PixelFromMerc(const Eigen::Vector2d& point_in_merc) const {
-    return {(point_in_merc.x() - north_west_in_merc.x()) / pixel_size_in_merc_m - 0.5,
-            (north_west_in_merc.y() - point_in_merc.y()) / pixel_size_in_merc_m - 0.5};
-  }
   Bounds2 BoundsInMerc() const {
     Bounds2 bounds;
     bounds.Include(north_west_in_merc);

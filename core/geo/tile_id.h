@@ -47,4 +47,9 @@ double PixelSizeInMercM(int zoom, int tile_size_px);
 // The smallest zoom whose pixels, at this latitude, are not larger on the ground than gsd_m.
 int ZoomForGsd(double gsd_m, double lat_deg, int tile_size_px);
 
+// Place of a cell along the Hilbert curve of a 2^order square. The children of a quadtree
+// cell are neighbours on the curve, so a pyramid can be closed as the walk leaves each parent. Source: D.
+// Hilbert (1891); iterative form after C. H. Hamilton, Compact Hilbert Indices (2006).
+std::uint64_t HilbertIndex(int order, std::uint32_t x, std::uint32_t y);
+
 }  // namespace skyquilt::geo

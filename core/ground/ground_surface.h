@@ -1,6 +1,6 @@
 // GroundSurface: the height of the ground in the flight's enu frame, z = f(E, N). A plane, or a regular grid
 // with bilinear interpolation that continues with its border value outside. With what stands on the ground it
-// steps at walls, and hides what lies behind (occlusion.h). Immutable; any thread.
+// steps at walls, and hides what lies behind (IsOccluded). Immutable; any thread.
 #pragma once
 
 #include <Eigen/Core>
@@ -46,5 +46,12 @@ class GroundSurface {
   std::vector<float> heights_m_;
   std::array<std::vector<float>, kTopCells.size()> tops_m_;
 };
+
+// IsOccluded: whether something stands between a point of a stepped ground surface and whoever looks at it:
+// walks the line over the cells, squares of cells at a time where nothing there is as high. Things less than
+// a cell high over the line, and the point's own surroundings, do not hide. Points in enu, metres; the eye
+// lies above the surface. Pure; any thread.
+bool IsOccluded(const GroundSurface& surface, const Eigen::Vector3d& point_in_enu,
+                const Eigen::Vector3d& eye_in_enu);
 
 }  // namespace skyquilt::ground

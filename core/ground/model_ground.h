@@ -11,11 +11,16 @@
 #include <optional>
 
 #include "core/alignment/scene/aligned_flight.h"
-#include "core/ground/dem_grid.h"
+#include "core/geo/dem_source.h"
 #include "core/ground/ground_surface.h"
 #include "core/ground/model_ground_report.h"
 
 namespace skyquilt::ground {
+
+struct ElevationModel {
+  const geo::DemSource* source = nullptr;
+  double zero_m = 0.0;  // its height at z = 0 of the flight's frame
+};
 
 GroundSurface ModelGround(const alignment::AlignedFlight& flight, ModelGroundReport& report,
                           const std::optional<ElevationModel>& elevation_model = std::nullopt);

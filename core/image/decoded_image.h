@@ -1,9 +1,11 @@
-// A decoded picture, a box of its pixels, and a part of it. Values; any thread.
+// Pictures as a sensor stored them, decoded: of three channels, with a box of its pixels and a part of it,
+// and of one channel. Values; any thread.
 #pragma once
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "core/base/pixel_bytes.h"
 
@@ -45,6 +47,20 @@ struct PixelBox {
 struct DecodedPart {
   DecodedImage image;
   int left_px = 0, top_px = 0;  // of the picture's pixels, where it begins
+};
+
+// Pictures of one channel: as a sensor stored it, 16 bits a pixel, and as numbers. Rows without padding,
+// first row on top, as the sensor stored it. Values; any thread.
+struct SampleImage {
+  int width_px = 0;
+  int height_px = 0;
+  std::vector<std::uint16_t> samples;  // 8-bit pictures brought to 16 bits
+};
+
+struct FloatImage {
+  int width_px = 0;
+  int height_px = 0;
+  std::vector<float> values;
 };
 
 }  // namespace skyquilt::image

@@ -1,14 +1,11 @@
 #include "core/indices/band_expression.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "core/base/check.h"
 #include "core/base/vector_clones.h"
-#include "core/indices/expression_parser.h"
 
 namespace skyquilt::indices {
 namespace {
@@ -32,15 +29,6 @@ SKYQUILT_VECTOR_CLONES void DivideRows(double* a, const double* b, std::size_t c
 }
 
 }  // namespace
-
-Result<BandExpression> BandExpression::Parse(std::string_view text) {
-  if (text.size() > kMaxLength)
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("The expression has {} characters; the most are {}. Write a shorter one.",
-                             text.size(), kMaxLength),
-                 ""};
-  return ExpressionParser(text).Parse();
-}
 
 void BandExpression::Evaluate(std::span<const float* const> values, std::span<float> out) const {
   EvaluateRows(values, out);

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/base/result.h"
-#include "core/geo/areas/boundary.h"
+#include "core/geo/boundary.h"
 #include "core/geo/lat_lon.h"
 #include "core/image/picture_format.h"
 #include "core/pipeline/placing/place_request.h"

@@ -21,7 +21,6 @@
 #include "core/base/try.h"
 #include "core/flight/photos/sample_format.h"
 #include "core/flight/remarks/because.h"
-#include "core/ground/dem_grid.h"
 #include "core/ground/model_ground.h"
 #include "core/pipeline/append_photos.h"
 #include "core/pipeline/bands/build_bands.h"

@@ -18,7 +18,7 @@
 #include "core/poses/conventions/choose_convention.h"
 #include "core/poses/evidence/common_error.h"
 #include "core/poses/heights/flight_heights.h"
-#include "core/poses/heights/ground_from_dem.h"
+#include "core/poses/heights/ground_below.h"
 #include "core/poses/heights/takeoff.h"
 #include "core/poses/lists/list_words.h"
 #include "core/poses/photo_rows.h"
@@ -241,52 +241,6 @@ void LeaveUnplaced(const flight::Flight& flight, const EstimatePosesOptions& opt
   posed.warnings.insert(posed.warnings.begin(), flight.warnings.begin(), flight.warnings.end());
 }
 
-// Heights above take-off become heights above the ground below each photo.
-void TakeElevations(const DemGround& dem_ground, DemZero zero, bool knows_takeoff, PosedFlight& posed) {
-  for (std::size_t i = 0; i < posed.photos.size(); ++i) {
-    PosedPhoto& photo = posed.photos[i];
-    if (!dem_ground.ground_z_in_enu_m[i]) continue;
-    photo.height_above_ground_m =
-        photo.cam_from_enu.TargetOriginInSource().z() - *dem_ground.ground_z_in_enu_m[i];
-  }
-  posed.ground_z_in_enu_m = dem_ground.median_ground_z_in_enu_m;
-  posed.dem_zero_m = dem_ground.zero_m;
-  if (zero == DemZero::kSeaLevel) return;
-  posed.report.height_rule += fmt::format("; the elevation model puts the ground {:+.1f} m from {}",
-                                          dem_ground.median_ground_z_in_enu_m,
-                                          knows_takeoff ? "take-off" : "the first photo, taken for take-off");
-}
-
-// Photos that mostly stand on or below the ground say that the ground was put at the wrong height: take-off
-// on a hill, or heights that count from another zero. Their spacing is then the better measure.
-void PutGroundBelow(PosedFlight& posed) {
-  constexpr double kOnTheGroundM = 1.0;
-  std::vector<double> heights, ups;
-  std::vector<Photo> photos;
-  for (const PosedPhoto& photo : posed.photos) {
-    heights.push_back(photo.height_above_ground_m);
-    ups.push_back(photo.cam_from_enu.TargetOriginInSource().z());
-    photos.push_back(photo.photo);
-    const geo::Wgs84 at = posed.frame.Wgs84FromEnu(photo.cam_from_enu.TargetOriginInSource());
-    if (!std::isfinite(at.lat_deg + at.lon_deg + heights.back())) return;
-    photos.back().position.emplace();
-    photos.back().position->position = {at.lat_deg, at.lon_deg};
-  }
-  const double height_m = Median(std::move(heights));
-  if (height_m >= kOnTheGroundM) return;
-  const double guessed_m = GuessHeightFromSpacing(photos);
-  const double ground_z_m = Median(std::move(ups)) - guessed_m;
-  posed.ground_z_in_enu_m = ground_z_m;
-  posed.dem_zero_m.reset();  // placed by take-off it would stand above the cameras
-  for (PosedPhoto& photo : posed.photos)
-    photo.height_above_ground_m = photo.cam_from_enu.TargetOriginInSource().z() - ground_z_m;
-  posed.report.height_rule = "height above ground guessed from the spacing of the photos";
-  posed.report.is_height_guessed = true;
-  posed.assumptions.push_back({{RemarkCode::kOnTheGround, {{"height_m", height_m}}},
-                               {RemarkCode::kHeightBySpacingOnTheGround, {{"height_m", guessed_m}}},
-                               guessed_m});
-}
-
 // What no map can be drawn with goes, and what the last photo before it shared with it. `keep_unplaced`: what
 // such photos show may place them all the same.
 void FilterOutliers(bool keep_unplaced, PosedFlight& posed) {
@@ -318,13 +272,6 @@ void FilterOutliers(bool keep_unplaced, PosedFlight& posed) {
     const std::string& now = i + 1 < posed.photos.size() ? posed.photos[i + 1].photo.name : std::string();
     if (next_of[posed.photos[i].photo.name] != now) posed.photos[i].covariance_with_next.setZero();
   }
-}
-
-void Summarise(PosedFlight& posed) {
-  PoseReport& report = posed.report;
-  report.is_placed = posed.is_placed;
-  std::sort(posed.left_out.begin(), posed.left_out.end(),
-            [](const LeftOutPhoto& a, const LeftOutPhoto& b) { return a.name < b.name; });
 }
 
 }  // namespace
@@ -416,12 +363,7 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
         fmt::format("; take-off {:.1f} m above sea level, as given", *options.takeoff_height_amsl_m);
   }
   if (options.dem != nullptr && posed.is_placed) {
-    const auto dem_ground = GroundFromDem(*options.dem, posed, takeoff, dem_zero);
-    if (const auto* ground = std::get_if<DemGround>(&dem_ground)) {
-      TakeElevations(*ground, dem_zero, takeoff.has_value(), posed);
-    } else {
-      posed.warnings.push_back(std::get<RemarkCode>(dem_ground));
-    }
+    PutGroundByDem(*options.dem, takeoff, dem_zero, posed);
   }
   posed.warnings.insert(posed.warnings.begin(), flight.warnings.begin(), flight.warnings.end());
   PutGroundBelow(posed);
@@ -437,7 +379,9 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
         ErrorCode::kUnprocessable,
         {RemarkCode::kFailNoneWhereRecorded, {{"left", FirstImplausible({first, posed.left_out.end()})}}});
   }
-  Summarise(posed);
+  posed.report.is_placed = posed.is_placed;
+  std::sort(posed.left_out.begin(), posed.left_out.end(),
+            [](const LeftOutPhoto& a, const LeftOutPhoto& b) { return a.name < b.name; });
   return posed;
 }
 

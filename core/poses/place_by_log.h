@@ -1,6 +1,7 @@
 // PlaceByLog: photos whose times on a log's clock are known, placed by the smoothed chain of the log's series
-// and of what the photos record. Frame `enu` of the flight, z = 0 at take-off. Pure; any thread. Fails with
-// kUnprocessable where the series do not fix a track (the message says what to add).
+// and of what the photos record. PlaceCameras: the cameras on that chain. Frames: `enu` of the flight, z = 0
+// at take-off, `body`, `cam`. Pure; any thread. Fails with kUnprocessable where the series do not fix a track
+// (the message says what to add).
 #pragma once
 
 #include <vector>
@@ -12,6 +13,12 @@
 #include "core/poses/posed_flight.h"
 
 namespace skyquilt::poses {
+
+// One pose per photo, without the photo itself: the camera in the body, or its own recorded rotation where a
+// gimbal held it, turned by the attitude system's error. `ground_z_in_enu_m`: the plane for the height and
+// the error radius.
+std::vector<PosedPhoto> PlaceCameras(const PreparedSmoothing& prepared, const SmootherOutput& smoothed,
+                                     double ground_z_in_enu_m);
 
 struct PlacedByLog {
   std::vector<PosedPhoto> photos;  // in the order of `photos`

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "core/poses/conventions/attitude_convention.h"
-#include "core/poses/conventions/course.h"
+#include "core/poses/conventions/choose_convention.h"
 #include "core/poses/plausible_poses.h"
 
 namespace skyquilt::poses {

@@ -19,7 +19,7 @@ namespace skyquilt::poses {
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
-enum class AttitudeOrigin { kRecorded, kYawRecordedTiltAssumed, kCourse, kSmoothed };
+enum class AttitudeOrigin { kRecorded, kCourse, kSmoothed };
 
 struct PosedPhoto {
   flight::Photo photo;

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstdint>
 #include <cstring>
+#include <string_view>
 
 #include "core/base/check.h"
+#include "core/base/try.h"
 #include "core/base/vector_clones.h"
+#include "core/image/picture_codec.h"
 
 namespace skyquilt::pyramid {
 
@@ -27,6 +29,15 @@ SKYQUILT_VECTOR_CLONES void HalveRows(const std::uint8_t* upper, const std::uint
     const auto odd_sum = static_cast<std::uint32_t>(odd + (odd >> 32)) + kHalf;
     const std::uint32_t pixel = (even_sum >> 2 & kOfOne) | (odd_sum >> 2 & kOfOne) << 8;
     std::memcpy(out + 4 * x, &pixel, 4);
+  }
+}
+
+void PremultiplyAlpha(image::RgbaImage& straight) {
+  for (std::size_t at = 0; at + 3 < straight.rgba.size(); at += 4) {
+    std::uint8_t* pixel = straight.rgba.data() + at;
+    const unsigned alpha = pixel[3];
+    if (alpha == 255) continue;
+    for (int c = 0; c < 3; ++c) pixel[c] = static_cast<std::uint8_t>((pixel[c] * alpha + 127) / 255);
   }
 }
 
@@ -67,6 +78,18 @@ void Paste(const image::RgbaImage& quarter, int x, int y, image::RgbaImage& imag
     std::memcpy(image.Pixel(x, y + row), quarter.Pixel(0, row),
                 static_cast<std::size_t>(quarter.width_px) * 4);
   }
+}
+
+Result<image::RgbaImage> HalfOfTile(std::span<const std::uint8_t> stored, int tile_size_px) {
+  SKYQUILT_TRY_ASSIGN(
+      image::RgbaImage tile,
+      image::DecodePicture(std::string_view(reinterpret_cast<const char*>(stored.data()), stored.size())));
+  if (tile.width_px != tile_size_px || tile.height_px != tile_size_px) {
+    return Error{ErrorCode::kCorrupt,
+                 "A tile of the earlier map is damaged. Delete mosaic.state beside it and start again.", ""};
+  }
+  PremultiplyAlpha(tile);
+  return Halve(tile);
 }
 
 }  // namespace skyquilt::pyramid

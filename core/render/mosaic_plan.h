@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/geo/areas/boundary.h"
+#include "core/geo/boundary.h"
 #include "core/geo/bounds.h"
 #include "core/geo/tile_id.h"
 

@@ -8,9 +8,8 @@
 
 #include "core/base/median.h"
 #include "core/camera/footprint.h"
-#include "core/camera/ground_projection.h"
 #include "core/flight/remarks/because.h"
-#include "core/geo/hilbert.h"
+#include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
 
 namespace skyquilt::render {

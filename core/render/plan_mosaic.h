@@ -8,7 +8,7 @@
 
 #include "core/alignment/scene/aligned_flight.h"
 #include "core/base/result.h"
-#include "core/geo/areas/boundary.h"
+#include "core/geo/boundary.h"
 #include "core/ground/ground_surface.h"
 #include "core/render/mosaic_plan.h"
 

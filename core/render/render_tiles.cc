@@ -11,7 +11,7 @@
 #include "core/base/trace.h"
 #include "core/geo/web_mercator.h"
 #include "core/pyramid/build_overviews.h"
-#include "core/pyramid/half_of_tile.h"
+#include "core/pyramid/tile_image.h"
 #include "core/render/blocks/block_digest.h"
 #include "core/render/blocks/block_weights.h"
 

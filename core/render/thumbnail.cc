@@ -12,7 +12,7 @@
 #include "core/base/try.h"
 #include "core/image/jpeg_decoder.h"
 #include "core/image/picture_codec.h"
-#include "core/image/shrink/shrink_area.h"
+#include "core/image/shrink/shrink_picture.h"
 
 namespace skyquilt::render {
 namespace {

@@ -12,10 +12,9 @@
 
 #include "core/base/median.h"
 #include "core/base/parallel_for.h"
-#include "core/base/percentile.h"
 #include "core/base/trace.h"
 #include "core/base/try.h"
-#include "core/geo/hilbert.h"
+#include "core/geo/tile_id.h"
 #include "core/surface/match_block.h"
 
 namespace skyquilt::surface {

@@ -1,9 +1,12 @@
 #include "core/video/take_frames.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
+#include <fmt/format.h>
 #include <fstream>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/video/tracking.hpp>
 #include <utility>
 
 #include "core/base/try.h"
@@ -11,11 +14,96 @@
 #include "core/flight/logs/formats.h"
 #include "core/flight/remarks/because.h"
 #include "core/image/picture_codec.h"
-#include "core/video/frame_motion.h"
 #include "core/video/video_file.h"
 
 namespace skyquilt::video {
 namespace {
+
+constexpr int kMaxCorners = 300, kMinFollowed = 20;
+constexpr double kCornerQuality = 0.01, kCornerDistancePx = 8.0, kTolerancePx = 2.0;
+constexpr int kGridSide = 24;  // points of a frame that are looked for in the reference
+
+cv::Mat AsMat(const GrayFrame& frame) {
+  return cv::Mat(frame.height_px, frame.width_px, CV_8UC1, const_cast<std::uint8_t*>(frame.gray.data()));
+}
+
+// From a frame's pixels to the reference's.
+using Motion = cv::Matx33d;
+
+std::optional<Motion> MotionBetween(const cv::Mat& before, const cv::Mat& now) {
+  std::vector<cv::Point2f> corners;
+  cv::goodFeaturesToTrack(before, corners, kMaxCorners, kCornerQuality, kCornerDistancePx);
+  if (static_cast<int>(corners.size()) < kMinFollowed) return std::nullopt;
+  std::vector<cv::Point2f> followed;
+  std::vector<unsigned char> is_found;
+  cv::calcOpticalFlowPyrLK(before, now, corners, followed, is_found, cv::noArray(), cv::Size(21, 21), 4);
+  std::vector<cv::Point2f> from, to;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    if (is_found[i] == 0) continue;
+    from.push_back(followed[i]);
+    to.push_back(corners[i]);
+  }
+  if (static_cast<int>(from.size()) < kMinFollowed) return std::nullopt;
+  std::vector<unsigned char> fits;
+  const cv::Mat similarity = cv::estimateAffinePartial2D(from, to, fits, cv::RANSAC, kTolerancePx);
+  if (similarity.empty() || std::count(fits.begin(), fits.end(), 1) < kMinFollowed) return std::nullopt;
+  Motion motion = Motion::eye();
+  for (int row = 0; row < 2; ++row) {
+    for (int column = 0; column < 3; ++column) motion(row, column) = similarity.at<double>(row, column);
+  }
+  return motion;
+}
+
+// The share of a frame that the reference shows too.
+double Overlap(const Motion& reference_from_frame, const cv::Size& size) {
+  int inside = 0;
+  for (int i = 0; i < kGridSide * kGridSide; ++i) {
+    const int column = i % kGridSide, row = i / kGridSide;
+    const cv::Vec3d at = reference_from_frame * cv::Vec3d((column + 0.5) / kGridSide * size.width,
+                                                          (row + 0.5) / kGridSide * size.height, 1.0);
+    inside += at[0] >= 0.0 && at[1] >= 0.0 && at[0] < size.width && at[1] < size.height ? 1 : 0;
+  }
+  return static_cast<double>(inside) / (kGridSide * kGridSide);
+}
+
+// How far the camera has moved over the ground since a frame of a film, from what the frames show: corners
+// are followed from each frame to the next (pyramidal Lucas-Kanade), and a similarity is fitted to them
+// (RANSAC). Bouguet 2001, "Pyramidal implementation of the affine Lucas Kanade feature tracker".
+class FrameMotion {
+ public:
+  // The next frame, of the size of those before. Nothing: it does not fit to the one before (a cut, a blur,
+  // water), so that the way since the reference is not known.
+  std::optional<double> OverlapWithReference(const GrayFrame& frame) {
+    const cv::Mat now = AsMat(frame).clone();
+    if (before_.size() != now.size()) {
+      before_ = now;
+      return std::nullopt;
+    }
+    const std::optional<Motion> motion = MotionBetween(before_, now);
+    before_ = now;
+    if (!motion) return std::nullopt;
+    reference_from_now_ = reference_from_now_ * *motion;
+    return Overlap(reference_from_now_, now.size());
+  }
+
+  // The frame that was given last becomes the reference, or the marked one.
+  void MakeReference() { reference_from_now_ = Motion::eye(); }
+  void Mark() { reference_from_marked_ = reference_from_now_; }
+  void MakeMarkedReference() { reference_from_now_ = reference_from_marked_.inv() * reference_from_now_; }
+
+ private:
+  cv::Mat before_;
+  Motion reference_from_now_ = Motion::eye(), reference_from_marked_ = Motion::eye();
+};
+
+// Variance of the Laplacian: larger for a sharper picture of the same ground.
+double Sharpness(const GrayFrame& frame) {
+  cv::Mat laplacian;
+  cv::Laplacian(AsMat(frame), laplacian, CV_16S);
+  cv::Scalar mean, deviation;
+  cv::meanStdDev(laplacian, mean, deviation);
+  return deviation[0] * deviation[0];
+}
 
 constexpr int kFollowedWidthPx = 480;
 constexpr double kStepS = 0.12;  // between frames that are looked at: motion between them stays small

@@ -7,7 +7,6 @@
 
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
-#include "core/geo/hilbert.h"
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
 #include "core/pyramid/build_overviews.h"

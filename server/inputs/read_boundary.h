@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "core/geo/areas/boundary.h"
+#include "core/geo/boundary.h"
 
 namespace skyquilt::server {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <span>
 
-#include "core/geo/hilbert.h"
+#include "core/geo/tile_id.h"
 #include "storage/pmtiles/gzip.h"
 
 namespace skyquilt::storage {

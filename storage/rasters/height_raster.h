@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "core/base/result.h"
-#include "core/geo/areas/boundary.h"
+#include "core/geo/boundary.h"
 #include "core/geo/bounds.h"
 #include "core/geo/crs/map_projection.h"
 #include "core/geo/lat_lon.h"

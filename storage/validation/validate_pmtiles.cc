@@ -10,7 +10,7 @@
 #include <unordered_set>
 
 #include "core/base/try.h"
-#include "core/geo/hilbert.h"
+#include "core/geo/tile_id.h"
 #include "core/image/picture_format.h"
 #include "storage/pmtiles/pmtiles_archive.h"
 #include "storage/validation/tile_judge.h"

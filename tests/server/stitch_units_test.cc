@@ -11,7 +11,7 @@
 #include <tuple>
 
 #include "core/flight/read_flight.h"
-#include "core/geo/areas/boundary.h"
+#include "core/geo/boundary.h"
 #include "core/pipeline/report/flight_facts.h"
 #include "core/pipeline/units/flight_cut.h"
 #include "core/pipeline/units/found_photos.h"

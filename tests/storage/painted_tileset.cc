@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "core/geo/hilbert.h"
+#include "core/geo/tile_id.h"
 #include "core/pyramid/build_overviews.h"
 #include "core/pyramid/encode_tile.h"
 #include "storage/tilesets/mbtiles_writer.h"

@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "core/base/parallel_for.h"
-#include "core/camera/ground_projection.h"
+#include "core/camera/footprint.h"
 #include "core/geo/web_mercator.h"
 #include "core/render/exposure/estimate_exposure.h"
 #include "core/simulate/world/parcels.h"

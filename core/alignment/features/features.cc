@@ -11,7 +11,7 @@
 #include "core/alignment/features/scale_space.h"
 #include "core/base/scoped_timer.h"
 #include "core/base/try.h"
-#include "core/image/shrink/shrink_area.h"
+#include "core/image/shrink/shrink_picture.h"
 
 namespace skyquilt::alignment {
 namespace {

@@ -7,7 +7,7 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
-#include "core/base/percentile.h"
+#include "core/base/median.h"
 #include "core/geo/lat_lon.h"
 
 namespace skyquilt::alignment {

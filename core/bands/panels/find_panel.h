@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "core/bands/panels/panel_code.h"
-#include "core/image/sample_image.h"
+#include "core/image/decoded_image.h"
 
 namespace skyquilt::bands {
 

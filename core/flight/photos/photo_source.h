@@ -10,7 +10,6 @@
 #include "core/base/try.h"
 #include "core/flight/photo.h"
 #include "core/image/decoded_image.h"
-#include "core/image/sample_image.h"
 
 namespace skyquilt::flight {
 

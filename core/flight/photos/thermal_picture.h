@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/base/result.h"
-#include "core/image/sample_image.h"
+#include "core/image/decoded_image.h"
 
 namespace skyquilt::flight {
 

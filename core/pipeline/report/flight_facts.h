@@ -14,7 +14,7 @@
 #include "core/alignment/scene/aligned_flight.h"
 #include "core/base/digest.h"
 #include "core/flight/bytes/input_file.h"
-#include "core/geo/areas/boundary.h"
+#include "core/geo/boundary.h"
 #include "core/ground/ground_surface.h"
 #include "core/ground/model_ground_report.h"
 #include "core/pipeline/mosaic_options.h"

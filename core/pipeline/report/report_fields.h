@@ -12,7 +12,7 @@
 #include <type_traits>
 
 #include "core/alignment/scene/align_report.h"
-#include "core/camera/lens_fields.h"
+#include "core/camera/intrinsics.h"
 #include "core/ground/model_ground_report.h"
 #include "core/poses/pose_report.h"
 #include "core/render/seams/seam_shift.h"

@@ -3,9 +3,10 @@
 // whether photos see the ground and whether neighbours see the same ground, as a mapping flight's do. Another
 // reading than the recorded one is taken only where that one fails and the other plainly holds. Headings are
 // compared with the course and with the log's airframe and reported, never changed: surveys fly sideways, and
-// only pictures tell a turned mount. Radians. Pure; any thread.
+// only pictures tell a turned mount. CoursesFromPositions: that course. Radians. Pure; any thread.
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,6 +14,12 @@
 #include "core/flight/photo.h"
 
 namespace skyquilt::poses {
+
+// The course over ground of each photo, clockwise from north, from the positions of its neighbours in time:
+// what stands in for a yaw that is not recorded. positions: (E, N) in the order of capture. A turn between
+// two photos belongs to neither: at a line's end the course of the straight run is taken. Nothing for a photo
+// without any neighbour further than 1 m.
+std::vector<std::optional<double>> CoursesFromPositions(const std::vector<Eigen::Vector2d>& positions_in_enu);
 
 struct ConventionChoice {
   std::string words;        // for the report; empty where no photo has angles

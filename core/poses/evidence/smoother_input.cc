@@ -6,7 +6,6 @@
 
 #include "core/poses/conventions/attitude_convention.h"
 #include "core/poses/evidence/recorded_series.h"
-#include "core/poses/evidence/rest_on_ground.h"
 #include "core/poses/smoother/chain_factors.h"
 #include "core/poses/so3.h"
 
@@ -16,6 +15,55 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
+
+// A steady climb and a calm hover feel like rest to inertial sensors; only rest on the ground, by the
+// barometer, is rest.
+bool IsAloft(const std::vector<HeightFix>& heights, const StillInterval& interval) {
+  constexpr double kGroundM = 2.5;   // the barometer's drift over a flight and its noise
+  constexpr double kAroundS = 60.0;  // take-off and landing may lie at different heights
+  double ground = 1e9;
+  for (const HeightFix& h : heights) {
+    if (h.t_s > interval.begin_s - kAroundS && h.t_s < interval.end_s + kAroundS) {
+      ground = std::min(ground, h.z_in_enu_m);
+    }
+  }
+  return std::any_of(heights.begin(), heights.end(), [&](const HeightFix& h) {
+    return h.t_s >= interval.begin_s && h.t_s <= interval.end_s && h.z_in_enu_m > ground + kGroundM;
+  });
+}
+
+// The part of a rest in which the aircraft also stayed at its height: a slow, even descent onto the ground is
+// still flight. The reference is the side away from the flight.
+StillInterval AtOneHeight(const std::vector<HeightFix>& heights, StillInterval interval,
+                          bool flight_follows) {
+  constexpr double kReferenceS = 1.5;
+  constexpr double kSameM = 0.5;  // well beyond the barometer's noise
+  constexpr double kAwayS = 0.7;  // from the last sign of motion
+  double sum = 0.0;
+  int count = 0;
+  const auto inside = [&](const HeightFix& h) {
+    return h.t_s >= interval.begin_s && h.t_s <= interval.end_s;
+  };
+  for (const HeightFix& h : heights) {
+    const double from_edge = flight_follows ? h.t_s - interval.begin_s : interval.end_s - h.t_s;
+    if (!inside(h) || from_edge > kReferenceS) continue;
+    sum += h.z_in_enu_m;
+    ++count;
+  }
+  StillInterval kept = interval;
+  // Settling onto the ground may take seconds that feel like rest.
+  if (!flight_follows) kept.begin_s = 0.5 * (interval.begin_s + interval.end_s);
+  for (const HeightFix& h : heights) {
+    if (count == 0 || !inside(h) || std::abs(h.z_in_enu_m - sum / count) < kSameM) continue;
+    if (flight_follows) {
+      kept.end_s = std::min(kept.end_s, h.t_s);
+    } else {
+      kept.begin_s = std::max(kept.begin_s, h.t_s);
+    }
+  }
+  (flight_follows ? kept.end_s : kept.begin_s) += flight_follows ? -kAwayS : kAwayS;
+  return kept;
+}
 
 // The camera's rotation as a gimbal recorded it at a time, between the two samples around it.
 std::optional<Quaterniond> GimbalAt(const std::vector<flight::AttitudeSample>& samples, double t_s) {

@@ -1,5 +1,5 @@
 // MakeSmootherInput: from what was recorded to the smoother: gathers the series of a log and of the photos in
-// the flight's local frame, with sigmas, and says which it took; place_cameras.h goes the way back. Without a
+// the flight's local frame, with sigmas, and says which it took; place_by_log.h goes the way back. Without a
 // log the photos themselves are the series (XMP or EXIF: position, camera angles, relative height), and the
 // body is a level one that turns with the camera. With a log the body is the airframe; a gimbal keeps its own
 // recorded angles and shares the airframe's slow attitude error. Frames: `enu` of the given LocalFrame,

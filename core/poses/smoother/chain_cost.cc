@@ -35,7 +35,6 @@ struct CostSink {
     if (!count) return;
     ++count->used[kind];
     if (r.weight < 1.0) ++count->down_weighted[kind];
-    if (robust) count->residuals += M;
   }
 };
 

@@ -1,12 +1,11 @@
-#include "core/poses/smoother/chain_guess.h"
-
+// GuessChain: the smoother's first guess.
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include "core/geo/lat_lon.h"
 #include "core/geo/rigid3.h"
-#include "core/poses/smoother/chain_timeline.h"
+#include "core/poses/smoother/chain_problem.h"
 #include "core/poses/so3.h"
 
 namespace skyquilt::poses {
@@ -94,7 +93,6 @@ class Guesser {
   }
 
   void Track() {
-    guess_.start = "GNSS track";
     for (std::size_t k = 0; k < times_.size(); ++k) {
       const Around<PositionFix> p = Find(input_.positions, times_[k]);
       guess_.knots[k].position_in_enu_m =
@@ -204,11 +202,8 @@ class Guesser {
   }
 
   void DeadReckon(int from) {
-    if (from == 0) {
-      guess_.start = "dead reckoning";
-      if (!input_.markers.empty())
-        guess_.knots.front().position_in_enu_m = input_.markers.front().position_in_enu_m;
-    }
+    if (from == 0 && !input_.markers.empty())
+      guess_.knots.front().position_in_enu_m = input_.markers.front().position_in_enu_m;
     for (int k = from; k + 1 < problem_.timeline().size(); ++k) {
       const KnotState& a = guess_.knots[Index(k)];
       KnotState& b = guess_.knots[Index(k) + 1];

@@ -6,9 +6,20 @@
 #include <utility>
 
 #include "core/base/check.h"
+#include "core/base/median.h"
+#include "core/geo/lat_lon.h"
 
 namespace skyquilt::poses {
 namespace {
+
+constexpr double kSameTimeS = 1.0e-4;
+constexpr double kStraightRadps = 0.087;  // 5 deg/s
+constexpr double kSigmasInMedian = 1.4826;
+constexpr double kBestSigmaRad = 0.035;  // no nose is known to keep to its course better: 2 deg
+constexpr double kWorstSigmaRad = 0.26;  // beyond 15 deg it does not keep to it
+constexpr std::size_t kFewest = 10;
+
+double Heading(const Eigen::Vector3d& direction) { return std::atan2(direction.x(), direction.y()); }
 
 // Floors on the inertial sums: sampling and timing are never better, and they keep the system well
 // conditioned.
@@ -20,6 +31,66 @@ void AddFloor(double duration_s, Matrix9d& covariance) {
 }
 
 }  // namespace
+
+ChainTimeline::ChainTimeline(double begin_s, double end_s, const std::vector<double>& fixed_times,
+                             double spacing_s) {
+  SKYQUILT_CHECK(spacing_s > 0.0 && end_s >= begin_s, "a chain needs a positive spacing and a rising span");
+  times_.push_back(begin_s);
+  const auto reach = [&](double t) {
+    const double gap = t - times_.back();
+    if (gap <= kSameTimeS) return;
+    const int parts = std::max(1, static_cast<int>(std::ceil(gap / spacing_s - 1e-9)));
+    const double from = times_.back();
+    for (int k = 1; k < parts; ++k) times_.push_back(from + gap * k / parts);
+    times_.push_back(t);
+  };
+  for (const double t : fixed_times) reach(t);
+  reach(end_s);
+}
+
+double ChainTimeline::Duration(int interval) const {
+  return times_[Index(interval) + 1] - times_[Index(interval)];
+}
+
+std::optional<TimePlace> ChainTimeline::Place(double t_s) const {
+  if (t_s < times_.front() - kSameTimeS || t_s > times_.back() + kSameTimeS) return std::nullopt;
+  const int nearest = Nearest(t_s);
+  if (std::abs(times_[Index(nearest)] - t_s) <= kSameTimeS) return TimePlace{nearest, 0.0};
+  const auto next = std::upper_bound(times_.begin(), times_.end(), t_s);
+  const int knot = static_cast<int>(next - times_.begin()) - 1;
+  return TimePlace{knot, (t_s - times_[Index(knot)]) / Duration(knot)};
+}
+
+int ChainTimeline::Nearest(double t_s) const {
+  const auto next = std::lower_bound(times_.begin(), times_.end(), t_s);
+  if (next == times_.begin()) return 0;
+  if (next == times_.end()) return size() - 1;
+  const auto index = static_cast<int>(next - times_.begin());
+  return *next - t_s < t_s - *(next - 1) ? index : index - 1;
+}
+
+std::optional<CourseEvidence> JudgeCourse(const std::vector<KnotState>& knots,
+                                          const std::vector<double>& times_s, double min_speed_mps) {
+  std::vector<double> nose, course;
+  for (const KnotState& knot : knots) {
+    nose.push_back(Heading(knot.enu_from_body * Eigen::Vector3d::UnitX()));
+    course.push_back(Heading(knot.velocity_in_enu_mps));
+  }
+  CourseEvidence evidence;
+  evidence.runs_straight.assign(knots.size(), false);
+  std::vector<double> apart;
+  for (std::size_t k = 1; k + 1 < knots.size(); ++k) {
+    const double most = kStraightRadps * (times_s[k + 1] - times_s[k - 1]);
+    evidence.runs_straight[k] = knots[k].velocity_in_enu_mps.head<2>().norm() > min_speed_mps &&
+                                std::abs(geo::WrapRad(nose[k + 1] - nose[k - 1])) < most &&
+                                std::abs(geo::WrapRad(course[k + 1] - course[k - 1])) < most;
+    if (evidence.runs_straight[k]) apart.push_back(std::abs(geo::WrapRad(nose[k] - course[k])));
+  }
+  if (apart.size() < kFewest) return std::nullopt;
+  evidence.sigma_rad = std::max(kBestSigmaRad, kSigmasInMedian * Median(std::move(apart)));
+  if (evidence.sigma_rad > kWorstSigmaRad) return std::nullopt;
+  return evidence;
+}
 
 ChainProblem::ChainProblem(const SmootherInput& input, ChainTimeline timeline)
     : input_(input),

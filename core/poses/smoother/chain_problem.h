@@ -1,8 +1,9 @@
-// ChainProblem: the maximum a posteriori problem of one flight: knots, inertial sums and measurements placed
-// in time. Gives the cost of a guess and the normal equations about it. Frames and units as in smoother.h.
-// One thread.
+// ChainProblem: the maximum a posteriori problem of one flight: knots (ChainTimeline says where), inertial
+// sums and measurements placed in time, and what the course says of the nose (JudgeCourse). Gives the cost of
+// a guess and the normal equations about it. Frames and units as in smoother.h. One thread.
 #pragma once
 
+#include <cstddef>
 #include <map>
 #include <optional>
 #include <string>
@@ -10,23 +11,61 @@
 
 #include "core/poses/smoother/block_skyline.h"
 #include "core/poses/smoother/chain_factors.h"
-#include "core/poses/smoother/chain_timeline.h"
-#include "core/poses/smoother/course_evidence.h"
+#include "core/poses/smoother/chain_state.h"
 #include "core/poses/smoother/smoother.h"
 
 namespace skyquilt::poses {
 
+// Of a knot, a photo or a measurement, which are counted as int, in a vector.
+inline std::size_t Index(int i) { return static_cast<std::size_t>(i); }
+
+struct TimePlace {
+  int knot = 0;         // the knot at or before the time
+  double weight = 0.0;  // 0 at that knot, towards 1 at the next; 0 exactly when the time is the knot's own
+};
+
+// Where the knots lie and between which two a measurement falls.
+class ChainTimeline {
+ public:
+  // Knots at begin_s, at each of `fixed_times` (rising, at or after begin_s), at end_s, and evenly between
+  // them, no further apart than spacing_s. Times closer than a tenth of a millisecond share a knot.
+  ChainTimeline(double begin_s, double end_s, const std::vector<double>& fixed_times, double spacing_s);
+
+  const std::vector<double>& times() const { return times_; }
+  int size() const { return static_cast<int>(times_.size()); }
+  double Duration(int interval) const;
+  // Nothing outside the chain.
+  std::optional<TimePlace> Place(double t_s) const;
+  // The knot nearest to a time.
+  int Nearest(double t_s) const;
+
+ private:
+  std::vector<double> times_;
+};
+
+// JudgeCourse: what a flight's course says of its recorded headings. A nose that keeps to the course shows
+// where the compass errs; how well it keeps to it is measured on the flight itself, by how far recorded
+// headings and courses lie apart where the flight runs straight. Flights sideways, and small aircraft that
+// crab in the wind, give no evidence.
+struct CourseEvidence {
+  double sigma_rad = 0.0;           // of the nose against the course, a slow error
+  std::vector<bool> runs_straight;  // one per knot: fast enough and turning neither way nor nose
+};
+
+// knots: headings as recorded. Nothing where fewer than 10 knots run straight or the nose does not keep to
+// the course.
+std::optional<CourseEvidence> JudgeCourse(const std::vector<KnotState>& knots,
+                                          const std::vector<double>& times_s, double min_speed_mps);
+
 struct ChainGuess {
   std::vector<KnotState> knots;
   BorderState border;
-  std::string start;  // how it was made, in words
 };
 
 // What a pass over all factors counts beside the cost.
 struct FactorCount {
   std::map<std::string, int> used;
   std::map<std::string, int> down_weighted;
-  int residuals = 0;
 };
 
 class ChainProblem {
@@ -38,11 +77,11 @@ class ChainProblem {
   const ChainTimeline& timeline() const { return timeline_; }
   bool HasBorder() const { return has_border_; }
   const Vector22& border_sigma() const { return border_sigma_; }
-  bool HasImu(int interval) const { return imu_[static_cast<std::size_t>(interval)].has_value(); }
+  bool HasImu(int interval) const { return imu_[Index(interval)].has_value(); }
   int ImuIntervals() const;
-  const Preintegration& Imu(int interval) const { return *imu_[static_cast<std::size_t>(interval)]; }
-  int PhotoKnot(int photo) const { return photo_knots_[static_cast<std::size_t>(photo)]; }
-  bool IsStill(int knot) const { return still_[static_cast<std::size_t>(knot)]; }
+  const Preintegration& Imu(int interval) const { return *imu_[Index(interval)]; }
+  int PhotoKnot(int photo) const { return photo_knots_[Index(photo)]; }
+  bool IsStill(int knot) const { return still_[Index(knot)]; }
 
   // Takes a guess as the point about which the inertial samples are summed (its biases), from which the weak
   // prior of the first rotation is taken, and whose speeds say where a course has a meaning.
@@ -90,5 +129,10 @@ class ChainProblem {
   std::vector<int> photo_knots_;
   std::vector<Placed> positions_, velocities_, attitudes_, heights_, ranges_, markers_;
 };
+
+// The first guess, from the best that the inputs offer: recorded attitudes; GNSS tracks; without GNSS the
+// chain of photo-to-photo motions scaled by the height; and only last dead reckoning, which starts
+// Gauss-Newton kilometres off. Leaves `problem` expanded about the guess.
+ChainGuess GuessChain(ChainProblem& problem);
 
 }  // namespace skyquilt::poses

@@ -17,6 +17,11 @@
 
 namespace skyquilt::poses {
 
+inline constexpr double kStandardGravityMps2 = 9.80665;
+// Gravity at a latitude and a height over the WGS84 ellipsoid. Source: Somigliana's formula with the free-air
+// gradient, as in P. D. Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation (2013).
+double NormalGravityMps2(double lat_deg, double height_ellipsoid_m);
+
 using Matrix9d = Eigen::Matrix<double, 9, 9>;
 
 // White noise densities and the walk of the biases; the turn-on biases' priors.

@@ -6,7 +6,6 @@
 
 #include "core/base/check.h"
 #include "core/flight/remarks/because.h"
-#include "core/poses/smoother/chain_guess.h"
 #include "core/poses/smoother/chain_problem.h"
 #include "core/poses/smoother/clean_input.h"
 #include "core/poses/so3.h"
@@ -71,7 +70,6 @@ Result<void> Iterate(ChainProblem& problem, ChainGuess& guess, SmootherReport& r
     }
     const bool fell = next_cost <= cost;
     if (fell) guess = std::move(next);
-    report.cost = fell ? next_cost : cost;
     if (fell && !IsSmall(step, guess.knots.size()) && cost - next_cost > 1e-6 * cost) continue;
     if (!expanded_again && BiasesMovedFar(problem, guess)) {
       expanded_again = true;
@@ -208,7 +206,7 @@ Result<SmootherOutput> SmoothChain(const SmootherInput& raw) {
 
   BlockSkyline matrix(problem.Outline(true));
   std::vector<Vector22> gradient;
-  output.report.cost = problem.Linearise(guess, matrix, gradient);
+  problem.Linearise(guess, matrix, gradient);
   if (!matrix.Factor()) {
     return flight::Because(ErrorCode::kUnprocessable, flight::RemarkCode::kTrackNotFixed,
                            "normal equations at the solution are not positive definite");
@@ -219,13 +217,9 @@ Result<SmootherOutput> SmoothChain(const SmootherInput& raw) {
   problem.Cost(guess, &count);
   output.report.used = std::move(count.used);
   output.report.down_weighted = std::move(count.down_weighted);
-  output.report.residuals = count.residuals;
   output.report.knots = problem.timeline().size();
-  output.report.start = guess.start;
   if (!output.report.converged)
     output.report.warnings.push_back("The smoother stopped before it had settled.");
-  output.knot_times_s = problem.timeline().times();
-  output.knots = std::move(guess.knots);
   output.border = guess.border;
   return output;
 }

@@ -22,7 +22,6 @@
 #include "core/flight/logs/flight_log.h"
 #include "core/poses/posed_flight.h"
 #include "core/poses/smoother/chain_state.h"
-#include "core/poses/smoother/gravity.h"
 #include "core/poses/smoother/preintegration.h"
 
 namespace skyquilt::poses {
@@ -134,18 +133,13 @@ struct SmootherReport {
   int knots = 0;
   int iterations = 0;
   bool converged = false;
-  double cost = 0.0;                         // half the sum of squared, weighted residuals
-  int residuals = 0;                         // how many numbers were fitted, without priors
   std::map<std::string, int> used;           // factors by kind
   std::map<std::string, int> down_weighted;  // of them, beyond the Huber bound at the end
-  std::string start;                         // how the first guess was made
   std::vector<std::string> warnings;
 };
 
 struct SmootherOutput {
   std::vector<SmoothedPose> poses;  // one per photo, in the order of photo_times_s
-  std::vector<double> knot_times_s;
-  std::vector<KnotState> knots;
   BorderState border;
   Vector22 border_sigma = Vector22::Zero();
   SmootherReport report;

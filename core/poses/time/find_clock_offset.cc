@@ -2,19 +2,155 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <limits>
+#include <span>
 #include <utility>
 
+#include "core/base/median.h"
 #include "core/geo/local_frame.h"
-#include "core/poses/time/clock_search.h"
 #include "core/poses/time/event_alignment.h"
+#include "core/poses/time/join_logs.h"
 
 namespace skyquilt::poses {
 namespace {
 
 using flight::FlightLog;
 using flight::Photo;
+
+constexpr double kLongestGapS = 2.0;
+constexpr double kCoarseStepS = 0.5;
+constexpr std::size_t kMaxSteps = 200'000;
+constexpr std::size_t kMaxPhotosCoarse = 150;
+
+struct ClockOffset {
+  double offset_s = 0.0;  // add to the photo's time to get the log's
+  double sigma_s = 0.0;
+  double residual_m = 0.0;  // robust, of one photo
+};
+
+// Of a track on the log's clock, of photos on the camera's; in one local plane.
+struct TimedPosition {
+  double t_s = 0.0;
+  Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
+};
+
+// Errors of all photos at an offset (infinite where off the track).
+using ErrorsAt = std::function<void(double offset_s, std::size_t stride, std::vector<double>& errors)>;
+
+// Cauchy cost per photo; those off the track cost as much as a gross error. A metre is a receiver's noise.
+double CostOf(const std::vector<double>& errors) {
+  double sum = 0.0;
+  for (const double error : errors) {
+    const double z = std::isfinite(error) ? error : 100.0;
+    sum += std::log1p(std::min(z * z, 1e4));
+  }
+  return sum / static_cast<double>(errors.size());
+}
+
+struct Range {
+  double from_s;
+  double to_s;
+};
+
+std::optional<ClockOffset> Search(const ErrorsAt& errors_at, std::size_t count, Range range) {
+  if (!(range.to_s >= range.from_s)) return std::nullopt;
+  const double step = std::max(kCoarseStepS, (range.to_s - range.from_s) / static_cast<double>(kMaxSteps));
+  const std::size_t stride = std::max<std::size_t>(1, count / kMaxPhotosCoarse);
+  const auto steps = static_cast<std::size_t>((range.to_s - range.from_s) / step) + 1;
+  std::vector<double> errors;
+  std::vector<double> costs(steps);
+  for (std::size_t k = 0; k < steps; ++k) {
+    errors_at(range.from_s + step * static_cast<double>(k), stride, errors);
+    costs[k] = CostOf(errors);
+  }
+  const auto best = static_cast<std::size_t>(std::min_element(costs.begin(), costs.end()) - costs.begin());
+  ClockOffset found;
+  // Narrowing grids around the minimum.
+  double middle = range.from_s + step * static_cast<double>(best);
+  double reach = 2.0 * step;
+  while (reach > 2e-3) {
+    double at = middle;
+    double lowest = std::numeric_limits<double>::infinity();
+    for (int k = -10; k <= 10; ++k) {
+      const double offset = middle + reach * k / 10.0;
+      errors_at(offset, 1, errors);
+      const double cost = CostOf(errors);
+      if (cost < lowest) {
+        lowest = cost;
+        at = offset;
+      }
+    }
+    middle = at;
+    reach *= 0.2;
+  }
+  found.offset_s = middle;
+  errors_at(middle, 1, errors);
+  std::vector<double> sizes;
+  for (const double error : errors) {
+    if (std::isfinite(error)) sizes.push_back(std::abs(error));
+  }
+  if (sizes.empty()) return std::nullopt;
+  found.residual_m = Median(sizes);
+  return found;
+}
+
+// Position at a time; nothing outside the track and in its gaps of more than two seconds.
+std::optional<Eigen::Vector2d> TrackAt(std::span<const TimedPosition> track, double t_s) {
+  const auto after = std::lower_bound(track.begin(), track.end(), t_s,
+                                      [](const TimedPosition& point, double t) { return point.t_s < t; });
+  if (after == track.end()) return std::nullopt;
+  if (after->t_s == t_s) return after->position_m;
+  if (after == track.begin()) return std::nullopt;
+  const auto before = after - 1;
+  const double gap = after->t_s - before->t_s;
+  if (gap > kLongestGapS) return std::nullopt;
+  const double share = (t_s - before->t_s) / gap;
+  return before->position_m + share * (after->position_m - before->position_m);
+}
+
+// Every offset that keeps four fifths of the photos on the track is tried.
+std::optional<ClockOffset> SearchByPositions(std::span<const TimedPosition> photos,
+                                             std::span<const TimedPosition> track) {
+  if (photos.size() < 4 || track.size() < 4) return std::nullopt;
+  const auto errors_at = [&](double offset, std::size_t stride, std::vector<double>& errors) {
+    errors.clear();
+    for (std::size_t i = 0; i < photos.size(); i += stride) {
+      const auto position = TrackAt(track, photos[i].t_s + offset);
+      errors.push_back(position ? (*position - photos[i].position_m).norm()
+                                : std::numeric_limits<double>::infinity());
+    }
+  };
+  // Four fifths of the photos must lie on the track.
+  const std::size_t spare = photos.size() / 5;
+  const Range range{track.front().t_s - photos[spare].t_s,
+                    track.back().t_s - photos[photos.size() - 1 - spare].t_s};
+  auto found = Search(errors_at, photos.size(), range);
+  if (!found) return std::nullopt;
+  // Along-track errors over the sum of squared speeds; positions of one receiver err together for some
+  // seconds.
+  double speeds = 0.0, along = 0.0;
+  std::size_t used = 0;
+  for (const TimedPosition& photo : photos) {
+    const auto before = TrackAt(track, photo.t_s + found->offset_s - 0.25);
+    const auto at = TrackAt(track, photo.t_s + found->offset_s);
+    const auto after = TrackAt(track, photo.t_s + found->offset_s + 0.25);
+    if (!before || !at || !after) continue;
+    const Eigen::Vector2d velocity = (*after - *before) / 0.5;
+    const Eigen::Vector2d error = photo.position_m - *at;
+    if (error.norm() > 10.0 * found->residual_m + 1.0) continue;
+    speeds += velocity.squaredNorm();
+    if (velocity.norm() > 0.5) along += std::pow(error.dot(velocity.normalized()), 2);
+    ++used;
+  }
+  if (used < 4 || speeds < 1.0) return std::nullopt;
+  const double correlated = 3.0;
+  found->sigma_s = std::sqrt(correlated * (along / static_cast<double>(used) + 0.01) / speeds);
+  return found;
+}
 
 // Of a camera's clock that claims UTC and is not checked by anything.
 constexpr double kCameraClockSigmaS = 2.0;
@@ -33,7 +169,7 @@ class OffsetSearch {
     MakeTrack();
   }
 
-  std::optional<FoundOffset> Run() {
+  std::optional<TimeSync> Run() {
     if (!track_.empty() && ByPositions()) return found_;
     // Photos that know where they were and fit nowhere on the track belong to another flight: clocks alone
     // must not tie them to this one.
@@ -78,8 +214,8 @@ class OffsetSearch {
   // photos into the log is taken when it is the only one.
   bool ByClocks() {
     if (!log_.utc_at_zero && !log_.local_at_zero) return false;
-    const auto span = LogSpan();
-    if (!span) return false;
+    const LogSpan span = Span();
+    if (span.IsEmpty()) return false;
     const flight::UtcTime zero = log_.utc_at_zero ? *log_.utc_at_zero : *log_.local_at_zero;
     const double as_it_stands = SecondsBetween(zero, first_);
     const double last = refined_.times_s.back();
@@ -90,8 +226,8 @@ class OffsetSearch {
       const double offset = as_it_stands - quarter * 900.0;
       // A zone is guessed only where it puts all photos into the log; UTC holds for those that lie outside
       // too.
-      const bool fits = both_utc ? offset < span->second && offset + last > span->first
-                                 : offset > span->first - 5.0 && offset + last < span->second + 5.0;
+      const bool fits = both_utc ? offset < span.end_s && offset + last > span.begin_s
+                                 : offset > span.begin_s - 5.0 && offset + last < span.end_s + 5.0;
       if (fits) fitting.push_back(offset);
     }
     if (fitting.empty()) return false;
@@ -111,21 +247,15 @@ class OffsetSearch {
     return true;
   }
 
-  std::optional<std::pair<double, double>> LogSpan() const {
-    std::optional<std::pair<double, double>> span;
-    const auto widen = [&](const auto& samples) {
-      if (samples.empty()) return;
-      if (!span) span.emplace(samples.front().t_s, samples.back().t_s);
-      span->first = std::min(span->first, samples.front().t_s);
-      span->second = std::max(span->second, samples.back().t_s);
-    };
-    widen(log_.gnss);
-    widen(log_.attitude);
-    widen(log_.imu);
-    widen(log_.baro);
+  LogSpan Span() const {
+    LogSpan span;
+    span.Take(log_.gnss);
+    span.Take(log_.attitude);
+    span.Take(log_.imu);
+    span.Take(log_.baro);
     const bool any_timed = std::any_of(log_.events.begin(), log_.events.end(),
                                        [](const flight::CameraEvent& event) { return event.has_time; });
-    if (any_timed) widen(log_.events);
+    if (any_timed) span.Take(log_.events);
     return span;
   }
 
@@ -136,14 +266,14 @@ class OffsetSearch {
   RefinedStamps refined_;
   std::string stamps_;  // what was done to them, in words
   std::optional<geo::LocalFrame> frame_;
-  std::vector<TrackPoint> track_;
-  FoundOffset found_;
+  std::vector<TimedPosition> track_;
+  TimeSync found_;
 };
 
 }  // namespace
 
-std::optional<FoundOffset> FindClockOffset(const std::vector<Photo>& photos, const StampedPhotos& camera,
-                                           flight::UtcTime first, const FlightLog& log) {
+std::optional<TimeSync> FindClockOffset(const std::vector<Photo>& photos, const StampedPhotos& camera,
+                                        flight::UtcTime first, const FlightLog& log) {
   return OffsetSearch(photos, camera, first, log).Run();
 }
 

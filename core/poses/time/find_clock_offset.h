@@ -1,10 +1,10 @@
-// FindClockOffset: how far a camera's clock is from a log's where no events tell: from the photos' own
-// positions on the log's track, or from the two clocks as they stand.
-// Deterministic; any thread.
+// FindClockOffset: how far a camera's clock is from a log's where no events tell: by the offset at which the
+// photos' own positions fit the log's track best, or from the two clocks as they stand. Constant-speed legs
+// say nothing about time; turns, stops and changes of speed do, and the sigma shows it. Deterministic; any
+// thread.
 #pragma once
 
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "core/flight/logs/flight_log.h"
@@ -14,17 +14,9 @@
 
 namespace skyquilt::poses {
 
-struct FoundOffset {
-  TimeSyncMethod method = TimeSyncMethod::kClocks;
-  std::string method_in_words;
-  double offset_s = 0.0;  // as TimeSync's
-  double sigma_s = 0.0;
-  std::vector<std::string> notes;
-};
-
-// `first`: the stamp from which the camera's stamps count. Nothing where the two cannot be tied.
-std::optional<FoundOffset> FindClockOffset(const std::vector<flight::Photo>& photos,
-                                           const StampedPhotos& camera, flight::UtcTime first,
-                                           const flight::FlightLog& log);
+// Without the photos' times. `first`: the stamp from which the camera's stamps count. Nothing where the two
+// cannot be tied.
+std::optional<TimeSync> FindClockOffset(const std::vector<flight::Photo>& photos, const StampedPhotos& camera,
+                                        flight::UtcTime first, const flight::FlightLog& log);
 
 }  // namespace skyquilt::poses

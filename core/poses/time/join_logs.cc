@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <iterator>
-#include <limits>
 #include <list>
 
 #include "core/base/median.h"
@@ -26,18 +25,6 @@ int Worth(const FlightLog& log) {
   return (log.imu.empty() ? 0 : 8) + (log.attitude.empty() ? 0 : 8) + (log.gnss.empty() ? 0 : 4) +
          (log.baro.empty() ? 0 : 1) + (log.range.empty() ? 0 : 1) + (HasTimedEvents(log) ? 1 : 0);
 }
-
-struct LogSpan {
-  double begin_s = std::numeric_limits<double>::infinity();
-  double end_s = -std::numeric_limits<double>::infinity();
-  bool Meets(const LogSpan& other) const { return begin_s <= other.end_s && other.begin_s <= end_s; }
-  template <typename Sample>
-  void Take(const std::vector<Sample>& samples) {
-    if (samples.empty()) return;
-    begin_s = std::min(begin_s, samples.front().t_s);
-    end_s = std::max(end_s, samples.back().t_s);
-  }
-};
 
 LogSpan SpanOf(const FlightLog& log) {
   LogSpan span;

@@ -22,18 +22,12 @@ bool HasTrackSeries(const flight::FlightLog& log) {
   return !log.imu.empty() || !log.attitude.empty() || log.gnss.size() >= 2;
 }
 
-std::pair<double, double> MotionSpanOf(const flight::FlightLog& log) {
-  double begin_s = 1e18;
-  double end_s = -1e18;
-  const auto take = [&](const auto& samples) {
-    if (samples.empty()) return;
-    begin_s = std::min(begin_s, samples.front().t_s);
-    end_s = std::max(end_s, samples.back().t_s);
-  };
-  take(log.gnss);
-  take(log.attitude);
-  take(log.imu);
-  return {begin_s, end_s};
+LogSpan MotionSpanOf(const flight::FlightLog& log) {
+  LogSpan span;
+  span.Take(log.gnss);
+  span.Take(log.attitude);
+  span.Take(log.imu);
+  return span;
 }
 
 double BeyondLogS(const flight::FlightLog& log) {
@@ -73,11 +67,11 @@ LogTie TieToLog(const flight::FlightLog& log, std::vector<flight::Photo> photos)
   }
   tie.clock_sigma_s = kEventClockSigmaS;
   if (!HasTrackSeries(log)) return tie;
-  const auto [begin_s, end_s] = MotionSpanOf(log);
+  const LogSpan span = MotionSpanOf(log);
   const double beyond_s = BeyondLogS(log);
   for (std::size_t i = 0; i < tie.photos.size(); ++i) {
     const auto& time = tie.sync->photos[i];
-    if (!time || time->t_s < begin_s - beyond_s || time->t_s > end_s + beyond_s) continue;
+    if (!time || time->t_s < span.begin_s - beyond_s || time->t_s > span.end_s + beyond_s) continue;
     tie.tied.push_back({i, time->t_s, OwnSigmaS(*time, tie.sync->sigma_s)});
     if (!time->event) tie.clock_sigma_s = tie.sync->sigma_s;
   }

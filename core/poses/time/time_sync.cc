@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
+#include <utility>
 
 #include "core/base/median.h"
 #include "core/base/text/printable.h"
@@ -88,9 +88,7 @@ class Synchroniser {
       resolution = std::max(resolution, camera.resolution_s);
     }
     if (differences.empty()) return;
-    const OffsetFit fit = FitOffset(differences, {resolution, jitter_s_});
-    sync_.offset_s = -fit.offset_s;
-    sync_.sigma_s = std::hypot(fit.sigma_s, 0.005);
+    SetOffset(FitOffset(differences, {resolution, jitter_s_}), 0.0);
   }
 
   bool ByNames() {
@@ -247,11 +245,8 @@ class Synchroniser {
   bool BySearch(const StampedPhotos& camera) {
     auto found = FindClockOffset(photos_, camera, *first_, log_);
     if (!found) return false;
-    sync_.method = found->method;
-    sync_.offset_s = found->offset_s;
-    sync_.sigma_s = found->sigma_s;
-    sync_.method_in_words = std::move(found->method_in_words);
-    std::move(found->notes.begin(), found->notes.end(), std::back_inserter(sync_.notes));
+    found->photos = std::move(sync_.photos);
+    sync_ = *std::move(found);
     return true;
   }
 

@@ -9,7 +9,7 @@
 
 #include "core/base/result.h"
 #include "core/flight/photos/photo_source.h"
-#include "core/image/sample_image.h"
+#include "core/image/decoded_image.h"
 #include "core/render/bands/band_cameras.h"
 
 namespace skyquilt::render {

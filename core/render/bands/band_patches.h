@@ -10,7 +10,7 @@
 
 #include "core/alignment/scene/aligned_flight.h"
 #include "core/ground/ground_surface.h"
-#include "core/image/sample_image.h"
+#include "core/image/decoded_image.h"
 #include "core/render/bands/pixel_field.h"
 
 namespace skyquilt::render {

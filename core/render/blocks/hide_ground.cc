@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include "core/ground/occlusion.h"
+#include "core/ground/ground_surface.h"
 
 namespace skyquilt::render {
 

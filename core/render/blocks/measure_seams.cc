@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
+#include "core/base/median.h"
 #include "core/base/parallel_for.h"
-#include "core/base/percentile.h"
 #include "core/camera/rolling_shutter.h"
 #include "core/render/blocks/render_block.h"
 

@@ -7,7 +7,7 @@
 #include "core/camera/footprint.h"
 #include "core/camera/rolling_shutter.h"
 #include "core/geo/web_mercator.h"
-#include "core/ground/occlusion.h"
+#include "core/ground/ground_surface.h"
 #include "core/render/seams/view_score.h"
 
 namespace skyquilt::render {

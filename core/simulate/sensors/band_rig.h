@@ -15,7 +15,7 @@
 
 #include "core/camera/intrinsics.h"
 #include "core/geo/rigid3.h"
-#include "core/image/sample_image.h"
+#include "core/image/decoded_image.h"
 #include "core/simulate/sensors/trajectory.h"
 #include "core/simulate/world/world.h"
 

@@ -10,7 +10,6 @@
 #include "core/camera/rolling_shutter.h"
 #include "core/geo/rigid3.h"
 #include "core/image/decoded_image.h"
-#include "core/image/sample_image.h"
 #include "core/simulate/world/world.h"
 
 namespace skyquilt::simulate {

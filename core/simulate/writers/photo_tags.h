@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/image/sample_image.h"
+#include "core/image/decoded_image.h"
 #include "core/simulate/sensors/band_rig.h"
 #include "core/simulate/sensors/recorded_pose.h"
 

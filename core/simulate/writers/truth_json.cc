@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text/json_io.h"
-#include "core/camera/lens_fields.h"
+#include "core/camera/intrinsics.h"
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
 

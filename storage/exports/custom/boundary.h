@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "core/base/result.h"
-#include "core/geo/areas/boundary.h"
+#include "core/geo/boundary.h"
 
 namespace skyquilt::storage {
 

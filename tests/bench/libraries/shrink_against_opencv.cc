@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "core/base/median.h"
-#include "core/image/shrink/shrink_area.h"
+#include "core/image/shrink/shrink_picture.h"
 #include "tests/bench/libraries/measure.h"
 
 namespace skyquilt::image {

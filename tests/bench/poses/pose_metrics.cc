@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/camera/ground_projection.h"
+#include "core/camera/footprint.h"
 #include "core/geo/lat_lon.h"
 #include "core/poses/conventions/attitude_convention.h"
 

@@ -14,7 +14,7 @@
 
 #include "core/base/result.h"
 #include "core/flight/logs/flight_log.h"
-#include "core/poses/smoother/gravity.h"
+#include "core/poses/smoother/preintegration.h"
 
 namespace skyquilt::poses {
 

@@ -6,7 +6,7 @@
 #include <map>
 
 #include "core/base/check.h"
-#include "core/base/percentile.h"
+#include "core/base/median.h"
 #include "core/poses/estimate_poses.h"
 #include "core/simulate/world/random.h"
 

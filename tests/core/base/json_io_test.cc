@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cstddef>
 #include <nlohmann/json.hpp>
 #include <sstream>
+
+#include "core/base/text/printable.h"
 
 namespace skyquilt {
 namespace {
@@ -34,6 +37,20 @@ TEST(JsonText, WritesNamesThatAreNotUtf8AndIndents) {
   const nlohmann::json value = {{"name", "DJI_\xff.JPG"}};
   EXPECT_EQ(JsonText(value), "{\"name\":\"DJI_\xef\xbf\xbd.JPG\"}");
   EXPECT_EQ(JsonText(value, 1), "{\n \"name\": \"DJI_\xef\xbf\xbd.JPG\"\n}");
+}
+
+// Text for people.
+
+TEST(Counted, HasOneForOneAloneAndManyForTheRest) {
+  EXPECT_EQ(Counted(0, "file"), "0 files");
+  EXPECT_EQ(Counted(1, "file"), "1 file");
+  EXPECT_EQ(Counted(std::size_t{2}, "file"), "2 files");
+  EXPECT_EQ(Counted(1, "was", "were"), "1 was");
+  EXPECT_EQ(Counted(7, "was", "were"), "7 were");
+}
+
+TEST(Printable, LeavesNothingThatSteersATerminal) {
+  EXPECT_EQ(Printable("a\x1b[31m\n\xc3\xa4"), "a?[31m?\xc3\xa4");
 }
 
 }  // namespace

@@ -1,5 +1,3 @@
-#include "core/camera/ground_projection.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>

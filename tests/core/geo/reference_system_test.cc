@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "core/geo/crs/map_projection.h"
+
 namespace skyquilt::geo {
 namespace {
 
@@ -73,6 +77,88 @@ TEST(UtmCodeOf, CountsZonesFromTheDateLine) {
   EXPECT_EQ(UtmCodeOf({0.0, -180.0}), 32601);
   EXPECT_EQ(UtmCodeOf({60.0, 4.0}), 32632);   // Bergen
   EXPECT_EQ(UtmCodeOf({78.2, 15.6}), 32633);  // Longyearbyen
+}
+
+TEST(MapProjection, UtmIsThatOfEpsgsGuidance) {
+  // CN Tower (NGA's example of UTM): zone 17, 630084 m east, 4833438 m north.
+  const auto zone = MapProjection::OfEpsg(32617);
+  ASSERT_TRUE(zone);
+  const auto place = zone->PlaceOf({.lat_deg = 43.642567, .lon_deg = -79.387139});
+  ASSERT_TRUE(place);
+  EXPECT_NEAR(place->x(), 630084.0, 1.0);
+  EXPECT_NEAR(place->y(), 4833438.0, 1.0);
+  EXPECT_FALSE(zone->is_north_first());
+  EXPECT_FALSE(zone->is_geographic());
+}
+
+TEST(MapProjection, UtmWithoutTheDatabaseIsThatOfTheDatabase) {
+  // EPSG:25832 is the same projection on ETRS89, which PROJ takes for WGS84.
+  const auto own = MapProjection::OfEpsg(32632), other = MapProjection::OfEpsg(25832);
+  ASSERT_TRUE(own && other);
+  for (const LatLon position : {LatLon{47.1, 8.2}, LatLon{54.9, 6.01}, LatLon{38.0, 11.9}}) {
+    const auto a = own->PlaceOf(position), b = other->PlaceOf(position);
+    ASSERT_TRUE(a && b);
+    EXPECT_LT((*a - *b).norm(), 1e-3);  // the ellipsoids differ by 0.1 mm
+  }
+}
+
+TEST(MapProjection, SouthIsTenThousandKilometresNorth) {
+  const auto north = MapProjection::OfEpsg(32656), south = MapProjection::OfEpsg(32756);
+  ASSERT_TRUE(north && south);
+  const LatLon sydney{.lat_deg = -33.8568, .lon_deg = 151.2153};
+  EXPECT_NEAR(south->PlaceOf(sydney)->y() - north->PlaceOf(sydney)->y(), 1e7, 1e-6);
+  EXPECT_NEAR(south->PlaceOf(sydney)->x(), north->PlaceOf(sydney)->x(), 1e-6);
+}
+
+TEST(MapProjection, ThereAndBackIsTheSamePlace) {
+  struct Case {
+    int code;
+    LatLon position;
+  };
+  for (const Case& one :
+       {Case{32632, {47.123456, 8.765432}}, Case{2056, {46.95, 7.45}}, Case{3035, {52.0, 10.5}},
+        Case{27700, {51.5, -0.1}}, Case{4258, {48.0, 11.0}}, Case{3857, {48.0, 11.0}},
+        Case{2263, {40.7, -74.0}}, Case{32661, {85.0, 20.0}}, Case{3413, {75.0, -40.0}}}) {
+    const auto system = MapProjection::OfEpsg(one.code);
+    ASSERT_TRUE(system) << one.code;
+    const auto place = system->PlaceOf(one.position);
+    ASSERT_TRUE(place) << one.code;
+    const auto back = system->LatLonOf(*place);
+    ASSERT_TRUE(back) << one.code;
+    EXPECT_NEAR(back->lat_deg, one.position.lat_deg, 3e-8) << one.code;
+    EXPECT_NEAR(back->lon_deg, one.position.lon_deg, 3e-8) << one.code;
+  }
+}
+
+TEST(MapProjection, AxesAreOursAndTheAuthoritysOrderIsTold) {
+  const auto etrs89 = MapProjection::OfEpsg(4258), laea = MapProjection::OfEpsg(3035),
+             swiss = MapProjection::OfEpsg(2056), gauss = MapProjection::OfEpsg(31467);
+  ASSERT_TRUE(etrs89 && laea && swiss && gauss);
+  EXPECT_TRUE(etrs89->is_north_first() && etrs89->is_geographic());
+  EXPECT_TRUE(laea->is_north_first());
+  EXPECT_FALSE(swiss->is_north_first());
+  EXPECT_TRUE(gauss->is_north_first());
+  const auto place =
+      laea->PlaceOf({.lat_deg = 52.0, .lon_deg = 10.0});  // its origin: 4321000 east, 3210000 north
+  EXPECT_NEAR(place->x(), 4321000.0, 1.0);
+  EXPECT_NEAR(place->y(), 3210000.0, 1.0);
+  EXPECT_NEAR(etrs89->PlaceOf({.lat_deg = 48.0, .lon_deg = 11.0})->x(), 11.0, 1e-6);
+}
+
+TEST(MapProjection, WhatCannotBeIsRefusedOrAbsent) {
+  for (const int code : {1, 0, -5, 999999, 4979 /* three axes */, 4978 /* geocentric */, 5773 /* heights */,
+                         7415 /* compound */, 32661 + 100000}) {
+    EXPECT_FALSE(MapProjection::OfEpsg(code)) << code;
+  }
+  const auto zone = MapProjection::OfEpsg(32632);
+  ASSERT_TRUE(zone);
+  EXPECT_FALSE(zone->LatLonOf({1e12, 1e12}));
+  EXPECT_FALSE(zone->LatLonOf({std::nan(""), 0.0}));
+  EXPECT_FALSE(zone->PlaceOf({.lat_deg = std::nan(""), .lon_deg = 0.0}));
+  // Beyond the pole a transverse Mercator goes on with the other side of the Earth.
+  const auto laea = MapProjection::OfEpsg(3035);
+  ASSERT_TRUE(laea);
+  EXPECT_FALSE(laea->LatLonOf({4321000.0 + 3e7, 3210000.0}));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <utility>
 
 #include "core/flight/remarks/remark_words.h"
 #include "core/geo/crs/map_projection.h"
@@ -93,6 +94,14 @@ auto NorthFirst(const Write& write) {
   };
 }
 
+// A flight after a list of its 18 photos was held against it.
+Flight Compared(const LatLon& place, FlightLog list, bool has_positions = true) {
+  Flight flight = FlightAt(place, 18, has_positions);
+  flight.logs = {std::move(list)};
+  EXPECT_TRUE(CompareSources(flight).ok());
+  return flight;
+}
+
 // Every row 4 m east of the photos, whatever was written.
 void ExpectTaken(const Flight& flight, const LatLon& place, const std::string& what) {
   ASSERT_EQ(flight.list_uses.size(), 1u) << what;
@@ -117,9 +126,7 @@ void ExpectRefused(const Flight& flight, ListFault fault, const std::string& wor
 
 TEST(CompareSources, BelievesAListThatAgreesWithoutAWord) {
   for (const LatLon& place : {kDuluth, kZurich, kSydney, kLaPaz}) {
-    Flight flight = FlightAt(place);
-    flight.logs = {ListOf(place, 18, AsDegrees, "EPSG:4326")};
-    ASSERT_TRUE(CompareSources(flight).ok());
+    const Flight flight = Compared(place, ListOf(place, 18, AsDegrees, "EPSG:4326"));
     ExpectTaken(flight, place, "as written");
     EXPECT_NEAR(*flight.list_uses[0].apart_m, 4.0, 0.1);
     EXPECT_TRUE(flight.warnings.empty());
@@ -129,10 +136,10 @@ TEST(CompareSources, BelievesAListThatAgreesWithoutAWord) {
 TEST(CompareSources, ReadsDegreesBelowASystemOfMetresInEitherOrder) {
   for (const bool is_swapped : {false, true}) {
     for (const bool has_positions : {true, false}) {
-      Flight flight = FlightAt(kZurich, 18, has_positions);
-      flight.logs = {is_swapped ? ListOf(kZurich, 18, AsLatLon, "EPSG:32632")
-                                : ListOf(kZurich, 18, AsDegrees, "EPSG:32632")};
-      ASSERT_TRUE(CompareSources(flight).ok());
+      const Flight flight = Compared(kZurich,
+                                     is_swapped ? ListOf(kZurich, 18, AsLatLon, "EPSG:32632")
+                                                : ListOf(kZurich, 18, AsDegrees, "EPSG:32632"),
+                                     has_positions);
       ExpectTaken(flight, kZurich, is_swapped ? "latitude first" : "longitude first");
       EXPECT_EQ(flight.list_uses[0].reading.counts_in, CountsIn::kDegrees);
       EXPECT_EQ(flight.list_uses[0].reading.is_swapped, is_swapped);
@@ -142,9 +149,7 @@ TEST(CompareSources, ReadsDegreesBelowASystemOfMetresInEitherOrder) {
 }
 
 TEST(CompareSources, SaysHowFarOffTheListWouldLieAsWritten) {
-  Flight flight = FlightAt(kDuluth);
-  flight.logs = {ListOf(kDuluth, 18, AsLatLon, "EPSG:32615")};
-  ASSERT_TRUE(CompareSources(flight).ok());
+  const Flight flight = Compared(kDuluth, ListOf(kDuluth, 18, AsLatLon, "EPSG:32615"));
   EXPECT_THAT(InWords(flight.warnings),
               Contains(HasSubstr("list.txt: read as latitude, longitude in degrees: as written it "
                                  "would lie 5,2")));
@@ -152,17 +157,13 @@ TEST(CompareSources, SaysHowFarOffTheListWouldLieAsWritten) {
 
 TEST(CompareSources, ReadsExchangedCoordinates) {
   for (const LatLon& place : {kDuluth, kZurich, kSydney, kLaPaz}) {
-    Flight flight = FlightAt(place);
-    flight.logs = {ListOf(place, 18, AsLatLon, "EPSG:4326")};
-    ASSERT_TRUE(CompareSources(flight).ok());
+    const Flight flight = Compared(place, ListOf(place, 18, AsLatLon, "EPSG:4326"));
     ExpectTaken(flight, place, "exchanged");
     EXPECT_FALSE(flight.list_uses[0].is_as_written);
   }
   // Also where both orders lie near each other and only the layout tells.
   const LatLon diagonal{10.0004, 10.0};
-  Flight flight = FlightAt(diagonal);
-  flight.logs = {ListOf(diagonal, 18, AsLatLon, "EPSG:4326")};
-  ASSERT_TRUE(CompareSources(flight).ok());
+  const Flight flight = Compared(diagonal, ListOf(diagonal, 18, AsLatLon, "EPSG:4326"));
   ExpectTaken(flight, diagonal, "on the diagonal");
 }
 
@@ -170,10 +171,9 @@ TEST(CompareSources, ReadsMetresOfTheZoneOfThePhotos) {
   for (const auto& [place, code] :
        {std::pair{kDuluth, 32615}, std::pair{kZurich, 32632}, std::pair{kSydney, 32756}}) {
     for (const bool is_swapped : {false, true}) {
-      Flight flight = FlightAt(place);
-      flight.logs = {is_swapped ? ListOf(place, 18, NorthFirst(In(code)), "", "pix4d_csv")
-                                : ListOf(place, 18, In(code), "", "pix4d_csv")};
-      ASSERT_TRUE(CompareSources(flight).ok());
+      const Flight flight =
+          Compared(place, is_swapped ? ListOf(place, 18, NorthFirst(In(code)), "", "pix4d_csv")
+                                     : ListOf(place, 18, In(code), "", "pix4d_csv"));
       ExpectTaken(flight, place, "zone " + std::to_string(code));
       EXPECT_EQ(flight.list_uses[0].reading.utm_code, code);
       EXPECT_THAT(InWords(flight.warnings), Contains(HasSubstr("EPSG:" + std::to_string(code))));
@@ -181,42 +181,34 @@ TEST(CompareSources, ReadsMetresOfTheZoneOfThePhotos) {
   }
   // At a zone's edge the neighbour's counts too.
   const LatLon edge{47.0, 11.95};
-  Flight flight = FlightAt(edge);
-  flight.logs = {ListOf(edge, 18, In(32633), "", "pix4d_csv")};
-  ASSERT_TRUE(CompareSources(flight).ok());
+  const Flight flight = Compared(edge, ListOf(edge, 18, In(32633), "", "pix4d_csv"));
   ExpectTaken(flight, edge, "zone 33 at 11.95 E");
 }
 
 TEST(CompareSources, AsksForTheSystemOfMetresThatNothingPlaces) {
-  Flight flight = FlightAt(kDuluth, 18, false);
-  flight.logs = {ListOf(kDuluth, 18, In(32615), "", "pix4d_csv")};
-  ASSERT_TRUE(CompareSources(flight).ok());
+  const Flight flight = Compared(kDuluth, ListOf(kDuluth, 18, In(32615), "", "pix4d_csv"), false);
   ExpectRefused(flight, ListFault::kNoSystem, "write the system's EPSG code");
 }
 
 TEST(CompareSources, ReadsFeetAndSystemsOfAnyName) {
-  Flight flight = FlightAt(kDuluth);
-  flight.logs = {ListOf(kDuluth, 18, In(26849), "NAD83 / Minnesota North (ftUS)")};  // US survey feet
-  ASSERT_TRUE(CompareSources(flight).ok());
+  const Flight flight =
+      Compared(kDuluth, ListOf(kDuluth, 18, In(26849), "NAD83 / Minnesota North (ftUS)"));  // US survey feet
   ExpectTaken(flight, kDuluth, "state plane");
   EXPECT_TRUE(flight.list_uses[0].is_as_written);
-  Flight wrong_zone = FlightAt(kDuluth);
-  wrong_zone.logs = {ListOf(kDuluth, 18, In(32615), "EPSG:32616")};
-  ASSERT_TRUE(CompareSources(wrong_zone).ok());
+  const Flight wrong_zone = Compared(kDuluth, ListOf(kDuluth, 18, In(32615), "EPSG:32616"));
   ExpectTaken(wrong_zone, kDuluth, "the neighbour's zone is named");
   EXPECT_EQ(wrong_zone.list_uses[0].reading.utm_code, 32615);
 }
 
 TEST(CompareSources, ReadsWestAndSouthWithoutASign) {
   for (const LatLon& place : {kDuluth, kSydney, kLaPaz}) {
-    Flight flight = FlightAt(place);
-    flight.logs = {ListOf(
-        place, 18,
-        [](const LatLon& at) {
-          return flight::WrittenPlace{std::abs(at.lon_deg), std::abs(at.lat_deg)};
-        },
-        "EPSG:4326")};
-    ASSERT_TRUE(CompareSources(flight).ok());
+    const Flight flight =
+        Compared(place, ListOf(
+                            place, 18,
+                            [](const LatLon& at) {
+                              return flight::WrittenPlace{std::abs(at.lon_deg), std::abs(at.lat_deg)};
+                            },
+                            "EPSG:4326"));
     ExpectTaken(flight, place, "without signs");
     EXPECT_EQ(flight.list_uses[0].reading.west_is_positive, place.lon_deg < 0.0);
     EXPECT_EQ(flight.list_uses[0].reading.south_is_positive, place.lat_deg < 0.0);
@@ -225,16 +217,13 @@ TEST(CompareSources, ReadsWestAndSouthWithoutASign) {
 
 TEST(CompareSources, RefusesTheListOfAnotherFlight) {
   for (const double far_m : {3'000.0, 40'000.0, 2'000'000.0}) {
-    Flight flight = FlightAt(kDuluth);
-    flight.logs = {ListOf(Beside(kDuluth, 0.0, -far_m), 18, AsDegrees, "EPSG:4326")};
-    ASSERT_TRUE(CompareSources(flight).ok());
+    const Flight flight = Compared(kDuluth, ListOf(Beside(kDuluth, 0.0, -far_m), 18, AsDegrees, "EPSG:4326"));
     ExpectRefused(flight, ListFault::kFarAway, "another flight");
   }
 }
 
 TEST(CompareSources, RefusesAListThatIsLaidOutOtherwise) {
   for (const int kind : {0, 1, 2}) {
-    Flight flight = FlightAt(kDuluth);
     FlightLog list = ListOf(kDuluth, 18, AsDegrees, "EPSG:4326");
     std::vector<flight::WrittenPlace> places;
     for (const auto& event : list.events) places.push_back(*event.written);
@@ -245,9 +234,7 @@ TEST(CompareSources, RefusesAListThatIsLaidOutOtherwise) {
       if (kind == 2) places[k].x = 2.0 * kDuluth.lon_deg - places[k].x;  // mirrored
       list.events[k].written = places[k];
     }
-    flight.logs = {list};
-    ASSERT_TRUE(CompareSources(flight).ok());
-    ExpectRefused(flight, ListFault::kOtherShape, "laid out otherwise");
+    ExpectRefused(Compared(kDuluth, list), ListFault::kOtherShape, "laid out otherwise");
   }
 }
 
@@ -268,14 +255,10 @@ TEST(CompareSources, LetsNoStaleFixOutvoteAList) {
 }
 
 TEST(CompareSources, TakesTheDocumentedOrderAloneAndSaysWhereTheOtherWouldLie) {
-  Flight flight = FlightAt(kZurich, 18, false);
-  flight.logs = {ListOf(kZurich, 18, AsDegrees, "EPSG:4326")};
-  ASSERT_TRUE(CompareSources(flight).ok());
+  const Flight flight = Compared(kZurich, ListOf(kZurich, 18, AsDegrees, "EPSG:4326"), false);
   ExpectTaken(flight, kZurich, "longitude first, as geo.txt has it");
   EXPECT_THAT(InWords(flight.warnings), Contains(HasSubstr("the order of its format")));
-  Flight far_west = FlightAt(kDuluth, 18, false);
-  far_west.logs = {ListOf(kDuluth, 18, AsLatLon, "EPSG:4326")};
-  ASSERT_TRUE(CompareSources(far_west).ok());
+  const Flight far_west = Compared(kDuluth, ListOf(kDuluth, 18, AsLatLon, "EPSG:4326"), false);
   ExpectTaken(far_west, kDuluth, "no latitude is 92 degrees");
 }
 
@@ -298,9 +281,7 @@ TEST(CompareSources, AsksWhereTwoReadingsStayPossible) {
 }
 
 TEST(CompareSources, JudgesHalfAListAndNamesOneThatNamesNoPhoto) {
-  Flight flight = FlightAt(kDuluth);
-  flight.logs = {ListOf(kDuluth, 9, AsDegrees, "EPSG:4326")};
-  ASSERT_TRUE(CompareSources(flight).ok());
+  const Flight flight = Compared(kDuluth, ListOf(kDuluth, 9, AsDegrees, "EPSG:4326"));
   ExpectTaken(flight, kDuluth, "nine of eighteen");
   Flight other = FlightAt(kDuluth);
   other.logs = {ListOf(kDuluth, 3, AsDegrees, "EPSG:4326")};

@@ -71,6 +71,16 @@ FlightLog Track(double begin_s, double end_s, double zero_s = 0.0) {
   return log;
 }
 
+// 60 m above the take-off, as it says.
+flight::RecordedPosition& StandAt(const geo::LatLon& place, Photo& photo) {
+  flight::RecordedPosition& position = photo.position.emplace();
+  position.position = place;
+  position.height_above_takeoff_m = 60.0;
+  return position;
+}
+
+geo::LatLon TruePlaceAt(double t_s) { return {TrueAt(t_s).lat_deg, TrueAt(t_s).lon_deg}; }
+
 Result<PosedFlight> Estimate(const Flight& flight, const EstimatePosesOptions& options = {}) {
   return EstimatePoses(flight, options);
 }
@@ -155,9 +165,7 @@ TEST(EstimatePoses, LeavesALogOfAnotherFlightAlone) {
   for (int k = 0; k < 10; ++k) {
     Photo& photo = flight.photos[static_cast<std::size_t>(k)];
     photo.captured_at_is_local = true;
-    photo.position.emplace();
-    photo.position->position = {kField.lat_deg + 0.1 + 1e-4 * k, kField.lon_deg};  // 11 km from the log
-    photo.position->height_above_takeoff_m = 60.0;
+    StandAt({kField.lat_deg + 0.1 + 1e-4 * k, kField.lon_deg}, photo);  // 11 km from the log
   }
   flight.logs = {Track(0.0, 60.0)};
   const auto posed = Estimate(flight);
@@ -171,9 +179,7 @@ TEST(EstimatePoses, LeavesALogOfAnotherFlightAlone) {
 TEST(EstimatePoses, LeavesOutPhotosOutsideTheLogThatHaveNoPositionOfTheirOwn) {
   Flight flight;
   flight.photos = PhotosEvery2s(10);
-  flight.photos[9].position.emplace();
-  flight.photos[9].position->position = {TrueAt(TimeOf(9)).lat_deg, TrueAt(TimeOf(9)).lon_deg};
-  flight.photos[9].position->height_above_takeoff_m = 60.0;
+  StandAt(TruePlaceAt(TimeOf(9)), flight.photos[9]);
   flight.logs = {Track(0.0, 30.0)};
   const auto posed = Estimate(flight);
   ASSERT_TRUE(posed.ok());
@@ -271,12 +277,7 @@ TEST(ApplyPhotoRows, AsksForFoldersWhereTwoCardsShareTheirNames) {
 TEST(EstimatePoses, KnowsNeighboursBetterAgainstEachOtherThanAgainstTheGround) {
   Flight flight;
   flight.photos = PhotosEvery2s(4);
-  for (int k = 0; k < 4; ++k) {
-    Photo& photo = flight.photos[static_cast<std::size_t>(k)];
-    photo.position.emplace();
-    photo.position->position = {TrueAt(TimeOf(k)).lat_deg, TrueAt(TimeOf(k)).lon_deg};
-    photo.position->height_above_takeoff_m = 60.0;
-  }
+  for (int k = 0; k < 4; ++k) StandAt(TruePlaceAt(TimeOf(k)), flight.photos[static_cast<std::size_t>(k)]);
   const auto posed = Estimate(flight);
   ASSERT_TRUE(posed.ok());
   for (std::size_t k = 0; k + 1 < posed->photos.size(); ++k) {
@@ -320,12 +321,10 @@ TEST(EstimatePoses, TakesSurveyedHeightsAgainstEachOtherAndTheBarometerForTheirZ
   flight.photos = PhotosEvery2s(5);
   for (int k = 0; k < 5; ++k) {
     Photo& photo = flight.photos[static_cast<std::size_t>(k)];
-    photo.position.emplace();
-    photo.position->position = {kField.lat_deg + 1e-4 * k, kField.lon_deg};
-    photo.position->height_ellipsoid_m = 510.0 + 0.1 * k;
-    photo.position->is_rtk_fixed = true;
-    photo.position->height_above_takeoff_m =
-        60.0 + 0.1 * k + (k % 2 == 0 ? 0.4 : -0.4);  // a barometer's wander
+    flight::RecordedPosition& position = StandAt({kField.lat_deg + 1e-4 * k, kField.lon_deg}, photo);
+    position.height_ellipsoid_m = 510.0 + 0.1 * k;
+    position.is_rtk_fixed = true;
+    position.height_above_takeoff_m = 60.0 + 0.1 * k + (k % 2 == 0 ? 0.4 : -0.4);  // a barometer's wander
   }
   const auto posed = Estimate(flight);
   ASSERT_TRUE(posed.ok());
@@ -357,10 +356,9 @@ TEST(EstimatePoses, HandsOnPhotosThatNoMapCanBeDrawnWithWhereTheyWereRecorded) {
   Flight flight;
   flight.photos = PhotosEvery2s(8);
   for (std::size_t k = 0; k < flight.photos.size(); ++k) {
-    const geo::Wgs84 at = TrueAt(TimeOf(static_cast<int>(k)));
-    flight.photos[k].position.emplace();
-    flight.photos[k].position->position = {k == 5 ? -at.lat_deg : at.lat_deg, at.lon_deg};
-    flight.photos[k].position->height_above_takeoff_m = k == 3 ? 6000.0 : 60.0;
+    const geo::LatLon at = TruePlaceAt(TimeOf(static_cast<int>(k)));
+    StandAt({k == 5 ? -at.lat_deg : at.lat_deg, at.lon_deg}, flight.photos[k]);
+    if (k == 3) flight.photos[k].position->height_above_takeoff_m = 6000.0;
   }
   EstimatePosesOptions options;
   const Result<PosedFlight> refused = EstimatePoses(flight, options);
@@ -465,12 +463,8 @@ TEST(EstimatePoses, NamesWhatWasLeftOutBeforeWhereTheRestHasNoPlace) {
 TEST(EstimatePoses, HangsTheFlightOnAGivenTakeoffHeight) {
   Flight by_records;
   by_records.photos = PhotosEvery2s(6);
-  for (int k = 0; k < 6; ++k) {
-    Photo& photo = by_records.photos[static_cast<std::size_t>(k)];
-    photo.position.emplace();
-    photo.position->position = {kField.lat_deg, kField.lon_deg + 1e-4 * k};
-    photo.position->height_above_takeoff_m = 60.0;
-  }
+  for (int k = 0; k < 6; ++k)
+    StandAt({kField.lat_deg, kField.lon_deg + 1e-4 * k}, by_records.photos[static_cast<std::size_t>(k)]);
   Flight by_log;
   by_log.photos = PhotosEvery2s(6);
   by_log.logs = {Track(0.0, 60.0)};

@@ -6,7 +6,7 @@
 
 #include "core/poses/conventions/attitude_convention.h"
 #include "core/poses/evidence/recorded_series.h"
-#include "core/poses/place_cameras.h"
+#include "core/poses/place_by_log.h"
 #include "tests/bench/poses/recorded_sensors.h"
 
 namespace skyquilt::poses {
@@ -98,7 +98,7 @@ struct Errors {
 };
 
 template <typename TrueCam>
-Errors Compare(const Recorded& recorded, const std::vector<PlacedCamera>& cameras, const TrueCam& true_cam) {
+Errors Compare(const Recorded& recorded, const std::vector<PosedPhoto>& cameras, const TrueCam& true_cam) {
   Errors errors;
   const double n = static_cast<double>(cameras.size());
   for (std::size_t k = 0; k < cameras.size(); ++k) {
@@ -112,7 +112,7 @@ Errors Compare(const Recorded& recorded, const std::vector<PlacedCamera>& camera
           std::sqrt(errors.stated_rotation_rad)};
 }
 
-std::vector<PlacedCamera> Place(const PreparedSmoothing& prepared) {
+std::vector<PosedPhoto> Place(const PreparedSmoothing& prepared) {
   const auto smoothed = SmoothChain(prepared.input);
   EXPECT_TRUE(smoothed.ok()) << smoothed.error().message;
   return PlaceCameras(prepared, *smoothed, 0.0);
@@ -122,7 +122,7 @@ TEST(SmootherInput, PlacesPhotosByTheirXmpAlone) {
   const Recorded recorded(1, true);
   const PreparedSmoothing prepared = MakeSmootherInput(recorded.Sources(false), Frame());
   EXPECT_TRUE(prepared.is_placed);
-  const std::vector<PlacedCamera> cameras = Place(prepared);
+  const std::vector<PosedPhoto> cameras = Place(prepared);
   ASSERT_EQ(cameras.size(), recorded.photos.size());
   const Errors errors = Compare(recorded, cameras, [&](std::size_t k) { return recorded.TrueGimbal(k); });
   EXPECT_LT(errors.position_m, 4.0);
@@ -130,7 +130,7 @@ TEST(SmootherInput, PlacesPhotosByTheirXmpAlone) {
   EXPECT_LT(errors.position_m, 3.0 * errors.stated_position_m);
   EXPECT_LT(errors.rotation_rad, 3.0 * errors.stated_rotation_rad);
   EXPECT_EQ(cameras[0].attitude_origin, AttitudeOrigin::kRecorded);
-  for (const PlacedCamera& c : cameras) {
+  for (const PosedPhoto& c : cameras) {
     EXPECT_GT(c.error_radius_m, 0.3);
     EXPECT_LT(c.error_radius_m, 10.0);
   }
@@ -140,7 +140,7 @@ TEST(SmootherInput, TurnsPhotosWithoutAnglesAlongTheirCourse) {
   const Recorded recorded(2);
   const PreparedSmoothing prepared = MakeSmootherInput(recorded.Sources(false), Frame());
   EXPECT_TRUE(prepared.input.options.yaw_from_course);
-  const std::vector<PlacedCamera> cameras = Place(prepared);
+  const std::vector<PosedPhoto> cameras = Place(prepared);
   EXPECT_EQ(cameras[0].attitude_origin, AttitudeOrigin::kCourse);
   const auto truth = [&](std::size_t k) {
     return CamFromBody() * recorded.flight.At(recorded.flight.photo_times_s()[k]).enu_from_body.conjugate();
@@ -154,7 +154,7 @@ TEST(SmootherInput, UsesALogForACameraFixedToTheAirframe) {
   const Recorded recorded(3);
   PreparedSmoothing prepared = MakeSmootherInput(recorded.Sources(true), Frame());
   EXPECT_GT(prepared.input.options.boresight_sigma_rad, 0.04);
-  const std::vector<PlacedCamera> cameras = Place(prepared);
+  const std::vector<PosedPhoto> cameras = Place(prepared);
   const auto truth = [&](std::size_t k) {
     return CamFromBody() * recorded.flight.At(recorded.flight.photo_times_s()[k]).enu_from_body.conjugate();
   };
@@ -169,7 +169,7 @@ TEST(SmootherInput, TakesTheSlowErrorOfTheAirframeOutOfTheGimbal) {
   const Recorded recorded(4, true);
   const PreparedSmoothing prepared = MakeSmootherInput(recorded.Sources(true), Frame());
   ASSERT_TRUE(prepared.recorded_enu_from_cam[0].has_value());
-  const std::vector<PlacedCamera> cameras = Place(prepared);
+  const std::vector<PosedPhoto> cameras = Place(prepared);
   const auto truth = [&](std::size_t k) { return recorded.TrueGimbal(k); };
   double recorded_error = 0.0;
   for (std::size_t k = 0; k < cameras.size(); ++k) {
@@ -197,7 +197,7 @@ TEST(SmootherInput, ReckonsFromTheStartPointWithoutAnyPosition) {
   EXPECT_FALSE(prepared.is_placed);
   ASSERT_FALSE(prepared.input.still.empty());
   EXPECT_NEAR(prepared.input.still.front().begin_s, 0.0, 1.1);
-  const std::vector<PlacedCamera> cameras = Place(prepared);
+  const std::vector<PosedPhoto> cameras = Place(prepared);
   const auto truth = [&](std::size_t k) {
     return CamFromBody() * recorded.flight.At(recorded.flight.photo_times_s()[k]).enu_from_body.conjugate();
   };

@@ -7,7 +7,6 @@
 #include <random>
 
 #include "core/geo/local_frame.h"
-#include "core/poses/time/clock_search.h"
 #include "core/poses/time/event_alignment.h"
 
 namespace skyquilt::poses {
@@ -22,8 +21,10 @@ constexpr double kZeroUnixS = 1.7e9;  // UTC at the log's zero
 
 // A survey of back-and-forth legs that slows down into its turns.
 struct Survey {
-  std::vector<TrackPoint> track;  // 20 Hz from t = 100 s
+  std::vector<double> track_s;  // 20 Hz from t = 100 s
+  std::vector<Eigen::Vector2d> track_m;
   std::vector<double> exposures_s;
+  std::vector<Eigen::Vector2d> exposures_m;
 };
 
 Survey Fly(unsigned seed, bool by_distance, double interval) {
@@ -50,10 +51,12 @@ Survey Fly(unsigned seed, bool by_distance, double interval) {
       ++leg;
       travelled = 0.0;
     }
-    survey.track.push_back({t, position});
+    survey.track_s.push_back(t);
+    survey.track_m.push_back(position);
     const bool fires = since_trigger >= interval && t > 103.0 && t < 395.0;
     if (fires) {
       survey.exposures_s.push_back(t);
+      survey.exposures_m.push_back(position);
       since_trigger = by_distance ? 0.0 : since_trigger - interval;
     }
   }
@@ -88,10 +91,10 @@ FlightLog LogOf(const Survey& survey, const std::vector<double>& events_s, doubl
   log.file_name = "flight.BIN";
   log.utc_at_zero = UtcTime(std::chrono::microseconds(static_cast<std::int64_t>(kZeroUnixS * 1e6)));
   log.utc_sigma_s = 0.1;
-  for (std::size_t i = 0; i < survey.track.size(); i += 4) {
+  for (std::size_t i = 0; i < survey.track_s.size(); i += 4) {
     flight::GnssSample sample;
-    sample.t_s = survey.track[i].t_s;
-    sample.position = At(survey.track[i].position_m + Eigen::Vector2d(noise(random), noise(random)));
+    sample.t_s = survey.track_s[i];
+    sample.position = At(survey.track_m[i] + Eigen::Vector2d(noise(random), noise(random)));
     log.gnss.push_back(sample);
   }
   for (const double t : events_s) {
@@ -189,8 +192,7 @@ TEST(MatchPhotosToLog, LaysPhotoPositionsOnTheTrackWithoutEvents) {
     std::normal_distribution<double> noise(0.0, 0.4);
     for (std::size_t i = 0; i < photos.size(); ++i) {
       flight::RecordedPosition position;
-      position.position =
-          At(*TrackAt(survey.track, survey.exposures_s[i]) + Eigen::Vector2d(noise(random), noise(random)));
+      position.position = At(survey.exposures_m[i] + Eigen::Vector2d(noise(random), noise(random)));
       photos[i].position = position;
     }
     const auto sync = MatchPhotosToLog(photos, LogOf(survey, {}, 0.3, seed));
@@ -213,7 +215,7 @@ TEST(MatchPhotosToLog, AdmitsThatWholeSecondIntervalsHideTheFraction) {
   auto photos = PhotosOf(survey.exposures_s, 4.25, 1.0);
   for (std::size_t i = 0; i < photos.size(); ++i) {
     flight::RecordedPosition position;
-    position.position = At(*TrackAt(survey.track, survey.exposures_s[i]));
+    position.position = At(survey.exposures_m[i]);
     photos[i].position = position;
   }
   const auto sync = MatchPhotosToLog(photos, LogOf(survey, {}, 0.3, 2));

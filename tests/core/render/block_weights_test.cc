@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/ground/occlusion.h"
+#include "core/ground/ground_surface.h"
 #include "core/render/blocks/weigh_block.h"
 #include "tests/support/simulated_map.h"
 

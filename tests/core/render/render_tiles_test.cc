@@ -7,7 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "core/geo/hilbert.h"
+#include "core/geo/tile_id.h"
 #include "core/render/blocks/block_geometry.h"
 #include "tests/support/map_truth.h"
 #include "tests/support/memory_sink.h"

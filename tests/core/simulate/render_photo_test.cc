@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "core/camera/ground_projection.h"
+#include "core/camera/footprint.h"
 #include "core/geo/lat_lon.h"
 #include "core/simulate/sensors/trajectory.h"
 

@@ -11,7 +11,7 @@
 #include <iterator>
 #include <string>
 
-#include "core/camera/ground_projection.h"
+#include "core/camera/footprint.h"
 #include "core/flight/read_flight.h"
 #include "core/geo/web_mercator.h"
 #include "core/simulate/world/world_raster.h"

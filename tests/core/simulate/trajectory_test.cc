@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "core/camera/footprint.h"
-#include "core/camera/ground_projection.h"
 #include "core/geo/lat_lon.h"
 #include "core/simulate/world/random.h"
 

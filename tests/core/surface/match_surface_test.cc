@@ -5,7 +5,7 @@
 #include <cmath>
 #include <functional>
 
-#include "core/base/percentile.h"
+#include "core/base/median.h"
 #include "tests/core/surface/synthetic_scene.h"
 
 namespace skyquilt::surface {

@@ -1,16 +1,34 @@
 // Boundary: an area that a map is cut to: polygons with holes on WGS 84, degrees. Edges are straight in Web
-// Mercator, the grid of the tiles. Pure; any thread. Memory: 32 bytes a corner. Nothing fails.
+// Mercator, the grid of the tiles. BoundaryOnZoom: which pixels of a tile lie within; MaskRings: the same for
+// any grid. Files with areas are read by storage/exports/custom/boundary.h. Pure; any thread. Memory: 32
+// bytes a corner. Nothing fails.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
-#include "core/geo/areas/ring_mask.h"
 #include "core/geo/lat_lon_bounds.h"
 #include "core/geo/tile_id.h"
 
 namespace skyquilt::geo {
+
+// Places counted in cells from a grid's corner, columns and rows as they rise.
+struct RingEdge {
+  double x0 = 0.0, y0 = 0.0, x1 = 0.0, y1 = 0.0;
+};
+
+// Part of the grid that is masked: its first cell, and how many.
+struct MaskWindow {
+  double left = 0.0, top = 0.0;
+  std::size_t columns = 0, rows = 0;
+};
+
+// Which cells have their middles within rings of edges, by crossings along each row: even and odd, so that a
+// hole is a ring like another. Memory: of the crossings of 256 rows. `inside`: row by row; cells within
+// become 1, the others stay as they are.
+void MaskRings(const std::vector<RingEdge>& edges, const MaskWindow& window,
+               std::vector<std::uint8_t>& inside);
 
 inline constexpr std::size_t kMaxBoundaryCorners = 100'000;
 

@@ -1,0 +1,84 @@
+#include "core/poses/heights/ground_below.h"
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "core/base/median.h"
+#include "core/geo/geoid.h"
+#include "core/poses/heights/flight_heights.h"
+
+namespace skyquilt::poses {
+
+void PutGroundByDem(const geo::DemSource& dem, const std::optional<geo::LatLon>& takeoff, DemZero zero,
+                    PosedFlight& posed) {
+  const auto below = [&](const PosedPhoto& photo) {
+    const geo::Wgs84 at = posed.frame.Wgs84FromEnu(photo.cam_from_enu.TargetOriginInSource());
+    return geo::LatLon{at.lat_deg, at.lon_deg};
+  };
+  std::optional<double> zero_m;  // the model's height at z = 0 of the flight's frame
+  if (zero == DemZero::kSeaLevel) {
+    const geo::Wgs84& origin = posed.frame.origin();
+    zero_m = origin.height_ellipsoid_m - geo::GeoidHeightM({origin.lat_deg, origin.lon_deg}).value_or(0.0);
+  } else {
+    zero_m = dem.GroundHeightM(takeoff.value_or(below(posed.photos.front())));
+  }
+  if (!zero_m) {
+    posed.warnings.push_back(flight::RemarkCode::kElevationModelBesideTakeoff);
+    return;
+  }
+  std::vector<std::optional<double>> ground_z_in_enu_m;  // below each photo; nothing where the model has none
+  std::vector<double> known;
+  for (const PosedPhoto& photo : posed.photos) {
+    const auto height_m = dem.GroundHeightM(below(photo));
+    ground_z_in_enu_m.push_back(height_m ? std::optional(*height_m - *zero_m) : std::nullopt);
+    if (height_m) known.push_back(*height_m - *zero_m);
+  }
+  if (2 * known.size() < posed.photos.size()) {
+    posed.warnings.push_back(flight::RemarkCode::kElevationModelTooSmall);
+    return;
+  }
+  for (std::size_t i = 0; i < posed.photos.size(); ++i) {
+    PosedPhoto& photo = posed.photos[i];
+    if (!ground_z_in_enu_m[i]) continue;
+    photo.height_above_ground_m = photo.cam_from_enu.TargetOriginInSource().z() - *ground_z_in_enu_m[i];
+  }
+  posed.ground_z_in_enu_m = Median(std::move(known));
+  posed.dem_zero_m = zero_m;
+  if (zero == DemZero::kSeaLevel) return;
+  posed.report.height_rule +=
+      fmt::format("; the elevation model puts the ground {:+.1f} m from {}", posed.ground_z_in_enu_m,
+                  takeoff ? "take-off" : "the first photo, taken for take-off");
+}
+
+void PutGroundBelow(PosedFlight& posed) {
+  constexpr double kOnTheGroundM = 1.0;
+  std::vector<double> heights, ups;
+  std::vector<flight::Photo> photos;
+  for (const PosedPhoto& photo : posed.photos) {
+    heights.push_back(photo.height_above_ground_m);
+    ups.push_back(photo.cam_from_enu.TargetOriginInSource().z());
+    photos.push_back(photo.photo);
+    const geo::Wgs84 at = posed.frame.Wgs84FromEnu(photo.cam_from_enu.TargetOriginInSource());
+    if (!std::isfinite(at.lat_deg + at.lon_deg + heights.back())) return;
+    photos.back().position.emplace();
+    photos.back().position->position = {at.lat_deg, at.lon_deg};
+  }
+  const double height_m = Median(std::move(heights));
+  if (height_m >= kOnTheGroundM) return;
+  const double guessed_m = GuessHeightFromSpacing(photos);
+  const double ground_z_m = Median(std::move(ups)) - guessed_m;
+  posed.ground_z_in_enu_m = ground_z_m;
+  posed.dem_zero_m.reset();  // placed by take-off it would stand above the cameras
+  for (PosedPhoto& photo : posed.photos)
+    photo.height_above_ground_m = photo.cam_from_enu.TargetOriginInSource().z() - ground_z_m;
+  posed.report.height_rule = "height above ground guessed from the spacing of the photos";
+  posed.report.is_height_guessed = true;
+  posed.assumptions.push_back({{flight::RemarkCode::kOnTheGround, {{"height_m", height_m}}},
+                               {flight::RemarkCode::kHeightBySpacingOnTheGround, {{"height_m", guessed_m}}},
+                               guessed_m});
+}
+
+}  // namespace skyquilt::poses

@@ -1,0 +1,27 @@
+// Where the flat ground lies under posed photos, and how high each of them is above it: by an elevation model
+// (PutGroundByDem), and by the photos' spacing where they would stand on the ground or below it
+// (PutGroundBelow). Changes the flight's ground, heights, warnings and report. Frame enu of the flight,
+// metres. Pure but for the model's reads; one thread per model.
+#pragma once
+
+#include <optional>
+
+#include "core/geo/dem_source.h"
+#include "core/poses/posed_flight.h"
+
+namespace skyquilt::poses {
+
+// What the flight's heights count from. The model's own zero does not matter where that is take-off: there
+// the ground at take-off, or below the first photo, is z = 0. Where heights are absolute, the model counts
+// from sea level.
+enum class DemZero { kTakeoff, kSeaLevel };
+
+// takeoff: where it is known. A model that does not cover the flight changes nothing, and a warning says so.
+void PutGroundByDem(const geo::DemSource& dem, const std::optional<geo::LatLon>& takeoff, DemZero zero,
+                    PosedFlight& posed);
+
+// Photos that mostly stand on or below the ground say that it was put at the wrong height: take-off on a
+// hill, or heights that count from another zero. Their spacing is then the better measure.
+void PutGroundBelow(PosedFlight& posed);
+
+}  // namespace skyquilt::poses
