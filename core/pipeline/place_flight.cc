@@ -14,7 +14,7 @@
 #include "core/alignment/baselines/align_by_features.h"
 #include "core/alignment/baselines/align_by_pose.h"
 #include "core/alignment/baselines/align_directly.h"
-#include "core/bands/panels/calibrate_by_panels.h"
+#include "core/bands/calibrate_by_panels.h"
 #include "core/base/median.h"
 #include "core/base/parallel_for.h"
 #include "core/base/process/large_blocks_apart.h"

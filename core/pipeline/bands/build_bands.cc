@@ -6,7 +6,7 @@
 #include <set>
 #include <utility>
 
-#include "core/bands/panels/scale_band.h"
+#include "core/bands/captures.h"
 #include "core/base/try.h"
 #include "core/pipeline/memory_budget.h"
 #include "core/render/bands/measure_targets.h"

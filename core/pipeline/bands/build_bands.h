@@ -10,7 +10,6 @@
 
 #include "core/alignment/scene/aligned_flight.h"
 #include "core/bands/band_sink.h"
-#include "core/bands/bands_report.h"
 #include "core/bands/captures.h"
 #include "core/base/progress.h"
 #include "core/flight/photos/photo_source.h"

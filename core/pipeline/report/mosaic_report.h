@@ -9,7 +9,7 @@
 
 #include "core/alignment/scene/align_report.h"
 #include "core/alignment/scene/aligned_flight.h"
-#include "core/bands/bands_report.h"
+#include "core/bands/captures.h"
 #include "core/flight/photo.h"
 #include "core/flight/remarks/remark.h"
 #include "core/geo/lat_lon_bounds.h"

@@ -11,7 +11,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-#include "core/bands/read_band_facts.h"
+#include "core/bands/band_facts.h"
 #include "core/flight/photos/image_header.h"
 #include "core/flight/photos/photo_decoder.h"
 #include "core/flight/remarks/because.h"

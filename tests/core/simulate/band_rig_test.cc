@@ -7,8 +7,8 @@
 #include <fstream>
 #include <iterator>
 
+#include "core/bands/band_facts.h"
 #include "core/bands/captures.h"
-#include "core/bands/read_band_facts.h"
 #include "core/flight/photos/photo_decoder.h"
 #include "core/flight/read_flight.h"
 #include "core/simulate/simulate_flight.h"

@@ -7,11 +7,33 @@
 #include <Eigen/Core>
 #include <array>
 #include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
 
-#include "core/bands/panels/panel_code.h"
 #include "core/image/sample_image.h"
 
 namespace skyquilt::bands {
+
+// What the code on a MicaSense calibration panel says. Its text is a serial number,
+// "RP04-1924106-OB", and on panels of version 4 and later after it the reflectance at two wavelengths, 4
+// digits of nanometres and 3 of thousandths each ("...-OB04005250900524": 0.525 at 400 nm, 0.524 at 900),
+// between which it is a line. Source: MicaSense's knowledge base, "What are the reflectance
+// values for my panel".
+struct PanelCode {
+  std::string serial;  // without the reflectances
+  int version = 0;
+  struct Point {
+    double wavelength_nm = 0.0, reflectance = 0.0;
+  };
+  std::optional<std::pair<Point, Point>> reflectances;
+
+  // Nothing where the code does not say it.
+  std::optional<double> ReflectanceAt(double wavelength_nm) const;
+};
+
+// Nothing for any other text.
+std::optional<PanelCode> ParsePanelCode(std::string_view text);
 
 // A four-sided area of a picture, its corners one after the other, in pixels.
 using PanelArea = std::array<Eigen::Vector2d, 4>;

@@ -1,4 +1,4 @@
-#include "core/bands/panels/calibrate_by_panels.h"
+#include "core/bands/calibrate_by_panels.h"
 
 #include <fmt/format.h>
 
@@ -8,9 +8,9 @@
 #include <optional>
 #include <utility>
 
-#include "core/bands/band_name.h"
-#include "core/bands/panels/find_panel.h"
-#include "core/bands/panels/scale_band.h"
+#include "core/bands/band_facts.h"
+#include "core/bands/captures.h"
+#include "core/bands/find_panel.h"
 #include "core/base/result.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
