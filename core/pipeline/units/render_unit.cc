@@ -10,7 +10,7 @@
 #include "core/pipeline/plan_map.h"
 #include "core/pipeline/report/flight_facts.h"
 #include "core/pipeline/stage_runner.h"
-#include "core/render/blocks/photo_regions.h"
+#include "core/render/blocks/weigh_block.h"
 #include "core/render/render_tiles.h"
 
 namespace skyquilt::pipeline {

@@ -12,7 +12,6 @@
 #include "core/base/try.h"
 #include "core/geo/web_mercator.h"
 #include "core/render/bands/band_cache.h"
-#include "core/render/blocks/block_boundary.h"
 #include "core/render/blocks/block_geometry.h"
 #include "core/render/blocks/render_block.h"
 #include "core/render/blocks/weigh_block.h"

@@ -8,7 +8,7 @@
 #include "core/base/median.h"
 #include "core/camera/footprint.h"
 #include "core/camera/rolling_shutter.h"
-#include "core/render/exposure/light_model.h"
+#include "core/render/exposure/exposure.h"
 
 namespace skyquilt::render {
 namespace {

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "core/render/exposure/exposure.h"
 #include "core/render/exposure/exposure_samples.h"
-#include "core/render/exposure/light_model.h"
 
 namespace skyquilt::render {
 

@@ -4,7 +4,6 @@
 #include <numbers>
 
 #include "core/render/exposure/estimate_exposure.h"
-#include "core/render/exposure/extend_exposure.h"
 #include "core/render/exposure/light_equations.h"
 #include "core/simulate/world/sun_direction.h"
 #include "tests/support/simulated_map.h"

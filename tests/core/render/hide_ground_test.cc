@@ -1,11 +1,11 @@
 // Ground behind a wall is shown by the photos that see it, and by whoever looks there where none does.
-#include "core/render/blocks/hide_ground.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <utility>
 #include <vector>
+
+#include "core/render/blocks/weigh_block.h"
 
 namespace skyquilt::render {
 namespace {

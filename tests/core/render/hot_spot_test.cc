@@ -1,3 +1,5 @@
+#include "core/render/exposure/hot_spot.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,8 +12,6 @@
 #include <utility>
 #include <vector>
 
-#include "core/render/exposure/find_hot_spot.h"
-#include "core/render/exposure/settle_hot_spot.h"
 #include "core/simulate/world/sun_direction.h"
 #include "tests/support/simulated_map.h"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/base/progress.h"
-#include "core/render/blocks/photo_regions.h"
+#include "core/render/blocks/weigh_block.h"
 #include "core/render/render_tiles.h"
 #include "tests/support/memory_sink.h"
 #include "tests/support/simulated_map.h"

@@ -1,15 +1,24 @@
-// SettleHotSpot: how much of a hot spot is taken out of the photos: as high as the overlaps show it, at each
-// of its widths (kSpotReaches), for as much as they are sure of it, and nothing of what does not foretell
-// photos that had no part in it. One thread; O(samples x terms).
+// The hot spot of a flight's light: FindHotSpot tells in which direction ground looks brighter than the
+// smooth light explains, which is opposite the sun (shadows hide behind what throws them), by what the photos
+// show, since clocks are seldom sure of their zone. SettleHotSpot says how much of it is taken out of the
+// photos: as high as the overlaps show it, at each of its widths (kSpotReaches), for as much as they are sure
+// of it, and nothing of what does not foretell photos that had no part in it. One thread; finding takes one
+// pass over the samples, settling O(samples x terms).
 #pragma once
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
+#include "core/render/exposure/exposure_samples.h"
 #include "core/render/exposure/light_equations.h"
 
 namespace skyquilt::render {
+
+// misfits[i]: of samples[i], by MisfitsOf. None where nothing stands out of the noise.
+std::optional<Eigen::Vector2d> FindHotSpot(const std::vector<ExposureSample>& samples,
+                                           const std::vector<double>& misfits, double widest_look);
 
 // Where the hot spots of a flight's photos lie, in enu, and how far around each the ground is of its kind.
 struct SpotsOnGround {

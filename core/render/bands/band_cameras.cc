@@ -1,4 +1,4 @@
-#include "core/render/bands/pixel_field.h"
+#include "core/render/bands/band_cameras.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
