@@ -22,7 +22,7 @@
 #include "core/ground/model_ground.h"
 #include "core/poses/estimate_poses.h"
 #include "core/simulate/simulate_flight.h"
-#include "core/simulate/world/noise.h"
+#include "core/simulate/world/random.h"
 #include "core/simulate/writers/write_photo.h"
 #include "tests/bench/alignment/cpu_seconds.h"
 

@@ -5,7 +5,7 @@
 
 #include "core/render/exposure/estimate_exposure.h"
 #include "core/render/exposure/light_equations.h"
-#include "core/simulate/world/sun_direction.h"
+#include "core/simulate/world/render_photo.h"
 #include "tests/support/simulated_map.h"
 
 namespace skyquilt::render {

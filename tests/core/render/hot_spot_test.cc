@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/simulate/world/sun_direction.h"
+#include "core/simulate/world/render_photo.h"
 #include "tests/support/simulated_map.h"
 
 namespace skyquilt::render {

@@ -1,8 +1,8 @@
-#include "core/simulate/world/sun_direction.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
+
+#include "core/simulate/world/render_photo.h"
 
 namespace skyquilt::simulate {
 namespace {

@@ -1,4 +1,6 @@
 // The log writers, read back by the product's own parsers: two independent readings of each format.
+#include "core/simulate/writers/write_logs.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,9 +11,6 @@
 #include "core/flight/logs/csv/canonical_csv.h"
 #include "core/flight/remarks/remark_words.h"
 #include "core/simulate/sensors/logged_survey.h"
-#include "core/simulate/writers/write_csv.h"
-#include "core/simulate/writers/write_dataflash.h"
-#include "core/simulate/writers/write_ulog.h"
 
 namespace skyquilt::simulate {
 namespace {

@@ -1,10 +1,11 @@
-// The samples of a FlightLog in the order in which a recorder would have written them, and little-endian
-// bytes: what the three log writers share. Any thread.
+// A FlightLog as the files that recorders write, and what the three writers share: its samples in the order
+// in which a recorder would have written them, and little-endian bytes. Pure; any thread.
 #pragma once
 
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <string>
 #include <string_view>
 #include <variant>
 #include <vector>
@@ -12,6 +13,20 @@
 #include "core/flight/logs/flight_log.h"
 
 namespace skyquilt::simulate {
+
+// The documented flight.csv: one row per sample, cells of other sensors empty.
+std::string FlightCsv(const flight::FlightLog& log);
+
+// An ArduPilot DataFlash log (.BIN): self-describing messages IMU, ATT, GPS, GPA, BARO, RFND, TRIG, CAM.
+// Loses what the format cannot hold: positions are rounded to 1e-7 degrees, angles to 0.01 degrees, heights
+// to 1 cm over the sea. Source: the layout strings of ArduPilot's LogStructure.h, as documented at
+// ardupilot.org (Logmessages).
+std::vector<std::uint8_t> DataflashBytes(const flight::FlightLog& log);
+
+// A PX4 ULog (.ulg) with the topics sensor_combined, vehicle_attitude, vehicle_gps_position,
+// vehicle_air_data, distance_sensor, camera_capture and camera_trigger. Source: the ULog file format,
+// docs.px4.io (version 1).
+std::vector<std::uint8_t> UlogBytes(const flight::FlightLog& log);
 
 using LogRecord =
     std::variant<const flight::ImuSample*, const flight::AttitudeSample*, const flight::GnssSample*,

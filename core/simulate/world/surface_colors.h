@@ -1,11 +1,12 @@
-// What grows and lies on the simulated parcels: sRGB-encoded colours 0..255 as a function of place, filtered
-// to a footprint in metres. Pure functions; any thread.
+// What the simulated parcels, and the houses, walls and trees on them, look like from anywhere: sRGB-encoded
+// colours 0..255 as a function of place, filtered to a footprint in metres. Pure functions; any thread.
 #pragma once
 
 #include <Eigen/Core>
 #include <cstdint>
 
 #include "core/simulate/world/parcels.h"
+#include "core/simulate/world/standing_object.h"
 
 namespace skyquilt::simulate {
 
@@ -28,5 +29,10 @@ Eigen::Vector3f WithTrees(const GroundPoint& point, const Parcel& parcel, const 
 Eigen::Vector3f RoofColor(const GroundPoint& point, const Building& building);
 // along_m: horizontal position on the wall; up_m: height above its foot.
 Eigen::Vector3f WallColor(double along_m, double up_m, const Building& building, float footprint_m);
+
+// Tiles on gables, gravel on flat roofs, windows in the sides of houses; lit by one sun from the south-west
+// without cast shadows. `is_side`: the point is on an upright side.
+Eigen::Vector3f ObjectColor(const StandingObject& object, const Eigen::Vector3d& point_in_enu, bool is_side,
+                            float footprint_m);
 
 }  // namespace skyquilt::simulate
