@@ -12,10 +12,10 @@
 
 #include "core/flight/read_flight.h"
 #include "core/geo/areas/boundary.h"
+#include "core/pipeline/check_photos.h"
 #include "core/pipeline/report/flight_facts.h"
 #include "core/pipeline/units/flight_cut.h"
-#include "core/pipeline/units/found_photos.h"
-#include "core/pipeline/units/shown_photos.h"
+#include "core/pipeline/units/map_units.h"
 #include "core/simulate/simulate_flight.h"
 #include "server/jobs/stitch_job.h"
 #include "server/units/stitch_unit.h"

@@ -1,7 +1,7 @@
 // When a flight was taken, by the clock on the wall there.
-#include "core/pipeline/report/capture_span.h"
-
 #include <gtest/gtest.h>
+
+#include "core/pipeline/report/mosaic_report.h"
 
 namespace skyquilt::pipeline {
 namespace {

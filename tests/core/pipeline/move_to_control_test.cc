@@ -1,9 +1,8 @@
 // A flight whose truth is known, displaced as a whole, and brought back by a few surveyed points.
-#include "core/pipeline/placing/move_to_control.h"
-
 #include <gtest/gtest.h>
 
 #include "core/flight/remarks/remark_words.h"
+#include "core/pipeline/placing/place_by_lists.h"
 #include "tests/core/pipeline/displaced_flight.h"
 
 namespace skyquilt::pipeline {

@@ -1,4 +1,4 @@
-#include "core/pipeline/bands/build_bands.h"
+#include "core/pipeline/build_bands.h"
 
 #include <fmt/format.h>
 
