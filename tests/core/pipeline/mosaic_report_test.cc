@@ -1,5 +1,6 @@
-// What report.json tells of the stages is read again as it was; nothing damaged is taken for a report.
-#include "core/pipeline/report/report_codec.h"
+// What report.json tells is read again as it was, and nothing damaged is taken for a report or a remark; when
+// the flight was taken, by the clock on the wall there.
+#include "core/pipeline/report/mosaic_report.h"
 
 #include <gtest/gtest.h>
 
@@ -9,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "core/flight/remarks/remark_json.h"
+#include "core/pipeline/report/report_codec.h"
 #include "tests/core/pipeline/full_reports.h"
 
 namespace skyquilt::pipeline {
@@ -179,6 +182,73 @@ TEST(ReportCodec, TellsShiftsOfSeamsInPixelsToo) {
   EXPECT_EQ(json.dump(),
             R"({"patches":120,"reliable":90,"median_m":0.1,"p90_m":0.2,"median_gsd":2.0,"p90_gsd":4.0})");
   EXPECT_EQ(JsonOf<Json>(render::SeamShift{1, 1, 0.0, 0.25, 0.5})["p90_gsd"], 0.5);
+}
+
+using flight::Remark;
+using flight::RemarkCode;
+
+TEST(RemarkJson, IsReadAgainAsItWas) {
+  const std::vector<Remark> remarks{
+      "as a reader has it",
+      RemarkCode::kNoTies,
+      {RemarkCode::kGroups, {{"groups", 3}}},
+      {RemarkCode::kPlacedByControl, {{"points", 5}, {"apart_m", 2.0}, {"turn_deg", -0.25}, {"times", 1.0}}},
+      {RemarkCode::kOfPhoto, {{"photo", "a.jpg"}, {"said", Remark(RemarkCode::kDoubtBlurred)}}}};
+  const Json json = flight::JsonOfRemarks<Json>(remarks);
+  EXPECT_EQ(json[0].dump(), R"({"code":"text","values":{"text_words":"as a reader has it"}})");
+  EXPECT_EQ(
+      json[4].dump(),
+      R"({"code":"of_photo","values":{"photo":"a.jpg","said":[{"code":"doubt_blurred","values":{}}]}})");
+  EXPECT_EQ(flight::RemarksOfJson(Json::parse(json.dump())), remarks);
+  const auto cbor = nlohmann::json::to_cbor(flight::JsonOfRemarks<nlohmann::json>(remarks));
+  EXPECT_EQ(flight::RemarksOfJson(nlohmann::json::from_cbor(cbor)), remarks);
+}
+
+TEST(RemarkJson, OfAnotherKindIsRefused) {
+  for (const char* damaged :
+       {R"({})", R"({"code":"no_ties"})", R"({"code":"no_such_code","values":{}})",
+        R"({"code":7,"values":{}})", R"({"code":"no_ties","values":"none"})",
+        R"({"code":"groups","values":{"groups":null}})", R"({"code":"of_photo","values":{"said":[7]}})"}) {
+    EXPECT_THROW(flight::RemarkOfJson(Json::parse(damaged)), Json::exception) << damaged;
+  }
+}
+
+using namespace std::chrono;
+
+flight::Photo At(flight::UtcTime time, std::optional<minutes> zone = {}, bool is_local = false) {
+  flight::Photo photo;
+  photo.captured_at = time;
+  photo.captured_at_is_local = is_local;
+  photo.clock_minus_utc = zone;
+  return photo;
+}
+
+constexpr flight::UtcTime kEvening = sys_days(2015y / 10 / 27) + 23h + 50min + 2s + 900ms;
+
+TEST(CaptureSpan, IsWrittenInTheZoneOfTheCamerasClock) {
+  const flight::Photo late = At(kEvening + 20min, -4h), early = At(kEvening, -4h), untimed;
+  const auto span = CaptureSpanOf({&late, &untimed, &early});
+  ASSERT_TRUE(span);
+  EXPECT_EQ(span->first, "2015-10-27T19:50:02-04:00");
+  EXPECT_EQ(span->last, "2015-10-27T20:10:02-04:00");
+}
+
+TEST(CaptureSpan, TakesTheZoneOfThePhotosThatKnowIt) {
+  const flight::Photo first = At(kEvening), second = At(kEvening + 20min, 5h + 30min);
+  const auto span = CaptureSpanOf({&first, &second});
+  EXPECT_EQ(span->first, "2015-10-28T05:20:02+05:30");
+  EXPECT_EQ(span->last, "2015-10-28T05:40:02+05:30");
+}
+
+TEST(CaptureSpan, SaysWhatIsNotKnown) {
+  const flight::Photo utc = At(kEvening), local = At(kEvening - 30h, {}, true), untimed;
+  EXPECT_EQ(CaptureSpanOf({&utc})->first, "2015-10-27T23:50:02Z");
+  EXPECT_EQ(CaptureSpanOf({&local})->first, "2015-10-26T17:50:02");
+  EXPECT_EQ(CaptureSpanOf({&local, &utc})->first, "2015-10-27T23:50:02Z")
+      << "UTC counts before a local clock";
+  EXPECT_EQ(CaptureSpanOf({&utc, &local})->last, "2015-10-27T23:50:02Z");
+  EXPECT_FALSE(CaptureSpanOf({&untimed}));
+  EXPECT_FALSE(CaptureSpanOf({}));
 }
 
 }  // namespace
