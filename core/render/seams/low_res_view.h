@@ -44,20 +44,12 @@ struct ViewScore {
 
 enum class Seen : std::uint8_t { kNot, kPartly, kFully };
 
-struct LowResView {
-  int column = 0, row = 0;  // of its first cell in the grid
-  int columns = 0, rows = 0;
+struct LowResView : CellWindow {
   std::vector<Seen> seen;
   std::vector<std::array<std::uint8_t, 3>> rgb;  // 0 where not seen
   std::vector<float> score_m;                    // ViewScore
   std::vector<bool> is_moving;                   // shows a moving object (MarkMoving); empty: nothing known
   float camera_east_m = 0.0f, camera_north_m = 0.0f;  // in enu
-
-  // Index of a grid cell; -1 outside.
-  int IndexOf(int grid_column, int grid_row) const {
-    const int x = grid_column - column, y = grid_row - row;
-    return x < 0 || y < 0 || x >= columns || y >= rows ? -1 : y * columns + x;
-  }
 };
 
 // `seen_in_merc` bounds what the photo sees; `map_gsd_m` is what most photos show a pixel of.

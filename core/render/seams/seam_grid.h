@@ -31,6 +31,18 @@ struct SeamGrid {
 // Cells of about 1/128 of a photo (of this longer side) over everything that any photo sees.
 SeamGrid MakeSeamGrid(const MosaicPlan& plan, double photo_side_px, double ground_per_merc);
 
+// A rectangle of the grid's cells.
+struct CellWindow {
+  int column = 0, row = 0;  // of its first cell in the grid
+  int columns = 0, rows = 0;
+
+  // Index of a grid cell, row by row; -1 outside.
+  int IndexOf(int grid_column, int grid_row) const {
+    const int x = grid_column - column, y = grid_row - row;
+    return x < 0 || y < 0 || x >= columns || y >= rows ? -1 : y * columns + x;
+  }
+};
+
 inline constexpr std::int32_t kNoPhoto = -1;
 
 // Which photo shows each cell of a seam grid. Stored by chunks, so that a long thin flight costs no more than

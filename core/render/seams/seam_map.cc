@@ -108,7 +108,7 @@ void AddDifference(const LowResView& view, const LowResView& other, const cv::Ma
 PhotoLevels LevelsOf(std::int32_t photo, const std::vector<LowResView>& views, const SeamLabels& labels,
                      bool evens_light) {
   const LowResView& view = views[static_cast<std::size_t>(photo)];
-  PhotoLevels levels{view.column, view.row, view.columns, view.rows, {}, {}};
+  PhotoLevels levels{view, {}, {}};
   for (const Seen seen : view.seen) levels.sees_whole.push_back(seen == Seen::kFully);
   if (!evens_light) return levels;
   cv::Mat1b needed(view.rows, view.columns, static_cast<uchar>(0));

@@ -21,23 +21,21 @@ namespace skyquilt::render {
 // sides come to the same mean; away from it the photo is left alone. Differences of content (a leaning roof,
 // a car) are not light and are left out. Source: the two-band split of Brown and Lowe, Automatic panoramic
 // image stitching (2007), with the low band as a correction field.
-struct PhotoLevels {
-  int column = 0, row = 0, columns = 0, rows = 0;
+struct PhotoLevels : CellWindow {
   std::vector<bool> sees_whole;                      // the photo's edge is not near the cell
   std::vector<std::array<std::int16_t, 3>> eighths;  // of a grey level; empty: no correction
 
   bool SeesWhole(int grid_column, int grid_row) const {
-    const int x = grid_column - column, y = grid_row - row;
-    return x >= 0 && y >= 0 && x < columns && y < rows &&
-           sees_whole[static_cast<std::size_t>(y) * columns + x];
+    const int cell = IndexOf(grid_column, grid_row);
+    return cell >= 0 && sees_whole[static_cast<std::size_t>(cell)];
   }
 
   // Grey levels to add; 0 outside.
   std::array<float, 3> At(int grid_column, int grid_row) const {
-    const int x = grid_column - column, y = grid_row - row;
-    if (x < 0 || y < 0 || x >= columns || y >= rows || eighths.empty()) return {};
-    const auto& cell = eighths[static_cast<std::size_t>(y) * columns + x];
-    return {0.125f * cell[0], 0.125f * cell[1], 0.125f * cell[2]};
+    const int cell = IndexOf(grid_column, grid_row);
+    if (cell < 0 || eighths.empty()) return {};
+    const auto& [red, green, blue] = eighths[static_cast<std::size_t>(cell)];
+    return {0.125f * red, 0.125f * green, 0.125f * blue};
   }
 };
 
