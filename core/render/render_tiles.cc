@@ -236,7 +236,6 @@ Result<RenderReport> RenderTiles(const RenderContext& context, const RenderOptio
       });
   if (!failure) overviews.Finish();
   if (failure) return *failure;
-  report.decodes = context.cache.decodes();
   report.blocks = static_cast<std::int64_t>(count);
   return report;
 }

@@ -14,7 +14,8 @@
 namespace skyquilt::render {
 namespace {
 
-constexpr double kMaxLogOfGain = 1.2;
+constexpr double kMaxLogGain = 1.2;
+constexpr std::size_t kFewSpots = 8;  // say nothing of an added photo's gain
 // Cameras of fewer photos have no terms of their own, and only the ones with the most photos have: a folder
 // of photos from everywhere must not make the equations large.
 constexpr std::size_t kMinPhotos = 2, kMaxCameras = 16;
@@ -23,6 +24,8 @@ constexpr double kSamplesWithin = 0.99;
 // Four times the light and a quarter of it: what photos show of it, their tone curve decides no longer.
 constexpr double kMaxLogExposure = 1.4;
 constexpr double kWidestLook = 1.7;  // 60 degrees
+// Fields are wider than this share of a flight's height.
+constexpr double kSpotReachOfHeight = 0.6;
 
 // Each photo's recorded exposure against the usual one of its camera, as a natural logarithm; 0: not
 // recorded.
@@ -73,9 +76,6 @@ LightTerms TermsOf(const alignment::AlignedFlight& flight, const std::vector<Exp
   return terms;
 }
 
-// Fields are wider than this share of a flight's height.
-constexpr double kSpotReachOfHeight = 0.6;
-
 SpotsOnGround SpotsOf(const alignment::AlignedFlight& flight, const Eigen::Vector2d& look) {
   SpotsOnGround spots;
   std::vector<double> heights_m;
@@ -117,7 +117,7 @@ ExposureModel EstimateExposure(const alignment::AlignedFlight& flight, const gro
     const double mean = log_gains.mean();
     for (std::size_t i = 0; i < flight.photos.size(); ++i) {
       model.photos[i].gain[channel] =
-          std::exp(std::clamp(log_gains[static_cast<Eigen::Index>(i)] - mean, -kMaxLogOfGain, kMaxLogOfGain));
+          std::exp(std::clamp(log_gains[static_cast<Eigen::Index>(i)] - mean, -kMaxLogGain, kMaxLogGain));
     }
     std::copy_n(solved.terms.data(), kDirectionTerms, model.light.of_directions[channel].begin());
     for (std::size_t camera = 0; camera < terms.cameras.size(); ++camera) {
@@ -133,9 +133,6 @@ ExposureModel EstimateExposure(const alignment::AlignedFlight& flight, const gro
 }
 
 namespace {
-
-constexpr std::size_t kFewSpots = 8;  // say nothing of a gain
-constexpr double kMaxLogGain = 1.2;
 
 // What the map shows of a sample under a tone, as a logarithm.
 double Shown(const ExposureSample& sample, const PhotoTone& tone, std::size_t channel) {

@@ -46,9 +46,6 @@ double SampleWeight(double misfit);
 double Explained(const ExposureSample& sample, const LightTerms& terms, const Eigen::VectorXd& log_gains,
                  const Eigen::VectorXd& of_terms);
 
-// One past the samples of the spot that begins there.
-std::size_t EndOfSpot(const std::vector<ExposureSample>& samples, std::size_t begin);
-
 // What the solved terms leave of each sample, less the middle of its spot's; 0 where photos agree.
 std::vector<double> MisfitsOf(const std::vector<ExposureSample>& samples, std::size_t channel,
                               const LightTerms& terms, const SolvedLight& light);

@@ -61,47 +61,49 @@ class PhotoRenderer {
 
   // Rows [begin, end) into `rgb`, the whole image's pixels.
   void RenderRows(int begin, int end, std::uint8_t* rgb) const {
-    const int width = intrinsics_.width_px;
-    const std::vector<std::uint32_t> surfaces =
-        is_adaptive_ ? SurfacesOfRows(begin - 1, end + 1) : std::vector<std::uint32_t>{};
-    for (int y = begin; y < end; ++y) {
-      double hint_m = 0.0;
-      std::uint8_t* out = rgb + static_cast<std::size_t>(y) * static_cast<std::size_t>(width) * 3;
-      for (int x = 0; x < width; ++x) {
-        const bool is_edge = is_adaptive_ && IsEdge(surfaces, x, y - begin + 1);
-        const Eigen::Vector3f color = Sampled(x, y, is_edge ? fine_ : plain_, hint_m);
-        const double dx = x - intrinsics_.center_x_px;
-        const double dy = y - intrinsics_.center_y_px;
-        const double r2 = (dx * dx + dy * dy) / (half_diagonal_px_ * half_diagonal_px_);
-        const auto light =
-            static_cast<float>(options_.exposure_gain * (1.0 - options_.vignetting * r2) * HotSpot(x, y));
-        for (int c = 0; c < 3; ++c) {
-          float value = light * color[c];
-          if (options_.noise_counts > 0.0) {
-            value += static_cast<float>(options_.noise_counts) * SensorNoise(x, y, c, options_.noise_seed);
-          }
-          out[3 * x + c] = static_cast<std::uint8_t>(std::clamp(value + 0.5f, 0.0f, 255.0f));
+    SampleRows(begin, end, [&](int x, int y, const Eigen::Vector3f& color) {
+      const double dx = x - intrinsics_.center_x_px;
+      const double dy = y - intrinsics_.center_y_px;
+      const double r2 = (dx * dx + dy * dy) / (half_diagonal_px_ * half_diagonal_px_);
+      const auto light =
+          static_cast<float>(options_.exposure_gain * (1.0 - options_.vignetting * r2) * HotSpot(x, y));
+      std::uint8_t* out = rgb + 3 * PixelAt(x, y);
+      for (int c = 0; c < 3; ++c) {
+        float value = light * color[c];
+        if (options_.noise_counts > 0.0) {
+          value += static_cast<float>(options_.noise_counts) * SensorNoise(x, y, c, options_.noise_seed);
         }
+        out[c] = static_cast<std::uint8_t>(std::clamp(value + 0.5f, 0.0f, 255.0f));
       }
-    }
+    });
   }
 
   // The same of a band, into `light`.
   void RenderLightOfRows(int begin, int end, const Eigen::Vector4f& of_color, float* light) const {
-    const int width = intrinsics_.width_px;
+    SampleRows(begin, end, [&](int x, int y, const Eigen::Vector3f& color) {
+      light[PixelAt(x, y)] = of_color[0] + of_color.tail<3>().dot(color);
+    });
+  }
+
+ private:
+  std::ptrdiff_t PixelAt(int x, int y) const {
+    return static_cast<std::ptrdiff_t>(y) * intrinsics_.width_px + x;
+  }
+
+  // put(x, y, color) for each pixel of these rows.
+  template <typename Put>
+  void SampleRows(int begin, int end, const Put& put) const {
     const std::vector<std::uint32_t> surfaces =
         is_adaptive_ ? SurfacesOfRows(begin - 1, end + 1) : std::vector<std::uint32_t>{};
     for (int y = begin; y < end; ++y) {
       double hint_m = 0.0;
-      float* out = light + static_cast<std::ptrdiff_t>(y) * width;
-      for (int x = 0; x < width; ++x) {
+      for (int x = 0; x < intrinsics_.width_px; ++x) {
         const bool is_edge = is_adaptive_ && IsEdge(surfaces, x, y - begin + 1);
-        out[x] = of_color[0] + of_color.tail<3>().dot(Sampled(x, y, is_edge ? fine_ : plain_, hint_m));
+        put(x, y, Sampled(x, y, is_edge ? fine_ : plain_, hint_m));
       }
     }
   }
 
- private:
   // The form of Maignan, Breon and Lacaze (2004).
   double HotSpot(int x, int y) const {
     if (options_.hot_spot == 0.0) return 1.0;
@@ -214,7 +216,8 @@ image::FloatImage RenderLight(const World& world, const camera::Intrinsics& intr
                               const geo::Rigid3& cam_from_enu, const Eigen::Vector4f& of_color, int threads) {
   image::FloatImage light{intrinsics.width_px, intrinsics.height_px, {}};
   light.values.resize(static_cast<std::size_t>(light.width_px) * static_cast<std::size_t>(light.height_px));
-  const PhotoRenderer renderer(world, intrinsics, cam_from_enu, {});
+  const RenderPhotoOptions plain{};  // must outlive the renderer
+  const PhotoRenderer renderer(world, intrinsics, cam_from_enu, plain);
   RenderInBatches(light.height_px, threads, [&](int begin, int end) {
     renderer.RenderLightOfRows(begin, end, of_color, light.values.data());
   });

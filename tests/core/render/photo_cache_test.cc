@@ -114,7 +114,7 @@ TEST_F(PhotoCacheTest, DecodesWhatIsExpectedOnceAndMoreOnlyWhenAsked) {
   // Twice too little was expected.
   ExpectHolds(**cache_.Get(0, photo_, 1, {150, 90, 160, 95}), {0, 0, 201, 101});
   ExpectHolds(**cache_.Get(0, photo_, 1, {150, 90, 201, 101}), {0, 0, 201, 101});
-  EXPECT_EQ(cache_.decodes(), 3);
+  EXPECT_EQ(parts_.decodes, 3);
 }
 
 TEST_F(PhotoCacheTest, CountsInPixelsOfTheFullSize) {
