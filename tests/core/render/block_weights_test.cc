@@ -158,14 +158,8 @@ TEST_F(HideGroundTest, SmoothGroundHidesNothing) {
 
 class WeighPhotosTest : public testing::Test {
  protected:
-  static simulate::SimulateOptions Options() {
-    simulate::SimulateOptions options;
-    options.intrinsics = camera::Intrinsics::Centered(480, 360, 360.0);
-    options.trajectory.photos = 12;
-    return options;
-  }
   static void SetUpTestSuite() {
-    map_ = new test::SimulatedMap(test::MakeSimulatedMap(Options()));
+    map_ = new test::SimulatedMap(test::MakeSimulatedMap(test::SmallPhotos(12)));
     seams_ = new SeamMap(map_->Seams({}));
   }
   static void TearDownTestSuite() {
@@ -254,7 +248,7 @@ std::vector<std::uint8_t> SeenBy(const alignment::AlignedPhoto& photo, const Blo
 }
 
 TEST_F(WeighPhotosTest, AmongHousesAPhotoThatSeesAPlaceShowsIt) {
-  test::SimulatedMap housed = test::MakeSimulatedMap(Options());
+  test::SimulatedMap housed = test::MakeSimulatedMap(test::SmallPhotos(12));
   housed.ground = Houses(housed.ground.MeanHeight());
   const SeamMap seams = housed.Seams({});
   std::size_t seen_by_some = 0, told_apart = 0, shown_by_others = 0;

@@ -265,9 +265,7 @@ TEST(HotSpot, LeavesAMapAsLightAtItsPlaceAsAroundIt) {
   for (const auto& [strength, width_rad] :
        {std::pair{0.0, 0.1}, {0.1, 0.05}, {0.2, 0.1}, {0.3, 0.2}, {0.3, 0.05}}) {
     SCOPED_TRACE(testing::Message() << "strength " << strength << ", width " << width_rad);
-    simulate::SimulateOptions options;
-    options.intrinsics = camera::Intrinsics::Centered(480, 360, 360.0);
-    options.trajectory.photos = 24;
+    simulate::SimulateOptions options = test::SmallPhotos(24);
     options.origin = {40.0, 30.0};  // noon: the point lies well inside the photos
     options.vignetting = 0.2;
     options.exposure_jitter = 0.05;

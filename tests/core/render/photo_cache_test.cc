@@ -151,10 +151,8 @@ TEST_F(PhotoCacheTest, ForgetsWhatIsDroppedAndRemembersWhatIsDamaged) {
 }
 
 TEST(PhotoRegions, MakeTheMapOfTheWholePhotosFromLess) {
-  simulate::SimulateOptions options;
-  options.intrinsics = camera::Intrinsics::Centered(480, 360, 360.0);
+  simulate::SimulateOptions options = test::SmallPhotos(9);
   options.intrinsics.k1 = -0.1;
-  options.trajectory.photos = 9;
   options.trajectory.yaw_rule = simulate::YawRule::kAnywhere;
   const test::SimulatedMap map = test::MakeSimulatedMap(options);
   const SeamMap seams = map.Seams({});

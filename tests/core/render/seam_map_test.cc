@@ -53,9 +53,7 @@ TEST(LabelSeams, TakesFlightsWithNothingToDecide) {
 }
 
 simulate::SimulateOptions SmallFlight() {
-  simulate::SimulateOptions options;
-  options.intrinsics = camera::Intrinsics::Centered(480, 360, 360.0);
-  options.trajectory.photos = 12;
+  simulate::SimulateOptions options = test::SmallPhotos(12);
   options.vignetting = 0.2;
   options.exposure_jitter = 0.08;
   return options;
