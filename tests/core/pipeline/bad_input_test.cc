@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
-#include <iterator>
 #include <map>
 #include <string>
 
@@ -11,6 +10,7 @@
 #include "core/flight/remarks/remark_words.h"
 #include "core/pipeline/build_mosaic.h"
 #include "core/simulate/simulate_flight.h"
+#include "tests/support/bytes_of.h"
 #include "tests/support/memory_sink.h"
 #include "tests/support/temporary_folder.h"
 
@@ -40,10 +40,6 @@ class BadInput : public testing::Test {
     std::filesystem::rename(folder_ / "other/photos/SIM_0001.JPG", photos_ / name);
   }
 
-  static std::string Read(const path& file) {
-    std::ifstream in(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-  }
   void Write(const std::string& name, const std::string& bytes) {
     std::ofstream(photos_ / name, std::ios::binary) << bytes;
   }
@@ -72,7 +68,7 @@ class BadInput : public testing::Test {
 };
 
 TEST_F(BadInput, FilesThatAreNoWholeJpegAreLeftOut) {
-  const std::string whole = Read(photos_ / "SIM_0001.JPG");
+  const std::string whole = test::BytesOf(photos_ / "SIM_0001.JPG");
   const std::map<std::string, std::string> files = {{"notes.jpg", "remember the batteries\n"},
                                                     {"empty.jpg", ""},
                                                     {"cut.jpg", whole.substr(0, whole.size() * 2 / 3)}};
@@ -84,7 +80,7 @@ TEST_F(BadInput, FilesThatAreNoWholeJpegAreLeftOut) {
 }
 
 TEST_F(BadInput, AJpegDamagedInTheMiddleNeverFailsTheFlight) {
-  std::string bytes = Read(photos_ / "SIM_0001.JPG");
+  std::string bytes = test::BytesOf(photos_ / "SIM_0001.JPG");
   for (std::size_t i = bytes.size() / 2; i < bytes.size() / 2 + 4000 && i < bytes.size() - 2; ++i)
     bytes[i] = '\xff';
   Write("damaged.jpg", bytes);
