@@ -10,7 +10,7 @@
 #include "core/flight/logs/autopilots/ulog.h"
 #include "core/flight/logs/csv/canonical_csv.h"
 #include "core/flight/remarks/remark_words.h"
-#include "core/simulate/sensors/logged_survey.h"
+#include "tests/core/simulate/surveys.h"
 
 namespace skyquilt::simulate {
 namespace {
