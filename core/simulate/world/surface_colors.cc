@@ -49,6 +49,27 @@ float Strewn(const GroundPoint& p, double cell_m, std::uint32_t salt) {
   return weight * strength * std::min(1.0f, 2.5f * inside);
 }
 
+// Texture shared by everything on the ground: noise of all octaves from 3 cm to 8 m, about +-1 in all.
+// Fine octaves weigh `fine`, coarse ones `coarse`.
+float GroundTexture(const GroundPoint& p, float fine, float coarse) {
+  // Wavelengths and weights: nearly equal energy an octave, as natural ground has it.
+  struct Octave {
+    float wavelength_m, weight;
+    bool is_fine;
+  };
+  static constexpr Octave kOctaves[] = {{0.03f, 0.42f, true}, {0.065f, 0.42f, true}, {0.14f, 0.42f, true},
+                                        {0.31f, 0.40f, true}, {0.70f, 0.36f, false}, {1.7f, 0.34f, false},
+                                        {4.1f, 0.30f, false}, {11.0f, 0.28f, false}};
+  float sum = 0.0f;
+  std::uint32_t octave = 0;
+  for (const Octave& o : kOctaves) {
+    sum += (o.is_fine ? fine : coarse) * o.weight *
+           BandNoise(p.east, p.north, o.wavelength_m, octave, p.footprint_m, p.seed);
+    ++octave;
+  }
+  return sum;
+}
+
 Color CropColor(const GroundPoint& p, const Parcel& parcel, TextureLevel texture) {
   const float turn = kTwoPi * 0.5f * Uniform(parcel.hash, 1);
   const double period_m = 0.55 + 0.6 * Uniform(parcel.hash, 2);
@@ -81,25 +102,6 @@ Color PondColor(const GroundPoint& p, const Parcel& parcel) {
 }
 
 }  // namespace
-
-float GroundTexture(const GroundPoint& p, float fine, float coarse) {
-  // Wavelengths and weights: nearly equal energy an octave, as natural ground has it.
-  struct Octave {
-    float wavelength_m, weight;
-    bool is_fine;
-  };
-  static constexpr Octave kOctaves[] = {{0.03f, 0.42f, true}, {0.065f, 0.42f, true}, {0.14f, 0.42f, true},
-                                        {0.31f, 0.40f, true}, {0.70f, 0.36f, false}, {1.7f, 0.34f, false},
-                                        {4.1f, 0.30f, false}, {11.0f, 0.28f, false}};
-  float sum = 0.0f;
-  std::uint32_t octave = 0;
-  for (const Octave& o : kOctaves) {
-    sum += (o.is_fine ? fine : coarse) * o.weight *
-           BandNoise(p.east, p.north, o.wavelength_m, octave, p.footprint_m, p.seed);
-    ++octave;
-  }
-  return sum;
-}
 
 Color ParcelColor(const GroundPoint& p, const Parcel& parcel, TextureLevel texture) {
   Color color;

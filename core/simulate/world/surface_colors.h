@@ -17,10 +17,6 @@ struct GroundPoint {
   std::uint32_t seed = 0;
 };
 
-// Texture shared by everything on the ground: noise of all octaves from 3 cm to 8 m, about +-1 in all.
-// Fine octaves weigh `fine`, coarse ones `coarse`.
-float GroundTexture(const GroundPoint& point, float fine, float coarse);
-
 Eigen::Vector3f ParcelColor(const GroundPoint& point, const Parcel& parcel, TextureLevel texture);
 // Roads, tracks, grass strips over the parcel's colour.
 Eigen::Vector3f WithBorders(const GroundPoint& point, const Parcel& parcel, const Eigen::Vector3f& color);
