@@ -105,8 +105,8 @@ struct Service {
   // takes a second or two. The server has it done by a process apart, once for each set of files.
   std::function<Result<std::string>(const std::vector<flight::InputFile>&, const std::string& options)>
       inspect = nullptr;
-  // A flight's list of surveyed points as JSON (core/pipeline/placing/control_json.h). The server has it done
-  // by a process apart.
+  // A flight's list of surveyed points as JSON (core/pipeline/placing/control_points.h). The server has it
+  // done by a process apart.
   std::function<Result<std::string>(const std::filesystem::path& list)> read_control = nullptr;
   // An archive's files into a flight's store, no more than `max_bytes` (kTooLarge beyond). The server has it
   // done by a process apart.

@@ -1,6 +1,6 @@
 // ControlListText: the surveyed points of a flight and where they were marked in its photos, from the API's
 // JSON to the list that the stitcher reads (core/flight/logs/texts/gcp_list.h; the way back is
-// core/pipeline/placing/control_json.h). Pixels of the JSON count from the middle of the first one, as
+// core/pipeline/placing/control_points.h). Pixels of the JSON count from the middle of the first one, as
 // everywhere in the API; those of the list from its corner. Pure; any thread. Errors, whole sentences for the
 // user: kTooLarge, kInvalidArgument (no JSON), kUnprocessable (a field that breaks its rule).
 #pragma once

@@ -13,7 +13,7 @@
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
-#include "core/pipeline/job_option.h"
+#include "core/pipeline/mosaic_options.h"
 #include "storage/exports/custom/boundary.h"
 #include "storage/uploads/photo_store.h"
 

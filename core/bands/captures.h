@@ -3,14 +3,17 @@
 // any photo; the others, its companions, follow it. The reference band is the one that most captures have, of
 // equals the one that aligns best. A flight of photos in colour, or of one band alone, stays as it is. Reads
 // the headers of band photos on `threads` threads; the result does not depend on how many. Never fails: a
-// photo whose band cannot be read is left out with its reason.
+// photo whose band cannot be read is left out with its reason. Beside it what is done to captures (ScaleBand)
+// and told of them (BandsReport).
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/bands/band_facts.h"
 #include "core/flight/flight.h"
+#include "core/flight/remarks/remark.h"
 
 namespace skyquilt::bands {
 
@@ -51,5 +54,32 @@ Captures SetBandsApart(flight::Flight& flight, int threads);
 // Captures of which `shows_panel` says so go to `panels`, their photos out of the flight. Where that would be
 // all of them nothing is changed: false.
 bool SetPanelsApart(const std::vector<bool>& shows_panel, Captures& apart, flight::Flight& flight);
+
+// What bands.tif holds and how well its bands lie on each other, for report.json.
+struct BandReport {
+  Band band;
+  int pictures = 0;          // that have values
+  int registered = 0;        // of those, laid on the reference by what they show
+  int patches = 0;           // by so many places, all pictures together
+  double residual_px = 0.0;  // what is left between band and reference, root mean square, pixels of the band
+};
+
+struct BandsReport {
+  std::string reference_band;  // the one that was placed
+  int captures = 0;            // that were placed
+  int captures_total = 0;
+  double gsd_m = 0.0;  // of the bands' pictures (median at the image centres)
+  std::vector<BandReport> bands;
+};
+
+// Brings a band's values in `captures` to reflectance, where several witnesses (pictures of a panel, targets
+// on the ground) each say a factor: their median counts and is returned; where they are more than a tenth
+// apart `warnings` tells. `by`: what the witnesses are, `method`: the same in words, for the band's.
+// Precondition: at least one factor, all above 0.
+double ScaleBand(Captures& captures, const std::string& band, std::vector<double> factors, HeldAgainst by,
+                 const std::string& method, std::vector<flight::Remark>& warnings);
+
+// What a list says of a band; nothing where it says nothing.
+std::optional<double> ReflectanceOf(const flight::KnownReflectance& known, const std::string& band);
 
 }  // namespace skyquilt::bands

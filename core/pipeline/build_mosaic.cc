@@ -18,8 +18,8 @@
 #include "core/pipeline/report/judge_map.h"
 #include "core/pipeline/stage_runner.h"
 #include "core/render/blocks/measure_seams.h"
-#include "core/render/blocks/photo_regions.h"
 #include "core/render/blocks/render_block.h"
+#include "core/render/blocks/weigh_block.h"
 #include "core/render/render_tiles.h"
 
 namespace skyquilt::pipeline {

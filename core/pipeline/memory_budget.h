@@ -1,6 +1,6 @@
 // How --max-memory is divided, and what a flight will take of it. Beside the budget a map may take what no
-// option moves: the libraries and what each thread compares photos with (kBesideBudgetBytes), and each
-// photo's features (kBesidePhotoBytes a photo). Pure; any thread.
+// option moves: the libraries and what each thread compares photos with (256 MiB), and each photo's features
+// (2 MiB per photo). Pure; any thread.
 #pragma once
 
 #include <cstdint>
@@ -10,9 +10,6 @@
 #include "core/render/plan_mosaic.h"
 
 namespace skyquilt::pipeline {
-
-inline constexpr std::int64_t kBesideBudgetBytes = std::int64_t{256} << 20;
-inline constexpr std::int64_t kBesidePhotoBytes = std::int64_t{2} << 20;
 
 // How large blocks may be and how many cells the seams may have.
 render::PlanOptions PlanWithin(const MosaicOptions& options);

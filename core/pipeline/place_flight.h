@@ -12,10 +12,10 @@
 #include "core/flight/photos/photo_source.h"
 #include "core/flight/read_flight.h"
 #include "core/geo/dem_source.h"
+#include "core/pipeline/check_photos.h"
 #include "core/pipeline/mosaic_options.h"
 #include "core/pipeline/report/flight_facts.h"
 #include "core/pipeline/stage_runner.h"
-#include "core/pipeline/units/found_photos.h"
 #include "core/pyramid/map_memory.h"
 
 namespace skyquilt::pipeline {

@@ -6,7 +6,6 @@
 #include "core/base/try.h"
 #include "core/pipeline/memory_budget.h"
 #include "core/render/exposure/estimate_exposure.h"
-#include "core/render/exposure/extend_exposure.h"
 #include "core/render/plan_mosaic.h"
 
 namespace skyquilt::pipeline {

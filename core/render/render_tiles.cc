@@ -1,9 +1,8 @@
 #include "core/render/render_tiles.h"
 
-#include <fmt/core.h>
-
 #include <atomic>
 #include <cmath>
+#include <fmt/core.h>
 #include <optional>
 #include <utility>
 
@@ -236,7 +235,6 @@ Result<RenderReport> RenderTiles(const RenderContext& context, const RenderOptio
       });
   if (!failure) overviews.Finish();
   if (failure) return *failure;
-  report.decodes = context.cache.decodes();
   report.blocks = static_cast<std::int64_t>(count);
   return report;
 }

@@ -13,17 +13,13 @@
 #include "core/base/try.h"
 #include "core/camera/footprint.h"
 #include "core/geo/web_mercator.h"
-#include "core/simulate/sensors/shaking.h"
-#include "core/simulate/world/noise.h"
+#include "core/simulate/sensors/recorded_pose.h"
 #include "core/simulate/world/random.h"
-#include "core/simulate/world/sun_direction.h"
+#include "core/simulate/world/render_photo.h"
 #include "core/simulate/world/world_raster.h"
 #include "core/simulate/writers/photo_tags.h"
-#include "core/simulate/writers/truth_json.h"
-#include "core/simulate/writers/write_csv.h"
-#include "core/simulate/writers/write_dataflash.h"
+#include "core/simulate/writers/write_logs.h"
 #include "core/simulate/writers/write_photo.h"
-#include "core/simulate/writers/write_ulog.h"
 
 namespace skyquilt::simulate {
 namespace {

@@ -96,6 +96,9 @@ image::DecodedImage RenderSimulatedPhoto(const SimulatedFlight& flight, std::siz
 Result<SimulatedFlight> SimulateFlight(const SimulateOptions& options, const std::filesystem::path& out_dir,
                                        Progress& progress);
 
+// poses.json: the truth about every photo, for tests and for people.
+std::string TruthJson(const SimulatedFlight& flight);
+
 // RenderSimulatedPhoto, or what remembers what it made. Any thread.
 using PictureOf = std::function<image::DecodedImage(const SimulatedFlight&, std::size_t index)>;
 

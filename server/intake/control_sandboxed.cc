@@ -7,7 +7,7 @@
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "core/flight/logs/texts/gcp_list.h"
-#include "core/pipeline/placing/control_json.h"
+#include "core/pipeline/placing/control_points.h"
 #include "server/sandbox/run_sandboxed.h"
 
 namespace skyquilt::server {

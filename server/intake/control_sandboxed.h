@@ -11,7 +11,7 @@
 
 namespace skyquilt::server {
 
-// Answers the points as the API's JSON (core/pipeline/placing/control_json.h).
+// Answers the points as the API's JSON (core/pipeline/placing/control_points.h).
 Result<std::string> ControlSandboxed(const std::filesystem::path& list);
 
 // What that process does: reads the list's path from standard input, and tells its parent.

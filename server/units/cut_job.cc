@@ -15,7 +15,7 @@
 #include "core/base/try.h"
 #include "core/flight/bytes/text_fields.h"
 #include "core/pipeline/units/flight_cut.h"
-#include "core/pipeline/units/shown_photos.h"
+#include "core/pipeline/units/map_units.h"
 #include "server/jobs/job_task.h"
 #include "server/jobs/stitch_sandboxed.h"
 #include "server/routing/request_log.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/base/check.h"
-#include "core/pipeline/job_option.h"
+#include "core/pipeline/mosaic_options.h"
 #include "server/usage/one_of.h"
 
 namespace skyquilt::server {

@@ -1,5 +1,5 @@
 // AddJobOption: an option of a command that makes maps, as the table of job options has it
-// (core/pipeline/job_option.h). Ranges are checked by MosaicOptions::Validate. One thread.
+// (core/pipeline/mosaic_options.h). Ranges are checked by MosaicOptions::Validate. One thread.
 #pragma once
 
 #include <string_view>

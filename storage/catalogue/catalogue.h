@@ -50,7 +50,7 @@ struct Revision {
   int photos_aligned = 0;
   int photos_pose_only = 0;
   int photos_left_out = 0;
-  // When its photos were taken: ISO 8601 by the clock on the wall there (core/pipeline/report/capture_span);
+  // When its photos were taken: ISO 8601 by the clock on the wall there (core/pipeline/report/mosaic_report);
   // empty where that is not known.
   std::string first_capture, last_capture;
   std::string quality;  // JSON (core/pipeline/report/map_quality.h); empty where it is not known

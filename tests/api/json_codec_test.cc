@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "api/json/job_options.h"
-#include "core/pipeline/job_option.h"
+#include "core/pipeline/mosaic_options.h"
 
 namespace skyquilt::api {
 

@@ -8,7 +8,7 @@
 
 #include "api/json/job_options.h"
 #include "api/nodeodm/node_option_list.h"
-#include "core/pipeline/job_option.h"
+#include "core/pipeline/mosaic_options.h"
 
 namespace skyquilt::api {
 namespace {

@@ -17,7 +17,7 @@ MAY_USE["simulate"] = {"base", "image", "geo", "camera", "flight", "poses", "sim
 # What storage and api may know of the core: values and ports, never a stage's algorithm.
 CORE_VALUES = {
     "core/base/", "core/indices/", "core/geo/", "core/bands/band_sink.h", "core/surface/dense_surface.h", "core/surface/ground_below.h", "core/surface/terrain/height_shift.h", "core/surface/terrain/volume.h", "core/camera/intrinsics.h", "core/flight/photo.h", "core/flight/flight.h",
-    "core/flight/read_flight.h", "core/flight/bytes/input_file.h", "core/flight/remarks/", "core/image/", "core/flight/photos/photo_source.h", "core/pyramid/tile_sink.h", "core/pyramid/draw_legend.h", "core/pyramid/map_memory.h", "core/pipeline/job_option.h", "core/pipeline/mosaic_options.h",
+    "core/flight/read_flight.h", "core/flight/bytes/input_file.h", "core/flight/remarks/", "core/image/", "core/flight/photos/photo_source.h", "core/pyramid/tile_sink.h", "core/pyramid/draw_legend.h", "core/pyramid/map_memory.h", "core/pipeline/mosaic_options.h",
     "core/pipeline/report/map_quality.h", "core/pipeline/report/mosaic_report.h", "core/pipeline/report/locate.h", "core/pipeline/report/ground_profile.h", "core/alignment/scene/aligned_flight.h", "core/render/map_layer.h",
 }
 LIBRARIES = {

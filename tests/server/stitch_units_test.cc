@@ -1,8 +1,7 @@
 // A flight that is cut into units becomes the map that one process makes of it, however it is cut.
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <cmath>
+#include <gtest/gtest.h>
 #include <iterator>
 #include <map>
 #include <optional>
@@ -12,10 +11,10 @@
 
 #include "core/flight/read_flight.h"
 #include "core/geo/boundary.h"
+#include "core/pipeline/check_photos.h"
 #include "core/pipeline/report/flight_facts.h"
 #include "core/pipeline/units/flight_cut.h"
-#include "core/pipeline/units/found_photos.h"
-#include "core/pipeline/units/shown_photos.h"
+#include "core/pipeline/units/map_units.h"
 #include "core/simulate/simulate_flight.h"
 #include "server/jobs/stitch_job.h"
 #include "server/units/stitch_unit.h"

@@ -135,6 +135,13 @@ render::SeamMap SimulatedMap::Seams(const render::SeamOptions& options) const {
   return render::BuildSeamMap(flight, ground, plan, exposure, thumbnails, options);
 }
 
+simulate::SimulateOptions SmallPhotos(int photos) {
+  simulate::SimulateOptions options;
+  options.intrinsics = camera::Intrinsics::Centered(480, 360, 360.0);
+  options.trajectory.photos = photos;
+  return options;
+}
+
 SimulatedMap MakeSimulatedMap(const simulate::SimulateOptions& options, const render::PlanOptions& plan,
                               int cars) {
   auto truth = simulate::PlanSimulatedFlight(options);

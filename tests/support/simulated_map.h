@@ -52,6 +52,9 @@ struct SimulatedMap {
   render::SeamMap Seams(const render::SeamOptions& options) const;
 };
 
+// A flight of pictures small enough that hundreds are rendered in a test.
+simulate::SimulateOptions SmallPhotos(int photos);
+
 SimulatedMap MakeSimulatedMap(const simulate::SimulateOptions& options, const render::PlanOptions& plan = {},
                               int cars = 0);
 

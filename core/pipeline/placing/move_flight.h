@@ -1,6 +1,6 @@
 // MoveFlight: everything that a finished flight knows in its local frame (cameras, ground) turned, scaled and
-// shifted as one, without a look at any photo. The appearance goes: seams lie elsewhere on the map now. Frame
-// `enu` before and after. Pure; any thread.
+// shifted as one, without a look at any photo; and what one must know of a flight to move it: where the marks
+// of surveyed points meet, how wide it is. Frame `enu` before and after. Pure; any thread.
 #pragma once
 
 #include <string>
@@ -8,11 +8,15 @@
 
 #include "core/alignment/estimators/similarity.h"
 #include "core/alignment/scene/ground_control.h"
+#include "core/base/result.h"
+#include "core/geo/local_frame.h"
+#include "core/pipeline/placing/place_request.h"
 #include "core/pipeline/report/flight_facts.h"
 
 namespace skyquilt::pipeline {
 
-// The frame stays: `facts.flight.frame` is the caller's to change with it.
+// The frame stays: `facts.flight.frame` is the caller's to change with it. The appearance goes: seams lie
+// elsewhere on the map now.
 void MoveFlight(const alignment::Similarity3& new_from_old, FlightFacts& facts);
 
 // Where the marks of a surveyed point meet, in the flight's frame, and where it was surveyed.
@@ -49,5 +53,18 @@ double ExtentM(const FlightFacts& known);
 // the flight has any.
 void TellOfControl(const std::vector<alignment::ControlReport>& control, const Eigen::Vector3d& moved_m,
                    FlightFacts& facts);
+
+struct MoveOfPairs {
+  alignment::Similarity3 new_from_old;
+  geo::LocalFrame frame;
+  double miss_m = 0.0;  // what the worst pair is missed by; 0 of one or two, which fit anything
+};
+
+// By what turn, scale and shift a finished map comes to where things that it shows really are. One pair
+// shifts it; two or more also turn and scale it, by least squares. Heights stay as they are above the ground.
+// Frame `enu` of the flight before, a frame at the first true place after. pairs: one or more. Errors, whole
+// sentences for the user: kUnprocessable (pairs that lie too near together, or contradict each other).
+// Source: the similarity of the plane as one complex factor and shift.
+Result<MoveOfPairs> MoveByPairs(const FlightFacts& known, const std::vector<ShownPair>& pairs);
 
 }  // namespace skyquilt::pipeline

@@ -1,18 +1,147 @@
 #include "core/pipeline/placing/place_by_lists.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <complex>
 #include <map>
 #include <string>
 #include <utility>
 
+#include "core/alignment/bundle/tie_to_control.h"
+#include "core/alignment/matching/verified_pair.h"
+#include "core/alignment/scene/matches.h"
 #include "core/flight/remarks/because.h"
+#include "core/geo/lat_lon.h"
 #include "core/pipeline/placing/control_points.h"
 #include "core/pipeline/placing/move_flight.h"
-#include "core/pipeline/placing/move_to_control.h"
 #include "core/pipeline/placing/place_known.h"
 
 namespace skyquilt::pipeline {
+namespace {
+
+using alignment::AlignedPhoto;
+using alignment::GroundSimilarity;
+using Complex = std::complex<double>;
+
+constexpr std::size_t kMaxPoints = 4;
+constexpr double kTurningSpread = 0.2;  // of the flight's extent: points nearer together tell no turn
+constexpr double kMaxStretch = 0.05;
+constexpr double kMaxTurnRad = 0.05;
+constexpr double kSurveyM = 0.02;
+constexpr double kMaxResidualGsds = 4.0;  // of points after the move
+constexpr double kNoMoveGsds = 0.02;      // less is not worth another map
+
+struct Tied {
+  Complex now, surveyed;
+  std::size_t report = 0;  // number of the point
+};
+
+Complex EastNorth(const Eigen::Vector3d& point_in_enu) { return {point_in_enu.x(), point_in_enu.y()}; }
+
+std::vector<Tied> TiePoints(const FlightFacts& known, const std::vector<alignment::ControlPoint>& control,
+                            std::vector<alignment::ControlReport>& reports) {
+  std::vector<Tied> tied;
+  for (const MarkedPoint& marked : MarkedPointsOf(known, control, reports)) {
+    const Eigen::Vector3d surveyed =
+        known.flight.frame.EnuAtHeight(marked.point.position, marked.seen_in_enu.z());
+    tied.push_back({EastNorth(marked.seen_in_enu), EastNorth(surveyed), marked.report});
+  }
+  return tied;
+}
+
+GroundSimilarity FitMove(const std::vector<Tied>& tied, double extent_m) {
+  std::vector<std::pair<Complex, Complex>> places;
+  double spread_m = 0.0;
+  Complex shift(0.0, 0.0);
+  for (const Tied& one : tied) {
+    places.emplace_back(one.now, one.surveyed);
+    spread_m = std::max(spread_m, std::abs(one.now - tied.front().now));
+    shift += (one.surveyed - one.now) / static_cast<double>(tied.size());
+  }
+  if (spread_m < kTurningSpread * extent_m || spread_m == 0.0) return {{1.0, 0.0}, shift};
+  return alignment::FitSimilarity(places);
+}
+
+// Each point by a move that the others alone say.
+void Predict(const std::vector<Tied>& tied, double extent_m, std::vector<alignment::ControlReport>& reports) {
+  if (tied.size() < alignment::kMinPredictedPoints) return;
+  for (std::size_t left = 0; left < tied.size(); ++left) {
+    std::vector<Tied> others = tied;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(left));
+    const Complex miss = FitMove(others, extent_m) * tied[left].now - tied[left].surveyed;
+    reports[tied[left].report].left_out = alignment::ControlPrediction{miss.real(), miss.imag(), 0.0};
+  }
+}
+
+// About the vertical through the origin, and stretched about the mean height of the ground.
+alignment::Similarity3 InSpace(const GroundSimilarity& move, double ground_z_m) {
+  alignment::Similarity3 similarity;
+  similarity.scale = std::abs(move.turn_and_scale);
+  similarity.rotation =
+      Eigen::Quaterniond(Eigen::AngleAxisd(std::arg(move.turn_and_scale), Eigen::Vector3d::UnitZ()));
+  similarity.shift = {move.shift.real(), move.shift.imag(), ground_z_m - similarity.scale * ground_z_m};
+  return similarity;
+}
+
+}  // namespace
+
+std::optional<FlightFacts> MoveToControl(const FlightFacts& known,
+                                         const std::vector<flight::GcpList>& lists) {
+  const std::vector<alignment::ControlPoint> control = ControlPointsOf(lists);
+  // Points that only check the map leave it where it is.
+  if (control.empty() && !CheckPointsOf(lists).empty()) return known;
+  if (control.empty() || control.size() > kMaxPoints || known.flight.photos.empty()) return std::nullopt;
+  const double gsd_m = MedianGsdM(known);
+  std::vector<alignment::ControlReport> reports;
+  const std::vector<Tied> tied = TiePoints(known, control, reports);
+  FlightFacts moved = known;
+  GroundSimilarity move;
+  if (!tied.empty()) move = FitMove(tied, ExtentM(known));
+  if (std::abs(std::abs(move.turn_and_scale) - 1.0) > kMaxStretch ||
+      std::abs(std::arg(move.turn_and_scale)) > kMaxTurnRad) {
+    return std::nullopt;
+  }
+  double square_m2 = 0.0;
+  for (const Tied& one : tied) {
+    const Complex residual = move * one.now - one.surveyed;
+    if (std::abs(residual) > kSurveyM + kMaxResidualGsds * gsd_m) return std::nullopt;
+    square_m2 += std::norm(residual);
+    alignment::ControlReport& told = reports[one.report];
+    told.is_used = true;
+    told.miss_east_m = residual.real();
+    told.miss_north_m = residual.imag();
+    told.residual_px = std::abs(residual) / gsd_m;
+  }
+  Predict(tied, ExtentM(known), reports);
+  const std::vector<flight::Remark> on_points = alignment::RemarksOn(reports);
+  moved.flight.warnings.insert(moved.flight.warnings.end(), on_points.begin(), on_points.end());
+  const Complex middle =
+      EastNorth(known.flight.photos[known.flight.photos.size() / 2].cam_from_enu.TargetOriginInSource());
+  const Complex shift = move * middle - middle;
+  TellOfControl(reports, {shift.real(), shift.imag(), 0.0}, moved);
+  const double max_moved_m = std::abs(shift) + std::abs(move.turn_and_scale - 1.0) * ExtentM(known);
+  if (max_moved_m < kNoMoveGsds * gsd_m) return moved;
+
+  MoveFlight(InSpace(move, known.ground.MeanHeight()), moved);
+  // A single point has nothing to be checked against: the flight is better placed, but no more certain.
+  if (tied.size() > 1) {
+    const double residual_m = std::max(kSurveyM, std::sqrt(square_m2 / static_cast<double>(tied.size())));
+    for (AlignedPhoto& photo : moved.flight.photos) {
+      if (photo.placement == alignment::Placement::kAligned) photo.error_radius_m = residual_m;
+    }
+  }
+  moved.flight.warnings.push_back({flight::RemarkCode::kMovedToControl,
+                                   {{"points", tied.size()},
+                                    {"east_m", shift.real()},
+                                    {"north_m", shift.imag()},
+                                    {"turn_deg", geo::RadToDeg(std::arg(move.turn_and_scale))},
+                                    {"growth_percent", 100.0 * (std::abs(move.turn_and_scale) - 1.0)}}});
+  return moved;
+}
+
 namespace {
 
 // What an earlier survey had the map say.

@@ -1,12 +1,9 @@
-// PlaceByLists: a finished flight brought to the surveyed points among its files, wherever it lies now:
-// shifted (and turned and stretched a little) as MoveToControl does where one to four points suffice, else
-// placed by all of them as PlaceKnown does. No photo is compared again. What earlier runs said of surveyed
-// points is said anew. TellMarks: how far each mark of a surveyed point lies from where the placed map has
-// the point. Frame `enu` of the flight, which may change. Pure; any thread. Errors, whole sentences for the
-// user: kUnprocessable (no point that can be used; points that lie too near together, or contradict each
-// other).
+// A finished flight brought to the surveyed points among its files. No photo is compared again. Frame `enu`
+// of the flight, which may change. Pure; any thread. Errors, whole sentences for the user: kUnprocessable (no
+// point that can be used; points that lie too near together, or contradict each other).
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "core/base/result.h"
@@ -15,11 +12,20 @@
 
 namespace skyquilt::pipeline {
 
-// `contradict`: as of PlaceKnown.
+// To one to four points as a whole: shifted, and turned and stretched about the vertical where points that
+// lie far enough apart say so. Heights keep their zero: survey and drone seldom share it. Nothing comes back
+// where that will not do: more points, or points that a flight can only be bent to; then it is better aligned
+// anew. `known` is a flight aligned by features, with the photos' names. What comes back has no appearance:
+// its seams lie elsewhere on the map now.
+std::optional<FlightFacts> MoveToControl(const FlightFacts& known, const std::vector<flight::GcpList>& lists);
+
+// Wherever the flight lies now: as MoveToControl does where one to four points suffice, else by all of them
+// as PlaceKnown does. What earlier runs said of surveyed points is said anew. `contradict`: as of PlaceKnown.
 Result<FlightFacts> PlaceByLists(FlightFacts known, const std::vector<flight::GcpList>& lists,
                                  bool* contradict = nullptr);
 
-// Nothing is said where the map has no place, or no figures of its alignment.
+// How far each mark of a surveyed point lies from where the placed map has the point. Nothing is said where
+// the map has no place, or no figures of its alignment.
 void TellMarks(const std::vector<flight::GcpList>& lists, FlightFacts& facts);
 
 }  // namespace skyquilt::pipeline

@@ -15,7 +15,6 @@
 #include "core/geo/bounds.h"
 #include "core/geo/lat_lon.h"
 #include "core/pipeline/placing/control_points.h"
-#include "core/pipeline/placing/move_by_pairs.h"
 #include "core/pipeline/placing/move_flight.h"
 
 namespace skyquilt::pipeline {

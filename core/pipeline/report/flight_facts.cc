@@ -84,15 +84,14 @@ Cbor OfAppearance(const MapAppearance& appearance) {
           {"columns", appearance.grid.columns},
           {"rows", appearance.grid.rows},
           {"upright", appearance.stands_upright},
-          {"labels", CborOfBytes<Cbor>(runs.data(), runs.size() * sizeof(std::int32_t))}};
+          {"labels", CborOfValues<Cbor>(runs)}};
 }
 
 MapAppearance ToAppearance(const Cbor& json, std::size_t photos) {
   MapAppearance appearance;
   appearance.gsd_m = json.at("gsd_m");
   appearance.exposure = ToExposure(json.at("exposure"));
-  if (appearance.exposure.photos.size() > photos)
-    throw Cbor::other_error::create(500, "more light than photos", nullptr);
+  if (appearance.exposure.photos.size() > photos) ThrowDamaged<Cbor>("more light than photos");
   appearance.grid.zoom = json.at("zoom");
   appearance.grid.tile_size_px = json.at("tile_size_px");
   appearance.grid.cell_px = json.at("cell_px");
@@ -104,7 +103,7 @@ MapAppearance ToAppearance(const Cbor& json, std::size_t photos) {
   constexpr int kMaxCells = 1 << 20;                         // a side
   if (appearance.grid.columns < 0 || appearance.grid.rows < 0 || appearance.grid.columns > kMaxCells ||
       appearance.grid.rows > kMaxCells) {
-    throw Cbor::other_error::create(500, "the seam grid is of no size", nullptr);
+    ThrowDamaged<Cbor>("the seam grid is of no size");
   }
   appearance.labels = render::SeamLabels(appearance.grid.columns, appearance.grid.rows);
   const std::vector<std::uint8_t>& bytes = json.at("labels").get_binary();
@@ -146,17 +145,17 @@ geo::Boundary ToBoundary(const Cbor& polygons) {
       const auto numbers = places.get<std::vector<double>>();
       geo::Boundary::Ring& ring = polygon.emplace_back();
       for (std::size_t i = 0; i + 1 < numbers.size(); i += 2) ring.push_back({numbers[i + 1], numbers[i]});
-      if (ring.empty()) throw Cbor::other_error::create(500, "a ring of the boundary is empty", nullptr);
+      if (ring.empty()) ThrowDamaged<Cbor>("a ring of the boundary is empty");
     }
-    if (polygon.empty()) throw Cbor::other_error::create(500, "a part of the boundary is empty", nullptr);
+    if (polygon.empty()) ThrowDamaged<Cbor>("a part of the boundary is empty");
   }
-  if (boundary.polygons.empty()) throw Cbor::other_error::create(500, "the boundary is empty", nullptr);
+  if (boundary.polygons.empty()) ThrowDamaged<Cbor>("the boundary is empty");
   return boundary;
 }
 
 flight::SampleRange ToSampleRange(const Cbor& json) {
   const flight::SampleRange range{json.at(0).get<double>(), json.at(1).get<double>()};
-  if (!(range.high > range.low)) throw Cbor::other_error::create(500, "a range of samples is empty", nullptr);
+  if (!(range.high > range.low)) ThrowDamaged<Cbor>("a range of samples is empty");
   return range;
 }
 
@@ -176,7 +175,7 @@ FlightFacts Parse(std::string_view bytes) {
         {{TextOfCbor(input.at("name")), TextOfCbor(input.at("path"))}, DigestOfCbor(input.at("digest"))});
   }
   const Result<LocatedMap> located = ParseLocateJson(json.at("locate").get_ref<const std::string&>());
-  if (!located) throw Cbor::other_error::create(500, located.error().message, nullptr);
+  if (!located) ThrowDamaged<Cbor>(located.error().message.c_str());
   facts.ground = located->ground;
   facts.flight.frame = located->frame;
   facts.flight.ground_z_in_enu_m = json.at("ground_z_m");
@@ -187,7 +186,7 @@ FlightFacts Parse(std::string_view bytes) {
   }
   const Cbor& photos = json.at("photos");
   if (photos.size() != located->cameras.size()) {
-    throw Cbor::other_error::create(500, "numbers of photos differ", nullptr);
+    ThrowDamaged<Cbor>("numbers of photos differ");
   }
   for (std::size_t i = 0; i < photos.size(); ++i) {
     const LocatedCamera& camera = located->cameras[i];
@@ -277,15 +276,14 @@ std::string WriteFacts(const FlightFacts& facts) {
   for (std::size_t i = 0; i < facts.flight.photos.size(); ++i) {
     const alignment::AlignedPhoto& photo = facts.flight.photos[i];
     const render::Thumbnail& thumbnail = facts.thumbnails[i];
-    json["photos"].push_back(
-        {{"name", CborOfText<Cbor>(photo.photo.name)},
-         {"camera_key", CborOfText<Cbor>(photo.photo.camera_key)},
-         {"remarks", flight::JsonOfRemarks<Cbor>(photo.placement_remarks)},
-         {"height_m", photo.height_above_ground_m},
-         {"max_look_rad", photo.max_look_rad},
-         {"tied_look_rad", photo.tied_look_rad},
-         {"thumbnail_size", {thumbnail.width_px, thumbnail.height_px}},
-         {"thumbnail", CborOfBytes<Cbor>(thumbnail.jpeg.data(), thumbnail.jpeg.size())}});
+    json["photos"].push_back({{"name", CborOfText<Cbor>(photo.photo.name)},
+                              {"camera_key", CborOfText<Cbor>(photo.photo.camera_key)},
+                              {"remarks", flight::JsonOfRemarks<Cbor>(photo.placement_remarks)},
+                              {"height_m", photo.height_above_ground_m},
+                              {"max_look_rad", photo.max_look_rad},
+                              {"tied_look_rad", photo.tied_look_rad},
+                              {"thumbnail_size", {thumbnail.width_px, thumbnail.height_px}},
+                              {"thumbnail", CborOfValues<Cbor>(thumbnail.jpeg)}});
     if (const auto& range = photo.photo.sample_range)
       json["photos"].back()["sample_range"] = {range->low, range->high};
   }

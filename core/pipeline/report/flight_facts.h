@@ -20,7 +20,7 @@
 #include "core/pipeline/mosaic_options.h"
 #include "core/pipeline/report/ground_choice.h"
 #include "core/poses/pose_report.h"
-#include "core/render/exposure/extend_exposure.h"
+#include "core/render/exposure/estimate_exposure.h"
 #include "core/render/mosaic_plan.h"
 #include "core/render/seams/seam_map.h"
 #include "core/render/thumbnail.h"

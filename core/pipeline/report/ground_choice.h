@@ -13,6 +13,9 @@ struct GroundChoice {
 };
 
 // What leans is worth it, and three photos see enough of the ground to tell how high it stands.
-bool IsUpright(const GroundChoice& choice);
+inline bool IsUpright(const GroundChoice& choice) {
+  constexpr double kMinLeaningShare = 0.05, kMinSeenShare = 0.5;
+  return choice.leaning_share >= kMinLeaningShare && choice.seen_share >= kMinSeenShare;
+}
 
 }  // namespace skyquilt::pipeline

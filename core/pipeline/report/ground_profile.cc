@@ -13,6 +13,7 @@ namespace {
 // A grid is bilinear between its nodes: half a cell misses none of its bends.
 constexpr double kStepsPerCell = 2.0;
 constexpr int kChunksToMeasure = 64;
+constexpr double kMaxProfileLengthM = 100'000.0;
 
 // Across the antimeridian the short way.
 geo::LatLon Between(const geo::LatLon& from, const geo::LatLon& to, double share) {

@@ -18,7 +18,6 @@ namespace skyquilt::pipeline {
 
 inline constexpr std::size_t kMaxProfileCorners = 500;
 inline constexpr std::size_t kMaxProfileSamples = 1000;  // besides the corners
-inline constexpr double kMaxProfileLengthM = 100'000.0;
 
 struct ProfileSample {
   double distance_m = 0.0;  // from the line's beginning

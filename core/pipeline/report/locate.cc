@@ -4,8 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <nlohmann/json.hpp>
 
+#include "core/base/text/json_io.h"
 #include "core/camera/footprint.h"
 
 namespace skyquilt::pipeline {
@@ -128,6 +129,140 @@ std::vector<Sighting> PhotosAtPoint(const LocatedMap& map, const geo::LatLon& po
     return a.quality != b.quality ? a.quality > b.quality : a.photo < b.photo;
   });
   return sightings;
+}
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kVersion = 1;
+
+Json GroundOf(const ground::GroundSurface& ground) {
+  if (ground.IsPlane()) return {{"z_m", ground.MeanHeight()}};
+  Json json;
+  json["z_m"] = ground.MeanHeight();
+  json["south_west_m"] = {ground.SouthWest().x(), ground.SouthWest().y()};
+  json["cell_m"] = ground.CellSize();
+  json["columns"] = ground.Columns();
+  json["rows"] = ground.Rows();
+  json["heights_m"] = ground.Heights();
+  return json;
+}
+
+Json Numbers(const Eigen::Vector3d& vector) { return {vector.x(), vector.y(), vector.z()}; }
+
+Json CameraOf(const alignment::AlignedPhoto& photo) {
+  const camera::Intrinsics& lens = photo.intrinsics;
+  const Eigen::Quaterniond& rotation = photo.cam_from_enu.rotation;
+  const Eigen::Vector3d& translation = photo.cam_from_enu.translation;
+  Json json = {{"name", photo.photo.name},
+               {"size_px", {lens.width_px, lens.height_px}},
+               {"focal_px", {lens.focal_x_px, lens.focal_y_px}},
+               {"center_px", {lens.center_x_px, lens.center_y_px}},
+               {"distortion", {lens.k1, lens.k2, lens.p1, lens.p2, lens.k3}},
+               {"rotation_wxyz", {rotation.w(), rotation.x(), rotation.y(), rotation.z()}},
+               {"translation_m", {translation.x(), translation.y(), translation.z()}},
+               {"placement", alignment::PlacementName(photo.placement)},
+               {"error_radius_m", photo.error_radius_m}};
+  if (photo.sharpness && std::isfinite(*photo.sharpness)) json["sharpness"] = *photo.sharpness;
+  const camera::RowMotion& motion = photo.readout_motion;
+  if (!motion.shift_in_enu_m.isZero(0.0)) json["readout_shift_m"] = Numbers(motion.shift_in_enu_m);
+  for (const Eigen::Vector3d& turn : motion.turns_rad) json["readout_turns_rad"].push_back(Numbers(turn));
+  return json;
+}
+
+template <int kSize>
+Eigen::Matrix<double, kSize, 1> Vector(const Json& json) {
+  Eigen::Matrix<double, kSize, 1> vector;
+  for (int i = 0; i < kSize; ++i) vector[i] = json.at(static_cast<std::size_t>(i)).get<double>();
+  return vector;
+}
+
+// Throws Json's own exceptions for what is missing or of another kind; the caller turns them into an error.
+LocatedMap MapFrom(const Json& json) {
+  LocatedMap map;
+  const Json& origin = json.at("origin");
+  map.frame = geo::LocalFrame(
+      geo::Wgs84{.lat_deg = origin.at(0), .lon_deg = origin.at(1), .height_ellipsoid_m = origin.at(2)});
+  const Json& ground = json.at("ground");
+  if (ground.contains("heights_m")) {
+    auto heights_m = ground.at("heights_m").get<std::vector<float>>();
+    const int columns = ground.at("columns");
+    const int rows = ground.at("rows");
+    const double cell_m = ground.at("cell_m");
+    const bool fits = columns >= 2 && rows >= 2 && cell_m > 0.0 &&
+                      heights_m.size() == static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
+    if (!fits) throw std::invalid_argument("the ground grid's size and heights differ");
+    map.ground = ground::GroundSurface::Grid(Vector<2>(ground.at("south_west_m")), cell_m, columns, rows,
+                                             std::move(heights_m), ground.at("z_m"));
+  } else {
+    map.ground = ground::GroundSurface::Plane(ground.at("z_m"));
+  }
+  for (const Json& from : json.at("cameras")) {
+    LocatedCamera camera;
+    camera.name = from.at("name");
+    camera::Intrinsics& lens = camera.intrinsics;
+    lens.width_px = from.at("size_px").at(0);
+    lens.height_px = from.at("size_px").at(1);
+    lens.focal_x_px = from.at("focal_px").at(0);
+    lens.focal_y_px = from.at("focal_px").at(1);
+    lens.center_x_px = from.at("center_px").at(0);
+    lens.center_y_px = from.at("center_px").at(1);
+    const Json& distortion = from.at("distortion");
+    lens.k1 = distortion.at(0);
+    lens.k2 = distortion.at(1);
+    lens.p1 = distortion.at(2);
+    lens.p2 = distortion.at(3);
+    lens.k3 = distortion.at(4);
+    const Json& rotation = from.at("rotation_wxyz");
+    camera.cam_from_enu.rotation =
+        Eigen::Quaterniond(rotation.at(0).get<double>(), rotation.at(1).get<double>(),
+                           rotation.at(2).get<double>(), rotation.at(3).get<double>());
+    const Json& translation = from.at("translation_m");
+    camera.cam_from_enu.translation = Vector<3>(translation);
+    camera.placement = from.at("placement") == alignment::PlacementName(alignment::Placement::kAligned)
+                           ? alignment::Placement::kAligned
+                           : alignment::Placement::kPoseOnly;
+    camera.error_radius_m = from.at("error_radius_m");
+    if (from.contains("sharpness")) camera.sharpness = from.at("sharpness").get<double>();
+    if (from.contains("readout_shift_m"))
+      camera.readout_motion.shift_in_enu_m = Vector<3>(from.at("readout_shift_m"));
+    if (from.contains("readout_turns_rad")) {
+      for (const Json& turn : from.at("readout_turns_rad"))
+        camera.readout_motion.turns_rad.push_back(Vector<3>(turn));
+    }
+    map.cameras.push_back(std::move(camera));
+  }
+  return map;
+}
+
+}  // namespace
+
+std::string LocateJson(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground) {
+  const geo::Wgs84& origin = flight.frame.origin();
+  Json cameras = Json::array();
+  for (const alignment::AlignedPhoto& photo : flight.photos) cameras.push_back(CameraOf(photo));
+  Json json;
+  json["version"] = kVersion;
+  json["origin"] = {origin.lat_deg, origin.lon_deg, origin.height_ellipsoid_m};
+  json["ground"] = GroundOf(ground);
+  json["cameras"] = std::move(cameras);
+  return JsonText(json) + "\n";
+}
+
+Result<LocatedMap> ParseLocateJson(std::string_view text) {
+  const Error damaged{ErrorCode::kCorrupt, "The map's camera file is damaged. Stitch the flight again.", ""};
+  const Json json = ParseOrderedJson(text);
+  if (!json.is_object()) return damaged;
+  try {
+    if (json.at("version") != kVersion) {
+      return Error{ErrorCode::kUnprocessable,
+                   "The map's camera file is of another version. Stitch the flight again.", ""};
+    }
+    return MapFrom(json);
+  } catch (const std::exception& failure) {
+    return Error{damaged.code, damaged.message, failure.what()};
+  }
 }
 
 }  // namespace skyquilt::pipeline

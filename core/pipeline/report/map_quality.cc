@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "core/base/check.h"
 #include "core/base/text/json_io.h"
 
 namespace skyquilt::pipeline {
@@ -26,12 +28,21 @@ std::string Counted(int count, const char* what) {
   return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
-template <typename Kinds>
-auto KindNamed(const Kinds& all, const QualityDocument& json) {
+template <typename Names, typename Kind>
+std::string_view NameIn(const Names& names, Kind kind) {
+  const auto found =
+      std::find_if(std::begin(names), std::end(names), [&](const auto& one) { return one.first == kind; });
+  SKYQUILT_CHECK(found != std::end(names), "a word of a map's quality has no name");
+  return found->second;
+}
+
+template <typename Names>
+auto KindNamed(const Names& names, const QualityDocument& json) {
   const auto& name = json.get_ref<const std::string&>();
-  const auto found = std::find_if(all.begin(), all.end(), [&](auto kind) { return NameOf(kind) == name; });
-  if (found == all.end()) throw QualityDocument::other_error::create(500, "an unknown word", nullptr);
-  return *found;
+  const auto found =
+      std::find_if(std::begin(names), std::end(names), [&](const auto& one) { return one.second == name; });
+  if (found == std::end(names)) throw QualityDocument::other_error::create(500, "an unknown word", nullptr);
+  return found->first;
 }
 
 int SupportCount(const QualityDocument& json) {
@@ -55,18 +66,18 @@ QualityDocument NumberOrNull(const std::optional<double>& value) {
 
 MapQuality QualityOf(const QualityDocument& json) {
   MapQuality quality;
-  quality.status = KindNamed(kAllMapStatuses, json.at("status"));
+  quality.status = KindNamed(kMapStatuses, json.at("status"));
   const QualityDocument& absolute = json.at("absolute");
   quality.absolute = {SupportedNumber(absolute.at("sigma_m")),
-                      KindNamed(kAllAbsoluteSupports, absolute.at("by")), SupportCount(absolute.at("count"))};
+                      KindNamed(kAbsoluteSupports, absolute.at("by")), SupportCount(absolute.at("count"))};
   const QualityDocument& relative = json.at("relative");
   quality.relative = {SupportedNumber(relative.at("error_m")), SupportedNumber(relative.at("error_px")),
-                      KindNamed(kAllRelativeSupports, relative.at("by")), SupportCount(relative.at("count"))};
+                      KindNamed(kRelativeSupports, relative.at("by")), SupportCount(relative.at("count"))};
   const QualityDocument& limits = json.at("limits");
-  if (!limits.is_array() || limits.size() > kAllLimitKinds.size())
+  if (!limits.is_array() || limits.size() > std::size(kLimitKinds))
     throw QualityDocument::other_error::create(500, "limits are none", nullptr);
   for (const QualityDocument& limit : limits) {
-    quality.limits.push_back({KindNamed(kAllLimitKinds, limit.at("kind")), SupportCount(limit.at("count")),
+    quality.limits.push_back({KindNamed(kLimitKinds, limit.at("kind")), SupportCount(limit.at("count")),
                               SupportCount(limit.at("of"))});
   }
   return quality;
@@ -78,73 +89,10 @@ bool MapQuality::IsLimitedBy(LimitKind kind) const {
   return std::any_of(limits.begin(), limits.end(), [&](const MapLimit& limit) { return limit.kind == kind; });
 }
 
-std::string_view NameOf(AbsoluteSupport support) {
-  switch (support) {
-    case AbsoluteSupport::kNone:
-      return "none";
-    case AbsoluteSupport::kHand:
-      return "hand";
-    case AbsoluteSupport::kGnss:
-      return "gnss";
-    case AbsoluteSupport::kRtk:
-      return "rtk";
-    case AbsoluteSupport::kControlPoints:
-      return "control_points";
-    case AbsoluteSupport::kCheckPoints:
-      return "check_points";
-  }
-  return "none";
-}
-
-std::string_view NameOf(RelativeSupport support) {
-  switch (support) {
-    case RelativeSupport::kNone:
-      return "none";
-    case RelativeSupport::kTiePoints:
-      return "tie_points";
-    case RelativeSupport::kSeams:
-      return "seams";
-  }
-  return "none";
-}
-
-std::string_view NameOf(MapStatus status) {
-  switch (status) {
-    case MapStatus::kReady:
-      return "ready";
-    case MapStatus::kLimited:
-      return "limited";
-    case MapStatus::kDoubtful:
-      return "doubtful";
-    case MapStatus::kUnplaced:
-      return "unplaced";
-    case MapStatus::kUnknown:
-      return "unknown";
-  }
-  return "unplaced";
-}
-
-std::string_view NameOf(LimitKind kind) {
-  switch (kind) {
-    case LimitKind::kNotGeoreferenced:
-      return "not_georeferenced";
-    case LimitKind::kScaleGuessed:
-      return "scale_guessed";
-    case LimitKind::kFewPositions:
-      return "few_positions";
-    case LimitKind::kFarOff:
-      return "far_off";
-    case LimitKind::kPlacedByHand:
-      return "placed_by_hand";
-    case LimitKind::kLeftOut:
-      return "left_out";
-    case LimitKind::kNoneAligned:
-      return "none_aligned";
-    case LimitKind::kPoseOnly:
-      return "pose_only";
-  }
-  return "not_georeferenced";
-}
+std::string_view NameOf(AbsoluteSupport support) { return NameIn(kAbsoluteSupports, support); }
+std::string_view NameOf(RelativeSupport support) { return NameIn(kRelativeSupports, support); }
+std::string_view NameOf(MapStatus status) { return NameIn(kMapStatuses, status); }
+std::string_view NameOf(LimitKind kind) { return NameIn(kLimitKinds, kind); }
 
 double OfTwoDigits(double value) {
   if (!std::isfinite(value) || !(value > 0.0)) return 0.0;

@@ -3,11 +3,11 @@
 // number that nothing supports is absent. Values; any thread. Errors of parsing: kCorrupt.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/base/result.h"
@@ -22,9 +22,6 @@ enum class AbsoluteSupport : std::uint8_t {
   kControlPoints,  // surveyed points that place it
   kCheckPoints,    // surveyed points that do not
 };
-inline constexpr std::array kAllAbsoluteSupports = {
-    AbsoluteSupport::kNone, AbsoluteSupport::kHand,          AbsoluteSupport::kGnss,
-    AbsoluteSupport::kRtk,  AbsoluteSupport::kControlPoints, AbsoluteSupport::kCheckPoints};
 
 // Where the map lies on Earth.
 struct AbsoluteAccuracy {
@@ -42,8 +39,6 @@ enum class RelativeSupport : std::uint8_t {
   kTiePoints,  // root mean square of what photos miss shared points by
   kSeams,      // median of what neighbouring photos show apart along seams
 };
-inline constexpr std::array kAllRelativeSupports = {RelativeSupport::kNone, RelativeSupport::kTiePoints,
-                                                    RelativeSupport::kSeams};
 
 // How well the map fits itself, wherever it lies. Two significant digits.
 struct RelativeAccuracy {
@@ -62,8 +57,6 @@ enum class MapStatus : std::uint8_t {
   kUnplaced,  // nothing says where on Earth it lies
   kUnknown,   // imported without a word on it
 };
-inline constexpr std::array kAllMapStatuses = {MapStatus::kReady, MapStatus::kLimited, MapStatus::kDoubtful,
-                                               MapStatus::kUnplaced, MapStatus::kUnknown};
 
 enum class LimitKind : std::uint8_t {
   kNotGeoreferenced,
@@ -75,9 +68,6 @@ enum class LimitKind : std::uint8_t {
   kNoneAligned,  // `count` photos lie by their records, none of them compared with success
   kPoseOnly,     // `count` of `of` photos lie by their records
 };
-inline constexpr std::array kAllLimitKinds = {
-    LimitKind::kNotGeoreferenced, LimitKind::kScaleGuessed, LimitKind::kFewPositions, LimitKind::kFarOff,
-    LimitKind::kPlacedByHand,     LimitKind::kLeftOut,      LimitKind::kNoneAligned,  LimitKind::kPoseOnly};
 
 struct MapLimit {
   LimitKind kind = LimitKind::kNotGeoreferenced;
@@ -97,8 +87,29 @@ struct MapQuality {
   bool operator==(const MapQuality&) const = default;
 };
 
-// Names in JSON.
-std::string_view NameOf(AbsoluteSupport support);  // "gnss"
+// Their names in JSON.
+inline constexpr std::pair<AbsoluteSupport, std::string_view> kAbsoluteSupports[] = {
+    {AbsoluteSupport::kNone, "none"},
+    {AbsoluteSupport::kHand, "hand"},
+    {AbsoluteSupport::kGnss, "gnss"},
+    {AbsoluteSupport::kRtk, "rtk"},
+    {AbsoluteSupport::kControlPoints, "control_points"},
+    {AbsoluteSupport::kCheckPoints, "check_points"}};
+inline constexpr std::pair<RelativeSupport, std::string_view> kRelativeSupports[] = {
+    {RelativeSupport::kNone, "none"},
+    {RelativeSupport::kTiePoints, "tie_points"},
+    {RelativeSupport::kSeams, "seams"}};
+inline constexpr std::pair<MapStatus, std::string_view> kMapStatuses[] = {{MapStatus::kReady, "ready"},
+                                                                          {MapStatus::kLimited, "limited"},
+                                                                          {MapStatus::kDoubtful, "doubtful"},
+                                                                          {MapStatus::kUnplaced, "unplaced"},
+                                                                          {MapStatus::kUnknown, "unknown"}};
+inline constexpr std::pair<LimitKind, std::string_view> kLimitKinds[] = {
+    {LimitKind::kNotGeoreferenced, "not_georeferenced"}, {LimitKind::kScaleGuessed, "scale_guessed"},
+    {LimitKind::kFewPositions, "few_positions"},         {LimitKind::kFarOff, "far_off"},
+    {LimitKind::kPlacedByHand, "placed_by_hand"},        {LimitKind::kLeftOut, "left_out"},
+    {LimitKind::kNoneAligned, "none_aligned"},           {LimitKind::kPoseOnly, "pose_only"}};
+std::string_view NameOf(AbsoluteSupport support);
 std::string_view NameOf(RelativeSupport support);
 std::string_view NameOf(MapStatus status);
 std::string_view NameOf(LimitKind kind);

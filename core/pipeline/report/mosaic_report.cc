@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "core/base/error_code.h"
@@ -18,6 +19,45 @@
 namespace skyquilt::pipeline {
 namespace {
 
+std::string Seconds(flight::UtcTime time) {
+  const auto seconds = std::chrono::floor<std::chrono::seconds>(time);
+  return fmt::format("{:%Y-%m-%dT%H:%M:%S}", fmt::gmtime(std::chrono::system_clock::to_time_t(seconds)));
+}
+
+std::string Written(flight::UtcTime time, bool is_local, std::optional<std::chrono::minutes> zone) {
+  if (is_local) return Seconds(time);
+  if (!zone) return Seconds(time) + "Z";
+  const long minutes = std::labs(zone->count());
+  return fmt::format("{}{}{:02}:{:02}", Seconds(time + *zone), zone->count() < 0 ? '-' : '+', minutes / 60,
+                     minutes % 60);
+}
+
+}  // namespace
+
+std::optional<CaptureSpan> CaptureSpanOf(const std::vector<const flight::Photo*>& photos) {
+  const flight::Photo* first = nullptr;
+  const flight::Photo* last = nullptr;
+  const flight::Photo* zoned = nullptr;  // the first that knows its zone: it is the flight's
+  for (const flight::Photo* photo : photos) {
+    if (!photo->captured_at) continue;
+    if (first != nullptr && photo->captured_at_is_local != first->captured_at_is_local) {
+      if (photo->captured_at_is_local) continue;
+      first = last = nullptr;
+    }
+    if (first == nullptr || *photo->captured_at < *first->captured_at) first = photo;
+    if (last == nullptr || *photo->captured_at > *last->captured_at) last = photo;
+    if (photo->clock_minus_utc && (zoned == nullptr || *photo->captured_at < *zoned->captured_at))
+      zoned = photo;
+  }
+  if (first == nullptr) return std::nullopt;
+  const bool is_local = first->captured_at_is_local;
+  const auto zone = zoned != nullptr ? zoned->clock_minus_utc : std::nullopt;
+  return CaptureSpan{Written(*first->captured_at, is_local, zone),
+                     Written(*last->captured_at, is_local, zone)};
+}
+
+namespace {
+
 using Json = nlohmann::ordered_json;
 
 double Rounded(double value, int digits) {
@@ -30,9 +70,8 @@ std::string Printed(const Json& json) { return JsonText(json, 2) + "\n"; }
 
 std::string IsoTime(const flight::UtcTime& time) {
   const auto milliseconds = std::chrono::floor<std::chrono::milliseconds>(time);
-  const auto seconds = std::chrono::floor<std::chrono::seconds>(milliseconds);
-  return fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}", fmt::gmtime(std::chrono::system_clock::to_time_t(seconds)),
-                     (milliseconds - seconds).count());
+  return fmt::format("{}.{:03}", Seconds(time),
+                     (milliseconds - std::chrono::floor<std::chrono::seconds>(time)).count());
 }
 
 Json FootprintRing(const alignment::AlignedPhoto& photo, const geo::LocalFrame& frame,

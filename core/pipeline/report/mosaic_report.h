@@ -9,13 +9,12 @@
 
 #include "core/alignment/scene/align_report.h"
 #include "core/alignment/scene/aligned_flight.h"
-#include "core/bands/bands_report.h"
+#include "core/bands/captures.h"
 #include "core/flight/photo.h"
 #include "core/flight/remarks/remark.h"
 #include "core/geo/lat_lon_bounds.h"
 #include "core/ground/ground_surface.h"
 #include "core/ground/model_ground_report.h"
-#include "core/pipeline/report/capture_span.h"
 #include "core/pipeline/report/ground_choice.h"
 #include "core/pipeline/report/map_quality.h"
 #include "core/poses/pose_report.h"
@@ -23,6 +22,16 @@
 #include "core/surface/surface_report.h"
 
 namespace skyquilt::pipeline {
+
+// When the photos of a flight were taken, from the first to the last, as the clock on the wall there showed
+// it: "2015-10-27T09:31:02-04:00". With "Z" where the zone is not known, without either where the clock was a
+// local one of an unknown zone.
+struct CaptureSpan {
+  std::string first, last;
+};
+
+// Photos without a time are passed over; where some have UTC and some do not, those that have it count.
+std::optional<CaptureSpan> CaptureSpanOf(const std::vector<const flight::Photo*>& photos);
 
 struct StageTiming {
   std::string stage;

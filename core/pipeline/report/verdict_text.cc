@@ -16,6 +16,8 @@
 namespace skyquilt::pipeline {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 std::string Counts(const std::map<std::string, int>& counts) {
   std::string text;
   for (const auto& [what, count] : counts)
@@ -38,8 +40,8 @@ std::string LogText(const flight::LogFacts& log) {
   return text;
 }
 
-nlohmann::ordered_json LogJson(const flight::LogFacts& log) {
-  nlohmann::ordered_json series = nlohmann::ordered_json::object();
+Json LogJson(const flight::LogFacts& log) {
+  Json series = Json::object();
   for (const auto& [name, facts] : log.series) {
     series[name] = {{"count", facts.count},
                     {"rate_hz", facts.rate_hz},
@@ -47,7 +49,7 @@ nlohmann::ordered_json LogJson(const flight::LogFacts& log) {
                     {"begin_s", facts.begin_s},
                     {"end_s", facts.end_s}};
   }
-  nlohmann::ordered_json json{{"name", log.file_name}, {"format", log.format}, {"series", series}};
+  Json json{{"name", log.file_name}, {"format", log.format}, {"series", series}};
   json["begins_at"] = log.begins_at;
   json["messages"] = log.message_counts;
   json["rows_by_name"] = log.events_by_name;
@@ -74,14 +76,14 @@ std::string_view FaultWord(flight::ListFault fault) {
   return "none";
 }
 
-nlohmann::ordered_json ListJson(const flight::ListUse& use) {
+Json ListJson(const flight::ListUse& use) {
   return {{"name", use.file_name},
           {"kind", use.kind == flight::ListKind::kControl ? "control" : "positions"},
           {"read_as", poses::ReadingInWords(use, use.reading)},
           {"as_written", use.is_as_written},
           {"rows", use.rows},
           {"rows_used", use.rows_used},
-          {"apart_m", use.apart_m ? nlohmann::ordered_json(*use.apart_m) : nlohmann::ordered_json()},
+          {"apart_m", use.apart_m ? Json(*use.apart_m) : Json()},
           {"fault", FaultWord(use.fault)},
           {"words", poses::UseInWords(use)}};
 }
@@ -109,11 +111,11 @@ std::string StatusText(const FlightVerdict& v) {
   return text + "\n";
 }
 
-nlohmann::ordered_json RecordsJson(const FlightVerdict& v) {
+Json RecordsJson(const FlightVerdict& v) {
   const std::optional<MapStatus> status = ForeseenStatus(v);
-  nlohmann::ordered_json json = ParseOrderedJson(QualityJson(v.by_records));
+  Json json = ParseOrderedJson(QualityJson(v.by_records));
   json.erase("relative");
-  json["status"] = status ? nlohmann::ordered_json(NameOf(*status)) : nlohmann::ordered_json();
+  json["status"] = status ? Json(NameOf(*status)) : Json();
   return json;
 }
 
@@ -168,46 +170,46 @@ std::string VerdictText(const FlightVerdict& v) {
 }
 
 std::string VerdictJson(const FlightVerdict& v) {
-  nlohmann::ordered_json left_out = nlohmann::ordered_json::array();
+  Json left_out = Json::array();
   for (const auto& photo : v.left_out) {
     left_out.push_back({{"name", photo.name},
                         {"code", ErrorCodeName(photo.code)},
                         {"reason", flight::InWords(photo.reason)},
-                        {"remark", flight::JsonOfRemark<nlohmann::ordered_json>(photo.reason)}});
+                        {"remark", flight::JsonOfRemark<Json>(photo.reason)}});
   }
-  nlohmann::ordered_json logs = nlohmann::ordered_json::array();
+  Json logs = Json::array();
   for (const flight::LogFacts& log : v.logs) logs.push_back(LogJson(log));
-  nlohmann::ordered_json lists = nlohmann::ordered_json::array();
+  Json lists = Json::array();
   for (const flight::ListUse& use : v.lists) lists.push_back(ListJson(use));
-  const nlohmann::ordered_json json{{"photos_readable", v.photos_readable},
-                                    {"photos_placeable", v.photos_placeable},
-                                    {"photos_by_images", v.photos_by_images},
-                                    {"cameras", v.cameras},
-                                    {"position_sources", v.position_sources},
-                                    {"attitude_sources", v.attitude_sources},
-                                    {"logs", logs},
-                                    {"lists", lists},
-                                    {"gcp_lists", v.gcp_lists},
-                                    {"elevation_models", v.elevation_models},
-                                    {"poses", JsonOf<nlohmann::ordered_json>(v.poses)},
-                                    {"first_capture", v.first_capture},
-                                    {"last_capture", v.last_capture},
-                                    {"height_rule", v.height_rule},
-                                    {"lowest_m", v.lowest_m},
-                                    {"highest_m", v.highest_m},
-                                    {"gsd_m", v.gsd_m},
-                                    {"area_m2", v.area_m2},
-                                    {"forward_overlap", v.forward_overlap},
-                                    {"mean_photos_per_point", v.mean_photos_per_point},
-                                    {"by_records", RecordsJson(v)},
-                                    {"max_zoom", v.max_zoom},
-                                    {"tile_size_px", v.tile_size_px},
-                                    {"output_megapixels", v.output_megapixels},
-                                    {"expected_seconds", v.expected_seconds},
-                                    {"expected_memory_mib", v.expected_memory_mib},
-                                    {"left_out", left_out},
-                                    {"warnings", flight::InWords(v.warnings)},
-                                    {"remarks", flight::JsonOfRemarks<nlohmann::ordered_json>(v.warnings)}};
+  const Json json{{"photos_readable", v.photos_readable},
+                  {"photos_placeable", v.photos_placeable},
+                  {"photos_by_images", v.photos_by_images},
+                  {"cameras", v.cameras},
+                  {"position_sources", v.position_sources},
+                  {"attitude_sources", v.attitude_sources},
+                  {"logs", logs},
+                  {"lists", lists},
+                  {"gcp_lists", v.gcp_lists},
+                  {"elevation_models", v.elevation_models},
+                  {"poses", JsonOf<Json>(v.poses)},
+                  {"first_capture", v.first_capture},
+                  {"last_capture", v.last_capture},
+                  {"height_rule", v.height_rule},
+                  {"lowest_m", v.lowest_m},
+                  {"highest_m", v.highest_m},
+                  {"gsd_m", v.gsd_m},
+                  {"area_m2", v.area_m2},
+                  {"forward_overlap", v.forward_overlap},
+                  {"mean_photos_per_point", v.mean_photos_per_point},
+                  {"by_records", RecordsJson(v)},
+                  {"max_zoom", v.max_zoom},
+                  {"tile_size_px", v.tile_size_px},
+                  {"output_megapixels", v.output_megapixels},
+                  {"expected_seconds", v.expected_seconds},
+                  {"expected_memory_mib", v.expected_memory_mib},
+                  {"left_out", left_out},
+                  {"warnings", flight::InWords(v.warnings)},
+                  {"remarks", flight::JsonOfRemarks<Json>(v.warnings)}};
   return JsonText(json, 2) + "\n";
 }
 

@@ -11,7 +11,7 @@
 #include "core/alignment/scene/aligned_flight.h"
 #include "core/ground/ground_surface.h"
 #include "core/image/decoded_image.h"
-#include "core/render/bands/pixel_field.h"
+#include "core/render/bands/band_cameras.h"
 
 namespace skyquilt::render {
 

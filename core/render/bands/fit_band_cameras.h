@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/camera/intrinsics.h"
+#include "core/render/bands/band_cameras.h"
 #include "core/render/bands/band_patches.h"
-#include "core/render/bands/pixel_field.h"
 
 namespace skyquilt::render {
 

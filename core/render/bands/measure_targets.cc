@@ -8,7 +8,7 @@
 #include <optional>
 #include <utility>
 
-#include "core/bands/panels/scale_band.h"
+#include "core/bands/captures.h"
 #include "core/base/median.h"
 #include "core/camera/rolling_shutter.h"
 #include "core/render/bands/band_cache.h"

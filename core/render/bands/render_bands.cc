@@ -12,7 +12,6 @@
 #include "core/base/try.h"
 #include "core/geo/web_mercator.h"
 #include "core/render/bands/band_cache.h"
-#include "core/render/blocks/block_boundary.h"
 #include "core/render/blocks/block_geometry.h"
 #include "core/render/blocks/render_block.h"
 #include "core/render/blocks/weigh_block.h"
@@ -20,7 +19,7 @@
 namespace skyquilt::render {
 namespace {
 
-// Where the blocks lie in the raster; the other side of the date line is next door.
+// Where the blocks lie in the world; the other side of the date line is next door.
 struct BlockPlace {
   std::int64_t column = 0;
   std::int64_t row = 0;
@@ -112,13 +111,15 @@ std::vector<float> BandOfBlock(const BandsContext& context, std::size_t band, co
   return sums;
 }
 
-bands::BandRaster RasterOf(const BandsContext& context, const std::vector<BlockPlace>& places) {
+// `places` become those in the raster.
+bands::BandRaster RasterOf(const BandsContext& context, std::vector<BlockPlace>& places) {
   bands::BandRaster raster;
   std::int64_t west = places.front().column, east = west, north = places.front().row, south = north;
   for (const BlockPlace& place : places) {
     west = std::min(west, place.column), east = std::max(east, place.column);
     north = std::min(north, place.row), south = std::max(south, place.row);
   }
+  for (BlockPlace& place : places) place.column -= west, place.row -= north;
   const MosaicPlan& plan = context.plan;
   const double block_m = geo::TileSizeInMercM(plan.base_zoom - plan.block_levels);
   raster.west_in_merc_m = static_cast<double>(west) * block_m - geo::kMercHalfWidthM;
@@ -145,14 +146,9 @@ std::int64_t BandBlockBytes(const MosaicPlan& plan, std::size_t bands) {
 Result<void> RenderBands(const BandsContext& context, const flight::PhotoSource& source,
                          const RenderBandsOptions& options, bands::BandSink& sink, Progress& progress) {
   const MosaicPlan& plan = context.plan;
-  const std::vector<BlockPlace> places = PlacesOf(plan);
+  std::vector<BlockPlace> places = PlacesOf(plan);
   const bands::BandRaster raster = RasterOf(context, places);
   SKYQUILT_TRY(sink.Begin(raster));
-  std::int64_t first_column = places.front().column, first_row = places.front().row;
-  for (const BlockPlace& place : places) {
-    first_column = std::min(first_column, place.column);
-    first_row = std::min(first_row, place.row);
-  }
   const std::size_t bands = context.captures.bands.size();
   std::vector<BandCache> caches(
       bands,
@@ -173,8 +169,8 @@ Result<void> RenderBands(const BandsContext& context, const flight::PhotoSource&
     ParallelFor(bands, options.threads, [&](std::size_t band) {
       values[band] = BandOfBlock(context, band, weighed, boundary, pixel_m, caches[band]);
     });
-    SKYQUILT_TRY(sink.Put(static_cast<int>((places[i].column - first_column) * raster.block_px),
-                          static_cast<int>((places[i].row - first_row) * raster.block_px), values));
+    SKYQUILT_TRY(sink.Put(static_cast<int>(places[i].column * raster.block_px),
+                          static_cast<int>(places[i].row * raster.block_px), values));
   }
   return {};
 }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/render/blocks/block_boundary.h"
+#include "core/render/blocks/block_geometry.h"
 #include "core/render/blocks/block_weights.h"
 
 namespace skyquilt::render {

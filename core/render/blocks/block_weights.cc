@@ -6,7 +6,7 @@
 #include <limits>
 #include <optional>
 
-#include "core/render/seams/view_score.h"
+#include "core/render/seams/low_res_view.h"
 
 namespace skyquilt::render {
 namespace {

@@ -15,6 +15,7 @@
 namespace skyquilt::render {
 namespace {
 
+constexpr std::size_t kMaxPairs = 60;
 constexpr int kPatch = 256;
 constexpr int kNode = 16;       // exact every so many samples, bilinear between
 constexpr int kSampleGsds = 2;  // pixels of the photo to a sample, at least
@@ -192,9 +193,8 @@ SeamPatches::SeamPatches(const alignment::AlignedFlight& flight, const ground::G
   for (const alignment::AlignedPhoto& photo : flight.photos)
     denominators_.push_back(DenominatorFor(photo, options.output_pixel_m));
   const std::vector<Seam> all = FindSeams(flight);
-  const auto most = static_cast<std::size_t>(options.max_pairs);
-  for (std::size_t k = 0; k < std::min(most, all.size()); ++k) {
-    const Seam& seam = all[all.size() <= most ? k : k * all.size() / most];
+  for (std::size_t k = 0; k < std::min(kMaxPairs, all.size()); ++k) {
+    const Seam& seam = all[all.size() <= kMaxPairs ? k : k * all.size() / kMaxPairs];
     const alignment::AlignedPhoto& a = flight.photos[seam.first];
     const alignment::AlignedPhoto& b = flight.photos[seam.second];
     const int scale_a = denominators_[seam.first], scale_b = denominators_[seam.second];

@@ -18,9 +18,8 @@ namespace skyquilt::render {
 
 struct MeasureSeamsOptions {
   int threads = 0;
-  int max_pairs = 60;
-  double output_pixel_m =
-      0.0;  // of the map: photos are asked of the cache at the scale that it was rendered from
+  // Of the map: photos are asked of the cache at the scale that it was rendered from.
+  double output_pixel_m = 0.0;
 };
 
 class SeamPatches {

@@ -120,7 +120,6 @@ Result<DecodedPhoto> PhotoCache::Get(std::size_t photo_index, const flight::Phot
     if (fits(more)) expected_box = takes_all ? all : expected_box.With(box);
   }
   entry.box = DecodedBox(wanted, more, whole);
-  ++decodes_;
   lock.unlock();
   Result<image::DecodedPart> decoded = [&] {
     const TraceSpan span("decode for the map", photo.name);
@@ -168,11 +167,6 @@ void PhotoCache::Drop(std::size_t photo_index) {
        entry != entries_.end() && entry->first.first == photo_index;) {
     Remove(entry++);
   }
-}
-
-std::int64_t PhotoCache::decodes() const {
-  std::lock_guard lock(mutex_);
-  return decodes_;
 }
 
 }  // namespace skyquilt::render

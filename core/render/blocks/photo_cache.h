@@ -43,7 +43,6 @@ class PhotoCache {
                            const image::PixelBox& box);
   // That a photo has been asked for for the last time, as far as anybody knows: its memory serves the next.
   void Drop(std::size_t photo_index);
-  std::int64_t decodes() const;
 
  private:
   class SpareMemory;
@@ -65,7 +64,7 @@ class PhotoCache {
                              const image::PixelBox& whole) const;
 
   const std::int64_t budget_bytes_;
-  mutable std::mutex mutex_;
+  std::mutex mutex_;
   std::condition_variable ready_;
   struct Expected {
     image::PixelBox box;  // in pixels of the full size
@@ -77,7 +76,6 @@ class PhotoCache {
   std::int64_t held_bytes_ = 0;
   const std::shared_ptr<SpareMemory> spare_;  // of photos no longer in use
   Observer observer_;
-  std::int64_t decodes_ = 0;
 };
 
 }  // namespace skyquilt::render

@@ -13,7 +13,7 @@
 #include "core/base/parallel_for.h"
 #include "core/image/png_encoder.h"
 #include "core/pyramid/build_overviews.h"
-#include "core/render/blocks/block_boundary.h"
+#include "core/render/blocks/block_geometry.h"
 #include "core/render/blocks/weigh_block.h"
 
 namespace skyquilt::render {

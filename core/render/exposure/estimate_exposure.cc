@@ -8,14 +8,14 @@
 
 #include "core/base/median.h"
 #include "core/render/exposure/exposure_samples.h"
-#include "core/render/exposure/find_hot_spot.h"
+#include "core/render/exposure/hot_spot.h"
 #include "core/render/exposure/light_equations.h"
-#include "core/render/exposure/settle_hot_spot.h"
 
 namespace skyquilt::render {
 namespace {
 
-constexpr double kMaxLogOfGain = 1.2;
+constexpr double kMaxLogGain = 1.2;
+constexpr std::size_t kFewSpots = 8;  // say nothing of an added photo's gain
 // Cameras of fewer photos have no terms of their own, and only the ones with the most photos have: a folder
 // of photos from everywhere must not make the equations large.
 constexpr std::size_t kMinPhotos = 2, kMaxCameras = 16;
@@ -24,6 +24,8 @@ constexpr double kSamplesWithin = 0.99;
 // Four times the light and a quarter of it: what photos show of it, their tone curve decides no longer.
 constexpr double kMaxLogExposure = 1.4;
 constexpr double kWidestLook = 1.7;  // 60 degrees
+// Fields are wider than this share of a flight's height.
+constexpr double kSpotReachOfHeight = 0.6;
 
 // Each photo's recorded exposure against the usual one of its camera, as a natural logarithm; 0: not
 // recorded.
@@ -74,9 +76,6 @@ LightTerms TermsOf(const alignment::AlignedFlight& flight, const std::vector<Exp
   return terms;
 }
 
-// Fields are wider than this share of a flight's height.
-constexpr double kSpotReachOfHeight = 0.6;
-
 SpotsOnGround SpotsOf(const alignment::AlignedFlight& flight, const Eigen::Vector2d& look) {
   SpotsOnGround spots;
   std::vector<double> heights_m;
@@ -118,7 +117,7 @@ ExposureModel EstimateExposure(const alignment::AlignedFlight& flight, const gro
     const double mean = log_gains.mean();
     for (std::size_t i = 0; i < flight.photos.size(); ++i) {
       model.photos[i].gain[channel] =
-          std::exp(std::clamp(log_gains[static_cast<Eigen::Index>(i)] - mean, -kMaxLogOfGain, kMaxLogOfGain));
+          std::exp(std::clamp(log_gains[static_cast<Eigen::Index>(i)] - mean, -kMaxLogGain, kMaxLogGain));
     }
     std::copy_n(solved.terms.data(), kDirectionTerms, model.light.of_directions[channel].begin());
     for (std::size_t camera = 0; camera < terms.cameras.size(); ++camera) {
@@ -130,6 +129,51 @@ ExposureModel EstimateExposure(const alignment::AlignedFlight& flight, const gro
   if (!is_spot_settled) model.light.directions.hot_spot.reset();
   for (std::size_t i = 0; i < flight.photos.size(); ++i)
     model.tones[i] = ToneOf(model.light, model.photos[i], flight.photos[i]);
+  return model;
+}
+
+namespace {
+
+// What the map shows of a sample under a tone, as a logarithm.
+double Shown(const ExposureSample& sample, const PhotoTone& tone, std::size_t channel) {
+  return static_cast<double>(sample.log_value[channel]) + std::log(tone.gain[channel]) +
+         std::log(tone.shade.At(static_cast<double>(sample.place[0]),
+                                static_cast<double>(sample.place[1]))[channel]);
+}
+
+}  // namespace
+
+ExposureModel ExtendExposure(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground,
+                             const std::vector<Thumbnail>& thumbnails, const KnownExposure& known) {
+  ExposureModel model{known.light, known.photos, {}};
+  for (std::size_t i = 0; i < known.photos.size(); ++i)
+    model.tones.push_back(ToneOf(known.light, known.photos[i], flight.photos[i]));
+  if (known.photos.size() == flight.photos.size()) return model;
+  const std::vector<ExposureSample> samples = SampleExposure(flight, ground, thumbnails);
+  for (std::size_t added = known.photos.size(); added < flight.photos.size(); ++added) {
+    PhotoLight own;
+    PhotoTone tone = ToneOf(known.light, own, flight.photos[added]);
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+      std::vector<double> brighter;  // the others' spots than this photo's
+      for (std::size_t begin = 0, end = 0; begin < samples.size(); begin = end) {
+        const ExposureSample* of_added = nullptr;
+        std::vector<double> shown;
+        for (end = begin; end < samples.size() && samples[end].spot == samples[begin].spot; ++end) {
+          if (samples[end].photo == added) of_added = &samples[end];
+          if (samples[end].photo < added) {
+            shown.push_back(Shown(samples[end], model.tones[samples[end].photo], channel));
+          }
+        }
+        if (of_added != nullptr && !shown.empty())
+          brighter.push_back(Median(shown) - Shown(*of_added, tone, channel));
+      }
+      if (brighter.size() < kFewSpots) continue;
+      tone.gain[channel] = std::exp(std::clamp(Median(std::move(brighter)), -kMaxLogGain, kMaxLogGain));
+    }
+    own.gain = tone.gain;
+    model.photos.push_back(own);
+    model.tones.push_back(tone);
+  }
   return model;
 }
 

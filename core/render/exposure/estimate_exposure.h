@@ -7,6 +7,7 @@
 // robust loss.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "core/alignment/scene/aligned_flight.h"
@@ -19,5 +20,16 @@ namespace skyquilt::render {
 // thumbnails[i] belongs to flight.photos[i].
 ExposureModel EstimateExposure(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground,
                                const std::vector<Thumbnail>& thumbnails);
+
+struct KnownExposure {
+  LightModel light;
+  std::vector<PhotoLight> photos;
+};
+
+// For photos that were added to a flight whose tones stay. `known`: the light, and that of the first photos
+// of the flight. Of the others the gain is that at which they agree with what the first show of the same
+// ground; 1 where they share none.
+ExposureModel ExtendExposure(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground,
+                             const std::vector<Thumbnail>& thumbnails, const KnownExposure& known);
 
 }  // namespace skyquilt::render

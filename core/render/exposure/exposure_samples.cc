@@ -8,7 +8,7 @@
 #include "core/base/median.h"
 #include "core/camera/footprint.h"
 #include "core/camera/rolling_shutter.h"
-#include "core/render/exposure/light_model.h"
+#include "core/render/exposure/exposure.h"
 
 namespace skyquilt::render {
 namespace {
@@ -110,14 +110,19 @@ std::vector<ExposureSample> SampleExposure(const alignment::AlignedFlight& fligh
   });
   std::vector<ExposureSample> shared;
   for (std::size_t begin = 0; begin < samples.size();) {
-    std::size_t end = begin;
-    while (end < samples.size() && samples[end].spot == samples[begin].spot) ++end;
+    const std::size_t end = EndOfSpot(samples, begin);
     if (end - begin >= 2)
       shared.insert(shared.end(), samples.begin() + static_cast<std::ptrdiff_t>(begin),
                     samples.begin() + static_cast<std::ptrdiff_t>(end));
     begin = end;
   }
   return shared;
+}
+
+std::size_t EndOfSpot(const std::vector<ExposureSample>& samples, std::size_t begin) {
+  std::size_t end = begin;
+  while (end < samples.size() && samples[end].spot == samples[begin].spot) ++end;
+  return end;
 }
 
 }  // namespace skyquilt::render

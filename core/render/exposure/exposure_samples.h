@@ -25,4 +25,7 @@ std::vector<ExposureSample> SampleExposure(const alignment::AlignedFlight& fligh
                                            const ground::GroundSurface& ground,
                                            const std::vector<Thumbnail>& thumbnails);
 
+// One past the samples of the spot that begins there.
+std::size_t EndOfSpot(const std::vector<ExposureSample>& samples, std::size_t begin);
+
 }  // namespace skyquilt::render

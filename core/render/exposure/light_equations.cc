@@ -236,12 +236,6 @@ double Explained(const ExposureSample& sample, const LightTerms& terms, const Ei
   return value;
 }
 
-std::size_t EndOfSpot(const std::vector<ExposureSample>& samples, std::size_t begin) {
-  std::size_t end = begin;
-  while (end < samples.size() && samples[end].spot == samples[begin].spot) ++end;
-  return end;
-}
-
 double SampleWeight(double misfit) {
   return 1.0 / (1.0 + (misfit / kRobustScale) * (misfit / kRobustScale));  // Cauchy
 }

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "core/render/exposure/exposure.h"
 #include "core/render/exposure/exposure_samples.h"
-#include "core/render/exposure/light_model.h"
 
 namespace skyquilt::render {
 
@@ -45,9 +45,6 @@ double SampleWeight(double misfit);
 // What gains and terms make of a sample's ground, as a logarithm.
 double Explained(const ExposureSample& sample, const LightTerms& terms, const Eigen::VectorXd& log_gains,
                  const Eigen::VectorXd& of_terms);
-
-// One past the samples of the spot that begins there.
-std::size_t EndOfSpot(const std::vector<ExposureSample>& samples, std::size_t begin);
 
 // What the solved terms leave of each sample, less the middle of its spot's; 0 where photos agree.
 std::vector<double> MisfitsOf(const std::vector<ExposureSample>& samples, std::size_t channel,

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/render/seams/low_res_view.h"
-#include "core/render/seams/seam_labels.h"
+#include "core/render/seams/seam_grid.h"
 
 namespace skyquilt::render {
 

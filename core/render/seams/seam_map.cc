@@ -1,6 +1,9 @@
 #include "core/render/seams/seam_map.h"
 
 #include <algorithm>
+#include <cmath>
+#include <map>
+#include <opencv2/imgproc.hpp>
 
 #include "core/base/median.h"
 #include "core/base/parallel_for.h"
@@ -11,6 +14,145 @@
 
 namespace skyquilt::render {
 namespace {
+
+// Half the width of the low band's transition, cells.
+constexpr int kReach = 12;
+// The difference of two photos is read off a patch of this many cells around.
+constexpr int kAgreementCells = 7;
+// What differs by more from what its surroundings do is another thing, not another light.
+constexpr float kMaxDifference = 28.0f;
+// Grass and water against the sun or with it differ by this much, all alike.
+constexpr float kMaxLight = 48.0f;
+constexpr int kLightSurroundings = 15;  // cells
+constexpr float kMaxLevels = 0.5f * kMaxLight;
+// With less than this share of a patch in agreement the correction fades out.
+constexpr float kMinShare = 0.08f;
+
+cv::Mat1f Spread(const cv::Mat1f& in, int reach) {
+  cv::Mat1f out;
+  const int side = reach | 1;
+  cv::blur(in, out, {side, side}, {-1, -1}, cv::BORDER_REPLICATE);
+  cv::blur(out, out, {side, side}, {-1, -1}, cv::BORDER_REPLICATE);
+  return out;
+}
+
+struct Neighbour {
+  cv::Mat1f share;  // of the wide transition
+};
+
+// By photo: where it shows the map, spread out; only what reaches into the cells that `photo` may show.
+std::map<std::int32_t, Neighbour> NeighboursOf(const LowResView& view, const SeamLabels& labels,
+                                               const cv::Mat1b& needed) {
+  std::map<std::int32_t, Neighbour> neighbours;
+  for (int y = 0; y < view.rows; ++y) {
+    for (int x = 0; x < view.columns; ++x) {
+      const std::int32_t label = labels.At(view.column + x, view.row + y);
+      if (label == kNoPhoto) continue;
+      cv::Mat1f& share = neighbours[label].share;
+      if (share.empty()) share = cv::Mat1f(view.rows, view.columns, 0.0f);
+      share(y, x) = 1.0f;
+    }
+  }
+  for (auto it = neighbours.begin(); it != neighbours.end();) {
+    it->second.share = Spread(it->second.share, kReach);
+    double most = 0.0;
+    cv::minMaxLoc(it->second.share, nullptr, &most, nullptr, nullptr, needed);
+    it = most > 1e-3 ? std::next(it) : neighbours.erase(it);
+  }
+  return neighbours;
+}
+
+// other - view where both see the same, smoothed; with how sure that is.
+void AddDifference(const LowResView& view, const LowResView& other, const cv::Mat1f& share, cv::Mat3f& sum) {
+  const auto most = [](const cv::Vec3f& step) {
+    return std::max({std::abs(step[0]), std::abs(step[1]), std::abs(step[2])});
+  };
+  cv::Mat1f agree(view.rows, view.columns, 0.0f);
+  cv::Mat3f difference(view.rows, view.columns, cv::Vec3f(0, 0, 0));
+  for (int y = 0; y < view.rows; ++y) {
+    for (int x = 0; x < view.columns; ++x) {
+      const auto i = static_cast<std::size_t>(y) * view.columns + x;
+      const int j = other.IndexOf(view.column + x, view.row + y);
+      if (j < 0 || view.seen[i] == Seen::kNot || other.seen[static_cast<std::size_t>(j)] == Seen::kNot)
+        continue;
+      const auto& a = view.rgb[i];
+      const auto& b = other.rgb[static_cast<std::size_t>(j)];
+      const cv::Vec3f step = cv::Vec3i(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
+      if (most(step) > kMaxLight) continue;
+      agree(y, x) = 1.0f;
+      difference(y, x) = step;
+    }
+  }
+  cv::Mat1f around_share;
+  cv::Mat3f around;
+  const cv::Size surroundings(kLightSurroundings, kLightSurroundings);
+  cv::blur(agree, around_share, surroundings, {-1, -1}, cv::BORDER_CONSTANT);
+  cv::blur(difference, around, surroundings, {-1, -1}, cv::BORDER_CONSTANT);
+  for (int y = 0; y < view.rows; ++y) {
+    for (int x = 0; x < view.columns; ++x) {
+      if (agree(y, x) == 0.0f) continue;
+      if (most(difference(y, x) - around(y, x) * (1.0f / around_share(y, x))) <= kMaxDifference) continue;
+      agree(y, x) = 0.0f;
+      difference(y, x) = cv::Vec3f(0, 0, 0);
+    }
+  }
+  cv::blur(agree, agree, {kAgreementCells, kAgreementCells}, {-1, -1}, cv::BORDER_CONSTANT);
+  cv::blur(difference, difference, {kAgreementCells, kAgreementCells}, {-1, -1}, cv::BORDER_CONSTANT);
+  for (int y = 0; y < view.rows; ++y) {
+    for (int x = 0; x < view.columns; ++x) {
+      if (share(y, x) > 0.0f) sum(y, x) += difference(y, x) * (share(y, x) / (agree(y, x) + kMinShare));
+    }
+  }
+}
+
+PhotoLevels LevelsOf(std::int32_t photo, const std::vector<LowResView>& views, const SeamLabels& labels,
+                     bool evens_light) {
+  const LowResView& view = views[static_cast<std::size_t>(photo)];
+  PhotoLevels levels{view, {}, {}};
+  for (const Seen seen : view.seen) levels.sees_whole.push_back(seen == Seen::kFully);
+  if (!evens_light) return levels;
+  cv::Mat1b needed(view.rows, view.columns, static_cast<uchar>(0));
+  bool any = false;
+  for (int y = 0; y < view.rows; ++y) {
+    for (int x = 0; x < view.columns; ++x) {
+      if (labels.At(view.column + x, view.row + y) == photo) needed(y, x) = 1, any = true;
+    }
+  }
+  if (!any) return levels;
+  cv::dilate(needed, needed, cv::Mat(), {-1, -1}, 3);  // as far as the narrow transition mixes photos
+  const auto neighbours = NeighboursOf(view, labels, needed);
+  if (neighbours.size() < 2) return levels;
+  cv::Mat3f sum(view.rows, view.columns, cv::Vec3f(0, 0, 0));
+  cv::Mat1f shares(view.rows, view.columns, 0.0f);
+  for (const auto& [other, neighbour] : neighbours) {
+    shares += neighbour.share;
+    if (other != photo) AddDifference(view, views[static_cast<std::size_t>(other)], neighbour.share, sum);
+  }
+  levels.eighths.assign(view.seen.size(), {});
+  for (int y = 0; y < view.rows; ++y) {
+    for (int x = 0; x < view.columns; ++x) {
+      if (needed(y, x) == 0 || shares(y, x) < 1e-3f) continue;
+      for (int c = 0; c < 3; ++c) {
+        const float level = std::clamp(sum(y, x)[c] / shares(y, x), -kMaxLevels, kMaxLevels);
+        levels.eighths[static_cast<std::size_t>(y) * view.columns + x][static_cast<std::size_t>(c)] =
+            static_cast<std::int16_t>(std::lround(8.0f * level));
+      }
+    }
+  }
+  return levels;
+}
+
+// Without evens_light the corrections stay empty. `wanted`, by photo: the others get none; of those that
+// share cells with the wanted ones the views must be there.
+std::vector<PhotoLevels> LevelSeams(const std::vector<LowResView>& views, const SeamLabels& labels,
+                                    bool evens_light, int threads, const std::vector<char>& wanted) {
+  std::vector<PhotoLevels> levels(views.size());
+  ParallelFor(views.size(), threads, [&](std::size_t i) {
+    if (!wanted[i]) return;
+    levels[i] = LevelsOf(static_cast<std::int32_t>(i), views, labels, evens_light);
+  });
+  return levels;
+}
 
 template <typename Read>
 double MedianOf(const alignment::AlignedFlight& flight, Read read) {
@@ -104,7 +246,7 @@ SeamMap BuildSeamMap(const alignment::AlignedFlight& flight, const ground::Groun
     ParallelFor(views.size(), options.threads, [&](std::size_t i) {
       if (beside[i]) look(i);
     });
-    map.levels = LevelSeams(views, map.labels, options.evens_light, options.threads, &wanted);
+    map.levels = LevelSeams(views, map.labels, options.evens_light, options.threads, wanted);
     return map;
   }
   ParallelFor(views.size(), options.threads, look);
@@ -116,7 +258,8 @@ SeamMap BuildSeamMap(const alignment::AlignedFlight& flight, const ground::Groun
       views, map.grid,
       {options.moves_seams, MedianOf(flight, [](const auto& p) { return p.height_above_ground_m; }),
        is_same_grid ? options.known : nullptr});
-  map.levels = LevelSeams(views, map.labels, options.evens_light, options.threads);
+  map.levels =
+      LevelSeams(views, map.labels, options.evens_light, options.threads, std::vector<char>(views.size(), 1));
   return map;
 }
 

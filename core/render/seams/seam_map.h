@@ -3,6 +3,8 @@
 // Immutable; any thread.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <vector>
 
 #include "core/alignment/scene/aligned_flight.h"
@@ -10,11 +12,32 @@
 #include "core/render/exposure/exposure.h"
 #include "core/render/mosaic_plan.h"
 #include "core/render/seams/seam_grid.h"
-#include "core/render/seams/seam_labels.h"
-#include "core/render/seams/seam_levels.h"
 #include "core/render/thumbnail.h"
 
 namespace skyquilt::render {
+
+// What is added to a photo near its seams so that brightness and colour pass smoothly from one photo to the
+// next, cell by cell of its view: the low band of a two-band blend, kept on the seam grid. At a seam both
+// sides come to the same mean; away from it the photo is left alone. Differences of content (a leaning roof,
+// a car) are not light and are left out. Source: the two-band split of Brown and Lowe, Automatic panoramic
+// image stitching (2007), with the low band as a correction field.
+struct PhotoLevels : CellWindow {
+  std::vector<bool> sees_whole;                      // the photo's edge is not near the cell
+  std::vector<std::array<std::int16_t, 3>> eighths;  // of a grey level; empty: no correction
+
+  bool SeesWhole(int grid_column, int grid_row) const {
+    const int cell = IndexOf(grid_column, grid_row);
+    return cell >= 0 && sees_whole[static_cast<std::size_t>(cell)];
+  }
+
+  // Grey levels to add; 0 outside.
+  std::array<float, 3> At(int grid_column, int grid_row) const {
+    const int cell = IndexOf(grid_column, grid_row);
+    if (cell < 0 || eighths.empty()) return {};
+    const auto& [red, green, blue] = eighths[static_cast<std::size_t>(cell)];
+    return {0.125f * red, 0.125f * green, 0.125f * blue};
+  }
+};
 
 struct SeamOptions {
   bool moves_seams = true;  // false: every cell takes the photo that stood most nearly above it

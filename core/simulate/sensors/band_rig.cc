@@ -6,7 +6,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/simulate/world/noise.h"
 #include "core/simulate/world/random.h"
 #include "core/simulate/world/render_photo.h"
 

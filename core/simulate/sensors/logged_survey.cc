@@ -121,36 +121,4 @@ Result<LoggedSurvey> FlySurvey(const SurveyOptions& options, const camera::Intri
   return LoggedSurvey{std::move(path), std::move(poses), std::move(log)};
 }
 
-camera::Intrinsics ReferenceCamera() { return camera::Intrinsics::Centered(4000, 3000, 3665.0); }
-
-SurveyOptions ReferenceSurvey(std::uint32_t seed) {
-  SurveyOptions options;
-  options.plan.photos = 95;
-  options.plan.photos_per_line = 19;
-  options.plan.height_m = 60.0;
-  options.plan.speed_mps = 8.0;
-  // 250 m in 18 steps over 49.1 m of footprint; lines 25 m apart over 65.5 m.
-  options.plan.front_overlap = 1.0 - 250.0 / 18.0 / (60.0 * 3000.0 / 3665.0);
-  options.plan.side_overlap = 1.0 - 25.0 / (60.0 * 4000.0 / 3665.0);
-  options.plan.heading_rad = geo::DegToRad(20.0);
-  options.plan.seed = seed;
-  return options;
-}
-
-SurveyOptions PaperHop(std::uint32_t seed) {
-  SurveyOptions options;
-  options.plan.photos = 10;
-  options.plan.photos_per_line = 5;
-  options.plan.height_m = 20.0;
-  options.plan.speed_mps = 4.0;
-  options.plan.front_overlap = 0.7;
-  options.plan.side_overlap = 0.6;
-  options.plan.seed = seed;
-  options.still_before_s = 5.0;
-  options.run_in_m = 4.0;
-  options.sensors.has_gnss = false;
-  options.sensors.has_range = true;
-  return options;
-}
-
 }  // namespace skyquilt::simulate

@@ -41,13 +41,4 @@ struct LoggedSurvey {
 Result<LoggedSurvey> FlySurvey(const SurveyOptions& options, const camera::Intrinsics& intrinsics,
                                const geo::LocalFrame& frame, flight::UtcTime utc_at_zero);
 
-// 60 m high, five lines of 250 m at 8 m/s, 95 photos, about 330 s: the flight on which the accuracy of pose
-// estimation is measured.
-SurveyOptions ReferenceSurvey(std::uint32_t seed);
-// 20 m high, one short hop of about 75 s with a marker at take-off and a range finder: the source paper's
-// case.
-SurveyOptions PaperHop(std::uint32_t seed);
-// The camera both are meant for: 4000 x 3000 pixels, 1.64 cm a pixel at 60 m.
-camera::Intrinsics ReferenceCamera();
-
 }  // namespace skyquilt::simulate

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "core/simulate/world/noise.h"
+#include "core/simulate/world/random.h"
 
 namespace skyquilt::simulate {
 namespace {

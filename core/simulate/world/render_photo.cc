@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <ratio>
 #include <vector>
 
 #include "core/base/check.h"
 #include "core/base/parallel_for.h"
-#include "core/camera/rolling_shutter.h"
-#include "core/simulate/world/noise.h"
+#include "core/simulate/world/random.h"
 
 namespace skyquilt::simulate {
 namespace {
@@ -61,47 +61,49 @@ class PhotoRenderer {
 
   // Rows [begin, end) into `rgb`, the whole image's pixels.
   void RenderRows(int begin, int end, std::uint8_t* rgb) const {
-    const int width = intrinsics_.width_px;
-    const std::vector<std::uint32_t> surfaces =
-        is_adaptive_ ? SurfacesOfRows(begin - 1, end + 1) : std::vector<std::uint32_t>{};
-    for (int y = begin; y < end; ++y) {
-      double hint_m = 0.0;
-      std::uint8_t* out = rgb + static_cast<std::size_t>(y) * static_cast<std::size_t>(width) * 3;
-      for (int x = 0; x < width; ++x) {
-        const bool is_edge = is_adaptive_ && IsEdge(surfaces, x, y - begin + 1);
-        const Eigen::Vector3f color = Sampled(x, y, is_edge ? fine_ : plain_, hint_m);
-        const double dx = x - intrinsics_.center_x_px;
-        const double dy = y - intrinsics_.center_y_px;
-        const double r2 = (dx * dx + dy * dy) / (half_diagonal_px_ * half_diagonal_px_);
-        const auto light =
-            static_cast<float>(options_.exposure_gain * (1.0 - options_.vignetting * r2) * HotSpot(x, y));
-        for (int c = 0; c < 3; ++c) {
-          float value = light * color[c];
-          if (options_.noise_counts > 0.0) {
-            value += static_cast<float>(options_.noise_counts) * SensorNoise(x, y, c, options_.noise_seed);
-          }
-          out[3 * x + c] = static_cast<std::uint8_t>(std::clamp(value + 0.5f, 0.0f, 255.0f));
+    SampleRows(begin, end, [&](int x, int y, const Eigen::Vector3f& color) {
+      const double dx = x - intrinsics_.center_x_px;
+      const double dy = y - intrinsics_.center_y_px;
+      const double r2 = (dx * dx + dy * dy) / (half_diagonal_px_ * half_diagonal_px_);
+      const auto light =
+          static_cast<float>(options_.exposure_gain * (1.0 - options_.vignetting * r2) * HotSpot(x, y));
+      std::uint8_t* out = rgb + 3 * PixelAt(x, y);
+      for (int c = 0; c < 3; ++c) {
+        float value = light * color[c];
+        if (options_.noise_counts > 0.0) {
+          value += static_cast<float>(options_.noise_counts) * SensorNoise(x, y, c, options_.noise_seed);
         }
+        out[c] = static_cast<std::uint8_t>(std::clamp(value + 0.5f, 0.0f, 255.0f));
       }
-    }
+    });
   }
 
   // The same of a band, into `light`.
   void RenderLightOfRows(int begin, int end, const Eigen::Vector4f& of_color, float* light) const {
-    const int width = intrinsics_.width_px;
+    SampleRows(begin, end, [&](int x, int y, const Eigen::Vector3f& color) {
+      light[PixelAt(x, y)] = of_color[0] + of_color.tail<3>().dot(color);
+    });
+  }
+
+ private:
+  std::ptrdiff_t PixelAt(int x, int y) const {
+    return static_cast<std::ptrdiff_t>(y) * intrinsics_.width_px + x;
+  }
+
+  // put(x, y, color) for each pixel of these rows.
+  template <typename Put>
+  void SampleRows(int begin, int end, const Put& put) const {
     const std::vector<std::uint32_t> surfaces =
         is_adaptive_ ? SurfacesOfRows(begin - 1, end + 1) : std::vector<std::uint32_t>{};
     for (int y = begin; y < end; ++y) {
       double hint_m = 0.0;
-      float* out = light + static_cast<std::ptrdiff_t>(y) * width;
-      for (int x = 0; x < width; ++x) {
+      for (int x = 0; x < intrinsics_.width_px; ++x) {
         const bool is_edge = is_adaptive_ && IsEdge(surfaces, x, y - begin + 1);
-        out[x] = of_color[0] + of_color.tail<3>().dot(Sampled(x, y, is_edge ? fine_ : plain_, hint_m));
+        put(x, y, Sampled(x, y, is_edge ? fine_ : plain_, hint_m));
       }
     }
   }
 
- private:
   // The form of Maignan, Breon and Lacaze (2004).
   double HotSpot(int x, int y) const {
     if (options_.hot_spot == 0.0) return 1.0;
@@ -214,7 +216,8 @@ image::FloatImage RenderLight(const World& world, const camera::Intrinsics& intr
                               const geo::Rigid3& cam_from_enu, const Eigen::Vector4f& of_color, int threads) {
   image::FloatImage light{intrinsics.width_px, intrinsics.height_px, {}};
   light.values.resize(static_cast<std::size_t>(light.width_px) * static_cast<std::size_t>(light.height_px));
-  const PhotoRenderer renderer(world, intrinsics, cam_from_enu, {});
+  const RenderPhotoOptions plain{};  // must outlive the renderer
+  const PhotoRenderer renderer(world, intrinsics, cam_from_enu, plain);
   RenderInBatches(light.height_px, threads, [&](int begin, int end) {
     renderer.RenderLightOfRows(begin, end, of_color, light.values.data());
   });
@@ -233,6 +236,26 @@ image::DecodedImage RenderPhoto(const World& world, const camera::Intrinsics& in
   RenderInBatches(image.height_px, options.threads,
                   [&](int begin, int end) { renderer.RenderRows(begin, end, image.rgb.data()); });
   return image;
+}
+
+Eigen::Vector3d SunDirection(const geo::LatLon& place, std::chrono::sys_time<std::chrono::microseconds> utc) {
+  constexpr std::chrono::sys_seconds kJ2000{std::chrono::seconds(946'728'000)};  // 2000-01-01 12:00
+  const double days = std::chrono::duration<double, std::ratio<86'400>>(utc - kJ2000).count();
+  const double mean_longitude_deg = 280.460 + 0.985'647'4 * days;
+  const double anomaly_rad = geo::DegToRad(357.528 + 0.985'600'3 * days);
+  const double ecliptic_longitude_rad =
+      geo::DegToRad(mean_longitude_deg + 1.915 * std::sin(anomaly_rad) + 0.020 * std::sin(2.0 * anomaly_rad));
+  const double obliquity_rad = geo::DegToRad(23.439 - 4e-7 * days);
+  const double right_ascension_rad = std::atan2(std::cos(obliquity_rad) * std::sin(ecliptic_longitude_rad),
+                                                std::cos(ecliptic_longitude_rad));
+  const double declination_rad = std::asin(std::sin(obliquity_rad) * std::sin(ecliptic_longitude_rad));
+  const double sidereal_deg = 15.0 * (18.697'374'558 + 24.065'709'824'419'08 * days) + place.lon_deg;
+  const double hour_angle_rad = geo::DegToRad(sidereal_deg) - right_ascension_rad;
+  const double lat_rad = geo::DegToRad(place.lat_deg);
+  const double sin_dec = std::sin(declination_rad), cos_dec = std::cos(declination_rad);
+  return {-cos_dec * std::sin(hour_angle_rad),
+          sin_dec * std::cos(lat_rad) - cos_dec * std::cos(hour_angle_rad) * std::sin(lat_rad),
+          sin_dec * std::sin(lat_rad) + cos_dec * std::cos(hour_angle_rad) * std::cos(lat_rad)};
 }
 
 }  // namespace skyquilt::simulate

@@ -4,10 +4,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <chrono>
 #include <cstdint>
 
 #include "core/camera/intrinsics.h"
 #include "core/camera/rolling_shutter.h"
+#include "core/geo/lat_lon.h"
 #include "core/geo/rigid3.h"
 #include "core/image/decoded_image.h"
 #include "core/simulate/world/world.h"
@@ -44,5 +46,10 @@ image::FloatImage RenderLight(const World& world, const camera::Intrinsics& intr
 
 // A sensor's noise at a pixel: about Gaussian with 1-sigma of 1, the same at every call.
 float SensorNoise(int x, int y, int channel, std::uint32_t seed);
+
+// Where the sun stands, as a unit vector in enu (east, north, up) at a place; below the horizon `up` is
+// negative. To 0.02 degrees between 1950 and 2050, refraction left out. Source: low-precision formulas of the
+// Astronomical Almanac, section C.
+Eigen::Vector3d SunDirection(const geo::LatLon& place, std::chrono::sys_time<std::chrono::microseconds> utc);
 
 }  // namespace skyquilt::simulate

@@ -5,9 +5,8 @@
 #include <limits>
 
 #include "core/geo/lat_lon.h"
-#include "core/simulate/world/ground_colors.h"
-#include "core/simulate/world/noise.h"
-#include "core/simulate/world/object_colors.h"
+#include "core/simulate/world/random.h"
+#include "core/simulate/world/surface_colors.h"
 
 namespace skyquilt::simulate {
 namespace {

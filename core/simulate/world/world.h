@@ -11,9 +11,9 @@
 #include <optional>
 #include <vector>
 
-#include "core/simulate/world/object_grid.h"
 #include "core/simulate/world/parcels.h"
 #include "core/simulate/world/place_objects.h"
+#include "core/simulate/world/standing_object.h"
 
 namespace skyquilt::simulate {
 

@@ -1,11 +1,10 @@
-#include "core/simulate/writers/truth_json.h"
-
 #include <nlohmann/json.hpp>
 
 #include "core/base/text/json_io.h"
 #include "core/camera/intrinsics.h"
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
+#include "core/simulate/simulate_flight.h"
 
 namespace skyquilt::simulate {
 namespace {

@@ -1,12 +1,10 @@
-#include "core/simulate/writers/write_csv.h"
-
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <array>
 #include <cmath>
 
-#include "core/simulate/sensors/log_records.h"
+#include "core/simulate/writers/write_logs.h"
 
 namespace skyquilt::simulate {
 namespace {

@@ -1,11 +1,9 @@
-#include "core/simulate/writers/write_dataflash.h"
-
 #include <cmath>
 #include <optional>
 #include <string>
 
 #include "core/base/check.h"
-#include "core/simulate/sensors/log_records.h"
+#include "core/simulate/writers/write_logs.h"
 
 namespace skyquilt::simulate {
 namespace {

@@ -1,11 +1,9 @@
-#include "core/simulate/writers/write_ulog.h"
-
 #include <cmath>
 #include <limits>
 #include <optional>
 #include <string>
 
-#include "core/simulate/sensors/log_records.h"
+#include "core/simulate/writers/write_logs.h"
 
 namespace skyquilt::simulate {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "api/control/control_list.h"
 #include "core/base/try.h"
-#include "core/pipeline/placing/control_json.h"
+#include "core/pipeline/placing/control_points.h"
 #include "tests/api/sample_service.h"
 
 namespace skyquilt::api {

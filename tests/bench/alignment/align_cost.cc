@@ -3,16 +3,15 @@
 // DIR is filled with a simulated flight first if it is not there: JPEGs of 4000 x 3000 pixels, drawn at half
 // that size (the finest that features are looked for in) and enlarged with noise in every pixel, so that
 // reading them costs what it costs with real ones. `write` as a fourth word ends there.
-#include <fmt/core.h>
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <cstdlib>
 #include <ctime>
 #include <filesystem>
+#include <fmt/core.h>
 #include <map>
 #include <mutex>
 #include <string>
+#include <sys/resource.h>
 
 #include "core/alignment/align_flight.h"
 #include "core/base/parallel_for.h"
@@ -22,7 +21,7 @@
 #include "core/ground/model_ground.h"
 #include "core/poses/estimate_poses.h"
 #include "core/simulate/simulate_flight.h"
-#include "core/simulate/world/noise.h"
+#include "core/simulate/world/random.h"
 #include "core/simulate/writers/write_photo.h"
 #include "tests/bench/alignment/cpu_seconds.h"
 

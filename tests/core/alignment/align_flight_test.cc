@@ -9,7 +9,7 @@
 #include "core/alignment/bundle/readout_motion.h"
 #include "core/flight/remarks/remark_words.h"
 #include "core/ground/model_ground.h"
-#include "core/simulate/sensors/shaking.h"
+#include "core/simulate/sensors/recorded_pose.h"
 #include "tests/core/alignment/simulated_case.h"
 #include "tests/support/rendered_once.h"
 

@@ -1,9 +1,9 @@
 // What photos of one band say of themselves: makers' spellings, damaged and missing tags.
+#include "core/bands/band_facts.h"
+
 #include <gtest/gtest.h>
 
-#include "core/bands/band_name.h"
-#include "core/bands/read_band_facts.h"
-#include "core/bands/sunshine.h"
+#include "core/bands/read_radiometry.h"
 #include "core/flight/photos/photo_decoder.h"
 #include "tests/core/bands/band_photos.h"
 

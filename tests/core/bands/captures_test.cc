@@ -1,45 +1,45 @@
 // Photos of single bands to captures, and what stays of a flight without any.
 #include "core/bands/captures.h"
 
-#include <gtest/gtest.h>
-
 #include <filesystem>
 #include <fstream>
+#include <gtest/gtest.h>
+#include <initializer_list>
 
 #include "core/flight/read_flight.h"
 #include "core/flight/remarks/remark_words.h"
 #include "tests/core/bands/band_photos.h"
 #include "tests/core/flight/flir_photo.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::bands {
 namespace {
 
 class CapturesTest : public testing::Test {
  protected:
-  void SetUp() override {
-    folder_ =
-        std::filesystem::temp_directory_path() /
-        ("skyquilt_captures_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
-    std::filesystem::remove_all(folder_);
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
-  void Add(const std::string& name, const std::string& band, const std::string& more = "",
-           const flight::ExifWriter& exif = UsualExif()) {
-    // Levels differ, so that no two files are the same.
-    const flight::Bytes bytes = BandPhotoBytes("Camera:BandName=\"" + band + "\" " + more, exif, level_++);
+  void Write(const std::string& name, const flight::Bytes& bytes) const {
     std::ofstream(folder_ / name, std::ios::binary)
         .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   }
+  void Add(const std::string& name, const std::string& band, const std::string& more = "",
+           const flight::ExifWriter& exif = UsualExif()) {
+    // Levels differ, so that no two files are the same.
+    Write(name, BandPhotoBytes("Camera:BandName=\"" + band + "\" " + more, exif, level_++));
+  }
+  void AddGreenAndNir(std::initializer_list<const char*> captures) {
+    for (const char* id : captures) {
+      for (const char* band : {"Green", "NIR"})
+        Add(fmt::format("{}_{}.TIF", id, band), band, fmt::format("Camera:CaptureUUID=\"{}\"", id));
+    }
+  }
   flight::Flight Read() {
     SilentProgress progress;
-    auto files = flight::ListInputFiles({folder_});
+    auto files = flight::ListInputFiles({folder_.path()});
     auto flight = flight::ReadFlight(*files, 2, progress);
     EXPECT_TRUE(flight.ok());
     return *std::move(flight);
   }
-  std::filesystem::path folder_;
+  const test::TemporaryFolder folder_;
   std::uint16_t level_ = 20'000;
 };
 
@@ -118,10 +118,7 @@ TEST_F(CapturesTest, PanelsAndWarmthAreLeftOut) {
 }
 
 TEST_F(CapturesTest, AListTellsWhichShowAPanelUnlessItNamesAll) {
-  for (const char* id : {"a", "b"}) {
-    for (const char* band : {"Green", "NIR"})
-      Add(std::string(id) + "_" + band + ".TIF", band, fmt::format("Camera:CaptureUUID=\"{}\"", id));
-  }
+  AddGreenAndNir({"a", "b"});
   std::ofstream(folder_ / "reflectance.csv") << "photo,reflectance\nB_nir.tif,0.5\n";
   flight::Flight flight = Read();
   const Captures apart = SetBandsApart(flight, 1);
@@ -178,14 +175,10 @@ TEST_F(CapturesTest, TemperaturesFollowTheirRig) {
 }
 
 TEST_F(CapturesTest, AThermalPictureWithoutTemperaturesStaysAPicture) {
-  const auto write = [&](const std::string& name, const flight::Bytes& bytes) {
-    std::ofstream(folder_ / name, std::ios::binary)
-        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  };
   flight::JpegParts parts;
   for (const char* name : {"a.JPG", "b.JPG"}) {
     parts.exif = UsualExif(name[0] == 'a' ? "2024:06:01 10:00:00" : "2024:06:01 10:00:02").Write();
-    write(name, flight::WithFlirRecord(flight::JpegHeader(parts), {'F', 'F', 'F', 0}));
+    Write(name, flight::WithFlirRecord(flight::JpegHeader(parts), {'F', 'F', 'F', 0}));
   }
   flight::Flight flight = Read();
   EXPECT_TRUE(SetBandsApart(flight, 1).empty());
@@ -196,7 +189,7 @@ TEST_F(CapturesTest, AThermalPictureWithoutTemperaturesStaysAPicture) {
   // Beside visible pictures it is none of the map's.
   for (const char* name : {"c.JPG", "d.JPG"}) {
     parts.exif = UsualExif(name[0] == 'c' ? "2024:06:01 10:00:00" : "2024:06:01 10:00:02").Write();
-    write(name, flight::JpegHeader(parts));
+    Write(name, flight::JpegHeader(parts));
   }
   flight = Read();
   EXPECT_TRUE(SetBandsApart(flight, 1).empty());
@@ -204,10 +197,7 @@ TEST_F(CapturesTest, AThermalPictureWithoutTemperaturesStaysAPicture) {
   EXPECT_EQ(flight.left_out.size(), 2U);
 
   // What the pictures of a rig say of their bands stays theirs.
-  for (const char* id : {"e", "f"}) {
-    for (const char* band : {"Green", "NIR"})
-      Add(std::string(id) + "_" + band + ".TIF", band, fmt::format("Camera:CaptureUUID=\"{}\"", id));
-  }
+  AddGreenAndNir({"e", "f"});
   flight = Read();
   const Captures apart = SetBandsApart(flight, 2);
   ASSERT_EQ(apart.captures.size(), 2U);
@@ -238,10 +228,7 @@ TEST_F(CapturesTest, ABandsValuesMeanTheSameInAllItsPhotos) {
 }
 
 TEST_F(CapturesTest, AFileThatIsGoneIsLeftOut) {
-  for (const char* id : {"a", "b"}) {
-    for (const char* band : {"Green", "NIR"})
-      Add(std::string(id) + "_" + band + ".TIF", band, fmt::format("Camera:CaptureUUID=\"{}\"", id));
-  }
+  AddGreenAndNir({"a", "b"});
   flight::Flight flight = Read();
   std::filesystem::remove(folder_ / "b_NIR.TIF");
   const Captures apart = SetBandsApart(flight, 2);

@@ -8,9 +8,8 @@
 #include <map>
 #include <string_view>
 
-#include "core/bands/panels/calibrate_by_panels.h"
-#include "core/bands/panels/find_panel.h"
-#include "core/bands/panels/panel_code.h"
+#include "core/bands/calibrate_by_panels.h"
+#include "core/bands/find_panel.h"
 #include "core/flight/remarks/remark_words.h"
 
 namespace skyquilt::bands {

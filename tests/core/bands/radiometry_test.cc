@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/bands/read_band_facts.h"
+#include "core/bands/band_facts.h"
 #include "tests/core/bands/band_photos.h"
 
 namespace skyquilt::bands {

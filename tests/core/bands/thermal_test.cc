@@ -6,17 +6,17 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdio>
 #include <fstream>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-#include "core/bands/read_band_facts.h"
+#include "core/bands/band_facts.h"
 #include "core/flight/photos/image_header.h"
 #include "core/flight/photos/photo_decoder.h"
 #include "core/flight/remarks/because.h"
 #include "tests/core/bands/band_photos.h"
 #include "tests/core/flight/flir_photo.h"
+#include "tests/support/output_of.h"
 #include "tests/support/temporary_folder.h"
 
 namespace skyquilt::bands {
@@ -208,18 +208,8 @@ TEST(FlirTemperatureTest, DamagedRecordsSaySo) {
           .ok());
 }
 
-std::string OutputOf(const std::string& command) {
-  std::string output;
-  FILE* pipe = popen(command.c_str(), "r");
-  if (pipe == nullptr) return output;
-  char part[4096];
-  for (std::size_t read = 0; (read = fread(part, 1, sizeof part, pipe)) > 0;) output.append(part, read);
-  pclose(pipe);
-  return output;
-}
-
 TEST(FlirTemperatureTest, ConstantsAndLevelsAreThoseThatExifToolReads) {
-  if (OutputOf("exiftool -ver 2>/dev/null").empty()) GTEST_SKIP() << "exiftool is not installed";
+  if (test::OutputOf("exiftool -ver 2>/dev/null").empty()) GTEST_SKIP() << "exiftool is not installed";
   const test::TemporaryFolder folder;
   const FlirPhoto photo = TruePhoto(FlirLevels::kPng);
   const Bytes jpeg = WithFlirRecord(Jpeg(), FlirRecordBytes(photo), 1500);
@@ -254,11 +244,11 @@ TEST(FlirTemperatureTest, ConstantsAndLevelsAreThoseThatExifToolReads) {
       {"RawThermalImageWidth", record->width_px},
       {"RawThermalImageHeight", record->height_px}};
   for (const auto& [tag, value] : expected) {
-    const std::string read = OutputOf("exiftool -n -s3 -" + tag + " '" + path + "'");
+    const std::string read = test::OutputOf("exiftool -n -s3 -" + tag + " '" + path + "'");
     ASSERT_FALSE(read.empty()) << tag;
     EXPECT_NEAR(std::stod(read), value, 1e-6 * std::max(1.0, std::abs(value))) << tag;
   }
-  const std::string png = OutputOf("exiftool -b -RawThermalImage '" + path + "'");
+  const std::string png = test::OutputOf("exiftool -b -RawThermalImage '" + path + "'");
   EXPECT_EQ(Bytes(png.begin(), png.end()), record->picture);
 }
 

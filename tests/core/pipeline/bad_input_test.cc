@@ -2,13 +2,15 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
-#include <iterator>
+#include <map>
+#include <string>
 
 #include "core/flight/photos/photo_decoder.h"
 #include "core/flight/read_flight.h"
 #include "core/flight/remarks/remark_words.h"
 #include "core/pipeline/build_mosaic.h"
 #include "core/simulate/simulate_flight.h"
+#include "tests/support/bytes_of.h"
 #include "tests/support/memory_sink.h"
 #include "tests/support/temporary_folder.h"
 
@@ -20,19 +22,24 @@ using std::filesystem::path;
 class BadInput : public testing::Test {
  protected:
   void SetUp() override {
-    simulate::SimulateOptions simulated;
-    simulated.trajectory.photos = 4;
-    simulated.intrinsics = camera::Intrinsics::Centered(400, 300, 320.0);
-    simulated.write_world = false;
     SilentProgress progress;
-    ASSERT_TRUE(simulate::SimulateFlight(simulated, folder_.path(), progress).ok());
+    ASSERT_TRUE(simulate::SimulateFlight(Simulated(4), folder_.path(), progress).ok());
     photos_ = folder_ / "photos";
   }
-
-  static std::string Read(const path& file) {
-    std::ifstream in(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
+  static simulate::SimulateOptions Simulated(int photos) {
+    simulate::SimulateOptions simulated;
+    simulated.trajectory.photos = photos;
+    simulated.intrinsics = camera::Intrinsics::Centered(400, 300, 320.0);
+    simulated.write_world = false;
+    return simulated;
   }
+  // The first photo of another flight.
+  void AddFrom(const simulate::SimulateOptions& other, const std::string& name) {
+    SilentProgress progress;
+    ASSERT_TRUE(simulate::SimulateFlight(other, folder_ / "other", progress).ok());
+    std::filesystem::rename(folder_ / "other/photos/SIM_0001.JPG", photos_ / name);
+  }
+
   void Write(const std::string& name, const std::string& bytes) {
     std::ofstream(photos_ / name, std::ios::binary) << bytes;
   }
@@ -60,24 +67,20 @@ class BadInput : public testing::Test {
   test::MemorySink map_;
 };
 
-TEST_F(BadInput, ATextFileNamedJpgIsLeftOut) {
-  Write("notes.jpg", "remember the batteries\n");
-  ExpectLeftOut("notes.jpg");
-}
-
-TEST_F(BadInput, AnEmptyFileIsLeftOut) {
-  Write("empty.jpg", "");
-  ExpectLeftOut("empty.jpg");
-}
-
-TEST_F(BadInput, ATruncatedJpegIsLeftOut) {
-  const std::string whole = Read(photos_ / "SIM_0001.JPG");
-  Write("cut.jpg", whole.substr(0, whole.size() * 2 / 3));
-  ExpectLeftOut("cut.jpg");
+TEST_F(BadInput, FilesThatAreNoWholeJpegAreLeftOut) {
+  const std::string whole = test::BytesOf(photos_ / "SIM_0001.JPG");
+  const std::map<std::string, std::string> files = {{"notes.jpg", "remember the batteries\n"},
+                                                    {"empty.jpg", ""},
+                                                    {"cut.jpg", whole.substr(0, whole.size() * 2 / 3)}};
+  for (const auto& [name, bytes] : files) {
+    Write(name, bytes);
+    ExpectLeftOut(name);
+    std::filesystem::remove(photos_ / name);
+  }
 }
 
 TEST_F(BadInput, AJpegDamagedInTheMiddleNeverFailsTheFlight) {
-  std::string bytes = Read(photos_ / "SIM_0001.JPG");
+  std::string bytes = test::BytesOf(photos_ / "SIM_0001.JPG");
   for (std::size_t i = bytes.size() / 2; i < bytes.size() / 2 + 4000 && i < bytes.size() - 2; ++i)
     bytes[i] = '\xff';
   Write("damaged.jpg", bytes);
@@ -87,15 +90,10 @@ TEST_F(BadInput, AJpegDamagedInTheMiddleNeverFailsTheFlight) {
 }
 
 TEST_F(BadInput, APhotoWithoutGpsIsLeftOut) {
-  simulate::SimulateOptions blind;
-  blind.trajectory.photos = 1;
+  simulate::SimulateOptions blind = Simulated(1);
   blind.seed = 99;
   blind.noise = simulate::NoiseClass::kNoGps;
-  blind.intrinsics = camera::Intrinsics::Centered(400, 300, 320.0);
-  blind.write_world = false;
-  SilentProgress progress;
-  ASSERT_TRUE(simulate::SimulateFlight(blind, folder_ / "blind", progress).ok());
-  std::filesystem::rename(folder_ / "blind/photos/SIM_0001.JPG", photos_ / "blind.JPG");
+  AddFrom(blind, "blind.JPG");
   ExpectLeftOut("blind.JPG");
 }
 
@@ -119,14 +117,9 @@ TEST_F(BadInput, NothingUsableIsAClearError) {
 }
 
 TEST_F(BadInput, PhotosOfTwoFarPlacesDoNotMakeAWorldWideMap) {
-  simulate::SimulateOptions elsewhere;
+  simulate::SimulateOptions elsewhere = Simulated(1);
   elsewhere.origin = {-33.0, 151.0};
-  elsewhere.trajectory.photos = 1;
-  elsewhere.intrinsics = camera::Intrinsics::Centered(400, 300, 320.0);
-  elsewhere.write_world = false;
-  SilentProgress progress;
-  ASSERT_TRUE(simulate::SimulateFlight(elsewhere, folder_ / "far", progress).ok());
-  std::filesystem::rename(folder_ / "far/photos/SIM_0001.JPG", photos_ / "far.JPG");
+  AddFrom(elsewhere, "far.JPG");
   ExpectLeftOut("far.JPG");
 }
 

@@ -1,8 +1,7 @@
 // Flights that no survey is like, through the whole pipeline: each ends with a map or with a refusal that
 // says of which photos and why, and never with the end of the program.
-#include <gtest/gtest.h>
-
 #include <cmath>
+#include <gtest/gtest.h>
 #include <limits>
 
 #include "core/camera/footprint.h"
@@ -129,6 +128,13 @@ class DegenerateFlights : public testing::Test {
       }
     }
   }
+  void ExpectMapOfSome() {
+    for (const AlignMethod method : {AlignMethod::kAuto, AlignMethod::kImu}) {
+      const auto built = Build(method);
+      ASSERT_TRUE(built.ok()) << built.error().message;
+      ExpectEveryPhotoAccountedFor(built->report, count_);
+    }
+  }
   void ExpectRefusal(const std::string& words) {
     for (const AlignMethod method : {AlignMethod::kAuto, AlignMethod::kImu}) {
       const auto built = Build(method);
@@ -243,22 +249,14 @@ TEST_F(DegenerateFlights, HeightsThatAreNoNumbers) {
   Add({.height_m = kInf});
   Add({.height_m = -kInf});
   Add({.height_m = 1e300});
-  for (const AlignMethod method : {AlignMethod::kAuto, AlignMethod::kImu}) {
-    const auto built = Build(method);
-    ASSERT_TRUE(built.ok()) << built.error().message;
-    ExpectEveryPhotoAccountedFor(built->report, count_);
-  }
+  ExpectMapOfSome();
 }
 
 TEST_F(DegenerateFlights, AnglesThatAreNoNumbers) {
   AddLine(3, 10.0);
   Add({.pitch_deg = kNan});
   Add({.pitch_deg = kInf, .yaw_deg = kNan});
-  for (const AlignMethod method : {AlignMethod::kAuto, AlignMethod::kImu}) {
-    const auto built = Build(method);
-    ASSERT_TRUE(built.ok()) << built.error().message;
-    ExpectEveryPhotoAccountedFor(built->report, count_);
-  }
+  ExpectMapOfSome();
 }
 
 // Surveyed heights against another zero: all lie 47 m below the ground, or a hand's breadth above it.

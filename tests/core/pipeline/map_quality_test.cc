@@ -92,12 +92,12 @@ TEST(MapQuality, OfAnImportedMapSaysThatItIsNotKnown) {
 TEST(MapQuality, IsReadAgainAndEveryWordHasAName) {
   MapQuality all = Placed();
   all.limits.clear();
-  for (const LimitKind kind : kAllLimitKinds) {
+  for (const auto& [kind, name] : kLimitKinds) {
     all.limits.push_back({kind, 1, 2});
     EXPECT_FALSE(LimitInWords(all.limits.back()).empty());
   }
-  for (const MapStatus status : kAllMapStatuses) {
-    for (const AbsoluteSupport by : kAllAbsoluteSupports) {
+  for (const auto& [status, word] : kMapStatuses) {
+    for (const auto& [by, of] : kAbsoluteSupports) {
       all.status = status;
       all.absolute.by = by;
       const auto read = ParseQuality(QualityJson(all));

@@ -1,29 +1,164 @@
+// Which photo shows what of a block: where it sees the block's nodes, what hides them from it, how much it
+// counts.
 #include "core/render/blocks/block_weights.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <gtest/gtest.h>
 #include <utility>
 #include <vector>
 
+#include "core/camera/rolling_shutter.h"
+#include "core/geo/web_mercator.h"
 #include "core/ground/ground_surface.h"
+#include "core/render/blocks/block_geometry.h"
 #include "core/render/blocks/weigh_block.h"
 #include "tests/support/simulated_map.h"
 
 namespace skyquilt::render {
 namespace {
 
+// Nodes over ground with steps, against each node projected for itself.
+constexpr int kBlockZoom = 20, kBlockPx = 256;  // 15 cm a pixel there
+
+class ViewBlockTest : public testing::Test {
+ protected:
+  ViewBlockTest() {
+    std::vector<float> heights(400 * 400, 0.0f);
+    for (std::size_t i = 0; i < heights.size(); ++i) {
+      if (i % 400 / 40 % 2 == 1) heights[i] = 6.0f;  // every second strip of 10 m is a roof
+    }
+    ground_ = ground::GroundSurface::WithSteps({-50.0, -50.0}, 0.25, 400, 400, std::move(heights), 0.0);
+    photo_.intrinsics.width_px = 1200;
+    photo_.intrinsics.height_px = 900;
+    photo_.intrinsics.focal_x_px = photo_.intrinsics.focal_y_px = 1000.0;
+    photo_.intrinsics.center_x_px = 599.5;
+    photo_.intrinsics.center_y_px = 449.5;
+    photo_.intrinsics.k1 = -0.05;
+    const Eigen::Quaterniond down(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()) *
+                                  Eigen::AngleAxisd(0.1, Eigen::Vector3d(1.0, 0.5, 0.3).normalized()));
+    photo_.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(down, {3.0, -4.0, 60.0});
+  }
+
+  // The furthest that a node of the photo's picture lies off, in pixels; all of them are seen.
+  double Furthest() const {
+    const geo::TileId tile = geo::TileId::AtMerc(kBlockZoom, geo::MercFromLatLon({46.8, 7.1}));
+    const BlockGeometry block = MakeBlockGeometry(tile, kBlockPx, frame_, ground_);
+    EXPECT_EQ(block.node_step_px, kNodeStepOverStepsPx);
+    const PhotoView view = ViewBlock(photo_, block);
+    double furthest = 0.0;
+    int inside = 0;
+    for (std::size_t i = 0; i < block.ground_in_enu.size(); ++i) {
+      const auto pixel = camera::ProjectRolling(photo_.intrinsics, photo_.cam_from_enu, photo_.readout_motion,
+                                                block.ground_in_enu[i]);
+      if (!pixel || (pixel->array() < 0.0).any() || pixel->x() > 1199.0 || pixel->y() > 899.0) continue;
+      ++inside;
+      const double off_px = (view.pixel_in_image[i].cast<double>() - *pixel).norm();
+      EXPECT_FALSE(std::isnan(off_px));
+      furthest = std::max(furthest, off_px);
+    }
+    EXPECT_GT(inside, 5000);
+    return furthest;
+  }
+
+  const geo::LocalFrame frame_{geo::Wgs84{46.8, 7.1, 500.0}};
+  ground::GroundSurface ground_ = ground::GroundSurface::Plane(0.0);
+  alignment::AlignedPhoto photo_;
+};
+
+TEST_F(ViewBlockTest, IsExactWhereTheCameraStandsStill) { EXPECT_LT(Furthest(), 1e-3); }
+
+TEST_F(ViewBlockTest, FollowsTheRowsOfACameraThatFliesOn) {
+  photo_.readout_motion.shift_in_enu_m = {0.3, 0.2, 0.0};  // 10 m/s and 36 ms
+  EXPECT_LT(Furthest(), 0.05);
+}
+
+TEST_F(ViewBlockTest, FollowsTheRowsOfACameraThatTurns) {
+  photo_.readout_motion.shift_in_enu_m = {0.3, 0.2, 0.0};
+  for (int i = 0; i < 8; ++i)
+    photo_.readout_motion.turns_rad.emplace_back(0.002 * (i - 3.5), -0.003 * (i - 3.5), 0.001 * std::sin(i));
+  EXPECT_LT(Furthest(), 0.05);
+}
+
+// Ground behind a wall is shown by the photos that see it, and by whoever looks there where none does.
+constexpr int kHouseCells = 200;
+constexpr double kHouseCellM = 0.1;
+
+// A flat roof 4 m high from 8 to 12 m east.
+ground::GroundSurface LongHouse() {
+  std::vector<float> heights(static_cast<std::size_t>(kHouseCells) * kHouseCells, 0.0f);
+  for (std::size_t i = 0; i < heights.size(); ++i) {
+    const std::size_t column = i % kHouseCells;
+    if (column >= 80 && column < 120) heights[i] = 4.0f;
+  }
+  return ground::GroundSurface::WithSteps({0.0, 0.0}, kHouseCellM, kHouseCells, kHouseCells,
+                                          std::move(heights), 0.0);
+}
+
+alignment::AlignedPhoto Above(double east, double north) {
+  alignment::AlignedPhoto photo;
+  photo.intrinsics.width_px = photo.intrinsics.height_px = 100;
+  photo.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(
+      Eigen::Quaterniond(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX())), {east, north, 40.0});
+  return photo;
+}
+
+PhotoView SeeingAll(std::size_t nodes) {
+  PhotoView view;
+  view.pixel_in_image.assign(nodes, {50.0f, 50.0f});
+  view.nadir_distance_m.assign(nodes, 1.0f);
+  view.sees_block = true;
+  return view;
+}
+
+class HideGroundTest : public testing::Test {
+ protected:
+  HideGroundTest() {
+    block_.ground_in_enu = {
+        {12.5, 10.0, 0.0}, {7.5, 10.0, 0.0}, {10.0, 10.0, 4.0}};  // east, west, on the roof
+    flight_.photos = {Above(2.0, 10.0), Above(18.0, 10.0), Above(1.0, 10.0)};
+  }
+  std::vector<PhotoView> ViewsOf(const std::vector<std::uint32_t>& photos,
+                                 std::size_t beyond_edge = 99) const {
+    std::vector<PhotoView> views(photos.size(), SeeingAll(block_.ground_in_enu.size()));
+    if (beyond_edge < views.size()) views[beyond_edge].pixel_in_image[0] = {-20.0f, 50.0f};
+    HideGround(flight_, LongHouse(), photos, block_, std::vector<std::uint8_t>(3, 1), views);
+    return views;
+  }
+  alignment::AlignedFlight flight_;
+  BlockGeometry block_;
+};
+
+TEST_F(HideGroundTest, EachSideIsOccludedFromTheOther) {
+  const auto views = ViewsOf({0, 1});
+  EXPECT_EQ(views[0].is_hidden, (std::vector<bool>{true, false, false}));
+  EXPECT_EQ(views[1].is_hidden, (std::vector<bool>{false, true, false}));
+}
+
+TEST_F(HideGroundTest, WhatNoPhotoSeesIsOccludedFromNone) {
+  for (const PhotoView& view : ViewsOf({0, 2})) EXPECT_TRUE(view.is_hidden.empty());
+  // Nor where the one that would see it ends before.
+  EXPECT_TRUE(ViewsOf({0, 1}, 1)[0].is_hidden.empty());
+}
+
+TEST_F(HideGroundTest, WhatIsNotAskedIsNotLookedAt) {
+  std::vector<PhotoView> views(2, SeeingAll(block_.ground_in_enu.size()));
+  HideGround(flight_, LongHouse(), {0, 1}, block_, {0, 1, 1}, views);
+  EXPECT_TRUE(views[0].is_hidden.empty());
+  EXPECT_TRUE(views[1].is_hidden[1]);
+}
+
+TEST_F(HideGroundTest, SmoothGroundHidesNothing) {
+  std::vector<PhotoView> views(1, SeeingAll(block_.ground_in_enu.size()));
+  HideGround(flight_, ground::GroundSurface::Plane(0.0), {0}, block_, {}, views);
+  EXPECT_TRUE(views[0].is_hidden.empty());
+}
+
 class WeighPhotosTest : public testing::Test {
  protected:
-  static simulate::SimulateOptions Options() {
-    simulate::SimulateOptions options;
-    options.intrinsics = camera::Intrinsics::Centered(480, 360, 360.0);
-    options.trajectory.photos = 12;
-    return options;
-  }
   static void SetUpTestSuite() {
-    map_ = new test::SimulatedMap(test::MakeSimulatedMap(Options()));
+    map_ = new test::SimulatedMap(test::MakeSimulatedMap(test::SmallPhotos(12)));
     seams_ = new SeamMap(map_->Seams({}));
   }
   static void TearDownTestSuite() {
@@ -112,7 +247,7 @@ std::vector<std::uint8_t> SeenBy(const alignment::AlignedPhoto& photo, const Blo
 }
 
 TEST_F(WeighPhotosTest, AmongHousesAPhotoThatSeesAPlaceShowsIt) {
-  test::SimulatedMap housed = test::MakeSimulatedMap(Options());
+  test::SimulatedMap housed = test::MakeSimulatedMap(test::SmallPhotos(12));
   housed.ground = Houses(housed.ground.MeanHeight());
   const SeamMap seams = housed.Seams({});
   std::size_t seen_by_some = 0, told_apart = 0, shown_by_others = 0;

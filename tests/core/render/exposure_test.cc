@@ -4,20 +4,12 @@
 #include <numbers>
 
 #include "core/render/exposure/estimate_exposure.h"
-#include "core/render/exposure/extend_exposure.h"
 #include "core/render/exposure/light_equations.h"
-#include "core/simulate/world/sun_direction.h"
+#include "core/simulate/world/render_photo.h"
 #include "tests/support/simulated_map.h"
 
 namespace skyquilt::render {
 namespace {
-
-simulate::SimulateOptions SmallPhotos() {
-  simulate::SimulateOptions options;
-  options.intrinsics = camera::Intrinsics::Centered(480, 360, 360.0);
-  options.trajectory.photos = 24;
-  return options;
-}
 
 // By how much the same ground differs between two photos that see it, as a logarithm: the root mean square
 // over all spots and channels, by what the photos themselves hold and as the tones even them.
@@ -48,7 +40,7 @@ Disagreement DisagreementOf(const test::SimulatedMap& map, const ExposureModel& 
 }
 
 TEST(Exposure, EvensLensGainsAndSun) {
-  simulate::SimulateOptions options = SmallPhotos();
+  simulate::SimulateOptions options = test::SmallPhotos(24);
   options.vignetting = 0.25;
   options.exposure_jitter = 0.05;
   options.hot_spot = 0.3;
@@ -59,7 +51,7 @@ TEST(Exposure, EvensLensGainsAndSun) {
 }
 
 TEST(Exposure, FindsTheHotSpotOppositeTheSun) {
-  simulate::SimulateOptions options = SmallPhotos();
+  simulate::SimulateOptions options = test::SmallPhotos(24);
   options.hot_spot = 0.4;
   const test::SimulatedMap map = test::MakeSimulatedMap(options);
   const Eigen::Vector3d sun = simulate::SunDirection(options.origin, options.start);
@@ -70,14 +62,14 @@ TEST(Exposure, FindsTheHotSpotOppositeTheSun) {
 }
 
 TEST(Exposure, FindsNoHotSpotWhereThereIsNone) {
-  simulate::SimulateOptions options = SmallPhotos();
+  simulate::SimulateOptions options = test::SmallPhotos(24);
   options.vignetting = 0.2;
   options.exposure_jitter = 0.05;
   EXPECT_FALSE(test::MakeSimulatedMap(options).exposure.light.directions.hot_spot.has_value());
 }
 
 TEST(Exposure, LeavesPhotosThatAgreeAsTheyAre) {
-  simulate::SimulateOptions options = SmallPhotos();
+  simulate::SimulateOptions options = test::SmallPhotos(24);
   options.world.gradient_per_km = 1.0;  // of the field itself
   const test::SimulatedMap map = test::MakeSimulatedMap(options);
   for (const PhotoTone& tone : map.exposure.tones) {
@@ -92,7 +84,7 @@ TEST(Exposure, LeavesPhotosThatAgreeAsTheyAre) {
 
 // A drift of exposures across the flight is what no overlap shows.
 TEST(Exposure, KnowsADriftByRecordedExposuresThatPhotosShow) {
-  simulate::SimulateOptions options = SmallPhotos();
+  simulate::SimulateOptions options = test::SmallPhotos(24);
   options.exposure_jitter = 0.08;
   options.is_exposure_recorded = true;
   test::SimulatedMap map = test::MakeSimulatedMap(options);
@@ -116,7 +108,7 @@ TEST(Exposure, KnowsADriftByRecordedExposuresThatPhotosShow) {
 
 // The light changed and the camera followed it: photos show nothing of what it records.
 TEST(Exposure, DoesNotBelieveRecordedExposuresThatPhotosDoNotShow) {
-  test::SimulatedMap map = test::MakeSimulatedMap(SmallPhotos());
+  test::SimulatedMap map = test::MakeSimulatedMap(test::SmallPhotos(24));
   for (std::size_t i = 0; i < map.flight.photos.size(); ++i)
     map.flight.photos[i].photo.exposure_log2 = 0.7 * std::sin(1.7 * static_cast<double>(i));
   map.flight.photos[3].photo.exposure_log2 = 40.0;
@@ -126,7 +118,7 @@ TEST(Exposure, DoesNotBelieveRecordedExposuresThatPhotosDoNotShow) {
 }
 
 TEST(Exposure, AddedPhotosGetTheLightOfTheOthers) {
-  simulate::SimulateOptions options = SmallPhotos();
+  simulate::SimulateOptions options = test::SmallPhotos(24);
   options.vignetting = 0.25;
   options.hot_spot = 0.3;
   const test::SimulatedMap map = test::MakeSimulatedMap(options);
@@ -142,7 +134,7 @@ TEST(Exposure, AddedPhotosGetTheLightOfTheOthers) {
 }
 
 TEST(Exposure, KnowsNothingOfPhotosThatShareNoGround) {
-  test::SimulatedMap map = test::MakeSimulatedMap(SmallPhotos());
+  test::SimulatedMap map = test::MakeSimulatedMap(test::SmallPhotos(24));
   for (std::size_t i = 0; i < map.flight.photos.size(); ++i)
     map.flight.photos[i].cam_from_enu.translation.x() += 1000.0 * static_cast<double>(i);
   const ExposureModel exposure = EstimateExposure(map.flight, map.ground, map.thumbnails);

@@ -1,3 +1,5 @@
+#include "core/render/exposure/hot_spot.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,9 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/render/exposure/find_hot_spot.h"
-#include "core/render/exposure/settle_hot_spot.h"
-#include "core/simulate/world/sun_direction.h"
+#include "core/simulate/world/render_photo.h"
 #include "tests/support/simulated_map.h"
 
 namespace skyquilt::render {
@@ -265,9 +265,7 @@ TEST(HotSpot, LeavesAMapAsLightAtItsPlaceAsAroundIt) {
   for (const auto& [strength, width_rad] :
        {std::pair{0.0, 0.1}, {0.1, 0.05}, {0.2, 0.1}, {0.3, 0.2}, {0.3, 0.05}}) {
     SCOPED_TRACE(testing::Message() << "strength " << strength << ", width " << width_rad);
-    simulate::SimulateOptions options;
-    options.intrinsics = camera::Intrinsics::Centered(480, 360, 360.0);
-    options.trajectory.photos = 24;
+    simulate::SimulateOptions options = test::SmallPhotos(24);
     options.origin = {40.0, 30.0};  // noon: the point lies well inside the photos
     options.vignetting = 0.2;
     options.exposure_jitter = 0.05;

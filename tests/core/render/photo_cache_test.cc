@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/base/progress.h"
-#include "core/render/blocks/photo_regions.h"
+#include "core/render/blocks/weigh_block.h"
 #include "core/render/render_tiles.h"
 #include "tests/support/memory_sink.h"
 #include "tests/support/simulated_map.h"
@@ -114,7 +114,7 @@ TEST_F(PhotoCacheTest, DecodesWhatIsExpectedOnceAndMoreOnlyWhenAsked) {
   // Twice too little was expected.
   ExpectHolds(**cache_.Get(0, photo_, 1, {150, 90, 160, 95}), {0, 0, 201, 101});
   ExpectHolds(**cache_.Get(0, photo_, 1, {150, 90, 201, 101}), {0, 0, 201, 101});
-  EXPECT_EQ(cache_.decodes(), 3);
+  EXPECT_EQ(parts_.decodes, 3);
 }
 
 TEST_F(PhotoCacheTest, CountsInPixelsOfTheFullSize) {
@@ -151,10 +151,8 @@ TEST_F(PhotoCacheTest, ForgetsWhatIsDroppedAndRemembersWhatIsDamaged) {
 }
 
 TEST(PhotoRegions, MakeTheMapOfTheWholePhotosFromLess) {
-  simulate::SimulateOptions options;
-  options.intrinsics = camera::Intrinsics::Centered(480, 360, 360.0);
+  simulate::SimulateOptions options = test::SmallPhotos(9);
   options.intrinsics.k1 = -0.1;
-  options.trajectory.photos = 9;
   options.trajectory.yaw_rule = simulate::YawRule::kAnywhere;
   const test::SimulatedMap map = test::MakeSimulatedMap(options);
   const SeamMap seams = map.Seams({});

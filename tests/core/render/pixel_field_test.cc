@@ -1,5 +1,3 @@
-#include "core/render/bands/pixel_field.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,6 +5,8 @@
 #include <limits>
 #include <random>
 #include <vector>
+
+#include "core/render/bands/band_cameras.h"
 
 namespace skyquilt::render {
 namespace {

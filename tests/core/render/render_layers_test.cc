@@ -18,10 +18,7 @@ struct Layers {
 };
 
 test::SimulatedMap HillyMap() {
-  simulate::SimulateOptions options;
-  options.intrinsics = camera::Intrinsics::Centered(480, 360, 360.0);
-  options.trajectory.photos = 9;
-  test::SimulatedMap map = test::MakeSimulatedMap(options);
+  test::SimulatedMap map = test::MakeSimulatedMap(test::SmallPhotos(9));
   for (std::size_t i = 0; i < map.flight.photos.size(); ++i) {
     map.flight.photos[i].error_radius_m = i % 2 == 0 ? 0.01 : 10.0;
   }

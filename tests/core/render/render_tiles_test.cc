@@ -1,9 +1,8 @@
 #include "core/render/render_tiles.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <cmath>
+#include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -17,10 +16,8 @@ namespace skyquilt::render {
 namespace {
 
 test::SimulatedMap SmallMap(const PlanOptions& plan = {}) {
-  simulate::SimulateOptions options;
-  options.intrinsics = camera::Intrinsics::Centered(480, 360, 360.0);
+  simulate::SimulateOptions options = test::SmallPhotos(9);
   options.intrinsics.k1 = -0.1;
-  options.trajectory.photos = 9;
   options.trajectory.yaw_rule = simulate::YawRule::kAnywhere;
   options.vignetting = 0.2;
   options.exposure_jitter = 0.08;

@@ -2,16 +2,58 @@
 
 #include <gtest/gtest.h>
 
+#include <vector>
+
 #include "core/geo/web_mercator.h"
+#include "core/render/blocks/measure_seams.h"
+#include "core/render/seams/label_seams.h"
 #include "tests/support/simulated_map.h"
 
 namespace skyquilt::render {
 namespace {
 
+// A view of `side` x `side` cells from the grid's corner that sees them all, in one grey.
+LowResView PlainView(int side, std::uint8_t grey, float score_m) {
+  LowResView view;
+  view.columns = view.rows = side;
+  const auto cells = static_cast<std::size_t>(side) * static_cast<std::size_t>(side);
+  view.seen.assign(cells, Seen::kFully);
+  view.rgb.assign(cells, {grey, grey, grey});
+  view.score_m.assign(cells, score_m);
+  return view;
+}
+
+SeamGrid GridOf(int side) {
+  SeamGrid grid;
+  grid.columns = grid.rows = side;
+  return grid;
+}
+
+TEST(LabelSeams, CutsWhereNoCandidateHasANeighbour) {
+  // The second photo may take one cell alone: nothing to weigh against its neighbours, which stay.
+  std::vector<LowResView> views{PlainView(5, 100, 1.0f), PlainView(5, 100, 2.0f)};
+  views[1].seen.assign(25, Seen::kNot);
+  views[1].seen[12] = Seen::kFully;
+  const SeamLabels labels = LabelSeams(views, GridOf(5), {true, 50.0, nullptr});
+  for (int row = 0; row < 5; ++row) {
+    for (int column = 0; column < 5; ++column) EXPECT_EQ(labels.At(column, row), 0);
+  }
+}
+
+TEST(LabelSeams, TakesFlightsWithNothingToDecide) {
+  EXPECT_EQ(LabelSeams({}, GridOf(3), {true, 50.0, nullptr}).At(1, 1), kNoPhoto);
+  EXPECT_EQ(LabelSeams({LowResView{}}, GridOf(3), {true, 50.0, nullptr}).At(1, 1), kNoPhoto);
+  EXPECT_EQ(LabelSeams({PlainView(1, 0, 0.0f)}, GridOf(1), {true, 50.0, nullptr}).At(0, 0), 0);
+  // Two photos alike in everything: the first shows all.
+  const std::vector<LowResView> same{PlainView(4, 80, 1.0f), PlainView(4, 80, 1.0f)};
+  const SeamLabels labels = LabelSeams(same, GridOf(4), {true, 0.0, nullptr});
+  for (int row = 0; row < 4; ++row) {
+    for (int column = 0; column < 4; ++column) EXPECT_EQ(labels.At(column, row), 0);
+  }
+}
+
 simulate::SimulateOptions SmallFlight() {
-  simulate::SimulateOptions options;
-  options.intrinsics = camera::Intrinsics::Centered(480, 360, 360.0);
-  options.trajectory.photos = 12;
+  simulate::SimulateOptions options = test::SmallPhotos(12);
   options.vignetting = 0.2;
   options.exposure_jitter = 0.08;
   return options;
@@ -135,6 +177,52 @@ TEST(SeamMap, CorrectionsOfNeighboursMeetAtTheSeam) {
   // Most of the light was evened out by the gains: what is left is small, and it is there.
   EXPECT_GT(corrections, 0.2);
   EXPECT_LT(corrections, 12.0);
+}
+
+test::SimulatedMap SharpMap() {
+  simulate::SimulateOptions options;
+  options.intrinsics = camera::Intrinsics::Centered(1600, 1200, 1200.0);
+  options.trajectory.photos = 4;
+  options.trajectory.photos_per_line = 2;
+  return test::MakeSimulatedMap(options);
+}
+
+SeamShift Measure(const test::SimulatedMap& map, int threads = 2) {
+  SilentProgress progress;
+  MeasureSeamsOptions options;
+  options.threads = threads;
+  PhotoCache cache(*map.photos, std::int64_t{1} << 28);
+  return SeamPatches(map.flight, map.ground, options).Measure(cache, progress);
+}
+
+TEST(MeasureSeams, FindsNothingToShiftBetweenPhotosThatLieRight) {
+  const SeamShift shift = Measure(SharpMap());
+  EXPECT_GT(shift.patches, 3);
+  EXPECT_GT(2 * shift.reliable, shift.patches);
+  EXPECT_LT(shift.p90_m, 0.5 * shift.gsd_m);
+}
+
+TEST(MeasureSeams, MeasuresByHowMuchAPhotoLiesOffOnAnyNumberOfThreads) {
+  test::SimulatedMap map = SharpMap();
+  // Every second photo lies 0.5 m off to the east.
+  for (std::size_t i = 0; i < map.flight.photos.size(); i += 2) {
+    geo::Rigid3& pose = map.flight.photos[i].cam_from_enu;
+    pose = geo::Rigid3::FromRotationAndTargetOrigin(
+        pose.rotation, pose.TargetOriginInSource() + Eigen::Vector3d(0.5, 0.0, 0.0));
+  }
+  const SeamShift one = Measure(map, 1);
+  const SeamShift two = Measure(map, 2);
+  EXPECT_NEAR(one.p90_m, 0.5, 0.5 * one.gsd_m);
+  EXPECT_EQ(one.p90_m, two.p90_m);
+  EXPECT_EQ(one.median_m, two.median_m);
+}
+
+TEST(MeasureSeams, SaysThatItSawNothingOfASinglePhoto) {
+  test::SimulatedMap map = SharpMap();
+  map.flight.photos.resize(1);
+  const SeamShift shift = Measure(map);
+  EXPECT_EQ(shift.patches, 0);
+  EXPECT_EQ(shift.p90_m, 0.0);
 }
 
 }  // namespace

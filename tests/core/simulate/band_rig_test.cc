@@ -1,17 +1,17 @@
 // A simulated rig's files, read as any camera's: what comes of their levels is the ground's reflectance.
 #include "core/simulate/sensors/band_rig.h"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
-#include <fstream>
-#include <iterator>
+#include <gtest/gtest.h>
+#include <string>
+#include <vector>
 
+#include "core/bands/band_facts.h"
 #include "core/bands/captures.h"
-#include "core/bands/read_band_facts.h"
 #include "core/flight/photos/photo_decoder.h"
 #include "core/flight/read_flight.h"
 #include "core/simulate/simulate_flight.h"
+#include "tests/support/bytes_of.h"
 #include "tests/support/temporary_folder.h"
 
 namespace skyquilt::simulate {
@@ -38,19 +38,15 @@ SimulatedFlight Simulate(const SimulateOptions& options, const std::filesystem::
   return *std::move(flight);
 }
 
-std::vector<std::uint8_t> FileBytes(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 TEST(BandRigTest, LevelsAreReadAsReflectance) {
   const test::TemporaryFolder folder;
   const SimulatedFlight flight = Simulate(SmallRig(), folder.path());
   ASSERT_EQ(flight.rig.size(), 5U);
   for (std::size_t capture = 0; capture < 2; ++capture) {
     for (const RigBand& band : flight.rig) {
-      const auto bytes = FileBytes(folder / ("photos/SIM_000" + std::to_string(capture + 1) + "_" +
-                                             std::to_string(band.index + 1) + ".TIF"));
+      const std::string file = test::BytesOf(folder / ("photos/SIM_000" + std::to_string(capture + 1) + "_" +
+                                                       std::to_string(band.index + 1) + ".TIF"));
+      const std::vector<std::uint8_t> bytes(file.begin(), file.end());
       flight::MemoryBytes source(bytes);
       const auto facts = bands::ReadBandFacts(source);
       ASSERT_TRUE(facts.ok());
@@ -117,7 +113,7 @@ TEST(BandRigTest, TheSameSeedGivesTheSameFilesOnAnyNumberOfThreads) {
   options.threads = 4;
   Simulate(options, four.path());
   for (const char* name : {"photos/SIM_0001_1.TIF", "photos/SIM_0002_5.TIF", "truth/poses.json"})
-    EXPECT_TRUE(FileBytes(one / name) == FileBytes(four / name)) << name;
+    EXPECT_TRUE(test::BytesOf(one / name) == test::BytesOf(four / name)) << name;
 }
 
 TEST(BandRigTest, OptionsOfPhotosAreRefused) {

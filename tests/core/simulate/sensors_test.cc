@@ -6,7 +6,7 @@
 
 #include "core/geo/lat_lon.h"
 #include "core/geo/rigid3.h"
-#include "core/simulate/sensors/logged_survey.h"
+#include "tests/core/simulate/surveys.h"
 
 namespace skyquilt::simulate {
 namespace {

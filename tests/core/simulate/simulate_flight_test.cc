@@ -1,34 +1,25 @@
 #include "core/simulate/simulate_flight.h"
 
-#include <gtest/gtest.h>
-#include <unistd.h>
-
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
-#include <iterator>
+#include <gtest/gtest.h>
 #include <string>
 
 #include "core/camera/footprint.h"
 #include "core/flight/read_flight.h"
 #include "core/geo/web_mercator.h"
 #include "core/simulate/world/world_raster.h"
+#include "tests/support/bytes_of.h"
+#include "tests/support/output_of.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::simulate {
 namespace {
 
 class SimulateFlightTest : public testing::Test {
  protected:
-  void SetUp() override {
-    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = std::filesystem::temp_directory_path() /
-              ("skyquilt_" + std::string(test->name()) + "_" + std::to_string(::getpid()));
-    std::filesystem::remove_all(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
   static SimulateOptions Small() {
     SimulateOptions options;
     options.intrinsics = camera::Intrinsics::Centered(400, 300, 300.0);
@@ -43,25 +34,11 @@ class SimulateFlightTest : public testing::Test {
     return options;
   }
 
-  std::filesystem::path folder_;
+  const test::TemporaryFolder folder_;
 };
-
-std::string Bytes(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 bool HasProgram(const std::string& name) {
   return std::system(("command -v " + name + " > /dev/null 2>&1").c_str()) == 0;
-}
-
-std::string Output(const std::string& command) {
-  std::string text;
-  FILE* pipe = popen(command.c_str(), "r");
-  std::array<char, 4096> buffer{};
-  while (pipe != nullptr && fgets(buffer.data(), buffer.size(), pipe) != nullptr) text += buffer.data();
-  if (pipe != nullptr) pclose(pipe);
-  return text;
 }
 
 TEST_F(SimulateFlightTest, WritesTheSameBytesOnAnyNumberOfThreads) {
@@ -74,9 +51,9 @@ TEST_F(SimulateFlightTest, WritesTheSameBytesOnAnyNumberOfThreads) {
   ASSERT_TRUE(SimulateFlight(options, folder_ / "b", progress).ok());
   for (const char* name :
        {"photos/SIM_0001.JPG", "photos/SIM_0004.JPG", "truth/poses.json", "truth/world.tif"}) {
-    const std::string a = Bytes(folder_ / "a" / name);
+    const std::string a = test::BytesOf(folder_ / "a" / name);
     EXPECT_GT(a.size(), 1000u) << name;
-    EXPECT_TRUE(a == Bytes(folder_ / "b" / name)) << name;
+    EXPECT_TRUE(a == test::BytesOf(folder_ / "b" / name)) << name;
   }
 }
 
@@ -108,7 +85,7 @@ TEST_F(SimulateFlightTest, ExactPhotosReadBackToAHundredthOfAPixel) {
     options.origin = {lat_deg, -71.5};
     options.write_world = false;
     SilentProgress progress;
-    const auto flight = SimulateFlight(options, folder_, progress);
+    const auto flight = SimulateFlight(options, folder_.path(), progress);
     ASSERT_TRUE(flight.ok());
     for (const SimulatedPhoto& truth : flight->photos) {
       const auto photo = flight::ReadPhoto({truth.photo.name, truth.photo.path});
@@ -157,10 +134,10 @@ TEST_F(SimulateFlightTest, ExiftoolReadsTheTags) {
   options.origin = {-33.25, -70.5};
   options.write_world = false;
   SilentProgress progress;
-  const auto flight = SimulateFlight(options, folder_, progress);
+  const auto flight = SimulateFlight(options, folder_.path(), progress);
   ASSERT_TRUE(flight.ok());
   const SimulatedPhoto& truth = flight->photos[1];
-  const std::string lines = Output(
+  const std::string lines = test::OutputOf(
       "exiftool -n -s3 -GPSLatitude -GPSLongitude -RelativeAltitude -GimbalPitchDegree "
       "-Model -SubSecDateTimeOriginal -warning " +
       truth.photo.path.string());
@@ -182,7 +159,7 @@ TEST_F(SimulateFlightTest, GdalFindsSurveyMarksOfTheTruthMapAtTheirPlaces) {
   options.world.mark_spacing_m = 8.0;
   options.world.mark_radius_m = 0.5;
   SilentProgress progress;
-  const auto flight = SimulateFlight(options, folder_, progress);
+  const auto flight = SimulateFlight(options, folder_.path(), progress);
   ASSERT_TRUE(flight.ok());
   for (const Eigen::Vector2d& mark :
        {Eigen::Vector2d(0, 0), Eigen::Vector2d(16, -8), Eigen::Vector2d(-8, 8)}) {
@@ -191,8 +168,8 @@ TEST_F(SimulateFlightTest, GdalFindsSurveyMarksOfTheTruthMapAtTheirPlaces) {
       const geo::Wgs84 at = flight->frame.Wgs84FromEnu({mark.x() + off.x(), mark.y() + off.y(), 0.0});
       char place[80];
       std::snprintf(place, sizeof place, "%.10f %.10f", at.lon_deg, at.lat_deg);
-      const std::string value = Output("gdallocationinfo -valonly -b 2 -wgs84 " +
-                                       (folder_ / "truth/world.tif").string() + " " + place);
+      const std::string value = test::OutputOf("gdallocationinfo -valonly -b 2 -wgs84 " +
+                                               (folder_ / "truth/world.tif").string() + " " + place);
       ASSERT_FALSE(value.empty());
       if (off.norm() < 0.4) {
         EXPECT_GT(std::stoi(value), 230) << place;
@@ -236,7 +213,7 @@ TEST_F(SimulateFlightTest, FlownWithARecorderItWritesLogsAndPhotosOfOneClock) {
   options.log_formats = {LogFormat::kDataflash, LogFormat::kUlog, LogFormat::kCsv};
   options.write_world = false;
   SilentProgress progress;
-  const auto flight = SimulateFlight(options, folder_, progress);
+  const auto flight = SimulateFlight(options, folder_.path(), progress);
   ASSERT_TRUE(flight.ok()) << flight.error().message;
   for (const char* name : {"flight.BIN", "flight.ulg", "flight.csv"}) {
     EXPECT_GT(std::filesystem::file_size(folder_ / "logs" / name), 100000u) << name;
@@ -278,7 +255,7 @@ TEST_F(SimulateFlightTest, SaysWhatIsWrongWithImpossibleOptions) {
     EXPECT_EQ(PlanSimulatedFlight(options).error().code, ErrorCode::kInvalidArgument);
   }
   options = Small();
-  const auto blocked = folder_;
+  const auto blocked = folder_ / "blocked";
   { std::ofstream(blocked.string()) << "a file, not a folder"; }
   EXPECT_EQ(SimulateFlight(options, blocked, progress).error().code, ErrorCode::kIo);
 }

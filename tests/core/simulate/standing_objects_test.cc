@@ -8,7 +8,6 @@
 #include "core/simulate/world/random.h"
 #include "core/simulate/world/world.h"
 #include "core/simulate/world/world_raster.h"
-#include "core/simulate/writers/truth_json.h"
 
 namespace skyquilt::simulate {
 namespace {

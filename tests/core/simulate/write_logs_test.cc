@@ -1,15 +1,12 @@
 // The log writers, read back by the product's own parsers: two independent readings of each format.
-#include <gtest/gtest.h>
-
 #include <cmath>
+#include <gtest/gtest.h>
 
 #include "core/base/check.h"
 #include "core/flight/logs/formats.h"
 #include "core/flight/remarks/remark_words.h"
-#include "core/simulate/sensors/logged_survey.h"
-#include "core/simulate/writers/write_csv.h"
-#include "core/simulate/writers/write_dataflash.h"
-#include "core/simulate/writers/write_ulog.h"
+#include "core/simulate/writers/write_logs.h"
+#include "tests/core/simulate/surveys.h"
 
 namespace skyquilt::simulate {
 namespace {

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <string_view>
 
-#include "core/bands/read_band_facts.h"
-#include "core/bands/sunshine.h"
+#include "core/bands/band_facts.h"
+#include "core/bands/read_radiometry.h"
 #include "core/base/check.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {

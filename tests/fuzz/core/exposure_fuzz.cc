@@ -5,7 +5,6 @@
 
 #include "core/base/check.h"
 #include "core/render/exposure/estimate_exposure.h"
-#include "core/render/exposure/extend_exposure.h"
 #include "tests/fuzz/core/flight_from_bytes.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

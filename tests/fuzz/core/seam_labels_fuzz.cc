@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "core/base/check.h"
-#include "core/render/blocks/photo_regions.h"
+#include "core/render/blocks/weigh_block.h"
 #include "core/render/plan_mosaic.h"
 #include "core/render/seams/seam_map.h"
 #include "tests/fuzz/core/flight_from_bytes.h"

@@ -5,9 +5,9 @@
 #include <string_view>
 
 #include "core/base/check.h"
+#include "core/pipeline/check_photos.h"
 #include "core/pipeline/report/flight_facts.h"
-#include "core/pipeline/units/found_photos.h"
-#include "core/pipeline/units/shown_photos.h"
+#include "core/pipeline/units/map_units.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace skyquilt::pipeline;

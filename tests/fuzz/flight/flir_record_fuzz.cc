@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/bands/read_band_facts.h"
+#include "core/bands/band_facts.h"
 #include "core/bands/thermal.h"
 #include "core/base/check.h"
 #include "core/flight/photos/photo_decoder.h"

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "core/bands/panels/find_panel.h"
+#include "core/bands/find_panel.h"
 #include "core/base/check.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {

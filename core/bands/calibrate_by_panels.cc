@@ -1,0 +1,154 @@
+#include "core/bands/calibrate_by_panels.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "core/bands/band_facts.h"
+#include "core/bands/captures.h"
+#include "core/bands/find_panel.h"
+#include "core/base/result.h"
+#include "core/base/try.h"
+#include "core/flight/remarks/because.h"
+
+namespace skyquilt::bands {
+namespace {
+
+using flight::Flight;
+using flight::PhotoSource;
+using flight::RemarkCode;
+
+constexpr std::size_t kSearchedAtEachEnd = 2;  // captures: panels are looked at before and after a flight
+constexpr double kMaxClippedShare = 0.01;
+constexpr double kMaxSpread = 0.25;  // a panel is even: more is grass, or its rim
+
+struct Measured {
+  double factor = 1.0;
+  std::string panel;  // its serial number, or how it is known
+};
+
+PanelArea AreaOfBox(const std::array<double, 4>& box) {
+  return {Eigen::Vector2d(box[0], box[1]), Eigen::Vector2d(box[2], box[1]), Eigen::Vector2d(box[2], box[3]),
+          Eigen::Vector2d(box[0], box[3])};
+}
+
+PanelArea AreaOfTags(const std::array<double, 8>& corners) {
+  PanelArea area{};
+  for (std::size_t k = 0; k < area.size(); ++k) area[k] = {corners[2 * k], corners[2 * k + 1]};
+  return area;
+}
+
+Error NotUsed(flight::Remark why) { return flight::Because(ErrorCode::kUnprocessable, std::move(why)); }
+
+// `usual`: what values of the band mean in the photos of the ground.
+Result<Measured> MeasurePanel(const BandPhoto& panel, Calibration usual, const flight::PanelInPhoto* row,
+                              const PhotoSource& source) {
+  const BandFacts& facts = panel.facts;
+  if (facts.radiometry.calibration == Calibration::kLevels) return NotUsed(RemarkCode::kPanelNotExposed);
+  if (facts.radiometry.calibration != usual) {
+    return NotUsed({RemarkCode::kPanelOtherValues,
+                    {{"values_words", CalibrationName(facts.radiometry.calibration)},
+                     {"others_words", CalibrationName(usual)}}});
+  }
+  SKYQUILT_TRY_ASSIGN(const image::SampleImage picture, source.DecodeSamples(panel.photo));
+  std::optional<PanelArea> area;
+  std::optional<double> reflectance = facts.panel.reflectance;
+  std::string name = facts.panel.serial.empty() ? "panel" : facts.panel.serial;
+  if (facts.panel.area_px) area = AreaOfTags(*facts.panel.area_px);
+  if (row != nullptr) {
+    if (row->box_px) area = AreaOfBox(*row->box_px);
+    if (const auto known = ReflectanceOf(row->reflectance, facts.name)) reflectance = known;
+  }
+  if (!area || !reflectance) {
+    if (const std::optional<FoundPanel> found = FindPanel(picture)) {
+      if (!area) area = found->area_px;
+      name = found->code.serial;
+      if (!reflectance && facts.wavelength_nm) reflectance = found->code.ReflectanceAt(*facts.wavelength_nm);
+    }
+  }
+  if (!area) {
+    return NotUsed({RemarkCode::kPanelWithoutCode, {{"list", flight::kReflectanceListName}}});
+  }
+  if (!reflectance) {
+    return NotUsed({RemarkCode::kPanelUnknown, {{"panel", name}, {"list", flight::kReflectanceListName}}});
+  }
+  const std::optional<AreaLevels> levels = LevelsIn(picture, *area);
+  if (!levels) return NotUsed(RemarkCode::kPanelTooSmall);
+  if (levels->clipped_share > kMaxClippedShare) return NotUsed(RemarkCode::kPanelOverexposed);
+  if (levels->spread > kMaxSpread) return NotUsed(RemarkCode::kPanelUneven);
+  const std::optional<double> value = MedianIn(ValuesOf(picture, facts.radiometry), *area);
+  if (!value || !(*value > 0.0)) return NotUsed(RemarkCode::kPanelBlack);
+  return Measured{*reflectance / *value, name};
+}
+
+// Captures at both ends of a flight whose reference picture shows a panel's code become pictures of panels.
+void SearchPanels(Flight& flight, Captures& captures, const PhotoSource& source) {
+  const std::size_t total = captures.captures.size();
+  std::vector<bool> shows_panel(total, false);
+  for (std::size_t i = 0; i < total; ++i) {
+    if (i >= kSearchedAtEachEnd && i + kSearchedAtEachEnd < total) continue;
+    const Capture& capture = captures.captures[i];
+    const auto reference =
+        std::find_if(capture.photos.begin(), capture.photos.end(),
+                     [&](const BandPhoto& photo) { return photo.photo.name == capture.reference; });
+    if (reference == capture.photos.end() || reference->facts.name == kThermalBand) continue;
+    const Result<image::SampleImage> picture = source.DecodeSamples(reference->photo);
+    shows_panel[i] = picture.ok() && FindPanel(*picture).has_value();  // damaged ones are told of when placed
+  }
+  if (!SetPanelsApart(shows_panel, captures, flight)) {
+    flight.warnings.push_back(RemarkCode::kAllShowPanels);
+  }
+}
+
+}  // namespace
+
+void CalibrateByPanels(Flight& flight, Captures& captures, const PhotoSource& source) {
+  if (captures.empty()) return;
+  if (captures.panels.empty()) SearchPanels(flight, captures, source);
+  if (captures.panels.empty()) return;
+  std::map<std::string, std::vector<Measured>> by_band;
+  std::size_t unused = 0;
+  std::map<std::string, flight::RemarkValue> first_unused;
+  for (const BandPhoto& panel : captures.panels) {
+    const auto band = std::find_if(captures.bands.begin(), captures.bands.end(),
+                                   [&](const Band& one) { return one.name == panel.facts.name; });
+    // Kelvins need no panel, and of a band that the ground was not seen in there is nothing to scale.
+    if (band == captures.bands.end() || band->calibration == Calibration::kKelvin) continue;
+    Result<Measured> measured = MeasurePanel(
+        panel, band->calibration, flight::FindPanelRow(flight.reflectance_lists, panel.photo.name), source);
+    if (measured) {
+      by_band[panel.facts.name].push_back(*std::move(measured));
+    } else if (unused++ == 0) {
+      first_unused = {{"photo", panel.photo.name}, {"why", flight::WhyOf(measured.error())}};
+    }
+  }
+  if (unused > 0) {
+    first_unused.emplace("pictures", unused);
+    flight.warnings.push_back({RemarkCode::kPanelsUnused, first_unused});
+  }
+  std::vector<std::string> without;
+  for (const Band& band : std::vector<Band>(captures.bands)) {
+    const auto found = by_band.find(band.name);
+    if (found == by_band.end()) {
+      if (band.calibration != Calibration::kKelvin) without.push_back(band.name);
+      continue;
+    }
+    std::vector<double> factors;
+    for (const Measured& measured : found->second) factors.push_back(measured.factor);
+    const std::size_t pictures = factors.size();
+    ScaleBand(
+        captures, band.name, std::move(factors), HeldAgainst::kPanel,
+        fmt::format("by {} picture{} of {}", pictures, pictures == 1 ? "" : "s", found->second.front().panel),
+        flight.warnings);
+  }
+  if (!without.empty() && without.size() < captures.bands.size()) {
+    flight.warnings.push_back(
+        {RemarkCode::kBandsWithoutPanel, {{"bands", fmt::format("{}", fmt::join(without, ", "))}}});
+  }
+}
+
+}  // namespace skyquilt::bands
