@@ -1,21 +1,78 @@
+#include <array>
+#include <cstdint>
 #include <memory>
+#include <string>
 #include <utility>
 
 #include "api/flights/flights.h"
 #include "api/flights/trash.h"
 #include "api/forms/multipart.h"
+#include "api/http/digest.h"
 #include "api/http/once.h"
 #include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/json/job_options.h"
 #include "api/json/json_codec.h"
 #include "api/uploads/files.h"
-#include "api/uploads/form_digest.h"
 #include "api/uploads/form_receiver.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {
 namespace {
+
+// The content of a form as one SHA-256: fields, file names and bytes in their order, independent of the
+// boundary, because a client that sends its form again chooses another one. Passes the parts on as they
+// arrive.
+class FormDigest final : public PartReceiver {
+ public:
+  // `next` takes the parts; none: they are only looked at.
+  explicit FormDigest(PartReceiver* next) : next_(next) {}
+
+  Result<void> BeginPart(const PartHeader& header) override;
+  Result<void> PartBytes(std::span<const std::uint8_t> bytes) override;
+  Result<void> EndPart() override;
+  // Once, at the end.
+  std::string Finish() { return digest_.Finish(); }
+
+ private:
+  void AddText(const std::string& text);
+  void AddNumber(std::uint64_t number);
+
+  PartReceiver* next_;
+  Digest digest_{DigestAlgorithm::kSha256};
+  std::uint64_t part_bytes_ = 0;
+};
+
+void FormDigest::AddNumber(std::uint64_t number) {
+  std::array<std::uint8_t, 8> bytes{};
+  for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<std::uint8_t>(number >> (8 * i));
+  digest_.Add(bytes);
+}
+
+// With its length before it, so that no two forms add up to the same bytes.
+void FormDigest::AddText(const std::string& text) {
+  AddNumber(text.size());
+  digest_.Add({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+}
+
+Result<void> FormDigest::BeginPart(const PartHeader& header) {
+  AddText(header.field);
+  AddNumber(header.file_name ? 1 : 0);
+  AddText(header.file_name.value_or(""));
+  part_bytes_ = 0;
+  return next_ == nullptr ? Result<void>() : next_->BeginPart(header);
+}
+
+Result<void> FormDigest::PartBytes(std::span<const std::uint8_t> bytes) {
+  digest_.Add(bytes);
+  part_bytes_ += bytes.size();
+  return next_ == nullptr ? Result<void>() : next_->PartBytes(bytes);
+}
+
+Result<void> FormDigest::EndPart() {
+  AddNumber(part_bytes_);
+  return next_ == nullptr ? Result<void>() : next_->EndPart();
+}
 
 Error NothingUsable(const std::vector<FileOutcome>& files) {
   if (files.empty())
