@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "api/auth/limits.h"
-#include "api/auth/quota.h"
 #include "api/basemap/basemap.h"
 #include "api/events/event_hub.h"
 #include "api/ops/metrics.h"

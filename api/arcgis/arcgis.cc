@@ -1,14 +1,14 @@
-#include "api/arcgis/arcgis.h"
-
+// A map as an ArcGIS MapServer, as far as ArcGIS clients use a tiled one: the service description, and tiles
+// by level, row and column.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
 #include "api/auth/flight_access.h"
-#include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/ogc/map_view.h"
-#include "api/tiles/cut_tile.h"
+#include "api/routes.h"
+#include "api/tiles/recode_tile.h"
 #include "api/tiles/tile_path.h"
 #include "api/tiles/tiles.h"
 #include "core/base/text/json_io.h"

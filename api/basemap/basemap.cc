@@ -7,9 +7,9 @@
 #include <algorithm>
 
 #include "api/downloads/send_file.h"
-#include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
+#include "api/routes.h"
 
 namespace skyquilt::api {
 namespace {

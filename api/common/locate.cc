@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "api/http/problem.h"
 #include "api/http/responses.h"
+#include "api/routes.h"
 #include "api/shown_map.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"

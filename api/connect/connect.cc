@@ -1,12 +1,12 @@
-#include "api/connect/connect.h"
-
+// Files that other programs open to show the map: a QGIS layer, JOSM imagery, a GDAL description, an ArcGIS
+// web map.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
-#include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/ogc/map_view.h"
+#include "api/routes.h"
 #include "api/wmts/wmts_text.h"
 #include "core/base/text/json_io.h"
 #include "core/geo/tile_id.h"

@@ -1,14 +1,14 @@
-#include "api/control/control.h"
-
+// The surveyed points of a flight and their marks: read, and written as a whole. They lie among the flight's
+// files as the list that the stitcher reads.
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 
 #include "api/control/control_list.h"
 #include "api/flights/flights.h"
-#include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
+#include "api/routes.h"
 #include "api/uploads/flight_document.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"

@@ -1,10 +1,17 @@
-#include "api/downloads/downloads.h"
-
+// Downloads of a finished map, and of the user's own files: a photo as it was uploaded is shown in the
+// browser where possible; any other file is sent as a download only, so that nothing uploaded runs as part of
+// the page.
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <functional>
 #include <iterator>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "api/common/media_types.h"
@@ -12,7 +19,9 @@
 #include "api/downloads/small_picture.h"
 #include "api/downloads/streamed_product.h"
 #include "api/downloads/zip_layout.h"
-#include "api/http/problem.h"
+#include "api/flights/flights.h"
+#include "api/http/responses.h"
+#include "api/routes.h"
 #include "api/shown_map.h"
 #include "core/base/try.h"
 
@@ -152,6 +161,69 @@ void AddDownloadRoutes(Router& router, Service& service) {
   });
   add("/api/v1/flights/{flight}/report", {"report.json", "application/json", nullptr});
   add("/api/v1/flights/{flight}/photos.geojson", {"photos.geojson", "application/geo+json", nullptr});
+}
+
+namespace {
+
+constexpr std::array<std::pair<std::string_view, const char*>, 6> kShown = {{
+    {".jpg", "image/jpeg"},
+    {".jpeg", "image/jpeg"},
+    {".png", "image/png"},
+    {".webp", "image/webp"},
+    {".tif", "image/tiff"},
+    {".tiff", "image/tiff"},
+}};
+
+const char* ImageTypeOf(std::string name) {
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+  for (const auto& [extension, type] : kShown) {
+    if (name.ends_with(extension)) return type;
+  }
+  return nullptr;
+}
+
+// A frame of a film: a photo of the map that nobody uploaded. It lies with the map.
+Result<Response> SendFrame(Service& service, const Request& request, const std::string& flight_id,
+                           const std::string& name) {
+  const Error unknown{ErrorCode::kNotFound, "This flight has no file of this name.", name};
+  const bool is_plain = !name.starts_with('.') && name.find_first_of("/\\") == std::string::npos;
+  if (!is_plain || !name.ends_with(".jpg")) return unknown;
+  const Result<ShownMap> shown = FindShownMap(service, flight_id);
+  if (!shown) return unknown;
+  Result<Response> sent = SendBlob(request, service.store.blobs(), shown->prefix + "frames/" + name,
+                                   "image/jpeg", fmt::format("\"{}-{}\"", shown->revision, name));
+  if (!sent && sent.error().code == ErrorCode::kNotFound) return unknown;
+  if (sent) sent->headers.Add("Cache-Control", "no-cache");
+  return sent;
+}
+
+Result<Response> SendOriginal(Service& service, const Request& request) {
+  const std::string& flight_id = request.Parameter("flight");
+  const std::string& name = request.Parameter("name");
+  SKYQUILT_TRY(CheckId(flight_id, "flight"));
+  SKYQUILT_TRY(RequireFlight(service, flight_id));
+  SKYQUILT_TRY_ASSIGN(const std::optional<storage::StoredFile> file,
+                      service.catalogue.FindFile(flight_id, name));
+  if (!file) return SendFrame(service, request, flight_id, name);
+  const char* image_type = ImageTypeOf(name);
+  // Stored names are never used again: the bytes behind one never change.
+  Result<Response> sent = SendBlob(
+      request, service.store.blobs(), storage::FilesPrefix(flight_id) + file->stored_name,
+      image_type != nullptr ? image_type : "application/octet-stream", "\"" + file->stored_name + "\"");
+  if (!sent) return sent.error();
+  if (image_type == nullptr) sent->headers.Add("Content-Disposition", "attachment");
+  sent->headers.Add("Cache-Control", "no-cache");
+  return sent;
+}
+
+}  // namespace
+
+void AddOriginalFileRoutes(Router& router, Service& service) {
+  router.Add(Method::kGet, "/api/v1/flights/{flight}/files/{name}", [&](const Request& request) {
+    Result<Response> sent = SendOriginal(service, request);
+    return sent ? *std::move(sent) : DownloadProblem(sent.error(), request);
+  });
 }
 
 }  // namespace skyquilt::api

@@ -11,9 +11,8 @@
 #include <optional>
 #include <utility>
 
-#include "api/http/etag.h"
-#include "api/http/problem.h"
-#include "api/http/range.h"
+#include "api/http/conditional.h"
+#include "api/http/responses.h"
 #include "core/base/process/file_descriptor.h"
 #include "core/base/try.h"
 #include "storage/blobs/range_cache.h"

@@ -11,10 +11,10 @@
 #include <utility>
 #include <vector>
 
-#include "api/http/etag.h"
+#include "api/http/conditional.h"
 #include "api/tiles/map_window.h"
+#include "api/tiles/recode_tile.h"
 #include "api/tiles/tiles.h"
-#include "api/tiles/transcode_tile.h"
 #include "core/base/try.h"
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"

@@ -1,5 +1,6 @@
-#include "api/events/events.h"
-
+// Events as they happen, by Server-Sent Events (the HTML standard, 9.2): GET /api/v1/events, of all flights,
+// one flight or one job. Every event has its number as its id: a client that comes back with Last-Event-ID
+// gets what it missed. Between them, progress of running jobs, which is not replayed.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,10 +8,10 @@
 #include <functional>
 
 #include "api/auth/access.h"
-#include "api/events/event_text.h"
-#include "api/http/problem.h"
+#include "api/events/event_hub.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
+#include "api/routes.h"
 #include "core/base/try.h"
 #include "storage/db/ids.h"
 

@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "api/common/locate.h"
-#include "api/http/problem.h"
 #include "api/http/responses.h"
+#include "api/routes.h"
 #include "api/shown_map.h"
 #include "api/surface/map_surface.h"
 #include "api/tiles/index_values.h"

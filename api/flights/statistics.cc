@@ -11,6 +11,7 @@
 #include "api/forms/geojson_body.h"
 #include "api/http/responses.h"
 #include "api/json/json_text.h"
+#include "api/routes.h"
 #include "api/tiles/index_values.h"
 #include "api/tiles/tiles.h"
 #include "core/base/text/json_io.h"

@@ -11,7 +11,6 @@
 #include <string_view>
 
 #include "api/common/index_look.h"
-#include "api/http/router.h"
 #include "api/service.h"
 
 namespace skyquilt::api {
@@ -23,7 +22,5 @@ inline constexpr double kMinPixels = 1024;
 Result<std::string> MapStatistics(Service& service, const std::string& flight_id, std::string_view polygon,
                                   const std::optional<IndexLook>& look = std::nullopt,
                                   double max_pixels = kMaxPixels);
-
-void AddStatisticsRoute(Router& router, Service& service);
 
 }  // namespace skyquilt::api

@@ -4,7 +4,6 @@
 
 #include <utility>
 
-#include "api/http/problem.h"
 #include "api/http/responses.h"
 
 namespace skyquilt::api {

@@ -4,7 +4,6 @@
 #include <string>
 
 #include "api/http/digest.h"
-#include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "core/base/try.h"
 

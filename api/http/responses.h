@@ -1,15 +1,29 @@
-// The few shapes of answers that handlers share. Pure.
+// The few shapes of answers that handlers share, and the one of every error: problem documents (RFC 9457),
+// with the one table from error kinds to HTTP statuses. Pure.
 #pragma once
 
 #include <cstddef>
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "api/http/http_message.h"
 #include "core/base/result.h"
 
 namespace skyquilt::api {
+
+int StatusOf(ErrorCode code);
+const char* ReasonOf(int status);
+
+// The message goes to the client, the detail to the log only.
+Response Problem(const Error& error, std::string_view instance, std::string_view request_id);
+inline Response Problem(const Error& error, const Request& request) {
+  return Problem(error, request.path, request.request_id);
+}
+// For what HTTP itself refuses, where no error kind says it exactly (400, 408, 413, 414, 431, 501, 505).
+Response ProblemWithStatus(int status, std::string_view detail, std::string_view instance,
+                           std::string_view request_id);
 
 Response Json(int status, std::string body);
 Response NoContent();

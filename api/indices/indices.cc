@@ -1,5 +1,6 @@
-#include "api/indices/indices.h"
-
+// What can be known of the indices of a map: GET /api/v1/flights/{flight}/bands (its bands, the indices that
+// can be made of them, the colours there are), /legend.svg and .png, /zones. Index tiles are tiles
+// (api/tiles), values at a place and within a polygon are api/flights' point and statistics. Any thread.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,9 +11,9 @@
 #include <utility>
 
 #include "api/common/index_look.h"
-#include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/indices/index_legend.h"
+#include "api/routes.h"
 #include "api/tiles/index_values.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"

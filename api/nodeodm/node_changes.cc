@@ -5,9 +5,10 @@
 #include "api/auth/flight_access.h"
 #include "api/flights/trash.h"
 #include "api/http/responses.h"
-#include "api/nodeodm/node_fields.h"
+#include "api/nodeodm/node_new_task.h"
 #include "api/nodeodm/node_options.h"
 #include "api/nodeodm/nodeodm.h"
+#include "api/routes.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
 

@@ -10,11 +10,11 @@
 #include <sstream>
 #include <thread>
 
-#include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
 #include "api/nodeodm/node_options.h"
 #include "api/nodeodm/nodeodm.h"
+#include "api/routes.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
 
@@ -123,6 +123,24 @@ Value LinesFrom(const std::vector<std::string>& lines, std::int64_t from) {
   return list;
 }
 
+// {"uuid": ..., "status": ...} and so on, as GET /task/{uuid}/info answers it, without output.
+Result<std::string> NodeTaskJson(Service& service, const storage::NodeTask& task) {
+  SKYQUILT_TRY_ASSIGN(const storage::Flight flight, service.catalogue.GetFlight(task.flight_id));
+  SKYQUILT_TRY_ASSIGN(const std::optional<storage::Job> job, service.queue.LatestOf(task.flight_id));
+  Value answer;
+  answer["uuid"] = task.uuid;
+  answer["name"] = flight.name;
+  answer["dateCreated"] = task.created_ms;
+  answer["processingTime"] = ProcessingMs(job);
+  SKYQUILT_TRY_ASSIGN(const int code, StatusCode(service, task, job));
+  answer["status"] = {{"code", code}};
+  if (code == 30) answer["status"]["errorMessage"] = job->error ? job->error->message : "Processing failed";
+  answer["options"] = ParseOrderedJson(task.options);
+  answer["imagesCount"] = flight.file_count;
+  answer["progress"] = code == 40 ? 100.0 : job ? std::min(99.0, job->progress * 100.0) : 0.0;
+  return JsonText(answer);
+}
+
 Response TaskInfo(Service& service, const Request& request) {
   const Result<storage::NodeTask> task = FindNodeTask(service, request.Parameter("uuid"));
   if (!task) return NodeProblem(task.error(), request);
@@ -158,6 +176,12 @@ std::string LineOf(const storage::Event& event) {
 
 }  // namespace
 
+bool IsNodeEngine(std::string_view name) {
+  constexpr std::size_t kMaxLength = 32;
+  const auto fits = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9'); };
+  return !name.empty() && name.size() <= kMaxLength && std::all_of(name.begin(), name.end(), fits);
+}
+
 Result<storage::NodeTask> FindNodeTask(Service& service, std::string_view text) {
   const Error unknown{ErrorCode::kNotFound, fmt::format("{} not found", text), ""};
   const std::optional<std::string> uuid = NodeUuid(text);
@@ -180,25 +204,6 @@ Result<std::vector<std::string>> NodeOutput(Service& service, const storage::Nod
   SKYQUILT_TRY_ASSIGN(const std::vector<storage::Event> events, service.events.After(0, filter, kMaxLines));
   for (const storage::Event& event : events) lines.push_back(LineOf(event));
   return lines;
-}
-
-std::int64_t NodeNowMs() { return storage::ToUs(storage::Now()) / 1000; }
-
-Result<std::string> NodeTaskJson(Service& service, const storage::NodeTask& task) {
-  SKYQUILT_TRY_ASSIGN(const storage::Flight flight, service.catalogue.GetFlight(task.flight_id));
-  SKYQUILT_TRY_ASSIGN(const std::optional<storage::Job> job, service.queue.LatestOf(task.flight_id));
-  Value answer;
-  answer["uuid"] = task.uuid;
-  answer["name"] = flight.name;
-  answer["dateCreated"] = task.created_ms;
-  answer["processingTime"] = ProcessingMs(job);
-  SKYQUILT_TRY_ASSIGN(const int code, StatusCode(service, task, job));
-  answer["status"] = {{"code", code}};
-  if (code == 30) answer["status"]["errorMessage"] = job->error ? job->error->message : "Processing failed";
-  answer["options"] = ParseOrderedJson(task.options);
-  answer["imagesCount"] = flight.file_count;
-  answer["progress"] = code == 40 ? 100.0 : job ? std::min(99.0, job->progress * 100.0) : 0.0;
-  return JsonText(answer);
 }
 
 Result<std::string> NodeWebhookBody(Service& service, const std::string& uuid, const std::string& job_id) {

@@ -1,13 +1,13 @@
-#include "api/notes/notes.h"
-
+// The notes and measurements of a flight, which everybody sees who opens it: read, and written as a whole.
+// They lie among the flight's files, as GeoJSON.
 #include <optional>
 #include <utility>
 
 #include "api/flights/flights.h"
 #include "api/forms/geojson_body.h"
-#include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/notes/note_list.h"
+#include "api/routes.h"
 #include "api/uploads/flight_document.h"
 #include "core/base/try.h"
 #include "core/flight/bytes/input_file.h"

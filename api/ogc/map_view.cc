@@ -4,7 +4,7 @@
 
 #include "api/http/links.h"
 #include "api/http/responses.h"
-#include "api/tiles/cut_tile.h"
+#include "api/tiles/recode_tile.h"
 #include "api/tiles/tiles.h"
 #include "core/base/try.h"
 #include "core/geo/tile_id.h"

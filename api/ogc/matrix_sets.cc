@@ -5,8 +5,8 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
-#include "api/http/problem.h"
-#include "api/tiles/cut_tile.h"
+#include "api/http/responses.h"
+#include "api/tiles/recode_tile.h"
 #include "core/base/text/json_io.h"
 #include "core/geo/web_mercator.h"
 

@@ -1,5 +1,5 @@
-#include "api/ogc/ogc.h"
-
+// OGC API - Tiles 1.0 at /ogc: landing page, conformance, collections (one a map) with their tilesets, tile
+// matrix sets, and tiles by row and column. OGC 20-057.
 #include <fmt/format.h>
 
 #include <charconv>
@@ -11,13 +11,13 @@
 #include "api/common/media_types.h"
 #include "api/grids/grid_tiles.h"
 #include "api/http/links.h"
-#include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
 #include "api/ogc/features.h"
 #include "api/ogc/map_view.h"
 #include "api/ogc/matrix_sets.h"
 #include "api/ogc/ogc_format.h"
+#include "api/routes.h"
 #include "api/surface/map_surface.h"
 #include "api/tiles/tile_path.h"
 #include "api/tiles/tiles.h"

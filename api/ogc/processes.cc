@@ -1,5 +1,6 @@
-#include "api/ogc/processes.h"
-
+// OGC API - Processes 1.0: the same jobs as /api/v1/jobs, under the names that its clients know. One process,
+// "stitch": a flight's photos in, its map out; always asynchronous.
+// https://docs.ogc.org/is/18-062r2/18-062r2.html
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,12 +9,12 @@
 
 #include "api/http/links.h"
 #include "api/http/once.h"
-#include "api/http/problem.h"
 #include "api/http/responses.h"
-#include "api/jobs/queue_job.h"
+#include "api/jobs/jobs.h"
 #include "api/json/json_codec.h"
 #include "api/json/json_text.h"
 #include "api/ogc/map_view.h"
+#include "api/routes.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
 

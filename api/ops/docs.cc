@@ -3,7 +3,7 @@
 
 #include "api/http/responses.h"
 #include "api/ogc/map_view.h"
-#include "api/ops/ops.h"
+#include "api/routes.h"
 #include "core/base/text/json_io.h"
 
 namespace skyquilt::api {

@@ -1,12 +1,11 @@
-#include "api/ops/ops.h"
-
+// For operators and monitoring: liveness, readiness, metrics, version, API contract.
 #include <sys/statvfs.h>
 
 #include <string_view>
 
-#include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
+#include "api/routes.h"
 
 namespace skyquilt::api {
 

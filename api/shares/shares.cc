@@ -1,16 +1,19 @@
-#include "api/shares/shares.h"
-
+// Shares: tokens that open one flight for reading, made and revoked by whoever may change the flight. GET and
+// POST /api/v1/flights/{flight}/shares, DELETE .../shares/{share}. The token is shown once, when it is made;
+// it only reads also where the server asks nobody for one. And what links need that are handed to others: a
+// server that listens to its own machine alone, seen by the network for as long as it runs. Asked by who sits
+// at that machine, and by nobody else. Whoever comes by those addresses needs a token (api/auth/access), so
+// that links read and nobody writes who could not before.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
 #include "api/auth/access.h"
 #include "api/flights/flights.h"
-#include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
 #include "api/json/json_text.h"
-#include "api/shares/open_network.h"
+#include "api/routes.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "storage/db/ids.h"
@@ -68,6 +71,11 @@ std::vector<storage::Token> SharesOf(const storage::TokenSet& set, const std::st
     if (token->flight_id == flight_id && !token->HasEnded(now)) shares.push_back(*token);
   }
   return shares;
+}
+
+// Is that this request's to ask, and something that this server does?
+bool MayOpenNetwork(const Service& service, const Request& request) {
+  return service.open_network != nullptr && request.is_from_this_machine && request.is_admin;
 }
 
 Response ListShares(Service& service, const Request& request) {
@@ -164,6 +172,38 @@ void AddShareRoutes(Router& router, Service& service) {
       });
   router.Add(Method::kDelete, "/api/v1/flights/{flight}/shares/{share}",
              [&](const Request& r) { return RemoveShare(service, r); });
+}
+
+namespace {
+
+Response OpenNetwork(Service& service, const Request& request) {
+  if (!request.is_from_this_machine) {
+    return Problem(
+        {ErrorCode::kForbidden,
+         "Whether this network sees the server is decided at its own machine: open the page there.", ""},
+        request);
+  }
+  if (!service.open_network) {
+    return Problem({ErrorCode::kConflict, "How others reach this server was said when it was started.", ""},
+                   request);
+  }
+  const Result<void> opened = service.open_network();
+  if (!opened) return Problem(opened.error(), request);
+  std::vector<std::string> addresses;
+  for (const std::string& address : service.addresses_for_others()) addresses.push_back(JsonString(address));
+  return Json(200, JsonObject({{"addresses", JsonArray(addresses)}}));
+}
+
+}  // namespace
+
+void AddNetworkRoute(Router& router, Service& service) {
+  router
+      .AddUpload(Method::kPost, "/api/v1/network",
+                 [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
+                   return CollectBody(
+                       [&service, request](const std::string&) { return OpenNetwork(service, request); });
+                 })
+      .scope = storage::Scope::kAdmin;
 }
 
 }  // namespace skyquilt::api

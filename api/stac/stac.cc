@@ -1,14 +1,15 @@
-#include "api/stac/stac.h"
-
+// STAC API 1.0: the maps that a client may read as one collection, "flights", with item search by box, shape
+// and time; and /stac/{flight}, the item of one map. A token sees in all of them what it may read alone.
+// https://github.com/radiantearth/stac-api-spec/tree/v1.0.0
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
 #include "api/auth/flight_access.h"
 #include "api/http/links.h"
-#include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
+#include "api/routes.h"
 #include "api/stac/stac_item.h"
 #include "api/stac/stac_search.h"
 #include "api/surface/map_surface.h"

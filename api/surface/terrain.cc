@@ -9,13 +9,12 @@
 #include <utility>
 
 #include "api/http/links.h"
-#include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/surface/map_surface.h"
+#include "api/tiles/recode_tile.h"
 #include "api/tiles/tile_answer.h"
 #include "api/tiles/tile_path.h"
 #include "api/tiles/tiles.h"
-#include "api/tiles/transcode_tile.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "core/geo/web_mercator.h"

@@ -1,5 +1,4 @@
-#include "api/tilejson/tilejson.h"
-
+// TileJSON 3.0.0 of maps and layers. https://github.com/mapbox/tilejson-spec/tree/master/3.0.0 Any thread.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,13 +8,13 @@
 #include "api/auth/flight_access.h"
 #include "api/common/feature_query.h"
 #include "api/http/links.h"
-#include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
+#include "api/routes.h"
 #include "api/surface/map_surface.h"
 #include "api/surface/terrain.h"
-#include "api/tiles/cut_tile.h"
 #include "api/tiles/index_values.h"
+#include "api/tiles/recode_tile.h"
 #include "api/tiles/tiles.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"

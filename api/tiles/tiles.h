@@ -5,15 +5,13 @@
 #include <string>
 
 #include "api/common/index_look.h"
-#include "api/http/router.h"
+#include "api/http/http_message.h"
 #include "api/service.h"
 #include "core/geo/tile_id.h"
 #include "core/image/picture_format.h"
 #include "core/render/map_layer.h"
 
 namespace skyquilt::api {
-
-void AddTileRoutes(Router& router, Service& service);
 
 enum class EmptyTile { kBlank, kNoContent, kNotFound };
 

@@ -1,11 +1,12 @@
-#include "api/tms/tms.h"
-
+// TMS 1.0.0 (OSGeo's Tile Map Service): rows counted from the south.
+// https://wiki.osgeo.org/wiki/Tile_Map_Service_Specification
 #include <fmt/format.h>
 
 #include "api/auth/flight_access.h"
-#include "api/http/problem.h"
+#include "api/http/responses.h"
 #include "api/ogc/map_view.h"
-#include "api/tiles/cut_tile.h"
+#include "api/routes.h"
+#include "api/tiles/recode_tile.h"
 #include "api/tiles/tile_path.h"
 #include "api/tiles/tiles.h"
 #include "core/base/try.h"
@@ -82,6 +83,14 @@ Response TileMap(Service& service, const Request& request, const std::string& si
   return Problem({ErrorCode::kNotFound,
                   "This map has no tiles of this size. See " + request.base_url + "/tms/1.0.0.", ""},
                  request);
+}
+
+// "512" and its kin: the sides that tiles may have. Absent: any other text.
+std::optional<int> ParseTileSide(std::string_view text) {
+  for (int side_px = kUsualTilePx; side_px <= image::kMaxPictureSidePx; side_px *= 2) {
+    if (text == std::to_string(side_px)) return side_px;
+  }
+  return std::nullopt;
 }
 
 Result<Response> TmsTile(Service& service, const Request& request, const std::string& size) {

@@ -1,3 +1,4 @@
+// Forms with any number of files, either into a flight or to make one and queue its job at once.
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -9,11 +10,10 @@
 #include "api/forms/multipart.h"
 #include "api/http/digest.h"
 #include "api/http/once.h"
-#include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/json/job_options.h"
 #include "api/json/json_codec.h"
-#include "api/uploads/files.h"
+#include "api/routes.h"
 #include "api/uploads/form_receiver.h"
 #include "core/base/try.h"
 

@@ -1,3 +1,4 @@
+// The files of one flight: list, raw PUT (curl -T), delete.
 #include <fmt/format.h>
 
 #include <memory>
@@ -7,10 +8,9 @@
 
 #include "api/flights/flights.h"
 #include "api/http/digest.h"
-#include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
-#include "api/uploads/files.h"
+#include "api/routes.h"
 #include "api/uploads/flight_document.h"
 #include "api/uploads/unpack.h"
 #include "core/base/try.h"

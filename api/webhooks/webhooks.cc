@@ -7,10 +7,10 @@
 #include <nlohmann/json.hpp>
 
 #include "api/auth/access.h"
-#include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
 #include "api/json/json_text.h"
+#include "api/routes.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
 

@@ -1,21 +1,22 @@
-#include "api/wms/wms.h"
-
+// WMS 1.1.1 and 1.3.0 in Web Mercator and geographic coordinates, for ground stations and older GIS programs:
+// of one map at /wms/{flight}, with the layer "map", and at /wms of all maps that a request may read, each a
+// layer by the flight's id. GetCapabilities, GetMap, GetFeatureInfo. OGC 01-068r3 and 06-042.
 #include <fmt/format.h>
 
 #include <string>
 
 #include "api/common/background.h"
 #include "api/flights/point.h"
-#include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/indices/index_legend.h"
 #include "api/ogc/feature_info.h"
 #include "api/ogc/listed_maps.h"
 #include "api/ogc/map_view.h"
+#include "api/routes.h"
 #include "api/tiles/index_values.h"
 #include "api/tiles/map_crs.h"
 #include "api/tiles/map_window.h"
-#include "api/tiles/transcode_tile.h"
+#include "api/tiles/recode_tile.h"
 #include "api/wms/wms_request.h"
 #include "core/base/try.h"
 #include "core/geo/web_mercator.h"

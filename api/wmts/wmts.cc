@@ -1,5 +1,5 @@
-#include "api/wmts/wmts.h"
-
+// WMTS 1.0.0, both bindings: of one map at /wmts/{flight}, with the layer "map", and at /wmts of all maps
+// that a request may read, each a layer by the flight's id. OGC 07-057r7.
 #include <fmt/format.h>
 
 #include <charconv>
@@ -7,11 +7,11 @@
 
 #include "api/flights/point.h"
 #include "api/grids/grid_tiles.h"
-#include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/ogc/feature_info.h"
 #include "api/ogc/listed_maps.h"
 #include "api/ogc/map_view.h"
+#include "api/routes.h"
 #include "api/tiles/tile_path.h"
 #include "api/tiles/tiles.h"
 #include "api/wmts/wmts_text.h"

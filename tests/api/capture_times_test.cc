@@ -1,6 +1,6 @@
-#include "api/common/capture_times.h"
-
 #include <gtest/gtest.h>
+
+#include "api/common/feature_query.h"
 
 namespace skyquilt::api {
 namespace {

@@ -1,6 +1,6 @@
-#include "api/http/etag.h"
-
 #include <gtest/gtest.h>
+
+#include "api/http/conditional.h"
 
 namespace skyquilt::api {
 namespace {

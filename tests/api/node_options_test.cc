@@ -7,7 +7,6 @@
 #include <set>
 
 #include "api/json/job_options.h"
-#include "api/nodeodm/node_option_list.h"
 #include "core/pipeline/job_option.h"
 
 namespace skyquilt::api {

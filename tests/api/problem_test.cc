@@ -1,9 +1,8 @@
-#include "api/http/problem.h"
-
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
 
+#include "api/http/responses.h"
 #include "core/flight/remarks/because.h"
 
 namespace skyquilt::api {

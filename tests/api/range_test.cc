@@ -1,8 +1,8 @@
-#include "api/http/range.h"
-
 #include <gtest/gtest.h>
 
 #include <string>
+
+#include "api/http/conditional.h"
 
 namespace skyquilt::api {
 namespace {
