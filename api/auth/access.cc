@@ -13,6 +13,7 @@
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
 #include "api/routes.h"
+#include "core/base/try.h"
 
 namespace skyquilt::api {
 namespace {
@@ -166,17 +167,16 @@ std::string HashToken(std::string_view text) {
 namespace {
 
 // What who asks may do here, so that a page offers nothing that would be refused.
-Response OwnAccess(Service& service, const Request& request) {
-  const auto tokens = service.tokens.Known();
-  if (!tokens) return Problem(tokens.error(), request);
+Result<Response> OwnAccess(Service& service, const Request& request) {
+  SKYQUILT_TRY_ASSIGN(const auto tokens, service.tokens.Known());
   storage::Scope scope = request.is_admin ? storage::Scope::kAdmin : storage::Scope::kRead;
   // What came in the address, or opens one flight, only reads (api/auth/access).
   const bool only_reads = !request.only_flight.empty() || !request.headers.Has("Authorization");
-  for (const storage::Token& token : (*tokens)->tokens) {
+  for (const storage::Token& token : tokens->tokens) {
     if (!only_reads && token.id == request.owner) scope = token.scope;
   }
   return Json(
-      200, JsonObject({{"needs_token", (*tokens)->requires_token || request.needs_token ? "true" : "false"},
+      200, JsonObject({{"needs_token", tokens->requires_token || request.needs_token ? "true" : "false"},
                        {"scope", JsonString(storage::ScopeName(scope))},
                        {"flight",
                         request.only_flight.empty() ? std::string("null") : JsonString(request.only_flight)},

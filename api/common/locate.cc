@@ -20,17 +20,13 @@ using Value = nlohmann::ordered_json;
 
 Response Answer(const Value& value) { return Json(200, JsonText(value)); }
 
-Response At(Service& service, const Request& request) {
-  const Result<double> lon_deg = NumberParameter(request, "lon");
-  if (!lon_deg) return Problem(lon_deg.error(), request);
-  const Result<double> lat_deg = NumberParameter(request, "lat");
-  if (!lat_deg) return Problem(lat_deg.error(), request);
-  const Result<geo::LatLon> position = geo::LatLon::Make(*lat_deg, *lon_deg);
-  if (!position) return Problem(position.error(), request);
-  const Result<pipeline::LocatedMap> map = ReadLocatedMap(service, request.Parameter("flight"));
-  if (!map) return Problem(map.error(), request);
+Result<Response> At(Service& service, const Request& request) {
+  SKYQUILT_TRY_ASSIGN(const double lon_deg, NumberParameter(request, "lon"));
+  SKYQUILT_TRY_ASSIGN(const double lat_deg, NumberParameter(request, "lat"));
+  SKYQUILT_TRY_ASSIGN(const geo::LatLon position, geo::LatLon::Make(lat_deg, lon_deg));
+  SKYQUILT_TRY_ASSIGN(const pipeline::LocatedMap map, ReadLocatedMap(service, request.Parameter("flight")));
   Value photos = Value::array();
-  for (const pipeline::Sighting& sighting : pipeline::PhotosAtPoint(*map, *position)) {
+  for (const pipeline::Sighting& sighting : pipeline::PhotosAtPoint(map, position)) {
     photos.push_back({{"name", sighting.photo},
                       {"x", sighting.pixel_in_image.x()},
                       {"y", sighting.pixel_in_image.y()},
@@ -40,21 +36,17 @@ Response At(Service& service, const Request& request) {
                       {"sharpness", sighting.sharpness ? Value(*sighting.sharpness) : Value()},
                       {"quality", sighting.quality}});
   }
-  return Answer({{"lon", *lon_deg}, {"lat", *lat_deg}, {"photos", photos}});
+  return Answer({{"lon", lon_deg}, {"lat", lat_deg}, {"photos", photos}});
 }
 
-Response GroundOf(Service& service, const Request& request) {
-  const Result<double> x = NumberParameter(request, "x");
-  if (!x) return Problem(x.error(), request);
-  const Result<double> y = NumberParameter(request, "y");
-  if (!y) return Problem(y.error(), request);
-  const Result<pipeline::LocatedMap> map = ReadLocatedMap(service, request.Parameter("flight"));
-  if (!map) return Problem(map.error(), request);
-  const Result<pipeline::GroundPoint> point =
-      pipeline::GroundAtPixel(*map, request.Parameter("name"), {*x, *y});
-  if (!point) return Problem(point.error(), request);
+Result<Response> GroundOf(Service& service, const Request& request) {
+  SKYQUILT_TRY_ASSIGN(const double x, NumberParameter(request, "x"));
+  SKYQUILT_TRY_ASSIGN(const double y, NumberParameter(request, "y"));
+  SKYQUILT_TRY_ASSIGN(const pipeline::LocatedMap map, ReadLocatedMap(service, request.Parameter("flight")));
+  SKYQUILT_TRY_ASSIGN(const pipeline::GroundPoint point,
+                      pipeline::GroundAtPixel(map, request.Parameter("name"), {x, y}));
   return Answer(
-      {{"lon", point->position.lon_deg}, {"lat", point->position.lat_deg}, {"sigma_m", point->sigma_m}});
+      {{"lon", point.position.lon_deg}, {"lat", point.position.lat_deg}, {"sigma_m", point.sigma_m}});
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "api/routes.h"
 #include "api/wmts/wmts_text.h"
 #include "core/base/text/json_io.h"
+#include "core/base/try.h"
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
 #include "storage/tilesets/tile_source.h"
@@ -148,16 +149,15 @@ std::string Arcgis(const MapView& map) {
 
 void AddConnectRoutes(Router& router, Service& service) {
   const auto add = [&](const char* file, const char* type, std::string (*write)(const MapView&)) {
-    router.Add(Method::kGet, std::string("/connect/{flight}/") + file,
-               [&service, file, type, write](const Request& request) {
-                 const Result<MapView> map = FindMap(service, request, request.Parameter("flight"));
-                 if (!map) return Problem(map.error(), request);
-                 Response response = Text(200, write(*map), type);
-                 response.headers.Add("Content-Disposition",
-                                      std::string("attachment; filename=\"") + file + "\"");
-                 response.headers.Add("Cache-Control", "no-cache");
-                 return response;
-               });
+    router.Add(
+        Method::kGet, std::string("/connect/{flight}/") + file,
+        [&service, file, type, write](const Request& request) -> Result<Response> {
+          SKYQUILT_TRY_ASSIGN(const MapView map, FindMap(service, request, request.Parameter("flight")));
+          Response response = Text(200, write(map), type);
+          response.headers.Add("Content-Disposition", std::string("attachment; filename=\"") + file + "\"");
+          response.headers.Add("Cache-Control", "no-cache");
+          return response;
+        });
   };
   add("qgis.qlr", "application/x-qgis-layer-definition", Qgis);
   add("josm.xml", "application/xml", Josm);

@@ -99,8 +99,8 @@ Result<KeptControl> WriteControl(Service& service, const Request& request, const
   return KeptControl{std::move(read), EtagOfDocument(stored)};
 }
 
-Response AnswerControl(const Result<KeptControl>& kept, const Request& request) {
-  if (!kept) return Problem(kept.error(), request);
+Result<Response> AnswerControl(const Result<KeptControl>& kept) {
+  if (!kept) return kept.error();
   Response response = Json(200, kept->json);
   response.headers.Add("ETag", kept->etag);
   return response;
@@ -110,23 +110,14 @@ Response AnswerControl(const Result<KeptControl>& kept, const Request& request) 
 
 void AddControlRoutes(Router& router, Service& service) {
   router.AddCompute(Method::kGet, "/api/v1/flights/{flight}/control", [&](const Request& request) {
-    return AnswerControl(ReadControlOf(service, request.Parameter("flight")), request);
+    return AnswerControl(ReadControlOf(service, request.Parameter("flight")));
   });
-  router.AddUpload(
+  router.AddBody(
       Method::kPut, "/api/v1/flights/{flight}/control",
-      [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
-        if (!IsJson(request)) {
-          return Problem(
-              {ErrorCode::kUnsupportedFormat,
-               "Send the control points as JSON with its header, Content-Type: application/json.", ""},
-              request);
-        }
-        return CollectBody(
-            [&service, request](const std::string& body) {
-              return AnswerControl(WriteControl(service, request, body), request);
-            },
-            kMaxControlBytes);
-      });
+      [&](const Request& request, const std::string& body) {
+        return AnswerControl(WriteControl(service, request, body));
+      },
+      "Send the control points as JSON with its header, Content-Type: application/json.", kMaxControlBytes);
 }
 
 }  // namespace skyquilt::api

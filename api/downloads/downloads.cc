@@ -75,11 +75,10 @@ Result<Response> Send(Service& service, const Request& request, const Product& p
   });
 }
 
-Response SendThumbnail(Service& service, const Request& request) {
+Result<Response> SendThumbnail(Service& service, const Request& request) {
   const std::string& id = request.Parameter("flight");
-  Result<Response> sent =
-      OfShownMap(service, id, [&](const ShownMap& map) { return SmallPicture(service, request, id, map); });
-  return sent ? *std::move(sent) : DownloadProblem(sent.error(), request);
+  return OfShownMap(service, id,
+                    [&](const ShownMap& map) { return SmallPicture(service, request, id, map); });
 }
 
 // Everything that the map's folder has, and what is laid out over its tiles, as one archive.
@@ -117,17 +116,13 @@ Result<Response> SendAll(Service& service, const Request& request) {
   return sent;
 }
 
-Response Answer(Service& service, const Request& request, const Product& product) {
-  Result<Response> sent = Send(service, request, product);
-  return sent ? *std::move(sent) : DownloadProblem(sent.error(), request);
-}
-
 }  // namespace
 
 void AddDownloadRoutes(Router& router, Service& service) {
   const auto add = [&](const char* pattern, Product product) {
-    router.Add(Method::kGet, pattern,
-               [&service, product](const Request& request) { return Answer(service, request, product); });
+    router.Add(Method::kGet, pattern, [&service, product](const Request& request) {
+      return Downloaded(Send(service, request, product), request);
+    });
   };
   add("/api/v1/flights/{flight}/download.mbtiles", {"mosaic.mbtiles", "application/vnd.sqlite3", "mbtiles"});
   add("/api/v1/flights/{flight}/download.tif", {"mosaic.tif", kCogType, "tif"});
@@ -144,8 +139,9 @@ void AddDownloadRoutes(Router& router, Service& service) {
   add("/api/v1/flights/{flight}/contours.dxf", {"contours.dxf", "image/vnd.dxf", "contours.dxf"});
   add("/api/v1/flights/{flight}/download.pmtiles", {"mosaic.pmtiles", "application/vnd.pmtiles", "pmtiles"});
   add("/api/v1/flights/{flight}/thumbnail.png", {"thumbnail.png", "image/png", nullptr});
-  router.AddCompute(Method::kGet, "/api/v1/flights/{flight}/thumbnail.webp",
-                    [&](const Request& request) { return SendThumbnail(service, request); });
+  router.AddCompute(Method::kGet, "/api/v1/flights/{flight}/thumbnail.webp", [&](const Request& request) {
+    return Downloaded(SendThumbnail(service, request), request);
+  });
   add("/api/v1/flights/{flight}/layers.json", {"layers.json", "application/json", nullptr});
   add("/api/v1/flights/{flight}/layer_photo.mbtiles",
       {"layer_photo.mbtiles", "application/vnd.sqlite3", "mbtiles"});
@@ -155,10 +151,8 @@ void AddDownloadRoutes(Router& router, Service& service) {
       {"layer_height.mbtiles", "application/vnd.sqlite3", "mbtiles"});
   add("/api/v1/flights/{flight}/cameras.json", {"cameras.json", "application/json", nullptr});
   add("/api/v1/flights/{flight}/geo.txt", {"geo.txt", "text/plain; charset=utf-8", nullptr});
-  router.AddCompute(Method::kGet, "/api/v1/flights/{flight}/download.zip", [&](const Request& request) {
-    Result<Response> sent = SendAll(service, request);
-    return sent ? *std::move(sent) : DownloadProblem(sent.error(), request);
-  });
+  router.AddCompute(Method::kGet, "/api/v1/flights/{flight}/download.zip",
+                    [&](const Request& request) { return Downloaded(SendAll(service, request), request); });
   add("/api/v1/flights/{flight}/report", {"report.json", "application/json", nullptr});
   add("/api/v1/flights/{flight}/photos.geojson", {"photos.geojson", "application/geo+json", nullptr});
 }
@@ -220,10 +214,8 @@ Result<Response> SendOriginal(Service& service, const Request& request) {
 }  // namespace
 
 void AddOriginalFileRoutes(Router& router, Service& service) {
-  router.Add(Method::kGet, "/api/v1/flights/{flight}/files/{name}", [&](const Request& request) {
-    Result<Response> sent = SendOriginal(service, request);
-    return sent ? *std::move(sent) : DownloadProblem(sent.error(), request);
-  });
+  router.Add(Method::kGet, "/api/v1/flights/{flight}/files/{name}",
+             [&](const Request& request) { return Downloaded(SendOriginal(service, request), request); });
 }
 
 }  // namespace skyquilt::api

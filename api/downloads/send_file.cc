@@ -172,11 +172,11 @@ Result<Response> SendParts(const Request& request, std::uint64_t size, const std
   return response;
 }
 
-Response DownloadProblem(const Error& error, const Request& request) {
-  if (error.code != ErrorCode::kRangeNotSatisfiable) return Problem(error, request);
+Response Downloaded(Result<Response> sent, const Request& request) {
+  if (sent || sent.error().code != ErrorCode::kRangeNotSatisfiable) return Answered(std::move(sent), request);
   Response response =
       Problem({ErrorCode::kRangeNotSatisfiable, "The range lies outside the file.", ""}, request);
-  response.headers.Add("Content-Range", error.message);
+  response.headers.Add("Content-Range", sent.error().message);
   return response;
 }
 

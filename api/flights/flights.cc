@@ -44,15 +44,12 @@ Result<int> PageSize(const Request& request) {
   return limit;
 }
 
-Response ListFlights(Service& service, const Request& request) {
-  const Result<int> limit = PageSize(request);
-  if (!limit) return Problem(limit.error(), request);
+Result<Response> ListFlights(Service& service, const Request& request) {
+  SKYQUILT_TRY_ASSIGN(const int limit, PageSize(request));
   std::optional<std::string> cursor;
   if (const auto given = request.Query("cursor")) {
     if (!storage::IsId(*given)) {
-      return Problem(
-          {ErrorCode::kInvalidArgument, "The parameter \"cursor\" is not one that a list gave.", ""},
-          request);
+      return Error{ErrorCode::kInvalidArgument, "The parameter \"cursor\" is not one that a list gave.", ""};
     }
     cursor = *given;
   }
@@ -60,55 +57,49 @@ Response ListFlights(Service& service, const Request& request) {
   if (const auto given = request.Query("tag")) {
     const auto checked = storage::CheckedTags({std::string(*given)});
     if (!checked) {
-      return Problem({ErrorCode::kInvalidArgument, "The parameter \"tag\": " + checked.error().message, ""},
-                     request);
+      return Error{ErrorCode::kInvalidArgument, "The parameter \"tag\": " + checked.error().message, ""};
     }
     tag = checked->front();
   }
-  Result<storage::FlightPage> page = ListVisibleFlights(service, request, *limit, cursor, tag);
-  if (!page) return Problem(page.error(), request);
+  SKYQUILT_TRY_ASSIGN(storage::FlightPage page, ListVisibleFlights(service, request, limit, cursor, tag));
   std::vector<std::string> items;
   const storage::Time now = storage::Now();
-  for (storage::Flight& flight : page->flights) {
-    Result<FlightView> view = WithJobAndMap(service, std::move(flight));
-    if (!view) return Problem(view.error(), request);
-    view->may_change = MayChange(request, view->flight.owner);
-    view->base_path = request.base_path;
-    items.push_back(FlightJson(*view, now));
+  for (storage::Flight& flight : page.flights) {
+    SKYQUILT_TRY_ASSIGN(FlightView view, WithJobAndMap(service, std::move(flight)));
+    view.may_change = MayChange(request, view.flight.owner);
+    view.base_path = request.base_path;
+    items.push_back(FlightJson(view, now));
   }
-  Response response = Json(200, JsonObject({{"flights", JsonArray(items)},
-                                            {"next_cursor", page->next_cursor ? JsonString(*page->next_cursor)
-                                                                              : std::string("null")}}));
-  if (page->next_cursor) {
-    response.headers.Add("Link", "</api/v1/flights?limit=" + std::to_string(*limit) +
+  Response response = Json(
+      200,
+      JsonObject({{"flights", JsonArray(items)},
+                  {"next_cursor", page.next_cursor ? JsonString(*page.next_cursor) : std::string("null")}}));
+  if (page.next_cursor) {
+    response.headers.Add("Link", "</api/v1/flights?limit=" + std::to_string(limit) +
                                      (tag ? "&tag=" + EncodedForQuery(*tag) : std::string()) +
-                                     "&cursor=" + *page->next_cursor + ">; rel=\"next\"");
+                                     "&cursor=" + *page.next_cursor + ">; rel=\"next\"");
   }
   return response;
 }
 
-Response GetFlight(Service& service, const Request& request) {
-  Result<FlightView> view = ViewFlight(service, request.Parameter("flight"));
-  if (!view) return Problem(view.error(), request);
-  view->may_change = MayChange(request, view->flight.owner);
-  view->base_path = request.base_path;
-  return Json(200, FlightJson(*view, storage::Now()));
+Result<Response> GetFlight(Service& service, const Request& request) {
+  SKYQUILT_TRY_ASSIGN(FlightView view, ViewFlight(service, request.Parameter("flight")));
+  view.may_change = MayChange(request, view.flight.owner);
+  view.base_path = request.base_path;
+  return Json(200, FlightJson(view, storage::Now()));
 }
 
-Response Patch(Service& service, const Request& request, const std::string& body) {
+Result<Response> Patch(Service& service, const Request& request, const std::string& body) {
   const std::string& id = request.Parameter("flight");
-  const Result<storage::FlightChange> fields = ParseFlightFields(body);
-  if (!fields) return Problem(fields.error(), request);
-  if (fields->IsAny()) {
-    const Result<void> changed = service.catalogue.ChangeFlight(id, *fields);
-    if (!changed) return Problem(changed.error(), request);
+  SKYQUILT_TRY_ASSIGN(const storage::FlightChange fields, ParseFlightFields(body));
+  if (fields.IsAny()) {
+    SKYQUILT_TRY(service.catalogue.ChangeFlight(id, fields));
   }
   return GetFlight(service, request);
 }
 
-Response DeleteFlight(Service& service, const Request& request) {
-  const Result<void> deleted = DeleteFlight(service, request.Parameter("flight"));
-  if (!deleted) return Problem(deleted.error(), request);
+Result<Response> DeleteFlight(Service& service, const Request& request) {
+  SKYQUILT_TRY(DeleteFlight(service, request.Parameter("flight")));
   return NoContent();
 }
 
@@ -138,39 +129,26 @@ void AddFlightRoutes(Router& router, Service& service) {
              [&](const Request& r) { return GetFlight(service, r); });
   router.Add(Method::kDelete, "/api/v1/flights/{flight}",
              [&](const Request& r) { return DeleteFlight(service, r); });
-  router.AddUpload(
+  router.AddBody(
       Method::kPatch, "/api/v1/flights/{flight}",
-      [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
-        if (!IsJson(request)) {
-          return Problem(
-              {ErrorCode::kUnsupportedFormat,
-               "Send the change as JSON with its header: curl -H 'Content-Type: application/json' -d '{}' ...",
-               ""},
-              request);
-        }
-        return CollectBody(
-            [&service, request](const std::string& body) { return Patch(service, request, body); });
-      });
+      [&](const Request& request, const std::string& body) { return Patch(service, request, body); },
+      "Send the change as JSON with its header: curl -H 'Content-Type: application/json' -d '{}' ...");
 }
 
 namespace {
 
-Response Verdict(Service& service, const Request& request) {
+Result<Response> Verdict(Service& service, const Request& request) {
   const std::string& id = request.Parameter("flight");
-  const Result<FlightView> view = ViewFlight(service, id);
-  if (!view) return Problem(view.error(), request);
+  SKYQUILT_TRY_ASSIGN(const FlightView view, ViewFlight(service, id));
   if (!service.inspect) {
-    return Problem({ErrorCode::kUnavailable, "This server gives no verdicts.", ""}, request);
+    return Error{ErrorCode::kUnavailable, "This server gives no verdicts.", ""};
   }
-  const Result<std::vector<storage::StoredFile>> stored = service.catalogue.ListFiles(id);
-  if (!stored) return Problem(stored.error(), request);
-  const Result<std::vector<storage::LocalBlob>> fetched = service.store.FetchAll(id, *stored);
-  if (!fetched) return Problem(fetched.error(), request);
+  SKYQUILT_TRY_ASSIGN(const std::vector<storage::StoredFile> stored, service.catalogue.ListFiles(id));
+  SKYQUILT_TRY_ASSIGN(const std::vector<storage::LocalBlob> fetched, service.store.FetchAll(id, stored));
   std::vector<flight::InputFile> files;
-  for (std::size_t i = 0; i < stored->size(); ++i) files.push_back({(*stored)[i].name, (*fetched)[i].path});
-  Result<std::string> verdict = service.inspect(files, view->flight.options);
-  if (!verdict) return Problem(verdict.error(), request);
-  return Json(200, *std::move(verdict));
+  for (std::size_t i = 0; i < stored.size(); ++i) files.push_back({stored[i].name, fetched[i].path});
+  SKYQUILT_TRY_ASSIGN(std::string verdict, service.inspect(files, view.flight.options));
+  return Json(200, std::move(verdict));
 }
 
 }  // namespace

@@ -183,10 +183,11 @@ Result<MapPoint> LookAt(Service& service, const std::string& flight_id, const ge
 }
 
 void AddPointRoute(Router& router, Service& service) {
-  router.AddCompute(Method::kGet, "/api/v1/flights/{flight}/point", [&](const Request& request) {
-    const Result<std::string> answer = AnswerPoint(service, request);
-    return answer ? Json(200, *answer) : Problem(answer.error(), request);
-  });
+  router.AddCompute(Method::kGet, "/api/v1/flights/{flight}/point",
+                    [&](const Request& request) -> Result<Response> {
+                      SKYQUILT_TRY_ASSIGN(std::string answer, AnswerPoint(service, request));
+                      return Json(200, std::move(answer));
+                    });
 }
 
 }  // namespace skyquilt::api

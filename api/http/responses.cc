@@ -184,8 +184,8 @@ namespace {
 
 class Collector final : public BodySink {
  public:
-  Collector(std::function<Response(std::string)> answer, std::size_t max_bytes)
-      : answer_(std::move(answer)), max_bytes_(max_bytes) {}
+  Collector(Request request, BodyHandler answer, std::size_t max_bytes)
+      : request_(std::move(request)), answer_(std::move(answer)), max_bytes_(max_bytes) {}
   Result<void> Write(std::span<const std::uint8_t> bytes) override {
     if (body_.size() + bytes.size() > max_bytes_) {
       return Error{ErrorCode::kTooLarge, fmt::format("The body is longer than {} KiB.", max_bytes_ >> 10),
@@ -194,15 +194,20 @@ class Collector final : public BodySink {
     body_.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     return {};
   }
-  Response Finish() override { return answer_(std::move(body_)); }
+  Response Finish() override { return Answered(answer_(request_, body_), request_); }
 
  private:
-  std::function<Response(std::string)> answer_;
+  Request request_;
+  BodyHandler answer_;
   std::size_t max_bytes_;
   std::string body_;
 };
 
 }  // namespace
+
+Response Answered(Result<Response> answer, const Request& request) {
+  return answer ? *std::move(answer) : Problem(answer.error(), request);
+}
 
 Response Text(int status, std::string body, std::string content_type) {
   Response response;
@@ -234,9 +239,8 @@ Response NoContent() {
   return response;
 }
 
-std::unique_ptr<BodySink> CollectBody(std::function<Response(std::string body)> answer,
-                                      std::size_t max_bytes) {
-  return std::make_unique<Collector>(std::move(answer), max_bytes);
+std::unique_ptr<BodySink> CollectBody(const Request& request, BodyHandler answer, std::size_t max_bytes) {
+  return std::make_unique<Collector>(request, std::move(answer), max_bytes);
 }
 
 Result<void> CheckId(const std::string& id, const char* what) {

@@ -25,6 +25,9 @@ inline Response Problem(const Error& error, const Request& request) {
 Response ProblemWithStatus(int status, std::string_view detail, std::string_view instance,
                            std::string_view request_id);
 
+// The answer, or the problem document of its error.
+Response Answered(Result<Response> answer, const Request& request);
+
 Response Json(int status, std::string body);
 Response NoContent();
 Response Text(int status, std::string body, std::string content_type);
@@ -32,8 +35,9 @@ Response Text(int status, std::string body, std::string content_type);
 Response Tagged(const Request& request, Response response);
 
 inline constexpr std::size_t kMaxCollectedBytes = std::size_t{64} << 10;
-// Collects a body of at most `max_bytes` and hands it to `answer`.
-std::unique_ptr<BodySink> CollectBody(std::function<Response(std::string body)> answer,
+// Collects a body of at most `max_bytes` and hands it, with a copy of the request, to `answer`.
+using BodyHandler = std::function<Result<Response>(const Request& request, const std::string& body)>;
+std::unique_ptr<BodySink> CollectBody(const Request& request, BodyHandler answer,
                                       std::size_t max_bytes = kMaxCollectedBytes);
 
 // kNotFound for what cannot be an id of ours, before it comes near the disk.

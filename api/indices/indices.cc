@@ -206,24 +206,19 @@ Result<Response> AnswerLegend(Service& service, const Request& request, LegendFo
   return Tagged(request, std::move(response));
 }
 
-Response OrProblem(Result<Response> answer, const Request& request) {
-  return answer ? *std::move(answer) : Problem(answer.error(), request);
-}
-
 }  // namespace
 
 void AddIndexRoutes(Router& router, Service& service) {
   router.Add(Method::kGet, "/api/v1/flights/{flight}/bands",
-             [&](const Request& request) { return OrProblem(AnswerBands(service, request), request); });
+             [&](const Request& request) { return AnswerBands(service, request); });
   for (const auto& [path, format] : {std::pair{"/api/v1/flights/{flight}/legend.svg", LegendFormat::kSvg},
                                      std::pair{"/api/v1/flights/{flight}/legend.png", LegendFormat::kPng}}) {
     router.Add(Method::kGet, path, [&service, format = format](const Request& request) {
-      return OrProblem(AnswerLegend(service, request, format), request);
+      return AnswerLegend(service, request, format);
     });
   }
-  router.AddCompute(Method::kGet, "/api/v1/flights/{flight}/zones", [&](const Request& request) {
-    return OrProblem(AnswerZones(service, request), request);
-  });
+  router.AddCompute(Method::kGet, "/api/v1/flights/{flight}/zones",
+                    [&](const Request& request) { return AnswerZones(service, request); });
 }
 
 }  // namespace skyquilt::api

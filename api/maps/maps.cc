@@ -76,9 +76,8 @@ Result<Response> AnswerMap(Service& service, const Request& request) {
 }  // namespace
 
 void AddMapRoutes(Router& router, Service& service) {
-  router.AddCompute(Method::kGet, "/ogc/collections/{flight}/map", [&](const Request& request) {
-    return TileResponse(AnswerMap(service, request), request);
-  });
+  router.AddCompute(Method::kGet, "/ogc/collections/{flight}/map",
+                    [&](const Request& request) { return AnswerMap(service, request); });
 }
 
 }  // namespace skyquilt::api

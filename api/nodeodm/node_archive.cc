@@ -223,7 +223,7 @@ Response Download(Service& service, const Request& request) {
   if (request.Parameter("asset") != "all.zip") return NodeRefusal("Invalid asset");
   Result<Response> sent = Archive(service, request, *task);
   if (!sent && sent.error().code == ErrorCode::kRangeNotSatisfiable)
-    return DownloadProblem(sent.error(), request);
+    return Downloaded(std::move(sent), request);
   if (!sent) return NodeProblem(sent.error(), request);
   sent->headers.Add("Content-Disposition", "attachment; filename=\"all.zip\"");
   return *std::move(sent);

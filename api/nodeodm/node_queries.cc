@@ -230,10 +230,8 @@ void AddNodeRoutes(Router& router, Service& service) {
       kEverybody;
   for (const char* pattern : {"/auth/login", "/auth/register"}) {
     router
-        .AddUpload(Method::kPost, pattern,
-                   [](const Request&) -> std::variant<std::unique_ptr<BodySink>, Response> {
-                     return CollectBody([](const std::string&) { return NodeRefusal("Not available"); });
-                   })
+        .AddBody(Method::kPost, pattern,
+                 [](const Request&, const std::string&) { return NodeRefusal("Not available"); })
         .scope = kEverybody;
   }
 }

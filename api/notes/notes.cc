@@ -86,8 +86,8 @@ Result<KeptNotes> WriteNotes(Service& service, const Request& request, const std
   return KeptNotes{std::move(text), EtagOfDocument(stored)};
 }
 
-Response AnswerNotes(Result<KeptNotes> kept, const Request& request) {
-  if (!kept) return Problem(kept.error(), request);
+Result<Response> AnswerNotes(Result<KeptNotes> kept) {
+  if (!kept) return kept.error();
   Response response;
   response.headers.Add("Content-Type", kNotesType);
   response.headers.Add("Cache-Control", "no-cache");
@@ -100,11 +100,10 @@ Response AnswerNotes(Result<KeptNotes> kept, const Request& request) {
 
 void AddNotesRoutes(Router& router, Service& service) {
   router.AddCompute(Method::kGet, "/api/v1/flights/{flight}/notes", [&](const Request& request) {
-    return AnswerNotes(ReadNotesOf(service, request.Parameter("flight")), request);
+    return AnswerNotes(ReadNotesOf(service, request.Parameter("flight")));
   });
   router.AddUpload(
-      Method::kPut, "/api/v1/flights/{flight}/notes",
-      [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
+      Method::kPut, "/api/v1/flights/{flight}/notes", [&](const Request& request) -> UploadBegun {
         if (!IsGeoJson(request)) {
           return Problem(
               {ErrorCode::kUnsupportedFormat,
@@ -112,8 +111,9 @@ void AddNotesRoutes(Router& router, Service& service) {
               request);
         }
         return CollectBody(
-            [&service, request](const std::string& body) {
-              return AnswerNotes(WriteNotes(service, request, body), request);
+            request,
+            [&service](const Request& of, const std::string& body) {
+              return AnswerNotes(WriteNotes(service, of, body));
             },
             kMaxNotesBytes);
       });

@@ -181,27 +181,25 @@ Result<AskedPhotos> PhotosOfCollection(Service& service, const Request& request)
   return AskedPhotos{*kind, std::move(photos)};
 }
 
-Response Items(Service& service, const Request& request) {
-  const Result<FeatureQuery> query = ParseFeatureQuery(request);
-  if (!query) return Problem(query.error(), request);
-  const Result<AskedPhotos> asked = PhotosOfCollection(service, request);
-  if (!asked) return Problem(asked.error(), request);
+Result<Response> Items(Service& service, const Request& request) {
+  SKYQUILT_TRY_ASSIGN(const FeatureQuery query, ParseFeatureQuery(request));
+  SKYQUILT_TRY_ASSIGN(const AskedPhotos asked, PhotosOfCollection(service, request));
   FeatureJson features = FeatureJson::array();
   std::size_t matched = 0;
-  for (const FeatureJson& photo : asked->photos) {
-    FeatureJson feature = FeatureOf(photo, asked->kind);
-    if (feature.is_null() || !IsAsked(feature, *query)) continue;
+  for (const FeatureJson& photo : asked.photos) {
+    FeatureJson feature = FeatureOf(photo, asked.kind);
+    if (feature.is_null() || !IsAsked(feature, query)) continue;
     ++matched;
-    if (matched > query->offset && features.size() < static_cast<std::size_t>(query->limit))
+    if (matched > query.offset && features.size() < static_cast<std::size_t>(query.limit))
       features.push_back(std::move(feature));
   }
   const std::string path = PathOfCollection(request);
   FeatureJson links = FeatureJson::array();
-  links.push_back(FeatureLink(request, PageAt(request, *query, query->offset), "self", kFeatureType));
+  links.push_back(FeatureLink(request, PageAt(request, query, query.offset), "self", kFeatureType));
   links.push_back(FeatureLink(request, path, "collection", "application/json"));
-  if (query->offset < matched && query->offset + features.size() < matched) {
+  if (query.offset < matched && query.offset + features.size() < matched) {
     links.push_back(
-        FeatureLink(request, PageAt(request, *query, query->offset + features.size()), "next", kFeatureType));
+        FeatureLink(request, PageAt(request, query, query.offset + features.size()), "next", kFeatureType));
   }
   const std::size_t returned = features.size();
   return FeatureDocument({{"type", "FeatureCollection"},
@@ -212,13 +210,12 @@ Response Items(Service& service, const Request& request) {
                           {"links", links}});
 }
 
-Response Item(Service& service, const Request& request) {
-  const Result<AskedPhotos> asked = PhotosOfCollection(service, request);
-  if (!asked) return Problem(asked.error(), request);
+Result<Response> Item(Service& service, const Request& request) {
+  SKYQUILT_TRY_ASSIGN(const AskedPhotos asked, PhotosOfCollection(service, request));
   const std::string& id = request.Parameter("feature");
-  for (const FeatureJson& photo : asked->photos) {
+  for (const FeatureJson& photo : asked.photos) {
     if (photo.at("properties").at("name") != id) continue;
-    FeatureJson feature = FeatureOf(photo, asked->kind);
+    FeatureJson feature = FeatureOf(photo, asked.kind);
     if (feature.is_null()) break;
     const std::string path = PathOfCollection(request);
     feature["links"] = FeatureJson::array(
@@ -226,17 +223,16 @@ Response Item(Service& service, const Request& request) {
          FeatureLink(request, path, "collection", "application/json")});
     return FeatureDocument(feature);
   }
-  return Problem({ErrorCode::kNotFound, "There is no such photo in this collection.", ""}, request);
+  return Error{ErrorCode::kNotFound, "There is no such photo in this collection.", ""};
 }
 
 // What is read may have been damaged on the disk: then the answer is that, not a crash.
-Handler Guarded(Service& service, Response (*answer)(Service&, const Request&)) {
-  return [&service, answer](const Request& request) {
+Handler Guarded(Service& service, Result<Response> (*answer)(Service&, const Request&)) {
+  return [&service, answer](const Request& request) -> Result<Response> {
     try {
       return answer(service, request);
     } catch (const FeatureJson::exception& thrown) {
-      return Problem({ErrorCode::kCorrupt, "The list of photos of this map is damaged.", thrown.what()},
-                     request);
+      return Error{ErrorCode::kCorrupt, "The list of photos of this map is damaged.", thrown.what()};
     }
   };
 }

@@ -107,12 +107,10 @@ Result<Response> TerrainTileJson(Service& service, const Request& request) {
 }  // namespace
 
 void AddTerrainRoutes(Router& router, Service& service) {
-  router.AddCompute(
-      Method::kGet, fmt::format("/tiles/{{flight}}/{}.json", kTerrainTiles),
-      [&](const Request& request) { return TileResponse(TerrainTileJson(service, request), request); });
-  router.AddQuick(
-      Method::kGet, fmt::format("/tiles/{{flight}}/{}/{{z}}/{{x}}/{{y}}", kTerrainTiles),
-      [&](const Request& request) { return TileResponse(TerrainTile(service, request), request); });
+  router.AddCompute(Method::kGet, fmt::format("/tiles/{{flight}}/{}.json", kTerrainTiles),
+                    [&](const Request& request) { return TerrainTileJson(service, request); });
+  router.AddQuick(Method::kGet, fmt::format("/tiles/{{flight}}/{}/{{z}}/{{x}}/{{y}}", kTerrainTiles),
+                  [&](const Request& request) { return TerrainTile(service, request); });
 }
 
 }  // namespace skyquilt::api

@@ -254,22 +254,18 @@ Result<Response> TileJson(Service& service, const Request& request, const std::s
 
 void AddTileJsonRoute(Router& router, Service& service) {
   router.Add(Method::kGet, "/tiles/index.json",
-             [&](const Request& request) { return TileResponse(TileIndex(service, request), request); });
-  router.Add(Method::kGet, "/tiles/{tileset}", [&](const Request& request) {
-    const Result<std::string> id = BeforeJson(request.Parameter("tileset"));
-    if (!id) return TileResponse(id.error(), request);
-    return TileResponse(TileJson(service, request, *id, Shown::kStoredTiles), request);
+             [&](const Request& request) { return TileIndex(service, request); });
+  router.Add(Method::kGet, "/tiles/{tileset}", [&](const Request& request) -> Result<Response> {
+    SKYQUILT_TRY_ASSIGN(const std::string id, BeforeJson(request.Parameter("tileset")));
+    return TileJson(service, request, id, Shown::kStoredTiles);
   });
   router.Add(Method::kGet, "/tiles/{flight}/256.json", [&](const Request& request) {
-    return TileResponse(TileJson(service, request, request.Parameter("flight"), Shown::kUsualTiles), request);
+    return TileJson(service, request, request.Parameter("flight"), Shown::kUsualTiles);
   });
-  router.Add(Method::kGet, "/tiles/{flight}/{tileset}", [&](const Request& request) {
-    const Result<std::string> name = BeforeJson(request.Parameter("tileset"));
-    if (!name) return TileResponse(name.error(), request);
-    const Result<render::MapLayer> layer = ParseLayer(*name);
-    if (!layer) return TileResponse(layer.error(), request);
-    return TileResponse(TileJson(service, request, request.Parameter("flight"), Shown::kLayer, *layer),
-                        request);
+  router.Add(Method::kGet, "/tiles/{flight}/{tileset}", [&](const Request& request) -> Result<Response> {
+    SKYQUILT_TRY_ASSIGN(const std::string name, BeforeJson(request.Parameter("tileset")));
+    SKYQUILT_TRY_ASSIGN(const render::MapLayer layer, ParseLayer(name));
+    return TileJson(service, request, request.Parameter("flight"), Shown::kLayer, layer);
   });
 }
 

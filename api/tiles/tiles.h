@@ -32,8 +32,6 @@ struct TileRequest {
 Result<Response> AnswerTile(Service& service, const Request& request, const TileRequest& wanted);
 // Says once that another Accept may have another answer.
 void TellByAccept(Response& answer);
-// With the header that lets pages of other sites show it, and problems as documents.
-Response TileResponse(Result<Response> answer, const Request& request);
 
 // An address without a revision means the map, or the preview while there is no map; one with a revision
 // always means that one, so that nobody gets tiles of both.

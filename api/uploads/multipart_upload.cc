@@ -133,19 +133,17 @@ class NewFlight final : public BodySink {
   }
 
  private:
-  Response QueueAndAnswer() {
-    if (receiver_.stored_count() == 0) return Problem(NothingUsable(receiver_.files()), request_);
-    const Result<storage::Job> job = Start();
-    if (!job) return Problem(job.error(), request_);
+  Result<Response> QueueAndAnswer() {
+    if (receiver_.stored_count() == 0) return NothingUsable(receiver_.files());
+    SKYQUILT_TRY_ASSIGN(const storage::Job job, Start());
     is_kept_ = true;
-    Result<FlightView> view = ViewFlight(service_, flight_id_);
-    if (!view) return Problem(view.error(), request_);
-    view->base_path = request_.base_path;
+    SKYQUILT_TRY_ASSIGN(FlightView view, ViewFlight(service_, flight_id_));
+    view.base_path = request_.base_path;
     const storage::Time now = storage::Now();
-    Response response = Json(202, JsonObject({{"flight", FlightJson(*view, now)},
-                                              {"job", JobJson(*job, now)},
+    Response response = Json(202, JsonObject({{"flight", FlightJson(view, now)},
+                                              {"job", JobJson(job, now)},
                                               {"files", FileOutcomesJson(receiver_.files())}}));
-    response.headers.Add("Location", "/api/v1/jobs/" + job->id);
+    response.headers.Add("Location", "/api/v1/jobs/" + job.id);
     return response;
   }
 
@@ -185,10 +183,9 @@ class FormAgain final : public BodySink {
   Response Finish() override {
     const Result<void> whole = parser_.Finish();
     if (!whole) return Problem(whole.error(), request_);
-    return OnceBy(service_, request_, digest_.Finish(), [&] {
-      return Problem(
-          {ErrorCode::kUnavailable, "The first answer under this key is no longer kept. Send it again.", ""},
-          request_);
+    return OnceBy(service_, request_, digest_.Finish(), [] {
+      return Error{ErrorCode::kUnavailable,
+                   "The first answer under this key is no longer kept. Send it again.", ""};
     });
   }
 
@@ -199,27 +196,23 @@ class FormAgain final : public BodySink {
   MultipartParser parser_;
 };
 
-Response MakeEmptyFlight(Service& service, const Request& request, const std::string& body) {
-  const Result<storage::FlightChange> fields = ParseFlightFields(body);
-  if (!fields) return Problem(fields.error(), request);
+Result<Response> MakeEmptyFlight(Service& service, const Request& request, const std::string& body) {
+  SKYQUILT_TRY_ASSIGN(const storage::FlightChange fields, ParseFlightFields(body));
   const storage::Time now = storage::Now();
-  Result<storage::Flight> flight =
-      service.catalogue.AddFlight(fields->name.value_or(DefaultFlightName(now)),
-                                  fields->options.value_or("{}"), now, request.owner, *fields);
-  if (!flight) return Problem(flight.error(), request);
+  SKYQUILT_TRY_ASSIGN(storage::Flight flight,
+                      service.catalogue.AddFlight(fields.name.value_or(DefaultFlightName(now)),
+                                                  fields.options.value_or("{}"), now, request.owner, fields));
   FlightView view;
-  view.flight = *std::move(flight);
+  view.flight = std::move(flight);
   Response response = Json(201, FlightJson(view, now));
   response.headers.Add("Location", "/api/v1/flights/" + view.flight.id);
   return response;
 }
 
-using Begun = std::variant<std::unique_ptr<BodySink>, Response>;
-
-Begun BeginFlight(Service& service, const Request& request) {
+UploadBegun BeginFlight(Service& service, const Request& request) {
   if (IsJson(request)) {
-    return CollectBody([&service, request](const std::string& body) {
-      return Once(service, request, body, [&] { return MakeEmptyFlight(service, request, body); });
+    return CollectBody(request, [&service](const Request& of, const std::string& body) {
+      return Once(service, of, body, [&] { return MakeEmptyFlight(service, of, body); });
     });
   }
   const Result<std::string> boundary = MultipartBoundary(request.headers.Find("Content-Type"));
@@ -234,7 +227,7 @@ Begun BeginFlight(Service& service, const Request& request) {
   return std::make_unique<NewFlight>(service, request, *boundary, flight->id);
 }
 
-Begun BeginFiles(Service& service, const Request& request) {
+UploadBegun BeginFiles(Service& service, const Request& request) {
   const std::string& flight_id = request.Parameter("flight");
   const Result<void> checked = CheckId(flight_id, "flight");
   if (!checked) return Problem(checked.error(), request);

@@ -148,7 +148,7 @@ class PutFile final : public BodySink {
   Digest digest_{DigestAlgorithm::kSha256};
 };
 
-std::variant<std::unique_ptr<BodySink>, Response> BeginPut(Service& service, const Request& request) {
+UploadBegun BeginPut(Service& service, const Request& request) {
   const std::string& flight_id = request.Parameter("flight");
   const Result<void> checked = CheckId(flight_id, "flight");
   if (!checked) return Problem(checked.error(), request);
@@ -185,25 +185,22 @@ std::variant<std::unique_ptr<BodySink>, Response> BeginPut(Service& service, con
                                    std::move(sha256));
 }
 
-Response ListFiles(Service& service, const Request& request) {
-  const Result<void> checked = CheckId(request.Parameter("flight"), "flight");
-  if (!checked) return Problem(checked.error(), request);
-  const Result<void> there = RequireFlight(service, request.Parameter("flight"));
-  if (!there) return Problem(there.error(), request);
-  const Result<std::vector<StoredFile>> files = service.catalogue.ListFiles(request.Parameter("flight"));
-  if (!files) return Problem(files.error(), request);
+Result<Response> ListFiles(Service& service, const Request& request) {
+  SKYQUILT_TRY(CheckId(request.Parameter("flight"), "flight"));
+  SKYQUILT_TRY(RequireFlight(service, request.Parameter("flight")));
+  SKYQUILT_TRY_ASSIGN(const std::vector<StoredFile> files,
+                      service.catalogue.ListFiles(request.Parameter("flight")));
   std::vector<std::string> items;
-  for (const StoredFile& file : *files) items.push_back(FileJson(file));
+  for (const StoredFile& file : files) items.push_back(FileJson(file));
   return Json(200, JsonObject({{"files", JsonArray(items)}}));
 }
 
-Response DeleteFile(Service& service, const Request& request) {
+Result<Response> DeleteFile(Service& service, const Request& request) {
   const std::string& flight_id = request.Parameter("flight");
-  const Result<void> checked = CheckId(flight_id, "flight");
-  if (!checked) return Problem(checked.error(), request);
+  SKYQUILT_TRY(CheckId(flight_id, "flight"));
   const Result<StoredFile> removed =
       service.db.Free([&] { return service.catalogue.RemoveFile(flight_id, request.Parameter("name")); });
-  if (!removed) return Problem(removed.error(), request);
+  if (!removed) return removed.error();
   service.store.Remove(flight_id, removed->stored_name);
   service.db.FillReserve();
   return NoContent();

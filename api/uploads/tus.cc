@@ -119,7 +119,7 @@ Response JoinParts(Service& service, const Request& request, const SpooledUpload
   return Created(service, *upload);
 }
 
-TusBegun BeginTusCreation(Service& service, const Request& request) {
+UploadBegun BeginTusCreation(Service& service, const Request& request) {
   if (auto refused = CheckTusVersion(request)) return *std::move(refused);
   const Result<std::optional<TusConcat>> concat = ConcatOf(request);
   if (!concat) return RefuseTus(concat.error(), request);
@@ -136,8 +136,9 @@ TusBegun BeginTusCreation(Service& service, const Request& request) {
   const Result<int> expired = service.spool.RemoveExpired(now);
   if (!expired) return RefuseTus(expired.error(), request);
   if (*concat && !is_part) {
-    return CollectBody([&service, request, wanted = *wanted, parts = (*concat)->parts](const std::string&) {
-      return JoinParts(service, request, wanted, parts);
+    return CollectBody(request, [&service, wanted = *wanted, parts = (*concat)->parts](const Request& of,
+                                                                                       const std::string&) {
+      return JoinParts(service, of, wanted, parts);
     });
   }
   Result<IncomingBytes> incoming = TusBytes(service, wanted->flight_id, wanted->owner);
@@ -149,7 +150,8 @@ TusBegun BeginTusCreation(Service& service, const Request& request) {
   incoming->Kept(wanted->length.value_or(0));  // a length that is known counts from here on
   const auto created = [&service](const SpooledUpload& made) { return Created(service, made); };
   if (has_body) return BeginTusChunk(service, request, upload->id, 0, created);
-  return CollectBody([created, made = *upload](const std::string&) { return created(made); });
+  return CollectBody(request,
+                     [created, made = *upload](const Request&, const std::string&) { return created(made); });
 }
 
 // A length that comes late counts as a whole from here on.
@@ -164,7 +166,7 @@ Result<void> DeclareLength(Service& service, const std::string& id, std::int64_t
   return declared;
 }
 
-TusBegun BeginPatch(Service& service, const Request& request) {
+UploadBegun BeginPatch(Service& service, const Request& request) {
   if (auto refused = CheckTusOwner(service, request)) return *std::move(refused);
   const std::string& id = request.Parameter("upload");
   const std::optional<std::int64_t> offset = ParseTusNumber(request.headers.Find("Upload-Offset"));
@@ -229,7 +231,7 @@ Response Options(const Request&) {
 }
 
 // For clients whose way lets only GET and POST through.
-TusBegun Overridden(Service& service, const Request& request) {
+UploadBegun Overridden(Service& service, const Request& request) {
   const std::string_view method = request.headers.Find("X-HTTP-Method-Override");
   if (method == "PATCH") return BeginPatch(service, request);
   if (method == "DELETE") return DeleteUpload(service, request);

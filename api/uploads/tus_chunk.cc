@@ -139,8 +139,8 @@ bool IsTusChunk(const Request& request) {
   return EqualsIgnoringCase(request.headers.Find("Content-Type"), kChunkType);
 }
 
-TusBegun BeginTusChunk(Service& service, const Request& request, const std::string& id, std::int64_t offset,
-                       TusChunkAnswer answer) {
+UploadBegun BeginTusChunk(Service& service, const Request& request, const std::string& id,
+                          std::int64_t offset, TusChunkAnswer answer) {
   const Result<std::optional<TusChecksum>> checksum = ChecksumOf(request);
   if (!checksum) return RefuseTus(checksum.error(), request);
   const storage::Time now = service.db.ages().Now();

@@ -3,19 +3,15 @@
 #pragma once
 
 #include <functional>
-#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <variant>
 
 #include "api/auth/limits.h"
-#include "api/http/http_message.h"
+#include "api/http/router.h"
 #include "api/service.h"
 
 namespace skyquilt::api {
-
-using TusBegun = std::variant<std::unique_ptr<BodySink>, Response>;
 
 // With the version of the protocol.
 Response TusAnswer(Response response);
@@ -33,8 +29,8 @@ using TusChunkAnswer = std::function<Response(const storage::SpooledUpload&)>;
 
 // Whether the body has the type of such bytes.
 bool IsTusChunk(const Request& request);
-TusBegun BeginTusChunk(Service& service, const Request& request, const std::string& id, std::int64_t offset,
-                       TusChunkAnswer answer);
+UploadBegun BeginTusChunk(Service& service, const Request& request, const std::string& id,
+                          std::int64_t offset, TusChunkAnswer answer);
 
 // Whose quota the bytes of an upload count towards: that of its flight's owner; of a part, its own owner's.
 Result<IncomingBytes> TusBytes(Service& service, const std::string& flight_id, const std::string& owner);

@@ -74,7 +74,7 @@ Response AnswerTileAt(Service& service, const Request& request, const std::strin
     GridTileRequest wanted{flight_id, *set.grid, numbers->z, numbers->x, numbers->y, numbers->format};
     wanted.look = *std::move(look);
     Result<Response> answer = AnswerGridTile(service, request, wanted);
-    return answer ? TileResponse(std::move(answer), request) : Exception(answer.error());
+    return answer ? *std::move(answer) : Exception(answer.error());
   }
   const Result<TilePath> path = ParseTilePath(matrix, column, y);
   if (!path) return Exception(400, "TileOutOfRange", "TileRow", path.error().message);
@@ -86,7 +86,7 @@ Response AnswerTileAt(Service& service, const Request& request, const std::strin
   wanted.look = *std::move(look);
   Result<Response> answer = AnswerTile(service, request, wanted);
   if (!answer) return Exception(answer.error());
-  return TileResponse(std::move(answer), request);
+  return *std::move(answer);
 }
 
 // "1" and "EPSG:3857:1" alike: some clients put the set before the matrix.
