@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "api/auth/flight_access.h"
+#include "api/http/parameters.h"
 #include "api/http/responses.h"
 #include "api/ogc/map_view.h"
 #include "api/routes.h"

@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "api/http/parameters.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {
@@ -152,10 +153,7 @@ Result<TimeSpan> ParseTimeSpan(std::string_view text) {
 Result<geo::LatLonBounds> ParseBbox(std::string_view text) {
   std::vector<double> numbers;
   for (const std::string_view part : PartsOf(text.substr(0, 400), ',')) {
-    double number = std::nan("");
-    const auto parsed = std::from_chars(part.data(), part.data() + part.size(), number);
-    if (parsed.ec != std::errc() || parsed.ptr != part.data() + part.size()) number = std::nan("");
-    numbers.push_back(number);
+    numbers.push_back(ParseNumber<double>(part).value_or(std::nan("")));
   }
   return BboxOf(numbers);
 }
@@ -175,11 +173,9 @@ bool BoxesMeet(const geo::LatLonBounds& a, const geo::LatLonBounds& b) {
 
 Result<int> ParseLimit(std::string_view text, int otherwise, int most) {
   if (text.empty()) return otherwise;
-  std::int64_t limit = 0;
-  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), limit);
-  if (parsed.ec != std::errc() || parsed.ptr != text.data() + text.size() || limit < 1)
-    return BadQuery("\"limit\" must be a whole number from 1 on.");
-  return static_cast<int>(std::min<std::int64_t>(limit, most));
+  const auto limit = ParseNumber<std::int64_t>(text);
+  if (!limit || *limit < 1) return BadQuery("\"limit\" must be a whole number from 1 on.");
+  return static_cast<int>(std::min<std::int64_t>(*limit, most));
 }
 
 }  // namespace skyquilt::api

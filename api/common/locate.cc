@@ -1,11 +1,10 @@
 #include "api/common/locate.h"
 
-#include <charconv>
-#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "api/http/parameters.h"
 #include "api/http/responses.h"
 #include "api/routes.h"
 #include "api/shown_map.h"
@@ -50,18 +49,6 @@ Result<Response> GroundOf(Service& service, const Request& request) {
 }
 
 }  // namespace
-
-Result<double> NumberParameter(const Request& request, const char* name) {
-  const std::string_view text = request.Query(name).value_or("");
-  double number = 0.0;
-  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (text.empty() || parsed.ec != std::errc() || parsed.ptr != text.data() + text.size() ||
-      !std::isfinite(number)) {
-    return Error{ErrorCode::kInvalidArgument, std::string("The parameter \"") + name + "\" must be a number.",
-                 ""};
-  }
-  return number;
-}
 
 Result<pipeline::LocatedMap> ReadLocatedMap(Service& service, const std::string& id) {
   SKYQUILT_TRY_ASSIGN(const ShownMap shown, FindShownMap(service, id));

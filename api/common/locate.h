@@ -1,7 +1,6 @@
 // The cameras and the ground of a map, by which photos and places find each other. Any thread.
 #pragma once
 
-#include "api/http/http_message.h"
 #include "api/service.h"
 #include "core/pipeline/report/locate.h"
 
@@ -10,7 +9,5 @@ namespace skyquilt::api {
 // The cameras and the ground that the map of a flight was made with. Errors: kNotFound (no such flight, no
 // map, or one without them), kCorrupt, kIo.
 Result<pipeline::LocatedMap> ReadLocatedMap(Service& service, const std::string& flight_id);
-// A parameter that must be there and a number: kInvalidArgument.
-Result<double> NumberParameter(const Request& request, const char* name);
 
 }  // namespace skyquilt::api

@@ -4,11 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <functional>
 
 #include "api/auth/access.h"
 #include "api/events/event_hub.h"
+#include "api/http/parameters.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
 #include "api/routes.h"
@@ -105,12 +105,8 @@ class EventStream final : public LiveSource {
 };
 
 std::optional<std::int64_t> SeqFrom(std::string_view text) {
-  std::int64_t seq = 0;
-  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), seq);
-  if (text.empty() || parsed.ec != std::errc() || parsed.ptr != text.data() + text.size() || seq < 0) {
-    return std::nullopt;
-  }
-  return seq;
+  const auto seq = ParseNumber<std::int64_t>(text);
+  return seq && *seq >= 0 ? seq : std::nullopt;
 }
 
 Error NothingToFollow() {

@@ -1,10 +1,9 @@
 #include "api/flights/flights.h"
 
-#include <charconv>
-
 #include "api/auth/flight_access.h"
 #include "api/flights/trash.h"
 #include "api/http/links.h"
+#include "api/http/parameters.h"
 #include "api/http/responses.h"
 #include "api/routes.h"
 #include "core/base/try.h"
@@ -30,29 +29,9 @@ Result<FlightView> WithJobAndMap(Service& service, storage::Flight flight) {
   return view;
 }
 
-Result<int> PageSize(const Request& request) {
-  const auto text = request.Query("limit");
-  if (!text) return kDefaultPage;
-  int limit = 0;
-  const auto parsed = std::from_chars(text->data(), text->data() + text->size(), limit);
-  if (parsed.ec != std::errc() || parsed.ptr != text->data() + text->size() || limit < 1 ||
-      limit > kLargestPage) {
-    return Error{
-        ErrorCode::kInvalidArgument,
-        "The parameter \"limit\" must be a whole number from 1 to " + std::to_string(kLargestPage) + ".", ""};
-  }
-  return limit;
-}
-
 Result<Response> ListFlights(Service& service, const Request& request) {
-  SKYQUILT_TRY_ASSIGN(const int limit, PageSize(request));
-  std::optional<std::string> cursor;
-  if (const auto given = request.Query("cursor")) {
-    if (!storage::IsId(*given)) {
-      return Error{ErrorCode::kInvalidArgument, "The parameter \"cursor\" is not one that a list gave.", ""};
-    }
-    cursor = *given;
-  }
+  SKYQUILT_TRY_ASSIGN(const int limit, PageSizeOf(request, kDefaultPage, kLargestPage));
+  SKYQUILT_TRY_ASSIGN(const auto cursor, ParseCursor(request.Query("cursor")));
   std::optional<std::string> tag;
   if (const auto given = request.Query("tag")) {
     const auto checked = storage::CheckedTags({std::string(*given)});

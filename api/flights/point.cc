@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "api/common/locate.h"
+#include "api/http/parameters.h"
 #include "api/http/responses.h"
 #include "api/routes.h"
 #include "api/shown_map.h"

@@ -4,13 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 
 #include "api/common/index_look.h"
+#include "api/http/parameters.h"
 #include "api/http/responses.h"
 #include "api/indices/index_legend.h"
 #include "api/routes.h"
@@ -38,26 +38,18 @@ struct ZoneRequest {
 
 Error BadZones(std::string message) { return {ErrorCode::kInvalidArgument, std::move(message), ""}; }
 
-template <typename Number>
-std::optional<Number> NumberIn(std::string_view text) {
-  Number number{};
-  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (parsed.ec != std::errc() || parsed.ptr != text.data() + text.size()) return std::nullopt;
-  return number;
-}
-
 Result<ZoneRequest> ParseZones(const Request& request) {
   SKYQUILT_TRY_ASSIGN(IndexLook look, LookRequiredIn(request));
   ZoneRequest wanted{.look = std::move(look), .resolution_m = std::nullopt};
   if (const auto classes = request.Query("classes")) {
-    const std::optional<int> number = NumberIn<int>(*classes);
+    const std::optional<int> number = ParseNumber<int>(*classes);
     if (!number || *number < kMinZones || *number > kMaxZones)
       return BadZones(
           fmt::format("The parameter \"classes\" is a number from {} to {}.", kMinZones, kMaxZones));
     wanted.classes = *number;
   }
   if (const auto resolution = request.Query("resolution_m")) {
-    wanted.resolution_m = NumberIn<double>(*resolution);
+    wanted.resolution_m = ParseNumber<double>(*resolution);
     if (!wanted.resolution_m || !(*wanted.resolution_m > 0.0) || !(*wanted.resolution_m < 1e5))
       return BadZones(
           "The parameter \"resolution_m\" is the side of a cell in metres, as in resolution_m=2.");

@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "api/http/parameters.h"
 #include "api/wms/wms_request.h"
 #include "core/base/try.h"
 #include "core/geo/web_mercator.h"
@@ -33,20 +33,12 @@ Error BadParameter(std::string_view name, std::string_view what) {
   return {ErrorCode::kInvalidArgument, fmt::format("The parameter \"{}\" must be {}.", name, what), ""};
 }
 
-std::optional<double> FiniteNumber(std::string_view text) {
-  double number = 0.0;
-  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (text.empty() || parsed.ec != std::errc() || parsed.ptr != text.data() + text.size())
-    return std::nullopt;
-  return std::isfinite(number) ? std::optional(number) : std::nullopt;
-}
-
 // Absent: one of them is none, or there are more than six.
 std::optional<std::vector<double>> FiniteNumbers(std::string_view text) {
   std::vector<double> numbers;
   while (numbers.size() < 6) {
     const std::size_t comma = text.find(',');
-    const std::optional<double> number = FiniteNumber(text.substr(0, comma));
+    const std::optional<double> number = ParseFiniteNumber(text.substr(0, comma));
     if (!number) return std::nullopt;
     numbers.push_back(*number);
     if (comma == std::string_view::npos) return numbers;
@@ -108,8 +100,8 @@ std::optional<AxisInterval> ParseInterval(std::string_view text) {
   AxisInterval interval{text.substr(0, open), std::nullopt, std::nullopt};
   const std::string_view low = text.substr(open + 1, colon - open - 1);
   const std::string_view high = text.substr(colon + 1, text.size() - colon - 2);
-  if (low != "*" && !(interval.low = FiniteNumber(low))) return std::nullopt;
-  if (high != "*" && !(interval.high = FiniteNumber(high))) return std::nullopt;
+  if (low != "*" && !(interval.low = ParseFiniteNumber(low))) return std::nullopt;
+  if (high != "*" && !(interval.high = ParseFiniteNumber(high))) return std::nullopt;
   return interval;
 }
 
@@ -151,7 +143,7 @@ Result<GivenBox> BoxOfSubset(const Request& request, const geo::LatLonBounds& wh
 Result<std::optional<double>> PositiveNumberIn(const Request& request, const char* name) {
   const auto text = request.Query(name);
   if (!text) return std::optional<double>();
-  const std::optional<double> number = FiniteNumber(*text);
+  const std::optional<double> number = ParseFiniteNumber(*text);
   if (!number || !(*number > 0.0)) return BadParameter(name, "a number above zero");
   return number;
 }

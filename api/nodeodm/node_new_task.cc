@@ -5,12 +5,12 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "api/flights/flights.h"
 #include "api/forms/multipart.h"
+#include "api/http/parameters.h"
 #include "api/http/target.h"
 #include "api/json/json_codec.h"
 #include "api/json/json_text.h"
@@ -191,11 +191,7 @@ Result<NewTask> NewTaskFrom(Service& service, const Request& request, const Node
       ParseFlightFields(JsonObject({{"name", JsonString(task.name)}}));
   if (!checked) return checked.error();
   const std::string date = NodeField(fields, "dateCreated");
-  task.created_ms = NodeNowMs();
-  if (!date.empty()) {
-    const auto parsed = std::from_chars(date.data(), date.data() + date.size(), task.created_ms);
-    if (parsed.ec != std::errc() || parsed.ptr != date.data() + date.size()) task.created_ms = NodeNowMs();
-  }
+  task.created_ms = ParseNumber<std::int64_t>(date).value_or(NodeNowMs());
   return task;
 }
 

@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "api/http/parameters.h"
 #include "api/json/job_options.h"
 #include "api/json/json_text.h"
 #include "core/base/text/json_io.h"
@@ -182,12 +182,7 @@ constexpr std::size_t kMaxUnknown = 50;
 std::optional<double> NumberFrom(const Value& value) {
   if (value.is_number()) return value.get<double>();
   if (!value.is_string()) return std::nullopt;
-  const auto& text = value.get_ref<const std::string&>();
-  double number = 0.0;
-  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (text.empty() || parsed.ec != std::errc() || parsed.ptr != text.data() + text.size())
-    return std::nullopt;
-  return number;
+  return ParseNumber<double>(value.get_ref<const std::string&>());
 }
 
 Error MustBe(const char* what) {

@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <chrono>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <thread>
 
+#include "api/http/parameters.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
 #include "api/nodeodm/node_options.h"
@@ -106,14 +106,6 @@ Response ListTasks(Service& service, const Request& request) {
   return NodeAnswer(JsonText(list));
 }
 
-std::optional<std::int64_t> WholeNumber(std::string_view text) {
-  std::int64_t number = 0;
-  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (text.empty() || parsed.ec != std::errc() || parsed.ptr != text.data() + text.size())
-    return std::nullopt;
-  return number;
-}
-
 // From line `from` on; a negative one counts from the end.
 Value LinesFrom(const std::vector<std::string>& lines, std::int64_t from) {
   const auto count = static_cast<std::int64_t>(lines.size());
@@ -151,7 +143,7 @@ Response TaskInfo(Service& service, const Request& request) {
   const Result<std::vector<std::string>> lines = NodeOutput(service, *task);
   if (!lines) return NodeProblem(lines.error(), request);
   Value answer = ParseOrderedJson(*description);
-  answer["output"] = LinesFrom(*lines, WholeNumber(*first_line).value_or(0));
+  answer["output"] = LinesFrom(*lines, ParseNumber<std::int64_t>(*first_line).value_or(0));
   return NodeAnswer(JsonText(answer));
 }
 
@@ -160,8 +152,8 @@ Response TaskOutput(Service& service, const Request& request) {
   if (!task) return NodeProblem(task.error(), request);
   const Result<std::vector<std::string>> lines = NodeOutput(service, *task);
   if (!lines) return NodeProblem(lines.error(), request);
-  return NodeAnswer(
-      JsonText(LinesFrom(*lines, WholeNumber(request.Query("line").value_or("0")).value_or(0))));
+  return NodeAnswer(JsonText(
+      LinesFrom(*lines, ParseNumber<std::int64_t>(request.Query("line").value_or("0")).value_or(0))));
 }
 
 std::string LineOf(const storage::Event& event) {

@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <nlohmann/json.hpp>
 
 #include "api/auth/flight_access.h"
 #include "api/common/feature_query.h"
 #include "api/http/links.h"
+#include "api/http/parameters.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
 #include "api/ogc/ogc_format.h"
@@ -69,9 +69,10 @@ Result<FeatureQuery> ParseFeatureQuery(const Request& request) {
   SKYQUILT_TRY_ASSIGN(query.limit,
                       ParseLimit(request.Query("limit").value_or(""), kUsualFeatures, kMaxFeatures));
   if (const auto text = request.Query("offset")) {
-    const auto parsed = std::from_chars(text->data(), text->data() + text->size(), query.offset);
-    if (parsed.ec != std::errc() || parsed.ptr != text->data() + text->size())
+    const auto offset = ParseNumber<std::size_t>(*text);
+    if (!offset)
       return Error{ErrorCode::kInvalidArgument, "\"offset\" must be a whole number from 0 on.", ""};
+    query.offset = *offset;
   }
   return query;
 }

@@ -93,13 +93,6 @@ Response OgcDocument(std::string json) {
   return response;
 }
 
-std::optional<std::string> Parameter(const Request& request, std::string_view name) {
-  for (const auto& [known, value] : request.query) {
-    if (EqualsIgnoringCase(known, name)) return value;
-  }
-  return std::nullopt;
-}
-
 bool AsksForCapabilities(std::string_view operation) {
   constexpr std::string_view kOthers[] = {"GetMap",       "map",           "GetFeatureInfo",
                                           "feature_info", "DescribeLayer", "GetLegendGraphic",

@@ -2,7 +2,6 @@
 // matrix sets, and tiles by row and column. OGC 20-057.
 #include <fmt/format.h>
 
-#include <charconv>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <vector>
@@ -11,6 +10,7 @@
 #include "api/common/media_types.h"
 #include "api/grids/grid_tiles.h"
 #include "api/http/links.h"
+#include "api/http/parameters.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
 #include "api/ogc/features.h"
@@ -146,19 +146,8 @@ Result<Response> DescribeCollection(Service& service, const Request& request) {
 }
 
 Result<Response> Collections(Service& service, const Request& request) {
-  int limit = 50;
-  if (const auto text = request.Query("limit")) {
-    const auto parsed = std::from_chars(text->data(), text->data() + text->size(), limit);
-    if (parsed.ec != std::errc() || parsed.ptr != text->data() + text->size() || limit < 1 || limit > 200) {
-      return Error{ErrorCode::kInvalidArgument,
-                   "The parameter \"limit\" must be a whole number from 1 to 200.", ""};
-    }
-  }
-  std::optional<std::string> cursor;
-  if (const auto given = request.Query("cursor")) cursor = *given;
-  if (cursor && !storage::IsId(*cursor)) {
-    return Error{ErrorCode::kInvalidArgument, "The parameter \"cursor\" is not one that a list gave.", ""};
-  }
+  SKYQUILT_TRY_ASSIGN(const int limit, PageSizeOf(request, 50, 200));
+  SKYQUILT_TRY_ASSIGN(const auto cursor, ParseCursor(request.Query("cursor")));
   SKYQUILT_TRY_ASSIGN(const storage::MapPage page, ListVisibleMaps(service, request, limit, cursor));
   Value collections = Value::array();
   for (const storage::ShownFlight& map : page.maps) {

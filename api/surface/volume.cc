@@ -9,6 +9,7 @@
 
 #include "api/common/locate.h"
 #include "api/forms/geojson_body.h"
+#include "api/http/parameters.h"
 #include "api/http/responses.h"
 #include "api/json/json_text.h"
 #include "api/surface/map_surface.h"

@@ -8,6 +8,7 @@
 #include "api/auth/flight_access.h"
 #include "api/common/feature_query.h"
 #include "api/http/links.h"
+#include "api/http/parameters.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
 #include "api/routes.h"
@@ -189,12 +190,7 @@ Result<Response> TileIndex(Service& service, const Request& request) {
   constexpr int kMaxIndexed = 1000;
   SKYQUILT_TRY_ASSIGN(const int limit,
                       ParseLimit(request.Query("limit").value_or(""), kMaxIndexed, kMaxIndexed));
-  std::optional<std::string> cursor;
-  if (const auto given = request.Query("cursor")) {
-    if (!storage::IsId(*given))
-      return Error{ErrorCode::kInvalidArgument, "The parameter \"cursor\" is not one that a list gave.", ""};
-    cursor = *given;
-  }
+  SKYQUILT_TRY_ASSIGN(const auto cursor, ParseCursor(request.Query("cursor")));
   SKYQUILT_TRY_ASSIGN(const storage::MapPage page, ListVisibleMaps(service, request, limit, cursor));
   Value list = Value::array();
   for (const storage::ShownFlight& map : page.maps) {

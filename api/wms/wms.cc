@@ -7,6 +7,7 @@
 
 #include "api/common/background.h"
 #include "api/flights/point.h"
+#include "api/http/parameters.h"
 #include "api/http/responses.h"
 #include "api/indices/index_legend.h"
 #include "api/ogc/feature_info.h"

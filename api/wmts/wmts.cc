@@ -2,11 +2,11 @@
 // that a request may read, each a layer by the flight's id. OGC 07-057r7.
 #include <fmt/format.h>
 
-#include <charconv>
 #include <variant>
 
 #include "api/flights/point.h"
 #include "api/grids/grid_tiles.h"
+#include "api/http/parameters.h"
 #include "api/http/responses.h"
 #include "api/ogc/feature_info.h"
 #include "api/ogc/listed_maps.h"
@@ -136,11 +136,8 @@ Response KvpTile(Service& service, const Request& request) {
 }
 
 std::optional<int> PixelIn(std::string_view text, int side_px) {
-  int pixel = 0;
-  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), pixel);
-  if (parsed.ec != std::errc() || parsed.ptr != text.data() + text.size() || pixel < 0 || pixel >= side_px)
-    return std::nullopt;
-  return pixel;
+  const auto pixel = ParseNumber<int>(text);
+  return pixel && *pixel >= 0 && *pixel < side_px ? pixel : std::nullopt;
 }
 
 // Of the middle of a pixel of a tile.
