@@ -4,10 +4,10 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "api/common/find_flight.h"
 #include "api/http/parameters.h"
 #include "api/http/responses.h"
 #include "api/routes.h"
-#include "api/shown_map.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "core/pipeline/report/locate.h"

@@ -4,10 +4,9 @@
 #include <optional>
 #include <utility>
 
+#include "api/common/find_flight.h"
 #include "api/control/control_list.h"
-#include "api/flights/flights.h"
 #include "api/http/responses.h"
-#include "api/json/json_codec.h"
 #include "api/routes.h"
 #include "api/uploads/flight_document.h"
 #include "core/base/text/json_io.h"
@@ -32,7 +31,6 @@ Result<std::string> ReadStoredList(Service& service, const std::string& flight_i
 }
 
 Result<KeptControl> ReadControlOf(Service& service, const std::string& flight_id) {
-  SKYQUILT_TRY(CheckId(flight_id, "flight"));
   SKYQUILT_TRY(RequireFlight(service, flight_id));
   KeptControl kept{NoControlJson(), EtagOfDocument("")};
   SKYQUILT_TRY(ReadDocument(service, flight_id, kListName, [&](const auto& list) -> Result<void> {
@@ -74,7 +72,6 @@ Error AsRefusal(const Error& error) {
 
 Result<KeptControl> WriteControl(Service& service, const Request& request, const std::string& body) {
   const std::string& flight_id = request.Parameter("flight");
-  SKYQUILT_TRY(CheckId(flight_id, "flight"));
   SKYQUILT_TRY(RequireFlight(service, flight_id));
   SKYQUILT_TRY_ASSIGN(const std::string text, ControlListText(body));
   SKYQUILT_TRY_ASSIGN(const auto list, FindDocument(service, flight_id, kListName));

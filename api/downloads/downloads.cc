@@ -14,15 +14,13 @@
 #include <utility>
 #include <vector>
 
-#include "api/common/media_types.h"
+#include "api/common/find_flight.h"
 #include "api/downloads/send_file.h"
 #include "api/downloads/small_picture.h"
 #include "api/downloads/streamed_product.h"
 #include "api/downloads/zip_layout.h"
-#include "api/flights/flights.h"
 #include "api/http/responses.h"
 #include "api/routes.h"
-#include "api/shown_map.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {
@@ -195,7 +193,6 @@ Result<Response> SendFrame(Service& service, const Request& request, const std::
 Result<Response> SendOriginal(Service& service, const Request& request) {
   const std::string& flight_id = request.Parameter("flight");
   const std::string& name = request.Parameter("name");
-  SKYQUILT_TRY(CheckId(flight_id, "flight"));
   SKYQUILT_TRY(RequireFlight(service, flight_id));
   SKYQUILT_TRY_ASSIGN(const std::optional<storage::StoredFile> file,
                       service.catalogue.FindFile(flight_id, name));

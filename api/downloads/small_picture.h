@@ -8,9 +8,9 @@
 
 #include <string>
 
+#include "api/common/find_flight.h"
 #include "api/http/http_message.h"
 #include "api/service.h"
-#include "api/shown_map.h"
 
 namespace skyquilt::api {
 

@@ -5,14 +5,13 @@
 #include <nlohmann/json.hpp>
 
 #include "api/auth/flight_access.h"
+#include "api/common/find_flight.h"
 #include "api/downloads/send_file.h"
-#include "api/flights/flights.h"
 #include "api/http/once.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
 #include "api/json/json_text.h"
 #include "api/routes.h"
-#include "api/shown_map.h"
 #include "api/tiles/index_values.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"

@@ -84,12 +84,6 @@ Result<Response> DeleteFlight(Service& service, const Request& request) {
 
 }  // namespace
 
-Result<void> RequireFlight(Service& service, const std::string& id) {
-  SKYQUILT_TRY_ASSIGN(const bool known, service.catalogue.HasFlight(id));
-  if (!known) return Error{ErrorCode::kNotFound, "There is no flight " + id + ".", ""};
-  return {};
-}
-
 std::string DefaultFlightName(storage::Time now) {
   std::string time = FormatTime(now).substr(0, 16);
   time[10] = ' ';

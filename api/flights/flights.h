@@ -6,8 +6,6 @@
 
 namespace skyquilt::api {
 
-// kNotFound where there is none, or it is in the trash.
-Result<void> RequireFlight(Service& service, const std::string& id);
 // The flight with its latest job and the map it shows. Errors: kNotFound and the catalogue's.
 Result<FlightView> ViewFlight(Service& service, const std::string& id);
 

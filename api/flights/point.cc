@@ -6,11 +6,11 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "api/common/find_flight.h"
 #include "api/common/locate.h"
 #include "api/http/parameters.h"
 #include "api/http/responses.h"
 #include "api/routes.h"
-#include "api/shown_map.h"
 #include "api/surface/map_surface.h"
 #include "api/tiles/index_values.h"
 #include "api/tiles/map_window.h"

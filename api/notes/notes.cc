@@ -3,7 +3,7 @@
 #include <optional>
 #include <utility>
 
-#include "api/flights/flights.h"
+#include "api/common/find_flight.h"
 #include "api/forms/geojson_body.h"
 #include "api/http/responses.h"
 #include "api/notes/note_list.h"
@@ -40,7 +40,6 @@ Result<NotesText> ReadStoredNotes(Service& service, const std::string& flight_id
 }
 
 Result<KeptNotes> ReadNotesOf(Service& service, const std::string& flight_id) {
-  SKYQUILT_TRY(CheckId(flight_id, "flight"));
   SKYQUILT_TRY(RequireFlight(service, flight_id));
   KeptNotes kept{NoNotes(), EtagOfDocument("")};
   SKYQUILT_TRY(ReadDocument(service, flight_id, flight::kMapNotesName, [&](const auto& file) -> Result<void> {
@@ -74,7 +73,6 @@ Result<WantedDocument> WantedNotes(Service& service, const Request& request,
 
 Result<KeptNotes> WriteNotes(Service& service, const Request& request, const std::string& body) {
   const std::string& flight_id = request.Parameter("flight");
-  SKYQUILT_TRY(CheckId(flight_id, "flight"));
   SKYQUILT_TRY(RequireFlight(service, flight_id));
   SKYQUILT_TRY_ASSIGN(NotesText text, ReadNotes(body));
   SKYQUILT_TRY_ASSIGN(const auto known, FindDocument(service, flight_id, flight::kMapNotesName));

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "api/auth/flight_access.h"
-#include "api/common/media_types.h"
+#include "api/common/find_flight.h"
 #include "api/grids/grid_tiles.h"
 #include "api/http/links.h"
 #include "api/http/parameters.h"

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "api/auth/access.h"
-#include "api/flights/flights.h"
+#include "api/common/find_flight.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
 #include "api/json/json_text.h"
@@ -58,11 +58,6 @@ std::vector<std::pair<std::string_view, std::string>> Described(const storage::T
 }
 
 // A flight that this server has: one whose id could be none is not looked for.
-Result<void> RequireKnownFlight(Service& service, const std::string& flight_id) {
-  SKYQUILT_TRY(CheckId(flight_id, "flight"));
-  return RequireFlight(service, flight_id);
-}
-
 // Those that have not ended, newest first.
 std::vector<storage::Token> SharesOf(const storage::TokenSet& set, const std::string& flight_id,
                                      storage::Time now) {
@@ -80,7 +75,7 @@ bool MayOpenNetwork(const Service& service, const Request& request) {
 
 Result<Response> ListShares(Service& service, const Request& request) {
   const std::string& flight_id = request.Parameter("flight");
-  SKYQUILT_TRY(RequireKnownFlight(service, flight_id));
+  SKYQUILT_TRY(RequireFlight(service, flight_id));
   SKYQUILT_TRY_ASSIGN(const storage::TokenSet set, service.tokens.Read());
   std::vector<std::string> items;
   for (const storage::Token& share : SharesOf(set, flight_id, storage::Now())) {
@@ -113,7 +108,7 @@ Result<void> MakeRoom(Service& service, const storage::TokenSet& set, const std:
 
 Result<Response> AddShare(Service& service, const Request& request, const std::string& body) {
   const std::string& flight_id = request.Parameter("flight");
-  SKYQUILT_TRY(RequireKnownFlight(service, flight_id));
+  SKYQUILT_TRY(RequireFlight(service, flight_id));
   SKYQUILT_TRY_ASSIGN(const std::optional<int> days, ParseDays(body));
   SKYQUILT_TRY_ASSIGN(const storage::TokenSet set, service.tokens.Read());
   const storage::Time now = storage::Now();

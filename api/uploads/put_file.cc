@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "api/flights/flights.h"
+#include "api/common/find_flight.h"
 #include "api/http/digest.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
@@ -186,7 +186,6 @@ UploadBegun BeginPut(Service& service, const Request& request) {
 }
 
 Result<Response> ListFiles(Service& service, const Request& request) {
-  SKYQUILT_TRY(CheckId(request.Parameter("flight"), "flight"));
   SKYQUILT_TRY(RequireFlight(service, request.Parameter("flight")));
   SKYQUILT_TRY_ASSIGN(const std::vector<StoredFile> files,
                       service.catalogue.ListFiles(request.Parameter("flight")));
