@@ -74,6 +74,19 @@ std::optional<WrittenTime> Read(std::string_view text) {
   return time;
 }
 
+Error BadQuery(std::string message) { return {ErrorCode::kInvalidArgument, std::move(message), ""}; }
+
+Result<std::optional<Instant>> EndOfSpan(std::string_view text) {
+  if (text.empty() || text == "..") return std::optional<Instant>();
+  const auto instant = InstantOf(text);
+  if (!instant) {
+    return BadQuery(
+        "\"datetime\" must be a time as 2024-06-01T10:00:00Z, or two with a slash between; \"..\" is an open "
+        "end.");
+  }
+  return instant;
+}
+
 }  // namespace
 
 std::optional<std::string> UtcOfCapture(std::string_view recorded, double lon_deg) {
@@ -93,23 +106,6 @@ std::optional<Instant> InstantOf(std::string_view text) {
     microseconds = 10 * microseconds + (digit < time->fraction.size() ? time->fraction[digit] - '0' : 0);
   return Instant(time->second - *time->ahead_of_utc) + std::chrono::microseconds(microseconds);
 }
-
-namespace {
-
-Error BadQuery(std::string message) { return {ErrorCode::kInvalidArgument, std::move(message), ""}; }
-
-Result<std::optional<Instant>> EndOfSpan(std::string_view text) {
-  if (text.empty() || text == "..") return std::optional<Instant>();
-  const auto instant = InstantOf(text);
-  if (!instant) {
-    return BadQuery(
-        "\"datetime\" must be a time as 2024-06-01T10:00:00Z, or two with a slash between; \"..\" is an open "
-        "end.");
-  }
-  return instant;
-}
-
-}  // namespace
 
 std::vector<std::string_view> PartsOf(std::string_view text, char separator) {
   std::vector<std::string_view> parts;

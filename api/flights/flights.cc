@@ -82,6 +82,20 @@ Result<Response> DeleteFlight(Service& service, const Request& request) {
   return NoContent();
 }
 
+Result<Response> Verdict(Service& service, const Request& request) {
+  const std::string& id = request.Parameter("flight");
+  SKYQUILT_TRY_ASSIGN(const FlightView view, ViewFlight(service, id));
+  if (!service.inspect) {
+    return Error{ErrorCode::kUnavailable, "This server gives no verdicts.", ""};
+  }
+  SKYQUILT_TRY_ASSIGN(const std::vector<storage::StoredFile> stored, service.catalogue.ListFiles(id));
+  SKYQUILT_TRY_ASSIGN(const std::vector<storage::LocalBlob> fetched, service.store.FetchAll(id, stored));
+  std::vector<flight::InputFile> files;
+  for (std::size_t i = 0; i < stored.size(); ++i) files.push_back({stored[i].name, fetched[i].path});
+  SKYQUILT_TRY_ASSIGN(std::string verdict, service.inspect(files, view.flight.options));
+  return Json(200, std::move(verdict));
+}
+
 }  // namespace
 
 std::string DefaultFlightName(storage::Time now) {
@@ -107,24 +121,6 @@ void AddFlightRoutes(Router& router, Service& service) {
       [&](const Request& request, const std::string& body) { return Patch(service, request, body); },
       "Send the change as JSON with its header: curl -H 'Content-Type: application/json' -d '{}' ...");
 }
-
-namespace {
-
-Result<Response> Verdict(Service& service, const Request& request) {
-  const std::string& id = request.Parameter("flight");
-  SKYQUILT_TRY_ASSIGN(const FlightView view, ViewFlight(service, id));
-  if (!service.inspect) {
-    return Error{ErrorCode::kUnavailable, "This server gives no verdicts.", ""};
-  }
-  SKYQUILT_TRY_ASSIGN(const std::vector<storage::StoredFile> stored, service.catalogue.ListFiles(id));
-  SKYQUILT_TRY_ASSIGN(const std::vector<storage::LocalBlob> fetched, service.store.FetchAll(id, stored));
-  std::vector<flight::InputFile> files;
-  for (std::size_t i = 0; i < stored.size(); ++i) files.push_back({stored[i].name, fetched[i].path});
-  SKYQUILT_TRY_ASSIGN(std::string verdict, service.inspect(files, view.flight.options));
-  return Json(200, std::move(verdict));
-}
-
-}  // namespace
 
 void AddVerdictRoute(Router& router, Service& service) {
   router.AddCompute(Method::kGet, "/api/v1/flights/{flight}/verdict",

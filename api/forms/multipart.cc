@@ -120,6 +120,12 @@ Result<PartHeader> FromDisposition(std::string_view text) {
   return header;
 }
 
+constexpr std::size_t kMaxPadding = 64;  // blanks that may stand between a delimiter and its line end
+
+Error Refuse(ErrorCode code, std::string_view why) {
+  return {code, fmt::format("The form cannot be read: {}.", why), ""};
+}
+
 }  // namespace
 
 Result<PartHeader> ParsePartHeader(std::string_view block) {
@@ -149,16 +155,6 @@ Result<PartHeader> ParsePartHeader(std::string_view block) {
   if (!header) return Refuse("a part has no Content-Disposition");
   return *std::move(header);
 }
-
-namespace {
-
-constexpr std::size_t kMaxPadding = 64;  // blanks that may stand between a delimiter and its line end
-
-Error Refuse(ErrorCode code, std::string_view why) {
-  return {code, fmt::format("The form cannot be read: {}.", why), ""};
-}
-
-}  // namespace
 
 Result<std::string> MultipartBoundary(std::string_view content_type) {
   SKYQUILT_TRY_ASSIGN(const HeaderValue parsed, ParseHeaderValue(content_type));

@@ -16,6 +16,14 @@ void SkipBlanks(std::string_view& text) {
   while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
 }
 
+// Digits only. A number too large for 64 bits is as good as the largest one.
+std::optional<std::uint64_t> ParseBytePosition(std::string_view text) {
+  if (text.empty() || text.find_first_not_of("0123456789") != std::string_view::npos) return std::nullopt;
+  std::uint64_t number = 0;
+  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), number);
+  return parsed.ec == std::errc() ? number : UINT64_MAX;
+}
+
 }  // namespace
 
 std::string StrongEtag(std::uint64_t content_id, std::string_view variant) {
@@ -41,18 +49,6 @@ bool EtagListMatches(std::string_view list, std::string_view etag) {
 }
 
 bool IfRangeMatches(std::string_view if_range, std::string_view etag) { return if_range == etag; }
-
-namespace {
-
-// Digits only. A number too large for 64 bits is as good as the largest one.
-std::optional<std::uint64_t> ParseBytePosition(std::string_view text) {
-  if (text.empty() || text.find_first_not_of("0123456789") != std::string_view::npos) return std::nullopt;
-  std::uint64_t number = 0;
-  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), number);
-  return parsed.ec == std::errc() ? number : UINT64_MAX;
-}
-
-}  // namespace
 
 ByteRange ParseRange(std::string_view header, std::uint64_t body_length) {
   const std::size_t equals = header.find('=');

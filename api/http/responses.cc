@@ -36,6 +36,27 @@ Response Document(int status, const char* kind, std::string_view detail, std::st
   return response;
 }
 
+class Collector final : public BodySink {
+ public:
+  Collector(Request request, BodyHandler answer, std::size_t max_bytes)
+      : request_(std::move(request)), answer_(std::move(answer)), max_bytes_(max_bytes) {}
+  Result<void> Write(std::span<const std::uint8_t> bytes) override {
+    if (body_.size() + bytes.size() > max_bytes_) {
+      return Error{ErrorCode::kTooLarge, fmt::format("The body is longer than {} KiB.", max_bytes_ >> 10),
+                   ""};
+    }
+    body_.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    return {};
+  }
+  Response Finish() override { return Answered(answer_(request_, body_), request_); }
+
+ private:
+  Request request_;
+  BodyHandler answer_;
+  std::size_t max_bytes_;
+  std::string body_;
+};
+
 }  // namespace
 
 int StatusOf(ErrorCode code) {
@@ -179,31 +200,6 @@ Response ProblemWithStatus(int status, std::string_view detail, std::string_view
                            std::string_view request_id) {
   return Document(status, "http", detail, instance, request_id);
 }
-
-namespace {
-
-class Collector final : public BodySink {
- public:
-  Collector(Request request, BodyHandler answer, std::size_t max_bytes)
-      : request_(std::move(request)), answer_(std::move(answer)), max_bytes_(max_bytes) {}
-  Result<void> Write(std::span<const std::uint8_t> bytes) override {
-    if (body_.size() + bytes.size() > max_bytes_) {
-      return Error{ErrorCode::kTooLarge, fmt::format("The body is longer than {} KiB.", max_bytes_ >> 10),
-                   ""};
-    }
-    body_.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-    return {};
-  }
-  Response Finish() override { return Answered(answer_(request_, body_), request_); }
-
- private:
-  Request request_;
-  BodyHandler answer_;
-  std::size_t max_bytes_;
-  std::string body_;
-};
-
-}  // namespace
 
 Response Answered(Result<Response> answer, const Request& request) {
   return answer ? *std::move(answer) : Problem(answer.error(), request);

@@ -45,28 +45,6 @@ Result<std::string> KeepHeights(Service& service, const storage::Flight& flight,
   return JsonText(stated);
 }
 
-}  // namespace
-
-Result<storage::Job> QueueJob(Service& service, const Request& request, const std::string& flight_id,
-                              const std::string& body) {
-  SKYQUILT_TRY(CheckId(flight_id, "flight"));
-  SKYQUILT_TRY(CheckMayChange(service, request, flight_id));
-  SKYQUILT_TRY_ASSIGN(const JobRequest wish, ParseJobRequest(body));
-  if (wish.priority > 0 && !request.is_admin) {
-    return Error{ErrorCode::kForbidden, "A priority above 0 asks for a token of scope admin.", ""};
-  }
-  SKYQUILT_TRY_ASSIGN(const storage::Flight flight, service.catalogue.GetFlight(flight_id));
-  if (flight.file_count == 0) {
-    return flight::Because(ErrorCode::kConflict, flight::RemarkCode::kFailNoFilesYet);
-  }
-  SKYQUILT_TRY_ASSIGN(const std::string options,
-                      KeepHeights(service, flight, wish.options.value_or(flight.options)));
-  SKYQUILT_TRY(CheckImported(service, flight_id, options));
-  return service.queue.Add(flight_id, options, storage::Now(), {wish.priority, request.owner});
-}
-
-namespace {
-
 constexpr int kMaxListed = 200;
 
 Result<Response> Queue(Service& service, const Request& request, const std::string& body) {
@@ -132,6 +110,24 @@ Result<Response> Retry(Service& service, const Request& request) {
 }
 
 }  // namespace
+
+Result<storage::Job> QueueJob(Service& service, const Request& request, const std::string& flight_id,
+                              const std::string& body) {
+  SKYQUILT_TRY(CheckId(flight_id, "flight"));
+  SKYQUILT_TRY(CheckMayChange(service, request, flight_id));
+  SKYQUILT_TRY_ASSIGN(const JobRequest wish, ParseJobRequest(body));
+  if (wish.priority > 0 && !request.is_admin) {
+    return Error{ErrorCode::kForbidden, "A priority above 0 asks for a token of scope admin.", ""};
+  }
+  SKYQUILT_TRY_ASSIGN(const storage::Flight flight, service.catalogue.GetFlight(flight_id));
+  if (flight.file_count == 0) {
+    return flight::Because(ErrorCode::kConflict, flight::RemarkCode::kFailNoFilesYet);
+  }
+  SKYQUILT_TRY_ASSIGN(const std::string options,
+                      KeepHeights(service, flight, wish.options.value_or(flight.options)));
+  SKYQUILT_TRY(CheckImported(service, flight_id, options));
+  return service.queue.Add(flight_id, options, storage::Now(), {wish.priority, request.owner});
+}
 
 void AddJobRoutes(Router& router, Service& service) {
   router.AddBody(

@@ -71,23 +71,6 @@ Result<NodeFields> FromUrlencoded(const std::string& body) {
   return fields;
 }
 
-}  // namespace
-
-Result<NodeFields> ParseNodeFields(std::string_view content_type, const std::string& body) {
-  const std::string_view kind = content_type.substr(0, content_type.find_first_of("; "));
-  if (body.find_first_not_of(" \t\r\n") == std::string::npos) return NodeFields();
-  if (EqualsIgnoringCase(kind, "multipart/form-data")) return FromMultipart(content_type, body);
-  if (EqualsIgnoringCase(kind, "application/json")) return FromJson(body);
-  return FromUrlencoded(body);
-}
-
-std::string NodeField(const NodeFields& fields, std::string_view name) {
-  const auto found = fields.find(name);
-  return found == fields.end() ? std::string() : found->second;
-}
-
-namespace {
-
 std::string NewNodeUuid() {
   std::array<std::uint8_t, 16> bytes{};
   if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) {
@@ -132,6 +115,19 @@ Result<void> SetOutputs(const std::string& text, NewTask& task) {
 }
 
 }  // namespace
+
+Result<NodeFields> ParseNodeFields(std::string_view content_type, const std::string& body) {
+  const std::string_view kind = content_type.substr(0, content_type.find_first_of("; "));
+  if (body.find_first_not_of(" \t\r\n") == std::string::npos) return NodeFields();
+  if (EqualsIgnoringCase(kind, "multipart/form-data")) return FromMultipart(content_type, body);
+  if (EqualsIgnoringCase(kind, "application/json")) return FromJson(body);
+  return FromUrlencoded(body);
+}
+
+std::string NodeField(const NodeFields& fields, std::string_view name) {
+  const auto found = fields.find(name);
+  return found == fields.end() ? std::string() : found->second;
+}
 
 std::string NodeNote(std::string text) {
   constexpr std::size_t kMaxBytes = 500;

@@ -137,23 +137,6 @@ Result<Response> RemoveShare(Service& service, const Request& request) {
   return NoContent();
 }
 
-}  // namespace
-
-void AddShareRoutes(Router& router, Service& service) {
-  router
-      .Add(Method::kGet, "/api/v1/flights/{flight}/shares",
-           [&](const Request& r) { return ListShares(service, r); })
-      .scope = storage::Scope::kUpload;  // who may revoke them
-  router.AddBody(
-      Method::kPost, "/api/v1/flights/{flight}/shares",
-      [&](const Request& request, const std::string& body) { return AddShare(service, request, body); },
-      "Send the wish as JSON with its header: curl -H 'Content-Type: application/json' -d '{}' ...");
-  router.Add(Method::kDelete, "/api/v1/flights/{flight}/shares/{share}",
-             [&](const Request& r) { return RemoveShare(service, r); });
-}
-
-namespace {
-
 Result<Response> OpenNetwork(Service& service, const Request& request) {
   if (!request.is_from_this_machine) {
     return Error{ErrorCode::kForbidden,
@@ -170,6 +153,19 @@ Result<Response> OpenNetwork(Service& service, const Request& request) {
 }
 
 }  // namespace
+
+void AddShareRoutes(Router& router, Service& service) {
+  router
+      .Add(Method::kGet, "/api/v1/flights/{flight}/shares",
+           [&](const Request& r) { return ListShares(service, r); })
+      .scope = storage::Scope::kUpload;  // who may revoke them
+  router.AddBody(
+      Method::kPost, "/api/v1/flights/{flight}/shares",
+      [&](const Request& request, const std::string& body) { return AddShare(service, request, body); },
+      "Send the wish as JSON with its header: curl -H 'Content-Type: application/json' -d '{}' ...");
+  router.Add(Method::kDelete, "/api/v1/flights/{flight}/shares/{share}",
+             [&](const Request& r) { return RemoveShare(service, r); });
+}
 
 void AddNetworkRoute(Router& router, Service& service) {
   router
