@@ -17,8 +17,8 @@ struct HeaderValue {
   std::vector<std::pair<std::string, std::string>> parameters;
 };
 
-Error Refuse(std::string_view why) {
-  return {ErrorCode::kInvalidArgument, fmt::format("The form cannot be read: {}.", why), ""};
+Error Refuse(std::string_view why, ErrorCode code = ErrorCode::kInvalidArgument) {
+  return {code, fmt::format("The form cannot be read: {}.", why), ""};
 }
 
 std::string Lower(std::string_view text) {
@@ -122,10 +122,6 @@ Result<PartHeader> FromDisposition(std::string_view text) {
 
 constexpr std::size_t kMaxPadding = 64;  // blanks that may stand between a delimiter and its line end
 
-Error Refuse(ErrorCode code, std::string_view why) {
-  return {code, fmt::format("The form cannot be read: {}.", why), ""};
-}
-
 }  // namespace
 
 Result<PartHeader> ParsePartHeader(std::string_view block) {
@@ -173,11 +169,10 @@ Result<std::string> MultipartBoundary(std::string_view content_type) {
                                   (c >= '0' && c <= '9') ||
                                   std::string_view("'()+_,-./:=? ").find(c) != std::string_view::npos;
                          });
-    if (!is_good)
-      return Refuse(ErrorCode::kInvalidArgument, "its boundary is not 1 to 70 permitted characters");
+    if (!is_good) return Refuse("its boundary is not 1 to 70 permitted characters");
     return boundary;
   }
-  return Refuse(ErrorCode::kInvalidArgument, "its Content-Type names no boundary");
+  return Refuse("its Content-Type names no boundary");
 }
 
 // The buffer begins with a line end of ours, so that a delimiter at the very start looks like any other.
@@ -196,7 +191,7 @@ Result<void> MultipartParser::Push(std::span<const std::uint8_t> bytes) {
 }
 
 Result<void> MultipartParser::Finish() {
-  if (state_ != State::kEpilogue) return Refuse(ErrorCode::kInvalidArgument, "it is cut off before its end");
+  if (state_ != State::kEpilogue) return Refuse("it is cut off before its end");
   return {};
 }
 
@@ -260,10 +255,10 @@ Result<bool> MultipartParser::StepBody() {
 Result<bool> MultipartParser::StepHeader() {
   const std::size_t end = buffer_.find("\r\n\r\n");
   if (std::min(end, buffer_.size()) > kMaxPartHeaderBytes) {
-    return Refuse(ErrorCode::kTooLarge, "a part header is longer than 8 KiB");
+    return Refuse("a part header is longer than 8 KiB", ErrorCode::kTooLarge);
   }
   if (end == std::string::npos) return false;
-  if (++parts_ > kMaxParts) return Refuse(ErrorCode::kTooLarge, "it has more than 20,000 parts");
+  if (++parts_ > kMaxParts) return Refuse("it has more than 20,000 parts", ErrorCode::kTooLarge);
   const std::string_view block = end == 0 ? std::string_view() : std::string_view(buffer_).substr(2, end - 2);
   SKYQUILT_TRY_ASSIGN(const PartHeader header, ParsePartHeader(block));
   SKYQUILT_TRY(receiver_.BeginPart(header));
