@@ -11,6 +11,7 @@
 #include "api/tiles/tiles.h"
 #include "core/base/try.h"
 #include "core/geo/web_mercator.h"
+#include "core/image/picture_codec.h"
 
 namespace skyquilt::api {
 namespace {
