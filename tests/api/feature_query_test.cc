@@ -1,6 +1,6 @@
-#include <gtest/gtest.h>
-
 #include "api/common/feature_query.h"
+
+#include <gtest/gtest.h>
 
 namespace skyquilt::api {
 namespace {
