@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "api/http/links.h"
 #include "api/http/responses.h"
 #include "api/ogc/map_view.h"
 #include "api/routes.h"
@@ -25,16 +26,6 @@ std::string Tiles(const MapView& map, const char* z, const char* x, const char* 
   return map.Link(fmt::format("/tiles/{}/{}/{}/{}", map.id, z, x, y));
 }
 
-std::string PercentEncoded(std::string_view text) {
-  std::string encoded;
-  for (const unsigned char c : text) {
-    const bool is_plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-                          c == '-' || c == '_' || c == '.' || c == '/' || c == ':';
-    encoded += is_plain ? std::string(1, static_cast<char>(c)) : fmt::format("%{:02X}", c);
-  }
-  return encoded;
-}
-
 // WMTS, because QGIS takes every XYZ source to be as large as the world, and "Zoom to Layer" then shows
 // nothing.
 std::string QgisSource(const MapView& map) {
@@ -42,7 +33,7 @@ std::string QgisSource(const MapView& map) {
   const std::string capabilities = map.Link("/wmts/" + map.id + "?SERVICE=WMTS&REQUEST=GetCapabilities");
   return fmt::format("crs=EPSG:3857&format={}&layers=map&styles=default&tileMatrixSet={}&url={}",
                      is_webp ? "image/webp" : kStoredTileType, MatrixSetName(map.tile_size_px()),
-                     PercentEncoded(capabilities));
+                     PercentEncoded(capabilities, "-._/:"));
 }
 
 std::string Qgis(const MapView& map) {

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <functional>
 #include <iterator>
 #include <optional>
@@ -19,6 +18,7 @@
 #include "api/downloads/small_picture.h"
 #include "api/downloads/streamed_product.h"
 #include "api/downloads/zip_layout.h"
+#include "api/http/header_text.h"
 #include "api/http/responses.h"
 #include "api/routes.h"
 #include "core/base/try.h"
@@ -123,11 +123,10 @@ constexpr std::array<std::pair<std::string_view, const char*>, 6> kShown = {{
     {".tiff", "image/tiff"},
 }};
 
-const char* ImageTypeOf(std::string name) {
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+const char* ImageTypeOf(std::string_view name) {
+  const std::string lower = Lower(name);
   for (const auto& [extension, type] : kShown) {
-    if (name.ends_with(extension)) return type;
+    if (lower.ends_with(extension)) return type;
   }
   return nullptr;
 }

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "api/http/conditional.h"
+#include "api/http/links.h"
 #include "api/http/responses.h"
 #include "core/base/process/file_descriptor.h"
 #include "core/base/try.h"
@@ -181,13 +182,8 @@ Response Downloaded(Result<Response> sent, const Request& request) {
 }
 
 std::string Disposition(const std::string& stem, const char* extension) {
-  std::string encoded;
-  for (const unsigned char c : stem) {
-    const bool is_plain =
-        (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
-    encoded += is_plain ? std::string(1, static_cast<char>(c)) : fmt::format("%{:02X}", c);
-  }
-  return fmt::format("attachment; filename=\"mosaic.{0}\"; filename*=UTF-8''{1}.{0}", extension, encoded);
+  return fmt::format("attachment; filename=\"mosaic.{0}\"; filename*=UTF-8''{1}.{0}", extension,
+                     PercentEncoded(stem, "-_"));
 }
 
 Result<Response> SendFile(const Request& request, const std::filesystem::path& path,

@@ -21,13 +21,6 @@ Error Refuse(std::string_view why, ErrorCode code = ErrorCode::kInvalidArgument)
   return {code, fmt::format("The form cannot be read: {}.", why), ""};
 }
 
-std::string Lower(std::string_view text) {
-  std::string lower(text);
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
-  return lower;
-}
-
 std::string PercentDecoded(std::string_view text) {
   std::string decoded;
   for (std::size_t i = 0; i < text.size(); ++i) {
