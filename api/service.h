@@ -10,11 +10,10 @@
 #include <vector>
 
 #include "api/auth/limits.h"
-#include "api/auth/quota.h"
 #include "api/basemap/basemap.h"
+#include "api/common/per_revision.h"
 #include "api/events/event_hub.h"
 #include "api/ops/metrics.h"
-#include "api/per_revision.h"
 #include "api/surface/surface.h"
 #include "api/tiles/tile_facts.h"
 #include "core/base/result.h"

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "api/exports/exports.h"
-#include "api/flights/retention.h"
 #include "api/flights/trash.h"
 #include "core/base/text/printable.h"
 #include "server/routing/request_log.h"

@@ -1,14 +1,15 @@
-#include "api/arcgis/arcgis.h"
-
+// A map as an ArcGIS MapServer, as far as ArcGIS clients use a tiled one: the service description, and tiles
+// by level, row and column.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
 #include "api/auth/flight_access.h"
-#include "api/http/problem.h"
+#include "api/http/parameters.h"
 #include "api/http/responses.h"
 #include "api/ogc/map_view.h"
-#include "api/tiles/cut_tile.h"
+#include "api/routes.h"
+#include "api/tiles/recode_tile.h"
 #include "api/tiles/tile_path.h"
 #include "api/tiles/tiles.h"
 #include "core/base/text/json_io.h"
@@ -26,23 +27,22 @@ constexpr int kMaxServices = 200;
 constexpr double kPixelsPerMetre = 96.0 / 0.0254;
 
 // "f" says how a document is wanted; JSON is all there is, and what nobody asked for otherwise.
-Response AnswerArcgis(const Request& request, const Value& document) {
+Result<Response> AnswerArcgis(const Request& request, const Value& document) {
   const std::string format = Parameter(request, "f").value_or("json");
   const bool is_pretty = EqualsIgnoringCase(format, "pjson");
   if (!is_pretty && !format.empty() && !EqualsIgnoringCase(format, "json")) {
-    return Problem({ErrorCode::kInvalidArgument, "This is there as JSON: ask for f=json or f=pjson.", ""},
-                   request);
+    return Error{ErrorCode::kInvalidArgument, "This is there as JSON: ask for f=json or f=pjson.", ""};
   }
   Response response = Text(200, JsonText(document, is_pretty ? 1 : -1), "application/json");
   response.headers.Add("Cache-Control", "no-cache");
   return response;
 }
 
-Response ArcgisServices(Service& service, const Request& request) {
-  const Result<storage::FlightPage> page = ListVisibleFlights(service, request, kMaxServices, std::nullopt);
-  if (!page) return Problem(page.error(), request);
+Result<Response> ArcgisServices(Service& service, const Request& request) {
+  SKYQUILT_TRY_ASSIGN(const storage::FlightPage page,
+                      ListVisibleFlights(service, request, kMaxServices, std::nullopt));
   Value services = Value::array();
-  for (const storage::Flight& flight : page->flights) {
+  for (const storage::Flight& flight : page.flights) {
     if (flight.active_revision) services.push_back({{"name", flight.id}, {"type", "MapServer"}});
   }
   return AnswerArcgis(
@@ -51,7 +51,7 @@ Response ArcgisServices(Service& service, const Request& request) {
 
 // What clients ask first: which version speaks, and whether it wants tokens of ArcGIS' own kind. It does not:
 // tokens of this server come in the address or the header.
-Response ArcgisInfo(const Request& request) {
+Result<Response> ArcgisInfo(const Request& request) {
   return AnswerArcgis(request, {{"currentVersion", kArcgisVersion},
                                 {"fullVersion", fmt::format("{}", kArcgisVersion)},
                                 {"authInfo", {{"isTokenBasedSecurity", false}}}});
@@ -157,14 +157,12 @@ Value ArcgisLegend(const MapView& map) {
 }
 
 // Identify, find, export and what else a map service may have.
-Response ArcgisUnknown(const Request& request) {
-  return Problem(
-      {ErrorCode::kNotFound,
-       fmt::format("A map service of this server has no \"{}\": it has tiles, 0, layers and legend. "
-                   "What is at a place is told by /api/v1/flights/{}/point?lon=...&lat=...",
-                   request.Parameter("operation"), request.Parameter("flight")),
-       ""},
-      request);
+Result<Response> ArcgisUnknown(const Request& request) {
+  return Error{ErrorCode::kNotFound,
+               fmt::format("A map service of this server has no \"{}\": it has tiles, 0, layers and legend. "
+                           "What is at a place is told by /api/v1/flights/{}/point?lon=...&lat=...",
+                           request.Parameter("operation"), request.Parameter("flight")),
+               ""};
 }
 
 Result<Response> ArcgisTile(Service& service, const Request& request) {
@@ -186,9 +184,10 @@ void AddArcgisRoutes(Router& router, Service& service) {
              [&](const Request& r) { return ArcgisServices(service, r); });
   const auto add = [&](const char* rest, Value (*describe)(const MapView&)) {
     router.Add(Method::kGet, std::string("/arcgis/rest/services/{flight}/MapServer") + rest,
-               [&service, describe](const Request& request) {
-                 const Result<MapView> map = FindMap(service, request, request.Parameter("flight"));
-                 return map ? AnswerArcgis(request, describe(*map)) : Problem(map.error(), request);
+               [&service, describe](const Request& request) -> Result<Response> {
+                 SKYQUILT_TRY_ASSIGN(const MapView map,
+                                     FindMap(service, request, request.Parameter("flight")));
+                 return AnswerArcgis(request, describe(map));
                });
   };
   add("", MapServer);
@@ -198,7 +197,7 @@ void AddArcgisRoutes(Router& router, Service& service) {
   router.AddQuick(Method::kGet, "/arcgis/rest/services/{flight}/MapServer/{operation}",
                   [](const Request& r) { return ArcgisUnknown(r); });
   router.AddQuick(Method::kGet, "/arcgis/rest/services/{flight}/MapServer/tile/{z}/{row}/{column}",
-                  [&](const Request& r) { return TileResponse(ArcgisTile(service, r), r); });
+                  [&](const Request& r) { return ArcgisTile(service, r); });
 }
 
 }  // namespace skyquilt::api

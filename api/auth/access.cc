@@ -10,8 +10,10 @@
 #include "api/auth/limits.h"
 #include "api/common/node_answers.h"
 #include "api/http/digest.h"
-#include "api/http/problem.h"
+#include "api/http/responses.h"
 #include "api/json/json_codec.h"
+#include "api/routes.h"
+#include "core/base/try.h"
 
 namespace skyquilt::api {
 namespace {
@@ -89,6 +91,23 @@ std::string NewTextAfter(std::string_view beginning) {
   return std::string(beginning) + text;
 }
 
+// What who asks may do here, so that a page offers nothing that would be refused.
+Result<Response> OwnAccess(Service& service, const Request& request) {
+  SKYQUILT_TRY_ASSIGN(const auto tokens, service.tokens.Known());
+  storage::Scope scope = request.is_admin ? storage::Scope::kAdmin : storage::Scope::kRead;
+  // What came in the address, or opens one flight, only reads (api/auth/access).
+  const bool only_reads = !request.only_flight.empty() || !request.headers.Has("Authorization");
+  for (const storage::Token& token : tokens->tokens) {
+    if (!only_reads && token.id == request.owner) scope = token.scope;
+  }
+  return Json(
+      200, JsonObject({{"needs_token", tokens->requires_token || request.needs_token ? "true" : "false"},
+                       {"scope", JsonString(storage::ScopeName(scope))},
+                       {"flight",
+                        request.only_flight.empty() ? std::string("null") : JsonString(request.only_flight)},
+                       {"keep_days", std::to_string(service.keep_days)}}));
+}
+
 }  // namespace
 
 bool IsNode(std::string_view pattern) {
@@ -160,6 +179,10 @@ std::string HashToken(std::string_view text) {
   Digest digest(DigestAlgorithm::kSha256);
   digest.Add({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
   return digest.Finish();
+}
+
+void AddOwnAccessRoute(Router& router, Service& service) {
+  router.Add(Method::kGet, "/api/v1/access", [&](const Request& r) { return OwnAccess(service, r); });
 }
 
 }  // namespace skyquilt::api

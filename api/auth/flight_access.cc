@@ -4,7 +4,7 @@
 
 #include "api/auth/access.h"
 #include "api/common/node_answers.h"
-#include "api/http/problem.h"
+#include "api/http/responses.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include "api/http/http_message.h"
+#include "api/http/router.h"
 #include "api/service.h"
 
 namespace skyquilt::api {

@@ -7,9 +7,9 @@
 #include <algorithm>
 
 #include "api/downloads/send_file.h"
-#include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
+#include "api/routes.h"
 
 namespace skyquilt::api {
 namespace {
@@ -68,15 +68,13 @@ Response Describe(const Basemap& basemap, const Request& request) {
   return Json(200, JsonObject(fields));
 }
 
-Response SendPmtiles(const Basemap& basemap, const Request& request) {
+Result<Response> SendPmtiles(const Basemap& basemap, const Request& request) {
   struct stat status {};
   if (basemap.pmtiles.empty() || stat(basemap.pmtiles.c_str(), &status) != 0) {
-    return Problem({ErrorCode::kNotFound, "This server has no basemap of its own (serve --basemap).", ""},
-                   request);
+    return Error{ErrorCode::kNotFound, "This server has no basemap of its own (serve --basemap).", ""};
   }
   const std::string etag = fmt::format("\"{:x}-{:x}\"", status.st_mtim.tv_sec, status.st_size);
-  Result<Response> sent = SendFile(request, basemap.pmtiles, "application/vnd.pmtiles", etag);
-  return sent ? *std::move(sent) : DownloadProblem(sent.error(), request);
+  return SendFile(request, basemap.pmtiles, "application/vnd.pmtiles", etag);
 }
 
 }  // namespace
@@ -145,7 +143,8 @@ void AddBasemapRoutes(Router& router, const Basemap& basemap) {
            [basemap](const Request& request) { return Describe(basemap, request); })
       .scope = kEverybody;
   router
-      .Add(Method::kGet, "/basemap.pmtiles", [basemap](const Request& r) { return SendPmtiles(basemap, r); })
+      .Add(Method::kGet, "/basemap.pmtiles",
+           [basemap](const Request& r) { return Downloaded(SendPmtiles(basemap, r), r); })
       .scope = kEverybody;
 }
 

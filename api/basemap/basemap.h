@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "api/http/router.h"
 #include "core/base/result.h"
 
 namespace skyquilt::api {
@@ -31,7 +30,5 @@ std::vector<std::string> BasemapNames();
 // `text`: one of these names, an address with {z}, {x} and {y}, a path, "none" for nothing at all, or empty.
 // Errors: kInvalidArgument, kNotFound.
 Result<Basemap> BasemapFrom(const std::string& text, const std::string& attribution);
-
-void AddBasemapRoutes(Router& router, const Basemap& basemap);
 
 }  // namespace skyquilt::api

@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "api/http/header_text.h"
 #include "api/http/http_message.h"
 
 namespace skyquilt::api {
@@ -10,18 +11,12 @@ namespace {
 
 constexpr int kFull = 1000;
 
-std::string_view Trimmed(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(" \t");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
-}
-
 // What stands before the separator, which goes with it.
 std::string_view TakeUntil(char separator, std::string_view& rest) {
   const std::size_t end = rest.find(separator);
   const std::string_view taken = rest.substr(0, end);
   rest.remove_prefix(end == std::string_view::npos ? rest.size() : end + 1);
-  return Trimmed(taken);
+  return Trim(taken);
 }
 
 // 3: the type itself, 2: all of its kind, 1: all there are, 0: another.
@@ -39,7 +34,7 @@ int QualityIn(std::string_view parameters) {
   while (!parameters.empty()) {
     std::string_view value = TakeUntil(';', parameters);
     if (!EqualsIgnoringCase(TakeUntil('=', value), "q")) continue;
-    value = Trimmed(value);
+    value = Trim(value);
     double quality = 1.0;
     const auto parsed = std::from_chars(value.data(), value.data() + value.size(), quality);
     if (parsed.ec != std::errc() || !(quality >= 0.0 && quality <= 1.0)) return kFull;
@@ -59,7 +54,7 @@ bool NamesType(std::string_view accept, std::string_view type) {
 }
 
 int AcceptedQuality(std::string_view accept, std::string_view type) {
-  if (Trimmed(accept).empty()) return kFull;
+  if (Trim(accept).empty()) return kFull;
   int closest = 0;
   int quality = 0;
   while (!accept.empty()) {

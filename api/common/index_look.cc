@@ -8,6 +8,7 @@
 #include <cmath>
 #include <utility>
 
+#include "api/http/header_text.h"
 #include "api/http/links.h"
 #include "core/base/try.h"
 
@@ -108,8 +109,7 @@ Result<std::optional<IndexLook>> LookIn(const Request& request) {
           "There is no colormap of this name. There are {}; \"_r\" behind a name turns the colours round.",
           fmt::join(indices::ColourRamp::Names(), ", ")));
     look.ramp = *found;
-    look.ramp_name = std::string(*ramp);
-    for (char& c : look.ramp_name) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    look.ramp_name = Lower(*ramp);
   }
   return std::optional(std::move(look));
 }

@@ -1,14 +1,13 @@
 #include "api/common/locate.h"
 
-#include <charconv>
-#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "api/http/problem.h"
+#include "api/common/find_flight.h"
+#include "api/http/parameters.h"
 #include "api/http/responses.h"
-#include "api/shown_map.h"
+#include "api/routes.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "core/pipeline/report/locate.h"
@@ -20,17 +19,13 @@ using Value = nlohmann::ordered_json;
 
 Response Answer(const Value& value) { return Json(200, JsonText(value)); }
 
-Response At(Service& service, const Request& request) {
-  const Result<double> lon_deg = NumberParameter(request, "lon");
-  if (!lon_deg) return Problem(lon_deg.error(), request);
-  const Result<double> lat_deg = NumberParameter(request, "lat");
-  if (!lat_deg) return Problem(lat_deg.error(), request);
-  const Result<geo::LatLon> position = geo::LatLon::Make(*lat_deg, *lon_deg);
-  if (!position) return Problem(position.error(), request);
-  const Result<pipeline::LocatedMap> map = ReadLocatedMap(service, request.Parameter("flight"));
-  if (!map) return Problem(map.error(), request);
+Result<Response> At(Service& service, const Request& request) {
+  SKYQUILT_TRY_ASSIGN(const double lon_deg, NumberParameter(request, "lon"));
+  SKYQUILT_TRY_ASSIGN(const double lat_deg, NumberParameter(request, "lat"));
+  SKYQUILT_TRY_ASSIGN(const geo::LatLon position, geo::LatLon::Make(lat_deg, lon_deg));
+  SKYQUILT_TRY_ASSIGN(const pipeline::LocatedMap map, ReadLocatedMap(service, request.Parameter("flight")));
   Value photos = Value::array();
-  for (const pipeline::Sighting& sighting : pipeline::PhotosAtPoint(*map, *position)) {
+  for (const pipeline::Sighting& sighting : pipeline::PhotosAtPoint(map, position)) {
     photos.push_back({{"name", sighting.photo},
                       {"x", sighting.pixel_in_image.x()},
                       {"y", sighting.pixel_in_image.y()},
@@ -40,36 +35,20 @@ Response At(Service& service, const Request& request) {
                       {"sharpness", sighting.sharpness ? Value(*sighting.sharpness) : Value()},
                       {"quality", sighting.quality}});
   }
-  return Answer({{"lon", *lon_deg}, {"lat", *lat_deg}, {"photos", photos}});
+  return Answer({{"lon", lon_deg}, {"lat", lat_deg}, {"photos", photos}});
 }
 
-Response GroundOf(Service& service, const Request& request) {
-  const Result<double> x = NumberParameter(request, "x");
-  if (!x) return Problem(x.error(), request);
-  const Result<double> y = NumberParameter(request, "y");
-  if (!y) return Problem(y.error(), request);
-  const Result<pipeline::LocatedMap> map = ReadLocatedMap(service, request.Parameter("flight"));
-  if (!map) return Problem(map.error(), request);
-  const Result<pipeline::GroundPoint> point =
-      pipeline::GroundAtPixel(*map, request.Parameter("name"), {*x, *y});
-  if (!point) return Problem(point.error(), request);
+Result<Response> GroundOf(Service& service, const Request& request) {
+  SKYQUILT_TRY_ASSIGN(const double x, NumberParameter(request, "x"));
+  SKYQUILT_TRY_ASSIGN(const double y, NumberParameter(request, "y"));
+  SKYQUILT_TRY_ASSIGN(const pipeline::LocatedMap map, ReadLocatedMap(service, request.Parameter("flight")));
+  SKYQUILT_TRY_ASSIGN(const pipeline::GroundPoint point,
+                      pipeline::GroundAtPixel(map, request.Parameter("name"), {x, y}));
   return Answer(
-      {{"lon", point->position.lon_deg}, {"lat", point->position.lat_deg}, {"sigma_m", point->sigma_m}});
+      {{"lon", point.position.lon_deg}, {"lat", point.position.lat_deg}, {"sigma_m", point.sigma_m}});
 }
 
 }  // namespace
-
-Result<double> NumberParameter(const Request& request, const char* name) {
-  const std::string_view text = request.Query(name).value_or("");
-  double number = 0.0;
-  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (text.empty() || parsed.ec != std::errc() || parsed.ptr != text.data() + text.size() ||
-      !std::isfinite(number)) {
-    return Error{ErrorCode::kInvalidArgument, std::string("The parameter \"") + name + "\" must be a number.",
-                 ""};
-  }
-  return number;
-}
 
 Result<pipeline::LocatedMap> ReadLocatedMap(Service& service, const std::string& id) {
   SKYQUILT_TRY_ASSIGN(const ShownMap shown, FindShownMap(service, id));

@@ -2,7 +2,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "core/base/text/json_io.h"
 

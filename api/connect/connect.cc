@@ -1,14 +1,16 @@
-#include "api/connect/connect.h"
-
+// Files that other programs open to show the map: a QGIS layer, JOSM imagery, a GDAL description, an ArcGIS
+// web map.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
-#include "api/http/problem.h"
+#include "api/http/links.h"
 #include "api/http/responses.h"
 #include "api/ogc/map_view.h"
+#include "api/routes.h"
 #include "api/wmts/wmts_text.h"
 #include "core/base/text/json_io.h"
+#include "core/base/try.h"
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
 #include "storage/tilesets/tile_source.h"
@@ -24,16 +26,6 @@ std::string Tiles(const MapView& map, const char* z, const char* x, const char* 
   return map.Link(fmt::format("/tiles/{}/{}/{}/{}", map.id, z, x, y));
 }
 
-std::string PercentEncoded(std::string_view text) {
-  std::string encoded;
-  for (const unsigned char c : text) {
-    const bool is_plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-                          c == '-' || c == '_' || c == '.' || c == '/' || c == ':';
-    encoded += is_plain ? std::string(1, static_cast<char>(c)) : fmt::format("%{:02X}", c);
-  }
-  return encoded;
-}
-
 // WMTS, because QGIS takes every XYZ source to be as large as the world, and "Zoom to Layer" then shows
 // nothing.
 std::string QgisSource(const MapView& map) {
@@ -41,7 +33,7 @@ std::string QgisSource(const MapView& map) {
   const std::string capabilities = map.Link("/wmts/" + map.id + "?SERVICE=WMTS&REQUEST=GetCapabilities");
   return fmt::format("crs=EPSG:3857&format={}&layers=map&styles=default&tileMatrixSet={}&url={}",
                      is_webp ? "image/webp" : kStoredTileType, MatrixSetName(map.tile_size_px()),
-                     PercentEncoded(capabilities));
+                     PercentEncoded(capabilities, "-._/:"));
 }
 
 std::string Qgis(const MapView& map) {
@@ -148,16 +140,15 @@ std::string Arcgis(const MapView& map) {
 
 void AddConnectRoutes(Router& router, Service& service) {
   const auto add = [&](const char* file, const char* type, std::string (*write)(const MapView&)) {
-    router.Add(Method::kGet, std::string("/connect/{flight}/") + file,
-               [&service, file, type, write](const Request& request) {
-                 const Result<MapView> map = FindMap(service, request, request.Parameter("flight"));
-                 if (!map) return Problem(map.error(), request);
-                 Response response = Text(200, write(*map), type);
-                 response.headers.Add("Content-Disposition",
-                                      std::string("attachment; filename=\"") + file + "\"");
-                 response.headers.Add("Cache-Control", "no-cache");
-                 return response;
-               });
+    router.Add(
+        Method::kGet, std::string("/connect/{flight}/") + file,
+        [&service, file, type, write](const Request& request) -> Result<Response> {
+          SKYQUILT_TRY_ASSIGN(const MapView map, FindMap(service, request, request.Parameter("flight")));
+          Response response = Text(200, write(map), type);
+          response.headers.Add("Content-Disposition", std::string("attachment; filename=\"") + file + "\"");
+          response.headers.Add("Cache-Control", "no-cache");
+          return response;
+        });
   };
   add("qgis.qlr", "application/x-qgis-layer-definition", Qgis);
   add("josm.xml", "application/xml", Josm);

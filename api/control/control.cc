@@ -1,14 +1,13 @@
-#include "api/control/control.h"
-
+// The surveyed points of a flight and their marks: read, and written as a whole. They lie among the flight's
+// files as the list that the stitcher reads.
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 
+#include "api/common/find_flight.h"
 #include "api/control/control_list.h"
-#include "api/flights/flights.h"
-#include "api/http/problem.h"
 #include "api/http/responses.h"
-#include "api/json/json_codec.h"
+#include "api/routes.h"
 #include "api/uploads/flight_document.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
@@ -32,7 +31,6 @@ Result<std::string> ReadStoredList(Service& service, const std::string& flight_i
 }
 
 Result<KeptControl> ReadControlOf(Service& service, const std::string& flight_id) {
-  SKYQUILT_TRY(CheckId(flight_id, "flight"));
   SKYQUILT_TRY(RequireFlight(service, flight_id));
   KeptControl kept{NoControlJson(), EtagOfDocument("")};
   SKYQUILT_TRY(ReadDocument(service, flight_id, kListName, [&](const auto& list) -> Result<void> {
@@ -74,7 +72,6 @@ Error AsRefusal(const Error& error) {
 
 Result<KeptControl> WriteControl(Service& service, const Request& request, const std::string& body) {
   const std::string& flight_id = request.Parameter("flight");
-  SKYQUILT_TRY(CheckId(flight_id, "flight"));
   SKYQUILT_TRY(RequireFlight(service, flight_id));
   SKYQUILT_TRY_ASSIGN(const std::string text, ControlListText(body));
   SKYQUILT_TRY_ASSIGN(const auto list, FindDocument(service, flight_id, kListName));
@@ -99,8 +96,8 @@ Result<KeptControl> WriteControl(Service& service, const Request& request, const
   return KeptControl{std::move(read), EtagOfDocument(stored)};
 }
 
-Response AnswerControl(const Result<KeptControl>& kept, const Request& request) {
-  if (!kept) return Problem(kept.error(), request);
+Result<Response> AnswerControl(const Result<KeptControl>& kept) {
+  if (!kept) return kept.error();
   Response response = Json(200, kept->json);
   response.headers.Add("ETag", kept->etag);
   return response;
@@ -110,23 +107,14 @@ Response AnswerControl(const Result<KeptControl>& kept, const Request& request) 
 
 void AddControlRoutes(Router& router, Service& service) {
   router.AddCompute(Method::kGet, "/api/v1/flights/{flight}/control", [&](const Request& request) {
-    return AnswerControl(ReadControlOf(service, request.Parameter("flight")), request);
+    return AnswerControl(ReadControlOf(service, request.Parameter("flight")));
   });
-  router.AddUpload(
+  router.AddBody(
       Method::kPut, "/api/v1/flights/{flight}/control",
-      [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
-        if (!IsJson(request)) {
-          return Problem(
-              {ErrorCode::kUnsupportedFormat,
-               "Send the control points as JSON with its header, Content-Type: application/json.", ""},
-              request);
-        }
-        return CollectBody(
-            [&service, request](const std::string& body) {
-              return AnswerControl(WriteControl(service, request, body), request);
-            },
-            kMaxControlBytes);
-      });
+      [&](const Request& request, const std::string& body) {
+        return AnswerControl(WriteControl(service, request, body));
+      },
+      "Send the control points as JSON with its header, Content-Type: application/json.", kMaxControlBytes);
 }
 
 }  // namespace skyquilt::api

@@ -1,19 +1,26 @@
-#include "api/downloads/downloads.h"
-
+// Downloads of a finished map, and of the user's own files: a photo as it was uploaded is shown in the
+// browser where possible; any other file is sent as a download only, so that nothing uploaded runs as part of
+// the page.
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <functional>
 #include <iterator>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
-#include "api/common/media_types.h"
+#include "api/common/find_flight.h"
 #include "api/downloads/send_file.h"
 #include "api/downloads/small_picture.h"
 #include "api/downloads/streamed_product.h"
 #include "api/downloads/zip_layout.h"
-#include "api/http/problem.h"
-#include "api/shown_map.h"
+#include "api/http/header_text.h"
+#include "api/http/responses.h"
+#include "api/routes.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {
@@ -66,11 +73,10 @@ Result<Response> Send(Service& service, const Request& request, const Product& p
   });
 }
 
-Response SendThumbnail(Service& service, const Request& request) {
+Result<Response> SendThumbnail(Service& service, const Request& request) {
   const std::string& id = request.Parameter("flight");
-  Result<Response> sent =
-      OfShownMap(service, id, [&](const ShownMap& map) { return SmallPicture(service, request, id, map); });
-  return sent ? *std::move(sent) : DownloadProblem(sent.error(), request);
+  return OfShownMap(service, id,
+                    [&](const ShownMap& map) { return SmallPicture(service, request, id, map); });
 }
 
 // Everything that the map's folder has, and what is laid out over its tiles, as one archive.
@@ -108,17 +114,63 @@ Result<Response> SendAll(Service& service, const Request& request) {
   return sent;
 }
 
-Response Answer(Service& service, const Request& request, const Product& product) {
-  Result<Response> sent = Send(service, request, product);
-  return sent ? *std::move(sent) : DownloadProblem(sent.error(), request);
+constexpr std::array<std::pair<std::string_view, const char*>, 6> kShown = {{
+    {".jpg", "image/jpeg"},
+    {".jpeg", "image/jpeg"},
+    {".png", "image/png"},
+    {".webp", "image/webp"},
+    {".tif", "image/tiff"},
+    {".tiff", "image/tiff"},
+}};
+
+const char* ImageTypeOf(std::string_view name) {
+  const std::string lower = Lower(name);
+  for (const auto& [extension, type] : kShown) {
+    if (lower.ends_with(extension)) return type;
+  }
+  return nullptr;
+}
+
+// A frame of a film: a photo of the map that nobody uploaded. It lies with the map.
+Result<Response> SendFrame(Service& service, const Request& request, const std::string& flight_id,
+                           const std::string& name) {
+  const Error unknown{ErrorCode::kNotFound, "This flight has no file of this name.", name};
+  const bool is_plain = !name.starts_with('.') && name.find_first_of("/\\") == std::string::npos;
+  if (!is_plain || !name.ends_with(".jpg")) return unknown;
+  const Result<ShownMap> shown = FindShownMap(service, flight_id);
+  if (!shown) return unknown;
+  Result<Response> sent = SendBlob(request, service.store.blobs(), shown->prefix + "frames/" + name,
+                                   "image/jpeg", fmt::format("\"{}-{}\"", shown->revision, name));
+  if (!sent && sent.error().code == ErrorCode::kNotFound) return unknown;
+  if (sent) sent->headers.Add("Cache-Control", "no-cache");
+  return sent;
+}
+
+Result<Response> SendOriginal(Service& service, const Request& request) {
+  const std::string& flight_id = request.Parameter("flight");
+  const std::string& name = request.Parameter("name");
+  SKYQUILT_TRY(RequireFlight(service, flight_id));
+  SKYQUILT_TRY_ASSIGN(const std::optional<storage::StoredFile> file,
+                      service.catalogue.FindFile(flight_id, name));
+  if (!file) return SendFrame(service, request, flight_id, name);
+  const char* image_type = ImageTypeOf(name);
+  // Stored names are never used again: the bytes behind one never change.
+  Result<Response> sent = SendBlob(
+      request, service.store.blobs(), storage::FilesPrefix(flight_id) + file->stored_name,
+      image_type != nullptr ? image_type : "application/octet-stream", "\"" + file->stored_name + "\"");
+  if (!sent) return sent.error();
+  if (image_type == nullptr) sent->headers.Add("Content-Disposition", "attachment");
+  sent->headers.Add("Cache-Control", "no-cache");
+  return sent;
 }
 
 }  // namespace
 
 void AddDownloadRoutes(Router& router, Service& service) {
   const auto add = [&](const char* pattern, Product product) {
-    router.Add(Method::kGet, pattern,
-               [&service, product](const Request& request) { return Answer(service, request, product); });
+    router.Add(Method::kGet, pattern, [&service, product](const Request& request) {
+      return Downloaded(Send(service, request, product), request);
+    });
   };
   add("/api/v1/flights/{flight}/download.mbtiles", {"mosaic.mbtiles", "application/vnd.sqlite3", "mbtiles"});
   add("/api/v1/flights/{flight}/download.tif", {"mosaic.tif", kCogType, "tif"});
@@ -135,8 +187,9 @@ void AddDownloadRoutes(Router& router, Service& service) {
   add("/api/v1/flights/{flight}/contours.dxf", {"contours.dxf", "image/vnd.dxf", "contours.dxf"});
   add("/api/v1/flights/{flight}/download.pmtiles", {"mosaic.pmtiles", "application/vnd.pmtiles", "pmtiles"});
   add("/api/v1/flights/{flight}/thumbnail.png", {"thumbnail.png", "image/png", nullptr});
-  router.AddCompute(Method::kGet, "/api/v1/flights/{flight}/thumbnail.webp",
-                    [&](const Request& request) { return SendThumbnail(service, request); });
+  router.AddCompute(Method::kGet, "/api/v1/flights/{flight}/thumbnail.webp", [&](const Request& request) {
+    return Downloaded(SendThumbnail(service, request), request);
+  });
   add("/api/v1/flights/{flight}/layers.json", {"layers.json", "application/json", nullptr});
   add("/api/v1/flights/{flight}/layer_photo.mbtiles",
       {"layer_photo.mbtiles", "application/vnd.sqlite3", "mbtiles"});
@@ -146,12 +199,15 @@ void AddDownloadRoutes(Router& router, Service& service) {
       {"layer_height.mbtiles", "application/vnd.sqlite3", "mbtiles"});
   add("/api/v1/flights/{flight}/cameras.json", {"cameras.json", "application/json", nullptr});
   add("/api/v1/flights/{flight}/geo.txt", {"geo.txt", "text/plain; charset=utf-8", nullptr});
-  router.AddCompute(Method::kGet, "/api/v1/flights/{flight}/download.zip", [&](const Request& request) {
-    Result<Response> sent = SendAll(service, request);
-    return sent ? *std::move(sent) : DownloadProblem(sent.error(), request);
-  });
+  router.AddCompute(Method::kGet, "/api/v1/flights/{flight}/download.zip",
+                    [&](const Request& request) { return Downloaded(SendAll(service, request), request); });
   add("/api/v1/flights/{flight}/report", {"report.json", "application/json", nullptr});
   add("/api/v1/flights/{flight}/photos.geojson", {"photos.geojson", "application/geo+json", nullptr});
+}
+
+void AddOriginalFileRoutes(Router& router, Service& service) {
+  router.Add(Method::kGet, "/api/v1/flights/{flight}/files/{name}",
+             [&](const Request& request) { return Downloaded(SendOriginal(service, request), request); });
 }
 
 }  // namespace skyquilt::api

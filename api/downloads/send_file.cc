@@ -11,9 +11,9 @@
 #include <optional>
 #include <utility>
 
-#include "api/http/etag.h"
-#include "api/http/problem.h"
-#include "api/http/range.h"
+#include "api/http/conditional.h"
+#include "api/http/links.h"
+#include "api/http/responses.h"
 #include "core/base/process/file_descriptor.h"
 #include "core/base/try.h"
 #include "storage/blobs/range_cache.h"
@@ -173,22 +173,17 @@ Result<Response> SendParts(const Request& request, std::uint64_t size, const std
   return response;
 }
 
-Response DownloadProblem(const Error& error, const Request& request) {
-  if (error.code != ErrorCode::kRangeNotSatisfiable) return Problem(error, request);
+Response Downloaded(Result<Response> sent, const Request& request) {
+  if (sent || sent.error().code != ErrorCode::kRangeNotSatisfiable) return Answered(std::move(sent), request);
   Response response =
       Problem({ErrorCode::kRangeNotSatisfiable, "The range lies outside the file.", ""}, request);
-  response.headers.Add("Content-Range", error.message);
+  response.headers.Add("Content-Range", sent.error().message);
   return response;
 }
 
 std::string Disposition(const std::string& stem, const char* extension) {
-  std::string encoded;
-  for (const unsigned char c : stem) {
-    const bool is_plain =
-        (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
-    encoded += is_plain ? std::string(1, static_cast<char>(c)) : fmt::format("%{:02X}", c);
-  }
-  return fmt::format("attachment; filename=\"mosaic.{0}\"; filename*=UTF-8''{1}.{0}", extension, encoded);
+  return fmt::format("attachment; filename=\"mosaic.{0}\"; filename*=UTF-8''{1}.{0}", extension,
+                     PercentEncoded(stem, "-_"));
 }
 
 Result<Response> SendFile(const Request& request, const std::filesystem::path& path,

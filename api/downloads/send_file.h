@@ -19,8 +19,8 @@ using OpenPart =
     std::function<Result<std::unique_ptr<BodySource>>(std::uint64_t offset, std::uint64_t length)>;
 Result<Response> SendParts(const Request& request, std::uint64_t size, const std::string& content_type,
                            const std::string& etag, const OpenPart& open);
-// The problem document of such an error, with Content-Range where it belongs.
-Response DownloadProblem(const Error& error, const Request& request);
+// The answer, or the problem document of its error, with Content-Range where it belongs.
+Response Downloaded(Result<Response> sent, const Request& request);
 // "attachment" under a name for saving, in the form that every browser takes (RFC 6266 with RFC 8187).
 std::string Disposition(const std::string& stem, const char* extension);
 

@@ -4,20 +4,62 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstdint>
 #include <memory>
 #include <string_view>
 #include <utility>
+#include <vector>
 
-#include "api/downloads/map_poster.h"
-#include "api/http/etag.h"
-#include "api/tiles/transcode_tile.h"
+#include "api/http/conditional.h"
+#include "api/tiles/map_window.h"
+#include "api/tiles/recode_tile.h"
+#include "api/tiles/tiles.h"
 #include "core/base/try.h"
+#include "core/geo/tile_id.h"
+#include "core/geo/web_mercator.h"
 #include "core/image/picture_codec.h"
 #include "core/image/shrink/shrink_picture.h"
+#include "storage/caches/tileset_cache.h"
 #include "storage/files/publish_file.h"
 
 namespace skyquilt::api {
 namespace {
+
+constexpr int kPosterSizePx = 1024;  // its longer side; a smaller map is not enlarged
+
+// It is looked at for a second, over lines on which every kilobyte is waited for: a map with much detail is
+// encoded once more.
+constexpr std::array kPosterQualities = {60.0F, 35.0F};
+constexpr std::size_t kWantedPosterBytes = 110'000;
+
+int SidePx(double length_m, double pixel_m) {
+  return std::clamp(static_cast<int>(std::lround(length_m / pixel_m)), 1, kPosterSizePx);
+}
+
+// From the tiles, exactly as far as the map's bounds reach and in Web Mercator: laid on these bounds it lies
+// where the tiles will, while the library that draws them is on its way to the page.
+Result<std::string> DrawMapPoster(const storage::Tileset& tileset) {
+  const geo::Bounds2 bounds = geo::MercFromLatLonBounds(tileset.revision.bounds);
+  const double finest_m = geo::PixelSizeInMercM(tileset.revision.max_zoom, TileSizePx(tileset));
+  const double pixel_m = std::max(std::max(bounds.Width(), bounds.Height()) / kPosterSizePx, finest_m);
+  MapWindow window;
+  window.width_px = SidePx(bounds.Width(), pixel_m);
+  window.height_px = SidePx(bounds.Height(), pixel_m);
+  // Whole pixels, so that the corners lie on those of the bounds: not quite square.
+  const double column_m = bounds.Width() / window.width_px;
+  const double row_m = bounds.Height() / window.height_px;
+  window.x_in_merc = [&](int column) { return bounds.min.x() + (column + 0.5) * column_m; };
+  window.y_in_merc = [&](int row) { return bounds.max.y() - (row + 0.5) * row_m; };
+  window.pixel_m = std::min(column_m, row_m);
+  SKYQUILT_TRY_ASSIGN(const image::RgbaImage picture, RenderWindow(tileset, window));
+  std::vector<std::uint8_t> bytes;
+  for (const float quality : kPosterQualities) {
+    bytes = image::EncodeWebp(image::RowsOf(picture), quality);
+    if (bytes.size() <= kWantedPosterBytes) break;
+  }
+  return std::string(bytes.begin(), bytes.end());
+}
 
 constexpr std::array kSizesPx = {160, 320, 512, kPosterSizePx};
 constexpr int kUsualSizePx = 320;

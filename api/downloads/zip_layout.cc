@@ -15,7 +15,7 @@
 #include <utility>
 
 #include "api/downloads/streamed_product.h"
-#include "api/http/etag.h"
+#include "api/http/conditional.h"
 #include "core/base/check.h"
 #include "core/base/parallel_for.h"
 #include "core/base/process/file_descriptor.h"

@@ -1,13 +1,29 @@
 #include "api/events/event_hub.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
 
-#include "api/events/event_text.h"
+#include "api/json/json_codec.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {
+
+std::string EventText(const storage::Event& event) {
+  return fmt::format("id: {}\nevent: {}\ndata: {}\n\n", event.seq, event.kind,
+                     JsonObject({{"at", JsonString(FormatTime(event.at))},
+                                 {"flight_id", JsonString(event.flight_id)},
+                                 {"job_id", event.job_id ? JsonString(*event.job_id) : std::string("null")},
+                                 {event.kind == "deleted" ? "deleted" : event.kind, event.body}}));
+}
+
 namespace {
+
+// How far a job is. It has no id: progress is not replayed after a reconnect.
+std::string ProgressText(const storage::Job& job, storage::Time now) {
+  return fmt::format("event: progress\ndata: {}\n\n", JobJson(job, now));
+}
 
 constexpr std::chrono::milliseconds kReadInterval{200};
 constexpr std::size_t kMaxItems = 4096;

@@ -23,6 +23,9 @@
 
 namespace skyquilt::api {
 
+// As subscribers are sent it, in the format text/event-stream of the HTML standard (9.2.5).
+std::string EventText(const storage::Event& event);
+
 class EventHub {
  public:
   static constexpr std::size_t kMaxListeners = 4096;

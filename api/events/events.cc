@@ -1,16 +1,17 @@
-#include "api/events/events.h"
-
+// Events as they happen, by Server-Sent Events (the HTML standard, 9.2): GET /api/v1/events, of all flights,
+// one flight or one job. Every event has its number as its id: a client that comes back with Last-Event-ID
+// gets what it missed. Between them, progress of running jobs, which is not replayed.
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <functional>
 
 #include "api/auth/access.h"
-#include "api/events/event_text.h"
-#include "api/http/problem.h"
+#include "api/events/event_hub.h"
+#include "api/http/parameters.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
+#include "api/routes.h"
 #include "core/base/try.h"
 #include "storage/db/ids.h"
 
@@ -104,36 +105,28 @@ class EventStream final : public LiveSource {
 };
 
 std::optional<std::int64_t> SeqFrom(std::string_view text) {
-  std::int64_t seq = 0;
-  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), seq);
-  if (text.empty() || parsed.ec != std::errc() || parsed.ptr != text.data() + text.size() || seq < 0) {
-    return std::nullopt;
-  }
-  return seq;
+  const auto seq = ParseNumber<std::int64_t>(text);
+  return seq && *seq >= 0 ? seq : std::nullopt;
 }
 
-Response NothingToFollow(const Request& request) {
-  return Problem({ErrorCode::kNotFound, "This token opens one flight, and this is none of its events.", ""},
-                 request);
+Error NothingToFollow() {
+  return {ErrorCode::kNotFound, "This token opens one flight, and this is none of its events.", ""};
 }
 
-Response Follow(Service& service, const Request& request) {
+Result<Response> Follow(Service& service, const Request& request) {
   storage::EventFilter filter;
   if (const auto flight = request.Query("flight")) filter.flight_id = *flight;
   if (const auto job = request.Query("job")) filter.job_id = *job;
   for (const auto& id : {filter.flight_id, filter.job_id}) {
     if (!id || storage::IsId(*id)) continue;
-    return Problem(
-        {ErrorCode::kInvalidArgument, "\"flight\" and \"job\" are ids as the server gave them.", ""},
-        request);
+    return Error{ErrorCode::kInvalidArgument, "\"flight\" and \"job\" are ids as the server gave them.", ""};
   }
   if (!request.only_flight.empty()) {
-    if (filter.flight_id.value_or(request.only_flight) != request.only_flight)
-      return NothingToFollow(request);
+    if (filter.flight_id.value_or(request.only_flight) != request.only_flight) return NothingToFollow();
     filter.flight_id = request.only_flight;
     if (filter.job_id) {
       const Result<storage::Job> job = service.queue.Get(*filter.job_id);
-      if (!job || job->flight_id != request.only_flight) return NothingToFollow(request);
+      if (!job || job->flight_id != request.only_flight) return NothingToFollow();
     }
   }
   // A browser sends the header when it comes back; the parameter is for whoever knows where to begin.
@@ -141,43 +134,37 @@ Response Follow(Service& service, const Request& request) {
   if (from.empty()) from = request.Query("after").value_or("");
   std::optional<std::int64_t> after = SeqFrom(from);
   if (!from.empty() && !after) {
-    return Problem({ErrorCode::kInvalidArgument, "Last-Event-ID is the number of an event.", ""}, request);
+    return Error{ErrorCode::kInvalidArgument, "Last-Event-ID is the number of an event.", ""};
   }
   if (!after) {
-    const Result<std::int64_t> latest = service.events.Latest();
-    if (!latest) return Problem(latest.error(), request);
-    after = *latest;
+    SKYQUILT_TRY_ASSIGN(const std::int64_t latest, service.events.Latest());
+    after = latest;
   }
-  const Result<EventHub::Seat> seat = service.event_hub.Join(request.client, filter);
-  if (!seat) return Problem(seat.error(), request);
-  if (seat->joined == EventHub::Joined::kFull) {
-    return Problem({ErrorCode::kUnavailable, "Too many are following events. Try again later.", ""}, request);
+  SKYQUILT_TRY_ASSIGN(const EventHub::Seat seat, service.event_hub.Join(request.client, filter));
+  if (seat.joined == EventHub::Joined::kFull) {
+    return Error{ErrorCode::kUnavailable, "Too many are following events. Try again later.", ""};
   }
-  if (seat->joined == EventHub::Joined::kClientFull) {
-    return Problem({ErrorCode::kRateLimited,
-                    "As many as may are following events from your address already. Close some of them.", ""},
-                   request);
+  if (seat.joined == EventHub::Joined::kClientFull) {
+    return Error{ErrorCode::kRateLimited,
+                 "As many as may are following events from your address already. Close some of them.", ""};
   }
   Response response;
   response.headers.Add("Content-Type", "text/event-stream");
   response.headers.Add("Cache-Control", "no-store");
   response.headers.Add("X-Accel-Buffering", "no");
-  response.live = std::make_unique<EventStream>(service, request, seat->id, std::move(filter), *after);
+  response.live = std::make_unique<EventStream>(service, request, seat.id, std::move(filter), *after);
   return response;
 }
 
-Response Log(Service& service, const Request& request) {
-  const Result<void> checked = CheckId(request.Parameter("job"), "job");
-  if (!checked) return Problem(checked.error(), request);
-  const Result<storage::Job> job = service.queue.Get(request.Parameter("job"));
-  if (!job) return Problem(job.error(), request);
+Result<Response> Log(Service& service, const Request& request) {
+  SKYQUILT_TRY(CheckId(request.Parameter("job"), "job"));
+  SKYQUILT_TRY_ASSIGN(const storage::Job job, service.queue.Get(request.Parameter("job")));
   storage::EventFilter filter;
-  filter.job_id = job->id;
+  filter.job_id = job.id;
   constexpr int kMaxLines = 1000;
-  const Result<std::vector<storage::Event>> events = service.events.After(0, filter, kMaxLines);
-  if (!events) return Problem(events.error(), request);
+  SKYQUILT_TRY_ASSIGN(const std::vector<storage::Event> events, service.events.After(0, filter, kMaxLines));
   std::vector<std::string> items;
-  for (const storage::Event& event : *events) {
+  for (const storage::Event& event : events) {
     items.push_back(JsonObject(
         {{"seq", std::to_string(event.seq)}, {"at", JsonString(FormatTime(event.at))}, {"job", event.body}}));
   }

@@ -5,14 +5,13 @@
 #include <nlohmann/json.hpp>
 
 #include "api/auth/flight_access.h"
+#include "api/common/find_flight.h"
 #include "api/downloads/send_file.h"
-#include "api/flights/flights.h"
 #include "api/http/once.h"
-#include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
 #include "api/json/json_text.h"
-#include "api/shown_map.h"
+#include "api/routes.h"
 #include "api/tiles/index_values.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
@@ -117,11 +116,10 @@ Result<std::string> QueueExport(Service& service, const Request& request, const 
   return ExportJson(service, request, added, map.revision);
 }
 
-Response AskForExport(Service& service, const Request& request, const std::string& body) {
+Result<Response> AskForExport(Service& service, const Request& request, const std::string& body) {
   std::string address;
-  Result<std::string> json = QueueExport(service, request, body, address);
-  if (!json) return Problem(json.error(), request);
-  Response response = Json(202, *std::move(json));
+  SKYQUILT_TRY_ASSIGN(std::string json, QueueExport(service, request, body, address));
+  Response response = Json(202, std::move(json));
   response.headers.Add("Location", address);
   return response;
 }
@@ -181,8 +179,9 @@ Result<Response> DownloadExport(Service& service, const Request& request) {
   return sent;
 }
 
-Response AnswerExports(const Request& request, Result<std::string> json) {
-  return json ? Json(200, *std::move(json)) : Problem(json.error(), request);
+Result<Response> AnswerExports(Result<std::string> json) {
+  if (!json) return json.error();
+  return Json(200, *std::move(json));
 }
 
 }  // namespace
@@ -193,37 +192,28 @@ void AddExportRoutes(Router& router, Service& service) {
   // Another form of what may be downloaded anyway: no flight changes.
   constexpr storage::Scope kReads = storage::Scope::kRead;
   router
-      .AddUpload(
+      .AddBody(
           Method::kPost, kAll,
-          [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
-            if (!IsJson(request))
-              return Problem(
-                  {ErrorCode::kUnsupportedFormat,
-                   "Send the wish as JSON with its header: curl -H 'Content-Type: application/json' -d "
-                   "'{\"format\":\"geotiff\"}' ...",
-                   ""},
-                  request);
-            return CollectBody([&service, request](const std::string& body) {
-              return Once(service, request, body, [&] { return AskForExport(service, request, body); });
-            });
-          })
+          [&](const Request& request, const std::string& body) {
+            return Once(service, request, body, [&] { return AskForExport(service, request, body); });
+          },
+          "Send the wish as JSON with its header: curl -H 'Content-Type: application/json' -d "
+          "'{\"format\":\"geotiff\"}' ...")
       .scope = kReads;
   router.Add(Method::kGet, kAll, [&](const Request& request) {
-    return AnswerExports(request, ListExports(service, request, request.Parameter("flight")));
+    return AnswerExports(ListExports(service, request, request.Parameter("flight")));
   });
   router.Add(Method::kGet, kOne,
-             [&](const Request& request) { return AnswerExports(request, ShowExport(service, request)); });
+             [&](const Request& request) { return AnswerExports(ShowExport(service, request)); });
   router
       .Add(Method::kDelete, kOne,
-           [&](const Request& request) {
-             const Result<void> removed = RemoveExport(service, request);
-             return removed ? NoContent() : Problem(removed.error(), request);
+           [&](const Request& request) -> Result<Response> {
+             SKYQUILT_TRY(RemoveExport(service, request));
+             return NoContent();
            })
       .scope = kReads;
-  router.Add(Method::kGet, "/api/v1/flights/{flight}/exports/{export}/file", [&](const Request& request) {
-    Result<Response> sent = DownloadExport(service, request);
-    return sent ? *std::move(sent) : DownloadProblem(sent.error(), request);
-  });
+  router.Add(Method::kGet, "/api/v1/flights/{flight}/exports/{export}/file",
+             [&](const Request& request) { return Downloaded(DownloadExport(service, request), request); });
 }
 
 Result<int> RemoveExpiredExports(Service& service) {

@@ -3,13 +3,10 @@
 // asked for it, and by who may change the flight.
 #pragma once
 
-#include "api/http/router.h"
 #include "api/service.h"
 #include "core/base/result.h"
 
 namespace skyquilt::api {
-
-void AddExportRoutes(Router& router, Service& service);
 
 // Those whose day is over, with their files. How many there were.
 Result<int> RemoveExpiredExports(Service& service);

@@ -1,12 +1,11 @@
 #include "api/flights/flights.h"
 
-#include <charconv>
-
 #include "api/auth/flight_access.h"
 #include "api/flights/trash.h"
 #include "api/http/links.h"
-#include "api/http/problem.h"
+#include "api/http/parameters.h"
 #include "api/http/responses.h"
+#include "api/routes.h"
 #include "core/base/try.h"
 #include "storage/db/ids.h"
 #include "storage/tags/flight_tags.h"
@@ -30,95 +29,74 @@ Result<FlightView> WithJobAndMap(Service& service, storage::Flight flight) {
   return view;
 }
 
-Result<int> PageSize(const Request& request) {
-  const auto text = request.Query("limit");
-  if (!text) return kDefaultPage;
-  int limit = 0;
-  const auto parsed = std::from_chars(text->data(), text->data() + text->size(), limit);
-  if (parsed.ec != std::errc() || parsed.ptr != text->data() + text->size() || limit < 1 ||
-      limit > kLargestPage) {
-    return Error{
-        ErrorCode::kInvalidArgument,
-        "The parameter \"limit\" must be a whole number from 1 to " + std::to_string(kLargestPage) + ".", ""};
-  }
-  return limit;
-}
-
-Response ListFlights(Service& service, const Request& request) {
-  const Result<int> limit = PageSize(request);
-  if (!limit) return Problem(limit.error(), request);
-  std::optional<std::string> cursor;
-  if (const auto given = request.Query("cursor")) {
-    if (!storage::IsId(*given)) {
-      return Problem(
-          {ErrorCode::kInvalidArgument, "The parameter \"cursor\" is not one that a list gave.", ""},
-          request);
-    }
-    cursor = *given;
-  }
+Result<Response> ListFlights(Service& service, const Request& request) {
+  SKYQUILT_TRY_ASSIGN(const int limit, PageSizeOf(request, kDefaultPage, kLargestPage));
+  SKYQUILT_TRY_ASSIGN(const auto cursor, ParseCursor(request.Query("cursor")));
   std::optional<std::string> tag;
   if (const auto given = request.Query("tag")) {
     const auto checked = storage::CheckedTags({std::string(*given)});
     if (!checked) {
-      return Problem({ErrorCode::kInvalidArgument, "The parameter \"tag\": " + checked.error().message, ""},
-                     request);
+      return Error{ErrorCode::kInvalidArgument, "The parameter \"tag\": " + checked.error().message, ""};
     }
     tag = checked->front();
   }
-  Result<storage::FlightPage> page = ListVisibleFlights(service, request, *limit, cursor, tag);
-  if (!page) return Problem(page.error(), request);
+  SKYQUILT_TRY_ASSIGN(storage::FlightPage page, ListVisibleFlights(service, request, limit, cursor, tag));
   std::vector<std::string> items;
   const storage::Time now = storage::Now();
-  for (storage::Flight& flight : page->flights) {
-    Result<FlightView> view = WithJobAndMap(service, std::move(flight));
-    if (!view) return Problem(view.error(), request);
-    view->may_change = MayChange(request, view->flight.owner);
-    view->base_path = request.base_path;
-    items.push_back(FlightJson(*view, now));
+  for (storage::Flight& flight : page.flights) {
+    SKYQUILT_TRY_ASSIGN(FlightView view, WithJobAndMap(service, std::move(flight)));
+    view.may_change = MayChange(request, view.flight.owner);
+    view.base_path = request.base_path;
+    items.push_back(FlightJson(view, now));
   }
-  Response response = Json(200, JsonObject({{"flights", JsonArray(items)},
-                                            {"next_cursor", page->next_cursor ? JsonString(*page->next_cursor)
-                                                                              : std::string("null")}}));
-  if (page->next_cursor) {
-    response.headers.Add("Link", "</api/v1/flights?limit=" + std::to_string(*limit) +
+  Response response = Json(
+      200,
+      JsonObject({{"flights", JsonArray(items)},
+                  {"next_cursor", page.next_cursor ? JsonString(*page.next_cursor) : std::string("null")}}));
+  if (page.next_cursor) {
+    response.headers.Add("Link", "</api/v1/flights?limit=" + std::to_string(limit) +
                                      (tag ? "&tag=" + EncodedForQuery(*tag) : std::string()) +
-                                     "&cursor=" + *page->next_cursor + ">; rel=\"next\"");
+                                     "&cursor=" + *page.next_cursor + ">; rel=\"next\"");
   }
   return response;
 }
 
-Response GetFlight(Service& service, const Request& request) {
-  Result<FlightView> view = ViewFlight(service, request.Parameter("flight"));
-  if (!view) return Problem(view.error(), request);
-  view->may_change = MayChange(request, view->flight.owner);
-  view->base_path = request.base_path;
-  return Json(200, FlightJson(*view, storage::Now()));
+Result<Response> GetFlight(Service& service, const Request& request) {
+  SKYQUILT_TRY_ASSIGN(FlightView view, ViewFlight(service, request.Parameter("flight")));
+  view.may_change = MayChange(request, view.flight.owner);
+  view.base_path = request.base_path;
+  return Json(200, FlightJson(view, storage::Now()));
 }
 
-Response Patch(Service& service, const Request& request, const std::string& body) {
+Result<Response> Patch(Service& service, const Request& request, const std::string& body) {
   const std::string& id = request.Parameter("flight");
-  const Result<storage::FlightChange> fields = ParseFlightFields(body);
-  if (!fields) return Problem(fields.error(), request);
-  if (fields->IsAny()) {
-    const Result<void> changed = service.catalogue.ChangeFlight(id, *fields);
-    if (!changed) return Problem(changed.error(), request);
+  SKYQUILT_TRY_ASSIGN(const storage::FlightChange fields, ParseFlightFields(body));
+  if (fields.IsAny()) {
+    SKYQUILT_TRY(service.catalogue.ChangeFlight(id, fields));
   }
   return GetFlight(service, request);
 }
 
-Response DeleteFlight(Service& service, const Request& request) {
-  const Result<void> deleted = DeleteFlight(service, request.Parameter("flight"));
-  if (!deleted) return Problem(deleted.error(), request);
+Result<Response> DeleteFlight(Service& service, const Request& request) {
+  SKYQUILT_TRY(DeleteFlight(service, request.Parameter("flight")));
   return NoContent();
 }
 
-}  // namespace
-
-Result<void> RequireFlight(Service& service, const std::string& id) {
-  SKYQUILT_TRY_ASSIGN(const bool known, service.catalogue.HasFlight(id));
-  if (!known) return Error{ErrorCode::kNotFound, "There is no flight " + id + ".", ""};
-  return {};
+Result<Response> Verdict(Service& service, const Request& request) {
+  const std::string& id = request.Parameter("flight");
+  SKYQUILT_TRY_ASSIGN(const FlightView view, ViewFlight(service, id));
+  if (!service.inspect) {
+    return Error{ErrorCode::kUnavailable, "This server gives no verdicts.", ""};
+  }
+  SKYQUILT_TRY_ASSIGN(const std::vector<storage::StoredFile> stored, service.catalogue.ListFiles(id));
+  SKYQUILT_TRY_ASSIGN(const std::vector<storage::LocalBlob> fetched, service.store.FetchAll(id, stored));
+  std::vector<flight::InputFile> files;
+  for (std::size_t i = 0; i < stored.size(); ++i) files.push_back({stored[i].name, fetched[i].path});
+  SKYQUILT_TRY_ASSIGN(std::string verdict, service.inspect(files, view.flight.options));
+  return Json(200, std::move(verdict));
 }
+
+}  // namespace
 
 std::string DefaultFlightName(storage::Time now) {
   std::string time = FormatTime(now).substr(0, 16);
@@ -138,19 +116,15 @@ void AddFlightRoutes(Router& router, Service& service) {
              [&](const Request& r) { return GetFlight(service, r); });
   router.Add(Method::kDelete, "/api/v1/flights/{flight}",
              [&](const Request& r) { return DeleteFlight(service, r); });
-  router.AddUpload(
+  router.AddBody(
       Method::kPatch, "/api/v1/flights/{flight}",
-      [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
-        if (!IsJson(request)) {
-          return Problem(
-              {ErrorCode::kUnsupportedFormat,
-               "Send the change as JSON with its header: curl -H 'Content-Type: application/json' -d '{}' ...",
-               ""},
-              request);
-        }
-        return CollectBody(
-            [&service, request](const std::string& body) { return Patch(service, request, body); });
-      });
+      [&](const Request& request, const std::string& body) { return Patch(service, request, body); },
+      "Send the change as JSON with its header: curl -H 'Content-Type: application/json' -d '{}' ...");
+}
+
+void AddVerdictRoute(Router& router, Service& service) {
+  router.AddCompute(Method::kGet, "/api/v1/flights/{flight}/verdict",
+                    [&](const Request& request) { return Verdict(service, request); });
 }
 
 }  // namespace skyquilt::api

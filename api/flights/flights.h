@@ -1,16 +1,11 @@
 // Flights: create, list, read, rename, delete. Creating one may bring its files along (api/uploads).
 #pragma once
 
-#include "api/http/router.h"
 #include "api/json/json_codec.h"
 #include "api/service.h"
 
 namespace skyquilt::api {
 
-void AddFlightRoutes(Router& router, Service& service);
-
-// kNotFound where there is none, or it is in the trash.
-Result<void> RequireFlight(Service& service, const std::string& id);
 // The flight with its latest job and the map it shows. Errors: kNotFound and the catalogue's.
 Result<FlightView> ViewFlight(Service& service, const std::string& id);
 

@@ -10,6 +10,7 @@
 #include "api/common/locate.h"
 #include "api/forms/geojson_body.h"
 #include "api/json/json_text.h"
+#include "api/routes.h"
 #include "api/surface/map_surface.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"

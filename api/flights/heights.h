@@ -8,7 +8,6 @@
 #include <string_view>
 #include <vector>
 
-#include "api/http/router.h"
 #include "api/service.h"
 #include "core/base/result.h"
 #include "core/geo/lat_lon.h"
@@ -17,7 +16,5 @@ namespace skyquilt::api {
 
 // GeoJSON in longitude and latitude: a LineString, or a Feature of one. Pure.
 Result<std::vector<geo::LatLon>> ParseLine(std::string_view json);
-
-void AddHeightsRoute(Router& router, Service& service);
 
 }  // namespace skyquilt::api

@@ -6,10 +6,11 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "api/common/find_flight.h"
 #include "api/common/locate.h"
-#include "api/http/problem.h"
+#include "api/http/parameters.h"
 #include "api/http/responses.h"
-#include "api/shown_map.h"
+#include "api/routes.h"
 #include "api/surface/map_surface.h"
 #include "api/tiles/index_values.h"
 #include "api/tiles/map_window.h"
@@ -183,10 +184,11 @@ Result<MapPoint> LookAt(Service& service, const std::string& flight_id, const ge
 }
 
 void AddPointRoute(Router& router, Service& service) {
-  router.AddCompute(Method::kGet, "/api/v1/flights/{flight}/point", [&](const Request& request) {
-    const Result<std::string> answer = AnswerPoint(service, request);
-    return answer ? Json(200, *answer) : Problem(answer.error(), request);
-  });
+  router.AddCompute(Method::kGet, "/api/v1/flights/{flight}/point",
+                    [&](const Request& request) -> Result<Response> {
+                      SKYQUILT_TRY_ASSIGN(std::string answer, AnswerPoint(service, request));
+                      return Json(200, std::move(answer));
+                    });
 }
 
 }  // namespace skyquilt::api

@@ -10,7 +10,6 @@
 #include <string>
 
 #include "api/common/index_look.h"
-#include "api/http/router.h"
 #include "api/service.h"
 #include "core/geo/lat_lon.h"
 #include "core/pipeline/report/locate.h"
@@ -34,7 +33,5 @@ struct MapPoint {
 // `with_ground`: height and photo too, which take longer than all else.
 Result<MapPoint> LookAt(Service& service, const std::string& flight_id, const geo::LatLon& position,
                         const std::optional<IndexLook>& look = std::nullopt, bool with_ground = true);
-
-void AddPointRoute(Router& router, Service& service);
 
 }  // namespace skyquilt::api

@@ -1,5 +1,8 @@
-#include "api/flights/statistics.h"
-
+// What a map shows within a polygon: its area, how much of it the map covers, and of each colour the least,
+// the greatest, the mean, the spread and a histogram; the same of an index, with percentiles. Of the finest
+// zoom at which the polygon has at most kMaxPixels pixels; the answer says which. Any thread; takes up to
+// half a second, with a slow expression up to three. Errors: kInvalidArgument, kUnprocessable (no polygon),
+// kNotFound (no such flight, or no map yet), kCorrupt, kIo.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,10 +10,12 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "api/common/locate.h"
+#include "api/common/index_look.h"
 #include "api/forms/geojson_body.h"
+#include "api/http/parameters.h"
 #include "api/http/responses.h"
 #include "api/json/json_text.h"
+#include "api/routes.h"
 #include "api/tiles/index_values.h"
 #include "api/tiles/tiles.h"
 #include "core/base/text/json_io.h"
@@ -22,6 +27,9 @@
 
 namespace skyquilt::api {
 namespace {
+
+constexpr double kMaxPixels = 8 << 20;
+constexpr double kMinPixels = 1024;
 
 using StatisticsJson = nlohmann::ordered_json;
 
@@ -181,8 +189,7 @@ Result<double> PixelsWanted(const Request& request) {
                ""};
 }
 
-}  // namespace
-
+// `polygon`: GeoJSON (storage/exports/custom/boundary). JSON text.
 Result<std::string> MapStatistics(Service& service, const std::string& flight_id, std::string_view polygon,
                                   const std::optional<IndexLook>& look, double max_pixels) {
   SKYQUILT_TRY(CheckId(flight_id, "flight"));
@@ -225,6 +232,8 @@ Result<std::string> MapStatistics(Service& service, const std::string& flight_id
   if (of_index) json["index"] = of_index->Told();
   return JsonText(json);
 }
+
+}  // namespace
 
 void AddStatisticsRoute(Router& router, Service& service) {
   AddGeoJsonRoute(router, "/api/v1/flights/{flight}/statistics", "polygon",

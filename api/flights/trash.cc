@@ -1,14 +1,15 @@
 #include "api/flights/trash.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <vector>
 
 #include "api/auth/flight_access.h"
 #include "api/flights/flights.h"
-#include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
+#include "api/routes.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {
@@ -29,39 +30,32 @@ std::string TrashedJson(const Service& service, const storage::TrashedFlight& fl
                      {"days_left", std::to_string(days_left)}});
 }
 
-Response ListTrash(Service& service, const Request& request) {
-  const Result<std::vector<storage::TrashedFlight>> flights = service.trash.List();
-  if (!flights) return Problem(flights.error(), request);
+Result<Response> ListTrash(Service& service, const Request& request) {
+  SKYQUILT_TRY_ASSIGN(const std::vector<storage::TrashedFlight> flights, service.trash.List());
   std::vector<std::string> items;
-  for (const storage::TrashedFlight& flight : *flights) {
+  for (const storage::TrashedFlight& flight : flights) {
     // What was deleted is seen by whoever may take it back.
     if (MayChange(request, flight.owner)) items.push_back(TrashedJson(service, flight));
   }
   return Json(200, JsonObject({{"days", std::to_string(service.trash_days)}, {"flights", JsonArray(items)}}));
 }
 
-Response Restore(Service& service, const Request& request) {
+Result<Response> Restore(Service& service, const Request& request) {
   const std::string& id = request.Parameter("flight");
-  const Result<void> checked = CheckId(id, "flight");
-  if (!checked) return Problem(checked.error(), request);
-  const Result<void> restored = service.trash.Restore(id);
-  if (!restored) return Problem(restored.error(), request);
-  Result<FlightView> view = ViewFlight(service, id);
-  if (!view) return Problem(view.error(), request);
-  view->may_change = MayChange(request, view->flight.owner);
-  view->base_path = request.base_path;
-  return Json(200, FlightJson(*view, storage::Now()));
+  SKYQUILT_TRY(CheckId(id, "flight"));
+  SKYQUILT_TRY(service.trash.Restore(id));
+  SKYQUILT_TRY_ASSIGN(FlightView view, ViewFlight(service, id));
+  view.may_change = MayChange(request, view.flight.owner);
+  view.base_path = request.base_path;
+  return Json(200, FlightJson(view, storage::Now()));
 }
 
-Response RemoveForGood(Service& service, const Request& request) {
+Result<Response> RemoveForGood(Service& service, const Request& request) {
   const std::string& id = request.Parameter("flight");
-  const Result<void> checked = CheckId(id, "flight");
-  if (!checked) return Problem(checked.error(), request);
+  SKYQUILT_TRY(CheckId(id, "flight"));
   // Only what was deleted before: nobody loses a flight by one slip.
-  const Result<storage::TrashedFlight> trashed = service.trash.Find(id);
-  if (!trashed) return Problem(trashed.error(), request);
-  const Result<void> removed = RemoveFlight(service, id);
-  if (!removed) return Problem(removed.error(), request);
+  SKYQUILT_TRY(service.trash.Find(id));
+  SKYQUILT_TRY(RemoveFlight(service, id));
   return NoContent();
 }
 
@@ -100,11 +94,31 @@ void AddTrashRoutes(Router& router, Service& service) {
   router.Add(Method::kGet, "/api/v1/trash", [&](const Request& r) { return ListTrash(service, r); });
   router.Add(Method::kDelete, "/api/v1/trash/{flight}",
              [&](const Request& r) { return RemoveForGood(service, r); });
-  router.AddUpload(
-      Method::kPost, "/api/v1/flights/{flight}/restore",
-      [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
-        return CollectBody([&service, request](const std::string&) { return Restore(service, request); });
-      });
+  router.AddBody(Method::kPost, "/api/v1/flights/{flight}/restore",
+                 [&](const Request& request, const std::string&) { return Restore(service, request); });
+}
+
+Result<void> TrashIdleFlights(Service& service, const std::function<void(const storage::IdleFlight&)>& tell) {
+  if (service.keep_days == 0) return service.idle_flights.Forget();
+  if (service.trash_days == 0) {
+    return Error{ErrorCode::kUnprocessable, "This server keeps no trash for flights that nobody changes.",
+                 ""};
+  }
+  const std::chrono::days keep(service.keep_days);
+  const storage::Time age = service.db.ages().Now();
+  const storage::Time now = storage::Now();
+  SKYQUILT_TRY_ASSIGN(const std::vector<storage::IdleFlight> idle, service.idle_flights.Look(age, now, keep));
+  for (const storage::IdleFlight& flight : idle) {
+    const auto still_idle = [&](storage::SqlConnection& db) {
+      return storage::IdleFlights::IsIdle(db, flight.id, age, now, keep);
+    };
+    SKYQUILT_TRY_ASSIGN(const bool is_put,
+                        service.db.Free([&] { return service.trash.PutIf(flight.id, now, still_idle); }));
+    if (!is_put) continue;
+    service.tilesets.Forget(flight.id);
+    tell(flight);
+  }
+  return {};
 }
 
 }  // namespace skyquilt::api

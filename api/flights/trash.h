@@ -1,15 +1,12 @@
 // Deleting flights: into the trash, out of it, and permanently.
 #pragma once
 
+#include <functional>
 #include <string>
 
-#include "api/http/router.h"
 #include "api/service.h"
 
 namespace skyquilt::api {
-
-// /api/v1/trash and /api/v1/flights/{flight}/restore
-void AddTrashRoutes(Router& router, Service& service);
 
 // What a user's wish to delete means here: the flight goes to the trash, or for good where the server keeps
 // none. Errors: kNotFound and the catalogue's.
@@ -20,5 +17,11 @@ Result<void> RemoveFlight(Service& service, const std::string& id);
 
 // What has been in the trash for its days is removed; answers how many. Any thread.
 Result<int> RemoveOldTrash(Service& service);
+
+// Flights in which nothing has changed for as many days as the server keeps such go to the trash, as if
+// somebody had deleted them there. Never for good. `tell` is called with each flight that is in the trash
+// now. With Service::keep_days 0 none goes, and days begin anew once that changes. Errors: kUnprocessable
+// (the server keeps no trash; nothing was done), and the catalogue's. Any thread.
+Result<void> TrashIdleFlights(Service& service, const std::function<void(const storage::IdleFlight&)>& tell);
 
 }  // namespace skyquilt::api

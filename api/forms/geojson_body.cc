@@ -4,8 +4,8 @@
 
 #include <utility>
 
-#include "api/http/problem.h"
 #include "api/http/responses.h"
+#include "core/base/try.h"
 
 namespace skyquilt::api {
 
@@ -18,24 +18,26 @@ bool IsGeoJson(const Request& request) {
 void AddGeoJsonRoute(Router& router, std::string_view pattern, std::string what,
                      std::function<Result<GeoJsonAnswer>(const Request&)> prepare) {
   router
-      .AddUpload(Method::kPost, pattern,
-                 [what = std::move(what), prepare = std::move(prepare)](
-                     const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
-                   if (!IsGeoJson(request)) {
-                     return Problem({ErrorCode::kUnsupportedFormat,
-                                     fmt::format("Send the {} as GeoJSON: curl -H 'Content-Type: "
-                                                 "application/geo+json' -d @FILE.geojson ...",
-                                                 what),
-                                     ""},
-                                    request);
-                   }
-                   Result<GeoJsonAnswer> answer = prepare(request);
-                   if (!answer) return Problem(answer.error(), request);
-                   return CollectBody([request, answer = *std::move(answer)](const std::string& body) {
-                     const Result<std::string> told = answer(body);
-                     return told ? Json(200, *told) : Problem(told.error(), request);
-                   });
-                 })
+      .AddUpload(
+          Method::kPost, pattern,
+          [what = std::move(what), prepare = std::move(prepare)](const Request& request) -> UploadBegun {
+            if (!IsGeoJson(request)) {
+              return Problem({ErrorCode::kUnsupportedFormat,
+                              fmt::format("Send the {} as GeoJSON: curl -H 'Content-Type: "
+                                          "application/geo+json' -d @FILE.geojson ...",
+                                          what),
+                              ""},
+                             request);
+            }
+            Result<GeoJsonAnswer> answer = prepare(request);
+            if (!answer) return Problem(answer.error(), request);
+            return CollectBody(
+                request,
+                [answer = *std::move(answer)](const Request&, const std::string& body) -> Result<Response> {
+                  SKYQUILT_TRY_ASSIGN(std::string told, answer(body));
+                  return Json(200, std::move(told));
+                });
+          })
       .scope = storage::Scope::kRead;
 }
 

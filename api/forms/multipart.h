@@ -10,6 +10,8 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "core/base/result.h"
 
@@ -58,5 +60,9 @@ class MultipartParser {
   std::string buffer_;
   int parts_ = 0;
 };
+
+// Of the lines between the delimiter and the empty line, each ended by CR LF but the last. Errors:
+// kInvalidArgument.
+Result<PartHeader> ParsePartHeader(std::string_view block);
 
 }  // namespace skyquilt::api

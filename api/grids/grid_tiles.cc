@@ -8,8 +8,8 @@
 #include "api/http/responses.h"
 #include "api/tiles/index_values.h"
 #include "api/tiles/map_window.h"
+#include "api/tiles/recode_tile.h"
 #include "api/tiles/tile_answer.h"
-#include "api/tiles/transcode_tile.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {

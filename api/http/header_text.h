@@ -1,6 +1,7 @@
 // The characters that HTTP's grammar names (RFC 9110). Pure; any thread.
 #pragma once
 
+#include <string>
 #include <string_view>
 
 namespace skyquilt::api {
@@ -10,6 +11,13 @@ inline std::string_view Trim(std::string_view text) {
   while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
   while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
   return text;
+}
+
+// Latin letters in lower case, whatever the locale.
+inline std::string Lower(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return lower;
 }
 
 // The value of a hexadecimal digit; -1 for any other character.

@@ -23,14 +23,16 @@ std::string LinkTo(const Request& request, std::string_view path) {
   return WithToken(request.base_url, path, TokenInQuery(request));
 }
 
-std::string EncodedForQuery(std::string_view text) {
+std::string PercentEncoded(std::string_view text, std::string_view plain) {
   std::string encoded;
   for (const char c : text) {
     const bool is_plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-                          std::string_view("-._~,:").find(c) != std::string_view::npos;
+                          plain.find(c) != std::string_view::npos;
     encoded += is_plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
   }
   return encoded;
 }
+
+std::string EncodedForQuery(std::string_view text) { return PercentEncoded(text, "-._~,:"); }
 
 }  // namespace skyquilt::api

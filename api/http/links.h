@@ -18,6 +18,8 @@ std::string TokenInQuery(const Request& request);
 std::string WithToken(std::string_view base_url, std::string_view path, std::string_view token);
 std::string LinkTo(const Request& request, std::string_view path);
 
+// With all percent-encoded but letters, digits and what `plain` has.
+std::string PercentEncoded(std::string_view text, std::string_view plain);
 // A text as it stands in an address, behind a '=' or as a segment.
 std::string EncodedForQuery(std::string_view text);
 

@@ -4,7 +4,6 @@
 #include <string>
 
 #include "api/http/digest.h"
-#include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "core/base/try.h"
 
@@ -41,8 +40,8 @@ Result<storage::IdempotencyKey> KeyOf(const Request& request) {
 }  // namespace
 
 Response OnceBy(Service& service, const Request& request, const std::string& fingerprint,
-                const std::function<Response()>& carry_out) {
-  if (!request.headers.Has("Idempotency-Key")) return carry_out();
+                const std::function<Result<Response>()>& carry_out) {
+  if (!request.headers.Has("Idempotency-Key")) return Answered(carry_out(), request);
   const Result<storage::IdempotencyKey> key = KeyOf(request);
   if (!key) return Problem(key.error(), request);
   const std::lock_guard lock(service.once_mutex);
@@ -55,7 +54,7 @@ Response OnceBy(Service& service, const Request& request, const std::string& fin
         request);
   }
   if (*known) return Replay(**known);
-  Response response = carry_out();
+  Response response = Answered(carry_out(), request);
   // What the machine could not do may be tried again.
   if (response.status >= 500) return response;
   const Result<void> kept = service.idempotent_answers.Keep(
@@ -65,7 +64,7 @@ Response OnceBy(Service& service, const Request& request, const std::string& fin
 }
 
 Response Once(Service& service, const Request& request, std::string_view body,
-              const std::function<Response()>& carry_out) {
+              const std::function<Result<Response>()>& carry_out) {
   return OnceBy(service, request, FingerprintOf(body), carry_out);
 }
 

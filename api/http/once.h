@@ -15,11 +15,11 @@
 namespace skyquilt::api {
 
 Response Once(Service& service, const Request& request, std::string_view body,
-              const std::function<Response()>& carry_out);
+              const std::function<Result<Response>()>& carry_out);
 
-// The same for a body that is too large to be kept: by a digest of what it says (api/uploads/form_digest).
+// The same for a body that is too large to be kept: by a digest of what it says.
 Response OnceBy(Service& service, const Request& request, const std::string& fingerprint,
-                const std::function<Response()>& carry_out);
+                const std::function<Result<Response>()>& carry_out);
 // Before the body is read: true where it need only be compared. Errors: kInvalidArgument (no good key), and
 // the catalogue's.
 Result<bool> HasKeptAnswer(Service& service, const Request& request);

@@ -2,19 +2,44 @@
 
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <utility>
 
-#include "api/http/etag.h"
+#include "api/http/conditional.h"
 #include "api/json/json_text.h"
+#include "core/base/check.h"
+#include "core/base/text/json_io.h"
+#include "core/flight/remarks/because.h"
+#include "core/flight/remarks/remark_json.h"
 #include "storage/db/ids.h"
 
 namespace skyquilt::api {
 namespace {
 
+Response Document(int status, const char* kind, std::string_view detail, std::string_view instance,
+                  std::string_view request_id, const std::optional<flight::Remark>& reason = std::nullopt) {
+  nlohmann::ordered_json body;
+  body["type"] = std::string("urn:skyquilt:problem:") + kind;
+  body["title"] = ReasonOf(status);
+  body["status"] = status;
+  body["code"] = kind;
+  body["detail"] = detail;
+  if (reason) body["reason"] = flight::JsonOfRemark<nlohmann::ordered_json>(*reason);
+  body["instance"] = instance;
+  body["request_id"] = request_id;
+  Response response;
+  response.status = status;
+  response.headers.Add("Content-Type", "application/problem+json");
+  response.headers.Add("Cache-Control", "no-store");
+  response.body = JsonText(body);
+  return response;
+}
+
 class Collector final : public BodySink {
  public:
-  Collector(std::function<Response(std::string)> answer, std::size_t max_bytes)
-      : answer_(std::move(answer)), max_bytes_(max_bytes) {}
+  Collector(Request request, BodyHandler answer, std::size_t max_bytes)
+      : request_(std::move(request)), answer_(std::move(answer)), max_bytes_(max_bytes) {}
   Result<void> Write(std::span<const std::uint8_t> bytes) override {
     if (body_.size() + bytes.size() > max_bytes_) {
       return Error{ErrorCode::kTooLarge, fmt::format("The body is longer than {} KiB.", max_bytes_ >> 10),
@@ -23,15 +48,162 @@ class Collector final : public BodySink {
     body_.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     return {};
   }
-  Response Finish() override { return answer_(std::move(body_)); }
+  Response Finish() override { return Answered(answer_(request_, body_), request_); }
 
  private:
-  std::function<Response(std::string)> answer_;
+  Request request_;
+  BodyHandler answer_;
   std::size_t max_bytes_;
   std::string body_;
 };
 
 }  // namespace
+
+int StatusOf(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::kInvalidArgument:
+      return 400;
+    case ErrorCode::kUnprocessable:
+      return 422;
+    case ErrorCode::kUnsupportedFormat:
+      return 415;
+    case ErrorCode::kCorrupt:
+      return 422;
+    case ErrorCode::kNoPosition:
+      return 422;
+    case ErrorCode::kNotFound:
+      return 404;
+    case ErrorCode::kConflict:
+      return 409;
+    case ErrorCode::kPreconditionFailed:
+      return 412;
+    case ErrorCode::kTooLarge:
+      return 413;
+    case ErrorCode::kOutOfSpace:
+      return 507;
+    case ErrorCode::kUnauthorized:
+      return 401;
+    case ErrorCode::kForbidden:
+      return 403;
+    case ErrorCode::kMethodNotAllowed:
+      return 405;
+    case ErrorCode::kNotAcceptable:
+      return 406;
+    case ErrorCode::kLengthRequired:
+      return 411;
+    case ErrorCode::kRangeNotSatisfiable:
+      return 416;
+    case ErrorCode::kDigestMismatch:
+      return 422;
+    case ErrorCode::kRateLimited:
+      return 429;
+    case ErrorCode::kTimeout:
+      return 408;
+    case ErrorCode::kCancelled:
+      return 409;
+    case ErrorCode::kUnavailable:
+      return 503;
+    case ErrorCode::kNotImplemented:
+      return 501;
+    case ErrorCode::kIo:
+      return 500;
+    case ErrorCode::kInternal:
+      return 500;
+  }
+  SKYQUILT_CHECK(false, "an error kind outside the list");
+}
+
+const char* ReasonOf(int status) {
+  switch (status) {
+    case 100:
+      return "Continue";
+    case 200:
+      return "OK";
+    case 201:
+      return "Created";
+    case 202:
+      return "Accepted";
+    case 204:
+      return "No Content";
+    case 206:
+      return "Partial Content";
+    case 304:
+      return "Not Modified";
+    case 400:
+      return "Bad Request";
+    case 401:
+      return "Unauthorized";
+    case 403:
+      return "Forbidden";
+    case 404:
+      return "Not Found";
+    case 405:
+      return "Method Not Allowed";
+    case 406:
+      return "Not Acceptable";
+    case 408:
+      return "Request Timeout";
+    case 409:
+      return "Conflict";
+    case 411:
+      return "Length Required";
+    case 412:
+      return "Precondition Failed";
+    case 413:
+      return "Content Too Large";
+    case 414:
+      return "URI Too Long";
+    case 415:
+      return "Unsupported Media Type";
+    case 416:
+      return "Range Not Satisfiable";
+    case 417:
+      return "Expectation Failed";
+    case 421:
+      return "Misdirected Request";
+    case 422:
+      return "Unprocessable Content";
+    case 429:
+      return "Too Many Requests";
+    case 460:
+      return "Checksum Mismatch";
+    case 431:
+      return "Request Header Fields Too Large";
+    case 500:
+      return "Internal Server Error";
+    case 501:
+      return "Not Implemented";
+    case 503:
+      return "Service Unavailable";
+    case 505:
+      return "HTTP Version Not Supported";
+    case 507:
+      return "Insufficient Storage";
+    default:
+      return "Unknown";
+  }
+}
+
+Response Problem(const Error& error, std::string_view instance, std::string_view request_id) {
+  const std::string kind(ErrorCodeName(error.code));
+  std::optional<flight::Remark> reason;
+  if (flight::HasReason(error)) reason = flight::WhyOf(error);
+  Response response =
+      Document(StatusOf(error.code), kind.c_str(), error.message, instance, request_id, reason);
+  if (error.code == ErrorCode::kUnavailable || error.code == ErrorCode::kRateLimited) {
+    response.headers.Add("Retry-After", "2");
+  }
+  return response;
+}
+
+Response ProblemWithStatus(int status, std::string_view detail, std::string_view instance,
+                           std::string_view request_id) {
+  return Document(status, "http", detail, instance, request_id);
+}
+
+Response Answered(Result<Response> answer, const Request& request) {
+  return answer ? *std::move(answer) : Problem(answer.error(), request);
+}
 
 Response Text(int status, std::string body, std::string content_type) {
   Response response;
@@ -63,9 +235,8 @@ Response NoContent() {
   return response;
 }
 
-std::unique_ptr<BodySink> CollectBody(std::function<Response(std::string body)> answer,
-                                      std::size_t max_bytes) {
-  return std::make_unique<Collector>(std::move(answer), max_bytes);
+std::unique_ptr<BodySink> CollectBody(const Request& request, BodyHandler answer, std::size_t max_bytes) {
+  return std::make_unique<Collector>(request, std::move(answer), max_bytes);
 }
 
 Result<void> CheckId(const std::string& id, const char* what) {

@@ -1,15 +1,32 @@
-// The few shapes of answers that handlers share. Pure.
+// The few shapes of answers that handlers share, and the one of every error: problem documents (RFC 9457),
+// with the one table from error kinds to HTTP statuses. Pure.
 #pragma once
 
 #include <cstddef>
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "api/http/http_message.h"
 #include "core/base/result.h"
 
 namespace skyquilt::api {
+
+int StatusOf(ErrorCode code);
+const char* ReasonOf(int status);
+
+// The message goes to the client, the detail to the log only.
+Response Problem(const Error& error, std::string_view instance, std::string_view request_id);
+inline Response Problem(const Error& error, const Request& request) {
+  return Problem(error, request.path, request.request_id);
+}
+// For what HTTP itself refuses, where no error kind says it exactly (400, 408, 413, 414, 431, 501, 505).
+Response ProblemWithStatus(int status, std::string_view detail, std::string_view instance,
+                           std::string_view request_id);
+
+// The answer, or the problem document of its error.
+Response Answered(Result<Response> answer, const Request& request);
 
 Response Json(int status, std::string body);
 Response NoContent();
@@ -18,8 +35,9 @@ Response Text(int status, std::string body, std::string content_type);
 Response Tagged(const Request& request, Response response);
 
 inline constexpr std::size_t kMaxCollectedBytes = std::size_t{64} << 10;
-// Collects a body of at most `max_bytes` and hands it to `answer`.
-std::unique_ptr<BodySink> CollectBody(std::function<Response(std::string body)> answer,
+// Collects a body of at most `max_bytes` and hands it, with a copy of the request, to `answer`.
+using BodyHandler = std::function<Result<Response>(const Request& request, const std::string& body)>;
+std::unique_ptr<BodySink> CollectBody(const Request& request, BodyHandler answer,
                                       std::size_t max_bytes = kMaxCollectedBytes);
 
 // kNotFound for what cannot be an id of ours, before it comes near the disk.

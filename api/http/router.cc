@@ -27,6 +27,11 @@ std::vector<std::string> SegmentsOf(std::string_view pattern) {
   return segments;
 }
 
+std::function<Response(const Request&)> Answering(Handler handler) {
+  return
+      [handler = std::move(handler)](const Request& request) { return Answered(handler(request), request); };
+}
+
 }  // namespace
 
 Router::Router() : root_(std::make_unique<Node>()) {}
@@ -54,21 +59,21 @@ Route& Router::Insert(Method method, std::string_view pattern) {
 
 Route& Router::Add(Method method, std::string_view pattern, Handler handler) {
   Route& route = Insert(method, pattern);
-  route.handler = std::move(handler);
+  route.handler = Answering(std::move(handler));
   route.work = method == Method::kGet ? Work::kRead : Work::kWrite;
   return route;
 }
 
 Route& Router::AddCompute(Method method, std::string_view pattern, Handler handler) {
   Route& route = Insert(method, pattern);
-  route.handler = std::move(handler);
+  route.handler = Answering(std::move(handler));
   route.work = Work::kCompute;
   return route;
 }
 
 Route& Router::AddQuick(Method method, std::string_view pattern, Handler handler) {
   Route& route = Insert(method, pattern);
-  route.handler = std::move(handler);
+  route.handler = Answering(std::move(handler));
   route.work = Work::kQuick;
   return route;
 }
@@ -78,6 +83,17 @@ Route& Router::AddUpload(Method method, std::string_view pattern, UploadHandler 
   route.upload = std::move(handler);
   route.work = Work::kWrite;
   return route;
+}
+
+Route& Router::AddBody(Method method, std::string_view pattern, BodyHandler handler, const char* unless_json,
+                       std::size_t max_bytes) {
+  return AddUpload(
+      method, pattern,
+      [handler = std::move(handler), unless_json, max_bytes](const Request& request) -> UploadBegun {
+        if (unless_json != nullptr && !IsJson(request))
+          return Problem({ErrorCode::kUnsupportedFormat, unless_json, ""}, request);
+        return CollectBody(request, handler, max_bytes);
+      });
 }
 
 void Router::PutBefore(const Guard& guard) {
@@ -90,8 +106,8 @@ void Router::PutBefore(const Guard& guard) {
           return refused ? *std::move(refused) : handler(request);
         };
       } else {
-        route.upload = [guard, &route = std::as_const(route), upload = std::move(route.upload)](
-                           const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
+        route.upload = [guard, &route = std::as_const(route),
+                        upload = std::move(route.upload)](const Request& request) -> UploadBegun {
           std::optional<Response> refused = guard(request, route);
           if (refused) return *std::move(refused);
           return upload(request);
@@ -107,7 +123,7 @@ void Router::PutBefore(const Guard& guard) {
 void Router::SetFallback(Handler handler) {
   fallback_.emplace();
   fallback_->pattern = "(page)";
-  fallback_->handler = std::move(handler);
+  fallback_->handler = Answering(std::move(handler));
 }
 
 // Literal first, then parameter, with a way back: patterns of few segments, so that the search stays tiny.

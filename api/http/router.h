@@ -13,13 +13,16 @@
 #include <vector>
 
 #include "api/http/http_message.h"
+#include "api/http/responses.h"
 #include "storage/catalogue/tokens.h"
 
 namespace skyquilt::api {
 
-using Handler = std::function<Response(const Request&)>;
+// An error is answered by its problem document.
+using Handler = std::function<Result<Response>(const Request&)>;
 // Begins an upload: either takes the body, or refuses it with a Response before it is read.
-using UploadHandler = std::function<std::variant<std::unique_ptr<BodySink>, Response>(const Request&)>;
+using UploadBegun = std::variant<std::unique_ptr<BodySink>, Response>;
+using UploadHandler = std::function<UploadBegun(const Request&)>;
 
 // What a route is for, as Route::scope: nobody is asked who he is.
 inline constexpr std::optional<storage::Scope> kEverybody;
@@ -28,7 +31,7 @@ struct Route {
   std::string pattern;  // for metrics and the test that walks the contract
   // What a token must be good for, where tokens are asked for (api/auth/access).
   std::optional<storage::Scope> scope;
-  Handler handler;  // exactly one of the two is set
+  std::function<Response(const Request&)> handler;  // exactly one of the two is set
   UploadHandler upload;
   Work work = Work::kRead;  // where it begins; an answer may ask for more (Response::wants)
 };
@@ -50,6 +53,10 @@ class Router {
   // served, and everybody there waits for it.
   Route& AddQuick(Method method, std::string_view pattern, Handler handler);
   Route& AddUpload(Method method, std::string_view pattern, UploadHandler handler);
+  // An upload of a few kilobytes, which is collected before it is looked at. `unless_json`: how a body is
+  // refused, before it is read, that is not JSON; null: none is.
+  Route& AddBody(Method method, std::string_view pattern, BodyHandler handler,
+                 const char* unless_json = nullptr, std::size_t max_bytes = kMaxCollectedBytes);
   // Asked before the handler of every route that is there now; a Response of its is the answer.
   using Guard = std::function<std::optional<Response>(const Request&, const Route&)>;
   void PutBefore(const Guard& guard);

@@ -6,7 +6,7 @@
 
 #include "api/common/xml_text.h"
 #include "api/http/responses.h"
-#include "api/tiles/transcode_tile.h"
+#include "api/tiles/recode_tile.h"
 #include "core/pyramid/draw_legend.h"
 
 namespace skyquilt::api {

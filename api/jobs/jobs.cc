@@ -1,115 +1,145 @@
 #include "api/jobs/jobs.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
+#include <utility>
+#include <vector>
 
+#include "api/auth/flight_access.h"
 #include "api/http/once.h"
-#include "api/http/problem.h"
 #include "api/http/responses.h"
-#include "api/jobs/queue_job.h"
 #include "api/json/job_options.h"
 #include "api/json/json_codec.h"
+#include "api/routes.h"
+#include "api/surface/map_surface.h"
+#include "core/base/text/json_io.h"
+#include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 
 namespace skyquilt::api {
 namespace {
 
+// A map of others that is to become the flight's has to be there.
+Result<void> CheckImported(Service& service, const std::string& flight_id, const std::string& options) {
+  SKYQUILT_TRY_ASSIGN(const pipeline::MosaicOptions parsed, ParseJobOptions(options));
+  if (parsed.import_file.empty()) return {};
+  SKYQUILT_TRY_ASSIGN(const std::vector<storage::StoredFile> files, service.catalogue.ListFiles(flight_id));
+  const bool is_there = std::any_of(files.begin(), files.end(), [&](const storage::StoredFile& file) {
+    return file.name == parsed.import_file;
+  });
+  if (is_there) return {};
+  return flight::Because(ErrorCode::kConflict,
+                         {flight::RemarkCode::kFailImportMissing, {{"file", parsed.import_file}}});
+}
+
+// A map that is only moved keeps its heights, which have to be made anew: the job's options say so.
+Result<std::string> KeepHeights(Service& service, const storage::Flight& flight, std::string options) {
+  SKYQUILT_TRY_ASSIGN(const pipeline::MosaicOptions parsed, ParseJobOptions(options));
+  if (!parsed.placing || !flight.active_revision) return options;
+  nlohmann::json stated = ParseJson(options);
+  if (stated.contains("heights")) return options;
+  SKYQUILT_TRY_ASSIGN(const std::vector<Surface> surfaces,
+                      SurfacesOf(service, flight.id, *flight.active_revision));
+  if (surfaces.empty()) return options;
+  stated["heights"] = NameOf(surfaces.back());  // with the ground come the others
+  return JsonText(stated);
+}
+
 constexpr int kMaxListed = 200;
 
-Response Queue(Service& service, const Request& request, const std::string& body) {
-  const Result<storage::Job> job = QueueJob(service, request, request.Parameter("flight"), body);
-  if (!job) return Problem(job.error(), request);
-  Response response = Json(202, JobJson(*job, storage::Now()));
-  response.headers.Add("Location", "/api/v1/jobs/" + job->id);
+Result<Response> Queue(Service& service, const Request& request, const std::string& body) {
+  SKYQUILT_TRY_ASSIGN(const storage::Job job, QueueJob(service, request, request.Parameter("flight"), body));
+  Response response = Json(202, JobJson(job, storage::Now()));
+  response.headers.Add("Location", "/api/v1/jobs/" + job.id);
   return response;
 }
 
-Response GetJob(Service& service, const Request& request) {
-  const Result<void> checked = CheckId(request.Parameter("job"), "job");
-  if (!checked) return Problem(checked.error(), request);
-  const Result<storage::Job> job = service.queue.Get(request.Parameter("job"));
-  if (!job) return Problem(job.error(), request);
+Result<Response> GetJob(Service& service, const Request& request) {
+  SKYQUILT_TRY(CheckId(request.Parameter("job"), "job"));
+  SKYQUILT_TRY_ASSIGN(const storage::Job job, service.queue.Get(request.Parameter("job")));
   // Names of machines are for who runs them.
-  if (!request.is_admin || job->state != storage::JobState::kRunning)
-    return Json(200, JobJson(*job, storage::Now()));
-  Result<std::vector<storage::HeldUnit>> held = storage::UnitQueue(service.db).Held(job->id);
-  if (!held) return Problem(held.error(), request);
-  Result<std::vector<storage::WorkerAside>> aside = storage::WorkersAside(service.db).List();
-  if (!aside) return Problem(aside.error(), request);
-  return Json(200, JobJson(*job, storage::Now(), WorkersOfJob{*std::move(held), *std::move(aside)}));
+  if (!request.is_admin || job.state != storage::JobState::kRunning)
+    return Json(200, JobJson(job, storage::Now()));
+  SKYQUILT_TRY_ASSIGN(std::vector<storage::HeldUnit> held, storage::UnitQueue(service.db).Held(job.id));
+  SKYQUILT_TRY_ASSIGN(std::vector<storage::WorkerAside> aside, storage::WorkersAside(service.db).List());
+  return Json(200, JobJson(job, storage::Now(), WorkersOfJob{std::move(held), std::move(aside)}));
 }
 
-Response ListJobs(Service& service, const Request& request) {
+Result<Response> ListJobs(Service& service, const Request& request) {
   std::optional<std::string> flight;
   if (const auto given = request.Query("flight")) flight = *given;
   if (!request.only_flight.empty()) {
     if (flight && *flight != request.only_flight) return Json(200, JsonObject({{"jobs", JsonArray({})}}));
     flight = request.only_flight;
   }
-  const Result<std::vector<storage::Job>> jobs = service.queue.List(flight, kMaxListed);
-  if (!jobs) return Problem(jobs.error(), request);
+  SKYQUILT_TRY_ASSIGN(const std::vector<storage::Job> jobs, service.queue.List(flight, kMaxListed));
   std::vector<std::string> items;
-  for (const storage::Job& job : *jobs) items.push_back(JobJson(job, storage::Now()));
+  for (const storage::Job& job : jobs) items.push_back(JobJson(job, storage::Now()));
   return Json(200, JsonObject({{"jobs", JsonArray(items)}}));
 }
 
-Response Cancel(Service& service, const Request& request) {
-  const Result<void> checked = CheckId(request.Parameter("job"), "job");
-  if (!checked) return Problem(checked.error(), request);
+Result<Response> Cancel(Service& service, const Request& request) {
+  SKYQUILT_TRY(CheckId(request.Parameter("job"), "job"));
   const Result<storage::Job> job =
       service.db.Free([&] { return service.queue.Cancel(request.Parameter("job"), storage::Now()); });
-  if (!job) return Problem(job.error(), request);
+  if (!job) return job.error();
   return Json(200, JobJson(*job, storage::Now()));
 }
 
 // The same again: a new job with the options of one that has ended.
-Response Retry(Service& service, const Request& request) {
-  const Result<void> checked = CheckId(request.Parameter("job"), "job");
-  if (!checked) return Problem(checked.error(), request);
-  const Result<storage::Job> ended = service.queue.Get(request.Parameter("job"));
-  if (!ended) return Problem(ended.error(), request);
-  if (!ended->finished) return Problem({ErrorCode::kConflict, "This job has not ended yet.", ""}, request);
-  const Result<pipeline::MosaicOptions> options = ParseJobOptions(ended->options);
+Result<Response> Retry(Service& service, const Request& request) {
+  SKYQUILT_TRY(CheckId(request.Parameter("job"), "job"));
+  SKYQUILT_TRY_ASSIGN(const storage::Job ended, service.queue.Get(request.Parameter("job")));
+  if (!ended.finished) return Error{ErrorCode::kConflict, "This job has not ended yet.", ""};
+  const Result<pipeline::MosaicOptions> options = ParseJobOptions(ended.options);
   if (options && options->placing && !options->placing->is_by_lists &&
-      ended->state == storage::JobState::kSuccessful) {
-    return Problem(
-        {ErrorCode::kConflict,
-         "This job has placed the map already; once more it would move it again. Start a job with new "
-         "pairs to place it anew.",
-         ""},
-        request);
+      ended.state == storage::JobState::kSuccessful) {
+    return Error{
+        ErrorCode::kConflict,
+        "This job has placed the map already; once more it would move it again. Start a job with new "
+        "pairs to place it anew.",
+        ""};
   }
   const storage::Time now = storage::Now();
-  const int priority = request.is_admin ? ended->priority : std::min(ended->priority, 0);
-  const Result<storage::Job> job =
-      service.queue.Add(ended->flight_id, ended->options, now, {priority, request.owner});
-  if (!job) return Problem(job.error(), request);
-  Response response = Json(202, JobJson(*job, now));
-  response.headers.Add("Location", "/api/v1/jobs/" + job->id);
+  const int priority = request.is_admin ? ended.priority : std::min(ended.priority, 0);
+  SKYQUILT_TRY_ASSIGN(const storage::Job job,
+                      service.queue.Add(ended.flight_id, ended.options, now, {priority, request.owner}));
+  Response response = Json(202, JobJson(job, now));
+  response.headers.Add("Location", "/api/v1/jobs/" + job.id);
   return response;
 }
 
 }  // namespace
 
+Result<storage::Job> QueueJob(Service& service, const Request& request, const std::string& flight_id,
+                              const std::string& body) {
+  SKYQUILT_TRY(CheckId(flight_id, "flight"));
+  SKYQUILT_TRY(CheckMayChange(service, request, flight_id));
+  SKYQUILT_TRY_ASSIGN(const JobRequest wish, ParseJobRequest(body));
+  if (wish.priority > 0 && !request.is_admin) {
+    return Error{ErrorCode::kForbidden, "A priority above 0 asks for a token of scope admin.", ""};
+  }
+  SKYQUILT_TRY_ASSIGN(const storage::Flight flight, service.catalogue.GetFlight(flight_id));
+  if (flight.file_count == 0) {
+    return flight::Because(ErrorCode::kConflict, flight::RemarkCode::kFailNoFilesYet);
+  }
+  SKYQUILT_TRY_ASSIGN(const std::string options,
+                      KeepHeights(service, flight, wish.options.value_or(flight.options)));
+  SKYQUILT_TRY(CheckImported(service, flight_id, options));
+  return service.queue.Add(flight_id, options, storage::Now(), {wish.priority, request.owner});
+}
+
 void AddJobRoutes(Router& router, Service& service) {
-  router.AddUpload(
+  router.AddBody(
       Method::kPost, "/api/v1/flights/{flight}/jobs",
-      [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
-        if (!IsJson(request)) {
-          return Problem(
-              {ErrorCode::kUnsupportedFormat,
-               "Send the options as JSON with its header: curl -H 'Content-Type: application/json' -d '{}' ...",
-               ""},
-              request);
-        }
-        return CollectBody([&service, request](const std::string& body) {
-          return Once(service, request, body, [&] { return Queue(service, request, body); });
-        });
-      });
-  router.AddUpload(Method::kPost, "/api/v1/jobs/{job}/retry",
-                   [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
-                     return CollectBody([&service, request](const std::string& body) {
-                       return Once(service, request, body, [&] { return Retry(service, request); });
-                     });
-                   });
+      [&](const Request& request, const std::string& body) {
+        return Once(service, request, body, [&] { return Queue(service, request, body); });
+      },
+      "Send the options as JSON with its header: curl -H 'Content-Type: application/json' -d '{}' ...");
+  router.AddBody(Method::kPost, "/api/v1/jobs/{job}/retry",
+                 [&](const Request& request, const std::string& body) {
+                   return Once(service, request, body, [&] { return Retry(service, request); });
+                 });
   router.Add(Method::kGet, "/api/v1/jobs", [&](const Request& r) { return ListJobs(service, r); });
   router.Add(Method::kGet, "/api/v1/jobs/{job}", [&](const Request& r) { return GetJob(service, r); });
   router.Add(Method::kDelete, "/api/v1/jobs/{job}", [&](const Request& r) { return Cancel(service, r); });

@@ -1,11 +1,18 @@
 // Jobs: queue the stitching of a flight, watch it, cancel it. States are those of OGC API Processes.
 #pragma once
 
-#include "api/http/router.h"
+#include <string>
+
+#include "api/http/http_message.h"
 #include "api/service.h"
 
 namespace skyquilt::api {
 
-void AddJobRoutes(Router& router, Service& service);
+// Queues a stitching job for a flight, for every API that offers it; `body`: that of POST
+// /api/v1/flights/{flight}/jobs. Errors: kNotFound (no such
+// flight), kConflict (it has no files, or an unfinished job), kForbidden (another owner's), kUnprocessable
+// and kInvalidArgument (the request), and the queue's.
+Result<storage::Job> QueueJob(Service& service, const Request& request, const std::string& flight_id,
+                              const std::string& body);
 
 }  // namespace skyquilt::api

@@ -1,16 +1,17 @@
-#include "api/maps/maps.h"
-
+// OGC API Maps, Part 1 (OGC 20-058): a flight's map as one picture of any box in any coordinate system, at
+// /ogc/collections/{flight}/map, drawn by what WMS draws with and within its limits.
 #include <fmt/format.h>
 
 #include <utility>
 
-#include "api/http/problem.h"
+#include "api/http/responses.h"
 #include "api/maps/map_request.h"
 #include "api/ogc/map_view.h"
 #include "api/ogc/ogc_format.h"
+#include "api/routes.h"
 #include "api/tiles/map_window.h"
+#include "api/tiles/recode_tile.h"
 #include "api/tiles/tiles.h"
-#include "api/tiles/transcode_tile.h"
 #include "core/base/try.h"
 #include "core/geo/tile_id.h"
 
@@ -75,9 +76,8 @@ Result<Response> AnswerMap(Service& service, const Request& request) {
 }  // namespace
 
 void AddMapRoutes(Router& router, Service& service) {
-  router.AddCompute(Method::kGet, "/ogc/collections/{flight}/map", [&](const Request& request) {
-    return TileResponse(AnswerMap(service, request), request);
-  });
+  router.AddCompute(Method::kGet, "/ogc/collections/{flight}/map",
+                    [&](const Request& request) { return AnswerMap(service, request); });
 }
 
 }  // namespace skyquilt::api

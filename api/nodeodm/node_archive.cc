@@ -9,10 +9,11 @@
 #include "api/downloads/send_file.h"
 #include "api/downloads/streamed_product.h"
 #include "api/downloads/zip_layout.h"
-#include "api/http/problem.h"
+#include "api/http/responses.h"
 #include "api/json/json_codec.h"
-#include "api/nodeodm/node_option_list.h"
+#include "api/nodeodm/node_options.h"
 #include "api/nodeodm/nodeodm.h"
+#include "api/routes.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
 
@@ -222,7 +223,7 @@ Response Download(Service& service, const Request& request) {
   if (request.Parameter("asset") != "all.zip") return NodeRefusal("Invalid asset");
   Result<Response> sent = Archive(service, request, *task);
   if (!sent && sent.error().code == ErrorCode::kRangeNotSatisfiable)
-    return DownloadProblem(sent.error(), request);
+    return Downloaded(std::move(sent), request);
   if (!sent) return NodeProblem(sent.error(), request);
   sent->headers.Add("Content-Disposition", "attachment; filename=\"all.zip\"");
   return *std::move(sent);

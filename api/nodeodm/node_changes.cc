@@ -5,9 +5,10 @@
 #include "api/auth/flight_access.h"
 #include "api/flights/trash.h"
 #include "api/http/responses.h"
-#include "api/nodeodm/node_fields.h"
+#include "api/nodeodm/node_new_task.h"
 #include "api/nodeodm/node_options.h"
 #include "api/nodeodm/nodeodm.h"
+#include "api/routes.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
 
@@ -95,19 +96,17 @@ Result<void> RestartTask(Service& service, const storage::NodeTask& task, const 
 using Change = std::function<Result<void>(const storage::NodeTask&, const TaskRequest&)>;
 
 void AddChange(Router& router, Service& service, const char* pattern, Change change) {
-  router.AddUpload(Method::kPost, pattern,
-                   [&service, change = std::move(change)](
-                       const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
-                     return CollectBody([&service, change, request](const std::string& body) {
-                       const Result<TaskRequest> wanted = ParseTaskRequest(request, body);
-                       if (!wanted) return NodeProblem(wanted.error(), request);
-                       const Result<storage::NodeTask> task = FindNodeTask(service, wanted->uuid);
-                       if (!task) return Outcome(task.error(), request);
-                       const Result<void> may = CheckMayChange(service, request, task->flight_id);
-                       if (!may) return Outcome(may.error(), request);
-                       return Outcome(change(*task, *wanted), request);
-                     });
-                   });
+  router.AddBody(
+      Method::kPost, pattern,
+      [&service, change = std::move(change)](const Request& request, const std::string& body) -> Response {
+        const Result<TaskRequest> wanted = ParseTaskRequest(request, body);
+        if (!wanted) return NodeProblem(wanted.error(), request);
+        const Result<storage::NodeTask> task = FindNodeTask(service, wanted->uuid);
+        if (!task) return Outcome(task.error(), request);
+        const Result<void> may = CheckMayChange(service, request, task->flight_id);
+        if (!may) return Outcome(may.error(), request);
+        return Outcome(change(*task, *wanted), request);
+      });
 }
 
 }  // namespace

@@ -1,9 +1,17 @@
 #include "api/nodeodm/node_new_task.h"
 
-#include <charconv>
+#include <fmt/format.h>
+#include <sys/random.h>
+
+#include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
 #include "api/flights/flights.h"
+#include "api/forms/multipart.h"
+#include "api/http/parameters.h"
+#include "api/http/target.h"
 #include "api/json/json_codec.h"
 #include "api/json/json_text.h"
 #include "api/nodeodm/nodeodm.h"
@@ -12,8 +20,71 @@
 #include "core/base/try.h"
 
 namespace skyquilt::api {
-
 namespace {
+
+class FieldCollector final : public PartReceiver {
+ public:
+  Result<void> BeginPart(const PartHeader& header) override {
+    text_ = nullptr;
+    if (header.file_name) return {};
+    const auto [field, is_new] = fields.try_emplace(header.field);
+    if (is_new) text_ = &field->second;
+    return {};
+  }
+  Result<void> PartBytes(std::span<const std::uint8_t> bytes) override {
+    if (text_ != nullptr) text_->append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    return {};
+  }
+  Result<void> EndPart() override { return {}; }
+
+  NodeFields fields;
+
+ private:
+  std::string* text_ = nullptr;
+};
+
+Result<NodeFields> FromMultipart(std::string_view content_type, const std::string& body) {
+  SKYQUILT_TRY_ASSIGN(const std::string boundary, MultipartBoundary(content_type));
+  FieldCollector collector;
+  MultipartParser parser(boundary, collector);
+  SKYQUILT_TRY(parser.Push({reinterpret_cast<const std::uint8_t*>(body.data()), body.size()}));
+  SKYQUILT_TRY(parser.Finish());
+  return std::move(collector.fields);
+}
+
+Result<NodeFields> FromJson(const std::string& body) {
+  SKYQUILT_TRY(CheckJsonText(body));
+  const auto parsed = ParseOrderedJson(body);
+  if (!parsed.is_object()) return Error{ErrorCode::kInvalidArgument, "The body is not a JSON object.", ""};
+  NodeFields fields;
+  for (const auto& [name, value] : parsed.items()) {
+    if (value.is_null()) continue;
+    fields.emplace(name, value.is_string() ? value.get<std::string>() : JsonText(value));
+  }
+  return fields;
+}
+
+Result<NodeFields> FromUrlencoded(const std::string& body) {
+  SKYQUILT_TRY_ASSIGN(const auto pairs, ParseQuery(body));
+  NodeFields fields;
+  for (const auto& [name, value] : pairs) fields.emplace(name, value);
+  return fields;
+}
+
+std::string NewNodeUuid() {
+  std::array<std::uint8_t, 16> bytes{};
+  if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) {
+    throw std::runtime_error("the kernel gave no random bytes");
+  }
+  bytes[6] = static_cast<std::uint8_t>((bytes[6] & 0x0f) | 0x40);
+  bytes[8] = static_cast<std::uint8_t>((bytes[8] & 0x3f) | 0x80);
+  std::string uuid;
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    if (i == 4 || i == 6 || i == 8 || i == 10) uuid += '-';
+    uuid += fmt::format("{:02x}", bytes[i]);
+  }
+  return uuid;
+}
 
 // A webhook that cannot be told is no reason to refuse the task.
 void SetWebhook(const Service& service, const std::string& url, NewTask& task) {
@@ -44,6 +115,36 @@ Result<void> SetOutputs(const std::string& text, NewTask& task) {
 }
 
 }  // namespace
+
+Result<NodeFields> ParseNodeFields(std::string_view content_type, const std::string& body) {
+  const std::string_view kind = content_type.substr(0, content_type.find_first_of("; "));
+  if (body.find_first_not_of(" \t\r\n") == std::string::npos) return NodeFields();
+  if (EqualsIgnoringCase(kind, "multipart/form-data")) return FromMultipart(content_type, body);
+  if (EqualsIgnoringCase(kind, "application/json")) return FromJson(body);
+  return FromUrlencoded(body);
+}
+
+std::string NodeField(const NodeFields& fields, std::string_view name) {
+  const auto found = fields.find(name);
+  return found == fields.end() ? std::string() : found->second;
+}
+
+std::string NodeNote(std::string text) {
+  constexpr std::size_t kMaxBytes = 500;
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c >= 0 && c < ' '; }, ' ');
+  if (text.size() > kMaxBytes) text = text.substr(0, kMaxBytes) + "...";
+  return text;
+}
+
+std::vector<std::string> NodeNotes(const std::vector<std::string>& unknown_options) {
+  std::vector<std::string> notes;
+  for (const std::string& name : unknown_options)
+    notes.push_back(NodeNote(fmt::format("The option {} is not known here and has no effect.", name)));
+  return notes;
+}
+
+std::int64_t NodeNowMs() { return storage::ToUs(storage::Now()) / 1000; }
 
 storage::NodeTask NewTask::Record(const std::string& flight_id) const {
   storage::NodeTask record;
@@ -86,11 +187,7 @@ Result<NewTask> NewTaskFrom(Service& service, const Request& request, const Node
       ParseFlightFields(JsonObject({{"name", JsonString(task.name)}}));
   if (!checked) return checked.error();
   const std::string date = NodeField(fields, "dateCreated");
-  task.created_ms = NodeNowMs();
-  if (!date.empty()) {
-    const auto parsed = std::from_chars(date.data(), date.data() + date.size(), task.created_ms);
-    if (parsed.ec != std::errc() || parsed.ptr != date.data() + date.size()) task.created_ms = NodeNowMs();
-  }
+  task.created_ms = ParseNumber<std::int64_t>(date).value_or(NodeNowMs());
   return task;
 }
 

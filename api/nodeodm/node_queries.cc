@@ -3,18 +3,18 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <chrono>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <thread>
 
-#include "api/http/problem.h"
+#include "api/http/parameters.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
 #include "api/nodeodm/node_options.h"
 #include "api/nodeodm/nodeodm.h"
+#include "api/routes.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
 
@@ -106,14 +106,6 @@ Response ListTasks(Service& service, const Request& request) {
   return NodeAnswer(JsonText(list));
 }
 
-std::optional<std::int64_t> WholeNumber(std::string_view text) {
-  std::int64_t number = 0;
-  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (text.empty() || parsed.ec != std::errc() || parsed.ptr != text.data() + text.size())
-    return std::nullopt;
-  return number;
-}
-
 // From line `from` on; a negative one counts from the end.
 Value LinesFrom(const std::vector<std::string>& lines, std::int64_t from) {
   const auto count = static_cast<std::int64_t>(lines.size());
@@ -121,6 +113,24 @@ Value LinesFrom(const std::vector<std::string>& lines, std::int64_t from) {
   Value list = Value::array();
   for (std::int64_t i = from; i < count; ++i) list.push_back(lines[static_cast<std::size_t>(i)]);
   return list;
+}
+
+// {"uuid": ..., "status": ...} and so on, as GET /task/{uuid}/info answers it, without output.
+Result<std::string> NodeTaskJson(Service& service, const storage::NodeTask& task) {
+  SKYQUILT_TRY_ASSIGN(const storage::Flight flight, service.catalogue.GetFlight(task.flight_id));
+  SKYQUILT_TRY_ASSIGN(const std::optional<storage::Job> job, service.queue.LatestOf(task.flight_id));
+  Value answer;
+  answer["uuid"] = task.uuid;
+  answer["name"] = flight.name;
+  answer["dateCreated"] = task.created_ms;
+  answer["processingTime"] = ProcessingMs(job);
+  SKYQUILT_TRY_ASSIGN(const int code, StatusCode(service, task, job));
+  answer["status"] = {{"code", code}};
+  if (code == 30) answer["status"]["errorMessage"] = job->error ? job->error->message : "Processing failed";
+  answer["options"] = ParseOrderedJson(task.options);
+  answer["imagesCount"] = flight.file_count;
+  answer["progress"] = code == 40 ? 100.0 : job ? std::min(99.0, job->progress * 100.0) : 0.0;
+  return JsonText(answer);
 }
 
 Response TaskInfo(Service& service, const Request& request) {
@@ -133,7 +143,7 @@ Response TaskInfo(Service& service, const Request& request) {
   const Result<std::vector<std::string>> lines = NodeOutput(service, *task);
   if (!lines) return NodeProblem(lines.error(), request);
   Value answer = ParseOrderedJson(*description);
-  answer["output"] = LinesFrom(*lines, WholeNumber(*first_line).value_or(0));
+  answer["output"] = LinesFrom(*lines, ParseNumber<std::int64_t>(*first_line).value_or(0));
   return NodeAnswer(JsonText(answer));
 }
 
@@ -142,8 +152,8 @@ Response TaskOutput(Service& service, const Request& request) {
   if (!task) return NodeProblem(task.error(), request);
   const Result<std::vector<std::string>> lines = NodeOutput(service, *task);
   if (!lines) return NodeProblem(lines.error(), request);
-  return NodeAnswer(
-      JsonText(LinesFrom(*lines, WholeNumber(request.Query("line").value_or("0")).value_or(0))));
+  return NodeAnswer(JsonText(
+      LinesFrom(*lines, ParseNumber<std::int64_t>(request.Query("line").value_or("0")).value_or(0))));
 }
 
 std::string LineOf(const storage::Event& event) {
@@ -157,6 +167,12 @@ std::string LineOf(const storage::Event& event) {
 }
 
 }  // namespace
+
+bool IsNodeEngine(std::string_view name) {
+  constexpr std::size_t kMaxLength = 32;
+  const auto fits = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9'); };
+  return !name.empty() && name.size() <= kMaxLength && std::all_of(name.begin(), name.end(), fits);
+}
 
 Result<storage::NodeTask> FindNodeTask(Service& service, std::string_view text) {
   const Error unknown{ErrorCode::kNotFound, fmt::format("{} not found", text), ""};
@@ -180,25 +196,6 @@ Result<std::vector<std::string>> NodeOutput(Service& service, const storage::Nod
   SKYQUILT_TRY_ASSIGN(const std::vector<storage::Event> events, service.events.After(0, filter, kMaxLines));
   for (const storage::Event& event : events) lines.push_back(LineOf(event));
   return lines;
-}
-
-std::int64_t NodeNowMs() { return storage::ToUs(storage::Now()) / 1000; }
-
-Result<std::string> NodeTaskJson(Service& service, const storage::NodeTask& task) {
-  SKYQUILT_TRY_ASSIGN(const storage::Flight flight, service.catalogue.GetFlight(task.flight_id));
-  SKYQUILT_TRY_ASSIGN(const std::optional<storage::Job> job, service.queue.LatestOf(task.flight_id));
-  Value answer;
-  answer["uuid"] = task.uuid;
-  answer["name"] = flight.name;
-  answer["dateCreated"] = task.created_ms;
-  answer["processingTime"] = ProcessingMs(job);
-  SKYQUILT_TRY_ASSIGN(const int code, StatusCode(service, task, job));
-  answer["status"] = {{"code", code}};
-  if (code == 30) answer["status"]["errorMessage"] = job->error ? job->error->message : "Processing failed";
-  answer["options"] = ParseOrderedJson(task.options);
-  answer["imagesCount"] = flight.file_count;
-  answer["progress"] = code == 40 ? 100.0 : job ? std::min(99.0, job->progress * 100.0) : 0.0;
-  return JsonText(answer);
 }
 
 Result<std::string> NodeWebhookBody(Service& service, const std::string& uuid, const std::string& job_id) {
@@ -225,10 +222,8 @@ void AddNodeRoutes(Router& router, Service& service) {
       kEverybody;
   for (const char* pattern : {"/auth/login", "/auth/register"}) {
     router
-        .AddUpload(Method::kPost, pattern,
-                   [](const Request&) -> std::variant<std::unique_ptr<BodySink>, Response> {
-                     return CollectBody([](const std::string&) { return NodeRefusal("Not available"); });
-                   })
+        .AddBody(Method::kPost, pattern,
+                 [](const Request&, const std::string&) { return NodeRefusal("Not available"); })
         .scope = kEverybody;
   }
 }

@@ -6,17 +6,15 @@
 #include "api/flights/trash.h"
 #include "api/forms/multipart.h"
 #include "api/http/responses.h"
-#include "api/nodeodm/node_fields.h"
 #include "api/nodeodm/node_new_task.h"
 #include "api/nodeodm/nodeodm.h"
+#include "api/routes.h"
 #include "api/uploads/form_receiver.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {
 namespace {
-
-using Begun = std::variant<std::unique_ptr<BodySink>, Response>;
 
 const FormRules kNodeForm = {
     {"name", "options", "skipPostProcessing", "webhook", "outputs", "dateCreated", "zipurl"}, true};
@@ -171,20 +169,20 @@ class WholeForm final : public NodeForm {
 };
 
 // Some clients send no file with this, and therefore no form of that kind.
-Begun BeginInit(Service& service, const Request& request) {
+UploadBegun BeginInit(Service& service, const Request& request) {
   const std::string_view type = request.headers.Find("Content-Type");
   const Result<std::string> boundary = MultipartBoundary(type);
   if (!boundary && boundary.error().code == ErrorCode::kUnsupportedFormat) {
-    return CollectBody([&service, request, type = std::string(type)](const std::string& body) {
-      const Result<NodeFields> fields = ParseNodeFields(type, body);
-      return fields ? CreateTask(service, request, *fields) : NodeProblem(fields.error(), request);
+    return CollectBody(request, [&service](const Request& of, const std::string& body) {
+      const Result<NodeFields> fields = ParseNodeFields(of.headers.Find("Content-Type"), body);
+      return fields ? CreateTask(service, of, *fields) : NodeProblem(fields.error(), of);
     });
   }
   if (!boundary) return NodeProblem(boundary.error(), request);
   return std::make_unique<InitForm>(service, request, *boundary, "");
 }
 
-Begun BeginUpload(Service& service, const Request& request) {
+UploadBegun BeginUpload(Service& service, const Request& request) {
   const Error unknown{ErrorCode::kNotFound, "Invalid uuid (not found)", ""};
   const std::optional<std::string> uuid = NodeUuid(request.Parameter("uuid"));
   if (!uuid) return NodeProblem(unknown, request);
@@ -196,7 +194,7 @@ Begun BeginUpload(Service& service, const Request& request) {
   return std::make_unique<UploadForm>(service, request, *boundary, task->flight_id);
 }
 
-Begun BeginWhole(Service& service, const Request& request) {
+UploadBegun BeginWhole(Service& service, const Request& request) {
   const Result<std::string> boundary = MultipartBoundary(request.headers.Find("Content-Type"));
   if (!boundary) return NodeProblem(boundary.error(), request);
   const storage::Time now = storage::Now();
@@ -236,9 +234,8 @@ void AddNodeUploadRoutes(Router& router, Service& service) {
   router.AddUpload(Method::kPost, "/task/new/upload/{uuid}",
                    [&](const Request& r) { return BeginUpload(service, r); });
   router.AddUpload(Method::kPost, "/task/new", [&](const Request& r) { return BeginWhole(service, r); });
-  router.AddUpload(Method::kPost, "/task/new/commit/{uuid}", [&](const Request& request) -> Begun {
-    return CollectBody([&service, request](const std::string&) { return Commit(service, request); });
-  });
+  router.AddBody(Method::kPost, "/task/new/commit/{uuid}",
+                 [&](const Request& request, const std::string&) { return Commit(service, request); });
 }
 
 }  // namespace skyquilt::api

@@ -10,31 +10,18 @@
 #include <vector>
 
 #include "api/common/node_answers.h"
-#include "api/http/router.h"
 #include "api/service.h"
 
 namespace skyquilt::api {
-
-void AddNodeRoutes(Router& router, Service& service);        // questions: /info /options /task/...
-void AddNodeChangeRoutes(Router& router, Service& service);  // cancel, remove, restart
-void AddNodeUploadRoutes(Router& router, Service& service);  // new, init, upload, commit
-void AddNodeArchiveRoute(Router& router, Service& service);  // all.zip
 
 // A name that its clients take: lower-case letters and digits, at most 32.
 bool IsNodeEngine(std::string_view name);
 
 // What these files share.
-std::string NewNodeUuid();
 // The committed task of this name. Errors: kNotFound with the contract's text.
 Result<storage::NodeTask> FindNodeTask(Service& service, std::string_view uuid);
 // What is to be known of the task, and what its latest job went through, one line each.
 Result<std::vector<std::string>> NodeOutput(Service& service, const storage::NodeTask& task);
-// One line of a task's notes, whatever characters a client's text in it has.
-std::string NodeNote(std::string text);
-std::vector<std::string> NodeNotes(const std::vector<std::string>& unknown_options);
-std::int64_t NodeNowMs();
-// {"uuid": ..., "status": ...} and so on, as GET /task/{uuid}/info answers it, without output.
-Result<std::string> NodeTaskJson(Service& service, const storage::NodeTask& task);
 
 // What the webhook of a task is told when a job of it has ended. kNotFound: the task is gone, or was started
 // again.

@@ -1,13 +1,13 @@
-#include "api/notes/notes.h"
-
+// The notes and measurements of a flight, which everybody sees who opens it: read, and written as a whole.
+// They lie among the flight's files, as GeoJSON.
 #include <optional>
 #include <utility>
 
-#include "api/flights/flights.h"
+#include "api/common/find_flight.h"
 #include "api/forms/geojson_body.h"
-#include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/notes/note_list.h"
+#include "api/routes.h"
 #include "api/uploads/flight_document.h"
 #include "core/base/try.h"
 #include "core/flight/bytes/input_file.h"
@@ -40,7 +40,6 @@ Result<NotesText> ReadStoredNotes(Service& service, const std::string& flight_id
 }
 
 Result<KeptNotes> ReadNotesOf(Service& service, const std::string& flight_id) {
-  SKYQUILT_TRY(CheckId(flight_id, "flight"));
   SKYQUILT_TRY(RequireFlight(service, flight_id));
   KeptNotes kept{NoNotes(), EtagOfDocument("")};
   SKYQUILT_TRY(ReadDocument(service, flight_id, flight::kMapNotesName, [&](const auto& file) -> Result<void> {
@@ -74,7 +73,6 @@ Result<WantedDocument> WantedNotes(Service& service, const Request& request,
 
 Result<KeptNotes> WriteNotes(Service& service, const Request& request, const std::string& body) {
   const std::string& flight_id = request.Parameter("flight");
-  SKYQUILT_TRY(CheckId(flight_id, "flight"));
   SKYQUILT_TRY(RequireFlight(service, flight_id));
   SKYQUILT_TRY_ASSIGN(NotesText text, ReadNotes(body));
   SKYQUILT_TRY_ASSIGN(const auto known, FindDocument(service, flight_id, flight::kMapNotesName));
@@ -86,8 +84,8 @@ Result<KeptNotes> WriteNotes(Service& service, const Request& request, const std
   return KeptNotes{std::move(text), EtagOfDocument(stored)};
 }
 
-Response AnswerNotes(Result<KeptNotes> kept, const Request& request) {
-  if (!kept) return Problem(kept.error(), request);
+Result<Response> AnswerNotes(Result<KeptNotes> kept) {
+  if (!kept) return kept.error();
   Response response;
   response.headers.Add("Content-Type", kNotesType);
   response.headers.Add("Cache-Control", "no-cache");
@@ -100,11 +98,10 @@ Response AnswerNotes(Result<KeptNotes> kept, const Request& request) {
 
 void AddNotesRoutes(Router& router, Service& service) {
   router.AddCompute(Method::kGet, "/api/v1/flights/{flight}/notes", [&](const Request& request) {
-    return AnswerNotes(ReadNotesOf(service, request.Parameter("flight")), request);
+    return AnswerNotes(ReadNotesOf(service, request.Parameter("flight")));
   });
   router.AddUpload(
-      Method::kPut, "/api/v1/flights/{flight}/notes",
-      [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
+      Method::kPut, "/api/v1/flights/{flight}/notes", [&](const Request& request) -> UploadBegun {
         if (!IsGeoJson(request)) {
           return Problem(
               {ErrorCode::kUnsupportedFormat,
@@ -112,8 +109,9 @@ void AddNotesRoutes(Router& router, Service& service) {
               request);
         }
         return CollectBody(
-            [&service, request](const std::string& body) {
-              return AnswerNotes(WriteNotes(service, request, body), request);
+            request,
+            [&service](const Request& of, const std::string& body) {
+              return AnswerNotes(WriteNotes(service, of, body));
             },
             kMaxNotesBytes);
       });

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "api/common/xml_text.h"
 #include "api/http/responses.h"
-#include "api/ogc/map_view.h"
 #include "core/base/text/json_io.h"
 
 namespace skyquilt::api {

@@ -3,17 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <nlohmann/json.hpp>
 
 #include "api/auth/flight_access.h"
 #include "api/common/feature_query.h"
+#include "api/common/find_flight.h"
 #include "api/http/links.h"
-#include "api/http/problem.h"
+#include "api/http/parameters.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
 #include "api/ogc/ogc_format.h"
-#include "api/shown_map.h"
+#include "api/routes.h"
 #include "api/stac/stac_search.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
@@ -69,9 +69,10 @@ Result<FeatureQuery> ParseFeatureQuery(const Request& request) {
   SKYQUILT_TRY_ASSIGN(query.limit,
                       ParseLimit(request.Query("limit").value_or(""), kUsualFeatures, kMaxFeatures));
   if (const auto text = request.Query("offset")) {
-    const auto parsed = std::from_chars(text->data(), text->data() + text->size(), query.offset);
-    if (parsed.ec != std::errc() || parsed.ptr != text->data() + text->size())
+    const auto offset = ParseNumber<std::size_t>(*text);
+    if (!offset)
       return Error{ErrorCode::kInvalidArgument, "\"offset\" must be a whole number from 0 on.", ""};
+    query.offset = *offset;
   }
   return query;
 }
@@ -181,27 +182,25 @@ Result<AskedPhotos> PhotosOfCollection(Service& service, const Request& request)
   return AskedPhotos{*kind, std::move(photos)};
 }
 
-Response Items(Service& service, const Request& request) {
-  const Result<FeatureQuery> query = ParseFeatureQuery(request);
-  if (!query) return Problem(query.error(), request);
-  const Result<AskedPhotos> asked = PhotosOfCollection(service, request);
-  if (!asked) return Problem(asked.error(), request);
+Result<Response> Items(Service& service, const Request& request) {
+  SKYQUILT_TRY_ASSIGN(const FeatureQuery query, ParseFeatureQuery(request));
+  SKYQUILT_TRY_ASSIGN(const AskedPhotos asked, PhotosOfCollection(service, request));
   FeatureJson features = FeatureJson::array();
   std::size_t matched = 0;
-  for (const FeatureJson& photo : asked->photos) {
-    FeatureJson feature = FeatureOf(photo, asked->kind);
-    if (feature.is_null() || !IsAsked(feature, *query)) continue;
+  for (const FeatureJson& photo : asked.photos) {
+    FeatureJson feature = FeatureOf(photo, asked.kind);
+    if (feature.is_null() || !IsAsked(feature, query)) continue;
     ++matched;
-    if (matched > query->offset && features.size() < static_cast<std::size_t>(query->limit))
+    if (matched > query.offset && features.size() < static_cast<std::size_t>(query.limit))
       features.push_back(std::move(feature));
   }
   const std::string path = PathOfCollection(request);
   FeatureJson links = FeatureJson::array();
-  links.push_back(FeatureLink(request, PageAt(request, *query, query->offset), "self", kFeatureType));
+  links.push_back(FeatureLink(request, PageAt(request, query, query.offset), "self", kFeatureType));
   links.push_back(FeatureLink(request, path, "collection", "application/json"));
-  if (query->offset < matched && query->offset + features.size() < matched) {
+  if (query.offset < matched && query.offset + features.size() < matched) {
     links.push_back(
-        FeatureLink(request, PageAt(request, *query, query->offset + features.size()), "next", kFeatureType));
+        FeatureLink(request, PageAt(request, query, query.offset + features.size()), "next", kFeatureType));
   }
   const std::size_t returned = features.size();
   return FeatureDocument({{"type", "FeatureCollection"},
@@ -212,13 +211,12 @@ Response Items(Service& service, const Request& request) {
                           {"links", links}});
 }
 
-Response Item(Service& service, const Request& request) {
-  const Result<AskedPhotos> asked = PhotosOfCollection(service, request);
-  if (!asked) return Problem(asked.error(), request);
+Result<Response> Item(Service& service, const Request& request) {
+  SKYQUILT_TRY_ASSIGN(const AskedPhotos asked, PhotosOfCollection(service, request));
   const std::string& id = request.Parameter("feature");
-  for (const FeatureJson& photo : asked->photos) {
+  for (const FeatureJson& photo : asked.photos) {
     if (photo.at("properties").at("name") != id) continue;
-    FeatureJson feature = FeatureOf(photo, asked->kind);
+    FeatureJson feature = FeatureOf(photo, asked.kind);
     if (feature.is_null()) break;
     const std::string path = PathOfCollection(request);
     feature["links"] = FeatureJson::array(
@@ -226,17 +224,16 @@ Response Item(Service& service, const Request& request) {
          FeatureLink(request, path, "collection", "application/json")});
     return FeatureDocument(feature);
   }
-  return Problem({ErrorCode::kNotFound, "There is no such photo in this collection.", ""}, request);
+  return Error{ErrorCode::kNotFound, "There is no such photo in this collection.", ""};
 }
 
 // What is read may have been damaged on the disk: then the answer is that, not a crash.
-Handler Guarded(Service& service, Response (*answer)(Service&, const Request&)) {
-  return [&service, answer](const Request& request) {
+Handler Guarded(Service& service, Result<Response> (*answer)(Service&, const Request&)) {
+  return [&service, answer](const Request& request) -> Result<Response> {
     try {
       return answer(service, request);
     } catch (const FeatureJson::exception& thrown) {
-      return Problem({ErrorCode::kCorrupt, "The list of photos of this map is damaged.", thrown.what()},
-                     request);
+      return Error{ErrorCode::kCorrupt, "The list of photos of this map is damaged.", thrown.what()};
     }
   };
 }

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "api/http/router.h"
+#include "api/http/http_message.h"
 #include "api/service.h"
 
 namespace skyquilt::api {
@@ -21,7 +21,5 @@ std::optional<PhotoFeatures> PhotoFeaturesNamed(std::string_view collection);
 std::string NameOfCollection(const std::string& flight_id, PhotoFeatures kind);
 // Its description as JSON text.
 std::string PhotoCollection(const Request& request, const storage::ShownFlight& map, PhotoFeatures kind);
-
-void AddFeatureRoutes(Router& router, Service& service);
 
 }  // namespace skyquilt::api

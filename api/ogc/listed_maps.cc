@@ -6,6 +6,7 @@
 
 #include "api/auth/flight_access.h"
 #include "api/http/links.h"
+#include "api/http/parameters.h"
 #include "core/base/try.h"
 #include "storage/db/ids.h"
 
@@ -42,9 +43,7 @@ Result<ListedMaps> ListMapsOf(Service& service, const Request& request) {
     return listed;
   }
   listed.title = "Skyquilt";
-  const std::optional<std::string> cursor = Parameter(request, "cursor");
-  if (cursor && !storage::IsId(*cursor))
-    return Error{ErrorCode::kInvalidArgument, "The parameter \"cursor\" is not one that a list gave.", ""};
+  SKYQUILT_TRY_ASSIGN(const auto cursor, ParseCursor(Parameter(request, "cursor")));
   SKYQUILT_TRY_ASSIGN(storage::MapPage page, ListVisibleMaps(service, request, ListedMaps::kMaxMaps, cursor));
   listed.next_cursor = page.next_cursor;
   for (storage::ShownFlight& shown : page.maps) {

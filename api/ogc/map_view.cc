@@ -4,7 +4,7 @@
 
 #include "api/http/links.h"
 #include "api/http/responses.h"
-#include "api/tiles/cut_tile.h"
+#include "api/tiles/recode_tile.h"
 #include "api/tiles/tiles.h"
 #include "core/base/try.h"
 #include "core/geo/tile_id.h"
@@ -91,13 +91,6 @@ Response OgcDocument(std::string json) {
   Response response = Text(200, std::move(json), "application/json");
   response.headers.Add("Cache-Control", "no-cache");
   return response;
-}
-
-std::optional<std::string> Parameter(const Request& request, std::string_view name) {
-  for (const auto& [known, value] : request.query) {
-    if (EqualsIgnoringCase(known, name)) return value;
-  }
-  return std::nullopt;
 }
 
 bool AsksForCapabilities(std::string_view operation) {

@@ -77,8 +77,6 @@ std::string MatrixSetName(int tile_size_px);
 // Which is not kept.
 Response OgcDocument(std::string json);
 
-// An OWS or WMS parameter by its name, whatever its case.
-std::optional<std::string> Parameter(const Request& request, std::string_view name);
 // Whatever is not an operation of WMS or WMTS, nothing above all: people paste addresses without parameters,
 // and programs add those of the service that they take it for. What the path is answers.
 bool AsksForCapabilities(std::string_view operation);

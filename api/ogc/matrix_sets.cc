@@ -5,9 +5,10 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
-#include "api/http/problem.h"
-#include "api/tiles/cut_tile.h"
+#include "api/http/responses.h"
+#include "api/tiles/recode_tile.h"
 #include "core/base/text/json_io.h"
+#include "core/base/try.h"
 #include "core/geo/web_mercator.h"
 
 namespace skyquilt::api {
@@ -189,13 +190,13 @@ Response MatrixSetList(const Request& request) {
   return SetResponse({{"tileMatrixSets", sets}});
 }
 
-Response MatrixSetDocument(const Request& request) {
+Result<Response> MatrixSetDocument(const Request& request) {
   const std::string& id = request.Parameter("set");
   if (const std::optional<int> side_px = MercatorSideOf(id)) return SetResponse(MercatorSet(id, *side_px));
   const std::optional<MapGrid> grid = MapGrid::Named(id);
-  if (!grid) return Problem({ErrorCode::kNotFound, "There is no such tile matrix set.", ""}, request);
-  const Result<MapCrs> crs = grid->Crs();
-  return crs ? SetResponse(GridSet(*grid, *crs)) : Problem(crs.error(), request);
+  if (!grid) return Error{ErrorCode::kNotFound, "There is no such tile matrix set.", ""};
+  SKYQUILT_TRY_ASSIGN(const MapCrs crs, grid->Crs());
+  return SetResponse(GridSet(*grid, crs));
 }
 
 Response TilesetList(const MapView& map) {

@@ -8,7 +8,7 @@ namespace skyquilt::api {
 
 Response MatrixSetList(const Request& request);
 // Of the parameter {set}.
-Response MatrixSetDocument(const Request& request);
+Result<Response> MatrixSetDocument(const Request& request);
 
 Response TilesetList(const MapView& map);
 // Precondition: a set of the map.

@@ -1,23 +1,23 @@
-#include "api/ogc/ogc.h"
-
+// OGC API - Tiles 1.0 at /ogc: landing page, conformance, collections (one a map) with their tilesets, tile
+// matrix sets, and tiles by row and column. OGC 20-057.
 #include <fmt/format.h>
 
-#include <charconv>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <vector>
 
 #include "api/auth/flight_access.h"
-#include "api/common/media_types.h"
+#include "api/common/find_flight.h"
 #include "api/grids/grid_tiles.h"
 #include "api/http/links.h"
-#include "api/http/problem.h"
+#include "api/http/parameters.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
 #include "api/ogc/features.h"
 #include "api/ogc/map_view.h"
 #include "api/ogc/matrix_sets.h"
 #include "api/ogc/ogc_format.h"
+#include "api/routes.h"
 #include "api/surface/map_surface.h"
 #include "api/tiles/tile_path.h"
 #include "api/tiles/tiles.h"
@@ -130,54 +130,38 @@ Value Collection(const Request& request, const storage::ShownFlight& map,
 }
 
 // Of the map, or of its photos.
-Response DescribeCollection(Service& service, const Request& request) {
+Result<Response> DescribeCollection(Service& service, const Request& request) {
   const std::string& name = request.Parameter("flight");
   const auto kind = PhotoFeaturesNamed(name);
-  const Result<MapView> map = FindMap(service, request, kind ? name.substr(0, name.find('.')) : name);
-  if (!map) return Problem(map.error(), request);
-  const storage::ShownFlight shown = map->shown();
+  SKYQUILT_TRY_ASSIGN(const MapView map,
+                      FindMap(service, request, kind ? name.substr(0, name.find('.')) : name));
+  const storage::ShownFlight shown = map.shown();
   if (!kind) {
-    const Result<std::vector<Surface>> surfaces =
-        SurfacesOf(service, shown.flight_id, shown.revision.revision);
-    if (!surfaces) return Problem(surfaces.error(), request);
-    return Document(Collection(request, shown, *surfaces));
+    SKYQUILT_TRY_ASSIGN(const std::vector<Surface> surfaces,
+                        SurfacesOf(service, shown.flight_id, shown.revision.revision));
+    return Document(Collection(request, shown, surfaces));
   }
-  if (FeaturesOf(shown).empty())
-    return Problem({ErrorCode::kNotFound, "This map was not made of photos.", ""}, request);
+  if (FeaturesOf(shown).empty()) return Error{ErrorCode::kNotFound, "This map was not made of photos.", ""};
   return Document(ParseOrderedJson(PhotoCollection(request, shown, *kind)));
 }
 
-Response Collections(Service& service, const Request& request) {
-  int limit = 50;
-  if (const auto text = request.Query("limit")) {
-    const auto parsed = std::from_chars(text->data(), text->data() + text->size(), limit);
-    if (parsed.ec != std::errc() || parsed.ptr != text->data() + text->size() || limit < 1 || limit > 200) {
-      return Problem(
-          {ErrorCode::kInvalidArgument, "The parameter \"limit\" must be a whole number from 1 to 200.", ""},
-          request);
-    }
-  }
-  std::optional<std::string> cursor;
-  if (const auto given = request.Query("cursor")) cursor = *given;
-  if (cursor && !storage::IsId(*cursor)) {
-    return Problem({ErrorCode::kInvalidArgument, "The parameter \"cursor\" is not one that a list gave.", ""},
-                   request);
-  }
-  const Result<storage::MapPage> page = ListVisibleMaps(service, request, limit, cursor);
-  if (!page) return Problem(page.error(), request);
+Result<Response> Collections(Service& service, const Request& request) {
+  SKYQUILT_TRY_ASSIGN(const int limit, PageSizeOf(request, 50, 200));
+  SKYQUILT_TRY_ASSIGN(const auto cursor, ParseCursor(request.Query("cursor")));
+  SKYQUILT_TRY_ASSIGN(const storage::MapPage page, ListVisibleMaps(service, request, limit, cursor));
   Value collections = Value::array();
-  for (const storage::ShownFlight& map : page->maps) {
-    const Result<std::vector<Surface>> surfaces = SurfacesOf(service, map.flight_id, map.revision.revision);
-    if (!surfaces) return Problem(surfaces.error(), request);
-    collections.push_back(Collection(request, map, *surfaces));
+  for (const storage::ShownFlight& map : page.maps) {
+    SKYQUILT_TRY_ASSIGN(const std::vector<Surface> surfaces,
+                        SurfacesOf(service, map.flight_id, map.revision.revision));
+    collections.push_back(Collection(request, map, surfaces));
     for (const PhotoFeatures kind : FeaturesOf(map))
       collections.push_back(ParseOrderedJson(PhotoCollection(request, map, kind)));
   }
   const MapView at = Nowhere(request);
   Value links = Value::array({Link(at.Link("/ogc/collections"), "self", "application/json", "This list")});
-  if (page->next_cursor) {
+  if (page.next_cursor) {
     links.push_back(
-        Link(at.Link(fmt::format("/ogc/collections?limit={}&cursor={}", limit, *page->next_cursor)), "next",
+        Link(at.Link(fmt::format("/ogc/collections?limit={}&cursor={}", limit, *page.next_cursor)), "next",
              "application/json", "The next maps"));
   }
   return Document({{"links", links}, {"collections", collections}});
@@ -222,13 +206,13 @@ Result<Response> Tile(Service& service, const Request& request, const MapView& m
   return answer;
 }
 
-using OfMap = std::function<Response(const MapView&, const Request&)>;
+using OfMap = std::function<Result<Response>(const MapView&, const Request&)>;
 
 // For whom JSON will do.
 Handler AsJson(Handler answer) {
-  return [answer = std::move(answer)](const Request& request) {
-    const Result<void> takes = CheckTakesJson(request);
-    return takes ? answer(request) : Problem(takes.error(), request);
+  return [answer = std::move(answer)](const Request& request) -> Result<Response> {
+    SKYQUILT_TRY(CheckTakesJson(request));
+    return answer(request);
   };
 }
 
@@ -242,9 +226,9 @@ void AddOgcRoutes(Router& router, Service& service) {
   router.Add(Method::kGet, "/ogc/collections",
              AsJson([&](const Request& r) { return Collections(service, r); }));
   const auto of_map = [&](OfMap answer) -> Handler {
-    return [&service, answer = std::move(answer)](const Request& request) {
-      const Result<MapView> map = FindMap(service, request, request.Parameter("flight"));
-      return map ? answer(*map, request) : Problem(map.error(), request);
+    return [&service, answer = std::move(answer)](const Request& request) -> Result<Response> {
+      SKYQUILT_TRY_ASSIGN(const MapView map, FindMap(service, request, request.Parameter("flight")));
+      return answer(map, request);
     };
   };
   router.Add(Method::kGet, "/ogc/collections/{flight}",
@@ -252,14 +236,12 @@ void AddOgcRoutes(Router& router, Service& service) {
   router.Add(Method::kGet, "/ogc/collections/{flight}/map/tiles",
              AsJson(of_map([](const MapView& map, const Request&) { return TilesetList(map); })));
   router.Add(Method::kGet, "/ogc/collections/{flight}/map/tiles/{set}",
-             AsJson(of_map([](const MapView& map, const Request& request) {
-               const Result<MapSet> set = map.SetNamed(request.Parameter("set"));
-               return set ? TilesetDocument(map, *set) : Problem(set.error(), request);
+             AsJson(of_map([](const MapView& map, const Request& request) -> Result<Response> {
+               SKYQUILT_TRY_ASSIGN(const MapSet set, map.SetNamed(request.Parameter("set")));
+               return TilesetDocument(map, set);
              })));
   router.Add(Method::kGet, "/ogc/collections/{flight}/map/tiles/{set}/{matrix}/{row}/{column}",
-             of_map([&](const MapView& map, const Request& request) {
-               return TileResponse(Tile(service, request, map), request);
-             }));
+             of_map([&](const MapView& map, const Request& request) { return Tile(service, request, map); }));
 }
 
 }  // namespace skyquilt::api

@@ -1,5 +1,6 @@
-#include "api/ogc/processes.h"
-
+// OGC API - Processes 1.0: the same jobs as /api/v1/jobs, under the names that its clients know. One process,
+// "stitch": a flight's photos in, its map out; always asynchronous.
+// https://docs.ogc.org/is/18-062r2/18-062r2.html
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,12 +9,12 @@
 
 #include "api/http/links.h"
 #include "api/http/once.h"
-#include "api/http/problem.h"
 #include "api/http/responses.h"
-#include "api/jobs/queue_job.h"
+#include "api/jobs/jobs.h"
 #include "api/json/json_codec.h"
 #include "api/json/json_text.h"
 #include "api/ogc/map_view.h"
+#include "api/routes.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
 
@@ -138,51 +139,47 @@ Result<Execution> ParseExecution(const std::string& body) {
   return execution;
 }
 
-Response Execute(Service& service, const Request& request, const std::string& body) {
-  const Result<Execution> execution = ParseExecution(body);
-  if (!execution) return Problem(execution.error(), request);
-  const Result<storage::Job> job = QueueJob(service, request, execution->flight_id, *execution->job_request);
-  if (!job) return Problem(job.error(), request);
-  Response response = Document(201, StatusInfo(request, *job));
-  response.headers.Add("Location", request.base_url + "/ogc/jobs/" + job->id);
+Result<Response> Execute(Service& service, const Request& request, const std::string& body) {
+  SKYQUILT_TRY_ASSIGN(const Execution execution, ParseExecution(body));
+  SKYQUILT_TRY_ASSIGN(const storage::Job job,
+                      QueueJob(service, request, execution.flight_id, *execution.job_request));
+  Response response = Document(201, StatusInfo(request, job));
+  response.headers.Add("Location", request.base_url + "/ogc/jobs/" + job.id);
   response.headers.Add("Preference-Applied", "respond-async");
   return response;
 }
 
-Response NoSuchJob(const Request& request) {
+Result<Response> NoJob(const Error& error, const Request& request) {
+  if (error.code != ErrorCode::kNotFound) return error;
   return Exception(404, "no-such-job", "No such job", "There is no job of this id.", request);
 }
 
-Response Jobs(Service& service, const Request& request) {
+Result<Response> Jobs(Service& service, const Request& request) {
   constexpr int kMaxJobsListed = 200;
-  const Result<std::vector<storage::Job>> jobs = service.queue.List(std::nullopt, kMaxJobsListed);
-  if (!jobs) return Problem(jobs.error(), request);
+  SKYQUILT_TRY_ASSIGN(const std::vector<storage::Job> jobs, service.queue.List(std::nullopt, kMaxJobsListed));
   Value list = Value::array();
-  for (const storage::Job& job : *jobs) list.push_back(StatusInfo(request, job));
+  for (const storage::Job& job : jobs) list.push_back(StatusInfo(request, job));
   return Document(
       200,
       {{"jobs", list},
        {"links", Value::array({Link(request, "/ogc/jobs", "self", "application/json", "This document")})}});
 }
 
-Response Status(Service& service, const Request& request) {
+Result<Response> Status(Service& service, const Request& request) {
   const Result<storage::Job> job = service.queue.Get(request.Parameter("job"));
-  if (!job)
-    return job.error().code == ErrorCode::kNotFound ? NoSuchJob(request) : Problem(job.error(), request);
+  if (!job) return NoJob(job.error(), request);
   return Document(200, StatusInfo(request, *job));
 }
 
-Response Dismiss(Service& service, const Request& request) {
+Result<Response> Dismiss(Service& service, const Request& request) {
   const std::string& id = request.Parameter("job");
   Result<storage::Job> job = service.queue.Get(id);
-  if (!job)
-    return job.error().code == ErrorCode::kNotFound ? NoSuchJob(request) : Problem(job.error(), request);
+  if (!job) return NoJob(job.error(), request);
   if (job->finished) {
-    const Result<void> removed = service.queue.Remove(id);
-    if (!removed) return Problem(removed.error(), request);
+    SKYQUILT_TRY(service.queue.Remove(id));
   } else {
     job = service.queue.Cancel(id, storage::Now());
-    if (!job) return Problem(job.error(), request);
+    if (!job) return job.error();
   }
   Value info = StatusInfo(request, *job);
   // A running one ends within a second; what is asked for is done.
@@ -190,13 +187,11 @@ Response Dismiss(Service& service, const Request& request) {
   return Document(200, info);
 }
 
-Response Results(Service& service, const Request& request) {
+Result<Response> Results(Service& service, const Request& request) {
   const Result<storage::Job> job = service.queue.Get(request.Parameter("job"));
-  if (!job)
-    return job.error().code == ErrorCode::kNotFound ? NoSuchJob(request) : Problem(job.error(), request);
+  if (!job) return NoJob(job.error(), request);
   if (job->state == storage::JobState::kFailed) {
-    return Problem({ErrorCode::kUnprocessable, job->error ? job->error->message : "The job failed.", ""},
-                   request);
+    return Error{ErrorCode::kUnprocessable, job->error ? job->error->message : "The job failed.", ""};
   }
   if (job->state != storage::JobState::kSuccessful) {
     return Exception(404, "result-not-ready", "Result not ready", "This job has no results (yet).", request);
@@ -216,20 +211,12 @@ Response Results(Service& service, const Request& request) {
 void AddProcessRoutes(Router& router, Service& service) {
   router.Add(Method::kGet, "/ogc/processes", ListProcesses);
   router.Add(Method::kGet, "/ogc/processes/{process}", DescribeProcess);
-  router.AddUpload(
+  router.AddBody(
       Method::kPost, "/ogc/processes/stitch/execution",
-      [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
-        if (!IsJson(request)) {
-          return Problem(
-              {ErrorCode::kUnsupportedFormat,
-               "Send the inputs as JSON with its header: curl -H 'Content-Type: application/json' -d '{}' ...",
-               ""},
-              request);
-        }
-        return CollectBody([&service, request](const std::string& body) {
-          return Once(service, request, body, [&] { return Execute(service, request, body); });
-        });
-      });
+      [&](const Request& request, const std::string& body) {
+        return Once(service, request, body, [&] { return Execute(service, request, body); });
+      },
+      "Send the inputs as JSON with its header: curl -H 'Content-Type: application/json' -d '{}' ...");
   router.Add(Method::kGet, "/ogc/jobs", [&](const Request& r) { return Jobs(service, r); });
   router.Add(Method::kGet, "/ogc/jobs/{job}", [&](const Request& r) { return Status(service, r); });
   router.Add(Method::kDelete, "/ogc/jobs/{job}", [&](const Request& r) { return Dismiss(service, r); });

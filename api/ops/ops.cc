@@ -1,12 +1,12 @@
-#include "api/ops/ops.h"
-
+// For operators and monitoring: liveness, readiness, metrics, version, API contract.
 #include <sys/statvfs.h>
 
 #include <string_view>
 
-#include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
+#include "api/routes.h"
+#include "core/base/try.h"
 
 namespace skyquilt::api {
 
@@ -16,11 +16,10 @@ namespace {
 
 constexpr std::uint64_t kMinFreeBytes = std::uint64_t{64} << 20;
 
-Response Ready(Service& service, const Request& request) {
-  const auto refuse = [&](const char* why) { return Problem({ErrorCode::kUnavailable, why, ""}, request); };
+Result<Response> Ready(Service& service) {
+  const auto refuse = [](const char* why) { return Error{ErrorCode::kUnavailable, why, ""}; };
   if (service.is_draining) return refuse("The server is shutting down.");
-  if (const Result<void> in_place = service.storage_in_place(); !in_place)
-    return Problem(in_place.error(), request);
+  SKYQUILT_TRY(service.storage_in_place());
   if (!service.tilesets.CheckCatalogue()) return refuse("The catalogue cannot be read.");
   struct statvfs disk {};
   const bool has_disk = statvfs(service.store.dir().root().c_str(), &disk) == 0;
@@ -36,21 +35,16 @@ void AddOpsRoutes(Router& router, Service& service) {
   router.AddQuick(Method::kGet, "/healthz", [](const Request&) { return Json(200, R"({"status":"ok"})"); })
       .scope = kEverybody;
   // Not behind what waits for the catalogue.
-  router.AddQuick(Method::kGet, "/readyz", [&](const Request& request) { return Ready(service, request); })
-      .scope = kEverybody;
+  router.AddQuick(Method::kGet, "/readyz", [&](const Request&) { return Ready(service); }).scope = kEverybody;
   router
       .Add(Method::kGet, "/metrics",
-           [&](const Request& request) {
-             const Result<storage::JobCounts> jobs = service.queue.Count();
-             if (!jobs) return Problem(jobs.error(), request);
+           [&](const Request&) -> Result<Response> {
+             SKYQUILT_TRY_ASSIGN(const storage::JobCounts jobs, service.queue.Count());
              const storage::UnitQueue queue(service.db);
-             const auto units = queue.Count(storage::Now());
-             if (!units) return Problem(units.error(), request);
-             const auto held = queue.Held();
-             if (!held) return Problem(held.error(), request);
-             const auto aside = storage::WorkersAside(service.db).List();
-             if (!aside) return Problem(aside.error(), request);
-             return Text(200, service.metrics.Text(*jobs, *units, *aside, *held),
+             SKYQUILT_TRY_ASSIGN(const auto units, queue.Count(storage::Now()));
+             SKYQUILT_TRY_ASSIGN(const auto held, queue.Held());
+             SKYQUILT_TRY_ASSIGN(const auto aside, storage::WorkersAside(service.db).List());
+             return Text(200, service.metrics.Text(jobs, units, aside, held),
                          "text/plain; version=0.0.4; charset=utf-8");
            })
       .scope = storage::Scope::kAdmin;

@@ -1,16 +1,19 @@
-#include "api/shares/shares.h"
-
+// Shares: tokens that open one flight for reading, made and revoked by whoever may change the flight. GET and
+// POST /api/v1/flights/{flight}/shares, DELETE .../shares/{share}. The token is shown once, when it is made;
+// it only reads also where the server asks nobody for one. And what links need that are handed to others: a
+// server that listens to its own machine alone, seen by the network for as long as it runs. Asked by who sits
+// at that machine, and by nobody else. Whoever comes by those addresses needs a token (api/auth/access), so
+// that links read and nobody writes who could not before.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
 #include "api/auth/access.h"
-#include "api/flights/flights.h"
-#include "api/http/problem.h"
+#include "api/common/find_flight.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
 #include "api/json/json_text.h"
-#include "api/shares/open_network.h"
+#include "api/routes.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "storage/db/ids.h"
@@ -55,11 +58,6 @@ std::vector<std::pair<std::string_view, std::string>> Described(const storage::T
 }
 
 // A flight that this server has: one whose id could be none is not looked for.
-Result<void> RequireKnownFlight(Service& service, const std::string& flight_id) {
-  SKYQUILT_TRY(CheckId(flight_id, "flight"));
-  return RequireFlight(service, flight_id);
-}
-
 // Those that have not ended, newest first.
 std::vector<storage::Token> SharesOf(const storage::TokenSet& set, const std::string& flight_id,
                                      storage::Time now) {
@@ -70,19 +68,22 @@ std::vector<storage::Token> SharesOf(const storage::TokenSet& set, const std::st
   return shares;
 }
 
-Response ListShares(Service& service, const Request& request) {
+// Is that this request's to ask, and something that this server does?
+bool MayOpenNetwork(const Service& service, const Request& request) {
+  return service.open_network != nullptr && request.is_from_this_machine && request.is_admin;
+}
+
+Result<Response> ListShares(Service& service, const Request& request) {
   const std::string& flight_id = request.Parameter("flight");
-  const Result<void> known = RequireKnownFlight(service, flight_id);
-  if (!known) return Problem(known.error(), request);
-  const Result<storage::TokenSet> set = service.tokens.Read();
-  if (!set) return Problem(set.error(), request);
+  SKYQUILT_TRY(RequireFlight(service, flight_id));
+  SKYQUILT_TRY_ASSIGN(const storage::TokenSet set, service.tokens.Read());
   std::vector<std::string> items;
-  for (const storage::Token& share : SharesOf(*set, flight_id, storage::Now())) {
+  for (const storage::Token& share : SharesOf(set, flight_id, storage::Now())) {
     items.push_back(JsonObject(Described(share)));
   }
   std::vector<std::string> addresses;
   for (const std::string& address : service.addresses_for_others()) addresses.push_back(JsonString(address));
-  const bool needs_token = set->requires_token || service.is_network_open;
+  const bool needs_token = set.requires_token || service.is_network_open;
   return Json(200, JsonObject({{"needs_token", needs_token ? "true" : "false"},
                                {"may_open_network", MayOpenNetwork(service, request) ? "true" : "false"},
                                {"addresses", JsonArray(addresses)},
@@ -105,27 +106,22 @@ Result<void> MakeRoom(Service& service, const storage::TokenSet& set, const std:
   return {};
 }
 
-Response AddShare(Service& service, const Request& request, const std::string& body) {
+Result<Response> AddShare(Service& service, const Request& request, const std::string& body) {
   const std::string& flight_id = request.Parameter("flight");
-  const Result<void> known = RequireKnownFlight(service, flight_id);
-  if (!known) return Problem(known.error(), request);
-  const Result<std::optional<int>> days = ParseDays(body);
-  if (!days) return Problem(days.error(), request);
-  const Result<storage::TokenSet> set = service.tokens.Read();
-  if (!set) return Problem(set.error(), request);
+  SKYQUILT_TRY(RequireFlight(service, flight_id));
+  SKYQUILT_TRY_ASSIGN(const std::optional<int> days, ParseDays(body));
+  SKYQUILT_TRY_ASSIGN(const storage::TokenSet set, service.tokens.Read());
   const storage::Time now = storage::Now();
-  const Result<void> has_room = MakeRoom(service, *set, flight_id, now);
-  if (!has_room) return Problem(has_room.error(), request);
+  SKYQUILT_TRY(MakeRoom(service, set, flight_id, now));
   const std::string text = NewShareText();
   storage::Token token;
   token.id = storage::NewId();
   token.name = "share-" + token.id;
   token.hash = HashToken(text);
   token.created = now;
-  if (*days) token.expires = now + std::chrono::hours(24) * **days;
+  if (days) token.expires = now + std::chrono::hours(24) * *days;
   token.flight_id = flight_id;
-  const Result<void> added = service.tokens.AddShare(token);
-  if (!added) return Problem(added.error(), request);
+  SKYQUILT_TRY(service.tokens.AddShare(token));
   auto members = Described(token);
   members.emplace_back("token", JsonString(text));
   // Behind '#', so that no server or proxy on the way writes it down.
@@ -136,10 +132,24 @@ Response AddShare(Service& service, const Request& request, const std::string& b
   return Json(201, JsonObject(members));
 }
 
-Response RemoveShare(Service& service, const Request& request) {
-  const Result<void> removed =
-      service.tokens.RevokeShare(request.Parameter("flight"), request.Parameter("share"));
-  return removed ? NoContent() : Problem(removed.error(), request);
+Result<Response> RemoveShare(Service& service, const Request& request) {
+  SKYQUILT_TRY(service.tokens.RevokeShare(request.Parameter("flight"), request.Parameter("share")));
+  return NoContent();
+}
+
+Result<Response> OpenNetwork(Service& service, const Request& request) {
+  if (!request.is_from_this_machine) {
+    return Error{ErrorCode::kForbidden,
+                 "Whether this network sees the server is decided at its own machine: open the page there.",
+                 ""};
+  }
+  if (!service.open_network) {
+    return Error{ErrorCode::kConflict, "How others reach this server was said when it was started.", ""};
+  }
+  SKYQUILT_TRY(service.open_network());
+  std::vector<std::string> addresses;
+  for (const std::string& address : service.addresses_for_others()) addresses.push_back(JsonString(address));
+  return Json(200, JsonObject({{"addresses", JsonArray(addresses)}}));
 }
 
 }  // namespace
@@ -149,21 +159,19 @@ void AddShareRoutes(Router& router, Service& service) {
       .Add(Method::kGet, "/api/v1/flights/{flight}/shares",
            [&](const Request& r) { return ListShares(service, r); })
       .scope = storage::Scope::kUpload;  // who may revoke them
-  router.AddUpload(
+  router.AddBody(
       Method::kPost, "/api/v1/flights/{flight}/shares",
-      [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
-        if (!IsJson(request)) {
-          return Problem(
-              {ErrorCode::kUnsupportedFormat,
-               "Send the wish as JSON with its header: curl -H 'Content-Type: application/json' -d '{}' ...",
-               ""},
-              request);
-        }
-        return CollectBody(
-            [&service, request](const std::string& body) { return AddShare(service, request, body); });
-      });
+      [&](const Request& request, const std::string& body) { return AddShare(service, request, body); },
+      "Send the wish as JSON with its header: curl -H 'Content-Type: application/json' -d '{}' ...");
   router.Add(Method::kDelete, "/api/v1/flights/{flight}/shares/{share}",
              [&](const Request& r) { return RemoveShare(service, r); });
+}
+
+void AddNetworkRoute(Router& router, Service& service) {
+  router
+      .AddBody(Method::kPost, "/api/v1/network",
+               [&](const Request& request, const std::string&) { return OpenNetwork(service, request); })
+      .scope = storage::Scope::kAdmin;
 }
 
 }  // namespace skyquilt::api

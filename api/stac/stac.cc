@@ -1,14 +1,15 @@
-#include "api/stac/stac.h"
-
+// STAC API 1.0: the maps that a client may read as one collection, "flights", with item search by box, shape
+// and time; and /stac/{flight}, the item of one map. A token sees in all of them what it may read alone.
+// https://github.com/radiantearth/stac-api-spec/tree/v1.0.0
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
 #include "api/auth/flight_access.h"
 #include "api/http/links.h"
-#include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
+#include "api/routes.h"
 #include "api/stac/stac_item.h"
 #include "api/stac/stac_search.h"
 #include "api/surface/map_surface.h"
@@ -119,18 +120,17 @@ Result<StacJson> TheCollection(Service& service, const Request& request) {
   return collection;
 }
 
-Response CollectionDocument(Service& service, const Request& request) {
-  const Result<StacJson> collection = TheCollection(service, request);
-  return collection ? StacDocument(*collection) : Problem(collection.error(), request);
+Result<Response> CollectionDocument(Service& service, const Request& request) {
+  SKYQUILT_TRY_ASSIGN(const StacJson collection, TheCollection(service, request));
+  return StacDocument(collection);
 }
 
-Response CollectionList(Service& service, const Request& request) {
-  const Result<StacJson> collection = TheCollection(service, request);
-  if (!collection) return Problem(collection.error(), request);
+Result<Response> CollectionList(Service& service, const Request& request) {
+  SKYQUILT_TRY_ASSIGN(const StacJson collection, TheCollection(service, request));
   StacJson links = StacJson::array();
   links.push_back(StacLink(request, "/stac/collections", "self", kJsonType));
   links.push_back(StacLink(request, "/stac", "root", kJsonType));
-  return StacDocument({{"collections", StacJson::array({*collection})}, {"links", links}});
+  return StacDocument({{"collections", StacJson::array({collection})}, {"links", links}});
 }
 
 struct FoundMaps {
@@ -164,24 +164,22 @@ Result<std::string> ItemText(Service& service, const Request& request, const sto
 // `next`: the link to the next page, with its cursor.
 using NextLink = std::function<StacJson(const std::string& cursor)>;
 
-Response AnswerSearch(Service& service, const Request& request, const Result<StacSearch>& search,
-                      const std::string& self, const NextLink& next) {
-  if (!search) return Problem(search.error(), request);
-  const Result<FoundMaps> found = Find(service, request, *search);
-  if (!found) return Problem(found.error(), request);
+Result<Response> AnswerSearch(Service& service, const Request& request, const Result<StacSearch>& search,
+                              const std::string& self, const NextLink& next) {
+  if (!search) return search.error();
+  SKYQUILT_TRY_ASSIGN(const FoundMaps found, Find(service, request, *search));
   StacJson features = StacJson::array();
-  for (const storage::ShownFlight& map : found->maps) {
-    const Result<std::string> item = ItemText(service, request, map);
-    if (!item) return Problem(item.error(), request);
-    features.push_back(ParseOrderedJson(*item));
+  for (const storage::ShownFlight& map : found.maps) {
+    SKYQUILT_TRY_ASSIGN(const std::string item, ItemText(service, request, map));
+    features.push_back(ParseOrderedJson(item));
   }
   StacJson links = StacJson::array();
   links.push_back(StacLink(request, "/stac", "root", kJsonType));
   links.push_back(StacLink(request, self, "self", kGeoJsonType));
-  if (found->next_cursor) links.push_back(next(*found->next_cursor));
+  if (found.next_cursor) links.push_back(next(*found.next_cursor));
   return StacDocument({{"type", "FeatureCollection"},
                        {"features", features},
-                       {"numberReturned", found->maps.size()},
+                       {"numberReturned", found.maps.size()},
                        {"links", links}},
                       kGeoJsonType);
 }
@@ -196,8 +194,8 @@ std::string SameSearch(const Request& request, const std::string& path, const st
   return address + "cursor=" + cursor;
 }
 
-Response SearchByAddress(Service& service, const Request& request, const std::string& path,
-                         Result<StacSearch> search) {
+Result<Response> SearchByAddress(Service& service, const Request& request, const std::string& path,
+                                 Result<StacSearch> search) {
   return AnswerSearch(service, request, search, path, [&](const std::string& cursor) {
     StacJson link = StacLink(request, SameSearch(request, path, cursor), "next", kGeoJsonType);
     link["method"] = "GET";
@@ -205,7 +203,7 @@ Response SearchByAddress(Service& service, const Request& request, const std::st
   });
 }
 
-Response SearchByBody(Service& service, const Request& request, const std::string& body) {
+Result<Response> SearchByBody(Service& service, const Request& request, const std::string& body) {
   return AnswerSearch(service, request, ParseStacBody(body), "/stac/search", [&](const std::string& cursor) {
     StacJson link = StacLink(request, "/stac/search", "next", kGeoJsonType);
     link["method"] = "POST";
@@ -216,8 +214,8 @@ Response SearchByBody(Service& service, const Request& request, const std::strin
 }
 
 // Of the map that a flight shows.
-Response AnswerItem(Service& service, const Request& request, const std::string& flight_id,
-                    const std::string& item_id) {
+Result<Response> AnswerItem(Service& service, const Request& request, const std::string& flight_id,
+                            const std::string& item_id) {
   const auto shown = [&]() -> Result<storage::ShownFlight> {
     SKYQUILT_TRY(CheckId(flight_id, "flight"));
     SKYQUILT_TRY_ASSIGN(const storage::Flight flight, service.catalogue.GetFlight(flight_id));
@@ -226,16 +224,14 @@ Response AnswerItem(Service& service, const Request& request, const std::string&
     if (!revision) return Error{ErrorCode::kNotFound, "This flight has no map yet.", ""};
     return storage::ShownFlight{flight_id, flight.name, *revision};
   }();
-  if (!shown) return Problem(shown.error(), request);
+  if (!shown) return shown.error();
   if (!item_id.empty() && item_id != StacItemId(*shown)) {
-    return Problem(
-        {ErrorCode::kNotFound,
-         "This item is no more: the flight shows another map now. It is " + StacItemId(*shown) + ".", ""},
-        request);
+    return Error{ErrorCode::kNotFound,
+                 "This item is no more: the flight shows another map now. It is " + StacItemId(*shown) + ".",
+                 ""};
   }
-  const Result<std::string> item = ItemText(service, request, *shown);
-  if (!item) return Problem(item.error(), request);
-  Response response = Text(200, *item, kGeoJsonType);
+  SKYQUILT_TRY_ASSIGN(const std::string item, ItemText(service, request, *shown));
+  Response response = Text(200, item, kGeoJsonType);
   response.headers.Add("Cache-Control", "no-cache");
   return response;
 }
@@ -261,17 +257,12 @@ void AddStacRoutes(Router& router, Service& service) {
     return SearchByAddress(service, request, "/stac/search", ParseStacQuery(request));
   });
   router
-      .AddUpload(Method::kPost, "/stac/search",
-                 [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
-                   if (!IsJson(request)) {
-                     return Problem({ErrorCode::kUnsupportedFormat,
-                                     "Send the search as JSON, with \"Content-Type: application/json\".", ""},
-                                    request);
-                   }
-                   return CollectBody([&service, request](const std::string& body) {
-                     return SearchByBody(service, request, body);
-                   });
-                 })
+      .AddBody(
+          Method::kPost, "/stac/search",
+          [&](const Request& request, const std::string& body) {
+            return SearchByBody(service, request, body);
+          },
+          "Send the search as JSON, with \"Content-Type: application/json\".")
       .scope = storage::Scope::kRead;  // a question, too long for an address
   router.Add(Method::kGet, "/stac/{flight}", [&](const Request& request) {
     return AnswerItem(service, request, request.Parameter("flight"), "");

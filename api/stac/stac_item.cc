@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "api/common/media_types.h"
+#include "api/common/find_flight.h"
 #include "api/http/links.h"
 #include "api/json/json_codec.h"
 #include "api/stac/stac_search.h"

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "api/http/links.h"
-#include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/surface/map_surface.h"
 #include "api/tiles/tile_answer.h"
@@ -101,12 +100,9 @@ Result<Response> AnswerHeightTileJson(Service& service, const Request& request, 
 void AddHeightTileRoutes(Router& router, Service& service, const char* tiles, HeightTileHandler tile,
                          HeightTileHandler tilejson) {
   router.AddCompute(Method::kGet, fmt::format("/tiles/{{flight}}/{}.json", tiles),
-                    [&service, tilejson](const Request& request) {
-                      return TileResponse(tilejson(service, request), request);
-                    });
-  router.AddQuick(
-      Method::kGet, fmt::format("/tiles/{{flight}}/{}/{{z}}/{{x}}/{{y}}", tiles),
-      [&service, tile](const Request& request) { return TileResponse(tile(service, request), request); });
+                    [&service, tilejson](const Request& request) { return tilejson(service, request); });
+  router.AddQuick(Method::kGet, fmt::format("/tiles/{{flight}}/{}/{{z}}/{{x}}/{{y}}", tiles),
+                  [&service, tile](const Request& request) { return tile(service, request); });
 }
 
 }  // namespace skyquilt::api

@@ -10,7 +10,7 @@
 
 #include "api/surface/height_tiles.h"
 #include "api/surface/map_surface.h"
-#include "api/tiles/transcode_tile.h"
+#include "api/tiles/recode_tile.h"
 #include "core/base/try.h"
 #include "core/render/map_layer.h"
 

@@ -1,15 +1,15 @@
 #include "api/surface/volume.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
 #include "api/common/locate.h"
 #include "api/forms/geojson_body.h"
+#include "api/http/parameters.h"
 #include "api/http/responses.h"
 #include "api/json/json_text.h"
 #include "api/surface/change.h"

@@ -1,5 +1,4 @@
-#include "api/tilejson/tilejson.h"
-
+// TileJSON 3.0.0 of maps and layers. https://github.com/mapbox/tilejson-spec/tree/master/3.0.0 Any thread.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,13 +8,14 @@
 #include "api/auth/flight_access.h"
 #include "api/common/feature_query.h"
 #include "api/http/links.h"
-#include "api/http/problem.h"
+#include "api/http/parameters.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
+#include "api/routes.h"
 #include "api/surface/map_surface.h"
 #include "api/surface/terrain.h"
-#include "api/tiles/cut_tile.h"
 #include "api/tiles/index_values.h"
+#include "api/tiles/recode_tile.h"
 #include "api/tiles/tiles.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
@@ -190,12 +190,7 @@ Result<Response> TileIndex(Service& service, const Request& request) {
   constexpr int kMaxIndexed = 1000;
   SKYQUILT_TRY_ASSIGN(const int limit,
                       ParseLimit(request.Query("limit").value_or(""), kMaxIndexed, kMaxIndexed));
-  std::optional<std::string> cursor;
-  if (const auto given = request.Query("cursor")) {
-    if (!storage::IsId(*given))
-      return Error{ErrorCode::kInvalidArgument, "The parameter \"cursor\" is not one that a list gave.", ""};
-    cursor = *given;
-  }
+  SKYQUILT_TRY_ASSIGN(const auto cursor, ParseCursor(request.Query("cursor")));
   SKYQUILT_TRY_ASSIGN(const storage::MapPage page, ListVisibleMaps(service, request, limit, cursor));
   Value list = Value::array();
   for (const storage::ShownFlight& map : page.maps) {
@@ -255,22 +250,18 @@ Result<Response> TileJson(Service& service, const Request& request, const std::s
 
 void AddTileJsonRoute(Router& router, Service& service) {
   router.Add(Method::kGet, "/tiles/index.json",
-             [&](const Request& request) { return TileResponse(TileIndex(service, request), request); });
-  router.Add(Method::kGet, "/tiles/{tileset}", [&](const Request& request) {
-    const Result<std::string> id = BeforeJson(request.Parameter("tileset"));
-    if (!id) return TileResponse(id.error(), request);
-    return TileResponse(TileJson(service, request, *id, Shown::kStoredTiles), request);
+             [&](const Request& request) { return TileIndex(service, request); });
+  router.Add(Method::kGet, "/tiles/{tileset}", [&](const Request& request) -> Result<Response> {
+    SKYQUILT_TRY_ASSIGN(const std::string id, BeforeJson(request.Parameter("tileset")));
+    return TileJson(service, request, id, Shown::kStoredTiles);
   });
   router.Add(Method::kGet, "/tiles/{flight}/256.json", [&](const Request& request) {
-    return TileResponse(TileJson(service, request, request.Parameter("flight"), Shown::kUsualTiles), request);
+    return TileJson(service, request, request.Parameter("flight"), Shown::kUsualTiles);
   });
-  router.Add(Method::kGet, "/tiles/{flight}/{tileset}", [&](const Request& request) {
-    const Result<std::string> name = BeforeJson(request.Parameter("tileset"));
-    if (!name) return TileResponse(name.error(), request);
-    const Result<render::MapLayer> layer = ParseLayer(*name);
-    if (!layer) return TileResponse(layer.error(), request);
-    return TileResponse(TileJson(service, request, request.Parameter("flight"), Shown::kLayer, *layer),
-                        request);
+  router.Add(Method::kGet, "/tiles/{flight}/{tileset}", [&](const Request& request) -> Result<Response> {
+    SKYQUILT_TRY_ASSIGN(const std::string name, BeforeJson(request.Parameter("tileset")));
+    SKYQUILT_TRY_ASSIGN(const render::MapLayer layer, ParseLayer(name));
+    return TileJson(service, request, request.Parameter("flight"), Shown::kLayer, layer);
   });
 }
 

@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <utility>
 
 #include "api/http/http_message.h"
+#include "api/http/parameters.h"
 #include "core/base/try.h"
 #include "core/geo/web_mercator.h"
 
@@ -108,13 +108,9 @@ Result<MapCrs> MapCrs::Named(std::string_view text) {
        (EqualsIgnoringCase(authority, "CRS") && code == "84"))) {
     return Crs84();
   }
-  int epsg = 0;
-  const auto parsed = std::from_chars(code.data(), code.data() + code.size(), epsg);
-  if (!EqualsIgnoringCase(authority, "EPSG") || parsed.ec != std::errc() ||
-      parsed.ptr != code.data() + code.size() || epsg < 1) {
-    return UnknownCrs(text);
-  }
-  return OfEpsg(epsg);
+  const auto epsg = ParseNumber<int>(code);
+  if (!EqualsIgnoringCase(authority, "EPSG") || !epsg || *epsg < 1) return UnknownCrs(text);
+  return OfEpsg(*epsg);
 }
 
 std::string MapCrs::uri() const {

@@ -1,7 +1,8 @@
 // RenderWindow: any window of a tileset as pixels, at any size: what WMS, OGC API Maps, tiles of other grids
 // and 512-pixel tiles need. Bilinear with premultiplied alpha; where the window's pixels are the map's own,
 // their values are exactly those of the tiles. Memory: the window and one row of tiles; of a window in
-// another coordinate system, warped_window.h has it. Any thread. Errors: kCorrupt, kIo.
+// another coordinate system, decoded tiles up to 64 MiB or four of the largest kind. Any thread. Errors:
+// kCorrupt, kIo.
 #pragma once
 
 #include <Eigen/Core>

@@ -5,8 +5,8 @@
 #include <mutex>
 #include <utility>
 
-#include "api/http/etag.h"
-#include "api/tiles/transcode_tile.h"
+#include "api/http/conditional.h"
+#include "api/tiles/recode_tile.h"
 #include "core/base/try.h"
 #include "core/image/picture_codec.h"
 

@@ -1,7 +1,7 @@
 // TileFacts: what the addresses of a map's tiles depend on beside its row in the catalogue: how large stored
 // tiles are and of which format, and its bands. Of lists of many maps: each tileset is opened once and what
-// it says is kept (api/per_revision.h). Memory: some 200 bytes for each map that is kept. Any thread. Errors:
-// those of TilesetCache.
+// it says is kept (api/common/per_revision.h). Memory: some 200 bytes for each map that is kept. Any thread.
+// Errors: those of TilesetCache.
 #pragma once
 
 #include <string>

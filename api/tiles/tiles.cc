@@ -7,16 +7,15 @@
 #include <utility>
 
 #include "api/common/accept.h"
-#include "api/http/etag.h"
-#include "api/http/problem.h"
+#include "api/http/conditional.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
-#include "api/tiles/cut_tile.h"
+#include "api/routes.h"
 #include "api/tiles/index_values.h"
 #include "api/tiles/map_window.h"
+#include "api/tiles/recode_tile.h"
 #include "api/tiles/tile_answer.h"
 #include "api/tiles/tile_path.h"
-#include "api/tiles/transcode_tile.h"
 #include "core/base/try.h"
 #include "core/geo/web_mercator.h"
 #include "core/image/picture_codec.h"
@@ -325,11 +324,6 @@ int TileSizePx(const storage::Tileset& tileset) {
   return side_px >= 64 && side_px <= 4096 ? side_px : 256;
 }
 
-Response TileResponse(Result<Response> answer, const Request& request) {
-  Response response = answer ? *std::move(answer) : Problem(answer.error(), request);
-  return response;
-}
-
 Result<std::shared_ptr<storage::MapTiles>> FindLayer(const storage::Tileset& tileset,
                                                      render::MapLayer layer) {
   const auto found = tileset.layers.find(layer);
@@ -348,26 +342,23 @@ Result<render::MapLayer> ParseLayer(std::string_view name) {
 }
 
 void AddTileRoutes(Router& router, Service& service) {
-  router.AddQuick(Method::kGet, "/tiles/{flight}/{z}/{x}/{y}", [&](const Request& request) {
-    return TileResponse(Tile(service, request, std::nullopt), request);
-  });
-  router.AddQuick(Method::kGet, "/tiles/{flight}/256/{z}/{x}/{y}", [&](const Request& request) {
-    return TileResponse(Tile(service, request, kUsualTilePx), request);
-  });
-  router.AddQuick(Method::kGet, "/tiles/{flight}/{layer}/{z}/{x}/{y}", [&](const Request& request) {
-    const Result<render::MapLayer> layer = ParseLayer(request.Parameter("layer"));
-    if (!layer) return TileResponse(layer.error(), request);
-    const Result<TilePath> path =
-        ParseTilePath(request.Parameter("z"), request.Parameter("x"), request.Parameter("y"));
-    if (!path) return TileResponse(path.error(), request);
-    TileRequest wanted;
-    wanted.flight_id = request.Parameter("flight");
-    wanted.layer = *layer;
-    wanted.tile = path->tile;
-    wanted.format = path->format;
-    wanted.is_double = path->is_double;
-    return TileResponse(AnswerTile(service, request, wanted), request);
-  });
+  router.AddQuick(Method::kGet, "/tiles/{flight}/{z}/{x}/{y}",
+                  [&](const Request& request) { return Tile(service, request, std::nullopt); });
+  router.AddQuick(Method::kGet, "/tiles/{flight}/256/{z}/{x}/{y}",
+                  [&](const Request& request) { return Tile(service, request, kUsualTilePx); });
+  router.AddQuick(
+      Method::kGet, "/tiles/{flight}/{layer}/{z}/{x}/{y}", [&](const Request& request) -> Result<Response> {
+        SKYQUILT_TRY_ASSIGN(const render::MapLayer layer, ParseLayer(request.Parameter("layer")));
+        SKYQUILT_TRY_ASSIGN(const TilePath path, ParseTilePath(request.Parameter("z"), request.Parameter("x"),
+                                                               request.Parameter("y")));
+        TileRequest wanted;
+        wanted.flight_id = request.Parameter("flight");
+        wanted.layer = layer;
+        wanted.tile = path.tile;
+        wanted.format = path.format;
+        wanted.is_double = path.is_double;
+        return AnswerTile(service, request, wanted);
+      });
 }
 
 }  // namespace skyquilt::api

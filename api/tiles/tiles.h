@@ -5,15 +5,13 @@
 #include <string>
 
 #include "api/common/index_look.h"
-#include "api/http/router.h"
+#include "api/http/http_message.h"
 #include "api/service.h"
 #include "core/geo/tile_id.h"
 #include "core/image/picture_format.h"
 #include "core/render/map_layer.h"
 
 namespace skyquilt::api {
-
-void AddTileRoutes(Router& router, Service& service);
 
 enum class EmptyTile { kBlank, kNoContent, kNotFound };
 
@@ -34,8 +32,6 @@ struct TileRequest {
 Result<Response> AnswerTile(Service& service, const Request& request, const TileRequest& wanted);
 // Says once that another Accept may have another answer.
 void TellByAccept(Response& answer);
-// With the header that lets pages of other sites show it, and problems as documents.
-Response TileResponse(Result<Response> answer, const Request& request);
 
 // An address without a revision means the map, or the preview while there is no map; one with a revision
 // always means that one, so that nobody gets tiles of both.

@@ -1,15 +1,17 @@
-#include "api/tms/tms.h"
-
+// TMS 1.0.0 (OSGeo's Tile Map Service): rows counted from the south.
+// https://wiki.osgeo.org/wiki/Tile_Map_Service_Specification
 #include <fmt/format.h>
 
 #include "api/auth/flight_access.h"
-#include "api/http/problem.h"
+#include "api/http/responses.h"
 #include "api/ogc/map_view.h"
-#include "api/tiles/cut_tile.h"
+#include "api/routes.h"
+#include "api/tiles/recode_tile.h"
 #include "api/tiles/tile_path.h"
 #include "api/tiles/tiles.h"
 #include "core/base/try.h"
 #include "core/geo/web_mercator.h"
+#include "core/image/picture_codec.h"
 
 namespace skyquilt::api {
 namespace {
@@ -32,11 +34,11 @@ std::string TitleOf(const MapView& map, int side_px) {
   return side_px == map.tile_sizes_px().front() ? map.name : fmt::format("{}, {} pixels", map.name, side_px);
 }
 
-Response Maps(Service& service, const Request& request) {
-  const Result<storage::FlightPage> page = ListVisibleFlights(service, request, kMaxMaps, std::nullopt);
-  if (!page) return Problem(page.error(), request);
+Result<Response> Maps(Service& service, const Request& request) {
+  SKYQUILT_TRY_ASSIGN(const storage::FlightPage page,
+                      ListVisibleFlights(service, request, kMaxMaps, std::nullopt));
   std::string maps;
-  for (const storage::Flight& flight : page->flights) {
+  for (const storage::Flight& flight : page.flights) {
     if (!flight.active_revision) continue;
     const Result<MapView> map = FindMap(service, request, flight.id);
     if (!map) continue;  // deleted meanwhile
@@ -73,15 +75,21 @@ std::string TileMapText(const MapView& map, int side_px) {
       XmlText(extension), sets);
 }
 
-Response TileMap(Service& service, const Request& request, const std::string& size) {
-  const Result<MapView> map = FindMap(service, request, request.Parameter("flight"));
-  if (!map) return Problem(map.error(), request);
-  for (const int side_px : map->tile_sizes_px()) {
-    if (size.empty() || size == std::to_string(side_px)) return Xml(TileMapText(*map, side_px));
+Result<Response> TileMap(Service& service, const Request& request, const std::string& size) {
+  SKYQUILT_TRY_ASSIGN(const MapView map, FindMap(service, request, request.Parameter("flight")));
+  for (const int side_px : map.tile_sizes_px()) {
+    if (size.empty() || size == std::to_string(side_px)) return Xml(TileMapText(map, side_px));
   }
-  return Problem({ErrorCode::kNotFound,
-                  "This map has no tiles of this size. See " + request.base_url + "/tms/1.0.0.", ""},
-                 request);
+  return Error{ErrorCode::kNotFound,
+               "This map has no tiles of this size. See " + request.base_url + "/tms/1.0.0.", ""};
+}
+
+// "512" and its kin: the sides that tiles may have. Absent: any other text.
+std::optional<int> ParseTileSide(std::string_view text) {
+  for (int side_px = kUsualTilePx; side_px <= image::kMaxPictureSidePx; side_px *= 2) {
+    if (text == std::to_string(side_px)) return side_px;
+  }
+  return std::nullopt;
 }
 
 Result<Response> TmsTile(Service& service, const Request& request, const std::string& size) {
@@ -112,10 +120,9 @@ void AddTmsRoutes(Router& router, Service& service) {
   router.Add(Method::kGet, "/tms/1.0.0/{flight}/{size}",
              [&](const Request& r) { return TileMap(service, r, r.Parameter("size")); });
   router.AddQuick(Method::kGet, "/tms/1.0.0/{flight}/{z}/{x}/{y}",
-                  [&](const Request& r) { return TileResponse(TmsTile(service, r, ""), r); });
-  router.AddQuick(Method::kGet, "/tms/1.0.0/{flight}/{size}/{z}/{x}/{y}", [&](const Request& r) {
-    return TileResponse(TmsTile(service, r, r.Parameter("size")), r);
-  });
+                  [&](const Request& r) { return TmsTile(service, r, ""); });
+  router.AddQuick(Method::kGet, "/tms/1.0.0/{flight}/{size}/{z}/{x}/{y}",
+                  [&](const Request& r) { return TmsTile(service, r, r.Parameter("size")); });
 }
 
 }  // namespace skyquilt::api

@@ -4,8 +4,8 @@
 #include <utility>
 #include <vector>
 
-#include "api/auth/quota.h"
-#include "api/http/etag.h"
+#include "api/auth/limits.h"
+#include "api/http/conditional.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {

@@ -1,21 +1,78 @@
+// Forms with any number of files, either into a flight or to make one and queue its job at once.
+#include <array>
+#include <cstdint>
 #include <memory>
+#include <string>
 #include <utility>
 
 #include "api/flights/flights.h"
 #include "api/flights/trash.h"
 #include "api/forms/multipart.h"
+#include "api/http/digest.h"
 #include "api/http/once.h"
-#include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/json/job_options.h"
 #include "api/json/json_codec.h"
-#include "api/uploads/files.h"
-#include "api/uploads/form_digest.h"
+#include "api/routes.h"
 #include "api/uploads/form_receiver.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {
 namespace {
+
+// The content of a form as one SHA-256: fields, file names and bytes in their order, independent of the
+// boundary, because a client that sends its form again chooses another one. Passes the parts on as they
+// arrive.
+class FormDigest final : public PartReceiver {
+ public:
+  // `next` takes the parts; none: they are only looked at.
+  explicit FormDigest(PartReceiver* next) : next_(next) {}
+
+  Result<void> BeginPart(const PartHeader& header) override;
+  Result<void> PartBytes(std::span<const std::uint8_t> bytes) override;
+  Result<void> EndPart() override;
+  // Once, at the end.
+  std::string Finish() { return digest_.Finish(); }
+
+ private:
+  void AddText(const std::string& text);
+  void AddNumber(std::uint64_t number);
+
+  PartReceiver* next_;
+  Digest digest_{DigestAlgorithm::kSha256};
+  std::uint64_t part_bytes_ = 0;
+};
+
+void FormDigest::AddNumber(std::uint64_t number) {
+  std::array<std::uint8_t, 8> bytes{};
+  for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<std::uint8_t>(number >> (8 * i));
+  digest_.Add(bytes);
+}
+
+// With its length before it, so that no two forms add up to the same bytes.
+void FormDigest::AddText(const std::string& text) {
+  AddNumber(text.size());
+  digest_.Add({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+}
+
+Result<void> FormDigest::BeginPart(const PartHeader& header) {
+  AddText(header.field);
+  AddNumber(header.file_name ? 1 : 0);
+  AddText(header.file_name.value_or(""));
+  part_bytes_ = 0;
+  return next_ == nullptr ? Result<void>() : next_->BeginPart(header);
+}
+
+Result<void> FormDigest::PartBytes(std::span<const std::uint8_t> bytes) {
+  digest_.Add(bytes);
+  part_bytes_ += bytes.size();
+  return next_ == nullptr ? Result<void>() : next_->PartBytes(bytes);
+}
+
+Result<void> FormDigest::EndPart() {
+  AddNumber(part_bytes_);
+  return next_ == nullptr ? Result<void>() : next_->EndPart();
+}
 
 Error NothingUsable(const std::vector<FileOutcome>& files) {
   if (files.empty())
@@ -76,19 +133,17 @@ class NewFlight final : public BodySink {
   }
 
  private:
-  Response QueueAndAnswer() {
-    if (receiver_.stored_count() == 0) return Problem(NothingUsable(receiver_.files()), request_);
-    const Result<storage::Job> job = Start();
-    if (!job) return Problem(job.error(), request_);
+  Result<Response> QueueAndAnswer() {
+    if (receiver_.stored_count() == 0) return NothingUsable(receiver_.files());
+    SKYQUILT_TRY_ASSIGN(const storage::Job job, Start());
     is_kept_ = true;
-    Result<FlightView> view = ViewFlight(service_, flight_id_);
-    if (!view) return Problem(view.error(), request_);
-    view->base_path = request_.base_path;
+    SKYQUILT_TRY_ASSIGN(FlightView view, ViewFlight(service_, flight_id_));
+    view.base_path = request_.base_path;
     const storage::Time now = storage::Now();
-    Response response = Json(202, JsonObject({{"flight", FlightJson(*view, now)},
-                                              {"job", JobJson(*job, now)},
+    Response response = Json(202, JsonObject({{"flight", FlightJson(view, now)},
+                                              {"job", JobJson(job, now)},
                                               {"files", FileOutcomesJson(receiver_.files())}}));
-    response.headers.Add("Location", "/api/v1/jobs/" + job->id);
+    response.headers.Add("Location", "/api/v1/jobs/" + job.id);
     return response;
   }
 
@@ -128,10 +183,9 @@ class FormAgain final : public BodySink {
   Response Finish() override {
     const Result<void> whole = parser_.Finish();
     if (!whole) return Problem(whole.error(), request_);
-    return OnceBy(service_, request_, digest_.Finish(), [&] {
-      return Problem(
-          {ErrorCode::kUnavailable, "The first answer under this key is no longer kept. Send it again.", ""},
-          request_);
+    return OnceBy(service_, request_, digest_.Finish(), [] {
+      return Error{ErrorCode::kUnavailable,
+                   "The first answer under this key is no longer kept. Send it again.", ""};
     });
   }
 
@@ -142,27 +196,23 @@ class FormAgain final : public BodySink {
   MultipartParser parser_;
 };
 
-Response MakeEmptyFlight(Service& service, const Request& request, const std::string& body) {
-  const Result<storage::FlightChange> fields = ParseFlightFields(body);
-  if (!fields) return Problem(fields.error(), request);
+Result<Response> MakeEmptyFlight(Service& service, const Request& request, const std::string& body) {
+  SKYQUILT_TRY_ASSIGN(const storage::FlightChange fields, ParseFlightFields(body));
   const storage::Time now = storage::Now();
-  Result<storage::Flight> flight =
-      service.catalogue.AddFlight(fields->name.value_or(DefaultFlightName(now)),
-                                  fields->options.value_or("{}"), now, request.owner, *fields);
-  if (!flight) return Problem(flight.error(), request);
+  SKYQUILT_TRY_ASSIGN(storage::Flight flight,
+                      service.catalogue.AddFlight(fields.name.value_or(DefaultFlightName(now)),
+                                                  fields.options.value_or("{}"), now, request.owner, fields));
   FlightView view;
-  view.flight = *std::move(flight);
+  view.flight = std::move(flight);
   Response response = Json(201, FlightJson(view, now));
   response.headers.Add("Location", "/api/v1/flights/" + view.flight.id);
   return response;
 }
 
-using Begun = std::variant<std::unique_ptr<BodySink>, Response>;
-
-Begun BeginFlight(Service& service, const Request& request) {
+UploadBegun BeginFlight(Service& service, const Request& request) {
   if (IsJson(request)) {
-    return CollectBody([&service, request](const std::string& body) {
-      return Once(service, request, body, [&] { return MakeEmptyFlight(service, request, body); });
+    return CollectBody(request, [&service](const Request& of, const std::string& body) {
+      return Once(service, of, body, [&] { return MakeEmptyFlight(service, of, body); });
     });
   }
   const Result<std::string> boundary = MultipartBoundary(request.headers.Find("Content-Type"));
@@ -177,7 +227,7 @@ Begun BeginFlight(Service& service, const Request& request) {
   return std::make_unique<NewFlight>(service, request, *boundary, flight->id);
 }
 
-Begun BeginFiles(Service& service, const Request& request) {
+UploadBegun BeginFiles(Service& service, const Request& request) {
   const std::string& flight_id = request.Parameter("flight");
   const Result<void> checked = CheckId(flight_id, "flight");
   if (!checked) return Problem(checked.error(), request);

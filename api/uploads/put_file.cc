@@ -1,3 +1,4 @@
+// The files of one flight: list, raw PUT (curl -T), delete.
 #include <fmt/format.h>
 
 #include <memory>
@@ -5,12 +6,11 @@
 #include <utility>
 #include <vector>
 
-#include "api/flights/flights.h"
+#include "api/common/find_flight.h"
 #include "api/http/digest.h"
-#include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
-#include "api/uploads/files.h"
+#include "api/routes.h"
 #include "api/uploads/flight_document.h"
 #include "api/uploads/unpack.h"
 #include "core/base/try.h"
@@ -148,7 +148,7 @@ class PutFile final : public BodySink {
   Digest digest_{DigestAlgorithm::kSha256};
 };
 
-std::variant<std::unique_ptr<BodySink>, Response> BeginPut(Service& service, const Request& request) {
+UploadBegun BeginPut(Service& service, const Request& request) {
   const std::string& flight_id = request.Parameter("flight");
   const Result<void> checked = CheckId(flight_id, "flight");
   if (!checked) return Problem(checked.error(), request);
@@ -185,25 +185,21 @@ std::variant<std::unique_ptr<BodySink>, Response> BeginPut(Service& service, con
                                    std::move(sha256));
 }
 
-Response ListFiles(Service& service, const Request& request) {
-  const Result<void> checked = CheckId(request.Parameter("flight"), "flight");
-  if (!checked) return Problem(checked.error(), request);
-  const Result<void> there = RequireFlight(service, request.Parameter("flight"));
-  if (!there) return Problem(there.error(), request);
-  const Result<std::vector<StoredFile>> files = service.catalogue.ListFiles(request.Parameter("flight"));
-  if (!files) return Problem(files.error(), request);
+Result<Response> ListFiles(Service& service, const Request& request) {
+  SKYQUILT_TRY(RequireFlight(service, request.Parameter("flight")));
+  SKYQUILT_TRY_ASSIGN(const std::vector<StoredFile> files,
+                      service.catalogue.ListFiles(request.Parameter("flight")));
   std::vector<std::string> items;
-  for (const StoredFile& file : *files) items.push_back(FileJson(file));
+  for (const StoredFile& file : files) items.push_back(FileJson(file));
   return Json(200, JsonObject({{"files", JsonArray(items)}}));
 }
 
-Response DeleteFile(Service& service, const Request& request) {
+Result<Response> DeleteFile(Service& service, const Request& request) {
   const std::string& flight_id = request.Parameter("flight");
-  const Result<void> checked = CheckId(flight_id, "flight");
-  if (!checked) return Problem(checked.error(), request);
+  SKYQUILT_TRY(CheckId(flight_id, "flight"));
   const Result<StoredFile> removed =
       service.db.Free([&] { return service.catalogue.RemoveFile(flight_id, request.Parameter("name")); });
-  if (!removed) return Problem(removed.error(), request);
+  if (!removed) return removed.error();
   service.store.Remove(flight_id, removed->stored_name);
   service.db.FillReserve();
   return NoContent();

@@ -7,10 +7,10 @@
 #include <nlohmann/json.hpp>
 
 #include "api/auth/access.h"
-#include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
 #include "api/json/json_text.h"
+#include "api/routes.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
 
@@ -54,32 +54,28 @@ std::string Described(const storage::Webhook& webhook, bool with_secret) {
   return JsonObject(members);
 }
 
-Response AddWebhook(Service& service, const Request& request, const std::string& body) {
+Result<Response> AddWebhook(Service& service, const std::string& body) {
   if (!service.sends_webhooks) {
-    return Problem(
-        {ErrorCode::kForbidden, "This server speaks to nobody by itself; serve --webhooks changes that.", ""},
-        request);
+    return Error{ErrorCode::kForbidden,
+                 "This server speaks to nobody by itself; serve --webhooks changes that.", ""};
   }
-  const Result<NewWebhook> wanted = ParseNewWebhook(body);
-  if (!wanted) return Problem(wanted.error(), request);
-  const Result<void> may_be_told = service.check_receiver(wanted->url);
-  if (!may_be_told) return Problem(may_be_told.error(), request);
-  const Result<storage::Webhook> made = service.webhooks.Add(wanted->url, wanted->secret, storage::Now());
-  if (!made) return Problem(made.error(), request);
-  return Json(201, Described(*made, true));
+  SKYQUILT_TRY_ASSIGN(const NewWebhook wanted, ParseNewWebhook(body));
+  SKYQUILT_TRY(service.check_receiver(wanted.url));
+  SKYQUILT_TRY_ASSIGN(const storage::Webhook made,
+                      service.webhooks.Add(wanted.url, wanted.secret, storage::Now()));
+  return Json(201, Described(made, true));
 }
 
-Response ListWebhooks(Service& service, const Request& request) {
-  const Result<std::vector<storage::Webhook>> webhooks = service.webhooks.List();
-  if (!webhooks) return Problem(webhooks.error(), request);
+Result<Response> ListWebhooks(Service& service) {
+  SKYQUILT_TRY_ASSIGN(const std::vector<storage::Webhook> webhooks, service.webhooks.List());
   std::vector<std::string> items;
-  for (const storage::Webhook& webhook : *webhooks) items.push_back(Described(webhook, false));
+  for (const storage::Webhook& webhook : webhooks) items.push_back(Described(webhook, false));
   return Json(200, JsonObject({{"webhooks", JsonArray(items)}}));
 }
 
-Response RemoveWebhook(Service& service, const Request& request) {
-  const Result<void> removed = service.webhooks.Remove(request.Parameter("webhook"));
-  return removed ? NoContent() : Problem(removed.error(), request);
+Result<Response> RemoveWebhook(Service& service, const Request& request) {
+  SKYQUILT_TRY(service.webhooks.Remove(request.Parameter("webhook")));
+  return NoContent();
 }
 
 }  // namespace
@@ -108,15 +104,11 @@ std::string WebhookSignature(const std::string& secret, std::int64_t at_s, const
 
 void AddWebhookRoutes(Router& router, Service& service) {
   using enum storage::Scope;
-  router.Add(Method::kGet, "/api/v1/webhooks", [&](const Request& r) { return ListWebhooks(service, r); })
-      .scope = kAdmin;
+  router.Add(Method::kGet, "/api/v1/webhooks", [&](const Request&) { return ListWebhooks(service); }).scope =
+      kAdmin;
   router
-      .AddUpload(Method::kPost, "/api/v1/webhooks",
-                 [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
-                   return CollectBody([&service, request](const std::string& body) {
-                     return AddWebhook(service, request, body);
-                   });
-                 })
+      .AddBody(Method::kPost, "/api/v1/webhooks",
+               [&](const Request&, const std::string& body) { return AddWebhook(service, body); })
       .scope = kAdmin;
   router
       .Add(Method::kDelete, "/api/v1/webhooks/{webhook}",

@@ -2,12 +2,9 @@
 // requests at all (serve --webhooks). GET, POST and DELETE /api/v1/webhooks.
 #pragma once
 
-#include "api/http/router.h"
 #include "api/service.h"
 
 namespace skyquilt::api {
-
-void AddWebhookRoutes(Router& router, Service& service);
 
 // kUnprocessable for an address that no message can go to.
 Result<void> CheckWebhookUrl(std::string_view url);

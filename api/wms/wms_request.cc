@@ -4,31 +4,21 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 
+#include "api/http/parameters.h"
 #include "api/ogc/feature_info.h"
-#include "api/ogc/map_view.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {
 namespace {
-
-std::optional<double> WmsNumber(std::string_view text) {
-  double number = 0.0;
-  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (text.empty() || parsed.ec != std::errc() || parsed.ptr != text.data() + text.size())
-    return std::nullopt;
-  if (!std::isfinite(number)) return std::nullopt;
-  return number;
-}
 
 std::optional<std::array<double, 4>> FourNumbers(std::string_view text) {
   std::array<double, 4> numbers{};
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     const std::size_t comma = text.find(',');
     if ((comma == std::string_view::npos) != (i == 3)) return std::nullopt;
-    const std::optional<double> number = WmsNumber(text.substr(0, comma));
+    const std::optional<double> number = ParseFiniteNumber(text.substr(0, comma));
     if (!number) return std::nullopt;
     numbers[i] = *number;
     text.remove_prefix(comma == std::string_view::npos ? text.size() : comma + 1);
@@ -41,7 +31,7 @@ Error BadWms(const char* code, std::string message) {
 }
 
 Result<int> Side(const Request& request, const char* name) {
-  const std::optional<double> number = WmsNumber(Parameter(request, name).value_or(""));
+  const std::optional<double> number = ParseFiniteNumber(Parameter(request, name).value_or(""));
   if (!number || *number != std::floor(*number) || *number < 1 || *number > kMaxWmsSidePx) {
     return BadWms("", fmt::format("{} must be a whole number from 1 to {}.", name, kMaxWmsSidePx));
   }
@@ -139,7 +129,7 @@ Result<WmsInfo> ParseGetFeatureInfo(const Request& request) {
   SKYQUILT_TRY_ASSIGN(info.map.layers, LayersIn(request, "QUERY_LAYERS"));
   const bool is_newer = IsNewerWms(request);
   const auto pixel = [&](const char* name, int side_px) -> Result<int> {
-    const std::optional<double> number = WmsNumber(Parameter(request, name).value_or(""));
+    const std::optional<double> number = ParseFiniteNumber(Parameter(request, name).value_or(""));
     if (!number || *number != std::floor(*number) || *number < 0 || *number >= side_px)
       return BadWms("InvalidPoint",
                     fmt::format("{} must be a whole number from 0 to {}.", name, side_px - 1));

@@ -1,17 +1,17 @@
-#include "api/wmts/wmts.h"
-
+// WMTS 1.0.0, both bindings: of one map at /wmts/{flight}, with the layer "map", and at /wmts of all maps
+// that a request may read, each a layer by the flight's id. OGC 07-057r7.
 #include <fmt/format.h>
 
-#include <charconv>
 #include <variant>
 
 #include "api/flights/point.h"
 #include "api/grids/grid_tiles.h"
-#include "api/http/problem.h"
+#include "api/http/parameters.h"
 #include "api/http/responses.h"
 #include "api/ogc/feature_info.h"
 #include "api/ogc/listed_maps.h"
 #include "api/ogc/map_view.h"
+#include "api/routes.h"
 #include "api/tiles/tile_path.h"
 #include "api/tiles/tiles.h"
 #include "api/wmts/wmts_text.h"
@@ -74,7 +74,7 @@ Response AnswerTileAt(Service& service, const Request& request, const std::strin
     GridTileRequest wanted{flight_id, *set.grid, numbers->z, numbers->x, numbers->y, numbers->format};
     wanted.look = *std::move(look);
     Result<Response> answer = AnswerGridTile(service, request, wanted);
-    return answer ? TileResponse(std::move(answer), request) : Exception(answer.error());
+    return answer ? *std::move(answer) : Exception(answer.error());
   }
   const Result<TilePath> path = ParseTilePath(matrix, column, y);
   if (!path) return Exception(400, "TileOutOfRange", "TileRow", path.error().message);
@@ -86,7 +86,7 @@ Response AnswerTileAt(Service& service, const Request& request, const std::strin
   wanted.look = *std::move(look);
   Result<Response> answer = AnswerTile(service, request, wanted);
   if (!answer) return Exception(answer.error());
-  return TileResponse(std::move(answer), request);
+  return *std::move(answer);
 }
 
 // "1" and "EPSG:3857:1" alike: some clients put the set before the matrix.
@@ -136,11 +136,8 @@ Response KvpTile(Service& service, const Request& request) {
 }
 
 std::optional<int> PixelIn(std::string_view text, int side_px) {
-  int pixel = 0;
-  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), pixel);
-  if (parsed.ec != std::errc() || parsed.ptr != text.data() + text.size() || pixel < 0 || pixel >= side_px)
-    return std::nullopt;
-  return pixel;
+  const auto pixel = ParseNumber<int>(text);
+  return pixel && *pixel >= 0 && *pixel < side_px ? pixel : std::nullopt;
 }
 
 // Of the middle of a pixel of a tile.

@@ -8,7 +8,7 @@
 
 #include "api/indices/index_legend.h"
 #include "api/ogc/feature_info.h"
-#include "api/tiles/cut_tile.h"
+#include "api/tiles/recode_tile.h"
 #include "core/geo/web_mercator.h"
 #include "core/image/picture_format.h"
 #include "core/indices/spectral_index.h"

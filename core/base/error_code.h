@@ -1,5 +1,5 @@
 // The closed list of error kinds. Every Error carries one; the API maps each to an HTTP status
-// (api/http/problem.cc), and a test walks this list to see that none was forgotten. Any thread.
+// (api/http/responses.cc), and a test walks this list to see that none was forgotten. Any thread.
 #pragma once
 
 #include <array>

@@ -13,7 +13,7 @@
 
 #include "api/auth/access.h"
 #include "api/http/compress.h"
-#include "api/http/problem.h"
+#include "api/http/responses.h"
 #include "core/base/check.h"
 #include "server/http/connection.h"
 #include "server/http/response_head.h"

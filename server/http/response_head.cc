@@ -6,7 +6,7 @@
 #include <ctime>
 #include <iterator>
 
-#include "api/http/problem.h"
+#include "api/http/responses.h"
 
 namespace skyquilt::server {
 namespace {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-#include "api/http/problem.h"
+#include "api/http/responses.h"
 #include "api/http/target.h"
 #include "server/routing/client_address.h"
 #include "server/routing/host_name.h"

@@ -11,7 +11,7 @@
 
 #include "api/downloads/send_file.h"
 #include "api/http/compress.h"
-#include "api/http/problem.h"
+#include "api/http/responses.h"
 #include "api/http/target.h"
 #include "core/base/try.h"
 #include "storage/db/ids.h"

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "api/tiles/transcode_tile.h"
+#include "api/tiles/recode_tile.h"
 #include "core/image/picture_codec.h"
 #include "tests/api/sample_service.h"
 

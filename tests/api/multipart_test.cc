@@ -4,8 +4,6 @@
 
 #include <random>
 
-#include "api/forms/part_header.h"
-
 namespace skyquilt::api {
 namespace {
 

@@ -2,12 +2,10 @@
 #include "api/nodeodm/node_options.h"
 
 #include <gtest/gtest.h>
-
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "api/json/job_options.h"
-#include "api/nodeodm/node_option_list.h"
 #include "core/pipeline/mosaic_options.h"
 
 namespace skyquilt::api {

@@ -1,9 +1,8 @@
 // Quotas at every door, with and without a length; and keys of requests that belong to one token and one
 // body.
-#include "api/auth/quota.h"
-
 #include <gtest/gtest.h>
 
+#include "api/auth/limits.h"
 #include "api/http/digest.h"
 #include "tests/api/sample_service.h"
 

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "api/tiles/transcode_tile.h"
+#include "api/tiles/recode_tile.h"
 #include "core/image/picture_codec.h"
 #include "tests/api/sample_service.h"
 

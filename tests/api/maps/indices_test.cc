@@ -7,7 +7,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "api/tiles/transcode_tile.h"
+#include "api/tiles/recode_tile.h"
 #include "core/geo/web_mercator.h"
 #include "core/image/picture_codec.h"
 #include "core/indices/colour_ramp.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "api/tiles/transcode_tile.h"
+#include "api/tiles/recode_tile.h"
 #include "tests/api/sample_service.h"
 
 namespace skyquilt::api {

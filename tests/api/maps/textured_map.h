@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "api/tiles/transcode_tile.h"
+#include "api/tiles/recode_tile.h"
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
 #include "core/image/picture_codec.h"

@@ -4,8 +4,7 @@
 #include <cstring>
 #include <string_view>
 
-#include "api/http/etag.h"
-#include "api/http/range.h"
+#include "api/http/conditional.h"
 #include "core/base/check.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {

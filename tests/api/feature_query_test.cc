@@ -1,4 +1,4 @@
-#include "api/common/capture_times.h"
+#include "api/common/feature_query.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,7 @@
-#include "api/tiles/cut_tile.h"
+#include "api/tiles/recode_tile.h"
 
 #include <gtest/gtest.h>
 
-#include "api/tiles/transcode_tile.h"
 #include "core/image/picture_codec.h"
 #include "tests/api/sample_service.h"
 

@@ -1,6 +1,6 @@
-// FindShownMap: the map that a flight shows, as blobs and as a folder of files. A revision that is being
-// retired may be gone when it is opened: the caller then looks it up again. Any thread. Errors: kNotFound (no
-// such flight, or it has no map yet) and the catalogue's.
+// A flight by the id that a request names, and the map that it shows, as blobs and as a folder of files. A
+// revision that is being retired may be gone when it is opened: the caller then looks it up again. Any
+// thread. Errors: kNotFound (no such flight, it is in the trash, or it has no map yet) and the catalogue's.
 #pragma once
 
 #include <cstdint>
@@ -9,6 +9,8 @@
 #include "api/service.h"
 
 namespace skyquilt::api {
+
+Result<void> RequireFlight(Service& service, const std::string& id);
 
 struct ShownMap {
   std::string flight_name;
@@ -19,5 +21,6 @@ Result<ShownMap> FindShownMap(Service& service, const std::string& flight_id);
 
 // One of its products as a file, fetched where maps lie elsewhere. kNotFound: it has none of this name.
 Result<storage::LocalBlob> FetchProduct(Service& service, const ShownMap& map, const std::string& name);
+inline constexpr const char* kCogType = "image/tiff; application=geotiff; profile=cloud-optimized";
 
 }  // namespace skyquilt::api

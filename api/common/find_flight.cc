@@ -1,9 +1,16 @@
-#include "api/shown_map.h"
+#include "api/common/find_flight.h"
 
 #include "api/http/responses.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {
+
+Result<void> RequireFlight(Service& service, const std::string& id) {
+  SKYQUILT_TRY(CheckId(id, "flight"));
+  SKYQUILT_TRY_ASSIGN(const bool known, service.catalogue.HasFlight(id));
+  if (!known) return Error{ErrorCode::kNotFound, "There is no flight " + id + ".", ""};
+  return {};
+}
 
 Result<ShownMap> FindShownMap(Service& service, const std::string& flight_id) {
   SKYQUILT_TRY(CheckId(flight_id, "flight"));

@@ -1,4 +1,6 @@
-#include "api/http/range.h"
+#include "api/http/conditional.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <charconv>
@@ -10,6 +12,10 @@
 namespace skyquilt::api {
 namespace {
 
+void SkipBlanks(std::string_view& text) {
+  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
+}
+
 // Digits only. A number too large for 64 bits is as good as the largest one.
 std::optional<std::uint64_t> ParseBytePosition(std::string_view text) {
   if (text.empty() || text.find_first_not_of("0123456789") != std::string_view::npos) return std::nullopt;
@@ -19,6 +25,30 @@ std::optional<std::uint64_t> ParseBytePosition(std::string_view text) {
 }
 
 }  // namespace
+
+std::string StrongEtag(std::uint64_t content_id, std::string_view variant) {
+  return variant.empty() ? fmt::format("\"{:016x}\"", content_id)
+                         : fmt::format("\"{:016x}-{}\"", content_id, variant);
+}
+
+bool EtagListMatches(std::string_view list, std::string_view etag) {
+  SkipBlanks(list);
+  if (list == "*") return true;
+  while (!list.empty()) {
+    if (list.starts_with("W/")) list.remove_prefix(2);
+    if (!list.starts_with('"')) return false;
+    const std::size_t end = list.find('"', 1);
+    if (end == std::string_view::npos) return false;
+    if (list.substr(0, end + 1) == etag) return true;
+    list.remove_prefix(end + 1);
+    SkipBlanks(list);
+    if (!list.empty() && list.front() != ',') return false;
+    while (!list.empty() && (list.front() == ',' || list.front() == ' ')) list.remove_prefix(1);
+  }
+  return false;
+}
+
+bool IfRangeMatches(std::string_view if_range, std::string_view etag) { return if_range == etag; }
 
 ByteRange ParseRange(std::string_view header, std::uint64_t body_length) {
   const std::size_t equals = header.find('=');

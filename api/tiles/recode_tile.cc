@@ -1,16 +1,31 @@
-#include "api/tiles/cut_tile.h"
+#include "api/tiles/recode_tile.h"
 
 #include <algorithm>
 #include <cstdint>
 #include <utility>
 #include <vector>
 
-#include "api/tiles/transcode_tile.h"
 #include "core/base/check.h"
 #include "core/base/try.h"
 #include "core/image/picture_codec.h"
 
 namespace skyquilt::api {
+
+std::string EncodeTile(image::RgbaImage tile, image::PictureFormat to) {
+  const std::vector<std::uint8_t> bytes = image::EncodePicture(std::move(tile), to);
+  return {bytes.begin(), bytes.end()};
+}
+
+Result<std::string> TranscodeTile(std::string_view bytes, image::PictureFormat to) {
+  SKYQUILT_TRY_ASSIGN(image::RgbaImage tile, image::DecodePicture(bytes));
+  return EncodeTile(std::move(tile), to);
+}
+
+std::string TransparentPng(int side_px) {
+  const std::vector<std::uint8_t> bytes =
+      image::EncodePlainPng(image::RgbaImage::Transparent(side_px, side_px));
+  return {bytes.begin(), bytes.end()};
+}
 
 std::optional<int> CutDepth(int side_px, int stored_side_px) {
   int depth = 0;
@@ -19,13 +34,6 @@ std::optional<int> CutDepth(int side_px, int stored_side_px) {
     ++depth;
   }
   return side_px == stored_side_px ? std::optional(depth) : std::nullopt;
-}
-
-std::optional<int> ParseTileSide(std::string_view text) {
-  for (int side_px = kUsualTilePx; side_px <= image::kMaxPictureSidePx; side_px *= 2) {
-    if (text == std::to_string(side_px)) return side_px;
-  }
-  return std::nullopt;
 }
 
 TileCut CutOf(const geo::TileId& tile, int depth, int stored_side_px) {

@@ -1,0 +1,35 @@
+// Parameters of a request's query as values, for all who read them alike. Pure. Errors: kInvalidArgument; the
+// message names the parameter.
+#pragma once
+
+#include <charconv>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "api/http/http_message.h"
+#include "core/base/result.h"
+
+namespace skyquilt::api {
+
+// The whole text as a number; absent: it is none, or beyond what the type holds.
+template <typename Number>
+std::optional<Number> ParseNumber(std::string_view text) {
+  Number number{};
+  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (parsed.ec != std::errc() || parsed.ptr != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+// The same, but for infinities and what is not a number.
+std::optional<double> ParseFiniteNumber(std::string_view text);
+
+// A parameter by its name in whatever case, as OWS and ArcGIS have them.
+std::optional<std::string> Parameter(const Request& request, std::string_view name);
+// A parameter that must be there and a number.
+Result<double> NumberParameter(const Request& request, const char* name);
+// How many a page of a list is to have: "limit", from 1 to `most`.
+Result<int> PageSizeOf(const Request& request, int usual, int most);
+// Where a list goes on: the id that its page before named, or nothing.
+Result<std::optional<std::string>> ParseCursor(std::optional<std::string_view> text);
+
+}  // namespace skyquilt::api
