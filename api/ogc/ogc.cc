@@ -26,7 +26,7 @@
 #include "core/geo/web_mercator.h"
 #include "core/image/picture_format.h"
 #include "storage/db/ids.h"
-#include "storage/exports/utm_writer.h"
+#include "storage/exports/warped/warp_tiles.h"
 
 namespace skyquilt::api {
 namespace {

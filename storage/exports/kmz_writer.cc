@@ -18,7 +18,7 @@
 #include "core/geo/web_mercator.h"
 #include "core/image/picture_codec.h"
 #include "storage/db/sqlite_db.h"
-#include "storage/exports/tile_walk.h"
+#include "storage/exports/stored_tiles.h"
 #include "storage/files/stream_file.h"
 #include "storage/tilesets/mbtiles_reader.h"
 

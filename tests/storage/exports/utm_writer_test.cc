@@ -1,5 +1,3 @@
-#include "storage/exports/utm_writer.h"
-
 #include <gdal_priv.h>
 #include <gtest/gtest.h>
 
@@ -8,6 +6,7 @@
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
 #include "storage/exports/cog_writer.h"
+#include "storage/exports/warped/warp_tiles.h"
 #include "storage/rasters/register_gdal.h"
 #include "tests/storage/painted_tileset.h"
 #include "tests/storage/scratch_dir.h"

@@ -15,7 +15,7 @@
 
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
-#include "storage/exports/warped/resampling_kernel.h"
+#include "storage/exports/warped/resample_block.h"
 #include "storage/exports/warped/target_grid.h"
 #include "storage/rasters/register_gdal.h"
 #include "storage/tilesets/mbtiles_reader.h"

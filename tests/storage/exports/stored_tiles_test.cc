@@ -1,4 +1,4 @@
-#include "storage/exports/tile_grid.h"
+#include "storage/exports/stored_tiles.h"
 
 #include <gtest/gtest.h>
 
