@@ -10,7 +10,7 @@
 #include "core/base/parallel_for.h"
 #include "core/base/try.h"
 #include "storage/exports/streamed/cog_cells.h"
-#include "storage/files/stream_file.h"
+#include "storage/files/publish_file.h"
 #include "storage/tilesets/mbtiles_reader.h"
 
 namespace skyquilt::storage {

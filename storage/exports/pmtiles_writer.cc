@@ -16,9 +16,8 @@
 #include "core/base/try.h"
 #include "core/image/picture_format.h"
 #include "storage/exports/stored_tiles.h"
-#include "storage/files/stream_file.h"
-#include "storage/pmtiles/gzip.h"
-#include "storage/pmtiles/pmtiles_directory.h"
+#include "storage/files/publish_file.h"
+#include "storage/pmtiles/pmtiles_archive.h"
 #include "storage/tilesets/mbtiles_reader.h"
 
 namespace skyquilt::storage {

@@ -21,7 +21,7 @@
 #include "storage/exports/warped/resample_block.h"
 #include "storage/exports/warped/source_window.h"
 #include "storage/exports/warped/target_grid.h"
-#include "storage/files/stream_file.h"
+#include "storage/files/publish_file.h"
 #include "storage/tilesets/mbtiles_reader.h"
 
 namespace skyquilt::storage {

@@ -8,7 +8,7 @@
 #include <map>
 #include <optional>
 
-#include "storage/pmtiles/pmtiles_directory.h"
+#include "storage/pmtiles/pmtiles_archive.h"
 #include "storage/tilesets/mbtiles_reader.h"
 #include "storage/tilesets/mbtiles_writer.h"
 #include "tests/storage/painted_tileset.h"
