@@ -2,12 +2,10 @@
 // token.
 #include "core/base/try.h"
 #include "storage/db/machine_boot.h"
-#include "storage/jobs/claim_in_postgres.h"
 #include "storage/jobs/job_queue.h"
 #include "storage/jobs/job_rows.h"
 #include "storage/jobs/job_turns.h"
 #include "storage/jobs/lost_leases.h"
-#include "storage/jobs/patiently.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -44,34 +42,8 @@ Result<std::optional<Lease>> JobQueue::Claim(std::string_view worker, Time by_ma
   return db_.Again([&]() -> Result<std::optional<Lease>> {
     const auto db = db_.Lock();
     const Time now = db_.SharedTime(by_machine, *db);
-    if (db_.IsShared()) return ClaimInPostgres(*db, worker, now, db_.LostBefore(now));
-    // An idle worker only reads; the write lock is taken when there is something to take.
-    SKYQUILT_TRY_ASSIGN(
-        const std::int64_t may_claim,
-        db->Number("SELECT EXISTS(SELECT 1 FROM job WHERE state='accepted' AND not_before_us<=?1)"
-                   " OR EXISTS(SELECT 1 FROM job WHERE state='running' AND lease_until_us<?1)",
-                   ToUs(now)));
-    if (may_claim == 0) return std::optional<Lease>();
-    // A claim that a power cut undoes leaves the job waiting, as it should be: its worker is gone as well.
-    SKYQUILT_TRY_ASSIGN(const UnsyncedCommits unsynced, UnsyncedCommits::Begin(*db));
-    SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
-    SKYQUILT_TRY(SettleLostLeases(*db, now));
-    std::optional<Lease> lease;
-    SKYQUILT_TRY_ASSIGN(const std::optional<std::string> next, NextJob(*db, now));
-    if (next) {
-      SKYQUILT_TRY_ASSIGN(
-          Statement claim,
-          db->Query(
-              "UPDATE job SET state='running', lease_token=lease_token+1, attempts=attempts+1, worker=?1,"
-              " lease_until_us=?2, started_us=coalesce(started_us,?3), "
-              " attempt_started_us=CASE worker WHEN 'units' THEN attempt_started_us ELSE ?3 END,"
-              " stage=CASE worker WHEN 'units' THEN stage ELSE '' END,"
-              " progress=CASE worker WHEN 'units' THEN progress ELSE 0 END, message='', claimed_in=?5 WHERE id=?4 RETURNING id, flight_id, options, lease_token, attempts",
-              worker, LeaseEnd(now), ToUs(now), *next, MachineBoot::Id()));
-      SKYQUILT_TRY_ASSIGN(lease, claim.First(LeaseFrom));
-    }
-    SKYQUILT_TRY(transaction.Commit());
-    return lease;
+    return db_.IsShared() ? ClaimInPostgres(*db, worker, now, db_.LostBefore(now))
+                          : ClaimInFolder(*db, worker, now);
   });
 }
 
@@ -142,7 +114,7 @@ Result<int> JobQueue::CountTrouble(const Lease& lease) {
 
 Result<std::optional<std::int64_t>> JobQueue::ReserveRevision(const Lease& lease) {
   // A number that nobody hears of is left out.
-  return Patiently(db_, [&]() -> Result<std::optional<std::int64_t>> {
+  return db_.Patiently([&]() -> Result<std::optional<std::int64_t>> {
     const auto db = db_.Lock();
     SKYQUILT_TRY_ASSIGN(
         Statement update,
@@ -176,7 +148,7 @@ Result<bool> JobQueue::Publish(const Lease& lease, const Revision& revision, Tim
     SKYQUILT_TRY(transaction.Commit());
     return true;
   };
-  return Patiently(db_, [&] { return db_.Again(publish); });
+  return db_.Patiently([&] { return db_.Again(publish); });
 }
 
 }  // namespace skyquilt::storage

@@ -5,7 +5,6 @@
 #include "storage/catalogue/event_log.h"
 #include "storage/db/ids.h"
 #include "storage/jobs/job_queue.h"
-#include "storage/tilesets/preview_tiles.h"
 #include "tests/storage/postgres/test_catalogue.h"
 #include "tests/storage/scratch_dir.h"
 

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "core/base/try.h"
-#include "storage/blobs/flight_blobs.h"
+#include "storage/blobs/blob_store.h"
 #include "storage/db/ids.h"
 #include "storage/folder/disk_flights.h"
 

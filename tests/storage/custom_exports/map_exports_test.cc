@@ -11,7 +11,7 @@
 #include "storage/catalogue/catalogue.h"
 #include "storage/catalogue/tokens.h"
 #include "storage/db/ids.h"
-#include "storage/folder/sweep_exports.h"
+#include "storage/folder/sweep.h"
 #include "tests/storage/postgres/test_catalogue.h"
 #include "tests/storage/scratch_dir.h"
 

@@ -1,4 +1,4 @@
-#include "storage/blobs/flight_blobs.h"
+#include "storage/blobs/blob_store.h"
 
 #include "core/base/try.h"
 #include "storage/db/ids.h"
