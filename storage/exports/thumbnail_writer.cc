@@ -18,7 +18,6 @@
 #include "storage/exports/streamed/cog_cells.h"
 #include "storage/files/publish_file.h"
 #include "storage/rasters/gdal_steps.h"
-#include "storage/rasters/register_gdal.h"
 #include "storage/tilesets/mbtiles_reader.h"
 
 namespace skyquilt::storage {

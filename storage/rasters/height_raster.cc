@@ -12,7 +12,7 @@
 #include "core/geo/crs/map_projection.h"
 #include "core/geo/geodesic.h"
 #include "core/geo/web_mercator.h"
-#include "storage/rasters/quiet_gdal.h"
+#include "storage/rasters/gdal_steps.h"
 
 namespace skyquilt::storage {
 namespace {

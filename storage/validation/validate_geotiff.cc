@@ -14,8 +14,7 @@
 #include <system_error>
 #include <vector>
 
-#include "storage/rasters/quiet_gdal.h"
-#include "storage/rasters/register_gdal.h"
+#include "storage/rasters/gdal_steps.h"
 #include "storage/validation/validate_map.h"
 
 namespace skyquilt::storage {

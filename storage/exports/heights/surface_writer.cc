@@ -17,7 +17,6 @@
 #include "storage/exports/warp_geotiff.h"
 #include "storage/exports/warped/warp_tiles.h"
 #include "storage/rasters/gdal_steps.h"
-#include "storage/rasters/register_gdal.h"
 
 namespace skyquilt::storage {
 namespace {

@@ -1,9 +1,8 @@
-#include "storage/folder/object_store/check_maps.h"
-
 #include <gtest/gtest.h>
 
 #include <fstream>
 
+#include "storage/folder/check_data.h"
 #include "tests/storage/blobs/far_folder.h"
 #include "tests/storage/blobs/published_map.h"
 

@@ -21,7 +21,7 @@
 #include "storage/exports/cog_writer.h"
 #include "storage/exports/custom/target_crs.h"
 #include "storage/files/publish_file.h"
-#include "storage/rasters/register_gdal.h"
+#include "storage/rasters/gdal_steps.h"
 #include "storage/tilesets/mbtiles_reader.h"
 #include "tests/storage/painted_tileset.h"
 #include "tests/storage/rasters/band_file.h"

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <memory>
 
-#include "storage/rasters/register_gdal.h"
+#include "storage/rasters/gdal_steps.h"
 #include "tests/storage/scratch_dir.h"
 
 namespace skyquilt::storage {

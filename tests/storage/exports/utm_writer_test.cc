@@ -7,7 +7,7 @@
 #include "core/geo/web_mercator.h"
 #include "storage/exports/cog_writer.h"
 #include "storage/exports/warped/warp_tiles.h"
-#include "storage/rasters/register_gdal.h"
+#include "storage/rasters/gdal_steps.h"
 #include "tests/storage/painted_tileset.h"
 #include "tests/storage/scratch_dir.h"
 

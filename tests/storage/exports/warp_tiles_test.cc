@@ -17,7 +17,7 @@
 #include "core/geo/web_mercator.h"
 #include "storage/exports/warped/resample_block.h"
 #include "storage/exports/warped/target_grid.h"
-#include "storage/rasters/register_gdal.h"
+#include "storage/rasters/gdal_steps.h"
 #include "storage/tilesets/mbtiles_reader.h"
 #include "tests/storage/painted_tileset.h"
 #include "tests/storage/scratch_dir.h"

@@ -14,7 +14,7 @@
 #include <thread>
 
 #include "core/geo/web_mercator.h"
-#include "storage/rasters/register_gdal.h"
+#include "storage/rasters/gdal_steps.h"
 #include "tests/storage/scratch_dir.h"
 
 namespace skyquilt::storage {
