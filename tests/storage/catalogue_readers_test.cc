@@ -10,7 +10,7 @@
 #include "storage/catalogue/tokens.h"
 #include "storage/jobs/job_queue.h"
 #include "tests/storage/postgres/test_catalogue.h"
-#include "tests/storage/scratch_dir.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -20,7 +20,7 @@ class CatalogueReadersTest : public testing::Test {
   CatalogueReadersTest()
       : db_(*OpenTestCatalogue(dir_.path() / "catalogue.db", 3)), catalogue_(*db_), queue_(*db_) {}
 
-  ScratchDir dir_;
+  test::TemporaryFolder dir_;
   std::unique_ptr<CatalogueDb> db_;
   Catalogue catalogue_;
   JobQueue queue_;

@@ -8,7 +8,7 @@
 #include "storage/db/ids.h"
 #include "storage/jobs/job_queue.h"
 #include "tests/storage/postgres/test_catalogue.h"
-#include "tests/storage/scratch_dir.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -16,7 +16,7 @@ namespace {
 class CatalogueTest : public testing::Test {
  protected:
   CatalogueTest() : db_(*OpenTestCatalogue(dir_.path() / "catalogue.db")), catalogue_(*db_) {}
-  ScratchDir dir_;
+  test::TemporaryFolder dir_;
   std::unique_ptr<CatalogueDb> db_;
   Catalogue catalogue_;
 };

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "core/flight/lists/elevation_model_file.h"
-#include "tests/storage/scratch_dir.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -72,7 +72,7 @@ class GeotiffDemTest : public ::testing::Test {
   }
 
  private:
-  ScratchDir folder_;
+  test::TemporaryFolder folder_;
 };
 
 TEST_F(GeotiffDemTest, ReadsGeographicModelsBetweenTheirCells) {

@@ -8,7 +8,7 @@
 
 #include "core/flight/remarks/because.h"
 #include "tests/storage/postgres/test_catalogue.h"
-#include "tests/storage/scratch_dir.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -25,7 +25,7 @@ class JobQueueTest : public testing::Test {
   std::string Served(const std::string& name) const { return queue_.served_prefix() + name; }
   Lease Claimed() { return **queue_.Claim("w", now_); }
 
-  ScratchDir dir_;
+  test::TemporaryFolder dir_;
   std::unique_ptr<CatalogueDb> db_;
   Catalogue catalogue_;
   JobQueue queue_;
@@ -371,7 +371,7 @@ TEST_F(JobQueueTest, LosesTheLeaseWhenTheFlightIsDeleted) {
 TEST(JobQueueConcurrency, GivesEachJobToExactlyOneOfManyConnections) {
   constexpr int kJobs = 40;
   constexpr int kWorkers = 4;
-  ScratchDir dir;
+  test::TemporaryFolder dir;
   const auto db = *OpenTestCatalogue(dir.path() / "catalogue.db");
   Catalogue catalogue(*db);
   JobQueue queue(*db);

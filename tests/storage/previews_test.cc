@@ -6,7 +6,7 @@
 #include "storage/db/ids.h"
 #include "storage/jobs/job_queue.h"
 #include "tests/storage/postgres/test_catalogue.h"
-#include "tests/storage/scratch_dir.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -39,7 +39,7 @@ class PreviewsTest : public testing::Test {
     ASSERT_TRUE(*queue_.Publish(**lease, revision, Now()));
   }
 
-  ScratchDir dir_;
+  test::TemporaryFolder dir_;
   std::unique_ptr<CatalogueDb> db_;
   Catalogue catalogue_;
   JobQueue queue_;
@@ -99,7 +99,7 @@ TEST_F(PreviewsTest, BeginsAnewWhenAFileOfItGoesAndNotWhenAnotherDoes) {
 }
 
 TEST(PreviewTiles, HoldsWhatWasPutAndNothingIsMadeByReading) {
-  const ScratchDir dir;
+  const test::TemporaryFolder dir;
   EXPECT_EQ(PreviewTiles::OpenToRead(dir.path()).error().code, ErrorCode::kNotFound);
   const auto written = *PreviewTiles::Open(dir.path());
   const geo::TileId tile = *geo::TileId::Make(3, 1, 2);

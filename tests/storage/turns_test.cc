@@ -9,7 +9,7 @@
 #include "storage/catalogue/stage_costs.h"
 #include "storage/jobs/job_queue.h"
 #include "tests/storage/postgres/test_catalogue.h"
-#include "tests/storage/scratch_dir.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -30,7 +30,7 @@ class TurnsTest : public testing::Test {
     return **queue_.Claim("w", now_);
   }
 
-  ScratchDir dir_;
+  test::TemporaryFolder dir_;
   std::unique_ptr<CatalogueDb> db_;
   Catalogue catalogue_;
   JobQueue queue_;

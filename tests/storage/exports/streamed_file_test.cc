@@ -21,8 +21,8 @@
 #include "storage/tilesets/mbtiles_reader.h"
 #include "storage/tilesets/mbtiles_writer.h"
 #include "tests/storage/painted_tileset.h"
-#include "tests/storage/scratch_dir.h"
 #include "tests/support/bytes_of.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -52,7 +52,7 @@ class StreamedFileTest : public testing::Test {
     return path;
   }
 
-  ScratchDir folder_;
+  test::TemporaryFolder folder_;
   StreamedMaps maps_;
 };
 

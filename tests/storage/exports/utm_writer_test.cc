@@ -9,7 +9,7 @@
 #include "storage/exports/warped/warp_tiles.h"
 #include "storage/rasters/gdal_steps.h"
 #include "tests/storage/painted_tileset.h"
-#include "tests/storage/scratch_dir.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -27,7 +27,7 @@ TEST(UtmEpsg, KnowsTheZonesAndTheirExceptions) {
 
 TEST(WriteUtmGeotiff, KeepsEveryPlaceAndTheMask) {
   RegisterGdalOnce();
-  ScratchDir folder;
+  test::TemporaryFolder folder;
   const test::PaintedTileset tileset{19, 256, 272500, 184700, 4, 4};
   test::WritePaintedTileset(folder.path() / "map.mbtiles", tileset);
   SilentProgress progress;

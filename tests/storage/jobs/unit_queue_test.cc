@@ -14,7 +14,7 @@
 #include "storage/jobs/unit_inputs.h"
 #include "storage/jobs/workers_aside.h"
 #include "tests/storage/postgres/test_catalogue.h"
-#include "tests/storage/scratch_dir.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -40,7 +40,7 @@ class UnitQueueTest : public testing::Test {
   }
   UnitLease Claimed(std::string_view worker = "w") { return **units_.Claim(worker, now_); }
 
-  ScratchDir dir_;
+  test::TemporaryFolder dir_;
   std::unique_ptr<CatalogueDb> db_;
   Catalogue catalogue_;
   JobQueue queue_;

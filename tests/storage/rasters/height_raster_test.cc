@@ -15,7 +15,7 @@
 
 #include "core/geo/web_mercator.h"
 #include "storage/rasters/gdal_steps.h"
-#include "tests/storage/scratch_dir.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -68,7 +68,7 @@ class HeightRasterTest : public testing::Test {
                At(west_m, north_m + side_m)}}}};
   }
 
-  ScratchDir scratch_;
+  test::TemporaryFolder scratch_;
   std::filesystem::path heights_ = scratch_.path() / "dsm.tif",
                         measured_ = scratch_.path() / "dsm_photos.tif";
   geo::MapProjection zone_ = *geo::MapProjection::OfEpsg(32632);

@@ -12,7 +12,7 @@
 #include "storage/jobs/job_queue.h"
 #include "storage/uploads/upload_spool.h"
 #include "tests/storage/postgres/test_catalogue.h"
-#include "tests/storage/scratch_dir.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 
@@ -40,7 +40,7 @@ class StoredFlightTest : public testing::Test {
     ASSERT_TRUE(*queue_.Publish(lease, revision, Now()));
   }
 
-  ScratchDir dir_;
+  test::TemporaryFolder dir_;
   DataDir data_;
   std::unique_ptr<CatalogueDb> db_;
   Catalogue catalogue_;
