@@ -11,8 +11,8 @@
 
 #include "core/base/try.h"
 #include "storage/db/machine_boot.h"
+#include "storage/jobs/job_leases.h"
 #include "storage/jobs/job_rows.h"
-#include "storage/jobs/lost_leases.h"
 
 namespace skyquilt::storage {
 namespace {

@@ -42,7 +42,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-using Validate = Result<FileVerdict> (*)(const fs::path&, const ValidateOptions&, Progress&);
+using Validate = Result<FileVerdict> (*)(const fs::path&, bool, Progress&);
 
 // By the first bytes.
 Validate ValidatorFor(const fs::path& path) {
@@ -64,15 +64,14 @@ Validate ValidatorFor(const fs::path& path) {
   return nullptr;
 }
 
-Result<std::vector<FileVerdict>> ValidateFolder(const fs::path& folder, const ValidateOptions& options,
-                                                Progress& progress) {
+Result<std::vector<FileVerdict>> ValidateFolder(const fs::path& folder, bool quick, Progress& progress) {
   std::vector<FileVerdict> verdicts;
   std::error_code gone;
   for (const char* name : {"mosaic.mbtiles", "mosaic.pmtiles", "mosaic.tif"}) {
     const fs::path path = folder / name;
     if (!fs::exists(path, gone)) continue;
     progress.BeginStage(name);
-    SKYQUILT_TRY_ASSIGN(FileVerdict verdict, ValidatorFor(path)(path, options, progress));
+    SKYQUILT_TRY_ASSIGN(FileVerdict verdict, ValidatorFor(path)(path, quick, progress));
     verdicts.push_back(std::move(verdict));
   }
   std::vector<FileVerdict> reports = ValidateReports(folder, verdicts);
@@ -98,10 +97,9 @@ Result<std::vector<FileVerdict>> ValidateFolder(const fs::path& folder, const Va
 
 }  // namespace
 
-Result<std::vector<FileVerdict>> ValidateMap(const fs::path& path, const ValidateOptions& options,
-                                             Progress& progress) {
+Result<std::vector<FileVerdict>> ValidateMap(const fs::path& path, bool quick, Progress& progress) {
   std::error_code gone;
-  if (fs::is_directory(path, gone)) return ValidateFolder(path, options, progress);
+  if (fs::is_directory(path, gone)) return ValidateFolder(path, quick, progress);
   if (!fs::is_regular_file(path, gone))
     return Error{ErrorCode::kNotFound, "There is no file or folder " + path.string() + ".", ""};
   if (!std::ifstream(path))
@@ -114,7 +112,7 @@ Result<std::vector<FileVerdict>> ValidateMap(const fs::path& path, const Validat
                      "map.",
                  ""};
   progress.BeginStage(path.filename().string());
-  SKYQUILT_TRY_ASSIGN(FileVerdict verdict, validate(path, options, progress));
+  SKYQUILT_TRY_ASSIGN(FileVerdict verdict, validate(path, quick, progress));
   return std::vector<FileVerdict>{std::move(verdict)};
 }
 

@@ -57,20 +57,14 @@ class CountedFindings {
   std::map<std::pair<Severity, std::string>, Counted> counted_;
 };
 
-struct ValidateOptions {
-  bool quick = false;  // look into a sample of the pictures
-};
-
-Result<std::vector<FileVerdict>> ValidateMap(const std::filesystem::path& path,
-                                             const ValidateOptions& options, Progress& progress);
+// `quick`: look into a sample of the pictures.
+Result<std::vector<FileVerdict>> ValidateMap(const std::filesystem::path& path, bool quick,
+                                             Progress& progress);
 
 // Of one file each; what they cannot even open is a finding too. Error: kCancelled.
-Result<FileVerdict> ValidateMbtiles(const std::filesystem::path& path, const ValidateOptions& options,
-                                    Progress& progress);
-Result<FileVerdict> ValidatePmtiles(const std::filesystem::path& path, const ValidateOptions& options,
-                                    Progress& progress);
-Result<FileVerdict> ValidateGeotiff(const std::filesystem::path& path, const ValidateOptions& options,
-                                    Progress& progress);
+Result<FileVerdict> ValidateMbtiles(const std::filesystem::path& path, bool quick, Progress& progress);
+Result<FileVerdict> ValidatePmtiles(const std::filesystem::path& path, bool quick, Progress& progress);
+Result<FileVerdict> ValidateGeotiff(const std::filesystem::path& path, bool quick, Progress& progress);
 
 // What report.json, photos.geojson and the like say, against each other and against what was found of tiles.
 // None where there is no such file.
