@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "core/flight/remarks/because.h"
-#include "tests/storage/postgres/test_catalogue.h"
+#include "tests/storage/catalogue_fixture.h"
 #include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
@@ -15,21 +15,12 @@ namespace {
 
 using std::chrono::seconds;
 
-class JobQueueTest : public testing::Test {
+class JobQueueTest : public CatalogueFixture {
  protected:
-  JobQueueTest()
-      : db_(*OpenTestCatalogue(dir_.path() / "catalogue.db")), catalogue_(*db_), queue_(*db_), now_(Now()) {}
-
   std::string NewFlight() { return catalogue_.AddFlight("field", "{}", now_)->id; }
   Job NewJob() { return *queue_.Add(NewFlight(), "{}", now_); }
   std::string Served(const std::string& name) const { return queue_.served_prefix() + name; }
   Lease Claimed() { return **queue_.Claim("w", now_); }
-
-  test::TemporaryFolder dir_;
-  std::unique_ptr<CatalogueDb> db_;
-  Catalogue catalogue_;
-  JobQueue queue_;
-  Time now_;
 };
 
 Revision Made(std::int64_t number) {
