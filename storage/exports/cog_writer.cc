@@ -91,6 +91,7 @@ Result<void> WriteCog(const std::filesystem::path& mbtiles, const std::filesyste
 
 namespace {
 
+constexpr int kStreamedCogQuality = 85;  // of tiles encoded anew
 // A cell among those of all levels.
 constexpr int kLevelShift = 48;
 

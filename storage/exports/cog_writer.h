@@ -43,8 +43,6 @@ Result<void> WriteCog(const std::filesystem::path& mbtiles, const std::filesyste
 // its stored tile, which its JPEG is filled up to; where that is not enough for the quality asked for (some
 // two of a hundred at a map's edge), that tile's is lowered until it is. Memory: 16 bytes a tile, 24 a cell
 // of the directories. One thread.
-inline constexpr int kStreamedCogQuality = 85;  // of tiles encoded anew
-
 Result<std::shared_ptr<const StreamedFile>> LayOutCog(SqliteDb& mbtiles, const TilesetFacts& metadata);
 
 }  // namespace skyquilt::storage
