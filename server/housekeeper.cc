@@ -7,7 +7,7 @@
 #include "core/base/text/printable.h"
 #include "server/routing/request_log.h"
 #include "storage/folder/object_store/sweep_blobs.h"
-#include "storage/folder/sweep_exports.h"
+#include "storage/folder/sweep.h"
 #include "storage/uploads/upload_chunks.h"
 
 namespace skyquilt::server {

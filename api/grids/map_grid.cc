@@ -7,7 +7,7 @@
 
 #include "core/base/check.h"
 #include "core/geo/web_mercator.h"
-#include "storage/exports/utm_writer.h"
+#include "storage/exports/warped/warp_tiles.h"
 
 namespace skyquilt::api {
 namespace {

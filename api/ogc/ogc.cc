@@ -1,7 +1,6 @@
 // OGC API - Tiles 1.0 at /ogc: landing page, conformance, collections (one a map) with their tilesets, tile
 // matrix sets, and tiles by row and column. OGC 20-057.
 #include <fmt/format.h>
-
 #include <nlohmann/json.hpp>
 #include <span>
 #include <vector>
@@ -26,7 +25,7 @@
 #include "core/geo/web_mercator.h"
 #include "core/image/picture_format.h"
 #include "storage/db/ids.h"
-#include "storage/exports/utm_writer.h"
+#include "storage/exports/warped/warp_tiles.h"
 
 namespace skyquilt::api {
 namespace {

@@ -19,7 +19,7 @@ struct PictureFormatRow {
   const char* content_type;  // in HTTP
   const char* name;          // of f= in OGC's APIs
   int pmtiles_type;          // in the head of a PMTiles archive (specification 3, "Tile Type"); 0: of none
-  int mbtiles_code;  // in the column `tile_format` of our own MBTiles (those without it: tile_table.cc)
+  int mbtiles_code;  // in the column `tile_format` of our own MBTiles (those without it: stored_tiles.cc)
   std::string_view begins;  // first bytes of every such picture
   std::string_view at_8;    // and those behind its eighth, where the first do not tell
 };

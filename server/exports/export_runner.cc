@@ -19,7 +19,7 @@
 #include "server/routing/request_log.h"
 #include "storage/exports/custom/export_map.h"
 #include "storage/files/publish_file.h"
-#include "storage/folder/sweep_exports.h"
+#include "storage/folder/sweep.h"
 
 namespace skyquilt::server {
 namespace {

@@ -20,7 +20,7 @@
 #include "core/image/picture_codec.h"
 #include "server/imports/imported_tileset.h"
 #include "storage/exports/custom/export_request.h"
-#include "storage/exports/tile_walk.h"
+#include "storage/exports/stored_tiles.h"
 #include "storage/tilesets/mbtiles_writer.h"
 
 namespace skyquilt::server {

@@ -23,7 +23,7 @@
 #include "storage/exports/kmz_writer.h"
 #include "storage/exports/pmtiles_writer.h"
 #include "storage/exports/thumbnail_writer.h"
-#include "storage/exports/utm_writer.h"
+#include "storage/exports/warped/warp_tiles.h"
 #include "storage/rasters/bands_writer.h"
 #include "storage/tilesets/map_keeper.h"
 #include "storage/tilesets/mbtiles_writer.h"

@@ -9,7 +9,7 @@
 #include "core/base/result.h"
 #include "core/geo/tile_id.h"
 #include "core/image/rgba_image.h"
-#include "storage/tilesets/preview_tiles.h"
+#include "storage/catalogue/previews.h"
 
 namespace skyquilt::server {
 

@@ -79,4 +79,14 @@ class BlobStore {
 // Aborts on what is no key: one that leads elsewhere, or could not be a path.
 void RequireKey(std::string_view key);
 
+// "deleted/<flight>" says that a deletion was begun.
+inline constexpr std::string_view kDeletedPrefix = "deleted/";
+
+// What time it is where the blobs are: a small one is put and looked at.
+Result<std::chrono::system_clock::time_point> TimeOfStore(BlobStore& blobs);
+
+// All blobs of a flight that the catalogue no longer knows; any process, several at once do no harm. What
+// fails, is cut off or comes later, SweepBlobs ends.
+Result<void> RemoveFlightBlobs(BlobStore& blobs, const std::string& flight_id);
+
 }  // namespace skyquilt::storage

@@ -40,16 +40,6 @@ Result<void> MakeParent(const fs::path& path) {
 
 }  // namespace
 
-void RequireKey(std::string_view key) {
-  const std::string path = "/" + std::string(key);
-  const bool is_key =
-      !key.empty() && key.size() <= 900 && !key.ends_with('/') && path.find("//") == std::string::npos &&
-      (path + "/").find("/../") == std::string::npos && (path + "/").find("/./") == std::string::npos &&
-      std::all_of(key.begin(), key.end(),
-                  [](unsigned char c) { return c >= 0x20 && c != 0x7f && c != '\\'; });
-  SKYQUILT_CHECK(is_key, "an unchecked name came near a key");
-}
-
 fs::path FolderBlobs::PathOf(const std::string& key) const {
   RequireKey(key);
   return root_ / key;

@@ -16,6 +16,9 @@ template <typename Value>
 class LruMemory {
  public:
   explicit LruMemory(std::size_t budget_bytes) : budget_bytes_(budget_bytes) {}
+  // Before the first use.
+  void SetBudget(std::size_t bytes) { budget_bytes_ = bytes; }
+  std::size_t budget_bytes() const { return budget_bytes_; }
 
   // Null where it is not here.
   std::shared_ptr<const Value> Find(const std::string& name) {
@@ -49,6 +52,10 @@ class LruMemory {
     const std::lock_guard lock(mutex_);
     return bytes_;
   }
+  std::size_t count() const {
+    const std::lock_guard lock(mutex_);
+    return used_.size();
+  }
 
  private:
   struct Entry {
@@ -57,7 +64,7 @@ class LruMemory {
     std::size_t bytes;
   };
 
-  const std::size_t budget_bytes_;
+  std::size_t budget_bytes_;
   mutable std::mutex mutex_;
   std::list<Entry> used_;  // the latest first
   std::unordered_map<std::string, typename std::list<Entry>::iterator> by_name_;

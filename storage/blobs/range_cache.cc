@@ -11,7 +11,6 @@
 
 #include "core/base/process/file_descriptor.h"
 #include "core/base/try.h"
-#include "storage/blobs/s3/sign_request.h"
 
 namespace skyquilt::storage {
 namespace {

@@ -18,8 +18,6 @@
 
 namespace skyquilt::storage {
 
-// Of sums in memory: those of maps of 64 GB.
-inline constexpr std::size_t kSumsBytes = std::size_t{16} << 20;
 inline constexpr std::int64_t kSinglePutBytes = std::int64_t{16} << 20;
 
 // How large the parts of an upload of so many bytes are: ten thousand of them suffice for any.
@@ -72,6 +70,7 @@ class S3Blobs final : public BlobStore {
   std::unique_ptr<LocalCache> cache_;
   const ProofOfBlob proof_;
   RangeCache ranges_;
+  static constexpr std::size_t kSumsBytes = std::size_t{16} << 20;  // of maps of 64 GB
   LruMemory<std::string> sums_{kSumsBytes};  // of those asked for lately; empty where there are none
 };
 

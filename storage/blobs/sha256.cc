@@ -1,5 +1,6 @@
 #include "storage/blobs/sha256.h"
 
+#include <fmt/format.h>
 #include <openssl/evp.h>
 
 #include <algorithm>
@@ -10,7 +11,6 @@
 #include "core/base/check.h"
 #include "core/base/try.h"
 #include "storage/blobs/blob_store.h"
-#include "storage/blobs/s3/sign_request.h"
 #include "storage/files/publish_file.h"
 
 namespace skyquilt::storage {
@@ -33,6 +33,18 @@ std::string Sha256Sum::Finish() {
   unsigned int length = 0;
   EVP_DigestFinal_ex(state_->context, digest, &length);
   return HexOf({digest, length});
+}
+
+std::string HexOf(std::span<const unsigned char> bytes) {
+  std::string hex;
+  for (const unsigned char byte : bytes) hex += fmt::format("{:02x}", byte);
+  return hex;
+}
+
+std::string Sha256Hex(std::string_view bytes) {
+  Sha256Sum sum;
+  sum.Add(bytes);
+  return sum.Finish();
 }
 
 Result<std::string> Sha256OfBlob(BlobStore& blobs, const BlobInfo& blob) {

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -24,6 +25,9 @@ class Sha256Sum {
   struct State;
   std::unique_ptr<State> state_;
 };
+
+std::string HexOf(std::span<const unsigned char> bytes);
+std::string Sha256Hex(std::string_view bytes);
 
 class BlobStore;
 struct BlobInfo;

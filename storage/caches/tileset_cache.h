@@ -20,7 +20,7 @@
 #include "storage/catalogue/catalogue.h"
 #include "storage/db/outage/read_again.h"
 #include "storage/files/data_dir.h"
-#include "storage/pmtiles/pmtiles_memory.h"
+#include "storage/pmtiles/pmtiles_reader.h"
 #include "storage/tilesets/tile_source.h"
 
 namespace skyquilt::storage {

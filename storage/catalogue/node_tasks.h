@@ -1,6 +1,6 @@
 // NodeTasks: which flight belongs to which task of the NodeODM-compatible node. A task is deleted with its
-// flight. Any thread. Errors: kNotFound (no such task), kConflict (the UUID is taken), kOutOfSpace,
-// kUnavailable, kIo.
+// flight. NodeDeliveries: ends of tasks that are still to be told. Any thread, any number of processes.
+// Errors: kNotFound (no such task), kConflict (the UUID is taken), kOutOfSpace, kUnavailable, kIo.
 #pragma once
 
 #include <cstdint>
@@ -9,6 +9,7 @@
 
 #include "core/base/result.h"
 #include "storage/db/catalogue_db.h"
+#include "storage/db/clock.h"
 
 namespace skyquilt::storage {
 
@@ -37,6 +38,31 @@ class NodeTasks {
   Result<void> MarkCanceled(const std::string& uuid, const std::string& job_id);
   // The task begins anew.
   Result<void> Restart(const std::string& uuid, const std::string& options, std::int64_t created_ms);
+
+ private:
+  CatalogueDb& db_;
+};
+
+// The end of a task, to be told to the address that came with it. A trigger of the database writes these
+// (storage/db/schema.sql); one process delivers.
+struct NodeDelivery {
+  std::string uuid;  // of the task
+  std::string job_id;
+  std::string url;
+  int attempts = 0;  // that failed
+};
+
+class NodeDeliveries {
+ public:
+  explicit NodeDeliveries(CatalogueDb& db) : db_(db) {}
+
+  Result<std::vector<NodeDelivery>> Due(Time now, int limit) const;
+  // Before it is told. False: another server of the same catalogue has taken it, or it was heard.
+  Result<bool> Take(const NodeDelivery& delivery, Time now);
+  // Also of one of which nobody needs to hear any more.
+  Result<void> Heard(const NodeDelivery& delivery);
+  // Tried again later, as other webhooks are.
+  Result<void> NotHeard(const NodeDelivery& delivery, Time now);
 
  private:
   CatalogueDb& db_;

@@ -1,17 +1,29 @@
-// Previews: which flights have a preview, its progress, and which photos wait to be drawn. A flight has a
-// preview while it has no map: publishing the map ends it in the same transaction. The tiles themselves are
-// in PreviewTiles. Any thread, any number of processes, of which one draws. Errors: kUnavailable, kIo.
+// Previews: which flights have a preview, its progress, and which photos wait to be drawn; PreviewTiles: the
+// tiles of one; PreviewCache: the one that a flight shows now. A flight has a preview while it has no map:
+// publishing the map ends it in the same transaction. Any thread, any number of processes, of which one
+// draws. Errors: kUnavailable, kIo; of the tiles also kNotFound (the preview has ended, or the flight has
+// none), kCorrupt, kOutOfSpace.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/base/result.h"
 #include "core/geo/lat_lon_bounds.h"
+#include "core/geo/tile_id.h"
 #include "storage/catalogue/catalogue.h"
 #include "storage/db/catalogue_db.h"
+#include "storage/db/sqlite_db.h"
+#include "storage/files/data_dir.h"
+#include "storage/tilesets/tile_source.h"
 
 namespace skyquilt::storage {
 
@@ -54,5 +66,54 @@ class Previews {
 // The name of a new preview folder; all have names that begin so.
 inline constexpr const char* kPreviewFolderPrefix = "preview-";
 std::string NewPreviewFolder();
+
+// They grow while they are read: one process writes editions, each whole or not at all, others read. A file
+// of its own (SQLite, WAL) and nothing that must survive: it is drawn anew from the photos.
+class PreviewTiles final : public TileSource {
+ public:
+  using Tiles = std::map<geo::TileId, std::string>;
+
+  // `folder` is there already. Makes an empty tileset where there is none.
+  static Result<std::shared_ptr<PreviewTiles>> Open(const std::filesystem::path& folder);
+  // Never makes one.
+  static Result<std::shared_ptr<PreviewTiles>> OpenToRead(const std::filesystem::path& folder);
+
+  // With its bytes.
+  Result<std::optional<FoundTile>> Find(const geo::TileId& tile) override;
+  Result<std::string> Load(FoundTile tile) override;
+  // All or none; a tile that is there already is replaced.
+  Result<void> Put(const Tiles& tiles);
+
+ private:
+  explicit PreviewTiles(SqliteDb db) : db_(std::move(db)) {}
+  std::mutex mutex_;
+  SqliteDb db_;
+};
+
+struct OpenPreview {
+  Preview preview;
+  std::shared_ptr<PreviewTiles> tiles;
+};
+
+// Opened once and kept while it is used. Another process draws, so the catalogue is read again after
+// kFreshFor.
+class PreviewCache {
+ public:
+  static constexpr std::chrono::milliseconds kFreshFor{100};
+  static constexpr std::size_t kMaxOpen = 64;
+
+  PreviewCache(DataDir dir, const Previews& previews) : dir_(std::move(dir)), previews_(previews) {}
+  Result<std::shared_ptr<const OpenPreview>> Get(const std::string& flight_id);
+
+ private:
+  struct Entry {
+    std::shared_ptr<const OpenPreview> open;
+    std::chrono::steady_clock::time_point checked;
+  };
+  DataDir dir_;
+  const Previews& previews_;
+  std::mutex mutex_;
+  std::map<std::string, Entry> entries_;
+};
 
 }  // namespace skyquilt::storage

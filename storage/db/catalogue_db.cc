@@ -9,7 +9,6 @@
 #include "core/base/try.h"
 #include "storage/db/machine_boot.h"
 #include "storage/db/postgres/postgres_db.h"
-#include "storage/db/postgres/postgres_schema.h"
 #include "storage/db/schema.h"
 
 namespace skyquilt::storage {

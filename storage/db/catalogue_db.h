@@ -16,6 +16,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "core/base/process/folder_events.h"
@@ -98,6 +99,19 @@ class CatalogueDb {
     for (int tries = 1;; ++tries) {
       auto outcome = change();
       if (outcome || tries == kTries || !Lock()->WasUndoneByOthers()) return outcome;
+    }
+  }
+  // Hours of work must not end with a restart of the database: a change that may be said twice is, for a
+  // minute, where the catalogue is shared.
+  template <typename Change>
+  auto Patiently(Change change) {
+    constexpr std::chrono::minutes kPatience{1};
+    const auto end = std::chrono::steady_clock::now() + kPatience;
+    while (true) {
+      auto outcome = change();
+      const bool may_pass = !outcome && outcome.error().code == ErrorCode::kUnavailable;
+      if (!IsShared() || !may_pass || std::chrono::steady_clock::now() > end) return outcome;
+      std::this_thread::sleep_for(std::chrono::milliseconds(500));
     }
   }
   // The reserve is whole again, if there is room.

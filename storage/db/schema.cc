@@ -32,8 +32,7 @@ constexpr std::array kSteps = {&kCatalogue13To14, &kCatalogue14To15, &kCatalogue
                                &kCatalogue21To22, &kCatalogue22To23, &kCatalogue23To24};
 static_assert(kFirstVersion + kSteps.size() == kSchemaVersion);
 
-}  // namespace
-
+// What a catalogue of another version is refused with, in every engine.
 Error OtherVersion(int version) {
   return {
       ErrorCode::kConflict,
@@ -44,6 +43,8 @@ Error OtherVersion(int version) {
             "one and let \"skyquilt data repair\" make the catalogue anew from the flights on disk.",
       fmt::format("schema {} against {}", version, kSchemaVersion)};
 }
+
+}  // namespace
 
 Result<void> PrepareSchema(SqliteDb& db) {
   // Read inside the write lock: another process may be making the tables.
@@ -60,6 +61,97 @@ Result<void> PrepareSchema(SqliteDb& db) {
     }
   }
   SKYQUILT_TRY(db.Exec(fmt::format("PRAGMA user_version={}", kSchemaVersion)));
+  return transaction.Commit();
+}
+
+extern const std::string_view kPostgresTables;     // storage/db/postgres/schema_postgres.sql
+extern const std::string_view kPostgresFunctions;  // storage/db/postgres/functions_postgres.sql
+extern const std::string_view kPostgres16To17;     // storage/db/postgres/schema_17_postgres.sql
+extern const std::string_view kPostgres17To18;     // storage/db/postgres/schema_18_postgres.sql
+extern const std::string_view kPostgres18To19;     // storage/db/postgres/schema_19_postgres.sql
+extern const std::string_view kPostgres19To20;     // storage/db/postgres/schema_20_postgres.sql
+extern const std::string_view kPostgres20To21;     // storage/db/postgres/schema_21_postgres.sql
+extern const std::string_view kPostgres21To22;     // storage/db/postgres/schema_22_postgres.sql
+extern const std::string_view kPostgres22To23;     // storage/db/postgres/schema_23_postgres.sql
+extern const std::string_view kPostgres23To24;     // storage/db/postgres/schema_24_postgres.sql
+
+namespace {
+
+constexpr int kFirstPostgresVersion = 16;
+// From each version since to the next.
+constexpr std::array kPostgresSteps = {&kPostgres16To17, &kPostgres17To18, &kPostgres18To19,
+                                       &kPostgres19To20, &kPostgres20To21, &kPostgres21To22,
+                                       &kPostgres22To23, &kPostgres23To24};
+static_assert(kFirstPostgresVersion + kPostgresSteps.size() == kSchemaVersion);
+
+Result<bool> HasTable(SqlConnection& db, std::string_view name) {
+  return db.Finds("SELECT 1 FROM pg_tables WHERE schemaname=current_schema() AND tablename=?", name);
+}
+
+// 0: no catalogue.
+Result<int> PostgresVersion(SqlConnection& db) {
+  SKYQUILT_TRY_ASSIGN(const bool is_there, HasTable(db, "catalogue_version"));
+  if (!is_there) return 0;
+  SKYQUILT_TRY_ASSIGN(const std::int64_t version, db.Number("SELECT version FROM catalogue_version"));
+  return static_cast<int>(version);
+}
+
+Result<void> StepFrom(PostgresDb& db, int version) {
+  for (int from = version; from < kSchemaVersion; ++from) {
+    SKYQUILT_TRY(
+        db.Exec(std::string(*kPostgresSteps[static_cast<std::size_t>(from - kFirstPostgresVersion)])));
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<void> PreparePostgres(PostgresDb& db, const CataloguePlace& place, bool may_make) {
+  const Result<int> looked = PostgresVersion(db);
+  if (!looked) {
+    // The operator reads this, not a client: what the library says helps him, and has no password in it.
+    const Error& error = looked.error();
+    return Error{error.code, error.message + " (" + error.detail.substr(0, error.detail.rfind(": ")) + ")",
+                 error.detail};
+  }
+  const int seen = *looked;
+  if (seen == kSchemaVersion) return {};
+  const Error none{
+      ErrorCode::kNotFound,
+      "There is no catalogue in the database of --catalogue yet. Start a server on it to make one.", ""};
+  if (seen == 0 && !may_make) return none;
+  // Read again inside the lock: another process may be making the tables.
+  SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(db));
+  if (!place.schema.empty()) {
+    SKYQUILT_TRY(db.Exec(fmt::format("CREATE SCHEMA IF NOT EXISTS \"{}\"", place.schema)));
+  } else if (db.schema().empty()) {
+    return Error{
+        ErrorCode::kNotFound,
+        "The search path of the catalogue's database names no schema that exists. Make one, or say which "
+        "with ?schema=NAME at the end of --catalogue.",
+        ""};
+  }
+  SKYQUILT_TRY_ASSIGN(const int version, PostgresVersion(db));
+  if (version == kSchemaVersion) return {};
+  if (version >= kFirstPostgresVersion && version < kSchemaVersion) {
+    SKYQUILT_TRY(StepFrom(db, version));
+    SKYQUILT_TRY(db.Exec(fmt::format("UPDATE catalogue_version SET version={}", kSchemaVersion)));
+    return transaction.Commit();
+  }
+  if (version != 0) return OtherVersion(version);
+  SKYQUILT_TRY_ASSIGN(const bool is_anothers, HasTable(db, "flight"));
+  if (is_anothers) {
+    return Error{
+        ErrorCode::kConflict,
+        "The database of --catalogue has a table \"flight\" that is not of a catalogue. Choose another "
+        "database, or a schema with ?schema=NAME. Nothing was changed.",
+        ""};
+  }
+  SKYQUILT_TRY(db.Exec(std::string(kPostgresTables)));
+  SKYQUILT_TRY(StepFrom(db, kFirstPostgresVersion));
+  SKYQUILT_TRY(db.Exec(std::string(kPostgresFunctions)));
+  SKYQUILT_TRY(db.Exec(fmt::format("INSERT INTO catalogue_version VALUES(1, {}, pg_postmaster_start_time())",
+                                   kSchemaVersion)));
   return transaction.Commit();
 }
 

@@ -1,9 +1,11 @@
-// PrepareSchema: makes the tables of an empty catalogue, in one transaction, accepts one that has them, and
-// brings one of version 13 or later to the present one. A catalogue of any other schema version, older or
-// newer, is refused with kConflict and left as it is. Several processes may call it at once.
+// The tables of a catalogue, in each engine: made where it is empty, in one transaction; accepted where it
+// has them; brought to the present version from 13 on (PostgreSQL: 16). A catalogue of any other schema
+// version, older or newer, is refused with kConflict and left as it is. Several processes may call these at
+// once.
 #pragma once
 
 #include "core/base/result.h"
+#include "storage/db/postgres/postgres_db.h"
 #include "storage/db/sqlite_db.h"
 
 namespace skyquilt::storage {
@@ -13,7 +15,9 @@ inline constexpr int kSchemaVersion = 24;
 
 Result<void> PrepareSchema(SqliteDb& db);
 
-// What a catalogue of another version is refused with, in every engine.
-Error OtherVersion(int version);
+// In the schema of this connection, which is made too where the place names one. Tables that are not a
+// catalogue's are refused as well. Errors: kNotFound (`may_make` is false and there are none), kForbidden,
+// kUnavailable, kIo.
+Result<void> PreparePostgres(PostgresDb& db, const CataloguePlace& place, bool may_make);
 
 }  // namespace skyquilt::storage

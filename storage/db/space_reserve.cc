@@ -5,9 +5,12 @@
 #include <sys/statvfs.h>
 #include <unistd.h>
 
+#include <cstdint>
+
 namespace skyquilt::storage {
 namespace {
 
+constexpr std::int64_t kSpaceReserveBytes = std::int64_t{8} << 20;
 // What a start writes before it can serve: the write-ahead log and the memory it shares.
 constexpr std::int64_t kStartBytes = std::int64_t{1} << 20;
 

@@ -4,12 +4,9 @@
 // here fails: without a reserve a full disk refuses deletions, as it would anyway.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 
 namespace skyquilt::storage {
-
-inline constexpr std::int64_t kSpaceReserveBytes = std::int64_t{8} << 20;
 
 class SpaceReserve {
  public:

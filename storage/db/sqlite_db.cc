@@ -3,17 +3,128 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
+#include <cerrno>
 #include <memory>
 #include <utility>
 
 #include "core/base/check.h"
 #include "core/base/try.h"
-#include "storage/db/immutable/read_ahead.h"
-#include "storage/db/sqlite_error.h"
-#include "storage/db/sqlite_statement.h"
+#include "storage/db/read_ahead.h"
 
 namespace skyquilt::storage {
 namespace {
+
+// One of our errors from a code of SQLite and its message. `what` says what was tried, e.g. "open
+// catalogue.db".
+Error SqliteError(int sqlite_code, std::string_view what, std::string_view library_message) {
+  const std::string detail = fmt::format("sqlite {} ({}): {}", sqlite_code, library_message, what);
+  // The memory that readers and writers share is a file beside the database, and can find no room either.
+  if (sqlite_code == SQLITE_IOERR_SHMSIZE) return SqliteError(SQLITE_FULL, what, library_message);
+  switch (sqlite_code & 0xff) {
+    case SQLITE_FULL:
+      return {ErrorCode::kOutOfSpace, "The disk is full. Free some space and try again.", detail};
+    case SQLITE_CORRUPT:
+    case SQLITE_NOTADB:
+      return {
+          ErrorCode::kCorrupt,
+          "A database file is damaged. Put back a good copy of it. A map is made anew by running its job again; "
+          "for a server's catalogue stop the server and run \"skyquilt data check\".",
+          detail};
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+      return {ErrorCode::kUnavailable, "The database is in use by another program. Try again in a moment.",
+              detail};
+    case SQLITE_CONSTRAINT:
+      return {ErrorCode::kConflict, "This exists already, or something it belongs to does not.", detail};
+    case SQLITE_CANTOPEN:
+      return {ErrorCode::kNotFound, "A database file cannot be opened: it is missing or not readable.",
+              detail};
+    case SQLITE_TOOBIG:
+      return {ErrorCode::kTooLarge, "A value is too large for the database.", detail};
+    case SQLITE_NOMEM:
+      return {ErrorCode::kUnavailable, "The machine is out of memory. Try again with less running.", detail};
+    default:
+      return {ErrorCode::kIo, "The database could not be read or written.", detail};
+  }
+}
+
+// Of the call on `db` that failed last: a write beyond the size that a file of this process may have
+// (RLIMIT_FSIZE) found as little room as one on a full disk.
+Error SqliteErrorOf(sqlite3* db, int sqlite_code, std::string_view what) {
+  const bool is_beyond_limit = sqlite_code == SQLITE_IOERR_WRITE && sqlite3_system_errno(db) == EFBIG;
+  return SqliteError(is_beyond_limit ? SQLITE_FULL : sqlite_code, what, sqlite3_errmsg(db));
+}
+
+// NOLINTNEXTLINE(performance-no-int-to-ptr): SQLite's own constant, which no caller may do without
+const sqlite3_destructor_type kCopied = SQLITE_TRANSIENT;
+
+void RequireBound(int code) { SKYQUILT_CHECK(code == SQLITE_OK, "a parameter that the SQL does not have"); }
+
+Error StepError(sqlite3_stmt* handle, int code) {
+  sqlite3* db = sqlite3_db_handle(handle);
+  const char* sql = sqlite3_sql(handle);
+  return SqliteErrorOf(db, sqlite3_extended_errcode(db) != SQLITE_OK ? sqlite3_extended_errcode(db) : code,
+                       sql != nullptr ? sql : "");
+}
+
+// A Statement's driver over SQLite. Owns the library's statement.
+class SqliteStatement final : public StatementDriver {
+ public:
+  explicit SqliteStatement(sqlite3_stmt* handle) : handle_(handle) {}
+  ~SqliteStatement() override { sqlite3_finalize(handle_); }
+
+  void BindInt64(int index, std::int64_t value) override {
+    RequireBound(sqlite3_bind_int64(handle_, index, value));
+  }
+
+  void BindDouble(int index, double value) override {
+    RequireBound(sqlite3_bind_double(handle_, index, value));
+  }
+
+  void BindText(int index, std::string_view value) override {
+    const char* text = value.data() != nullptr ? value.data() : "";
+    RequireBound(sqlite3_bind_text64(handle_, index, text, value.size(), kCopied, SQLITE_UTF8));
+  }
+
+  void BindBlob(int index, std::span<const std::uint8_t> value) override {
+    static constexpr std::uint8_t kNothing = 0;
+    const void* bytes = value.data() != nullptr ? value.data() : &kNothing;
+    RequireBound(sqlite3_bind_blob64(handle_, index, bytes, value.size(), kCopied));
+  }
+
+  void BindNull(int index) override { RequireBound(sqlite3_bind_null(handle_, index)); }
+
+  Result<bool> Step() override {
+    const int code = sqlite3_step(handle_);
+    if (code == SQLITE_ROW) return true;
+    if (code == SQLITE_DONE) return false;
+    const Error error = StepError(handle_, code);
+    sqlite3_reset(handle_);
+    return error;
+  }
+
+  void Reset() override { sqlite3_reset(handle_); }
+
+  std::int64_t ColumnInt64(int column) const override { return sqlite3_column_int64(handle_, column); }
+  double ColumnDouble(int column) const override { return sqlite3_column_double(handle_, column); }
+
+  std::string_view ColumnText(int column) const override {
+    const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(handle_, column));
+    if (text == nullptr) return {};
+    return {text, static_cast<std::size_t>(sqlite3_column_bytes(handle_, column))};
+  }
+
+  std::span<const std::uint8_t> ColumnBlob(int column) const override {
+    const auto* bytes = static_cast<const std::uint8_t*>(sqlite3_column_blob(handle_, column));
+    if (bytes == nullptr) return {};
+    return {bytes, static_cast<std::size_t>(sqlite3_column_bytes(handle_, column))};
+  }
+
+  bool IsNull(int column) const override { return sqlite3_column_type(handle_, column) == SQLITE_NULL; }
+
+ private:
+  sqlite3_stmt* handle_;
+};
 
 constexpr int kBusyTimeoutMs = 10'000;
 

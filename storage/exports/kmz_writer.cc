@@ -18,8 +18,8 @@
 #include "core/geo/web_mercator.h"
 #include "core/image/picture_codec.h"
 #include "storage/db/sqlite_db.h"
-#include "storage/exports/tile_walk.h"
-#include "storage/files/stream_file.h"
+#include "storage/exports/stored_tiles.h"
+#include "storage/files/publish_file.h"
 #include "storage/tilesets/mbtiles_reader.h"
 
 namespace skyquilt::storage {

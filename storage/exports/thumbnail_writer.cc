@@ -18,7 +18,6 @@
 #include "storage/exports/streamed/cog_cells.h"
 #include "storage/files/publish_file.h"
 #include "storage/rasters/gdal_steps.h"
-#include "storage/rasters/register_gdal.h"
 #include "storage/tilesets/mbtiles_reader.h"
 
 namespace skyquilt::storage {
@@ -37,11 +36,10 @@ Result<void> WriteTilesThumbnail(const std::filesystem::path& mbtiles, const std
                                  int longer_side_px) {
   SKYQUILT_TRY_ASSIGN(const auto tiles, MbtilesReader::Open(mbtiles));
   SKYQUILT_TRY_ASSIGN(auto db, SqliteDb::Open(mbtiles, OpenMode::kReadOnlyImmutable));
-  const int tile_px = TileSizeOf(tiles->metadata());
-  const TiffTiles kind = TiffTilesOf(tiles->metadata());
-  SKYQUILT_TRY_ASSIGN(const std::vector<GridLevel> grid, GridOf(db, tile_px, GridAlignmentOf(kind)));
-  const GridLevel& level = LevelFor(grid, longer_side_px);
-  const CogCells cells(kind, tile_px, CogOptions().jpeg_quality);
+  SKYQUILT_TRY_ASSIGN(const CogLayout layout, CogLayoutOf(db, tiles->metadata()));
+  const int tile_px = layout.tile_size_px;
+  const GridLevel& level = LevelFor(layout.grid, longer_side_px);
+  const CogCells cells(layout.tiles, tile_px, CogOptions().jpeg_quality);
   const auto width_px = static_cast<int>(level.width_px), height_px = static_cast<int>(level.height_px);
   image::RgbaImage whole = image::RgbaImage::Transparent(width_px, height_px);
   for (std::int64_t cell = 0; cell < level.CellCount(); ++cell) {

@@ -76,16 +76,20 @@ std::string StructureNote(bool has_masks) {
   return fmt::format("GDAL_STRUCTURAL_METADATA_SIZE={:06} bytes\n{}", facts.size(), facts);
 }
 
+// Beyond this a classic TIFF's 32-bit places might not reach.
+constexpr std::uint64_t kClassicTiffLimitBytes = std::uint64_t{3500} << 20;
+
 }  // namespace
 
-TiffHead::TiffHead(const std::vector<GridLevel>& grid, int tile_size_px, TiffTiles tiles, bool is_big,
-                   const TiffPlace& place)
-    : tile_size_px_(tile_size_px), tiles_(tiles), is_big_(is_big) {
+TiffHead::TiffHead(const std::vector<GridLevel>& grid, int tile_size_px, TiffTiles tiles,
+                   std::uint64_t expected_bytes, const TiffPlace& place)
+    : tile_size_px_(tile_size_px), tiles_(tiles), is_big_(expected_bytes > kClassicTiffLimitBytes) {
   AddLevels(grid, GeoEntries(place));
 }
 
-TiffHead::TiffHead(const std::vector<GridLevel>& grid, int tile_size_px, TiffTiles tiles, bool is_big)
-    : tile_size_px_(tile_size_px), tiles_(tiles), is_big_(is_big) {
+TiffHead::TiffHead(const std::vector<GridLevel>& grid, int tile_size_px, TiffTiles tiles,
+                   std::uint64_t expected_bytes)
+    : tile_size_px_(tile_size_px), tiles_(tiles), is_big_(expected_bytes > kClassicTiffLimitBytes) {
   const double tile_m = geo::TileSizeInMercM(grid[0].zoom);
   const double pixel_m = geo::PixelSizeInMercM(grid[0].zoom, tile_size_px);
   std::vector<Entry> entries =

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "storage/exports/tile_grid.h"
+#include "storage/exports/stored_tiles.h"
 
 namespace skyquilt::storage {
 
@@ -25,10 +25,12 @@ struct TiffPlace {
 class TiffHead {
  public:
   // With JPEG every level has a directory of one-bit masks beside it; WebP carries alpha itself.
-  TiffHead(const std::vector<GridLevel>& grid, int tile_size_px, TiffTiles tiles, bool is_big,
-           const TiffPlace& place);
+  // `expected_bytes`: of the file; of large ones places have 64 bits (BigTIFF).
+  TiffHead(const std::vector<GridLevel>& grid, int tile_size_px, TiffTiles tiles,
+           std::uint64_t expected_bytes, const TiffPlace& place);
   // Of a map on the web map's own tiles: its place follows from them, and a reader learns of the scheme.
-  TiffHead(const std::vector<GridLevel>& grid, int tile_size_px, TiffTiles tiles, bool is_big);
+  TiffHead(const std::vector<GridLevel>& grid, int tile_size_px, TiffTiles tiles,
+           std::uint64_t expected_bytes);
 
   // Where a tile of a level begins in the file, and its size; cells without a tile stay at zero.
   void SetTile(std::size_t level, std::int64_t cell, std::uint64_t offset, std::uint64_t size);

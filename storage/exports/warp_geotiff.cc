@@ -13,7 +13,6 @@
 #include "core/base/try.h"
 #include "storage/files/publish_file.h"
 #include "storage/rasters/gdal_steps.h"
-#include "storage/rasters/register_gdal.h"
 
 namespace skyquilt::storage {
 namespace {

@@ -12,7 +12,7 @@
 #include "core/base/result.h"
 #include "core/geo/bounds.h"
 #include "core/geo/lat_lon_bounds.h"
-#include "storage/exports/warp_target.h"
+#include "storage/exports/warped/warp_tiles.h"
 
 namespace skyquilt::storage {
 

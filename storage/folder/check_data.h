@@ -1,10 +1,12 @@
 // CheckData: compares a data folder with its catalogue in both directions: files the catalogue lists and
-// files on disk. Reads names and sizes, changes nothing. For a folder that no server uses at the moment.
+// files on disk. Reads names and sizes. CheckMaps: the bytes of maps. Both change nothing. For a folder that
+// no server uses at the moment. Errors: those of catalogue and blobs; kCancelled.
 #pragma once
 
 #include <string>
 #include <vector>
 
+#include "core/base/progress.h"
 #include "core/base/result.h"
 #include "storage/blobs/blob_store.h"
 #include "storage/db/catalogue_db.h"
@@ -29,5 +31,10 @@ struct DataCheck {
 
 // `blobs`: where photos and maps lie; absent: in the data folder.
 Result<DataCheck> CheckData(const DataDir& dir, CatalogueDb& db, BlobStore* blobs = nullptr);
+
+// Holds the files of all maps against the SHA-256 that the catalogue has kept of them since their
+// jobs put them there (storage/jobs/map_products), and adds what is not the same, or not there. Reads every
+// byte of them, past all caches.
+Result<void> CheckMaps(CatalogueDb& db, BlobStore& blobs, DataCheck& check, Progress& progress);
 
 }  // namespace skyquilt::storage

@@ -83,8 +83,6 @@ std::vector<DiskFlight> FlightsOnDisk(const fs::path& flights_folder) {
   return flights;
 }
 
-bool IsRevisionFolder(const std::string& name) { return RevisionOfFolder(name).has_value(); }
-
 Result<std::vector<DiskFlight>> FlightsInBlobs(BlobStore& blobs) {
   SKYQUILT_TRY_ASSIGN(const std::vector<BlobInfo> all, blobs.List("flights/"));
   std::map<std::string, DiskFlight> flights;

@@ -36,8 +36,6 @@ inline bool HoldsAnything(const DiskFlight& flight) {
 
 // The same of flights whose files and maps lie in blobs. Errors: those of the blobs.
 Result<std::vector<DiskFlight>> FlightsInBlobs(BlobStore& blobs);
-// "r7": a name that a revision's folder has.
-bool IsRevisionFolder(const std::string& name);
 
 // What a finished map says of itself. Errors: kNotFound, kCorrupt (its tiles cannot be read).
 Result<Revision> RevisionOnDisk(const std::filesystem::path& revision_folder, std::int64_t number);

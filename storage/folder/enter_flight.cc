@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "core/base/try.h"
-#include "storage/db/statement.h"
+#include "storage/db/sql_connection.h"
 #include "storage/tags/flight_tags.h"
 #include "storage/uploads/photo_store.h"
 

@@ -12,7 +12,9 @@
 #include "storage/folder/object_store/settle_blobs.h"
 
 namespace skyquilt::storage {
+namespace {
 
+// This server among those that share a catalogue: its machine and data folder.
 std::string NodeOf(const DataDir& dir) {
   std::error_code unresolved;  // then the path as it was given
   const std::filesystem::path resolved = std::filesystem::weakly_canonical(dir.root(), unresolved);
@@ -21,6 +23,8 @@ std::string NodeOf(const DataDir& dir) {
   for (const char c : path) hash = (hash ^ static_cast<unsigned char>(c)) * 16777619U;
   return fmt::format("{}.{:08x}", MachineBoot::HostName(), hash);
 }
+
+}  // namespace
 
 Error WantsItsCatalogue(const DataDir& dir) {
   return {

@@ -26,7 +26,4 @@ Result<std::string> IdForNewFolder(CatalogueDb& db, const CataloguePlace& place)
 Error WantsItsCatalogue(const DataDir& dir);
 // "catalogue.db" with its folder, or what to call one in PostgreSQL.
 std::string NameOfCatalogue(const DataDir& dir, const CataloguePlace& place);
-// This server among those that share a catalogue: its machine and data folder.
-std::string NodeOf(const DataDir& dir);
-
 }  // namespace skyquilt::storage

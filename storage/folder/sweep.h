@@ -6,14 +6,17 @@
 // to, nor the folders of a live lease.
 #pragma once
 
+#include <chrono>
 #include <string>
 #include <vector>
 
 #include "core/base/result.h"
+#include "storage/blobs/blob_store.h"
 #include "storage/catalogue/catalogue.h"
 #include "storage/catalogue/previews.h"
 #include "storage/files/data_dir.h"
 #include "storage/jobs/job_queue.h"
+#include "storage/jobs/map_exports.h"
 
 namespace skyquilt::storage {
 
@@ -39,5 +42,14 @@ Result<SweepReport> SweepRevisions(const DataDir& dir, const Catalogue& catalogu
 // Preview folders of a flight but the one to keep. Right at any time for a flight that has its map, when none
 // is kept.
 int SweepPreviews(const DataDir& dir, const std::string& flight_id, const std::string& keep);
+
+// Files of exports that the catalogue does not know, as after a restore from a backup or a crash between a
+// file and its row. In the data folder they move to lost/, run as Sweep is: a line for the log for each.
+Result<std::vector<std::string>> SweepExports(const DataDir& dir, const Catalogue& catalogue,
+                                              const MapExports& exports, Time now);
+// Elsewhere they are removed when they are older than `orphan_age` by the store's clock, where they are
+// called as exports are: one can be made again. How many were.
+Result<int> SweepExportBlobs(BlobStore& blobs, const Catalogue& catalogue, const MapExports& exports,
+                             std::chrono::seconds orphan_age);
 
 }  // namespace skyquilt::storage

@@ -1,15 +1,94 @@
-// The workers' half of JobQueue: claim, renew, end, publish. Every statement that writes names the lease's
-// token.
+#include "storage/jobs/job_leases.h"
+
+#include <string>
+
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 #include "storage/db/machine_boot.h"
-#include "storage/jobs/claim_in_postgres.h"
-#include "storage/jobs/job_queue.h"
 #include "storage/jobs/job_rows.h"
 #include "storage/jobs/job_turns.h"
-#include "storage/jobs/lost_leases.h"
-#include "storage/jobs/patiently.h"
 
 namespace skyquilt::storage {
+namespace {
+
+// A machine's clock that was ahead and has been set back leaves leases and pauses that would last for days.
+constexpr std::chrono::hours kAbsurdlyFar{1};
+
+// A claim was cut off from outside: the attempt does not count, the interruption does; of kMaxInterruptions
+// the last ends the job. Goes between "UPDATE job SET" and "WHERE state='running'"; parameter ?1 is the time.
+constexpr const char* kInterrupt =
+    " attempts=attempts-1, interruptions=interruptions+1, not_before_us=0, worker='',"
+    " state=CASE WHEN cancel=1 THEN 'dismissed' WHEN interruptions+1>=10 THEN 'failed' ELSE 'accepted' END,"
+    " finished_us=CASE WHEN cancel=1 OR interruptions+1>=10 THEN ?1 ELSE NULL END,"
+    " error_code=CASE WHEN interruptions+1>=10 THEN 'unavailable' ELSE error_code END,"
+    " error_message=CASE WHEN interruptions+1>=10 THEN 'This job was interrupted 10 times by restarts of the server or the"
+    " machine, and is not begun again by itself. If it was the job that brought the machine down, try fewer or smaller"
+    " photos; if not, start it again.' ELSE error_message END ";
+static_assert(kMaxInterruptions == 10, "the statement above names it");
+
+// Whose name begins with ?2.
+constexpr const char* kOfServed = "substr(worker,1,length(?2))=?2";
+
+}  // namespace
+
+Result<void> SettleLostLeases(SqlConnection& db, Time now) {
+  SKYQUILT_TRY(db.Change(
+      "UPDATE job SET state='dismissed', finished_us=?1 WHERE state='running' AND lease_until_us<?1 AND cancel=1",
+      ToUs(now)));
+  // A server releases at once what a worker of its own held that died. Where such a lease runs out, the
+  // server is gone as well.
+  // Where many machines share the catalogue, a start of a machine that is none's present one has ended.
+  const bool is_shared = db.dialect() == Dialect::kPostgres;
+  SKYQUILT_TRY_ASSIGN(
+      Statement interrupt,
+      db.Query(std::string("UPDATE job SET") + kInterrupt +
+                   "WHERE state='running' AND lease_until_us<?1 AND worker<>'units' AND (" +
+                   (is_shared ? "claimed_in NOT IN (SELECT boot_id FROM machine)" : "claimed_in<>?3") +
+                   " OR " + kOfServed + ")",
+               ToUs(now), kServedWorkerPrefix));
+  if (!is_shared) interrupt.Bind(3, MachineBoot::Id());
+  SKYQUILT_TRY(interrupt.Run());
+  const Error died = flight::Because(ErrorCode::kInternal, flight::RemarkCode::kFailWorkersDied);
+  return db.Change(
+      "UPDATE job SET state='failed', finished_us=?1, error_code=?2, error_message=?3, error_reason=?4"
+      " WHERE state='running' AND lease_until_us<?1 AND attempts>=max_attempts",
+      ToUs(now), ErrorCodeName(died.code), died.message, ReasonText(died));
+}
+
+Result<int> JobQueue::ReleaseWorker(const std::string& worker, WorkerEnd end, Time by_machine) {
+  const auto db = db_.Lock();
+  const Time now = db_.SharedTime(by_machine, *db);
+  SKYQUILT_TRY(db->Change(std::string("UPDATE job SET") +
+                              (end == WorkerEnd::kDied ? " lease_until_us=?1-1, worker='' " : kInterrupt) +
+                              "WHERE state='running' AND worker=?2",
+                          ToUs(now), worker));
+  return static_cast<int>(db->Changes());
+}
+
+Result<int> JobQueue::TakeUpAfterRestart(Time by_machine) {
+  const auto db = db_.Lock();
+  const Time now = db_.SharedTime(by_machine, *db);
+  SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
+  SKYQUILT_TRY(
+      db->Change(std::string("UPDATE job SET") + kInterrupt + "WHERE state='running' AND " + kOfServed,
+                 ToUs(now), db_.served_prefix()));
+  const int released = static_cast<int>(db->Changes());
+  // Workers of others may live and renew; of those that do not, nobody knows what ended them. Other servers
+  // of a shared catalogue go on, and know.
+  SKYQUILT_TRY(db->Change(
+      db_.IsShared()
+          ? "UPDATE job SET worker='', lease_until_us=?1-1 WHERE state='running' AND lease_until_us>?2 AND worker<>'units'"
+          : "UPDATE job SET claimed_in='',"
+            " lease_until_us=CASE WHEN lease_until_us>?2 THEN ?1-1 ELSE lease_until_us END"
+            " WHERE state='running' AND worker<>'units'",
+      ToUs(now), ToUs(now + kAbsurdlyFar)));
+  SKYQUILT_TRY(db->Change("UPDATE job SET not_before_us=0 WHERE state='accepted' AND not_before_us>?",
+                          ToUs(now + kAbsurdlyFar)));
+  SKYQUILT_TRY(transaction.Commit());
+  return released;
+}
+
+// Every statement of the holder that writes names the lease's token.
 namespace {
 
 constexpr const char* kHeld = " WHERE id=?1 AND lease_token=?2 AND state='running'";
@@ -44,34 +123,8 @@ Result<std::optional<Lease>> JobQueue::Claim(std::string_view worker, Time by_ma
   return db_.Again([&]() -> Result<std::optional<Lease>> {
     const auto db = db_.Lock();
     const Time now = db_.SharedTime(by_machine, *db);
-    if (db_.IsShared()) return ClaimInPostgres(*db, worker, now, db_.LostBefore(now));
-    // An idle worker only reads; the write lock is taken when there is something to take.
-    SKYQUILT_TRY_ASSIGN(
-        const std::int64_t may_claim,
-        db->Number("SELECT EXISTS(SELECT 1 FROM job WHERE state='accepted' AND not_before_us<=?1)"
-                   " OR EXISTS(SELECT 1 FROM job WHERE state='running' AND lease_until_us<?1)",
-                   ToUs(now)));
-    if (may_claim == 0) return std::optional<Lease>();
-    // A claim that a power cut undoes leaves the job waiting, as it should be: its worker is gone as well.
-    SKYQUILT_TRY_ASSIGN(const UnsyncedCommits unsynced, UnsyncedCommits::Begin(*db));
-    SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
-    SKYQUILT_TRY(SettleLostLeases(*db, now));
-    std::optional<Lease> lease;
-    SKYQUILT_TRY_ASSIGN(const std::optional<std::string> next, NextJob(*db, now));
-    if (next) {
-      SKYQUILT_TRY_ASSIGN(
-          Statement claim,
-          db->Query(
-              "UPDATE job SET state='running', lease_token=lease_token+1, attempts=attempts+1, worker=?1,"
-              " lease_until_us=?2, started_us=coalesce(started_us,?3), "
-              " attempt_started_us=CASE worker WHEN 'units' THEN attempt_started_us ELSE ?3 END,"
-              " stage=CASE worker WHEN 'units' THEN stage ELSE '' END,"
-              " progress=CASE worker WHEN 'units' THEN progress ELSE 0 END, message='', claimed_in=?5 WHERE id=?4 RETURNING id, flight_id, options, lease_token, attempts",
-              worker, LeaseEnd(now), ToUs(now), *next, MachineBoot::Id()));
-      SKYQUILT_TRY_ASSIGN(lease, claim.First(LeaseFrom));
-    }
-    SKYQUILT_TRY(transaction.Commit());
-    return lease;
+    return db_.IsShared() ? ClaimInPostgres(*db, worker, now, db_.LostBefore(now))
+                          : ClaimInFolder(*db, worker, now);
   });
 }
 
@@ -142,7 +195,7 @@ Result<int> JobQueue::CountTrouble(const Lease& lease) {
 
 Result<std::optional<std::int64_t>> JobQueue::ReserveRevision(const Lease& lease) {
   // A number that nobody hears of is left out.
-  return Patiently(db_, [&]() -> Result<std::optional<std::int64_t>> {
+  return db_.Patiently([&]() -> Result<std::optional<std::int64_t>> {
     const auto db = db_.Lock();
     SKYQUILT_TRY_ASSIGN(
         Statement update,
@@ -176,7 +229,7 @@ Result<bool> JobQueue::Publish(const Lease& lease, const Revision& revision, Tim
     SKYQUILT_TRY(transaction.Commit());
     return true;
   };
-  return Patiently(db_, [&] { return db_.Again(publish); });
+  return db_.Patiently([&] { return db_.Again(publish); });
 }
 
 }  // namespace skyquilt::storage

@@ -7,7 +7,6 @@
 #include <string_view>
 
 #include "storage/db/sql_connection.h"
-#include "storage/db/statement.h"
 #include "storage/jobs/job_queue.h"
 
 namespace skyquilt::storage {

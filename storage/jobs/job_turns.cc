@@ -1,5 +1,7 @@
 #include "storage/jobs/job_turns.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <compare>
 #include <cstdint>
@@ -8,6 +10,9 @@
 #include <vector>
 
 #include "core/base/try.h"
+#include "storage/db/machine_boot.h"
+#include "storage/jobs/job_leases.h"
+#include "storage/jobs/job_rows.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -107,8 +112,7 @@ Result<void> AddAbandoned(SqlConnection& db, const std::map<std::string, std::in
   });
 }
 
-}  // namespace
-
+// Absent: nothing waits, or nothing that may begin already. Within the caller's transaction.
 Result<std::optional<std::string>> NextJob(SqlConnection& db, Time now) {
   SKYQUILT_TRY_ASSIGN(const auto running, RunningByOwner(db, now));
   std::optional<Turn> first;
@@ -117,6 +121,80 @@ Result<std::optional<std::string>> NextJob(SqlConnection& db, Time now) {
   if (waiting) KeepFirst(*std::move(waiting), first);
   if (!first) return std::optional<std::string>();
   return std::optional<std::string>(std::move(first->job_id));
+}
+
+Result<void> LetWaitAgain(SqlConnection& db, Time now) {
+  SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(db, "leases that ran out"));
+  SKYQUILT_TRY(GiveTimeAfterStart(db, now));
+  SKYQUILT_TRY(SettleLostLeases(db, now));
+  SKYQUILT_TRY(
+      db.Change("UPDATE job SET state='accepted', not_before_us=0,"
+                " worker=CASE worker WHEN 'units' THEN worker ELSE '' END"
+                " WHERE state='running' AND lease_until_us<?",
+                ToUs(now)));
+  return transaction.Commit();
+}
+
+}  // namespace
+
+Result<std::optional<Lease>> ClaimInFolder(SqlConnection& db, std::string_view worker, Time now) {
+  // An idle worker only reads; the write lock is taken when there is something to take.
+  SKYQUILT_TRY_ASSIGN(
+      const std::int64_t may_claim,
+      db.Number("SELECT EXISTS(SELECT 1 FROM job WHERE state='accepted' AND not_before_us<=?1)"
+                " OR EXISTS(SELECT 1 FROM job WHERE state='running' AND lease_until_us<?1)",
+                ToUs(now)));
+  if (may_claim == 0) return std::optional<Lease>();
+  // A claim that a power cut undoes leaves the job waiting, as it should be: its worker is gone as well.
+  SKYQUILT_TRY_ASSIGN(const UnsyncedCommits unsynced, UnsyncedCommits::Begin(db));
+  SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(db));
+  SKYQUILT_TRY(SettleLostLeases(db, now));
+  std::optional<Lease> lease;
+  SKYQUILT_TRY_ASSIGN(const std::optional<std::string> next, NextJob(db, now));
+  if (next) {
+    SKYQUILT_TRY_ASSIGN(
+        Statement claim,
+        db.Query(
+            "UPDATE job SET state='running', lease_token=lease_token+1, attempts=attempts+1, worker=?1,"
+            " lease_until_us=?2, started_us=coalesce(started_us,?3), "
+            " attempt_started_us=CASE worker WHEN 'units' THEN attempt_started_us ELSE ?3 END,"
+            " stage=CASE worker WHEN 'units' THEN stage ELSE '' END,"
+            " progress=CASE worker WHEN 'units' THEN progress ELSE 0 END, message='', claimed_in=?5 WHERE id=?4 RETURNING id, flight_id, options, lease_token, attempts",
+            worker, ToUs(now + kLeaseTime), ToUs(now), *next, MachineBoot::Id()));
+    SKYQUILT_TRY_ASSIGN(lease, claim.First(LeaseFrom));
+  }
+  SKYQUILT_TRY(transaction.Commit());
+  return lease;
+}
+
+Result<void> GiveTimeAfterStart(SqlConnection& db, Time now) {
+  constexpr const char* kStart = "CAST(extract(epoch FROM pg_postmaster_start_time())*1000000 AS BIGINT)";
+  constexpr std::chrono::microseconds kLease = kLeaseTime;
+  for (const char* table : {"unit", "job"}) {
+    SKYQUILT_TRY(db.Change(fmt::format("UPDATE {} SET lease_until_us={}+?2 WHERE state='running'"
+                                       " AND worker NOT IN ('','units') AND lease_until_us<?1 AND ?1<{}+?2",
+                                       table, kStart, kStart),
+                           ToUs(now), static_cast<std::int64_t>(kLease.count())));
+  }
+  return {};
+}
+
+Result<std::optional<Lease>> ClaimInPostgres(SqlConnection& db, std::string_view worker, Time now,
+                                             Time lost_before) {
+  // The commit of a claim waits for no disk.
+  SKYQUILT_TRY_ASSIGN(const UnsyncedCommits unsynced, UnsyncedCommits::Begin(db));
+  for (bool is_settled = lost_before < now;; is_settled = true) {
+    SKYQUILT_TRY_ASSIGN(
+        Statement claim,
+        db.Query(fmt::format(
+                     "SELECT job_id, of_flight, with_options, token, attempt FROM claim_job(?1,?2,{},?4,?5)",
+                     LeaseEndSql(db, "?3")),
+                 worker, ToUs(now), ToUs(now + kLeaseTime), MachineBoot::Id(), is_settled ? 1 : 0));
+    SKYQUILT_TRY_ASSIGN(const bool row, claim.Step());
+    if (!row) return std::optional<Lease>();
+    if (!claim.IsNull(0)) return std::optional(LeaseFrom(claim));
+    SKYQUILT_TRY(LetWaitAgain(db, now));
+  }
 }
 
 }  // namespace skyquilt::storage

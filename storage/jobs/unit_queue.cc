@@ -7,9 +7,8 @@
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
 #include "storage/db/machine_boot.h"
-#include "storage/jobs/claim_in_postgres.h"
 #include "storage/jobs/job_rows.h"
-#include "storage/jobs/patiently.h"
+#include "storage/jobs/job_turns.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -124,7 +123,7 @@ Result<bool> UnitQueue::Cut(const Lease& lease, std::string_view kind, int count
     SKYQUILT_TRY(transaction.Commit());
     return true;
   };
-  return Patiently(db_, [&] { return db_.Again(cut); });
+  return db_.Patiently([&] { return db_.Again(cut); });
 }
 
 Result<std::vector<UnitCount>> UnitQueue::Of(const std::string& job_id) const {
@@ -232,7 +231,7 @@ Result<bool> UnitQueue::Done(const UnitLease& unit) {
     SKYQUILT_TRY(transaction.Commit());
     return true;
   };
-  return Patiently(db_, [&] { return db_.Again(end); });
+  return db_.Patiently([&] { return db_.Again(end); });
 }
 
 Result<bool> UnitQueue::Fail(const UnitLease& unit, const Error& error, bool may_retry, Time by_machine) {

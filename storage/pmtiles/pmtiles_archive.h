@@ -1,7 +1,8 @@
-// What a PMTiles archive says of itself: its header, metadata and directories. Archives may have been changed
-// by others: nothing outside the archive is pointed to, nothing unpacks to more than its bound, and entries
-// are in their order. Pure. Errors: kCorrupt, kUnsupportedFormat. Source: PMTiles specification version 3,
-// chapters 3 (header), 4 (directories) and 5 (metadata).
+// What a PMTiles archive says of itself: its directories (which tile lies where), as they are written and
+// read, its header and metadata as they are read. Archives may have been changed by others: nothing outside
+// the archive is pointed to, nothing unpacks to more than its bound, and entries are in their order. Pure.
+// Errors: kCorrupt, kUnsupportedFormat. Source: PMTiles specification version 3, chapters 3 (header; 3.3,
+// tile numbers), 4 (directories) and 5 (metadata).
 #pragma once
 
 #include <cstdint>
@@ -12,9 +13,35 @@
 #include <vector>
 
 #include "core/base/result.h"
-#include "storage/pmtiles/pmtiles_directory.h"
+#include "core/geo/tile_id.h"
 
 namespace skyquilt::storage {
+
+// A gzip member that is always the same (no date, no name).
+std::string Gzip(std::string_view bytes);
+
+// The tile's number along the Hilbert curves of all zooms, coarsest first.
+std::uint64_t PmtilesNumber(const geo::TileId& tile);
+
+struct PmtilesEntry {
+  std::uint64_t tile = 0;
+  std::uint64_t offset = 0;  // in the section of tiles
+  std::uint32_t length = 0;
+  std::uint32_t run = 1;  // so many tiles in a row share the bytes
+};
+
+struct PmtilesDirectories {
+  std::string root;    // at most kPmtilesRootBytes
+  std::string leaves;  // empty when the root holds everything
+};
+
+inline constexpr std::size_t kPmtilesHeaderBytes = 127;
+// How much of an archive's beginning has header and root.
+inline constexpr std::size_t kPmtilesHeadBytes = 16384;
+inline constexpr std::size_t kPmtilesRootBytes = kPmtilesHeadBytes - kPmtilesHeaderBytes;
+
+// Entries by rising tile number.
+PmtilesDirectories MakePmtilesDirectories(const std::vector<PmtilesEntry>& entries);
 
 struct PmtilesSection {
   std::uint64_t offset = 0;
@@ -27,9 +54,6 @@ struct PmtilesHeader {
   double west_deg = 0, south_deg = 0, east_deg = 0, north_deg = 0;
   std::string format;  // of its tiles, as MBTiles has it: "jpg", "png" or "webp"
 };
-
-// How much of an archive's beginning has header and root.
-inline constexpr std::size_t kPmtilesHeadBytes = 16384;
 
 Result<PmtilesHeader> ParsePmtilesHeader(std::string_view archive);
 // A directory as it lies in the archive, packed. Entries with a run of zero lead to leaves.

@@ -4,6 +4,7 @@
 // kUnsupportedFormat and those of the store; kUnavailable too where what a store gave is damaged.
 #pragma once
 
+#include <cstddef>
 #include <map>
 #include <memory>
 #include <string>
@@ -12,11 +13,23 @@
 
 #include "core/base/result.h"
 #include "storage/blobs/blob_store.h"
+#include "storage/blobs/lru_memory.h"
 #include "storage/pmtiles/pmtiles_archive.h"
-#include "storage/pmtiles/pmtiles_memory.h"
 #include "storage/tilesets/tile_source.h"
 
 namespace skyquilt::storage {
+
+// What all maps that are open share of memory. Any thread.
+struct PmtilesMemory {
+  static constexpr std::size_t kUsualLeafBytes = std::size_t{64} << 20;
+  static constexpr std::size_t kUsualTileBytes = std::size_t{64} << 20;
+
+  explicit PmtilesMemory(std::size_t leaf_bytes = kUsualLeafBytes, std::size_t tile_bytes = kUsualTileBytes)
+      : leaves(leaf_bytes), tiles(tile_bytes) {}
+
+  LruMemory<std::vector<PmtilesEntry>> leaves;  // unpacked
+  LruMemory<FoundTile> tiles;                   // with their bytes
+};
 
 class PmtilesReader final : public MapTiles {
  public:

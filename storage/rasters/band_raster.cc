@@ -14,7 +14,7 @@
 
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
-#include "storage/rasters/quiet_gdal.h"
+#include "storage/rasters/gdal_steps.h"
 
 namespace skyquilt::storage {
 namespace {

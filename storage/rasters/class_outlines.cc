@@ -14,8 +14,7 @@
 #include <utility>
 
 #include "core/base/try.h"
-#include "storage/rasters/quiet_gdal.h"
-#include "storage/rasters/register_gdal.h"
+#include "storage/rasters/gdal_steps.h"
 
 namespace skyquilt::storage {
 namespace {

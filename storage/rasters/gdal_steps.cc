@@ -1,17 +1,29 @@
 #include "storage/rasters/gdal_steps.h"
 
-#include <cpl_error.h>
+#include <cpl_conv.h>
 #include <gdal_priv.h>
 #include <gdal_utils.h>
 #include <ogr_spatialref.h>
 
+#include <cstdint>
+#include <mutex>
 #include <system_error>
 #include <utility>
 
 #include "core/base/check.h"
-#include "storage/rasters/register_gdal.h"
 
 namespace skyquilt::storage {
+
+void RegisterGdalOnce() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    CPLSetConfigOption("GDAL_PAM_ENABLED", "NO");
+    // GDAL would take a twentieth of the machine's memory for blocks; a warp from north to south needs far
+    // less.
+    GDALSetCacheMax64(std::int64_t{96} << 20);
+    GDALAllRegister();
+  });
+}
 
 int ForwardGdalProgress(double fraction, const char*, void* step) {
   auto& told = *static_cast<GdalStep*>(step);

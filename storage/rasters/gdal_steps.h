@@ -1,7 +1,8 @@
-// What every long piece of work by GDAL needs: its words, its progress as a share of ours, files that are
-// gone at the end, and its last error as ours. One thread.
+// What every piece of work by GDAL needs: its drivers, its words, its progress as a share of ours, files that
+// are gone at the end, and its last error as ours. One thread, but for RegisterGdalOnce.
 #pragma once
 
+#include <cpl_error.h>
 #include <cpl_string.h>
 
 #include <filesystem>
@@ -16,6 +17,26 @@
 class GDALDataset;
 
 namespace skyquilt::storage {
+
+// Makes GDAL ready for the formats it reads and writes here, with a small block cache and
+// no side files. Any thread, any number of times.
+void RegisterGdalOnce();
+
+// While it lives, GDAL's and PROJ's words on this thread are kept for our own sentences and not
+// printed; afterwards they are forgotten. One thread; they nest.
+class QuietGdal {
+ public:
+  QuietGdal() {
+    CPLErrorReset();
+    CPLPushErrorHandler(CPLQuietErrorHandler);
+  }
+  ~QuietGdal() {
+    CPLPopErrorHandler();
+    CPLErrorReset();
+  }
+  QuietGdal(const QuietGdal&) = delete;
+  QuietGdal& operator=(const QuietGdal&) = delete;
+};
 
 // The share of the whole that a step of it is.
 struct GdalStep {

@@ -7,7 +7,7 @@
 #include <array>
 #include <utility>
 
-#include "storage/rasters/register_gdal.h"
+#include "storage/rasters/gdal_steps.h"
 
 namespace skyquilt::storage {
 

@@ -1,19 +1,18 @@
 #include "storage/rasters/height_raster.h"
 
-#include <gdal_priv.h>
-#include <ogr_spatialref.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <gdal_priv.h>
 #include <limits>
+#include <ogr_spatialref.h>
 
 #include "core/base/try.h"
 #include "core/geo/crs/map_projection.h"
 #include "core/geo/geodesic.h"
 #include "core/geo/web_mercator.h"
+#include "storage/rasters/gdal_steps.h"
 #include "storage/rasters/places_in_zone.h"
-#include "storage/rasters/quiet_gdal.h"
 
 namespace skyquilt::storage {
 namespace {

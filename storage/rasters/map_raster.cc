@@ -21,8 +21,6 @@
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
 #include "storage/rasters/gdal_steps.h"
-#include "storage/rasters/quiet_gdal.h"
-#include "storage/rasters/register_gdal.h"
 
 namespace skyquilt::storage {
 namespace {

@@ -11,8 +11,6 @@ namespace {
 // Beside a tile's bytes: its key, twice, and its places in the list and the map, about.
 constexpr std::size_t kBesideBytes = 400;
 
-std::size_t CostOf(const MadeTile& tile) { return tile.bytes.size() + kBesideBytes; }
-
 }  // namespace
 
 std::string MadeTileKey::Text() const {
@@ -39,31 +37,6 @@ class MadeTiles::Maker {
   std::string key_;
 };
 
-std::shared_ptr<const MadeTile> MadeTiles::Touch(const std::string& key) {
-  const auto place = places_.find(key);
-  if (place == places_.end()) return nullptr;
-  entries_.splice(entries_.begin(), entries_, place->second);
-  return place->second->tile;
-}
-
-void MadeTiles::Keep(const std::string& key, std::shared_ptr<const MadeTile> tile) {
-  if (CostOf(*tile) > budget_bytes_) return;
-  bytes_ += CostOf(*tile);
-  entries_.push_front({key, std::move(tile)});
-  places_[key] = entries_.begin();
-  while (bytes_ > budget_bytes_) {
-    bytes_ -= CostOf(*entries_.back().tile);
-    places_.erase(entries_.back().key);
-    entries_.pop_back();
-  }
-}
-
-std::shared_ptr<const MadeTile> MadeTiles::Find(const MadeTileKey& key) {
-  const std::string text = key.Text();
-  const std::lock_guard lock(mutex_);
-  return Touch(text);
-}
-
 Result<std::shared_ptr<const MadeTile>> MadeTiles::Get(const MadeTileKey& key,
                                                        const std::function<Result<std::string>()>& make) {
   const std::string text = key.Text();
@@ -71,7 +44,7 @@ Result<std::shared_ptr<const MadeTile>> MadeTiles::Get(const MadeTileKey& key,
   {
     std::unique_lock lock(mutex_);
     while (true) {
-      if (std::shared_ptr<const MadeTile> tile = Touch(text)) return tile;
+      if (std::shared_ptr<const MadeTile> tile = tiles_.Find(text)) return tile;
       const auto found = making_.find(text);
       if (found == making_.end()) break;
       const std::shared_ptr<Making> others = found->second;
@@ -92,13 +65,12 @@ Result<std::shared_ptr<const MadeTile>> MadeTiles::Get(const MadeTileKey& key,
   }
   const std::lock_guard lock(mutex_);
   making->outcome = outcome;
-  if (outcome) Keep(text, *outcome);
+  if (outcome) {
+    // One that is larger than all of the budget is given, not kept.
+    const std::size_t cost = (*outcome)->bytes.size() + kBesideBytes;
+    if (cost <= tiles_.budget_bytes()) tiles_.Keep(text, *outcome, cost);
+  }
   return outcome;
-}
-
-MadeTiles::Kept MadeTiles::kept() const {
-  const std::lock_guard lock(mutex_);
-  return {entries_.size(), bytes_};
 }
 
 }  // namespace skyquilt::storage

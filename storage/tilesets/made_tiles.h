@@ -8,7 +8,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <list>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -18,6 +17,7 @@
 #include "core/base/result.h"
 #include "core/geo/tile_id.h"
 #include "core/image/picture_format.h"
+#include "storage/blobs/lru_memory.h"
 
 namespace skyquilt::storage {
 
@@ -44,12 +44,12 @@ class MadeTiles {
  public:
   static constexpr std::size_t kUsualBudgetBytes = std::size_t{64} << 20;
 
-  explicit MadeTiles(std::size_t budget_bytes = kUsualBudgetBytes) : budget_bytes_(budget_bytes) {}
+  explicit MadeTiles(std::size_t budget_bytes = kUsualBudgetBytes) : tiles_(budget_bytes) {}
   // Before the first use.
-  void SetBudget(std::size_t bytes) { budget_bytes_ = bytes; }
+  void SetBudget(std::size_t bytes) { tiles_.SetBudget(bytes); }
 
   // Null: nobody has made it yet, or it has gone.
-  std::shared_ptr<const MadeTile> Find(const MadeTileKey& key);
+  std::shared_ptr<const MadeTile> Find(const MadeTileKey& key) { return tiles_.Find(key.Text()); }
   Result<std::shared_ptr<const MadeTile>> Get(const MadeTileKey& key,
                                               const std::function<Result<std::string>()>& make);
 
@@ -57,28 +57,19 @@ class MadeTiles {
     std::size_t tiles = 0;
     std::size_t bytes = 0;
   };
-  Kept kept() const;
+  Kept kept() const { return {tiles_.count(), tiles_.bytes()}; }
 
  private:
   struct Making {
     bool is_done = false;
     Result<std::shared_ptr<const MadeTile>> outcome{std::shared_ptr<const MadeTile>()};
   };
-  struct Entry {
-    std::string key;
-    std::shared_ptr<const MadeTile> tile;
-  };
   class Maker;
-  std::shared_ptr<const MadeTile> Touch(const std::string& key);
-  void Keep(const std::string& key, std::shared_ptr<const MadeTile> tile);
 
-  std::size_t budget_bytes_;
-  mutable std::mutex mutex_;
+  LruMemory<MadeTile> tiles_;
+  std::mutex mutex_;  // of what is being made
   std::condition_variable made_;
-  std::list<Entry> entries_;  // the latest asked for first
-  std::unordered_map<std::string, std::list<Entry>::iterator> places_;
   std::unordered_map<std::string, std::shared_ptr<Making>> making_;
-  std::size_t bytes_ = 0;
 };
 
 }  // namespace skyquilt::storage

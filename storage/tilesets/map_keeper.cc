@@ -12,7 +12,6 @@
 #include "core/image/picture_format.h"
 #include "storage/db/sqlite_db.h"
 #include "storage/files/publish_file.h"
-#include "storage/tilesets/earlier_map.h"
 #include "storage/tilesets/map_files.h"
 
 namespace skyquilt::storage {

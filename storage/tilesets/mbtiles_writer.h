@@ -5,7 +5,7 @@
 // https://github.com/mapbox/mbtiles-spec 1.3 (rows counted from the south); deduplicated as tiles_shallow +
 // tiles_data behind a view `tiles`. tiles_shallow also has how many bytes each tile takes and of which format
 // it is (0 JPEG, 1 WebP, 2 PNG), so that what other formats would look like is known without a look at the
-// tiles (storage/exports/streamed/tile_table.h). Errors: kOutOfSpace, kIo.
+// tiles (storage/exports/stored_tiles.h). Errors: kOutOfSpace, kIo.
 #pragma once
 
 #include <filesystem>

@@ -17,7 +17,7 @@
 #include "core/base/parallel_for.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
-#include "storage/blobs/flight_blobs.h"
+#include "storage/blobs/blob_store.h"
 #include "storage/blobs/folder_blobs.h"
 #include "storage/db/ids.h"
 #include "storage/files/publish_file.h"

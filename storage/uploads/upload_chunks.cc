@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "core/base/try.h"
-#include "storage/blobs/flight_blobs.h"
+#include "storage/blobs/blob_store.h"
 #include "storage/db/ids.h"
 #include "storage/files/publish_file.h"
 

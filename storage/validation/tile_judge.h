@@ -12,7 +12,7 @@
 
 #include "core/geo/tile_id.h"
 #include "core/image/picture_format.h"
-#include "storage/validation/file_verdict.h"
+#include "storage/validation/validate_map.h"
 
 namespace skyquilt::storage {
 

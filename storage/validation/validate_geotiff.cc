@@ -14,8 +14,7 @@
 #include <system_error>
 #include <vector>
 
-#include "storage/rasters/quiet_gdal.h"
-#include "storage/rasters/register_gdal.h"
+#include "storage/rasters/gdal_steps.h"
 #include "storage/validation/validate_map.h"
 
 namespace skyquilt::storage {
@@ -206,8 +205,7 @@ class BlockWalk {
 
 }  // namespace
 
-Result<FileVerdict> ValidateGeotiff(const fs::path& path, const ValidateOptions& options,
-                                    Progress& progress) {
+Result<FileVerdict> ValidateGeotiff(const fs::path& path, bool quick, Progress& progress) {
   RegisterGdalOnce();
   const QuietGdal quiet;
   FileVerdict verdict;
@@ -239,7 +237,7 @@ Result<FileVerdict> ValidateGeotiff(const fs::path& path, const ValidateOptions&
     verdict.Add(Severity::kNote,
                 "it is whole, but not cloud-optimised; \"gdal_translate -of COG\" makes it so");
   }
-  if (!BlockWalk(path, options.quick, verdict, progress).Look(*raster, levels))
+  if (!BlockWalk(path, quick, verdict, progress).Look(*raster, levels))
     return Error{ErrorCode::kCancelled, "Cancelled.", ""};
   return verdict;
 }

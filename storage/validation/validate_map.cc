@@ -1,19 +1,48 @@
 #include "storage/validation/validate_map.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <array>
 #include <fstream>
 #include <functional>
-#include <string>
 #include <system_error>
 
 #include "core/base/try.h"
 
 namespace skyquilt::storage {
+
+const char* SeverityName(Severity severity) {
+  return severity == Severity::kError ? "error" : severity == Severity::kWarning ? "warning" : "note";
+}
+
+bool FileVerdict::Has(Severity severity) const {
+  return std::any_of(findings.begin(), findings.end(),
+                     [&](const Finding& finding) { return finding.severity == severity; });
+}
+
+void CountedFindings::Add(Severity severity, const std::string& kind, const std::string& example) {
+  constexpr std::size_t kExamples = 3;
+  Counted& counted = counted_[{severity, kind}];
+  ++counted.count;
+  if (counted.first.size() < kExamples) counted.first.push_back(example);
+}
+
+void CountedFindings::MoveTo(FileVerdict& verdict) {
+  for (const auto& [what, counted] : counted_) {
+    std::string examples;
+    for (const std::string& example : counted.first) examples += (examples.empty() ? "" : ", ") + example;
+    verdict.Add(what.first, fmt::format("{} {} ({}{})", counted.count, what.second, examples,
+                                        counted.count > std::ssize(counted.first) ? ", ..." : ""));
+  }
+  counted_.clear();
+}
+
 namespace {
 
 namespace fs = std::filesystem;
 
-using Validate = Result<FileVerdict> (*)(const fs::path&, const ValidateOptions&, Progress&);
+using Validate = Result<FileVerdict> (*)(const fs::path&, bool, Progress&);
 
 // By the first bytes.
 Validate ValidatorFor(const fs::path& path) {
@@ -35,15 +64,14 @@ Validate ValidatorFor(const fs::path& path) {
   return nullptr;
 }
 
-Result<std::vector<FileVerdict>> ValidateFolder(const fs::path& folder, const ValidateOptions& options,
-                                                Progress& progress) {
+Result<std::vector<FileVerdict>> ValidateFolder(const fs::path& folder, bool quick, Progress& progress) {
   std::vector<FileVerdict> verdicts;
   std::error_code gone;
   for (const char* name : {"mosaic.mbtiles", "mosaic.pmtiles", "mosaic.tif"}) {
     const fs::path path = folder / name;
     if (!fs::exists(path, gone)) continue;
     progress.BeginStage(name);
-    SKYQUILT_TRY_ASSIGN(FileVerdict verdict, ValidatorFor(path)(path, options, progress));
+    SKYQUILT_TRY_ASSIGN(FileVerdict verdict, ValidatorFor(path)(path, quick, progress));
     verdicts.push_back(std::move(verdict));
   }
   std::vector<FileVerdict> reports = ValidateReports(folder, verdicts);
@@ -69,10 +97,9 @@ Result<std::vector<FileVerdict>> ValidateFolder(const fs::path& folder, const Va
 
 }  // namespace
 
-Result<std::vector<FileVerdict>> ValidateMap(const fs::path& path, const ValidateOptions& options,
-                                             Progress& progress) {
+Result<std::vector<FileVerdict>> ValidateMap(const fs::path& path, bool quick, Progress& progress) {
   std::error_code gone;
-  if (fs::is_directory(path, gone)) return ValidateFolder(path, options, progress);
+  if (fs::is_directory(path, gone)) return ValidateFolder(path, quick, progress);
   if (!fs::is_regular_file(path, gone))
     return Error{ErrorCode::kNotFound, "There is no file or folder " + path.string() + ".", ""};
   if (!std::ifstream(path))
@@ -85,7 +112,7 @@ Result<std::vector<FileVerdict>> ValidateMap(const fs::path& path, const Validat
                      "map.",
                  ""};
   progress.BeginStage(path.filename().string());
-  SKYQUILT_TRY_ASSIGN(FileVerdict verdict, validate(path, options, progress));
+  SKYQUILT_TRY_ASSIGN(FileVerdict verdict, validate(path, quick, progress));
   return std::vector<FileVerdict>{std::move(verdict)};
 }
 

@@ -173,8 +173,7 @@ Result<void> WalkTiles(SqliteDb& db, bool are_pictures, TileJudge& judge, FileVe
 
 }  // namespace
 
-Result<FileVerdict> ValidateMbtiles(const fs::path& path, const ValidateOptions& options,
-                                    Progress& progress) {
+Result<FileVerdict> ValidateMbtiles(const fs::path& path, bool quick, Progress& progress) {
   FileVerdict verdict;
   verdict.file = path.filename().string();
   verdict.kind = "MBTiles";
@@ -192,7 +191,7 @@ Result<FileVerdict> ValidateMbtiles(const fs::path& path, const ValidateOptions&
     verdict.Add(Severity::kError, "it is no SQLite database, or one that is damaged or cut off");
     return verdict;
   }
-  if (!CheckIntegrity(*db, options.quick, verdict)) return verdict;
+  if (!CheckIntegrity(*db, quick, verdict)) return verdict;
   const Claims claims = ReadClaims(*db, verdict);
   const TilesetClaims told = JudgeClaims(claims, verdict);
   const auto format = claims.find("format");
@@ -202,7 +201,7 @@ Result<FileVerdict> ValidateMbtiles(const fs::path& path, const ValidateOptions&
     verdict.Add(Severity::kNote,
                 "its tiles are \"" + format->second + "\"; what is in them is not looked at");
   JudgeLostPictures(*db, verdict);
-  TileJudge judge(options.quick);
+  TileJudge judge(quick);
   SKYQUILT_TRY(WalkTiles(*db, are_pictures, judge, verdict, progress));
   judge.Finish(told, verdict);
   return verdict;

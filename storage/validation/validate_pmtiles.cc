@@ -1,9 +1,8 @@
 // PMTiles specification version 3, chapters 3 (header), 4 (directories) and 5 (metadata).
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <fmt/format.h>
 #include <fstream>
 #include <optional>
 #include <system_error>
@@ -66,8 +65,8 @@ std::optional<geo::TileId> TileOfNumber(std::uint64_t number) {
 
 class PmtilesCheck {
  public:
-  PmtilesCheck(const fs::path& path, const ValidateOptions& options, FileVerdict& verdict, Progress& progress)
-      : file_(path, std::ios::binary), verdict_(verdict), judge_(options.quick), progress_(progress) {
+  PmtilesCheck(const fs::path& path, bool quick, FileVerdict& verdict, Progress& progress)
+      : file_(path, std::ios::binary), verdict_(verdict), judge_(quick), progress_(progress) {
     std::error_code gone;
     const std::uintmax_t bytes = fs::file_size(path, gone);
     bytes_ = gone ? 0 : bytes;
@@ -277,12 +276,11 @@ class PmtilesCheck {
 
 }  // namespace
 
-Result<FileVerdict> ValidatePmtiles(const fs::path& path, const ValidateOptions& options,
-                                    Progress& progress) {
+Result<FileVerdict> ValidatePmtiles(const fs::path& path, bool quick, Progress& progress) {
   FileVerdict verdict;
   verdict.file = path.filename().string();
   verdict.kind = "PMTiles";
-  const Result<void> run = PmtilesCheck(path, options, verdict, progress).Run();
+  const Result<void> run = PmtilesCheck(path, quick, verdict, progress).Run();
   if (!run && run.error().code == ErrorCode::kCancelled) return run.error();
   return verdict;
 }

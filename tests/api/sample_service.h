@@ -11,8 +11,8 @@
 #include "api/auth/access.h"
 #include "api/build_api.h"
 #include "api/http/target.h"
-#include "tests/storage/scratch_dir.h"
 #include "tests/storage/small_tileset.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::api {
 
@@ -89,7 +89,7 @@ class SampleService {
     return response;
   }
 
-  ScratchDir scratch_;
+  test::TemporaryFolder scratch_;
   storage::DataDir dir_;
   std::unique_ptr<storage::CatalogueDb> db_;
 

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <random>
 
-#include "tests/storage/scratch_dir.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::api {
 namespace {
@@ -26,7 +26,7 @@ std::string ReadAll(const std::shared_ptr<const ZipLayout>& layout, std::uint64_
 }
 
 TEST(ZipLayout, AnyPartIsAPartOfTheWhole) {
-  ScratchDir scratch;
+  test::TemporaryFolder scratch;
   const auto path = scratch.path() / "big";
   std::ofstream(path) << std::string(100'000, 'x') << "end";
   const auto planned = PlanZip({{"a.txt", "hello", {}}, {"folder/big", "", path}, {"empty", "", {}}});

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "storage/catalogue/event_log.h"
-#include "tests/storage/scratch_dir.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::server {
 namespace {
@@ -27,7 +27,7 @@ class JobProgressTest : public testing::Test {
     job_ = queue_.Add(flight_, "{}", storage::Now())->id;
     lease_ = **queue_.Claim("w", storage::Now());
   }
-  ScratchDir dir_;
+  test::TemporaryFolder dir_;
   std::unique_ptr<storage::CatalogueDb> db_;
   storage::Catalogue catalogue_;
   storage::JobQueue queue_;

@@ -8,7 +8,7 @@
 #include <ogr_spatialref.h>
 
 #include "core/flight/remarks/remark_words.h"
-#include "tests/storage/scratch_dir.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::server {
 namespace {
@@ -36,7 +36,7 @@ flight::InputFile WriteModel(const std::filesystem::path& folder, const std::str
 }
 
 TEST(OpenElevationModel, TakesTheFirstThatCanBeReadAndWarnsOfTheOthers) {
-  const ScratchDir folder;
+  const test::TemporaryFolder folder;
   const flight::InputFile bad = WriteModel(folder.path(), "a.tif", false);
   const flight::InputFile good = WriteModel(folder.path(), "b.tif", true);
   const auto both = OpenElevationModel("", {bad, good});
@@ -54,7 +54,7 @@ TEST(OpenElevationModel, TakesTheFirstThatCanBeReadAndWarnsOfTheOthers) {
 // A block of 256 MiB in a file of a few kB: none of it was ever written.
 TEST(OpenElevationModel, RefusesBlocksThatAreTooLargeToBeRead) {
   GDALAllRegister();
-  const ScratchDir folder;
+  const test::TemporaryFolder folder;
   const std::filesystem::path path = folder.path() / "a.tif";
   OGRSpatialReference system;
   system.importFromEPSG(4326);
@@ -74,7 +74,7 @@ TEST(OpenElevationModel, RefusesBlocksThatAreTooLargeToBeRead) {
 }
 
 TEST(OpenElevationModel, RefusesTheOneThatWasAskedFor) {
-  const ScratchDir folder;
+  const test::TemporaryFolder folder;
   const flight::InputFile bad = WriteModel(folder.path(), "a.tif", false);
   const flight::InputFile good = WriteModel(folder.path(), "b.tif", true);
   EXPECT_FALSE(OpenElevationModel(bad.path.string(), {good}).ok());

@@ -22,7 +22,7 @@
 #include <thread>
 
 #include "server/sandbox/system_calls.h"
-#include "tests/storage/scratch_dir.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::server {
 namespace {
@@ -65,7 +65,7 @@ class SandboxTest : public testing::Test {
   static int ErrorOfOpen(const fs::path& path, int flags) { return ErrorOf(open(path.c_str(), flags, 0600)); }
 
  private:
-  ScratchDir dir_;
+  test::TemporaryFolder dir_;
 };
 
 #define REQUIRE_LANDLOCK() \

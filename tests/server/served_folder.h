@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "api/service.h"
-#include "tests/storage/scratch_dir.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::server {
 
@@ -21,7 +21,7 @@ class ServedFolder : public testing::Test {
         tilesets_(dir_, catalogue_),
         service_{catalogue_, queue_, store_, tilesets_, metrics_, *db_, "test"} {}
 
-  ScratchDir scratch_;
+  test::TemporaryFolder scratch_;
   storage::DataDir dir_;
   std::unique_ptr<storage::CatalogueDb> db_;
   storage::Catalogue catalogue_;

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/storage/scratch_dir.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::server {
 namespace {
@@ -32,7 +32,7 @@ class PageTest : public testing::Test {
     return ServePage(dir_.path(), request);
   }
 
-  ScratchDir dir_;
+  test::TemporaryFolder dir_;
 };
 
 TEST_F(PageTest, ServesThePageWithItsTypeAndPolicy) {
@@ -101,7 +101,7 @@ TEST_F(PageTest, KeepsEverythingElseToItself) {
 }
 
 TEST(FindPageFolder, TakesOnlyAFolderWithAPage) {
-  ScratchDir dir;
+  test::TemporaryFolder dir;
   EXPECT_FALSE(FindPageFolder(dir.path()));
   std::ofstream(dir.path() / "index.html") << "x";
   EXPECT_EQ(FindPageFolder(dir.path()), dir.path());

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "storage/db/catalogue_db.h"
-#include "tests/storage/scratch_dir.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -14,7 +14,7 @@ using std::chrono::seconds;
 class AgeClockTest : public testing::Test {
  protected:
   std::unique_ptr<CatalogueDb> Open() { return *CatalogueDb::Open(dir_.path() / "catalogue.db"); }
-  ScratchDir dir_;
+  test::TemporaryFolder dir_;
 };
 
 // Within the time that a slow machine takes for a test.

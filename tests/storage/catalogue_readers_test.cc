@@ -9,21 +9,14 @@
 #include "storage/catalogue/event_log.h"
 #include "storage/catalogue/tokens.h"
 #include "storage/jobs/job_queue.h"
-#include "tests/storage/postgres/test_catalogue.h"
-#include "tests/storage/scratch_dir.h"
+#include "tests/storage/catalogue_fixture.h"
 
 namespace skyquilt::storage {
 namespace {
 
-class CatalogueReadersTest : public testing::Test {
+class CatalogueReadersTest : public CatalogueFixture {
  protected:
-  CatalogueReadersTest()
-      : db_(*OpenTestCatalogue(dir_.path() / "catalogue.db", 3)), catalogue_(*db_), queue_(*db_) {}
-
-  ScratchDir dir_;
-  std::unique_ptr<CatalogueDb> db_;
-  Catalogue catalogue_;
-  JobQueue queue_;
+  CatalogueReadersTest() : CatalogueFixture(/*readers=*/3) {}
 };
 
 TEST_F(CatalogueReadersTest, WaitForNoWriterOfAnotherProcess) {

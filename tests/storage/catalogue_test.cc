@@ -7,19 +7,12 @@
 #include "storage/catalogue/trash.h"
 #include "storage/db/ids.h"
 #include "storage/jobs/job_queue.h"
-#include "tests/storage/postgres/test_catalogue.h"
-#include "tests/storage/scratch_dir.h"
+#include "tests/storage/catalogue_fixture.h"
 
 namespace skyquilt::storage {
 namespace {
 
-class CatalogueTest : public testing::Test {
- protected:
-  CatalogueTest() : db_(*OpenTestCatalogue(dir_.path() / "catalogue.db")), catalogue_(*db_) {}
-  ScratchDir dir_;
-  std::unique_ptr<CatalogueDb> db_;
-  Catalogue catalogue_;
-};
+using CatalogueTest = CatalogueFixture;
 
 TEST_F(CatalogueTest, RemembersAFlightAcrossOpenings) {
   const std::string id = catalogue_.AddFlight("'; DROP TABLE flight; --", "{\"gsd_m\":0.1}", Now())->id;
@@ -106,18 +99,14 @@ TEST_F(CatalogueTest, PagesThroughTheFlightsOfATag) {
 }
 
 TEST_F(CatalogueTest, PagesThroughMapsWithWhatTheySay) {
-  JobQueue queue(*db_);
   std::vector<std::string> with_map;
   for (int i = 0; i < 5; ++i) {
     const std::string id = catalogue_.AddFlight("field", "{}", Now())->id;
     if (i == 2) continue;  // nothing finished yet
-    ASSERT_TRUE(queue.Add(id, "{}", Now()));
-    const Lease lease = **queue.Claim("test", Now());
     Revision revision;
-    revision.revision = **queue.ReserveRevision(lease);
     revision.bounds = {1.0 * i, 2.0, 3.0 + i, 4.0};
     revision.first_capture = "2024-06-01T10:00:00+02:00";
-    ASSERT_TRUE(*queue.Publish(lease, revision, Now()));
+    PublishMap(id, revision);
     with_map.insert(with_map.begin(), id);
   }
   ASSERT_TRUE(Trash(*db_).Put(with_map[1], Now()));
@@ -164,9 +153,8 @@ TEST_F(CatalogueTest, KeepsBothFilesOfOneNameWhenAsked) {
 TEST_F(CatalogueTest, RefusesToChangeFilesThatAJobReads) {
   const std::string id = catalogue_.AddFlight("f", "{}", Now())->id;
   ASSERT_TRUE(catalogue_.AddFile(id, {"a.jpg", NewId(), 1}, Now()));
-  JobQueue queue(*db_);
-  ASSERT_TRUE(queue.Add(id, "{}", Now()));
-  ASSERT_TRUE(queue.Claim("w", Now())->has_value());
+  ASSERT_TRUE(queue_.Add(id, "{}", Now()));
+  ASSERT_TRUE(queue_.Claim("w", Now())->has_value());
   EXPECT_EQ(catalogue_.AddFile(id, {"a.jpg", NewId(), 1}, Now()).error().code, ErrorCode::kConflict);
   EXPECT_EQ(catalogue_.RemoveFile(id, "a.jpg").error().code, ErrorCode::kConflict);
   EXPECT_TRUE(catalogue_.AddFile(id, {"b.jpg", NewId(), 1}, Now()));

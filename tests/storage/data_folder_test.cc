@@ -10,8 +10,8 @@
 #include "storage/folder/data_marker.h"
 #include "storage/folder/open_data_folder.h"
 #include "storage/uploads/photo_store.h"
-#include "tests/storage/scratch_dir.h"
 #include "tests/storage/small_tileset.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -67,7 +67,7 @@ TEST(FlightBlob, IsTakenApartByItsKey) {
 }
 
 TEST(OpenDataFolder, MakesANewOneForItsOwnerAlone) {
-  ScratchDir scratch;
+  test::TemporaryFolder scratch;
   const fs::path root = scratch.path() / "deep" / "data";
   FillWithOneFlight(root);
   struct stat status {};
@@ -84,7 +84,7 @@ TEST(OpenDataFolder, MakesANewOneForItsOwnerAlone) {
 }
 
 TEST(OpenDataFolder, TakesAnEmptyFolderAndTheRootOfAFileSystem) {
-  ScratchDir scratch;
+  test::TemporaryFolder scratch;
   fs::create_directories(scratch.path() / "lost+found");
   EXPECT_TRUE(OpenDataFolder(scratch.path()));
 }
@@ -92,7 +92,7 @@ TEST(OpenDataFolder, TakesAnEmptyFolderAndTheRootOfAFileSystem) {
 TEST(OpenDataFolder, RefusesFoldersOfOthersAndLeavesThemAsTheyAre) {
   for (const char* name : {"flights/2024/DJI_0001.JPG", "work/thesis.odt", "incoming/mail", "uploads/x",
                            "holiday.jpg", "catalogue.db"}) {
-    ScratchDir scratch;
+    test::TemporaryFolder scratch;
     const fs::path file = scratch.path() / name;
     fs::create_directories(file.parent_path());
     std::ofstream(file)
@@ -106,7 +106,7 @@ TEST(OpenDataFolder, RefusesFoldersOfOthersAndLeavesThemAsTheyAre) {
 }
 
 TEST(OpenDataFolder, RefusesWhatIsNoFolder) {
-  ScratchDir scratch;
+  test::TemporaryFolder scratch;
   std::ofstream(scratch.path() / "file") << "x";
   EXPECT_NE(OpenDataFolder(scratch.path() / "file").error().message.find("is not a folder"),
             std::string::npos);
@@ -120,7 +120,7 @@ TEST(OpenDataFolder, RefusesWhatIsNoFolder) {
 }
 
 TEST(OpenDataFolder, FollowsALinkToAFolder) {
-  ScratchDir scratch;
+  test::TemporaryFolder scratch;
   fs::create_directory(scratch.path() / "real");
   fs::create_symlink(scratch.path() / "real", scratch.path() / "link");
   FillWithOneFlight(scratch.path() / "link");
@@ -128,7 +128,7 @@ TEST(OpenDataFolder, FollowsALinkToAFolder) {
 }
 
 TEST(OpenDataFolder, RefusesAMissingEmptyNewForeignOrDamagedCatalogueAndNamesTheRepair) {
-  ScratchDir scratch, other;
+  test::TemporaryFolder scratch, other;
   FillWithOneFlight(scratch.path());
   FillWithOneFlight(other.path());
   const fs::path catalogue = scratch.path() / "catalogue.db";
@@ -156,7 +156,7 @@ TEST(OpenDataFolder, RefusesAMissingEmptyNewForeignOrDamagedCatalogueAndNamesThe
 }
 
 TEST(OpenDataFolder, RefusesACatalogueThatIsOlderThanTheFlights) {
-  ScratchDir scratch;
+  test::TemporaryFolder scratch;
   FillWithOneFlight(scratch.path());
   const fs::path copy = scratch.path().string() + ".copy";
   fs::copy_file(scratch.path() / "catalogue.db", copy);
@@ -169,7 +169,7 @@ TEST(OpenDataFolder, RefusesACatalogueThatIsOlderThanTheFlights) {
 
 TEST(OpenDataFolder, RefusesACatalogueThatLacksFilesOrMapsOfItsFlights) {
   for (const bool with_map : {false, true}) {
-    ScratchDir scratch;
+    test::TemporaryFolder scratch;
     const std::string flight = FillWithOneFlight(scratch.path());
     const fs::path copy = scratch.path().string() + ".copy";
     fs::copy_file(scratch.path() / "catalogue.db", copy);
@@ -193,7 +193,7 @@ TEST(OpenDataFolder, RefusesACatalogueThatLacksFilesOrMapsOfItsFlights) {
 }
 
 TEST(OpenDataFolder, GoesOnAfterCrashesThatLeaveThingsOnDisk) {
-  ScratchDir scratch;
+  test::TemporaryFolder scratch;
   const std::string flight = FillWithOneFlight(scratch.path());
   const auto dir = DataDir::At(scratch.path());
   const FlightRecords records(dir);
@@ -215,7 +215,7 @@ TEST(OpenDataFolder, GoesOnAfterCrashesThatLeaveThingsOnDisk) {
 }
 
 TEST(OpenDataFolder, AdoptsAFolderOfAVersionWithoutMarkers) {
-  ScratchDir scratch;
+  test::TemporaryFolder scratch;
   const std::string flight = FillWithOneFlight(scratch.path());
   {
     const auto db = *CatalogueDb::Open(scratch.path() / "catalogue.db");
@@ -239,7 +239,7 @@ TEST(OpenDataFolder, AdoptsAFolderOfAVersionWithoutMarkers) {
 }
 
 TEST(DataDirWatch, SeesAFolderThatGoesIsReplacedAndComesBack) {
-  ScratchDir scratch;
+  test::TemporaryFolder scratch;
   const fs::path root = scratch.path() / "data", away = scratch.path() / "away";
   const auto opened = OpenDataFolder(root);
   ASSERT_TRUE(opened);
@@ -266,7 +266,7 @@ TEST(DataDirWatch, SeesAFolderThatGoesIsReplacedAndComesBack) {
 // A second connection of this process, and one of another that comes and goes: none may take the first one's
 // locks with it, or the other would take itself for the last and remove the log.
 TEST(OpenDataFolder, KeepsItsLocksWhateverElseIsOpened) {
-  ScratchDir scratch;
+  test::TemporaryFolder scratch;
   int begin[2];
   ASSERT_EQ(pipe(begin), 0);
   // Before anything is open: SQLite in a child would take its parent's connections for its own.

@@ -6,7 +6,7 @@
 #include <random>
 
 #include "storage/db/ids.h"
-#include "tests/storage/scratch_dir.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -21,7 +21,7 @@ FlightRecord Sample() {
 }
 
 TEST(FlightRecord, TellsAgainWhatWasWritten) {
-  ScratchDir scratch;
+  test::TemporaryFolder scratch;
   const auto dir = *DataDir::Open(scratch.path());
   const FlightRecords records(dir);
   const std::string id = NewId(), first = NewId(), second = NewId();
@@ -59,7 +59,7 @@ TEST(FlightRecord, TellsAgainWhatWasWritten) {
 }
 
 TEST(FlightRecord, ALineTornByAPowerCutCostsOnlyItself) {
-  ScratchDir scratch;
+  test::TemporaryFolder scratch;
   const auto dir = *DataDir::Open(scratch.path());
   const FlightRecords records(dir);
   const std::string id = NewId(), first = NewId(), second = NewId();
@@ -96,7 +96,7 @@ TEST(FlightRecord, TakesAnyBytes) {
 }
 
 TEST(FlightRecord, NeverMakesADataFolderAnew) {
-  ScratchDir scratch;
+  test::TemporaryFolder scratch;
   const auto dir = *DataDir::Open(scratch.path() / "data");
   const FlightRecords records(dir);
   std::filesystem::remove_all(dir.root());

@@ -1,21 +1,20 @@
 // Elevation models written here through GDAL, as surveys and agencies give them away.
 #include "storage/rasters/geotiff_dem.h"
 
-#include <gdal_priv.h>
-#include <gtest/gtest.h>
-#include <ogr_spatialref.h>
-
 #include <cmath>
 #include <cstdint>
 #include <fstream>
 #include <functional>
+#include <gdal_priv.h>
+#include <gtest/gtest.h>
 #include <limits>
 #include <memory>
+#include <ogr_spatialref.h>
 #include <string>
 #include <vector>
 
 #include "core/flight/lists/file_kinds.h"
-#include "tests/storage/scratch_dir.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -72,7 +71,7 @@ class GeotiffDemTest : public ::testing::Test {
   }
 
  private:
-  ScratchDir folder_;
+  test::TemporaryFolder folder_;
 };
 
 TEST_F(GeotiffDemTest, ReadsGeographicModelsBetweenTheirCells) {

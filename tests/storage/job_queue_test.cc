@@ -7,29 +7,20 @@
 #include <thread>
 
 #include "core/flight/remarks/because.h"
-#include "tests/storage/postgres/test_catalogue.h"
-#include "tests/storage/scratch_dir.h"
+#include "tests/storage/catalogue_fixture.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 namespace {
 
 using std::chrono::seconds;
 
-class JobQueueTest : public testing::Test {
+class JobQueueTest : public CatalogueFixture {
  protected:
-  JobQueueTest()
-      : db_(*OpenTestCatalogue(dir_.path() / "catalogue.db")), catalogue_(*db_), queue_(*db_), now_(Now()) {}
-
   std::string NewFlight() { return catalogue_.AddFlight("field", "{}", now_)->id; }
   Job NewJob() { return *queue_.Add(NewFlight(), "{}", now_); }
   std::string Served(const std::string& name) const { return queue_.served_prefix() + name; }
   Lease Claimed() { return **queue_.Claim("w", now_); }
-
-  ScratchDir dir_;
-  std::unique_ptr<CatalogueDb> db_;
-  Catalogue catalogue_;
-  JobQueue queue_;
-  Time now_;
 };
 
 Revision Made(std::int64_t number) {
@@ -371,7 +362,7 @@ TEST_F(JobQueueTest, LosesTheLeaseWhenTheFlightIsDeleted) {
 TEST(JobQueueConcurrency, GivesEachJobToExactlyOneOfManyConnections) {
   constexpr int kJobs = 40;
   constexpr int kWorkers = 4;
-  ScratchDir dir;
+  test::TemporaryFolder dir;
   const auto db = *OpenTestCatalogue(dir.path() / "catalogue.db");
   Catalogue catalogue(*db);
   JobQueue queue(*db);

@@ -10,8 +10,8 @@
 #include "storage/db/ids.h"
 #include "storage/db/sqlite_db.h"
 #include "storage/tilesets/mbtiles_writer.h"
-#include "tests/storage/scratch_dir.h"
 #include "tests/storage/small_tileset.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -21,7 +21,7 @@ geo::TileId Tile(int z, int x, int y) { return *geo::TileId::Make(z, x, y); }
 class EverySchema : public testing::TestWithParam<TilesetSchema> {};
 
 TEST_P(EverySchema, FindsTilesBytesAndGaps) {
-  ScratchDir dir;
+  test::TemporaryFolder dir;
   const auto path = dir.path() / "a.mbtiles";
   // z 2: rows count from the south in the file, from the north in our ids.
   WriteSmallTileset(path, GetParam(), {{2, 1, 0, "south"}, {2, 1, 3, "north"}, {2, 2, 3, "north"}});
@@ -43,7 +43,7 @@ INSTANTIATE_TEST_SUITE_P(MbtilesReader, EverySchema,
                                          TilesetSchema::kTextKeys));
 
 TEST(MbtilesReader, FindsWithoutBytesWhereKeysAreIntegers) {
-  ScratchDir dir;
+  test::TemporaryFolder dir;
   WriteSmallTileset(dir.path() / "a.mbtiles", TilesetSchema::kIntegerKeys, {{1, 0, 0, "x"}});
   const auto reader = *MbtilesReader::Open(dir.path() / "a.mbtiles");
   EXPECT_FALSE((*reader->Find(Tile(1, 0, 1)))->bytes.has_value());
@@ -60,7 +60,7 @@ TEST(EncodingOf, IsWhatTheWriterPut) {
   std::fill_n(fringe.Pixel(5, 5), 4, std::uint8_t{255});
   for (const auto encoding : {TileEncoding::kJpegPng, TileEncoding::kWebp, TileEncoding::kJpegWebp}) {
     for (const bool has_opaque : {false, true}) {
-      ScratchDir dir;
+      test::TemporaryFolder dir;
       auto writer = *MbtilesWriter::Create(dir.path() / "a.mbtiles");
       const auto put = [&](int column, const image::RgbaImage& tile) {
         const auto encoded = pyramid::EncodeTile(tile, {encoding, 85});
@@ -80,7 +80,7 @@ TEST(EncodingOf, IsWhatTheWriterPut) {
 }
 
 TEST(MbtilesReader, RefusesWhatIsNotATileset) {
-  ScratchDir dir;
+  test::TemporaryFolder dir;
   {
     ASSERT_TRUE(
         SqliteDb::Open(dir.path() / "a.mbtiles", OpenMode::kReadWriteCreate)->Exec("CREATE TABLE t(a)"));
@@ -89,7 +89,7 @@ TEST(MbtilesReader, RefusesWhatIsNotATileset) {
 }
 
 TEST(MbtilesReaderConcurrency, ServesManyThreadsTheRightTiles) {
-  ScratchDir dir;
+  test::TemporaryFolder dir;
   std::vector<SmallTile> tiles;
   for (int x = 0; x < 16; ++x) tiles.push_back({4, x, x, "tile " + std::to_string(x)});
   WriteSmallTileset(dir.path() / "a.mbtiles", TilesetSchema::kIntegerKeys, tiles);
@@ -109,7 +109,7 @@ TEST(MbtilesReaderConcurrency, ServesManyThreadsTheRightTiles) {
 }
 
 TEST(TilesetCache, ShowsTheNewRevisionSoonAndLetsOldReadersFinish) {
-  ScratchDir scratch;
+  test::TemporaryFolder scratch;
   const auto dir = *DataDir::Open(scratch.path());
   const auto db = *CatalogueDb::Open(dir.Catalogue());
   Catalogue catalogue(*db);

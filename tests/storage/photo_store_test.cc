@@ -8,7 +8,7 @@
 #include "storage/folder/sweep.h"
 #include "storage/jobs/job_queue.h"
 #include "storage/jobs/unit_queue.h"
-#include "tests/storage/scratch_dir.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -33,7 +33,7 @@ TEST(CheckFileName, RefusesEveryPathAndTakesOrdinaryNames) {
 }
 
 TEST(PhotoStore, StoresBytesUnderANameOfItsOwn) {
-  ScratchDir scratch;
+  test::TemporaryFolder scratch;
   const PhotoStore store(*DataDir::Open(scratch.path()));
   const std::string flight = NewId();
   auto upload = store.Begin(flight, 0);
@@ -50,7 +50,7 @@ TEST(PhotoStore, StoresBytesUnderANameOfItsOwn) {
 }
 
 TEST(PhotoStore, LeavesNothingOfAnUploadThatBroke) {
-  ScratchDir scratch;
+  test::TemporaryFolder scratch;
   const PhotoStore store(*DataDir::Open(scratch.path()));
   const std::string flight = NewId();
   {
@@ -62,14 +62,14 @@ TEST(PhotoStore, LeavesNothingOfAnUploadThatBroke) {
 }
 
 TEST(PhotoStore, RefusesEmptyAndHugeFiles) {
-  ScratchDir scratch;
+  test::TemporaryFolder scratch;
   const PhotoStore store(*DataDir::Open(scratch.path()));
   EXPECT_EQ(store.Begin(NewId(), 0)->Finish().error().code, ErrorCode::kUnprocessable);
   EXPECT_EQ(store.Begin(NewId(), kMaxFileBytes + 1).error().code, ErrorCode::kTooLarge);
 }
 
 TEST(PhotoStore, SaysWhenTheFlightWasDeletedMeanwhile) {
-  ScratchDir scratch;
+  test::TemporaryFolder scratch;
   const PhotoStore store(*DataDir::Open(scratch.path()));
   const std::string flight = NewId();
   auto upload = store.Begin(flight, 0);
@@ -79,7 +79,7 @@ TEST(PhotoStore, SaysWhenTheFlightWasDeletedMeanwhile) {
 }
 
 TEST(Sweep, RemovesOnlyItsOwnTemporariesAndMovesAllElseThatIsUnknown) {
-  ScratchDir scratch;
+  test::TemporaryFolder scratch;
   const auto dir = *DataDir::Open(scratch.path(), NewId());
   const auto db = *CatalogueDb::Open(dir.Catalogue());
   Catalogue catalogue(*db);
@@ -157,7 +157,7 @@ TEST(Sweep, RemovesOnlyItsOwnTemporariesAndMovesAllElseThatIsUnknown) {
 }
 
 TEST(DataDirLock, IsHeldByOneAtATime) {
-  ScratchDir scratch;
+  test::TemporaryFolder scratch;
   const auto dir = *DataDir::Open(scratch.path());
   {
     const auto first = DataDirLock::Take(dir);
@@ -168,7 +168,7 @@ TEST(DataDirLock, IsHeldByOneAtATime) {
 }
 
 TEST(DataDirLock, HoldsWhateverIsRemovedFromTheFolder) {
-  ScratchDir scratch;
+  test::TemporaryFolder scratch;
   const auto dir = *DataDir::Open(scratch.path());
   std::ofstream(scratch.path() / "server.lock") << "";
   const auto first = DataDirLock::Take(dir);

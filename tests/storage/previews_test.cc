@@ -5,21 +5,14 @@
 #include "storage/catalogue/event_log.h"
 #include "storage/db/ids.h"
 #include "storage/jobs/job_queue.h"
-#include "storage/tilesets/preview_tiles.h"
-#include "tests/storage/postgres/test_catalogue.h"
-#include "tests/storage/scratch_dir.h"
+#include "tests/storage/catalogue_fixture.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 namespace {
 
-class PreviewsTest : public testing::Test {
+class PreviewsTest : public CatalogueFixture {
  protected:
-  PreviewsTest()
-      : db_(*OpenTestCatalogue(dir_.path() / "catalogue.db")),
-        catalogue_(*db_),
-        queue_(*db_),
-        previews_(*db_) {}
-
   std::string FlightWith(int files) {
     const std::string id = catalogue_.AddFlight("f", "{}", Now())->id;
     for (int i = 0; i < files; ++i) AddFile(id, std::to_string(i) + ".jpg");
@@ -31,20 +24,8 @@ class PreviewsTest : public testing::Test {
   Preview Edition(const std::string& flight, std::int64_t edition, std::int64_t photos) {
     return {flight, "preview-a", edition, photos, 12, 20, {1, 2, 3, 4}, {1.5, 2.5, 2.25, 3.5}};
   }
-  void PublishMap(const std::string& flight) {
-    ASSERT_TRUE(queue_.Add(flight, "{}", Now()));
-    const auto lease = queue_.Claim("w", Now());
-    ASSERT_TRUE(lease && *lease);
-    Revision revision;
-    revision.revision = **queue_.ReserveRevision(**lease);
-    ASSERT_TRUE(*queue_.Publish(**lease, revision, Now()));
-  }
 
-  ScratchDir dir_;
-  std::unique_ptr<CatalogueDb> db_;
-  Catalogue catalogue_;
-  JobQueue queue_;
-  Previews previews_;
+  Previews previews_{*db_};
 };
 
 TEST_F(PreviewsTest, HandsOutEveryFileOnceAndTheLeastServedFlightFirst) {
@@ -100,7 +81,7 @@ TEST_F(PreviewsTest, BeginsAnewWhenAFileOfItGoesAndNotWhenAnotherDoes) {
 }
 
 TEST(PreviewTiles, HoldsWhatWasPutAndNothingIsMadeByReading) {
-  const ScratchDir dir;
+  const test::TemporaryFolder dir;
   EXPECT_EQ(PreviewTiles::OpenToRead(dir.path()).error().code, ErrorCode::kNotFound);
   const auto written = *PreviewTiles::Open(dir.path());
   const geo::TileId tile = *geo::TileId::Make(3, 1, 2);

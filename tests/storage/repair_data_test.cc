@@ -11,8 +11,8 @@
 #include "storage/folder/open_data_folder.h"
 #include "storage/folder/sweep.h"
 #include "storage/uploads/photo_store.h"
-#include "tests/storage/scratch_dir.h"
 #include "tests/storage/small_tileset.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -99,7 +99,7 @@ TEST(RepairData, MakesALostCatalogueAnew) {
         EXPECT_TRUE(CatalogueDb::Open(path));
       }};
   for (const auto& lose : losses) {
-    ScratchDir scratch;
+    test::TemporaryFolder scratch;
     const FilledFolder sample = Fill(scratch.path());
     lose(scratch.path() / "catalogue.db");
     const auto repaired = RepairData(scratch.path(), Now());
@@ -116,7 +116,7 @@ TEST(RepairData, MakesALostCatalogueAnew) {
 }
 
 TEST(RepairData, CompletesACatalogueFromAnOlderBackup) {
-  ScratchDir scratch;
+  test::TemporaryFolder scratch;
   { ASSERT_TRUE(OpenDataFolder(scratch.path())); }
   const fs::path copy = scratch.path().string() + ".copy";
   fs::copy_file(scratch.path() / "catalogue.db", copy);
@@ -133,7 +133,7 @@ TEST(RepairData, CompletesACatalogueFromAnOlderBackup) {
 // A backup from before a file was removed and another replaced: neither comes back, whether its bytes are
 // gone or not.
 TEST(RepairData, LeavesOutWhatWasRemovedSinceTheBackup) {
-  ScratchDir scratch;
+  test::TemporaryFolder scratch;
   const fs::path copy = scratch.path().string() + ".copy";
   std::string flight, removed;
   {
@@ -166,7 +166,7 @@ TEST(RepairData, LeavesOutWhatWasRemovedSinceTheBackup) {
 // Killed after the catalogue took a file's successor and before the record could say that the first one is
 // removed.
 TEST(RepairData, TakesTheLaterOfTwoFilesOfOneName) {
-  ScratchDir scratch;
+  test::TemporaryFolder scratch;
   std::string flight, first, second;
   {
     auto opened = OpenDataFolder(scratch.path());
@@ -193,7 +193,7 @@ TEST(RepairData, TakesTheLaterOfTwoFilesOfOneName) {
 }
 
 TEST(RepairData, BringsBackWhatWentToLost) {
-  ScratchDir scratch;
+  test::TemporaryFolder scratch;
   const FilledFolder sample = Fill(scratch.path());
   const auto dir = DataDir::At(scratch.path());
   {
@@ -210,7 +210,7 @@ TEST(RepairData, BringsBackWhatWentToLost) {
 }
 
 TEST(RepairData, RecoversPhotosOfFlightsWithoutARecordUnderTheirStoredNames) {
-  ScratchDir scratch;
+  test::TemporaryFolder scratch;
   const FilledFolder sample = Fill(scratch.path());
   const auto dir = DataDir::At(scratch.path());
   fs::remove(dir.Flight(sample.plain) / kFlightRecordName);
@@ -225,7 +225,7 @@ TEST(RepairData, RecoversPhotosOfFlightsWithoutARecordUnderTheirStoredNames) {
 }
 
 TEST(RepairData, RefusesFoldersOfOthersAndThoseInUse) {
-  ScratchDir scratch;
+  test::TemporaryFolder scratch;
   std::ofstream(scratch.path() / "holiday.jpg") << "mine";
   EXPECT_EQ(RepairData(scratch.path(), Now()).error().code, ErrorCode::kConflict);
   EXPECT_EQ(RepairData(scratch.path() / "none", Now()).error().code, ErrorCode::kNotFound);
@@ -234,7 +234,7 @@ TEST(RepairData, RefusesFoldersOfOthersAndThoseInUse) {
 }
 
 TEST(CheckData, ListsWhatIsMissingAndWhatIsUnknown) {
-  ScratchDir scratch;
+  test::TemporaryFolder scratch;
   const FilledFolder sample = Fill(scratch.path());
   auto opened = OpenDataFolder(scratch.path());
   ASSERT_TRUE(opened);

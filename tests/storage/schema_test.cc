@@ -9,7 +9,7 @@
 
 #include "storage/catalogue/catalogue.h"
 #include "tests/storage/data/earlier_versions.h"
-#include "tests/storage/scratch_dir.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 
@@ -61,13 +61,13 @@ class SchemaTest : public testing::Test {
   std::filesystem::path path() const { return dir_.path() / "catalogue.db"; }
 
  private:
-  ScratchDir dir_;
+  test::TemporaryFolder dir_;
 };
 
 TEST_F(SchemaTest, MakesWhatTheStepsOfDevelopmentMade) {
   SqliteDb stepped = Make(std::string(kCatalogue13));
   ASSERT_TRUE(PrepareSchema(stepped));
-  ScratchDir dir;
+  test::TemporaryFolder dir;
   auto fresh = *SqliteDb::Open(dir.path() / "catalogue.db", OpenMode::kReadWriteCreate);
   ASSERT_TRUE(PrepareSchema(fresh));
   EXPECT_EQ(Parts(fresh), Parts(stepped));

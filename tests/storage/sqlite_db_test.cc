@@ -11,13 +11,13 @@
 #include <string>
 #include <vector>
 
-#include "tests/storage/scratch_dir.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 namespace {
 
 TEST(SqliteDb, GivesBackWhatWasBound) {
-  ScratchDir dir;
+  test::TemporaryFolder dir;
   auto db = SqliteDb::Open(dir.path() / "a.db", OpenMode::kReadWriteCreate);
   ASSERT_TRUE(db) << db.error().detail;
   ASSERT_TRUE(db->Exec("CREATE TABLE t(a INTEGER, b REAL, c TEXT, d BLOB, e)"));
@@ -42,7 +42,7 @@ TEST(SqliteDb, GivesBackWhatWasBound) {
 }
 
 TEST(SqliteDb, ReadsAndWritesInOneCall) {
-  ScratchDir dir;
+  test::TemporaryFolder dir;
   auto db = SqliteDb::Open(dir.path() / "a.db", OpenMode::kReadWriteCreate);
   ASSERT_TRUE(db->Exec("CREATE TABLE t(a INTEGER, b TEXT)"));
   const auto text_of = [](const Statement& row) { return std::string(row.ColumnText(0)); };
@@ -68,7 +68,7 @@ TEST(SqliteDb, ReadsAndWritesInOneCall) {
 }
 
 TEST(SqliteDb, KeepsWhatWasBoundThoughItIsGone) {
-  ScratchDir dir;
+  test::TemporaryFolder dir;
   auto db = SqliteDb::Open(dir.path() / "a.db", OpenMode::kReadWriteCreate);
   auto query = db->Prepare("SELECT ?1, ?2");
   ASSERT_TRUE(query);
@@ -102,7 +102,7 @@ std::uint64_t SumOf(std::span<const std::uint8_t> bytes) {
 }
 
 TEST(SqliteDb, ReadsWhatNeverChangesAsItWasWritten) {
-  ScratchDir dir;
+  test::TemporaryFolder dir;
   std::vector<std::uint64_t> written, first, second;
   for (const char* name : {"a.db", "b.db"}) {
     auto db = SqliteDb::Open(dir.path() / name, OpenMode::kReadWriteCreate);
@@ -125,7 +125,7 @@ TEST(SqliteDb, ReadsWhatNeverChangesAsItWasWritten) {
 }
 
 TEST(SqliteDb, SaysThatAFileWasCutOffWhileItIsRead) {
-  ScratchDir dir;
+  test::TemporaryFolder dir;
   {
     auto db = SqliteDb::Open(dir.path() / "a.db", OpenMode::kReadWriteCreate);
     ASSERT_NO_FATAL_FAILURE(FillInPieces(*db));
@@ -140,7 +140,7 @@ TEST(SqliteDb, SaysThatAFileWasCutOffWhileItIsRead) {
 }
 
 TEST(SqliteDb, RollsBackATransactionThatWasNotCommitted) {
-  ScratchDir dir;
+  test::TemporaryFolder dir;
   auto db = SqliteDb::Open(dir.path() / "a.db", OpenMode::kReadWriteCreate);
   ASSERT_TRUE(db->Exec("CREATE TABLE t(a INTEGER)"));
   {
@@ -154,7 +154,7 @@ TEST(SqliteDb, RollsBackATransactionThatWasNotCommitted) {
 }
 
 TEST(SqliteDb, SaysWhenAFileIsNotADatabase) {
-  ScratchDir dir;
+  test::TemporaryFolder dir;
   std::ofstream(dir.path() / "a.db") << std::string(5000, 'x');
   const auto db = SqliteDb::Open(dir.path() / "a.db", OpenMode::kReadOnlyImmutable);
   ASSERT_FALSE(db);
@@ -162,14 +162,14 @@ TEST(SqliteDb, SaysWhenAFileIsNotADatabase) {
 }
 
 TEST(SqliteDb, SaysWhenAFileIsMissing) {
-  ScratchDir dir;
+  test::TemporaryFolder dir;
   const auto db = SqliteDb::Open(dir.path() / "none.db", OpenMode::kReadOnlyImmutable);
   ASSERT_FALSE(db);
   EXPECT_EQ(db.error().code, ErrorCode::kNotFound);
 }
 
 TEST(SqliteDb, OpensImmutableFilesWithOddNames) {
-  ScratchDir dir;
+  test::TemporaryFolder dir;
   const auto path = dir.path() / "a?b=%41#c d.db";
   {
     auto db = SqliteDb::Open(path, OpenMode::kReadWriteCreate);
@@ -183,7 +183,7 @@ TEST(SqliteDb, OpensImmutableFilesWithOddNames) {
 }
 
 TEST(SqliteDb, NamesThePlaceThatCannotBeWritten) {
-  ScratchDir dir;
+  test::TemporaryFolder dir;
   const auto db = SqliteDb::Open(dir.path() / "none" / "a.db", OpenMode::kReadWriteCreate);
   ASSERT_FALSE(db);
   EXPECT_EQ(db.error().code, ErrorCode::kIo);
@@ -192,7 +192,7 @@ TEST(SqliteDb, NamesThePlaceThatCannotBeWritten) {
 }
 
 TEST(SqliteDb, ReportsAFullDatabaseAsOutOfSpace) {
-  ScratchDir dir;
+  test::TemporaryFolder dir;
   auto db = SqliteDb::Open(dir.path() / "a.db", OpenMode::kReadWriteCreate);
   ASSERT_TRUE(db->Exec("CREATE TABLE t(a); PRAGMA max_page_count=4"));
   const auto full = db->Exec("INSERT INTO t VALUES(zeroblob(100000))");
@@ -201,7 +201,7 @@ TEST(SqliteDb, ReportsAFullDatabaseAsOutOfSpace) {
 }
 
 TEST(SqliteDb, ReportsAConstraintAsAConflict) {
-  ScratchDir dir;
+  test::TemporaryFolder dir;
   auto db = SqliteDb::Open(dir.path() / "a.db", OpenMode::kReadWriteCreate);
   ASSERT_TRUE(db->Exec("CREATE TABLE t(a INTEGER UNIQUE); INSERT INTO t VALUES(1)"));
   auto insert = db->Prepare("INSERT INTO t VALUES(?)");
@@ -217,7 +217,7 @@ std::int64_t PragmaOf(SqliteDb& db, const std::string& name) {
 }
 
 TEST(SqliteDb, WaitsForTheDiskAgainAfterUnsyncedCommits) {
-  ScratchDir dir;
+  test::TemporaryFolder dir;
   auto db = SqliteDb::Open(dir.path() / "a.db", OpenMode::kReadWriteCreate);
   ASSERT_TRUE(db->Exec("PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL; CREATE TABLE t(a)"));
   {

@@ -8,19 +8,15 @@
 
 #include "storage/catalogue/stage_costs.h"
 #include "storage/jobs/job_queue.h"
-#include "tests/storage/postgres/test_catalogue.h"
-#include "tests/storage/scratch_dir.h"
+#include "tests/storage/catalogue_fixture.h"
 
 namespace skyquilt::storage {
 namespace {
 
 using std::chrono::seconds;
 
-class TurnsTest : public testing::Test {
+class TurnsTest : public CatalogueFixture {
  protected:
-  TurnsTest()
-      : db_(*OpenTestCatalogue(dir_.path() / "catalogue.db")), catalogue_(*db_), queue_(*db_), now_(Now()) {}
-
   std::string Ask(const std::string& owner, int priority = 0) {
     const std::string flight = catalogue_.AddFlight("field", "{}", now_, owner)->id;
     return queue_.Add(flight, "{}", now_, {priority, owner})->id;
@@ -29,12 +25,6 @@ class TurnsTest : public testing::Test {
     now_ += seconds(1);
     return **queue_.Claim("w", now_);
   }
-
-  ScratchDir dir_;
-  std::unique_ptr<CatalogueDb> db_;
-  Catalogue catalogue_;
-  JobQueue queue_;
-  Time now_;
 };
 
 TEST_F(TurnsTest, OneWhoAsksForManyDoesNotKeepOthersWaiting) {

@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "storage/db/ids.h"
-#include "tests/storage/scratch_dir.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -42,7 +42,7 @@ class UnpackArchiveTest : public testing::Test {
     return UnpackArchive(store_, flight_, path, {});
   }
 
-  const ScratchDir scratch_;
+  const test::TemporaryFolder scratch_;
   const PhotoStore store_{*DataDir::Open(scratch_.path())};
   const std::string flight_ = NewId();
 };

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <string>
 
-#include "tests/storage/scratch_dir.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -36,7 +36,7 @@ std::string Zip(int entries, std::size_t before, std::uint64_t says_at, std::uin
 }
 
 int Count(const std::string& bytes, int most) {
-  const ScratchDir folder;
+  const test::TemporaryFolder folder;
   const auto path = folder.path() / "a.zip";
   std::ofstream(path, std::ios::binary) << bytes;
   return CountZipEntries(path, most);

@@ -15,7 +15,6 @@
 #include "storage/folder/check_data.h"
 #include "storage/folder/data_marker.h"
 #include "storage/folder/lost_folder.h"
-#include "storage/folder/object_store/check_maps.h"
 #include "storage/folder/object_store/settle_blobs.h"
 #include "storage/folder/open_data_folder.h"
 #include "storage/folder/repair_data.h"

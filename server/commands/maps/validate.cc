@@ -23,8 +23,7 @@ using storage::Severity;
 
 struct ValidateArguments {
   std::filesystem::path map;
-  storage::ValidateOptions options;
-  bool as_json = false, strict = false;
+  bool quick = false, as_json = false, strict = false;
 };
 
 int CountOf(const std::vector<FileVerdict>& verdicts, Severity severity) {
@@ -79,7 +78,7 @@ void PrintJson(const std::vector<FileVerdict>& verdicts, const std::string& map,
 void Run(const ValidateArguments& arguments) {
   const auto verdicts = [&] {
     TerminalProgress progress;
-    return storage::ValidateMap(arguments.map, arguments.options, progress);
+    return storage::ValidateMap(arguments.map, arguments.quick, progress);
   }();
   if (!verdicts) Fail("skyquilt validate", verdicts.error());
   const bool is_sound = CountOf(*verdicts, Severity::kError) == 0 &&
@@ -103,7 +102,7 @@ void AddValidateCommand(CLI::App& app) {
                    "Folder that \"stitch\" wrote, or an MBTiles, PMTiles or GeoTIFF of any program")
       ->required()
       ->check(CLI::ExistingPath);
-  command->add_flag("--quick", arguments->options.quick, "Decode one picture in fifty, not all");
+  command->add_flag("--quick", arguments->quick, "Decode one picture in fifty, not all");
   command->add_flag("--strict", arguments->strict, "Warnings count as errors");
   command->add_flag("--json", arguments->as_json, "Print JSON");
   command->footer(

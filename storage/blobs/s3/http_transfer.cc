@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cstdlib>
 #include <cstring>
 #include <optional>
@@ -84,14 +83,11 @@ std::size_t TakeHeaderLine(char* bytes, std::size_t size, std::size_t count, voi
   if (line.starts_with("HTTP/")) headers.clear();  // of another answer before this one: 100 Continue
   const std::size_t colon = line.find(':');
   if (colon == std::string_view::npos || headers.size() >= kMaxHeaders) return line.size();
-  std::string name(line.substr(0, colon));
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   std::string_view value = line.substr(colon + 1);
   while (!value.empty() && value.front() == ' ') value.remove_prefix(1);
   while (!value.empty() && (value.back() == '\r' || value.back() == '\n' || value.back() == ' '))
     value.remove_suffix(1);
-  headers[name] = std::string(value);
+  headers[LowerCase(line.substr(0, colon))] = std::string(value);
   return line.size();
 }
 

@@ -11,6 +11,7 @@
 namespace skyquilt::storage {
 namespace {
 
+constexpr std::size_t kMaxAnswerXmlBytes = std::size_t{8} << 20;
 constexpr std::size_t kMaxKeyBytes = 1024;
 constexpr std::size_t kMaxWordBytes = 4096;
 

@@ -16,7 +16,6 @@
 
 namespace skyquilt::storage {
 
-inline constexpr std::size_t kMaxAnswerXmlBytes = std::size_t{8} << 20;
 inline constexpr std::size_t kMaxPageEntries = 1000;
 
 struct ListedObject {

@@ -67,8 +67,6 @@ std::string EnvironmentVariable(const char* name) {
   return value == nullptr ? "" : value;
 }
 
-bool IsS3Address(const std::string& address) { return address.starts_with(kScheme); }
-
 std::string S3Settings::PathOf(const std::string& key) const {
   const std::string object = key.empty() ? "" : prefix + key;
   return is_bucket_in_host ? "/" + object : "/" + bucket + (object.empty() ? "" : "/" + object);
@@ -76,7 +74,7 @@ std::string S3Settings::PathOf(const std::string& key) const {
 
 Result<S3Settings> ReadS3Settings(const std::string& address, const Variable& variable) {
   S3Settings settings;
-  const std::string rest = IsS3Address(address) ? address.substr(kScheme.size()) : "";
+  const std::string rest = address.starts_with(kScheme) ? address.substr(kScheme.size()) : "";
   settings.bucket = rest.substr(0, rest.find('/'));
   if (const std::size_t slash = rest.find('/'); slash != std::string::npos)
     settings.prefix = rest.substr(slash + 1);

@@ -33,9 +33,6 @@ struct S3Settings {
   std::string Address() const { return "s3://" + bucket + "/" + prefix; }
 };
 
-// True for what ReadS3Settings is to be asked about.
-bool IsS3Address(const std::string& address);
-
 // `variable`: the environment; empty where it is not set.
 using Variable = std::function<std::string(const char*)>;
 std::string EnvironmentVariable(const char* name);

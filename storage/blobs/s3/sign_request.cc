@@ -11,6 +11,7 @@
 #include <map>
 
 #include "core/base/check.h"
+#include "storage/blobs/sha256.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -49,12 +50,7 @@ std::string Trimmed(std::string_view value) {
 // Names in lower case, in their order.
 std::map<std::string, std::string> CanonicalHeaders(const NamedValues& headers, const std::string& host) {
   std::map<std::string, std::string> canonical = {{"host", host}};
-  for (const auto& [name, value] : headers) {
-    std::string lower = name;
-    std::transform(lower.begin(), lower.end(), lower.begin(),
-                   [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
-    canonical[lower] = Trimmed(value);
-  }
+  for (const auto& [name, value] : headers) canonical[LowerCase(name)] = Trimmed(value);
   return canonical;
 }
 
@@ -83,18 +79,11 @@ std::string SignatureOf(const RequestToSign& request, const std::map<std::string
 
 }  // namespace
 
-std::string HexOf(std::span<const unsigned char> bytes) {
-  std::string hex;
-  for (const unsigned char byte : bytes) hex += fmt::format("{:02x}", byte);
-  return hex;
-}
-
-std::string Sha256Hex(std::string_view bytes) {
-  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
-  unsigned int length = 0;
-  SKYQUILT_CHECK(EVP_Digest(bytes.data(), bytes.size(), digest.data(), &length, EVP_sha256(), nullptr) == 1,
-                 "OpenSSL has no SHA-256");
-  return HexOf({digest.data(), length});
+std::string LowerCase(std::string_view text) {
+  std::string lower(text);
+  std::transform(lower.begin(), lower.end(), lower.begin(),
+                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+  return lower;
 }
 
 std::string UriEncode(std::string_view text, bool keeps_slashes) {

@@ -1,5 +1,5 @@
 // PostgresStatement: a Statement's driver over PostgreSQL. The first Step runs it and fetches all of its
-// rows. Parameters go in binary with their types: int8, float8, text, bytea. As of statement.h.
+// rows. Parameters go in binary with their types: int8, float8, text, bytea. As of StatementDriver.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "storage/db/postgres/postgres_db.h"
-#include "storage/db/statement.h"
+#include "storage/db/sql_connection.h"
 
 namespace skyquilt::storage {
 

@@ -14,7 +14,7 @@
 #include "core/image/picture_codec.h"
 #include "storage/exports/custom/export_request.h"
 #include "storage/exports/fringe_tile.h"
-#include "storage/exports/tile_walk.h"
+#include "storage/exports/stored_tiles.h"
 #include "storage/tilesets/mbtiles_reader.h"
 #include "storage/tilesets/mbtiles_writer.h"
 

@@ -16,7 +16,7 @@
 #include "core/geo/web_mercator.h"
 #include "core/indices/spectral_index.h"
 #include "storage/exports/custom/target_crs.h"
-#include "storage/exports/utm_writer.h"
+#include "storage/exports/warped/warp_tiles.h"
 #include "storage/tilesets/tile_source.h"
 
 namespace skyquilt::storage {

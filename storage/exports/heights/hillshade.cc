@@ -9,7 +9,6 @@
 
 #include "storage/files/publish_file.h"
 #include "storage/rasters/gdal_steps.h"
-#include "storage/rasters/register_gdal.h"
 
 namespace skyquilt::storage {
 

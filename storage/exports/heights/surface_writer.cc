@@ -14,10 +14,9 @@
 
 #include "core/base/check.h"
 #include "core/base/try.h"
-#include "storage/exports/utm_writer.h"
 #include "storage/exports/warp_geotiff.h"
+#include "storage/exports/warped/warp_tiles.h"
 #include "storage/rasters/gdal_steps.h"
-#include "storage/rasters/register_gdal.h"
 
 namespace skyquilt::storage {
 namespace {

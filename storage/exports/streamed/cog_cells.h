@@ -11,8 +11,8 @@
 
 #include "core/base/result.h"
 #include "core/image/rgba_image.h"
+#include "storage/exports/stored_tiles.h"
 #include "storage/exports/tiff_head.h"
-#include "storage/exports/tile_grid.h"
 #include "storage/tilesets/tile_source.h"
 
 namespace skyquilt::storage {

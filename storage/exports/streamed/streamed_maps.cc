@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "core/base/try.h"
-#include "storage/exports/streamed/streamed_cog.h"
-#include "storage/exports/streamed/streamed_pmtiles.h"
+#include "storage/exports/cog_writer.h"
+#include "storage/exports/pmtiles_writer.h"
 #include "storage/tilesets/mbtiles_reader.h"
 
 namespace skyquilt::storage {

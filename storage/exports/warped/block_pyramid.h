@@ -1,18 +1,24 @@
-// Blocks over a grid: their levels, and the order in which they can be made so that few are
-// held: by units of some blocks each, which are made on any thread, and the overviews above them, of which
-// one row of four waits at each level. A value; one thread.
+// Blocks over a grid: their levels, the order in which they can be made so that few are held (by units of
+// some blocks each, which are made on any thread, and the overviews above them, of which one row of four
+// waits at each level), and the file that has them until the places of all are known. One thread. Errors of
+// the file: kIo, kOutOfSpace.
 #pragma once
 
 #include <cstdint>
+#include <cstdio>
+#include <filesystem>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "core/base/result.h"
 #include "core/image/rgba_image.h"
-#include "storage/exports/tile_grid.h"
+#include "storage/exports/stored_tiles.h"
 
 namespace skyquilt::storage {
 
@@ -53,5 +59,29 @@ class Overviews {
 
 // The block above four; nothing where none of them shows anything.
 std::optional<image::RgbaImage> Above(const std::vector<std::optional<image::RgbaImage>>& children);
+
+// Blocks that are kept in a file until it is known where they belong. The file has no name any more while it
+// is used, so that it goes however the program ends.
+class BlockSpool {
+ public:
+  static Result<std::unique_ptr<BlockSpool>> Create(const std::filesystem::path& path);
+  ~BlockSpool();
+  BlockSpool(const BlockSpool&) = delete;
+  BlockSpool& operator=(const BlockSpool&) = delete;
+
+  std::uint64_t length() const { return length_; }
+  // Behind what is there: at length() as it was.
+  Result<void> Append(std::string_view block);
+  // After the last one, before the first is read.
+  Result<void> Flush();
+  Result<std::string> Read(std::uint64_t offset, std::uint64_t bytes);
+
+ private:
+  BlockSpool(std::filesystem::path path, std::FILE* file) : path_(std::move(path)), file_(file) {}
+
+  const std::filesystem::path path_;
+  std::FILE* file_;
+  std::uint64_t length_ = 0;
+};
 
 }  // namespace skyquilt::storage

@@ -12,17 +12,17 @@
 
 #include "core/base/parallel_for.h"
 #include "core/base/try.h"
+#include "core/geo/crs/reference_system.h"
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
-#include "storage/exports/cog_writer.h"
 #include "storage/exports/streamed/cog_cells.h"
+#include "storage/exports/tiff_head.h"
 #include "storage/exports/warped/block_pyramid.h"
-#include "storage/exports/warped/block_spool.h"
 #include "storage/exports/warped/resample_block.h"
-#include "storage/exports/warped/resampling_kernel.h"
 #include "storage/exports/warped/source_window.h"
 #include "storage/exports/warped/target_grid.h"
-#include "storage/files/stream_file.h"
+#include "storage/files/publish_file.h"
+#include "storage/tilesets/mbtiles_reader.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -190,7 +190,7 @@ Result<void> WriteFile(const std::filesystem::path& path, const std::vector<Grid
   SKYQUILT_TRY(spool.Flush());
   std::uint64_t bytes = spool.length();
   for (const auto& level : kept) bytes += 64 * level.size();
-  TiffHead head(levels, kWarpedBlockPx, TiffTiles::kJpeg, bytes > kClassicTiffLimitBytes, place);
+  TiffHead head(levels, kWarpedBlockPx, TiffTiles::kJpeg, bytes, place);
   SKYQUILT_TRY_ASSIGN(auto file, StreamFile::Create(path));
   file->Write(head.bytes());
   for (std::size_t level = levels.size(); level-- > 0;) {
@@ -216,7 +216,7 @@ Result<void> WriteFile(const std::filesystem::path& path, const std::vector<Grid
 
 Result<void> WarpTiles(MapTiles& tiles, const std::filesystem::path& path, const WarpTilesOptions& options,
                        Progress& progress) {
-  const int tile_size_px = TileSizeOf(tiles.metadata());
+  const int tile_size_px = TilesetNumber(tiles.metadata(), "tile_size", 256);
   SKYQUILT_TRY_ASSIGN(const auto grid, TargetGrid::Cover(options.bounds, options.target.epsg,
                                                          options.target.pixel_x, options.target.pixel_y));
   const SourceLevel source = LevelFor(grid->PixelInMercM(), options, tile_size_px);
@@ -275,6 +275,30 @@ Result<void> WarpTiles(MapTiles& tiles, const std::filesystem::path& path, const
     return Error{ErrorCode::kCorrupt,
                  "The map has no tiles where it says that it has some. Make or import it again.", ""};
   return WriteFile(path, levels, grid->place(), *spool, kept, progress);
+}
+
+Result<int> UtmEpsg(const geo::LatLon& position) {
+  if (!(position.lat_deg >= -80.0 && position.lat_deg <= 84.0)) {
+    return Error{ErrorCode::kUnprocessable,
+                 "UTM ends at 80 degrees south and 84 north; leave out --utm, and dsm of --formats, here",
+                 ""};
+  }
+  return geo::UtmCodeOf(position);
+}
+
+Result<void> WriteUtmGeotiff(const std::filesystem::path& mbtiles, const std::filesystem::path& path,
+                             const UtmOptions& options, Progress& progress) {
+  WarpTilesOptions warp;
+  SKYQUILT_TRY_ASSIGN(warp.target.epsg, UtmEpsg(options.bounds.Middle()));
+  warp.bounds = options.bounds;
+  warp.min_zoom = options.min_zoom;
+  warp.max_zoom = options.max_zoom;
+  warp.target.pixel_x = warp.target.pixel_y = options.pixel_m;
+  warp.jpeg_quality = options.jpeg_quality;
+  warp.threads = options.threads;
+  warp.message = "writing the UTM GeoTIFF";
+  SKYQUILT_TRY_ASSIGN(const auto tiles, MbtilesReader::Open(mbtiles));
+  return WarpTiles(*tiles, path, warp, progress);
 }
 
 }  // namespace skyquilt::storage

@@ -1,8 +1,8 @@
 // MoveBlobs: all photos and maps of a data folder to another place, from the folder to S3 or back. Each is
 // copied, and the copy is held against the original by size and SHA-256 as its place gives it back; what is
 // there already and is the same is not copied again, so that a move that was cut off goes on. In a store,
-// maps are packed for reading by ranges (storage/folder/object_store/pack_maps); such packs are not copied
-// back. Only when all are there does the folder say that they lie there
+// maps get a mosaic.pmtiles beside their mosaic.mbtiles, so that their tiles are read by ranges; such packs
+// are not copied back. Only when all are there does the folder say that they lie there
 // (storage/folder/object_store/settle_blobs), and only then are the originals of these copies removed, if
 // that was asked for. For a catalogue that no server and no worker uses at the moment. Errors: those of both
 // places; kConflict (the other place is another catalogue's; somebody is at work, or something came
@@ -11,15 +11,22 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "core/base/progress.h"
 #include "core/base/result.h"
 #include "storage/blobs/blob_store.h"
 #include "storage/db/catalogue_db.h"
 #include "storage/files/data_dir.h"
-#include "storage/folder/object_store/pack_maps.h"
 
 namespace skyquilt::storage {
+
+// A map that cannot be packed (it is damaged, or the disk is full) is told of and stays as good as it was: it
+// is fetched whole.
+struct PackReport {
+  int packed = 0;
+  std::vector<std::string> left_whole;  // each map with the reason
+};
 
 struct MoveReport {
   std::int64_t copied = 0;  // blobs

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "core/base/try.h"
-#include "storage/blobs/flight_blobs.h"
+#include "storage/blobs/blob_store.h"
 #include "storage/db/ids.h"
 #include "storage/folder/disk_flights.h"
 
@@ -49,7 +49,7 @@ Result<int> SweepRevisionBlobs(BlobStore& blobs, const Catalogue& catalogue, con
   std::set<std::string> unshown;
   for (const BlobInfo& product : products) {
     const std::optional<FlightBlob> name = FlightBlobOf(product.key);
-    if (name && IsRevisionFolder(name->folder) && !shown.contains(name->folder)) unshown.insert(name->folder);
+    if (name && RevisionOfFolder(name->folder) && !shown.contains(name->folder)) unshown.insert(name->folder);
   }
   int removed = 0;
   for (const std::string& folder : unshown) {
@@ -94,7 +94,7 @@ Result<SweepReport> SweepBlobs(BlobStore& blobs, const Catalogue& catalogue, con
     for (const StoredFile& file : files) stored.insert(file.stored_name);
     for (const auto& [name, key] : blobs_of_flight) {
       const bool is_unshown =
-          IsRevisionFolder(name.folder) && !shown.contains(name.folder) && !live.contains(flight_id);
+          RevisionOfFolder(name.folder) && !shown.contains(name.folder) && !live.contains(flight_id);
       const bool is_of_ended_job = IsUnitsFolder(name.folder) && !cut.contains(name.folder);
       if (is_unshown || is_of_ended_job) {
         SKYQUILT_TRY(blobs.Remove(key));

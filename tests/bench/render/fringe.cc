@@ -14,7 +14,7 @@
 #include "core/image/fringe_encoder.h"
 #include "core/image/picture_codec.h"
 #include "core/image/png_encoder.h"
-#include "storage/exports/tile_walk.h"
+#include "storage/exports/stored_tiles.h"
 
 namespace {
 

@@ -5,7 +5,6 @@
 #include <string_view>
 
 #include "core/base/check.h"
-#include "storage/pmtiles/gzip.h"
 #include "storage/pmtiles/pmtiles_archive.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {

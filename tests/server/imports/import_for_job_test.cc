@@ -21,7 +21,7 @@
 #include "storage/db/sqlite_db.h"
 #include "storage/files/publish_file.h"
 #include "tests/storage/painted_tileset.h"
-#include "tests/storage/scratch_dir.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::server {
 namespace {
@@ -65,7 +65,7 @@ Result<pipeline::MosaicReport> Import(const flight::InputFile& file, const std::
 }
 
 TEST(ImportForJob, MakesTheProductsOfAMap) {
-  const ScratchDir in, out;
+  const test::TemporaryFolder in, out;
   const auto report = Import(WriteNoise(in.path(), 600, true), "field.tif", {out.path(), true});
   ASSERT_TRUE(report.ok()) << report.error().message;
   EXPECT_EQ(report->title, "Field");
@@ -85,14 +85,14 @@ void ChangeReport(const std::filesystem::path& folder, const std::string& what, 
 }
 
 TEST(ImportForJob, TakesTheQualityThatTheMapsOwnReportStates) {
-  const ScratchDir in, first;
+  const test::TemporaryFolder in, first;
   const auto made = Import(WriteNoise(in.path(), 600, true), "field.tif", {first.path(), false});
   ASSERT_TRUE(made.ok()) << made.error().message;
   EXPECT_EQ(made->quality.status, pipeline::MapStatus::kUnknown) << "nobody says how true it is";
   ASSERT_NO_FATAL_FAILURE(ChangeReport(first.path(), R"("status": "unknown")", R"("status": "ready")"));
   ASSERT_NO_FATAL_FAILURE(ChangeReport(first.path(), R"("sigma_m": null)", R"("sigma_m": 2.3)"));
   const auto again = [&](const std::string& name_of_report) {
-    const ScratchDir out;
+    const test::TemporaryFolder out;
     pipeline::MosaicOptions options;
     options.import_file = "maps/field.mbtiles";
     SilentProgress progress;
@@ -117,7 +117,7 @@ TEST(ImportForJob, TakesTheQualityThatTheMapsOwnReportStates) {
 }
 
 TEST(ImportForJob, CallsAFileByItsNameAndNotByWhereItIs) {
-  const ScratchDir in, out;
+  const test::TemporaryFolder in, out;
   const flight::InputFile nowhere = WriteNoise(in.path(), 64, false);
   const auto refused = Import(nowhere, "field.tif", {out.path(), false});
   ASSERT_FALSE(refused.ok());
@@ -131,9 +131,9 @@ TEST(ImportForJob, CallsAFileByItsNameAndNotByWhereItIs) {
 }
 
 TEST(ImportForJob, SaysByACodeWhyTilesAreNoMap) {
-  const ScratchDir in;
+  const test::TemporaryFolder in;
   const auto why_not = [&](const std::string& change) {
-    const ScratchDir out;
+    const test::TemporaryFolder out;
     const flight::InputFile file{"field.mbtiles", in.path() / "0k2j"};
     std::filesystem::remove(file.path);
     test::WritePaintedTileset(file.path, {17, 256, 68125, 46175, 3, 3});
@@ -151,7 +151,7 @@ TEST(ImportForJob, SaysByACodeWhyTilesAreNoMap) {
 }
 
 TEST(ImportForJob, EndsWhereTheDiskHasNoRoomForTheMap) {
-  const ScratchDir in, out;
+  const test::TemporaryFolder in, out;
   const flight::InputFile file = WriteNoise(in.path(), 4096, true);
   constexpr rlim_t kRoomBytes = rlim_t{5} << 20;
   rlimit before{};

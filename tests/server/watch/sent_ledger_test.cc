@@ -5,7 +5,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "tests/storage/scratch_dir.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::server {
 namespace {
@@ -24,7 +24,7 @@ class SentLedgerTest : public ::testing::Test {
     text << std::ifstream(path_).rdbuf();
     return text.str();
   }
-  ScratchDir scratch_;
+  test::TemporaryFolder scratch_;
   const std::filesystem::path path_ = scratch_.path() / "deep" / "sent.jsonl";
 };
 

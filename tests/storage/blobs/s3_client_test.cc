@@ -8,6 +8,7 @@
 #include <iterator>
 #include <map>
 
+#include "storage/blobs/sha256.h"
 #include "tests/storage/blobs/scripted_server.h"
 #include "tests/support/temporary_folder.h"
 

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "storage/blobs/sha256.h"
+
 namespace skyquilt::storage {
 namespace {
 

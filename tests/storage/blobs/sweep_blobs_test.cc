@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <fstream>
 
-#include "storage/blobs/flight_blobs.h"
+#include "storage/blobs/blob_store.h"
 #include "storage/blobs/folder_blobs.h"
 #include "storage/db/ids.h"
 #include "storage/folder/object_store/settle_blobs.h"

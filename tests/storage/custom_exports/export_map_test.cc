@@ -21,11 +21,11 @@
 #include "storage/exports/cog_writer.h"
 #include "storage/exports/custom/target_crs.h"
 #include "storage/files/publish_file.h"
-#include "storage/rasters/register_gdal.h"
+#include "storage/rasters/gdal_steps.h"
 #include "storage/tilesets/mbtiles_reader.h"
 #include "tests/storage/painted_tileset.h"
 #include "tests/storage/rasters/band_file.h"
-#include "tests/storage/scratch_dir.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -97,7 +97,7 @@ class ExportMapTest : public testing::Test {
     return std::unique_ptr<GDALDataset>(
         GDALDataset::Open(Out(name).c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY));
   }
-  ScratchDir folder_;
+  test::TemporaryFolder folder_;
 };
 
 TEST_F(ExportMapTest, WhatIsAskedForAsItIsIsTheMapsOwnBytes) {

@@ -11,9 +11,9 @@
 #include "storage/catalogue/catalogue.h"
 #include "storage/catalogue/tokens.h"
 #include "storage/db/ids.h"
-#include "storage/folder/sweep_exports.h"
+#include "storage/folder/sweep.h"
 #include "tests/storage/postgres/test_catalogue.h"
-#include "tests/storage/scratch_dir.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -51,7 +51,7 @@ class MapExportsTest : public testing::Test {
     return exports_.Add(wish, Now());
   }
 
-  ScratchDir dir_;
+  test::TemporaryFolder dir_;
   std::unique_ptr<CatalogueDb> db_;
   Catalogue catalogue_;
   MapExports exports_;

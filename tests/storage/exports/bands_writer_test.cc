@@ -7,8 +7,8 @@
 #include <cmath>
 #include <memory>
 
-#include "storage/rasters/register_gdal.h"
-#include "tests/storage/scratch_dir.h"
+#include "storage/rasters/gdal_steps.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -40,7 +40,7 @@ std::vector<std::vector<float>> Values(int from) {
 }
 
 TEST(BandsWriterTest, WritesACloudOptimisedRasterOfWhatIsCovered) {
-  const ScratchDir scratch;
+  const test::TemporaryFolder scratch;
   const std::filesystem::path path = scratch.path() / "bands.tif";
   SilentProgress progress;
   {
@@ -84,7 +84,7 @@ TEST(BandsWriterTest, WritesACloudOptimisedRasterOfWhatIsCovered) {
 }
 
 TEST(BandsWriterTest, WithoutAnyValueThereIsNoFile) {
-  const ScratchDir scratch;
+  const test::TemporaryFolder scratch;
   SilentProgress progress;
   BandsWriter writer(scratch.path() / "bands.tif", 1, progress);
   ASSERT_TRUE(writer.Begin(TwoBlocks()).ok());

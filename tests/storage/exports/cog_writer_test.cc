@@ -15,8 +15,8 @@
 #include "storage/tilesets/mbtiles_reader.h"
 #include "storage/tilesets/mbtiles_writer.h"
 #include "tests/storage/painted_tileset.h"
-#include "tests/storage/scratch_dir.h"
 #include "tests/support/bytes_of.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -25,7 +25,7 @@ using test::PaintedTile;
 using test::PaintedTileset;
 
 struct OpenedCog {
-  ScratchDir folder;
+  test::TemporaryFolder folder;
   std::filesystem::path mbtiles, tif;
   std::unique_ptr<GDALDataset> dataset;
 };
@@ -183,7 +183,7 @@ TEST(WriteCog, ShowsTilesWhoseFringeIsPng) {
 }
 
 TEST(WriteCog, MakesWebpOfWhatIsNotAmongTilesThatAre) {
-  ScratchDir folder;
+  test::TemporaryFolder folder;
   const std::filesystem::path mbtiles = folder.path() / "map.mbtiles";
   const PaintedTileset painted{18, 256, 64, 64, 2, 1};
   auto writer = *MbtilesWriter::Create(mbtiles);
@@ -246,7 +246,7 @@ TEST(WriteCog, PassesGdalsValidator) {
 }
 
 TEST(WriteCog, StaysInOnePieceAcrossTheDateLine) {
-  ScratchDir folder;
+  test::TemporaryFolder folder;
   const std::filesystem::path mbtiles = folder.path() / "map.mbtiles";
   auto writer = *MbtilesWriter::Create(mbtiles);
   for (int column = 0; column < 4; ++column) {
@@ -273,7 +273,7 @@ TEST(WriteCog, LeavesNothingBehindWhenCancelled) {
     void Report(double, std::string_view) override {}
     bool IsCancelled() const override { return true; }
   };
-  ScratchDir folder;
+  test::TemporaryFolder folder;
   test::WritePaintedTileset(folder.path() / "map.mbtiles", {18, 256, 1001, 2002, 3, 3});
   Cancelled progress;
   const Result<void> written =

@@ -15,7 +15,7 @@
 
 #include "storage/files/publish_file.h"
 #include "tests/storage/exports/heights_raster.h"
-#include "tests/storage/scratch_dir.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -34,7 +34,7 @@ std::unique_ptr<GDALDataset> OpenLines(const std::filesystem::path& path) {
 }
 
 TEST(Contours, AreRoundTheirConeAtTheirHeightInEachFormat) {
-  const ScratchDir folder;
+  const test::TemporaryFolder folder;
   SilentProgress progress;
   WriteHeights(folder.path() / "dtm.tif", kSide, ConeAt);
   const Result<double> interval_m = WriteContours(folder.path() / "dtm.tif", 0.2, progress);
@@ -81,7 +81,7 @@ TEST(Contours, OfLevelAndOfUnknownGroundAreFilesWithoutLines) {
   SilentProgress progress;
   for (double (*height_at)(double, double) :
        {+[](double, double) { return 3.04; }, +[](double, double) { return std::nan(""); }}) {
-    const ScratchDir folder;
+    const test::TemporaryFolder folder;
     WriteHeights(folder.path() / "dtm.tif", kSide, height_at);
     const Result<double> interval_m = WriteContours(folder.path() / "dtm.tif", 0.5, progress);
     ASSERT_TRUE(interval_m) << interval_m.error().message;
@@ -95,9 +95,9 @@ TEST(Contours, OfLevelAndOfUnknownGroundAreFilesWithoutLines) {
 }
 
 TEST(Contours, AreTheSameBytesEachTime) {
-  const ScratchDir first, second;
+  const test::TemporaryFolder first, second;
   SilentProgress progress;
-  for (const ScratchDir* folder : {&first, &second}) {
+  for (const test::TemporaryFolder* folder : {&first, &second}) {
     WriteHeights(folder->path() / "dtm.tif", kSide, ConeAt);
     ASSERT_TRUE(WriteContours(folder->path() / "dtm.tif", 0.2, progress));
   }

@@ -12,7 +12,7 @@
 #include <memory>
 #include <vector>
 
-#include "storage/rasters/register_gdal.h"
+#include "storage/rasters/gdal_steps.h"
 
 namespace skyquilt::storage {
 

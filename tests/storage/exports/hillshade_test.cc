@@ -12,7 +12,7 @@
 #include <memory>
 
 #include "tests/storage/exports/heights_raster.h"
-#include "tests/storage/scratch_dir.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -37,7 +37,7 @@ int At(GDALDataset& raster, int column, int row) {
 }
 
 TEST(Hillshade, IsBrightTowardsTheLightAndEmptyWhereNothingIsKnown) {
-  const ScratchDir folder;
+  const test::TemporaryFolder folder;
   SilentProgress progress;
   WriteHeights(folder.path() / "dsm.tif", kShadeSide, SteepConeAt);
   const Result<void> written = WriteHillshade(folder.path() / "dsm.tif", 1, progress);
@@ -60,7 +60,7 @@ TEST(Hillshade, IsBrightTowardsTheLightAndEmptyWhereNothingIsKnown) {
 }
 
 TEST(Hillshade, OfNoFileIsAnErrorAndLeavesNothing) {
-  const ScratchDir folder;
+  const test::TemporaryFolder folder;
   SilentProgress progress;
   const Result<void> written = WriteHillshade(folder.path() / "dsm.tif", 1, progress);
   ASSERT_FALSE(written);

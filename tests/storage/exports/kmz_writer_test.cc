@@ -11,7 +11,7 @@
 #include "storage/tilesets/mbtiles_reader.h"
 #include "storage/tilesets/mbtiles_writer.h"
 #include "tests/storage/painted_tileset.h"
-#include "tests/storage/scratch_dir.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -53,7 +53,7 @@ void ExpectShows(const std::string& shown, const std::string& stored) {
 }
 
 TEST(WriteKmz, LeadsFromTheFirstFileToEveryTileWithItsPicture) {
-  const ScratchDir dir;
+  const test::TemporaryFolder dir;
   const std::filesystem::path mbtiles = dir.path() / "map.mbtiles", kmz = dir.path() / "map.kmz";
   test::WritePaintedTileset(mbtiles, {.first_column = 134'000, .first_row = 92'000, .columns = 7, .rows = 5});
   SilentProgress progress;
@@ -96,7 +96,7 @@ TEST(WriteKmz, LeadsFromTheFirstFileToEveryTileWithItsPicture) {
 }
 
 TEST(WriteKmz, ShowsMapsOfWebpAsPngAndJpeg) {
-  const ScratchDir dir;
+  const test::TemporaryFolder dir;
   test::WritePaintedTileset(
       dir.path() / "map.mbtiles",
       {.first_column = 4, .columns = 5, .rows = 5, .encoding = image::TileEncoding::kWebp, .quality = 80});
@@ -112,7 +112,7 @@ TEST(WriteKmz, ShowsMapsOfWebpAsPngAndJpeg) {
 }
 
 TEST(WriteKmz, SaysThatATileIsDamaged) {
-  const ScratchDir dir;
+  const test::TemporaryFolder dir;
   auto writer = *MbtilesWriter::Create(dir.path() / "map.mbtiles");
   constexpr std::string_view kCutOff("RIFF\x08\0\0\0WEBPVP8X", 16);
   ASSERT_TRUE(writer->Put(*geo::TileId::Make(3, 1, 1), image::PictureFormat::kWebp,

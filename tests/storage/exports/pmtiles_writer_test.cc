@@ -8,12 +8,12 @@
 #include <map>
 #include <optional>
 
-#include "storage/pmtiles/pmtiles_directory.h"
+#include "storage/pmtiles/pmtiles_archive.h"
 #include "storage/tilesets/mbtiles_reader.h"
 #include "storage/tilesets/mbtiles_writer.h"
 #include "tests/storage/painted_tileset.h"
-#include "tests/storage/scratch_dir.h"
 #include "tests/support/bytes_of.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -96,7 +96,7 @@ TEST(PmtilesNumber, CountsAsTheSpecificationsTable) {
 }
 
 TEST(WritePmtiles, HoldsExactlyTheTilesOfTheTileset) {
-  ScratchDir folder;
+  test::TemporaryFolder folder;
   const test::PaintedTileset tileset{18, 256, 1001, 2002, 7, 6};
   WritePaintedTileset(folder.path() / "map.mbtiles", tileset);
   SilentProgress progress;
@@ -124,7 +124,7 @@ TEST(WritePmtiles, HoldsExactlyTheTilesOfTheTileset) {
 }
 
 TEST(WritePmtiles, StoresEqualTilesOnceAndEqualNeighboursAsARun) {
-  ScratchDir folder;
+  test::TemporaryFolder folder;
   auto writer = *MbtilesWriter::Create(folder.path() / "map.mbtiles");
   const std::vector<std::uint8_t> sea{0xff, 0xd8, 0xff, 1, 2, 3};
   for (int x = 0; x < 8; ++x) {

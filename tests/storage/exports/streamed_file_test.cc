@@ -14,17 +14,15 @@
 #include "core/image/picture_codec.h"
 #include "storage/exports/cog_writer.h"
 #include "storage/exports/pmtiles_writer.h"
+#include "storage/exports/stored_tiles.h"
 #include "storage/exports/streamed/cog_cells.h"
-#include "storage/exports/streamed/streamed_cog.h"
 #include "storage/exports/streamed/streamed_maps.h"
-#include "storage/exports/streamed/streamed_pmtiles.h"
-#include "storage/exports/streamed/tile_table.h"
 #include "storage/files/publish_file.h"
 #include "storage/tilesets/mbtiles_reader.h"
 #include "storage/tilesets/mbtiles_writer.h"
 #include "tests/storage/painted_tileset.h"
-#include "tests/storage/scratch_dir.h"
 #include "tests/support/bytes_of.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -54,7 +52,7 @@ class StreamedFileTest : public testing::Test {
     return path;
   }
 
-  ScratchDir folder_;
+  test::TemporaryFolder folder_;
   StreamedMaps maps_;
 };
 

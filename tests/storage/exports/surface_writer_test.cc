@@ -10,7 +10,7 @@
 #include <string>
 
 #include "core/surface/terrain/ground_sketch.h"
-#include "tests/storage/scratch_dir.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -51,7 +51,7 @@ double ValueAt(GDALDataset& raster, double x, double y) {
 }
 
 TEST(SurfaceWriter, HeightsLieWhereTheyAreInUtmAboveTheEllipsoid) {
-  const ScratchDir folder;
+  const test::TemporaryFolder folder;
   const geo::LocalFrame frame(kOrigin);
   const surface::SurfaceGrid grid = FarGrid();
   SilentProgress progress;
@@ -100,7 +100,7 @@ TEST(SurfaceWriter, HeightsLieWhereTheyAreInUtmAboveTheEllipsoid) {
 }
 
 TEST(SurfaceWriter, WritesTheGroundBelowAsWell) {
-  const ScratchDir folder;
+  const test::TemporaryFolder folder;
   const surface::SurfaceGrid grid = FarGrid();
   SilentProgress progress;
   surface::GroundSketch sketch(grid.columns, grid.rows, grid.cell_m);
@@ -144,7 +144,7 @@ TEST(SurfaceWriter, WritesTheGroundBelowAsWell) {
 }
 
 TEST(SurfaceWriter, LeavesNothingBesideWhenItIsGivenUp) {
-  const ScratchDir folder;
+  const test::TemporaryFolder folder;
   {
     SilentProgress progress;
     SurfaceWriter writer(folder.path(), geo::LocalFrame(kOrigin), FarGrid(), 6.0, 1, nullptr, progress);
@@ -155,7 +155,7 @@ TEST(SurfaceWriter, LeavesNothingBesideWhenItIsGivenUp) {
 }
 
 TEST(SurfaceWriter, SaysThatThereIsNoUtmAtThePoles) {
-  const ScratchDir folder;
+  const test::TemporaryFolder folder;
   SilentProgress progress;
   SurfaceWriter writer(folder.path(), geo::LocalFrame({86.0, 7.0, 0.0}), FarGrid(), 6.0, 1, nullptr,
                        progress);

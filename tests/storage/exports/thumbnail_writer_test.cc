@@ -7,13 +7,13 @@
 
 #include "storage/exports/cog_writer.h"
 #include "tests/storage/painted_tileset.h"
-#include "tests/storage/scratch_dir.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 namespace {
 
 TEST(WriteThumbnail, ShowsTheMapSmallAndTransparentOutside) {
-  const ScratchDir dir;
+  const test::TemporaryFolder dir;
   test::WritePaintedTileset(dir.path() / "map.mbtiles",
                             {.first_column = 512, .first_row = 512, .columns = 8, .rows = 4});
   SilentProgress progress;
@@ -34,7 +34,7 @@ TEST(WriteThumbnail, ShowsTheMapSmallAndTransparentOutside) {
 }
 
 TEST(WriteTilesThumbnail, ShowsWhatTheGeotiffShows) {
-  const ScratchDir dir;
+  const test::TemporaryFolder dir;
   test::WritePaintedTileset(dir.path() / "map.mbtiles",
                             {.first_column = 512, .first_row = 512, .columns = 8, .rows = 4});
   SilentProgress progress;
@@ -60,7 +60,7 @@ TEST(WriteTilesThumbnail, ShowsWhatTheGeotiffShows) {
 }
 
 TEST(WriteThumbnail, SaysWhatIsMissing) {
-  const ScratchDir dir;
+  const test::TemporaryFolder dir;
   EXPECT_FALSE(WriteTilesThumbnail(dir.path() / "none.mbtiles", dir.path() / "small.png", 300));
   EXPECT_FALSE(WriteThumbnail(dir.path() / "none.tif", dir.path() / "small.png", 300));
 }

@@ -1,5 +1,3 @@
-#include "storage/exports/utm_writer.h"
-
 #include <gdal_priv.h>
 #include <gtest/gtest.h>
 
@@ -8,9 +6,10 @@
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
 #include "storage/exports/cog_writer.h"
-#include "storage/rasters/register_gdal.h"
+#include "storage/exports/warped/warp_tiles.h"
+#include "storage/rasters/gdal_steps.h"
 #include "tests/storage/painted_tileset.h"
-#include "tests/storage/scratch_dir.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -28,7 +27,7 @@ TEST(UtmEpsg, KnowsTheZonesAndTheirExceptions) {
 
 TEST(WriteUtmGeotiff, KeepsEveryPlaceAndTheMask) {
   RegisterGdalOnce();
-  ScratchDir folder;
+  test::TemporaryFolder folder;
   const test::PaintedTileset tileset{19, 256, 272500, 184700, 4, 4};
   test::WritePaintedTileset(folder.path() / "map.mbtiles", tileset);
   SilentProgress progress;

@@ -15,12 +15,12 @@
 
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
-#include "storage/exports/warped/resampling_kernel.h"
+#include "storage/exports/warped/resample_block.h"
 #include "storage/exports/warped/target_grid.h"
-#include "storage/rasters/register_gdal.h"
+#include "storage/rasters/gdal_steps.h"
 #include "storage/tilesets/mbtiles_reader.h"
 #include "tests/storage/painted_tileset.h"
-#include "tests/storage/scratch_dir.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -53,7 +53,7 @@ class WarpTilesTest : public testing::Test {
     return std::unique_ptr<GDALDataset>(GDALDataset::Open((folder_.path() / name).c_str()));
   }
 
-  ScratchDir folder_;
+  test::TemporaryFolder folder_;
   std::shared_ptr<MbtilesReader> tiles_;
   WarpTilesOptions options_;
   SilentProgress progress_;
@@ -175,7 +175,7 @@ TEST_F(WarpTilesTest, OneThatIsCancelledLeavesNothing) {
 
 TEST(WarpTiles, GoesOnBeyondTheDateLine) {
   RegisterGdalOnce();
-  const ScratchDir folder;
+  const test::TemporaryFolder folder;
   const int around = 1 << 12;
   test::WritePaintedTileset(folder.path() / "map.mbtiles", {12, 256, around - 2, 1500, 2, 2});
   const auto tiles = *MbtilesReader::Open(folder.path() / "map.mbtiles");

@@ -13,8 +13,7 @@
 #include "storage/db/ids.h"
 #include "storage/jobs/unit_inputs.h"
 #include "storage/jobs/workers_aside.h"
-#include "tests/storage/postgres/test_catalogue.h"
-#include "tests/storage/scratch_dir.h"
+#include "tests/storage/catalogue_fixture.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -22,15 +21,8 @@ namespace {
 using std::chrono::hours;
 using std::chrono::seconds;
 
-class UnitQueueTest : public testing::Test {
+class UnitQueueTest : public CatalogueFixture {
  protected:
-  UnitQueueTest()
-      : db_(*OpenTestCatalogue(dir_.path() / "catalogue.db")),
-        catalogue_(*db_),
-        queue_(*db_),
-        units_(*db_),
-        now_(Now()) {}
-
   Lease CutJob(int count, std::string_view kind = "look") {
     const std::string flight = catalogue_.AddFlight("field", "{}", now_)->id;
     EXPECT_TRUE(queue_.Add(flight, "{\"a\":1}", now_).ok());
@@ -40,12 +32,7 @@ class UnitQueueTest : public testing::Test {
   }
   UnitLease Claimed(std::string_view worker = "w") { return **units_.Claim(worker, now_); }
 
-  ScratchDir dir_;
-  std::unique_ptr<CatalogueDb> db_;
-  Catalogue catalogue_;
-  JobQueue queue_;
-  UnitQueue units_;
-  Time now_;
+  UnitQueue units_{*db_};
 };
 
 TEST_F(UnitQueueTest, AJobWaitsForItsUnitsAndIsThenClaimedAgain) {

@@ -4,8 +4,6 @@
 
 #include <random>
 
-#include "storage/pmtiles/gzip.h"
-
 namespace skyquilt::storage {
 namespace {
 

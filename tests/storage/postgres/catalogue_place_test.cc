@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-#include "tests/storage/scratch_dir.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -47,7 +47,7 @@ TEST(CataloguePlace, IsTheDataFolderWithoutAUrl) {
 }
 
 TEST(CataloguePlace, ReadsThePasswordFromAFile) {
-  const ScratchDir dir;
+  const test::TemporaryFolder dir;
   const auto path = dir.path() / "password";
   std::ofstream(path) << "from the file\nand no more\n";
   EXPECT_EQ(CataloguePlaceFrom("postgresql://me:url@db/maps", path.string())->password, "from the file");

@@ -13,7 +13,7 @@
 #include "storage/catalogue/catalogue.h"
 #include "storage/db/postgres/postgres_db.h"
 #include "tests/storage/postgres/test_catalogue.h"
-#include "tests/storage/scratch_dir.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 
@@ -46,7 +46,7 @@ class PostgresTest : public testing::Test {
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   }
 
-  ScratchDir dir_;
+  test::TemporaryFolder dir_;
   std::unique_ptr<CatalogueDb> db_;
 };
 

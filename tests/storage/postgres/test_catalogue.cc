@@ -9,7 +9,8 @@ bool TestsPostgres() { return std::getenv("SKYQUILT_TEST_POSTGRES") != nullptr; 
 CataloguePlace TestPlace(const std::filesystem::path& path) {
   const char* url = std::getenv("SKYQUILT_TEST_POSTGRES");
   std::string schema = "t";
-  // Of a path as ScratchDir makes it: /tmp/skyquilt_test_AbCdEf/catalogue.db; schemas have no capitals.
+  // Of a path as test::TemporaryFolder makes it: /tmp/skyquilt_test_AbCdEf/catalogue.db; schemas have no
+  // capitals.
   for (const char c : path.parent_path().filename().string() + path.filename().string()) {
     if (c >= 'A' && c <= 'Z') {
       schema += "_" + std::string(1, static_cast<char>(c - 'A' + 'a'));

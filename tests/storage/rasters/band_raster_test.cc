@@ -17,7 +17,7 @@
 #include "storage/rasters/class_outlines.h"
 #include "storage/rasters/open_rasters.h"
 #include "tests/storage/rasters/band_file.h"
-#include "tests/storage/scratch_dir.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -40,7 +40,7 @@ class BandRasterTest : public testing::Test {
     EXPECT_TRUE(raster);
     return raster ? *raster : nullptr;
   }
-  ScratchDir scratch_;
+  test::TemporaryFolder scratch_;
   std::filesystem::path path_ = scratch_.path() / "bands.tif";
 };
 

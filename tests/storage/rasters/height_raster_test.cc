@@ -1,21 +1,20 @@
 // Heights of a map at places, on grids of the web map and within areas, against a slope with a box on it.
 #include "storage/rasters/height_raster.h"
 
-#include <gdal_priv.h>
-#include <gtest/gtest.h>
-#include <ogr_spatialref.h>
-
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <cmath>
 #include <functional>
+#include <gdal_priv.h>
+#include <gtest/gtest.h>
 #include <limits>
+#include <ogr_spatialref.h>
 #include <thread>
 
 #include "core/geo/web_mercator.h"
-#include "storage/rasters/register_gdal.h"
-#include "tests/storage/scratch_dir.h"
+#include "storage/rasters/gdal_steps.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -68,7 +67,7 @@ class HeightRasterTest : public testing::Test {
                At(west_m, north_m + side_m)}}}};
   }
 
-  ScratchDir scratch_;
+  test::TemporaryFolder scratch_;
   std::filesystem::path heights_ = scratch_.path() / "dsm.tif",
                         measured_ = scratch_.path() / "dsm_photos.tif";
   geo::MapProjection zone_ = *geo::MapProjection::OfEpsg(32632);

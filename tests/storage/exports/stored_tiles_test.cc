@@ -1,16 +1,16 @@
-#include "storage/exports/tile_grid.h"
+#include "storage/exports/stored_tiles.h"
 
 #include <gtest/gtest.h>
 
 #include "storage/tilesets/mbtiles_writer.h"
-#include "tests/storage/scratch_dir.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::storage {
 namespace {
 
 std::vector<GridLevel> GridOfColumns(std::int64_t first, std::int64_t count, int zoom, int tile_size_px,
                                      GridAlignment alignment) {
-  ScratchDir folder;
+  test::TemporaryFolder folder;
   auto writer = *MbtilesWriter::Create(folder.path() / "map.mbtiles");
   const std::vector<std::uint8_t> bytes{1};
   for (int level = 0; level <= zoom; ++level) {

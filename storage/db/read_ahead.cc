@@ -1,4 +1,4 @@
-#include "storage/db/immutable/read_ahead.h"
+#include "storage/db/read_ahead.h"
 
 #include <sqlite3.h>
 

@@ -1,0 +1,17 @@
+// Leases of jobs, the workers' half of JobQueue: claim, renew, end, publish, and what becomes of a job whose
+// worker is gone: another attempt where the worker died while others went on living, none where the machine
+// or the server was taken from under it.
+#pragma once
+
+#include "core/base/result.h"
+#include "storage/db/clock.h"
+#include "storage/db/sql_connection.h"
+#include "storage/jobs/job_queue.h"
+
+namespace skyquilt::storage {
+
+// Leases that ran out: of jobs whose user wished to cancel, of claims that a restart cut off, and of the last
+// attempt. Called with the write lock held. Errors: as SqlConnection.
+Result<void> SettleLostLeases(SqlConnection& db, Time now);
+
+}  // namespace skyquilt::storage
