@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/alignment/features/extract_all.h"
+#include "core/alignment/features/features.h"
 #include "core/base/progress.h"
 #include "core/flight/flight.h"
 #include "core/flight/photos/photo_source.h"

@@ -14,7 +14,7 @@
 #include "core/alignment/scene/ground_control.h"
 #include "core/alignment/scene/keypoints.h"
 #include "core/alignment/scene/matches.h"
-#include "core/alignment/scene/pose_prior.h"
+#include "core/alignment/scene/priors.h"
 #include "core/base/progress.h"
 #include "core/base/result.h"
 #include "core/poses/posed_flight.h"

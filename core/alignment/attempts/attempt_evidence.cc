@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/alignment/matching/connected_components.h"
+#include "core/alignment/matching/verified_pair.h"
 #include "core/base/median.h"
 
 namespace skyquilt::alignment {

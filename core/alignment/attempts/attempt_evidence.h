@@ -12,7 +12,7 @@
 #include "core/alignment/scene/keypoints.h"
 #include "core/alignment/scene/matches.h"
 #include "core/alignment/scene/photo_set.h"
-#include "core/alignment/scene/pose_prior.h"
+#include "core/alignment/scene/priors.h"
 #include "core/flight/remarks/remark.h"
 
 namespace skyquilt::alignment {

@@ -10,9 +10,8 @@
 
 #include "core/alignment/baselines/chain_homographies.h"
 #include "core/alignment/bundle/reprojection_cost.h"
-#include "core/alignment/bundle/residuals.h"
 #include "core/alignment/estimators/plane_homography.h"
-#include "core/alignment/features/extract_all.h"
+#include "core/alignment/features/features.h"
 #include "core/alignment/matching/verified_pair.h"
 #include "core/alignment/scene/matches.h"
 #include "core/base/scoped_timer.h"

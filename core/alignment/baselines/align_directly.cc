@@ -4,10 +4,9 @@
 #include <cmath>
 
 #include "core/alignment/baselines/align_by_pose.h"
-#include "core/alignment/features/extract_all.h"
+#include "core/alignment/features/features.h"
 #include "core/alignment/from_records/bundle_setup.h"
 #include "core/alignment/from_records/direct_registration.h"
-#include "core/alignment/from_records/flight_lines.h"
 #include "core/base/scoped_timer.h"
 #include "core/base/try.h"
 

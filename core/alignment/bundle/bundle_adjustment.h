@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "core/alignment/bundle/readout_correction.h"
-#include "core/alignment/scene/camera_prior.h"
+#include "core/alignment/bundle/readout_motion.h"
+#include "core/alignment/scene/priors.h"
 #include "core/alignment/scene/tracks.h"
 #include "core/alignment/scene/view.h"
 

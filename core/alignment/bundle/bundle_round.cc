@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "core/alignment/bundle/reprojection_cost.h"
-#include "core/alignment/bundle/residuals.h"
 #include "core/base/trace.h"
 
 namespace skyquilt::alignment {

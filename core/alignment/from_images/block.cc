@@ -7,9 +7,7 @@
 #include <numeric>
 
 #include "core/alignment/bundle/bundle_adjustment.h"
-#include "core/alignment/scene/keypoint_sets.h"
-#include "core/alignment/scene/ray_intersection.h"
-#include "core/alignment/scene/track_spread.h"
+#include "core/alignment/scene/tracks.h"
 #include "core/base/median.h"
 #include "core/base/parallel_for.h"
 

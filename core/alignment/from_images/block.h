@@ -7,10 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/alignment/scene/camera_prior.h"
 #include "core/alignment/scene/photo_set.h"
+#include "core/alignment/scene/priors.h"
 #include "core/alignment/scene/registration.h"
-#include "core/alignment/scene/scene_tracks.h"
 #include "core/alignment/scene/tracks.h"
 #include "core/geo/rigid3.h"
 

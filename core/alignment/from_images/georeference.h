@@ -11,7 +11,7 @@
 
 #include "core/alignment/estimators/similarity.h"
 #include "core/alignment/scene/photo_set.h"
-#include "core/alignment/scene/pose_prior.h"
+#include "core/alignment/scene/priors.h"
 #include "core/alignment/scene/registration.h"
 
 namespace skyquilt::alignment {

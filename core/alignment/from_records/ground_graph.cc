@@ -6,7 +6,7 @@
 #include <optional>
 #include <queue>
 
-#include "core/alignment/matching/connected_components.h"
+#include "core/alignment/matching/verified_pair.h"
 #include "core/alignment/scene/photo_set.h"
 
 namespace skyquilt::alignment {

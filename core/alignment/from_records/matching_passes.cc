@@ -8,7 +8,6 @@
 #include "core/alignment/from_records/bundle_setup.h"
 #include "core/alignment/from_records/correct_poses.h"
 #include "core/alignment/from_records/ground_graph.h"
-#include "core/alignment/from_records/mount_turn.h"
 #include "core/base/median.h"
 
 namespace skyquilt::alignment {

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <map>
 
-#include "core/alignment/from_records/flight_lines.h"
+#include "core/alignment/from_records/bundle_setup.h"
 #include "core/base/check.h"
 #include "core/base/median.h"
 

@@ -1,5 +1,5 @@
-// Attempt: one alignment of a flight as far as it has come, and the steps that several stages take with it.
-// Values; the same for any number of threads.
+// Attempt: one alignment of a flight as far as it has come, its first and its last stage, and the steps that
+// several stages take with it. Values; the same for any number of threads.
 #pragma once
 
 #include <string>
@@ -46,5 +46,13 @@ Relief AdjustedRelief(const Attempt& attempt);
 // Every match that agrees with the adjusted poses, not only those the adjustment needed: the ground is
 // modelled from these.
 std::vector<Track> GroundTracks(const Attempt& attempt, const AlignOptions& options);
+
+// The photos compared where their records place them, in passes that correct records proved wrong by the
+// others, and the bundle to be adjusted from there. Errors: kCancelled.
+Result<Attempt> MatchByRecords(const ExtractedFlight& extracted, const AlignOptions& options,
+                               Progress& progress);
+
+// The last matching pass, on the relief that the first adjustment found, and the last adjustment.
+Attempt FinishAttempt(Attempt attempt, const AlignOptions& options, Progress& progress);
 
 }  // namespace skyquilt::alignment

@@ -7,7 +7,6 @@
 #include <numeric>
 #include <utility>
 
-#include "core/alignment/features/picture_detail.h"
 #include "core/alignment/features/sharpness.h"
 #include "core/base/median.h"
 #include "core/geo/bounds.h"

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "core/alignment/attempts/attempt_by_images.h"
-#include "core/alignment/from_records/flight_lines.h"
+#include "core/alignment/from_records/bundle_setup.h"
 #include "core/alignment/from_records/gyro_lag.h"
 #include "core/base/trace.h"
 

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "core/alignment/features/extract_all.h"
+#include "core/alignment/features/features.h"
 #include "core/alignment/scene/align_report.h"
 #include "core/alignment/scene/keypoints.h"
-#include "core/alignment/scene/pose_prior.h"
+#include "core/alignment/scene/priors.h"
 #include "core/alignment/stages/align_options.h"
 #include "core/base/progress.h"
 #include "core/base/result.h"

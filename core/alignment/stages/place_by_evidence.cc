@@ -11,7 +11,7 @@
 
 #include "core/alignment/attempts/attempt_by_images.h"
 #include "core/alignment/attempts/lost_photos.h"
-#include "core/alignment/bundle/tie_to_control.h"
+#include "core/alignment/bundle/control_points.h"
 #include "core/alignment/from_records/bundle_setup.h"
 #include "core/alignment/from_records/direct_registration.h"
 #include "core/alignment/from_records/level_flight.h"

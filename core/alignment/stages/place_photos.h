@@ -8,7 +8,7 @@
 
 #include "core/alignment/bundle/bundle_adjustment.h"
 #include "core/alignment/scene/align_report.h"
-#include "core/alignment/scene/pose_prior.h"
+#include "core/alignment/scene/priors.h"
 #include "core/alignment/stages/doubt_photos.h"
 #include "core/poses/posed_flight.h"
 

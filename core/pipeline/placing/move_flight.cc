@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "core/alignment/bundle/tie_to_control.h"
+#include "core/alignment/bundle/control_points.h"
 #include "core/alignment/scene/view.h"
 #include "core/base/median.h"
 #include "core/geo/bounds.h"

@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "core/alignment/bundle/tie_to_control.h"
+#include "core/alignment/bundle/control_points.h"
 #include "core/alignment/matching/verified_pair.h"
 #include "core/alignment/scene/matches.h"
 #include "core/geo/lat_lon.h"

@@ -7,7 +7,7 @@
 #include <limits>
 #include <utility>
 
-#include "core/alignment/bundle/tie_to_control.h"
+#include "core/alignment/bundle/control_points.h"
 #include "core/base/median.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"

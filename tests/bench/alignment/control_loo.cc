@@ -7,7 +7,7 @@
 #include <map>
 
 #include "core/alignment/align_flight.h"
-#include "core/alignment/bundle/tie_to_control.h"
+#include "core/alignment/bundle/control_points.h"
 #include "core/base/median.h"
 #include "core/flight/photos/photo_decoder.h"
 #include "core/flight/read_flight.h"
