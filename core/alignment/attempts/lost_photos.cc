@@ -237,12 +237,15 @@ bool HasLost(const AttemptEvidence& evidence) {
   return evidence.has_fixed || static_cast<double>(evidence.Lost()) <= most;
 }
 
-int TakeInLost(const WeighedAttempt& attempt, const std::vector<Track>& tracks, const Relief& relief,
-               int threads, poses::PosedFlight& posed, MatchingInput& input, MatchedFlight& linked,
-               BundleProblem& problem) {
+int TakeInLost(const ExtractedFlight& extracted, const std::vector<Track>& tracks, int threads,
+               Attempt& attempt) {
+  poses::PosedFlight& posed = attempt.posed;
+  MatchingInput& input = attempt.input;
+  MatchedFlight& linked = attempt.matched;
+  BundleProblem& problem = attempt.problem;
   const PhotoSet tied = TiedPhotos(attempt);
-  const std::vector<RegisteredLost> found =
-      RegisterLost({attempt.features, &input.views, &tied, &tracks, attempt.records, &relief}, threads);
+  const std::vector<RegisteredLost> found = RegisterLost(
+      {&extracted.readable, &input.views, &tied, &tracks, &extracted.records, &attempt.relief}, threads);
   if (found.empty()) return 0;
   // Where the images placed the others, its record counts as little as theirs, and that is said of all of
   // them.
@@ -258,7 +261,7 @@ int TakeInLost(const WeighedAttempt& attempt, const std::vector<Track>& tracks, 
     if (problem.photos[i].is_fixed) continue;  // it stays, and holds those that it is tied to
     TraceDecision("lost photo registered", {{"photo", i}, {"tied_to", one.links.size()}},
                   posed.photos[i].photo.name);
-    const bool is_unrecorded = is_common || (*attempt.records)[i].is_unplaced;
+    const bool is_unrecorded = is_common || extracted.records[i].is_unplaced;
     linked.corrected[i] = is_unrecorded ? PlaceUnrecorded(one.cam_from_enu, posed.ground_z_in_enu_m,
                                                           posed.frame, posed.photos[i])
                                         : CorrectToPose(posed.photos[i], recorded[i], one.cam_from_enu);
@@ -270,7 +273,7 @@ int TakeInLost(const WeighedAttempt& attempt, const std::vector<Track>& tracks, 
     // Points are looked for about as deep as the photo was high: by what it shows, whatever was recorded.
     problem.photos[i].height_above_ground_m =
         std::max(0.5, one.cam_from_enu.TargetOriginInSource().z() - posed.ground_z_in_enu_m);
-    input.features[i] = (*attempt.features)[i];
+    input.features[i] = extracted.readable[i];
     input.views[i].cam_from_enu = one.cam_from_enu;
     input.views[i].height_above_ground_m = problem.photos[i].height_above_ground_m;
   }

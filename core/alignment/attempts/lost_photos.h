@@ -7,15 +7,12 @@
 #include <vector>
 
 #include "core/alignment/attempts/attempt_evidence.h"
-#include "core/alignment/bundle/bundle_adjustment.h"
-#include "core/alignment/from_records/matching_passes.h"
 #include "core/alignment/scene/keypoints.h"
 #include "core/alignment/scene/matches.h"
 #include "core/alignment/scene/photo_set.h"
 #include "core/alignment/scene/priors.h"
 #include "core/alignment/scene/tracks.h"
 #include "core/alignment/scene/view.h"
-#include "core/poses/posed_flight.h"
 
 namespace skyquilt::alignment {
 
@@ -39,11 +36,10 @@ struct RegisteredLost {
 // where the aligned photos see the ground under their other keypoints. What is aligned stays as it is.
 std::vector<RegisteredLost> RegisterLost(const LostInput& input, int threads);
 
-// `attempt` is the alignment; `tracks` what its photos see, in enu; `relief` the ground. How many they are.
-// None where too many are lost for the alignment to be sound.
-int TakeInLost(const WeighedAttempt& attempt, const std::vector<Track>& tracks, const Relief& relief,
-               int threads, poses::PosedFlight& posed, MatchingInput& input, MatchedFlight& linked,
-               BundleProblem& problem);
+// `tracks`: what the attempt's photos see, in enu. How many they are. None where too many are lost for the
+// alignment to be sound.
+int TakeInLost(const ExtractedFlight& extracted, const std::vector<Track>& tracks, int threads,
+               Attempt& attempt);
 
 // Whether there are photos for it.
 bool HasLost(const AttemptEvidence& evidence);

@@ -200,7 +200,7 @@ void Warn(const AlignReport& report, const AttemptEvidence& evidence, AlignedFli
 Result<AlignedFlight> Conclude(const poses::PosedFlight& recorded, const ExtractedFlight& extracted,
                                PlacedFlight placed, const AlignOptions& options, AlignReport& report) {
   Attempt& attempt = placed.attempt;
-  const AttemptEvidence evidence = Weigh(AsWeighed(extracted, attempt));
+  const AttemptEvidence evidence = Weigh(extracted, attempt);
   report.by_images = std::move(placed.by_images);
   if (!report.by_images.why) {
     report.by_images.outcome = flight::Remark{flight::RemarkCode::kRecordsHold,
@@ -211,10 +211,7 @@ Result<AlignedFlight> Conclude(const poses::PosedFlight& recorded, const Extract
   ReportAttempt(extracted, attempt, report);
   attempt.input.views = ViewsOf(attempt.problem);
   const std::vector<Track> ground_tracks = GroundTracks(attempt, options);
-  AlignedFlight flight =
-      PlacePhotos({&attempt.posed, &attempt.problem, &ground_tracks, &attempt.matched.corrected, &doubts,
-                   &extracted.photographed.unreadable},
-                  report);
+  AlignedFlight flight = PlacePhotos(extracted, attempt, ground_tracks, doubts, report);
   SKYQUILT_TRY(SettleUnplaced(recorded, flight, report));
   for (const AlignPhotoReport& photo : report.photo_reports) {
     const bool is_far =

@@ -186,10 +186,12 @@ void TellAssumptions(const poses::PosedFlight& posed, int aligned, AlignedFlight
 
 }  // namespace
 
-AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
-  const poses::PosedFlight& posed = *input.posed;
-  const BundleProblem& problem = *input.problem;
-  const std::vector<CorrectedPose>& corrected = *input.corrected;
+AlignedFlight PlacePhotos(const ExtractedFlight& extracted, const Attempt& attempt,
+                          const std::vector<Track>& ground_tracks, const std::vector<PhotoDoubt>& doubts,
+                          AlignReport& report) {
+  const poses::PosedFlight& posed = attempt.posed;
+  const BundleProblem& problem = attempt.problem;
+  const std::vector<CorrectedPose>& corrected = attempt.matched.corrected;
   AlignedFlight flight;
   flight.frame = posed.frame;
   flight.ground_z_in_enu_m = posed.ground_z_in_enu_m;
@@ -197,8 +199,7 @@ AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
   flight.warnings = posed.warnings;
 
   const std::optional<double> shared_error_m = ControlErrorM(report);
-  std::vector<std::string> names;
-  for (const poses::PosedPhoto& photo : posed.photos) names.push_back(photo.photo.name);
+  const std::vector<std::string> names = extracted.Names();
   std::vector<Support> support;
   const std::vector<int> component = FindAligned(problem, support);
   const std::vector<DirectSupport> direct = SupportOf(ViewsOf(problem), problem.soft_tracks);
@@ -266,7 +267,7 @@ AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
             before.error_radius_m,
             std::hypot(sigma_position, before.height_above_ground_m * std::max(0.003, learnt.scatter_rad)));
       }
-      const std::string& unreadable = (*input.unreadable)[i];
+      const std::string& unreadable = extracted.photographed.unreadable[i];
       photo.placement_remarks = {
           !unreadable.empty()
               ? Remark{RemarkCode::kByPoseUnreadable, {{"error_words", unreadable}}}
@@ -275,7 +276,7 @@ AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
     }
     std::vector<Remark>& said = photo.placement_remarks;
     said.insert(said.end(), corrected[i].notes.begin(), corrected[i].notes.end());
-    const PhotoDoubt& doubt = (*input.doubts)[i];
+    const PhotoDoubt& doubt = doubts[i];
     photo.sharpness = doubt.sharpness;
     if (doubt.IsAny()) {
       for (Remark& remark : DoubtsInRemarks(doubt, names)) {
@@ -310,13 +311,13 @@ AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
   if (report.components > 1) {
     flight.warnings.push_back({RemarkCode::kGroups, {{"groups", report.components}}});
   }
-  for (const Track& track : *input.ground_tracks) {
+  for (const Track& track : ground_tracks) {
     if (track.angle_rad < kGoodAngleRad) continue;
     const auto good = std::count_if(track.observations.begin(), track.observations.end(),
                                     [&](const Observation& one) { return component[one.photo] >= 0; });
     if (good >= 2) flight.tie_points_in_enu.push_back(track.point_in_enu);
   }
-  if (report.components > 0) FindTiedLooks(*input.ground_tracks, component, flight);
+  if (report.components > 0) FindTiedLooks(ground_tracks, component, flight);
   TellAssumptions(posed, report.aligned, flight);
   const PhotoSet far_away = LeaveOutFarAway(flight);
   for (std::size_t i = 0; i < far_away.Photos(); ++i) {

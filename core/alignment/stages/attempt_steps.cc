@@ -1,16 +1,17 @@
-#include "core/alignment/stages/attempt.h"
+#include "core/alignment/stages/attempt_steps.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <utility>
 
+#include "core/alignment/attempts/attempt_evidence.h"
 #include "core/alignment/bundle/control_points.h"
 #include "core/alignment/bundle/find_readout.h"
 #include "core/alignment/bundle/readout_motion.h"
 #include "core/alignment/from_records/bundle_setup.h"
+#include "core/alignment/stages/extract_flight.h"
 #include "core/alignment/scene/tracks.h"
-#include "core/base/median.h"
 #include "core/base/process/large_blocks_apart.h"
 #include "core/base/scoped_timer.h"
 #include "core/base/trace.h"
@@ -19,17 +20,9 @@ namespace skyquilt::alignment {
 namespace {
 
 constexpr double kReliefCellGsds = 60.0;
-constexpr double kGroundSigmas = 3.0;        // largest error of an observation of a point on the ground
-constexpr double kResidualWidthPx = 4000.0;  // of a photo, that residuals are told for
+constexpr double kGroundSigmas = 3.0;  // largest error of an observation of a point on the ground
 
 constexpr std::size_t kManyPhotos = 500;
-
-double ResidualAtWidth(double rms_px, const poses::PosedFlight& posed) {
-  if (posed.photos.empty()) return 0.0;
-  std::vector<double> widths;
-  for (const poses::PosedPhoto& photo : posed.photos) widths.push_back(photo.photo.intrinsics.width_px);
-  return rms_px * kResidualWidthPx / Median(std::move(widths));
-}
 
 std::vector<Eigen::Vector3d> ReliefPoints(const std::vector<Track>& tracks) {
   constexpr double kUsefulAngleRad = 0.06;
@@ -41,17 +34,6 @@ std::vector<Eigen::Vector3d> ReliefPoints(const std::vector<Track>& tracks) {
 }
 
 }  // namespace
-
-WeighedAttempt AsWeighed(const ExtractedFlight& extracted, const Attempt& attempt) {
-  return {&extracted.records,
-          &extracted.readable,
-          &attempt.matched.links,
-          &attempt.problem,
-          ResidualAtWidth(attempt.adjusted.rms_px, attempt.posed),
-          attempt.adjusted.observations,
-          attempt.adjusted.dropped,
-          attempt.is_adjusted};
-}
 
 Attempt Adjusted(Attempt attempt, const BundleOptions& bundle_options, const AlignOptions& options) {
   if (attempt.input.views.size() >= kManyPhotos) ReturnFreedMemory();  // the matcher's, before the solver's
