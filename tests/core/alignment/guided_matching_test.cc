@@ -1,8 +1,11 @@
+// Pairs of photos compared where their poses put them: matching, verification, what hangs together.
+#include "core/alignment/matching/guided_matching.h"
+
 #include <gtest/gtest.h>
+
 #include <random>
 
 #include "core/alignment/from_records/bundle_setup.h"
-#include "core/alignment/matching/guided_matching.h"
 #include "core/alignment/matching/verified_pair.h"
 #include "core/alignment/scene/matches.h"
 
@@ -113,10 +116,6 @@ TEST_F(MatchOnGroundTest, LeavesOutKeypointsThatAreNotOnTheGround) {
   EXPECT_TRUE(MatchOnGround(first_.View(), nothing.View(), {}, Within(2.0)).empty());
 }
 
-}  // namespace
-
-namespace {
-
 // Two photos of one ground, 80 m wide; matches of the second lie around the first's by `residual`.
 struct Matched {
   PhotoFeatures features;
@@ -169,10 +168,6 @@ TEST(VerifyOnGround, RefusesMatchesThatFillTheWindowByChance) {
       300, [&](std::mt19937& random) { return std::complex<double>(anywhere(random), anywhere(random)); });
   EXPECT_FALSE(matched.Fit(NarrowWindow()).has_value());
 }
-
-}  // namespace
-
-namespace {
 
 TEST(OnlyWithinComponents, LeavesOutWhatNoVerifiedPairsHoldTogether) {
   const std::vector<VerifiedPair> links = {{0, 1, {}, {}, 0.0}, {1, 2, {}, {}, 0.0}, {3, 4, {}, {}, 0.0}};
