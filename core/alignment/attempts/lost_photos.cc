@@ -116,19 +116,18 @@ std::optional<RegisteredLost> Resect(const LostInput& input, const std::vector<P
   std::vector<PointObservation> observations;
   std::vector<Pairing> pairings;
   for (const int partner : partners) {
-    const int p = partner;
-    const PhotoFeatures* other = (*input.features)[p];
+    const PhotoFeatures* other = (*input.features)[partner];
     if (!other) continue;
     MatchOptions options;
     options.max_features = 2000;
     for (const KeypointMatch& match : MatchDescriptors(features, *other, options)) {
       const Keypoint& seen = other->keypoints[match.second];
-      const auto point = points[p].find(KeyOf(seen.x_px, seen.y_px));
+      const auto point = points[partner].find(KeyOf(seen.x_px, seen.y_px));
       Eigen::Vector3d point_in_enu;
-      if (point != points[p].end()) {
+      if (point != points[partner].end()) {
         point_in_enu = (*input.tracks)[point->second].point_in_enu;
       } else if (points_of == PointsOf::kTracks ||
-                 !MeetGround((*input.views)[p], *input.relief, {seen.x_px, seen.y_px}, &point_in_enu)) {
+                 !MeetGround((*input.views)[partner], *input.relief, {seen.x_px, seen.y_px}, &point_in_enu)) {
         continue;
       }
       const Keypoint& keypoint = features.keypoints[match.first];
@@ -186,9 +185,9 @@ std::vector<RegisteredLost> RegisterLost(const LostInput& input, int threads) {
   ParallelFor(lost.size(), threads, [&](std::size_t k) {
     const int i = lost[k];
     const std::vector<int> partners =
-        PartnersOf(input, lost[k], (*input.records)[i].center_in_enu ? std::vector<int>() : alike[i]);
+        PartnersOf(input, i, (*input.records)[i].center_in_enu ? std::vector<int>() : alike[i]);
     for (const PointsOf points_of : {PointsOf::kTracks, PointsOf::kTracksAndGround}) {
-      if (!found[k]) found[k] = Resect(input, points, partners, median_height_m, lost[k], points_of);
+      if (!found[k]) found[k] = Resect(input, points, partners, median_height_m, i, points_of);
     }
   });
   std::vector<RegisteredLost> registered;

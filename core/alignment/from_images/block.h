@@ -66,6 +66,8 @@ class Block {
 
  private:
   void Triangulate(int track);
+  void TriangulateEach(const std::vector<int>& tracks, int threads);
+  Track TrackOf(int track) const;
   void FindRays(int photo);
   double ResidualSigmas(const TrackElement& element, const Eigen::Vector3d& point) const;
   std::vector<int> ChooseTracks(const PhotoSet& adjusted, int observations_per_photo) const;

@@ -37,10 +37,6 @@ struct BlockPlace {
   bool knows_north = false;
 };
 
-// The upward normal of the plane through most of the points; nothing of fewer than ten.
-std::optional<UpDirection> UpOfGround(const std::vector<Eigen::Vector3d>& points,
-                                      const std::vector<Eigen::Vector3d>& camera_centers);
-
 // Of block number `block`, which has photos.
 BlockPlace Georeference(const Registration& registration, int block, const GeoreferenceRecords& records);
 

@@ -33,14 +33,6 @@ Eigen::Quaterniond AboutUp(double angle_rad) {
 
 int Degrees(int quarter_turns) { return quarter_turns == 3 ? -90 : 90 * quarter_turns; }
 
-// Where the optical axis meets level ground; straight below the camera when it hardly looks down.
-Eigen::Vector2d AxisOnGround(const Eigen::Quaterniond& enu_from_cam, const Eigen::Vector3d& center,
-                             double ground_z_m) {
-  const Eigen::Vector3d axis = enu_from_cam * Eigen::Vector3d::UnitZ();
-  if (axis.z() > -0.2) return center.head<2>();
-  return (center + (ground_z_m - center.z()) / axis.z() * axis).head<2>();
-}
-
 // Do photos from one up to the next lie turned against the course, and not against a recorded yaw?
 bool IsCourseOfAll(const std::vector<CorrectedPose>& corrected, std::size_t first, std::size_t end) {
   return std::all_of(corrected.begin() + static_cast<std::ptrdiff_t>(first),
@@ -94,13 +86,9 @@ double CommonQuarterTurn(const std::vector<GroundPrior>& recorded, const std::ve
 
 CorrectedPose CorrectPose(const poses::PosedPhoto& posed, const GroundPrior& prior,
                           const GroundCorrection& correction) {
-  CorrectedPose corrected{posed.cam_from_enu,
-                          posed.cam_from_enu,
-                          0,
-                          false,
-                          false,
-                          {},
-                          posed.attitude_origin == poses::AttitudeOrigin::kCourse};
+  CorrectedPose corrected;
+  corrected.start_cam_from_enu = corrected.prior_cam_from_enu = posed.cam_from_enu;
+  corrected.yaw_is_course = posed.attitude_origin == poses::AttitudeOrigin::kCourse;
   if (correction.component < 0 && correction.component != kInheritedComponent) return corrected;
   const double turn = std::arg(correction.turn_and_scale);
   const double quarters = std::round(turn / (0.5 * std::numbers::pi));

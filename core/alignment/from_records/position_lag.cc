@@ -150,12 +150,9 @@ std::optional<PositionLag> FindPositionLag(const BundleProblem& adjusted,
       weights[k] = std::min(1.0, kHuberSigmas * spread_m / std::max(left_m[k], 1e-9));
   }
   Fit none;
-  std::vector<double> x, y;
-  for (const Sample& sample : samples) {
-    x.push_back(sample.off_m.x());
-    y.push_back(sample.off_m.y());
-  }
-  none.shift_m = {Median(std::move(x)), Median(std::move(y))};
+  std::vector<Eigen::Vector2d> offs_m;
+  for (const Sample& sample : samples) offs_m.push_back(sample.off_m);
+  none.shift_m = MedianByAxis(offs_m);
   PositionLag lag;
   lag.lag_s = fit.lag_s;
   const Certainty certainty = CertaintyOf(fit, samples, weights);

@@ -22,6 +22,13 @@ bool MeetAlong(const Eigen::Vector3d& center, const Eigen::Vector3d& ray, const 
 
 }  // namespace
 
+Eigen::Vector2d AxisOnGround(const Eigen::Quaterniond& enu_from_cam, const Eigen::Vector3d& center,
+                             double ground_z_m) {
+  const Eigen::Vector3d axis = enu_from_cam * Eigen::Vector3d::UnitZ();
+  if (axis.z() > -0.2) return center.head<2>();
+  return (center + (ground_z_m - center.z()) / axis.z() * axis).head<2>();
+}
+
 bool MeetGround(const View& view, const Relief& relief, const Eigen::Vector2d& pixel_in_image,
                 Eigen::Vector3d* point_in_enu) {
   const geo::Rigid3 cam_from_enu = view.CamFromEnuAt(pixel_in_image);

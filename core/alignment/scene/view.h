@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <complex>
 #include <vector>
 
@@ -46,6 +47,10 @@ struct GroundView {
 
 std::vector<GroundKeypoint> ProjectToGround(const PhotoFeatures& features, const View& view,
                                             const Relief& relief);
+
+// Where the optical axis meets level ground; straight below the camera when it hardly looks down.
+Eigen::Vector2d AxisOnGround(const Eigen::Quaterniond& enu_from_cam, const Eigen::Vector3d& center,
+                             double ground_z_m);
 
 // Where the ray through a pixel meets the relief (E, N, z); false when it does not come down within reach.
 bool MeetGround(const View& view, const Relief& relief, const Eigen::Vector2d& pixel_in_image,

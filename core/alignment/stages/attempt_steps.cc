@@ -10,8 +10,8 @@
 #include "core/alignment/bundle/find_readout.h"
 #include "core/alignment/bundle/readout_motion.h"
 #include "core/alignment/from_records/bundle_setup.h"
-#include "core/alignment/stages/extract_flight.h"
 #include "core/alignment/scene/tracks.h"
+#include "core/alignment/stages/extract_flight.h"
 #include "core/base/process/large_blocks_apart.h"
 #include "core/base/scoped_timer.h"
 #include "core/base/trace.h"
@@ -70,7 +70,7 @@ Attempt Rematched(Attempt attempt, const MatchingPass& pass, const AlignOptions&
     attempt.input.views = ViewsOf(attempt.problem);
     attempt.relief = AdjustedRelief(attempt);
     attempt.matched.pairs = OnlyWithinComponents(
-        SelectPairs(attempt.input.views, std::vector<double>(count, 0.0), attempt.relief, {}),
+        SelectPairs(attempt.input.views, std::vector<double>(count, 0.0), attempt.relief),
         attempt.matched.links, count);
     attempt.matched.links = {};  // not both at a time
     attempt.matched.links =

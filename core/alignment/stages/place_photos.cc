@@ -80,38 +80,20 @@ struct Learnt {
   int photos = 0;
 };
 
-// Axis by axis.
-Eigen::Vector3d MedianVector(const std::vector<Eigen::Vector3d>& values) {
-  Eigen::Vector3d median;
-  for (int k = 0; k < 3; ++k) {
-    std::vector<double> along;
-    for (const Eigen::Vector3d& value : values) along.push_back(value[k]);
-    median[k] = Median(std::move(along));
-  }
-  return median;
-}
-
 Learnt Learn(const std::vector<Eigen::Vector3d>& turns, const std::vector<Eigen::Vector3d>& shifts) {
   Learnt learnt;
   learnt.photos = static_cast<int>(turns.size());
   if (turns.empty()) return learnt;
-  learnt.turn_rad = MedianVector(turns);
-  learnt.shift_m = MedianVector(shifts);
+  learnt.turn_rad = MedianByAxis(turns);
+  learnt.shift_m = MedianByAxis(shifts);
   std::vector<Eigen::Vector3d> apart;
   for (const Eigen::Vector3d& turn : turns) apart.push_back((turn - learnt.turn_rad).cwiseAbs());
-  learnt.scatter_rad = 1.5 * MedianVector(apart).head<2>().mean();
+  learnt.scatter_rad = 1.5 * MedianByAxis(apart).head<2>().mean();
   return learnt;
 }
 
 Eigen::Vector3d TurnAgainst(const geo::Rigid3& now, const geo::Rigid3& before) {
   return geo::VectorFromRotation((now.rotation * before.rotation.conjugate()).normalized());
-}
-
-Eigen::Vector2d AxisOnGround(const geo::Rigid3& cam_from_enu, double ground_z_m) {
-  const Eigen::Vector3d center = cam_from_enu.TargetOriginInSource();
-  const Eigen::Vector3d axis = cam_from_enu.rotation.conjugate() * Eigen::Vector3d::UnitZ();
-  if (axis.z() > -0.2) return center.head<2>();
-  return (center + (ground_z_m - center.z()) / axis.z() * axis).head<2>();
 }
 
 std::vector<PhotoFault> Faults(const CorrectedPose& corrected, const PhotoDoubt& doubt) {
@@ -296,9 +278,10 @@ AlignedFlight PlacePhotos(const ExtractedFlight& extracted, const Attempt& attem
     told.observations = support[i].observations;
     told.residual_rms_px =
         support[i].observations > 0 ? std::sqrt(support[i].square_px / support[i].observations) : 0.0;
-    told.moved_m = (AxisOnGround(photo.cam_from_enu, posed.ground_z_in_enu_m) -
-                    AxisOnGround(before.cam_from_enu, posed.ground_z_in_enu_m))
-                       .norm();
+    const auto axis_on_ground = [&posed](const geo::Rigid3& pose) {
+      return AxisOnGround(pose.rotation.conjugate(), pose.TargetOriginInSource(), posed.ground_z_in_enu_m);
+    };
+    told.moved_m = (axis_on_ground(photo.cam_from_enu) - axis_on_ground(before.cam_from_enu)).norm();
     told.turned_deg = geo::RadToDeg(TurnAgainst(photo.cam_from_enu, before.cam_from_enu).norm());
     told.faults = Faults(corrected[i], doubt);
     report.aligned += photo.placement == Placement::kAligned ? 1 : 0;
