@@ -10,7 +10,7 @@
 #include "core/alignment/from_records/matching_passes.h"
 #include "core/alignment/scene/align_report.h"
 #include "core/alignment/scene/priors.h"
-#include "core/alignment/scene/relief.h"
+#include "core/alignment/scene/view.h"
 #include "core/flight/remarks/remark.h"
 #include "core/poses/posed_flight.h"
 

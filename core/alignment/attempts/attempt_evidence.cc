@@ -54,17 +54,16 @@ PhotoSet TiedPhotos(const Attempt& attempt) {
     for (const Observation& one : track.observations) ++seen[one.photo];
   }
   const bool by_links = attempt.problem.tracks.empty();
-  std::vector<std::vector<int>> components, of_map(1);
+  std::vector<std::vector<int>> components(1);  // the first: of a map that stays
   for (std::vector<int>& members : FindConnectedComponents(count, attempt.matched.links).members) {
     const bool is_of_map = std::any_of(members.begin(), members.end(),
                                        [&](int i) { return attempt.problem.photos[i].is_fixed; });
     if (is_of_map) {
-      of_map.front().insert(of_map.front().end(), members.begin(), members.end());
+      components.front().insert(components.front().end(), members.begin(), members.end());
     } else {
       components.push_back(std::move(members));
     }
   }
-  components.insert(components.begin(), of_map.begin(), of_map.end());
   PhotoSet largest(count);
   for (const std::vector<int>& members : components) {
     PhotoSet tied(count);

@@ -35,6 +35,8 @@ class MarkedPhotos {
                                              const std::optional<Track>& used) const;
 
  private:
+  std::vector<Observation> MarksOf(const ControlPoint& point) const;  // of all photos, tied or not
+
   const std::vector<std::string>& names_;
   const std::vector<View>& views_;
   const PhotoSet& tied_;

@@ -8,7 +8,6 @@
 #include <optional>
 
 #include "core/alignment/scene/keypoints.h"
-#include "core/alignment/scene/relief.h"
 #include "core/alignment/scene/view.h"
 
 namespace skyquilt::alignment {
