@@ -310,9 +310,8 @@ std::optional<AttemptByImages> PlaceByImages(const ExtractedFlight& extracted, c
   }
   AttemptByImages second;
   second.posed = posed;
-  second.tied = report.registered;
   const auto readable = std::count_if(extracted.readable.begin(), extracted.readable.end(), ShowsEnough);
-  second.is_nearly_all = static_cast<double>(second.tied) >= kNearlyAll * static_cast<double>(readable) &&
+  second.is_nearly_all = report.registered >= kNearlyAll * static_cast<double>(readable) &&
                          registration.residual_rms_px < kSoundResidualShare * MedianWidthPx(posed);
   second.photos.resize(count);
   for (std::size_t i = 0; i < count; ++i) {

@@ -35,7 +35,6 @@ struct AttemptByImages {
   std::vector<VerifiedPair> links;
   std::vector<camera::Intrinsics> lenses;  // as the problem numbers them
   bool is_placed = false;                  // on Earth
-  std::size_t tied = 0;                    // photos in the largest group
   // So many of the photos that show anything, and so well, that the first attempt needs no adjustment to be
   // compared.
   bool is_nearly_all = false;

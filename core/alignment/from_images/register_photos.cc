@@ -110,8 +110,6 @@ void MergeBlocks(const std::vector<Block>& blocks, const ViewGraph& graph, Regis
       RegisteredPhoto& photo = registration.photos[i];
       photo.cam_from_world = block.Pose(static_cast<int>(i));
       photo.block = static_cast<int>(b);
-      photo.observations = seen[i];
-      photo.residual_rms_px = residuals[i];
       square += residuals[i] * residuals[i] * seen[i];
       observations += seen[i];
       ++size;

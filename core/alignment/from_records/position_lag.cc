@@ -158,7 +158,6 @@ std::optional<PositionLag> FindPositionLag(const BundleProblem& adjusted,
   const Certainty certainty = CertaintyOf(fit, samples, weights);
   lag.sigma_s = certainty.sigma_s;
   lag.median_off_m = std::abs(fit.lag_s) * Median(std::move(speeds_mps));
-  lag.photos = static_cast<int>(samples.size());
   const bool is_found = certainty.IsEnoughFor(lag.lag_s) && std::abs(lag.lag_s) < kMaxPositionLagS &&
                         lag.median_off_m > kMinOffSigmas * Median(std::move(sigmas_m)) &&
                         Median(LeftBy(fit, samples)) < kMaxLeftShare * Median(LeftBy(none, samples));

@@ -18,7 +18,6 @@ struct PositionLag {
   double lag_s = 0.0;         // positive: the positions are those of earlier moments
   double sigma_s = 0.0;       // of it
   double median_off_m = 0.0;  // horizontal, by which it put the positions off
-  int photos = 0;             // that it was found from
   // By photo, what its recorded position is to be moved by; zero for those without a line.
   std::vector<Eigen::Vector3d> correction_in_enu;
 };

@@ -35,10 +35,8 @@ struct RegistrationInput {
 struct RegisteredPhoto {
   geo::Rigid3 cam_from_world;
   int lens = 0;
-  int block = -1;        // 0 is the largest; negative: not registered
-  int links = 0;         // verified pairs with photos of its block
-  int observations = 0;  // points it sees that others see too
-  double residual_rms_px = 0.0;
+  int block = -1;  // 0 is the largest; negative: not registered
+  int links = 0;   // verified pairs with photos of its block
 };
 
 struct RegistrationReport {
