@@ -7,7 +7,7 @@
 // twice, the second time with matches searched on the relief of the first.
 #pragma once
 
-#include "core/alignment/features/extract_all.h"
+#include "core/alignment/features/features.h"
 #include "core/alignment/scene/align_report.h"
 #include "core/alignment/scene/aligned_flight.h"
 #include "core/alignment/stages/align_options.h"

@@ -36,4 +36,16 @@ inline double Percentile(std::vector<double> values, double share) {
   return *at;
 }
 
+// Of vectors, as Eigen has them, along each axis by itself.
+template <typename Vector>
+Vector MedianByAxis(const std::vector<Vector>& values) {
+  Vector median;
+  for (int axis = 0; axis < Vector::SizeAtCompileTime; ++axis) {
+    std::vector<double> along;
+    for (const Vector& value : values) along.push_back(value[axis]);
+    median[axis] = Median(std::move(along));
+  }
+  return median;
+}
+
 }  // namespace skyquilt

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/alignment/features/extract_all.h"
+#include "core/alignment/features/features.h"
 #include "core/base/digest.h"
 #include "core/base/progress.h"
 #include "core/base/result.h"

@@ -32,8 +32,8 @@ LIBRARIES = {
     r"ceres/": {"core/poses", "core/alignment"},
 }
 HEAVY_IN_HEADERS = re.compile(r"^(boost/|curl/|opencv2/|ceres/|nlohmann/(?!json_fwd)|CLI/|gdal|sqlite3\.h|libpq)")
-# Templates of cost functions, included by the one solver file they are written for; coroutines, by the two files of a connection.
-HEAVY_HEADERS_ALLOWED = {"core/alignment/bundle/residuals.h", "server/http/connection.h"}
+# Coroutines, by the two files of a connection.
+HEAVY_HEADERS_ALLOWED = {"server/http/connection.h"}
 FOLDERS = ("core", "storage", "api", "server")
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.M)
 

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <set>
 
-#include "core/alignment/bundle/tie_to_control.h"
+#include "core/alignment/bundle/control_points.h"
 #include "core/alignment/from_images/block.h"
 #include "core/alignment/from_images/georeference.h"
 #include "core/alignment/from_images/register_photos.h"
@@ -123,24 +123,15 @@ std::vector<PlacePair> ControlOf(const Registration& registration, int block, co
   return pairs;
 }
 
-RegistrationInput InputOf(const AttemptByRecords& first, const std::vector<PhotoRecord>& records) {
+RegistrationInput InputOf(const ExtractedFlight& extracted, const BundleProblem& problem) {
   RegistrationInput input;
-  input.lenses = first.problem->lenses;
+  input.lenses = problem.lenses;
   for (BundleLens& lens : input.lenses) lens.intrinsics = lens.recorded;
-  for (std::size_t i = 0; i < records.size(); ++i) {
-    RegistrationPhoto photo;
-    photo.features = (*first.features)[i];
-    photo.lens = first.problem->photos[i].lens;
-    photo.position_in_enu = records[i].center_in_enu;
-    input.photos.push_back(photo);
+  for (std::size_t i = 0; i < problem.photos.size(); ++i) {
+    input.photos.push_back(
+        {extracted.readable[i], problem.photos[i].lens, extracted.records[i].center_in_enu});
   }
   return input;
-}
-
-double MedianWidthPx(const poses::PosedFlight& posed) {
-  std::vector<double> widths;
-  for (const poses::PosedPhoto& photo : posed.photos) widths.push_back(photo.photo.intrinsics.width_px);
-  return Median(std::move(widths));
 }
 
 // Of the largest block's cameras, above the flight's ground.
@@ -237,8 +228,9 @@ void MergePhoto(const Registration& registration, const BlockPlace& place, const
 
 }  // namespace
 
-WholeFlight WithUnplaced(const poses::PosedFlight& recorded) {
-  WholeFlight whole{recorded, {}};
+ExtractedFlight WithUnplaced(const poses::PosedFlight& recorded) {
+  ExtractedFlight whole;
+  whole.posed = recorded;
   poses::PosedFlight& posed = whole.posed;
   if (recorded.unplaced.empty()) {
     for (const poses::PosedPhoto& photo : posed.photos)
@@ -270,15 +262,16 @@ flight::Remark NotTaken(flight::Remark why) {
   return {flight::RemarkCode::kImagesNotTaken, {{"why", std::move(why)}}};
 }
 
-std::optional<AttemptByImages> PlaceByImages(const AttemptByRecords& first, std::size_t tied_by_records,
-                                             bool takes_equal, const std::vector<ControlPoint>& control,
-                                             int threads, ByImagesReport& report, Progress& progress) {
+std::optional<AttemptByImages> PlaceByImages(const ExtractedFlight& extracted, const Attempt& by_records,
+                                             std::size_t tied_by_records, bool takes_equal,
+                                             const std::vector<ControlPoint>& control, int threads,
+                                             ByImagesReport& report, Progress& progress) {
   ScopedTimer timer(report.total_s);
-  const poses::PosedFlight& posed = *first.posed;
+  const poses::PosedFlight& posed = by_records.posed;
   const std::size_t count = posed.photos.size();
   GeoreferenceRecords records;
   records.ground_z_in_enu_m = posed.ground_z_in_enu_m;
-  records.photos = *first.records;
+  records.photos = extracted.records;
   std::vector<double> sigmas, heights;
   for (std::size_t i = 0; i < count; ++i) {
     if (records.photos[i].is_unplaced) continue;
@@ -295,7 +288,8 @@ std::optional<AttemptByImages> PlaceByImages(const AttemptByRecords& first, std:
   }
   // Reckoned from nowhere: records say how photos lie to each other, not where on Earth.
   const bool is_reckoned = !posed.is_placed && expected_height_m;
-  const Registration registration = RegisterPhotos(InputOf(first, records.photos), {}, threads, progress);
+  const Registration registration =
+      RegisterPhotos(InputOf(extracted, by_records.problem), {}, threads, progress);
   report.pairs_compared = registration.report.pairs_compared;
   report.pairs_verified = registration.report.pairs_verified;
   report.pairs_refused = registration.report.pairs_refused;
@@ -316,9 +310,8 @@ std::optional<AttemptByImages> PlaceByImages(const AttemptByRecords& first, std:
   }
   AttemptByImages second;
   second.posed = posed;
-  second.tied = report.registered;
-  const auto readable = std::count_if(first.features->begin(), first.features->end(), ShowsEnough);
-  second.is_nearly_all = static_cast<double>(second.tied) >= kNearlyAll * static_cast<double>(readable) &&
+  const auto readable = std::count_if(extracted.readable.begin(), extracted.readable.end(), ShowsEnough);
+  second.is_nearly_all = report.registered >= kNearlyAll * static_cast<double>(readable) &&
                          registration.residual_rms_px < kSoundResidualShare * MedianWidthPx(posed);
   second.photos.resize(count);
   for (std::size_t i = 0; i < count; ++i) {

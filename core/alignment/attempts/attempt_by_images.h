@@ -9,12 +9,9 @@
 #include <vector>
 
 #include "core/alignment/attempts/attempt_evidence.h"
-#include "core/alignment/bundle/bundle_adjustment.h"
-#include "core/alignment/scene/align_report.h"
 #include "core/alignment/scene/ground_control.h"
-#include "core/alignment/scene/keypoints.h"
 #include "core/alignment/scene/matches.h"
-#include "core/alignment/scene/pose_prior.h"
+#include "core/alignment/scene/priors.h"
 #include "core/base/progress.h"
 #include "core/base/result.h"
 #include "core/poses/posed_flight.h"
@@ -25,14 +22,6 @@ namespace skyquilt::alignment {
 // height, a place that no record tells.
 inline constexpr double kSigmaTurnRad = 0.35;
 inline constexpr double kUnknownShare = 0.5;
-
-// The recorded poses as the first attempt left them.
-struct AttemptByRecords {
-  const poses::PosedFlight* posed = nullptr;
-  const std::vector<const PhotoFeatures*>* features = nullptr;  // of all photos that could be read
-  const std::vector<PhotoRecord>* records = nullptr;
-  const BundleProblem* problem = nullptr;  // for its lenses
-};
 
 struct PlacedByImages {
   CorrectedPose corrected;
@@ -46,29 +35,25 @@ struct AttemptByImages {
   std::vector<VerifiedPair> links;
   std::vector<camera::Intrinsics> lenses;  // as the problem numbers them
   bool is_placed = false;                  // on Earth
-  std::size_t tied = 0;                    // photos in the largest group
   // So many of the photos that show anything, and so well, that the first attempt needs no adjustment to be
   // compared.
   bool is_nearly_all = false;
 };
 
-struct WholeFlight {
-  poses::PosedFlight posed;
-  std::vector<PhotoRecord> records;  // by photo, with what they claim to be good for
-};
-
 // A flight with the photos that it could not place as photos of it: in the order of capture, with poses that
-// stand for none, and of the records only the horizontal position, if there is one.
-WholeFlight WithUnplaced(const poses::PosedFlight& recorded);
+// stand for none, and of the records only the horizontal position, if there is one. Fills `posed` and
+// `records`.
+ExtractedFlight WithUnplaced(const poses::PosedFlight& recorded);
 
 // The outcome of an attempt whose result is not the map's.
 flight::Remark NotTaken(flight::Remark why);
 
 // Nothing where it ties no more photos together than `tied_by_records`, or where that cannot be told apart
 // from an equal (`takes_equal`: then it may tie as many). Fills report.by_images.
-std::optional<AttemptByImages> PlaceByImages(const AttemptByRecords& first, std::size_t tied_by_records,
-                                             bool takes_equal, const std::vector<ControlPoint>& control,
-                                             int threads, ByImagesReport& report, Progress& progress);
+std::optional<AttemptByImages> PlaceByImages(const ExtractedFlight& extracted, const Attempt& by_records,
+                                             std::size_t tied_by_records, bool takes_equal,
+                                             const std::vector<ControlPoint>& control, int threads,
+                                             ByImagesReport& report, Progress& progress);
 
 // Photos that nothing placed go back to those left out, and those that were placed leave that list. Errors:
 // kUnprocessable when nothing is left.

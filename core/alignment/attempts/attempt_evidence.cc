@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
-#include "core/alignment/matching/connected_components.h"
+#include "core/alignment/matching/verified_pair.h"
 #include "core/base/median.h"
 
 namespace skyquilt::alignment {
@@ -46,24 +47,23 @@ bool ShowsEnough(const PhotoFeatures* features) {
   return features && features->keypoints.size() >= kMinFeatures;
 }
 
-PhotoSet TiedPhotos(const WeighedAttempt& attempt) {
-  const std::size_t count = attempt.problem->photos.size();
+PhotoSet TiedPhotos(const Attempt& attempt) {
+  const std::size_t count = attempt.problem.photos.size();
   std::vector<int> seen(count, 0);
-  for (const Track& track : attempt.problem->tracks) {
+  for (const Track& track : attempt.problem.tracks) {
     for (const Observation& one : track.observations) ++seen[one.photo];
   }
-  const bool by_links = attempt.problem->tracks.empty();
-  std::vector<std::vector<int>> components, of_map(1);
-  for (std::vector<int>& members : FindConnectedComponents(count, *attempt.links).members) {
+  const bool by_links = attempt.problem.tracks.empty();
+  std::vector<std::vector<int>> components(1);  // the first: of a map that stays
+  for (std::vector<int>& members : FindConnectedComponents(count, attempt.matched.links).members) {
     const bool is_of_map = std::any_of(members.begin(), members.end(),
-                                       [&](int i) { return attempt.problem->photos[i].is_fixed; });
+                                       [&](int i) { return attempt.problem.photos[i].is_fixed; });
     if (is_of_map) {
-      of_map.front().insert(of_map.front().end(), members.begin(), members.end());
+      components.front().insert(components.front().end(), members.begin(), members.end());
     } else {
       components.push_back(std::move(members));
     }
   }
-  components.insert(components.begin(), of_map.begin(), of_map.end());
   PhotoSet largest(count);
   for (const std::vector<int>& members : components) {
     PhotoSet tied(count);
@@ -75,30 +75,37 @@ PhotoSet TiedPhotos(const WeighedAttempt& attempt) {
   return largest;
 }
 
-AttemptEvidence Weigh(const WeighedAttempt& attempt) {
+double MedianWidthPx(const poses::PosedFlight& posed) {
+  std::vector<double> widths;
+  for (const poses::PosedPhoto& photo : posed.photos) widths.push_back(photo.photo.intrinsics.width_px);
+  return Median(std::move(widths));
+}
+
+AttemptEvidence Weigh(const ExtractedFlight& extracted, const Attempt& attempt) {
   AttemptEvidence evidence;
-  evidence.residual_rms_px = attempt.residual_rms_px;
-  evidence.observations = attempt.observations;
-  evidence.dropped = attempt.dropped;
+  if (!attempt.posed.photos.empty())
+    evidence.residual_rms_px = attempt.adjusted.rms_px * kResidualWidthPx / MedianWidthPx(attempt.posed);
+  evidence.observations = attempt.adjusted.observations;
+  evidence.dropped = attempt.adjusted.dropped;
   evidence.is_adjusted = attempt.is_adjusted;
-  evidence.has_fixed = std::any_of(attempt.problem->photos.begin(), attempt.problem->photos.end(),
+  evidence.has_fixed = std::any_of(attempt.problem.photos.begin(), attempt.problem.photos.end(),
                                    [](const BundlePhoto& photo) { return photo.is_fixed; });
   const PhotoSet tied = TiedPhotos(attempt);
   std::vector<double> errors_m, errors_sigmas;
   for (std::size_t i = 0; i < tied.Photos(); ++i) {
-    if (!tied.Has(i) && !ShowsEnough((*attempt.features)[i])) continue;
+    if (!tied.Has(i) && !ShowsEnough(extracted.readable[i])) continue;
     ++evidence.readable;
     if (!tied.Has(i)) {
-      evidence.unplaced += (*attempt.records)[i].is_unplaced ? 1 : 0;
+      evidence.unplaced += extracted.records[i].is_unplaced ? 1 : 0;
       continue;
     }
     ++evidence.tied;
-    const PhotoRecord& record = (*attempt.records)[i];
-    const geo::Rigid3& pose = attempt.problem->photos[i].cam_from_enu;
+    const PhotoRecord& record = extracted.records[i];
+    const geo::Rigid3& pose = attempt.problem.photos[i].cam_from_enu;
     if (record.center_in_enu) {
       const Eigen::Vector3d error = pose.TargetOriginInSource() - *record.center_in_enu -
-                                    attempt.problem->position_bias_m -
-                                    attempt.problem->clock_error_s * attempt.problem->photos[i].by_clock_mps;
+                                    attempt.problem.position_bias_m -
+                                    attempt.problem.clock_error_s * attempt.problem.photos[i].by_clock_mps;
       errors_m.push_back(error.head<2>().norm());
       errors_sigmas.push_back(errors_m.back() / std::max(1e-3, record.sigma_m.x()));
       ++evidence.positions;

@@ -6,19 +6,17 @@
 
 #include <cstddef>
 #include <optional>
-#include <vector>
 
-#include "core/alignment/bundle/bundle_adjustment.h"
+#include "core/alignment/attempts/attempt.h"
 #include "core/alignment/scene/keypoints.h"
-#include "core/alignment/scene/matches.h"
 #include "core/alignment/scene/photo_set.h"
-#include "core/alignment/scene/pose_prior.h"
 #include "core/flight/remarks/remark.h"
 
 namespace skyquilt::alignment {
 
 // A record further than this from where the images put its photo contradicts them.
 inline constexpr double kContradictedSigmas = 4.0;
+inline constexpr double kResidualWidthPx = 4000.0;  // of a photo, that residuals are told for
 
 struct AttemptEvidence {
   std::size_t readable = 0;      // photos that show enough to be tied
@@ -40,24 +38,15 @@ struct AttemptEvidence {
   double AttitudesContradicted() const;
 };
 
-// What is weighed. Links and problem are those of one attempt; records are the flight's, whichever attempt it
-// is.
-struct WeighedAttempt {
-  const std::vector<PhotoRecord>* records = nullptr;
-  const std::vector<const PhotoFeatures*>* features = nullptr;  // of all photos that could be read
-  const std::vector<VerifiedPair>* links = nullptr;
-  const BundleProblem* problem = nullptr;  // adjusted, or without tracks
-  double residual_rms_px = 0.0;
-  int observations = 0, dropped = 0;  // kept and dropped by the adjustment
-  bool is_adjusted = false;
-};
-
 // Those that belong to the largest connected component and, once there are tracks, see enough of them.
 // Components with photos of a map that stays are one: that map holds them.
-PhotoSet TiedPhotos(const WeighedAttempt& attempt);
+PhotoSet TiedPhotos(const Attempt& attempt);
 bool ShowsEnough(const PhotoFeatures* features);
 
-AttemptEvidence Weigh(const WeighedAttempt& attempt);
+// Of the photos as they were taken, in pixels.
+double MedianWidthPx(const poses::PosedFlight& posed);
+
+AttemptEvidence Weigh(const ExtractedFlight& extracted, const Attempt& attempt);
 
 // Why the recorded poses are not to be believed for the flight as a whole; nothing: they hold.
 // `max_lost_share`: of the readable photos that may stay lost.

@@ -1,15 +1,202 @@
 #include "core/alignment/attempts/lost_photos.h"
 
 #include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <unordered_map>
 #include <utility>
 
 #include "core/alignment/attempts/attempt_by_images.h"
-#include "core/alignment/attempts/register_lost.h"
+#include "core/alignment/estimators/absolute_pose.h"
 #include "core/alignment/from_records/bundle_setup.h"
 #include "core/alignment/from_records/correct_poses.h"
+#include "core/alignment/matching/appearance.h"
+#include "core/alignment/matching/match_descriptors.h"
+#include "core/base/median.h"
+#include "core/base/parallel_for.h"
 #include "core/base/trace.h"
 
 namespace skyquilt::alignment {
+namespace {
+
+constexpr int kMaxSteps = 3;             // in the order of capture, either way
+constexpr std::size_t kNearest = 8;      // by recorded position
+constexpr int kAlike = 8;                // of photos without one
+constexpr std::size_t kMinInliers = 20;  // of one lost photo
+constexpr int kMinMatchesOfALink = 6;
+constexpr int kMaxSamples = 1000;
+constexpr double kMaxHeightRatio = 6.0;  // to the other photos' heights: a climb of five times is flown
+constexpr std::uint64_t kSeed = 0x10571057;
+
+using PointOfPixel = std::unordered_map<std::uint64_t, int>;
+
+std::uint64_t KeyOf(double x_px, double y_px) {
+  return (std::uint64_t{std::bit_cast<std::uint32_t>(static_cast<float>(x_px))} << 32) |
+         std::bit_cast<std::uint32_t>(static_cast<float>(y_px));
+}
+
+// By photo, which track each of its pixels sees.
+std::vector<PointOfPixel> IndexPoints(const LostInput& input) {
+  std::vector<PointOfPixel> points(input.views->size());
+  for (std::size_t t = 0; t < input.tracks->size(); ++t) {
+    for (const Observation& one : (*input.tracks)[t].observations) {
+      if (!input.tied->Has(one.photo)) continue;
+      points[one.photo].emplace(KeyOf(one.pixel_in_image.x(), one.pixel_in_image.y()), static_cast<int>(t));
+    }
+  }
+  return points;
+}
+
+std::vector<int> PartnersOf(const LostInput& input, int lost, const std::vector<int>& alike) {
+  std::set<int> partners;
+  const int count = static_cast<int>(input.views->size());
+  for (const int step : {-1, 1}) {
+    // The next aligned ones, over others that are lost too.
+    int found = 0;
+    for (int i = lost + step; i >= 0 && i < count && found < kMaxSteps; i += step) {
+      if (!input.tied->Has(i)) continue;
+      partners.insert(i);
+      ++found;
+    }
+  }
+  const auto& record = (*input.records)[lost];
+  if (record.center_in_enu) {
+    std::vector<std::pair<double, int>> near;
+    for (int i = 0; i < count; ++i) {
+      if (!input.tied->Has(i)) continue;
+      const Eigen::Vector3d center = (*input.views)[i].CenterInEnu();
+      near.emplace_back((center - *record.center_in_enu).head<2>().norm(), i);
+    }
+    std::sort(near.begin(), near.end());
+    if (near.size() > kNearest) near.resize(kNearest);
+    for (const auto& [apart_m, i] : near) partners.insert(i);
+  }
+  for (const int i : alike) {
+    if (input.tied->Has(i)) partners.insert(i);
+  }
+  return {partners.begin(), partners.end()};
+}
+
+struct Pairing {
+  int partner = 0;
+  KeypointMatch match;  // first: of the lost photo
+};
+
+std::vector<VerifiedPair> LinksOf(const std::vector<Pairing>& pairings, const std::vector<int>& inliers,
+                                  int lost) {
+  std::map<int, std::vector<KeypointMatch>> of_partner;
+  for (const int k : inliers) {
+    const Pairing& one = pairings[k];
+    of_partner[one.partner].push_back(one.match);
+  }
+  std::vector<VerifiedPair> links;
+  for (auto& [partner, matches] : of_partner) {
+    if (static_cast<int>(matches.size()) < kMinMatchesOfALink) continue;
+    if (lost < partner) {
+      links.push_back({lost, partner, {}, std::move(matches), 0.0});
+      continue;
+    }
+    for (KeypointMatch& match : matches) std::swap(match.first, match.second);
+    links.push_back({partner, lost, {}, std::move(matches), 0.0});
+  }
+  return links;
+}
+
+// What keypoints of aligned photos stand for: tracks alone, or the ground where they are none's.
+enum class PointsOf { kTracks, kTracksAndGround };
+
+std::optional<RegisteredLost> Resect(const LostInput& input, const std::vector<PointOfPixel>& points,
+                                     const std::vector<int>& partners, double median_height_m, int lost,
+                                     PointsOf points_of) {
+  const PhotoFeatures& features = *(*input.features)[lost];
+  std::vector<PointObservation> observations;
+  std::vector<Pairing> pairings;
+  for (const int partner : partners) {
+    const PhotoFeatures* other = (*input.features)[partner];
+    if (!other) continue;
+    MatchOptions options;
+    options.max_features = 2000;
+    for (const KeypointMatch& match : MatchDescriptors(features, *other, options)) {
+      const Keypoint& seen = other->keypoints[match.second];
+      const auto point = points[partner].find(KeyOf(seen.x_px, seen.y_px));
+      Eigen::Vector3d point_in_enu;
+      if (point != points[partner].end()) {
+        point_in_enu = (*input.tracks)[point->second].point_in_enu;
+      } else if (points_of == PointsOf::kTracks ||
+                 !MeetGround((*input.views)[partner], *input.relief, {seen.x_px, seen.y_px}, &point_in_enu)) {
+        continue;
+      }
+      const Keypoint& keypoint = features.keypoints[match.first];
+      observations.push_back({{keypoint.x_px, keypoint.y_px}, point_in_enu, features.sigma_px});
+      pairings.push_back({partner, match});
+    }
+  }
+  FindPoseOptions options;
+  options.min_inliers = static_cast<int>(kMinInliers);
+  options.max_samples = kMaxSamples;
+  const View& view = (*input.views)[lost];
+  const std::optional<FoundPose> found =
+      FindPose(view.intrinsics, observations, kSeed + static_cast<std::uint64_t>(lost), options);
+  if (!found) return std::nullopt;
+  // A point seen by three partners is one witness, not three.
+  std::set<std::pair<double, double>> pixels;
+  std::vector<double> depths_m;
+  for (const int k : found->inliers) {
+    const PointObservation& observation = observations[k];
+    pixels.emplace(observation.pixel_in_image.x(), observation.pixel_in_image.y());
+    depths_m.push_back((found->cam_from_world.TargetOriginInSource() - observation.point_in_world).z());
+  }
+  if (pixels.size() < kMinInliers) return std::nullopt;
+  const double height_m = Median(std::move(depths_m));
+  if (height_m < median_height_m / kMaxHeightRatio || height_m > median_height_m * kMaxHeightRatio) {
+    return std::nullopt;
+  }
+  RegisteredLost registered{lost, found->cam_from_world, LinksOf(pairings, found->inliers, lost)};
+  if (registered.links.empty()) return std::nullopt;
+  return registered;
+}
+
+}  // namespace
+
+std::vector<RegisteredLost> RegisterLost(const LostInput& input, int threads) {
+  const std::size_t count = input.views->size();
+  std::vector<int> lost;
+  std::vector<double> heights_m;
+  bool any_without_position = false;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (input.tied->Has(i)) {
+      heights_m.push_back((*input.views)[i].height_above_ground_m);
+    } else if (ShowsEnough((*input.features)[i])) {
+      lost.push_back(static_cast<int>(i));
+      any_without_position = any_without_position || !(*input.records)[i].center_in_enu;
+    }
+  }
+  if (lost.empty() || heights_m.empty()) return {};
+  const double median_height_m = Median(std::move(heights_m));
+  std::vector<std::vector<int>> alike(count);
+  // Learning what photos look like is worth its time only where no position says which are near.
+  if (any_without_position) alike = Appearance::Learn(*input.features, threads).MostAlike(kAlike, threads);
+  const std::vector<PointOfPixel> points = IndexPoints(input);
+  std::vector<std::optional<RegisteredLost>> found(lost.size());
+  ParallelFor(lost.size(), threads, [&](std::size_t k) {
+    const int i = lost[k];
+    const std::vector<int> partners =
+        PartnersOf(input, i, (*input.records)[i].center_in_enu ? std::vector<int>() : alike[i]);
+    for (const PointsOf points_of : {PointsOf::kTracks, PointsOf::kTracksAndGround}) {
+      if (!found[k]) found[k] = Resect(input, points, partners, median_height_m, i, points_of);
+    }
+  });
+  std::vector<RegisteredLost> registered;
+  for (std::optional<RegisteredLost>& one : found) {
+    if (one) registered.push_back(*std::move(one));
+  }
+  return registered;
+}
+
 namespace {
 
 constexpr double kMaxLostShare = 0.3;
@@ -49,12 +236,15 @@ bool HasLost(const AttemptEvidence& evidence) {
   return evidence.has_fixed || static_cast<double>(evidence.Lost()) <= most;
 }
 
-int TakeInLost(const WeighedAttempt& attempt, const std::vector<Track>& tracks, const Relief& relief,
-               int threads, poses::PosedFlight& posed, MatchingInput& input, MatchedFlight& linked,
-               BundleProblem& problem) {
+int TakeInLost(const ExtractedFlight& extracted, const std::vector<Track>& tracks, int threads,
+               Attempt& attempt) {
+  poses::PosedFlight& posed = attempt.posed;
+  MatchingInput& input = attempt.input;
+  MatchedFlight& linked = attempt.matched;
+  BundleProblem& problem = attempt.problem;
   const PhotoSet tied = TiedPhotos(attempt);
-  const std::vector<RegisteredLost> found =
-      RegisterLost({attempt.features, &input.views, &tied, &tracks, attempt.records, &relief}, threads);
+  const std::vector<RegisteredLost> found = RegisterLost(
+      {&extracted.readable, &input.views, &tied, &tracks, &extracted.records, &attempt.relief}, threads);
   if (found.empty()) return 0;
   // Where the images placed the others, its record counts as little as theirs, and that is said of all of
   // them.
@@ -70,7 +260,7 @@ int TakeInLost(const WeighedAttempt& attempt, const std::vector<Track>& tracks, 
     if (problem.photos[i].is_fixed) continue;  // it stays, and holds those that it is tied to
     TraceDecision("lost photo registered", {{"photo", i}, {"tied_to", one.links.size()}},
                   posed.photos[i].photo.name);
-    const bool is_unrecorded = is_common || (*attempt.records)[i].is_unplaced;
+    const bool is_unrecorded = is_common || extracted.records[i].is_unplaced;
     linked.corrected[i] = is_unrecorded ? PlaceUnrecorded(one.cam_from_enu, posed.ground_z_in_enu_m,
                                                           posed.frame, posed.photos[i])
                                         : CorrectToPose(posed.photos[i], recorded[i], one.cam_from_enu);
@@ -82,7 +272,7 @@ int TakeInLost(const WeighedAttempt& attempt, const std::vector<Track>& tracks, 
     // Points are looked for about as deep as the photo was high: by what it shows, whatever was recorded.
     problem.photos[i].height_above_ground_m =
         std::max(0.5, one.cam_from_enu.TargetOriginInSource().z() - posed.ground_z_in_enu_m);
-    input.features[i] = (*attempt.features)[i];
+    input.features[i] = extracted.readable[i];
     input.views[i].cam_from_enu = one.cam_from_enu;
     input.views[i].height_above_ground_m = problem.photos[i].height_above_ground_m;
   }

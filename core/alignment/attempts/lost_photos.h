@@ -1,22 +1,45 @@
-// TakeInLost: photos that an adjusted alignment left out, registered against it by resection (RegisterLost)
-// and taken in as if they had always been linked: also those whose records place them nowhere. The rest of
-// the alignment stays for the next adjustment to move. The same for any number of threads.
+// Photos that an adjusted alignment left out, registered against it one by one by resection (RegisterLost)
+// and taken in as if they had always been linked (TakeInLost): also those whose records place them nowhere.
+// For a few lost photos of a sound alignment; a flight that is mostly lost is placed anew
+// (attempt_by_images.h). The same for any number of threads.
 #pragma once
 
 #include <vector>
 
 #include "core/alignment/attempts/attempt_evidence.h"
-#include "core/alignment/bundle/bundle_adjustment.h"
-#include "core/alignment/from_records/matching_passes.h"
-#include "core/poses/posed_flight.h"
+#include "core/alignment/scene/keypoints.h"
+#include "core/alignment/scene/matches.h"
+#include "core/alignment/scene/photo_set.h"
+#include "core/alignment/scene/priors.h"
+#include "core/alignment/scene/tracks.h"
+#include "core/alignment/scene/view.h"
 
 namespace skyquilt::alignment {
 
-// `attempt` is the alignment; `tracks` what its photos see, in enu; `relief` the ground. How many they are.
-// None where too many are lost for the alignment to be sound.
-int TakeInLost(const WeighedAttempt& attempt, const std::vector<Track>& tracks, const Relief& relief,
-               int threads, poses::PosedFlight& posed, MatchingInput& input, MatchedFlight& linked,
-               BundleProblem& problem);
+struct LostInput {
+  const std::vector<const PhotoFeatures*>* features = nullptr;  // of all photos that could be read
+  const std::vector<View>* views = nullptr;                     // adjusted where tied
+  const PhotoSet* tied = nullptr;                               // the alignment
+  const std::vector<Track>* tracks = nullptr;                   // in enu, seen by photos of the alignment
+  const std::vector<PhotoRecord>* records = nullptr;            // say only which photos may show the same
+  const Relief* relief = nullptr;                               // the ground
+};
+
+struct RegisteredLost {
+  int photo = 0;
+  geo::Rigid3 cam_from_enu;
+  std::vector<VerifiedPair> links;  // to aligned photos; matches that follow the pose
+};
+
+// Their keypoints are matched to those of aligned photos wherever they lie in the picture (no ground window,
+// no recorded pose), and the points those see are what the pose is found from; where these are too few, also
+// where the aligned photos see the ground under their other keypoints. What is aligned stays as it is.
+std::vector<RegisteredLost> RegisterLost(const LostInput& input, int threads);
+
+// `tracks`: what the attempt's photos see, in enu. How many they are. None where too many are lost for the
+// alignment to be sound.
+int TakeInLost(const ExtractedFlight& extracted, const std::vector<Track>& tracks, int threads,
+               Attempt& attempt);
 
 // Whether there are photos for it.
 bool HasLost(const AttemptEvidence& evidence);

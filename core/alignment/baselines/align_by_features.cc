@@ -8,11 +8,11 @@
 #include <memory>
 #include <optional>
 
+#include "core/alignment/baselines/align_by_pose.h"
 #include "core/alignment/baselines/chain_homographies.h"
 #include "core/alignment/bundle/reprojection_cost.h"
-#include "core/alignment/bundle/residuals.h"
 #include "core/alignment/estimators/plane_homography.h"
-#include "core/alignment/features/extract_all.h"
+#include "core/alignment/features/features.h"
 #include "core/alignment/matching/verified_pair.h"
 #include "core/alignment/scene/matches.h"
 #include "core/base/scoped_timer.h"
@@ -145,13 +145,8 @@ Result<AlignedFlight> AlignByFeatures(const poses::PosedFlight& posed, const fli
   report.pairs_linked = mosaic.pairs_linked;
   report.solver = "chained homographies";
   const std::map<int, GroundSimilarity> components = PlaceComponents(posed, mosaic);
-  AlignedFlight flight;
-  flight.frame = posed.frame;
-  flight.ground_z_in_enu_m = posed.ground_z_in_enu_m;
-  flight.left_out = posed.left_out;
-  flight.warnings = posed.warnings;
-  const std::vector<flight::Remark> assumed = poses::AssumptionsByPoses(posed.assumptions);
-  flight.warnings.insert(flight.warnings.end(), assumed.begin(), assumed.end());
+  AlignedFlight flight = AlignByPoseOnly(posed);
+  flight.photos.clear();
   double square_px = 0.0;
   for (std::size_t i = 0; i < posed.photos.size(); ++i) {
     const poses::PosedPhoto& before = posed.photos[i];

@@ -4,10 +4,9 @@
 #include <cmath>
 
 #include "core/alignment/baselines/align_by_pose.h"
-#include "core/alignment/features/extract_all.h"
+#include "core/alignment/features/features.h"
 #include "core/alignment/from_records/bundle_setup.h"
 #include "core/alignment/from_records/direct_registration.h"
-#include "core/alignment/from_records/flight_lines.h"
 #include "core/base/scoped_timer.h"
 #include "core/base/try.h"
 
@@ -45,7 +44,7 @@ Result<AlignedFlight> AlignDirectly(const poses::PosedFlight& posed, const fligh
   once.adjust_lens = false;  // one shift a pair says nothing of it
   for (int pass = 0; pass < kPasses && !progress.IsCancelled(); ++pass) {
     progress.Report(0.8 + 0.1 * pass, "comparing photos");
-    const std::vector<CandidatePair> pairs = SelectPairs(input.views, input.ground_sigma_m, flat, {});
+    const std::vector<CandidatePair> pairs = SelectPairs(input.views, input.ground_sigma_m, flat);
     report.pairs_tried = static_cast<int>(pairs.size());
     {
       ScopedTimer timer(report.matching_s);

@@ -1,6 +1,6 @@
 // AlignDirectly: a map refined by comparing pictures as a whole and by nothing else, for comparison: every
 // pair of photos that should overlap is shifted against each other by phase correlation of their thumbnails
-// (RegisterDirectly), twice, the second time from where the first adjustment put them; the shifts that are
+// (DirectTracks), twice, the second time from where the first adjustment put them; the shifts that are
 // unambiguous move the recorded poses in a bundle adjustment. Photos without any keep their recorded pose.
 // Errors: kCancelled.
 #pragma once

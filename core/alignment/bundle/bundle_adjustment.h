@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "core/alignment/bundle/readout_correction.h"
-#include "core/alignment/scene/camera_prior.h"
+#include "core/alignment/bundle/readout_motion.h"
+#include "core/alignment/scene/priors.h"
 #include "core/alignment/scene/tracks.h"
 #include "core/alignment/scene/view.h"
 
@@ -94,7 +94,6 @@ struct BundleSummary {
   int observations = 0;
   int dropped = 0;
   int iterations = 0;
-  std::vector<Eigen::Vector3d> line_bias_rad;
   std::string solver;                                             // and, where the last round failed, why
   BundleTermination termination = BundleTermination::kConverged;  // of the last round
   int failed_rounds = 0;

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "core/alignment/bundle/reprojection_cost.h"
-#include "core/alignment/bundle/residuals.h"
 #include "core/base/trace.h"
 
 namespace skyquilt::alignment {
@@ -47,6 +46,12 @@ geo::Rigid3 Applied(const geo::Rigid3& start, const double* pose) {
   const Eigen::Quaterniond rotation = (geo::RotationFromVector(turn) * start.rotation).normalized();
   return geo::Rigid3::FromRotationAndTargetOrigin(
       rotation, start.TargetOriginInSource() + Eigen::Vector3d(pose[3], pose[4], pose[5]));
+}
+
+// A cost term with automatic derivatives: residuals, then the sizes of the blocks that it hangs on.
+template <int kResiduals, int... kBlocks, typename Residual>
+ceres::CostFunction* Derived(const Residual& residual) {
+  return new ceres::AutoDiffCostFunction<Residual, kResiduals, kBlocks...>(new Residual(residual));
 }
 
 // One solve from the problem's present state, which becomes the solution where there is a usable one.
@@ -92,10 +97,7 @@ class Round {
     AddClock();
     for (int l = 0; l < bundle_.lines; ++l) {
       if (!ceres_.HasParameterBlock(Bias(l))) continue;
-      PriorResidual<3> prior{Eigen::Vector3d::Zero(), Eigen::Vector3d::Constant(bundle_.sigma_line_bias_rad)};
-      ceres_.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<PriorResidual<3>, 3, 3>(new PriorResidual<3>(prior)), nullptr,
-          Bias(l));
+      AddPrior<3>({Eigen::Vector3d::Zero(), Eigen::Vector3d::Constant(bundle_.sigma_line_bias_rad)}, Bias(l));
     }
     ceres::Solver::Options options;
     const int active = in_use.Count();
@@ -106,23 +108,20 @@ class Round {
     options.logging_type = ceres::SILENT;
     options.linear_solver_ordering.reset(ordering_);
     ordering_ = nullptr;
+    const auto eliminate_last = [&](double* block) {
+      if (ceres_.HasParameterBlock(block)) options.linear_solver_ordering->AddElementToGroup(block, 1);
+    };
     for (std::size_t i = 0; i < bundle_.photos.size(); ++i) {
-      if (in_use.Has(i)) options.linear_solver_ordering->AddElementToGroup(Pose(i), 1);
-      if (ceres_.HasParameterBlock(Correction(i)))
-        options.linear_solver_ordering->AddElementToGroup(Correction(i), 1);
+      if (in_use.Has(i)) eliminate_last(Pose(i));
+      eliminate_last(Correction(i));
     }
     for (std::size_t c = 0; c < recorded_.size(); ++c) {
-      if (ceres_.HasParameterBlock(Lens(c))) options.linear_solver_ordering->AddElementToGroup(Lens(c), 1);
-      if (ceres_.HasParameterBlock(Readout(c)))
-        options.linear_solver_ordering->AddElementToGroup(Readout(c), 1);
+      eliminate_last(Lens(c));
+      eliminate_last(Readout(c));
     }
-    for (int l = 0; l < bundle_.lines; ++l) {
-      if (ceres_.HasParameterBlock(Bias(l))) options.linear_solver_ordering->AddElementToGroup(Bias(l), 1);
-    }
-    if (ceres_.HasParameterBlock(PositionBias())) {
-      options.linear_solver_ordering->AddElementToGroup(PositionBias(), 1);
-    }
-    if (ceres_.HasParameterBlock(Clock())) options.linear_solver_ordering->AddElementToGroup(Clock(), 1);
+    for (int l = 0; l < bundle_.lines; ++l) eliminate_last(Bias(l));
+    eliminate_last(PositionBias());
+    eliminate_last(Clock());
     ceres::Solver::Summary solved;
     const TraceSpan span("adjust");
     ceres::Solve(options, &ceres_, &solved);
@@ -142,6 +141,11 @@ class Round {
   }
 
  private:
+  template <int kSize>
+  void AddPrior(const PriorResidual<kSize>& prior, double* block, ceres::LossFunction* loss = nullptr) {
+    ceres_.AddResidualBlock(Derived<kSize, kSize>(prior), loss, block);
+  }
+
   void AddLenses() {
     for (std::size_t c = 0; c < recorded_.size(); ++c) {
       const camera::Intrinsics& now = bundle_.lenses[c].intrinsics;
@@ -167,9 +171,9 @@ class Round {
     for (std::size_t t = 0; t < bundle_.soft_tracks.size(); ++t) {
       const double height =
           bundle_.photos[bundle_.soft_tracks[t].observations.front().photo].height_above_ground_m;
-      ceres_.AddResidualBlock(new ceres::AutoDiffCostFunction<PointHeightResidual, kRowsOfPoint, kPointSize>(
-                                  new PointHeightResidual{bundle_.ground_z_in_enu_m, kReliefShare * height}),
-                              nullptr, Point(bundle_.tracks.size() + t));
+      const PointHeightResidual residual{bundle_.ground_z_in_enu_m, kReliefShare * height};
+      ceres_.AddResidualBlock(Derived<kRowsOfPoint, kPointSize>(residual), nullptr,
+                              Point(bundle_.tracks.size() + t));
     }
     for (std::size_t c = 0; c < recorded_.size(); ++c) {
       if (!ceres_.HasParameterBlock(Lens(c))) continue;
@@ -182,9 +186,7 @@ class Round {
       prior.expected << 0.0, 0.0, 0.0, recorded_[c].k1, recorded_[c].k2, recorded_[c].p1, recorded_[c].p2;
       prior.sigma << lens.sigma_focal_share, lens.sigma_center_px, lens.sigma_center_px, lens.sigma_k1,
           lens.sigma_k2, lens.sigma_p, lens.sigma_p;
-      ceres_.AddResidualBlock(new ceres::AutoDiffCostFunction<PriorResidual<kLensSize>, kLensSize, kLensSize>(
-                                  new PriorResidual<kLensSize>(prior)),
-                              nullptr, Lens(c));
+      AddPrior(prior, Lens(c));
     }
     for (std::size_t c = 0; c < recorded_.size(); ++c) {
       if (!ceres_.HasParameterBlock(Readout(c))) continue;
@@ -192,10 +194,7 @@ class Round {
       PriorResidual<kReadoutSize> prior;
       prior.expected << -lens.readout_s;
       prior.sigma << lens.sigma_readout_s;
-      ceres_.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<PriorResidual<kReadoutSize>, kReadoutSize, kReadoutSize>(
-              new PriorResidual<kReadoutSize>(prior)),
-          nullptr, Readout(c));
+      AddPrior(prior, Readout(c));
     }
   }
 
@@ -210,9 +209,7 @@ class Round {
       ordering_->AddElementToGroup(point, 0);
       PriorResidual<3> prior{tied.surveyed_in_enu, tied.sigma_m};
       if (!tied.has_height) prior.sigma.z() = kUnknownHeightSigmaM;
-      ceres_.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<PriorResidual<3>, 3, 3>(new PriorResidual<3>(prior)),
-          new ceres::HuberLoss(kControlLossSigmas), point);
+      AddPrior(prior, point, new ceres::HuberLoss(kControlLossSigmas));
     }
   }
 
@@ -224,9 +221,7 @@ class Round {
     const PlaneResidual residual{{plane.height_m, plane.slope_east, plane.slope_north},
                                  plane.sigma_m * std::sqrt(points_a_photo)};
     for (std::size_t t = 0; t < bundle_.tracks.size(); ++t) {
-      ceres_.AddResidualBlock(new ceres::AutoDiffCostFunction<PlaneResidual, kRowsOfPoint, kPointSize>(
-                                  new PlaneResidual(residual)),
-                              nullptr, Point(t));
+      ceres_.AddResidualBlock(Derived<kRowsOfPoint, kPointSize>(residual), nullptr, Point(t));
     }
   }
 
@@ -238,10 +233,7 @@ class Round {
       ceres_.SetParameterBlockConstant(PositionBias());
       return;
     }
-    const PriorResidual<3> prior{Eigen::Vector3d::Zero(), Eigen::Vector3d::Constant(kPositionBiasSigmaM)};
-    ceres_.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<PriorResidual<3>, 3, 3>(new PriorResidual<3>(prior)), nullptr,
-        PositionBias());
+    AddPrior<3>({Eigen::Vector3d::Zero(), Eigen::Vector3d::Constant(kPositionBiasSigmaM)}, PositionBias());
   }
 
   void AddClock() {
@@ -250,10 +242,7 @@ class Round {
     PriorResidual<kClockSize> prior;
     prior.expected << 0.0;
     prior.sigma << bundle_.sigma_clock_s;
-    ceres_.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<PriorResidual<kClockSize>, kClockSize, kClockSize>(
-            new PriorResidual<kClockSize>(prior)),
-        nullptr, Clock());
+    AddPrior(prior, Clock());
   }
 
   void AddObservation(double* point, const Observation& seen) {
@@ -302,31 +291,24 @@ class Round {
         (photo.cam_from_enu.rotation * photo.prior_cam_from_enu.rotation.conjugate()).normalized());
     const Eigen::Vector3d moved =
         photo.cam_from_enu.TargetOriginInSource() - photo.prior_cam_from_enu.TargetOriginInSource();
-    ceres_.AddResidualBlock(new ceres::AutoDiffCostFunction<AttitudeResidual, 3, kPoseSize, 3>(
-                                new AttitudeResidual{turned, photo.sigma_attitude_rad}),
+    ceres_.AddResidualBlock(Derived<3, kPoseSize, 3>(AttitudeResidual{turned, photo.sigma_attitude_rad}),
                             new ceres::HuberLoss(3.0), Pose(i), Bias(photo.line));
     const PositionResidual position{moved, photo.sigma_position_m};
     if (bundle_.sigma_clock_s > 0.0 && photo.has_record && !photo.by_clock_mps.isZero()) {
-      ceres_.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<TimedPositionResidual, 3, kPoseSize, 3, kClockSize>(
-              new TimedPositionResidual{position, photo.by_clock_mps}),
-          new ceres::HuberLoss(3.0), Pose(i), PositionBias(), Clock());
+      const TimedPositionResidual timed{position, photo.by_clock_mps};
+      ceres_.AddResidualBlock(Derived<3, kPoseSize, 3, kClockSize>(timed), new ceres::HuberLoss(3.0), Pose(i),
+                              PositionBias(), Clock());
       return;
     }
-    ceres_.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<PositionResidual, 3, kPoseSize, 3>(new PositionResidual(position)),
-        new ceres::HuberLoss(3.0), Pose(i), PositionBias());
+    ceres_.AddResidualBlock(Derived<3, kPoseSize, 3>(position), new ceres::HuberLoss(3.0), Pose(i),
+                            PositionBias());
   }
 
   // The record was right so far; what earlier rounds took off counts too.
   void AddCorrectionPrior(std::size_t i) {
     const BundlePhoto& photo = bundle_.photos[i];
-    const PriorResidual<kCorrectionSize> prior{-photo.readout_correction,
-                                               photo.readout_doubt.sigma.cwiseMax(kHeldSigma)};
-    ceres_.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<PriorResidual<kCorrectionSize>, kCorrectionSize, kCorrectionSize>(
-            new PriorResidual<kCorrectionSize>(prior)),
-        nullptr, Correction(i));
+    AddPrior<kCorrectionSize>({-photo.readout_correction, photo.readout_doubt.sigma.cwiseMax(kHeldSigma)},
+                              Correction(i));
     if (photo.is_fixed) ceres_.SetParameterBlockConstant(Correction(i));
   }
 

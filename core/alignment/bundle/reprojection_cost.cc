@@ -6,8 +6,6 @@
 #include <cmath>
 #include <utility>
 
-#include "core/alignment/bundle/residuals.h"
-
 namespace skyquilt::alignment {
 namespace {
 

@@ -1,13 +1,13 @@
-// MakeReprojectionCost: where a photo saw a point against where pose (kPoseSize), point (enu) and lens
-// (kLensSize) say it should be, as residuals.h has these numbers, in sigmas. The one cost term that is asked
-// tens of thousands of times a solve, so its derivatives are written out; and there are millions of them, so
-// what all of one photo have in common is kept once. The caller owns what comes back.
+// The cost terms of the bundle adjustment, each in units of its own sigma. Poses are six numbers from a fixed
+// start: turn (radians, in cam: cam = Exp(turn) * start) and shift of the centre (enu metres). Lens: focal as
+// a factor, centre in pixels, k1 k2, p1 p2. Priors are written for automatic differentiation; the derivatives
+// of reprojection, which is asked tens of thousands of times a solve, are written out.
 #pragma once
 
 #include <Eigen/Core>
 #include <memory>
 
-#include "core/alignment/bundle/readout_correction.h"
+#include "core/alignment/bundle/readout_motion.h"
 #include "core/camera/intrinsics.h"
 #include "core/camera/rolling_shutter.h"
 #include "core/geo/rigid3.h"
@@ -17,6 +17,89 @@ class CostFunction;
 }
 
 namespace skyquilt::alignment {
+
+inline constexpr int kPoseSize = 6;
+inline constexpr int kLensSize = 7;  // log focal factor, cx, cy, k1, k2, p1, p2
+
+// The recorded attitude, apart from an error that the whole flight line shares (in cam).
+struct AttitudeResidual {
+  Eigen::Vector3d start_from_prior_rad;  // Log(start * prior^-1), small
+  Eigen::Vector3d sigma_rad;
+
+  template <typename T>
+  bool operator()(const T* pose, const T* line_bias, T* residual) const {
+    for (int k = 0; k < 3; ++k)
+      residual[k] = (pose[k] + start_from_prior_rad[k] - line_bias[k]) / sigma_rad[k];
+    return true;
+  }
+};
+
+// The recorded position, apart from an error that the whole flight shares.
+struct PositionResidual {
+  Eigen::Vector3d start_from_prior_m;
+  Eigen::Vector3d sigma_m;
+
+  template <typename T>
+  bool operator()(const T* pose, const T* bias, T* residual) const {
+    for (int k = 0; k < 3; ++k) residual[k] = (pose[3 + k] + start_from_prior_m[k] - bias[k]) / sigma_m[k];
+    return true;
+  }
+};
+
+// The same of a photo that was looked up by its time on a track: its clock's error is shared as well.
+struct TimedPositionResidual {
+  PositionResidual position;
+  Eigen::Vector3d by_clock_mps;
+
+  template <typename T>
+  bool operator()(const T* pose, const T* bias, const T* clock_error_s, T* residual) const {
+    position(pose, bias, residual);
+    for (int k = 0; k < 3; ++k) residual[k] -= clock_error_s[0] * by_clock_mps[k] / position.sigma_m[k];
+    return true;
+  }
+};
+
+template <int kSize>
+struct PriorResidual {
+  Eigen::Matrix<double, kSize, 1> expected;
+  Eigen::Matrix<double, kSize, 1> sigma;
+
+  template <typename T>
+  bool operator()(const T* value, T* residual) const {
+    for (int k = 0; k < kSize; ++k) residual[k] = (value[k] - expected[k]) / sigma[k];
+    return true;
+  }
+};
+
+// What says something of a point alone has two rows like an observation, the second empty: Ceres eliminates
+// points of one row size by code made for that size, in half the time.
+inline constexpr int kRowsOfPoint = 2;
+
+// A point that only direct registration knows lies near the ground.
+struct PointHeightResidual {
+  double expected_z_m;
+  double sigma_m;
+
+  template <typename T>
+  bool operator()(const T* point, T* residual) const {
+    residual[0] = (point[2] - expected_z_m) / sigma_m;
+    residual[1] = T(0.0);
+    return true;
+  }
+};
+
+// The ground is more or less a plane.
+struct PlaneResidual {
+  Eigen::Vector3d plane;  // z = plane.x + plane.y * E + plane.z * N
+  double sigma_m;
+
+  template <typename T>
+  bool operator()(const T* point, T* residual) const {
+    residual[0] = (point[2] - plane.x() - plane.y() * point[0] - plane.z() * point[1]) / sigma_m;
+    residual[1] = T(0.0);
+    return true;
+  }
+};
 
 // Where a photo was taken and with which lens, before the solve changes either. Of a camera that flies on
 // while it reads its rows it is the middle row's.
@@ -31,6 +114,9 @@ struct CameraStart {
 std::shared_ptr<const CameraStart> StartOf(const geo::Rigid3& cam_from_enu, const camera::RowMotion& motion,
                                            const camera::Intrinsics& lens);
 
+// Where a photo saw a point against where pose (kPoseSize), point (enu) and lens (kLensSize) say it should
+// be. There are millions of them, so what all of one photo have in common is kept once. The caller owns what
+// comes back.
 ceres::CostFunction* MakeReprojectionCost(std::shared_ptr<const CameraStart> start,
                                           const Eigen::Vector2d& pixel, double sigma_px);
 

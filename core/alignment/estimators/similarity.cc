@@ -44,12 +44,10 @@ double HorizontalResidual(const Similarity3& similarity, const PlacePair& pair) 
 
 // Half of the target's places lie further than this from their middle, horizontally.
 double SpreadOf(const std::vector<PlacePair>& pairs) {
-  std::vector<double> east, north, away;
-  for (const PlacePair& pair : pairs) {
-    east.push_back(pair.in_target.x());
-    north.push_back(pair.in_target.y());
-  }
-  const Eigen::Vector2d middle(Median(std::move(east)), Median(std::move(north)));
+  std::vector<Eigen::Vector2d> places;
+  for (const PlacePair& pair : pairs) places.push_back(pair.in_target.head<2>());
+  const Eigen::Vector2d middle = MedianByAxis(places);
+  std::vector<double> away;
   for (const PlacePair& pair : pairs) away.push_back((pair.in_target.head<2>() - middle).norm());
   return Median(std::move(away));
 }

@@ -27,7 +27,7 @@ struct Kernel {
       exact[k] = std::exp(-0.5 * k * k / (sigma_px * sigma_px));
       sum += (k == 0 ? 1.0 : 2.0) * exact[k];
     }
-    for (std::size_t k = 0; k <= static_cast<std::size_t>(radius); ++k)
+    for (int k = 0; k <= radius; ++k)
       weights[k] = static_cast<std::uint16_t>(std::lround(65536.0 * exact[k] / sum));
   }
 };

@@ -1,17 +1,21 @@
 // Features: where a photo can be recognised. Scale-space points (D. Lowe, IJCV 2004) with RootSIFT
 // descriptors (Arandjelovic and Zisserman, CVPR 2012) packed into bytes, spread evenly over the photo, plus a
-// small grey thumbnail for registration without features. One decode per photo; the pixels are dropped
-// afterwards. Pure apart from reading the photo; any number of threads; the same bytes give the same
-// features.
+// small grey thumbnail for registration without features; of one photo, or of all of a flight in parallel.
+// One decode per photo; the pixels are dropped afterwards. Pure apart from reading the photo; any number of
+// threads; the same bytes give the same features.
 #pragma once
 
 #include <cstdint>
+#include <map>
+#include <string>
 #include <vector>
 
 #include "core/alignment/scene/keypoints.h"
+#include "core/base/progress.h"
 #include "core/base/result.h"
 #include "core/flight/photos/photo_source.h"
 #include "core/image/decoded_image.h"
+#include "core/poses/posed_flight.h"
 
 namespace skyquilt::alignment {
 
@@ -29,5 +33,24 @@ Result<PhotoFeatures> FeaturesOf(const flight::Photo& photo, const image::Decode
 // Decodes it too. Errors: also those of PhotoSource::Decode.
 Result<PhotoFeatures> ExtractFeatures(const flight::Photo& photo, const flight::PhotoSource& source,
                                       const FeatureOptions& options);
+
+// Of a flight. A photo that cannot be decoded costs its features, not the flight: the reason stands in its
+// place.
+struct Photographed {
+  std::vector<PhotoFeatures> features;  // by photo
+  std::vector<std::string> unreadable;  // a reason a photo; empty: it was read
+
+  // Null where the photo could not be read.
+  std::vector<const PhotoFeatures*> Readable() const;
+};
+
+// By the photo's name, where an earlier decode of the photo found them.
+using FoundFeatures = std::map<std::string, PhotoFeatures>;
+
+// Takes what was found with the same options. Reports progress up to `last_fraction`; stops early, with what
+// there is, when it is cancelled.
+Photographed ExtractAll(const poses::PosedFlight& posed, const flight::PhotoSource& source,
+                        const FeatureOptions& options, FoundFeatures found, int threads, double last_fraction,
+                        Progress& progress);
 
 }  // namespace skyquilt::alignment

@@ -110,7 +110,7 @@ class RowPeaks {
  public:
   explicit RowPeaks(const Octave& octave)
       : octave_(octave),
-        width_(static_cast<std::size_t>(octave.layers[0].width_px)),
+        width_(octave.layers[0].width_px),
         down_least_(width_),
         down_most_(width_),
         is_peak_((width_ + 3) / 4 * 4, 0) {

@@ -7,9 +7,7 @@
 #include <numeric>
 
 #include "core/alignment/bundle/bundle_adjustment.h"
-#include "core/alignment/scene/keypoint_sets.h"
-#include "core/alignment/scene/ray_intersection.h"
-#include "core/alignment/scene/track_spread.h"
+#include "core/alignment/scene/tracks.h"
 #include "core/base/median.h"
 #include "core/base/parallel_for.h"
 
@@ -82,9 +80,8 @@ void Block::Triangulate(int track) {
   }
   std::vector<Eigen::Vector3d> rays;
   for (const int s : kept) {
-    const TrackElement& element = elements[s];
-    const int photo = element.photo;
-    rays.push_back(cam_from_world_[photo].rotation.conjugate() * rays_[photo][element.keypoint]);
+    const auto& [photo, keypoint] = elements[s];
+    rays.push_back(cam_from_world_[photo].rotation.conjugate() * rays_[photo][keypoint]);
   }
   while (kept.size() >= 2) {
     RayIntersection intersection;
@@ -114,12 +111,18 @@ void Block::Triangulate(int track) {
   kept.clear();
 }
 
-void Block::TriangulateAll(int threads) {
+void Block::TriangulateEach(const std::vector<int>& tracks, int threads) {
   constexpr std::size_t kChunk = 512;
-  ParallelFor((scene_->tracks.size() + kChunk - 1) / kChunk, threads, [&](std::size_t chunk) {
-    const std::size_t last = std::min(scene_->tracks.size(), (chunk + 1) * kChunk);
-    for (std::size_t t = chunk * kChunk; t < last; ++t) Triangulate(static_cast<int>(t));
+  ParallelFor((tracks.size() + kChunk - 1) / kChunk, threads, [&](std::size_t chunk) {
+    const std::size_t last = std::min(tracks.size(), (chunk + 1) * kChunk);
+    for (std::size_t t = chunk * kChunk; t < last; ++t) Triangulate(tracks[t]);
   });
+}
+
+void Block::TriangulateAll(int threads) {
+  std::vector<int> tracks(scene_->tracks.size());
+  std::iota(tracks.begin(), tracks.end(), 0);
+  TriangulateEach(tracks, threads);
 }
 
 void Block::TriangulateSeenBy(const std::vector<int>& photos, int threads) {
@@ -130,11 +133,17 @@ void Block::TriangulateSeenBy(const std::vector<int>& photos, int threads) {
   }
   std::sort(tracks.begin(), tracks.end());
   tracks.erase(std::unique(tracks.begin(), tracks.end()), tracks.end());
-  constexpr std::size_t kChunk = 512;
-  ParallelFor((tracks.size() + kChunk - 1) / kChunk, threads, [&](std::size_t chunk) {
-    const std::size_t last = std::min(tracks.size(), (chunk + 1) * kChunk);
-    for (std::size_t t = chunk * kChunk; t < last; ++t) Triangulate(tracks[t]);
-  });
+  TriangulateEach(tracks, threads);
+}
+
+Track Block::TrackOf(int track) const {
+  Track observed;
+  observed.point_in_enu = point_[track];
+  for (const int s : seen_by_[track]) {
+    const TrackElement& element = scene_->tracks[track][s];
+    observed.observations.push_back({element.photo, PixelOf(element), SigmaPx(element)});
+  }
+  return observed;
 }
 
 // Points that many photos see first, and of each photo only as many as it needs, spread over its picture.
@@ -187,13 +196,8 @@ void Block::Adjust(const std::vector<int>& free, const BlockAdjustment& options,
     return own;
   };
   for (const int t : ChooseTracks(adjusted, options.observations_per_photo)) {
-    Track track;
-    track.point_in_enu = Point(t);
-    for (const int s : SeenBy(t)) {
-      const TrackElement& element = scene_->tracks[t][s];
-      track.observations.push_back({number_of(element.photo), PixelOf(element), SigmaPx(element)});
-    }
-    problem.tracks.push_back(std::move(track));
+    Track& track = problem.tracks.emplace_back(TrackOf(t));
+    for (Observation& seen : track.observations) seen.photo = number_of(seen.photo);
   }
   if (problem.tracks.empty()) return;
   BundleOptions bundle;
@@ -206,19 +210,18 @@ void Block::Adjust(const std::vector<int>& free, const BlockAdjustment& options,
       cam_from_world_[photo_of[n]] = problem.photos[n].cam_from_enu;
     }
   }
+  if (!free.empty()) {
+    TriangulateSeenBy(free, threads);
+    return;
+  }
   if (bundle.adjust_lens) {
     lenses_ = std::move(problem.lenses);
     ParallelFor(placed_.Photos(), threads, [&](std::size_t i) {
       if (placed_.Has(i)) FindRays(static_cast<int>(i));
     });
-    TriangulateAll(threads);
-    Normalise();
-  } else if (free.empty()) {
-    TriangulateAll(threads);
-    Normalise();
-  } else {
-    TriangulateSeenBy(free, threads);
   }
+  TriangulateAll(threads);
+  Normalise();
 }
 
 void Block::Move(double scale, const Eigen::Quaterniond& turn, const Eigen::Vector3d& shift) {
@@ -278,14 +281,7 @@ std::vector<double> Block::ResidualsPx() const {
 std::vector<Track> Block::Tracks() const {
   std::vector<Track> tracks;
   for (std::size_t t = 0; t < seen_by_.size(); ++t) {
-    if (seen_by_[t].empty()) continue;
-    Track track;
-    track.point_in_enu = point_[t];
-    for (const int s : seen_by_[t]) {
-      const TrackElement& element = scene_->tracks[t][s];
-      track.observations.push_back({element.photo, PixelOf(element), SigmaPx(element)});
-    }
-    tracks.push_back(std::move(track));
+    if (!seen_by_[t].empty()) tracks.push_back(TrackOf(static_cast<int>(t)));
   }
   return tracks;
 }

@@ -7,10 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/alignment/scene/camera_prior.h"
 #include "core/alignment/scene/photo_set.h"
+#include "core/alignment/scene/priors.h"
 #include "core/alignment/scene/registration.h"
-#include "core/alignment/scene/scene_tracks.h"
 #include "core/alignment/scene/tracks.h"
 #include "core/geo/rigid3.h"
 
@@ -67,6 +66,8 @@ class Block {
 
  private:
   void Triangulate(int track);
+  void TriangulateEach(const std::vector<int>& tracks, int threads);
+  Track TrackOf(int track) const;
   void FindRays(int photo);
   double ResidualSigmas(const TrackElement& element, const Eigen::Vector3d& point) const;
   std::vector<int> ChooseTracks(const PhotoSet& adjusted, int observations_per_photo) const;

@@ -43,20 +43,10 @@ std::vector<Vector3d> PointsOf(const Registration& registration, int block) {
   return points;
 }
 
-Vector3d MedianOf(const std::vector<Vector3d>& values) {
-  Vector3d median = Vector3d::Zero();
-  for (int axis = 0; axis < 3; ++axis) {
-    std::vector<double> along;
-    for (const Vector3d& value : values) along.push_back(value[axis]);
-    median[axis] = Median(std::move(along));
-  }
-  return median;
-}
-
 // The direction most of them share; nothing where fewer than most do.
 std::optional<Vector3d> Shared(const std::vector<Vector3d>& directions) {
   if (directions.size() < kFewAttitudes) return std::nullopt;
-  Vector3d shared = MedianOf(directions).normalized();
+  Vector3d shared = MedianByAxis(directions).normalized();
   for (int round = 0; round < 2; ++round) {
     Vector3d sum = Vector3d::Zero();
     std::size_t agreeing = 0;
@@ -109,13 +99,12 @@ bool AreSpread(const std::vector<PlacePair>& pairs) {
     sigmas.push_back(pair.sigma.x());
   }
   if (places.size() < 3) return false;
-  const Vector3d middle = MedianOf(places);
+  const Vector3d middle = MedianByAxis(places);
   for (const Vector3d& place : places) away.push_back((place - middle).head<2>().norm());
   return Median(std::move(away)) > kMinSpreadSigmas * Median(std::move(sigmas));
 }
 
-}  // namespace
-
+// The upward normal of the plane through most of the points; nothing of fewer than ten.
 std::optional<UpDirection> UpOfGround(const std::vector<Vector3d>& points,
                                       const std::vector<Vector3d>& camera_centers) {
   if (points.size() < 10 || camera_centers.empty()) return std::nullopt;
@@ -143,9 +132,11 @@ std::optional<UpDirection> UpOfGround(const std::vector<Vector3d>& points,
       weights[k] = 1.0 / ((1.0 + scaled * scaled) * (1.0 + scaled * scaled));
     }
   }
-  if (normal.dot(MedianOf(camera_centers) - middle) < 0.0) normal = -normal;
+  if (normal.dot(MedianByAxis(camera_centers) - middle) < 0.0) normal = -normal;
   return UpDirection{normal, kSigmaOfGroundRad};
 }
+
+}  // namespace
 
 BlockPlace Georeference(const Registration& registration, int block, const GeoreferenceRecords& records) {
   BlockPlace place;
@@ -256,7 +247,7 @@ BlockPlace Georeference(const Registration& registration, int block, const Geore
     for (const Vector3d& center : centers) now.push_back(enu_from_world * center);
     recorded.push_back(Vector3d::Zero());
   }
-  enu_from_world.shift += MedianOf(recorded) - MedianOf(now);
+  enu_from_world.shift += MedianByAxis(recorded) - MedianByAxis(now);
   enu_from_world.shift.z() += records.ground_z_in_enu_m - ground_height(enu_from_world);
   return place;
 }

@@ -11,7 +11,7 @@
 
 #include "core/alignment/estimators/similarity.h"
 #include "core/alignment/scene/photo_set.h"
-#include "core/alignment/scene/pose_prior.h"
+#include "core/alignment/scene/priors.h"
 #include "core/alignment/scene/registration.h"
 
 namespace skyquilt::alignment {
@@ -36,10 +36,6 @@ struct BlockPlace {
   double spread_sigmas = 1.0;      // residual of the inlier positions in their stated sigmas
   bool knows_north = false;
 };
-
-// The upward normal of the plane through most of the points; nothing of fewer than ten.
-std::optional<UpDirection> UpOfGround(const std::vector<Eigen::Vector3d>& points,
-                                      const std::vector<Eigen::Vector3d>& camera_centers);
 
 // Of block number `block`, which has photos.
 BlockPlace Georeference(const Registration& registration, int block, const GeoreferenceRecords& records);

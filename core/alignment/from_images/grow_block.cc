@@ -129,6 +129,11 @@ void DropUnheld(int threads, Block& block) {
   if (block.size() < before) block.TriangulateAll(threads);
 }
 
+void AdjustWhole(const GrowOptions& options, int threads, Block& block) {
+  block.Adjust({}, WholeAdjustment(block, options), threads);
+  DropUnheld(threads, block);
+}
+
 // What rounds leave behind for the next one.
 struct Rounds {
   std::vector<int> failed_at;  // by photo: of how many points it could not be registered
@@ -181,8 +186,7 @@ bool TakeOverGround(const ViewGraph& graph, const GrowOptions& options, int thre
     Block grown = block;
     grown.Place(one.photo, one.cam_from_world);
     grown.TriangulateSeenBy({one.photo}, threads);
-    grown.Adjust({}, WholeAdjustment(grown, options), threads);
-    DropUnheld(threads, grown);
+    AdjustWhole(options, threads, grown);
     if (grown.Has(one.photo) && grown.PointsSeen()[one.photo] >= kMinKeptOverGround &&
         grown.size() > block.size()) {
       TraceDecision("photo registered over ground", {{"photo", one.photo}, {"inliers", one.agreeing}});
@@ -209,16 +213,13 @@ std::optional<Tried> Try(const RegistrationInput& input, const ViewGraph& graph,
   block.TriangulateSeenBy({pair.first, pair.second}, threads);
   if (block.PointsSeen()[pair.first] < kEnoughPoints) return std::nullopt;
   block.Normalise();
-  BlockAdjustment adjustment = WholeAdjustment(block, options);
-  block.Adjust({}, adjustment, threads);
+  block.Adjust({}, WholeAdjustment(block, options), threads);
   Rounds rounds{std::vector<int>(input.photos.size(), 0)};
   for (int round = 0; round < kPhotosAfterInitialPair && block.size() < 2 + kPhotosAfterInitialPair;
        ++round) {
     const std::vector<int> taken = TakeRound(used, 2, options, threads, rounds, block);
     if (taken.empty()) break;
-    adjustment = WholeAdjustment(block, options);
-    block.Adjust({}, adjustment, threads);
-    DropUnheld(threads, block);
+    AdjustWhole(options, threads, block);
   }
   if (block.size() < 3) return std::nullopt;
   Tried tried{std::move(block), 0};
@@ -274,16 +275,14 @@ int GrowBlock(const ViewGraph& graph, const PhotoSet& used, const GrowOptions& o
         continue;
       }
       asked_again = true;
-      block.Adjust({}, WholeAdjustment(block, options), threads);
-      DropUnheld(threads, block);
+      AdjustWhole(options, threads, block);
       rounds.failed_at.assign(used.Photos(), 0);
       whole_at = block.size();
       continue;
     }
     asked_again = false;
     if (block.size() <= kSmallBlock || block.size() >= kGrown * whole_at) {
-      block.Adjust({}, WholeAdjustment(block, options), threads);
-      DropUnheld(threads, block);
+      AdjustWhole(options, threads, block);
       whole_at = block.size();
     } else {
       BlockAdjustment local;

@@ -9,8 +9,8 @@
 
 #include "core/alignment/from_images/block.h"
 #include "core/alignment/from_images/view_graph.h"
-#include "core/alignment/scene/camera_prior.h"
 #include "core/alignment/scene/photo_set.h"
+#include "core/alignment/scene/priors.h"
 #include "core/base/progress.h"
 
 namespace skyquilt::alignment {

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/alignment/from_images/join_blocks.h"
+#include "core/alignment/estimators/sampler.h"
+#include "core/alignment/estimators/similarity.h"
 #include "core/base/scoped_timer.h"
 #include "core/base/trace.h"
 
@@ -15,6 +16,57 @@ constexpr int kFewForALens = 5;
 constexpr int kMaxPasses = 2;
 constexpr double kMinSigmaFocal = 0.02;  // what is recorded may be that of another image size
 constexpr int kMinSeen = 12;             // points of a photo that counts as registered
+constexpr int kMinShared = 12;
+constexpr int kJoinSamples = 300;
+constexpr double kToleranceShare = 0.02;  // of the depth
+constexpr double kMinShareHeld = 0.3;
+
+// larger_from_smaller, by the points that both see; nothing where too few agree on one similarity.
+std::optional<Similarity3> FindJoint(const Block& larger, const Block& smaller) {
+  std::vector<PlacePair> shared;
+  for (std::size_t t = 0; t < larger.scene().tracks.size(); ++t) {
+    const int track = static_cast<int>(t);
+    if (larger.HasPoint(track) && smaller.HasPoint(track)) {
+      shared.push_back({smaller.Point(track), larger.Point(track), Eigen::Vector3d::Ones()});
+    }
+  }
+  const int count = static_cast<int>(shared.size());
+  if (count < kMinShared) return std::nullopt;
+  const double tolerance = kToleranceShare * kMedianDepth;
+  Sampler sampler(static_cast<std::uint64_t>(count));
+  std::vector<PlacePair> most;
+  for (int s = 0; s < kJoinSamples; ++s) {
+    std::vector<PlacePair> three;
+    for (const int k : sampler.Distinct<3>(count)) three.push_back(shared[k]);
+    std::optional<Similarity3> proposed = FitSimilarity3(three);
+    for (int round = 0; proposed && round < 3; ++round) {
+      std::vector<PlacePair> held;
+      for (const PlacePair& pair : shared) {
+        if ((*proposed * pair.in_source - pair.in_target).norm() < tolerance) held.push_back(pair);
+      }
+      if (held.size() <= most.size()) break;
+      proposed = FitSimilarity3(held);
+      most = std::move(held);
+    }
+  }
+  if (static_cast<int>(most.size()) < kMinShared ||
+      static_cast<double>(most.size()) < kMinShareHeld * count) {
+    return std::nullopt;
+  }
+  return FitSimilarity3(most);
+}
+
+// Takes the smaller one's photos over.
+void JoinBlocks(const Similarity3& larger_from_smaller, const Block& smaller, int threads, Block& larger) {
+  std::vector<int> taken;
+  for (std::size_t i = 0; i < smaller.input().photos.size(); ++i) {
+    const int photo = static_cast<int>(i);
+    if (!smaller.Has(photo) || larger.Has(photo)) continue;
+    larger.Place(photo, larger_from_smaller.Moved(smaller.Pose(photo)));
+    taken.push_back(photo);
+  }
+  larger.TriangulateSeenBy(taken, threads);
+}
 
 void AdjustLast(const RegisterOptions& options, int threads, Block& block) {
   BlockAdjustment last;
@@ -58,8 +110,6 @@ void MergeBlocks(const std::vector<Block>& blocks, const ViewGraph& graph, Regis
       RegisteredPhoto& photo = registration.photos[i];
       photo.cam_from_world = block.Pose(static_cast<int>(i));
       photo.block = static_cast<int>(b);
-      photo.observations = seen[i];
-      photo.residual_rms_px = residuals[i];
       square += residuals[i] * residuals[i] * seen[i];
       observations += seen[i];
       ++size;
@@ -77,10 +127,6 @@ void MergeBlocks(const std::vector<Block>& blocks, const ViewGraph& graph, Regis
     registration.links.push_back({pair.first, pair.second, {}, pair.view.matches, 0.0});
   }
 }
-
-}  // namespace
-
-namespace {
 
 std::vector<Block> GrowBlocks(const RegistrationInput& input, const ViewGraph& graph,
                               const SceneTracks& scene, const RegisterOptions& options, int threads,
@@ -131,7 +177,7 @@ Registration RegisterPhotos(const RegistrationInput& given, const RegisterOption
   ViewGraph graph = BuildViewGraph(input, options.graph, threads, registration.report, progress);
   for (int pass = 0;; ++pass) {
     ScopedTimer timer(registration.report.growing_s);
-    const SceneTracks scene = JoinMatches(input, graph.pairs);
+    const SceneTracks scene = JoinMatches(input.Features(), graph.pairs);
     const std::vector<Block> blocks = GrowBlocks(input, graph, scene, options, threads, progress);
     RegistrationInput better = input;
     if (pass < kMaxPasses && !progress.IsCancelled() && TakeLenses(blocks, better)) {

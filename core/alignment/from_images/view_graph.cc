@@ -181,13 +181,11 @@ ViewGraph BuildViewGraph(const RegistrationInput& input, const ViewGraphOptions&
                          RegistrationReport& report, Progress& progress) {
   ViewGraph graph;
   const int count = static_cast<int>(input.photos.size());
-  std::vector<const PhotoFeatures*> features;
-  for (const RegistrationPhoto& photo : input.photos) features.push_back(photo.features);
   std::vector<Pair> candidates;
   Appearance appearance;
   {
     ScopedTimer timer(report.candidates_s);
-    appearance = Appearance::Learn(features, threads);
+    appearance = Appearance::Learn(input.Features(), threads);
     candidates = CandidatePairs({input.photos, appearance, options.candidates, {}, threads});
   }
   std::set<Pair> tried(candidates.begin(), candidates.end());

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/alignment/estimators/two_view.h"
-#include "core/alignment/matching/candidate_pairs.h"
+#include "core/alignment/matching/pair_sources.h"
 #include "core/alignment/scene/matches.h"
 #include "core/alignment/scene/registration.h"
 #include "core/base/progress.h"

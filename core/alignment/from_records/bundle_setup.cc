@@ -6,11 +6,12 @@
 #include <string>
 
 #include "core/alignment/bundle/readout_motion.h"
-#include "core/alignment/matching/connected_components.h"
+#include "core/alignment/matching/verified_pair.h"
 #include "core/base/median.h"
 #include "core/geo/height_trend.h"
 
 namespace skyquilt::alignment {
+
 namespace {
 
 constexpr double kMinSigmaM = 0.01;
@@ -67,7 +68,65 @@ BundleLens MakeLens(const flight::Photo& photo, int photos) {
   return lens;
 }
 
+// Angles of an aircraft without gimbal are worth far less than those of one with; the line's common error is
+// not counted.
+void ReweighAttitudes(const PhotoSet& tied, BundleProblem& problem) {
+  std::map<int, std::vector<Eigen::Vector3d>> turns_of_line;
+  for (std::size_t i = 0; i < problem.photos.size(); ++i) {
+    const BundlePhoto& photo = problem.photos[i];
+    if (!tied.Has(i)) continue;
+    turns_of_line[photo.line].push_back(geo::VectorFromRotation(
+        (photo.cam_from_enu.rotation * photo.prior_cam_from_enu.rotation.conjugate()).normalized()));
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> apart;
+    for (const auto& [line, turns] : turns_of_line) {
+      std::vector<double> values;
+      for (const Eigen::Vector3d& turn : turns) values.push_back(turn[axis]);
+      const double middle = turns.size() > 2 ? Median(values) : 0.0;
+      for (const double value : values) apart.push_back(std::abs(value - middle));
+    }
+    const double sigma = 1.8 * Median(apart);
+    for (BundlePhoto& photo : problem.photos) {
+      double& own = photo.sigma_attitude_rad[axis];
+      own = std::clamp(sigma, own, kMaxAttitudeGrowth * own);
+    }
+  }
+}
+
 }  // namespace
+
+std::vector<int> FindLines(const std::vector<Eigen::Vector2d>& east_north) {
+  constexpr double kCosineOfTurn = 0.82;  // 35 degrees
+  constexpr double kGap = 4.0;
+  std::vector<int> lines(east_north.size(), 0);
+  if (east_north.size() < 3) return lines;
+  std::vector<double> spacings;
+  for (std::size_t i = 1; i < east_north.size(); ++i) {
+    spacings.push_back((east_north[i] - east_north[i - 1]).norm());
+  }
+  const double usual = Median(spacings);
+  int line = 0;
+  std::size_t start = 0;
+  for (std::size_t i = 1; i < east_north.size(); ++i) {
+    const double spacing = spacings[i - 1];
+    bool ends = spacing > kGap * usual;
+    if (!ends && i - start >= 2 && spacing > 0.2 * usual) {
+      // Against the line's course so far, not only its last step: noise in positions must not end it.
+      const std::size_t from = i - start > 4 ? i - 4 : start;
+      const Eigen::Vector2d course = east_north[i - 1] - east_north[from];
+      const double length = course.norm();
+      ends =
+          length > 1e-6 && course.dot(east_north[i] - east_north[i - 1]) < kCosineOfTurn * length * spacing;
+    }
+    if (ends) {
+      ++line;
+      start = i;
+    }
+    lines[i] = line;
+  }
+  return lines;
+}
 
 MatchingInput MakeMatchingInput(const poses::PosedFlight& posed) {
   MatchingInput input;
@@ -166,36 +225,6 @@ BundleProblem MakeBundle(const poses::PosedFlight& posed, const std::vector<Corr
   problem.lines = lines.empty() ? 1 : *std::max_element(lines.begin(), lines.end()) + 1;
   return problem;
 }
-
-namespace {
-
-// Angles of an aircraft without gimbal are worth far less than those of one with; the line's common error is
-// not counted.
-void ReweighAttitudes(const PhotoSet& tied, BundleProblem& problem) {
-  std::map<int, std::vector<Eigen::Vector3d>> turns_of_line;
-  for (std::size_t i = 0; i < problem.photos.size(); ++i) {
-    const BundlePhoto& photo = problem.photos[i];
-    if (!tied.Has(i)) continue;
-    turns_of_line[photo.line].push_back(geo::VectorFromRotation(
-        (photo.cam_from_enu.rotation * photo.prior_cam_from_enu.rotation.conjugate()).normalized()));
-  }
-  for (int axis = 0; axis < 3; ++axis) {
-    std::vector<double> apart;
-    for (const auto& [line, turns] : turns_of_line) {
-      std::vector<double> values;
-      for (const Eigen::Vector3d& turn : turns) values.push_back(turn[axis]);
-      const double middle = turns.size() > 2 ? Median(values) : 0.0;
-      for (const double value : values) apart.push_back(std::abs(value - middle));
-    }
-    const double sigma = 1.8 * Median(apart);
-    for (BundlePhoto& photo : problem.photos) {
-      double& own = photo.sigma_attitude_rad[axis];
-      own = std::clamp(sigma, own, kMaxAttitudeGrowth * own);
-    }
-  }
-}
-
-}  // namespace
 
 void ReweighPriors(BundleProblem& problem) {
   const PhotoSet tied = ObservingPhotos(problem.photos.size(), problem.tracks);

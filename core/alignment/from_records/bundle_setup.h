@@ -2,6 +2,7 @@
 // points. Pure; any thread.
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
 #include <vector>
 
@@ -9,10 +10,15 @@
 #include "core/alignment/from_records/ground_graph.h"
 #include "core/alignment/matching/match_and_verify.h"
 #include "core/alignment/scene/matches.h"
-#include "core/alignment/scene/pose_prior.h"
+#include "core/alignment/scene/priors.h"
 #include "core/poses/posed_flight.h"
 
 namespace skyquilt::alignment {
+
+// Which photos were taken on one straight flight line, within which gimbals and compasses err alike: a line
+// number per photo (0, 1, ...), photos in order of capture. A turn ends a line; so does a gap of several
+// times the usual spacing.
+std::vector<int> FindLines(const std::vector<Eigen::Vector2d>& east_north);
 
 // Without features, which the caller adds.
 MatchingInput MakeMatchingInput(const poses::PosedFlight& posed);

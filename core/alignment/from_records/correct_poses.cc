@@ -1,6 +1,7 @@
 #include "core/alignment/from_records/correct_poses.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -9,6 +10,15 @@
 
 namespace skyquilt::alignment {
 namespace {
+
+using Complex = std::complex<double>;
+
+constexpr double kQuarterRad = 0.5 * std::numbers::pi;
+constexpr double kNearRad = 0.45;
+constexpr int kMinLinks = 8;
+constexpr double kShare = 0.8;
+constexpr double kBaselineSigmas = 3.0;
+constexpr double kMaxStretch = 2.0;  // of the way in the pictures against the recorded one
 
 using flight::Remark;
 using flight::RemarkCode;
@@ -22,14 +32,6 @@ Eigen::Quaterniond AboutUp(double angle_rad) {
 }
 
 int Degrees(int quarter_turns) { return quarter_turns == 3 ? -90 : 90 * quarter_turns; }
-
-// Where the optical axis meets level ground; straight below the camera when it hardly looks down.
-Eigen::Vector2d AxisOnGround(const Eigen::Quaterniond& enu_from_cam, const Eigen::Vector3d& center,
-                             double ground_z_m) {
-  const Eigen::Vector3d axis = enu_from_cam * Eigen::Vector3d::UnitZ();
-  if (axis.z() > -0.2) return center.head<2>();
-  return (center + (ground_z_m - center.z()) / axis.z() * axis).head<2>();
-}
 
 // Do photos from one up to the next lie turned against the course, and not against a recorded yaw?
 bool IsCourseOfAll(const std::vector<CorrectedPose>& corrected, std::size_t first, std::size_t end) {
@@ -53,15 +55,40 @@ GroundCorrection GroundMotion(const poses::PosedPhoto& posed, const GroundPrior&
 
 }  // namespace
 
+double CommonQuarterTurn(const std::vector<GroundPrior>& recorded, const std::vector<VerifiedPair>& pairs) {
+  std::array<int, 4> votes{};
+  int asked = 0;
+  for (const VerifiedPair& pair : pairs) {
+    const Complex first = recorded[pair.first].middle;
+    const Complex second = recorded[pair.second].middle;
+    const Complex way = second - first;
+    if (std::abs(way) < kBaselineSigmas * recorded[pair.first].sigma_m) continue;
+    // One place of the ground, seen from both middles: were all photos turned right, the difference were the
+    // way.
+    const Complex between = 0.5 * (first + second);
+    const Complex shown = (between - first) - (pair.second_from_first * between - second);
+    if (std::abs(shown) < std::abs(way) / kMaxStretch || std::abs(shown) > kMaxStretch * std::abs(way))
+      continue;
+    ++asked;
+    const double turn = std::arg(way / shown);
+    const double quarters = std::round(turn / kQuarterRad);
+    if (std::abs(turn - quarters * kQuarterRad) > kNearRad) continue;
+    ++votes[(static_cast<int>(quarters) + 4) % 4];
+  }
+  for (int quarters = 1; quarters < 4; ++quarters) {
+    const int agree = votes[quarters];
+    if (agree >= kMinLinks && agree >= kShare * asked) {
+      return quarters == 3 ? -kQuarterRad : quarters * kQuarterRad;
+    }
+  }
+  return 0.0;
+}
+
 CorrectedPose CorrectPose(const poses::PosedPhoto& posed, const GroundPrior& prior,
                           const GroundCorrection& correction) {
-  CorrectedPose corrected{posed.cam_from_enu,
-                          posed.cam_from_enu,
-                          0,
-                          false,
-                          false,
-                          {},
-                          posed.attitude_origin == poses::AttitudeOrigin::kCourse};
+  CorrectedPose corrected;
+  corrected.start_cam_from_enu = corrected.prior_cam_from_enu = posed.cam_from_enu;
+  corrected.yaw_is_course = posed.attitude_origin == poses::AttitudeOrigin::kCourse;
   if (correction.component < 0 && correction.component != kInheritedComponent) return corrected;
   const double turn = std::arg(correction.turn_and_scale);
   const double quarters = std::round(turn / (0.5 * std::numbers::pi));

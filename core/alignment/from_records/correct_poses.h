@@ -1,17 +1,24 @@
-// CorrectPoses: turns the corrections of the ground graph into poses to start the adjustment from, and
-// decides which records the images proved wrong: photos stored turned by a quarter or half, yaw of something
-// else than the camera, positions far off. Pure; any thread.
+// Which records the images proved wrong: whole flights whose camera is mounted sideways, photos stored turned
+// by a quarter or half, yaw of something else than the camera, positions far off; and the poses to start the
+// adjustment from, by the corrections of the ground graph. Pure; any thread.
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "core/alignment/from_records/ground_graph.h"
-#include "core/alignment/scene/pose_prior.h"
+#include "core/alignment/scene/matches.h"
+#include "core/alignment/scene/priors.h"
 #include "core/flight/remarks/remark.h"
 #include "core/poses/posed_flight.h"
 
 namespace skyquilt::alignment {
+
+// The turn about the vertical, counter-clockwise, that every photo of a flight needs: 0, or +-pi/2, or pi
+// where at least four of five pairs (and no fewer than eight) say so. Between themselves the photos of a
+// camera mounted sideways agree; what gives them away is the way from one to the next, which the pictures
+// show turned against the recorded positions. `pairs` of views as recorded.
+double CommonQuarterTurn(const std::vector<GroundPrior>& recorded, const std::vector<VerifiedPair>& pairs);
 
 CorrectedPose CorrectPose(const poses::PosedPhoto& posed, const GroundPrior& prior,
                           const GroundCorrection& correction);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 
 #include "core/base/parallel_for.h"
 
@@ -132,7 +133,11 @@ bool PixelOf(const View& view, const Eigen::Vector3d& point, Eigen::Vector2d* pi
   return view.intrinsics.IsInImage(*pixel);
 }
 
-}  // namespace
+struct DirectTie {
+  Eigen::Vector3d place_in_enu = Eigen::Vector3d::Zero();  // where the first shows what is compared
+  Eigen::Vector2d shift_m = Eigen::Vector2d::Zero();  // the second shows it this much further east, north
+  double sigma_m = 0.5;
+};
 
 std::optional<DirectTie> RegisterDirectly(const MatchingInput& input, int first, int second,
                                           const Relief& relief) {
@@ -146,8 +151,6 @@ std::optional<DirectTie> RegisterDirectly(const MatchingInput& input, int first,
   if (!MeetGround(a, relief, middle_pixel(a), &middle_first)) return std::nullopt;
   if (!MeetGround(b, relief, middle_pixel(b), &middle_second)) return std::nullopt;
   DirectTie tie;
-  tie.first = first;
-  tie.second = second;
   tie.place_in_enu = 0.5 * (middle_first + middle_second);
   tie.place_in_enu.z() = relief.HeightAt(tie.place_in_enu.head<2>());
   const double shorter_m = std::min(a.GsdM() * std::min(a.intrinsics.width_px, a.intrinsics.height_px),
@@ -178,9 +181,10 @@ std::optional<DirectTie> RegisterDirectly(const MatchingInput& input, int first,
   }
   tie.shift_m = shift_m + Eigen::Vector2d(left_over.shift_px.x * cell_m, -left_over.shift_px.y * cell_m);
   tie.sigma_m = 1.5 * cell_m;
-  tie.distinctness = left_over.distinctness;
   return tie;
 }
+
+}  // namespace
 
 std::vector<Track> DirectTracks(const MatchingInput& input, const std::vector<CandidatePair>& pairs,
                                 const std::vector<VerifiedPair>& verified, const Relief& relief,

@@ -1,11 +1,10 @@
-// RegisterDirectly: ties between photos that have too few features in common, from their pictures as a whole:
+// DirectTracks: ties between photos that have too few features in common, from their pictures as a whole:
 // both thumbnails are projected to the ground where their poses put them, freed of slow brightness changes,
 // and shifted against each other by phase correlation (Kuglin and Hines, 1975). Believed only when one shift
 // stands out from all others, the poses allow it, and a repetition from the shifted place finds nothing left
 // to shift. Pure; any thread.
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "core/alignment/matching/match_and_verify.h"
@@ -13,18 +12,6 @@
 #include "core/alignment/scene/tracks.h"
 
 namespace skyquilt::alignment {
-
-struct DirectTie {
-  int first = 0;
-  int second = 0;
-  Eigen::Vector3d place_in_enu = Eigen::Vector3d::Zero();  // where the first shows what is compared
-  Eigen::Vector2d shift_m = Eigen::Vector2d::Zero();  // the second shows it this much further east, north
-  double sigma_m = 0.5;
-  double distinctness = 0.0;  // height of the best peak over that of the next
-};
-
-std::optional<DirectTie> RegisterDirectly(const MatchingInput& input, int first, int second,
-                                          const Relief& relief);
 
 // Ties for photos with too few verified pairs, as two-view tracks for the adjustment.
 std::vector<Track> DirectTracks(const MatchingInput& input, const std::vector<CandidatePair>& pairs,

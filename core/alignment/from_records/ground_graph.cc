@@ -6,7 +6,7 @@
 #include <optional>
 #include <queue>
 
-#include "core/alignment/matching/connected_components.h"
+#include "core/alignment/matching/verified_pair.h"
 #include "core/alignment/scene/photo_set.h"
 
 namespace skyquilt::alignment {
@@ -92,9 +92,7 @@ GroundSimilarity FitToPositions(const std::vector<int>& members, const std::vect
   return best;
 }
 
-struct PairPlaces {
-  std::vector<std::pair<Complex, Complex>> places;  // a few matches stand for all
-};
+using PairPlaces = std::vector<std::pair<Complex, Complex>>;  // a few matches stand for all
 
 // How far apart a pair's two photos put the same places, rms.
 double PairResidual(const VerifiedPair& pair, const PairPlaces& places,
@@ -103,8 +101,8 @@ double PairResidual(const VerifiedPair& pair, const PairPlaces& places,
   const GroundSimilarity a = AsSimilarity(corrections[pair.first], priors[pair.first].middle);
   const GroundSimilarity b = AsSimilarity(corrections[pair.second], priors[pair.second].middle);
   double square = 0.0;
-  for (const auto& [x, y] : places.places) square += std::norm(a * x - b * y);
-  return std::sqrt(square / static_cast<double>(places.places.size()));
+  for (const auto& [x, y] : places) square += std::norm(a * x - b * y);
+  return std::sqrt(square / static_cast<double>(places.size()));
 }
 
 // What a component's corrections leave unexplained: residuals of pairs, photos far from where they were
@@ -169,10 +167,10 @@ void SolveLinear(const std::vector<GroundPrior>& priors, const std::vector<Verif
   for (std::size_t l = 0; l < pairs.size(); ++l) {
     const int i = pairs[l].first;
     const int j = pairs[l].second;
-    const double weight = pair_weights[l] / static_cast<double>(places[l].places.size());
+    const double weight = pair_weights[l] / static_cast<double>(places[l].size());
     Eigen::Matrix4cd block = Eigen::Matrix4cd::Zero();
     Eigen::Vector4cd target = Eigen::Vector4cd::Zero();
-    for (const auto& [a, b] : places[l].places) {
+    for (const auto& [a, b] : places[l]) {
       const Complex u = a - priors[i].middle;
       const Complex v = b - priors[j].middle;
       Eigen::RowVector4cd row;  // a_i u + t_i - a_j v - t_j = middle_j - middle_i
@@ -231,8 +229,8 @@ GroundGraph SolveGroundGraph(const std::vector<GroundPrior>& priors, const std::
     }
     const std::size_t step = std::max<std::size_t>(1, pair.matches.size() / kMaxPlacesPerPair);
     for (std::size_t k = 0; k < pair.matches.size(); k += step) {
-      places[l].places.emplace_back((*views[pair.first].projected)[pair.matches[k].first].place,
-                                    (*views[pair.second].projected)[pair.matches[k].second].place);
+      places[l].emplace_back((*views[pair.first].projected)[pair.matches[k].first].place,
+                             (*views[pair.second].projected)[pair.matches[k].second].place);
     }
   }
   for (std::size_t p = 0; p < components.members.size(); ++p) {

@@ -25,15 +25,6 @@ Eigen::Vector2d TiltOf(const geo::Rigid3& adjusted, const Eigen::Quaterniond& re
   return turn.head<2>();
 }
 
-Eigen::Vector2d MedianOf(const std::vector<Eigen::Vector2d>& values) {
-  std::vector<double> x, y;
-  for (const Eigen::Vector2d& value : values) {
-    x.push_back(value.x());
-    y.push_back(value.y());
-  }
-  return {Median(std::move(x)), Median(std::move(y))};
-}
-
 Eigen::Vector3d Turned(const Levelling& levelling, const Eigen::Vector3d& at) {
   return levelling.pivot_in_enu + levelling.level_from_tilted * (at - levelling.pivot_in_enu);
 }
@@ -83,7 +74,7 @@ std::optional<Levelling> FindLevelling(const BundleProblem& adjusted,
   }
   if (tilts.size() < kMinPhotos || 2 * tilts.size() < placed.size()) return std::nullopt;
   if (Median(std::move(sigmas_height)) < kMinSigmaHeightM) return std::nullopt;
-  const Eigen::Vector2d tilt = MedianOf(tilts);
+  const Eigen::Vector2d tilt = MedianByAxis(tilts);
   std::vector<double> apart;
   for (const Eigen::Vector2d& one : tilts) apart.push_back((one - tilt).norm());
   if (tilt.norm() < kMinTiltSigmas * Median(std::move(sigmas_tilt))) return std::nullopt;

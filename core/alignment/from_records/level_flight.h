@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "core/alignment/bundle/bundle_adjustment.h"
-#include "core/alignment/scene/pose_prior.h"
+#include "core/alignment/scene/priors.h"
 
 namespace skyquilt::alignment {
 

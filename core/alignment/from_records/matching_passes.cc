@@ -8,7 +8,6 @@
 #include "core/alignment/from_records/bundle_setup.h"
 #include "core/alignment/from_records/correct_poses.h"
 #include "core/alignment/from_records/ground_graph.h"
-#include "core/alignment/from_records/mount_turn.h"
 #include "core/base/median.h"
 
 namespace skyquilt::alignment {
@@ -155,7 +154,7 @@ MatchedFlight MatchInPasses(const poses::PosedFlight& posed, const std::vector<i
   ProjectedKeypoints projected;
   std::vector<VerifiedPair> verified;
   const auto match_first_pass = [&] {
-    matched.pairs = SelectPairs(input.views, input.ground_sigma_m, flat, {});
+    matched.pairs = SelectPairs(input.views, input.ground_sigma_m, flat);
     projected = ProjectAllToGround(input, flat, threads);
     verified = MatchAndVerify(input, projected, matched.pairs, kFirstPass, threads);
     for (VerifiedPair& pair : MatchLostPhotos(input, projected, matched.pairs, verified, threads)) {
@@ -182,7 +181,7 @@ MatchedFlight MatchInPasses(const poses::PosedFlight& posed, const std::vector<i
   std::size_t placed = CountPlaced(total);
   for (int round = 0; round < kMaxRounds && !progress.IsCancelled(); ++round) {
     move_views();
-    matched.pairs = SelectPairs(input.views, input.ground_sigma_m, flat, {});
+    matched.pairs = SelectPairs(input.views, input.ground_sigma_m, flat);
     projected = ProjectAllToGround(input, flat, threads);
     verified = MatchAndVerify(input, projected, matched.pairs, kNextPass, threads);
     // From here a photo is expected where it now lies.

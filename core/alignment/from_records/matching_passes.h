@@ -11,7 +11,7 @@
 #include "core/alignment/matching/match_and_verify.h"
 #include "core/alignment/scene/align_report.h"
 #include "core/alignment/scene/matches.h"
-#include "core/alignment/scene/pose_prior.h"
+#include "core/alignment/scene/priors.h"
 #include "core/base/progress.h"
 #include "core/poses/posed_flight.h"
 

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <map>
 
-#include "core/alignment/from_records/flight_lines.h"
+#include "core/alignment/from_records/bundle_setup.h"
 #include "core/base/check.h"
 #include "core/base/median.h"
 
@@ -150,18 +150,14 @@ std::optional<PositionLag> FindPositionLag(const BundleProblem& adjusted,
       weights[k] = std::min(1.0, kHuberSigmas * spread_m / std::max(left_m[k], 1e-9));
   }
   Fit none;
-  std::vector<double> x, y;
-  for (const Sample& sample : samples) {
-    x.push_back(sample.off_m.x());
-    y.push_back(sample.off_m.y());
-  }
-  none.shift_m = {Median(std::move(x)), Median(std::move(y))};
+  std::vector<Eigen::Vector2d> offs_m;
+  for (const Sample& sample : samples) offs_m.push_back(sample.off_m);
+  none.shift_m = MedianByAxis(offs_m);
   PositionLag lag;
   lag.lag_s = fit.lag_s;
   const Certainty certainty = CertaintyOf(fit, samples, weights);
   lag.sigma_s = certainty.sigma_s;
   lag.median_off_m = std::abs(fit.lag_s) * Median(std::move(speeds_mps));
-  lag.photos = static_cast<int>(samples.size());
   const bool is_found = certainty.IsEnoughFor(lag.lag_s) && std::abs(lag.lag_s) < kMaxPositionLagS &&
                         lag.median_off_m > kMinOffSigmas * Median(std::move(sigmas_m)) &&
                         Median(LeftBy(fit, samples)) < kMaxLeftShare * Median(LeftBy(none, samples));

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/alignment/bundle/bundle_adjustment.h"
-#include "core/alignment/scene/pose_prior.h"
+#include "core/alignment/scene/priors.h"
 
 namespace skyquilt::alignment {
 
@@ -18,7 +18,6 @@ struct PositionLag {
   double lag_s = 0.0;         // positive: the positions are those of earlier moments
   double sigma_s = 0.0;       // of it
   double median_off_m = 0.0;  // horizontal, by which it put the positions off
-  int photos = 0;             // that it was found from
   // By photo, what its recorded position is to be moved by; zero for those without a line.
   std::vector<Eigen::Vector3d> correction_in_enu;
 };

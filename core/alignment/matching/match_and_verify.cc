@@ -24,6 +24,15 @@ std::complex<double> Baseline(const View& first, const View& second) {
   return {apart.x(), apart.y()};
 }
 
+std::optional<VerifiedPair> VerifyPair(int first, int second, const ProjectedKeypoints& projected,
+                                       const std::vector<KeypointMatch>& matches,
+                                       const VerificationOptions& options) {
+  std::optional<VerifiedPair> pair =
+      VerifyOnGround(projected.views[first], projected.views[second], matches, options);
+  if (pair) pair->first = first, pair->second = second;
+  return pair;
+}
+
 std::vector<VerifiedPair> Collect(std::vector<std::optional<VerifiedPair>>& found) {
   std::vector<VerifiedPair> verified;
   for (std::optional<VerifiedPair>& pair : found) {
@@ -82,11 +91,7 @@ std::vector<VerifiedPair> MatchAndVerify(const MatchingInput& input, const Proje
     options.search_area_m2 = std::numbers::pi * window.radius_m * window.radius_m;
     options.any_turn = window.max_turn_rad > 1.5;
     options.min_matches = pass.min_matches;
-    found[p] = VerifyOnGround(projected.views[i], projected.views[j], matches, options);
-    if (found[p]) {
-      found[p]->first = i;
-      found[p]->second = j;
-    }
+    found[p] = VerifyPair(i, j, projected, matches, options);
   });
   return Collect(found);
 }
@@ -154,11 +159,7 @@ std::vector<VerifiedPair> MatchLostPhotos(const MatchingInput& input, const Proj
     options.search_area_m2 = width_m * width_m;
     options.any_turn = true;
     options.min_matches = kLostMinMatches;
-    found[p] = VerifyOnGround(projected.views[i], projected.views[j], matches, options);
-    if (found[p]) {
-      found[p]->first = i;
-      found[p]->second = j;
-    }
+    found[p] = VerifyPair(i, j, projected, matches, options);
   });
   return Collect(found);
 }

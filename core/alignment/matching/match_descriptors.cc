@@ -23,7 +23,7 @@ Wide Widen(const PhotoFeatures& features, int most) {
   wide.count = std::min(most, static_cast<int>(features.descriptors.size()));
   const int padded = (wide.count + kRowsAtOnce - 1) / kRowsAtOnce * kRowsAtOnce;
   wide.rows.assign(static_cast<std::size_t>(padded) * kDescriptorSize, 0);
-  wide.square.assign(static_cast<std::size_t>(padded), 0);
+  wide.square.assign(padded, 0);
   for (int i = 0; i < wide.count; ++i) {
     std::int16_t* row = wide.rows.data() + static_cast<std::size_t>(i) * kDescriptorSize;
     const Descriptor& descriptor = features.descriptors[i];
@@ -117,7 +117,7 @@ std::vector<KeypointMatch> MatchDescriptors(const PhotoFeatures& first, const Ph
     }
   }
   // Back again, only for those: the second's view of all of the first.
-  std::vector<std::int16_t> chosen(static_cast<std::size_t>(kRowsAtOnce) * kDescriptorSize, 0);
+  std::vector<std::int16_t> chosen(kRowsAtOnce * kDescriptorSize, 0);
   for (std::size_t m = 0; m < forth.size(); m += kRowsAtOnce) {
     const std::size_t rows = std::min<std::size_t>(kRowsAtOnce, forth.size() - m);
     for (std::size_t r = 0; r < rows; ++r) {

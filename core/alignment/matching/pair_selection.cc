@@ -8,6 +8,8 @@
 namespace skyquilt::alignment {
 namespace {
 
+constexpr double kMinPairOverlap = 0.12;
+constexpr int kBestPerPhoto = 6;  // by overlap alone; plus the best of each direction
 constexpr int kSamplesAcross = 7;
 constexpr int kDirections = 8;
 
@@ -37,8 +39,7 @@ bool Sees(const View& view, const Eigen::Vector3d& point, double margin_px) {
 }  // namespace
 
 std::vector<CandidatePair> SelectPairs(const std::vector<View>& views,
-                                       const std::vector<double>& ground_sigma_m, const Relief& relief,
-                                       const PairSelectionOptions& options) {
+                                       const std::vector<double>& ground_sigma_m, const Relief& relief) {
   const int count = static_cast<int>(views.size());
   std::vector<std::vector<Eigen::Vector3d>> samples(count);
   std::vector<Eigen::Vector2d> middle(count, Eigen::Vector2d::Zero());
@@ -71,7 +72,7 @@ std::vector<CandidatePair> SelectPairs(const std::vector<View>& views,
           std::count_if(samples[i].begin(), samples[i].end(),
                         [&](const Eigen::Vector3d& point) { return Sees(views[j], point, margin_px); });
       const double overlap = static_cast<double>(seen) / (kSamplesAcross * kSamplesAcross);
-      if (overlap < options.min_overlap) continue;
+      if (overlap < kMinPairOverlap) continue;
       const CandidatePair pair{std::min(i, j), std::max(i, j), overlap};
       of_photo[i].push_back(pair);
       of_photo[j].push_back(pair);
@@ -91,7 +92,7 @@ std::vector<CandidatePair> SelectPairs(const std::vector<View>& views,
       const Eigen::Vector2d away = middle[other] - middle[i];
       const double turn = (std::atan2(away.y(), away.x()) + std::numbers::pi) / (2.0 * std::numbers::pi);
       const int direction = std::min(kDirections - 1, static_cast<int>(turn * kDirections));
-      if (taken >= options.best_per_photo && served[direction]) continue;
+      if (taken >= kBestPerPhoto && served[direction]) continue;
       served[direction] = true;
       ++taken;
       if (chosen.emplace(pair.first, pair.second).second) pairs.push_back(pair);

@@ -18,14 +18,8 @@ struct CandidatePair {
   bool operator==(const CandidatePair&) const = default;
 };
 
-struct PairSelectionOptions {
-  double min_overlap = 0.12;
-  int best_per_photo = 6;  // by overlap alone; plus the best of each of eight directions
-};
-
 // Sorted by (first, second). ground_sigma_m: how far off each photo may lie on the ground, one sigma.
 std::vector<CandidatePair> SelectPairs(const std::vector<View>& views,
-                                       const std::vector<double>& ground_sigma_m, const Relief& relief,
-                                       const PairSelectionOptions& options);
+                                       const std::vector<double>& ground_sigma_m, const Relief& relief);
 
 }  // namespace skyquilt::alignment

@@ -1,8 +1,10 @@
-// Sources of pairs: each says which photos may show the same, for a reason of its own; what several say is
-// compared once (candidate_pairs.h). How to add one: docs/developers/recipes.md. Pure; any thread.
+// CandidatePairs: which photos are worth comparing when their attitude is unknown. Sources of pairs say which
+// may show the same, each for a reason of its own; what several say is compared once. Their number grows with
+// the photos. How to add one: docs/developers/recipes.md. Pure; any thread.
 #pragma once
 
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 #include "core/alignment/matching/appearance.h"
@@ -47,5 +49,8 @@ PartnersByPhoto NearestByPosition(const PairQuestion& question);
 PartnersByPhoto LookingAlike(const PairQuestion& question);
 
 inline constexpr PairSource kPairSources[] = {NextInOrder, NearestByPosition, LookingAlike};
+
+// (first, second) with first < second, sorted; photos without features are in none.
+std::vector<std::pair<int, int>> CandidatePairs(const PairQuestion& question);
 
 }  // namespace skyquilt::alignment

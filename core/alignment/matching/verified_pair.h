@@ -1,10 +1,12 @@
 // VerifyOnGround: do the matches of two photos agree on one motion over the ground? Every match is tried as
 // the motion (its place, and its direction for the turn), the one with most inliers is refined while the
 // tolerance shrinks. No random numbers: the same matches give the same result. Relief moves things along the
-// line between the cameras, so the tolerance is wider that way. Pure; any thread.
+// line between the cameras, so the tolerance is wider that way. And what photos such pairs hang together by.
+// Pure; any thread.
 #pragma once
 
 #include <complex>
+#include <cstddef>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -32,5 +34,14 @@ GroundSimilarity FitSimilarity(
 std::optional<VerifiedPair> VerifyOnGround(const GroundView& first, const GroundView& second,
                                            const std::vector<KeypointMatch>& matches,
                                            const VerificationOptions& options);
+
+// Of the photos and their verified pairs. What lies in two components is only as right to each other as the
+// records are.
+struct ConnectedComponents {
+  std::vector<int> of_photo;              // negative: no verified pair
+  std::vector<std::vector<int>> members;  // by component, in the photos' order
+};
+
+ConnectedComponents FindConnectedComponents(std::size_t photos, const std::vector<VerifiedPair>& pairs);
 
 }  // namespace skyquilt::alignment

@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
-#include "core/alignment/scene/camera_prior.h"
 #include "core/alignment/scene/keypoints.h"
 #include "core/alignment/scene/matches.h"
+#include "core/alignment/scene/priors.h"
 #include "core/alignment/scene/tracks.h"
 #include "core/geo/rigid3.h"
 
@@ -23,15 +23,20 @@ struct RegistrationPhoto {
 struct RegistrationInput {
   std::vector<RegistrationPhoto> photos;  // in the order of capture
   std::vector<BundleLens> lenses;
+
+  // By photo.
+  std::vector<const PhotoFeatures*> Features() const {
+    std::vector<const PhotoFeatures*> features;
+    for (const RegistrationPhoto& photo : photos) features.push_back(photo.features);
+    return features;
+  }
 };
 
 struct RegisteredPhoto {
   geo::Rigid3 cam_from_world;
   int lens = 0;
-  int block = -1;        // 0 is the largest; negative: not registered
-  int links = 0;         // verified pairs with photos of its block
-  int observations = 0;  // points it sees that others see too
-  double residual_rms_px = 0.0;
+  int block = -1;  // 0 is the largest; negative: not registered
+  int links = 0;   // verified pairs with photos of its block
 };
 
 struct RegistrationReport {

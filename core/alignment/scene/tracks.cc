@@ -4,15 +4,103 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <span>
 
-#include "core/alignment/scene/keypoint_sets.h"
-#include "core/alignment/scene/ray_intersection.h"
-#include "core/alignment/scene/track_spread.h"
+#include "core/geo/solvers/dense_solvers.h"
 
 namespace skyquilt::alignment {
 namespace {
 
+constexpr double kFineScales = 60.0;    // keypoints of sizes up to this many sigmas are located alike
 constexpr double kMaxCoarseness = 2.5;  // of the finest
+
+double Coarseness(const PhotoFeatures& features, int keypoint) {
+  const double size = features.keypoints[keypoint].scale_px;
+  return std::max(1.0, size / (features.sigma_px * kFineScales));
+}
+
+// Two keypoints of one photo that describe one place in two directions.
+bool IsOnePlace(const PhotoFeatures& features, int a, int b) {
+  const Keypoint& x = features.keypoints[a];
+  const Keypoint& y = features.keypoints[b];
+  return std::hypot(x.x_px - y.x_px, x.y_px - y.y_px) <= 1.0F;
+}
+
+// The keypoints of all photos under running numbers, and which of them are one point by the matches joined so
+// far (disjoint sets; the smallest number stands for its set).
+class KeypointSets {
+ public:
+  // By photo; null: it has none.
+  explicit KeypointSets(const std::vector<const PhotoFeatures*>& features) : first_of_{0} {
+    for (const PhotoFeatures* one : features) {
+      first_of_.push_back(first_of_.back() + (one ? static_cast<int>(one->keypoints.size()) : 0));
+    }
+    root_.resize(first_of_.back());
+    std::iota(root_.begin(), root_.end(), 0);
+  }
+
+  std::size_t size() const { return root_.size(); }
+  int SetOf(const TrackElement& one) {
+    int number = first_of_[one.photo] + one.keypoint;
+    while (root_[number] != number) {
+      int& up = root_[number];
+      number = up = root_[up];
+    }
+    return number;
+  }
+  // Two sets by what stands for them.
+  void Join(int a, int b) { root_[std::max(a, b)] = std::min(a, b); }
+
+ private:
+  std::vector<int> first_of_, root_;
+};
+
+// Sets that know their members, each photo at most once.
+class MemberSets {
+ public:
+  explicit MemberSets(const std::vector<const PhotoFeatures*>& features)
+      : features_(features), sets_(features), members_(sets_.size()) {
+    for (std::size_t i = 0; i < features.size(); ++i) {
+      if (!features[i]) continue;
+      for (int k = 0; k < static_cast<int>(features[i]->keypoints.size()); ++k)
+        members_[sets_.SetOf({static_cast<int>(i), k})] = {{static_cast<int>(i), k}};
+    }
+  }
+
+  void Join(const TrackElement& first, const TrackElement& second) {
+    const int a = sets_.SetOf(first), b = sets_.SetOf(second);
+    if (a == b) return;
+    std::vector<TrackElement>& of_a = members_[a];
+    std::vector<TrackElement>& of_b = members_[b];
+    std::vector<TrackElement> merged;
+    merged.reserve(of_a.size() + of_b.size());
+    auto next_a = of_a.begin();
+    auto next_b = of_b.begin();
+    while (next_a != of_a.end() || next_b != of_b.end()) {
+      if (next_b == of_b.end() || (next_a != of_a.end() && next_a->photo < next_b->photo)) {
+        merged.push_back(*next_a++);
+      } else if (next_a == of_a.end() || next_b->photo < next_a->photo) {
+        merged.push_back(*next_b++);
+      } else {
+        const PhotoFeatures& features = *features_[next_a->photo];
+        if (!IsOnePlace(features, next_a->keypoint, next_b->keypoint)) return;
+        merged.push_back(*next_a++);
+        ++next_b;
+      }
+    }
+    sets_.Join(a, b);
+    members_[std::max(a, b)] = {};
+    members_[std::min(a, b)] = std::move(merged);
+  }
+
+  std::vector<std::vector<TrackElement>>& members() { return members_; }
+
+ private:
+  const std::vector<const PhotoFeatures*>& features_;
+  KeypointSets sets_;
+  std::vector<std::vector<TrackElement>> members_;
+};
 
 // Long tracks first, and of each photo only as many as its cells have room for.
 std::vector<Track> Thin(std::vector<Track> tracks, const std::vector<View>& views,
@@ -31,7 +119,15 @@ std::vector<Track> Thin(std::vector<Track> tracks, const std::vector<View>& view
   return thinned;
 }
 
+Eigen::Vector3d RayInEnu(const View& view, const geo::Rigid3& cam_from_enu, const Eigen::Vector2d& pixel) {
+  return (cam_from_enu.rotation.conjugate() * view.intrinsics.Unproject(pixel)).normalized();
+}
+
 }  // namespace
+
+double KeypointSigmaPx(const PhotoFeatures& features, int keypoint) {
+  return features.sigma_px * Coarseness(features, keypoint);
+}
 
 PhotoSet ObservingPhotos(std::size_t photos, const std::vector<Track>& tracks) {
   PhotoSet observing(photos);
@@ -46,8 +142,7 @@ double WidestAngle(const std::vector<View>& views, const Track& track) {
   rays.reserve(track.observations.size());
   for (const Observation& seen : track.observations) {
     const View& view = views[seen.photo];
-    const Eigen::Quaterniond enu_from_cam = view.CamFromEnuAt(seen.pixel_in_image).rotation.conjugate();
-    rays.push_back((enu_from_cam * view.intrinsics.Unproject(seen.pixel_in_image)).normalized());
+    rays.push_back(RayInEnu(view, view.CamFromEnuAt(seen.pixel_in_image), seen.pixel_in_image));
   }
   double min_cosine = 1.0;
   for (std::size_t a = 0; a < rays.size(); ++a) {
@@ -65,9 +160,7 @@ bool Triangulate(const std::vector<View>& views, Track& track) {
   for (const Observation& seen : track.observations) {
     const View& view = views[seen.photo];
     const geo::Rigid3 cam_from_enu = view.CamFromEnuAt(seen.pixel_in_image);
-    const Eigen::Vector3d ray =
-        (cam_from_enu.rotation.conjugate() * view.intrinsics.Unproject(seen.pixel_in_image)).normalized();
-    intersection.Add(cam_from_enu.TargetOriginInSource(), ray);
+    intersection.Add(cam_from_enu.TargetOriginInSource(), RayInEnu(view, cam_from_enu, seen.pixel_in_image));
   }
   track.point_in_enu = intersection.Point();
   for (const Observation& seen : track.observations) {
@@ -92,54 +185,128 @@ std::vector<Track> BuildTracks(const std::vector<VerifiedPair>& pairs,
   KeypointSets sets(features);
   for (const VerifiedPair& pair : pairs) {
     for (const KeypointMatch& match : pair.matches) {
-      sets.Join(sets.Find(sets.NumberOf(pair.first, match.first)),
-                sets.Find(sets.NumberOf(pair.second, match.second)));
+      sets.Join(sets.SetOf({pair.first, match.first}), sets.SetOf({pair.second, match.second}));
     }
   }
-  const auto is_located = [&](std::size_t photo, int keypoint) {
-    return KeypointCoarseness(*features[photo], keypoint) <= kMaxCoarseness;
+  const auto is_located = [&](const TrackElement& one) {
+    return Coarseness(*features[one.photo], one.keypoint) <= kMaxCoarseness;
   };
-  std::vector<std::vector<std::pair<int, int>>> members(sets.size());  // photo, keypoint
+  std::vector<std::vector<TrackElement>> members(sets.size());
   for (std::size_t i = 0; i < features.size(); ++i) {
     if (!features[i]) continue;
     for (int k = 0; k < static_cast<int>(features[i]->keypoints.size()); ++k) {
+      const TrackElement one{static_cast<int>(i), k};
       // What is as large as a house has no place to within pixels.
-      if (is_located(i, k)) members[sets.Find(sets.NumberOf(i, k))].emplace_back(static_cast<int>(i), k);
+      if (is_located(one)) members[sets.SetOf(one)].push_back(one);
     }
   }
   std::vector<Track> tracks;
   std::vector<bool> is_contradictory(members.size(), false);
-  const auto observe = [&](std::size_t photo, int keypoint) {
-    const Keypoint& seen = features[photo]->keypoints[keypoint];
-    return Observation{static_cast<int>(photo), Eigen::Vector2d(seen.x_px, seen.y_px),
-                       KeypointSigmaPx(*features[photo], keypoint)};
+  const auto observe = [&](const TrackElement& one) {
+    const Keypoint& seen = features[one.photo]->keypoints[one.keypoint];
+    return Observation{one.photo, Eigen::Vector2d(seen.x_px, seen.y_px),
+                       KeypointSigmaPx(*features[one.photo], one.keypoint)};
   };
   for (std::size_t set = 0; set < members.size(); ++set) {
-    const auto& group = members[set];
+    const std::vector<TrackElement>& group = members[set];
     if (group.size() < 2) continue;
     Track track;
     for (std::size_t m = 0; m < group.size(); ++m) {
       const auto& [photo, keypoint] = group[m];
-      if (m > 0 && group[m - 1].first == photo) {
+      if (m > 0 && group[m - 1].photo == photo) {
         // Two keypoints of one photo: the same place seen in two directions is harmless, two places are not.
-        if (!IsOnePlace(*features[photo], group[m - 1].second, keypoint)) is_contradictory[set] = true;
+        if (!IsOnePlace(*features[photo], group[m - 1].keypoint, keypoint)) is_contradictory[set] = true;
         continue;
       }
-      track.observations.push_back(observe(photo, keypoint));
+      track.observations.push_back(observe(group[m]));
     }
     if (!is_contradictory[set] && track.observations.size() >= 2) tracks.push_back(std::move(track));
   }
   for (const VerifiedPair& pair : pairs) {
     if (!options.splits_contradictory) break;
     for (const KeypointMatch& match : pair.matches) {
-      if (!is_contradictory[sets.Find(sets.NumberOf(pair.first, match.first))]) continue;
-      if (!is_located(pair.first, match.first) || !is_located(pair.second, match.second)) continue;
+      const TrackElement first{pair.first, match.first}, second{pair.second, match.second};
+      if (!is_contradictory[sets.SetOf(first)] || !is_located(first) || !is_located(second)) continue;
       Track track;
-      track.observations = {observe(pair.first, match.first), observe(pair.second, match.second)};
+      track.observations = {observe(first), observe(second)};
       tracks.push_back(std::move(track));
     }
   }
   return Thin(std::move(tracks), views, options);
 }
+
+SceneTracks JoinMatches(const std::vector<const PhotoFeatures*>& features,
+                        const std::vector<GraphPair>& pairs) {
+  std::vector<std::size_t> order(pairs.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return pairs[a].view.matches.size() > pairs[b].view.matches.size();
+  });
+  MemberSets sets(features);
+  for (const std::size_t p : order) {
+    const GraphPair& pair = pairs[p];
+    for (const KeypointMatch& match : pair.view.matches) {
+      sets.Join({pair.first, match.first}, {pair.second, match.second});
+    }
+  }
+  SceneTracks scene;
+  scene.of_photo.resize(features.size());
+  for (std::vector<TrackElement>& members : sets.members()) {
+    if (members.size() < 2) continue;
+    for (const TrackElement& element : members) {
+      scene.of_photo[element.photo].push_back(static_cast<int>(scene.tracks.size()));
+    }
+    scene.tracks.push_back(std::move(members));
+  }
+  return scene;
+}
+
+TrackSpread::TrackSpread(std::size_t photos, int observations_per_photo, int cells_across)
+    : photos_(photos), cells_across_(cells_across), observations_per_photo_(observations_per_photo) {}
+
+void TrackSpread::SeenBy(int photo, const Eigen::Vector2d& pixel_in_image, const camera::Intrinsics& lens) {
+  const auto across = static_cast<int>(cells_across_);
+  const auto along = [&](double pixel, int size_px) {
+    return std::clamp(static_cast<int>(pixel * across / size_px), 0, across - 1);
+  };
+  const std::size_t at = photo;
+  seen_.push_back({at, (at * cells_across_ + along(pixel_in_image.y(), lens.height_px)) * cells_across_ +
+                           along(pixel_in_image.x(), lens.width_px)});
+}
+
+std::vector<std::size_t> TrackSpread::Choose() const {
+  const std::size_t cells = cells_across_ * cells_across_;
+  std::vector<int> in_cell(photos_ * cells, 0), in_photo(photos_, 0);
+  std::vector<bool> is_chosen(begins_.size(), false);
+  const int rounds = 1 + 3 * observations_per_photo_ / static_cast<int>(cells);
+  for (int round = 1; round <= rounds; ++round) {
+    for (std::size_t t = 0; t < begins_.size(); ++t) {
+      if (is_chosen[t]) continue;
+      const std::size_t end = t + 1 < begins_.size() ? begins_[t + 1] : seen_.size();
+      const std::span<const PhotoCell> seen(seen_.data() + begins_[t], end - begins_[t]);
+      is_chosen[t] = std::any_of(seen.begin(), seen.end(), [&](const PhotoCell& one) {
+        return in_cell[one.cell] < round && in_photo[one.photo] < observations_per_photo_;
+      });
+      if (!is_chosen[t]) continue;
+      for (const PhotoCell& one : seen) {
+        ++in_cell[one.cell];
+        ++in_photo[one.photo];
+      }
+    }
+  }
+  std::vector<std::size_t> chosen;
+  for (std::size_t t = 0; t < is_chosen.size(); ++t) {
+    if (is_chosen[t]) chosen.push_back(t);
+  }
+  return chosen;
+}
+
+void RayIntersection::Add(const Eigen::Vector3d& center, const Eigen::Vector3d& ray) {
+  const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - ray * ray.transpose();
+  normal_ += across;
+  right_ += across * center;
+}
+
+Eigen::Vector3d RayIntersection::Point() const { return geo::SolveSymmetric(normal_, right_); }
 
 }  // namespace skyquilt::alignment

@@ -1,6 +1,6 @@
-// Tracks: one point on the ground and the keypoints of several photos that see it. Built from pairwise
-// matches, contradictory ones taken apart, thinned so that every photo keeps a few hundred, spread over its
-// picture. Pure; any thread.
+// Tracks: one point on the ground and the keypoints of several photos that see it: built from pairwise
+// matches between photos whose poses are known (BuildTracks) or are not (JoinMatches), and what such tracks
+// are chosen and placed with. Pure; any thread.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,6 +11,7 @@
 #include "core/alignment/scene/matches.h"
 #include "core/alignment/scene/photo_set.h"
 #include "core/alignment/scene/view.h"
+#include "core/camera/intrinsics.h"
 
 namespace skyquilt::alignment {
 
@@ -26,6 +27,9 @@ struct Track {
   double angle_rad = 0.0;  // the widest angle between two of its rays
 };
 
+// How well a keypoint is located: worse than the photo's finest where it stands for a large patch.
+double KeypointSigmaPx(const PhotoFeatures& features, int keypoint);
+
 // Which of so many photos see any of the tracks.
 PhotoSet ObservingPhotos(std::size_t photos, const std::vector<Track>& tracks);
 
@@ -40,6 +44,7 @@ struct TrackOptions {
   bool splits_contradictory = false;
 };
 
+// Thinned so that every photo keeps as many as the options say, spread over its picture.
 std::vector<Track> BuildTracks(const std::vector<VerifiedPair>& pairs,
                                const std::vector<const PhotoFeatures*>& features,
                                const std::vector<View>& views, const TrackOptions& options);
@@ -57,5 +62,61 @@ bool Triangulate(const std::vector<View>& views, Track& track);
 // it.
 double ReprojectionErrorPx(const View& view, const Observation& observation,
                            const Eigen::Vector3d& point_in_enu);
+
+struct TrackElement {
+  int photo = 0;
+  int keypoint = 0;
+};
+
+// Tracks while photos are being placed. By keypoints, a sixth of an observation's size: all of a flight's are
+// kept.
+struct SceneTracks {
+  std::vector<std::vector<TrackElement>> tracks;  // each photo at most once, in their order
+  std::vector<std::vector<int>> of_photo;         // tracks a photo sees
+};
+
+// By the matches of the best supported pair first. A match that would put one point at two places of one
+// photo is skipped, so that a wrong chain of matches loses one match, not the whole track. features: by
+// photo; null: it takes no part.
+SceneTracks JoinMatches(const std::vector<const PhotoFeatures*>& features,
+                        const std::vector<GraphPair>& pairs);
+
+// Which of many tracks an adjustment takes, so that every photo keeps a few, spread over its picture: every
+// cell of a photo gets one track before any gets the next, in the order in which tracks were added. One
+// thread.
+class TrackSpread {
+ public:
+  TrackSpread(std::size_t photos, int observations_per_photo, int cells_across);
+
+  // The next track. Then once for each photo that sees it and has a say in what is taken.
+  void BeginTrack() { begins_.push_back(seen_.size()); }
+  void SeenBy(int photo, const Eigen::Vector2d& pixel_in_image, const camera::Intrinsics& lens);
+
+  // By the order in which they were added, ascending.
+  std::vector<std::size_t> Choose() const;
+
+ private:
+  struct PhotoCell {
+    std::size_t photo, cell;  // the cell counts through all photos
+  };
+
+  std::size_t photos_, cells_across_;
+  int observations_per_photo_;
+  std::vector<PhotoCell> seen_;      // of all tracks, one after the other
+  std::vector<std::size_t> begins_;  // of each track, in seen_
+};
+
+// The point nearest to all of several rays (least squares of the distances across). One thread.
+class RayIntersection {
+ public:
+  // `ray`: of length 1, from `center` on.
+  void Add(const Eigen::Vector3d& center, const Eigen::Vector3d& ray);
+  // Of two rays or more that are not parallel.
+  Eigen::Vector3d Point() const;
+
+ private:
+  Eigen::Matrix3d normal_ = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right_ = Eigen::Vector3d::Zero();
+};
 
 }  // namespace skyquilt::alignment

@@ -7,7 +7,6 @@
 #include <numeric>
 #include <utility>
 
-#include "core/alignment/features/picture_detail.h"
 #include "core/alignment/features/sharpness.h"
 #include "core/base/median.h"
 #include "core/geo/bounds.h"
@@ -42,12 +41,9 @@ bool ShowsTheSamePixels(const VerifiedPair& verified_pair, const MatchingInput& 
 
 // Against those that are linked, and so surely show the same ground; a photo without verified pairs, which
 // may show any, must besides be of little sharpness by itself, whatever it shows.
-struct SharpnessOfPhoto {
-  std::optional<double> share;  // of the fine detail of others
-  bool is_blurred = false;
-};
-std::vector<SharpnessOfPhoto> FindBlurred(const MatchingInput& input, const std::vector<CandidatePair>& pairs,
-                                          const std::vector<VerifiedPair>& verified, const Relief& relief) {
+void FindBlurred(const MatchingInput& input, const std::vector<CandidatePair>& pairs,
+                 const std::vector<VerifiedPair>& verified, const Relief& relief,
+                 std::vector<PhotoDoubt>& doubts) {
   const std::size_t count = input.views.size();
   std::vector<std::vector<double>> linked(count), overlapping(count), by_itself(count);
   const auto against = [&](int own, int other, std::vector<std::vector<double>>& shares) {
@@ -76,16 +72,13 @@ std::vector<SharpnessOfPhoto> FindBlurred(const MatchingInput& input, const std:
   const auto is_less_sharp = [](const std::vector<double>& shares) {
     return shares.size() >= kEnoughToCompare && Median(shares) < kBlurredShare;
   };
-  std::vector<SharpnessOfPhoto> found(count);
   for (std::size_t i = 0; i < count; ++i) {
     const bool is_linked = linked[i].size() >= kEnoughToCompare;
-    const bool is =
+    doubts[i].is_blurred =
         is_linked ? is_less_sharp(linked[i]) : is_less_sharp(overlapping[i]) && is_less_sharp(by_itself[i]);
-    found[i].is_blurred = is;
     const std::vector<double>& shares = is_linked ? linked[i] : overlapping[i];
-    if (shares.size() >= kEnoughToCompare) found[i].share = Median(shares);
+    if (shares.size() >= kEnoughToCompare) doubts[i].sharpness = Median(shares);
   }
-  return found;
 }
 
 }  // namespace
@@ -101,15 +94,13 @@ std::vector<PhotoDoubt> DoubtPhotos(const MatchingInput& input, const std::vecto
     PhotoDoubt& later = doubts[verified_pair.second];
     if (!later.copy_of && ShowsTheSamePixels(verified_pair, input)) later.copy_of = verified_pair.first;
   }
-  const std::vector<SharpnessOfPhoto> found = FindBlurred(input, pairs, verified, relief);
+  FindBlurred(input, pairs, verified, relief, doubts);
   for (const CandidatePair& pair : pairs) {
     if (pair.overlap < kSurelySharedOverlap) continue;
     if (linked[pair.second] > 1) ++witnesses[pair.first];
     if (linked[pair.first] > 1) ++witnesses[pair.second];
   }
   for (std::size_t i = 0; i < count; ++i) {
-    doubts[i].is_blurred = found[i].is_blurred;
-    doubts[i].sharpness = found[i].share;
     doubts[i].shows_other_place = linked[i] == 0 && witnesses[i] >= kWitnesses && input.features[i] &&
                                   input.features[i]->keypoints.size() >= kRichInFeatures &&
                                   !doubts[i].is_blurred;
@@ -131,13 +122,9 @@ PhotoSet LeaveOutFarAway(AlignedFlight& flight) {
   PhotoSet far_away(count);
   if (count < kFewPhotos) return far_away;
   std::vector<Eigen::Vector2d> places;
-  std::vector<double> easts, norths;
-  for (const AlignedPhoto& photo : flight.photos) {
+  for (const AlignedPhoto& photo : flight.photos)
     places.push_back(photo.cam_from_enu.TargetOriginInSource().head<2>());
-    easts.push_back(places.back().x());
-    norths.push_back(places.back().y());
-  }
-  const Eigen::Vector2d middle(Median(easts), Median(norths));
+  const Eigen::Vector2d middle = MedianByAxis(places);
   // By distance from the middle, the block grows until a gap as wide as itself.
   std::vector<std::size_t> order(count);
   std::iota(order.begin(), order.end(), 0);

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "core/alignment/attempts/attempt_by_images.h"
-#include "core/alignment/from_records/flight_lines.h"
+#include "core/alignment/from_records/bundle_setup.h"
 #include "core/alignment/from_records/gyro_lag.h"
 #include "core/base/trace.h"
 
@@ -14,20 +14,11 @@ constexpr double kLastFraction = 0.7;  // of the alignment's progress
 
 }  // namespace
 
-std::vector<std::string> ExtractedFlight::Names() const {
-  std::vector<std::string> names;
-  for (const poses::PosedPhoto& photo : posed.photos) names.push_back(photo.photo.name);
-  return names;
-}
-
 Error AlignmentCancelled() { return {ErrorCode::kCancelled, "the alignment was cancelled", ""}; }
 
 Result<ExtractedFlight> ExtractFlight(const poses::PosedFlight& recorded, const flight::PhotoSource& source,
                                       const AlignOptions& options, FoundFeatures found, Progress& progress) {
-  ExtractedFlight extracted;
-  WholeFlight whole = WithUnplaced(recorded);
-  extracted.posed = std::move(whole.posed);
-  extracted.records = std::move(whole.records);
+  ExtractedFlight extracted = WithUnplaced(recorded);
   extracted.photographed = ExtractAll(extracted.posed, source, options.Features(), std::move(found),
                                       options.threads, kLastFraction, progress);
   if (progress.IsCancelled()) return AlignmentCancelled();

@@ -11,11 +11,12 @@
 
 #include "core/alignment/attempts/attempt_by_images.h"
 #include "core/alignment/attempts/lost_photos.h"
-#include "core/alignment/bundle/tie_to_control.h"
+#include "core/alignment/bundle/control_points.h"
 #include "core/alignment/from_records/bundle_setup.h"
 #include "core/alignment/from_records/direct_registration.h"
 #include "core/alignment/from_records/level_flight.h"
 #include "core/alignment/from_records/position_lag.h"
+#include "core/alignment/stages/extract_flight.h"
 #include "core/base/median.h"
 #include "core/base/scoped_timer.h"
 #include "core/base/trace.h"
@@ -69,10 +70,6 @@ double LeanedShare(const std::vector<CorrectedPose>& corrected, const BundleProb
   return Median(std::move(shares));
 }
 
-AttemptEvidence Evidence(const ExtractedFlight& extracted, const Attempt& attempt) {
-  return Weigh(AsWeighed(extracted, attempt));
-}
-
 struct TriedByImages {
   ByImagesReport report;
   std::optional<AttemptByImages>
@@ -82,7 +79,7 @@ struct TriedByImages {
 TriedByImages TryByImages(const ExtractedFlight& extracted, const Attempt& by_records, double max_lost_share,
                           const AlignOptions& options, Progress& progress) {
   TriedByImages tried;
-  const AttemptEvidence evidence = Evidence(extracted, by_records);
+  const AttemptEvidence evidence = Weigh(extracted, by_records);
   const bool is_asked_for = options.by_images == ByImages::kAlways;
   tried.report.why = is_asked_for ? flight::Remark(flight::RemarkCode::kImagesAskedFor)
                                   : WhyDoubted(evidence, max_lost_share);
@@ -97,10 +94,8 @@ TriedByImages TryByImages(const ExtractedFlight& extracted, const Attempt& by_re
   progress.Report(0.82, "placing photos by what they show");
   // Where residuals are in doubt, as many photos tied are not better by number.
   const bool takes_equal = is_asked_for || evidence.Lost() == 0;
-  const AttemptByRecords first{&by_records.posed, &extracted.readable, &extracted.records,
-                               &by_records.problem};
-  tried.second = PlaceByImages(first, evidence.tied, takes_equal, options.control, options.threads,
-                               tried.report, progress);
+  tried.second = PlaceByImages(extracted, by_records, evidence.tied, takes_equal, options.control,
+                               options.threads, tried.report, progress);
   return tried;
 }
 
@@ -122,11 +117,10 @@ enum class MayRematch { kNo, kYes };
 Attempt WithLostTakenIn(const ExtractedFlight& extracted, Attempt attempt, MayRematch may_rematch,
                         const AlignOptions& options) {
   bool took_in = false, is_rematched = false;
-  for (int round = 0; round < kMaxLostRounds && HasLost(Evidence(extracted, attempt)); ++round) {
+  for (int round = 0; round < kMaxLostRounds && HasLost(Weigh(extracted, attempt)); ++round) {
     attempt.input.views = ViewsOf(attempt.problem);
     const std::vector<Track> seen = GroundTracks(attempt, options);
-    if (TakeInLost(AsWeighed(extracted, attempt), seen, attempt.relief, options.threads, attempt.posed,
-                   attempt.input, attempt.matched, attempt.problem) == 0) {
+    if (TakeInLost(extracted, seen, options.threads, attempt) == 0) {
       // Photos just taken in have few points yet, and may be all that the next ones have in common with the
       // rest.
       if (!took_in || is_rematched || may_rematch == MayRematch::kNo) break;
@@ -194,13 +188,13 @@ PlacedFlight BetterOf(const ExtractedFlight& extracted, Attempt by_records, Trie
   by_images.input.views = ViewsOf(by_images.problem);
   by_images.relief = AdjustedRelief(by_images);
   by_images = WithLostTakenIn(extracted, std::move(by_images), MayRematch::kNo, options);
-  const AttemptEvidence evidence = Evidence(extracted, by_images);
+  const AttemptEvidence evidence = Weigh(extracted, by_images);
   if (static_cast<int>(evidence.tied) > report.registered) {
     report.registered = static_cast<int>(evidence.tied);
     report.outcome->values.insert_or_assign("photos", report.registered);
   }
   if (kept) {
-    const AttemptEvidence of_records = Evidence(extracted, *kept);
+    const AttemptEvidence of_records = Weigh(extracted, *kept);
     const AttemptChoice choice = ChooseAttempt(of_records, evidence);
     TraceDecision(choice.takes_images ? "images taken" : "records taken",
                   {{"tied_by_images", evidence.tied},

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "core/alignment/scene/align_report.h"
-#include "core/alignment/stages/attempt.h"
+#include "core/alignment/stages/attempt_steps.h"
 
 namespace skyquilt::alignment {
 

@@ -80,38 +80,20 @@ struct Learnt {
   int photos = 0;
 };
 
-// Axis by axis.
-Eigen::Vector3d MedianVector(const std::vector<Eigen::Vector3d>& values) {
-  Eigen::Vector3d median;
-  for (int k = 0; k < 3; ++k) {
-    std::vector<double> along;
-    for (const Eigen::Vector3d& value : values) along.push_back(value[k]);
-    median[k] = Median(std::move(along));
-  }
-  return median;
-}
-
 Learnt Learn(const std::vector<Eigen::Vector3d>& turns, const std::vector<Eigen::Vector3d>& shifts) {
   Learnt learnt;
   learnt.photos = static_cast<int>(turns.size());
   if (turns.empty()) return learnt;
-  learnt.turn_rad = MedianVector(turns);
-  learnt.shift_m = MedianVector(shifts);
+  learnt.turn_rad = MedianByAxis(turns);
+  learnt.shift_m = MedianByAxis(shifts);
   std::vector<Eigen::Vector3d> apart;
   for (const Eigen::Vector3d& turn : turns) apart.push_back((turn - learnt.turn_rad).cwiseAbs());
-  learnt.scatter_rad = 1.5 * MedianVector(apart).head<2>().mean();
+  learnt.scatter_rad = 1.5 * MedianByAxis(apart).head<2>().mean();
   return learnt;
 }
 
 Eigen::Vector3d TurnAgainst(const geo::Rigid3& now, const geo::Rigid3& before) {
   return geo::VectorFromRotation((now.rotation * before.rotation.conjugate()).normalized());
-}
-
-Eigen::Vector2d AxisOnGround(const geo::Rigid3& cam_from_enu, double ground_z_m) {
-  const Eigen::Vector3d center = cam_from_enu.TargetOriginInSource();
-  const Eigen::Vector3d axis = cam_from_enu.rotation.conjugate() * Eigen::Vector3d::UnitZ();
-  if (axis.z() > -0.2) return center.head<2>();
-  return (center + (ground_z_m - center.z()) / axis.z() * axis).head<2>();
 }
 
 std::vector<PhotoFault> Faults(const CorrectedPose& corrected, const PhotoDoubt& doubt) {
@@ -186,10 +168,12 @@ void TellAssumptions(const poses::PosedFlight& posed, int aligned, AlignedFlight
 
 }  // namespace
 
-AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
-  const poses::PosedFlight& posed = *input.posed;
-  const BundleProblem& problem = *input.problem;
-  const std::vector<CorrectedPose>& corrected = *input.corrected;
+AlignedFlight PlacePhotos(const ExtractedFlight& extracted, const Attempt& attempt,
+                          const std::vector<Track>& ground_tracks, const std::vector<PhotoDoubt>& doubts,
+                          AlignReport& report) {
+  const poses::PosedFlight& posed = attempt.posed;
+  const BundleProblem& problem = attempt.problem;
+  const std::vector<CorrectedPose>& corrected = attempt.matched.corrected;
   AlignedFlight flight;
   flight.frame = posed.frame;
   flight.ground_z_in_enu_m = posed.ground_z_in_enu_m;
@@ -197,8 +181,7 @@ AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
   flight.warnings = posed.warnings;
 
   const std::optional<double> shared_error_m = ControlErrorM(report);
-  std::vector<std::string> names;
-  for (const poses::PosedPhoto& photo : posed.photos) names.push_back(photo.photo.name);
+  const std::vector<std::string> names = extracted.Names();
   std::vector<Support> support;
   const std::vector<int> component = FindAligned(problem, support);
   const std::vector<DirectSupport> direct = SupportOf(ViewsOf(problem), problem.soft_tracks);
@@ -266,7 +249,7 @@ AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
             before.error_radius_m,
             std::hypot(sigma_position, before.height_above_ground_m * std::max(0.003, learnt.scatter_rad)));
       }
-      const std::string& unreadable = (*input.unreadable)[i];
+      const std::string& unreadable = extracted.photographed.unreadable[i];
       photo.placement_remarks = {
           !unreadable.empty()
               ? Remark{RemarkCode::kByPoseUnreadable, {{"error_words", unreadable}}}
@@ -275,7 +258,7 @@ AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
     }
     std::vector<Remark>& said = photo.placement_remarks;
     said.insert(said.end(), corrected[i].notes.begin(), corrected[i].notes.end());
-    const PhotoDoubt& doubt = (*input.doubts)[i];
+    const PhotoDoubt& doubt = doubts[i];
     photo.sharpness = doubt.sharpness;
     if (doubt.IsAny()) {
       for (Remark& remark : DoubtsInRemarks(doubt, names)) {
@@ -295,9 +278,10 @@ AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
     told.observations = support[i].observations;
     told.residual_rms_px =
         support[i].observations > 0 ? std::sqrt(support[i].square_px / support[i].observations) : 0.0;
-    told.moved_m = (AxisOnGround(photo.cam_from_enu, posed.ground_z_in_enu_m) -
-                    AxisOnGround(before.cam_from_enu, posed.ground_z_in_enu_m))
-                       .norm();
+    const auto axis_on_ground = [&posed](const geo::Rigid3& pose) {
+      return AxisOnGround(pose.rotation.conjugate(), pose.TargetOriginInSource(), posed.ground_z_in_enu_m);
+    };
+    told.moved_m = (axis_on_ground(photo.cam_from_enu) - axis_on_ground(before.cam_from_enu)).norm();
     told.turned_deg = geo::RadToDeg(TurnAgainst(photo.cam_from_enu, before.cam_from_enu).norm());
     told.faults = Faults(corrected[i], doubt);
     report.aligned += photo.placement == Placement::kAligned ? 1 : 0;
@@ -310,13 +294,13 @@ AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
   if (report.components > 1) {
     flight.warnings.push_back({RemarkCode::kGroups, {{"groups", report.components}}});
   }
-  for (const Track& track : *input.ground_tracks) {
+  for (const Track& track : ground_tracks) {
     if (track.angle_rad < kGoodAngleRad) continue;
     const auto good = std::count_if(track.observations.begin(), track.observations.end(),
                                     [&](const Observation& one) { return component[one.photo] >= 0; });
     if (good >= 2) flight.tie_points_in_enu.push_back(track.point_in_enu);
   }
-  if (report.components > 0) FindTiedLooks(*input.ground_tracks, component, flight);
+  if (report.components > 0) FindTiedLooks(ground_tracks, component, flight);
   TellAssumptions(posed, report.aligned, flight);
   const PhotoSet far_away = LeaveOutFarAway(flight);
   for (std::size_t i = 0; i < far_away.Photos(); ++i) {

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <optional>
 
-#include "core/alignment/bundle/tie_to_control.h"
+#include "core/alignment/bundle/control_points.h"
 #include "core/alignment/scene/view.h"
 #include "core/base/median.h"
 #include "core/flight/remarks/because.h"

@@ -1,13 +1,12 @@
 #include "core/pipeline/placing/place_known.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
+#include <fmt/core.h>
 #include <limits>
 #include <utility>
 
-#include "core/alignment/bundle/tie_to_control.h"
+#include "core/alignment/bundle/control_points.h"
 #include "core/base/median.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"

@@ -1,13 +1,12 @@
 // How well surveyed points are met that were not told: each left out in turn, the flight aligned by the
 // others, and its marks compared with the survey. alignment_control_loo DIR-OR-FILES...
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
+#include <fmt/core.h>
 #include <map>
 
 #include "core/alignment/align_flight.h"
-#include "core/alignment/bundle/tie_to_control.h"
+#include "core/alignment/bundle/control_points.h"
 #include "core/base/median.h"
 #include "core/flight/photos/photo_decoder.h"
 #include "core/flight/read_flight.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "core/alignment/from_records/bundle_setup.h"
-#include "core/alignment/scene/camera_prior.h"
+#include "core/alignment/scene/priors.h"
 
 namespace skyquilt::alignment {
 namespace {

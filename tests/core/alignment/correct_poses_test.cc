@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "core/alignment/scene/pose_prior.h"
+#include "core/alignment/scene/priors.h"
 #include "core/alignment/scene/view.h"
 #include "core/flight/remarks/remark_words.h"
 

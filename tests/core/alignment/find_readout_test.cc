@@ -1,6 +1,5 @@
 #include "core/alignment/bundle/find_readout.h"
 
-#include <ceres/cost_function.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -9,6 +8,7 @@
 #include <random>
 
 #include "core/alignment/bundle/reprojection_cost.h"
+#include "tests/core/alignment/cost_derivatives.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -110,39 +110,10 @@ TEST(RollingReprojectionCost, ChangesAsItsDerivativesSay) {
       MakeRollingReprojectionCost(StartOf(start, {.shift_in_enu_m = {0.3, 0.1, 0.0}, .turns_rad = {}},
                                           camera::Intrinsics::Centered(2000, 1500, 1400.0)),
                                   {9.0, 4.0, 0.5}, {1200.0, 300.0}, 0.7));
-  std::vector<std::vector<double>> values{{0.02, -0.05, 0.3, 0.5, -0.4, 0.8},
-                                          {10.0, 6.0, 2.0},
-                                          {0.01, 3.0, -2.0, -0.1, 0.05, 0.001, -0.002},
-                                          {0.04}};
-  const auto residual = [&] {
-    Eigen::Vector2d at;
-    const std::array<const double*, 4> blocks{values[0].data(), values[1].data(), values[2].data(),
-                                              values[3].data()};
-    EXPECT_TRUE(cost->Evaluate(blocks.data(), at.data(), nullptr));
-    return at;
-  };
-  std::array<std::array<double, 14>, 4> derivatives{};
-  std::array<double*, 4> out{derivatives[0].data(), derivatives[1].data(), derivatives[2].data(),
-                             derivatives[3].data()};
-  const std::array<const double*, 4> blocks{values[0].data(), values[1].data(), values[2].data(),
-                                            values[3].data()};
-  Eigen::Vector2d at;
-  ASSERT_TRUE(cost->Evaluate(blocks.data(), at.data(), out.data()));
-  for (std::size_t block = 0; block < values.size(); ++block) {
-    for (std::size_t k = 0; k < values[block].size(); ++k) {
-      constexpr double kStep = 1e-6;
-      const double was = values[block][k];
-      values[block][k] = was + kStep;
-      const Eigen::Vector2d more = residual();
-      values[block][k] = was - kStep;
-      const Eigen::Vector2d change = (more - residual()) / (2.0 * kStep);
-      values[block][k] = was;
-      for (std::size_t row = 0; row < 2; ++row)
-        EXPECT_NEAR(derivatives[block][row * values[block].size() + k], change[row],
-                    1e-5 * (1.0 + std::abs(change[row])))
-            << "block " << block << ", number " << k;
-    }
-  }
+  ExpectOwnDerivatives(*cost, {{0.02, -0.05, 0.3, 0.5, -0.4, 0.8},
+                               {10.0, 6.0, 2.0},
+                               {0.01, 3.0, -2.0, -0.1, 0.05, 0.001, -0.002},
+                               {0.04}});
 }
 
 }  // namespace

@@ -1,10 +1,9 @@
-#include "core/alignment/from_records/mount_turn.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
+#include "core/alignment/from_records/correct_poses.h"
 #include "core/flight/remarks/remark_words.h"
 #include "core/ground/model_ground.h"
 #include "tests/core/alignment/simulated_case.h"

@@ -1,13 +1,12 @@
 // How gyro and speed become the motion of rows, what of it the images may correct, and the cost of that.
 #include "core/alignment/bundle/readout_motion.h"
 
-#include <ceres/cost_function.h>
 #include <gtest/gtest.h>
 
-#include <array>
 #include <memory>
 
 #include "core/alignment/bundle/reprojection_cost.h"
+#include "tests/core/alignment/cost_derivatives.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -87,47 +86,17 @@ TEST(TurningReprojectionCost, AgreesWithTheCorrectedMotionAndItsOwnDerivatives) 
       {1.0, -2.0, 0.1}, TurnsOfRows(Turning(-0.01, 0.09, {0.3, 0.2, -0.3}, {3.0, -2.0, 4.0}), 0.1, 0.0)};
   ReadoutDoubt doubt;
   doubt.known_to_share = 0.3;
-  std::array<std::vector<double>, 4> values{
-      std::vector<double>{0.02, -0.05, 0.03, 0.5, -0.4, 0.8},
-      {10.0, 6.0, 2.0},
-      {0.01, 3.0, -2.0, -0.1, 0.05, 0.001, -0.002},
-      {0.002, -0.001, 0.003, 0.02, -0.01, 0.03, 0.001, 0.004, -0.002, 0.01}};
-  const auto residual = [&](const camera::RowMotion& moves) {
-    const std::unique_ptr<ceres::CostFunction> cost(
+  CostValues values{{0.02, -0.05, 0.03, 0.5, -0.4, 0.8},
+                    {10.0, 6.0, 2.0},
+                    {0.01, 3.0, -2.0, -0.1, 0.05, 0.001, -0.002},
+                    {0.002, -0.001, 0.003, 0.02, -0.01, 0.03, 0.001, 0.004, -0.002, 0.01}};
+  const auto cost_of = [&](const camera::RowMotion& moves) {
+    return std::unique_ptr<ceres::CostFunction>(
         MakeTurningReprojectionCost(start, moves, doubt, lens, pixel, 0.7));
-    const std::array<const double*, 4> blocks{values[0].data(), values[1].data(), values[2].data(),
-                                              values[3].data()};
-    Eigen::Vector2d out;
-    EXPECT_TRUE(cost->Evaluate(blocks.data(), out.data(), nullptr));
-    return out;
   };
+  const auto residual = [&](const camera::RowMotion& moves) { return ResidualAt(*cost_of(moves), values); };
   const Eigen::Vector2d with_correction = residual(motion);
-  const std::unique_ptr<ceres::CostFunction> cost(
-      MakeTurningReprojectionCost(start, motion, doubt, lens, pixel, 0.7));
-  std::array<std::vector<double>, 4> jacobians;
-  std::array<double*, 4> into{};
-  for (std::size_t b = 0; b < 4; ++b) {
-    jacobians[b].resize(2 * values[b].size());
-    into[b] = jacobians[b].data();
-  }
-  const std::array<const double*, 4> blocks{values[0].data(), values[1].data(), values[2].data(),
-                                            values[3].data()};
-  Eigen::Vector2d at;
-  ASSERT_TRUE(cost->Evaluate(blocks.data(), at.data(), into.data()));
-  for (std::size_t b = 0; b < 4; ++b) {
-    for (std::size_t k = 0; k < values[b].size(); ++k) {
-      const double was = values[b][k], step = 1e-6;
-      values[b][k] = was + step;
-      const Eigen::Vector2d above = residual(motion);
-      values[b][k] = was - step;
-      const Eigen::Vector2d slope = (above - residual(motion)) / (2.0 * step);
-      values[b][k] = was;
-      for (int row = 0; row < 2; ++row) {
-        const double said = jacobians[b][static_cast<std::size_t>(row) * values[b].size() + k];
-        EXPECT_NEAR(said, slope[row], 1e-3 + 1e-5 * std::abs(slope[row])) << b << " " << k;
-      }
-    }
-  }
+  ExpectOwnDerivatives(*cost_of(motion), values, 1e-3);
   const ReadoutCorrection correction = Eigen::Map<const ReadoutCorrection>(values[3].data());
   values[3].assign(10, 0.0);
   EXPECT_LT((residual(Corrected(motion, doubt, correction)) - with_correction).norm(), 0.05);

@@ -1,16 +1,15 @@
 #include "core/alignment/bundle/reprojection_cost.h"
 
-#include <ceres/cost_function.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
-#include <array>
 #include <memory>
+
+#include "tests/core/alignment/cost_derivatives.h"
 
 namespace skyquilt::alignment {
 namespace {
 
-constexpr std::array<int, 3> kSizes{6, 3, 7};  // pose, point, lens
 constexpr double kSigmaPx = 0.7;
 
 struct Case {
@@ -19,9 +18,9 @@ struct Case {
       {4.0, -3.0, 60.0});
   camera::Intrinsics lens;
   Eigen::Vector2d pixel{1200.0, 900.0};
-  std::array<std::array<double, 7>, 3> values{{{0.02, -0.05, 0.3, 0.5, -0.4, 0.8, 0.0},
-                                               {10.0, 6.0, 2.0, 0.0, 0.0, 0.0, 0.0},
-                                               {0.01, 3.0, -2.0, -0.1, 0.05, 0.001, -0.002}}};
+  CostValues values{{0.02, -0.05, 0.3, 0.5, -0.4, 0.8},
+                    {10.0, 6.0, 2.0},
+                    {0.01, 3.0, -2.0, -0.1, 0.05, 0.001, -0.002}};  // pose, point, lens
 
   Case() {
     lens.width_px = 2000, lens.height_px = 1500;
@@ -31,12 +30,6 @@ struct Case {
   std::unique_ptr<ceres::CostFunction> Cost() const {
     return std::unique_ptr<ceres::CostFunction>(
         MakeReprojectionCost(StartOf(start, {}, lens), pixel, kSigmaPx));
-  }
-  Eigen::Vector2d Residual() const {
-    Eigen::Vector2d residual;
-    const std::array<const double*, 3> blocks{values[0].data(), values[1].data(), values[2].data()};
-    EXPECT_TRUE(Cost()->Evaluate(blocks.data(), residual.data(), nullptr));
-    return residual;
   }
 };
 
@@ -55,30 +48,15 @@ TEST(ReprojectionCost, IsHowFarThePixelLiesFromWhereTheCameraSeesThePoint) {
   const Eigen::Vector2d bent = lens.Distort(in_cam.head<2>() / in_cam.z());
   const Eigen::Vector2d seen(lens.focal_x_px * bent.x() + lens.center_x_px,
                              lens.focal_y_px * bent.y() + lens.center_y_px);
-  EXPECT_LT((at.Residual() - (seen - at.pixel) / kSigmaPx).norm(), 1e-9);
+  EXPECT_LT((ResidualAt(*at.Cost(), at.values) - (seen - at.pixel) / kSigmaPx).norm(), 1e-9);
 }
 
 TEST(ReprojectionCost, ChangesAsItsDerivativesSay) {
   for (const double turned : {0.0, 1e-5, 1.0}) {  // the start itself, the series, the full formula
     Case at;
     for (int k = 0; k < 3; ++k) at.values[0][k] *= turned;
-    std::array<std::array<double, 14>, 3> derivatives{};
-    std::array<double*, 3> out{derivatives[0].data(), derivatives[1].data(), derivatives[2].data()};
-    const std::array<const double*, 3> blocks{at.values[0].data(), at.values[1].data(), at.values[2].data()};
-    Eigen::Vector2d residual;
-    ASSERT_TRUE(at.Cost()->Evaluate(blocks.data(), residual.data(), out.data()));
-    for (std::size_t block = 0; block < kSizes.size(); ++block) {
-      for (int k = 0; k < kSizes[block]; ++k) {
-        constexpr double kStep = 1e-6;
-        Case more = at, less = at;
-        more.values[block][k] += kStep, less.values[block][k] -= kStep;
-        const Eigen::Vector2d change = (more.Residual() - less.Residual()) / (2.0 * kStep);
-        for (int row = 0; row < 2; ++row)
-          EXPECT_NEAR(derivatives[block][row * kSizes[block] + k], change[row],
-                      1e-5 * (1.0 + std::abs(change[row])))
-              << "block " << block << ", number " << k << ", turned " << turned;
-      }
-    }
+    SCOPED_TRACE(turned);
+    ExpectOwnDerivatives(*at.Cost(), at.values);
   }
 }
 
@@ -86,8 +64,7 @@ TEST(ReprojectionCost, RefusesAPointBehindTheCamera) {
   Case at;
   at.values[1] = {4.0, -3.0, 100.0};
   Eigen::Vector2d residual;
-  const std::array<const double*, 3> blocks{at.values[0].data(), at.values[1].data(), at.values[2].data()};
-  EXPECT_FALSE(at.Cost()->Evaluate(blocks.data(), residual.data(), nullptr));
+  EXPECT_FALSE(at.Cost()->Evaluate(BlocksOf(at.values).data(), residual.data(), nullptr));
 }
 
 }  // namespace

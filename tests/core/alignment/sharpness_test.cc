@@ -5,7 +5,6 @@
 
 #include <tuple>
 
-#include "core/alignment/features/picture_detail.h"
 #include "core/geo/lat_lon.h"
 #include "core/simulate/sensors/trajectory.h"
 #include "core/simulate/world/render_photo.h"

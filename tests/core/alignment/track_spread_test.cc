@@ -1,8 +1,8 @@
 // Which tracks an adjustment takes of many.
-#include "core/alignment/scene/track_spread.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "core/alignment/scene/tracks.h"
 
 namespace skyquilt::alignment {
 namespace {

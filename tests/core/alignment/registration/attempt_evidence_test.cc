@@ -141,15 +141,20 @@ TEST(ContradictionOf, IsSaidOfMostPositionsOnly) {
 // Photos side by side, tied in a row by pairs of one point each.
 TEST(Weigh, CountsWhatTheRecordsClaim) {
   constexpr std::size_t kCount = 4;
-  BundleProblem problem;
-  std::vector<PhotoRecord> records(kCount);
   PhotoFeatures rich;
   rich.keypoints.resize(500);
-  std::vector<const PhotoFeatures*> features(kCount, &rich);
-  std::vector<VerifiedPair> links{{0, 1, {}, {}, 0.0}, {1, 2, {}, {}, 0.0}};
+  ExtractedFlight flight;
+  flight.readable.assign(kCount, &rich);
+  std::vector<PhotoRecord>& records = flight.records;
+  records.resize(kCount);
+  Attempt attempt;
+  attempt.matched.links = {{0, 1, {}, {}, 0.0}, {1, 2, {}, {}, 0.0}};
+  attempt.posed.photos.resize(kCount);
+  attempt.adjusted.rms_px = 1.5;
   for (std::size_t i = 0; i < kCount; ++i) {
     const Eigen::Vector3d center(10.0 * static_cast<double>(i), 0.0, 50.0);
-    problem.photos.emplace_back().cam_from_enu =
+    attempt.posed.photos[i].photo.intrinsics.width_px = 4000;
+    attempt.problem.photos.emplace_back().cam_from_enu =
         geo::Rigid3::FromRotationAndTargetOrigin(Eigen::Quaterniond::Identity(), center);
     records[i].center_in_enu = center;
     records[i].sigma_m = {2.0, 2.0, 5.0};
@@ -158,7 +163,7 @@ TEST(Weigh, CountsWhatTheRecordsClaim) {
   records[1].center_in_enu->x() += 20.0;
   records[2].cam_from_enu = Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitX()));
   records[3].is_unplaced = true;
-  const AttemptEvidence evidence = Weigh({&records, &features, &links, &problem, 1.5});
+  const AttemptEvidence evidence = Weigh(flight, attempt);
   EXPECT_EQ(evidence.readable, 4U);
   EXPECT_EQ(evidence.tied, 3U);
   EXPECT_EQ(evidence.Lost(), 1U);

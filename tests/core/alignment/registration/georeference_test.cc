@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "core/alignment/estimators/sampler.h"
-#include "core/alignment/scene/pose_prior.h"
+#include "core/alignment/scene/priors.h"
 #include "tests/core/alignment/registration/uniform.h"
 
 namespace skyquilt::alignment {

@@ -1,7 +1,6 @@
-#include "core/alignment/attempts/register_lost.h"
-
 #include <gtest/gtest.h>
 
+#include "core/alignment/attempts/lost_photos.h"
 #include "tests/core/alignment/registration/synthetic_scene.h"
 
 namespace skyquilt::alignment {

@@ -1,6 +1,7 @@
-// TieToControl: turns ground control points into observations of the adjustment and moves the block to them,
-// so that the adjustment starts near. ReportControl says how well each fits afterwards. Heights count
-// relative to each other: survey and drone seldom share their zero. Pure; any thread.
+// Ground control in the adjustment: points become observations (TieToControl), are believed less where the
+// photos cannot be bent to them, and are reported: how well each fits, and how well the map knows it without
+// being told (PredictControl). Heights count relative to each other: survey and drone seldom share their
+// zero. Pure; any thread.
 #pragma once
 
 #include <map>
@@ -34,13 +35,16 @@ class MarkedPhotos {
                                              const std::optional<Track>& used) const;
 
  private:
+  std::vector<Observation> MarksOf(const ControlPoint& point) const;  // of all photos, tied or not
+
   const std::vector<std::string>& names_;
   const std::vector<View>& views_;
   const PhotoSet& tied_;
   std::map<std::string, int> number_of_;
 };
 
-// `problem` has been adjusted without control. A point needs two sightings in photos that are tied to others.
+// Moves the block to the points, so that the adjustment starts near. `problem` has been adjusted without
+// control. A point needs two sightings in photos that are tied to others.
 // One that lies far off where the others put the block is not used, and its report says so.
 void TieToControl(const poses::PosedFlight& posed, const std::vector<ControlPoint>& control,
                   BundleProblem& problem, std::vector<ControlReport>& reports);
@@ -58,5 +62,12 @@ void ReportControl(const BundleProblem& problem, std::vector<ControlReport>& rep
 
 // What the user is to know of surveyed points.
 std::vector<flight::Remark> RemarksOn(const std::vector<ControlReport>& points);
+
+// How well an adjusted flight knows places that it was not told: each surveyed point is left out in turn, the
+// flight adjusted by the others from where it stands, and the point compared with where its marks then meet
+// (leave-one-out cross-validation). Nothing is said of fewer than kMinPredictedPoints points, nor where that
+// many adjustments would take too long, nor of a point without which the adjustment fails. Memory: one more
+// problem. `problem`: adjusted with control; reports by BundleControl::report.
+void PredictControl(const BundleProblem& problem, std::vector<ControlReport>& reports);
 
 }  // namespace skyquilt::alignment

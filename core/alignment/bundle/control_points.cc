@@ -1,9 +1,10 @@
-#include "core/alignment/bundle/tie_to_control.h"
+#include "core/alignment/bundle/control_points.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 
 #include "core/base/median.h"
@@ -20,6 +21,8 @@ constexpr double kFarOffM = 2.0;
 constexpr double kFarOffMads = 8.0;
 constexpr double kWrongMarkShare = 0.01;  // of a photo's width, off where the other marks put the point
 constexpr std::size_t kMinMarks = 2;
+// Observations times adjustments: about two minutes of one core.
+constexpr std::size_t kMaxPredictedObservations = 20'000'000;
 
 // Lists name photos in another case, with or without their ending.
 std::string Key(const std::string& name) { return flight::LowerCase(name.substr(0, name.find_last_of('.'))); }
@@ -56,6 +59,21 @@ std::vector<int> DropWrongMarks(const std::vector<View>& views, Track& track) {
   return dropped;
 }
 
+// Where the photos alone say the point is, against where it was surveyed; nothing where they do not.
+std::optional<Eigen::Vector3d> SeenFromSurveyed(const std::vector<View>& views, const BundleControl& tied) {
+  Track seen = tied.track;
+  if (!Triangulate(views, seen)) return std::nullopt;
+  return Eigen::Vector3d(seen.point_in_enu - tied.surveyed_in_enu);
+}
+
+std::size_t ObservationsOf(const BundleProblem& problem) {
+  std::size_t observations = 0;
+  for (const auto* tracks : {&problem.tracks, &problem.soft_tracks}) {
+    for (const Track& track : *tracks) observations += track.observations.size();
+  }
+  return observations;
+}
+
 }  // namespace
 
 MarkedPhotos::MarkedPhotos(const std::vector<std::string>& names, const std::vector<View>& views,
@@ -64,18 +82,24 @@ MarkedPhotos::MarkedPhotos(const std::vector<std::string>& names, const std::vec
   for (std::size_t i = 0; i < names.size(); ++i) number_of_.emplace(Key(names[i]), i);
 }
 
-std::optional<Track> MarkedPhotos::TrackOf(const ControlPoint& point, ControlReport& told) const {
-  told.name = point.name;
-  told.surveyed = point.position;
-  Track track;
+std::vector<Observation> MarkedPhotos::MarksOf(const ControlPoint& point) const {
+  std::vector<Observation> marks;
   for (const ControlSighting& sighting : point.sightings) {
     const auto photo = number_of_.find(Key(sighting.photo_name));
     if (photo == number_of_.end() || !views_[photo->second].intrinsics.IsInImage(sighting.pixel_in_image))
       continue;
+    marks.push_back({photo->second, sighting.pixel_in_image, kSightingSigmaPx});
+  }
+  return marks;
+}
+
+std::optional<Track> MarkedPhotos::TrackOf(const ControlPoint& point, ControlReport& told) const {
+  told.name = point.name;
+  told.surveyed = point.position;
+  Track track;
+  for (const Observation& mark : MarksOf(point)) {
     ++told.sightings;
-    if (tied_.Has(photo->second)) {
-      track.observations.push_back({photo->second, sighting.pixel_in_image, kSightingSigmaPx});
-    }
+    if (tied_.Has(mark.photo)) track.observations.push_back(mark);
   }
   if (track.observations.size() < 2) {
     told.reason = RemarkCode::kPointFewMarks;
@@ -98,19 +122,12 @@ std::vector<ControlMarkReport> MarkedPhotos::ResidualsOf(const ControlPoint& poi
                                                          const Eigen::Vector3d& point_in_enu,
                                                          const std::optional<Track>& used) const {
   std::vector<ControlMarkReport> residuals;
-  for (const ControlSighting& sighting : point.sightings) {
-    const auto photo = number_of_.find(Key(sighting.photo_name));
-    if (photo == number_of_.end()) continue;
-    const View& view = views_[photo->second];
-    if (!view.intrinsics.IsInImage(sighting.pixel_in_image)) continue;
-    const double residual_px = ReprojectionErrorPx(
-        view, Observation{photo->second, sighting.pixel_in_image, kSightingSigmaPx}, point_in_enu);
+  for (const Observation& mark : MarksOf(point)) {
+    const double residual_px = ReprojectionErrorPx(views_[mark.photo], mark, point_in_enu);
     if (!std::isfinite(residual_px)) continue;  // behind the camera
     const bool is_used = used && std::any_of(used->observations.begin(), used->observations.end(),
-                                             [&](const Observation& one) {
-                                               return static_cast<int>(one.photo) == photo->second;
-                                             });
-    residuals.push_back({names_[photo->second], residual_px, residual_px * view.GsdM(), is_used});
+                                             [&](const Observation& one) { return one.photo == mark.photo; });
+    residuals.push_back({names_[mark.photo], residual_px, residual_px * views_[mark.photo].GsdM(), is_used});
   }
   return residuals;
 }
@@ -182,9 +199,7 @@ bool BelieveContradictedControlLess(BundleProblem& problem) {
   const std::vector<View> views = ViewsOf(problem);
   std::vector<double> residuals_m;
   for (const BundleControl& tied : problem.control) {
-    Track seen = tied.track;
-    if (Triangulate(views, seen))
-      residuals_m.push_back((seen.point_in_enu - tied.surveyed_in_enu).head<2>().norm());
+    if (const auto apart = SeenFromSurveyed(views, tied)) residuals_m.push_back(apart->head<2>().norm());
   }
   if (residuals_m.size() < kMinContradicted) return false;
   const double residual_m = Median(std::move(residuals_m));
@@ -197,12 +212,11 @@ void ReportControl(const BundleProblem& problem, std::vector<ControlReport>& rep
   const std::vector<View> views = ViewsOf(problem);
   for (const BundleControl& tied : problem.control) {
     ControlReport& told = reports[tied.report];
-    Track seen = tied.track;  // where the photos alone say the point is
-    if (!Triangulate(views, seen)) continue;
-    const Eigen::Vector3d residual = seen.point_in_enu - tied.surveyed_in_enu;
-    told.miss_east_m = residual.x();
-    told.miss_north_m = residual.y();
-    told.miss_up_m = tied.has_height ? residual.z() : 0.0;
+    const std::optional<Eigen::Vector3d> apart = SeenFromSurveyed(views, tied);
+    if (!apart) continue;
+    told.miss_east_m = apart->x();
+    told.miss_north_m = apart->y();
+    told.miss_up_m = tied.has_height ? apart->z() : 0.0;
     double square = 0.0;
     for (const Observation& one : tied.track.observations) {
       square += std::pow(ReprojectionErrorPx(views[one.photo], one, tied.surveyed_in_enu), 2);
@@ -228,6 +242,23 @@ std::vector<flight::Remark> RemarksOn(const std::vector<ControlReport>& points) 
     }
   }
   return remarks;
+}
+
+void PredictControl(const BundleProblem& problem, std::vector<ControlReport>& reports) {
+  const std::size_t points = problem.control.size();
+  if (points < kMinPredictedPoints || points * ObservationsOf(problem) > kMaxPredictedObservations) return;
+  BundleOptions once;
+  once.cuts_px = {0.0};
+  for (std::size_t left = 0; left < points; ++left) {
+    BundleProblem others = problem;
+    others.control.erase(others.control.begin() + static_cast<std::ptrdiff_t>(left));
+    if (AdjustBundle(others, once).termination == BundleTermination::kFailed) continue;
+    const BundleControl& point = problem.control[left];
+    const std::optional<Eigen::Vector3d> apart = SeenFromSurveyed(ViewsOf(others), point);
+    if (!apart) continue;
+    reports[point.report].left_out =
+        ControlPrediction{apart->x(), apart->y(), point.has_height ? apart->z() : 0.0};
+  }
 }
 
 }  // namespace skyquilt::alignment

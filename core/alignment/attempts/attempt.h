@@ -1,0 +1,55 @@
+// What the stages of an alignment hand on: ExtractedFlight, what each photo of a flight shows beside what it
+// records, and Attempt, one alignment of it as far as it has come. Values; any thread.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/alignment/bundle/bundle_adjustment.h"
+#include "core/alignment/features/features.h"
+#include "core/alignment/from_records/matching_passes.h"
+#include "core/alignment/scene/align_report.h"
+#include "core/alignment/scene/priors.h"
+#include "core/alignment/scene/view.h"
+#include "core/flight/remarks/remark.h"
+#include "core/poses/posed_flight.h"
+
+namespace skyquilt::alignment {
+
+struct ExtractedFlight {
+  ExtractedFlight() = default;
+  ExtractedFlight(ExtractedFlight&&) = default;  // not copied: `readable` points into it
+  ExtractedFlight& operator=(ExtractedFlight&&) = default;
+
+  poses::PosedFlight posed;  // in frame enu; with poses that stand for none where no record places a photo
+  std::vector<PhotoRecord> records;  // by photo, with what they claim to be good for
+  std::vector<int> lines;            // by photo: the flight line it was taken on
+  Photographed photographed;
+  std::vector<GyroReport> gyros;               // by camera with a gyro: how its clock was tied to the rows
+  std::vector<const PhotoFeatures*> readable;  // into `photographed`; null where a photo could not be read
+
+  std::vector<std::string> Names() const {
+    std::vector<std::string> names;
+    for (const poses::PosedPhoto& photo : posed.photos) names.push_back(photo.photo.name);
+    return names;
+  }
+};
+
+struct Attempt {
+  poses::PosedFlight posed;  // where the photos were taken to be before they were compared
+  MatchingInput input;
+  MatchedFlight matched;
+  std::vector<CandidatePair> compared;  // by the first passes, whatever came of it
+  Relief relief{0.0};
+  BundleProblem problem;
+  BundleSummary adjusted;  // by the last adjustment
+  bool is_adjusted = false;
+  std::vector<ControlReport> control;  // by surveyed point, once tied to them
+  // Heights of all that were not believed, positions of all that were late.
+  std::vector<flight::Remark> corrected_records;
+  int iterations = 0;  // of all adjustments
+  int pairs_by_direct = 0;
+  double matching_s = 0.0, adjustment_s = 0.0;  // wall
+};
+
+}  // namespace skyquilt::alignment

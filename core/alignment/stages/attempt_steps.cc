@@ -1,0 +1,229 @@
+#include "core/alignment/stages/attempt_steps.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "core/alignment/attempts/attempt_evidence.h"
+#include "core/alignment/bundle/control_points.h"
+#include "core/alignment/bundle/find_readout.h"
+#include "core/alignment/bundle/readout_motion.h"
+#include "core/alignment/from_records/bundle_setup.h"
+#include "core/alignment/scene/tracks.h"
+#include "core/alignment/stages/extract_flight.h"
+#include "core/base/process/large_blocks_apart.h"
+#include "core/base/scoped_timer.h"
+#include "core/base/trace.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+constexpr double kReliefCellGsds = 60.0;
+constexpr double kGroundSigmas = 3.0;  // largest error of an observation of a point on the ground
+
+constexpr std::size_t kManyPhotos = 500;
+
+std::vector<Eigen::Vector3d> ReliefPoints(const std::vector<Track>& tracks) {
+  constexpr double kUsefulAngleRad = 0.06;
+  std::vector<Eigen::Vector3d> points;
+  for (const Track& track : tracks) {
+    if (track.angle_rad > kUsefulAngleRad) points.push_back(track.point_in_enu);
+  }
+  return points;
+}
+
+}  // namespace
+
+Attempt Adjusted(Attempt attempt, const BundleOptions& bundle_options, const AlignOptions& options) {
+  if (attempt.input.views.size() >= kManyPhotos) ReturnFreedMemory();  // the matcher's, before the solver's
+  TrackOptions track_options;
+  track_options.observations_per_photo = options.observations_per_photo;
+  {
+    ScopedTimer timer(attempt.adjustment_s);
+    attempt.problem.tracks = {};  // not both at a time
+    attempt.problem.tracks =
+        BuildTracks(attempt.matched.links, attempt.input.features, attempt.input.views, track_options);
+    std::erase_if(attempt.problem.tracks,
+                  [&](Track& track) { return !Triangulate(attempt.input.views, track); });
+    attempt.adjusted = AdjustBundle(attempt.problem, bundle_options);
+  }
+  TraceDecision("adjusted", {{"points", attempt.problem.tracks.size()},
+                             {"observations", attempt.adjusted.observations},
+                             {"dropped", attempt.adjusted.dropped},
+                             {"residual_px", attempt.adjusted.rms_px},
+                             {"iterations", attempt.adjusted.iterations}});
+  attempt.iterations += attempt.adjusted.iterations;
+  attempt.is_adjusted = true;
+  return attempt;
+}
+
+Relief AdjustedRelief(const Attempt& attempt) {
+  const double cell_m = kReliefCellGsds * MedianWidthM(attempt.input.views) / kResidualWidthPx;
+  return Relief::FromPoints(ReliefPoints(attempt.problem.tracks), cell_m, attempt.posed.ground_z_in_enu_m);
+}
+
+Attempt Rematched(Attempt attempt, const MatchingPass& pass, const AlignOptions& options) {
+  const std::size_t count = attempt.input.views.size();
+  {
+    ScopedTimer timer(attempt.matching_s);
+    attempt.input.views = ViewsOf(attempt.problem);
+    attempt.relief = AdjustedRelief(attempt);
+    attempt.matched.pairs = OnlyWithinComponents(
+        SelectPairs(attempt.input.views, std::vector<double>(count, 0.0), attempt.relief),
+        attempt.matched.links, count);
+    attempt.matched.links = {};  // not both at a time
+    attempt.matched.links =
+        MatchAndVerify(attempt.input, ProjectAllToGround(attempt.input, attempt.relief, options.threads),
+                       attempt.matched.pairs, pass, options.threads);
+  }
+  TraceDecision("compared again",
+                {{"pairs", attempt.matched.pairs.size()}, {"verified", attempt.matched.links.size()}});
+  return attempt;
+}
+
+std::vector<Track> GroundTracks(const Attempt& attempt, const AlignOptions& options) {
+  const std::vector<View>& views = attempt.input.views;
+  TrackOptions track_options;
+  track_options.observations_per_photo = options.max_features;
+  track_options.splits_contradictory = true;
+  std::vector<Track> tracks =
+      BuildTracks(attempt.matched.links, attempt.input.features, views, track_options);
+  std::erase_if(tracks, [&](Track& track) {
+    // The observation with the largest error goes first, for it pulls the point away from the others.
+    while (track.observations.size() >= 2 && Triangulate(views, track)) {
+      const auto error = [&](const Observation& one) {
+        return ReprojectionErrorPx(views[one.photo], one, track.point_in_enu) / one.sigma_px;
+      };
+      const auto worst =
+          std::max_element(track.observations.begin(), track.observations.end(),
+                           [&](const Observation& a, const Observation& b) { return error(a) < error(b); });
+      if (error(*worst) <= kGroundSigmas) return false;
+      track.observations.erase(worst);
+    }
+    return true;
+  });
+  return tracks;
+}
+
+namespace {
+
+// Photos that are placed already are no matter of doubt, whatever the verified pairs suggested.
+void HoldFixed(const poses::PosedFlight& posed, const PhotoSet& fixed, BundleProblem& problem) {
+  for (std::size_t i = 0; i < fixed.Photos(); ++i) {
+    if (!fixed.Has(i)) continue;
+    BundlePhoto& photo = problem.photos[i];
+    photo.cam_from_enu = photo.prior_cam_from_enu = posed.photos[i].cam_from_enu;
+    photo.is_fixed = true;
+    problem.lenses[photo.lens].is_fixed = true;
+  }
+}
+
+}  // namespace
+
+Result<Attempt> MatchByRecords(const ExtractedFlight& extracted, const AlignOptions& options,
+                               Progress& progress) {
+  const std::size_t count = extracted.posed.photos.size();
+  Attempt attempt;
+  attempt.posed = extracted.posed;
+  attempt.relief = Relief(attempt.posed.ground_z_in_enu_m);
+  attempt.input = MakeMatchingInput(attempt.posed);
+  attempt.input.features = extracted.readable;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (extracted.records[i].is_unplaced) attempt.input.features[i] = nullptr;  // until the images place it
+    const poses::PosedPhoto& photo = attempt.posed.photos[i];
+    if (photo.photo.turning) attempt.input.views[i].readout_motion = ReadoutMotion(photo, 0);
+  }
+  {
+    ScopedTimer timer(attempt.matching_s);
+    progress.Report(0.7, "comparing photos");
+    attempt.matched = MatchInPasses(attempt.posed, extracted.lines, attempt.input, options.threads, progress);
+  }
+  if (progress.IsCancelled()) return AlignmentCancelled();
+  TraceDecision("compared by records", {{"pairs", attempt.matched.pairs.size()},
+                                        {"verified", attempt.matched.links.size()},
+                                        {"refused", attempt.matched.rejected.size()}});
+  attempt.compared = attempt.matched.pairs;
+  attempt.problem = MakeBundle(attempt.posed, attempt.matched.corrected, extracted.lines);
+  if (options.fixed.Photos() > 0) {
+    HoldFixed(attempt.posed, options.fixed, attempt.problem);
+    attempt.input.views = ViewsOf(attempt.problem);
+  }
+  return attempt;
+}
+
+namespace {
+
+// From the adjusted poses, on the adjusted relief.
+const MatchingPass kLastPass{.min_radius_share = 0.012,
+                             .sigmas = 0.0,
+                             .max_turn_rad = 0.35,
+                             .max_distance_ratio = 0.9,
+                             .min_matches = 8,
+                             .fit_motion = false};
+
+constexpr std::size_t kMaxPhotosForLensSigma = 200;  // its cost grows with their square
+
+// Photos of which nobody recorded how their rows were read, and which lie as they were.
+PhotoSet MayRoll(const poses::PosedFlight& posed) {
+  PhotoSet may_roll;
+  for (const poses::PosedPhoto& one : posed.photos) {
+    const flight::Photo& photo = one.photo;
+    may_roll.Append(!photo.readout_s && !one.readout_motion && !photo.is_resaved_by_viewer &&
+                    photo.intrinsics.width_px >= photo.intrinsics.height_px);
+  }
+  return may_roll;
+}
+
+// The attempt adjusted with a readout time for lenses whose photos show one, if they do.
+Attempt WithReadoutFound(Attempt attempt, const BundleOptions& bundle_options, const AlignOptions& options) {
+  const PhotoSet may_roll = MayRoll(attempt.posed);
+  const std::vector<int> lenses = LensesThatMayRoll(attempt.problem, may_roll);
+  if (lenses.empty()) return attempt;
+  Attempt found = attempt;
+  for (std::size_t i = 0; i < may_roll.Photos(); ++i) {
+    if (!may_roll.Has(i)) found.problem.photos[i].velocity_in_enu_mps.reset();
+  }
+  for (const int lens : lenses) found.problem.lenses[lens].finds_readout = true;
+  found = Adjusted(std::move(found), bundle_options, options);
+  const std::vector<int> rolling = LensesThatRoll(found.problem, lenses);
+  TraceDecision("rolling shutter looked for", {{"lenses", lenses.size()}, {"found", rolling.size()}});
+  if (rolling.size() < lenses.size()) {
+    attempt.iterations = found.iterations;
+    return attempt;
+  }
+  // What was matched by photos taken for still ones is matched anew.
+  found = Adjusted(Rematched(std::move(found), kLastPass, options), bundle_options, options);
+  for (const int lens : rolling) {
+    int photos = 0;
+    std::string camera;
+    for (std::size_t i = 0; i < found.problem.photos.size(); ++i) {
+      if (found.problem.photos[i].lens != lens || !may_roll.Has(i)) continue;
+      ++photos;
+      camera = found.posed.photos[i].photo.model;
+    }
+    found.corrected_records.push_back({flight::RemarkCode::kRollingShutterFound,
+                                       {{"camera", camera.empty() ? "The camera" : camera},
+                                        {"readout_ms", 1e3 * std::abs(found.problem.lenses[lens].readout_s)},
+                                        {"photos", photos}}});
+  }
+  return found;
+}
+
+}  // namespace
+
+Attempt FinishAttempt(Attempt attempt, const AlignOptions& options, Progress& progress) {
+  progress.Report(0.88, "comparing photos once more");
+  attempt = Rematched(std::move(attempt), kLastPass, options);
+  progress.Report(0.92, "adjusting");
+  ReweighPriors(attempt.problem);
+  attempt.problem.plane = FitPlane(attempt.problem);
+  BundleOptions last;
+  last.estimate_lens_sigma = attempt.problem.photos.size() <= kMaxPhotosForLensSigma;
+  attempt = Adjusted(std::move(attempt), last, options);
+  attempt = WithReadoutFound(std::move(attempt), last, options);
+  if (BelieveContradictedControlLess(attempt.problem)) attempt = Adjusted(std::move(attempt), last, options);
+  return attempt;
+}
+
+}  // namespace skyquilt::alignment
