@@ -25,6 +25,7 @@
 #include "storage/exports/thumbnail_writer.h"
 #include "storage/exports/utm_writer.h"
 #include "storage/rasters/bands_writer.h"
+#include "storage/files/publish_file.h"
 #include "storage/tilesets/map_keeper.h"
 #include "storage/tilesets/mbtiles_writer.h"
 
