@@ -31,7 +31,6 @@
 #include "server/intake/unpack_sandboxed.h"
 #include "server/intake/verdict_sandboxed.h"
 #include "server/intake/verdicts.h"
-#include "server/open_blobs.h"
 #include "server/open_storage.h"
 #include "server/reports/print_pdf.h"
 #include "server/routing/address_range.h"

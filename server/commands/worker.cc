@@ -14,7 +14,7 @@
 
 #include "core/base/process/late_library.h"
 #include "core/base/try.h"
-#include "server/open_blobs.h"
+#include "server/open_storage.h"
 #include "server/preview/preview_sandboxed.h"
 #include "server/routing/request_log.h"
 #include "server/sandbox/process_limits.h"

@@ -8,7 +8,6 @@
 #include "api/http/problem.h"
 #include "api/http/target.h"
 #include "server/routing/client_address.h"
-#include "server/routing/host_name.h"
 #include "server/routing/origin_policy.h"
 #include "server/routing/public_address.h"
 

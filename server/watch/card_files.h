@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "core/base/digest.h"
-#include "server/watch/group_photos.h"
+#include "server/watch/card_flights.h"
 
 namespace skyquilt::server {
 

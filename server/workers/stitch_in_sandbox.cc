@@ -14,7 +14,7 @@
 #include "core/base/process/late_library.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
-#include "server/imports/import_for_job.h"
+#include "server/imports/import_map.h"
 #include "server/jobs/pipe_progress.h"
 #include "server/jobs/stitch_job.h"
 #include "server/jobs/stitch_sandboxed.h"

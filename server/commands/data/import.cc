@@ -16,7 +16,6 @@
 #include "core/base/text/printable.h"
 #include "server/client/upload_flight.h"
 #include "server/commands/uploads/server_address.h"
-#include "server/imports/enter_map.h"
 #include "server/imports/import_map.h"
 #include "server/terminal/fail.h"
 #include "server/terminal/terminal_progress.h"
