@@ -27,7 +27,6 @@
 #include "server/exports/export_runner.h"
 #include "server/housekeeper.h"
 #include "server/http/http_server.h"
-#include "server/intake/control_sandboxed.h"
 #include "server/intake/unpack_sandboxed.h"
 #include "server/intake/verdict_sandboxed.h"
 #include "server/intake/verdicts.h"

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "server/intake/unpack_sandboxed.h"
-#include "server/sandbox/process_limits.h"
+#include "server/sandbox/sandbox.h"
 
 namespace skyquilt::server {
 namespace {

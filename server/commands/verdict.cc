@@ -7,9 +7,8 @@
 #include <cstdint>
 #include <memory>
 
-#include "server/intake/control_sandboxed.h"
 #include "server/intake/verdict_sandboxed.h"
-#include "server/sandbox/process_limits.h"
+#include "server/sandbox/sandbox.h"
 
 namespace skyquilt::server {
 namespace {

@@ -17,7 +17,7 @@
 #include "server/open_storage.h"
 #include "server/preview/preview_sandboxed.h"
 #include "server/routing/request_log.h"
-#include "server/sandbox/process_limits.h"
+#include "server/sandbox/sandbox.h"
 #include "server/terminal/fail.h"
 #include "server/units/run_unit.h"
 #include "server/usage/blob_options.h"

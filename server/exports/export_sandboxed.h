@@ -9,7 +9,7 @@
 #include <functional>
 
 #include "core/base/result.h"
-#include "server/exports/export_task.h"
+#include "server/jobs/child_messages.h"
 
 namespace skyquilt::server {
 

@@ -16,7 +16,7 @@
 #include "core/base/digest.h"
 #include "core/base/text/printable.h"
 #include "server/commands/uploads/server_address.h"
-#include "server/sandbox/process_limits.h"
+#include "server/sandbox/sandbox.h"
 #include "server/terminal/fail.h"
 #include "server/watch/watch_folders.h"
 

@@ -1,4 +1,4 @@
-#include "server/units/stitch_unit.h"
+#include "server/jobs/stitch_unit.h"
 
 #include <fmt/format.h>
 
