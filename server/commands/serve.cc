@@ -1,5 +1,3 @@
-#include "server/commands/serve.h"
-
 #include <fmt/format.h>
 #include <malloc.h>
 #include <signal.h>
@@ -23,6 +21,7 @@
 #include "api/uploads/unpack.h"
 #include "core/base/process/late_library.h"
 #include "core/base/text/printable.h"
+#include "server/commands/commands.h"
 #include "server/commands/serve_options.h"
 #include "server/exports/export_runner.h"
 #include "server/housekeeper.h"
@@ -39,8 +38,7 @@
 #include "server/sandbox/run_sandboxed.h"
 #include "server/sandbox/sandbox.h"
 #include "server/terminal/fail.h"
-#include "server/usage/blob_options.h"
-#include "server/usage/catalogue_options.h"
+#include "server/usage/storage_options.h"
 #include "server/webhooks/post_message.h"
 #include "server/webhooks/webhook_sender.h"
 #include "server/workers/worker_pool.h"

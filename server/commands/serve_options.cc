@@ -13,9 +13,8 @@
 #include "server/routing/origin_policy.h"
 #include "server/routing/public_address.h"
 #include "server/terminal/fail.h"
-#include "server/usage/blob_options.h"
-#include "server/usage/catalogue_options.h"
-#include "server/usage/one_of.h"
+#include "server/usage/option_values.h"
+#include "server/usage/storage_options.h"
 
 namespace skyquilt::server {
 namespace {

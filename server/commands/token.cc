@@ -1,5 +1,3 @@
-#include "server/commands/token.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -12,9 +10,10 @@
 
 #include "api/auth/access.h"
 #include "api/json/json_codec.h"
+#include "server/commands/commands.h"
 #include "server/terminal/fail.h"
-#include "server/usage/catalogue_options.h"
-#include "server/usage/one_of.h"
+#include "server/usage/option_values.h"
+#include "server/usage/storage_options.h"
 #include "storage/catalogue/catalogue.h"
 #include "storage/catalogue/tokens.h"
 #include "storage/db/ids.h"

@@ -1,5 +1,3 @@
-#include "server/commands/worker.h"
-
 #include <fmt/format.h>
 #include <signal.h>
 #include <unistd.h>
@@ -14,14 +12,14 @@
 
 #include "core/base/process/late_library.h"
 #include "core/base/try.h"
+#include "server/commands/commands.h"
 #include "server/open_storage.h"
 #include "server/preview/preview_sandboxed.h"
 #include "server/routing/request_log.h"
 #include "server/sandbox/sandbox.h"
 #include "server/terminal/fail.h"
 #include "server/units/run_unit.h"
-#include "server/usage/blob_options.h"
-#include "server/usage/catalogue_options.h"
+#include "server/usage/storage_options.h"
 #include "server/workers/run_job.h"
 #include "storage/db/ids.h"
 #include "storage/db/machine_boot.h"

@@ -1,5 +1,3 @@
-#include "server/imports/import_tiles.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>

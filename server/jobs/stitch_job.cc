@@ -24,8 +24,8 @@
 #include "storage/exports/pmtiles_writer.h"
 #include "storage/exports/thumbnail_writer.h"
 #include "storage/exports/utm_writer.h"
-#include "storage/rasters/bands_writer.h"
 #include "storage/files/publish_file.h"
+#include "storage/rasters/bands_writer.h"
 #include "storage/tilesets/map_keeper.h"
 #include "storage/tilesets/mbtiles_writer.h"
 

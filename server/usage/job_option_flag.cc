@@ -10,7 +10,7 @@
 
 #include "core/base/check.h"
 #include "core/pipeline/job_option.h"
-#include "server/usage/one_of.h"
+#include "server/usage/option_values.h"
 
 namespace skyquilt::server {
 

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "core/base/digest.h"
-#include "server/watch/card_flights.h"
+#include "core/flight/photo.h"
 
 namespace skyquilt::server {
 

@@ -1,5 +1,3 @@
-#include "server/commands/data/data.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -7,10 +5,10 @@
 #include <string>
 
 #include "core/base/text/printable.h"
-#include "server/commands/data/move_data.h"
+#include "server/commands/commands.h"
 #include "server/terminal/fail.h"
 #include "server/terminal/terminal_progress.h"
-#include "server/usage/catalogue_options.h"
+#include "server/usage/storage_options.h"
 #include "storage/blobs/open_blobs.h"
 #include "storage/folder/check_data.h"
 #include "storage/folder/data_marker.h"

@@ -1,5 +1,3 @@
-#include "server/commands/data/import.h"
-
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
@@ -15,7 +13,8 @@
 #include "core/base/text/json_io.h"
 #include "core/base/text/printable.h"
 #include "server/client/upload_flight.h"
-#include "server/commands/uploads/server_address.h"
+#include "server/commands/arguments.h"
+#include "server/commands/commands.h"
 #include "server/imports/import_map.h"
 #include "server/terminal/fail.h"
 #include "server/terminal/terminal_progress.h"

@@ -1,5 +1,3 @@
-#include "server/commands/uploads/upload.h"
-
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
@@ -12,7 +10,8 @@
 #include "core/base/text/printable.h"
 #include "core/flight/read_flight.h"
 #include "server/client/upload_flight.h"
-#include "server/commands/uploads/server_address.h"
+#include "server/commands/arguments.h"
+#include "server/commands/commands.h"
 #include "server/terminal/fail.h"
 #include "server/terminal/terminal_progress.h"
 #include "storage/tags/flight_tags.h"

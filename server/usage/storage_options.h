@@ -1,11 +1,13 @@
-// --catalogue and --catalogue-password-file, which several commands take: where the catalogue lies, if not in
-// the data folder (storage/db/postgres/catalogue_place).
+// Where a server's data lies, if not in its folder, as options that several commands take: --catalogue with
+// --catalogue-password-file (storage/db/postgres/catalogue_place), and --blobs with --cache-bytes for photos
+// and maps. And the words that hand them on to a process that is started with them.
 #pragma once
 
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "storage/blobs/open_blobs.h"
 #include "storage/db/postgres/catalogue_place.h"
 
 namespace CLI {
@@ -28,5 +30,13 @@ storage::CataloguePlace PlaceOf(const char* program, const std::string& url,
 // The words by which a process that this one starts finds the same catalogue. A password goes by the
 // environment (PGPASSWORD), never by a command line: called before there are threads.
 std::vector<std::string> WordsOfPlace(const storage::CataloguePlace& place);
+
+struct BlobOptions {
+  CLI::Option* address;
+  CLI::Option* cache_bytes;
+};
+BlobOptions AddBlobOptions(CLI::App& command, storage::BlobPlace& place);
+
+std::vector<std::string> BlobWords(const storage::BlobPlace& place);
 
 }  // namespace skyquilt::server
