@@ -77,8 +77,8 @@ namespace http = boost::beast::http;
 constexpr std::string_view kEndOfHead = "\r\n\r\n";
 constexpr const char* kTooLong = "The request head is longer than the server reads.";
 
-}  // namespace
-
+// The raw bytes from the request line to before the empty line, against RFC 9112: no folding, no 8-bit or
+// control characters in the request line, lines ended by CR LF.
 std::optional<Refusal> CheckRawHead(std::string_view raw) {
   const std::size_t end = raw.find("\r\n");
   std::string_view line = raw.substr(0, end);
@@ -100,6 +100,8 @@ std::optional<Refusal> CheckRawHead(std::string_view raw) {
   return std::nullopt;
 }
 
+// Framing and host rules over the parsed fields. Fills host, is_chunked, content_length, wants_continue, and
+// turns an absolute-form target into origin form.
 std::optional<Refusal> CheckFields(RequestHead& head) {
   int count = 0;
   const std::optional<std::string> host = OnlyValue(head.headers, "Host", &count);
@@ -110,6 +112,8 @@ std::optional<Refusal> CheckFields(RequestHead& head) {
   if (auto refusal = CheckTarget(head)) return refusal;
   return CheckFraming(head);
 }
+
+}  // namespace
 
 HeadParser::HeadParser(const HttpSettings& settings) : settings_(settings) {}
 HeadParser::~HeadParser() = default;

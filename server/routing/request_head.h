@@ -28,10 +28,6 @@ struct Refusal {
   std::string reason;
 };
 
-// The raw bytes from the request line to before the empty line: no folding, no 8-bit or control characters in
-// the request line, lines ended by CR LF.
-std::optional<Refusal> CheckRawHead(std::string_view raw);
-
 // What the rest of the server goes by.
 struct RequestHead {
   std::string method;  // as sent
@@ -43,10 +39,6 @@ struct RequestHead {
   std::optional<std::uint64_t> content_length;
   bool wants_continue = false;
 };
-
-// Framing and host rules over the parsed fields. Fills host, is_chunked, content_length, wants_continue, and
-// turns an absolute-form target into origin form.
-std::optional<Refusal> CheckFields(RequestHead& head);
 
 // Beast's, which goes on with the body.
 using RequestParser = boost::beast::http::parser<true, boost::beast::http::buffer_body, std::allocator<char>>;
