@@ -245,8 +245,7 @@ void RunServer(const ServeOptions& options) {
   const Result<void> loaded = LoadLate();  // a library that is missing is no surprise of the first request
   if (!loaded) Fail("skyquilt serve", loaded.error());
   KeepFreedMemory();
-  const storage::CataloguePlace given =
-      PlaceOf("skyquilt serve", options.catalogue, options.catalogue_password_file);
+  const storage::CataloguePlace given = PlaceOf("skyquilt serve", options.catalogue);
   const std::vector<std::string> catalogue_words = WordsOfPlace(given);
   // The store is looked at before anything is made beside it.
   const Result<storage::CataloguePlace> place = storage::WithFilesAt(given, options.blobs);
@@ -367,8 +366,8 @@ void AddServeCommand(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("serve", "Serve the web page, the API and the tiles, and stitch uploads");
   AddServeOptions(*command, *options);
-  command->callback([options] {
-    RefuseUnknownVariables();
+  command->callback([options, command] {
+    RefuseUnknownVariables(*command);
     RunServer(*options);
   });
 }

@@ -16,21 +16,18 @@ constexpr std::int64_t kMaxCacheBytes = std::int64_t{1} << 50;
 
 }  // namespace
 
-std::pair<CLI::Option*, CLI::Option*> AddCatalogueOptions(CLI::App& command,
-                                                          const CatalogueOptions& options) {
-  CLI::Option* url = command.add_option(
+void AddCatalogueOptions(CLI::App& command, CatalogueOptions& options) {
+  command.add_option(
       "--catalogue", options.url,
       "Where the catalogue and the queue lie: postgresql://USER@HOST/DATABASE, for several servers and workers on one "
       "catalogue (default: in the data folder)");
-  CLI::Option* password_file = command.add_option(
-      "--catalogue-password-file", options.password_file,
-      "File with the password of --catalogue (default: PGPASSWORD, PGPASSFILE or ~/.pgpass)");
-  return {url, password_file};
+  command.add_option("--catalogue-password-file", options.password_file,
+                     "File with the password of --catalogue (default: PGPASSWORD, PGPASSFILE or ~/.pgpass)");
 }
 
-storage::CataloguePlace PlaceOf(const char* program, const std::string& url,
-                                const std::string& password_file) {
-  const Result<storage::CataloguePlace> place = storage::CataloguePlaceFrom(url, password_file);
+storage::CataloguePlace PlaceOf(const char* program, const CatalogueOptions& options) {
+  const Result<storage::CataloguePlace> place =
+      storage::CataloguePlaceFrom(options.url, options.password_file);
   if (!place) Fail(program, place.error());
   return *place;
 }
@@ -44,26 +41,23 @@ std::vector<std::string> WordsOfPlace(const storage::CataloguePlace& place) {
   return {"--catalogue", url};
 }
 
-BlobOptions AddBlobOptions(CLI::App& command, storage::BlobPlace& place) {
-  CLI::Option* address =
-      command
-          .add_option(
-              "--blobs", place.address,
-              "Where photos and maps lie, instead of the data folder: s3://bucket/prefix. Endpoint, region "
-              "and keys come from AWS_... variables, a profile or the machine's role")
-          ->check([](const std::string& text) {
-            if (text.empty()) return std::string();
-            const auto settings = storage::ReadS3Settings(text, storage::EnvironmentVariable);
-            return settings ? std::string() : settings.error().message;
-          });
-  CLI::Option* cache_bytes =
-      command
-          .add_option("--cache-bytes", place.cache_bytes,
-                      "With --blobs: how much of them is kept on this machine's disk, such as 50GB")
-          ->transform(CLI::AsSizeValue(false))
-          ->check(CLI::Range(kMinCacheBytes, kMaxCacheBytes))
-          ->capture_default_str();
-  return {address, cache_bytes};
+void AddBlobOptions(CLI::App& command, storage::BlobPlace& place) {
+  command
+      .add_option(
+          "--blobs", place.address,
+          "Where photos and maps lie, instead of the data folder: s3://bucket/prefix. Endpoint, region "
+          "and keys come from AWS_... variables, a profile or the machine's role")
+      ->check([](const std::string& text) {
+        if (text.empty()) return std::string();
+        const auto settings = storage::ReadS3Settings(text, storage::EnvironmentVariable);
+        return settings ? std::string() : settings.error().message;
+      });
+  command
+      .add_option("--cache-bytes", place.cache_bytes,
+                  "With --blobs: how much of them is kept on this machine's disk, such as 50GB")
+      ->transform(CLI::AsSizeValue(false))
+      ->check(CLI::Range(kMinCacheBytes, kMaxCacheBytes))
+      ->capture_default_str();
 }
 
 std::vector<std::string> BlobWords(const storage::BlobPlace& place) {

@@ -4,7 +4,6 @@
 #pragma once
 
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "storage/blobs/open_blobs.h"
@@ -12,31 +11,25 @@
 
 namespace CLI {
 class App;
-class Option;
-}  // namespace CLI
+}
 
 namespace skyquilt::server {
 
-// Where the two are kept; outlives the command line.
 struct CatalogueOptions {
-  std::string& url;
-  std::string& password_file;
+  std::string url;  // empty: in the data folder
+  std::string password_file;
 };
-std::pair<CLI::Option*, CLI::Option*> AddCatalogueOptions(CLI::App& command, const CatalogueOptions& options);
+// `options` outlives the command line.
+void AddCatalogueOptions(CLI::App& command, CatalogueOptions& options);
 
 // What they say. A mistake ends the command (Fail).
-storage::CataloguePlace PlaceOf(const char* program, const std::string& url,
-                                const std::string& password_file);
+storage::CataloguePlace PlaceOf(const char* program, const CatalogueOptions& options);
 // The words by which a process that this one starts finds the same catalogue. A password goes by the
 // environment (PGPASSWORD), never by a command line: called before there are threads.
 std::vector<std::string> WordsOfPlace(const storage::CataloguePlace& place);
 
-struct BlobOptions {
-  CLI::Option* address;
-  CLI::Option* cache_bytes;
-};
-BlobOptions AddBlobOptions(CLI::App& command, storage::BlobPlace& place);
-
+// `place` outlives the command line.
+void AddBlobOptions(CLI::App& command, storage::BlobPlace& place);
 std::vector<std::string> BlobWords(const storage::BlobPlace& place);
 
 }  // namespace skyquilt::server

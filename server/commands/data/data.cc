@@ -27,15 +27,14 @@ constexpr int kFound = 2;
 
 struct DataOptions {
   std::string data_dir;
-  std::string catalogue;
-  std::string catalogue_password_file;
+  CatalogueOptions catalogue;
   storage::BlobPlace blobs;
   bool deep = false;
   bool yes = false;
 };
 
 storage::CataloguePlace PlaceIn(const DataOptions& options) {
-  return PlaceOf("skyquilt data", options.catalogue, options.catalogue_password_file);
+  return PlaceOf("skyquilt data", options.catalogue);
 }
 
 // A folder that is ours, kept from servers for as long as the lock lives.
@@ -195,7 +194,7 @@ void AddDataCommand(CLI::App& app) {
   const auto add = [&](const char* name, const char* about, const char* more) {
     CLI::App* sub = command->add_subcommand(name, about);
     sub->add_option("--data", options->data_dir, "Data folder of the server")->required();
-    AddCatalogueOptions(*sub, {options->catalogue, options->catalogue_password_file});
+    AddCatalogueOptions(*sub, options->catalogue);
     sub->footer(more);
     return sub;
   };

@@ -21,8 +21,7 @@ namespace {
 struct MoveOptions {
   std::string data_dir;
   std::string from, to;
-  std::string catalogue;
-  std::string catalogue_password_file;
+  CatalogueOptions catalogue;
   bool remove_source = false;
 };
 
@@ -32,8 +31,7 @@ void Move(const MoveOptions& options) {
          {ErrorCode::kInvalidArgument,
           "Say where to or where from: --to s3://bucket/prefix, or --from s3://bucket/prefix.", ""});
   }
-  const storage::CataloguePlace given =
-      PlaceOf("skyquilt data move", options.catalogue, options.catalogue_password_file);
+  const storage::CataloguePlace given = PlaceOf("skyquilt data move", options.catalogue);
   const Result<storage::CataloguePlace> catalogue_place =
       storage::WithFilesAt(given, {.address = given.IsPostgres() ? options.from : ""});
   if (!catalogue_place) Fail("skyquilt data move", catalogue_place.error());
@@ -74,7 +72,7 @@ void AddMoveCommand(CLI::App& data) {
   command->add_option("--data", options->data_dir, "Data folder of the server")->required();
   command->add_option("--to", options->to, "Where to: s3://bucket/prefix");
   command->add_option("--from", options->from, "Where from, back into the folder: s3://bucket/prefix");
-  AddCatalogueOptions(*command, {options->catalogue, options->catalogue_password_file});
+  AddCatalogueOptions(*command, options->catalogue);
   command->add_flag("--remove-source", options->remove_source,
                     "Remove the originals once all copies are verified");
   command->footer(
