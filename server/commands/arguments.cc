@@ -6,8 +6,10 @@
 #include <cerrno>
 #include <cstdio>
 #include <system_error>
+#include <utility>
 
 #include "server/terminal/fail.h"
+#include "server/terminal/terminal_progress.h"
 #include "storage/exports/custom/boundary.h"
 #include "storage/files/publish_file.h"
 
@@ -53,6 +55,26 @@ void CheckServerAddress(const char* command, std::string& url) {
   while (url.ends_with('/')) url.pop_back();
   if (url.starts_with("http://") || url.starts_with("https://")) return;
   RefuseArgument(command, url + " is no address of a server; one looks like http://127.0.0.1:8080.");
+}
+
+std::string NameOfInput(const fs::path& input) {
+  fs::path path = fs::absolute(input).lexically_normal();
+  if (!path.has_filename()) path = path.parent_path();
+  return fs::is_directory(path) ? path.filename().string() : path.stem().string();
+}
+
+UploadedFlight UploadAtTerminal(const char* command, const std::vector<flight::InputFile>& files,
+                                const UploadOptions& options) {
+  std::string flight_id;
+  Result<UploadedFlight> uploaded = [&] {
+    TerminalProgress progress;
+    return UploadFlight(
+        files, options, [&](const std::string& id) { flight_id = id; }, progress);
+  }();
+  if (uploaded) return *std::move(uploaded);
+  if (!flight_id.empty())
+    fmt::print(stderr, "To go on where this ended: the same command with --flight {}\n", flight_id);
+  Fail(command, uploaded.error());
 }
 
 void CheckOutFile(const char* command, const fs::path& out, bool may_replace) {

@@ -1,13 +1,15 @@
-// What several commands take on their lines, checked. Each of these ends the command with a message that
-// names what was given (Fail) where it cannot be used. Main thread.
+// What several commands take on their lines, checked, and do with it. Each of these ends the command with a
+// message that names what was given (Fail) where it cannot be used. Main thread.
 #pragma once
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "core/base/scoped_folder.h"
 #include "core/geo/areas/boundary.h"
 #include "core/geo/lat_lon.h"
+#include "server/client/upload_flight.h"
 
 namespace skyquilt::server {
 
@@ -19,6 +21,13 @@ geo::Boundary ReadBoundary(const char* command, const std::filesystem::path& fil
 
 // The address of a running server; slashes at its end go.
 void CheckServerAddress(const char* command, std::string& url);
+
+// What is made of a file or folder is called by its name.
+std::string NameOfInput(const std::filesystem::path& input);
+
+// Sends a flight, with its progress on the terminal. Where that ends half-way, it says how to go on.
+UploadedFlight UploadAtTerminal(const char* command, const std::vector<flight::InputFile>& files,
+                                const UploadOptions& options);
 
 // A file to be written: not a folder, in a folder that is there, and not there already unless it may be
 // replaced.

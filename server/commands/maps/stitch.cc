@@ -209,12 +209,7 @@ void Run(StitchArguments& arguments) {
     const Result<void> free = CheckOutFolder(arguments.out_dir, *files, arguments.job.mosaic);
     if (!free) Fail("skyquilt", free.error());
   }
-  if (arguments.job.mosaic.title.empty()) {
-    std::filesystem::path first = std::filesystem::absolute(arguments.inputs.front()).lexically_normal();
-    if (!first.has_filename()) first = first.parent_path();
-    arguments.job.mosaic.title =
-        std::filesystem::is_directory(first) ? first.filename().string() : first.stem().string();
-  }
+  if (arguments.job.mosaic.title.empty()) arguments.job.mosaic.title = NameOfInput(arguments.inputs.front());
   if (!arguments.trace.empty()) {
     CheckTraceCanBeWritten(arguments.trace);
     BeginTrace();
