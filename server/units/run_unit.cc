@@ -4,18 +4,16 @@
 
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
 #include <exception>
-#include <mutex>
 #include <optional>
 #include <string_view>
-#include <thread>
 #include <utility>
 
 #include "core/base/progress.h"
 #include "core/base/scoped_folder.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
+#include "server/background_thread.h"
 #include "server/jobs/job_task.h"
 #include "server/jobs/stitch_sandboxed.h"
 #include "server/routing/request_log.h"
@@ -30,15 +28,14 @@ using storage::LeaseState;
 // So that a cancelled job does not keep its workers for long.
 constexpr std::chrono::seconds kRenewUnitEvery{2};
 
-// The Progress of a unit: renews the lease and notices cancellation, a lost
-// lease and the end of the worker. How far the unit is, nobody asks: its job counts the units that are done.
-// A thread of its own waits for the database. Any thread may report.
+// The Progress of a unit: renews the lease and notices cancellation, a lost lease and the end of the worker.
+// How far the unit is, nobody asks: its job counts the units that are done. A thread of its own waits for the
+// database. Any thread may report.
 class UnitHeartbeat final : public Progress {
  public:
   // Not heard for `unheard`, it takes its lease for lost.
   UnitHeartbeat(storage::UnitQueue& units, storage::UnitLease lease, const std::atomic<bool>& is_stopping,
                 std::chrono::seconds unheard);
-  ~UnitHeartbeat() override;
 
   void BeginStage(std::string_view) override {}
   void Report(double, std::string_view) override {}
@@ -54,10 +51,7 @@ class UnitHeartbeat final : public Progress {
   const std::atomic<bool>& is_stopping_;
   const std::chrono::seconds unheard_;
   std::atomic<LeaseState> state_ = LeaseState::kHeld;
-  std::mutex mutex_;
-  std::condition_variable end_;
-  bool is_ended_ = false;
-  std::thread thread_;  // last: it uses all of the above
+  BackgroundThread thread_;
 };
 
 UnitHeartbeat::UnitHeartbeat(storage::UnitQueue& units, storage::UnitLease lease,
@@ -66,22 +60,9 @@ UnitHeartbeat::UnitHeartbeat(storage::UnitQueue& units, storage::UnitLease lease
         Beat();
       }) {}
 
-UnitHeartbeat::~UnitHeartbeat() {
-  {
-    const std::lock_guard lock(mutex_);
-    is_ended_ = true;
-  }
-  end_.notify_all();
-  thread_.join();
-}
-
 void UnitHeartbeat::Beat() {
   auto renewed = std::chrono::steady_clock::now();
-  std::unique_lock lock(mutex_);
-  while (!is_ended_) {
-    end_.wait_for(lock, kRenewUnitEvery, [this] { return is_ended_; });
-    if (is_ended_) return;
-    lock.unlock();
+  while (thread_.Rest(kRenewUnitEvery)) {
     const auto now = std::chrono::steady_clock::now();
     const Result<LeaseState> state = units_.Renew(lease_, storage::Now());
     if (state) {
@@ -92,7 +73,6 @@ void UnitHeartbeat::Beat() {
       LogFailure(lease_.job_id, "heartbeat", state.error().detail);
       if (now - renewed >= unheard_) state_ = LeaseState::kLost;
     }
-    lock.lock();
   }
 }
 
