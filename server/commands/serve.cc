@@ -66,8 +66,6 @@ std::string HostOf(const std::string& url) {
   return url.substr(host, url.find('/', host) - host);
 }
 
-bool IsLoopback(const std::string& address) { return address.starts_with("127.") || address == "::1"; }
-
 // "127.0.0.1:8080", "localhost:0", "[::1]:8080".
 Result<HttpSettings> SettingsFrom(const ServeOptions& options, bool has_tokens) {
   const std::string& text = options.listen;
@@ -130,8 +128,7 @@ std::string OwnUrl(const HttpSettings& settings, int port) {
   std::string host = settings.address;
   if (host == "0.0.0.0") host = "127.0.0.1";
   if (host == "::") host = "::1";
-  if (host.find(':') != std::string::npos) host = "[" + host + "]";
-  return fmt::format("http://{}:{}{}", host, port, settings.base_path);
+  return fmt::format("http://{}:{}{}", HostInUrl(host), port, settings.base_path);
 }
 
 // Many connections need many descriptors.
@@ -323,9 +320,8 @@ void RunServer(const ServeOptions& options) {
   if (IsForThisMachineAlone(*settings))
     service.open_network = [&server = **server] { return server.OpenNetwork(); };
   (*server)->Start();
-  const std::string host =
-      settings->address.find(':') == std::string::npos ? settings->address : "[" + settings->address + "]";
-  fmt::print("Skyquilt is serving at http://{}:{}{}/\n", host, (*server)->port(), settings->base_path);
+  fmt::print("Skyquilt is serving at http://{}:{}{}/\n", HostInUrl(settings->address), (*server)->port(),
+             settings->base_path);
   std::fflush(stdout);
 
   const Housekeeper housekeeper(service);
