@@ -27,8 +27,7 @@ void AddUploadCommand(CLI::App& app);  // files to a server, and the map made of
 void AddWatchCommand(CLI::App& app);   // cards and hot folders become flights as they fill
 void AddImportCommand(CLI::App& app);  // a map of others as a flight of a server, or of a data folder
 void AddTokenCommand(CLI::App& app);   // who may use a server; also while it runs
-void AddDataCommand(CLI::App& app);    // checks, repairs and cleans the folder of a server that is stopped
-void AddMoveCommand(CLI::App& data);   // of `data`: photos and maps from its folder to S3, or back
+void AddDataCommand(CLI::App& app);    // checks, repairs, moves and cleans what a stopped server has
 
 // What this program starts by itself to decode files of users (server/sandbox); help does not list them.
 void AddSandboxedCommands(CLI::App& app);
