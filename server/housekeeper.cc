@@ -21,26 +21,10 @@ constexpr std::chrono::hours kIdlePause{1};
 
 }  // namespace
 
-Housekeeper::Housekeeper(api::Service& service) : service_(service), thread_([this] { Run(); }) {}
-
-Housekeeper::~Housekeeper() {
-  {
-    const std::lock_guard lock(mutex_);
-    is_ended_ = true;
-  }
-  end_.notify_all();
-  thread_.join();
-}
-
-void Housekeeper::Run() {
-  std::unique_lock lock(mutex_);
-  while (!is_ended_) {
-    lock.unlock();
-    Round();
-    lock.lock();
-    end_.wait_for(lock, kHousekeepingPause, [this] { return is_ended_; });
-  }
-}
+Housekeeper::Housekeeper(api::Service& service)
+    : service_(service), thread_([this] {
+        for (; !thread_.IsEnded(); thread_.Rest(kHousekeepingPause)) Round();
+      }) {}
 
 void Housekeeper::TrashIdle() {
   const auto now = std::chrono::steady_clock::now();

@@ -10,8 +10,10 @@
 #include "core/base/try.h"
 #include "server/routing/request_log.h"
 #include "storage/folder/lost_folder.h"
+#include "storage/folder/object_store/settle_blobs.h"
 #include "storage/folder/shared_catalogue.h"
 #include "storage/folder/sweep.h"
+#include "storage/jobs/map_products.h"
 
 namespace skyquilt::server {
 
@@ -47,6 +49,16 @@ Result<void> Recover(const storage::DataDir& dir, const storage::Catalogue& cata
   storage::LostFolder lost(dir, now);
   for (const std::filesystem::path& path : stray) LogEvent(lost.Take(path, "is no upload in the catalogue"));
   return {};
+}
+
+Result<std::shared_ptr<storage::BlobStore>> OpenBlobsOf(const storage::DataDir& dir, storage::CatalogueDb& db,
+                                                        const storage::BlobPlace& place) {
+  SKYQUILT_TRY_ASSIGN(std::shared_ptr<storage::BlobStore> blobs,
+                      storage::OpenBlobs(place, dir.root(), [&db](const std::string& key) {
+                        return storage::PublishedSum(db, key);
+                      }));
+  SKYQUILT_TRY(storage::SettleBlobs(dir, db, *blobs));
+  return blobs;
 }
 
 }  // namespace skyquilt::server

@@ -1,5 +1,3 @@
-#include "server/commands/serve.h"
-
 #include <fmt/format.h>
 #include <malloc.h>
 #include <signal.h>
@@ -23,15 +21,14 @@
 #include "api/uploads/unpack.h"
 #include "core/base/process/late_library.h"
 #include "core/base/text/printable.h"
+#include "server/commands/commands.h"
 #include "server/commands/serve_options.h"
 #include "server/exports/export_runner.h"
 #include "server/housekeeper.h"
 #include "server/http/http_server.h"
-#include "server/intake/control_sandboxed.h"
 #include "server/intake/unpack_sandboxed.h"
 #include "server/intake/verdict_sandboxed.h"
 #include "server/intake/verdicts.h"
-#include "server/open_blobs.h"
 #include "server/open_storage.h"
 #include "server/reports/print_pdf.h"
 #include "server/routing/address_range.h"
@@ -41,8 +38,7 @@
 #include "server/sandbox/run_sandboxed.h"
 #include "server/sandbox/sandbox.h"
 #include "server/terminal/fail.h"
-#include "server/usage/blob_options.h"
-#include "server/usage/catalogue_options.h"
+#include "server/usage/storage_options.h"
 #include "server/webhooks/post_message.h"
 #include "server/webhooks/webhook_sender.h"
 #include "server/workers/worker_pool.h"
@@ -69,8 +65,6 @@ std::string HostOf(const std::string& url) {
   const std::size_t host = url.find("://") + 3;
   return url.substr(host, url.find('/', host) - host);
 }
-
-bool IsLoopback(const std::string& address) { return address.starts_with("127.") || address == "::1"; }
 
 // "127.0.0.1:8080", "localhost:0", "[::1]:8080".
 Result<HttpSettings> SettingsFrom(const ServeOptions& options, bool has_tokens) {
@@ -134,8 +128,7 @@ std::string OwnUrl(const HttpSettings& settings, int port) {
   std::string host = settings.address;
   if (host == "0.0.0.0") host = "127.0.0.1";
   if (host == "::") host = "::1";
-  if (host.find(':') != std::string::npos) host = "[" + host + "]";
-  return fmt::format("http://{}:{}{}", host, port, settings.base_path);
+  return fmt::format("http://{}:{}{}", HostInUrl(host), port, settings.base_path);
 }
 
 // Many connections need many descriptors.
@@ -249,8 +242,7 @@ void RunServer(const ServeOptions& options) {
   const Result<void> loaded = LoadLate();  // a library that is missing is no surprise of the first request
   if (!loaded) Fail("skyquilt serve", loaded.error());
   KeepFreedMemory();
-  const storage::CataloguePlace given =
-      PlaceOf("skyquilt serve", options.catalogue, options.catalogue_password_file);
+  const storage::CataloguePlace given = PlaceOf("skyquilt serve", options.catalogue);
   const std::vector<std::string> catalogue_words = WordsOfPlace(given);
   // The store is looked at before anything is made beside it.
   const Result<storage::CataloguePlace> place = storage::WithFilesAt(given, options.blobs);
@@ -328,9 +320,8 @@ void RunServer(const ServeOptions& options) {
   if (IsForThisMachineAlone(*settings))
     service.open_network = [&server = **server] { return server.OpenNetwork(); };
   (*server)->Start();
-  const std::string host =
-      settings->address.find(':') == std::string::npos ? settings->address : "[" + settings->address + "]";
-  fmt::print("Skyquilt is serving at http://{}:{}{}/\n", host, (*server)->port(), settings->base_path);
+  fmt::print("Skyquilt is serving at http://{}:{}{}/\n", HostInUrl(settings->address), (*server)->port(),
+             settings->base_path);
   std::fflush(stdout);
 
   const Housekeeper housekeeper(service);
@@ -371,8 +362,8 @@ void AddServeCommand(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("serve", "Serve the web page, the API and the tiles, and stitch uploads");
   AddServeOptions(*command, *options);
-  command->callback([options] {
-    RefuseUnknownVariables();
+  command->callback([options, command] {
+    RefuseUnknownVariables(*command);
     RunServer(*options);
   });
 }

@@ -13,9 +13,8 @@
 #include "server/routing/origin_policy.h"
 #include "server/routing/public_address.h"
 #include "server/terminal/fail.h"
-#include "server/usage/blob_options.h"
-#include "server/usage/catalogue_options.h"
-#include "server/usage/one_of.h"
+#include "server/usage/option_values.h"
+#include "server/usage/storage_options.h"
 
 namespace skyquilt::server {
 namespace {
@@ -30,7 +29,7 @@ std::string IsHttpUrl(const std::string& text) {
 void AddBounds(CLI::App& command, ServeOptions& options) {
   constexpr std::size_t kMaxCount = 1'000'000;
   const auto add = [&](const char* name, auto& value, const char* what) {
-    return command.add_option(std::string("--") + name, value, what)->envname(VariableOf(name));
+    return command.add_option(std::string("--") + name, value, what);
   };
   const auto add_number = [&](const char* name, std::size_t& value, std::size_t least, const char* what) {
     add(name, value, what)->check(CLI::Range(least, kMaxCount))->capture_default_str();
@@ -48,57 +47,24 @@ void AddBounds(CLI::App& command, ServeOptions& options) {
              "Requests that wait for a thread, of each kind; more are answered 429");
   add_number("tile-cache-mb", options.tile_cache_mb, 0,
              "Megabytes of memory for tiles in other formats and sizes than they are stored in");
-  command
-      .add_flag(
-          "--keyed-cache", options.keyed_cache,
-          "Tiles that a token opened say \"public\": for a cache in front whose key has Authorization and "
-          "the query")
-      ->envname(VariableOf("keyed-cache"));
+  command.add_flag(
+      "--keyed-cache", options.keyed_cache,
+      "Tiles that a token opened say \"public\": for a cache in front whose key has Authorization and "
+      "the query");
 }
 
 }  // namespace
 
-void RefuseUnknownVariables() {
+void RefuseUnknownVariables(const CLI::App& command) {
   const std::string prefix = VariableOf("");
-  constexpr std::string_view kOptions[] = {"data",
-                                           "catalogue",
-                                           "catalogue-password-file",
-                                           "blobs",
-                                           "cache-bytes",
-                                           "listen",
-                                           "workers",
-                                           "previews",
-                                           "job-timeout",
-                                           "job-memory",
-                                           "photo-timeout",
-                                           "cut-above",
-                                           "web",
-                                           "public-url",
-                                           "base-path",
-                                           "basemap",
-                                           "basemap-attribution",
-                                           "webhooks",
-                                           "node-engine",
-                                           "open",
-                                           "trusted-proxy",
-                                           "connections-per-address",
-                                           "listeners-per-address",
-                                           "requests-per-address",
-                                           "waiting-requests",
-                                           "tile-cache-mb",
-                                           "keyed-cache",
-                                           "trash-days",
-                                           "keep-days",
-                                           "watch",
-                                           "watch-token-file",
-                                           "host",
-                                           "cors-origin"};
+  const std::vector<const CLI::Option*> options = command.get_options();
   for (char** variable = environ; *variable != nullptr; ++variable) {
     std::string_view name(*variable);
     name = name.substr(0, name.find('='));
     if (!name.starts_with(prefix)) continue;
-    const bool is_known = std::any_of(std::begin(kOptions), std::end(kOptions),
-                                      [&](std::string_view option) { return VariableOf(option) == name; });
+    const bool is_known = std::any_of(options.begin(), options.end(), [&](const CLI::Option* option) {
+      return option->get_envname() == name;
+    });
     if (!is_known) {
       Fail("skyquilt serve",
            {ErrorCode::kInvalidArgument, fmt::format("The variable {} is not known.", name), ""});
@@ -107,57 +73,41 @@ void RefuseUnknownVariables() {
 }
 
 void AddServeOptions(CLI::App& command, ServeOptions& options) {
-  command.add_option("--data", options.data_dir, "Data folder; made when missing")
-      ->required()
-      ->envname(VariableOf("data"));
-  const CatalogueOptions at{options.catalogue, options.catalogue_password_file};
-  const auto [catalogue, password_file] = AddCatalogueOptions(command, at);
-  catalogue->envname(VariableOf("catalogue"));
-  password_file->envname(VariableOf("catalogue-password-file"));
-  const BlobOptions blobs = AddBlobOptions(command, options.blobs);
-  blobs.address->envname(VariableOf("blobs"));
-  blobs.cache_bytes->envname(VariableOf("cache-bytes"));
+  command.add_option("--data", options.data_dir, "Data folder; made when missing")->required();
+  AddCatalogueOptions(command, options.catalogue);
+  AddBlobOptions(command, options.blobs);
   command.add_option("--listen", options.listen, "ADDRESS:PORT; port 0 picks a free one")
-      ->envname(VariableOf("listen"))
       ->capture_default_str();
   command.add_option("--workers", options.workers, "Worker processes that stitch")
       ->check(CLI::Range(0, 64))
-      ->envname(VariableOf("workers"))
       ->capture_default_str();
   command
       .add_option("--cut-above", options.cut_above,
                   "Flights of more files than this are cut into parts that several workers share; 0: none is")
       ->check(CLI::Range(0, 1 << 24))
-      ->envname(VariableOf("cut-above"))
       ->capture_default_str();
   command
       .add_option("--job-timeout", options.job_timeout_s,
                   "Seconds after which a job is ended; 0: ten minutes, a minute a file and a second a MiB")
       ->check(CLI::Range(0, 30 * 24 * 3600))
-      ->envname(VariableOf("job-timeout"))
       ->capture_default_str();
   command
       .add_option("--job-memory", options.job_memory_mib,
                   "MiB of memory beyond which a job is ended; 0: 5 GiB and 2 MiB per file, and no more "
                   "than three quarters of what the machine has")
       ->check(CLI::Range(0, 1 << 24))
-      ->envname(VariableOf("job-memory"))
       ->capture_default_str();
   command
       .add_option("--photo-timeout", options.photo_timeout_s,
                   "Seconds of processor time that the preview of one photo may take; it is passed over then")
       ->check(CLI::Range(1, 24 * 3600))
-      ->envname(VariableOf("photo-timeout"))
       ->capture_default_str();
-  command
-      .add_flag("--previews,!--no-previews", options.previews,
-                "Draw flights while they are uploading (default)")
-      ->envname(VariableOf("previews"));
+  command.add_flag("--previews,!--no-previews", options.previews,
+                   "Draw flights while they are uploading (default)");
   command
       .add_option("--trash-days", options.trash_days,
                   "Days that a deleted flight can be restored; 0 deletes at once and for good")
       ->check(CLI::Range(0, 3650))
-      ->envname(VariableOf("trash-days"))
       ->capture_default_str();
   command
       .add_option(
@@ -165,15 +115,12 @@ void AddServeOptions(CLI::App& command, ServeOptions& options) {
           "Days after which a flight that nobody changes goes to the trash, if it is not shared and no "
           "job or upload of it is open; 0: never")
       ->check(CLI::Range(0, 3650))
-      ->envname(VariableOf("keep-days"))
       ->capture_default_str();
-  command.add_option("--web", options.web_dir, "Folder of the web page, instead of the built-in one")
-      ->envname(VariableOf("web"));
+  command.add_option("--web", options.web_dir, "Folder of the web page, instead of the built-in one");
   command
       .add_option("--public-url", options.public_url,
                   "How others reach this server, where a proxy is before it")
-      ->check(IsHttpUrl)
-      ->envname(VariableOf("public-url"));
+      ->check(IsHttpUrl);
   command
       .add_option(
           "--base-path", options.base_path,
@@ -182,13 +129,11 @@ void AddServeOptions(CLI::App& command, ServeOptions& options) {
       ->check([](const std::string& path) {
         return IsBasePath(path) ? ""
                                 : "must be a path as /skyquilt or /maps/drone, without a slash at its end";
-      })
-      ->envname(VariableOf("base-path"));
+      });
   command
       .add_option("--webhooks", options.webhooks,
                   "Whom this server may tell of ended jobs: nobody (off), public addresses, or any")
       ->check(OneOf(std::vector<std::string>{"off", "public", "any"}))
-      ->envname(VariableOf("webhooks"))
       ->capture_default_str();
   command
       .add_option("--node-engine", options.node_engine,
@@ -196,37 +141,25 @@ void AddServeOptions(CLI::App& command, ServeOptions& options) {
       ->check([](const std::string& name) {
         return api::IsNodeEngine(name) ? "" : "must be lower-case letters and digits, 32 at most";
       })
-      ->envname(VariableOf("node-engine"))
       ->capture_default_str();
-  command
-      .add_option(
-          "--basemap", options.basemap,
-          fmt::format("What lies below the maps on the page, fetched by each browser from there: {} (read "
-                      "their terms of use), https://host/{{z}}/{{x}}/{{y}}.png, a PMTiles file of raster "
-                      "tiles here, or none. Default: whoever looks may choose one of these names",
-                      fmt::join(api::BasemapNames(), ", ")))
-      ->envname(VariableOf("basemap"));
-  command
-      .add_option("--basemap-attribution", options.basemap_attribution,
-                  "Whom the page names as the makers of the basemap; plain text")
-      ->envname(VariableOf("basemap-attribution"));
-  command
-      .add_flag(
-          "--open", options.open,
-          "Permit an address that other machines can reach, without any token; lets everybody in again where "
-          "the last token was revoked")
-      ->envname(VariableOf("open"));
-  CLI::Option* watched =
-      command
-          .add_option(
-              "--watch", options.watched.folders,
-              "Folder that fills, or where cards are mounted: what is in it becomes flights, as by \"skyquilt "
-              "watch\"; may be given several times")
-          ->envname(VariableOf("watch"));
-  command
-      .add_option("--watch-token-file", options.watched.token_file,
-                  "File with the token for these flights, where the server asks for one")
-      ->envname(VariableOf("watch-token-file"));
+  command.add_option(
+      "--basemap", options.basemap,
+      fmt::format("What lies below the maps on the page, fetched by each browser from there: {} (read "
+                  "their terms of use), https://host/{{z}}/{{x}}/{{y}}.png, a PMTiles file of raster "
+                  "tiles here, or none. Default: whoever looks may choose one of these names",
+                  fmt::join(api::BasemapNames(), ", ")));
+  command.add_option("--basemap-attribution", options.basemap_attribution,
+                     "Whom the page names as the makers of the basemap; plain text");
+  command.add_flag(
+      "--open", options.open,
+      "Permit an address that other machines can reach, without any token; lets everybody in again where "
+      "the last token was revoked");
+  CLI::Option* watched = command.add_option(
+      "--watch", options.watched.folders,
+      "Folder that fills, or where cards are mounted: what is in it becomes flights, as by \"skyquilt "
+      "watch\"; may be given several times");
+  command.add_option("--watch-token-file", options.watched.token_file,
+                     "File with the token for these flights, where the server asks for one");
   AddBounds(command, options);
   CLI::Option* hosts =
       command
@@ -234,8 +167,7 @@ void AddServeOptions(CLI::App& command, ServeOptions& options) {
               "--host", options.hosts,
               "A name that the server goes by, besides those of this machine; several, or with commas. Without "
               "tokens no other is answered")
-          ->delimiter(',')
-          ->envname(VariableOf("host"));
+          ->delimiter(',');
   CLI::Option* cors_origins =
       command
           .add_option(
@@ -246,13 +178,13 @@ void AddServeOptions(CLI::App& command, ServeOptions& options) {
           ->check([](const std::string& text) {
             return IsOriginText(text) ? std::string()
                                       : "must be an origin as https://host:port, without a path";
-          })
-          ->envname(VariableOf("cors-origin"));
+          });
   command.add_option("--config", options.config, "File with these options, one \"name = value\" a line");
-  // A file's options come before those of the command line.
   for (CLI::Option* option : command.get_options()) {
-    if (option->check_name("--trusted-proxy")) continue;
-    option->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+    const std::string& name = option->get_lnames().front();
+    if (name != "help" && name != "config") option->envname(VariableOf(name));
+    // A file's options come before those of the command line.
+    if (name != "trusted-proxy") option->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
   }
   for (CLI::Option* option : {hosts, cors_origins, watched})
     option->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)->allow_extra_args(false);

@@ -10,8 +10,8 @@
 #include "api/nodeodm/nodeodm.h"
 #include "server/http/http_server.h"
 #include "server/jobs/worker_context.h"
+#include "server/usage/storage_options.h"
 #include "server/watch/watch_process.h"
-#include "storage/blobs/open_blobs.h"
 #include "storage/tilesets/made_tiles.h"
 
 namespace CLI {
@@ -22,8 +22,7 @@ namespace skyquilt::server {
 
 struct ServeOptions {
   std::string data_dir;
-  std::string catalogue;  // URL; empty: in the data folder
-  std::string catalogue_password_file;
+  CatalogueOptions catalogue;
   storage::BlobPlace blobs;
   std::string listen = "127.0.0.1:8080";
   std::string web_dir;
@@ -55,9 +54,10 @@ struct ServeOptions {
   std::size_t tile_cache_mb = storage::MadeTiles::kUsualBudgetBytes >> 20;
 };
 
+// Each but --config may come from a variable of its name (VariableOf).
 void AddServeOptions(CLI::App& command, ServeOptions& options);
 
 // A variable that is misspelt would otherwise do nothing, silently.
-void RefuseUnknownVariables();
+void RefuseUnknownVariables(const CLI::App& command);
 
 }  // namespace skyquilt::server

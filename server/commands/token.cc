@@ -1,5 +1,3 @@
-#include "server/commands/token.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -12,9 +10,10 @@
 
 #include "api/auth/access.h"
 #include "api/json/json_codec.h"
+#include "server/commands/commands.h"
 #include "server/terminal/fail.h"
-#include "server/usage/catalogue_options.h"
-#include "server/usage/one_of.h"
+#include "server/usage/option_values.h"
+#include "server/usage/storage_options.h"
 #include "storage/catalogue/catalogue.h"
 #include "storage/catalogue/tokens.h"
 #include "storage/db/ids.h"
@@ -25,8 +24,7 @@ namespace {
 
 struct TokenOptions {
   std::string data_dir;
-  std::string catalogue;
-  std::string catalogue_password_file;
+  CatalogueOptions catalogue;
   std::string name;
   std::string scope = "read";
   std::string flight;           // the one that it opens; empty: every flight
@@ -37,8 +35,8 @@ struct TokenOptions {
 };
 
 std::unique_ptr<storage::CatalogueDb> OpenCatalogue(const TokenOptions& options) {
-  Result<storage::OpenedDataFolder> opened = storage::OpenOrJoinDataFolder(
-      options.data_dir, PlaceOf("skyquilt token", options.catalogue, options.catalogue_password_file));
+  Result<storage::OpenedDataFolder> opened =
+      storage::OpenOrJoinDataFolder(options.data_dir, PlaceOf("skyquilt token", options.catalogue));
   if (!opened) Fail("skyquilt token", opened.error());
   return std::move(opened->db);
 }
@@ -133,7 +131,7 @@ void AddTokenCommand(CLI::App& app) {
   command->require_subcommand(1);
   const auto with_data = [&](CLI::App* sub) {
     sub->add_option("--data", options->data_dir, "Data folder of the server")->required();
-    AddCatalogueOptions(*sub, {options->catalogue, options->catalogue_password_file});
+    AddCatalogueOptions(*sub, options->catalogue);
     return sub;
   };
   const auto with_name = [&](CLI::App* sub) {

@@ -1,5 +1,3 @@
-#include "server/commands/worker.h"
-
 #include <fmt/format.h>
 #include <signal.h>
 #include <unistd.h>
@@ -14,14 +12,14 @@
 
 #include "core/base/process/late_library.h"
 #include "core/base/try.h"
-#include "server/open_blobs.h"
+#include "server/commands/commands.h"
+#include "server/open_storage.h"
 #include "server/preview/preview_sandboxed.h"
 #include "server/routing/request_log.h"
-#include "server/sandbox/process_limits.h"
+#include "server/sandbox/sandbox.h"
 #include "server/terminal/fail.h"
 #include "server/units/run_unit.h"
-#include "server/usage/blob_options.h"
-#include "server/usage/catalogue_options.h"
+#include "server/usage/storage_options.h"
 #include "server/workers/run_job.h"
 #include "storage/db/ids.h"
 #include "storage/db/machine_boot.h"
@@ -43,8 +41,7 @@ constexpr std::chrono::seconds kPatienceAtEnd{1};
 
 struct WorkerOptions {
   std::string data_dir;
-  std::string catalogue;
-  std::string catalogue_password_file;
+  CatalogueOptions catalogue;
   storage::BlobPlace blobs;
   std::string name;
   int parent = 0;
@@ -176,8 +173,7 @@ void RunWorker(const WorkerOptions& options) {
   const Result<void> loaded = LoadLate();
   if (!loaded) Fail("skyquilt worker", loaded.error());
   LimitThisProcess({});
-  const storage::CataloguePlace given =
-      PlaceOf("skyquilt worker", options.catalogue, options.catalogue_password_file);
+  const storage::CataloguePlace given = PlaceOf("skyquilt worker", options.catalogue);
   const Result<storage::CataloguePlace> place =
       Patiently([&] { return storage::WithFilesAt(given, options.blobs); });
   if (!place) Fail("skyquilt worker", place.error());
@@ -245,7 +241,7 @@ void AddWorkerCommand(CLI::App& app) {
       app.add_subcommand("worker", "Run the queued jobs of a data folder (serve starts its own)");
   command->add_option("--data", options->data_dir, "Data folder")->required();
   AddBlobOptions(*command, options->blobs);
-  AddCatalogueOptions(*command, {options->catalogue, options->catalogue_password_file});
+  AddCatalogueOptions(*command, options->catalogue);
   command->add_option(
       "--name", options->name,
       "Name in the queue (default: worker-<process id>, with the machine's name where machines share it)");

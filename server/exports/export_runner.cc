@@ -1,12 +1,11 @@
 #include "server/exports/export_runner.h"
 
-#include <fmt/format.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cerrno>
 #include <exception>
+#include <fmt/format.h>
 #include <system_error>
+#include <unistd.h>
 
 #include "api/json/json_codec.h"
 #include "core/base/scoped_folder.h"
@@ -110,25 +109,11 @@ const char* FileBesideTiles(const storage::ExportRequest& request) {
 
 ExportRunner::ExportRunner(api::Service& service) : service_(service), thread_([this] { Run(); }) {}
 
-ExportRunner::~ExportRunner() {
-  {
-    const std::lock_guard lock(mutex_);
-    is_ended_ = true;
-  }
-  end_.notify_all();
-  thread_.join();
-}
-
-bool ExportRunner::IsEnded() {
-  const std::lock_guard lock(mutex_);
-  return is_ended_;
-}
-
 void ExportRunner::Run() {
   auto asked = std::chrono::steady_clock::now() - kAskEvery;
   bool made_one = false;    // others may wait behind it
   bool is_failing = false;  // a catalogue that is away is asked no more often than one without news
-  while (!IsEnded()) {
+  while (!thread_.IsEnded()) {
     Result<std::optional<MapExport>> claimed = std::optional<MapExport>();
     const auto now = std::chrono::steady_clock::now();
     const bool asks = made_one || now - asked >= kAskEvery || (service_.exports.HasNew() && !is_failing);
@@ -143,8 +128,7 @@ void ExportRunner::Run() {
       Make(**claimed);
       continue;
     }
-    std::unique_lock lock(mutex_);
-    end_.wait_for(lock, kExportPause, [this] { return is_ended_; });
+    thread_.Rest(kExportPause);
   }
 }
 
@@ -214,7 +198,7 @@ Result<std::int64_t> ExportRunner::MakeIn(const MapExport& claimed, const fs::pa
   task.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()) / 2);
   auto beaten = std::chrono::steady_clock::time_point();
   const auto go_on = [&](double fraction) {
-    if (IsEnded()) return false;
+    if (thread_.IsEnded()) return false;
     const auto now = std::chrono::steady_clock::now();
     if (now - beaten < kBeatEvery) return true;
     beaten = now;

@@ -4,24 +4,18 @@
 // thread.
 #pragma once
 
-#include <condition_variable>
-#include <mutex>
-#include <thread>
-
 #include "api/service.h"
+#include "server/background_thread.h"
 
 namespace skyquilt::server {
 
 class ExportRunner {
  public:
+  // At its end what is under way is given back.
   explicit ExportRunner(api::Service& service);
-  ~ExportRunner();  // what is under way is given back
-  ExportRunner(const ExportRunner&) = delete;
-  ExportRunner& operator=(const ExportRunner&) = delete;
 
  private:
   void Run();
-  bool IsEnded();
   void Make(const storage::MapExport& claimed);
   Result<std::int64_t> MakeWhateverHappens(const storage::MapExport& claimed,
                                            const std::filesystem::path& staging);
@@ -29,10 +23,7 @@ class ExportRunner {
   Result<void> Store(const storage::MapExport& claimed, const std::filesystem::path& made);
 
   api::Service& service_;
-  std::mutex mutex_;
-  std::condition_variable end_;
-  bool is_ended_ = false;
-  std::thread thread_;  // last: it uses all of the above
+  BackgroundThread thread_;
 };
 
 // At the start of a server, before it takes requests: what ran waits again, and files that are no exports of

@@ -1,18 +1,23 @@
 #include "server/exports/export_sandboxed.h"
 
 #include <fmt/format.h>
+#include <signal.h>
 #include <sys/statvfs.h>
 
 #include <algorithm>
+#include <exception>
 #include <optional>
-#include <string>
 #include <system_error>
 #include <variant>
 
 #include "core/base/try.h"
-#include "server/jobs/job_messages.h"
+#include "server/jobs/work_for_parent.h"
+#include "server/reports/map_picture.h"
+#include "server/sandbox/sandbox.h"
 #include "server/sandbox/sandboxed_child.h"
-#include "server/sandbox/spawn_self.h"
+#include "server/sandbox/spawn_process.h"
+#include "storage/exports/custom/export_map.h"
+#include "storage/files/publish_file.h"
 
 namespace skyquilt::server {
 namespace {
@@ -99,6 +104,47 @@ Result<std::int64_t> ExportSandboxed(ExportTask task, const ExportLimits& limits
                  "The export could not be made: its process ended. Ask for a smaller area or another format.",
                  HowItEnded(status)};
   return SizeOf(task.work_dir / task.out_name);
+}
+
+// What that process does.
+namespace {
+
+Result<void> RunExportTask(const std::string& text, MessageWriter& writer) {
+  SKYQUILT_TRY_ASSIGN(const ExportTask task, ParseExportTask(text));
+  KeepTemporaryFilesIn(task.work_dir);
+  // A file that grows beyond its limit is an error of writing.
+  signal(SIGXFSZ, SIG_IGN);
+  StepBack();
+  SKYQUILT_TRY(EnterSandbox({.limits = {.more_data_bytes = task.memory_bytes,
+                                        .more_cpu_s = task.cpu_s,
+                                        .file_bytes = task.file_bytes},
+                             .files = {.reads = {task.map_dir}, .writes = {task.work_dir}}}));
+  PipeProgress progress(writer);
+  try {
+    SKYQUILT_TRY_ASSIGN(const storage::ExportRequest request, storage::ParseExportRequest(task.request));
+    if (request.format == storage::ExportFormat::kReport) {
+      // Its pixels alone: what is printed beside the sandbox is a page of the server's own.
+      SKYQUILT_TRY_ASSIGN(const MapPixels pixels, MakeMapPixels(task.map_dir, kReportPicturePx, task.threads,
+                                                                task.work_dir, progress));
+      return storage::WriteFileAtomically(task.work_dir / task.out_name, ToBytes(pixels));
+    }
+    SKYQUILT_TRY_ASSIGN(const storage::ExportSource source, storage::ExportSourceOf(task.map_dir));
+    const storage::ExportOptions options{.threads = task.threads};
+    return storage::ExportMap(source, request, task.work_dir, task.work_dir / task.out_name, options,
+                              progress);
+  } catch (const std::exception& thrown) {
+    return Error{ErrorCode::kOutOfSpace,
+                 "The server ran out of memory for this export. Ask for a smaller area.", thrown.what()};
+  }
+}
+
+}  // namespace
+
+int ExportInSandbox(int parent) {
+  return WorkForParent(parent, [](const std::string& task, MessageWriter& to_parent) {
+    const Result<void> outcome = RunExportTask(task, to_parent);
+    return outcome ? std::nullopt : std::optional<JobMessage>(outcome.error());
+  });
 }
 
 }  // namespace skyquilt::server

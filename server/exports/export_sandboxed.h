@@ -6,10 +6,11 @@
 
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 
 #include "core/base/result.h"
-#include "server/exports/export_task.h"
+#include "server/jobs/child_messages.h"
 
 namespace skyquilt::server {
 

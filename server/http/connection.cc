@@ -18,7 +18,7 @@
 #include <optional>
 #include <vector>
 
-#include "server/http/head_parser.h"
+#include "server/routing/request_head.h"
 #include "server/routing/request_log.h"
 
 namespace skyquilt::server {

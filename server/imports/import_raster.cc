@@ -1,5 +1,3 @@
-#include "server/imports/import_raster.h"
-
 #include <algorithm>
 #include <cstdint>
 #include <utility>

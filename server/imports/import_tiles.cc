@@ -1,13 +1,10 @@
-#include "server/imports/import_tiles.h"
-
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <fmt/core.h>
 #include <map>
 #include <optional>
 #include <string>

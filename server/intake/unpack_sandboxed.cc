@@ -1,7 +1,5 @@
 #include "server/intake/unpack_sandboxed.h"
 
-#include <unistd.h>
-
 #include <chrono>
 #include <nlohmann/json.hpp>
 #include <system_error>
@@ -107,13 +105,13 @@ Result<std::vector<UnpackedFile>> UnpackSandboxed(const storage::PhotoStore& sto
                  unmade.message()};
   }
   SKYQUILT_TRY_ASSIGN(const storage::DataDir staging, storage::DataDir::Open(folder.path()));
-  const Result<std::string> answer = RunSandboxed(
-      {.name = "unpack",
-       .words = {"unpack", "--staging", folder.path().string(), "--flight", flight_id, "--parent",
-                 std::to_string(getpid()), "--most-bytes", std::to_string(max_bytes), archive.string()},
-       .deadline = std::chrono::duration_cast<std::chrono::milliseconds>(DeadlineOf(archive)),
-       .max_answer_bytes = kMaxAnswerBytes,
-       .refusal = kUnpackRefusal});
+  const Result<std::string> answer =
+      RunSandboxed({.name = "unpack",
+                    .words = {"unpack", "--staging", folder.path().string(), "--flight", flight_id,
+                              "--most-bytes", std::to_string(max_bytes), archive.string()},
+                    .deadline = std::chrono::duration_cast<std::chrono::milliseconds>(DeadlineOf(archive)),
+                    .max_answer_bytes = kMaxAnswerBytes,
+                    .refusal = kUnpackRefusal});
   if (!answer) return answer.error();
   SKYQUILT_TRY_ASSIGN(std::vector<UnpackedFile> files, Parse(*answer));
   return TakeOver(store, flight_id, staging, std::move(files));
@@ -125,8 +123,7 @@ void UnpackHere(const fs::path& staging, const std::string& flight_id, const fs:
   BecomeSandboxed({.limits = {.more_memory_bytes = kMemoryBytes,
                               .more_cpu_s = CpuSecondsFor(archive),
                               .file_bytes = limits.file_bytes},
-                   .reads = {archive},
-                   .writes_below = staging,
+                   .files = {.reads = {archive}, .writes = {staging}},
                    .library = "libarchive.so"});
   const Result<storage::DataDir> dir = storage::DataDir::Open(staging);
   const Result<std::vector<UnpackedFile>> files =

@@ -1,8 +1,5 @@
 #include "server/intake/verdict_sandboxed.h"
 
-#include <fmt/format.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <system_error>
@@ -10,7 +7,9 @@
 #include "api/json/job_options.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
+#include "core/flight/logs/texts/gcp_list.h"
 #include "core/pipeline/inspect_flight.h"
+#include "core/pipeline/placing/control_json.h"
 #include "server/inputs/open_elevation_model.h"
 #include "server/sandbox/run_sandboxed.h"
 
@@ -23,6 +22,7 @@ using Json = nlohmann::json;
 // Headers of photos take next to nothing, a log of half an hour some dozens of MiB. Long logs take more
 // (core/flight/logs/log_builder.h has their caps), but they are large files: what small ones take is theirs
 // to prove.
+constexpr std::string_view kProjections = "libproj.so";  // what is loaded late and needed here
 constexpr std::int64_t kDataBytes = std::int64_t{200} << 20;
 constexpr std::int64_t kDataBytesPerLargeByte = 4;
 constexpr std::int64_t kMaxDataBytes = std::int64_t{1} << 30;
@@ -78,12 +78,12 @@ Result<std::string> VerdictSandboxed(const std::vector<flight::InputFile>& files
   for (const flight::InputFile& file : files)
     input["files"].push_back({{"name", file.name}, {"path", file.path.string()}});
   const std::int64_t cpu_s = CpuSecondsFor(files);
-  Result<std::string> verdict = RunSandboxed(
-      {.name = "verdict",
-       .words = {"verdict", "--parent", std::to_string(getpid()), "--cpu-s", std::to_string(cpu_s)},
-       .input = JsonText(input),
-       .deadline = std::chrono::seconds(kVerdictWallSecondsPerCpuSecond * cpu_s),
-       .refusal = kVerdictRefusal});
+  Result<std::string> verdict =
+      RunSandboxed({.name = "verdict",
+                    .words = {"verdict", "--cpu-s", std::to_string(cpu_s)},
+                    .input = JsonText(input),
+                    .deadline = std::chrono::seconds(kVerdictWallSecondsPerCpuSecond * cpu_s),
+                    .refusal = kVerdictRefusal});
   if (verdict && ParseJson(*verdict).is_discarded())
     return Error{ErrorCode::kUnprocessable, kVerdictRefusal, "the verdict is not JSON"};
   return verdict;
@@ -92,14 +92,48 @@ Result<std::string> VerdictSandboxed(const std::vector<flight::InputFile>& files
 void VerdictHere(std::int64_t cpu_s) {
   const Json input = ParseJson(ReadInput());  // by our own server; if not, the exception ends us
   std::vector<flight::InputFile> files;
-  SandboxNeeds needs{.limits = {.more_cpu_s = cpu_s}};
+  SandboxNeeds needs{.limits = {.more_cpu_s = cpu_s}, .library = kProjections};
   for (const Json& file : input.at("files")) {
     files.push_back({file.at("name"), file.at("path").get<std::string>()});
-    needs.reads.push_back(files.back().path);
+    needs.files.reads.push_back(files.back().path);
   }
   needs.limits.more_data_bytes = DataBytesFor(files);
-  BecomeSandboxed(needs);
+  BecomeSandboxed(std::move(needs));
   TellParent(Inspect(files, input.at("options")));
+}
+
+namespace {
+
+constexpr std::int64_t kControlDataBytes = std::int64_t{200} << 20;
+constexpr std::int64_t kControlCpuS = 10;
+constexpr const char* kControlRefusal =
+    "The list of control points could not be read: it took more memory or time than the server gives for it.";
+
+Result<std::string> ReadControl(const fs::path& path) {
+  SKYQUILT_TRY_ASSIGN(const flight::GcpList list, flight::ReadGcpList({"gcp_list.txt", path}));
+  return pipeline::ControlJson(list);
+}
+
+}  // namespace
+
+Result<std::string> ControlSandboxed(const fs::path& list) {
+  Result<std::string> json =
+      RunSandboxed({.name = "control",
+                    .words = {"verdict", "--cpu-s", std::to_string(kControlCpuS), "--control"},
+                    .input = JsonText(Json(list.string())),
+                    .deadline = std::chrono::seconds(3 * kControlCpuS),
+                    .refusal = kControlRefusal});
+  if (json && ParseJson(*json).is_discarded())
+    return Error{ErrorCode::kUnprocessable, kControlRefusal, "the control points are not JSON"};
+  return json;
+}
+
+void ControlHere(std::int64_t cpu_s) {
+  const fs::path list = ParseJson(ReadInput()).get<std::string>();  // by our own server
+  BecomeSandboxed({.limits = {.more_data_bytes = kControlDataBytes, .more_cpu_s = cpu_s},
+                   .files = {.reads = {list}},
+                   .library = kProjections});
+  TellParent(ReadControl(list));
 }
 
 }  // namespace skyquilt::server

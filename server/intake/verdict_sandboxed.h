@@ -1,9 +1,11 @@
-// VerdictSandboxed: inspects a flight's files (core/pipeline/inspect_flight.h) in a process of its own
-// (server/sandbox/run_sandboxed.h), because their parsers read files of users. Blocking; any thread. Errors:
-// those of the inspection, kUnprocessable where it exceeded its limits, kUnavailable.
+// Parsers of files of users, each run in a process of its own (server/sandbox/run_sandboxed.h): the
+// inspection of a flight's files (core/pipeline/inspect_flight.h), and the reading of a list of surveyed
+// points (core/flight/logs/texts/gcp_list.h). Blocking; any thread. Errors: those of the inspection or
+// reader, kUnprocessable where it exceeded its limits, kUnavailable.
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -18,5 +20,12 @@ Result<std::string> VerdictSandboxed(const std::vector<flight::InputFile>& files
 // What that process does: reads the files' names and the options from standard input, and tells its parent.
 // `cpu_s`: what it may take.
 void VerdictHere(std::int64_t cpu_s);
+
+// Answers the points as the API's JSON (core/pipeline/placing/control_json.h).
+Result<std::string> ControlSandboxed(const std::filesystem::path& list);
+
+// What that process does: reads the list's path from standard input, and tells its parent.
+// `cpu_s`: what it may take.
+void ControlHere(std::int64_t cpu_s);
 
 }  // namespace skyquilt::server

@@ -67,15 +67,6 @@ JobProgress::JobProgress(storage::JobQueue& queue, storage::Lease lease, const s
       is_stopping_(is_stopping),
       thread_([this] { Beat(); }) {}
 
-JobProgress::~JobProgress() {
-  {
-    const std::lock_guard lock(mutex_);
-    is_ended_ = true;
-  }
-  end_.notify_all();
-  thread_.join();
-}
-
 double JobProgress::FractionAt(std::string_view stage, double stage_fraction) const {
   return span_.from + (span_.to - span_.from) * WholeJobFraction(shares_, stage, stage_fraction);
 }
@@ -102,15 +93,12 @@ void JobProgress::Report(double fraction, std::string_view message) {
 bool JobProgress::IsCancelled() const { return is_stopping_ || state_ != LeaseState::kHeld; }
 
 void JobProgress::Beat() {
-  std::unique_lock lock(mutex_);
-  while (!is_ended_) {
-    end_.wait_for(lock, kBeat, [this] { return is_ended_; });
-    if (is_ended_) return;
+  while (thread_.Rest(kBeat)) {
+    std::unique_lock lock(mutex_);
     const std::vector<storage::JobProgress> untold = std::exchange(untold_, {});
     lock.unlock();
     const LeaseState state = TellQueue(untold);
     if (state != LeaseState::kHeld) state_ = state;
-    lock.lock();
   }
 }
 

@@ -6,14 +6,13 @@
 
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
 #include <mutex>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
 #include "core/base/progress.h"
+#include "server/background_thread.h"
 #include "storage/jobs/job_queue.h"
 
 namespace skyquilt::server {
@@ -44,7 +43,6 @@ class JobProgress final : public Progress {
   JobProgress(storage::JobQueue& queue, storage::Lease lease, const std::atomic<bool>& is_stopping,
               StageShares shares = UsualShares(), ProgressSpan span = {},
               std::chrono::seconds unheard = storage::kLeaseTime);
-  ~JobProgress() override;
 
   void BeginStage(std::string_view stage) override;
   void Report(double fraction, std::string_view message) override;
@@ -66,12 +64,10 @@ class JobProgress final : public Progress {
   const std::atomic<bool>& is_stopping_;
   std::atomic<storage::LeaseState> state_ = storage::LeaseState::kHeld;
   std::mutex mutex_;
-  std::condition_variable end_;
-  bool is_ended_ = false;
   storage::JobProgress latest_;
   std::vector<storage::JobProgress> untold_;  // since the last beat, one of each stage, in their order
   std::chrono::steady_clock::time_point renewed_ = std::chrono::steady_clock::now();
-  std::thread thread_;  // last: it uses all of the above
+  BackgroundThread thread_;
 };
 
 }  // namespace skyquilt::server

@@ -24,6 +24,7 @@
 #include "storage/exports/pmtiles_writer.h"
 #include "storage/exports/thumbnail_writer.h"
 #include "storage/exports/warped/warp_tiles.h"
+#include "storage/files/publish_file.h"
 #include "storage/rasters/bands_writer.h"
 #include "storage/tilesets/map_keeper.h"
 #include "storage/tilesets/mbtiles_writer.h"
@@ -62,20 +63,15 @@ Result<void> Export(const std::filesystem::path& mbtiles, const StitchJobOptions
                     Progress& progress) {
   if (options.write_pmtiles) {
     const TraceSpan span("write mosaic.pmtiles");
-    if (auto written = storage::WritePmtiles(mbtiles, out_dir / "mosaic.pmtiles", progress); !written)
-      return written;
+    SKYQUILT_TRY(storage::WritePmtiles(mbtiles, out_dir / "mosaic.pmtiles", progress));
   }
   if (options.write_cog) {
     const TraceSpan span("write mosaic.tif");
     const storage::CogOptions cog{options.mosaic.jpeg_quality, options.mosaic.threads};
-    if (auto written = storage::WriteCog(mbtiles, out_dir / "mosaic.tif", cog, progress); !written)
-      return written;
+    SKYQUILT_TRY(storage::WriteCog(mbtiles, out_dir / "mosaic.tif", cog, progress));
   }
-  if (auto written = storage::WriteTilesThumbnail(mbtiles, out_dir / "thumbnail.png", kThumbnailPx); !written)
-    return written;
-  if (options.write_kmz) {
-    if (auto written = storage::WriteKmz(mbtiles, out_dir / "mosaic.kmz", progress); !written) return written;
-  }
+  SKYQUILT_TRY(storage::WriteTilesThumbnail(mbtiles, out_dir / "thumbnail.png", kThumbnailPx));
+  if (options.write_kmz) SKYQUILT_TRY(storage::WriteKmz(mbtiles, out_dir / "mosaic.kmz", progress));
   return options.write_utm ? WriteUtm(mbtiles, options, report, out_dir, progress) : Result<void>();
 }
 
@@ -107,7 +103,7 @@ Result<void> WriteLayers(const pipeline::BuiltMosaic& built, const pipeline::Mos
     metadata.min_zoom = zooms.min_zoom;
     metadata.max_zoom = zooms.max_zoom;
     metadata.tile_size_px = render::kLayerTilePx;
-    if (auto published = writers[i]->Publish(metadata); !published) return published;
+    SKYQUILT_TRY(writers[i]->Publish(metadata));
   }
   std::vector<std::string> photo_names;
   for (const alignment::AlignedPhoto& photo : built.flight.photos) photo_names.push_back(photo.photo.name);

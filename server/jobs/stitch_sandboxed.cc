@@ -1,18 +1,31 @@
 #include "server/jobs/stitch_sandboxed.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <signal.h>
+#include <sys/file.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
 #include <csignal>
+#include <exception>
 #include <optional>
 #include <string>
 #include <utility>
 
+#include "api/json/job_options.h"
+#include "core/base/try.h"
 #include "core/flight/remarks/because.h"
+#include "server/imports/import_map.h"
+#include "server/jobs/stitch_job.h"
+#include "server/jobs/stitch_unit.h"
+#include "server/jobs/work_for_parent.h"
+#include "server/sandbox/sandbox.h"
 #include "server/sandbox/sandboxed_child.h"
-#include "server/sandbox/spawn_self.h"
+#include "server/sandbox/spawn_process.h"
 
 namespace skyquilt::server {
 namespace {
@@ -104,6 +117,105 @@ StitchedInSandbox StitchSandboxed(StitchTask task, const JobLimits& limits, Prog
   const int status = child.End(kEndPatience);
   if (!said || !WIFEXITED(status) || WEXITSTATUS(status) != 0) return {Death(status, where), true};
   return {*std::move(said)};
+}
+
+// What that process does.
+namespace {
+
+// A map of the most pixels that are rendered (core/render/plan_mosaic) is smaller.
+constexpr std::int64_t kFileBytes = std::int64_t{1} << 40;
+
+// The folder may be that of an attempt that was killed a moment ago and is not quite dead: two must never
+// write into one. Held for the life of this process.
+bool TakeFolder(const std::filesystem::path& folder) {
+  const int fd = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (fd < 0) return false;
+  int failed = 0;
+  do {
+    failed = flock(fd, LOCK_EX);
+  } while (failed != 0 && errno == EINTR);
+  return failed == 0;
+}
+
+StitchOutcome OutcomeOf(const pipeline::MosaicReport& report) {
+  StitchOutcome outcome;
+  outcome.figures.bounds = report.bounds;
+  outcome.figures.min_zoom = report.min_zoom;
+  outcome.figures.max_zoom = report.max_zoom;
+  outcome.figures.gsd_m = report.gsd_m;
+  outcome.figures.photos_total = report.photos_total;
+  outcome.figures.photos_aligned = report.photos_aligned;
+  outcome.figures.photos_pose_only = report.photos_pose_only;
+  outcome.figures.photos_left_out = report.photos_left_out;
+  if (report.captured) {
+    outcome.figures.first_capture = report.captured->first;
+    outcome.figures.last_capture = report.captured->last;
+  }
+  outcome.figures.quality = pipeline::QualityJson(report.quality);
+  for (const auto& timing : report.timings) outcome.stages_s.emplace_back(timing.stage, timing.wall_s);
+  return outcome;
+}
+
+Result<StitchOutcome> Stitch(const StitchTask& task, pipeline::MosaicOptions options, Progress& progress) {
+  const UnitFiles units(task.units_dir);
+  if (task.unit) {
+    SKYQUILT_TRY_ASSIGN(UnitDone done,
+                        StitchUnit(task.files, *task.unit, units, task.out_dir, options, progress));
+    return StitchOutcome{.figures = {}, .stages_s = std::move(done.stages_s), .blocks = done.blocks};
+  }
+  StitchJobOptions job;
+  job.mosaic = std::move(options);
+  job.previous_dir = task.previous_dir;
+  job.write_pmtiles = task.with_pmtiles;
+  if (!task.units_dir.empty()) {
+    job.facts_file = units.Facts();
+    for (int number = 0; number < task.renders; ++number)
+      job.part_dirs.push_back(units.Folder(UnitKind::kRender, number));
+  }
+  SKYQUILT_TRY_ASSIGN(const pipeline::MosaicReport report,
+                      StitchToDirectory(task.files, job, task.out_dir, progress));
+  return OutcomeOf(report);
+}
+
+Result<StitchOutcome> RunStitchTask(const std::string& text, MessageWriter& writer) {
+  SKYQUILT_TRY_ASSIGN(const StitchTask task, ParseTask(text));
+  SKYQUILT_TRY_ASSIGN(pipeline::MosaicOptions options, api::ParseJobOptions(task.options));
+  options.title = task.title;
+  const bool is_import = !options.import_file.empty();
+  if (!TakeFolder(task.out_dir))
+    return Error{ErrorCode::kIo, "The server could not use the folder of the job.", task.out_dir.string()};
+  KeepTemporaryFilesIn(task.out_dir);
+  const std::int64_t file_bytes = is_import ? RoomForImport(task.out_dir) : kFileBytes;
+  // A file that grows beyond its limit is an error of writing, which the import tells of.
+  if (is_import) signal(SIGXFSZ, SIG_IGN);
+  SandboxNeeds needs{
+      .limits = {.more_memory_bytes = task.memory_bytes, .more_cpu_s = task.cpu_s, .file_bytes = file_bytes},
+      .files = {.reads = {task.files_dir}, .writes = {task.out_dir}}};
+  for (const std::filesystem::path& more : {task.previous_dir, task.units_dir}) {
+    if (!more.empty()) needs.files.reads.push_back(more);
+  }
+  SKYQUILT_TRY(EnterSandbox(std::move(needs)));
+  PipeProgress progress(writer);
+  try {
+    if (is_import) {
+      const ImportJob import{task.out_dir, task.with_pmtiles};
+      SKYQUILT_TRY_ASSIGN(const pipeline::MosaicReport report,
+                          ImportForJob(task.files, options, import, progress));
+      return OutcomeOf(report);
+    }
+    return Stitch(task, std::move(options), progress);
+  } catch (const std::exception& thrown) {
+    return Because(ErrorCode::kInternal, RemarkCode::kFailWorkerMeans, thrown.what());
+  }
+}
+
+}  // namespace
+
+int StitchInSandbox(int parent) {
+  return WorkForParent(parent, [](const std::string& task, MessageWriter& to_parent) {
+    Result<StitchOutcome> outcome = RunStitchTask(task, to_parent);
+    return std::optional(outcome ? JobMessage(*std::move(outcome)) : JobMessage(outcome.error()));
+  });
 }
 
 }  // namespace skyquilt::server

@@ -7,8 +7,8 @@
 #pragma once
 
 #include "core/base/progress.h"
+#include "server/jobs/child_messages.h"
 #include "server/jobs/job_limits.h"
-#include "server/jobs/job_messages.h"
 
 namespace skyquilt::server {
 

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <utility>
 
-#include "server/usage/one_of.h"
+#include "server/usage/option_values.h"
 
 namespace skyquilt::server {
 namespace {

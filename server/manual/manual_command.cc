@@ -18,8 +18,8 @@
 #include "server/manual/described_command.h"
 #include "server/manual/manual_page.h"
 #include "server/terminal/fail.h"
-#include "server/usage/near_word.h"
-#include "server/usage/one_of.h"
+#include "server/usage/explain_usage.h"
+#include "server/usage/option_values.h"
 
 namespace skyquilt::server {
 namespace {

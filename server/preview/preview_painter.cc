@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -10,19 +11,119 @@
 #include "core/base/try.h"
 #include "core/flight/photos/photo_decoder.h"
 #include "core/flight/read_flight.h"
+#include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
+#include "core/image/picture_codec.h"
+#include "core/image/rgba_image.h"
 #include "core/pipeline/preview_photo.h"
 #include "core/poses/estimate_poses.h"
-#include "server/preview/preview_canvas.h"
+#include "core/pyramid/encode_tile.h"
+#include "core/pyramid/tile_image.h"
 #include "server/routing/request_log.h"
+#include "storage/tilesets/preview_tiles.h"
 
 namespace skyquilt::server {
 namespace {
 
+using image::RgbaImage;
 using storage::Preview;
 
+constexpr int kSidePx = 256;  // of a tile
+constexpr int kJpegQuality = 75;
 // A flight of some kilometres still shows as a few pixels.
 constexpr int kOverviewLevels = 9;
+
+Result<RgbaImage> Decode(std::string_view bytes) {
+  SKYQUILT_TRY_ASSIGN(RgbaImage pixels, image::DecodePicture(bytes));
+  if (pixels.width_px != kSidePx || pixels.height_px != kSidePx) {
+    return Error{ErrorCode::kCorrupt, "A tile of the preview has another size than the rest.", ""};
+  }
+  for (std::size_t i = 0; i < pixels.rgba.size(); i += 4) {
+    const int alpha = pixels.rgba[i + 3];
+    for (std::size_t c = i; c < i + 3; ++c) {
+      pixels.rgba[c] = static_cast<std::uint8_t>((pixels.rgba[c] * alpha + 127) / 255);
+    }
+  }
+  return pixels;
+}
+
+void LayOver(const RgbaImage& above, RgbaImage& below) {
+  for (std::size_t i = 0; i < below.rgba.size(); i += 4) {
+    const int shows_through = 255 - above.rgba[i + 3];
+    for (std::size_t c = i; c < i + 4; ++c) {
+      below.rgba[c] = static_cast<std::uint8_t>(above.rgba[c] + (below.rgba[c] * shows_through + 127) / 255);
+    }
+  }
+}
+
+// Composes photos onto the tiles of a growing preview and updates the overviews above changed
+// tiles. Reads the tiles it needs and writes nothing: Finish returns what the next edition changes. Memory:
+// the changed tiles, decoded. Errors: kCorrupt (a stored tile), kIo.
+class PreviewCanvas {
+ public:
+  PreviewCanvas(storage::PreviewTiles& stored, int min_zoom, int max_zoom)
+      : stored_(stored), min_zoom_(min_zoom), max_zoom_(max_zoom) {}
+
+  // Lays one encoded tile of a photo over what is there. Tiles of other zooms than the finest are passed
+  // over: the overviews are of all photos.
+  Result<void> Lay(const geo::TileId& tile, std::string_view bytes);
+  Result<storage::PreviewTiles::Tiles> Finish();
+
+ private:
+  Result<RgbaImage> Load(const geo::TileId& tile);
+  Result<void> DrawParents(int zoom);
+
+  storage::PreviewTiles& stored_;
+  const int min_zoom_;
+  const int max_zoom_;
+  std::map<geo::TileId, RgbaImage> changed_;
+};
+
+Result<RgbaImage> PreviewCanvas::Load(const geo::TileId& tile) {
+  const auto found = changed_.find(tile);
+  if (found != changed_.end()) return found->second;
+  SKYQUILT_TRY_ASSIGN(const std::optional<storage::FoundTile> stored, stored_.Find(tile));
+  if (!stored) return RgbaImage::Transparent(kSidePx, kSidePx);
+  return Decode(*stored->bytes);
+}
+
+Result<void> PreviewCanvas::Lay(const geo::TileId& tile, std::string_view bytes) {
+  if (tile.z() != max_zoom_) return {};
+  SKYQUILT_TRY_ASSIGN(const RgbaImage above, Decode(bytes));
+  SKYQUILT_TRY_ASSIGN(RgbaImage below, Load(tile));
+  LayOver(above, below);
+  changed_[tile] = std::move(below);
+  return {};
+}
+
+Result<void> PreviewCanvas::DrawParents(int zoom) {
+  std::set<geo::TileId> parents;
+  for (const auto& [tile, image] : changed_) {
+    if (tile.z() == zoom + 1) parents.insert(tile.Parent());
+  }
+  for (const geo::TileId& parent : parents) {
+    RgbaImage image = RgbaImage::Transparent(kSidePx, kSidePx);
+    const auto children = parent.Children();
+    for (int i = 0; i < 4; ++i) {
+      SKYQUILT_TRY_ASSIGN(const RgbaImage child, Load(children[static_cast<std::size_t>(i)]));
+      pyramid::Paste(pyramid::Halve(child), (i % 2) * kSidePx / 2, (i / 2) * kSidePx / 2, image);
+    }
+    changed_[parent] = std::move(image);
+  }
+  return {};
+}
+
+Result<storage::PreviewTiles::Tiles> PreviewCanvas::Finish() {
+  for (int zoom = max_zoom_ - 1; zoom >= min_zoom_; --zoom) {
+    SKYQUILT_TRY(DrawParents(zoom));
+  }
+  storage::PreviewTiles::Tiles tiles;
+  for (const auto& [tile, image] : changed_) {
+    const auto encoded = pyramid::EncodeTile(image, {image::TileEncoding::kJpegPng, kJpegQuality});
+    if (encoded) tiles[tile] = std::string(encoded->bytes.begin(), encoded->bytes.end());
+  }
+  return tiles;
+}
 
 class Collected final : public pyramid::TileSink {
  public:
@@ -37,8 +138,7 @@ class Collected final : public pyramid::TileSink {
 // Pixels of this size make just this zoom.
 double GsdOfZoom(int zoom, double lat_deg) {
   constexpr double kBetweenZooms = 1.4;
-  return kBetweenZooms * geo::PixelSizeInMercM(zoom, PreviewCanvas::kTileSizePx) *
-         geo::GroundMetresPerMercMetre(lat_deg);
+  return kBetweenZooms * geo::PixelSizeInMercM(zoom, kSidePx) * geo::GroundMetresPerMercMetre(lat_deg);
 }
 
 poses::PosedFlight PoseOf(const std::map<std::string, flight::Photo>& photos) {
@@ -115,7 +215,7 @@ Result<std::optional<Preview>> PreviewPainter::DrawWaiting(std::optional<Preview
       LogEvent(placed.photos[i].photo.name + " is not in the preview: " + drawn.error().message);
       continue;
     }
-    if (drawn->tile_size_px != PreviewCanvas::kTileSizePx) continue;  // a flight at arm's length
+    if (drawn->tile_size_px != kSidePx) continue;  // a flight at arm's length
     if (!preview) {
       preview.emplace();
       preview->bounds = drawn->bounds;

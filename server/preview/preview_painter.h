@@ -13,7 +13,7 @@
 #include "core/alignment/scene/aligned_flight.h"
 #include "core/base/result.h"
 #include "core/flight/photo.h"
-#include "server/preview/preview_messages.h"
+#include "server/jobs/child_messages.h"
 
 namespace skyquilt::server {
 

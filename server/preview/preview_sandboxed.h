@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "core/base/result.h"
-#include "server/preview/preview_messages.h"
+#include "server/jobs/child_messages.h"
 #include "server/sandbox/sandboxed_child.h"
 #include "storage/blobs/blob_store.h"
 #include "storage/catalogue/previews.h"

@@ -12,8 +12,7 @@
 #include <vector>
 
 #include "core/base/try.h"
-#include "server/sandbox/spawn_program.h"
-#include "server/sandbox/spawn_self.h"
+#include "server/sandbox/spawn_process.h"
 #include "storage/files/publish_file.h"
 
 namespace skyquilt::server {

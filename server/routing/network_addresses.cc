@@ -43,6 +43,12 @@ bool IsForOthers(const std::string& address) {
 
 }  // namespace
 
+bool IsLoopback(std::string_view address) { return address.starts_with("127.") || address == "::1"; }
+
+std::string HostInUrl(const std::string& address) {
+  return address.find(':') == std::string::npos ? address : "[" + address + "]";
+}
+
 std::vector<std::string> AddressesOfThisMachine() {
   std::vector<std::string> addresses;
   ifaddrs* list = nullptr;
@@ -75,15 +81,12 @@ std::vector<std::string> AddressesForOthers(const HttpSettings& settings, int po
   std::vector<std::string> hosts = {settings.address};
   if (settings.address == "0.0.0.0" || settings.address == "::") {
     hosts = NetworkHosts();
-  } else if (settings.address.starts_with("127.") || settings.address == "::1") {
+  } else if (IsLoopback(settings.address)) {
     hosts.clear();
   }
   std::vector<std::string> addresses;
-  for (const std::string& host : hosts) {
-    const bool is_v6 = host.find(':') != std::string::npos;
-    addresses.push_back(
-        fmt::format("http://{}:{}{}", is_v6 ? "[" + host + "]" : host, port, settings.base_path));
-  }
+  for (const std::string& host : hosts)
+    addresses.push_back(fmt::format("http://{}:{}{}", HostInUrl(host), port, settings.base_path));
   return addresses;
 }
 

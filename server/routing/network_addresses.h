@@ -3,11 +3,17 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "server/routing/http_settings.h"
 
 namespace skyquilt::server {
+
+// "127.0.0.1", "::1": only this machine itself gets there.
+bool IsLoopback(std::string_view address);
+// As addresses of the Web have it: IPv6 in brackets.
+std::string HostInUrl(const std::string& address);
 
 // As text, of all interfaces, that of loopback among them.
 std::vector<std::string> AddressesOfThisMachine();

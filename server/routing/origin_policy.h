@@ -1,7 +1,7 @@
 // What pages of other sites may do. A page can make a name of its own point at this machine (DNS rebinding)
 // and then speak to it as to itself: where no token is asked for, only names that the server knows as its own
-// are answered (host_name.h). Other pages may read answers, and send changes, where tokens are asked for (a
-// page has none unless it was given one) or where the operator named them. Pure; any thread.
+// are answered (public_address.h). Other pages may read answers, and send changes, where tokens are asked for
+// (a page has none unless it was given one) or where the operator named them. Pure; any thread.
 #pragma once
 
 #include <string>

@@ -2,9 +2,10 @@
 // name that the request came to, below --base-path. Where the other end is a proxy that the operator trusts
 // (--trusted-proxy), what that says counts before the request: X-Forwarded-Proto, -Host and -Prefix. From
 // anybody else these are passed over, for they end up in documents, and so is a host that is not this
-// server's (host_name.h): proxies pass on what their clients say. Any thread.
+// server's: proxies pass on what their clients say. Any thread.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -13,6 +14,16 @@
 #include "server/routing/request_head.h"
 
 namespace skyquilt::server {
+
+// What is a host at all (RFC 3986, 3.2.2), as Host and X-Forwarded-Host say it. "maps.example.org:8443",
+// "192.0.2.7", "[::1]:80": the name alone, without brackets and port. Absent: no host. A name has labels of
+// letters, digits, - and _; a port is 1 to 65535.
+std::optional<std::string_view> NameOfHost(std::string_view host);
+
+// Whether a host is this server's: a loopback name, the address that is listened at (or any of this machine's
+// where that is 0.0.0.0 or ::; their list is asked anew every few seconds), or one that the operator named
+// (--host, --public-url); with or without a port.
+bool IsOwnHost(std::string_view host, const HttpSettings& settings);
 
 struct PublicAddress {
   std::string base_url;   // "https://maps.example.org/skyquilt"; no slash at the end

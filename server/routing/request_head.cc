@@ -1,8 +1,11 @@
 #include "server/routing/request_head.h"
 
+#include <boost/beast/http/buffer_body.hpp>
+#include <boost/beast/http/parser.hpp>
 #include <charconv>
+#include <utility>
 
-#include "server/routing/host_name.h"
+#include "server/routing/public_address.h"
 
 namespace skyquilt::server {
 namespace {
@@ -69,8 +72,13 @@ std::optional<Refusal> CheckFraming(RequestHead& head) {
   return std::nullopt;
 }
 
-}  // namespace
+namespace http = boost::beast::http;
 
+constexpr std::string_view kEndOfHead = "\r\n\r\n";
+constexpr const char* kTooLong = "The request head is longer than the server reads.";
+
+// The raw bytes from the request line to before the empty line, against RFC 9112: no folding, no 8-bit or
+// control characters in the request line, lines ended by CR LF.
 std::optional<Refusal> CheckRawHead(std::string_view raw) {
   const std::size_t end = raw.find("\r\n");
   std::string_view line = raw.substr(0, end);
@@ -92,6 +100,8 @@ std::optional<Refusal> CheckRawHead(std::string_view raw) {
   return std::nullopt;
 }
 
+// Framing and host rules over the parsed fields. Fills host, is_chunked, content_length, wants_continue, and
+// turns an absolute-form target into origin form.
 std::optional<Refusal> CheckFields(RequestHead& head) {
   int count = 0;
   const std::optional<std::string> host = OnlyValue(head.headers, "Host", &count);
@@ -101,6 +111,50 @@ std::optional<Refusal> CheckFields(RequestHead& head) {
   if (count == 1 && !NameOfHost(head.host)) return BadRequest("Host is not a host.");
   if (auto refusal = CheckTarget(head)) return refusal;
   return CheckFraming(head);
+}
+
+}  // namespace
+
+HeadParser::HeadParser(const HttpSettings& settings) : settings_(settings) {}
+HeadParser::~HeadParser() = default;
+
+std::unique_ptr<RequestParser> HeadParser::TakeParser() { return std::move(parser_); }
+
+HeadState HeadParser::Examine(std::string_view bytes) {
+  const std::size_t end = bytes.find(kEndOfHead, searched_);
+  if (end != std::string_view::npos) return Parse(bytes.substr(0, end + kEndOfHead.size()));
+  if (const auto refusal = CheckRawHead(bytes)) return Refuse(*refusal);
+  if (bytes.size() >= settings_.max_header_bytes) return Refuse({431, kTooLong});
+  searched_ = bytes.size() < kEndOfHead.size() ? 0 : bytes.size() - kEndOfHead.size() + 1;
+  return HeadState::kNeedsMore;
+}
+
+HeadState HeadParser::Parse(std::string_view head_with_end) {
+  const std::string_view raw = head_with_end.substr(0, head_with_end.size() - kEndOfHead.size());
+  if (raw.size() > settings_.max_header_bytes) return Refuse({431, kTooLong});
+  if (const auto refusal = CheckRawHead(raw)) return Refuse(*refusal);
+  parser_ = std::make_unique<RequestParser>();
+  parser_->header_limit(static_cast<std::uint32_t>(settings_.max_header_bytes + kEndOfHead.size()));
+  parser_->body_limit(settings_.max_body_bytes);
+  boost::system::error_code error;
+  size_ = parser_->put(boost::asio::buffer(head_with_end.data(), head_with_end.size()), error);
+  if (error == http::error::body_limit) return Refuse({413, "The body is larger than the server takes."});
+  if (error == http::error::bad_version) return Refuse({505, "Only HTTP/1.0 and HTTP/1.1 are spoken here."});
+  if (error) return Refuse({400, "The request head is not HTTP: " + error.message() + "."});
+  const auto& message = parser_->get();
+  head_.method = std::string(message.method_string());
+  head_.target = std::string(message.target());
+  head_.version = static_cast<int>(message.version());
+  for (const auto& field : message) {
+    head_.headers.Add(std::string(field.name_string()), std::string(field.value()));
+  }
+  if (const auto refusal = CheckFields(head_)) return Refuse(*refusal);
+  return HeadState::kWhole;
+}
+
+HeadState HeadParser::Refuse(Refusal refusal) {
+  refusal_ = std::move(refusal);
+  return HeadState::kRefused;
 }
 
 }  // namespace skyquilt::server

@@ -1,15 +1,24 @@
-// ReadRequestHead: checks that the HTTP library omits (Boost 1.74 accepts no Host, two Hosts, unknown
-// transfer codings, folded headers and 8-bit targets): the raw header block is checked against RFC 9112
-// before it is used. Pure.
+// RequestHead: the first lines of a request, and HeadParser, which reads one from the bytes received so far.
+// It refuses what is not HTTP, is ambiguous or not for this server as early as possible, and checks what the
+// HTTP library omits (Boost 1.74 accepts no Host, two Hosts, unknown transfer codings, folded headers and
+// 8-bit targets). Touches no socket and never waits; one thread.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 
 #include "api/http/http_message.h"
-#include "core/base/result.h"
+#include "server/routing/http_settings.h"
+
+namespace boost::beast::http {
+struct buffer_body;
+template <bool, class, class>
+class parser;
+}  // namespace boost::beast::http
 
 namespace skyquilt::server {
 
@@ -18,10 +27,6 @@ struct Refusal {
   int status = 400;
   std::string reason;
 };
-
-// The raw bytes from the request line to before the empty line: no folding, no 8-bit or control characters in
-// the request line, lines ended by CR LF.
-std::optional<Refusal> CheckRawHead(std::string_view raw);
 
 // What the rest of the server goes by.
 struct RequestHead {
@@ -35,8 +40,36 @@ struct RequestHead {
   bool wants_continue = false;
 };
 
-// Framing and host rules over the parsed fields. Fills host, is_chunked, content_length, wants_continue, and
-// turns an absolute-form target into origin form.
-std::optional<Refusal> CheckFields(RequestHead& head);
+// Beast's, which goes on with the body.
+using RequestParser = boost::beast::http::parser<true, boost::beast::http::buffer_body, std::allocator<char>>;
+
+enum class HeadState { kNeedsMore, kWhole, kRefused };
+
+class HeadParser {
+ public:
+  explicit HeadParser(const HttpSettings& settings);
+  ~HeadParser();
+
+  // `bytes`: all that has come of this head, which grows from call to call.
+  HeadState Examine(std::string_view bytes);
+
+  // After kWhole: the head, how many bytes it took, and the parser of what follows it.
+  RequestHead& head() { return head_; }
+  std::size_t size() const { return size_; }
+  std::unique_ptr<RequestParser> TakeParser();
+  // After kRefused.
+  const Refusal& refusal() const { return refusal_; }
+
+ private:
+  HeadState Parse(std::string_view head_with_end);
+  HeadState Refuse(Refusal refusal);
+
+  const HttpSettings& settings_;
+  std::size_t searched_ = 0;
+  std::size_t size_ = 0;
+  std::unique_ptr<RequestParser> parser_;
+  RequestHead head_;
+  Refusal refusal_;
+};
 
 }  // namespace skyquilt::server

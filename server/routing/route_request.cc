@@ -1,14 +1,12 @@
 #include "server/routing/route_request.h"
 
 #include <fmt/format.h>
-
 #include <optional>
 #include <utility>
 
 #include "api/http/responses.h"
 #include "api/http/target.h"
 #include "server/routing/client_address.h"
-#include "server/routing/host_name.h"
 #include "server/routing/origin_policy.h"
 #include "server/routing/public_address.h"
 

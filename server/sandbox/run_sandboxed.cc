@@ -14,17 +14,16 @@
 #include <cerrno>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <string_view>
 #include <system_error>
 #include <thread>
 #include <utility>
 
 #include "core/base/process/file_descriptor.h"
-#include "core/base/process/late_library.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "server/routing/request_log.h"
-#include "server/sandbox/sandbox.h"
-#include "server/sandbox/spawn_self.h"
+#include "server/sandbox/spawn_process.h"
 
 namespace skyquilt::server {
 namespace {
@@ -149,9 +148,11 @@ Result<std::string> RunSandboxed(const SandboxedTask& task) {
   FileDescriptor theirs(ends[1]);
   const FileDescriptor input(FileOf(task.input));
   if (input.get() < 0) return NoMeans();
+  std::vector<std::string> words = task.words;
+  words.insert(words.end(), {"--parent", std::to_string(getpid())});
   const Clock::time_point begun = Clock::now();
   SKYQUILT_TRY_ASSIGN(const pid_t child,
-                      SpawnSelf(task.words, Secrets::kWithheld, theirs.get(), input.get()));
+                      SpawnSelf(std::move(words), Secrets::kWithheld, theirs.get(), input.get()));
   theirs.Close();
   const Clock::time_point end = begun + task.deadline;
   Heard heard = Listen(ours.get(), task, end);
@@ -170,15 +171,9 @@ Result<std::string> RunSandboxed(const SandboxedTask& task) {
 
 void EndAllSandboxed() { is_ending = true; }
 
-void BecomeSandboxed(const SandboxNeeds& needs) {
+void BecomeSandboxed(SandboxNeeds needs) {
   StepBack();
-  FileAccess access{.reads = needs.reads, .writes = {}};
-  if (needs.writes_below) access.writes.push_back(*needs.writes_below);
-  const Result<void> confined = [&]() -> Result<void> {
-    SKYQUILT_TRY(LoadLate({needs.library}));  // what is loaded already counts in no limit
-    LimitThisProcess(needs.limits);
-    return Confine(std::move(access));
-  }();
+  const Result<void> confined = EnterSandbox(std::move(needs));
   if (confined) return;
   TellParent(confined.error());
   _exit(0);

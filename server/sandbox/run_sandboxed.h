@@ -8,20 +8,17 @@
 
 #include <chrono>
 #include <cstddef>
-#include <filesystem>
-#include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "core/base/result.h"
-#include "server/sandbox/process_limits.h"
+#include "server/sandbox/sandbox.h"
 
 namespace skyquilt::server {
 
 struct SandboxedTask {
   std::string name;                // for the log: "verdict"
-  std::vector<std::string> words;  // what follows the program's name
+  std::vector<std::string> words;  // what follows the program's name; "--parent" with this process is added
   std::string input = {};          // its standard input
   std::chrono::milliseconds deadline{60'000};
   std::size_t max_answer_bytes = std::size_t{16} << 20;
@@ -36,17 +33,9 @@ Result<std::string> RunSandboxed(const SandboxedTask& task);
 // From now on no task is begun, and those that run are ended within a tenth of a second.
 void EndAllSandboxed();
 
-// What the child needs of the machine; all else is taken from it.
-struct SandboxNeeds {
-  ProcessLimits limits;
-  std::vector<std::filesystem::path> reads = {};                     // files and folders
-  std::optional<std::filesystem::path> writes_below = std::nullopt;  // nothing: writes no file
-  std::string_view library = "libproj.so";  // the one that is loaded late and that it needs
-};
-
-// The first thing a child does, before it has threads and before it looks at anything that others made. The
-// one place where a child gives up rights.
-void BecomeSandboxed(const SandboxNeeds& needs);
+// The first thing a child does, before it has threads and before it looks at anything that others made:
+// EnterSandbox, or the end of it.
+void BecomeSandboxed(SandboxNeeds needs);
 
 // All of the standard input.
 std::string ReadInput();

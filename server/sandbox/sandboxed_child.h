@@ -1,22 +1,54 @@
-// SandboxedChild: a process of this binary that decodes files of users (server/sandbox/sandbox.h), seen
-// from its parent: the two talk over one pipe in each direction; its messages are not trusted, its resource
-// use is watched, and it is ended when this object is destroyed. It ends by itself when the thread that
-// started it ends. One thread.
+// A conversation with a process of this binary that decodes files of users (server/sandbox/sandbox.h), over
+// one pipe in each direction. SandboxedChild is that process seen from its parent: its messages are not
+// trusted, its resource use is watched, and it is ended when the object is destroyed, or by itself when the
+// thread that started it ends. MeetParent and ParentsMessages are the process's own side. One thread.
 #pragma once
 
 #include <sys/types.h>
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/base/result.h"
-#include "server/sandbox/message_pipe.h"
 
 namespace skyquilt::server {
+
+// Each message is its length (four bytes, little-endian) and that many bytes, never more than the reader's
+// limit: the other side may have been compromised by the files it read. Validating the content is up to the
+// caller. A reader or writer does not own its descriptor.
+class MessageWriter {
+ public:
+  explicit MessageWriter(int fd) : fd_(fd) {}
+  // False: nobody reads any more, or not within `patience` (where the descriptor does not block).
+  bool Write(std::string_view message, std::chrono::milliseconds patience = std::chrono::hours(1));
+
+ private:
+  int fd_;
+};
+
+class MessageReader {
+ public:
+  MessageReader(int fd, std::size_t max_bytes) : fd_(fd), max_bytes_(max_bytes) {}
+
+  // Waits for the next message, `patience` at most. Nothing: none came, or is_ended() says why none will.
+  std::optional<std::string> Read(std::chrono::milliseconds patience);
+  // The other side is gone, or has sent what is no message.
+  bool is_ended() const { return is_ended_; }
+
+ private:
+  std::optional<std::string> Next();
+
+  int fd_;
+  const std::size_t max_bytes_;
+  std::string unread_;
+  bool is_ended_ = false;
+};
 
 // What one message of a child may hold.
 inline constexpr std::size_t kMaxMessageBytes = std::size_t{64} << 10;
@@ -44,7 +76,6 @@ class SandboxedChild {
   // Waits for its end, `patience` at most, then kills it. How it ended, as waitpid has it.
   int End(std::chrono::milliseconds patience);
   int Kill() { return End(std::chrono::milliseconds(0)); }
-  pid_t pid() const { return pid_; }
 
  private:
   SandboxedChild(pid_t pid, int to_child, int from_child)

@@ -2,22 +2,81 @@
 
 #include <fmt/format.h>
 
+#include <atomic>
+#include <chrono>
 #include <exception>
 #include <optional>
+#include <string_view>
 #include <utility>
 
+#include "core/base/progress.h"
 #include "core/base/scoped_folder.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
+#include "server/background_thread.h"
 #include "server/jobs/job_task.h"
 #include "server/jobs/stitch_sandboxed.h"
 #include "server/routing/request_log.h"
 #include "server/units/cut_job.h"
 #include "server/units/end_of_work.h"
-#include "server/units/unit_heartbeat.h"
 
 namespace skyquilt::server {
 namespace {
+
+using storage::LeaseState;
+
+// So that a cancelled job does not keep its workers for long.
+constexpr std::chrono::seconds kRenewUnitEvery{2};
+
+// The Progress of a unit: renews the lease and notices cancellation, a lost lease and the end of the worker.
+// How far the unit is, nobody asks: its job counts the units that are done. A thread of its own waits for the
+// database. Any thread may report.
+class UnitHeartbeat final : public Progress {
+ public:
+  // Not heard for `unheard`, it takes its lease for lost.
+  UnitHeartbeat(storage::UnitQueue& units, storage::UnitLease lease, const std::atomic<bool>& is_stopping,
+                std::chrono::seconds unheard);
+
+  void BeginStage(std::string_view) override {}
+  void Report(double, std::string_view) override {}
+  bool IsCancelled() const override;
+
+  LeaseState lease_state() const { return state_; }
+
+ private:
+  void Beat();
+
+  storage::UnitQueue& units_;
+  const storage::UnitLease lease_;
+  const std::atomic<bool>& is_stopping_;
+  const std::chrono::seconds unheard_;
+  std::atomic<LeaseState> state_ = LeaseState::kHeld;
+  BackgroundThread thread_;
+};
+
+UnitHeartbeat::UnitHeartbeat(storage::UnitQueue& units, storage::UnitLease lease,
+                             const std::atomic<bool>& is_stopping, std::chrono::seconds unheard)
+    : units_(units), lease_(std::move(lease)), is_stopping_(is_stopping), unheard_(unheard), thread_([this] {
+        Beat();
+      }) {}
+
+void UnitHeartbeat::Beat() {
+  auto renewed = std::chrono::steady_clock::now();
+  while (thread_.Rest(kRenewUnitEvery)) {
+    const auto now = std::chrono::steady_clock::now();
+    const Result<LeaseState> state = units_.Renew(lease_, storage::Now());
+    if (state) {
+      renewed = now;
+      if (*state != LeaseState::kHeld) state_ = *state;
+    } else {
+      // A busy or full database is no reason to stop, until the unit may have gone to another.
+      LogFailure(lease_.job_id, "heartbeat", state.error().detail);
+      if (now - renewed >= unheard_) state_ = LeaseState::kLost;
+    }
+  }
+}
+
+bool UnitHeartbeat::IsCancelled() const { return is_stopping_ || state_ != LeaseState::kHeld; }
 
 Result<UnitKind> KindOf(const storage::UnitLease& unit) {
   for (const UnitKind kind : {UnitKind::kLook, UnitKind::kRender}) {
@@ -70,13 +129,13 @@ void RunUnit(WorkerContext& context, const storage::UnitLease& unit) {
   const std::string name = fmt::format("{} {} of {}", unit.kind, unit.number + 1, unit.count);
   LogEvent(fmt::format("job {} of flight {}: {} begins", unit.job_id, unit.flight_id, name));
   std::optional<Error> failure;
-  storage::LeaseState state = storage::LeaseState::kHeld;
+  LeaseState state = LeaseState::kHeld;
   {
     UnitHeartbeat heartbeat(context.units, unit, context.is_stopping, UnheardTime(context));
     failure = Work(context, unit, heartbeat);
     state = heartbeat.lease_state();
   }
-  if (state != storage::LeaseState::kHeld) {
+  if (state != LeaseState::kHeld) {
     LogEvent(fmt::format("job {}: {} is cancelled or lost its lease", unit.job_id, name));
     if (context.is_shared) GiveBack(context, unit);  // where it was not heard for long, and nobody took it
   } else if (failure && (context.is_stopping || IsGivenBack(context, context.units, unit, *failure))) {

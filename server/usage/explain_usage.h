@@ -7,6 +7,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace CLI {
@@ -21,6 +22,11 @@ std::optional<std::string> WhatIsUnknown(const CLI::App& app, const std::vector<
 std::optional<std::string> WhatWasToBeWritten(const CLI::App& app, const std::vector<std::string>& words);
 
 std::vector<std::string> HelpAsOption(std::vector<std::string> words);
+
+// Which of the known words somebody meant who typed another: the one with the fewest letters changed, left
+// out, added or swapped, if those are few for its length. Source: the restricted Damerau-Levenshtein
+// distance.
+std::optional<std::string> NearWord(std::string_view typed, const std::vector<std::string>& known);
 
 // The command that `words` are of: "skyquilt stitch".
 std::string CommandOf(const CLI::App& app, const std::vector<std::string>& words);

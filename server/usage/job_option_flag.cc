@@ -1,16 +1,15 @@
 #include "server/usage/job_option_flag.h"
 
-#include <fmt/format.h>
-
 #include <CLI/CLI.hpp>
 #include <cstddef>
+#include <fmt/format.h>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "core/base/check.h"
 #include "core/pipeline/mosaic_options.h"
-#include "server/usage/one_of.h"
+#include "server/usage/option_values.h"
 
 namespace skyquilt::server {
 

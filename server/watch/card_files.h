@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "core/base/digest.h"
-#include "server/watch/group_photos.h"
+#include "core/flight/photo.h"
 
 namespace skyquilt::server {
 

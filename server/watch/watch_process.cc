@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "server/routing/request_log.h"
-#include "server/sandbox/spawn_self.h"
+#include "server/sandbox/spawn_process.h"
 
 namespace skyquilt::server {
 namespace {

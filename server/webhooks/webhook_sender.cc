@@ -24,33 +24,14 @@ bool MayTell(const Result<bool>& taken) {
 WebhookSender::WebhookSender(api::Service& service, bool may_go_private)
     : service_(service), may_go_private_(may_go_private), thread_([this] { Run(); }) {}
 
-WebhookSender::~WebhookSender() {
-  {
-    const std::lock_guard lock(mutex_);
-    is_ended_ = true;
-  }
-  end_.notify_all();
-  thread_.join();
-}
-
 void WebhookSender::Run() {
   std::chrono::steady_clock::time_point looked;
-  std::unique_lock lock(mutex_);
-  while (!is_ended_) {
-    lock.unlock();
+  for (; !thread_.IsEnded(); thread_.Rest(kDeliveryPause)) {
     const auto now = std::chrono::steady_clock::now();
-    if (service_.db.WasWritten() || now - looked >= kLookForRetries) {
-      TellAllDue();
-      looked = now;
-    }
-    lock.lock();
-    end_.wait_for(lock, kDeliveryPause, [this] { return is_ended_; });
+    if (!service_.db.WasWritten() && now - looked < kLookForRetries) continue;
+    TellAllDue();
+    looked = now;
   }
-}
-
-bool WebhookSender::IsEnded() {
-  const std::lock_guard lock(mutex_);
-  return is_ended_;
 }
 
 void WebhookSender::TellAllDue() {
@@ -58,13 +39,13 @@ void WebhookSender::TellAllDue() {
   if (!due) return LogFailure("-", "webhook", due.error().detail);
   for (const storage::Delivery& delivery : *due) {
     if (MayTell(service_.webhooks.Take(delivery, service_.db.ages().Now()))) Tell(delivery);
-    if (IsEnded()) return;
+    if (thread_.IsEnded()) return;
   }
   const auto of_tasks = service_.node_deliveries.Due(service_.db.ages().Now(), kAtOnce);
   if (!of_tasks) return LogFailure("-", "webhook", of_tasks.error().detail);
   for (const storage::NodeDelivery& delivery : *of_tasks) {
     if (MayTell(service_.node_deliveries.Take(delivery, service_.db.ages().Now()))) Tell(delivery);
-    if (IsEnded()) return;
+    if (thread_.IsEnded()) return;
   }
 }
 

@@ -16,7 +16,6 @@
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
 #include "server/inputs/film_frames.h"
-#include "server/jobs/job_blobs.h"
 #include "server/jobs/job_progress.h"
 #include "server/jobs/job_task.h"
 #include "server/jobs/stitch_sandboxed.h"

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "server/routing/request_log.h"
-#include "server/sandbox/spawn_self.h"
+#include "server/sandbox/spawn_process.h"
 #include "storage/folder/sweep.h"
 
 namespace skyquilt::server {

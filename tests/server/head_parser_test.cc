@@ -1,9 +1,9 @@
 // However the bytes of a head were cut on their way, it means the same.
-#include "server/http/head_parser.h"
-
 #include <gtest/gtest.h>
 
 #include <string>
+
+#include "server/routing/request_head.h"
 
 namespace skyquilt::server {
 namespace {

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 
-#include "server/routing/host_name.h"
 #include "server/routing/network_addresses.h"
 
 namespace skyquilt::server {

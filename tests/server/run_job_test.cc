@@ -1,14 +1,43 @@
+// What a worker does with a job, and how it tells the queue of an end.
 #include "server/workers/run_job.h"
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <memory>
+
+#include "server/jobs/worker_context.h"
 #include "server/units/cut_job.h"
-#include "tests/server/worker_test.h"
+#include "server/units/end_of_work.h"
+#include "storage/blobs/folder_blobs.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skyquilt::server {
 namespace {
 
 using storage::Now;
+
+// What a worker has to work with, over a data folder and a catalogue of the test's own.
+class WorkerTest : public testing::Test {
+ protected:
+  // As another process, on another machine.
+  WorkerContext Worker() {
+    WorkerContext context{dir_, blobs_, catalogue_, queue_, costs_, units_, is_stopping_};
+    context.is_shared = true;
+    return context;
+  }
+  storage::Lease Claimed() { return **queue_.Claim("w", storage::Now()); }
+
+  test::TemporaryFolder folder_;
+  storage::DataDir dir_ = *storage::DataDir::Open(folder_.path() / "data");
+  std::unique_ptr<storage::CatalogueDb> db_ = *storage::CatalogueDb::Open(folder_.path() / "catalogue.db");
+  storage::FolderBlobs blobs_{folder_.path() / "data"};
+  storage::Catalogue catalogue_{*db_};
+  storage::JobQueue queue_{*db_};
+  storage::StageCosts costs_{*db_};
+  storage::UnitQueue units_{*db_};
+  std::atomic<bool> is_stopping_ = false;
+};
 
 class RunJobTest : public WorkerTest {
  protected:
@@ -54,6 +83,76 @@ TEST_F(RunJobTest, AMapWhoseHeightsAreMatchedIsMadeByOneWorker) {
   EXPECT_EQ(CutOf(context_, lease)->step, CutStep::kWhole);
   lease.options = R"({"surface":"smooth"})";
   EXPECT_EQ(CutOf(context_, lease)->step, CutStep::kLook);
+}
+
+class EndOfWork : public WorkerTest {
+ protected:
+  const Error full_{ErrorCode::kOutOfSpace, "The disk is full.", ""};
+};
+
+TEST_F(EndOfWork, AJobThatNoMachineBearsCostsAttemptsAlsoWhereEachWorkerDoesOneAlone) {
+  const std::string flight = catalogue_.AddFlight("field", "{}", Now())->id;
+  ASSERT_TRUE(queue_.Add(flight, "{}", Now()));
+  for (int worker = 0; worker < storage::kFreeTroubles; ++worker) {
+    WorkerContext context = Worker();
+    const storage::Lease lease = Claimed();
+    EXPECT_EQ(lease.attempt, 1);
+    ASSERT_TRUE(IsGivenBack(context, queue_, lease, full_)) << worker;
+    EXPECT_EQ(context.fault->code, ErrorCode::kOutOfSpace);
+    ASSERT_TRUE(*queue_.GiveBack(lease, Now()));
+  }
+  WorkerContext context = Worker();
+  EXPECT_FALSE(IsGivenBack(context, queue_, Claimed(), full_));
+  EXPECT_TRUE(context.fault);  // the machine stands aside all the same
+  EXPECT_TRUE(MayRetry(context, full_.code));
+  EXPECT_FALSE(MayRetry(context, ErrorCode::kUnprocessable));
+  context.is_shared = false;
+  EXPECT_FALSE(MayRetry(context, full_.code));  // one machine alone says at once what to do
+}
+
+TEST_F(EndOfWork, UnitsAreCountedEachForItself) {
+  const std::string flight = catalogue_.AddFlight("field", "{}", Now())->id;
+  ASSERT_TRUE(queue_.Add(flight, "{}", Now()));
+  ASSERT_TRUE(*units_.Cut(Claimed(), "look", 2, 10, {}));
+  const storage::UnitLease first = **units_.Claim("a", Now()), second = **units_.Claim("b", Now());
+  WorkerContext context = Worker();
+  for (int i = 0; i < storage::kFreeTroubles; ++i)
+    EXPECT_TRUE(IsGivenBack(context, units_, first, full_)) << i;
+  EXPECT_FALSE(IsGivenBack(context, units_, first, full_));
+  EXPECT_TRUE(IsGivenBack(context, units_, second, full_));
+  ASSERT_TRUE(*units_.Done(second));
+  EXPECT_EQ(*units_.CountTrouble(second), 0);  // the lease is over
+}
+
+TEST_F(EndOfWork, AnEndThatNobodyHeardIsRememberedWhereOthersShareTheQueue) {
+  WorkerContext context = Worker();
+  int told = 0;
+  TellUntilHeard(context, "j", [&]() -> Result<bool> {
+    if (++told > 1) return false;  // the lease was lost: that is an answer
+    return Error{ErrorCode::kUnavailable, "The database is away.", ""};
+  });
+  EXPECT_EQ(told, 2);
+  EXPECT_FALSE(context.may_hold);
+  TellUntilHeard(context, "j", []() -> Result<bool> {
+    return Error{ErrorCode::kUnavailable, "The database is away.", ""};
+  });
+  EXPECT_TRUE(context.may_hold);
+}
+
+TEST_F(EndOfWork, WhatTheInputCausesAndWhatOneMachineHasAloneIsNotGivenBack) {
+  const std::string flight = catalogue_.AddFlight("field", "{}", Now())->id;
+  ASSERT_TRUE(queue_.Add(flight, "{}", Now()));
+  const storage::Lease lease = Claimed();
+  WorkerContext context = Worker();
+  for (const ErrorCode code : {ErrorCode::kUnprocessable, ErrorCode::kCorrupt, ErrorCode::kInternal})
+    EXPECT_FALSE(IsGivenBack(context, queue_, lease, {code, "", ""}));
+  EXPECT_FALSE(context.fault);
+  context.is_shared = false;
+  EXPECT_FALSE(IsGivenBack(context, queue_, lease, full_));
+  EXPECT_FALSE(context.fault);
+  EXPECT_EQ(*queue_.CountTrouble(lease), 1);
+  ASSERT_TRUE(*queue_.GiveBack(lease, Now()));
+  EXPECT_EQ(*queue_.CountTrouble(lease), 0);
 }
 
 }  // namespace

@@ -9,10 +9,9 @@
 
 #include "core/flight/remarks/because.h"
 #include "core/pipeline/report/map_quality.h"
+#include "server/jobs/child_messages.h"
 #include "server/jobs/job_limits.h"
-#include "server/jobs/job_messages.h"
-#include "server/preview/preview_messages.h"
-#include "server/sandbox/message_pipe.h"
+#include "server/sandbox/sandboxed_child.h"
 
 namespace skyquilt::server {
 namespace {

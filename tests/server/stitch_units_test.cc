@@ -17,7 +17,7 @@
 #include "core/pipeline/units/map_units.h"
 #include "core/simulate/simulate_flight.h"
 #include "server/jobs/stitch_job.h"
-#include "server/units/stitch_unit.h"
+#include "server/jobs/stitch_unit.h"
 #include "storage/db/sqlite_db.h"
 #include "storage/files/publish_file.h"
 #include "storage/tilesets/map_keeper.h"

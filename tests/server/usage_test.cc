@@ -4,9 +4,7 @@
 #include <CLI/CLI.hpp>
 
 #include "server/usage/explain_usage.h"
-#include "server/usage/length.h"
-#include "server/usage/near_word.h"
-#include "server/usage/one_of.h"
+#include "server/usage/option_values.h"
 
 namespace skyquilt::server {
 namespace {

@@ -1,5 +1,3 @@
-#include "server/commands/data/import.h"
-
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
@@ -14,9 +12,8 @@
 #include "core/base/scoped_folder.h"
 #include "core/base/text/json_io.h"
 #include "core/base/text/printable.h"
-#include "server/client/upload_flight.h"
-#include "server/commands/uploads/server_address.h"
-#include "server/imports/enter_map.h"
+#include "server/commands/arguments.h"
+#include "server/commands/commands.h"
 #include "server/imports/import_map.h"
 #include "server/terminal/fail.h"
 #include "server/terminal/terminal_progress.h"
@@ -101,23 +98,13 @@ void ImportByServer(ImportArguments& arguments) {
   upload.waits = !arguments.no_wait;
   upload.job_options =
       JsonText(nlohmann::json({{"import_file", name}, {"quality", arguments.options.quality}}));
-  std::string flight_id;
   std::vector<flight::InputFile> files = {{name, arguments.file}};
   const fs::path report = ReportBeside(arguments.file);
   // A file of that name may be anybody's: what is none of a map is not sent.
   if (!ReportText(report).empty()) files.push_back({report.filename().string(), report});
-  const Result<UploadedFlight> uploaded = [&] {
-    TerminalProgress progress;
-    return UploadFlight(
-        files, upload, [&](const std::string& id) { flight_id = id; }, progress);
-  }();
-  if (!uploaded) {
-    if (!flight_id.empty())
-      fmt::print(stderr, "To go on where this ended: the same command with --flight {}\n", flight_id);
-    Fail(kImportCommand, uploaded.error());
-  }
-  fmt::print("flight {}\nTo see it: {}/#/flights/{}\n", uploaded->flight_id, upload.server.url,
-             uploaded->flight_id);
+  const UploadedFlight uploaded = UploadAtTerminal(kImportCommand, files, upload);
+  fmt::print("flight {}\nTo see it: {}/#/flights/{}\n", uploaded.flight_id, upload.server.url,
+             uploaded.flight_id);
 }
 
 void Run(ImportArguments& arguments) {

@@ -1,5 +1,3 @@
-#include "server/commands/maps/export.h"
-
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
@@ -11,12 +9,11 @@
 #include <vector>
 
 #include "core/indices/spectral_index.h"
-#include "server/inputs/read_boundary.h"
+#include "server/commands/arguments.h"
+#include "server/commands/commands.h"
 #include "server/terminal/fail.h"
 #include "server/terminal/terminal_progress.h"
-#include "server/terminal/work_beside.h"
-#include "server/usage/length.h"
-#include "server/usage/one_of.h"
+#include "server/usage/option_values.h"
 #include "storage/exports/custom/export_map.h"
 
 namespace skyquilt::server {

@@ -1,5 +1,3 @@
-#include "server/commands/maps/inspect.h"
-
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
@@ -8,6 +6,7 @@
 #include <vector>
 
 #include "core/pipeline/inspect_flight.h"
+#include "server/commands/commands.h"
 #include "server/inputs/open_elevation_model.h"
 
 namespace skyquilt::server {

@@ -1,4 +1,4 @@
-#include "server/commands/maps/locate.h"
+#include "core/pipeline/report/locate.h"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "core/pipeline/report/locate.h"
+#include "server/commands/commands.h"
 #include "server/terminal/fail.h"
 
 namespace skyquilt::server {

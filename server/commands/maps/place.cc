@@ -1,5 +1,3 @@
-#include "server/commands/maps/place.h"
-
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
@@ -19,12 +17,13 @@
 #include "core/flight/logs/texts/gcp_list.h"
 #include "core/flight/remarks/remark_words.h"
 #include "core/render/map_layer.h"
-#include "server/commands/maps/parse_lat_lon.h"
+#include "server/commands/arguments.h"
+#include "server/commands/commands.h"
 #include "server/jobs/out_folder.h"
 #include "server/jobs/stitch_job.h"
 #include "server/terminal/fail.h"
 #include "server/terminal/terminal_progress.h"
-#include "server/usage/length.h"
+#include "server/usage/option_values.h"
 #include "storage/tilesets/mbtiles_reader.h"
 
 namespace skyquilt::server {

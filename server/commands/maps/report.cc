@@ -1,5 +1,3 @@
-#include "server/commands/maps/report.h"
-
 #include <fmt/chrono.h>
 #include <fmt/core.h>
 
@@ -15,12 +13,13 @@
 
 #include "core/base/try.h"
 #include "core/flight/bytes/text_fields.h"
+#include "server/commands/arguments.h"
+#include "server/commands/commands.h"
 #include "server/reports/map_picture.h"
 #include "server/reports/print_pdf.h"
 #include "server/reports/report_page.h"
 #include "server/terminal/fail.h"
 #include "server/terminal/terminal_progress.h"
-#include "server/terminal/work_beside.h"
 #include "storage/files/publish_file.h"
 
 namespace skyquilt::server {

@@ -1,5 +1,3 @@
-#include "server/commands/maps/simulate.h"
-
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
@@ -12,9 +10,10 @@
 
 #include "core/base/text/printable.h"
 #include "core/simulate/simulate_flight.h"
+#include "server/commands/commands.h"
 #include "server/terminal/fail.h"
 #include "server/terminal/terminal_progress.h"
-#include "server/usage/one_of.h"
+#include "server/usage/option_values.h"
 
 namespace skyquilt::server {
 namespace {

@@ -1,5 +1,3 @@
-#include "server/commands/maps/stitch.h"
-
 #include <fmt/core.h>
 #include <unistd.h>
 
@@ -25,15 +23,14 @@
 #include "core/flight/aside/aside.h"
 #include "core/flight/remarks/remark_words.h"
 #include "core/pipeline/report/ground_choice.h"
-#include "server/commands/maps/parse_lat_lon.h"
-#include "server/inputs/read_boundary.h"
+#include "server/commands/arguments.h"
+#include "server/commands/commands.h"
 #include "server/jobs/out_folder.h"
 #include "server/jobs/stitch_job.h"
 #include "server/terminal/fail.h"
 #include "server/terminal/terminal_progress.h"
 #include "server/usage/job_option_flag.h"
-#include "server/usage/length.h"
-#include "server/usage/one_of.h"
+#include "server/usage/option_values.h"
 #include "storage/files/publish_file.h"
 
 namespace skyquilt::server {
@@ -212,12 +209,7 @@ void Run(StitchArguments& arguments) {
     const Result<void> free = CheckOutFolder(arguments.out_dir, *files, arguments.job.mosaic);
     if (!free) Fail("skyquilt", free.error());
   }
-  if (arguments.job.mosaic.title.empty()) {
-    std::filesystem::path first = std::filesystem::absolute(arguments.inputs.front()).lexically_normal();
-    if (!first.has_filename()) first = first.parent_path();
-    arguments.job.mosaic.title =
-        std::filesystem::is_directory(first) ? first.filename().string() : first.stem().string();
-  }
+  if (arguments.job.mosaic.title.empty()) arguments.job.mosaic.title = NameOfInput(arguments.inputs.front());
   if (!arguments.trace.empty()) {
     CheckTraceCanBeWritten(arguments.trace);
     BeginTrace();

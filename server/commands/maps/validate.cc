@@ -1,9 +1,6 @@
-#include "server/commands/maps/validate.h"
-
-#include <fmt/format.h>
-
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <fmt/format.h>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -11,6 +8,7 @@
 
 #include "core/base/text/json_io.h"
 #include "core/base/text/printable.h"
+#include "server/commands/commands.h"
 #include "server/terminal/fail.h"
 #include "server/terminal/terminal_progress.h"
 #include "storage/validation/validate_map.h"

@@ -1,5 +1,3 @@
-#include "server/commands/uploads/upload.h"
-
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
@@ -11,10 +9,9 @@
 
 #include "core/base/text/printable.h"
 #include "core/flight/read_flight.h"
-#include "server/client/upload_flight.h"
-#include "server/commands/uploads/server_address.h"
+#include "server/commands/arguments.h"
+#include "server/commands/commands.h"
 #include "server/terminal/fail.h"
-#include "server/terminal/terminal_progress.h"
 #include "storage/tags/flight_tags.h"
 
 namespace skyquilt::server {
@@ -29,37 +26,21 @@ struct UploadArguments {
   bool no_map = false, no_wait = false;
 };
 
-std::string NameOf(const std::filesystem::path& input) {
-  std::filesystem::path path = std::filesystem::absolute(input).lexically_normal();
-  if (!path.has_filename()) path = path.parent_path();
-  return std::filesystem::is_directory(path) ? path.filename().string() : path.stem().string();
-}
-
 void Run(UploadArguments& arguments) {
   UploadOptions& options = arguments.options;
   const auto files = flight::ListInputFiles(arguments.inputs);
   if (!files) Fail(kCommandName, files.error());
-  if (options.name.empty()) options.name = NameOf(arguments.inputs.front());
+  if (options.name.empty()) options.name = NameOfInput(arguments.inputs.front());
   options.server.patience = std::chrono::seconds(arguments.patience_s);
   options.makes_map = !arguments.no_map;
   CheckServerAddress(kCommandName, options.server.url);
   const auto tags = storage::CheckedTags(options.tags);
   if (!tags) Fail(kCommandName, {ErrorCode::kInvalidArgument, "--tag: " + tags.error().message, ""});
   options.waits = !arguments.no_wait;
-  std::string flight_id;
-  const Result<UploadedFlight> uploaded = [&] {
-    TerminalProgress progress;
-    return UploadFlight(
-        *files, options, [&](const std::string& id) { flight_id = id; }, progress);
-  }();
-  if (!uploaded) {
-    if (!flight_id.empty())
-      fmt::print(stderr, "To go on where this ended: the same command with --flight {}\n", flight_id);
-    Fail(kCommandName, uploaded.error());
-  }
-  fmt::print("{} sent", Counted(uploaded->sent, "file"));
-  if (uploaded->skipped > 0) fmt::print(", {} there", Counted(uploaded->skipped, "was", "were"));
-  fmt::print("\n{}/#/flights/{}\n", options.server.url, uploaded->flight_id);
+  const UploadedFlight uploaded = UploadAtTerminal(kCommandName, *files, options);
+  fmt::print("{} sent", Counted(uploaded.sent, "file"));
+  if (uploaded.skipped > 0) fmt::print(", {} there", Counted(uploaded.skipped, "was", "were"));
+  fmt::print("\n{}/#/flights/{}\n", options.server.url, uploaded.flight_id);
 }
 
 }  // namespace

@@ -1,5 +1,3 @@
-#include "server/commands/uploads/watch.h"
-
 #include <fmt/format.h>
 #include <signal.h>
 
@@ -15,8 +13,9 @@
 
 #include "core/base/digest.h"
 #include "core/base/text/printable.h"
-#include "server/commands/uploads/server_address.h"
-#include "server/sandbox/process_limits.h"
+#include "server/commands/arguments.h"
+#include "server/commands/commands.h"
+#include "server/sandbox/sandbox.h"
 #include "server/terminal/fail.h"
 #include "server/watch/watch_folders.h"
 

@@ -1,5 +1,3 @@
-#include "tests/bench/poses/accuracy_table.h"
-
 #include <fmt/core.h>
 
 #include <array>
@@ -13,6 +11,7 @@
 
 #include "tests/bench/poses/input_mixes.h"
 #include "tests/bench/poses/pose_metrics.h"
+#include "tests/bench/poses/tables.h"
 
 namespace skyquilt::bench {
 namespace {

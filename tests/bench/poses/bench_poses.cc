@@ -6,10 +6,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "tests/bench/poses/accuracy_table.h"
-#include "tests/bench/poses/integration_table.h"
-#include "tests/bench/poses/paper_hop.h"
-#include "tests/bench/poses/real_logs.h"
+#include "tests/bench/poses/tables.h"
 
 int main(int argc, char** argv) {
   const std::string what = argc > 1 ? argv[1] : "all";

@@ -1,5 +1,3 @@
-#include "tests/bench/poses/integration_table.h"
-
 #include <fmt/core.h>
 
 #include <cmath>
@@ -8,6 +6,7 @@
 
 #include "core/geo/rigid3.h"
 #include "tests/bench/poses/strapdown.h"
+#include "tests/bench/poses/tables.h"
 
 namespace skyquilt::bench {
 namespace {

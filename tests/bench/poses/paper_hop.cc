@@ -1,11 +1,10 @@
-#include "tests/bench/poses/paper_hop.h"
-
 #include <fmt/core.h>
 
 #include <cmath>
 
 #include "tests/bench/poses/pose_metrics.h"
 #include "tests/bench/poses/recorded_sensors.h"
+#include "tests/bench/poses/tables.h"
 
 namespace skyquilt::bench {
 namespace {

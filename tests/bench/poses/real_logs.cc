@@ -1,5 +1,3 @@
-#include "tests/bench/poses/real_logs.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -12,6 +10,7 @@
 #include "core/poses/evidence/recorded_series.h"
 #include "core/poses/evidence/smoother_input.h"
 #include "tests/bench/poses/reckon.h"
+#include "tests/bench/poses/tables.h"
 
 namespace skyquilt::bench {
 namespace {

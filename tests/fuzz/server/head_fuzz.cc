@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "core/base/check.h"
-#include "server/http/head_parser.h"
+#include "server/routing/request_head.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace skyquilt::server;

@@ -4,8 +4,7 @@
 #include <string_view>
 
 #include "core/base/check.h"
-#include "server/jobs/job_messages.h"
-#include "server/preview/preview_messages.h"
+#include "server/jobs/child_messages.h"
 #include "server/reports/map_picture.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {

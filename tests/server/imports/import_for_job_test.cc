@@ -1,23 +1,21 @@
 // A map of others among the files of a job: what errors call it, and that it takes no more room than there
 // is.
-#include "server/imports/import_for_job.h"
-
+#include <cstdint>
 #include <gdal_priv.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <ogr_spatialref.h>
-#include <signal.h>
-#include <sys/resource.h>
-
-#include <cstdint>
 #include <memory>
+#include <ogr_spatialref.h>
 #include <optional>
 #include <random>
+#include <signal.h>
 #include <string>
+#include <sys/resource.h>
 #include <vector>
 
 #include "core/flight/remarks/because.h"
 #include "core/flight/remarks/remark_words.h"
+#include "server/imports/import_map.h"
 #include "storage/db/sqlite_db.h"
 #include "storage/files/publish_file.h"
 #include "tests/storage/painted_tileset.h"

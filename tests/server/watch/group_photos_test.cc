@@ -1,8 +1,8 @@
-#include "server/watch/group_photos.h"
-
 #include <gtest/gtest.h>
 
 #include <map>
+
+#include "server/watch/card_flights.h"
 
 namespace skyquilt::server {
 namespace {
