@@ -1,28 +1,20 @@
 """Whose flights are whose: tokens that end, quotas, names and other sites, and tokens for one flight, from outside."""
-import base64
 import http.client
 import io
 import json
 import pathlib
 import re
-import subprocess
 import time
 import unittest
 import zipfile
 
-from server_support import BINARY, ServerTestCase, catalogue_words, kept_of_flights, wait_until
-
-AS_JSON = {"Content-Type": "application/json"}
-TUS = {"Tus-Resumable": "1.0.0"}
+from program import run
+from server_support import AS_JSON, CHUNK, TUS, ServerTestCase, catalogue_words, kept_of_flights, tus_metadata, wait_until
 
 
 class AccessCase(ServerTestCase):
-    def token(self, name, *options):
-        made = subprocess.run([BINARY, "token", "add", name, "--data", self.data, *catalogue_words(self.data), *options], check=True, capture_output=True, text=True)
-        return {"Authorization": f"Bearer {made.stdout.strip()}"}
-
     def revoke(self, name):
-        subprocess.run([BINARY, "token", "revoke", name, "--data", self.data, *catalogue_words(self.data)], check=True)
+        run("token", "revoke", name, "--data", self.data, *catalogue_words(self.data))
 
     def new_flight(self, server, who):
         status, _, body = server.request("POST", "/api/v1/flights", "{}", {**AS_JSON, **who})
@@ -98,13 +90,10 @@ class Quotas(AccessCase):
         self.assertEqual(send("POST", "/api/v1/flights", form, length)[0], 413)
         status, body = send("POST", "/task/new", form, length)
         self.assertEqual((status, b"10.0 kB" in body), (200, True), body)
-        encoded = lambda text: base64.b64encode(text.encode()).decode()
-        metadata = {"Upload-Metadata": f"flight {encoded(flight)},filename {encoded('a.jpg')}"}
-        status, headers, _ = server.request("POST", "/api/v1/uploads", headers={**small, **TUS, **metadata, "Upload-Defer-Length": "1"})
+        status, headers, _ = server.request("POST", "/api/v1/uploads", headers={**small, **TUS, **tus_metadata(flight), "Upload-Defer-Length": "1"})
         self.assertEqual(status, 201)
         upload = headers["Location"]
-        chunk = {**TUS, "Upload-Offset": "0", "Content-Type": "application/offset+octet-stream"}
-        self.assertEqual(send("PATCH", upload, slices, {**chunk, "Content-Length": str(20 << 20)})[0], 413)
+        self.assertEqual(send("PATCH", upload, slices, {**CHUNK, "Upload-Offset": "0", "Content-Length": str(20 << 20)})[0], 413)
         archive = io.BytesIO()
         with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as made:
             made.writestr("a.txt", b"0123456789" * 4000)
@@ -211,10 +200,10 @@ class OneFlight(AccessCase):
         flight = self.new_flight(server, admin)
         share = self.token("guest", "--flight", flight, "--expires", "30d")
         wait_until(lambda: server.request("GET", f"/api/v1/flights/{flight}", headers=share)[0] == 200, "the token opens nothing")
-        listed = subprocess.run([BINARY, "token", "list", "--data", self.data, *catalogue_words(self.data)], check=True, capture_output=True, text=True).stdout
+        listed = run("token", "list", "--data", self.data, *catalogue_words(self.data)).stdout
         self.assertRegex(listed, rf"guest .*ends .*only flight {flight}")
         for wrong in (["--flight", "0" * 26], ["--flight", flight, "--scope", "upload"], ["--expires", "soon"]):
-            refused = subprocess.run([BINARY, "token", "add", "wrong", "--data", self.data, *catalogue_words(self.data), *wrong], capture_output=True, text=True)
+            refused = run("token", "add", "wrong", "--data", self.data, *catalogue_words(self.data), *wrong, code=None)
             self.assertNotEqual(refused.returncode, 0, wrong)
             self.assertNotEqual(refused.stderr + refused.stdout, "", wrong)
 

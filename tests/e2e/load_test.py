@@ -6,21 +6,18 @@ import re
 import signal
 import socket
 import sqlite3
-import subprocess
 import threading
 import time
 import unittest
 
-from server_support import BINARY, BLOBS, POSTGRES, ServerTestCase, catalogue_words, in_catalogue, tile_of, wait_until
+from server_support import BLOBS, POSTGRES, ServerTestCase, in_catalogue, tile_of, wait_until
 
 
 class Load(ServerTestCase):
     def with_map(self, *arguments):
         """(a server without workers, a flight with a map, the address of one of its tiles without extension)."""
         server = self.serve("--workers", "1", "--no-previews")
-        _, made = server.upload(self.photos)
-        self.assertEqual(server.wait_for_job(made["job"]["id"])["state"], "successful")
-        flight = made["flight"]["id"]
+        flight = server.stitched(self.photos)["flight"]["id"]
         _, document = server.json("GET", f"/tiles/{flight}.json")
         lon, lat, _ = document["center"]
         zoom = document["maxzoom"]
@@ -48,9 +45,7 @@ class Load(ServerTestCase):
     def test_a_held_write_lock_holds_up_nobody_who_reads(self):
         server, flight, tile = self.with_map()
         server.stop()
-        made = subprocess.run([BINARY, "token", "add", "one", "--data", self.data, *catalogue_words(self.data), "--scope", "admin"], check=True,
-                              capture_output=True, text=True)
-        token = {"Authorization": f"Bearer {made.stdout.strip()}"}
+        token = self.token("one", "--scope", "admin")
         server = self.serve("--workers", "0")
         self.assertEqual(server.request("GET", tile, headers=token)[0], 200)
         lock = sqlite3.connect(pathlib.Path(self.data, "catalogue.db"), isolation_level=None)

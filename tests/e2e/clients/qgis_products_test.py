@@ -70,10 +70,7 @@ class QgisProducts(MapFileTestCase):
         cls.server = Server(cls.data, "--workers", "1")
         flight = made_flights.simulated(8, "640x480", "--bands", "--relief-m", "4")
         files = [(path.name, path.read_bytes()) for path in sorted((flight / "photos").iterdir())]
-        _, made = cls.server.upload(files, options=json.dumps({"heights": "dsm"}))
-        job = cls.server.wait_for_job(made["job"]["id"])
-        assert job["state"] == "successful", job
-        cls.flight_id = made["flight"]["id"]
+        cls.flight_id = cls.server.stitched(files, options=json.dumps({"heights": "dsm"}))["flight"]["id"]
         cls.flight = f"/api/v1/flights/{cls.flight_id}"
         _, cls.tilejson = cls.server.json("GET", f"/tiles/{cls.flight_id}.json")
         cls.mbtiles = pathlib.Path(cls.scratch, "map.mbtiles")

@@ -11,8 +11,7 @@ import unittest
 import unittest.mock
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from server_support import (BINARY, BLOBS, ServerTestCase, catalogue_words, children_of, in_catalogue, is_running,  # noqa: E402
-                            kept_of_flights, put_map, wait_until)
+from server_support import BLOBS, ServerTestCase, children_of, in_catalogue, is_running, kept_of_flights, put_map, wait_until  # noqa: E402
 
 
 def confined_exports(server):
@@ -291,9 +290,7 @@ class Exports(ServerTestCase):
         wait_until(lambda: not server.garbage(), "something was left over")  # a moment after the export is told of
 
     def test_rights(self):
-        token = lambda name, *options: {"Authorization": "Bearer " + subprocess.run(
-            [BINARY, "token", "add", name, "--data", self.data, *catalogue_words(self.data), *options], check=True, capture_output=True, text=True).stdout.strip()}
-        owner, reader, other = token("owner", "--scope", "upload"), token("reader", "--scope", "read"), token("other", "--scope", "upload")
+        owner, reader, other = (self.token(name, "--scope", scope) for name, scope in (("owner", "upload"), ("reader", "read"), ("other", "upload")))
         server = self.serve()
         as_json = {"Content-Type": "application/json"}
         flight = json.loads(server.request("POST", "/api/v1/flights", "{}", {**owner, **as_json})[2])["id"]
