@@ -1,9 +1,8 @@
 // The bare map in a frame of a page of another site, in Chromium against the mock server.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { mapIdle } from '../support/browser.js';
+import { frameOn, mapIdle, startOuterPage } from '../support/browser.js';
 import { assertAccessible, assertQuiet, options, usePages } from '../support/pages.js';
-import { frameOn, startOuterPage } from '../support/outer_page.js';
 
 const { setUp, cleanUp } = usePages();
 
