@@ -9,7 +9,7 @@ import unittest
 import zipfile
 
 from program import run
-from server_support import AS_JSON, CHUNK, TUS, ServerTestCase, catalogue_words, kept_of_flights, tus_metadata, wait_until
+from server_support import AS_JSON, CHUNK, TUS, ServerTestCase, bearer, catalogue_words, kept_of_flights, tus_metadata, wait_until
 
 
 class AccessCase(ServerTestCase):
@@ -167,7 +167,7 @@ class OneFlight(AccessCase):
         self.assertEqual(status, 201, body)
         self.assertEqual(made["page"], f"/#/flights/{flight}?token={made['token']}")
         self.assertEqual(made["embed"], f"/embed/{flight}#token={made['token']}")
-        share = {"Authorization": f"Bearer {made['token']}"}
+        share = bearer(made["token"])
         self.assertEqual(server.request("PUT", f"/api/v1/flights/{flight}/files/a.jpg", b"abc", owner)[0], 201)
         _, _, listed = server.request("GET", "/api/v1/flights", headers=share)
         self.assertEqual([entry["id"] for entry in json.loads(listed)["flights"]], [flight])
@@ -190,7 +190,7 @@ class OneFlight(AccessCase):
         self.assertNotIn(made["token"], server.errors())
         # A flight that goes takes its shares along.
         _, _, body = server.request("POST", at, "{}", {**AS_JSON, **owner})
-        share = {"Authorization": f"Bearer {json.loads(body)['token']}"}
+        share = bearer(json.loads(body)["token"])
         self.assertEqual(server.request("DELETE", f"/api/v1/flights/{flight}", headers=owner)[0], 204)
         self.assertIn(server.request("GET", f"/api/v1/flights/{flight}", headers=share)[0], (401, 404))
 
@@ -214,12 +214,12 @@ class OneFlight(AccessCase):
         self.assertEqual(server.json("GET", at), (200, {"needs_token": False, "may_open_network": True, "addresses": [], "shares": []}))
         status, made = server.json("POST", at, {})
         self.assertEqual(status, 201, made)
-        share = {"Authorization": f"Bearer {made['token']}"}
+        share = bearer(made["token"])
         one = f"/api/v1/flights/{flight['id']}"
         self.assertEqual(server.request("GET", one, headers=share)[0], 200)
         self.assertEqual(server.request("DELETE", one, headers=share)[0], 403)
         self.assertEqual(server.request("DELETE", f"{one}?token={made['token']}")[0], 403)
-        self.assertEqual(json.loads(server.request("GET", "/api/v1/access", headers=share)[2])["scope"], "read")
+        self.assertEqual(server.json("GET", "/api/v1/access", headers=share)[1]["scope"], "read")
         # It has closed the server to nobody; revoked, it opens nothing, and no more than it did.
         self.assertEqual(server.request("GET", "/api/v1/flights")[0], 200)
         self.assertEqual(server.request("DELETE", f"{at}/{made['id']}")[0], 204)

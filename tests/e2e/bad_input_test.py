@@ -18,8 +18,8 @@ import zipfile
 import contract
 from archive_test import zip_of
 from program import BINARY
-from server_support import (AS_JSON, BLOBS, CHUNK, POSTGRES, TUS, Server, ServerTestCase, add_token, in_catalogue, middle_of,
-                            photos_of, tus_metadata, wait_until)
+from server_support import (AS_JSON, BLOBS, CHUNK, POSTGRES, TUS, Server, ServerTestCase, add_token, bearer, in_catalogue,
+                            middle_of, photos_of, tus_metadata, wait_until)
 
 OF_B = "multipart/form-data; boundary=b"
 EVIL = '<img src=x onerror="alert(1)">&\'"; DROP TABLE flight; --'
@@ -267,7 +267,7 @@ class BadInput(ServerTestCase):
         one, other = add("one", "upload"), add("other", "upload")
         server = Server(data, "--workers", "0")
         self.servers.append(server)
-        as_one, as_other = ({"Authorization": f"Bearer {token}"} for token in (one, other))
+        as_one, as_other = (bearer(token) for token in (one, other))
         # Without a token each operation of the contract is refused, but what monitors ask and what the page needs to ask for one.
         open_to_all = set()
         for template, operations in contract.SPEC["paths"].items():

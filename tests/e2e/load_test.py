@@ -1,5 +1,4 @@
 """More asked of the server than it can do: it answers what is cheap, refuses what is too much, and stops when told to."""
-import json
 import os
 import pathlib
 import re
@@ -10,7 +9,7 @@ import threading
 import time
 import unittest
 
-from server_support import BLOBS, POSTGRES, ServerTestCase, in_catalogue, tile_of, wait_until
+from server_support import AS_JSON, BLOBS, POSTGRES, ServerTestCase, in_catalogue, tile_of, wait_until
 
 
 class Load(ServerTestCase):
@@ -52,7 +51,7 @@ class Load(ServerTestCase):
         lock.execute("BEGIN IMMEDIATE")
         written = []
         writers = [threading.Thread(target=lambda: written.append(server.request(
-            "POST", "/api/v1/flights", "{}", {"Content-Type": "application/json", **token})[0])) for _ in range(3)]
+            "POST", "/api/v1/flights", "{}", {**AS_JSON, **token})[0])) for _ in range(3)]
         for writer in writers:
             writer.start()
         try:
@@ -173,7 +172,7 @@ class Load(ServerTestCase):
         # Nothing is lost, and the next one starts.
         stored.unlink()
         again = self.serve("--workers", "0")
-        self.assertEqual(json.loads(again.request("GET", f"/api/v1/flights/{flight}")[2])["id"], flight)
+        self.assertEqual(again.json("GET", f"/api/v1/flights/{flight}")[1]["id"], flight)
 
 
 if __name__ == "__main__":

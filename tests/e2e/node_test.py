@@ -12,7 +12,7 @@ import zipfile
 import server_support
 from flights import made_flights
 from program import DATA, run
-from server_support import AS_JSON, FORM, ServerTestCase, kept_of_flights, storage_words, wait_until
+from server_support import AS_JSON, FORM, ServerTestCase, kept_of_flights, photos_in, storage_words, wait_until
 from sharing_test import Receiver
 
 AS_FORM = {"Content-Type": "application/x-www-form-urlencoded"}
@@ -131,7 +131,7 @@ class Node(ServerTestCase):
         folder = DATA / "brighton_beach" / "images"
         if not folder.is_dir():
             self.skipTest("the Brighton Beach photos are not here")
-        self.photos = [(path.name, path.read_bytes()) for path in sorted(folder.glob("*.JPG"))]
+        self.photos = photos_in(folder)
         self.assertEqual(len(self.photos), 18)
         server = self.serve()
         uuid = self.start(server, {"name": "Brighton Beach"})
@@ -300,13 +300,12 @@ class Node(ServerTestCase):
         self.assertEqual(self.ask(server, "GET", f"/task/{uuid}/download/all.zip"), {"error": "Asset not ready"})
         self.assertFalse(self.ask(server, "POST", "/task/restart", f"uuid={uuid}")["success"])
         self.assertEqual(self.ask(server, "POST", f"/task/new/commit/{uuid}"), {"uuid": uuid})  # a client that heard nothing
-        as_json = {"Content-Type": "application/json"}
         for _ in range(2):
-            answer = self.ask(server, "POST", "/task/cancel", json.dumps({"uuid": uuid}), as_json)
+            answer = self.ask(server, "POST", "/task/cancel", json.dumps({"uuid": uuid}), AS_JSON)
             self.assertEqual(answer, {"success": True})
         self.assertEqual(self.ask(server, "GET", f"/task/{uuid}/info")["status"], {"code": 50})
         options = [{"name": "orthophoto-quality", "value": 70}]
-        answer = self.ask(server, "POST", "/task/restart", json.dumps({"uuid": uuid, "options": options}), as_json)
+        answer = self.ask(server, "POST", "/task/restart", json.dumps({"uuid": uuid, "options": options}), AS_JSON)
         self.assertEqual(answer, {"success": True})
         told = self.ask(server, "GET", f"/task/{uuid}/info")
         self.assertEqual((told["status"], told["options"]), ({"code": 10}, options))

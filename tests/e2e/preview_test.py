@@ -7,7 +7,7 @@ import time
 import unittest
 
 from program import run
-from server_support import ServerTestCase, middle_tile, parts_of, wait_until
+from server_support import ServerTestCase, middle_tile, parts_of, photos_in, wait_until
 
 
 class Events(threading.Thread):
@@ -126,7 +126,7 @@ class Preview(ServerTestCase):
     def test_what_is_no_photo_or_has_no_place_is_passed_over(self):
         scratch = pathlib.Path(self.data, "..", "unplaced").resolve()
         run("simulate", "-o", str(scratch), "--photos", "2", "--size", "640x480", "--no-world", "--noise", "no-gps")
-        unplaced = [(path.name, path.read_bytes()) for path in sorted((scratch / "photos").iterdir()) if path.suffix == ".jpg"]
+        unplaced = [(f"unplaced_{name}", content) for name, content in photos_in(scratch / "photos")]
         server = self.serve()
         _, flight = server.json("POST", "/api/v1/flights", {})
         name, content = self.photos[0]

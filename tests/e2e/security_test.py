@@ -7,14 +7,13 @@ import time
 import unittest
 
 from program import BINARY, run
-from server_support import ServerTestCase, add_token, bearer, catalogue_words, storage_words, wait_until
+from server_support import AS_JSON, ServerTestCase, add_token, bearer, catalogue_words, storage_words, wait_until
 
 
 class Security(ServerTestCase):
     def test_tokens_open_what_their_scope_says(self):
         read, upload, admin = (add_token(self.data, scope, "--scope", scope) for scope in ("read", "upload", "admin"))
         server = self.serve("--workers", "0")
-        as_json = {"Content-Type": "application/json"}
         flights = "/api/v1/flights"
         self.assertEqual(server.request("GET", "/healthz")[0], 200)
         status, headers, _ = server.request("GET", flights)
@@ -22,16 +21,16 @@ class Security(ServerTestCase):
         self.assertEqual(server.request("GET", flights, headers=bearer("sq_guess"))[0], 401)
         self.assertEqual(server.request("GET", flights, headers=bearer(read))[0], 200)
         self.assertEqual(server.request("GET", f"{flights}?token={read}")[0], 200)
-        self.assertEqual(server.request("POST", flights, "{}", {**as_json, **bearer(read)})[0], 403)
+        self.assertEqual(server.request("POST", flights, "{}", {**AS_JSON, **bearer(read)})[0], 403)
         # In the address even a mighty token only reads.
-        self.assertEqual(server.request("POST", f"{flights}?token={admin}", "{}", as_json)[0], 403)
-        status, headers, _ = server.request("POST", flights, "{}", {**as_json, **bearer(upload)})
+        self.assertEqual(server.request("POST", f"{flights}?token={admin}", "{}", AS_JSON)[0], 403)
+        status, headers, _ = server.request("POST", flights, "{}", {**AS_JSON, **bearer(upload)})
         self.assertEqual(status, 201)
         self.assertEqual(server.request("DELETE", headers["Location"], headers=bearer(read))[0], 403)
         self.assertEqual(server.request("GET", "/metrics", headers=bearer(upload))[0], 403)
         # Upload deletes what it made, and admin what anybody made.
         self.assertEqual(server.request("DELETE", headers["Location"], headers=bearer(upload))[0], 204)
-        made = [server.request("POST", flights, "{}", {**as_json, **bearer(token)})[1]["Location"] for token in (upload, admin)]
+        made = [server.request("POST", flights, "{}", {**AS_JSON, **bearer(token)})[1]["Location"] for token in (upload, admin)]
         self.assertEqual(server.request("DELETE", made[1], headers=bearer(upload))[0], 403)
         self.assertEqual([server.request("DELETE", path, headers=bearer(admin))[0] for path in made], [204, 204])
         # The node's clients send their token in the address, and take a refusal as an answer.
@@ -60,7 +59,7 @@ class Security(ServerTestCase):
 
     def test_a_page_of_elsewhere_changes_nothing(self):
         server = self.serve("--workers", "0")
-        headers = {"Content-Type": "application/json", "Origin": "http://evil.example"}
+        headers = {**AS_JSON, "Origin": "http://evil.example"}
         self.assertEqual(server.request("POST", "/api/v1/flights", "{}", headers)[0], 403)
         status, _, _ = server.request("GET", "/api/v1/flights", headers={"Host": "evil.example"})
         self.assertEqual(status, 421)

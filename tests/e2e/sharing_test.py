@@ -13,7 +13,7 @@ import time
 import unittest
 from unittest import mock
 
-from server_support import TUS, ServerTestCase, path_of, tus_metadata, wait_until
+from server_support import AS_JSON, TUS, ServerTestCase, bearer, path_of, tus_metadata, wait_until
 
 
 class Receiver(http.server.ThreadingHTTPServer):
@@ -54,8 +54,7 @@ class Sharing(ServerTestCase):
         self.assertEqual(server.request("GET", "/api/v1/flights", headers=small)[0], 200)
         _, _, told = server.request("GET", "/api/v1/access", headers=small)
         self.assertEqual(json.loads(told), {"needs_token": True, "scope": "upload", "flight": None, "keep_days": 0})
-        as_json = {"Content-Type": "application/json"}
-        _, _, body = server.request("POST", "/api/v1/flights", "{}", {**small, **as_json})
+        _, _, body = server.request("POST", "/api/v1/flights", "{}", {**small, **AS_JSON})
         files = f"/api/v1/flights/{json.loads(body)['id']}/files"
         self.assertEqual(server.request("PUT", f"{files}/a.jpg", bytes(600_000), small)[0], 201)
         status, _, body = server.request("PUT", f"{files}/b.jpg", bytes(600_000), small)
@@ -64,18 +63,18 @@ class Sharing(ServerTestCase):
         self.assertEqual(refused[0], 413)
         self.assertEqual(server.request("PUT", f"{files}/b.jpg", bytes(300_000), small)[0], 201)
         jobs = files.replace("/files", "/jobs")
-        status, _, body = server.request("POST", jobs, '{"priority": 5}', {**small, **as_json})
+        status, _, body = server.request("POST", jobs, '{"priority": 5}', {**small, **AS_JSON})
         self.assertEqual((status, b"admin" in body), (403, True))
-        status, _, body = server.request("POST", jobs, '{"priority": 5}', {**admin, **as_json})
+        status, _, body = server.request("POST", jobs, '{"priority": 5}', {**admin, **AS_JSON})
         self.assertEqual((status, json.loads(body)["priority"]), (202, 5))
 
     def test_notes_are_for_all_who_open_the_flight(self):
         writer = self.token("writer", "--scope", "upload")
         server = self.serve("--workers", "0")
-        _, _, body = server.request("POST", "/api/v1/flights", "{}", {**writer, "Content-Type": "application/json"})
+        _, _, body = server.request("POST", "/api/v1/flights", "{}", {**writer, **AS_JSON})
         flight = f"/api/v1/flights/{json.loads(body)['id']}"
-        _, _, body = server.request("POST", f"{flight}/shares", '{"expires_in_days": 1}', {**writer, "Content-Type": "application/json"})
-        guest = {"Authorization": f"Bearer {json.loads(body)['token']}"}
+        _, _, body = server.request("POST", f"{flight}/shares", '{"expires_in_days": 1}', {**writer, **AS_JSON})
+        guest = bearer(json.loads(body)["token"])
 
         def put(names, headers):
             notes = [{"type": "Feature", "id": name, "geometry": {"type": "Point", "coordinates": [7.44, 46.95]}, "properties": {"name": name}} for name in names]
@@ -104,7 +103,7 @@ class Sharing(ServerTestCase):
             server.request("PUT", f"/api/v1/flights/{flight['id']}/files/{name}", content)
         status, headers, body = server.request("POST", "/ogc/processes/stitch/execution",
                                                json.dumps({"inputs": {"flight": flight["id"], "options": {"gsd_m": 0.4}}}),
-                                               {"Content-Type": "application/json"})
+                                               AS_JSON)
         self.assertEqual(status, 201, body)
         info = json.loads(body)
         self.assertEqual(server.wait_for_job(info["jobID"])["state"], "successful")

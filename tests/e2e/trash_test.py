@@ -10,8 +10,8 @@ import time
 import unittest
 import unittest.mock
 
-from server_support import (BLOBS, CHUNK, FORM, POSTGRES, TUS, ServerTestCase, form, in_catalogue, kept_of_flights, parts_of,
-                            tus_metadata, wait_until)
+from server_support import (AS_JSON, BLOBS, CHUNK, FORM, POSTGRES, TUS, ServerTestCase, form, in_catalogue, kept_of_flights,
+                            parts_of, tus_metadata, wait_until)
 
 # The clock that a program sees, moved by CLOCK_AHEAD_S seconds; the kernel's time since its start stays.
 WRONG_CLOCK = r"""
@@ -198,10 +198,10 @@ class Trash(TrashCase):
         flight = self.flights_of(server)[0]
         _, _, answer = server.request("POST", "/task/remove", f"uuid={uuid}", {"Content-Type": "application/x-www-form-urlencoded"})
         self.assertEqual(json.loads(answer), {"success": True})
-        self.assertIn("error", json.loads(server.request("GET", f"/task/{uuid}/info")[2]))
+        self.assertIn("error", server.json("GET", f"/task/{uuid}/info")[1])
         self.assertEqual([kept["id"] for kept in self.trash_of(server)["flights"]], [flight])
         self.assertEqual(server.json("POST", f"/api/v1/flights/{flight}/restore")[0], 200)
-        self.assertEqual(json.loads(server.request("GET", f"/task/{uuid}/info")[2])["uuid"], uuid)
+        self.assertEqual(server.json("GET", f"/task/{uuid}/info")[1]["uuid"], uuid)
 
 
 @unittest.skipUnless(os.geteuid() == 0 and BLOBS is None, "only root can mount a small disk, and a store has none")
@@ -281,7 +281,7 @@ class WrongClock(TrashCase):
         upload = self.begin_upload(server, flight)
         gone, _ = self.new_flight(server, 2)
         server.request("DELETE", f"/api/v1/flights/{gone}")
-        key = {"Idempotency-Key": "once", "Content-Type": "application/json"}
+        key = {"Idempotency-Key": "once", **AS_JSON}
         first = server.request("POST", "/api/v1/flights", b'{"name":"once"}', key)[2]
         self.assertEqual(server.stop(), 0)
 

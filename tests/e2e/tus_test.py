@@ -13,7 +13,7 @@ import time
 import unittest
 
 from npm_clients import installed_clients, script
-from server_support import BLOBS, CHUNK, TUS, Server, ServerTestCase, add_token, photos_of, tus_metadata, wait_until
+from server_support import AS_JSON, BLOBS, CHUNK, TUS, Server, ServerTestCase, add_token, photos_of, tus_metadata, wait_until
 
 MIB = 1 << 20
 
@@ -83,7 +83,7 @@ class Tus(ServerTestCase):
                 token = [add_token(self.data, "tus", "--scope", "upload")]
                 server.stop()
                 server = self.start()
-            headers = {"Content-Type": "application/json", **{"Authorization": f"Bearer {one}" for one in token}}
+            headers = {**AS_JSON, **{"Authorization": f"Bearer {one}" for one in token}}
             flight = json.loads(server.request("POST", "/api/v1/flights", "{}", headers)[2])
             send = ["node", script(self.clients, "tus_upload.mjs"), f"http://127.0.0.1:{server.port}/api/v1/uploads", source,
                    flight["id"], "big.jpg", "4"]

@@ -16,7 +16,7 @@ import jsonschema
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from flights import made_flights  # noqa: E402
 from program import run, without_metadata  # noqa: E402
-from server_support import Server, ServerTestCase  # noqa: E402
+from server_support import Server, ServerTestCase, photos_in  # noqa: E402
 
 FOLDER = os.environ.get("SKYQUILT_STAC_SCHEMAS")
 SPEC = "https://schemas.stacspec.org/v1.0.0/"
@@ -181,7 +181,7 @@ class StacSchemas(ServerTestCase):
         photos = pathlib.Path(self.scratch, "fiji/photos")
         self.run_program("simulate", "-o", photos.parent, "--photos", "4", "--size", "640x480", "--no-world", "--lat", "-17", "--lon", "180")
         server = self.serve("--workers", "1")
-        flight = self.made(server, [(path.name, path.read_bytes()) for path in sorted(photos.glob("*.JPG"))])
+        flight = self.made(server, photos_in(photos))
         self.walk(server)
         item = server.json("GET", f"/stac/{flight}")[1]
         west, _, east, _ = item["bbox"]

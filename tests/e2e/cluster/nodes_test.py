@@ -21,7 +21,7 @@ import s3_store
 from nginx import NGINX, free_port, start_nginx
 from postgres_server import find_binaries, server_for
 from program import BINARY
-from server_support import CHUNK, FORM, TUS, Server, ServerTestCase, form, tile_of, tus_metadata, wait_until
+from server_support import AS_JSON, CHUNK, FORM, TUS, Server, ServerTestCase, form, tile_of, tus_metadata, wait_until
 
 TILES = int(os.environ.get("SKYQUILT_TILES", "2000"))
 # As docs/cluster.md has it, without what needs root.
@@ -98,13 +98,13 @@ class NodesTest(ServerTestCase):
 
     def stitch(self, flight, options):
         status, _, answer = self.ask("POST", f"/api/v1/flights/{flight}/jobs", json.dumps({"options": options}),
-                                     {"Content-Type": "application/json"})
+                                     AS_JSON)
         self.assertIn(status, (200, 201, 202), answer)
         return json.loads(answer)["id"]
 
     def test_an_upload_goes_on_where_a_killed_node_left_it(self):
         first, second = self.nodes[:2]
-        _, _, answer = self.ask("POST", "/api/v1/flights", "{}", {"Content-Type": "application/json"}, first.port)
+        _, _, answer = self.ask("POST", "/api/v1/flights", "{}", AS_JSON, first.port)
         flight = json.loads(answer)["id"]
         for name, content in self.photos[1:]:
             self.assertEqual(self.ask("PUT", f"/api/v1/flights/{flight}/files/{name}", content)[0] // 100, 2)

@@ -12,7 +12,7 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from program import report_of, run, without_metadata  # noqa: E402
-from server_support import Server  # noqa: E402
+from server_support import Server, photos_in  # noqa: E402
 
 CLOCK_AHEAD_S = 3607.3
 RADIUS_M = 6371000.0
@@ -115,7 +115,7 @@ class LoggedFlightTest(unittest.TestCase):
 
 
     def test_takes_the_log_with_an_upload(self):
-        files = [(path.name, path.read_bytes()) for path in sorted((self.flight / "photos").iterdir())]
+        files = photos_in(self.flight / "photos")
         files.append(("flight.BIN", (self.flight / "logs/flight.BIN").read_bytes()))
         server = Server(tempfile.mkdtemp(dir=self.folder))
         try:

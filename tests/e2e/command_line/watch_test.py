@@ -1,6 +1,5 @@
 """`skyquilt watch` against the real server, and `serve --watch`: a card becomes flights, once, through restarts, kills, a server that is away, a
 disk that comes and goes and photos that are still being written. Nothing on the card changes."""
-import json
 import os
 import pathlib
 import re
@@ -15,7 +14,7 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from program import BINARY, run  # noqa: E402
-from server_support import ServerTestCase, add_token, is_running, wait_until  # noqa: E402
+from server_support import ServerTestCase, add_token, bearer, is_running, wait_until  # noqa: E402
 
 
 def at_hour(photo, hour):
@@ -241,8 +240,8 @@ class ServeWatch(ServerTestCase):
             (self.card / folder / name).write_bytes(content)
 
     def flights(self, server, token=""):
-        headers = {"Authorization": f"Bearer {token}"} if token else {}
-        return json.loads(server.request("GET", "/api/v1/flights", headers=headers)[2])["flights"]
+        headers = bearer(token) if token else {}
+        return server.json("GET", "/api/v1/flights", headers=headers)[1]["flights"]
 
     def watcher(self, server):
         """The process that watches, once it is there."""

@@ -13,7 +13,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "clients"))
 from gis_support import has_qgis  # noqa: E402
 from program import ScratchCase, run  # noqa: E402
-from server_support import FORM, Server, form  # noqa: E402
+from server_support import FORM, Server, form, photos_in  # noqa: E402
 
 OF_GROUND = ["dtm.tif", "dtm_ground.tif", "contours.gpkg", "contours.geojson", "contours.dxf"]
 OF_SURFACE = ["dsm.tif", "dsm_photos.tif", "dsm_hillshade.tif"]
@@ -52,7 +52,7 @@ class HeightsServed(ScratchCase):
         run("simulate", "-o", flight, "--photos", "6", "--size", "400x300", "--height", "40", "--houses", "2", "--relief-m", "3",
             "--noise", "rtk", "--seed", "3", "--no-world", "--sidelap", "0.75")
         cls.photos = flight / "photos"
-        cls.files = [(path.name, path.read_bytes()) for path in sorted(cls.photos.glob("*.JPG"))]
+        cls.files = photos_in(cls.photos)
         cls.server = Server(cls.scratch / "data")
         cls.addClassCleanup(cls.server.stop)
         made = cls.server.stitched(cls.files, name="Village", options=json.dumps({"heights": "dtm"}))
@@ -258,7 +258,7 @@ class HeightsServed(ScratchCase):
         body = form({"options": json.dumps([{"name": "dsm", "value": True}])}, self.files, "images")
         status, _, answer = self.server.request("POST", "/task/new", body, FORM)
         uuid = json.loads(answer)["uuid"]
-        while json.loads(self.server.request("GET", f"/task/{uuid}/info")[2])["status"]["code"] in (10, 20):
+        while self.server.json("GET", f"/task/{uuid}/info")[1]["status"]["code"] in (10, 20):
             pass
         _, _, archive = self.server.request("GET", f"/task/{uuid}/download/all.zip")
         names = zipfile.ZipFile(io.BytesIO(archive)).namelist()

@@ -8,7 +8,7 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from program import run  # noqa: E402
-from server_support import ServerTestCase  # noqa: E402
+from server_support import ServerTestCase, photos_in  # noqa: E402
 
 RELIEF_M = 15
 
@@ -31,7 +31,7 @@ class Heights(ServerTestCase):
         folder = pathlib.Path(self.scratch, "hills")
         run("simulate", "-o", folder, "--photos", "12", "--size", "600x450", "--relief-m", str(RELIEF_M), "--no-world")
         server = self.serve()
-        flight = self.stitched(server, [(path.name, path.read_bytes()) for path in sorted((folder / "photos").iterdir()) if path.suffix == ".JPG"])
+        flight = self.stitched(server, photos_in(folder / "photos"))
         first, last = self.across(flight)
         middle = [(first[0] + last[0]) / 2 + 1e-5, (first[1] + last[1]) / 2]
         status, told = self.ask(server, flight["id"], {"type": "LineString", "coordinates": [first, middle, last]})

@@ -10,7 +10,7 @@ import unittest
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from flights import made_flights  # noqa: E402
 from program import report_of, run, tool  # noqa: E402
-from server_support import ServerTestCase, add_token, middle_of, tile_of  # noqa: E402
+from server_support import ServerTestCase, add_token, bearer, middle_of, tile_of  # noqa: E402
 
 HAS_GDAL = all(shutil.which(name) for name in ("gdal_translate", "gdalwarp"))
 
@@ -150,7 +150,7 @@ class ServerImport(ServerTestCase):
         flight = next(line.split()[1] for line in done.stdout.splitlines() if line.startswith("flight "))
         other = self.token("other", "--scope", "upload")
         self.assertEqual(by(other, "--flight", flight).returncode, 1)
-        status, _, body = server.request("GET", f"/api/v1/flights/{flight}/files", headers={"Authorization": f"Bearer {owner}"})
+        status, _, body = server.request("GET", f"/api/v1/flights/{flight}/files", headers=bearer(owner))
         self.assertEqual((status, [file["name"] for file in json.loads(body)["files"]]), (200, ["north field.tif"]))
 
 

@@ -10,7 +10,7 @@ import unittest
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "bench"))
 from program import ScratchCase, report_of, run  # noqa: E402
-from server_support import Server  # noqa: E402
+from server_support import Server, photos_in  # noqa: E402
 
 
 class Upright(ScratchCase):
@@ -87,7 +87,7 @@ class Upright(ScratchCase):
     def test_a_server_makes_the_same(self):
         server = Server(self.scratch / "data")
         self.addCleanup(server.stop)
-        photos = [(path.name, path.read_bytes()) for path in sorted((self.flight / "photos").glob("*.JPG"))]
+        photos = photos_in(self.flight / "photos")
         status, made = server.upload(photos, name="Village", options=json.dumps({"surface": "dense", "layers": ["height"]}))
         self.assertEqual(status, 202, made)
         job = server.wait_for_job(made["job"]["id"])
