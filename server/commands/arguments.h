@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/base/scoped_folder.h"
-#include "core/geo/areas/boundary.h"
+#include "core/geo/boundary.h"
 #include "core/geo/lat_lon.h"
 #include "server/client/upload_flight.h"
 

@@ -9,7 +9,7 @@
 #include "core/base/try.h"
 #include "core/flight/logs/texts/gcp_list.h"
 #include "core/pipeline/inspect_flight.h"
-#include "core/pipeline/placing/control_json.h"
+#include "core/pipeline/placing/control_points.h"
 #include "server/inputs/open_elevation_model.h"
 #include "server/sandbox/run_sandboxed.h"
 

@@ -20,7 +20,7 @@
 #include "core/pyramid/encode_tile.h"
 #include "core/pyramid/tile_image.h"
 #include "server/routing/request_log.h"
-#include "storage/tilesets/preview_tiles.h"
+#include "storage/catalogue/previews.h"
 
 namespace skyquilt::server {
 namespace {

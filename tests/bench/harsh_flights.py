@@ -16,8 +16,8 @@ import numpy
 
 TESTS = pathlib.Path(__file__).resolve().parents[1]
 sys.path += [str(TESTS / "e2e"), str(TESTS / "e2e" / "command_line")]
-import control_test
 import film_test
+from flights import made_flights
 from map_against_truth import rotation
 
 
@@ -125,7 +125,7 @@ def control_alone(folder):
     centers = numpy.array([photo["camera_center_in_enu"][:2] for photo in truth["photos"]])
     south_west, north_east = centers.min(0), centers.max(0)
     shares = [(0.1, 0.1), (0.9, 0.15), (0.5, 0.5), (0.15, 0.9), (0.9, 0.85), (0.5, 0.05)]
-    marked = control_test.gcp_list(truth, [tuple(south_west + (north_east - south_west) * share) for share in shares])
+    marked = made_flights.gcp_list(truth, [tuple(south_west + (north_east - south_west) * share) for share in shares])
     without_positions(folder)
     (folder / "photos" / "gcp_list.txt").write_text(marked)
 

@@ -1,28 +1,20 @@
 """Whose flights are whose: tokens that end, quotas, names and other sites, and tokens for one flight, from outside."""
-import base64
 import http.client
 import io
 import json
 import pathlib
 import re
-import subprocess
 import time
 import unittest
 import zipfile
 
-from server_support import BINARY, ServerTestCase, catalogue_words, kept_of_flights, wait_until
-
-AS_JSON = {"Content-Type": "application/json"}
-TUS = {"Tus-Resumable": "1.0.0"}
+from program import run
+from server_support import AS_JSON, CHUNK, TUS, ServerTestCase, bearer, catalogue_words, kept_of_flights, tus_metadata, wait_until
 
 
 class AccessCase(ServerTestCase):
-    def token(self, name, *options):
-        made = subprocess.run([BINARY, "token", "add", name, "--data", self.data, *catalogue_words(self.data), *options], check=True, capture_output=True, text=True)
-        return {"Authorization": f"Bearer {made.stdout.strip()}"}
-
     def revoke(self, name):
-        subprocess.run([BINARY, "token", "revoke", name, "--data", self.data, *catalogue_words(self.data)], check=True)
+        run("token", "revoke", name, "--data", self.data, *catalogue_words(self.data))
 
     def new_flight(self, server, who):
         status, _, body = server.request("POST", "/api/v1/flights", "{}", {**AS_JSON, **who})
@@ -98,13 +90,10 @@ class Quotas(AccessCase):
         self.assertEqual(send("POST", "/api/v1/flights", form, length)[0], 413)
         status, body = send("POST", "/task/new", form, length)
         self.assertEqual((status, b"10.0 kB" in body), (200, True), body)
-        encoded = lambda text: base64.b64encode(text.encode()).decode()
-        metadata = {"Upload-Metadata": f"flight {encoded(flight)},filename {encoded('a.jpg')}"}
-        status, headers, _ = server.request("POST", "/api/v1/uploads", headers={**small, **TUS, **metadata, "Upload-Defer-Length": "1"})
+        status, headers, _ = server.request("POST", "/api/v1/uploads", headers={**small, **TUS, **tus_metadata(flight), "Upload-Defer-Length": "1"})
         self.assertEqual(status, 201)
         upload = headers["Location"]
-        chunk = {**TUS, "Upload-Offset": "0", "Content-Type": "application/offset+octet-stream"}
-        self.assertEqual(send("PATCH", upload, slices, {**chunk, "Content-Length": str(20 << 20)})[0], 413)
+        self.assertEqual(send("PATCH", upload, slices, {**CHUNK, "Upload-Offset": "0", "Content-Length": str(20 << 20)})[0], 413)
         archive = io.BytesIO()
         with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as made:
             made.writestr("a.txt", b"0123456789" * 4000)
@@ -178,7 +167,7 @@ class OneFlight(AccessCase):
         self.assertEqual(status, 201, body)
         self.assertEqual(made["page"], f"/#/flights/{flight}?token={made['token']}")
         self.assertEqual(made["embed"], f"/embed/{flight}#token={made['token']}")
-        share = {"Authorization": f"Bearer {made['token']}"}
+        share = bearer(made["token"])
         self.assertEqual(server.request("PUT", f"/api/v1/flights/{flight}/files/a.jpg", b"abc", owner)[0], 201)
         _, _, listed = server.request("GET", "/api/v1/flights", headers=share)
         self.assertEqual([entry["id"] for entry in json.loads(listed)["flights"]], [flight])
@@ -201,7 +190,7 @@ class OneFlight(AccessCase):
         self.assertNotIn(made["token"], server.errors())
         # A flight that goes takes its shares along.
         _, _, body = server.request("POST", at, "{}", {**AS_JSON, **owner})
-        share = {"Authorization": f"Bearer {json.loads(body)['token']}"}
+        share = bearer(json.loads(body)["token"])
         self.assertEqual(server.request("DELETE", f"/api/v1/flights/{flight}", headers=owner)[0], 204)
         self.assertIn(server.request("GET", f"/api/v1/flights/{flight}", headers=share)[0], (401, 404))
 
@@ -211,10 +200,10 @@ class OneFlight(AccessCase):
         flight = self.new_flight(server, admin)
         share = self.token("guest", "--flight", flight, "--expires", "30d")
         wait_until(lambda: server.request("GET", f"/api/v1/flights/{flight}", headers=share)[0] == 200, "the token opens nothing")
-        listed = subprocess.run([BINARY, "token", "list", "--data", self.data, *catalogue_words(self.data)], check=True, capture_output=True, text=True).stdout
+        listed = run("token", "list", "--data", self.data, *catalogue_words(self.data)).stdout
         self.assertRegex(listed, rf"guest .*ends .*only flight {flight}")
         for wrong in (["--flight", "0" * 26], ["--flight", flight, "--scope", "upload"], ["--expires", "soon"]):
-            refused = subprocess.run([BINARY, "token", "add", "wrong", "--data", self.data, *catalogue_words(self.data), *wrong], capture_output=True, text=True)
+            refused = run("token", "add", "wrong", "--data", self.data, *catalogue_words(self.data), *wrong, code=None)
             self.assertNotEqual(refused.returncode, 0, wrong)
             self.assertNotEqual(refused.stderr + refused.stdout, "", wrong)
 
@@ -225,12 +214,12 @@ class OneFlight(AccessCase):
         self.assertEqual(server.json("GET", at), (200, {"needs_token": False, "may_open_network": True, "addresses": [], "shares": []}))
         status, made = server.json("POST", at, {})
         self.assertEqual(status, 201, made)
-        share = {"Authorization": f"Bearer {made['token']}"}
+        share = bearer(made["token"])
         one = f"/api/v1/flights/{flight['id']}"
         self.assertEqual(server.request("GET", one, headers=share)[0], 200)
         self.assertEqual(server.request("DELETE", one, headers=share)[0], 403)
         self.assertEqual(server.request("DELETE", f"{one}?token={made['token']}")[0], 403)
-        self.assertEqual(json.loads(server.request("GET", "/api/v1/access", headers=share)[2])["scope"], "read")
+        self.assertEqual(server.json("GET", "/api/v1/access", headers=share)[1]["scope"], "read")
         # It has closed the server to nobody; revoked, it opens nothing, and no more than it did.
         self.assertEqual(server.request("GET", "/api/v1/flights")[0], 200)
         self.assertEqual(server.request("DELETE", f"{at}/{made['id']}")[0], 204)

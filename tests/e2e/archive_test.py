@@ -12,7 +12,7 @@ import threading
 import unittest
 import zipfile
 
-from server_support import ServerTestCase, limits_of, photos_of, wait_until
+from server_support import CHUNK, ServerTestCase, limits_of, photos_of, tus_metadata, wait_until
 
 
 def zip_of(*entries, method=zipfile.ZIP_STORED):
@@ -69,10 +69,7 @@ class Archives(ServerTestCase):
         status, made = self.server.upload([("flight.zip", archive), ("c.jpg", b"cc")])
         self.assertEqual((status, sorted(file["name"] for file in made["files"])), (202, ["a.jpg", "b.jpg", "c.jpg"]))
         flight = self.files.split("/")[4]
-        encoded = lambda text: base64.b64encode(text.encode()).decode()
-        status, _, _ = self.server.request("POST", "/api/v1/uploads", archive, {
-            "Tus-Resumable": "1.0.0", "Content-Type": "application/offset+octet-stream", "Upload-Length": str(len(archive)),
-            "Upload-Metadata": f"flight {encoded(flight)},filename {encoded('flight.zip')}"})
+        status, _, _ = self.server.request("POST", "/api/v1/uploads", archive, {**CHUNK, **tus_metadata(flight, "flight.zip"), "Upload-Length": str(len(archive))})
         self.assertEqual((status, self.listed()), (201, {"a.jpg": 2, "b.jpg": 2}))
 
     def test_what_is_wrong_inside_is_said_and_skipped(self):

@@ -17,12 +17,11 @@ import zipfile
 
 import contract
 from archive_test import zip_of
-from server_support import BINARY, BLOBS, POSTGRES, Server, ServerTestCase, catalogue_words, in_catalogue, photos_of, tile_of, wait_until
+from program import BINARY
+from server_support import (AS_JSON, BLOBS, CHUNK, POSTGRES, TUS, Server, ServerTestCase, add_token, bearer, in_catalogue,
+                            middle_of, photos_of, tus_metadata, wait_until)
 
-FORM = "multipart/form-data; boundary=b"
-TUS = {"Tus-Resumable": "1.0.0"}
-CHUNK = {**TUS, "Content-Type": "application/offset+octet-stream"}
-AS_JSON = {"Content-Type": "application/json"}
+OF_B = "multipart/form-data; boundary=b"
 EVIL = '<img src=x onerror="alert(1)">&\'"; DROP TABLE flight; --'
 
 
@@ -43,19 +42,12 @@ def raw(port, *pieces, half_close=False):
     return int(line.split()[1]) if line else 0
 
 
-def metadata(flight_id, name="a.jpg"):
-    encoded = (base64.b64encode(text.encode()).decode() for text in (flight_id, name))
-    return {"Upload-Metadata": "flight {},filename {}".format(*encoded)}
-
-
 class BadInput(ServerTestCase):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
         cls.shared = Server(tempfile.mkdtemp(dir=cls.scratch))
-        _, made = cls.shared.upload(cls.photos, name=EVIL, options='{"gsd_m": 0.4}')
-        assert cls.shared.wait_for_job(made["job"]["id"])["state"] == "successful"
-        cls.map_id = made["flight"]["id"]
+        cls.map_id = cls.shared.stitched(cls.photos, name=EVIL, options='{"gsd_m": 0.4}')["flight"]["id"]
         _, cls.tilejson = cls.shared.json("GET", f"/tiles/{cls.map_id}.json")
 
     @classmethod
@@ -146,20 +138,20 @@ class BadInput(ServerTestCase):
                   b"--b\r\nContent-Type: multipart/mixed; boundary=c\r\n\r\n--c\r\n\r\nx\r\n--c--\r\n--b--")
         before = self.flights()
         for body in bodies:
-            self.refused("POST", "/api/v1/flights", body, {"Content-Type": FORM}, (400, 413, 422))
+            self.refused("POST", "/api/v1/flights", body, {"Content-Type": OF_B}, (400, 413, 422))
         for kind in ("multipart/form-data", "multipart/form-data; boundary=" + "b" * 71, 'multipart/form-data; boundary="b'):
             self.refused("POST", "/api/v1/flights", part % b"a.jpg" + b"--b--", {"Content-Type": kind}, (400, 415))
         self.assertEqual(self.flights(), before)
         # A name with lines or a way out of it is data, or refused: never a header, never a path.
         for name in (b"a%0d%0aX-Evil: y", b'"; filename*=utf-8\'\'..%2f..%2fevil.jpg; x="'):
-            status, headers, body = self.shared.request("POST", "/api/v1/flights", part % name + b"--b--", {"Content-Type": FORM})
+            status, headers, body = self.shared.request("POST", "/api/v1/flights", part % name + b"--b--", {"Content-Type": OF_B})
             self.assertIn(status, (202, 400, 422), body)
             self.assertNotIn("X-Evil", headers)
         self.assertEqual(list(self.shared.data.rglob("evil.jpg")), [])
 
     def test_06_tus(self):
         flight = self.new_flight()
-        good = {**TUS, **metadata(flight)}
+        good = {**TUS, **tus_metadata(flight)}
         for length in ("-1", "1e9", "99999999999999999999", "0x5"):
             self.refused("POST", "/api/v1/uploads", None, {**good, "Upload-Length": length}, (400, 413))
         for text in ("flight !!", "flight " + base64.b64encode(b"x\r\nX: y").decode(), "a YQ==,a YQ=="):
@@ -271,12 +263,11 @@ class BadInput(ServerTestCase):
 
     def test_12_who_may(self):
         data = tempfile.mkdtemp(dir=self.scratch)
-        add = lambda name, scope: subprocess.run([BINARY, "token", "add", name, "--data", data, *catalogue_words(data), "--scope", scope], check=True,
-                                                 capture_output=True, text=True).stdout.strip()
+        add = lambda name, scope: add_token(data, name, "--scope", scope)
         one, other = add("one", "upload"), add("other", "upload")
         server = Server(data, "--workers", "0")
         self.servers.append(server)
-        as_one, as_other = ({"Authorization": f"Bearer {token}"} for token in (one, other))
+        as_one, as_other = (bearer(token) for token in (one, other))
         # Without a token each operation of the contract is refused, but what monitors ask and what the page needs to ask for one.
         open_to_all = set()
         for template, operations in contract.SPEC["paths"].items():
@@ -289,7 +280,7 @@ class BadInput(ServerTestCase):
             "/auth/info", "/basemap.json", "/basemap.pmtiles", "/docs", "/healthz", "/openapi.json", "/readyz", "/version")})
         # What one began to upload is not another's to go on with.
         _, _, body = server.request("POST", "/api/v1/flights", "{}", {**AS_JSON, **as_one})
-        made = server.request("POST", "/api/v1/uploads", None, {**TUS, **as_one, "Upload-Length": "5", **metadata(json.loads(body)["id"])})
+        made = server.request("POST", "/api/v1/uploads", None, {**TUS, **as_one, "Upload-Length": "5", **tus_metadata(json.loads(body)["id"])})
         self.assertEqual(made[0], 201)
         for method, headers in (("HEAD", TUS), ("PATCH", {**CHUNK, "Upload-Offset": "0"}), ("DELETE", TUS)):
             self.assertIn(server.request(method, made[1]["Location"], headers={**headers, **as_other})[0], (403, 404), method)
@@ -344,8 +335,7 @@ class BadInput(ServerTestCase):
         for crs in ("EPSG:3857", "EPSG:4326"):
             self.refused("GET", f"/wms/{self.map_id}?request=GetMap&layers=map&styles=&version=1.3.0&crs={crs}&bbox=1,2,3,4"
                          "&width=100000&height=100000&format=image/png")
-        west, south, east, north = self.tilejson["bounds"]
-        x, y = tile_of((west + east) / 2, (south + north) / 2, self.tilejson["maxzoom"])
+        x, y = middle_of(self.tilejson["bounds"], self.tilejson["maxzoom"])
         tile = f"/tiles/{self.map_id}/{self.tilejson['maxzoom']}/{x}/{y}"
         if POSTGRES is None:
             self.check_a_held_catalogue(tile)

@@ -15,7 +15,7 @@ import time
 import unittest
 
 import crafted_inputs
-from server_support import ServerTestCase, wait_until
+from server_support import AS_JSON, ServerTestCase, wait_until
 
 STRICT = "--strict" in sys.argv
 MOST_S = 2.0 if STRICT else 10.0  # of CPU where others use the machine as well, on the clock where it is idle
@@ -188,7 +188,7 @@ class CraftedInputs(ServerTestCase):
         before = self.server_mib()
         for kind, body in crafted_inputs.json_inputs():
             begun = time.monotonic()
-            status, _, _ = self.server.request("POST", "/api/v1/flights", body, {"Content-Type": "application/json"})
+            status, _, _ = self.server.request("POST", "/api/v1/flights", body, AS_JSON)
             print(f"{kind:34} {len(body):12,} {status:6} {time.monotonic() - begun:7.2f}")
             self.assertIn(status, {400, 413, 422}, kind)
         self.assertLess(self.server_mib() - before, 100)

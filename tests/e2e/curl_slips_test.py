@@ -5,7 +5,7 @@ import shutil
 import subprocess
 import unittest
 
-from server_support import BINARY, ServerTestCase, catalogue_words, wait_until
+from server_support import ServerTestCase, wait_until
 
 
 @unittest.skipIf(shutil.which("curl") is None, "needs curl")
@@ -72,7 +72,7 @@ class CurlSlips(ServerTestCase):
         self.assertEqual(self.server.request("GET", f"{files}101MEDIA_DJI_0001.JPG")[2], second)
 
     def test_a_wrong_token_is_told_from_none(self):
-        subprocess.run([BINARY, "token", "add", "one", "--data", self.server.data, *catalogue_words(self.server.data)], check=True, capture_output=True)
+        self.token("one")
         wait_until(lambda: self.server.request("GET", "/api/v1/flights")[0] == 401, "the token is not asked for")
         none = self.curl(self.server, "/api/v1/flights")
         wrong = self.curl(self.server, "/api/v1/flights", "-H", "Authorization: Bearer sq_mistyped")

@@ -4,11 +4,11 @@ import os
 import pathlib
 import shutil
 import sqlite3
-import subprocess
 import tempfile
 import unittest
 
-from server_support import BINARY, Server, ServerTestCase, path_of, tile_of, wait_until
+from program import run
+from server_support import Server, ServerTestCase, middle_of, path_of, wait_until
 
 
 def contents(folder):
@@ -29,16 +29,12 @@ class DataSafety(ServerTestCase):
         self.data = os.path.join(self.data, "d")  # made by the server
 
     def data_command(self, name, *arguments, code=0):
-        done = subprocess.run([BINARY, "data", name, "--data", self.data, *arguments], capture_output=True, text=True, timeout=120)
+        done = run("data", name, "--data", self.data, *arguments, code=None, timeout=120)
         self.assertEqual(done.returncode, code, done.stdout + done.stderr)
         return done.stdout + done.stderr
 
     def make_map(self, server, name="field"):
-        status, made = server.upload(self.photos, name=name)
-        self.assertEqual(status, 202, made)
-        job = server.wait_for_job(made["job"]["id"])
-        self.assertEqual(job["state"], "successful", job)
-        return made["flight"]["id"]
+        return server.stitched(self.photos, name=name)["flight"]["id"]
 
     def view(self, server, flight_id):
         """All that a client sees of a flight: its name, its files with their bytes, and the tiles of its map."""
@@ -52,9 +48,8 @@ class DataSafety(ServerTestCase):
         tiles = {}
         if flight["state"] == "ready":
             _, tilejson = server.json("GET", path_of(flight["tilejson"]))
-            west, south, east, north = tilejson["bounds"]
             for zoom in range(tilejson["minzoom"], tilejson["maxzoom"] + 1):
-                x, y = tile_of((west + east) / 2, (south + north) / 2, zoom)
+                x, y = middle_of(tilejson["bounds"], zoom)
                 address = tilejson["tiles"][0].format(z=zoom, x=x, y=y)
                 status, _, body = server.request("GET", path_of(address))
                 tiles[zoom] = (status, body)

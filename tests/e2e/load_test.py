@@ -1,26 +1,22 @@
 """More asked of the server than it can do: it answers what is cheap, refuses what is too much, and stops when told to."""
-import json
 import os
 import pathlib
 import re
 import signal
 import socket
 import sqlite3
-import subprocess
 import threading
 import time
 import unittest
 
-from server_support import BINARY, BLOBS, POSTGRES, ServerTestCase, catalogue_words, in_catalogue, tile_of, wait_until
+from server_support import AS_JSON, BLOBS, POSTGRES, ServerTestCase, in_catalogue, tile_of, wait_until
 
 
 class Load(ServerTestCase):
     def with_map(self, *arguments):
         """(a server without workers, a flight with a map, the address of one of its tiles without extension)."""
         server = self.serve("--workers", "1", "--no-previews")
-        _, made = server.upload(self.photos)
-        self.assertEqual(server.wait_for_job(made["job"]["id"])["state"], "successful")
-        flight = made["flight"]["id"]
+        flight = server.stitched(self.photos)["flight"]["id"]
         _, document = server.json("GET", f"/tiles/{flight}.json")
         lon, lat, _ = document["center"]
         zoom = document["maxzoom"]
@@ -48,16 +44,14 @@ class Load(ServerTestCase):
     def test_a_held_write_lock_holds_up_nobody_who_reads(self):
         server, flight, tile = self.with_map()
         server.stop()
-        made = subprocess.run([BINARY, "token", "add", "one", "--data", self.data, *catalogue_words(self.data), "--scope", "admin"], check=True,
-                              capture_output=True, text=True)
-        token = {"Authorization": f"Bearer {made.stdout.strip()}"}
+        token = self.token("one", "--scope", "admin")
         server = self.serve("--workers", "0")
         self.assertEqual(server.request("GET", tile, headers=token)[0], 200)
         lock = sqlite3.connect(pathlib.Path(self.data, "catalogue.db"), isolation_level=None)
         lock.execute("BEGIN IMMEDIATE")
         written = []
         writers = [threading.Thread(target=lambda: written.append(server.request(
-            "POST", "/api/v1/flights", "{}", {"Content-Type": "application/json", **token})[0])) for _ in range(3)]
+            "POST", "/api/v1/flights", "{}", {**AS_JSON, **token})[0])) for _ in range(3)]
         for writer in writers:
             writer.start()
         try:
@@ -178,7 +172,7 @@ class Load(ServerTestCase):
         # Nothing is lost, and the next one starts.
         stored.unlink()
         again = self.serve("--workers", "0")
-        self.assertEqual(json.loads(again.request("GET", f"/api/v1/flights/{flight}")[2])["id"], flight)
+        self.assertEqual(again.json("GET", f"/api/v1/flights/{flight}")[1]["id"], flight)
 
 
 if __name__ == "__main__":

@@ -1,7 +1,6 @@
 """The NodeODM-compatible node, call by call as its clients make them: a photo folder in, all.zip out."""
 import io
 import json
-import pathlib
 import re
 import subprocess
 import sys
@@ -10,27 +9,18 @@ import urllib.parse
 import uuid as uuids
 import zipfile
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent / "command_line"))
-from control_test import gcp_list  # noqa: E402
-from sharing_test import Receiver  # noqa: E402
-from flights import made_flights  # noqa: E402
-from server_support import BINARY, DATA, ServerTestCase, catalogue_words, kept_of_flights, storage_words, wait_until  # noqa: E402
+import server_support
+from flights import made_flights
+from program import DATA, run
+from server_support import AS_JSON, FORM, ServerTestCase, kept_of_flights, photos_in, storage_words, wait_until
+from sharing_test import Receiver
 
-BOUNDARY = "node-test-boundary"
-FORM = {"Content-Type": f"multipart/form-data; boundary={BOUNDARY}"}
-AS_JSON = {"Content-Type": "application/json"}
 AS_FORM = {"Content-Type": "application/x-www-form-urlencoded"}
 UUID = re.compile(r"[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}$")
 
 
 def form(fields=(), files=()):
-    parts = [f'--{BOUNDARY}\r\nContent-Disposition: form-data; name="{name}"\r\n\r\n{value}\r\n'.encode()
-             for name, value in dict(fields).items()]
-    for name, content in files:
-        head = (f'--{BOUNDARY}\r\nContent-Disposition: form-data; name="images"; filename="{name}"\r\n'
-                "Content-Type: application/octet-stream\r\n\r\n")
-        parts.append(head.encode() + content + b"\r\n")
-    return b"".join(parts) + f"--{BOUNDARY}--\r\n".encode()
+    return server_support.form(fields, files, "images")
 
 
 class Node(ServerTestCase):
@@ -141,7 +131,7 @@ class Node(ServerTestCase):
         folder = DATA / "brighton_beach" / "images"
         if not folder.is_dir():
             self.skipTest("the Brighton Beach photos are not here")
-        self.photos = [(path.name, path.read_bytes()) for path in sorted(folder.glob("*.JPG"))]
+        self.photos = photos_in(folder)
         self.assertEqual(len(self.photos), 18)
         server = self.serve()
         uuid = self.start(server, {"name": "Brighton Beach"})
@@ -151,7 +141,7 @@ class Node(ServerTestCase):
     def test_ground_control_among_the_images_is_told_of(self):
         server = self.serve()
         truth = json.loads((made_flights.small_flight() / "truth/poses.json").read_text())
-        points = gcp_list(truth, ((-15.0, -10.0), (15.0, -10.0), (0.0, 12.0)))
+        points = made_flights.gcp_list(truth, ((-15.0, -10.0), (15.0, -10.0), (0.0, 12.0)))
         made = self.ask(server, "POST", "/task/new", form({"name": "surveyed"}, [*self.photos, ("gcp_list.txt", points.encode())]), FORM)
         self.wait(server, made["uuid"], 40)
         whole = server.request("GET", f"/task/{made['uuid']}/download/all.zip")[2]
@@ -310,17 +300,16 @@ class Node(ServerTestCase):
         self.assertEqual(self.ask(server, "GET", f"/task/{uuid}/download/all.zip"), {"error": "Asset not ready"})
         self.assertFalse(self.ask(server, "POST", "/task/restart", f"uuid={uuid}")["success"])
         self.assertEqual(self.ask(server, "POST", f"/task/new/commit/{uuid}"), {"uuid": uuid})  # a client that heard nothing
-        as_json = {"Content-Type": "application/json"}
         for _ in range(2):
-            answer = self.ask(server, "POST", "/task/cancel", json.dumps({"uuid": uuid}), as_json)
+            answer = self.ask(server, "POST", "/task/cancel", json.dumps({"uuid": uuid}), AS_JSON)
             self.assertEqual(answer, {"success": True})
         self.assertEqual(self.ask(server, "GET", f"/task/{uuid}/info")["status"], {"code": 50})
         options = [{"name": "orthophoto-quality", "value": 70}]
-        answer = self.ask(server, "POST", "/task/restart", json.dumps({"uuid": uuid, "options": options}), as_json)
+        answer = self.ask(server, "POST", "/task/restart", json.dumps({"uuid": uuid, "options": options}), AS_JSON)
         self.assertEqual(answer, {"success": True})
         told = self.ask(server, "GET", f"/task/{uuid}/info")
         self.assertEqual((told["status"], told["options"]), ({"code": 10}, options))
-        subprocess.run([BINARY, "worker", "--data", self.data, *storage_words(self.data), "--until-empty"], check=True, capture_output=True)
+        run("worker", "--data", self.data, *storage_words(self.data), "--until-empty")
         self.wait(server, uuid, 40)
         self.assertEqual(self.ask(server, "POST", "/task/remove", f"uuid={uuid}"), {"success": True})
         self.assertEqual(self.ask(server, "GET", "/task/list"), [])

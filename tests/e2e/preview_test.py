@@ -2,12 +2,12 @@
 import http.client
 import json
 import pathlib
-import subprocess
 import threading
 import time
 import unittest
 
-from server_support import BINARY, ServerTestCase, parts_of, path_of, tile_of, wait_until
+from program import run
+from server_support import ServerTestCase, middle_tile, parts_of, photos_in, wait_until
 
 
 class Events(threading.Thread):
@@ -44,13 +44,10 @@ class Preview(ServerTestCase):
         for name, content in photos:
             self.assertEqual(server.request("PUT", f"/api/v1/flights/{flight_id}/files/{name}", content)[0], 201)
 
-    def middle_tile(self, server, tilejson_path, extra=""):
+    def middle_tile(self, server, tilejson_path):
         status, tilejson = server.json("GET", tilejson_path)
         self.assertEqual(status, 200, tilejson)
-        west, south, east, north = tilejson["bounds"]
-        zoom = tilejson["maxzoom"]
-        x, y = tile_of((west + east) / 2, (south + north) / 2, zoom)
-        url = path_of(tilejson["tiles"][0].format(z=zoom, x=x, y=y)) + extra
+        url = middle_tile(tilejson)
         return url, server.request("GET", url)
 
     def test_it_grows_with_the_photos_and_gives_way_to_the_map(self):
@@ -128,8 +125,8 @@ class Preview(ServerTestCase):
 
     def test_what_is_no_photo_or_has_no_place_is_passed_over(self):
         scratch = pathlib.Path(self.data, "..", "unplaced").resolve()
-        subprocess.run([BINARY, "simulate", "-o", str(scratch), "--photos", "2", "--size", "640x480", "--no-world", "--noise", "no-gps"], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        unplaced = [(path.name, path.read_bytes()) for path in sorted((scratch / "photos").iterdir()) if path.suffix == ".jpg"]
+        run("simulate", "-o", str(scratch), "--photos", "2", "--size", "640x480", "--no-world", "--noise", "no-gps")
+        unplaced = [(f"unplaced_{name}", content) for name, content in photos_in(scratch / "photos")]
         server = self.serve()
         _, flight = server.json("POST", "/api/v1/flights", {})
         name, content = self.photos[0]

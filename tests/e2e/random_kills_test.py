@@ -3,7 +3,6 @@ gone, emptied or an hour old: nothing accepted is lost, nothing is published twi
 
 SKYQUILT_KILLS (default 8) says how many kills, SKYQUILT_KILL_SEED where the dice start.
 """
-import base64
 import hashlib
 import http.client
 import io
@@ -21,12 +20,13 @@ import unittest
 import urllib.parse
 import zipfile
 
-from server_support import BINARY, ServerTestCase, is_running, wait_until
+from program import BINARY, run
+from server_support import CHUNK, TUS, ServerTestCase, is_running, tus_metadata, wait_until
 
 KILLS = int(os.environ.get("SKYQUILT_KILLS", "8"))
 SEED = int(os.environ.get("SKYQUILT_KILL_SEED", "1"))
 MAX_ATTEMPTS = 3
-CHUNK = 40_000  # bytes of one PATCH of a resumable upload
+PIECE = 40_000  # bytes of one PATCH of a resumable upload
 
 
 def digest(content):
@@ -111,20 +111,14 @@ class Client(threading.Thread):
         self.accepted[flight][name] = digest(content)
 
     def tus(self, flight, name, content):
-        words = {"flight": flight, "filename": name}
-        metadata = ",".join(f"{key} {base64.b64encode(value.encode()).decode()}" for key, value in words.items())
-        head = {"Tus-Resumable": "1.0.0"}
-        _, found, _ = self.ask("POST", "/api/v1/uploads", None,
-                               {**head, "Upload-Length": str(len(content)), "Upload-Metadata": metadata})
+        _, found, _ = self.ask("POST", "/api/v1/uploads", None, {**TUS, **tus_metadata(flight, name), "Upload-Length": str(len(content))})
         where = "/api/v1/uploads/" + found["Location"].rstrip("/").rsplit("/", 1)[1]
         while True:
-            status, found, _ = self.ask("HEAD", where, None, head, fine=(200, 204))
+            status, found, _ = self.ask("HEAD", where, None, TUS, fine=(200, 204))
             offset = int(found["Upload-Offset"])
             if offset == len(content):
                 break
-            piece = content[offset:offset + CHUNK]
-            self.ask("PATCH", where, piece, {**head, "Upload-Offset": str(offset),
-                                             "Content-Type": "application/offset+octet-stream"}, fine=(204, 409, 423, 460))
+            self.ask("PATCH", where, content[offset:offset + PIECE], {**CHUNK, "Upload-Offset": str(offset)}, fine=(204, 409, 423, 460))
         self.accepted[flight][name] = digest(content)
 
     def archive(self, flight, photos):
@@ -270,6 +264,7 @@ class RandomKills(ServerTestCase):
                     self.assertEqual(status, 200, f"{flight}/{name} was accepted and is gone")
                     self.assertEqual(digest(content), expected, f"{flight}/{name} came back changed")
         self.assertLessEqual(extra_attempts, self.alone_kills, "a restart was counted as an attempt")
+        wait_until(lambda: self.server.garbage() == [], "something was left over")
         with sqlite3.connect(self.server.data / "catalogue.db") as catalogue:
             self.assertEqual(catalogue.execute("PRAGMA quick_check").fetchall(), [("ok",)])
             twice = catalogue.execute(
@@ -333,8 +328,7 @@ class RandomKills(ServerTestCase):
                 if kind != "an hour old":
                     self.assertIn("skyquilt data repair", said)
                 self.assertEqual(self.inventory(), on_disk, f"a photo or map is gone: {said}")
-                repaired = subprocess.run([BINARY, "data", "repair", "--data", self.data], capture_output=True, text=True, timeout=300)
-                self.assertEqual(repaired.returncode, 0, repaired.stdout + repaired.stderr)
+                repaired = run("data", "repair", "--data", self.data, timeout=300)
                 self.assertEqual(self.inventory(), on_disk, repaired.stdout)
                 self.start()
                 after = self.shown()

@@ -6,41 +6,33 @@ import subprocess
 import time
 import unittest
 
-from server_support import BINARY, ServerTestCase, catalogue_words, storage_words, wait_until
+from program import BINARY, run
+from server_support import AS_JSON, ServerTestCase, add_token, bearer, catalogue_words, storage_words, wait_until
 
 
 class Security(ServerTestCase):
-    def make_token(self, name, scope):
-        made = subprocess.run([BINARY, "token", "add", name, "--data", self.data, *catalogue_words(self.data), "--scope", scope], check=True,
-                              capture_output=True, text=True)
-        return made.stdout.strip()
-
-    def bearer(self, token):
-        return {"Authorization": f"Bearer {token}"}
-
     def test_tokens_open_what_their_scope_says(self):
-        read, upload, admin = (self.make_token(scope, scope) for scope in ("read", "upload", "admin"))
+        read, upload, admin = (add_token(self.data, scope, "--scope", scope) for scope in ("read", "upload", "admin"))
         server = self.serve("--workers", "0")
-        as_json = {"Content-Type": "application/json"}
         flights = "/api/v1/flights"
         self.assertEqual(server.request("GET", "/healthz")[0], 200)
         status, headers, _ = server.request("GET", flights)
         self.assertEqual((status, headers["WWW-Authenticate"]), (401, 'Bearer realm="skyquilt"'))
-        self.assertEqual(server.request("GET", flights, headers=self.bearer("sq_guess"))[0], 401)
-        self.assertEqual(server.request("GET", flights, headers=self.bearer(read))[0], 200)
+        self.assertEqual(server.request("GET", flights, headers=bearer("sq_guess"))[0], 401)
+        self.assertEqual(server.request("GET", flights, headers=bearer(read))[0], 200)
         self.assertEqual(server.request("GET", f"{flights}?token={read}")[0], 200)
-        self.assertEqual(server.request("POST", flights, "{}", {**as_json, **self.bearer(read)})[0], 403)
+        self.assertEqual(server.request("POST", flights, "{}", {**AS_JSON, **bearer(read)})[0], 403)
         # In the address even a mighty token only reads.
-        self.assertEqual(server.request("POST", f"{flights}?token={admin}", "{}", as_json)[0], 403)
-        status, headers, _ = server.request("POST", flights, "{}", {**as_json, **self.bearer(upload)})
+        self.assertEqual(server.request("POST", f"{flights}?token={admin}", "{}", AS_JSON)[0], 403)
+        status, headers, _ = server.request("POST", flights, "{}", {**AS_JSON, **bearer(upload)})
         self.assertEqual(status, 201)
-        self.assertEqual(server.request("DELETE", headers["Location"], headers=self.bearer(read))[0], 403)
-        self.assertEqual(server.request("GET", "/metrics", headers=self.bearer(upload))[0], 403)
+        self.assertEqual(server.request("DELETE", headers["Location"], headers=bearer(read))[0], 403)
+        self.assertEqual(server.request("GET", "/metrics", headers=bearer(upload))[0], 403)
         # Upload deletes what it made, and admin what anybody made.
-        self.assertEqual(server.request("DELETE", headers["Location"], headers=self.bearer(upload))[0], 204)
-        made = [server.request("POST", flights, "{}", {**as_json, **self.bearer(token)})[1]["Location"] for token in (upload, admin)]
-        self.assertEqual(server.request("DELETE", made[1], headers=self.bearer(upload))[0], 403)
-        self.assertEqual([server.request("DELETE", path, headers=self.bearer(admin))[0] for path in made], [204, 204])
+        self.assertEqual(server.request("DELETE", headers["Location"], headers=bearer(upload))[0], 204)
+        made = [server.request("POST", flights, "{}", {**AS_JSON, **bearer(token)})[1]["Location"] for token in (upload, admin)]
+        self.assertEqual(server.request("DELETE", made[1], headers=bearer(upload))[0], 403)
+        self.assertEqual([server.request("DELETE", path, headers=bearer(admin))[0] for path in made], [204, 204])
         # The node's clients send their token in the address, and take a refusal as an answer.
         status, _, body = server.request("GET", "/info")
         self.assertEqual((status, b"Invalid authentication token" in body), (200, True))
@@ -50,15 +42,15 @@ class Security(ServerTestCase):
             self.assertNotIn(token, server.errors())
             catalogue = b"".join(path.read_bytes() for path in pathlib.Path(self.data).glob("catalogue.db*"))
             self.assertNotIn(token.encode(), catalogue)
-        subprocess.run([BINARY, "token", "revoke", "read", "--data", self.data, *catalogue_words(self.data)], check=True)
-        wait_until(lambda: server.request("GET", flights, headers=self.bearer(read))[0] == 401, "a revoked token goes on")
-        listed = subprocess.run([BINARY, "token", "list", "--data", self.data, *catalogue_words(self.data)], check=True, capture_output=True, text=True)
+        run("token", "revoke", "read", "--data", self.data, *catalogue_words(self.data))
+        wait_until(lambda: server.request("GET", flights, headers=bearer(read))[0] == 401, "a revoked token goes on")
+        listed = run("token", "list", "--data", self.data, *catalogue_words(self.data))
         self.assertEqual([line.split()[0] for line in listed.stdout.splitlines()], ["upload", "admin"])
 
     def test_others_are_let_in_only_with_a_token_or_a_word(self):
         asked = [BINARY, "serve", "--data", self.data, *storage_words(self.data), "--listen", "0.0.0.0:0", "--workers", "0"]
         self.assertIn("token add", self.refusal("--listen", "0.0.0.0:0", "--workers", "0"))
-        self.make_token("one", "read")
+        self.token("one", "--scope", "read")
         server = subprocess.Popen(asked, stdout=subprocess.PIPE, text=True)
         self.assertIn("serving at", server.stdout.readline())
         server.terminate()
@@ -67,7 +59,7 @@ class Security(ServerTestCase):
 
     def test_a_page_of_elsewhere_changes_nothing(self):
         server = self.serve("--workers", "0")
-        headers = {"Content-Type": "application/json", "Origin": "http://evil.example"}
+        headers = {**AS_JSON, "Origin": "http://evil.example"}
         self.assertEqual(server.request("POST", "/api/v1/flights", "{}", headers)[0], 403)
         status, _, _ = server.request("GET", "/api/v1/flights", headers={"Host": "evil.example"})
         self.assertEqual(status, 421)

@@ -4,7 +4,7 @@ import json
 import socket
 import unittest
 
-from server_support import ServerTestCase, kept_of_flights, path_of, tile_of
+from server_support import ServerTestCase, kept_of_flights, middle_of, path_of
 
 
 class Flow(ServerTestCase):
@@ -30,9 +30,8 @@ class Flow(ServerTestCase):
     def check_tiles(self, server, flight):
         status, tilejson = server.json("GET", flight["tilejson"])
         self.assertEqual(status, 200)
-        west, south, east, north = tilejson["bounds"]
         zoom = tilejson["maxzoom"]
-        x, y = tile_of((west + east) / 2, (south + north) / 2, zoom)
+        x, y = middle_of(tilejson["bounds"], zoom)
         url = tilejson["tiles"][0].format(z=zoom, x=x, y=y)
         self.assertTrue(url.startswith(f"http://127.0.0.1:{server.port}/"))
         status, headers, body = server.request("GET", path_of(url))
@@ -126,8 +125,7 @@ class Flow(ServerTestCase):
 
     def test_a_flight_of_one_photo_makes_a_map(self):
         server = self.serve()
-        _, made = server.upload(self.photos[:1])
-        self.assertEqual(server.wait_for_job(made["job"]["id"])["state"], "successful")
+        made = server.stitched(self.photos[:1])
         _, flight = server.json("GET", f"/api/v1/flights/{made['flight']['id']}")
         self.assertEqual((flight["state"], flight["photos"]["total"]), ("ready", 1))
         self.check_tiles(server, flight)

@@ -1,7 +1,9 @@
 """What the server's end-to-end tests share: the real binary on a free port, plain HTTP, a simulated flight."""
+import base64
 import contextlib
 import http.client
 import json
+import math
 import os
 import pathlib
 import re
@@ -11,17 +13,19 @@ import sqlite3
 import subprocess
 import tempfile
 import time
-import unittest
 import urllib.parse
 
 import contract
 import s3_store
 from cluster import swift_store
 from flights import made_flights
+from program import BINARY, ScratchCase, run
 
-BINARY = os.environ.get("SKYQUILT_BINARY", "build/release/bin/skyquilt")
-# Real flights and logs, not part of the repository: tests that want them skip where they are not.
-DATA = pathlib.Path(os.environ.get("SKYQUILT_DATA", pathlib.Path(__file__).parents[2] / ".." / "shared" / "data"))
+AS_JSON = {"Content-Type": "application/json"}
+BOUNDARY = "skyquilt-test-boundary"
+FORM = {"Content-Type": f"multipart/form-data; boundary={BOUNDARY}"}
+TUS = {"Tus-Resumable": "1.0.0"}
+CHUNK = {**TUS, "Content-Type": "application/offset+octet-stream"}
 # With the URL of a PostgreSQL server (tests/support/postgres_server.py) every data folder has its catalogue there.
 POSTGRES = os.environ.get("SKYQUILT_TEST_POSTGRES")
 # With the address of a bucket, and of s3rver's its folder, (cluster/both_stores.py) its photos and maps lie there.
@@ -83,6 +87,29 @@ def in_catalogue(data, sql, *values):
             for line in said.splitlines()]
 
 
+def add_token(data, name, *options):
+    """A new token of a data folder: the secret."""
+    return run("token", "add", name, "--data", data, *catalogue_words(data), *options).stdout.strip()
+
+
+def bearer(token):
+    return {"Authorization": f"Bearer {token}"}
+
+
+def form(fields=(), files=(), part="file"):
+    """The body of a form (FORM) with these fields, and of (name, bytes) pairs each as a file in a part of this name."""
+    head = f'--{BOUNDARY}\r\nContent-Disposition: form-data; name='
+    parts = [f'{head}"{name}"\r\n\r\n{value}\r\n'.encode() for name, value in dict(fields).items()]
+    parts += [f'{head}"{part}"; filename="{name}"\r\n\r\n'.encode() + content + b"\r\n" for name, content in files]
+    return b"".join(parts) + f"--{BOUNDARY}--\r\n".encode()
+
+
+def tus_metadata(flight, name="a.jpg"):
+    """The header that says what a resumable upload is of."""
+    words = (f"{key} {base64.b64encode(value.encode()).decode()}" for key, value in (("flight", flight), ("filename", name)))
+    return {"Upload-Metadata": ",".join(words)}
+
+
 class Server:
     """`skyquilt serve` over one data folder."""
 
@@ -114,25 +141,23 @@ class Server:
         contract.check(method, path, *answer)
         return answer
 
-    def json(self, method, path, value=None):
+    def json(self, method, path, value=None, headers=None):
         body = None if value is None else json.dumps(value)
-        headers = {} if value is None else {"Content-Type": "application/json"}
-        status, _, answer = self.request(method, path, body, headers)
+        status, _, answer = self.request(method, path, body, {**({} if value is None else AS_JSON), **(headers or {})})
         return status, json.loads(answer) if answer else None
 
     def upload(self, files, **fields):
         """POST /api/v1/flights with (name, bytes) pairs: (status, answer)."""
-        boundary = "skyquilt-test-boundary"
-        parts = []
-        for name, value in fields.items():
-            parts.append(f'--{boundary}\r\nContent-Disposition: form-data; name="{name}"\r\n\r\n{value}\r\n'.encode())
-        for name, content in files:
-            head = f'--{boundary}\r\nContent-Disposition: form-data; name="file"; filename="{name}"\r\n\r\n'
-            parts.append(head.encode() + content + b"\r\n")
-        parts.append(f"--{boundary}--\r\n".encode())
-        status, _, answer = self.request("POST", "/api/v1/flights", b"".join(parts),
-                                         {"Content-Type": f"multipart/form-data; boundary={boundary}"})
+        status, _, answer = self.request("POST", "/api/v1/flights", form(fields, files), FORM)
         return status, json.loads(answer)
+
+    def stitched(self, files, **fields):
+        """What the upload answers, once its job, in it as it ended, has made a map."""
+        status, made = self.upload(files, **fields)
+        assert status == 202, made
+        made["job"] = self.wait_for_job(made["job"]["id"])
+        assert made["job"]["state"] == "successful", (made["job"], self.errors())
+        return made
 
     def wait_for_job(self, job_id, until=lambda job: job["finished_at"] is not None):
         end = time.monotonic() + PATIENCE_S
@@ -230,32 +255,30 @@ def wait_until(condition, complaint):
         time.sleep(0.05)
 
 
+def photos_in(folder):
+    """(name, bytes) of the photos in a folder, by their names."""
+    return [(path.name, path.read_bytes()) for path in sorted(pathlib.Path(folder).iterdir()) if path.suffix.lower() == ".jpg"]
+
+
 def stitch_simulated(folder):
     """(a server with the data folder `folder`/data, the one flight in it, simulated there and stitched)."""
-    subprocess.run([BINARY, "simulate", "-o", folder / "sim", "--photos", "8", "--size", "1600x1200", "--no-world"], check=True,
-                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    photos = [(path.name, path.read_bytes()) for path in sorted((folder / "sim/photos").iterdir()) if path.suffix.upper() == ".JPG"]
+    run("simulate", "-o", folder / "sim", "--photos", "8", "--size", "1600x1200", "--no-world")
     server = Server(folder / "data", "--workers", "1")
-    _, made = server.upload(photos)
-    assert server.wait_for_job(made["job"]["id"])["state"] == "successful"
-    return server, made["flight"]["id"]
+    return server, server.stitched(photos_in(folder / "sim/photos"))["flight"]["id"]
 
 
 def small_photos():
     """(name, bytes) of the flight that nearly every test uploads."""
-    return [(path.name, path.read_bytes()) for path in sorted((made_flights.small_flight() / "photos").iterdir())]
+    return photos_in(made_flights.small_flight() / "photos")
 
 
 def make_map(data, photos, **fields):
     """Has a server of its own make a flight and its map in a data folder; the flight's id."""
     server = Server(data, "--workers", "1")
     try:
-        _, made = server.upload(photos, **fields)
-        job = server.wait_for_job(made["job"]["id"])
-        assert job["state"] == "successful", job
+        return server.stitched(photos, **fields)["flight"]["id"]
     finally:
         server.stop()
-    return made["flight"]["id"]
 
 
 def put_map(data):
@@ -270,17 +293,14 @@ def put_map(data):
     return (made / "id").read_text()
 
 
-class ServerTestCase(unittest.TestCase):
+class ServerTestCase(ScratchCase):
     """A fresh data folder per test, and the photos of one small flight."""
 
     @classmethod
     def setUpClass(cls):
-        cls.scratch = tempfile.mkdtemp(prefix="skyquilt_e2e_")
+        super().setUpClass()
+        cls.scratch = str(cls.scratch)  # for libraries that want text
         cls.photos = small_photos()
-
-    @classmethod
-    def tearDownClass(cls):
-        shutil.rmtree(cls.scratch)
 
     def setUp(self):
         self.data = tempfile.mkdtemp(prefix="data_", dir=self.scratch)
@@ -300,9 +320,13 @@ class ServerTestCase(unittest.TestCase):
 
     def refusal(self, *arguments):
         """What `skyquilt serve` says when it does not start."""
-        refused = subprocess.run([BINARY, "serve", "--data", self.data, *storage_words(self.data), *arguments], capture_output=True, text=True, timeout=60)
+        refused = run("serve", "--data", self.data, *storage_words(self.data), *arguments, code=None, timeout=60)
         self.assertNotEqual(refused.returncode, 0)
         return refused.stderr
+
+    def token(self, name, *options):
+        """The header of a new token for the test's data folder."""
+        return bearer(add_token(self.data, name, *options))
 
     def serve(self, *arguments, **where):
         server = Server(self.data, *arguments, **where)
@@ -311,18 +335,22 @@ class ServerTestCase(unittest.TestCase):
 
 
 def tile_of(lon, lat, zoom):
-    import math
     side = 1 << zoom
     x = int((lon + 180) / 360 * side)
     y = int((1 - math.asinh(math.tan(math.radians(lat))) / math.pi) / 2 * side)
     return x, y
 
 
-def middle_tile(tilejson):
-    """The address of the coarsest tile in the middle of a map."""
-    zoom, (west, south, east, north) = tilejson["minzoom"], tilejson["bounds"]
-    x, y = tile_of((west + east) / 2, (south + north) / 2, zoom)
-    return path_of(tilejson["tiles"][0].format(z=zoom, x=x, y=y))
+def middle_of(bounds, zoom):
+    """The tile in the middle of a map: its column and row."""
+    west, south, east, north = bounds
+    return tile_of((west + east) / 2, (south + north) / 2, zoom)
+
+
+def middle_tile(tilejson, zoom="maxzoom"):
+    """The address of the finest tile in the middle of a map; with "minzoom" of the coarsest."""
+    x, y = middle_of(tilejson["bounds"], tilejson[zoom])
+    return path_of(tilejson["tiles"][0].format(z=tilejson[zoom], x=x, y=y))
 
 
 def path_of(url):

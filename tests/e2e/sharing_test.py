@@ -1,5 +1,4 @@
 """Several who use one server: limits of a token, turns, OGC API Processes, and others who want to be told."""
-import base64
 import hashlib
 import hmac
 import http.server
@@ -14,7 +13,7 @@ import time
 import unittest
 from unittest import mock
 
-from server_support import BINARY, ServerTestCase, catalogue_words, path_of, wait_until
+from server_support import AS_JSON, TUS, ServerTestCase, bearer, path_of, tus_metadata, wait_until
 
 
 class Receiver(http.server.ThreadingHTTPServer):
@@ -42,14 +41,10 @@ class Receiver(http.server.ThreadingHTTPServer):
 
 
 class Sharing(ServerTestCase):
-    def make_token(self, name, *options):
-        made = subprocess.run([BINARY, "token", "add", name, "--data", self.data, *catalogue_words(self.data), *options], check=True, capture_output=True, text=True)
-        return {"Authorization": f"Bearer {made.stdout.strip()}"}
-
     def test_a_token_takes_what_it_may(self):
-        few = self.make_token("few", "--scope", "upload", "--per-minute", "30")
-        small = self.make_token("small", "--scope", "upload", "--most-gb", "0.001")
-        admin = self.make_token("admin", "--scope", "admin")
+        few = self.token("few", "--scope", "upload", "--per-minute", "30")
+        small = self.token("small", "--scope", "upload", "--most-gb", "0.001")
+        admin = self.token("admin", "--scope", "admin")
         server = self.serve("--workers", "0")
         answers = [server.request("GET", "/api/v1/flights", headers=few) for _ in range(40)]
         self.assertEqual([status for status, _, _ in answers[:30]], [200] * 30)
@@ -59,30 +54,27 @@ class Sharing(ServerTestCase):
         self.assertEqual(server.request("GET", "/api/v1/flights", headers=small)[0], 200)
         _, _, told = server.request("GET", "/api/v1/access", headers=small)
         self.assertEqual(json.loads(told), {"needs_token": True, "scope": "upload", "flight": None, "keep_days": 0})
-        as_json = {"Content-Type": "application/json"}
-        _, _, body = server.request("POST", "/api/v1/flights", "{}", {**small, **as_json})
+        _, _, body = server.request("POST", "/api/v1/flights", "{}", {**small, **AS_JSON})
         files = f"/api/v1/flights/{json.loads(body)['id']}/files"
         self.assertEqual(server.request("PUT", f"{files}/a.jpg", bytes(600_000), small)[0], 201)
         status, _, body = server.request("PUT", f"{files}/b.jpg", bytes(600_000), small)
         self.assertEqual((status, b"Delete a flight" in body), (413, True))
-        encoded = [base64.b64encode(text.encode()).decode() for text in (files.split("/")[4], "b.jpg")]
-        metadata = {"Upload-Metadata": f"flight {encoded[0]},filename {encoded[1]}"}
-        refused = server.request("POST", "/api/v1/uploads", headers={**small, **metadata, "Tus-Resumable": "1.0.0", "Upload-Length": "600000"})
+        refused = server.request("POST", "/api/v1/uploads", headers={**small, **TUS, **tus_metadata(files.split("/")[4], "b.jpg"), "Upload-Length": "600000"})
         self.assertEqual(refused[0], 413)
         self.assertEqual(server.request("PUT", f"{files}/b.jpg", bytes(300_000), small)[0], 201)
         jobs = files.replace("/files", "/jobs")
-        status, _, body = server.request("POST", jobs, '{"priority": 5}', {**small, **as_json})
+        status, _, body = server.request("POST", jobs, '{"priority": 5}', {**small, **AS_JSON})
         self.assertEqual((status, b"admin" in body), (403, True))
-        status, _, body = server.request("POST", jobs, '{"priority": 5}', {**admin, **as_json})
+        status, _, body = server.request("POST", jobs, '{"priority": 5}', {**admin, **AS_JSON})
         self.assertEqual((status, json.loads(body)["priority"]), (202, 5))
 
     def test_notes_are_for_all_who_open_the_flight(self):
-        writer = self.make_token("writer", "--scope", "upload")
+        writer = self.token("writer", "--scope", "upload")
         server = self.serve("--workers", "0")
-        _, _, body = server.request("POST", "/api/v1/flights", "{}", {**writer, "Content-Type": "application/json"})
+        _, _, body = server.request("POST", "/api/v1/flights", "{}", {**writer, **AS_JSON})
         flight = f"/api/v1/flights/{json.loads(body)['id']}"
-        _, _, body = server.request("POST", f"{flight}/shares", '{"expires_in_days": 1}', {**writer, "Content-Type": "application/json"})
-        guest = {"Authorization": f"Bearer {json.loads(body)['token']}"}
+        _, _, body = server.request("POST", f"{flight}/shares", '{"expires_in_days": 1}', {**writer, **AS_JSON})
+        guest = bearer(json.loads(body)["token"])
 
         def put(names, headers):
             notes = [{"type": "Feature", "id": name, "geometry": {"type": "Point", "coordinates": [7.44, 46.95]}, "properties": {"name": name}} for name in names]
@@ -111,7 +103,7 @@ class Sharing(ServerTestCase):
             server.request("PUT", f"/api/v1/flights/{flight['id']}/files/{name}", content)
         status, headers, body = server.request("POST", "/ogc/processes/stitch/execution",
                                                json.dumps({"inputs": {"flight": flight["id"], "options": {"gsd_m": 0.4}}}),
-                                               {"Content-Type": "application/json"})
+                                               AS_JSON)
         self.assertEqual(status, 201, body)
         info = json.loads(body)
         self.assertEqual(server.wait_for_job(info["jobID"])["state"], "successful")

@@ -1,5 +1,4 @@
 """Deleted flights can be taken back; a full disk can be emptied; no restart and no wrong clock costs anyone anything."""
-import base64
 import calendar
 import json
 import os
@@ -11,7 +10,8 @@ import time
 import unittest
 import unittest.mock
 
-from server_support import BLOBS, POSTGRES, ServerTestCase, in_catalogue, kept_of_flights, parts_of, wait_until
+from server_support import (AS_JSON, BLOBS, CHUNK, FORM, POSTGRES, TUS, ServerTestCase, form, in_catalogue, kept_of_flights,
+                            parts_of, tus_metadata, wait_until)
 
 # The clock that a program sees, moved by CLOCK_AHEAD_S seconds; the kernel's time since its start stays.
 WRONG_CLOCK = r"""
@@ -193,19 +193,15 @@ class Trash(TrashCase):
 
     def test_a_node_puts_removed_tasks_into_the_same_trash(self):
         server = self.serve("--workers", "0")
-        boundary = "b"
-        name, content = self.photos[0]
-        body = (f'--{boundary}\r\nContent-Disposition: form-data; name="images"; filename="{name}"\r\n\r\n'.encode() + content +
-                f"\r\n--{boundary}--\r\n".encode())
-        _, _, answer = server.request("POST", "/task/new", body, {"Content-Type": f"multipart/form-data; boundary={boundary}"})
+        _, _, answer = server.request("POST", "/task/new", form(files=self.photos[:1], part="images"), FORM)
         uuid = json.loads(answer)["uuid"]
         flight = self.flights_of(server)[0]
         _, _, answer = server.request("POST", "/task/remove", f"uuid={uuid}", {"Content-Type": "application/x-www-form-urlencoded"})
         self.assertEqual(json.loads(answer), {"success": True})
-        self.assertIn("error", json.loads(server.request("GET", f"/task/{uuid}/info")[2]))
+        self.assertIn("error", server.json("GET", f"/task/{uuid}/info")[1])
         self.assertEqual([kept["id"] for kept in self.trash_of(server)["flights"]], [flight])
         self.assertEqual(server.json("POST", f"/api/v1/flights/{flight}/restore")[0], 200)
-        self.assertEqual(json.loads(server.request("GET", f"/task/{uuid}/info")[2])["uuid"], uuid)
+        self.assertEqual(server.json("GET", f"/task/{uuid}/info")[1]["uuid"], uuid)
 
 
 @unittest.skipUnless(os.geteuid() == 0 and BLOBS is None, "only root can mount a small disk, and a store has none")
@@ -270,15 +266,13 @@ class WrongClock(TrashCase):
             return self.serve(*arguments)
 
     def begin_upload(self, server, flight):
-        word = lambda text: base64.b64encode(text.encode()).decode()
-        status, headers, _ = server.request("POST", "/api/v1/uploads", self.photos[0][1][:1000], {
-            "Tus-Resumable": "1.0.0", "Upload-Length": str(len(self.photos[0][1])), "Content-Type": "application/offset+octet-stream",
-            "Upload-Metadata": f"flight {word(flight)},filename {word('late.jpg')}"})
+        photo = self.photos[0][1]
+        status, headers, _ = server.request("POST", "/api/v1/uploads", photo[:1000], {**CHUNK, **tus_metadata(flight, "late.jpg"), "Upload-Length": str(len(photo))})
         self.assertEqual(status, 201)
         return headers["Location"]
 
     def offset(self, server, upload):
-        status, headers, _ = server.request("HEAD", upload, None, {"Tus-Resumable": "1.0.0"})
+        status, headers, _ = server.request("HEAD", upload, None, TUS)
         return status, headers["Upload-Offset"]
 
     def test_a_clock_that_is_a_month_ahead_for_one_start_expires_nothing(self):
@@ -287,7 +281,7 @@ class WrongClock(TrashCase):
         upload = self.begin_upload(server, flight)
         gone, _ = self.new_flight(server, 2)
         server.request("DELETE", f"/api/v1/flights/{gone}")
-        key = {"Idempotency-Key": "once", "Content-Type": "application/json"}
+        key = {"Idempotency-Key": "once", **AS_JSON}
         first = server.request("POST", "/api/v1/flights", b'{"name":"once"}', key)[2]
         self.assertEqual(server.stop(), 0)
 

@@ -1,6 +1,5 @@
 """Resumable uploads: tus-js-client through kills of the server, and answer for answer against the protocol's own
 server. The clients come from npm; without them these tests skip."""
-import base64
 import hashlib
 import http.client
 import json
@@ -14,16 +13,9 @@ import time
 import unittest
 
 from npm_clients import installed_clients, script
-from server_support import BINARY, BLOBS, Server, ServerTestCase, catalogue_words, photos_of, wait_until
+from server_support import AS_JSON, BLOBS, CHUNK, TUS, Server, ServerTestCase, add_token, photos_of, tus_metadata, wait_until
 
 MIB = 1 << 20
-VERSION = {"Tus-Resumable": "1.0.0"}
-CHUNK = {**VERSION, "Content-Type": "application/offset+octet-stream"}
-
-
-def metadata(flight, name="a.jpg"):
-    encoded = [f"{key} {base64.b64encode(value.encode()).decode()}" for key, value in (("flight", flight), ("filename", name))]
-    return ",".join(encoded)
 
 
 def ask(port, method, path, body=None, headers=None):
@@ -88,21 +80,19 @@ class Tus(ServerTestCase):
         for guarded in (False, True):
             token = []
             if guarded:
-                made = subprocess.run([BINARY, "token", "add", "tus", "--scope", "upload", "--data", self.data, *catalogue_words(self.data)], check=True,
-                                      capture_output=True, text=True)
-                token = [made.stdout.strip()]
+                token = [add_token(self.data, "tus", "--scope", "upload")]
                 server.stop()
                 server = self.start()
-            headers = {"Content-Type": "application/json", **{"Authorization": f"Bearer {one}" for one in token}}
+            headers = {**AS_JSON, **{"Authorization": f"Bearer {one}" for one in token}}
             flight = json.loads(server.request("POST", "/api/v1/flights", "{}", headers)[2])
-            run = ["node", script(self.clients, "tus_upload.mjs"), f"http://127.0.0.1:{server.port}/api/v1/uploads", source,
+            send = ["node", script(self.clients, "tus_upload.mjs"), f"http://127.0.0.1:{server.port}/api/v1/uploads", source,
                    flight["id"], "big.jpg", "4"]
-            said = subprocess.run(run + token, capture_output=True, text=True, timeout=60)
+            said = subprocess.run(send + token, capture_output=True, text=True, timeout=60)
             self.assertEqual(said.returncode, 0, said.stdout + said.stderr)
             [stored] = self.stored(flight["id"])
             self.assertEqual(stored.read_bytes(), source.read_bytes())
             self.assertEqual(list((pathlib.Path(self.data) / "uploads").iterdir()), [])
-        self.assertNotEqual(subprocess.run(run, capture_output=True, timeout=60).returncode, 0)
+        self.assertNotEqual(subprocess.run(send, capture_output=True, timeout=60).returncode, 0)
 
     def test_parts_outlive_a_kill_and_become_one_file(self):
         content = random.Random(3).randbytes(2 * MIB)
@@ -113,17 +103,17 @@ class Tus(ServerTestCase):
         places = []
         for part in (content[:MIB], content[MIB:]):
             status, headers, _ = server.request("POST", "/api/v1/uploads", headers={
-                **VERSION, "Upload-Concat": "partial", "Upload-Length": str(len(part))})
+                **TUS, "Upload-Concat": "partial", "Upload-Length": str(len(part))})
             self.assertEqual(status, 201)
             places.append(headers["Location"])
             self.assertEqual(server.request("PATCH", places[-1], part, {**CHUNK, "Upload-Offset": "0"})[0], 204)
         server.kill()
         server = self.start()
         self.assertEqual(self.stored(flight["id"]), [])
-        final = {**VERSION, "Upload-Metadata": metadata(flight["id"]), "Upload-Concat": "final;" + " ".join(places)}
+        final = {**TUS, **tus_metadata(flight["id"]), "Upload-Concat": "final;" + " ".join(places)}
         status, headers, _ = server.request("POST", "/api/v1/uploads", headers=final)
         self.assertEqual(status, 201)
-        status, told, _ = server.request("HEAD", headers["Location"], headers=VERSION)
+        status, told, _ = server.request("HEAD", headers["Location"], headers=TUS)
         self.assertEqual((told["Upload-Length"], told["Upload-Offset"], told["Upload-Concat"]),
                          (str(len(content)), str(len(content)), final["Upload-Concat"]))
         [stored] = self.stored(flight["id"])
@@ -139,11 +129,11 @@ class Tus(ServerTestCase):
         server = self.start()
         _, flight = server.json("POST", "/api/v1/flights", {})
         status, headers, _ = server.request("POST", "/api/v1/uploads", headers={
-            **VERSION, "Upload-Length": str(len(content)), "Upload-Metadata": metadata(flight["id"])})
+            **TUS, "Upload-Length": str(len(content)), **tus_metadata(flight["id"])})
         self.assertEqual(status, 201)
         place, promised = headers["Location"], 0
         for _ in range(12):
-            status, headers, _ = server.request("HEAD", place, headers=VERSION)
+            status, headers, _ = server.request("HEAD", place, headers=TUS)
             offset = int(headers["Upload-Offset"])
             self.assertGreaterEqual(offset, promised)
             if offset == len(content):
@@ -162,7 +152,7 @@ class Tus(ServerTestCase):
                     time.sleep(dice.random() * 0.05)
             server.kill()
             server = self.start()
-        status, headers, _ = server.request("HEAD", place, headers=VERSION)
+        status, headers, _ = server.request("HEAD", place, headers=TUS)
         offset = int(headers["Upload-Offset"])
         if offset < len(content):
             status, _, _ = server.request("PATCH", place, content[offset:], {**CHUNK, "Upload-Offset": str(offset)})
@@ -175,12 +165,12 @@ class Tus(ServerTestCase):
         server = self.start()
         _, flight = server.json("POST", "/api/v1/flights", {})
         _, headers, _ = server.request("POST", "/api/v1/uploads",
-                                       headers={**VERSION, "Upload-Length": "10", "Upload-Metadata": metadata(flight["id"])})
+                                       headers={**TUS, "Upload-Length": "10", **tus_metadata(flight["id"])})
         place = headers["Location"]
         with socket.create_connection(("127.0.0.1", server.port)) as silent:
             silent.sendall((f"PATCH {place} HTTP/1.1\r\nHost: localhost\r\nTus-Resumable: 1.0.0\r\nUpload-Offset: 0\r\n"
                             "Content-Type: application/offset+octet-stream\r\nContent-Length: 10\r\n\r\n01234").encode())
-            offset = lambda: int(server.request("HEAD", place, headers=VERSION)[1]["Upload-Offset"])
+            offset = lambda: int(server.request("HEAD", place, headers=TUS)[1]["Upload-Offset"])
             if BLOBS is None:  # a store gets pieces of some size, the rest of one is sent again
                 spooled = pathlib.Path(self.data, "uploads", place.rsplit("/", 1)[1])
                 wait_until(lambda: spooled.stat().st_size == 5, "what came is not kept")
@@ -219,7 +209,7 @@ class Tus(ServerTestCase):
     def walk(self, port, flight):
         """The same requests to either server: what each step answered."""
         told = {}
-        good = {**VERSION, "Upload-Metadata": metadata(flight)}
+        good = {**TUS, **tus_metadata(flight)}
 
         def step(name, method, path, body=None, headers=None, keep=()):
             status, got = ask(port, method, path, body, headers)
@@ -231,26 +221,26 @@ class Tus(ServerTestCase):
         step("create with both lengths", "POST", "/api/v1/uploads", headers={**good, "Upload-Length": "5", "Upload-Defer-Length": "1"})
         step("create with a wrong deferral", "POST", "/api/v1/uploads", headers={**good, "Upload-Defer-Length": "2"})
         step("create too large", "POST", "/api/v1/uploads", headers={**good, "Upload-Length": str(5 * 1024**3)})
-        step("create with bad metadata", "POST", "/api/v1/uploads", headers={**VERSION, "Upload-Length": "5", "Upload-Metadata": "a =="})
+        step("create with bad metadata", "POST", "/api/v1/uploads", headers={**TUS, "Upload-Length": "5", "Upload-Metadata": "a =="})
         step("create without the version", "POST", "/api/v1/uploads", headers={"Upload-Length": "5"}, keep=("Tus-Version",))
         step("create with another version", "POST", "/api/v1/uploads", headers={**good, "Tus-Resumable": "0.2.2", "Upload-Length": "5"})
         place = step("create", "POST", "/api/v1/uploads", headers={**good, "Upload-Length": "10"})["Location"]
-        step("head", "HEAD", place, headers=VERSION, keep=("Upload-Offset", "Upload-Length", "Cache-Control", "Upload-Metadata"))
-        step("patch with another type", "PATCH", place, b"x", {**VERSION, "Upload-Offset": "0", "Content-Type": "image/jpeg"})
+        step("head", "HEAD", place, headers=TUS, keep=("Upload-Offset", "Upload-Length", "Cache-Control", "Upload-Metadata"))
+        step("patch with another type", "PATCH", place, b"x", {**TUS, "Upload-Offset": "0", "Content-Type": "image/jpeg"})
         step("patch elsewhere", "PATCH", place, b"x", {**CHUNK, "Upload-Offset": "3"})
         step("patch of nothing known", "PATCH", place + "x", b"x", {**CHUNK, "Upload-Offset": "0"})
         step("patch", "PATCH", place, b"01234", {**CHUNK, "Upload-Offset": "0"}, keep=("Upload-Offset",))
         step("patch again", "PATCH", place, b"01234", {**CHUNK, "Upload-Offset": "0"})
         step("patch to the end", "PATCH", place, b"56789", {**CHUNK, "Upload-Offset": "5"}, keep=("Upload-Offset",))
-        step("head at the end", "HEAD", place, headers=VERSION, keep=("Upload-Offset",))
+        step("head at the end", "HEAD", place, headers=TUS, keep=("Upload-Offset",))
         place = step("create for ever", "POST", "/api/v1/uploads", headers={**good, "Upload-Defer-Length": "1"})["Location"]
-        step("head for ever", "HEAD", place, headers=VERSION, keep=("Upload-Offset", "Upload-Defer-Length"))
+        step("head for ever", "HEAD", place, headers=TUS, keep=("Upload-Offset", "Upload-Defer-Length"))
         step("patch for ever", "PATCH", place, b"01", {**CHUNK, "Upload-Offset": "0"}, keep=("Upload-Offset",))
         step("patch with the length", "PATCH", place, b"23", {**CHUNK, "Upload-Offset": "2", "Upload-Length": "6"}, keep=("Upload-Offset",))
-        step("end", "DELETE", place, headers=VERSION)
-        step("head of the ended", "HEAD", place, headers=VERSION)
+        step("end", "DELETE", place, headers=TUS)
+        step("head of the ended", "HEAD", place, headers=TUS)
         step("patch of the ended", "PATCH", place, b"x", {**CHUNK, "Upload-Offset": "4"})
-        step("end again", "DELETE", place, headers=VERSION)
+        step("end again", "DELETE", place, headers=TUS)
         step("create with bytes", "POST", "/api/v1/uploads", b"0123", {**good, **CHUNK, "Upload-Length": "10"}, keep=("Upload-Offset",))
         return told
 

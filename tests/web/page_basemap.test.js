@@ -3,9 +3,8 @@
 import assert from 'node:assert/strict';
 import { createServer } from 'node:http';
 import { test } from 'node:test';
-import { mapIdle } from './support/browser.js';
+import { mapIdle, screenshotPixels } from './support/browser.js';
 import { assertAccessible, options, usePages } from './support/pages.js';
-import { screenshotPixels } from './support/pixels.js';
 import { encodePng } from './support/tile_picture.js';
 
 const { setUp, cleanUp } = usePages();

@@ -5,7 +5,7 @@ import { matches, orders, plain } from '../../web/src/home/flight_list.js';
 import { boxOf, fitted, gridOf, groups, outlinesOf, parted } from '../../web/src/home/overview_map.js';
 import { mapIdle } from './support/browser.js';
 import { assertAccessible, assertQuiet, options, usePages } from './support/pages.js';
-import { seedMany } from './support/many_flights.js';
+import { seedMany } from './support/mock_flight.js';
 
 const { setUp } = usePages();
 const laptop = { viewport: { width: 1440, height: 900 } };

@@ -5,10 +5,9 @@ import { mkdirSync, mkdtempSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { test } from 'node:test';
-import { mapIdle } from './support/browser.js';
+import { mapIdle, until } from './support/browser.js';
 import { allAsked, assertAccessible, assertQuiet, options, stopClock, usePages } from './support/pages.js';
 import { photoFiles } from './support/photo_files.js';
-import { until } from './support/until.js';
 
 const { setUp, cleanUp } = usePages();
 const only = (/** @type {any} */ mock) => [...mock.flights.values()][0];

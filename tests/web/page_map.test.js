@@ -2,9 +2,8 @@
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
-import { mapIdle } from './support/browser.js';
+import { mapIdle, screenshotPixels } from './support/browser.js';
 import { assertAccessible, assertQuiet, openReady, options, usePages } from './support/pages.js';
-import { screenshotPixels } from './support/pixels.js';
 
 const { setUp } = usePages();
 

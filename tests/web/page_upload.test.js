@@ -4,11 +4,9 @@ import { mkdirSync, mkdtempSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { test } from 'node:test';
-import { mapIdle } from './support/browser.js';
+import { mapIdle, screenshotPixels, until } from './support/browser.js';
 import { allAsked, assertAccessible, assertQuiet, openReady, options, usePages } from './support/pages.js';
 import { photoFiles } from './support/photo_files.js';
-import { screenshotPixels } from './support/pixels.js';
-import { until } from './support/until.js';
 
 const { setUp, cleanUp } = usePages();
 

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "core/base/median.h"
-#include "core/base/percentile.h"
 #include "core/geo/lat_lon.h"
 
 namespace skyquilt::alignment {

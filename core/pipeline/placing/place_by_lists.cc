@@ -10,7 +10,7 @@
 #include <string>
 #include <utility>
 
-#include "core/alignment/bundle/tie_to_control.h"
+#include "core/alignment/bundle/control_points.h"
 #include "core/alignment/matching/verified_pair.h"
 #include "core/alignment/scene/matches.h"
 #include "core/flight/remarks/because.h"

@@ -8,7 +8,7 @@
 
 #include "core/camera/rolling_shutter.h"
 #include "core/geo/web_mercator.h"
-#include "core/ground/occlusion.h"
+#include "core/ground/ground_surface.h"
 
 namespace skyquilt::render {
 

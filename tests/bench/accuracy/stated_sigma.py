@@ -20,9 +20,8 @@ import sys
 import tempfile
 import time
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "e2e" / "command_line"))
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "e2e"))
-from control_test import gcp_list, metres_a_degree, turned  # noqa: E402
+from flights.made_flights import gcp_list, metres_a_degree, turned  # noqa: E402
 
 # key: (what the table calls it, noise of each axis in m, bias of each axis in m, what geo.txt states in m, surveyed points,
 # named check points)

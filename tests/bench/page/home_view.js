@@ -3,7 +3,7 @@
 // The line has 4 Mbit/s and 100 ms; the cache is empty. What the mock's pictures weigh is no measure: the server's are
 // of 512 pixels and come after the list.
 import { launchBrowser, openPage } from '../../web/support/browser.js';
-import { seedMany } from '../../web/support/many_flights.js';
+import { seedMany } from '../../web/support/mock_flight.js';
 import { startMockServer } from '../../web/support/mock_server.js';
 
 const count = Number(process.argv[2] ?? 300);

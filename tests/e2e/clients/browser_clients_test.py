@@ -13,7 +13,7 @@ import unittest
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from gis_support import WORLD_M, has_gdal  # noqa: E402
 from npm_clients import installed_clients, script  # noqa: E402
-from server_support import BINARY, Server, ServerTestCase, make_map, put_map  # noqa: E402
+from server_support import AS_JSON, Server, ServerTestCase, add_token, bearer, make_map, put_map  # noqa: E402
 
 WEB = pathlib.Path(__file__).resolve().parents[3] / "web"
 CHROMIUM = os.environ.get("SKYQUILT_CHROMIUM", "/usr/bin/chromium")
@@ -102,9 +102,7 @@ class BrowserTestCase(ServerTestCase):
                 self.assertGreater(got.std(), self.want.std() / 2, name)
 
     def token(self):
-        made = subprocess.run([BINARY, "token", "add", "browser", "--scope", "upload", "--data", self.data_folder], check=True,
-                              capture_output=True, text=True)
-        return made.stdout.strip()
+        return add_token(self.data_folder, "browser", "--scope", "upload")
 
     def serve_for(self, port, *arguments):
         """The map, to pages of this port."""
@@ -133,8 +131,8 @@ class BrowserClients(BrowserTestCase):
 
     def check_upload(self, port, server, token):
         name, content = self.photos[0]
-        headers = {"Authorization": f"Bearer {token}"} if token else {}
-        as_json = {**headers, "Content-Type": "application/json"}
+        headers = bearer(token) if token else {}
+        as_json = {**headers, **AS_JSON}
         _, _, made = server.request("POST", "/api/v1/flights", json.dumps({"name": "From elsewhere"}), as_json)
         flight = json.loads(made)["id"]
         told, _ = self.run_clients(["uppy"], port, server, token, flight=flight, file=name)

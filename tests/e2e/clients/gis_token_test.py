@@ -13,7 +13,7 @@ import xml.etree.ElementTree as xml_parser
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from gis_support import GDAL_XYZ, WORLD_M, GdalTestCase, MapFileTestCase  # noqa: E402
 from npm_clients import installed_clients, script  # noqa: E402
-from server_support import BINARY, Server, tile_of  # noqa: E402
+from server_support import Server, add_token, middle_of  # noqa: E402
 
 
 def quoted(url):
@@ -25,9 +25,7 @@ class Guarded(MapFileTestCase):
     def setUpClass(cls):
         super().setUpClass()
         cls.server.stop()
-        made = subprocess.run([BINARY, "token", "add", "gis", "--scope", "read", "--data", cls.server.data], check=True,
-                              capture_output=True, text=True)
-        cls.token = made.stdout.strip()
+        cls.token = add_token(cls.server.data, "gis", "--scope", "read")
         cls.server = Server(cls.server.data, "--workers", "0")
 
     def guarded(self, path):
@@ -156,9 +154,8 @@ class VeryLargeTiles(MapFileTestCase):
         self.assertIn(f"/tiles/{self.flight_id}/256/", told["tiles"][0])
         source = qlr_source(self.server, self.flight_id)
         self.assertIn("tileMatrixSet=WebMercatorQuad1024&", source)
-        west, south, east, north = self.tilejson["bounds"]
         zoom = self.tilejson["maxzoom"]
-        column, row = tile_of((west + east) / 2, (south + north) / 2, zoom)
+        column, row = middle_of(self.tilejson["bounds"], zoom)
         tile = pathlib.Path(self.data, "tile.png")
         tile.write_bytes(self.server.request("GET", f"/tiles/{self.flight_id}/{zoom}/{column}/{row}.png")[2])
         want = self.gdal.Open(str(tile)).ReadAsArray()

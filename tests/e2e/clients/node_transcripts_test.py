@@ -8,7 +8,6 @@ import io
 import json
 import pathlib
 import re
-import subprocess
 import sys
 import threading
 import unittest
@@ -17,7 +16,7 @@ import zipfile
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from node_test import BOUNDARY, form  # noqa: E402
-from server_support import BINARY, ServerTestCase, wait_until  # noqa: E402
+from server_support import ServerTestCase, add_token, wait_until  # noqa: E402
 
 TRANSCRIPTS = pathlib.Path(__file__).resolve().parent / "transcripts"
 KINDS = {"any": object, "str": str, "int": int, "list": list, "number": (int, float)}
@@ -152,9 +151,7 @@ class NodeTranscripts(ServerTestCase):
             return
         known = {}
         if play.get("token"):
-            made = subprocess.run([BINARY, "token", "add", "client", "--scope", "admin", "--data", data], check=True,
-                                  capture_output=True, text=True)
-            known["token"] = made.stdout.strip()
+            known["token"] = add_token(data, "client", "--scope", "admin")
         self.data, before = data, self.data
         server = self.serve(*transcript["serve"], "--workers", "1")
         self.data = before

@@ -2,7 +2,6 @@
 import json
 import pathlib
 import re
-import subprocess
 import ssl
 import sys
 import tempfile
@@ -14,7 +13,8 @@ import urllib.request
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support"))
 from nginx import CONFIGURATIONS, NGINX, OPENSSL, free_port, http_of, start_nginx  # noqa: E402
-from server_support import BINARY, Server, ServerTestCase, catalogue_words, middle_tile, put_map, wait_until  # noqa: E402
+from program import run  # noqa: E402
+from server_support import Server, ServerTestCase, add_token, middle_tile, put_map, wait_until  # noqa: E402
 
 BELOW_PATHS = """
   client_max_body_size 0; proxy_set_header Host $http_host; proxy_request_buffering off; proxy_buffering off;
@@ -48,7 +48,7 @@ class Proxy(ServerTestCase):
         for name, content in cls.photos[:4]:
             photos.joinpath(name).write_bytes(content)
         cls.base = f"http://127.0.0.1:{cls.port}/skyquilt"
-        subprocess.run([BINARY, "upload", str(photos), "--server", cls.base], check=True, capture_output=True)
+        run("upload", str(photos), "--server", cls.base)
         cls.flight = cls.get("/skyquilt/api/v1/flights")["flights"][0]
 
     @classmethod
@@ -138,7 +138,7 @@ class Keeping(ServerTestCase):
         self.server = server = self.serve("--workers", "0", *options)
         self.folder, self.port = tempfile.mkdtemp(dir=self.scratch), free_port()
         self.at = f"http://127.0.0.1:{self.port}"
-        self.tile = middle_tile(server.json("GET", f"/tiles/{self.flight}.json")[1])
+        self.tile = middle_tile(server.json("GET", f"/tiles/{self.flight}.json")[1], "minzoom")
 
     def keep(self, key=""):
         start_nginx(self, self.folder, self.port, KEEPING.format(folder=self.folder, port=self.port, server=self.server.port, key=key))
@@ -146,8 +146,7 @@ class Keeping(ServerTestCase):
     def guard(self):
         """Has the server ask for tokens: two of them, a share's id, and what its link puts behind an address."""
         _, share = self.server.json("POST", f"/api/v1/flights/{self.flight}/shares", {})
-        tokens = [subprocess.run([BINARY, "token", "add", name, "--scope", "admin", "--data", self.data, *catalogue_words(self.data)],
-                                 check=True, capture_output=True, text=True).stdout.strip() for name in ("one", "other")]
+        tokens = [add_token(self.data, name, "--scope", "admin") for name in ("one", "other")]
         wait_until(lambda: self.server.request("GET", self.tile)[0] == 401, "the token closes nothing")
         return *(f"Bearer {token}" for token in tokens), share["id"], f"token={share['token']}"
 

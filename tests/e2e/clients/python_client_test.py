@@ -16,7 +16,7 @@ import unittest
 import unittest.mock
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from server_support import BINARY, Server, ServerTestCase, catalogue_words, photos_of  # noqa: E402
+from server_support import Server, ServerTestCase, add_token, photos_of  # noqa: E402
 
 SOURCE = pathlib.Path(__file__).resolve().parents[3] / "api" / "clients" / "python"
 
@@ -66,9 +66,7 @@ class PythonClient(ServerTestCase):
         return self.client(server).upload(self.folder, name="Field 7").wait()
 
     def token(self, scope):
-        made = subprocess.run([BINARY, "token", "add", scope, "--scope", scope, "--data", self.data, *catalogue_words(self.data)],
-                              check=True, capture_output=True, text=True)
-        return made.stdout.strip()
+        return add_token(self.data, scope, "--scope", scope)
 
     def test_an_upload_outlives_a_kill_and_becomes_a_map(self):
         server = self.start("--workers", "1")

@@ -10,7 +10,7 @@ import zipfile
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from gis_support import MapFileTestCase, has_qgis  # noqa: E402
-from server_support import BINARY, Server, catalogue_words  # noqa: E402
+from server_support import Server, add_token, bearer  # noqa: E402
 
 HERE = pathlib.Path(__file__).resolve().parent
 QGIS = HERE.parents[2] / "api" / "clients" / "qgis"
@@ -128,9 +128,7 @@ class Plugin(MapFileTestCase):
 
     def test_tokens_stay_where_they_belong(self):
         data = tempfile.mkdtemp(dir=self.scratch)
-        made = subprocess.run([BINARY, "token", "add", "team", "--scope", "upload", "--data", data, *catalogue_words(data)], check=True,
-                              capture_output=True, text=True)
-        token = made.stdout.strip()
+        token = add_token(data, "team", "--scope", "upload")
         server = Server(data, "--workers", "1")
         self.servers.append(server)
         url = f"http://127.0.0.1:{server.port}"
@@ -143,7 +141,7 @@ class Plugin(MapFileTestCase):
         self.assertTrue(layer[2])
         self.assertNotIn(token, layer[1])
         shared = layer[1].split("token=")[1]
-        _, _, body = server.request("GET", "/api/v1/access", headers={"Authorization": f"Bearer {shared}"})
+        _, _, body = server.request("GET", "/api/v1/access", headers=bearer(shared))
         flight_id = layer[1].split("/flights/")[1].split("/")[0]
         self.assertEqual({"scope": "read", "flight": flight_id}.items() & json.loads(body).items(), {"scope": "read", "flight": flight_id}.items())
 

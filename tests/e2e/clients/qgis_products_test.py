@@ -13,7 +13,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 from flights import made_flights  # noqa: E402
 from gis_support import MapFileTestCase, has_qgis  # noqa: E402
-from server_support import Server, ServerTestCase, wait_until  # noqa: E402
+from server_support import Server, ServerTestCase, photos_in, wait_until  # noqa: E402
 
 # Each source is "band,lowest,highest,address": drawn grey between the two; band 0: as QGIS draws it by itself.
 QGIS_DRAW = r"""
@@ -69,11 +69,8 @@ class QgisProducts(MapFileTestCase):
         cls.data = tempfile.mkdtemp(dir=cls.scratch)
         cls.server = Server(cls.data, "--workers", "1")
         flight = made_flights.simulated(8, "640x480", "--bands", "--relief-m", "4")
-        files = [(path.name, path.read_bytes()) for path in sorted((flight / "photos").iterdir())]
-        _, made = cls.server.upload(files, options=json.dumps({"heights": "dsm"}))
-        job = cls.server.wait_for_job(made["job"]["id"])
-        assert job["state"] == "successful", job
-        cls.flight_id = made["flight"]["id"]
+        files = photos_in(flight / "photos")
+        cls.flight_id = cls.server.stitched(files, options=json.dumps({"heights": "dsm"}))["flight"]["id"]
         cls.flight = f"/api/v1/flights/{cls.flight_id}"
         _, cls.tilejson = cls.server.json("GET", f"/tiles/{cls.flight_id}.json")
         cls.mbtiles = pathlib.Path(cls.scratch, "map.mbtiles")

@@ -6,7 +6,6 @@ import json
 import os
 import pathlib
 import re
-import subprocess
 import sys
 import tempfile
 import unittest
@@ -16,7 +15,8 @@ import jsonschema
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from flights import made_flights  # noqa: E402
-from server_support import BINARY, Server, ServerTestCase  # noqa: E402
+from program import run, without_metadata  # noqa: E402
+from server_support import Server, ServerTestCase, photos_in  # noqa: E402
 
 FOLDER = os.environ.get("SKYQUILT_STAC_SCHEMAS")
 SPEC = "https://schemas.stacspec.org/v1.0.0/"
@@ -101,16 +101,6 @@ class Schemas(jsonschema.RefResolver):
             self.check(document, FEATURES + {"Catalog": "landingPage", "Collection": "collection", "Feature": "item"}[document["type"]])
 
 
-def without_metadata(jpeg):
-    """The picture alone: nothing says where or when it was taken."""
-    kept, at = jpeg[:2], 2
-    while jpeg[at + 1] != 0xDA:
-        end = at + 2 + int.from_bytes(jpeg[at + 2:at + 4], "big")
-        kept += b"" if jpeg[at + 1] == 0xE1 else jpeg[at:end]
-        at = end
-    return kept + jpeg[at:]
-
-
 @unittest.skipUnless(FOLDER, "SKYQUILT_STAC_SCHEMAS names no folder with the official schemas")
 class StacSchemas(ServerTestCase):
     """A flight, one that nothing places in space or time, and a map of others."""
@@ -128,14 +118,11 @@ class StacSchemas(ServerTestCase):
 
     @classmethod
     def run_program(cls, *words):
-        subprocess.run([BINARY, *words], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        run(*words)
 
     @staticmethod
     def made(server, photos):
-        _, made = server.upload(photos)
-        job = server.wait_for_job(made["job"]["id"])
-        assert job["state"] == "successful", job
-        return made["flight"]["id"]
+        return server.stitched(photos)["flight"]["id"]
 
     @classmethod
     def tearDownClass(cls):
@@ -194,7 +181,7 @@ class StacSchemas(ServerTestCase):
         photos = pathlib.Path(self.scratch, "fiji/photos")
         self.run_program("simulate", "-o", photos.parent, "--photos", "4", "--size", "640x480", "--no-world", "--lat", "-17", "--lon", "180")
         server = self.serve("--workers", "1")
-        flight = self.made(server, [(path.name, path.read_bytes()) for path in sorted(photos.glob("*.JPG"))])
+        flight = self.made(server, photos_in(photos))
         self.walk(server)
         item = server.json("GET", f"/stac/{flight}")[1]
         west, _, east, _ = item["bbox"]

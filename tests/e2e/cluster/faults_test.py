@@ -30,7 +30,8 @@ from cluster.fault_kinds import KINDS, OF_WORKERS, small_disk
 from cluster.store_proxy import StoreProxy
 from flights import made_flights
 from postgres_server import LATE_WRITER, PostgresServer
-from server_support import BINARY, Server, children_of, wait_until
+from program import BINARY, run
+from server_support import Server, children_of, wait_until
 
 PHOTOS, SIZE = 24, "400x300"
 CUT = ("--cut-above", "10", "--part-files", "5")
@@ -64,9 +65,7 @@ def stitched_alone(photos, folder):
     """The map of one machine, in one process, in its own folder."""
     server = Server(folder, "--workers", "1")
     try:
-        _, made = server.upload(photos, name="field")
-        job = server.wait_for_job(made["job"]["id"])
-        assert job["state"] == "successful", job
+        made = server.stitched(photos, name="field")
         return digests(server, made["flight"]["id"])
     finally:
         server.stop()

@@ -2,7 +2,6 @@
 the other while the first is killed, and tiles without a wrong one while the map is replaced.
 
 SKYQUILT_TILES (default 2000) says how many tiles."""
-import base64
 import concurrent.futures
 import hashlib
 import http.client
@@ -21,10 +20,10 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support"))
 import s3_store
 from nginx import NGINX, free_port, start_nginx
 from postgres_server import find_binaries, server_for
-from server_support import BINARY, Server, ServerTestCase, tile_of, wait_until
+from program import BINARY
+from server_support import AS_JSON, CHUNK, FORM, TUS, Server, ServerTestCase, form, tile_of, tus_metadata, wait_until
 
 TILES = int(os.environ.get("SKYQUILT_TILES", "2000"))
-TUS = {"Tus-Resumable": "1.0.0"}
 # As docs/cluster.md has it, without what needs root.
 HTTP = """
   client_max_body_size 0;
@@ -99,32 +98,28 @@ class NodesTest(ServerTestCase):
 
     def stitch(self, flight, options):
         status, _, answer = self.ask("POST", f"/api/v1/flights/{flight}/jobs", json.dumps({"options": options}),
-                                     {"Content-Type": "application/json"})
+                                     AS_JSON)
         self.assertIn(status, (200, 201, 202), answer)
         return json.loads(answer)["id"]
 
     def test_an_upload_goes_on_where_a_killed_node_left_it(self):
         first, second = self.nodes[:2]
-        _, _, answer = self.ask("POST", "/api/v1/flights", "{}", {"Content-Type": "application/json"}, first.port)
+        _, _, answer = self.ask("POST", "/api/v1/flights", "{}", AS_JSON, first.port)
         flight = json.loads(answer)["id"]
         for name, content in self.photos[1:]:
             self.assertEqual(self.ask("PUT", f"/api/v1/flights/{flight}/files/{name}", content)[0] // 100, 2)
         name, content = self.photos[0]
-        metadata = ",".join(f"{key} {base64.b64encode(value.encode()).decode()}" for key, value in
-                            (("flight", flight), ("filename", name)))
-        status, headers, answer = self.ask("POST", "/api/v1/uploads", None, {
-            **TUS, "Upload-Length": str(len(content)), "Upload-Metadata": metadata}, first.port)
+        status, headers, answer = self.ask("POST", "/api/v1/uploads", None, {**TUS, **tus_metadata(flight, name), "Upload-Length": str(len(content))}, first.port)
         self.assertEqual(status, 201, answer)
         place = headers["Location"].split(str(first.port))[-1]
         half = len(content) // 2
-        sending = {**TUS, "Content-Type": "application/offset+octet-stream"}
-        status, _, answer = self.ask("PATCH", place, content[:half], {**sending, "Upload-Offset": "0"}, first.port)
+        status, _, answer = self.ask("PATCH", place, content[:half], {**CHUNK, "Upload-Offset": "0"}, first.port)
         self.assertEqual(status, 204, answer)
         first.kill()
         # By nginx, which finds the node that is left.
         status, headers, _ = self.ask("HEAD", place, None, TUS)
         self.assertEqual((status, headers["Upload-Offset"]), (200, str(half)))
-        status, _, answer = self.ask("PATCH", place, content[half:], {**sending, "Upload-Offset": str(half)})
+        status, _, answer = self.ask("PATCH", place, content[half:], {**CHUNK, "Upload-Offset": str(half)})
         self.assertEqual(status, 204, answer)
         self.assertEqual(self.get(f"/api/v1/flights/{flight}/files/{name}")[2], content)
         self.assertEqual(self.finished(self.stitch(flight, {})), "successful")
@@ -143,7 +138,7 @@ class NodesTest(ServerTestCase):
         return addresses
 
     def test_no_tile_is_wrong_while_a_map_is_replaced(self):
-        status, _, answer = self.upload_through_nginx()
+        status, _, answer = self.ask("POST", "/api/v1/flights", form(files=self.photos), FORM)
         self.assertEqual(status, 202, answer)
         made = json.loads(answer)
         flight = made["flight"]["id"]
@@ -180,15 +175,6 @@ class NodesTest(ServerTestCase):
             self.assertIn(found, (before[address],) if is_immutable else (before[address], after[address]), address)
         self.assertTrue(any(is_immutable for _, (_, is_immutable) in versioned))
         self.assertTrue(any(found == after[address] != before[address] for address, found in seen))
-
-    def upload_through_nginx(self):
-        boundary = "nodes"
-        parts = []
-        for name, content in self.photos:
-            head = f'--{boundary}\r\nContent-Disposition: form-data; name="file"; filename="{name}"\r\n\r\n'
-            parts.append(head.encode() + content + b"\r\n")
-        body = b"".join(parts) + f"--{boundary}--\r\n".encode()
-        return self.ask("POST", "/api/v1/flights", body, {"Content-Type": f"multipart/form-data; boundary={boundary}"})
 
     def digest(self, address):
         return self.digest_and_life(address)[0]

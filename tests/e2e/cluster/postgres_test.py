@@ -4,7 +4,6 @@ import http.client
 import os
 import pathlib
 import signal
-import subprocess
 import sys
 import tempfile
 import time
@@ -12,7 +11,8 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from cluster.shared_catalogue import NOTHING_TO_DO, SharedCatalogueCase
-from server_support import BINARY, children_of, path_of, tile_of, wait_until
+from program import run
+from server_support import children_of, middle_tile, wait_until
 
 
 class SharedCatalogue(SharedCatalogueCase):
@@ -66,10 +66,7 @@ class SharedCatalogue(SharedCatalogueCase):
         flight_id, job_id = self.upload(server)
         self.assertEqual(server.wait_for_job(job_id)["state"], "successful")
         _, tilejson = server.json("GET", f"/tiles/{flight_id}.json")
-        west, south, east, north = tilejson["bounds"]
-        zoom = tilejson["maxzoom"]
-        x, y = tile_of((west + east) / 2, (south + north) / 2, zoom)
-        tile = path_of(tilejson["tiles"][0]).format(z=zoom, x=x, y=y)
+        tile = middle_tile(tilejson)
         sound = server.request("GET", tile)[2]
         frozen = [self.postgres.process.pid, *children_of(self.postgres.process.pid)]
         for pid in frozen:
@@ -149,15 +146,14 @@ class SharedCatalogue(SharedCatalogueCase):
         self.assertEqual(local.stop(), 0)
         words = ["--catalogue", self.catalogue]
         self.assertIn("skyquilt data repair", self.refusal(*words))
-        subprocess.run([BINARY, "data", "repair", "--data", self.data, *words], check=True, capture_output=True)
+        run("data", "repair", "--data", self.data, *words)
         shared = self.serve_shared()
         self.check_map(shared, flight_id)
         shared.stop()
-        checked = subprocess.run([BINARY, "data", "check", "--data", self.data, *words], capture_output=True, text=True)
-        self.assertEqual(checked.returncode, 0, checked.stdout)
+        run("data", "check", "--data", self.data, *words)
         # Without the option a second catalogue would be served: the old one, which is still there.
         self.assertIn("is in PostgreSQL", self.refusal())
-        refused = subprocess.run([BINARY, "token", "list", "--data", self.data], capture_output=True, text=True)
+        refused = run("token", "list", "--data", self.data, code=None)
         self.assertIn("say --catalogue", refused.stderr)
         # What another folder's catalogue knows is not mixed with a new folder.
         self.data = tempfile.mkdtemp(prefix="data_", dir=self.scratch)

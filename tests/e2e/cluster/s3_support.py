@@ -53,11 +53,7 @@ class S3TestCase(ServerTestCase):
         return sorted(str(path.relative_to(self.data)) for path in pathlib.Path(self.data).rglob("*") if path.is_file())
 
     def make_map(self, server, **fields):
-        status, made = server.upload(self.photos, **fields)
-        self.assertEqual(status, 202, made)
-        job = server.wait_for_job(made["job"]["id"])
-        self.assertEqual(job["state"], "successful", (job, server.errors()))
-        return made["flight"]["id"]
+        return server.stitched(self.photos, **fields)["flight"]["id"]
 
     def folders(self):
         return {key.split("/")[2] for key in self.keys("flights/")}

@@ -18,7 +18,8 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 
 import s3_store
 from cluster.s3_support import KEPT_BY_THE_FOLDER, S3TestCase
-from server_support import BINARY, Server, confined_of, tile_of, wait_until
+from program import BINARY, run
+from server_support import Server, confined_of, middle_of, wait_until
 
 
 class Flow(S3TestCase):
@@ -33,8 +34,7 @@ class Flow(S3TestCase):
         self.assertEqual(self.left_behind(server), [])
         here = Server(tempfile.mkdtemp(dir=self.scratch), "--trash-days", "0")
         self.servers.append(here)
-        _, made = here.upload(self.photos, name="field", options='{"layers": ["photo"]}')
-        self.assertEqual(here.wait_for_job(made["job"]["id"])["state"], "successful")
+        made = here.stitched(self.photos, name="field", options='{"layers": ["photo"]}')
         there_tiles, here_tiles = self.tiles_of(server, flight_id), self.tiles_of(here, made["flight"]["id"])
         self.assertGreater(len(here_tiles), 5)
         self.assertEqual(there_tiles, here_tiles)
@@ -91,16 +91,13 @@ class Flow(S3TestCase):
         self.assertEqual(server.wait_for_job(job["id"])["state"], "successful")
         # The first is retired a moment later, the second still read by some.
         wait_until(lambda: self.folders() == {"files", "r2", "r3"}, self.folders())
-        checked = subprocess.run([BINARY, "data", "check", "--data", self.data], capture_output=True, text=True)
-        self.assertEqual(checked.returncode, 1)  # the server has it
+        checked = run("data", "check", "--data", self.data, code=1)
         self.assertEqual(server.stop(), 0)
-        checked = subprocess.run([BINARY, "data", "check", "--data", self.data], capture_output=True, text=True)
-        self.assertEqual(checked.returncode, 0, checked.stdout + checked.stderr)
+        checked = run("data", "check", "--data", self.data)
         gone = next(key for key in self.keys("flights/") if "/files/" in key)
         for path in (self.store.folder / "data").rglob(f"{gone.rsplit('/', 1)[1]}._S3rver*"):
             path.unlink()
-        checked = subprocess.run([BINARY, "data", "check", "--data", self.data], capture_output=True, text=True)
-        self.assertEqual(checked.returncode, 2)
+        checked = run("data", "check", "--data", self.data, code=2)
         self.assertIn(gone, checked.stdout)
 
     def test_a_cold_tile_takes_two_reads_and_a_hot_one_none(self):
@@ -110,9 +107,8 @@ class Flow(S3TestCase):
         shutil.rmtree(pathlib.Path(self.data, "cache"))
         server = self.serve_s3()
         _, tilejson = server.json("GET", f"/tiles/{flight_id}.json")  # opens the map
-        west, south, east, north = tilejson["bounds"]
         zoom = tilejson["maxzoom"]
-        x, y = tile_of((west + east) / 2, (south + north) / 2, zoom)
+        x, y = middle_of(tilejson["bounds"], zoom)
         opened = self.proxy.reads_of("mosaic.pmtiles")
         self.assertLessEqual(opened, 1)
         self.assertEqual(server.request("GET", f"/tiles/{flight_id}/{zoom}/{x}/{y}")[0], 200)
@@ -150,8 +146,7 @@ class Places(S3TestCase):
         server = self.serve_s3()
         mine = self.make_map(server)
         tiles = self.tiles_of(server, mine)
-        _, made = server.upload(self.photos[:5])
-        self.assertEqual(server.wait_for_job(made["job"]["id"])["state"], "successful", server.errors())
+        made = server.stitched(self.photos[:5])
         flights = self.store.bucket / self.prefix / "flights"
 
         def swap():
@@ -185,8 +180,7 @@ class Places(S3TestCase):
         before = {path: pathlib.Path(self.data, path).read_bytes() for path in self.kept() if path.startswith("flights/")}
 
         def move(*arguments):
-            moved = subprocess.run([BINARY, "data", "move", "--data", self.data, *arguments], capture_output=True, text=True)
-            self.assertEqual(moved.returncode, 0, moved.stderr)
+            moved = run("data", "move", "--data", self.data, *arguments)
             return moved.stdout
 
         self.assertIn("The originals are still there", move("--to", self.address()))
@@ -201,7 +195,7 @@ class Places(S3TestCase):
         self.assertEqual(after, before)
         server = self.serve()
         self.assertEqual(self.tiles_of(server, flight_id), tiles)
-        wrong = subprocess.run([BINARY, "data", "move", "--data", self.data], capture_output=True, text=True)
+        wrong = run("data", "move", "--data", self.data, code=None)
         self.assertIn("--to s3://bucket/prefix", wrong.stderr)
 
     def test_what_is_no_store_is_told_with_what_to_do(self):
@@ -236,8 +230,7 @@ class Places(S3TestCase):
         said = self.refusal("--listen", "127.0.0.1:0", "--blobs", self.address())
         self.assertIn("older than what is on disk", said)
         self.assertEqual(len(self.keys("flights/")), 3)
-        repaired = subprocess.run([BINARY, "data", "repair", "--data", self.data], capture_output=True, text=True)
-        self.assertEqual(repaired.returncode, 1)
+        repaired = run("data", "repair", "--data", self.data, code=1)
         self.assertIn(f"below {self.address()}/flights/", repaired.stderr)
         # As the sentence says.
         for key in self.keys("flights/"):
@@ -245,7 +238,7 @@ class Places(S3TestCase):
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_bytes((self.store.folder / "data" / s3_store.BUCKET / self.prefix / f"{key}._S3rver_object").read_bytes())
         pathlib.Path(self.data, "blobs.json").unlink()
-        subprocess.run([BINARY, "data", "repair", "--data", self.data], check=True, capture_output=True)
+        run("data", "repair", "--data", self.data)
         server = self.serve("--workers", "0")
         for name, content in self.photos[:3]:
             self.assertEqual(server.request("GET", f"/api/v1/flights/{flight['id']}/files/{name}")[2], content)
@@ -335,9 +328,8 @@ class Faults(S3TestCase):
         server = self.serve_s3()
         flight_id = self.make_map(server)
         _, tilejson = server.json("GET", f"/tiles/{flight_id}.json")
-        west, south, east, north = tilejson["bounds"]
         zoom = tilejson["maxzoom"]
-        x, y = tile_of((west + east) / 2, (south + north) / 2, zoom)
+        x, y = middle_of(tilejson["bounds"], zoom)
         tile = f"/tiles/{flight_id}/{zoom}/{x}/{y}"
         hot = f"/tiles/{flight_id}/{zoom}/{x + 1}/{y}"
         whole = server.request("GET", hot)

@@ -1,5 +1,4 @@
 """Resumable uploads (tus) whose bytes go to S3: what was acknowledged is there, whatever becomes of the server."""
-import base64
 import http.client
 import pathlib
 import random
@@ -9,21 +8,16 @@ import unittest
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 
 from cluster.s3_support import S3TestCase
+from server_support import CHUNK, TUS, tus_metadata
 
 MIB = 1 << 20
-VERSION = {"Tus-Resumable": "1.0.0"}
-CHUNK = {**VERSION, "Content-Type": "application/offset+octet-stream"}
-
-
-def metadata(flight_id, name="a.jpg"):
-    return ",".join(f"{key} {base64.b64encode(value.encode()).decode()}" for key, value in (("flight", flight_id), ("filename", name)))
 
 
 class Uploads(S3TestCase):
     def begin(self, server, content):
         _, flight = server.json("POST", "/api/v1/flights", {})
         status, headers, _ = server.request("POST", "/api/v1/uploads", headers={
-            **VERSION, "Upload-Length": str(len(content)), "Upload-Metadata": metadata(flight["id"])})
+            **TUS, "Upload-Length": str(len(content)), **tus_metadata(flight["id"])})
         self.assertEqual(status, 201)
         return flight["id"], headers["Location"]
 
@@ -32,7 +26,7 @@ class Uploads(S3TestCase):
         self.assertEqual((status, headers["Upload-Offset"]), (204, str(end)), server.errors())
 
     def offset(self, server, place):
-        return int(server.request("HEAD", place, headers=VERSION)[1]["Upload-Offset"])
+        return int(server.request("HEAD", place, headers=TUS)[1]["Upload-Offset"])
 
     def check_whole(self, server, flight_id, content):
         self.assertEqual(server.request("GET", f"/api/v1/flights/{flight_id}/files/a.jpg")[2], content)
@@ -92,14 +86,14 @@ class Uploads(S3TestCase):
         places = []
         for part in (content[:MIB], content[MIB:], content[:10]):
             status, headers, _ = server.request("POST", "/api/v1/uploads", headers={
-                **VERSION, "Upload-Concat": "partial", "Upload-Length": str(len(part))})
+                **TUS, "Upload-Concat": "partial", "Upload-Length": str(len(part))})
             self.assertEqual(status, 201)
             places.append(headers["Location"])
             self.send(server, places[-1], part, 0, len(part))
-        self.assertEqual(server.request("DELETE", places.pop(), headers=VERSION)[0], 204)
+        self.assertEqual(server.request("DELETE", places.pop(), headers=TUS)[0], 204)
         self.assertEqual(len(self.keys("uploads/")), 2)
         status, _, _ = server.request("POST", "/api/v1/uploads", headers={
-            **VERSION, "Upload-Metadata": metadata(flight["id"]), "Upload-Concat": "final;" + " ".join(places)})
+            **TUS, **tus_metadata(flight["id"]), "Upload-Concat": "final;" + " ".join(places)})
         self.assertEqual(status, 201)
         self.check_whole(server, flight["id"], content)
 

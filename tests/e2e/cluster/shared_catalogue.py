@@ -8,7 +8,8 @@ import unittest
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support"))
 from postgres_server import LATE_WRITER, find_binaries, server_for
-from server_support import BINARY, ServerTestCase, children_of, is_running, path_of, tile_of, wait_until
+from program import BINARY
+from server_support import ServerTestCase, children_of, is_running, middle_tile, wait_until
 
 NOTHING_TO_DO = 3
 
@@ -80,11 +81,7 @@ class SharedCatalogueCase(ServerTestCase):
         self.assertEqual(flight["state"], "ready", server.errors())
         status, tilejson = server.json("GET", flight["tilejson"])
         self.assertEqual(status, 200)
-        west, south, east, north = tilejson["bounds"]
-        zoom = tilejson["maxzoom"]
-        x, y = tile_of((west + east) / 2, (south + north) / 2, zoom)
-        tile = path_of(tilejson["tiles"][0]).format(z=zoom, x=x, y=y)
-        status, _, bytes_of_tile = server.request("GET", tile)
+        status, _, bytes_of_tile = server.request("GET", middle_tile(tilejson))
         self.assertEqual(status, 200)
         self.assertGreater(len(bytes_of_tile), 100)
         self.assertEqual(self.query("SELECT count(*) FROM revision"), "1")

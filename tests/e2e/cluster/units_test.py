@@ -10,7 +10,6 @@ import signal
 import subprocess
 import sys
 import tempfile
-import threading
 import time
 import unittest
 
@@ -18,7 +17,8 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support"))
 import s3_store
 from postgres_server import find_binaries, server_for
-from server_support import BINARY, Server, children_of, is_running, wait_until
+from program import BINARY, run
+from server_support import Server, children_of, wait_until
 
 PHOTOS = 24
 CUT = ("--cut-above", "10", "--part-files", "5")
@@ -33,8 +33,7 @@ class UnitsTest(unittest.TestCase):
     def setUpClass(cls):
         cls.scratch = tempfile.TemporaryDirectory(prefix="skyquilt_units_")
         folder = pathlib.Path(cls.scratch.name)
-        subprocess.run([BINARY, "simulate", "-o", folder / "sim", "--photos", str(PHOTOS), "--size", "800x600", "--no-world"],
-                       check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        run("simulate", "-o", folder / "sim", "--photos", str(PHOTOS), "--size", "800x600", "--no-world")
         cls.photos = [(path.name, path.read_bytes()) for path in sorted((folder / "sim/photos").iterdir())
                       if path.suffix.lower() == ".jpg"]
 
@@ -248,7 +247,7 @@ class MachinesTest(SharedCatalogueTest):
 
     def test_a_machine_in_trouble_costs_no_attempt_and_is_seen(self):
         broken = self.folder_of_worker()
-        subprocess.run([BINARY, "worker", "--data", broken, "--until-empty", *self.catalogue], check=True)
+        run("worker", "--data", broken, "--until-empty", *self.catalogue)
         work = pathlib.Path(broken, "work")
         shutil.rmtree(work)
         work.write_text("nothing can be written below this")

@@ -9,7 +9,7 @@ import unittest
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 import s3_store
 from cluster.shared_catalogue import SharedCatalogueCase
-from server_support import BINARY
+from program import BINARY, run
 
 
 class WrongStore(SharedCatalogueCase):
@@ -24,9 +24,7 @@ class WrongStore(SharedCatalogueCase):
         self.right = ("--blobs", self.store.address(self.prefix))
 
     def refused(self, command, data, *words, catalogue=None):
-        said = subprocess.run([BINARY, command, "--data", data, "--catalogue", catalogue or self.catalogue, *words],
-                              capture_output=True, text=True, timeout=120)
-        self.assertEqual(said.returncode, 1, said)
+        said = run(command, "--data", data, "--catalogue", catalogue or self.catalogue, *words, code=1, timeout=120)
         return said.stderr
 
     def test_a_mistyped_prefix_takes_no_job_and_leaves_nothing(self):

@@ -1,28 +1,22 @@
-"""Photos added to a finished flight: what was there stays, byte for byte, but for the tiles below the new photos."""
+"""A map that is there already: photos added to it change the tiles below them alone, a killed job goes on where it stopped, and made again
+nothing is rendered anew."""
+import contextlib
 import json
 import math
 import pathlib
 import shutil
+import signal
 import sqlite3
 import subprocess
 import sys
-import tempfile
+import time
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from server_support import BINARY  # noqa: E402
+from program import BINARY, ScratchCase, cameras_of, report_of, run, tiles_of  # noqa: E402
+from server_support import PATIENCE_S  # noqa: E402
 
 HALO_TILES = 4  # of 256 pixels: as far as a seam evens out the light
-
-
-def tiles_of(out):
-    with sqlite3.connect(out / "mosaic.mbtiles") as mbtiles:
-        return {row[:3]: row[3] for row in
-                mbtiles.execute("SELECT zoom_level, tile_column, tile_row, tile_data FROM tiles")}
-
-
-def cameras_of(out):
-    return {camera["name"]: camera for camera in json.loads((out / "locate.json").read_text())["cameras"]}
 
 
 def column_row(zoom, lon, lat):
@@ -31,12 +25,12 @@ def column_row(zoom, lon, lat):
     return (lon + 180) / 360 * side, side - 1 - y * side
 
 
-class Append(unittest.TestCase):
+class Append(ScratchCase):
     @classmethod
     def setUpClass(cls):
-        cls.scratch = pathlib.Path(tempfile.mkdtemp(prefix="skyquilt_append_"))
-        subprocess.run([BINARY, "simulate", "-o", cls.scratch / "sim", "--photos", "20", "--size", "800x600", "--noise", "xmp",
-                        "--exposure-jitter", "0.05", "--vignetting", "0.1", "--no-world"], check=True, capture_output=True)
+        super().setUpClass()
+        run("simulate", "-o", cls.scratch / "sim", "--photos", "20", "--size", "800x600", "--noise", "xmp", "--exposure-jitter", "0.05",
+            "--vignetting", "0.1", "--no-world")
         photos = sorted((cls.scratch / "sim" / "photos").iterdir())
         cls.first, cls.more = cls.scratch / "first", cls.scratch / "more"
         cls.first.mkdir()
@@ -49,14 +43,9 @@ class Append(unittest.TestCase):
         cls.stitch(cls.first, cls.finished)
 
     @classmethod
-    def tearDownClass(cls):
-        shutil.rmtree(cls.scratch)
-
-    @classmethod
     def stitch(cls, photos, out, *arguments):
-        subprocess.run([BINARY, "stitch", photos, "-o", out, *arguments], check=True,
-                       capture_output=True)
-        return json.loads((out / "report.json").read_text())
+        run("stitch", photos, "-o", out, *arguments)
+        return report_of(out)
 
     def check_figures(self, figures, before):
         """The new photo's stand behind those of the finished flight, which stay."""
@@ -80,7 +69,7 @@ class Append(unittest.TestCase):
         self.assertEqual(report["photos"]["total"], 20)
         self.assertEqual(report["photos"]["aligned"], 20)
         self.assertGreater(report["blocks"]["kept"], 0)
-        self.check_figures(report["alignment"], json.loads((self.finished / "report.json").read_text())["alignment"])
+        self.check_figures(report["alignment"], report_of(self.finished)["alignment"])
         # What was placed stays exactly where it was.
         cameras, old_cameras = cameras_of(out), cameras_of(self.finished)
         self.assertEqual({name: cameras[name] for name in old_cameras}, old_cameras)
@@ -125,17 +114,89 @@ class Append(unittest.TestCase):
         self.stitch(self.scratch / "sim" / "photos", whole)
         places = []
         for folder in (out, whole):
-            text = subprocess.run([BINARY, "locate", folder, "--photo", self.new, "--pixel", "400,300"], check=True,
-                                  capture_output=True, text=True).stdout
+            text = run("locate", folder, "--photo", self.new, "--pixel", "400,300").stdout
             places.append([float(word) for word in text.split()[0].split(",")])
         lon, lat = (abs(a - b) * 111_000 for a, b in zip(*places))
         self.assertLess(math.hypot(lon, lat), 1.0)
 
     def test_a_folder_without_a_map_cannot_be_added_to(self):
-        told = subprocess.run([BINARY, "stitch", self.more, "-o", self.scratch / "nothing", "--append"], capture_output=True,
-                              text=True)
-        self.assertEqual(told.returncode, 1)
+        told = run("stitch", self.more, "-o", self.scratch / "nothing", "--append", code=1)
         self.assertIn("no map that can be added to", told.stderr)
+
+
+class Resume(ScratchCase):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        run("simulate", "-o", cls.scratch / "sim", "--photos", "9", "--size", "1600x1200", "--no-world")
+        cls.reference = cls.scratch / "reference"
+        cls.first = cls.stitch(cls.reference)
+
+    @classmethod
+    def command(cls, out, *arguments):
+        return ["stitch", cls.scratch / "sim" / "photos", "-o", out, "--method", "imu", "--threads", "1", *arguments]
+
+    @classmethod
+    def stitch(cls, out, *arguments):
+        run(*cls.command(out, *arguments))
+        return report_of(out)
+
+    @staticmethod
+    def blocks_in(state):
+        if not state.exists():
+            return 0
+        try:
+            with contextlib.closing(sqlite3.connect(f"file:{state}?mode=ro", uri=True)) as database:
+                return database.execute("SELECT count(*) FROM blocks").fetchone()[0]
+        except sqlite3.Error:  # just being made or written
+            return 0
+
+    def kill_in_mid_render(self, out):
+        """Kills the job once some blocks are remembered, and before it is done."""
+        job = subprocess.Popen([BINARY, *self.command(out)], stderr=subprocess.DEVNULL)
+        state = out / "mosaic.state.tmp"
+        deadline = time.monotonic() + PATIENCE_S
+        while time.monotonic() < deadline and job.poll() is None:
+            if self.blocks_in(state) > 0:
+                break
+            time.sleep(0.005)
+        job.send_signal(signal.SIGKILL)
+        job.wait()
+        self.assertFalse((out / "mosaic.mbtiles").exists(), "the job was done before it could be killed")
+
+    def test_a_killed_job_renders_only_the_rest(self):
+        out = self.scratch / "killed"
+        self.kill_in_mid_render(out)
+        self.kill_in_mid_render(out)
+        report = self.stitch(out)
+        self.assertGreater(report["blocks"]["kept"], 0)
+        self.assertLess(report["blocks"]["kept"], report["blocks"]["total"])
+        self.assertEqual(tiles_of(out), tiles_of(self.reference))
+        for field in ("bounds", "area_m2", "tile_count", "min_zoom", "max_zoom"):
+            self.assertEqual(report[field], self.first[field])
+        self.assertEqual([path.name for path in out.iterdir() if ".tmp" in path.name or ".part" in path.name], [])
+
+    def test_a_left_over_that_is_damaged_is_not_believed(self):
+        out = self.scratch / "damaged"
+        self.kill_in_mid_render(out)
+        (out / "mosaic.mbtiles.tmp").write_bytes(b"no database")
+        self.assertEqual(self.stitch(out)["blocks"]["kept"], 0)
+        self.assertEqual(tiles_of(out), tiles_of(self.reference))
+
+    def test_made_again_nothing_is_rendered_unless_something_changed(self):
+        out = self.scratch / "again"
+        shutil.copytree(self.reference, out)
+        report = self.stitch(out)
+        self.assertEqual(report["blocks"]["kept"], report["blocks"]["total"])
+        self.assertEqual(tiles_of(out), tiles_of(self.reference))
+        self.assertEqual(self.stitch(out, "--quality", "70", "--overwrite")["blocks"]["kept"], 0)
+        # The state of another map is not believed.
+        shutil.copy(self.reference / "mosaic.state", out / "mosaic.state")
+        with sqlite3.connect(out / "mosaic.mbtiles") as mbtiles:
+            mbtiles.execute("DELETE FROM tiles_shallow WHERE zoom_level = "
+                            "(SELECT max(zoom_level) FROM tiles_shallow)")
+        self.assertEqual(self.stitch(out)["blocks"]["kept"], 0)
+        self.assertEqual(tiles_of(out), tiles_of(self.reference))
 
 
 if __name__ == "__main__":

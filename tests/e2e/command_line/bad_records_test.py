@@ -3,38 +3,18 @@ report says which of them their records placed and which what they show."""
 import json
 import pathlib
 import shutil
-import subprocess
 import sys
 import tempfile
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from flights import made_flights  # noqa: E402
-from server_support import BINARY, DATA  # noqa: E402
+from program import DATA, ScratchCase, report_of, run, without_metadata  # noqa: E402
 
 PHOTOS = 12
 
 
-def without_metadata(jpeg):
-    """The picture alone: no EXIF, no XMP, nothing that a camera wrote beside it."""
-    kept, at = [jpeg[:2]], 2
-    while jpeg[at + 1] != 0xDA:
-        size = 2 + int.from_bytes(jpeg[at + 2:at + 4], "big")
-        if not 0xE1 <= jpeg[at + 1] <= 0xEF:
-            kept.append(jpeg[at:at + size])
-        at += size
-    return b"".join(kept) + jpeg[at:]
-
-
-class BadRecords(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.scratch = pathlib.Path(tempfile.mkdtemp(prefix="skyquilt_bad_records_"))
-
-    @classmethod
-    def tearDownClass(cls):
-        shutil.rmtree(cls.scratch)
-
+class BadRecords(ScratchCase):
     def recorded(self, noise):
         """The photos of one flight, recorded as a consumer drone does ("xmp") or not at all ("no-pose")."""
         return made_flights.simulated(PHOTOS, "800x600", "--relief-m", "2", "--noise", noise) / "photos"
@@ -45,8 +25,8 @@ class BadRecords(unittest.TestCase):
 
     def stitch(self, photos, *arguments):
         out = pathlib.Path(tempfile.mkdtemp(dir=self.scratch))
-        subprocess.run([BINARY, "stitch", photos, "-o", out, *arguments], check=True, capture_output=True)
-        self.report = json.loads((out / "report.json").read_text())
+        run("stitch", photos, "-o", out, *arguments)
+        self.report = report_of(out)
         return self.report
 
     def assert_whole(self, count):
@@ -103,7 +83,7 @@ class BadRecords(unittest.TestCase):
         single.mkdir()
         first = sorted(self.recorded("no-pose").iterdir())[0]
         shutil.copy(first, single / first.name)
-        refused = subprocess.run([BINARY, "stitch", single, "-o", self.scratch / "none"], capture_output=True, text=True)
+        refused = run("stitch", single, "-o", self.scratch / "none", code=None)
         self.assertNotEqual(refused.returncode, 0)
         self.assertIn("No photo records where it was taken", refused.stderr)
 

@@ -1,70 +1,32 @@
-"""A finished map that gets its first ground control points: moved to them as a whole, without any photo compared again."""
+"""Surveyed points and places given to a finished map: it is moved to them as a whole, no photo compared again; and what is refused leaves it as
+it is."""
+import hashlib
 import json
 import math
 import pathlib
 import shutil
 import subprocess
 import sys
-import tempfile
 import unittest
 
-from append_test import cameras_of, tiles_of
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from server_support import BINARY  # noqa: E402
-
-def turned(quaternion, vector):
-    """The vector turned by (w, x, y, z)."""
-    w, *axis = quaternion
-    cross = lambda a, b: [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-    twice = [2 * x for x in cross(axis, vector)]
-    return [v + w * t + c for v, t, c in zip(vector, twice, cross(axis, twice))]
+from flights.made_flights import gcp_list, metres_a_degree, turned  # noqa: E402
+from program import ScratchCase, cameras_of, report_of, run, tiles_of  # noqa: E402
 
 
-def metres_a_degree(truth):
-    """East and north at the flight, by its own photos."""
-    def along(axis, key):
-        photos = sorted(truth["photos"], key=lambda photo: photo[key])
-        first, last = photos[0], photos[-1]
-        return (last["camera_center_in_enu"][axis] - first["camera_center_in_enu"][axis]) / (last[key] - first[key])
-    return along(0, "lon_deg"), along(1, "lat_deg")
-
-
-def gcp_list(truth, places):
-    """ODM's format, of places east and north of the flight's middle, marked in every photo that shows them."""
-    lens, origin = truth["intrinsics"], truth["origin"]
-    a_degree_east, a_degree_north = metres_a_degree(truth)
-    rows = ["EPSG:4326"]
-    for number, (east, north) in enumerate(places):
-        lon, lat = origin["lon_deg"] + east / a_degree_east, origin["lat_deg"] + north / a_degree_north
-        for photo in truth["photos"]:
-            ray = [a - b for a, b in zip((east, north, 0.0), photo["camera_center_in_enu"])]
-            x, y, z = turned(photo["cam_from_enu_wxyz"], ray)
-            column = lens["focal_x_px"] * x / z + lens["center_x_px"] + 0.5
-            row = lens["focal_y_px"] * y / z + lens["center_y_px"] + 0.5
-            if 0 < column < lens["width_px"] and 0 < row < lens["height_px"]:
-                rows.append(f"{lon:.10f} {lat:.10f} {origin['height_ellipsoid_m']:.3f} {column:.3f} {row:.3f} {photo['name']} p{number}")
-    return "\n".join(rows) + "\n"
-
-
-class Control(unittest.TestCase):
+class Control(ScratchCase):
     @classmethod
     def setUpClass(cls):
-        cls.scratch = pathlib.Path(tempfile.mkdtemp(prefix="skyquilt_control_"))
-        subprocess.run([BINARY, "simulate", "-o", cls.scratch / "sim", "--photos", "16", "--size", "800x600", "--noise", "xmp",
-                        "--no-world"], check=True, capture_output=True)
+        super().setUpClass()
+        run("simulate", "-o", cls.scratch / "sim", "--photos", "16", "--size", "800x600", "--noise", "xmp", "--no-world")
         cls.truth = json.loads((cls.scratch / "sim" / "truth" / "poses.json").read_text())
         cls.finished = cls.scratch / "finished"
         cls.before = cls.stitch(cls.finished)
 
     @classmethod
-    def tearDownClass(cls):
-        shutil.rmtree(cls.scratch)
-
-    @classmethod
     def stitch(cls, out, *more):
-        subprocess.run([BINARY, "stitch", cls.scratch / "sim" / "photos", *more, "-o", out], check=True,
-                       capture_output=True)
-        return json.loads((out / "report.json").read_text())
+        run("stitch", cls.scratch / "sim" / "photos", *more, "-o", out)
+        return report_of(out)
 
     def surveyed(self, name, places):
         path = self.scratch / name / "gcp_list.txt"
@@ -80,8 +42,7 @@ class Control(unittest.TestCase):
             down = turned([photo["cam_from_enu_wxyz"][0], *(-x for x in photo["cam_from_enu_wxyz"][1:])], [0.0, 0.0, 1.0])
             center = photo["camera_center_in_enu"]
             east, north = (center[k] - down[k] / down[2] * center[2] for k in (0, 1))
-            text = subprocess.run([BINARY, "locate", out, "--photo", photo["name"], "--pixel", "399.5,299.5"], check=True,
-                                  capture_output=True, text=True).stdout
+            text = run("locate", out, "--photo", photo["name"], "--pixel", "399.5,299.5").stdout
             lon, lat = (float(word) for word in text.split()[0].split(","))
             misses.append(math.hypot((lon - self.truth["origin"]["lon_deg"]) * a_degree_east - east,
                                      (lat - self.truth["origin"]["lat_deg"]) * a_degree_north - north))
@@ -97,7 +58,7 @@ class Control(unittest.TestCase):
         self.assertLess(self.middle_error_m(out), 3 * gsd_m)
         stages = {stage["stage"]: stage for stage in report["timings"]}
         self.assertNotIn("check", stages)
-        self.assertLess(stages["align"]["cpu_s"], 0.1 * self.stage(self.before, "align")["cpu_s"])
+        self.assertLess(stages["align"]["cpu_s"], 0.1 * next(stage for stage in self.before["timings"] if stage["stage"] == "align")["cpu_s"])
         self.assertTrue(any("was moved as a whole to 3 ground control points" in line for line in report["warnings"]))
         self.assertEqual([point["is_used"] for point in report["alignment"]["ground_control"]], [True] * 3)
         # The next run of the same finds nothing to do.
@@ -105,10 +66,6 @@ class Control(unittest.TestCase):
         again = self.stitch(out, points)
         self.assertEqual(again["blocks"]["kept"], again["blocks"]["total"])
         self.assertEqual(tiles_of(out), tiles)
-
-    @staticmethod
-    def stage(report, name):
-        return next(stage for stage in report["timings"] if stage["stage"] == name)
 
     def test_each_point_is_predicted_by_the_others(self):
         places = [(-20, -20), (18, -15), (5, 20), (-15, 14), (20, 12)]
@@ -118,7 +75,7 @@ class Control(unittest.TestCase):
         self.assertEqual([point["is_used"] for point in control], [True] * 5)
         misses = {point["name"]: math.hypot(point["left_out"]["miss_east_m"], point["left_out"]["miss_north_m"]) for point in control}
         self.assertLess(max(misses.values()), 6 * report["gsd_m"], "a sound survey is met where it was not told")
-        subprocess.run([BINARY, "report", self.scratch / "predicted", "-o", self.scratch / "predicted.html"], check=True, capture_output=True)
+        run("report", self.scratch / "predicted", "-o", self.scratch / "predicted.html")
         worst = max(misses, key=misses.get)
         self.assertRegex((self.scratch / "predicted.html").read_text(), rf"Each of them placed by the others</th><td>missed by .* in the median of 5, at worst .* \({worst}\)")
         # One that is surveyed a little wrong: the others tell by how much, where the map itself was bent towards it.
@@ -152,6 +109,130 @@ class Control(unittest.TestCase):
         self.assertEqual(report["blocks"]["kept"], report["blocks"]["total"])
         self.assertEqual(tiles_of(out), tiles_of(self.finished))
         self.assertEqual(cameras_of(out), cameras_of(self.finished))
+
+
+class Place(ScratchCase):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        run("simulate", "-o", cls.scratch / "sim", "--photos", "20", "--size", "800x600", "--relief-m", "2", "--noise", "no-pose",
+            "--no-world")
+        cls.truth = json.loads((cls.scratch / "sim/truth/poses.json").read_text())
+        cls.finished = cls.scratch / "finished"
+        run("stitch", cls.scratch / "sim/photos", "-o", cls.finished, "--layers", "error", "--formats", "geotiff,pmtiles")
+        report = report_of(cls.finished)
+        assert not report["is_placed"]
+        (cls.scratch / "gcp_list.txt").write_text(gcp_list(cls.truth, [(-25, -30), (25, 30), (-20, 25), (22, -28), (0, 0)]))
+
+    def map(self, name):
+        shutil.copytree(self.finished, self.scratch / name)
+        return self.scratch / name
+
+    def place(self, folder, *arguments):
+        return run("place", folder, *map(str, arguments), code=None)
+
+    def placed(self, folder, *arguments):
+        done = self.place(folder, *arguments)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        return report_of(folder)
+
+    def cameras(self, folder):
+        """East and north on Earth of each camera, by the map and in truth, in metres from the flight's origin; by a map
+        that lies nowhere, from 0, 0."""
+        is_placed = report_of(folder)["is_placed"]
+        east, north = metres_a_degree(self.truth) if is_placed else (111319.5, 110574.3)
+        origin = self.truth["origin"] if is_placed else {"lon_deg": 0.0, "lat_deg": 0.0}
+        said = {f["properties"]["name"]: f["properties"] for f in json.loads((folder / "photos.geojson").read_text())["features"]}
+        return [(complex((said[p["name"]]["camera_lon"] - origin["lon_deg"]) * east,
+                         (said[p["name"]]["camera_lat"] - origin["lat_deg"]) * north),
+                 complex(*p["camera_center_in_enu"][:2])) for p in self.truth["photos"]]
+
+    def assert_drawn_again_alone(self, report):
+        stages = [timing["stage"] for timing in report["timings"]]
+        self.assertNotIn("check", stages)  # which looks at every photo and finds its features
+        self.assertNotIn("pose", stages)
+        align = next(timing for timing in report["timings"] if timing["stage"] == "align")
+        self.assertLess(align["cpu_s"], 0.5)
+
+    def test_surveyed_points_place_the_map(self):
+        folder = self.map("by_points")
+        report = self.placed(folder, "--gcp", self.scratch / "gcp_list.txt")
+        self.assertTrue(report["is_placed"])
+        self.assertTrue(report["poses"]["is_placed"])
+        self.assertFalse(any("NOT GEOREFERENCED" in text for text in report["warnings"]), report["warnings"])
+        self.assertTrue(any("placed by 5 surveyed points" in text for text in report["warnings"]), report["warnings"])
+        self.assertTrue(all(point["is_used"] for point in report["alignment"]["ground_control"]))
+        self.assert_drawn_again_alone(report)
+        misses = sorted(abs(said - true) for said, true in self.cameras(folder))
+        print(f"by points: cameras {misses[len(misses) // 2]:.2f} m off in the median, {misses[-1]:.2f} m at most")
+        self.assertLess(misses[len(misses) // 2], 0.5)
+        true_gsd = self.truth["photos"][0]["camera_center_in_enu"][2] / self.truth["intrinsics"]["focal_x_px"]
+        self.assertAlmostEqual(report["gsd_m"] / true_gsd, 1.0, delta=0.05)
+        west, south, east, north = report["bounds"]
+        self.assertTrue(west < self.truth["origin"]["lon_deg"] < east and south < self.truth["origin"]["lat_deg"] < north)
+        for name in ("mosaic.tif", "mosaic.pmtiles", "layer_error.mbtiles", "layers.json"):
+            self.assertGreaterEqual((folder / name).stat().st_mtime, (folder / "mosaic.mbtiles").stat().st_mtime - 60)
+        info = json.loads(subprocess.run(["gdalinfo", "-json", folder / "mosaic.tif"], check=True, capture_output=True).stdout)
+        lon, lat = info["wgs84Extent"]["coordinates"][0][0]
+        self.assertAlmostEqual(lat, self.truth["origin"]["lat_deg"], delta=0.01)
+        # The place stays: the same photos stitched again are not aligned anew.
+        run("stitch", self.scratch / "sim/photos", "-o", folder)
+        again = report_of(folder)
+        self.assertTrue(again["is_placed"])
+        self.assertEqual(again["bounds"], report["bounds"])
+
+    def test_a_place_with_scale_and_north_will_do(self):
+        folder = self.map("by_place")
+        pairs = self.cameras(folder)
+        (first_said, first_true), (last_said, last_true) = pairs[0], max(pairs, key=lambda pair: abs(pair[1] - pairs[0][1]))
+        turn = (last_true - first_true) / (last_said - first_said)
+        photo = self.truth["photos"][0]
+        report = self.placed(folder, "--origin", f"{photo['lat_deg']},{photo['lon_deg']}", "--at", photo["name"], "--scale",
+                             f"{abs(turn)}x", "--north", math.degrees(math.atan2(turn.imag, turn.real)))
+        self.assertTrue(report["is_placed"])
+        self.assert_drawn_again_alone(report)
+        misses = sorted(abs(said - true) for said, true in self.cameras(folder))
+        print(f"by a place: cameras {misses[len(misses) // 2]:.2f} m off in the median, {misses[-1]:.2f} m at most")
+        self.assertLess(misses[0], 0.05)
+        self.assertLess(misses[-1], 1.5)
+
+    def test_refusals_say_what_to_do_and_leave_the_map(self):
+        folder = self.map("refused")
+        digest = lambda: hashlib.sha256((folder / "mosaic.mbtiles").read_bytes()).hexdigest()
+        before = digest()
+        few, wrong, mirrored = (self.scratch / name for name in ("few.txt", "wrong.txt", "mirrored.txt"))
+        few.write_text(gcp_list(self.truth, [(-25, -30), (25, 30)]))
+        rows = (self.scratch / "gcp_list.txt").read_text().splitlines()
+        wrong.write_text("\n".join(rows[:1] + [row.replace(row.split()[5], "OTHER.JPG") for row in rows[1:]]) + "\n")
+        mirrored.write_text("\n".join(rows[:1] + [f"{2 * self.truth['origin']['lon_deg'] - float(row.split()[0]):.10f} "
+                                                  + row.split(" ", 1)[1] for row in rows[1:]]) + "\n")
+        for arguments, words in (((), "--origin LAT,LON, --gcp gcp_list.txt or --point"),
+                                 (("--point", "46.8,7.1"), "where the map shows a thing and where it is"),
+                                 (("--point", "0,0=here"), "write it as LAT,LON"),
+                                 (("--point", "0,0=95,7"), "latitude up to 85"),
+                                 (("--point", "0,0=1,1", "--point", "0,0=1,1"), "too near together"),
+                                 (("--origin", "here"), "write it as LAT,LON"),
+                                 (("--origin", "95,7"), "latitude up to 85"),
+                                 (("--origin", "46.8,7.1", "--scale", "big"), "--scale is 'big'"),
+                                 (("--origin", "46.8,7.1", "--scale", "1000000x"), "m of ground"),
+                                 (("--origin", "46.8,7.1", "--at", "NO.JPG"), "no photo called NO.JPG"),
+                                 (("--gcp", few), "Of 2 surveyed points 2 can be used, and 3 are needed"),
+                                 (("--gcp", wrong), "marked in fewer than two photos"),
+                                 (("--gcp", mirrored), "contradict each other"),
+                                 (("--gcp", folder / "report.json"), "report.json cannot be read as surveyed points")):
+            done = self.place(folder, *arguments)
+            self.assertEqual(done.returncode, 1, (arguments, done.stdout, done.stderr))
+            self.assertIn(words, done.stderr)
+            self.assertEqual(digest(), before, arguments)
+        self.placed(folder, "--origin", "46.8,7.1")
+        done = self.place(folder, "--origin", "46.9,7.1")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("--again", done.stderr)
+        report = self.placed(folder, "--origin", "46.9,7.1", "--again")
+        self.assertTrue(report["bounds"][1] < 46.9 < report["bounds"][3])
+        empty = self.scratch / "empty"
+        empty.mkdir()
+        self.assertEqual(self.place(empty, "--origin", "46.8,7.1").returncode, 1)
 
 
 if __name__ == "__main__":

@@ -3,36 +3,29 @@ bytes for any number of threads."""
 import json
 import pathlib
 import shutil
-import subprocess
 import sys
-import tempfile
 import unittest
 
-import jsonschema
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "bench"))
-from server_support import BINARY  # noqa: E402
-
-SCHEMA = json.loads(pathlib.Path(__file__).resolve().parents[3].joinpath("core", "pipeline", "report.schema.json").read_text())
+from program import ScratchCase, checked_report, report_of, run  # noqa: E402
 
 
-class Dsm(unittest.TestCase):
+
+class Dsm(ScratchCase):
     @classmethod
     def setUpClass(cls):
-        cls.scratch = pathlib.Path(tempfile.mkdtemp(prefix="skyquilt_dsm_"))
-        cls.addClassCleanup(shutil.rmtree, cls.scratch)
+        super().setUpClass()
         cls.flight = cls.scratch / "flight"
-        subprocess.run([BINARY, "simulate", "-o", cls.flight, "--photos", "9", "--size", "800x600", "--height", "50", "--houses", "3",
-                        "--trees", "3", "--relief-m", "3", "--noise", "rtk", "--seed", "5", "--surface", "--sidelap", "0.75"],
-                       check=True, capture_output=True)
+        run("simulate", "-o", cls.flight, "--photos", "9", "--size", "800x600", "--height", "50", "--houses", "3", "--trees", "3",
+            "--relief-m", "3", "--noise", "rtk", "--seed", "5", "--surface", "--sidelap", "0.75")
         cls.map = cls.scratch / "map"
         cls.said = cls.stitch(cls.map, "--formats", "dsm")
 
     @classmethod
     def stitch(cls, out, *options):
-        done = subprocess.run([BINARY, "stitch", cls.flight / "photos", "-o", out, *options], capture_output=True, text=True)
-        assert done.returncode == 0, done.stderr
+        done = run("stitch", cls.flight / "photos", "-o", out, *options)
         return done.stdout
 
     def test_heights_are_those_of_the_world(self):
@@ -64,7 +57,7 @@ class Dsm(unittest.TestCase):
         numbers = measure_heights(out / "dsm.tif", self.flight, truth, truth["gsd_m"])
         self.assertLess(numbers["beside"], 2.0)
         self.assertLess(numbers["below things"] * truth["gsd_m"], 0.25)
-        interval_m = json.loads((out / "report.json").read_text())["surface"]["contour_interval_m"]
+        interval_m = report_of(out)["surface"]["contour_interval_m"]
         self.assertIn(f"every {interval_m:g} m", said)
         ground = gdal.Open(str(out / "dtm.tif"))
         left, step, _, top, _, down = ground.GetGeoTransform()
@@ -84,8 +77,7 @@ class Dsm(unittest.TestCase):
         self.assertTrue((out / "dtm_ground.tif").exists(), "what the folder has is written again")
 
     def test_the_report_says_how_much_was_measured(self):
-        report = json.loads((self.map / "report.json").read_text())
-        jsonschema.validate(report, SCHEMA)
+        report = checked_report(self.map)
         self.assertGreater(report["surface"]["measured_share"], 0.6)
         self.assertAlmostEqual(report["surface"]["cell_m"], 2 * report["gsd_m"], 5)
         self.assertIn("surface", [timing["stage"] for timing in report["timings"]])
@@ -108,8 +100,8 @@ class Dsm(unittest.TestCase):
         for photo in sorted((self.flight / "photos").glob("*.JPG"))[:2]:
             shutil.copy(photo, two)
         out = self.scratch / "two_map"
-        subprocess.run([BINARY, "stitch", two, "-o", out, "--formats", "dsm"], check=True, capture_output=True)
-        report = json.loads((out / "report.json").read_text())
+        run("stitch", two, "-o", out, "--formats", "dsm")
+        report = report_of(out)
         self.assertTrue((out / "dsm.tif").exists())
         self.assertLess(report["surface"]["measured_share"], 0.5)
         self.assertIn("heights_mostly_filled", [remark["code"] for remark in report["remarks"]])
@@ -123,10 +115,8 @@ class Dsm(unittest.TestCase):
         shutil.copytree(self.map, folder)
         corner = lambda: [gdal.Open(str(folder / "dsm.tif")).GetGeoTransform()[i] for i in (0, 3)]
         east, north = corner()
-        west, south, _, _ = json.loads((folder / "report.json").read_text())["bounds"]
-        done = subprocess.run([BINARY, "place", folder, "--again", "--point", f"{south},{west}={south + 0.001},{west}"], capture_output=True,
-                              text=True)
-        self.assertEqual(done.returncode, 0, done.stderr)
+        west, south, _, _ = report_of(folder)["bounds"]
+        run("place", folder, "--again", "--point", f"{south},{west}={south + 0.001},{west}")
         moved_east, moved_north = corner()
         self.assertAlmostEqual(moved_north - north, 111.2, delta=1.5)
         self.assertAlmostEqual(moved_east - east, 0.0, delta=3.5)
@@ -134,11 +124,10 @@ class Dsm(unittest.TestCase):
     def test_a_file_that_cannot_be_written_leaves_map_and_report(self):
         out = self.scratch / "blocked"
         (out / "dsm.tif").mkdir(parents=True)
-        done = subprocess.run([BINARY, "stitch", self.flight / "photos", "-o", out, "--formats", "dsm", "--overwrite"], capture_output=True, text=True)
-        self.assertEqual(done.returncode, 1)
+        done = run("stitch", self.flight / "photos", "-o", out, "--formats", "dsm", "--overwrite", code=1)
         self.assertIn("dsm.tif", done.stderr)
         self.assertEqual((out / "mosaic.mbtiles").read_bytes(), (self.map / "mosaic.mbtiles").read_bytes())
-        report = json.loads((out / "report.json").read_text())
+        report = report_of(out)
         self.assertEqual((report["photos"]["total"], "surface" in report), (9, False))
 
     def test_an_elevation_model_of_that_name_stays(self):
@@ -146,8 +135,7 @@ class Dsm(unittest.TestCase):
         empty = self.scratch / "own_alone"
         empty.mkdir()
         (empty / "dsm.tif").write_bytes(own)
-        done = subprocess.run([BINARY, "stitch", self.flight / "photos", "-o", empty, "--formats", "dsm"], capture_output=True, text=True)
-        self.assertEqual(done.returncode, 1)
+        done = run("stitch", self.flight / "photos", "-o", empty, "--formats", "dsm", code=1)
         self.assertIn("dsm.tif", done.stderr)
         self.assertEqual((empty / "dsm.tif").read_bytes(), own)
         beside = self.scratch / "own_beside"

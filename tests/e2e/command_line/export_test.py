@@ -10,26 +10,21 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from flights import made_flights  # noqa: E402
-from server_support import BINARY  # noqa: E402
+from program import ScratchCase, run  # noqa: E402
 
 
-class Export(unittest.TestCase):
+class Export(ScratchCase):
     @classmethod
     def setUpClass(cls):
-        cls.scratch = pathlib.Path(tempfile.mkdtemp(prefix="skyquilt_export_"))
+        super().setUpClass()
         shutil.copytree(made_flights.small_map(), cls.scratch / "map")
         cls.report = json.loads((cls.scratch / "map/report.json").read_text())
-
-    @classmethod
-    def tearDownClass(cls):
-        shutil.rmtree(cls.scratch)
 
     def setUp(self):
         self.out = pathlib.Path(tempfile.mkdtemp(prefix="out_", dir=self.scratch))
 
     def export(self, name, *words, source=None):
-        return subprocess.run([BINARY, "export", source or self.scratch / "map", "-o", self.out / name, *map(str, words)],
-                              capture_output=True, text=True)
+        return run("export", source or self.scratch / "map", "-o", self.out / name, *map(str, words), code=None)
 
     def exported(self, name, *words, source=None):
         done = self.export(name, *words, source=source)
@@ -81,9 +76,9 @@ class Export(unittest.TestCase):
         self.assertEqual(sorted(path.name for path in self.out.iterdir()), ["far.geojson", "point.geojson", "there.tif"])
         self.assertEqual((self.out / "there.tif").read_bytes(), b"mine")
         self.assertTrue(self.exported("there.tif", "--overwrite").read_bytes().startswith(b"II"))
-        nothing = subprocess.run([BINARY, "export", made_flights.small_flight(), "-o", self.out / "b.tif"], capture_output=True, text=True)
+        nothing = run("export", made_flights.small_flight(), "-o", self.out / "b.tif", code=None)
         self.assertIn("no finished map", nothing.stderr)
-        itself = subprocess.run([BINARY, "export", self.scratch / "map", "-o", self.scratch / "map/mosaic.tif", "--overwrite"], capture_output=True, text=True)
+        itself = run("export", self.scratch / "map", "-o", self.scratch / "map/mosaic.tif", "--overwrite", code=None)
         self.assertIn("the map itself", itself.stderr)
 
 

@@ -9,7 +9,8 @@ import tempfile
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from server_support import BINARY, Server  # noqa: E402
+from program import BINARY, report_of, run  # noqa: E402
+from server_support import Server  # noqa: E402
 
 FRAMES_PER_S = 5
 
@@ -30,8 +31,7 @@ class Films(unittest.TestCase):
         cls.folder = tempfile.TemporaryDirectory(prefix="skyquilt-film-")
         root = pathlib.Path(cls.folder.name)
         flight = root / "flight"
-        subprocess.run([BINARY, "simulate", "-o", flight, "--photos", "60", "--size", "480x360", "--overlap", "0.93",
-                        "--no-world", "--seed", "5"], check=True, capture_output=True)
+        run("simulate", "-o", flight, "--photos", "60", "--size", "480x360", "--overlap", "0.93", "--no-world", "--seed", "5")
         cls.truth = json.loads((flight / "truth/poses.json").read_text())["photos"]
         cls.film, cls.subtitles = root / "DJI_0007.MP4", root / "DJI_0007.SRT"
         maker = pathlib.Path(BINARY).with_name("film_of_photos")
@@ -79,34 +79,31 @@ class Films(unittest.TestCase):
 
     def test_stitch_takes_the_film(self):
         out = self.root / "map"
-        done = subprocess.run([BINARY, "stitch", self.film, self.subtitles, "-o", out], capture_output=True, text=True)
-        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        report = json.loads((out / "report.json").read_text())
+        run("stitch", self.film, self.subtitles, "-o", out)
+        report = report_of(out)
         self.look_at(report)
         truth_lat = sum(p["lat_deg"] for p in self.truth) / len(self.truth)
         features = json.loads((out / "photos.geojson").read_text())["features"]
         lat = sum(f["properties"]["camera_lat"] for f in features) / len(features)
         self.assertLess(abs(math.radians(lat - truth_lat)) * 6371000, 15)
         # The same film again is the same map; another of its name does not replace it.
-        again = subprocess.run([BINARY, "stitch", self.film, self.subtitles, "-o", out], capture_output=True, text=True)
-        self.assertEqual(again.returncode, 0, again.stdout + again.stderr)
+        run("stitch", self.film, self.subtitles, "-o", out)
         other = self.root / "other"
         other.mkdir()
         (other / self.film.name).write_bytes(self.film.read_bytes() + b"\0\0\0\x08free")
-        refused = subprocess.run([BINARY, "stitch", other, "-o", out], capture_output=True, text=True)
+        refused = run("stitch", other, "-o", out, code=None)
         self.assertNotEqual(refused.returncode, 0)
         self.assertIn("DJI_0007.MP4", refused.stderr)
         # Photos join a map of a film.
         photo = self.root / "flight/photos" / self.truth[-1]["name"]
-        joined = subprocess.run([BINARY, "stitch", photo, "-o", out, "--append"], capture_output=True, text=True)
-        self.assertEqual(joined.returncode, 0, joined.stdout + joined.stderr)
-        self.assertEqual(json.loads((out / "report.json").read_text())["photos"]["total"], report["photos"]["total"] + 1)
+        run("stitch", photo, "-o", out, "--append")
+        self.assertEqual(report_of(out)["photos"]["total"], report["photos"]["total"] + 1)
 
     def test_frames_replace_no_folder_of_the_users(self):
         out = self.root / "own"
         (out / "frames").mkdir(parents=True)
         (out / "frames" / "mine.jpg").write_bytes(b"mine")
-        done = subprocess.run([BINARY, "stitch", self.film, "-o", out], capture_output=True, text=True)
+        done = run("stitch", self.film, "-o", out, code=None)
         self.assertNotEqual(done.returncode, 0)
         self.assertIn("holds other files", done.stderr)
         self.assertEqual([p.name for p in (out / "frames").iterdir()], ["mine.jpg"])
@@ -115,10 +112,8 @@ class Films(unittest.TestCase):
         broken = self.root / "broken.MP4"
         broken.write_bytes(self.film.read_bytes()[:3000])
         out = self.root / "map_of_two"
-        done = subprocess.run([BINARY, "stitch", broken, self.film, self.subtitles, "-o", out],
-                              capture_output=True, text=True)
-        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        report = json.loads((out / "report.json").read_text())
+        run("stitch", broken, self.film, self.subtitles, "-o", out)
+        report = report_of(out)
         self.look_at(report)
         self.assertTrue(any("broken.MP4" in text for text in report["warnings"]), report["warnings"])
 

@@ -9,7 +9,7 @@ import tempfile
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from server_support import BINARY  # noqa: E402
+from program import BINARY, run  # noqa: E402
 
 
 @unittest.skipUnless(shutil.which("readelf"), "readelf is not here")
@@ -43,7 +43,7 @@ class HardenedProgram(unittest.TestCase):
         if not self.late():
             self.skipTest("every library is linked: there are no trampolines for this processor")
         self.assertLessEqual({"libgdal.so.32", "libavformat.so.59", "libproj.so.25"}, self.late())
-        traced = subprocess.run([BINARY, "--version"], env={**os.environ, "LD_TRACE_LOADED_OBJECTS": "1"}, capture_output=True, text=True)
+        traced = run("--version", code=None, env={**os.environ, "LD_TRACE_LOADED_OBJECTS": "1"})
         self.assertEqual({name for name in self.late() if f"{name} =>" in traced.stdout}, set())
 
     def test_a_library_that_is_gone_is_named(self):
@@ -54,14 +54,12 @@ class HardenedProgram(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             pathlib.Path(folder, "libgdal.so.32").write_bytes(b"no library")
             environment = {**os.environ, "LD_LIBRARY_PATH": folder}
-            self.assertEqual(subprocess.run([BINARY, "--version"], env=environment, capture_output=True).returncode, 0)
+            self.assertEqual(run("--version", code=None, env=environment).returncode, 0)
             pathlib.Path(folder, "a.tif").write_bytes(b"II*\0" + bytes(100))
-            asked = subprocess.run([BINARY, "validate", f"{folder}/a.tif"], env=environment, capture_output=True, text=True)
+            asked = run("validate", f"{folder}/a.tif", code=None, env=environment)
             self.assertNotEqual(asked.returncode, 0)
             self.assertIn("libgdal.so.32 cannot be loaded", asked.stderr)
-            served = subprocess.run([BINARY, "serve", "--data", f"{folder}/data", "--listen", "127.0.0.1:0"], env=environment,
-                                    capture_output=True, text=True, timeout=60)
-            self.assertEqual(served.returncode, 1)
+            served = run("serve", "--data", f"{folder}/data", "--listen", "127.0.0.1:0", code=1, env=environment, timeout=60)
             self.assertRegex(served.stderr, r"cannot be loaded: .*libgdal\.so\.32")  # by it, or by one that needs it
 
     def test_it_keeps_the_names_of_its_functions(self):

@@ -3,42 +3,34 @@ import json
 import pathlib
 import shutil
 import sqlite3
-import subprocess
 import sys
 import tempfile
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from flights import made_flights  # noqa: E402
-from server_support import BINARY, Server, tile_of  # noqa: E402
+from program import ScratchCase, run, tool  # noqa: E402
+from server_support import Server, middle_of, tile_of  # noqa: E402
 
-HAS_GDAL = all(shutil.which(tool) for tool in ("gdal_translate", "gdalwarp", "gdalinfo"))
-
-
-def run(*words):
-    return subprocess.run([str(word) for word in words], check=True, capture_output=True, text=True).stdout
+HAS_GDAL = all(shutil.which(name) for name in ("gdal_translate", "gdalwarp", "gdalinfo"))
 
 
 @unittest.skipUnless(HAS_GDAL, "gdal-bin is not installed: it makes the maps of others for this test")
-class Import(unittest.TestCase):
+class Import(ScratchCase):
     @classmethod
     def setUpClass(cls):
-        cls.scratch = pathlib.Path(tempfile.mkdtemp(prefix="skyquilt_import_"))
+        super().setUpClass()
         shutil.copytree(made_flights.small_map(), cls.scratch / "map")
         cls.report = json.loads((cls.scratch / "map/report.json").read_text())
         cls.cog = cls.scratch / "map/mosaic.tif"
         cls.swiss = cls.scratch / "swiss.tif"
-        run("gdalwarp", "-q", "-t_srs", "EPSG:32632", "-dstalpha", "-r", "cubic", cls.cog, cls.swiss)
-
-    @classmethod
-    def tearDownClass(cls):
-        shutil.rmtree(cls.scratch)
+        tool("gdalwarp", "-q", "-t_srs", "EPSG:32632", "-dstalpha", "-r", "cubic", cls.cog, cls.swiss)
 
     def setUp(self):
         self.data = pathlib.Path(tempfile.mkdtemp(prefix="data_", dir=self.scratch)) / "data"
 
     def import_(self, file, *words):
-        return subprocess.run([BINARY, "import", file, "--data", self.data, *map(str, words)], capture_output=True, text=True)
+        return run("import", file, "--data", self.data, *map(str, words), code=None)
 
     def imported(self, file, *words):
         done = self.import_(file, *words)
@@ -48,9 +40,8 @@ class Import(unittest.TestCase):
 
     def middle_of(self, server, flight):
         """The tile in the middle of a map, as the server gives it."""
-        west, south, east, north = server.json("GET", f"/api/v1/flights/{flight}")[1]["bounds"]
         zoom = server.json("GET", f"/tiles/{flight}.json")[1]["maxzoom"]
-        x, y = tile_of((west + east) / 2, (south + north) / 2, zoom)
+        x, y = middle_of(server.json("GET", f"/api/v1/flights/{flight}")[1]["bounds"], zoom)
         return server.request("GET", f"/tiles/{flight}/{zoom}/{x}/{y}")
 
     def test_geotiffs_and_mbtiles_are_served_like_any_map(self):
@@ -94,29 +85,28 @@ class Import(unittest.TestCase):
             self.assertIn("Stop it", busy.stderr)
         finally:
             server.stop()
-        checked = subprocess.run([BINARY, "data", "check", "--data", self.data], capture_output=True, text=True)
-        self.assertEqual(checked.returncode, 0, checked.stdout)
+        checked = run("data", "check", "--data", self.data)
         self.assertIn("3 maps", checked.stdout)
 
     def test_what_a_pixel_shows_lies_where_it_did(self):
         flight = self.imported(self.swiss)
         ours = self.scratch / "ours.tif"
-        run(BINARY, "export", self.data / "flights" / flight / "r1", "-o", ours)
+        run("export", self.data / "flights" / flight / "r1", "-o", ours)
         west, south, east, north = self.report["bounds"]
         far = 0
         for step in range(1, 20):
             lon, lat = west + (east - west) * (0.2 + 0.03 * step), south + (north - south) * 0.5
-            colours = [[int(value) for value in run("gdallocationinfo", "-valonly", "-wgs84", path, lon, lat).split()][:3] for path in (self.swiss, ours)]
+            colours = [[int(value) for value in tool("gdallocationinfo", "-valonly", "-wgs84", path, lon, lat).split()][:3] for path in (self.swiss, ours)]
             far += max(abs(a - b) for a, b in zip(*colours)) > 40
         self.assertLessEqual(far, 3)
 
     def test_forms_of_colour(self):
-        bands = lambda name, *words: run("gdal_translate", "-q", *words, self.swiss, self.scratch / name)
+        bands = lambda name, *words: tool("gdal_translate", "-q", *words, self.swiss, self.scratch / name)
         bands("grey.tif", "-b", "1")
         bands("rgb.tif", "-b", "1", "-b", "2", "-b", "3")
         bands("holes.tif", "-b", "1", "-b", "2", "-b", "3", "-a_nodata", "0")
         if shutil.which("rgb2pct.py"):
-            run("rgb2pct.py", self.scratch / "rgb.tif", self.scratch / "palette.tif")
+            tool("rgb2pct.py", self.scratch / "rgb.tif", self.scratch / "palette.tif")
         for name in ("grey", "rgb", "holes", "palette"):
             if not (self.scratch / f"{name}.tif").exists():
                 continue
@@ -130,11 +120,11 @@ class Import(unittest.TestCase):
         self.assertLess(holes_m2, 0.999 * full_m2)
 
     def test_what_cannot_be_a_map(self):
-        make = lambda name, *words: run("gdal_translate", "-q", *words, self.swiss, self.scratch / name)
+        make = lambda name, *words: tool("gdal_translate", "-q", *words, self.swiss, self.scratch / name)
         make("nowhere.tif", "-co", "PROFILE=BASELINE")
         for stray in self.scratch.glob("nowhere.t*w"):
             stray.unlink()
-        run("gdal_translate", "-q", "-of", "PNG", "-b", "1", "-b", "2", "-b", "3", self.swiss, self.scratch / "picture.png")
+        tool("gdal_translate", "-q", "-of", "PNG", "-b", "1", "-b", "2", "-b", "3", self.swiss, self.scratch / "picture.png")
         make("sixteen.tif", "-ot", "UInt16")
         make("local.tif", "-a_srs", 'LOCAL_CS["yard",UNIT["metre",1]]')
         make("wrong.tif", "-a_srs", "EPSG:4326")

@@ -7,26 +7,20 @@ import tempfile
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from server_support import ServerTestCase, path_of, tile_of  # noqa: E402
+from server_support import ServerTestCase, middle_of, path_of  # noqa: E402
 
 LAYERS = ["photo", "error", "height"]
 
 
 class Layers(ServerTestCase):
     def map_of(self, server, options):
-        status, answer = server.upload(self.photos, name="Layers", options=json.dumps(options))
-        self.assertEqual(status, 202, answer)
-        flight_id, job_id = answer["flight"]["id"], answer["job"]["id"]
-        job = server.wait_for_job(job_id)
-        self.assertEqual(job["state"], "successful", job)
-        return flight_id
+        return server.stitched(self.photos, options=json.dumps(options))["flight"]["id"]
 
     def test_each_is_a_tileset_of_its_own(self):
         server = self.serve()
         flight_id = self.map_of(server, {"layers": LAYERS})
         _, tilejson = server.json("GET", f"/tiles/{flight_id}.json")
         self.assertEqual([layer["id"] for layer in tilejson["layers"]], LAYERS)
-        west, south, east, north = tilejson["bounds"]
         for layer in tilejson["layers"]:
             status, document = server.json("GET", path_of(layer["tilejson"]))
             self.assertEqual(status, 200, document)
@@ -34,7 +28,7 @@ class Layers(ServerTestCase):
             self.assertLess(document["maxzoom"], tilejson["maxzoom"])
             self.assertEqual(document.get("encoding"), "terrarium" if layer["id"] == "height" else None)
             zoom = document["maxzoom"]
-            x, y = tile_of((west + east) / 2, (south + north) / 2, zoom)
+            x, y = middle_of(tilejson["bounds"], zoom)
             url = path_of(document["tiles"][0].format(z=zoom, x=x, y=y))
             status, headers, tile = server.request("GET", url)
             self.assertEqual((status, headers["Content-Type"]), (200, "image/png"))

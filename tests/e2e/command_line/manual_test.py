@@ -10,7 +10,7 @@ import tempfile
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from server_support import BINARY  # noqa: E402
+from program import BINARY  # noqa: E402
 
 
 def run(*command, text=None, **variables):

@@ -7,7 +7,9 @@ import subprocess
 import sys
 import tempfile
 
-PROGRAM = os.environ["SKYQUILT_BINARY"]
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from program import BINARY, run  # noqa: E402
+
 MOST_TOO_HIGH = 2.2
 # The limit is for the whole: small flights are mostly libraries, whose share of memory the machine decides.
 SLACK_MIB = 60
@@ -37,12 +39,12 @@ SCENARIOS = [
 
 
 def foretold_mib(photos):
-    told = subprocess.run([PROGRAM, "inspect", "--json", photos], capture_output=True, text=True, check=True)
+    told = run("inspect", "--json", photos)
     return json.loads(told.stdout)["expected_memory_mib"]
 
 
 def peak_mib(photos, out):
-    job = subprocess.Popen([PROGRAM, "stitch", photos, "-o", out], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+    job = subprocess.Popen([BINARY, "stitch", photos, "-o", out], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
     errors = job.stderr.read()
     _, status, usage = os.wait4(job.pid, 0)
     job.returncode = os.waitstatus_to_exitcode(status)
@@ -57,8 +59,7 @@ def main():
     for name, options in SCENARIOS[::4] if quick else SCENARIOS:
         with tempfile.TemporaryDirectory() as folder:
             made = pathlib.Path(folder) / "flight"
-            subprocess.run([PROGRAM, "simulate", "-o", made, "--no-world", *options.split()], check=True,
-                           stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            run("simulate", "-o", made, "--no-world", *options.split())
             foretold = foretold_mib(made / "photos")
             peak = peak_mib(made / "photos", pathlib.Path(folder) / "map")
         is_good = peak <= foretold <= MOST_TOO_HIGH * peak + SLACK_MIB

@@ -4,39 +4,31 @@ import json
 import pathlib
 import shutil
 import sqlite3
-import subprocess
 import sys
-import tempfile
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from server_support import BINARY  # noqa: E402
+from program import ScratchCase, report_of, run  # noqa: E402
 
 
 def contents(folder):
     return {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
 
 
-class OutFolder(unittest.TestCase):
+class OutFolder(ScratchCase):
     @classmethod
     def setUpClass(cls):
-        cls.scratch = pathlib.Path(tempfile.mkdtemp(prefix="skyquilt_out_"))
+        super().setUpClass()
         for name, seed in (("one", "1"), ("other", "2")):
-            subprocess.run([BINARY, "simulate", "-o", cls.scratch / f"sim_{name}", "--photos", "4", "--size", "400x300",
-                            "--seed", seed, "--no-world"], check=True, capture_output=True)
+            run("simulate", "-o", cls.scratch / f"sim_{name}", "--photos", "4", "--size", "400x300", "--seed", seed, "--no-world")
             shutil.copytree(cls.scratch / f"sim_{name}" / "photos", cls.scratch / name)
         cls.map = cls.scratch / "map"
         done = cls.stitch(cls.scratch / "one", cls.map)
         assert done.returncode == 0, done.stderr
 
-    @classmethod
-    def tearDownClass(cls):
-        shutil.rmtree(cls.scratch)
-
     @staticmethod
     def stitch(photos, out, *arguments):
-        return subprocess.run([BINARY, "stitch", photos, "-o", out, "--method", "imu", *arguments],
-                              capture_output=True, text=True)
+        return run("stitch", photos, "-o", out, "--method", "imu", *arguments, code=None)
 
     def copy_of_map(self, name):
         out = self.scratch / name
@@ -80,7 +72,7 @@ class OutFolder(unittest.TestCase):
         # The resolution that is told is the map's, and it stays that where nothing is said of it.
         for again in (done, self.stitch(self.scratch / "one", out)):
             self.assertIn(" at 30.0 cm a pixel", again.stdout)
-            self.assertEqual(json.loads((out / "report.json").read_text())["gsd_m"], 0.3)
+            self.assertEqual(report_of(out)["gsd_m"], 0.3)
 
     def test_more_photos_with_all_of_the_map_make_it_grow(self):
         out = self.copy_of_map("grown")
@@ -91,7 +83,7 @@ class OutFolder(unittest.TestCase):
                 shutil.copy(photo, both / f"{name}_{photo.name}")
         done = self.stitch(both, out)
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertEqual(json.loads((out / "report.json").read_text())["photos"]["total"], 8)
+        self.assertEqual(report_of(out)["photos"]["total"], 8)
         fewer = self.stitch(self.scratch / "one", out)
         self.check_refused(out, fewer, "4 of its 8 photos")
 

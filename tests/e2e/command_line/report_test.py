@@ -1,6 +1,9 @@
-"""report.json keeps to its schema, whatever was stitched, and its counts agree with the map and the footprints."""
+"""report.json keeps to its schema, whatever was stitched, and its counts agree with the map; and the report on one page, as HTML and as PDF."""
+import base64
 import json
+import os
 import pathlib
+import re
 import shutil
 import sqlite3
 import subprocess
@@ -8,32 +11,23 @@ import sys
 import tempfile
 import unittest
 
-import jsonschema
-
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from server_support import BINARY  # noqa: E402
+from flights import made_flights  # noqa: E402
+from program import BINARY, ScratchCase, checked_report, run  # noqa: E402
 
-SCHEMA = json.loads(pathlib.Path(__file__).resolve().parents[3].joinpath("core", "pipeline", "report.schema.json").read_text())
 
 
-class Report(unittest.TestCase):
+class Report(ScratchCase):
     @classmethod
     def setUpClass(cls):
-        cls.scratch = pathlib.Path(tempfile.mkdtemp(prefix="skyquilt_report_"))
-        subprocess.run([BINARY, "simulate", "-o", cls.scratch / "sim", "--photos", "5", "--size", "640x480",
-                        "--no-world"], check=True, capture_output=True)
+        super().setUpClass()
+        run("simulate", "-o", cls.scratch / "sim", "--photos", "5", "--size", "640x480", "--no-world")
         (cls.scratch / "sim" / "photos" / "notes.jpg").write_text("no picture")
-
-    @classmethod
-    def tearDownClass(cls):
-        shutil.rmtree(cls.scratch)
 
     def stitch(self, *arguments):
         out = self.scratch / ("out" + "".join(arguments))
-        subprocess.run([BINARY, "stitch", self.scratch / "sim" / "photos", "-o", out, *arguments],
-                       check=True, capture_output=True)
-        report = json.loads((out / "report.json").read_text())
-        jsonschema.validate(report, SCHEMA)
+        run("stitch", self.scratch / "sim" / "photos", "-o", out, *arguments)
+        report = checked_report(out)
         photos = report["photos"]
         self.assertEqual(photos["total"], photos["aligned"] + photos["pose_only"] + photos["left_out"])
         self.assertEqual(photos["total"], 6)
@@ -49,25 +43,21 @@ class Report(unittest.TestCase):
 
     def test_a_size_of_pixels_that_none_can_have_is_refused(self):
         for size, said in (("nan", "no length"), ("5furlong", "no length"), ("0", "gsd_m is"), ("-1", "gsd_m is")):
-            refused = subprocess.run([BINARY, "stitch", self.scratch / "sim" / "photos", "-o", self.scratch / "none", f"--gsd={size}"],
-                                     capture_output=True, text=True)
+            refused = run("stitch", self.scratch / "sim" / "photos", "-o", self.scratch / "none", f"--gsd={size}", code=None)
             self.assertNotEqual(refused.returncode, 0)
             self.assertIn(said, refused.stderr)
             self.assertFalse((self.scratch / "none" / "mosaic.mbtiles").exists())
 
     def test_centimetres_said_as_metres_are_asked_about(self):
         self.assertAlmostEqual(self.stitch("--gsd=50cm")["gsd_m"], 0.5)
-        refused = subprocess.run([BINARY, "stitch", self.scratch / "sim" / "photos", "-o", self.scratch / "none", "--gsd", "5"],
-                                 capture_output=True, text=True)
-        self.assertEqual(refused.returncode, 1)
+        refused = run("stitch", self.scratch / "sim" / "photos", "-o", self.scratch / "none", "--gsd", "5", code=1)
         self.assertRegex(refused.stderr, r"pixels of 5 m, but those of the photos show [0-9.]+ cm of the ground, \d+ times less.*5cm.*--any-gsd")
         self.assertFalse((self.scratch / "none" / "mosaic.mbtiles").exists())
         self.assertAlmostEqual(self.stitch("--gsd=5m", "--any-gsd")["gsd_m"], 5.0)
 
     def test_it_ends_with_what_to_do_next_as_one_can_type_it(self):
         out = self.scratch / "a map's folder"
-        done = subprocess.run([BINARY, "stitch", self.scratch / "sim" / "photos", "-o", out, "--method", "imu"], check=True, capture_output=True,
-                              text=True)
+        done = run("stitch", self.scratch / "sim" / "photos", "-o", out, "--method", "imu")
         steps = done.stdout.split("What next:\n")[1].splitlines()
         self.assertEqual([step.split()[1] for step in steps], ["report", "export", "import"])
         for step in steps:
@@ -79,6 +69,76 @@ class Report(unittest.TestCase):
     def test_by_poses_alone(self):
         report = self.stitch("--method=imu")
         self.assertEqual((report["photos"]["pose_only"], report["alignment"]), (5, None))
+
+
+class ReportPage(ScratchCase):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.made = cls.scratch
+        shutil.copytree(made_flights.small_flight(), cls.made / "sim")
+        (cls.made / "sim/photos/broken.jpg").write_bytes(b"\xff\xd8\xff\xe0 no photo")
+        run("stitch", cls.made / "sim/photos", "-o", cls.made / "map")
+
+    def setUp(self):
+        self.scratch = pathlib.Path(tempfile.mkdtemp(prefix="page_", dir=self.made))
+        for name in ("sim", "map"):
+            shutil.copytree(self.made / name, self.scratch / name)
+
+    def report(self, *words):
+        return run("report", self.scratch / "map", "-o", self.scratch / "report.html", *words, code=None)
+
+    def test_it_is_whole(self):
+        done = self.report()
+        self.assertEqual(done.returncode, 0, done.stderr)
+        page = (self.scratch / "report.html").read_text()
+        report = json.loads((self.scratch / "map/report.json").read_text())
+        self.assertTrue(page.startswith("<!doctype html>"))
+        self.assertNotRegex(page.replace("http://www.w3.org/2000/svg", ""), r"https?://|<script|<link")
+        picture = base64.b64decode(re.search(r"data:image/webp;base64,([A-Za-z0-9+/=]+)", page).group(1))
+        self.assertEqual((picture[:4], picture[8:12]), (b"RIFF", b"WEBP"))
+        self.assertIn("broken.jpg", page)
+        self.assertIn(f"{report['photos']['total']}: {report['photos']['aligned']} placed", page)
+        self.assertRegex(page, r">\d+ (k?m|cm)</text>")
+        self.assertEqual(sorted(path.name for path in self.scratch.iterdir()), ["map", "report.html", "sim"])
+        # Once more only by the word.
+        self.assertIn("--overwrite", self.report().stderr)
+        self.assertEqual(self.report("--overwrite", "--picture-px", "300").returncode, 0)
+        self.assertLess((self.scratch / "report.html").stat().st_size, len(page))
+
+    def pdf(self, path=None):
+        return run("report", self.scratch / "map", "-o", self.scratch / "report.pdf", code=None, env={**os.environ, **({} if path is None else {"PATH": path})})
+
+    @unittest.skipUnless(any(shutil.which(name) for name in ("weasyprint", "chromium", "google-chrome", "wkhtmltopdf")), "nothing here prints PDF")
+    def test_as_pdf(self):
+        done = self.pdf()
+        self.assertEqual(done.returncode, 0, done.stderr)
+        printed = (self.scratch / "report.pdf").read_bytes()
+        self.assertTrue(printed.startswith(b"%PDF-"))
+        self.assertGreater(len(printed), 20_000, "the picture is in it")
+        self.assertEqual(sorted(path.name for path in self.scratch.iterdir()), ["map", "report.pdf", "sim"])
+        if shutil.which("pdftotext"):
+            text = subprocess.run(["pdftotext", self.scratch / "report.pdf", "-"], check=True, capture_output=True, text=True).stdout
+            self.assertIn("broken.jpg", text)
+
+    def test_pdf_without_a_program_that_prints(self):
+        empty = self.scratch / "bin"
+        empty.mkdir()
+        done = self.pdf(str(empty))
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("apt install weasyprint", done.stderr)
+        (empty / "weasyprint").write_text("#!/bin/sh\necho out of paper >&2\nexit 3\n")
+        (empty / "weasyprint").chmod(0o755)
+        done = self.pdf(str(empty))
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("weasyprint could not print the report", done.stderr)
+        self.assertIn("out of paper", done.stderr)
+        self.assertFalse((self.scratch / "report.pdf").exists())
+
+    def test_a_folder_without_a_map(self):
+        done = run("report", self.scratch / "sim", "-o", self.scratch / "a.html", code=1)
+        self.assertIn("stitch", done.stderr)
+        self.assertFalse((self.scratch / "a.html").exists())
 
 
 if __name__ == "__main__":

@@ -4,12 +4,11 @@ import functools
 import importlib.util
 import json
 import pathlib
-import subprocess
 import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from server_support import BINARY, DATA  # noqa: E402
+from program import DATA, run  # noqa: E402
 
 LOGS = DATA / "logs"
 READER = pathlib.Path(__file__).resolve().parents[2] / "core" / "flight" / "logs" / "count_messages.py"
@@ -26,7 +25,7 @@ def load_reader():
 
 @functools.cache
 def inspect(path):
-    done = subprocess.run([BINARY, "inspect", path, "--json"], capture_output=True, text=True)
+    done = run("inspect", path, "--json", code=None)
     assert done.returncode == 2, done.stderr  # no photo among them
     return json.loads(done.stdout)
 

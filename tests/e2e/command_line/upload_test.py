@@ -10,7 +10,8 @@ import threading
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from server_support import BINARY, ServerTestCase, wait_until  # noqa: E402
+from program import BINARY, run  # noqa: E402
+from server_support import ServerTestCase, add_token, wait_until  # noqa: E402
 
 
 class BreakingProxy:
@@ -56,8 +57,7 @@ class Upload(ServerTestCase):
             (self.card / f"a {name}").write_bytes(content)
 
     def upload(self, server, *arguments, env=None):
-        return subprocess.run([BINARY, "upload", self.card, "--server", f"http://127.0.0.1:{server.port}/", *arguments],
-                              capture_output=True, text=True, env=env)
+        return run("upload", self.card, "--server", f"http://127.0.0.1:{server.port}/", *arguments, code=None, env=env)
 
     def test_a_folder_becomes_a_map_and_grows(self):
         server = self.serve()
@@ -103,18 +103,15 @@ class Upload(ServerTestCase):
 
     def test_refusals_are_in_words(self):
         server = self.serve()
-        made = subprocess.run([BINARY, "token", "add", "pilot", "--scope", "upload", "--data", server.data], check=True,
-                              capture_output=True, text=True)
+        token = add_token(self.data, "pilot", "--scope", "upload")
         wait_until(lambda: server.request("GET", "/api/v1/flights")[0] == 401, "the token is not asked for")
         refused = self.upload(server)
         self.assertEqual(refused.returncode, 1)
         self.assertIn("SKYQUILT_TOKEN", refused.stderr)
-        taken = self.upload(server, "--no-map", env={"SKYQUILT_TOKEN": made.stdout.split()[0]})
+        taken = self.upload(server, "--no-map", env={"SKYQUILT_TOKEN": token})
         self.assertEqual(taken.returncode, 0, taken.stderr)
         for address, words in (("nonsense", "is no address"), ("http://127.0.0.1:9", "does not answer")):
-            done = subprocess.run([BINARY, "upload", self.card, "--server", address, "--patience", "1"],
-                                  capture_output=True, text=True)
-            self.assertEqual(done.returncode, 1)
+            done = run("upload", self.card, "--server", address, "--patience", "1", code=1)
             self.assertIn(words, done.stderr)
 
 

@@ -5,24 +5,18 @@ import pathlib
 import shutil
 import sqlite3
 import struct
-import subprocess
 import sys
-import tempfile
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from flights import made_flights  # noqa: E402
-from server_support import BINARY  # noqa: E402
+from program import ScratchCase, report_of, run, tool  # noqa: E402
 
-HAS_GDAL = all(shutil.which(tool) for tool in ("gdal_translate", "gdaladdo"))
-
-
-def run(*words):
-    subprocess.run([str(word) for word in words], check=True, capture_output=True)
+HAS_GDAL = all(shutil.which(name) for name in ("gdal_translate", "gdaladdo"))
 
 
 def validate(path, *words):
-    done = subprocess.run([BINARY, "validate", path, "--json", *words], capture_output=True, text=True, timeout=120)
+    done = run("validate", path, "--json", *words, code=None, timeout=120)
     assert done.stdout, done.stderr
     told = json.loads(done.stdout)
     assert done.returncode == (0 if told["sound"] else 1), done
@@ -34,16 +28,12 @@ def findings(told, severity="error"):
             if finding["severity"] == severity]
 
 
-class Validate(unittest.TestCase):
+class Validate(ScratchCase):
     @classmethod
     def setUpClass(cls):
-        cls.scratch = pathlib.Path(tempfile.mkdtemp(prefix="skyquilt_validate_"))
+        super().setUpClass()
         shutil.copytree(made_flights.small_map(), cls.scratch / "map")
         cls.map = cls.scratch / "map"
-
-    @classmethod
-    def tearDownClass(cls):
-        shutil.rmtree(cls.scratch)
 
     def assert_found(self, path, words, severity="error", *options):
         found = findings(validate(path, *options), severity)
@@ -61,7 +51,7 @@ class Validate(unittest.TestCase):
             self.assertTrue(told["sound"], findings(told))
             self.assertEqual((told["errors"], told["warnings"]), (0, 0))
             self.assertEqual({"mosaic.mbtiles", "mosaic.pmtiles", "mosaic.tif", "report.json", "photos.geojson"} - {file["file"] for file in told["files"]}, set())
-        report = json.loads((self.map / "report.json").read_text())
+        report = report_of(self.map)
         for name, kind in (("mosaic.mbtiles", "MBTiles"), ("mosaic.pmtiles", "PMTiles"), ("mosaic.tif", "cloud-optimised GeoTIFF")):
             told = validate(self.map / name)["files"][0]
             self.assertEqual(told["kind"], kind)
@@ -143,7 +133,7 @@ class Validate(unittest.TestCase):
         cog = self.map / "mosaic.tif"
 
         def made(name, *words):
-            run("gdal_translate", "-q", *words, cog, self.scratch / name)
+            tool("gdal_translate", "-q", *words, cog, self.scratch / name)
             return self.scratch / name
 
         for name in ("cog.tif", "utm.tif"):
@@ -156,10 +146,10 @@ class Validate(unittest.TestCase):
         for words in ("strips", "no overviews"):
             self.assert_found(strips, words, "warning")
         tiled = made("tiled.tif", "-co", "TILED=YES")
-        run("gdaladdo", "-q", tiled, "2", "4", "8")
+        tool("gdaladdo", "-q", tiled, "2", "4", "8")
         self.assert_found(tiled, "behind those of a finer one", "warning")
         outside = made("outside.tif", "-co", "TILED=YES")
-        run("gdaladdo", "-q", "-ro", outside, "2", "4")
+        tool("gdaladdo", "-q", "-ro", outside, "2", "4")
         self.assert_found(outside, ".ovr", "warning")
         nowhere = made("nowhere.tif", "-co", "PROFILE=BASELINE")
         self.assert_found(nowhere, "not georeferenced")
@@ -173,7 +163,7 @@ class Validate(unittest.TestCase):
             shutil.copytree(self.map, self.scratch / name)
             return self.scratch / name
 
-        report = json.loads((self.map / "report.json").read_text())
+        report = report_of(self.map)
         for name, change, words in (("tiles", {"tile_count": 3}, "tile_count is 3"), ("bounds", {"bounds": [1, 2, 3, 4]}, "not those of mosaic.mbtiles"),
                                     ("photos", {"photos": {**report["photos"], "aligned": 5}}, "report.json counts 5")):
             folder = copy(name)
@@ -187,12 +177,12 @@ class Validate(unittest.TestCase):
             self.assert_found(folder, words)
 
     def test_words_for_people(self):
-        done = subprocess.run([BINARY, "validate", self.map], capture_output=True, text=True)
+        done = run("validate", self.map, code=None)
         self.assertEqual((done.returncode, done.stdout.splitlines()[-1]), (0, "Sound: 0 errors, 0 warnings"))
         self.assertRegex(done.stdout, r"mosaic.mbtiles: MBTiles, \d+ tiles, zoom \d+ to \d+\n")
         for path, words in ((made_flights.small_flight() / "photos", "is no map"), (self.changed("a.jpg", b"\xff\xd8\xff"), "is no map"),
                             (self.scratch / "none", "does not exist")):
-            done = subprocess.run([BINARY, "validate", path], capture_output=True, text=True)
+            done = run("validate", path, code=None)
             self.assertNotEqual(done.returncode, 0)
             self.assertIn(words, done.stderr)
 

@@ -1,4 +1,4 @@
-"""`skyquilt watch` against the real server: a card becomes flights, once, through restarts, kills, a server that is away, a
+"""`skyquilt watch` against the real server, and `serve --watch`: a card becomes flights, once, through restarts, kills, a server that is away, a
 disk that comes and goes and photos that are still being written. Nothing on the card changes."""
 import os
 import pathlib
@@ -13,7 +13,8 @@ import time
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from server_support import BINARY, ServerTestCase, wait_until  # noqa: E402
+from program import BINARY, run  # noqa: E402
+from server_support import ServerTestCase, add_token, bearer, is_running, wait_until  # noqa: E402
 
 
 def at_hour(photo, hour):
@@ -214,19 +215,82 @@ class Watch(ServerTestCase):
     def test_refusals_are_in_words(self):
         server = self.serve()
         self.fill("job", self.photos[:1])
-        gone = subprocess.run([BINARY, "watch", self.card / "none", "--once", "--server", f"http://127.0.0.1:{server.port}"],
-                              capture_output=True, text=True, env=self.env())
+        gone = run("watch", self.card / "none", "--once", "--server", f"http://127.0.0.1:{server.port}", code=None, env=self.env())
         self.assertEqual((gone.returncode, gone.stderr.count("is not there")), (1, 1))
         away = subprocess.run(self.words(9, "--once", "--patience", "1"), capture_output=True, text=True, env=self.env(), timeout=120)
         self.assertEqual(away.returncode, 1)
         self.assertIn("does not answer", away.stderr)
-        nonsense = subprocess.run([BINARY, "watch", self.card, "--server", "maps"], capture_output=True, text=True, env=self.env())
+        nonsense = run("watch", self.card, "--server", "maps", code=None, env=self.env())
         self.assertIn("is no address", nonsense.stderr)
-        subprocess.run([BINARY, "token", "add", "pilot", "--scope", "upload", "--data", server.data], check=True, capture_output=True)
+        self.token("pilot", "--scope", "upload")
         wait_until(lambda: server.request("GET", "/api/v1/flights")[0] == 401, "the token is not asked for")
         refused = self.once(server)
         self.assertEqual(refused.returncode, 1)
         self.assertIn("SKYQUILT_TOKEN", refused.stderr)
+
+
+class ServeWatch(ServerTestCase):
+    def setUp(self):
+        super().setUp()
+        self.card = pathlib.Path(tempfile.mkdtemp(prefix="card_", dir=self.scratch))
+
+    def fill(self, folder, photos):
+        (self.card / folder).mkdir(parents=True, exist_ok=True)
+        for name, content in photos:
+            (self.card / folder / name).write_bytes(content)
+
+    def flights(self, server, token=""):
+        headers = bearer(token) if token else {}
+        return server.json("GET", "/api/v1/flights", headers=headers)[1]["flights"]
+
+    def watcher(self, server):
+        """The process that watches, once it is there."""
+        found = []
+
+        def is_there():
+            found[:] = [pid for pid in server.workers() if b"watch" in pathlib.Path(f"/proc/{pid}/cmdline").read_bytes().split(b"\0")]
+            return found
+        wait_until(is_there, f"nobody watches: {server.errors()}")
+        return found[0]
+
+    def test_a_folder_becomes_flights_once(self):
+        late = self.card.with_name(self.card.name + "_comes_later")
+        server = self.serve("--workers", "1", "--watch", self.card, "--watch", late)
+        self.fill("DCIM/100MEDIA", self.photos[:3])
+        wait_until(lambda: [flight["state"] for flight in self.flights(server)] == ["ready"], server.errors())
+        self.assertEqual(self.flights(server)[0]["photos"]["total"], 3)
+        watcher = self.watcher(server)
+        os.kill(watcher, signal.SIGKILL)
+        wait_until(lambda: self.watcher(server) != watcher, "it was not started again")
+        self.assertIn("watches folders ended by signal 9", server.errors())
+        watcher = self.watcher(server)
+        self.assertEqual(server.stop(), 0)
+        self.assertFalse(is_running(watcher))
+        # Another port, as after a change of its address: what was taken stays taken, and what came meanwhile joins its flight.
+        self.fill("DCIM/100MEDIA", self.photos[3:4])
+        server = self.serve("--workers", "1", "--watch", self.card, "--watch", late)
+        wait_until(lambda: [(flight["photos"] or {}).get("total") for flight in self.flights(server)] == [4], server.errors())
+        late.mkdir()
+        (late / self.photos[5][0]).write_bytes(self.photos[5][1])
+        wait_until(lambda: len(self.flights(server)) == 2, server.errors())
+        # A kill of the server takes it along.
+        watcher = self.watcher(server)
+        server.kill()
+        self.assertFalse(is_running(watcher))
+
+    def test_where_tokens_are_asked_for(self):
+        token = add_token(self.data, "cards", "--scope", "upload")
+        self.assertIn("--watch-token-file", self.refusal("--watch", str(self.card)))
+        file = pathlib.Path(self.scratch, "token")
+        file.write_text(token + "\n")
+        self.fill("DCIM", self.photos[:2])
+        server = self.serve("--workers", "0", "--watch", self.card, "--watch-token-file", file)
+        wait_until(lambda: [flight["file_count"] for flight in self.flights(server, token)] == [2], server.errors())
+        self.assertNotIn(token, pathlib.Path(f"/proc/{self.watcher(server)}/cmdline").read_text())
+
+    def test_the_data_folder_is_not_watched(self):
+        for folder in (self.data, pathlib.Path(self.data).parent, pathlib.Path(self.data, "flights")):
+            self.assertIn("data folder", self.refusal("--watch", str(folder)))
 
 
 if __name__ == "__main__":

@@ -4,48 +4,35 @@ import json
 import math
 import re
 import shutil
-import sqlite3
-import subprocess
 import sys
-import tempfile
 import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from flights import made_flights  # noqa: E402
-from server_support import BINARY  # noqa: E402
+from program import ScratchCase, report_of, run, tiles_of  # noqa: E402
 
 kMetresPerDegree = 111_320.0
 
 
-def tiles_of(out):
-    with sqlite3.connect(f"file:{out}/mosaic.mbtiles?immutable=1", uri=True) as db:
-        return {row[:3]: row[3] for row in db.execute("SELECT zoom_level, tile_column, tile_row, tile_data FROM tiles")}
-
-
-class BoundaryTest(unittest.TestCase):
+class BoundaryTest(ScratchCase):
     @classmethod
     def setUpClass(cls):
-        cls.scratch = Path(tempfile.mkdtemp())
+        super().setUpClass()
         cls.flight = made_flights.simulated(12, "800x600", "--noise", "xmp")
         cls.origin = json.loads((cls.flight / "truth" / "poses.json").read_text())["origin"]
         cls.whole = cls.scratch / "whole"
         cls.stitch(cls.whole)
 
     @classmethod
-    def tearDownClass(cls):
-        shutil.rmtree(cls.scratch)
-
-    @classmethod
     def run_stitch(cls, out, *more):
-        return subprocess.run([BINARY, "stitch", cls.flight / "photos", *more, "-o", out],
-                              capture_output=True, text=True, check=False)
+        return run("stitch", cls.flight / "photos", *more, "-o", out, code=None)
 
     @classmethod
     def stitch(cls, out, *more):
-        run = cls.run_stitch(out, *more)
-        assert run.returncode == 0, run.stderr
-        return json.loads((out / "report.json").read_text())
+        done = cls.run_stitch(out, *more)
+        assert done.returncode == 0, done.stderr
+        return report_of(out)
 
     def corners(self, places_m):
         east = kMetresPerDegree * math.cos(math.radians(self.origin["lat_deg"]))
@@ -60,7 +47,7 @@ class BoundaryTest(unittest.TestCase):
         places = [(-42, -36), (45, -30), (6, 48)]
         area = self.geojson("triangle.geojson", places)
         report = self.stitch(self.scratch / "cut", "--boundary", area)
-        before = json.loads((self.whole / "report.json").read_text())
+        before = report_of(self.whole)
         self.assertEqual(report["photos"], before["photos"])
         self.assertAlmostEqual(report["area_m2"], 0.5 * (87 * 84 - 6 * 48), delta=30)
         lons, lats = zip(*self.corners(places))
@@ -97,27 +84,27 @@ class BoundaryTest(unittest.TestCase):
         for x, y in ((-9, -8), (8, -7)):
             (lon, lat), (lon_is, lat_is) = self.corners([(x, y), (x + 1, y)])
             pairs += ["--point", f"{lat:.9f},{lon:.9f}={lat_is:.9f},{lon_is:.9f}"]
-        subprocess.run([BINARY, "place", out, *pairs, "--again"], check=True, capture_output=True, text=True)
-        after = json.loads((out / "report.json").read_text())
+        run("place", out, *pairs, "--again")
+        after = report_of(out)
         for found, expected in zip(after["bounds"], before["bounds"]):
             self.assertAlmostEqual(found, expected, delta=2e-6)
 
     def test_what_cannot_be_used_is_refused_before_work_begins(self):
         bad = self.scratch / "bad.geojson"
         bad.write_text('{"type":"LineString","coordinates":[[7,46],[8,47]]}')
-        run = self.run_stitch(self.scratch / "none", "--boundary", bad)
-        self.assertEqual(run.returncode, 1)
-        self.assertIn("bad.geojson: The boundary cannot be used: it has a LineString. Give a GeoJSON Polygon", run.stderr)
+        done = self.run_stitch(self.scratch / "none", "--boundary", bad)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("bad.geojson: The boundary cannot be used: it has a LineString. Give a GeoJSON Polygon", done.stderr)
         self.assertFalse((self.scratch / "none").exists())
 
     def test_a_boundary_elsewhere_is_refused_with_the_flights_place_before_photos_are_compared(self):
-        run = self.run_stitch(self.scratch / "far", "--boundary", self.geojson("far.geojson", [(30000, 0), (30100, 0), (30000, 100)]))
-        self.assertEqual(run.returncode, 1)
-        place = re.search(r"the flight is around ([-0-9.]+), ([-0-9.]+)", run.stderr)
-        self.assertIsNotNone(place, run.stderr)
+        done = self.run_stitch(self.scratch / "far", "--boundary", self.geojson("far.geojson", [(30000, 0), (30100, 0), (30000, 100)]))
+        self.assertEqual(done.returncode, 1)
+        place = re.search(r"the flight is around ([-0-9.]+), ([-0-9.]+)", done.stderr)
+        self.assertIsNotNone(place, done.stderr)
         self.assertAlmostEqual(float(place[1]), self.origin["lat_deg"], delta=1e-3)
         self.assertAlmostEqual(float(place[2]), self.origin["lon_deg"], delta=1e-3)
-        self.assertNotIn("Aligning", run.stderr)
+        self.assertNotIn("Aligning", done.stderr)
         self.assertFalse((self.scratch / "far" / "report.json").exists())
         near = self.run_stitch(self.scratch / "near", "--boundary", self.geojson("near.geojson", [(600, 0), (700, 0), (600, 100)]))
         self.assertEqual(near.returncode, 1)
@@ -125,9 +112,9 @@ class BoundaryTest(unittest.TestCase):
 
     def test_a_trace_that_cannot_be_written_is_told_at_once(self):
         for place, words in (("missing/trace.json", "cannot be written"), ("whole", "is a folder")):
-            run = self.run_stitch(self.scratch / "untraced", "--trace", self.scratch / place)
-            self.assertEqual(run.returncode, 1)
-            self.assertIn(words, run.stderr)
+            done = self.run_stitch(self.scratch / "untraced", "--trace", self.scratch / place)
+            self.assertEqual(done.returncode, 1)
+            self.assertIn(words, done.stderr)
             self.assertFalse((self.scratch / "untraced").exists(), "no work was done")
         self.stitch(self.scratch / "traced", "--trace", self.scratch / "trace.json")
         self.assertIn("traceEvents", (self.scratch / "trace.json").read_text())
@@ -138,9 +125,9 @@ class BoundaryTest(unittest.TestCase):
         self.assertIn("take-off 1234.5 m above sea level, as given", report["poses"]["height_rule"])
         height_m = json.loads((self.scratch / "raised" / "locate.json").read_text())["origin"][2]
         self.assertLess(abs(height_m - 1234.5), 110, "the geoid lies so far from the ellipsoid at most")
-        run = self.run_stitch(self.scratch / "none", "--takeoff-height-m", "99999")
-        self.assertEqual(run.returncode, 1)
-        self.assertIn("between -500 and 9000 metres above sea level", run.stderr)
+        done = self.run_stitch(self.scratch / "none", "--takeoff-height-m", "99999")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("between -500 and 9000 metres above sea level", done.stderr)
 
 
 if __name__ == "__main__":

@@ -11,17 +11,15 @@ import unittest
 import zipfile
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from server_support import BINARY, ServerTestCase  # noqa: E402
+from program import run  # noqa: E402
+from server_support import ServerTestCase  # noqa: E402
 
 LAID = {"download.pmtiles": "mosaic.pmtiles", "download.tif": "mosaic.tif"}
 
 
 class Downloads(ServerTestCase):
     def made(self, server):
-        status, made = server.upload(self.photos)
-        self.assertEqual(status, 202, made)
-        self.assertEqual(server.wait_for_job(made["job"]["id"])["state"], "successful")
-        return made["flight"]["id"]
+        return server.stitched(self.photos)["flight"]["id"]
 
     def test_files_that_lie_nowhere_are_files_to_clients(self):
         server = self.serve()
@@ -60,14 +58,13 @@ class Downloads(ServerTestCase):
         for name, file in LAID.items():
             self.assertEqual(archive.read(file), whole[name][1])
         # Of the same tiles as the command line's files.
-        subprocess.run([BINARY, "export", folder, "-o", out / "a.pmtiles"], check=True, capture_output=True)
+        run("export", folder, "-o", out / "a.pmtiles")
         self.assertEqual((out / "a.pmtiles").read_bytes(), whole["download.pmtiles"][1])
         for name, (_, body) in whole.items():
             (out / name).write_bytes(body)
-            checked = subprocess.run([BINARY, "validate", out / name], capture_output=True, text=True)
-            self.assertEqual(checked.returncode, 0, checked.stdout + checked.stderr)
+            run("validate", out / name)
         if shutil.which("gdal_translate"):
-            subprocess.run([BINARY, "export", folder, "-o", out / "b.tif"], check=True, capture_output=True)
+            run("export", folder, "-o", out / "b.tif")
             pixels = []
             for name in ("download.tif", "b.tif"):
                 raw = out / (name + ".raw")

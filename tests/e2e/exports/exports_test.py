@@ -11,8 +11,8 @@ import unittest
 import unittest.mock
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from server_support import (BINARY, BLOBS, ServerTestCase, catalogue_words, children_of, in_catalogue, is_running,  # noqa: E402
-                            kept_of_flights, put_map, wait_until)
+from server_support import (AS_JSON, BLOBS, ServerTestCase, bearer, children_of, in_catalogue, is_running, kept_of_flights,  # noqa: E402
+                            put_map, wait_until)
 
 
 def confined_exports(server):
@@ -41,7 +41,7 @@ class Exports(ServerTestCase):
 
     def ask(self, server, flight, headers=None, **wish):
         status, head, body = server.request("POST", f"/api/v1/flights/{flight}/exports", json.dumps(wish),
-                                            {"Content-Type": "application/json", **(headers or {})})
+                                            {**AS_JSON, **(headers or {})})
         answer = json.loads(body)
         if status == 202:
             self.assertEqual(head["Location"], answer["href"])
@@ -67,7 +67,7 @@ class Exports(ServerTestCase):
         middle = [west + (east - west) / 3, south + (north - south) / 3, east - (east - west) / 3, north - (north - south) / 3]
         def begin(options):
             status, _, body = server.request("POST", f"/api/v1/flights/{flight}/jobs", json.dumps({"options": options}),
-                                             {"Content-Type": "application/json"})
+                                             AS_JSON)
             return status, json.loads(body)
         for bad, words in (({"boundary": {"type": "Point", "coordinates": [7, 46]}}, "has a Point"),
                            ({"boundary": "field"}, "not JSON"), ({"takeoff_height_m": 9001}, "above sea level")):
@@ -141,7 +141,7 @@ class Exports(ServerTestCase):
             status, refused = self.ask(server, flight, **wish)
             self.assertEqual(status, 422, refused)
             self.assertIn(words, refused["detail"])
-        self.assertEqual(server.request("POST", f"/api/v1/flights/{flight}/exports", "{", {"Content-Type": "application/json"})[0], 400)
+        self.assertEqual(server.request("POST", f"/api/v1/flights/{flight}/exports", "{", AS_JSON)[0], 400)
         self.assertEqual(server.request("POST", f"/api/v1/flights/{flight}/exports", "format=kmz", {"Content-Type": "text/plain"})[0], 415)
         empty = server.json("POST", "/api/v1/flights", {"name": "empty"})[1]["id"]
         self.assertEqual(self.ask(server, empty, format="kmz")[0], 404)
@@ -201,7 +201,7 @@ class Exports(ServerTestCase):
         self.assertNotIn("socket:", (folder / "open").read_text())
         # Under another name it is another report; under the same it is the same.
         self.assertEqual(self.ask(server, flight, format="report")[1]["id"], export["id"])
-        self.assertEqual(server.request("PATCH", f"/api/v1/flights/{flight}", '{"name": "Mill"}', {"Content-Type": "application/json"})[0], 200)
+        self.assertEqual(server.request("PATCH", f"/api/v1/flights/{flight}", '{"name": "Mill"}', AS_JSON)[0], 200)
         self.assertNotEqual(self.ask(server, flight, format="report")[1]["id"], export["id"])
         server.stop()
         # None of them prints.
@@ -291,21 +291,18 @@ class Exports(ServerTestCase):
         wait_until(lambda: not server.garbage(), "something was left over")  # a moment after the export is told of
 
     def test_rights(self):
-        token = lambda name, *options: {"Authorization": "Bearer " + subprocess.run(
-            [BINARY, "token", "add", name, "--data", self.data, *catalogue_words(self.data), *options], check=True, capture_output=True, text=True).stdout.strip()}
-        owner, reader, other = token("owner", "--scope", "upload"), token("reader", "--scope", "read"), token("other", "--scope", "upload")
+        owner, reader, other = (self.token(name, "--scope", scope) for name, scope in (("owner", "upload"), ("reader", "read"), ("other", "upload")))
         server = self.serve()
-        as_json = {"Content-Type": "application/json"}
-        flight = json.loads(server.request("POST", "/api/v1/flights", "{}", {**owner, **as_json})[2])["id"]
+        flight = server.json("POST", "/api/v1/flights", {}, owner)[1]["id"]
         for name, content in self.photos:
             self.assertEqual(server.request("PUT", f"/api/v1/flights/{flight}/files/{name}", content, owner)[0], 201)
-        job = json.loads(server.request("POST", f"/api/v1/flights/{flight}/jobs", "{}", {**owner, **as_json})[2])["id"]
+        job = server.json("POST", f"/api/v1/flights/{flight}/jobs", {}, owner)[1]["id"]
         def is_done():
-            return json.loads(server.request("GET", f"/api/v1/jobs/{job}", headers=owner)[2])["state"] == "successful"
+            return server.json("GET", f"/api/v1/jobs/{job}", headers=owner)[1]["state"] == "successful"
         wait_until(is_done, "no map")
-        share = json.loads(server.request("POST", f"/api/v1/flights/{flight}/shares", "{}", {**owner, **as_json})[2])["token"]
-        guest = {"Authorization": f"Bearer {share}"}
-        elsewhere = json.loads(server.request("POST", "/api/v1/flights", "{}", {**owner, **as_json})[2])["id"]
+        share = server.json("POST", f"/api/v1/flights/{flight}/shares", {}, owner)[1]["token"]
+        guest = bearer(share)
+        elsewhere = server.json("POST", "/api/v1/flights", {}, owner)[1]["id"]
         status, refused = self.ask(server, flight, format="kmz")
         self.assertEqual(status, 401, refused)
         status, of_guest = self.ask(server, flight, guest, format="kmz")
@@ -322,10 +319,10 @@ class Exports(ServerTestCase):
         status, of_guest = self.ask(server, flight, guest, format="mbtiles")
         self.assertEqual(status, 202, of_guest)
         shares = f"/api/v1/flights/{flight}/shares"
-        link = json.loads(server.request("GET", shares, headers=owner)[2])["shares"][0]["id"]
+        link = server.json("GET", shares, headers=owner)[1]["shares"][0]["id"]
         self.assertEqual(server.request("DELETE", f"{shares}/{link}", headers=owner)[0], 204)
         self.assertEqual(server.request("GET", of_guest["href"], headers=owner)[0], 404)
-        self.assertEqual(json.loads(server.request("GET", f"/api/v1/flights/{flight}/exports", headers=owner)[2])["exports"], [])
+        self.assertEqual(server.json("GET", f"/api/v1/flights/{flight}/exports", headers=owner)[1]["exports"], [])
 
 
 if __name__ == "__main__":

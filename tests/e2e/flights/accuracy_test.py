@@ -9,11 +9,10 @@ import sys
 import tempfile
 import unittest
 
-HERE = pathlib.Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE.parent), str(HERE.parent / "command_line")]
-from control_test import gcp_list  # noqa: E402
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from flights import made_flights  # noqa: E402
-from server_support import BINARY, ServerTestCase  # noqa: E402
+from program import report_of, run  # noqa: E402
+from server_support import ServerTestCase  # noqa: E402
 
 
 def said_in(text):
@@ -35,20 +34,19 @@ class Accuracy(ServerTestCase):
 
     def stitched(self, *inputs):
         out = pathlib.Path(self.scratch_of_test(), "map")
-        done = subprocess.run([BINARY, "stitch", *inputs, "-o", out], check=True, capture_output=True, text=True)
-        return done.stdout, json.loads((out / "report.json").read_text()), out
+        done = run("stitch", *inputs, "-o", out)
+        return done.stdout, report_of(out), out
 
     def reported(self, folder, ending):
         """The report of a map, with a small picture: its words are looked at."""
         report = folder / f"report.{ending}"
-        subprocess.run([BINARY, "report", folder, "-o", report, "--picture-px", "300"], check=True, capture_output=True)
+        run("report", folder, "-o", report, "--picture-px", "300")
         return report
 
     def test_every_surface_says_the_same(self):
         flight = made_flights.simulated(12, "800x600", "--noise", "rtk")
         photos = sorted((flight / "photos").iterdir())
-        inspected = json.loads(subprocess.run([BINARY, "inspect", "--json", flight / "photos"], check=True, capture_output=True,
-                                              text=True).stdout)
+        inspected = json.loads(run("inspect", "--json", flight / "photos").stdout)
         said, report, folder = self.stitched(flight / "photos")
         absolute = report["quality"]["absolute"]
         self.assertEqual(absolute["by"], "rtk")
@@ -76,10 +74,7 @@ class Accuracy(ServerTestCase):
             self.assertIn(f"+-{number} (1 sigma), by {by}", " ".join(text.split()))  # lines end where the paper does
         # The server, which stitches the same photos itself.
         server = self.serve()
-        status, made = server.upload([(photo.name, photo.read_bytes()) for photo in photos])
-        self.assertEqual(status, 202, made)
-        self.assertEqual(server.wait_for_job(made["job"]["id"])["state"], "successful")
-        name = made["flight"]["id"]
+        name = server.stitched([(photo.name, photo.read_bytes()) for photo in photos])["flight"]["id"]
         document = server.json("GET", f"/api/v1/flights/{name}")[1]
         self.assertEqual(document["quality"], report["quality"])
         listed = server.json("GET", "/api/v1/flights")[1]["flights"]
@@ -112,7 +107,7 @@ class Accuracy(ServerTestCase):
     def test_check_points_say_the_number_and_place_nothing(self):
         flight = made_flights.simulated(12, "800x600", "--noise", "xmp")
         truth = json.loads((flight / "truth" / "poses.json").read_text())
-        rows = gcp_list(truth, [(-20, -20), (20, 20), (-18, 18), (19, -19), (0, 5)])
+        rows = made_flights.gcp_list(truth, [(-20, -20), (20, 20), (-18, 18), (19, -19), (0, 5)])
         checked = pathlib.Path(self.scratch_of_test(), "gcp_list.txt")
         checked.write_text(rows.replace(" p4\n", " p4_check\n"))
         said, report, _ = self.stitched(flight / "photos", checked)

@@ -5,17 +5,16 @@ import json
 import math
 import os
 import pathlib
-import shutil
 import subprocess
 import sys
-import tempfile
 import unittest
 import zipfile
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "clients"))
 from gis_support import has_qgis  # noqa: E402
-from server_support import BINARY, Server  # noqa: E402
+from program import ScratchCase, run  # noqa: E402
+from server_support import FORM, Server, form, photos_in  # noqa: E402
 
 OF_GROUND = ["dtm.tif", "dtm_ground.tif", "contours.gpkg", "contours.geojson", "contours.dxf"]
 OF_SURFACE = ["dsm.tif", "dsm_photos.tif", "dsm_hillshade.tif"]
@@ -61,22 +60,19 @@ def pixel(tile, at):
     return [int(band[at[1], at[0]]) for band in gdal.Open("/vsimem/tile.png").ReadAsArray()]
 
 
-class HeightsServed(unittest.TestCase):
+class HeightsServed(ScratchCase):
     @classmethod
     def setUpClass(cls):
-        cls.scratch = pathlib.Path(tempfile.mkdtemp(prefix="skyquilt_heights_served_"))
-        cls.addClassCleanup(shutil.rmtree, cls.scratch)
+        super().setUpClass()
         flight = cls.scratch / "flight"
-        subprocess.run([BINARY, "simulate", "-o", flight, "--photos", "6", "--size", "400x300", "--height", "40", "--houses", "2",
-                        "--relief-m", "3", "--noise", "rtk", "--seed", "3", "--no-world", "--sidelap", "0.75"], check=True, capture_output=True)
+        run("simulate", "-o", flight, "--photos", "6", "--size", "400x300", "--height", "40", "--houses", "2", "--relief-m", "3",
+            "--noise", "rtk", "--seed", "3", "--no-world", "--sidelap", "0.75")
         cls.photos = flight / "photos"
-        cls.files = [(path.name, path.read_bytes()) for path in sorted(cls.photos.glob("*.JPG"))]
+        cls.files = photos_in(cls.photos)
         cls.server = Server(cls.scratch / "data")
         cls.addClassCleanup(cls.server.stop)
-        status, made = cls.server.upload(cls.files, name="Village", options=json.dumps({"heights": "dtm"}))
-        assert status == 202, made
-        cls.job = cls.server.wait_for_job(made["job"]["id"])
-        assert cls.job["state"] == "successful", cls.job
+        made = cls.server.stitched(cls.files, name="Village", options=json.dumps({"heights": "dtm"}))
+        cls.job = made["job"]
         cls.path = f"/api/v1/flights/{made['flight']['id']}"
         cls.served = {name: cls.server.request("GET", f"{cls.path}/{name}") for name in OF_SURFACE + OF_GROUND}
 
@@ -86,7 +82,7 @@ class HeightsServed(unittest.TestCase):
 
     def test_they_are_those_of_the_command_line(self):
         out = self.scratch / "map"
-        subprocess.run([BINARY, "stitch", self.photos, "-o", out, "--formats", "dtm"], check=True, capture_output=True)
+        run("stitch", self.photos, "-o", out, "--formats", "dtm")
         for name in OF_SURFACE + OF_GROUND:
             status, headers, body = self.served[name]
             self.assertEqual(status, 200, name)
@@ -96,8 +92,7 @@ class HeightsServed(unittest.TestCase):
         self.assertLessEqual(set(OF_SURFACE + OF_GROUND), set(zipfile.ZipFile(io.BytesIO(archive)).namelist()))
 
     def test_a_map_that_is_moved_keeps_them_where_it_is_now(self):
-        status, made = self.server.upload(self.files, name="Moved", options=json.dumps({"heights": "dtm"}))
-        self.assertEqual(self.server.wait_for_job(made["job"]["id"])["state"], "successful")
+        made = self.server.stitched(self.files, name="Moved", options=json.dumps({"heights": "dtm"}))
         path = f"/api/v1/flights/{made['flight']['id']}"
         before = self.download("dsm.tif", path)[2]
         west, south, _, _ = self.server.json("GET", f"{path}/report")[1]["bounds"]
@@ -116,8 +111,7 @@ class HeightsServed(unittest.TestCase):
         files = {name: self.scratch / f"served_{name}" for name in self.served}
         for name, file in files.items():
             file.write_bytes(self.served[name][2])
-        status, made = self.server.upload(self.files, name="Seen in QGIS", options=json.dumps({"heights": "dtm"}))
-        self.assertEqual(self.server.wait_for_job(made["job"]["id"])["state"], "successful")
+        made = self.server.stitched(self.files, name="Seen in QGIS", options=json.dumps({"heights": "dtm"}))
         below = f"/vsicurl/http://127.0.0.1:{self.server.port}/api/v1/flights/{made['flight']['id']}"
         contours = [files[name] for name in ("contours.gpkg", "contours.geojson", "contours.dxf")]
         done = subprocess.run([sys.executable, "-c", QGIS_HEIGHTS_SCRIPT, f"{below}/dsm.tif", f"{below}/dtm.tif", *contours],
@@ -256,10 +250,8 @@ class HeightsServed(unittest.TestCase):
         # The second one is placed by a consumer drone's records, metres from the first.
         for houses, noise in ((2, "rtk"), (3, "xmp")):
             folder = self.scratch / f"village_{houses}"
-            subprocess.run([BINARY, "simulate", "-o", folder, "--houses", str(houses), "--noise", noise, *village], check=True, capture_output=True)
-            files = [(path.name, path.read_bytes()) for path in sorted((folder / "photos").glob("*.JPG"))]
-            status, made = self.server.upload(files, name=f"Village with {houses} houses", options=json.dumps({"heights": "dsm"}))
-            self.assertEqual(self.server.wait_for_job(made["job"]["id"])["state"], "successful")
+            run("simulate", "-o", folder, "--houses", str(houses), "--noise", noise, *village)
+            made = self.server.stitched(photos_in(folder / "photos"), name=f"Village with {houses} houses", options=json.dumps({"heights": "dsm"}))
             flights.append(made["flight"]["id"])
         before, after = flights
         truth = json.loads((folder / "truth" / "poses.json").read_text())
@@ -321,15 +313,10 @@ class HeightsServed(unittest.TestCase):
         self.assertIn('"dtm"', job["detail"])
 
     def test_the_archive_of_a_node_has_them_where_clients_look(self):
-        boundary = "heights"
-        options = json.dumps([{"name": "dsm", "value": True}])
-        body = (f'--{boundary}\r\nContent-Disposition: form-data; name="options"\r\n\r\n{options}\r\n').encode()
-        for name, content in self.files:
-            body += (f'--{boundary}\r\nContent-Disposition: form-data; name="images"; filename="{name}"\r\n\r\n').encode() + content + b"\r\n"
-        body += f"--{boundary}--\r\n".encode()
-        status, _, answer = self.server.request("POST", "/task/new", body, {"Content-Type": f"multipart/form-data; boundary={boundary}"})
+        body = form({"options": json.dumps([{"name": "dsm", "value": True}])}, self.files, "images")
+        status, _, answer = self.server.request("POST", "/task/new", body, FORM)
         uuid = json.loads(answer)["uuid"]
-        while json.loads(self.server.request("GET", f"/task/{uuid}/info")[2])["status"]["code"] in (10, 20):
+        while self.server.json("GET", f"/task/{uuid}/info")[1]["status"]["code"] in (10, 20):
             pass
         _, _, archive = self.server.request("GET", f"/task/{uuid}/download/all.zip")
         names = zipfile.ZipFile(io.BytesIO(archive)).namelist()

@@ -3,12 +3,12 @@ ground, of an imported map, and what is no line."""
 import json
 import math
 import pathlib
-import subprocess
 import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from server_support import BINARY, ServerTestCase  # noqa: E402
+from program import run  # noqa: E402
+from server_support import ServerTestCase, photos_in  # noqa: E402
 
 RELIEF_M = 15
 
@@ -20,9 +20,7 @@ class Heights(ServerTestCase):
         return status, json.loads(text)
 
     def stitched(self, server, photos):
-        status, made = server.upload(photos)
-        self.assertEqual(status, 202, made)
-        self.assertEqual(server.wait_for_job(made["job"]["id"])["state"], "successful")
+        made = server.stitched(photos)
         return server.json("GET", f"/api/v1/flights/{made['flight']['id']}")[1]
 
     def across(self, flight, from_share=0.3, to_share=0.7):
@@ -31,10 +29,9 @@ class Heights(ServerTestCase):
 
     def test_hills(self):
         folder = pathlib.Path(self.scratch, "hills")
-        subprocess.run([BINARY, "simulate", "-o", folder, "--photos", "12", "--size", "600x450", "--relief-m", str(RELIEF_M), "--no-world"],
-                       check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        run("simulate", "-o", folder, "--photos", "12", "--size", "600x450", "--relief-m", str(RELIEF_M), "--no-world")
         server = self.serve()
-        flight = self.stitched(server, [(path.name, path.read_bytes()) for path in sorted((folder / "photos").iterdir()) if path.suffix == ".JPG"])
+        flight = self.stitched(server, photos_in(folder / "photos"))
         first, last = self.across(flight)
         middle = [(first[0] + last[0]) / 2 + 1e-5, (first[1] + last[1]) / 2]
         status, told = self.ask(server, flight["id"], {"type": "LineString", "coordinates": [first, middle, last]})
@@ -121,8 +118,7 @@ class Heights(ServerTestCase):
         foreign = pathlib.Path(self.scratch, "foreign.tif")
         foreign.write_bytes(server.request("GET", f"/api/v1/flights/{flight['id']}/download.tif")[2])
         self.assertEqual(server.stop(), 0)
-        done = subprocess.run([BINARY, "import", foreign, "--data", self.data, "--name", "foreign", "--tag", "others"], capture_output=True, text=True)
-        self.assertEqual(done.returncode, 0, done.stderr)
+        run("import", foreign, "--data", self.data, "--name", "foreign", "--tag", "others")
         server = self.serve("--workers", "0")
         [imported] = server.json("GET", "/api/v1/flights?tag=others")[1]["flights"]
         first, last = self.across(flight)

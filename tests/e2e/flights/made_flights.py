@@ -1,4 +1,5 @@
-"""Flights and maps that several tests want and none is about: made by the program once, then only read or copied.
+"""Flights and maps that several tests want and none is about: made by the program once, then only read or copied; and surveyed
+points on simulated ground.
 
 They lie in SKYQUILT_MADE_FLIGHTS (of the build, where the test e2e.made_flights makes them before the others), by hand in the
 system's temporary folder, and are made where they are not there yet. Another build of the program makes them anew."""
@@ -6,16 +7,16 @@ import fcntl
 import os
 import pathlib
 import shutil
-import subprocess
 import tempfile
 
-BINARY = pathlib.Path(os.environ.get("SKYQUILT_BINARY", "build/release/bin/skyquilt"))
+from program import BINARY, run
+
 ROOT = pathlib.Path(os.environ.get("SKYQUILT_MADE_FLIGHTS", pathlib.Path(tempfile.gettempdir(), f"skyquilt_made_flights_{os.getuid()}")))
 
 
 def made(name, make):
     """The folder of this name, which make(folder) filled for whoever asked first. Nobody writes into it."""
-    program = BINARY.stat()
+    program = os.stat(BINARY)
     root = ROOT / f"{program.st_size}_{program.st_mtime_ns}"
     folder = root / name
     if not folder.exists():
@@ -29,11 +30,6 @@ def made(name, make):
                 make(unfinished)
                 unfinished.rename(folder)
     return folder
-
-
-def run(*words):
-    done = subprocess.run([BINARY, *words], capture_output=True, text=True)
-    assert done.returncode == 0, (words, done.stderr)
 
 
 def simulated(photos, size, *words):
@@ -53,7 +49,41 @@ def small_map():
 
 
 def remove_those_of_other_builds():
-    program = BINARY.stat()
+    program = os.stat(BINARY)
     for folder in ROOT.glob("*"):
         if folder.name != f"{program.st_size}_{program.st_mtime_ns}":
             shutil.rmtree(folder, ignore_errors=True)
+
+
+def turned(quaternion, vector):
+    """The vector turned by (w, x, y, z)."""
+    w, *axis = quaternion
+    cross = lambda a, b: [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    twice = [2 * x for x in cross(axis, vector)]
+    return [v + w * t + c for v, t, c in zip(vector, twice, cross(axis, twice))]
+
+
+def metres_a_degree(truth):
+    """East and north at the flight, by its own photos."""
+    def along(axis, key):
+        photos = sorted(truth["photos"], key=lambda photo: photo[key])
+        first, last = photos[0], photos[-1]
+        return (last["camera_center_in_enu"][axis] - first["camera_center_in_enu"][axis]) / (last[key] - first[key])
+    return along(0, "lon_deg"), along(1, "lat_deg")
+
+
+def gcp_list(truth, places):
+    """ODM's format, of places east and north of the flight's middle, marked in every photo that shows them."""
+    lens, origin = truth["intrinsics"], truth["origin"]
+    a_degree_east, a_degree_north = metres_a_degree(truth)
+    rows = ["EPSG:4326"]
+    for number, (east, north) in enumerate(places):
+        lon, lat = origin["lon_deg"] + east / a_degree_east, origin["lat_deg"] + north / a_degree_north
+        for photo in truth["photos"]:
+            ray = [a - b for a, b in zip((east, north, 0.0), photo["camera_center_in_enu"])]
+            x, y, z = turned(photo["cam_from_enu_wxyz"], ray)
+            column = lens["focal_x_px"] * x / z + lens["center_x_px"] + 0.5
+            row = lens["focal_y_px"] * y / z + lens["center_y_px"] + 0.5
+            if 0 < column < lens["width_px"] and 0 < row < lens["height_px"]:
+                rows.append(f"{lon:.10f} {lat:.10f} {origin['height_ellipsoid_m']:.3f} {column:.3f} {row:.3f} {photo['name']} p{number}")
+    return "\n".join(rows) + "\n"

@@ -13,7 +13,8 @@ import unittest
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 from accuracy_test import digits  # noqa: E402
-from server_support import BINARY, DATA, Server  # noqa: E402
+from program import DATA, report_of, run  # noqa: E402
+from server_support import Server  # noqa: E402
 
 PAGE_READER = HERE.parents[1] / "web" / "support" / "flight_texts.js"
 STATUSES = {"ready": "Ready to use", "limited": "Usable, with limits", "doubtful": "Place in doubt", "unplaced": "Not georeferenced"}
@@ -59,8 +60,7 @@ class RealAccuracy(unittest.TestCase):
 
     def claimed_by_records(self, inputs):
         """`inspect` has seen no photo beside another: it has no number of the map's, and calls its own what it is."""
-        plain, listed = (subprocess.run([BINARY, "inspect", *words, *inputs], check=True, capture_output=True, text=True).stdout
-                         for words in ([], ["--json"]))
+        plain, listed = (run("inspect", *words, *inputs).stdout for words in ([], ["--json"]))
         self.assertNotRegex(plain, "[Aa]bsolute accuracy|Ready to use|Usable, with limits")
         listed = json.loads(listed)
         self.assertNotIn("quality", listed)
@@ -75,24 +75,24 @@ class RealAccuracy(unittest.TestCase):
         """Every surface's word on it, by its name; '' where it has none. Then what could not be looked at."""
         scratch, missing = self.scratch, []
         out = scratch / "map"
-        line = subprocess.run([BINARY, "stitch", *inputs, "-o", out], check=True, capture_output=True, text=True).stdout
-        report = json.loads((out / "report.json").read_text())
+        line = run("stitch", *inputs, "-o", out).stdout
+        report = report_of(out)
         said = {"report.json": of_quality(report["quality"])}
         found = re.search(r"^(.*?)\. Absolute accuracy: (.*?)\. Relative: (.*)\.$", line, re.MULTILINE)
         said["command line"] = of_words(*found.groups())
-        subprocess.run([BINARY, "report", out, "-o", scratch / "report.html"], check=True, capture_output=True)
+        run("report", out, "-o", scratch / "report.html")
         said["report"] = of_report(re.sub(r"<svg.*?</svg>|<style>.*?</style>|<[^>]*>", " ", (scratch / "report.html").read_text(), flags=re.DOTALL))
         if not shutil.which("pdftotext") or not any(map(shutil.which, PDF_TOOLS)):
             missing.append(f"PDF: wants pdftotext and one of {', '.join(PDF_TOOLS)}")
         else:
-            subprocess.run([BINARY, "report", out, "-o", scratch / "report.pdf"], check=True, capture_output=True)
+            run("report", out, "-o", scratch / "report.pdf")
             text = subprocess.run(["pdftotext", "-layout", scratch / "report.pdf", "-"], check=True, capture_output=True, text=True).stdout
             said["PDF"] = of_report(text)
         # The server makes the map anew, of the same files.
         server = Server(scratch / "data")
         try:
             url = f"http://127.0.0.1:{server.port}/"
-            subprocess.run([BINARY, "upload", *inputs, "--server", url, "--name", name], check=True, capture_output=True)
+            run("upload", *inputs, "--server", url, "--name", name)
             [listed] = server.json("GET", "/api/v1/flights")[1]["flights"]
             flight = listed["id"]
             said["API, list"] = of_quality(listed["quality"])
@@ -129,6 +129,31 @@ class RealAccuracy(unittest.TestCase):
                 self.assertEqual([value or want for value, want in zip(values, wanted)], list(wanted))
         return wanted
 
+    def test_cameras_lie_where_the_photos_gps_says(self):
+        photos = DATA / "brighton_beach" / "images"
+        if not photos.is_dir() or shutil.which("exiftool") is None:
+            self.skipTest("the Brighton Beach photos or exiftool are not here")
+        with tempfile.TemporaryDirectory() as out:
+            run("stitch", photos, "-o", out, "--method", "imu")
+            report = json.loads(pathlib.Path(out, "report.json").read_text())
+            features = json.loads(pathlib.Path(out, "photos.geojson").read_text())["features"]
+        self.assertEqual(report["photos"], {"total": 18, "aligned": 0, "pose_only": 18, "left_out": 0})
+        exif = json.loads(subprocess.run(["exiftool", "-j", "-n", "-GPSLatitude", "-GPSLongitude", photos], check=True,
+                                         capture_output=True).stdout)
+        recorded = {pathlib.Path(row["SourceFile"]).name: row for row in exif}
+        west, south, east, north = report["bounds"]
+        for feature in features:
+            row = recorded[feature["properties"]["name"]]
+            lat, lon = row["GPSLatitude"], row["GPSLongitude"]
+            self.assertTrue(west <= lon <= east and south <= lat <= north)
+            self.assertLess(abs(feature["properties"]["camera_lat"] - lat) * 111_000, 0.5)
+            self.assertLess(abs(feature["properties"]["camera_lon"] - lon) * 76_000, 0.5)
+            # The photos look straight down: the middle of the footprint lies below the camera.
+            ring = feature["geometry"]["coordinates"][0][:-1]
+            corners = [ring[i * len(ring) // 4] for i in range(4)]
+            self.assertLess(abs(sum(c[1] for c in corners) / 4 - lat) * 111_000, 0.5)
+            self.assertLess(abs(sum(c[0] for c in corners) / 4 - lon) * 76_000, 0.5)
+
     def test_brighton(self):
         self.check("brighton", DATA / "brighton_beach" / "images")
 
@@ -145,7 +170,7 @@ class RealAccuracy(unittest.TestCase):
         if not COPR.exists():
             self.skipTest(f"{COPR} is not here")
         self.check("copr_41 with check points", COPR / "images", with_checks(self.scratch))
-        quality = json.loads((self.scratch / "map" / "report.json").read_text())["quality"]
+        quality = report_of(self.scratch / "map")["quality"]
         self.assertEqual(quality["absolute"]["by"], "check_points")
 
     def test_garfield_in_colours(self):

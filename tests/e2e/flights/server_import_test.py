@@ -4,19 +4,15 @@ import json
 import pathlib
 import shutil
 import sqlite3
-import subprocess
 import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from flights import made_flights  # noqa: E402
-from server_support import BINARY, ServerTestCase, tile_of  # noqa: E402
+from program import report_of, run, tool  # noqa: E402
+from server_support import ServerTestCase, add_token, bearer, middle_of, tile_of  # noqa: E402
 
-HAS_GDAL = all(shutil.which(tool) for tool in ("gdal_translate", "gdalwarp"))
-
-
-def run(*words):
-    return subprocess.run([str(word) for word in words], check=True, capture_output=True, text=True).stdout
+HAS_GDAL = all(shutil.which(name) for name in ("gdal_translate", "gdalwarp"))
 
 
 @unittest.skipUnless(HAS_GDAL, "gdal-bin is not installed: it makes the maps of others for this test")
@@ -28,13 +24,12 @@ class ServerImport(ServerTestCase):
         made = made_flights.small_map()
         cls.mbtiles = made / "mosaic.mbtiles"
         cls.utm = cls.folder / "north field.tif"
-        run("gdalwarp", "-q", "-t_srs", "EPSG:32632", "-dstalpha", "-r", "cubic", made / "mosaic.tif", cls.utm)
-        cls.report = json.loads((made / "report.json").read_text())
+        tool("gdalwarp", "-q", "-t_srs", "EPSG:32632", "-dstalpha", "-r", "cubic", made / "mosaic.tif", cls.utm)
+        cls.report = report_of(made)
         cls.bounds = cls.report["bounds"]
 
     def import_(self, server, file, *words, env=None):
-        return subprocess.run([BINARY, "import", file, "--server", f"http://127.0.0.1:{server.port}/", *map(str, words)],
-                              capture_output=True, text=True, env=env, timeout=240)
+        return run("import", file, "--server", f"http://127.0.0.1:{server.port}/", *map(str, words), code=None, env=env, timeout=240)
 
     def imported(self, server, file, *words):
         done = self.import_(server, file, *words)
@@ -42,14 +37,12 @@ class ServerImport(ServerTestCase):
         return next(line.split()[1] for line in done.stdout.splitlines() if line.startswith("flight "))
 
     def token(self, name, *words):
-        made = subprocess.run([BINARY, "token", "add", name, "--data", self.data, *words], check=True, capture_output=True, text=True)
-        return next(word for word in made.stdout.split() if word.startswith("sq_"))
+        return add_token(self.data, name, *words)
 
     def middle_of(self, server, flight):
         about = server.json("GET", f"/api/v1/flights/{flight}")[1]
-        west, south, east, north = about["bounds"]
         zoom = server.json("GET", f"/tiles/{flight}.json")[1]["maxzoom"]
-        x, y = tile_of((west + east) / 2, (south + north) / 2, zoom)
+        x, y = middle_of(about["bounds"], zoom)
         return server.request("GET", f"/tiles/{flight}/{zoom}/{x}/{y}")
 
     def test_a_geotiff_and_an_mbtiles_become_maps(self):
@@ -107,10 +100,9 @@ class ServerImport(ServerTestCase):
         self.assertEqual(server.request("PUT", f"/api/v1/flights/{flight}/files/other.tif", b"II*\0")[0], 201)
         status, problem = server.json("POST", f"/api/v1/flights/{flight}/jobs", {})
         self.assertEqual((status, "there.tif" in problem["detail"]), (409, True), problem)
-        neither = subprocess.run([BINARY, "import", self.utm], capture_output=True, text=True)
-        self.assertEqual(neither.returncode, 1)
+        neither = run("import", self.utm, code=1)
         self.assertIn("--server", neither.stderr)
-        both = subprocess.run([BINARY, "import", self.utm, "--data", self.data, "--server", "http://127.0.0.1:1"], capture_output=True, text=True)
+        both = run("import", self.utm, "--data", self.data, "--server", "http://127.0.0.1:1", code=None)
         self.assertNotEqual(both.returncode, 0)
         self.assertIn("excludes", both.stderr)
 
@@ -158,7 +150,7 @@ class ServerImport(ServerTestCase):
         flight = next(line.split()[1] for line in done.stdout.splitlines() if line.startswith("flight "))
         other = self.token("other", "--scope", "upload")
         self.assertEqual(by(other, "--flight", flight).returncode, 1)
-        status, _, body = server.request("GET", f"/api/v1/flights/{flight}/files", headers={"Authorization": f"Bearer {owner}"})
+        status, _, body = server.request("GET", f"/api/v1/flights/{flight}/files", headers=bearer(owner))
         self.assertEqual((status, [file["name"] for file in json.loads(body)["files"]]), (200, ["north field.tif"]))
 
 

@@ -8,7 +8,8 @@ import unittest
 import urllib.parse
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from server_support import BINARY, ServerTestCase  # noqa: E402
+from program import BINARY, run  # noqa: E402
+from server_support import ServerTestCase  # noqa: E402
 
 
 class Tags(ServerTestCase):
@@ -78,8 +79,7 @@ class Tags(ServerTestCase):
         self.assertEqual(server.stop(), 0)
         for name in pathlib.Path(self.data).glob("catalogue.db*"):
             name.unlink()
-        repaired = subprocess.run([BINARY, "data", "repair", "--data", self.data], capture_output=True, text=True)
-        self.assertEqual(repaired.returncode, 0, repaired.stderr)
+        run("data", "repair", "--data", self.data)
         server = self.serve("--workers", "0")
         [flight] = self.tagged(server, "maize")["flights"]
         self.assertEqual((flight["tags"], flight["keep"]), (["maize", "north"], True))

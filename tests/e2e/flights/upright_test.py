@@ -4,32 +4,28 @@ import json
 import pathlib
 import shutil
 import sqlite3
-import subprocess
 import sys
-import tempfile
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "bench"))
-from server_support import BINARY, Server  # noqa: E402
+from program import ScratchCase, report_of, run  # noqa: E402
+from server_support import Server, photos_in  # noqa: E402
 
 
-class Upright(unittest.TestCase):
+class Upright(ScratchCase):
     @classmethod
     def setUpClass(cls):
-        cls.scratch = pathlib.Path(tempfile.mkdtemp(prefix="skyquilt_upright_"))
-        cls.addClassCleanup(shutil.rmtree, cls.scratch)
+        super().setUpClass()
         cls.flight = cls.scratch / "flight"
-        subprocess.run([BINARY, "simulate", "-o", cls.flight, "--photos", "12", "--size", "800x600", "--height", "50", "--houses", "6",
-                        "--relief-m", "3", "--noise", "rtk", "--seed", "5", "--surface", "--sidelap", "0.75"],
-                       check=True, capture_output=True)
+        run("simulate", "-o", cls.flight, "--photos", "12", "--size", "800x600", "--height", "50", "--houses", "6", "--relief-m", "3",
+            "--noise", "rtk", "--seed", "5", "--surface", "--sidelap", "0.75")
         cls.map = cls.scratch / "map"
         cls.stitch(cls.map, "--surface", "dense", "--threads", "1")
 
     @classmethod
     def stitch(cls, out, *options):
-        done = subprocess.run([BINARY, "stitch", cls.flight / "photos", "-o", out, *options], capture_output=True, text=True)
-        assert done.returncode == 0, done.stderr
+        done = run("stitch", cls.flight / "photos", "-o", out, *options)
         return done.stdout
 
     @staticmethod
@@ -56,7 +52,7 @@ class Upright(unittest.TestCase):
         out = self.scratch / "two"
         self.stitch(out, "--surface", "dense", "--threads", "2", "--formats", "dsm")
         self.assertEqual(self.tiles(out), self.tiles(self.map))
-        report = json.loads((out / "report.json").read_text())
+        report = report_of(out)
         self.assertGreater(report["surface"]["measured_share"], 0.6)
         self.assertEqual([timing["stage"] for timing in report["timings"]].count("surface"), 2, "matched, and written")
 
@@ -64,15 +60,14 @@ class Upright(unittest.TestCase):
         out = self.scratch / "auto"
         self.assertIn("--surface auto: upright", self.stitch(out, "--surface", "auto"))
         self.assertEqual(self.tiles(out), self.tiles(self.map))
-        self.assertEqual(json.loads((out / "report.json").read_text())["ground_choice"]["surface"], "dense")
+        self.assertEqual(report_of(out)["ground_choice"]["surface"], "dense")
         meadow = self.scratch / "meadow"
-        subprocess.run([BINARY, "simulate", "-o", meadow, "--photos", "8", "--size", "640x480", "--height", "50", "--relief-m", "3", "--noise", "rtk",
-                        "--seed", "5", "--no-world", "--sidelap", "0.75"], check=True, capture_output=True)
+        run("simulate", "-o", meadow, "--photos", "8", "--size", "640x480", "--height", "50", "--relief-m", "3", "--noise", "rtk",
+            "--seed", "5", "--no-world", "--sidelap", "0.75")
         maps = []
         for surface in ("auto", "smooth"):
             maps.append(self.scratch / f"meadow_{surface}")
-            done = subprocess.run([BINARY, "stitch", meadow / "photos", "-o", maps[-1], "--surface", surface], capture_output=True, text=True)
-            self.assertEqual(done.returncode, 0, done.stderr)
+            done = run("stitch", meadow / "photos", "-o", maps[-1], "--surface", surface)
             self.assertEqual("--surface auto: the smooth ground" in done.stdout, surface == "auto", done.stdout)
         self.assertEqual(self.tiles(maps[0]), self.tiles(maps[1]))
 
@@ -80,7 +75,7 @@ class Upright(unittest.TestCase):
         out = self.scratch / "changed"
         self.stitch(out)
         smooth = self.tiles(out)
-        refused = subprocess.run([BINARY, "stitch", self.flight / "photos", "-o", out, "--surface", "dense"], capture_output=True, text=True)
+        refused = run("stitch", self.flight / "photos", "-o", out, "--surface", "dense", code=None)
         self.assertNotEqual(refused.returncode, 0)
         self.assertIn("--surface smooth (now dense)", refused.stderr)
         self.assertEqual(self.tiles(out), smooth)
@@ -92,7 +87,7 @@ class Upright(unittest.TestCase):
     def test_a_server_makes_the_same(self):
         server = Server(self.scratch / "data")
         self.addCleanup(server.stop)
-        photos = [(path.name, path.read_bytes()) for path in sorted((self.flight / "photos").glob("*.JPG"))]
+        photos = photos_in(self.flight / "photos")
         status, made = server.upload(photos, name="Village", options=json.dumps({"surface": "dense", "layers": ["height"]}))
         self.assertEqual(status, 202, made)
         job = server.wait_for_job(made["job"]["id"])
@@ -112,19 +107,16 @@ class Upright(unittest.TestCase):
             for photo in part:
                 shutil.copy(photo, folder)
         for folder, words in ((first, ["--surface", "dense"]), (rest, ["--append"])):
-            done = subprocess.run([BINARY, "stitch", folder, "-o", out, *words], capture_output=True, text=True)
-            self.assertEqual(done.returncode, 0, done.stderr)
+            done = run("stitch", folder, "-o", out, *words)
         self.assertIn("12 photos", done.stdout)
         self.assertIn("upright by heights", done.stdout)
 
     def test_a_map_that_is_placed_stays_upright(self):
         folder = self.scratch / "moved"
         shutil.copytree(self.map, folder)
-        west, south, _, _ = json.loads((folder / "report.json").read_text())["bounds"]
-        done = subprocess.run([BINARY, "place", folder, "--again", "--point", f"{south},{west}={south + 0.001},{west}"], capture_output=True,
-                              text=True)
-        self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertIn("surface", [timing["stage"] for timing in json.loads((folder / "report.json").read_text())["timings"]])
+        west, south, _, _ = report_of(folder)["bounds"]
+        run("place", folder, "--again", "--point", f"{south},{west}={south + 0.001},{west}")
+        self.assertIn("surface", [timing["stage"] for timing in report_of(folder)["timings"]])
 
 
 if __name__ == "__main__":

@@ -3,7 +3,6 @@ the ramp, values and statistics to rounding; zones as GDAL reads them; hostile e
 import json
 import pathlib
 import shutil
-import subprocess
 import sys
 import tempfile
 import unittest
@@ -11,7 +10,8 @@ import urllib.parse
 from xml.etree import ElementTree
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from server_support import BINARY, Server  # noqa: E402
+from program import run  # noqa: E402
+from server_support import Server  # noqa: E402
 
 try:
     import numpy as np
@@ -99,7 +99,7 @@ class Indices(unittest.TestCase):
 
     @classmethod
     def import_(cls, data):
-        said = subprocess.run([BINARY, "import", cls.scratch / "colours.tif", "--data", data], capture_output=True, text=True, check=True).stdout
+        said = run("import", cls.scratch / "colours.tif", "--data", data).stdout
         return next(line.split()[1] for line in said.splitlines() if line.startswith("flight "))
 
     def tile(self, flight, x, y, zoom=ZOOM, **query):

@@ -5,14 +5,14 @@ import json
 import pathlib
 import re
 import shlex
-import subprocess
 import sys
 import tempfile
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support"))
 from page_commands import code_spans, shell_blocks, table  # noqa: E402
-from server_support import BINARY, ServerTestCase  # noqa: E402
+from program import run  # noqa: E402
+from server_support import ServerTestCase, bearer  # noqa: E402
 
 AS_JSON = {"Content-Type": "application/json"}
 FLIGHTS = "/api/v1/flights"
@@ -41,17 +41,13 @@ def replays(*patterns):
     return of_page
 
 
-def bearer(token):
-    return {"Authorization": f"Bearer {token}"}
-
-
 class OperationsCase(ServerTestCase):
     def run_page(self, command, code=0, **names):
         """A command of the page on this test's folder, with what is put in place of its names: all that it says."""
         words = [names.get(word, word) for word in shlex.split(command)]
         words = [self.data if before == "--data" else word for before, word in zip(["", *words], words)]
         self.assertEqual(words[0], "skyquilt")
-        done = subprocess.run([BINARY, *words[1:]], capture_output=True, text=True, timeout=120)
+        done = run(*words[1:], code=None, timeout=120)
         self.assertEqual(done.returncode, code, (words, done.stdout, done.stderr))
         return (done.stdout + done.stderr).strip()
 

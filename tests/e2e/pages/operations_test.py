@@ -11,7 +11,6 @@ import unittest
 import unittest.mock
 import urllib.request
 
-import operations_data_test  # noqa: F401  what it replays counts
 from operations_page import AS_JSON, COMMANDS, FLIGHTS, LIMITS, NAMES, OF_LIMITS, REPLAYED, SCOPES, SPANS, OperationsCase, bearer, replays
 from nginx import NGINX, free_port, start_nginx
 from server_support import middle_tile, put_map, wait_until
@@ -33,7 +32,7 @@ class Operations(OperationsCase):
         team = self.run_page(add)
         self.assertRegex(team, r"^sq_[\w-]+$")
         server = self.serve_page(serve)
-        self.assertEqual(json.loads(server.request("GET", "/ogc", headers=bearer(team))[2])["links"][0]["href"],
+        self.assertEqual(server.json("GET", "/ogc", headers=bearer(team))[1]["links"][0]["href"],
                          "https://maps.example.org/ogc")
         flight, other = (self.new_flight(server, bearer(team)) for _ in range(2))
         guest = self.run_page(add_guest, FLIGHT=flight)
@@ -124,7 +123,7 @@ class Operations(OperationsCase):
             server.stop()
         who = self.token("admin")
         server = self.serve_page(listen)
-        addresses = json.loads(server.request("GET", f"{flight}/shares", headers=who)[2])["addresses"]
+        addresses = server.json("GET", f"{flight}/shares", headers=who)[1]["addresses"]
         self.assertTrue(all(address.endswith(f":{server.port}") for address in addresses), addresses)
         if status != 409:
             self.assertEqual([address.rsplit(":", 1)[0] for address in addresses], [address.rsplit(":", 1)[0] for address in opened["addresses"]])
@@ -143,7 +142,7 @@ class Operations(OperationsCase):
                          ["https://host", "https://two.example", None])
         server.stop()
         forwarded = {"X-Forwarded-Proto": "https", "X-Forwarded-Host": "maps.example.org", "X-Forwarded-Prefix": "/below"}
-        href = lambda server: json.loads(server.request("GET", "/ogc", headers=forwarded)[2])["links"][0]["href"]
+        href = lambda server: server.json("GET", "/ogc", headers=forwarded)[1]["links"][0]["href"]
         server = self.serve("--workers", "0", "--host", "maps.example.org")
         self.assertEqual(href(server), f"http://127.0.0.1:{server.port}/ogc")
         server.stop()
@@ -196,7 +195,7 @@ class Operations(OperationsCase):
         kept = []
         for more in (words, [word for word in words if word != "--keyed-cache"]):
             server = self.serve(*more)
-            tile = middle_tile(json.loads(server.request("GET", f"/tiles/{flight}.json", headers=who)[2]))
+            tile = middle_tile(server.json("GET", f"/tiles/{flight}.json", headers=who)[1], "minzoom")
             kept.append(server.request("GET", tile, headers=who)[1]["Cache-Control"].split(",")[0])
             self.assertEqual(server.stop(), 0)
         self.assertEqual(kept, ["public", "private"])

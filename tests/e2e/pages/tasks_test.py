@@ -11,10 +11,10 @@ import unittest
 import zipfile
 
 HERE = pathlib.Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE.parent), str(HERE.parent / "command_line")]
-from control_test import gcp_list  # noqa: E402
+sys.path.insert(0, str(HERE.parent))
 from flights import made_flights  # noqa: E402
-from server_support import BINARY, ServerTestCase  # noqa: E402
+from program import BINARY, report_of, run  # noqa: E402
+from server_support import ServerTestCase  # noqa: E402
 
 TASKS = HERE.parents[2] / "docs" / "tasks"
 ADDRESS = "127.0.0.1:8080"
@@ -71,14 +71,14 @@ class TaskPages:
         (lines,) = blocks("control-points.md")
         flight = made_flights.simulated(12, "800x600", "--noise", "xmp")
         self.card(flight=flight)
-        rows = gcp_list(json.loads((flight / "truth" / "poses.json").read_text()), [(-20, -20), (20, 20), (-18, 18), (19, -19), (0, 5)])
+        rows = made_flights.gcp_list(json.loads((flight / "truth" / "poses.json").read_text()), [(-20, -20), (20, 20), (-18, 18), (19, -19), (0, 5)])
         (self.folder / "DCIM" / "100MEDIA" / "gcp_list.txt").write_text(rows.replace(" p4\n", " p4_check\n"))
         if self.prints:
             self.run_block(lines)
             self.assert_begins(map__pdf=b"%PDF-")
         else:
             self.run_block("\n".join(line for line in lines.splitlines() if ".pdf" not in line))
-        report = json.loads((self.folder / "map" / "report.json").read_text())
+        report = report_of(self.folder / "map")
         self.assertEqual([point["is_check"] for point in report["alignment"]["ground_control"]].count(True), 1)
         self.assertEqual(report["quality"]["absolute"]["by"], "check_points")
 

@@ -7,16 +7,14 @@ import pathlib
 import re
 import shutil
 import statistics
-import subprocess
 import sys
 import tempfile
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from server_support import BINARY, DATA  # noqa: E402
+from program import DATA, ScratchCase, report_of, run  # noqa: E402
 
 REPORTS = DATA / "reports"
-PROGRAM = str(pathlib.Path(BINARY).resolve())
 NAMES = [f"DJI_{number:04}.JPG" for number in range(18, 36)]
 # How near cameras come to their places, (median, most) in metres: photos that record angles and heights; photos that record
 # nothing and a list that says where; photos tied to a track of one fix a second, whose corners are rounded.
@@ -42,7 +40,7 @@ class Answer:
         self.report, self.cameras, self.heights_m = None, {}, []
         if done.returncode != 0:
             return
-        self.report = json.loads((out / "report.json").read_text())
+        self.report = report_of(out)
         photos = json.loads((out / "photos.geojson").read_text())["features"]
         for photo in (feature["properties"] for feature in photos):
             self.cameras[photo["name"]] = (photo["camera_lat"], photo["camera_lon"])
@@ -60,26 +58,22 @@ class Answer:
 
 
 @unittest.skipUnless(REPORTS.is_dir(), f"what users were reported to have is not here: {REPORTS} (SKYQUILT_DATA)")
-class ReportedFlight(unittest.TestCase):
+class ReportedFlight(ScratchCase):
     @classmethod
     def setUpClass(cls):
-        cls.scratch = pathlib.Path(tempfile.mkdtemp(prefix="skyquilt_reports_"))
+        super().setUpClass()
         cls.folder = cls.scratch / "reports"
         shutil.copytree(REPORTS, cls.folder, copy_function=shutil.copyfile)
         cls.places = recorded_places()
 
-    @classmethod
-    def tearDownClass(cls):
-        shutil.rmtree(cls.scratch)
-
     def stitch(self, *words):
         out = pathlib.Path(tempfile.mkdtemp(dir=self.scratch, prefix="map_"))
-        done = subprocess.run([PROGRAM, "stitch", *map(str, words), "-o", out], capture_output=True, text=True, cwd=self.folder)
+        done = run("stitch", *map(str, words), "-o", out, code=None, cwd=self.folder)
         self.assertGreaterEqual(done.returncode, 0, done.stderr)  # negative: ended by a signal
         return Answer(out, done)
 
     def inspect(self, *words):
-        done = subprocess.run([PROGRAM, "inspect", *map(str, words), "--json"], capture_output=True, text=True, cwd=self.folder)
+        done = run("inspect", *map(str, words), "--json", code=None, cwd=self.folder)
         self.assertIn(done.returncode, (0, 2), done.stderr)
         return json.loads(done.stdout)
 

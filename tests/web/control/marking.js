@@ -1,17 +1,6 @@
 // Steps of a user who marks control points on the page, for the tests against the real server.
 import assert from 'node:assert/strict';
-import { mapIdle } from '../support/browser.js';
-
-export const get = async (url, path) => (await fetch(`${url}api/v1/${path}`)).json();
-
-/** Uploads the photos on the page and waits for their map. @returns {Promise<string>} the flight's id */
-export async function makeMap(page, url, photos) {
-  await page.goto(url);
-  await page.setInputFiles('#files-input', photos);
-  await page.waitForSelector('#report', { timeout: 540_000 });
-  await mapIdle(page);
-  return /** @type {RegExpMatchArray} */ (page.url().match(/flights\/(\w+)/))[1];
-}
+import { moveMap } from '../support/real_flights.js';
 
 /** Opens the panel, and imports a list that is pasted. */
 export async function importList(page, text, system = '') {
@@ -71,13 +60,5 @@ export async function markPoint(page, name, marks) {
 /** Applies the points, and waits for the map that comes of it. */
 export async function applyPoints(page, url, id) {
   await saved(page);
-  const { revision } = await get(url, `flights/${id}`);
-  await page.click('#control-apply');
-  await page.waitForSelector('#job-heading:has-text("Moving the map")');
-  await page.waitForFunction((before) => document.getElementById('failure') || Object.values(/** @type {any} */ (window).skyquilt.map.getStyle().sources)
-    .some((source) => source.tiles?.some((/** @type {string} */ tile) => Number(tile.match(/rev=(\d+)/)?.[1]) > before)), revision, { timeout: 400_000 });
-  const flight = await get(url, `flights/${id}`);
-  assert.equal(flight.job.state, 'successful', flight.job.error?.message);
-  await mapIdle(page);
-  return flight;
+  return moveMap(page, url, id, '#control-apply');
 }

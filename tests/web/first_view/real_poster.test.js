@@ -1,11 +1,8 @@
 // The poster of the real server lies on the map that comes after it, pixel upon pixel.
 import assert from 'node:assert/strict';
-import { join } from 'node:path';
 import { test } from 'node:test';
-import { mapIdle, openPage, twoFrames } from '../support/browser.js';
-import { screenshotPixels } from '../support/pixels.js';
-import { startServer } from '../support/real_server.js';
-import { options, stitchedFlight, useSimulatedFlight } from '../support/simulated_flight.js';
+import { mapIdle, screenshotPixels, twoFrames } from '../support/browser.js';
+import { options, stitchedFlight, useSimulatedFlight } from '../support/real_flights.js';
 
 const used = useSimulatedFlight();
 
@@ -27,38 +24,33 @@ function shiftBetween(first, second, width, height) {
 }
 
 test('the poster lies on the map to a pixel, on the page and in the bare map', options, async () => {
-  const server = await startServer(join(used.folder, 'data'));
-  try {
-    const address = await stitchedFlight(server.url, used.folder);
-    const id = address.split('/').pop();
-    const picture = await fetch(`${address}/thumbnail.webp?size=1024`);
-    assert.ok(Number(picture.headers.get('content-length')) < 130_000);
-    for (const path of [`#/flights/${id}`, `embed/${id}`]) {
-      const { page, context, console_errors } = await openPage(used.browser, 'about:blank');
-      /** @type {() => void} */
-      let release = () => {};
-      const gate = new Promise((resolve) => { release = () => resolve(undefined); });
-      await page.route(/\/tiles\/[^/]+\/\d+\//, async (route) => {
-        await gate;
-        await route.continue();
-      });
-      await page.goto(server.url + path, { waitUntil: 'commit' });
-      await page.waitForSelector('.poster:not([hidden])');
-      await page.waitForFunction(() => /** @type {any} */ (window).skyquilt?.map.getLayer('mosaic-1'));
-      await twoFrames(page);
-      const box = await page.locator('.poster').boundingBox();
-      const clip = { x: Math.round(box.x), y: Math.round(box.y), width: Math.min(560, Math.floor(box.width)), height: Math.min(420, Math.floor(box.height)) };
-      const before = await screenshotPixels(page, clip);
-      assert.ok(before.colours > 50, 'a picture, not a patch');
-      release();
-      await mapIdle(page);
-      await page.waitForFunction(() => !document.querySelector('.poster'));
-      const found = shiftBetween(before, await screenshotPixels(page, clip), clip.width, clip.height);
-      assert.ok(Math.abs(found.x) <= 1 && Math.abs(found.y) <= 1, `${path}: ${JSON.stringify(found)}`);
-      assert.deepEqual(console_errors, []);
-      await context.close();
-    }
-  } finally {
-    await server.stop();
+  const server = await used.serve('data');
+  const address = await stitchedFlight(server.url, used.folder);
+  const id = address.split('/').pop();
+  const picture = await fetch(`${address}/thumbnail.webp?size=1024`);
+  assert.ok(Number(picture.headers.get('content-length')) < 130_000);
+  for (const path of [`#/flights/${id}`, `embed/${id}`]) {
+    const { page, console_errors } = await used.open('about:blank');
+    /** @type {() => void} */
+    let release = () => {};
+    const gate = new Promise((resolve) => { release = () => resolve(undefined); });
+    await page.route(/\/tiles\/[^/]+\/\d+\//, async (route) => {
+      await gate;
+      await route.continue();
+    });
+    await page.goto(server.url + path, { waitUntil: 'commit' });
+    await page.waitForSelector('.poster:not([hidden])');
+    await page.waitForFunction(() => /** @type {any} */ (window).skyquilt?.map.getLayer('mosaic-1'));
+    await twoFrames(page);
+    const box = await page.locator('.poster').boundingBox();
+    const clip = { x: Math.round(box.x), y: Math.round(box.y), width: Math.min(560, Math.floor(box.width)), height: Math.min(420, Math.floor(box.height)) };
+    const before = await screenshotPixels(page, clip);
+    assert.ok(before.colours > 50, 'a picture, not a patch');
+    release();
+    await mapIdle(page);
+    await page.waitForFunction(() => !document.querySelector('.poster'));
+    const found = shiftBetween(before, await screenshotPixels(page, clip), clip.width, clip.height);
+    assert.ok(Math.abs(found.x) <= 1 && Math.abs(found.y) <= 1, `${path}: ${JSON.stringify(found)}`);
+    assert.deepEqual(console_errors, []);
   }
 });

@@ -1,10 +1,9 @@
 // A map with heights on the page, in Chromium against the mock server; what the server knows of heights is made up here.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { mapIdle } from '../support/browser.js';
+import { mapIdle, until } from '../support/browser.js';
 import { allAsked, assertAccessible, assertQuiet, options, usePages } from '../support/pages.js';
 import { encodePng } from '../support/tile_picture.js';
-import { until } from '../support/until.js';
 
 const { setUp } = usePages();
 const kGround_m = 405;

@@ -2,9 +2,8 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { calibrationOf, indexTiles, parseRange, roundTo } from '../../../web/src/indices/index_query.js';
-import { mapIdle } from '../support/browser.js';
+import { mapIdle, screenshotPixels } from '../support/browser.js';
 import { assertAccessible, assertQuiet, options, usePages } from '../support/pages.js';
-import { screenshotPixels } from '../support/pixels.js';
 
 const { setUp } = usePages();
 

@@ -10,7 +10,7 @@ import { count, kLanguages, languageFor, list, localeFor, speak } from '../../..
 import { loadFlightWords } from '../../../web/src/shared/flight_strings.js';
 import { loadPageWords } from '../../../web/src/shared/strings.js';
 import { web_root } from '../support/mock_server.js';
-import { leavesOf as leaves } from '../support/word_leaves.js';
+import { leavesOf as leaves } from '../support/page_faults.js';
 import { literalsIn } from './text_literals.js';
 
 /** @typedef {import('../../../web/src/shared/language.js').Language} Language */

@@ -1,18 +1,16 @@
 // The page against the real server and a real flight, from the drop to the undone deletion, as a user goes through it.
 // Skips where the photos are not.
 import assert from 'node:assert/strict';
-import { spawnSync } from 'node:child_process';
-import { mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
-import { tmpdir } from 'node:os';
+import { readFileSync, readdirSync, writeFileSync } from 'node:fs';
 import { basename, join } from 'node:path';
 import { test } from 'node:test';
-import { launchBrowser, mapIdle, missingForBrowser, openPage } from '../support/browser.js';
-import { assertOpensAtItsPixel } from '../support/photo_pixel.js';
-import { screenshotPixels } from '../support/pixels.js';
-import { binary, missingBinary, realPhotos, startServer } from '../support/real_server.js';
+import { mapIdle, screenshotPixels } from '../support/browser.js';
+import { realPhotos } from '../support/real_server.js';
+import { assertOpensAtItsPixel, optionsOf, run, useRealServer } from '../support/real_flights.js';
 
 const photos = realPhotos('brighton_beach');
-const missing = missingForBrowser() || missingBinary() || (photos.length === 18 ? '' : 'no real photos');
+const missing = photos.length === 18 ? '' : 'no real photos';
+const used = useRealServer(missing);
 
 /** A JPEG without what its camera wrote about it. @param {Buffer} jpeg */
 function withoutExif(jpeg) {
@@ -52,101 +50,91 @@ async function assertProgramLocates(page, url, id, data) {
   const { lng, lat } = await page.evaluate(() => /** @type {any} */ (window).skyquilt.map.getCenter());
   const { photos: seen } = await (await fetch(`${url}api/v1/flights/${id}/at?lon=${lng}&lat=${lat}`)).json();
   const revision = readdirSync(join(data, 'flights', id)).find((name) => /^r\d+$/.test(name));
-  const said = spawnSync(binary, ['locate', join(data, 'flights', id, revision), '--lonlat', `${lng},${lat}`], { encoding: 'utf8' });
-  assert.equal(said.status, 0, said.stderr);
-  const [line] = said.stdout.split('\n').filter((text) => text.includes(seen[0].name));
+  const [line] = run('locate', join(data, 'flights', id, revision), '--lonlat', `${lng},${lat}`).split('\n').filter((text) => text.includes(seen[0].name));
   const [x, y] = line.replace(seen[0].name, '').match(/[\d.]+/g).map(Number);
   assert.ok(Math.hypot(x - seen[0].x, y - seen[0].y) < 1, `${line} for ${JSON.stringify(seen[0])}`);
 }
 
-test('a real flight goes from the drop to the map, and every tool on it says what is true', { skip: missing || false, timeout: 500_000 }, async () => {
-  const folder = mkdtempSync(join(tmpdir(), 'skyquilt-photos-'));
+test('a real flight goes from the drop to the map, and every tool on it says what is true', optionsOf(missing, 500_000), async () => {
+  const { folder } = used;
   const data = join(folder, 'data');
   const bad = { 'text.jpg': Buffer.from('not a photo'), 'cut.jpg': readFileSync(photos[3]).subarray(0, 900_000), 'nowhere.jpg': withoutExif(readFileSync(photos[4])) };
   for (const [name, bytes] of Object.entries(bad)) writeFileSync(join(folder, name), bytes);
-  const server = await startServer(data);
-  const browser = await launchBrowser();
-  const { page, context, foreign_requests, console_errors } = await openPage(browser, server.url);
-  try {
-    // Half of them wait until the first are on the map.
-    /** @type {(() => void)|null} */
-    let release = null;
-    const rest = new Promise((resolve) => (release = () => resolve(undefined)));
-    let begun = 0;
-    await page.route('**/api/v1/uploads', async (route) => {
-      if (route.request().method() === 'POST' && (begun += 1) > 9) await rest;
-      await route.continue();
-    });
-    await page.setInputFiles('#files-input', [...photos, ...Object.keys(bad).map((name) => join(folder, name))]);
-    await page.waitForSelector('#verdict');
-    assert.match(await page.textContent('#verdict'), /18|19|20/);
-    await page.waitForFunction(() => Number(document.getElementById('preview-note')?.textContent?.match(/\d+/)?.[0]) >= 3, null, { timeout: 120_000 });
-    await mapIdle(page);
-    const box = await page.locator('#map').boundingBox();
-    const clip = { x: box.x + box.width * 0.4, y: box.y + box.height * 0.4, width: box.width * 0.2, height: box.height * 0.2 };
-    assert.ok((await screenshotPixels(page, clip)).colours > 200, 'the first photos lie on the map');
-    release?.();
-    await page.waitForSelector('#job-progress', { timeout: 60_000 });
-    await page.waitForSelector('#report', { timeout: 240_000 });
-    await mapIdle(page);
-    const report = await page.textContent('#report');
-    // The photo without any record is placed by what it shows.
-    assert.match(report, /19 \/ \d\d/);
-    assert.ok(report.includes('cut.jpg'), `cut.jpg is not named: ${report}`);
-    assert.ok((await screenshotPixels(page, clip)).colours > 500, 'the map is there');
+  const server = await used.serve('data');
+  const { page, foreign_requests, console_errors } = await used.open(server.url);
+  // Half of them wait until the first are on the map.
+  /** @type {(() => void)|null} */
+  let release = null;
+  const rest = new Promise((resolve) => (release = () => resolve(undefined)));
+  let begun = 0;
+  await page.route('**/api/v1/uploads', async (route) => {
+    if (route.request().method() === 'POST' && (begun += 1) > 9) await rest;
+    await route.continue();
+  });
+  await page.setInputFiles('#files-input', [...photos, ...Object.keys(bad).map((name) => join(folder, name))]);
+  await page.waitForSelector('#verdict');
+  assert.match(await page.textContent('#verdict'), /18|19|20/);
+  await page.waitForFunction(() => Number(document.getElementById('preview-note')?.textContent?.match(/\d+/)?.[0]) >= 3, null, { timeout: 120_000 });
+  await mapIdle(page);
+  const box = await page.locator('#map').boundingBox();
+  const clip = { x: box.x + box.width * 0.4, y: box.y + box.height * 0.4, width: box.width * 0.2, height: box.height * 0.2 };
+  assert.ok((await screenshotPixels(page, clip)).colours > 200, 'the first photos lie on the map');
+  release?.();
+  await page.waitForSelector('#job-progress', { timeout: 60_000 });
+  await page.waitForSelector('#report', { timeout: 240_000 });
+  await mapIdle(page);
+  const report = await page.textContent('#report');
+  // The photo without any record is placed by what it shows.
+  assert.match(report, /19 \/ \d\d/);
+  assert.ok(report.includes('cut.jpg'), `cut.jpg is not named: ${report}`);
+  assert.ok((await screenshotPixels(page, clip)).colours > 500, 'the map is there');
 
-    const id = (await page.evaluate(() => location.hash)).split('/')[2];
-    await page.locator('#map canvas').focus();
-    await page.keyboard.press('Enter');
-    await page.waitForSelector('#photo-card:not([hidden])');
-    await assertOpensAtItsPixel(page, server.url, id);
-    await assertProgramLocates(page, server.url, id, data);
-    await assertMeasures(page, server.url, id);
+  const id = (await page.evaluate(() => location.hash)).split('/')[2];
+  await page.locator('#map canvas').focus();
+  await page.keyboard.press('Enter');
+  await page.waitForSelector('#photo-card:not([hidden])');
+  await assertOpensAtItsPixel(page, server.url, id);
+  await assertProgramLocates(page, server.url, id, data);
+  await assertMeasures(page, server.url, id);
 
-    // The same place again from every other photo, coarser: both are seen through the slider.
-    const json = { 'Content-Type': 'application/json' };
-    const other = await (await fetch(`${server.url}api/v1/flights`, { method: 'POST', headers: json, body: '{"name":"Every other photo"}' })).json();
-    for (const path of photos.filter((_, i) => i % 2 === 0)) {
-      await fetch(`${server.url}api/v1/flights/${other.id}/files/${basename(path)}`, { method: 'PUT', body: readFileSync(path) });
-    }
-    await fetch(`${server.url}api/v1/flights/${other.id}/jobs`, { method: 'POST', headers: json, body: '{"options":{"gsd_m":0.2,"method":"imu"}}' });
-    const state = async () => (await (await fetch(`${server.url}api/v1/flights/${other.id}`)).json()).state;
-    for (let i = 0; i < 240 && (await state()) !== 'ready'; i += 1) await page.waitForTimeout(500);
-    assert.equal(await state(), 'ready');
-    await page.evaluate(() => /** @type {any} */ (window).skyquilt.map.zoomTo(20, { animate: false }));
-    await page.click('#tool-compare');
-    await page.click('.choice');
-    await mapIdle(page, '#map-above');
-    const picture = async (/** @type {string} */ key) => {
-      await page.focus('#compare-slider');
-      await page.keyboard.press(key);
-      await mapIdle(page, '#map-above');
-      return screenshotPixels(page, clip);
-    };
-    const [left, right] = [await picture('End'), await picture('Home')];
-    assert.ok(left.colours !== right.colours, 'the finished map and the coarse one are not the same picture');
-    await page.click('#compare-bar .icon-button');
-    await page.waitForSelector('#map-above', { state: 'detached' });
-
-    const download = page.waitForEvent('download');
-    await page.click('#flight-download');
-    await page.click('.download[href*="mbtiles"]');
-    const saved = join(folder, 'saved.mbtiles');
-    await (await download).saveAs(saved);
-    assert.equal(readFileSync(saved).subarray(0, 15).toString(), 'SQLite format 3');
-    await page.keyboard.press('Escape');
-
-    const count = async () => (await (await fetch(`${server.url}api/v1/flights`)).json()).flights.length;
-    await page.click('#flight-delete');
-    await page.click('.note-action');
-    await page.waitForFunction(() => document.querySelectorAll('.flights li').length === 2);
-    assert.equal(await count(), 2);
-    assert.deepEqual(foreign_requests, []);
-    assert.deepEqual(console_errors, []);
-  } finally {
-    await context.close();
-    await browser.close();
-    assert.equal(await server.stop(), 0);
-    rmSync(folder, { recursive: true, force: true });
+  // The same place again from every other photo, coarser: both are seen through the slider.
+  const json = { 'Content-Type': 'application/json' };
+  const other = await (await fetch(`${server.url}api/v1/flights`, { method: 'POST', headers: json, body: '{"name":"Every other photo"}' })).json();
+  for (const path of photos.filter((_, i) => i % 2 === 0)) {
+    await fetch(`${server.url}api/v1/flights/${other.id}/files/${basename(path)}`, { method: 'PUT', body: readFileSync(path) });
   }
+  await fetch(`${server.url}api/v1/flights/${other.id}/jobs`, { method: 'POST', headers: json, body: '{"options":{"gsd_m":0.2,"method":"imu"}}' });
+  const state = async () => (await (await fetch(`${server.url}api/v1/flights/${other.id}`)).json()).state;
+  for (let i = 0; i < 240 && (await state()) !== 'ready'; i += 1) await page.waitForTimeout(500);
+  assert.equal(await state(), 'ready');
+  await page.evaluate(() => /** @type {any} */ (window).skyquilt.map.zoomTo(20, { animate: false }));
+  await page.click('#tool-compare');
+  await page.click('.choice');
+  await mapIdle(page, '#map-above');
+  const picture = async (/** @type {string} */ key) => {
+    await page.focus('#compare-slider');
+    await page.keyboard.press(key);
+    await mapIdle(page, '#map-above');
+    return screenshotPixels(page, clip);
+  };
+  const [left, right] = [await picture('End'), await picture('Home')];
+  assert.ok(left.colours !== right.colours, 'the finished map and the coarse one are not the same picture');
+  await page.click('#compare-bar .icon-button');
+  await page.waitForSelector('#map-above', { state: 'detached' });
+
+  const download = page.waitForEvent('download');
+  await page.click('#flight-download');
+  await page.click('.download[href*="mbtiles"]');
+  const saved = join(folder, 'saved.mbtiles');
+  await (await download).saveAs(saved);
+  assert.equal(readFileSync(saved).subarray(0, 15).toString(), 'SQLite format 3');
+  await page.keyboard.press('Escape');
+
+  const count = async () => (await (await fetch(`${server.url}api/v1/flights`)).json()).flights.length;
+  await page.click('#flight-delete');
+  await page.click('.note-action');
+  await page.waitForFunction(() => document.querySelectorAll('.flights li').length === 2);
+  assert.equal(await count(), 2);
+  assert.deepEqual(foreign_requests, []);
+  assert.deepEqual(console_errors, []);
 });

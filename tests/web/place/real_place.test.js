@@ -1,46 +1,15 @@
 // Placing a map on the page against the real server: a simulated flight that recorded no position lies nowhere, and by two
 // clicks and two typed places comes to where it was flown, to a few metres.
 import assert from 'node:assert/strict';
-import { spawnSync } from 'node:child_process';
-import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
-import { tmpdir } from 'node:os';
+import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
-import { after, before, test } from 'node:test';
-import { launchBrowser, mapIdle, missingForBrowser, openPage } from '../support/browser.js';
-import { binary, findPhotos, missingBinary, startServer } from '../support/real_server.js';
+import { test } from 'node:test';
+import { mapIdle } from '../support/browser.js';
 import { geodesicLength } from '../../../web/src/map/geodesy.js';
+import { get, makeMap, missing_exiftool, moveMap, optionsOf, run, stripPlaces, useRealServer } from '../support/real_flights.js';
 
-const missing = missingForBrowser() || missingBinary();
-const has_exiftool = !spawnSync('exiftool', ['-ver']).error;
 const kTruth = { lat: 46.8, lon: 7.1 };  // of the simulated take-off
-
-let browser;
-let folder = '';
-let photos = [];
-
-before(async () => {
-  if (missing) return;
-  folder = mkdtempSync(join(tmpdir(), 'skyquilt-place-'));
-  const made = spawnSync(binary, ['simulate', '-o', join(folder, 'flight'), '--photos', '12', '--size', '1200x900', '--noise', 'exact', '--no-world'], { encoding: 'utf8' });
-  assert.equal(made.status, 0, made.stderr);
-  photos = findPhotos(join(folder, 'flight'));
-  browser = await launchBrowser();
-});
-after(async () => {
-  await browser?.close();
-  if (folder) rmSync(folder, { recursive: true, force: true });
-});
-
-/** Uploads the photos on the page and waits for their map. @returns {Promise<string>} the flight's id */
-async function makeMap(page, url) {
-  await page.goto(url);
-  await page.setInputFiles('#files-input', photos);
-  await page.waitForSelector('#report', { timeout: 300_000 });
-  await mapIdle(page);
-  return /** @type {RegExpMatchArray} */ (page.url().match(/flights\/(\w+)/))[1];
-}
-
-const get = async (url, path) => (await fetch(`${url}api/v1/${path}`)).json();
+const used = useRealServer();
 
 /** Where a photo's camera was, as the map has it: what a user finds on Earth. */
 async function cameras(url, id) {
@@ -71,14 +40,7 @@ async function point(page, number, shown, [lon, lat]) {
 
 /** Presses the button, and waits for the map of the next revision. */
 async function goAndWait(page, url, id) {
-  const { revision } = await get(url, `flights/${id}`);
-  await page.click('#place-go');
-  await page.waitForSelector('#job-heading:has-text("Moving the map")');
-  await page.waitForFunction((before) => Object.values(/** @type {any} */ (window).skyquilt.map.getStyle().sources)
-    .some((source) => source.tiles?.some((/** @type {string} */ tile) => Number(tile.match(/rev=(\d+)/)?.[1]) > before)), revision, { timeout: 240_000 });
-  await mapIdle(page);
-  const flight = await get(url, `flights/${id}`);
-  assert.equal(flight.job.state, 'successful');
+  const flight = await moveMap(page, url, id, '#place-go');
   // The view has gone along.
   const seen = await page.evaluate(() => {
     const bounds = /** @type {any} */ (window).skyquilt.map.getBounds();
@@ -90,105 +52,90 @@ async function goAndWait(page, url, id) {
   return flight;
 }
 
-test('a map without any position comes to its place by two clicks', { skip: missing || (has_exiftool ? false : 'no exiftool (apt install libimage-exiftool-perl)'), timeout: 500_000 }, async () => {
-  const truth = JSON.parse(readFileSync(join(folder, 'flight', 'truth', 'poses.json'), 'utf8')).photos;
+test('a map without any position comes to its place by two clicks', optionsOf(missing_exiftool, 500_000), async () => {
+  const flown = used.simulate('flight', 12, '1200x900', '--noise', 'exact', '--no-world');
+  const truth = flown.truth.photos;
   // The same photos with the true poses that they recorded.
-  const known = spawnSync(binary, ['stitch', join(folder, 'flight', 'photos'), '-o', join(folder, 'known')], { encoding: 'utf8' });
-  assert.equal(known.status, 0, known.stderr);
-  const true_bounds = JSON.parse(readFileSync(join(folder, 'known', 'report.json'), 'utf8')).bounds;
-  const stripped = spawnSync('exiftool', ['-q', '-overwrite_original', '-XMP:all=', '-GPS:all=', ...photos], { encoding: 'utf8' });
-  assert.equal(stripped.status, 0, stripped.stderr);
-  const server = await startServer(join(folder, 'data'));
-  const { page, context, foreign_requests, console_errors } = await openPage(browser, server.url);
-  try {
-    const id = await makeMap(page, server.url);
-    assert.match(await page.innerText('#result-verdict'), /Not georeferenced/);
-    const before = await get(server.url, `flights/${id}`);
-    assert.ok(Math.abs(before.bounds[0]) < 0.1 && Math.abs(before.bounds[1]) < 0.1, `${before.bounds} is near 0, 0`);
-    const shown = await cameras(server.url, id);
-    const isAt = (/** @type {any} */ { camera_center_in_enu: [east_m, north_m] }) =>
-      [kTruth.lon + east_m / (111_320 * Math.cos((kTruth.lat * Math.PI) / 180)), kTruth.lat + north_m / 111_170];
-    // The two photos furthest apart.
-    const [a, b] = truth.flatMap((one, i) => truth.slice(i + 1).map((other) => [one, other]))
-      .sort(([a, b], [c, d]) => geodesicLength(isAt(c), isAt(d)) - geodesicLength(isAt(a), isAt(b)))[0];
-    await page.click('#flight-place');
-    await page.waitForSelector('#place-card:not([hidden])');
-    await mapIdle(page);
-    await point(page, 1, shown.get(a.name), isAt(a));
-    assert.ok(await page.isDisabled('#place-go'));
-    await point(page, 2, shown.get(b.name), isAt(b));
-    const after = await goAndWait(page, server.url, id);
+  run('stitch', join(used.folder, 'flight', 'photos'), '-o', join(used.folder, 'known'));
+  const true_bounds = JSON.parse(readFileSync(join(used.folder, 'known', 'report.json'), 'utf8')).bounds;
+  stripPlaces(flown.photos);
+  const { server, page, foreign_requests, console_errors } = await used.openServer('data');
+  const id = await makeMap(page, server.url, flown.photos);
+  assert.match(await page.innerText('#result-verdict'), /Not georeferenced/);
+  const before = await get(server.url, `flights/${id}`);
+  assert.ok(Math.abs(before.bounds[0]) < 0.1 && Math.abs(before.bounds[1]) < 0.1, `${before.bounds} is near 0, 0`);
+  const shown = await cameras(server.url, id);
+  const isAt = (/** @type {any} */ { camera_center_in_enu: [east_m, north_m] }) =>
+    [kTruth.lon + east_m / (111_320 * Math.cos((kTruth.lat * Math.PI) / 180)), kTruth.lat + north_m / 111_170];
+  // The two photos furthest apart.
+  const [a, b] = truth.flatMap((one, i) => truth.slice(i + 1).map((other) => [one, other]))
+    .sort(([a, b], [c, d]) => geodesicLength(isAt(c), isAt(d)) - geodesicLength(isAt(a), isAt(b)))[0];
+  await page.click('#flight-place');
+  await page.waitForSelector('#place-card:not([hidden])');
+  await mapIdle(page);
+  await point(page, 1, shown.get(a.name), isAt(a));
+  assert.ok(await page.isDisabled('#place-go'));
+  await point(page, 2, shown.get(b.name), isAt(b));
+  const after = await goAndWait(page, server.url, id);
 
-    // The points lie where it was said, to two pixels of the map.
-    const { gsd_m } = await get(server.url, `flights/${id}/report`);
-    const places = after.job.options.place;
-    assert.equal(places.length, 2);
-    const now = await cameras(server.url, id);
-    for (const { shown: [lat, lon], is } of places) {
-      const miss_m = missOfPoint(shown, now, [a.name, b.name], [lon, lat], [is[1], is[0]]);
-      assert.ok(miss_m < 2 * gsd_m, `a point lies ${miss_m} m off, pixels are ${gsd_m} m`);
-    }
-
-    // Every camera, also those that were not clicked, stands where it was flown.
-    const placed = await cameras(server.url, id);
-    for (const photo of truth) {
-      const miss_m = geodesicLength(placed.get(photo.name), isAt(photo));
-      assert.ok(miss_m < 2, `${photo.name} lies ${miss_m} m off`);
-    }
-    const [west, south, east, north] = after.bounds;
-    for (const [corner, true_corner] of [[[west, south], [true_bounds[0], true_bounds[1]]], [[east, north], [true_bounds[2], true_bounds[3]]]]) {
-      const miss_m = geodesicLength(corner, true_corner);
-      assert.ok(miss_m < 4, `${after.bounds} is ${miss_m} m off ${true_bounds}`);
-    }
-    const report = await get(server.url, `flights/${id}/report`);
-    assert.equal(report.is_placed, true);
-    assert.match(report.warnings.join(' '), /placed by hand, by 2 places/);
-    assert.equal(await page.locator('#flight-place').count(), 0);
-    assert.doesNotMatch(await page.innerText('#result-verdict'), /Not georeferenced/);
-    assert.deepEqual(foreign_requests, []);
-    assert.deepEqual(console_errors, []);
-  } finally {
-    await context.close();
-    assert.equal(await server.stop(), 0);
+  // The points lie where it was said, to two pixels of the map.
+  const { gsd_m } = await get(server.url, `flights/${id}/report`);
+  const places = after.job.options.place;
+  assert.equal(places.length, 2);
+  const now = await cameras(server.url, id);
+  for (const { shown: [lat, lon], is } of places) {
+    const miss_m = missOfPoint(shown, now, [a.name, b.name], [lon, lat], [is[1], is[0]]);
+    assert.ok(miss_m < 2 * gsd_m, `a point lies ${miss_m} m off, pixels are ${gsd_m} m`);
   }
+
+  // Every camera, also those that were not clicked, stands where it was flown.
+  const placed = await cameras(server.url, id);
+  for (const photo of truth) {
+    const miss_m = geodesicLength(placed.get(photo.name), isAt(photo));
+    assert.ok(miss_m < 2, `${photo.name} lies ${miss_m} m off`);
+  }
+  const [west, south, east, north] = after.bounds;
+  for (const [corner, true_corner] of [[[west, south], [true_bounds[0], true_bounds[1]]], [[east, north], [true_bounds[2], true_bounds[3]]]]) {
+    const miss_m = geodesicLength(corner, true_corner);
+    assert.ok(miss_m < 4, `${after.bounds} is ${miss_m} m off ${true_bounds}`);
+  }
+  const report = await get(server.url, `flights/${id}/report`);
+  assert.equal(report.is_placed, true);
+  assert.match(report.warnings.join(' '), /placed by hand, by 2 places/);
+  assert.equal(await page.locator('#flight-place').count(), 0);
+  assert.doesNotMatch(await page.innerText('#result-verdict'), /Not georeferenced/);
+  assert.deepEqual(foreign_requests, []);
+  assert.deepEqual(console_errors, []);
 });
 
-test('a map that has its place is moved by one point, and points too near together are refused in words', { skip: missing || false, timeout: 500_000 }, async () => {
-  const again = spawnSync(binary, ['simulate', '-o', join(folder, 'placed'), '--photos', '6', '--size', '800x600', '--no-world'], { encoding: 'utf8' });
-  assert.equal(again.status, 0, again.stderr);
-  photos = findPhotos(join(folder, 'placed'));
-  const server = await startServer(join(folder, 'placed_data'));
-  const { page, context, console_errors } = await openPage(browser, server.url);
-  try {
-    const id = await makeMap(page, server.url);
-    assert.equal(await page.locator('#flight-place').count(), 0);
-    const before = await get(server.url, `flights/${id}`);
-    const [west, south, east, north] = before.bounds;
-    const middle = [(west + east) / 2, (south + north) / 2];
-    await page.click('#flight-move');
-    await page.waitForSelector('#place-card:not([hidden])');
-    await mapIdle(page);
-    await point(page, 1, middle, middle);
-    await point(page, 2, [middle[0] + 0.01 * (east - west), middle[1]], [middle[0] + 0.001, middle[1]]);
-    assert.ok(await page.locator('#place-hint').isVisible());
-    await page.click('#place-go');
-    await page.waitForSelector('#failure:has-text("too near together")', { timeout: 120_000 });
-    assert.match(await page.innerText('#failure'), /The map could not be moved/);
-    await page.click('#place-again');
-    await page.click('[aria-label="Remove point 2"]');
-    await page.fill('#place-is-1', `${middle[1] + 0.0004}, ${middle[0] - 0.0003}`);
-    await page.keyboard.press('Enter');
-    assert.match(await page.innerText('#place-effect'), /^The map moves by 50\.\d+\sm\.$/);
-    const after = await goAndWait(page, server.url, id);
-    const wanted = [west - 0.0003, south + 0.0004, east - 0.0003, north + 0.0004];
-    for (const [i, j] of [[0, 1], [2, 3]]) {
-      // By a click, which hits a pixel of the screen.
-      const miss_m = geodesicLength([after.bounds[i], after.bounds[j]], [wanted[i], wanted[j]]);
-      assert.ok(miss_m < 2, `${after.bounds} is ${miss_m} m off ${wanted}`);
-    }
-    assert.deepEqual(console_errors, []);
-  } finally {
-    await context.close();
-    assert.equal(await server.stop(), 0);
+test('a map that has its place is moved by one point, and points too near together are refused in words', optionsOf('', 500_000), async () => {
+  const { photos } = used.simulate('placed', 6, '800x600', '--no-world');
+  const { server, page, console_errors } = await used.openServer('placed_data');
+  const id = await makeMap(page, server.url, photos);
+  assert.equal(await page.locator('#flight-place').count(), 0);
+  const before = await get(server.url, `flights/${id}`);
+  const [west, south, east, north] = before.bounds;
+  const middle = [(west + east) / 2, (south + north) / 2];
+  await page.click('#flight-move');
+  await page.waitForSelector('#place-card:not([hidden])');
+  await mapIdle(page);
+  await point(page, 1, middle, middle);
+  await point(page, 2, [middle[0] + 0.01 * (east - west), middle[1]], [middle[0] + 0.001, middle[1]]);
+  assert.ok(await page.locator('#place-hint').isVisible());
+  await page.click('#place-go');
+  await page.waitForSelector('#failure:has-text("too near together")', { timeout: 120_000 });
+  assert.match(await page.innerText('#failure'), /The map could not be moved/);
+  await page.click('#place-again');
+  await page.click('[aria-label="Remove point 2"]');
+  await page.fill('#place-is-1', `${middle[1] + 0.0004}, ${middle[0] - 0.0003}`);
+  await page.keyboard.press('Enter');
+  assert.match(await page.innerText('#place-effect'), /^The map moves by 50\.\d+\sm\.$/);
+  const after = await goAndWait(page, server.url, id);
+  const wanted = [west - 0.0003, south + 0.0004, east - 0.0003, north + 0.0004];
+  for (const [i, j] of [[0, 1], [2, 3]]) {
+    // By a click, which hits a pixel of the screen.
+    const miss_m = geodesicLength([after.bounds[i], after.bounds[j]], [wanted[i], wanted[j]]);
+    assert.ok(miss_m < 2, `${after.bounds} is ${miss_m} m off ${wanted}`);
   }
+  assert.deepEqual(console_errors, []);
 });

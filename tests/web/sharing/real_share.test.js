@@ -1,44 +1,24 @@
 // A shared flight against the real server: the bare map in a frame of another site, exports, and the end of both.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
-import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
-import { tmpdir } from 'node:os';
+import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
-import { after, before, test } from 'node:test';
-import { launchBrowser, mapIdle, missingForBrowser, openPage } from '../support/browser.js';
-import { frameOn, startOuterPage } from '../support/outer_page.js';
-import { binary, findPhotos, missingBinary, startServer } from '../support/real_server.js';
+import { test } from 'node:test';
+import { frameOn, mapIdle, startOuterPage } from '../support/browser.js';
+import { findPhotos } from '../support/real_server.js';
+import { addToken, options, useSimulatedFlight } from '../support/real_flights.js';
 
-const missing = missingForBrowser() || missingBinary();
-const options = { skip: missing || false, timeout: 400_000 };
-
-let browser;
-let folder = '';
-
-before(async () => {
-  if (missing) return;
-  folder = mkdtempSync(join(tmpdir(), 'skyquilt-share-'));
-  const made = spawnSync(binary, ['simulate', '-o', join(folder, 'flight'), '--photos', '6', '--size', '800x600'], { encoding: 'utf8' });
-  assert.equal(made.status, 0, made.stderr);
-  browser = await launchBrowser();
-});
-after(async () => {
-  await browser?.close();
-  if (folder) rmSync(folder, { recursive: true, force: true });
-});
+const used = useSimulatedFlight();
 
 test('a map is embedded by its share and exported by the guest; revoked, neither; the page itself is in no frame', options, async () => {
-  const data = join(folder, 'data');
-  const added = spawnSync(binary, ['token', 'add', 'own', '--data', data, '--scope', 'upload'], { encoding: 'utf8' });
-  const token = /** @type {RegExpMatchArray} */ (added.stdout.match(/sq_\S+/))[0];
-  const server = await startServer(data);
-  const { page } = await openPage(browser, server.url);
-  const guests = await browser.newContext({ acceptDownloads: true });
+  const token = addToken(join(used.folder, 'data'), 'upload');
+  const { server, page } = await used.openServer('data');
+  const guests = await used.browser.newContext({ acceptDownloads: true });
   try {
     await page.fill('#token-input', token);
     await page.keyboard.press('Enter');
     await page.waitForSelector('#token-dialog', { state: 'detached' });
-    await page.setInputFiles('#files-input', findPhotos(join(folder, 'flight')));
+    await page.setInputFiles('#files-input', findPhotos(join(used.folder, 'flight')));
     await page.waitForSelector('#report', { timeout: 240_000 });
     await mapIdle(page);
     await page.click('#flight-share');
@@ -76,7 +56,7 @@ test('a map is embedded by its share and exported by the guest; revoked, neither
       await guest.click('#export-start');
       await guest.waitForSelector('#exports li a', { timeout: 60_000 });
       const [download] = await Promise.all([guest.waitForEvent('download'), guest.click('#exports li a')]);
-      const file = join(folder, 'export.tif');
+      const file = join(used.folder, 'export.tif');
       await download.saveAs(file);
       assert.match(readFileSync(file).subarray(0, 4).toString('latin1'), /^(II\*|II\+|MM)/);
       if (!spawnSync('gdalinfo', ['--version']).error) assert.match(spawnSync('gdalinfo', [file], { encoding: 'utf8' }).stdout, /UTM zone[^]*Pixel Size = \(0\.5\d*,-0\.5/);
@@ -94,7 +74,5 @@ test('a map is embedded by its share and exported by the guest; revoked, neither
     }
   } finally {
     await guests.close();
-    await page.context().close();
-    await server.stop();
   }
 });

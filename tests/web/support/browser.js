@@ -1,6 +1,10 @@
-// Chromium for tests and screenshots, through playwright-core; watches that a page stays on its host and is silent.
+// Chromium for tests and screenshots, through playwright-core; watches that a page stays on its host and is silent, waits for it, reads
+// the colours that it shows, and puts it into a frame of another site.
+import assert from 'node:assert/strict';
 import { existsSync } from 'node:fs';
+import { createServer } from 'node:http';
 import { createRequire } from 'node:module';
+import { setTimeout } from 'node:timers/promises';
 import { drawNothing } from './blind_canvas.js';
 import { web_root } from './mock_server.js';
 
@@ -98,4 +102,69 @@ export const twoFrames = (page) => page.evaluate(() => new Promise((resolve) => 
 export async function atRest(page) {
   await twoFrames(page);
   await page.evaluate(() => Promise.allSettled(document.getAnimations().filter((one) => one.effect?.getComputedTiming().iterations !== Infinity).map((one) => one.finished)));
+}
+
+/** @param {() => boolean|Promise<boolean>} is_so waits for it, at most half a minute @param {string} [failure] */
+export async function until(is_so, failure) {
+  for (let i = 0; i < 300 && !(await is_so()); i += 1) await setTimeout(100);
+  assert.ok(await is_so(), failure);
+}
+
+/**
+ * The colours of a screenshot, by which a map is told from an empty canvas.
+ * @param {any} page
+ * @param {{x: number, y: number, width: number, height: number}} clip
+ * @returns {Promise<{colours: number, share: (r: number, g: number, b: number, tolerance: number) => number,
+ *                    at: (x: number, y: number) => number[]}>}
+ */
+export async function screenshotPixels(page, clip) {
+  const png = await page.screenshot({ clip });
+  // The browser itself decodes the picture: no image library is needed here.
+  const { width, data } = await page.evaluate(async (/** @type {string} */ base64) => {
+    const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
+    const bitmap = await createImageBitmap(new Blob([bytes], { type: 'image/png' }));
+    const canvas = new OffscreenCanvas(bitmap.width, bitmap.height);
+    const context = /** @type {OffscreenCanvasRenderingContext2D} */ (canvas.getContext('2d'));
+    context.drawImage(bitmap, 0, 0);
+    const image = context.getImageData(0, 0, bitmap.width, bitmap.height).data;
+    let text = '';
+    for (let i = 0; i < image.length; i += 8192) text += String.fromCharCode(...image.subarray(i, i + 8192));
+    return { width: bitmap.width, data: btoa(text) };
+  }, png.toString('base64'));
+  const rgba = Buffer.from(data, 'base64');
+  const seen = new Set();
+  for (let i = 0; i < rgba.length; i += 4) seen.add((rgba[i] >> 3) * 1024 + (rgba[i + 1] >> 3) * 32 + (rgba[i + 2] >> 3));
+  return {
+    colours: seen.size,
+    share(r, g, b, tolerance) {
+      let near = 0;
+      for (let i = 0; i < rgba.length; i += 4) {
+        if (Math.abs(rgba[i] - r) + Math.abs(rgba[i + 1] - g) + Math.abs(rgba[i + 2] - b) <= tolerance) near += 1;
+      }
+      return near / (rgba.length / 4);
+    },
+    at: (x, y) => [...rgba.subarray((y * width + x) * 4, (y * width + x) * 4 + 3)],
+  };
+}
+
+/** A page of another site: by the name localhost, which is no site of 127.0.0.1. @param {string} markup in its body */
+export async function startOuterPage(markup) {
+  const server = createServer((_, response) => {
+    response.writeHead(200, { 'Content-Type': 'text/html; charset=utf-8' });
+    response.end(`<!DOCTYPE html><html lang="en"><head><title>Outer</title><link rel="icon" href="data:,"></head><body><h1>Outer</h1>${markup}<p style="height:3000px"></p></body></html>`);
+  });
+  await new Promise((resolve) => server.listen(0, '127.0.0.1', () => resolve(undefined)));
+  return {
+    url: `http://localhost:${/** @type {any} */ (server.address()).port}/`,
+    close: () => {
+      server.closeAllConnections();
+      return new Promise((resolve) => server.close(() => resolve(undefined)));
+    },
+  };
+}
+
+/** @param {any} page @returns {Promise<any>} what its frame shows */
+export async function frameOn(page) {
+  await page.locator('iframe').scrollIntoViewIfNeeded();
+  return (await page.waitForSelector('iframe')).contentFrame();
 }

@@ -11,10 +11,7 @@ import { fileURLToPath } from 'node:url';
 import { gzipSync } from 'node:zlib';
 import { tilePosition } from '../../../web/src/map/tile_addresses.js';
 import { boundsOf, moveByPairs, photosGeoJson, reportOf, unplacedQuality } from './mock_flight.js';
-import { answerExports } from './mock_exports.js';
-import { heightsOf } from './mock_heights.js';
-import { answerIndices, index_facts, indexTile, reported_bands } from './mock_indices.js';
-import { mockTus } from './mock_tus.js';
+import { answerExports, answerIndices, heightsOf, index_facts, indexTile, mockTus, reported_bands } from './mock_parts.js';
 import { countrysidePicture, countrysideTile, encodePng } from './tile_picture.js';
 
 export const web_root = join(dirname(fileURLToPath(import.meta.url)), '../../../web');

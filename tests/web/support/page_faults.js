@@ -1,6 +1,11 @@
 // What is wrong with a view of the page, found without a reader's eye: words that are cut, words over words, words and controls that
 // something covers, views that scroll sideways, words of English on a page in another language.
-import { leavesOf } from './word_leaves.js';
+
+/** The words of a language as one list. @param {any} words @param {string} [path] @returns {[string, any][]} every text and function by its path */
+export const leavesOf = (words, path = '') =>
+  typeof words === 'object' && words !== null
+    ? Object.entries(words).flatMap(([key, value]) => leavesOf(value, path === '' ? key : `${path}.${key}`))
+    : [[path, words]];
 
 /**
  * The sentences of English that another language says otherwise: whole texts, and what stands between the values of those

@@ -6,10 +6,9 @@ import pathlib
 import sys
 import unittest
 
-from flights import made_flights
-from server_support import ServerTestCase
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent / "command_line"))
-from control_test import gcp_list  # noqa: E402
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from flights.made_flights import gcp_list, small_flight  # noqa: E402
+from server_support import ServerTestCase  # noqa: E402
 
 
 def moved(place, north_m, east_m):
@@ -19,10 +18,7 @@ def moved(place, north_m, east_m):
 
 class PlaceOnTheServer(ServerTestCase):
     def made(self, server):
-        status, made = server.upload(self.photos[:6])
-        self.assertEqual(status, 202, made)
-        self.assertEqual(server.wait_for_job(made["job"]["id"])["state"], "successful")
-        return made["flight"]["id"]
+        return server.stitched(self.photos[:6])["flight"]["id"]
 
     def place(self, server, flight, pairs):
         status, job = server.json("POST", f"/api/v1/flights/{flight}/jobs", {"options": {"place": pairs}})
@@ -66,7 +62,7 @@ class PlaceOnTheServer(ServerTestCase):
     def test_control_points_are_kept_and_place_the_map(self):
         server = self.serve()
         flight = self.made(server)
-        truth = json.loads((made_flights.small_flight() / "truth/poses.json").read_text())
+        truth = json.loads((small_flight() / "truth/poses.json").read_text())
         rows = [row.split() for row in gcp_list(truth, [(-6, -6), (8, -5), (0, 9)]).splitlines()[1:]]
         points = {}
         for x, y, z, column, row, photo, name in rows:
