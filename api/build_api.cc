@@ -2,9 +2,6 @@
 
 #include "api/auth/flight_access.h"
 #include "api/routes.h"
-#include "api/surface/change.h"
-#include "api/surface/terrain.h"
-#include "api/surface/volume.h"
 
 namespace skyquilt::api {
 

@@ -1,5 +1,5 @@
 // What each room answers, as it adds it to the router; BuildApi calls all of them. What a room's routes are
-// is said at the head of the file that defines them. The service must outlive the router.
+// is said at the head of the file that defines them, or of its header. The service must outlive the router.
 #pragma once
 
 #include "api/http/router.h"
@@ -38,6 +38,9 @@ void AddDownloadRoutes(Router& router, Service& service);
 void AddOriginalFileRoutes(Router& router, Service& service);
 void AddExportRoutes(Router& router, Service& service);
 void AddTileRoutes(Router& router, Service& service);
+void AddTerrainRoutes(Router& router, Service& service);
+void AddChangeRoutes(Router& router, Service& service);
+void AddVolumeRoute(Router& router, Service& service);
 
 // Maps by the standards of others.
 void AddTileJsonRoute(Router& router, Service& service);

@@ -10,6 +10,7 @@
 
 namespace skyquilt::api {
 
+// Its id is checked first: one that could be none is not looked for.
 Result<void> RequireFlight(Service& service, const std::string& id);
 
 struct ShownMap {
@@ -21,6 +22,7 @@ Result<ShownMap> FindShownMap(Service& service, const std::string& flight_id);
 
 // One of its products as a file, fetched where maps lie elsewhere. kNotFound: it has none of this name.
 Result<storage::LocalBlob> FetchProduct(Service& service, const ShownMap& map, const std::string& name);
+// The media type of a map's GeoTIFF.
 inline constexpr const char* kCogType = "image/tiff; application=geotiff; profile=cloud-optimized";
 
 }  // namespace skyquilt::api

@@ -1,4 +1,5 @@
-// The characters that HTTP's grammar names (RFC 9110). Pure; any thread.
+// The characters that HTTP's grammar names (RFC 9110), and what is done with them in any text of a request.
+// Pure; any thread.
 #pragma once
 
 #include <string>

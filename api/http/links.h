@@ -1,6 +1,6 @@
 // LinkTo: an address of this server as a document says it: with the token that the document was asked for
 // with in its query, so that whoever may read the document may follow it. A token in a header is never
-// written down. Pure; any thread.
+// written down. PercentEncoded: text within an address or a header. Pure; any thread.
 #pragma once
 
 #include <string>

@@ -53,8 +53,8 @@ class Router {
   // served, and everybody there waits for it.
   Route& AddQuick(Method method, std::string_view pattern, Handler handler);
   Route& AddUpload(Method method, std::string_view pattern, UploadHandler handler);
-  // An upload of a few kilobytes, which is collected before it is looked at. `unless_json`: how a body is
-  // refused, before it is read, that is not JSON; null: none is.
+  // A small upload, of at most `max_bytes`, which is collected before it is looked at. `unless_json`: how a
+  // body is refused, before it is read, that is not JSON; null: none is.
   Route& AddBody(Method method, std::string_view pattern, BodyHandler handler,
                  const char* unless_json = nullptr, std::size_t max_bytes = kMaxCollectedBytes);
   // Asked before the handler of every route that is there now; a Response of its is the answer.

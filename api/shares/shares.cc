@@ -57,7 +57,6 @@ std::vector<std::pair<std::string_view, std::string>> Described(const storage::T
           {"expires_at", token.expires ? JsonString(FormatTime(*token.expires)) : std::string("null")}};
 }
 
-// A flight that this server has: one whose id could be none is not looked for.
 // Those that have not ended, newest first.
 std::vector<storage::Token> SharesOf(const storage::TokenSet& set, const std::string& flight_id,
                                      storage::Time now) {

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "api/http/responses.h"
+#include "api/routes.h"
 #include "api/surface/height_tiles.h"
 #include "api/surface/map_surface.h"
 #include "api/tiles/recode_tile.h"

@@ -37,6 +37,4 @@ Result<HeightChange> ChangeSince(Service& service, const storage::Tileset& shown
 // east_m, north_m, up_m, sigma_m.
 nlohmann::ordered_json ShiftJson(const surface::HeightShift& shift);
 
-void AddChangeRoutes(Router& router, Service& service);
-
 }  // namespace skyquilt::api

@@ -17,6 +17,8 @@
 namespace skyquilt::api {
 
 inline constexpr int kHeightTilePx = 256;
+// In addresses: the heights themselves (api/surface/terrain.cc).
+inline constexpr const char* kTerrainTiles = "terrain";
 
 storage::MercGrid HeightTileGrid(const geo::TileId& tile);
 // kNotFound where the zoom's pixels are smaller than the cells.

@@ -1,5 +1,7 @@
-#include "api/surface/terrain.h"
-
+// Terrain tiles of a map's heights, for views in three dimensions and hillshades: PNG in "terrarium" coding
+// (core/render/map_layer.h), computed when they are asked for and kept as other made tiles are. There is one
+// for every tile of the Earth: beyond the map its height goes on. GET /tiles/{flight}/terrain.json and
+// /tiles/{flight}/terrain/{z}/{x}/{y}. Any thread.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "api/routes.h"
 #include "api/surface/height_tiles.h"
 #include "api/surface/map_surface.h"
 #include "api/tiles/recode_tile.h"

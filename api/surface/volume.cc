@@ -1,4 +1,9 @@
-#include "api/surface/volume.h"
+// POST /api/v1/flights/{flight}/volume: what lies above and below a base, or the heights of an earlier
+// flight, within a polygon of a map's heights (core/surface/terrain/volume). Any thread; reads up to eight
+// million cells. Errors: kInvalidArgument (no JSON, no such base), kUnprocessable (no polygon, or no height
+// within or along it), kNotFound (no such flight, no map, or one without heights), kCorrupt, and those of
+// fetching.
+#include "core/surface/terrain/volume.h"
 
 #include <fmt/format.h>
 
@@ -13,11 +18,11 @@
 #include "api/http/parameters.h"
 #include "api/http/responses.h"
 #include "api/json/json_text.h"
+#include "api/routes.h"
 #include "api/surface/change.h"
 #include "api/surface/map_surface.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
-#include "core/surface/terrain/volume.h"
 #include "storage/exports/custom/boundary.h"
 
 namespace skyquilt::api {

@@ -13,7 +13,7 @@
 #include "api/json/json_codec.h"
 #include "api/routes.h"
 #include "api/surface/map_surface.h"
-#include "api/surface/terrain.h"
+#include "api/surface/height_tiles.h"
 #include "api/tiles/index_values.h"
 #include "api/tiles/recode_tile.h"
 #include "api/tiles/tiles.h"

@@ -37,7 +37,8 @@ constexpr std::array kNamedCodes = {
     NamedCode{ErrorCode::kIo, "io"},
     NamedCode{ErrorCode::kInternal, "internal"},
 };
-static_assert(kNamedCodes.size() == kAllErrorCodes.size());
+static_assert(std::equal(kNamedCodes.begin(), kNamedCodes.end(), kAllErrorCodes.begin(), kAllErrorCodes.end(),
+                         [](const NamedCode& named, ErrorCode code) { return named.code == code; }));
 
 }  // namespace
 

@@ -32,7 +32,7 @@ enum class ErrorCode {
   kUnavailable,     // try again later
   kNotImplemented,  // a protocol feature that is not offered
   kIo,              // the machine failed to read or write
-  kInternal,        // a defect of this program
+  kInternal,        // a defect of this program; stays the last
 };
 
 inline constexpr auto kAllErrorCodes = [] {

@@ -10,7 +10,7 @@
 namespace skyquilt::ground {
 namespace {
 
-// Of the broad shape, in flying heights.
+// Of the broad shape; lengths in flying heights.
 constexpr double kCell = 0.2;
 constexpr double kNear = 0.3;          // sigma of the weights
 constexpr double kGoesOn = 0.35;       // how far a slope is carried on

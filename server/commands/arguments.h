@@ -1,4 +1,4 @@
-// What several commands take on their lines, checked, and do with it. Each of these ends the command with a
+// What several commands take on their lines, and do with it. What is checked here ends the command with a
 // message that names what was given (Fail) where it cannot be used. Main thread.
 #pragma once
 

@@ -181,6 +181,7 @@ void AddServeOptions(CLI::App& command, ServeOptions& options) {
           });
   command.add_option("--config", options.config, "File with these options, one \"name = value\" a line");
   for (CLI::Option* option : command.get_options()) {
+    if (option->get_lnames().empty()) continue;
     const std::string& name = option->get_lnames().front();
     if (name != "help" && name != "config") option->envname(VariableOf(name));
     // A file's options come before those of the command line.

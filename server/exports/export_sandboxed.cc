@@ -141,10 +141,13 @@ Result<void> RunExportTask(const std::string& text, MessageWriter& writer) {
 }  // namespace
 
 int ExportInSandbox(int parent) {
-  return WorkForParent(parent, [](const std::string& task, MessageWriter& to_parent) {
+  bool is_made = false;
+  const int code = WorkForParent(parent, [&](const std::string& task, MessageWriter& to_parent) {
     const Result<void> outcome = RunExportTask(task, to_parent);
+    is_made = outcome.ok();
     return outcome ? std::nullopt : std::optional<JobMessage>(outcome.error());
   });
+  return is_made ? code : 1;
 }
 
 }  // namespace skyquilt::server

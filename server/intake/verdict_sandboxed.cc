@@ -19,10 +19,10 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
+constexpr std::string_view kProjections = "libproj.so";  // what is loaded late and needed here
 // Headers of photos take next to nothing, a log of half an hour some dozens of MiB. Long logs take more
 // (core/flight/logs/log_builder.h has their caps), but they are large files: what small ones take is theirs
 // to prove.
-constexpr std::string_view kProjections = "libproj.so";  // what is loaded late and needed here
 constexpr std::int64_t kDataBytes = std::int64_t{200} << 20;
 constexpr std::int64_t kDataBytesPerLargeByte = 4;
 constexpr std::int64_t kMaxDataBytes = std::int64_t{1} << 30;

@@ -16,7 +16,7 @@
 namespace skyquilt::server {
 
 // All that such a process does: `work` gets its task and answers the last message, if there is one to be
-// sent. The exit code.
+// sent. The exit code: 0 where that was sent, also when it is an error.
 int WorkForParent(
     int parent,
     const std::function<std::optional<JobMessage>(const std::string& task, MessageWriter& to_parent)>& work);

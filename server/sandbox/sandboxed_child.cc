@@ -92,8 +92,6 @@ std::optional<std::string> MessageReader::Read(std::chrono::milliseconds patienc
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 // A child that does not read its messages within this time is stuck.
 constexpr std::chrono::seconds kTellPatience{30};
 constexpr std::chrono::milliseconds kExitPollInterval{2};

@@ -26,12 +26,15 @@ Sha256Sum::Sha256Sum() : state_(std::make_unique<State>()) {
 
 Sha256Sum::~Sha256Sum() = default;
 
-void Sha256Sum::Add(std::string_view bytes) { EVP_DigestUpdate(state_->context, bytes.data(), bytes.size()); }
+void Sha256Sum::Add(std::string_view bytes) {
+  SKYQUILT_CHECK(EVP_DigestUpdate(state_->context, bytes.data(), bytes.size()) == 1,
+                 "OpenSSL failed to digest");
+}
 
 std::string Sha256Sum::Finish() {
   unsigned char digest[EVP_MAX_MD_SIZE];
   unsigned int length = 0;
-  EVP_DigestFinal_ex(state_->context, digest, &length);
+  SKYQUILT_CHECK(EVP_DigestFinal_ex(state_->context, digest, &length) == 1, "OpenSSL failed to digest");
   return HexOf({digest, length});
 }
 

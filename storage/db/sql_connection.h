@@ -26,13 +26,6 @@
 
 namespace skyquilt::storage {
 
-// Statement: one prepared SQL statement of a SqlConnection. Bind (1-based), Step until false, Reset, use
-// again. What is bound is copied, so that a temporary may be bound: no engine keeps a view of it.
-// Views that ColumnText and ColumnBlob return live until the next Step or Reset. One thread at a time; must
-// not outlive its database. Parameters are written ? or ?1, in every engine. Errors: kOutOfSpace, kCorrupt,
-// kConflict (a constraint), kUnavailable (locked, or the connection was lost), kInvalidArgument (text that
-// the engine cannot store), kIo.
-
 // What an engine does for a Statement.
 class StatementDriver {
  public:
@@ -54,6 +47,12 @@ class StatementDriver {
   virtual bool IsNull(int column) const = 0;
 };
 
+// Statement: one prepared SQL statement of a SqlConnection. Bind (1-based), Step until false, Reset, use
+// again. What is bound is copied, so that a temporary may be bound: no engine keeps a view of it.
+// Views that ColumnText and ColumnBlob return live until the next Step or Reset. One thread at a time; must
+// not outlive its database. Parameters are written ? or ?1, in every engine. Errors: kOutOfSpace, kCorrupt,
+// kConflict (a constraint), kUnavailable (locked, or the connection was lost), kInvalidArgument (text that
+// the engine cannot store), kIo.
 class Statement {
  public:
   Statement() = default;

@@ -1,6 +1,6 @@
-// Leases of jobs, the workers' half of JobQueue: claim, renew, end, publish, and what becomes of a job whose
-// worker is gone: another attempt where the worker died while others went on living, none where the machine
-// or the server was taken from under it.
+// What becomes of a job whose worker is gone: another attempt where the worker died while others went on
+// living, none where the machine or the server was taken from under it. Claims, renewals and ends of leases
+// are JobQueue's (job_queue.h), the workers' half of which stands in the source beside this header.
 #pragma once
 
 #include "core/base/result.h"

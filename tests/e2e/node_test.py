@@ -20,7 +20,7 @@ UUID = re.compile(r"[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}$")
 
 
 def form(fields=(), files=()):
-    return server_support.form(fields, files, "images")
+    return server_support.form(fields, files, "images", "application/octet-stream")
 
 
 class Node(ServerTestCase):

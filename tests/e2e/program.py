@@ -24,7 +24,7 @@ def run(*words, code=0, **how):
 
 def tool(*words):
     """What another program, of GDAL's for one, prints."""
-    return subprocess.run([str(word) for word in words], check=True, capture_output=True, text=True).stdout
+    return subprocess.run([str(word) for word in words], check=True, stdout=subprocess.PIPE, text=True).stdout
 
 
 def report_of(folder):

@@ -96,11 +96,12 @@ def bearer(token):
     return {"Authorization": f"Bearer {token}"}
 
 
-def form(fields=(), files=(), part="file"):
+def form(fields=(), files=(), part="file", type_of_part=""):
     """The body of a form (FORM) with these fields, and of (name, bytes) pairs each as a file in a part of this name."""
     head = f'--{BOUNDARY}\r\nContent-Disposition: form-data; name='
     parts = [f'{head}"{name}"\r\n\r\n{value}\r\n'.encode() for name, value in dict(fields).items()]
-    parts += [f'{head}"{part}"; filename="{name}"\r\n\r\n'.encode() + content + b"\r\n" for name, content in files]
+    typed = f"\r\nContent-Type: {type_of_part}" if type_of_part else ""
+    parts += [f'{head}"{part}"; filename="{name}"{typed}\r\n\r\n'.encode() + content + b"\r\n" for name, content in files]
     return b"".join(parts) + f"--{BOUNDARY}--\r\n".encode()
 
 

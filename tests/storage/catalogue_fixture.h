@@ -21,9 +21,10 @@ class CatalogueFixture : public testing::Test {
   // A job of a flight, from its beginning to its map.
   void PublishMap(const std::string& flight, Revision revision = {}) {
     ASSERT_TRUE(queue_.Add(flight, "{}", Now()));
-    const Lease lease = **queue_.Claim("w", Now());
-    revision.revision = **queue_.ReserveRevision(lease);
-    ASSERT_TRUE(*queue_.Publish(lease, revision, Now()));
+    const auto lease = queue_.Claim("w", Now());
+    ASSERT_TRUE(lease && *lease);
+    revision.revision = **queue_.ReserveRevision(**lease);
+    ASSERT_TRUE(*queue_.Publish(**lease, revision, Now()));
   }
 
   test::TemporaryFolder dir_;

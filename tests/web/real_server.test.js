@@ -14,7 +14,9 @@ const used = useSimulatedFlight();
 /** @type {string[]} */
 let photos = [];
 before(() => {
-  if (!options.skip) photos = findPhotos(join(used.folder, 'flight'));
+  if (options.skip) return;
+  photos = findPhotos(join(used.folder, 'flight'));
+  assert.equal(photos.length, 6);
 });
 
 /** The page has found nobody at the server's address. @param {any} page */

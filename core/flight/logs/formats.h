@@ -1,8 +1,8 @@
 // The formats of logs. Of each, LooksLike* recognises the first bytes of a file and Parse* makes a FlightLog
 // of all of them; read_log.h chooses among them. t_s is in seconds on the log's own clock, 0 at the first
 // sample unless it is said otherwise; damaged parts and rows are skipped and counted in the warnings. Any
-// thread. Errors: kCorrupt where nothing could be read, and what else is said below. Each format stands in a
-// source of its name, below autopilots, csv, texts, subtitles or tracks.
+// thread. Errors: kCorrupt where nothing could be read, and what else is said below. Sources are
+// below autopilots, csv, texts, subtitles and tracks; two formats that share most of their reading share one.
 #pragma once
 
 #include <span>

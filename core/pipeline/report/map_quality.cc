@@ -28,6 +28,12 @@ std::string Counted(int count, const char* what) {
   return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
+// None without a name.
+static_assert(std::size(kMapStatuses) == static_cast<std::size_t>(MapStatus::kUnknown) + 1);
+static_assert(std::size(kAbsoluteSupports) == static_cast<std::size_t>(AbsoluteSupport::kCheckPoints) + 1);
+static_assert(std::size(kRelativeSupports) == static_cast<std::size_t>(RelativeSupport::kSeams) + 1);
+static_assert(std::size(kLimitKinds) == static_cast<std::size_t>(LimitKind::kPoseOnly) + 1);
+
 template <typename Names, typename Kind>
 std::string_view NameIn(const Names& names, Kind kind) {
   const auto found =

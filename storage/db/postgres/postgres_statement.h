@@ -1,5 +1,5 @@
 // PostgresStatement: a Statement's driver over PostgreSQL. The first Step runs it and fetches all of its
-// rows. Parameters go in binary with their types: int8, float8, text, bytea. As of StatementDriver.
+// rows. Parameters go in binary with their types: int8, float8, text, bytea. Otherwise as Statement says.
 #pragma once
 
 #include <string>

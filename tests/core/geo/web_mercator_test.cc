@@ -35,6 +35,8 @@ TEST(RasterFrame, PutsTheFirstPixelsCentreHalfAPixelInside) {
   const double pixel_m = PixelSizeInMercM(18, 256);
   EXPECT_NEAR(frame.MercFromPixel({0, 0}).x(), bounds.min.x() + 0.5 * pixel_m, 1e-6);
   EXPECT_NEAR(frame.MercFromPixel({0, 0}).y(), bounds.max.y() - 0.5 * pixel_m, 1e-6);
+  EXPECT_NEAR(frame.MercFromPixel({17.25, 200.5}).x(), bounds.min.x() + 17.75 * pixel_m, 1e-6);
+  EXPECT_NEAR(frame.MercFromPixel({17.25, 200.5}).y(), bounds.max.y() - 201 * pixel_m, 1e-6);
   EXPECT_NEAR(frame.BoundsInMerc().max.x(), bounds.max.x(), 1e-6);
 }
 

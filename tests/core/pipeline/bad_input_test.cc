@@ -73,6 +73,7 @@ TEST_F(BadInput, FilesThatAreNoWholeJpegAreLeftOut) {
                                                     {"empty.jpg", ""},
                                                     {"cut.jpg", whole.substr(0, whole.size() * 2 / 3)}};
   for (const auto& [name, bytes] : files) {
+    SCOPED_TRACE(name);
     Write(name, bytes);
     ExpectLeftOut(name);
     std::filesystem::remove(photos_ / name);

@@ -15,12 +15,12 @@ import urllib.parse
 import zipfile
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from node_test import BOUNDARY, form  # noqa: E402
-from server_support import ServerTestCase, add_token, wait_until  # noqa: E402
+from node_test import form  # noqa: E402
+from server_support import FORM, ServerTestCase, add_token, wait_until  # noqa: E402
 
 TRANSCRIPTS = pathlib.Path(__file__).resolve().parent / "transcripts"
 KINDS = {"any": object, "str": str, "int": int, "list": list, "number": (int, float)}
-AS_FORM = f"multipart/form-data; boundary={BOUNDARY}"
+AS_FORM = FORM["Content-Type"]
 
 
 def numbers_of(version):

@@ -7,7 +7,7 @@ import subprocess
 import threading
 import time
 
-from program import run
+import program
 from server_support import wait_until
 
 AWAKE_AFTER_S = 18  # a lease lasts 15
@@ -138,7 +138,7 @@ def wrong_store(run):
     """Workers with a mistyped prefix, and with none: refused before they write or claim anything."""
     for blobs in (("--blobs", run.store.address(f"{run.name}-mistyped")), ()):
         folder = run.folder_of_worker()
-        said = run("worker", "--once", "--data", folder, *run.catalogue, *blobs, code=None, timeout=240)
+        said = program.run("worker", "--once", "--data", folder, *run.catalogue, *blobs, code=None, timeout=240)
         run.expect(said.returncode == 1 and "--blobs" in said.stderr, f"a worker of another store: {said}")
         run.expect(not os.path.exists(folder), "a worker of another store left a folder")
     run.expect(run.store.keys(f"{run.name}-mistyped/") == [], "a worker of another store wrote into it")

@@ -30,7 +30,7 @@ from cluster.fault_kinds import KINDS, OF_WORKERS, small_disk
 from cluster.store_proxy import StoreProxy
 from flights import made_flights
 from postgres_server import LATE_WRITER, PostgresServer
-from program import BINARY, run
+from program import BINARY
 from server_support import Server, children_of, wait_until
 
 PHOTOS, SIZE = 24, "400x300"

@@ -11,6 +11,7 @@ import unittest
 import unittest.mock
 import urllib.request
 
+import operations_data_test  # noqa: F401 what it replays counts
 from operations_page import AS_JSON, COMMANDS, FLIGHTS, LIMITS, NAMES, OF_LIMITS, REPLAYED, SCOPES, SPANS, OperationsCase, bearer, replays
 from nginx import NGINX, free_port, start_nginx
 from server_support import middle_tile, put_map, wait_until

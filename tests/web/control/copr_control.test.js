@@ -49,8 +49,8 @@ test('the dunes come to their surveyed place', optionsOf(missing, 590_000), asyn
   assert.ok(misses_m[Math.floor(misses_m.length / 2)] < 2.5 && misses_m[Math.floor(misses_m.length * 0.9)] < 8, `${misses_m}`);
   const report = await get(server.url, `flights/${id}/report`);
   assert.equal(report.is_placed, true);
-  const used = report.alignment.ground_control.filter((point) => point.is_used).length;
-  assert.ok(used >= 4, `${used} points are used`);
+  const used_points = report.alignment.ground_control.filter((point) => point.is_used).length;
+  assert.ok(used_points >= 4, `${used_points} points are used`);
   await page.waitForSelector('#control-residuals');
   await page.click('#control-residuals > summary');
   assert.ok((await page.locator('#control-residuals tbody tr').count()) >= 15);

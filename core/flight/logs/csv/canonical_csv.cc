@@ -21,6 +21,7 @@ struct CanonicalName {
   M meaning;
 };
 
+// In lower case, in any order of the columns.
 constexpr std::array kCanonicalNames = {CanonicalName{"t", M::kTime},
                                         CanonicalName{"utc", M::kUtc},
                                         CanonicalName{"wx", M::kGyroX},
