@@ -1,6 +1,7 @@
 // OGC API - Tiles 1.0 at /ogc: landing page, conformance, collections (one a map) with their tilesets, tile
 // matrix sets, and tiles by row and column. OGC 20-057.
 #include <fmt/format.h>
+
 #include <nlohmann/json.hpp>
 #include <span>
 #include <vector>

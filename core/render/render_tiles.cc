@@ -1,8 +1,9 @@
 #include "core/render/render_tiles.h"
 
+#include <fmt/core.h>
+
 #include <atomic>
 #include <cmath>
-#include <fmt/core.h>
 #include <optional>
 #include <utility>
 

@@ -1,7 +1,8 @@
 #include "core/video/take_frames.h"
 
-#include <algorithm>
 #include <fmt/format.h>
+
+#include <algorithm>
 #include <fstream>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>

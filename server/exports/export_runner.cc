@@ -1,11 +1,12 @@
 #include "server/exports/export_runner.h"
 
+#include <fmt/format.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <exception>
-#include <fmt/format.h>
 #include <system_error>
-#include <unistd.h>
 
 #include "api/json/json_codec.h"
 #include "core/base/scoped_folder.h"

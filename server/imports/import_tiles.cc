@@ -1,10 +1,11 @@
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
-#include <fmt/core.h>
 #include <map>
 #include <optional>
 #include <string>

@@ -1,5 +1,6 @@
 // NetworkAddresses: the IP addresses of this machine, and where other machines reach this server. Asks the
-// system each time (a laptop changes its network while the server runs); empty where that fails. And what an address's text says by itself. Any thread.
+// system each time (a laptop changes its network while the server runs); empty where that fails. And what an
+// address's text says by itself. Any thread.
 #pragma once
 
 #include <string>

@@ -1,6 +1,7 @@
 #include "server/routing/route_request.h"
 
 #include <fmt/format.h>
+
 #include <optional>
 #include <utility>
 

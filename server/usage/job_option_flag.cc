@@ -1,8 +1,9 @@
 #include "server/usage/job_option_flag.h"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <cstddef>
-#include <fmt/format.h>
 #include <string>
 #include <utility>
 #include <vector>

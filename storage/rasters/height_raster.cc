@@ -1,11 +1,12 @@
 #include "storage/rasters/height_raster.h"
 
+#include <gdal_priv.h>
+#include <ogr_spatialref.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <gdal_priv.h>
 #include <limits>
-#include <ogr_spatialref.h>
 
 #include "core/base/try.h"
 #include "core/geo/crs/map_projection.h"

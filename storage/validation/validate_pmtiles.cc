@@ -1,8 +1,9 @@
 // PMTiles specification version 3, chapters 3 (header), 4 (directories) and 5 (metadata).
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cstring>
-#include <fmt/format.h>
 #include <fstream>
 #include <optional>
 #include <system_error>

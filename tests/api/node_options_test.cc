@@ -2,6 +2,7 @@
 #include "api/nodeodm/node_options.h"
 
 #include <gtest/gtest.h>
+
 #include <nlohmann/json.hpp>
 #include <set>
 

@@ -1,7 +1,8 @@
 // A flight that is cut into units becomes the map that one process makes of it, however it is cut.
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <cmath>
-#include <gtest/gtest.h>
 #include <iterator>
 #include <map>
 #include <optional>

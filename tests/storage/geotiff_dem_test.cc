@@ -1,15 +1,16 @@
 // Elevation models written here through GDAL, as surveys and agencies give them away.
 #include "storage/rasters/geotiff_dem.h"
 
+#include <gdal_priv.h>
+#include <gtest/gtest.h>
+#include <ogr_spatialref.h>
+
 #include <cmath>
 #include <cstdint>
 #include <fstream>
 #include <functional>
-#include <gdal_priv.h>
-#include <gtest/gtest.h>
 #include <limits>
 #include <memory>
-#include <ogr_spatialref.h>
 #include <string>
 #include <vector>
 

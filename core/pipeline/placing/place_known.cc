@@ -1,8 +1,9 @@
 #include "core/pipeline/placing/place_known.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <fmt/core.h>
 #include <limits>
 #include <utility>
 

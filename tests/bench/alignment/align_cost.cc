@@ -3,15 +3,16 @@
 // DIR is filled with a simulated flight first if it is not there: JPEGs of 4000 x 3000 pixels, drawn at half
 // that size (the finest that features are looked for in) and enlarged with noise in every pixel, so that
 // reading them costs what it costs with real ones. `write` as a fourth word ends there.
+#include <fmt/core.h>
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <ctime>
 #include <filesystem>
-#include <fmt/core.h>
 #include <map>
 #include <mutex>
 #include <string>
-#include <sys/resource.h>
 
 #include "core/alignment/align_flight.h"
 #include "core/base/parallel_for.h"

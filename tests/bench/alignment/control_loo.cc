@@ -1,8 +1,9 @@
 // How well surveyed points are met that were not told: each left out in turn, the flight aligned by the
 // others, and its marks compared with the survey. alignment_control_loo DIR-OR-FILES...
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <fmt/core.h>
 #include <map>
 
 #include "core/alignment/align_flight.h"

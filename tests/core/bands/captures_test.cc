@@ -1,9 +1,10 @@
 // Photos of single bands to captures, and what stays of a flight without any.
 #include "core/bands/captures.h"
 
+#include <gtest/gtest.h>
+
 #include <filesystem>
 #include <fstream>
-#include <gtest/gtest.h>
 #include <initializer_list>
 
 #include "core/flight/read_flight.h"

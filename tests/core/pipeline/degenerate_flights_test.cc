@@ -1,7 +1,8 @@
 // Flights that no survey is like, through the whole pipeline: each ends with a map or with a refusal that
 // says of which photos and why, and never with the end of the program.
-#include <cmath>
 #include <gtest/gtest.h>
+
+#include <cmath>
 #include <limits>
 
 #include "core/camera/footprint.h"

@@ -2,10 +2,11 @@
 // counts.
 #include "core/render/blocks/block_weights.h"
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <gtest/gtest.h>
 #include <utility>
 #include <vector>
 

@@ -1,8 +1,9 @@
 // A simulated rig's files, read as any camera's: what comes of their levels is the ground's reflectance.
 #include "core/simulate/sensors/band_rig.h"
 
-#include <cmath>
 #include <gtest/gtest.h>
+
+#include <cmath>
 #include <string>
 #include <vector>
 

@@ -1,7 +1,8 @@
 #include "core/simulate/world/render_photo.h"
 
-#include <cmath>
 #include <gtest/gtest.h>
+
+#include <cmath>
 
 #include "core/camera/footprint.h"
 #include "core/geo/lat_lon.h"

@@ -1,10 +1,11 @@
 #include "core/simulate/simulate_flight.h"
 
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
-#include <gtest/gtest.h>
 #include <string>
 
 #include "core/camera/footprint.h"

@@ -1,11 +1,13 @@
 // The log writers, read back by the product's own parsers: two independent readings of each format.
-#include <cmath>
+#include "core/simulate/writers/write_logs.h"
+
 #include <gtest/gtest.h>
+
+#include <cmath>
 
 #include "core/base/check.h"
 #include "core/flight/logs/formats.h"
 #include "core/flight/remarks/remark_words.h"
-#include "core/simulate/writers/write_logs.h"
 #include "tests/core/simulate/surveys.h"
 
 namespace skyquilt::simulate {

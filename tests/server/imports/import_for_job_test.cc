@@ -1,16 +1,17 @@
 // A map of others among the files of a job: what errors call it, and that it takes no more room than there
 // is.
-#include <cstdint>
 #include <gdal_priv.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <memory>
 #include <ogr_spatialref.h>
+#include <signal.h>
+#include <sys/resource.h>
+
+#include <cstdint>
+#include <memory>
 #include <optional>
 #include <random>
-#include <signal.h>
 #include <string>
-#include <sys/resource.h>
 #include <vector>
 
 #include "core/flight/remarks/because.h"

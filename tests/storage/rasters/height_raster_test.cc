@@ -1,15 +1,16 @@
 // Heights of a map at places, on grids of the web map and within areas, against a slope with a box on it.
 #include "storage/rasters/height_raster.h"
 
+#include <gdal_priv.h>
+#include <gtest/gtest.h>
+#include <ogr_spatialref.h>
+
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <cmath>
 #include <functional>
-#include <gdal_priv.h>
-#include <gtest/gtest.h>
 #include <limits>
-#include <ogr_spatialref.h>
 #include <thread>
 
 #include "core/geo/web_mercator.h"
