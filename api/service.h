@@ -7,6 +7,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "api/auth/limits.h"
@@ -70,7 +71,7 @@ struct Service {
   PerRevision<std::vector<Surface>> surfaces{};  // as api/surface/map_surface.h finds them
   storage::OpenRasters<storage::HeightRaster> surface_rasters{}, ground_rasters{};  // dsm.tif, dtm.tif
   // Of two maps' heights against each other, as api/surface/change.h finds them.
-  PerRevision<std::optional<surface::HeightShift>> height_shifts{};
+  PerRevision<std::variant<surface::HeightShift, surface::ShiftFault>> height_shifts{};
   storage::Webhooks webhooks{db};
   storage::NodeDeliveries node_deliveries{db};
   std::string node_engine = kUsualNodeEngine;  // as which the NodeODM-compatible node answers

@@ -17,16 +17,19 @@
 #include "core/base/try.h"
 #include "core/geo/web_mercator.h"
 #include "core/image/rgba_image.h"
+#include "core/surface/terrain/volume.h"
 
 namespace skyquilt::api {
 namespace {
 
 constexpr const char* kChangeTiles = "change";
 // Two maps are compared on so many pixels a side at most, none smaller than this.
-constexpr int kComparedSidePx = 512;
+constexpr int kComparedSidePx = 1024;
 constexpr double kComparedCellM = 0.25;
 // Less than this, or than so many standard deviations, is not shown.
 constexpr double kMinChangeM = 0.1, kSigmasShown = 2.0;
+
+using FoundShift = std::variant<surface::HeightShift, surface::ShiftFault>;
 
 struct ChangeStop {
   double change_m;
@@ -53,7 +56,7 @@ std::array<std::uint8_t, 3> ColourOfChange(double change_m) {
   return colour;
 }
 
-double LeastShownM(const surface::HeightShift& shift) {
+double MinShownM(const surface::HeightShift& shift) {
   return std::max(kMinChangeM, kSigmasShown * shift.sigma_m.value_or(0.0));
 }
 
@@ -74,13 +77,13 @@ void LeaveMeasured(storage::SampledHeights& sampled) {
   }
 }
 
-Result<std::optional<surface::HeightShift>> FindShift(HeightChange& change, const geo::LatLonBounds& now,
-                                                      const geo::LatLonBounds& then) {
+Result<FoundShift> FindShift(HeightChange& change, const geo::LatLonBounds& now,
+                             const geo::LatLonBounds& then) {
   geo::Bounds2 both = geo::MercFromLatLonBounds(now);
   const geo::Bounds2 theirs = geo::MercFromLatLonBounds(then);
   both.min = both.min.cwiseMax(theirs.min);
   both.max = both.max.cwiseMin(theirs.max);
-  if (both.IsEmpty()) return std::optional<surface::HeightShift>();
+  if (both.IsEmpty()) return FoundShift(surface::ShiftFault::kTooLittle);
   const double ground_m = geo::GroundMetresPerMercMetre(now.Middle().lat_deg);
   const double cell_m = std::max({kComparedCellM, change.now->cell_m(), change.then->cell_m()});
   const storage::MercGrid grid = ComparedGrid(both, cell_m / ground_m);
@@ -93,17 +96,32 @@ Result<std::optional<surface::HeightShift>> FindShift(HeightChange& change, cons
                                {grid.width_px, grid.height_px, pixel_m, there.heights_m});
 }
 
-Result<std::string> MakeChangeTile(const HeightChange& change, const geo::TileId& tile) {
+// How far a height may be off because its map lies so many pixels aside.
+float RiseAt(const std::vector<float>& heights_m, std::size_t at) {
+  const auto step_to = [&](bool is_there, std::size_t next) {
+    const float step_m = is_there ? heights_m[next] - heights_m[at] : 0.0f;
+    return std::isfinite(step_m) ? step_m : 0.0f;
+  };
+  return std::hypot(step_to((at + 1) % kHeightTilePx != 0, at + 1),
+                    step_to(at + kHeightTilePx < heights_m.size(), at + kHeightTilePx));
+}
+
+Result<std::string> MakeChangeTile(const HeightChange& change, const geo::TileId& tile, double ground_m) {
   storage::MercGrid grid = HeightTileGrid(tile);
   SKYQUILT_TRY_ASSIGN(const storage::SampledHeights now, change.now->Over(grid));
   grid.west_m -= change.shift_merc_m.x();
   grid.north_m -= change.shift_merc_m.y();
   SKYQUILT_TRY_ASSIGN(const storage::SampledHeights then, change.then->Over(grid));
-  const double least_m = LeastShownM(change.shift);
+  const double min_m = MinShownM(change.shift);
+  const double pixel_m = grid.pixel_width_m * ground_m;
+  const double aside_px = surface::kStepsOffCells * std::max(1.0, change.now->cell_m() / pixel_m);
   image::RgbaImage picture = image::RgbaImage::Transparent(kHeightTilePx, kHeightTilePx);
   for (std::size_t i = 0; i < now.heights_m.size(); ++i) {
     const double change_m = now.heights_m[i] - then.heights_m[i] - change.shift.up_m;
-    if (now.is_measured[i] == 0 || then.is_measured[i] == 0 || !(std::abs(change_m) >= least_m)) continue;
+    if (now.is_measured[i] == 0 || then.is_measured[i] == 0 || !(std::abs(change_m) >= min_m)) continue;
+    // Edges of roofs and crowns stand aside in each flight by itself.
+    const double steps_m = aside_px * std::hypot(RiseAt(now.heights_m, i), RiseAt(then.heights_m, i));
+    if (std::abs(change_m) < std::hypot(min_m, steps_m)) continue;
     const auto colour = ColourOfChange(change_m);
     std::copy(colour.begin(), colour.end(), picture.rgba.begin() + static_cast<std::ptrdiff_t>(4 * i));
     picture.rgba[4 * i + 3] = 255;
@@ -111,97 +129,155 @@ Result<std::string> MakeChangeTile(const HeightChange& change, const geo::TileId
   return EncodeTile(std::move(picture), image::PictureFormat::kPng);
 }
 
-Result<std::string> RequiredSince(const Request& request) {
-  SKYQUILT_TRY_ASSIGN(const std::optional<std::string> since, SinceIn(request));
-  if (since) return *since;
+Result<Earlier> RequiredEarlier(const Request& request) {
+  SKYQUILT_TRY_ASSIGN(std::optional<Earlier> earlier, EarlierIn(request));
+  if (earlier) return *std::move(earlier);
   return Error{ErrorCode::kInvalidArgument,
                "Since which flight? Name one of the same ground: since=ID, as /api/v1/flights lists them.",
                ""};
 }
 
+// Where both maps are known: the address names their revisions, so that the bytes never change.
+bool NamesBoth(const Request& request, const storage::Tileset& then) {
+  return request.Query("since_rev") == std::to_string(then.revision.revision);
+}
+
 Result<Response> ChangeTile(Service& service, const Request& request) {
-  SKYQUILT_TRY_ASSIGN(const std::string since, RequiredSince(request));
+  SKYQUILT_TRY_ASSIGN(const Earlier earlier, RequiredEarlier(request));
   if (request.work < Work::kRead) return DeferTo(Work::kRead);
-  SKYQUILT_TRY_ASSIGN(const std::shared_ptr<const storage::Tileset> then, service.tilesets.Get(since));
-  const std::string variant = fmt::format("{} {} {}", kChangeTiles, since, then->revision.revision);
-  SKYQUILT_TRY_ASSIGN(Response answer,
-                      AnswerHeightTile(service, request, variant,
-                                       [&](const storage::Tileset& shown, Surface surface,
-                                           const geo::TileId& tile) -> Result<std::string> {
-                                         SKYQUILT_TRY_ASSIGN(const HeightChange change,
-                                                             ChangeSince(service, shown, surface, since));
-                                         SKYQUILT_TRY(CheckHeightZoom(*change.now, shown.revision, tile));
-                                         return MakeChangeTile(change, tile);
-                                       }));
-  // Bytes never change only where the address names the revisions of both.
-  if (request.Query("since_rev") != std::to_string(then->revision.revision) &&
-      answer.headers.Has("Cache-Control"))
+  SKYQUILT_TRY_ASSIGN(const std::shared_ptr<const storage::Tileset> then,
+                      service.tilesets.Get(earlier.flight_id));
+  const std::string variant = fmt::format("{}-{}-{}{}", kChangeTiles, earlier.flight_id,
+                                          then->revision.revision, earlier.is_aligned ? "" : "-as-placed");
+  SKYQUILT_TRY_ASSIGN(
+      Response answer,
+      AnswerHeightTile(
+          service, request, variant,
+          [&](const storage::Tileset& shown, Surface surface,
+              const geo::TileId& tile) -> Result<std::string> {
+            SKYQUILT_TRY_ASSIGN(const std::shared_ptr<storage::HeightRaster> now,
+                                OpenSurface(service, shown.flight_id, shown.revision.revision, surface));
+            SKYQUILT_TRY(CheckHeightZoom(*now, shown.revision, tile));
+            SKYQUILT_TRY_ASSIGN(const HeightChange change,
+                                ChangeSince(service, shown, *then, surface, earlier.is_aligned));
+            return MakeChangeTile(change, tile,
+                                  geo::GroundMetresPerMercMetre(shown.revision.bounds.Middle().lat_deg));
+          }));
+  if (!NamesBoth(request, *then) && answer.headers.Has("Cache-Control"))
     answer.headers.Set("Cache-Control", "no-cache");
   return answer;
 }
 
 Result<Response> ChangeTileJson(Service& service, const Request& request) {
-  SKYQUILT_TRY_ASSIGN(const std::string since, RequiredSince(request));
-  SKYQUILT_TRY_ASSIGN(const storage::Flight before, service.catalogue.GetFlight(since));
+  SKYQUILT_TRY_ASSIGN(const Earlier earlier, RequiredEarlier(request));
+  SKYQUILT_TRY_ASSIGN(const storage::Flight before, service.catalogue.GetFlight(earlier.flight_id));
+  SKYQUILT_TRY_ASSIGN(const std::shared_ptr<const storage::Tileset> then,
+                      service.tilesets.Get(earlier.flight_id));
   return AnswerHeightTileJson(
       service, request, kChangeTiles,
       [&](const storage::Tileset& shown, Surface surface,
           nlohmann::ordered_json& json) -> Result<std::string> {
-        SKYQUILT_TRY_ASSIGN(const HeightChange change, ChangeSince(service, shown, surface, since));
+        SKYQUILT_TRY_ASSIGN(const HeightChange change,
+                            ChangeSince(service, shown, *then, surface, earlier.is_aligned));
         json["name"] = fmt::format("{}, since {}", json["name"].get<std::string>(), before.name);
-        json["since"] = since;
+        json["since"] = before.id;
         json["shift"] = ShiftJson(change.shift);
-        json["least_shown_m"] = LeastShownM(change.shift);
+        json["least_shown_m"] = MinShownM(change.shift);
         for (const ChangeStop& stop : kChangeStops)
           json["stops"].push_back({{"change_m", stop.change_m},
                                    {"colour", fmt::format("#{:02x}{:02x}{:02x}", stop.colour[0],
                                                           stop.colour[1], stop.colour[2])}});
-        return fmt::format("&since={}&since_rev={}", since, change.then_revision);
+        return fmt::format("&since={}&since_rev={}{}", before.id, then->revision.revision,
+                           earlier.is_aligned ? "" : "&align=none");
       });
+}
+
+Error CannotCompare(surface::ShiftFault fault) {
+  switch (fault) {
+    case surface::ShiftFault::kTooLittle:
+      return {
+          ErrorCode::kUnprocessable,
+          "The two flights measured too little of the same ground to tell how their maps lie to each other. "
+          "If both lie where they belong (by RTK or points on the ground), ask with align=none.",
+          ""};
+    case surface::ShiftFault::kTooFar:
+      break;
+  }
+  return {ErrorCode::kUnprocessable,
+          fmt::format(
+              "The two maps lie more than {:.0f} m apart sideways. Move one of them to its place first, by "
+              "points on the ground or on the map.",
+              surface::kMaxSidewaysM),
+          ""};
 }
 
 }  // namespace
 
-Result<std::optional<std::string>> SinceIn(const Request& request) {
+Result<std::optional<Earlier>> EarlierIn(const Request& request) {
   const std::optional<std::string_view> since = request.Query("since");
-  if (!since) return std::optional<std::string>();
-  std::string flight_id(*since);
-  SKYQUILT_TRY(CheckId(flight_id, "flight"));
-  if (!request.only_flight.empty() && flight_id != request.only_flight)
+  if (!since) return std::optional<Earlier>();
+  Earlier earlier{std::string(*since)};
+  SKYQUILT_TRY(CheckId(earlier.flight_id, "flight"));
+  if (!request.only_flight.empty() && earlier.flight_id != request.only_flight)
     return Error{ErrorCode::kNotFound,
                  "This token opens one flight: its heights cannot be compared with another's.", ""};
-  return std::optional(std::move(flight_id));
+  if (earlier.flight_id == request.Parameter("flight"))
+    return Error{ErrorCode::kInvalidArgument,
+                 "The parameter \"since\" names another flight of the same ground.", ""};
+  const std::string_view align = request.Query("align").value_or("auto");
+  if (align != "auto" && align != "none")
+    return Error{
+        ErrorCode::kInvalidArgument,
+        "The parameter \"align\" is auto (what the two maps lie off each other is taken out) or none.", ""};
+  earlier.is_aligned = align == "auto";
+  return std::optional(std::move(earlier));
 }
 
 nlohmann::ordered_json ShiftJson(const surface::HeightShift& shift) {
-  const auto rounded = [](double metres) { return std::round(metres * 1e3) / 1e3; };
+  const auto rounded = [](std::optional<double> metres) {
+    return metres ? nlohmann::ordered_json(std::round(*metres * 1e3) / 1e3) : nlohmann::ordered_json();
+  };
+  const auto& sideways_m = shift.east_north_m;
   nlohmann::ordered_json json;
-  json["east_m"] = rounded(shift.east_north_m.x());
-  json["north_m"] = rounded(shift.east_north_m.y());
+  json["east_m"] = rounded(sideways_m ? std::optional(sideways_m->x()) : std::nullopt);
+  json["north_m"] = rounded(sideways_m ? std::optional(sideways_m->y()) : std::nullopt);
   json["up_m"] = rounded(shift.up_m);
-  json["sigma_m"] =
-      shift.sigma_m ? nlohmann::ordered_json(rounded(*shift.sigma_m)) : nlohmann::ordered_json();
+  json["sigma_m"] = rounded(shift.sigma_m);
+  json["alike_share"] = rounded(shift.alike_share);
   return json;
 }
 
-Result<HeightChange> ChangeSince(Service& service, const storage::Tileset& shown, Surface surface,
-                                 const std::string& since) {
-  SKYQUILT_TRY_ASSIGN(const std::shared_ptr<const storage::Tileset> before, service.tilesets.Get(since));
-  const storage::Revision &now = shown.revision, &then = before->revision;
+Result<HeightChange> ChangeSince(Service& service, const storage::Tileset& shown,
+                                 const storage::Tileset& before, Surface surface, bool is_aligned) {
+  const storage::Revision &now = shown.revision, &then = before.revision;
   HeightChange change;
-  change.then_revision = then.revision;
   SKYQUILT_TRY_ASSIGN(change.now, OpenSurface(service, shown.flight_id, now.revision, surface));
-  SKYQUILT_TRY_ASSIGN(change.then, OpenSurface(service, since, then.revision, surface));
-  const std::string both = fmt::format("{} {} {} {}", shown.flight_id, since, then.revision, NameOf(surface));
-  using Shift = std::optional<surface::HeightShift>;
-  SKYQUILT_TRY_ASSIGN(const Shift shift, service.height_shifts.Of(both, now.revision, [&]() {
+  Result<std::shared_ptr<storage::HeightRaster>> theirs =
+      OpenSurface(service, before.flight_id, then.revision, surface);
+  if (!theirs && theirs.error().code == ErrorCode::kNotFound) {
+    SKYQUILT_TRY_ASSIGN(const storage::Flight flight, service.catalogue.GetFlight(before.flight_id));
+    return Error{
+        ErrorCode::kNotFound,
+        fmt::format("The other flight, \"{}\", has no heights of this kind. Start a job of that flight with "
+                    "\"heights\": \"{}\".",
+                    flight.name, NameOf(surface)),
+        ""};
+  }
+  if (!theirs) return theirs.error();
+  change.then = *std::move(theirs);
+  if (!is_aligned) {
+    change.shift.east_north_m = Eigen::Vector2d::Zero();
+    return change;
+  }
+  const std::string both =
+      fmt::format("{} {} {} {}", shown.flight_id, before.flight_id, then.revision, NameOf(surface));
+  SKYQUILT_TRY_ASSIGN(const FoundShift found, service.height_shifts.Of(both, now.revision, [&]() {
     return FindShift(change, now.bounds, then.bounds);
   }));
-  if (!shift)
-    return Error{ErrorCode::kUnprocessable,
-                 "The two flights measured too little of the same ground to compare their heights.", ""};
-  change.shift = *shift;
-  change.shift_merc_m = shift->east_north_m / geo::GroundMetresPerMercMetre(now.bounds.Middle().lat_deg);
+  if (const auto* const fault = std::get_if<surface::ShiftFault>(&found)) return CannotCompare(*fault);
+  change.shift = std::get<surface::HeightShift>(found);
+  change.shift_merc_m = change.shift.east_north_m.value_or(Eigen::Vector2d::Zero()) /
+                        geo::GroundMetresPerMercMetre(now.bounds.Middle().lat_deg);
   return change;
 }
 

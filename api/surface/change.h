@@ -8,7 +8,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstdint>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -24,17 +23,21 @@ namespace skyquilt::api {
 
 struct HeightChange {
   std::shared_ptr<storage::HeightRaster> now, then;
-  std::int64_t then_revision = 0;
   surface::HeightShift shift;  // of now against then
   Eigen::Vector2d shift_merc_m = Eigen::Vector2d::Zero();
 };
 
-// The other flight; absent: none is asked for.
-Result<std::optional<std::string>> SinceIn(const Request& request);
-Result<HeightChange> ChangeSince(Service& service, const storage::Tileset& shown, Surface surface,
-                                 const std::string& since);
-
-// east_m, north_m, up_m, sigma_m.
+// The other flight of a request: "since", and whether what the maps lie off each other is taken out ("align",
+// auto or none: both are taken as they were placed).
+struct Earlier {
+  std::string flight_id;
+  bool is_aligned = true;
+};
+// Absent: none is asked for.
+Result<std::optional<Earlier>> EarlierIn(const Request& request);
+Result<HeightChange> ChangeSince(Service& service, const storage::Tileset& shown,
+                                 const storage::Tileset& before, Surface surface, bool is_aligned);
+// east_m, north_m, up_m, sigma_m, alike_share; null: not known.
 nlohmann::ordered_json ShiftJson(const surface::HeightShift& shift);
 
 }  // namespace skyquilt::api

@@ -35,7 +35,7 @@ constexpr double kMaxHeightM = 20'000.0;
 struct Base {
   surface::VolumeBase kind = surface::VolumeBase::kLowest;
   double given_m = 0.0;
-  std::optional<std::string> since = std::nullopt;  // the flight whose heights are the base instead
+  std::optional<Earlier> since = std::nullopt;  // the flight whose heights are the base instead
 };
 
 const char* NameOfBase(surface::VolumeBase base) {
@@ -51,7 +51,7 @@ const char* NameOfBase(surface::VolumeBase base) {
 }
 
 Result<Base> BaseIn(const Request& request) {
-  SKYQUILT_TRY_ASSIGN(const std::optional<std::string> since, SinceIn(request));
+  SKYQUILT_TRY_ASSIGN(const std::optional<Earlier> since, EarlierIn(request));
   if (since && request.Query("base"))
     return Error{ErrorCode::kInvalidArgument,
                  "The base is either the heights of the flight of \"since\" or what \"base\" says.", ""};
@@ -88,7 +88,10 @@ Result<std::string> VolumeText(Service& service, const std::string& flight_id, s
   std::optional<surface::AreaVolume> volume;
   std::optional<surface::HeightShift> shift;
   if (base.since) {
-    SKYQUILT_TRY_ASSIGN(const HeightChange change, ChangeSince(service, *tileset, surface, *base.since));
+    SKYQUILT_TRY_ASSIGN(const std::shared_ptr<const storage::Tileset> before,
+                        service.tilesets.Get(base.since->flight_id));
+    SKYQUILT_TRY_ASSIGN(const HeightChange change,
+                        ChangeSince(service, *tileset, *before, surface, base.since->is_aligned));
     shift = change.shift;
     SKYQUILT_TRY_ASSIGN(storage::SampledHeights then, change.then->On(*cells, change.shift_merc_m));
     for (float& height_m : then.heights_m) height_m += static_cast<float>(shift->up_m);
@@ -105,7 +108,7 @@ Result<std::string> VolumeText(Service& service, const std::string& flight_id, s
   json["of"] = NameOf(surface);
   json["base"] = base.since ? "flight" : NameOfBase(base.kind);
   if (shift) {
-    json["since"] = *base.since;
+    json["since"] = base.since->flight_id;
     json["shift"] = ShiftJson(*shift);
   }
   json["base_m"] = RoundedTo3(volume->base_m);

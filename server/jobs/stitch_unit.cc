@@ -1,6 +1,7 @@
 #include "server/jobs/stitch_unit.h"
 
 #include <fmt/format.h>
+
 #include <utility>
 
 #include "core/base/process/large_blocks_apart.h"

@@ -246,7 +246,8 @@ Result<SampledHeights> HeightRaster::Sample(const PlacesInZone& places) {
   SKYQUILT_TRY_ASSIGN(OpenGeotiff flags, measured_.Take());
   GDALRasterBand& own = *file->GetRasterBand(1);
   GDALRasterBand& level =
-      LevelFor(own, std::min((high.x() - low.x()) / places.columns(), (high.y() - low.y()) / places.rows()));
+      LevelFor(own, std::min((high.x() - low.x()) / PlacesInZone::SpanOfNodes(places.columns()),
+                             (high.y() - low.y()) / PlacesInZone::SpanOfNodes(places.rows())));
   const Eigen::Vector2d to_level(static_cast<double>(level.GetXSize()) / columns_,
                                  static_cast<double>(level.GetYSize()) / rows_);
   const std::optional<HeightWindow> window =

@@ -23,8 +23,8 @@ class PlacesInZone {
     PlacesInZone places;
     places.columns_ = columns;
     places.rows_ = rows;
-    places.across_ = (columns + kPxBetweenNodes - 1) / kPxBetweenNodes + 1;
-    const int down = (rows + kPxBetweenNodes - 1) / kPxBetweenNodes + 1;
+    places.across_ = SpanOfNodes(columns) / kPxBetweenNodes + 1;
+    const int down = SpanOfNodes(rows) / kPxBetweenNodes + 1;
     for (int row = 0; row < down; ++row) {
       for (int column = 0; column < places.across_; ++column) {
         const std::optional<geo::LatLon> at = place_at(column * kPxBetweenNodes, row * kPxBetweenNodes);
@@ -53,6 +53,10 @@ class PlacesInZone {
     const Eigen::Vector2d* node = nodes_.data() + top * static_cast<std::size_t>(across_) + left;
     return (1 - v) * ((1 - u) * node[0] + u * node[1]) +
            v * ((1 - u) * node[across_] + u * node[across_ + 1]);
+  }
+  // From the first node to the last along so many pixels.
+  static int SpanOfNodes(int pixels) {
+    return (pixels + kPxBetweenNodes - 1) / kPxBetweenNodes * kPxBetweenNodes;
   }
   int columns() const { return columns_; }
   int rows() const { return rows_; }

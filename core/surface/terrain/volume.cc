@@ -7,8 +7,6 @@
 namespace skyquilt::surface {
 namespace {
 
-constexpr double kStepsOffCells = 0.5;
-
 // height = at_origin + slope . place
 struct BasePlane {
   double at_origin_m = 0.0;

@@ -49,6 +49,8 @@ struct AreaVolume {
 };
 
 inline constexpr double kCorrelatedM = 5.0;
+// Edges of roofs and heaps stand so far aside.
+inline constexpr double kStepsOffCells = 0.5;
 // Of less nobody can say how far off it is: a whole house may stand where nothing was measured.
 inline constexpr double kMinMeasuredShare = 0.8;
 

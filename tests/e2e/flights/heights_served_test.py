@@ -273,11 +273,20 @@ class HeightsServed(ScratchCase):
         self.assertLess(built["net_sigma_m3"], 0.1 * volume_m3, built)
         self.assertAlmostEqual(built["net_m3"], volume_m3, delta=2 * built["net_sigma_m3"])
         self.assertLess(built["fill_m3"], 0.05 * volume_m3, built)
-        self.assertEqual(set(built["shift"]), {"east_m", "north_m", "up_m", "sigma_m"})
+        self.assertEqual(set(built["shift"]), {"east_m", "north_m", "up_m", "sigma_m", "alike_share"})
+        self.assertGreater(built["shift"]["alike_share"], 0.8)
         status, torn_down = self.server.json("POST", f"/api/v1/flights/{before}/volume?since={after}", around(1.5))
         self.assertAlmostEqual(torn_down["net_m3"], -volume_m3, delta=2 * torn_down["net_sigma_m3"])
-        for query, wanted in ((f"since={before}&base=plane", 400), (f"since={'0' * 26}", 404), ("since=house", 404), (f"since={before}&of=dtm", 404)):
+        for query, wanted in ((f"since={before}&base=plane", 400), (f"since={'0' * 26}", 404), ("since=house", 404), (f"since={before}&of=dtm", 404), (f"since={after}", 400), (f"since={before}&align=yes", 400)):
             self.assertEqual(self.server.json("POST", f"{path}?{query}", around(1.5))[0], wanted, query)
+
+        status, as_placed = self.server.json("POST", f"{path}?since={before}&align=none", around(1.5))
+        self.assertEqual((status, as_placed["shift"]["up_m"], as_placed["net_sigma_m3"]), (200, 0, None), as_placed)
+        self.assertAlmostEqual(as_placed["net_m3"] - built["net_m3"], built["shift"]["up_m"] * built["covered_m2"], delta=0.03 * volume_m3)
+        plain = self.server.stitched(self.files, name="Plain village")["flight"]["id"]
+        status, told = self.server.json("POST", f"{path}?since={plain}", around(1.5))
+        self.assertEqual(status, 404, told)
+        self.assertIn('"Plain village"', told["detail"])
 
         status, change = self.server.json("GET", f"/tiles/{after}/change.json?since={before}")
         self.assertEqual((status, change["shift"]), (200, built["shift"]), change)
@@ -288,7 +297,7 @@ class HeightsServed(ScratchCase):
         red, green, blue, alpha = pixel(tile, at)
         self.assertTrue(alpha == 255 and blue > green > red, (red, green, blue, alpha))
         self.assertEqual(self.server.request("GET", address.replace("&since_rev=1", ""))[1]["Cache-Control"], "no-cache")
-        for query, wanted in (("", 400), (f"?since={after}", 200), ("?since=1", 404)):
+        for query, wanted in (("", 400), (f"?since={after}", 400), ("?since=1", 404), (f"?since={before}&align=none", 200)):
             self.assertEqual(self.server.json("GET", f"/tiles/{after}/change.json{query}")[0], wanted, query)
 
     def test_without_being_asked_there_are_none(self):

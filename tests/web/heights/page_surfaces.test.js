@@ -19,12 +19,13 @@ const contoursAt = (lon, lat) => ({
 
 /**
  * A flight whose map has heights, opened.
- * @param {{surfaces?: ('dsm'|'dtm')[], context?: object, facts?: object}} [how]
+ * @param {{surfaces?: ('dsm'|'dtm')[], context?: object, facts?: object, later?: string}} [how] later: name of one more flight, flown after it
  */
-async function openHeights({ surfaces = ['dsm', 'dtm'], context = {}, facts = {} } = {}) {
+async function openHeights({ surfaces = ['dsm', 'dtm'], context = {}, facts = {}, later = '' } = {}) {
   const opened = await setUp(facts, { viewport: { width: 1440, height: 900 }, locale: 'en-GB', ...context });
   const { page, mock } = opened;
   const [flight, other] = [mock.seedReady('Hill'), mock.seedReady('Flat')];
+  if (later) mock.seedReady(later).captured = { first: '2026-06-12T09:31:00+02:00', last: '2026-06-12T09:31:34+02:00' };
   /** @type {{points: string[], volumes: {query: string, type: string, body: any}[], tiles: number}} */
   const asked = { points: [], volumes: [], tiles: 0 };
   const of = (/** @type {any} */ values) => Object.fromEntries(surfaces.map((surface) => [`${surface}_m`, values[surface]]));
@@ -57,7 +58,7 @@ async function openHeights({ surfaces = ['dsm', 'dtm'], context = {}, facts = {}
     if (base === '9999') return route.fulfill({ status: 422, contentType: 'application/problem+json', json: { title: 'Unprocessable', status: 422, detail: 'The area has no heights.' } });
     const is_plane = base === 'plane';
     const since = query.get('since');
-    return route.fulfill({ json: { revision: 1, of: 'dsm', base: since ? 'flight' : is_plane || base === 'lowest' ? base : 'given', ...(since ? { since, shift: { east_m: 0, north_m: 0, up_m: 0.2, sigma_m: 0.05 } } : {}), base_m: is_plane ? 405.6 : 404.8, area_m2: 1000, covered_m2: 1000, measured_share: is_plane ? 0.72 : 0.97, cell_m: 0.1, cut_m3: 1234.5, fill_m3: 34.56, net_m3: 1199.9, net_sigma_m3: 12.3, lowest_m: 404.8, highest_m: 412.4, mean_m: 406 } });
+    return route.fulfill({ json: { revision: 1, of: 'dsm', base: since ? 'flight' : is_plane || base === 'lowest' ? base : 'given', ...(since ? { since, shift: { east_m: null, north_m: null, up_m: 0.2, sigma_m: 0.05, alike_share: 0.9 } } : {}), base_m: is_plane ? 405.6 : 404.8, area_m2: 1000, covered_m2: 1000, measured_share: is_plane ? 0.72 : 0.97, cell_m: 0.1, cut_m3: 1234.5, fill_m3: 34.56, net_m3: 1199.9, net_sigma_m3: 12.3, lowest_m: 404.8, highest_m: 412.4, mean_m: 406 } });
   });
   await page.route(`**/flights/${flight.id}/contours.geojson`, (route) => route.fulfill({ json: contoursAt(flight.place.lon, flight.place.lat) }));
   await page.goto(`${mock.url}#/flights/${flight.id}`);
@@ -179,10 +180,10 @@ test('a measured area has a volume above and below the chosen base', options, as
   await assertQuiet(opened, [/422/]);
 });
 
-test('what has changed since another flight is a layer, and a base of volumes', options, async () => {
-  const opened = await openHeights();
+test('what has changed since an earlier flight is a layer, and a base of volumes', options, async () => {
+  const opened = await openHeights({ later: 'Next month' });
   const { page, mock, flight, other, asked } = opened;
-  const shift = { east_m: 0.9, north_m: -1.2, up_m: -3.4, sigma_m: 0.08 };
+  const shift = { east_m: 0.9, north_m: -1.2, up_m: -3.4, sigma_m: 0.08, alike_share: 0.6 };
   const address = `${mock.url}tiles/${flight.id}/change/{z}/{x}/{y}.png?rev=1&of=dsm&since=${other.id}&since_rev=1`;
   const stops = [[-1, '#d6604d'], [-0.1, '#fddbc7'], [0.1, '#d1e5f0'], [1, '#4393c3']].map(([change_m, colour]) => ({ change_m, colour }));
   let asked_of = '';
@@ -198,7 +199,7 @@ test('what has changed since another flight is a layer, and a base of volumes', 
   await until(async () => (await layersOf(page)).includes('height-change'));
   assert.equal(asked_of, `?of=dsm&since=${other.id}`);
   assert.deepEqual((await page.locator('#change-legend li').allInnerTexts()).map((text) => text.trim().replaceAll('\u00a0', ' ')), ['+1.0 m', '+0.1 m', '-0.1 m', '-1.0 m']);
-  assert.match((await page.textContent('#change-legend')) ?? '', /3\.4\sm apart in height and 1\.5\sm sideways/);
+  assert.match((await page.textContent('#change-legend')) ?? '', /3\.40\sm apart in height and 1\.50\sm sideways[^]*Only 60% of the ground/);
   await assertAccessible(page, 'a change of heights');
   await page.selectOption('#change-since', '');
   await until(async () => !(await layersOf(page)).includes('height-change'));
@@ -212,7 +213,12 @@ test('what has changed since another flight is a layer, and a base of volumes', 
   await until(() => asked.volumes.at(-1)?.query === `of=dsm&since=${other.id}`);
   await page.waitForFunction(() => /Added since then/.test(document.querySelector('#volume-figures')?.textContent ?? ''));
   assert.equal(await page.locator('#volume-figures dt').count(), 3, 'no height of a base');
-  assert.match((await page.textContent('#volume-result')) ?? '', /this is taken out/);
+  assert.match((await page.textContent('#volume-result')) ?? '', /0\.20\sm apart in height; this is taken out/);
+  assert.equal(await page.locator('#volume-result .amber').count(), 0);
+  await page.focus('#volume-base');
+  const corners = await page.textContent('#measure-result');
+  await page.keyboard.press('Backspace');
+  assert.equal(await page.textContent('#measure-result'), corners, 'the key is the choice’s, not the outline’s');
   // Another map has other flights of its place.
   await page.goto(`${mock.url}#/flights/${other.id}`);
   await mapIdle(page);

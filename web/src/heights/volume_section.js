@@ -12,8 +12,8 @@ import { number } from '../shared/language.js';
 import { polygonOf } from '../map/measurement_files.js';
 import { chosenUnits, heightIn, heightUnit, metresPer, volumeIn } from '../shared/units.js';
 import { askAtRest, kRest_ms } from './ask_at_rest.js';
-import { shiftWords } from './change_layer.js';
-import { nameWithDay, otherFlights } from './earlier_flights.js';
+import { doubtsOf, shiftWords } from './change_layer.js';
+import { earlierFlights, nameWithDay } from './earlier_flights.js';
 import { figureList } from './figures.js';
 
 const kGiven = 'given';
@@ -47,7 +47,7 @@ function volumeWords(found, units) {
       [words.net, words.with_error(in_units(found.net_m3), found.net_sigma_m3 === null ? words.unknown_error : in_units(found.net_sigma_m3))],
       ...(shift ? [] : [/** @type {[string, string]} */ ([found.base === 'plane' ? words.mean_height : words.height, heightIn(found.base_m, units)])]),
     ]),
-    ...(shift ? [h('p', { class: 'muted fine' }, shiftWords(shift))] : []),
+    ...(shift ? [h('p', { class: 'muted fine' }, shiftWords(shift)), ...doubtsOf(shift)] : []),
     ...doubts.map((text) => h('p', { class: 'fine amber' }, text)),
   ];
 }
@@ -84,7 +84,7 @@ export function volumeSection(view) {
   const say = (/** @type {string} */ text) => put(result, h('p', { class: 'muted fine', id: 'volume-message' }, text));
   const asker = askAtRest(kRest_ms, (/** @type {VolumeFigures|null} */ found, /** @type {unknown} */ error) => {
     if (found) put(result, ...volumeWords(found, units));
-    else if (error instanceof ApiError && error.status === kNothingThere) say(words.unknown);
+    else if (error instanceof ApiError && error.status === kNothingThere) say(base.value.startsWith(kSince) ? words.unknown_since : words.unknown);
     else say(error instanceof Error ? error.message : String(error));
   });
   const drop = () => {
@@ -117,7 +117,7 @@ export function volumeSection(view) {
       drop();
       return;
     }
-    void offerOthers();
+    void offerEarlier();
     ask();
   };
   base.addEventListener('change', () => {
@@ -132,24 +132,24 @@ export function volumeSection(view) {
     given_m = Number.isFinite(value) ? value * metresPer(units) : null;
     ask();
   });
-  /** Whose other flights are offered. */
-  let offered_for = '';
-  const offerOthers = async () => {
-    const { flight_id } = view;
-    if (offered_for === flight_id) return;
-    offered_for = flight_id;
-    const others = await otherFlights(view).catch(() => []);  // who cannot list flights compares with none
-    if (offered_for !== flight_id) return;
-    base.append(...others.map((other) => h('option', { value: kSince + other.id }, words.since(nameWithDay(other)))));
+  let turn = 0;  // a map's
+  let is_offered = false;
+  const offerEarlier = async () => {
+    if (is_offered) return;
+    is_offered = true;
+    const own_turn = turn;
+    const others = await earlierFlights(view);
+    if (own_turn === turn) base.append(...others.map((other) => h('option', { value: kSince + other.id }, words.since(nameWithDay(other)))));
   };
-  const withdrawOthers = () => {
-    offered_for = '';
+  const withdrawEarlier = () => {
+    turn += 1;
+    is_offered = false;
     if (base.value.startsWith(kSince)) base.selectedIndex = 0;
     for (const option of base.querySelectorAll(`option[value^="${kSince}"]`)) option.remove();
   };
   view.shown.addEventListener('change', () => {
     drop();
-    withdrawOthers();
+    withdrawEarlier();
     given_m = null;
     given.value = '';
     draw();

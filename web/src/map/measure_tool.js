@@ -202,7 +202,7 @@ export function measureTool(view, listener) {
   const onKey = (/** @type {KeyboardEvent} */ event) => {
     if (!kind) return;
     if (event.key === 'Escape') end();
-    if (event.target instanceof HTMLInputElement) return;  // what is typed there is its own
+    if (event.target instanceof HTMLInputElement || event.target instanceof HTMLSelectElement) return;  // what is typed there is its own
     const is_undo = event.key === 'Backspace' || (event.key.toLowerCase() === 'z' && (event.ctrlKey || event.metaKey));
     if (!is_undo) return;
     event.preventDefault();

@@ -141,7 +141,7 @@
  * @property {number|null} net_sigma_m3 null: too little was measured to say
  */
 
-/** How far one map's heights lie off another's. @typedef {{east_m: number, north_m: number, up_m: number, sigma_m: number|null}} HeightShift */
+/** How far one map's heights lie off another's. @typedef {{east_m: number|null, north_m: number|null, up_m: number, sigma_m: number|null, alike_share: number}} HeightShift */
 
 /** @typedef {TileJson & {shift: HeightShift, least_shown_m: number, stops: {change_m: number, colour: string}[]}} ChangeTileJson */
 

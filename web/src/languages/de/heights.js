@@ -24,6 +24,10 @@ export const height_words = {
   change: {
     since: 'Höhenänderung seit',
     none: 'Nicht gezeigt',
+    legend: 'Höher und tiefer als damals',
+    waiting: 'Höhen werden verglichen …',
+    raised: (up) => `Die beiden Karten liegen in der Höhe ${up} auseinander; das ist herausgerechnet. Wie sie seitlich liegen, ist auf ebenem Boden nicht zu sehen.`,
+    little_alike: (share) => `Nur ${share} des Bodens sind wie zuvor. Wurde das meiste aufgeschüttet oder abgetragen, so ist gerade das herausgerechnet.`,
     least: (height) => `Änderungen unter ${height} werden nicht gezeigt.`,
     shifted: (up, sideways) => `Die beiden Karten liegen in der Höhe ${up} und seitlich ${sideways} auseinander; das ist herausgerechnet.`,
   },
@@ -49,5 +53,6 @@ export const volume_words = {
   little_measured: (share) => `Nur ${share} dieser Höhen sind gemessen; der Rest ist aus der Umgebung ergänzt.`,
   partly: (share) => `Nur für ${share} dieser Fläche sind Höhen bekannt; der Rest zählt nicht mit.`,
   unknown: 'Hier sind keine Höhen bekannt. Zeichnen Sie die Fläche auf der Karte, oder geben Sie die Bezugshöhe an.',
+  unknown_since: 'Die beiden Flüge haben hier zu wenig vom selben Boden gemessen.',
   waiting: 'Volumen wird berechnet …',
 };

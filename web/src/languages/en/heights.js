@@ -23,6 +23,10 @@ export const height_words = {
   change: {
     since: 'Change of heights since',
     none: 'Not shown',
+    legend: 'Higher, and lower, than then',
+    waiting: 'Comparing heights …',
+    raised: (/** @type {string} */ up) => `The two maps lie ${up} apart in height; this is taken out. Level ground does not tell how they lie sideways.`,
+    little_alike: (/** @type {string} */ share) => `Only ${share} of the ground is as it was. If most of it was raised or dug off, that is what was taken out.`,
     least: (/** @type {string} */ height) => `Changes below ${height} are not shown.`,
     shifted: (/** @type {string} */ up, /** @type {string} */ sideways) => `The two maps lie ${up} apart in height and ${sideways} sideways; this is taken out.`,
   },
@@ -47,5 +51,6 @@ export const volume_words = {
   little_measured: (/** @type {string} */ share) => `Only ${share} of these heights were measured; the rest is filled in from its surroundings.`,
   partly: (/** @type {string} */ share) => `Heights are known for only ${share} of this area; the rest does not count.`,
   unknown: 'No heights are known here. Draw the area on the map, or give the height of the base.',
+  unknown_since: 'The two flights measured too little of the same ground here.',
   waiting: 'Computing volume …',
 };

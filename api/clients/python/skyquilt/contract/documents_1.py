@@ -382,54 +382,26 @@ class MapIndex(MapIndexForSure, total=False):
     tilejson: str
 
 
+class HeightShift(TypedDict):
+    """How far one map's heights lie off another's, by the ground that stayed as it was."""
+    east_m: Optional[float]
+    # Both null where level ground does not tell
+    north_m: Optional[float]
+    up_m: float
+    # What levels are unsure by once it is taken out; null where nothing was taken out (align=none)
+    sigma_m: Optional[float]
+    # Of what both measured: 0 to 1, differs by less than half a metre then. Where it is small, most of the ground has
+    # changed, and what was taken out may be that
+    alike_share: float
+
+
+class TileJsonStopsItem(TypedDict):
+    change_m: float
+    colour: str
+
+
 class TileJsonForSure(TypedDict):
     """What TileJson always has."""
     tilejson: str
     # Templates with {z}, {x} and {y}
     tiles: List[str]
-
-
-class TileJson(TileJsonForSure, total=False):
-    """TileJSON 3.0.0."""
-    name: str
-    version: str
-    scheme: Literal['xyz']
-    # west, south, east, north
-    bounds: List[float]
-    # Longitude, latitude, zoom
-    center: List[float]
-    minzoom: int
-    maxzoom: int
-    # Pixels on a side of a tile
-    tileSize: int
-    attribution: str
-    description: str
-    layers: List[TileJsonLayersItem]
-    # Of the layer of heights and of terrain: metres = red * 256 + green + blue / 256 - 32768
-    encoding: Literal['terrarium']
-    # That expressions can name
-    bands: List[str]
-    # Where indices have tiles, if that is not where the map has: west, south, east, north
-    bands_bounds: List[float]
-    # That the bands are enough for
-    indices: List[MapIndex]
-    index: MapIndex
-    # Of the map: heights that it has beside it
-    heights: List[Literal['dsm', 'dtm']]
-    # Of the map, where it has heights: the address of their tiles' TileJSON
-    terrain: str
-
-
-class PointOfMapColour(TypedDict):
-    red: int
-    green: int
-    blue: int
-    alpha: int
-
-
-class PointOfMapIndex(TypedDict):
-    """Of the index asked for."""
-    title: str
-    expression: str
-    # null: there is none here
-    value: Optional[float]

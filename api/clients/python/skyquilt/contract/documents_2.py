@@ -6,6 +6,59 @@ from typing import Any, Dict, List, Literal, Optional, TypedDict, Union
 from .documents_1 import *  # noqa: F401,F403
 
 
+class TileJson(TileJsonForSure, total=False):
+    """TileJSON 3.0.0."""
+    name: str
+    version: str
+    scheme: Literal['xyz']
+    # west, south, east, north
+    bounds: List[float]
+    # Longitude, latitude, zoom
+    center: List[float]
+    minzoom: int
+    maxzoom: int
+    # Pixels on a side of a tile
+    tileSize: int
+    attribution: str
+    description: str
+    layers: List[TileJsonLayersItem]
+    # Of the layer of heights and of terrain: metres = red * 256 + green + blue / 256 - 32768
+    encoding: Literal['terrarium']
+    # That expressions can name
+    bands: List[str]
+    # Where indices have tiles, if that is not where the map has: west, south, east, north
+    bands_bounds: List[float]
+    # That the bands are enough for
+    indices: List[MapIndex]
+    index: MapIndex
+    # Of the map: heights that it has beside it
+    heights: List[Literal['dsm', 'dtm']]
+    # Of the map, where it has heights: the address of their tiles' TileJSON
+    terrain: str
+    # Of changes of heights: the other flight
+    since: str
+    shift: HeightShift
+    # Of changes of heights: smaller ones are not shown, for two flights do not tell them
+    least_shown_m: float
+    # What the colours mean, straight between them; above 0: higher than then
+    stops: List[TileJsonStopsItem]
+
+
+class PointOfMapColour(TypedDict):
+    red: int
+    green: int
+    blue: int
+    alpha: int
+
+
+class PointOfMapIndex(TypedDict):
+    """Of the index asked for."""
+    title: str
+    expression: str
+    # null: there is none here
+    value: Optional[float]
+
+
 class PointOfMapForSure(TypedDict):
     """What PointOfMap always has."""
     lon: float
@@ -225,16 +278,6 @@ class MapBands(TypedDict):
     colormaps: List[MapBandsColormapsItem]
 
 
-class HeightShift(TypedDict):
-    """How far one map's heights lie off another's, by the ground that stayed as it was."""
-    east_m: float
-    # Both 0 where level ground does not tell
-    north_m: float
-    up_m: float
-    # What levels are unsure by once it is taken out; null: too little ground tells
-    sigma_m: Optional[float]
-
-
 class MapVolumeForSure(TypedDict):
     """What MapVolume always has."""
     revision: int
@@ -250,14 +293,14 @@ class MapVolumeForSure(TypedDict):
     measured_share: float
     # On the ground
     cell_m: float
-    # Above the base
+    # Above the base; with since: added since then
     cut_m3: float
-    # Below it
+    # Below it; with since: removed since then
     fill_m3: float
     # cut - fill
     net_m3: float
     # One standard deviation of it, but for what a calibration makes all heights off; null where less than four fifths
-    # of what has a height was measured
+    # of what has a height was measured; with since also null where its shift has no sigma_m
     net_sigma_m3: Optional[float]
     lowest_m: float
     highest_m: float
@@ -268,9 +311,6 @@ class MapVolume(MapVolumeForSure, total=False):
     # With the base "flight": whose heights it is
     since: str
     shift: HeightShift
-
-
-class ChangeTileJson(TypedDict, total=False):
 
 
 class AddExportBodyForSure(TypedDict):
@@ -396,42 +436,3 @@ class JobLogAnswerEventsItem(TypedDict):
     seq: Any
     at: Any
     job: Any
-
-
-class JobLogAnswer(TypedDict):
-    events: List[JobLogAnswerEventsItem]
-
-
-class ListJobsAnswer(TypedDict):
-    jobs: List[Job]
-
-
-class StartJobBody(TypedDict, total=False):
-    options: JobOptions
-    # Higher ones first; above 0 asks for scope admin. Among equals, those who asked take turns.
-    priority: int
-
-
-class BasemapAnswerPublicItem(TypedDict):
-    name: str
-    title: str
-    tiles: List[str]
-    # Plain text, not markup
-    attribution: str
-    maxzoom: int
-
-
-class BasemapAnswerForSure(TypedDict):
-    """What BasemapAnswer always has."""
-    tilejson: str
-    tiles: List[str]
-    # What each browser may choose, where the operator left it to them
-    public: List[BasemapAnswerPublicItem]
-
-
-class BasemapAnswer(BasemapAnswerForSure, total=False):
-    pmtiles: str
-    # Plain text, not markup
-    attribution: str
-    # The last zoom that the tiles have
-    maxzoom: int

@@ -110,12 +110,13 @@ class Flights(Calls):
                                                        query={"index": index, "expression": expression, "max_pixels": max_pixels}))
 
     def map_volume(self, flight: str, body: Dict[str, Any], *, of: Optional[Literal['dsm', 'dtm']] = None,
-                   base: Optional[Union[str, float]] = None, since: Optional[str] = None) -> models.MapVolume:
+                   base: Optional[Union[str, float]] = None, since: Optional[str] = None,
+                   align: Optional[Literal['auto', 'none']] = None) -> models.MapVolume:
         """Volume above and below a base within a polygon. Of the map's heights (its job's option heights): cut is what
         lies above the base, fill what is missing below it. A map without heights has none (404)."""
         return cast("models.MapVolume", self._send("POST", "/api/v1/flights/{flight}/volume", json_body=body,
                                                    path={"flight": flight},
-                                                   query={"of": of, "base": base, "since": since}))
+                                                   query={"of": of, "base": base, "since": since, "align": align}))
 
     def map_zones(self, flight: str, *, index: Optional[str] = None, expression: Optional[str] = None,
                   classes: Optional[int] = None, resolution_m: Optional[float] = None,

@@ -11,19 +11,21 @@ class Tiles(Calls):
     """The map, tile by tile."""
 
     def get_change_tile(self, flight: str, z: int, x: int, y: str, since: str, *,
-                        of: Optional[Literal['dsm', 'dtm']] = None, rev: Optional[Union[int, str]] = None,
-                        since_rev: Optional[int] = None, headers: Optional[Mapping[str, str]] = None) -> Answer:
+                        of: Optional[Literal['dsm', 'dtm']] = None, rev: Optional[int] = None,
+                        since_rev: Optional[int] = None, align: Optional[Literal['auto', 'none']] = None,
+                        headers: Optional[Mapping[str, str]] = None) -> Answer:
         """A tile of that as a PNG of 256 pixels: blue where it is higher than then, red where lower, nothing where
         either flight measured nothing or too little changed to tell."""
         return self._stream("GET", "/tiles/{flight}/change/{z}/{x}/{y}",
                             path={"flight": flight, "z": z, "x": x, "y": y},
-                            query={"since": since, "of": of, "rev": rev, "since_rev": since_rev}, headers=headers)
+                            query={"since": since, "of": of, "rev": rev, "since_rev": since_rev, "align": align},
+                            headers=headers)
 
-    def get_change_tile_json(self, flight: str, since: str, *,
-                             of: Optional[Literal['dsm', 'dtm']] = None) -> models.ChangeTileJson:
+    def get_change_tile_json(self, flight: str, since: str, *, of: Optional[Literal['dsm', 'dtm']] = None,
+                             align: Optional[Literal['auto', 'none']] = None) -> models.TileJson:
         """TileJSON 3.0.0 of how a map's heights differ from those of another flight of the same ground, in colours."""
-        return cast("models.ChangeTileJson", self._send("GET", "/tiles/{flight}/change.json", path={"flight": flight},
-                                                        query={"since": since, "of": of}))
+        return cast("models.TileJson", self._send("GET", "/tiles/{flight}/change.json", path={"flight": flight},
+                                                  query={"since": since, "of": of, "align": align}))
 
     def get_layer_tile(self, flight: str, layer: Literal['photo', 'error', 'height'], z: int, x: int, y: str, *,
                        empty: Optional[Literal['blank', '204', '404']] = None, rev: Optional[Union[int, str]] = None,
