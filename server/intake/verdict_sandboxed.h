@@ -21,7 +21,7 @@ Result<std::string> VerdictSandboxed(const std::vector<flight::InputFile>& files
 // `cpu_s`: what it may take.
 void VerdictHere(std::int64_t cpu_s);
 
-// Answers the points as the API's JSON (core/pipeline/placing/control_json.h).
+// Answers the points as the API's JSON (core/pipeline/placing/control_points.h).
 Result<std::string> ControlSandboxed(const std::filesystem::path& list);
 
 // What that process does: reads the list's path from standard input, and tells its parent.
