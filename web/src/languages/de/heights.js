@@ -26,7 +26,7 @@ export const height_words = {
     none: 'Nicht gezeigt',
     legend: 'Höher und tiefer als damals',
     waiting: 'Höhen werden verglichen …',
-    raised: (up) => `Die beiden Karten liegen in der Höhe ${up} auseinander; das ist herausgerechnet. Wie sie seitlich liegen, ist auf ebenem Boden nicht zu sehen.`,
+    raised: (up) => `Die beiden Karten liegen in der Höhe ${up} auseinander; das ist herausgerechnet. Wie sie seitlich liegen, ist an diesem Boden nicht zu erkennen.`,
     little_alike: (share) => `Nur ${share} des Bodens sind wie zuvor. Wurde das meiste aufgeschüttet oder abgetragen, so ist gerade das herausgerechnet.`,
     least: (height) => `Änderungen unter ${height} werden nicht gezeigt.`,
     shifted: (up, sideways) => `Die beiden Karten liegen in der Höhe ${up} und seitlich ${sideways} auseinander; das ist herausgerechnet.`,

@@ -25,7 +25,7 @@ export const height_words = {
     none: 'Not shown',
     legend: 'Higher, and lower, than then',
     waiting: 'Comparing heights …',
-    raised: (/** @type {string} */ up) => `The two maps lie ${up} apart in height; this is taken out. Level ground does not tell how they lie sideways.`,
+    raised: (/** @type {string} */ up) => `The two maps lie ${up} apart in height; this is taken out. How they lie sideways cannot be told from this ground.`,
     little_alike: (/** @type {string} */ share) => `Only ${share} of the ground is as it was. If most of it was raised or dug off, that is what was taken out.`,
     least: (/** @type {string} */ height) => `Changes below ${height} are not shown.`,
     shifted: (/** @type {string} */ up, /** @type {string} */ sideways) => `The two maps lie ${up} apart in height and ${sideways} sideways; this is taken out.`,

@@ -385,7 +385,7 @@ class MapIndex(MapIndexForSure, total=False):
 class HeightShift(TypedDict):
     """How far one map's heights lie off another's, by the ground that stayed as it was."""
     east_m: Optional[float]
-    # Both null where level ground does not tell
+    # Both null where the ground does not tell
     north_m: Optional[float]
     up_m: float
     # What levels are unsure by once it is taken out; null where nothing was taken out (align=none)
