@@ -72,6 +72,7 @@ struct Service {
   storage::OpenRasters<storage::HeightRaster> surface_rasters{}, ground_rasters{};  // dsm.tif, dtm.tif
   // Of two maps' heights against each other, as api/surface/change.h finds them.
   PerRevision<std::variant<surface::HeightShift, surface::ShiftFault>> height_shifts{};
+  std::mutex height_shifts_mutex{};  // held while one is found
   storage::Webhooks webhooks{db};
   storage::NodeDeliveries node_deliveries{db};
   std::string node_engine = kUsualNodeEngine;  // as which the NodeODM-compatible node answers

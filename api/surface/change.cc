@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <mutex>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -96,16 +97,6 @@ Result<FoundShift> FindShift(HeightChange& change, const geo::LatLonBounds& now,
                                {grid.width_px, grid.height_px, pixel_m, there.heights_m});
 }
 
-// How far a height may be off because its map lies so many pixels aside.
-float RiseAt(const std::vector<float>& heights_m, std::size_t at) {
-  const auto step_to = [&](bool is_there, std::size_t next) {
-    const float step_m = is_there ? heights_m[next] - heights_m[at] : 0.0f;
-    return std::isfinite(step_m) ? step_m : 0.0f;
-  };
-  return std::hypot(step_to((at + 1) % kHeightTilePx != 0, at + 1),
-                    step_to(at + kHeightTilePx < heights_m.size(), at + kHeightTilePx));
-}
-
 Result<std::string> MakeChangeTile(const HeightChange& change, const geo::TileId& tile, double ground_m) {
   storage::MercGrid grid = HeightTileGrid(tile);
   SKYQUILT_TRY_ASSIGN(const storage::SampledHeights now, change.now->Over(grid));
@@ -120,7 +111,8 @@ Result<std::string> MakeChangeTile(const HeightChange& change, const geo::TileId
     const double change_m = now.heights_m[i] - then.heights_m[i] - change.shift.up_m;
     if (now.is_measured[i] == 0 || then.is_measured[i] == 0 || !(std::abs(change_m) >= min_m)) continue;
     // Edges of roofs and crowns stand aside in each flight by itself.
-    const double steps_m = aside_px * std::hypot(RiseAt(now.heights_m, i), RiseAt(then.heights_m, i));
+    const double steps_m = aside_px * std::hypot(surface::RiseAt(now.heights_m, kHeightTilePx, i),
+                                                 surface::RiseAt(then.heights_m, kHeightTilePx, i));
     if (std::abs(change_m) < std::hypot(min_m, steps_m)) continue;
     const auto colour = ColourOfChange(change_m);
     std::copy(colour.begin(), colour.end(), picture.rgba.begin() + static_cast<std::ptrdiff_t>(4 * i));
@@ -271,6 +263,8 @@ Result<HeightChange> ChangeSince(Service& service, const storage::Tileset& shown
   }
   const std::string both =
       fmt::format("{} {} {} {}", shown.flight_id, before.flight_id, then.revision, NameOf(surface));
+  // The tiles of a first view ask all at once: one of them finds it.
+  const std::lock_guard finding(service.height_shifts_mutex);
   SKYQUILT_TRY_ASSIGN(const FoundShift found, service.height_shifts.Of(both, now.revision, [&]() {
     return FindShift(change, now.bounds, then.bounds);
   }));

@@ -71,19 +71,8 @@ struct Sums {
   double rises = 0.0;    // from cell to cell, by the cell, of all surfaces whose steps may stand aside
 };
 
-// By how much heights rise or fall to the cells east and south of one.
-double RiseAt(const AreaHeights& area, std::span<const float> heights_m, int column, int row,
-              std::size_t at) {
-  const auto step_to = [&](bool is_there, std::size_t next) {
-    const double step_m = is_there ? heights_m[next] - heights_m[at] : 0.0;
-    return std::isfinite(step_m) ? step_m : 0.0;
-  };
-  return std::hypot(step_to(column + 1 < area.columns, at + 1),
-                    step_to(row + 1 < area.rows, at + static_cast<std::size_t>(area.columns)));
-}
-
 // `base_at` gives the base of a cell by its column, row and place in the grid, `is_measured` and `rise_at`
-// likewise. Cells without height or base are passed over.
+// theirs by its place. Cells without height or base are passed over.
 template <typename BaseAt, typename IsMeasured, typename RiseAtCell>
 Sums SumOver(const AreaHeights& area, const BaseAt& base_at, const IsMeasured& is_measured,
              const RiseAtCell& rise_at) {
@@ -109,7 +98,7 @@ Sums SumOver(const AreaHeights& area, const BaseAt& base_at, const IsMeasured& i
       heights += height_m;
       sums.squares += above_m * above_m;
       bases += base_m;
-      sums.rises += rise_at(column, row, at);
+      sums.rises += rise_at(at);
     }
   }
   const auto count = static_cast<double>(sums.known);
@@ -139,6 +128,16 @@ std::optional<AreaVolume> WithSigma(const Sums& sums, double cell_m, std::option
 
 }  // namespace
 
+double RiseAt(std::span<const float> heights_m, int columns, std::size_t cell) {
+  const auto across = static_cast<std::size_t>(columns);
+  const auto step_to = [&](bool is_there, std::size_t next) {
+    const double step_m = is_there ? heights_m[next] - heights_m[cell] : 0.0;
+    return std::isfinite(step_m) ? step_m : 0.0;
+  };
+  return std::hypot(step_to((cell + 1) % across != 0, cell + 1),
+                    step_to(cell + across < heights_m.size(), cell + across));
+}
+
 std::optional<AreaVolume> VolumeOver(const AreaHeights& area, const std::vector<EdgeHeight>& edge,
                                      VolumeBase base, double given_m) {
   if (edge.empty() && base != VolumeBase::kGiven) return std::nullopt;
@@ -146,7 +145,7 @@ std::optional<AreaVolume> VolumeOver(const AreaHeights& area, const std::vector<
   const Sums sums = SumOver(
       area, [&](int column, int row, std::size_t) { return plane.At(column + 0.5, row + 0.5); },
       [&](std::size_t at) { return area.is_measured[at] != 0; },
-      [&](int column, int row, std::size_t at) { return RiseAt(area, area.heights_m, column, row, at); });
+      [&](std::size_t at) { return RiseAt(area.heights_m, area.columns, at); });
   return WithSigma(sums, area.cell_m, plane.sigma_m);
 }
 
@@ -155,9 +154,9 @@ std::optional<AreaVolume> VolumeSince(const AreaHeights& area, const EarlierHeig
       area, [&](int, int, std::size_t at) { return static_cast<double>(earlier.heights_m[at]); },
       [&](std::size_t at) { return area.is_measured[at] != 0 && earlier.is_measured[at] != 0; },
       // Each flight's steps stand aside by themselves.
-      [&](int column, int row, std::size_t at) {
-        return std::hypot(RiseAt(area, area.heights_m, column, row, at),
-                          RiseAt(area, earlier.heights_m, column, row, at));
+      [&](std::size_t at) {
+        return std::hypot(RiseAt(area.heights_m, area.columns, at),
+                          RiseAt(earlier.heights_m, area.columns, at));
       });
   return WithSigma(sums, area.cell_m, earlier.sigma_m);
 }

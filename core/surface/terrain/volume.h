@@ -10,6 +10,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -53,6 +54,9 @@ inline constexpr double kCorrelatedM = 5.0;
 inline constexpr double kStepsOffCells = 0.5;
 // Of less nobody can say how far off it is: a whole house may stand where nothing was measured.
 inline constexpr double kMinMeasuredShare = 0.8;
+
+// By how much heights rise or fall from a cell to those east and south of it; 0 to what is not known.
+double RiseAt(std::span<const float> heights_m, int columns, std::size_t cell);
 
 std::optional<AreaVolume> VolumeOver(const AreaHeights& area, const std::vector<EdgeHeight>& edge,
                                      VolumeBase base, double given_m);
