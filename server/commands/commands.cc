@@ -1,5 +1,7 @@
 #include "server/commands/commands.h"
 
+#include "server/usage/option_values.h"
+
 namespace skyquilt::server {
 namespace {
 
@@ -13,6 +15,7 @@ constexpr void (*kCommands[])(CLI::App&) = {
 
 void AddCommands(CLI::App& app) {
   for (const auto add : kCommands) add(app);
+  RefuseNoNumbers(app);
 }
 
 }  // namespace skyquilt::server

@@ -104,4 +104,17 @@ void AddGsdOptions(CLI::App& command, std::optional<double>& gsd_m, bool& any_gs
                    "A --gsd of more than 20 times what a pixel of the photos shows is meant");
 }
 
+void RefuseNoNumbers(CLI::App& app) {
+  const auto check = [](const std::string& text) {
+    double number = 0.0;
+    const bool is_none = CLI::detail::lexical_cast(text, number) && std::isnan(number);
+    return is_none ? "\"" + text + "\" is no number" : std::string();
+  };
+  for (CLI::Option* option : app.get_options()) {
+    if (option->get_type_name().starts_with("FLOAT")) option->check(check);
+  }
+  for (CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+    RefuseNoNumbers(*command);
+}
+
 }  // namespace skyquilt::server

@@ -1,7 +1,9 @@
 // Values that options take beyond the library's own. OneOf: one of several words, each for a value of an
 // enumeration (or for itself); help shows the words in their order, another is answered by their list. The
 // number goes to Option::transform, the words alone to Option::check. Length: metres, or with a unit ("0.05",
-// "5cm", "5 cm", "2in"), which becomes the number of metres. Pure; any thread.
+// "5cm", "5 cm", "2in"), which becomes the number of metres. RefuseNoNumbers: "nan", which lies in every
+// range of the library, is refused by every option of numbers, those of commands below included. Pure; any
+// thread.
 #pragma once
 
 #include <optional>
@@ -34,6 +36,8 @@ auto OneOf(const std::vector<std::pair<std::string, Value>>& values) {
 // In metres; nothing where the text is no length.
 std::optional<double> ParseLengthM(std::string_view text);
 CLI::Validator Length();
+
+void RefuseNoNumbers(CLI::App& app);
 
 // --gsd and --any-gsd, of every command that makes maps. Both outlive the command line.
 void AddGsdOptions(CLI::App& command, std::optional<double>& gsd_m, bool& any_gsd);

@@ -184,5 +184,22 @@ TEST(Length, BecomesMetresWithoutLosingDigits) {
   EXPECT_THROW(app.parse("--gsd 5furlongs"), CLI::ValidationError);
 }
 
+TEST(RefuseNoNumbers, HoldsForEveryOptionOfNumbersBelowAProgram) {
+  CLI::App app{"test"};
+  double memory_gib = 1.0, scale = 1.0;
+  std::string word;
+  CLI::App* stitch = app.add_subcommand("stitch", "");
+  stitch->add_option("--max-memory", memory_gib)->check(CLI::Range(0.25, 64.0));
+  stitch->add_option("--name", word);
+  stitch->add_subcommand("again", "")->add_option("--scale", scale);
+  RefuseNoNumbers(app);
+  for (const char* line : {"stitch --max-memory nan", "stitch --max-memory=-NaN", "stitch again --scale nan"})
+    EXPECT_THROW(app.parse(line), CLI::ValidationError) << line;
+  app.parse("stitch --max-memory 2 --name nan again --scale 3");
+  EXPECT_EQ(memory_gib, 2.0);
+  EXPECT_EQ(word, "nan");
+  EXPECT_EQ(scale, 3.0);
+}
+
 }  // namespace
 }  // namespace skyquilt::server

@@ -121,6 +121,13 @@ constexpr DataflashCode kTextNumber{'d', sizeof(double), NumberAt<double>}, kTex
 // As the log that was converted bounds them.
 constexpr std::size_t kHeadLength = 3, kMaxCodes = 16, kMaxName = 4, kMaxLabel = 64;
 
+// What was measured may be no number in the log itself: "nan", "-nan", "nan(ind)", "1.#QNAN".
+bool IsNoNumber(std::string_view field) {
+  std::string word = LowerCase(field);
+  std::erase_if(word, [](char c) { return c == '-' || c == '+' || c == ' '; });
+  return word.starts_with("nan") || word.starts_with("1.#");
+}
+
 bool IsFmtLine(const std::vector<std::string_view>& fields) {
   return fields.size() > 5 && fields[0] == "FMT" && ParseInteger(fields[1]) && ParseInteger(fields[2]) &&
          !fields[3].empty() && fields[4].size() <= kMaxCodes;
@@ -156,8 +163,7 @@ bool DataflashTextWalk::FillPayload(const DataflashLayout& layout) {
     double value = std::numeric_limits<double>::quiet_NaN();
     if (layout.fields[i].code->number != nullptr) {
       const std::optional<double> number = ParseNumber(fields_[i + 1]);
-      // What was measured may be no number in the log itself.
-      if (!number && LowerCase(fields_[i + 1]).find("nan") == std::string::npos) return false;
+      if (!number && !IsNoNumber(fields_[i + 1])) return false;
       value = number.value_or(value);
     }
     std::memcpy(payload_.data() + i * sizeof(double), &value, sizeof(double));
