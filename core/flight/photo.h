@@ -116,6 +116,7 @@ struct Photo {
   bool captured_at_is_local = false;                    // the clock was local and the zone is unknown
   std::optional<std::chrono::minutes> clock_minus_utc;  // the zone of the camera's clock, where it is known
   std::optional<RecordedPosition> position;
+  std::optional<double> lone_height_above_takeoff_m;  // recorded without a position, which has its own
   std::optional<RecordedAttitude> attitude;
   std::optional<RecordedVelocity> velocity;
   std::optional<RecordedTurning> turning;

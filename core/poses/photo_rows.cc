@@ -35,13 +35,13 @@ void TakePosition(const CameraEvent& event, const std::string& source, Photo& ph
   position.height_amsl_m = event.height_amsl_m;
   position.height_above_takeoff_m = event.height_above_takeoff_m;
   position.height_above_ground_m = event.height_above_ground_m;
-  if (photo.position) {
-    // The heights that only the photo knows stay: they do not contradict a better position.
-    if (!position.height_above_takeoff_m)
-      position.height_above_takeoff_m = photo.position->height_above_takeoff_m;
-    if (!position.height_above_ground_m)
-      position.height_above_ground_m = photo.position->height_above_ground_m;
+  // The heights that only the photo knows stay: they do not contradict a better position.
+  if (!position.height_above_takeoff_m) {
+    position.height_above_takeoff_m =
+        photo.position ? photo.position->height_above_takeoff_m : photo.lone_height_above_takeoff_m;
   }
+  if (photo.position && !position.height_above_ground_m)
+    position.height_above_ground_m = photo.position->height_above_ground_m;
   if (event.sigma_in_ned_m) {
     position.sigma_horizontal_m = event.sigma_in_ned_m->head<2>().norm() / std::sqrt(2.0);
     position.sigma_vertical_m = event.sigma_in_ned_m->z();

@@ -144,7 +144,7 @@ test('the page says of a map what the server judged, in the list and in the repo
   const guessed = { status: 'unplaced', limits: [{ kind: 'not_georeferenced', count: 0, of: 0 }, { kind: 'scale_guessed', count: 0, of: 0 }] };
   assert.equal(isScaleKnown(qualityWith(guessed)), false);
   assert.equal(resultWords(report(guessed, { is_placed: false })).sentences.length, 2);
-  assert.match(resultWords(report({ status: 'unplaced', limits: [{ kind: 'not_georeferenced', count: 0, of: 0 }] }, { is_placed: false })).sentences.join(' '), /Scale and north are known/);
+  assert.match(resultWords(report({ status: 'unplaced', limits: [{ kind: 'not_georeferenced', count: 0, of: 0 }] }, { is_placed: false })).sentences.join(' '), /The scale is known/);
 });
 
 // tests/core/pipeline/map_quality_test.cc holds the other programs' words to the same file.

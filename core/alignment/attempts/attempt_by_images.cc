@@ -30,6 +30,7 @@ constexpr double kSoundResidualShare = 0.001;  // of a photo's width
 constexpr double kAttitudeHoldsRad = 0.1;
 constexpr double kHeightHoldsSigmas = 4.0;
 constexpr double kTrustedHeightShare = 0.1;
+constexpr double kLowestFlightM = 1.0;  // below it the height was not recorded, or nobody flew
 
 constexpr double kMaxFromFlightM = 50'000.0;  // no flight is as long
 constexpr double kMaxLatDeg = 85.0;
@@ -84,6 +85,9 @@ PhotoRecord RecordOf(const poses::PosedPhoto& posed, bool is_unplaced, const geo
     return record;
   }
   if (posed.photo.attitude) record.cam_from_enu = poses::CamFromEnu(*posed.photo.attitude);
+  // As high above the ground as above the place of take-off, as it is for other photos without more to go by.
+  const std::optional<double>& lone_height_m = posed.photo.lone_height_above_takeoff_m;
+  if (lone_height_m && *lone_height_m > kLowestFlightM) record.height_above_ground_m = lone_height_m;
   if (!HasPosition(posed.photo, frame)) return record;
   const flight::RecordedPosition& position = *posed.photo.position;
   record.center_in_enu = frame.EnuFromWgs84(
@@ -334,6 +338,7 @@ std::optional<AttemptByImages> PlaceByImages(const ExtractedFlight& extracted, c
       const bool is_by_control = place.placing == Placing::kByControl;
       report.is_adrift = !(is_on_earth || place.positions > 0) || (is_reckoned && is_by_control);
       second.is_placed = is_by_control || (!is_reckoned && !report.is_adrift);
+      report.knows_north = place.knows_north;
       if (place.placing == Placing::kByGuess) report.is_scale_guessed = true;
       std::vector<flight::Remark> height;
       if (is_on_earth)
@@ -410,8 +415,13 @@ std::vector<flight::Remark> RemarksOn(const ByImagesReport& report) {
   using flight::RemarkCode;
   std::vector<flight::Remark> remarks;
   if (!report.is_taken || !report.why || !report.outcome) return remarks;
-  if (!report.is_placed && report.is_adrift)
-    remarks.push_back({RemarkCode::kNotGeoreferenced, {{"width_m", GeoreferenceRecords().guessed_width_m}}});
+  if (!report.is_placed && report.is_adrift) {
+    const flight::Remark north = report.knows_north ? RemarkCode::kNorthByCameras : RemarkCode::kNorthGuessed;
+    const flight::Remark as_if{RemarkCode::kScaleAsIf, {{"width_m", GeoreferenceRecords().guessed_width_m}}};
+    const bool is_guessed = report.is_scale_guessed.value_or(false);
+    remarks.push_back({RemarkCode::kNotGeoreferenced,
+                       {{"north", north}, {"scale", is_guessed ? as_if : RemarkCode::kScaleByHeights}}});
+  }
   remarks.push_back({RemarkCode::kPlacedByImages, {{"why", *report.why}, {"outcome", *report.outcome}}});
   return remarks;
 }

@@ -105,10 +105,7 @@ bool IsAbsoluteAltitudeEllipsoidal(const ExifRecord& exif, const XmpTags& xmp) {
 
 void ChooseHeights(const ExifRecord& exif, const XmpTags& xmp, RecordedPosition& recorded,
                    std::vector<Remark>& notes) {
-  for (const std::string_view name :
-       {"drone-dji:RelativeAltitude", "drone-skydio:RelativeAltitude", "sensefly:Height"}) {
-    if (!recorded.height_above_takeoff_m) recorded.height_above_takeoff_m = Height(xmp, name);
-  }
+  recorded.height_above_takeoff_m = HeightAboveTakeoffFromTags(xmp);
   if (const auto above_ground = Height(xmp, "Camera:AboveGroundAltitude");
       above_ground && *above_ground > 0.0) {
     recorded.height_above_ground_m = above_ground;
@@ -153,6 +150,14 @@ void ChooseSigmas(const ExifRecord& exif, const XmpTags& xmp, RecordedPosition& 
 }
 
 }  // namespace
+
+std::optional<double> HeightAboveTakeoffFromTags(const XmpTags& xmp) {
+  for (const std::string_view name :
+       {"drone-dji:RelativeAltitude", "drone-skydio:RelativeAltitude", "sensefly:Height"}) {
+    if (const auto height_m = Height(xmp, name)) return height_m;
+  }
+  return std::nullopt;
+}
 
 std::optional<RecordedPosition> PositionFromTags(const ExifRecord& exif, const XmpTags& xmp,
                                                  std::vector<Remark>& notes) {

@@ -14,6 +14,8 @@
 
 namespace skyquilt::flight {
 
+std::optional<double> HeightAboveTakeoffFromTags(const XmpTags& xmp);
+
 std::optional<RecordedPosition> PositionFromTags(const ExifRecord& exif, const XmpTags& xmp,
                                                  std::vector<Remark>& notes);
 

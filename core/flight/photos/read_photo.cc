@@ -177,6 +177,7 @@ Result<Photo> ReadPhotoFrom(const std::string& name, ByteSource& source) {
   photo.captured_at_is_local = time.is_local;
   photo.clock_minus_utc = time.clock_minus_utc;
   photo.position = PositionFromTags(exif, xmp, photo.notes);
+  if (!photo.position) photo.lone_height_above_takeoff_m = HeightAboveTakeoffFromTags(xmp);
   photo.attitude = AttitudeFromTags(xmp, ReadMakerNote(header.exif), photo.make, photo.notes);
   photo.velocity = VelocityFromTags(xmp);
   photo.turning = TurningFromTags(xmp, photo.notes);

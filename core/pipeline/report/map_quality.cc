@@ -187,7 +187,7 @@ std::string LimitInWords(const MapLimit& limit) {
     case LimitKind::kNotGeoreferenced:
       return "Nothing says where on Earth the map lies.";
     case LimitKind::kScaleGuessed:
-      return "Scale and north are guesses: do not measure on the map before it is placed.";
+      return "The scale is a guess: do not measure on the map before it is placed.";
     case LimitKind::kFewPositions:
       return fmt::format(
           "Only {} of {} photos {} a position that places the map: it may lie, and be turned and scaled, "

@@ -141,6 +141,16 @@ TEST(ReadPhotoHeights, KeepsEachZeroApart) {
   EXPECT_FALSE(photo.position->is_rtk_fixed);
 }
 
+TEST(ReadPhotoHeights, KeepsTheHeightOfAPhotoWhosePositionWasTakenOut) {
+  const auto photo = ReadPhotoFromBytes(
+      "a.jpg",
+      JpegHeader(
+          {.xmp = Dji("drone-dji:AbsoluteAltitude=\"+198.31\" drone-dji:RelativeAltitude=\"+39.80\"")}));
+  ASSERT_TRUE(photo.ok());
+  EXPECT_FALSE(photo->position);
+  EXPECT_EQ(photo->lone_height_above_takeoff_m, 39.80);
+}
+
 TEST(ReadPhotoHeights, TakesRtkHeightsAsEllipsoidal) {
   const std::string rtk =
       "drone-dji:AbsoluteAltitude=\"+51.2\" drone-dji:RtkStdLon=\"0.012\" "

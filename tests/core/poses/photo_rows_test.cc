@@ -47,6 +47,20 @@ TEST(PhotoRows, ThatStateMoreOrNothingAreNot) {
       << "nobody measured it";
 }
 
+TEST(PhotoRows, KeepTheHeightOfAPhotoThatHadNoPosition) {
+  flight::FlightLog list;
+  flight::CameraEvent& row = list.events.emplace_back();
+  row.has_time = false;
+  row.image_name = "a.jpg";
+  row.position = geo::LatLon{46.84, -91.99};
+  std::vector<flight::Photo> photos(1);
+  photos[0].name = "a.jpg";
+  photos[0].lone_height_above_takeoff_m = 39.8;
+  ApplyPhotoRows({list}, photos);
+  ASSERT_TRUE(photos[0].position);
+  EXPECT_EQ(photos[0].position->height_above_takeoff_m, 39.8);
+}
+
 NamedPhotos Named(const std::vector<std::string>& names) {
   std::vector<flight::Photo> photos;
   for (const std::string& name : names) photos.emplace_back().name = name;

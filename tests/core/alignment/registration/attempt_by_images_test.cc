@@ -1,12 +1,14 @@
 // Simulated flights whose records are spoilt: what the photos show must do instead.
 #include "core/alignment/attempts/attempt_by_images.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <numbers>
 
 #include "core/alignment/align_flight.h"
 #include "core/alignment/estimators/sampler.h"
+#include "core/base/median.h"
 #include "core/flight/remarks/remark_words.h"
 #include "core/ground/model_ground.h"
 #include "tests/core/alignment/simulated_case.h"
@@ -14,6 +16,9 @@
 
 namespace skyquilt::alignment {
 namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
 
 struct Outcome {
   AlignedFlight flight;
@@ -98,7 +103,33 @@ TEST(AttemptByImages, AFlightWithoutAnyRecordBecomesAWholeMapThatIsNotGeoreferen
   EXPECT_TRUE(outcome.report.by_images.is_scale_guessed.value_or(false));
   EXPECT_LT(outcome.error.relative_ce90_m, 1.5 * truth.GsdM());
   ASSERT_FALSE(outcome.flight.warnings.empty());
-  EXPECT_NE(InWords(outcome.flight.warnings.front()).find("NOT GEOREFERENCED"), std::string::npos);
+  EXPECT_THAT(InWords(outcome.flight.warnings.front()),
+              AllOf(HasSubstr("NOT GEOREFERENCED"), HasSubstr("its north is a guess"),
+                    HasSubstr("its scale is as if a photo showed 100 m")));
+}
+
+// A flight whose positions were taken out, angles and heights left in.
+TEST(AttemptByImages, AnglesAndHeightsWithoutPositionsTellNorthAndScale) {
+  const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
+  poses::PosedFlight posed = Unplaced(truth);
+  const poses::PosedFlight recorded = PosesOf(truth);
+  for (std::size_t i = 0; i < posed.unplaced.size(); ++i) {
+    posed.unplaced[i].attitude = recorded.photos[i].photo.attitude;
+    posed.unplaced[i].lone_height_above_takeoff_m = recorded.photos[i].height_above_ground_m;
+  }
+  ASSERT_TRUE(posed.unplaced.front().attitude);
+  const Outcome outcome = Align(truth, posed);
+  EXPECT_EQ(outcome.report.aligned, 16);
+  EXPECT_FALSE(outcome.report.by_images.is_placed);
+  EXPECT_FALSE(outcome.report.by_images.is_scale_guessed);
+  std::vector<double> ratios;
+  for (const AlignedPhoto& photo : outcome.flight.photos)
+    ratios.push_back(photo.height_above_ground_m / recorded.photos.front().height_above_ground_m);
+  EXPECT_NEAR(Median(ratios), 1.0, 0.05);
+  ASSERT_FALSE(outcome.flight.warnings.empty());
+  EXPECT_THAT(InWords(outcome.flight.warnings.front()),
+              AllOf(HasSubstr("NOT GEOREFERENCED"), HasSubstr("its north is as the cameras recorded it"),
+                    HasSubstr("its scale is by the recorded heights")));
 }
 
 // Photos of two places: those of the second record it, those of the first nothing.

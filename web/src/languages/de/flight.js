@@ -318,7 +318,7 @@ export const flight_words = {
     left_out: (n) => `${count(n, photos)} nicht verwendet`,
     verdict: {
       unjudged: 'Diese Karte entstand, bevor Genauigkeit beurteilt wurde. Neu erstellt, sagt sie, wie weit sie daneben liegen kann.',
-      unplaced_measured: 'Maßstab und Nordrichtung sind bekannt, die Lage auf der Erde nicht.',
+      unplaced_measured: 'Der Maßstab ist bekannt, die Lage auf der Erde nicht.',
       good: (n) => (n === 0 ? 'Importierte Karte: Ihre Fotos sind nicht auf diesem Server.' : plural(n, { one: 'Das Foto liegt auf der Karte.', other: `Alle ${number(n)} Fotos sind ausgerichtet.` })),
     },
     coverage: 'Überdeckung',

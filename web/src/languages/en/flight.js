@@ -315,7 +315,7 @@ export const flight_words = {
     left_out: (/** @type {number} */ n) => `${count(n, { one: 'photo', other: 'photos' })} left out`,
     verdict: {
       unjudged: 'This map was made before accuracy was judged. Made again, it says how far off it may lie.',
-      unplaced_measured: 'Scale and north are known, the position on Earth is not.',
+      unplaced_measured: 'The scale is known, the position on Earth is not.',
       good: (/** @type {number} */ n) => (n === 0 ? 'Imported map: its photos are not on this server.' : plural(n, { one: 'The photo is on the map.', other: `All ${number(n)} photos are aligned.` })),
     },
     coverage: 'Coverage',
