@@ -1,31 +1,14 @@
 // UploadSpool::Join: the parts of an upload become one.
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <numeric>
 
-#include "core/base/process/file_descriptor.h"
 #include "core/base/try.h"
 #include "storage/db/ids.h"
 #include "storage/uploads/upload_spool.h"
 
 namespace skyquilt::storage {
-namespace {
-
-Error JoinError(const std::filesystem::path& path) {
-  const int code = errno;
-  const bool is_full = code == ENOSPC || code == EDQUOT;
-  return {is_full ? ErrorCode::kOutOfSpace : ErrorCode::kIo,
-          is_full ? "The server's disk is full. Free some space and ask again for the whole upload."
-                  : "The server could not put the parts of the upload together.",
-          path.string() + ": " + std::strerror(code)};
-}
-
-}  // namespace
 
 Result<std::optional<SpooledUpload>> UploadSpool::JoinedBefore(const SpooledUpload& wish, Time now) const {
   std::string id;
@@ -48,43 +31,19 @@ Result<std::vector<SpooledUpload>> UploadSpool::CompleteParts(const std::vector<
   std::vector<SpooledUpload> complete;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     SKYQUILT_TRY_ASSIGN(SpooledUpload part, Read(parts[i], now));
-    if (!part.IsPart()) {
+    if (!part.IsPart())
       return Error{
           ErrorCode::kConflict,
           fmt::format("The upload {} is not a part: it was begun without Upload-Concat: partial.", parts[i]),
           ""};
-    }
-    if (part.offset != part.length) {
+    if (part.offset != part.length)
       return Error{ErrorCode::kConflict,
                    fmt::format("Part {} of {} is not complete: send the rest of its bytes first.", i + 1,
                                parts.size()),
                    ""};
-    }
     complete.push_back(std::move(part));
   }
   return complete;
-}
-
-Result<void> UploadSpool::CopyParts(const std::vector<SpooledUpload>& parts,
-                                    const std::filesystem::path& to) const {
-  const FileDescriptor whole(open(to.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0640));
-  if (!whole.is_open()) return JoinError(to);
-  for (const SpooledUpload& part : parts) {
-    const FileDescriptor from(open(PathOf(part.id).c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
-    if (!from.is_open()) return JoinError(PathOf(part.id));
-    // Behind the offset there may be bytes that never were promised.
-    for (std::int64_t left = part.offset; left > 0;) {
-      const ssize_t copied =
-          copy_file_range(from.get(), nullptr, whole.get(), nullptr, static_cast<std::size_t>(left), 0);
-      if (copied < 0 && errno == EINTR) continue;
-      if (copied < 0) return JoinError(to);
-      if (copied == 0)
-        return Error{ErrorCode::kIo, "A part of the upload is damaged on the server.", PathOf(part.id)};
-      left -= copied;
-    }
-  }
-  if (fdatasync(whole.get()) != 0) return JoinError(to);
-  return {};
 }
 
 Result<void> UploadSpool::EnterJoined(const SpooledUpload& joined,
@@ -140,19 +99,7 @@ Result<SpooledUpload> UploadSpool::Join(const SpooledUpload& wish, const std::ve
   if (joined.offset > kMaxFileBytes)
     return Error{ErrorCode::kTooLarge, "The parts together are larger than the server takes.", ""};
   SKYQUILT_TRY(store_.CheckSpace(joined.offset));
-  Result<void> done;
-  if (IsInObjectStore()) {
-    // Their chunks are its chunks.
-    for (const SpooledUpload& part : complete) joined.parts += part.parts;
-  } else {
-    done = CopyParts(complete, PathOf(joined.id));
-  }
-  if (done) done = EnterJoined(joined, complete);
-  if (!done) {
-    unlink(PathOf(joined.id).c_str());
-    return done.error();
-  }
-  for (const SpooledUpload& part : complete) unlink(PathOf(part.id).c_str());
+  SKYQUILT_TRY(bytes_->Join(complete, joined, [&] { return EnterJoined(joined, complete); }));
   SKYQUILT_TRY(MakeFile(joined));
   return joined;
 }

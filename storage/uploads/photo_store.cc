@@ -103,79 +103,60 @@ Result<void> CheckFileName(std::string_view name) {
   return {};
 }
 
-Upload::Upload(int fd, std::filesystem::path temporary, std::filesystem::path folder,
+IncomingFile::IncomingFile(const DataDir& dir)
+    : temporary(dir.Incoming() / dir.NewTemporaryName(kUploadKind)),
+      descriptor(open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0640)) {}
+
+IncomingFile::~IncomingFile() {
+  if (!temporary.empty()) unlink(temporary.c_str());  // what stays the sweep removes
+}
+
+bool IncomingFile::Write(std::span<const std::uint8_t> bytes, std::int64_t& written) const {
+  while (!bytes.empty()) {
+    const ssize_t wrote = write(descriptor.get(), bytes.data(), bytes.size());
+    if (wrote < 0 && errno == EINTR) continue;
+    if (wrote < 0) return false;
+    written += wrote;
+    bytes = bytes.subspan(static_cast<std::size_t>(wrote));
+  }
+  return true;
+}
+
+Upload::Upload(std::unique_ptr<IncomingFile> file, std::filesystem::path folder,
                std::shared_ptr<BlobStore> elsewhere, std::string prefix)
-    : fd_(fd),
-      temporary_(std::move(temporary)),
+    : file_(std::move(file)),
       folder_(std::move(folder)),
       stored_name_(NewId()),
       elsewhere_(std::move(elsewhere)),
       prefix_(std::move(prefix)) {}
 
-Upload::~Upload() {
-  if (fd_ >= 0) close(fd_);
-  if (!temporary_.empty()) unlink(temporary_.c_str());
-}
-
-Upload::Upload(Upload&& other) noexcept
-    : fd_(std::exchange(other.fd_, -1)),
-      bytes_(other.bytes_),
-      temporary_(std::exchange(other.temporary_, {})),
-      folder_(std::move(other.folder_)),
-      stored_name_(std::move(other.stored_name_)),
-      elsewhere_(std::move(other.elsewhere_)),
-      prefix_(std::move(other.prefix_)) {}
-
-Upload& Upload::operator=(Upload&& other) noexcept {
-  std::swap(fd_, other.fd_);
-  std::swap(bytes_, other.bytes_);
-  std::swap(temporary_, other.temporary_);
-  std::swap(folder_, other.folder_);
-  std::swap(stored_name_, other.stored_name_);
-  std::swap(elsewhere_, other.elsewhere_);
-  std::swap(prefix_, other.prefix_);
-  return *this;
-}
-
 Result<void> Upload::Write(std::span<const std::uint8_t> bytes) {
-  if (bytes_ + static_cast<std::int64_t>(bytes.size()) > kMaxFileBytes) {
-    return TooLarge();
-  }
-  while (!bytes.empty()) {
-    const ssize_t wrote = write(fd_, bytes.data(), bytes.size());
-    if (wrote < 0 && errno == EINTR) continue;
-    if (wrote < 0) return OsError("write " + temporary_.string(), errno);
-    bytes_ += wrote;
-    bytes = bytes.subspan(static_cast<std::size_t>(wrote));
-  }
+  if (bytes_ + static_cast<std::int64_t>(bytes.size()) > kMaxFileBytes) return TooLarge();
+  if (!file_->Write(bytes, bytes_)) return OsError("write " + file_->temporary.string(), errno);
   return {};
 }
 
 Result<std::string> Upload::Finish() {
-  if (bytes_ == 0) {
-    return flight::Because(ErrorCode::kUnprocessable, flight::RemarkCode::kFailFileEmpty);
+  if (bytes_ == 0) return flight::Because(ErrorCode::kUnprocessable, flight::RemarkCode::kFailFileEmpty);
+  if (elsewhere_ != nullptr) {
+    file_->descriptor.Close();
+    SKYQUILT_TRY(elsewhere_->Put(prefix_ + stored_name_, file_->temporary));
+    unlink(std::exchange(file_->temporary, {}).c_str());  // what stays the sweep removes
+    return stored_name_;
   }
-  if (elsewhere_ != nullptr) return FinishInObjectStore();
-  if (fsync(fd_) != 0) return OsError("fsync " + temporary_.string(), errno);
-  close(std::exchange(fd_, -1));
+  if (fsync(file_->descriptor.get()) != 0) return OsError("fsync " + file_->temporary.string(), errno);
+  file_->descriptor.Close();
   const std::filesystem::path published = folder_ / stored_name_;
   // The flight may have been deleted meanwhile; then its folder is gone and this fails, as it should.
-  if (rename(temporary_.c_str(), published.c_str()) != 0) {
+  if (rename(file_->temporary.c_str(), published.c_str()) != 0) {
     const int code = errno;
     if (access(folder_.parent_path().parent_path().c_str(), F_OK) != 0) return FolderGone();
     if (code == ENOENT) return Error{ErrorCode::kNotFound, "The flight was deleted during the upload.", ""};
     errno = code;
     return OsError("rename to " + published.string(), errno);
   }
-  temporary_.clear();
+  file_->temporary.clear();
   SKYQUILT_TRY(SyncStored(folder_));
-  return stored_name_;
-}
-
-Result<std::string> Upload::FinishInObjectStore() {
-  close(std::exchange(fd_, -1));
-  SKYQUILT_TRY(elsewhere_->Put(prefix_ + stored_name_, temporary_));
-  unlink(std::exchange(temporary_, {}).c_str());  // what stays the sweep removes
   return stored_name_;
 }
 
@@ -184,9 +165,7 @@ PhotoStore::PhotoStore(DataDir dir, std::shared_ptr<BlobStore> blobs)
       blobs_(blobs != nullptr ? std::move(blobs) : std::make_shared<FolderBlobs>(dir_.root())) {}
 
 Result<void> PhotoStore::CheckSpace(std::int64_t declared_bytes) const {
-  if (declared_bytes > kMaxFileBytes) {
-    return TooLarge();
-  }
+  if (declared_bytes > kMaxFileBytes) return TooLarge();
   struct statvfs disk {};
   if (statvfs(dir_.root().c_str(), &disk) != 0)
     return errno == ENOENT ? FolderGone() : OsError("statvfs", errno);
@@ -213,14 +192,10 @@ Result<std::string> PhotoStore::Adopt(const std::string& flight_id, const std::f
 Result<Upload> PhotoStore::Begin(const std::string& flight_id, std::int64_t declared_bytes) const {
   SKYQUILT_TRY(CheckSpace(declared_bytes));
   const bool is_here = blobs_->IsFolder();
-  if (is_here) {
-    SKYQUILT_TRY(MakeFilesFolder(dir_, flight_id));
-  }
-  const std::filesystem::path folder = dir_.Files(flight_id);
-  const std::filesystem::path temporary = dir_.Incoming() / dir_.NewTemporaryName(kUploadKind);
-  const int fd = open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0640);
-  if (fd < 0) return OsError("open " + temporary.string(), errno);
-  return Upload(fd, temporary, folder, is_here ? nullptr : blobs_, FilesPrefix(flight_id));
+  if (is_here) SKYQUILT_TRY(MakeFilesFolder(dir_, flight_id));
+  auto file = std::make_unique<IncomingFile>(dir_);
+  if (!file->descriptor.is_open()) return OsError("open " + file->temporary.string(), errno);
+  return Upload(std::move(file), dir_.Files(flight_id), is_here ? nullptr : blobs_, FilesPrefix(flight_id));
 }
 
 std::filesystem::path PhotoStore::PathOf(const std::string& flight_id, const std::string& stored_name) const {

@@ -12,8 +12,10 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "core/base/process/file_descriptor.h"
 #include "core/base/result.h"
 #include "storage/blobs/blob_store.h"
 #include "storage/catalogue/catalogue.h"
@@ -27,14 +29,21 @@ inline constexpr std::int64_t kMaxFileBytes = std::int64_t{4} << 30;
 Result<void> CheckFileName(std::string_view name);
 bool IsValidUtf8(std::string_view text);
 
+// A file that is being written.
+struct IncomingFile {
+  explicit IncomingFile(FileDescriptor opened) : descriptor(std::move(opened)) {}
+  // A new one below incoming/, which goes with this; not open: errno says why.
+  explicit IncomingFile(const DataDir& dir);
+  ~IncomingFile();
+  // Counts in `written` what went. False: it failed, as errno says.
+  bool Write(std::span<const std::uint8_t> bytes, std::int64_t& written) const;
+
+  std::filesystem::path temporary;  // removed with this; empty where the file stays
+  FileDescriptor descriptor;
+};
+
 class Upload {
  public:
-  ~Upload();
-  Upload(Upload&& other) noexcept;
-  Upload& operator=(Upload&& other) noexcept;
-  Upload(const Upload&) = delete;
-  Upload& operator=(const Upload&) = delete;
-
   Result<void> Write(std::span<const std::uint8_t> bytes);
   std::int64_t bytes() const { return bytes_; }
   // Durable in the flight's folder; answers the stored name. The caller then tells the catalogue.
@@ -43,12 +52,10 @@ class Upload {
  private:
   friend class PhotoStore;
   // `elsewhere` with a prefix for keys: where it goes instead of `folder`.
-  Upload(int fd, std::filesystem::path temporary, std::filesystem::path folder,
+  Upload(std::unique_ptr<IncomingFile> file, std::filesystem::path folder,
          std::shared_ptr<BlobStore> elsewhere, std::string prefix);
-  Result<std::string> FinishInObjectStore();
-  int fd_ = -1;
+  std::unique_ptr<IncomingFile> file_;
   std::int64_t bytes_ = 0;
-  std::filesystem::path temporary_;  // empty once published
   std::filesystem::path folder_;
   std::string stored_name_;
   std::shared_ptr<BlobStore> elsewhere_;

@@ -1,10 +1,12 @@
 #include "storage/uploads/upload_chunks.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
+#include <cstring>
 #include <fstream>
 #include <set>
 #include <utility>
@@ -13,6 +15,7 @@
 #include "storage/blobs/blob_store.h"
 #include "storage/db/ids.h"
 #include "storage/files/publish_file.h"
+#include "storage/uploads/upload_spool.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -22,6 +25,122 @@ constexpr std::string_view kChunkPrefix = "uploads/";
 Error DamagedRow() {
   return {ErrorCode::kCorrupt, "The catalogue's row of this upload is damaged. Begin the upload anew.", ""};
 }
+
+// All of them, one after another, into a file that is made.
+Result<void> JoinChunks(BlobStore& blobs, const std::vector<UploadChunk>& chunks,
+                        const std::filesystem::path& to) {
+  constexpr std::int64_t kSliceBytes = std::int64_t{8} << 20;
+  errno = 0;
+  std::ofstream whole(to, std::ios::binary | std::ios::trunc);
+  for (const UploadChunk& chunk : chunks) {
+    for (std::int64_t at = 0; at < chunk.bytes; at += kSliceBytes) {
+      const std::int64_t wanted = std::min(kSliceBytes, chunk.bytes - at);
+      SKYQUILT_TRY_ASSIGN(const std::string bytes, blobs.ReadRange(chunk.key, at, wanted));
+      if (static_cast<std::int64_t>(bytes.size()) != wanted)
+        return Error{ErrorCode::kCorrupt, "A part of the upload is damaged. Begin the upload anew.",
+                     chunk.key};
+      whole.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    }
+  }
+  whole.close();
+  if (!whole) return FileError("cannot write", to, errno != 0 ? errno : EIO);
+  return {};
+}
+
+class ChunkedUploadBytes final : public UploadBytes {
+ public:
+  using UploadBytes::UploadBytes;
+
+  // What comes is on its way to the next chunk.
+  Result<std::unique_ptr<IncomingFile>> Open(const SpooledUpload&) const override {
+    auto file = std::make_unique<IncomingFile>(store_.dir());
+    if (!file->descriptor.is_open()) return UploadWriteError("open " + file->temporary.string());
+    return file;
+  }
+
+  Result<void> Sync(IncomingFile& file, SpooledUpload& upload, std::int64_t offset, Time now) const override {
+    // What came at once is put where it belongs, and not a second time when it is complete.
+    const bool is_whole = upload.offset == 0 && offset == upload.length && !upload.IsPart();
+    std::string key, part;
+    if (is_whole) {
+      SKYQUILT_TRY_ASSIGN(const std::string stored, store_.Adopt(upload.flight_id, file.temporary));
+      key = FilesPrefix(upload.flight_id) + stored;
+      part = WholeText(stored);
+    } else {
+      key = NewChunkKey(upload.id, upload.offset);
+      SKYQUILT_TRY(store_.blobs().Put(key, file.temporary));
+      part = ChunksText({{key, offset - upload.offset}});
+    }
+    Result<void> saved = SaveChunk(upload, offset, part, now);
+    if (!saved && saved.error().code == ErrorCode::kConflict)
+      (void)store_.blobs().Remove(key).ok();  // else the sweep
+    if (!saved) return saved;
+    if (ftruncate(file.descriptor.get(), 0) != 0 || lseek(file.descriptor.get(), 0, SEEK_SET) < 0)
+      return Error{ErrorCode::kIo, "The server could not store the upload.", std::strerror(errno)};
+    return {};
+  }
+
+  Result<std::string> PutInFlight(const SpooledUpload& upload) const override {
+    std::string whole = WholeIn(upload.parts);
+    if (!whole.empty()) return whole;
+    SKYQUILT_TRY_ASSIGN(const std::vector<UploadChunk> chunks, ParseChunks(upload.parts));
+    const IncomingFile joined(store_.dir());
+    SKYQUILT_TRY(JoinChunks(store_.blobs(), chunks, joined.temporary));
+    return store_.Adopt(upload.flight_id, joined.temporary);
+  }
+
+  // One that came whole may be the file by now that another machine made of it.
+  void TakeBack(const SpooledUpload& upload, const std::string& stored_name) const override {
+    if (WholeIn(upload.parts).empty()) UploadBytes::TakeBack(upload, stored_name);
+  }
+
+  // Their chunks are its chunks.
+  Result<void> Join(const std::vector<SpooledUpload>& parts, SpooledUpload& joined,
+                    const std::function<Result<void>()>& enter) const override {
+    for (const SpooledUpload& part : parts) joined.parts += part.parts;
+    return enter();
+  }
+
+  void Remove(const SpooledUpload& upload) const override {
+    if (!WholeIn(upload.parts).empty()) return;
+    const Result<std::vector<UploadChunk>> chunks = ParseChunks(upload.parts);
+    if (!chunks) return;
+    for (const UploadChunk& chunk : *chunks) (void)store_.blobs().Remove(chunk.key).ok();  // else the sweep
+  }
+
+  Result<int> RemoveExpired(Time now) const override {
+    std::vector<SpooledUpload> over;
+    {
+      const auto db = db_.Lock();
+      SKYQUILT_TRY_ASSIGN(
+          Statement query,
+          db->Query("DELETE FROM upload WHERE expires_us<=?1 RETURNING is_done, parts", ToUs(now)));
+      SKYQUILT_TRY(query.Each([&](const Statement& row) {
+        // Of one that is done, the chunks went when it was.
+        if (row.ColumnInt64(0) == 0) over.emplace_back().parts = row.ColumnText(1);
+      }));
+    }
+    for (const SpooledUpload& upload : over) Remove(upload);
+    return static_cast<int>(over.size());
+  }
+
+ private:
+  // Only who goes on from where the catalogue is: of two machines with the same bytes one is told so.
+  Result<void> SaveChunk(SpooledUpload& upload, std::int64_t offset, const std::string& part,
+                         Time now) const {
+    const auto db = db_.Lock();
+    SKYQUILT_TRY(
+        db->Change("UPDATE upload SET byte_offset=?3, parts=parts||?4, expires_us=?5"
+                   " WHERE id=?1 AND byte_offset=?2 AND parts=?6 AND is_done=0",
+                   upload.id, upload.offset, offset, part, ToUs(now + kUploadLifetime), upload.parts));
+    if (db->Changes() == 0)
+      return Error{ErrorCode::kConflict, "Another request goes on with this upload, or it was removed.", ""};
+    upload.offset = offset;
+    upload.parts += part;
+    upload.expires = now + kUploadLifetime;
+    return {};
+  }
+};
 
 }  // namespace
 
@@ -57,26 +176,6 @@ std::string WholeIn(std::string_view text) {
   return text.starts_with('=') && IsId(text.substr(1)) ? std::string(text.substr(1)) : "";
 }
 
-Result<void> JoinChunks(BlobStore& blobs, const std::vector<UploadChunk>& chunks,
-                        const std::filesystem::path& to) {
-  constexpr std::int64_t kSliceBytes = std::int64_t{8} << 20;
-  errno = 0;
-  std::ofstream whole(to, std::ios::binary | std::ios::trunc);
-  for (const UploadChunk& chunk : chunks) {
-    for (std::int64_t at = 0; at < chunk.bytes; at += kSliceBytes) {
-      const std::int64_t wanted = std::min(kSliceBytes, chunk.bytes - at);
-      SKYQUILT_TRY_ASSIGN(const std::string bytes, blobs.ReadRange(chunk.key, at, wanted));
-      if (static_cast<std::int64_t>(bytes.size()) != wanted)
-        return Error{ErrorCode::kCorrupt, "A part of the upload is damaged. Begin the upload anew.",
-                     chunk.key};
-      whole.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    }
-  }
-  whole.close();
-  if (!whole) return FileError("cannot write", to, errno != 0 ? errno : EIO);
-  return {};
-}
-
 Result<int> SweepChunks(CatalogueDb& db, BlobStore& blobs, std::chrono::seconds age) {
   SKYQUILT_TRY_ASSIGN(const auto store_time, TimeOfStore(blobs));
   // Listed before the rows are read, so that what comes meanwhile is not in the list.
@@ -99,6 +198,10 @@ Result<int> SweepChunks(CatalogueDb& db, BlobStore& blobs, std::chrono::seconds 
     ++removed;
   }
   return removed;
+}
+
+std::unique_ptr<UploadBytes> BytesInChunks(CatalogueDb& db, const PhotoStore& store) {
+  return std::make_unique<ChunkedUploadBytes>(db, store);
 }
 
 }  // namespace skyquilt::storage

@@ -7,7 +7,6 @@
 
 #include <chrono>
 #include <cstdint>
-#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -32,10 +31,6 @@ Result<std::vector<UploadChunk>> ParseChunks(std::string_view text);
 std::string WholeText(const std::string& stored_name);
 // Empty: it is in chunks.
 std::string WholeIn(std::string_view text);
-
-// All of them, one after another, into a file that is made.
-Result<void> JoinChunks(BlobStore& blobs, const std::vector<UploadChunk>& chunks,
-                        const std::filesystem::path& to);
 
 // Chunks that no row lists, and that are older than `age` by the store's own clock; how many went.
 Result<int> SweepChunks(CatalogueDb& db, BlobStore& blobs, std::chrono::seconds age);

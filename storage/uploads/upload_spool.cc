@@ -1,8 +1,6 @@
 #include "storage/uploads/upload_spool.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
@@ -30,8 +28,6 @@ constexpr const char* kUploadColumns =
 constexpr const char* kUploadOfFlightThere =
     "(flight_id IS NULL OR flight_id IN (SELECT id FROM flight WHERE deleted_us IS NULL))";
 
-Error NoSuchUpload() { return {ErrorCode::kNotFound, "There is no such upload. It may have expired.", ""}; }
-
 Error TakenOver() { return {ErrorCode::kConflict, "Another request goes on with this upload.", ""}; }
 
 SpooledUpload UploadFrom(const Statement& row) {
@@ -50,7 +46,11 @@ SpooledUpload UploadFrom(const Statement& row) {
   return upload;
 }
 
-Error WriteError(const std::string& what) {
+}  // namespace
+
+Error NoSuchUpload() { return {ErrorCode::kNotFound, "There is no such upload. It may have expired.", ""}; }
+
+Error UploadWriteError(const std::string& what) {
   const int code = errno;
   const bool is_full = code == ENOSPC || code == EDQUOT;
   return {is_full ? ErrorCode::kOutOfSpace : ErrorCode::kIo,
@@ -58,10 +58,6 @@ Error WriteError(const std::string& what) {
                   : "The server could not store the upload.",
           what + ": " + std::strerror(code)};
 }
-
-}  // namespace
-
-fs::path UploadSpool::PathOf(const std::string& id) const { return store_.dir().Uploads() / id; }
 
 std::shared_ptr<UploadSpool::Turn> UploadSpool::TurnOf(const std::string& id) {
   const std::lock_guard lock(mutex_);
@@ -94,12 +90,7 @@ Result<SpooledUpload> UploadSpool::Create(const SpooledUpload& wish, Time now) {
   SpooledUpload upload = wish;
   upload.id = NewId();
   upload.expires = now + kUploadLifetime;
-  if (!IsInObjectStore()) {
-    const int fd =
-        open(PathOf(upload.id).c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0640);
-    if (fd < 0) return WriteError("open " + PathOf(upload.id).string());
-    close(fd);
-  }
+  SKYQUILT_TRY(bytes_->Create(upload.id));
   const auto db = db_.Lock();
   const Result<void> inserted = db->Change(
       "INSERT INTO upload(id,flight_id,name,metadata,length,expires_us,owner,concat)"
@@ -107,7 +98,7 @@ Result<SpooledUpload> UploadSpool::Create(const SpooledUpload& wish, Time now) {
       upload.id, upload.flight_id, upload.name, upload.metadata, upload.length, ToUs(upload.expires),
       upload.owner, upload.concat);
   if (!inserted) {
-    unlink(PathOf(upload.id).c_str());
+    bytes_->Remove(upload);
     return inserted.error();
   }
   return upload;
@@ -136,29 +127,14 @@ Result<std::unique_ptr<UploadSpool::Append>> UploadSpool::Begin(const std::strin
   const std::lock_guard lock(turn->mutex);
   SKYQUILT_TRY(TakeOver(*turn, now));
   SKYQUILT_TRY_ASSIGN(SpooledUpload upload, Read(id, now));
-  if (upload.offset != offset) {
+  if (upload.offset != offset)
     return Error{ErrorCode::kConflict,
                  fmt::format("The upload is at offset {}, not {}.", upload.offset, offset), ""};
+  auto file = std::make_unique<IncomingFile>(FileDescriptor());  // what is done takes no more bytes
+  if (!upload.is_done) {
+    SKYQUILT_TRY_ASSIGN(file, bytes_->Open(upload));
   }
-  int fd = -1;
-  fs::path temporary;
-  if (!upload.is_done && IsInObjectStore()) {
-    const DataDir& dir = store_.dir();
-    temporary = dir.Incoming() / dir.NewTemporaryName(kUploadKind);
-    fd = open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0640);
-    if (fd < 0) return WriteError("open " + temporary.string());
-  } else if (!upload.is_done) {
-    fd = open(PathOf(id).c_str(), O_WRONLY | O_NOFOLLOW | O_CLOEXEC);
-    if (fd < 0) return WriteError("open " + PathOf(id).string());
-    // Behind the offset there may be bytes that never were promised.
-    if (ftruncate(fd, offset) != 0 || lseek(fd, offset, SEEK_SET) < 0) {
-      const Error error = WriteError("truncate " + PathOf(id).string());
-      close(fd);
-      return error;
-    }
-  }
-  std::unique_ptr<Append> append(
-      new Append(*this, turn, std::move(upload), fd, all_or_nothing, std::move(temporary)));
+  std::unique_ptr<Append> append(new Append(*this, turn, std::move(upload), std::move(file), all_or_nothing));
   turn->writer = append.get();
   return append;
 }
@@ -176,29 +152,19 @@ Result<void> UploadSpool::DeclareLength(const std::string& id, std::int64_t leng
   return db->Change("UPDATE upload SET length=?2 WHERE id=?1 AND length IS NULL", id, length);
 }
 
-Result<void> UploadSpool::SaveOffset(const std::string& id, std::int64_t offset, Time now) const {
-  const auto db = db_.Lock();
-  SKYQUILT_TRY(db->Change("UPDATE upload SET byte_offset=?2, expires_us=?3 WHERE id=?1", id, offset,
-                          ToUs(now + kUploadLifetime)));
-  if (db->Changes() == 0) return NoSuchUpload();
-  return {};
-}
-
-// A second name for the bytes, then one transaction, then the first name goes: a crash in between leaves
-// either the complete upload or the file, and garbage that the sweep removes.
+// The bytes in the flight's folder, then one transaction, then the bytes of the upload go: a crash in between
+// leaves either the complete upload or the file, and garbage that the sweep removes.
 Result<void> UploadSpool::MakeFile(SpooledUpload& upload) const {
-  if (upload.offset == 0) {
+  if (upload.offset == 0)
     return flight::Because(ErrorCode::kUnprocessable, flight::RemarkCode::kFailFileEmpty);
-  }
-  if (IsInObjectStore()) return MakeFileInObjectStore(upload);
-  SKYQUILT_TRY_ASSIGN(const std::string stored, store_.Adopt(upload.flight_id, PathOf(upload.id)));
+  SKYQUILT_TRY_ASSIGN(const std::string stored, bytes_->PutInFlight(upload));
   const Result<StoredFile> added = catalogue_.AddFileUnderFreeName(
       upload.flight_id, {upload.name, stored, upload.offset}, Now(), upload.id);
   if (!added) {
-    store_.Remove(upload.flight_id, stored);
+    bytes_->TakeBack(upload, stored);
     return added.error();
   }
-  unlink(PathOf(upload.id).c_str());  // what stays is removed with the expired
+  bytes_->Remove(upload);
   upload.is_done = true;
   upload.file = *added;
   return {};
@@ -213,8 +179,7 @@ Result<void> UploadSpool::Remove(const std::string& id, Time now) {
     const auto db = db_.Lock();
     SKYQUILT_TRY(db->Change("DELETE FROM upload WHERE id=?", id));
   }
-  RemoveChunks(upload.parts);
-  unlink(PathOf(id).c_str());  // what stays is removed with the expired
+  bytes_->Remove(upload);
   return {};
 }
 
@@ -234,24 +199,6 @@ Result<std::vector<SpooledUpload>> UploadSpool::FinishComplete(Time now) {
   // One that cannot be finished stays as it is: its owner's next look tells why.
   std::erase_if(complete, [&](SpooledUpload& upload) { return !MakeFile(upload); });
   return complete;
-}
-
-Result<int> UploadSpool::RemoveExpired(Time now) {
-  if (IsInObjectStore()) return RemoveExpiredInObjectStore(now);
-  std::vector<std::string> over;
-  {
-    const auto db = db_.Lock();
-    SKYQUILT_TRY_ASSIGN(Statement query, db->Query("SELECT id FROM upload WHERE expires_us<=?1", ToUs(now)));
-    SKYQUILT_TRY_ASSIGN(over, query.AllText());
-  }
-  // The bytes first: as long as the row is there, they are known to be nobody's.
-  int count = 0;
-  for (const std::string& id : over) {
-    if (unlink(PathOf(id).c_str()) == 0) ++count;
-  }
-  const auto db = db_.Lock();
-  SKYQUILT_TRY(db->Change("DELETE FROM upload WHERE expires_us<=?", ToUs(now)));
-  return count;
 }
 
 Result<std::vector<fs::path>> UploadSpool::StrayFiles() const {
@@ -275,34 +222,24 @@ Result<void> UploadSpool::TakeOver(Turn& turn, Time now) {
   return writer->Sync(now);
 }
 
-UploadSpool::Append::Append(UploadSpool& spool, std::shared_ptr<Turn> turn, SpooledUpload upload, int fd,
-                            bool all_or_nothing, fs::path temporary)
+UploadSpool::Append::Append(UploadSpool& spool, std::shared_ptr<Turn> turn, SpooledUpload upload,
+                            std::unique_ptr<IncomingFile> file, bool all_or_nothing)
     : spool_(spool),
       turn_(std::move(turn)),
       upload_(std::move(upload)),
       written_(upload_.offset),
-      fd_(fd),
-      all_or_nothing_(all_or_nothing),
-      temporary_(std::move(temporary)) {}
+      file_(std::move(file)),
+      all_or_nothing_(all_or_nothing) {}
 
 UploadSpool::Append::~Append() {
-  {
-    const std::lock_guard lock(turn_->mutex);
-    // Kept if it can be; if not, the client sends these bytes again.
-    if (turn_->writer == this) (void)UploadSpool::TakeOver(*turn_, spool_.db_.ages().Now()).ok();
-  }
-  if (fd_ >= 0) close(fd_);
-  if (!temporary_.empty()) unlink(temporary_.c_str());  // what stays the sweep removes
+  const std::lock_guard lock(turn_->mutex);
+  // Kept if it can be; if not, the client sends these bytes again.
+  if (turn_->writer == this) (void)UploadSpool::TakeOver(*turn_, spool_.db_.ages().Now()).ok();
 }
 
 Result<void> UploadSpool::Append::Sync(Time now) {
   if (written_ == upload_.offset) return {};
-  if (!temporary_.empty()) return SyncToObjectStore(now);
-  if (fdatasync(fd_) != 0) return WriteError("sync " + spool_.PathOf(upload_.id).string());
-  SKYQUILT_TRY(spool_.SaveOffset(upload_.id, written_, now));
-  upload_.offset = written_;
-  upload_.expires = now + kUploadLifetime;
-  return {};
+  return spool_.bytes_->Sync(*file_, upload_, written_, now);
 }
 
 std::int64_t UploadSpool::Append::saved_offset() const {
@@ -317,13 +254,7 @@ Result<void> UploadSpool::Append::Write(std::span<const std::uint8_t> bytes) {
   if (size > upload_.length.value_or(kMaxFileBytes) - written_) {
     return Error{ErrorCode::kTooLarge, "More bytes came than the upload's length says.", ""};
   }
-  while (!bytes.empty()) {
-    const ssize_t wrote = write(fd_, bytes.data(), bytes.size());
-    if (wrote < 0 && errno == EINTR) continue;
-    if (wrote < 0) return WriteError("write " + upload_.id);
-    written_ += wrote;
-    bytes = bytes.subspan(static_cast<std::size_t>(wrote));
-  }
+  if (!file_->Write(bytes, written_)) return UploadWriteError("write " + upload_.id);
   if (!all_or_nothing_ && written_ - upload_.offset >= kSyncEveryBytes) return Sync(spool_.db_.ages().Now());
   return {};
 }

@@ -1,15 +1,15 @@
-// UploadSpool: uploads that go on after a break of either side. Bytes are appended to a file below uploads/;
-// what the catalogue calls the offset has been fsynced, so that even a power cut loses nothing that was
-// promised. Where photos lie elsewhere, so do these bytes (storage/uploads/upload_chunks), and any machine
-// goes on with an upload that another began. A complete upload becomes a file of its flight in one
-// transaction. A part of an upload has no flight and stays until it is joined with the others, or expires.
-// One writer at a time: whoever comes later takes over (its predecessor's connection is dead as a rule). Any
-// thread. Errors: kNotFound (no such upload or flight, or expired), kConflict (another offset; taken over by
-// another request), kTooLarge, kOutOfSpace, kUnprocessable, kIo.
+// UploadSpool: uploads that go on after a break of either side. What the catalogue calls the offset is
+// durable where the bytes lie (UploadBytes), so that even a power cut loses nothing that was promised. A
+// complete upload becomes a file of its flight in one transaction. A part of an upload has no flight and
+// stays until it is joined with the others, or expires. One writer at a time: whoever comes later takes over
+// (its predecessor's connection is dead as a rule). Any thread. Errors: kNotFound (no such upload or flight,
+// or expired), kConflict (another offset; taken over by another request), kTooLarge, kOutOfSpace,
+// kUnprocessable, kIo.
 #pragma once
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -46,10 +46,55 @@ struct SpooledUpload {
   bool IsJoined() const { return !concat.empty() && !IsPart(); }
 };
 
+// Of UploadSpool alone: where the bytes lie until they are a file of their flight. The catalogue's row is
+// changed here where it has to follow them. The caller holds the upload's turn.
+class UploadBytes {
+ public:
+  UploadBytes(CatalogueDb& db, const PhotoStore& store) : db_(db), store_(store) {}
+  virtual ~UploadBytes() = default;
+
+  // Before the catalogue knows the upload.
+  virtual Result<void> Create(const std::string&) const { return {}; }
+  // For the bytes from the upload's offset on.
+  virtual Result<std::unique_ptr<IncomingFile>> Open(const SpooledUpload& upload) const = 0;
+  // First what was written up to `offset` is durable, then the catalogue says so, then `upload`.
+  virtual Result<void> Sync(IncomingFile& file, SpooledUpload& upload, std::int64_t offset,
+                            Time now) const = 0;
+  // Durable in the flight's folder; answers the stored name. The bytes stay here too until Remove.
+  virtual Result<std::string> PutInFlight(const SpooledUpload& upload) const = 0;
+  // The catalogue did not take what PutInFlight answered.
+  virtual void TakeBack(const SpooledUpload& upload, const std::string& stored_name) const {
+    store_.Remove(upload.flight_id, stored_name);
+  }
+  // Gives the bytes of all parts to `joined`; they lose them only when `enter` has told the catalogue.
+  virtual Result<void> Join(const std::vector<SpooledUpload>& parts, SpooledUpload& joined,
+                            const std::function<Result<void>()>& enter) const = 0;
+  // What cannot be removed goes later, with the expired or with what nobody lists.
+  virtual void Remove(const SpooledUpload& upload) const = 0;
+  // Rows and bytes; how many.
+  virtual Result<int> RemoveExpired(Time now) const = 0;
+
+ protected:
+  CatalogueDb& db_;
+  const PhotoStore& store_;
+};
+
+// Each upload a file below uploads/.
+std::unique_ptr<UploadBytes> BytesInFolder(CatalogueDb& db, const PhotoStore& store);
+// Where photos lie elsewhere: chunks there (upload_chunks.h), so that any machine goes on with an upload.
+std::unique_ptr<UploadBytes> BytesInChunks(CatalogueDb& db, const PhotoStore& store);
+
+Error NoSuchUpload();
+// What errno says of a write for an upload.
+Error UploadWriteError(const std::string& what);
+
 class UploadSpool {
  public:
   UploadSpool(CatalogueDb& db, Catalogue& catalogue, const PhotoStore& store)
-      : db_(db), catalogue_(catalogue), store_(store) {}
+      : db_(db),
+        catalogue_(catalogue),
+        store_(store),
+        bytes_(store.blobs().IsFolder() ? BytesInFolder(db, store) : BytesInChunks(db, store)) {}
 
   class Append;
 
@@ -66,9 +111,8 @@ class UploadSpool {
   // Only where it was not known; kConflict else, kTooLarge beyond the file limit or below the offset.
   Result<void> DeclareLength(const std::string& id, std::int64_t length, Time now);
   // The file of a flight out of complete parts, in this order; they are gone then. Who asks again for the
-  // same
-  // (`wish.concat` and owner) is told of what it made. Parts of others only with `takes_any`. kConflict: a
-  // part is not complete, or comes twice.
+  // same (`wish.concat` and owner) is told of what it made. Parts of others only with `takes_any`. kConflict:
+  // a part is not complete, or comes twice.
   Result<SpooledUpload> Join(const SpooledUpload& wish, const std::vector<std::string>& parts, bool takes_any,
                              Time now);
   Result<void> Remove(const std::string& id, Time now);
@@ -76,7 +120,7 @@ class UploadSpool {
   // Makes files of the uploads that were complete when a server died. At the start.
   Result<std::vector<SpooledUpload>> FinishComplete(Time now);
   // Expired uploads, with what is left of finished ones; where photos lie elsewhere also what nobody lists.
-  Result<int> RemoveExpired(Time now);
+  Result<int> RemoveExpired(Time now) { return bytes_->RemoveExpired(now); }
   // Files of no upload that the catalogue knows. At the start, when none is being made.
   Result<std::vector<std::filesystem::path>> StrayFiles() const;
 
@@ -90,23 +134,15 @@ class UploadSpool {
   static Result<void> TakeOver(Turn& turn, Time now);
   std::shared_ptr<Turn> TurnOf(const std::string& id);
   Result<SpooledUpload> Read(const std::string& id, Time now) const;
-  Result<void> SaveOffset(const std::string& id, std::int64_t offset, Time now) const;
   Result<void> MakeFile(SpooledUpload& upload) const;
-  bool IsInObjectStore() const { return !store_.blobs().IsFolder(); }
-  // The rest of the class where photos lie elsewhere (object_store_uploads.cc).
-  Result<void> SaveChunk(SpooledUpload& upload, std::int64_t offset, const std::string& part, Time now) const;
-  Result<void> MakeFileInObjectStore(SpooledUpload& upload) const;
-  void RemoveChunks(const std::string& parts) const;
-  Result<int> RemoveExpiredInObjectStore(Time now) const;
-  std::filesystem::path PathOf(const std::string& id) const;
   Result<std::optional<SpooledUpload>> JoinedBefore(const SpooledUpload& wish, Time now) const;
   Result<std::vector<SpooledUpload>> CompleteParts(const std::vector<std::string>& parts, Time now) const;
-  Result<void> CopyParts(const std::vector<SpooledUpload>& parts, const std::filesystem::path& to) const;
   Result<void> EnterJoined(const SpooledUpload& joined, const std::vector<SpooledUpload>& parts) const;
 
   CatalogueDb& db_;
   Catalogue& catalogue_;
   const PhotoStore& store_;
+  const std::unique_ptr<const UploadBytes> bytes_;
   std::mutex mutex_;
   std::map<std::string, std::weak_ptr<Turn>> turns_;
 };
@@ -129,19 +165,16 @@ class UploadSpool::Append {
 
  private:
   friend class UploadSpool;
-  // `temporary`: the file behind `fd`, where it is only on its way elsewhere.
-  Append(UploadSpool& spool, std::shared_ptr<Turn> turn, SpooledUpload upload, int fd, bool all_or_nothing,
-         std::filesystem::path temporary);
+  Append(UploadSpool& spool, std::shared_ptr<Turn> turn, SpooledUpload upload,
+         std::unique_ptr<IncomingFile> file, bool all_or_nothing);
   Result<void> Sync(Time now);
-  Result<void> SyncToObjectStore(Time now);
 
   UploadSpool& spool_;
   std::shared_ptr<Turn> turn_;
   SpooledUpload upload_;  // offset: what the catalogue has
   std::int64_t written_;  // offset of the next byte
-  int fd_;
+  std::unique_ptr<IncomingFile> file_;
   bool all_or_nothing_;
-  std::filesystem::path temporary_;  // bytes from the catalogue's offset on; empty in the data folder
 };
 
 }  // namespace skyquilt::storage
