@@ -26,6 +26,10 @@ Error DamagedRow() {
   return {ErrorCode::kCorrupt, "The catalogue's row of this upload is damaged. Begin the upload anew.", ""};
 }
 
+Error DamagedPart(const std::string& which) {
+  return {ErrorCode::kCorrupt, "A part of the upload is damaged. Begin the upload anew.", which};
+}
+
 // All of them, one after another, into a file that is made.
 Result<void> JoinChunks(BlobStore& blobs, const std::vector<UploadChunk>& chunks,
                         const std::filesystem::path& to) {
@@ -36,9 +40,7 @@ Result<void> JoinChunks(BlobStore& blobs, const std::vector<UploadChunk>& chunks
     for (std::int64_t at = 0; at < chunk.bytes; at += kSliceBytes) {
       const std::int64_t wanted = std::min(kSliceBytes, chunk.bytes - at);
       SKYQUILT_TRY_ASSIGN(const std::string bytes, blobs.ReadRange(chunk.key, at, wanted));
-      if (static_cast<std::int64_t>(bytes.size()) != wanted)
-        return Error{ErrorCode::kCorrupt, "A part of the upload is damaged. Begin the upload anew.",
-                     chunk.key};
+      if (static_cast<std::int64_t>(bytes.size()) != wanted) return DamagedPart(chunk.key);
       whole.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     }
   }
@@ -84,6 +86,10 @@ class ChunkedUploadBytes final : public UploadBytes {
     std::string whole = WholeIn(upload.parts);
     if (!whole.empty()) return whole;
     SKYQUILT_TRY_ASSIGN(const std::vector<UploadChunk> chunks, ParseChunks(upload.parts));
+    // What came before the store was moved here lies in a file that did not move with it.
+    std::int64_t listed = 0;
+    for (const UploadChunk& chunk : chunks) listed += chunk.bytes;
+    if (listed != upload.offset) return DamagedPart(upload.id);
     const IncomingFile joined(store_.dir());
     SKYQUILT_TRY(JoinChunks(store_.blobs(), chunks, joined.temporary));
     return store_.Adopt(upload.flight_id, joined.temporary);

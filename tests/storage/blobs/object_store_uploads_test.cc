@@ -95,6 +95,26 @@ TEST_F(UploadsOfTwoServers, ArePutOnceWhereTheyComeAtOnce) {
   EXPECT_TRUE(Stored() == bytes);
 }
 
+TEST_F(UploadsOfTwoServers, RefuseOneWhoseFirstBytesLieInAFolder) {
+  const std::string bytes = Pattern(2 * kMib);
+  const PhotoStore folder(*DataDir::Open(folder_ / "before", NewId()));
+  UploadSpool before(*db_, catalogue_, folder);
+  SpooledUpload wish;
+  wish.flight_id = flight_;
+  wish.name = "a.jpg";
+  wish.length = static_cast<std::int64_t>(bytes.size());
+  const SpooledUpload upload = *before.Create(wish, now_);
+  {
+    const auto append = before.Begin(upload.id, 0, false, now_);
+    ASSERT_TRUE((*append)->Write(BytesOf(std::string_view(bytes).substr(0, kMib))));
+    ASSERT_EQ((*append)->Commit(now_)->offset, static_cast<std::int64_t>(kMib));
+  }
+  const auto rest = Send(a_, upload.id, kMib, std::string_view(bytes).substr(kMib));
+  ASSERT_FALSE(rest);
+  EXPECT_EQ(rest.error().code, ErrorCode::kCorrupt);
+  EXPECT_EQ(Stored(), "");
+}
+
 // A client that gave one connection up goes on at the other server; what the first still holds is nobody's.
 TEST_F(UploadsOfTwoServers, TakeTheBytesOfOneOnly) {
   const std::string bytes = Pattern(2 * kMib);
