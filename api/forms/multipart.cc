@@ -102,10 +102,14 @@ Result<PartHeader> FromDisposition(std::string_view text) {
   if (name == nullptr) return Refuse("a part has no name");
   PartHeader header;
   header.field = WithQuotes(*name);
-  if (const std::string* file_name = FindParameter(parsed, "filename")) {
+  // The extended one first: the other is what clients that know both write for those that know one.
+  const std::string* const file_name = FindParameter(parsed, "filename");
+  const std::string* const extended = FindParameter(parsed, "filename*");
+  const bool is_utf8 = extended != nullptr && Lower(*extended).starts_with("utf-8'");
+  if (file_name != nullptr && !is_utf8) {
     header.file_name = WithQuotes(*file_name);
-  } else if (const std::string* extended = FindParameter(parsed, "filename*")) {
-    if (!Lower(*extended).starts_with("utf-8'")) return Refuse("a file name is not in UTF-8");
+  } else if (extended != nullptr) {
+    if (!is_utf8) return Refuse("a file name is not in UTF-8");
     const std::size_t quote = extended->find('\'', 6);
     if (quote == std::string::npos) return Refuse("an extended file name is broken");
     header.file_name = PercentDecoded(std::string_view(*extended).substr(quote + 1));

@@ -137,6 +137,7 @@ class PutFile final : public BodySink {
     if (!added) return added.error();
     incoming_.Kept(file.bytes);
     SKYQUILT_TRY_ASSIGN(const std::vector<FileOutcome> outcomes, UnpackStored(service_, flight_id, *added));
+    SKYQUILT_TRY(CheckAnyTaken(file.name, outcomes));
     return Json(201, JsonObject({{"files", FileOutcomesJson(outcomes)}}));
   }
 
@@ -148,8 +149,29 @@ class PutFile final : public BodySink {
   Digest digest_{DigestAlgorithm::kSha256};
 };
 
+// The bytes of a body are the file: what is a part of one, or one that is packed, is none (RFC
+// 9110 8.4, 14.5).
+Result<void> CheckIsWholeFile(const Request& request) {
+  if (request.headers.Has("Content-Range")) {
+    return Error{
+        ErrorCode::kInvalidArgument,
+        "A part of a file cannot be put. Send the whole file, or in parts by tus, at /api/v1/uploads, "
+        "as \"skyquilt upload\" and the page do.",
+        ""};
+  }
+  const std::string_view encoding = request.headers.Find("Content-Encoding");
+  if (encoding.empty() || EqualsIgnoringCase(encoding, "identity")) return {};
+  return Error{
+      ErrorCode::kUnsupportedFormat,
+      "The body is encoded (Content-Encoding). Send the file as it is; archives (.zip, .tar, .tar.gz) are "
+      "unpacked.",
+      ""};
+}
+
 UploadBegun BeginPut(Service& service, const Request& request) {
   const std::string& flight_id = request.Parameter("flight");
+  const Result<void> is_whole = CheckIsWholeFile(request);
+  if (!is_whole) return Problem(is_whole.error(), request);
   const Result<void> checked = CheckId(flight_id, "flight");
   if (!checked) return Problem(checked.error(), request);
   const Result<void> named = storage::CheckFileName(request.Parameter("name"));

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 #include <utility>
 
@@ -49,6 +50,17 @@ Result<std::vector<FileOutcome>> AddAll(Service& service, const std::string& fli
 }
 
 }  // namespace
+
+Result<void> CheckAnyTaken(const std::string& archive_name, const std::vector<FileOutcome>& outcomes) {
+  const bool is_any_taken =
+      std::any_of(outcomes.begin(), outcomes.end(), [](const FileOutcome& one) { return !one.error; });
+  if (outcomes.empty() || is_any_taken) return {};
+  return Error{ErrorCode::kUnprocessable,
+               fmt::format("None of the {} in \"{}\" was taken. The first, \"{}\": {}",
+                           Counted(outcomes.size(), "file"), archive_name, outcomes.front().name,
+                           outcomes.front().error->message),
+               ""};
+}
 
 Result<std::vector<FileOutcome>> UnpackStored(Service& service, const std::string& flight_id,
                                               const storage::StoredFile& file) {

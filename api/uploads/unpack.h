@@ -12,6 +12,9 @@ namespace skyquilt::api {
 
 // One outcome a file: the file itself, or those of the archive that it was. Errors: those of the store and of
 // UnpackArchive, kTooLarge (beyond its owner's quota); then the archive is gone too.
+// kUnprocessable, with the first reason, where an archive has files and none of them was taken.
+Result<void> CheckAnyTaken(const std::string& archive_name, const std::vector<FileOutcome>& outcomes);
+
 Result<std::vector<FileOutcome>> UnpackStored(Service& service, const std::string& flight_id,
                                               const storage::StoredFile& file);
 

@@ -3,6 +3,7 @@
 #include <archive.h>
 #include <archive_entry.h>
 #include <fmt/format.h>
+#include <locale.h>
 
 #include <algorithm>
 #include <array>
@@ -20,6 +21,26 @@ constexpr std::size_t kBlockBytes = 256 * 1024;
 constexpr std::int64_t kGrowthFrom = std::int64_t{1} << 20;
 
 using Archive = std::unique_ptr<struct archive, decltype(&archive_read_free)>;
+
+// The library hands out names by way of the thread's locale: in "C" those with other letters than ASCII's are
+// lost, although the archive says that they are UTF-8.
+class NamesInUtf8 {
+ public:
+  NamesInUtf8() : locale_(newlocale(LC_CTYPE_MASK, "C.UTF-8", locale_t{})) {
+    if (locale_ != locale_t{}) before_ = uselocale(locale_);
+  }
+  ~NamesInUtf8() {
+    if (locale_ == locale_t{}) return;
+    uselocale(before_);
+    freelocale(locale_);
+  }
+  NamesInUtf8(const NamesInUtf8&) = delete;
+  NamesInUtf8& operator=(const NamesInUtf8&) = delete;
+
+ private:
+  locale_t locale_;
+  locale_t before_{};
+};
 
 Error Refuse(std::string why, const char* detail = "") {
   return flight::Because(ErrorCode::kUnprocessable, {flight::RemarkCode::kFailArchive, {{"why_words", why}}},
@@ -66,6 +87,7 @@ std::optional<Error> WrongWith(struct archive_entry* entry, const std::string& f
                       full_name.find('\\') != std::string::npos ||
                       (full_name.size() > 1 && full_name[1] == ':');
   if (leaves) return wrong("A name that leads out of the archive is not taken.");
+  if (full_name.empty()) return wrong("Its name in the archive cannot be read. Pack it under another one.");
   SKYQUILT_TRY(CheckFileName(LastPart(full_name)));
   if (IsArchiveName(full_name)) return wrong("An archive inside an archive is not opened. Unpack it first.");
   return std::nullopt;
@@ -198,6 +220,7 @@ Result<std::vector<UnpackedFile>> UnpackArchive(const PhotoStore& store, const s
     return Refuse(fmt::format("it has more than {} entries", limits.entries));
   if (HasZipNameWithNul(path))
     return Refuse("the name of a file in it has a NUL character, which no name can have");
+  const NamesInUtf8 names_in_utf8;
   const Archive archive(archive_read_new(), &archive_read_free);
   archive_read_support_format_zip_seekable(archive.get());
   archive_read_support_format_tar(archive.get());

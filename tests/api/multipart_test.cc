@@ -156,6 +156,8 @@ TEST(PartHeader, ReadsFileNamesAsClientsSendThem) {
   EXPECT_EQ(name_of("filename=\"C:\\dir\\a.jpg\""), "C:\\dir\\a.jpg");
   EXPECT_EQ(name_of("filename=\"50%.jpg\""), "50%.jpg");
   EXPECT_EQ(name_of("filename*=UTF-8''..%2fa"), "../a");
+  EXPECT_EQ(name_of("filename=\"=?utf-8?B?RmzDtno=?=\"; filename*=utf-8''Fl%C3%B6z.jpg"), "Fl\xc3\xb6z.jpg");
+  EXPECT_EQ(name_of("filename=a.jpg; filename*=latin1''b"), "a.jpg");
   EXPECT_EQ(name_of("filename=\"\""), "");
   EXPECT_EQ(name_of("x=y"), "(none)");
 }

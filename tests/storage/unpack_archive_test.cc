@@ -56,6 +56,23 @@ TEST_F(UnpackArchiveTest, TakesFilesAsTheyAre) {
   EXPECT_EQ(files->front().file.bytes, 3);
 }
 
+// A zip of Python's, or of Windows: every name with a letter beyond ASCII is marked as UTF-8.
+TEST_F(UnpackArchiveTest, TakesFilesBelowFoldersOfAnyLetters) {
+  std::string zip = StoredZip();
+  const std::string name = "\xc3\xbc/a.jpg";
+  for (const std::size_t at : {zip.rfind("a.jpg"), zip.find("a.jpg")}) zip.replace(at, 5, name);
+  const std::size_t directory = zip.find("PK\x01\x02"), end = zip.find("PK\x05\x06");
+  zip[7] = zip[directory + 9] = '\x08';
+  zip[26] = zip[directory + 28] = static_cast<char>(name.size());
+  zip[end + 12] = static_cast<char>(end - directory);
+  zip[end + 16] = static_cast<char>(directory);
+  const auto files = Unpack(zip);
+  ASSERT_TRUE(files) << files.error().message << files.error().detail;
+  ASSERT_EQ(files->size(), 1U);
+  EXPECT_FALSE(files->front().error) << files->front().error->message;
+  EXPECT_EQ(files->front().file.name, "a.jpg");
+}
+
 // libarchive would take it as "a", whatever it goes on with.
 TEST_F(UnpackArchiveTest, RefusesNamesWithANul) {
   const std::string zip = StoredZip();
