@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/base/text/printable.h"
 #include "core/base/try.h"
 #include "storage/uploads/unpack_archive.h"
 
