@@ -162,7 +162,8 @@ flight::Remark HowPlaced(const BlockPlace& place) {
       return {RemarkCode::kImagesOnPositions,
               {{"positions", place.positions_held}, {"total", place.positions}}};
     case Placing::kByControl:
-      return RemarkCode::kImagesOnControl;
+      return place.ignores_surveyed_heights ? RemarkCode::kImagesOnControlWithoutHeights
+                                            : RemarkCode::kImagesOnControl;
     case Placing::kByHeights:
       return RemarkCode::kImagesOnHeights;
     case Placing::kByGuess:
@@ -338,7 +339,7 @@ std::optional<AttemptByImages> PlaceByImages(const ExtractedFlight& extracted, c
       const bool is_by_control = place.placing == Placing::kByControl;
       report.is_adrift = !(is_on_earth || place.positions > 0) || (is_reckoned && is_by_control);
       second.is_placed = is_by_control || (!is_reckoned && !report.is_adrift);
-      report.knows_north = place.knows_north;
+      if (!place.knows_north) report.is_north_guessed = true;
       if (place.placing == Placing::kByGuess) report.is_scale_guessed = true;
       std::vector<flight::Remark> height;
       if (is_on_earth)
@@ -416,7 +417,8 @@ std::vector<flight::Remark> RemarksOn(const ByImagesReport& report) {
   std::vector<flight::Remark> remarks;
   if (!report.is_taken || !report.why || !report.outcome) return remarks;
   if (!report.is_placed && report.is_adrift) {
-    const flight::Remark north = report.knows_north ? RemarkCode::kNorthByCameras : RemarkCode::kNorthGuessed;
+    const flight::Remark north =
+        report.is_north_guessed.value_or(false) ? RemarkCode::kNorthGuessed : RemarkCode::kNorthByCameras;
     const flight::Remark as_if{RemarkCode::kScaleAsIf, {{"width_m", GeoreferenceRecords().guessed_width_m}}};
     const bool is_guessed = report.is_scale_guessed.value_or(false);
     remarks.push_back({RemarkCode::kNotGeoreferenced,

@@ -21,6 +21,9 @@ constexpr double kAgreeingShare = 0.6;
 constexpr std::size_t kFewAttitudes = 3;
 constexpr double kAttitudesAgainstGroundRad = 0.27;
 constexpr double kMinSpreadSigmas = 6.0;
+constexpr int kFewestThatFit = 5;  // of a similarity, which has four degrees of freedom on the ground
+constexpr double kTippedSigmas = 4.0;
+constexpr double kUnknownHeightM = 1e4;
 constexpr double kLooseHeightM = 3.0;
 constexpr double kHeightsWorth = 3.0;
 constexpr double kPoorestShare = 0.5;  // of the positions' own spread
@@ -91,7 +94,10 @@ Quaterniond Orientation(const Registration& registration, const std::vector<std:
   return Quaterniond(enu_from_world).normalized();
 }
 
-bool AreSpread(const std::vector<PlacePair>& pairs) {
+// Positions tell scale and north where they lie further from each other than they err. Much of what they err
+// by is common to all (a receiver's, and a clock's along the track): how far apart they err shows where more
+// of them than chance would fit to the block do.
+bool AreSpread(const std::vector<PlacePair>& pairs, const FittedSimilarity& fitted) {
   std::vector<Vector3d> places;
   std::vector<double> sigmas, away;
   for (const PlacePair& pair : pairs) {
@@ -101,7 +107,16 @@ bool AreSpread(const std::vector<PlacePair>& pairs) {
   if (places.size() < 3) return false;
   const Vector3d middle = MedianByAxis(places);
   for (const Vector3d& place : places) away.push_back((place - middle).head<2>().norm());
-  return Median(std::move(away)) > kMinSpreadSigmas * Median(std::move(sigmas));
+  double apart_m = Median(std::move(sigmas));
+  if (fitted.held >= kFewestThatFit) apart_m = std::min(apart_m, fitted.median_residual);
+  return Median(std::move(away)) > kMinSpreadSigmas * apart_m;
+}
+
+// A level block that surveyed heights tip over: they are wrong, or of points that have none.
+bool IsTipped(const FittedSimilarity& fitted, const std::optional<UpDirection>& up) {
+  if (!up) return false;
+  const Vector3d up_in_enu = fitted.target_from_source.rotation * up->in_source.normalized();
+  return std::acos(std::clamp(up_in_enu.z(), -1.0, 1.0)) > kTippedSigmas * up->sigma_rad;
 }
 
 // The upward normal of the plane through most of the points; nothing of fewer than ten.
@@ -166,7 +181,14 @@ BlockPlace Georeference(const Registration& registration, int block, const Geore
     return heights.empty() ? 0.0 : Median(std::move(heights));
   };
 
-  if (const auto by_control = FitRobustly(records.control, up)) {
+  std::vector<PlacePair> control = records.control;
+  std::optional<FittedSimilarity> by_control = FitRobustly(control, up);
+  if (!by_control || IsTipped(*by_control, up)) {
+    for (PlacePair& pair : control) pair.sigma.z() = kUnknownHeightM;
+    by_control = FitRobustly(control, up);
+    place.ignores_surveyed_heights = by_control.has_value();
+  }
+  if (by_control) {
     place.enu_from_world = by_control->target_from_source;
     place.placing = Placing::kByControl;
     place.median_residual_m = by_control->median_residual;
@@ -186,10 +208,9 @@ BlockPlace Georeference(const Registration& registration, int block, const Geore
   const double worth = std::sqrt(std::max(1.0, static_cast<double>(pairs.size()) / kHeightsWorth));
   for (PlacePair& pair : pairs) pair.sigma.z() *= worth;
   place.positions = static_cast<int>(pairs.size());
-  std::optional<FittedSimilarity> by_positions;
   // Records that are poor everywhere still say better than nothing where and how large the block is.
-  if (AreSpread(pairs)) by_positions = FitRobustly(pairs, up, kPoorestShare);
-  if (by_positions) {
+  const std::optional<FittedSimilarity> by_positions = FitRobustly(pairs, up, kPoorestShare);
+  if (by_positions && AreSpread(pairs, *by_positions)) {
     place.spread_sigmas = by_positions->spread_sigmas;
     place.positions_held = by_positions->held;
     for (std::size_t k = 0; k < photo_of.size(); ++k) {
@@ -202,7 +223,11 @@ BlockPlace Georeference(const Registration& registration, int block, const Geore
       place.knows_north = true;
     }
   }
-  if (place.placing == Placing::kByControl) return place;
+  if (place.placing == Placing::kByControl) {
+    if (place.ignores_surveyed_heights)
+      place.enu_from_world.shift.z() += records.ground_z_in_enu_m - ground_height(place.enu_from_world);
+    return place;
+  }
   if (place.placing == Placing::kByPositions) {
     // Heights that count from anywhere, or are of another scale than the pictures: the ground lies where the
     // flight's ground lies.

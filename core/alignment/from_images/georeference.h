@@ -35,6 +35,7 @@ struct BlockPlace {
   double median_residual_m = 0.0;  // horizontal, of positions or surveyed points
   double spread_sigmas = 1.0;      // residual of the inlier positions in their stated sigmas
   bool knows_north = false;
+  bool ignores_surveyed_heights = false;  // with them the block would lie on its side
 };
 
 // Of block number `block`, which has photos.

@@ -18,6 +18,9 @@ constexpr double kMinSigmaM = 0.01;
 constexpr double kMinSigmaRad = 0.003;
 constexpr int kFewPhotos = 30;
 constexpr double kMaxAttitudeGrowth = 8.0;
+// Of what the pictures leave of a claim: less is a lens or a shutter that is modelled a little wrong.
+constexpr double kFalseClaim = 4.0;
+constexpr double kMinFalseClaimM = 0.08;
 constexpr double kSharedClockS = 0.05;  // clocks that are surer move no photo by more than its own error
 // Of the way that the clock is unsure by: so far nobody flies straight and at one speed.
 constexpr double kClockBend = 0.1;
@@ -226,7 +229,7 @@ BundleProblem MakeBundle(const poses::PosedFlight& posed, const std::vector<Corr
   return problem;
 }
 
-void ReweighPriors(BundleProblem& problem) {
+bool ReweighPriors(BundleProblem& problem) {
   const PhotoSet tied = ObservingPhotos(problem.photos.size(), problem.tracks);
   std::vector<double> horizontal, vertical;
   for (std::size_t i = 0; i < problem.photos.size(); ++i) {
@@ -237,18 +240,24 @@ void ReweighPriors(BundleProblem& problem) {
     horizontal.push_back(std::abs(moved.y()));
     vertical.push_back(std::abs(moved.z()));
   }
-  if (vertical.size() < 6) return;
+  if (vertical.size() < 6) return false;
   ReweighAttitudes(tied, problem);
   // 1.48: from the median to a sigma of a normal distribution; a little more, for it was fitted.
   const double sigma_h = 1.8 * Median(horizontal);
   const double sigma_v = 1.8 * Median(vertical);
+  bool has_grown = false;
   for (BundlePhoto& photo : problem.photos) {
     if (!photo.has_record) continue;
-    Eigen::Vector3d& sigma = photo.sigma_position_m;
-    sigma.x() = std::clamp(sigma_h, std::min(0.1, sigma.x()), sigma.x());
-    sigma.y() = std::clamp(sigma_h, std::min(0.1, sigma.y()), sigma.y());
-    sigma.z() = std::clamp(sigma_v, std::min(0.1, sigma.z()), sigma.z());
+    for (int axis = 0; axis < 3; ++axis) {
+      const double seen = axis < 2 ? sigma_h : sigma_v;
+      double& own = photo.sigma_position_m[axis];
+      // Positions that claim far more than they hold would bend the pictures to themselves.
+      const bool is_false = seen > kFalseClaim * own && seen > kMinFalseClaimM;
+      has_grown = has_grown || is_false;
+      own = is_false ? seen : std::clamp(seen, std::min(0.1, own), own);
+    }
   }
+  return has_grown;
 }
 
 std::optional<BundlePlane> FitPlane(const BundleProblem& problem) {

@@ -162,6 +162,7 @@ const MatchingPass kLastPass{.min_radius_share = 0.012,
                              .min_matches = 8,
                              .fit_motion = false};
 
+constexpr int kMaxUnbent = 4;                        // adjustments of positions whose claims turn out false
 constexpr std::size_t kMaxPhotosForLensSigma = 200;  // its cost grows with their square
 
 // Photos of which nobody recorded how their rows were read, and which lie as they were.
@@ -216,11 +217,15 @@ Attempt FinishAttempt(Attempt attempt, const AlignOptions& options, Progress& pr
   progress.Report(0.88, "comparing photos once more");
   attempt = Rematched(std::move(attempt), kLastPass, options);
   progress.Report(0.92, "adjusting");
-  ReweighPriors(attempt.problem);
+  const bool is_bent = ReweighPriors(attempt.problem);
   attempt.problem.plane = FitPlane(attempt.problem);
   BundleOptions last;
   last.estimate_lens_sigma = attempt.problem.photos.size() <= kMaxPhotosForLensSigma;
   attempt = Adjusted(std::move(attempt), last, options);
+  for (int round = 1; is_bent && round < kMaxUnbent && ReweighPriors(attempt.problem); ++round) {
+    attempt.problem.plane = FitPlane(attempt.problem);
+    attempt = Adjusted(std::move(attempt), last, options);
+  }
   attempt = WithReadoutFound(std::move(attempt), last, options);
   if (BelieveContradictedControlLess(attempt.problem)) attempt = Adjusted(std::move(attempt), last, options);
   return attempt;

@@ -280,7 +280,10 @@ Result<FlightFacts> PlaceKnown(const FlightFacts& known, const PlaceRequest& req
                                               : PlaceByControl(known, request.control, contradict));
   placed.is_placed = true;
   placed.is_by_hand = request.control.empty();
-  if (!request.origin && placed.align_report) placed.align_report->by_images.is_scale_guessed.reset();
+  if (!request.origin && placed.align_report) {
+    placed.align_report->by_images.is_scale_guessed.reset();
+    placed.align_report->by_images.is_north_guessed.reset();
+  }
   placed.poses_report.is_placed = true;
   std::erase_if(placed.flight.warnings, [](const Remark& said) {
     return said.code == RemarkCode::kNotGeoreferenced || said.code == RemarkCode::kReckonedFromNowhere;

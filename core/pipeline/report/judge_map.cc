@@ -27,7 +27,8 @@ constexpr double kFewPositionsShare = 0.1;
 // Of many photos: among four, one wrong position shows without being told from the others; five name it, and
 // a second one hides it.
 constexpr std::size_t kHandful = 5;
-constexpr double kFarOffM = 10.0;  // what a receiver of a phone or a drone is good for
+constexpr double kFalseClaim = 4.0;  // of what corrected positions claim of themselves
+constexpr double kFarOffM = 10.0;    // what a receiver of a phone or a drone is good for
 constexpr int kFewestSeams = 5;
 
 bool IsAnyAligned(const JudgedMap& map) {
@@ -153,6 +154,11 @@ bool IsScaleGuessed(const JudgedMap& map) {
          PositionsOf(map).records.size() < 2;
 }
 
+bool IsNorthGuessed(const JudgedMap& map) {
+  return !map.is_by_hand && map.alignment != nullptr && map.alignment->by_images.is_taken &&
+         map.alignment->by_images.is_north_guessed.value_or(false);
+}
+
 // Survey and marks average out over the points, by as much as they span the map. What the points are missed
 // by beyond that is the map's own shape, which they do not average out.
 double SigmaByControlM(const JudgedMap& map, const ControlFit& fit) {
@@ -209,11 +215,15 @@ AbsoluteAccuracy ByPositions(const JudgedMap& map) {
     return {OfTwoDigits(MedianRadiusM(map)), AbsoluteSupport::kHand, static_cast<int>(by_log)};
   if (positions.records.empty()) return {};
   const poses::CommonError common = poses::CommonErrorOf(positions.records);
-  const AbsoluteSupport by = common.is_corrected ? AbsoluteSupport::kRtk : AbsoluteSupport::kGnss;
+  const double noise_m = map.is_forecast || own_m > 0.0 ? 0.0 : NoiseM(positions.misses);
+  // What claims to be corrected and scatters by far more is something else, of which nobody knows how much of
+  // its error is common to all of them.
+  const bool is_false_claim = common.is_corrected && noise_m > kFalseClaim * common.sigma_m;
+  const AbsoluteSupport by =
+      common.is_corrected && !is_false_claim ? AbsoluteSupport::kRtk : AbsoluteSupport::kGnss;
   const std::size_t count = positions.records.size();
   if (AreFewPositions(count, placed)) return {std::nullopt, by, static_cast<int>(count)};
-  const double noise_m = map.is_forecast || own_m > 0.0 ? 0.0 : NoiseM(positions.misses);
-  const double of_noise_m = noise_m * std::sqrt(LeverOf(map, positions.places));
+  const double of_noise_m = is_false_claim ? noise_m : noise_m * std::sqrt(LeverOf(map, positions.places));
   return StatedRadius(std::max(own_m, std::hypot(common.sigma_m, of_noise_m)), by, count);
 }
 
@@ -222,7 +232,7 @@ AbsoluteAccuracy AbsoluteOf(const JudgedMap& map) {
   if (const auto surveyed = BySurvey(map)) return *surveyed;
   if (map.is_by_hand) return {std::nullopt, AbsoluteSupport::kHand, 0};
   AbsoluteAccuracy by_positions = ByPositions(map);
-  if (IsScaleGuessed(map)) by_positions.sigma_m.reset();
+  if (IsScaleGuessed(map) || IsNorthGuessed(map)) by_positions.sigma_m.reset();
   return by_positions;
 }
 
@@ -251,12 +261,13 @@ std::vector<MapLimit> LimitsOf(const JudgedMap& map, const AbsoluteAccuracy& abs
   if (!map.is_placed) limits.push_back({LimitKind::kNotGeoreferenced});
   // None at all where the pictures refute each that there is.
   const bool is_guessed = IsScaleGuessed(map);
-  const bool is_placed_by_few =
-      map.is_placed && !absolute.sigma_m && absolute.by != AbsoluteSupport::kHand && !is_guessed;
+  const bool is_placed_by_few = map.is_placed && !absolute.sigma_m && absolute.by != AbsoluteSupport::kHand &&
+                                !is_guessed && !IsNorthGuessed(map);
   const bool is_told = map.alignment != nullptr && map.alignment->by_images.is_taken && !is_guessed;
   if (is_guessed ||
       (map.is_by_images && !is_told && (!map.is_placed || (is_placed_by_few && absolute.count < 2))))
     limits.push_back({LimitKind::kScaleGuessed});
+  if (IsNorthGuessed(map)) limits.push_back({LimitKind::kNorthGuessed});
   if (is_placed_by_few) limits.push_back({LimitKind::kFewPositions, absolute.count, placed});
   if (absolute.sigma_m && *absolute.sigma_m > kFarOffM) limits.push_back({LimitKind::kFarOff});
   if (absolute.by == AbsoluteSupport::kHand && !absolute.sigma_m)
@@ -281,12 +292,13 @@ MapQuality JudgeMap(const JudgedMap& map) {
   quality.absolute = AbsoluteOf(map);
   quality.limits = LimitsOf(map, quality.absolute);
   quality.relative = RelativeOf(map, quality.IsLimitedBy(LimitKind::kScaleGuessed));
-  quality.status =
-      !map.is_placed ? MapStatus::kUnplaced
-      : quality.IsLimitedBy(LimitKind::kFewPositions) || quality.IsLimitedBy(LimitKind::kScaleGuessed)
-          ? MapStatus::kDoubtful
-      : quality.limits.empty() ? MapStatus::kReady
-                               : MapStatus::kLimited;
+  quality.status = !map.is_placed ? MapStatus::kUnplaced
+                   : quality.IsLimitedBy(LimitKind::kFewPositions) ||
+                           quality.IsLimitedBy(LimitKind::kScaleGuessed) ||
+                           quality.IsLimitedBy(LimitKind::kNorthGuessed)
+                       ? MapStatus::kDoubtful
+                   : quality.limits.empty() ? MapStatus::kReady
+                                            : MapStatus::kLimited;
   return quality;
 }
 

@@ -188,6 +188,8 @@ std::string LimitInWords(const MapLimit& limit) {
       return "Nothing says where on Earth the map lies.";
     case LimitKind::kScaleGuessed:
       return "The scale is a guess: do not measure on the map before it is placed.";
+    case LimitKind::kNorthGuessed:
+      return "Which way is north is a guess: the map may be turned.";
     case LimitKind::kFewPositions:
       return fmt::format(
           "Only {} of {} photos {} a position that places the map: it may lie, and be turned and scaled, "

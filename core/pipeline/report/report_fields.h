@@ -170,6 +170,7 @@ void VisitFields(Attempt& attempt, Visit& visit) {
   visit.Remarked("outcome", "outcome_remark", attempt.outcome);
   visit("is_taken", attempt.is_taken);
   visit.IfKnown("is_scale_guessed", attempt.is_scale_guessed);
+  visit.IfKnown("is_north_guessed", attempt.is_north_guessed);
   visit("registered", attempt.registered);
   visit("groups", attempt.groups);
   visit("pairs_compared", attempt.pairs_compared);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kCorrectedM = 0.02;
 constexpr double kMinStatedM = 0.002;  // what is below is a number for "none", or in another unit
-constexpr double kBestPlainM = 0.3, kWorstPlainM = 15.0;
+constexpr double kBestPlainM = 0.3;
 
 // `stated_m`: of the positions that state their own accuracy.
 CommonError JudgedError(std::size_t positions, std::size_t fixed, std::vector<double> stated_m) {

@@ -24,6 +24,10 @@ struct CommonError {
   bool operator==(const CommonError&) const = default;
 };
 
+// What a receiver says of a bad fix is common to all positions for the most part: beyond this they still lie
+// to each other as good ones do.
+inline constexpr double kWorstPlainM = 15.0;
+
 CommonError CommonErrorOf(const std::vector<const flight::RecordedPosition*>& positions);
 CommonError CommonErrorOf(const std::vector<flight::GnssSample>& samples);
 

@@ -212,6 +212,7 @@ export const remark_words = {
   images_on_positions: (v) => `; ${number(v.positions)} von ${number(v.total)} aufgezeichneten Positionen passen dazu`,
   images_against_positions: (v) => `; die aufgezeichneten Positionen widersprechen dem um ${formatDistance(v.apart_m)} im Median, das ${fixed(v.times, 0)}-Fache dessen, was sie versprechen, und die Karte liegt dort, wo die meisten sie haben`,
   images_on_control: () => '; Passpunkte sagen, wo auf der Erde',
+  images_on_control_without_heights: () => '; Passpunkte sagen, wo auf der Erde, doch ihre Höhen widersprechen einander und werden nicht verwendet',
   images_on_heights: () => '; aufgezeichnete Höhen sagen, wie groß die Karte ist',
   images_about_positions: () => '; die aufgezeichneten Positionen sagen, wo die Karte etwa liegt, aber nichts sagt, wie groß sie ist und wo Norden ist. Fügen Sie Flugprotokoll, Passpunkte oder eine Positionsliste (geo.txt) hinzu',
   images_nowhere: () => '; nichts sagt, wo auf der Erde die Karte liegt und wie groß sie ist',

@@ -211,6 +211,7 @@ export const remark_words = {
   images_on_positions: (v) => `; ${number(v.positions)} of ${number(v.total)} recorded positions agree with it`,
   images_against_positions: (v) => `; the recorded positions contradict it by ${formatDistance(v.apart_m)} in the median, ${fixed(v.times, 0)} times what they claim, and the map lies where most of them have it`,
   images_on_control: () => '; control points say where on Earth',
+  images_on_control_without_heights: () => '; control points say where on Earth, but their heights contradict each other and are not used',
   images_on_heights: () => '; recorded heights say how large the map is',
   images_about_positions: () => '; the recorded positions say about where the map lies, but nothing says how large it is nor where north is. Add the flight log, control points or a list of positions (geo.txt)',
   images_nowhere: () => '; nothing says where on Earth the map lies nor how large it is',
