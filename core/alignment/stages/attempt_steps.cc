@@ -211,6 +211,19 @@ Attempt WithReadoutFound(Attempt attempt, const BundleOptions& bundle_options, c
   return found;
 }
 
+// Where nothing but reckoning says how far the flight went, recorded heights say it better: the ground lies
+// as high as the place of take-off, so that the map cannot grow or shrink with the reckoned way.
+std::optional<BundlePlane> PlaneOf(const Attempt& attempt) {
+  std::optional<BundlePlane> plane = FitPlane(attempt.problem);
+  const std::vector<poses::PosedPhoto>& photos = attempt.posed.photos;
+  const bool is_reckoned = std::all_of(photos.begin(), photos.end(), [](const poses::PosedPhoto& photo) {
+    return photo.position_source.empty() && !photo.photo.position;
+  });
+  if (plane && is_reckoned && attempt.problem.control.empty())
+    plane->height_m = attempt.posed.ground_z_in_enu_m;
+  return plane;
+}
+
 }  // namespace
 
 Attempt FinishAttempt(Attempt attempt, const AlignOptions& options, Progress& progress) {
@@ -218,12 +231,12 @@ Attempt FinishAttempt(Attempt attempt, const AlignOptions& options, Progress& pr
   attempt = Rematched(std::move(attempt), kLastPass, options);
   progress.Report(0.92, "adjusting");
   const bool is_bent = ReweighPriors(attempt.problem);
-  attempt.problem.plane = FitPlane(attempt.problem);
+  attempt.problem.plane = PlaneOf(attempt);
   BundleOptions last;
   last.estimate_lens_sigma = attempt.problem.photos.size() <= kMaxPhotosForLensSigma;
   attempt = Adjusted(std::move(attempt), last, options);
   for (int round = 1; is_bent && round < kMaxUnbent && ReweighPriors(attempt.problem); ++round) {
-    attempt.problem.plane = FitPlane(attempt.problem);
+    attempt.problem.plane = PlaneOf(attempt);
     attempt = Adjusted(std::move(attempt), last, options);
   }
   attempt = WithReadoutFound(std::move(attempt), last, options);
