@@ -21,6 +21,7 @@ constexpr double kMaxAttitudeGrowth = 8.0;
 // Of what the pictures leave of a claim: less is a lens or a shutter that is modelled a little wrong.
 constexpr double kFalseClaim = 4.0;
 constexpr double kMinFalseClaimM = 0.08;
+constexpr double kPlainSigmaM = 1.5;
 constexpr double kSharedClockS = 0.05;  // clocks that are surer move no photo by more than its own error
 // Of the way that the clock is unsure by: so far nobody flies straight and at one speed.
 constexpr double kClockBend = 0.1;
@@ -251,10 +252,11 @@ bool ReweighPriors(BundleProblem& problem) {
     for (int axis = 0; axis < 3; ++axis) {
       const double seen = axis < 2 ? sigma_h : sigma_v;
       double& own = photo.sigma_position_m[axis];
-      // Positions that claim far more than they hold would bend the pictures to themselves.
+      // Positions that claim far more than they hold have bent the pictures to themselves: how far they err
+      // shows when they are believed no more than any receiver's.
       const bool is_false = seen > kFalseClaim * own && seen > kMinFalseClaimM;
       has_grown = has_grown || is_false;
-      own = is_false ? seen : std::clamp(seen, std::min(0.1, own), own);
+      own = is_false ? std::max(seen, kPlainSigmaM) : std::clamp(seen, std::min(0.1, own), own);
     }
   }
   return has_grown;

@@ -35,8 +35,8 @@ BundleProblem MakeBundle(const poses::PosedFlight& posed, const std::vector<Corr
 BundlePhoto MakeBundlePhoto(const poses::PosedPhoto& posed, const CorrectedPose& corrected, int lens,
                             int line);
 // After a first adjustment the records show how good they are relative to each other: sigmas shrink to that.
-// True: those of positions grew, for they claim far more than they hold. What is seen of them then has been
-// bent to the claim still, so that another adjustment shows more.
+// True: those of positions grew to a plain receiver's, for they claim far more than they hold. Adjusted and
+// reweighed again they shrink to what the pictures leave of them.
 bool ReweighPriors(BundleProblem& problem);
 
 // The plane through most of a problem's points; none where they are too few.

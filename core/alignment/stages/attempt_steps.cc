@@ -230,12 +230,13 @@ Attempt FinishAttempt(Attempt attempt, const AlignOptions& options, Progress& pr
   progress.Report(0.88, "comparing photos once more");
   attempt = Rematched(std::move(attempt), kLastPass, options);
   progress.Report(0.92, "adjusting");
-  const bool is_bent = ReweighPriors(attempt.problem);
+  bool is_bent = ReweighPriors(attempt.problem);
   attempt.problem.plane = PlaneOf(attempt);
   BundleOptions last;
   last.estimate_lens_sigma = attempt.problem.photos.size() <= kMaxPhotosForLensSigma;
   attempt = Adjusted(std::move(attempt), last, options);
-  for (int round = 1; is_bent && round < kMaxUnbent && ReweighPriors(attempt.problem); ++round) {
+  for (int round = 1; is_bent && round < kMaxUnbent; ++round) {
+    is_bent = ReweighPriors(attempt.problem);
     attempt.problem.plane = PlaneOf(attempt);
     attempt = Adjusted(std::move(attempt), last, options);
   }
