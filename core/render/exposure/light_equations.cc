@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "core/geo/solvers/dense_solvers.h"
@@ -17,7 +18,12 @@ constexpr int kRounds = 5;
 constexpr double kRobustScale = 0.12;
 // How much a photo's gain may stray without evidence, and a term. A sample counts little: the misfits of one
 // pair of photos go together, and many such pairs in a row would add up to a drift.
-constexpr double kGainSigma = 0.15;
+constexpr double kGainSigma = 2.0;
+// By how much the gain changes from one photo of a camera to its next. More than kGainStep in a go is a
+// cloud, and counts by its size alone, as often as it comes: were its square to count, half a flight in the
+// shade would be evened out by a slope of light over the whole map, which many small changes stand for as
+// well.
+constexpr double kGainStepSigma = 0.05, kGainStep = 0.02;
 constexpr double kTermSigma = 0.25;
 // How much of a recorded exposure photos show without evidence: a camera may have followed the light.
 constexpr double kExposureSigma = 1.0;
@@ -111,9 +117,23 @@ Eigen::MatrixXd DirectionsAllOver(const Directions& directions) {
   return all;
 }
 
-void AddPriors(const LightTerms& terms, Normal& normal) {
+// `log_gains`: as the round before found them.
+void AddPriors(const LightTerms& terms, const Eigen::VectorXd& log_gains, Normal& normal) {
   for (Eigen::Index photo = 0; photo < normal.mixed.rows(); ++photo)
     normal.gains.emplace_back(photo, photo, WeightOf(kGainSigma));
+  std::map<std::size_t, Eigen::Index> last_of_camera;
+  for (Eigen::Index photo = 0; photo < normal.mixed.rows(); ++photo) {
+    const auto [last, is_first] =
+        last_of_camera.try_emplace(terms.camera_of_photo[static_cast<std::size_t>(photo)], photo);
+    if (is_first) continue;
+    const double step = std::abs(log_gains[photo] - log_gains[last->second]);
+    const double weight = WeightOf(kGainStepSigma) * kGainStep / std::max(kGainStep, step);
+    normal.gains.emplace_back(photo, photo, weight);
+    normal.gains.emplace_back(last->second, last->second, weight);
+    normal.gains.emplace_back(photo, last->second, -weight);
+    normal.gains.emplace_back(last->second, photo, -weight);
+    last->second = photo;
+  }
   normal.terms.diagonal().array() += WeightOf(kTermSigma);
   constexpr auto kExposure = static_cast<Eigen::Index>(LightTerms::kExposure);
   normal.terms(kExposure, kExposure) += WeightOf(kExposureSigma) - WeightOf(kTermSigma);
@@ -265,7 +285,7 @@ SolvedLight SolveLight(const std::vector<ExposureSample>& samples, std::size_t c
   std::vector<double> weights(samples.size(), 1.0);
   for (int round = 0; round < kRounds; ++round) {
     Normal normal(terms.photos(), terms.count());
-    AddPriors(terms, normal);
+    AddPriors(terms, light.log_gains, normal);
     SpotAdder adder(terms, channel, normal);
     for (std::size_t begin = 0, end = 0; begin < samples.size(); begin = end) {
       end = EndOfSpot(samples, begin);

@@ -171,6 +171,36 @@ TEST(SolveLight, SumsUpTheEquationsOfSpotsThatManyPhotosShow) {
   EXPECT_LT(off, 0.03);
 }
 
+// A cloud comes when half of the photos of a line are taken: a step, not a slope of light over the whole map,
+// which photos that see the ground from two sides cannot tell from gains that grow evenly.
+TEST(SolveLight, ACloudAtHalfFlightIsAStep) {
+  constexpr std::uint32_t kPhotos = 30, kSpots = 100;
+  constexpr double kStep = 0.36, kApart = 0.3, kSeenTo = 0.5;
+  const auto gain = [](std::uint32_t photo) { return photo < kPhotos / 2 ? 0.0 : kStep; };
+  std::vector<ExposureSample> samples;
+  for (std::uint32_t spot = 0; spot < kSpots; ++spot) {
+    for (std::uint32_t photo = 0; photo < kPhotos; ++photo) {
+      const double x = 0.09 * spot - kApart * photo, y = 0.3 * std::sin(1.7 * spot);
+      if (std::abs(x) > kSeenTo) continue;
+      ExposureSample sample;
+      sample.spot = spot;
+      sample.photo = photo;
+      sample.look = sample.place = {static_cast<float>(x), static_cast<float>(y)};
+      sample.log_value.fill(static_cast<float>(0.1 * std::sin(2.3 * spot) - gain(photo)));
+      samples.push_back(sample);
+    }
+  }
+  LightTerms terms;
+  terms.camera_of_photo.assign(kPhotos, LightTerms::kNone);
+  terms.exposure_of_photo.assign(kPhotos, 0.0);
+  terms.directions.widest_look = 0.6;
+  const SolvedLight light = SolveLight(samples, 0, terms);
+  for (std::uint32_t photo = 1; photo < kPhotos; ++photo) {
+    const double step = light.log_gains[photo] - light.log_gains[photo - 1];
+    EXPECT_NEAR(step, gain(photo) - gain(photo - 1), 0.01) << photo;
+  }
+}
+
 TEST(LightModel, ShadeUndoesWhatLensAndSunDid) {
   LightModel light;
   light.directions.widest_look = 0.8;
