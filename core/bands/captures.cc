@@ -158,6 +158,30 @@ void KeepLooks(std::vector<std::optional<Result<BandFacts>>>& facts, Flight& fli
   for (const Photo& photo : flight.photos) facts.push_back(std::move(by_path[photo.path]));
 }
 
+// What the names of a capture's pictures have in common before what names their bands: "SIM_0001" of
+// SIM_0001_1.tif and SIM_0001_2.tif. Nothing where a band's number is the counter's last digit.
+std::string NameOfCapture(const Capture& capture) {
+  if (capture.photos.size() < 2) return "";
+  std::string common = capture.photos.front().photo.name;
+  for (const BandPhoto& photo : capture.photos) {
+    const std::string& name = photo.photo.name;
+    const auto apart = std::mismatch(common.begin(), common.end(), name.begin(), name.end()).first;
+    common.erase(apart, common.end());
+  }
+  const std::size_t end = common.find_last_not_of(" -_.") + 1;
+  return end < common.size() ? common.substr(0, end) : "";
+}
+
+// Lists may name any of a capture's pictures, or the capture.
+std::vector<std::string> OtherNames(const Capture& capture) {
+  std::vector<std::string> names;
+  for (const BandPhoto& photo : capture.photos) {
+    if (photo.photo.name != capture.reference) names.push_back(photo.photo.name);
+  }
+  if (std::string name = NameOfCapture(capture); !name.empty()) names.push_back(std::move(name));
+  return names;
+}
+
 // Captures that show a calibration panel, as the camera or a list says of one of their pictures.
 void SetMarkedPanelsApart(Captures& apart, Flight& flight) {
   std::vector<bool> shows_panel;
@@ -256,7 +280,9 @@ Captures SetBandsApart(Flight& flight, int threads) {
                        return place.at(a.facts.name) < place.at(b.facts.name);
                      });
     for (const BandPhoto& photo : capture.photos) {
-      if (photo.photo.name == capture.reference) flight.photos.push_back(photo.photo);
+      if (photo.photo.name != capture.reference) continue;
+      flight.photos.push_back(photo.photo);
+      flight.photos.back().other_names = OtherNames(capture);
     }
   }
   DropOddCalibrations(apart.bands, apart.captures, flight);

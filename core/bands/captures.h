@@ -1,10 +1,10 @@
 // SetBandsApart: cameras that take each band as a picture of its own. Groups a flight's photos of single
 // bands to captures and leaves of each capture one photo in the flight, the reference, which is placed like
-// any photo; the others, its companions, follow it. The reference band is the one that most captures have, of
-// equals the one that aligns best. A flight of photos in colour, or of one band alone, stays as it is. Reads
-// the headers of band photos on `threads` threads; the result does not depend on how many. Never fails: a
-// photo whose band cannot be read is left out with its reason. Beside it what is done to captures (ScaleBand)
-// and told of them (BandsReport).
+// any photo and knows the names of the others, its companions, which follow it. The reference band is the one
+// that most captures have, of equals the one that aligns best. A flight of photos in colour, or of one band
+// alone, stays as it is. Reads the headers of band photos on `threads` threads; the result does not depend on
+// how many. Never fails: a photo whose band cannot be read is left out with its reason. Beside it what is
+// done to captures (ScaleBand) and told of them (BandsReport).
 #pragma once
 
 #include <optional>

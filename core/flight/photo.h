@@ -99,13 +99,14 @@ struct SampleRange {
 };
 
 struct Photo {
-  std::string name;            // as the user named the file, without folders
+  std::string name;            // as the user named the file; of a name given twice with folders in front
   std::filesystem::path path;  // where the bytes are
   std::string make;
   std::string model;
   std::string software;
   std::string camera_key;  // photos with the same key share one physical camera at one image size
   std::string band_name;   // as a camera of one band a picture writes it; empty for colour
+  std::vector<std::string> other_names;  // as lists may call it too: of the pictures that are placed with it
   Lens lens = Lens::kUnsaid;
   PictureOrigin origin;
   SampleKind sample_kind = SampleKind::kBytes;

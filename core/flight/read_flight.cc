@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "core/base/parallel_for.h"
+#include "core/base/text/file_names.h"
 #include "core/base/text/printable.h"
 #include "core/flight/aside/copies.h"
 #include "core/flight/aside/one_camera.h"
@@ -28,7 +29,7 @@ void MakeNamesUnique(std::vector<InputFile>& files) {
   for (InputFile& file : files) {
     const std::string original = file.name;
     while (!taken.insert(file.name).second)
-      file.name = fmt::format("{} ({})", original, ++copies.try_emplace(original, 1).first->second);
+      file.name = NumberedName(original, std::to_string(++copies.try_emplace(original, 1).first->second));
   }
 }
 
@@ -229,20 +230,6 @@ Result<void> WalkFolder(const fs::path& folder, std::vector<fs::path>& found) {
   return {};
 }
 
-// The file's name alone where it is unique, else with as many folders in front as it takes.
-std::string UniqueName(const fs::path& path, const std::set<std::string>& taken) {
-  std::string name = path.filename().string();
-  fs::path folder = path.parent_path();
-  while (taken.contains(name) && !folder.filename().empty()) {
-    name = folder.filename().string() + "/" + name;
-    folder = folder.parent_path();
-  }
-  for (int copy = 2; taken.contains(name); ++copy) {
-    name = path.filename().string() + " (" + std::to_string(copy) + ")";
-  }
-  return name;
-}
-
 }  // namespace
 
 Result<std::vector<InputFile>> ListInputFiles(const std::vector<fs::path>& paths) {
@@ -259,14 +246,17 @@ Result<std::vector<InputFile>> ListInputFiles(const std::vector<fs::path>& paths
     }
   }
   std::vector<InputFile> files;
-  std::set<std::string> names;
+  std::vector<std::string> whole_paths;  // "./a.jpg" too has a folder of a name
   std::set<fs::path> seen;
   for (const fs::path& path : found) {
     if (!seen.insert(path.lexically_normal()).second) continue;  // given twice
-    std::string name = UniqueName(path, names);
-    names.insert(name);
-    files.push_back({std::move(name), path});
+    std::error_code gone;
+    const fs::path whole = fs::absolute(path, gone);
+    whole_paths.push_back((gone ? path : whole).lexically_normal().generic_string());
+    files.push_back({"", path});
   }
+  std::vector<std::string> names = NamesApart(whole_paths);
+  for (std::size_t i = 0; i < files.size(); ++i) files[i].name = std::move(names[i]);
   return files;
 }
 

@@ -112,10 +112,12 @@ PhotoRowsUse ApplyPhotoRows(const std::vector<flight::FlightLog>& logs, std::vec
     std::string first_name, first_open;
     std::vector<char> is_named(photos.size(), 0);
     std::vector<double> angles_apart_rad;  // where both know them
-    for (const CameraEvent& event : log.events) {
+    const std::vector<NamedPhotos::Found> found_by_event = named.FindAll(log);
+    for (std::size_t k = 0; k < log.events.size(); ++k) {
+      const CameraEvent& event = log.events[k];
       if (event.has_time || !event.image_name) continue;
       if (rows++ == 0) first_name = PlainFileName(*event.image_name);
-      const NamedPhotos::Found found = named.Find(*event.image_name);
+      const NamedPhotos::Found& found = found_by_event[k];
       if (found.is_open && open_rows++ == 0) first_open = PlainFileName(*event.image_name);
       for (const std::size_t i : found.photos) {
         if (is_named[i]) continue;  // the first row holds

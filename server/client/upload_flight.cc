@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "api/http/digest.h"
+#include "core/base/text/file_names.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
 
@@ -207,9 +208,8 @@ Result<UploadedFlight> UploadFlight(const std::vector<flight::InputFile>& files,
     if (failed) return Error{ErrorCode::kIo, file.path.string() + ": " + failed.message() + ".", ""};
     if (bytes == 0) continue;  // an empty file says nothing
     outgoing.push_back({file, bytes});
-    // Of files of one name in several folders: a server takes no folders.
     std::string& name = outgoing.back().file.name;
-    std::replace(name.begin(), name.end(), '/', '_');
+    name = WithFoldersJoined(std::move(name));
   }
   if (outgoing.empty()) return Error{ErrorCode::kUnprocessable, "There are no files to send.", ""};
   Tally* counting = nullptr;

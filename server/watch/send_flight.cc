@@ -8,6 +8,7 @@
 #include <set>
 #include <vector>
 
+#include "core/base/text/file_names.h"
 #include "core/base/try.h"
 #include "core/flight/read_flight.h"
 #include "server/client/upload_flight.h"
@@ -83,7 +84,7 @@ std::map<Digest, std::string> NamesFor(const std::vector<KnownFile>& files, cons
          folder = folder.parent_path())
       name = folder.filename().string() + "_" + name;
     for (int copy = 2; taken.contains(name); ++copy)
-      name = fmt::format("{} ({})", file.path.filename().string(), copy);
+      name = NumberedName(file.path.filename().string(), std::to_string(copy));
     taken.insert(name);
     names[file.digest] = name;
   }

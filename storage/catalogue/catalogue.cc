@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "core/base/text/file_names.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
 #include "storage/db/ids.h"
@@ -100,13 +101,6 @@ Result<std::optional<StoredFile>> FileNamed(SqlConnection& db, const std::string
 Result<std::vector<std::string>> UploadsOf(SqlConnection& db, const std::string& flight_id) {
   SKYQUILT_TRY_ASSIGN(Statement query, db.Query("SELECT id FROM upload WHERE flight_id=?", flight_id));
   return query.AllText();
-}
-
-// "a.jpg", "2" -> "a (2).jpg"
-std::string MarkedName(const std::string& name, std::string_view mark) {
-  const std::size_t dot = name.rfind('.');
-  const std::string stem = dot == std::string::npos || dot == 0 ? name : name.substr(0, dot);
-  return fmt::format("{} ({}){}", stem, mark, name.substr(stem.size()));
 }
 
 // Of the revision that each flight shows, in the order of RevisionFrom.
@@ -326,7 +320,7 @@ Result<StoredFile> Catalogue::AddFileUnderFreeName(const std::string& flight_id,
       // Thousands of equal names must not cost thousands of look-ups each: then our own unique name is the
       // mark.
       constexpr int kMaxNumbers = 20;
-      added.name = MarkedName(file.name, number <= kMaxNumbers ? std::to_string(number) : file.stored_name);
+      added.name = NumberedName(file.name, number <= kMaxNumbers ? std::to_string(number) : file.stored_name);
     }
     SKYQUILT_TRY(InsertFile(*db, flight_id, added, now));
     SKYQUILT_TRY(Record(flight_id, added, now));

@@ -130,7 +130,7 @@ class Catalogue {
   // is there.
   Result<AddedFile> AddFile(const std::string& flight_id, const StoredFile& file, Time now,
                             const std::optional<std::string>& expected = std::nullopt);
-  // Never replaces: picks "a (2).jpg" for a second "a.jpg" and says so in the answer's name. With
+  // Never replaces: picks "a(2).jpg" for a second "a.jpg" and says so in the answer's name. With
   // `upload_id`, that resumable upload is done in the same transaction.
   Result<StoredFile> AddFileUnderFreeName(const std::string& flight_id, const StoredFile& file, Time now,
                                           const std::optional<std::string>& upload_id = std::nullopt);

@@ -7,6 +7,7 @@
 #include <set>
 #include <string_view>
 
+#include "core/base/text/file_names.h"
 #include "core/base/try.h"
 #include "storage/db/sql_connection.h"
 #include "storage/tags/flight_tags.h"
@@ -30,13 +31,9 @@ std::string NameByContent(const fs::path& path, const std::string& stored_name) 
   return stored_name;
 }
 
-// "a.jpg" -> "a (2).jpg" while others have the name.
 std::string FreeName(const std::string& name, const std::string& stored_name,
                      const std::set<std::string>& taken) {
-  if (!taken.contains(name)) return name;
-  const std::size_t dot = name.rfind('.');
-  const std::string stem = dot == std::string::npos || dot == 0 ? name : name.substr(0, dot);
-  return fmt::format("{} ({}){}", stem, stored_name, name.substr(stem.size()));
+  return taken.contains(name) ? NumberedName(name, stored_name) : name;
 }
 
 // `age`: now, by the AgeClock: the days of a flight in the trash count anew.

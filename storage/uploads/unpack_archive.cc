@@ -1,15 +1,15 @@
 #include "storage/uploads/unpack_archive.h"
 
+#include <algorithm>
 #include <archive.h>
 #include <archive_entry.h>
+#include <array>
 #include <fmt/format.h>
 #include <locale.h>
-
-#include <algorithm>
-#include <array>
 #include <memory>
 #include <system_error>
 
+#include "core/base/text/file_names.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
 #include "storage/uploads/zip_directory.h"
@@ -135,15 +135,33 @@ class Unpacking {
     }
     const bool was_read = !file.file.stored_name.empty() || !file.error;
     files_.push_back(std::move(file));
+    full_names_.push_back(full_name.starts_with("./") ? full_name.substr(2) : full_name);
     return was_read ? Result<void>() : PassOver(archive);
   }
 
   std::vector<UnpackedFile> Keep() {
     is_kept_ = true;
+    TellFoldersApart();
     return std::move(files_);
   }
 
  private:
+  // Files of one name in several folders keep the folders in their names, as far as a name may be as long.
+  void TellFoldersApart() {
+    std::vector<std::size_t> taken;
+    std::vector<std::string> paths;
+    for (std::size_t i = 0; i < files_.size(); ++i) {
+      if (files_[i].error) continue;
+      taken.push_back(i);
+      paths.push_back(std::move(full_names_[i]));
+    }
+    std::vector<std::string> names = NamesApart(paths);
+    for (std::size_t k = 0; k < taken.size(); ++k) {
+      std::string name = WithFoldersJoined(std::move(names[k]));
+      if (CheckFileName(name)) files_[taken[k]].file.name = std::move(name);
+    }
+  }
+
   // To what follows an entry that is not taken, the archive is unpacked all the same.
   Result<void> PassOver(struct archive* archive) {
     const void* block = nullptr;
@@ -193,6 +211,7 @@ class Unpacking {
   int entries_ = 0;
   std::int64_t total_ = 0;
   std::vector<UnpackedFile> files_;
+  std::vector<std::string> full_names_;  // of `files_`
   bool is_kept_ = false;
 };
 

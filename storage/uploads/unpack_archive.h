@@ -1,6 +1,7 @@
 // UnpackArchive: the files of a zip or tar (also gzipped) into a flight's store, with hard limits on what an
-// archive may make of itself. Names are data: folders are dropped, and no name is ever a path. All or nothing
-// for what is wrong with the archive as a whole; a file inside that cannot be taken is noted and skipped. Any
+// archive may make of itself. Names are data: no name is ever a path. Folders are dropped, but for those that
+// tell files of one name apart ("101MEDIA_DJI_0001.JPG", core/base/text/file_names.h). All or nothing for
+// what is wrong with the archive as a whole; a file inside that cannot be taken is noted and skipped. Any
 // thread. Errors: kUnprocessable (damaged, encrypted, beyond a limit), kTooLarge (beyond room_bytes),
 // kOutOfSpace, kIo.
 #pragma once

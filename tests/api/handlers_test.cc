@@ -175,7 +175,7 @@ TEST(Form, MakesAFlightWithItsFilesAndQueuesIt) {
   EXPECT_EQ(response.headers.Find("Location"), "/api/v1/jobs/" + answer["job"]["id"].get<std::string>());
   ASSERT_EQ(answer["files"].size(), 4u);
   EXPECT_EQ(answer["files"][0]["name"], "a.jpg");
-  EXPECT_EQ(answer["files"][1]["name"], "a (2).jpg");
+  EXPECT_EQ(answer["files"][1]["name"], "a(2).jpg");
   EXPECT_TRUE(answer["files"][1].contains("note"));
   EXPECT_TRUE(answer["files"][2].contains("error"));
   EXPECT_TRUE(answer["files"][3].contains("error"));

@@ -64,6 +64,11 @@ class Archives(ServerTestCase):
         status, told = self.put("again.tar", tar_of(("b.txt", b"hello"),))
         self.assertIn("note", told["files"][0])
 
+    def test_two_cards_in_one_zip_keep_their_folders(self):
+        names = ("100MEDIA/DJI_0001.JPG", "101MEDIA/DJI_0001.JPG", "101MEDIA/positions.csv", "101MEDIA/DJI_0002.JPG")
+        self.assertEqual(self.put("cards.zip", zip_of(*((name, name.encode()) for name in names)))[0], 201)
+        self.assertEqual(set(self.listed()), {"100MEDIA_DJI_0001.JPG", "101MEDIA_DJI_0001.JPG", "101MEDIA_positions.csv", "DJI_0002.JPG"})
+
     def test_archives_come_through_every_door(self):
         archive = zip_of(("a.jpg", b"aa"), ("b.jpg", b"bb"))
         status, made = self.server.upload([("flight.zip", archive), ("c.jpg", b"cc")])

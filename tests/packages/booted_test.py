@@ -25,7 +25,7 @@ curl -fsS -H 'Content-Type: application/json' -d '{"format":"geotiff","crs":"utm
 await $api/flights/$id/exports '"state":"successful"'
 curl -fsS $api/flights/$id/verdict | grep '"photos_readable": 5'
 tar cf more.tar card/photos
-curl -fsS -T more.tar $api/flights/$id/files/ | grep -o 'SIM_0005 (2).JPG' | head -1
+curl -fsS -T more.tar $api/flights/$id/files/ | grep -o 'SIM_0005(2).JPG' | head -1
 echo all went well
 """
 

@@ -144,10 +144,10 @@ TEST_F(CatalogueTest, ReplacesAFileOfTheSameNameAndSaysWhichBytesToDrop) {
 TEST_F(CatalogueTest, KeepsBothFilesOfOneNameWhenAsked) {
   const std::string id = catalogue_.AddFlight("f", "{}", Now())->id;
   EXPECT_EQ(catalogue_.AddFileUnderFreeName(id, {"a.jpg", NewId(), 1}, Now())->name, "a.jpg");
-  EXPECT_EQ(catalogue_.AddFileUnderFreeName(id, {"a.jpg", NewId(), 1}, Now())->name, "a (2).jpg");
-  EXPECT_EQ(catalogue_.AddFileUnderFreeName(id, {"a.jpg", NewId(), 1}, Now())->name, "a (3).jpg");
+  EXPECT_EQ(catalogue_.AddFileUnderFreeName(id, {"a.jpg", NewId(), 1}, Now())->name, "a(2).jpg");
+  EXPECT_EQ(catalogue_.AddFileUnderFreeName(id, {"a.jpg", NewId(), 1}, Now())->name, "a(3).jpg");
   EXPECT_EQ(catalogue_.AddFileUnderFreeName(id, {".hidden", NewId(), 1}, Now())->name, ".hidden");
-  EXPECT_EQ(catalogue_.AddFileUnderFreeName(id, {".hidden", NewId(), 1}, Now())->name, ".hidden (2)");
+  EXPECT_EQ(catalogue_.AddFileUnderFreeName(id, {".hidden", NewId(), 1}, Now())->name, ".hidden(2)");
 }
 
 TEST_F(CatalogueTest, RefusesToChangeFilesThatAJobReads) {

@@ -34,6 +34,33 @@ std::string StoredZip() {
   return file + directory + "PK\x05\x06\0\0\0\0\x01\0\x01\0\x33\0\0\0\x26\0\0\0\0\0"s;
 }
 
+std::string Octal(std::size_t number, std::size_t digits) {
+  std::string text;
+  for (; digits > 0; --digits, number /= 8) text.insert(0, 1, static_cast<char>('0' + number % 8));
+  return text;
+}
+
+// A tar of files that hold their own names.
+std::string TarOf(const std::vector<std::string>& names) {
+  std::string tar;
+  for (const std::string& name : names) {
+    std::string header(512, '\0');
+    const auto put = [&](std::size_t at, const std::string& text) { header.replace(at, text.size(), text); };
+    put(0, name);
+    put(100, "0000644");
+    put(124, Octal(name.size(), 11));
+    put(136, "00000000000");
+    put(148, "        ");  // the sum counts itself as blanks
+    put(156, "0");
+    put(257, "ustar"s + '\0' + "00");
+    std::size_t sum = 0;
+    for (const unsigned char byte : header) sum += byte;
+    put(148, Octal(sum, 6) + '\0');
+    tar += header + name + std::string(512 - name.size(), '\0');
+  }
+  return tar + std::string(1024, '\0');
+}
+
 class UnpackArchiveTest : public testing::Test {
  protected:
   Result<std::vector<UnpackedFile>> Unpack(const std::string& archive) {
@@ -71,6 +98,18 @@ TEST_F(UnpackArchiveTest, TakesFilesBelowFoldersOfAnyLetters) {
   ASSERT_EQ(files->size(), 1U);
   EXPECT_FALSE(files->front().error) << files->front().error->message;
   EXPECT_EQ(files->front().file.name, "a.jpg");
+}
+
+TEST_F(UnpackArchiveTest, KeepsTheFoldersOfFilesOfOneName) {
+  const auto files =
+      Unpack(TarOf({"./DCIM/100MEDIA/DJI_0001.JPG", "./DCIM/101MEDIA/DJI_0001.JPG",
+                    "./DCIM/101MEDIA/positions.csv", "./DCIM/DJI_0002.JPG", "../DJI_0002.JPG"}));
+  ASSERT_TRUE(files) << files.error().message << files.error().detail;
+  std::vector<std::string> names;
+  for (const UnpackedFile& file : *files) names.push_back(file.file.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"100MEDIA_DJI_0001.JPG", "101MEDIA_DJI_0001.JPG",
+                                             "101MEDIA_positions.csv", "DJI_0002.JPG", "DJI_0002.JPG"}));
+  EXPECT_TRUE(files->back().error) << "it counts for nothing";
 }
 
 // libarchive would take it as "a", whatever it goes on with.

@@ -11,7 +11,7 @@ import { geodesicLength, isInside, pathLength, polygonArea } from '../../web/src
 import { at, baseOf } from '../../web/src/shared/router.js';
 import { clipName, formatArea, formatBytes, formatCaptureDay, formatCaptureTime, formatDuration, formatError, formatGsd, formatLength } from '../../web/src/shared/format.js';
 import { parseRoute, routeHash } from '../../web/src/shared/router.js';
-import { looksLikePhoto, selectFiles } from '../../web/src/upload/drop_files.js';
+import { looksLikePhoto, namesApart, selectFiles } from '../../web/src/upload/drop_files.js';
 import { coverageGrid, histogram } from '../../web/src/flight/report_pictures.js';
 import { absoluteWords, accuracyMark, flightFacts, isScaleKnown, relativeWords, shortFacts, statusWords } from '../../web/src/flight/flight_words.js';
 import { resultWords } from '../../web/src/flight/result_verdict.js';
@@ -246,7 +246,14 @@ test('photos and logs are chosen, the rest is named with its reason', async () =
 
 test('photos of the same name in several card folders are all sent', async () => {
   const { chosen } = await selectFiles(['100MEDIA', '101MEDIA', '102MEDIA'].map((f) => file('DJI_0001.JPG', jpeg, `DCIM/${f}/DJI_0001.JPG`)));
-  assert.deepEqual(chosen.map(({ name }) => name), ['DJI_0001.JPG', '101MEDIA_DJI_0001.JPG', '102MEDIA_DJI_0001.JPG']);
+  assert.deepEqual(chosen.map(({ name }) => name), ['100MEDIA_DJI_0001.JPG', '101MEDIA_DJI_0001.JPG', '102MEDIA_DJI_0001.JPG']);
+});
+
+test('files of one name keep their folders, and so do the lists beside them', () => {
+  assert.deepEqual(namesApart(['DCIM/100MEDIA/DJI_0001.JPG', 'DCIM/101MEDIA/DJI_0001.JPG', 'DCIM/101MEDIA/DJI_0002.JPG', 'DCIM/101MEDIA/positions.csv', 'DCIM/notes.txt']), [
+    '100MEDIA_DJI_0001.JPG', '101MEDIA_DJI_0001.JPG', 'DJI_0002.JPG', '101MEDIA_positions.csv', 'notes.txt']);
+  assert.deepEqual(namesApart(['a/100/x.jpg', 'b/100/X.JPG', 'c/x.jpg', 'x.jpg']), ['a_100_x.jpg', 'b_100_X.JPG', 'c_x.jpg', 'x.jpg']);
+  assert.deepEqual(namesApart(['x.jpg', 'x.jpg', 'X.jpg']), ['x.jpg', 'x(2).jpg', 'X(3).jpg']);
 });
 
 test('a photo is known by its first bytes', () => {

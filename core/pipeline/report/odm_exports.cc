@@ -10,6 +10,7 @@
 
 #include "core/base/check.h"
 #include "core/base/text/json_io.h"
+#include "core/base/text/printable.h"
 #include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/formats.h"
 #include "core/poses/conventions/attitude_convention.h"
@@ -69,8 +70,12 @@ std::string OdmCamerasJson(const alignment::AlignedFlight& flight) {
 
 std::string OdmGeoTxt(const alignment::AlignedFlight& flight) {
   std::vector<flight::CameraEvent> events;
+  std::size_t unnamed = 0;
   for (const alignment::AlignedPhoto& photo : flight.photos) {
-    if (photo.photo.name.find_first_of(" \t\r\n") != std::string::npos) continue;
+    if (photo.photo.name.find_first_of(" \t\r\n") != std::string::npos) {
+      ++unnamed;
+      continue;
+    }
     const geo::Wgs84 center = flight.frame.Wgs84FromEnu(photo.cam_from_enu.TargetOriginInSource());
     flight::CameraEvent event;
     event.image_name = photo.photo.name;
@@ -81,9 +86,14 @@ std::string OdmGeoTxt(const alignment::AlignedFlight& flight) {
     event.sigma_in_ned_m = Eigen::Vector3d::Constant(std::max(0.01, photo.error_radius_m));
     events.push_back(std::move(event));
   }
-  const Result<std::string> text = flight::WriteGeoTxt(events);
+  Result<std::string> text = flight::WriteGeoTxt(events);
   SKYQUILT_CHECK(text.ok(), "names with blanks were left out");
-  return *text;
+  if (unnamed > 0) {
+    // At the end: above the rows it could pass for names of columns.
+    *text += fmt::format("# Not here, for this file cannot hold the blanks in their names: {}\n",
+                         Counted(unnamed, "photo"));
+  }
+  return *std::move(text);
 }
 
 }  // namespace skyquilt::pipeline

@@ -10,7 +10,7 @@ namespace skyquilt::pipeline {
 
 std::string OdmCamerasJson(const alignment::AlignedFlight& flight);
 
-// Photos whose names hold blanks are left out: the format cannot name them.
+// Photos whose names hold blanks are left out, as a comment in it says: the format cannot name them.
 std::string OdmGeoTxt(const alignment::AlignedFlight& flight);
 
 }  // namespace skyquilt::pipeline

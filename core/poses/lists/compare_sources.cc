@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <string>
 #include <tuple>
 #include <utility>
 
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
+#include "core/geo/geodesic.h"
 #include "core/poses/heights/flight_heights.h"
 #include "core/poses/lists/judge_list.h"
 #include "core/poses/lists/list_words.h"
@@ -86,9 +88,10 @@ OwnRecords OwnRecordsOf(const Flight& flight) {
 struct JudgedList {
   ListUse use;
   ListVerdict verdict;
-  std::vector<std::size_t> events;  // of the log: those that were judged
-  std::vector<std::size_t> photos;  // that they name
-  std::vector<std::size_t> others;  // events of photos that are not here
+  std::vector<std::size_t> events;         // of the log: those that were judged
+  std::vector<std::size_t> photos;         // that they name
+  std::vector<std::size_t> others;         // events of photos that are not here
+  std::vector<std::size_t> contradicting;  // of `events`: those that say of a photo what another row does not
 };
 
 ListUse UseOf(const ListVerdict& verdict, const OwnRecords& own) {
@@ -98,6 +101,30 @@ ListUse UseOf(const ListVerdict& verdict, const OwnRecords& own) {
   use.rows_used = static_cast<std::size_t>(std::count_if(
       verdict.places.begin(), verdict.places.end(), [](const auto& place) { return place.has_value(); }));
   return use;
+}
+
+// Rows of other names that give one photo other places: of two cards of which one is here, say. Nothing tells
+// which of them is true.
+void DropContradicting(const FlightLog& log, JudgedList& judged) {
+  // What rows of the files of one exposure, or of its bands, are apart by rounding and by their lenses.
+  constexpr double kOnePlaceM = 1.0;
+  if (judged.verdict.places.empty()) return;
+  std::map<std::size_t, std::size_t> first_of;  // by photo
+  std::set<std::size_t> doubted;                // photos
+  for (std::size_t k = 0; k < judged.events.size(); ++k) {
+    const auto& place = judged.verdict.places[k];
+    if (!place) continue;
+    const std::size_t first = first_of.try_emplace(judged.photos[k], k).first->second;
+    const bool is_other_name =
+        log.events[judged.events[first]].image_name != log.events[judged.events[k]].image_name;
+    if (is_other_name && geo::MetresApart(*judged.verdict.places[first], *place) > kOnePlaceM)
+      doubted.insert(judged.photos[k]);
+  }
+  for (std::size_t k = 0; k < judged.events.size(); ++k) {
+    if (!doubted.contains(judged.photos[k]) || !judged.verdict.places[k]) continue;
+    judged.verdict.places[k].reset();
+    judged.contradicting.push_back(judged.events[k]);
+  }
 }
 
 // Nothing for a log without rows that name photos and say where they were taken.
@@ -111,11 +138,12 @@ std::optional<JudgedList> Judge(const FlightLog& log, const NamedPhotos& named, 
                    .others = {}};
   OwnPlaces places{.of_row = {}, .of_flight = own.anywhere, .is_stale = own.is_stale};
   std::size_t rows = 0;
+  const std::vector<NamedPhotos::Found> found = named.FindAll(log);
   for (std::size_t i = 0; i < log.events.size(); ++i) {
     const CameraEvent& event = log.events[i];
     if (!event.written || !event.image_name) continue;
     ++rows;
-    const std::vector<std::size_t> photos = named.Find(*event.image_name).photos;
+    const std::vector<std::size_t>& photos = found[i].photos;
     if (photos.empty()) {
       judged.others.push_back(i);
       list.others.push_back(*event.written);
@@ -128,6 +156,7 @@ std::optional<JudgedList> Judge(const FlightLog& log, const NamedPhotos& named, 
   }
   if (rows == 0) return std::nullopt;
   if (!judged.events.empty()) judged.verdict = JudgeList(list, places);
+  DropContradicting(log, judged);
   judged.use = UseOf(judged.verdict, own);
   if (judged.events.empty()) judged.use.fault = ListFault::kNamesNoPhoto;
   judged.use.file_name = log.file_name;
@@ -146,6 +175,8 @@ void TakeReading(const JudgedList& judged, FlightLog& log) {
       CameraEvent& event = log.events[events[k]];
       if (judged.use.fault == ListFault::kNone) {
         event.position = places[k];
+        if (std::binary_search(judged.contradicting.begin(), judged.contradicting.end(), events[k]))
+          event.yaw_pitch_roll_rad.reset();
       } else {
         event.position.reset();
         event.yaw_pitch_roll_rad.reset();
@@ -169,6 +200,15 @@ void Learn(const JudgedList& judged, OwnRecords& own) {
   own.is_stale = false;
 }
 
+// Of a list that serves.
+void TellContradicting(const JudgedList& judged, const FlightLog& log, Flight& flight) {
+  if (judged.use.fault != ListFault::kNone || judged.contradicting.empty()) return;
+  flight.warnings.push_back({flight::RemarkCode::kListRowsContradict,
+                             {{"file", log.file_name},
+                              {"rows", judged.contradicting.size()},
+                              {"first", *log.events[judged.contradicting.front()].image_name}}});
+}
+
 void Tell(ListUse use, Flight& flight) {
   if (auto remark = RemarkOf(use)) flight.warnings.push_back(*std::move(remark));
   flight.list_uses.push_back(std::move(use));
@@ -186,6 +226,7 @@ Result<void> CompareLists(const NamedPhotos& named, OwnRecords& own, Flight& fli
       continue;
     }
     TakeReading(*judged, log);
+    TellContradicting(*judged, log, flight);
     Learn(*judged, own);
     Tell(std::move(judged->use), flight);
   }
@@ -197,10 +238,33 @@ Result<void> CompareLists(const NamedPhotos& named, OwnRecords& own, Flight& fli
                    QuestionOf(judged->use, *verdict.middle, *verdict.other, *verdict.other_middle), ""};
     }
     TakeReading(*judged, flight.logs[i]);
+    TellContradicting(*judged, flight.logs[i], flight);
     Learn(*judged, own);
     Tell(std::move(judged->use), flight);
   }
   return {};
+}
+
+// Each mark under its photo's own name, by which the photo is found from here on; those of which it is not
+// told which photo is meant are not used.
+void NameMarkedPhotos(const NamedPhotos& named, flight::GcpList& list, Flight& flight) {
+  std::vector<std::string_view> names;
+  for (const flight::GcpSighting& sighting : list.sightings) names.emplace_back(sighting.image_name);
+  const std::vector<NamedPhotos::Found> found = named.FindAll(list.file_name, names);
+  std::vector<flight::GcpSighting> kept;
+  std::size_t open = 0;
+  std::string first_open;
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    flight::GcpSighting& sighting = list.sightings[k];
+    if (found[k].is_open && open++ == 0) first_open = PlainFileName(sighting.image_name);
+    if (found[k].is_open) continue;
+    if (!found[k].photos.empty()) sighting.image_name = flight.photos[found[k].photos.front()].name;
+    kept.push_back(std::move(sighting));
+  }
+  list.sightings = std::move(kept);
+  if (open == 0) return;
+  flight.warnings.push_back({flight::RemarkCode::kListRowsOfSeveralPhotos,
+                             {{"file", list.file_name}, {"rows", open}, {"first", first_open}}});
 }
 
 // Where the photos that show the points were taken, else where any was.
@@ -258,6 +322,7 @@ std::optional<flight::GcpList> JudgedControl(flight::GcpList list, const NamedPh
 
 void CompareControl(const NamedPhotos& named, const OwnRecords& own, Flight& flight) {
   for (flight::GcpList& list : std::exchange(flight.gcp_lists, {})) {
+    NameMarkedPhotos(named, list, flight);
     if (auto judged = JudgedControl(std::move(list), named, own, flight))
       flight.gcp_lists.push_back(*std::move(judged));
   }

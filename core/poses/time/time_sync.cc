@@ -92,12 +92,12 @@ class Synchroniser {
   }
 
   bool ByNames() {
-    const NamedPhotos named(photos_);
+    const std::vector<NamedPhotos::Found> found = NamedPhotos(photos_).FindAll(log_);
     std::size_t matched = 0;
     for (std::size_t i = 0; i < log_.events.size(); ++i) {
       const CameraEvent& event = log_.events[i];
       if (!event.has_time || !event.image_name) continue;
-      for (const std::size_t photo : named.Find(*event.image_name).photos) {
+      for (const std::size_t photo : found[i].photos) {
         if (sync_.photos[photo]) continue;
         Place(photo, i, jitter_s_);
         ++matched;

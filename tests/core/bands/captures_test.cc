@@ -77,6 +77,25 @@ TEST_F(CapturesTest, GroupsById) {
   }
 }
 
+TEST_F(CapturesTest, TheReferenceHasTheNamesOfAll) {
+  AddGreenAndNir({"SIM_0001", "SIM_0002"});
+  flight::Flight flight = Read();
+  SetBandsApart(flight, 1);
+  ASSERT_EQ(flight.photos.size(), 2U);
+  EXPECT_EQ(flight.photos[1].name, "SIM_0002_Green.TIF");
+  EXPECT_EQ(flight.photos[1].other_names, (std::vector<std::string>{"SIM_0002_NIR.TIF", "SIM_0002"}));
+}
+
+// DJI_0011.TIF and DJI_0012.TIF: what they have in common names no capture.
+TEST_F(CapturesTest, TheCounterOfTheBandIsNoEndOfTheCapturesName) {
+  Add("DJI_0011.TIF", "Green", "Camera:CaptureUUID=\"a\"");
+  Add("DJI_0012.TIF", "NIR", "Camera:CaptureUUID=\"a\"");
+  flight::Flight flight = Read();
+  SetBandsApart(flight, 1);
+  ASSERT_EQ(flight.photos.size(), 1U);
+  EXPECT_EQ(flight.photos[0].other_names, (std::vector<std::string>{"DJI_0012.TIF"}));
+}
+
 TEST_F(CapturesTest, GroupsByTimeWithoutIds) {
   for (const int second : {0, 5}) {
     for (const char* band : {"Red", "NIR"}) {

@@ -107,7 +107,7 @@ TEST(ReadFlight, KeepsTwoPhotosOfOneNameAndDropsTrueDoubles) {
   folder.Write("101/DJI_0001.JPG", PhotoAt(1.1, "2021:06:03 12:00:05"));
   folder.Write("copy/DJI_0001.JPG", PhotoAt(1.0, "2021:06:03 12:00:00"));
   const Flight flight = Read(folder);
-  EXPECT_EQ(Names(flight), (std::vector<std::string>{"DJI_0001.JPG", "101/DJI_0001.JPG"}));
+  EXPECT_EQ(Names(flight), (std::vector<std::string>{"100/DJI_0001.JPG", "101/DJI_0001.JPG"}));
   ASSERT_EQ(flight.left_out.size(), 1u);
   EXPECT_EQ(flight.left_out[0].name, "copy/DJI_0001.JPG");
   EXPECT_THAT(InWords(flight.left_out[0].reason), HasSubstr("DJI_0001.JPG"));
@@ -121,7 +121,7 @@ TEST(ReadFlight, MakesGivenNamesUnique) {
   const auto flight =
       ReadFlight({{"a.jpg", folder.path() / "x"}, {"a.jpg", folder.path() / "y"}}, 0, progress);
   ASSERT_TRUE(flight.ok());
-  EXPECT_EQ(Names(*flight), (std::vector<std::string>{"a.jpg", "a.jpg (2)"}));
+  EXPECT_EQ(Names(*flight), (std::vector<std::string>{"a.jpg", "a(2).jpg"}));
 }
 
 TEST(ReadFlight, FailsOnlyWithoutAnyFile) {

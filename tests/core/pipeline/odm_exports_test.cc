@@ -31,7 +31,9 @@ alignment::AlignedFlight Flight() {
 
 TEST(OdmExports, ReadBackAsThePosesTheyWereWrittenFrom) {
   const alignment::AlignedFlight flight = Flight();
-  const auto log = flight::ParseGeoTxt("geo.txt", flight::BytesOf(OdmGeoTxt(flight)));
+  const std::string text = OdmGeoTxt(flight);
+  EXPECT_TRUE(text.ends_with("in their names: 1 photo\n")) << text;
+  const auto log = flight::ParseGeoTxt("geo.txt", flight::BytesOf(text));
   ASSERT_TRUE(log.ok());
   ASSERT_EQ(log->events.size(), 1u) << "a name with a blank cannot be held";
   const flight::CameraEvent& event = log->events.front();

@@ -328,6 +328,38 @@ TEST(CompareSources, JudgesSurveyedPointsByThePhotosThatShowThem) {
   EXPECT_TRUE(elsewhere.gcp_lists.empty());
 }
 
+// Of two cards the photo of one could not be read, so that both rows fall on the other's.
+TEST(CompareSources, UsesNeitherOfTwoRowsThatGiveAPhotoDifferentPlaces) {
+  FlightLog list = ListOf(kDuluth, 18, AsDegrees, "EPSG:4326");
+  flight::CameraEvent& same = list.events.emplace_back(list.events[2]);
+  same.image_name = "DJI_102.DNG";
+  flight::CameraEvent& other = list.events.emplace_back(list.events[4]);
+  other.image_name = "101MEDIA/DJI_105.JPG";
+  const Flight flight = Compared(kDuluth, list);
+  EXPECT_EQ(flight.list_uses[0].rows_used, 18u) << "of twenty";
+  const std::vector<flight::CameraEvent>& events = flight.logs[0].events;
+  EXPECT_FALSE(events[5].position || events[19].position);
+  EXPECT_FALSE(events[5].yaw_pitch_roll_rad || events[19].yaw_pitch_roll_rad);
+  EXPECT_TRUE(events[2].position && events[18].position) << "they agree";
+  EXPECT_THAT(InWords(flight.warnings),
+              Contains(HasSubstr("2 rows (the first is DJI_105.JPG) are not used")));
+}
+
+TEST(CompareSources, NamesMarksByThePhotosOfTheirFolders) {
+  Flight flight = FlightAt(kDuluth);
+  flight.photos[0].name = "100MEDIA_DJI_100.JPG";
+  flight.photos[1].name = "101MEDIA_DJI_100.JPG";
+  flight.gcp_lists = {Survey(kDuluth, "EPSG:32615", false)};
+  std::vector<flight::GcpSighting>& marks = flight.gcp_lists[0].sightings;
+  marks[1].image_name = "101MEDIA/DJI_100.JPG";
+  ASSERT_TRUE(CompareSources(flight).ok());
+  ASSERT_EQ(flight.gcp_lists.size(), 1u);
+  ASSERT_EQ(flight.gcp_lists[0].sightings.size(), 4u)
+      << "of the first mark it is not told which photo it is in";
+  EXPECT_EQ(flight.gcp_lists[0].sightings[0].image_name, "101MEDIA_DJI_100.JPG");
+  EXPECT_THAT(InWords(flight.warnings), Contains(HasSubstr("of 1 row (dji_100.jpg)")));
+}
+
 // Any place, order, sign and system: right to a metre, or refused.
 TEST(CompareSources, NeverBelievesAReadingThatIsWrong) {
   std::mt19937 random(36);

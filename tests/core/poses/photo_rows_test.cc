@@ -107,6 +107,64 @@ TEST(NamedPhotos, GivesPicturesOfOneExposureTheSameRow) {
   EXPECT_THAT(named.Find("DJI_0001.TIF").photos, ElementsAre(1));
 }
 
+// As archives and `upload` bring two cards to a server, which takes no folders.
+TEST(NamedPhotos, TellsTwoCardsApartByFoldersJoinedToTheirNames) {
+  const NamedPhotos named = Named({"100MEDIA_DJI_0001.JPG", "101MEDIA_DJI_0001.JPG", "DJI_0002.JPG"});
+  EXPECT_THAT(named.Find("DCIM/101MEDIA/DJI_0001.JPG").photos, ElementsAre(1));
+  EXPECT_THAT(named.Find("100MEDIA/DJI_0001").photos, ElementsAre(0));
+  EXPECT_THAT(named.Find("101MEDIA_DJI_0001.JPG").photos, ElementsAre(1));
+  for (const char* row : {"DJI_0001.JPG", "102MEDIA/DJI_0001.JPG"}) {
+    EXPECT_THAT(named.Find(row).photos, IsEmpty()) << row;
+    EXPECT_TRUE(named.Find(row).is_open) << row;
+  }
+  EXPECT_FALSE(named.Find("0001").is_open) << "no camera calls its photos so";
+  for (const char* list : {"101MEDIA_positions.csv", "101MEDIA/positions.csv"}) {
+    const auto found = named.FindAll(list, {"DJI_0001.JPG", "DJI_0002.JPG"});
+    EXPECT_THAT(found[0].photos, ElementsAre(1)) << list;
+    EXPECT_THAT(found[1].photos, ElementsAre(2)) << list;
+  }
+}
+
+TEST(NamedPhotos, TakesTheFolderOfTheListWhereTheRowsHaveNone) {
+  const NamedPhotos named = Named({"100MEDIA/DJI_0001.JPG", "101MEDIA/DJI_0001.JPG"});
+  EXPECT_THAT(named.FindAll("101MEDIA/positions.csv", {"DJI_0001.JPG"})[0].photos, ElementsAre(1));
+  EXPECT_TRUE(named.FindAll("cards/positions.csv", {"DJI_0001.JPG"})[0].is_open);
+}
+
+// The first card came before the second and has its plain names.
+TEST(NamedPhotos, TakesNoPhotoThatHasADoubleForTheOneOfThePlainName) {
+  for (const char* double_name : {"101MEDIA_DJI_0001.JPG", "DJI_0001(2).JPG", "DJI_0001 (2).JPG"}) {
+    const NamedPhotos named = Named({"DJI_0001.JPG", double_name, "DJI_0002.JPG"});
+    EXPECT_TRUE(named.Find("DJI_0001.JPG").is_open) << double_name;
+    EXPECT_TRUE(named.Find("100MEDIA/DJI_0001.JPG").is_open) << double_name;
+    EXPECT_THAT(named.Find(double_name).photos, ElementsAre(1));
+    EXPECT_THAT(named.Find("DJI_0002.JPG").photos, ElementsAre(2));
+    const auto found = named.FindAll("101MEDIA_geo.txt", {"DJI_0001.JPG", double_name});
+    EXPECT_THAT(found[0].photos, ElementsAre(0)) << "a list that calls the double so calls all by full names";
+    EXPECT_THAT(found[1].photos, ElementsAre(1)) << double_name;
+  }
+  EXPECT_THAT(Named({"DJI_0001.JPG", "101MEDIA_DJI_0001.JPG"}).Find("101MEDIA/DJI_0001.JPG").photos,
+              ElementsAre(1));
+}
+
+TEST(NamedPhotos, FindsLettersWithMarksInEitherForm) {
+  EXPECT_THAT(Named({"Gr\u00fcn_1.JPG"}).Find("gru\u0308n_1.jpg").photos, ElementsAre(0));
+  EXPECT_THAT(Named({"U\u0308ber_1.JPG"}).Find("\u00dcber_1.JPG").photos, ElementsAre(0));
+}
+
+TEST(NamedPhotos, FindsACaptureByAnyOfItsNames) {
+  std::vector<flight::Photo> photos(2);
+  for (std::size_t k = 0; k < 2; ++k) {
+    const std::string capture = "SIM_000" + std::to_string(k);
+    photos[k].name = capture + "_2.tif";
+    photos[k].other_names = {capture + "_1.tif", capture + "_5.tif", capture};
+  }
+  const NamedPhotos named(photos);
+  for (const char* row : {"SIM_0001_1.tif", "sim_0001_2.TIF", "SIM_0001_5", "SIM_0001", "SIM_0001.tif"})
+    EXPECT_THAT(named.Find(row).photos, ElementsAre(1)) << row;
+  EXPECT_THAT(named.Find("SIM_0001_3.tif").photos, IsEmpty());
+}
+
 TEST(NamedPhotos, DoesNotCompareThousandsOfFoldersForEachRow) {
   std::vector<std::string> names;
   for (int k = 0; k < 5000; ++k) names.push_back(std::to_string(k) + "/IMG.JPG");

@@ -14,6 +14,8 @@ const kFilms = new Set(['mp4', 'mov']);
 const kOtherFilms = new Set(['avi', 'mkv', 'lrf', 'lrv', 'ts']);
 // The server unpacks these into the files in them.
 const kArchiveName = /\.(zip|tar|tgz|tar\.gz)$/i;
+// So many of a file's folders stand in front of its name at most.
+const kMaxFolders = 8;
 const kOtherArchives = new Set(['7z', 'rar', 'gz', 'bz2', 'xz']);
 
 /**
@@ -52,7 +54,6 @@ export function looksLikePhoto(head) {
 export async function selectFiles(found) {
   /** @type {Selection} */
   const selection = { chosen: [], ignored: [], folder: commonFolder(found) };
-  const taken = new Set();
   const reasons = strings.drop.reasons;
   const sorted = [...found].sort((a, b) => (a.path < b.path ? -1 : a.path > b.path ? 1 : 0));
   for (const { file, path } of sorted) {
@@ -71,29 +72,63 @@ export async function selectFiles(found) {
       selection.ignored.push({ name: path, reason });
       continue;
     }
-    const unique = uniqueName(path, taken);
-    taken.add(unique.toLowerCase());
-    selection.chosen.push({ file, name: unique });
+    selection.chosen.push({ file, name: path });
   }
+  const names = namesApart(selection.chosen.map(({ name }) => name));
+  selection.chosen.forEach((one, i) => (one.name = names[i]));
   return selection;
 }
 
 /**
- * Cameras start again at 0001 in each card folder; the folder's name then tells the photos apart.
- * @param {string} path
- * @param {Set<string>} taken names in use, in lower case
- * @returns {string}
+ * Cameras start again at 0001 in each card folder; the folder's name then tells the photos apart. A list beside such
+ * photos keeps it too, for it counts for these. As core/base/text/file_names.cc names files.
+ * @param {string[]} paths
+ * @returns {string[]} a name for each, all different in any case
  */
-function uniqueName(path, taken) {
-  const parts = path.split('/');
-  for (let depth = 1; depth <= parts.length; depth += 1) {
-    const name = parts.slice(-depth).join('_');
-    if (!taken.has(name.toLowerCase())) return name;
+export function namesApart(paths) {
+  const split = paths.map((path) => path.split('/')).map((parts) => ({ folders: parts.slice(0, -1), name: parts[parts.length - 1] }));
+  const key = (/** @type {{folders: string[]}} */ { folders }) => folders.join('/');
+  /** @type {Map<string, string>} */
+  const first_folder = new Map();
+  const doubled = new Set();
+  for (const one of split) {
+    const plain = one.name.toLowerCase();
+    if (!first_folder.has(plain)) first_folder.set(plain, key(one));
+    else if (first_folder.get(plain) !== key(one)) doubled.add(plain);
   }
-  for (let i = 2; ; i += 1) {
-    const name = `${i}_${parts.join('_')}`;
-    if (!taken.has(name.toLowerCase())) return name;
+  const isDoubled = (/** @type {{name: string}} */ { name }) => doubled.has(name.toLowerCase());
+  const labels = labelsOf(new Map(split.filter(isDoubled).map((one) => [key(one), one.folders])));
+  const taken = new Set();
+  return split.map((one) => {
+    const label = isDoubled(one) || !kPhotos.has(extension(one.name)) ? labels.get(key(one)) ?? [] : [];
+    const own = [...label, one.name].join('_');
+    const dot = own.lastIndexOf('.');
+    let name = own;
+    for (let i = 2; taken.has(name.toLowerCase()); i += 1) name = dot > 0 ? `${own.slice(0, dot)}(${i})${own.slice(dot)}` : `${own}(${i})`;
+    taken.add(name.toLowerCase());
+    return name;
+  });
+}
+
+/**
+ * @param {Map<string, string[]>} folders parts of paths
+ * @returns {Map<string, string[]>} of each the last parts that tell it from the others
+ */
+function labelsOf(folders) {
+  /** @type {Map<string, string[]>} */
+  const labels = new Map();
+  let open = [...folders.keys()];
+  for (let parts = 1; parts <= kMaxFolders && open.length > 0; parts += 1) {
+    /** @type {Map<string, number>} */
+    const times = new Map();
+    const word = (/** @type {string} */ folder) => (labels.get(folder) ?? []).join('/').toLowerCase();
+    for (const folder of open) {
+      labels.set(folder, (folders.get(folder) ?? []).slice(-parts));
+      times.set(word(folder), (times.get(word(folder)) ?? 0) + 1);
+    }
+    open = open.filter((folder) => times.get(word(folder)) !== 1);
   }
+  return labels;
 }
 
 /**

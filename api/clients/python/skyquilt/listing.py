@@ -1,14 +1,18 @@
 """Which files of a folder go to the server, and by which names."""
 from __future__ import annotations
 
+import collections
 import dataclasses
 import os
 import pathlib
-from typing import Iterable, List, Sequence, Set, Union
+from typing import Dict, Iterable, List, Sequence, Set, Union
 
 from .errors import InputError
 
 Path = Union[str, "os.PathLike[str]"]
+
+_PICTURES = {".jpg", ".jpeg", ".tif", ".tiff", ".png", ".dng"}
+_MAX_FOLDERS = 8  # in front of a name
 
 
 @dataclasses.dataclass(frozen=True)
@@ -21,11 +25,10 @@ class LocalFile:
 
 
 def list_files(paths: Union[Path, Iterable[Path]]) -> List[LocalFile]:
-    """The files named and those below the folders named, without hidden and empty ones, in the order of their paths. A name
-    that comes twice gets as many folders in front as it takes. Raises `InputError` where there is nothing to send."""
+    """The files named and those below the folders named, without hidden and empty ones, in the order of their paths. Names
+    that come twice have as many folders in front as it takes. Raises `InputError` where there is nothing to send."""
     named = [pathlib.Path(paths)] if isinstance(paths, (str, os.PathLike)) else [pathlib.Path(path) for path in paths]
     files: List[LocalFile] = []
-    taken: Set[str] = set()
     seen: Set[str] = set()
     for path in _walk(named):
         key = os.path.normpath(path)
@@ -33,12 +36,10 @@ def list_files(paths: Union[Path, Iterable[Path]]) -> List[LocalFile]:
         if key in seen or size == 0:  # an empty file says nothing
             continue
         seen.add(key)
-        name = _unique_name(path, taken)
-        taken.add(name)
-        files.append(LocalFile(name, path, size))
+        files.append(LocalFile(path.name, path, size))
     if not files:
         raise InputError(f"There are no files to send in {', '.join(str(path) for path in named) or 'an empty list'}.")
-    return files
+    return [dataclasses.replace(file, name=name) for file, name in zip(files, _names_apart([file.path for file in files]))]
 
 
 def name_of(paths: Union[Path, Iterable[Path]]) -> str:
@@ -62,11 +63,33 @@ def _walk(named: Sequence[pathlib.Path]) -> Iterable[pathlib.Path]:
         yield from (one for one in sorted(found) if one.is_file())
 
 
-def _unique_name(path: pathlib.Path, taken: Set[str]) -> str:
-    name, folder = path.name, pathlib.Path(os.path.abspath(path)).parent
-    while name in taken and folder.name:
-        name, folder = f"{folder.name}/{name}", folder.parent
-    copy = 2
-    while name in taken:
-        name, copy = f"{path.name} ({copy})", copy + 1
-    return name
+def _names_apart(paths: Sequence[pathlib.Path]) -> List[str]:
+    """A name for each, as core/base/text/file_names.cc gives them: its own, with as many folders in front as tell it from
+    files of that name elsewhere. What is no picture keeps the folder beside such, for a list counts for the photos there."""
+    whole = [pathlib.Path(os.path.abspath(path)) for path in paths]
+    first_folder: Dict[str, pathlib.Path] = {}
+    doubled = {path.name.lower() for path in whole if first_folder.setdefault(path.name.lower(), path.parent) != path.parent}
+    labels = _labels({path.parent for path in whole if path.name.lower() in doubled})
+    names: List[str] = []
+    taken: Set[str] = set()
+    for path in whole:
+        label = labels.get(path.parent, "") if path.name.lower() in doubled or path.suffix.lower() not in _PICTURES else ""
+        name, copy = f"{label}_{path.name}" if label else path.name, 2
+        own = pathlib.PurePath(name)
+        while name in taken:
+            name, copy = f"{own.stem}({copy}){own.suffix}", copy + 1
+        taken.add(name)
+        names.append(name)
+    return names
+
+
+def _labels(folders: Set[pathlib.Path]) -> Dict[pathlib.Path, str]:
+    """Of each the last folders that tell it from the others."""
+    labels: Dict[pathlib.Path, str] = {}
+    remaining = sorted(folders)
+    for parts in range(1, _MAX_FOLDERS + 1):
+        for folder in remaining:
+            labels[folder] = "_".join(folder.parts[1:][-parts:])
+        times = collections.Counter(labels[folder].lower() for folder in remaining)
+        remaining = [folder for folder in remaining if times[labels[folder].lower()] > 1]
+    return labels

@@ -1,0 +1,102 @@
+#include "core/base/text/file_names.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <set>
+
+namespace skyquilt {
+namespace {
+
+std::string InSmallLetters(std::string_view name) {
+  std::string small(name);
+  for (char& c : small) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return small;
+}
+
+std::string_view FileOf(std::string_view path) { return path.substr(path.find_last_of('/') + 1); }
+
+std::string FolderOf(const std::string& path) {
+  const std::size_t end = path.find_last_of('/');
+  return end == std::string::npos ? std::string() : path.substr(0, end);
+}
+
+bool IsNamedAsPicture(std::string_view file) {
+  constexpr std::array<std::string_view, 6> kEndings = {"jpg", "jpeg", "tif", "tiff", "png", "dng"};
+  const std::string ending = InSmallLetters(file.substr(file.rfind('.') + 1));
+  return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
+}
+
+// "a/b/c", 2 -> "b/c"
+std::string LastParts(const std::string& folder, std::size_t parts) {
+  if (folder.empty()) return folder;
+  std::size_t begin = folder.size();
+  for (; parts > 0 && begin != std::string::npos && begin > 0; --parts)
+    begin = folder.find_last_of('/', begin - 1);
+  return begin == std::string::npos ? folder : begin == 0 ? folder.substr(1) : folder.substr(begin + 1);
+}
+
+// By folder the last parts that tell it from the others.
+std::map<std::string, std::string> LabelsOf(const std::set<std::string>& folders) {
+  std::map<std::string, std::string> labels;
+  std::vector<std::string> open(folders.begin(), folders.end());
+  for (std::size_t parts = 1; parts <= kMaxFoldersOfName && !open.empty(); ++parts) {
+    std::map<std::string, std::size_t> times;
+    for (const std::string& folder : open) {
+      labels[folder] = LastParts(folder, parts);
+      ++times[InSmallLetters(labels[folder])];
+    }
+    std::erase_if(open,
+                  [&](const std::string& folder) { return times[InSmallLetters(labels[folder])] == 1; });
+  }
+  return labels;
+}
+
+}  // namespace
+
+std::string NumberedName(std::string_view name, std::string_view mark) {
+  const std::size_t dot = name.rfind('.');
+  // An ending of a folder's is none of the file's, nor is ".hidden" one.
+  const bool has_ending = dot != std::string_view::npos && dot > name.find_last_of('/') + 1;
+  const std::string_view stem = has_ending ? name.substr(0, dot) : name;
+  std::string numbered(stem);
+  return numbered.append("(").append(mark).append(")").append(name.substr(stem.size()));
+}
+
+std::vector<std::string> NamesApart(const std::vector<std::string>& paths) {
+  std::map<std::string, std::string> first_folder;  // by plain name
+  std::set<std::string> doubled;                    // plain names that files of several folders have
+  for (const std::string& path : paths) {
+    const std::string plain = InSmallLetters(FileOf(path)), folder = FolderOf(path);
+    if (first_folder.try_emplace(plain, folder).first->second != folder) doubled.insert(plain);
+  }
+  const auto is_doubled = [&](const std::string& path) {
+    return doubled.contains(InSmallLetters(FileOf(path)));
+  };
+  std::set<std::string> folders;
+  for (const std::string& path : paths) {
+    if (is_doubled(path)) folders.insert(FolderOf(path));
+  }
+  const std::map<std::string, std::string> labels = LabelsOf(folders);
+  std::vector<std::string> names;
+  std::set<std::string> taken;
+  std::map<std::string, int> copies;
+  for (const std::string& path : paths) {
+    std::string name(FileOf(path));
+    const auto label = labels.find(FolderOf(path));
+    if (label != labels.end() && !label->second.empty() && (is_doubled(path) || !IsNamedAsPicture(name)))
+      name = label->second + "/" + name;
+    const std::string own = name;
+    while (!taken.insert(name).second)
+      name = NumberedName(own, std::to_string(++copies.try_emplace(own, 1).first->second));
+    names.push_back(std::move(name));
+  }
+  return names;
+}
+
+std::string WithFoldersJoined(std::string name) {
+  std::replace(name.begin(), name.end(), '/', '_');
+  return name;
+}
+
+}  // namespace skyquilt
