@@ -164,14 +164,13 @@ class RowPlaces {
 
   void Take(std::size_t line, CameraEvent& event) {
     if (!event.written) return;
-    WrittenPlace& at = *event.written;
+    const WrittenPlace at = *event.written;
     const bool may_be_degrees = std::abs(at.x) <= 180.0 && std::abs(at.y) <= 180.0;
     are_degrees_ = are_degrees_ && may_be_degrees;
     if (system_ != nullptr) {
       if (++placed_ <= kMaxPlaced) event.position = system_->ToLatLon(at.x, at.y);
       return;
     }
-    if (order_ == PairOrder::kOpen && may_be_degrees) std::swap(at.x, at.y);  // Pix4D's: latitude first
     if (is_plane_ && !geo::LatLon::Make(at.y, at.x)) return;
     event.position = geo::LatLon{at.y, at.x};  // LogBuilder looks at it
     off_.Look(event, line);
