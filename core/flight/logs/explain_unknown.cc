@@ -104,19 +104,27 @@ std::optional<Remark> ExplainUnknownTable(LogBytes head, std::string_view name) 
   constexpr int kMinRows = 2;
   if (!LooksLikeText(TextOf(head))) return std::nullopt;
   LineReader lines(TextOf(head));
-  std::string_view line;
+  std::string_view line, comment;
   while (lines.Next(line)) {
-    if (!Trim(line).empty() && line.front() != '#' && !StartsWithIgnoringCase(line, "sep=")) break;
+    if (Trim(line).empty() || StartsWithIgnoringCase(line, "sep=")) continue;
+    if (line.front() != '#') break;
+    comment = line.substr(std::min(line.find_first_not_of("# \t"), line.size()));
   }
   const std::string_view first_line = line;
   const std::size_t first_number = lines.line_number();
   const char separator = GuessSeparator(line);
   std::vector<std::string_view> header, cells, row;
   SplitFields(line, separator, header);
-  const bool has_names = IsHeader(header);
+  bool has_names = IsHeader(header);
   int rows = IsRowOfNumbers(header, header.size()) ? 1 : 0;
   if (header.size() < 2 || (!has_names && rows == 0)) return std::nullopt;
   std::size_t row_number = 0;
+  SplitFields(comment, separator, cells);
+  if (!has_names && cells.size() == header.size() && IsHeader(cells)) {  // the names are commented out
+    row = std::exchange(header, cells);
+    row_number = first_number;
+    has_names = true;
+  }
   for (int i = 0; i < kRowsLookedAt && rows < kMinRows && lines.Next(line); ++i) {
     SplitFields(line, separator, cells);
     if (!IsRowOfNumbers(cells, header.size())) continue;

@@ -66,8 +66,8 @@ Result<FlightLog> ParseImagesCsv(std::string_view name, LogBytes bytes, const Co
 // (unread_cells.h). Also the headerless replay rows "time_us,imu|gps|baro,values" of the PX4 estimator
 // library. Errors: kUnprocessable (contradiction), kUnsupportedFormat (no column we know).
 bool LooksLikeTolerantCsv(LogBytes head);
-// A table whose names say which column is the image, the latitude and the longitude, but not in the order and
-// units in which Pix4D's lists have them: what stands where is then read from the names.
+// A list of photos with names of columns, whichever program wrote it: image, two coordinates in degrees or of
+// a plane, and what else the names say (list_columns.h), below a line that names the system or without one.
 bool LooksLikeNamedPlaces(LogBytes head);
 Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed = {});
 
@@ -85,8 +85,8 @@ bool LooksLikeRtklibPos(LogBytes head);
 Result<FlightLog> ParseRtklibPos(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed = {});
 
 // geo.txt of OpenDroneMap: a reference system in the first line, then "image x y [z [yaw pitch roll [sh
-// sv]]]" per photo, x before y unless a line of column names says otherwise, degrees, pitch 0 = straight
-// down, NaN for an angle that is not known; cut at blanks, tabs, semicolons or commas. What the rows say is
+// sv]]]" per photo, x before y, degrees, pitch 0 = straight down, NaN for an angle that is not known; cut at
+// blanks, tabs, semicolons or commas; below a line of column names it is a table. What the rows say is
 // kept as written beside its plain reading; which reading is true, core/poses/lists judges, also of rows
 // without a system. Angles counted from nadir are those of an airframe whose camera looks down, and are kept
 // as such. Rows become camera events without a time; z is taken as a height above the ellipsoid. Error:
@@ -97,10 +97,9 @@ Result<FlightLog> ParseGeoTxt(std::string_view name, LogBytes bytes, const Consu
 // name with blanks, which the format cannot hold.
 Result<std::string> WriteGeoTxt(std::span<const CameraEvent> events);
 
-// Geolocation CSV of Pix4D: "image,latitude,longitude,height[,yaw,pitch,roll | omega,phi,kappa][,accH,accV]",
-// with a header line (with or without #) or none; coordinates of a projected system stand east first, as
-// "image,x,y,z". The header's order of the two counts, and angles are used only where it names them: without
-// one, yaw-pitch-roll and omega-phi-kappa look alike and are left out with a warning. What the rows say is
+// Geolocation CSV of Pix4D without a header line (with one it is a table): "image,latitude,longitude,height[,
+// three angles][,accH,accV]"; coordinates of a projected system stand east first, as "image,x,y,z". Without
+// names yaw-pitch-roll and omega-phi-kappa look alike: they are left out with a warning. What the rows say is
 // kept as written; which reading of it is true, core/poses/lists judges. Rows become camera events without a
 // time.
 bool LooksLikePix4dCsv(LogBytes head);

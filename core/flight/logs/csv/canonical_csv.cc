@@ -1,5 +1,7 @@
 #include "core/flight/logs/csv/canonical_csv.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +10,7 @@
 #include "core/base/try.h"
 #include "core/flight/logs/csv/csv_rows.h"
 #include "core/flight/logs/csv/csv_units.h"
+#include "core/flight/logs/csv/list_columns.h"
 #include "core/flight/logs/formats.h"
 #include "core/flight/remarks/because.h"
 
@@ -116,16 +119,15 @@ CameraEvent EventOf(const CsvRow& row, AttitudeKind kind) {
   CameraEvent event;
   event.image_name = std::string(row.image.substr(0, kMaxNameLength));
   event.written = WrittenPlaceOf(row);
-  if (event.written)
-    event.position = geo::LatLon{event.written->y, event.written->x};  // LogBuilder looks at it
   event.height_ellipsoid_m = row[M::kHeightEllipsoid];
   event.height_amsl_m = row[M::kHeightAmsl];
   event.height_above_takeoff_m = row[M::kHeightAboveTakeoff];
   TakeAngles(row, kind, event);
   const auto horizontal = row[M::kSigmaHorizontal];
   if (horizontal && *horizontal > 0.0) {
-    const double vertical = row[M::kSigmaVertical].value_or(2.0 * *horizontal);
-    event.sigma_in_ned_m = Eigen::Vector3d(*horizontal, *horizontal, vertical);
+    const double vertical = row[M::kSigmaVertical].value_or(0.0);
+    event.sigma_in_ned_m =
+        Eigen::Vector3d(*horizontal, *horizontal, vertical > 0.0 ? vertical : 2.0 * *horizontal);
   }
   event.sigma_tilt_rad = row[M::kSigmaTilt];
   event.sigma_yaw_rad = row[M::kSigmaYaw];
@@ -150,6 +152,68 @@ struct OffTheEarth {
                   {{"rows", rows}, {"line", first_line}, {"lat_deg", first.y}, {"lon_deg", first.x}}});
   }
 };
+
+// Where the rows of one list are, as they are written and in the plain reading of it.
+class RowPlaces {
+ public:
+  RowPlaces(const std::vector<CsvColumn>& columns, const geo::ReferenceSystem* system)
+      : system_(system),
+        is_plane_(HasPlane(columns) && !HasDegrees(columns)),
+        has_pair_(is_plane_ || HasDegrees(columns)),
+        order_(is_plane_ ? OrderOfPair(columns) : PairOrder::kNamed) {}
+
+  void Take(std::size_t line, CameraEvent& event) {
+    if (!event.written) return;
+    const WrittenPlace at = *event.written;
+    const bool may_be_degrees = std::abs(at.x) <= 180.0 && std::abs(at.y) <= 180.0;
+    are_degrees_ = are_degrees_ && may_be_degrees;
+    if (system_ != nullptr) {
+      if (++placed_ <= kMaxPlaced) event.position = system_->ToLatLon(at.x, at.y);
+      return;
+    }
+    if (is_plane_ && !geo::LatLon::Make(at.y, at.x)) return;
+    event.position = geo::LatLon{at.y, at.x};  // LogBuilder looks at it
+    off_.Look(event, line);
+  }
+
+  void Tell(LogBuilder& builder) const {
+    off_.Tell(builder);
+    FlightLog& log = builder.log();
+    log.written_order_is_named = has_pair_ && order_ == PairOrder::kNamed;
+    log.written_order_is_assumed = order_ == PairOrder::kOpen && are_degrees_ && system_ == nullptr;
+    if (system_ == nullptr) return;
+    log.written_system = system_->definition();
+    log.mapping.push_back(fmt::format("x, y -> {}", system_->name()));
+  }
+
+ private:
+  static constexpr std::uint64_t kMaxPlaced =
+      200'000;  // more events no log holds; each costs a transformation
+
+  const geo::ReferenceSystem* system_;
+  bool is_plane_, has_pair_;
+  PairOrder order_;
+  bool are_degrees_ = true;
+  std::uint64_t placed_ = 0;
+  OffTheEarth off_;
+};
+
+// Angles are used only as a whole.
+std::optional<Remark> SayLackingAngles(const std::vector<CsvColumn>& columns) {
+  const auto has = [&](M meaning) { return HasColumn(columns, meaning); };
+  if (has(M::kGimbalPitch) && has(M::kGimbalYaw)) return std::nullopt;
+  std::string names;
+  for (const auto& angles :
+       {std::array{M::kYaw, M::kPitch, M::kRoll}, std::array{M::kOmega, M::kPhi, M::kKappa}}) {
+    if (std::all_of(angles.begin(), angles.end(), has)) return std::nullopt;
+    for (const M angle : angles) {
+      if (const CsvColumn* column = ColumnOf(columns, angle))
+        names += (names.empty() ? "" : ", ") + Quoted(column->header);
+    }
+  }
+  if (names.empty()) return std::nullopt;
+  return Remark{RemarkCode::kAnglesLackOthers, {{"columns", names}}};
+}
 
 }  // namespace
 
@@ -214,7 +278,8 @@ Result<FlightLog> ParseImagesCsv(std::string_view name, LogBytes bytes, const Co
 }
 
 Result<FlightLog> ReadImageRows(const std::vector<CsvColumn>& columns, const SettledColumns& settled,
-                                char separator, LineReader lines, LogBuilder builder) {
+                                char separator, LineReader lines, LogBuilder builder,
+                                const geo::ReferenceSystem* system) {
   const std::string name = builder.log().file_name;
   std::vector<std::string_view> cells;
   const bool has_time = HasColumn(columns, M::kTime);
@@ -227,7 +292,7 @@ Result<FlightLog> ReadImageRows(const std::vector<CsvColumn>& columns, const Set
   std::uint64_t rows = 0;
   std::uint64_t bad = 0;
   UnreadCells unread;
-  OffTheEarth off;
+  RowPlaces places(columns, system);
   while (lines.Next(line)) {
     if (IsBlankOrComment(line)) continue;
     SplitFields(line, separator, cells);
@@ -237,7 +302,7 @@ Result<FlightLog> ReadImageRows(const std::vector<CsvColumn>& columns, const Set
       continue;
     }
     CameraEvent event = EventOf(row, kind);
-    off.Look(event, lines.line_number());
+    places.Take(lines.line_number(), event);
     // A local clock says nothing that the name does not say better.
     const bool is_utc = row.written && (says_utc || row.written->names_zone);
     event.has_time = true;
@@ -260,13 +325,14 @@ Result<FlightLog> ReadImageRows(const std::vector<CsvColumn>& columns, const Set
   builder.log().utc_at_zero = first;
   if (has_time) builder.log().counter_at_zero_s = 0.0;
   builder.log().utc_sigma_s = 0.05;
-  builder.log().written_order_is_named = HasColumn(columns, M::kLat) && HasColumn(columns, M::kLon);
   builder.log().mapping = DescribeColumns(columns);
   builder.log().mapping.insert(builder.log().mapping.end(), settled.notes.begin(), settled.notes.end());
   if (settled.pitch_is_level)
     builder.log().mapping.emplace_back("pitch -> 0 is straight down, as most of its cells are near 0");
   unread.Tell(columns, builder);
-  off.Tell(builder);
+  places.Tell(builder);
+  for (Remark& said : SayUnknownWords(columns)) builder.Warn(std::move(said));
+  if (auto said = SayLackingAngles(columns)) builder.Warn(*std::move(said));
   for (const Remark& warning : settled.warnings) builder.Warn(warning);
   if (bad > 0) builder.Warn({RemarkCode::kRowsWithoutImage, {{"rows", bad}}});
   return std::move(builder).Finish();

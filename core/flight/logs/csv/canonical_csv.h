@@ -8,12 +8,14 @@
 #include "core/flight/logs/csv/settle_columns.h"
 #include "core/flight/logs/flight_log.h"
 #include "core/flight/logs/log_builder.h"
+#include "core/geo/crs/reference_system.h"
 
 namespace skyquilt::flight {
 
 // The rows below a header whose columns are known and settled; `builder` is empty and has the log's name and
-// format.
+// format. `system`: that a line above the header names, else null.
 Result<FlightLog> ReadImageRows(const std::vector<CsvColumn>& columns, const SettledColumns& settled,
-                                char separator, LineReader lines, LogBuilder builder);
+                                char separator, LineReader lines, LogBuilder builder,
+                                const geo::ReferenceSystem* system = nullptr);
 
 }  // namespace skyquilt::flight

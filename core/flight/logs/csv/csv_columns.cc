@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <utility>
 
 #include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/csv/csv_units.h"
@@ -39,37 +40,61 @@ std::pair<std::string, std::string> CutBrackets(const std::string& lower) {
   return {base, inside};
 }
 
+constexpr std::size_t kMaxName = 64;  // every cut of a name is tried
+
 struct MeaningAndUnit {
   M meaning = M::kIgnored;  // not said
   std::string unit;
 };
 
-// Words beside the unit that say above what a height counts: "ft amsl", "m, ellipsoidal", "wgs84".
+bool IsHeight(M meaning) { return meaning >= M::kHeightEllipsoid && meaning <= M::kHeightAboveGround; }
+
+template <std::size_t kWords>
+bool IsOneOf(const std::array<std::string_view, kWords>& words, std::string_view word) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+// What a height counts from by a word beside it; levels of nations are sea levels, to their decimetres.
+M ZeroOfHeights(std::string_view word) {
+  constexpr std::array<std::string_view, 36> kSea = {
+      "amsl",     "msl",      "asl",      "sea",      "orthometric", "egm84",  "egm96",  "egm08", "egm2008",
+      "nn",       "nhn",      "dhhn92",   "dhhn2016", "dhhn12",      "navd88", "ngvd29", "navd",  "nap",
+      "evrf",     "evrf2000", "evrf2007", "evrf2019", "ngf",         "ign69",  "odn",    "ahd",   "cgvd28",
+      "cgvd2013", "ln02",     "lhn95",    "rh2000",   "nn2000",      "n2000",  "dvr90",  "taw",   "nzvd2016"};
+  constexpr std::array<std::string_view, 7> kEllipsoid = {"hae",   "ellipsoidal", "ellipsoid", "ellipsoidic",
+                                                          "wgs84", "ell",         "grs80"};
+  if (IsOneOf(kSea, word)) return M::kHeightAmsl;
+  if (IsOneOf(kEllipsoid, word)) return M::kHeightEllipsoid;
+  return word == "agl" ? M::kHeightAboveGround : M::kIgnored;
+}
+
+// Words beside the unit that say above what a height counts: "ft amsl", "m, ellipsoidal", "wgs84", "m
+// navd88", "m ü. nhn", "m ü. m."; nothing where one of them is not known, or they contradict each other.
 std::optional<MeaningAndUnit> ReadHeightWords(std::string words) {
-  constexpr std::array<std::string_view, 6> kSea = {"amsl", "msl", "asl", "orthometric", "egm96", "nn"};
-  constexpr std::array<std::string_view, 6> kEllipsoid = {"hae",         "ellipsoidal", "ellipsoid",
-                                                          "ellipsoidic", "wgs84",       "ell"};
-  const auto is_one_of = [](const auto& names, std::string_view word) {
-    return std::find(names.begin(), names.end(), word) != names.end();
-  };
-  std::replace(words.begin(), words.end(), ',', ' ');
+  constexpr std::array<std::string_view, 6> kBetween = {"above", "mean", "level", "height", "the", "of"};
+  constexpr std::array<std::string_view, 5> kOver = {"", "u", "ber", "ueber", "over"};  // "ü." has no letter
+  std::replace_if(
+      words.begin(), words.end(), [](char c) { return c == ',' || c == ';' || c == '_'; }, ' ');
   std::vector<std::string_view> parts;
   SplitBlanks(words, parts);
   MeaningAndUnit read;
-  for (const std::string_view word : parts) {
-    M said = M::kIgnored;
-    if (is_one_of(kSea, word)) said = M::kHeightAmsl;
-    if (is_one_of(kEllipsoid, word)) said = M::kHeightEllipsoid;
-    if (word == "agl") said = M::kHeightAboveGround;
-    if (said == M::kIgnored && (!read.unit.empty() || FindUnit(word, Dimension::kLength) == nullptr))
+  bool is_over = false;
+  for (const std::string_view part : parts) {
+    const std::string word = Letters(part);
+    M said = ZeroOfHeights(word);
+    if (is_over && (word == "m" || word == "meer")) said = M::kHeightAmsl;  // "über Meer"
+    const bool was_over = std::exchange(is_over, IsOneOf(kOver, word));
+    if (is_over || (said == M::kIgnored && (IsOneOf(kBetween, word) || (was_over && word == "dem"))))
+      continue;
+    if (said == M::kIgnored) {
+      read.unit += (read.unit.empty() ? "" : " ") + word;
+    } else if (read.meaning != M::kIgnored && read.meaning != said) {
       return std::nullopt;
-    if (said == M::kIgnored)
-      read.unit = word;
-    else if (read.meaning != M::kIgnored && read.meaning != said)
-      return std::nullopt;
-    else
+    } else {
       read.meaning = said;
+    }
   }
+  if (!read.unit.empty() && FindUnit(read.unit, Dimension::kLength) == nullptr) return std::nullopt;
   return read;
 }
 
@@ -90,7 +115,6 @@ std::string WordsOf(std::string_view header) {
 // The last words may be the unit: "gyro_x_dps", "lat_deg", "vel_n_m_s"; in names of one word, the last
 // letters: "LATDEG", "timeus".
 MeaningAndUnit CutUnit(const std::string& words) {
-  constexpr std::size_t kMaxName = 64;  // every cut of a name is tried
   if (words.size() > kMaxName) return {};
   std::string unit;
   std::size_t end = words.size();
@@ -113,6 +137,34 @@ MeaningAndUnit CutUnit(const std::string& words) {
       return {meaning, rest};
   }
   return {};
+}
+
+// "height_navd88", "elevation  _egm96": a height whose last words say above what it counts, or in which unit.
+MeaningAndUnit CutHeightWords(std::string base) {
+  if (base.size() > kMaxName) return {};
+  std::replace_if(
+      base.begin(), base.end(), [](char c) { return c == '_' || c == '.' || c == '-'; }, ' ');
+  std::vector<std::string_view> parts;
+  SplitBlanks(base, parts);
+  std::string behind;
+  for (std::size_t count = parts.size(); count > 1; --count) {
+    const std::string_view last = parts[count - 1];
+    if (ZeroOfHeights(last) == M::kIgnored && FindUnit(last, Dimension::kLength) == nullptr) break;
+    behind = std::string(last) + (behind.empty() ? "" : " ") + behind;
+    std::string name;
+    for (std::size_t i = 0; i + 1 < count; ++i) name += Letters(parts[i]);
+    if (const M meaning = FindCsvSynonym(name); IsHeight(meaning)) return {meaning, behind};
+  }
+  return {};
+}
+
+// The name of a height that does not say above what: "altitude", "alt_m", "Z/Altitude".
+bool IsBareHeight(const std::string& letters) {
+  constexpr std::array<std::string_view, 5> kBegin = {"alt", "zalt", "elev", "hhe", "hoehe"};
+  constexpr std::array<std::string_view, 3> kSea = {"msl", "sea", "nn"};
+  return std::any_of(kBegin.begin(), kBegin.end(), [&](auto word) { return letters.starts_with(word); }) &&
+         std::none_of(kSea.begin(), kSea.end(),
+                      [&](auto word) { return letters.find(word) != std::string::npos; });
 }
 
 // "deg, wgs 84", "deg min sec", "n/s": the cells are degrees. Not "w": it is not said which sign that asks
@@ -150,12 +202,20 @@ CsvColumn MapTolerantColumn(std::string_view header) {
     column.meaning = found.meaning;
     unit = std::move(found.unit);
   }
+  if (column.meaning == M::kIgnored) {
+    const MeaningAndUnit found = CutHeightWords(base);
+    column.meaning = found.meaning;
+    if (found.meaning != M::kIgnored) unit += (unit.empty() ? "" : " ") + found.unit;
+  }
+  column.is_bare_height = column.meaning == M::kHeightAmsl && IsBareHeight(Letters(base));
   const Dimension dimension = CsvMeaningDimension(column.meaning);
   if (dimension == Dimension::kLength && !unit.empty() && FindUnit(unit, dimension) == nullptr) {
     const auto height = ReadHeightWords(unit);
-    const bool is_height = column.meaning >= M::kHeightEllipsoid && column.meaning <= M::kHeightAboveGround;
-    if (height && is_height) {
-      if (height->meaning != M::kIgnored) column.meaning = height->meaning;
+    if (height && IsHeight(column.meaning)) {
+      if (height->meaning != M::kIgnored) {
+        column.meaning = height->meaning;
+        column.is_bare_height = false;
+      }
       unit = height->unit;
     }
   }
@@ -171,7 +231,8 @@ CsvColumn MapTolerantColumn(std::string_view header) {
     column.unit = known->name;
     column.unit_is_written = true;
   } else {
-    column.meaning = M::kIgnored;  // "Time(text)": not a unit of this
+    column.meant = std::exchange(column.meaning, M::kIgnored);  // "Time(text)": not a unit of this
+    column.unknown_words = unit;
   }
   return column;
 }
@@ -189,6 +250,22 @@ std::vector<CsvColumn> MapTolerantColumns(const std::vector<std::string_view>& h
     column.header = "z";
   }
   return columns;
+}
+
+std::vector<Remark> SayUnknownWords(const std::vector<CsvColumn>& columns) {
+  std::vector<Remark> said;
+  for (const CsvColumn& column : columns) {
+    const Dimension dimension = CsvMeaningDimension(column.meant);
+    if (dimension != Dimension::kLength && dimension != Dimension::kAngle) continue;
+    // Another column says it.
+    const auto is_said = [&](const CsvColumn& other) {
+      return other.meaning == column.meant || (IsHeight(other.meaning) && IsHeight(column.meant));
+    };
+    if (std::any_of(columns.begin(), columns.end(), is_said)) continue;
+    said.push_back({RemarkCode::kColumnWordsUnknown,
+                    {{"column", Quoted(column.header)}, {"word", Quoted(column.unknown_words)}}});
+  }
+  return said;
 }
 
 std::vector<std::string> DescribeColumns(const std::vector<CsvColumn>& columns) {

@@ -10,6 +10,7 @@
 #include "core/flight/bytes/written_time.h"
 #include "core/flight/logs/csv/csv_meanings.h"
 #include "core/flight/logs/number_cell.h"
+#include "core/flight/remarks/remark.h"
 
 namespace skyquilt::flight {
 
@@ -20,6 +21,10 @@ struct CsvColumn {
   std::string unit;    // as understood, for the user
   bool unit_is_written = false;
   bool says_utc = false;
+  bool is_bare_height = false;  // "altitude", "z": the name does not say above what
+  // Of a column that is ignored only because of words in its name: what it would be, and the words.
+  CsvMeaning meant = CsvMeaning::kIgnored;
+  std::string unknown_words;
   // What only the cells tell (settle_columns.h).
   DecimalMark mark = DecimalMark::kUnknown;
   DateOrder date_order = DateOrder::kYearFirst;
@@ -40,6 +45,9 @@ auto* ColumnOf(Columns& columns, CsvMeaning meaning) {
 inline bool HasColumn(const std::vector<CsvColumn>& columns, CsvMeaning meaning) {
   return ColumnOf(columns, meaning) != nullptr;
 }
+
+// Heights and angles that no column gives because words in the names of theirs are not known.
+std::vector<Remark> SayUnknownWords(const std::vector<CsvColumn>& columns);
 
 // "column -> meaning, unit" for each column that is used.
 std::vector<std::string> DescribeColumns(const std::vector<CsvColumn>& columns);

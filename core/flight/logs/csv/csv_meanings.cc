@@ -59,7 +59,12 @@ constexpr std::array kFacts = {
     MeaningFacts{M::kSigmaYaw, "sigma of yaw", Dimension::kAngle},
     MeaningFacts{M::kEvent, "camera event", Dimension::kNone},
     MeaningFacts{M::kIsPhoto, "photo taken in this row", Dimension::kNone},
-    MeaningFacts{M::kImage, "image", Dimension::kNone}};
+    MeaningFacts{M::kImage, "image", Dimension::kNone},
+    MeaningFacts{M::kEast, "easting", Dimension::kLength},
+    MeaningFacts{M::kNorth, "northing", Dimension::kLength},
+    MeaningFacts{M::kOmega, "omega", Dimension::kAngle},
+    MeaningFacts{M::kPhi, "phi", Dimension::kAngle},
+    MeaningFacts{M::kKappa, "kappa", Dimension::kAngle}};
 static_assert(kFacts.size() == static_cast<std::size_t>(M::kCount));
 
 template <typename Meaning>
@@ -153,11 +158,12 @@ using ListNames = Named<ListColumn>;
 constexpr std::array kListNames = {
     ListNames{
         ListColumn::kEast,
-        "east easting eastings eastingm geox e ost ostwert rechts rechtswert este est xeast utmeast utmeasting "
+        "east easting eastings eastingm geox e ost ostwert rechts rechtswert este est xeast xeasting utmeast utmeasting "
         "coordeast mapeast"},
-    ListNames{ListColumn::kNorth,
-              "north northing northings northingm geoy n nord nordwert hoch hochwert norte ynorth utmnorth "
-              "utmnorthing coordnorth mapnorth"},
+    ListNames{
+        ListColumn::kNorth,
+        "north northing northings northingm geoy n nord nordwert hoch hochwert norte ynorth ynorthing utmnorth "
+        "utmnorthing coordnorth mapnorth"},
     ListNames{
         ListColumn::kOther,
         "x y z h mapx mapy mapz geoz xcoord ycoord zcoord px py imx imy pixelx pixely u v col row photo gcp "

@@ -52,6 +52,12 @@ enum class CsvMeaning {
   kEvent,     // image name or number
   kIsPhoto,   // 1 in the row of an exposure, or the photo's name
   kImage,     // name
+  // Of lists of photos alone (list_columns.h):
+  kEast,
+  kNorth,  // in the unit of the list's system
+  kOmega,
+  kPhi,
+  kKappa,  // rad
   kCount
 };
 

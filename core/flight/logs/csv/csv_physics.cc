@@ -171,9 +171,11 @@ void CheckHeights(std::vector<CsvColumn>& columns, std::vector<CsvRow>& preview)
   }
 }
 
+}  // namespace
+
 // Positions may be whole numbers of 1e-7 degrees. What else is no degrees is metres of a plane, degrees with
 // their minutes ("4650.5565") or the other coordinate, and would lie in the sea before Africa.
-Result<void> CheckPositions(std::vector<CsvColumn>& columns, std::vector<CsvRow>& preview) {
+Result<void> SettlePositions(std::vector<CsvColumn>& columns, std::vector<CsvRow>& preview) {
   constexpr double kSmallUnit = 1e-7, kNearestDeg = 1.0;
   constexpr std::array kBoth = {std::pair{M::kLat, 90.0}, std::pair{M::kLon, 180.0}};
   const std::array sizes = {SizesOf(preview, M::kLat), SizesOf(preview, M::kLon)};
@@ -199,11 +201,9 @@ Result<void> CheckPositions(std::vector<CsvColumn>& columns, std::vector<CsvRow>
   return {};
 }
 
-}  // namespace
-
 Result<CsvFindings> CheckCsvPhysics(std::vector<CsvColumn>& columns, std::vector<CsvRow>& preview) {
   CsvFindings findings;
-  SKYQUILT_TRY(CheckPositions(columns, preview));
+  SKYQUILT_TRY(SettlePositions(columns, preview));
   SKYQUILT_TRY_ASSIGN(const double seconds_per_time, CheckTime(columns, preview, findings));
   CheckDate(columns, preview, findings);
   TellNumbersFromFlags(columns, preview);

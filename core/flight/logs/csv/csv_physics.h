@@ -44,6 +44,10 @@ bool SettleAngleUnits(std::vector<CsvColumn>& columns, std::vector<CsvRow>& prev
 // Pascals, hectopascals, kilopascals and inches of mercury differ by more than the weather and any flight.
 void SettlePressureUnit(std::vector<CsvColumn>& columns, std::vector<CsvRow>& preview);
 
+// Latitudes and longitudes may be whole numbers of 1e-7 degrees, and heights beside them in millimetres.
+// Error: Contradiction, where they are no degrees at all; nothing is changed then.
+Result<void> SettlePositions(std::vector<CsvColumn>& columns, std::vector<CsvRow>& preview);
+
 struct CsvFindings {
   CsvClockRule clock;
   SensorAxes axes;

@@ -49,6 +49,18 @@ void TakePhotoCell(std::string_view cell, CsvRow& row) {
   }
 }
 
+// Omega-phi-kappa turns the photogrammetric camera (x right, y up, z back) into east, north, up. The body
+// whose camera looks down has x = camera y, y = camera x, z = -camera z.
+Eigen::Vector3d YawPitchRollFromOpk(double omega_rad, double phi_rad, double kappa_rad) {
+  const Eigen::Matrix3d enu_from_camera = (Eigen::AngleAxisd(omega_rad, Eigen::Vector3d::UnitX()) *
+                                           Eigen::AngleAxisd(phi_rad, Eigen::Vector3d::UnitY()) *
+                                           Eigen::AngleAxisd(kappa_rad, Eigen::Vector3d::UnitZ()))
+                                              .toRotationMatrix();
+  Eigen::Matrix3d swap;
+  swap << 0, 1, 0, 1, 0, 0, 0, 0, -1;
+  return YawPitchRollFromNed(Eigen::Quaterniond(Eigen::Matrix3d(swap * enu_from_camera * swap)));
+}
+
 }  // namespace
 
 bool CsvRow::Has(CsvMeaning first, CsvMeaning last) const {
@@ -68,6 +80,13 @@ std::optional<double> ReadCsvNumber(const CsvColumn& column, std::string_view ce
   }
   if (column.is_elapsed_text) return ParseElapsed(cell);
   const auto number = ReadNumber(cell, column.mark);
+  const bool is_plane = column.meaning == M::kEast || column.meaning == M::kNorth;
+  if (is_plane && (!number || !number->unit.empty())) {  // degrees, by their signs
+    const auto read = ReadCoordinateCell(cell);
+    const std::string_view fitting = column.meaning == M::kNorth ? "NS" : "EW";
+    if (read && (read->hemisphere == 0 || fitting.find(read->hemisphere) != std::string_view::npos))
+      return read->value;
+  }
   if (!number) return std::nullopt;
   if (number->unit.empty()) return number->value * column.scale;
   const auto factor = FactorOfUnitBehind(number->unit, CsvMeaningDimension(column.meaning));
@@ -135,9 +154,11 @@ CsvRow ReadCsvRow(const std::vector<CsvColumn>& columns, const std::vector<std::
 }
 
 std::optional<WrittenPlace> WrittenPlaceOf(const CsvRow& row) {
-  const bool is_whole = row[M::kLat] && row[M::kLon];
-  if (!is_whole || !std::isfinite(*row[M::kLat]) || !std::isfinite(*row[M::kLon])) return std::nullopt;
-  return WrittenPlace{*row[M::kLon], *row[M::kLat]};
+  const bool in_degrees = row[M::kLat] && row[M::kLon];
+  const auto x = in_degrees ? row[M::kLon] : row[M::kEast];
+  const auto y = in_degrees ? row[M::kLat] : row[M::kNorth];
+  if (!x || !y || !std::isfinite(*x) || !std::isfinite(*y)) return std::nullopt;
+  return WrittenPlace{*x, *y};
 }
 
 void TakeAngles(const CsvRow& row, AttitudeKind kind, CameraEvent& event) {
@@ -148,6 +169,9 @@ void TakeAngles(const CsvRow& row, AttitudeKind kind, CameraEvent& event) {
   } else if (row.Has(M::kRoll, M::kYaw)) {
     event.yaw_pitch_roll_rad = Eigen::Vector3d(*row[M::kYaw], *row[M::kPitch], *row[M::kRoll]);
     event.attitude_kind = kind;
+  } else if (row.Has(M::kOmega, M::kKappa)) {
+    event.yaw_pitch_roll_rad = YawPitchRollFromOpk(*row[M::kOmega], *row[M::kPhi], *row[M::kKappa]);
+    event.attitude_kind = AttitudeKind::kAirframe;
   }
 }
 

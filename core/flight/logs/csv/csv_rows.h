@@ -43,7 +43,7 @@ struct CsvClockRule {
   bool utc_is_utc = true;      // false: a local clock of unknown zone
 };
 
-// Longitude and latitude of a row as its cells give them.
+// The two coordinates of a row as its cells give them.
 std::optional<WrittenPlace> WrittenPlaceOf(const CsvRow& row);
 
 // The camera's own angles; where the row has none the others, which are of `kind`.

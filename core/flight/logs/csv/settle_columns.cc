@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "core/flight/logs/csv/csv_rows.h"
+#include "core/flight/logs/csv/list_columns.h"
 #include "core/flight/logs/csv/settle_dates.h"
 #include "core/flight/remarks/because.h"
 
@@ -257,8 +258,7 @@ void SettleDates(const TableCounts& table, LineReader lines, char separator, std
 bool RowsArePhotos(const TableCounts& table, std::vector<CsvColumn>& columns) {
   const CsvColumn* image = ColumnOf(columns, M::kImage);
   if (image == nullptr) image = ColumnOf(columns, M::kIsPhoto);
-  if (image == nullptr || HasColumn(columns, M::kTime) || !HasColumn(columns, M::kLat) ||
-      !HasColumn(columns, M::kLon))
+  if (image == nullptr || HasColumn(columns, M::kTime) || !(HasDegrees(columns) || HasPlane(columns)))
     return false;
   const CellCounts& cells = table.columns[static_cast<std::size_t>(image - columns.data())];
   return table.rows > 0 && 10 * cells.changes >= 9 * table.rows && 10 * cells.names >= 9 * table.rows;

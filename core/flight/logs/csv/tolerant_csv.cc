@@ -9,9 +9,12 @@
 #include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/csv/canonical_csv.h"
 #include "core/flight/logs/csv/csv_physics.h"
+#include "core/flight/logs/csv/list_columns.h"
 #include "core/flight/logs/csv/settle_columns.h"
 #include "core/flight/logs/formats.h"
+#include "core/flight/logs/system_line.h"
 #include "core/flight/remarks/because.h"
+#include "core/geo/crs/reference_system.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -24,17 +27,34 @@ struct CsvHeader {
   std::vector<CsvColumn> columns;
   char separator = ',';
   bool is_timed = true;  // false: rows name photos and say where they were taken, not when
+  SystemLine system;     // that a line above names
 };
+
+// What surely is one holds before what may be a title.
+void TakeSystem(const SystemLine& line, SystemLine& system) {
+  if (!line.text.empty() && (system.text.empty() || (line.is_certain && !system.is_certain))) system = line;
+}
 
 // The first line with a time and something to time, or with photos and where they were taken; a few title
 // lines may stand before it.
 std::optional<CsvHeader> FindHeader(LineReader& lines) {
+  SystemLine system;
   std::string_view line;
   std::vector<std::string_view> cells;
   for (int i = 0; i < 20 && lines.Next(line);) {
     if (Trim(line).empty()) continue;
     ++i;
     CsvHeader header;
+    header.system = system;
+    if (auto list = ReadListHeading(line, lines); list && !HasColumn(list->columns, M::kTime)) {
+      header.columns = std::move(list->columns);
+      header.separator = list->separator;
+      header.is_timed = HasColumn(header.columns, M::kUtc) || HasColumn(header.columns, M::kDate);
+      LineReader below = lines;
+      const SystemLine own = SystemOfLine(line, below);  // "northing (EPSG:25832)"
+      if (own.is_certain) TakeSystem(own, header.system);
+      return header;
+    }
     header.separator = GuessSeparator(line);
     SplitFields(line, header.separator, cells);
     header.columns = MapTolerantColumns(cells);
@@ -43,16 +63,14 @@ std::optional<CsvHeader> FindHeader(LineReader& lines) {
       SplitBlanks(line, cells);
       header.separator = ' ';
       header.columns = MapTolerantColumns(cells);
-      if (HasColumn(header.columns, M::kIgnored)) continue;
     }
+    const bool may_be_prose = header.separator == ' ' && HasColumn(header.columns, M::kIgnored);
     const auto has = [&](M meaning) { return HasColumn(header.columns, meaning); };
     const bool timed = has(M::kTime) || has(M::kUtc) || has(M::kDate);
-    const bool has_position = has(M::kLat) && has(M::kLon);
-    const bool names_photos = has(M::kImage) || has(M::kIsPhoto);
-    const bool useful = has_position || (has(M::kGyroX) && has(M::kAccelX)) || has(M::kQw) ||
-                        (has(M::kRoll) && has(M::kPitch)) || has(M::kEvent) || names_photos;
-    header.is_timed = timed;
-    if (timed ? useful : has_position && names_photos) return header;
+    const bool useful = HasDegrees(header.columns) || (has(M::kGyroX) && has(M::kAccelX)) || has(M::kQw) ||
+                        (has(M::kRoll) && has(M::kPitch)) || has(M::kEvent) || NamesPhotos(header.columns);
+    if (timed && useful && !may_be_prose) return header;
+    if (!StartsWithIgnoringCase(line, "sep=")) TakeSystem(SystemOfLine(line, lines), system);
   }
   return std::nullopt;
 }
@@ -81,8 +99,8 @@ bool PitchIsLevel(const std::vector<CsvRow>& preview) {
 }
 
 // "height" alone: of drones' own programs above take-off, of surveys above the ellipsoid. Nobody maps from as
-// high above the take-off as much land lies above the sea.
-void SettleListHeight(std::vector<CsvColumn>& columns, const std::vector<CsvRow>& preview) {
+// high above the take-off as much land lies above the sea, and no drone's program writes metres of a plane.
+void SettleListHeight(std::vector<CsvColumn>& columns, const std::vector<CsvRow>& preview, bool is_survey) {
   constexpr double kHighestFlightM = 150.0, kMaxGeoidM = 120.0;
   CsvColumn* column = ColumnOf(columns, M::kHeightAboveTakeoff);
   if (column == nullptr || HasColumn(columns, M::kHeightEllipsoid)) return;
@@ -96,7 +114,43 @@ void SettleListHeight(std::vector<CsvColumn>& columns, const std::vector<CsvRow>
     if (height_m) heights_m.push_back(*height_m);
   }
   const auto typical_m = MedianIfAny(std::move(heights_m));
-  if (typical_m && *typical_m > kHighestFlightM) column->meaning = M::kHeightEllipsoid;
+  if (is_survey || (typical_m && *typical_m > kHighestFlightM)) {
+    column->meaning = M::kHeightEllipsoid;
+    column->is_bare_height = true;
+  }
+}
+
+// Heights whose name does not say above what count, in lists of photos, as in those without names: from the
+// zero of the system, which is the ellipsoid where none is named, and in its unit.
+void SettleZeroOfHeights(const geo::ReferenceSystem* system, std::vector<CsvColumn>& columns) {
+  const bool is_above_sea = system != nullptr && system->heights_are_above_sea();
+  const bool has_ellipsoid = HasColumn(columns, M::kHeightEllipsoid);
+  for (CsvColumn& column : columns) {
+    const bool is_absolute = column.meaning == M::kHeightEllipsoid || column.meaning == M::kHeightAmsl;
+    if (is_absolute && system != nullptr && !column.unit_is_written) {
+      column.scale *= system->metres_per_height_unit();
+      if (system->metres_per_height_unit() != 1.0) column.unit = "unit of the system";
+    }
+    if (!is_absolute || !column.is_bare_height) continue;
+    if (is_above_sea) {
+      column.meaning = M::kHeightAmsl;
+    } else if (!has_ellipsoid) {
+      column.meaning = M::kHeightEllipsoid;
+    }
+  }
+}
+
+// Nothing where no line above the list names one.
+Result<std::optional<geo::ReferenceSystem>> SystemOfList(std::string_view name, const SystemLine& line) {
+  std::optional<geo::ReferenceSystem> system;
+  if (line.text.empty()) return system;
+  auto named = geo::ReferenceSystem::Parse(line.text);
+  if (named) {
+    system = *std::move(named);
+  } else if (line.is_certain) {
+    return SystemUnknown(name, line.text);
+  }
+  return system;
 }
 
 // Replay rows: "4000,imu,ax,ay,az,gx,gy,gz", "200000,gps,alt_mm,lon_e7,lat_e7,vn,ve,vd", "4000,baro,height".
@@ -173,32 +227,7 @@ Result<FlightLog> ParseReplay(std::string_view name, LogBytes bytes, const Consu
 bool LooksLikeNamedPlaces(LogBytes head) {
   LineReader lines(TextOf(head));
   const auto header = FindHeader(lines);
-  if (!header) return false;
-  const std::vector<CsvColumn>& columns = header->columns;
-  const auto has = [&](M meaning) { return HasColumn(columns, meaning); };
-  if (!has(M::kLat) || !has(M::kLon) || !(has(M::kImage) || has(M::kIsPhoto))) return false;
-  const bool is_image_lat_lon = columns.size() > 3 && columns[0].meaning == M::kImage &&
-                                columns[1].meaning == M::kLat && columns[2].meaning == M::kLon;
-  const auto is_metres = [](const CsvColumn& column) {
-    return CsvMeaningDimension(column.meaning) == Dimension::kLength && column.scale == 1.0;
-  };
-  if (!is_image_lat_lon || columns[1].scale != 1.0 || !is_metres(columns[3])) return true;
-  // Pix4D's own order, but cells that its lists do not have.
-  if (std::any_of(columns.begin(), columns.end(), [](const CsvColumn& column) {
-        return LowerCase(column.header).find("omega") != std::string::npos;
-      }))
-    return false;
-  std::string_view line;
-  std::vector<std::string_view> cells;
-  while (lines.Next(line) && !lines.last_line_is_open()) {
-    if (IsBlankOrComment(line)) continue;
-    SplitFields(line, header->separator, cells);
-    if (cells.size() > columns.size()) return true;
-    for (std::size_t i = 1; i < std::min<std::size_t>(4, cells.size()); ++i) {
-      if (!cells[i].empty() && !ParseNumber(cells[i])) return true;
-    }
-  }
-  return false;
+  return header && NamesPhotos(header->columns) && (HasDegrees(header->columns) || HasPlane(header->columns));
 }
 
 bool LooksLikeTolerantCsv(LogBytes head) {
@@ -217,10 +246,15 @@ Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const 
   SKYQUILT_TRY_ASSIGN(SettledColumns settled, SettleColumns(name, lines, header->separator, header->columns));
   std::vector<CsvRow> preview = PreviewOf(lines, *header);
   if (!header->is_timed || settled.rows_are_photos) {
+    SKYQUILT_TRY_ASSIGN(const auto system, SystemOfList(name, header->system));
+    const geo::ReferenceSystem* const named = system ? &*system : nullptr;
+    // Other numbers under these names may be exchanged, or metres: core/poses/lists judges.
+    static_cast<void>(SettlePositions(header->columns, preview));
     if (SettleAngleUnits(header->columns, preview)) settled.pitch_is_level = PitchIsLevel(preview);
-    SettleListHeight(header->columns, preview);
-    return ReadImageRows(header->columns, settled, header->separator, lines,
-                         LogBuilder("tolerant_csv", name));
+    SettleListHeight(header->columns, preview, named != nullptr || HasPlane(header->columns));
+    SettleZeroOfHeights(named, header->columns);
+    return ReadImageRows(header->columns, settled, header->separator, lines, LogBuilder("tolerant_csv", name),
+                         named);
   }
   const auto found = CheckCsvPhysics(header->columns, preview);
   if (!found) {
@@ -229,6 +263,7 @@ Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const 
   }
   const CsvFindings& findings = *found;
   preview = std::vector<CsvRow>();
+  for (Remark& said : SayUnknownWords(header->columns)) builder.Warn(std::move(said));
 
   const bool relative = HasColumn(header->columns, M::kHeightAboveTakeoff);
   CsvSampler sampler(builder, findings.clock, findings.axes.imu_z_is_up, relative);

@@ -12,6 +12,7 @@
 #include "core/base/try.h"
 #include "core/flight/bytes/byte_source.h"
 #include "core/flight/bytes/text_fields.h"
+#include "core/flight/logs/system_line.h"
 #include "core/flight/logs/texts/list_rows.h"
 #include "core/flight/remarks/because.h"
 #include "core/geo/crs/reference_system.h"

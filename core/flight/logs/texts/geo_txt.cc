@@ -7,9 +7,9 @@
 
 #include "core/base/text/printable.h"
 #include "core/flight/bytes/text_fields.h"
-#include "core/flight/logs/csv/csv_columns.h"
 #include "core/flight/logs/formats.h"
 #include "core/flight/logs/log_builder.h"
+#include "core/flight/logs/system_line.h"
 #include "core/flight/logs/texts/list_rows.h"
 #include "core/flight/remarks/because.h"
 #include "core/geo/crs/reference_system.h"
@@ -28,45 +28,16 @@ bool IsGeoRow(const std::vector<std::string_view>& cells) {
 
 bool IsCutAtBlanks(std::string_view line) { return line.find_first_of(",;|\t") == std::string_view::npos; }
 
-bool HasColumnLike(const std::vector<std::string_view>& columns, std::string_view word) {
-  return std::any_of(columns.begin(), columns.end(), [&](std::string_view column) {
-    return LowerCase(column).find(word) != std::string::npos;
-  });
-}
-
-// Whether the columns are those that the format has, as far as they are named: image, two coordinates.
-bool CoordinatesComeSecond(const std::vector<std::string_view>& columns) {
-  if (!OrderOfColumns(columns)) return true;
-  return columns.size() >= 3 && OrderOfColumns({columns[1], columns[2]}).has_value();
-}
-
-bool IsNamed(const std::vector<std::string_view>& columns, std::size_t i, std::string_view word) {
-  return i < columns.size() && LowerCase(columns[i]).find(word) != std::string::npos;
-}
-
-// Of the heights: by the name of their column, else by the system.
-double MetresPerHeightUnit(const std::vector<std::string_view>& columns,
-                           const std::optional<geo::ReferenceSystem>& system) {
-  if (columns.size() > 3) {
-    const CsvColumn column = MapTolerantColumns({columns[3]}).front();
-    if (column.unit_is_written && CsvMeaningDimension(column.meaning) == Dimension::kLength)
-      return column.scale;
-  }
-  return system ? system->metres_per_height_unit() : 1.0;
-}
-
-void TakeAnglesAndSigmas(const std::vector<std::string_view>& cells, bool has_angles, bool has_sigmas,
-                         CameraEvent& event) {
+void TakeAnglesAndSigmas(const std::vector<std::string_view>& cells, CameraEvent& event) {
   const auto number = [&](std::size_t i) {
     return i < cells.size() ? ReadBareNumber(cells[i]) : std::nullopt;
   };
   const auto yaw = number(4), pitch = number(5), roll = number(6);
-  if (has_angles && yaw && pitch && roll) {
+  if (yaw && pitch && roll) {
     event.yaw_pitch_roll_rad =
         Eigen::Vector3d(geo::DegToRad(*yaw), geo::DegToRad(*pitch), geo::DegToRad(*roll));
     event.attitude_kind = AttitudeKind::kAirframe;
   }
-  if (!has_sigmas) return;
   const auto sigma_h = number(7), sigma_v = number(8);
   if (sigma_h && *sigma_h > 0.0) {
     event.sigma_in_ned_m =
@@ -76,14 +47,15 @@ void TakeAnglesAndSigmas(const std::vector<std::string_view>& cells, bool has_an
 
 }  // namespace
 
-// Without a line that names the system the rows must be cut at blanks: others are read as CSV. Below names of
-// columns, or above names without endings, the line must name one, else it is the title of some other table.
+// Below names of columns rows are read by these. Without a line that names the system the rows must be cut at
+// blanks: others are read as CSV. Above names without endings the line must name one, else it is the title of
+// some other table.
 bool LooksLikeGeoTxt(LogBytes head) {
   const std::optional<ListTop> top = ReadListTop(TextOf(head), IsGeoRow);
-  if (!top || !CoordinatesComeSecond(top->columns)) return false;
+  if (!top || AreNamesOfColumns(top->columns)) return false;
   const bool names_file = LooksLikeImageName(top->row[0]);
   if (top->system.empty()) return names_file && IsCutAtBlanks(top->row_line);
-  if (names_file && top->columns.empty() && IsCutAtBlanks(top->row_line)) return true;
+  if (names_file && IsCutAtBlanks(top->row_line)) return true;
   return geo::ReferenceSystem::Parse(top->system).ok();
 }
 
@@ -100,16 +72,9 @@ Result<FlightLog> ParseGeoTxt(std::string_view name, LogBytes bytes, const Consu
     if (!named) return SystemUnknown(name, top->system);
     system = *std::move(named);
   }
-  const std::vector<std::string_view>& columns = top->columns;
-  auto order = OrderOfColumns(columns);
-  if (!order) order = OrderOfLetters(top->row[1], top->row[2]);
-  const bool has_angles = columns.empty() || (IsNamed(columns, 4, "yaw") && IsNamed(columns, 5, "pitch") &&
-                                              IsNamed(columns, 6, "roll"));
-  const bool has_sigmas = columns.size() < 8 || IsNamed(columns, 7, "sigma") || IsNamed(columns, 7, "acc") ||
-                          IsNamed(columns, 7, "sh");
+  const auto order = OrderOfLetters(top->row[1], top->row[2]);
   const bool is_above_sea = system && system->heights_are_above_sea();
-  if (!has_angles && HasColumnLike(columns, "yaw")) builder.Warn(RemarkCode::kAnglesElsewhere);
-  const double metres_per_height_unit = MetresPerHeightUnit(top->columns, system);
+  const double metres_per_height_unit = system ? system->metres_per_height_unit() : 1.0;
   std::vector<std::string_view> cells = top->row;
   LineReader lines(text.substr(top->row_offset));
   std::string_view line = top->row_line;
@@ -136,7 +101,7 @@ Result<FlightLog> ParseGeoTxt(std::string_view name, LogBytes bytes, const Consu
     if (system) event.position = system->ToLatLon(written.x, written.y);
     const auto z = cells.size() > 3 ? ReadBareNumber(cells[3]) : std::nullopt;
     if (z) (is_above_sea ? event.height_amsl_m : event.height_ellipsoid_m) = *z * metres_per_height_unit;
-    TakeAnglesAndSigmas(cells, has_angles, has_sigmas, event);
+    TakeAnglesAndSigmas(cells, event);
     ++rows;
     builder.Add(std::move(event));
   } while (rows + bad < kMaxRows && lines.Next(line));
@@ -148,7 +113,7 @@ Result<FlightLog> ParseGeoTxt(std::string_view name, LogBytes bytes, const Consu
   builder.log().written_order_is_named = order.has_value();
   builder.log().mapping = {fmt::format("x, y -> {}", system ? system->name() : "no system is named"),
                            is_above_sea ? "z -> height above the sea" : "z -> height above the ellipsoid"};
-  if (has_angles) builder.log().mapping.emplace_back("yaw, pitch, roll -> degrees, pitch 0 = straight down");
+  builder.log().mapping.emplace_back("yaw, pitch, roll -> degrees, pitch 0 = straight down");
   if (metres_per_height_unit != 1.0) {
     builder.log().mapping.push_back(fmt::format("z -> times {} to metres", metres_per_height_unit));
   }

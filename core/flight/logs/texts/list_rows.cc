@@ -7,14 +7,12 @@
 #include "core/flight/logs/coordinate_cell.h"
 #include "core/flight/logs/csv/csv_columns.h"
 #include "core/flight/logs/csv/csv_meanings.h"
-#include "core/flight/remarks/because.h"
+#include "core/flight/logs/system_line.h"
 
 namespace skyquilt::flight {
 namespace {
 
 constexpr int kLinesAboveRows = 24;  // a system, names of columns, comments
-constexpr std::size_t kLongestSystem = 16'384;
-constexpr int kMaxWktLines = 200;
 constexpr std::size_t kLongestColumnName = 64;
 constexpr std::size_t kLongestLineOfNames = 16'384;
 
@@ -56,7 +54,8 @@ ListColumn KindOfColumn(std::string_view name) {
   return ListColumn::kNone;
 }
 
-// Names of columns, however they are separated: two that are known at least, and no numbers.
+}  // namespace
+
 std::vector<std::string_view> ColumnNames(std::string_view line) {
   std::vector<std::string_view> words;
   const std::size_t begin = line.find_first_not_of("# \t");
@@ -74,29 +73,6 @@ std::vector<std::string_view> ColumnNames(std::string_view line) {
   if (has_number || std::count_if(words.begin(), words.end(), is_known) < 2) words.clear();
   return words;
 }
-
-std::ptrdiff_t Depth(std::string_view text) {
-  return std::count(text.begin(), text.end(), '[') - std::count(text.begin(), text.end(), ']');
-}
-
-// WKT may go on over several lines: to where its brackets are closed.
-std::string_view WholeSystem(std::string_view first, LineReader& lines) {
-  std::ptrdiff_t depth = Depth(first);
-  if (depth <= 0) return first;
-  LineReader ahead = lines;
-  std::string_view line;
-  for (int i = 0; i < kMaxWktLines && ahead.Next(line); ++i) {
-    const auto length = static_cast<std::size_t>(line.data() + line.size() - first.data());
-    if (length > kLongestSystem) break;
-    depth += Depth(line);
-    if (depth > 0) continue;
-    lines = ahead;
-    return {first.data(), length};
-  }
-  return first;
-}
-
-}  // namespace
 
 std::optional<double> ParseListCoordinate(std::string_view cell) {
   if (const auto number = ReadBareNumber(cell)) return number;
@@ -137,6 +113,7 @@ bool SplitListRow(std::string_view line, const IsListRow& is_row, std::vector<st
 
 std::optional<ListTop> ReadListTop(std::string_view text, const IsListRow& is_row) {
   ListTop top;
+  bool system_is_certain = false;
   LineReader lines(text);
   std::string_view line;
   for (int i = 0; i < kLinesAboveRows && lines.Next(line); ++i) {
@@ -151,20 +128,20 @@ std::optional<ListTop> ReadListTop(std::string_view text, const IsListRow& is_ro
     std::vector<std::string_view> columns = ColumnNames(line);
     if (!columns.empty() && top.columns.empty()) {
       top.columns = std::move(columns);
-    } else if (top.system.empty() && (!is_comment || LowerCase(line).find("epsg") != std::string::npos)) {
-      top.system = WholeSystem(line, lines);
+      continue;
+    }
+    const std::size_t number = lines.line_number();
+    const SystemLine system = SystemOfLine(line, lines);
+    // What surely is one holds before what may be a title.
+    const bool is_better = top.system.empty() || (system.is_certain && !system_is_certain);
+    if (!system.text.empty() && is_better) {
+      top.system = system.text;
+      system_is_certain = system.is_certain;
     } else if (!is_comment) {
-      top.skipped_lines.push_back(lines.line_number());
+      top.skipped_lines.push_back(number);
     }
   }
   return std::nullopt;
-}
-
-Error SystemUnknown(std::string_view file, std::string_view system) {
-  constexpr std::size_t kQuotedSystem = 80;
-  return Because(
-      ErrorCode::kUnsupportedFormat,
-      {RemarkCode::kSystemUnknown, {{"file", file}, {"system", Quoted(Trim(system), kQuotedSystem)}}});
 }
 
 std::optional<NamedOrder> OrderOfColumns(const std::vector<std::string_view>& columns) {
@@ -176,6 +153,14 @@ std::optional<NamedOrder> OrderOfColumns(const std::vector<std::string_view>& co
   }
   if (!east || !north) return std::nullopt;
   return *east < *north ? NamedOrder::kEastFirst : NamedOrder::kNorthFirst;
+}
+
+bool AreNamesOfColumns(const std::vector<std::string_view>& columns) {
+  const auto known = std::count_if(columns.begin(), columns.end(), [](std::string_view name) {
+    return KindOfColumn(name) != ListColumn::kNone;
+  });
+  constexpr std::ptrdiff_t kOfAList = 3;  // a photo and two coordinates
+  return known >= kOfAList || (known > 0 && 2 * known >= static_cast<std::ptrdiff_t>(columns.size()));
 }
 
 std::optional<NamedOrder> OrderOfLetters(std::string_view first, std::string_view second) {

@@ -8,7 +8,6 @@
 #include <string_view>
 #include <vector>
 
-#include "core/base/result.h"
 #include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/number_cell.h"
 
@@ -41,8 +40,11 @@ struct ListTop {
 // Nothing where no row stands among the first lines.
 std::optional<ListTop> ReadListTop(std::string_view text, const IsListRow& is_row);
 
-// Of the list `file`, whose line `system` names no reference system that is known.
-Error SystemUnknown(std::string_view file, std::string_view system);
+// Names of columns, however they are separated: two that are known at least, and no numbers; else nothing.
+std::vector<std::string_view> ColumnNames(std::string_view line);
+
+// Three of such names are known, or half: no title, whose words may be names by chance.
+bool AreNamesOfColumns(const std::vector<std::string_view>& columns);
 
 // The order that names of columns give a pair of coordinates; nothing where they name none, or only "x" and
 // "y".

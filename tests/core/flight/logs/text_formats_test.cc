@@ -296,12 +296,15 @@ TEST(ParseGeoTxt, TakesTheOrderOfTheHemispheresLetters) {
   EXPECT_DOUBLE_EQ(pix4d->events[0].position->lat_deg, 46.8);
 }
 
-TEST(ParseGeoTxt, TakesAnglesOnlyWhereTheirNamesSay) {
-  const auto log = ParseGeoTxt("geo.txt", BytesOf("EPSG:4326\nimage lon lat alt roll pitch yaw\n"
-                                                  "a.jpg 8.1 46.8 500 1 2 90\n"));
+TEST(ParseGeoTxt, LeavesListsWithNamesOfColumnsToTheReaderOfNames) {
+  const std::string text = "EPSG:4326\nimage lon lat alt roll pitch yaw\na.jpg 8.1 46.8 500 1 2 90\n";
+  EXPECT_FALSE(LooksLikeGeoTxt(BytesOf(text)));
+  const auto log = ParseLog("geo.txt", BytesOf(text));
   ASSERT_TRUE(log.ok()) << log.error().message;
-  EXPECT_FALSE(log->events[0].yaw_pitch_roll_rad);
-  EXPECT_FALSE(log->warnings.empty());
+  ASSERT_TRUE(log->events[0].yaw_pitch_roll_rad);
+  EXPECT_NEAR(log->events[0].yaw_pitch_roll_rad->x(), DegToRad(90.0), 1e-12);
+  EXPECT_NEAR(log->events[0].yaw_pitch_roll_rad->z(), DegToRad(1.0), 1e-12);
+  EXPECT_EQ(log->written_system, "EPSG:4326");
 }
 
 TEST(ParseGeoTxt, CountsHeightsOfACompoundSystemFromTheSea) {
@@ -319,8 +322,7 @@ TEST(ParseGeoTxt, KeepsWhatWasWrittenWhereItIsNoPlace) {
   EXPECT_FALSE(log->events[0].position);
   EXPECT_DOUBLE_EQ(log->events[0].written->x, 46.8);
   EXPECT_EQ(log->written_system, "EPSG:4326");
-  const auto named =
-      ParseGeoTxt("geo.txt", BytesOf("EPSG:4326\nimage latitude longitude\na.jpg 46.8 -91.9\n"));
+  const auto named = ParseLog("geo.txt", BytesOf("EPSG:4326\nimage latitude longitude\na.jpg 46.8 -91.9\n"));
   ASSERT_TRUE(named.ok());
   EXPECT_DOUBLE_EQ(named->events[0].position->lat_deg, 46.8) << "the names of the columns hold";
   const std::string bare = "a.jpg 576667.1 5188164.6 198.3\n";
@@ -332,21 +334,22 @@ TEST(ParseGeoTxt, KeepsWhatWasWrittenWhereItIsNoPlace) {
   EXPECT_EQ(WhyOf(unknown.error()).code, RemarkCode::kSystemUnknown);
 }
 
-TEST(ParsePix4dCsv, ReadsTheTwoCoordinatesAsItsHeaderNamesThem) {
+TEST(NamedPlaces, ReadsTheTwoCoordinatesOfPix4dAsItsHeaderNamesThem) {
   const std::string east_first = "image,longitude,latitude,altitude\na.jpg,8.5,47.4,500\n";
-  ASSERT_TRUE(LooksLikePix4dCsv(BytesOf(east_first)));
-  const auto log = ParsePix4dCsv("p.csv", BytesOf(east_first));
+  ASSERT_TRUE(LooksLikeNamedPlaces(BytesOf(east_first)));
+  const auto log = ParseLog("p.csv", BytesOf(east_first));
   ASSERT_TRUE(log.ok());
   EXPECT_DOUBLE_EQ(log->events[0].position->lat_deg, 47.4);
   EXPECT_TRUE(log->written_order_is_named);
   const std::string projected = "#imagename,coordinate1,coordinate2,z\na.jpg,576667.1,5188164.6,198.3\n";
-  ASSERT_TRUE(LooksLikePix4dCsv(BytesOf(projected)));
-  const auto metres = ParsePix4dCsv("p.csv", BytesOf(projected));
+  ASSERT_TRUE(LooksLikeNamedPlaces(BytesOf(projected)));
+  EXPECT_FALSE(LooksLikePix4dCsv(BytesOf(projected))) << "that is for lists without names alone";
+  const auto metres = ParseLog("p.csv", BytesOf(projected));
   ASSERT_TRUE(metres.ok());
   EXPECT_FALSE(metres->events[0].position);
   EXPECT_DOUBLE_EQ(metres->events[0].written->x, 576667.1);
   EXPECT_FALSE(metres->written_order_is_assumed);
-  const auto open = ParsePix4dCsv("p.csv", BytesOf("image,coordinate1,coordinate2,z\na.jpg,8.5,47.4,500\n"));
+  const auto open = ParseLog("p.csv", BytesOf("image,coordinate1,coordinate2,z\na.jpg,8.5,47.4,500\n"));
   ASSERT_TRUE(open.ok());
   EXPECT_TRUE(open->written_order_is_assumed);
 }
@@ -393,14 +396,14 @@ TEST(ParseGcpList, ConvertsHeightsWithTheUnitOfTheSystem) {
   EXPECT_NEAR(list->points[0].position.lat_deg, 44.7, 0.1);
 }
 
-TEST(ParsePix4dCsv, UsesAnglesOnlyWhereTheHeaderNamesThem) {
+TEST(NamedPlaces, UsesAnglesOnlyWhereTheHeaderNamesThem) {
   const std::string named =
       "#imagename,latitude [decimal degrees],longitude [decimal degrees],altitude [meter],yaw "
       "[degrees],pitch "
       "[degrees],roll [degrees],accuracy horizontal [meter],accuracy vertical "
       "[meter]\na.jpg,47.5,8.5,500,90,1,2,0.5,1.5\n";
-  ASSERT_TRUE(LooksLikePix4dCsv(BytesOf(named)));
-  const auto log = ParsePix4dCsv("p.csv", BytesOf(named));
+  ASSERT_TRUE(LooksLikeNamedPlaces(BytesOf(named)));
+  const auto log = ParseLog("p.csv", BytesOf(named));
   ASSERT_TRUE(log.ok());
   EXPECT_NEAR((*log->events[0].yaw_pitch_roll_rad)[0], DegToRad(90.0), 1e-12);
   EXPECT_DOUBLE_EQ((*log->events[0].sigma_in_ned_m)[2], 1.5);
@@ -410,12 +413,12 @@ TEST(ParsePix4dCsv, UsesAnglesOnlyWhereTheHeaderNamesThem) {
   EXPECT_EQ(bare->warnings.size(), 1u);
 }
 
-TEST(ParsePix4dCsv, TurnsOmegaPhiKappaIntoAnglesOfTheAirframe) {
+TEST(NamedPlaces, TurnsOmegaPhiKappaIntoAnglesOfTheAirframe) {
   // Looking straight down with the image's top to the north is (0, 0, 0) in both; kappa counts the other way
   // round.
-  const auto log = ParsePix4dCsv("p.csv", BytesOf("image,latitude,longitude,altitude,omega,phi,kappa\na.jpg,"
-                                                  "47.5,8.5,500,0,0,0\nb.jpg,47.5,8.5,500,0,0,-92.5\n"
-                                                  "c.jpg,47.5,8.5,500,10,0,0\n"));
+  const auto log = ParseLog("p.csv", BytesOf("image,latitude,longitude,altitude,omega,phi,kappa\na.jpg,"
+                                             "47.5,8.5,500,0,0,0\nb.jpg,47.5,8.5,500,0,0,-92.5\n"
+                                             "c.jpg,47.5,8.5,500,10,0,0\n"));
   ASSERT_TRUE(log.ok());
   EXPECT_LT(log->events[0].yaw_pitch_roll_rad->norm(), 1e-12);
   EXPECT_NEAR((*log->events[1].yaw_pitch_roll_rad)[0], DegToRad(92.5), 1e-12);

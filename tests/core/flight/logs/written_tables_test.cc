@@ -262,8 +262,23 @@ TEST(WrittenTables, ReadsHeightsByTheWordsBesideTheirUnit) {
   EXPECT_NEAR(*height("Altitude (AMSL) [ft]", "1000").height_amsl_m, 304.8, 1e-9);
   EXPECT_NEAR(*height("Altitude (ellipsoidal)", "1000").height_ellipsoid_m, 1000.0, 1e-9);
   EXPECT_NEAR(*height("Ellipsoidal height", "1000").height_ellipsoid_m, 1000.0, 1e-9);
-  EXPECT_NEAR(*height("Altitude", "1000 ft").height_amsl_m, 304.8, 1e-9);
-  EXPECT_FALSE(height("Altitude (furlongs)", "1000").height_amsl_m);
+  EXPECT_NEAR(*height("Altitude", "1000 ft").height_ellipsoid_m, 304.8, 1e-9);
+  for (const char* name : {"Altitude (m NAVD88)", "H\xC3\xB6he (m \xC3\xBC. NHN)", "H\xF6he (m \xFC. M.)",
+                           "Elevation (m)_EGM96", "height_navd88", "Altitude (meters above mean sea level)"})
+    EXPECT_EQ(height(name, "1000").height_amsl_m, 1000.0) << name;
+  EXPECT_NEAR(*height("Ellipsoidal Height (sft)", "3937").height_ellipsoid_m, 1200.0, 1e-9);
+  EXPECT_NEAR(*height("elevation (US survey ft)", "3937").height_ellipsoid_m, 1200.0, 1e-9);
+}
+
+TEST(WrittenTables, SaysWhichColumnIsNotReadForAWord) {
+  const FlightLog log =
+      Parse("image;lat;lng;Altitude (furlongs);omega [mils];phi;kappa\na.jpg;46.8426;8.1;5;1;2;3\n");
+  EXPECT_FALSE(log.events.at(0).height_amsl_m || log.events.at(0).height_ellipsoid_m);
+  EXPECT_FALSE(log.events.at(0).yaw_pitch_roll_rad);
+  EXPECT_THAT(InWords(log.warnings),
+              Contains(AllOf(HasSubstr("Altitude (furlongs)"), HasSubstr("\"furlongs\""))));
+  EXPECT_THAT(InWords(log.warnings), Contains(HasSubstr("\"mils\"")));
+  EXPECT_THAT(InWords(log.warnings), Contains(HasSubstr("\"phi\", \"kappa\" are not used")));
 }
 
 // A track of four rows, a second apart, from 21:31:09 UTC.
@@ -380,6 +395,7 @@ TEST(WrittenTables, ExplainsWhatStopsATable) {
                     HasSubstr("Rechtswert (\"8.1\" in line 2)")));
   EXPECT_THAT(why("1;46,8;8,1\n2;46,9;8,2\n"),
               AllOf(HasSubstr("line 1, \"1;46,8;8,1\""), HasSubstr("no names of columns")));
+  EXPECT_THAT(why("#stamp,lat,lon\n1,46.8,8.1\n2,46.8,8.1\n"), HasSubstr("stamp (\"1\" in line 2)"));
   EXPECT_THAT(why("stamp;lat;lon\n1;N46,8;8,1\n2;N46,9;8,2\n"),
               HasSubstr("not recognised are stamp (\"1\" in line 2)"));
 }

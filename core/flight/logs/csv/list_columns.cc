@@ -1,0 +1,269 @@
+#include "core/flight/logs/csv/list_columns.h"
+
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include "core/flight/logs/csv/csv_rows.h"
+
+namespace skyquilt::flight {
+namespace {
+
+using M = CsvMeaning;
+constexpr std::size_t kLongestName = 64;
+
+struct NameOfList {
+  std::string_view letters;
+  M meaning;
+  PairOrder order = PairOrder::kNamed;
+};
+constexpr std::array kNamesOfLists = {NameOfList{"x", M::kEast, PairOrder::kXThenY},
+                                      NameOfList{"mapx", M::kEast, PairOrder::kXThenY},
+                                      NameOfList{"xcoord", M::kEast, PairOrder::kXThenY},
+                                      NameOfList{"xcoordinate", M::kEast, PairOrder::kXThenY},
+                                      NameOfList{"coordinatex", M::kEast, PairOrder::kXThenY},
+                                      NameOfList{"y", M::kNorth, PairOrder::kXThenY},
+                                      NameOfList{"mapy", M::kNorth, PairOrder::kXThenY},
+                                      NameOfList{"ycoord", M::kNorth, PairOrder::kXThenY},
+                                      NameOfList{"ycoordinate", M::kNorth, PairOrder::kXThenY},
+                                      NameOfList{"coordinatey", M::kNorth, PairOrder::kXThenY},
+                                      NameOfList{"coordinate1", M::kEast, PairOrder::kOpen},
+                                      NameOfList{"coordinate2", M::kNorth, PairOrder::kOpen},
+                                      NameOfList{"z", M::kHeightAmsl},
+                                      NameOfList{"h", M::kHeightAmsl},
+                                      NameOfList{"mapz", M::kHeightAmsl},
+                                      NameOfList{"geoz", M::kHeightAmsl},
+                                      NameOfList{"zcoord", M::kHeightAmsl},
+                                      NameOfList{"zcoordinate", M::kHeightAmsl},
+                                      NameOfList{"coordinatez", M::kHeightAmsl},
+                                      NameOfList{"coordinate3", M::kHeightAmsl},
+                                      NameOfList{"omega", M::kOmega},
+                                      NameOfList{"phi", M::kPhi},
+                                      NameOfList{"kappa", M::kKappa}};
+
+std::string LettersOf(std::string_view text) {
+  std::string letters;
+  for (const char c : LowerCase(text.substr(0, kLongestName))) {
+    if ((c >= 'a' && c <= 'z') || IsDigit(c)) letters += c;
+  }
+  return letters;
+}
+
+// A column's name, and its unit in brackets: "omega_rad" and "omega [rad]" as "omega", "(rad)".
+struct NameAndUnit {
+  std::string letters;
+  std::string unit;
+};
+
+NameAndUnit WithUnitInBrackets(std::string_view header) {
+  const std::size_t bracket = std::min(header.find_first_of("(["), header.size());
+  return {LettersOf(header.substr(0, bracket)), std::string(header.substr(bracket))};
+}
+
+NameAndUnit WithUnitBehind(std::string_view header) {
+  const std::size_t cut = header.find_last_of("_ ");
+  if (cut == std::string_view::npos || header.size() > kLongestName) return {};
+  const std::string unit = LowerCase(header.substr(cut + 1));
+  if (FindUnit(unit, Dimension::kLength) == nullptr && FindUnit(unit, Dimension::kAngle) == nullptr)
+    return {};
+  return {LettersOf(header.substr(0, cut)), "(" + unit + ")"};
+}
+
+const NameOfList* FindNameOfList(std::string_view letters) {
+  const auto found = std::find_if(kNamesOfLists.begin(), kNamesOfLists.end(),
+                                  [&](const NameOfList& name) { return name.letters == letters; });
+  return found == kNamesOfLists.end() ? nullptr : &*found;
+}
+
+// As the column of a log that has the same kind of unit.
+CsvColumn MapAs(std::string_view name, const std::string& unit, const CsvColumn& column) {
+  const std::string whole = std::string(name) + unit;
+  CsvColumn mapped = MapTolerantColumns({std::string_view(whole)}).front();
+  mapped.header = column.header;
+  return mapped;
+}
+
+M MeaningInPlane(std::string_view letters) {
+  const ListColumn kind = FindListColumn(letters);
+  if (kind == ListColumn::kEast || letters.starts_with("easting")) return M::kEast;
+  if (kind == ListColumn::kNorth || letters.starts_with("northing")) return M::kNorth;
+  return M::kIgnored;
+}
+
+// "altitude above something": a height, whatever it counts from.
+void MapUnknownHeight(const NameAndUnit& name, CsvColumn& column) {
+  constexpr std::array<std::string_view, 5> kBegin = {"alt", "elev", "height", "hoehe", "hhe"};
+  if (std::none_of(kBegin.begin(), kBegin.end(),
+                   [&](std::string_view begin) { return name.letters.starts_with(begin); }))
+    return;
+  column.meant = M::kHeightAmsl;
+  column.unknown_words = column.header;
+}
+
+bool MapByNamesOfLists(const NameAndUnit& name, CsvColumn& column) {
+  const NameOfList* known = FindNameOfList(name.letters);
+  const M in_plane = known == nullptr ? MeaningInPlane(name.letters) : known->meaning;
+  if (in_plane == M::kEast || in_plane == M::kNorth) {
+    column.meaning = in_plane;  // in the unit of the system, whatever the name says
+    return true;
+  }
+  if (known == nullptr) return false;
+  const bool is_height = known->meaning == M::kHeightAmsl;
+  column = MapAs(is_height ? "altitude" : "roll", name.unit, column);
+  M& meaning = column.meaning == M::kIgnored ? column.meant : column.meaning;
+  if (!is_height) meaning = known->meaning;
+  return true;
+}
+
+// "Accuracy_X_(m)", "acc", "sigma h": of angles they are not read.
+void MapAccuracy(const NameAndUnit& name, bool has_horizontal, CsvColumn& column) {
+  std::string_view of = name.letters;
+  if (of.starts_with("accuracy")) {
+    of.remove_prefix(std::string_view("accuracy").size());
+  } else if (of.starts_with("acc")) {
+    of.remove_prefix(std::string_view("acc").size());
+  } else if (of.starts_with("sigma")) {
+    of.remove_prefix(std::string_view("sigma").size());
+  } else if (of.ends_with("accuracy")) {
+    of.remove_suffix(std::string_view("accuracy").size());
+  } else {
+    return;
+  }
+  constexpr std::array<std::string_view, 14> kHorizontal = {
+      "h",  "hor", "horz", "horiz",    "horizontal", "x",    "y",
+      "xy", "lat", "lon",  "latitude", "longitude",  "east", "north"};
+  constexpr std::array<std::string_view, 7> kVertical = {"v",        "vert", "vertical", "z",
+                                                         "altitude", "alt",  "height"};
+  const auto is_one_of = [&](const auto& words) {
+    return std::find(words.begin(), words.end(), of) != words.end();
+  };
+  const bool is_open = of.empty() || of == "m" || of == "position";
+  if (is_one_of(kVertical) || (is_open && has_horizontal)) {
+    column = MapAs("accuracy vertical", name.unit, column);
+  } else if (is_one_of(kHorizontal) || is_open) {
+    column = MapAs("accuracy horizontal", name.unit, column);
+  }
+}
+
+// Tables of marks that points have in photos: their coordinates are not the photos'.
+bool HasPoints(const std::vector<CsvColumn>& columns) {
+  constexpr std::array<std::string_view, 14> kNames = {"px",     "py",        "imx",     "imy",  "pixelx",
+                                                       "pixely", "u",         "gcp",     "col",  "gcpname",
+                                                       "point",  "pointname", "pointid", "punkt"};
+  return std::any_of(columns.begin(), columns.end(), [&](const CsvColumn& column) {
+    return std::find(kNames.begin(), kNames.end(), LettersOf(column.header)) != kNames.end();
+  });
+}
+
+bool IsListOfPhotos(const std::vector<CsvColumn>& columns) {
+  return NamesPhotos(columns) && (HasDegrees(columns) || (HasPlane(columns) && !HasPoints(columns)));
+}
+
+// The image, and the two coordinates, are what their columns say.
+bool IsRowOf(const std::vector<CsvColumn>& columns, const std::vector<std::string_view>& cells) {
+  bool has_image = false;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const M meaning = columns[i].meaning;
+    const bool is_coordinate =
+        meaning == M::kLat || meaning == M::kLon || meaning == M::kEast || meaning == M::kNorth;
+    if (is_coordinate && (i >= cells.size() || !ReadCsvNumber(columns[i], cells[i]))) return false;
+    has_image = has_image || ((meaning == M::kImage || meaning == M::kIsPhoto) && i < cells.size() &&
+                              !cells[i].empty() && !ReadBareNumber(cells[i]));
+  }
+  return has_image;
+}
+
+// Rows may be cut otherwise than the line above them: the first one tells. Nothing where none fits.
+std::optional<char> SeparatorOfRows(const ListHeading& heading, LineReader below) {
+  std::string_view line;
+  do {
+    if (!below.Next(line)) return std::nullopt;
+  } while (IsBlankOrComment(line));
+  std::vector<std::string_view> cells;
+  for (const char separator : {heading.separator, '\t', ';', ',', '|', ' '}) {
+    SplitFields(line, separator, cells);
+    if (IsRowOf(heading.columns, cells)) return separator;
+  }
+  return std::nullopt;
+}
+
+// Without the # and "columns:" before the names.
+std::string_view NamesIn(std::string_view line) {
+  if (!line.starts_with('#')) return line;
+  line = line.substr(std::min(line.find_first_not_of("# \t"), line.size()));
+  const std::size_t word_end = line.find_first_of(" \t,;|");
+  const bool is_label = word_end != std::string_view::npos && word_end > 0 && line[word_end - 1] == ':';
+  return is_label ? Trim(line.substr(word_end)) : line;
+}
+
+}  // namespace
+
+std::vector<CsvColumn> MapListColumns(const std::vector<std::string_view>& header) {
+  std::vector<CsvColumn> columns = MapTolerantColumns(header);
+  const bool has_degrees = HasDegrees(columns);
+  const std::vector<CsvColumn> of_logs = columns;
+  for (CsvColumn& column : columns) {
+    if (column.meaning != M::kIgnored || column.meant != M::kIgnored) continue;
+    const std::string name = column.header;  // the column is made anew
+    if (MapByNamesOfLists(WithUnitInBrackets(name), column) ||
+        MapByNamesOfLists(WithUnitBehind(name), column))
+      continue;
+    MapAccuracy(WithUnitInBrackets(name), HasColumn(columns, M::kSigmaHorizontal), column);
+    if (column.meaning == M::kIgnored && column.meant == M::kIgnored)
+      MapUnknownHeight(WithUnitInBrackets(name), column);
+  }
+  // One coordinate alone, or beside degrees, is none.
+  if (HasPlane(columns) && !has_degrees) return columns;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    if (columns[i].meaning == M::kEast || columns[i].meaning == M::kNorth) columns[i] = of_logs[i];
+  }
+  return columns;
+}
+
+PairOrder OrderOfPair(const std::vector<CsvColumn>& columns) {
+  PairOrder order = PairOrder::kNamed;
+  for (const M meaning : {M::kEast, M::kNorth}) {
+    const CsvColumn* column = ColumnOf(columns, meaning);
+    if (column == nullptr) return PairOrder::kNamed;
+    const NameOfList* name = FindNameOfList(WithUnitInBrackets(column->header).letters);
+    if (name == nullptr) name = FindNameOfList(WithUnitBehind(column->header).letters);
+    if (name == nullptr) return PairOrder::kNamed;
+    order = name->order;
+  }
+  return order;
+}
+
+bool HasDegrees(const std::vector<CsvColumn>& columns) {
+  return HasColumn(columns, M::kLat) && HasColumn(columns, M::kLon);
+}
+
+bool HasPlane(const std::vector<CsvColumn>& columns) {
+  return HasColumn(columns, M::kEast) && HasColumn(columns, M::kNorth);
+}
+
+bool NamesPhotos(const std::vector<CsvColumn>& columns) {
+  return HasColumn(columns, M::kImage) || HasColumn(columns, M::kIsPhoto);
+}
+
+std::optional<ListHeading> ReadListHeading(std::string_view line, LineReader below) {
+  const std::string_view names = NamesIn(line);
+  ListHeading heading;
+  heading.separator = GuessSeparator(names);
+  std::vector<std::string_view> cells;
+  SplitFields(names, heading.separator, cells);
+  const bool is_cut_at_blanks = cells.size() == 1;
+  if (is_cut_at_blanks) {
+    heading.separator = ' ';
+    SplitBlanks(names, cells);
+  }
+  heading.columns = MapListColumns(cells);
+  if (!IsListOfPhotos(heading.columns)) return std::nullopt;
+  if (const auto separator = SeparatorOfRows(heading, below)) {
+    heading.separator = *separator;
+  } else if (is_cut_at_blanks && HasColumn(heading.columns, M::kIgnored)) {
+    return std::nullopt;
+  }
+  return heading;
+}
+
+}  // namespace skyquilt::flight

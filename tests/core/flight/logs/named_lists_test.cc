@@ -1,0 +1,181 @@
+// Lists of photos below a line of names: whichever program wrote them, columns mean what their names say.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "core/flight/bytes/text_fields.h"
+#include "core/flight/logs/csv/list_columns.h"
+#include "core/flight/logs/read_log.h"
+#include "core/flight/remarks/because.h"
+#include "core/flight/remarks/remark_words.h"
+#include "core/geo/lat_lon.h"
+
+namespace skyquilt::flight {
+namespace {
+
+using geo::DegToRad;
+using ::testing::HasSubstr;
+
+FlightLog ReadList(const std::string& text) {
+  auto log = ParseLog("list.csv", BytesOf(text));
+  EXPECT_TRUE(log.ok()) << (log ? "" : log.error().message) << "\n" << text;
+  return log ? *std::move(log) : FlightLog();
+}
+
+CameraEvent FirstRow(const std::string& text) {
+  const FlightLog log = ReadList(text);
+  EXPECT_FALSE(log.events.empty()) << text;
+  return log.events.empty() ? CameraEvent() : log.events.front();
+}
+
+constexpr const char* kWkt =
+    "PROJCS[\"WGS 84 / UTM zone 15N\",GEOGCS[\"WGS 84\",DATUM[\"WGS_1984\",SPHEROID[\"WGS 84\",6378137,"
+    "298.257223563]],PRIMEM[\"Greenwich\",0],UNIT[\"degree\",0.0174532925199433]],"
+    "PROJECTION[\"Transverse_Mercator\"],PARAMETER[\"latitude_of_origin\",0],"
+    "PARAMETER[\"central_meridian\",-93],PARAMETER[\"scale_factor\",0.9996],"
+    "PARAMETER[\"false_easting\",500000],PARAMETER[\"false_northing\",0],UNIT[\"metre\",1],"
+    "AUTHORITY[\"EPSG\",\"32615\"]]";
+
+TEST(NamedLists, ReadsWhatMetashapeExportsInAProjectedSystem) {
+  const std::string names =
+      "#Label,X/Easting,Y/Northing,Z/Altitude,Accuracy_X_(m),Accuracy_Y_(m),Accuracy_Z_(m),Yaw,Pitch,Roll\n";
+  for (const std::string& system : {std::string("# CoordinateSystem: ") + kWkt,
+                                    std::string("# CoordinateSystem: WGS 84 / UTM zone 15N (EPSG::32615)")}) {
+    for (const char* photo : {"DJI_0018.JPG", "DJI_0018"}) {
+      const FlightLog log =
+          ReadList(system + "\n" + names + photo + ",576691.665,5188169.628,158.5,0.02,0.02,0.03,90,1,2\n");
+      ASSERT_EQ(log.events.size(), 1u) << system;
+      const CameraEvent& event = log.events[0];
+      EXPECT_EQ(event.image_name, photo);
+      ASSERT_TRUE(event.position);
+      EXPECT_NEAR(event.position->lat_deg, 46.84265, 1e-4);
+      EXPECT_EQ(event.height_ellipsoid_m, 158.5);
+      ASSERT_TRUE(event.sigma_in_ned_m);
+      EXPECT_DOUBLE_EQ(event.sigma_in_ned_m->x(), 0.02);
+      EXPECT_DOUBLE_EQ(event.sigma_in_ned_m->z(), 0.03);
+      ASSERT_TRUE(event.yaw_pitch_roll_rad);
+      EXPECT_NEAR(event.yaw_pitch_roll_rad->x(), DegToRad(90.0), 1e-12);
+      EXPECT_FALSE(log.written_system.empty());
+      EXPECT_TRUE(log.written_order_is_named);
+      EXPECT_TRUE(log.warnings.empty()) << ::testing::PrintToString(InWords(log.warnings));
+    }
+  }
+}
+
+TEST(NamedLists, RefusesASystemThatIsNotKnown) {
+  const auto log =
+      ParseLog("list.csv", BytesOf("# CRS: EPSG:99999\nphoto,easting,northing\na.jpg,576691.6,5188169.6\n"));
+  ASSERT_FALSE(log.ok());
+  EXPECT_EQ(WhyOf(log.error()).code, RemarkCode::kSystemUnknown);
+}
+
+TEST(NamedLists, ReadsAnyNamesOfAPlane) {
+  for (const char* names : {"Photo,Northing,Easting,Height", "Bildname,Hochwert,Rechtswert,H\xC3\xB6he",
+                            "File Name,North (m),East (m),elevation", "label,Y/Northing,X/Easting,Z/Altitude",
+                            "name,n,e,h", "image,y,x,z"}) {
+    const FlightLog log = ReadList(std::string(names) + "\nDJI_0018,5188169.628,576691.665,58.5\n");
+    ASSERT_EQ(log.events.size(), 1u) << names;
+    ASSERT_TRUE(log.events[0].written) << names;
+    EXPECT_DOUBLE_EQ(log.events[0].written->x, 576691.665) << names;
+    EXPECT_DOUBLE_EQ(log.events[0].written->y, 5188169.628) << names;
+    EXPECT_FALSE(log.events[0].position) << names;
+    EXPECT_EQ(log.events[0].height_ellipsoid_m, 58.5) << names;
+    EXPECT_TRUE(log.written_system.empty()) << names;
+    EXPECT_EQ(log.written_order_is_named, std::string(names) != "image,y,x,z") << names;
+  }
+}
+
+TEST(NamedLists, ReadsDegreesAsXAndY) {
+  const FlightLog log = ReadList("#name,x,y,alt,yaw,pitch,roll\na.jpg,8.5,47.4,500,90,1,2\n");
+  ASSERT_EQ(log.events.size(), 1u);
+  ASSERT_TRUE(log.events[0].position);
+  EXPECT_DOUBLE_EQ(log.events[0].position->lon_deg, 8.5);
+  EXPECT_TRUE(log.events[0].yaw_pitch_roll_rad);
+  EXPECT_FALSE(log.written_order_is_named);
+  EXPECT_FALSE(log.written_order_is_assumed);
+}
+
+TEST(NamedLists, ReadsOmegaPhiKappaOfAllPrograms) {
+  for (const char* text :
+       {"#Label,X/Longitude,Y/Latitude,Z/Altitude,Omega,Phi,Kappa\na.jpg,8.5,47.4,500,0,0,-92.5\n",
+        "imageName X Y Z Omega Phi Kappa\na.jpg 576691.665 5188169.628 500 0 0 -92.5\n"}) {
+    const CameraEvent event = FirstRow(text);
+    ASSERT_TRUE(event.yaw_pitch_roll_rad) << text;
+    EXPECT_NEAR(event.yaw_pitch_roll_rad->x(), DegToRad(92.5), 1e-12) << text;
+    EXPECT_EQ(event.attitude_kind, AttitudeKind::kAirframe) << text;
+    EXPECT_EQ(event.height_ellipsoid_m, 500.0) << text;
+  }
+}
+
+TEST(NamedLists, FindsEachAngleByItsOwnNameAndUnit) {
+  const auto yaw_deg = [](const std::string& names, const std::string& cells) {
+    const CameraEvent event =
+        FirstRow("image,latitude,longitude,altitude," + names + "\na.jpg,47.4,8.5,500," + cells + "\n");
+    EXPECT_TRUE(event.yaw_pitch_roll_rad) << names;
+    return event.yaw_pitch_roll_rad ? event.yaw_pitch_roll_rad->x() / DegToRad(1.0) : -1.0;
+  };
+  EXPECT_NEAR(yaw_deg("omega [rad],phi [rad],kappa [rad]", "0,0,-0.5"), 0.5 / DegToRad(1.0), 1e-9);
+  EXPECT_NEAR(yaw_deg("omega [gon],phi [gon],kappa [gon]", "0,0,-100"), 90.0, 1e-9);
+  EXPECT_NEAR(yaw_deg("omega_rad,phi_rad,kappa_rad", "0,0,-0.5"), 0.5 / DegToRad(1.0), 1e-9);
+  EXPECT_NEAR(yaw_deg("yaw [rad],pitch [rad],roll [rad]", "0.5,0,0"), 0.5 / DegToRad(1.0), 1e-9);
+  EXPECT_NEAR(yaw_deg("yaw,roll,pitch", "30,1,2"), 30.0, 1e-9);
+  EXPECT_NEAR(yaw_deg("roll,pitch,yaw,acc,acc", "1,2,30,0.5,1.5"), 30.0, 1e-9);
+}
+
+TEST(NamedLists, FindsAccuraciesByTheirNamesAndUnits) {
+  const auto sigma = [](const std::string& names, const std::string& cells) {
+    return FirstRow("image,latitude,longitude,altitude," + names + "\na.jpg,47.4,8.5,500," + cells + "\n")
+        .sigma_in_ned_m.value_or(Eigen::Vector3d::Zero());
+  };
+  EXPECT_NEAR(sigma("accuracy horizontal [feet],accuracy vertical [feet]", "1,2").z(), 0.6096, 1e-9);
+  EXPECT_NEAR(sigma("acc,acc", "0.5,1.5").z(), 1.5, 1e-9);
+  EXPECT_NEAR(sigma("accuracy", "0.5").x(), 0.5, 1e-9);
+  EXPECT_NEAR(sigma("accuracy_yaw,sigma_v,sigma_h", "9,1.5,0.5").x(), 0.5, 1e-9);
+}
+
+TEST(NamedLists, CountsABareAltitudeFromTheZeroOfListsWhateverThePhotosAreCalled) {
+  for (const char* photo : {"a.jpg", "a"}) {
+    const std::string row = std::string(photo) + ",47.4,8.5,500\n";
+    EXPECT_EQ(FirstRow("image,latitude,longitude,altitude\n" + row).height_ellipsoid_m, 500.0) << photo;
+    EXPECT_EQ(FirstRow("filename,lat,lon,alt\n" + row).height_ellipsoid_m, 500.0) << photo;
+    EXPECT_EQ(FirstRow("image,latitude,longitude,altitude AMSL\n" + row).height_amsl_m, 500.0) << photo;
+    EXPECT_EQ(FirstRow("SourceFile,GPSLatitude,GPSLongitude,GPSAltitude\n" + row).height_amsl_m, 500.0);
+  }
+  EXPECT_EQ(FirstRow("EPSG:32615+5773\nimage,x,y,z\na.jpg,576691.6,5188169.6,500\n").height_amsl_m, 500.0);
+}
+
+TEST(NamedLists, ReadsSmallDegreesOfPhotos) {
+  const FlightLog log =
+      ReadList("image,lat,lon,alt\na.jpg,470123456,81234567,512345\nb.jpg,470123466,81234567,515345\n");
+  ASSERT_EQ(log.events.size(), 2u);
+  ASSERT_TRUE(log.events[0].position);
+  EXPECT_NEAR(log.events[0].position->lat_deg, 47.0123456, 1e-9);
+  EXPECT_NEAR(log.events[0].height_ellipsoid_m.value_or(0.0), 512.345, 1e-6);
+}
+
+TEST(NamedLists, TakesRowsThatAreCutOtherwiseThanTheirNames) {
+  for (const char* text :
+       {"EPSG:32615\nimage x y z\na.jpg\t576691.6\t5188169.6\t158.5\n",
+        "EPSG:32615\n# columns: image x y z remark\na.jpg 576691.6 5188169.6 158.5 ok\n"}) {
+    const CameraEvent event = FirstRow(text);
+    ASSERT_TRUE(event.position) << text;
+    EXPECT_NEAR(event.position->lat_deg, 46.84265, 1e-3) << text;
+    EXPECT_EQ(event.height_ellipsoid_m, 158.5) << text;
+  }
+}
+
+TEST(NamedLists, LeavesPointsProseAndLogsAlone) {
+  const auto reads = [](std::string_view line, std::string_view rows) {
+    return ReadListHeading(line, LineReader(rows)).has_value();
+  };
+  EXPECT_TRUE(reads("image,x,y,z", "a.jpg,1,2,3\n"));
+  EXPECT_FALSE(reads("image,x,y,z,px,py,point", "a.jpg,1,2,3,4,5,p\n")) << "marks of surveyed points";
+  EXPECT_FALSE(reads("photo of the x and y axes", "taken in the evening\n"));
+  EXPECT_FALSE(reads("time,x,y,z", "1,2,3,4\n")) << "names no photo";
+  EXPECT_FALSE(reads("image,x,z", "a.jpg,1,2\n")) << "one coordinate";
+}
+
+}  // namespace
+}  // namespace skyquilt::flight
