@@ -147,14 +147,13 @@ class Chooser {
       const Row& holding = RowFrom(best, photo);
       holds_.emplace(photo, holding);
       for (const Row& other : rows_of_[photo]) {
-        if (other.from != best) Compare(holding, other, best_rank, rank_of, photos);
+        if (other.from != best) Compare(holding, other, best_rank, rank_of);
       }
     }
   }
 
   template <typename Rank, typename RankOf>
-  void Compare(const Row& holding, const Row& other, const Rank& best_rank, const RankOf& rank_of,
-               const std::vector<std::size_t>& photos) {
+  void Compare(const Row& holding, const Row& other, const Rank& best_rank, const RankOf& rank_of) {
     const CameraEvent &held = EventOf(holding), &lost = EventOf(other);
     auto [found, is_new] = disagreements_.try_emplace({holding.from.log, other.from.log});
     Disagreement& disagreement = found->second;

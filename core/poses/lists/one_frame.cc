@@ -174,7 +174,7 @@ void DoubtUnnamed(const Camera& camera, const std::vector<Pair>& pairs, double a
                   std::vector<Photo>& photos, OneFrame& result) {
   if (apart_m <= kUnseenM) return;
   std::size_t doubted = 0;
-  for (const std::size_t i : camera.unnamed) doubted += DoubtBy(apart_m, *photos[i].position) ? 1 : 0;
+  for (const std::size_t i : camera.unnamed) doubted += DoubtBy(apart_m, *photos[i].position) ? 1U : 0U;
   if (doubted == 0) return;
   result.warnings.push_back(
       Said(RemarkCode::kUnnamedDoubted, SourceOf(pairs, photos), pairs.size(), doubted, apart_m));

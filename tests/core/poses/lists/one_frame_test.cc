@@ -96,7 +96,7 @@ TEST(BringIntoOneFrame, IsNotLedAstrayByAWrongRow) {
 }
 
 TEST(BringIntoOneFrame, LearnsNoShiftFromOneOrTwoRows) {
-  for (const std::size_t count : {1, 2}) {
+  for (const std::size_t count : {1U, 2U}) {
     std::vector<Photo> photos = Named(count, {15.0, 0.0});
     const OneFrame result = BringIntoOneFrame(OwnPhotos(), photos);
     for (std::size_t k = count; k < kFlown; ++k) {
