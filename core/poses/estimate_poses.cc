@@ -21,6 +21,7 @@
 #include "core/poses/heights/ground_below.h"
 #include "core/poses/heights/takeoff.h"
 #include "core/poses/lists/list_words.h"
+#include "core/poses/lists/one_frame.h"
 #include "core/poses/photo_rows.h"
 #include "core/poses/place_by_log.h"
 #include "core/poses/place_by_records.h"
@@ -297,6 +298,9 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
     Append(tie.warnings, posed.warnings);
     if (tie.sync) DescribeTime(*tie.sync, posed.report);
   }
+  OneFrame one_frame = BringIntoOneFrame(flight.photos, tie.photos);
+  posed.report.lists_contradict_m = one_frame.contradict_m;
+  Append(std::move(one_frame.warnings), posed.warnings);
   const ConventionChoice reading = ChooseReading(log ? &log->log : nullptr, tie);
   posed.report.convention = reading.words;
   if (reading.is_changed) {

@@ -1,9 +1,8 @@
 #include "core/poses/photo_rows.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
+#include <fmt/core.h>
 #include <utility>
 
 #include "core/base/median.h"
@@ -19,14 +18,6 @@ namespace {
 
 using flight::CameraEvent;
 using flight::Photo;
-
-// Lists of positions worked out afterwards have no word for the kind of fix, and state centimetres.
-bool StatesCentimetres(const Eigen::Vector3d& sigma_in_ned_m) {
-  constexpr double kBestSurveyM = 0.001;  // what says it is better was not measured
-  return sigma_in_ned_m.minCoeff() >= kBestSurveyM &&
-         sigma_in_ned_m.head<2>().maxCoeff() <= kWorstCorrectedM &&
-         sigma_in_ned_m.z() <= 2.0 * kWorstCorrectedM;
-}
 
 void TakePosition(const CameraEvent& event, const std::string& source, Photo& photo) {
   flight::RecordedPosition position;
@@ -46,8 +37,7 @@ void TakePosition(const CameraEvent& event, const std::string& source, Photo& ph
     position.sigma_horizontal_m = event.sigma_in_ned_m->head<2>().norm() / std::sqrt(2.0);
     position.sigma_vertical_m = event.sigma_in_ned_m->z();
   }
-  position.is_rtk_fixed =
-      event.is_rtk_fixed || (event.sigma_in_ned_m && StatesCentimetres(*event.sigma_in_ned_m));
+  position.is_rtk_fixed = IsCorrected(event);
   position.source = source;
   photo.position = position;
 }
@@ -110,7 +100,8 @@ PhotoRowsUse ApplyPhotoRows(const std::vector<flight::FlightLog>& logs, std::vec
   for (const flight::FlightLog& log : logs) {
     std::size_t rows = 0, open_rows = 0;
     std::string first_name, first_open;
-    std::vector<char> is_named(photos.size(), 0);
+    // By photo. The first row holds, of those that kept what they say (lists/choose_rows.h).
+    std::vector<char> is_named(photos.size(), 0), is_placed(photos.size(), 0), is_turned(photos.size(), 0);
     std::vector<double> angles_apart_rad;  // where both know them
     const std::vector<NamedPhotos::Found> found_by_event = named.FindAll(log);
     for (std::size_t k = 0; k < log.events.size(); ++k) {
@@ -120,11 +111,10 @@ PhotoRowsUse ApplyPhotoRows(const std::vector<flight::FlightLog>& logs, std::vec
       const NamedPhotos::Found& found = found_by_event[k];
       if (found.is_open && open_rows++ == 0) first_open = PlainFileName(*event.image_name);
       for (const std::size_t i : found.photos) {
-        if (is_named[i]) continue;  // the first row holds
         is_named[i] = 1;
         Photo& photo = photos[i];
-        if (event.position) TakePosition(event, log.file_name, photo);
-        if (!event.yaw_pitch_roll_rad) continue;
+        if (event.position && !std::exchange(is_placed[i], 1)) TakePosition(event, log.file_name, photo);
+        if (!event.yaw_pitch_roll_rad || std::exchange(is_turned[i], 1)) continue;
         const flight::RecordedAttitude angles = AnglesOfEvent(event, log.file_name);
         if (MayTakeAngles(event, photo)) {
           photo.attitude = angles;
@@ -135,8 +125,10 @@ PhotoRowsUse ApplyPhotoRows(const std::vector<flight::FlightLog>& logs, std::vec
     }
     if (rows == 0) continue;
     const auto matched = std::count(is_named.begin(), is_named.end(), 1);
-    use.lines.push_back(
-        fmt::format("{} ({}) names {} of {} photos", log.file_name, log.format, matched, photos.size()));
+    const bool serves = std::count(is_placed.begin(), is_placed.end(), 1) > 0 ||
+                        std::count(is_turned.begin(), is_turned.end(), 1) > 0;
+    use.lines.push_back(fmt::format("{} ({}) names {} of {} photos{}", log.file_name, log.format, matched,
+                                    photos.size(), serves || matched == 0 ? "" : ", and places none"));
     if (!angles_apart_rad.empty()) SayWhoseAngles(log.file_name, std::move(angles_apart_rad), use);
     if (open_rows > 0) {
       use.warnings.push_back({flight::RemarkCode::kListRowsOfSeveralPhotos,

@@ -20,6 +20,9 @@ struct PoseReport {
   std::string height_rule;
   std::optional<bool> is_height_guessed;  // of photos without one, by their spacing
   bool is_placed = true;                  // false: nothing says where on Earth the flight was
+  // How far lists that name part of the photos lie from the photos' own positions, by no shift in common and
+  // by more than any receiver errs: where the map lies is not known better. Nothing: they do not contradict.
+  std::optional<double> lists_contradict_m;
   int photos_by_log = 0;
   int photos_by_records = 0;
   int knots = 0;  // of the smoothed chain

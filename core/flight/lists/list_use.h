@@ -35,6 +35,7 @@ enum class ListFault {
   kNoPlace,     // no reading makes most rows places of one flight
   kFarAway,     // every reading lies further from the photos' own positions than receivers err
   kOtherShape,  // near enough, but laid out otherwise: rows of another flight, or names in another order
+  kOtherTime,   // its times are days from the photos'
 };
 
 enum class ListKind { kPositions, kControl };
@@ -49,13 +50,15 @@ struct ListUse {
   bool is_as_written = true;  // `reading` is the plain one
   bool is_in_area = true;     // within the system's area of use
   std::size_t rows = 0;
-  std::size_t rows_used = 0;  // 0 where it does not serve
+  std::size_t rows_used = 0;  // 0 where it does not serve; without those in whose place others hold
+  std::string held_by;        // the list whose rows hold in place of some of these; empty: none
   std::size_t photos_named = 0;
   std::optional<double> apart_m;             // median, of the reading, to the photos' own positions
   std::optional<double> as_written_apart_m;  // likewise, of the plain reading
   std::optional<double> off_shape_m;         // median, after the median shift
-  bool own_are_photos = false;  // their own positions were compared with; else tracks, other lists
-  bool own_are_stale = false;   // most of the photos' own positions are one and the same
+  std::optional<double> apart_days;  // median of its times and the photos', where no clock errs so much
+  bool own_are_photos = false;       // their own positions were compared with; else tracks, other lists
+  bool own_are_stale = false;        // most of the photos' own positions are one and the same
   // Nothing but the order that the format documents speaks against the other order of the two numbers, which
   // would put the list so far away.
   std::optional<double> other_order_apart_m;

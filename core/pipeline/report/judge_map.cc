@@ -224,7 +224,9 @@ AbsoluteAccuracy ByPositions(const JudgedMap& map) {
   const std::size_t count = positions.records.size();
   if (AreFewPositions(count, placed)) return {std::nullopt, by, static_cast<int>(count)};
   const double of_noise_m = is_false_claim ? noise_m : noise_m * std::sqrt(LeverOf(map, positions.places));
-  return StatedRadius(std::max(own_m, std::hypot(common.sigma_m, of_noise_m)), by, count);
+  // Two sources of places that contradict each other: nobody knows which of them is wrong.
+  const double doubt_m = map.poses.lists_contradict_m.value_or(0.0);
+  return StatedRadius(std::max({own_m, doubt_m, std::hypot(common.sigma_m, of_noise_m)}), by, count);
 }
 
 AbsoluteAccuracy AbsoluteOf(const JudgedMap& map) {

@@ -42,7 +42,27 @@ CommonError JudgedErrorOf(const Positions& positions, Of of) {
   return JudgedError(positions.size(), fixed, std::move(stated_m));
 }
 
+// Lists of positions worked out afterwards have no word for the kind of fix, and state centimetres.
+bool StatesCentimetres(const Eigen::Vector3d& sigma_in_ned_m) {
+  constexpr double kBestSurveyM = 0.001;  // what says it is better was not measured
+  return sigma_in_ned_m.minCoeff() >= kBestSurveyM &&
+         sigma_in_ned_m.head<2>().maxCoeff() <= kWorstCorrectedM &&
+         sigma_in_ned_m.z() <= 2.0 * kWorstCorrectedM;
+}
+
 }  // namespace
+
+bool IsCorrected(const flight::CameraEvent& event) {
+  return event.is_rtk_fixed || (event.sigma_in_ned_m && StatesCentimetres(*event.sigma_in_ned_m));
+}
+
+double SigmaOfRowM(const flight::CameraEvent& event) {
+  if (event.sigma_in_ned_m) {
+    const double stated_m = event.sigma_in_ned_m->head<2>().norm() / std::sqrt(2.0);
+    if (stated_m >= kMinStatedM) return stated_m;
+  }
+  return IsCorrected(event) ? kCorrectedM : CommonError().sigma_m;
+}
 
 CommonError CommonErrorOf(const std::vector<const flight::RecordedPosition*>& positions) {
   return JudgedErrorOf(

@@ -10,8 +10,9 @@
 #include "core/flight/photo.h"
 
 namespace skyquilt::flight {
+struct CameraEvent;
 struct GnssSample;
-}
+}  // namespace skyquilt::flight
 
 namespace skyquilt::poses {
 
@@ -27,6 +28,12 @@ struct CommonError {
 // What a receiver says of a bad fix is common to all positions for the most part: beyond this they still lie
 // to each other as good ones do.
 inline constexpr double kWorstPlainM = 15.0;
+
+// Of one row of a list: it says so in a word, or states centimetres.
+bool IsCorrected(const flight::CameraEvent& event);
+
+// The error of a row of a list, one sigma a horizontal axis: as stated, else as assumed.
+double SigmaOfRowM(const flight::CameraEvent& event);
 
 CommonError CommonErrorOf(const std::vector<const flight::RecordedPosition*>& positions);
 CommonError CommonErrorOf(const std::vector<flight::GnssSample>& samples);

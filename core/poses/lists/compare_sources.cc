@@ -1,19 +1,22 @@
 #include "core/poses/lists/compare_sources.h"
 
 #include <algorithm>
-#include <map>
+#include <chrono>
+#include <cmath>
 #include <set>
 #include <string>
-#include <tuple>
 #include <utility>
 
+#include "core/base/median.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
 #include "core/geo/geodesic.h"
 #include "core/poses/heights/flight_heights.h"
+#include "core/poses/lists/choose_rows.h"
 #include "core/poses/lists/judge_list.h"
 #include "core/poses/lists/list_words.h"
 #include "core/poses/lists/named_photos.h"
+#include "core/poses/lists/own_records.h"
 
 namespace skyquilt::poses {
 namespace {
@@ -24,66 +27,6 @@ using flight::FlightLog;
 using flight::ListFault;
 using flight::ListUse;
 using geo::LatLon;
-
-// More photos of one camera than these at one and the same place: the receiver repeats its last fix.
-constexpr int kMaxAtOnePlace = 2;
-
-using CameraPlace = std::tuple<std::string, double, double>;
-
-CameraPlace CameraPlaceOf(const flight::Photo& photo) {
-  return {photo.camera_key, photo.position->position.lat_deg, photo.position->position.lon_deg};
-}
-
-// What photos say of themselves, and whether it moves with them.
-struct OwnRecords {
-  std::vector<std::optional<LatLon>> moving;  // by photo
-  std::optional<LatLon> anywhere;             // of the flight
-  bool is_of_photos = false;                  // what they say themselves, not a track or a list
-  bool is_stale = false;
-};
-
-std::optional<LatLon> PlaceOfTracks(const std::vector<FlightLog>& logs) {
-  for (const FlightLog& log : logs) {
-    if (!log.gnss.empty()) return log.gnss[log.gnss.size() / 2].position;
-  }
-  return std::nullopt;
-}
-
-OwnRecords OwnRecordsOf(const Flight& flight) {
-  std::map<CameraPlace, int> at_place;
-  for (const flight::Photo& photo : flight.photos) {
-    if (photo.position) ++at_place[CameraPlaceOf(photo)];
-  }
-  OwnRecords own;
-  std::vector<LatLon> moving, shared;
-  for (const flight::Photo& photo : flight.photos) {
-    std::optional<LatLon>& place = own.moving.emplace_back();
-    if (!photo.position) continue;
-    const LatLon& at = photo.position->position;
-    if (at_place[CameraPlaceOf(photo)] > kMaxAtOnePlace) {
-      shared.push_back(at);
-      continue;
-    }
-    place = at;
-    moving.push_back(at);
-  }
-  if (moving.size() < shared.size()) {  // the few that differ may be of before it was lost
-    own.is_stale = true;
-    std::fill(own.moving.begin(), own.moving.end(), std::nullopt);
-    own.anywhere = shared.front();
-  } else {
-    own.anywhere = MedianPosition(moving);
-  }
-  own.is_of_photos = own.anywhere.has_value();
-  if (!own.anywhere || own.is_stale) {
-    if (const auto track = PlaceOfTracks(flight.logs)) {
-      own.anywhere = track;
-      own.is_stale = false;
-      own.is_of_photos = false;
-    }
-  }
-  return own;
-}
 
 struct JudgedList {
   ListUse use;
@@ -127,8 +70,41 @@ void DropContradicting(const FlightLog& log, JudgedList& judged) {
   }
 }
 
+// The median of how far the times of a list lie from those that its photos know for certain, in days; nothing
+// where no clock is off by so much. Old receivers count their weeks anew after 1,024: that is no other
+// flight.
+std::optional<double> DaysApart(const FlightLog& log, const JudgedList& judged,
+                                const std::vector<flight::Photo>& photos) {
+  constexpr double kDayS = 86'400.0, kWeeksCountedS = 1024.0 * 7.0 * kDayS;
+  constexpr double kMaxClockDays = 1.0;
+  if (!log.utc_at_zero) return std::nullopt;
+  std::vector<double> apart_days;
+  for (std::size_t k = 0; k < judged.events.size(); ++k) {
+    const CameraEvent& event = log.events[judged.events[k]];
+    const flight::Photo& photo = photos[judged.photos[k]];
+    if (!event.has_time || !photo.captured_at || photo.captured_at_is_local) continue;
+    const double apart_s =
+        std::chrono::duration<double>(*log.utc_at_zero - *photo.captured_at).count() + event.t_s;
+    apart_days.push_back(std::abs(std::remainder(apart_s, kWeeksCountedS)) / kDayS);
+  }
+  const std::optional<double> days = MedianIfAny(std::move(apart_days));
+  return days && *days > kMaxClockDays ? days : std::nullopt;
+}
+
+// Of another flight by its times: nothing is believed of it where anything else places this one.
+void DoubtByTime(const FlightLog& log, const std::vector<flight::Photo>& photos, const OwnRecords& own,
+                 JudgedList& judged) {
+  judged.use.apart_days = DaysApart(log, judged, photos);
+  const bool is_placed_otherwise = own.anywhere && !own.is_stale;
+  if (!judged.use.apart_days || !is_placed_otherwise || judged.use.fault != ListFault::kNone) return;
+  judged.use.fault = ListFault::kOtherTime;
+  judged.use.rows_used = 0;
+  judged.verdict.is_ambiguous = false;
+}
+
 // Nothing for a log without rows that name photos and say where they were taken.
-std::optional<JudgedList> Judge(const FlightLog& log, const NamedPhotos& named, const OwnRecords& own) {
+std::optional<JudgedList> Judge(const FlightLog& log, const std::vector<flight::Photo>& photos,
+                                const NamedPhotos& named, const OwnRecords& own) {
   JudgedList judged;
   WrittenList list{.system = log.written_system,
                    .order_is_named = log.written_order_is_named,
@@ -143,16 +119,16 @@ std::optional<JudgedList> Judge(const FlightLog& log, const NamedPhotos& named, 
     const CameraEvent& event = log.events[i];
     if (!event.written || !event.image_name) continue;
     ++rows;
-    const std::vector<std::size_t>& photos = found[i].photos;
-    if (photos.empty()) {
+    const std::vector<std::size_t>& called = found[i].photos;
+    if (called.empty()) {
       judged.others.push_back(i);
       list.others.push_back(*event.written);
       continue;
     }
     judged.events.push_back(i);
-    judged.photos.push_back(photos.front());
+    judged.photos.push_back(called.front());
     list.rows.push_back(*event.written);
-    places.of_row.push_back(own.moving[photos.front()]);
+    places.of_row.push_back(own.moving[called.front()]);
   }
   if (rows == 0) return std::nullopt;
   if (!judged.events.empty()) judged.verdict = JudgeList(list, places);
@@ -165,6 +141,7 @@ std::optional<JudgedList> Judge(const FlightLog& log, const NamedPhotos& named, 
   judged.use.order_is_named = log.written_order_is_named;
   judged.use.rows = rows;
   judged.use.photos_named = judged.events.size();
+  DoubtByTime(log, photos, own, judged);
   return judged;
 }
 
@@ -214,14 +191,14 @@ void Tell(ListUse use, Flight& flight) {
   flight.list_uses.push_back(std::move(use));
 }
 
-// Those that can be read in two ways wait for what the others say.
+// Those that can be read in two ways, or seem to be of another flight, wait for what the others say.
 Result<void> CompareLists(const NamedPhotos& named, OwnRecords& own, Flight& flight) {
   std::vector<std::size_t> open;
   for (std::size_t i = 0; i < flight.logs.size(); ++i) {
     FlightLog& log = flight.logs[i];
-    auto judged = Judge(log, named, own);
+    auto judged = Judge(log, flight.photos, named, own);
     if (!judged) continue;
-    if (judged->verdict.is_ambiguous) {
+    if (judged->verdict.is_ambiguous || judged->use.apart_days) {
       open.push_back(i);
       continue;
     }
@@ -231,7 +208,7 @@ Result<void> CompareLists(const NamedPhotos& named, OwnRecords& own, Flight& fli
     Tell(std::move(judged->use), flight);
   }
   for (const std::size_t i : open) {
-    auto judged = Judge(flight.logs[i], named, own);
+    auto judged = Judge(flight.logs[i], flight.photos, named, own);
     const ListVerdict& verdict = judged->verdict;
     if (verdict.is_ambiguous) {
       return Error{ErrorCode::kUnprocessable,
@@ -331,9 +308,11 @@ void CompareControl(const NamedPhotos& named, const OwnRecords& own, Flight& fli
 }  // namespace
 
 Result<void> CompareSources(Flight& flight) {
-  OwnRecords own = OwnRecordsOf(flight);
+  OwnRecords own = OwnRecordsOf(flight.photos, flight.logs);
+  const auto own_of_photos = own.moving;  // the lists add to it
   const NamedPhotos named(flight.photos);
   SKYQUILT_TRY(CompareLists(named, own, flight));
+  ChooseRows(named, own_of_photos, flight);
   CompareControl(named, own, flight);
   return {};
 }

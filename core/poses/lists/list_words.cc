@@ -91,12 +91,16 @@ Remark WithoutSystem(const ListUse& use) {
 }
 
 std::optional<Remark> WhyNotUsed(const ListUse& use) {
+  if (use.fault == ListFault::kOtherTime)
+    return Remark{RemarkCode::kListOfOtherTime,
+                  {{"file", use.file_name}, {"apart_days", use.apart_days.value_or(0.0)}}};
   const bool lacks_system =
       use.system.empty() && (use.kind == ListKind::kControl || use.fault == ListFault::kNoSystem ||
                              use.reading.counts_in == CountsIn::kUtmOfFlight);
   if (lacks_system) return WithoutSystem(use);
   switch (use.fault) {
     case ListFault::kNone:
+    case ListFault::kOtherTime:
     case ListFault::kNamesNoPhoto:  // said where rows are joined with photos
       break;
     case ListFault::kNoSystem:
@@ -132,6 +136,7 @@ std::string UseInWords(const ListUse& use) {
   if (const auto why = WhyNotUsed(use); why && use.fault != ListFault::kNone) return flight::InWords(*why);
   words += fmt::format(": read as {}, {} of {} {} used", ReadingInWords(use, use.reading), use.rows_used,
                        use.rows, use.kind == ListKind::kControl ? "points" : "rows");
+  if (!use.held_by.empty()) words += fmt::format(" (those of {} hold)", use.held_by);
   if (use.apart_m) {
     words += fmt::format(", {} from {}", flight::LengthInWords(*use.apart_m), flight::InWords(OwnOf(use)));
   }
@@ -140,6 +145,11 @@ std::string UseInWords(const ListUse& use) {
 
 std::optional<Remark> RemarkOf(const ListUse& use) {
   if (use.fault != ListFault::kNone) return WhyNotUsed(use);
+  if (use.apart_days) {
+    auto values = ValuesOf(use);
+    values.emplace("apart_days", *use.apart_days);
+    return Remark{RemarkCode::kListOfOtherTimeTaken, std::move(values)};
+  }
   if (!use.is_as_written) {
     if (use.system.empty() && use.reading.counts_in == CountsIn::kUtmOfFlight)
       return Remark{RemarkCode::kListReadInUnnamedZone, ApartValuesOf(use, use.apart_m.value_or(0.0))};

@@ -59,6 +59,11 @@ bool NamesPhotos(const FlightLog& log) {
                      [](const auto& event) { return event.has_time && event.image_name.has_value(); });
 }
 
+bool PlacesPhotos(const FlightLog& log) {
+  return std::any_of(log.events.begin(), log.events.end(),
+                     [](const auto& event) { return event.has_time && event.position.has_value(); });
+}
+
 bool IsMostlyFixed(const std::vector<flight::GnssSample>& samples) {
   const auto fixed =
       std::count_if(samples.begin(), samples.end(), [](const auto& s) { return s.is_rtk_fixed; });
@@ -219,8 +224,11 @@ class Joiner {
     std::vector<flight::CameraEvent> elsewhere;
     if (surveyed(more.events)) elsewhere = TakeOutEventsBeside(SpanOfEvents(more), log.events);
     const bool better_named = NamesPhotos(more) && !NamesPhotos(log) && !surveyed(log.events);
+    // Of two lists of the same photos one has lost its positions to the other (lists/choose_rows.h).
+    const bool better_placed =
+        NamesPhotos(more) && NamesPhotos(log) && PlacesPhotos(more) && !PlacesPhotos(log);
     fill(log.events, more.events, "camera events",
-         better_named || (surveyed(more.events) && !surveyed(log.events)));
+         better_named || better_placed || (surveyed(more.events) && !surveyed(log.events)));
     Append(log.events, std::move(elsewhere));
     if (taken.empty()) {
       out_.notes.push_back(fmt::format("{} ({}) adds nothing", more.file_name, more.format));

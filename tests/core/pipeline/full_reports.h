@@ -22,6 +22,7 @@ inline poses::PoseReport FullPoseReport() {
   report.convention = "gimbal";
   report.height_rule = "barometer";
   report.is_placed = false;
+  report.lists_contradict_m = 12.5;
   report.photos_by_log = 17;
   report.photos_by_records = 3;
   report.knots = std::numeric_limits<int>::max();

@@ -268,6 +268,15 @@ TEST(JudgeMap, TakesALogsPositionsForThePhotosOfTheLog) {
   EXPECT_EQ(flight.Judge().absolute, (AbsoluteAccuracy{0.03, AbsoluteSupport::kRtk, 18}));
 }
 
+TEST(JudgeMap, IsNotReadyWhereAListContradictsThePhotosOwnPositions) {
+  JudgedFlight flight(18);
+  flight.poses.lists_contradict_m = 14.0;
+  const MapQuality quality = flight.Judge();
+  EXPECT_EQ(quality.absolute, (AbsoluteAccuracy{21.0, AbsoluteSupport::kGnss, 18}));  // 1.515 x 14 m
+  EXPECT_EQ(quality.limits, (std::vector<MapLimit>{{LimitKind::kFarOff}}));
+  EXPECT_EQ(quality.status, MapStatus::kLimited);
+}
+
 TEST(JudgeMap, TellsPhotosWhatTheMapIsToldAndLeavesOthers) {
   JudgedFlight flight(18);
   flight.flight.photos[4].placement = alignment::Placement::kPoseOnly;

@@ -1,10 +1,10 @@
 #include "core/poses/lists/compare_sources.h"
 
+#include <algorithm>
+#include <chrono>
+#include <cmath>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
 #include <random>
 #include <utility>
 
@@ -278,6 +278,38 @@ TEST(CompareSources, AsksWhereTwoReadingsStayPossible) {
   track.gnss.emplace_back().position = Beside(kZurich, 500.0, 0.0);
   ASSERT_TRUE(CompareSources(tracked).ok());
   ExpectTaken(tracked, kZurich, "with a track");
+}
+
+// The flight at Duluth and a list of it whose times lie so many days behind those of the photos.
+Flight ComparedDaysLater(int days, bool has_positions, bool has_local_clock = false) {
+  const flight::UtcTime noon{std::chrono::seconds(1'717'243'200)};
+  FlightLog list = ListOf(kDuluth, 18, AsDegrees, "EPSG:4326");
+  list.utc_at_zero = noon + std::chrono::days(days);
+  for (flight::CameraEvent& event : list.events) event.has_time = true;
+  Flight flight = FlightAt(kDuluth, 18, has_positions);
+  for (std::size_t k = 0; k < flight.photos.size(); ++k) {
+    flight.photos[k].captured_at = noon + std::chrono::seconds(k);
+    flight.photos[k].captured_at_is_local = has_local_clock;
+  }
+  flight.logs = {std::move(list)};
+  EXPECT_TRUE(CompareSources(flight).ok());
+  return flight;
+}
+
+TEST(CompareSources, RefusesTheListOfAnotherDay) {
+  ExpectRefused(ComparedDaysLater(7, true), ListFault::kOtherTime, "7 days from those of the photos");
+  const Flight alone = ComparedDaysLater(7, false);
+  ExpectTaken(alone, kDuluth, "nothing else places them");
+  EXPECT_THAT(InWords(alone.warnings), Contains(HasSubstr("may be the list of another flight")));
+}
+
+TEST(CompareSources, TakesNoClocksErrorForAnotherDay) {
+  for (const int days : {0, 1, 1024 * 7}) {
+    const Flight flight = ComparedDaysLater(days, true);
+    ExpectTaken(flight, kDuluth, "a wrong date, or weeks of GPS counted anew");
+    EXPECT_TRUE(flight.warnings.empty()) << days;
+  }
+  ExpectTaken(ComparedDaysLater(7, true, true), kDuluth, "the camera's clock was never set");
 }
 
 TEST(CompareSources, JudgesHalfAListAndNamesOneThatNamesNoPhoto) {
