@@ -193,6 +193,8 @@ std::string LimitInWords(const MapLimit& limit) {
           "Only {} of {} photos {} a position that places the map: it may lie, and be turned and scaled, "
           "otherwise.",
           count, of, count == 1 ? "has" : "have");
+    case LimitKind::kPositionsContradicted:
+      return "Recorded positions contradict what the photos show: the map may lie further off than they claim.";
     case LimitKind::kFarOff:
       return "The stated error is more than 10 m: the map may lie far from its true place.";
     case LimitKind::kPlacedByHand:

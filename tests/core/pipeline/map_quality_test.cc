@@ -123,7 +123,7 @@ TEST(MapQuality, ThatNoMapHasIsRefused) {
       {"/relative/error_px", true},
       {"/limits/0/kind", "<script>"},
       {"/limits", "none"},
-      {"/limits", nlohmann::json(std::vector<nlohmann::json>(9, good["limits"][0]))}};
+      {"/limits", nlohmann::json(std::vector<nlohmann::json>(10, good["limits"][0]))}};
   for (const auto& [where, value] : wrong) {
     auto json = good;
     json[Pointer(where)] = value;

@@ -91,6 +91,7 @@ export const page_words = {
       not_georeferenced: () => 'Nichts sagt, wo auf der Erde die Karte liegt.',
       scale_guessed: () => 'Der Maßstab ist geschätzt: Messen Sie auf dieser Karte erst, wenn sie platziert ist.',
       few_positions: (n, all) => `Nur ${number(n)} von ${count(all, photos)} ${plural(n, { one: 'hat', other: 'haben' })} eine Position, die die Karte platziert: Sie kann anderswo liegen, verdreht und von anderer Größe sein.`,
+      positions_contradicted: () => 'Aufgezeichnete Positionen widersprechen dem, was die Fotos zeigen: Die Karte kann weiter daneben liegen, als sie versprechen.',
       far_off: () => 'Der angegebene Fehler ist größer als 10 m: Die Karte kann weit neben ihrer wahren Lage liegen.',
       placed_by_hand: () => 'Die Karte wurde von Hand platziert: Nichts sagt, wie weit sie daneben liegt.',
       left_out: (n, all) => `${number(n)} von ${count(all, photos)} ${plural(n, { one: 'wurde', other: 'wurden' })} nicht verwendet: Dort kann die Karte Lücken haben.`,
