@@ -68,7 +68,7 @@ SupportingPositions PositionsOf(const JudgedMap& map) {
   }
   SupportingPositions positions;
   for (const AlignedPhoto& photo : map.flight.photos) {
-    if (!photo.photo.position || !IsJudged(map, photo)) continue;
+    if (!photo.photo.position || photo.photo.position->is_repeated || !IsJudged(map, photo)) continue;
     const Eigen::Vector3d camera = photo.cam_from_enu.TargetOriginInSource();
     const Eigen::Vector3d recorded = map.flight.frame.EnuAtHeight(photo.photo.position->position, camera.z());
     if (refuted.contains(photo.photo.name)) {

@@ -216,6 +216,14 @@ TEST(JudgeMap, DoubtsAMapOfWhichEveryPositionIsRefuted) {
   EXPECT_EQ(quality.limits, (std::vector<MapLimit>{{LimitKind::kFewPositions, 0, 2}}));
 }
 
+TEST(JudgeMap, CountsAFixThatPhotosRepeatOnce) {
+  JudgedFlight flight(12);
+  for (std::size_t i = 0; i < 12; ++i) flight.flight.photos[i].photo.position->is_repeated = i % 3 != 0;
+  const MapQuality quality = flight.Judge();
+  EXPECT_EQ(quality.absolute, (AbsoluteAccuracy{std::nullopt, AbsoluteSupport::kGnss, 4}));
+  EXPECT_EQ(quality.status, MapStatus::kDoubtful);
+}
+
 // Of a picture that was cut: the lines flown one way refute those flown the other, all by the same way.
 TEST(JudgeMap, IsNoBetterThanTheManyPositionsThatItRefutes) {
   JudgedFlight flight(12);
