@@ -176,19 +176,6 @@ TEST(EstimatePoses, LeavesALogOfAnotherFlightAlone) {
   EXPECT_THAT(posed->report.logs, Contains("track.log (test): no photo is placed by it"));
 }
 
-TEST(EstimatePoses, DoesNotBelieveAFixThatPhotoAfterPhotoRepeats) {
-  Flight flight;
-  flight.photos = PhotosEvery2s(9);
-  for (int k = 0; k < 9; ++k)
-    StandAt(TruePlaceAt(TimeOf(k / 3 * 3)), flight.photos[static_cast<std::size_t>(k)]).source = "exif";
-  const auto posed = Estimate(flight);
-  ASSERT_TRUE(posed.ok());
-  EXPECT_THAT(InWords(posed->warnings), Contains(HasSubstr("6 of 9 photos repeat the position")));
-  EXPECT_LT(OffM(*posed, posed->photos[1], TimeOf(1)), 1.0) << "on the way to the next fix";
-  EXPECT_LT(posed->photos[0].covariance(3, 3), 3.0);
-  EXPECT_GT(posed->photos[1].covariance(3, 3), 200.0);
-}
-
 TEST(EstimatePoses, LeavesOutPhotosOutsideTheLogThatHaveNoPositionOfTheirOwn) {
   Flight flight;
   flight.photos = PhotosEvery2s(10);

@@ -3,10 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <string>
 #include <vector>
 
 #include "core/flight/logs/flight_log.h"
 #include "core/flight/remarks/remark_words.h"
+#include "core/poses/estimate_poses.h"
 #include "core/poses/evidence/assumption.h"
 #include "core/poses/evidence/common_error.h"
 #include "core/poses/evidence/repeated_positions.h"
@@ -14,6 +16,7 @@
 namespace skyquilt::poses {
 namespace {
 
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -104,6 +107,23 @@ TEST(RepeatedPositions, StayWhereAllAreOne) {
   EXPECT_FALSE(photos[0].position->is_repeated);
   EXPECT_TRUE(photos[4].position->is_repeated);
   EXPECT_EQ(photos[4].position->position.lat_deg, 47.4);
+}
+
+TEST(RepeatedPositions, HoldNoPhotoOfAFlight) {
+  flight::Flight flight;
+  flight.photos = RepeatingPhotos(9, 3);
+  for (flight::Photo& photo : flight.photos) {
+    photo.name = "IMG_" + std::to_string(&photo - flight.photos.data()) + ".JPG";
+    photo.intrinsics = camera::Intrinsics::Centered(4000, 3000, 3665.0);
+    photo.position->height_above_takeoff_m = 60.0;
+  }
+  const auto posed = EstimatePoses(flight, {});
+  ASSERT_TRUE(posed.ok());
+  ASSERT_EQ(posed->photos.size(), 9u);
+  EXPECT_THAT(flight::InWords(posed->warnings), Contains(HasSubstr("6 of 9 photos repeat the position")));
+  EXPECT_LT(posed->photos[0].covariance(3, 3), 3.0);
+  EXPECT_GT(posed->photos[1].covariance(3, 3), 300.0);
+  EXPECT_TRUE(posed->photos[1].photo.position->is_repeated);
 }
 
 const std::vector<Assumption> kBoth = {
