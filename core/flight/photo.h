@@ -29,7 +29,8 @@ struct RecordedPosition {
   std::optional<double> sigma_horizontal_m;
   std::optional<double> sigma_vertical_m;
   bool is_rtk_fixed = false;
-  std::string source;  // "xmp", "exif", "geo.txt", ...
+  bool is_repeated = false;  // of a fix of before, and moved on from there: it places nothing
+  std::string source;        // "xmp", "exif", "geo.txt", ...
 };
 
 enum class AttitudeKind {

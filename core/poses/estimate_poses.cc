@@ -17,6 +17,7 @@
 #include "core/geo/geoid.h"
 #include "core/poses/conventions/choose_convention.h"
 #include "core/poses/evidence/common_error.h"
+#include "core/poses/evidence/repeated_positions.h"
 #include "core/poses/heights/flight_heights.h"
 #include "core/poses/heights/ground_below.h"
 #include "core/poses/heights/takeoff.h"
@@ -301,6 +302,12 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
   OneFrame one_frame = BringIntoOneFrame(flight.photos, tie.photos);
   posed.report.lists_contradict_m = one_frame.contradict_m;
   Append(std::move(one_frame.warnings), posed.warnings);
+  // The track of a log places its photos whatever they repeat.
+  const bool has_track = log && !log->log.gnss.empty();
+  const auto move_repeated = [&posed](std::vector<Photo>& photos) {
+    if (auto remark = MoveRepeatedPositions(photos)) posed.warnings.push_back(*std::move(remark));
+  };
+  if (!has_track) move_repeated(tie.photos);
   const ConventionChoice reading = ChooseReading(log ? &log->log : nullptr, tie);
   posed.report.convention = reading.words;
   if (reading.is_changed) {
@@ -314,7 +321,7 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
     Result<LoggedPart> logged = PlaceLogged(log->log, tie, options, given_takeoff_m);
     if (logged) {
       for (const TiedPhoto& p : tie.tied) is_on_log[p.photo] = 1;
-      if (!log->log.gnss.empty()) {
+      if (has_track) {
         const CommonError common = CommonErrorOf(log->log.gnss);
         posed.report.log_position_sigma_m = common.sigma_m;
         posed.report.log_is_corrected = common.is_corrected;
@@ -340,6 +347,7 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
       if (options.keep_unplaced) posed.unplaced.push_back(photo);
     }
   }
+  if (has_track) move_repeated(rest);
   const bool has_frame = !posed.photos.empty();
   DemZero dem_zero = DemZero::kTakeoff;
   bool any_without_height = false;

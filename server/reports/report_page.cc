@@ -141,7 +141,8 @@ Table Facts(const Json& report, bool is_placed, bool is_scale_known) {
                           bounds[0].get<double>(), bounds[3].get<double>(), bounds[2].get<double>()));
   table.Row("Coordinate system", is_placed ? "Web Mercator (EPSG:3857); positions are of WGS 84"
                                            : "none: the map is not georeferenced");
-  table.Row("Height above ground from", TextAt(report, {"height_rule"}));
+  // Of the first placing: what the map's ground is in the end stands among the accuracy.
+  table.Row("Height above ground at first", TextAt(report, {"height_rule"}));
   return table;
 }
 

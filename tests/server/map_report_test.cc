@@ -28,7 +28,7 @@ TEST(ReportPage, SaysWhatTheReportHasAndEscapesIt) {
         "+-2.3 m (1 sigma), by 2 positions of GNSS", "Usable, with limits. 1 of 3 photos was left out",
         "EPSG:3857", "2024-06-01", "&lt;script&gt;alert(1)&lt;/script&gt;.jpg",
         "it is &quot;cut off&quot; &amp; torn", "Mind the &lt;gap&gt;",
-        "46.800000, 7.100000 to 46.900000, 7.200000"})
+        "46.800000, 7.100000 to 46.900000, 7.200000", "Height above ground at first"})
     EXPECT_TRUE(Has(*page, words)) << words;
   EXPECT_FALSE(Has(*page, "<script"));
   EXPECT_FALSE(Has(*page, "not georeferenced"));

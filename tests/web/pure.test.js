@@ -125,6 +125,8 @@ test('the page says of a map what the server judged, in the list and in the repo
   assert.match(resultWords(report(few)).sentences[0], /Only 1 of 42 photos has a position/);
   assert.equal(statusWords(qualityWith(few)), resultWords(report(few)).title);
   assert.equal(absoluteWords(qualityWith(few)), 'unknown: only 1 of 42 photos with a position');
+  const no_scale = { status: 'doubtful', absolute: { sigma_m: null, by: 'gnss', count: 12 }, limits: [{ kind: 'scale_guessed', count: 0, of: 0 }] };
+  assert.equal(absoluteWords(qualityWith(no_scale)), 'unknown: the scale is a guess', 'of twelve photos all have a position');
   assert.equal(accuracyMark(qualityWith(few)), '');
   assert.equal(accuracyMark(null), '');
   assert.equal(absoluteWords(qualityWith()), '\u00b12.3\u00a0m (1\u03c3), by 9 GNSS positions');

@@ -72,8 +72,11 @@ double SigmaHorizontal(const poses::PosedPhoto& photo) {
 PhotoRecord RecordOf(const poses::PosedPhoto& posed, bool is_unplaced, const geo::LocalFrame& frame) {
   PhotoRecord record;
   record.is_unplaced = is_unplaced;
+  const std::optional<flight::RecordedPosition>& own = posed.photo.position;
   if (!is_unplaced) {
-    record.center_in_enu = posed.cam_from_enu.TargetOriginInSource();
+    // Where a receiver repeats itself the place is a guess, no record.
+    const bool is_guessed = own && own->is_repeated && posed.position_source == own->source;
+    if (!is_guessed) record.center_in_enu = posed.cam_from_enu.TargetOriginInSource();
     const double sigma_m = SigmaHorizontal(posed);
     record.sigma_m = {sigma_m, sigma_m, std::sqrt(std::max(1e-4, posed.covariance(5, 5)))};
     if (posed.attitude_origin == poses::AttitudeOrigin::kRecorded ||
@@ -88,8 +91,8 @@ PhotoRecord RecordOf(const poses::PosedPhoto& posed, bool is_unplaced, const geo
   // As high above the ground as above the place of take-off, as it is for other photos without more to go by.
   const std::optional<double>& lone_height_m = posed.photo.lone_height_above_takeoff_m;
   if (lone_height_m && *lone_height_m > kLowestFlightM) record.height_above_ground_m = lone_height_m;
-  if (!HasPosition(posed.photo, frame)) return record;
-  const flight::RecordedPosition& position = *posed.photo.position;
+  if (!HasPosition(posed.photo, frame) || own->is_repeated) return record;
+  const flight::RecordedPosition& position = *own;
   record.center_in_enu = frame.EnuFromWgs84(
       {position.position.lat_deg, position.position.lon_deg, frame.origin().height_ellipsoid_m});
   const double sigma_m = position.sigma_horizontal_m.value_or(position.is_rtk_fixed ? 0.03 : 1.5);
@@ -204,7 +207,8 @@ void MergePhoto(const Registration& registration, const BlockPlace& place, const
       expected.z() = height_m;
       sigma.z() = std::min(unknown_m, std::max(record.sigma_m.z(), height_spread_m));
     }
-  } else if (place.placing == Placing::kByPositions && photo.photo.position && !place.holding.Has(i)) {
+  } else if (place.placing == Placing::kByPositions && photo.photo.position &&
+             !photo.photo.position->is_repeated && !place.holding.Has(i)) {
     // Also where it is said to be so far away that it was no record at all.
     corrected.position_was_wrong = true;
     const Eigen::Vector3d recorded =

@@ -13,8 +13,9 @@ namespace {
 using flight::Remark;
 using flight::RemarkCode;
 
-constexpr std::size_t kMinFeatures = 150;  // a photo with fewer shows hardly anything
-constexpr double kMinContradictionM = 1.0;
+constexpr std::size_t kMinFeatures = 150;      // a photo with fewer shows hardly anything
+constexpr double kMinContradictionM = 1.0;     // less is no reason to place a flight in another way
+constexpr double kMinOffClaimM = 0.1;          // from antenna to camera; no claim is held to less
 constexpr double kMinContradictionRad = 0.17;  // ten degrees between optical axes
 constexpr std::size_t kMinPositions = 5;       // for a verdict on all of them
 constexpr double kPoorResidualPx = 5.0;        // after a first adjustment, which keeps errors of up to 10
@@ -31,15 +32,17 @@ double Share(std::size_t part, std::size_t whole) {
   return whole == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(whole);
 }
 
+bool AreMostOf(std::size_t positions, std::size_t contradicted) {
+  return positions >= kMinPositions && 2 * contradicted > positions;
+}
+
 }  // namespace
 
 double AttemptEvidence::DroppedShare() const {
   if (is_adjusted && observations == 0) return 1.0;
   return Share(dropped, observations + dropped);
 }
-bool AttemptEvidence::ContradictsPositions() const {
-  return positions >= kMinPositions && 2 * positions_contradicted > positions;
-}
+bool AttemptEvidence::ContradictsPositions() const { return AreMostOf(positions, positions_contradicted); }
 double AttemptEvidence::PositionsContradicted() const { return Share(positions_contradicted, positions); }
 double AttemptEvidence::AttitudesContradicted() const { return Share(attitudes_contradicted, attitudes); }
 
@@ -111,6 +114,8 @@ AttemptEvidence Weigh(const ExtractedFlight& extracted, const Attempt& attempt) 
       ++evidence.positions;
       evidence.positions_contradicted +=
           errors_m.back() > std::max(kMinContradictionM, kContradictedSigmas * record.sigma_m.x()) ? 1 : 0;
+      evidence.positions_off_claim +=
+          errors_m.back() > std::max(kMinOffClaimM, kContradictedSigmas * record.sigma_m.x()) ? 1 : 0;
     }
     if (record.cam_from_enu) {
       const Eigen::Vector3d recorded = record.cam_from_enu->conjugate() * Eigen::Vector3d::UnitZ();
@@ -215,7 +220,7 @@ AttemptChoice ChooseAttempt(const AttemptEvidence& by_records, const AttemptEvid
 }
 
 std::optional<flight::Remark> ContradictionOf(const AttemptEvidence& evidence) {
-  if (!evidence.ContradictsPositions()) return std::nullopt;
+  if (!AreMostOf(evidence.positions, evidence.positions_off_claim)) return std::nullopt;
   return flight::Remark{flight::RemarkCode::kPositionsContradict,
                         {{"photos", evidence.positions},
                          {"apart_m", evidence.median_error_m},

@@ -28,6 +28,7 @@ struct AttemptEvidence {
   bool is_adjusted = false;
   bool has_fixed = false;                                  // photos of a map that stays
   std::size_t positions = 0, positions_contradicted = 0;   // of tied photos with a recorded one
+  std::size_t positions_off_claim = 0;                     // the same by less, where they claim to be better
   std::size_t attitudes = 0, attitudes_contradicted = 0;   // by where the optical axis points
   double median_error_m = 0.0, median_error_sigmas = 0.0;  // of recorded positions, horizontal
 
@@ -58,7 +59,8 @@ struct AttemptChoice {
 };
 AttemptChoice ChooseAttempt(const AttemptEvidence& by_records, const AttemptEvidence& by_images);
 
-// Recorded positions that most of an alignment contradicts by far more than they claim; nothing: they agree.
+// Recorded positions that most of an alignment contradicts by far more than they claim, be it centimetres;
+// nothing: they agree.
 std::optional<flight::Remark> ContradictionOf(const AttemptEvidence& evidence);
 
 // An adjustment that had to drop most observations fits the few it kept, whatever its residual: what the

@@ -26,6 +26,9 @@ using flight::RemarkCode;
 constexpr double kNearQuarterRad = 0.35;
 constexpr double kGrossShiftSigmas = 6.0;
 constexpr double kMaxScaleStep = 0.2;
+// As courses are told from positions (core/poses/conventions).
+constexpr double kBendRad = 0.35;
+constexpr double kShortestLegM = 1.0;
 
 Eigen::Quaterniond AboutUp(double angle_rad) {
   return Eigen::Quaterniond(Eigen::AngleAxisd(angle_rad, Eigen::Vector3d::UnitZ()));
@@ -38,6 +41,17 @@ bool IsCourseOfAll(const std::vector<CorrectedPose>& corrected, std::size_t firs
   return std::all_of(corrected.begin() + static_cast<std::ptrdiff_t>(first),
                      corrected.begin() + static_cast<std::ptrdiff_t>(end),
                      [](const CorrectedPose& one) { return one.yaw_is_course; });
+}
+
+// Where the course was one of two that the photo stands between, or none.
+bool BendsAt(const std::vector<poses::PosedPhoto>& recorded, std::size_t i) {
+  if (i == 0 || i + 1 >= recorded.size()) return false;
+  const auto place = [&](std::size_t k) {
+    return Eigen::Vector2d(recorded[k].cam_from_enu.TargetOriginInSource().head<2>());
+  };
+  const Eigen::Vector2d before = place(i) - place(i - 1), after = place(i + 1) - place(i);
+  if (std::min(before.norm(), after.norm()) < kShortestLegM) return true;
+  return std::acos(std::clamp(before.normalized().dot(after.normalized()), -1.0, 1.0)) > kBendRad;
 }
 
 // How a pose moves a photo over level ground against its record.
@@ -153,6 +167,24 @@ CorrectedPose CorrectToPose(const poses::PosedPhoto& posed, const GroundPrior& p
   CorrectedPose corrected = CorrectPose(posed, prior, GroundMotion(posed, prior, cam_from_enu));
   corrected.start_cam_from_enu = cam_from_enu;
   return corrected;
+}
+
+void ForgiveTurnsAtBends(const std::vector<poses::PosedPhoto>& recorded,
+                         std::vector<CorrectedPose>& corrected) {
+  std::array<std::size_t, 4> lie_so{};
+  for (const CorrectedPose& one : corrected) ++lie_so[one.quarter_turns];
+  for (std::size_t i = 0; i < corrected.size(); ++i) {
+    CorrectedPose& one = corrected[i];
+    const int quarters = one.quarter_turns;
+    if (!one.yaw_is_course || quarters == 0 || !BendsAt(recorded, i)) continue;
+    const auto says_the_same = [&](std::size_t k) {
+      return corrected[k].quarter_turns == quarters && !BendsAt(recorded, k);
+    };
+    if (2 * lie_so[quarters] > corrected.size() || says_the_same(i - 1) || says_the_same(i + 1)) continue;
+    one.quarter_turns = 0;
+    std::erase_if(one.notes,
+                  [](const Remark& note) { return note.code == RemarkCode::kFoundTurnedAgainstCourse; });
+  }
 }
 
 std::vector<Remark> DescribeCorrections(const std::vector<CorrectedPose>& corrected,

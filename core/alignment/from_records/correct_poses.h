@@ -27,6 +27,12 @@ CorrectedPose CorrectPose(const poses::PosedPhoto& posed, const GroundPrior& pri
 CorrectedPose CorrectToPose(const poses::PosedPhoto& posed, const GroundPrior& prior,
                             const geo::Rigid3& cam_from_enu);
 
+// Of a photo without a recorded yaw that lies across where the course bends: the course says little of it
+// there, and the picture is no worse for that, unless its neighbours or most of the flight lie the same way.
+// `recorded`: as many as are corrected, in the order of capture.
+void ForgiveTurnsAtBends(const std::vector<poses::PosedPhoto>& recorded,
+                         std::vector<CorrectedPose>& corrected);
+
 // For whole lines and single photos.
 std::vector<flight::Remark> DescribeCorrections(const std::vector<CorrectedPose>& corrected,
                                                 const std::vector<std::string>& names,

@@ -1,8 +1,7 @@
 #include "core/alignment/stages/attempt_steps.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
+#include <fmt/format.h>
 #include <utility>
 
 #include "core/alignment/attempts/attempt_evidence.h"
@@ -145,6 +144,11 @@ Result<Attempt> MatchByRecords(const ExtractedFlight& extracted, const AlignOpti
                                         {"refused", attempt.matched.rejected.size()}});
   attempt.compared = attempt.matched.pairs;
   attempt.problem = MakeBundle(attempt.posed, attempt.matched.corrected, extracted.lines);
+  for (std::size_t i = 0; i < count; ++i) {
+    // A guessed place says nothing of how good the recorded ones are, and is no better for those that are.
+    const PhotoRecord& record = extracted.records[i];
+    if (!record.is_unplaced && !record.center_in_enu) attempt.problem.photos[i].has_record = false;
+  }
   if (options.fixed.Photos() > 0) {
     HoldFixed(attempt.posed, options.fixed, attempt.problem);
     attempt.input.views = ViewsOf(attempt.problem);

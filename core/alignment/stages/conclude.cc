@@ -200,6 +200,7 @@ void Warn(const AlignReport& report, const AttemptEvidence& evidence, AlignedFli
 Result<AlignedFlight> Conclude(const poses::PosedFlight& recorded, const ExtractedFlight& extracted,
                                PlacedFlight placed, const AlignOptions& options, AlignReport& report) {
   Attempt& attempt = placed.attempt;
+  ForgiveTurnsAtBends(extracted.posed.photos, attempt.matched.corrected);
   const AttemptEvidence evidence = Weigh(extracted, attempt);
   report.by_images = std::move(placed.by_images);
   if (!report.by_images.why) {

@@ -195,7 +195,8 @@ AlignedFlight PlacePhotos(const ExtractedFlight& extracted, const Attempt& attem
   for (std::size_t i = 0; i < component.size(); ++i) {
     if (component[i] < 0) continue;
     ++component_sizes[component[i]];
-    if (corrected[i].position_was_wrong || corrected[i].yaw_was_wrong) continue;
+    const auto& own = posed.photos[i].photo.position;
+    if (corrected[i].position_was_wrong || corrected[i].yaw_was_wrong || (own && own->is_repeated)) continue;
     const geo::Rigid3& prior = corrected[i].prior_cam_from_enu;
     const geo::Rigid3& now = problem.photos[i].cam_from_enu;
     all_turns.push_back(TurnAgainst(now, prior));

@@ -51,7 +51,9 @@ std::optional<Angle> ReadAngle(const ExifValue* value) {
     }
     if (*number < 0.0) is_negative = true;
     angle.degrees += std::abs(*number) * kUnit[i];
-    angle.step_deg = kUnit[i] / (fraction ? std::max(1.0, std::abs(fraction->denominator)) : 1.0);
+    const double step_deg = fraction ? kUnit[i] / std::max(1.0, std::abs(fraction->denominator)) : 0.0;
+    angle.step_deg =
+        i == 0 ? step_deg : std::min(angle.step_deg, step_deg);  // decimals may stand before zeros
   }
   if (is_negative) angle.degrees = -angle.degrees;
   return angle;

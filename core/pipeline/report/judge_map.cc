@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <set>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "core/base/median.h"
+#include "core/flight/remarks/remark.h"
 #include "core/poses/evidence/common_error.h"
 
 namespace skyquilt::pipeline {
@@ -27,8 +30,13 @@ constexpr double kFewPositionsShare = 0.1;
 // Of many photos: among four, one wrong position shows without being told from the others; five name it, and
 // a second one hides it.
 constexpr std::size_t kHandful = 5;
-constexpr double kFalseClaim = 4.0;  // of what corrected positions claim of themselves
-constexpr double kFarOffM = 10.0;    // what a receiver of a phone or a drone is good for
+// So many refuted positions are no accident of single records: what bends a map refutes them too.
+constexpr double kManyRefutedShare = 0.2;
+constexpr std::size_t kFewestAgreeing = 3;
+constexpr double kAgreeingShare = 0.1;       // of all positions
+constexpr double kApartOfShift = 1.0 / 3.0;  // two shifts that are one, apart from the noise of receivers
+constexpr double kFalseClaim = 4.0;          // of what corrected positions claim of themselves
+constexpr double kFarOffM = 10.0;            // what a receiver of a phone or a drone is good for
 constexpr int kFewestSeams = 5;
 
 bool IsAnyAligned(const JudgedMap& map) {
@@ -46,6 +54,7 @@ struct SupportingPositions {
   std::vector<Vector2d> places;  // of the cameras, as the map has them
   std::vector<Vector2d> misses;  // recorded minus that
   std::vector<const flight::RecordedPosition*> records;
+  std::vector<Vector2d> refuted;  // as `misses`, of those that place nothing
 };
 
 // Of photos that count; a position that the pictures refute places nothing.
@@ -60,9 +69,14 @@ SupportingPositions PositionsOf(const JudgedMap& map) {
   }
   SupportingPositions positions;
   for (const AlignedPhoto& photo : map.flight.photos) {
-    if (!photo.photo.position || !IsJudged(map, photo) || refuted.contains(photo.photo.name)) continue;
+    if (!photo.photo.position || photo.photo.position->is_repeated || !IsJudged(map, photo)) continue;
     const Eigen::Vector3d camera = photo.cam_from_enu.TargetOriginInSource();
     const Eigen::Vector3d recorded = map.flight.frame.EnuAtHeight(photo.photo.position->position, camera.z());
+    if (refuted.contains(photo.photo.name)) {
+      const Vector2d miss = (recorded - camera).head<2>();
+      if (miss.allFinite()) positions.refuted.push_back(miss);
+      continue;
+    }
     positions.places.emplace_back(camera.head<2>());
     positions.misses.emplace_back((recorded - camera).head<2>());
     positions.records.push_back(&*photo.photo.position);
@@ -229,11 +243,84 @@ AbsoluteAccuracy ByPositions(const JudgedMap& map) {
   return StatedRadius(std::max({own_m, doubt_m, std::hypot(common.sigma_m, of_noise_m)}), by, count);
 }
 
+// Where most or many are, the photos that the map follows may be the wrong ones.
+bool AreManyRefuted(const SupportingPositions& positions) {
+  const std::size_t count = positions.refuted.size();
+  const double all = static_cast<double>(count + positions.records.size());
+  if (static_cast<double>(count) > kManyRefutedShare * all) return true;
+  if (count < kFewestAgreeing) return false;
+  const Vector2d shift = MedianByAxis(positions.refuted);
+  const auto agreeing = static_cast<std::size_t>(std::count_if(
+      positions.refuted.begin(), positions.refuted.end(),
+      [&](const Vector2d& miss) { return (miss - shift).norm() < kApartOfShift * shift.norm(); }));
+  return agreeing >= kFewestAgreeing && static_cast<double>(agreeing) >= kAgreeingShare * all;
+}
+
+// What the map misses all of them by, of each axis: which are right is not known, so it does not average out.
+// A map that is bent has no photo further off than it is long; a record further away is of another place.
+double SpreadWithRefutedM(const JudgedMap& map, const SupportingPositions& positions) {
+  std::vector<Vector2d> cameras;
+  for (const AlignedPhoto& photo : map.flight.photos) {
+    if (IsJudged(map, photo)) cameras.emplace_back(photo.cam_from_enu.TargetOriginInSource().head<2>());
+  }
+  double length_m = 0.0;
+  for (const Vector2d& camera : cameras) length_m = std::max(length_m, (camera - cameras.front()).norm());
+  std::vector<Vector2d> misses = positions.misses;
+  for (const Vector2d& miss : positions.refuted)
+    misses.push_back(miss * std::min(1.0, length_m / std::max(1e-3, miss.norm())));
+  return NoiseM(misses);
+}
+
+// The warning that says that most positions are missed by far more than they claim; null: they agree.
+const flight::Remark* ContradictionIn(const std::vector<flight::Remark>& remarks) {
+  for (const flight::Remark& remark : remarks) {
+    if (remark.code == flight::RemarkCode::kPositionsContradict ||
+        remark.code == flight::RemarkCode::kImagesAgainstPositions)
+      return &remark;
+    for (const auto& [name, value] : remark.values) {
+      const auto* within = std::get_if<std::vector<flight::Remark>>(&value.is);
+      const flight::Remark* found = within != nullptr ? ContradictionIn(*within) : nullptr;
+      if (found != nullptr) return found;
+    }
+  }
+  return nullptr;
+}
+
+// What that warning says the map as a whole may be off by.
+double MayBeOffM(const flight::Remark* contradiction) {
+  if (contradiction == nullptr || contradiction->code != flight::RemarkCode::kPositionsContradict) return 0.0;
+  const auto value = contradiction->values.find("apart_m");
+  if (value == contradiction->values.end()) return 0.0;
+  if (const double* apart_m = std::get_if<double>(&value->second.is)) return *apart_m;
+  const std::int64_t* whole_m = std::get_if<std::int64_t>(&value->second.is);  // read from JSON
+  return whole_m != nullptr ? static_cast<double>(*whole_m) : 0.0;
+}
+
+bool IsByReceiver(const AbsoluteAccuracy& absolute) {
+  return absolute.sigma_m && (absolute.by == AbsoluteSupport::kGnss || absolute.by == AbsoluteSupport::kRtk);
+}
+
+// The photos contradict what claims to say how far off the map is.
+bool AreContradicted(const JudgedMap& map, const AbsoluteAccuracy& absolute) {
+  return IsByReceiver(absolute) &&
+         (ContradictionIn(map.flight.warnings) != nullptr || AreManyRefuted(PositionsOf(map)));
+}
+
+AbsoluteAccuracy WithContradictions(const JudgedMap& map, AbsoluteAccuracy absolute) {
+  if (!IsByReceiver(absolute)) return absolute;
+  const SupportingPositions positions = PositionsOf(map);
+  double radius_m = std::max(*absolute.sigma_m, MayBeOffM(ContradictionIn(map.flight.warnings)));
+  if (AreManyRefuted(positions))
+    radius_m = std::hypot(radius_m, kCircleSigmas * SpreadWithRefutedM(map, positions));
+  absolute.sigma_m = OfTwoDigits(radius_m);
+  return absolute;
+}
+
 AbsoluteAccuracy AbsoluteOf(const JudgedMap& map) {
   if (!map.is_placed) return {};
   if (const auto surveyed = BySurvey(map)) return *surveyed;
   if (map.is_by_hand) return {std::nullopt, AbsoluteSupport::kHand, 0};
-  AbsoluteAccuracy by_positions = ByPositions(map);
+  AbsoluteAccuracy by_positions = WithContradictions(map, ByPositions(map));
   if (IsScaleGuessed(map) || IsNorthGuessed(map)) by_positions.sigma_m.reset();
   return by_positions;
 }
@@ -271,6 +358,7 @@ std::vector<MapLimit> LimitsOf(const JudgedMap& map, const AbsoluteAccuracy& abs
     limits.push_back({LimitKind::kScaleGuessed});
   if (IsNorthGuessed(map)) limits.push_back({LimitKind::kNorthGuessed});
   if (is_placed_by_few) limits.push_back({LimitKind::kFewPositions, absolute.count, placed});
+  if (AreContradicted(map, absolute)) limits.push_back({LimitKind::kPositionsContradicted});
   if (absolute.sigma_m && *absolute.sigma_m > kFarOffM) limits.push_back({LimitKind::kFarOff});
   if (absolute.by == AbsoluteSupport::kHand && !absolute.sigma_m)
     limits.push_back({LimitKind::kPlacedByHand});

@@ -1,10 +1,9 @@
 #include "core/pipeline/report/map_quality.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <fmt/format.h>
 #include <iterator>
 #include <nlohmann/json.hpp>
 
@@ -142,8 +141,8 @@ std::string AbsoluteInWords(const MapQuality& quality) {
     const auto few = std::find_if(quality.limits.begin(), quality.limits.end(), [](const MapLimit& limit) {
       return limit.kind == LimitKind::kFewPositions;
     });
-    return fmt::format("unknown: only {} of {} with a position", count,
-                       Counted(few == quality.limits.end() ? count : few->of, "photo"));
+    if (few == quality.limits.end()) return "unknown: the scale is a guess";  // they are enough for the place
+    return fmt::format("unknown: only {} of {} with a position", count, Counted(few->of, "photo"));
   }
   return fmt::format("+-{} (1 sigma), by {}", AccuracyText(*absolute.sigma_m), by);
 }
@@ -195,6 +194,8 @@ std::string LimitInWords(const MapLimit& limit) {
           "Only {} of {} photos {} a position that places the map: it may lie, and be turned and scaled, "
           "otherwise.",
           count, of, count == 1 ? "has" : "have");
+    case LimitKind::kPositionsContradicted:
+      return "Recorded positions contradict what the photos show: the map may lie further off than they claim.";
     case LimitKind::kFarOff:
       return "The stated error is more than 10 m: the map may lie far from its true place.";
     case LimitKind::kPlacedByHand:

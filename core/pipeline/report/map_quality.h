@@ -60,10 +60,11 @@ enum class MapStatus : std::uint8_t {
 
 enum class LimitKind : std::uint8_t {
   kNotGeoreferenced,
-  kScaleGuessed,  // lengths, areas and the resolution mean nothing
-  kNorthGuessed,  // directions mean nothing
-  kFewPositions,  // `count` of `of` photos place it
-  kFarOff,        // its accuracy is worse than any receiver's
+  kScaleGuessed,           // lengths, areas and the resolution mean nothing
+  kNorthGuessed,           // directions mean nothing
+  kFewPositions,           // `count` of `of` photos place it
+  kPositionsContradicted,  // by what the photos show: most, many, or several by one shift
+  kFarOff,                 // its accuracy is worse than any receiver's
   kPlacedByHand,
   kLeftOut,      // `count` of `of` photos
   kNoneAligned,  // `count` photos lie by their records, none of them compared with success
@@ -110,6 +111,7 @@ inline constexpr std::pair<LimitKind, std::string_view> kLimitKinds[] = {
     {LimitKind::kScaleGuessed, "scale_guessed"},
     {LimitKind::kNorthGuessed, "north_guessed"},
     {LimitKind::kFewPositions, "few_positions"},
+    {LimitKind::kPositionsContradicted, "positions_contradicted"},
     {LimitKind::kFarOff, "far_off"},
     {LimitKind::kPlacedByHand, "placed_by_hand"},
     {LimitKind::kLeftOut, "left_out"},

@@ -83,14 +83,14 @@ GnssSeries GnssOfPhotos(const std::vector<std::pair<double, const flight::Photo*
   std::vector<bool> rtk;
   std::vector<double> sigmas;
   for (const auto& [t, photo] : photos) {
-    if (!photo->position) continue;
+    if (!photo->position || photo->position->is_repeated) continue;
     rtk.push_back(photo->position->is_rtk_fixed);
     if (photo->position->sigma_horizontal_m) sigmas.push_back(*photo->position->sigma_horizontal_m);
   }
   JudgeSeries(rtk, sigmas, series);
   for (std::size_t k = 0; k < photos.size(); ++k) {
     const auto& [t, photo] = photos[k];
-    if (photo->position) {
+    if (photo->position && !photo->position->is_repeated) {
       const flight::RecordedPosition& p = *photo->position;
       PositionFix fix;
       fix.t_s = t;

@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numbers>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "core/alignment/scene/priors.h"
 #include "core/alignment/scene/view.h"
@@ -75,6 +77,32 @@ TEST(CorrectPose, SaysAgainstWhatPhotosLieTurned) {
     EXPECT_NE(sentences[0].find(std::string("turned by 180 degrees against ") + words), std::string::npos)
         << sentences[0];
   }
+}
+
+// A row of photos by the course alone, east and then north; one lies across.
+TEST(CorrectPose, BlamesNoPictureForTheBendOfACourse) {
+  const GroundPrior prior{{0.0, 0.0}, 5.0, 0.1};
+  const GroundCorrection across{{0.0, 1.0}, {0.0, 0.0}, 0}, kept{{1.0, 0.0}, {0.0, 0.0}, 0};
+  const auto said_of = [&](std::size_t turned, poses::AttitudeOrigin origin) {
+    std::vector<poses::PosedPhoto> recorded;
+    std::vector<CorrectedPose> corrected;
+    for (std::size_t i = 0; i < 9; ++i) {
+      poses::PosedPhoto posed = Leaning(0.0);
+      posed.attitude_origin = origin;
+      corrected.push_back(CorrectPose(posed, prior, i == turned ? across : kept));
+      const double east_m = 20.0 * static_cast<double>(std::min<std::size_t>(i, 4));
+      const double north_m = i > 4 ? 20.0 * static_cast<double>(i - 4) : 0.0;
+      posed.cam_from_enu =
+          geo::Rigid3::FromRotationAndTargetOrigin(posed.cam_from_enu.rotation, {east_m, north_m, 60.0});
+      recorded.push_back(posed);
+    }
+    ForgiveTurnsAtBends(recorded, corrected);
+    const std::vector<std::string> names(9, "a");
+    return DescribeCorrections(corrected, names, {0, 0, 0, 0, 0, 1, 1, 1, 1}).size();
+  };
+  EXPECT_EQ(said_of(4, poses::AttitudeOrigin::kCourse), 0u);
+  EXPECT_EQ(said_of(2, poses::AttitudeOrigin::kCourse), 1u) << "on a straight line";
+  EXPECT_EQ(said_of(4, poses::AttitudeOrigin::kRecorded), 1u) << "against its own record";
 }
 
 }  // namespace

@@ -97,6 +97,21 @@ TEST(ReadPhotoPosition, ReadsDecimalMinutesWithEmptySeconds) {
   EXPECT_NEAR(photo.position->position.lon_deg, -(91.0 + 59.5 / 60.0), 1e-9);
 }
 
+TEST(ReadPhotoPosition, IsAsUnsureAsTheStepsInWhichItIsWritten) {
+  const auto sigma_of = [](std::pair<std::uint32_t, std::uint32_t> minutes,
+                           std::pair<std::uint32_t, std::uint32_t> seconds) {
+    return Read(ExifWriter()
+                    .Rational(ExifIfd::kGps, 2, {{46, 1}, minutes, seconds})
+                    .Rational(ExifIfd::kGps, 4, {{7, 1}, minutes, seconds})
+                    .Ascii(ExifIfd::kGps, 1, "N")
+                    .Ascii(ExifIfd::kGps, 3, "E"))
+        .position->sigma_horizontal_m;
+  };
+  EXPECT_NEAR(sigma_of({50, 1}, {33, 1}).value(), 9.05, 0.1);  // 31 m / sqrt(12), and the receiver's
+  EXPECT_FALSE(sigma_of({50, 1}, {3345, 100})) << "a third of a metre is less than it is unsure anyway";
+  EXPECT_FALSE(sigma_of({505567, 10000}, {0, 1})) << "the decimals stand in the minutes";
+}
+
 TEST(ReadPhotoPosition, PrefersTheFinerOfTwoWritingsOfOnePosition) {
   const ExifWriter coarse = ExifWriter()
                                 .Rational(ExifIfd::kGps, 2, {{46, 1}, {50, 1}, {33, 1}})

@@ -1,10 +1,9 @@
 // What supports a map's accuracy, and that over many simulated flights the stated one sigma is one.
 #include "core/pipeline/report/judge_map.h"
 
-#include <gtest/gtest.h>
-
 #include <array>
 #include <cmath>
+#include <gtest/gtest.h>
 #include <random>
 #include <string>
 #include <vector>
@@ -46,6 +45,16 @@ struct JudgedFlight {
   void Record(std::size_t i, const Vector2d& place) {
     const geo::Wgs84 at = flight.frame.Wgs84FromEnu({place.x(), place.y(), 60.0});
     flight.photos[i].photo.position.emplace().position = {at.lat_deg, at.lon_deg};
+  }
+  void Refute(std::size_t i) {
+    alignment::AlignPhotoReport& refuted = report.photo_reports.emplace_back();
+    refuted.name = "p" + std::to_string(i);
+    refuted.faults = {alignment::PhotoFault::kPositionWrong};
+  }
+  // Recorded as far off where it stands as the pictures do not believe.
+  void Misplace(std::size_t i, const Vector2d& by) {
+    Record(i, Vector2d(flight.photos[i].cam_from_enu.TargetOriginInSource().head<2>()) + by);
+    Refute(i);
   }
   void Surveyed(bool is_check, double east_m, double north_m, bool is_predicted = false) {
     alignment::ControlReport point;
@@ -193,23 +202,78 @@ TEST(JudgeMap, LetsARefutedPositionPlaceNothing) {
   JudgedFlight flight(18);
   flight.Record(3, {5000.0, 0.0});
   EXPECT_GT(*flight.Judge().absolute.sigma_m, 10.0);
-  alignment::AlignPhotoReport& refuted = flight.report.photo_reports.emplace_back();
-  refuted.name = "p3";
-  refuted.faults = {alignment::PhotoFault::kPositionWrong};
+  flight.Refute(3);
   EXPECT_EQ(flight.Judge().absolute, (AbsoluteAccuracy{2.3, AbsoluteSupport::kGnss, 17}));
 }
 
 TEST(JudgeMap, DoubtsAMapOfWhichEveryPositionIsRefuted) {
   JudgedFlight flight(2);
-  for (const char* name : {"p0", "p1"}) {
-    alignment::AlignPhotoReport& refuted = flight.report.photo_reports.emplace_back();
-    refuted.name = name;
-    refuted.faults = {alignment::PhotoFault::kPositionWrong};
-  }
+  for (const std::size_t i : {0u, 1u}) flight.Refute(i);
   const MapQuality quality = flight.Judge();
   EXPECT_EQ(quality.absolute, AbsoluteAccuracy());
   EXPECT_EQ(quality.status, MapStatus::kDoubtful);
   EXPECT_EQ(quality.limits, (std::vector<MapLimit>{{LimitKind::kFewPositions, 0, 2}}));
+}
+
+TEST(JudgeMap, CountsAFixThatPhotosRepeatOnce) {
+  JudgedFlight flight(12);
+  for (std::size_t i = 0; i < 12; ++i) flight.flight.photos[i].photo.position->is_repeated = i % 3 != 0;
+  const MapQuality quality = flight.Judge();
+  EXPECT_EQ(quality.absolute, (AbsoluteAccuracy{std::nullopt, AbsoluteSupport::kGnss, 4}));
+  EXPECT_EQ(quality.status, MapStatus::kDoubtful);
+}
+
+// Of a picture that was cut: the lines flown one way refute those flown the other, all by the same way.
+TEST(JudgeMap, IsNoBetterThanTheManyPositionsThatItRefutes) {
+  JudgedFlight flight(12);
+  for (std::size_t i = 5; i < 10; ++i) flight.Misplace(i, {0.0, 15.0});
+  const MapQuality quality = flight.Judge();
+  EXPECT_EQ(quality.absolute, (AbsoluteAccuracy{12.0, AbsoluteSupport::kGnss, 7}));
+  EXPECT_EQ(quality.status, MapStatus::kLimited);
+  EXPECT_EQ(quality.limits,
+            (std::vector<MapLimit>{{LimitKind::kPositionsContradicted}, {LimitKind::kFarOff}}));
+}
+
+TEST(JudgeMap, SuspectsAFewRefutedPositionsOnlyWhereTheyAgree) {
+  JudgedFlight alike(18), each_its_own(18);
+  const std::array<Vector2d, 3> ways = {{{15.0, 0.0}, {-15.0, 0.0}, {0.0, 15.0}}};
+  for (std::size_t i = 0; i < ways.size(); ++i) {
+    alike.Misplace(i, ways[0]);
+    each_its_own.Misplace(i, ways[i]);
+  }
+  EXPECT_TRUE(alike.Judge().IsLimitedBy(LimitKind::kPositionsContradicted));
+  EXPECT_GT(*alike.Judge().absolute.sigma_m, 5.0);
+  EXPECT_EQ(each_its_own.Judge().absolute, (AbsoluteAccuracy{2.3, AbsoluteSupport::kGnss, 15}));
+  EXPECT_EQ(each_its_own.Judge().status, MapStatus::kReady);
+}
+
+// Records of another continent say nothing of how far off this map is.
+TEST(JudgeMap, TakesNoRefutedPositionForFurtherOffThanTheMapIsLong) {
+  JudgedFlight flight(12);
+  for (std::size_t i = 5; i < 10; ++i) flight.Misplace(i, {0.0, 9000.0});
+  EXPECT_TRUE(flight.Judge().IsLimitedBy(LimitKind::kPositionsContradicted));
+  EXPECT_LT(*flight.Judge().absolute.sigma_m, 110.0);
+}
+
+TEST(JudgeMap, IsNoBetterThanTheWarningOfContradictedPositionsSays) {
+  using flight::Remark;
+  using flight::RemarkCode;
+  JudgedFlight flight(18);
+  for (auto& photo : flight.flight.photos) photo.photo.position->is_rtk_fixed = true;
+  flight.flight.warnings = {
+      {RemarkCode::kPositionsContradict, {{"photos", 18}, {"apart_m", 0.22}, {"times", 11.0}}}};
+  const MapQuality quality = flight.Judge();
+  EXPECT_EQ(quality.absolute, (AbsoluteAccuracy{0.22, AbsoluteSupport::kRtk, 18}));
+  EXPECT_EQ(quality.status, MapStatus::kLimited);
+  EXPECT_EQ(quality.limits, (std::vector<MapLimit>{{LimitKind::kPositionsContradicted}}));
+  // Among what is said of a flight that its pictures place: the map lies where most positions have it.
+  const Remark against{RemarkCode::kImagesAgainstPositions, {{"apart_m", 0.22}, {"times", 11.0}}};
+  const Remark outcome{RemarkCode::kImagesPlaced, {{"photos", 18}, {"total", 18}, {"place", against}}};
+  flight.flight.warnings = {{RemarkCode::kPlacedByImages, {{"why", "asked"}, {"outcome", outcome}}}};
+  EXPECT_EQ(flight.Judge().absolute.sigma_m, 0.03);
+  EXPECT_TRUE(flight.Judge().IsLimitedBy(LimitKind::kPositionsContradicted));
+  flight.Surveyed(true, 0.3, 0.4);
+  EXPECT_EQ(flight.Judge().status, MapStatus::kReady) << "a check point says how far off it is";
 }
 
 TEST(JudgeMap, BelievesCheckPointsFirstThenControlPointsThatFit) {

@@ -47,6 +47,10 @@ TEST(MapQuality, IsSaidInWords) {
   few.absolute = {std::nullopt, AbsoluteSupport::kGnss, 1};
   few.limits = {{LimitKind::kFewPositions, 1, 42}};
   EXPECT_EQ(AbsoluteInWords(few), "unknown: only 1 of 42 photos with a position");
+  MapQuality guessed = few;
+  guessed.absolute.count = 12;
+  guessed.limits = {{LimitKind::kScaleGuessed}};
+  EXPECT_EQ(AbsoluteInWords(guessed), "unknown: the scale is a guess");
   EXPECT_NE(LimitInWords({LimitKind::kFewPositions, 1, 42}).find("Only 1 of 42 photos has a position"),
             std::string::npos);
 }
@@ -123,7 +127,7 @@ TEST(MapQuality, ThatNoMapHasIsRefused) {
       {"/relative/error_px", true},
       {"/limits/0/kind", "<script>"},
       {"/limits", "none"},
-      {"/limits", nlohmann::json(std::vector<nlohmann::json>(9, good["limits"][0]))}};
+      {"/limits", nlohmann::json(std::vector<nlohmann::json>(10, good["limits"][0]))}};
   for (const auto& [where, value] : wrong) {
     auto json = good;
     json[Pointer(where)] = value;

@@ -2,17 +2,26 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <string>
+#include <vector>
+
 #include "core/flight/logs/flight_log.h"
 #include "core/flight/remarks/remark_words.h"
+#include "core/poses/estimate_poses.h"
 #include "core/poses/evidence/assumption.h"
 #include "core/poses/evidence/common_error.h"
+#include "core/poses/evidence/repeated_positions.h"
 
 namespace skyquilt::poses {
 namespace {
 
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
+
+constexpr double kMetresOfDegree = 111195.0;  // of a round Earth
 
 std::vector<flight::GnssSample> Fixes(int count, bool is_rtk, std::optional<double> sigma_m) {
   flight::GnssSample one;
@@ -47,6 +56,74 @@ TEST(CommonError, IsWhatMostPositionsStateWithinReason) {
   for (const double sigma_m : {-1.0, 0.0, 1e-6, 0.001}) {
     EXPECT_EQ(CommonErrorOf(Fixes(9, false, sigma_m)), (CommonError{false, 1.5})) << sigma_m;
   }
+}
+
+// North by 20 m a photo, two seconds apart; each writes where the first of its `group` was.
+std::vector<flight::Photo> RepeatingPhotos(int count, int group) {
+  std::vector<flight::Photo> photos(static_cast<std::size_t>(count));
+  for (int k = 0; k < count; ++k) {
+    flight::Photo& photo = photos[static_cast<std::size_t>(k)];
+    photo.captured_at = flight::UtcTime(std::chrono::seconds(1717243200 + 2 * k));
+    photo.position.emplace().position = {47.4 + 20.0 * (k / group * group) / kMetresOfDegree, 8.5};
+  }
+  return photos;
+}
+
+// Nine photos of three fixes: what each third photo says is true, the others go on from it.
+TEST(RepeatedPositions, CountOnceAndMoveOnToTheNext) {
+  std::vector<flight::Photo> photos = RepeatingPhotos(9, 3);
+  const auto remark = MoveRepeatedPositions(photos);
+  ASSERT_TRUE(remark);
+  EXPECT_THAT(flight::InWords(*remark), HasSubstr("6 of 9 photos repeat the position"));
+  for (int k = 0; k < 9; ++k) {
+    const flight::RecordedPosition& position = *photos[static_cast<std::size_t>(k)].position;
+    EXPECT_EQ(position.is_repeated, k % 3 != 0) << k;
+    EXPECT_EQ(position.sigma_horizontal_m.has_value(), position.is_repeated) << k;
+    const double north_m = (position.position.lat_deg - 47.4) * kMetresOfDegree;
+    EXPECT_NEAR(north_m, 20.0 * (k < 6 ? k : 6), 0.01) << k;  // after the last nothing says where to
+    const double sigma_m = position.sigma_horizontal_m.value_or(0.0);
+    EXPECT_NEAR(sigma_m, 20.0 * (k % 3), 0.3) << k;
+  }
+}
+
+TEST(RepeatedPositions, AreNoneOfPhotosOfOneMomentNorOfSeveralCameras) {
+  std::vector<flight::Photo> moving = RepeatingPhotos(6, 1);
+  EXPECT_FALSE(MoveRepeatedPositions(moving));
+  std::vector<flight::Photo> bursts = RepeatingPhotos(6, 3);
+  for (std::size_t k = 0; k < bursts.size(); ++k) bursts[k].captured_at = bursts[k / 3 * 3].captured_at;
+  EXPECT_FALSE(MoveRepeatedPositions(bursts));
+  std::vector<flight::Photo> cameras = RepeatingPhotos(6, 3);
+  for (std::size_t k = 0; k < cameras.size(); ++k) cameras[k].camera_key = "ABC"[k % 3];
+  EXPECT_FALSE(MoveRepeatedPositions(cameras));
+  std::vector<flight::Photo> twice = RepeatingPhotos(6, 2);
+  for (flight::Photo& photo : twice) photo.captured_at.reset();
+  EXPECT_FALSE(MoveRepeatedPositions(twice)) << "without times a pair may be one picture twice";
+}
+
+// All at one place: nothing says that they moved, nor by how much, and one position is what there is.
+TEST(RepeatedPositions, StayWhereAllAreOne) {
+  std::vector<flight::Photo> photos = RepeatingPhotos(5, 5);
+  ASSERT_TRUE(MoveRepeatedPositions(photos));
+  EXPECT_FALSE(photos[0].position->is_repeated);
+  EXPECT_TRUE(photos[4].position->is_repeated);
+  EXPECT_EQ(photos[4].position->position.lat_deg, 47.4);
+}
+
+TEST(RepeatedPositions, HoldNoPhotoOfAFlight) {
+  flight::Flight flight;
+  flight.photos = RepeatingPhotos(9, 3);
+  for (flight::Photo& photo : flight.photos) {
+    photo.name = "IMG_" + std::to_string(&photo - flight.photos.data()) + ".JPG";
+    photo.intrinsics = camera::Intrinsics::Centered(4000, 3000, 3665.0);
+    photo.position->height_above_takeoff_m = 60.0;
+  }
+  const auto posed = EstimatePoses(flight, {});
+  ASSERT_TRUE(posed.ok());
+  ASSERT_EQ(posed->photos.size(), 9u);
+  EXPECT_THAT(flight::InWords(posed->warnings), Contains(HasSubstr("6 of 9 photos repeat the position")));
+  EXPECT_LT(posed->photos[0].covariance(3, 3), 3.0);
+  EXPECT_GT(posed->photos[1].covariance(3, 3), 300.0);
+  EXPECT_TRUE(posed->photos[1].photo.position->is_repeated);
 }
 
 const std::vector<Assumption> kBoth = {

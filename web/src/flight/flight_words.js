@@ -82,7 +82,7 @@ export function absoluteWords({ status, absolute, limits }) {
   const few = limits.find(({ kind }) => kind === 'few_positions');
   if (absolute.by === 'none') return words.unknown(words.no_positions);
   if (absolute.by === 'hand' && absolute.sigma_m === null) return words.unknown(words.by_hand);
-  if (absolute.sigma_m === null) return words.unknown(words.few(absolute.count, few?.of ?? absolute.count));
+  if (absolute.sigma_m === null) return words.unknown(few ? words.few(absolute.count, few.of) : words.scale_guess);
   return words.absolute(`\u00b1${formatError(absolute.sigma_m)}`, words.by[absolute.by](absolute.count));
 }
 

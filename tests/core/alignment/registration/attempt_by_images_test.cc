@@ -84,6 +84,20 @@ void ScaleHeights(double factor, poses::PosedFlight& posed) {
   }
 }
 
+TEST(WithUnplaced, TakesNoPositionThatIsOnlyRepeatedForARecord) {
+  poses::PosedFlight posed;
+  for (const bool is_repeated : {false, true}) {
+    poses::PosedPhoto photo;
+    photo.position_source = "exif";
+    photo.photo.position.emplace().source = "exif";
+    photo.photo.position->is_repeated = is_repeated;
+    posed.photos.push_back(photo);
+  }
+  const ExtractedFlight whole = WithUnplaced(posed);
+  EXPECT_TRUE(whole.records[0].center_in_enu);
+  EXPECT_FALSE(whole.records[1].center_in_enu);
+}
+
 TEST(AttemptByImages, GoodRecordsDoNotCallForIt) {
   const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
   const Outcome outcome = Align(truth, PosesOf(truth));

@@ -131,39 +131,48 @@ TEST(ContradictionOf, IsSaidOfMostPositionsOnly) {
   AttemptEvidence evidence = Evidence(30, 28);
   evidence.median_error_m = 8.0;
   evidence.median_error_sigmas = 5.3;
-  evidence.positions_contradicted = 14;
+  evidence.positions_off_claim = 14;
   EXPECT_FALSE(ContradictionOf(evidence));
-  evidence.positions_contradicted = 15;
+  evidence.positions_off_claim = 15;
   EXPECT_THAT(flight::InWords(ContradictionOf(evidence).value()),
-              HasSubstr("half of the 28 photos lie 8 m or more"));
+              HasSubstr("half of the 28 photos lie 8.0 m or more"));
 }
 
-// Photos side by side, tied in a row by pairs of one point each.
-TEST(Weigh, CountsWhatTheRecordsClaim) {
-  constexpr std::size_t kCount = 4;
+// Photos side by side, tied in a row by pairs of one point each, and recorded `off_m` beside where they lie.
+struct ExtractedRow {
   PhotoFeatures rich;
-  rich.keypoints.resize(500);
   ExtractedFlight flight;
-  flight.readable.assign(kCount, &rich);
-  std::vector<PhotoRecord>& records = flight.records;
-  records.resize(kCount);
   Attempt attempt;
-  attempt.matched.links = {{0, 1, {}, {}, 0.0}, {1, 2, {}, {}, 0.0}};
-  attempt.posed.photos.resize(kCount);
-  attempt.adjusted.rms_px = 1.5;
-  for (std::size_t i = 0; i < kCount; ++i) {
-    const Eigen::Vector3d center(10.0 * static_cast<double>(i), 0.0, 50.0);
-    attempt.posed.photos[i].photo.intrinsics.width_px = 4000;
-    attempt.problem.photos.emplace_back().cam_from_enu =
-        geo::Rigid3::FromRotationAndTargetOrigin(Eigen::Quaterniond::Identity(), center);
-    records[i].center_in_enu = center;
-    records[i].sigma_m = {2.0, 2.0, 5.0};
-    records[i].cam_from_enu = Eigen::Quaterniond::Identity();
+
+  ExtractedRow(std::size_t count, double sigma_m, double off_m) {
+    rich.keypoints.resize(500);
+    flight.readable.assign(count, &rich);
+    flight.records.resize(count);
+    attempt.posed.photos.resize(count);
+    attempt.adjusted.rms_px = 1.5;
+    for (std::size_t i = 0; i < count; ++i) {
+      const Eigen::Vector3d center(10.0 * static_cast<double>(i), 0.0, 50.0);
+      attempt.posed.photos[i].photo.intrinsics.width_px = 4000;
+      attempt.problem.photos.emplace_back().cam_from_enu =
+          geo::Rigid3::FromRotationAndTargetOrigin(Eigen::Quaterniond::Identity(), center);
+      flight.records[i].center_in_enu = center + Eigen::Vector3d(0.0, off_m, 0.0);
+      flight.records[i].sigma_m = {sigma_m, sigma_m, 5.0};
+      flight.records[i].cam_from_enu = Eigen::Quaterniond::Identity();
+      const int photo = static_cast<int>(i);
+      if (i > 0) attempt.matched.links.push_back({photo - 1, photo, {}, {}, 0.0});
+    }
   }
+  ExtractedRow(const ExtractedRow&) = delete;  // the flight points to its features
+};
+
+TEST(Weigh, CountsWhatTheRecordsClaim) {
+  ExtractedRow row(4, 2.0, 0.0);
+  std::vector<PhotoRecord>& records = row.flight.records;
+  row.attempt.matched.links.pop_back();
   records[1].center_in_enu->x() += 20.0;
   records[2].cam_from_enu = Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitX()));
   records[3].is_unplaced = true;
-  const AttemptEvidence evidence = Weigh(flight, attempt);
+  const AttemptEvidence evidence = Weigh(row.flight, row.attempt);
   EXPECT_EQ(evidence.readable, 4U);
   EXPECT_EQ(evidence.tied, 3U);
   EXPECT_EQ(evidence.Lost(), 1U);
@@ -172,6 +181,20 @@ TEST(Weigh, CountsWhatTheRecordsClaim) {
   EXPECT_EQ(evidence.positions_contradicted, 1U);
   EXPECT_EQ(evidence.attitudes_contradicted, 1U);
   EXPECT_EQ(evidence.residual_rms_px, 1.5);
+}
+
+// Positions that claim two centimetres and are off by three tenths of a metre: no reason to doubt how the
+// photos lie to each other, but nothing to call accurate.
+TEST(Weigh, HoldsCorrectedPositionsToTheCentimetresThatTheyClaim) {
+  const auto missed_by = [](double off_m) {
+    const ExtractedRow row(6, 0.02, off_m);
+    return Weigh(row.flight, row.attempt);
+  };
+  const AttemptEvidence off = missed_by(0.3);
+  EXPECT_EQ(off.positions_contradicted, 0U);
+  EXPECT_FALSE(WhyDoubted(off, 0.1));
+  EXPECT_THAT(flight::InWords(ContradictionOf(off).value()), HasSubstr("lie 0.3 m or more"));
+  EXPECT_FALSE(ContradictionOf(missed_by(0.09))) << "as far as an antenna is from its camera";
 }
 
 TEST(AttemptEvidence, SaysWhenAnAdjustmentKeptButAFewObservations) {

@@ -187,6 +187,7 @@ export const remark_words = {
   north_by_cameras: () => 'Die Nordrichtung ist die, welche die Kameras aufgezeichnet haben',
   scale_as_if: (v) => `der Maßstab ist so, als zeigte ein Foto ${formatDistance(v.width_m)} Boden`,
   scale_by_heights: () => 'der Maßstab folgt den aufgezeichneten Höhen über Boden',
+  positions_repeated: (v) => `${some(v)} wiederholen die Position des vorigen, wie von einem Empfänger, der keine neue hat: Sie zählt einmal, und diese Fotos liegen nach dem Weg zur nächsten Position und dem, was sie zeigen.`,
   no_angles: (v) => `${some(v)} ohne aufgezeichnete Kamerawinkel.`,
   angles_assumed: () => 'Angenommen wird der Blick senkrecht nach unten, gedreht in Flugrichtung.',
   angles_found: () => 'Die Winkel wurden aus dem gefunden, was die Fotos zeigen.',

@@ -186,6 +186,7 @@ export const remark_words = {
   north_by_cameras: () => 'north is as the cameras recorded it',
   scale_as_if: (v) => `the scale is as if a photo showed ${formatDistance(v.width_m)} of ground`,
   scale_by_heights: () => 'the scale is by the recorded heights above the ground',
+  positions_repeated: (v) => `${some(v)} repeat the position of the one before, as of a receiver that has no new one: it counts once, and they are placed by the way to the next one and by what they show.`,
   no_angles: (v) => `${some(v)} recorded no camera angles.`,
   angles_assumed: () => 'They are taken as looking straight down, turned along the course of the flight.',
   angles_found: () => 'Their angles were found from what they show.',
