@@ -8,6 +8,7 @@
 
 #include "core/base/median.h"
 #include "core/base/text/printable.h"
+#include "core/flight/logs/texts/list_rows.h"
 #include "core/geo/geodesic.h"
 #include "core/poses/conventions/attitude_convention.h"
 #include "core/poses/evidence/common_error.h"
@@ -110,11 +111,13 @@ PhotoRowsUse ApplyPhotoRows(const std::vector<flight::FlightLog>& logs, std::vec
   for (const flight::FlightLog& log : logs) {
     std::size_t rows = 0, open_rows = 0;
     std::string first_name, first_open;
+    bool names_files = false;  // with the ending of one; surveyed points have none
     std::vector<char> is_named(photos.size(), 0);
     std::vector<double> angles_apart_rad;  // where both know them
     for (const CameraEvent& event : log.events) {
       if (event.has_time || !event.image_name) continue;
       if (rows++ == 0) first_name = PlainFileName(*event.image_name);
+      names_files = names_files || flight::LooksLikeImageName(*event.image_name);
       const NamedPhotos::Found found = named.Find(*event.image_name);
       if (found.is_open && open_rows++ == 0) first_open = PlainFileName(*event.image_name);
       for (const std::size_t i : found.photos) {
@@ -141,8 +144,9 @@ PhotoRowsUse ApplyPhotoRows(const std::vector<flight::FlightLog>& logs, std::vec
                               {{"file", log.file_name}, {"rows", open_rows}, {"first", first_open}}});
     }
     if (matched > 0 || open_rows > 0 || photos.empty()) continue;
-    use.warnings.push_back({flight::RemarkCode::kListNamesNoPhoto,
-                            {{"file", log.file_name}, {"rows", rows}, {"first", first_name}}});
+    use.warnings.push_back(
+        {names_files ? flight::RemarkCode::kListNamesNoPhoto : flight::RemarkCode::kListOfPointsWithoutMarks,
+         {{"file", log.file_name}, {"rows", rows}, {"first", first_name}}});
   }
   return use;
 }

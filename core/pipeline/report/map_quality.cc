@@ -195,6 +195,8 @@ std::string LimitInWords(const MapLimit& limit) {
           count, of, count == 1 ? "has" : "have");
     case LimitKind::kFarOff:
       return "The stated error is more than 10 m: the map may lie far from its true place.";
+    case LimitKind::kControlContradicted:
+      return "Surveyed points and the photos' own positions contradict each other: one of the two is far off.";
     case LimitKind::kPlacedByHand:
       return "The map was placed by hand: nothing tells how far off it lies.";
     case LimitKind::kLeftOut:

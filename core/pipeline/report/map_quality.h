@@ -60,9 +60,10 @@ enum class MapStatus : std::uint8_t {
 
 enum class LimitKind : std::uint8_t {
   kNotGeoreferenced,
-  kScaleGuessed,  // lengths, areas and the resolution mean nothing
-  kFewPositions,  // `count` of `of` photos place it
-  kFarOff,        // its accuracy is worse than any receiver's
+  kScaleGuessed,         // lengths, areas and the resolution mean nothing
+  kFewPositions,         // `count` of `of` photos place it
+  kFarOff,               // its accuracy is worse than any receiver's
+  kControlContradicted,  // surveyed points place it far from where its photos say they were taken
   kPlacedByHand,
   kLeftOut,      // `count` of `of` photos
   kNoneAligned,  // `count` photos lie by their records, none of them compared with success
@@ -105,10 +106,15 @@ inline constexpr std::pair<MapStatus, std::string_view> kMapStatuses[] = {{MapSt
                                                                           {MapStatus::kUnplaced, "unplaced"},
                                                                           {MapStatus::kUnknown, "unknown"}};
 inline constexpr std::pair<LimitKind, std::string_view> kLimitKinds[] = {
-    {LimitKind::kNotGeoreferenced, "not_georeferenced"}, {LimitKind::kScaleGuessed, "scale_guessed"},
-    {LimitKind::kFewPositions, "few_positions"},         {LimitKind::kFarOff, "far_off"},
-    {LimitKind::kPlacedByHand, "placed_by_hand"},        {LimitKind::kLeftOut, "left_out"},
-    {LimitKind::kNoneAligned, "none_aligned"},           {LimitKind::kPoseOnly, "pose_only"}};
+    {LimitKind::kNotGeoreferenced, "not_georeferenced"},
+    {LimitKind::kScaleGuessed, "scale_guessed"},
+    {LimitKind::kFewPositions, "few_positions"},
+    {LimitKind::kFarOff, "far_off"},
+    {LimitKind::kControlContradicted, "control_contradicted"},
+    {LimitKind::kPlacedByHand, "placed_by_hand"},
+    {LimitKind::kLeftOut, "left_out"},
+    {LimitKind::kNoneAligned, "none_aligned"},
+    {LimitKind::kPoseOnly, "pose_only"}};
 std::string_view NameOf(AbsoluteSupport support);
 std::string_view NameOf(RelativeSupport support);
 std::string_view NameOf(MapStatus status);

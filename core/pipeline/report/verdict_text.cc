@@ -72,6 +72,8 @@ std::string_view FaultWord(flight::ListFault fault) {
       return "far_away";
     case flight::ListFault::kOtherShape:
       return "other_shape";
+    case flight::ListFault::kOtherPixels:
+      return "other_pixels";
   }
   return "none";
 }

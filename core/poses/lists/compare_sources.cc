@@ -11,6 +11,7 @@
 #include "core/poses/heights/flight_heights.h"
 #include "core/poses/lists/judge_list.h"
 #include "core/poses/lists/list_words.h"
+#include "core/poses/lists/marked_photos.h"
 #include "core/poses/lists/named_photos.h"
 
 namespace skyquilt::poses {
@@ -171,6 +172,7 @@ void Learn(const JudgedList& judged, OwnRecords& own) {
 
 void Tell(ListUse use, Flight& flight) {
   if (auto remark = RemarkOf(use)) flight.warnings.push_back(*std::move(remark));
+  if (auto remark = RemarkOnSystem(use)) flight.warnings.push_back(*std::move(remark));
   flight.list_uses.push_back(std::move(use));
 }
 
@@ -232,6 +234,10 @@ std::optional<flight::GcpList> JudgedControl(flight::GcpList list, const NamedPh
   use.file_name = list.file_name;
   use.system = list.reference_system;
   use.rows = list.points.size();
+  const MarkedPhotosFound found = FindMarkedPhotos(flight.photos, named, list);
+  use.marks = found.marks;
+  use.marks_outside = found.outside;
+  if (use.fault == ListFault::kNone && found.AreOfOtherPictures()) use.fault = ListFault::kOtherPixels;
   // A survey is good to centimetres, a guessed datum to metres: its system is asked for.
   if (use.system.empty()) use.fault = ListFault::kNoSystem;
   if (use.fault != ListFault::kNone) {
@@ -239,6 +245,7 @@ std::optional<flight::GcpList> JudgedControl(flight::GcpList list, const NamedPh
     Tell(std::move(use), flight);
     return std::nullopt;
   }
+  list.system_error_m = use.system_error_m;
   for (std::size_t i = 0; i < list.points.size(); ++i) {
     list.points[i].has_position = verdict.places[i].has_value();
     if (verdict.places[i]) list.points[i].position = *verdict.places[i];
@@ -252,6 +259,7 @@ std::optional<flight::GcpList> JudgedControl(flight::GcpList list, const NamedPh
   for (std::size_t i = told; i < placed->warnings.size(); ++i)
     flight.warnings.push_back(
         {flight::RemarkCode::kOfFile, {{"file", placed->file_name}, {"said", placed->warnings[i]}}});
+  flight.warnings.insert(flight.warnings.end(), found.remarks.begin(), found.remarks.end());
   Tell(std::move(use), flight);
   return *std::move(placed);
 }
