@@ -257,7 +257,7 @@ void ReportControl(const BundleProblem& problem, std::vector<ControlReport>& rep
 
 namespace {
 
-// Two points that miss each other: nothing tells which of them is wrong.
+// Two points that disagree: nothing tells which of them is wrong.
 std::optional<flight::Remark> Disagreement(const std::vector<ControlReport>& points) {
   std::vector<const ControlReport*> used;
   for (const ControlReport& point : points) {

@@ -113,11 +113,11 @@ void RefuseByMarks(const std::vector<ControlPoint>& control, const std::vector<s
 
 // By point of `problem.control`: surveyed minus where the photos show it, once the block is where its
 // positions say.
-std::vector<Vector2d> MissesOfRecords(const BundleProblem& problem, const poses::RecordsApart& own) {
-  std::vector<Vector2d> misses_m;
+std::vector<Vector2d> ResidualsOfRecords(const BundleProblem& problem, const poses::RecordsApart& own) {
+  std::vector<Vector2d> residuals_m;
   for (const BundleControl& tied : problem.control)
-    misses_m.push_back((tied.surveyed_in_enu - tied.track.point_in_enu).head<2>() - own.apart_m);
-  return misses_m;
+    residuals_m.push_back((tied.surveyed_in_enu - tied.track.point_in_enu).head<2>() - own.apart_m);
+  return residuals_m;
 }
 
 // Two or three points that contradict each other: those that the positions speak against, while at least as
@@ -125,33 +125,33 @@ std::vector<Vector2d> MissesOfRecords(const BundleProblem& problem, const poses:
 void RefuseFewByRecords(const poses::RecordsApart& own, BundleProblem& problem,
                         std::vector<ControlReport>& reports) {
   if (problem.control.size() < 2 || problem.control.size() >= kEnoughToVote) return;
-  const std::vector<Vector2d> misses_m = MissesOfRecords(problem, own);
+  const std::vector<Vector2d> residuals_m = ResidualsOfRecords(problem, own);
   std::vector<Vector2d> agreeing_m;
-  for (const Vector2d& miss_m : misses_m) {
-    if (miss_m.norm() <= own.refuting_m) agreeing_m.push_back(miss_m);
+  for (const Vector2d& residual_m : residuals_m) {
+    if (residual_m.norm() <= own.refuting_m) agreeing_m.push_back(residual_m);
   }
-  if (2 * agreeing_m.size() < misses_m.size()) return;
+  if (2 * agreeing_m.size() < residuals_m.size()) return;
   std::size_t k = 0;
   std::erase_if(problem.control, [&](const BundleControl& tied) {
-    const Vector2d& miss_m = misses_m[k++];
-    const bool is_refuted = miss_m.norm() > own.refuting_m &&
+    const Vector2d& residual_m = residuals_m[k++];
+    const bool is_refuted = residual_m.norm() > own.refuting_m &&
                             std::all_of(agreeing_m.begin(), agreeing_m.end(), [&](const Vector2d& other_m) {
-                              return (miss_m - other_m).norm() > own.refuting_m;
+                              return (residual_m - other_m).norm() > own.refuting_m;
                             });
     if (is_refuted)
-      reports[tied.report].reason = {RemarkCode::kPointFarFromRecords, {{"apart_m", miss_m.norm()}}};
+      reports[tied.report].reason = {RemarkCode::kPointFarFromRecords, {{"apart_m", residual_m.norm()}}};
     return is_refuted;
   });
 }
 
 void RefuseElsewhere(const poses::RecordsApart& own, const std::vector<ControlPoint>& control,
                      BundleProblem& problem, std::vector<ControlReport>& reports) {
-  const std::vector<Vector2d> misses_m = MissesOfRecords(problem, own);
-  std::map<std::string, std::vector<Vector2d>> misses_of_m;
-  for (std::size_t k = 0; k < misses_m.size(); ++k)
-    misses_of_m[control[problem.control[k].report].list].push_back(misses_m[k]);
+  const std::vector<Vector2d> residuals_m = ResidualsOfRecords(problem, own);
+  std::map<std::string, std::vector<Vector2d>> residuals_of_m;
+  for (std::size_t k = 0; k < residuals_m.size(); ++k)
+    residuals_of_m[control[problem.control[k].report].list].push_back(residuals_m[k]);
   std::map<std::string, Remark> why;
-  for (const auto& [list, of_list_m] : misses_of_m) {
+  for (const auto& [list, of_list_m] : residuals_of_m) {
     const double apart_m = MedianByAxis(of_list_m).norm();
     if (apart_m > poses::kFarFromPhotosM)
       why.emplace(list, Remark{RemarkCode::kControlElsewhere, {{"file", list}, {"apart_m", apart_m}}});
@@ -163,14 +163,14 @@ void RefuseElsewhere(const poses::RecordsApart& own, const std::vector<ControlPo
 
 std::optional<poses::RecordsApart> RecordsApartOfBlock(const poses::PosedFlight& posed, const PhotoSet& tied,
                                                        const std::vector<Vector3d>& centers_in_enu) {
-  std::vector<poses::RecordedMiss> misses;
+  std::vector<poses::RecordedResidual> residuals;
   for (std::size_t i = 0; i < centers_in_enu.size(); ++i) {
     const std::optional<flight::RecordedPosition>& record = posed.photos[i].photo.position;
     if (!record || !tied.Has(i)) continue;
     const Vector3d recorded = posed.frame.EnuAtHeight(record->position, centers_in_enu[i].z());
-    misses.push_back({(recorded - centers_in_enu[i]).head<2>(), &*record});
+    residuals.push_back({(recorded - centers_in_enu[i]).head<2>(), &*record});
   }
-  return poses::RecordsApartOf(misses);
+  return poses::RecordsApartOf(residuals);
 }
 
 void RefuseControl(const poses::PosedFlight& posed, const std::vector<ControlPoint>& control,

@@ -312,10 +312,10 @@ MapQuality JudgeMap(const JudgedMap& map) {
 std::optional<poses::RecordsApart> RecordsApartOfControl(const JudgedMap& map) {
   if (map.alignment == nullptr || !map.is_placed || FitOf(map).places.empty()) return std::nullopt;
   const SupportingPositions positions = PositionsOf(map);
-  std::vector<poses::RecordedMiss> misses;
+  std::vector<poses::RecordedResidual> residuals;
   for (std::size_t k = 0; k < positions.records.size(); ++k)
-    misses.push_back({positions.misses[k], positions.records[k]});
-  const auto apart = poses::RecordsApartOf(misses);
+    residuals.push_back({positions.misses[k], positions.records[k]});
+  const auto apart = poses::RecordsApartOf(residuals);
   return apart ? apart : ApartByLog(map);
 }
 

@@ -15,7 +15,6 @@ constexpr double kRefutingSigmas = 5.0;
 constexpr double kMinCorrectedM = 0.5;
 constexpr double kMinPlainM = 15.0;  // what a receiver below trees or in a street may be off by for a flight
 constexpr std::size_t kMinRecords = 3;
-constexpr int kMaxAtOnePlace = 2;
 
 }  // namespace
 
@@ -28,17 +27,17 @@ RecordsApart AgainstRecords(const Eigen::Vector2d& apart_m, const CommonError& c
   return apart;
 }
 
-std::optional<RecordsApart> RecordsApartOf(const std::vector<RecordedMiss>& misses) {
-  const auto place_of = [](const RecordedMiss& one) {
+std::optional<RecordsApart> RecordsApartOf(const std::vector<RecordedResidual>& residuals) {
+  const auto place_of = [](const RecordedResidual& one) {
     return std::pair(one.record->position.lat_deg, one.record->position.lon_deg);
   };
   std::map<std::pair<double, double>, int> at_place;
-  for (const RecordedMiss& one : misses) ++at_place[place_of(one)];
+  for (const RecordedResidual& one : residuals) ++at_place[place_of(one)];
   std::vector<Eigen::Vector2d> apart_m;
   std::vector<const flight::RecordedPosition*> records;
-  for (const RecordedMiss& one : misses) {
-    if (at_place[place_of(one)] > kMaxAtOnePlace || !one.miss_m.allFinite()) continue;
-    apart_m.push_back(one.miss_m);
+  for (const RecordedResidual& one : residuals) {
+    if (at_place[place_of(one)] > kMaxAtOnePlace || !one.residual_m.allFinite()) continue;
+    apart_m.push_back(one.residual_m);
     records.push_back(one.record);
   }
   if (records.size() < kMinRecords) return std::nullopt;

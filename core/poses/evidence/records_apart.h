@@ -16,9 +16,12 @@ namespace skyquilt::poses {
 // shifted by law, lie up to 0.8 km apart; nothing true lies further from where the camera's receiver was.
 inline constexpr double kFarFromPhotosM = 1000.0;
 
+// More photos of one camera than these at one and the same place: the receiver repeats its last fix.
+inline constexpr int kMaxAtOnePlace = 2;
+
 // One photo's: recorded minus where the flight has its camera, east and north.
-struct RecordedMiss {
-  Eigen::Vector2d miss_m = Eigen::Vector2d::Zero();
+struct RecordedResidual {
+  Eigen::Vector2d residual_m = Eigen::Vector2d::Zero();
   const flight::RecordedPosition* record = nullptr;
 };
 
@@ -35,6 +38,6 @@ struct RecordsApart {
 RecordsApart AgainstRecords(const Eigen::Vector2d& apart_m, const CommonError& common);
 
 // Nothing of fewer than three positions that differ: among these a wrong one is told by nobody.
-std::optional<RecordsApart> RecordsApartOf(const std::vector<RecordedMiss>& misses);
+std::optional<RecordsApart> RecordsApartOf(const std::vector<RecordedResidual>& residuals);
 
 }  // namespace skyquilt::poses

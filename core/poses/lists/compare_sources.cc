@@ -8,6 +8,7 @@
 
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
+#include "core/poses/evidence/records_apart.h"
 #include "core/poses/heights/flight_heights.h"
 #include "core/poses/lists/judge_list.h"
 #include "core/poses/lists/list_words.h"
@@ -23,9 +24,6 @@ using flight::FlightLog;
 using flight::ListFault;
 using flight::ListUse;
 using geo::LatLon;
-
-// More photos of one camera than these at one and the same place: the receiver repeats its last fix.
-constexpr int kMaxAtOnePlace = 2;
 
 using CameraPlace = std::tuple<std::string, double, double>;
 

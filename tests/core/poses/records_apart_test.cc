@@ -10,15 +10,15 @@ namespace {
 
 struct Records {
   std::vector<flight::RecordedPosition> records;
-  std::vector<RecordedMiss> misses;
+  std::vector<RecordedResidual> residuals;
 
   explicit Records(std::size_t count) : records(count) {
     for (std::size_t i = 0; i < count; ++i) records[i].position = {46.8, 7.1 + 1e-4 * static_cast<double>(i)};
   }
   std::optional<RecordsApart> Apart(const Eigen::Vector2d& by_m) {
-    misses.clear();
-    for (const flight::RecordedPosition& record : records) misses.push_back({by_m, &record});
-    return RecordsApartOf(misses);
+    residuals.clear();
+    for (const flight::RecordedPosition& record : records) residuals.push_back({by_m, &record});
+    return RecordsApartOf(residuals);
   }
 };
 
@@ -40,8 +40,8 @@ TEST(RecordsApartOf, IsAContradictionBeyondWhatReceiversErrBy) {
 TEST(RecordsApartOf, IsNotMisledByAFewAndSaysNothingOfFewer) {
   Records records(8);
   records.Apart({1.0, 0.0});
-  records.misses[3].miss_m = {5000.0, 0.0};
-  EXPECT_LT(RecordsApartOf(records.misses)->apart_m.norm(), 2.0);
+  records.residuals[3].residual_m = {5000.0, 0.0};
+  EXPECT_LT(RecordsApartOf(records.residuals)->apart_m.norm(), 2.0);
   Records two(2);
   EXPECT_FALSE(two.Apart({500.0, 0.0}));
 }
