@@ -368,7 +368,7 @@ TEST(CompareSources, RefusesAListWhosePixelsLieOutsideItsPhotos) {
 TEST(CompareSources, SaysWhatTheSystemOfASurveyIsKnownTo) {
   const LatLon milan{45.46, 9.19};
   Flight flight = FlightAt(milan);
-  flight.gcp_lists = {Survey(milan, "EPSG:3003", false)};  // Monte Mario
+  flight.gcp_lists = {Survey(kDuluth, "EPSG:3003", false)};  // Monte Mario
   for (std::size_t k = 0; k < 5; ++k) {
     const flight::WrittenPlace at = In(3003)(Beside(milan, 30.0 * static_cast<double>(k), 0.0));
     flight.gcp_lists[0].points[k].x = at.x;
