@@ -32,6 +32,7 @@
 #include "core/pipeline/surface/choose_ground.h"
 #include "core/poses/estimate_poses.h"
 #include "core/poses/lists/compare_sources.h"
+#include "core/poses/lists/marked_photos.h"
 #include "core/poses/plausible_poses.h"
 #include "core/render/plan_mosaic.h"
 
@@ -291,11 +292,17 @@ Result<PlacedFlight> PlaceWhereTold(const flight::Flight& read, const PlaceReque
     return flight::Because(ErrorCode::kConflict, flight::RemarkCode::kFailMapChanged);
   }
   FillPhotos(read, recalled->facts.flight);
+  PlaceRequest named = request;
+  const poses::NamedPhotos photos(read.photos);
+  for (flight::GcpList& list : named.control) {
+    const std::vector<flight::Remark> told = poses::FindMarkedPhotos(read.photos, photos, list).remarks;
+    recalled->facts.flight.warnings.insert(recalled->facts.flight.warnings.end(), told.begin(), told.end());
+  }
   PlacedFlight placed;
   const double was_m = MedianGsdM(recalled->facts);
   SKYQUILT_TRY_ASSIGN(placed.facts, stages.Run("align", [&] {
     return request.is_by_lists ? PlaceByLists(recalled->facts, read.gcp_lists, &contradict)
-                               : PlaceKnown(recalled->facts, request);
+                               : PlaceKnown(recalled->facts, named);
   }));
   if (!request.is_by_lists) KeepAsKnown(recalled->facts.inputs, lists, inputs);
   placed.gsd_m = recalled->facts.appearance->gsd_m * MedianGsdM(placed.facts) / was_m;

@@ -1,12 +1,14 @@
 #include "core/poses/photo_rows.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <fmt/core.h>
 #include <utility>
 
 #include "core/base/median.h"
 #include "core/base/text/printable.h"
+#include "core/flight/logs/texts/list_rows.h"
 #include "core/geo/geodesic.h"
 #include "core/poses/conventions/attitude_convention.h"
 #include "core/poses/evidence/common_error.h"
@@ -102,12 +104,14 @@ PhotoRowsUse ApplyPhotoRows(const std::vector<flight::FlightLog>& logs, std::vec
     std::string first_name, first_open;
     // By photo. The first row holds, of those that kept what they say (lists/choose_rows.h).
     std::vector<char> is_named(photos.size(), 0), is_placed(photos.size(), 0), is_turned(photos.size(), 0);
+    bool names_files = false;              // with the ending of one; surveyed points have none
     std::vector<double> angles_apart_rad;  // where both know them
     const std::vector<NamedPhotos::Found> found_by_event = named.FindAll(log);
     for (std::size_t k = 0; k < log.events.size(); ++k) {
       const CameraEvent& event = log.events[k];
       if (event.has_time || !event.image_name) continue;
       if (rows++ == 0) first_name = PlainFileName(*event.image_name);
+      names_files = names_files || flight::LooksLikeImageName(*event.image_name);
       const NamedPhotos::Found& found = found_by_event[k];
       if (found.is_open && open_rows++ == 0) first_open = PlainFileName(*event.image_name);
       for (const std::size_t i : found.photos) {
@@ -135,8 +139,9 @@ PhotoRowsUse ApplyPhotoRows(const std::vector<flight::FlightLog>& logs, std::vec
                               {{"file", log.file_name}, {"rows", open_rows}, {"first", first_open}}});
     }
     if (matched > 0 || open_rows > 0 || photos.empty()) continue;
-    use.warnings.push_back({flight::RemarkCode::kListNamesNoPhoto,
-                            {{"file", log.file_name}, {"rows", rows}, {"first", first_name}}});
+    use.warnings.push_back(
+        {names_files ? flight::RemarkCode::kListNamesNoPhoto : flight::RemarkCode::kListOfPointsWithoutMarks,
+         {{"file", log.file_name}, {"rows", rows}, {"first", first_name}}});
   }
   return use;
 }

@@ -172,14 +172,47 @@ Table Accuracy(const Json& report, const std::optional<pipeline::MapQuality>& qu
   }
   const Json& control = At(report, {"alignment", "ground_control"});
   if (control.is_array() && !control.empty())
-    table.Row("Ground control points",
-              fmt::format("{} given; report.json has the miss of each", control.size()));
+    table.Row("Ground control points", fmt::format("{} given, in the table below", control.size()));
   if (const std::string words = PredictionInWords(control); !words.empty())
     table.Row("Each of them placed by the others", words);
   const std::string model = TextAt(report, {"ground", "model"}),
                     reason = TextAt(report, {"ground", "reason"});
   table.Row("Ground", reason.empty() ? model : model + ": " + reason);
   return table;
+}
+
+std::string PointUse(const Json& point) {
+  const Json& used = At(point, {"is_used"});
+  const Json& check = At(point, {"is_check"});
+  if (!used.is_boolean() || !used.get<bool>()) return "not used";
+  return check.is_boolean() && check.get<bool>() ? "check" : "control";
+}
+
+// Each with what the map misses it by; of one that is not used the reason.
+std::string Points(const Json& report) {
+  const Json& control = At(report, {"alignment", "ground_control"});
+  if (!control.is_array() || control.empty()) return "";
+  std::string rows;
+  std::size_t count = 0;
+  for (const Json& point : control) {
+    if (count++ == kMaxRows) break;
+    const std::string use = PointUse(point);
+    const auto miss = [&](const char* name) {
+      const auto metres = NumberAt(point, {name});
+      return metres && use != "not used" ? Metres(*metres) : std::string();
+    };
+    rows += fmt::format(
+        "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.0f}</td><td>{}</td></tr>\n",
+        Html(TextAt(point, {"name"})), use, miss("miss_east_m"), miss("miss_north_m"), miss("miss_up_m"),
+        NumberAt(point, {"sightings"}).value_or(0.0), Html(TextAt(point, {"reason"})));
+  }
+  if (control.size() > kMaxRows)
+    rows += fmt::format("<tr><td colspan=\"7\">and {} more, in report.json</td></tr>\n",
+                        control.size() - kMaxRows);
+  return "<h2>Ground control points</h2>\n<p class=\"sub\">Where the map has each, less where it was "
+         "surveyed.</p>\n<table><thead><tr><th>Point</th><th>Used as</th><th>East</th><th>North</th>"
+         "<th>Up</th><th>Marks</th><th>Note</th></tr></thead>\n" +
+         rows + "</table>\n";
 }
 
 std::string Warnings(const Json& report) {
@@ -246,7 +279,7 @@ Result<std::string> ReportPage(std::string_view report_json, const std::optional
   page += Verdict(quality);
   if (picture) page += Figure(*picture, is_placed && is_scale_known);
   page += Facts(report, is_placed, is_scale_known).Text("The map") +
-          Accuracy(report, quality).Text("Accuracy") + Warnings(report) + LeftOut(report);
+          Accuracy(report, quality).Text("Accuracy") + Points(report) + Warnings(report) + LeftOut(report);
   return page + fmt::format("<footer>Report of {}, by Skyquilt.</footer>\n</body>\n</html>\n", Html(made));
 }
 

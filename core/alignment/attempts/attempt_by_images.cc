@@ -8,6 +8,7 @@
 #include <set>
 
 #include "core/alignment/bundle/control_points.h"
+#include "core/alignment/bundle/judge_control.h"
 #include "core/alignment/from_images/block.h"
 #include "core/alignment/from_images/georeference.h"
 #include "core/alignment/from_images/register_photos.h"
@@ -128,6 +129,19 @@ std::vector<PlacePair> ControlOf(const Registration& registration, int block, co
     pairs.push_back(pair);
   }
   return pairs;
+}
+
+// Does `place`, by surveyed points, lie where the photos' own positions say that the flight was not?
+bool IsElsewhere(const Registration& registration, int block, const BlockPlace& place,
+                 const poses::PosedFlight& posed) {
+  PhotoSet of_block;
+  std::vector<Eigen::Vector3d> centers_in_enu;
+  for (const RegisteredPhoto& photo : registration.photos) {
+    of_block.Append(photo.block == block);
+    centers_in_enu.push_back(place.enu_from_world * photo.cam_from_world.TargetOriginInSource());
+  }
+  const auto apart = RecordsApartOfBlock(posed, of_block, centers_in_enu);
+  return apart && apart->IsElsewhere();
 }
 
 RegistrationInput InputOf(const ExtractedFlight& extracted, const BundleProblem& problem) {
@@ -330,7 +344,11 @@ std::optional<AttemptByImages> PlaceByImages(const ExtractedFlight& extracted, c
   for (std::size_t b = 0; b < registration.block_sizes.size(); ++b) {
     const int block = static_cast<int>(b);
     records.control = ControlOf(registration, block, posed, control);
-    const BlockPlace place = Georeference(registration, block, records);
+    BlockPlace place = Georeference(registration, block, records);
+    if (place.placing == Placing::kByControl && IsElsewhere(registration, block, place, posed)) {
+      records.control.clear();  // refused, and said, where the flight is tied to them
+      place = Georeference(registration, block, records);
+    }
     TraceDecision("group placed", {{"group", b},
                                    {"photos", registration.block_sizes[b]},
                                    {"by", static_cast<int>(place.placing)},

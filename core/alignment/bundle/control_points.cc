@@ -7,8 +7,8 @@
 #include <cstddef>
 #include <limits>
 
+#include "core/alignment/bundle/judge_control.h"
 #include "core/base/median.h"
-#include "core/flight/bytes/text_fields.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -16,16 +16,12 @@ namespace {
 using flight::RemarkCode;
 
 constexpr double kSightingSigmaPx = 1.0;
-constexpr std::size_t kEnoughToVote = 4;
 constexpr double kFarOffM = 2.0;
 constexpr double kFarOffMads = 8.0;
 constexpr double kWrongMarkShare = 0.01;  // of a photo's width, off where the other marks put the point
 constexpr std::size_t kMinMarks = 2;
 // Observations times adjustments: about two minutes of one core.
 constexpr std::size_t kMaxPredictedObservations = 20'000'000;
-
-// Lists name photos in another case, with or without their ending.
-std::string Key(const std::string& name) { return flight::LowerCase(name.substr(0, name.find_last_of('.'))); }
 
 // The largest error of a mark, in widths of its photo; endless where the marks do not meet.
 double WorstMarkShare(const std::vector<View>& views, Track& track) {
@@ -66,6 +62,28 @@ std::optional<Eigen::Vector3d> SeenFromSurveyed(const std::vector<View>& views, 
   return Eigen::Vector3d(seen.point_in_enu - tied.surveyed_in_enu);
 }
 
+// A height that lies far off where most of the others put it is no observation; its point still is.
+void LeaveOutWrongHeights(BundleProblem& problem, std::vector<ControlReport>& reports) {
+  std::vector<double> residuals_m;
+  for (const BundleControl& tied : problem.control) {
+    if (tied.has_height)
+      residuals_m.push_back(std::abs(tied.surveyed_in_enu.z() - tied.track.point_in_enu.z()));
+  }
+  if (residuals_m.size() < kEnoughToVote) return;
+  const double limit_m = kFarOffM + kFarOffMads * Median(std::move(residuals_m));
+  for (BundleControl& tied : problem.control) {
+    const double off_m = tied.surveyed_in_enu.z() - tied.track.point_in_enu.z();
+    if (!tied.has_height || std::abs(off_m) <= limit_m) continue;
+    tied.has_height = false;
+    tied.surveyed_in_enu.z() = tied.track.point_in_enu.z();
+    flight::Remark why{RemarkCode::kPointHeightFarFromOthers, {{"apart_m", std::abs(off_m)}}};
+    std::optional<flight::Remark>& reason = reports[tied.report].reason;
+    reason =
+        reason ? flight::Remark{RemarkCode::kPointNotedTwice, {{"first", *reason}, {"then", std::move(why)}}}
+               : std::move(why);
+  }
+}
+
 std::size_t ObservationsOf(const BundleProblem& problem) {
   std::size_t observations = 0;
   for (const auto* tracks : {&problem.tracks, &problem.soft_tracks}) {
@@ -79,13 +97,13 @@ std::size_t ObservationsOf(const BundleProblem& problem) {
 MarkedPhotos::MarkedPhotos(const std::vector<std::string>& names, const std::vector<View>& views,
                            const PhotoSet& tied)
     : names_(names), views_(views), tied_(tied) {
-  for (std::size_t i = 0; i < names.size(); ++i) number_of_.emplace(Key(names[i]), i);
+  for (std::size_t i = 0; i < names.size(); ++i) number_of_.emplace(names[i], i);
 }
 
 std::vector<Observation> MarkedPhotos::MarksOf(const ControlPoint& point) const {
   std::vector<Observation> marks;
   for (const ControlSighting& sighting : point.sightings) {
-    const auto photo = number_of_.find(Key(sighting.photo_name));
+    const auto photo = number_of_.find(sighting.photo_name);
     if (photo == number_of_.end() || !views_[photo->second].intrinsics.IsInImage(sighting.pixel_in_image))
       continue;
     marks.push_back({photo->second, sighting.pixel_in_image, kSightingSigmaPx});
@@ -93,15 +111,23 @@ std::vector<Observation> MarkedPhotos::MarksOf(const ControlPoint& point) const 
   return marks;
 }
 
+std::size_t MarkedPhotos::TiedMarksOf(const ControlPoint& point) const {
+  const std::vector<Observation> marks = MarksOf(point);
+  const auto tied = std::count_if(marks.begin(), marks.end(),
+                                  [&](const Observation& mark) { return tied_.Has(mark.photo); });
+  return tied < static_cast<std::ptrdiff_t>(kMinMarks) ? 0 : static_cast<std::size_t>(tied);
+}
+
 std::optional<Track> MarkedPhotos::TrackOf(const ControlPoint& point, ControlReport& told) const {
   told.name = point.name;
   told.surveyed = point.position;
+  told.system_error_m = point.system_error_m;
   Track track;
   for (const Observation& mark : MarksOf(point)) {
     ++told.sightings;
     if (tied_.Has(mark.photo)) track.observations.push_back(mark);
   }
-  if (track.observations.size() < 2) {
+  if (track.observations.size() < kMinMarks) {
     told.reason = RemarkCode::kPointFewMarks;
     return std::nullopt;
   }
@@ -142,7 +168,9 @@ void TieToControl(const poses::PosedFlight& posed, const std::vector<ControlPoin
   const std::vector<View> views = ViewsOf(problem);
   const MarkedPhotos photos(names, views, tied_photos);
 
+  std::vector<std::size_t> marks_tied;
   for (const ControlPoint& point : control) {
+    marks_tied.push_back(photos.TiedMarksOf(point));
     std::optional<Track> track = photos.TrackOf(point, reports.emplace_back());
     if (!track) continue;
     BundleControl tied;
@@ -155,6 +183,7 @@ void TieToControl(const poses::PosedFlight& posed, const std::vector<ControlPoin
     tied.report = reports.size() - 1;
     problem.control.push_back(std::move(tied));
   }
+  RefuseControl(posed, control, marks_tied, tied_photos, problem, reports);
   if (problem.control.empty()) return;
 
   // The block goes where most points want it; heights of the survey come to the block's zero.
@@ -183,6 +212,7 @@ void TieToControl(const poses::PosedFlight& posed, const std::vector<ControlPoin
       return true;
     });
   }
+  LeaveOutWrongHeights(problem, reports);
   for (const BundleControl& tied : problem.control) reports[tied.report].is_used = true;
   problem.position_bias_m = shift;
   for (BundlePhoto& photo : problem.photos) {
@@ -225,20 +255,55 @@ void ReportControl(const BundleProblem& problem, std::vector<ControlReport>& rep
   }
 }
 
+namespace {
+
+// Two points that disagree: nothing tells which of them is wrong.
+std::optional<flight::Remark> Disagreement(const std::vector<ControlReport>& points) {
+  std::vector<const ControlReport*> used;
+  for (const ControlReport& point : points) {
+    if (point.is_used && !point.is_check) used.push_back(&point);
+  }
+  if (used.size() != 2) return std::nullopt;
+  const double apart_m =
+      std::hypot(used[0]->miss_east_m - used[1]->miss_east_m, used[0]->miss_north_m - used[1]->miss_north_m);
+  if (apart_m <= kNoSurveyM) return std::nullopt;
+  return flight::Remark{RemarkCode::kControlPairDisagrees,
+                        {{"point", used[0]->name}, {"other", used[1]->name}, {"apart_m", apart_m}}};
+}
+
+bool IsOfList(const flight::Remark& reason) {
+  return reason.code == RemarkCode::kControlOfOtherPixels || reason.code == RemarkCode::kControlElsewhere;
+}
+
+}  // namespace
+
 std::vector<flight::Remark> RemarksOn(const std::vector<ControlReport>& points) {
   std::vector<flight::Remark> remarks;
+  const std::optional<flight::Remark> disagreement = Disagreement(points);
+  if (disagreement) remarks.push_back(*disagreement);
   for (const ControlReport& point : points) {
+    if (point.reason && IsOfList(*point.reason)) {  // said once for all its points
+      if (std::find(remarks.begin(), remarks.end(), *point.reason) == remarks.end())
+        remarks.push_back(*point.reason);
+      continue;
+    }
     const double residual_m = std::hypot(point.miss_east_m, point.miss_north_m);
     std::map<std::string, flight::RemarkValue> values{{"point", point.name}};
     if (point.reason) values.emplace("reason", *point.reason);
     if (!point.is_used) {
       remarks.push_back({RemarkCode::kControlNotUsed, std::move(values)});
-    } else if (residual_m > kNoSurveyM) {
+      continue;
+    }
+    if (residual_m > kNoSurveyM && !disagreement) {
       values.emplace("apart_m", residual_m);
       remarks.push_back({point.reason ? RemarkCode::kControlFarOffAndNoted : RemarkCode::kControlFarOff,
                          std::move(values)});
     } else if (point.reason) {
       remarks.push_back({RemarkCode::kControlNoted, std::move(values)});
+    }
+    if (std::abs(point.miss_up_m) > kNoSurveyUpM) {
+      remarks.push_back(
+          {RemarkCode::kControlHeightOff, {{"point", point.name}, {"apart_m", std::abs(point.miss_up_m)}}});
     }
   }
   return remarks;

@@ -17,13 +17,15 @@
 
 namespace skyquilt::alignment {
 
-// The photos of a flight by the names under which lists of control points know them: in any case, with or
-// without their ending.
+// The photos of a flight by their names, which marks have by now (core/poses/lists/marked_photos.h).
 class MarkedPhotos {
  public:
   // `tied`: held by others; marks in the rest tell nothing of the block.
   MarkedPhotos(const std::vector<std::string>& names, const std::vector<View>& views,
                const PhotoSet& tied);  // keeps references to all three
+
+  // The point's marks in photos that are tied; 0 where too few of them are.
+  std::size_t TiedMarksOf(const ControlPoint& point) const;
 
   // The point's marks, and where they meet; nothing, and the reason in `told`, when they do not. A mark that
   // the others contradict is left out, which `told` says as well.
@@ -45,12 +47,14 @@ class MarkedPhotos {
 
 // Moves the block to the points, so that the adjustment starts near. `problem` has been adjusted without
 // control. A point needs two sightings in photos that are tied to others.
-// One that lies far off where the others put the block is not used, and its report says so.
+// One that lies far off where the others put the block is not used, and its report says so; nor is what the
+// photos or their positions refute (judge_control.h).
 void TieToControl(const poses::PosedFlight& posed, const std::vector<ControlPoint>& control,
                   BundleProblem& problem, std::vector<ControlReport>& reports);
 
 // Survey and photos that still are this far apart after the adjustment contradict each other.
 inline constexpr double kNoSurveyM = 0.25;
+inline constexpr double kNoSurveyUpM = 0.5;         // of heights, which photos from above know half as well
 inline constexpr std::size_t kMinContradicted = 3;  // points, for a verdict on all of them
 
 // Points that the photos cannot be bent to are worth no more than their residuals: more would bend the map

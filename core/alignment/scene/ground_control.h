@@ -13,16 +13,19 @@
 namespace skyquilt::alignment {
 
 struct ControlSighting {
-  std::string photo_name;
+  std::string photo_name;                                    // as the flight calls it
   Eigen::Vector2d pixel_in_image = Eigen::Vector2d::Zero();  // the middle of the first pixel is (0, 0)
 };
 
 struct ControlPoint {
+  std::string list;  // the file that it is of
   std::string name;
   geo::LatLon position;
   std::optional<double> height_m;  // above any zero that all points share
   double sigma_horizontal_m = 0.02;
   double sigma_vertical_m = 0.04;
+  std::optional<double>
+      system_error_m;  // that all points of the list share, where their datum is not known well
   std::vector<ControlSighting> sightings;
 };
 
@@ -55,6 +58,7 @@ struct ControlReport {
   std::optional<flight::Remark> reason;  // why it is not used, or not all of its marks
   double miss_east_m = 0.0, miss_north_m = 0.0, miss_up_m = 0.0;
   double residual_px = 0.0;
+  std::optional<double> system_error_m;       // as of ControlPoint
   std::optional<ControlPrediction> left_out;  // nothing: too few points, or not asked
   std::vector<ControlMarkReport> marks;       // once the map has its place
 

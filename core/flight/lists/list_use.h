@@ -31,11 +31,12 @@ struct ListReading {
 enum class ListFault {
   kNone,
   kNamesNoPhoto,
-  kNoSystem,    // metres, and nothing says of which system
-  kNoPlace,     // no reading makes most rows places of one flight
-  kFarAway,     // every reading lies further from the photos' own positions than receivers err
-  kOtherShape,  // near enough, but laid out otherwise: rows of another flight, or names in another order
-  kOtherTime,   // its times are days from the photos'
+  kNoSystem,     // metres, and nothing says of which system
+  kNoPlace,      // no reading makes most rows places of one flight
+  kFarAway,      // every reading lies further from the photos' own positions than receivers err
+  kOtherShape,   // near enough, but laid out otherwise: rows of another flight, or names in another order
+  kOtherTime,    // its times are days from the photos'
+  kOtherPixels,  // marks of surveyed points lie outside their photos
 };
 
 enum class ListKind { kPositions, kControl };
@@ -53,6 +54,10 @@ struct ListUse {
   std::size_t rows_used = 0;  // 0 where it does not serve; without those in whose place others hold
   std::string held_by;        // the list whose rows hold in place of some of these; empty: none
   std::size_t photos_named = 0;
+  // What the system's own place on Earth is known to; nothing: to a metre or better.
+  std::optional<double> system_error_m;
+  bool lacks_grid = false;                   // which would tell it better
+  std::size_t marks = 0, marks_outside = 0;  // of surveyed points, in photos of the flight
   std::optional<double> apart_m;             // median, of the reading, to the photos' own positions
   std::optional<double> as_written_apart_m;  // likewise, of the plain reading
   std::optional<double> off_shape_m;         // median, after the median shift

@@ -90,10 +90,12 @@ std::vector<Remark> WhatIsKnown(TakenFor taken) {
   return said;
 }
 
-RemarkCode WhatIsMissing(const TakenFor& taken) {
+// `names_places`: columns of a survey, such as easting and northing.
+RemarkCode WhatIsMissing(const TakenFor& taken, bool names_places) {
   if (taken.has_lat != taken.has_lon)
     return taken.has_lat ? RemarkCode::kLacksLongitude : RemarkCode::kLacksLatitude;
-  if (!taken.has_time) return taken.has_lat ? RemarkCode::kLacksTimeOrNames : RemarkCode::kLacksTime;
+  if (!taken.has_time)
+    return taken.has_lat || names_places ? RemarkCode::kLacksTimeOrNames : RemarkCode::kLacksTime;
   return RemarkCode::kLacksWhatIsTimed;
 }
 
@@ -138,7 +140,7 @@ std::optional<Remark> ExplainUnknownTable(LogBytes head, std::string_view name) 
                   {{"file", name}, {"line", first_number}, {"text", Quoted(first_line)}}};
   }
   TakenFor taken = TakeColumns(header, row, row_number);
-  const Remark missing = WhatIsMissing(taken);
+  const Remark missing = WhatIsMissing(taken, OrderOfColumns(header).has_value());
   return Remark{RemarkCode::kTableLacks,
                 {{"file", name}, {"missing", missing}, {"columns", WhatIsKnown(std::move(taken))}}};
 }

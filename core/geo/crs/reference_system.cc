@@ -11,12 +11,16 @@
 #include <utility>
 #include <vector>
 
+#include "core/geo/geodesic.h"
+
 namespace skyquilt::geo {
 namespace {
 
 constexpr std::size_t kLongestLine = 512;
 constexpr std::size_t kLongestWkt = 16'384;
 constexpr std::size_t kShortestName = 5;
+constexpr double kExactM = 1.0;      // operations that are no better than this err by what a map shows
+constexpr double kSameFrameM = 3.0;  // degrees of an older datum lie tens to hundreds of metres from WGS84's
 
 std::string LowerOf(std::string_view text) {
   std::string lower(text);
@@ -246,6 +250,8 @@ struct ReferenceSystem::Impl {
   std::string definition;
   PJ_CONTEXT* context = TheProj().context;
   PJ* transform = nullptr;
+  PJ* to_own_degrees = nullptr;  // of the system's own datum; null: it has none that is known
+  PJ* horizontal_system = nullptr;
   bool is_geographic = false;
   double metres_per_height_unit = 1.0;
   bool heights_are_above_sea = false;
@@ -255,6 +261,8 @@ struct ReferenceSystem::Impl {
   ~Impl() {
     const std::lock_guard lock(TheProj().mutex);
     proj_destroy(transform);
+    proj_destroy(to_own_degrees);
+    proj_destroy(horizontal_system);
   }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
@@ -294,7 +302,46 @@ struct ReferenceSystem::Impl {
         wgs84 ? proj_create_crs_to_crs_from_pj(context, system, wgs84.get(), nullptr, nullptr) : nullptr);
     // Always x = east or longitude first, whatever the authority's order of axes.
     if (raw) transform = proj_normalize_for_visualization(context, raw.get());
+    horizontal_system = proj_clone(context, system);
+    const PjPtr geodetic = Owned(proj_crs_get_geodetic_crs(context, plain));
+    const PjPtr own =
+        Owned(geodetic ? proj_create_crs_to_crs_from_pj(context, plain, geodetic.get(), nullptr, nullptr)
+                       : nullptr);
+    if (own) to_own_degrees = proj_normalize_for_visualization(context, own.get());
     return transform != nullptr;
+  }
+
+  // Nothing where there is no such place. Under the lock.
+  static std::optional<LatLon> Place(PJ* by, double x, double y) {
+    const PJ_COORD out = proj_trans(by, PJ_FWD, proj_coord(x, y, 0.0, HUGE_VAL));
+    const bool has_failed = proj_errno(by) != 0;
+    if (has_failed) proj_errno_reset(by);
+    const auto position = LatLon::Make(out.xy.y, out.xy.x);
+    if (has_failed || !position) return std::nullopt;
+    return *position;
+  }
+
+  // Does the best operation at `at`, of those that PROJ knows, need a grid that is not installed? Under the
+  // lock.
+  bool LacksGridAt(const LatLon& at) const {
+    constexpr double kAroundDeg = 0.01;
+    const PjPtr wgs84 = Owned(proj_create(context, "EPSG:4326"));
+    const std::unique_ptr<PJ_OPERATION_FACTORY_CONTEXT, decltype(&proj_operation_factory_context_destroy)>
+        asked(proj_create_operation_factory_context(context, nullptr),
+              proj_operation_factory_context_destroy);
+    if (!wgs84 || !asked || horizontal_system == nullptr) return false;
+    proj_operation_factory_context_set_area_of_interest(context, asked.get(), at.lon_deg - kAroundDeg,
+                                                        at.lat_deg - kAroundDeg, at.lon_deg + kAroundDeg,
+                                                        at.lat_deg + kAroundDeg);
+    proj_operation_factory_context_set_spatial_criterion(context, asked.get(),
+                                                         PROJ_SPATIAL_CRITERION_PARTIAL_INTERSECTION);
+    proj_operation_factory_context_set_grid_availability_use(context, asked.get(),
+                                                             PROJ_GRID_AVAILABILITY_IGNORED);
+    const std::unique_ptr<PJ_OBJ_LIST, decltype(&proj_list_destroy)> found(
+        proj_create_operations(context, horizontal_system, wgs84.get(), asked.get()), proj_list_destroy);
+    if (!found || proj_list_get_count(found.get()) == 0) return false;
+    const PjPtr best = Owned(proj_list_get(context, found.get(), 0));
+    return best && proj_coordoperation_is_instantiable(context, best.get()) == 0;
   }
 
   // Nothing where `line` names no system.
@@ -339,12 +386,19 @@ Result<ReferenceSystem> ReferenceSystem::Parse(std::string_view line) {
 
 std::optional<LatLon> ReferenceSystem::ToLatLon(double x, double y) const {
   const std::lock_guard lock(TheProj().mutex);
-  const PJ_COORD out = proj_trans(impl_->transform, PJ_FWD, proj_coord(x, y, 0.0, HUGE_VAL));
-  const bool has_failed = proj_errno(impl_->transform) != 0;
-  if (has_failed) proj_errno_reset(impl_->transform);
-  const auto position = LatLon::Make(out.xy.y, out.xy.x);
-  if (has_failed || !position) return std::nullopt;
-  return *position;
+  return Impl::Place(impl_->transform, x, y);
+}
+
+std::optional<InexactShift> ReferenceSystem::InexactShiftAt(double x, double y) const {
+  const std::lock_guard lock(TheProj().mutex);
+  if (impl_->to_own_degrees == nullptr) return std::nullopt;
+  const auto own = Impl::Place(impl_->to_own_degrees, x, y);
+  const auto there = Impl::Place(impl_->transform, x, y);
+  if (!own || !there || MetresApart(*own, *there) < kSameFrameM) return std::nullopt;
+  const PjPtr used = Owned(proj_trans_get_last_used_operation(impl_->transform));
+  const double error_m = used ? proj_coordoperation_get_accuracy(impl_->context, used.get()) : -1.0;
+  if (!(error_m > kExactM)) return std::nullopt;
+  return InexactShift{error_m, impl_->LacksGridAt(*there)};
 }
 
 bool ReferenceSystem::is_geographic() const { return impl_->is_geographic; }

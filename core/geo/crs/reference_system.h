@@ -24,6 +24,12 @@ struct AreaOfUse {
   bool Contains(const LatLon& place, double margin_deg) const;
 };
 
+// How well it is known where an older datum lies on Earth.
+struct InexactShift {
+  double error_m = 0.0;     // of the best operation that is installed, as PROJ has it
+  bool lacks_grid = false;  // a better one needs a grid file that is not installed
+};
+
 class ReferenceSystem {
  public:
   static Result<ReferenceSystem> Parse(std::string_view line);
@@ -31,6 +37,10 @@ class ReferenceSystem {
   // x is east or longitude, y north or latitude, in the unit of the system, whatever order its authority has
   // them in. Absent where the system has no such place.
   std::optional<LatLon> ToLatLon(double x, double y) const;
+
+  // Nothing where a metre or better is known, and of frames that stand for WGS84 (ETRS89, NAD83, GDA94): what
+  // these lie apart, receivers with corrections share with the survey.
+  std::optional<InexactShift> InexactShiftAt(double x, double y) const;
 
   bool is_geographic() const;  // in degrees
   // Heights of lists are in the unit of x and y, and above the ellipsoid, unless the system says otherwise.

@@ -16,9 +16,11 @@ std::vector<alignment::ControlPoint> MarkedPointsIn(const std::vector<flight::Gc
     const std::size_t first = points.size();
     for (const flight::GcpPoint& point : list.points) {
       alignment::ControlPoint control;
+      control.list = list.file_name;
       control.name = point.name;
       control.position = point.position;
       control.height_m = point.height_m;
+      control.system_error_m = list.system_error_m;
       points.push_back(std::move(control));
     }
     for (const flight::GcpSighting& sighting : list.sightings) {

@@ -13,11 +13,14 @@
 #include "core/alignment/bundle/control_points.h"
 #include "core/alignment/matching/verified_pair.h"
 #include "core/alignment/scene/matches.h"
+#include "core/base/try.h"
 #include "core/flight/remarks/because.h"
 #include "core/geo/lat_lon.h"
 #include "core/pipeline/placing/control_points.h"
 #include "core/pipeline/placing/move_flight.h"
 #include "core/pipeline/placing/place_known.h"
+#include "core/pipeline/report/judge_map.h"
+#include "core/poses/evidence/common_error.h"
 
 namespace skyquilt::pipeline {
 namespace {
@@ -33,6 +36,7 @@ constexpr double kMaxTurnRad = 0.05;
 constexpr double kSurveyM = 0.02;
 constexpr double kMaxResidualGsds = 4.0;  // of points after the move
 constexpr double kNoMoveGsds = 0.02;      // less is not worth another map
+constexpr double kCheckSigmas = 5.0;      // of a map by positions, which miss check points by their own error
 
 struct Tied {
   Complex now, surveyed;
@@ -86,10 +90,9 @@ alignment::Similarity3 InSpace(const GroundSimilarity& move, double ground_z_m) 
   return similarity;
 }
 
-}  // namespace
-
-std::optional<FlightFacts> MoveToControl(const FlightFacts& known,
-                                         const std::vector<flight::GcpList>& lists) {
+// MoveToControl, however far that is.
+std::optional<FlightFacts> MovedToControl(const FlightFacts& known,
+                                          const std::vector<flight::GcpList>& lists) {
   const std::vector<alignment::ControlPoint> control = ControlPointsOf(lists);
   // Points that only check the map leave it where it is.
   if (control.empty() && !CheckPointsOf(lists).empty()) return known;
@@ -142,6 +145,23 @@ std::optional<FlightFacts> MoveToControl(const FlightFacts& known,
   return moved;
 }
 
+std::optional<poses::RecordsApart> RecordsApartOf(const FlightFacts& facts) {
+  return RecordsApartOfControl({.flight = facts.flight,
+                                .poses = facts.poses_report,
+                                .alignment = facts.align_report ? &*facts.align_report : nullptr,
+                                .is_placed = facts.is_placed});
+}
+
+}  // namespace
+
+std::optional<FlightFacts> MoveToControl(const FlightFacts& known,
+                                         const std::vector<flight::GcpList>& lists) {
+  std::optional<FlightFacts> moved = MovedToControl(known, lists);
+  if (!moved) return moved;
+  const auto apart = RecordsApartOf(*moved);
+  return apart && apart->IsElsewhere() ? std::nullopt : std::move(moved);
+}
+
 namespace {
 
 // What an earlier survey had the map say.
@@ -149,7 +169,9 @@ bool IsOfControl(const flight::Remark& said) {
   using flight::RemarkCode;
   constexpr std::array kCodes = {RemarkCode::kControlNotUsed,        RemarkCode::kControlFarOff,
                                  RemarkCode::kControlFarOffAndNoted, RemarkCode::kControlNoted,
-                                 RemarkCode::kPlacedByControl,       RemarkCode::kMovedToControl};
+                                 RemarkCode::kPlacedByControl,       RemarkCode::kMovedToControl,
+                                 RemarkCode::kControlOfOtherPixels,  RemarkCode::kControlElsewhere,
+                                 RemarkCode::kControlPairDisagrees,  RemarkCode::kControlHeightOff};
   return std::find(kCodes.begin(), kCodes.end(), said.code) != kCodes.end();
 }
 
@@ -179,6 +201,58 @@ bool IsAnyUsed(const FlightFacts& facts) {
                      [](const alignment::ControlReport& point) { return point.is_used && !point.is_check; });
 }
 
+// A map by its positions misses all check points by what these err by: that is its accuracy, and names none.
+double CheckedToM(const FlightFacts& facts) {
+  if (IsAnyUsed(facts)) return alignment::kNoSurveyM;  // surveyed points place it
+  std::vector<const flight::RecordedPosition*> records;
+  for (const AlignedPhoto& photo : facts.flight.photos) {
+    if (photo.photo.position) records.push_back(&*photo.photo.position);
+  }
+  const double common_m = records.empty() ? facts.poses_report.log_position_sigma_m.value_or(0.0)
+                                          : poses::CommonErrorOf(records).sigma_m;
+  return std::max(alignment::kNoSurveyM, kCheckSigmas * common_m);
+}
+
+// Said first, or by what comes next no longer.
+void TellOfRecords(FlightFacts& facts) {
+  std::vector<flight::Remark>& warnings = facts.flight.warnings;
+  std::erase_if(warnings, [](const flight::Remark& said) {
+    return said.code == flight::RemarkCode::kControlContradictsRecords;
+  });
+  const auto apart = RecordsApartOf(facts);
+  if (!apart || !apart->IsContradiction()) return;
+  warnings.insert(warnings.begin(),
+                  flight::Remark{flight::RemarkCode::kControlContradictsRecords,
+                                 {{"apart_m", apart->apart_m.norm()}, {"agreed_m", apart->agreed_m}}});
+}
+
+void TellOfChecks(const std::vector<alignment::ControlReport>& checks, FlightFacts& facts) {
+  std::vector<flight::Remark>& warnings = facts.flight.warnings;
+  std::erase_if(warnings,
+                [](const flight::Remark& said) { return said.code == flight::RemarkCode::kCheckFarOff; });
+  const double checked_to_m = CheckedToM(facts);
+  for (const alignment::ControlReport& check : checks) {
+    const double apart_m = std::hypot(check.miss_east_m, check.miss_north_m);
+    if (check.is_used && apart_m > checked_to_m) {
+      warnings.push_back({flight::RemarkCode::kCheckFarOff, {{"point", check.name}, {"apart_m", apart_m}}});
+    } else if (!check.is_used && check.reason) {
+      flight::Remark unused{flight::RemarkCode::kControlNotUsed,
+                            {{"point", check.name}, {"reason", *check.reason}}};
+      std::erase(warnings, unused);  // of an earlier run
+      warnings.push_back(std::move(unused));
+    }
+  }
+}
+
+// Refused where the photos say that the flight was not: points of another place move no finished map.
+Result<FlightFacts> NotElsewhere(FlightFacts placed, const std::vector<flight::GcpList>& lists) {
+  const auto apart = RecordsApartOf(placed);
+  if (!apart || !apart->IsElsewhere()) return placed;
+  return flight::Because(ErrorCode::kUnprocessable,
+                         {flight::RemarkCode::kControlElsewhere,
+                          {{"file", lists.front().file_name}, {"apart_m", apart->apart_m.norm()}}});
+}
+
 }  // namespace
 
 Result<FlightFacts> PlaceByLists(FlightFacts known, const std::vector<flight::GcpList>& lists,
@@ -188,13 +262,14 @@ Result<FlightFacts> PlaceByLists(FlightFacts known, const std::vector<flight::Gc
   }
   std::erase_if(known.flight.warnings, IsOfControl);
   if (known.is_placed) {
-    std::optional<FlightFacts> moved = MoveToControl(known, lists);
-    if (moved && IsAnyUsed(*moved)) return *std::move(moved);
+    std::optional<FlightFacts> moved = MovedToControl(known, lists);
+    if (moved && IsAnyUsed(*moved)) return NotElsewhere(*std::move(moved), lists);
   }
   PlaceRequest request;
   request.control = lists;
   request.is_again = true;
-  return PlaceKnown(known, request, contradict);
+  SKYQUILT_TRY_ASSIGN(FlightFacts placed, PlaceKnown(known, request, contradict));
+  return NotElsewhere(std::move(placed), lists);
 }
 
 void TellMarks(const std::vector<flight::GcpList>& lists, FlightFacts& facts) {
@@ -205,6 +280,8 @@ void TellMarks(const std::vector<flight::GcpList>& lists, FlightFacts& facts) {
   const std::vector<alignment::ControlPoint> checks = CheckPointsOf(lists);
   const std::vector<alignment::ControlReport> compared = CompareWithSurvey(facts, checks);
   told.insert(told.end(), compared.begin(), compared.end());
+  TellOfChecks(compared, facts);
+  TellOfRecords(facts);
   all.insert(all.end(), checks.begin(), checks.end());
   std::map<std::string, std::vector<alignment::ControlMarkReport>> marks_of;
   for (MarksOfPoint& point : MarkResiduals(facts, all)) {

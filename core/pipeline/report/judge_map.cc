@@ -136,6 +136,7 @@ std::optional<double> HorizontalRmsM(const std::vector<Vector2d>& misses) {
 // What placed the map, or all that is known of it is where it lies against them.
 struct ControlFit {
   std::vector<Vector2d> places;  // as surveyed
+  double system_error_m = 0.0;   // the worst of the points' systems
   double expected_square = 0.0;  // of survey and marks, one axis; sums over all points
   double residual_square = 0.0;
   double product = 0.0;  // of what a point is missed by with and without it: expected to be its variance
@@ -147,6 +148,7 @@ ControlFit FitOf(const JudgedMap& map) {
   for (const alignment::ControlReport& point : map.alignment->control) {
     if (!point.is_used || point.is_check) continue;
     fit.places.emplace_back(map.flight.frame.EnuAtHeight(point.surveyed, 0.0).head<2>());
+    fit.system_error_m = std::max(fit.system_error_m, point.system_error_m.value_or(0.0));
     fit.expected_square +=
         kSurveySigmaM * kSurveySigmaM + std::pow(kMarkSigmaPx * map.gsd_m, 2) / std::max(1, point.sightings);
     const Vector2d miss{point.miss_east_m, point.miss_north_m};
@@ -182,7 +184,10 @@ double SigmaByControlM(const JudgedMap& map, const ControlFit& fit) {
   const double seen = fit.predicted > 0 ? fit.product / (2.0 * fit.predicted)
                       : freedom > 0.0   ? fit.residual_square / freedom
                                         : 0.0;
-  const double square = std::max(expected, seen);
+  // What they are plainly missed by. Two points that miss are not turned and scaled to fit: a shift is all
+  // that they share.
+  const double missed = fit.residual_square / (2.0 * (freedom > 0.0 ? count : count - 1.0));
+  const double square = std::max({expected, seen, missed});
   const double averaging = std::min(square, kLikelyExcess * expected);
   return std::sqrt(averaging * LeverOf(map, fit.places) + square - averaging);
 }
@@ -190,15 +195,19 @@ double SigmaByControlM(const JudgedMap& map, const ControlFit& fit) {
 std::optional<AbsoluteAccuracy> BySurvey(const JudgedMap& map) {
   if (map.alignment == nullptr) return std::nullopt;
   std::vector<Vector2d> checks;
+  double system_error_m = 0.0;  // of which points in the same system know nothing
   for (const alignment::ControlReport& point : map.alignment->control) {
-    if (point.is_used && point.is_check) checks.emplace_back(point.miss_east_m, point.miss_north_m);
+    if (!point.is_used || !point.is_check) continue;
+    checks.emplace_back(point.miss_east_m, point.miss_north_m);
+    system_error_m = std::max(system_error_m, point.system_error_m.value_or(0.0));
   }
   if (const auto rms_m = HorizontalRmsM(checks))
-    return AbsoluteAccuracy{OfTwoDigits(*rms_m), AbsoluteSupport::kCheckPoints,
+    return AbsoluteAccuracy{OfTwoDigits(std::hypot(*rms_m, system_error_m)), AbsoluteSupport::kCheckPoints,
                             static_cast<int>(checks.size())};
   const ControlFit fit = FitOf(map);
   if (fit.places.size() < 2) return std::nullopt;  // one has nothing to be checked against
-  return StatedRadius(SigmaByControlM(map, fit), AbsoluteSupport::kControlPoints, fit.places.size());
+  const double sigma_m = std::hypot(SigmaByControlM(map, fit), fit.system_error_m / kCircleSigmas);
+  return StatedRadius(sigma_m, AbsoluteSupport::kControlPoints, fit.places.size());
 }
 
 // Turn and scale of the others hang on them. A handful is enough where it is half of the photos.
@@ -343,6 +352,14 @@ RelativeAccuracy RelativeOf(const JudgedMap& map, bool is_scale_guessed) {
   return relative;
 }
 
+// A log's positions are gone by now but for what the points moved them by.
+std::optional<poses::RecordsApart> ApartByLog(const JudgedMap& map) {
+  if (!map.poses.log_position_sigma_m || map.poses.photos_by_log < static_cast<int>(kFewestPositions))
+    return std::nullopt;
+  return poses::AgainstRecords(map.alignment->position_bias_m.head<2>(),
+                               {map.poses.log_is_corrected, *map.poses.log_position_sigma_m});
+}
+
 std::vector<MapLimit> LimitsOf(const JudgedMap& map, const AbsoluteAccuracy& absolute) {
   std::vector<MapLimit> limits;
   const int placed = static_cast<int>(map.flight.photos.size());
@@ -360,6 +377,8 @@ std::vector<MapLimit> LimitsOf(const JudgedMap& map, const AbsoluteAccuracy& abs
   if (is_placed_by_few) limits.push_back({LimitKind::kFewPositions, absolute.count, placed});
   if (AreContradicted(map, absolute)) limits.push_back({LimitKind::kPositionsContradicted});
   if (absolute.sigma_m && *absolute.sigma_m > kFarOffM) limits.push_back({LimitKind::kFarOff});
+  if (const auto apart = RecordsApartOfControl(map); apart && apart->IsContradiction())
+    limits.push_back({LimitKind::kControlContradicted});
   if (absolute.by == AbsoluteSupport::kHand && !absolute.sigma_m)
     limits.push_back({LimitKind::kPlacedByHand});
   if (left_out > 0) limits.push_back({LimitKind::kLeftOut, left_out, placed + left_out});
@@ -390,6 +409,16 @@ MapQuality JudgeMap(const JudgedMap& map) {
                    : quality.limits.empty() ? MapStatus::kReady
                                             : MapStatus::kLimited;
   return quality;
+}
+
+std::optional<poses::RecordsApart> RecordsApartOfControl(const JudgedMap& map) {
+  if (map.alignment == nullptr || !map.is_placed || FitOf(map).places.empty()) return std::nullopt;
+  const SupportingPositions positions = PositionsOf(map);
+  std::vector<poses::RecordedResidual> residuals;
+  for (std::size_t k = 0; k < positions.records.size(); ++k)
+    residuals.push_back({positions.misses[k], positions.records[k]});
+  const auto apart = poses::RecordsApartOf(residuals);
+  return apart ? apart : ApartByLog(map);
 }
 
 void TellPhotos(const MapQuality& quality, alignment::AlignedFlight& flight) {

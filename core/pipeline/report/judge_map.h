@@ -19,6 +19,7 @@
 #include "core/alignment/scene/align_report.h"
 #include "core/alignment/scene/aligned_flight.h"
 #include "core/pipeline/report/map_quality.h"
+#include "core/poses/evidence/records_apart.h"
 #include "core/poses/pose_report.h"
 #include "core/render/seams/seam_shift.h"
 
@@ -37,6 +38,10 @@ struct JudgedMap {
 };
 
 MapQuality JudgeMap(const JudgedMap& map);
+
+// How far the recorded positions lie from where surveyed points put the map. Nothing: no point places it, or
+// too few positions are recorded.
+std::optional<poses::RecordsApart> RecordsApartOfControl(const JudgedMap& map);
 
 // Aligned photos are as far off as the map is; those that lie by their records may be further off, and say so
 // already. Where nothing says how far, the photos' own numbers stay.

@@ -1,9 +1,10 @@
 #include "core/pipeline/report/map_quality.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fmt/format.h>
 #include <iterator>
 #include <nlohmann/json.hpp>
 
@@ -198,6 +199,8 @@ std::string LimitInWords(const MapLimit& limit) {
       return "Recorded positions contradict what the photos show: the map may lie further off than they claim.";
     case LimitKind::kFarOff:
       return "The stated error is more than 10 m: the map may lie far from its true place.";
+    case LimitKind::kControlContradicted:
+      return "Surveyed points and the photos' own positions contradict each other: one of the two is far off.";
     case LimitKind::kPlacedByHand:
       return "The map was placed by hand: nothing tells how far off it lies.";
     case LimitKind::kLeftOut:

@@ -161,6 +161,7 @@ void VisitFields(Point& point, Visit& visit) {
   visit("miss_north_m", point.miss_north_m);
   visit("miss_up_m", point.miss_up_m);
   visit("residual_px", point.residual_px);
+  visit.IfKnown("system_error_m", point.system_error_m);
   visit.IfKnown("left_out", point.left_out);
   visit.IfAny("marks", point.marks);
 }

@@ -74,6 +74,8 @@ std::string_view FaultWord(flight::ListFault fault) {
       return "other_shape";
     case flight::ListFault::kOtherTime:
       return "other_time";
+    case flight::ListFault::kOtherPixels:
+      return "other_pixels";
   }
   return "none";
 }

@@ -11,10 +11,12 @@
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
 #include "core/geo/geodesic.h"
+#include "core/poses/evidence/records_apart.h"
 #include "core/poses/heights/flight_heights.h"
 #include "core/poses/lists/choose_rows.h"
 #include "core/poses/lists/judge_list.h"
 #include "core/poses/lists/list_words.h"
+#include "core/poses/lists/marked_photos.h"
 #include "core/poses/lists/named_photos.h"
 #include "core/poses/lists/own_records.h"
 
@@ -188,6 +190,7 @@ void TellContradicting(const JudgedList& judged, const FlightLog& log, Flight& f
 
 void Tell(ListUse use, Flight& flight) {
   if (auto remark = RemarkOf(use)) flight.warnings.push_back(*std::move(remark));
+  if (auto remark = RemarkOnSystem(use)) flight.warnings.push_back(*std::move(remark));
   flight.list_uses.push_back(std::move(use));
 }
 
@@ -222,28 +225,6 @@ Result<void> CompareLists(const NamedPhotos& named, OwnRecords& own, Flight& fli
   return {};
 }
 
-// Each mark under its photo's own name, by which the photo is found from here on; those of which it is not
-// told which photo is meant are not used.
-void NameMarkedPhotos(const NamedPhotos& named, flight::GcpList& list, Flight& flight) {
-  std::vector<std::string_view> names;
-  for (const flight::GcpSighting& sighting : list.sightings) names.emplace_back(sighting.image_name);
-  const std::vector<NamedPhotos::Found> found = named.FindAll(list.file_name, names);
-  std::vector<flight::GcpSighting> kept;
-  std::size_t open = 0;
-  std::string first_open;
-  for (std::size_t k = 0; k < found.size(); ++k) {
-    flight::GcpSighting& sighting = list.sightings[k];
-    if (found[k].is_open && open++ == 0) first_open = PlainFileName(sighting.image_name);
-    if (found[k].is_open) continue;
-    if (!found[k].photos.empty()) sighting.image_name = flight.photos[found[k].photos.front()].name;
-    kept.push_back(std::move(sighting));
-  }
-  list.sightings = std::move(kept);
-  if (open == 0) return;
-  flight.warnings.push_back({flight::RemarkCode::kListRowsOfSeveralPhotos,
-                             {{"file", list.file_name}, {"rows", open}, {"first", first_open}}});
-}
-
 // Where the photos that show the points were taken, else where any was.
 OwnPlaces PlacesAround(const flight::GcpList& list, const NamedPhotos& named, const OwnRecords& own) {
   std::vector<LatLon> seen;
@@ -260,6 +241,7 @@ OwnPlaces PlacesAround(const flight::GcpList& list, const NamedPhotos& named, co
 // The list where it serves.
 std::optional<flight::GcpList> JudgedControl(flight::GcpList list, const NamedPhotos& named,
                                              const OwnRecords& own, Flight& flight) {
+  const MarkedPhotosFound found = FindMarkedPhotos(flight.photos, named, list);
   WrittenList written{.system = list.reference_system,
                       .order_is_named = false,
                       .order_is_assumed = false,
@@ -273,6 +255,9 @@ std::optional<flight::GcpList> JudgedControl(flight::GcpList list, const NamedPh
   use.file_name = list.file_name;
   use.system = list.reference_system;
   use.rows = list.points.size();
+  use.marks = found.marks;
+  use.marks_outside = found.outside;
+  if (use.fault == ListFault::kNone && found.AreOfOtherPictures()) use.fault = ListFault::kOtherPixels;
   // A survey is good to centimetres, a guessed datum to metres: its system is asked for.
   if (use.system.empty()) use.fault = ListFault::kNoSystem;
   if (use.fault != ListFault::kNone) {
@@ -280,6 +265,7 @@ std::optional<flight::GcpList> JudgedControl(flight::GcpList list, const NamedPh
     Tell(std::move(use), flight);
     return std::nullopt;
   }
+  list.system_error_m = use.system_error_m;
   for (std::size_t i = 0; i < list.points.size(); ++i) {
     list.points[i].has_position = verdict.places[i].has_value();
     if (verdict.places[i]) list.points[i].position = *verdict.places[i];
@@ -293,13 +279,13 @@ std::optional<flight::GcpList> JudgedControl(flight::GcpList list, const NamedPh
   for (std::size_t i = told; i < placed->warnings.size(); ++i)
     flight.warnings.push_back(
         {flight::RemarkCode::kOfFile, {{"file", placed->file_name}, {"said", placed->warnings[i]}}});
+  flight.warnings.insert(flight.warnings.end(), found.remarks.begin(), found.remarks.end());
   Tell(std::move(use), flight);
   return *std::move(placed);
 }
 
 void CompareControl(const NamedPhotos& named, const OwnRecords& own, Flight& flight) {
   for (flight::GcpList& list : std::exchange(flight.gcp_lists, {})) {
-    NameMarkedPhotos(named, list, flight);
     if (auto judged = JudgedControl(std::move(list), named, own, flight))
       flight.gcp_lists.push_back(*std::move(judged));
   }

@@ -10,6 +10,7 @@
 #include "core/geo/crs/reference_system.h"
 #include "core/geo/geodesic.h"
 #include "core/geo/local_frame.h"
+#include "core/poses/evidence/records_apart.h"
 #include "core/poses/heights/flight_heights.h"
 
 namespace skyquilt::poses {
@@ -24,9 +25,6 @@ using geo::MetresApart;
 using Places = std::vector<std::optional<LatLon>>;
 
 constexpr std::size_t kMaxRowsCompared = 2000;
-// A receiver without corrections errs by metres. Datums that are taken for one another, and maps that are
-// shifted by law, lie up to 0.8 km apart; nothing true lies further from where the camera's receiver was.
-constexpr double kFarFromPhotosM = 1000.0;
 // Two readings that differ by less are told apart by nothing that a receiver says.
 constexpr double kReceiverM = 50.0;
 // The wander of two receivers against each other while the flight lasts.
@@ -281,6 +279,20 @@ Choice ChooseAlone(const WrittenList& list, const ListReader& reader, const std:
   return {nullptr, nullptr, list.system.empty() ? ListFault::kNoSystem : ListFault::kNoPlace};
 }
 
+// Of the first row that has a place, where rows count in the named system.
+std::optional<geo::InexactShift> ShiftOf(const ListReader& reader, const std::vector<WrittenPlace>& rows,
+                                         const ListVerdict& verdict) {
+  const ListReading& reading = verdict.use.reading;
+  if (!reader.named() || reading.counts_in != CountsIn::kSystem) return std::nullopt;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (!verdict.places[i]) continue;
+    const WrittenPlace& row = rows[i];
+    return reading.is_swapped ? reader.named()->InexactShiftAt(row.y, row.x)
+                              : reader.named()->InexactShiftAt(row.x, row.y);
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 ListVerdict JudgeList(const WrittenList& list, const OwnPlaces& own) {
@@ -337,6 +349,10 @@ ListVerdict JudgeList(const WrittenList& list, const OwnPlaces& own) {
   }
   if (verdict.use.fault == ListFault::kNone) {
     verdict.places = reader.PlacesOf(list.rows, verdict.use.reading);
+    if (const auto shift = ShiftOf(reader, list.rows, verdict)) {
+      verdict.use.system_error_m = shift->error_m;
+      verdict.use.lacks_grid = shift->lacks_grid;
+    }
     verdict.other_places = reader.PlacesOf(list.others, verdict.use.reading);
   }
   return verdict;

@@ -112,6 +112,9 @@ std::optional<Remark> WhyNotUsed(const ListUse& use) {
     case ListFault::kFarAway:
       return Remark{use.own_are_photos ? RemarkCode::kListFarFromPhotos : RemarkCode::kListFarFromLists,
                     ApartValuesOf(use, use.apart_m.value_or(0.0))};
+    case ListFault::kOtherPixels:
+      return Remark{RemarkCode::kControlOfOtherPixels,
+                    {{"file", use.file_name}, {"wrong", use.marks_outside}, {"marks", use.marks}}};
     case ListFault::kOtherShape:
       return Remark{
           use.own_are_photos ? RemarkCode::kListOfOtherShape : RemarkCode::kListOfOtherShapeThanLists,
@@ -166,6 +169,12 @@ std::optional<Remark> RemarkOf(const ListUse& use) {
   if (use.kind == ListKind::kPositions && !use.own_are_stale && use.apart_m.value_or(0.0) > kSaidFromM)
     return Remark{RemarkCode::kListFarFromOthers, ApartValuesOf(use, *use.apart_m)};
   return std::nullopt;
+}
+
+std::optional<Remark> RemarkOnSystem(const ListUse& use) {
+  if (use.fault != ListFault::kNone || !use.system_error_m) return std::nullopt;
+  return Remark{use.lacks_grid ? RemarkCode::kListSystemLacksGrid : RemarkCode::kListSystemInexact,
+                {{"file", use.file_name}, {"system", SystemOf(use)}, {"error_m", *use.system_error_m}}};
 }
 
 std::string QuestionOf(const ListUse& use, const geo::LatLon& as_read, const ListReading& other,

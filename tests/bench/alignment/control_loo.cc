@@ -14,6 +14,7 @@
 #include "core/flight/remarks/remark_words.h"
 #include "core/pipeline/placing/control_points.h"
 #include "core/poses/estimate_poses.h"
+#include "core/poses/lists/compare_sources.h"
 
 int main(int argc, char** argv) {
   using namespace skyquilt;
@@ -21,8 +22,10 @@ int main(int argc, char** argv) {
   std::vector<std::filesystem::path> paths(argv + 1, argv + argc);
   const Result<std::vector<flight::InputFile>> files = flight::ListInputFiles(paths);
   if (!files) return fmt::print(stderr, "{}\n", files.error().message), 1;
-  const Result<flight::Flight> read = flight::ReadFlight(*files, 0, progress);
+  Result<flight::Flight> read = flight::ReadFlight(*files, 0, progress);
   if (!read) return fmt::print(stderr, "{}\n", read.error().message), 1;
+  if (const Result<void> compared = poses::CompareSources(*read); !compared)
+    return fmt::print(stderr, "{}\n", compared.error().message), 1;
   poses::EstimatePosesOptions pose_options;
   pose_options.keep_unplaced = true;
   const Result<poses::PosedFlight> posed = poses::EstimatePoses(*read, pose_options);

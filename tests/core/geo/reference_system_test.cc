@@ -145,6 +145,27 @@ TEST(MapProjection, AxesAreOursAndTheAuthoritysOrderIsTold) {
   EXPECT_NEAR(etrs89->PlaceOf({.lat_deg = 48.0, .lon_deg = 11.0})->x(), 11.0, 1e-6);
 }
 
+TEST(ReferenceSystem, TellsOlderDatumsFromFramesThatStandForWgs84) {
+  struct Case {
+    int code;
+    LatLon position;
+    bool is_inexact;
+  };
+  for (const Case& one : {Case{3003, {45.0, 9.0}, true}, Case{25832, {50.0, 9.0}, false},
+                          Case{26915, {42.0, -93.0}, false}, Case{28355, {-37.0, 145.0}, false},
+                          Case{2056, {47.0, 8.0}, false}, Case{32632, {47.0, 8.0}, false}}) {
+    const auto place = MapProjection::OfEpsg(one.code)->PlaceOf(one.position);
+    const auto system = ReferenceSystem::Parse("EPSG:" + std::to_string(one.code));
+    ASSERT_TRUE(place && system) << one.code;
+    const auto shift = system->InexactShiftAt(place->x(), place->y());
+    EXPECT_EQ(shift.has_value(), one.is_inexact) << one.code;
+  }
+  // Better where the grid of the Ordnance Survey is installed, and said where it is not.
+  const auto place = MapProjection::OfEpsg(27700)->PlaceOf({51.5, -0.1});
+  const auto shift = ReferenceSystem::Parse("EPSG:27700")->InexactShiftAt(place->x(), place->y());
+  if (shift) EXPECT_TRUE(shift->lacks_grid && shift->error_m > 1.0);
+}
+
 TEST(MapProjection, WhatCannotBeIsRefusedOrAbsent) {
   for (const int code : {1, 0, -5, 999999, 4979 /* three axes */, 4978 /* geocentric */, 5773 /* heights */,
                          7415 /* compound */, 32661 + 100000}) {

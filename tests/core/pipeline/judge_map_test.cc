@@ -1,9 +1,10 @@
 // What supports a map's accuracy, and that over many simulated flights the stated one sigma is one.
 #include "core/pipeline/report/judge_map.h"
 
+#include <gtest/gtest.h>
+
 #include <array>
 #include <cmath>
-#include <gtest/gtest.h>
 #include <random>
 #include <string>
 #include <vector>
@@ -311,6 +312,53 @@ TEST(JudgeMap, StatesMoreWhereControlPointsSpanLittleOfTheMap) {
   const geo::Wgs84 beside = together.flight.frame.Wgs84FromEnu({52.0, 20.0, 0.0});
   together.report.control[1].surveyed = {beside.lat_deg, beside.lon_deg};
   EXPECT_GT(*together.Judge().absolute.sigma_m, 5.0 * *spread.Judge().absolute.sigma_m);
+}
+
+// The second of two points lies 10 m off: the map goes between them, and nothing says which is right.
+TEST(JudgeMap, StatesWhatTwoControlPointsAreMissedBy) {
+  JudgedFlight flight(18);
+  flight.Surveyed(false, 5.0, 0.0);
+  flight.Surveyed(false, -5.0, 0.0);
+  EXPECT_NEAR(*flight.Judge().absolute.sigma_m, 7.6, 0.1);  // 1.515 x 5 m
+}
+
+TEST(JudgeMap, IsLimitedWhereControlPointsContradictThePositions) {
+  const auto moved = [](double north_m, bool is_corrected, int control) {
+    JudgedFlight flight(18);
+    for (std::size_t i = 0; i < flight.flight.photos.size(); ++i) {
+      const Vector3d camera = flight.flight.photos[i].cam_from_enu.TargetOriginInSource();
+      flight.Record(i, camera.head<2>() + Vector2d(0.0, north_m));
+      flight.flight.photos[i].photo.position->is_rtk_fixed = is_corrected;
+    }
+    for (int k = 0; k < control; ++k) flight.Surveyed(false, 0.0, 0.0, true);
+    return flight.Judge();
+  };
+  EXPECT_EQ(moved(8.0, false, 4).status, MapStatus::kReady);
+  EXPECT_EQ(moved(0.2, true, 4).status, MapStatus::kReady);
+  for (const auto& quality : {moved(50.0, false, 4), moved(2.0, true, 4), moved(50.0, false, 1)}) {
+    EXPECT_EQ(quality.status, MapStatus::kLimited);
+    EXPECT_TRUE(quality.IsLimitedBy(LimitKind::kControlContradicted));
+  }
+  EXPECT_FALSE(moved(50.0, false, 0).IsLimitedBy(LimitKind::kControlContradicted)) << "no point places it";
+  JudgedFlight by_log(18);
+  for (auto& photo : by_log.flight.photos) photo.photo.position.reset();
+  by_log.poses.photos_by_log = 18;
+  by_log.poses.log_position_sigma_m = 1.5;
+  by_log.report.position_bias_m = {0.0, 60.0, 0.0};
+  for (int k = 0; k < 4; ++k) by_log.Surveyed(false, 0.0, 0.0, true);
+  EXPECT_TRUE(by_log.Judge().IsLimitedBy(LimitKind::kControlContradicted));
+}
+
+// All points of a list lie off by what their datum's place on Earth is not known to.
+TEST(JudgeMap, AddsWhatTheSystemOfTheSurveyIsKnownTo) {
+  JudgedFlight flight(18);
+  for (int k = 0; k < 4; ++k) flight.Surveyed(false, 0.0, 0.0, true);
+  EXPECT_LT(*flight.Judge().absolute.sigma_m, 0.1);
+  for (auto& point : flight.report.control) point.system_error_m = 2.0;
+  EXPECT_NEAR(*flight.Judge().absolute.sigma_m, 2.0, 0.01);
+  flight.Surveyed(true, 0.03, 0.04);
+  flight.report.control.back().system_error_m = 2.0;
+  EXPECT_EQ(flight.Judge().absolute, (AbsoluteAccuracy{2.0, AbsoluteSupport::kCheckPoints, 1}));
 }
 
 TEST(JudgeMap, OfAMapThatWasPlacedByHandSaysNothing) {

@@ -300,7 +300,39 @@ TEST(TellMarks, ComparesCheckPointsWithTheMapWhichTheyDoNotMove) {
     EXPECT_NEAR(told.back().miss_east_m, -0.5, 0.05);
     EXPECT_GE(told.back().marks.size(), 2u);
     EXPECT_FALSE(told.front().is_check);
+    const auto& warnings = placed->flight.warnings;
+    EXPECT_EQ(std::count_if(
+                  warnings.begin(), warnings.end(),
+                  [](const flight::Remark& said) { return said.code == flight::RemarkCode::kCheckFarOff; }),
+              1);
   }
+}
+
+TEST(TellMarks, SaysFirstThatPointsContradictThePositions) {
+  Shifted flight;
+  const std::vector<flight::GcpList> lists = flight.Survey(4);
+  for (alignment::AlignedPhoto& photo : flight.known.flight.photos) {
+    ASSERT_TRUE(photo.photo.position);
+    photo.photo.position->position.lat_deg += 60.0 / 111'200.0;
+  }
+  Result<FlightFacts> placed = PlaceByLists(flight.known, lists);
+  ASSERT_TRUE(placed);
+  for (int again = 0; again < 2; ++again) {
+    TellMarks(lists, *placed);
+    const auto& warnings = placed->flight.warnings;
+    ASSERT_FALSE(warnings.empty());
+    EXPECT_EQ(warnings.front().code, flight::RemarkCode::kControlContradictsRecords);
+    EXPECT_EQ(std::count_if(warnings.begin(), warnings.end(),
+                            [](const flight::Remark& said) {
+                              return said.code == flight::RemarkCode::kControlContradictsRecords;
+                            }),
+              1);
+  }
+  for (alignment::AlignedPhoto& photo : flight.known.flight.photos)
+    photo.photo.position->position.lat_deg += 5'000.0 / 111'200.0;
+  const Result<FlightFacts> refused = PlaceByLists(flight.known, lists);
+  ASSERT_FALSE(refused.ok());
+  EXPECT_THAT(refused.error().message, HasSubstr("gcp_list.txt is not used"));
 }
 
 }  // namespace

@@ -1,10 +1,11 @@
 #include "core/poses/lists/compare_sources.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <random>
 #include <utility>
 
@@ -337,6 +338,79 @@ flight::GcpList Survey(const LatLon& place, const std::string& system, bool is_s
     list.sightings.push_back({NameOf(k), 100.0, 100.0, static_cast<std::size_t>(k)});
   }
   return list;
+}
+
+bool IsSaid(const Flight& flight, flight::RemarkCode code) {
+  return std::any_of(flight.warnings.begin(), flight.warnings.end(),
+                     [&](const flight::Remark& said) { return said.code == code; });
+}
+
+TEST(CompareSources, FindsThePhotosOfMarksAsItFindsThoseOfRows) {
+  Flight flight = FlightAt(kDuluth);
+  flight.gcp_lists = {Survey(kDuluth, "EPSG:32615", false)};
+  std::vector<flight::GcpSighting>& marks = flight.gcp_lists[0].sightings;
+  marks[0].image_name = "images/" + NameOf(0);
+  marks[1].image_name = "C:\\flight\\dji_101.jpg";
+  marks[2].image_name = "DCIM/100/DJI_102";
+  ASSERT_TRUE(CompareSources(flight).ok());
+  ASSERT_EQ(flight.gcp_lists.size(), 1u);
+  ASSERT_EQ(flight.gcp_lists[0].sightings.size(), 5u);
+  for (int k = 0; k < 5; ++k) EXPECT_EQ(flight.gcp_lists[0].sightings[k].image_name, NameOf(k));
+  EXPECT_TRUE(flight.warnings.empty());
+}
+
+TEST(CompareSources, SaysWhyMarksAreInNoPhoto) {
+  Flight nobody = FlightAt(kDuluth);
+  nobody.gcp_lists = {Survey(kDuluth, "EPSG:32615", false)};
+  Flight some = nobody;
+  for (flight::GcpSighting& mark : nobody.gcp_lists[0].sightings) mark.image_name = "x" + mark.image_name;
+  ASSERT_TRUE(CompareSources(nobody).ok());
+  EXPECT_TRUE(IsSaid(nobody, flight::RemarkCode::kListNamesNoPhoto));
+  EXPECT_TRUE(nobody.gcp_lists[0].sightings.empty());
+  some.gcp_lists[0].sightings[3].image_name = "other.jpg";
+  ASSERT_TRUE(CompareSources(some).ok());
+  EXPECT_TRUE(IsSaid(some, flight::RemarkCode::kMarksNameNoPhoto));
+  EXPECT_EQ(some.gcp_lists[0].sightings.size(), 4u);
+
+  Flight cards = FlightAt(kDuluth);
+  for (int k = 0; k < 18; ++k) cards.photos[k].name = (k < 9 ? "A/" : "B/") + NameOf(k % 9);
+  cards.gcp_lists = {Survey(kDuluth, "EPSG:32615", false)};
+  cards.gcp_lists[0].sightings[2].image_name = "B/" + NameOf(2);
+  ASSERT_TRUE(CompareSources(cards).ok());
+  EXPECT_TRUE(IsSaid(cards, flight::RemarkCode::kListRowsOfSeveralPhotos));
+  ASSERT_EQ(cards.gcp_lists[0].sightings.size(), 1u);
+  EXPECT_EQ(cards.gcp_lists[0].sightings[0].image_name, "B/" + NameOf(2));
+}
+
+TEST(CompareSources, RefusesAListWhosePixelsLieOutsideItsPhotos) {
+  Flight flight = FlightAt(kDuluth);
+  for (flight::Photo& photo : flight.photos) photo.intrinsics = camera::Intrinsics::Centered(800, 600, 750.0);
+  flight.gcp_lists = {Survey(kDuluth, "EPSG:32615", false)};
+  Flight typo = flight;
+  for (const std::size_t k : {1u, 3u}) flight.gcp_lists[0].sightings[k].pixel_y = 700.0;
+  ASSERT_TRUE(CompareSources(flight).ok());
+  EXPECT_TRUE(flight.gcp_lists.empty());
+  EXPECT_TRUE(IsSaid(flight, flight::RemarkCode::kControlOfOtherPixels));
+  EXPECT_EQ(flight.list_uses[0].fault, ListFault::kOtherPixels);
+  typo.gcp_lists[0].sightings[1].pixel_y = 700.0;
+  ASSERT_TRUE(CompareSources(typo).ok());
+  EXPECT_TRUE(IsSaid(typo, flight::RemarkCode::kMarksOutsidePhotos));
+  EXPECT_EQ(typo.gcp_lists[0].sightings.size(), 4u);
+}
+
+TEST(CompareSources, SaysWhatTheSystemOfASurveyIsKnownTo) {
+  const LatLon milan{45.46, 9.19};
+  Flight flight = FlightAt(milan);
+  flight.gcp_lists = {Survey(kDuluth, "EPSG:3003", false)};  // Monte Mario
+  for (std::size_t k = 0; k < 5; ++k) {
+    const flight::WrittenPlace at = In(3003)(Beside(milan, 30.0 * static_cast<double>(k), 0.0));
+    flight.gcp_lists[0].points[k].x = at.x;
+    flight.gcp_lists[0].points[k].y = at.y;
+  }
+  ASSERT_TRUE(CompareSources(flight).ok());
+  ASSERT_EQ(flight.gcp_lists.size(), 1u);
+  EXPECT_GT(flight.gcp_lists[0].system_error_m.value_or(0.0), 1.0);
+  EXPECT_THAT(InWords(flight.warnings), Contains(HasSubstr("older datum")));
 }
 
 TEST(CompareSources, JudgesSurveyedPointsByThePhotosThatShowThem) {

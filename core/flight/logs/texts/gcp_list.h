@@ -42,7 +42,8 @@ struct GcpPoint {
 
 struct GcpList {
   std::string file_name;
-  std::string reference_system;  // as the line above the rows names it; empty: none does
+  std::string reference_system;          // as the line above the rows names it; empty: none does
+  std::optional<double> system_error_m;  // that its system's place on Earth is known to; nothing: better
   std::vector<GcpPoint> points;
   std::vector<GcpSighting> sightings;
   std::vector<Remark> warnings;

@@ -93,6 +93,7 @@ export const page_words = {
       few_positions: (/** @type {number} */ n, /** @type {number} */ all) => `Only ${number(n)} of ${count(all, { one: 'photo', other: 'photos' })} ${plural(n, { one: 'has', other: 'have' })} a position that places the map: it may lie elsewhere, turned and of another size.`,
       positions_contradicted: () => 'Recorded positions contradict what the photos show: the map may lie further off than they claim.',
       far_off: () => 'The stated error is more than 10 m: the map may lie far from its true place.',
+      control_contradicted: () => 'Control points and the photos’ own positions contradict each other: one of the two is far off.',
       placed_by_hand: () => 'The map was placed by hand: nothing tells how far off it lies.',
       left_out: (/** @type {number} */ n, /** @type {number} */ all) => `${number(n)} of ${count(all, { one: 'photo', other: 'photos' })} ${plural(n, { one: 'was', other: 'were' })} left out: the map may have gaps there.`,
       none_aligned: () => 'No photo could be aligned with another. The photos lie at their recorded positions, with visible seams between them.',
