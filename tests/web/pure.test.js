@@ -249,6 +249,16 @@ test('photos of the same name in several card folders are all sent', async () =>
   assert.deepEqual(chosen.map(({ name }) => name), ['DJI_0001.JPG', '101MEDIA_DJI_0001.JPG', '102MEDIA_DJI_0001.JPG']);
 });
 
+test('previews and deleted photos in folders of network drives are passed over', async () => {
+  const { chosen, ignored } = await selectFiles([
+    file('DJI_0001.JPG', jpeg, 'photos/DJI_0001.JPG'),
+    file('SYNOPHOTO_THUMB_M.jpg', jpeg, 'photos/@eaDir/DJI_0001.JPG/SYNOPHOTO_THUMB_M.jpg'),
+    file('DJI_0002.JPG', jpeg, '#recycle/DJI_0002.JPG'),
+  ]);
+  assert.deepEqual(chosen.map(({ name }) => name), ['DJI_0001.JPG']);
+  assert.deepEqual(ignored, []);
+});
+
 test('a photo is known by its first bytes', () => {
   assert.ok(looksLikePhoto(Uint8Array.from([0x4d, 0x4d, 0, 0x2a])));
   assert.ok(!looksLikePhoto(Uint8Array.from([0x50, 0x4b, 3, 4])));

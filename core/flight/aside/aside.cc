@@ -20,6 +20,7 @@ ErrorCode CodeOf(Aside why) {
     case Aside::kSameBytes:
     case Aside::kCopy:
     case Aside::kOlderMetadata:
+    case Aside::kOtherTags:
       return ErrorCode::kConflict;
     case Aside::kRawPicture:
     case Aside::kThumbnailFirst:
@@ -52,6 +53,8 @@ Remark ReasonOf(Aside why, std::string_view of, std::string_view instead) {
       return {RemarkCode::kLeftOtherCamera, {{"camera", its_own}, {"instead", other}}};
     case Aside::kThermal:
       return {RemarkCode::kLeftThermal, {{"camera", its_own}, {"instead", other}}};
+    case Aside::kOtherTags:
+      return {RemarkCode::kLeftOtherTags, {{"other", its_own}}};
     case Aside::kVisible:
       break;
   }

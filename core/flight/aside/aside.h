@@ -27,6 +27,7 @@ enum class Aside {
   kOtherCamera = 7,     // `of`: its camera, `instead`: the map's
   kThermal = 8,         // beside visible pictures; `of` and `instead` as above
   kVisible = 9,         // beside more thermal pictures; the same
+  kOtherTags = 10,      // `of`: the file of the same picture whose tags are used
 };
 
 // The reason as an error of reading it, and as an entry of a flight's list.

@@ -113,6 +113,41 @@ TEST(ReadFlight, KeepsTwoPhotosOfOneNameAndDropsTrueDoubles) {
   EXPECT_THAT(InWords(flight.left_out[0].reason), HasSubstr("DJI_0001.JPG"));
 }
 
+// A file of the exposure, and behind its tags the picture that `content` stands for.
+Bytes TaggedPhoto(double lat_deg, std::uint32_t error_cm, std::uint8_t content) {
+  ExifWriter exif;
+  exif.Ascii(ExifIfd::kImage, 0x010F, "DJI").Ascii(ExifIfd::kExif, 0x9003, "2021:06:03 12:00:00");
+  if (lat_deg != 0.0) exif.Position(lat_deg, 7.0);
+  if (error_cm > 0) exif.Rational(ExifIfd::kGps, 0x1F, {{error_cm, 100}});
+  Bytes bytes = JpegHeader({.exif = exif.Write()});
+  bytes[bytes.size() - 3] = content;  // before the end marker
+  return bytes;
+}
+
+TEST(ReadFlight, UsesOfFilesOfOnePictureTheOneOfTheBestPosition) {
+  const Folder folder;
+  folder.Write("DJI_0001.JPG", TaggedPhoto(1.0, 0, 1));
+  folder.Write("PPK/DJI_0001.JPG", TaggedPhoto(1.00001, 2, 1));
+  folder.Write("DJI_0002.JPG", TaggedPhoto(0.0, 0, 2));
+  folder.Write("geotagged/DJI_0002_geotag.JPG", TaggedPhoto(1.1, 0, 2));
+  folder.Write("DJI_0003.JPG", TaggedPhoto(1.2, 0, 3));
+  folder.Write("out/DJI_0003_geotag.JPG", TaggedPhoto(1.20001, 0, 3));
+  const Flight flight = Read(folder);
+  EXPECT_THAT(Names(flight), ::testing::UnorderedElementsAre("PPK/DJI_0001.JPG", "DJI_0002_geotag.JPG",
+                                                             "DJI_0003_geotag.JPG"));
+  ASSERT_EQ(flight.left_out.size(), 3u);
+  EXPECT_EQ(flight.left_out[0].code, ErrorCode::kConflict);
+  EXPECT_THAT(InWords(flight.left_out[0].reason), HasSubstr("PPK/DJI_0001.JPG"));
+}
+
+TEST(ReadFlight, KeepsPicturesOfARigThatHaveOneNameAndSecond) {
+  const Folder folder;
+  folder.Write("A/DSC_0001.JPG", TaggedPhoto(1.0, 0, 1));
+  folder.Write("B/DSC_0001.JPG", TaggedPhoto(1.0, 0, 2));
+  folder.Write("C/DSC_0001.JPG", TaggedPhoto(1.0, 0, 3));
+  EXPECT_EQ(Read(folder).photos.size(), 3u);
+}
+
 TEST(ReadFlight, MakesGivenNamesUnique) {
   const Folder folder;
   folder.Write("x", PhotoAt(1.0, "2021:06:03 12:00:00"));
@@ -153,6 +188,18 @@ TEST(ListInputFiles, NamesWhatIsMissingAndTakesEachFileOnce) {
   const auto twice = ListInputFiles({folder.path(), folder.path() / "a.jpg"});
   ASSERT_TRUE(twice.ok());
   EXPECT_EQ(twice->size(), 1u);
+}
+
+TEST(ListInputFiles, PassesOverFoldersOfPrograms) {
+  const Folder folder;
+  folder.Write("DJI_0001.JPG", PhotoAt(1.0, ""));
+  for (const char* name : {"@eaDir/DJI_0001.JPG/SYNOPHOTO_THUMB_M.jpg", "$RECYCLE.BIN/a.jpg",
+                           "#recycle/b.jpg", ".thumbnails/c.jpg", "__MACOSX/d.jpg"})
+    folder.Write(name, PhotoAt(1.1, ""));
+  const auto files = ListInputFiles({folder.path()});
+  ASSERT_TRUE(files.ok());
+  ASSERT_EQ(files->size(), 1u);
+  EXPECT_EQ(files->front().name, "DJI_0001.JPG");
 }
 
 TEST(ReadFlight, ListsWhatIsNoFileAtAll) {

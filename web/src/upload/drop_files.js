@@ -14,6 +14,8 @@ const kFilms = new Set(['mp4', 'mov']);
 const kOtherFilms = new Set(['avi', 'mkv', 'lrf', 'lrv', 'ts']);
 // The server unpacks these into the files in them.
 const kArchiveName = /\.(zip|tar|tgz|tar\.gz)$/i;
+// What network drives and systems keep in folders of their own: previews of each photo, deleted files.
+const kFolderOfPrograms = /(^|\/)(@eadir|[@#]recycle|\$recycle\.bin|system volume information|__macosx)\//i;
 const kOtherArchives = new Set(['7z', 'rar', 'gz', 'bz2', 'xz']);
 
 /**
@@ -57,7 +59,7 @@ export async function selectFiles(found) {
   const sorted = [...found].sort((a, b) => (a.path < b.path ? -1 : a.path > b.path ? 1 : 0));
   for (const { file, path } of sorted) {
     const name = path.slice(path.lastIndexOf('/') + 1);
-    if (name.startsWith('.') || /^(thumbs\.db|desktop\.ini)$/i.test(name)) continue;
+    if (name.startsWith('.') || /^(thumbs\.db|desktop\.ini)$/i.test(name) || kFolderOfPrograms.test(path)) continue;
     const kind = extension(name);
     let reason = '';
     if (kOtherFilms.has(kind)) reason = reasons.film;

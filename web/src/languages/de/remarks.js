@@ -285,6 +285,7 @@ export const remark_words = {
   left_thumbnail_first: () => 'Das erste Bild in diesem TIFF ist ein Vorschaubild eines größeren, wie in Rohbildern. Fügen Sie das JPEG der Kamera hinzu oder exportieren Sie es als JPEG oder TIFF mit seinen Metadaten.',
   left_copy: (v) => `Eine Kopie von ${v.other}, das verwendet wird.`,
   left_older_metadata: (v) => `Die Datei vor einer Änderung ihrer Metadaten; verwendet wird ${v.other} mit den neuen.`,
+  left_other_tags: (v) => `Dasselbe Bild wie ${v.other} mit anderen Angaben; verwendet wird jenes: Seine Position ist mindestens so gut aufgezeichnet.`,
   left_other_camera: (v) => `Von einer anderen Kamera (${v.camera}) in denselben Augenblicken wie die Fotos der Karte (${v.instead}). Für eine Karte daraus ${own_flight}`,
   left_thermal: (v) => `Ein Wärmebild (${v.camera}); die Karte entsteht aus den sichtbaren Bildern (${v.instead}). Für eine Wärmekarte ${own_flight}`,
   left_visible: (v) => `Ein sichtbares Bild (${v.camera}); die Karte entsteht aus den Wärmebildern (${v.instead}), die in der Mehrzahl sind. Für eine Karte der sichtbaren ${own_flight}`,

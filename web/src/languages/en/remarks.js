@@ -284,6 +284,7 @@ export const remark_words = {
   left_thumbnail_first: () => 'The first picture in this TIFF is a thumbnail of a larger one, as in raw pictures. Add the JPEG of the camera, or export it as JPEG or TIFF, keeping the metadata.',
   left_copy: (v) => `A copy of ${v.other}, which is used.`,
   left_older_metadata: (v) => `The file before its metadata were changed; ${v.other} with the new metadata is used.`,
+  left_other_tags: (v) => `The same picture as ${v.other}, with other tags; that one is used: its position is recorded at least as well.`,
   left_other_camera: (v) => `Taken by another camera (${v.camera}) at the same moments as those of the map (${v.instead}). For a map of it, add its pictures to a flight of their own.`,
   left_thermal: (v) => `A thermal picture (${v.camera}); the map is made of the visible ones (${v.instead}). For a thermal map, add them to a flight of their own.`,
   left_visible: (v) => `A visible picture (${v.camera}); the map is made of the thermal ones (${v.instead}), of which there are more. For a map of the visible ones, add them to a flight of their own.`,
