@@ -48,6 +48,11 @@ Remark FirstLeftOut(const std::vector<LeftOutPhoto>& left_out);
 // such mark.
 std::string_view RawFormatOf(std::span<const std::uint8_t> head);
 
+// Which picture of the containers of films (ISO/IEC 14496-12, 23008-12) begins so, by the brands of its first
+// box, as many as `head` has; sequences of pictures count as such.
+enum class BoxedPicture { kNone, kHeic, kAvif };
+BoxedPicture BoxedPictureOf(std::string_view head);
+
 // Why a TIFF, of which `first` are the tags, holds no picture as others hold it; nothing for a photo. Looks
 // at 16 directories, and only of a TIFF whose first is a thumbnail or has others below it.
 std::optional<Error> WhyRaw(const ExifTable& first, ByteSource& source);

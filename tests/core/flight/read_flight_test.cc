@@ -356,6 +356,8 @@ TEST(LooksLikeFilm, TellsFilmsFromPicturesInTheSameContainer) {
       LooksLikeFilm(std::string_view("\0\0\0\x18"
                                      "ftypheic",
                                      12)));
+  for (const char* brand : {"avif", "avis", "msf1", "hevx", "crx "})
+    EXPECT_FALSE(LooksLikeFilm(std::string("\0\0\0\x18", 4) + "ftyp" + brand)) << brand;
   EXPECT_FALSE(LooksLikeFilm("\xff\xd8\xff"));
   EXPECT_FALSE(LooksLikeFilm(""));
 }
