@@ -18,6 +18,7 @@
 #include "core/flight/logs/read_log.h"
 #include "core/flight/metadata/capture_time.h"
 #include "core/flight/photos/retagged.h"
+#include "core/flight/photos/sidecars.h"
 #include "core/flight/remarks/because.h"
 #include "core/flight/remarks/remark_words.h"
 
@@ -188,6 +189,7 @@ Result<Flight> ReadFlight(const std::vector<InputFile>& files, int threads, Prog
       flight.photos.push_back(std::move(*photo));
     }
   }
+  TakePositionsFromSidecars(sorted.sidecars, flight.photos, flight.warnings);
   LeaveOutRetagged(flight.photos, flight.left_out);
   LeaveOutCopies(flight.photos, flight.left_out);
   for (const InputFile& film : sorted.films) {

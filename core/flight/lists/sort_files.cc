@@ -132,6 +132,8 @@ SortedFiles SortFiles(const std::vector<InputFile>& files) {
       sorted.films.push_back(file);
     } else if (*kind == Kind::kElevationModel) {
       sorted.elevation_models.push_back(file);
+    } else if (LowerCase(file.name).ends_with(".xmp")) {
+      sorted.sidecars.push_back(file);
     } else {
       unused.push_back(file.name);
     }

@@ -176,8 +176,8 @@ bool IsZoomed(const ExifRecord& exif) { return exif.digital_zoom > kFocalToleran
 
 ChosenIntrinsics DoubtedForZoom(const Intrinsics& camera, const ExifRecord& exif,
                                 std::vector<Remark>& notes) {
-  notes.push_back(
-      {RemarkCode::kZoomDoubtful, {{"zoom_times", exif.digital_zoom}, {"focal_px", camera.MeanFocalPx()}}});
+  notes.push_back({RemarkCode::kZoomDoubtful,
+                   {{"zoom_percent", 100.0 * exif.digital_zoom}, {"focal_px", camera.MeanFocalPx()}}});
   return {camera, FocalSource::kDoubtful};
 }
 
@@ -202,7 +202,8 @@ ChosenIntrinsics CalibratedWithZoom(Intrinsics camera, FocalSource source, const
   camera.center_y_px = middle_y_px + zoom * (camera.center_y_px - middle_y_px);
   camera.focal_x_px *= zoom;
   camera.focal_y_px *= zoom;
-  notes.push_back({RemarkCode::kZoomCounted, {{"zoom_times", zoom}, {"focal_px", zoom * focal_px}}});
+  notes.push_back(
+      {RemarkCode::kZoomCounted, {{"zoom_percent", 100.0 * zoom}, {"focal_px", zoom * focal_px}}});
   return {camera, source};
 }
 

@@ -15,7 +15,7 @@
 namespace skyquilt::flight {
 namespace {
 
-Photo Taken(const std::string& name, int number) {
+Photo WithRecords(const std::string& name, int number) {
   const auto exif = ExifWriter()
                         .Ascii(ExifIfd::kImage, 0x010F, "DJI")
                         .Ascii(ExifIfd::kImage, 0x0110, "FC6310")
@@ -35,7 +35,7 @@ Photo Bare(const std::string& name, int width_px, int height_px) {
 
 std::vector<Photo> Flown(int count) {
   std::vector<Photo> photos;
-  for (int i = 1; i <= count; ++i) photos.push_back(Taken(fmt::format("DJI_{:04}.JPG", i), i));
+  for (int i = 1; i <= count; ++i) photos.push_back(WithRecords(fmt::format("DJI_{:04}.JPG", i), i));
   return photos;
 }
 

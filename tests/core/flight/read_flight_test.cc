@@ -148,6 +148,36 @@ TEST(ReadFlight, KeepsPicturesOfARigThatHaveOneNameAndSecond) {
   EXPECT_EQ(Read(folder).photos.size(), 3u);
 }
 
+TEST(ReadFlight, TakesPositionsOfFilesBesidePhotosThatHaveNone) {
+  const auto beside = [](const std::string& lat) {
+    const std::string xmp =
+        XmpPacket("xmlns:exif=\"http://ns.adobe.com/exif/1.0/\" exif:GPSLatitude=\"" + lat +
+                  "\" exif:GPSLongitude=\"7,0.0E\" exif:GPSAltitude=\"5105/10\" exif:GPSAltitudeRef=\"0\"");
+    return Bytes(xmp.begin(), xmp.end());
+  };
+  const Folder folder;
+  folder.Write("a.JPG", JpegHeader({}));
+  folder.Write("a.xmp", beside("46,30.0N"));
+  folder.Write("b.JPG", JpegHeader({}));
+  folder.Write("b.JPG.XMP", beside("46,30.6N"));
+  folder.Write("c.JPG", PhotoAt(46.52, ""));
+  folder.Write("c.xmp", beside("10,0.0N"));
+  folder.Write("other/d.JPG", JpegHeader({}));
+  folder.Write("d.xmp", beside("10,0.0N"));
+  const Flight flight = Read(folder);
+  ASSERT_EQ(Names(flight), (std::vector<std::string>{"a.JPG", "b.JPG", "c.JPG", "d.JPG"}));
+  ASSERT_TRUE(flight.photos[0].position && flight.photos[1].position);
+  EXPECT_NEAR(flight.photos[0].position->position.lat_deg, 46.5, 1e-9);
+  EXPECT_EQ(flight.photos[0].position->height_amsl_m, 510.5);
+  EXPECT_NEAR(flight.photos[1].position->position.lat_deg, 46.51, 1e-9);
+  EXPECT_NEAR(flight.photos[2].position->position.lat_deg, 46.52, 1e-6);
+  EXPECT_FALSE(flight.photos[3].position) << "of another folder";
+  EXPECT_THAT(InWords(flight.warnings),
+              Contains(HasSubstr("2 .xmp files beside photos are not used (c.xmp first)")));
+  EXPECT_THAT(InWords(flight.warnings),
+              Contains(HasSubstr("2 of 4 photos (a.JPG first): The position is that of")));
+}
+
 TEST(ReadFlight, MakesGivenNamesUnique) {
   const Folder folder;
   folder.Write("x", PhotoAt(1.0, "2021:06:03 12:00:00"));
