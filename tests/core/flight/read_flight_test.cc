@@ -155,14 +155,19 @@ TEST(ReadFlight, TakesPositionsOfFilesBesidePhotosThatHaveNone) {
                   "\" exif:GPSLongitude=\"7,0.0E\" exif:GPSAltitude=\"5105/10\" exif:GPSAltitudeRef=\"0\"");
     return Bytes(xmp.begin(), xmp.end());
   };
+  const auto without_tags = [](std::uint8_t content) {
+    Bytes bytes = JpegHeader({});
+    bytes[bytes.size() - 3] = content;
+    return bytes;
+  };
   const Folder folder;
-  folder.Write("a.JPG", JpegHeader({}));
+  folder.Write("a.JPG", without_tags(1));
   folder.Write("a.xmp", beside("46,30.0N"));
-  folder.Write("b.JPG", JpegHeader({}));
+  folder.Write("b.JPG", without_tags(2));
   folder.Write("b.JPG.XMP", beside("46,30.6N"));
   folder.Write("c.JPG", PhotoAt(46.52, ""));
   folder.Write("c.xmp", beside("10,0.0N"));
-  folder.Write("other/d.JPG", JpegHeader({}));
+  folder.Write("other/d.JPG", without_tags(3));
   folder.Write("d.xmp", beside("10,0.0N"));
   const Flight flight = Read(folder);
   ASSERT_EQ(Names(flight), (std::vector<std::string>{"a.JPG", "b.JPG", "c.JPG", "d.JPG"}));
