@@ -23,6 +23,8 @@ const char* FocalSourceName(FocalSource source) {
       return "sensor_table";
     case FocalSource::k35mmEquivalent:
       return "35mm_equivalent";
+    case FocalSource::kDoubtful:
+      return "doubtful";
     case FocalSource::kAssumed:
       return "assumed";
   }

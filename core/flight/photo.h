@@ -71,6 +71,7 @@ enum class FocalSource {
   kFocalPlane,
   kSensorTable,
   k35mmEquivalent,
+  kDoubtful,  // recorded, and contradicted by a zoom or another focal length on record
   kAssumed
 };
 

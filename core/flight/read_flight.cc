@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <mutex>
 #include <set>
@@ -13,9 +14,12 @@
 #include "core/base/text/printable.h"
 #include "core/flight/aside/copies.h"
 #include "core/flight/aside/one_camera.h"
+#include "core/flight/bytes/text_fields.h"
 #include "core/flight/lists/sort_files.h"
 #include "core/flight/logs/read_log.h"
 #include "core/flight/metadata/capture_time.h"
+#include "core/flight/photos/retagged.h"
+#include "core/flight/photos/sidecars.h"
 #include "core/flight/remarks/because.h"
 #include "core/flight/remarks/remark_words.h"
 
@@ -186,6 +190,8 @@ Result<Flight> ReadFlight(const std::vector<InputFile>& files, int threads, Prog
       flight.photos.push_back(std::move(*photo));
     }
   }
+  TakePositionsFromSidecars(sorted.sidecars, flight.photos, flight.warnings);
+  LeaveOutRetagged(flight.photos, flight.left_out);
   LeaveOutCopies(flight.photos, flight.left_out);
   for (const InputFile& film : sorted.films) {
     flight.films.push_back(film.name);
@@ -206,7 +212,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool IsHidden(const fs::path& path) { return path.filename().string().starts_with("."); }
+// Also what programs keep in folders of their own: thumbnails of Synology, deleted files, a Mac's attributes.
+bool IsHidden(const fs::path& path) {
+  constexpr std::array<std::string_view, 6> kFoldersOfPrograms = {
+      "@eadir", "@recycle", "#recycle", "$recycle.bin", "system volume information", "__macosx"};
+  const std::string name = LowerCase(path.filename().string());
+  return name.starts_with(".") ||
+         std::find(kFoldersOfPrograms.begin(), kFoldersOfPrograms.end(), name) != kFoldersOfPrograms.end();
+}
 
 Result<void> WalkFolder(const fs::path& folder, std::vector<fs::path>& found) {
   std::error_code error;

@@ -21,7 +21,7 @@ struct RenderBlock {
 inline constexpr std::int64_t kSeamCellBytes = 16;
 
 struct MosaicPlan {
-  double gsd_m = 0.0;  // ground size of a photo pixel, median at the image centres
+  double gsd_m = 0.0;  // ground size of a photo pixel at the image centres, median over the pixels
   int base_zoom = 0;
   int min_zoom = 0;      // where one tile holds the whole mosaic
   int block_levels = 2;  // a block is 2^block_levels tiles a side

@@ -6,7 +6,6 @@
 #include <memory>
 #include <utility>
 
-#include "core/base/median.h"
 #include "core/camera/footprint.h"
 #include "core/flight/remarks/because.h"
 #include "core/geo/tile_id.h"
@@ -79,6 +78,25 @@ std::optional<double> GsdM(const AlignedPhoto& photo, double plane_z_m) {
   return (*ground - photo.cam_from_enu.TargetOriginInSource()).norm() / photo.intrinsics.MeanFocalPx();
 }
 
+struct PhotoGsd {
+  double gsd_m = 0.0;
+  std::int64_t pixels = 0;
+};
+
+// The median over the photos' pixels: of pictures of one size it is that of the pictures, and small ones, as
+// many as there may be, do not make a map as coarse as they are of ground that large ones show.
+double MedianGsdM(std::vector<PhotoGsd> photos) {
+  std::sort(photos.begin(), photos.end(),
+            [](const PhotoGsd& a, const PhotoGsd& b) { return a.gsd_m < b.gsd_m; });
+  std::int64_t all = 0, up_to = 0;
+  for (const PhotoGsd& photo : photos) all += photo.pixels;
+  for (const PhotoGsd& photo : photos) {
+    up_to += photo.pixels;
+    if (2 * up_to > all) return photo.gsd_m;  // of two middles the upper, as Median takes it
+  }
+  return photos.back().gsd_m;
+}
+
 int CommonAncestorZoom(const std::vector<RenderBlock>& blocks) {
   int zoom = blocks.front().tile.z();
   std::uint32_t x = blocks.front().tile.x();
@@ -122,19 +140,21 @@ std::int64_t OverviewBytes(const MosaicPlan& plan) {
 Result<MosaicPlan> PlanMosaic(const AlignedFlight& flight, const ground::GroundSurface& ground,
                               const PlanOptions& options) {
   MosaicPlan plan;
-  std::vector<double> gsds;
+  std::vector<PhotoGsd> gsds;
   std::vector<geo::Bounds2>& seen = plan.seen_in_merc;
   seen.resize(flight.photos.size());
   for (std::size_t i = 0; i < flight.photos.size(); ++i) {
     seen[i] = BoundsSeen(flight.photos[i], flight, ground);
     if (seen[i].IsEmpty()) continue;
     plan.bounds_in_merc.Include(seen[i]);
-    if (const auto gsd_m = GsdM(flight.photos[i], ground.MeanHeight())) gsds.push_back(*gsd_m);
+    const camera::Intrinsics& lens = flight.photos[i].intrinsics;
+    if (const auto gsd_m = GsdM(flight.photos[i], ground.MeanHeight()))
+      gsds.push_back({*gsd_m, std::int64_t{lens.width_px} * lens.height_px});
   }
   if (gsds.empty()) {
     return flight::Because(ErrorCode::kUnprocessable, flight::RemarkCode::kFailAllLookUp);
   }
-  plan.gsd_m = Median(std::move(gsds));
+  plan.gsd_m = MedianGsdM(std::move(gsds));
   double output_gsd_m = options.gsd_m.value_or(plan.gsd_m);
   if (options.not_finer_than_photos) output_gsd_m = std::max(output_gsd_m, plan.gsd_m);
   if (output_gsd_m < kFinestShareOfPhoto * plan.gsd_m) {

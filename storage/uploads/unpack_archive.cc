@@ -1,11 +1,12 @@
 #include "storage/uploads/unpack_archive.h"
 
-#include <algorithm>
 #include <archive.h>
 #include <archive_entry.h>
-#include <array>
 #include <fmt/format.h>
 #include <locale.h>
+
+#include <algorithm>
+#include <array>
 #include <memory>
 #include <system_error>
 
@@ -64,7 +65,9 @@ std::string LastPart(const std::string& name) { return name.substr(name.find_las
 // What programs leave in archives beside the files.
 bool IsClutter(const std::string& full_name) {
   const std::string name = LastPart(full_name);
-  return full_name.starts_with("__MACOSX/") || name.starts_with("._") || name == ".DS_Store" ||
+  // "@eaDir": previews that a network drive makes of each photo.
+  return full_name.starts_with("__MACOSX/") || full_name.starts_with("@eaDir/") ||
+         full_name.find("/@eaDir/") != std::string::npos || name.starts_with("._") || name == ".DS_Store" ||
          name == "Thumbs.db";
 }
 

@@ -258,6 +258,16 @@ test('files of one name keep their folders, and so do the lists beside them', ()
   assert.deepEqual(namesApart(['x.jpg', 'x.jpg', 'X.jpg']), ['x.jpg', 'x(2).jpg', 'X(3).jpg']);
 });
 
+test('previews and deleted photos in folders of network drives are passed over', async () => {
+  const { chosen, ignored } = await selectFiles([
+    file('DJI_0001.JPG', jpeg, 'photos/DJI_0001.JPG'),
+    file('SYNOPHOTO_THUMB_M.jpg', jpeg, 'photos/@eaDir/DJI_0001.JPG/SYNOPHOTO_THUMB_M.jpg'),
+    file('DJI_0002.JPG', jpeg, '#recycle/DJI_0002.JPG'),
+  ]);
+  assert.deepEqual(chosen.map(({ name }) => name), ['DJI_0001.JPG']);
+  assert.deepEqual(ignored, []);
+});
+
 test('a photo is known by its first bytes', () => {
   assert.ok(looksLikePhoto(Uint8Array.from([0x4d, 0x4d, 0, 0x2a])));
   assert.ok(!looksLikePhoto(Uint8Array.from([0x50, 0x4b, 3, 4])));

@@ -63,6 +63,9 @@ BundleLens MakeLens(const flight::Photo& photo, int photos) {
     case flight::FocalSource::k35mmEquivalent:
       lens.sigma_focal_share = 0.02;  // whole millimetres of an equivalent
       break;
+    case flight::FocalSource::kDoubtful:
+      lens.sigma_focal_share = 0.3;  // a zoom of up to two, counted or not
+      break;
     case flight::FocalSource::kAssumed:
       lens.sigma_focal_share = 0.1;
       break;

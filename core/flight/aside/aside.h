@@ -27,6 +27,7 @@ enum class Aside {
   kOtherCamera = 7,     // `of`: its camera, `instead`: the map's
   kThermal = 8,         // beside visible pictures; `of` and `instead` as above
   kVisible = 9,         // beside more thermal pictures; the same
+  kOtherTags = 10,      // `of`: the file of the same picture whose tags are used
 };
 
 // The reason as an error of reading it, and as an entry of a flight's list.
@@ -46,6 +47,11 @@ Remark FirstLeftOut(const std::vector<LeftOutPhoto>& left_out);
 // The format of a raw picture whose file begins so (16 bytes are enough): "RAF", "CR3"; empty for what has no
 // such mark.
 std::string_view RawFormatOf(std::span<const std::uint8_t> head);
+
+// Which picture of the containers of films (ISO/IEC 14496-12, 23008-12) begins so, by the brands of its first
+// box, as many as `head` has; sequences of pictures count as such.
+enum class BoxedPicture { kNone, kHeic, kAvif };
+BoxedPicture BoxedPictureOf(std::string_view head);
 
 // Why a TIFF, of which `first` are the tags, holds no picture as others hold it; nothing for a photo. Looks
 // at 16 directories, and only of a TIFF whose first is a thumbnail or has others below it.

@@ -10,26 +10,16 @@
 #include <unordered_map>
 #include <utility>
 
+#include "core/flight/aside/alike.h"
 #include "core/flight/aside/picture_name.h"
+#include "core/flight/aside/previews.h"
 #include "core/geo/geodesic.h"
 
 namespace skyquilt::flight {
 namespace {
 
-constexpr std::size_t kMaxLookedAt = 64;  // for one picture
-constexpr std::size_t kMaxMarks = 4;      // "DJI_0001 - Copy (2)-edited"
+constexpr std::size_t kMaxMarks = 4;  // "DJI_0001 - Copy (2)-edited"
 constexpr std::chrono::seconds kOneSecond{1};
-
-double PhotoPixels(const Photo& photo) {
-  return static_cast<double>(photo.intrinsics.width_px) * photo.intrinsics.height_px;
-}
-
-double AspectOf(const Photo& photo) {
-  const auto [shorter, longer] = std::minmax(photo.intrinsics.width_px, photo.intrinsics.height_px);
-  return static_cast<double>(longer) / std::max(shorter, 1);
-}
-
-bool AreNear(double a, double b, double share) { return std::abs(a - b) <= share * std::max(a, b); }
 
 bool HasFraction(UtcTime time) { return time.time_since_epoch() % kOneSecond != std::chrono::seconds(0); }
 
@@ -81,27 +71,6 @@ bool LostRecords(const Photo& copy, const Photo& original) {
          copy.origin.is_edited > original.origin.is_edited;
 }
 
-bool SeeAlike(const Photo& a, const Photo& b) {
-  constexpr double kSameView = 0.1;
-  if (a.focal_source == FocalSource::kAssumed || b.focal_source == FocalSource::kAssumed) return true;
-  const auto focal = [](const Photo& photo) {
-    return photo.intrinsics.MeanFocalPx() /
-           std::max({photo.intrinsics.width_px, photo.intrinsics.height_px, 1});
-  };
-  return AreNear(focal(a), focal(b), kSameView);
-}
-
-bool IsReducedTo(const Photo& copy, const Photo& original) {
-  constexpr double kSameAspect = 0.02;
-  return PhotoPixels(copy) < PhotoPixels(original) &&
-         AreNear(AspectOf(copy), AspectOf(original), kSameAspect) && SeeAlike(copy, original);
-}
-
-// One shutter opens a thermal and a visible sensor, and writes one name into two folders.
-bool AreOfTwoSensors(const Photo& a, const Photo& b) {
-  return (a.lens == Lens::kThermal) != (b.lens == Lens::kThermal) || a.band_name != b.band_name;
-}
-
 // `mark`: the surest of those that one of the two names has more than the other.
 bool IsCopyByName(const Photo& copy, const Photo& original, CopyMark mark) {
   const Moments moments = MomentsOf(copy, original);
@@ -133,18 +102,21 @@ bool IsReworked(const Photo& photo) { return photo.origin.is_edited || photo.ori
 
 class CopyFinder {
  public:
-  explicit CopyFinder(const std::vector<Photo>& photos) : photos_(photos) {
+  // Those that `is_out` names are neither copies nor originals here.
+  CopyFinder(const std::vector<Photo>& photos, const std::vector<std::optional<std::size_t>>& is_out)
+      : photos_(photos) {
     for (std::size_t i = 0; i < photos.size(); ++i) {
       Picture picture;
       picture.name = PictureNameOf(photos[i].name);
       const std::vector<Unmarked> stems = StemsOf(picture);
       picture.plain = stems.back().stem;
       picture.marks = static_cast<int>(stems.size()) - 1;
+      pictures_.push_back(std::move(picture));
+      if (is_out[i]) continue;
       for (const Unmarked& stem : stems) by_stem_[stem.stem].push_back({i, stem.mark});
       if (photos[i].origin.clock) by_second_[SecondOf(i)].push_back(i);
       if (photos[i].origin.clock && photos[i].position && IsReworked(photos[i]))
         reworked_at_[PlaceKey(photos[i])].insert(SecondOf(i));
-      pictures_.push_back(std::move(picture));
     }
   }
 
@@ -267,12 +239,14 @@ class CopyFinder {
 }  // namespace
 
 std::vector<std::optional<CopyOf>> FindCopies(const std::vector<Photo>& photos) {
-  const CopyFinder finder(photos);
+  const auto previews = FindPreviews(photos);
+  const CopyFinder finder(photos, previews);
   std::vector<std::optional<CopyOf>> copies(photos.size());
   for (std::size_t i = 0; i < photos.size(); ++i) {
-    if (const auto original = finder.OriginalOf(i)) copies[i] = CopyOf{*original, Aside::kCopy};
+    const auto original = previews[i] ? previews[i] : finder.OriginalOf(i);
+    if (original) copies[i] = CopyOf{*original, Aside::kCopy};
   }
-  // Of a copy of a copy: each step goes to a better picture, so that it ends.
+  // Of a copy of a copy: each step goes to a better picture, so that it ends. None goes to a preview.
   for (std::size_t i = 0; i < photos.size(); ++i) {
     if (!copies[i]) continue;
     std::size_t& original = copies[i]->original;

@@ -4,7 +4,7 @@
 // copy's may be stale: one far away counts for nothing where several copies share it, and otherwise only a
 // name ties such a picture to its original. One must be nearer to what the camera wrote (its records, no
 // editor's name, its size). Pictures of a series (bursts, bracketed exposures) and the bands of one capture
-// are no copies. Any thread; n log n, at most 64 pictures looked at for each.
+// are no copies; what previews.h finds are. Any thread; n log n, at most 64 pictures looked at for each.
 #pragma once
 
 #include <cstddef>

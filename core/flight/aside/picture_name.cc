@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 
 #include "core/flight/bytes/text_fields.h"
 
@@ -28,17 +29,21 @@ std::optional<std::string_view> BeforeBrackets(std::string_view stem) {
   return WithoutSeparators(inner.substr(0, digits - 1));
 }
 
-std::optional<std::string_view> BeforeWord(std::string_view stem) {
-  constexpr std::array<std::string_view, 24> kWords = {
-      "copy",      "kopie",    "copie",  "copia",     "edited",  "edit",     "enhanced", "bearbeitet",
-      "modified",  "modifie",  "export", "exported",  "resized", "reduced",  "small",    "web",
-      "retouched", "retouche", "lowres", "lightroom", "lr",      "snapseed", "original", "orig"};
-  for (const std::string_view word : kWords) {
+std::optional<std::string_view> BeforeOneOf(std::span<const std::string_view> words, std::string_view stem) {
+  for (const std::string_view word : words) {
     if (!stem.ends_with(word) || stem.size() <= word.size()) continue;
     const std::string_view before = stem.substr(0, stem.size() - word.size());
     if (kNameSeparators.find(before.back()) != std::string_view::npos) return WithoutSeparators(before);
   }
   return std::nullopt;
+}
+
+std::optional<std::string_view> BeforeWord(std::string_view stem) {
+  constexpr std::array<std::string_view, 24> kWords = {
+      "copy",      "kopie",    "copie",  "copia",     "edited",  "edit",     "enhanced", "bearbeitet",
+      "modified",  "modifie",  "export", "exported",  "resized", "reduced",  "small",    "web",
+      "retouched", "retouche", "lowres", "lightroom", "lr",      "snapseed", "original", "orig"};
+  return BeforeOneOf(kWords, stem);
 }
 
 // "dji_0021-2", but neither "dji_0021" nor "20240601_0021": a copy's number is small, and what stands before
@@ -86,6 +91,12 @@ std::optional<Unmarked> WithoutCopyMark(std::string_view stem) {
     if (stem.starts_with(start)) return kept(stem.substr(start.size()), CopyMark::kWord);
   }
   return kept(BeforeNumber(stem), CopyMark::kNumber);
+}
+
+std::optional<std::string_view> WithoutTagMark(std::string_view stem) {
+  constexpr std::array<std::string_view, 8> kTagWords = {"geotag", "geotagged", "geo", "gps",
+                                                         "tagged", "ppk",       "rtk", "corrected"};
+  return BeforeOneOf(kTagWords, stem);
 }
 
 std::string_view LensMark(std::string_view stem) {

@@ -30,6 +30,9 @@ struct Unmarked {
 };
 std::optional<Unmarked> WithoutCopyMark(std::string_view stem);
 
+// Without the word of a program that wrote positions into it ("dji_0001_geotag"); nothing where it has none.
+std::optional<std::string_view> WithoutTagMark(std::string_view stem);
+
 // "w" of "dji_0001_w", as cameras with several lenses end their names; empty for others.
 std::string_view LensMark(std::string_view stem);
 

@@ -1,8 +1,8 @@
 #include "core/flight/lists/file_kinds.h"
 
 #include <algorithm>
-#include <array>
 
+#include "core/flight/aside/aside.h"
 #include "core/flight/metadata/exif_table.h"
 #include "core/flight/remarks/because.h"
 
@@ -59,9 +59,7 @@ std::vector<InputFile> ElevationModelsAmong(const std::vector<InputFile>& files)
 
 bool LooksLikeFilm(std::string_view head) {
   if (head.size() < kFilmHeadBytes || head.substr(4, 4) != "ftyp") return false;
-  constexpr std::array<std::string_view, 8> kPictures = {"heic", "heix", "hevc", "heim",
-                                                         "heis", "mif1", "avif", "crx "};
-  return std::find(kPictures.begin(), kPictures.end(), head.substr(8, 4)) == kPictures.end();
+  return BoxedPictureOf(head) == BoxedPicture::kNone && head.substr(8, 4) != "crx ";
 }
 
 }  // namespace skyquilt::flight

@@ -95,6 +95,17 @@ Result<Kind> KindOf(const InputFile& file) {
   return *format == LogFormat::kGcpList ? Kind::kGcpList : Kind::kLog;
 }
 
+// XMP in a file of its own.
+bool IsSidecar(const InputFile& file) {
+  if (!LowerCase(file.name).ends_with(".xmp")) return false;
+  const auto source = OpenFileBytes(file.path);
+  if (!source) return false;
+  constexpr std::size_t kStart = 4096;
+  const std::vector<std::uint8_t> start = (*source)->ReadUpTo(0, kStart);
+  const std::string_view text = TextOf(start);
+  return text.find("<x:xmpmeta") != std::string_view::npos || text.find("<rdf:RDF") != std::string_view::npos;
+}
+
 Remark NotUsed(const std::vector<std::string>& names) {
   constexpr std::size_t kMaxNamed = 10;
   std::string files = names.front();
@@ -114,6 +125,10 @@ SortedFiles SortFiles(const std::vector<InputFile>& files) {
     if (LowerCase(file.name).ends_with(kMapNotesName)) continue;  // for who looks at the map
     if (IsReflectanceList(file.name)) {
       sorted.reflectance_lists.push_back(file);
+      continue;
+    }
+    if (IsSidecar(file)) {
+      sorted.sidecars.push_back(file);
       continue;
     }
     const auto kind = KindOf(file);

@@ -20,8 +20,9 @@ struct SortedFiles {
   std::vector<InputFile> reflectance_lists;
   std::vector<InputFile> elevation_models;
   std::vector<InputFile> films;
-  std::vector<Remark> refused;   // what is known but cannot be read, or looks like a log, with advice
-  std::optional<Remark> unused;  // what else is not used
+  std::vector<InputFile> sidecars;  // XMP of photos, by ending and content
+  std::vector<Remark> refused;      // what is known but cannot be read, or looks like a log, with advice
+  std::optional<Remark> unused;     // what else is not used
 };
 
 SortedFiles SortFiles(const std::vector<InputFile>& files);

@@ -1,6 +1,7 @@
 #include "core/flight/metadata/exif.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 
@@ -32,13 +33,31 @@ std::optional<double> Within(std::optional<double> value, double low, double hig
 struct Angle {
   double degrees = 0.0;
   double step_deg = 0.0;
+  bool is_written_twice = false;  // the decimals of a part, and as the parts behind it
+  bool is_contradictory = false;  // other parts behind decimals than these say
 };
+
+// Degrees with decimals and minutes behind them, or minutes and seconds, from the smaller to the larger: what
+// both say the same counts once.
+void JudgeDecimals(std::array<double, 3>& parts, Angle& angle) {
+  constexpr double kWhole = 1e-6;     // of what floating point leaves of a whole number
+  constexpr double kRepeated = 0.06;  // of 60: decimals to a thousandth
+  for (const std::size_t i : {std::size_t{1}, std::size_t{0}}) {
+    const double behind = parts[i + 1] + (i == 0 ? parts[2] / 60.0 : 0.0);
+    const double decimals = parts[i] - std::floor(parts[i]);
+    if (behind == 0.0 || std::abs(parts[i] - std::round(parts[i])) < kWhole) continue;
+    if (std::abs(60.0 * decimals - behind) > kRepeated) angle.is_contradictory = true;
+    angle.is_written_twice = true;
+    parts[i] = std::floor(parts[i]);
+  }
+}
 
 // Degrees, minutes, seconds; a fraction of 0/0 behind a part that has decimals counts as zero.
 std::optional<Angle> ReadAngle(const ExifValue* value) {
   if (value == nullptr) return std::nullopt;
   constexpr double kUnit[3] = {1.0, 1.0 / 60.0, 1.0 / 3600.0};
   Angle angle;
+  std::array<double, 3> parts{};
   bool is_negative = false;
   for (std::size_t i = 0; i < 3; ++i) {
     const auto fraction = value->Rational(i);
@@ -50,11 +69,13 @@ std::optional<Angle> ReadAngle(const ExifValue* value) {
       return std::nullopt;
     }
     if (*number < 0.0) is_negative = true;
-    angle.degrees += std::abs(*number) * kUnit[i];
+    parts[i] = std::abs(*number);
     const double step_deg = fraction ? kUnit[i] / std::max(1.0, std::abs(fraction->denominator)) : 0.0;
     angle.step_deg =
         i == 0 ? step_deg : std::min(angle.step_deg, step_deg);  // decimals may stand before zeros
   }
+  JudgeDecimals(parts, angle);
+  for (std::size_t i = 0; i < 3; ++i) angle.degrees += parts[i] * kUnit[i];
   if (is_negative) angle.degrees = -angle.degrees;
   return angle;
 }
@@ -74,6 +95,12 @@ void ReadPosition(const ExifTable& table, ExifRecord& record) {
     if (table.Find(ExifIfd::kGps, tag::kLatitude)) record.notes.push_back(RemarkCode::kPositionUnread);
     return;
   }
+  if (latitude->is_contradictory || longitude->is_contradictory) {
+    record.notes.push_back(RemarkCode::kPositionContradictory);
+    return;
+  }
+  if (latitude->is_written_twice || longitude->is_written_twice)
+    record.notes.push_back(RemarkCode::kPositionWrittenTwice);
   const int north = HemisphereSign(table.Text(ExifIfd::kGps, tag::kLatitudeRef), 'N', 'S');
   const int east = HemisphereSign(table.Text(ExifIfd::kGps, tag::kLongitudeRef), 'E', 'W');
   const bool is_signed = latitude->degrees < 0.0 || longitude->degrees < 0.0;

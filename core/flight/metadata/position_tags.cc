@@ -96,6 +96,13 @@ std::optional<RecordedPosition> ChoosePosition(const ExifRecord& exif, const Xmp
   return recorded;
 }
 
+// XMP's own exif:GPSAltitude, as files beside photos have it.
+std::optional<double> XmpExifAltitude(const XmpTags& xmp) {
+  const auto altitude_m = Height(xmp, "exif:GPSAltitude");
+  if (!altitude_m || xmp.Number("exif:GPSAltitudeRef") != 1.0) return altitude_m;
+  return -std::abs(*altitude_m);
+}
+
 bool IsAbsoluteAltitudeEllipsoidal(const ExifRecord& exif, const XmpTags& xmp) {
   const std::string kind = xmp.Text("drone-dji:AltitudeType");
   if (!kind.empty()) return kind == "RtkAlt";
@@ -133,6 +140,8 @@ void ChooseHeights(const ExifRecord& exif, const XmpTags& xmp, RecordedPosition&
     } else {
       absolute = exif.altitude_m;
     }
+  } else {
+    absolute = XmpExifAltitude(xmp);
   }
   (is_ellipsoidal ? recorded.height_ellipsoid_m : recorded.height_amsl_m) = absolute;
 }

@@ -269,9 +269,31 @@ std::string XmpTags::Text(std::string_view name) const {
   return text ? *text : std::string();
 }
 
+namespace {
+
+// "46,84260708" of programs that write numbers as their country does, with a point; nothing for what may be
+// a list or thousands: with a point or a second comma, or three digits behind the one.
+std::optional<std::string> WithPointForComma(std::string_view text) {
+  constexpr std::string_view kDigits = "0123456789";
+  std::string number(Trim(text));
+  const std::size_t comma = number.find(',');
+  if (comma == std::string::npos) return std::nullopt;
+  const std::size_t sign = number.starts_with('+') || number.starts_with('-') ? 1 : 0;
+  const std::size_t behind = number.size() - comma - 1;
+  if (comma <= sign || behind == 0 || behind == 3 || number.find_first_not_of(kDigits, sign) != comma ||
+      number.find_first_not_of(kDigits, comma + 1) != std::string::npos)
+    return std::nullopt;
+  number[comma] = '.';
+  return number;
+}
+
+}  // namespace
+
 std::optional<double> XmpTags::Number(std::string_view name) const {
   const std::string* text = Find(name);
-  return text ? ParseXmpNumber(*text) : std::nullopt;
+  if (!text) return std::nullopt;
+  const auto with_point = WithPointForComma(*text);
+  return ParseXmpNumber(with_point ? *with_point : *text);
 }
 
 std::string ScanForXmpPacket(ByteSource& source) {

@@ -25,8 +25,8 @@ class XmpTags {
   bool empty() const { return values_.empty(); }
   const std::string* Find(std::string_view name) const;
   std::string Text(std::string_view name) const;
-  // Plain numbers and fractions ("+198.31", "73/10"); nothing for what is not finite or a sentinel beyond
-  // 1e9.
+  // Plain numbers and fractions ("+198.31", "73/10", also "46,84260708"); nothing for what is not finite or a
+  // sentinel beyond 1e9.
   std::optional<double> Number(std::string_view name) const;
   const std::map<std::string, std::string, std::less<>>& values() const { return values_; }
 

@@ -155,9 +155,74 @@ std::optional<double> FromSensorTable(int width_px, int height_px, const ExifRec
          camera::ScaleFromNative(width_px, height_px, sensor->native_width_px, sensor->native_height_px);
 }
 
+// Equivalents are whole millimetres, and of the width or the diagonal.
+constexpr double kFocalTolerance = 1.2;
+
 bool IsNear(double ratio, double wanted) {
-  constexpr double kTolerance = 1.2;  // equivalents are whole millimetres, and of the width or the diagonal
-  return ratio > wanted / kTolerance && ratio < wanted * kTolerance;
+  return ratio > wanted / kFocalTolerance && ratio < wanted * kFocalTolerance;
+}
+
+bool IsNearer(double ratio, double wanted, double other) {
+  return IsNear(ratio, wanted) && std::abs(std::log(ratio / wanted)) < std::abs(std::log(ratio / other));
+}
+
+std::optional<double> FromEquivalent(int width_px, int height_px, const ExifRecord& exif) {
+  if (!exif.focal_length_35mm_mm) return std::nullopt;
+  return FocalPxFrom35mm(*exif.focal_length_35mm_mm, width_px, height_px);
+}
+
+// Whether a zoom is recorded that is more than what nominal focal lengths differ by.
+bool IsZoomed(const ExifRecord& exif) { return exif.digital_zoom > kFocalTolerance; }
+
+ChosenIntrinsics DoubtedForZoom(const Intrinsics& camera, const ExifRecord& exif,
+                                std::vector<Remark>& notes) {
+  notes.push_back({RemarkCode::kZoomDoubtful,
+                   {{"zoom_percent", 100.0 * exif.digital_zoom}, {"focal_px", camera.MeanFocalPx()}}});
+  return {camera, FocalSource::kDoubtful};
+}
+
+// Calibrations are of the lens, and some writers have counted the digital zoom in them: which it is the
+// sensor and the lens tell, else the 35 mm equivalent where that counts the zoom and the calibration does
+// not.
+ChosenIntrinsics CalibratedWithZoom(Intrinsics camera, FocalSource source, const ExifRecord& exif,
+                                    std::vector<Remark>& notes) {
+  if (!IsZoomed(exif)) return {camera, source};
+  const double zoom = exif.digital_zoom;
+  const double focal_px = camera.MeanFocalPx();
+  const auto of_lens_px = FromSensorTable(camera.width_px, camera.height_px, exif);
+  if (of_lens_px && IsNearer(focal_px / *of_lens_px, zoom, 1.0)) return {camera, source};
+  const auto equivalent_px = FromEquivalent(camera.width_px, camera.height_px, exif);
+  const bool is_of_lens = (of_lens_px && IsNearer(focal_px / *of_lens_px, 1.0, zoom)) ||
+                          (equivalent_px && IsNearer(*equivalent_px / focal_px, zoom, 1.0));
+  if (!is_of_lens || !IsPlausible(zoom * focal_px, camera.width_px, camera.height_px))
+    return DoubtedForZoom(camera, exif, notes);
+  // What is left of the image lies around its middle.
+  const double middle_x_px = 0.5 * (camera.width_px - 1), middle_y_px = 0.5 * (camera.height_px - 1);
+  camera.center_x_px = middle_x_px + zoom * (camera.center_x_px - middle_x_px);
+  camera.center_y_px = middle_y_px + zoom * (camera.center_y_px - middle_y_px);
+  camera.focal_x_px *= zoom;
+  camera.focal_y_px *= zoom;
+  notes.push_back(
+      {RemarkCode::kZoomCounted, {{"zoom_percent", 100.0 * zoom}, {"focal_px", zoom * focal_px}}});
+  return {camera, source};
+}
+
+// The focal length by the sensor against the 35 mm equivalent, which is of the picture: where that is longer,
+// the camera used a part of its sensor (a crop mode).
+ChosenIntrinsics BySensorOrCrop(const Intrinsics& by_sensor, const ExifRecord& exif,
+                                std::vector<Remark>& notes) {
+  constexpr double kStrongestCrop = 2.2;  // of full frame to four thirds
+  const auto equivalent_px = FromEquivalent(by_sensor.width_px, by_sensor.height_px, exif);
+  if (!equivalent_px || IsZoomed(exif) || IsNear(*equivalent_px / by_sensor.focal_x_px, 1.0))
+    return {by_sensor, FocalSource::kSensorTable};
+  const bool is_crop = *equivalent_px > by_sensor.focal_x_px &&
+                       *equivalent_px < kStrongestCrop * by_sensor.focal_x_px &&
+                       IsPlausible(*equivalent_px, by_sensor.width_px, by_sensor.height_px);
+  notes.push_back({is_crop ? RemarkCode::kCropOfSensor : RemarkCode::kFocalLengthsApart,
+                   {{"equivalent_px", *equivalent_px}, {"sensor_px", by_sensor.focal_x_px}}});
+  if (!is_crop) return {by_sensor, FocalSource::kDoubtful};
+  return {Intrinsics::Centered(by_sensor.width_px, by_sensor.height_px, *equivalent_px),
+          FocalSource::k35mmEquivalent};
 }
 
 // Inches for centimetres and the like: why the focal plane's resolution is not what it says, by the sensor
@@ -178,8 +243,9 @@ std::optional<Remark> WhyPlaneIsWrong(int width_px, int height_px, const ExifRec
         sensor->native_width_px / sensor->width_mm *
         camera::ScaleFromNative(width_px, height_px, sensor->native_width_px, sensor->native_height_px);
   }
-  if (exif.focal_length_35mm_mm && exif.focal_length_mm && exif.digital_zoom <= 1.0)
-    of_equivalent = FocalPxFrom35mm(*exif.focal_length_35mm_mm, width_px, height_px) / *exif.focal_length_mm;
+  if (const auto equivalent_px = FromEquivalent(width_px, height_px, exif);
+      equivalent_px && exif.focal_length_mm && exif.digital_zoom <= 1.0)
+    of_equivalent = *equivalent_px / *exif.focal_length_mm;
   std::optional<Remark> why;
   for (const Other& other :
        {Other{of_table, RemarkCode::kSensorAsKnown}, Other{of_equivalent, RemarkCode::kSensorByEquivalent}}) {
@@ -215,10 +281,9 @@ double FocalPxFrom35mm(double focal_35mm, int width_px, int height_px) {
 ChosenIntrinsics ChooseIntrinsics(int width_px, int height_px, const ExifRecord& recorded, const XmpTags& xmp,
                                   std::vector<Remark>& notes) {
   if (const auto camera = FromDewarpData(width_px, height_px, xmp))
-    return {*camera, FocalSource::kDewarpData};
-  if (const auto camera = FromCalibratedFocalLength(width_px, height_px, xmp)) {
-    return {*camera, FocalSource::kCalibrated};
-  }
+    return CalibratedWithZoom(*camera, FocalSource::kDewarpData, recorded, notes);
+  if (const auto camera = FromCalibratedFocalLength(width_px, height_px, xmp))
+    return CalibratedWithZoom(*camera, FocalSource::kCalibrated, recorded, notes);
   ExifRecord exif = recorded;
   if (auto why = WhyPlaneIsWrong(width_px, height_px, recorded)) {
     notes.push_back(*std::move(why));
@@ -247,10 +312,12 @@ ChosenIntrinsics ChooseIntrinsics(int width_px, int height_px, const ExifRecord&
     notes.insert(notes.end(), focal_plane_notes.begin(), focal_plane_notes.end());
     return *found;
   }
-  if (const auto found = chosen(table, FocalSource::kSensorTable)) return *found;
-  if (exif.focal_length_35mm_mm) {
-    const double focal_px = FocalPxFrom35mm(*exif.focal_length_35mm_mm, width_px, height_px);
-    if (const auto found = chosen(focal_px, FocalSource::k35mmEquivalent)) return *found;
+  if (const auto found = chosen(table, FocalSource::kSensorTable))
+    return BySensorOrCrop(found->intrinsics, exif, notes);
+  const auto equivalent = FromEquivalent(width_px, height_px, exif);
+  if (const auto found = chosen(equivalent, FocalSource::k35mmEquivalent)) {
+    // Some count the digital zoom in it (phones), some do not.
+    return IsZoomed(exif) ? DoubtedForZoom(found->intrinsics, exif, notes) : *found;
   }
   constexpr double kUsualFocalPerSide = 0.8;
   notes.push_back(RemarkCode::kNoFocalLength);

@@ -6,8 +6,10 @@
 //   EXIF focal length and FocalPlaneXResolution, unless its unit is wrong: by 2.54, 10 or 25.4 off from all
 //     that the next two say, or a sensor's size that does not exist; said in a note
 //   EXIF focal length and the table of sensors
-//   EXIF 35 mm equivalent
+//   EXIF 35 mm equivalent; before the table's, where by it the camera used a part of its sensor only
 //   a usual drone lens (focal length 0.8 of the longer side), said in a note
+// A digital zoom that the tags state counts in each; where the sources do not tell whether a calibration or
+// an equivalent has it in already, it stays as it is, as kDoubtful. All of that is said in a note.
 // Pixels of calibrations belong to the full sensor: they are scaled to a resized image, and kept for one that
 // is cropped to another aspect (camera::ScaleFromNative). Any thread.
 #pragma once

@@ -9,6 +9,7 @@
 #include "core/flight/aside/aside.h"
 #include "core/flight/bytes/log_bytes.h"
 #include "core/flight/photos/jpeg_segments.h"
+#include "core/flight/photos/png_profile.h"
 #include "core/flight/photos/read_photo.h"
 #include "core/flight/photos/sample_format.h"
 #include "core/flight/remarks/because.h"
@@ -35,9 +36,9 @@ bool IsText(const std::vector<std::uint8_t>& bytes) {
 }
 
 Error NotAPhoto(const std::vector<std::uint8_t>& start) {
-  if (Has(start, 4, "ftypheic") || Has(start, 4, "ftypheix") || Has(start, 4, "ftypmif1")) {
-    return Unsupported(RemarkCode::kHeicPicture);
-  }
+  const BoxedPicture boxed = BoxedPictureOf(TextOf(start));
+  if (boxed == BoxedPicture::kHeic) return Unsupported(RemarkCode::kHeicPicture);
+  if (boxed == BoxedPicture::kAvif) return Unsupported(RemarkCode::kAvifPicture);
   if (Has(start, 4, "ftyp")) return Unsupported(RemarkCode::kIsVideo);
   if (Has(start, 0, "RIFF") && Has(start, 8, "WEBP")) {
     return Unsupported(RemarkCode::kWebpPicture);
@@ -117,6 +118,7 @@ Result<ImageHeader> ReadPng(ByteSource& source) {
   constexpr std::size_t kEnoughForSamples = 26;
   header.sample_kind = SampleKindOfPng(source.ReadUpTo(0, kEnoughForSamples));
   bool has_end = false, has_exif = false;
+  std::size_t profiles = 0;
   for (int chunk = 0; chunk < kMaxChunks && !has_end; ++chunk) {
     std::uint8_t head[8];
     if (!source.Read(offset, head)) break;
@@ -131,6 +133,17 @@ Result<ImageHeader> ReadPng(ByteSource& source) {
     } else if (type == "eXIf" && length <= kMaxExif && !has_exif) {
       has_exif = true;
       header.exif = ReadExifSegment(source.ReadUpTo(body, length));
+    } else if ((type == "zTXt" || type == "tEXt") && length <= kMaxText) {
+      if (profiles < kMaxPackets && IsPngProfile(source.ReadUpTo(body, kPngProfileKeyBytes))) {
+        ++profiles;
+        const PngProfile profile = ReadPngProfile(source.ReadUpTo(body, length), type == "zTXt");
+        if (!profile.exif.empty() && !has_exif) {
+          has_exif = true;
+          header.exif = ReadExifSegment(profile.exif);
+        }
+        if (!profile.xmp.empty() && header.xmp_packets.size() < kMaxPackets)
+          header.xmp_packets.push_back(profile.xmp);
+      }
     } else if (type == "iTXt" && length <= kMaxText) {
       constexpr std::string_view kKey("XML:com.adobe.xmp\0\0\0\0\0", 22);  // uncompressed, no language
       if (header.xmp_packets.size() >= kMaxPackets || !Has(source.ReadUpTo(body, kKey.size()), 0, kKey)) {

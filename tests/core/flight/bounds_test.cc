@@ -1,6 +1,8 @@
 // What readers of photos take of files that were made to cost: counted, not timed.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
+#include <zlib.h>
 
 #include <filesystem>
 #include <fstream>
@@ -13,6 +15,7 @@
 #include "core/flight/metadata/xmp.h"
 #include "core/flight/photos/image_header.h"
 #include "core/flight/photos/jpeg_segments.h"
+#include "core/flight/photos/png_profile.h"
 #include "tests/core/flight/synthetic_photo.h"
 
 namespace skyquilt::flight {
@@ -154,6 +157,41 @@ TEST(JpegSegments, TheEndIsLookedForWhereItCanBe) {
   CountingBytes far(bytes, std::uint64_t{100} << 20);
   EXPECT_FALSE(HasEndOfImage(far, 0));
   EXPECT_LT(far.bytes_read, std::uint64_t{65} << 20);
+}
+
+// The text chunk in which ImageMagick keeps EXIF.
+Bytes ProfileChunk(const Bytes& exif, bool is_compressed) {
+  std::string text = fmt::format("\nexif\n    {}\n", exif.size() + 6);
+  std::string bytes("Exif\0\0", 6);
+  bytes.append(exif.begin(), exif.end());
+  for (std::size_t i = 0; i < bytes.size(); ++i)
+    text += fmt::format("{:02x}{}", static_cast<std::uint8_t>(bytes[i]), i % 36 == 35 ? "\n" : "");
+  Bytes chunk;
+  Put(chunk, std::string_view("Raw profile type exif\0", 22));
+  if (!is_compressed) {
+    Put(chunk, text);
+    return chunk;
+  }
+  chunk.push_back(0);
+  Bytes packed(compressBound(text.size()));
+  uLongf size = packed.size();
+  EXPECT_EQ(compress(packed.data(), &size, reinterpret_cast<const Bytef*>(text.data()), text.size()), Z_OK);
+  chunk.insert(chunk.end(), packed.begin(), packed.begin() + static_cast<std::ptrdiff_t>(size));
+  return chunk;
+}
+
+TEST(PngProfile, HasTheExifThatImageMagickKeeps) {
+  const Bytes exif = ExifWriter().Ascii(ExifIfd::kImage, 0x010F, "DJI").Write();
+  for (const bool is_compressed : {true, false}) {
+    const Bytes chunk = ProfileChunk(exif, is_compressed);
+    ASSERT_TRUE(IsPngProfile(chunk));
+    EXPECT_EQ(ReadPngProfile(chunk, is_compressed).exif, exif);
+    // Cut off anywhere.
+    for (std::size_t size = 0; size < chunk.size(); ++size)
+      EXPECT_LE(ReadPngProfile(std::span(chunk).first(size), is_compressed).exif.size(), exif.size());
+  }
+  // What would be larger than anything that cameras write.
+  EXPECT_TRUE(ReadPngProfile(ProfileChunk(Bytes(200'000, 0), true), true).exif.empty());
 }
 
 TEST(PngHeader, OneExifAndFewPacketsAreRead) {

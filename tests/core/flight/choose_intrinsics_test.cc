@@ -183,6 +183,75 @@ TEST(ChooseIntrinsics, LeavesASensorThatNoCameraHasAside) {
   EXPECT_NE(InWords(notes.at(0)).find("1.4 mm wide"), std::string::npos) << InWords(notes.at(0));
 }
 
+// What was chosen, and the one thing that was said of it.
+ChosenIntrinsics ChooseSaying(RemarkCode said, const ExifRecord& exif, const std::string& attributes = "") {
+  XmpTags xmp;
+  EXPECT_TRUE(xmp.AddPacket(XmpPacket(attributes)));
+  std::vector<Remark> notes;
+  const auto chosen = ChooseIntrinsics(4000, 3000, exif, xmp, notes);
+  EXPECT_EQ(notes.size(), 1u);
+  EXPECT_TRUE(!notes.empty() && notes[0].code == said);
+  return chosen;
+}
+
+TEST(ChooseIntrinsics, CountsAZoomOnceInACalibration) {
+  const std::string calibrated = std::string(kDjiNamespace) + "drone-dji:CalibratedFocalLength=\"2340\" ";
+  ExifRecord exif;
+  exif.digital_zoom = 2.0;
+  // The equivalent counts the zoom (4680 px), the calibration does not.
+  exif.focal_length_35mm_mm = 40.0;
+  auto chosen = ChooseSaying(RemarkCode::kZoomCounted, exif, calibrated);
+  EXPECT_EQ(chosen.source, FocalSource::kCalibrated);
+  EXPECT_DOUBLE_EQ(chosen.intrinsics.focal_x_px, 4680.0);
+  // By the lens and the sensor (2340 px), whatever the equivalent counts.
+  exif.model = "FC300S";
+  exif.focal_length_mm = 3.61;
+  exif.focal_length_35mm_mm = 20.0;
+  chosen = ChooseSaying(RemarkCode::kZoomCounted, exif, calibrated);
+  EXPECT_DOUBLE_EQ(chosen.intrinsics.focal_x_px, 4680.0);
+  EXPECT_EQ(Choose(4000, 3000, exif, std::string(kDjiNamespace) + "drone-dji:CalibratedFocalLength=\"4680\"")
+                .intrinsics.focal_x_px,
+            4680.0)
+      << "it has the zoom in already";
+  // Nothing tells.
+  exif.model = "a camera nobody listed";
+  chosen = ChooseSaying(RemarkCode::kZoomDoubtful, exif, calibrated);
+  EXPECT_EQ(chosen.source, FocalSource::kDoubtful);
+  EXPECT_EQ(chosen.intrinsics.focal_x_px, 2340.0);
+  EXPECT_EQ(ChooseSaying(RemarkCode::kZoomDoubtful, exif).source, FocalSource::kDoubtful) << "an equivalent";
+}
+
+TEST(ChooseIntrinsics, CountsAZoomInTheCentreOfACalibration) {
+  ExifRecord exif;
+  exif.model = "FC6310";
+  exif.focal_length_mm = 8.8;
+  exif.digital_zoom = 2.0;
+  const auto chosen = Choose(5472, 3648, exif, kDewarp);
+  EXPECT_EQ(chosen.source, FocalSource::kDewarpData);
+  EXPECT_DOUBLE_EQ(chosen.intrinsics.focal_x_px, 2.0 * 3678.87);
+  EXPECT_DOUBLE_EQ(chosen.intrinsics.center_x_px, 2735.5 - 2.0 * 11.25);
+  EXPECT_EQ(chosen.intrinsics.k1, -0.26);
+}
+
+TEST(ChooseIntrinsics, KnowsACropModeByItsEquivalent) {
+  ExifRecord exif;
+  exif.model = "FC300S";
+  exif.focal_length_mm = 3.61;
+  exif.focal_length_35mm_mm = 20.0;
+  EXPECT_EQ(Choose(4000, 3000, exif).source, FocalSource::kSensorTable);
+  exif.focal_length_35mm_mm = 30.0;
+  const auto crop = ChooseSaying(RemarkCode::kCropOfSensor, exif);
+  EXPECT_EQ(crop.source, FocalSource::k35mmEquivalent);
+  EXPECT_EQ(crop.intrinsics.focal_x_px, FocalPxFrom35mm(30.0, 4000, 3000));
+  // What no crop explains.
+  for (const double equivalent_mm : {10.0, 90.0}) {
+    exif.focal_length_35mm_mm = equivalent_mm;
+    const auto doubted = ChooseSaying(RemarkCode::kFocalLengthsApart, exif);
+    EXPECT_EQ(doubted.source, FocalSource::kDoubtful);
+    EXPECT_NEAR(doubted.intrinsics.focal_x_px, 3.61 / 6.17 * 4000, 1e-9);
+  }
+}
+
 TEST(ChooseIntrinsics, SaysWhenItHadToAssume) {
   XmpTags xmp;
   std::vector<Remark> notes;
@@ -193,9 +262,9 @@ TEST(ChooseIntrinsics, SaysWhenItHadToAssume) {
 }
 
 TEST(FocalSourceName, HasAWordForEach) {
-  for (const auto source :
-       {FocalSource::kDewarpData, FocalSource::kCalibrated, FocalSource::kXmpCamera, FocalSource::kFocalPlane,
-        FocalSource::kSensorTable, FocalSource::k35mmEquivalent, FocalSource::kAssumed}) {
+  for (const auto source : {FocalSource::kDewarpData, FocalSource::kCalibrated, FocalSource::kXmpCamera,
+                            FocalSource::kFocalPlane, FocalSource::kSensorTable, FocalSource::k35mmEquivalent,
+                            FocalSource::kDoubtful, FocalSource::kAssumed}) {
     EXPECT_NE(std::string_view(FocalSourceName(source)), "unknown");
   }
 }

@@ -112,6 +112,53 @@ TEST(ReadPhotoPosition, IsAsUnsureAsTheStepsInWhichItIsWritten) {
   EXPECT_FALSE(sigma_of({505567, 10000}, {0, 1})) << "the decimals stand in the minutes";
 }
 
+// 46.8426 N by the parts given, 7.5 E.
+Photo OfLatitude(std::vector<std::pair<std::uint32_t, std::uint32_t>> parts) {
+  return Read(ExifWriter()
+                  .Rational(ExifIfd::kGps, 2, std::move(parts))
+                  .Rational(ExifIfd::kGps, 4, {{7, 1}, {30, 1}, {0, 1}})
+                  .Ascii(ExifIfd::kGps, 1, "N")
+                  .Ascii(ExifIfd::kGps, 3, "E"));
+}
+
+TEST(ReadPhotoPosition, CountsDecimalsThatAreWrittenTwiceOnce) {
+  const double seconds = 33.36;  // 46 degrees, 50.556 minutes
+  for (const Photo& photo : {OfLatitude({{468426, 10000}, {50, 1}, {3336, 100}}),
+                             OfLatitude({{46, 1}, {50556, 1000}, {3336, 100}}),
+                             OfLatitude({{468426, 10000}, {50556, 1000}, {3336, 100}}),
+                             OfLatitude({{468426, 10000}, {50556, 1000}, {0, 1}})}) {
+    ASSERT_TRUE(photo.position);
+    EXPECT_NEAR(photo.position->position.lat_deg, 46.0 + 50.0 / 60.0 + seconds / 3600.0, 1e-9);
+    EXPECT_TRUE(Notes(photo, "counted once"));
+  }
+  EXPECT_FALSE(Notes(OfLatitude({{46, 1}, {50, 1}, {3336, 100}}), "counted once"));
+  EXPECT_FALSE(Notes(OfLatitude({{468426, 10000}, {0, 1}, {0, 1}}), "counted once"));
+}
+
+TEST(ReadPhotoPosition, DoesNotBelieveDecimalsThatTheNextPartsContradict) {
+  for (const Photo& photo :
+       {OfLatitude({{468426, 10000}, {12, 1}, {0, 1}}), OfLatitude({{46, 1}, {50556, 1000}, {5, 1}})}) {
+    EXPECT_FALSE(photo.position);
+    EXPECT_TRUE(Notes(photo, "not used"));
+  }
+}
+
+TEST(ReadPhotoPosition, ReadsDecimalCommas) {
+  const Photo photo = Read(ExifWriter(), Dji("drone-dji:GpsLatitude=\"46,84260708\" "
+                                             "drone-dji:GpsLongitude=\"-91,99455988\" "
+                                             "drone-dji:RelativeAltitude=\"+73,10\""));
+  ASSERT_TRUE(photo.position);
+  EXPECT_NEAR(photo.position->position.lat_deg, 46.84260708, 1e-9);
+  EXPECT_NEAR(photo.position->position.lon_deg, -91.99455988, 1e-9);
+  EXPECT_EQ(photo.position->height_above_takeoff_m, 73.1);
+  // A list, or thousands.
+  for (const char* text : {"560,650", "1,234.5", "1,2,3", "46,", ",5", "1,2e3", "46,84 N"})
+    EXPECT_FALSE(Read(ExifWriter().Position(46.0, 7.0),
+                      Dji(std::string("drone-dji:RelativeAltitude=\"") + text + "\""))
+                     .position->height_above_takeoff_m)
+        << text;
+}
+
 TEST(ReadPhotoPosition, PrefersTheFinerOfTwoWritingsOfOnePosition) {
   const ExifWriter coarse = ExifWriter()
                                 .Rational(ExifIfd::kGps, 2, {{46, 1}, {50, 1}, {33, 1}})

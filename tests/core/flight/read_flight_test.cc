@@ -113,6 +113,76 @@ TEST(ReadFlight, KeepsTwoPhotosOfOneNameAndDropsTrueDoubles) {
   EXPECT_THAT(InWords(flight.left_out[0].reason), HasSubstr("DJI_0001.JPG"));
 }
 
+// A file of the exposure, and behind its tags the picture that `content` stands for.
+Bytes TaggedPhoto(double lat_deg, std::uint32_t error_cm, std::uint8_t content) {
+  ExifWriter exif;
+  exif.Ascii(ExifIfd::kImage, 0x010F, "DJI").Ascii(ExifIfd::kExif, 0x9003, "2021:06:03 12:00:00");
+  if (lat_deg != 0.0) exif.Position(lat_deg, 7.0);
+  if (error_cm > 0) exif.Rational(ExifIfd::kGps, 0x1F, {{error_cm, 100}});
+  Bytes bytes = JpegHeader({.exif = exif.Write()});
+  bytes[bytes.size() - 3] = content;  // before the end marker
+  return bytes;
+}
+
+TEST(ReadFlight, UsesOfFilesOfOnePictureTheOneOfTheBestPosition) {
+  const Folder folder;
+  folder.Write("DJI_0001.JPG", TaggedPhoto(1.0, 0, 1));
+  folder.Write("PPK/DJI_0001.JPG", TaggedPhoto(1.00001, 2, 1));
+  folder.Write("DJI_0002.JPG", TaggedPhoto(0.0, 0, 2));
+  folder.Write("geotagged/DJI_0002_geotag.JPG", TaggedPhoto(1.1, 0, 2));
+  folder.Write("DJI_0003.JPG", TaggedPhoto(1.2, 0, 3));
+  folder.Write("out/DJI_0003_geotag.JPG", TaggedPhoto(1.20001, 0, 3));
+  const Flight flight = Read(folder);
+  EXPECT_THAT(Names(flight), ::testing::UnorderedElementsAre("PPK/DJI_0001.JPG", "DJI_0002_geotag.JPG",
+                                                             "DJI_0003_geotag.JPG"));
+  ASSERT_EQ(flight.left_out.size(), 3u);
+  EXPECT_EQ(flight.left_out[0].code, ErrorCode::kConflict);
+  EXPECT_THAT(InWords(flight.left_out[0].reason), HasSubstr("PPK/DJI_0001.JPG"));
+}
+
+TEST(ReadFlight, KeepsPicturesOfARigThatHaveOneNameAndSecond) {
+  const Folder folder;
+  folder.Write("A/DSC_0001.JPG", TaggedPhoto(1.0, 0, 1));
+  folder.Write("B/DSC_0001.JPG", TaggedPhoto(1.0, 0, 2));
+  folder.Write("C/DSC_0001.JPG", TaggedPhoto(1.0, 0, 3));
+  EXPECT_EQ(Read(folder).photos.size(), 3u);
+}
+
+TEST(ReadFlight, TakesPositionsOfFilesBesidePhotosThatHaveNone) {
+  const auto beside = [](const std::string& lat) {
+    const std::string xmp =
+        XmpPacket("xmlns:exif=\"http://ns.adobe.com/exif/1.0/\" exif:GPSLatitude=\"" + lat +
+                  "\" exif:GPSLongitude=\"7,0.0E\" exif:GPSAltitude=\"5105/10\" exif:GPSAltitudeRef=\"0\"");
+    return Bytes(xmp.begin(), xmp.end());
+  };
+  const auto without_tags = [](std::uint8_t content) {
+    Bytes bytes = JpegHeader({});
+    bytes[bytes.size() - 3] = content;
+    return bytes;
+  };
+  const Folder folder;
+  folder.Write("a.JPG", without_tags(1));
+  folder.Write("a.xmp", beside("46,30.0N"));
+  folder.Write("b.JPG", without_tags(2));
+  folder.Write("b.JPG.XMP", beside("46,30.6N"));
+  folder.Write("c.JPG", PhotoAt(46.52, ""));
+  folder.Write("c.xmp", beside("10,0.0N"));
+  folder.Write("other/d.JPG", without_tags(3));
+  folder.Write("d.xmp", beside("10,0.0N"));
+  const Flight flight = Read(folder);
+  ASSERT_EQ(Names(flight), (std::vector<std::string>{"a.JPG", "b.JPG", "c.JPG", "d.JPG"}));
+  ASSERT_TRUE(flight.photos[0].position && flight.photos[1].position);
+  EXPECT_NEAR(flight.photos[0].position->position.lat_deg, 46.5, 1e-9);
+  EXPECT_EQ(flight.photos[0].position->height_amsl_m, 510.5);
+  EXPECT_NEAR(flight.photos[1].position->position.lat_deg, 46.51, 1e-9);
+  EXPECT_NEAR(flight.photos[2].position->position.lat_deg, 46.52, 1e-6);
+  EXPECT_FALSE(flight.photos[3].position) << "of another folder";
+  EXPECT_THAT(InWords(flight.warnings),
+              Contains(HasSubstr("2 .xmp files beside photos are not used (c.xmp first)")));
+  EXPECT_THAT(InWords(flight.warnings),
+              Contains(HasSubstr("2 of 4 photos (a.JPG first): The position is that of")));
+}
+
 TEST(ReadFlight, MakesGivenNamesUnique) {
   const Folder folder;
   folder.Write("x", PhotoAt(1.0, "2021:06:03 12:00:00"));
@@ -153,6 +223,18 @@ TEST(ListInputFiles, NamesWhatIsMissingAndTakesEachFileOnce) {
   const auto twice = ListInputFiles({folder.path(), folder.path() / "a.jpg"});
   ASSERT_TRUE(twice.ok());
   EXPECT_EQ(twice->size(), 1u);
+}
+
+TEST(ListInputFiles, PassesOverFoldersOfPrograms) {
+  const Folder folder;
+  folder.Write("DJI_0001.JPG", PhotoAt(1.0, ""));
+  for (const char* name : {"@eaDir/DJI_0001.JPG/SYNOPHOTO_THUMB_M.jpg", "$RECYCLE.BIN/a.jpg",
+                           "#recycle/b.jpg", ".thumbnails/c.jpg", "__MACOSX/d.jpg"})
+    folder.Write(name, PhotoAt(1.1, ""));
+  const auto files = ListInputFiles({folder.path()});
+  ASSERT_TRUE(files.ok());
+  ASSERT_EQ(files->size(), 1u);
+  EXPECT_EQ(files->front().name, "DJI_0001.JPG");
 }
 
 TEST(ReadFlight, ListsWhatIsNoFileAtAll) {
@@ -309,6 +391,8 @@ TEST(LooksLikeFilm, TellsFilmsFromPicturesInTheSameContainer) {
       LooksLikeFilm(std::string_view("\0\0\0\x18"
                                      "ftypheic",
                                      12)));
+  for (const char* brand : {"avif", "avis", "msf1", "hevx", "crx "})
+    EXPECT_FALSE(LooksLikeFilm(std::string("\0\0\0\x18", 4) + "ftyp" + brand)) << brand;
   EXPECT_FALSE(LooksLikeFilm("\xff\xd8\xff"));
   EXPECT_FALSE(LooksLikeFilm(""));
 }

@@ -158,6 +158,12 @@ TEST(ReadPhoto, RefusesOtherFilesInWordsThatHelp) {
                                           12)))
                   .message,
               HasSubstr("HEIC"));
+  for (const char* brands : {"avif", "avis", "mif1    heicavif", "msf1    msf1avis"})
+    EXPECT_THAT(Refusal(BytesOf(std::string("\0\0\0\x18", 4) + "ftyp" + brands)).message, HasSubstr("AVIF"))
+        << brands;
+  for (const char* brands : {"hevc", "msf1", "mif1    mif1heic"})
+    EXPECT_THAT(Refusal(BytesOf(std::string("\0\0\0\x18", 4) + "ftyp" + brands)).message, HasSubstr("HEIC"))
+        << brands;
   EXPECT_THAT(Refusal(BytesOf("PK\x03\x04 rest")).message, HasSubstr("ZIP"));
   EXPECT_THAT(Refusal(TiffImage(ExifWriter().Undefined(ExifIfd::kImage, 0xC612, {1, 4, 0, 0}), 32, 24,
                                 Bytes(32 * 24 * 3)))

@@ -69,6 +69,17 @@ TEST(PlanMosaic, RefusesPixelsFarFinerThanThePhotos) {
   EXPECT_TRUE(render::PlanMosaic(flight, ground, {.gsd_m = 0.005}).ok());
 }
 
+TEST(PlanMosaic, IsAsFineAsTheLargePicturesAmongAsManySmallOnes) {
+  const auto ground = ground::GroundSurface::Plane(0.0);
+  auto flight = FlightAt({60.0, 60.0, 60.0, 60.0, 60.0, 60.0});  // 2 cm
+  for (std::size_t i = 0; i < 3; ++i)
+    flight.photos[i].intrinsics = camera::Intrinsics::Centered(1000, 750, 750.0);  // of the same view, 8 cm
+  EXPECT_NEAR(render::PlanMosaic(flight, ground, {})->gsd_m, 0.02, 1e-9);
+  // Of one size the middle picture decides, of two middles the upper.
+  EXPECT_NEAR(render::PlanMosaic(FlightAt({60.0, 90.0, 30.0}), ground, {})->gsd_m, 0.02, 1e-9);
+  EXPECT_NEAR(render::PlanMosaic(FlightAt({60.0, 90.0, 30.0, 120.0}), ground, {})->gsd_m, 0.03, 1e-9);
+}
+
 TEST(PlanMosaic, IsNotFinerThanThePhotosWhereThatIsAskedFor) {
   const auto flight = FlightAt({60.0, 60.0});  // 2 cm
   const auto ground = ground::GroundSurface::Plane(0.0);

@@ -16,6 +16,8 @@ const kOtherFilms = new Set(['avi', 'mkv', 'lrf', 'lrv', 'ts']);
 const kArchiveName = /\.(zip|tar|tgz|tar\.gz)$/i;
 // So many of a file's folders stand in front of its name at most.
 const kMaxFolders = 8;
+// What network drives and systems keep in folders of their own: previews of each photo, deleted files.
+const kFolderOfPrograms = /(^|\/)(@eadir|[@#]recycle|\$recycle\.bin|system volume information|__macosx)\//i;
 const kOtherArchives = new Set(['7z', 'rar', 'gz', 'bz2', 'xz']);
 
 /**
@@ -58,7 +60,7 @@ export async function selectFiles(found) {
   const sorted = [...found].sort((a, b) => (a.path < b.path ? -1 : a.path > b.path ? 1 : 0));
   for (const { file, path } of sorted) {
     const name = path.slice(path.lastIndexOf('/') + 1);
-    if (name.startsWith('.') || /^(thumbs\.db|desktop\.ini)$/i.test(name)) continue;
+    if (name.startsWith('.') || /^(thumbs\.db|desktop\.ini)$/i.test(name) || kFolderOfPrograms.test(path)) continue;
     const kind = extension(name);
     let reason = '';
     if (kOtherFilms.has(kind)) reason = reasons.film;

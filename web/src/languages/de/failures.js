@@ -80,6 +80,7 @@ export const failure_words = {
   fail_boundary_unusable: () => 'Die Fläche lässt sich nicht verwenden. Geben Sie einen oder mehrere geschlossene Umrisse als GeoJSON oder KML an, mit Längen und Breiten in Grad (WGS 84).',
   fail_boundary_unread: () => 'Die Fläche ist weder GeoJSON noch KML. Wählen Sie eine Datei mit einem Umriss in einem dieser Formate.',
   fail_import_missing: (v) => `Dieser Flug hat keine Datei „${v.file}“ zum Importieren. Fügen Sie sie zuerst hinzu.`,
+  avif_picture: () => 'Ein AVIF-Bild. Wandeln Sie es in JPEG um, mit seinen Metadaten.',
   heic_picture: () => 'Ein HEIC-Bild. Wandeln Sie es in JPEG um, mit seinen Metadaten.',
   webp_picture: () => 'Ein WebP-Bild. Wandeln Sie es in JPEG um, mit seinen Metadaten.',
   is_video: () => `Ein Video. ${photo_formats}`,

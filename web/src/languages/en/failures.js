@@ -83,6 +83,7 @@ export const failure_words = {
   fail_boundary_unusable: () => 'The area cannot be used. Give one or more closed outlines as GeoJSON or KML, with longitudes and latitudes of WGS 84 in degrees.',
   fail_boundary_unread: () => 'The area is neither GeoJSON nor KML. Choose a file with an outline in one of these formats.',
   fail_import_missing: (v) => `This flight has no file “${v.file}” to be imported. Add it first.`,
+  avif_picture: () => 'An AVIF picture. Convert it to JPEG, keeping the metadata.',
   heic_picture: () => 'A HEIC picture. Convert it to JPEG, keeping the metadata.',
   webp_picture: () => 'A WebP picture. Convert it to JPEG, keeping the metadata.',
   is_video: () => `A video. ${photo_formats}`,
