@@ -118,6 +118,7 @@ struct Photo {
   std::optional<UtcTime> captured_at;
   bool captured_at_is_local = false;                    // the clock was local and the zone is unknown
   std::optional<std::chrono::minutes> clock_minus_utc;  // the zone of the camera's clock, where it is known
+  std::optional<UtcTime> receiver_time;  // as a receiver of GNSS told it, whatever the camera's clock
   std::optional<RecordedPosition> position;
   std::optional<double> lone_height_above_takeoff_m;  // recorded without a position, which has its own
   std::optional<RecordedAttitude> attitude;

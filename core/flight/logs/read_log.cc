@@ -63,7 +63,36 @@ bool IsDjiFlightRecord(LogBytes head, std::string_view name) {
   return named && !LooksLikeText(TextOf(head));
 }
 
+// What a ground station plans, before anything is flown: Mission Planner's waypoints, QGroundControl's plan.
+bool IsPlannedRoute(std::string_view text) {
+  text = Trim(text);
+  const bool is_plan = text.starts_with('{') && text.find("\"fileType\"") != std::string_view::npos &&
+                       text.find("\"Plan\"") != std::string_view::npos;
+  return text.starts_with("QGC WPL") || is_plan;
+}
+
+// A watch's or a cycle computer's track (FIT SDK, file header).
+bool IsFit(LogBytes head) { return head.size() >= 12 && TextOf(head).substr(8, 4) == ".FIT"; }
+
+// What a receiver observed, before any position was computed of it: RTCM 3 (RTCM 10403, transport layer).
+bool IsRtcm3(LogBytes head, std::string_view name) {
+  constexpr std::size_t kHeader = 3, kParity = 3;
+  const auto begins_at = [&](std::size_t at) {
+    return at + kHeader <= head.size() && head[at] == 0xD3 && (head[at + 1] & 0xFC) == 0;
+  };
+  if (!begins_at(0)) return false;
+  if (LowerCase(name).find("ppkraw") != std::string::npos) return true;
+  const std::size_t length = 256U * (head[1] & 0x03U) + head[2];
+  return begins_at(kHeader + length + kParity);
+}
+
 Result<const Format*> RecogniseOrExplain(LogBytes head, std::string_view name) {
+  const auto refuse = [&](RemarkCode why) {
+    return Because(ErrorCode::kUnsupportedFormat, {why, {{"file", name}}});
+  };
+  if (IsPlannedRoute(TextOf(head))) return refuse(RemarkCode::kFileIsPlan);
+  if (IsFit(head)) return refuse(RemarkCode::kFileIsFit);
+  if (IsRtcm3(head, name)) return refuse(RemarkCode::kFileIsObservations);
   if (IsDjiFlightRecord(head, name)) {
     return Because(ErrorCode::kUnsupportedFormat, {RemarkCode::kFileEncrypted, {{"file", name}}});
   }

@@ -45,14 +45,16 @@ std::optional<std::chrono::minutes> ZoneOf(const ExifRecord& exif, UtcTime utc) 
   return step->zone;
 }
 
-}  // namespace
-
-CaptureTime ChooseCaptureTime(const ExifRecord& exif, const XmpTags& xmp, std::vector<Remark>& notes) {
+// The time of exposure as the receiver counts it.
+std::optional<UtcTime> UtcInXmp(const XmpTags& xmp) {
   for (const std::string_view name : {"drone-dji:UTCAtExposure", "sensefly:UTCTime"}) {
-    if (const auto time = ParseExifTime(xmp.Text(name))) {
-      return {InUtc(*time), false, ZoneOf(exif, InUtc(*time))};
-    }
+    if (const auto time = ParseExifTime(xmp.Text(name))) return InUtc(*time);
   }
+  return std::nullopt;
+}
+
+CaptureTime TimeOfClocks(const ExifRecord& exif, const XmpTags& xmp, std::vector<Remark>& notes) {
+  if (const auto utc = UtcInXmp(xmp)) return {utc, false, ZoneOf(exif, *utc)};
   if (exif.taken_at && exif.clock_minus_utc) {
     return {UtcTime(*exif.taken_at - *exif.clock_minus_utc), false, exif.clock_minus_utc};
   }
@@ -72,6 +74,15 @@ CaptureTime ChooseCaptureTime(const ExifRecord& exif, const XmpTags& xmp, std::v
     }
   }
   return {};
+}
+
+}  // namespace
+
+CaptureTime ChooseCaptureTime(const ExifRecord& exif, const XmpTags& xmp, std::vector<Remark>& notes) {
+  CaptureTime time = TimeOfClocks(exif, xmp, notes);
+  time.by_receiver = UtcInXmp(xmp);
+  if (!time.by_receiver) time.by_receiver = exif.gps_time;
+  return time;
 }
 
 namespace {

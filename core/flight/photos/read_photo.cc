@@ -176,6 +176,7 @@ Result<Photo> ReadPhotoFrom(const std::string& name, ByteSource& source) {
   photo.captured_at = time.captured_at;
   photo.captured_at_is_local = time.is_local;
   photo.clock_minus_utc = time.clock_minus_utc;
+  photo.receiver_time = time.by_receiver;
   photo.position = PositionFromTags(exif, xmp, photo.notes);
   if (!photo.position) photo.lone_height_above_takeoff_m = HeightAboveTakeoffFromTags(xmp);
   photo.attitude = AttitudeFromTags(xmp, ReadMakerNote(header.exif), photo.make, photo.notes);

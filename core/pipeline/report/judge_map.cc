@@ -12,6 +12,7 @@
 #include "core/base/median.h"
 #include "core/flight/remarks/remark.h"
 #include "core/poses/evidence/common_error.h"
+#include "core/poses/time/time_sync.h"
 
 namespace skyquilt::pipeline {
 namespace {
@@ -227,6 +228,8 @@ AbsoluteAccuracy ByPositions(const JudgedMap& map) {
   if (map.poses.log_position_sigma_m && (2 * by_log >= placed || by_log >= positions.records.size())) {
     const std::size_t count = std::min(by_log, placed);
     const AbsoluteSupport by = map.poses.log_is_corrected ? AbsoluteSupport::kRtk : AbsoluteSupport::kGnss;
+    // Of the places on the track nobody knows which are the photos'.
+    if (map.poses.time_sigma_s.value_or(0.0) >= poses::kOpenClockSigmaS) return {std::nullopt, by, 0};
     if (count == 0 || AreFewPositions(count, placed)) return {std::nullopt, by, static_cast<int>(count)};
     const double noise_m =
         map.alignment == nullptr ? 0.0 : map.alignment->position_residual_m / std::sqrt(2.0);

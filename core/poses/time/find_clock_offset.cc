@@ -8,18 +8,23 @@
 #include <functional>
 #include <limits>
 #include <span>
+#include <string>
 #include <utility>
 
 #include "core/base/median.h"
+#include "core/base/text/printable.h"
+#include "core/flight/remarks/because.h"
 #include "core/geo/local_frame.h"
+#include "core/poses/time/clock_zone.h"
 #include "core/poses/time/event_alignment.h"
-#include "core/poses/time/join_logs.h"
+#include "core/poses/time/log_cover.h"
 
 namespace skyquilt::poses {
 namespace {
 
 using flight::FlightLog;
 using flight::Photo;
+using flight::RemarkCode;
 
 constexpr double kLongestGapS = 2.0;
 constexpr double kCoarseStepS = 0.5;
@@ -154,6 +159,8 @@ std::optional<ClockOffset> SearchByPositions(std::span<const TimedPosition> phot
 
 // Of a camera's clock that claims UTC and is not checked by anything.
 constexpr double kCameraClockSigmaS = 2.0;
+// Zones that fit as well are a quarter of an hour away, or more.
+static_assert(kOpenClockSigmaS >= 900.0);
 
 class OffsetSearch {
  public:
@@ -169,14 +176,15 @@ class OffsetSearch {
     MakeTrack();
   }
 
-  std::optional<TimeSync> Run() {
+  Result<TimeSync> Run() {
     if (!track_.empty() && ByPositions()) return found_;
     // Photos that know where they were and fit nowhere on the track belong to another flight: clocks alone
     // must not tie them to this one.
     const auto placed = std::count_if(camera_.photo.begin(), camera_.photo.end(),
                                       [&](std::size_t i) { return photos_[i].position.has_value(); });
-    if (!track_.empty() && placed >= 3) return std::nullopt;
-    if (!ByClocks()) return std::nullopt;
+    if (!track_.empty() && placed >= 3) return NotTied(RemarkCode::kNotTiedByPositions);
+    if (!log_.utc_at_zero && !log_.local_at_zero) return NotTied(RemarkCode::kNotTiedWithoutDate);
+    if (!ByClocks()) return NotTied(SpansApart());
     return found_;
   }
 
@@ -210,53 +218,64 @@ class OffsetSearch {
     return true;
   }
 
-  // Only the clocks as they stand. A local clock may be any whole quarter hour off: the one that puts the
-  // photos into the log is taken when it is the only one.
+  // Only the clocks as they stand: UTC, or a camera's clock in whatever zone puts the photos into the log.
   bool ByClocks() {
-    if (!log_.utc_at_zero && !log_.local_at_zero) return false;
-    const LogSpan span = Span();
-    if (span.IsEmpty()) return false;
-    const flight::UtcTime zero = log_.utc_at_zero ? *log_.utc_at_zero : *log_.local_at_zero;
-    const double as_it_stands = SecondsBetween(zero, first_);
-    const double last = refined_.times_s.back();
-    const bool both_utc = log_.utc_at_zero && !photos_[camera_.photo.front()].captured_at_is_local;
-    std::vector<double> fitting;
-    for (int quarter = -56; quarter <= 56; ++quarter) {
-      if (both_utc && quarter != 0) continue;
-      const double offset = as_it_stands - quarter * 900.0;
-      // A zone is guessed only where it puts all photos into the log; UTC holds for those that lie outside
-      // too.
-      const bool fits = both_utc ? offset < span.end_s && offset + last > span.begin_s
-                                 : offset > span.begin_s - 5.0 && offset + last < span.end_s + 5.0;
-      if (fits) fitting.push_back(offset);
-    }
-    if (fitting.empty()) return false;
-    const auto nearest = std::min_element(fitting.begin(), fitting.end(), [&](double a, double b) {
-      return std::abs(a - as_it_stands) < std::abs(b - as_it_stands);
-    });
+    const double as_it_stands = SecondsBetween(ZeroOfLog(), first_);
     found_.method = TimeSyncMethod::kClocks;
-    found_.offset_s = *nearest;
     found_.sigma_s = std::hypot(kCameraClockSigmaS, log_.utc_sigma_s);
-    if (fitting.size() > 1) found_.sigma_s = 900.0;
     found_.method_in_words = fmt::format("the clocks of camera and log as they stand{}", stamps_);
-    if (!both_utc)
-      found_.notes.emplace_back(
-          "the camera's clock is local: the zone that puts the photos into the log was taken");
-    if (fitting.size() > 1)
-      found_.notes.push_back(fmt::format("{} time zones would fit the log", fitting.size()));
+    if (log_.utc_at_zero && !photos_[camera_.photo.front()].captured_at_is_local) {
+      found_.offset_s = as_it_stands;
+      const LogCover cover(log_);
+      return std::any_of(refined_.times_s.begin(), refined_.times_s.end(),
+                         [&](double t_s) { return cover.Covers(t_s + as_it_stands); });
+    }
+    const auto zone = ChooseZone(photos_, camera_, refined_.times_s, as_it_stands, log_);
+    if (!zone) return false;
+    found_.offset_s = zone->offset_s;
+    found_.notes.emplace_back(
+        "the camera's clock is local: the zone that puts the photos into the log was taken");
+    if (zone->covered < refined_.times_s.size()) {
+      found_.notes.push_back(
+          fmt::format("the log covers {} of {}", zone->covered, Counted(refined_.times_s.size(), "photo")));
+    }
+    if (zone->fitting > 1)
+      found_.notes.push_back(fmt::format("{} time zones would fit the log", zone->fitting));
+    if (!zone->decided_by.empty()) found_.notes.push_back(zone->decided_by + " which of them it is");
+    if (!zone->open_with_min.empty()) LeaveOpen(*zone);
     return true;
   }
 
-  LogSpan Span() const {
-    LogSpan span;
-    span.Take(log_.gnss);
-    span.Take(log_.attitude);
-    span.Take(log_.imu);
-    span.Take(log_.baro);
-    const bool any_timed = std::any_of(log_.events.begin(), log_.events.end(),
-                                       [](const flight::CameraEvent& event) { return event.has_time; });
-    if (any_timed) span.Take(log_.events);
-    return span;
+  void LeaveOpen(const ZoneChoice& zone) {
+    found_.sigma_s = kOpenClockSigmaS;
+    std::string others;
+    for (const int other_min : zone.open_with_min)
+      others += fmt::format("{}UTC{}", others.empty() ? "" : ", ", ZoneInWords(other_min));
+    found_.warnings.push_back({RemarkCode::kZoneOpen,
+                               {{"file", log_.file_name},
+                                {"zone", "UTC" + ZoneInWords(zone.zone_min)},
+                                {"others", std::move(others)}}});
+  }
+
+  flight::UtcTime ZeroOfLog() const { return log_.utc_at_zero ? *log_.utc_at_zero : *log_.local_at_zero; }
+
+  // When the photos were taken, and when the log was written.
+  flight::Remark SpansApart() const {
+    const LogCover cover(log_);
+    const auto at = [](flight::UtcTime zero, double s) { return DateInWords(LaterBy(zero, s)); };
+    if (cover.IsEmpty()) return RemarkCode::kNotTiedNoEvents;
+    return {RemarkCode::kNotTiedByClocks,
+            {{"taken_from", at(first_, camera_.stamp_s.front())},
+             {"taken_until", at(first_, camera_.stamp_s.back())},
+             {"log_from", at(ZeroOfLog(), cover.stretches().front().begin_s)},
+             {"log_until", at(ZeroOfLog(), cover.stretches().back().end_s)}}};
+  }
+
+  Error NotTied(flight::Remark why) const {
+    why.values.emplace("photos", photos_.size());
+    why.values.emplace("file", log_.file_name);
+    if (why.code != RemarkCode::kNotTiedByClocks) why.values.emplace("positions", log_.gnss.size());
+    return flight::Because(ErrorCode::kUnprocessable, std::move(why));
   }
 
   const std::vector<Photo>& photos_;
@@ -272,8 +291,8 @@ class OffsetSearch {
 
 }  // namespace
 
-std::optional<TimeSync> FindClockOffset(const std::vector<Photo>& photos, const StampedPhotos& camera,
-                                        flight::UtcTime first, const FlightLog& log) {
+Result<TimeSync> FindClockOffset(const std::vector<Photo>& photos, const StampedPhotos& camera,
+                                 flight::UtcTime first, const FlightLog& log) {
   return OffsetSearch(photos, camera, first, log).Run();
 }
 

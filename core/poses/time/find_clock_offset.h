@@ -4,9 +4,9 @@
 // thread.
 #pragma once
 
-#include <optional>
 #include <vector>
 
+#include "core/base/result.h"
 #include "core/flight/logs/flight_log.h"
 #include "core/flight/photo.h"
 #include "core/poses/time/stamped_photos.h"
@@ -14,9 +14,9 @@
 
 namespace skyquilt::poses {
 
-// Without the photos' times. `first`: the stamp from which the camera's stamps count. Nothing where the two
-// cannot be tied.
-std::optional<TimeSync> FindClockOffset(const std::vector<flight::Photo>& photos, const StampedPhotos& camera,
-                                        flight::UtcTime first, const flight::FlightLog& log);
+// Without the photos' times. `first`: the stamp from which the camera's stamps count. Error: kUnprocessable,
+// with the reason, where the two cannot be tied.
+Result<TimeSync> FindClockOffset(const std::vector<flight::Photo>& photos, const StampedPhotos& camera,
+                                 flight::UtcTime first, const flight::FlightLog& log);
 
 }  // namespace skyquilt::poses

@@ -9,42 +9,15 @@
 
 #include "core/base/median.h"
 #include "core/poses/time/event_list.h"
+#include "core/poses/time/log_cover.h"
+#include "core/poses/time/order_logs.h"
+#include "core/poses/time/stamped_photos.h"
 
 namespace skyquilt::poses {
 namespace {
 
 using flight::FlightLog;
 using flight::RemarkCode;
-
-bool HasTimedEvents(const FlightLog& log) {
-  return std::any_of(log.events.begin(), log.events.end(), [](const auto& e) { return e.has_time; });
-}
-
-// Kinds of series, the inertial and attitude ones before all: they are what no other file can give.
-int Worth(const FlightLog& log) {
-  return (log.imu.empty() ? 0 : 8) + (log.attitude.empty() ? 0 : 8) + (log.gnss.empty() ? 0 : 4) +
-         (log.baro.empty() ? 0 : 1) + (log.range.empty() ? 0 : 1) + (HasTimedEvents(log) ? 1 : 0);
-}
-
-LogSpan SpanOf(const FlightLog& log) {
-  LogSpan span;
-  span.Take(log.imu);
-  span.Take(log.attitude);
-  span.Take(log.gnss);
-  span.Take(log.baro);
-  return span;
-}
-
-LogSpan SpanOfEvents(const FlightLog& log, LogSpan span = {}) {
-  for (const flight::CameraEvent& event : log.events) {
-    if (!event.has_time) continue;
-    span.begin_s = std::min(span.begin_s, event.t_s);
-    span.end_s = std::max(span.end_s, event.t_s);
-  }
-  return span;
-}
-
-LogSpan SpanWithEvents(const FlightLog& log) { return SpanOfEvents(log, SpanOf(log)); }
 
 // Two lists of the same exposures, where one of them has nothing else.
 bool EventsMeet(const FlightLog& a, const FlightLog& b) { return SpanOfEvents(a).Meets(SpanOfEvents(b)); }
@@ -62,12 +35,6 @@ bool NamesPhotos(const FlightLog& log) {
 bool PlacesPhotos(const FlightLog& log) {
   return std::any_of(log.events.begin(), log.events.end(),
                      [](const auto& event) { return event.has_time && event.position.has_value(); });
-}
-
-bool IsMostlyFixed(const std::vector<flight::GnssSample>& samples) {
-  const auto fixed =
-      std::count_if(samples.begin(), samples.end(), [](const auto& s) { return s.is_rtk_fixed; });
-  return 2 * fixed > static_cast<std::ptrdiff_t>(samples.size());
 }
 
 template <typename Sample>
@@ -125,15 +92,31 @@ std::optional<double> BaroZero(const FlightLog& log) {
   return Median(std::move(zeros));
 }
 
+// How far two tracks lie from each other where both are; nothing where they are not.
+std::optional<double> TracksApartM(const FlightLog& a, const FlightLog& b) {
+  constexpr std::size_t kCompared = 500;
+  if (a.gnss.empty()) return std::nullopt;
+  const LogCover cover(a);
+  std::vector<double> apart_m;
+  const std::size_t step = std::max<std::size_t>(1, b.gnss.size() / kCompared);
+  for (std::size_t i = 0; i < b.gnss.size(); i += step) {
+    if (const auto at = cover.PositionAt(b.gnss[i].t_s))
+      apart_m.push_back((*at - cover.InPlane(b.gnss[i].position)).norm());
+  }
+  return MedianIfAny(std::move(apart_m));
+}
+
 class Joiner {
  public:
-  Joiner(const FlightLog& leader, JoinedLog& out) : out_(out) {
-    out_.log = Shifted(leader, 0.0);
-    out_.notes.push_back(fmt::format("{} ({})", leader.file_name, leader.format));
+  Joiner(const RankedLog& leader, double most_apart_s, JoinedLog& out)
+      : merit_(leader.merit), most_apart_s_(most_apart_s), out_(out) {
+    out_.log = Shifted(*leader.log, 0.0);
+    out_.notes.push_back(fmt::format("{} ({})", leader.log->file_name, leader.log->format));
   }
 
-  void Take(const FlightLog& other) {
+  void Take(const RankedLog& ranked) {
     FlightLog& log = out_.log;
+    const FlightLog& other = *ranked.log;
     const bool both_know_utc = log.utc_at_zero && other.utc_at_zero;
     if (!both_know_utc) {
       TakeByCounter(other);
@@ -141,8 +124,17 @@ class Joiner {
     }
     const double shift_s = std::chrono::duration<double>(*other.utc_at_zero - *log.utc_at_zero).count();
     FlightLog moved = Shifted(other, shift_s);
+    const LogSpan here = SpanWithEvents(log), there = SpanWithEvents(moved);
+    if (HoleBetweenS(here, there) > most_apart_s_) {
+      out_.warnings.push_back({RemarkCode::kLogOfOtherDay,
+                               {{"file", other.file_name},
+                                {"log_from", DateInWords(LaterBy(*log.utc_at_zero, there.begin_s))},
+                                {"other", log.file_name},
+                                {"other_from", DateInWords(LaterBy(*log.utc_at_zero, here.begin_s))}}});
+      return;
+    }
     if (SpanOf(log).Meets(SpanOf(moved)) || EventsMeet(log, moved)) {
-      Complete(std::move(moved));
+      Complete(std::move(moved), ranked.merit);
     } else {
       Lengthen(std::move(moved));
     }
@@ -177,7 +169,7 @@ class Joiner {
                                 {"without", without_utc}}});
       return;
     }
-    Complete(std::move(moved));
+    Complete(std::move(moved), {});
     out_.notes.back() += fmt::format(", its times being those that {} counts", log.file_name);
   }
 
@@ -201,15 +193,39 @@ class Joiner {
     Append(log.events, std::move(more.events));
   }
 
-  void Complete(FlightLog more) {
+  // A second track of the same time, where the two do not agree: which of them counts is said.
+  void SayOtherTrack(const FlightLog& more, double apart_m, const LogMerit& merit) {
+    out_.warnings.push_back({RemarkCode::kTrackOfSameTime,
+                             {{"file", more.file_name},
+                              {"other", out_.log.file_name},
+                              {"apart_m", apart_m},
+                              {"why", WhyBefore(merit_, merit)}}});
+  }
+
+  void Complete(FlightLog more, const LogMerit& merit) {
     FlightLog& log = out_.log;
+    // Receivers without corrections agree within some metres.
+    constexpr double kAgreeWithinM = 5.0;
+    std::optional<double> apart_m;
+    if (merit.is_compared) apart_m = TracksApartM(log, more);
+    if (apart_m && *apart_m < kAgreeWithinM) apart_m.reset();
+    // It lay at the start, or in a pocket: nothing of it is the aircraft's.
+    if (merit.stands && apart_m) {
+      out_.notes.push_back(
+          fmt::format("{} ({}) stood while the photos were taken", more.file_name, more.format));
+      SayOtherTrack(more, *apart_m, merit);
+      return;
+    }
     std::string taken;
     const auto fill = [&taken](auto& into, auto& from, const char* what, bool is_better) {
       if (from.empty() || (!into.empty() && !is_better)) return;
       into = std::move(from);
       taken += fmt::format("{}{}", taken.empty() ? "" : ", ", what);
     };
-    const bool better_track = IsMostlyFixed(more.gnss) && !IsMostlyFixed(log.gnss);
+    // A base station's track is corrected too.
+    const bool is_elsewhere = apart_m && merit_.ties && !merit.ties;
+    const bool better_track = IsMostlyFixed(more.gnss) && !IsMostlyFixed(log.gnss) && !is_elsewhere;
+    if (apart_m && !better_track) SayOtherTrack(more, *apart_m, merit);
     const auto surveyed = [](const std::vector<flight::CameraEvent>& events) {
       return std::any_of(events.begin(), events.end(),
                          [](const auto& e) { return e.is_rtk_fixed && e.position; });
@@ -232,12 +248,14 @@ class Joiner {
     Append(log.events, std::move(elsewhere));
     if (taken.empty()) {
       out_.notes.push_back(fmt::format("{} ({}) adds nothing", more.file_name, more.format));
-      out_.warnings.push_back({RemarkCode::kLogAddsNothing, {{"file", more.file_name}}});
+      if (!apart_m) out_.warnings.push_back({RemarkCode::kLogAddsNothing, {{"file", more.file_name}}});
     } else {
       out_.notes.push_back(fmt::format("{} ({}) for {}", more.file_name, more.format, taken));
     }
   }
 
+  LogMerit merit_;  // of the log that leads
+  double most_apart_s_;
   JoinedLog& out_;
 };
 
@@ -267,10 +285,9 @@ std::optional<JoinedLog> JoinLogs(const std::vector<FlightLog>& logs,
     }
   }
   if (useful.empty()) return std::nullopt;
-  std::stable_sort(useful.begin(), useful.end(),
-                   [](const FlightLog* a, const FlightLog* b) { return Worth(*a) > Worth(*b); });
-  Joiner joiner(*useful.front(), out);
-  for (std::size_t i = 1; i < useful.size(); ++i) joiner.Take(*useful[i]);
+  const std::vector<RankedLog> ranked = OrderLogs(useful, photos);
+  Joiner joiner(ranked.front(), MostApartS(photos), out);
+  for (std::size_t i = 1; i < ranked.size(); ++i) joiner.Take(ranked[i]);
   return out;
 }
 

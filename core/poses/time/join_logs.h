@@ -6,9 +6,6 @@
 // on the leading log's clock. Pure; any thread.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,22 +13,9 @@
 #include "core/flight/logs/flight_log.h"
 #include "core/flight/photo.h"
 #include "core/flight/remarks/remark.h"
+#include "core/poses/time/log_span.h"
 
 namespace skyquilt::poses {
-
-// From the first sample of some series to the last.
-struct LogSpan {
-  double begin_s = std::numeric_limits<double>::infinity();
-  double end_s = -std::numeric_limits<double>::infinity();
-  bool IsEmpty() const { return std::isinf(begin_s); }
-  bool Meets(const LogSpan& other) const { return begin_s <= other.end_s && other.begin_s <= end_s; }
-  template <typename Sample>
-  void Take(const std::vector<Sample>& samples) {
-    if (samples.empty()) return;
-    begin_s = std::min(begin_s, samples.front().t_s);
-    end_s = std::max(end_s, samples.back().t_s);
-  }
-};
 
 struct JoinedLog {
   flight::FlightLog log;

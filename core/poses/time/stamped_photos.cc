@@ -1,7 +1,10 @@
 #include "core/poses/time/stamped_photos.h"
 
+#include <fmt/chrono.h>
+
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <map>
 #include <string>
 #include <utility>
@@ -26,6 +29,15 @@ double ResolutionOf(const std::vector<Photo>& photos, const StampedPhotos& camer
 
 double SecondsBetween(flight::UtcTime from, flight::UtcTime to) {
   return std::chrono::duration<double>(to - from).count();
+}
+
+flight::UtcTime LaterBy(flight::UtcTime time, double seconds) {
+  return time + std::chrono::microseconds(std::llround(seconds * 1e6));
+}
+
+std::string DateInWords(flight::UtcTime time) {
+  const auto seconds = std::chrono::floor<std::chrono::seconds>(time);
+  return fmt::format("{:%Y-%m-%d %H:%M:%S}", fmt::gmtime(std::chrono::system_clock::to_time_t(seconds)));
 }
 
 std::optional<flight::UtcTime> FirstStamp(const std::vector<Photo>& photos) {

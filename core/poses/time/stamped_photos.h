@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/flight/photo.h"
@@ -10,6 +11,10 @@
 namespace skyquilt::poses {
 
 double SecondsBetween(flight::UtcTime from, flight::UtcTime to);
+flight::UtcTime LaterBy(flight::UtcTime time, double seconds);
+
+// "2024-06-01 10:00:05"
+std::string DateInWords(flight::UtcTime time);
 
 // The earliest stamp of all; nothing where no photo has one.
 std::optional<flight::UtcTime> FirstStamp(const std::vector<flight::Photo>& photos);

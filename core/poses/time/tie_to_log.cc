@@ -56,6 +56,7 @@ LogTie TieToLog(const flight::FlightLog& log, std::vector<flight::Photo> photos)
     return tie;
   }
   tie.sync = *std::move(sync);
+  tie.warnings = tie.sync->warnings;
   int placed_by_events = ApplyEvents(log, *tie.sync, log.gnss.size() >= 2, tie.photos);
   if (!HasTrackSeries(log)) {
     if (const int between = PlaceBetweenEvents(log, *tie.sync, tie.photos); between > 0) {

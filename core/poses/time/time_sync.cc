@@ -13,6 +13,7 @@
 #include "core/poses/lists/named_photos.h"
 #include "core/poses/time/event_alignment.h"
 #include "core/poses/time/find_clock_offset.h"
+#include "core/poses/time/receiver_days.h"
 #include "core/poses/time/stamped_photos.h"
 
 namespace skyquilt::poses {
@@ -50,6 +51,8 @@ class Synchroniser {
                              fmt::format("{} events, {} stamped cameras", event_s_.size(), cameras.size()));
     }
     FillFromOffset(cameras);
+    if (auto why = WhyOfAnotherDay(photos_, log_, sync_))
+      return flight::Because(ErrorCode::kUnprocessable, *std::move(why));
     if (first_ && log_.utc_at_zero) {
       sync_.camera_ahead_of_utc_s = SecondsBetween(*log_.utc_at_zero, *first_) - sync_.offset_s;
     }
@@ -61,6 +64,7 @@ class Synchroniser {
     using flight::Remark;
     using flight::RemarkCode;
     if (event_s_.empty()) {
+      if (why_not_found_) return *why_not_found_;
       return {RemarkCode::kNotTiedNoEvents,
               {{"photos", photos_.size()}, {"file", log_.file_name}, {"positions", log_.gnss.size()}}};
     }
@@ -244,7 +248,10 @@ class Synchroniser {
 
   bool BySearch(const StampedPhotos& camera) {
     auto found = FindClockOffset(photos_, camera, *first_, log_);
-    if (!found) return false;
+    if (!found) {
+      why_not_found_ = flight::WhyOf(found.error());
+      return false;
+    }
     found->photos = std::move(sync_.photos);
     sync_ = *std::move(found);
     return true;
@@ -274,6 +281,7 @@ class Synchroniser {
   std::vector<std::size_t> event_index_;
   std::vector<double> event_s_;
   double jitter_s_ = kFeedbackJitterS;
+  std::optional<flight::Remark> why_not_found_;
   double open_by_s_ = 0.0;  // shifts of events by this fit as well, and nothing decides
 };
 

@@ -6,7 +6,8 @@
 // the constant trigger interval. What was done is said in words, with a sigma; ambiguity raises the sigma.
 // Photos in the order of capture. Deterministic; any thread. Error: kUnprocessable when nothing ties the two
 // together, with advice; also where positions of events are all that the log has, and several shifts of them
-// fit as well.
+// fit as well, and where photos whose time is the receiver's would have been taken on another day than the
+// log.
 #pragma once
 
 #include <optional>
@@ -16,8 +17,12 @@
 #include "core/base/result.h"
 #include "core/flight/logs/flight_log.h"
 #include "core/flight/photo.h"
+#include "core/flight/remarks/remark.h"
 
 namespace skyquilt::poses {
+
+// Of a tie by clocks whose zone stays open: the photos may have been taken elsewhere on the track.
+inline constexpr double kOpenClockSigmaS = 900.0;
 
 enum class TimeSyncMethod { kEventNames, kEventCount, kEventPattern, kPositions, kClocks };
 
@@ -38,6 +43,7 @@ struct TimeSync {
   std::vector<std::optional<PhotoTime>>
       photos;  // as the photos given; nothing where a photo could not be placed
   std::vector<std::string> notes;
+  std::vector<flight::Remark> warnings;
 };
 
 Result<TimeSync> MatchPhotosToLog(const std::vector<flight::Photo>& photos, const flight::FlightLog& log);

@@ -264,6 +264,7 @@ TEST(ReadPhotoTime, TakesTwoSubSecondDigitsAsHundredths) {
                                .Ascii(ExifIfd::kExif, 0x9011, "+02:00"));
   using namespace std::chrono;
   EXPECT_EQ(photo.captured_at, sys_days(2021y / 6 / 3) + 10h + 34min + 56s + 50ms);
+  EXPECT_FALSE(photo.receiver_time) << "only the camera's clock";
   EXPECT_FALSE(photo.captured_at_is_local);
   EXPECT_EQ(photo.clock_minus_utc, 2h);
 }
@@ -277,6 +278,7 @@ TEST(ReadPhotoTime, FindsTheZoneFromTheGpsTimeAndKeepsTheClocksSteps) {
                               .Rational(ExifIfd::kGps, 7, {{12, 1}, {34, 1}, {56, 1}});
   const Photo photo = Read(exif);
   EXPECT_EQ(photo.captured_at, sys_days(2021y / 6 / 3) + 12h + 34min + 56s + 582ms);  // +05:30
+  EXPECT_EQ(photo.receiver_time, sys_days(2021y / 6 / 3) + 12h + 34min + 56s);
   EXPECT_FALSE(photo.captured_at_is_local);
   EXPECT_EQ(photo.clock_minus_utc, 5h + 30min);
 }
@@ -298,6 +300,7 @@ TEST(ReadPhotoTime, PrefersUtcOfTheExposure) {
   const Photo photo = Read(ExifWriter().Ascii(ExifIfd::kExif, 0x9003, "2021:06:03 14:34:56"),
                            Dji("drone-dji:UTCAtExposure=\"2021:06:03 12:34:56.123456\""));
   EXPECT_EQ(photo.captured_at, sys_days(2021y / 6 / 3) + 12h + 34min + 56s + 123456us);
+  EXPECT_EQ(photo.receiver_time, photo.captured_at);
   EXPECT_FALSE(photo.captured_at_is_local);
   EXPECT_EQ(photo.clock_minus_utc, 2h);
 }

@@ -262,6 +262,16 @@ TEST(ReadFlight, WarnsOfLogsByNameThatHoldNone) {
               Contains(::testing::AllOf(HasSubstr("Not used"), HasSubstr("notes.dat"))));
 }
 
+TEST(ReadFlight, MissesNoPhotoWhereAWatchsTrackLies) {
+  const Folder folder;
+  folder.Write("a.jpg", PhotoAt(1.0, ""));
+  const std::string fit("\x0E\x10\x5D\x08\x40\0\0\0.FIT\0\0", 14);
+  folder.Write("ride.fit", Bytes(fit.begin(), fit.end()));
+  const Flight flight = Read(folder);
+  EXPECT_TRUE(flight.left_out.empty());
+  EXPECT_THAT(InWords(flight.warnings), Contains(HasSubstr("ride.fit is a track in the format FIT")));
+}
+
 TEST(ReadFlight, MissesNoPhotoWhereALicenceLiesBesideThem) {
   const Folder folder;
   folder.Write("a.jpg", PhotoAt(1.0, ""));

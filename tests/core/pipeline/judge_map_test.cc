@@ -11,6 +11,7 @@
 
 #include "core/alignment/scene/ground_control.h"
 #include "core/pipeline/inspect_flight.h"
+#include "core/poses/time/time_sync.h"
 
 namespace skyquilt::pipeline {
 namespace {
@@ -387,6 +388,19 @@ TEST(JudgeMap, IsNotReadyWhereAListContradictsThePhotosOwnPositions) {
   EXPECT_EQ(quality.absolute, (AbsoluteAccuracy{21.0, AbsoluteSupport::kGnss, 18}));  // 1.515 x 14 m
   EXPECT_EQ(quality.limits, (std::vector<MapLimit>{{LimitKind::kFarOff}}));
   EXPECT_EQ(quality.status, MapStatus::kLimited);
+}
+
+TEST(JudgeMap, DoubtsAMapWhosePhotosMayLieElsewhereOnTheTrack) {
+  JudgedFlight flight(18);
+  for (auto& photo : flight.flight.photos) photo.photo.position.reset();
+  flight.poses.photos_by_log = 18;
+  flight.poses.log_position_sigma_m = 1.5;
+  flight.poses.time_sigma_s = 2.0;
+  EXPECT_NE(flight.Judge().status, MapStatus::kDoubtful);
+  flight.poses.time_sigma_s = poses::kOpenClockSigmaS;
+  const MapQuality quality = flight.Judge();
+  EXPECT_EQ(quality.status, MapStatus::kDoubtful);
+  EXPECT_EQ(quality.absolute, (AbsoluteAccuracy{std::nullopt, AbsoluteSupport::kGnss, 0}));
 }
 
 TEST(JudgeMap, TellsPhotosWhatTheMapIsToldAndLeavesOthers) {

@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
+
 #include "core/flight/remarks/remark_words.h"
 #include "core/poses/estimate_poses.h"
 
@@ -160,6 +162,60 @@ TEST(JoinLogs, TakesListsOfTwoPartsBesideOneTrack) {
   ASSERT_TRUE(joined);
   EXPECT_EQ(joined->log.events.size(), 20u);
   EXPECT_THAT(joined->warnings, IsEmpty());
+}
+
+std::vector<flight::Photo> PhotosEveryFourSeconds() {
+  std::vector<flight::Photo> photos(11);
+  for (std::size_t i = 0; i < photos.size(); ++i)
+    photos[i].captured_at = kAtZero + std::chrono::seconds(10 + 4 * i);
+  return photos;
+}
+
+FlightLog TrackNamed(const std::string& name) {
+  FlightLog track = Gnss(0.0);
+  track.file_name = name;
+  track.utc_at_zero = kAtZero;
+  return track;
+}
+
+TEST(JoinLogs, TakesTheTrackThatMovesWhilePhotosAreTaken) {
+  // A base station beside the start, named before the aircraft's receiver.
+  FlightLog base = TrackNamed("base.pos");
+  for (flight::GnssSample& sample : base.gnss) {
+    sample.position = kMeadow;
+    sample.is_rtk_fixed = true;
+  }
+  const auto joined = JoinLogs({base, TrackNamed("rover.pos")}, PhotosEveryFourSeconds());
+  ASSERT_TRUE(joined);
+  EXPECT_EQ(joined->log.file_name, "rover.pos");
+  EXPECT_GT(joined->log.gnss.back().position.lat_deg, kMeadow.lat_deg + 1e-3);
+  EXPECT_THAT(InWords(joined->warnings), Contains(HasSubstr("base.pos, which stands still")));
+}
+
+TEST(JoinLogs, TakesTheTrackThatLiesWherePhotosWere) {
+  FlightLog beside = TrackNamed("a.gpx");
+  for (flight::GnssSample& sample : beside.gnss) sample.position.lon_deg += 0.002;
+  const FlightLog right = TrackNamed("b.gpx");
+  std::vector<flight::Photo> photos = PhotosEveryFourSeconds();
+  // Two positions: the clocks tie, and the positions choose.
+  for (const std::size_t i : {std::size_t{0}, photos.size() - 1}) {
+    photos[i].position.emplace();
+    photos[i].position->position = right.gnss[5 * (10 + 4 * i)].position;
+  }
+  const auto joined = JoinLogs({beside, right}, photos);
+  ASSERT_TRUE(joined);
+  EXPECT_EQ(joined->log.file_name, "b.gpx");
+  EXPECT_THAT(InWords(joined->warnings), Contains(HasSubstr("farther from the photos' own positions")));
+}
+
+TEST(JoinLogs, TakesNoListOfAnotherDay) {
+  FlightLog last_week = ListedFrom(20.0, true);
+  *last_week.utc_at_zero -= std::chrono::days(7);
+  const auto joined = JoinLogs({TrackNamed("t.gpx"), last_week}, PhotosEveryFourSeconds());
+  ASSERT_TRUE(joined);
+  EXPECT_EQ(joined->log.file_name, "t.gpx");
+  EXPECT_THAT(joined->log.events, IsEmpty());
+  EXPECT_THAT(InWords(joined->warnings), Contains(HasSubstr("20.MRK is not used: it begins at 2024-05-25")));
 }
 
 flight::Flight PhotosWithoutPositions(int count) {

@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/flight/bytes/gps_time.h"
@@ -22,16 +24,24 @@ std::optional<double> Labelled(std::string_view cell, std::string_view label) {
   return ParseNumber(cell.substr(0, comma));
 }
 
+bool IsLabelled(std::string_view cell) {
+  constexpr std::array<std::string_view, 7> kLabels = {"lat", "lon", "ellh", "q", "n", "e", "v"};
+  return std::any_of(kLabels.begin(), kLabels.end(),
+                     [&](std::string_view label) { return Labelled(cell, label).has_value(); });
+}
+
 std::optional<MrkRow> ParseRow(std::string_view line, std::vector<std::string_view>& cells) {
   SplitFields(line, '\t', cells);
   if (cells.size() < 9) return std::nullopt;
   MrkRow row;
   const auto sequence = ParseInteger(cells[0]);
   const auto tow_s = ParseNumber(cells[1]);
-  std::string_view week_text = cells[2];
-  if (week_text.size() >= 2 && week_text.front() == '[')
-    week_text = week_text.substr(1, week_text.size() - 2);
+  std::string_view week_text = Trim(cells[2]);
+  const bool has_brackets = week_text.size() >= 2 && week_text.front() == '[';
+  if (has_brackets) week_text = week_text.substr(1, week_text.size() - 2);
   const auto week = ParseInteger(week_text);
+  // Nine numbers between tabs are a row of many a table (a planned mission's, say).
+  if (!has_brackets && std::none_of(cells.begin() + 3, cells.end(), IsLabelled)) return std::nullopt;
   if (!sequence || !tow_s || !week || std::abs(*tow_s) > 1e6) return std::nullopt;
   const auto time = UtcFromGpsWeek(*week, std::llround(*tow_s * 1e6));
   if (!time) return std::nullopt;

@@ -39,6 +39,14 @@ TEST(ParseDjiMrk, ReadsExposuresWithTheirSequence) {
   EXPECT_EQ(log->warnings.size(), 1u);
 }
 
+TEST(ParseDjiMrk, TakesNoTableOfNineNumbersForOne) {
+  const std::string row = "1\t0\t3\t22\t15.0\t0\t0\t0\t46.8\t7.1\t60.0\t1\n";
+  EXPECT_FALSE(LooksLikeDjiMrk(BytesOf(row + row)));
+  // Without brackets its cells still say what they are.
+  EXPECT_TRUE(LooksLikeDjiMrk(
+      BytesOf("7\t296288.2\t2211\t3,N\t0,E\t75,V\t47.6,Lat\t16.4,Lon\t512.9,Ellh\t0.1, 0.1, 0.2\t50,Q\n")));
+}
+
 std::string Srt(const std::string& body) {
   return "1\n00:00:01,500 --> 00:00:02,000\n" + body + "\n\n2\n00:00:02,500 --> 00:00:03,000\n" + body + "\n";
 }

@@ -1,0 +1,24 @@
+// LogSpan: from the first sample of some series to the last, on a log's clock. A value; any thread.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace skyquilt::poses {
+
+struct LogSpan {
+  double begin_s = std::numeric_limits<double>::infinity();
+  double end_s = -std::numeric_limits<double>::infinity();
+  bool IsEmpty() const { return std::isinf(begin_s); }
+  bool Meets(const LogSpan& other) const { return begin_s <= other.end_s && other.begin_s <= end_s; }
+  template <typename Sample>
+  void Take(const std::vector<Sample>& samples) {
+    if (samples.empty()) return;
+    begin_s = std::min(begin_s, samples.front().t_s);
+    end_s = std::max(end_s, samples.back().t_s);
+  }
+};
+
+}  // namespace skyquilt::poses

@@ -1,0 +1,231 @@
+// Which zone a camera's clock was in, and of which day photos and log are, where nothing else tells.
+#include "core/poses/time/clock_zone.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "core/flight/remarks/remark_words.h"
+#include "core/geo/local_frame.h"
+#include "core/poses/time/time_sync.h"
+
+namespace skyquilt::poses {
+namespace {
+
+using flight::FlightLog;
+using flight::Photo;
+using flight::UtcTime;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+constexpr UtcTime kTenUtc{std::chrono::seconds(1'717'236'000)};  // 2024-06-01
+constexpr double kLegS = 12.5;
+constexpr int kHourS = 3600;
+
+using PlaceAt = std::function<Eigen::Vector2d(double t_s)>;
+
+// Legs to the north and back, 20 m apart, at 8 m/s.
+Eigen::Vector2d OnLegs(double t_s) {
+  const double leg = std::floor(t_s / kLegS), along_m = 8.0 * (t_s - leg * kLegS);
+  return {20.0 * leg, std::fmod(std::abs(leg), 2.0) == 0.0 ? along_m : 100.0 - along_m};
+}
+
+// One position a second, counted from ten o'clock UTC.
+void AddTrack(double from_s, double until_s, const PlaceAt& place, FlightLog& log) {
+  const geo::LocalFrame frame(geo::Wgs84{47.0, 8.0, 0.0});
+  log.format = "gpx";
+  log.file_name = "t.gpx";
+  log.utc_at_zero = kTenUtc;
+  for (double t_s = from_s; t_s <= until_s; t_s += 1.0) {
+    const Eigen::Vector2d at = place(t_s);
+    const geo::Wgs84 position = frame.Wgs84FromEnu({at.x(), at.y(), 0.0});
+    flight::GnssSample sample;
+    sample.t_s = t_s;
+    sample.position = {position.lat_deg, position.lon_deg};
+    log.gnss.push_back(sample);
+  }
+}
+
+FlightLog TrackFrom(double from_s, double until_s, const PlaceAt& place) {
+  FlightLog log;
+  AddTrack(from_s, until_s, place, log);
+  return log;
+}
+
+Photo PhotoTakenAt(double t_s, int ahead_s) {
+  Photo photo;
+  photo.name = "IMG_" + std::to_string(std::lround(1000.0 + 10.0 * t_s)) + ".JPG";
+  photo.captured_at =
+      kTenUtc + std::chrono::milliseconds(std::llround(1000.0 * t_s)) + std::chrono::seconds(ahead_s);
+  photo.captured_at_is_local = true;
+  return photo;
+}
+
+// From ten seconds after ten to a hundred.
+std::vector<Photo> EveryFiveSeconds(int ahead_s) {
+  std::vector<Photo> photos;
+  for (double t_s = 10.0; t_s <= 100.0; t_s += 5.0) photos.push_back(PhotoTakenAt(t_s, ahead_s));
+  return photos;
+}
+
+TEST(ChooseZone, TakesTheHourInWhichTheAircraftFlies) {
+  // The logger was switched on long before take-off.
+  const FlightLog log = TrackFrom(
+      -1300.0, 120.0, [](double t_s) { return t_s < 0.0 ? Eigen::Vector2d(0.0, 0.0) : OnLegs(t_s); });
+  const auto sync = MatchPhotosToLog(EveryFiveSeconds(-5 * kHourS), log);
+  ASSERT_TRUE(sync.ok());
+  EXPECT_NEAR(*sync->camera_ahead_of_utc_s, -5.0 * kHourS, 1.0);
+  EXPECT_LT(sync->sigma_s, 10.0);
+  EXPECT_THAT(sync->warnings, IsEmpty());
+}
+
+TEST(ChooseZone, PutsNoPhotoIntoTheHoleBetweenTwoLogs) {
+  FlightLog log;
+  AddTrack(-5000.0, -4800.0, OnLegs, log);
+  AddTrack(0.0, 120.0, OnLegs, log);
+  const auto sync = MatchPhotosToLog(EveryFiveSeconds(-5 * kHourS), log);
+  ASSERT_TRUE(sync.ok());
+  EXPECT_NEAR(*sync->camera_ahead_of_utc_s, -5.0 * kHourS, 1.0);
+  EXPECT_THAT(sync->warnings, IsEmpty());
+}
+
+TEST(ChooseZone, PrefersWholeHours) {
+  const auto sync = MatchPhotosToLog(EveryFiveSeconds(-5 * kHourS), TrackFrom(-2400.0, 900.0, OnLegs));
+  ASSERT_TRUE(sync.ok());
+  EXPECT_NEAR(*sync->camera_ahead_of_utc_s, -5.0 * kHourS, 1.0);
+  EXPECT_LT(sync->sigma_s, 10.0);
+}
+
+TEST(ChooseZone, SaysWhichWholeHoursFitAsWell) {
+  const auto sync = MatchPhotosToLog(EveryFiveSeconds(-5 * kHourS), TrackFrom(-4000.0, 300.0, OnLegs));
+  ASSERT_TRUE(sync.ok());
+  EXPECT_EQ(sync->sigma_s, kOpenClockSigmaS);
+  ASSERT_THAT(sync->warnings, SizeIs(1));
+  const std::string said = InWords(sync->warnings.front());
+  EXPECT_THAT(said, HasSubstr("UTC-05:00"));
+  EXPECT_THAT(said, HasSubstr("UTC-04:00"));
+}
+
+TEST(ChooseZone, BelievesHeadingsThatFollowTheCourse) {
+  const FlightLog log = TrackFrom(
+      -7200.0, 300.0, [](double t_s) { return t_s < -60.0 ? Eigen::Vector2d(0.0, 2.0 * t_s) : OnLegs(t_s); });
+  std::vector<Photo> photos;
+  for (int leg = 0; leg < 8; ++leg) {
+    for (const double of_leg_s : {3.0, 6.0, 9.0}) {
+      photos.push_back(PhotoTakenAt(kLegS * leg + of_leg_s, -5 * kHourS));
+      photos.back().attitude.emplace();
+      photos.back().attitude->yaw_rad = leg % 2 == 0 ? 0.0 : std::numbers::pi;
+    }
+  }
+  const auto sync = MatchPhotosToLog(photos, log);
+  ASSERT_TRUE(sync.ok());
+  EXPECT_NEAR(*sync->camera_ahead_of_utc_s, -5.0 * kHourS, 1.0);
+  EXPECT_THAT(sync->warnings, IsEmpty());
+  EXPECT_THAT(sync->notes, ::testing::Contains(HasSubstr("headings")));
+}
+
+TEST(ChooseZone, KnowsWhereClocksAreHalfAnHourOff) {
+  const Photo photo = PhotoTakenAt(0.0, 0);
+  StampedPhotos camera;
+  std::vector<double> times_s;
+  for (std::size_t i = 0; i < 20; ++i) {
+    camera.photo.push_back(0);
+    times_s.push_back(5.0 * static_cast<double>(i));
+  }
+  FlightLog log;
+  const geo::LocalFrame delhi(geo::Wgs84{28.6, 77.2, 0.0});
+  log.utc_at_zero = kTenUtc;
+  for (int t_s = -400; t_s <= 2000; ++t_s) {
+    const geo::Wgs84 at = delhi.Wgs84FromEnu({0.0, 5.0 * t_s, 0.0});
+    flight::GnssSample sample;
+    sample.t_s = t_s;
+    sample.position = {at.lat_deg, at.lon_deg};
+    log.gnss.push_back(sample);
+  }
+  // At 5:30 ahead the photos begin at 0; at 5:00 ahead half an hour later, which the log covers too.
+  const auto zone = ChooseZone({photo}, camera, times_s, 5.5 * kHourS, log);
+  ASSERT_TRUE(zone);
+  EXPECT_EQ(zone->zone_min, 330);
+  EXPECT_GT(zone->fitting, 1u);
+  EXPECT_THAT(zone->open_with_min, IsEmpty());
+}
+
+TEST(ChooseZone, TakesALogThatWasCutInFlight) {
+  const auto sync = MatchPhotosToLog(EveryFiveSeconds(2 * kHourS), TrackFrom(0.0, 62.0, OnLegs));
+  ASSERT_TRUE(sync.ok()) << sync.error().message;
+  EXPECT_NEAR(*sync->camera_ahead_of_utc_s, 2.0 * kHourS, 1.0);
+  EXPECT_THAT(sync->notes, ::testing::Contains(HasSubstr("covers 12 of 19")));
+}
+
+TEST(ChooseZone, DoubtsAnHourOfALogThatWasCutWhereItStoodBefore) {
+  // At -04:45 all photos would be of the start, at -05:00 most of them are of the flight.
+  const FlightLog log = TrackFrom(
+      -1300.0, 62.0, [](double t_s) { return t_s < 0.0 ? Eigen::Vector2d(0.0, 0.0) : OnLegs(t_s); });
+  const auto sync = MatchPhotosToLog(EveryFiveSeconds(-5 * kHourS), log);
+  ASSERT_TRUE(sync.ok());
+  EXPECT_NEAR(*sync->camera_ahead_of_utc_s, -5.0 * kHourS, 1.0);
+  EXPECT_EQ(sync->sigma_s, kOpenClockSigmaS);
+  ASSERT_THAT(sync->warnings, SizeIs(1));
+  EXPECT_THAT(InWords(sync->warnings.front()), HasSubstr("UTC-04:45"));
+}
+
+TEST(ChooseZone, SaysBothSpansWhereTheClockIsWrong) {
+  // Photos go on although the aircraft has landed: it is no part of a flight, the clock is wrong.
+  const FlightLog landed = TrackFrom(0.0, 60.0, [](double t_s) { return OnLegs(std::min(t_s, 50.0)); });
+  const auto sync = MatchPhotosToLog(EveryFiveSeconds(2 * kHourS), landed);
+  ASSERT_FALSE(sync.ok());
+  EXPECT_THAT(sync.error().message, HasSubstr("from 2024-06-01 12:00:10 to 2024-06-01 12:01:40"));
+  EXPECT_THAT(sync.error().message, HasSubstr("2024-06-01 10:00:00 to 2024-06-01 10:01:00"));
+}
+
+// As many events as photos, in the same rhythm.
+struct RepeatedMission {
+  std::vector<Photo> photos;
+  FlightLog log;
+};
+
+RepeatedMission MissionFlownAgain(std::chrono::seconds log_later, std::chrono::seconds receiver_later) {
+  RepeatedMission mission;
+  mission.log.file_name = "a.MRK";
+  mission.log.utc_at_zero = kTenUtc + log_later;
+  for (const double t_s : {3.0, 8.3, 15.1, 19.9, 27.4, 33.3}) {
+    mission.photos.push_back(PhotoTakenAt(t_s, 0));
+    mission.photos.back().captured_at_is_local = false;
+    mission.photos.back().receiver_time = *mission.photos.back().captured_at + receiver_later;
+    flight::CameraEvent event;
+    event.t_s = t_s;
+    event.position = geo::LatLon{47.0, 8.0 + 1e-5 * t_s};
+    mission.log.events.push_back(event);
+  }
+  return mission;
+}
+
+TEST(MatchPhotosToLog, RefusesALogOfAnotherDayThanTheReceiversTime) {
+  using std::chrono::seconds;
+  constexpr seconds kWeek{7 * 86400};
+  const RepeatedMission week = MissionFlownAgain(-kWeek - seconds(3333), seconds(0));
+  const auto other = MatchPhotosToLog(week.photos, week.log);
+  ASSERT_FALSE(other.ok());
+  EXPECT_THAT(other.error().message, HasSubstr("2024-06-01 10:00:03"));
+  EXPECT_THAT(other.error().message, HasSubstr("2024-05-25 09:04:30"));
+  // Leap seconds, a zone that the log does not name, and weeks that ran over are no other day.
+  for (const RepeatedMission& same :
+       {MissionFlownAgain(seconds(18), seconds(0)), MissionFlownAgain(seconds(7200), seconds(0)),
+        MissionFlownAgain(seconds(0), -1024 * kWeek)})
+    EXPECT_TRUE(MatchPhotosToLog(same.photos, same.log).ok());
+  // The camera's clock alone may be of any day.
+  RepeatedMission unknown = week;
+  for (Photo& photo : unknown.photos) photo.receiver_time.reset();
+  EXPECT_TRUE(MatchPhotosToLog(unknown.photos, unknown.log).ok());
+}
+
+}  // namespace
+}  // namespace skyquilt::poses
