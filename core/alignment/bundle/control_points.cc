@@ -112,10 +112,9 @@ std::vector<Observation> MarkedPhotos::MarksOf(const ControlPoint& point) const 
 }
 
 std::size_t MarkedPhotos::TiedMarksOf(const ControlPoint& point) const {
-  const std::vector<Observation> marks = MarksOf(point);
-  const auto tied = std::count_if(marks.begin(), marks.end(),
-                                  [&](const Observation& mark) { return tied_.Has(mark.photo); });
-  return tied < static_cast<std::ptrdiff_t>(kMinMarks) ? 0 : static_cast<std::size_t>(tied);
+  std::size_t tied = 0;
+  for (const Observation& mark : MarksOf(point)) tied += tied_.Has(mark.photo) ? 1 : 0;
+  return tied < kMinMarks ? 0 : tied;
 }
 
 std::optional<Track> MarkedPhotos::TrackOf(const ControlPoint& point, ControlReport& told) const {

@@ -86,8 +86,8 @@ struct ByImagesReport {
   double residual_rms_px = 0.0;
   double total_s = 0.0;  // wall
   bool is_taken = false;
-  bool is_placed = false;   // on Earth, by positions or surveyed points; for who asked, told nowhere
-  bool is_adrift = false;   // nothing says how the largest group lies to the records; told nowhere either
+  bool is_placed = false;  // on Earth, by positions or surveyed points; for who asked, told nowhere
+  bool is_adrift = false;  // nothing says how the largest group lies to the records; told nowhere either
   std::optional<bool> is_scale_guessed;  // nothing recorded says how large the largest group is
   std::optional<bool> is_north_guessed;  // nor how it is turned
 

@@ -1,7 +1,8 @@
 #include "core/alignment/stages/attempt_steps.h"
 
-#include <algorithm>
 #include <fmt/format.h>
+
+#include <algorithm>
 #include <utility>
 
 #include "core/alignment/attempts/attempt_evidence.h"

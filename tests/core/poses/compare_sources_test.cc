@@ -1,6 +1,5 @@
 #include "core/poses/lists/compare_sources.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,121 +8,16 @@
 #include <random>
 #include <utility>
 
-#include "core/flight/remarks/remark_words.h"
-#include "core/geo/crs/map_projection.h"
 #include "core/geo/crs/reference_system.h"
 #include "core/geo/geodesic.h"
 #include "core/poses/lists/judge_list.h"
 #include "core/poses/lists/list_words.h"
+#include "tests/core/poses/listed_flight.h"
 
 namespace skyquilt::poses {
 namespace {
 
 using flight::CountsIn;
-using flight::Flight;
-using flight::FlightLog;
-using flight::ListFault;
-using geo::LatLon;
-using ::testing::Contains;
-using ::testing::HasSubstr;
-
-constexpr LatLon kDuluth{46.8426, -91.9945};
-constexpr LatLon kZurich{47.4, 8.5};
-constexpr LatLon kSydney{-33.86, 151.21};
-constexpr LatLon kLaPaz{-16.5, -68.15};
-
-LatLon Beside(const LatLon& place, double east_m, double north_m) {
-  const double lat_deg = place.lat_deg + north_m / 111'200.0;
-  return {lat_deg, place.lon_deg + east_m / (111'320.0 * std::cos(geo::DegToRad(lat_deg)))};
-}
-
-// Lines of six photos, 20 m apart, there and back; no symmetric layout.
-LatLon TakenAt(const LatLon& place, int k) {
-  const int line = k / 6, along = line % 2 == 0 ? k % 6 : 5 - k % 6;
-  return Beside(place, 20.0 * along + 3.0 * line, 31.0 * line + 1.5 * along);
-}
-
-std::string NameOf(int k) { return "DJI_" + std::to_string(100 + k) + ".JPG"; }
-
-Flight FlightAt(const LatLon& place, int count = 18, bool has_positions = true) {
-  Flight flight;
-  for (int k = 0; k < count; ++k) {
-    flight::Photo& photo = flight.photos.emplace_back();
-    photo.name = NameOf(k);
-    if (has_positions) photo.position.emplace().position = TakenAt(place, k);
-  }
-  return flight;
-}
-
-// A list of the flight as `write` puts each place.
-template <typename Write>
-FlightLog ListOf(const LatLon& place, int count, const Write& write, const std::string& system = "",
-                 const std::string& format = "geo_txt") {
-  FlightLog log;
-  log.format = format;
-  log.file_name = "list.txt";
-  log.written_system = system;
-  for (int k = 0; k < count; ++k) {
-    flight::CameraEvent& event = log.events.emplace_back();
-    event.t_s = k;
-    event.has_time = false;
-    event.image_name = NameOf(k);
-    event.written = write(Beside(TakenAt(place, k), 4.0, 0.0));
-    const auto plain = LatLon::Make(event.written->y, event.written->x);
-    if (plain) event.position = *plain;
-    event.yaw_pitch_roll_rad = Eigen::Vector3d(0.1, 0.2, 0.3);
-  }
-  return log;
-}
-
-flight::WrittenPlace AsDegrees(const LatLon& at) { return {at.lon_deg, at.lat_deg}; }
-flight::WrittenPlace AsLatLon(const LatLon& at) { return {at.lat_deg, at.lon_deg}; }
-
-// In a system of metres or feet.
-auto In(int epsg) {
-  return [epsg](const LatLon& at) {
-    const auto there = geo::MapProjection::OfEpsg(epsg)->PlaceOf(at);
-    return flight::WrittenPlace{there->x(), there->y()};
-  };
-}
-
-template <typename Write>
-auto NorthFirst(const Write& write) {
-  return [write](const LatLon& at) {
-    const flight::WrittenPlace there = write(at);
-    return flight::WrittenPlace{there.y, there.x};
-  };
-}
-
-// A flight after a list of its 18 photos was held against it.
-Flight Compared(const LatLon& place, FlightLog list, bool has_positions = true) {
-  Flight flight = FlightAt(place, 18, has_positions);
-  flight.logs = {std::move(list)};
-  EXPECT_TRUE(CompareSources(flight).ok());
-  return flight;
-}
-
-// Every row 4 m east of the photos, whatever was written.
-void ExpectTaken(const Flight& flight, const LatLon& place, const std::string& what) {
-  ASSERT_EQ(flight.list_uses.size(), 1u) << what;
-  EXPECT_EQ(flight.list_uses[0].fault, ListFault::kNone) << what << UseInWords(flight.list_uses[0]);
-  EXPECT_EQ(flight.list_uses[0].rows_used, flight.logs[0].events.size()) << what;
-  for (std::size_t k = 0; k < flight.logs[0].events.size(); ++k) {
-    const auto& at = flight.logs[0].events[k].position;
-    ASSERT_TRUE(at) << what;
-    EXPECT_LT(geo::MetresApart(*at, Beside(TakenAt(place, static_cast<int>(k)), 4.0, 0.0)), 1.0) << what;
-  }
-}
-
-void ExpectRefused(const Flight& flight, ListFault fault, const std::string& words) {
-  ASSERT_EQ(flight.list_uses.size(), 1u);
-  EXPECT_EQ(flight.list_uses[0].fault, fault);
-  EXPECT_THAT(InWords(flight.warnings), Contains(HasSubstr(words)));
-  for (const flight::CameraEvent& event : flight.logs[0].events) {
-    EXPECT_FALSE(event.position);
-    EXPECT_FALSE(event.yaw_pitch_roll_rad) << "angles of another flight are as wrong";
-  }
-}
 
 TEST(CompareSources, BelievesAListThatAgreesWithoutAWord) {
   for (const LatLon& place : {kDuluth, kZurich, kSydney, kLaPaz}) {
@@ -323,117 +217,6 @@ TEST(CompareSources, JudgesHalfAListAndNamesOneThatNamesNoPhoto) {
   EXPECT_EQ(other.list_uses[0].fault, ListFault::kNamesNoPhoto);
 }
 
-flight::GcpList Survey(const LatLon& place, const std::string& system, bool is_swapped) {
-  flight::GcpList list;
-  list.file_name = "gcp_list.txt";
-  list.reference_system = system;
-  for (int k = 0; k < 5; ++k) {
-    const flight::WrittenPlace at = In(32615)(Beside(place, 30.0 * k, 20.0 * (k % 2)));
-    flight::GcpPoint point;
-    point.name = "p" + std::to_string(k);
-    point.x = is_swapped ? at.y : at.x;
-    point.y = is_swapped ? at.x : at.y;
-    point.has_position = false;
-    list.points.push_back(point);
-    list.sightings.push_back({NameOf(k), 100.0, 100.0, static_cast<std::size_t>(k)});
-  }
-  return list;
-}
-
-bool IsSaid(const Flight& flight, flight::RemarkCode code) {
-  return std::any_of(flight.warnings.begin(), flight.warnings.end(),
-                     [&](const flight::Remark& said) { return said.code == code; });
-}
-
-TEST(CompareSources, FindsThePhotosOfMarksAsItFindsThoseOfRows) {
-  Flight flight = FlightAt(kDuluth);
-  flight.gcp_lists = {Survey(kDuluth, "EPSG:32615", false)};
-  std::vector<flight::GcpSighting>& marks = flight.gcp_lists[0].sightings;
-  marks[0].image_name = "images/" + NameOf(0);
-  marks[1].image_name = "C:\\flight\\dji_101.jpg";
-  marks[2].image_name = "DCIM/100/DJI_102";
-  ASSERT_TRUE(CompareSources(flight).ok());
-  ASSERT_EQ(flight.gcp_lists.size(), 1u);
-  ASSERT_EQ(flight.gcp_lists[0].sightings.size(), 5u);
-  for (int k = 0; k < 5; ++k) EXPECT_EQ(flight.gcp_lists[0].sightings[k].image_name, NameOf(k));
-  EXPECT_TRUE(flight.warnings.empty());
-}
-
-TEST(CompareSources, SaysWhyMarksAreInNoPhoto) {
-  Flight nobody = FlightAt(kDuluth);
-  nobody.gcp_lists = {Survey(kDuluth, "EPSG:32615", false)};
-  Flight some = nobody;
-  for (flight::GcpSighting& mark : nobody.gcp_lists[0].sightings) mark.image_name = "x" + mark.image_name;
-  ASSERT_TRUE(CompareSources(nobody).ok());
-  EXPECT_TRUE(IsSaid(nobody, flight::RemarkCode::kListNamesNoPhoto));
-  EXPECT_TRUE(nobody.gcp_lists[0].sightings.empty());
-  some.gcp_lists[0].sightings[3].image_name = "other.jpg";
-  ASSERT_TRUE(CompareSources(some).ok());
-  EXPECT_TRUE(IsSaid(some, flight::RemarkCode::kMarksNameNoPhoto));
-  EXPECT_EQ(some.gcp_lists[0].sightings.size(), 4u);
-
-  Flight cards = FlightAt(kDuluth);
-  for (int k = 0; k < 18; ++k) cards.photos[k].name = (k < 9 ? "A/" : "B/") + NameOf(k % 9);
-  cards.gcp_lists = {Survey(kDuluth, "EPSG:32615", false)};
-  cards.gcp_lists[0].sightings[2].image_name = "B/" + NameOf(2);
-  ASSERT_TRUE(CompareSources(cards).ok());
-  EXPECT_TRUE(IsSaid(cards, flight::RemarkCode::kListRowsOfSeveralPhotos));
-  ASSERT_EQ(cards.gcp_lists[0].sightings.size(), 1u);
-  EXPECT_EQ(cards.gcp_lists[0].sightings[0].image_name, "B/" + NameOf(2));
-}
-
-TEST(CompareSources, RefusesAListWhosePixelsLieOutsideItsPhotos) {
-  Flight flight = FlightAt(kDuluth);
-  for (flight::Photo& photo : flight.photos) photo.intrinsics = camera::Intrinsics::Centered(800, 600, 750.0);
-  flight.gcp_lists = {Survey(kDuluth, "EPSG:32615", false)};
-  Flight typo = flight;
-  for (const std::size_t k : {1u, 3u}) flight.gcp_lists[0].sightings[k].pixel_y = 700.0;
-  ASSERT_TRUE(CompareSources(flight).ok());
-  EXPECT_TRUE(flight.gcp_lists.empty());
-  EXPECT_TRUE(IsSaid(flight, flight::RemarkCode::kControlOfOtherPixels));
-  EXPECT_EQ(flight.list_uses[0].fault, ListFault::kOtherPixels);
-  typo.gcp_lists[0].sightings[1].pixel_y = 700.0;
-  ASSERT_TRUE(CompareSources(typo).ok());
-  EXPECT_TRUE(IsSaid(typo, flight::RemarkCode::kMarksOutsidePhotos));
-  EXPECT_EQ(typo.gcp_lists[0].sightings.size(), 4u);
-}
-
-TEST(CompareSources, SaysWhatTheSystemOfASurveyIsKnownTo) {
-  const LatLon milan{45.46, 9.19};
-  Flight flight = FlightAt(milan);
-  flight.gcp_lists = {Survey(kDuluth, "EPSG:3003", false)};  // Monte Mario
-  for (std::size_t k = 0; k < 5; ++k) {
-    const flight::WrittenPlace at = In(3003)(Beside(milan, 30.0 * static_cast<double>(k), 0.0));
-    flight.gcp_lists[0].points[k].x = at.x;
-    flight.gcp_lists[0].points[k].y = at.y;
-  }
-  ASSERT_TRUE(CompareSources(flight).ok());
-  ASSERT_EQ(flight.gcp_lists.size(), 1u);
-  EXPECT_GT(flight.gcp_lists[0].system_error_m.value_or(0.0), 1.0);
-  EXPECT_THAT(InWords(flight.warnings), Contains(HasSubstr("older datum")));
-}
-
-TEST(CompareSources, JudgesSurveyedPointsByThePhotosThatShowThem) {
-  for (const bool is_swapped : {false, true}) {
-    Flight flight = FlightAt(kDuluth);
-    flight.gcp_lists = {Survey(kDuluth, "EPSG:32615", is_swapped)};
-    ASSERT_TRUE(CompareSources(flight).ok());
-    ASSERT_EQ(flight.gcp_lists.size(), 1u);
-    ASSERT_EQ(flight.gcp_lists[0].points.size(), 5u);
-    EXPECT_LT(geo::MetresApart(flight.gcp_lists[0].points[0].position, kDuluth), 0.5);
-    EXPECT_EQ(flight.warnings.empty(), !is_swapped);
-  }
-  Flight unnamed = FlightAt(kDuluth);
-  unnamed.gcp_lists = {Survey(kDuluth, "", false)};
-  ASSERT_TRUE(CompareSources(unnamed).ok());
-  EXPECT_TRUE(unnamed.gcp_lists.empty());
-  EXPECT_THAT(InWords(unnamed.warnings), Contains(HasSubstr("EPSG:32615")));
-  Flight elsewhere = FlightAt(kDuluth);
-  elsewhere.gcp_lists = {Survey(Beside(kDuluth, 0.0, 90'000.0), "EPSG:32615", false)};
-  ASSERT_TRUE(CompareSources(elsewhere).ok());
-  EXPECT_TRUE(elsewhere.gcp_lists.empty());
-}
-
 // Of two cards the photo of one could not be read, so that both rows fall on the other's.
 TEST(CompareSources, UsesNeitherOfTwoRowsThatGiveAPhotoDifferentPlaces) {
   FlightLog list = ListOf(kDuluth, 18, AsDegrees, "EPSG:4326");
@@ -449,21 +232,6 @@ TEST(CompareSources, UsesNeitherOfTwoRowsThatGiveAPhotoDifferentPlaces) {
   EXPECT_TRUE(events[2].position && events[18].position) << "they agree";
   EXPECT_THAT(InWords(flight.warnings),
               Contains(HasSubstr("2 rows (the first is DJI_105.JPG) are not used")));
-}
-
-TEST(CompareSources, NamesMarksByThePhotosOfTheirFolders) {
-  Flight flight = FlightAt(kDuluth);
-  flight.photos[0].name = "100MEDIA_DJI_100.JPG";
-  flight.photos[1].name = "101MEDIA_DJI_100.JPG";
-  flight.gcp_lists = {Survey(kDuluth, "EPSG:32615", false)};
-  std::vector<flight::GcpSighting>& marks = flight.gcp_lists[0].sightings;
-  marks[1].image_name = "101MEDIA/DJI_100.JPG";
-  ASSERT_TRUE(CompareSources(flight).ok());
-  ASSERT_EQ(flight.gcp_lists.size(), 1u);
-  ASSERT_EQ(flight.gcp_lists[0].sightings.size(), 4u)
-      << "of the first mark it is not told which photo it is in";
-  EXPECT_EQ(flight.gcp_lists[0].sightings[0].image_name, "101MEDIA_DJI_100.JPG");
-  EXPECT_THAT(InWords(flight.warnings), Contains(HasSubstr("of 1 row (dji_100.jpg)")));
 }
 
 // Any place, order, sign and system: right to a metre, or refused.
