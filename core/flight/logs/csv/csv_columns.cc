@@ -40,7 +40,7 @@ std::pair<std::string, std::string> CutBrackets(const std::string& lower) {
   return {base, inside};
 }
 
-constexpr std::size_t kMaxName = 64;  // every cut of a name is tried
+constexpr std::size_t kMaxColumnName = 64;  // every cut of a name is tried
 
 struct MeaningAndUnit {
   M meaning = M::kIgnored;  // not said
@@ -115,7 +115,7 @@ std::string WordsOf(std::string_view header) {
 // The last words may be the unit: "gyro_x_dps", "lat_deg", "vel_n_m_s"; in names of one word, the last
 // letters: "LATDEG", "timeus".
 MeaningAndUnit CutUnit(const std::string& words) {
-  if (words.size() > kMaxName) return {};
+  if (words.size() > kMaxColumnName) return {};
   std::string unit;
   std::size_t end = words.size();
   for (int parts = 0; parts < 2; ++parts) {
@@ -141,7 +141,7 @@ MeaningAndUnit CutUnit(const std::string& words) {
 
 // "height_navd88", "elevation  _egm96": a height whose last words say above what it counts, or in which unit.
 MeaningAndUnit CutHeightWords(std::string base) {
-  if (base.size() > kMaxName) return {};
+  if (base.size() > kMaxColumnName) return {};
   std::replace_if(
       base.begin(), base.end(), [](char c) { return c == '_' || c == '.' || c == '-'; }, ' ');
   std::vector<std::string_view> parts;
