@@ -65,14 +65,13 @@ void RelateToNext(PosedPhoto& here, const PosedPhoto& next) {
   }
 }
 
-double StatedSigmaM(const flight::RecordedPosition& position) {
-  return position.sigma_horizontal_m.value_or(position.is_rtk_fixed ? 0.03 : 1.5);
-}
-
 // By which what positions state is multiplied, so that half of them state no more than receivers err apart.
+// Positions that were moved on from a fix of before are off by the way flown, each by itself.
 double ShareErredApart(const std::vector<Photo>& photos, const std::vector<std::size_t>& used) {
   std::vector<double> stated_m;
-  for (const std::size_t i : used) stated_m.push_back(StatedSigmaM(*photos[i].position));
+  for (const std::size_t i : used) {
+    if (!photos[i].position->is_repeated) stated_m.push_back(SigmaOfRecordM(*photos[i].position));
+  }
   return std::min(1.0, kWorstPlainM / MedianIfAny(std::move(stated_m)).value_or(kWorstPlainM));
 }
 
@@ -114,12 +113,13 @@ PlacedByRecords PlaceByRecords(const std::vector<Photo>& photos, const FlightHei
     const AttitudeChoice attitude = ChooseAttitude(photo, courses[k]);
     if (attitude.origin != AttitudeOrigin::kRecorded) ++placed.without_angles;
     const flight::RecordedPosition& position = *photo.position;
-    const double sigma_h = StatedSigmaM(position);
+    const double sigma_h = SigmaOfRecordM(position);
     const double sigma_v = position.is_rtk_fixed ? position.sigma_vertical_m.value_or(0.05) : heights.sigma_m;
     PosedPhoto pose;
     pose.photo = photo;
     pose.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(attitude.cam_from_enu, centers[k]);
-    pose.covariance = PoseCovariance(attitude, share_apart * sigma_h, sigma_v);
+    pose.covariance =
+        PoseCovariance(attitude, position.is_repeated ? sigma_h : share_apart * sigma_h, sigma_v);
     pose.height_above_ground_m = centers[k].z();
     pose.error_radius_m = std::hypot(sigma_h, pose.height_above_ground_m * attitude.sigma_tilt_rad);
     pose.attitude_origin = attitude.origin;

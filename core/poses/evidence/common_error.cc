@@ -64,6 +64,12 @@ double SigmaOfRowM(const flight::CameraEvent& event) {
   return IsCorrected(event) ? kCorrectedM : CommonError().sigma_m;
 }
 
+double SigmaOfRecordM(const flight::RecordedPosition& position) {
+  constexpr double kCorrectedRecordM = 0.03;  // base and antenna, and the moment of the exposure
+  return position.sigma_horizontal_m.value_or(position.is_rtk_fixed ? kCorrectedRecordM
+                                                                    : CommonError().sigma_m);
+}
+
 CommonError CommonErrorOf(const std::vector<const flight::RecordedPosition*>& positions) {
   return JudgedErrorOf(
       positions, [](const flight::RecordedPosition* one) -> const flight::RecordedPosition& { return *one; });

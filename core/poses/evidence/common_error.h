@@ -35,6 +35,9 @@ bool IsCorrected(const flight::CameraEvent& event);
 // The error of a row of a list, one sigma a horizontal axis: as stated, else as assumed.
 double SigmaOfRowM(const flight::CameraEvent& event);
 
+// The same of a photo's position, for whoever weighs it.
+double SigmaOfRecordM(const flight::RecordedPosition& position);
+
 CommonError CommonErrorOf(const std::vector<const flight::RecordedPosition*>& positions);
 CommonError CommonErrorOf(const std::vector<flight::GnssSample>& samples);
 

@@ -9,6 +9,7 @@
 
 #include "core/base/median.h"
 #include "core/geo/geodesic.h"
+#include "core/poses/evidence/common_error.h"
 
 namespace skyquilt::poses {
 namespace {
@@ -76,8 +77,7 @@ int MoveOn(const Stay& stay, const Stay* next, double step_m) {
       flown_m = std::max(flown_m, share * ApartM(stay, *next));
       position.position = Between(from, next->front()->position->position, share);
     }
-    const double fix_m = position.sigma_horizontal_m.value_or(position.is_rtk_fixed ? 0.03 : 1.5);
-    position.sigma_horizontal_m = std::hypot(fix_m, flown_m);
+    position.sigma_horizontal_m = std::hypot(SigmaOfRecordM(position), flown_m);
     position.is_repeated = true;
     ++moved;
   }

@@ -129,6 +129,14 @@ class Chooser {
     return MedianIfAny(std::move(apart_m)).value_or(std::numeric_limits<double>::infinity());
   }
 
+  // The row itself, or that of another file of the exposure, or of another band, in the same list.
+  bool HoldsWith(const Row& holding, const Row& row) const {
+    if (row.from == holding.from) return true;
+    const CameraEvent &held = EventOf(holding), &other = EventOf(row);
+    return row.from.log == holding.from.log && other.image_name != held.image_name &&
+           geo::MetresApart(*held.position, *other.position) <= kOneExposureM;
+  }
+
   // All photos hang on the same one.
   void Decide(const Contest& contest, const std::vector<std::size_t>& photos) {
     // Where nothing tells, what is written does, so that no name of a file decides.
@@ -147,7 +155,7 @@ class Chooser {
       const Row& holding = RowFrom(best, photo);
       holds_.emplace(photo, holding);
       for (const Row& other : rows_of_[photo]) {
-        if (other.from != best) Compare(holding, other, best_rank, rank_of);
+        if (!HoldsWith(holding, other)) Compare(holding, other, best_rank, rank_of);
       }
     }
   }
@@ -177,7 +185,7 @@ class Chooser {
     for (const LogAndEvent& at : beyond_) holds_any.emplace(at, false);
     for (const auto& [photo, holding] : holds_) {
       for (const Row& row : rows_of_[photo]) {
-        const bool is_held = row.from == holding.from;
+        const bool is_held = HoldsWith(holding, row);
         bool& holds = holds_any[{row.from.log, row.event}];
         holds = holds || is_held;
         if (is_held) continue;

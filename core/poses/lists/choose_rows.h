@@ -16,6 +16,9 @@
 
 namespace skyquilt::poses {
 
+// What rows of the files of one exposure, or of its bands, are apart by rounding and by their lenses.
+inline constexpr double kOneExposureM = 1.0;
+
 // `own`: by photo, where it says itself that it was taken.
 void ChooseRows(const NamedPhotos& named, const std::vector<std::optional<geo::LatLon>>& own,
                 flight::Flight& flight);

@@ -11,7 +11,6 @@
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
 #include "core/geo/geodesic.h"
-#include "core/poses/evidence/records_apart.h"
 #include "core/poses/heights/flight_heights.h"
 #include "core/poses/lists/choose_rows.h"
 #include "core/poses/lists/judge_list.h"
@@ -51,8 +50,6 @@ ListUse UseOf(const ListVerdict& verdict, const OwnRecords& own) {
 // Rows of other names that give one photo other places: of two cards of which one is here, say. Nothing tells
 // which of them is true.
 void DropContradicting(const FlightLog& log, JudgedList& judged) {
-  // What rows of the files of one exposure, or of its bands, are apart by rounding and by their lenses.
-  constexpr double kOnePlaceM = 1.0;
   if (judged.verdict.places.empty()) return;
   std::map<std::size_t, std::size_t> first_of;  // by photo
   std::set<std::size_t> doubted;                // photos
@@ -62,7 +59,7 @@ void DropContradicting(const FlightLog& log, JudgedList& judged) {
     const std::size_t first = first_of.try_emplace(judged.photos[k], k).first->second;
     const bool is_other_name =
         log.events[judged.events[first]].image_name != log.events[judged.events[k]].image_name;
-    if (is_other_name && geo::MetresApart(*judged.verdict.places[first], *place) > kOnePlaceM)
+    if (is_other_name && geo::MetresApart(*judged.verdict.places[first], *place) > kOneExposureM)
       doubted.insert(judged.photos[k]);
   }
   for (std::size_t k = 0; k < judged.events.size(); ++k) {
@@ -72,7 +69,7 @@ void DropContradicting(const FlightLog& log, JudgedList& judged) {
   }
 }
 
-// The median of how far the times of a list lie from those that its photos know for certain, in days; nothing
+// The median of how far the times of a list lie from those that a receiver told its photos, in days; nothing
 // where no clock is off by so much. Old receivers count their weeks anew after 1,024: that is no other
 // flight.
 std::optional<double> DaysApart(const FlightLog& log, const JudgedList& judged,
@@ -84,9 +81,9 @@ std::optional<double> DaysApart(const FlightLog& log, const JudgedList& judged,
   for (std::size_t k = 0; k < judged.events.size(); ++k) {
     const CameraEvent& event = log.events[judged.events[k]];
     const flight::Photo& photo = photos[judged.photos[k]];
-    if (!event.has_time || !photo.captured_at || photo.captured_at_is_local) continue;
+    if (!event.has_time || !photo.receiver_time) continue;
     const double apart_s =
-        std::chrono::duration<double>(*log.utc_at_zero - *photo.captured_at).count() + event.t_s;
+        std::chrono::duration<double>(*log.utc_at_zero - *photo.receiver_time).count() + event.t_s;
     apart_days.push_back(std::abs(std::remainder(apart_s, kWeeksCountedS)) / kDayS);
   }
   const std::optional<double> days = MedianIfAny(std::move(apart_days));
@@ -226,11 +223,10 @@ Result<void> CompareLists(const NamedPhotos& named, OwnRecords& own, Flight& fli
 }
 
 // Where the photos that show the points were taken, else where any was.
-OwnPlaces PlacesAround(const flight::GcpList& list, const NamedPhotos& named, const OwnRecords& own) {
+OwnPlaces PlacesAround(const flight::GcpList& list, const MarkedPhotosFound& found, const OwnRecords& own) {
   std::vector<LatLon> seen;
-  for (const flight::GcpSighting& sighting : list.sightings) {
-    const std::vector<std::size_t> photos = named.Find(sighting.image_name).photos;
-    if (!photos.empty() && own.moving[photos.front()]) seen.push_back(*own.moving[photos.front()]);
+  for (const std::size_t photo : found.photos) {
+    if (own.moving[photo]) seen.push_back(*own.moving[photo]);
   }
   OwnPlaces places{.of_row = {}, .of_flight = MedianPosition(seen), .is_stale = own.is_stale};
   if (!places.of_flight) places.of_flight = own.anywhere;
@@ -249,7 +245,7 @@ std::optional<flight::GcpList> JudgedControl(flight::GcpList list, const NamedPh
                       .rows = {},
                       .others = {}};
   for (const flight::GcpPoint& point : list.points) written.rows.push_back({point.x, point.y});
-  const ListVerdict verdict = JudgeList(written, PlacesAround(list, named, own));
+  const ListVerdict verdict = JudgeList(written, PlacesAround(list, found, own));
   ListUse use = UseOf(verdict, own);
   use.kind = flight::ListKind::kControl;
   use.file_name = list.file_name;

@@ -50,10 +50,11 @@ MarkedPhotosFound FindMarkedPhotos(const std::vector<flight::Photo>& photos, con
     GcpSighting& mark = list.sightings[k];
     const NamedPhotos::Found& called = called_by_mark[k];
     if (called.photos.empty()) {
-      (called.is_open ? open : nobody).Add(mark.image_name);
+      (called.is_open ? open : nobody).Add(PlainFileName(mark.image_name));
       continue;
     }
-    const flight::Photo& photo = photos[called.photos.front()];
+    const std::size_t number = called.photos.front();
+    const flight::Photo& photo = photos[number];
     ++found.marks;
     if (IsOutside(mark, photo)) {
       outside.Add(mark.image_name);
@@ -61,6 +62,7 @@ MarkedPhotosFound FindMarkedPhotos(const std::vector<flight::Photo>& photos, con
     }
     mark.image_name = photo.name;
     kept.push_back(std::move(mark));
+    found.photos.push_back(number);
   }
   list.sightings = std::move(kept);
   found.outside = outside.marks;

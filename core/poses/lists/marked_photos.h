@@ -14,8 +14,9 @@
 namespace skyquilt::poses {
 
 struct MarkedPhotosFound {
-  std::size_t marks = 0;    // in photos that were found
-  std::size_t outside = 0;  // of those: beyond the borders of theirs
+  std::size_t marks = 0;            // in photos that were found
+  std::size_t outside = 0;          // of those: beyond the borders of theirs
+  std::vector<std::size_t> photos;  // by mark that stays
   std::vector<flight::Remark> remarks;
 
   // Are they pixels of other pictures than these?

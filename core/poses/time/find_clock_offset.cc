@@ -159,8 +159,6 @@ std::optional<ClockOffset> SearchByPositions(std::span<const TimedPosition> phot
 
 // Of a camera's clock that claims UTC and is not checked by anything.
 constexpr double kCameraClockSigmaS = 2.0;
-// Zones that fit as well are a quarter of an hour away, or more.
-static_assert(kOpenClockSigmaS >= 900.0);
 
 class OffsetSearch {
  public:

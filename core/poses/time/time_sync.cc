@@ -51,7 +51,9 @@ class Synchroniser {
                              fmt::format("{} events, {} stamped cameras", event_s_.size(), cameras.size()));
     }
     FillFromOffset(cameras);
-    if (auto why = WhyOfAnotherDay(photos_, log_, sync_))
+    // What lists say of photos that they name was believed, or not, before (lists/compare_sources.h).
+    const bool is_believed = sync_.method == TimeSyncMethod::kEventNames && HasPlacedEvents();
+    if (auto why = is_believed ? std::nullopt : WhyOfAnotherDay(photos_, log_, sync_))
       return flight::Because(ErrorCode::kUnprocessable, *std::move(why));
     if (first_ && log_.utc_at_zero) {
       sync_.camera_ahead_of_utc_s = SecondsBetween(*log_.utc_at_zero, *first_) - sync_.offset_s;

@@ -21,7 +21,7 @@
 
 namespace skyquilt::poses {
 
-// Of a tie by clocks whose zone stays open: the photos may have been taken elsewhere on the track.
+// Of a tie by clocks whose zone stays open: the next that fits is a quarter of an hour away, or more.
 inline constexpr double kOpenClockSigmaS = 900.0;
 
 enum class TimeSyncMethod { kEventNames, kEventCount, kEventPattern, kPositions, kClocks };

@@ -225,6 +225,12 @@ TEST(MatchPhotosToLog, RefusesALogOfAnotherDayThanTheReceiversTime) {
   RepeatedMission unknown = week;
   for (Photo& photo : unknown.photos) photo.receiver_time.reset();
   EXPECT_TRUE(MatchPhotosToLog(unknown.photos, unknown.log).ok());
+  // A list that names the photos, and that nothing else contradicted, is used with the doubt.
+  RepeatedMission named = week;
+  for (std::size_t i = 0; i < named.photos.size(); ++i) named.log.events[i].image_name = named.photos[i].name;
+  EXPECT_TRUE(MatchPhotosToLog(named.photos, named.log).ok());
+  for (flight::CameraEvent& event : named.log.events) event.position.reset();
+  EXPECT_FALSE(MatchPhotosToLog(named.photos, named.log).ok()) << "refused";
 }
 
 }  // namespace

@@ -176,7 +176,7 @@ TEST(CompareSources, AsksWhereTwoReadingsStayPossible) {
 }
 
 // The flight at Duluth and a list of it whose times lie so many days behind those of the photos.
-Flight ComparedDaysLater(int days, bool has_positions, bool has_local_clock = false) {
+Flight ComparedDaysLater(int days, bool has_positions, bool has_receiver = true) {
   const flight::UtcTime noon{std::chrono::seconds(1'717'243'200)};
   FlightLog list = ListOf(kDuluth, 18, AsDegrees, "EPSG:4326");
   list.utc_at_zero = noon + std::chrono::days(days);
@@ -184,7 +184,7 @@ Flight ComparedDaysLater(int days, bool has_positions, bool has_local_clock = fa
   Flight flight = FlightAt(kDuluth, 18, has_positions);
   for (std::size_t k = 0; k < flight.photos.size(); ++k) {
     flight.photos[k].captured_at = noon + std::chrono::seconds(k);
-    flight.photos[k].captured_at_is_local = has_local_clock;
+    if (has_receiver) flight.photos[k].receiver_time = flight.photos[k].captured_at;
   }
   flight.logs = {std::move(list)};
   EXPECT_TRUE(CompareSources(flight).ok());
@@ -204,7 +204,7 @@ TEST(CompareSources, TakesNoClocksErrorForAnotherDay) {
     ExpectTaken(flight, kDuluth, "a wrong date, or weeks of GPS counted anew");
     EXPECT_TRUE(flight.warnings.empty()) << days;
   }
-  ExpectTaken(ComparedDaysLater(7, true, true), kDuluth, "the camera's clock was never set");
+  ExpectTaken(ComparedDaysLater(7, true, false), kDuluth, "the camera's clock was never set");
 }
 
 TEST(CompareSources, JudgesHalfAListAndNamesOneThatNamesNoPhoto) {

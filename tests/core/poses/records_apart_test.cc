@@ -51,6 +51,9 @@ TEST(RecordsApartOf, TakesNothingFromPhotosThatShareOnePosition) {
   Records stale(8);
   for (auto& record : stale.records) record.position = stale.records.front().position;
   EXPECT_FALSE(stale.Apart({40.0, 0.0}));
+  Records moved_on(8);
+  for (auto& record : moved_on.records) record.is_repeated = true;
+  EXPECT_FALSE(moved_on.Apart({40.0, 0.0})) << "guessed from a fix of before";
 }
 
 }  // namespace
