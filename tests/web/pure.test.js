@@ -255,7 +255,7 @@ test('files of one name keep their folders, and so do the lists beside them', ()
   assert.deepEqual(namesApart(['DCIM/100MEDIA/DJI_0001.JPG', 'DCIM/101MEDIA/DJI_0001.JPG', 'DCIM/101MEDIA/DJI_0002.JPG', 'DCIM/101MEDIA/positions.csv', 'DCIM/notes.txt']), [
     '100MEDIA_DJI_0001.JPG', '101MEDIA_DJI_0001.JPG', 'DJI_0002.JPG', '101MEDIA_positions.csv', 'notes.txt']);
   assert.deepEqual(namesApart(['a/100/x.jpg', 'b/100/X.JPG', 'c/x.jpg', 'x.jpg']), ['a_100_x.jpg', 'b_100_X.JPG', 'c_x.jpg', 'x.jpg']);
-  assert.deepEqual(namesApart(['x.jpg', 'x.jpg', 'X.jpg']), ['x.jpg', 'x(2).jpg', 'X(3).jpg']);
+  assert.deepEqual(namesApart(['x.jpg', 'x.jpg', 'X.jpg']), ['x.jpg', 'x(2).jpg', 'X.jpg']);
 });
 
 test('previews and deleted photos in folders of network drives are passed over', async () => {
@@ -263,6 +263,7 @@ test('previews and deleted photos in folders of network drives are passed over',
     file('DJI_0001.JPG', jpeg, 'photos/DJI_0001.JPG'),
     file('SYNOPHOTO_THUMB_M.jpg', jpeg, 'photos/@eaDir/DJI_0001.JPG/SYNOPHOTO_THUMB_M.jpg'),
     file('DJI_0002.JPG', jpeg, '#recycle/DJI_0002.JPG'),
+    file('DJI_0003.JPG', jpeg, 'photos/.Trashes/501/DJI_0003.JPG'),
   ]);
   assert.deepEqual(chosen.map(({ name }) => name), ['DJI_0001.JPG']);
   assert.deepEqual(ignored, []);

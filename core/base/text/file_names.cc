@@ -54,6 +54,13 @@ std::map<std::string, std::string> LabelsOf(const std::set<std::string>& folders
 
 }  // namespace
 
+bool IsOfPrograms(std::string_view name) {
+  constexpr std::array<std::string_view, 6> kFolders = {
+      "@eadir", "@recycle", "#recycle", "$recycle.bin", "system volume information", "__macosx"};
+  return name.starts_with('.') ||
+         std::find(kFolders.begin(), kFolders.end(), InSmallLetters(name)) != kFolders.end();
+}
+
 std::string NumberedName(std::string_view name, std::string_view mark) {
   const std::size_t dot = name.rfind('.');
   // An ending of a folder's is none of the file's, nor is ".hidden" one.

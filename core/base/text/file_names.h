@@ -13,6 +13,10 @@ namespace skyquilt {
 // So many folders stand in front of a name at most.
 inline constexpr std::size_t kMaxFoldersOfName = 8;
 
+// Whether a file or folder of this name (without folders) is hidden, or what systems and programs keep for
+// themselves: a Mac's attributes, previews of network drives, deleted files. No way into a flight takes it.
+bool IsOfPrograms(std::string_view name);
+
 // The second file of a name, with a mark in front of the ending: "a.jpg", "2" -> "a(2).jpg". Without a blank,
 // which geo.txt cannot hold, and unlike a camera's own numbers.
 std::string NumberedName(std::string_view name, std::string_view mark);

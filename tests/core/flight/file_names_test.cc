@@ -35,6 +35,12 @@ TEST(NamesApart, NumbersWhatNothingElseTellsApart) {
               ElementsAre("x.jpg", "x(2).jpg", "x(3).jpg", "", "(2)"));
 }
 
+TEST(IsOfPrograms, KnowsHiddenNamesAndFoldersOfSystems) {
+  for (const char* name : {".DS_Store", "._a.jpg", "@eaDir", "#recycle", "$RECYCLE.BIN", "__MACOSX"})
+    EXPECT_TRUE(IsOfPrograms(name)) << name;
+  for (const char* name : {"", "a.jpg", "100MEDIA", "recycle"}) EXPECT_FALSE(IsOfPrograms(name)) << name;
+}
+
 TEST(NumberedName, HasItsMarkInFrontOfTheEnding) {
   EXPECT_EQ(NumberedName("a.jpg", "2"), "a(2).jpg");
   EXPECT_EQ(NumberedName(".hidden", "2"), ".hidden(2)");

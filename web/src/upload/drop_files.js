@@ -16,8 +16,8 @@ const kOtherFilms = new Set(['avi', 'mkv', 'lrf', 'lrv', 'ts']);
 const kArchiveName = /\.(zip|tar|tgz|tar\.gz)$/i;
 // So many of a file's folders stand in front of its name at most.
 const kMaxFolders = 8;
-// What network drives and systems keep in folders of their own: previews of each photo, deleted files.
-const kFolderOfPrograms = /(^|\/)(@eadir|[@#]recycle|\$recycle\.bin|system volume information|__macosx)\//i;
+// What network drives and systems keep in folders of their own, hidden ones too: previews of each photo, deleted files.
+const kFolderOfPrograms = /(^|\/)(\.[^/]*|@eadir|[@#]recycle|\$recycle\.bin|system volume information|__macosx)\//i;
 const kOtherArchives = new Set(['7z', 'rar', 'gz', 'bz2', 'xz']);
 
 /**
@@ -85,7 +85,7 @@ export async function selectFiles(found) {
  * Cameras start again at 0001 in each card folder; the folder's name then tells the photos apart. A list beside such
  * photos keeps it too, for it counts for these. As core/base/text/file_names.cc names files.
  * @param {string[]} paths
- * @returns {string[]} a name for each, all different in any case
+ * @returns {string[]} a name for each, all different
  */
 export function namesApart(paths) {
   const split = paths.map((path) => path.split('/')).map((parts) => ({ folders: parts.slice(0, -1), name: parts[parts.length - 1] }));
@@ -106,8 +106,8 @@ export function namesApart(paths) {
     const own = [...label, one.name].join('_');
     const dot = own.lastIndexOf('.');
     let name = own;
-    for (let i = 2; taken.has(name.toLowerCase()); i += 1) name = dot > 0 ? `${own.slice(0, dot)}(${i})${own.slice(dot)}` : `${own}(${i})`;
-    taken.add(name.toLowerCase());
+    for (let i = 2; taken.has(name); i += 1) name = dot > 0 ? `${own.slice(0, dot)}(${i})${own.slice(dot)}` : `${own}(${i})`;
+    taken.add(name);
     return name;
   });
 }

@@ -13,6 +13,8 @@ Path = Union[str, "os.PathLike[str]"]
 
 _PICTURES = {".jpg", ".jpeg", ".tif", ".tiff", ".png", ".dng"}
 _MAX_FOLDERS = 8  # in front of a name
+# What systems and network drives keep for themselves: a Mac's attributes, previews of each photo, deleted files.
+_OF_PROGRAMS = {"@eadir", "@recycle", "#recycle", "$recycle.bin", "system volume information", "__macosx"}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -49,6 +51,10 @@ def name_of(paths: Union[Path, Iterable[Path]]) -> str:
     return (whole.name if whole.is_dir() else whole.stem)[:200] or "flight"
 
 
+def _is_of_programs(name: str) -> bool:
+    return name.startswith(".") or name.lower() in _OF_PROGRAMS
+
+
 def _walk(named: Sequence[pathlib.Path]) -> Iterable[pathlib.Path]:
     for path in named:
         if not path.exists():
@@ -58,8 +64,8 @@ def _walk(named: Sequence[pathlib.Path]) -> Iterable[pathlib.Path]:
             continue
         found = []
         for folder, below, names in os.walk(path):
-            below[:] = sorted(name for name in below if not name.startswith("."))
-            found += [pathlib.Path(folder, name) for name in names if not name.startswith(".")]
+            below[:] = sorted(name for name in below if not _is_of_programs(name))
+            found += [pathlib.Path(folder, name) for name in names if not _is_of_programs(name)]
         yield from (one for one in sorted(found) if one.is_file())
 
 
