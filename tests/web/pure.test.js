@@ -254,6 +254,7 @@ test('photos of the same name in several card folders are all sent', async () =>
 test('files of one name keep their folders, and so do the lists beside them', () => {
   assert.deepEqual(namesApart(['DCIM/100MEDIA/DJI_0001.JPG', 'DCIM/101MEDIA/DJI_0001.JPG', 'DCIM/101MEDIA/DJI_0002.JPG', 'DCIM/101MEDIA/positions.csv', 'DCIM/notes.txt']), [
     '100MEDIA_DJI_0001.JPG', '101MEDIA_DJI_0001.JPG', 'DJI_0002.JPG', '101MEDIA_positions.csv', 'notes.txt']);
+  assert.deepEqual(namesApart(['100/a.jpg', '101/a.jpg', '101/a.xmp', '101/b.jpg', '101/b.jpg.xmp', '101/c.srt']), ['100_a.jpg', '101_a.jpg', '101_a.xmp', 'b.jpg', 'b.jpg.xmp', '101_c.srt']);
   assert.deepEqual(namesApart(['a/100/x.jpg', 'b/100/X.JPG', 'c/x.jpg', 'x.jpg']), ['a_100_x.jpg', 'b_100_X.JPG', 'c_x.jpg', 'x.jpg']);
   assert.deepEqual(namesApart(['x.jpg', 'x.jpg', 'X.jpg']), ['x.jpg', 'x(2).jpg', 'X.jpg']);
 });

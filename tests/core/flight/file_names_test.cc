@@ -24,6 +24,11 @@ TEST(NamesApart, KeepsTheFoldersOfFilesOfOneNameAndOfListsBesideThem) {
                           "101MEDIA/positions.csv", "notes.txt"));
 }
 
+TEST(NamesApart, CallsASidecarAsItsPicture) {
+  EXPECT_THAT(NamesApart({"100/a.jpg", "101/a.jpg", "101/a.xmp", "101/b.jpg", "101/b.jpg.xmp", "101/c.srt"}),
+              ElementsAre("100/a.jpg", "101/a.jpg", "101/a.xmp", "b.jpg", "b.jpg.xmp", "101/c.srt"));
+}
+
 TEST(NamesApart, TakesAsManyFoldersAsItNeeds) {
   EXPECT_THAT(NamesApart({"a/100/x.jpg", "b/100/X.JPG", "c/x.jpg", "x.jpg"}),
               ElementsAre("a/100/x.jpg", "b/100/X.JPG", "c/x.jpg", "x.jpg"));
