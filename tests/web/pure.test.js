@@ -14,7 +14,7 @@ import { parseRoute, routeHash } from '../../web/src/shared/router.js';
 import { looksLikePhoto, namesApart, selectFiles } from '../../web/src/upload/drop_files.js';
 import { coverageGrid, histogram } from '../../web/src/flight/report_pictures.js';
 import { absoluteWords, accuracyMark, flightFacts, isScaleKnown, relativeWords, shortFacts, statusWords } from '../../web/src/flight/flight_words.js';
-import { resultWords } from '../../web/src/flight/result_verdict.js';
+import { isGuessed, resultWords } from '../../web/src/flight/result_verdict.js';
 import { crossesItself } from '../../web/src/map/ring_crossing.js';
 import { hashWithPlace, placeOfHash } from '../../web/src/map/view_address.js';
 import { nearestIn, squareOf } from '../../web/src/upload/nearest_place.js';
@@ -146,6 +146,9 @@ test('the page says of a map what the server judged, in the list and in the repo
   const guessed = { status: 'unplaced', limits: [{ kind: 'not_georeferenced', count: 0, of: 0 }, { kind: 'scale_guessed', count: 0, of: 0 }] };
   assert.equal(isScaleKnown(qualityWith(guessed)), false);
   assert.equal(resultWords(report(guessed, { is_placed: false })).sentences.length, 2);
+  const turned = { status: 'unplaced', limits: [{ kind: 'not_georeferenced', count: 0, of: 0 }, { kind: 'north_guessed', count: 0, of: 0 }] };
+  assert.equal(isGuessed(report(turned, { is_placed: false })), true, 'one place tells no north');
+  assert.match(resultWords(report(turned, { is_placed: false })).sentences.join(' '), /north is a guess.*The scale is known/);
   assert.match(resultWords(report({ status: 'unplaced', limits: [{ kind: 'not_georeferenced', count: 0, of: 0 }] }, { is_placed: false })).sentences.join(' '), /The scale is known/);
 });
 
