@@ -136,8 +136,7 @@ class PutFile final : public BodySink {
     if (!added) service_.store.Remove(flight_id, file.stored_name);
     if (!added) return added.error();
     incoming_.Kept(file.bytes);
-    SKYQUILT_TRY_ASSIGN(const std::vector<FileOutcome> outcomes, UnpackStored(service_, flight_id, *added));
-    SKYQUILT_TRY(CheckAnyTaken(file.name, outcomes));
+    SKYQUILT_TRY_ASSIGN(const std::vector<FileOutcome> outcomes, UnpackOnly(service_, flight_id, *added));
     return Json(201, JsonObject({{"files", FileOutcomesJson(outcomes)}}));
   }
 
@@ -149,8 +148,7 @@ class PutFile final : public BodySink {
   Digest digest_{DigestAlgorithm::kSha256};
 };
 
-// The bytes of a body are the file: what is a part of one, or one that is packed, is none (RFC
-// 9110 8.4, 14.5).
+// The bytes of a body are the file: a part of one, or one that is packed, is none (RFC 9110 8.4, 14.5).
 Result<void> CheckIsWholeFile(const Request& request) {
   if (request.headers.Has("Content-Range")) {
     return Error{

@@ -113,10 +113,8 @@ Response JoinParts(Service& service, const Request& request, const SpooledUpload
   if (!upload) return RefuseTus(upload.error(), request);
   incoming->Kept(upload->offset);
   if (upload->file) {
-    const auto unpacked = UnpackStored(service, upload->flight_id, *upload->file);
+    const auto unpacked = UnpackOnly(service, upload->flight_id, *upload->file);
     if (!unpacked) return RefuseTus(unpacked.error(), request);
-    const Result<void> any = CheckAnyTaken(upload->file->name, *unpacked);
-    if (!any) return RefuseTus(any.error(), request);
   }
   return Created(service, *upload);
 }
@@ -193,10 +191,8 @@ Response GetUpload(Service& service, const Request& request) {
       service.spool.Find(request.Parameter("upload"), service.db.ages().Now());
   if (!upload) return RefuseTus(upload.error(), request);
   if (upload->file) {
-    const auto unpacked = UnpackStored(service, upload->flight_id, *upload->file);
+    const auto unpacked = UnpackOnly(service, upload->flight_id, *upload->file);
     if (!unpacked) return RefuseTus(unpacked.error(), request);
-    const Result<void> any = CheckAnyTaken(upload->file->name, *unpacked);
-    if (!any) return RefuseTus(any.error(), request);
   }
   Response response = TusAnswer(Json(
       200, JsonObject({{"id", JsonString(upload->id)},

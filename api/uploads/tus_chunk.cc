@@ -58,10 +58,8 @@ class Chunk final : public BodySink {
     CountSaved();
     if (!upload) return RefuseTus(upload.error(), request_);
     if (upload->file) {
-      const auto unpacked = UnpackStored(service_, upload->flight_id, *upload->file);
+      const auto unpacked = UnpackOnly(service_, upload->flight_id, *upload->file);
       if (!unpacked) return RefuseTus(unpacked.error(), request_);
-      const Result<void> any = CheckAnyTaken(upload->file->name, *unpacked);
-      if (!any) return RefuseTus(any.error(), request_);
     }
     return answer_(*upload);
   }

@@ -52,17 +52,6 @@ Result<std::vector<FileOutcome>> AddAll(Service& service, const std::string& fli
 
 }  // namespace
 
-Result<void> CheckAnyTaken(const std::string& archive_name, const std::vector<FileOutcome>& outcomes) {
-  const bool is_any_taken =
-      std::any_of(outcomes.begin(), outcomes.end(), [](const FileOutcome& one) { return !one.error; });
-  if (outcomes.empty() || is_any_taken) return {};
-  return Error{ErrorCode::kUnprocessable,
-               fmt::format("None of the {} in \"{}\" was taken. The first, \"{}\": {}",
-                           Counted(outcomes.size(), "file"), archive_name, outcomes.front().name,
-                           outcomes.front().error->message),
-               ""};
-}
-
 Result<std::vector<FileOutcome>> UnpackStored(Service& service, const std::string& flight_id,
                                               const storage::StoredFile& file) {
   if (!storage::IsArchiveName(file.name)) return std::vector<FileOutcome>{Outcome(file.name, file.bytes)};
@@ -90,6 +79,19 @@ Result<std::vector<FileOutcome>> UnpackStored(Service& service, const std::strin
   Result<std::vector<FileOutcome>> outcomes = AddAll(service, flight_id, *unpacked);
   incoming.Kept(bytes);
   return outcomes;
+}
+
+Result<std::vector<FileOutcome>> UnpackOnly(Service& service, const std::string& flight_id,
+                                            const storage::StoredFile& file) {
+  SKYQUILT_TRY_ASSIGN(std::vector<FileOutcome> outcomes, UnpackStored(service, flight_id, file));
+  const bool is_any_taken =
+      std::any_of(outcomes.begin(), outcomes.end(), [](const FileOutcome& one) { return !one.error; });
+  if (outcomes.empty() || is_any_taken) return outcomes;
+  return Error{ErrorCode::kUnprocessable,
+               fmt::format("None of the {} in \"{}\" was taken. The first, \"{}\": {}",
+                           Counted(outcomes.size(), "file"), file.name, outcomes.front().name,
+                           outcomes.front().error->message),
+               ""};
 }
 
 }  // namespace skyquilt::api

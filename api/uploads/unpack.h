@@ -1,5 +1,5 @@
-// UnpackStored: replaces an uploaded archive by the files in it. Every upload route calls it with what it has
-// stored. Any thread.
+// Replaces an uploaded archive by the files in it. Every upload route calls it with what it has stored. Any
+// thread.
 #pragma once
 
 #include <string>
@@ -12,10 +12,12 @@ namespace skyquilt::api {
 
 // One outcome a file: the file itself, or those of the archive that it was. Errors: those of the store and of
 // UnpackArchive, kTooLarge (beyond its owner's quota); then the archive is gone too.
-// kUnprocessable, with the first reason, where an archive has files and none of them was taken.
-Result<void> CheckAnyTaken(const std::string& archive_name, const std::vector<FileOutcome>& outcomes);
-
 Result<std::vector<FileOutcome>> UnpackStored(Service& service, const std::string& flight_id,
                                               const storage::StoredFile& file);
+
+// The same for requests of one file. Also kUnprocessable, with the first reason, where an archive has files
+// and none of them was taken.
+Result<std::vector<FileOutcome>> UnpackOnly(Service& service, const std::string& flight_id,
+                                            const storage::StoredFile& file);
 
 }  // namespace skyquilt::api

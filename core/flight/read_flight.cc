@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <mutex>
 #include <set>
@@ -14,7 +13,6 @@
 #include "core/base/text/printable.h"
 #include "core/flight/aside/copies.h"
 #include "core/flight/aside/one_camera.h"
-#include "core/flight/bytes/text_fields.h"
 #include "core/flight/lists/sort_files.h"
 #include "core/flight/logs/read_log.h"
 #include "core/flight/metadata/capture_time.h"
@@ -212,22 +210,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Also what programs keep in folders of their own: thumbnails of Synology, deleted files, a Mac's attributes.
-bool IsHidden(const fs::path& path) {
-  constexpr std::array<std::string_view, 6> kFoldersOfPrograms = {
-      "@eadir", "@recycle", "#recycle", "$recycle.bin", "system volume information", "__macosx"};
-  const std::string name = LowerCase(path.filename().string());
-  return name.starts_with(".") ||
-         std::find(kFoldersOfPrograms.begin(), kFoldersOfPrograms.end(), name) != kFoldersOfPrograms.end();
-}
-
 Result<void> WalkFolder(const fs::path& folder, std::vector<fs::path>& found) {
   std::error_code error;
   fs::recursive_directory_iterator it(folder, fs::directory_options::skip_permission_denied, error);
   std::vector<fs::path> paths;
   while (!error && it != fs::recursive_directory_iterator()) {
     std::error_code ignored_kind;  // a file that vanished is no file
-    if (IsHidden(it->path())) {
+    if (IsOfPrograms(it->path().filename().string())) {
       if (it->is_directory(ignored_kind)) it.disable_recursion_pending();
     } else if (!it->is_directory(ignored_kind)) {
       paths.push_back(it->path());  // links to nothing and pipes too: reading them says what is wrong

@@ -214,7 +214,7 @@ void FinishUploads(api::Service& service) {
       service.spool.FinishComplete(service.db.ages().Now());
   if (!finished) Fail("skyquilt serve", finished.error());
   for (const storage::SpooledUpload& upload : *finished) {
-    const auto unpacked = api::UnpackStored(service, upload.flight_id, *upload.file);
+    const auto unpacked = api::UnpackOnly(service, upload.flight_id, *upload.file);
     if (!unpacked) LogFailure(upload.id, "unpack", unpacked.error().message);
   }
 }

@@ -188,7 +188,8 @@ std::string PointUse(const Json& point) {
   return check.is_boolean() && check.get<bool>() ? "check" : "control";
 }
 
-// Each with what the map misses it by; of one that is not used the reason.
+// Each with what the map misses it by; of one that is not used the reason. A height that was not compared is
+// 0 in the report, to the last digit.
 std::string Points(const Json& report) {
   const Json& control = At(report, {"alignment", "ground_control"});
   if (!control.is_array() || control.empty()) return "";
@@ -199,7 +200,7 @@ std::string Points(const Json& report) {
     const std::string use = PointUse(point);
     const auto miss = [&](const char* name) {
       const auto metres = NumberAt(point, {name});
-      return metres && use != "not used" ? Metres(*metres) : std::string();
+      return metres && *metres != 0.0 && use != "not used" ? Metres(*metres) : std::string();
     };
     rows += fmt::format(
         "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.0f}</td><td>{}</td></tr>\n",

@@ -8,6 +8,7 @@
 #include <system_error>
 #include <utility>
 
+#include "core/base/text/file_names.h"
 #include "core/flight/bytes/byte_source.h"
 #include "core/flight/bytes/text_fields.h"
 #include "core/flight/lists/sort_files.h"
@@ -24,9 +25,9 @@ constexpr std::chrono::milliseconds kStandsStill{500};
 
 bool IsPassedOver(const fs::path& path) {
   const std::string name = path.filename().string();
-  if (name.starts_with('.') || name.starts_with('$')) return true;
-  // Of Windows, of Android, and DJI's thumbnails.
-  constexpr std::array<std::string_view, 4> kFolders{"System Volume Information", "LOST.DIR", "MISC", "THM"};
+  if (IsOfPrograms(name) || name.starts_with('$')) return true;
+  // Of Android, and DJI's thumbnails.
+  constexpr std::array<std::string_view, 3> kFolders{"LOST.DIR", "MISC", "THM"};
   if (std::find(kFolders.begin(), kFolders.end(), name) != kFolders.end()) return true;
   const std::string ending = flight::LowerCase(path.extension().string());
   // Thumbnails and films of low resolution beside the true ones; and what copying programs leave unfinished.
@@ -82,7 +83,8 @@ void Read(const fs::path& path, CardFile& file) {
     file.kind = KindOfPhoto(input, file);
   } else if (!sorted.films.empty()) {
     file.kind = CardKind::kFilm;
-  } else if (!sorted.logs.empty() || !sorted.gcp_lists.empty() || !sorted.elevation_models.empty()) {
+  } else if (!sorted.logs.empty() || !sorted.gcp_lists.empty() || !sorted.elevation_models.empty() ||
+             !sorted.reflectance_lists.empty() || !sorted.sidecars.empty()) {
     file.kind = CardKind::kBeside;
   } else {
     file.kind = CardKind::kOther;

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <map>
 #include <set>
+#include <system_error>
 #include <vector>
 
 #include "core/base/text/file_names.h"
@@ -66,27 +67,33 @@ std::string JobKey(const std::string& key, std::vector<Digest> digests) {
   return key + "-" + HexOf(hasher.Finish());
 }
 
-// Names under which files are sent: those they had before, else their own, with as many folders in front as
-// it takes to be told apart.
-std::map<Digest, std::string> NamesFor(const std::vector<KnownFile>& files, const SentFlight* before) {
+// Names under which `lacking` are sent, some of `files`: those they had before, else as files of several
+// folders are called everywhere.
+std::map<Digest, std::string> NamesFor(const std::vector<KnownFile>& files,
+                                       const std::vector<KnownFile>& lacking, const SentFlight* before) {
+  std::vector<std::string> paths;
+  for (const KnownFile& file : files) {
+    std::error_code gone;
+    const fs::path whole = fs::absolute(file.path, gone);
+    paths.push_back((gone ? file.path : whole).lexically_normal().generic_string());
+  }
+  const std::vector<std::string> apart = NamesApart(paths);
+  std::map<Digest, std::string> own;
+  for (std::size_t i = 0; i < files.size(); ++i) own[files[i].digest] = WithFoldersJoined(apart[i]);
   std::map<Digest, std::string> names;
   std::set<std::string> taken;
   if (before != nullptr) {
     for (const auto& [digest, name] : before->files) taken.insert(name);
   }
-  for (const KnownFile& file : files) {
+  for (const KnownFile& file : lacking) {
     if (before != nullptr && before->files.contains(file.digest)) {
       names[file.digest] = before->files.at(file.digest);
       continue;
     }
-    std::string name = file.path.filename().string();
-    for (fs::path folder = file.path.parent_path(); taken.contains(name) && folder.has_filename();
-         folder = folder.parent_path())
-      name = folder.filename().string() + "_" + name;
-    for (int copy = 2; taken.contains(name); ++copy)
-      name = NumberedName(file.path.filename().string(), std::to_string(copy));
-    taken.insert(name);
-    names[file.digest] = name;
+    std::string name = own.at(file.digest);
+    for (int copy = 2; !taken.insert(name).second; ++copy)
+      name = NumberedName(own.at(file.digest), std::to_string(copy));
+    names[file.digest] = std::move(name);
   }
   return names;
 }
@@ -106,7 +113,7 @@ Result<SentNow> SendCardFlight(const CardFlight& flight, CardFiles& card, SentLe
   // The flight was deleted on the server, and more came: a new one of all.
   if (before == nullptr) lacking = files;
   SentNow now;
-  const std::map<Digest, std::string> names = NamesFor(lacking, before);
+  const std::map<Digest, std::string> names = NamesFor(files, lacking, before);
   std::string key = before != nullptr ? before->key : "";
   if (before == nullptr) {
     key = NewKey(DigestsOf(files));

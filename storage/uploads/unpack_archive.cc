@@ -62,13 +62,14 @@ std::string FullName(struct archive_entry* entry) {
 
 std::string LastPart(const std::string& name) { return name.substr(name.find_last_of('/') + 1); }
 
-// What programs leave in archives beside the files.
-bool IsClutter(const std::string& full_name) {
-  const std::string name = LastPart(full_name);
-  // "@eaDir": previews that a network drive makes of each photo.
-  return full_name.starts_with("__MACOSX/") || full_name.starts_with("@eaDir/") ||
-         full_name.find("/@eaDir/") != std::string::npos || name.starts_with("._") || name == ".DS_Store" ||
-         name == "Thumbs.db";
+// What programs leave in archives beside the files, or below a folder of theirs.
+bool IsClutter(std::string_view full_name) {
+  for (std::string_view rest = full_name; !rest.empty();) {
+    const std::string_view part = rest.substr(0, rest.find('/'));
+    if (part != "." && part != ".." && IsOfPrograms(part)) return true;
+    rest.remove_prefix(std::min(part.size() + 1, rest.size()));
+  }
+  return LastPart(std::string(full_name)) == "Thumbs.db";
 }
 
 // Whether an entry of a zip, just begun, is compressed in a way whose memory the format bounds. LZMA, xz,

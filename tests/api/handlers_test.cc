@@ -106,6 +106,34 @@ TEST(Files, OfAnotherCardTakeNobodysPlace) {
   EXPECT_EQ(sample.Send(Method::kPut, at + ".txt", "other").status, 201);
 }
 
+TEST(Files, AreNeitherPartsNorEncodedBodies) {
+  SampleService sample;
+  const std::string flight = sample.NewFlight();
+  const std::string at = "/api/v1/flights/" + flight + "/files/a.jpg";
+  const auto put = [&](const char* name, const char* value) {
+    Headers headers;
+    headers.Add(name, value);
+    return sample.Send(Method::kPut, at, "bytes", headers).status;
+  };
+  EXPECT_EQ(put("Content-Range", "bytes 0-4/10"), 400);
+  EXPECT_EQ(put("Content-Encoding", "gzip"), 415);
+  EXPECT_EQ(CountIn(sample.dir().Files(flight)), 0);
+  EXPECT_EQ(put("Content-Encoding", "identity"), 201);
+}
+
+TEST(Files, OfAnArchiveAreRefusedWhereNoneIsTaken) {
+  SampleService sample;
+  const std::string at = "/api/v1/flights/" + sample.NewFlight() + "/files/";
+  sample.service().unpack = [](const auto&, const auto&, const auto&, std::int64_t) {
+    const Error wrong{ErrorCode::kUnprocessable, "No name.", ""};
+    return Result<std::vector<storage::UnpackedFile>>({{{"in.jpg", "", 0}, wrong}});
+  };
+  const Response refused = sample.Send(Method::kPut, at + "a.zip", "bytes");
+  EXPECT_EQ(refused.status, 422) << refused.body;
+  EXPECT_EQ(JsonOf(refused)["detail"],
+            "None of the 1 file in \"a.zip\" was taken. The first, \"in.jpg\": No name.");
+}
+
 TEST(Files, WhoseBytesAreLostCanBeReplaced) {
   SampleService sample;
   const std::string flight = sample.NewFlight();

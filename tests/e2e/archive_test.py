@@ -55,7 +55,8 @@ class Archives(ServerTestCase):
 
     def test_zip_and_tar_become_their_files(self):
         photos = [(f"DCIM/100MEDIA/{name}", content) for name, content in self.photos]
-        clutter = [("__MACOSX/DCIM/._a.jpg", b"x"), (".DS_Store", b"x"), ("DCIM/@eaDir/a.jpg/SYNOPHOTO_THUMB_M.jpg", b"x")]
+        clutter = [("__MACOSX/DCIM/._a.jpg", b"x"), (".DS_Store", b"x"), ("DCIM/@eaDir/a.jpg/SYNOPHOTO_THUMB_M.jpg", b"x"),
+                   ("DCIM/#recycle/old.jpg", b"x"), (".Trashes/501/old.jpg", b"x")]
         status, told = self.put("flight.zip", zip_of(*photos, *clutter))
         self.assertEqual((status, len(told["files"])), (201, 6))
         self.assertEqual(self.listed(), {name: len(content) for name, content in self.photos})

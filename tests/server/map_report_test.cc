@@ -40,13 +40,13 @@ TEST(ReportPage, HasTheMissOfEachSurveyedPoint) {
   const std::string was = R"("alignment":{)";
   report.insert(report.find(was) + was.size(), R"("ground_control":[
     {"name":"<b>1","sightings":4,"is_used":true,"is_check":false,"reason":"","miss_east_m":0.021,"miss_north_m":-0.03,"miss_up_m":-9.97},
-    {"name":"p2_check","sightings":3,"is_used":true,"is_check":true,"reason":"","miss_east_m":1.5,"miss_north_m":0,"miss_up_m":0},
+    {"name":"p2_check","sightings":3,"is_used":true,"is_check":true,"reason":"","miss_east_m":1.5,"miss_north_m":0.25,"miss_up_m":0},
     {"name":"p3","sightings":1,"is_used":false,"is_check":false,"reason":"is <marked> once","miss_east_m":0,"miss_north_m":0,"miss_up_m":0}],)");
   const auto page = ReportPage(report, std::nullopt, "");
   ASSERT_TRUE(page.ok());
   for (const char* words :
        {"<td>&lt;b&gt;1</td><td>control</td><td>2.1 cm</td><td>-3 cm</td><td>-9.97 m</td><td>4</td>",
-        "<td>p2_check</td><td>check</td><td>1.5 m</td>",
+        "<td>p2_check</td><td>check</td><td>1.5 m</td><td>25 cm</td><td></td>",
         "<td>p3</td><td>not used</td><td></td><td></td><td></td><td>1</td><td>is &lt;marked&gt; once</td>"})
     EXPECT_TRUE(Has(*page, words)) << words;
 }

@@ -14,7 +14,7 @@ import { parseRoute, routeHash } from '../../web/src/shared/router.js';
 import { looksLikePhoto, namesApart, selectFiles } from '../../web/src/upload/drop_files.js';
 import { coverageGrid, histogram } from '../../web/src/flight/report_pictures.js';
 import { absoluteWords, accuracyMark, flightFacts, isScaleKnown, relativeWords, shortFacts, statusWords } from '../../web/src/flight/flight_words.js';
-import { resultWords } from '../../web/src/flight/result_verdict.js';
+import { isGuessed, resultWords } from '../../web/src/flight/result_verdict.js';
 import { crossesItself } from '../../web/src/map/ring_crossing.js';
 import { hashWithPlace, placeOfHash } from '../../web/src/map/view_address.js';
 import { nearestIn, squareOf } from '../../web/src/upload/nearest_place.js';
@@ -146,6 +146,9 @@ test('the page says of a map what the server judged, in the list and in the repo
   const guessed = { status: 'unplaced', limits: [{ kind: 'not_georeferenced', count: 0, of: 0 }, { kind: 'scale_guessed', count: 0, of: 0 }] };
   assert.equal(isScaleKnown(qualityWith(guessed)), false);
   assert.equal(resultWords(report(guessed, { is_placed: false })).sentences.length, 2);
+  const turned = { status: 'unplaced', limits: [{ kind: 'not_georeferenced', count: 0, of: 0 }, { kind: 'north_guessed', count: 0, of: 0 }] };
+  assert.equal(isGuessed(report(turned, { is_placed: false })), true, 'one place tells no north');
+  assert.match(resultWords(report(turned, { is_placed: false })).sentences.join(' '), /north is a guess.*The scale is known/);
   assert.match(resultWords(report({ status: 'unplaced', limits: [{ kind: 'not_georeferenced', count: 0, of: 0 }] }, { is_placed: false })).sentences.join(' '), /The scale is known/);
 });
 
@@ -254,8 +257,9 @@ test('photos of the same name in several card folders are all sent', async () =>
 test('files of one name keep their folders, and so do the lists beside them', () => {
   assert.deepEqual(namesApart(['DCIM/100MEDIA/DJI_0001.JPG', 'DCIM/101MEDIA/DJI_0001.JPG', 'DCIM/101MEDIA/DJI_0002.JPG', 'DCIM/101MEDIA/positions.csv', 'DCIM/notes.txt']), [
     '100MEDIA_DJI_0001.JPG', '101MEDIA_DJI_0001.JPG', 'DJI_0002.JPG', '101MEDIA_positions.csv', 'notes.txt']);
+  assert.deepEqual(namesApart(['100/a.jpg', '101/a.jpg', '101/a.xmp', '101/b.jpg', '101/b.jpg.xmp', '101/c.srt']), ['100_a.jpg', '101_a.jpg', '101_a.xmp', 'b.jpg', 'b.jpg.xmp', '101_c.srt']);
   assert.deepEqual(namesApart(['a/100/x.jpg', 'b/100/X.JPG', 'c/x.jpg', 'x.jpg']), ['a_100_x.jpg', 'b_100_X.JPG', 'c_x.jpg', 'x.jpg']);
-  assert.deepEqual(namesApart(['x.jpg', 'x.jpg', 'X.jpg']), ['x.jpg', 'x(2).jpg', 'X(3).jpg']);
+  assert.deepEqual(namesApart(['x.jpg', 'x.jpg', 'X.jpg']), ['x.jpg', 'x(2).jpg', 'X.jpg']);
 });
 
 test('previews and deleted photos in folders of network drives are passed over', async () => {
@@ -263,6 +267,7 @@ test('previews and deleted photos in folders of network drives are passed over',
     file('DJI_0001.JPG', jpeg, 'photos/DJI_0001.JPG'),
     file('SYNOPHOTO_THUMB_M.jpg', jpeg, 'photos/@eaDir/DJI_0001.JPG/SYNOPHOTO_THUMB_M.jpg'),
     file('DJI_0002.JPG', jpeg, '#recycle/DJI_0002.JPG'),
+    file('DJI_0003.JPG', jpeg, 'photos/.Trashes/501/DJI_0003.JPG'),
   ]);
   assert.deepEqual(chosen.map(({ name }) => name), ['DJI_0001.JPG']);
   assert.deepEqual(ignored, []);

@@ -27,6 +27,12 @@ bool IsNamedAsPicture(std::string_view file) {
   return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
 }
 
+// What a photo and the files that go with it have in common ("a/DJI_0001.JPG", "a/DJI_0001.JPG.xmp").
+std::string CompanyOf(const std::string& path) {
+  const std::string_view file = FileOf(path);
+  return FolderOf(path) + "/" + InSmallLetters(file.substr(0, file.find('.')));
+}
+
 // "a/b/c", 2 -> "b/c"
 std::string LastParts(const std::string& folder, std::size_t parts) {
   if (folder.empty()) return folder;
@@ -54,6 +60,13 @@ std::map<std::string, std::string> LabelsOf(const std::set<std::string>& folders
 
 }  // namespace
 
+bool IsOfPrograms(std::string_view name) {
+  constexpr std::array<std::string_view, 6> kFolders = {
+      "@eadir", "@recycle", "#recycle", "$recycle.bin", "system volume information", "__macosx"};
+  return name.starts_with('.') ||
+         std::find(kFolders.begin(), kFolders.end(), InSmallLetters(name)) != kFolders.end();
+}
+
 std::string NumberedName(std::string_view name, std::string_view mark) {
   const std::size_t dot = name.rfind('.');
   // An ending of a folder's is none of the file's, nor is ".hidden" one.
@@ -74,9 +87,17 @@ std::vector<std::string> NamesApart(const std::vector<std::string>& paths) {
     return doubled.contains(InSmallLetters(FileOf(path)));
   };
   std::set<std::string> folders;
+  std::map<std::string, bool> is_picture_doubled;  // by company
   for (const std::string& path : paths) {
     if (is_doubled(path)) folders.insert(FolderOf(path));
+    if (!IsNamedAsPicture(FileOf(path))) continue;
+    bool& is_any_doubled = is_picture_doubled[CompanyOf(path)];
+    is_any_doubled = is_any_doubled || is_doubled(path);
   }
+  const auto keeps_folder = [&](const std::string& path) {
+    const auto picture = is_picture_doubled.find(CompanyOf(path));
+    return is_doubled(path) || picture == is_picture_doubled.end() || picture->second;
+  };
   const std::map<std::string, std::string> labels = LabelsOf(folders);
   std::vector<std::string> names;
   std::set<std::string> taken;
@@ -84,7 +105,7 @@ std::vector<std::string> NamesApart(const std::vector<std::string>& paths) {
   for (const std::string& path : paths) {
     std::string name(FileOf(path));
     const auto label = labels.find(FolderOf(path));
-    if (label != labels.end() && !label->second.empty() && (is_doubled(path) || !IsNamedAsPicture(name)))
+    if (label != labels.end() && !label->second.empty() && keeps_folder(path))
       name = label->second + "/" + name;
     const std::string own = name;
     while (!taken.insert(name).second)

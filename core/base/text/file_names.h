@@ -13,6 +13,10 @@ namespace skyquilt {
 // So many folders stand in front of a name at most.
 inline constexpr std::size_t kMaxFoldersOfName = 8;
 
+// Whether a file or folder of this name (without folders) is hidden, or what systems and programs keep for
+// themselves: a Mac's attributes, previews of network drives, deleted files. No way into a flight takes it.
+bool IsOfPrograms(std::string_view name);
+
 // The second file of a name, with a mark in front of the ending: "a.jpg", "2" -> "a(2).jpg". Without a blank,
 // which geo.txt cannot hold, and unlike a camera's own numbers.
 std::string NumberedName(std::string_view name, std::string_view mark);
@@ -20,7 +24,8 @@ std::string NumberedName(std::string_view name, std::string_view mark);
 // A name for each of these paths (folders with '/'), each once: the file's own where no other has it in any
 // case, else with as many of its folders in front as tell it from the others: "100MEDIA/DJI_0001.JPG" and
 // "101MEDIA/DJI_0001.JPG". So are called the files beside such that are no pictures, whatever else has their
-// name: a list counts for the photos of its own folder. A number is the last resort.
+// name: a list counts for the photos of its own folder. What has a picture's name but for the ending (a
+// sidecar) is called as that picture is. A number is the last resort.
 std::vector<std::string> NamesApart(const std::vector<std::string>& paths);
 
 // For those who take no folders: "101MEDIA_DJI_0001.JPG".

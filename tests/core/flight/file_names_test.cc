@@ -24,6 +24,11 @@ TEST(NamesApart, KeepsTheFoldersOfFilesOfOneNameAndOfListsBesideThem) {
                           "101MEDIA/positions.csv", "notes.txt"));
 }
 
+TEST(NamesApart, CallsASidecarAsItsPicture) {
+  EXPECT_THAT(NamesApart({"100/a.jpg", "101/a.jpg", "101/a.xmp", "101/b.jpg", "101/b.jpg.xmp", "101/c.srt"}),
+              ElementsAre("100/a.jpg", "101/a.jpg", "101/a.xmp", "b.jpg", "b.jpg.xmp", "101/c.srt"));
+}
+
 TEST(NamesApart, TakesAsManyFoldersAsItNeeds) {
   EXPECT_THAT(NamesApart({"a/100/x.jpg", "b/100/X.JPG", "c/x.jpg", "x.jpg"}),
               ElementsAre("a/100/x.jpg", "b/100/X.JPG", "c/x.jpg", "x.jpg"));
@@ -33,6 +38,12 @@ TEST(NamesApart, TakesAsManyFoldersAsItNeeds) {
 TEST(NamesApart, NumbersWhatNothingElseTellsApart) {
   EXPECT_THAT(NamesApart({"x.jpg", "x.jpg", "x.jpg", "", "/"}),
               ElementsAre("x.jpg", "x(2).jpg", "x(3).jpg", "", "(2)"));
+}
+
+TEST(IsOfPrograms, KnowsHiddenNamesAndFoldersOfSystems) {
+  for (const char* name : {".DS_Store", "._a.jpg", "@eaDir", "#recycle", "$RECYCLE.BIN", "__MACOSX"})
+    EXPECT_TRUE(IsOfPrograms(name)) << name;
+  for (const char* name : {"", "a.jpg", "100MEDIA", "recycle"}) EXPECT_FALSE(IsOfPrograms(name)) << name;
 }
 
 TEST(NumberedName, HasItsMarkInFrontOfTheEnding) {

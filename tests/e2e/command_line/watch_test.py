@@ -112,7 +112,7 @@ class Watch(ServerTestCase):
         self.assertEqual(flights[field], [name for name, _ in self.photos[4:]])
         self.assertEqual(sorted(len(files) for files in flights.values()), [1, 2, 3])
         rolled = next(files for files in flights.values() if len(files) == 3)
-        self.assertEqual(rolled, sorted([self.photos[0][0], self.photos[1][0], "101MEDIA_" + self.photos[0][0]]))
+        self.assertEqual(rolled, sorted([self.photos[1][0], "100MEDIA_" + self.photos[0][0], "101MEDIA_" + self.photos[0][0]]))
         # The card again, in another slot, by another process: nothing.
         moved = self.card.with_name(self.card.name + "_slot_b")
         shutil.copytree(self.card, moved)

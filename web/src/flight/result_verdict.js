@@ -6,8 +6,12 @@ import { icon } from '../shared/icons.js';
 import { strings } from '../shared/flight_strings.js';
 import { gradeOf, isScaleKnown, limitWords, statusWords } from './flight_words.js';
 
-/** Are the size and the north of an unplaced map guessed? Those that a log gave are not. @param {Report} report */
-export const isGuessed = (report) => report.is_placed === false && (report.quality ? !isScaleKnown(report.quality) : report.alignment?.placed_by !== 'records');
+/** Is the size or the north of an unplaced map guessed? Those that a log gave are not. @param {Report} report */
+export function isGuessed(report) {
+  if (report.is_placed !== false) return false;
+  if (!report.quality) return report.alignment?.placed_by !== 'records';
+  return !isScaleKnown(report.quality) || report.quality.limits.some(({ kind }) => kind === 'north_guessed');
+}
 
 /**
  * @param {Report} report
@@ -16,7 +20,7 @@ export const isGuessed = (report) => report.is_placed === false && (report.quali
 export function resultWords(report) {
   const words = strings.report.verdict;
   const sentences = (report.quality?.limits ?? []).map(limitWords);
-  if (report.is_placed === false && !isGuessed(report)) sentences.push(words.unplaced_measured);
+  if (report.is_placed === false && (report.quality ? isScaleKnown(report.quality) : !isGuessed(report))) sentences.push(words.unplaced_measured);
   if (!report.quality && report.photos.total > 0) sentences.push(words.unjudged);
   if (sentences.length === 0) sentences.push(words.good(report.photos.total));
   return { grade: gradeOf(report.quality), title: statusWords(report.quality), sentences };

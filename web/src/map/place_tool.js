@@ -24,7 +24,7 @@ const kNearZoom = 17;
  * @property {string} key of the flight and its revision
  * @property {Bounds} bounds
  * @property {boolean} is_placed it has a place on Earth
- * @property {boolean} is_guessed its size and north are guesses: one point is too few
+ * @property {boolean} is_guessed its size or north is a guess: one point is too few
  * @property {(pairs: PlacePair[]) => Promise<void>} submit begins the job; what it throws is shown
  * @property {() => void} on_leave the keyboard's focus goes where it came from
  */

@@ -8,7 +8,7 @@ import { strings } from '../shared/strings.js';
 /** @typedef {{chosen: ChosenFile[], ignored: IgnoredFile[], folder: string}} Selection */
 
 const kPhotos = new Set(['jpg', 'jpeg', 'tif', 'tiff', 'png', 'dng']);
-const kLogs = new Set(['csv', 'txt', 'log', 'bin', 'ulg', 'tlog', 'srt', 'ass', 'mrk', 'pos', 'json', 'gpx', 'kml', 'geojson', 'nmea']);
+const kLogs = new Set(['csv', 'txt', 'log', 'bin', 'ulg', 'tlog', 'srt', 'ass', 'mrk', 'pos', 'json', 'gpx', 'kml', 'geojson', 'nmea', 'xmp']);
 const kFilms = new Set(['mp4', 'mov']);
 // What cameras write beside a film for their own screens, and films in other containers.
 const kOtherFilms = new Set(['avi', 'mkv', 'lrf', 'lrv', 'ts']);
@@ -16,8 +16,8 @@ const kOtherFilms = new Set(['avi', 'mkv', 'lrf', 'lrv', 'ts']);
 const kArchiveName = /\.(zip|tar|tgz|tar\.gz)$/i;
 // So many of a file's folders stand in front of its name at most.
 const kMaxFolders = 8;
-// What network drives and systems keep in folders of their own: previews of each photo, deleted files.
-const kFolderOfPrograms = /(^|\/)(@eadir|[@#]recycle|\$recycle\.bin|system volume information|__macosx)\//i;
+// What network drives and systems keep in folders of their own, hidden ones too: previews of each photo, deleted files.
+const kFolderOfPrograms = /(^|\/)(\.[^/]*|@eadir|[@#]recycle|\$recycle\.bin|system volume information|__macosx)\//i;
 const kOtherArchives = new Set(['7z', 'rar', 'gz', 'bz2', 'xz']);
 
 /**
@@ -83,9 +83,10 @@ export async function selectFiles(found) {
 
 /**
  * Cameras start again at 0001 in each card folder; the folder's name then tells the photos apart. A list beside such
- * photos keeps it too, for it counts for these. As core/base/text/file_names.cc names files.
+ * photos keeps it too, for it counts for these; a sidecar is called as its photo. As core/base/text/file_names.cc names
+ * files.
  * @param {string[]} paths
- * @returns {string[]} a name for each, all different in any case
+ * @returns {string[]} a name for each, all different
  */
 export function namesApart(paths) {
   const split = paths.map((path) => path.split('/')).map((parts) => ({ folders: parts.slice(0, -1), name: parts[parts.length - 1] }));
@@ -100,14 +101,21 @@ export function namesApart(paths) {
   }
   const isDoubled = (/** @type {{name: string}} */ { name }) => doubled.has(name.toLowerCase());
   const labels = labelsOf(new Map(split.filter(isDoubled).map((one) => [key(one), one.folders])));
+  const companyOf = (/** @type {{folders: string[], name: string}} */ one) => `${key(one)}/${one.name.split('.')[0].toLowerCase()}`;
+  /** @type {Map<string, boolean>} */
+  const is_photo_doubled = new Map();
+  for (const one of split) {
+    if (!kPhotos.has(extension(one.name))) continue;
+    is_photo_doubled.set(companyOf(one), isDoubled(one) || (is_photo_doubled.get(companyOf(one)) ?? false));
+  }
   const taken = new Set();
   return split.map((one) => {
-    const label = isDoubled(one) || !kPhotos.has(extension(one.name)) ? labels.get(key(one)) ?? [] : [];
+    const label = isDoubled(one) || (is_photo_doubled.get(companyOf(one)) ?? true) ? labels.get(key(one)) ?? [] : [];
     const own = [...label, one.name].join('_');
     const dot = own.lastIndexOf('.');
     let name = own;
-    for (let i = 2; taken.has(name.toLowerCase()); i += 1) name = dot > 0 ? `${own.slice(0, dot)}(${i})${own.slice(dot)}` : `${own}(${i})`;
-    taken.add(name.toLowerCase());
+    for (let i = 2; taken.has(name); i += 1) name = dot > 0 ? `${own.slice(0, dot)}(${i})${own.slice(dot)}` : `${own}(${i})`;
+    taken.add(name);
     return name;
   });
 }

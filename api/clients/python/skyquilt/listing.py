@@ -13,6 +13,8 @@ Path = Union[str, "os.PathLike[str]"]
 
 _PICTURES = {".jpg", ".jpeg", ".tif", ".tiff", ".png", ".dng"}
 _MAX_FOLDERS = 8  # in front of a name
+# What systems and network drives keep for themselves: a Mac's attributes, previews of each photo, deleted files.
+_OF_PROGRAMS = {"@eadir", "@recycle", "#recycle", "$recycle.bin", "system volume information", "__macosx"}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -49,6 +51,10 @@ def name_of(paths: Union[Path, Iterable[Path]]) -> str:
     return (whole.name if whole.is_dir() else whole.stem)[:200] or "flight"
 
 
+def _is_of_programs(name: str) -> bool:
+    return name.startswith(".") or name.lower() in _OF_PROGRAMS
+
+
 def _walk(named: Sequence[pathlib.Path]) -> Iterable[pathlib.Path]:
     for path in named:
         if not path.exists():
@@ -58,22 +64,27 @@ def _walk(named: Sequence[pathlib.Path]) -> Iterable[pathlib.Path]:
             continue
         found = []
         for folder, below, names in os.walk(path):
-            below[:] = sorted(name for name in below if not name.startswith("."))
-            found += [pathlib.Path(folder, name) for name in names if not name.startswith(".")]
+            below[:] = sorted(name for name in below if not _is_of_programs(name))
+            found += [pathlib.Path(folder, name) for name in names if not _is_of_programs(name)]
         yield from (one for one in sorted(found) if one.is_file())
 
 
 def _names_apart(paths: Sequence[pathlib.Path]) -> List[str]:
     """A name for each, as core/base/text/file_names.cc gives them: its own, with as many folders in front as tell it from
-    files of that name elsewhere. What is no picture keeps the folder beside such, for a list counts for the photos there."""
+    files of that name elsewhere. What is no picture keeps the folder beside such, for a list counts for the photos there; a
+    sidecar is called as its picture."""
     whole = [pathlib.Path(os.path.abspath(path)) for path in paths]
     first_folder: Dict[str, pathlib.Path] = {}
     doubled = {path.name.lower() for path in whole if first_folder.setdefault(path.name.lower(), path.parent) != path.parent}
     labels = _labels({path.parent for path in whole if path.name.lower() in doubled})
+    company = [(path.parent, path.name.lower().split(".")[0]) for path in whole]
+    pictures = {own for path, own in zip(whole, company) if path.suffix.lower() in _PICTURES}
+    doubled_pictures = {own for path, own in zip(whole, company) if path.suffix.lower() in _PICTURES and path.name.lower() in doubled}
     names: List[str] = []
     taken: Set[str] = set()
-    for path in whole:
-        label = labels.get(path.parent, "") if path.name.lower() in doubled or path.suffix.lower() not in _PICTURES else ""
+    for path, own_company in zip(whole, company):
+        keeps_folder = path.name.lower() in doubled or own_company in doubled_pictures or own_company not in pictures
+        label = labels.get(path.parent, "") if keeps_folder else ""
         name, copy = f"{label}_{path.name}" if label else path.name, 2
         own = pathlib.PurePath(name)
         while name in taken:

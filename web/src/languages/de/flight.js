@@ -261,7 +261,7 @@ export const flight_words = {
     on_basemap: (n) => `Klicken Sie Passpunkt ${number(n)} auf der Hintergrundkarte an. Die Karte ist solange halb durchsichtig.`,
     enough_one: 'Ein Passpunkt verschiebt die Karte. Um auch Maßstab und Drehung zu korrigieren, setzen Sie einen zweiten weit entfernt vom ersten.',
     enough: 'Platzieren Sie die Karte oder setzen Sie einen weiteren Passpunkt.',
-    one_more: 'Maßstab und Nordrichtung sind geschätzt: Setzen Sie einen zweiten Passpunkt weit entfernt vom ersten.',
+    one_more: 'Maßstab oder Nordrichtung ist geschätzt: Setzen Sie einen zweiten Passpunkt weit entfernt vom ersten.',
     centre: 'Mitte verwenden',
     basemap: 'Auf Hintergrundkarte klicken',
     back: 'Zurück zur Karte',

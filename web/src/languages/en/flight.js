@@ -262,7 +262,7 @@ export const flight_words = {
     on_basemap: (/** @type {number} */ n) => `Click point ${n} on the basemap. Meanwhile the map is semi-transparent.`,
     enough_one: 'One point shifts the map. To correct scale and rotation as well, add a second point far from the first.',
     enough: 'Place the map, or add another point.',
-    one_more: 'Scale and north are guesses: add a second point far from the first.',
+    one_more: 'Scale or north is a guess: add a second point far from the first.',
     centre: 'Use centre',
     basemap: 'Click on basemap',
     back: 'Back to the map',

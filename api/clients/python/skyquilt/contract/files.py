@@ -26,9 +26,10 @@ class Files(Calls):
 
     def put_file(self, flight: str, name: str, body: Body, *, content_digest: Optional[str] = None,
                  if_match: Optional[str] = None) -> Union[models.File, models.PutFileAnswer2011]:
-        """Store one file (curl -T). An archive (.zip, .tar, .tar.gz, .tgz) becomes the files in it. The same bytes
-        under the same name again are answered 200 and change nothing. Other bytes, as a second card has under the
-        same name, are refused (409) unless If-Match says that they replace what is there."""
+        """Store one file (curl -T). An archive (.zip, .tar, .tar.gz, .tgz) becomes the files in it. A part of a file
+        (Content-Range, 400) and an encoded body (Content-Encoding, 415) are refused. The same bytes under the same
+        name again are answered 200 and change nothing. Other bytes, as a second card has under the same name, are
+        refused (409) unless If-Match says that they replace what is there."""
         return cast("Union[models.File, models.PutFileAnswer2011]", self._send("PUT",
                 "/api/v1/flights/{flight}/files/{name}", body=body, path={"flight": flight, "name": name},
                 headers={"Content-Digest": content_digest, "If-Match": if_match}))
