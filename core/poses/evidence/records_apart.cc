@@ -36,7 +36,8 @@ std::optional<RecordsApart> RecordsApartOf(const std::vector<RecordedResidual>& 
   std::vector<Eigen::Vector2d> apart_m;
   std::vector<const flight::RecordedPosition*> records;
   for (const RecordedResidual& one : residuals) {
-    if (at_place[place_of(one)] > kMaxAtOnePlace || !one.residual_m.allFinite()) continue;
+    const bool is_stale = one.record->is_repeated || at_place[place_of(one)] > kMaxAtOnePlace;
+    if (is_stale || !one.residual_m.allFinite()) continue;
     apart_m.push_back(one.residual_m);
     records.push_back(one.record);
   }

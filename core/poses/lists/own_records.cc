@@ -5,6 +5,7 @@
 #include <string>
 #include <tuple>
 
+#include "core/poses/evidence/records_apart.h"
 #include "core/poses/heights/flight_heights.h"
 
 namespace skyquilt::poses {
@@ -12,9 +13,6 @@ namespace {
 
 using flight::FlightLog;
 using geo::LatLon;
-
-// More photos of one camera than these at one and the same place: the receiver repeats its last fix.
-constexpr int kMaxAtOnePlace = 2;
 
 using CameraPlace = std::tuple<std::string, double, double>;
 

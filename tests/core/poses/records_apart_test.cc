@@ -51,6 +51,9 @@ TEST(RecordsApartOf, TakesNothingFromPhotosThatShareOnePosition) {
   Records stale(8);
   for (auto& record : stale.records) record.position = stale.records.front().position;
   EXPECT_FALSE(stale.Apart({40.0, 0.0}));
+  Records moved_on(8);
+  for (std::size_t i = 1; i < 8; ++i) moved_on.records[i].is_repeated = true;
+  EXPECT_FALSE(moved_on.Apart({40.0, 0.0}));
 }
 
 }  // namespace
