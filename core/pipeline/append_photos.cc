@@ -14,6 +14,7 @@
 #include "core/camera/footprint.h"
 #include "core/ground/extend_ground.h"
 #include "core/ground/model_ground.h"
+#include "core/poses/evidence/repeated_positions.h"
 
 namespace skyquilt::pipeline {
 namespace {
@@ -181,8 +182,14 @@ Result<std::optional<FlightFacts>> AppendPhotos(const FlightFacts& known, const 
 }
 
 void FillPhotos(const flight::Flight& read, alignment::AlignedFlight& flight) {
+  std::vector<flight::Photo> photos = read.photos;
+  // A fix that photos repeat is one, as it was when the map was made.
+  const bool repeats = std::any_of(
+      flight.warnings.begin(), flight.warnings.end(),
+      [](const flight::Remark& said) { return said.code == flight::RemarkCode::kPositionsRepeated; });
+  if (repeats) poses::MoveRepeatedPositions(photos);
   std::map<std::string, const flight::Photo*> by_name;
-  for (const flight::Photo& photo : read.photos) by_name[photo.name] = &photo;
+  for (const flight::Photo& photo : photos) by_name[photo.name] = &photo;
   for (alignment::AlignedPhoto& photo : flight.photos) {
     const auto found = by_name.find(photo.photo.name);
     if (found == by_name.end()) continue;

@@ -295,8 +295,11 @@ Result<PlacedFlight> PlaceWhereTold(const flight::Flight& read, const PlaceReque
   PlaceRequest named = request;
   const poses::NamedPhotos photos(read.photos);
   for (flight::GcpList& list : named.control) {
-    const std::vector<flight::Remark> told = poses::FindMarkedPhotos(read.photos, photos, list).remarks;
-    recalled->facts.flight.warnings.insert(recalled->facts.flight.warnings.end(), told.begin(), told.end());
+    std::vector<flight::Remark>& warnings = recalled->facts.flight.warnings;
+    for (const flight::Remark& told : poses::FindMarkedPhotos(read.photos, photos, list).remarks) {
+      std::erase(warnings, told);  // of an earlier run
+      warnings.push_back(told);
+    }
   }
   PlacedFlight placed;
   const double was_m = MedianGsdM(recalled->facts);

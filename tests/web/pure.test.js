@@ -127,6 +127,7 @@ test('the page says of a map what the server judged, in the list and in the repo
   assert.equal(absoluteWords(qualityWith(few)), 'unknown: only 1 of 42 photos with a position');
   const no_scale = { status: 'doubtful', absolute: { sigma_m: null, by: 'gnss', count: 12 }, limits: [{ kind: 'scale_guessed', count: 0, of: 0 }] };
   assert.equal(absoluteWords(qualityWith(no_scale)), 'unknown: the scale is a guess', 'of twelve photos all have a position');
+  assert.equal(absoluteWords(qualityWith({ ...no_scale, limits: [{ kind: 'north_guessed', count: 0, of: 0 }] })), 'unknown: north is a guess');
   assert.equal(accuracyMark(qualityWith(few)), '');
   assert.equal(accuracyMark(null), '');
   assert.equal(absoluteWords(qualityWith()), '\u00b12.3\u00a0m (1\u03c3), by 9 GNSS positions');

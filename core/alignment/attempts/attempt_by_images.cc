@@ -361,6 +361,7 @@ std::optional<AttemptByImages> PlaceByImages(const ExtractedFlight& extracted, c
       const bool is_by_control = place.placing == Placing::kByControl;
       report.is_adrift = !(is_on_earth || place.positions > 0) || (is_reckoned && is_by_control);
       second.is_placed = is_by_control || (!is_reckoned && !report.is_adrift);
+      report.ignores_surveyed_heights = place.ignores_surveyed_heights;
       if (!place.knows_north) report.is_north_guessed = true;
       if (place.placing == Placing::kByGuess) report.is_scale_guessed = true;
       std::vector<flight::Remark> height;

@@ -183,7 +183,9 @@ BlockPlace Georeference(const Registration& registration, int block, const Geore
 
   std::vector<PlacePair> control = records.control;
   std::optional<FittedSimilarity> by_control = FitRobustly(control, up);
-  if (!by_control || IsTipped(*by_control, up)) {
+  const bool has_heights = std::any_of(control.begin(), control.end(),
+                                       [](const PlacePair& pair) { return std::isfinite(pair.sigma.z()); });
+  if (has_heights && (!by_control || IsTipped(*by_control, up))) {
     for (PlacePair& pair : control) pair.sigma.z() = kUnknownHeightM;
     by_control = FitRobustly(control, up);
     place.ignores_surveyed_heights = by_control.has_value();

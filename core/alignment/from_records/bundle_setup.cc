@@ -18,6 +18,7 @@ constexpr double kMinSigmaM = 0.01;
 constexpr double kMinSigmaRad = 0.003;
 constexpr int kFewPhotos = 30;
 constexpr double kMaxAttitudeGrowth = 8.0;
+constexpr std::size_t kFewestReweighed = 6;  // photos
 // Of what the pictures leave of a claim: less is a lens or a shutter that is modelled a little wrong.
 constexpr double kFalseClaim = 4.0;
 constexpr double kMinFalseClaimM = 0.08;
@@ -233,22 +234,28 @@ BundleProblem MakeBundle(const poses::PosedFlight& posed, const std::vector<Corr
   return problem;
 }
 
-bool ReweighPriors(BundleProblem& problem) {
+bool ReweighPositions(BundleProblem& problem) {
   const PhotoSet tied = ObservingPhotos(problem.photos.size(), problem.tracks);
-  std::vector<double> horizontal, vertical;
+  std::vector<double> horizontal, vertical, horizontal_sigmas, vertical_sigmas;
   for (std::size_t i = 0; i < problem.photos.size(); ++i) {
     if (!tied.Has(i) || !problem.photos[i].has_record) continue;
     const BundlePhoto& photo = problem.photos[i];
-    const Eigen::Vector3d moved = photo.cam_from_enu.TargetOriginInSource() - ExpectedCenter(problem, photo);
-    horizontal.push_back(std::abs(moved.x()));
-    horizontal.push_back(std::abs(moved.y()));
-    vertical.push_back(std::abs(moved.z()));
+    const Eigen::Vector3d moved_m =
+        (photo.cam_from_enu.TargetOriginInSource() - ExpectedCenter(problem, photo)).cwiseAbs();
+    const Eigen::Vector3d sigmas = moved_m.cwiseQuotient(photo.sigma_position_m);
+    horizontal.insert(horizontal.end(), {moved_m.x(), moved_m.y()});
+    horizontal_sigmas.insert(horizontal_sigmas.end(), {sigmas.x(), sigmas.y()});
+    vertical.push_back(moved_m.z());
+    vertical_sigmas.push_back(sigmas.z());
   }
-  if (vertical.size() < 6) return false;
-  ReweighAttitudes(tied, problem);
+  if (vertical.size() < kFewestReweighed) return false;
   // 1.48: from the median to a sigma of a normal distribution; a little more, for it was fitted.
-  const double sigma_h = 1.8 * Median(horizontal);
-  const double sigma_v = 1.8 * Median(vertical);
+  constexpr double kSigmaOfMedian = 1.8;
+  const double sigma_h = kSigmaOfMedian * Median(horizontal);
+  const double sigma_v = kSigmaOfMedian * Median(vertical);
+  // By what each claims of itself: what poor ones miss by says nothing of good ones among them.
+  const bool is_false_h = kSigmaOfMedian * Median(horizontal_sigmas) > kFalseClaim;
+  const bool is_false_v = kSigmaOfMedian * Median(vertical_sigmas) > kFalseClaim;
   bool has_grown = false;
   for (BundlePhoto& photo : problem.photos) {
     if (!photo.has_record) continue;
@@ -257,12 +264,22 @@ bool ReweighPriors(BundleProblem& problem) {
       double& own = photo.sigma_position_m[axis];
       // Positions that claim far more than they hold have bent the pictures to themselves: how far they err
       // shows when they are believed no more than any receiver's.
-      const bool is_false = seen > kFalseClaim * own && seen > kMinFalseClaimM;
+      const bool is_false =
+          (axis < 2 ? is_false_h : is_false_v) && seen > kFalseClaim * own && seen > kMinFalseClaimM;
       has_grown = has_grown || is_false;
       own = is_false ? std::max(seen, kPlainSigmaM) : std::clamp(seen, std::min(0.1, own), own);
     }
   }
   return has_grown;
+}
+
+bool ReweighPriors(BundleProblem& problem) {
+  const PhotoSet tied = ObservingPhotos(problem.photos.size(), problem.tracks);
+  std::size_t records = 0;
+  for (std::size_t i = 0; i < problem.photos.size(); ++i)
+    records += tied.Has(i) && problem.photos[i].has_record ? 1 : 0;
+  if (records >= kFewestReweighed) ReweighAttitudes(tied, problem);
+  return ReweighPositions(problem);
 }
 
 std::optional<BundlePlane> FitPlane(const BundleProblem& problem) {

@@ -35,9 +35,11 @@ BundleProblem MakeBundle(const poses::PosedFlight& posed, const std::vector<Corr
 BundlePhoto MakeBundlePhoto(const poses::PosedPhoto& posed, const CorrectedPose& corrected, int lens,
                             int line);
 // After a first adjustment the records show how good they are relative to each other: sigmas shrink to that.
-// True: those of positions grew to a plain receiver's, for they claim far more than they hold. Adjusted and
-// reweighed again they shrink to what the pictures leave of them.
+// True: those of positions grew to a plain receiver's, for they claim far more than they hold. Adjusted
+// again, ReweighPositions has them shrink to what the pictures leave of them. Angles grow once, by so much at
+// most.
 bool ReweighPriors(BundleProblem& problem);
+bool ReweighPositions(BundleProblem& problem);
 
 // The plane through most of a problem's points; none where they are too few.
 std::optional<BundlePlane> FitPlane(const BundleProblem& problem);

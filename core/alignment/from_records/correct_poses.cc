@@ -43,13 +43,14 @@ bool IsCourseOfAll(const std::vector<CorrectedPose>& corrected, std::size_t firs
                      [](const CorrectedPose& one) { return one.yaw_is_course; });
 }
 
-// Where the course was one of two that the photo stands between, or none.
-bool BendsAt(const std::vector<poses::PosedPhoto>& recorded, std::size_t i) {
-  if (i == 0 || i + 1 >= recorded.size()) return false;
-  const auto place = [&](std::size_t k) {
-    return Eigen::Vector2d(recorded[k].cam_from_enu.TargetOriginInSource().head<2>());
+// Where the course was one of two that the photo stands between, or none. `photos`: of one camera.
+bool BendsAt(const std::vector<poses::PosedPhoto>& recorded, const std::vector<std::size_t>& photos,
+             std::size_t k) {
+  if (k == 0 || k + 1 >= photos.size()) return false;
+  const auto place = [&](std::size_t at) {
+    return Eigen::Vector2d(recorded[photos[at]].cam_from_enu.TargetOriginInSource().head<2>());
   };
-  const Eigen::Vector2d before = place(i) - place(i - 1), after = place(i + 1) - place(i);
+  const Eigen::Vector2d before = place(k) - place(k - 1), after = place(k + 1) - place(k);
   if (std::min(before.norm(), after.norm()) < kShortestLegM) return true;
   return std::acos(std::clamp(before.normalized().dot(after.normalized()), -1.0, 1.0)) > kBendRad;
 }
@@ -171,19 +172,24 @@ CorrectedPose CorrectToPose(const poses::PosedPhoto& posed, const GroundPrior& p
 
 void ForgiveTurnsAtBends(const std::vector<poses::PosedPhoto>& recorded,
                          std::vector<CorrectedPose>& corrected) {
-  std::array<std::size_t, 4> lie_so{};
-  for (const CorrectedPose& one : corrected) ++lie_so[one.quarter_turns];
-  for (std::size_t i = 0; i < corrected.size(); ++i) {
-    CorrectedPose& one = corrected[i];
-    const int quarters = one.quarter_turns;
-    if (!one.yaw_is_course || quarters == 0 || !BendsAt(recorded, i)) continue;
-    const auto says_the_same = [&](std::size_t k) {
-      return corrected[k].quarter_turns == quarters && !BendsAt(recorded, k);
-    };
-    if (2 * lie_so[quarters] > corrected.size() || says_the_same(i - 1) || says_the_same(i + 1)) continue;
-    one.quarter_turns = 0;
-    std::erase_if(one.notes,
-                  [](const Remark& note) { return note.code == RemarkCode::kFoundTurnedAgainstCourse; });
+  std::map<std::string, std::vector<std::size_t>> photos_of_camera;
+  for (std::size_t i = 0; i < corrected.size(); ++i)
+    photos_of_camera[recorded[i].photo.camera_key].push_back(i);
+  for (const auto& [camera, photos] : photos_of_camera) {
+    std::array<std::size_t, 4> lie_so{};
+    for (const std::size_t i : photos) ++lie_so[corrected[i].quarter_turns];
+    for (std::size_t k = 0; k < photos.size(); ++k) {
+      CorrectedPose& one = corrected[photos[k]];
+      const int quarters = one.quarter_turns;
+      if (!one.yaw_is_course || quarters == 0 || !BendsAt(recorded, photos, k)) continue;
+      const auto says_the_same = [&](std::size_t at) {
+        return corrected[photos[at]].quarter_turns == quarters && !BendsAt(recorded, photos, at);
+      };
+      if (2 * lie_so[quarters] > photos.size() || says_the_same(k - 1) || says_the_same(k + 1)) continue;
+      one.quarter_turns = 0;
+      std::erase_if(one.notes,
+                    [](const Remark& note) { return note.code == RemarkCode::kFoundTurnedAgainstCourse; });
+    }
   }
 }
 

@@ -28,8 +28,8 @@ CorrectedPose CorrectToPose(const poses::PosedPhoto& posed, const GroundPrior& p
                             const geo::Rigid3& cam_from_enu);
 
 // Of a photo without a recorded yaw that lies across where the course bends: the course says little of it
-// there, and the picture is no worse for that, unless its neighbours or most of the flight lie the same way.
-// `recorded`: as many as are corrected, in the order of capture.
+// there, and the picture is no worse for that, unless its neighbours of the same camera, or most of its
+// photos, lie the same way. `recorded`: as many as are corrected, in the order of capture.
 void ForgiveTurnsAtBends(const std::vector<poses::PosedPhoto>& recorded,
                          std::vector<CorrectedPose>& corrected);
 

@@ -88,8 +88,9 @@ struct ByImagesReport {
   bool is_taken = false;
   bool is_placed = false;  // on Earth, by positions or surveyed points; for who asked, told nowhere
   bool is_adrift = false;  // nothing says how the largest group lies to the records; told nowhere either
-  std::optional<bool> is_scale_guessed;  // nothing recorded says how large the largest group is
-  std::optional<bool> is_north_guessed;  // nor how it is turned
+  bool ignores_surveyed_heights = false;  // they would tip the largest group over; told by its outcome
+  std::optional<bool> is_scale_guessed;   // nothing recorded says how large the largest group is
+  std::optional<bool> is_north_guessed;   // nor how it is turned
 
   bool operator==(const ByImagesReport&) const = default;
 };

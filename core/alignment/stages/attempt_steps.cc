@@ -241,7 +241,7 @@ Attempt FinishAttempt(Attempt attempt, const AlignOptions& options, Progress& pr
   last.estimate_lens_sigma = attempt.problem.photos.size() <= kMaxPhotosForLensSigma;
   attempt = Adjusted(std::move(attempt), last, options);
   for (int round = 1; is_bent && round < kMaxUnbent; ++round) {
-    is_bent = ReweighPriors(attempt.problem);
+    is_bent = ReweighPositions(attempt.problem);
     attempt.problem.plane = PlaneOf(attempt);
     attempt = Adjusted(std::move(attempt), last, options);
   }

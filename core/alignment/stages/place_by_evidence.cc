@@ -326,7 +326,11 @@ Result<PlacedFlight> PlaceByEvidence(const ExtractedFlight& extracted, Attempt b
       LeanedShare(attempt.matched.corrected, attempt.problem) > kMuchLeanedShare) {
     attempt = Adjusted(Rematched(std::move(attempt), kMiddlePass, options), FirstAdjustment(), options);
   }
-  TieToControl(attempt.posed, options.control, attempt.problem, attempt.control);
+  std::vector<ControlPoint> control = options.control;
+  if (placed.by_images.is_taken && placed.by_images.ignores_surveyed_heights) {
+    for (ControlPoint& point : control) point.height_m.reset();
+  }
+  TieToControl(attempt.posed, control, attempt.problem, attempt.control);
   if (progress.IsCancelled()) return AlignmentCancelled();
   return placed;
 }

@@ -180,7 +180,8 @@ void TellOfControl(const std::vector<alignment::ControlReport>& control, const V
                    FlightFacts& facts) {
   if (!facts.align_report) return;
   facts.align_report->control = control;
-  facts.align_report->position_bias_m = moved_m;
+  Vector3d& bias_m = facts.align_report->position_bias_m;
+  bias_m = facts.is_placed ? Vector3d(bias_m + moved_m) : Vector3d(Vector3d::Zero());
 }
 
 namespace {

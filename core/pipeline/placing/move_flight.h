@@ -49,8 +49,8 @@ double MedianGsdM(const FlightFacts& known);
 // Between the outermost cameras, along the diagonal.
 double ExtentM(const FlightFacts& known);
 
-// What became of surveyed points, and how far the flight moved for them, among the alignment's figures, where
-// the flight has any.
+// What became of surveyed points, and how far the flight moved for them from where it was placed before,
+// among the alignment's figures, where the flight has any. A flight that lay nowhere did not move.
 void TellOfControl(const std::vector<alignment::ControlReport>& control, const Eigen::Vector3d& moved_m,
                    FlightFacts& facts);
 

@@ -248,7 +248,11 @@ Result<FlightFacts> PlaceByControl(const FlightFacts& known, const std::vector<f
     if (photo.placement == alignment::Placement::kAligned)
       photo.error_radius_m = std::max(kMinSigmaM, miss_m);
   }
-  TellOfControl(reports, Vector3d::Zero(), placed);
+  const std::size_t middle = known.flight.photos.size() / 2;
+  const Vector3d was = known.flight.photos[middle].cam_from_enu.TargetOriginInSource();
+  const geo::Wgs84 now = frame.Wgs84FromEnu(placed.flight.photos[middle].cam_from_enu.TargetOriginInSource());
+  const Vector3d moved_m = known.flight.frame.EnuFromWgs84(now) - was;
+  TellOfControl(reports, {moved_m.x(), moved_m.y(), 0.0}, placed);
   placed.flight.warnings.push_back({RemarkCode::kPlacedByControl,
                                     {{"points", misses_m.size()},
                                      {"apart_m", miss_m},

@@ -161,10 +161,14 @@ ControlFit FitOf(const JudgedMap& map) {
   return fit;
 }
 
+// Two surveyed points say how large the map is and how it is turned, whatever its records say.
+bool IsTiedToSurvey(const JudgedMap& map) {
+  return map.alignment != nullptr && FitOf(map).places.size() >= 2;
+}
+
 // Nothing recorded says how large the map is: neither where two photos were taken nor how high.
 bool IsScaleGuessed(const JudgedMap& map) {
-  if (map.is_by_hand || map.is_forecast) return false;
-  if (map.alignment != nullptr && FitOf(map).places.size() >= 2) return false;
+  if (map.is_by_hand || map.is_forecast || IsTiedToSurvey(map)) return false;
   const bool is_by_images = map.alignment != nullptr && map.alignment->by_images.is_taken;
   if (is_by_images) return map.alignment->by_images.is_scale_guessed.value_or(false);
   return map.poses.is_height_guessed.value_or(false) && !IsAnyAligned(map) && map.poses.photos_by_log < 2 &&
@@ -172,8 +176,8 @@ bool IsScaleGuessed(const JudgedMap& map) {
 }
 
 bool IsNorthGuessed(const JudgedMap& map) {
-  return !map.is_by_hand && map.alignment != nullptr && map.alignment->by_images.is_taken &&
-         map.alignment->by_images.is_north_guessed.value_or(false);
+  return !map.is_by_hand && !IsTiedToSurvey(map) && map.alignment != nullptr &&
+         map.alignment->by_images.is_taken && map.alignment->by_images.is_north_guessed.value_or(false);
 }
 
 // Survey and marks average out over the points, by as much as they span the map. What the points are missed
@@ -369,14 +373,14 @@ std::vector<MapLimit> LimitsOf(const JudgedMap& map, const AbsoluteAccuracy& abs
   const int left_out = static_cast<int>(map.flight.left_out.size());
   if (!map.is_placed) limits.push_back({LimitKind::kNotGeoreferenced});
   // None at all where the pictures refute each that there is.
-  const bool is_guessed = IsScaleGuessed(map);
+  const bool is_guessed = IsScaleGuessed(map), is_north_guessed = IsNorthGuessed(map);
   const bool is_placed_by_few = map.is_placed && !absolute.sigma_m && absolute.by != AbsoluteSupport::kHand &&
-                                !is_guessed && !IsNorthGuessed(map);
+                                !is_guessed && !is_north_guessed;
   const bool is_told = map.alignment != nullptr && map.alignment->by_images.is_taken && !is_guessed;
   if (is_guessed ||
       (map.is_by_images && !is_told && (!map.is_placed || (is_placed_by_few && absolute.count < 2))))
     limits.push_back({LimitKind::kScaleGuessed});
-  if (IsNorthGuessed(map)) limits.push_back({LimitKind::kNorthGuessed});
+  if (is_north_guessed) limits.push_back({LimitKind::kNorthGuessed});
   if (is_placed_by_few) limits.push_back({LimitKind::kFewPositions, absolute.count, placed});
   if (AreContradicted(map, absolute)) limits.push_back({LimitKind::kPositionsContradicted});
   if (absolute.sigma_m && *absolute.sigma_m > kFarOffM) limits.push_back({LimitKind::kFarOff});

@@ -142,7 +142,10 @@ std::string AbsoluteInWords(const MapQuality& quality) {
     const auto few = std::find_if(quality.limits.begin(), quality.limits.end(), [](const MapLimit& limit) {
       return limit.kind == LimitKind::kFewPositions;
     });
-    if (few == quality.limits.end()) return "unknown: the scale is a guess";  // they are enough for the place
+    if (few == quality.limits.end()) {  // they are enough for the place
+      return quality.IsLimitedBy(LimitKind::kScaleGuessed) ? "unknown: the scale is a guess"
+                                                           : "unknown: north is a guess";
+    }
     return fmt::format("unknown: only {} of {} with a position", count, Counted(few->of, "photo"));
   }
   return fmt::format("+-{} (1 sigma), by {}", AccuracyText(*absolute.sigma_m), by);

@@ -144,6 +144,18 @@ TEST(JudgeMap, ByRecordsAloneEachPhotoIsAsFarOffAsItSays) {
   EXPECT_EQ(quality.status, MapStatus::kLimited);
 }
 
+TEST(JudgeMap, DoubtsAMapWhoseNorthIsAGuessUntilTwoSurveyedPointsTieIt) {
+  JudgedFlight flight(8);
+  flight.report.by_images.is_taken = true;
+  flight.report.by_images.is_north_guessed = true;
+  const MapQuality quality = flight.Judge();
+  EXPECT_FALSE(quality.absolute.sigma_m);
+  EXPECT_EQ(quality.limits, (std::vector<MapLimit>{{LimitKind::kNorthGuessed}}));
+  EXPECT_EQ(quality.status, MapStatus::kDoubtful);
+  for (int k = 0; k < 2; ++k) flight.Surveyed(false, 0.0, 0.0);
+  EXPECT_EQ(flight.Judge().status, MapStatus::kReady);
+}
+
 TEST(JudgeMap, StatesNoNumberWhereTheScaleIsAGuess) {
   JudgedFlight by_images(8);
   by_images.report.by_images.is_taken = true;

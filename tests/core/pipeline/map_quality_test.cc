@@ -51,6 +51,8 @@ TEST(MapQuality, IsSaidInWords) {
   guessed.absolute.count = 12;
   guessed.limits = {{LimitKind::kScaleGuessed}};
   EXPECT_EQ(AbsoluteInWords(guessed), "unknown: the scale is a guess");
+  guessed.limits = {{LimitKind::kNorthGuessed}};
+  EXPECT_EQ(AbsoluteInWords(guessed), "unknown: north is a guess");
   EXPECT_NE(LimitInWords({LimitKind::kFewPositions, 1, 42}).find("Only 1 of 42 photos has a position"),
             std::string::npos);
 }
@@ -127,7 +129,7 @@ TEST(MapQuality, ThatNoMapHasIsRefused) {
       {"/relative/error_px", true},
       {"/limits/0/kind", "<script>"},
       {"/limits", "none"},
-      {"/limits", nlohmann::json(std::vector<nlohmann::json>(10, good["limits"][0]))}};
+      {"/limits", nlohmann::json(std::vector<nlohmann::json>(std::size(kLimitKinds) + 1, good["limits"][0]))}};
   for (const auto& [where, value] : wrong) {
     auto json = good;
     json[Pointer(where)] = value;

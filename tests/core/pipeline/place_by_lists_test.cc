@@ -228,6 +228,20 @@ TEST(PlaceByLists, SaysWhatIsSoNowAndNotWhatWasSoBefore) {
   EXPECT_EQ(CountOf(InWords(again->flight.warnings), "The finished map was placed by 5 surveyed points"), 1);
 }
 
+// Of a flight by its log this is all that is left of where its records had it.
+TEST(PlaceByLists, AddsUpHowFarPointsMovedTheMap) {
+  const Shifted flight;
+  const auto way_m = [](const Result<FlightFacts>& placed) {
+    return Eigen::Vector2d(placed->align_report->position_bias_m.head<2>());
+  };
+  const auto by_few = PlaceByLists(flight.known, flight.Survey(3));
+  ASSERT_TRUE(by_few.ok());
+  EXPECT_GT(way_m(by_few).norm(), 0.5);
+  const auto again = PlaceByLists(*by_few, flight.Survey(5));
+  ASSERT_TRUE(again.ok());
+  EXPECT_LT((way_m(again) - way_m(by_few)).norm(), 0.1);
+}
+
 TEST(PlaceByLists, PlacesAMapThatLiesNowhereByThreePoints) {
   const Adrift flight;
   const auto placed = PlaceByLists(flight.known, flight.Survey(3));

@@ -82,7 +82,8 @@ export function absoluteWords({ status, absolute, limits }) {
   const few = limits.find(({ kind }) => kind === 'few_positions');
   if (absolute.by === 'none') return words.unknown(words.no_positions);
   if (absolute.by === 'hand' && absolute.sigma_m === null) return words.unknown(words.by_hand);
-  if (absolute.sigma_m === null) return words.unknown(few ? words.few(absolute.count, few.of) : words.scale_guess);
+  const guess = limits.some(({ kind }) => kind === 'scale_guessed') ? words.scale_guess : words.north_guess;
+  if (absolute.sigma_m === null) return words.unknown(few ? words.few(absolute.count, few.of) : guess);
   return words.absolute(`\u00b1${formatError(absolute.sigma_m)}`, words.by[absolute.by](absolute.count));
 }
 

@@ -104,6 +104,7 @@ export const page_words = {
     no_positions: 'keine Positionen',
     by_hand: 'von Hand platziert',
     scale_guess: 'der Maßstab ist geschätzt',
+    north_guess: 'die Nordrichtung ist geschätzt',
     imported: 'eine importierte Karte',
     few: (n, all) => `nur ${number(n)} von ${count(all, photos)} mit Position`,
     no_ties: 'keine Fotos sind miteinander verknüpft',

@@ -103,6 +103,7 @@ export const page_words = {
     no_positions: 'no positions',
     by_hand: 'placed by hand',
     scale_guess: 'the scale is a guess',
+    north_guess: 'north is a guess',
     imported: 'an imported map',
     few: (/** @type {number} */ n, /** @type {number} */ all) => `only ${number(n)} of ${count(all, { one: 'photo', other: 'photos' })} with a position`,
     no_ties: 'no photos are tied to each other',
