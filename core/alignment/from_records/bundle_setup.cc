@@ -253,7 +253,7 @@ bool ReweighPositions(BundleProblem& problem) {
   constexpr double kSigmaOfMedian = 1.8;
   const double sigma_h = kSigmaOfMedian * Median(horizontal);
   const double sigma_v = kSigmaOfMedian * Median(vertical);
-  // By what each claims of itself: what poor ones miss by says nothing of good ones among them.
+  // By what each claims of itself: how far poor ones lie off says nothing of good ones among them.
   const bool is_false_h = kSigmaOfMedian * Median(horizontal_sigmas) > kFalseClaim;
   const bool is_false_v = kSigmaOfMedian * Median(vertical_sigmas) > kFalseClaim;
   bool has_grown = false;

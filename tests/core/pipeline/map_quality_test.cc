@@ -129,7 +129,8 @@ TEST(MapQuality, ThatNoMapHasIsRefused) {
       {"/relative/error_px", true},
       {"/limits/0/kind", "<script>"},
       {"/limits", "none"},
-      {"/limits", nlohmann::json(std::vector<nlohmann::json>(std::size(kLimitKinds) + 1, good["limits"][0]))}};
+      {"/limits",
+       nlohmann::json(std::vector<nlohmann::json>(std::size(kLimitKinds) + 1, good["limits"][0]))}};
   for (const auto& [where, value] : wrong) {
     auto json = good;
     json[Pointer(where)] = value;
