@@ -21,12 +21,6 @@ std::string FolderOf(const std::string& path) {
   return end == std::string::npos ? std::string() : path.substr(0, end);
 }
 
-bool IsNamedAsPicture(std::string_view file) {
-  constexpr std::array<std::string_view, 6> kEndings = {"jpg", "jpeg", "tif", "tiff", "png", "dng"};
-  const std::string ending = InSmallLetters(file.substr(file.rfind('.') + 1));
-  return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
-}
-
 // "a/b/c", 2 -> "b/c"
 std::string LastParts(const std::string& folder, std::size_t parts) {
   if (folder.empty()) return folder;
@@ -53,6 +47,14 @@ std::map<std::string, std::string> LabelsOf(const std::set<std::string>& folders
 }
 
 }  // namespace
+
+bool IsNamedAsPicture(std::string_view file) {
+  constexpr std::array<std::string_view, 6> kEndings = {"jpg", "jpeg", "tif", "tiff", "png", "dng"};
+  const std::size_t dot = file.rfind('.');
+  if (dot == std::string_view::npos || dot == 0) return false;
+  const std::string ending = InSmallLetters(file.substr(dot + 1));
+  return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
+}
 
 std::string NumberedName(std::string_view name, std::string_view mark) {
   const std::size_t dot = name.rfind('.');

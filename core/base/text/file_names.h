@@ -13,6 +13,9 @@ namespace skyquilt {
 // So many folders stand in front of a name at most.
 inline constexpr std::size_t kMaxFoldersOfName = 8;
 
+// By its ending, in any case: "a.JPG", not ".jpg".
+bool IsNamedAsPicture(std::string_view file);
+
 // The second file of a name, with a mark in front of the ending: "a.jpg", "2" -> "a(2).jpg". Without a blank,
 // which geo.txt cannot hold, and unlike a camera's own numbers.
 std::string NumberedName(std::string_view name, std::string_view mark);

@@ -140,6 +140,20 @@ TEST(ReadFlight, UsesOfFilesOfOnePictureTheOneOfTheBestPosition) {
   EXPECT_THAT(InWords(flight.left_out[0].reason), HasSubstr("PPK/DJI_0001.JPG"));
 }
 
+TEST(ReadFlight, UsesNoPositionInCoarseStepsWhereAFileHasAFineOne) {
+  ExifWriter in_tenths;  // of seconds, 3 m
+  in_tenths.Ascii(ExifIfd::kImage, 0x010F, "DJI").Ascii(ExifIfd::kExif, 0x9003, "2021:06:03 12:00:00");
+  in_tenths.Ascii(ExifIfd::kGps, 1, "N").Ascii(ExifIfd::kGps, 3, "E");
+  in_tenths.Rational(ExifIfd::kGps, 2, {{1, 1}, {0, 1}, {1, 10}});
+  in_tenths.Rational(ExifIfd::kGps, 4, {{7, 1}, {0, 1}, {1, 10}});
+  Bytes coarse = JpegHeader({.exif = in_tenths.Write()});
+  coarse[coarse.size() - 3] = 1;
+  const Folder folder;
+  folder.Write("DJI_0001.JPG", TaggedPhoto(1.00003, 0, 1));
+  folder.Write("out/DJI_0001_geotag.JPG", coarse);
+  EXPECT_EQ(Names(Read(folder)), (std::vector<std::string>{"DJI_0001.JPG"}));
+}
+
 TEST(ReadFlight, KeepsPicturesOfARigThatHaveOneNameAndSecond) {
   const Folder folder;
   folder.Write("A/DSC_0001.JPG", TaggedPhoto(1.0, 0, 1));
