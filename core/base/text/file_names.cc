@@ -21,12 +21,6 @@ std::string FolderOf(const std::string& path) {
   return end == std::string::npos ? std::string() : path.substr(0, end);
 }
 
-bool IsNamedAsPicture(std::string_view file) {
-  constexpr std::array<std::string_view, 6> kEndings = {"jpg", "jpeg", "tif", "tiff", "png", "dng"};
-  const std::string ending = InSmallLetters(file.substr(file.rfind('.') + 1));
-  return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
-}
-
 // What a photo and the files that go with it have in common ("a/DJI_0001.JPG", "a/DJI_0001.JPG.xmp").
 std::string CompanyOf(const std::string& path) {
   const std::string_view file = FileOf(path);
@@ -65,6 +59,14 @@ bool IsOfPrograms(std::string_view name) {
       "@eadir", "@recycle", "#recycle", "$recycle.bin", "system volume information", "__macosx"};
   return name.starts_with('.') ||
          std::find(kFolders.begin(), kFolders.end(), InSmallLetters(name)) != kFolders.end();
+}
+
+bool IsNamedAsPicture(std::string_view file) {
+  constexpr std::array<std::string_view, 6> kEndings = {"jpg", "jpeg", "tif", "tiff", "png", "dng"};
+  const std::size_t dot = file.rfind('.');
+  if (dot == std::string_view::npos || dot == 0) return false;
+  const std::string ending = InSmallLetters(file.substr(dot + 1));
+  return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
 }
 
 std::string NumberedName(std::string_view name, std::string_view mark) {

@@ -17,6 +17,9 @@ inline constexpr std::size_t kMaxFoldersOfName = 8;
 // themselves: a Mac's attributes, previews of network drives, deleted files. No way into a flight takes it.
 bool IsOfPrograms(std::string_view name);
 
+// By its ending, in any case: "a.JPG", not ".jpg".
+bool IsNamedAsPicture(std::string_view file);
+
 // The second file of a name, with a mark in front of the ending: "a.jpg", "2" -> "a(2).jpg". Without a blank,
 // which geo.txt cannot hold, and unlike a camera's own numbers.
 std::string NumberedName(std::string_view name, std::string_view mark);

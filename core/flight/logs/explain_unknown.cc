@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/text/file_names.h"
 #include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/coordinate_cell.h"
 #include "core/flight/logs/csv/csv_columns.h"
@@ -179,11 +180,11 @@ std::optional<Remark> ExplainUnknownList(LogBytes head, std::string_view name) {
   std::string_view line;
   std::vector<std::string_view> cells;
   const auto names_a_photo = [](const std::vector<std::string_view>& row) {
-    return row.size() >= 2 && std::any_of(row.begin(), row.end(), LooksLikePhotoFile);
+    return row.size() >= 2 && std::any_of(row.begin(), row.end(), IsNamedAsPicture);
   };
   for (int i = 0; i < kLinesLookedAt && lines.Next(line); ++i) {
     if (IsBlankOrComment(line) || !SplitListRow(line, names_a_photo, cells)) continue;
-    const auto photo = std::find_if(cells.begin(), cells.end(), LooksLikePhotoFile);
+    const auto photo = std::find_if(cells.begin(), cells.end(), IsNamedAsPicture);
     if (photo == cells.begin()) {
       const auto bad = FirstBadCell(cells, 1, 2);
       if (bad) return Explained(RemarkCode::kLikeListOfPlaces, name, lines.line_number(), *bad);

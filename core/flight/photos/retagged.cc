@@ -20,8 +20,9 @@
 namespace skyquilt::flight {
 namespace {
 
-// Of a position that does not say how good it is: what a receiver has by itself, and with fixed corrections.
-constexpr double kSigmaOfAnyM = 5.0, kSigmaOfFixedM = 0.05;
+// Of a position that does not say how good it is: what a receiver has by itself, and with fixed corrections,
+// as where photos are placed by them; more, and one written in coarse steps would seem better.
+constexpr double kSigmaOfAnyM = 1.5, kSigmaOfFixedM = 0.03;
 
 double PositionSigmaM(const Photo& photo) {
   if (!photo.position) return std::numeric_limits<double>::infinity();

@@ -8,7 +8,9 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
+#include <map>
 
 #include "core/flight/lists/file_kinds.h"
 #include "core/flight/remarks/remark_words.h"
@@ -140,6 +142,20 @@ TEST(ReadFlight, UsesOfFilesOfOnePictureTheOneOfTheBestPosition) {
   EXPECT_THAT(InWords(flight.left_out[0].reason), HasSubstr("PPK/DJI_0001.JPG"));
 }
 
+TEST(ReadFlight, UsesNoPositionInCoarseStepsWhereAFileHasAFineOne) {
+  ExifWriter in_tenths;  // of seconds, 3 m
+  in_tenths.Ascii(ExifIfd::kImage, 0x010F, "DJI").Ascii(ExifIfd::kExif, 0x9003, "2021:06:03 12:00:00");
+  in_tenths.Ascii(ExifIfd::kGps, 1, "N").Ascii(ExifIfd::kGps, 3, "E");
+  in_tenths.Rational(ExifIfd::kGps, 2, {{1, 1}, {0, 1}, {1, 10}});
+  in_tenths.Rational(ExifIfd::kGps, 4, {{7, 1}, {0, 1}, {1, 10}});
+  Bytes coarse = JpegHeader({.exif = in_tenths.Write()});
+  coarse[coarse.size() - 3] = 1;
+  const Folder folder;
+  folder.Write("DJI_0001.JPG", TaggedPhoto(1.00003, 0, 1));
+  folder.Write("out/DJI_0001_geotag.JPG", coarse);
+  EXPECT_EQ(Names(Read(folder)), (std::vector<std::string>{"DJI_0001.JPG"}));
+}
+
 TEST(ReadFlight, KeepsPicturesOfARigThatHaveOneNameAndSecond) {
   const Folder folder;
   folder.Write("A/DSC_0001.JPG", TaggedPhoto(1.0, 0, 1));
@@ -181,6 +197,38 @@ TEST(ReadFlight, TakesPositionsOfFilesBesidePhotosThatHaveNone) {
               Contains(HasSubstr("2 .xmp files beside photos are not used (c.xmp first)")));
   EXPECT_THAT(InWords(flight.warnings),
               Contains(HasSubstr("2 of 4 photos (a.JPG first): The position is that of")));
+}
+
+// As servers have them: in one folder, with the folders that they came from in front of some names.
+TEST(ReadFlight, FindsFilesBesidePhotosUnderNamesWithFolders) {
+  const Folder folder;
+  std::vector<InputFile> files;
+  const auto add = [&](const std::string& name, const Bytes& bytes) {
+    const std::string stored = fmt::format("f{}", files.size());
+    folder.Write(stored, bytes);
+    files.push_back({name, folder.path() / stored});
+  };
+  for (const char* name : {"100_DJI_0001.JPG", "101_DJI_0001.JPG", "DJI_0002.JPG", "0003.JPG"}) {
+    Bytes bytes = JpegHeader({});
+    bytes[bytes.size() - 3] = static_cast<std::uint8_t>(files.size());
+    add(name, bytes);
+  }
+  const char* const beside[] = {"100_DJI_0001.xmp", "101_DJI_0001.xmp", "100_DJI_0002.xmp", "IMG_0003.xmp"};
+  for (int i = 0; i < 4; ++i) {
+    const std::string xmp =
+        XmpPacket(fmt::format("xmlns:exif=\"http://ns.adobe.com/exif/1.0/\" exif:GPSLatitude=\"4{},0.0N\" "
+                              "exif:GPSLongitude=\"7,0.0E\"",
+                              i));
+    add(beside[i], Bytes(xmp.begin(), xmp.end()));
+  }
+  SilentProgress progress;
+  const auto flight = ReadFlight(files, 0, progress);
+  ASSERT_TRUE(flight.ok());
+  std::map<std::string, double> latitudes;
+  for (const Photo& photo : flight->photos)
+    if (photo.position) latitudes[photo.name] = std::round(photo.position->position.lat_deg);
+  EXPECT_EQ(latitudes, (std::map<std::string, double>{
+                           {"100_DJI_0001.JPG", 40.0}, {"101_DJI_0001.JPG", 41.0}, {"DJI_0002.JPG", 42.0}}));
 }
 
 TEST(ReadFlight, MakesGivenNamesUnique) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <string>
 
+#include "core/base/text/file_names.h"
 #include "core/flight/logs/csv/csv_rows.h"
 
 namespace skyquilt::flight {
@@ -173,18 +174,49 @@ bool IsRowOf(const std::vector<CsvColumn>& columns, const std::vector<std::strin
   return has_image;
 }
 
-// Rows may be cut otherwise than the line above them: the first one tells. Nothing where none fits.
-std::optional<char> SeparatorOfRows(const ListHeading& heading, LineReader below) {
+// Empty where there is none.
+std::string_view FirstRow(LineReader below) {
   std::string_view line;
   do {
-    if (!below.Next(line)) return std::nullopt;
+    if (!below.Next(line)) return {};
   } while (IsBlankOrComment(line));
+  return line;
+}
+
+// Rows may be cut otherwise than the line above them: the first one tells. Nothing where none fits.
+std::optional<char> SeparatorOfRows(const ListHeading& heading, std::string_view row) {
   std::vector<std::string_view> cells;
   for (const char separator : {heading.separator, '\t', ';', ',', '|', ' '}) {
-    SplitFields(line, separator, cells);
+    SplitFields(row, separator, cells);
     if (IsRowOf(heading.columns, cells)) return separator;
   }
   return std::nullopt;
+}
+
+// Whatever the first column is called ("id", "camera"): files of pictures below it are the photos.
+void TakePicturesBelow(std::string_view row, std::vector<CsvColumn>& columns) {
+  if (NamesPhotos(columns) || columns.empty() || columns.front().meaning != M::kIgnored) return;
+  row.remove_prefix(std::min(row.find_first_not_of("\" \t"), row.size()));
+  if (IsNamedAsPicture(row.substr(0, row.find_first_of("\" \t;,|")))) columns.front().meaning = M::kImage;
+}
+
+// Cut at blanks, but "yaw (decimal degrees)" is one name.
+void SplitNames(std::string_view line, std::vector<std::string_view>& names) {
+  std::vector<std::string_view> words;
+  SplitBlanks(line, words);
+  names.clear();
+  bool is_open = false;
+  for (const std::string_view word : words) {
+    const bool goes_on = !names.empty() && (is_open || word.front() == '(' || word.front() == '[');
+    if (goes_on) {
+      const char* const begin = names.back().data();
+      names.back() = {begin, static_cast<std::size_t>(word.data() + word.size() - begin)};
+    } else {
+      names.push_back(word);
+    }
+    const std::size_t bracket = word.find_last_of("()[]");
+    if (bracket != std::string_view::npos) is_open = word[bracket] == '(' || word[bracket] == '[';
+  }
 }
 
 // Without the # and "columns:" before the names.
@@ -254,11 +286,13 @@ std::optional<ListHeading> ReadListHeading(std::string_view line, LineReader bel
   const bool is_cut_at_blanks = cells.size() == 1;
   if (is_cut_at_blanks) {
     heading.separator = ' ';
-    SplitBlanks(names, cells);
+    SplitNames(names, cells);
   }
   heading.columns = MapListColumns(cells);
+  const std::string_view row = FirstRow(below);
+  TakePicturesBelow(row, heading.columns);
   if (!IsListOfPhotos(heading.columns)) return std::nullopt;
-  if (const auto separator = SeparatorOfRows(heading, below)) {
+  if (const auto separator = SeparatorOfRows(heading, row)) {
     heading.separator = *separator;
   } else if (is_cut_at_blanks && HasColumn(heading.columns, M::kIgnored)) {
     return std::nullopt;

@@ -51,8 +51,8 @@ std::optional<CsvHeader> FindHeader(LineReader& lines) {
       header.separator = list->separator;
       header.is_timed = HasColumn(header.columns, M::kUtc) || HasColumn(header.columns, M::kDate);
       LineReader below = lines;
-      const SystemLine own = SystemOfLine(line, below);  // "northing (EPSG:25832)"
-      if (own.is_certain) TakeSystem(own, header.system);
+      const SystemLine own = SystemOfLine(line, below);  // "northing (EPSG:25832)", of degrees beside it not
+      if (own.is_certain && HasPlane(header.columns)) TakeSystem(own, header.system);
       return header;
     }
     header.separator = GuessSeparator(line);

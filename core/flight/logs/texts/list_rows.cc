@@ -90,14 +90,6 @@ bool LooksLikeImageName(std::string_view word) {
          std::all_of(ending.begin(), ending.end(), is_letter_or_digit) && !ReadBareNumber(word);
 }
 
-bool LooksLikePhotoFile(std::string_view cell) {
-  const std::string lower = LowerCase(cell);
-  for (const std::string_view end : {".jpg", ".jpeg", ".tif", ".tiff", ".png", ".dng"}) {
-    if (lower.size() > end.size() && lower.ends_with(end)) return true;
-  }
-  return false;
-}
-
 bool SplitListRow(std::string_view line, const IsListRow& is_row, std::vector<std::string_view>& cells) {
   for (const char separator : {'\t', ';', ','}) {
     if (line.find(separator) == std::string_view::npos) continue;

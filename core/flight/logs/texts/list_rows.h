@@ -19,9 +19,6 @@ std::optional<double> ParseListCoordinate(std::string_view cell);
 // A file name with an ending, and no number.
 bool LooksLikeImageName(std::string_view word);
 
-// That of a picture, by its ending.
-bool LooksLikePhotoFile(std::string_view word);
-
 using IsListRow = std::function<bool(const std::vector<std::string_view>& cells)>;
 
 // Cuts the line so that it is a row; at blanks, and false, where no way of cutting makes it one.

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/base/text/file_names.h"
 #include "core/base/text/printable.h"
 #include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/formats.h"
@@ -12,7 +13,7 @@ namespace skyquilt::flight {
 namespace {
 
 bool IsRow(const std::vector<std::string_view>& cells) {
-  return cells.size() >= 4 && cells.size() <= 12 && LooksLikePhotoFile(cells[0]) &&
+  return cells.size() >= 4 && cells.size() <= 12 && IsNamedAsPicture(cells[0]) &&
          ParseListCoordinate(cells[1]) && ParseListCoordinate(cells[2]) && ReadBareNumber(cells[3]);
 }
 

@@ -6,7 +6,7 @@
 
 #include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/coordinate_cell.h"
-#include "core/flight/logs/formats.h"
+#include "core/flight/logs/read_log.h"
 #include "core/flight/logs/texts/list_rows.h"
 
 namespace skyquilt::flight {
@@ -236,10 +236,9 @@ TEST(ReadListTop, KeepsSystemsAndNamesOfColumnsApart) {
   EXPECT_TRUE(top->columns.empty()) << "nobody names columns so";
 }
 
-TEST(ParseGeoTxt, TakesTheOrderOfColumnsInOtherLanguages) {
+TEST(NamedLists, TakeTheOrderOfColumnsInOtherLanguages) {
   const std::string text = "bild breite länge höhe\nDJI_1.JPG 46.84 8.1 500\n";
-  ASSERT_TRUE(LooksLikeGeoTxt(BytesOf(text)));
-  const auto log = ParseGeoTxt("positionen.txt", BytesOf(text));
+  const auto log = ParseLog("positionen.txt", BytesOf(text));
   ASSERT_TRUE(log.ok());
   ASSERT_EQ(log->events.size(), 1u);
   EXPECT_DOUBLE_EQ(log->events[0].written->x, 8.1);

@@ -294,7 +294,7 @@ TEST(ParseTolerantCsv, ReadsPlacesOfNamedPhotosWithoutTimes) {
   EXPECT_FALSE(log->events[1].has_time);
   EXPECT_EQ(log->events[1].image_name, "IMG_2.jpg");
   EXPECT_DOUBLE_EQ(log->events[1].position->lat_deg, 46.81);
-  EXPECT_DOUBLE_EQ(*log->events[1].height_amsl_m, 561.0);
+  EXPECT_EQ(log->events[1].height_ellipsoid_m, 561.0) << "the zero of lists that name none";
   EXPECT_EQ(log->warnings.size(), 1u);
 }
 

@@ -166,6 +166,36 @@ TEST(NamedLists, TakesRowsThatAreCutOtherwiseThanTheirNames) {
   }
 }
 
+TEST(NamedLists, KeepsUnitsBehindBlanksWithTheirNames) {
+  const CameraEvent event = FirstRow(
+      "EPSG:4326\nimage_name geo_x geo_y geo_z yaw (degrees) pitch (decimal degrees) roll (degrees) sh (m)\n"
+      "a.jpg 8.1 46.8 500 90 1 2 0.5\n");
+  ASSERT_TRUE(event.yaw_pitch_roll_rad);
+  EXPECT_NEAR(event.yaw_pitch_roll_rad->y(), DegToRad(1.0), 1e-12);
+  EXPECT_NEAR(event.yaw_pitch_roll_rad->z(), DegToRad(2.0), 1e-12);
+  ASSERT_TRUE(event.sigma_in_ned_m);
+  EXPECT_DOUBLE_EQ(event.sigma_in_ned_m->x(), 0.5);
+}
+
+TEST(NamedLists, KnowsPhotosByTheirEndingsWhateverTheirColumnIsCalled) {
+  for (const char* text : {"EPSG:4326\nid lon lat alt\na.jpg 8.1 46.8 500\n",
+                           "Camera,Latitude,Longitude,Altitude\n\"a.jpg\",46.8,8.1,500\n"}) {
+    const CameraEvent event = FirstRow(text);
+    EXPECT_EQ(event.image_name, "a.jpg") << text;
+    ASSERT_TRUE(event.position) << text;
+    EXPECT_DOUBLE_EQ(event.position->lat_deg, 46.8) << text;
+  }
+}
+
+TEST(NamedLists, CountsDegreesInNoSystemOfThePlaneBesideThem) {
+  const FlightLog log = ReadList(
+      "image,lat,lon,easting (EPSG:25832),northing (EPSG:25832)\na.jpg,46.8,8.1,431311.0,5183418.0\n");
+  ASSERT_EQ(log.events.size(), 1u);
+  ASSERT_TRUE(log.events[0].position);
+  EXPECT_DOUBLE_EQ(log.events[0].position->lat_deg, 46.8);
+  EXPECT_TRUE(log.written_system.empty());
+}
+
 TEST(NamedLists, LeavesPointsProseAndLogsAlone) {
   const auto reads = [](std::string_view line, std::string_view rows) {
     return ReadListHeading(line, LineReader(rows)).has_value();
