@@ -23,7 +23,7 @@ constexpr double kGainSigma = 2.0;
 // cloud, and counts by its size alone, as often as it comes: were its square to count, half a flight in the
 // shade would be evened out by a slope of light over the whole map, which many small changes stand for as
 // well.
-constexpr double kGainStepSigma = 0.05, kGainStep = 0.02;
+constexpr double kGainStepSigma = 0.1, kGainStep = 0.02;
 constexpr double kTermSigma = 0.25;
 // How much of a recorded exposure photos show without evidence: a camera may have followed the light.
 constexpr double kExposureSigma = 1.0;

@@ -22,7 +22,6 @@ inline poses::PoseReport FullPoseReport() {
   report.convention = "gimbal";
   report.height_rule = "barometer";
   report.is_placed = false;
-  report.lists_contradict_m = 12.5;
   report.photos_by_log = 17;
   report.photos_by_records = 3;
   report.knots = std::numeric_limits<int>::max();
@@ -118,6 +117,7 @@ inline alignment::AlignReport FullAlignReport() {
                      -0.2,
                      0.3,
                      1.5,
+                     std::nullopt,
                      alignment::ControlPrediction{0.4, -0.5, 0.6},
                      {}}};
   report.position_bias_m = {0.1, -0.2, 0.3};

@@ -87,7 +87,7 @@ TEST(ReportCodec, KeepsTheNamesThatFilesHave) {
       R"({"method":"by the log","is_placed":false,"logs":["flight.bin: positions",)"
       R"("flight.bin: angles"],"series":["gnss"],"time_match":"by events","time_offset_s":-0.3333333333333333,)"
       R"("time_sigma_s":1e-09,"camera_ahead_of_utc_s":7200.25,"convention":"gimbal",)"
-      R"("height_rule":"barometer","lists_contradict_m":12.5,"photos_by_log":17,"photos_by_records":3,)"
+      R"("height_rule":"barometer","photos_by_log":17,"photos_by_records":3,)"
       R"("knots":2147483647,)"
       R"("iterations":5,"log_position_sigma_m":0.14285714285714285,"log_positions":"corrected"})");
   EXPECT_EQ(JsonOf<Json>(FullGroundReport()).dump(),

@@ -174,13 +174,13 @@ TEST(SolveLight, SumsUpTheEquationsOfSpotsThatManyPhotosShow) {
 // A cloud comes when half of the photos of a line are taken: a step, not a slope of light over the whole map,
 // which photos that see the ground from two sides cannot tell from gains that grow evenly.
 TEST(SolveLight, ACloudAtHalfFlightIsAStep) {
-  constexpr std::uint32_t kPhotos = 30, kSpots = 100;
+  constexpr std::uint32_t kPhotos = 30, kSpots = 3000;
   constexpr double kStep = 0.36, kApart = 0.3, kSeenTo = 0.5;
   const auto gain = [](std::uint32_t photo) { return photo < kPhotos / 2 ? 0.0 : kStep; };
   std::vector<ExposureSample> samples;
   for (std::uint32_t spot = 0; spot < kSpots; ++spot) {
     for (std::uint32_t photo = 0; photo < kPhotos; ++photo) {
-      const double x = 0.09 * spot - kApart * photo, y = 0.3 * std::sin(1.7 * spot);
+      const double x = 0.003 * spot - kApart * photo, y = 0.3 * std::sin(1.7 * spot);
       if (std::abs(x) > kSeenTo) continue;
       ExposureSample sample;
       sample.spot = spot;
