@@ -222,11 +222,8 @@ void FinishUploads(api::Service& service) {
 // By default the C library gives memory back to the system after every tile and asks for it again at the
 // next. Setting one threshold keeps it from adapting the other, so that both are set: a tile's planes are no
 // blocks of their own, whose pages the kernel would clear for every tile (half the cost of an index tile).
-// It also begins an arena for each thread, up to eight a core; as many as can be at work at once are enough,
-// and what is freed in one of them serves all (a fifth of the memory with a hundred maps open).
 void KeepFreedMemory() {
   constexpr int kOwnBlockAbove = 8 << 20, kTrimAbove = 8 << 20;
-  mallopt(M_ARENA_MAX, std::max(2, static_cast<int>(std::thread::hardware_concurrency())));
   mallopt(M_MMAP_THRESHOLD, kOwnBlockAbove);
   mallopt(M_TRIM_THRESHOLD, kTrimAbove);
 }
