@@ -1,7 +1,7 @@
 // TakePositionsFromSidecars: the positions that programs write into a file beside a photo in place of the
-// photo itself ("DJI_0001.xmp", "DJI_0001.JPG.xmp"; with folders in front where servers join these). What a
-// photo says of itself comes before it. Bounded: 1 MiB of a file, those alone that a photo without a position
-// has. Any thread. Source: Adobe XMP specification part 3, section 1.3 (sidecar files).
+// photo itself ("DJI_0001.xmp", "DJI_0001.JPG.xmp"; NamesApart calls them alike where folders are lost). What
+// a photo says of itself comes before it. Bounded: 1 MiB of a file, those alone that a photo without a
+// position has. Any thread. Source: Adobe XMP specification part 3, section 1.3 (sidecar files).
 #pragma once
 
 #include <vector>

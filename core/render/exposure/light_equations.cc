@@ -16,14 +16,15 @@ namespace {
 constexpr int kRounds = 5;
 // A misfit beyond this (in log value: 12 %) is another thing moving, glint or relief, not exposure.
 constexpr double kRobustScale = 0.12;
-// How much a photo's gain may stray without evidence, and a term. A sample counts little: the misfits of one
-// pair of photos go together, and many such pairs in a row would add up to a drift.
+// How much a photo's gain may stray without evidence: hardly held, by kGainStepSigma alone.
 constexpr double kGainSigma = 2.0;
 // By how much the gain changes from one photo of a camera to its next. More than kGainStep in a go is a
 // cloud, and counts by its size alone, as often as it comes: were its square to count, half a flight in the
 // shade would be evened out by a slope of light over the whole map, which many small changes stand for as
 // well.
 constexpr double kGainStepSigma = 0.1, kGainStep = 0.02;
+// How much a term may. A sample counts little: the misfits of one pair of photos go together, and many such
+// pairs in a row would add up to a drift.
 constexpr double kTermSigma = 0.25;
 // How much of a recorded exposure photos show without evidence: a camera may have followed the light.
 constexpr double kExposureSigma = 1.0;
@@ -101,7 +102,7 @@ Eigen::Vector2d PriorPlace(int point) {  // -1 to 1
 
 // What light does at places all over the widest look, a row each, without what grows evenly with the look:
 // that is a slope of the ground or of the gains just as well (brightness by place less brightness by camera),
-// and to take it out of a hot spot would tilt the map. Gains without evidence have no slope, which decides.
+// and to take it out of a hot spot would tilt the map. That gains change little from photo to photo decides.
 Eigen::MatrixXd DirectionsAllOver(const Directions& directions) {
   Eigen::MatrixXd all(kPriorSteps * kPriorSteps, static_cast<Eigen::Index>(kDirectionTerms));
   for (int point = 0; point < kPriorSteps * kPriorSteps; ++point) {

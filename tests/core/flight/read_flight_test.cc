@@ -217,7 +217,7 @@ TEST(ReadFlight, FindsFilesBesidePhotosUnderNamesWithFolders) {
     bytes[bytes.size() - 3] = static_cast<std::uint8_t>(files.size());
     add(name, bytes);
   }
-  const char* const beside[] = {"100_DJI_0001.xmp", "101_DJI_0001.xmp", "100_DJI_0002.xmp", "IMG_0003.xmp"};
+  const char* const beside[] = {"100_DJI_0001.xmp", "101_DJI_0001.xmp", "DJI_0002.xmp", "IMG_0003.xmp"};
   for (int i = 0; i < 4; ++i) {
     const std::string xmp =
         XmpPacket(fmt::format("xmlns:exif=\"http://ns.adobe.com/exif/1.0/\" exif:GPSLatitude=\"4{},0.0N\" "
