@@ -140,6 +140,7 @@ Result<LoggedPart> PlaceLogged(const flight::FlightLog& log, const LogTie& tie,
                                                .ground_z_in_enu_m = takeoff.ground_above_takeoff_m}));
   // The log's heights agree with each other; where they all hang is what was given.
   const double takeoff_m = given_takeoff_m.value_or(takeoff.height_ellipsoid_m);
+  if (given_takeoff_m) takeoff.hangs_on_cameras = false;
   return LoggedPart{std::move(placed), geo::LocalFrame({middle.lat_deg, middle.lon_deg, takeoff_m}),
                     std::move(takeoff)};
 }
@@ -148,6 +149,7 @@ void TakeLogged(LoggedPart part, bool has_origin, PosedFlight& posed) {
   PoseReport& report = posed.report;
   posed.frame = part.frame;
   posed.ground_z_in_enu_m = part.takeoff.ground_above_takeoff_m;
+  posed.hangs_on_cameras = part.takeoff.hangs_on_cameras;
   posed.is_placed = part.placed.is_placed || has_origin;
   posed.photos = std::move(part.placed.photos);
   report.height_rule = part.takeoff.rule;
@@ -181,6 +183,7 @@ PlacedByRecords PlaceRest(const std::vector<Photo>& rest, const FlightHeights& h
     for (const Photo& photo : rest) positions.push_back(photo.position->position);
     const geo::LatLon middle = *MedianPosition(positions);
     posed.frame = geo::LocalFrame({middle.lat_deg, middle.lon_deg, heights.takeoff_ellipsoid_m});
+    posed.hangs_on_cameras = heights.hangs_on_cameras;
   }
   PlacedByRecords placed = PlaceByRecords(rest, heights, posed.frame);
   if (placed.without_angles > 0) {

@@ -44,6 +44,9 @@ struct PosedPhoto {
 struct PosedFlight {
   geo::LocalFrame frame{geo::Wgs84{}};
   double ground_z_in_enu_m = 0.0;  // the flat ground: take-off height
+  // The frame's height follows from recorded absolute heights of the cameras and how high above the ground
+  // they are taken to be; false: it was given, or nobody knows it.
+  bool hangs_on_cameras = false;
   std::vector<PosedPhoto> photos;  // in the order of capture
   std::vector<flight::LeftOutPhoto> left_out;
   // Photos whose records place them nowhere, where that was asked for: what they show may. Listed in left_out

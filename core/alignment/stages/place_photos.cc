@@ -166,6 +166,30 @@ void TellAssumptions(const poses::PosedFlight& posed, int aligned, AlignedFlight
   flight.warnings.insert(flight.warnings.end(), assumed.begin(), assumed.end());
 }
 
+// Cameras record their absolute heights; how high above the ground they were is recorded of another ground,
+// or guessed, until the photos show it. Then the map goes to where its cameras are recorded, ground and all.
+void HangOnCameras(const ExtractedFlight& extracted, const poses::PosedFlight& posed,
+                   const AlignReport& report, AlignedFlight& flight) {
+  constexpr double kRefutedShare = 0.25;  // of the height above the ground; below it both fit
+  const bool is_surveyed = ControlErrorM(report).has_value();
+  if (!posed.hangs_on_cameras || !posed.is_placed || posed.dem_zero_m || is_surveyed) return;
+  std::vector<double> below_m, flown_m;
+  for (std::size_t i = 0; i < flight.photos.size(); ++i) {
+    const std::optional<Eigen::Vector3d>& recorded = extracted.records[i].center_in_enu;
+    if (!recorded || extracted.records[i].is_unplaced) continue;
+    if (flight.photos[i].placement != Placement::kAligned) continue;
+    below_m.push_back(recorded->z() - flight.photos[i].cam_from_enu.TargetOriginInSource().z());
+    flown_m.push_back(flight.photos[i].height_above_ground_m);
+  }
+  if (below_m.empty()) return;
+  const double raised_m = Median(std::move(below_m));
+  const bool holds = std::abs(raised_m) < kRefutedShare * Median(std::move(flown_m));
+  if (holds && !posed.report.is_height_guessed) return;
+  geo::Wgs84 origin = flight.frame.origin();
+  origin.height_ellipsoid_m += raised_m;
+  flight.frame = geo::LocalFrame(origin);
+}
+
 }  // namespace
 
 AlignedFlight PlacePhotos(const ExtractedFlight& extracted, const Attempt& attempt,
@@ -303,6 +327,7 @@ AlignedFlight PlacePhotos(const ExtractedFlight& extracted, const Attempt& attem
   }
   if (report.components > 0) FindTiedLooks(ground_tracks, component, flight);
   TellAssumptions(posed, report.aligned, flight);
+  HangOnCameras(extracted, posed, report, flight);
   const PhotoSet far_away = LeaveOutFarAway(flight);
   for (std::size_t i = 0; i < far_away.Photos(); ++i) {
     if (far_away.Has(i)) report.photo_reports[i].faults.push_back(PhotoFault::kFarAway);

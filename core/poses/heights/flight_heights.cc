@@ -168,6 +168,7 @@ FlightHeights ChooseHeights(const std::vector<Photo>& photos, const geo::DemSour
   std::optional<double> guessed_above_ground_m;  // only where no photo says it
   if (known > 0) {
     heights.takeoff_ellipsoid_m = takeoff_ellipsoid_m.value_or(takeoff_m.value_or(0.0));
+    heights.hangs_on_cameras = takeoff_m && !takeoff_ellipsoid_m;
     heights.rule_in_words = "height above take-off as recorded, flat ground at take-off height";
     heights.sigma_m = 0.7;
   } else if (takeoff_ellipsoid_m && ByGivenTakeoff(photos, *takeoff_ellipsoid_m, heights)) {
@@ -182,6 +183,7 @@ FlightHeights ChooseHeights(const std::vector<Photo>& photos, const geo::DemSour
     }
     const double above_ground_m = GuessHeightFromSpacing(photos);
     guessed_above_ground_m = above_ground_m;
+    heights.hangs_on_cameras = !ellipsoid_heights.empty();
     heights.takeoff_ellipsoid_m = MedianIfAny(ellipsoid_heights).value_or(above_ground_m) - above_ground_m;
     if (takeoff_ellipsoid_m && ellipsoid_heights.empty()) heights.takeoff_ellipsoid_m = *takeoff_ellipsoid_m;
     heights.rule = HeightRule::kSpacing;

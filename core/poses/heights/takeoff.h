@@ -20,8 +20,9 @@ struct Takeoff {
   std::optional<geo::LatLon> middle;    // of the photos, for the frame's origin; nothing without any position
   std::optional<geo::LatLon> position;  // where it took off, where the log begins there
   double height_ellipsoid_m = 0.0;      // of the frame's z = 0
-  double ground_above_takeoff_m = 0.0;  // by the range finder, else zero
-  std::string rule;                     // in words
+  bool hangs_on_cameras = false;  // that height follows from where the cameras are recorded to have been
+  double ground_above_takeoff_m = 0.0;   // by the range finder, else zero
+  std::string rule;                      // in words
   std::optional<Assumption> assumption;  // nothing: heights are recorded
 };
 

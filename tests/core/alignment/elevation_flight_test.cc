@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include "core/alignment/baselines/align_by_pose.h"
+#include "core/base/median.h"
 #include "core/ground/model_ground.h"
 #include "core/poses/estimate_poses.h"
+#include "core/poses/heights/flight_heights.h"
 #include "tests/core/alignment/simulated_case.h"
 #include "tests/support/rendered_once.h"
 
@@ -87,6 +89,48 @@ TEST(FlightOverHills, MovesTheElevationModelToTheTiePoints) {
   RecordProperty("with_ce90_m", std::to_string(with.error.relative_ce90_m));
   EXPECT_EQ(with.model, "elevation model");
   EXPECT_LT(with.error.relative_ce90_m, 1.05 * without.error.relative_ce90_m);
+}
+
+// How far above the true ones the cameras of a map stand.
+double CamerasTooHighM(const simulate::SimulatedFlight& truth) {
+  AlignReport report;
+  SilentProgress progress;
+  const auto aligned = AlignFlight(PosesOf(truth), test::PhotosOf(truth), {}, report, progress);
+  EXPECT_TRUE(aligned.ok());
+  EXPECT_EQ(report.aligned, static_cast<int>(truth.photos.size()));
+  std::vector<double> off_m;
+  for (std::size_t i = 0; i < aligned->photos.size(); ++i) {
+    const auto height_m = [](const geo::LocalFrame& frame, const geo::Rigid3& cam_from_enu) {
+      return frame.Wgs84FromEnu(cam_from_enu.TargetOriginInSource()).height_ellipsoid_m;
+    };
+    off_m.push_back(height_m(aligned->frame, aligned->photos[i].cam_from_enu) -
+                    height_m(truth.frame, truth.photos[i].pose.cam_from_enu));
+  }
+  return Median(std::move(off_m));
+}
+
+constexpr double kRecordedHeightsHoldM = 4.0;  // errors of such a receiver, and of the focal length
+
+TEST(HeightOfAMap, IsTheCamerasOwnWhereTheGroundBelowWasGuessed) {
+  simulate::SimulateOptions options = SmallTruth(8, 0.0).options;
+  options.trajectory.front_overlap = 0.88;  // half as far apart as the guess takes for usual
+  simulate::SimulatedFlight truth = *simulate::PlanSimulatedFlight(options);
+  for (simulate::SimulatedPhoto& photo : truth.photos) {
+    photo.photo.position->height_above_takeoff_m.reset();
+    photo.photo.position->height_above_ground_m.reset();
+  }
+  EXPECT_LT(std::abs(CamerasTooHighM(truth)), kRecordedHeightsHoldM);
+}
+
+// Some programs write the height above the sea where that above the take-off belongs.
+TEST(HeightOfAMap, IsTheCamerasOwnWhereWhatTheyRecordOfTheGroundIsRefuted) {
+  simulate::SimulatedFlight truth = SmallTruth(8, 0.0);
+  for (simulate::SimulatedPhoto& photo : truth.photos) {
+    flight::RecordedPosition& position = *photo.photo.position;
+    position.height_above_takeoff_m = poses::EllipsoidHeightM(position).value();
+  }
+  EXPECT_GT(*truth.photos.front().photo.position->height_above_takeoff_m, 200.0);
+  EXPECT_LT(std::abs(CamerasTooHighM(truth)), kRecordedHeightsHoldM);
 }
 
 }  // namespace
