@@ -10,6 +10,8 @@
 
 #include "core/alignment/align_flight.h"
 #include "core/alignment/baselines/align_by_pose.h"
+#include "core/alignment/estimators/similarity.h"
+#include "core/base/median.h"
 #include "core/base/try.h"
 #include "core/camera/footprint.h"
 #include "core/ground/extend_ground.h"
@@ -25,6 +27,9 @@ using alignment::AlignedPhoto;
 constexpr std::size_t kMaxAround = 10;  // finished photos that a new one is compared with
 constexpr double kReachWidths = 1.0;    // of a photo's width on the ground between their middles
 constexpr double kFixedSigma = 1e-4;    // metres and radians: known for good
+// Of a photo's width: further than receivers err, so that somebody moved the map (surveyed points do, say).
+constexpr double kMovedWidths = 0.25;
+constexpr double kUprightRad = 0.003;  // what moves a map turns it about the vertical
 
 // Of ground that a photo shows, along its longer side. Posed or aligned.
 template <typename Photo>
@@ -33,22 +38,60 @@ double WidthM(const Photo& photo) {
          std::max(photo.photo.intrinsics.width_px, photo.photo.intrinsics.height_px);
 }
 
+// How the finished map lies to what its photos record: as their frames do, or turned, scaled and shifted
+// where somebody moved it since (by hand, say). Nothing where it lies in no such way to them.
+std::optional<alignment::Similarity3> KnownFromPosed(const FlightFacts& known,
+                                                     const poses::PosedFlight& posed) {
+  const geo::Rigid3 by_frames = known.flight.frame.ecef_from_enu().Inverse() * posed.frame.ecef_from_enu();
+  const alignment::Similarity3 as_recorded{1.0, by_frames.rotation, by_frames.translation};
+  std::map<std::string, Eigen::Vector3d> recorded;
+  for (const poses::PosedPhoto& photo : posed.photos)
+    recorded.emplace(photo.photo.name, photo.cam_from_enu.TargetOriginInSource());
+  std::vector<alignment::PlacePair> pairs;
+  std::vector<double> apart_widths;
+  for (const AlignedPhoto& photo : known.flight.photos) {
+    const auto found = recorded.find(photo.photo.name);
+    if (found == recorded.end()) continue;
+    const Eigen::Vector3d center = photo.cam_from_enu.TargetOriginInSource();
+    pairs.push_back({.in_source = found->second, .in_target = center});
+    apart_widths.push_back((as_recorded * found->second - center).head<2>().norm() / WidthM(photo));
+  }
+  if (pairs.empty()) return as_recorded;
+  if (!known.is_by_hand && Median(std::move(apart_widths)) < kMovedWidths) return as_recorded;
+  const auto fitted = alignment::FitRobustly(
+      pairs, alignment::UpDirection{.in_source = Eigen::Vector3d::UnitZ(), .sigma_rad = kUprightRad});
+  if (!fitted) return std::nullopt;
+  return fitted->target_from_source;
+}
+
+// `photo` where the finished map shows what it shows.
+void Move(const alignment::Similarity3& known_from_posed, poses::PosedPhoto& photo) {
+  photo.cam_from_enu = known_from_posed.Moved(photo.cam_from_enu);
+  if (photo.velocity_in_enu_mps) {
+    photo.velocity_in_enu_mps =
+        known_from_posed.scale * (known_from_posed.rotation * *photo.velocity_in_enu_mps);
+  }
+  photo.height_above_ground_m *= known_from_posed.scale;
+  photo.error_radius_m *= known_from_posed.scale;
+  for (poses::Matrix6d* covariance : {&photo.covariance, &photo.covariance_with_next}) {
+    covariance->bottomRows<3>() *= known_from_posed.scale;
+    covariance->rightCols<3>() *= known_from_posed.scale;
+  }
+}
+
 // The new photos, in the frame of the finished flight and with the lenses found there.
-std::vector<poses::PosedPhoto> NewPhotos(const FlightFacts& known, const poses::PosedFlight& posed) {
+std::vector<poses::PosedPhoto> NewPhotos(const FlightFacts& known, const poses::PosedFlight& posed,
+                                         const alignment::Similarity3& known_from_posed) {
   std::set<std::string> finished;
   std::map<std::string, camera::Intrinsics> lens_of_key;
   for (const AlignedPhoto& photo : known.flight.photos) {
     finished.insert(photo.photo.name);
     lens_of_key.try_emplace(photo.photo.camera_key, photo.intrinsics);
   }
-  const geo::Rigid3 posed_from_known =
-      posed.frame.ecef_from_enu().Inverse() * known.flight.frame.ecef_from_enu();
   std::vector<poses::PosedPhoto> added;
   for (poses::PosedPhoto photo : posed.photos) {
     if (finished.contains(photo.photo.name)) continue;
-    photo.cam_from_enu = photo.cam_from_enu * posed_from_known;
-    if (photo.velocity_in_enu_mps)
-      photo.velocity_in_enu_mps = posed_from_known.rotation.conjugate() * *photo.velocity_in_enu_mps;
+    Move(known_from_posed, photo);
     if (const auto lens = lens_of_key.find(photo.photo.camera_key); lens != lens_of_key.end()) {
       photo.photo.intrinsics = lens->second;
     }
@@ -132,7 +175,9 @@ AlignedFlight AddedAndAround(const AlignedFlight& flight, std::size_t finished) 
 Result<std::optional<FlightFacts>> AppendPhotos(const FlightFacts& known, const poses::PosedFlight& posed,
                                                 const MosaicOptions& options,
                                                 const flight::PhotoSource& source, Progress& progress) {
-  const std::vector<poses::PosedPhoto> added = NewPhotos(known, posed);
+  const std::optional<alignment::Similarity3> known_from_posed = KnownFromPosed(known, posed);
+  if (!known_from_posed) return std::optional<FlightFacts>();
+  const std::vector<poses::PosedPhoto> added = NewPhotos(known, posed, *known_from_posed);
   const std::set<std::size_t> around = Around(known, added);
   poses::PosedFlight part;
   part.frame = known.flight.frame;
@@ -177,8 +222,16 @@ Result<std::optional<FlightFacts>> AppendPhotos(const FlightFacts& known, const 
   for (const flight::LeftOutPhoto& photo : aligned.left_out) {
     if (names.contains(photo.name)) grown.flight.left_out.push_back(photo);
   }
-  grown.flight.warnings.push_back({flight::RemarkCode::kPhotosAdded, {{"photos", placed.size()}}});
+  if (!placed.empty())
+    grown.flight.warnings.push_back({flight::RemarkCode::kPhotosAdded, {{"photos", placed.size()}}});
   return std::optional<FlightFacts>(std::move(grown));
+}
+
+bool HasAllPhotosOf(const alignment::AlignedFlight& known, const flight::Flight& read) {
+  std::set<std::string> names;
+  for (const flight::Photo& photo : read.photos) names.insert(photo.name);
+  return std::all_of(known.photos.begin(), known.photos.end(),
+                     [&](const AlignedPhoto& photo) { return names.contains(photo.photo.name); });
 }
 
 void FillPhotos(const flight::Flight& read, alignment::AlignedFlight& flight) {

@@ -1,6 +1,7 @@
 // AppendPhotos: photos that were added to a finished flight, placed against it. The finished photos, their
 // lenses and the ground below them stay as they are; only the new ones and those around them are looked at
-// again. Nothing comes back when that is not to be trusted (fewer than half of the new ones tie to the photos
+// again. A map that was moved since (by hand, to surveyed points) has the new ones where it shows the place.
+// Nothing comes back when that is not to be trusted (fewer than half of the new ones tie to the photos
 // around them): then the flight is better aligned as a whole. Blocking. Errors: those of EstimatePoses and of
 // the alignment; kCancelled.
 #pragma once
@@ -24,6 +25,10 @@ Result<std::optional<FlightFacts>> AppendPhotos(const FlightFacts& known, const 
 
 // The photos that came after the first `finished` ones, and those around them.
 alignment::AlignedFlight AddedAndAround(const alignment::AlignedFlight& flight, std::size_t finished);
+
+// Whether all photos of a finished map are still used as pictures: of two files that show one, another may be
+// read now (a copy with better tags that came later, say).
+bool HasAllPhotosOf(const alignment::AlignedFlight& known, const flight::Flight& read);
 
 // The photos of a recalled flight as they were read now (where their files are), drawn as they were.
 void FillPhotos(const flight::Flight& read, alignment::AlignedFlight& flight);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <span>
@@ -81,6 +82,10 @@ struct MosaicOptions {
   // What decides where photos lie and how the map is written, by the options of the command line, to tell two
   // runs apart. Without gsd_m and boundary, which are numbers that the map knows.
   std::map<std::string, std::string> InWords() const;
+  // The way back, for the options that are `taken` by name. What says nothing here stays, and the elevation
+  // model, of which the words have no path.
+  void TakeWords(const std::map<std::string, std::string>& words,
+                 const std::function<bool(const std::string&)>& taken);
   // The ground size of an output pixel where those of the photos show `photos_gsd_m`.
   double OutputGsdM(double photos_gsd_m) const;
 };

@@ -288,7 +288,8 @@ Result<PlacedFlight> PlaceWhereTold(const flight::Flight& read, const PlaceReque
   std::optional<Recalled> recalled;
   const std::set<std::string> lists = NamesOf(read.gcp_lists);
   if (memory != nullptr) recalled = RecallFiles(*memory, inputs, lists);
-  if (!recalled || !recalled->added.empty() || !recalled->facts.appearance) {
+  if (!recalled || !recalled->added.empty() || !recalled->facts.appearance ||
+      !HasAllPhotosOf(recalled->facts.flight, read)) {
     return flight::Because(ErrorCode::kConflict, flight::RemarkCode::kFailMapChanged);
   }
   FillPhotos(read, recalled->facts.flight);
@@ -326,6 +327,7 @@ Result<std::optional<FlightFacts>> PlaceAdded(Recalled recalled, const flight::F
   std::copy_if(whole.photos.begin(), whole.photos.end(), std::back_inserter(added.photos),
                [&](const flight::Photo& photo) { return names.contains(photo.name); });
   std::erase_if(whole.photos, [&](const flight::Photo& photo) { return names.contains(photo.name); });
+  whole.left_out.clear();  // told of below, once
   SKYQUILT_TRY_ASSIGN(auto checked, stages.Run("check", [&] {
     return CheckPhotos(std::move(added), source, {}, options.threads, progress);
   }));
@@ -339,6 +341,11 @@ Result<std::optional<FlightFacts>> PlaceAdded(Recalled recalled, const flight::F
                      return a.captured_at != b.captured_at ? a.captured_at < b.captured_at : a.name < b.name;
                    });
   SKYQUILT_TRY_ASSIGN(auto posed, Pose(whole, options, dem, stages));
+  // What no record places is found by what all photos show.
+  const bool is_any_unplaced =
+      std::any_of(posed.left_out.begin(), posed.left_out.end(),
+                  [&](const flight::LeftOutPhoto& photo) { return names.contains(photo.name); });
+  if (is_any_unplaced && MayGoByImages(options)) return std::optional<FlightFacts>();
   auto grown = stages.Run("align", [&] { return AppendPhotos(known, posed, options, source, progress); });
   if (!grown || !*grown) return grown;
   // What is left out now may be of the finished flight: then its tones and labels count other photos.
@@ -418,7 +425,8 @@ Result<PlacedFlight> PlaceFlight(const std::vector<InputFile>& files, const Mosa
       facts = std::move(placed.facts);
     }
   } else if (memory != nullptr) {
-    if (std::optional<Recalled> recalled = Recall(*memory, options, inputs)) {
+    std::optional<Recalled> recalled = Recall(*memory, options, inputs);
+    if (recalled && HasAllPhotosOf(recalled->facts.flight, *read)) {
       if (recalled->added.empty()) {
         facts = std::move(recalled->facts);
         FillPhotos(*read, facts->flight);

@@ -11,6 +11,7 @@
 #include <system_error>
 
 #include "core/base/digest.h"
+#include "core/base/text/printable.h"
 #include "core/pipeline/report/flight_facts.h"
 #include "core/render/map_layer.h"
 #include "server/inputs/film_frames.h"
@@ -41,28 +42,43 @@ std::optional<std::string> FirstProductIn(const fs::path& folder) {
   return std::nullopt;
 }
 
-// Photos, and films, that the map shows and nobody gave this time.
-std::vector<std::string> MissingPhotos(const fs::path& out_dir, const pipeline::FlightFacts& facts,
-                                       const std::vector<flight::InputFile>& files) {
+// Of a finished map, what nobody gave this time.
+struct Missing {
+  std::vector<std::string> photos;   // and films: that it shows
+  std::vector<std::string> records;  // lists, logs and the like, not by name either (one may be edited)
+};
+
+Missing MissingOf(const fs::path& out_dir, const pipeline::FlightFacts& facts,
+                  const std::vector<flight::InputFile>& files) {
+  std::set<Digest> given;
+  std::set<std::string> given_names;
+  for (const flight::InputFile& file : files) {
+    given_names.insert(file.name);
+    // One that cannot be read is no photo of the map; the run itself says what is wrong with it.
+    if (const Result<Digest> digest = DigestOfFile(file.path)) given.insert(*digest);
+  }
+  std::set<std::string> pictures;
+  for (const alignment::AlignedPhoto& shown : facts.flight.photos) pictures.insert(shown.photo.name);
+  for (const flight::LeftOutPhoto& photo : facts.flight.left_out) pictures.insert(photo.name);
+  Missing missing;
   std::map<std::string, Digest> digest_of;
   std::set<std::string> frames;
   for (const pipeline::NamedDigest& input : facts.inputs) {
     digest_of[input.file.name] = input.digest;
-    if (IsFrameOf(out_dir, input.file)) frames.insert(input.file.name);
+    const bool is_frame = IsFrameOf(out_dir, input.file);
+    if (is_frame) frames.insert(input.file.name);
+    if (!is_frame && !pictures.contains(input.file.name) && !given.contains(input.digest) &&
+        !given_names.contains(input.file.name))
+      missing.records.push_back(input.file.name);
   }
-  std::set<Digest> given;
-  for (const flight::InputFile& file : files) {
-    // One that cannot be read is no photo of the map; the run itself says what is wrong with it.
-    if (const Result<Digest> digest = DigestOfFile(file.path)) given.insert(*digest);
-  }
-  std::vector<std::string> missing;
   for (const FilmSource& film : SourcesOfFrames(out_dir)) {
-    if (!given.contains(film.digest)) missing.push_back(film.file.name);
+    if (!given.contains(film.digest)) missing.photos.push_back(film.file.name);
   }
   for (const alignment::AlignedPhoto& shown : facts.flight.photos) {
     if (frames.contains(shown.photo.name)) continue;
     const auto known = digest_of.find(shown.photo.name);
-    if (known == digest_of.end() || !given.contains(known->second)) missing.push_back(shown.photo.name);
+    if (known == digest_of.end() || !given.contains(known->second))
+      missing.photos.push_back(shown.photo.name);
   }
   return missing;
 }
@@ -117,15 +133,23 @@ Result<void> CheckOutFolder(const fs::path& out_dir, const std::vector<flight::I
     return Refusal(out_dir,
                    "has a map whose mosaic.state is damaged or of another version of Skyquilt, so its photos "
                    "are not known.");
-  const std::vector<std::string> missing = MissingPhotos(out_dir, *facts, files);
+  const Missing missing = MissingOf(out_dir, *facts, files);
   const std::string others = OtherOptions(*facts, options);
-  if (missing.empty() && others.empty()) return {};
-  if (missing.empty())
+  if (missing.photos.empty() && !others.empty())
     return Refusal(out_dir, fmt::format("has the finished map of these photos, made with {}.", others));
+  if (missing.photos.empty() && !missing.records.empty()) {
+    return Refusal(
+        out_dir,
+        fmt::format("has the finished map of these photos, made with {} more ({}{}) that {} not "
+                    "given now.",
+                    Counted(missing.records.size(), "file"), missing.records.front(),
+                    missing.records.size() > 1 ? ", ..." : "", missing.records.size() > 1 ? "are" : "is"));
+  }
+  if (missing.photos.empty()) return {};
   return Refusal(out_dir,
                  fmt::format("has the finished map of other photos: {} of its {} photos are not among "
                              "those given (first {}). To add photos to it, say --append.",
-                             missing.size(), facts->flight.photos.size(), missing.front()));
+                             missing.photos.size(), facts->flight.photos.size(), missing.photos.front()));
 }
 
 Result<void> CheckNoInputIsReplaced(const fs::path& out_dir, const std::vector<flight::InputFile>& files) {

@@ -1,8 +1,8 @@
 // CheckOutFolder: whether the map of these files can be written to a folder without destroying anything. A
-// finished map of other photos or made with other options is not replaced, nor is a file that merely has the
-// name of one of our products. Accepted are an empty folder, what a killed run left, and a map all of whose
-// photos are among the files (it is rebuilt, or grows). Reads the files' bytes when there is a map. Errors:
-// kConflict, with what to do.
+// finished map of other photos, made with other options or with lists and logs that are not among the files
+// is not replaced, nor is a file that merely has the name of one of our products. Accepted are an empty
+// folder, what a killed run left, and a map all of whose photos are among the files (it is rebuilt, or
+// grows). Reads the files' bytes when there is a map. Errors: kConflict, with what to do.
 #pragma once
 
 #include <filesystem>

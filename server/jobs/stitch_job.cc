@@ -27,6 +27,7 @@
 #include "storage/files/publish_file.h"
 #include "storage/rasters/bands_writer.h"
 #include "storage/tilesets/map_keeper.h"
+#include "storage/tilesets/mbtiles_reader.h"
 #include "storage/tilesets/mbtiles_writer.h"
 
 namespace skyquilt::server {
@@ -184,10 +185,30 @@ Result<std::vector<flight::InputFile>> FilesOfMap(const std::filesystem::path& o
   return files;
 }
 
-Result<pipeline::MapGround> GroundOfMap(const std::filesystem::path& out_dir) {
+Result<void> TakeOptionsOfMap(const std::filesystem::path& out_dir, const std::set<std::string>& said,
+                              pipeline::MosaicOptions& options) {
   SKYQUILT_TRY_ASSIGN(const std::string bytes, storage::MapKeeper::FactsOf(out_dir));
   SKYQUILT_TRY_ASSIGN(const pipeline::FlightFacts facts, pipeline::ParseFacts(bytes));
-  return pipeline::GroundAsked(facts);
+  const auto is_unsaid = [&](const std::string& name) { return !said.contains(name); };
+  options.TakeWords(facts.asked, is_unsaid);
+  const auto dem = facts.asked.find("--dem");
+  if (is_unsaid("--dem") && dem != facts.asked.end() && !dem->second.empty()) {
+    return Error{ErrorCode::kConflict,
+                 "The map was made over the elevation model " + dem->second + "; give it again with --dem.",
+                 ""};
+  }
+  if (is_unsaid("--boundary")) options.boundary = facts.boundary;
+  std::error_code none;
+  for (const render::MapLayer layer : render::kMapLayers) {
+    if (is_unsaid("--layers") && std::filesystem::exists(out_dir / render::LayerFileName(layer), none))
+      options.layers.push_back(layer);
+  }
+  if (!options.title.empty()) return {};
+  if (const auto map = storage::MbtilesReader::Open(out_dir / "mosaic.mbtiles")) {
+    const auto name = (*map)->metadata().find("name");
+    if (name != (*map)->metadata().end()) options.title = name->second;
+  }
+  return {};
 }
 
 Result<pipeline::MosaicReport> StitchToDirectory(const std::vector<flight::InputFile>& files,

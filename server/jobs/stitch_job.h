@@ -9,6 +9,8 @@
 #pragma once
 
 #include <filesystem>
+#include <set>
+#include <string>
 #include <vector>
 
 #include "core/base/progress.h"
@@ -42,7 +44,10 @@ Result<pipeline::MosaicReport> StitchToDirectory(const std::vector<flight::Input
 // The files of the finished map in a folder, to which others may be added. Errors: kNotFound (no map with a
 // memory), kCorrupt.
 Result<std::vector<flight::InputFile>> FilesOfMap(const std::filesystem::path& out_dir);
-// What its photos are projected to, which stays so when others are added. Errors: as FilesOfMap.
-Result<pipeline::MapGround> GroundOfMap(const std::filesystem::path& out_dir);
+// What it was made with, boundary, layers and title too, which stays so when photos are added: into
+// `options`, but what `said` has ("--quality"). Errors: as FilesOfMap; kConflict (an elevation model of which
+// nothing is said, and where it lies is not known).
+Result<void> TakeOptionsOfMap(const std::filesystem::path& out_dir, const std::set<std::string>& said,
+                              pipeline::MosaicOptions& options);
 
 }  // namespace skyquilt::server

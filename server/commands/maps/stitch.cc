@@ -12,6 +12,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -51,7 +52,7 @@ struct StitchArguments {
   bool no_pmtiles = false;
   bool utm = false;
   bool kmz = false;
-  bool says_surface = false;
+  std::set<std::string> said;  // "--quality"
   bool append = false;
   bool overwrite = false;
   std::filesystem::path trace;
@@ -199,9 +200,8 @@ void Run(StitchArguments& arguments) {
   if (!files) Fail("skyquilt", files.error());
   if (arguments.append) {
     AddFinishedFiles(arguments.out_dir, *files);
-    const Result<pipeline::MapGround> ground = GroundOfMap(arguments.out_dir);
-    if (!ground) Fail("skyquilt", ground.error());
-    if (!arguments.says_surface) arguments.job.mosaic.surface = *ground;
+    const Result<void> taken = TakeOptionsOfMap(arguments.out_dir, arguments.said, arguments.job.mosaic);
+    if (!taken) Fail("skyquilt", taken.error());
   } else if (arguments.overwrite) {
     const Result<void> kept = CheckNoInputIsReplaced(arguments.out_dir, *files);
     if (!kept) Fail("skyquilt", kept.error());
@@ -250,7 +250,7 @@ void AddStitchCommand(CLI::App& app) {
   command->add_option("--origin", arguments->origin,
                       "LAT,LON of the take-off in degrees, for a flight that recorded no position at all");
   AddJobOption(*command, "landed_at_start", arguments->job.mosaic);
-  CLI::Option* surface = AddJobOption(*command, "surface", arguments->job.mosaic);
+  AddJobOption(*command, "surface", arguments->job.mosaic);
   command
       ->add_option("--dem", arguments->job.mosaic.dem_path,
                    "GeoTIFF with the ground's heights (default: one among the files, else what the photos "
@@ -303,12 +303,13 @@ void AddStitchCommand(CLI::App& app) {
   CLI::Option* append = command->add_flag(
       "--append", arguments->append,
       "IN are photos more for the finished map in the folder: they are placed against it, and "
-      "only the tiles below them are made anew, on its --surface");
+      "only the tiles below them are made anew, with its options, boundary and layers where nothing is said of "
+      "them");
   command
       ->add_flag(
           "--overwrite", arguments->overwrite,
           "Replace whatever map the folder has. Without it a map of other photos, or one made with other "
-          "options, stays, and nothing is done")
+          "options or with lists and logs that are not given now, stays, and nothing is done")
       ->excludes(append);
   command->add_flag(
       "--fresh", arguments->job.is_fresh,
@@ -324,8 +325,10 @@ void AddStitchCommand(CLI::App& app) {
       "  skyquilt stitch photos/ flight.BIN -o map\n"
       "  skyquilt stitch more/ -o map --append\n"
       "  skyquilt stitch photos/ -o map --formats utm && gdalinfo map/mosaic_utm.tif");
-  command->callback([arguments, surface] {
-    arguments->says_surface = surface->count() > 0;
+  command->callback([arguments, command] {
+    for (const CLI::Option* option : command->get_options()) {
+      if (option->count() > 0) arguments->said.insert(option->get_name());
+    }
     Run(*arguments);
   });
 }

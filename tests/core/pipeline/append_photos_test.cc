@@ -1,7 +1,11 @@
-// Photos of a recalled flight: what they are read as today, drawn in the range they were drawn in.
+// Photos of a recalled flight: what they are read as today, drawn in the range they were drawn in. Photos
+// that are added to a map lie where it lies, also where it was moved since.
 #include "core/pipeline/append_photos.h"
 
 #include <gtest/gtest.h>
+
+#include "core/flight/photos/photo_decoder.h"
+#include "tests/core/pipeline/displaced_flight.h"
 
 namespace skyquilt::pipeline {
 namespace {
@@ -30,6 +34,91 @@ TEST(FillPhotos, KeepsTheRangeThatTheMapIsDrawnIn) {
   EXPECT_EQ(known.photos[0].photo.path, "/now/a");
   EXPECT_EQ(known.photos[0].photo.sample_range->high, 40.0);
   EXPECT_EQ(known.photos[1].photo.sample_range->high, 45.0) << "none was remembered";
+}
+
+TEST(HasAllPhotosOf, MissesOneThatIsReadFromAnotherFileNow) {
+  alignment::AlignedFlight known;
+  known.photos.resize(1);
+  known.photos[0].photo.name = "a";
+  flight::Flight read;
+  read.photos = {GreyPhoto("a", SampleKind::kLevels, 255.0), GreyPhoto("b", SampleKind::kLevels, 255.0)};
+  EXPECT_TRUE(HasAllPhotosOf(known, read));
+  read.photos = {GreyPhoto("a_geotag", SampleKind::kLevels, 255.0)};
+  EXPECT_FALSE(HasAllPhotosOf(known, read));
+}
+
+// The last three of a flight, which was moved as a whole, are added by their records.
+struct Added : Displaced {
+  static constexpr std::size_t kFinished = 17;
+  std::vector<alignment::AlignedPhoto> moved;  // where all of it lies on the moved map
+
+  explicit Added(const Displacement& by) : Displaced(by), moved(known.flight.photos) {
+    known.flight.photos.resize(kFinished);
+    for (alignment::AlignedPhoto& photo : known.flight.photos)
+      photo.photo.intrinsics = truth.options.intrinsics;
+  }
+
+  FlightFacts Append() const {
+    poses::PosedFlight posed;
+    posed.frame = truth.frame;
+    for (const simulate::SimulatedPhoto& real : truth.photos) {
+      poses::PosedPhoto photo;
+      photo.photo = real.photo;
+      photo.photo.intrinsics = truth.options.intrinsics;
+      photo.cam_from_enu = real.pose.cam_from_enu;
+      photo.covariance.setIdentity();
+      photo.height_above_ground_m = photo.cam_from_enu.TargetOriginInSource().z();
+      photo.error_radius_m = 1.5;
+      posed.photos.push_back(photo);
+    }
+    MosaicOptions options;
+    options.method = AlignMethod::kImu;
+    SilentProgress progress;
+    auto grown = AppendPhotos(known, posed, options, flight::FilePhotoSource(), progress);
+    EXPECT_TRUE(grown && *grown);
+    return grown && *grown ? **grown : FlightFacts{};
+  }
+
+  // From `expected` to where the added ones were put.
+  double WorstAddedM(const std::vector<geo::Rigid3>& expected) const {
+    const FlightFacts grown = Append();
+    EXPECT_EQ(grown.flight.photos.size(), expected.size());
+    double worst_m = 0.0;
+    for (std::size_t i = kFinished; i < grown.flight.photos.size(); ++i) {
+      const geo::Rigid3& now = grown.flight.photos[i].cam_from_enu;
+      worst_m = std::max(worst_m, (now.TargetOriginInSource() - expected[i].TargetOriginInSource()).norm());
+      EXPECT_LT(now.rotation.angularDistance(expected[i].rotation), 1e-3);
+    }
+    return worst_m;
+  }
+
+  std::vector<geo::Rigid3> OnMovedMap() const {
+    std::vector<geo::Rigid3> poses;
+    for (const alignment::AlignedPhoto& photo : moved) poses.push_back(photo.cam_from_enu);
+    return poses;
+  }
+  std::vector<geo::Rigid3> AsRecorded() const {
+    std::vector<geo::Rigid3> poses;
+    for (const simulate::SimulatedPhoto& photo : truth.photos) poses.push_back(photo.pose.cam_from_enu);
+    return poses;
+  }
+};
+
+TEST(AppendPhotos, GoWhereAMapWasMovedTo) {
+  const Added far({0.0, 1.0, {150.0, 280.0}});
+  EXPECT_LT(far.WorstAddedM(far.OnMovedMap()), 0.1) << "shifted, as by surveyed points";
+  Added turned({0.4, 1.5, {3000.0, -70.0}});
+  turned.known.flight.frame = geo::LocalFrame({0.0, 0.0, 0.0});  // a map that lay nowhere
+  EXPECT_LT(turned.WorstAddedM(turned.OnMovedMap()), 0.1) << "turned and scaled";
+  EXPECT_NEAR(turned.Append().flight.photos.back().height_above_ground_m,
+              turned.moved.back().height_above_ground_m, 0.1);
+}
+
+TEST(AppendPhotos, GoWhereTheyWereRecordedOnAMapThatErrsAsReceiversDo) {
+  Added near({0.0, 1.0, {2.0, -1.0}});
+  EXPECT_LT(near.WorstAddedM(near.AsRecorded()), 1e-6);
+  near.known.is_by_hand = true;  // what somebody said holds for them too
+  EXPECT_LT(near.WorstAddedM(near.OnMovedMap()), 0.1);
 }
 
 TEST(KeepSampleRanges, GivesNewPhotosTheRangeOfTheirCameraAndKind) {

@@ -47,5 +47,31 @@ TEST(MosaicOptions, AreToldApartInWords) {
   EXPECT_EQ(options.InWords(), other);  // the map is the same
 }
 
+TEST(MosaicOptions, AreTakenFromTheWordsOfAMap) {
+  MosaicOptions map;
+  map.method = AlignMethod::kImages;
+  map.surface = MapGround::kDense;
+  map.jpeg_quality = 95;
+  map.readout_s = 0.0;
+  map.takeoff_height_amsl_m = 512.5;
+  map.landed_at_start = true;
+  map.origin = geo::LatLon{46.8, -7.1234567};
+  const auto all = [](const std::string&) { return true; };
+  MosaicOptions options;
+  options.TakeWords(map.InWords(), all);
+  EXPECT_EQ(options.InWords(), map.InWords());
+  // What was said now stays.
+  MosaicOptions now;
+  now.jpeg_quality = 60;
+  now.TakeWords(map.InWords(), [](const std::string& name) { return name != "--quality"; });
+  EXPECT_EQ(now.jpeg_quality, 60);
+  EXPECT_EQ(now.method, AlignMethod::kImages);
+  // What this version does not know changes nothing.
+  MosaicOptions usual;
+  usual.TakeWords({{"--method", "astrology"}, {"--quality", "good"}, {"--origin", "here"}, {"--new", "1"}},
+                  all);
+  EXPECT_EQ(usual.InWords(), MosaicOptions{}.InWords());
+}
+
 }  // namespace
 }  // namespace skyquilt::pipeline

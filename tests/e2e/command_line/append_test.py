@@ -119,6 +119,63 @@ class Append(ScratchCase):
         lon, lat = (abs(a - b) * 111_000 for a, b in zip(*places))
         self.assertLess(math.hypot(lon, lat), 1.0)
 
+    def folder_of(self, name, *photos):
+        folder = self.scratch / name
+        folder.mkdir()
+        for photo, called in photos:
+            shutil.copy(photo, folder / called)
+        return folder
+
+    def copy_of_map(self, name):
+        out = self.scratch / name
+        shutil.copytree(self.finished, out)
+        return out
+
+    def place_of_new(self, folder):
+        text = run("locate", folder, "--photo", self.new, "--pixel", "400,300").stdout
+        return [float(word) for word in text.split()[0].split(",")]
+
+    def test_a_copy_that_is_read_in_place_of_a_photo_of_the_map(self):
+        photos = sorted(self.first.iterdir())
+        both = self.folder_of("with_copy", *((photo, photo.name) for photo in photos), (photos[0], "A_COPY.JPG"), (self.more / self.new, self.new))
+        report = self.stitch(both, self.copy_of_map("copied"))
+        self.assertEqual(report["photos"], {**report["photos"], "total": 21, "aligned": 20, "left_out": 1})
+
+    def test_what_is_left_out_is_told_once(self):
+        more = self.folder_of("copy_too", (self.first / "SIM_0001.JPG", "Z_COPY.JPG"), (self.more / self.new, self.new))
+        report = self.stitch(more, self.copy_of_map("copied_later"), "--append")
+        self.assertEqual([photo["name"] for photo in report["left_out_photos"]], ["Z_COPY.JPG"])
+        self.assertEqual(report["photos"]["total"], 21)
+
+    def test_a_photo_without_a_position_is_found_by_what_it_shows(self):
+        run("simulate", "-o", self.scratch / "bare", "--photos", "20", "--size", "800x600", "--noise", "no-gps", "--exposure-jitter", "0.05",
+            "--vignetting", "0.1", "--no-world")
+        more = self.folder_of("unplaced", (self.scratch / "bare" / "photos" / self.new, self.new))
+        report = self.stitch(more, self.copy_of_map("with_unplaced"), "--append")
+        self.assertEqual(report["photos"]["aligned"], 20)
+        self.assertFalse([line for line in report["warnings"] if line.startswith("0 photos")])
+
+    def test_photos_go_where_the_map_was_brought(self):
+        out, stays = self.copy_of_map("brought"), self.copy_of_map("stays")
+        run("place", out, "--again", "--point", "46.8,7.1=46.803,7.1")  # 330 m
+        self.stitch(self.more, out, "--append")
+        self.stitch(self.more, stays, "--append")
+        (lon, lat), (lon_was, lat_was) = self.place_of_new(out), self.place_of_new(stays)
+        self.assertAlmostEqual(lat - lat_was, 0.003, delta=1e-5)
+        self.assertAlmostEqual(lon, lon_was, delta=1e-5)
+
+    def test_options_of_the_map_stay(self):
+        area = self.scratch / "area.geojson"
+        area.write_text(json.dumps({"type": "Polygon", "coordinates": [[[7.0998, 46.7998], [7.1002, 46.7998], [7.1002, 46.8002], [7.0998, 46.7998]]]}))
+        out = self.scratch / "with_options"
+        before = self.stitch(self.first, out, "--boundary", area, "--max-look-deg", "40", "--title", "Field 7", "--layers", "error")
+        report = self.stitch(self.more, out, "--append")
+        self.assertAlmostEqual(report["area_m2"], before["area_m2"], delta=0.05 * before["area_m2"])
+        self.assertEqual(report["title"], "Field 7")
+        self.assertTrue((out / "layer_error.mbtiles").exists())
+        # Placed against it, as asked for the same: the photo is new, and nothing else.
+        self.assertTrue([line for line in report["warnings"] if line.startswith("1 photo was added")])
+
     def test_a_folder_without_a_map_cannot_be_added_to(self):
         told = run("stitch", self.more, "-o", self.scratch / "nothing", "--append", code=1)
         self.assertIn("no map that can be added to", told.stderr)

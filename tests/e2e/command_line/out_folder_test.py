@@ -74,6 +74,22 @@ class OutFolder(ScratchCase):
             self.assertIn(" at 30.0 cm a pixel", again.stdout)
             self.assertEqual(report_of(out)["gsd_m"], 0.3)
 
+    def test_a_map_made_with_a_list_stays_without_it(self):
+        places = json.loads((self.scratch / "sim_one" / "truth" / "poses.json").read_text())["photos"]
+        rows = [f"{photo['name']},{photo['lat_deg']:.9f},{photo['lon_deg']:.9f},{photo['height_ellipsoid_m']:.3f}" for photo in places]
+        positions = self.scratch / "positions.csv"
+        positions.write_text("\n".join(["name,latitude,longitude,ellipsoidal_height", *rows, ""]))
+        out = self.scratch / "by_list"
+        words = ["stitch", self.scratch / "one", positions, "-o", out, "--method", "imu"]
+        run(*words)
+        before = contents(out)
+        self.check_refused(out, self.stitch(self.scratch / "one", out), "1 file more (positions.csv)", "is not given now", "--overwrite")
+        self.assertEqual(contents(out), before)
+        # A list that was corrected meanwhile is given.
+        positions.write_text("\n".join(["name,latitude,longitude,ellipsoidal_height", *rows, "", ""]))
+        run(*words)
+        self.assertEqual(self.stitch(self.scratch / "one", out, "--overwrite").returncode, 0)
+
     def test_more_photos_with_all_of_the_map_make_it_grow(self):
         out = self.copy_of_map("grown")
         both = self.scratch / "both"
