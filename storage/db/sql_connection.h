@@ -23,6 +23,7 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/base/try.h"
 #include "storage/db/clock.h"
 
 namespace skyquilt::storage {
@@ -100,9 +101,8 @@ class Statement {
   template <typename Visit>
   Result<void> Each(const Visit& visit) {
     while (true) {
-      const Result<bool> row = Step();
-      if (!row) return row.error();
-      if (!*row) return {};
+      SKYQUILT_TRY_ASSIGN(const bool row, Step());
+      if (!row) return {};
       visit(*this);
     }
   }
@@ -110,8 +110,7 @@ class Statement {
   template <typename Read>
   auto All(const Read& read) -> Result<std::vector<std::invoke_result_t<Read, const Statement&>>> {
     std::vector<std::invoke_result_t<Read, const Statement&>> all;
-    const Result<void> read_all = Each([&](const Statement& row) { all.push_back(read(row)); });
-    if (!read_all) return read_all.error();
+    SKYQUILT_TRY(Each([&](const Statement& row) { all.push_back(read(row)); }));
     return all;
   }
   // What `read` makes of the first row, if there is one; then as Run: RETURNING hands out its row before the
@@ -119,11 +118,10 @@ class Statement {
   template <typename Read>
   auto First(const Read& read) -> Result<std::optional<std::invoke_result_t<Read, const Statement&>>> {
     std::optional<std::invoke_result_t<Read, const Statement&>> first;
-    const Result<bool> row = Step();
-    if (!row) return row.error();
-    if (!*row) return first;
+    SKYQUILT_TRY_ASSIGN(const bool row, Step());
+    if (!row) return first;
     first.emplace(read(*this));
-    if (const Result<void> done = Run(); !done) return done.error();
+    SKYQUILT_TRY(Run());
     return first;
   }
   // The first column of the first row, as First; 0 where there is none.
@@ -202,33 +200,29 @@ class SqlConnection {
   // The same of one that writes, to its end.
   template <typename... Values>
   Result<void> Change(std::string_view sql, const Values&... values) {
-    Result<Statement> change = Query(sql, values...);
-    if (!change) return change.error();
-    return change->Run();
+    SKYQUILT_TRY_ASSIGN(Statement change, Query(sql, values...));
+    return change.Run();
   }
   // The same, as Statement::All, First, AllText and Number.
   template <typename Read, typename... Values>
   auto All(const Read& read, std::string_view sql, const Values&... values)
       -> decltype(std::declval<Statement&>().All(read)) {
-    Result<Statement> query = Query(sql, values...);
-    if (!query) return query.error();
-    return query->All(read);
+    SKYQUILT_TRY_ASSIGN(Statement query, Query(sql, values...));
+    return query.All(read);
   }
   template <typename Read, typename... Values>
   auto First(const Read& read, std::string_view sql, const Values&... values)
       -> decltype(std::declval<Statement&>().First(read)) {
-    Result<Statement> query = Query(sql, values...);
-    if (!query) return query.error();
-    return query->First(read);
+    SKYQUILT_TRY_ASSIGN(Statement query, Query(sql, values...));
+    return query.First(read);
   }
   // As First, where no row is an error.
   template <typename Read, typename... Values>
   auto One(const Read& read, const Error& if_none, std::string_view sql, const Values&... values)
       -> Result<std::invoke_result_t<Read, const Statement&>> {
-    auto first = First(read, sql, values...);
-    if (!first) return first.error();
-    if (!*first) return if_none;
-    return **std::move(first);
+    SKYQUILT_TRY_ASSIGN(auto first, First(read, sql, values...));
+    if (!first) return if_none;
+    return *std::move(first);
   }
   template <typename... Values>
   Result<std::vector<std::string>> AllText(std::string_view sql, const Values&... values) {
@@ -237,22 +231,19 @@ class SqlConnection {
   // The first column of the first row; empty where there is none.
   template <typename... Values>
   Result<std::string> Text(std::string_view sql, const Values&... values) {
-    auto first = First(FirstColumn<std::string>, sql, values...);
-    if (!first) return first.error();
-    return (*std::move(first)).value_or("");
+    SKYQUILT_TRY_ASSIGN(const auto first, First(FirstColumn<std::string>, sql, values...));
+    return first.value_or("");
   }
   template <typename... Values>
   Result<std::int64_t> Number(std::string_view sql, const Values&... values) {
-    Result<Statement> query = Query(sql, values...);
-    if (!query) return query.error();
-    return query->Number();
+    SKYQUILT_TRY_ASSIGN(Statement query, Query(sql, values...));
+    return query.Number();
   }
   // Whether it has a row.
   template <typename... Values>
   Result<bool> Finds(std::string_view sql, const Values&... values) {
-    Result<Statement> query = Query(sql, values...);
-    if (!query) return query.error();
-    return query->Step();
+    SKYQUILT_TRY_ASSIGN(Statement query, Query(sql, values...));
+    return query.Step();
   }
   // Rows changed by the last INSERT, UPDATE or DELETE.
   virtual std::int64_t Changes() const = 0;
