@@ -171,8 +171,10 @@ class Statement {
 // For All and First: a row's first columns, as the members of a `Made`.
 template <typename Made, typename... Columns>
 Made RowOf(const Statement& row) {
-  int column = 0;
-  return Made{row.Get<Columns>(column++)...};
+  const auto make = [&]<int... Column>(std::integer_sequence<int, Column...>) {
+    return Made{row.Get<Columns>(Column)...};
+  };
+  return make(std::make_integer_sequence<int, sizeof...(Columns)>());
 }
 template <typename T>
 T FirstColumn(const Statement& row) {
