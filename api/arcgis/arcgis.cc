@@ -33,9 +33,7 @@ Result<Response> AnswerArcgis(const Request& request, const Value& document) {
   if (!is_pretty && !format.empty() && !EqualsIgnoringCase(format, "json")) {
     return Error{ErrorCode::kInvalidArgument, "This is there as JSON: ask for f=json or f=pjson.", ""};
   }
-  Response response = Text(200, JsonText(document, is_pretty ? 1 : -1), "application/json");
-  response.headers.Add("Cache-Control", "no-cache");
-  return response;
+  return NoCache(Text(200, JsonText(document, is_pretty ? 1 : -1), "application/json"));
 }
 
 Result<Response> ArcgisServices(Service& service, const Request& request) {
@@ -180,8 +178,7 @@ Result<Response> ArcgisTile(Service& service, const Request& request) {
 
 void AddArcgisRoutes(Router& router, Service& service) {
   router.AddQuick(Method::kGet, "/arcgis/rest/info", [](const Request& r) { return ArcgisInfo(r); });
-  router.Add(Method::kGet, "/arcgis/rest/services",
-             [&](const Request& r) { return ArcgisServices(service, r); });
+  router.Add(Method::kGet, "/arcgis/rest/services", On(service, ArcgisServices));
   const auto add = [&](const char* rest, Value (*describe)(const MapView&)) {
     router.Add(Method::kGet, std::string("/arcgis/rest/services/{flight}/MapServer") + rest,
                [&service, describe](const Request& request) -> Result<Response> {
@@ -197,7 +194,7 @@ void AddArcgisRoutes(Router& router, Service& service) {
   router.AddQuick(Method::kGet, "/arcgis/rest/services/{flight}/MapServer/{operation}",
                   [](const Request& r) { return ArcgisUnknown(r); });
   router.AddQuick(Method::kGet, "/arcgis/rest/services/{flight}/MapServer/tile/{z}/{row}/{column}",
-                  [&](const Request& r) { return ArcgisTile(service, r); });
+                  On(service, ArcgisTile));
 }
 
 }  // namespace skyquilt::api

@@ -182,7 +182,7 @@ std::string HashToken(std::string_view text) {
 }
 
 void AddOwnAccessRoute(Router& router, Service& service) {
-  router.Add(Method::kGet, "/api/v1/access", [&](const Request& r) { return OwnAccess(service, r); });
+  router.Add(Method::kGet, "/api/v1/access", On(service, OwnAccess));
 }
 
 }  // namespace skyquilt::api

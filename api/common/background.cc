@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <charconv>
 #include <iterator>
-#include <string>
 
 #include "api/http/http_message.h"
 

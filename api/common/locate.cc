@@ -65,10 +65,8 @@ Result<pipeline::LocatedMap> ReadLocatedMap(Service& service, const std::string&
 }
 
 void AddLocateRoutes(Router& router, Service& service) {
-  router.AddCompute(Method::kGet, "/api/v1/flights/{flight}/at",
-                    [&](const Request& r) { return At(service, r); });
-  router.AddCompute(Method::kGet, "/api/v1/flights/{flight}/photos/{name}/ground",
-                    [&](const Request& r) { return GroundOf(service, r); });
+  router.AddCompute(Method::kGet, "/api/v1/flights/{flight}/at", On(service, At));
+  router.AddCompute(Method::kGet, "/api/v1/flights/{flight}/photos/{name}/ground", On(service, GroundOf));
 }
 
 }  // namespace skyquilt::api

@@ -32,10 +32,7 @@ std::string XmlText(std::string_view text) {
 }
 
 Response Xml(std::string body, const char* content_type) {
-  Response response =
-      Text(200, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n" + std::move(body), content_type);
-  response.headers.Add("Cache-Control", "no-cache");
-  return response;
+  return NoCache(Text(200, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n" + std::move(body), content_type));
 }
 
 }  // namespace skyquilt::api

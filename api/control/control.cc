@@ -1,7 +1,6 @@
 // The surveyed points of a flight and their marks: read, and written as a whole. They lie among the flight's
 // files as the list that the stitcher reads.
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <utility>
 
 #include "api/common/find_flight.h"

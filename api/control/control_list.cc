@@ -7,8 +7,6 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <tuple>
-#include <vector>
 
 #include "api/json/json_text.h"
 #include "core/base/text/json_io.h"

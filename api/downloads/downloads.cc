@@ -167,42 +167,38 @@ Result<Response> SendOriginal(Service& service, const Request& request) {
 }  // namespace
 
 void AddDownloadRoutes(Router& router, Service& service) {
-  const auto add = [&](const char* pattern, Product product) {
-    router.Add(Method::kGet, pattern, [&service, product](const Request& request) {
+  const std::string flight = "/api/v1/flights/{flight}/";
+  const auto add = [&](const char* name, Product product) {
+    router.Add(Method::kGet, flight + name, [&service, product](const Request& request) {
       return Downloaded(Send(service, request, product), request);
     });
   };
-  add("/api/v1/flights/{flight}/download.mbtiles", {"mosaic.mbtiles", "application/vnd.sqlite3", "mbtiles"});
-  add("/api/v1/flights/{flight}/download.tif", {"mosaic.tif", kCogType, "tif"});
-  add("/api/v1/flights/{flight}/bands.tif", {"bands.tif", kCogType, "tif"});
-  add("/api/v1/flights/{flight}/dsm.tif", {"dsm.tif", kCogType, "dsm.tif"});
-  add("/api/v1/flights/{flight}/dsm_photos.tif", {"dsm_photos.tif", kCogType, "dsm_photos.tif"});
-  add("/api/v1/flights/{flight}/dsm_hillshade.tif", {"dsm_hillshade.tif", kCogType, "dsm_hillshade.tif"});
-  add("/api/v1/flights/{flight}/dtm.tif", {"dtm.tif", kCogType, "dtm.tif"});
-  add("/api/v1/flights/{flight}/dtm_ground.tif", {"dtm_ground.tif", kCogType, "dtm_ground.tif"});
-  add("/api/v1/flights/{flight}/contours.gpkg",
-      {"contours.gpkg", "application/geopackage+sqlite3", "contours.gpkg"});
-  add("/api/v1/flights/{flight}/contours.geojson",
-      {"contours.geojson", "application/geo+json", "contours.geojson"});
-  add("/api/v1/flights/{flight}/contours.dxf", {"contours.dxf", "image/vnd.dxf", "contours.dxf"});
-  add("/api/v1/flights/{flight}/download.pmtiles", {"mosaic.pmtiles", "application/vnd.pmtiles", "pmtiles"});
-  add("/api/v1/flights/{flight}/thumbnail.png", {"thumbnail.png", "image/png", nullptr});
-  router.AddCompute(Method::kGet, "/api/v1/flights/{flight}/thumbnail.webp", [&](const Request& request) {
+  add("download.mbtiles", {"mosaic.mbtiles", "application/vnd.sqlite3", "mbtiles"});
+  add("download.tif", {"mosaic.tif", kCogType, "tif"});
+  add("bands.tif", {"bands.tif", kCogType, "tif"});
+  add("dsm.tif", {"dsm.tif", kCogType, "dsm.tif"});
+  add("dsm_photos.tif", {"dsm_photos.tif", kCogType, "dsm_photos.tif"});
+  add("dsm_hillshade.tif", {"dsm_hillshade.tif", kCogType, "dsm_hillshade.tif"});
+  add("dtm.tif", {"dtm.tif", kCogType, "dtm.tif"});
+  add("dtm_ground.tif", {"dtm_ground.tif", kCogType, "dtm_ground.tif"});
+  add("contours.gpkg", {"contours.gpkg", "application/geopackage+sqlite3", "contours.gpkg"});
+  add("contours.geojson", {"contours.geojson", "application/geo+json", "contours.geojson"});
+  add("contours.dxf", {"contours.dxf", "image/vnd.dxf", "contours.dxf"});
+  add("download.pmtiles", {"mosaic.pmtiles", "application/vnd.pmtiles", "pmtiles"});
+  add("thumbnail.png", {"thumbnail.png", "image/png", nullptr});
+  router.AddCompute(Method::kGet, flight + "thumbnail.webp", [&](const Request& request) {
     return Downloaded(SendThumbnail(service, request), request);
   });
-  add("/api/v1/flights/{flight}/layers.json", {"layers.json", "application/json", nullptr});
-  add("/api/v1/flights/{flight}/layer_photo.mbtiles",
-      {"layer_photo.mbtiles", "application/vnd.sqlite3", "mbtiles"});
-  add("/api/v1/flights/{flight}/layer_error.mbtiles",
-      {"layer_error.mbtiles", "application/vnd.sqlite3", "mbtiles"});
-  add("/api/v1/flights/{flight}/layer_height.mbtiles",
-      {"layer_height.mbtiles", "application/vnd.sqlite3", "mbtiles"});
-  add("/api/v1/flights/{flight}/cameras.json", {"cameras.json", "application/json", nullptr});
-  add("/api/v1/flights/{flight}/geo.txt", {"geo.txt", "text/plain; charset=utf-8", nullptr});
-  router.AddCompute(Method::kGet, "/api/v1/flights/{flight}/download.zip",
+  add("layers.json", {"layers.json", "application/json", nullptr});
+  add("layer_photo.mbtiles", {"layer_photo.mbtiles", "application/vnd.sqlite3", "mbtiles"});
+  add("layer_error.mbtiles", {"layer_error.mbtiles", "application/vnd.sqlite3", "mbtiles"});
+  add("layer_height.mbtiles", {"layer_height.mbtiles", "application/vnd.sqlite3", "mbtiles"});
+  add("cameras.json", {"cameras.json", "application/json", nullptr});
+  add("geo.txt", {"geo.txt", "text/plain; charset=utf-8", nullptr});
+  router.AddCompute(Method::kGet, flight + "download.zip",
                     [&](const Request& request) { return Downloaded(SendAll(service, request), request); });
-  add("/api/v1/flights/{flight}/report", {"report.json", "application/json", nullptr});
-  add("/api/v1/flights/{flight}/photos.geojson", {"photos.geojson", "application/geo+json", nullptr});
+  add("report", {"report.json", "application/json", nullptr});
+  add("photos.geojson", {"photos.geojson", "application/geo+json", nullptr});
 }
 
 void AddOriginalFileRoutes(Router& router, Service& service) {

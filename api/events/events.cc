@@ -1,7 +1,6 @@
 // Events as they happen, by Server-Sent Events (the HTML standard, 9.2): GET /api/v1/events, of all flights,
 // one flight or one job. Every event has its number as its id: a client that comes back with Last-Event-ID
 // gets what it missed. Between them, progress of running jobs, which is not replayed.
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <functional>
@@ -174,8 +173,8 @@ Result<Response> Log(Service& service, const Request& request) {
 }  // namespace
 
 void AddEventRoutes(Router& router, Service& service) {
-  router.Add(Method::kGet, "/api/v1/events", [&](const Request& r) { return Follow(service, r); });
-  router.Add(Method::kGet, "/api/v1/jobs/{job}/log", [&](const Request& r) { return Log(service, r); });
+  router.Add(Method::kGet, "/api/v1/events", On(service, Follow));
+  router.Add(Method::kGet, "/api/v1/jobs/{job}/log", On(service, Log));
 }
 
 }  // namespace skyquilt::api

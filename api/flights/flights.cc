@@ -111,20 +111,17 @@ Result<FlightView> ViewFlight(Service& service, const std::string& id) {
 }
 
 void AddFlightRoutes(Router& router, Service& service) {
-  router.Add(Method::kGet, "/api/v1/flights", [&](const Request& r) { return ListFlights(service, r); });
-  router.Add(Method::kGet, "/api/v1/flights/{flight}",
-             [&](const Request& r) { return GetFlight(service, r); });
+  router.Add(Method::kGet, "/api/v1/flights", On(service, ListFlights));
+  router.Add(Method::kGet, "/api/v1/flights/{flight}", On(service, GetFlight));
   router.Add(Method::kDelete, "/api/v1/flights/{flight}",
              [&](const Request& r) { return DeleteFlight(service, r); });
   router.AddBody(
-      Method::kPatch, "/api/v1/flights/{flight}",
-      [&](const Request& request, const std::string& body) { return Patch(service, request, body); },
+      Method::kPatch, "/api/v1/flights/{flight}", On(service, Patch),
       "Send the change as JSON with its header: curl -H 'Content-Type: application/json' -d '{}' ...");
 }
 
 void AddVerdictRoute(Router& router, Service& service) {
-  router.AddCompute(Method::kGet, "/api/v1/flights/{flight}/verdict",
-                    [&](const Request& request) { return Verdict(service, request); });
+  router.AddCompute(Method::kGet, "/api/v1/flights/{flight}/verdict", On(service, Verdict));
 }
 
 }  // namespace skyquilt::api

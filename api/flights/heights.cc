@@ -5,7 +5,6 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <utility>
 
 #include "api/common/locate.h"
 #include "api/forms/geojson_body.h"

@@ -91,9 +91,8 @@ Result<int> RemoveOldTrash(Service& service) {
 }
 
 void AddTrashRoutes(Router& router, Service& service) {
-  router.Add(Method::kGet, "/api/v1/trash", [&](const Request& r) { return ListTrash(service, r); });
-  router.Add(Method::kDelete, "/api/v1/trash/{flight}",
-             [&](const Request& r) { return RemoveForGood(service, r); });
+  router.Add(Method::kGet, "/api/v1/trash", On(service, ListTrash));
+  router.Add(Method::kDelete, "/api/v1/trash/{flight}", On(service, RemoveForGood));
   router.AddBody(Method::kPost, "/api/v1/flights/{flight}/restore",
                  [&](const Request& request, const std::string&) { return Restore(service, request); });
 }

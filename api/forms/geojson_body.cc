@@ -22,18 +22,16 @@ void AddGeoJsonRoute(Router& router, std::string_view pattern, std::string what,
           Method::kPost, pattern,
           [what = std::move(what), prepare = std::move(prepare)](const Request& request) -> UploadBegun {
             if (!IsGeoJson(request)) {
-              return Problem({ErrorCode::kUnsupportedFormat,
-                              fmt::format("Send the {} as GeoJSON: curl -H 'Content-Type: "
-                                          "application/geo+json' -d @FILE.geojson ...",
-                                          what),
-                              ""},
-                             request);
+              return Error{ErrorCode::kUnsupportedFormat,
+                           fmt::format("Send the {} as GeoJSON: curl -H 'Content-Type: "
+                                       "application/geo+json' -d @FILE.geojson ...",
+                                       what),
+                           ""};
             }
-            Result<GeoJsonAnswer> answer = prepare(request);
-            if (!answer) return Problem(answer.error(), request);
+            SKYQUILT_TRY_ASSIGN(GeoJsonAnswer prepared, prepare(request));
             return CollectBody(
                 request,
-                [answer = *std::move(answer)](const Request&, const std::string& body) -> Result<Response> {
+                [answer = std::move(prepared)](const Request&, const std::string& body) -> Result<Response> {
                   SKYQUILT_TRY_ASSIGN(std::string told, answer(body));
                   return Json(200, std::move(told));
                 });

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <span>
@@ -39,6 +40,8 @@ enum class Work {
 // Names compare without regard to case. Few, so a list.
 class Headers {
  public:
+  Headers() = default;
+  Headers(std::initializer_list<std::pair<std::string, std::string>> list) : list_(list) {}
   void Add(std::string name, std::string value) { list_.emplace_back(std::move(name), std::move(value)); }
   void Set(std::string_view name, std::string value);
   void Remove(std::string_view name);

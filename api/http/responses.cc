@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
@@ -64,16 +66,16 @@ int StatusOf(ErrorCode code) {
     case ErrorCode::kInvalidArgument:
       return 400;
     case ErrorCode::kUnprocessable:
+    case ErrorCode::kCorrupt:
+    case ErrorCode::kNoPosition:
+    case ErrorCode::kDigestMismatch:
       return 422;
     case ErrorCode::kUnsupportedFormat:
       return 415;
-    case ErrorCode::kCorrupt:
-      return 422;
-    case ErrorCode::kNoPosition:
-      return 422;
     case ErrorCode::kNotFound:
       return 404;
     case ErrorCode::kConflict:
+    case ErrorCode::kCancelled:
       return 409;
     case ErrorCode::kPreconditionFailed:
       return 412;
@@ -93,20 +95,15 @@ int StatusOf(ErrorCode code) {
       return 411;
     case ErrorCode::kRangeNotSatisfiable:
       return 416;
-    case ErrorCode::kDigestMismatch:
-      return 422;
     case ErrorCode::kRateLimited:
       return 429;
     case ErrorCode::kTimeout:
       return 408;
-    case ErrorCode::kCancelled:
-      return 409;
     case ErrorCode::kUnavailable:
       return 503;
     case ErrorCode::kNotImplemented:
       return 501;
     case ErrorCode::kIo:
-      return 500;
     case ErrorCode::kInternal:
       return 500;
   }
@@ -114,74 +111,41 @@ int StatusOf(ErrorCode code) {
 }
 
 const char* ReasonOf(int status) {
-  switch (status) {
-    case 100:
-      return "Continue";
-    case 200:
-      return "OK";
-    case 201:
-      return "Created";
-    case 202:
-      return "Accepted";
-    case 204:
-      return "No Content";
-    case 206:
-      return "Partial Content";
-    case 304:
-      return "Not Modified";
-    case 400:
-      return "Bad Request";
-    case 401:
-      return "Unauthorized";
-    case 403:
-      return "Forbidden";
-    case 404:
-      return "Not Found";
-    case 405:
-      return "Method Not Allowed";
-    case 406:
-      return "Not Acceptable";
-    case 408:
-      return "Request Timeout";
-    case 409:
-      return "Conflict";
-    case 411:
-      return "Length Required";
-    case 412:
-      return "Precondition Failed";
-    case 413:
-      return "Content Too Large";
-    case 414:
-      return "URI Too Long";
-    case 415:
-      return "Unsupported Media Type";
-    case 416:
-      return "Range Not Satisfiable";
-    case 417:
-      return "Expectation Failed";
-    case 421:
-      return "Misdirected Request";
-    case 422:
-      return "Unprocessable Content";
-    case 429:
-      return "Too Many Requests";
-    case 460:
-      return "Checksum Mismatch";
-    case 431:
-      return "Request Header Fields Too Large";
-    case 500:
-      return "Internal Server Error";
-    case 501:
-      return "Not Implemented";
-    case 503:
-      return "Service Unavailable";
-    case 505:
-      return "HTTP Version Not Supported";
-    case 507:
-      return "Insufficient Storage";
-    default:
-      return "Unknown";
-  }
+  static constexpr std::pair<int, const char*> kReasons[] = {{100, "Continue"},
+                                                             {200, "OK"},
+                                                             {201, "Created"},
+                                                             {202, "Accepted"},
+                                                             {204, "No Content"},
+                                                             {206, "Partial Content"},
+                                                             {304, "Not Modified"},
+                                                             {400, "Bad Request"},
+                                                             {401, "Unauthorized"},
+                                                             {403, "Forbidden"},
+                                                             {404, "Not Found"},
+                                                             {405, "Method Not Allowed"},
+                                                             {406, "Not Acceptable"},
+                                                             {408, "Request Timeout"},
+                                                             {409, "Conflict"},
+                                                             {411, "Length Required"},
+                                                             {412, "Precondition Failed"},
+                                                             {413, "Content Too Large"},
+                                                             {414, "URI Too Long"},
+                                                             {415, "Unsupported Media Type"},
+                                                             {416, "Range Not Satisfiable"},
+                                                             {417, "Expectation Failed"},
+                                                             {421, "Misdirected Request"},
+                                                             {422, "Unprocessable Content"},
+                                                             {429, "Too Many Requests"},
+                                                             {460, "Checksum Mismatch"},
+                                                             {431, "Request Header Fields Too Large"},
+                                                             {500, "Internal Server Error"},
+                                                             {501, "Not Implemented"},
+                                                             {503, "Service Unavailable"},
+                                                             {505, "HTTP Version Not Supported"},
+                                                             {507, "Insufficient Storage"}};
+  const auto* found = std::find_if(std::begin(kReasons), std::end(kReasons),
+                                   [&](const auto& reason) { return reason.first == status; });
+  return found == std::end(kReasons) ? "Unknown" : found->second;
 }
 
 Response Problem(const Error& error, std::string_view instance, std::string_view request_id) {
@@ -226,6 +190,11 @@ Response Tagged(const Request& request, Response response) {
 Response Json(int status, std::string body) {
   Response response = Text(status, std::move(body), "application/json");
   response.headers.Add("Cache-Control", "no-store");
+  return response;
+}
+
+Response NoCache(Response response) {
+  response.headers.Add("Cache-Control", "no-cache");
   return response;
 }
 

@@ -31,6 +31,8 @@ Response Answered(Result<Response> answer, const Request& request);
 Response Json(int status, std::string body);
 Response NoContent();
 Response Text(int status, std::string body, std::string content_type);
+// To be asked for anew each time, by its tag if it has one.
+Response NoCache(Response response);
 // The same with a tag of its body, which is left out where the client has it.
 Response Tagged(const Request& request, Response response);
 

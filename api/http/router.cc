@@ -80,7 +80,11 @@ Route& Router::AddQuick(Method method, std::string_view pattern, Handler handler
 
 Route& Router::AddUpload(Method method, std::string_view pattern, UploadHandler handler) {
   Route& route = Insert(method, pattern);
-  route.upload = std::move(handler);
+  route.upload = [handler = std::move(handler)](const Request& request) -> UploadBegun {
+    UploadBegun begun = handler(request);
+    if (const Error* error = std::get_if<Error>(&begun)) return Problem(*error, request);
+    return begun;
+  };
   route.work = Work::kWrite;
   return route;
 }
@@ -91,7 +95,7 @@ Route& Router::AddBody(Method method, std::string_view pattern, BodyHandler hand
       method, pattern,
       [handler = std::move(handler), unless_json, max_bytes](const Request& request) -> UploadBegun {
         if (unless_json != nullptr && !IsJson(request))
-          return Problem({ErrorCode::kUnsupportedFormat, unless_json, ""}, request);
+          return Error{ErrorCode::kUnsupportedFormat, unless_json, ""};
         return CollectBody(request, handler, max_bytes);
       });
 }

@@ -9,6 +9,8 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -20,9 +22,31 @@ namespace skyquilt::api {
 
 // An error is answered by its problem document.
 using Handler = std::function<Result<Response>(const Request&)>;
-// Begins an upload: either takes the body, or refuses it with a Response before it is read.
-using UploadBegun = std::variant<std::unique_ptr<BodySink>, Response>;
+// Begins an upload: either takes the body, or refuses it before it is read. An Error is a handler's to give:
+// a Route answers its problem document.
+using UploadBegun = std::variant<std::unique_ptr<BodySink>, Response, Error>;
 using UploadHandler = std::function<UploadBegun(const Request&)>;
+
+// Of a function of what it works on, which must outlive the router, and of what is asked.
+template <typename Subject, typename Function>
+auto On(Subject& subject, Function* handler) {
+  return [&subject, handler](const auto&... asked) { return handler(subject, asked...); };
+}
+// The same, with its errors as `refuse` answers them.
+template <typename Subject, typename Answer>
+auto On(Subject& subject, Answer (*handler)(Subject&, const Request&),
+        Response (*refuse)(const Error&, const Request&)) {
+  return [&subject, handler, refuse](const Request& request) -> Answer {
+    Answer answer = handler(subject, request);
+    const Error* error = nullptr;
+    if constexpr (std::is_same_v<Answer, UploadBegun>) {
+      error = std::get_if<Error>(&answer);
+    } else {
+      error = answer ? nullptr : &answer.error();
+    }
+    return error == nullptr ? std::move(answer) : Answer(refuse(*error, request));
+  };
+}
 
 // What a route is for, as Route::scope: nobody is asked who he is.
 inline constexpr std::optional<storage::Scope> kEverybody;

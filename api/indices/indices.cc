@@ -184,9 +184,7 @@ Result<Response> AnswerBands(Service& service, const Request& request) {
   for (const std::string_view name : indices::ColourRamp::Names()) {
     json["colormaps"].push_back({{"id", name}, {"colours", StopsOf(*indices::ColourRamp::Named(name))}});
   }
-  Response response = Json(200, JsonText(json));
-  response.headers.Add("Cache-Control", "no-cache");
-  return response;
+  return NoCache(Json(200, JsonText(json)));
 }
 
 Result<Response> AnswerLegend(Service& service, const Request& request, LegendFormat format) {
@@ -201,16 +199,14 @@ Result<Response> AnswerLegend(Service& service, const Request& request, LegendFo
 }  // namespace
 
 void AddIndexRoutes(Router& router, Service& service) {
-  router.Add(Method::kGet, "/api/v1/flights/{flight}/bands",
-             [&](const Request& request) { return AnswerBands(service, request); });
+  router.Add(Method::kGet, "/api/v1/flights/{flight}/bands", On(service, AnswerBands));
   for (const auto& [path, format] : {std::pair{"/api/v1/flights/{flight}/legend.svg", LegendFormat::kSvg},
                                      std::pair{"/api/v1/flights/{flight}/legend.png", LegendFormat::kPng}}) {
     router.Add(Method::kGet, path, [&service, format = format](const Request& request) {
       return AnswerLegend(service, request, format);
     });
   }
-  router.AddCompute(Method::kGet, "/api/v1/flights/{flight}/zones",
-                    [&](const Request& request) { return AnswerZones(service, request); });
+  router.AddCompute(Method::kGet, "/api/v1/flights/{flight}/zones", On(service, AnswerZones));
 }
 
 }  // namespace skyquilt::api

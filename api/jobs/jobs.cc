@@ -140,9 +140,9 @@ void AddJobRoutes(Router& router, Service& service) {
                  [&](const Request& request, const std::string& body) {
                    return Once(service, request, body, [&] { return Retry(service, request); });
                  });
-  router.Add(Method::kGet, "/api/v1/jobs", [&](const Request& r) { return ListJobs(service, r); });
-  router.Add(Method::kGet, "/api/v1/jobs/{job}", [&](const Request& r) { return GetJob(service, r); });
-  router.Add(Method::kDelete, "/api/v1/jobs/{job}", [&](const Request& r) { return Cancel(service, r); });
+  router.Add(Method::kGet, "/api/v1/jobs", On(service, ListJobs));
+  router.Add(Method::kGet, "/api/v1/jobs/{job}", On(service, GetJob));
+  router.Add(Method::kDelete, "/api/v1/jobs/{job}", On(service, Cancel));
 }
 
 }  // namespace skyquilt::api

@@ -76,8 +76,7 @@ Result<Response> AnswerMap(Service& service, const Request& request) {
 }  // namespace
 
 void AddMapRoutes(Router& router, Service& service) {
-  router.AddCompute(Method::kGet, "/ogc/collections/{flight}/map",
-                    [&](const Request& request) { return AnswerMap(service, request); });
+  router.AddCompute(Method::kGet, "/ogc/collections/{flight}/map", On(service, AnswerMap));
 }
 
 }  // namespace skyquilt::api

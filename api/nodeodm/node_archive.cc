@@ -4,7 +4,6 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <numeric>
-#include <sstream>
 
 #include "api/downloads/send_file.h"
 #include "api/downloads/streamed_product.h"
@@ -217,23 +216,20 @@ Result<Response> Archive(Service& service, const Request& request, const storage
       [&](std::uint64_t offset, std::uint64_t length) { return ReadZip(layout, offset, length); });
 }
 
-Response Download(Service& service, const Request& request) {
-  const Result<storage::NodeTask> task = FindNodeTask(service, request.Parameter("uuid"));
-  if (!task) return NodeProblem(task.error(), request);
+Result<Response> Download(Service& service, const Request& request) {
+  SKYQUILT_TRY_ASSIGN(const storage::NodeTask task, FindNodeTask(service, request.Parameter("uuid")));
   if (request.Parameter("asset") != "all.zip") return NodeRefusal("Invalid asset");
-  Result<Response> sent = Archive(service, request, *task);
+  Result<Response> sent = Archive(service, request, task);
   if (!sent && sent.error().code == ErrorCode::kRangeNotSatisfiable)
     return Downloaded(std::move(sent), request);
-  if (!sent) return NodeProblem(sent.error(), request);
-  sent->headers.Add("Content-Disposition", "attachment; filename=\"all.zip\"");
-  return *std::move(sent);
+  if (sent) sent->headers.Add("Content-Disposition", "attachment; filename=\"all.zip\"");
+  return sent;
 }
 
 }  // namespace
 
 void AddNodeArchiveRoute(Router& router, Service& service) {
-  router.AddCompute(Method::kGet, "/task/{uuid}/download/{asset}",
-                    [&](const Request& r) { return Download(service, r); });
+  router.AddCompute(Method::kGet, "/task/{uuid}/download/{asset}", On(service, Download, NodeProblem));
 }
 
 }  // namespace skyquilt::api

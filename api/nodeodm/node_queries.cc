@@ -2,7 +2,6 @@
 #include <sys/sysinfo.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -98,11 +97,10 @@ Response AuthInfo(Service& service, const Request& request) {
   return NodeAnswer(JsonText(Value{{"message", message}, {"loginUrl", nullptr}, {"registerUrl", nullptr}}));
 }
 
-Response ListTasks(Service& service, const Request& request) {
-  const Result<std::vector<std::string>> uuids = service.node_tasks.List();
-  if (!uuids) return NodeProblem(uuids.error(), request);
+Result<Response> ListTasks(Service& service, const Request&) {
+  SKYQUILT_TRY_ASSIGN(const std::vector<std::string> uuids, service.node_tasks.List());
   Value list = Value::array();
-  for (const std::string& uuid : *uuids) list.push_back({{"uuid", uuid}});
+  for (const std::string& uuid : uuids) list.push_back({{"uuid", uuid}});
   return NodeAnswer(JsonText(list));
 }
 
@@ -133,27 +131,22 @@ Result<std::string> NodeTaskJson(Service& service, const storage::NodeTask& task
   return JsonText(answer);
 }
 
-Response TaskInfo(Service& service, const Request& request) {
-  const Result<storage::NodeTask> task = FindNodeTask(service, request.Parameter("uuid"));
-  if (!task) return NodeProblem(task.error(), request);
-  const Result<std::string> description = NodeTaskJson(service, *task);
-  if (!description) return NodeProblem(description.error(), request);
+Result<Response> TaskInfo(Service& service, const Request& request) {
+  SKYQUILT_TRY_ASSIGN(const storage::NodeTask task, FindNodeTask(service, request.Parameter("uuid")));
+  SKYQUILT_TRY_ASSIGN(const std::string description, NodeTaskJson(service, task));
   const auto first_line = request.Query("with_output");
-  if (!first_line) return NodeAnswer(*description);
-  const Result<std::vector<std::string>> lines = NodeOutput(service, *task);
-  if (!lines) return NodeProblem(lines.error(), request);
-  Value answer = ParseOrderedJson(*description);
-  answer["output"] = LinesFrom(*lines, ParseNumber<std::int64_t>(*first_line).value_or(0));
+  if (!first_line) return NodeAnswer(description);
+  SKYQUILT_TRY_ASSIGN(const std::vector<std::string> lines, NodeOutput(service, task));
+  Value answer = ParseOrderedJson(description);
+  answer["output"] = LinesFrom(lines, ParseNumber<std::int64_t>(*first_line).value_or(0));
   return NodeAnswer(JsonText(answer));
 }
 
-Response TaskOutput(Service& service, const Request& request) {
-  const Result<storage::NodeTask> task = FindNodeTask(service, request.Parameter("uuid"));
-  if (!task) return NodeProblem(task.error(), request);
-  const Result<std::vector<std::string>> lines = NodeOutput(service, *task);
-  if (!lines) return NodeProblem(lines.error(), request);
-  return NodeAnswer(JsonText(
-      LinesFrom(*lines, ParseNumber<std::int64_t>(request.Query("line").value_or("0")).value_or(0))));
+Result<Response> TaskOutput(Service& service, const Request& request) {
+  SKYQUILT_TRY_ASSIGN(const storage::NodeTask task, FindNodeTask(service, request.Parameter("uuid")));
+  SKYQUILT_TRY_ASSIGN(const std::vector<std::string> lines, NodeOutput(service, task));
+  return NodeAnswer(
+      JsonText(LinesFrom(lines, ParseNumber<std::int64_t>(request.Query("line").value_or("0")).value_or(0))));
 }
 
 std::string LineOf(const storage::Event& event) {
@@ -213,13 +206,12 @@ Result<std::string> NodeWebhookBody(Service& service, const std::string& uuid, c
 }
 
 void AddNodeRoutes(Router& router, Service& service) {
-  router.Add(Method::kGet, "/info", [&](const Request& r) { return Info(service, r); });
+  router.Add(Method::kGet, "/info", On(service, Info));
   router.AddQuick(Method::kGet, "/options", [](const Request&) { return NodeAnswer(NodeOptionsJson()); });
-  router.Add(Method::kGet, "/task/list", [&](const Request& r) { return ListTasks(service, r); });
-  router.Add(Method::kGet, "/task/{uuid}/info", [&](const Request& r) { return TaskInfo(service, r); });
-  router.Add(Method::kGet, "/task/{uuid}/output", [&](const Request& r) { return TaskOutput(service, r); });
-  router.AddQuick(Method::kGet, "/auth/info", [&](const Request& r) { return AuthInfo(service, r); }).scope =
-      kEverybody;
+  router.Add(Method::kGet, "/task/list", On(service, ListTasks, NodeProblem));
+  router.Add(Method::kGet, "/task/{uuid}/info", On(service, TaskInfo, NodeProblem));
+  router.Add(Method::kGet, "/task/{uuid}/output", On(service, TaskOutput, NodeProblem));
+  router.AddQuick(Method::kGet, "/auth/info", On(service, AuthInfo)).scope = kEverybody;
   for (const char* pattern : {"/auth/login", "/auth/register"}) {
     router
         .AddBody(Method::kPost, pattern,

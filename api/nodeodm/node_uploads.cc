@@ -47,12 +47,12 @@ class NodeForm : public BodySink {
       const Result<void> whole = parser_.Finish();
       if (!whole) failure_ = whole.error();
     }
-    if (failure_) return NodeProblem(*failure_, request_);
-    return Taken();
+    Result<Response> answer = failure_ ? Result<Response>(*failure_) : Taken();
+    return answer ? *std::move(answer) : NodeProblem(answer.error(), request_);
   }
 
  protected:
-  virtual Response Taken() = 0;
+  virtual Result<Response> Taken() = 0;
 
   // Files that could not be taken, each in one sentence.
   std::vector<std::string> RefusedFiles() const {
@@ -90,19 +90,17 @@ NodeFields FieldsOf(const FormReceiver& form) {
 }
 
 // A task whose files are still to come.
-Response CreateTask(Service& service, const Request& request, const NodeFields& fields) {
-  const Result<NewTask> task = NewTaskFrom(service, request, fields);
-  if (!task) return NodeProblem(task.error(), request);
-  const Result<storage::Flight> flight =
-      service.catalogue.AddFlight(task->name, task->choice.job_options, storage::Now(), request.owner);
-  if (!flight) return NodeProblem(flight.error(), request);
-  storage::NodeTask record = task->Record(flight->id);
-  const Result<void> added = service.node_tasks.Add(record);
+Result<Response> CreateTask(Service& service, const Request& request, const NodeFields& fields) {
+  SKYQUILT_TRY_ASSIGN(const NewTask task, NewTaskFrom(service, request, fields));
+  SKYQUILT_TRY_ASSIGN(
+      const storage::Flight flight,
+      service.catalogue.AddFlight(task.name, task.choice.job_options, storage::Now(), request.owner));
+  const Result<void> added = service.node_tasks.Add(task.Record(flight.id));
   if (!added) {
-    const Result<void> undone = RemoveFlight(service, flight->id);
-    return NodeProblem(undone ? added.error() : undone.error(), request);
+    SKYQUILT_TRY(RemoveFlight(service, flight.id));
+    return added.error();
   }
-  return UuidAnswer(task->uuid, task->choice.unknown);
+  return UuidAnswer(task.uuid, task.choice.unknown);
 }
 
 class InitForm final : public NodeForm {
@@ -110,7 +108,7 @@ class InitForm final : public NodeForm {
   using NodeForm::NodeForm;
 
  private:
-  Response Taken() override { return CreateTask(service_, request_, FieldsOf(receiver_)); }
+  Result<Response> Taken() override { return CreateTask(service_, request_, FieldsOf(receiver_)); }
 };
 
 class UploadForm final : public NodeForm {
@@ -118,13 +116,11 @@ class UploadForm final : public NodeForm {
   using NodeForm::NodeForm;
 
  private:
-  Response Taken() override {
+  Result<Response> Taken() override {
     if (receiver_.files().empty()) return NodeRefusal(NoFile(), true);
     // One bad file of many is no reason to end the task: what came of it says so.
-    for (const std::string& refused : RefusedFiles()) {
-      const Result<void> noted = service_.node_tasks.AddNote(*NodeUuid(request_.Parameter("uuid")), refused);
-      if (!noted) return NodeProblem(noted.error(), request_);
-    }
+    for (const std::string& refused : RefusedFiles())
+      SKYQUILT_TRY(service_.node_tasks.AddNote(*NodeUuid(request_.Parameter("uuid")), refused));
     return NodeAnswer(R"({"success":true})");
   }
 };
@@ -140,27 +136,23 @@ class WholeForm final : public NodeForm {
   }
 
  private:
-  Response Taken() override {
-    const Result<NewTask> task = NewTaskFrom(service_, request_, FieldsOf(receiver_));
-    if (!task) return NodeProblem(task.error(), request_);
+  Result<Response> Taken() override {
+    SKYQUILT_TRY_ASSIGN(const NewTask task, NewTaskFrom(service_, request_, FieldsOf(receiver_)));
     if (receiver_.stored_count() == 0) return NodeRefusal(NoFile(), true);
-    const Result<void> started = Start(*task);
-    if (!started) return NodeProblem(started.error(), request_);
+    SKYQUILT_TRY(Start(task));
     is_kept_ = true;
-    return UuidAnswer(task->uuid, task->choice.unknown);
+    return UuidAnswer(task.uuid, task.choice.unknown);
   }
 
   Result<void> Start(const NewTask& task) {
-    Result<void> done = service_.catalogue.RenameFlight(flight_id_, task.name);
-    if (done) done = service_.catalogue.SetFlightOptions(flight_id_, task.choice.job_options);
+    SKYQUILT_TRY(service_.catalogue.RenameFlight(flight_id_, task.name));
+    SKYQUILT_TRY(service_.catalogue.SetFlightOptions(flight_id_, task.choice.job_options));
     storage::NodeTask record = task.Record(flight_id_);
     record.is_committed = true;
     for (const std::string& refused : RefusedFiles()) record.notes += refused + "\n";
-    if (done) done = service_.node_tasks.Add(record);
-    if (!done) return done.error();
-    const Result<storage::Job> job =
-        service_.queue.Add(flight_id_, task.choice.job_options, storage::Now(), {0, request_.owner});
-    if (!job) return job.error();
+    SKYQUILT_TRY(service_.node_tasks.Add(record));
+    SKYQUILT_TRY(
+        service_.queue.Add(flight_id_, task.choice.job_options, storage::Now(), {0, request_.owner}));
     return {};
   }
 
@@ -175,67 +167,68 @@ UploadBegun BeginInit(Service& service, const Request& request) {
   if (!boundary && boundary.error().code == ErrorCode::kUnsupportedFormat) {
     return CollectBody(request, [&service](const Request& of, const std::string& body) {
       const Result<NodeFields> fields = ParseNodeFields(of.headers.Find("Content-Type"), body);
-      return fields ? CreateTask(service, of, *fields) : NodeProblem(fields.error(), of);
+      Result<Response> made = fields ? CreateTask(service, of, *fields) : fields.error();
+      return made ? *std::move(made) : NodeProblem(made.error(), of);
     });
   }
-  if (!boundary) return NodeProblem(boundary.error(), request);
+  if (!boundary) return boundary.error();
   return std::make_unique<InitForm>(service, request, *boundary, "");
 }
 
-UploadBegun BeginUpload(Service& service, const Request& request) {
-  const Error unknown{ErrorCode::kNotFound, "Invalid uuid (not found)", ""};
+Error InvalidUuid() { return {ErrorCode::kNotFound, "Invalid uuid (not found)", ""}; }
+
+// Committed or not.
+Result<storage::NodeTask> FindAnyTask(Service& service, const Request& request) {
   const std::optional<std::string> uuid = NodeUuid(request.Parameter("uuid"));
-  if (!uuid) return NodeProblem(unknown, request);
-  const Result<storage::NodeTask> task = service.node_tasks.Find(*uuid);
-  if (!task && task.error().code != ErrorCode::kNotFound) return NodeProblem(task.error(), request);
-  if (!task || task->is_committed) return NodeProblem(unknown, request);
+  if (!uuid) return InvalidUuid();
+  Result<storage::NodeTask> task = service.node_tasks.Find(*uuid);
+  if (!task && task.error().code == ErrorCode::kNotFound) return InvalidUuid();
+  return task;
+}
+
+UploadBegun BeginUpload(Service& service, const Request& request) {
+  SKYQUILT_TRY_ASSIGN(const storage::NodeTask task, FindAnyTask(service, request));
+  if (task.is_committed) return InvalidUuid();
   const Result<std::string> boundary = MultipartBoundary(request.headers.Find("Content-Type"));
   if (!boundary) return NodeRefusal("Need at least 1 file.", true);
-  return std::make_unique<UploadForm>(service, request, *boundary, task->flight_id);
+  return std::make_unique<UploadForm>(service, request, *boundary, task.flight_id);
 }
 
 UploadBegun BeginWhole(Service& service, const Request& request) {
-  const Result<std::string> boundary = MultipartBoundary(request.headers.Find("Content-Type"));
-  if (!boundary) return NodeProblem(boundary.error(), request);
+  SKYQUILT_TRY_ASSIGN(const std::string boundary, MultipartBoundary(request.headers.Find("Content-Type")));
   const storage::Time now = storage::Now();
-  const Result<storage::Flight> flight =
-      service.catalogue.AddFlight(DefaultFlightName(now), "{}", now, request.owner);
-  if (!flight) return NodeProblem(flight.error(), request);
-  return std::make_unique<WholeForm>(service, request, *boundary, flight->id);
+  SKYQUILT_TRY_ASSIGN(const storage::Flight flight,
+                      service.catalogue.AddFlight(DefaultFlightName(now), "{}", now, request.owner));
+  return std::make_unique<WholeForm>(service, request, boundary, flight.id);
 }
 
-Response Commit(Service& service, const Request& request) {
-  const Error unknown{ErrorCode::kNotFound, "Invalid uuid (not found)", ""};
-  const std::optional<std::string> uuid = NodeUuid(request.Parameter("uuid"));
-  if (!uuid) return NodeProblem(unknown, request);
-  const Result<storage::NodeTask> task = service.node_tasks.Find(*uuid);
-  if (!task) return NodeProblem(task.error().code == ErrorCode::kNotFound ? unknown : task.error(), request);
-  if (!task->is_committed) {
-    const Result<storage::Flight> flight = service.catalogue.GetFlight(task->flight_id);
-    if (!flight) return NodeProblem(flight.error(), request);
-    if (flight->file_count == 0) {
-      const std::string first_note = task->notes.substr(0, task->notes.find('\n'));
+Result<Response> Commit(Service& service, const Request& request) {
+  SKYQUILT_TRY_ASSIGN(const storage::NodeTask task, FindAnyTask(service, request));
+  if (!task.is_committed) {
+    SKYQUILT_TRY_ASSIGN(const storage::Flight flight, service.catalogue.GetFlight(task.flight_id));
+    if (flight.file_count == 0) {
+      const std::string first_note = task.notes.substr(0, task.notes.find('\n'));
       return NodeRefusal("Need at least 1 file." + (first_note.empty() ? "" : " " + first_note), true);
     }
     // The job first: a commit that breaks in between is made good by the client's next try.
     const Result<storage::Job> job =
-        service.queue.Add(task->flight_id, flight->options, storage::Now(), {0, request.owner});
-    if (!job && job.error().code != ErrorCode::kConflict) return NodeProblem(job.error(), request);
-    const Result<void> committed = service.node_tasks.Commit(*uuid);
-    if (!committed) return NodeProblem(committed.error(), request);
+        service.queue.Add(task.flight_id, flight.options, storage::Now(), {0, request.owner});
+    if (!job && job.error().code != ErrorCode::kConflict) return job.error();
+    SKYQUILT_TRY(service.node_tasks.Commit(task.uuid));
   }
-  return UuidAnswer(*uuid);
+  return UuidAnswer(task.uuid);
 }
 
 }  // namespace
 
 void AddNodeUploadRoutes(Router& router, Service& service) {
-  router.AddUpload(Method::kPost, "/task/new/init", [&](const Request& r) { return BeginInit(service, r); });
-  router.AddUpload(Method::kPost, "/task/new/upload/{uuid}",
-                   [&](const Request& r) { return BeginUpload(service, r); });
-  router.AddUpload(Method::kPost, "/task/new", [&](const Request& r) { return BeginWhole(service, r); });
+  router.AddUpload(Method::kPost, "/task/new/init", On(service, BeginInit, NodeProblem));
+  router.AddUpload(Method::kPost, "/task/new/upload/{uuid}", On(service, BeginUpload, NodeProblem));
+  router.AddUpload(Method::kPost, "/task/new", On(service, BeginWhole, NodeProblem));
   router.AddBody(Method::kPost, "/task/new/commit/{uuid}",
-                 [&](const Request& request, const std::string&) { return Commit(service, request); });
+                 [commit = On(service, Commit, NodeProblem)](const Request& request, const std::string&) {
+                   return commit(request);
+                 });
 }
 
 }  // namespace skyquilt::api

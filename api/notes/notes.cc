@@ -102,12 +102,9 @@ void AddNotesRoutes(Router& router, Service& service) {
   });
   router.AddUpload(
       Method::kPut, "/api/v1/flights/{flight}/notes", [&](const Request& request) -> UploadBegun {
-        if (!IsGeoJson(request)) {
-          return Problem(
-              {ErrorCode::kUnsupportedFormat,
-               "Send the notes as GeoJSON with its header, Content-Type: application/geo+json.", ""},
-              request);
-        }
+        if (!IsGeoJson(request))
+          return Error{ErrorCode::kUnsupportedFormat,
+                       "Send the notes as GeoJSON with its header, Content-Type: application/geo+json.", ""};
         return CollectBody(
             request,
             [&service](const Request& of, const std::string& body) {

@@ -84,9 +84,7 @@ Response InfoResponse(const std::vector<MapPoint>& points, std::string_view type
                      : type == "text/html" ? HtmlText(points)
                                            : GeoJsonText(points);
   const std::string charset = type.starts_with("text/") ? "; charset=utf-8" : "";
-  Response response = Text(200, std::move(body), std::string(type) + charset);
-  response.headers.Add("Cache-Control", "no-cache");
-  return response;
+  return NoCache(Text(200, std::move(body), std::string(type) + charset));
 }
 
 }  // namespace skyquilt::api

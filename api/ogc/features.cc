@@ -159,9 +159,7 @@ std::string PageAt(const Request& request, const FeatureQuery& query, std::size_
 }
 
 Response FeatureDocument(const FeatureJson& value) {
-  Response response = Text(200, JsonText(value), kFeatureType);
-  response.headers.Add("Cache-Control", "no-cache");
-  return response;
+  return NoCache(Text(200, JsonText(value), kFeatureType));
 }
 
 struct AskedPhotos {

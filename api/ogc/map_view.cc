@@ -87,11 +87,7 @@ std::vector<TileMatrix> MatricesOf(const storage::Revision& revision, int stored
   return matrices;
 }
 
-Response OgcDocument(std::string json) {
-  Response response = Text(200, std::move(json), "application/json");
-  response.headers.Add("Cache-Control", "no-cache");
-  return response;
-}
+Response OgcDocument(std::string json) { return NoCache(Text(200, std::move(json), "application/json")); }
 
 bool AsksForCapabilities(std::string_view operation) {
   constexpr std::string_view kOthers[] = {"GetMap",       "map",           "GetFeatureInfo",

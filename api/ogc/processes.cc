@@ -1,9 +1,7 @@
 // OGC API - Processes 1.0: the same jobs as /api/v1/jobs, under the names that its clients know. One process,
 // "stitch": a flight's photos in, its map out; always asynchronous.
 // https://docs.ogc.org/is/18-062r2/18-062r2.html
-#include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -27,9 +25,7 @@ constexpr const char* kProcess = "stitch";
 constexpr const char* kException = "http://www.opengis.net/def/exceptions/ogcapi-processes-1/1.0/";
 
 Response Document(int status, const Value& value, const char* type = "application/json") {
-  Response response = Text(status, JsonText(value), type);
-  response.headers.Add("Cache-Control", "no-cache");
-  return response;
+  return NoCache(Text(status, JsonText(value), type));
 }
 
 Response Exception(int status, const char* type, const std::string& title, const std::string& detail,
@@ -217,10 +213,10 @@ void AddProcessRoutes(Router& router, Service& service) {
         return Once(service, request, body, [&] { return Execute(service, request, body); });
       },
       "Send the inputs as JSON with its header: curl -H 'Content-Type: application/json' -d '{}' ...");
-  router.Add(Method::kGet, "/ogc/jobs", [&](const Request& r) { return Jobs(service, r); });
-  router.Add(Method::kGet, "/ogc/jobs/{job}", [&](const Request& r) { return Status(service, r); });
-  router.Add(Method::kDelete, "/ogc/jobs/{job}", [&](const Request& r) { return Dismiss(service, r); });
-  router.Add(Method::kGet, "/ogc/jobs/{job}/results", [&](const Request& r) { return Results(service, r); });
+  router.Add(Method::kGet, "/ogc/jobs", On(service, Jobs));
+  router.Add(Method::kGet, "/ogc/jobs/{job}", On(service, Status));
+  router.Add(Method::kDelete, "/ogc/jobs/{job}", On(service, Dismiss));
+  router.Add(Method::kGet, "/ogc/jobs/{job}/results", On(service, Results));
 }
 
 }  // namespace skyquilt::api

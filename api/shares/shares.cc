@@ -154,16 +154,12 @@ Result<Response> OpenNetwork(Service& service, const Request& request) {
 }  // namespace
 
 void AddShareRoutes(Router& router, Service& service) {
-  router
-      .Add(Method::kGet, "/api/v1/flights/{flight}/shares",
-           [&](const Request& r) { return ListShares(service, r); })
-      .scope = storage::Scope::kUpload;  // who may revoke them
+  router.Add(Method::kGet, "/api/v1/flights/{flight}/shares", On(service, ListShares)).scope =
+      storage::Scope::kUpload;  // who may revoke them
   router.AddBody(
-      Method::kPost, "/api/v1/flights/{flight}/shares",
-      [&](const Request& request, const std::string& body) { return AddShare(service, request, body); },
+      Method::kPost, "/api/v1/flights/{flight}/shares", On(service, AddShare),
       "Send the wish as JSON with its header: curl -H 'Content-Type: application/json' -d '{}' ...");
-  router.Add(Method::kDelete, "/api/v1/flights/{flight}/shares/{share}",
-             [&](const Request& r) { return RemoveShare(service, r); });
+  router.Add(Method::kDelete, "/api/v1/flights/{flight}/shares/{share}", On(service, RemoveShare));
 }
 
 void AddNetworkRoute(Router& router, Service& service) {

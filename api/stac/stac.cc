@@ -1,7 +1,6 @@
 // STAC API 1.0: the maps that a client may read as one collection, "flights", with item search by box, shape
 // and time; and /stac/{flight}, the item of one map. A token sees in all of them what it may read alone.
 // https://github.com/radiantearth/stac-api-spec/tree/v1.0.0
-#include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
@@ -30,9 +29,7 @@ StacJson StacLink(const Request& request, const std::string& path, const char* r
 }
 
 Response StacDocument(const StacJson& value, const char* type = kJsonType) {
-  Response response = Text(200, JsonText(value), type);
-  response.headers.Add("Cache-Control", "no-cache");
-  return response;
+  return NoCache(Text(200, JsonText(value), type));
 }
 
 StacJson ConformanceClasses() {
@@ -231,9 +228,7 @@ Result<Response> AnswerItem(Service& service, const Request& request, const std:
                  ""};
   }
   SKYQUILT_TRY_ASSIGN(const std::string item, ItemText(service, request, *shown));
-  Response response = Text(200, item, kGeoJsonType);
-  response.headers.Add("Cache-Control", "no-cache");
-  return response;
+  return NoCache(Text(200, item, kGeoJsonType));
 }
 
 }  // namespace
@@ -243,9 +238,8 @@ void AddStacRoutes(Router& router, Service& service) {
   router.AddQuick(Method::kGet, "/stac/conformance", [](const Request&) {
     return StacDocument({{"conformsTo", ConformanceClasses()}});
   });
-  router.Add(Method::kGet, "/stac/collections", [&](const Request& r) { return CollectionList(service, r); });
-  router.Add(Method::kGet, CollectionPath(),
-             [&](const Request& r) { return CollectionDocument(service, r); });
+  router.Add(Method::kGet, "/stac/collections", On(service, CollectionList));
+  router.Add(Method::kGet, CollectionPath(), On(service, CollectionDocument));
   router.Add(Method::kGet, CollectionPath() + "/items", [&](const Request& request) {
     return SearchByAddress(service, request, CollectionPath() + "/items", ParseStacQuery(request));
   });
@@ -257,12 +251,8 @@ void AddStacRoutes(Router& router, Service& service) {
     return SearchByAddress(service, request, "/stac/search", ParseStacQuery(request));
   });
   router
-      .AddBody(
-          Method::kPost, "/stac/search",
-          [&](const Request& request, const std::string& body) {
-            return SearchByBody(service, request, body);
-          },
-          "Send the search as JSON, with \"Content-Type: application/json\".")
+      .AddBody(Method::kPost, "/stac/search", On(service, SearchByBody),
+               "Send the search as JSON, with \"Content-Type: application/json\".")
       .scope = storage::Scope::kRead;  // a question, too long for an address
   router.Add(Method::kGet, "/stac/{flight}", [&](const Request& request) {
     return AnswerItem(service, request, request.Parameter("flight"), "");

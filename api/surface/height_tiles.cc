@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <utility>
 
 #include "api/http/links.h"
 #include "api/http/responses.h"
@@ -92,9 +91,7 @@ Result<Response> AnswerHeightTileJson(Service& service, const Request& request, 
   json["tiles"].push_back(
       LinkTo(request, fmt::format("/tiles/{}/{}/{{z}}/{{x}}/{{y}}.png?rev={}&of={}{}", flight_id, tiles,
                                   revision.revision, NameOf(surface), besides)));
-  Response response = Text(200, JsonText(json), "application/json");
-  response.headers.Add("Cache-Control", "no-cache");
-  return Tagged(request, std::move(response));
+  return Tagged(request, NoCache(Text(200, JsonText(json), "application/json")));
 }
 
 void AddHeightTileRoutes(Router& router, Service& service, const char* tiles, HeightTileHandler tile,

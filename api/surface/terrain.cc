@@ -2,7 +2,6 @@
 // (core/render/map_layer.h), computed when they are asked for and kept as other made tiles are. There is one
 // for every tile of the Earth: beyond the map its height goes on. GET /tiles/{flight}/terrain.json and
 // /tiles/{flight}/terrain/{z}/{x}/{y}. Any thread.
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>

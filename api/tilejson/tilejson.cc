@@ -203,8 +203,7 @@ Result<Response> TileIndex(Service& service, const Request& request) {
     list.back()["id"] = map.flight_id;
     list.back()["url"] = LinkTo(request, fmt::format("/tiles/{}.json", map.flight_id));
   }
-  Response response = Text(200, JsonText(list), "application/json");
-  response.headers.Add("Cache-Control", "no-cache");
+  Response response = NoCache(Text(200, JsonText(list), "application/json"));
   if (page.next_cursor) {
     const std::string next =
         LinkTo(request, fmt::format("/tiles/index.json?limit={}&cursor={}", limit, *page.next_cursor));
@@ -241,16 +240,13 @@ Result<Response> TileJson(Service& service, const Request& request, const std::s
                           render::MapLayer layer = {}) {
   SKYQUILT_TRY_ASSIGN(const storage::Flight flight, FlightNamed(service, id));
   SKYQUILT_TRY_ASSIGN(const Value document, DocumentOf(service, request, flight, what, layer));
-  Response response = Text(200, JsonText(document), "application/json");
-  response.headers.Add("Cache-Control", "no-cache");
-  return Tagged(request, std::move(response));
+  return Tagged(request, NoCache(Text(200, JsonText(document), "application/json")));
 }
 
 }  // namespace
 
 void AddTileJsonRoute(Router& router, Service& service) {
-  router.Add(Method::kGet, "/tiles/index.json",
-             [&](const Request& request) { return TileIndex(service, request); });
+  router.Add(Method::kGet, "/tiles/index.json", On(service, TileIndex));
   router.Add(Method::kGet, "/tiles/{tileset}", [&](const Request& request) -> Result<Response> {
     SKYQUILT_TRY_ASSIGN(const std::string id, BeforeJson(request.Parameter("tileset")));
     return TileJson(service, request, id, Shown::kStoredTiles);

@@ -1,7 +1,5 @@
 #include "api/tiles/index_values.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -111,14 +109,6 @@ storage::MercGrid GridOver(const MapWindow& window) {
   grid.width_px = columns;
   grid.height_px = rows;
   return grid;
-}
-
-MapWindow WindowOfTile(const geo::TileId& tile, int side_px) {
-  const geo::Bounds2 bounds = tile.BoundsInMerc();
-  const double pixel_m = bounds.Width() / side_px;
-  return {side_px, side_px,
-          [west = bounds.min.x(), pixel_m](int column) { return west + (column + 0.5) * pixel_m; },
-          [north = bounds.max.y(), pixel_m](int row) { return north - (row + 0.5) * pixel_m; }, pixel_m};
 }
 
 // The equal pixels over a window whose rows and columns do not run along them, as fine as it. Absent: it lies

@@ -344,6 +344,14 @@ double MiddleOfPixel(double merc_m, double pixel_m) { return (std::floor(merc_m 
 
 }  // namespace
 
+MapWindow WindowOfTile(const geo::TileId& tile, int side_px) {
+  const geo::Bounds2 bounds = tile.BoundsInMerc();
+  const double pixel_m = bounds.Width() / side_px;
+  return {side_px, side_px,
+          [west = bounds.min.x(), pixel_m](int column) { return west + (column + 0.5) * pixel_m; },
+          [north = bounds.max.y(), pixel_m](int row) { return north - (row + 0.5) * pixel_m; }, pixel_m};
+}
+
 MapWindow WindowOfFinestPixel(const storage::Tileset& tileset, const Eigen::Vector2d& merc) {
   MapWindow window;
   window.width_px = window.height_px = 1;

@@ -28,6 +28,7 @@ struct MapWindow {
 
 // One pixel: the one of the finest zoom that a place lies in.
 MapWindow WindowOfFinestPixel(const storage::Tileset& tileset, const Eigen::Vector2d& merc);
+MapWindow WindowOfTile(const geo::TileId& tile, int side_px);
 
 Result<image::RgbaImage> RenderWindow(const storage::Tileset& tileset, const MapWindow& window);
 

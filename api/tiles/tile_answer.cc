@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "api/http/conditional.h"
+#include "api/http/responses.h"
 #include "api/tiles/recode_tile.h"
 #include "core/base/try.h"
 #include "core/image/picture_codec.h"
@@ -59,22 +60,24 @@ const char* CacheControl(const Request& request, const storage::Tileset& tileset
   return revision && *revision == std::to_string(tileset.revision.revision) ? kImmutable : kRevalidated;
 }
 
+Response TaggedHead(const Request& request, const char* cache_control, const std::string& etag) {
+  Response response;
+  response.headers = {{"Cache-Control", cache_control}, {"ETag", etag}};
+  if (EtagListMatches(request.headers.Find("If-None-Match"), etag)) response.status = 304;
+  return response;
+}
+
 Result<Response> BlankAnswer(const Request& request, EmptyTile otherwise, int side_px,
                              const char* cache_control) {
   SKYQUILT_TRY_ASSIGN(const EmptyTile empty, ParseEmptyTile(request, otherwise));
   if (empty == EmptyTile::kNotFound) return Error{ErrorCode::kNotFound, "The map has nothing here.", ""};
-  Response response;
-  response.headers.Add("Cache-Control", cache_control);
   if (empty == EmptyTile::kNoContent) {
-    response.status = 204;
+    Response response = NoContent();
+    response.headers.Add("Cache-Control", cache_control);
     return response;
   }
-  const std::string etag = "\"blank-" + std::to_string(side_px) + "\"";
-  response.headers.Add("ETag", etag);
-  if (EtagListMatches(request.headers.Find("If-None-Match"), etag)) {
-    response.status = 304;
-    return response;
-  }
+  Response response = TaggedHead(request, cache_control, "\"blank-" + std::to_string(side_px) + "\"");
+  if (response.status == 304) return response;
   const std::string* png = BlankTile(std::min(side_px, image::kMaxPictureSidePx), request.work);
   if (png == nullptr) return DeferTo(Work::kCompute);
   response.headers.Add("Content-Type", "image/png");
@@ -91,14 +94,8 @@ Result<std::shared_ptr<const storage::MadeTile>> Made(Service& service, const Re
 
 Response AnswerMade(const Request& request, const storage::Tileset& tileset, const storage::MadeTile& made,
                     image::PictureFormat format, std::string_view variant) {
-  Response response;
-  const std::string etag = StrongEtag(made.digest, variant);
-  response.headers.Add("Cache-Control", CacheControl(request, tileset));
-  response.headers.Add("ETag", etag);
-  if (EtagListMatches(request.headers.Find("If-None-Match"), etag)) {
-    response.status = 304;
-    return response;
-  }
+  Response response = TaggedHead(request, CacheControl(request, tileset), StrongEtag(made.digest, variant));
+  if (response.status == 304) return response;
   response.headers.Add("Content-Type", image::ContentTypeOf(format));
   response.body = made.bytes;
   return response;

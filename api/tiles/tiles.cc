@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <memory>
 #include <utility>
 
@@ -33,13 +32,8 @@ bool Touches(const geo::TileId& tile, const storage::Revision& revision) {
 // Made of the four tiles below it, or enlarged where there are none.
 Result<std::string> MakeDoubleTile(const storage::Tileset& tileset, const geo::TileId& tile,
                                    image::PictureFormat format) {
-  const geo::Bounds2 bounds = tile.BoundsInMerc();
-  MapWindow window;
-  window.width_px = window.height_px = 2 * TileSizePx(tileset);
-  window.pixel_m = (bounds.max.x() - bounds.min.x()) / window.width_px;
-  window.x_in_merc = [&](int column) { return bounds.min.x() + (column + 0.5) * window.pixel_m; };
-  window.y_in_merc = [&](int row) { return bounds.max.y() - (row + 0.5) * window.pixel_m; };
-  SKYQUILT_TRY_ASSIGN(image::RgbaImage pixels, RenderWindow(tileset, window));
+  SKYQUILT_TRY_ASSIGN(image::RgbaImage pixels,
+                      RenderWindow(tileset, WindowOfTile(tile, 2 * TileSizePx(tileset))));
   return EncodeTile(std::move(pixels), format);
 }
 
@@ -90,22 +84,18 @@ std::optional<image::PictureFormat> SentFormat(const TileRequest& wanted, const 
   return shown.is_without_webp && stored == image::PictureFormat::kWebp ? image::PictureFormat::kPng : stored;
 }
 
+// The format asked for is part of the tag: the same content has other bytes in another format.
+const char* VariantOf(const TileRequest& wanted, const ShownTiles& shown) {
+  if (wanted.format) return image::ExtensionOf(*wanted.format);
+  return shown.is_without_webp ? "nowebp" : "";
+}
+
 // A tile as it is stored, or in the format asked for.
 Result<Response> Stored(Service& service, const Request& request, const TileRequest& wanted,
                         storage::FoundTile found, const ShownTiles& shown) {
-  Response response;
-  response.headers.Add("Cache-Control", shown.cache_control);
-  // The format asked for is part of the tag: the same content has other bytes in another format.
-  const char* variant = wanted.format           ? image::ExtensionOf(*wanted.format)
-                        : shown.is_without_webp ? "nowebp"
-                                                : "";
-  std::string etag = StrongEtag(found.content_id, variant);
-  const bool is_known = EtagListMatches(request.headers.Find("If-None-Match"), etag);
-  response.headers.Add("ETag", std::move(etag));
-  if (is_known) {
-    response.status = 304;
-    return response;
-  }
+  Response response =
+      TaggedHead(request, shown.cache_control, StrongEtag(found.content_id, VariantOf(wanted, shown)));
+  if (response.status == 304) return response;
   SKYQUILT_TRY_ASSIGN(std::string bytes,
                       found.bytes ? *std::move(found.bytes) : shown.source.Load(std::move(found)));
   const std::optional<image::PictureFormat> stored = image::PictureFormatOf(bytes);
@@ -134,18 +124,10 @@ Result<Response> Stored(Service& service, const Request& request, const TileRequ
 // A part of a stored tile.
 Result<Response> Cut(Service& service, const Request& request, const TileRequest& wanted,
                      storage::FoundTile found, const ShownTiles& shown, const TileCut& cut) {
-  const std::string etag =
-      StrongEtag(found.content_id, fmt::format("{}-{}-{}{}", cut.side_px, cut.left_px, cut.top_px,
-                                               wanted.format           ? image::ExtensionOf(*wanted.format)
-                                               : shown.is_without_webp ? "nowebp"
-                                                                       : ""));
-  Response response;
-  response.headers.Add("Cache-Control", shown.cache_control);
-  response.headers.Add("ETag", etag);
-  if (EtagListMatches(request.headers.Find("If-None-Match"), etag)) {
-    response.status = 304;
-    return response;
-  }
+  const std::string etag = StrongEtag(found.content_id, fmt::format("{}-{}-{}{}", cut.side_px, cut.left_px,
+                                                                    cut.top_px, VariantOf(wanted, shown)));
+  Response response = TaggedHead(request, shown.cache_control, etag);
+  if (response.status == 304) return response;
   SKYQUILT_TRY_ASSIGN(const std::string bytes,
                       found.bytes ? *std::move(found.bytes) : shown.source.Load(std::move(found)));
   const image::PictureFormat format =

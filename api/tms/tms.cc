@@ -115,7 +115,7 @@ Result<Response> TmsTile(Service& service, const Request& request, const std::st
 
 void AddTmsRoutes(Router& router, Service& service) {
   router.Add(Method::kGet, "/tms", Root);
-  router.Add(Method::kGet, "/tms/1.0.0", [&](const Request& r) { return Maps(service, r); });
+  router.Add(Method::kGet, "/tms/1.0.0", On(service, Maps));
   router.Add(Method::kGet, "/tms/1.0.0/{flight}", [&](const Request& r) { return TileMap(service, r, ""); });
   router.Add(Method::kGet, "/tms/1.0.0/{flight}/{size}",
              [&](const Request& r) { return TileMap(service, r, r.Parameter("size")); });

@@ -150,10 +150,7 @@ class NewFlight final : public BodySink {
   Result<storage::Job> Start() {
     const std::optional<std::string> name = receiver_.Text("name");
     const std::optional<std::string> chosen = receiver_.Text("options");
-    if (chosen) {
-      const Result<pipeline::MosaicOptions> options = ParseJobOptions(*chosen);
-      if (!options) return options.error();
-    }
+    if (chosen) SKYQUILT_TRY(ParseJobOptions(*chosen));
     std::vector<std::pair<std::string_view, std::string>> members;
     if (name && !name->empty())
       members.emplace_back("name", JsonString(*name));  // an empty box means no name
@@ -215,37 +212,29 @@ UploadBegun BeginFlight(Service& service, const Request& request) {
       return Once(service, of, body, [&] { return MakeEmptyFlight(service, of, body); });
     });
   }
-  const Result<std::string> boundary = MultipartBoundary(request.headers.Find("Content-Type"));
-  if (!boundary) return Problem(boundary.error(), request);
-  const Result<bool> is_again = HasKeptAnswer(service, request);
-  if (!is_again) return Problem(is_again.error(), request);
-  if (*is_again) return std::make_unique<FormAgain>(service, request, *boundary);
+  SKYQUILT_TRY_ASSIGN(const std::string boundary, MultipartBoundary(request.headers.Find("Content-Type")));
+  SKYQUILT_TRY_ASSIGN(const bool is_again, HasKeptAnswer(service, request));
+  if (is_again) return std::make_unique<FormAgain>(service, request, boundary);
   const storage::Time now = storage::Now();
-  const Result<storage::Flight> flight =
-      service.catalogue.AddFlight(DefaultFlightName(now), "{}", now, request.owner);
-  if (!flight) return Problem(flight.error(), request);
-  return std::make_unique<NewFlight>(service, request, *boundary, flight->id);
+  SKYQUILT_TRY_ASSIGN(const storage::Flight flight,
+                      service.catalogue.AddFlight(DefaultFlightName(now), "{}", now, request.owner));
+  return std::make_unique<NewFlight>(service, request, boundary, flight.id);
 }
 
 UploadBegun BeginFiles(Service& service, const Request& request) {
   const std::string& flight_id = request.Parameter("flight");
-  const Result<void> checked = CheckId(flight_id, "flight");
-  if (!checked) return Problem(checked.error(), request);
-  const Result<std::string> boundary = MultipartBoundary(request.headers.Find("Content-Type"));
-  if (!boundary) return Problem(boundary.error(), request);
-  const Result<bool> known = service.catalogue.HasFlight(flight_id);
-  if (!known) return Problem(known.error(), request);
-  if (!*known) return Problem({ErrorCode::kNotFound, "There is no such flight.", ""}, request);
-  return std::make_unique<AddFiles>(service, request, *boundary);
+  SKYQUILT_TRY(CheckId(flight_id, "flight"));
+  SKYQUILT_TRY_ASSIGN(const std::string boundary, MultipartBoundary(request.headers.Find("Content-Type")));
+  SKYQUILT_TRY_ASSIGN(const bool is_known, service.catalogue.HasFlight(flight_id));
+  if (!is_known) return Error{ErrorCode::kNotFound, "There is no such flight.", ""};
+  return std::make_unique<AddFiles>(service, request, boundary);
 }
 
 }  // namespace
 
 void AddMultipartRoutes(Router& router, Service& service) {
-  router.AddUpload(Method::kPost, "/api/v1/flights",
-                   [&](const Request& r) { return BeginFlight(service, r); });
-  router.AddUpload(Method::kPost, "/api/v1/flights/{flight}/files",
-                   [&](const Request& r) { return BeginFiles(service, r); });
+  router.AddUpload(Method::kPost, "/api/v1/flights", On(service, BeginFlight));
+  router.AddUpload(Method::kPost, "/api/v1/flights/{flight}/files", On(service, BeginFiles));
 }
 
 }  // namespace skyquilt::api

@@ -168,40 +168,31 @@ Result<void> CheckIsWholeFile(const Request& request) {
 
 UploadBegun BeginPut(Service& service, const Request& request) {
   const std::string& flight_id = request.Parameter("flight");
-  const Result<void> is_whole = CheckIsWholeFile(request);
-  if (!is_whole) return Problem(is_whole.error(), request);
-  const Result<void> checked = CheckId(flight_id, "flight");
-  if (!checked) return Problem(checked.error(), request);
-  const Result<void> named = storage::CheckFileName(request.Parameter("name"));
-  if (!named) return Problem(named.error(), request);
-  const Result<bool> known = service.catalogue.HasFlight(flight_id);
-  if (!known) return Problem(known.error(), request);
-  if (!*known) return Problem({ErrorCode::kNotFound, "There is no such flight.", ""}, request);
+  SKYQUILT_TRY(CheckIsWholeFile(request));
+  SKYQUILT_TRY(CheckId(flight_id, "flight"));
+  SKYQUILT_TRY(storage::CheckFileName(request.Parameter("name")));
+  SKYQUILT_TRY_ASSIGN(const bool is_known, service.catalogue.HasFlight(flight_id));
+  if (!is_known) return Error{ErrorCode::kNotFound, "There is no such flight.", ""};
   if (!storage::IsArchiveName(request.Parameter("name"))) {
-    const Result<std::optional<StoredFile>> there = FindInItsPlace(service, request);
-    if (!there) return Problem(there.error(), request);
+    SKYQUILT_TRY_ASSIGN(const std::optional<StoredFile> there, FindInItsPlace(service, request));
     // Told before the bytes are sent where their number tells.
-    const bool is_other = *there && request.content_length &&
-                          *request.content_length != static_cast<std::uint64_t>((*there)->bytes);
-    if (is_other && !MayReplace(request)) return Problem(AnotherIsThere(**there), request);
+    const bool is_other = there && request.content_length &&
+                          *request.content_length != static_cast<std::uint64_t>(there->bytes);
+    if (is_other && !MayReplace(request)) return AnotherIsThere(*there);
   }
-  Result<IncomingBytes> incoming = IncomingBytes::Into(service, flight_id);
-  if (!incoming) return Problem(incoming.error(), request);
-  const Result<void> fits = incoming->CheckRoom(request.content_length);
-  if (!fits) return Problem(fits.error(), request);
-  Result<storage::Upload> upload =
+  SKYQUILT_TRY_ASSIGN(IncomingBytes incoming, IncomingBytes::Into(service, flight_id));
+  SKYQUILT_TRY(incoming.CheckRoom(request.content_length));
+  SKYQUILT_TRY_ASSIGN(
+      storage::Upload upload,
       service.store.Begin(flight_id, static_cast<std::int64_t>(std::min<std::uint64_t>(
-                                         request.content_length.value_or(0), storage::kMaxFileBytes + 1)));
-  if (!upload) return Problem(upload.error(), request);
+                                         request.content_length.value_or(0), storage::kMaxFileBytes + 1))));
   std::optional<std::string> sha256;
   if (request.headers.Has("Content-Digest")) {
     sha256 = Sha256OfContentDigest(request.headers.Find("Content-Digest"));
-    if (!sha256) {
-      return Problem({ErrorCode::kInvalidArgument, "Content-Digest has no sha-256 that can be read.", ""},
-                     request);
-    }
+    if (!sha256)
+      return Error{ErrorCode::kInvalidArgument, "Content-Digest has no sha-256 that can be read.", ""};
   }
-  return std::make_unique<PutFile>(service, request, *std::move(upload), *std::move(incoming),
+  return std::make_unique<PutFile>(service, request, std::move(upload), std::move(incoming),
                                    std::move(sha256));
 }
 
@@ -228,12 +219,9 @@ Result<Response> DeleteFile(Service& service, const Request& request) {
 }  // namespace
 
 void AddFileRoutes(Router& router, Service& service) {
-  router.Add(Method::kGet, "/api/v1/flights/{flight}/files",
-             [&](const Request& r) { return ListFiles(service, r); });
-  router.AddUpload(Method::kPut, "/api/v1/flights/{flight}/files/{name}",
-                   [&](const Request& r) { return BeginPut(service, r); });
-  router.Add(Method::kDelete, "/api/v1/flights/{flight}/files/{name}",
-             [&](const Request& r) { return DeleteFile(service, r); });
+  router.Add(Method::kGet, "/api/v1/flights/{flight}/files", On(service, ListFiles));
+  router.AddUpload(Method::kPut, "/api/v1/flights/{flight}/files/{name}", On(service, BeginPut));
+  router.Add(Method::kDelete, "/api/v1/flights/{flight}/files/{name}", On(service, DeleteFile));
 }
 
 }  // namespace skyquilt::api

@@ -1,7 +1,6 @@
 // tus 1.0 at /api/v1/uploads: resumable uploads of one file each, with the extensions creation,
 // creation-with-upload, creation-defer-length, expiration, checksum, termination and concatenation. The
 // metadata name the flight ("flight") and the file ("filename"). https://tus.io/protocols/resumable-upload
-#include <memory>
 #include <utility>
 
 #include "api/auth/flight_access.h"
@@ -104,54 +103,43 @@ Result<IncomingBytes> CountParts(Service& service, const Request& request, const
   return incoming;
 }
 
-Response JoinParts(Service& service, const Request& request, const SpooledUpload& wanted,
-                   const std::vector<std::string>& parts) {
-  Result<IncomingBytes> incoming = CountParts(service, request, wanted.flight_id, parts);
-  if (!incoming) return RefuseTus(incoming.error(), request);
-  const Result<SpooledUpload> upload =
-      service.spool.Join(wanted, parts, request.is_admin, service.db.ages().Now());
-  if (!upload) return RefuseTus(upload.error(), request);
-  incoming->Kept(upload->offset);
-  if (upload->file) {
-    const auto unpacked = UnpackOnly(service, upload->flight_id, *upload->file);
-    if (!unpacked) return RefuseTus(unpacked.error(), request);
-  }
-  return Created(service, *upload);
+Result<Response> JoinParts(Service& service, const Request& request, const SpooledUpload& wanted,
+                           const std::vector<std::string>& parts) {
+  SKYQUILT_TRY_ASSIGN(IncomingBytes incoming, CountParts(service, request, wanted.flight_id, parts));
+  SKYQUILT_TRY_ASSIGN(const SpooledUpload upload,
+                      service.spool.Join(wanted, parts, request.is_admin, service.db.ages().Now()));
+  incoming.Kept(upload.offset);
+  if (upload.file) SKYQUILT_TRY(UnpackOnly(service, upload.flight_id, *upload.file));
+  return Created(service, upload);
 }
 
 UploadBegun BeginTusCreation(Service& service, const Request& request) {
   if (auto refused = CheckTusVersion(request)) return *std::move(refused);
-  const Result<std::optional<TusConcat>> concat = ConcatOf(request);
-  if (!concat) return RefuseTus(concat.error(), request);
-  const bool is_part = *concat && !(*concat)->is_final;
-  const Result<SpooledUpload> wanted = RequestedUpload(request, *concat);
-  if (!wanted) return RefuseTus(wanted.error(), request);
+  SKYQUILT_TRY_ASSIGN(const std::optional<TusConcat> concat, ConcatOf(request));
+  const bool is_part = concat && !concat->is_final;
+  SKYQUILT_TRY_ASSIGN(const SpooledUpload wanted, RequestedUpload(request, concat));
   const bool has_body = request.content_length.value_or(1) > 0 && request.headers.Has("Content-Type");
   if (has_body && !IsTusChunk(request)) {
     return RefuseTus(415, "The first bytes of an upload come as application/offset+octet-stream.", request);
   }
-  const Result<void> may = is_part ? Result<void>() : CheckMayChange(service, request, wanted->flight_id);
-  if (!may) return RefuseTus(may.error(), request);
+  if (!is_part) SKYQUILT_TRY(CheckMayChange(service, request, wanted.flight_id));
   const storage::Time now = service.db.ages().Now();
-  const Result<int> expired = service.spool.RemoveExpired(now);
-  if (!expired) return RefuseTus(expired.error(), request);
-  if (*concat && !is_part) {
-    return CollectBody(request, [&service, wanted = *wanted, parts = (*concat)->parts](const Request& of,
-                                                                                       const std::string&) {
-      return JoinParts(service, of, wanted, parts);
-    });
+  SKYQUILT_TRY(service.spool.RemoveExpired(now));
+  if (concat && !is_part) {
+    return CollectBody(request,
+                       [&service, wanted, parts = concat->parts](const Request& of, const std::string&) {
+                         Result<Response> joined = JoinParts(service, of, wanted, parts);
+                         return joined ? *std::move(joined) : RefuseTus(joined.error(), of);
+                       });
   }
-  Result<IncomingBytes> incoming = TusBytes(service, wanted->flight_id, wanted->owner);
-  if (!incoming) return RefuseTus(incoming.error(), request);
-  const Result<void> fits = incoming->Take(wanted->length.value_or(0));
-  if (!fits) return RefuseTus(fits.error(), request);
-  const Result<SpooledUpload> upload = service.spool.Create(*wanted, now);
-  if (!upload) return RefuseTus(upload.error(), request);
-  incoming->Kept(wanted->length.value_or(0));  // a length that is known counts from here on
+  SKYQUILT_TRY_ASSIGN(IncomingBytes incoming, TusBytes(service, wanted.flight_id, wanted.owner));
+  SKYQUILT_TRY(incoming.Take(wanted.length.value_or(0)));
+  SKYQUILT_TRY_ASSIGN(const SpooledUpload upload, service.spool.Create(wanted, now));
+  incoming.Kept(wanted.length.value_or(0));  // a length that is known counts from here on
   const auto created = [&service](const SpooledUpload& made) { return Created(service, made); };
-  if (has_body) return BeginTusChunk(service, request, upload->id, 0, created);
+  if (has_body) return BeginTusChunk(service, request, upload.id, 0, created);
   return CollectBody(request,
-                     [created, made = *upload](const Request&, const std::string&) { return created(made); });
+                     [created, upload](const Request&, const std::string&) { return created(upload); });
 }
 
 // A length that comes late counts as a whole from here on.
@@ -175,8 +163,7 @@ UploadBegun BeginPatch(Service& service, const Request& request) {
   if (request.headers.Has("Upload-Length")) {
     const std::optional<std::int64_t> length = ParseTusNumber(request.headers.Find("Upload-Length"));
     if (!length) return RefuseTus(400, "Upload-Length is not a number.", request);
-    const Result<void> declared = DeclareLength(service, id, *length);
-    if (!declared) return RefuseTus(declared.error(), request);
+    SKYQUILT_TRY(DeclareLength(service, id, *length));
   }
   return BeginTusChunk(service, request, id, *offset, [&service](const SpooledUpload& upload) {
     Response response = TusAnswer(NoContent());
@@ -185,37 +172,32 @@ UploadBegun BeginPatch(Service& service, const Request& request) {
   });
 }
 
-Response GetUpload(Service& service, const Request& request) {
+Result<Response> GetUpload(Service& service, const Request& request) {
   if (auto refused = CheckTusOwner(service, request)) return *std::move(refused);
-  const Result<SpooledUpload> upload =
-      service.spool.Find(request.Parameter("upload"), service.db.ages().Now());
-  if (!upload) return RefuseTus(upload.error(), request);
-  if (upload->file) {
-    const auto unpacked = UnpackOnly(service, upload->flight_id, *upload->file);
-    if (!unpacked) return RefuseTus(unpacked.error(), request);
-  }
-  Response response = TusAnswer(Json(
-      200, JsonObject({{"id", JsonString(upload->id)},
-                       {"flight_id", upload->IsPart() ? "null" : JsonString(upload->flight_id)},
-                       {"name", JsonString(upload->name)},
-                       {"offset", std::to_string(upload->offset)},
-                       {"length", upload->length ? std::to_string(*upload->length) : std::string("null")},
-                       {"is_done", upload->is_done ? "true" : "false"}})));
-  DescribeTus(service, *upload, response);
-  if (upload->length) {
-    response.headers.Add("Upload-Length", std::to_string(*upload->length));
+  SKYQUILT_TRY_ASSIGN(const SpooledUpload upload,
+                      service.spool.Find(request.Parameter("upload"), service.db.ages().Now()));
+  if (upload.file) SKYQUILT_TRY(UnpackOnly(service, upload.flight_id, *upload.file));
+  Response response = TusAnswer(
+      Json(200, JsonObject({{"id", JsonString(upload.id)},
+                            {"flight_id", upload.IsPart() ? "null" : JsonString(upload.flight_id)},
+                            {"name", JsonString(upload.name)},
+                            {"offset", std::to_string(upload.offset)},
+                            {"length", upload.length ? std::to_string(*upload.length) : std::string("null")},
+                            {"is_done", upload.is_done ? "true" : "false"}})));
+  DescribeTus(service, upload, response);
+  if (upload.length) {
+    response.headers.Add("Upload-Length", std::to_string(*upload.length));
   } else {
     response.headers.Add("Upload-Defer-Length", "1");
   }
-  response.headers.Add("Upload-Metadata", upload->metadata);
+  response.headers.Add("Upload-Metadata", upload.metadata);
   return response;
 }
 
-Response DeleteUpload(Service& service, const Request& request) {
+Result<Response> DeleteUpload(Service& service, const Request& request) {
   if (auto refused = CheckTusOwner(service, request)) return *std::move(refused);
-  const Result<void> removed = service.db.Free(
-      [&] { return service.spool.Remove(request.Parameter("upload"), service.db.ages().Now()); });
-  if (!removed) return RefuseTus(removed.error(), request);
+  SKYQUILT_TRY(service.db.Free(
+      [&] { return service.spool.Remove(request.Parameter("upload"), service.db.ages().Now()); }));
   return TusAnswer(NoContent());
 }
 
@@ -234,22 +216,22 @@ Response Options(const Request&) {
 UploadBegun Overridden(Service& service, const Request& request) {
   const std::string_view method = request.headers.Find("X-HTTP-Method-Override");
   if (method == "PATCH") return BeginPatch(service, request);
-  if (method == "DELETE") return DeleteUpload(service, request);
-  return RefuseTus(405, "An upload takes PATCH, HEAD and DELETE.", request);
+  if (method != "DELETE") return RefuseTus(405, "An upload takes PATCH, HEAD and DELETE.", request);
+  SKYQUILT_TRY_ASSIGN(Response deleted, DeleteUpload(service, request));
+  return deleted;
 }
 
 }  // namespace
 
 void AddTusRoutes(Router& router, Service& service) {
   constexpr const char* kOne = "/api/v1/uploads/{upload}";
-  router.AddUpload(Method::kPost, "/api/v1/uploads",
-                   [&](const Request& r) { return BeginTusCreation(service, r); });
+  router.AddUpload(Method::kPost, "/api/v1/uploads", On(service, BeginTusCreation, RefuseTus));
   router.AddQuick(Method::kOptions, "/api/v1/uploads", Options).scope = kEverybody;
   router.AddQuick(Method::kOptions, kOne, Options).scope = kEverybody;
-  router.Add(Method::kGet, kOne, [&](const Request& r) { return GetUpload(service, r); });
-  router.AddUpload(Method::kPatch, kOne, [&](const Request& r) { return BeginPatch(service, r); });
-  router.AddUpload(Method::kPost, kOne, [&](const Request& r) { return Overridden(service, r); });
-  router.Add(Method::kDelete, kOne, [&](const Request& r) { return DeleteUpload(service, r); });
+  router.Add(Method::kGet, kOne, On(service, GetUpload, RefuseTus));
+  router.AddUpload(Method::kPatch, kOne, On(service, BeginPatch, RefuseTus));
+  router.AddUpload(Method::kPost, kOne, On(service, Overridden, RefuseTus));
+  router.Add(Method::kDelete, kOne, On(service, DeleteUpload, RefuseTus));
 }
 
 }  // namespace skyquilt::api

@@ -137,24 +137,21 @@ bool IsTusChunk(const Request& request) {
 
 UploadBegun BeginTusChunk(Service& service, const Request& request, const std::string& id,
                           std::int64_t offset, TusChunkAnswer answer) {
-  const Result<std::optional<TusChecksum>> checksum = ChecksumOf(request);
-  if (!checksum) return RefuseTus(checksum.error(), request);
+  SKYQUILT_TRY_ASSIGN(const std::optional<TusChecksum> checksum, ChecksumOf(request));
   const storage::Time now = service.db.ages().Now();
-  Result<std::unique_ptr<storage::UploadSpool::Append>> append =
-      service.spool.Begin(id, offset, checksum->has_value(), now);
-  if (!append) return RefuseTus(append.error(), request);
-  if ((*append)->is_joined()) {
+  SKYQUILT_TRY_ASSIGN(std::unique_ptr<storage::UploadSpool::Append> append,
+                      service.spool.Begin(id, offset, checksum.has_value(), now));
+  if (append->is_joined()) {
     return RefuseTus(
         403, "This upload was put together from its parts (the extension concatenation): it takes no bytes.",
         request);
   }
   std::optional<IncomingBytes> incoming;
-  if (!(*append)->has_length()) {
-    Result<IncomingBytes> counted = TusBytes(service, (*append)->flight_id(), (*append)->owner());
-    if (!counted) return RefuseTus(counted.error(), request);
-    incoming.emplace(*std::move(counted));
+  if (!append->has_length()) {
+    SKYQUILT_TRY_ASSIGN(IncomingBytes counted, TusBytes(service, append->flight_id(), append->owner()));
+    incoming.emplace(std::move(counted));
   }
-  return std::make_unique<Chunk>(service, request, *std::move(append), *checksum, std::move(incoming),
+  return std::make_unique<Chunk>(service, request, std::move(append), checksum, std::move(incoming),
                                  std::move(answer));
 }
 

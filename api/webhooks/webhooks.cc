@@ -54,7 +54,7 @@ std::string Described(const storage::Webhook& webhook, bool with_secret) {
   return JsonObject(members);
 }
 
-Result<Response> AddWebhook(Service& service, const std::string& body) {
+Result<Response> AddWebhook(Service& service, const Request&, const std::string& body) {
   if (!service.sends_webhooks) {
     return Error{ErrorCode::kForbidden,
                  "This server speaks to nobody by itself; serve --webhooks changes that.", ""};
@@ -66,15 +66,15 @@ Result<Response> AddWebhook(Service& service, const std::string& body) {
   return Json(201, Described(made, true));
 }
 
-Result<Response> ListWebhooks(Service& service) {
-  SKYQUILT_TRY_ASSIGN(const std::vector<storage::Webhook> webhooks, service.webhooks.List());
+Result<Response> ListWebhooks(storage::Webhooks& webhooks, const Request&) {
+  SKYQUILT_TRY_ASSIGN(const std::vector<storage::Webhook> list, webhooks.List());
   std::vector<std::string> items;
-  for (const storage::Webhook& webhook : webhooks) items.push_back(Described(webhook, false));
+  for (const storage::Webhook& webhook : list) items.push_back(Described(webhook, false));
   return Json(200, JsonObject({{"webhooks", JsonArray(items)}}));
 }
 
-Result<Response> RemoveWebhook(Service& service, const Request& request) {
-  SKYQUILT_TRY(service.webhooks.Remove(request.Parameter("webhook")));
+Result<Response> RemoveWebhook(storage::Webhooks& webhooks, const Request& request) {
+  SKYQUILT_TRY(webhooks.Remove(request.Parameter("webhook")));
   return NoContent();
 }
 
@@ -104,16 +104,10 @@ std::string WebhookSignature(const std::string& secret, std::int64_t at_s, const
 
 void AddWebhookRoutes(Router& router, Service& service) {
   using enum storage::Scope;
-  router.Add(Method::kGet, "/api/v1/webhooks", [&](const Request&) { return ListWebhooks(service); }).scope =
-      kAdmin;
-  router
-      .AddBody(Method::kPost, "/api/v1/webhooks",
-               [&](const Request&, const std::string& body) { return AddWebhook(service, body); })
-      .scope = kAdmin;
-  router
-      .Add(Method::kDelete, "/api/v1/webhooks/{webhook}",
-           [&](const Request& r) { return RemoveWebhook(service, r); })
-      .scope = kAdmin;
+  const char* const one = "/api/v1/webhooks/{webhook}";
+  router.Add(Method::kGet, "/api/v1/webhooks", On(service.webhooks, ListWebhooks)).scope = kAdmin;
+  router.AddBody(Method::kPost, "/api/v1/webhooks", On(service, AddWebhook)).scope = kAdmin;
+  router.Add(Method::kDelete, one, On(service.webhooks, RemoveWebhook)).scope = kAdmin;
 }
 
 }  // namespace skyquilt::api

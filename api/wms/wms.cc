@@ -278,8 +278,8 @@ Response AnswerWms(Service& service, const Request& request) {
 }  // namespace
 
 void AddWmsRoutes(Router& router, Service& service) {
-  router.AddCompute(Method::kGet, "/wms", [&](const Request& r) { return AnswerWms(service, r); });
-  router.AddCompute(Method::kGet, "/wms/{flight}", [&](const Request& r) { return AnswerWms(service, r); });
+  router.AddCompute(Method::kGet, "/wms", On(service, AnswerWms));
+  router.AddCompute(Method::kGet, "/wms/{flight}", On(service, AnswerWms));
 }
 
 }  // namespace skyquilt::api

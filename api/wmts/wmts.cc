@@ -12,6 +12,7 @@
 #include "api/ogc/listed_maps.h"
 #include "api/ogc/map_view.h"
 #include "api/routes.h"
+#include "api/tiles/tile_answer.h"
 #include "api/tiles/tile_path.h"
 #include "api/tiles/tiles.h"
 #include "api/wmts/wmts_text.h"
@@ -189,11 +190,7 @@ Response Kvp(Service& service, const Request& request) {
   if (version != "1.0.0") return Exception(400, "InvalidParameterValue", "Version", "The version is 1.0.0.");
   if (!is_info) return KvpTile(service, request);
   // Reads cameras of hundreds of photos.
-  if (request.work < Work::kCompute) {
-    Response later;
-    later.wants = Work::kCompute;
-    return later;
-  }
+  if (request.work < Work::kCompute) return DeferTo(Work::kCompute);
   return KvpInfo(service, request);
 }
 
@@ -211,14 +208,12 @@ Response RestTile(Service& service, const Request& request) {
 }  // namespace
 
 void AddWmtsRoutes(Router& router, Service& service) {
-  router.Add(Method::kGet, "/wmts", [&](const Request& r) { return Kvp(service, r); });
-  router.Add(Method::kGet, "/wmts/1.0.0/WMTSCapabilities.xml",
-             [&](const Request& r) { return AnswerCapabilities(service, r); });
-  router.Add(Method::kGet, "/wmts/{flight}", [&](const Request& r) { return Kvp(service, r); });
-  router.Add(Method::kGet, "/wmts/{flight}/1.0.0/WMTSCapabilities.xml",
-             [&](const Request& r) { return AnswerCapabilities(service, r); });
+  router.Add(Method::kGet, "/wmts", On(service, Kvp));
+  router.Add(Method::kGet, "/wmts/1.0.0/WMTSCapabilities.xml", On(service, AnswerCapabilities));
+  router.Add(Method::kGet, "/wmts/{flight}", On(service, Kvp));
+  router.Add(Method::kGet, "/wmts/{flight}/1.0.0/WMTSCapabilities.xml", On(service, AnswerCapabilities));
   router.Add(Method::kGet, "/wmts/{flight}/{layer}/{style}/{set}/{matrix}/{row}/{column}",
-             [&](const Request& r) { return RestTile(service, r); });
+             On(service, RestTile));
 }
 
 }  // namespace skyquilt::api

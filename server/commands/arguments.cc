@@ -40,9 +40,8 @@ geo::Boundary ReadBoundary(const char* command, const fs::path& file) {
                                storage::kMaxBoundaryBytes >> 20),
                    ""});
   }
-  const Result<std::string> bytes = storage::ReadWholeFile(file);
-  if (!bytes) Fail(command, bytes.error());
-  Result<geo::Boundary> boundary = storage::ParseBoundaryFile(*bytes);
+  const std::string bytes = OrFail(command, storage::ReadWholeFile(file));
+  Result<geo::Boundary> boundary = storage::ParseBoundaryFile(bytes);
   if (!boundary) {
     Error refused = boundary.error();
     refused.message = file.string() + ": " + refused.message;

@@ -6,7 +6,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
 #include <chrono>
 #include <ctime>
@@ -196,24 +195,21 @@ api::Response NoPage(const api::Request& request) {
 // Once there was a token, the server requires one; only --open, where none is left, admits everybody again.
 bool RequiresToken(storage::CatalogueDb& db, bool is_open) {
   storage::Tokens tokens(db);
-  const Result<storage::TokenSet> set = tokens.Read();
-  if (!set) Fail("skyquilt serve", set.error());
-  if (!set->requires_token || set->HasLiveOne(storage::Now())) return set->requires_token;
+  const storage::TokenSet set = OrFail("skyquilt serve", tokens.Read());
+  if (!set.requires_token || set.HasLiveOne(storage::Now())) return set.requires_token;
   if (!is_open) {
     LogEvent("all tokens were revoked or have ended: nobody gets in until one is made or --open is said");
     return true;
   }
-  const Result<void> opened = tokens.LetEverybodyIn();
-  if (!opened) Fail("skyquilt serve", opened.error());
+  OrFail("skyquilt serve", tokens.LetEverybodyIn());
   return false;
 }
 
 // Resumable uploads that were complete when an earlier run ended.
 void FinishUploads(api::Service& service) {
-  const Result<std::vector<storage::SpooledUpload>> finished =
-      service.spool.FinishComplete(service.db.ages().Now());
-  if (!finished) Fail("skyquilt serve", finished.error());
-  for (const storage::SpooledUpload& upload : *finished) {
+  const std::vector<storage::SpooledUpload> finished =
+      OrFail("skyquilt serve", service.spool.FinishComplete(service.db.ages().Now()));
+  for (const storage::SpooledUpload& upload : finished) {
     const auto unpacked = api::UnpackOnly(service, upload.flight_id, *upload.file);
     if (!unpacked) LogFailure(upload.id, "unpack", unpacked.error().message);
   }
@@ -245,35 +241,31 @@ void RunServer(const ServeOptions& options) {
   const storage::CataloguePlace given = PlaceOf("skyquilt serve", options.catalogue);
   const std::vector<std::string> catalogue_words = WordsOfPlace(given);
   // The store is looked at before anything is made beside it.
-  const Result<storage::CataloguePlace> place = storage::WithFilesAt(given, options.blobs);
-  if (!place) Fail("skyquilt serve", place.error());
-  Result<Storage> storage = OpenStorage(options.data_dir, kReaders, kTileReaders, *place);
+  const storage::CataloguePlace place = OrFail("skyquilt serve", storage::WithFilesAt(given, options.blobs));
+  Result<Storage> storage = OpenStorage(options.data_dir, kReaders, kTileReaders, place);
   if (!storage) Fail("skyquilt serve", storage.error());
   Storage& opened = *storage;
-  const Result<std::shared_ptr<storage::BlobStore>> blobs =
-      OpenBlobsOf(opened.dir, *opened.db, options.blobs);
-  if (!blobs) Fail("skyquilt serve", blobs.error());
-  if (!(*blobs)->IsFolder()) LogEvent("photos and maps lie at " + (*blobs)->Address());
+  const std::shared_ptr<storage::BlobStore> blobs =
+      OrFail("skyquilt serve", OpenBlobsOf(opened.dir, *opened.db, options.blobs));
+  if (!blobs->IsFolder()) LogEvent("photos and maps lie at " + blobs->Address());
   const bool requires_token = RequiresToken(*opened.db, options.open);
   const Result<HttpSettings> settings = SettingsFrom(options, requires_token);
   if (!settings) Fail("skyquilt serve", settings.error());
-  const Result<void> may_watch = CheckWatched(options.watched, opened.dir.root(), requires_token);
-  if (!may_watch) Fail("skyquilt serve", may_watch.error());
+  OrFail("skyquilt serve", CheckWatched(options.watched, opened.dir.root(), requires_token));
   // A folder of one machine among many holds no flights: backups of the database stand for the records.
   std::optional<storage::FlightRecords> records;
-  if (!place->IsOfManyFolders()) {
-    const Result<int> written = storage::WriteMissingRecords(opened.dir, *opened.db);
-    if (!written) Fail("skyquilt serve", written.error());
-    if (*written > 0)
+  if (!place.IsOfManyFolders()) {
+    const int written = OrFail("skyquilt serve", storage::WriteMissingRecords(opened.dir, *opened.db));
+    if (written > 0)
       LogEvent(
-          fmt::format("{} of an earlier version got a record, flight.jsonl", Counted(*written, "flight")));
+          fmt::format("{} of an earlier version got a record, flight.jsonl", Counted(written, "flight")));
     records.emplace(opened.dir);
   }
   storage::Catalogue catalogue(*opened.db, std::move(records));
   storage::Catalogue tiles_catalogue(*opened.tiles_db);
   storage::JobQueue queue(*opened.db);
-  storage::PhotoStore store(opened.dir, *blobs);
-  storage::TilesetCache tilesets(opened.dir, tiles_catalogue, *blobs, given.IsPostgres());
+  storage::PhotoStore store(opened.dir, blobs);
+  storage::TilesetCache tilesets(opened.dir, tiles_catalogue, blobs, given.IsPostgres());
   api::Metrics metrics;
   api::Service service{catalogue,        queue,          store, tilesets, metrics, *opened.db,
                        SKYQUILT_VERSION, options.workers};
@@ -285,17 +277,15 @@ void RunServer(const ServeOptions& options) {
   service.unpack = UnpackSandboxed;
   service.read_control = ControlSandboxed;
   service.storage_in_place = [&opened] { return opened.watch.Check(); };
-  const Result<void> recovered = Recover(opened.dir, catalogue, queue, storage::Previews(*opened.db),
-                                         service.spool, service.db.ages().Now());
-  if (!recovered) Fail("skyquilt serve", recovered.error());
-  const Result<void> exports_recovered = RecoverExports(service);
-  if (!exports_recovered) Fail("skyquilt serve", exports_recovered.error());
+  OrFail("skyquilt serve", Recover(opened.dir, catalogue, queue, storage::Previews(*opened.db), service.spool,
+                                   service.db.ages().Now()));
+  OrFail("skyquilt serve", RecoverExports(service));
   service.made_tiles.SetBudget(options.tile_cache_mb << 20);
   service.event_hub.SetMostOfClient(options.listeners_per_address);
   FinishUploads(service);
-  const Result<api::Basemap> basemap = api::BasemapFrom(options.basemap, options.basemap_attribution);
-  if (!basemap) Fail("skyquilt serve", basemap.error());
-  service.basemap = *basemap;
+  const api::Basemap basemap =
+      OrFail("skyquilt serve", api::BasemapFrom(options.basemap, options.basemap_attribution));
+  service.basemap = basemap;
   service.trash_days = options.trash_days;
   service.keep_days = options.keep_days;
   service.has_keyed_cache = options.keyed_cache;
@@ -308,7 +298,7 @@ void RunServer(const ServeOptions& options) {
   if (!page && !options.web_dir.empty()) {
     Fail("skyquilt serve", {ErrorCode::kNotFound, "--web " + options.web_dir + " has no index.html.", ""});
   }
-  router.SetFallback([page, origin = basemap->Origins()](const api::Request& request) {
+  router.SetFallback([page, origin = basemap.Origins()](const api::Request& request) {
     return page ? ServePage(*page, request, origin) : NoPage(request);
   });
   Result<std::unique_ptr<HttpServer>> server = HttpServer::Listen(*settings, router, service);

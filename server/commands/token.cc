@@ -35,10 +35,10 @@ struct TokenOptions {
 };
 
 std::unique_ptr<storage::CatalogueDb> OpenCatalogue(const TokenOptions& options) {
-  Result<storage::OpenedDataFolder> opened =
-      storage::OpenOrJoinDataFolder(options.data_dir, PlaceOf("skyquilt token", options.catalogue));
-  if (!opened) Fail("skyquilt token", opened.error());
-  return std::move(opened->db);
+  storage::OpenedDataFolder opened =
+      OrFail("skyquilt token",
+             storage::OpenOrJoinDataFolder(options.data_dir, PlaceOf("skyquilt token", options.catalogue)));
+  return std::move(opened.db);
 }
 
 // "90s", "30m", "12h", "30d", "8w".
@@ -66,9 +66,8 @@ std::optional<std::chrono::seconds> ParseDuration(const std::string& text) {
 }
 
 void RequireFlight(storage::CatalogueDb& db, const std::string& id) {
-  const Result<bool> known = storage::Catalogue(db).HasFlight(id);
-  if (!known) Fail("skyquilt token", known.error());
-  if (!*known) {
+  const bool known = OrFail("skyquilt token", storage::Catalogue(db).HasFlight(id));
+  if (!known) {
     Fail("skyquilt token",
          {ErrorCode::kNotFound,
           fmt::format("There is no flight {}. Its id stands in its address on the page.", id), ""});
@@ -96,17 +95,15 @@ void Add(const TokenOptions& options) {
   if (!options.expires.empty()) token.expires = token.created + *ParseDuration(options.expires);
   if (options.max_gb > 0.0) token.max_bytes = static_cast<std::int64_t>(options.max_gb * 1e9);
   if (options.requests_per_minute > 0) token.requests_per_minute = options.requests_per_minute;
-  const Result<void> added = storage::Tokens(*db).Add(token);
-  if (!added) Fail("skyquilt token", added.error());
+  OrFail("skyquilt token", storage::Tokens(*db).Add(token));
   // The token alone on the standard output, for scripts; it is never shown again.
   fmt::print("{}\n", text);
 }
 
 void List(const TokenOptions& options) {
   const auto db = OpenCatalogue(options);
-  const Result<storage::TokenSet> set = storage::Tokens(*db).Read();
-  if (!set) Fail("skyquilt token", set.error());
-  for (const storage::Token& token : set->tokens) {
+  const storage::TokenSet set = OrFail("skyquilt token", storage::Tokens(*db).Read());
+  for (const storage::Token& token : set.tokens) {
     fmt::print(
         "{:<20} {:<7} made {} {}{}{}{}\n", token.name, storage::ScopeName(token.scope),
         api::FormatTime(token.created),
@@ -119,8 +116,7 @@ void List(const TokenOptions& options) {
 
 void Revoke(const TokenOptions& options) {
   const auto db = OpenCatalogue(options);
-  const Result<void> revoked = storage::Tokens(*db).Revoke(options.name);
-  if (!revoked) Fail("skyquilt token", revoked.error());
+  OrFail("skyquilt token", storage::Tokens(*db).Revoke(options.name));
 }
 
 }  // namespace

@@ -170,34 +170,30 @@ void RunWorker(const WorkerOptions& options) {
   // A worker whose server died must not go on for nobody.
   if (options.parent != 0 && !FollowParent(options.parent, SIGTERM)) return;
   StepBack();
-  const Result<void> loaded = LoadLate();
-  if (!loaded) Fail("skyquilt worker", loaded.error());
+  OrFail("skyquilt worker", LoadLate());
   LimitThisProcess({});
   const storage::CataloguePlace given = PlaceOf("skyquilt worker", options.catalogue);
-  const Result<storage::CataloguePlace> place =
-      Patiently([&] { return storage::WithFilesAt(given, options.blobs); });
-  if (!place) Fail("skyquilt worker", place.error());
-  Result<storage::OpenedDataFolder> opened =
-      Patiently([&] { return storage::JoinDataFolder(options.data_dir, *place); });
-  if (!opened) Fail("skyquilt worker", opened.error());
-  const storage::DataDir* const dir = &opened->dir;
-  storage::CatalogueDb* const db = opened->db.get();
+  const storage::CataloguePlace place =
+      OrFail("skyquilt worker", Patiently([&] { return storage::WithFilesAt(given, options.blobs); }));
+  storage::OpenedDataFolder opened =
+      OrFail("skyquilt worker", Patiently([&] { return storage::JoinDataFolder(options.data_dir, place); }));
+  const storage::DataDir* const dir = &opened.dir;
+  storage::CatalogueDb* const db = opened.db.get();
   db->SetPatience(kPatience);
-  const Result<std::shared_ptr<storage::BlobStore>> blobs =
-      Patiently([&] { return OpenBlobsOf(*dir, *db, options.blobs); });
-  if (!blobs) Fail("skyquilt worker", blobs.error());
+  const std::shared_ptr<storage::BlobStore> blobs =
+      OrFail("skyquilt worker", Patiently([&] { return OpenBlobsOf(*dir, *db, options.blobs); }));
   if (options.previews) {
-    DrawPreviews(*dir, **blobs, *db, options);
+    DrawPreviews(*dir, *blobs, *db, options);
     return;
   }
   storage::Catalogue catalogue(*db);
   storage::JobQueue queue(*db);
   storage::StageCosts costs(*db);
   storage::UnitQueue units(*db);
-  WorkerContext context{*dir, **blobs, catalogue, queue, costs, units, is_stopping};
+  WorkerContext context{*dir, *blobs, catalogue, queue, costs, units, is_stopping};
   context.cut_above_files = options.cut_above;
   context.files_per_unit = options.part_files;
-  context.is_shared = place->IsOfManyFolders();
+  context.is_shared = place.IsOfManyFolders();
   if (options.job_timeout_s > 0) context.limits.timeout = std::chrono::seconds(options.job_timeout_s);
   context.limits.machine_memory_bytes = MemoryOfThisMachine();
   if (options.job_memory_mib > 0) context.limits.memory_bytes = std::int64_t{options.job_memory_mib} << 20;

@@ -6,7 +6,6 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 #include <exception>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>

@@ -1,6 +1,5 @@
 #include "server/inputs/film_frames.h"
 
-#include <algorithm>
 #include <cstdint>
 #include <fstream>
 #include <nlohmann/json.hpp>

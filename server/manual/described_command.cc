@@ -1,7 +1,6 @@
 #include "server/manual/described_command.h"
 
 #include <CLI/CLI.hpp>
-#include <string_view>
 #include <utility>
 
 #include "server/usage/option_values.h"

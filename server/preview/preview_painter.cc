@@ -1,7 +1,6 @@
 #include "server/preview/preview_painter.h"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <string_view>
 #include <utility>

@@ -8,7 +8,6 @@
 #include <string>
 #include <string_view>
 #include <system_error>
-#include <utility>
 
 #include "core/base/try.h"
 #include "core/geo/lat_lon.h"

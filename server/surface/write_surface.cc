@@ -6,7 +6,6 @@
 #include <limits>
 #include <optional>
 #include <system_error>
-#include <utility>
 
 #include "core/base/scoped_timer.h"
 #include "core/base/try.h"

@@ -26,10 +26,7 @@ void AddCatalogueOptions(CLI::App& command, CatalogueOptions& options) {
 }
 
 storage::CataloguePlace PlaceOf(const char* program, const CatalogueOptions& options) {
-  const Result<storage::CataloguePlace> place =
-      storage::CataloguePlaceFrom(options.url, options.password_file);
-  if (!place) Fail(program, place.error());
-  return *place;
+  return OrFail(program, storage::CataloguePlaceFrom(options.url, options.password_file));
 }
 
 std::vector<std::string> WordsOfPlace(const storage::CataloguePlace& place) {

@@ -7,7 +7,6 @@
 #include <cctype>
 #include <map>
 #include <set>
-#include <tuple>
 #include <utility>
 
 namespace skyquilt::server {

@@ -1,7 +1,6 @@
 #include "storage/blobs/s3_blobs.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <mutex>
 #include <optional>
 #include <system_error>

@@ -27,25 +27,16 @@ Error NoSuchFlight(const std::string& id) {
 
 Flight FlightFrom(const Statement& row) {
   Flight flight;
-  flight.id = row.ColumnText(0);
-  flight.name = row.ColumnText(1);
-  flight.options = row.ColumnText(2);
-  flight.created = FromUs(row.ColumnInt64(3));
-  if (!row.IsNull(4)) flight.active_revision = row.ColumnInt64(4);
-  flight.file_count = row.ColumnInt64(5);
-  flight.bytes = row.ColumnInt64(6);
-  flight.owner = row.ColumnText(7);
-  flight.tags = TagsFrom(row.ColumnText(8));
-  flight.is_kept = row.ColumnInt64(9) != 0;
+  std::string tags;
+  row.Into(flight.id, flight.name, flight.options, flight.created, flight.active_revision, flight.file_count,
+           flight.bytes, flight.owner, tags, flight.is_kept);
+  flight.tags = TagsFrom(tags);
   return flight;
 }
 
 Result<Flight> ReadFlight(SqlConnection& db, const std::string& id) {
-  SKYQUILT_TRY_ASSIGN(Statement query,
-                      db.Query(std::string(kFlightColumns) + "WHERE f.id=? AND f.deleted_us IS NULL", id));
-  SKYQUILT_TRY_ASSIGN(std::optional<Flight> flight, query.First(FlightFrom));
-  if (!flight) return NoSuchFlight(id);
-  return *std::move(flight);
+  return db.One(FlightFrom, NoSuchFlight(id),
+                std::string(kFlightColumns) + "WHERE f.id=? AND f.deleted_us IS NULL", id);
 }
 
 // Up to `limit` rows after the cursor, the query's first two parameters, by rising or falling id; where
@@ -71,12 +62,11 @@ Result<void> RequireFlight(SqlConnection& db, const std::string& id) {
 
 Result<void> RequireNotRunning(SqlConnection& db, const std::string& flight_id) {
   // A waiting job that is locked cannot begin before this transaction ends.
-  SKYQUILT_TRY_ASSIGN(Statement query,
-                      db.Query(std::string("SELECT state FROM job WHERE flight_id=? AND state IN"
-                                           " ('accepted','running')") +
-                                   db.ForShare(),
-                               flight_id));
-  SKYQUILT_TRY_ASSIGN(const std::vector<std::string> states, query.AllText());
+  SKYQUILT_TRY_ASSIGN(
+      const std::vector<std::string> states,
+      db.AllText(std::string("SELECT state FROM job WHERE flight_id=? AND state IN ('accepted','running')") +
+                     db.ForShare(),
+                 flight_id));
   if (std::find(states.begin(), states.end(), "running") == states.end()) return {};
   return flight::Because(ErrorCode::kConflict, flight::RemarkCode::kFailBeingStitched);
 }
@@ -92,15 +82,8 @@ Result<void> InsertFile(SqlConnection& db, const std::string& flight_id, const S
 
 Result<std::optional<StoredFile>> FileNamed(SqlConnection& db, const std::string& flight_id,
                                             const std::string& name) {
-  SKYQUILT_TRY_ASSIGN(
-      Statement query,
-      db.Query("SELECT name, stored_name, bytes FROM file WHERE flight_id=? AND name=?", flight_id, name));
-  return query.First(FileFrom);
-}
-
-Result<std::vector<std::string>> UploadsOf(SqlConnection& db, const std::string& flight_id) {
-  SKYQUILT_TRY_ASSIGN(Statement query, db.Query("SELECT id FROM upload WHERE flight_id=?", flight_id));
-  return query.AllText();
+  return db.First(FileFrom, "SELECT name, stored_name, bytes FROM file WHERE flight_id=? AND name=?",
+                  flight_id, name);
 }
 
 // Of the revision that each flight shows, in the order of RevisionFrom.
@@ -110,29 +93,20 @@ constexpr const char* kRevisionColumns =
 constexpr const char* kShownRevisions =
     " FROM flight f JOIN revision r ON r.flight_id=f.id AND r.revision=f.active_revision ";
 
-Revision RevisionFrom(const Statement& query) {
+Revision RevisionFrom(const Statement& row) {
   Revision revision;
-  revision.revision = query.ColumnInt64(0);
-  revision.created = FromUs(query.ColumnInt64(1));
-  revision.bounds = {query.ColumnDouble(2), query.ColumnDouble(3), query.ColumnDouble(4),
-                     query.ColumnDouble(5)};
-  revision.min_zoom = static_cast<int>(query.ColumnInt64(6));
-  revision.max_zoom = static_cast<int>(query.ColumnInt64(7));
-  revision.gsd_m = query.ColumnDouble(8);
-  revision.photos_total = static_cast<int>(query.ColumnInt64(9));
-  revision.photos_aligned = static_cast<int>(query.ColumnInt64(10));
-  revision.photos_pose_only = static_cast<int>(query.ColumnInt64(11));
-  revision.photos_left_out = static_cast<int>(query.ColumnInt64(12));
-  revision.first_capture = query.ColumnText(13);
-  revision.last_capture = query.ColumnText(14);
-  revision.quality = query.ColumnText(15);
+  auto& [west, south, east, north] = revision.bounds;
+  row.Into(revision.revision, revision.created, west, south, east, north, revision.min_zoom,
+           revision.max_zoom, revision.gsd_m, revision.photos_total, revision.photos_aligned,
+           revision.photos_pose_only, revision.photos_left_out, revision.first_capture, revision.last_capture,
+           revision.quality);
   return revision;
 }
 
 }  // namespace
 
 StoredFile FileFrom(const Statement& row) {
-  return {std::string(row.ColumnText(0)), std::string(row.ColumnText(1)), row.ColumnInt64(2)};
+  return RowOf<StoredFile, std::string, std::string, std::int64_t>(row);
 }
 
 Result<void> ShowRevision(SqlConnection& db, const std::string& flight_id, const Revision& revision,
@@ -194,10 +168,8 @@ Result<std::int64_t> Catalogue::BytesOf(const std::string& owner) const {
 
 Result<std::string> Catalogue::OwnerOf(const std::string& flight_id) const {
   const auto db = db_.Lock();
-  SKYQUILT_TRY_ASSIGN(Statement query, db->Query("SELECT owner FROM flight WHERE id=?", flight_id));
-  SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
-  if (!row) return NoSuchFlight(flight_id);
-  return std::string(query.ColumnText(0));
+  return db->One(FirstColumn<std::string>, NoSuchFlight(flight_id), "SELECT owner FROM flight WHERE id=?",
+                 flight_id);
 }
 
 Result<Flight> Catalogue::GetFlight(const std::string& id) const {
@@ -253,7 +225,8 @@ Result<void> Catalogue::DeleteFlight(const std::string& id) {
     SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db, id));
     SKYQUILT_TRY_ASSIGN(const bool known, db->Finds("SELECT 1 FROM flight WHERE id=?", id));
     if (!known) return NoSuchFlight(id);
-    SKYQUILT_TRY_ASSIGN(const std::vector<std::string> uploads, UploadsOf(*db, id));
+    SKYQUILT_TRY_ASSIGN(const std::vector<std::string> uploads,
+                        db->AllText("SELECT id FROM upload WHERE flight_id=?", id));
     // What the record cannot take (a full disk, the one thing that deleting mends) must not keep the flight:
     // the record only tells a repair of a lost catalogue not to bring the flight back.
     if (records_) (void)records_->Deleting(id, Now()).ok();
@@ -276,8 +249,7 @@ Result<bool> Catalogue::HasFlight(const std::string& id) const {
 
 Result<std::vector<std::string>> Catalogue::FlightIds() const {
   const auto db = db_.Read();
-  SKYQUILT_TRY_ASSIGN(Statement query, db->Prepare("SELECT id FROM flight ORDER BY id"));
-  return query.AllText();
+  return db->AllText("SELECT id FROM flight ORDER BY id");
 }
 
 Result<AddedFile> Catalogue::AddFile(const std::string& flight_id, const StoredFile& file, Time now,
@@ -340,17 +312,14 @@ Result<StoredFile> Catalogue::RemoveFile(const std::string& flight_id, const std
     SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db, flight_id));
     SKYQUILT_TRY(RequireFlight(*db, flight_id));
     SKYQUILT_TRY(RequireNotRunning(*db, flight_id));
-    StoredFile removed;
-    Time created;
-    {
-      SKYQUILT_TRY_ASSIGN(Statement remove, db->Query("DELETE FROM file WHERE flight_id=? AND name=?"
-                                                      " RETURNING name, stored_name, bytes, created_us",
-                                                      flight_id, name));
-      SKYQUILT_TRY_ASSIGN(const bool row, remove.Step());
-      if (!row) return Error{ErrorCode::kNotFound, fmt::format("This flight has no file \"{}\".", name), ""};
-      removed = FileFrom(remove);
-      created = FromUs(remove.ColumnInt64(3));
-    }
+    SKYQUILT_TRY_ASSIGN(
+        const auto gone,
+        db->One(
+            [](const Statement& row) { return std::pair(FileFrom(row), row.Get<Time>(3)); },
+            {ErrorCode::kNotFound, fmt::format("This flight has no file \"{}\".", name), ""},
+            "DELETE FROM file WHERE flight_id=? AND name=? RETURNING name, stored_name, bytes, created_us",
+            flight_id, name));
+    const auto& [removed, created] = gone;
     // Before the catalogue: a process that dies between the two must not leave a record that brings the file
     // back. A record that cannot take it (a full disk) still names a file that is about to go, which does no
     // harm.
@@ -374,30 +343,24 @@ Result<std::vector<StoredFile>> Catalogue::ListFiles(const std::string& flight_i
   const auto db = db_.Read();
   SKYQUILT_TRY_ASSIGN(const bool known, db->Finds("SELECT 1 FROM flight WHERE id=?", flight_id));
   if (!known) return NoSuchFlight(flight_id);
-  SKYQUILT_TRY_ASSIGN(
-      Statement query,
-      db->Query("SELECT name, stored_name, bytes FROM file WHERE flight_id=? ORDER BY name", flight_id));
-  return query.All(FileFrom);
+  return db->All(FileFrom, "SELECT name, stored_name, bytes FROM file WHERE flight_id=? ORDER BY name",
+                 flight_id);
 }
 
 Result<FlightRecord> Catalogue::RecordOf(const std::string& flight_id) const {
   const auto db = db_.Lock();
-  FlightRecord record;
-  {
-    SKYQUILT_TRY_ASSIGN(
-        Statement query,
-        db->Query("SELECT name, options, owner, created_us, deleted_us, tags, is_kept FROM flight WHERE id=?",
-                  flight_id));
-    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
-    if (!row) return NoSuchFlight(flight_id);
-    record.name = std::string(query.ColumnText(0));
-    record.options = std::string(query.ColumnText(1));
-    record.owner = std::string(query.ColumnText(2));
-    record.created = FromUs(query.ColumnInt64(3));
-    if (!query.IsNull(4)) record.trashed = FromUs(query.ColumnInt64(4));
-    record.tags = TagsFrom(query.ColumnText(5));
-    record.is_kept = query.ColumnInt64(6) != 0;
-  }
+  const auto record_from = [](const Statement& row) {
+    FlightRecord flight;
+    std::string tags;
+    row.Into(flight.name, flight.options, flight.owner, flight.created, flight.trashed, tags, flight.is_kept);
+    flight.tags = TagsFrom(tags);
+    return flight;
+  };
+  SKYQUILT_TRY_ASSIGN(
+      FlightRecord record,
+      db->One(record_from, NoSuchFlight(flight_id),
+              "SELECT name, options, owner, created_us, deleted_us, tags, is_kept FROM flight WHERE id=?",
+              flight_id));
   SKYQUILT_TRY_ASSIGN(
       Statement query,
       db->Query("SELECT stored_name, name, bytes, created_us FROM file WHERE flight_id=?", flight_id));
@@ -410,10 +373,10 @@ Result<FlightRecord> Catalogue::RecordOf(const std::string& flight_id) const {
 
 Result<std::optional<Revision>> Catalogue::ActiveRevision(const std::string& flight_id) const {
   const auto db = db_.Read();
-  SKYQUILT_TRY_ASSIGN(Statement query, db->Query(std::string("SELECT ") + kRevisionColumns + kShownRevisions +
-                                                     "WHERE f.id=? AND f.deleted_us IS NULL",
-                                                 flight_id));
-  return query.First(RevisionFrom);
+  return db->First(
+      RevisionFrom,
+      std::string("SELECT ") + kRevisionColumns + kShownRevisions + "WHERE f.id=? AND f.deleted_us IS NULL",
+      flight_id);
 }
 
 Result<MapPage> Catalogue::ListMaps(int limit, const std::optional<std::string>& cursor) const {
@@ -436,10 +399,8 @@ Result<MapPage> Catalogue::ListMaps(int limit, const std::optional<std::string>&
 
 Result<std::vector<std::int64_t>> Catalogue::Revisions(const std::string& flight_id) const {
   const auto db = db_.Read();
-  SKYQUILT_TRY_ASSIGN(
-      Statement query,
-      db->Query("SELECT revision FROM revision WHERE flight_id=? ORDER BY revision", flight_id));
-  return query.All([](const Statement& row) { return row.ColumnInt64(0); });
+  return db->All(FirstColumn<std::int64_t>,
+                 "SELECT revision FROM revision WHERE flight_id=? ORDER BY revision", flight_id);
 }
 
 }  // namespace skyquilt::storage

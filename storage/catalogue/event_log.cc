@@ -9,21 +9,11 @@ Result<std::vector<Event>> EventLog::After(std::int64_t seq, const EventFilter& 
   const char* where = filter.job_id      ? "job_id=?2 AND CAST(?3 AS TEXT) IS NULL AND"
                       : filter.flight_id ? "flight_id=?3 AND CAST(?2 AS TEXT) IS NULL AND"
                                          : "CAST(?2 AS TEXT) IS NULL AND CAST(?3 AS TEXT) IS NULL AND";
-  SKYQUILT_TRY_ASSIGN(
-      Statement query,
-      db->Query(std::string("SELECT seq, at_us, flight_id, job_id, kind, body FROM event WHERE ") + where +
-                    " seq>?1 ORDER BY seq LIMIT ?4",
-                seq, filter.job_id, filter.job_id ? std::nullopt : filter.flight_id, limit));
-  return query.All([](const Statement& row) {
-    Event event;
-    event.seq = row.ColumnInt64(0);
-    event.at = FromUs(row.ColumnInt64(1));
-    event.flight_id = row.ColumnText(2);
-    if (!row.IsNull(3)) event.job_id = std::string(row.ColumnText(3));
-    event.kind = row.ColumnText(4);
-    event.body = row.ColumnText(5);
-    return event;
-  });
+  return db->All(
+      RowOf<Event, std::int64_t, Time, std::string, std::optional<std::string>, std::string, std::string>,
+      std::string("SELECT seq, at_us, flight_id, job_id, kind, body FROM event WHERE ") + where +
+          " seq>?1 ORDER BY seq LIMIT ?4",
+      seq, filter.job_id, filter.job_id ? std::nullopt : filter.flight_id, limit);
 }
 
 Result<std::int64_t> EventLog::Latest() const {

@@ -6,21 +6,17 @@ namespace skyquilt::storage {
 
 Result<std::optional<IdempotentAnswer>> IdempotentAnswers::Find(const IdempotencyKey& key, Time now) const {
   const auto db = db_.Read();
-  SKYQUILT_TRY_ASSIGN(
-      Statement query,
-      db->Query(
-          "SELECT fingerprint, status, location, body FROM idempotent_answer WHERE owner=? AND key=? AND "
-          "route=? AND created_us>?",
-          key.owner, key.key, key.route, ToUs(now - kKeptFor)));
-  return query.First([](const Statement& row) {
-    IdempotentAnswer answer;
+  const auto answer_from = [](const Statement& row) {
     const auto fingerprint = row.ColumnBlob(0);
-    answer.fingerprint.assign(fingerprint.begin(), fingerprint.end());
-    answer.status = static_cast<int>(row.ColumnInt64(1));
-    answer.location = row.ColumnText(2);
-    answer.body = row.ColumnText(3);
-    return answer;
-  });
+    return IdempotentAnswer{{fingerprint.begin(), fingerprint.end()},
+                            row.Get<int>(1),
+                            row.Get<std::string>(2),
+                            row.Get<std::string>(3)};
+  };
+  return db->First(answer_from,
+                   "SELECT fingerprint, status, location, body FROM idempotent_answer WHERE owner=? AND key=?"
+                   " AND route=? AND created_us>?",
+                   key.owner, key.key, key.route, ToUs(now - kKeptFor));
 }
 
 Result<void> IdempotentAnswers::Keep(const IdempotencyKey& key, const IdempotentAnswer& answer, Time now) {

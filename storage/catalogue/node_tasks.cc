@@ -30,34 +30,24 @@ Result<void> NodeTasks::Add(const NodeTask& task) {
 
 Result<NodeTask> NodeTasks::Find(const std::string& uuid) const {
   const auto db = db_.Read();
-  SKYQUILT_TRY_ASSIGN(
-      Statement query,
-      db->Query(
-          "SELECT uuid, flight_id, options, created_ms, is_committed, notes, canceled_job, webhook, outputs FROM node_task WHERE uuid=?"
-          " AND flight_id IN (SELECT id FROM flight WHERE deleted_us IS NULL)",
-          uuid));
-  SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
-  if (!row) return NoSuchTask(uuid);
-  NodeTask task;
-  task.uuid = query.ColumnText(0);
-  task.flight_id = query.ColumnText(1);
-  task.options = query.ColumnText(2);
-  task.created_ms = query.ColumnInt64(3);
-  task.is_committed = query.ColumnInt64(4) != 0;
-  task.notes = query.ColumnText(5);
-  task.canceled_job = query.ColumnText(6);
-  task.webhook = query.ColumnText(7);
-  task.outputs = query.ColumnText(8);
-  return task;
+  const auto task_from = [](const Statement& row) {
+    NodeTask task;
+    row.Into(task.uuid, task.flight_id, task.options, task.created_ms, task.is_committed, task.notes,
+             task.canceled_job, task.webhook, task.outputs);
+    return task;
+  };
+  return db->One(task_from, NoSuchTask(uuid),
+                 "SELECT uuid, flight_id, options, created_ms, is_committed, notes, canceled_job, webhook,"
+                 " outputs FROM node_task WHERE uuid=?"
+                 " AND flight_id IN (SELECT id FROM flight WHERE deleted_us IS NULL)",
+                 uuid);
 }
 
 Result<std::vector<std::string>> NodeTasks::List() const {
   const auto db = db_.Read();
-  SKYQUILT_TRY_ASSIGN(
-      Statement query,
-      db->Prepare("SELECT uuid FROM node_task WHERE is_committed=1"
-                  " AND flight_id IN (SELECT id FROM flight WHERE deleted_us IS NULL) ORDER BY flight_id"));
-  return query.AllText();
+  return db->AllText(
+      "SELECT uuid FROM node_task WHERE is_committed=1"
+      " AND flight_id IN (SELECT id FROM flight WHERE deleted_us IS NULL) ORDER BY flight_id");
 }
 
 Result<void> NodeTasks::Commit(const std::string& uuid) {
@@ -90,15 +80,11 @@ Result<void> NodeTasks::Restart(const std::string& uuid, const std::string& opti
 
 Result<std::vector<NodeDelivery>> NodeDeliveries::Due(Time now, int limit) const {
   const auto db = db_.Read();
-  SKYQUILT_TRY_ASSIGN(Statement query,
-                      db->Query("SELECT d.uuid, d.job_id, t.webhook, d.attempts FROM node_delivery d"
-                                " JOIN node_task t ON t.uuid=d.uuid WHERE d.not_before_us<=?"
-                                " ORDER BY d.not_before_us LIMIT ?",
-                                ToUs(now), limit));
-  return query.All([](const Statement& row) {
-    return NodeDelivery{std::string(row.ColumnText(0)), std::string(row.ColumnText(1)),
-                        std::string(row.ColumnText(2)), static_cast<int>(row.ColumnInt64(3))};
-  });
+  return db->All(RowOf<NodeDelivery, std::string, std::string, std::string, int>,
+                 "SELECT d.uuid, d.job_id, t.webhook, d.attempts FROM node_delivery d"
+                 " JOIN node_task t ON t.uuid=d.uuid WHERE d.not_before_us<=?"
+                 " ORDER BY d.not_before_us LIMIT ?",
+                 ToUs(now), limit);
 }
 
 Result<bool> NodeDeliveries::Take(const NodeDelivery& delivery, Time now) {

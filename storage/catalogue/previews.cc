@@ -21,27 +21,23 @@ Result<std::optional<PreviewWork>> Previews::Claim(int limit) {
     SKYQUILT_TRY(
         db->Exec("UPDATE file SET preview_state=2 WHERE preview_state=0"
                  " AND flight_id IN (SELECT id FROM flight WHERE active_revision IS NOT NULL)"));
-    std::optional<PreviewWork> work;
-    {
-      SKYQUILT_TRY_ASSIGN(
-          Statement choose,
-          db->Prepare(
-              "SELECT f.flight_id FROM file f JOIN flight t ON t.id=f.flight_id"
-              " LEFT JOIN preview p ON p.flight_id=f.flight_id WHERE f.preview_state=0 AND t.deleted_us IS NULL"
-              " ORDER BY coalesce(p.photos,0), f.created_us LIMIT 1"));
-      SKYQUILT_TRY_ASSIGN(const bool row, choose.Step());
-      if (row) work = PreviewWork{std::string(choose.ColumnText(0)), {}, {}};
-    }
+    SKYQUILT_TRY_ASSIGN(
+        std::optional<PreviewWork> work,
+        db->First(
+            [](const Statement& row) {
+              return PreviewWork{row.Get<std::string>(0), {}, {}};
+            },
+            "SELECT f.flight_id FROM file f JOIN flight t ON t.id=f.flight_id"
+            " LEFT JOIN preview p ON p.flight_id=f.flight_id WHERE f.preview_state=0 AND t.deleted_us IS NULL"
+            " ORDER BY coalesce(p.photos,0), f.created_us LIMIT 1"));
     if (work) {
       constexpr const char* kFiles =
           "SELECT name, stored_name, bytes FROM file WHERE flight_id=? AND preview_state=";
-      SKYQUILT_TRY_ASSIGN(Statement tried,
-                          db->Query(std::string(kFiles) + "1 ORDER BY created_us, name", work->flight_id));
-      SKYQUILT_TRY_ASSIGN(work->tried, tried.All(FileFrom));
-      SKYQUILT_TRY_ASSIGN(
-          Statement fresh,
-          db->Query(std::string(kFiles) + "0 ORDER BY created_us, name LIMIT ?", work->flight_id, limit));
-      SKYQUILT_TRY_ASSIGN(work->fresh, fresh.All(FileFrom));
+      SKYQUILT_TRY_ASSIGN(work->tried, db->All(FileFrom, std::string(kFiles) + "1 ORDER BY created_us, name",
+                                               work->flight_id));
+      SKYQUILT_TRY_ASSIGN(work->fresh,
+                          db->All(FileFrom, std::string(kFiles) + "0 ORDER BY created_us, name LIMIT ?",
+                                  work->flight_id, limit));
       SKYQUILT_TRY_ASSIGN(Statement mark, db->Prepare("UPDATE file SET preview_state=1 WHERE stored_name=?"));
       for (const StoredFile& file : work->fresh) {
         SKYQUILT_TRY(mark.Bind(1, file.stored_name).Run());
@@ -54,27 +50,18 @@ Result<std::optional<PreviewWork>> Previews::Claim(int limit) {
 
 Result<std::optional<Preview>> Previews::Find(const std::string& flight_id) const {
   const auto db = db_.Read();
-  SKYQUILT_TRY_ASSIGN(
-      Statement query,
-      db->Query("SELECT folder, edition, photos, min_zoom, max_zoom, west, south, east, north, changed_west,"
-                " changed_south, changed_east, changed_north FROM preview WHERE flight_id=?",
-                flight_id));
-  return query.First([&](const Statement& row) {
+  const auto preview_from = [](const Statement& row) {
     Preview preview;
-    preview.flight_id = flight_id;
-    preview.folder = row.ColumnText(0);
-    preview.edition = row.ColumnInt64(1);
-    preview.photos = row.ColumnInt64(2);
-    preview.min_zoom = static_cast<int>(row.ColumnInt64(3));
-    preview.max_zoom = static_cast<int>(row.ColumnInt64(4));
-    const auto box = [&](int first) -> geo::LatLonBounds {
-      return {row.ColumnDouble(first), row.ColumnDouble(first + 1), row.ColumnDouble(first + 2),
-              row.ColumnDouble(first + 3)};
-    };
-    preview.bounds = box(5);
-    preview.changed = box(9);
+    geo::LatLonBounds &bounds = preview.bounds, &changed = preview.changed;
+    row.Into(preview.flight_id, preview.folder, preview.edition, preview.photos, preview.min_zoom,
+             preview.max_zoom, bounds.west_deg, bounds.south_deg, bounds.east_deg, bounds.north_deg,
+             changed.west_deg, changed.south_deg, changed.east_deg, changed.north_deg);
     return preview;
-  });
+  };
+  return db->First(preview_from,
+                   "SELECT flight_id, folder, edition, photos, min_zoom, max_zoom, west, south, east, north,"
+                   " changed_west, changed_south, changed_east, changed_north FROM preview WHERE flight_id=?",
+                   flight_id);
 }
 
 Result<void> Previews::Forgo(const std::vector<StoredFile>& files) {

@@ -34,9 +34,9 @@ Result<void> InsertToken(SqlConnection& db, const Token& token) {
 }
 
 Result<bool> AsksForToken(SqlConnection& db) {
-  SKYQUILT_TRY_ASSIGN(Statement policy, db.Prepare("SELECT asks_for_token FROM token_policy"));
-  SKYQUILT_TRY_ASSIGN(const bool row, policy.Step());
-  return !row || policy.ColumnInt64(0) != 0;
+  SKYQUILT_TRY_ASSIGN(const std::optional<bool> asks,
+                      db.First(FirstColumn<bool>, "SELECT asks_for_token FROM token_policy"));
+  return asks.value_or(true);
 }
 
 }  // namespace
@@ -78,9 +78,8 @@ Result<void> Tokens::AddShare(const Token& token) {
 Result<void> Tokens::Revoke(const std::string& name) {
   const auto db = db_.Lock();
   SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
-  SKYQUILT_TRY_ASSIGN(Statement link,
-                      db->Query("SELECT id FROM token WHERE name=? AND flight_id IS NOT NULL", name));
-  SKYQUILT_TRY_ASSIGN(const std::vector<std::string> links, link.AllText());
+  SKYQUILT_TRY_ASSIGN(const std::vector<std::string> links,
+                      db->AllText("SELECT id FROM token WHERE name=? AND flight_id IS NOT NULL", name));
   for (const std::string& id : links) SKYQUILT_TRY(EndExportsOf(*db, id));
   SKYQUILT_TRY(db->Change("DELETE FROM token WHERE name=?", name));
   if (db->Changes() == 0)
@@ -111,28 +110,23 @@ Result<void> Tokens::LetEverybodyIn() {
 
 Result<TokenSet> Tokens::Read() const {
   const auto db = db_.Read();
-  SKYQUILT_TRY_ASSIGN(
-      Statement query,
-      db->Prepare(
-          "SELECT id, name, hash, scope, created_us, expires_us, most_bytes, requests_per_minute, flight_id"
-          " FROM token ORDER BY id"));
-  TokenSet set;
-  SKYQUILT_TRY_ASSIGN(set.tokens, query.All([](const Statement& row) {
+  const auto token_from = [](const Statement& row) {
     Token token;
-    token.id = row.ColumnText(0);
-    token.name = row.ColumnText(1);
-    const auto hash = row.ColumnBlob(2);
-    token.hash.assign(hash.begin(), hash.end());
-    const std::optional<Scope> scope = ScopeFrom(row.ColumnText(3));
+    std::string scope_name;
+    row.Into(token.id, token.name, scope_name, token.created, token.expires, token.max_bytes,
+             token.requests_per_minute, token.flight_id);
+    const std::optional<Scope> scope = ScopeFrom(scope_name);
     SKYQUILT_CHECK(scope.has_value(), "the schema allows no other scope");
     token.scope = *scope;
-    token.created = FromUs(row.ColumnInt64(4));
-    if (!row.IsNull(5)) token.expires = FromUs(row.ColumnInt64(5));
-    if (!row.IsNull(6)) token.max_bytes = row.ColumnInt64(6);
-    if (!row.IsNull(7)) token.requests_per_minute = row.ColumnInt64(7);
-    if (!row.IsNull(8)) token.flight_id = row.ColumnText(8);
+    const auto hash = row.ColumnBlob(8);
+    token.hash.assign(hash.begin(), hash.end());
     return token;
-  }));
+  };
+  TokenSet set;
+  SKYQUILT_TRY_ASSIGN(
+      set.tokens, db->All(token_from,
+                          "SELECT id, name, scope, created_us, expires_us, most_bytes, requests_per_minute,"
+                          " flight_id, hash FROM token ORDER BY id"));
   // Asked after the list: a token that is made in between closes the server, and never is one left out that
   // opens it.
   SKYQUILT_TRY_ASSIGN(set.requires_token, AsksForToken(*db));

@@ -14,14 +14,8 @@ constexpr const char* kTrashColumns =
 
 TrashedFlight TrashedFlightFrom(const Statement& row) {
   TrashedFlight flight;
-  flight.id = row.ColumnText(0);
-  flight.name = row.ColumnText(1);
-  flight.created = FromUs(row.ColumnInt64(2));
-  flight.file_count = row.ColumnInt64(3);
-  flight.bytes = row.ColumnInt64(4);
-  flight.deleted = FromUs(row.ColumnInt64(5));
-  flight.deleted_age = FromUs(row.ColumnInt64(6));
-  flight.owner = row.ColumnText(7);
+  row.Into(flight.id, flight.name, flight.created, flight.file_count, flight.bytes, flight.deleted,
+           flight.deleted_age, flight.owner);
   return flight;
 }
 
@@ -88,27 +82,20 @@ Result<void> Trash::Restore(const std::string& flight_id) {
 
 Result<std::vector<TrashedFlight>> Trash::List() const {
   const auto db = db_.Read();
-  SKYQUILT_TRY_ASSIGN(Statement query,
-                      db->Prepare(std::string(kTrashColumns) + "ORDER BY deleted_age_us DESC, id"));
-  return query.All(TrashedFlightFrom);
+  return db->All(TrashedFlightFrom, std::string(kTrashColumns) + "ORDER BY deleted_age_us DESC, id");
 }
 
 Result<TrashedFlight> Trash::Find(const std::string& flight_id) const {
   const auto db = db_.Read();
-  SKYQUILT_TRY_ASSIGN(Statement query, db->Query(std::string(kTrashColumns) + "AND id=?", flight_id));
-  SKYQUILT_TRY_ASSIGN(std::optional<TrashedFlight> flight, query.First(TrashedFlightFrom));
-  if (!flight) return NotInTrash(flight_id);
-  return *std::move(flight);
+  return db->One(TrashedFlightFrom, NotInTrash(flight_id), std::string(kTrashColumns) + "AND id=?",
+                 flight_id);
 }
 
 Result<std::vector<std::string>> Trash::DeletedUntil(Time age) const {
   const auto db = db_.Read();
-  SKYQUILT_TRY_ASSIGN(
-      Statement query,
-      db->Query(
-          "SELECT id FROM flight WHERE deleted_us IS NOT NULL AND deleted_age_us<=? ORDER BY deleted_age_us",
-          ToUs(age)));
-  return query.AllText();
+  return db->AllText(
+      "SELECT id FROM flight WHERE deleted_us IS NOT NULL AND deleted_age_us<=? ORDER BY deleted_age_us",
+      ToUs(age));
 }
 
 }  // namespace skyquilt::storage

@@ -9,8 +9,7 @@ namespace skyquilt::storage {
 namespace {
 
 Webhook WebhookFrom(const Statement& row) {
-  return {std::string(row.ColumnText(0)), std::string(row.ColumnText(1)), std::string(row.ColumnText(2)),
-          FromUs(row.ColumnInt64(3))};
+  return RowOf<Webhook, std::string, std::string, std::string, Time>(row);
 }
 
 }  // namespace
@@ -25,9 +24,7 @@ Result<Webhook> Webhooks::Add(const std::string& url, const std::string& secret,
 
 Result<std::vector<Webhook>> Webhooks::List() const {
   const auto db = db_.Read();
-  SKYQUILT_TRY_ASSIGN(Statement query,
-                      db->Prepare("SELECT id, url, secret, created_us FROM webhook ORDER BY id"));
-  return query.All(WebhookFrom);
+  return db->All(WebhookFrom, "SELECT id, url, secret, created_us FROM webhook ORDER BY id");
 }
 
 Result<void> Webhooks::Remove(const std::string& id) {
@@ -39,16 +36,13 @@ Result<void> Webhooks::Remove(const std::string& id) {
 
 Result<std::vector<Delivery>> Webhooks::Due(Time now, int limit) const {
   const auto db = db_.Read();
-  SKYQUILT_TRY_ASSIGN(
-      Statement query,
-      db->Query(
-          "SELECT w.id, w.url, w.secret, w.created_us, d.event_seq, d.body, d.attempts FROM webhook_delivery d"
-          " JOIN webhook w ON w.id=d.webhook_id WHERE d.not_before_us<=? ORDER BY d.event_seq LIMIT ?",
-          ToUs(now), limit));
-  return query.All([](const Statement& row) {
-    return Delivery{WebhookFrom(row), row.ColumnInt64(4), std::string(row.ColumnText(5)),
-                    static_cast<int>(row.ColumnInt64(6))};
-  });
+  return db->All(
+      [](const Statement& row) {
+        return Delivery{WebhookFrom(row), row.Get<std::int64_t>(4), row.Get<std::string>(5), row.Get<int>(6)};
+      },
+      "SELECT w.id, w.url, w.secret, w.created_us, d.event_seq, d.body, d.attempts FROM webhook_delivery d"
+      " JOIN webhook w ON w.id=d.webhook_id WHERE d.not_before_us<=? ORDER BY d.event_seq LIMIT ?",
+      ToUs(now), limit);
 }
 
 Result<bool> Webhooks::Take(const Delivery& delivery, Time now) {

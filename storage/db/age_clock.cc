@@ -9,16 +9,15 @@ namespace skyquilt::storage {
 
 namespace {
 
+Error ClockIsLost() { return {ErrorCode::kCorrupt, "The catalogue has lost its clock. Restore it.", ""}; }
+
 // The shared clock, put forward to now.
 Result<Time> PutForward(SqlConnection& db) {
   constexpr std::chrono::microseconds kMaxStep = std::chrono::hours(1);
-  SKYQUILT_TRY_ASSIGN(Statement update,
-                      db.Query("UPDATE age_clock SET age_us=age_us+greatest(0,least(now_us()-seen_us,?)),"
-                               " seen_us=now_us() RETURNING age_us",
-                               static_cast<std::int64_t>(kMaxStep.count())));
-  SKYQUILT_TRY_ASSIGN(const bool row, update.Step());
-  if (!row) return Error{ErrorCode::kCorrupt, "The catalogue has lost its clock. Restore it.", ""};
-  return FromUs(update.ColumnInt64(0));
+  return db.One(FirstColumn<Time>, ClockIsLost(),
+                "UPDATE age_clock SET age_us=age_us+greatest(0,least(now_us()-seen_us,?)),"
+                " seen_us=now_us() RETURNING age_us",
+                static_cast<std::int64_t>(kMaxStep.count()));
 }
 
 }  // namespace
@@ -28,11 +27,9 @@ Result<AgeClock> AgeClock::Open(SqlConnection& db) {
     SKYQUILT_TRY_ASSIGN(const Time now, PutForward(db));
     return AgeClock(now - MachineBoot::Elapsed());
   }
-  const auto read = [&]() -> Result<std::optional<Time>> {
-    SKYQUILT_TRY_ASSIGN(
-        Statement query,
-        db.Query("SELECT age_us, since_boot_us FROM age_clock WHERE boot_id=?", MachineBoot::Id()));
-    return query.First([](const Statement& row) { return FromUs(row.ColumnInt64(0) - row.ColumnInt64(1)); });
+  const auto read = [&] {
+    return db.First(FirstColumn<Time>, "SELECT age_us-since_boot_us FROM age_clock WHERE boot_id=?",
+                    MachineBoot::Id());
   };
   Result<std::optional<Time>> known = read();
   if (!known) return known.error();
@@ -43,7 +40,7 @@ Result<AgeClock> AgeClock::Open(SqlConnection& db) {
                            MachineBoot::Id(), MachineBoot::Elapsed().count()));
     known = read();
     if (!known) return known.error();
-    if (!*known) return Error{ErrorCode::kCorrupt, "The catalogue has lost its clock. Restore it.", ""};
+    if (!*known) return ClockIsLost();
   }
   return AgeClock(**known);
 }

@@ -5,12 +5,8 @@
 
 namespace skyquilt::storage {
 
-Result<std::vector<std::string>> Statement::AllText() {
-  return All([](const Statement& row) { return std::string(row.ColumnText(0)); });
-}
-
 Result<std::int64_t> Statement::Number() {
-  SKYQUILT_TRY_ASSIGN(const auto number, First([](const Statement& row) { return row.ColumnInt64(0); }));
+  SKYQUILT_TRY_ASSIGN(const auto number, First(FirstColumn<std::int64_t>));
   return number.value_or(0);
 }
 

@@ -23,6 +23,8 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/base/try.h"
+#include "storage/db/clock.h"
 
 namespace skyquilt::storage {
 
@@ -99,9 +101,8 @@ class Statement {
   template <typename Visit>
   Result<void> Each(const Visit& visit) {
     while (true) {
-      const Result<bool> row = Step();
-      if (!row) return row.error();
-      if (!*row) return {};
+      SKYQUILT_TRY_ASSIGN(const bool row, Step());
+      if (!row) return {};
       visit(*this);
     }
   }
@@ -109,8 +110,7 @@ class Statement {
   template <typename Read>
   auto All(const Read& read) -> Result<std::vector<std::invoke_result_t<Read, const Statement&>>> {
     std::vector<std::invoke_result_t<Read, const Statement&>> all;
-    const Result<void> read_all = Each([&](const Statement& row) { all.push_back(read(row)); });
-    if (!read_all) return read_all.error();
+    SKYQUILT_TRY(Each([&](const Statement& row) { all.push_back(read(row)); }));
     return all;
   }
   // What `read` makes of the first row, if there is one; then as Run: RETURNING hands out its row before the
@@ -118,15 +118,12 @@ class Statement {
   template <typename Read>
   auto First(const Read& read) -> Result<std::optional<std::invoke_result_t<Read, const Statement&>>> {
     std::optional<std::invoke_result_t<Read, const Statement&>> first;
-    const Result<bool> row = Step();
-    if (!row) return row.error();
-    if (!*row) return first;
+    SKYQUILT_TRY_ASSIGN(const bool row, Step());
+    if (!row) return first;
     first.emplace(read(*this));
-    if (const Result<void> done = Run(); !done) return done.error();
+    SKYQUILT_TRY(Run());
     return first;
   }
-  // The first column of all rows that are left.
-  Result<std::vector<std::string>> AllText();
   // The first column of the first row, as First; 0 where there is none.
   Result<std::int64_t> Number();
   // Steps to the end, drops any rows and resets: for statements that write.
@@ -140,10 +137,49 @@ class Statement {
   std::string_view ColumnText(int column) const { return driver_->ColumnText(column); }
   std::span<const std::uint8_t> ColumnBlob(int column) const { return driver_->ColumnBlob(column); }
   bool IsNull(int column) const { return driver_->IsNull(column); }
+  // A column as this type has it. NULL is nothing of an optional, 0 or empty of all else.
+  template <typename T>
+  T Get(int column) const {
+    if constexpr (requires {
+                    typename T::value_type;
+                    requires std::is_same_v<T, std::optional<typename T::value_type>>;
+                  }) {
+      return IsNull(column) ? T() : T(Get<typename T::value_type>(column));
+    } else if constexpr (std::is_same_v<T, Time>) {
+      return FromUs(ColumnInt64(column));
+    } else if constexpr (std::is_same_v<T, double>) {
+      return ColumnDouble(column);
+    } else if constexpr (std::is_same_v<T, bool>) {
+      return ColumnInt64(column) != 0;
+    } else if constexpr (std::is_integral_v<T>) {
+      return static_cast<T>(ColumnInt64(column));
+    } else {
+      return T(ColumnText(column));
+    }
+  }
+  // The first columns, each into its field.
+  template <typename... Fields>
+  void Into(Fields&... fields) const {
+    int column = 0;
+    ((fields = Get<Fields>(column++)), ...);
+  }
 
  private:
   std::unique_ptr<StatementDriver> driver_;
 };
+
+// For All and First: a row's first columns, as the members of a `Made`.
+template <typename Made, typename... Columns>
+Made RowOf(const Statement& row) {
+  const auto make = [&]<int... Column>(std::integer_sequence<int, Column...>) {
+    return Made{row.Get<Columns>(Column)...};
+  };
+  return make(std::make_integer_sequence<int, sizeof...(Columns)>());
+}
+template <typename T>
+T FirstColumn(const Statement& row) {
+  return row.Get<T>(0);
+}
 
 enum class Dialect { kSqlite, kPostgres };
 
@@ -166,23 +202,50 @@ class SqlConnection {
   // The same of one that writes, to its end.
   template <typename... Values>
   Result<void> Change(std::string_view sql, const Values&... values) {
-    Result<Statement> change = Query(sql, values...);
-    if (!change) return change.error();
-    return change->Run();
+    SKYQUILT_TRY_ASSIGN(Statement change, Query(sql, values...));
+    return change.Run();
   }
-  // The same, as Statement::Number.
+  // The same, as Statement::All, First, AllText and Number.
+  template <typename Read, typename... Values>
+  auto All(const Read& read, std::string_view sql, const Values&... values)
+      -> decltype(std::declval<Statement&>().All(read)) {
+    SKYQUILT_TRY_ASSIGN(Statement query, Query(sql, values...));
+    return query.All(read);
+  }
+  template <typename Read, typename... Values>
+  auto First(const Read& read, std::string_view sql, const Values&... values)
+      -> decltype(std::declval<Statement&>().First(read)) {
+    SKYQUILT_TRY_ASSIGN(Statement query, Query(sql, values...));
+    return query.First(read);
+  }
+  // As First, where no row is an error.
+  template <typename Read, typename... Values>
+  auto One(const Read& read, const Error& if_none, std::string_view sql, const Values&... values)
+      -> Result<std::invoke_result_t<Read, const Statement&>> {
+    SKYQUILT_TRY_ASSIGN(auto first, First(read, sql, values...));
+    if (!first) return if_none;
+    return *std::move(first);
+  }
+  template <typename... Values>
+  Result<std::vector<std::string>> AllText(std::string_view sql, const Values&... values) {
+    return All(FirstColumn<std::string>, sql, values...);
+  }
+  // The first column of the first row; empty where there is none.
+  template <typename... Values>
+  Result<std::string> Text(std::string_view sql, const Values&... values) {
+    SKYQUILT_TRY_ASSIGN(const auto first, First(FirstColumn<std::string>, sql, values...));
+    return first.value_or("");
+  }
   template <typename... Values>
   Result<std::int64_t> Number(std::string_view sql, const Values&... values) {
-    Result<Statement> query = Query(sql, values...);
-    if (!query) return query.error();
-    return query->Number();
+    SKYQUILT_TRY_ASSIGN(Statement query, Query(sql, values...));
+    return query.Number();
   }
   // Whether it has a row.
   template <typename... Values>
   Result<bool> Finds(std::string_view sql, const Values&... values) {
-    Result<Statement> query = Query(sql, values...);
-    if (!query) return query.error();
-    return query->Step();
+    SKYQUILT_TRY_ASSIGN(Statement query, Query(sql, values...));
+    return query.Step();
   }
   // Rows changed by the last INSERT, UPDATE or DELETE.
   virtual std::int64_t Changes() const = 0;

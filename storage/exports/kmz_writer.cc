@@ -4,7 +4,6 @@
 #include <archive_entry.h>
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <memory>
 #include <new>
 #include <optional>

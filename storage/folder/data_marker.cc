@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cerrno>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <system_error>
@@ -76,8 +75,7 @@ bool HasSharedCatalogue(const DataDir& dir) {
 }
 
 Result<std::optional<std::string>> CatalogueId(SqlConnection& db) {
-  SKYQUILT_TRY_ASSIGN(Statement query, db.Query("SELECT id FROM data_dir"));
-  return query.First([](const Statement& row) { return std::string(row.ColumnText(0)); });
+  return db.First(FirstColumn<std::string>, "SELECT id FROM data_dir");
 }
 
 Result<void> SetCatalogueId(SqlConnection& db, const std::string& id) {
@@ -85,11 +83,7 @@ Result<void> SetCatalogueId(SqlConnection& db, const std::string& id) {
                    id);
 }
 
-Result<std::string> CatalogueBlobs(SqlConnection& db) {
-  SKYQUILT_TRY_ASSIGN(Statement query, db.Query("SELECT blobs FROM data_dir"));
-  SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
-  return row ? std::string(query.ColumnText(0)) : std::string();
-}
+Result<std::string> CatalogueBlobs(SqlConnection& db) { return db.Text("SELECT blobs FROM data_dir"); }
 
 Result<std::string> SayCatalogueBlobs(SqlConnection& db, const std::string& where) {
   SKYQUILT_TRY(db.Change("UPDATE data_dir SET blobs=? WHERE blobs=''", where));

@@ -57,16 +57,11 @@ Result<void> InsertFlight(SqlConnection& db, const DiskFlight& flight, const Fli
       TagsText(record.tags.value_or(std::vector<std::string>())), record.is_kept.value_or(false));
 }
 
-Result<std::set<std::string>> NamesOf(SqlConnection& db, const std::string& flight_id) {
-  SKYQUILT_TRY_ASSIGN(Statement query, db.Query("SELECT name FROM file WHERE flight_id=?", flight_id));
-  SKYQUILT_TRY_ASSIGN(const std::vector<std::string> names, query.AllText());
-  return std::set<std::string>(names.begin(), names.end());
-}
-
 Result<void> InsertFiles(SqlConnection& db, const DiskFlight& flight, const FlightRecord& record,
                          EnteredFlight& entered) {
-  SKYQUILT_TRY_ASSIGN(std::set<std::string> names, NamesOf(db, flight.id));
-  std::set<std::string> stored;
+  SKYQUILT_TRY_ASSIGN(const std::vector<std::string> known,
+                      db.AllText("SELECT name FROM file WHERE flight_id=?", flight.id));
+  std::set<std::string> names(known.begin(), known.end()), stored;
   for (const DiskFile& file : flight.files) stored.insert(file.stored_name);
   SKYQUILT_TRY_ASSIGN(
       Statement insert,

@@ -197,13 +197,11 @@ Result<std::optional<std::int64_t>> JobQueue::ReserveRevision(const Lease& lease
   // A number that nobody hears of is left out.
   return db_.Patiently([&]() -> Result<std::optional<std::int64_t>> {
     const auto db = db_.Lock();
-    SKYQUILT_TRY_ASSIGN(
-        Statement update,
-        db->Query(
-            "UPDATE flight SET next_revision=next_revision+1 WHERE id=?3 AND EXISTS("
-            " SELECT 1 FROM job WHERE id=?1 AND lease_token=?2 AND state='running') RETURNING next_revision-1",
-            lease.job_id, lease.token, lease.flight_id));
-    return update.First([](const Statement& row) { return row.ColumnInt64(0); });
+    return db->First(
+        FirstColumn<std::int64_t>,
+        "UPDATE flight SET next_revision=next_revision+1 WHERE id=?3 AND EXISTS("
+        " SELECT 1 FROM job WHERE id=?1 AND lease_token=?2 AND state='running') RETURNING next_revision-1",
+        lease.job_id, lease.token, lease.flight_id);
   });
 }
 

@@ -22,11 +22,8 @@ constexpr const char* kOfFlightThere =
     "EXISTS(SELECT 1 FROM flight f WHERE f.id=job.flight_id AND f.deleted_us IS NULL)";
 
 Result<Job> ReadJob(SqlConnection& db, const std::string& id) {
-  SKYQUILT_TRY_ASSIGN(Statement query,
-                      db.Query(std::string(kJobColumns) + "FROM job WHERE id=? AND " + kOfFlightThere, id));
-  SKYQUILT_TRY_ASSIGN(std::optional<Job> job, query.First(JobFrom));
-  if (!job) return NoSuchJob(id);
-  return *std::move(job);
+  return db.One(JobFrom, NoSuchJob(id),
+                std::string(kJobColumns) + "FROM job WHERE id=? AND " + kOfFlightThere, id);
 }
 
 }  // namespace
@@ -83,41 +80,33 @@ Result<Job> JobQueue::Get(const std::string& id) const {
 Result<std::vector<Job>> JobQueue::List(const std::optional<std::string>& flight_id, int limit) const {
   const auto db = db_.Read();
   // Two statements, so that each has its index.
-  SKYQUILT_TRY_ASSIGN(Statement query,
-                      db->Query(std::string(kJobColumns) +
-                                    (flight_id ? "FROM job WHERE flight_id=?1 AND "
-                                               : "FROM job WHERE CAST(?1 AS TEXT) IS NULL AND ") +
-                                    kOfFlightThere + " ORDER BY id DESC LIMIT ?2",
-                                flight_id, limit));
-  return query.All(JobFrom);
+  return db->All(
+      JobFrom,
+      std::string(kJobColumns) +
+          (flight_id ? "FROM job WHERE flight_id=?1 AND " : "FROM job WHERE CAST(?1 AS TEXT) IS NULL AND ") +
+          kOfFlightThere + " ORDER BY id DESC LIMIT ?2",
+      flight_id, limit);
 }
 
 Result<std::optional<Job>> JobQueue::LatestOf(const std::string& flight_id) const {
   const auto db = db_.Read();
-  SKYQUILT_TRY_ASSIGN(Statement query,
-                      db->Query(std::string(kJobColumns) + "FROM job WHERE flight_id=? AND " +
-                                    kOfFlightThere + " ORDER BY id DESC LIMIT 1",
-                                flight_id));
-  return query.First(JobFrom);
+  return db->First(JobFrom,
+                   std::string(kJobColumns) + "FROM job WHERE flight_id=? AND " + kOfFlightThere +
+                       " ORDER BY id DESC LIMIT 1",
+                   flight_id);
 }
 
 Result<std::vector<Job>> JobQueue::ListRunning() const {
   const auto db = db_.Read();
-  SKYQUILT_TRY_ASSIGN(Statement query,
-                      db->Query(std::string(kJobColumns) + "FROM job WHERE state='running' ORDER BY id"));
-  return query.All(JobFrom);
+  return db->All(JobFrom, std::string(kJobColumns) + "FROM job WHERE state='running' ORDER BY id");
 }
 
 Result<JobCounts> JobQueue::Count() const {
   const auto db = db_.Read();
-  SKYQUILT_TRY_ASSIGN(
-      Statement query,
-      db->Prepare("SELECT count(*) FILTER (WHERE state='accepted'), count(*) FILTER (WHERE state='running'),"
-                  " count(*) FILTER (WHERE state='successful'), count(*) FILTER (WHERE state='failed'),"
-                  " count(*) FILTER (WHERE state='dismissed') FROM job"));
-  SKYQUILT_TRY(query.Step());
-  const auto column = [&](int i) { return static_cast<int>(query.ColumnInt64(i)); };
-  return JobCounts{column(0), column(1), column(2), column(3), column(4)};
+  return db->One(RowOf<JobCounts, int, int, int, int, int>, Error{},
+                 "SELECT count(*) FILTER (WHERE state='accepted'), count(*) FILTER (WHERE state='running'),"
+                 " count(*) FILTER (WHERE state='successful'), count(*) FILTER (WHERE state='failed'),"
+                 " count(*) FILTER (WHERE state='dismissed') FROM job");
 }
 
 Result<int> JobQueue::CountUnfinished(int most) const {
@@ -157,23 +146,19 @@ Result<void> JobQueue::Remove(const std::string& id) {
 Result<std::vector<JobQueue::LiveLease>> JobQueue::LiveLeases(Time by_machine) const {
   const auto db = db_.Read();
   const Time now = db_.SharedTime(by_machine, *db);
-  SKYQUILT_TRY_ASSIGN(
-      Statement query,
-      db->Query("SELECT flight_id, id, lease_token FROM job WHERE state='running' AND lease_until_us>=?",
-                ToUs(now)));
-  return query.All([](const Statement& row) {
+  const auto lease_from = [](const Statement& row) {
     Lease lease;
-    lease.job_id = row.ColumnText(1);
-    lease.token = row.ColumnInt64(2);
-    return LiveLease{std::string(row.ColumnText(0)), WorkName(lease)};
-  });
+    row.Into(lease.flight_id, lease.job_id, lease.token);
+    return LiveLease{lease.flight_id, WorkName(lease)};
+  };
+  return db->All(lease_from,
+                 "SELECT flight_id, id, lease_token FROM job WHERE state='running' AND lease_until_us>=?",
+                 ToUs(now));
 }
 
 Result<std::vector<std::string>> JobQueue::UnfinishedJobs() const {
   const auto db = db_.Read();
-  SKYQUILT_TRY_ASSIGN(Statement query,
-                      db->Query("SELECT id FROM job WHERE state IN ('accepted', 'running')"));
-  return query.AllText();
+  return db->AllText("SELECT id FROM job WHERE state IN ('accepted', 'running')");
 }
 
 }  // namespace skyquilt::storage

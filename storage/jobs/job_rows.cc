@@ -21,35 +21,17 @@ JobState StateFrom(std::string_view name) {
   SKYQUILT_CHECK(false, "the schema allows no other job state");
 }
 
-std::optional<Time> TimeFrom(const Statement& row, int column) {
-  if (row.IsNull(column)) return std::nullopt;
-  return FromUs(row.ColumnInt64(column));
-}
-
 }  // namespace
 
 Job JobFrom(const Statement& row) {
   Job job;
-  job.id = row.ColumnText(0);
-  job.flight_id = row.ColumnText(1);
-  job.options = row.ColumnText(2);
-  job.state = StateFrom(row.ColumnText(3));
-  job.stage = row.ColumnText(4);
-  job.progress = row.ColumnDouble(5);
-  job.message = row.ColumnText(6);
-  job.attempts = static_cast<int>(row.ColumnInt64(7));
-  job.cancel_requested = row.ColumnInt64(8) != 0;
-  if (!row.IsNull(9)) {
-    job.error = JobError{std::string(row.ColumnText(9)), std::string(row.ColumnText(10)),
-                         std::string(row.ColumnText(19))};
-  }
-  job.created = FromUs(row.ColumnInt64(11));
-  job.started = TimeFrom(row, 12);
-  job.attempt_started = TimeFrom(row, 13);
-  job.finished = TimeFrom(row, 14);
-  job.priority = static_cast<int>(row.ColumnInt64(15));
-  if (!row.IsNull(16))
-    job.expected = Expectation{row.ColumnDouble(16), row.ColumnDouble(17), row.ColumnDouble(18), {}};
+  row.Into(job.id, job.flight_id, job.options, job.stage, job.progress, job.message, job.attempts,
+           job.cancel_requested, job.created, job.started, job.attempt_started, job.finished, job.priority);
+  job.state = StateFrom(row.ColumnText(13));
+  if (!row.IsNull(14))
+    job.error = JobError{row.Get<std::string>(14), row.Get<std::string>(15), row.Get<std::string>(16)};
+  if (!row.IsNull(17))
+    job.expected = Expectation{row.ColumnDouble(17), row.ColumnDouble(18), row.ColumnDouble(19), {}};
   return job;
 }
 
@@ -66,8 +48,7 @@ std::string ReasonText(const Error& error) {
 }
 
 Lease LeaseFrom(const Statement& row) {
-  return {std::string(row.ColumnText(0)), std::string(row.ColumnText(1)), std::string(row.ColumnText(2)),
-          row.ColumnInt64(3), static_cast<int>(row.ColumnInt64(4))};
+  return RowOf<Lease, std::string, std::string, std::string, std::int64_t, int>(row);
 }
 
 Result<LeaseState> LeaseStateFrom(Statement& query) {

@@ -12,10 +12,9 @@
 namespace skyquilt::storage {
 
 inline constexpr const char* kJobColumns =
-    "SELECT id, flight_id, options, state, stage, progress, message, attempts, cancel, error_code, "
-    "error_message,"
-    " created_us, started_us, attempt_started_us, finished_us, priority, expected_s, expected_low_s, expected_high_s,"
-    " error_reason ";
+    "SELECT id, flight_id, options, stage, progress, message, attempts, cancel, created_us, started_us,"
+    " attempt_started_us, finished_us, priority, state, error_code, error_message, error_reason, expected_s,"
+    " expected_low_s, expected_high_s ";
 
 // A job that waits for its units has this worker, "units", and a lease that never ends by itself.
 inline constexpr std::int64_t kUnitsLeaseUs = std::int64_t{1} << 53;

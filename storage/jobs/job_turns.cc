@@ -43,13 +43,10 @@ Result<std::map<std::string, std::int64_t>> RunningByOwner(SqlConnection& db, Ti
 }
 
 Result<std::string> FirstOf(SqlConnection& db, const std::string& owner, std::int64_t priority, Time now) {
-  SKYQUILT_TRY_ASSIGN(
-      Statement query,
-      db.Query("SELECT id FROM job WHERE state='accepted' AND owner=?1 AND priority=?2 AND not_before_us<=?3"
-               " ORDER BY id LIMIT 1",
-               owner, priority, ToUs(now)));
-  SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
-  return row ? std::string(query.ColumnText(0)) : std::string();
+  return db.Text(
+      "SELECT id FROM job WHERE state='accepted' AND owner=?1 AND priority=?2 AND not_before_us<=?3"
+      " ORDER BY id LIMIT 1",
+      owner, priority, ToUs(now));
 }
 
 // Of the jobs that wait. Along the index: by priority, then whose turn is longest ago, then who came first.
@@ -153,15 +150,15 @@ Result<std::optional<Lease>> ClaimInFolder(SqlConnection& db, std::string_view w
   SKYQUILT_TRY_ASSIGN(const std::optional<std::string> next, NextJob(db, now));
   if (next) {
     SKYQUILT_TRY_ASSIGN(
-        Statement claim,
-        db.Query(
+        lease,
+        db.First(
+            LeaseFrom,
             "UPDATE job SET state='running', lease_token=lease_token+1, attempts=attempts+1, worker=?1,"
             " lease_until_us=?2, started_us=coalesce(started_us,?3), "
             " attempt_started_us=CASE worker WHEN 'units' THEN attempt_started_us ELSE ?3 END,"
             " stage=CASE worker WHEN 'units' THEN stage ELSE '' END,"
             " progress=CASE worker WHEN 'units' THEN progress ELSE 0 END, message='', claimed_in=?5 WHERE id=?4 RETURNING id, flight_id, options, lease_token, attempts",
             worker, ToUs(now + kLeaseTime), ToUs(now), *next, MachineBoot::Id()));
-    SKYQUILT_TRY_ASSIGN(lease, claim.First(LeaseFrom));
   }
   SKYQUILT_TRY(transaction.Commit());
   return lease;

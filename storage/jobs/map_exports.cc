@@ -18,33 +18,20 @@ namespace {
 constexpr std::array<const char*, 4> kStates = {"accepted", "running", "successful", "failed"};
 
 constexpr const char* kExportColumns =
-    "e.id, e.flight_id, e.revision, e.request, e.format, e.owner, e.state, e.progress, e.attempts, e.lease_token, "
+    "e.id, e.flight_id, e.revision, e.request, e.format, e.owner, e.progress, e.attempts, e.lease_token, "
     "e.bytes, e.error_code, e.error_message, e.created_us, e.finished_us, e.expires_us, "
     "EXISTS(SELECT 1 FROM token t WHERE t.id=e.owner AND t.flight_id IS NOT NULL) AS is_of_link, "
-    "e.error_reason";
+    "e.error_reason, e.state";
 
 MapExport ExportOf(const Statement& row) {
   MapExport made;
-  made.id = row.ColumnText(0);
-  made.flight_id = row.ColumnText(1);
-  made.revision = row.ColumnInt64(2);
-  made.request = row.ColumnText(3);
-  made.format = row.ColumnText(4);
-  made.owner = row.ColumnText(5);
+  std::string state;
+  row.Into(made.id, made.flight_id, made.revision, made.request, made.format, made.owner, made.progress,
+           made.attempts, made.lease_token, made.bytes, made.error_code, made.error_message, made.created,
+           made.finished, made.expires, made.is_of_link, made.error_reason, state);
   for (std::size_t i = 0; i < kStates.size(); ++i) {
-    if (row.ColumnText(6) == kStates[i]) made.state = static_cast<ExportState>(i);
+    if (state == kStates[i]) made.state = static_cast<ExportState>(i);
   }
-  made.progress = row.ColumnDouble(7);
-  made.attempts = static_cast<int>(row.ColumnInt64(8));
-  made.lease_token = row.ColumnInt64(9);
-  made.bytes = row.ColumnInt64(10);
-  made.error_code = row.ColumnText(11);
-  made.error_message = row.ColumnText(12);
-  made.created = FromUs(row.ColumnInt64(13));
-  if (!row.IsNull(14)) made.finished = FromUs(row.ColumnInt64(14));
-  if (!row.IsNull(15)) made.expires = FromUs(row.ColumnInt64(15));
-  made.is_of_link = row.ColumnInt64(16) != 0;
-  made.error_reason = row.ColumnText(17);
   return made;
 }
 
@@ -62,12 +49,10 @@ Result<void> MakeRoomForLink(SqlConnection& db, const MapExport& wish, const std
 }
 
 Result<std::vector<MapExport>> ListOf(SqlConnection& db, const std::string& flight_id) {
-  SKYQUILT_TRY_ASSIGN(
-      Statement query,
-      db.Query(
-          fmt::format("SELECT {} FROM map_export e WHERE e.flight_id=? ORDER BY e.id DESC", kExportColumns),
-          flight_id));
-  return query.All(ExportOf);
+  return db.All(
+      ExportOf,
+      fmt::format("SELECT {} FROM map_export e WHERE e.flight_id=? ORDER BY e.id DESC", kExportColumns),
+      flight_id);
 }
 
 }  // namespace
@@ -116,12 +101,12 @@ Result<MapExport> MapExports::Add(const MapExport& wish, Time now) {
 
 Result<MapExport> MapExports::Get(const std::string& flight_id, const std::string& id) const {
   const auto db = db_.Read();
-  SKYQUILT_TRY_ASSIGN(Statement query,
-                      db->Query(fmt::format("SELECT {} FROM map_export e JOIN flight f ON f.id=e.flight_id"
+  SKYQUILT_TRY_ASSIGN(std::optional<MapExport> found,
+                      db->First(ExportOf,
+                                fmt::format("SELECT {} FROM map_export e JOIN flight f ON f.id=e.flight_id"
                                             " WHERE e.id=? AND e.flight_id=? AND f.deleted_us IS NULL",
                                             kExportColumns),
                                 id, flight_id));
-  SKYQUILT_TRY_ASSIGN(std::optional<MapExport> found, query.First(ExportOf));
   if (!found || HasExpired(*found))
     return flight::Because(ErrorCode::kNotFound, flight::RemarkCode::kExportGone);
   return *std::move(found);
@@ -149,14 +134,14 @@ Result<std::optional<MapExport>> MapExports::ClaimOnce(Time now, bool prints) {
   const Time time = db_.SharedTime(now, *db);
   while (true) {
     SKYQUILT_TRY_ASSIGN(
-        Statement query,
-        db->Query(fmt::format("SELECT {} FROM map_export e JOIN flight f ON f.id=e.flight_id"
+        std::optional<MapExport> next,
+        db->First(ExportOf,
+                  fmt::format("SELECT {} FROM map_export e JOIN flight f ON f.id=e.flight_id"
                               " WHERE e.state IN ('accepted','running') AND"
                               " e.lease_until_us<CASE e.state WHEN 'running' THEN ?2 ELSE ?1 END"
                               " AND f.deleted_us IS NULL{} ORDER BY is_of_link, e.id LIMIT 1",
                               kExportColumns, prints ? "" : " AND e.format<>'report'"),
                   ToUs(time), ToUs(db_.LostBefore(time))));
-    SKYQUILT_TRY_ASSIGN(std::optional<MapExport> next, query.First(ExportOf));
     if (!next) return next;
     SKYQUILT_TRY(
         db->Change("UPDATE map_export SET state='running', progress=0, attempts=attempts+1,"
@@ -222,12 +207,11 @@ Result<void> MapExports::TakeUpAfterRestart() {
 Result<void> MapExports::EndThoseOfEndedLinks(Time now) {
   const auto db = db_.Lock();
   SKYQUILT_TRY_ASSIGN(
-      Statement query,
-      db->Query(
+      const std::vector<std::string> ended,
+      db->AllText(
           "SELECT id FROM token WHERE flight_id IS NOT NULL AND expires_us<=? AND EXISTS("
           "SELECT 1 FROM map_export e WHERE e.owner=token.id AND (e.expires_us IS NULL OR e.expires_us>0))",
           ToUs(now)));
-  SKYQUILT_TRY_ASSIGN(const std::vector<std::string> ended, query.AllText());
   if (ended.empty()) return {};
   SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
   for (const std::string& owner : ended) SKYQUILT_TRY(EndExportsOf(*db, owner));
@@ -236,11 +220,9 @@ Result<void> MapExports::EndThoseOfEndedLinks(Time now) {
 
 Result<std::vector<MapExport>> MapExports::Expired() const {
   const auto db = db_.Read();
-  SKYQUILT_TRY_ASSIGN(
-      Statement query,
-      db->Query(fmt::format("SELECT {} FROM map_export e WHERE e.expires_us<? ORDER BY e.id", kExportColumns),
-                ToUs(db_.ages().Now())));
-  return query.All(ExportOf);
+  return db->All(
+      ExportOf, fmt::format("SELECT {} FROM map_export e WHERE e.expires_us<? ORDER BY e.id", kExportColumns),
+      ToUs(db_.ages().Now()));
 }
 
 std::string ExportKey(const MapExport& made) {

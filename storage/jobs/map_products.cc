@@ -56,13 +56,9 @@ Result<void> ForgetProducts(SqlConnection& db) { return db.Exec("DELETE FROM pro
 Result<std::vector<MapProduct>> KnownProducts(CatalogueDb& db, const std::string& flight_id,
                                               std::int64_t revision) {
   const auto access = db.Read();
-  SKYQUILT_TRY_ASSIGN(
-      Statement query,
-      access->Query("SELECT name, sha256 FROM product WHERE flight_id=? AND revision=? ORDER BY name",
-                    flight_id, revision));
-  return query.All([](const Statement& row) {
-    return MapProduct{std::string(row.ColumnText(0)), std::string(row.ColumnText(1))};
-  });
+  return access->All(RowOf<MapProduct, std::string, std::string>,
+                     "SELECT name, sha256 FROM product WHERE flight_id=? AND revision=? ORDER BY name",
+                     flight_id, revision);
 }
 
 Result<std::optional<std::string>> PublishedSum(CatalogueDb& db, const std::string& key) {

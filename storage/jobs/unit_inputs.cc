@@ -50,36 +50,30 @@ Result<std::optional<std::string>> UnitQueue::TakeOver(const Lease& lease, std::
   return db_.Again([&]() -> Result<std::optional<std::string>> {
     const auto db = db_.Lock();
     const Time now = db_.SharedTime(by_machine, *db);
-    SKYQUILT_TRY_ASSIGN(
-        Statement take,
-        db->Query(
-            std::string("UPDATE job SET made_from=?4, units_of=coalesce((SELECT j.units_of FROM job j WHERE"
-                        " j.flight_id=job.flight_id AND j.id<>job.id AND j.made_from=?4 AND") +
-                MayBeTakenOver(" AND n.id<>?2") +
-                " ORDER BY j.id DESC LIMIT 1), id) WHERE id=?2 AND lease_token=?3 AND state='running'"
-                " RETURNING units_of",
-            ToUs(now - kUnitsKept), lease.job_id, lease.token, made_from));
-    return take.First([](const Statement& row) { return std::string(row.ColumnText(0)); });
+    return db->First(
+        FirstColumn<std::string>,
+        std::string("UPDATE job SET made_from=?4, units_of=coalesce((SELECT j.units_of FROM job j WHERE"
+                    " j.flight_id=job.flight_id AND j.id<>job.id AND j.made_from=?4 AND") +
+            MayBeTakenOver(" AND n.id<>?2") +
+            " ORDER BY j.id DESC LIMIT 1), id) WHERE id=?2 AND lease_token=?3 AND state='running'"
+            " RETURNING units_of",
+        ToUs(now - kUnitsKept), lease.job_id, lease.token, made_from);
   });
 }
 
 Result<std::string> UnitQueue::UnitsOf(const std::string& job_id) const {
   const auto db = db_.Read();
-  SKYQUILT_TRY_ASSIGN(Statement query, db->Query("SELECT units_of FROM job WHERE id=?", job_id));
-  SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
-  return row ? std::string(query.ColumnText(0)) : std::string();
+  return db->Text("SELECT units_of FROM job WHERE id=?", job_id);
 }
 
 Result<std::vector<std::string>> JobQueue::UnitsOfUse(Time by_machine) const {
   constexpr std::chrono::hours kLonger{1};  // so that nobody takes over what a sweep takes away
   const auto db = db_.Read();
   const Time now = db_.SharedTime(by_machine, *db);
-  SKYQUILT_TRY_ASSIGN(Statement query,
-                      db->Query(std::string("SELECT DISTINCT j.units_of FROM job j WHERE (j.units_of<>''"
-                                            " AND j.state IN ('accepted','running')) OR (") +
-                                    MayBeTakenOver("") + ")",
-                                ToUs(now - kUnitsKept - kLonger)));
-  return query.AllText();
+  return db->AllText(std::string("SELECT DISTINCT j.units_of FROM job j WHERE (j.units_of<>''"
+                                 " AND j.state IN ('accepted','running')) OR (") +
+                         MayBeTakenOver("") + ")",
+                     ToUs(now - kUnitsKept - kLonger));
 }
 
 }  // namespace skyquilt::storage

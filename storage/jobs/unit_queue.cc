@@ -43,11 +43,10 @@ const char* PassOverLocked(const SqlConnection& db) {
 // Units whose workers died again and again end their jobs.
 Result<void> FailExhausted(SqlConnection& db, Time now) {
   SKYQUILT_TRY_ASSIGN(
-      Statement query,
-      db.Query(
+      const std::vector<std::string> jobs,
+      db.AllText(
           "SELECT DISTINCT job_id FROM unit WHERE state='running' AND lease_until_us<?1 AND attempts>=?2",
           ToUs(now), kMaxUnitAttempts));
-  SKYQUILT_TRY_ASSIGN(const std::vector<std::string> jobs, query.AllText());
   for (const std::string& job : jobs) {
     SKYQUILT_TRY(FailJobOf(
         db, job, flight::Because(ErrorCode::kInternal, flight::RemarkCode::kFailPartWorkersDied), now));
@@ -81,11 +80,7 @@ Result<void> GoOn(SqlConnection& db, const std::string& job_id, std::string_view
 
 UnitLease UnitFrom(const Statement& row) {
   UnitLease unit;
-  unit.job_id = row.ColumnText(0);
-  unit.kind = row.ColumnText(1);
-  unit.number = static_cast<int>(row.ColumnInt64(2));
-  unit.items = row.ColumnInt64(3);
-  unit.token = row.ColumnInt64(4);
+  row.Into(unit.job_id, unit.kind, unit.number, unit.items, unit.token);
   return unit;
 }
 
@@ -128,14 +123,10 @@ Result<bool> UnitQueue::Cut(const Lease& lease, std::string_view kind, int count
 
 Result<std::vector<UnitCount>> UnitQueue::Of(const std::string& job_id) const {
   const auto db = db_.Read();
-  SKYQUILT_TRY_ASSIGN(Statement query,
-                      db->Query("SELECT kind, count(*), count(*) FILTER (WHERE state='done'), max(items)"
-                                " FROM unit WHERE job_id=? GROUP BY kind ORDER BY kind",
-                                job_id));
-  return query.All([](const Statement& row) {
-    return UnitCount{std::string(row.ColumnText(0)), static_cast<int>(row.ColumnInt64(1)),
-                     static_cast<int>(row.ColumnInt64(2)), row.ColumnInt64(3)};
-  });
+  return db->All(RowOf<UnitCount, std::string, int, int, std::int64_t>,
+                 "SELECT kind, count(*), count(*) FILTER (WHERE state='done'), max(items)"
+                 " FROM unit WHERE job_id=? GROUP BY kind ORDER BY kind",
+                 job_id);
 }
 
 Result<std::vector<UnitsOfKind>> UnitQueue::Count(Time by_machine) const {
@@ -153,8 +144,7 @@ Result<std::vector<UnitsOfKind>> UnitQueue::Count(Time by_machine) const {
                 " min(CASE state WHEN 'waiting' THEN since_us END) FROM seen GROUP BY kind ORDER BY kind",
                 ToUs(now)));
   return query.All([&](const Statement& row) {
-    const auto column = [&](int i) { return static_cast<int>(row.ColumnInt64(i)); };
-    UnitsOfKind kind{std::string(row.ColumnText(0)), column(1), column(2), column(3), column(4)};
+    auto kind = RowOf<UnitsOfKind, std::string, int, int, int, int>(row);
     if (kind.waiting > 0)
       kind.longest_waiting_s = std::max(0.0, static_cast<double>(ToUs(now) - row.ColumnInt64(5)) * 1e-6);
     return kind;
@@ -179,8 +169,9 @@ Result<std::optional<UnitLease>> UnitQueue::Claim(std::string_view worker, Time 
     const Time lost_before = db_.LostBefore(now);
     SKYQUILT_TRY(FailExhausted(*db, lost_before));
     SKYQUILT_TRY_ASSIGN(
-        Statement claim,
-        db->Query(
+        std::optional<UnitLease> unit,
+        db->First(
+            UnitFrom,
             std::string("WITH next(a_job, a_kind, a_number) AS (SELECT u.job_id, u.kind, u.number FROM unit u"
                         " JOIN job j ON j.id=u.job_id WHERE j.state='running' AND j.cancel=0 AND"
                         " (u.state='waiting' OR (u.state='running' AND u.lease_until_us<?4))"
@@ -192,7 +183,6 @@ Result<std::optional<UnitLease>> UnitQueue::Claim(std::string_view worker, Time 
                 ", since_us=?3 FROM next WHERE job_id=a_job AND kind=a_kind AND number=a_number"
                 " RETURNING job_id, kind, number, items, lease_token",
             worker, ToUs(now + kLeaseTime), ToUs(now), ToUs(lost_before)));
-    SKYQUILT_TRY_ASSIGN(std::optional<UnitLease> unit, claim.First(UnitFrom));
     if (!unit) return unit;
     SKYQUILT_TRY_ASSIGN(
         Statement job,
@@ -201,10 +191,7 @@ Result<std::optional<UnitLease>> UnitQueue::Claim(std::string_view worker, Time 
                   unit->job_id, unit->kind));
     SKYQUILT_TRY_ASSIGN(const bool row, job.Step());
     if (!row) return std::optional<UnitLease>();  // deleted a moment ago, with its units
-    unit->flight_id = job.ColumnText(0);
-    unit->options = job.ColumnText(1);
-    unit->count = static_cast<int>(job.ColumnInt64(2));
-    unit->units_of = job.ColumnText(3);
+    job.Into(unit->flight_id, unit->options, unit->count, unit->units_of);
     return unit;
   });
 }
@@ -303,13 +290,10 @@ Result<std::vector<HeldUnit>> UnitQueue::Held(const std::string& job_id) const {
                 " ORDER BY job_id, kind, number LIMIT ?3",
                 ToUs(now), job_id, kMaxHeld));
   return query.All([&](const Statement& row) {
-    return HeldUnit{std::string(row.ColumnText(0)),
-                    std::string(row.ColumnText(1)),
-                    static_cast<int>(row.ColumnInt64(2)),
-                    std::string(row.ColumnText(3)),
-                    FromUs(row.ColumnInt64(4)),
-                    std::max(0.0, static_cast<double>(ToUs(now) - row.ColumnInt64(4)) * 1e-6),
-                    static_cast<int>(row.ColumnInt64(5))};
+    HeldUnit unit;
+    row.Into(unit.job_id, unit.kind, unit.number, unit.worker, unit.since, unit.attempt);
+    unit.held_s = std::max(0.0, static_cast<double>(ToUs(now) - ToUs(unit.since)) * 1e-6);
+    return unit;
   });
 }
 

@@ -35,15 +35,10 @@ Result<void> WorkersAside::Clear(const std::string& worker) {
 Result<std::vector<WorkerAside>> WorkersAside::List() const {
   const auto db = db_.Read();
   const Time now = db_.SharedTime(Now(), *db);
-  SKYQUILT_TRY_ASSIGN(Statement query,
-                      db->Query("SELECT worker, since_us, until_us, times, code, message FROM worker_aside"
-                                " WHERE until_us>=? ORDER BY since_us, worker LIMIT 1000",
-                                ToUs(now) - kForgottenAfterUs));
-  return query.All([](const Statement& row) {
-    return WorkerAside{std::string(row.ColumnText(0)), FromUs(row.ColumnInt64(1)),
-                       FromUs(row.ColumnInt64(2)),     static_cast<int>(row.ColumnInt64(3)),
-                       std::string(row.ColumnText(4)), std::string(row.ColumnText(5))};
-  });
+  return db->All(RowOf<WorkerAside, std::string, Time, Time, int, std::string, std::string>,
+                 "SELECT worker, since_us, until_us, times, code, message FROM worker_aside"
+                 " WHERE until_us>=? ORDER BY since_us, worker LIMIT 1000",
+                 ToUs(now) - kForgottenAfterUs);
 }
 
 }  // namespace skyquilt::storage

@@ -11,7 +11,6 @@
 #include <array>
 #include <atomic>
 #include <memory>
-#include <utility>
 
 #include "core/base/try.h"
 #include "storage/rasters/gdal_steps.h"

@@ -14,7 +14,6 @@
 #include <map>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"

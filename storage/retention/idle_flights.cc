@@ -58,11 +58,9 @@ LookedAt LookedAtFrom(const Statement& row) {
 }
 
 Result<std::vector<LookedAt>> FlightsAfter(SqlConnection& db, const std::string& id, Time now) {
-  SKYQUILT_TRY_ASSIGN(
-      Statement query,
-      db.Query(std::string(kLook) + fmt::format("f.id>?1 ORDER BY f.id LIMIT {}", kFlightsAtATime), id,
-               ToUs(now)));
-  return query.All(LookedAtFrom);
+  return db.All(LookedAtFrom,
+                std::string(kLook) + fmt::format("f.id>?1 ORDER BY f.id LIMIT {}", kFlightsAtATime), id,
+                ToUs(now));
 }
 
 Result<void> KeepSeen(SqlConnection& db, const std::vector<LookedAt>& looked, Time age) {
@@ -109,9 +107,9 @@ Result<std::vector<IdleFlight>> IdleFlights::Look(Time age, Time now, std::chron
 
 Result<bool> IdleFlights::IsIdle(SqlConnection& db, const std::string& flight_id, Time age, Time now,
                                  std::chrono::microseconds keep) {
-  SKYQUILT_TRY_ASSIGN(Statement query, db.Query(std::string(kLook) + "f.id=?1", flight_id, ToUs(now)));
-  SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
-  return row && LookedAtFrom(query).IsIdle(age, keep);
+  SKYQUILT_TRY_ASSIGN(const std::optional<LookedAt> found,
+                      db.First(LookedAtFrom, std::string(kLook) + "f.id=?1", flight_id, ToUs(now)));
+  return found && found->IsIdle(age, keep);
 }
 
 Result<void> IdleFlights::Forget() {

@@ -1,6 +1,5 @@
 #include "storage/tilesets/map_keeper.h"
 
-#include <algorithm>
 #include <string>
 #include <system_error>
 #include <utility>

@@ -74,9 +74,7 @@ class FolderUploadBytes final : public UploadBytes {
     std::vector<std::string> over;
     {
       const auto db = db_.Lock();
-      SKYQUILT_TRY_ASSIGN(Statement query,
-                          db->Query("SELECT id FROM upload WHERE expires_us<=?1", ToUs(now)));
-      SKYQUILT_TRY_ASSIGN(over, query.AllText());
+      SKYQUILT_TRY_ASSIGN(over, db->AllText("SELECT id FROM upload WHERE expires_us<=?1", ToUs(now)));
     }
     // The bytes first: as long as the row is there, they are known to be nobody's.
     int count = 0;

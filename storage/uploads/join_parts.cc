@@ -15,13 +15,10 @@ Result<std::optional<SpooledUpload>> UploadSpool::JoinedBefore(const SpooledUplo
   {
     const auto db = db_.Read();
     SKYQUILT_TRY_ASSIGN(
-        Statement query,
-        db->Query("SELECT id FROM upload WHERE flight_id=? AND owner=? AND concat=? AND name=?",
-                  wish.flight_id, wish.owner, wish.concat, wish.name));
-    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
-    if (!row) return std::optional<SpooledUpload>();
-    id = query.ColumnText(0);
+        id, db->Text("SELECT id FROM upload WHERE flight_id=? AND owner=? AND concat=? AND name=?",
+                     wish.flight_id, wish.owner, wish.concat, wish.name));
   }
+  if (id.empty()) return std::optional<SpooledUpload>();
   SKYQUILT_TRY_ASSIGN(SpooledUpload upload, Read(id, now));
   return std::optional(std::move(upload));
 }

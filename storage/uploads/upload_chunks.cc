@@ -189,8 +189,8 @@ Result<int> SweepChunks(CatalogueDb& db, BlobStore& blobs, std::chrono::seconds 
   std::set<std::string> listed;
   {
     const auto access = db.Read();
-    SKYQUILT_TRY_ASSIGN(Statement query, access->Query("SELECT parts FROM upload WHERE parts<>''"));
-    SKYQUILT_TRY_ASSIGN(const std::vector<std::string> texts, query.AllText());
+    SKYQUILT_TRY_ASSIGN(const std::vector<std::string> texts,
+                        access->AllText("SELECT parts FROM upload WHERE parts<>''"));
     for (const std::string& text : texts) {
       if (!WholeIn(text).empty()) continue;
       SKYQUILT_TRY_ASSIGN(const std::vector<UploadChunk> chunks, ParseChunks(text));

@@ -32,17 +32,8 @@ Error TakenOver() { return {ErrorCode::kConflict, "Another request goes on with 
 
 SpooledUpload UploadFrom(const Statement& row) {
   SpooledUpload upload;
-  upload.id = row.ColumnText(0);
-  upload.flight_id = row.ColumnText(1);
-  upload.name = row.ColumnText(2);
-  upload.metadata = row.ColumnText(3);
-  if (!row.IsNull(4)) upload.length = row.ColumnInt64(4);
-  upload.offset = row.ColumnInt64(5);
-  upload.is_done = row.ColumnInt64(6) != 0;
-  upload.expires = FromUs(row.ColumnInt64(7));
-  upload.owner = row.ColumnText(8);
-  upload.concat = row.ColumnText(9);
-  upload.parts = row.ColumnText(10);
+  row.Into(upload.id, upload.flight_id, upload.name, upload.metadata, upload.length, upload.offset,
+           upload.is_done, upload.expires, upload.owner, upload.concat, upload.parts);
   return upload;
 }
 
@@ -71,13 +62,9 @@ std::shared_ptr<UploadSpool::Turn> UploadSpool::TurnOf(const std::string& id) {
 Result<SpooledUpload> UploadSpool::Read(const std::string& id, Time now) const {
   if (!IsId(id)) return NoSuchUpload();
   const auto db = db_.Read();
-  SKYQUILT_TRY_ASSIGN(
-      Statement query,
-      db->Query(std::string(kUploadColumns) + "WHERE id=? AND expires_us>? AND " + kUploadOfFlightThere, id,
-                ToUs(now)));
-  SKYQUILT_TRY_ASSIGN(std::optional<SpooledUpload> upload, query.First(UploadFrom));
-  if (!upload) return NoSuchUpload();
-  return *std::move(upload);
+  return db->One(UploadFrom, NoSuchUpload(),
+                 std::string(kUploadColumns) + "WHERE id=? AND expires_us>? AND " + kUploadOfFlightThere, id,
+                 ToUs(now));
 }
 
 Result<SpooledUpload> UploadSpool::Create(const SpooledUpload& wish, Time now) {
@@ -188,13 +175,12 @@ Result<std::vector<SpooledUpload>> UploadSpool::FinishComplete(Time now) {
   {
     const auto db = db_.Read();
     SKYQUILT_TRY_ASSIGN(
-        Statement query,
-        db->Query(
-            std::string(kUploadColumns) +
-                "WHERE flight_id IS NOT NULL AND is_done=0 AND byte_offset=length AND expires_us>? AND " +
-                kUploadOfFlightThere,
-            ToUs(now)));
-    SKYQUILT_TRY_ASSIGN(complete, query.All(UploadFrom));
+        complete,
+        db->All(UploadFrom,
+                std::string(kUploadColumns) +
+                    "WHERE flight_id IS NOT NULL AND is_done=0 AND byte_offset=length AND expires_us>? AND " +
+                    kUploadOfFlightThere,
+                ToUs(now)));
   }
   // One that cannot be finished stays as it is: its owner's next look tells why.
   std::erase_if(complete, [&](SpooledUpload& upload) { return !MakeFile(upload); });

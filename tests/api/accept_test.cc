@@ -36,9 +36,7 @@ class OgcFormats : public testing::Test {
     tiles_ = "/ogc/collections/" + flight_ + "/map/tiles";
   }
   Response Get(const std::string& path, const std::string& accept) {
-    Headers headers;
-    headers.Add("Accept", accept);
-    return sample_.Get(path, headers);
+    return sample_.Get(path, {{"Accept", accept}});
   }
   SampleService sample_;
   std::string flight_;

@@ -205,8 +205,7 @@ TEST(Access, AShareOnlyReadsAlsoWhereNobodyNeedsAToken) {
       EXPECT_EQ(StatusFor(sample, method, *route, share, in_query), scope > Scope::kRead ? 403 : 0) << what;
     }
   }
-  Headers shown;
-  shown.Add("Authorization", "Bearer " + share);
+  Headers shown{{"Authorization", "Bearer " + share}};
   EXPECT_EQ(sample.Get("/api/v1/access", shown).body,
             R"({"needs_token":false,"scope":"read","flight":")" + flight + R"(","keep_days":0})");
   EXPECT_EQ(sample.Get("/api/v1/flights", shown).body.find(other), std::string::npos);

@@ -14,11 +14,7 @@ using nlohmann::json;
 
 json JsonOf(const Response& response) { return json::parse(response.body); }
 
-Headers Typed(const std::string& type) {
-  Headers headers;
-  headers.Add("Content-Type", type);
-  return headers;
-}
+Headers Typed(const std::string& type) { return {{"Content-Type", type}}; }
 
 std::string Form(const std::vector<std::pair<std::string, std::string>>& files) {
   std::string body;
@@ -70,10 +66,8 @@ TEST(Flights, RefuseBadParameters) {
 TEST(Files, ArePutReplacedListedAndRemoved) {
   SampleService sample;
   const std::string files = "/api/v1/flights/" + sample.NewFlight() + "/files";
-  Headers replaces;
-  replaces.Add("If-Match", "*");
   EXPECT_EQ(sample.Send(Method::kPut, files + "/a%20b.jpg", "one").status, 201);
-  EXPECT_EQ(sample.Send(Method::kPut, files + "/a%20b.jpg", "three", replaces).status, 200);
+  EXPECT_EQ(sample.Send(Method::kPut, files + "/a%20b.jpg", "three", {{"If-Match", "*"}}).status, 200);
   const json listed = JsonOf(sample.Get(files));
   ASSERT_EQ(listed["files"].size(), 1u);
   EXPECT_EQ(listed["files"][0], (json{{"name", "a b.jpg"}, {"bytes", 5}}));
@@ -111,9 +105,7 @@ TEST(Files, AreNeitherPartsNorEncodedBodies) {
   const std::string flight = sample.NewFlight();
   const std::string at = "/api/v1/flights/" + flight + "/files/a.jpg";
   const auto put = [&](const char* name, const char* value) {
-    Headers headers;
-    headers.Add(name, value);
-    return sample.Send(Method::kPut, at, "bytes", headers).status;
+    return sample.Send(Method::kPut, at, "bytes", {{name, value}}).status;
   };
   EXPECT_EQ(put("Content-Range", "bytes 0-4/10"), 400);
   EXPECT_EQ(put("Content-Encoding", "gzip"), 415);
@@ -142,9 +134,7 @@ TEST(Files, WhoseBytesAreLostCanBeReplaced) {
   const std::string stored = sample.catalogue.FindFile(flight, "DJI_0001.JPG")->value().stored_name;
   std::filesystem::remove(sample.dir().Files(flight) / stored);
   EXPECT_EQ(sample.Send(Method::kPut, at, "again").status, 409);
-  Headers replaces;
-  replaces.Add("If-Match", "*");
-  EXPECT_EQ(sample.Send(Method::kPut, at, "again", replaces).status, 200);
+  EXPECT_EQ(sample.Send(Method::kPut, at, "again", {{"If-Match", "*"}}).status, 200);
   EXPECT_EQ(CountIn(sample.dir().Files(flight)), 1);
 }
 
@@ -153,8 +143,7 @@ TEST(Files, AreReplacedByTheirEtag) {
   const std::string flight = sample.NewFlight();
   const std::string at = "/api/v1/flights/" + flight + "/files/geo.txt";
   ASSERT_EQ(sample.Send(Method::kPut, at, "one").status, 201);
-  Headers known;
-  known.Add("If-Match", std::string(sample.Get(at).headers.Find("ETag")));
+  Headers known{{"If-Match", std::string(sample.Get(at).headers.Find("ETag"))}};
   EXPECT_EQ(sample.Send(Method::kPut, at, "two", known).status, 200);
   EXPECT_EQ(sample.Send(Method::kPut, at, "three", known).status, 412) << "it was replaced meanwhile";
   Response got = sample.Get(at);
@@ -169,10 +158,8 @@ TEST(Files, ThatAJobReadsMayComeAgainButNotChange) {
   ASSERT_EQ(sample.Send(Method::kPut, at, "one").status, 201);
   ASSERT_TRUE(sample.queue.Add(flight, "{}", storage::Now()));
   ASSERT_TRUE(sample.queue.Claim("w", storage::Now())->has_value());
-  Headers replaces;
-  replaces.Add("If-Match", "*");
   EXPECT_EQ(sample.Send(Method::kPut, at, "one").status, 200);
-  EXPECT_EQ(sample.Send(Method::kPut, at, "two", replaces).status, 409);
+  EXPECT_EQ(sample.Send(Method::kPut, at, "two", {{"If-Match", "*"}}).status, 409);
   EXPECT_EQ(CountIn(sample.dir().Files(flight)), 1);
 }
 
@@ -274,8 +261,7 @@ TEST(Downloads, HonourRangesAndTags) {
   EXPECT_EQ(BodyOf(whole), "0123456789");
   const std::string etag(whole.headers.Find("ETag"));
   const auto ranged = [&](const std::string& range, const std::string& if_range = "") {
-    Headers headers;
-    headers.Add("Range", range);
+    Headers headers{{"Range", range}};
     if (!if_range.empty()) headers.Add("If-Range", if_range);
     return sample.Get(tif, headers);
   };
@@ -288,9 +274,7 @@ TEST(Downloads, HonourRangesAndTags) {
   const Response beyond = ranged("bytes=10-");
   EXPECT_EQ(beyond.status, 416);
   EXPECT_EQ(beyond.headers.Find("Content-Range"), "bytes */10");
-  Headers known;
-  known.Add("If-None-Match", etag);
-  EXPECT_EQ(sample.Get(tif, known).status, 304);
+  EXPECT_EQ(sample.Get(tif, {{"If-None-Match", etag}}).status, 304);
   EXPECT_EQ(sample.Get("/api/v1/flights/" + id + "/report").status, 200);
   EXPECT_EQ(sample.Get("/api/v1/flights/" + id + "/photos.geojson").headers.Find("Content-Type"),
             "application/geo+json");

@@ -12,11 +12,7 @@ namespace {
 
 using nlohmann::json;
 
-Headers JsonType() {
-  Headers headers;
-  headers.Add("Content-Type", "application/json");
-  return headers;
-}
+Headers JsonType() { return {{"Content-Type", "application/json"}}; }
 
 TEST(Processes, AJobIsExecutedLookedAtDismissedAndForgotten) {
   SampleService sample;

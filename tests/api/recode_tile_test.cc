@@ -106,9 +106,8 @@ TEST_P(CutTiles, AreServedAtTheZoomsOfTheirSize) {
     EXPECT_EQ(picture->width_px, 256);
     EXPECT_NEAR(picture->Pixel(128, 128)[0], 255 * 384 / side_px_, 4);
     EXPECT_NEAR(picture->Pixel(128, 128)[1], 255 * 128 / side_px_, 4);
-    Headers headers;
-    headers.Add("If-None-Match", std::string(tile.headers.Find("ETag")));
-    EXPECT_EQ(sample_.Get(At(z, first + 1, first, rest), headers).status, 304);
+    const Headers knows{{"If-None-Match", std::string(tile.headers.Find("ETag"))}};
+    EXPECT_EQ(sample_.Get(At(z, first + 1, first, rest), knows).status, 304);
   }
   EXPECT_EQ(image::DecodePicture(sample_.Get(At(z - 1, first / 2, first / 2, "@2x")).body)->width_px, 512);
 }

@@ -68,9 +68,7 @@ class SampleService {
     token.max_bytes = max_bytes;
     token.flight_id = flight_id;
     EXPECT_TRUE(service_.tokens.Add(token));
-    Headers headers;
-    headers.Add("Authorization", "Bearer " + text);
-    return headers;
+    return {{"Authorization", "Bearer " + text}};
   }
 
   std::string NewFlight() { return catalogue.AddFlight("field", "{}", storage::Now())->id; }

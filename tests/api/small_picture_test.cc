@@ -61,9 +61,7 @@ TEST_F(SmallPictureTest, IsMadeOnceAndKnownByItsTag) {
   EXPECT_NE(etag, Get("?size=160").headers.Find("ETag"));
   WriteThumbnail("no picture any more");
   EXPECT_EQ(Get("").body, first.body);
-  Headers known;
-  known.Add("If-None-Match", etag);
-  const Response again = Get("", std::move(known));
+  const Response again = Get("", {{"If-None-Match", etag}});
   EXPECT_EQ(again.status, 304);
   EXPECT_TRUE(again.body.empty());
 }

@@ -42,9 +42,7 @@ TEST_F(TilesTest, AnswerWithNothingWhenTheClientHasThem) {
     const Response first = sample_.Get(Path(path));
     const std::string etag(first.headers.Find("ETag"));
     ASSERT_FALSE(etag.empty());
-    Headers headers;
-    headers.Add("If-None-Match", etag);
-    const Response second = sample_.Get(Path(path), headers);
+    const Response second = sample_.Get(Path(path), {{"If-None-Match", etag}});
     EXPECT_EQ(second.status, 304);
     EXPECT_EQ(second.headers.Find("ETag"), etag);
     EXPECT_TRUE(second.body.empty());
@@ -123,10 +121,8 @@ TEST_F(WebpFringe, IsPngAtOtherAddressesToo) {
   for (const auto& [accept, type] :
        {std::pair("", "image/png"), std::pair("image/webp, image/jpeg", "image/webp")}) {
     EXPECT_EQ(Get("/256/4/4/4", accept).headers.Find("Content-Type"), type);
-    Headers headers;
-    headers.Add("Accept", accept);
     const Response ogc = sample_.Get("/ogc/collections/" + flight_ + "/map/tiles/WebMercatorQuad512/3/2/2",
-                                     std::move(headers));
+                                     {{"Accept", accept}});
     EXPECT_EQ(ogc.headers.Find("Content-Type"), type);
   }
 }
@@ -195,9 +191,8 @@ TEST_F(TilesTest, AreDescribedAsTileJson) {
   EXPECT_EQ(document["tiles"][0], "http://127.0.0.1:1/tiles/" + flight_ + "/{z}/{x}/{y}?rev=1");
   EXPECT_EQ(sample_.Get("/tiles/" + flight_).status, 404);
   EXPECT_EQ(sample_.Get("/tiles/x.json").status, 404);
-  Headers headers;
-  headers.Add("If-None-Match", std::string(response.headers.Find("ETag")));
-  EXPECT_EQ(sample_.Get("/tiles/" + flight_ + ".json", headers).status, 304);
+  const Headers knows{{"If-None-Match", std::string(response.headers.Find("ETag"))}};
+  EXPECT_EQ(sample_.Get("/tiles/" + flight_ + ".json", knows).status, 304);
 }
 
 class BadTilePaths : public testing::TestWithParam<const char*> {};

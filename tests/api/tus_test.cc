@@ -8,8 +8,7 @@ namespace skyquilt::api {
 namespace {
 
 Headers Tus(std::initializer_list<std::pair<const char*, std::string>> more) {
-  Headers headers;
-  headers.Add("Tus-Resumable", "1.0.0");
+  Headers headers{{"Tus-Resumable", "1.0.0"}};
   for (const auto& [name, value] : more) headers.Add(name, value);
   return headers;
 }

@@ -47,13 +47,9 @@ class BadInput(ServerTestCase):
     def setUpClass(cls):
         super().setUpClass()
         cls.shared = Server(tempfile.mkdtemp(dir=cls.scratch))
+        cls.addClassCleanup(cls.shared.stop)
         cls.map_id = cls.shared.stitched(cls.photos, name=EVIL, options='{"gsd_m": 0.4}')["flight"]["id"]
         _, cls.tilejson = cls.shared.json("GET", f"/tiles/{cls.map_id}.json")
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.shared.stop()
-        super().tearDownClass()
 
     def tearDown(self):
         self.assertEqual(self.shared.request("GET", "/healthz")[0], 200)

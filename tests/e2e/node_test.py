@@ -150,10 +150,7 @@ class Node(ServerTestCase):
         self.assertLess(stats["gcp_errors"]["average_error"], 0.5)
 
     def check_cog(self, path):
-        try:
-            from osgeo import gdal  # noqa: F401
-        except ImportError:
-            self.skipTest("python3-gdal is not here")
+        self.imported("python3-gdal is not here", "osgeo.gdal")
         said = subprocess.run([sys.executable, "-m", "osgeo_utils.samples.validate_cloud_optimized_geotiff", path],
                               capture_output=True, text=True)
         self.assertIn("is a valid cloud optimized GeoTIFF", said.stdout, said.stdout + said.stderr)

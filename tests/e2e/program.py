@@ -1,5 +1,6 @@
 """One run of the program, and what it leaves in a map's folder: what all end-to-end tests share."""
 import contextlib
+import importlib
 import json
 import os
 import pathlib
@@ -68,3 +69,10 @@ class ScratchCase(unittest.TestCase):
     def setUpClass(cls):
         cls.scratch = pathlib.Path(tempfile.mkdtemp(prefix="skyquilt_e2e_"))
         cls.addClassCleanup(shutil.rmtree, cls.scratch)
+
+    def imported(self, wanting, *names):
+        """These modules; where one is not there the test is skipped, and says what is wanting."""
+        try:
+            return [importlib.import_module(name) for name in names]
+        except ImportError:
+            self.skipTest(wanting)

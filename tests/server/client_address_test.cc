@@ -32,9 +32,7 @@ TEST(IsFromThisMachine, BelievesNoProxyOnIt) {
     EXPECT_FALSE(IsFromThisMachine(peer, {})) << peer;
   for (const char* name : {"X-Forwarded-For", "x-forwarded-host", "Forwarded", "Via", "X-Real-IP",
                            "X-Forwarded-Proto", "x-forwarded-prefix"}) {
-    api::Headers headers;
-    headers.Add(name, "x");
-    EXPECT_FALSE(IsFromThisMachine("127.0.0.1", headers)) << name;
+    EXPECT_FALSE(IsFromThisMachine("127.0.0.1", {{name, "x"}})) << name;
   }
 }
 

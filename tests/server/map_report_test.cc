@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <string>
-#include <vector>
 
 #include "server/reports/map_picture.h"
 #include "server/reports/report_page.h"

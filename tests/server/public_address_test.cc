@@ -145,15 +145,13 @@ TEST(PublicAddress, BasePathsAreTakenOffTargets) {
 }
 
 TEST(PublicAddress, HeadersNameThePathOnce) {
-  api::Headers headers;
-  headers.Add("Location", "/api/v1/jobs/x");
+  api::Headers headers{{"Location", "/api/v1/jobs/x"}};
   headers.Add("Link", "</api/v1/flights?cursor=x>; rel=\"next\"");
   PutBasePath(headers, "/skyquilt");
   PutBasePath(headers, "/skyquilt");
   EXPECT_EQ(headers.Find("Location"), "/skyquilt/api/v1/jobs/x");
   EXPECT_EQ(headers.Find("Link"), "</skyquilt/api/v1/flights?cursor=x>; rel=\"next\"");
-  api::Headers elsewhere;
-  elsewhere.Add("Location", "https://example.org/x");
+  api::Headers elsewhere{{"Location", "https://example.org/x"}};
   PutBasePath(elsewhere, "/skyquilt");
   EXPECT_EQ(elsewhere.Find("Location"), "https://example.org/x");
 }

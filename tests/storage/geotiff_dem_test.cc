@@ -7,9 +7,7 @@
 
 #include <cmath>
 #include <cstdint>
-#include <fstream>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <string>
 #include <vector>

@@ -16,9 +16,16 @@
 namespace skyquilt::storage {
 namespace {
 
-TEST(SqliteDb, GivesBackWhatWasBound) {
-  test::TemporaryFolder dir;
-  auto db = SqliteDb::Open(dir.path() / "a.db", OpenMode::kReadWriteCreate);
+class SqliteDbTest : public testing::Test {
+ protected:
+  Result<SqliteDb> Open(const char* name = "a.db", OpenMode mode = OpenMode::kReadWriteCreate) {
+    return SqliteDb::Open(dir_.path() / name, mode);
+  }
+  test::TemporaryFolder dir_;
+};
+
+TEST_F(SqliteDbTest, GivesBackWhatWasBound) {
+  auto db = Open();
   ASSERT_TRUE(db) << db.error().detail;
   ASSERT_TRUE(db->Exec("CREATE TABLE t(a INTEGER, b REAL, c TEXT, d BLOB, e)"));
   const std::vector<std::uint8_t> bytes = {0, 1, 255};
@@ -30,9 +37,7 @@ TEST(SqliteDb, GivesBackWhatWasBound) {
   }
   auto select = db->Prepare("SELECT a,b,c,d,e FROM t");
   ASSERT_TRUE(select);
-  const auto row = select->Step();
-  ASSERT_TRUE(row);
-  ASSERT_TRUE(*row);
+  ASSERT_TRUE(*select->Step());
   EXPECT_EQ(select->ColumnInt64(0), std::int64_t{1} << 62);
   EXPECT_EQ(select->ColumnDouble(1), 1.5);
   EXPECT_EQ(select->ColumnText(2), "a\"'é");
@@ -41,11 +46,9 @@ TEST(SqliteDb, GivesBackWhatWasBound) {
   EXPECT_FALSE(*select->Step());
 }
 
-TEST(SqliteDb, ReadsAndWritesInOneCall) {
-  test::TemporaryFolder dir;
-  auto db = SqliteDb::Open(dir.path() / "a.db", OpenMode::kReadWriteCreate);
+TEST_F(SqliteDbTest, ReadsAndWritesInOneCall) {
+  auto db = Open();
   ASSERT_TRUE(db->Exec("CREATE TABLE t(a INTEGER, b TEXT)"));
-  const auto text_of = [](const Statement& row) { return std::string(row.ColumnText(0)); };
   for (const std::optional<std::string>& b : {std::optional<std::string>("one"), {}}) {
     ASSERT_TRUE(db->Change("INSERT INTO t VALUES(?,?)", b ? 1 : 2, b));
     EXPECT_EQ(db->Changes(), 1);
@@ -54,22 +57,27 @@ TEST(SqliteDb, ReadsAndWritesInOneCall) {
   EXPECT_EQ(*db->Number("SELECT a FROM t WHERE a=?", 3), 0);
   EXPECT_TRUE(*db->Finds("SELECT 1 FROM t WHERE b=?", "one"));
   EXPECT_FALSE(*db->Finds("SELECT 1 FROM t WHERE b=?", "two"));
-  auto all = db->Query("SELECT coalesce(b,'-') FROM t WHERE a<? ORDER BY a", 3);
-  EXPECT_EQ(*all->All(text_of), (std::vector<std::string>{"one", "-"}));
-  all->Reset();
-  EXPECT_EQ(*all->First(text_of), "one");
-  auto none = db->Query("SELECT b FROM t WHERE a=?", 3);
-  EXPECT_FALSE(none->First(text_of)->has_value());
+  constexpr const char* kUnder = "SELECT coalesce(b,'-') FROM t WHERE a<? ORDER BY a";
+  EXPECT_EQ(*db->AllText(kUnder, 3), (std::vector<std::string>{"one", "-"}));
+  EXPECT_EQ(*db->First(FirstColumn<std::string>, kUnder, 3), "one");
+  EXPECT_EQ(*db->Text(kUnder, 3), "one");
+  EXPECT_EQ(*db->Text(kUnder, 1), "");
+  const Error none{ErrorCode::kNotFound, "", ""};
+  EXPECT_EQ(*db->One(FirstColumn<std::string>, none, kUnder, 3), "one");
+  EXPECT_EQ(db->One(FirstColumn<std::string>, none, kUnder, 1).error().code, ErrorCode::kNotFound);
+  EXPECT_FALSE(db->First(FirstColumn<std::string>, kUnder, 1)->has_value());
+  using Row = std::pair<int, std::optional<std::string>>;
+  EXPECT_EQ((*db->All(RowOf<Row, int, std::optional<std::string>>, "SELECT a, b FROM t ORDER BY a")),
+            (std::vector<Row>{{1, "one"}, {2, std::nullopt}}));
   // A row of RETURNING comes before the statement is done.
-  auto other = SqliteDb::Open(dir.path() / "a.db", OpenMode::kReadWrite);
+  auto other = Open("a.db", OpenMode::kReadWrite);
   auto taken = db->Query("UPDATE t SET a=a+? WHERE b='one' RETURNING a", 5);
   EXPECT_EQ(*taken->Number(), 6);
   EXPECT_EQ(*other->Number("SELECT max(a) FROM t"), 6);
 }
 
-TEST(SqliteDb, KeepsWhatWasBoundThoughItIsGone) {
-  test::TemporaryFolder dir;
-  auto db = SqliteDb::Open(dir.path() / "a.db", OpenMode::kReadWriteCreate);
+TEST_F(SqliteDbTest, KeepsWhatWasBoundThoughItIsGone) {
+  auto db = Open();
   auto query = db->Prepare("SELECT ?1, ?2");
   ASSERT_TRUE(query);
   const std::string text(100, 't');
@@ -101,18 +109,17 @@ std::uint64_t SumOf(std::span<const std::uint8_t> bytes) {
   return sum;
 }
 
-TEST(SqliteDb, ReadsWhatNeverChangesAsItWasWritten) {
-  test::TemporaryFolder dir;
+TEST_F(SqliteDbTest, ReadsWhatNeverChangesAsItWasWritten) {
   std::vector<std::uint64_t> written, first, second;
   for (const char* name : {"a.db", "b.db"}) {
-    auto db = SqliteDb::Open(dir.path() / name, OpenMode::kReadWriteCreate);
+    auto db = Open(name);
     ASSERT_NO_FATAL_FAILURE(FillInPieces(*db));
     auto all = db->Prepare("SELECT value FROM t ORDER BY id");
     while (*all->Step()) written.push_back(SumOf(all->ColumnBlob(0)));
   }
   // One thread with two files, in turns.
-  auto a = SqliteDb::Open(dir.path() / "a.db", OpenMode::kReadOnlyImmutable);
-  auto b = SqliteDb::Open(dir.path() / "b.db", OpenMode::kReadOnlyImmutable);
+  auto a = Open("a.db", OpenMode::kReadOnlyImmutable);
+  auto b = Open("b.db", OpenMode::kReadOnlyImmutable);
   ASSERT_TRUE(a && b);
   auto of_a = a->Prepare("SELECT value FROM t ORDER BY id");
   auto of_b = b->Prepare("SELECT value FROM t ORDER BY id");
@@ -124,85 +131,73 @@ TEST(SqliteDb, ReadsWhatNeverChangesAsItWasWritten) {
   EXPECT_EQ(first, written);
 }
 
-TEST(SqliteDb, SaysThatAFileWasCutOffWhileItIsRead) {
-  test::TemporaryFolder dir;
+TEST_F(SqliteDbTest, SaysThatAFileWasCutOffWhileItIsRead) {
   {
-    auto db = SqliteDb::Open(dir.path() / "a.db", OpenMode::kReadWriteCreate);
+    auto db = Open();
     ASSERT_NO_FATAL_FAILURE(FillInPieces(*db));
   }
-  auto db = SqliteDb::Open(dir.path() / "a.db", OpenMode::kReadOnlyImmutable);
+  auto db = Open("a.db", OpenMode::kReadOnlyImmutable);
   auto all = db->Prepare("SELECT value FROM t ORDER BY id");
   ASSERT_TRUE(*all->Step());
-  std::filesystem::resize_file(dir.path() / "a.db", std::filesystem::file_size(dir.path() / "a.db") / 2);
+  std::filesystem::resize_file(dir_.path() / "a.db", std::filesystem::file_size(dir_.path() / "a.db") / 2);
   Result<bool> row = true;
   while (row && *row) row = all->Step();
   EXPECT_FALSE(row);
 }
 
-TEST(SqliteDb, RollsBackATransactionThatWasNotCommitted) {
-  test::TemporaryFolder dir;
-  auto db = SqliteDb::Open(dir.path() / "a.db", OpenMode::kReadWriteCreate);
+TEST_F(SqliteDbTest, RollsBackATransactionThatWasNotCommitted) {
+  auto db = Open();
   ASSERT_TRUE(db->Exec("CREATE TABLE t(a INTEGER)"));
   {
     auto transaction = Transaction::Begin(*db);
     ASSERT_TRUE(transaction);
     ASSERT_TRUE(db->Exec("INSERT INTO t VALUES(1)"));
   }
-  auto count = db->Prepare("SELECT count(*) FROM t");
-  ASSERT_TRUE(*count->Step());
-  EXPECT_EQ(count->ColumnInt64(0), 0);
+  EXPECT_EQ(*db->Number("SELECT count(*) FROM t"), 0);
 }
 
-TEST(SqliteDb, SaysWhenAFileIsNotADatabase) {
-  test::TemporaryFolder dir;
-  std::ofstream(dir.path() / "a.db") << std::string(5000, 'x');
-  const auto db = SqliteDb::Open(dir.path() / "a.db", OpenMode::kReadOnlyImmutable);
+TEST_F(SqliteDbTest, SaysWhenAFileIsNotADatabase) {
+  std::ofstream(dir_.path() / "a.db") << std::string(5000, 'x');
+  const auto db = Open("a.db", OpenMode::kReadOnlyImmutable);
   ASSERT_FALSE(db);
   EXPECT_EQ(db.error().code, ErrorCode::kCorrupt);
 }
 
-TEST(SqliteDb, SaysWhenAFileIsMissing) {
-  test::TemporaryFolder dir;
-  const auto db = SqliteDb::Open(dir.path() / "none.db", OpenMode::kReadOnlyImmutable);
+TEST_F(SqliteDbTest, SaysWhenAFileIsMissing) {
+  const auto db = Open("none.db", OpenMode::kReadOnlyImmutable);
   ASSERT_FALSE(db);
   EXPECT_EQ(db.error().code, ErrorCode::kNotFound);
 }
 
-TEST(SqliteDb, OpensImmutableFilesWithOddNames) {
-  test::TemporaryFolder dir;
-  const auto path = dir.path() / "a?b=%41#c d.db";
+TEST_F(SqliteDbTest, OpensImmutableFilesWithOddNames) {
+  const auto path = dir_.path() / "a?b=%41#c d.db";
   {
     auto db = SqliteDb::Open(path, OpenMode::kReadWriteCreate);
     ASSERT_TRUE(db->Exec("CREATE TABLE t(a); INSERT INTO t VALUES(7)"));
   }
   auto db = SqliteDb::Open(path, OpenMode::kReadOnlyImmutable);
   ASSERT_TRUE(db) << db.error().detail;
-  auto select = db->Prepare("SELECT a FROM t");
-  ASSERT_TRUE(*select->Step());
-  EXPECT_EQ(select->ColumnInt64(0), 7);
+  EXPECT_EQ(*db->Number("SELECT a FROM t"), 7);
 }
 
-TEST(SqliteDb, NamesThePlaceThatCannotBeWritten) {
-  test::TemporaryFolder dir;
-  const auto db = SqliteDb::Open(dir.path() / "none" / "a.db", OpenMode::kReadWriteCreate);
+TEST_F(SqliteDbTest, NamesThePlaceThatCannotBeWritten) {
+  const auto db = SqliteDb::Open(dir_.path() / "none" / "a.db", OpenMode::kReadWriteCreate);
   ASSERT_FALSE(db);
   EXPECT_EQ(db.error().code, ErrorCode::kIo);
-  EXPECT_NE(db.error().message.find((dir.path() / "none" / "a.db").string()), std::string::npos)
+  EXPECT_NE(db.error().message.find((dir_.path() / "none" / "a.db").string()), std::string::npos)
       << db.error().message;
 }
 
-TEST(SqliteDb, ReportsAFullDatabaseAsOutOfSpace) {
-  test::TemporaryFolder dir;
-  auto db = SqliteDb::Open(dir.path() / "a.db", OpenMode::kReadWriteCreate);
+TEST_F(SqliteDbTest, ReportsAFullDatabaseAsOutOfSpace) {
+  auto db = Open();
   ASSERT_TRUE(db->Exec("CREATE TABLE t(a); PRAGMA max_page_count=4"));
   const auto full = db->Exec("INSERT INTO t VALUES(zeroblob(100000))");
   ASSERT_FALSE(full);
   EXPECT_EQ(full.error().code, ErrorCode::kOutOfSpace);
 }
 
-TEST(SqliteDb, ReportsAConstraintAsAConflict) {
-  test::TemporaryFolder dir;
-  auto db = SqliteDb::Open(dir.path() / "a.db", OpenMode::kReadWriteCreate);
+TEST_F(SqliteDbTest, ReportsAConstraintAsAConflict) {
+  auto db = Open();
   ASSERT_TRUE(db->Exec("CREATE TABLE t(a INTEGER UNIQUE); INSERT INTO t VALUES(1)"));
   auto insert = db->Prepare("INSERT INTO t VALUES(?)");
   const auto twice = insert->Bind(1, 1).Run();
@@ -211,34 +206,26 @@ TEST(SqliteDb, ReportsAConstraintAsAConflict) {
   EXPECT_TRUE(insert->Bind(1, 2).Run());
 }
 
-std::int64_t PragmaOf(SqliteDb& db, const std::string& name) {
-  auto query = db.Prepare("PRAGMA " + name);
-  return query && query->Step() ? query->ColumnInt64(0) : -1;
-}
-
-TEST(SqliteDb, WaitsForTheDiskAgainAfterUnsyncedCommits) {
-  test::TemporaryFolder dir;
-  auto db = SqliteDb::Open(dir.path() / "a.db", OpenMode::kReadWriteCreate);
+TEST_F(SqliteDbTest, WaitsForTheDiskAgainAfterUnsyncedCommits) {
+  auto db = Open();
   ASSERT_TRUE(db->Exec("PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL; CREATE TABLE t(a)"));
   {
     const auto unsynced = UnsyncedCommits::Begin(*db);
     ASSERT_TRUE(unsynced);
-    EXPECT_EQ(PragmaOf(*db, "synchronous"), 1);  // NORMAL
-    EXPECT_EQ(PragmaOf(*db, "wal_autocheckpoint"), 0);
+    EXPECT_EQ(*db->Number("PRAGMA synchronous"), 1);  // NORMAL
+    EXPECT_EQ(*db->Number("PRAGMA wal_autocheckpoint"), 0);
     auto rolled_back = Transaction::Begin(*db);
     ASSERT_TRUE(db->Exec("INSERT INTO t VALUES(1)"));
   }
-  EXPECT_EQ(PragmaOf(*db, "synchronous"), 2);  // FULL
-  EXPECT_EQ(PragmaOf(*db, "wal_autocheckpoint"), 1000);
-  auto other = SqliteDb::Open(dir.path() / "a.db", OpenMode::kReadWrite);
+  EXPECT_EQ(*db->Number("PRAGMA synchronous"), 2);  // FULL
+  EXPECT_EQ(*db->Number("PRAGMA wal_autocheckpoint"), 1000);
+  auto other = Open("a.db", OpenMode::kReadWrite);
   {
     const auto unsynced = UnsyncedCommits::Begin(*db);
     ASSERT_TRUE(unsynced);
     ASSERT_TRUE(db->Exec("INSERT INTO t VALUES(2)"));
   }
-  auto seen = other->Prepare("SELECT sum(a) FROM t");
-  ASSERT_TRUE(*seen->Step());
-  EXPECT_EQ(seen->ColumnInt64(0), 2);
+  EXPECT_EQ(*other->Number("SELECT sum(a) FROM t"), 2);
 }
 
 }  // namespace

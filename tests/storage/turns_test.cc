@@ -50,9 +50,7 @@ TEST_F(TurnsTest, ThoseWhoWaitTakeTurnsWhenOneWorkerServesAll) {
   std::string owners;
   for (const std::string& flight : served) {
     const auto db = db_->Lock();
-    auto query = *db->Prepare("SELECT owner FROM flight WHERE id=?");
-    ASSERT_TRUE(*query.Bind(1, flight).Step());
-    owners += query.ColumnText(0);
+    owners += *db->Text("SELECT owner FROM flight WHERE id=?", flight);
   }
   EXPECT_EQ(owners, "abcaba");
 }
@@ -104,12 +102,12 @@ TEST_F(TurnsTest, WhatJobsTookSaysWhatTheNextWillTake) {
 // What the order is, said plainly: every waiting job against every other.
 std::string NextByLookingAtAll(CatalogueDb& catalogue, Time now) {
   const auto db = catalogue.Lock();
-  auto query = *db->Prepare(
+  return *db->Text(
       "SELECT id FROM job w WHERE (state='accepted' AND not_before_us<=?1) OR (state='running' AND"
       " lease_until_us<?1 AND cancel=0 AND attempts<max_attempts) ORDER BY priority DESC,"
       " (SELECT count(*) FROM job r WHERE r.owner=w.owner AND r.state='running' AND r.lease_until_us>=?1),"
-      " (SELECT coalesce(max(s.attempt_started_us),0) FROM job s WHERE s.owner=w.owner), id LIMIT 1");
-  return *query.Bind(1, ToUs(now)).Step() ? std::string(query.ColumnText(0)) : std::string();
+      " (SELECT coalesce(max(s.attempt_started_us),0) FROM job s WHERE s.owner=w.owner), id LIMIT 1",
+      ToUs(now));
 }
 
 TEST_F(TurnsTest, AreThoseThatLookingAtEveryJobFinds) {
@@ -155,25 +153,22 @@ TEST_F(TurnsTest, AreThoseThatLookingAtEveryJobFinds) {
   const auto db = db_->Lock();
   if (TestsPostgres()) {
     // Nobody who waits is missing from the table of turns, nor comes in it later than he should.
-    auto wrong = *db->Prepare(
+    const auto wrong = db->Number(
         "SELECT count(*) FROM job j LEFT JOIN turn t ON t.owner=j.owner AND t.priority=j.priority"
         " WHERE j.state='accepted' AND (t.owner IS NULL OR t.first_id>j.id OR t.last_us>"
         " (SELECT coalesce(max(s.attempt_started_us),0) FROM job s WHERE s.owner=j.owner))");
-    ASSERT_TRUE(*wrong.Step());
-    EXPECT_EQ(wrong.ColumnInt64(0), 0);
+    EXPECT_EQ(*wrong, 0);
     return;
   }
   // The table of turns says what the jobs say.
-  auto wrong = *db->Prepare(
+  const auto wrong = db->Number(
       "SELECT count(*) FROM (SELECT owner, priority, waiting, first_id FROM turn EXCEPT SELECT owner, priority,"
       " count(*), min(id) FROM job WHERE state='accepted' GROUP BY owner, priority)");
-  ASSERT_TRUE(*wrong.Step());
-  EXPECT_EQ(wrong.ColumnInt64(0), 0);
-  auto missing = *db->Prepare(
+  EXPECT_EQ(*wrong, 0);
+  const auto missing = db->Number(
       "SELECT (SELECT count(*) FROM turn) = (SELECT count(*) FROM (SELECT 1 FROM job WHERE state='accepted'"
       " GROUP BY owner, priority))");
-  ASSERT_TRUE(*missing.Step());
-  EXPECT_EQ(missing.ColumnInt64(0), 1);
+  EXPECT_EQ(*missing, 1);
 }
 
 TEST_F(TurnsTest, AreFoundWithoutLookingAtAllWhoWait) {

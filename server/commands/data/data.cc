@@ -47,24 +47,22 @@ struct Held {
 
 Held Hold(const DataOptions& options) {
   const storage::DataDir at = storage::DataDir::At(options.data_dir);
-  const Result<storage::FolderSurvey> survey = storage::SurveyFolder(at);
-  if (!survey) Fail("skyquilt data", survey.error());
+  const storage::FolderSurvey survey = OrFail("skyquilt data", storage::SurveyFolder(at));
   const Result<std::optional<std::string>> marker = storage::ReadMarker(at);
   if (!marker && marker.error().code == ErrorCode::kCorrupt) {
     Fail("skyquilt data",
          {ErrorCode::kCorrupt, marker.error().message + " " + storage::RepairAdvice(at), ""});
   }
   if (!marker) Fail("skyquilt data", marker.error());
-  if (!*marker && !survey->has_flights && !survey->has_catalogue) {
+  if (!*marker && !survey.has_flights && !survey.has_catalogue) {
     Fail("skyquilt data",
          {ErrorCode::kNotFound,
           at.root().string() +
               " is not a data folder of Skyquilt: it has neither skyquilt-data.json nor a catalogue.",
           ""});
   }
-  Result<storage::DataDirLock> lock = storage::DataDirLock::Take(at);
-  if (!lock) Fail("skyquilt data", lock.error());
-  return {at, *std::move(lock), *marker};
+  storage::DataDirLock lock = OrFail("skyquilt data", storage::DataDirLock::Take(at));
+  return {at, std::move(lock), *marker};
 }
 
 void PrintLost(const std::vector<storage::LostItem>& lost) {
@@ -93,51 +91,47 @@ void Check(const DataOptions& options) {
   if (!db && db.error().code == ErrorCode::kCorrupt) unusable("is damaged");
   if (!db) Fail("skyquilt data", db.error());
   if (!storage::CheckWhole(held.dir, **db)) unusable("is damaged");
-  const Result<std::optional<std::string>> owner = storage::CatalogueId(*(*db)->Lock());
-  if (!owner) Fail("skyquilt data", owner.error());
-  if (held.id && *owner && **owner != *held.id) unusable("belongs to another data folder");
+  const std::optional<std::string> owner = OrFail("skyquilt data", storage::CatalogueId(*(*db)->Lock()));
+  if (held.id && owner && *owner != *held.id) unusable("belongs to another data folder");
   // Where the folder says that they lie, unless told otherwise.
   storage::BlobPlace blob_place = options.blobs;
-  const Result<std::optional<std::string>> settled = storage::SettledAt(held.dir);
-  if (!settled) Fail("skyquilt data", settled.error());
-  if (blob_place.address.empty() && *settled) blob_place.address = **settled;
-  const Result<std::shared_ptr<storage::BlobStore>> blobs = storage::OpenBlobs(blob_place, held.dir.root());
-  if (!blobs) Fail("skyquilt data", blobs.error());
-  Result<storage::DataCheck> check = storage::CheckData(held.dir, **db, blobs->get());
-  if (!check) Fail("skyquilt data", check.error());
+  const std::optional<std::string> settled = OrFail("skyquilt data", storage::SettledAt(held.dir));
+  if (blob_place.address.empty() && settled) blob_place.address = *settled;
+  const std::shared_ptr<storage::BlobStore> blobs =
+      OrFail("skyquilt data", storage::OpenBlobs(blob_place, held.dir.root()));
+  storage::DataCheck check = OrFail("skyquilt data", storage::CheckData(held.dir, **db, blobs.get()));
   if (options.deep) {
     TerminalProgress progress;
-    const Result<void> compared = storage::CheckMaps(**db, **blobs, *check, progress);
-    if (!compared) Fail("skyquilt data", compared.error());
+    OrFail("skyquilt data", storage::CheckMaps(**db, *blobs, check, progress));
   }
   fmt::print("{}: {}, {} of {:.1f} MB and {} in the catalogue\n", held.dir.root().string(),
-             Counted(check->flights, "flight"), Counted(check->files, "file"),
-             static_cast<double>(check->bytes) / 1e6, Counted(check->maps, "map"));
-  PrintLines("in the catalogue, but not (whole) on disk", check->missing);
-  PrintLines("on disk, but not in the catalogue", check->unknown);
-  PrintLines("of maps, but not as their jobs left them", check->changed);
-  if (check->maps_without_sums > 0)
+             Counted(check.flights, "flight"), Counted(check.files, "file"),
+             static_cast<double>(check.bytes) / 1e6, Counted(check.maps, "map"));
+  PrintLines("in the catalogue, but not (whole) on disk", check.missing);
+  PrintLines("on disk, but not in the catalogue", check.unknown);
+  PrintLines("of maps, but not as their jobs left them", check.changed);
+  if (check.maps_without_sums > 0)
     fmt::print(
         "{} not compared: of maps in a folder, moved ones and those of earlier versions no SHA-256 is kept\n",
-        Counted(check->maps_without_sums, "map was", "maps were"));
-  if (!check->lost.empty()) {
+        Counted(check.maps_without_sums, "map was", "maps were"));
+  if (!check.lost.empty()) {
     fmt::print("in lost/, until \"skyquilt data purge-lost\" removes it:\n");
-    PrintLost(check->lost);
+    PrintLost(check.lost);
   }
-  if (check->IsWell()) {
+  if (check.IsWell()) {
     fmt::print("all is well\n");
     return;
   }
-  if (!check->changed.empty())
+  if (!check.changed.empty())
     fmt::print(
         "A server shows none of these files. Put back good copies from a backup of the store, or start a job of their "
         "flight again, which makes a new map.\n");
-  if (*settled && !check->unknown.empty()) {
+  if (settled && !check.unknown.empty()) {
     fmt::print(
         "What is unknown stays at {0}. \"skyquilt data repair\" enters what lies in the folder alone: put back a newer "
         "copy of the catalogue, or run the repair, which says what to copy first.\n",
-        **settled);
-  } else if (!check->unknown.empty() || !check->lost.empty()) {
+        *settled);
+  } else if (!check.unknown.empty() || !check.lost.empty()) {
     fmt::print("\"skyquilt data repair --data {}\" brings back what belongs to flights.\n",
                held.dir.root().string());
   }
@@ -146,9 +140,8 @@ void Check(const DataOptions& options) {
 
 void Repair(const DataOptions& options) {
   const storage::DataDir dir = storage::DataDir::At(options.data_dir);
-  const Result<std::optional<std::string>> settled = storage::SettledAt(dir);
-  if (!settled) Fail("skyquilt data", settled.error());
-  if (*settled) {
+  const std::optional<std::string> settled = OrFail("skyquilt data", storage::SettledAt(dir));
+  if (settled) {
     Fail(
         "skyquilt data",
         {ErrorCode::kConflict,
@@ -156,16 +149,15 @@ void Repair(const DataOptions& options) {
              "A catalogue is made anew from photos in the folder, and those of {0} lie at {1}. Copy what is "
              "below {1}flights/ into {0}/flights with any S3 client, remove {2}, and repair then; or put back "
              "a good copy of the catalogue. Nothing was changed.",
-             dir.root().string(), **settled, dir.BlobsMarker().string()),
+             dir.root().string(), *settled, dir.BlobsMarker().string()),
          ""});
   }
-  const Result<storage::RepairReport> report =
-      storage::RepairData(options.data_dir, storage::Now(), PlaceIn(options));
-  if (!report) Fail("skyquilt data", report.error());
-  for (const std::string& line : report->lines) fmt::print("{}\n", line);
-  fmt::print("{}, {} and {} were entered into {} catalogue\n", Counted(report->flights, "flight"),
-             Counted(report->files, "file"), Counted(report->maps, "map"),
-             report->made_catalogue ? "a new" : "the");
+  const storage::RepairReport report =
+      OrFail("skyquilt data", storage::RepairData(options.data_dir, storage::Now(), PlaceIn(options)));
+  for (const std::string& line : report.lines) fmt::print("{}\n", line);
+  fmt::print("{}, {} and {} were entered into {} catalogue\n", Counted(report.flights, "flight"),
+             Counted(report.files, "file"), Counted(report.maps, "map"),
+             report.made_catalogue ? "a new" : "the");
 }
 
 void Purge(const DataOptions& options) {
@@ -181,8 +173,7 @@ void Purge(const DataOptions& options) {
     fmt::print("Nothing was removed. Say it again with --yes.\n");
     throw CLI::RuntimeError(kFound);
   }
-  const Result<void> purged = storage::PurgeLost(held.dir);
-  if (!purged) Fail("skyquilt data", purged.error());
+  OrFail("skyquilt data", storage::PurgeLost(held.dir));
 }
 
 struct MoveOptions {
@@ -199,35 +190,33 @@ void Move(const MoveOptions& options) {
           "Say where to or where from: --to s3://bucket/prefix, or --from s3://bucket/prefix.", ""});
   }
   const storage::CataloguePlace given = PlaceOf("skyquilt data move", options.catalogue);
-  const Result<storage::CataloguePlace> catalogue_place =
-      storage::WithFilesAt(given, {.address = given.IsPostgres() ? options.from : ""});
-  if (!catalogue_place) Fail("skyquilt data move", catalogue_place.error());
-  const Result<storage::OpenedDataFolder> opened =
-      storage::OpenDataFolder(options.data_dir, 1, *catalogue_place);
-  if (!opened) Fail("skyquilt data move", opened.error());
+  const storage::CataloguePlace catalogue_place = OrFail(
+      "skyquilt data move", storage::WithFilesAt(given, {.address = given.IsPostgres() ? options.from : ""}));
+  const storage::OpenedDataFolder opened =
+      OrFail("skyquilt data move", storage::OpenDataFolder(options.data_dir, 1, catalogue_place));
   const storage::BlobPlace place{options.from + options.to, storage::kUsualCacheBytes};
-  const Result<std::shared_ptr<storage::BlobStore>> far = storage::OpenBlobs(place, opened->dir.root());
-  if (!far) Fail("skyquilt data move", far.error());
-  storage::FolderBlobs near(opened->dir.root());
+  const std::shared_ptr<storage::BlobStore> far =
+      OrFail("skyquilt data move", storage::OpenBlobs(place, opened.dir.root()));
+  storage::FolderBlobs near(opened.dir.root());
   const bool goes_out = options.from.empty();
   TerminalProgress progress;
-  const Result<storage::MoveReport> moved = storage::MoveBlobs(
-      opened->dir, opened->dir.id(), *opened->db, goes_out ? static_cast<storage::BlobStore&>(near) : **far,
-      goes_out ? **far : static_cast<storage::BlobStore&>(near), options.remove_source, progress);
-  if (!moved) Fail("skyquilt data move", moved.error());
+  const storage::MoveReport moved = OrFail(
+      "skyquilt data move", storage::MoveBlobs(opened.dir, opened.dir.id(), *opened.db,
+                                               goes_out ? static_cast<storage::BlobStore&>(near) : *far,
+                                               goes_out ? *far : static_cast<storage::BlobStore&>(near),
+                                               options.remove_source, progress));
   fmt::print("{} copied and {} there already, {:.1f} MB in all; each was read back and is the same\n",
-             Counted(moved->copied, "file was", "files were"), Counted(moved->there_already, "was", "were"),
-             static_cast<double>(moved->bytes) / 1e6);
-  if (moved->pack.packed > 0)
+             Counted(moved.copied, "file was", "files were"), Counted(moved.there_already, "was", "were"),
+             static_cast<double>(moved.bytes) / 1e6);
+  if (moved.pack.packed > 0)
     fmt::print("{} packed beside, so that tiles are read there without fetching the map\n",
-               Counted(moved->pack.packed, "map was", "maps were"));
-  for (const std::string& map : moved->pack.left_whole)
+               Counted(moved.pack.packed, "map was", "maps were"));
+  for (const std::string& map : moved.pack.left_whole)
     fmt::print("Not packed, its tiles need the whole map fetched: {}\n", map);
-  if (moved->removed > 0)
-    fmt::print("{} removed\n", Counted(moved->removed, "original was", "originals were"));
-  if (moved->removed == 0 && moved->bytes > 0)
+  if (moved.removed > 0) fmt::print("{} removed\n", Counted(moved.removed, "original was", "originals were"));
+  if (moved.removed == 0 && moved.bytes > 0)
     fmt::print("The originals are still there; the same command with --remove-source removes them.\n");
-  if (goes_out) fmt::print("Start the server with --blobs {}\n", (*far)->Address());
+  if (goes_out) fmt::print("Start the server with --blobs {}\n", far->Address());
   if (!goes_out) fmt::print("Start the server without --blobs\n");
 }
 

@@ -55,17 +55,15 @@ class ImportFolder {
 };
 
 storage::OpenedDataFolder OpenForImport(const fs::path& data_dir) {
-  Result<storage::OpenedDataFolder> opened = storage::OpenDataFolder(data_dir);
-  if (!opened) Fail(kImportCommand, opened.error());
-  const Result<std::optional<std::string>> elsewhere = storage::SettledAt(opened->dir);
-  if (!elsewhere) Fail(kImportCommand, elsewhere.error());
-  if (*elsewhere)
+  storage::OpenedDataFolder opened = OrFail(kImportCommand, storage::OpenDataFolder(data_dir));
+  const std::optional<std::string> elsewhere = OrFail(kImportCommand, storage::SettledAt(opened.dir));
+  if (elsewhere)
     Fail(kImportCommand,
          {ErrorCode::kConflict,
-          data_dir.string() + " keeps its maps at " + **elsewhere +
+          data_dir.string() + " keeps its maps at " + *elsewhere +
               ". A map is imported into a folder of its own, which \"skyquilt data move\" brings there.",
           ""});
-  return *std::move(opened);
+  return opened;
 }
 
 void ImportIntoFolder(ImportArguments& arguments) {
@@ -73,18 +71,17 @@ void ImportIntoFolder(ImportArguments& arguments) {
   const ImportOptions& options = arguments.options;
   const storage::OpenedDataFolder opened = OpenForImport(arguments.data_dir);
   const ImportFolder folder(opened.dir);
-  const Result<pipeline::MosaicReport> report = [&] {
+  const pipeline::MosaicReport report = OrFail(kImportCommand, [&] {
     TerminalProgress progress;
     return ImportMap({arguments.file.string(), arguments.file}, folder.path(), options, progress);
-  }();
-  if (!report) Fail(kImportCommand, report.error());
-  const Result<std::string> flight_id = EnterMap(opened, folder.path(), options.title, arguments.tags);
-  if (!flight_id) Fail(kImportCommand, flight_id.error());
-  fmt::print("{:.2f} ha at {:.3g} cm a pixel, {} of zoom {} to {}\nflight {}\n", report->area_m2 / 1e4,
-             report->gsd_m * 100.0, Counted(report->tile_count, "tile"), report->min_zoom, report->max_zoom,
-             *flight_id);
+  }());
+  const std::string flight_id =
+      OrFail(kImportCommand, EnterMap(opened, folder.path(), options.title, arguments.tags));
+  fmt::print("{:.2f} ha at {:.3g} cm a pixel, {} of zoom {} to {}\nflight {}\n", report.area_m2 / 1e4,
+             report.gsd_m * 100.0, Counted(report.tile_count, "tile"), report.min_zoom, report.max_zoom,
+             flight_id);
   fmt::print("To see it: skyquilt serve --data {}, then /#/flights/{}\n", opened.dir.root().string(),
-             *flight_id);
+             flight_id);
 }
 
 // The server has the file looked at by a process that reaches nothing else, as it has photos.

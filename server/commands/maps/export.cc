@@ -79,22 +79,20 @@ std::vector<std::string> IndexNames() {
 
 void Run(const ExportArguments& arguments) {
   const storage::ExportRequest request = ExportRequestOf(arguments);
-  const Result<storage::ExportSource> source = storage::ExportSourceOf(arguments.map);
-  if (!source) Fail(kExportCommand, source.error());
+  const storage::ExportSource source = OrFail(kExportCommand, storage::ExportSourceOf(arguments.map));
   const fs::path out = fs::absolute(arguments.out);
   std::error_code error;
-  for (const fs::path& own : {source->mbtiles, source->cog, source->bands}) {
+  for (const fs::path& own : {source.mbtiles, source.cog, source.bands}) {
     if (!own.empty() && fs::equivalent(out, own, error))
       RefuseExport(out.string() + " is the map itself or a part of it; choose another name.");
   }
   CheckOutFile(kExportCommand, out, arguments.overwrite);
   const WorkBeside work(kExportCommand, out);
-  const Result<void> made = [&] {
+  OrFail(kExportCommand, [&] {
     TerminalProgress progress;
-    return storage::ExportMap(*source, request, work.path(), out, {arguments.quality, arguments.threads},
+    return storage::ExportMap(source, request, work.path(), out, {arguments.quality, arguments.threads},
                               progress);
-  }();
-  if (!made) Fail(kExportCommand, made.error());
+  }());
   fmt::print("{} ({:.1f} MB)\n", out.string(), static_cast<double>(fs::file_size(out, error)) / 1e6);
 }
 

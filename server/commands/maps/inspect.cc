@@ -8,6 +8,7 @@
 #include "core/pipeline/inspect_flight.h"
 #include "server/commands/commands.h"
 #include "server/inputs/open_elevation_model.h"
+#include "server/terminal/fail.h"
 
 namespace skyquilt::server {
 namespace {
@@ -18,20 +19,13 @@ struct InspectArguments {
 };
 
 void Run(const InspectArguments& arguments) {
-  const auto fail = [](const Error& error) {
-    fmt::print(stderr, "skyquilt: {}\n", error.message);
-    throw CLI::RuntimeError(1);
-  };
-  const auto files = flight::ListInputFiles(arguments.inputs);
-  if (!files) fail(files.error());
+  const auto files = OrFail("skyquilt", flight::ListInputFiles(arguments.inputs));
   SilentProgress progress;
-  const auto elevations = OpenElevationModel("", *files);
-  if (!elevations) fail(elevations.error());
-  auto verdict = pipeline::InspectFlight(*files, {}, progress, elevations->source.get());
-  if (!verdict) fail(verdict.error());
-  verdict->warnings.insert(verdict->warnings.end(), elevations->warnings.begin(), elevations->warnings.end());
-  fmt::print("{}", arguments.as_json ? pipeline::VerdictJson(*verdict) : pipeline::VerdictText(*verdict));
-  if (verdict->photos_placeable == 0 && verdict->photos_by_images == 0) throw CLI::RuntimeError(2);
+  const auto elevations = OrFail("skyquilt", OpenElevationModel("", files));
+  auto verdict = OrFail("skyquilt", pipeline::InspectFlight(files, {}, progress, elevations.source.get()));
+  verdict.warnings.insert(verdict.warnings.end(), elevations.warnings.begin(), elevations.warnings.end());
+  fmt::print("{}", arguments.as_json ? pipeline::VerdictJson(verdict) : pipeline::VerdictText(verdict));
+  if (verdict.photos_placeable == 0 && verdict.photos_by_images == 0) throw CLI::RuntimeError(2);
 }
 
 }  // namespace

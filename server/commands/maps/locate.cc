@@ -35,19 +35,16 @@ void Run(const LocateOptions& options) {
   }
   std::ostringstream text;
   text << file.rdbuf();
-  const Result<pipeline::LocatedMap> map = pipeline::ParseLocateJson(text.str());
-  if (!map) Fail("skyquilt locate", map.error());
+  const pipeline::LocatedMap map = OrFail("skyquilt locate", pipeline::ParseLocateJson(text.str()));
   if (!options.pixel.empty()) {
-    const Result<pipeline::GroundPoint> point =
-        pipeline::GroundAtPixel(*map, options.photo, {options.pixel[0], options.pixel[1]});
-    if (!point) Fail("skyquilt locate", point.error());
-    fmt::print("{:.9f},{:.9f} +-{:.2f} m\n", point->position.lon_deg, point->position.lat_deg,
-               point->sigma_m);
+    const pipeline::GroundPoint point = OrFail(
+        "skyquilt locate", pipeline::GroundAtPixel(map, options.photo, {options.pixel[0], options.pixel[1]}));
+    fmt::print("{:.9f},{:.9f} +-{:.2f} m\n", point.position.lon_deg, point.position.lat_deg, point.sigma_m);
     return;
   }
-  const Result<geo::LatLon> position = geo::LatLon::Make(options.lon_lat[1], options.lon_lat[0]);
-  if (!position) Fail("skyquilt locate", position.error());
-  for (const pipeline::Sighting& sighting : pipeline::PhotosAtPoint(*map, *position)) {
+  const geo::LatLon position =
+      OrFail("skyquilt locate", geo::LatLon::Make(options.lon_lat[1], options.lon_lat[0]));
+  for (const pipeline::Sighting& sighting : pipeline::PhotosAtPoint(map, position)) {
     fmt::print("{} {:.2f},{:.2f} +-{:.2f} m, {:.1f} degrees off the vertical{}\n", sighting.photo,
                sighting.pixel_in_image.x(), sighting.pixel_in_image.y(), sighting.sigma_m,
                geo::RadToDeg(sighting.off_nadir_rad),

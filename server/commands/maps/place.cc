@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "core/base/text/json_io.h"
@@ -130,17 +129,15 @@ StitchJobOptions OptionsOf(const PlaceArguments& arguments) {
   options.mosaic.title = TitleOf(arguments.map_dir);
   options.mosaic.threads = arguments.threads;
   options.mosaic.max_memory_bytes = static_cast<std::int64_t>(arguments.max_memory_gib * (1 << 30));
-  const auto tiles = storage::MbtilesReader::Open(arguments.map_dir / "mosaic.mbtiles");
-  if (!tiles) Fail(kCommand, tiles.error());
-  options.mosaic.encoding = storage::EncodingOf((*tiles)->metadata());
+  const auto tiles = OrFail(kCommand, storage::MbtilesReader::Open(arguments.map_dir / "mosaic.mbtiles"));
+  options.mosaic.encoding = storage::EncodingOf(tiles->metadata());
   return options;
 }
 
 void Run(const PlaceArguments& arguments) {
   const pipeline::PlaceRequest request = RequestOf(arguments);
-  const auto files = FilesOfMap(arguments.map_dir);
-  if (!files) Fail(kCommand, files.error());
-  for (const flight::InputFile& file : *files) {
+  const auto files = OrFail(kCommand, FilesOfMap(arguments.map_dir));
+  for (const flight::InputFile& file : files) {
     if (fs::exists(file.path)) continue;
     Fail(kCommand,
          {ErrorCode::kNotFound,
@@ -150,15 +147,14 @@ void Run(const PlaceArguments& arguments) {
   }
   StitchJobOptions options = OptionsOf(arguments);
   options.mosaic.placing = request;
-  const Result<pipeline::MosaicReport> report = [&] {
+  const pipeline::MosaicReport report = OrFail(kCommand, [&] {
     TerminalProgress progress;
-    return StitchToDirectory(*files, options, arguments.map_dir, progress);
-  }();
-  if (!report) Fail(kCommand, report.error());
-  if (!report->warnings.empty()) fmt::print("{}\n", Printable(flight::InWords(report->warnings.back())));
+    return StitchToDirectory(files, options, arguments.map_dir, progress);
+  }());
+  if (!report.warnings.empty()) fmt::print("{}\n", Printable(flight::InWords(report.warnings.back())));
   fmt::print("{:.2f} ha at {:.1f} cm a pixel, {:.7f},{:.7f} to {:.7f},{:.7f} (LAT,LON)\n{}\n",
-             report->area_m2 / 1e4, report->gsd_m * 100.0, report->bounds.south_deg, report->bounds.west_deg,
-             report->bounds.north_deg, report->bounds.east_deg,
+             report.area_m2 / 1e4, report.gsd_m * 100.0, report.bounds.south_deg, report.bounds.west_deg,
+             report.bounds.north_deg, report.bounds.east_deg,
              (arguments.map_dir / "mosaic.mbtiles").string());
 }
 

@@ -2,12 +2,10 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <string>
 #include <system_error>
 
@@ -69,18 +67,16 @@ void Run(const ReportArguments& arguments) {
                               " has no report.json. Name the folder that \"skyquilt stitch -o\" wrote.",
                           ""});
   const WorkBeside work(kReportCommand, out);
-  const Result<MapPixels> pixels = [&] {
+  const MapPixels pixels = OrFail(kReportCommand, [&] {
     TerminalProgress progress;
     return MakeMapPixels(arguments.map_dir, arguments.picture_px, 0, work.path(), progress);
-  }();
-  if (!pixels) Fail(kReportCommand, pixels.error());
-  const MapPicture picture = EncodeMapPicture(*pixels);
+  }());
+  const MapPicture picture = EncodeMapPicture(pixels);
   const auto now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-  const Result<std::string> page = ReportPage(*report, picture, fmt::format("{:%Y-%m-%d}", fmt::gmtime(now)));
-  if (!page) Fail(kReportCommand, page.error());
-  const Result<void> written = format == ReportFormat::kPdf ? WritePdf(*page, out, work.path())
-                                                            : storage::WriteFileAtomically(out, *page);
-  if (!written) Fail(kReportCommand, written.error());
+  const std::string page =
+      OrFail(kReportCommand, ReportPage(*report, picture, fmt::format("{:%Y-%m-%d}", fmt::gmtime(now))));
+  OrFail(kReportCommand, format == ReportFormat::kPdf ? WritePdf(page, out, work.path())
+                                                      : storage::WriteFileAtomically(out, page));
   fmt::print("{} ({:.1f} MB)\n", out.string(), static_cast<double>(fs::file_size(out)) / 1e6);
 }
 

@@ -3,7 +3,6 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -111,33 +110,35 @@ void Run(SimulateArguments& arguments) {
     options.world.objects.lowest_house_m = arguments.house_heights_m[0];
     options.world.objects.highest_house_m = arguments.house_heights_m[1];
   }
-  const Result<simulate::SimulatedFlight> flight = [&] {
+  const simulate::SimulatedFlight flight = OrFail("skyquilt", [&] {
     TerminalProgress progress;
     return simulate::SimulateFlight(options, arguments.out_dir, progress);
-  }();
-  if (!flight) Fail("skyquilt", flight.error());
+  }());
   fmt::print("{} of {} x {} pixels, {:.2f} cm a pixel on the ground\n",
-             Counted(flight->photos.size(), "photo"), options.intrinsics.width_px,
-             options.intrinsics.height_px, 100.0 * flight->GsdM());
-  if (options.world.objects.Count() > 0) PrintObjects(options.world.objects, flight->world);
+             Counted(flight.photos.size(), "photo"), options.intrinsics.width_px,
+             options.intrinsics.height_px, 100.0 * flight.GsdM());
+  if (options.world.objects.Count() > 0) PrintObjects(options.world.objects, flight.world);
   fmt::print("{}\n{}\n", (arguments.out_dir / "photos").string(), (arguments.out_dir / "truth").string());
+}
+
+// A value whose help says what it is by itself.
+template <typename Value>
+void AddValue(CLI::App& command, const char* name, Value& value, const char* help) {
+  command.add_option(name, value, help)->capture_default_str();
 }
 
 // What stands on the ground.
 void AddObjectOptions(CLI::App& command, SimulateArguments& arguments) {
   simulate::ObjectOptions& objects = arguments.options.world.objects;
-  command
-      .add_option(
-          "--houses", objects.houses,
-          "Houses of 8 to 20 m a side with flat and gabled roofs, turned any way, where the photos look; "
-          "truth/poses.json has the corners and heights of all that stands")
-      ->capture_default_str();
+  AddValue(command, "--houses", objects.houses,
+           "Houses of 8 to 20 m a side with flat and gabled roofs, turned any way, where the photos look; "
+           "truth/poses.json has the corners and heights of all that stands");
   command
       .add_option("--house-heights-m", arguments.house_heights_m,
                   "With --houses: how high the lowest and the highest may be, in metres (default: 3 12)")
       ->expected(2);
-  command.add_option("--walls", objects.walls, "Garden walls of 1.5 to 3 m")->capture_default_str();
-  command.add_option("--trees", objects.trees, "Trees of 3 to 10 m")->capture_default_str();
+  AddValue(command, "--walls", objects.walls, "Garden walls of 1.5 to 3 m");
+  AddValue(command, "--trees", objects.trees, "Trees of 3 to 10 m");
   command.add_flag("--surface", arguments.options.write_surface,
                    "Also write truth/surface.tif: the true heights over the ellipsoid, with and without what "
                    "stands on the ground");
@@ -169,9 +170,7 @@ void AddRecorderOptions(CLI::App& command, SimulateArguments& arguments) {
   command.add_flag("--log-without-gnss", arguments.no_gnss_log, "With --log: the recorder has no GNSS");
   command.add_flag("--log-range", arguments.survey.sensors.has_range,
                    "With --log: a range finder that reaches 25 m");
-  command
-      .add_option("--clock-offset-s", options.clock.offset_s, "How far the camera's clock is ahead of UTC")
-      ->capture_default_str();
+  AddValue(command, "--clock-offset-s", options.clock.offset_s, "How far the camera's clock is ahead of UTC");
   command.add_flag("--clock-seconds", options.clock.is_local_seconds,
                    "The camera's clock shows whole seconds of an unknown zone, as most do");
 }
@@ -187,53 +186,33 @@ void AddSimulateCommand(CLI::App& app) {
       ->add_option("-o,--out", arguments->out_dir,
                    "Folder for photos/ and truth/ (poses.json, world.tif); made if missing")
       ->required();
-  command->add_option("--photos", options.trajectory.photos, "Number of photos")->capture_default_str();
-  command
-      ->add_option("--lat", options.origin.lat_deg,
-                   "Latitude of take-off, the middle of the flight, in degrees")
-      ->capture_default_str();
-  command->add_option("--lon", options.origin.lon_deg, "Longitude of take-off in degrees")
-      ->capture_default_str();
-  command->add_option("--height", options.trajectory.height_m, "Height of flight above take-off in metres")
-      ->capture_default_str();
-  command
-      ->add_option("--overlap", options.trajectory.front_overlap,
-                   "Overlap of a photo with the next one along the line, 0 to 0.98 (0.75 is usual)")
-      ->capture_default_str();
-  command
-      ->add_option("--sidelap", options.trajectory.side_overlap,
-                   "Overlap with the neighbouring line, 0 to 0.98")
-      ->capture_default_str();
-  command
-      ->add_option("--heading", arguments->heading_deg,
-                   "Direction of the first line, degrees clockwise from north")
-      ->capture_default_str();
-  command->add_option("--speed", options.trajectory.speed_mps, "Speed in m/s: the time between photos")
-      ->capture_default_str();
-  command
-      ->add_option("--tilt-deg", arguments->tilt_deg,
-                   "Every photo leans by up to this many degrees, any way, as from a camera without gimbal")
-      ->capture_default_str();
+  AddValue(*command, "--photos", options.trajectory.photos, "Number of photos");
+  AddValue(*command, "--lat", options.origin.lat_deg,
+           "Latitude of take-off, the middle of the flight, in degrees");
+  AddValue(*command, "--lon", options.origin.lon_deg, "Longitude of take-off in degrees");
+  AddValue(*command, "--height", options.trajectory.height_m, "Height of flight above take-off in metres");
+  AddValue(*command, "--overlap", options.trajectory.front_overlap,
+           "Overlap of a photo with the next one along the line, 0 to 0.98 (0.75 is usual)");
+  AddValue(*command, "--sidelap", options.trajectory.side_overlap,
+           "Overlap with the neighbouring line, 0 to 0.98");
+  AddValue(*command, "--heading", arguments->heading_deg,
+           "Direction of the first line, degrees clockwise from north");
+  AddValue(*command, "--speed", options.trajectory.speed_mps, "Speed in m/s: the time between photos");
+  AddValue(*command, "--tilt-deg", arguments->tilt_deg,
+           "Every photo leans by up to this many degrees, any way, as from a camera without gimbal");
   command
       ->add_option("--yaw", options.trajectory.yaw_rule,
                    "course: the image's top points ahead; fixed: always along the first line; any: at random")
       ->transform(OneOf(std::vector<std::pair<std::string, YawRule>>{
           {"course", YawRule::kAlongCourse}, {"fixed", YawRule::kFixed}, {"any", YawRule::kAnywhere}}));
-  command
-      ->add_option("--yaw-wander-deg", arguments->yaw_wander_deg,
-                   "How far the true yaw strays from that, 1-sigma")
-      ->capture_default_str();
-  command
-      ->add_option("--jitter-m", options.trajectory.position_jitter_m,
-                   "How far the true positions stray from the plan, 1-sigma in metres")
-      ->capture_default_str();
-  command
-      ->add_option("--height-wander-m", options.trajectory.height_wander_m,
-                   "How far the true height strays, 1-sigma")
-      ->capture_default_str();
-  command
-      ->add_option("--relief-m", options.world.relief_m, "Height of smooth hills in metres; 0 is flat ground")
-      ->capture_default_str();
+  AddValue(*command, "--yaw-wander-deg", arguments->yaw_wander_deg,
+           "How far the true yaw strays from that, 1-sigma");
+  AddValue(*command, "--jitter-m", options.trajectory.position_jitter_m,
+           "How far the true positions stray from the plan, 1-sigma in metres");
+  AddValue(*command, "--height-wander-m", options.trajectory.height_wander_m,
+           "How far the true height strays, 1-sigma");
+  AddValue(*command, "--relief-m", options.world.relief_m,
+           "Height of smooth hills in metres; 0 is flat ground");
   command->add_flag("--boxes", options.world.has_boxes,
                     "Buildings stand up instead of being painted on the ground");
   AddObjectOptions(*command, *arguments);
@@ -243,11 +222,9 @@ void AddSimulateCommand(CLI::App& app) {
           "rich: fields, roads, farms; rows: crop rows everywhere (repetitive); bare: sand (little to match)")
       ->transform(OneOf(std::vector<std::pair<std::string, TextureLevel>>{
           {"rich", TextureLevel::kRich}, {"rows", TextureLevel::kRows}, {"bare", TextureLevel::kBare}}));
-  command
-      ->add_option("--marks-m", options.world.mark_spacing_m,
-                   "Survey marks on the ground every so many metres; 0 is none")
-      ->capture_default_str();
-  command->add_option("--size", arguments->size, "Size of the photos in pixels")->capture_default_str();
+  AddValue(*command, "--marks-m", options.world.mark_spacing_m,
+           "Survey marks on the ground every so many metres; 0 is none");
+  AddValue(*command, "--size", arguments->size, "Size of the photos in pixels");
   command->add_option("--focal-px", arguments->focal_px,
                       "Focal length in pixels (default: 0.75 of the width)");
   command->add_option("--distortion", arguments->distortion, "Lens distortion k1 k2 p1 p2, as OpenCV has it")
@@ -265,56 +242,35 @@ void AddSimulateCommand(CLI::App& app) {
                                                                 {"no-gps", NoiseClass::kNoGps},
                                                                 {"no-pose", NoiseClass::kNoPose}}));
   AddRecorderOptions(*command, *arguments);
-  command
-      ->add_option("--exposure-jitter", options.exposure_jitter,
-                   "Brightness differs from photo to photo, 1-sigma (0.1 is 10%)")
-      ->capture_default_str();
+  AddValue(*command, "--exposure-jitter", options.exposure_jitter,
+           "Brightness differs from photo to photo, 1-sigma (0.1 is 10%)");
   command->add_flag("--exposure-recorded", options.is_exposure_recorded,
                     "With --exposure-jitter: the exposure times in the photos say so, as a camera's do");
-  command->add_option("--vignetting", options.vignetting, "Share of light lost in the corners")
-      ->capture_default_str();
-  command
-      ->add_option("--hot-spot", options.hot_spot,
-                   "Share by which ground looks brighter with the sun right behind the camera")
-      ->capture_default_str();
-  command
-      ->add_option("--hot-spot-deg", arguments->hot_spot_deg,
-                   "With --hot-spot: how far from there it is half of that, in degrees")
-      ->capture_default_str();
-  command
-      ->add_option("--gradient-per-km", options.world.gradient_per_km,
-                   "How much brighter the ground itself becomes to the east, as a logarithm")
-      ->capture_default_str();
-  command
-      ->add_option("--shutter-ms", arguments->shutter_ms,
-                   "Exposure time in milliseconds; blurs by speed x time")
-      ->capture_default_str();
-  command
-      ->add_option("--readout-ms", arguments->readout_ms,
-                   "Milliseconds from reading a picture's first row to its last, while the camera flies on")
-      ->capture_default_str();
-  command
-      ->add_option(
-          "--shaking-dps", arguments->shaking_dps,
-          "With --readout-ms: the camera turns meanwhile, 1-sigma in degrees per second about each axis")
-      ->capture_default_str();
+  AddValue(*command, "--vignetting", options.vignetting, "Share of light lost in the corners");
+  AddValue(*command, "--hot-spot", options.hot_spot,
+           "Share by which ground looks brighter with the sun right behind the camera");
+  AddValue(*command, "--hot-spot-deg", arguments->hot_spot_deg,
+           "With --hot-spot: how far from there it is half of that, in degrees");
+  AddValue(*command, "--gradient-per-km", options.world.gradient_per_km,
+           "How much brighter the ground itself becomes to the east, as a logarithm");
+  AddValue(*command, "--shutter-ms", arguments->shutter_ms,
+           "Exposure time in milliseconds; blurs by speed x time");
+  AddValue(*command, "--readout-ms", arguments->readout_ms,
+           "Milliseconds from reading a picture's first row to its last, while the camera flies on");
+  AddValue(*command, "--shaking-dps", arguments->shaking_dps,
+           "With --readout-ms: the camera turns meanwhile, 1-sigma in degrees per second about each axis");
   command->add_flag("--gyro", options.has_gyro,
                     "With --shaking-dps: the photos record the camera's gyro and its readout time");
   command->add_flag(
       "--bands", options.has_band_rig,
       "A camera of five bands in place of one in colours: a TIFF for each, as MicaSense writes them, "
       "with lenses that stand apart, vignetting, exposure and light of each band's own");
-  command->add_option("--pixel-noise", options.noise_counts, "Sensor noise in 8-bit counts, 1-sigma")
-      ->capture_default_str();
-  command
-      ->add_option("--seed", options.seed,
-                   "Another number, another world and flight; the same number, the same bytes")
-      ->capture_default_str();
+  AddValue(*command, "--pixel-noise", options.noise_counts, "Sensor noise in 8-bit counts, 1-sigma");
+  AddValue(*command, "--seed", options.seed,
+           "Another number, another world and flight; the same number, the same bytes");
   command->add_flag("--no-world", arguments->no_world, "Skip truth/world.tif, which can be large");
-  command
-      ->add_option("--threads", options.threads,
-                   "Threads; 0 takes all cores. The bytes are the same with any number")
-      ->capture_default_str();
+  AddValue(*command, "--threads", options.threads,
+           "Threads; 0 takes all cores. The bytes are the same with any number");
   command->footer(
       "Example:\n  skyquilt simulate -o demo --photos 30 --height 60\n  skyquilt stitch demo/photos -o map");
   command->callback([arguments] { Run(*arguments); });

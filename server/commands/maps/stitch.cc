@@ -1,6 +1,3 @@
-#include <fmt/core.h>
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
@@ -8,14 +5,14 @@
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
-#include <iterator>
+#include <fmt/core.h>
 #include <map>
 #include <memory>
-#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <unistd.h>
 #include <vector>
 
 #include "core/base/digest.h"
@@ -124,10 +121,9 @@ void PrintOutcome(const pipeline::MosaicReport& report, const std::filesystem::p
 
 // The files of the finished map, then the others; one that is given again counts once.
 void AddFinishedFiles(const std::filesystem::path& out_dir, std::vector<flight::InputFile>& files) {
-  auto all = FilesOfMap(out_dir);
-  if (!all) Fail("skyquilt", all.error());
+  auto all = OrFail("skyquilt", FilesOfMap(out_dir));
   std::map<std::string, std::filesystem::path> finished;
-  for (const flight::InputFile& file : *all) {
+  for (const flight::InputFile& file : all) {
     finished[file.name] = file.path;
     if (std::filesystem::exists(file.path)) continue;
     Fail("skyquilt",
@@ -137,7 +133,7 @@ void AddFinishedFiles(const std::filesystem::path& out_dir, std::vector<flight::
   for (flight::InputFile& file : files) {
     const auto same = finished.find(file.name);
     if (same == finished.end()) {
-      all->push_back(std::move(file));
+      all.push_back(std::move(file));
       continue;
     }
     const Result<Digest> was = DigestOfFile(same->second), is = DigestOfFile(file.path);
@@ -147,7 +143,7 @@ void AddFinishedFiles(const std::filesystem::path& out_dir, std::vector<flight::
           file.path.string() + " has the name of a file of the finished map and other content; rename it",
           ""});
   }
-  files = *std::move(all);
+  files = std::move(all);
 }
 
 // Before hours of work, not after them.
@@ -196,18 +192,14 @@ void Run(StitchArguments& arguments) {
   arguments.job.write_kmz = arguments.kmz || is_wanted(OtherFormat::kKmz, "mosaic.kmz");
   if (const Result<void> possible = arguments.job.mosaic.Validate(); !possible)
     Fail("skyquilt", possible.error());
-  auto files = flight::ListInputFiles(arguments.inputs);
-  if (!files) Fail("skyquilt", files.error());
+  auto files = OrFail("skyquilt", flight::ListInputFiles(arguments.inputs));
   if (arguments.append) {
-    AddFinishedFiles(arguments.out_dir, *files);
-    const Result<void> taken = TakeOptionsOfMap(arguments.out_dir, arguments.said, arguments.job.mosaic);
-    if (!taken) Fail("skyquilt", taken.error());
+    AddFinishedFiles(arguments.out_dir, files);
+    OrFail("skyquilt", TakeOptionsOfMap(arguments.out_dir, arguments.said, arguments.job.mosaic));
   } else if (arguments.overwrite) {
-    const Result<void> kept = CheckNoInputIsReplaced(arguments.out_dir, *files);
-    if (!kept) Fail("skyquilt", kept.error());
+    OrFail("skyquilt", CheckNoInputIsReplaced(arguments.out_dir, files));
   } else {
-    const Result<void> free = CheckOutFolder(arguments.out_dir, *files, arguments.job.mosaic);
-    if (!free) Fail("skyquilt", free.error());
+    OrFail("skyquilt", CheckOutFolder(arguments.out_dir, files, arguments.job.mosaic));
   }
   if (arguments.job.mosaic.title.empty()) arguments.job.mosaic.title = NameOfInput(arguments.inputs.front());
   if (!arguments.trace.empty()) {
@@ -216,11 +208,10 @@ void Run(StitchArguments& arguments) {
   }
   Result<pipeline::MosaicReport> report = [&] {
     TerminalProgress progress;
-    return StitchToDirectory(*files, arguments.job, arguments.out_dir, progress);
+    return StitchToDirectory(files, arguments.job, arguments.out_dir, progress);
   }();
   if (!arguments.trace.empty()) {
-    const Result<void> written = storage::WriteFileAtomically(arguments.trace, EndTrace());
-    if (!written) Fail("skyquilt", written.error());
+    OrFail("skyquilt", storage::WriteFileAtomically(arguments.trace, EndTrace()));
   }
   if (!report) Fail("skyquilt", report.error());
   PrintOutcome(*report, arguments.out_dir, arguments.job.mosaic.heights != pipeline::MapHeights::kNone);

@@ -75,17 +75,16 @@ void PrintJson(const std::vector<FileVerdict>& verdicts, const std::string& map,
 }
 
 void Run(const ValidateArguments& arguments) {
-  const auto verdicts = [&] {
+  const auto verdicts = OrFail("skyquilt validate", [&] {
     TerminalProgress progress;
     return storage::ValidateMap(arguments.map, arguments.quick, progress);
-  }();
-  if (!verdicts) Fail("skyquilt validate", verdicts.error());
-  const bool is_sound = CountOf(*verdicts, Severity::kError) == 0 &&
-                        (!arguments.strict || CountOf(*verdicts, Severity::kWarning) == 0);
+  }());
+  const bool is_sound = CountOf(verdicts, Severity::kError) == 0 &&
+                        (!arguments.strict || CountOf(verdicts, Severity::kWarning) == 0);
   if (arguments.as_json) {
-    PrintJson(*verdicts, arguments.map.string(), is_sound);
+    PrintJson(verdicts, arguments.map.string(), is_sound);
   } else {
-    PrintText(*verdicts, is_sound);
+    PrintText(verdicts, is_sound);
   }
   if (!is_sound) throw CLI::RuntimeError(1);
 }

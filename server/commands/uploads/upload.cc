@@ -4,7 +4,6 @@
 #include <chrono>
 #include <filesystem>
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "core/base/text/printable.h"
@@ -28,8 +27,7 @@ struct UploadArguments {
 
 void Run(UploadArguments& arguments) {
   UploadOptions& options = arguments.options;
-  const auto files = flight::ListInputFiles(arguments.inputs);
-  if (!files) Fail(kCommandName, files.error());
+  const auto files = OrFail(kCommandName, flight::ListInputFiles(arguments.inputs));
   if (options.name.empty()) options.name = NameOfInput(arguments.inputs.front());
   options.server.patience = std::chrono::seconds(arguments.patience_s);
   options.makes_map = !arguments.no_map;
@@ -37,7 +35,7 @@ void Run(UploadArguments& arguments) {
   const auto tags = storage::CheckedTags(options.tags);
   if (!tags) Fail(kCommandName, {ErrorCode::kInvalidArgument, "--tag: " + tags.error().message, ""});
   options.waits = !arguments.no_wait;
-  const UploadedFlight uploaded = UploadAtTerminal(kCommandName, *files, options);
+  const UploadedFlight uploaded = UploadAtTerminal(kCommandName, files, options);
   fmt::print("{} sent", Counted(uploaded.sent, "file"));
   if (uploaded.skipped > 0) fmt::print(", {} there", Counted(uploaded.skipped, "was", "were"));
   fmt::print("\n{}/#/flights/{}\n", options.server.url, uploaded.flight_id);

@@ -87,13 +87,12 @@ void Run(WatchArguments& arguments) {
             folder.string() + " is a file. Name a folder; \"skyquilt upload\" sends files.", ""});
   }
   options.ledger = LedgerOf(arguments);
-  const Result<WatchEnd> ended = [&] {
+  const WatchEnd ended = OrFail(kWatchCommand, [&] {
     WatchTalk talk;
     return WatchFolders(options, talk);
-  }();
-  if (!ended) Fail(kWatchCommand, ended.error());
-  fmt::print("{}, {} sent\n", Counted(ended->flights, "new flight"), Counted(ended->files, "file"));
-  if (options.once && ended->refused > 0) throw CLI::RuntimeError(1);
+  }());
+  fmt::print("{}, {} sent\n", Counted(ended.flights, "new flight"), Counted(ended.files, "file"));
+  if (options.once && ended.refused > 0) throw CLI::RuntimeError(1);
 }
 
 }  // namespace

@@ -10,9 +10,7 @@
 #include <charconv>
 #include <cstring>
 #include <ctime>
-#include <memory>
 #include <random>
-#include <set>
 #include <thread>
 #include <utility>
 

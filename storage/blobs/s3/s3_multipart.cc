@@ -1,7 +1,4 @@
 // S3Client: objects that are put in parts.
-#include <fmt/format.h>
-
-#include <utility>
 
 #include "core/base/try.h"
 #include "storage/blobs/s3/s3_client.h"

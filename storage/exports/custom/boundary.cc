@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 #include <tinyxml2.h>
 
-#include <algorithm>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <string>

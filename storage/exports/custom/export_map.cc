@@ -1,11 +1,9 @@
 #include "storage/exports/custom/export_map.h"
 
 #include <algorithm>
-#include <cmath>
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <string>
 #include <system_error>
 
 #include "core/base/text/json_io.h"

@@ -8,7 +8,6 @@
 #include <optional>
 #include <set>
 #include <system_error>
-#include <utility>
 
 #include "core/base/parallel_for.h"
 #include "core/base/scoped_folder.h"

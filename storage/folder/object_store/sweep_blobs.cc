@@ -5,7 +5,6 @@
 #include <map>
 #include <optional>
 #include <set>
-#include <string_view>
 
 #include "core/base/try.h"
 #include "storage/blobs/blob_store.h"

@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -29,8 +28,7 @@ class Control : public ::testing::Test {
 
   std::string Address() const { return "/api/v1/flights/" + flight_ + "/control"; }
   Response Put(const json& body, const std::string& if_match = "") {
-    Headers headers;
-    headers.Add("Content-Type", "application/json");
+    Headers headers{{"Content-Type", "application/json"}};
     if (!if_match.empty()) headers.Add("If-Match", if_match);
     return server_.Send(Method::kPut, Address(), body.dump(), std::move(headers));
   }

@@ -227,9 +227,7 @@ TEST_F(GridAddresses, TilesAreKeptAndTagged) {
   EXPECT_GE(kept, 1u);
   EXPECT_EQ(sample_.Get(path).body, first.body);
   EXPECT_EQ(sample_.service().made_tiles.kept().tiles, kept);
-  Headers knows;
-  knows.Add("If-None-Match", std::string(first.headers.Find("ETag")));
-  EXPECT_EQ(sample_.Get(path, knows).status, 304);
+  EXPECT_EQ(sample_.Get(path, {{"If-None-Match", std::string(first.headers.Find("ETag"))}}).status, 304);
   EXPECT_NE(sample_.Get(path + "?rev=" + std::to_string(map_.revision()))
                 .headers.Find("Cache-Control")
                 .find("immutable"),
@@ -242,8 +240,7 @@ TEST_F(GridAddresses, TilesComeInEveryFormatAndAsStoredUnlessAsked) {
   const std::string path = ogc_ + Tile("UTM32WGS84Quad", "");
   EXPECT_EQ(sample_.Get(path).headers.Find("Content-Type"), "image/jpeg");  // opaque throughout
   EXPECT_EQ(sample_.Get(path + "?f=webp").headers.Find("Content-Type"), "image/webp");
-  Headers png;
-  png.Add("Accept", "image/png");
+  Headers png{{"Accept", "image/png"}};
   EXPECT_EQ(sample_.Get(path, png).headers.Find("Content-Type"), "image/png");
   EXPECT_EQ(sample_.Get(path + "?f=tiff").status, 406);
   EXPECT_EQ(sample_.Get(path + ".gif").status, 400);

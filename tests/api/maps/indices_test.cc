@@ -81,13 +81,12 @@ class IndicesTest : public testing::Test {
     return json::parse(response.body, nullptr, false).value("detail", "");
   }
   json Statistics(const std::string& query, double north_deg = kTileDeg) {
-    Headers headers;
-    headers.Add("Content-Type", "application/geo+json");
     const json box = {{"type", "Polygon"},
                       {"coordinates",
                        {{{0.0, 0.0}, {kTileDeg, 0.0}, {kTileDeg, north_deg}, {0.0, north_deg}, {0.0, 0.0}}}}};
-    const Response response = sample_.Send(
-        Method::kPost, "/api/v1/flights/" + flight_ + "/statistics?" + query, box.dump(), std::move(headers));
+    const Response response =
+        sample_.Send(Method::kPost, "/api/v1/flights/" + flight_ + "/statistics?" + query, box.dump(),
+                     {{"Content-Type", "application/geo+json"}});
     EXPECT_EQ(response.status, 200) << response.body;
     return json::parse(response.body, nullptr, false);
   }
@@ -129,15 +128,9 @@ TEST_F(IndicesTest, TilesAreTaggedCachedAndToBeHadInOtherSizes) {
   const Response first = sample_.Get(Tile("index=vari"));
   const std::string etag(first.headers.Find("ETag"));
   EXPECT_FALSE(etag.empty());
-  Headers knows;
-  knows.Add("If-None-Match", etag);
-  EXPECT_EQ(sample_.Get(Tile("index=vari"), knows).status, 304);
-  Headers knows_other;
-  knows_other.Add("If-None-Match", etag);
-  EXPECT_EQ(sample_.Get(Tile("index=gli"), knows_other).status, 200);
-  Headers knows_turned;
-  knows_turned.Add("If-None-Match", etag);
-  EXPECT_EQ(sample_.Get(Tile("index=vari&colormap=rdylgn_r"), knows_turned).status, 200);
+  EXPECT_EQ(sample_.Get(Tile("index=vari"), {{"If-None-Match", etag}}).status, 304);
+  EXPECT_EQ(sample_.Get(Tile("index=gli"), {{"If-None-Match", etag}}).status, 200);
+  EXPECT_EQ(sample_.Get(Tile("index=vari&colormap=rdylgn_r"), {{"If-None-Match", etag}}).status, 200);
   const auto kept = sample_.service().made_tiles.kept().tiles;
   sample_.Get(Tile("index=vari"));
   EXPECT_EQ(sample_.service().made_tiles.kept().tiles, kept);

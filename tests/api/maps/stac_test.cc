@@ -32,9 +32,7 @@ class StacTest : public testing::Test {
     return json::parse(response.body);
   }
   Response Post(const std::string& body) {
-    Headers headers;
-    headers.Add("Content-Type", "application/json");
-    return sample_.Send(Method::kPost, "/stac/search", body, std::move(headers));
+    return sample_.Send(Method::kPost, "/stac/search", body, {{"Content-Type", "application/json"}});
   }
   std::set<std::string> Posted(const json& body) {
     const Response response = Post(body.dump());

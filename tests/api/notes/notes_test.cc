@@ -161,17 +161,16 @@ TEST_F(Notes, ThatAreNoTextOfNotesAreRefusedBeforeTheyAreRead) {
                 .error()
                 .code,
             ErrorCode::kTooLarge);
-  Headers plain;
-  plain.Add("Content-Type", "text/plain");
-  EXPECT_EQ(server_.Send(Method::kPut, Address(), ExampleNotes().dump(), std::move(plain)).status, 415);
+  EXPECT_EQ(
+      server_.Send(Method::kPut, Address(), ExampleNotes().dump(), {{"Content-Type", "text/plain"}}).status,
+      415);
 }
 
 TEST_F(Notes, InAFileThatAUserSentAreReadAsStrictly) {
   const auto send = [&](const std::string& text) {
-    Headers replaces;
-    replaces.Add("If-Match", "*");
     return server_
-        .Send(Method::kPut, "/api/v1/flights/" + flight_ + "/files/Map_Notes.geojson", text, replaces)
+        .Send(Method::kPut, "/api/v1/flights/" + flight_ + "/files/Map_Notes.geojson", text,
+              {{"If-Match", "*"}})
         .status;
   };
   ASSERT_EQ(send(ExampleNotes().dump()), 201);

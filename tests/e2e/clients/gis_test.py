@@ -153,19 +153,15 @@ class Gis(MapFileTestCase):
             self.assertEqual(self.server.request("HEAD", links[rel])[0], 200, rel)
 
     def test_owslib_reads_the_capabilities(self):
-        try:
-            from owslib.wms import WebMapService
-            from owslib.wmts import WebMapTileService
-        except ImportError:
-            self.skipTest("python3-owslib is not here")
-        wmts = WebMapTileService(self.address(f"/wmts/{self.flight_id}/1.0.0/WMTSCapabilities.xml"))
+        of_wms, of_wmts = self.imported("python3-owslib is not here", "owslib.wms", "owslib.wmts")
+        wmts = of_wmts.WebMapTileService(self.address(f"/wmts/{self.flight_id}/1.0.0/WMTSCapabilities.xml"))
         set_name = list(wmts.tilematrixsets)[0]
         column, row, *_ = self.inner_window()
         tile = wmts.gettile(layer="map", tilematrixset=set_name, tilematrix=str(self.tilejson["maxzoom"]), row=row,
                             column=column, format="image/png")
         self.assertTrue(tile.read().startswith(b"\x89PNG"))
         for version in ("1.1.1", "1.3.0"):
-            wms = WebMapService(self.address(f"/wms/{self.flight_id}"), version=version)
+            wms = of_wms.WebMapService(self.address(f"/wms/{self.flight_id}"), version=version)
             self.assertEqual(list(wms.contents), ["map"])
             box = wms["map"].boundingBoxWGS84
             for ours, theirs in zip(self.tilejson["bounds"], box):
@@ -174,19 +170,15 @@ class Gis(MapFileTestCase):
             self.assertTrue(picture.read().startswith(b"\x89PNG"))
 
     def test_owslib_reads_all_maps_at_one_address(self):
-        try:
-            from owslib.wms import WebMapService
-            from owslib.wmts import WebMapTileService
-        except ImportError:
-            self.skipTest("python3-owslib is not here")
-        wmts = WebMapTileService(self.address("/wmts"))
+        of_wms, of_wmts = self.imported("python3-owslib is not here", "owslib.wms", "owslib.wmts")
+        wmts = of_wmts.WebMapTileService(self.address("/wmts"))
         self.assertIn(self.flight_id, wmts.contents)
         column, row, *_ = self.inner_window()
         tile = wmts.gettile(layer=self.flight_id, tilematrixset="WebMercatorQuad", tilematrix=str(self.tilejson["maxzoom"]), row=row,
                             column=column, format="image/png")
         self.assertTrue(tile.read().startswith(b"\x89PNG"))
         for version in ("1.1.1", "1.3.0"):
-            wms = WebMapService(self.address("/wms"), version=version)
+            wms = of_wms.WebMapService(self.address("/wms"), version=version)
             self.assertIn(self.flight_id, wms.contents)
             box = wms[self.flight_id].boundingBoxWGS84
             asked = {"layers": [self.flight_id], "srs": "EPSG:4326", "bbox": box, "size": (300, 200), "format": "image/png"}

@@ -85,18 +85,14 @@ class Guarded(MapFileTestCase):
                          f"{layer}&styles=&url={quoted(wms)}"])
 
     def test_owslib_keeps_the_token(self):
-        try:
-            from owslib.wms import WebMapService
-            from owslib.wmts import WebMapTileService
-        except ImportError:
-            self.skipTest("python3-owslib is not here")
+        of_wms, of_wmts = self.imported("python3-owslib is not here", "owslib.wms", "owslib.wmts")
         column, row, *_ = self.inner_window()
         for path, layer in ((f"/{self.flight_id}", "map"), ("", self.flight_id)):  # one map's address, and that of all
-            wmts = WebMapTileService(self.guarded(f"/wmts{path}"))
+            wmts = of_wmts.WebMapTileService(self.guarded(f"/wmts{path}"))
             tile = wmts.gettile(layer=layer, tilematrixset="WebMercatorQuad", tilematrix=str(self.tilejson["maxzoom"]), row=row,
                                 column=column, format="image/png")
             self.assertTrue(tile.read().startswith(b"\x89PNG"))
-            wms = WebMapService(self.guarded(f"/wms{path}"), version="1.3.0")
+            wms = of_wms.WebMapService(self.guarded(f"/wms{path}"), version="1.3.0")
             picture = wms.getmap(layers=[layer], srs="EPSG:4326", bbox=wms[layer].boundingBoxWGS84, size=(300, 200), format="image/png")
             self.assertTrue(picture.read().startswith(b"\x89PNG"))
 

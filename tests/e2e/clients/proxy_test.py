@@ -41,6 +41,8 @@ class Proxy(ServerTestCase):
         super().setUpClass()
         cls.kept = Server(tempfile.mkdtemp(dir=cls.scratch), "--base-path", "/skyquilt")
         cls.stripped = Server(tempfile.mkdtemp(dir=cls.scratch), "--trusted-proxy", "127.0.0.1", "--host", "maps.example.org")
+        for server in (cls.kept, cls.stripped):
+            cls.addClassCleanup(server.stop)
         cls.port = free_port()
         start_nginx(cls, tempfile.mkdtemp(dir=cls.scratch), cls.port,
                     BELOW_PATHS.format(port=cls.port, kept=cls.kept.port, stripped=cls.stripped.port))
@@ -50,12 +52,6 @@ class Proxy(ServerTestCase):
         cls.base = f"http://127.0.0.1:{cls.port}/skyquilt"
         run("upload", str(photos), "--server", cls.base)
         cls.flight = cls.get("/skyquilt/api/v1/flights")["flights"][0]
-
-    @classmethod
-    def tearDownClass(cls):
-        for server in (cls.kept, cls.stripped):
-            server.stop()
-        super().tearDownClass()
 
     @classmethod
     def open(cls, path, body=None, **headers):

@@ -112,6 +112,7 @@ class StacSchemas(ServerTestCase):
         data = tempfile.mkdtemp(dir=cls.scratch)
         cls.run_program("import", made_flights.small_map() / "mosaic.mbtiles", "--data", data, "--name", "Fields & <woods>")
         cls.server = Server(data, "--workers", "1")
+        cls.addClassCleanup(cls.server.stop)
         cls.imported = cls.server.json("GET", "/api/v1/flights")[1]["flights"][0]["id"]
         cls.flown = cls.made(cls.server, cls.photos)
         cls.placeless = cls.made(cls.server, [(name, without_metadata(photo)) for name, photo in cls.photos])
@@ -123,11 +124,6 @@ class StacSchemas(ServerTestCase):
     @staticmethod
     def made(server, photos):
         return server.stitched(photos)["flight"]["id"]
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.server.stop()
-        super().tearDownClass()
 
     def item(self, flight):
         return self.server.json("GET", f"/stac/{flight}")[1]

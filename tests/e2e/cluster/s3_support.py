@@ -19,12 +19,8 @@ class S3TestCase(ServerTestCase):
     @classmethod
     def setUpClass(cls):
         cls.store = s3_store.store_or_skip()
+        cls.addClassCleanup(cls.store.stop)
         super().setUpClass()
-
-    @classmethod
-    def tearDownClass(cls):
-        super().tearDownClass()
-        cls.store.stop()
 
     def setUp(self):
         super().setUp()

@@ -17,8 +17,8 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support"))
 import s3_store
 from postgres_server import find_binaries, server_for
-from program import BINARY, run
-from server_support import Server, children_of, wait_until
+from program import BINARY, ScratchCase, run
+from server_support import Server, children_of, photos_in, wait_until
 
 PHOTOS = 24
 CUT = ("--cut-above", "10", "--part-files", "5")
@@ -26,23 +26,17 @@ KILLS = int(os.environ.get("SKYQUILT_UNIT_KILLS", "4"))
 SEED = int(os.environ.get("SKYQUILT_UNIT_SEED", "1"))
 
 
-class UnitsTest(unittest.TestCase):
+class UnitsTest(ScratchCase):
     catalogue = ()  # words for servers and workers
 
     @classmethod
     def setUpClass(cls):
-        cls.scratch = tempfile.TemporaryDirectory(prefix="skyquilt_units_")
-        folder = pathlib.Path(cls.scratch.name)
-        run("simulate", "-o", folder / "sim", "--photos", str(PHOTOS), "--size", "800x600", "--no-world")
-        cls.photos = [(path.name, path.read_bytes()) for path in sorted((folder / "sim/photos").iterdir())
-                      if path.suffix.lower() == ".jpg"]
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.scratch.cleanup()
+        super().setUpClass()
+        run("simulate", "-o", cls.scratch / "sim", "--photos", str(PHOTOS), "--size", "800x600", "--no-world")
+        cls.photos = photos_in(cls.scratch / "sim/photos")
 
     def setUp(self):
-        self.folder = tempfile.TemporaryDirectory(prefix="data_", dir=self.scratch.name)
+        self.folder = tempfile.TemporaryDirectory(prefix="data_", dir=self.scratch)
         self.server = Server(self.folder.name, "--workers", "0", *self.catalogue)
         self.workers = []
 

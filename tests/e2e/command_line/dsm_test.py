@@ -29,13 +29,9 @@ class Dsm(ScratchCase):
         return done.stdout
 
     def test_heights_are_those_of_the_world(self):
-        try:
-            from osgeo import gdal
-            from heights_against_truth import measure_heights
-        except ImportError:
-            self.skipTest("GDAL's Python package with numpy is not installed")
+        gdal, truth_of = self.imported("GDAL's Python package with numpy is not installed", "osgeo.gdal", "heights_against_truth")
         truth = json.loads((self.flight / "truth" / "poses.json").read_text())
-        numbers = measure_heights(self.map / "dsm.tif", self.flight, truth, truth["gsd_m"])
+        numbers = truth_of.measure_heights(self.map / "dsm.tif", self.flight, truth, truth["gsd_m"])
         self.assertGreater(numbers["answered"], 0.85)
         self.assertLess(abs(numbers["ground"]), 3.0)  # the lens' calibration is 0.12 % off
         self.assertLess(numbers["NMAD"], 1.0)
@@ -45,16 +41,13 @@ class Dsm(ScratchCase):
         self.assertIn("UTM zone", info["coordinateSystem"]["wkt"])
 
     def test_the_ground_below_is_that_of_the_world_and_has_contours(self):
-        try:
-            from osgeo import gdal, ogr
-            from heights_against_truth import measure_heights
-        except ImportError:
-            self.skipTest("GDAL's Python package with numpy is not installed")
+        gdal, ogr, truth_of = self.imported("GDAL's Python package with numpy is not installed", "osgeo.gdal", "osgeo.ogr",
+                                            "heights_against_truth")
         out = self.scratch / "with_ground"
         said = self.stitch(out, "--formats", "dtm")
         self.assertEqual((out / "dsm.tif").read_bytes(), (self.map / "dsm.tif").read_bytes())
         truth = json.loads((self.flight / "truth" / "poses.json").read_text())
-        numbers = measure_heights(out / "dsm.tif", self.flight, truth, truth["gsd_m"])
+        numbers = truth_of.measure_heights(out / "dsm.tif", self.flight, truth, truth["gsd_m"])
         self.assertLess(numbers["beside"], 2.0)
         self.assertLess(numbers["below things"] * truth["gsd_m"], 0.25)
         interval_m = report_of(out)["surface"]["contour_interval_m"]
@@ -107,10 +100,7 @@ class Dsm(ScratchCase):
         self.assertIn("heights_mostly_filled", [remark["code"] for remark in report["remarks"]])
 
     def test_heights_move_with_the_map(self):
-        try:
-            from osgeo import gdal
-        except ImportError:
-            self.skipTest("GDAL's Python package is not installed")
+        gdal, = self.imported("GDAL's Python package is not installed", "osgeo.gdal")
         folder = self.scratch / "moved"
         shutil.copytree(self.map, folder)
         corner = lambda: [gdal.Open(str(folder / "dsm.tif")).GetGeoTransform()[i] for i in (0, 3)]

@@ -9,7 +9,7 @@ import tempfile
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from program import BINARY, report_of, run  # noqa: E402
+from program import BINARY, ScratchCase, report_of, run  # noqa: E402
 from server_support import Server  # noqa: E402
 
 FRAMES_PER_S = 5
@@ -25,23 +25,17 @@ def subtitle(number, photo):
             f"[longitude: {photo['lon_deg']:.7f}] [rel_alt: 60.000 abs_alt: 460.000] </font>\n\n")
 
 
-class Films(unittest.TestCase):
+class Films(ScratchCase):
     @classmethod
     def setUpClass(cls):
-        cls.folder = tempfile.TemporaryDirectory(prefix="skyquilt-film-")
-        root = pathlib.Path(cls.folder.name)
-        flight = root / "flight"
+        super().setUpClass()
+        flight = cls.scratch / "flight"
         run("simulate", "-o", flight, "--photos", "60", "--size", "480x360", "--overlap", "0.93", "--no-world", "--seed", "5")
         cls.truth = json.loads((flight / "truth/poses.json").read_text())["photos"]
-        cls.film, cls.subtitles = root / "DJI_0007.MP4", root / "DJI_0007.SRT"
+        cls.film, cls.subtitles = cls.scratch / "DJI_0007.MP4", cls.scratch / "DJI_0007.SRT"
         maker = pathlib.Path(BINARY).with_name("film_of_photos")
         subprocess.run([maker, flight / "photos", cls.film, str(FRAMES_PER_S)], check=True)
         cls.subtitles.write_text("".join(subtitle(n, photo) for n, photo in enumerate(cls.truth)))
-        cls.root = root
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.folder.cleanup()
 
     def look_at(self, report):
         photos = report["photos"]
@@ -78,7 +72,7 @@ class Films(unittest.TestCase):
                 server.stop()
 
     def test_stitch_takes_the_film(self):
-        out = self.root / "map"
+        out = self.scratch / "map"
         run("stitch", self.film, self.subtitles, "-o", out)
         report = report_of(out)
         self.look_at(report)
@@ -88,19 +82,19 @@ class Films(unittest.TestCase):
         self.assertLess(abs(math.radians(lat - truth_lat)) * 6371000, 15)
         # The same film again is the same map; another of its name does not replace it.
         run("stitch", self.film, self.subtitles, "-o", out)
-        other = self.root / "other"
+        other = self.scratch / "other"
         other.mkdir()
         (other / self.film.name).write_bytes(self.film.read_bytes() + b"\0\0\0\x08free")
         refused = run("stitch", other, "-o", out, code=None)
         self.assertNotEqual(refused.returncode, 0)
         self.assertIn("DJI_0007.MP4", refused.stderr)
         # Photos join a map of a film.
-        photo = self.root / "flight/photos" / self.truth[-1]["name"]
+        photo = self.scratch / "flight/photos" / self.truth[-1]["name"]
         run("stitch", photo, "-o", out, "--append")
         self.assertEqual(report_of(out)["photos"]["total"], report["photos"]["total"] + 1)
 
     def test_frames_replace_no_folder_of_the_users(self):
-        out = self.root / "own"
+        out = self.scratch / "own"
         (out / "frames").mkdir(parents=True)
         (out / "frames" / "mine.jpg").write_bytes(b"mine")
         done = run("stitch", self.film, "-o", out, code=None)
@@ -109,9 +103,9 @@ class Films(unittest.TestCase):
         self.assertEqual([p.name for p in (out / "frames").iterdir()], ["mine.jpg"])
 
     def test_a_film_that_cannot_be_read_is_named_and_the_other_one_becomes_the_map(self):
-        broken = self.root / "broken.MP4"
+        broken = self.scratch / "broken.MP4"
         broken.write_bytes(self.film.read_bytes()[:3000])
-        out = self.root / "map_of_two"
+        out = self.scratch / "map_of_two"
         run("stitch", broken, self.film, self.subtitles, "-o", out)
         report = report_of(out)
         self.look_at(report)

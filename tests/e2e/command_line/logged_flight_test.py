@@ -11,7 +11,7 @@ import tempfile
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from program import report_of, run, without_metadata  # noqa: E402
+from program import ScratchCase, report_of, run, without_metadata  # noqa: E402
 from server_support import Server, photos_in  # noqa: E402
 
 CLOCK_AHEAD_S = 3607.3
@@ -52,21 +52,17 @@ class Result:
               f"stated radius {sorted(self.radius)[self.count // 2]:.2f} m")
 
 
-class LoggedFlightTest(unittest.TestCase):
+class LoggedFlightTest(ScratchCase):
     @classmethod
     def setUpClass(cls):
-        cls.folder = pathlib.Path(tempfile.mkdtemp())
-        cls.flight = cls.folder / "flight"
+        super().setUpClass()
+        cls.flight = cls.scratch / "flight"
         run("simulate", "-o", cls.flight, "--photos", 60, "--size", "640x480", "--height", 60, "--noise", "no-pose",
             "--log", "dataflash", "ulog", "csv", "--clock-offset-s", CLOCK_AHEAD_S, "--clock-seconds", "--no-world",
             "--seed", 5)
 
-    @classmethod
-    def tearDownClass(cls):
-        shutil.rmtree(cls.folder)
-
     def stitch(self, log, *more):
-        out = self.folder / ("map_" + log)
+        out = self.scratch / ("map_" + log)
         run("stitch", self.flight / "photos", self.flight / "logs" / log, "-o", out, *more)
         result = Result(self.flight, out)
         result.print(log)
@@ -99,9 +95,9 @@ class LoggedFlightTest(unittest.TestCase):
         self.assertLess(rms(result.across), 3.0)
 
     def test_says_what_is_missing_without_the_log(self):
-        run("stitch", self.flight / "photos", "-o", self.folder / "nothing")
+        run("stitch", self.flight / "photos", "-o", self.scratch / "nothing")
         # A map, by what the photos show alone, that says what would place it.
-        report = report_of(self.folder / "nothing")
+        report = report_of(self.scratch / "nothing")
         self.assertFalse(report["is_placed"])
         self.assertTrue(any("flight log" in warning for warning in report["warnings"]), report["warnings"])
 
@@ -117,7 +113,7 @@ class LoggedFlightTest(unittest.TestCase):
     def test_takes_the_log_with_an_upload(self):
         files = photos_in(self.flight / "photos")
         files.append(("flight.BIN", (self.flight / "logs/flight.BIN").read_bytes()))
-        server = Server(tempfile.mkdtemp(dir=self.folder))
+        server = Server(tempfile.mkdtemp(dir=self.scratch))
         try:
             status, made = server.upload(files, options='{"method": "imu"}')
             self.assertEqual(status, 202)
@@ -157,26 +153,22 @@ class ExposureLogTest(unittest.TestCase):
             self.assertLess(max(result.height) - min(result.height), 0.02)
 
 
-class HopWithoutGnssTest(unittest.TestCase):
+class HopWithoutGnssTest(ScratchCase):
     """20 m high, no GNSS, a marker at take-off, a range finder; the source paper's case."""
 
     SEEDS = range(1, 6)
 
     @classmethod
     def setUpClass(cls):
-        cls.folder = pathlib.Path(tempfile.mkdtemp())
+        super().setUpClass()
         for seed in cls.SEEDS:
-            run("simulate", "-o", cls.folder / f"hop_{seed}", "--photos", 8, "--size", "640x480", "--height", 20,
+            run("simulate", "-o", cls.scratch / f"hop_{seed}", "--photos", 8, "--size", "640x480", "--height", 20,
                 "--speed", 4, "--overlap", 0.7, "--sidelap", 0.6, "--noise", "no-pose", "--log", "dataflash",
                 "--log-without-gnss", "--log-range", "--no-world", "--seed", seed)
 
-    @classmethod
-    def tearDownClass(cls):
-        shutil.rmtree(cls.folder)
-
     def stitch(self, name, seed, *more):
-        flight = self.folder / f"hop_{seed}"
-        out = self.folder / f"{name}_{seed}"
+        flight = self.scratch / f"hop_{seed}"
+        out = self.scratch / f"{name}_{seed}"
         run("stitch", flight / "photos", flight / "logs/flight.BIN", "-o", out, "--method", "imu", *more)
         result = Result(flight, out)
         result.print(out.name)
@@ -185,7 +177,7 @@ class HopWithoutGnssTest(unittest.TestCase):
     def reckon_all(self, name, *more):
         results = []
         for seed in self.SEEDS:
-            start = json.loads((self.folder / f"hop_{seed}/truth/poses.json").read_text())["origin"]
+            start = json.loads((self.scratch / f"hop_{seed}/truth/poses.json").read_text())["origin"]
             results.append(self.stitch(name, seed, "--origin", f"{start['lat_deg']},{start['lon_deg']}", *more))
         # The radius is one sigma of both directions together: 1.73 of it hold 95 %.
         photos = [photo for result in results for photo in zip(result.across, result.radius)]
@@ -214,11 +206,11 @@ class HopWithoutGnssTest(unittest.TestCase):
 PHOTOS = 45
 
 
-class TablesTest(unittest.TestCase):
+class TablesTest(ScratchCase):
     @classmethod
     def setUpClass(cls):
-        cls.folder = pathlib.Path(tempfile.mkdtemp())
-        cls.flight = cls.folder / "flight"
+        super().setUpClass()
+        cls.flight = cls.scratch / "flight"
         run("simulate", "-o", cls.flight, "--photos", PHOTOS, "--size", "640x480", "--height", 60, "--noise", "no-pose",
             "--log", "csv", "--mount", "gimbal", "--clock-offset-s", 3607.3, "--clock-seconds", "--no-world", "--seed", 9)
         with open(cls.flight / "logs/flight.csv", newline="") as log:
@@ -229,7 +221,7 @@ class TablesTest(unittest.TestCase):
         assert len(exposures) == PHOTOS, len(exposures)
         cls.exposed_s = [float(row["t"]) for row in exposures]
         cls.names = sorted(path.name for path in (cls.flight / "photos").iterdir())
-        cls.tables = cls.folder / "tables"
+        cls.tables = cls.scratch / "tables"
         cls.tables.mkdir()
         height = "alt_ell" if "alt_ell" in rows[0] else "alt_msl"
         (cls.tables / "gnss.csv").write_text("time_s,lat_deg,lon_deg,alt_m,hacc_m\n" + "".join(
@@ -237,12 +229,8 @@ class TablesTest(unittest.TestCase):
         (cls.tables / "triggers.csv").write_text("time_s,photo\n" + "".join(
             f"{t + 4000:.3f},{name}\n" for t, name in zip(cls.exposed_s, cls.names)))
 
-    @classmethod
-    def tearDownClass(cls):
-        shutil.rmtree(cls.folder)
-
     def test_photos_without_gps_become_a_map_by_two_tables(self):
-        out = self.folder / "map"
+        out = self.scratch / "map"
         run("stitch", self.flight / "photos", self.tables, "-o", out)
         result = Result(self.flight, out)
         result.print("gnss.csv and triggers.csv")
@@ -257,7 +245,7 @@ class TablesTest(unittest.TestCase):
             self.assertFalse(any(name in text for text in result.report["warnings"]), result.report["warnings"])
 
     def test_says_what_is_wrong_with_tables_that_do_not_fit(self):
-        tables = self.folder / "unfit"
+        tables = self.scratch / "unfit"
         tables.mkdir()
         shutil.copy(self.tables / "gnss.csv", tables)
         (tables / "triggers.csv").write_text("time_s,photo\n" + "".join(
@@ -275,7 +263,7 @@ class TablesTest(unittest.TestCase):
         files = [(name, (self.flight / "photos" / name).read_bytes()) for name in self.names[:6]]
         files += [(name, (self.tables / name).read_bytes()) for name in ("gnss.csv", "triggers.csv")]
         files.append(("track.csv", b"stamp,lat_deg,lon_deg\n1,46.8,7.1\n2,46.8,7.1\n"))
-        server = Server(tempfile.mkdtemp(dir=self.folder))
+        server = Server(tempfile.mkdtemp(dir=self.scratch))
         try:
             flight = server.stitched(files, options='{"method": "imu"}')["flight"]["id"]
             status, verdict = server.json("GET", f"/api/v1/flights/{flight}/verdict")
@@ -289,7 +277,7 @@ class TablesTest(unittest.TestCase):
 
     def test_photos_named_by_their_time_are_tied_to_the_telemetry_log(self):
         start = datetime.datetime(2018, 8, 5, 1, 0, 0, tzinfo=datetime.timezone.utc)
-        flight = self.folder / "named"
+        flight = self.scratch / "named"
         (flight / "photos").mkdir(parents=True)
         shutil.copytree(self.flight / "truth", flight / "truth")
         truth = json.loads((flight / "truth/poses.json").read_text())
@@ -303,7 +291,7 @@ class TablesTest(unittest.TestCase):
         (flight / "telemetry.csv").write_text("utc,lat,lon,alt_m\n" + "".join(
             f"{(start + datetime.timedelta(seconds=float(row['t']))).isoformat(timespec='milliseconds')},{row['lat']},{row['lon']},"
             f"{row.get('alt_ell') or row.get('alt_msl')}\n" for row in self.fixes))
-        out = self.folder / "named_map"
+        out = self.scratch / "named_map"
         run("stitch", flight / "photos", flight / "telemetry.csv", "-o", out, "--method", "imu")
         result = Result(flight, out)
         result.print("names and telemetry.csv")

@@ -33,11 +33,7 @@ class Upright(ScratchCase):
         return (folder / "mosaic.mbtiles").read_bytes()
 
     def test_roofs_lie_where_their_walls_stand(self):
-        try:
-            import numpy
-            import surface_accuracy
-        except ImportError:
-            self.skipTest("GDAL's Python package with numpy is not installed")
+        numpy, surface_accuracy = self.imported("GDAL's Python package with numpy is not installed", "numpy", "surface_accuracy")
         self.stitch(self.scratch / "leaning")
         truth = json.loads((self.flight / "truth" / "poses.json").read_text())
         away = {}

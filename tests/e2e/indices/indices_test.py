@@ -2,15 +2,13 @@
 the ramp, values and statistics to rounding; zones as GDAL reads them; hostile expressions refused."""
 import json
 import pathlib
-import shutil
 import sys
-import tempfile
 import unittest
 import urllib.parse
 from xml.etree import ElementTree
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from program import run  # noqa: E402
+from program import ScratchCase, run  # noqa: E402
 from server_support import Server  # noqa: E402
 
 try:
@@ -67,10 +65,10 @@ def pixels(picture):
 
 
 @unittest.skipIf(MISSING, MISSING)
-class Indices(unittest.TestCase):
+class Indices(ScratchCase):
     @classmethod
     def setUpClass(cls):
-        cls.scratch = pathlib.Path(tempfile.mkdtemp(prefix="skyquilt_indices_"))
+        super().setUpClass()
         x, y = np.meshgrid(np.arange(WIDTH) / WIDTH, np.arange(HEIGHT) / HEIGHT)
         colours = [np.uint8(127 + 120 * np.sin(9 * x + 2 * y)), np.uint8(128 + 110 * np.cos(5 * x * y + 1)), np.uint8(40 + 60 * y)]
         write(cls.scratch / "colours.tif", list(zip(("", "", ""), colours)), gdal.GDT_Byte)
@@ -91,11 +89,7 @@ class Indices(unittest.TestCase):
         cls.of_whole = {name: np.where(v == 0, np.nan, v * 0.0001 - 0.1) for name, v in whole.items()}
         write(folders[2] / "bands.tif", list(whole.items()), gdal.GDT_UInt16, scale=0.0001, offset=-0.1)
         cls.server = Server(data, "--workers", "1")
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.server.stop()
-        shutil.rmtree(cls.scratch)
+        cls.addClassCleanup(cls.server.stop)
 
     @classmethod
     def import_(cls, data):

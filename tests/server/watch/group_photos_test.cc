@@ -1,7 +1,5 @@
 #include <gtest/gtest.h>
 
-#include <map>
-
 #include "server/watch/card_flights.h"
 
 namespace skyquilt::server {

@@ -5,13 +5,9 @@
 #include <ogr_spatialref.h>
 #include <ogrsf_frmts.h>
 
-#include <array>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <memory>
-#include <string>
-#include <vector>
 
 #include "storage/files/publish_file.h"
 #include "tests/storage/exports/heights_raster.h"

@@ -4,8 +4,6 @@
 #include <zlib.h>
 
 #include <cstring>
-#include <fstream>
-#include <map>
 #include <optional>
 
 #include "storage/pmtiles/pmtiles_archive.h"

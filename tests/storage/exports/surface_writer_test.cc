@@ -7,7 +7,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <string>
 
 #include "core/surface/terrain/ground_sketch.h"
 #include "tests/support/temporary_folder.h"

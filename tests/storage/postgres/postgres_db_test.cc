@@ -106,10 +106,9 @@ TEST_F(PostgresTest, ATransactionThatIsCutOffIsUndoneAndSaysSo) {
 // Waits for a backend that waits so, and ends it.
 void CutWhoWaits(SqlConnection& db, const std::string& event) {
   for (int tries = 0; tries < 600; ++tries) {
-    auto cut =
-        *db.Prepare("SELECT count(pg_terminate_backend(pid)) FROM pg_stat_activity WHERE wait_event=?");
-    ASSERT_TRUE(*cut.Bind(1, event).Step());
-    if (cut.ColumnInt64(0) > 0) return;
+    const auto cut =
+        db.Number("SELECT count(pg_terminate_backend(pid)) FROM pg_stat_activity WHERE wait_event=?", event);
+    if (*cut > 0) return;
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   }
   FAIL() << "nobody waits for " << event;
@@ -227,10 +226,8 @@ TEST_F(PostgresTest, NoneIsMadeWhereOneIsOnlyJoined) {
 
 // "flight.name" and so on.
 std::set<std::string> ColumnsOf(SqlConnection& db, const char* sql) {
-  std::set<std::string> columns;
-  auto query = *db.Prepare(sql);
-  while (*query.Step()) columns.emplace(query.ColumnText(0));
-  return columns;
+  const std::vector<std::string> columns = *db.AllText(sql);
+  return {columns.begin(), columns.end()};
 }
 
 TEST_F(PostgresTest, HasTheTablesAndColumnsOfSqlite) {
