@@ -1,8 +1,8 @@
 // POST /api/v1/flights/{flight}/volume: what lies above and below a base, or the heights of an earlier
 // flight, within a polygon of a map's heights (core/surface/terrain/volume). Any thread; reads up to eight
-// million cells. Errors: kInvalidArgument (no JSON, no such base), kUnprocessable (no polygon, or no height
-// within or along it), kNotFound (no such flight, no map, or one without heights), kCorrupt, and those of
-// fetching.
+// million cells. Errors: kInvalidArgument (no JSON, no such base), kUnprocessable (no polygon, no height
+// within or along it, or a map whose scale is a guess), kNotFound (no such flight, no map, or one without
+// heights), kCorrupt, and those of fetching.
 #include "core/surface/terrain/volume.h"
 
 #include <fmt/format.h>
@@ -23,6 +23,7 @@
 #include "api/surface/map_surface.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
+#include "core/pipeline/report/map_quality.h"
 #include "storage/exports/custom/boundary.h"
 
 namespace skyquilt::api {
@@ -72,12 +73,21 @@ Error UnusableArea(const char* why) {
   return {ErrorCode::kUnprocessable, fmt::format("No volume can be computed: {}", why), ""};
 }
 
+// Cubic metres of a map that is as large as a guess would be believed.
+bool IsScaleGuessed(const storage::Tileset& map) {
+  const auto quality = pipeline::ParseQuality(map.revision.quality);
+  return quality && quality->IsLimitedBy(pipeline::LimitKind::kScaleGuessed);
+}
+
+constexpr const char* kNoScale = "nothing says how large the map is. Place it first.";
+
 Result<std::string> VolumeText(Service& service, const std::string& flight_id, std::string_view polygon,
                                Surface surface, const Base& base) {
   SKYQUILT_TRY(CheckId(flight_id, "flight"));
   SKYQUILT_TRY(CheckJsonText(polygon));
   SKYQUILT_TRY_ASSIGN(const storage::Boundary area, storage::ParseBoundary(polygon));
   SKYQUILT_TRY_ASSIGN(const std::shared_ptr<const storage::Tileset> tileset, service.tilesets.Get(flight_id));
+  if (IsScaleGuessed(*tileset)) return UnusableArea(kNoScale);
   const std::int64_t revision = tileset->revision.revision;
   SKYQUILT_TRY_ASSIGN(const std::shared_ptr<storage::HeightRaster> heights,
                       OpenSurface(service, flight_id, revision, surface));
@@ -90,6 +100,7 @@ Result<std::string> VolumeText(Service& service, const std::string& flight_id, s
   if (base.since) {
     SKYQUILT_TRY_ASSIGN(const std::shared_ptr<const storage::Tileset> before,
                         service.tilesets.Get(base.since->flight_id));
+    if (IsScaleGuessed(*before)) return UnusableArea(kNoScale);
     SKYQUILT_TRY_ASSIGN(const HeightChange change,
                         ChangeSince(service, *tileset, *before, surface, base.since->is_aligned));
     shift = change.shift;

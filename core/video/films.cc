@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <string>
 
 #include "core/base/try.h"
 #include "core/flight/bytes/byte_source.h"
@@ -59,9 +60,11 @@ Result<FlightFiles> WithFramesOfFilms(const std::vector<flight::InputFile>& file
   }
   progress.BeginStage("frames");
   std::set<fs::path> used;
-  std::set<std::string> stems;
+  std::set<std::string> stems, films_stems;
+  std::optional<std::string> without_place;  // the first film of which nothing says where it was taken
   std::vector<flight::InputFile> taken_files;
   for (const flight::InputFile& film : films) {
+    films_stems.insert(Stem(film));
     const auto beside = subtitles.find(Stem(film));
     const std::optional<flight::InputFile> srt =
         beside == subtitles.end() ? std::nullopt : std::optional(beside->second);
@@ -78,9 +81,17 @@ Result<FlightFiles> WithFramesOfFilms(const std::vector<flight::InputFile>& file
       used.insert(srt->path);
       result.sources.push_back(*srt);
     }
+    if (!taken->table && !without_place) without_place = film.name;
     result.warnings.insert(result.warnings.end(), taken->warnings.begin(), taken->warnings.end());
     taken_files.insert(taken_files.end(), taken->photos.begin(), taken->photos.end());
     if (taken->table) taken_files.push_back(*taken->table);
+  }
+  for (const auto& [stem, file] : subtitles) {
+    if (!without_place || films_stems.contains(stem)) continue;
+    const std::string name =
+        fs::path(*without_place).stem().string() + fs::path(file.name).extension().string();
+    result.warnings.push_back({flight::RemarkCode::kSubtitlesOfNoFilm,
+                               {{"file", file.name}, {"film", *without_place}, {"name", name}}});
   }
   for (const flight::InputFile& file : files) {
     if (!used.contains(file.path)) result.files.push_back(file);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
@@ -221,6 +222,18 @@ std::optional<flight::FlightLog> LogOf(const flight::InputFile& film,
   return *std::move(log);
 }
 
+// Cameras write a subtitle a second or more often; what lies further apart than the last few was not written
+// with this film, or not with all of it.
+std::optional<flight::Remark> OfOtherLength(const flight::InputFile& film, double film_s,
+                                            const flight::FlightLog& log) {
+  constexpr double kLastSubtitlesS = 3.0;
+  if (film_s <= 0.0 || log.gnss.empty()) return std::nullopt;
+  const double subtitles_s = log.gnss.back().t_s;
+  if (std::abs(subtitles_s - film_s) <= kLastSubtitlesS) return std::nullopt;
+  return flight::Remark{flight::RemarkCode::kSubtitlesOfOtherLength,
+                        {{"file", film.name}, {"film_s", film_s}, {"subtitles_s", subtitles_s}}};
+}
+
 }  // namespace
 
 Result<TakenFrames> TakeFrames(const flight::InputFile& film,
@@ -256,6 +269,8 @@ Result<TakenFrames> TakeFrames(const flight::InputFile& film,
   for (const flight::InputFile& photo : taken.photos) names.push_back(photo.name);
   const std::string table = log ? FrameTable(names, taken.times_s, *log) : std::string();
   if (!table.empty()) {
+    if (auto apart = OfOtherLength(film, video.facts().duration_s, *log))
+      taken.warnings.push_back(*std::move(apart));
     const std::string name = std::filesystem::path(film.name).stem().string() + "_frames.csv";
     SKYQUILT_TRY(WriteBytes(folder / name, table.data(), table.size()));
     taken.table = flight::InputFile{name, folder / name};

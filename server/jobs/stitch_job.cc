@@ -157,7 +157,8 @@ Result<void> WriteReports(const pipeline::BuiltMosaic& built, const std::filesys
                   pipeline::PhotosGeoJson(built.flight, built.ground, built.report.quality.absolute)},
         std::pair{"cameras.json", pipeline::OdmCamerasJson(built.flight)},
         std::pair{"geo.txt", pipeline::OdmGeoTxt(built.flight)},
-        std::pair{"locate.json", pipeline::LocateJson(built.flight, built.ground)},
+        std::pair{"locate.json",
+                  pipeline::LocateJson(built.flight, built.ground, pipeline::RaisedM(built.report))},
         std::pair{"report.json", pipeline::ReportJson(built.report)}}) {
     SKYQUILT_TRY(storage::WriteFileAtomically(out_dir / name, text));
   }

@@ -130,7 +130,10 @@ struct AlignReport {
   std::vector<AlignPairReport> rejected_pairs;
   std::vector<ControlReport> control;
   Eigen::Vector3d position_bias_m = Eigen::Vector3d::Zero();  // of the recorded positions; known with control
-  std::vector<flight::Remark> corrections;                    // of a photo or a line each
+  // What must be added to the map's heights to count as the surveyed points that place it do; nothing without
+  // such points, or where they have no heights.
+  std::optional<double> survey_above_records_m;
+  std::vector<flight::Remark> corrections;  // of a photo or a line each
   ByImagesReport by_images;
   std::vector<GyroReport> gyros;
 

@@ -7,12 +7,14 @@
 #include <cmath>
 #include <complex>
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 
 #include "core/alignment/bundle/control_points.h"
 #include "core/alignment/matching/verified_pair.h"
 #include "core/alignment/scene/matches.h"
+#include "core/base/median.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
 #include "core/geo/lat_lon.h"
@@ -164,6 +166,24 @@ std::optional<FlightFacts> MoveToControl(const FlightFacts& known,
 
 namespace {
 
+// The survey counts its heights from the sea, the records from the ellipsoid, or from wherever a barometer
+// was set to zero: how far the two lie apart, by the points that place the map.
+std::optional<double> SurveyAboveRecordsM(const FlightFacts& facts,
+                                          const std::vector<alignment::ControlPoint>& control) {
+  std::set<std::string> placing;
+  for (const alignment::ControlReport& point : facts.align_report->control) {
+    if (point.is_used && !point.is_check) placing.insert(point.name);
+  }
+  std::vector<alignment::ControlReport> ignored;
+  std::vector<double> above_m;
+  for (const MarkedPoint& marked : MarkedPointsOf(facts, control, ignored)) {
+    if (!marked.point.height_m || !placing.contains(marked.point.name)) continue;
+    above_m.push_back(*marked.point.height_m -
+                      facts.flight.frame.Wgs84FromEnu(marked.seen_in_enu).height_ellipsoid_m);
+  }
+  return MedianIfAny(std::move(above_m));
+}
+
 // What an earlier survey had the map say.
 bool IsOfControl(const flight::Remark& said) {
   using flight::RemarkCode;
@@ -277,6 +297,7 @@ void TellMarks(const std::vector<flight::GcpList>& lists, FlightFacts& facts) {
   std::vector<alignment::ControlReport>& told = facts.align_report->control;
   std::erase_if(told, [](const alignment::ControlReport& point) { return point.is_check; });
   std::vector<alignment::ControlPoint> all = ControlPointsOf(lists);
+  facts.align_report->survey_above_records_m = SurveyAboveRecordsM(facts, all);
   const std::vector<alignment::ControlPoint> checks = CheckPointsOf(lists);
   const std::vector<alignment::ControlReport> compared = CompareWithSurvey(facts, checks);
   told.insert(told.end(), compared.begin(), compared.end());

@@ -24,8 +24,9 @@ std::optional<FlightFacts> MoveToControl(const FlightFacts& known, const std::ve
 Result<FlightFacts> PlaceByLists(FlightFacts known, const std::vector<flight::GcpList>& lists,
                                  bool* contradict = nullptr);
 
-// How far each mark of a surveyed point lies from where the placed map has the point. Nothing is said where
-// the map has no place, or no figures of its alignment.
+// How far each mark of a surveyed point lies from where the placed map has the point, and how far the
+// survey's zero of heights lies from the map's. Nothing is said where the map has no place, or no figures of
+// its alignment.
 void TellMarks(const std::vector<flight::GcpList>& lists, FlightFacts& facts);
 
 }  // namespace skyquilt::pipeline

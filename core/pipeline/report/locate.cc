@@ -108,7 +108,9 @@ Result<GroundPoint> GroundAtPixel(const LocatedMap& map, std::string_view photo,
 }
 
 geo::Wgs84 GroundAt(const LocatedMap& map, const geo::LatLon& position) {
-  return map.frame.Wgs84FromEnu(GroundInEnu(map, position));
+  geo::Wgs84 on_ground = map.frame.Wgs84FromEnu(GroundInEnu(map, position));
+  on_ground.height_ellipsoid_m += map.raised_m;
+  return on_ground;
 }
 
 std::vector<Sighting> PhotosAtPoint(const LocatedMap& map, const geo::LatLon& position) {
@@ -184,6 +186,7 @@ LocatedMap MapFrom(const Json& json) {
   const Json& origin = json.at("origin");
   map.frame = geo::LocalFrame(
       geo::Wgs84{.lat_deg = origin.at(0), .lon_deg = origin.at(1), .height_ellipsoid_m = origin.at(2)});
+  map.raised_m = json.value("raised_m", 0.0);
   const Json& ground = json.at("ground");
   if (ground.contains("heights_m")) {
     auto heights_m = ground.at("heights_m").get<std::vector<float>>();
@@ -238,13 +241,15 @@ LocatedMap MapFrom(const Json& json) {
 
 }  // namespace
 
-std::string LocateJson(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground) {
+std::string LocateJson(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground,
+                       double raised_m) {
   const geo::Wgs84& origin = flight.frame.origin();
   Json cameras = Json::array();
   for (const alignment::AlignedPhoto& photo : flight.photos) cameras.push_back(CameraOf(photo));
   Json json;
   json["version"] = kVersion;
   json["origin"] = {origin.lat_deg, origin.lon_deg, origin.height_ellipsoid_m};
+  if (raised_m != 0.0) json["raised_m"] = raised_m;
   json["ground"] = GroundOf(ground);
   json["cameras"] = std::move(cameras);
   return JsonText(json) + "\n";

@@ -29,12 +29,14 @@ struct LocatedCamera {
 
 struct LocatedMap {
   geo::LocalFrame frame{geo::Wgs84{}};
+  double raised_m = 0.0;  // added to heights that are told: from the records' zero to that of a survey
   ground::GroundSurface ground = ground::GroundSurface::Plane(0.0);
   std::vector<LocatedCamera> cameras;
 };
 
-// Numbers are written so that they are read again exactly.
-std::string LocateJson(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground);
+// Numbers are written so that they are read again exactly. `raised_m`: as LocatedMap has it.
+std::string LocateJson(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground,
+                       double raised_m = 0.0);
 Result<LocatedMap> ParseLocateJson(std::string_view text);
 
 struct GroundPoint {
@@ -45,7 +47,8 @@ struct GroundPoint {
 Result<GroundPoint> GroundAtPixel(const LocatedMap& map, std::string_view photo,
                                   const Eigen::Vector2d& pixel_in_image);
 
-// The ground straight below or above a position, as the map was rendered.
+// The ground straight below or above a position, as the map was rendered; its height counts as the survey's
+// do where surveyed points place the map.
 geo::Wgs84 GroundAt(const LocatedMap& map, const geo::LatLon& position);
 
 struct Sighting {

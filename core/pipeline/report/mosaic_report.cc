@@ -122,6 +122,14 @@ Json BandsJson(const bands::BandsReport& report) {
 
 }  // namespace
 
+bool CountsAsSurvey(const MosaicReport& report) {
+  return report.align_report && report.align_report->survey_above_records_m;
+}
+
+double RaisedM(const MosaicReport& report) {
+  return CountsAsSurvey(report) ? *report.align_report->survey_above_records_m : 0.0;
+}
+
 std::string ReportJson(const MosaicReport& report) {
   Json left_out = Json::array();
   for (const flight::LeftOutPhoto& photo : report.left_out_photos) {
@@ -175,7 +183,8 @@ std::string ReportJson(const MosaicReport& report) {
   }
   if (report.surface) {
     json["surface"] = {{"cell_m", Rounded(report.surface->cell_m, 6)},
-                       {"measured_share", Rounded(report.surface->measured_share, 4)}};
+                       {"measured_share", Rounded(report.surface->measured_share, 4)},
+                       {"heights_from", CountsAsSurvey(report) ? "survey" : "records"}};
     if (report.surface->contour_interval_m)
       json["surface"]["contour_interval_m"] = *report.surface->contour_interval_m;
   }

@@ -73,6 +73,11 @@ struct MosaicReport {
   std::optional<GroundChoice> ground_choice;           // of --surface auto alone
 };
 
+// Do heights that are told count as those of the surveyed points that place the map, and not from the zero of
+// the flight's records? What is added to the latter then; else 0.
+bool CountsAsSurvey(const MosaicReport& report);
+double RaisedM(const MosaicReport& report);
+
 std::string ReportJson(const MosaicReport& report);
 // A FeatureCollection with one footprint polygon a photo, on the modelled ground. Where nothing supports the
 // map's place (`absolute` without a number), nothing is said of how far off aligned photos are.

@@ -215,6 +215,7 @@ void VisitFields(Report& report, Visit& visit) {
              [](auto& pair, auto& fields) { VisitComparison(pair, fields); });
   visit("ground_control", report.control);
   visit("position_bias_m", report.position_bias_m);
+  visit.IfKnown("survey_above_records_m", report.survey_above_records_m);
   VisitPlacedBy(report.by_images.is_taken, visit);
   visit("second_leg", report.by_images);
 }

@@ -107,8 +107,11 @@ void PrintOutcome(const pipeline::MosaicReport& report, const std::filesystem::p
     const bool is_size_known = !report.quality.IsLimitedBy(pipeline::LimitKind::kScaleGuessed);
     const std::string cells =
         is_size_known ? fmt::format("of {:.1f} cm", report.surface->cell_m * 100.0) : "of unknown size";
-    fmt::print("{} of cells {}, {:.0f} % measured\n", writes_dsm ? "dsm.tif: heights" : "upright by heights",
-               cells, report.surface->measured_share * 100.0);
+    const char* const zero =
+        writes_dsm && pipeline::CountsAsSurvey(report) ? ", counted as the surveyed points' are" : "";
+    fmt::print("{} of cells {}, {:.0f} % measured{}\n",
+               writes_dsm ? "dsm.tif: heights" : "upright by heights", cells,
+               report.surface->measured_share * 100.0, zero);
     if (report.surface->contour_interval_m) {
       fmt::print("dtm.tif: the ground below; contours.gpkg, .geojson, .dxf: {}\n",
                  is_size_known ? fmt::format("a line every {} m", *report.surface->contour_interval_m)

@@ -63,11 +63,13 @@ struct SurfaceWriter::Work {
   TemporaryTiff raw_heights, raw_photos, raw_ground, raw_seen;
   std::unique_ptr<GDALDataset> heights, photos, ground, seen;
   surface::GroundBelow* below;  // null: the ground is not wanted
+  double raised_m = 0.0;
   std::int64_t shown = 0, measured = 0;
 
-  // Metres above the ellipsoid of a place of the frame's plane.
+  // Metres above the zero of heights of a place of the frame's plane.
   double BendAt(const Eigen::Vector2d& east_north) const {
-    return frame.Wgs84FromEnu({east_north.x(), east_north.y(), mean_z_m}).height_ellipsoid_m - mean_z_m;
+    return frame.Wgs84FromEnu({east_north.x(), east_north.y(), mean_z_m}).height_ellipsoid_m - mean_z_m +
+           raised_m;
   }
   // What to add to the block's heights, by cell.
   std::vector<double> BendsOf(const surface::CellBox& box) const;
@@ -135,7 +137,7 @@ std::vector<double> SurfaceWriter::Work::BendsOf(const surface::CellBox& box) co
 
 SurfaceWriter::SurfaceWriter(const std::filesystem::path& folder, const geo::LocalFrame& frame,
                              const surface::SurfaceGrid& grid, double mean_z_m, int threads,
-                             surface::GroundBelow* ground, Progress& progress)
+                             surface::GroundBelow* ground, Progress& progress, double raised_m)
     : work_(new Work{folder,
                      frame,
                      grid,
@@ -150,7 +152,8 @@ SurfaceWriter::SurfaceWriter(const std::filesystem::path& folder, const geo::Loc
                      nullptr,
                      nullptr,
                      nullptr,
-                     ground}) {}
+                     ground,
+                     raised_m}) {}
 SurfaceWriter::~SurfaceWriter() = default;
 
 Result<void> SurfaceWriter::Begin() {

@@ -1,11 +1,11 @@
 // SurfaceWriter: heights of the map's cells as two cloud-optimised GeoTIFFs in the UTM zone: dsm.tif, float32
-// metres above the ellipsoid as the flight's records have it, NaN where no photo shows the ground, and beside
-// it dsm_photos.tif, one byte a cell: how many photos agree on the height, 0 where it was filled from around.
-// On request the ground below what stands on it as well: dtm.tif, likewise, and dtm_ground.tif, 1 where that
-// ground was seen and measured, 0 where it is bridged.
-// Blocks go to temporary files as they come, in the flight's own frame, and are resampled on Publish
-// (bilinear; the nearest). Memory: GDAL's block cache and warp buffer. One thread.
-// Errors: kUnprocessable (no UTM zone so far north or south), kIo, kOutOfSpace, kCancelled.
+// metres above the ellipsoid as the flight's records have it, or from where a survey counts, NaN where no
+// photo shows the ground, and beside it dsm_photos.tif, one byte a cell: how many photos agree on the height,
+// 0 where it was filled from around. On request the ground below what stands on it as well: dtm.tif,
+// likewise, and dtm_ground.tif, 1 where that ground was seen and measured, 0 where it is bridged. Blocks go
+// to temporary files as they come, in the flight's own frame, and are resampled on Publish (bilinear; the
+// nearest). Memory: GDAL's block cache and warp buffer. One thread. Errors: kUnprocessable (no UTM zone so
+// far north or south), kIo, kOutOfSpace, kCancelled.
 #pragma once
 
 #include <cstdint>
@@ -22,10 +22,10 @@ namespace skyquilt::storage {
 class SurfaceWriter {
  public:
   // Of a grid whose cells lie about mean_z_m high in the frame. `threads`: 0 = all cores. `ground`: null
-  // where that is not wanted; given its parts in rows from the north.
+  // where that is not wanted; given its parts in rows from the north. `raised_m` is added to all heights.
   SurfaceWriter(const std::filesystem::path& folder, const geo::LocalFrame& frame,
                 const surface::SurfaceGrid& grid, double mean_z_m, int threads, surface::GroundBelow* ground,
-                Progress& progress);
+                Progress& progress, double raised_m = 0.0);
   ~SurfaceWriter();
 
   Result<void> Begin();

@@ -116,6 +116,19 @@ TEST(Locate, TheMostVerticalViewComesFirst) {
   EXPECT_TRUE(PhotosAtPoint(map, {48.0, 9.0}).empty());
 }
 
+TEST(Locate, HeightsAreToldFromTheSurveysZeroAndPhotosSeeTheSamePlace) {
+  const LocatedMap plain = Read(Hills());
+  const Result<LocatedMap> raised = ParseLocateJson(LocateJson(Flight(), Hills(), -47.25));
+  ASSERT_TRUE(raised);
+  const geo::LatLon place{plain.frame.origin().lat_deg + 1e-4, plain.frame.origin().lon_deg};
+  EXPECT_NEAR(GroundAt(*raised, place).height_ellipsoid_m, GroundAt(plain, place).height_ellipsoid_m - 47.25,
+              1e-9);
+  const std::vector<Sighting> before = PhotosAtPoint(plain, place), after = PhotosAtPoint(*raised, place);
+  ASSERT_FALSE(before.empty());
+  ASSERT_EQ(after.size(), before.size());
+  EXPECT_EQ(after.front().pixel_in_image, before.front().pixel_in_image);
+}
+
 TEST(Locate, WhatShowsNoGroundIsRefused) {
   alignment::AlignedFlight flight = Flight();
   flight.photos.push_back(PhotoAt("horizon", 0.0, 0.0, 1.5));

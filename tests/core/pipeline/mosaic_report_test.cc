@@ -137,6 +137,9 @@ TEST(ReportCodec, ReadsPlainReportsAgain) {
             ground::ModelGroundReport());
   EXPECT_EQ(ReportOf<alignment::AlignReport>(JsonOf<Json>(alignment::AlignReport())),
             alignment::AlignReport());
+  alignment::AlignReport surveyed;
+  surveyed.survey_above_records_m = -47.25;
+  EXPECT_EQ(ReportOf<alignment::AlignReport>(JsonOf<Json>(surveyed)), surveyed);
 }
 
 TEST(ReportCodec, RefusesWhatIsMissingOrOfAnotherKind) {

@@ -299,6 +299,31 @@ TEST(TellMarks, SaysHowFarEachMarkLiesOffAndWhichIsContradicted) {
   EXPECT_TRUE(nowhere.align_report->control[0].marks.empty());
 }
 
+// Surveys count from the sea, satellites from the ellipsoid: the map keeps its zero, and says the other.
+TEST(TellMarks, SaysHowFarTheSurveyCountsItsHeightsFromTheRecordsZero) {
+  const Shifted flight;
+  constexpr double kGeoidM = 47.3;
+  for (const std::size_t points : {1u, 3u, 5u}) {
+    std::vector<flight::GcpList> lists = flight.Survey(points);
+    for (auto& point : lists.front().points) *point.height_m -= kGeoidM;
+    Result<FlightFacts> placed = PlaceByLists(flight.known, lists);
+    ASSERT_TRUE(placed) << placed.error().message;
+    TellMarks(lists, *placed);
+    const std::optional<double>& above_m = placed->align_report->survey_above_records_m;
+    ASSERT_TRUE(above_m) << points;
+    const auto height_m = [](const geo::LocalFrame& frame, const geo::Rigid3& cam_from_enu) {
+      return frame.Wgs84FromEnu(cam_from_enu.TargetOriginInSource()).height_ellipsoid_m;
+    };
+    EXPECT_NEAR(height_m(placed->flight.frame, placed->flight.photos[0].cam_from_enu) + *above_m,
+                height_m(flight.truth.frame, flight.truth.photos[0].pose.cam_from_enu) - kGeoidM, 1.0)
+        << points;
+
+    for (auto& point : lists.front().points) point.height_m.reset();
+    TellMarks(lists, *placed);
+    EXPECT_FALSE(above_m) << points;
+  }
+}
+
 TEST(TellMarks, ComparesCheckPointsWithTheMapWhichTheyDoNotMove) {
   const Shifted flight;
   std::vector<flight::GcpList> lists = flight.Survey(5, {0.5, 0.0, 0.0});

@@ -75,6 +75,39 @@ TEST_F(FilmsTest, OfOneNameKeepTheirFramesApart) {
   EXPECT_EQ(given->sources.size(), 2U);
 }
 
+TEST_F(FilmsTest, NameSubtitlesThatBelongToNoneOfThemWhereOneHasNone) {
+  for (const char* film : {"DJI_0001.MP4", "DJI_0002.MP4"}) {
+    if (!WriteFilm(folder_.path() / film, 60, [](int k) { return 6 * k; }))
+      GTEST_SKIP() << "no MPEG-4 encoder";
+  }
+  folder_.Write("DJI_0001.SRT", Subtitles(2));
+  folder_.Write("flight.SRT", Subtitles(2));
+  const std::vector<flight::InputFile> files{File("DJI_0001.MP4"), File("DJI_0001.SRT"), File("flight.SRT")};
+  const auto whole = Replace(files);
+  ASSERT_TRUE(whole);
+  EXPECT_TRUE(whole->warnings.empty());
+  std::vector<flight::InputFile> more = files;
+  more.push_back(File("DJI_0002.MP4"));
+  const auto given = Replace(more);
+  ASSERT_TRUE(given);
+  ASSERT_EQ(given->warnings.size(), 1U);
+  EXPECT_EQ(given->warnings[0].code, flight::RemarkCode::kSubtitlesOfNoFilm);
+  EXPECT_EQ(flight::InWords(given->warnings[0]),
+            "flight.SRT says nothing of DJI_0002.MP4: subtitles are those of the film of their name. If they "
+            "are its own, name them DJI_0002.SRT.");
+}
+
+// A film that was cut, or subtitles of another.
+TEST_F(FilmsTest, SayThatTheirSubtitlesLastLonger) {
+  if (!WriteFilm(folder_.path() / "DJI_0001.MP4", 60, [](int k) { return 6 * k; }))
+    GTEST_SKIP() << "no MPEG-4 encoder";
+  folder_.Write("DJI_0001.SRT", Subtitles(40));
+  const auto given = Replace({File("DJI_0001.MP4"), File("DJI_0001.SRT")});
+  ASSERT_TRUE(given);
+  ASSERT_EQ(given->warnings.size(), 1U);
+  EXPECT_EQ(given->warnings[0].code, flight::RemarkCode::kSubtitlesOfOtherLength);
+}
+
 TEST_F(FilmsTest, AreToldFromOtherFiles) {
   folder_.Write("photo.jpg", "\xff\xd8\xff");
   folder_.Write("log.srt", Subtitles(4));

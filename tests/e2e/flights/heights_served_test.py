@@ -211,6 +211,21 @@ class HeightsServed(ScratchCase):
         status, _, _ = self.server.request("POST", f"{self.path}/volume", b"polygon", {"Content-Type": "text/plain"})
         self.assertEqual(status, 415)
 
+    def test_no_cubic_metres_of_a_map_whose_scale_is_a_guess(self):
+        flight = self.scratch / "adrift"
+        run("simulate", "-o", flight, "--photos", "6", "--size", "400x300", "--height", "40", "--houses", "2", "--relief-m", "3",
+            "--noise", "no-pose", "--seed", "3", "--no-world", "--sidelap", "0.75")
+        made = self.server.stitched(photos_in(flight / "photos"), name="Adrift", options=json.dumps({"heights": "dsm"}))
+        path = f"/api/v1/flights/{made['flight']['id']}"
+        report = self.server.json("GET", f"{path}/report")[1]
+        self.assertIn("scale_guessed", [limit["kind"] for limit in report["quality"]["limits"]])
+        west, south, east, north = report["bounds"]
+        middle = {"type": "Polygon", "coordinates": [[[west + x * (east - west), south + y * (north - south)] for x, y in
+                                                      ((0.4, 0.4), (0.6, 0.4), (0.6, 0.6), (0.4, 0.4))]]}
+        status, told = self.server.json("POST", f"{path}/volume?base=0", middle)
+        self.assertEqual(status, 422, told)
+        self.assertIn("how large", json.dumps(told))
+
     def test_terrain_tiles_and_places_say_the_heights_of_the_file(self):
         dsm = self.raster("dsm.tif")
         flight = self.path.split("/")[-1]

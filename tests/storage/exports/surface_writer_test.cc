@@ -1,12 +1,11 @@
 #include "storage/exports/heights/surface_writer.h"
 
-#include <gdal_priv.h>
-#include <gtest/gtest.h>
-#include <ogr_spatialref.h>
-
 #include <array>
 #include <cmath>
+#include <gdal_priv.h>
+#include <gtest/gtest.h>
 #include <limits>
+#include <ogr_spatialref.h>
 
 #include "core/surface/terrain/ground_sketch.h"
 #include "tests/support/temporary_folder.h"
@@ -49,6 +48,17 @@ double ValueAt(GDALDataset& raster, double x, double y) {
   return value;
 }
 
+Eigen::Vector2d UtmOf(GDALDataset& raster, const geo::Wgs84& place) {
+  OGRSpatialReference degrees;
+  degrees.importFromEPSG(4326);
+  degrees.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  const std::unique_ptr<OGRCoordinateTransformation> utm_from_degrees(
+      OGRCreateCoordinateTransformation(&degrees, raster.GetSpatialRef()));
+  double x = place.lon_deg, y = place.lat_deg;
+  EXPECT_TRUE(utm_from_degrees->Transform(1, &x, &y));
+  return {x, y};
+}
+
 TEST(SurfaceWriter, HeightsLieWhereTheyAreInUtmAboveTheEllipsoid) {
   const test::TemporaryFolder folder;
   const geo::LocalFrame frame(kOrigin);
@@ -72,18 +82,12 @@ TEST(SurfaceWriter, HeightsLieWhereTheyAreInUtmAboveTheEllipsoid) {
   EXPECT_STREQ(heights->GetRasterBand(1)->GetUnitType(), "m");
   EXPECT_EQ(photos->GetRasterBand(1)->GetRasterDataType(), GDT_Byte);
 
-  OGRSpatialReference degrees;
-  degrees.importFromEPSG(4326);
-  degrees.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
-  const std::unique_ptr<OGRCoordinateTransformation> utm_from_degrees(
-      OGRCreateCoordinateTransformation(&degrees, heights->GetSpatialRef()));
   for (int column = 0; column < grid.columns; column += 7) {
     for (int row = 3; row < grid.rows - 3; row += 11) {
       const Eigen::Vector2d place = grid.south_west_in_enu + grid.cell_m * Eigen::Vector2d(column, row);
       const geo::Wgs84 truth = frame.Wgs84FromEnu({place.x(), place.y(), TrueZ(place.x(), place.y())});
-      double x = truth.lon_deg, y = truth.lat_deg;
-      ASSERT_TRUE(utm_from_degrees->Transform(1, &x, &y));
-      const double height_m = ValueAt(*heights, x, y);
+      const Eigen::Vector2d at = UtmOf(*heights, truth);
+      const double x = at.x(), y = at.y(), height_m = ValueAt(*heights, x, y);
       if (column < 4) {
         EXPECT_TRUE(std::isnan(height_m));
         EXPECT_EQ(ValueAt(*photos, x, y), 0.0);
@@ -96,6 +100,23 @@ TEST(SurfaceWriter, HeightsLieWhereTheyAreInUtmAboveTheEllipsoid) {
       }
     }
   }
+}
+
+TEST(SurfaceWriter, CountsHeightsFromWhereASurveyDoes) {
+  const test::TemporaryFolder folder;
+  const geo::LocalFrame frame(kOrigin);
+  const surface::SurfaceGrid grid = FarGrid();
+  SilentProgress progress;
+  SurfaceWriter writer(folder.path(), frame, grid, 6.0, 1, nullptr, progress, -47.25);
+  ASSERT_TRUE(writer.Begin());
+  ASSERT_TRUE(writer.Put(SlopeBlock(grid, {0, 0, 120, 90})));
+  ASSERT_TRUE(writer.Publish());
+  const std::unique_ptr<GDALDataset> heights(GDALDataset::Open((folder.path() / "dsm.tif").c_str()));
+  ASSERT_NE(heights, nullptr);
+  const Eigen::Vector2d place = grid.south_west_in_enu + grid.cell_m * Eigen::Vector2d(50.0, 40.0);
+  const geo::Wgs84 truth = frame.Wgs84FromEnu({place.x(), place.y(), TrueZ(place.x(), place.y())});
+  const Eigen::Vector2d at = UtmOf(*heights, truth);
+  EXPECT_NEAR(ValueAt(*heights, at.x(), at.y()), truth.height_ellipsoid_m - 47.25, 0.02);
 }
 
 TEST(SurfaceWriter, WritesTheGroundBelowAsWell) {

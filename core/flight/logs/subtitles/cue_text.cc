@@ -20,18 +20,23 @@ struct CueNumber {
   std::string_view behind;  // what follows it, without blanks and a sign of degrees
 };
 
-// The number at the start of a text, after blanks and a colon.
+// The number at the start of a text, after blanks and a colon. A comma right between digits is a decimal one.
 std::optional<CueNumber> LeadingNumber(std::string_view text) {
   constexpr std::size_t kLongestCueNumber = 40;
   text.remove_prefix(std::min(text.find_first_not_of(" :+"), text.size()));
+  std::string number(text.substr(0, kLongestCueNumber));
+  const std::size_t mark = number.find_first_not_of("-0123456789");
+  if (mark != std::string::npos && mark + 1 < number.size() && number[mark] == ',' &&
+      IsDigit(number[mark + 1])) {
+    number[mark] = '.';
+  }
   double value = 0.0;
-  const auto [end, error] =
-      std::from_chars(text.data(), text.data() + std::min(text.size(), kLongestCueNumber), value);
+  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), value);
   if (error != std::errc() || !std::isfinite(value)) return std::nullopt;
-  const auto size = static_cast<std::size_t>(end - text.data());
+  const auto size = static_cast<std::size_t>(end - number.data());
   std::string_view behind = Trim(text.substr(size));
   if (behind.starts_with("\xC2\xB0")) behind = Trim(behind.substr(2));
-  return CueNumber{value, DecimalPlaces(text.substr(0, size)), behind};
+  return CueNumber{value, DecimalPlaces(number.substr(0, size)), behind};
 }
 
 // "key : 1.5" anywhere, where no letter stands before the key.
@@ -60,6 +65,25 @@ struct Part {
   char letter = 0;
 };
 
+// The parts of a call. "8,5,47,25,15" has commas for decimal points as well as between its numbers, and
+// without this would be another place on Earth.
+std::vector<std::string> PartsOf(std::string_view call) {
+  constexpr std::size_t kPlaceWords = 4;  // degrees and their decimals, twice
+  const auto is_decimals = [](std::string_view word) {
+    return !word.empty() && std::all_of(word.begin(), word.end(), IsDigit);
+  };
+  std::vector<std::string_view> words;
+  SplitFields(call, ',', words);
+  std::vector<std::string> parts(words.begin(), words.end());
+  if (call.find('.') != std::string_view::npos || words.size() <= kPlaceWords || !is_decimals(words[1]) ||
+      !is_decimals(words[3]))
+    return parts;
+  const std::string first = parts[0] + "." + parts[1], second = parts[2] + "." + parts[3];
+  parts.erase(parts.begin(), parts.begin() + kPlaceWords);
+  parts.insert(parts.begin(), {first, second});
+  return parts;
+}
+
 // The three parts of "gps(1.5,2.5,19)" or "f.pry (2.7 deg, ...)"; more may follow.
 std::optional<std::array<Part, 3>> CallParts(std::string_view text, std::string_view key) {
   constexpr int kTries = 8;
@@ -70,8 +94,7 @@ std::optional<std::array<Part, 3>> CallParts(std::string_view text, std::string_
     if (call.starts_with(':')) call = Trim(call.substr(1));
     const std::size_t close = call.find(')');
     if (!call.starts_with('(') || close == std::string_view::npos) continue;
-    std::vector<std::string_view> words;
-    SplitFields(call.substr(1, close - 1), ',', words);
+    const std::vector<std::string> words = PartsOf(call.substr(1, close - 1));
     std::array<Part, 3> parts;
     std::size_t read = 0;
     for (; read < parts.size() && read < words.size(); ++read) {
@@ -83,6 +106,7 @@ std::optional<std::array<Part, 3>> CallParts(std::string_view text, std::string_
       if (!number) break;
       parts[read].number = *number;
       if (!is_named && !number->behind.empty()) parts[read].letter = number->behind.front();
+      parts[read].number.behind = {};  // of a word that goes
     }
     if (read == parts.size()) return parts;
   }
