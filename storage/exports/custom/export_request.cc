@@ -12,6 +12,7 @@
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
+#include "core/geo/crs/reference_system.h"
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
 #include "core/indices/spectral_index.h"
@@ -202,6 +203,17 @@ Result<int> EpsgOf(const std::string& crs, const geo::LatLon& middle) {
   if (!is_code || parsed.ec != std::errc() || parsed.ptr != end || code < 1)
     return Refused("The coordinate system must be \"utm\" or a code such as \"EPSG:2056\".");
   return code;
+}
+
+std::optional<flight::Remark> RemarkOnCrs(const std::string& crs, const geo::LatLon& middle) {
+  const Result<int> epsg = EpsgOf(crs, middle);
+  if (!epsg) return std::nullopt;
+  const auto system = geo::ReferenceSystem::Parse("EPSG:" + std::to_string(*epsg));
+  if (!system) return std::nullopt;
+  const std::optional<double> error_m =
+      system->InexactShiftM({middle.lat_deg, std::remainder(middle.lon_deg, 360.0)});
+  if (!error_m) return std::nullopt;
+  return flight::Remark(flight::RemarkCode::kExportSystemInexact, {{"epsg", *epsg}, {"error_m", *error_m}});
 }
 
 double MapFacts::PixelM(int zoom) const {
