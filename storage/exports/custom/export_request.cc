@@ -225,7 +225,7 @@ Result<MapFacts> FactsOfTileset(const TilesetFacts& metadata) {
   facts.min_zoom = TilesetNumber(metadata, "minzoom", -1);
   facts.max_zoom = TilesetNumber(metadata, "maxzoom", -1);
   facts.tile_size_px = TilesetNumber(metadata, "tile_size", 256);
-  facts.bounds = TilesetBounds(metadata).value_or(geo::LatLonBounds());
+  facts.bounds = TilesetBounds(metadata).value_or(geo::LatLonBounds()).OnEarth();
   const geo::LatLonBounds& box = facts.bounds;
   const bool is_sound =
       facts.min_zoom >= 0 && facts.max_zoom >= facts.min_zoom && facts.max_zoom <= geo::kMaxZoom &&

@@ -370,6 +370,15 @@ TEST_F(ExportMapTest, WhatCannotBeIsRefusedWithWhatToDo) {
   EXPECT_NE(Refusal(R"({"format":"kmz"})").find("no finished map"), std::string::npos);
 }
 
+// As maps of earlier versions have it: in degrees such an export went round the Earth without end.
+TEST(FactsOfTileset, BoundsBeginOnEarth) {
+  const auto facts =
+      FactsOfTileset({{"minzoom", "12"}, {"maxzoom", "21"}, {"bounds", "-180.0006,-17.1,-179.9994,-17.0"}});
+  ASSERT_TRUE(facts.ok()) << facts.error().message;
+  EXPECT_NEAR(facts->bounds.west_deg, 179.9994, 1e-9);
+  EXPECT_NEAR(facts->bounds.east_deg, 180.0006, 1e-9);
+}
+
 TEST(RemarkOnCrs, SaysToWhatAnOlderDatumIsKnown) {
   const auto remark = RemarkOnCrs("EPSG:3003", {45.0, 9.0});  // Monte Mario
   ASSERT_TRUE(remark);
