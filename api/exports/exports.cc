@@ -31,6 +31,17 @@ std::string AddressOfExport(const MapExport& made) {
   return fmt::format("/api/v1/flights/{}/exports/{}", made.flight_id, made.id);
 }
 
+// What is to be known of the file; null: nothing, or the map is gone.
+Value RemarkOn(Service& service, const MapExport& made, const Value& crs) {
+  if (!crs.is_string()) return {};
+  const auto tileset = service.tilesets.Get(made.flight_id);
+  if (!tileset) return {};
+  const auto facts = storage::FactsOfTileset((*tileset)->reader->metadata());
+  if (!facts) return {};
+  const auto remark = storage::RemarkOnCrs(crs.get<std::string>(), facts->bounds.Middle());
+  return remark ? flight::JsonOfRemark<Value>(*remark) : Value();
+}
+
 std::string ExportJson(Service& service, const Request& asked, const MapExport& made,
                        std::int64_t shown_revision) {
   const Value request = ParseOrderedJson(made.request);
@@ -49,6 +60,7 @@ std::string ExportJson(Service& service, const Request& asked, const MapExport& 
   json["boundary"] = wished("boundary");
   json["index"] = wished("index");
   json["expression"] = wished("expression");
+  json["remark"] = RemarkOn(service, made, json["crs"]);
   json["state"] = storage::NameOf(made.state);
   json["progress"] = made.progress;
   json["bytes"] = is_there ? Value(made.bytes) : Value();

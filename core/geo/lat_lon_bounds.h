@@ -1,9 +1,11 @@
 // LatLonBounds: the rectangle of latitudes and longitudes that something covers on WGS 84, in degrees. Across
-// the antimeridian `east_deg` goes on beyond 180. A value; any thread.
+// the antimeridian `east_deg` goes on beyond 180, while `west_deg` stays within -180 and 180 (OnEarth). A
+// value; any thread.
 #pragma once
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "core/geo/bounds.h"
 #include "core/geo/lat_lon.h"
@@ -25,6 +27,20 @@ struct LatLonBounds {
     return {.lat_deg = 0.5 * (south_deg + north_deg), .lon_deg = 0.5 * (west_deg + east_deg)};
   }
 
+  // The same rectangle by whole turns, with its west edge in -180..180.
+  LatLonBounds OnEarth() const {
+    constexpr double kRoundingDeg = 1e-9;  // what the west edge of the whole Earth may be off by
+    const bool is_beyond = west_deg < -180.0 - kRoundingDeg || west_deg > 180.0;
+    LatLonBounds turned = is_beyond ? Turned(-360.0 * std::floor((west_deg + 180.0) / 360.0)) : *this;
+    turned.west_deg = std::max(turned.west_deg, -180.0);
+    return turned;
+  }
+  // The same rectangle by whole turns, so that it lies next to `other` as their numbers go.
+  LatLonBounds Beside(const LatLonBounds& other) const {
+    return Turned(360.0 * std::round((other.Middle().lon_deg - Middle().lon_deg) / 360.0));
+  }
+
+  // Both as their numbers go: what may lie a turn off is put Beside first.
   void Include(const LatLonBounds& other) {
     west_deg = std::min(west_deg, other.west_deg);
     south_deg = std::min(south_deg, other.south_deg);
@@ -32,6 +48,11 @@ struct LatLonBounds {
     north_deg = std::max(north_deg, other.north_deg);
   }
   bool operator==(const LatLonBounds&) const = default;
+
+ private:
+  LatLonBounds Turned(double by_deg) const {
+    return {west_deg + by_deg, south_deg, east_deg + by_deg, north_deg};
+  }
 };
 
 }  // namespace skyquilt::geo

@@ -149,7 +149,7 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   const double lat_deg = aligned.frame.origin().lat_deg;
   const double ground_per_merc = geo::GroundMetresPerMercMetre(lat_deg);
   report.area_m2 = rendered->covered_merc_m2 * ground_per_merc * ground_per_merc;
-  report.bounds = geo::LatLonBoundsFromMerc(rendered->covered_in_merc);
+  report.bounds = geo::LatLonBoundsFromMerc(rendered->covered_in_merc).OnEarth();
   report.min_zoom = plan.min_zoom;
   report.max_zoom = plan.base_zoom;
   report.tile_size_px = plan.tile_size_px;

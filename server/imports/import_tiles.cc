@@ -80,7 +80,14 @@ struct FinestTiles {
   geo::Bounds2 merc;
 
   void Include(const geo::TileId& tile) {
-    const geo::Bounds2 bounds = tile.BoundsInMerc();
+    geo::Bounds2 bounds = tile.BoundsInMerc();
+    // The other side of the antimeridian is next door.
+    constexpr double kWorldM = 2.0 * geo::kMercHalfWidthM;
+    const double apart_m = 0.5 * (merc.min.x() + merc.max.x() - bounds.min.x() - bounds.max.x());
+    const bool is_beyond = count > 0 && std::abs(apart_m) > geo::kMercHalfWidthM;
+    const double turn_m = is_beyond ? kWorldM * std::round(apart_m / kWorldM) : 0.0;
+    bounds.min.x() += turn_m;
+    bounds.max.x() += turn_m;
     merc = count++ == 0 ? bounds : geo::Bounds2{merc.min.cwiseMin(bounds.min), merc.max.cwiseMax(bounds.max)};
   }
 };
@@ -113,7 +120,7 @@ class TileTaker {
   }
 
   void Tell(pipeline::MosaicReport& report) const {
-    report.bounds = geo::LatLonBoundsFromMerc(finest_.merc);
+    report.bounds = geo::LatLonBoundsFromMerc(finest_.merc).OnEarth();
     report.min_zoom = min_zoom_;
     report.max_zoom = zoom_;
     report.tile_size_px = side_px_;
@@ -148,7 +155,14 @@ class TileTaker {
 void NarrowBounds(const std::string& text, geo::LatLonBounds& bounds) {
   std::array<double, 4> said{};
   if (std::sscanf(text.c_str(), "%lf,%lf,%lf,%lf", &said[0], &said[1], &said[2], &said[3]) != 4) return;
-  const geo::LatLonBounds common = storage::Common(bounds, geo::LatLonBounds::FromArray(said));
+  geo::LatLonBounds whole = geo::LatLonBounds::FromArray(said);
+  if (whole.east_deg < whole.west_deg) whole.east_deg += 360.0;  // as GeoJSON has it across the antimeridian
+  if (whole.east_deg - whole.west_deg < 360.0) {
+    whole = whole.Beside(bounds);
+  } else {
+    whole.west_deg = bounds.west_deg, whole.east_deg = bounds.east_deg;
+  }
+  const geo::LatLonBounds common = storage::Common(bounds, whole);
   if (common.west_deg < common.east_deg && common.south_deg < common.north_deg) bounds = common;
 }
 

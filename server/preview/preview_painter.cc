@@ -217,7 +217,7 @@ Result<std::optional<Preview>> PreviewPainter::DrawWaiting(std::optional<Preview
     if (drawn->tile_size_px != kSidePx) continue;  // a flight at arm's length
     if (!preview) {
       preview.emplace();
-      preview->bounds = drawn->bounds;
+      preview->bounds = drawn->bounds.OnEarth();
       preview->max_zoom = drawn->max_zoom;
       preview->min_zoom = std::max(0, drawn->max_zoom - kOverviewLevels);
     }
@@ -230,15 +230,17 @@ Result<std::optional<Preview>> PreviewPainter::DrawWaiting(std::optional<Preview
     for (const auto& [tile, bytes] : collected.tiles) {
       SKYQUILT_TRY(canvas->Lay(tile, bytes));
     }
-    if (!changed) changed = drawn->bounds;
-    changed->Include(drawn->bounds);
-    preview->bounds.Include(drawn->bounds);
+    const geo::LatLonBounds seen = drawn->bounds.Beside(preview->bounds);
+    if (!changed) changed = seen;
+    changed->Include(seen);
+    preview->bounds.Include(seen);
     ++preview->photos;
   }
   if (!changed) return std::optional<Preview>();
   SKYQUILT_TRY_ASSIGN(const storage::PreviewTiles::Tiles made, canvas->Finish());
   SKYQUILT_TRY(tiles->Put(made));
-  preview->changed = *changed;
+  preview->bounds = preview->bounds.OnEarth();
+  preview->changed = changed->OnEarth();
   return preview;
 }
 

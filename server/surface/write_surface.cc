@@ -67,9 +67,9 @@ Result<void> WriteSurface(pipeline::BuiltMosaic& built, const pipeline::MosaicOp
         pipeline::AreaBelow(built.report.bounds, built.flight.frame, built.ground.MeanHeight()), cell_m);
     std::optional<surface::GroundSketch> below;
     if (is_ground_wanted) below.emplace(grid.columns, grid.rows, grid.cell_m);
-    storage::SurfaceWriter writer(out_dir, built.flight.frame, grid, built.ground.MeanHeight(),
-                                  options.threads, below ? &*below : nullptr, progress,
-                                  pipeline::RaisedM(built.report));
+    storage::SurfaceWriter writer(out_dir, built.flight.frame, built.report.bounds.Middle(), grid,
+                                  built.ground.MeanHeight(), options.threads, below ? &*below : nullptr,
+                                  progress, pipeline::RaisedM(built.report));
     SKYQUILT_TRY(writer.Begin());
     const Result<void> put =
         matched != nullptr ? PutMatched(*matched, grid, writer)

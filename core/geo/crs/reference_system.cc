@@ -321,6 +321,18 @@ struct ReferenceSystem::Impl {
     return *position;
   }
 
+  // Of the operation that is used there, where it is of an older datum and no better than a metre. Under the
+  // lock.
+  std::optional<double> InexactShiftM(double x, double y) const {
+    if (to_own_degrees == nullptr) return std::nullopt;
+    const auto own = Place(to_own_degrees, x, y);
+    const auto there = Place(transform, x, y);
+    if (!own || !there || MetresApart(*own, *there) < kSameFrameM) return std::nullopt;
+    const PjPtr used = Owned(proj_trans_get_last_used_operation(transform));
+    const double error_m = used ? proj_coordoperation_get_accuracy(context, used.get()) : -1.0;
+    return error_m > kExactM ? std::optional(error_m) : std::nullopt;
+  }
+
   // Does the best operation at `at`, of those that PROJ knows, need a grid that is not installed? Under the
   // lock.
   bool LacksGridAt(const LatLon& at) const {
@@ -391,14 +403,20 @@ std::optional<LatLon> ReferenceSystem::ToLatLon(double x, double y) const {
 
 std::optional<InexactShift> ReferenceSystem::InexactShiftAt(double x, double y) const {
   const std::lock_guard lock(TheProj().mutex);
-  if (impl_->to_own_degrees == nullptr) return std::nullopt;
-  const auto own = Impl::Place(impl_->to_own_degrees, x, y);
+  const std::optional<double> error_m = impl_->InexactShiftM(x, y);
+  if (!error_m) return std::nullopt;
   const auto there = Impl::Place(impl_->transform, x, y);
-  if (!own || !there || MetresApart(*own, *there) < kSameFrameM) return std::nullopt;
-  const PjPtr used = Owned(proj_trans_get_last_used_operation(impl_->transform));
-  const double error_m = used ? proj_coordoperation_get_accuracy(impl_->context, used.get()) : -1.0;
-  if (!(error_m > kExactM)) return std::nullopt;
-  return InexactShift{error_m, impl_->LacksGridAt(*there)};
+  return InexactShift{*error_m, there && impl_->LacksGridAt(*there)};
+}
+
+std::optional<double> ReferenceSystem::InexactShiftM(const LatLon& near) const {
+  const std::lock_guard lock(TheProj().mutex);
+  const PJ_COORD own =
+      proj_trans(impl_->transform, PJ_INV, proj_coord(near.lon_deg, near.lat_deg, 0.0, HUGE_VAL));
+  const bool has_failed = proj_errno(impl_->transform) != 0;
+  if (has_failed) proj_errno_reset(impl_->transform);
+  if (has_failed || !std::isfinite(own.xy.x) || !std::isfinite(own.xy.y)) return std::nullopt;
+  return impl_->InexactShiftM(own.xy.x, own.xy.y);
 }
 
 bool ReferenceSystem::is_geographic() const { return impl_->is_geographic; }

@@ -41,6 +41,8 @@ class ReferenceSystem {
   // Nothing where a metre or better is known, and of frames that stand for WGS84 (ETRS89, NAD83, GDA94): what
   // these lie apart, receivers with corrections share with the survey.
   std::optional<InexactShift> InexactShiftAt(double x, double y) const;
+  // The error of that around a place on Earth.
+  std::optional<double> InexactShiftM(const LatLon& near) const;
 
   bool is_geographic() const;  // in degrees
   // Heights of lists are in the unit of x and y, and above the ellipsoid, unless the system says otherwise.

@@ -3,9 +3,11 @@
 #include <fmt/chrono.h>
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "core/base/error_code.h"
 #include "core/base/text/json_io.h"
@@ -74,13 +76,24 @@ std::string IsoTime(const flight::UtcTime& time) {
                      (milliseconds - std::chrono::floor<std::chrono::seconds>(time)).count());
 }
 
+// Across the antimeridian longitudes go on beyond 180, as those of bounds do: with the sign changed half way
+// the ring would go round the Earth.
 Json FootprintRing(const alignment::AlignedPhoto& photo, const geo::LocalFrame& frame,
                    const ground::GroundSurface& ground) {
-  Json ring = Json::array();
+  std::vector<geo::LatLon> corners;
+  double west_deg = 180.0, east_deg = -180.0;
   for (const Eigen::Vector2d& point :
        ground::FootprintOnGround(ground, photo.intrinsics, photo.cam_from_enu, 4)) {
     const geo::Wgs84 wgs84 = frame.Wgs84FromEnu({point.x(), point.y(), ground.HeightAt(point)});
-    ring.push_back({Rounded(wgs84.lon_deg, 9), Rounded(wgs84.lat_deg, 9)});
+    corners.push_back({.lat_deg = wgs84.lat_deg, .lon_deg = wgs84.lon_deg});
+    west_deg = std::min(west_deg, wgs84.lon_deg);
+    east_deg = std::max(east_deg, wgs84.lon_deg);
+  }
+  const bool is_across = east_deg - west_deg > 180.0;
+  Json ring = Json::array();
+  for (const geo::LatLon& corner : corners) {
+    const double turn_deg = is_across && corner.lon_deg < 0.0 ? 360.0 : 0.0;
+    ring.push_back({Rounded(corner.lon_deg + turn_deg, 9), Rounded(corner.lat_deg, 9)});
   }
   if (!ring.empty()) ring.push_back(ring.front());
   return ring;

@@ -8,6 +8,7 @@
 #include <system_error>
 #include <vector>
 
+#include "core/flight/remarks/remark_words.h"
 #include "core/indices/spectral_index.h"
 #include "server/commands/arguments.h"
 #include "server/commands/commands.h"
@@ -94,6 +95,9 @@ void Run(const ExportArguments& arguments) {
                               progress);
   }());
   fmt::print("{} ({:.1f} MB)\n", out.string(), static_cast<double>(fs::file_size(out, error)) / 1e6);
+  const auto remark = storage::RemarkOnExport(*source, request);
+  if (!remark) Fail(kExportCommand, remark.error());
+  if (*remark) fmt::print("{}\n", flight::InWords(**remark));
 }
 
 }  // namespace

@@ -61,7 +61,13 @@ const Json& Member(const Json& object, const char* name) {
   return found == object.end() ? nothing : *found;
 }
 
-Result<void> AddObject(const Json& object, Boundary& boundary, std::size_t& corners) {
+// Files of parcels and routes also have where the aircraft starts, lines, and rows without a shape.
+bool IsPassedOver(std::string_view kind) {
+  return kind == "Point" || kind == "MultiPoint" || kind == "LineString" || kind == "MultiLineString";
+}
+
+// Of a collection the polygons; what else it has is passed over, as in a KML.
+Result<void> AddObject(const Json& object, bool is_in_collection, Boundary& boundary, std::size_t& corners) {
   const Json& type = Member(object, "type");
   const std::string kind = type.is_string() ? type.get<std::string>() : "";
   const Json& coordinates = Member(object, "coordinates");
@@ -71,14 +77,17 @@ Result<void> AddObject(const Json& object, Boundary& boundary, std::size_t& corn
     return {};
   }
   if (kind == "Feature" && Member(object, "geometry").is_object())
-    return AddObject(Member(object, "geometry"), boundary, corners);
-  if (kind == "FeatureCollection" && Member(object, "features").is_array()) {
-    for (const Json& feature : Member(object, "features")) {
-      if (!feature.is_object()) return NoBoundary("one of its features is none.");
-      SKYQUILT_TRY(AddObject(feature, boundary, corners));
+    return AddObject(Member(object, "geometry"), is_in_collection, boundary, corners);
+  if (kind == "Feature" && Member(object, "geometry").is_null()) return {};
+  const Json& members = Member(object, kind == "GeometryCollection" ? "geometries" : "features");
+  if ((kind == "FeatureCollection" || kind == "GeometryCollection") && members.is_array()) {
+    for (const Json& member : members) {
+      if (!member.is_object()) return NoBoundary("one of its features is none.");
+      SKYQUILT_TRY(AddObject(member, true, boundary, corners));
     }
     return {};
   }
+  if (is_in_collection && IsPassedOver(kind)) return {};
   return NoBoundary(kind.empty() ? "it has no \"type\"." : "it has a " + kind.substr(0, 40) + ".");
 }
 
@@ -188,7 +197,7 @@ Result<Boundary> ParseBoundary(std::string_view geojson) {
   SKYQUILT_TRY(CheckNamedCrs(parsed));
   Boundary boundary;
   std::size_t corners = 0;
-  SKYQUILT_TRY(AddObject(parsed, boundary, corners));
+  SKYQUILT_TRY(AddObject(parsed, false, boundary, corners));
   if (boundary.polygons.empty()) return NoBoundary("it has no polygon.");
   return boundary;
 }

@@ -174,6 +174,13 @@ Result<ExportSource> ExportSourceOf(const fs::path& map) {
   return source;
 }
 
+Result<std::optional<flight::Remark>> RemarkOnExport(const ExportSource& source,
+                                                     const ExportRequest& request) {
+  SKYQUILT_TRY_ASSIGN(const auto reader, MbtilesReader::Open(source.mbtiles));
+  SKYQUILT_TRY_ASSIGN(const MapFacts facts, FactsOfTileset(reader->metadata()));
+  return RemarkOnCrs(request.crs, facts.bounds.Middle());
+}
+
 Result<double> PixelsOfExport(const fs::path& map, const ExportRequest& request) {
   SKYQUILT_TRY_ASSIGN(const ExportSource source, ExportSourceOf(map));
   SKYQUILT_TRY_ASSIGN(const auto reader, MbtilesReader::Open(source.mbtiles));

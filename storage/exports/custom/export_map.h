@@ -36,6 +36,10 @@ Result<void> ExportMap(const ExportSource& source, const ExportRequest& request,
 // for it. Errors: kNotFound (no map there).
 Result<ExportSource> ExportSourceOf(const std::filesystem::path& map);
 
+// What is to be known of the file beside that it was made (RemarkOnCrs).
+Result<std::optional<flight::Remark>> RemarkOnExport(const ExportSource& source,
+                                                     const ExportRequest& request);
+
 // How many pixels of the map the values of an index are made for: what an export of them takes while it is
 // made.
 Result<double> PixelsOfExport(const std::filesystem::path& map, const ExportRequest& request);

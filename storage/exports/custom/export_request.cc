@@ -12,6 +12,7 @@
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "core/flight/remarks/because.h"
+#include "core/geo/crs/reference_system.h"
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
 #include "core/indices/spectral_index.h"
@@ -204,6 +205,17 @@ Result<int> EpsgOf(const std::string& crs, const geo::LatLon& middle) {
   return code;
 }
 
+std::optional<flight::Remark> RemarkOnCrs(const std::string& crs, const geo::LatLon& middle) {
+  const Result<int> epsg = EpsgOf(crs, middle);
+  if (!epsg) return std::nullopt;
+  const auto system = geo::ReferenceSystem::Parse("EPSG:" + std::to_string(*epsg));
+  if (!system) return std::nullopt;
+  const std::optional<double> error_m =
+      system->InexactShiftM({middle.lat_deg, std::remainder(middle.lon_deg, 360.0)});
+  if (!error_m) return std::nullopt;
+  return flight::Remark(flight::RemarkCode::kExportSystemInexact, {{"epsg", *epsg}, {"error_m", *error_m}});
+}
+
 double MapFacts::PixelM(int zoom) const {
   return geo::PixelSizeInMercM(zoom, tile_size_px) * geo::GroundMetresPerMercMetre(bounds.Middle().lat_deg);
 }
@@ -213,7 +225,7 @@ Result<MapFacts> FactsOfTileset(const TilesetFacts& metadata) {
   facts.min_zoom = TilesetNumber(metadata, "minzoom", -1);
   facts.max_zoom = TilesetNumber(metadata, "maxzoom", -1);
   facts.tile_size_px = TilesetNumber(metadata, "tile_size", 256);
-  facts.bounds = TilesetBounds(metadata).value_or(geo::LatLonBounds());
+  facts.bounds = TilesetBounds(metadata).value_or(geo::LatLonBounds()).OnEarth();
   const geo::LatLonBounds& box = facts.bounds;
   const bool is_sound =
       facts.min_zoom >= 0 && facts.max_zoom >= facts.min_zoom && facts.max_zoom <= geo::kMaxZoom &&

@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "core/base/result.h"
+#include "core/flight/remarks/remark.h"
 #include "core/geo/lat_lon_bounds.h"
 #include "core/indices/band_expression.h"
 #include "storage/exports/custom/boundary.h"
@@ -51,6 +52,8 @@ Result<ExportRequest> ParseExportRequest(std::string_view json);
 bool IsAsStored(const ExportRequest& request);
 // "utm", or the code of "EPSG:2056". Error: kUnprocessable.
 Result<int> EpsgOf(const std::string& crs, const geo::LatLon& middle);
+// What is to be known of a file in that system: that its datum's place on Earth is not known to a metre.
+std::optional<flight::Remark> RemarkOnCrs(const std::string& crs, const geo::LatLon& middle);
 
 // What a finished map is, as far as exports depend on it.
 struct MapFacts {

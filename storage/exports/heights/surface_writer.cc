@@ -56,6 +56,7 @@ bool ReadOrWrite(GDALRWFlag way, GDALDataset& raster, const surface::CellBox& bo
 struct SurfaceWriter::Work {
   std::filesystem::path folder;
   geo::LocalFrame frame;
+  geo::LatLon map_middle;
   surface::SurfaceGrid grid;
   double mean_z_m;
   int threads;
@@ -136,10 +137,11 @@ std::vector<double> SurfaceWriter::Work::BendsOf(const surface::CellBox& box) co
 }
 
 SurfaceWriter::SurfaceWriter(const std::filesystem::path& folder, const geo::LocalFrame& frame,
-                             const surface::SurfaceGrid& grid, double mean_z_m, int threads,
-                             surface::GroundBelow* ground, Progress& progress, double raised_m)
+                             const geo::LatLon& map_middle, const surface::SurfaceGrid& grid, double mean_z_m,
+                             int threads, surface::GroundBelow* ground, Progress& progress, double raised_m)
     : work_(new Work{folder,
                      frame,
+                     map_middle,
                      grid,
                      mean_z_m,
                      threads,
@@ -161,7 +163,7 @@ Result<void> SurfaceWriter::Begin() {
   CPLErrorReset();
   Work& work = *work_;
   const geo::Wgs84& origin = work.frame.origin();
-  SKYQUILT_TRY(UtmEpsg({origin.lat_deg, origin.lon_deg}));
+  SKYQUILT_TRY(UtmEpsg(work.map_middle));
   // East and north of the frame are, but for what the height above the ellipsoid adds, those of the azimuthal
   // projection about its origin: 0.5 mm off at 5 km. The orthographic one, which has no such bend, knows half
   // of the Earth only, of which GDAL complains.
@@ -224,8 +226,7 @@ Result<void> SurfaceWriter::Publish() {
   for (std::unique_ptr<GDALDataset>* raster : {&work.heights, &work.photos, &work.ground, &work.seen}) {
     if (*raster && !IsClosedWell(std::move(*raster))) return LastGdalError(work.progress);
   }
-  const geo::Wgs84& origin = work.frame.origin();
-  SKYQUILT_TRY_ASSIGN(const int epsg, UtmEpsg({origin.lat_deg, origin.lon_deg}));
+  SKYQUILT_TRY_ASSIGN(const int epsg, UtmEpsg(work.map_middle));
   SKYQUILT_TRY(work.PublishAs("dsm.tif", work.raw_heights, WarpedPixels::kHeights, epsg, kWritingHeights));
   SKYQUILT_TRY(
       work.PublishAs("dsm_photos.tif", work.raw_photos, WarpedPixels::kCounts, epsg, kWritingHeights));

@@ -159,6 +159,9 @@ TEST(ReferenceSystem, TellsOlderDatumsFromFramesThatStandForWgs84) {
     ASSERT_TRUE(place && system) << one.code;
     const auto shift = system->InexactShiftAt(place->x(), place->y());
     EXPECT_EQ(shift.has_value(), one.is_inexact) << one.code;
+    const std::optional<double> near_m = system->InexactShiftM(one.position);
+    EXPECT_EQ(near_m.has_value(), one.is_inexact) << one.code;
+    if (near_m && shift) EXPECT_EQ(*near_m, shift->error_m) << one.code;
   }
   // Better where the grid of the Ordnance Survey is installed, and said where it is not.
   const auto place = MapProjection::OfEpsg(27700)->PlaceOf({51.5, -0.1});

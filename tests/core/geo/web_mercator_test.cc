@@ -28,6 +28,30 @@ TEST(WebMercator, AgreesWithProjAndRoundTrips) {
   proj_destroy(oracle);
 }
 
+TEST(LatLonBounds, AcrossTheAntimeridianGoOnBeyondItInTheEast) {
+  const auto west_of = [](double west_deg, double east_deg) {
+    const LatLonBounds turned = LatLonBounds{west_deg, -17.1, east_deg, -17.0}.OnEarth();
+    EXPECT_NEAR(turned.east_deg - turned.west_deg, east_deg - west_deg, 1e-9);
+    EXPECT_EQ(turned.south_deg, -17.1);
+    EXPECT_EQ(turned.north_deg, -17.0);
+    return turned.west_deg;
+  };
+  EXPECT_NEAR(west_of(-180.0006, -179.9994), 179.9994, 1e-9);
+  EXPECT_NEAR(west_of(180.0006, 180.0009), -179.9994, 1e-9);
+  EXPECT_EQ(west_of(179.9994, 180.0006), 179.9994);
+  EXPECT_EQ(west_of(-180.0, 180.0), -180.0);
+  EXPECT_EQ(west_of(-180.0000000000001, 180.0), -180.0);  // the whole Earth, as sums of tiles have it
+  EXPECT_EQ(west_of(7.0, 7.1), 7.0);
+}
+
+TEST(LatLonBounds, OfBothSidesOfTheAntimeridianMeet) {
+  LatLonBounds seen{179.9994, -17.1, 179.9999, -17.0};
+  seen.Include(LatLonBounds{-179.9999, -17.2, -179.9994, -17.0}.Beside(seen));
+  EXPECT_NEAR(seen.west_deg, 179.9994, 1e-9);
+  EXPECT_NEAR(seen.east_deg, 180.0006, 1e-9);
+  EXPECT_EQ(seen.south_deg, -17.2);
+}
+
 TEST(RasterFrame, PutsTheFirstPixelsCentreHalfAPixelInside) {
   const TileId tile = *TileId::Make(18, 64000, 92000);
   const RasterFrame frame = RasterFrame::OfTile(tile, 256);

@@ -232,6 +232,18 @@ TEST_F(DegenerateFlights, AcrossTheDateLine) {
   ExpectMap();
 }
 
+// From whichever side photos come, bounds begin in the west and go on beyond 180 degrees.
+TEST_F(DegenerateFlights, AcrossTheDateLineFromTheEast) {
+  for (int i = 5; i >= -2; --i) Add({.at = Beside({-17.0, -180.0}, 10.0 * i, 0.0)});
+  const auto built = Build(AlignMethod::kImu);
+  ASSERT_TRUE(built.ok()) << built.error().message;
+  const geo::LatLonBounds& bounds = built->report.bounds;
+  EXPECT_GT(bounds.west_deg, 179.0);
+  EXPECT_LE(bounds.west_deg, 180.0);
+  EXPECT_GT(bounds.east_deg, 180.0);
+  EXPECT_LT(bounds.east_deg, 181.0);
+}
+
 TEST_F(DegenerateFlights, NearThePoles) {
   for (const double lat_deg : {89.999, -89.9999, 85.3}) {
     for (int i = 0; i < 3; ++i) Add({.at = {lat_deg, 20.0 * i}});

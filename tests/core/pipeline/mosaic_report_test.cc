@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -12,6 +13,7 @@
 
 #include "core/flight/remarks/remark_json.h"
 #include "core/pipeline/report/report_codec.h"
+#include "core/poses/conventions/attitude_convention.h"
 #include "tests/core/pipeline/full_reports.h"
 
 namespace skyquilt::pipeline {
@@ -65,6 +67,29 @@ void ExpectDamageRefused(const Report& full) {
   }
   for (const Json& none : {Json(nullptr), Json(1), Json(""), Json::array(), Json::object()})
     EXPECT_FALSE(IsRead<Report>(none)) << none;
+}
+
+// From 60 m above the antimeridian a photo sees some 40 m on either side of it.
+TEST(PhotosGeoJson, AcrossTheAntimeridianARingDoesNotGoRoundTheEarth) {
+  for (const double lon_deg : {180.0, -180.0, 179.9999, -179.9999}) {
+    alignment::AlignedFlight flight;
+    flight.frame = geo::LocalFrame({-17.0, lon_deg, 0.0});
+    alignment::AlignedPhoto photo;
+    photo.photo.name = "A.JPG";
+    photo.intrinsics = camera::Intrinsics::Centered(4000, 3000, 3000.0);
+    photo.cam_from_enu =
+        geo::Rigid3::FromRotationAndTargetOrigin(poses::NadirCamFromEnu(0.0), {0.0, 0.0, 60.0});
+    flight.photos.push_back(photo);
+    const Json photos = Json::parse(PhotosGeoJson(flight, ground::GroundSurface::Plane(0.0), {}));
+    double west_deg = 1e9, east_deg = -1e9;
+    for (const Json& corner : photos["features"][0]["geometry"]["coordinates"][0]) {
+      west_deg = std::min(west_deg, corner[0].get<double>());
+      east_deg = std::max(east_deg, corner[0].get<double>());
+    }
+    EXPECT_NEAR(east_deg - west_deg, 80.0 / 111320.0 / std::cos(17.0 * M_PI / 180.0), 1e-5) << lon_deg;
+    EXPECT_LE(west_deg, 180.0) << lon_deg;
+    EXPECT_GT(east_deg, 180.0) << lon_deg;
+  }
 }
 
 TEST(ReportCodec, ReadsEveryFigureAgain) {

@@ -16,9 +16,13 @@
 
 #include "core/flight/remarks/because.h"
 #include "core/flight/remarks/remark_words.h"
+#include "core/geo/lat_lon_bounds.h"
+#include "core/geo/tile_id.h"
+#include "core/pyramid/encode_tile.h"
 #include "server/imports/import_map.h"
 #include "storage/db/sqlite_db.h"
 #include "storage/files/publish_file.h"
+#include "storage/tilesets/mbtiles_writer.h"
 #include "tests/storage/painted_tileset.h"
 #include "tests/support/temporary_folder.h"
 
@@ -61,6 +65,40 @@ Result<pipeline::MosaicReport> Import(const flight::InputFile& file, const std::
   options.title = "Field";
   SilentProgress progress;
   return ImportForJob({{"other.tif", "/nowhere"}, file}, options, job, progress);
+}
+
+// Two tiles on either side of the antimeridian, and what the file says that it covers.
+flight::InputFile WriteTilesAcross(const std::filesystem::path& folder, const geo::LatLonBounds& bounds) {
+  const std::filesystem::path path = folder / "fiji";
+  const auto writer = *storage::MbtilesWriter::Create(path);
+  const auto tile = *pyramid::EncodeTile(test::PaintedTile({12, 256, 0, 0, 3, 3}, 1, 1), {});
+  for (const int column : {0, (1 << 12) - 1}) {
+    EXPECT_TRUE(writer->Put(*geo::TileId::Make(12, column, 2243), tile.format, tile.bytes).ok());
+  }
+  storage::TilesetMetadata metadata;
+  metadata.bounds = bounds;
+  metadata.min_zoom = metadata.max_zoom = 12;
+  metadata.tile_size_px = 256;
+  EXPECT_TRUE(writer->Publish(metadata).ok());
+  return {"fiji.mbtiles", path};
+}
+
+TEST(ImportForJob, TilesAcrossTheAntimeridianAreOneMap) {
+  constexpr double kTileDeg = 360.0 / (1 << 12);
+  struct Case {
+    geo::LatLonBounds said;
+    double west_deg, east_deg;
+  };
+  for (const Case& one : {Case{{-180.0, -85.0, 180.0, 85.0}, 180.0 - kTileDeg, 180.0 + kTileDeg},
+                          Case{{179.95, -17.0, 180.03, -16.0}, 179.95, 180.03},
+                          Case{{-180.05, -17.0, -179.97, -16.0}, 179.95, 180.03},
+                          Case{{179.95, -17.0, -179.97, -16.0}, 179.95, 180.03}}) {
+    const test::TemporaryFolder in, out;
+    const auto report = Import(WriteTilesAcross(in.path(), one.said), "fiji.mbtiles", {out.path(), true});
+    ASSERT_TRUE(report.ok()) << report.error().message;
+    EXPECT_NEAR(report->bounds.west_deg, one.west_deg, 1e-9) << one.said.west_deg;
+    EXPECT_NEAR(report->bounds.east_deg, one.east_deg, 1e-9) << one.said.west_deg;
+  }
 }
 
 TEST(ImportForJob, MakesTheProductsOfAMap) {

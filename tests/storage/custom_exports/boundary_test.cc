@@ -29,6 +29,12 @@ TEST(ParseBoundary, TakesEveryFormOfPolygons) {
       {Polygon(square), R"({"type":"MultiPolygon","coordinates":[[)" + square + "]]}",
        R"({"type":"Feature","properties":{},"geometry":)" + Polygon(square) + "}",
        R"({"type":"FeatureCollection","features":[{"type":"Feature","geometry":)" + Polygon(square) + "}]}",
+       R"({"type":"GeometryCollection","geometries":[)" + Polygon(square) + "]}",
+       R"({"type":"FeatureCollection","features":[{"type":"Feature","geometry":null},)"
+       R"({"type":"Feature","geometry":{"type":"Point","coordinates":[7.5,46.5]}},)"
+       R"({"type":"Feature","geometry":{"type":"LineString","coordinates":[[9,46],[9,47]]}},)"
+       R"({"type":"Feature","geometry":)" +
+           Polygon(square) + "}]}",
        R"({"type":"Polygon","crs":{"type":"name","properties":{"name":"urn:ogc:def:crs:OGC:1.3:CRS84"}},"coordinates":[)" +
            square + "]}"}) {
     const auto boundary = ParseBoundary(text);
@@ -45,6 +51,11 @@ TEST(ParseBoundary, SaysWhatIsWrongAndWhatToGive) {
       {R"({"coordinates":[[[7,46]]]})", "no \"type\""},
       {R"({"type":"FeatureCollection","features":[]})", "no polygon"},
       {R"({"type":"FeatureCollection","features":[3]})", "none"},
+      {R"({"type":"FeatureCollection","features":[{"type":"Point","coordinates":[7,46]}]})", "no polygon"},
+      {R"({"type":"FeatureCollection","features":[{"type":"Circle","coordinates":[7,46]}]})", "a Circle"},
+      {R"({"type":"Feature","geometry":{"type":"LineString","coordinates":[[7,46],[8,47]]}})",
+       "a LineString"},
+      {R"({"type":"Feature","geometry":null})", "no polygon"},
       {R"({"type":"Polygon","coordinates":[]})", "no outline"},
       {R"({"type":"Polygon","coordinates":[[[7,46],[8,46],[7,46]]]})", "fewer than four"},
       {R"({"type":"Polygon","coordinates":[[[7,46],[8,46],["a",2],[7,46]]]})", "not [longitude, latitude]"},

@@ -370,6 +370,25 @@ TEST_F(ExportMapTest, WhatCannotBeIsRefusedWithWhatToDo) {
   EXPECT_NE(Refusal(R"({"format":"kmz"})").find("no finished map"), std::string::npos);
 }
 
+// As maps of earlier versions have it: in degrees such an export went round the Earth without end.
+TEST(FactsOfTileset, BoundsBeginOnEarth) {
+  const auto facts =
+      FactsOfTileset({{"minzoom", "12"}, {"maxzoom", "21"}, {"bounds", "-180.0006,-17.1,-179.9994,-17.0"}});
+  ASSERT_TRUE(facts.ok()) << facts.error().message;
+  EXPECT_NEAR(facts->bounds.west_deg, 179.9994, 1e-9);
+  EXPECT_NEAR(facts->bounds.east_deg, 180.0006, 1e-9);
+}
+
+TEST(RemarkOnCrs, SaysToWhatAnOlderDatumIsKnown) {
+  const auto remark = RemarkOnCrs("EPSG:3003", {45.0, 9.0});  // Monte Mario
+  ASSERT_TRUE(remark);
+  EXPECT_EQ(remark->code, flight::RemarkCode::kExportSystemInexact);
+  EXPECT_TRUE(flight::InWords(*remark).starts_with("EPSG:3003 counts from an older datum"))
+      << flight::InWords(*remark);
+  for (const char* crs : {"", "utm", "EPSG:3857", "EPSG:4326", "EPSG:25832", "EPSG:2056", "no system"})
+    EXPECT_FALSE(RemarkOnCrs(crs, {46.95, 7.44})) << crs;
+}
+
 TEST(FindTargetCrs, KnowsHowLongAMetreIs) {
   EXPECT_EQ(FindTargetCrs(32632, {46.8, 7.1})->units_per_m_east, 1.0);
   EXPECT_NEAR(FindTargetCrs(3857, {46.8, 7.1})->units_per_m_east, 1 / std::cos(46.8 * M_PI / 180), 0.004);

@@ -1,11 +1,12 @@
 #include "storage/exports/heights/surface_writer.h"
 
-#include <array>
-#include <cmath>
 #include <gdal_priv.h>
 #include <gtest/gtest.h>
-#include <limits>
 #include <ogr_spatialref.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
 
 #include "core/surface/terrain/ground_sketch.h"
 #include "tests/support/temporary_folder.h"
@@ -15,6 +16,7 @@ namespace {
 
 constexpr double kCellM = 0.5;
 const geo::Wgs84 kOrigin{46.95, 7.44, 560.0};
+const geo::LatLon kMiddle{46.95, 7.466};
 
 // Two kilometres east of the frame's origin, where the Earth has bent away by a third of a metre.
 surface::SurfaceGrid FarGrid() { return {Eigen::Vector2d(2000.0, -500.0), kCellM, 120, 90}; }
@@ -64,7 +66,7 @@ TEST(SurfaceWriter, HeightsLieWhereTheyAreInUtmAboveTheEllipsoid) {
   const geo::LocalFrame frame(kOrigin);
   const surface::SurfaceGrid grid = FarGrid();
   SilentProgress progress;
-  SurfaceWriter writer(folder.path(), frame, grid, 6.0, 1, nullptr, progress);
+  SurfaceWriter writer(folder.path(), frame, kMiddle, grid, 6.0, 1, nullptr, progress);
   ASSERT_TRUE(writer.Begin());
   ASSERT_TRUE(writer.Put(SlopeBlock(grid, {64, 0, 56, 90})));
   ASSERT_TRUE(writer.Put(SlopeBlock(grid, {0, 0, 64, 90})));
@@ -124,7 +126,7 @@ TEST(SurfaceWriter, WritesTheGroundBelowAsWell) {
   const surface::SurfaceGrid grid = FarGrid();
   SilentProgress progress;
   surface::GroundSketch sketch(grid.columns, grid.rows, grid.cell_m);
-  SurfaceWriter writer(folder.path(), geo::LocalFrame(kOrigin), grid, 6.0, 1, &sketch, progress);
+  SurfaceWriter writer(folder.path(), geo::LocalFrame(kOrigin), kMiddle, grid, 6.0, 1, &sketch, progress);
   ASSERT_TRUE(writer.Begin());
   surface::SurfaceBlock block = SlopeBlock(grid, {0, 0, 120, 90});
   const auto is_house = [](int column, int row) {
@@ -167,18 +169,35 @@ TEST(SurfaceWriter, LeavesNothingBesideWhenItIsGivenUp) {
   const test::TemporaryFolder folder;
   {
     SilentProgress progress;
-    SurfaceWriter writer(folder.path(), geo::LocalFrame(kOrigin), FarGrid(), 6.0, 1, nullptr, progress);
+    SurfaceWriter writer(folder.path(), geo::LocalFrame(kOrigin), kMiddle, FarGrid(), 6.0, 1, nullptr,
+                         progress);
     ASSERT_TRUE(writer.Begin());
     ASSERT_TRUE(writer.Put(SlopeBlock(FarGrid(), {0, 0, 120, 90})));
   }
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
+// A flight across the border of two zones, whose first photos lie in the other one than most of the map.
+TEST(SurfaceWriter, CountsInTheZoneOfTheMapsMiddle) {
+  const test::TemporaryFolder folder;
+  SilentProgress progress;
+  const geo::LocalFrame frame(geo::Wgs84{-33.9, 17.99, 560.0});
+  SurfaceWriter writer(folder.path(), frame, {-33.9, 18.01}, FarGrid(), 6.0, 1, nullptr, progress);
+  ASSERT_TRUE(writer.Begin());
+  ASSERT_TRUE(writer.Put(SlopeBlock(FarGrid(), {0, 0, 120, 90})));
+  ASSERT_TRUE(writer.Publish());
+  for (const char* name : {"dsm.tif", "dsm_photos.tif"}) {
+    const std::unique_ptr<GDALDataset> made(GDALDataset::Open((folder.path() / name).c_str()));
+    ASSERT_NE(made, nullptr);
+    EXPECT_STREQ(made->GetSpatialRef()->GetAuthorityCode(nullptr), "32734") << name;
+  }
+}
+
 TEST(SurfaceWriter, SaysThatThereIsNoUtmAtThePoles) {
   const test::TemporaryFolder folder;
   SilentProgress progress;
-  SurfaceWriter writer(folder.path(), geo::LocalFrame({86.0, 7.0, 0.0}), FarGrid(), 6.0, 1, nullptr,
-                       progress);
+  SurfaceWriter writer(folder.path(), geo::LocalFrame({86.0, 7.0, 0.0}), {86.0, 7.0}, FarGrid(), 6.0, 1,
+                       nullptr, progress);
   const auto begun = writer.Begin();
   ASSERT_FALSE(begun.ok());
   EXPECT_EQ(begun.error().code, ErrorCode::kUnprocessable);

@@ -4,7 +4,7 @@
 /** @import { Outline } from '../map/outlines.js' */
 import { readable } from '../shared/token.js';
 import { announce } from '../shared/announce.js';
-import { listExports, removeExport, serverWords, startExport } from '../shared/api.js';
+import { listExports, remarkWords, removeExport, serverWords, startExport } from '../shared/api.js';
 import { h, put } from '../shared/dom.js';
 import { formatBytes, formatDate, formatGsd, formatPercent } from '../shared/format.js';
 import { icon, iconButton } from '../shared/icons.js';
@@ -137,7 +137,7 @@ export function exportView(flight, outlines, signal, cut_to = -1, has_asked = fa
     const had_focus = entry.row.contains(document.activeElement);
     put(
       entry.row,
-      h('div', { class: 'export-what' }, h('span', {}, what), ...stateOf(made)),
+      h('div', { class: 'export-what' }, h('span', {}, what), ...stateOf(made), ...notesOn(made)),
       made.download && h('a', { class: 'button small', href: readable(made.download), download: '' }, icon('download'), strings.actions.download),
       remove,
     );
@@ -179,6 +179,12 @@ export function exportView(flight, outlines, signal, cut_to = -1, has_asked = fa
   const heading = h('h3', { class: 'share-heading', hidden: true }, words.heading);
   void watch();
   return h('section', { id: 'export-view', 'aria-label': words.open }, ...(has_asked ? [refusal, heading, list, form] : [form, refusal, heading, list]));
+}
+
+/** @param {MapExport} made @returns {HTMLElement[]} what is to be known of the file */
+function notesOn({ state, remark }) {
+  const said = state === 'failed' ? null : remarkWords(remark);
+  return said === null ? [] : [h('span', { class: 'fine' }, said)];
 }
 
 /** @param {MapExport} made @returns {HTMLElement[]} */

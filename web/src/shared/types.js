@@ -159,6 +159,7 @@
  * @property {object|null} boundary
  * @property {string|null} index by its name, of a file of values
  * @property {string|null} expression likewise
+ * @property {Remark|null} [remark] what is to be known of the file
  * @property {boolean} is_current of the map that is shown now
  * @property {'accepted'|'running'|'successful'|'failed'} state
  * @property {number} progress 0..1

@@ -272,6 +272,7 @@ export const failure_words = {
   export_system_no_plane: (v) => `EPSG:${v.epsg} ist weder eine Kartenprojektion noch einfache Länge und Breite. ${system_of_region}`,
   export_system_elsewhere: (v) => `EPSG:${v.epsg} gilt für eine andere Region; die Karte liegt bei ${place(v.lat_deg, v.lon_deg)}. ${system_of_region}`,
   export_system_unreachable: (v) => `EPSG:${v.epsg} reicht nicht bis zur Karte. ${system_of_region}`,
+  export_system_inexact: (v) => `EPSG:${v.epsg} zählt von einem älteren Datum, dessen Lage auf der Erde hier nur auf etwa ${number(v.error_m, { maximumFractionDigits: 1 })}\u00a0m bekannt ist: So weit kann von dieser Datei abliegen, was in diesem System vermessen wurde. UTM oder das heutige System des Landes (etwa ETRS89) hat diesen Fehler nicht.`,
   export_without_printer: () => 'Auf diesem Server ist kein Programm, das PDF-Dateien erzeugt. Wer ihn betreibt, installiert eines (apt install weasyprint); bis dahin drucken Sie diese Seite im Browser.',
   report_not_printed: () => 'Der Bericht ließ sich nicht als PDF drucken: Das Programm, das druckt, ist gescheitert. Versuchen Sie es erneut; wer den Server betreibt, findet den Grund in dessen Protokoll.',
   index_without_value: () => 'Dieser Index hat nirgends auf der Karte einen Wert. Wählen Sie einen anderen.',

@@ -275,6 +275,7 @@ export const failure_words = {
   export_system_no_plane: (v) => `EPSG:${v.epsg} is neither a map projection nor plain longitude and latitude. ${system_of_region}`,
   export_system_elsewhere: (v) => `EPSG:${v.epsg} is for another region; the map lies at ${place(v.lat_deg, v.lon_deg)}. ${system_of_region}`,
   export_system_unreachable: (v) => `EPSG:${v.epsg} does not reach the map. ${system_of_region}`,
+  export_system_inexact: (v) => `EPSG:${v.epsg} counts from an older datum, whose place on Earth is known here to about ${number(v.error_m, { maximumFractionDigits: 1 })}\u00a0m: what was surveyed in this system may lie that far off this file. UTM or the country’s present system (such as ETRS89) does not have this error.`,
   export_without_printer: () => 'This server has no program that makes a PDF. Whoever runs it installs one (apt install weasyprint); until then, print this page from the browser.',
   report_not_printed: () => 'The report could not be made a PDF: the program that prints failed. Ask again; whoever runs the server finds why in its log.',
   index_without_value: () => 'This index has no value anywhere on the map. Choose another.',

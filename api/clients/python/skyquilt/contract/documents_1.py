@@ -322,6 +322,9 @@ class Export(TypedDict):
     index: Optional[str]
     # Of a GeoTIFF of values: the formula
     expression: Optional[str]
+    # What is to be known of the file: its system counts from an older datum, whose place on Earth is not known to a
+    # metre
+    remark: Optional[Remark]
     state: Literal['accepted', 'running', 'successful', 'failed']
     progress: float
     # Of the file, once it is there
