@@ -95,6 +95,16 @@ PanelTags ReadPanelTags(const XmpTags& xmp) {
   return tags;
 }
 
+// Sentera's cameras number their captures anew in each flight.
+std::string CaptureIdOf(const XmpTags& xmp) {
+  std::string id = FirstOf(xmp, {"MicaSense:CaptureId", "Camera:CaptureUUID", "drone-dji:CaptureUUID"});
+  if (id.empty()) {
+    id = xmp.Text("Camera:ImageUniqueID");
+    if (!id.empty()) id = xmp.Text("Camera:FlightUniqueID").substr(0, kMaxIdBytes / 2) + " " + id;
+  }
+  return id.substr(0, kMaxIdBytes);
+}
+
 // Of a JPEG with a thermal sensor's levels in it. Where those are damaged, the method says so.
 BandFacts ReadFlirFacts(flight::ByteSource& source, const flight::ImageHeader& header) {
   BandFacts facts;
@@ -129,7 +139,7 @@ Result<BandFacts> ReadBandFacts(flight::ByteSource& source) {
   std::vector<flight::Remark> notes;  // the photo has them already
   const XmpTags xmp = flight::ReadXmp(header, source, notes);
   BandFacts facts;
-  facts.name = BandNameOf(FirstOf(xmp, {"Camera:BandName", "drone-dji:BandName"}));
+  facts.name = BandNameOf(FirstOf(xmp, {"Camera:BandName", "drone-dji:BandName", "FLIR:BandName"}));
   if (facts.name.empty()) {
     return flight::Because(ErrorCode::kUnsupportedFormat, flight::RemarkCode::kBandUnnamed);
   }
@@ -137,8 +147,8 @@ Result<BandFacts> ReadBandFacts(flight::ByteSource& source) {
   facts.width_nm = xmp.Number("Camera:WavelengthFWHM");
   if (facts.width_nm && !(*facts.width_nm > 0.0)) facts.width_nm.reset();
   ReadBandFrequency(xmp.Text("drone-dji:BandFreq"), facts);
-  facts.capture_id = FirstOf(xmp, {"MicaSense:CaptureId", "Camera:CaptureUUID", "drone-dji:CaptureUUID"})
-                         .substr(0, kMaxIdBytes);
+  facts.capture_id = CaptureIdOf(xmp);
+  facts.rig = xmp.Text("Camera:RigName").substr(0, kMaxIdBytes);
   facts.is_panel = xmp.Number("Camera:CalibrationPicture").value_or(0.0) > 0.0;
   if (facts.is_panel) facts.panel = ReadPanelTags(xmp);
   facts.radiometry =

@@ -1,7 +1,7 @@
 // BandFacts: what one photo of a camera of several bands says of its band and of the capture it belongs to,
 // from the TIFF and XMP tags of Parrot Sequoia, MicaSense RedEdge and Altum, DJI P4 Multispectral and Mavic 3
-// Multispectral, of any TIFF that names its band (Camera:BandName), and of the radiometric JPEGs of FLIR's
-// cameras. Bytes may be hostile: bounded as ReadPhotoFrom is. Any thread.
+// Multispectral, Sentera 6X, of any TIFF that names its band (Camera:BandName), and of the radiometric JPEGs
+// of FLIR's cameras. Bytes may be hostile: bounded as ReadPhotoFrom is. Any thread.
 #pragma once
 
 #include <array>
@@ -36,6 +36,7 @@ struct BandFacts {
   std::optional<double> wavelength_nm;
   std::optional<double> width_nm;  // full width at half maximum
   std::string capture_id;          // all bands of one capture share it; empty where none is written
+  std::string rig;                 // what the maker calls the cameras together; empty where it does not
   bool is_look_too = false;        // the file's picture is one in colours, with the band's levels beside it
   bool is_panel = false;           // a picture of the calibration panel, not of the ground
   PanelTags panel;

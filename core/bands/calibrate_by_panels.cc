@@ -22,7 +22,9 @@ using flight::Flight;
 using flight::PhotoSource;
 using flight::RemarkCode;
 
-constexpr std::size_t kSearchedAtEachEnd = 2;  // captures: panels are looked at before and after a flight
+// Captures without a panel behind which no more are looked for: panels are held before and after a flight, in
+// as many pictures as somebody likes.
+constexpr std::size_t kWithoutPanel = 2;
 constexpr double kMaxClippedShare = 0.01;
 constexpr double kMaxSpread = 0.25;  // a panel is even: more is grass, or its rim
 
@@ -85,19 +87,29 @@ Result<Measured> MeasurePanel(const BandPhoto& panel, Calibration usual, const f
   return Measured{*reflectance / *value, name};
 }
 
-// Captures at both ends of a flight whose reference picture shows a panel's code become pictures of panels.
+// By the code in its reference's picture.
+bool ShowsPanel(const Capture& capture, const PhotoSource& source) {
+  const auto reference =
+      std::find_if(capture.photos.begin(), capture.photos.end(),
+                   [&](const BandPhoto& photo) { return photo.photo.name == capture.reference; });
+  if (reference == capture.photos.end() || reference->facts.name == kThermalBand) return false;
+  const Result<image::SampleImage> picture = source.DecodeSamples(reference->photo);
+  return picture.ok() && FindPanel(*picture).has_value();  // damaged ones are told of when placed
+}
+
+// Captures at both ends of a flight that show a panel become pictures of panels.
 void SearchPanels(Flight& flight, Captures& captures, const PhotoSource& source) {
   const std::size_t total = captures.captures.size();
-  std::vector<bool> shows_panel(total, false);
-  for (std::size_t i = 0; i < total; ++i) {
-    if (i >= kSearchedAtEachEnd && i + kSearchedAtEachEnd < total) continue;
-    const Capture& capture = captures.captures[i];
-    const auto reference =
-        std::find_if(capture.photos.begin(), capture.photos.end(),
-                     [&](const BandPhoto& photo) { return photo.photo.name == capture.reference; });
-    if (reference == capture.photos.end() || reference->facts.name == kThermalBand) continue;
-    const Result<image::SampleImage> picture = source.DecodeSamples(reference->photo);
-    shows_panel[i] = picture.ok() && FindPanel(*picture).has_value();  // damaged ones are told of when placed
+  std::vector<bool> shows_panel(total, false), is_searched(total, false);
+  for (const bool is_from_the_last : {false, true}) {
+    std::size_t without = 0;
+    for (std::size_t k = 0; k < total && without < kWithoutPanel; ++k) {
+      const std::size_t i = is_from_the_last ? total - 1 - k : k;
+      if (is_searched[i]) break;
+      is_searched[i] = true;
+      shows_panel[i] = ShowsPanel(captures.captures[i], source);
+      without = shows_panel[i] ? 0 : without + 1;
+    }
   }
   if (!SetPanelsApart(shows_panel, captures, flight)) {
     flight.warnings.push_back(RemarkCode::kAllShowPanels);
@@ -108,7 +120,7 @@ void SearchPanels(Flight& flight, Captures& captures, const PhotoSource& source)
 
 void CalibrateByPanels(Flight& flight, Captures& captures, const PhotoSource& source) {
   if (captures.empty()) return;
-  if (captures.panels.empty()) SearchPanels(flight, captures, source);
+  SearchPanels(flight, captures, source);  // a camera that marked one picture may have missed another
   if (captures.panels.empty()) return;
   std::map<std::string, std::vector<Measured>> by_band;
   std::size_t unused = 0;

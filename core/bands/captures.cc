@@ -1,11 +1,14 @@
 #include "core/bands/captures.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
+#include <deque>
 #include <filesystem>
 #include <limits>
 #include <map>
 #include <set>
+#include <string_view>
 #include <utility>
 
 #include "core/base/check.h"
@@ -36,34 +39,55 @@ std::vector<std::optional<Result<BandFacts>>> ReadAllFacts(const std::vector<Pho
   return facts;
 }
 
-// Where a photo came from: captures never mix cameras.
-std::string RigOf(const Photo& photo) { return photo.make + "|" + photo.model; }
+// Where a photo came from: captures never mix cameras. The cameras of a rig may have models of their own.
+std::string RigOf(const BandPhoto& photo) {
+  return photo.photo.make + "|" + (photo.facts.rig.empty() ? photo.photo.model : photo.facts.rig);
+}
 
-// Photos in the order of the flight to captures, by id, else by time.
+// How much of two names is the same, from both ends: of "1/IMG_7.tif" and "2/IMG_7.tif" more than of the
+// latter and "1/IMG_8.tif", of "IMG_7_1.tif" and "IMG_7_2.tif" more than of the latter and "IMG_8_1.tif".
+std::size_t Likeness(const std::string& a, const std::string& b) {
+  const auto front = std::mismatch(a.begin(), a.end(), b.begin(), b.end()).first - a.begin();
+  const auto back = std::mismatch(a.rbegin(), a.rend(), b.rbegin(), b.rend()).first - a.rbegin();
+  return static_cast<std::size_t>(front + back);
+}
+
+// Photos in the order of the flight to captures, by id, else by time: where clocks show whole seconds,
+// several captures may be of one, and names tell which of them a photo belongs to.
 std::vector<Capture> Grouped(std::vector<BandPhoto> photos) {
   struct Open {
     std::size_t capture = 0;
     std::optional<flight::UtcTime> since;
     std::set<std::string> bands;
+    std::string name;  // of its first photo
   };
+  constexpr std::size_t kMaxOpen = 64;  // of one second, however fast the camera
   std::vector<Capture> captures;
-  std::map<std::string, Open> open;  // by rig and id
+  std::map<std::string, std::deque<Open>> open_by_key;  // rig and id; the latest first
   for (BandPhoto& photo : photos) {
-    const std::string key = RigOf(photo.photo) + "|" + photo.facts.capture_id;
     const bool has_id = !photo.facts.capture_id.empty();
-    const auto found = open.find(key);
-    bool joins = found != open.end() && !found->second.bands.contains(photo.facts.name);
-    if (joins && !has_id) {
-      const auto& since = found->second.since;
-      joins = since && photo.photo.captured_at && *photo.photo.captured_at - *since <= kOneCapture;
+    std::deque<Open>& open = open_by_key[RigOf(photo) + "|" + photo.facts.capture_id];
+    const auto is_of_its_time = [&](const Open& one) {
+      const auto& at = photo.photo.captured_at;
+      return has_id || (one.since && at && *at - *one.since <= kOneCapture);
+    };
+    Open* joined = nullptr;
+    std::size_t most_alike = 0;
+    for (Open& one : open) {
+      if (one.bands.contains(photo.facts.name) || !is_of_its_time(one)) continue;
+      const std::size_t likeness = Likeness(one.name, photo.photo.name);
+      if (joined != nullptr && likeness <= most_alike) continue;
+      joined = &one;
+      most_alike = likeness;
     }
-    if (!joins) {
+    if (joined == nullptr) {
       captures.emplace_back();
-      open[key] = {captures.size() - 1, photo.photo.captured_at, {}};
+      open.push_front({captures.size() - 1, photo.photo.captured_at, {}, photo.photo.name});
+      if (open.size() > kMaxOpen) open.pop_back();
+      joined = &open.front();
     }
-    Open& capture = open[key];
-    capture.bands.insert(photo.facts.name);
-    captures[capture.capture].photos.push_back(std::move(photo));
+    joined->bands.insert(photo.facts.name);
+    captures[joined->capture].photos.push_back(std::move(photo));
   }
   return captures;
 }
@@ -82,6 +106,20 @@ std::string ReferenceBand(const std::vector<Capture>& captures) {
     if (rank < best_rank) best = name, best_rank = rank;
   }
   return best;
+}
+
+// Where a band stands among the others; of known ones that do not say their wavelength by the usual one.
+double OrderNm(const Band& band) {
+  constexpr std::array<std::pair<std::string_view, double>, 6> kUsualNm = {{{"blue", 475.0},
+                                                                            {"green", 560.0},
+                                                                            {"red", 660.0},
+                                                                            {"rededge", 720.0},
+                                                                            {"nir", 840.0},
+                                                                            {kThermalBand, 10'000.0}}};
+  if (band.wavelength_nm) return *band.wavelength_nm;
+  const auto* const usual = std::find_if(kUsualNm.begin(), kUsualNm.end(),
+                                         [&](const auto& known) { return known.first == band.name; });
+  return usual == kUsualNm.end() ? std::numeric_limits<double>::infinity() : usual->second;
 }
 
 std::vector<Band> BandsOf(const std::vector<Capture>& captures) {
@@ -112,9 +150,8 @@ std::vector<Band> BandsOf(const std::vector<Capture>& captures) {
     }
     bands.push_back(std::move(seen.band));
   }
-  const auto wavelength_nm = [](const Band& band) { return band.wavelength_nm.value_or(1e9); };
   std::stable_sort(bands.begin(), bands.end(),
-                   [&](const Band& a, const Band& b) { return wavelength_nm(a) < wavelength_nm(b); });
+                   [](const Band& a, const Band& b) { return OrderNm(a) < OrderNm(b); });
   return bands;
 }
 

@@ -41,7 +41,7 @@ struct Band {
 };
 
 struct Captures {
-  std::vector<Band> bands;  // by wavelength, then by name
+  std::vector<Band> bands;  // by wavelength (the usual one where none is written), then by name
   std::string reference_band;
   std::vector<Capture> captures;              // in the order of the flight
   std::vector<flight::GroundTarget> targets;  // ground of known reflectance

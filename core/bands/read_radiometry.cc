@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
 #include <numbers>
 #include <utility>
 
@@ -80,6 +81,7 @@ using flight::ExifTable;
 using flight::XmpTags;
 
 constexpr std::uint16_t kBlackLevelTag = 0xC61A;
+constexpr std::uint16_t kModelTag = 0x0110, kSoftwareTag = 0x0131;
 constexpr double kLevels16 = 65536.0;
 constexpr double kLevelsOfTenBits = 64.0;  // 16-bit levels in one of 10 bits
 
@@ -189,17 +191,46 @@ bool ReadSequoia(const ExifTable& exif, const XmpTags& xmp, Radiometry& radiomet
   return true;
 }
 
-// W/m^2/nm at the light sensor.
-std::optional<double> MicaSenseIrradiance(const XmpTags& xmp) {
-  constexpr double kSiOfMicrowatts = 0.01;  // uW/cm^2/nm
-  for (const char* prefix : {"Camera:", "DLS:"}) {
-    const auto horizontal = Positive(xmp.Number(std::string(prefix) + "HorizontalIrradiance"));
-    if (!horizontal) continue;
-    const auto scale = Positive(xmp.Number(std::string(prefix) + "IrradianceScaleToSIUnits"));
-    return *horizontal * scale.value_or(kSiOfMicrowatts);
-  }
+// Early firmwares of RedEdge wrote this time for one that had been longer.
+double MicaSenseExposureS(const ExifTable& exif, double written_s) {
+  constexpr double kWrongS = 1.0 / 6329.0, kTrueS = 0.000274, kSameS = 1e-8;
+  const bool is_rededge = exif.Text(ExifIfd::kImage, kModelTag).starts_with("RedEdge");
+  return is_rededge && std::abs(written_s - kWrongS) < kSameS ? kTrueS : written_s;
+}
+
+// Some firmwares worked the irradiance of a level ground out wrongly from what the light sensor had measured.
+bool IsHorizontalIrradianceRight(const ExifTable& exif) {
+  using Version = std::array<int, 3>;
+  const std::string model = exif.Text(ExifIfd::kImage, kModelTag);
+  const std::string software = exif.Text(ExifIfd::kImage, kSoftwareTag);
+  const std::size_t digit = software.find_first_of("0123456789");
+  Version version{};
+  if (digit == std::string::npos ||
+      std::sscanf(software.c_str() + digit, "%3d.%3d.%3d", &version[0], &version[1], &version[2]) != 3)
+    return true;
+  if (model == "Altum") return version >= Version{1, 2, 3};
+  if (model == "RedEdge" || model == "RedEdge-M") return version >= Version{5, 1, 7};
+  return true;
+}
+
+struct Irradiance {
+  double si = 1.0;             // W/m^2/nm
+  bool is_as_measured = true;  // by the sensor as it was tilted, not of level ground
+};
+std::optional<Irradiance> MicaSenseIrradiance(const ExifTable& exif, const XmpTags& xmp) {
+  const auto first_of = [&](const char* name) {
+    const auto number = xmp.Number(std::string("Camera:") + name);
+    return number ? number : xmp.Number(std::string("DLS:") + name);
+  };
+  // The second light sensor, which alone tells of level ground, counts in uW/cm^2/nm.
+  constexpr double kSiOfMicrowatts = 0.01;
+  const auto horizontal = first_of("HorizontalIrradiance");
+  const double scale =
+      Positive(first_of("IrradianceScaleToSIUnits")).value_or(horizontal ? kSiOfMicrowatts : 1.0);
+  if (Positive(horizontal) && IsHorizontalIrradianceRight(exif))
+    return Irradiance{*horizontal * scale, false};
   for (const char* name : {"DLS:SpectralIrradiance", "Camera:SpectralIrradiance", "Camera:Irradiance"}) {
-    if (const auto irradiance = Positive(xmp.Number(name))) return irradiance;
+    if (const auto measured = Positive(xmp.Number(name))) return Irradiance{*measured * scale, true};
   }
   return std::nullopt;
 }
@@ -209,17 +240,18 @@ bool ReadMicaSense(const ExifTable& exif, const XmpTags& xmp, Radiometry& radiom
   const auto exposure = ExposureOf(exif);
   if (!a || !exposure || !((*a)[0] > 0.0)) return false;
   radiometry.vignetting = CameraRadialVignetting(xmp, BandVignetting::Kind::kRadialDivides);
-  radiometry.rows = {exposure->time_s, (*a)[1], (*a)[2]};
+  radiometry.rows = {MicaSenseExposureS(exif, exposure->time_s), (*a)[1], (*a)[2]};
   radiometry.per_level = (*a)[0] / exposure->gain / kLevels16;
   double mean = 0.0;  // the model takes the mean of the four
   for (const double black : radiometry.black) mean += 0.25 * black;
   radiometry.black.fill(mean);
   radiometry.calibration = Calibration::kRadiance;
   radiometry.method = "the radiometric calibration model for MicaSense sensors";
-  if (const auto irradiance = MicaSenseIrradiance(xmp)) {
-    radiometry.per_level *= std::numbers::pi / *irradiance;
+  if (const auto irradiance = MicaSenseIrradiance(exif, xmp)) {
+    radiometry.per_level *= std::numbers::pi / irradiance->si;
     radiometry.calibration = Calibration::kReflectance;
     radiometry.method += ", over the light sensor";
+    if (irradiance->is_as_measured) radiometry.method += " as it was tilted";
   }
   return true;
 }

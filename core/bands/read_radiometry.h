@@ -10,7 +10,8 @@
 //     open. Otherwise by Camera:SensorModel.
 //   MicaSense RedEdge, Altum: "Radiometric calibration model for MicaSense sensors":
 //     L = V(x, y) * a1 / gain * (p - pBL) / (te + a2 y - a3 te y) with p a share of 65536; reflectance is pi
-//     L over the irradiance of the light sensor.
+//     L over the irradiance of the light sensor. Which firmwares wrote a wrong exposure time or a wrong
+//     irradiance of level ground is told by MicaSense's own library (micasense/imageprocessing, metadata.py).
 //   DJI P4 Multispectral, Mavic 3 Multispectral: their image processing guides: (level - black) / 65535 over
 //     gain and exposure, times a radial polynomial, times SensorGainAdjustment, over Irradiance.
 //   Any other: black level, exposure and gain of EXIF.

@@ -4,6 +4,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <string_view>
 
 namespace skyquilt::flight {
 namespace {
@@ -11,6 +12,7 @@ namespace {
 namespace tag {
 constexpr std::uint16_t kMake = 0x010F, kModel = 0x0110, kOrientation = 0x0112, kSoftware = 0x0131;
 constexpr std::uint16_t kDateTime = 0x0132, kExposureTime = 0x829A, kFNumber = 0x829D, kIso = 0x8827;
+constexpr std::uint16_t kIsoSpeed = 0x8833;
 constexpr std::uint16_t kDateTimeOriginal = 0x9003, kDateTimeDigitized = 0x9004, kOffsetTime = 0x9010,
                         kOffsetTimeOriginal = 0x9011;
 constexpr std::uint16_t kOffsetTimeDigitized = 0x9012, kFocalLength = 0x920A, kSubSecTime = 0x9290;
@@ -170,10 +172,13 @@ std::optional<std::chrono::minutes> ParseZone(const std::string& text) {
   return sign == '-' ? -offset : offset;
 }
 
-// "05" is 0.05 s: the digits behind the point.
-std::chrono::microseconds ReadSubSeconds(const std::string& text) {
+// "05" is 0.05 s: the digits behind the point; MicaSense's cameras write "-05" too, which is before the
+// second.
+std::chrono::microseconds ReadSubSeconds(std::string_view text) {
+  const bool is_before = text.starts_with('-');
+  if (is_before) text.remove_prefix(1);
   std::int64_t micros = 0;
-  std::int64_t unit = 100000;
+  std::int64_t unit = is_before ? -100000 : 100000;
   for (const char c : text) {
     if (c < '0' || c > '9' || unit == 0) break;
     micros += (c - '0') * unit;
@@ -195,7 +200,12 @@ void ReadClock(const ExifTable& table, ExifRecord& record) {
   for (const Source& source : kSources) {
     const auto time = ParseExifTime(table.Text(source.ifd, source.time));
     if (!time) continue;
-    record.taken_at = time->as_written + ReadSubSeconds(table.Text(ExifIfd::kExif, source.sub_seconds));
+    std::string sub_seconds = table.Text(ExifIfd::kExif, source.sub_seconds);
+    // The same second as of the file's own time, whose fraction alone MicaSense's cameras write.
+    if (sub_seconds.empty() &&
+        table.Text(ExifIfd::kImage, tag::kDateTime) == table.Text(source.ifd, source.time))
+      sub_seconds = table.Text(ExifIfd::kExif, tag::kSubSecTime);
+    record.taken_at = time->as_written + ReadSubSeconds(sub_seconds);
     record.clock_minus_utc = ParseZone(table.Text(ExifIfd::kExif, source.zone));
     if (!record.clock_minus_utc)
       record.clock_minus_utc = ParseZone(table.Text(ExifIfd::kExif, tag::kOffsetTime));
@@ -244,7 +254,11 @@ std::optional<double> ExposureTimeS(const ExifTable& table) {
 }
 
 std::optional<double> IsoOf(const ExifTable& table) {
-  return Within(table.Number(ExifIfd::kExif, tag::kIso), 1.0, 1e7);
+  // MicaSense's cameras write their gain as the speed alone.
+  for (const std::uint16_t written : {tag::kIsoSpeed, tag::kIso}) {
+    if (const auto iso = Within(table.Number(ExifIfd::kExif, written), 1.0, 1e7)) return iso;
+  }
+  return std::nullopt;
 }
 
 ExifRecord InterpretExif(const ExifTable& table) {

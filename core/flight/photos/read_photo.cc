@@ -7,6 +7,7 @@
 #include <cmath>
 #include <initializer_list>
 #include <string_view>
+#include <utility>
 
 #include "core/base/try.h"
 #include "core/camera/sensor_database.h"
@@ -26,6 +27,7 @@ namespace {
 
 constexpr std::uint16_t kMakerNoteTag = 0x927C, kTimeTag = 0x9003, kDigitizedTag = 0x9004;
 constexpr double kLongestReadoutS = 0.5;
+constexpr std::array<std::string_view, 6> kColours = {"red", "green", "blue", "r", "g", "b"};
 
 std::optional<DjiMakerNote> ReadMakerNote(const ExifTable& exif) {
   const ExifValue* note = exif.Find(ExifIfd::kExif, kMakerNoteTag);
@@ -45,6 +47,14 @@ std::string CameraKey(const Photo& photo, const ExifRecord& exif, const XmpTags&
                      exif.focal_length_mm.value_or(0.0) * exif.digital_zoom);
 }
 
+// As makers write it, cameras in colour too, and Zenmuse XT and XT2 in FLIR's tags.
+std::string WrittenBandName(const XmpTags& xmp) {
+  for (const char* tag : {"Camera:BandName", "drone-dji:BandName", "FLIR:BandName"}) {
+    if (std::string name = xmp.Text(tag); !name.empty()) return name;
+  }
+  return "";
+}
+
 // Of a camera that takes one band a picture; empty for colour.
 std::string BandNameOf(const ImageHeader& header, const XmpTags& xmp) {
   constexpr std::uint16_t kSamplesPerPixelTag = 0x0115;
@@ -52,14 +62,13 @@ std::string BandNameOf(const ImageHeader& header, const XmpTags& xmp) {
   const bool is_stored_as_levels =
       header.sample_kind == SampleKind::kBytes || header.sample_kind == SampleKind::kLevels;
   if (header.exif.Number(ExifIfd::kImage, kSamplesPerPixelTag) != 1.0 || !is_stored_as_levels) return "";
-  std::string name = xmp.Text("Camera:BandName");
-  if (name.empty()) name = xmp.Text("drone-dji:BandName");
+  const std::string name = WrittenBandName(xmp);
   return name.find_first_of(",;") == std::string::npos ? name : "";
 }
 
 Lens LensOf(const ImageHeader& header, const XmpTags& xmp) {
   if (!header.flir.empty()) return Lens::kThermal;
-  const std::string band = LowerCase(xmp.Text("Camera:BandName") + ";" + xmp.Text("drone-dji:BandName"));
+  const std::string band = LowerCase(WrittenBandName(xmp));
   const std::string source = LowerCase(xmp.Text("drone-dji:ImageSource"));
   const auto says = [&](std::initializer_list<std::string_view> words) {
     return std::any_of(words.begin(), words.end(),
@@ -116,6 +125,28 @@ void NoteSoftware(Photo& photo) {
   }
 }
 
+// What the three channels of a camera in colour see where its filter lets other light through, as the maker
+// writes it ("RGN", "Red, Green, NIR"); empty for red, green and blue.
+std::string FilteredChannels(const Photo& photo, const XmpTags& xmp) {
+  std::string written = WrittenBandName(xmp);
+  std::replace(written.begin(), written.end(), ';', ',');
+  if (std::count(written.begin(), written.end(), ',') == 2) {
+    const std::string lower = LowerCase(written);
+    std::string_view rest = lower;
+    for (int channel = 0; channel < 3; ++channel) {
+      const std::string_view name = Trim(rest.substr(0, rest.find(',')));
+      if (std::find(kColours.begin(), kColours.end(), name) == kColours.end()) return written;
+      rest.remove_prefix(std::min(rest.size(), rest.find(',') + 1));
+    }
+    return "";
+  }
+  // MAPIR's Survey cameras: "Survey3W_RGN".
+  const std::size_t behind = photo.model.rfind('_');
+  if (LowerCase(photo.make) != "mapir" || behind == std::string::npos) return "";
+  const std::string channels = photo.model.substr(behind + 1);
+  return LowerCase(channels) == "rgb" ? "" : channels;
+}
+
 void NoteOrientation(const ExifRecord& exif, Photo& photo) {
   if (!exif.orientation || *exif.orientation == 1) return;
   photo.notes.push_back({RemarkCode::kTurnedByExif, {{"orientation", *exif.orientation}}});
@@ -169,6 +200,8 @@ Result<Photo> ReadPhotoFrom(const std::string& name, ByteSource& source) {
   photo.focal_source = chosen.source;
   photo.band_name = BandNameOf(header, xmp);
   photo.lens = LensOf(header, xmp);
+  if (std::string channels = FilteredChannels(photo, xmp); photo.band_name.empty() && !channels.empty())
+    photo.notes.push_back({RemarkCode::kOtherChannels, {{"channels", std::move(channels)}}});
   photo.origin = OriginOf(header, exif, xmp);
   photo.sample_kind = header.sample_kind;
   photo.camera_key = CameraKey(photo, exif, xmp);

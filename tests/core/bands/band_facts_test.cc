@@ -48,6 +48,25 @@ TEST(BandFacts, OfDji) {
   EXPECT_EQ(facts->capture_id, "abc");
 }
 
+// Their captures are counted, from the start in each flight.
+TEST(BandFacts, OfSentera) {
+  const auto facts = Read(
+      BandPhotoBytes("Camera:BandName=\"Blue\" Camera:ImageUniqueID=\"5010\" Camera:RigName=\"Sentera-6x\" "
+                     "Camera:FlightUniqueID=\"2020-07-19_17-23-11\""));
+  ASSERT_TRUE(facts.ok());
+  EXPECT_EQ(facts->capture_id, "2020-07-19_17-23-11 5010");
+  EXPECT_EQ(facts->rig, "Sentera-6x");
+}
+
+// As Zenmuse XT2 names it.
+TEST(BandFacts, OfFlirsOwnTags) {
+  const auto facts = Read(BandPhotoBytes(
+      "xmlns:FLIR=\"http://ns.flir.com/FLIR/1.0/\" FLIR:BandName=\"LWIR\" FLIR:TlinearGain=\"0.04\""));
+  ASSERT_TRUE(facts.ok());
+  EXPECT_EQ(facts->name, kThermalBand);
+  EXPECT_EQ(facts->radiometry.calibration, Calibration::kKelvin);
+}
+
 TEST(BandFacts, WithoutABandThereAreNone) {
   const auto facts = Read(BandPhotoBytes("Camera:Yaw=\"1\""));
   ASSERT_FALSE(facts.ok());

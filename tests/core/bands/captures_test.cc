@@ -109,6 +109,47 @@ TEST_F(CapturesTest, GroupsByTimeWithoutIds) {
   EXPECT_EQ(NamesOf(flight), (std::vector<std::string>{"0_Red.TIF", "5_Red.TIF"}));
 }
 
+// A folder for each band, and a clock of whole seconds in which two captures fall.
+TEST_F(CapturesTest, NamesTellCapturesOfOneSecondApart) {
+  for (const char* band : {"Blue", "Green", "NIR"}) {
+    std::filesystem::create_directory(folder_ / band);
+    for (const int capture : {1, 2}) {
+      if (capture == 1 && band[0] == 'N') continue;  // a file is missing
+      Add(fmt::format("{}/IMG_{}.tif", band, capture), band);
+    }
+  }
+  flight::Flight flight = Read();
+  const Captures apart = SetBandsApart(flight, 1);
+  ASSERT_EQ(apart.captures.size(), 2U);
+  EXPECT_TRUE(flight.left_out.empty());
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(apart.captures[i].photos.size(), i + 2);
+    for (const BandPhoto& photo : apart.captures[i].photos)
+      EXPECT_TRUE(photo.photo.name.ends_with(fmt::format("IMG_{}.tif", i + 1))) << photo.photo.name;
+  }
+}
+
+TEST_F(CapturesTest, TheCamerasOfARigMayHaveModelsOfTheirOwn) {
+  for (const char* band : {"Green", "NIR"}) {
+    Add(fmt::format("{}.TIF", band), band, "Camera:RigName=\"Six\" Camera:ImageUniqueID=\"5010\"",
+        UsualExif().Ascii(flight::ExifIfd::kImage, 0x0110, band));
+  }
+  flight::Flight flight = Read();
+  const Captures apart = SetBandsApart(flight, 1);
+  ASSERT_EQ(apart.captures.size(), 1U);
+  EXPECT_EQ(apart.captures[0].photos.size(), 2U);
+}
+
+TEST_F(CapturesTest, BandsWithoutWavelengthsStandAsUsual) {
+  for (const char* band : {"Green", "NIR", "Red", "RedEdge", "Other"})
+    Add(std::string(band) + ".TIF", band, "Camera:CaptureUUID=\"a\"");
+  flight::Flight flight = Read();
+  const Captures apart = SetBandsApart(flight, 1);
+  std::vector<std::string> names;
+  for (const Band& band : apart.bands) names.push_back(band.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"green", "red", "rededge", "nir", "other"}));
+}
+
 TEST_F(CapturesTest, TheReferenceIsTheBandOfMostCaptures) {
   for (const char* id : {"a", "b", "c"}) {
     Add(std::string(id) + "_nir.TIF", "NIR", fmt::format("Camera:CaptureUUID=\"{}\"", id));

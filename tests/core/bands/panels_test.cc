@@ -215,6 +215,27 @@ TEST_F(CalibrateByPanelsTest, APanelAmongTheFirstCapturesIsFoundByItsCode) {
   EXPECT_EQ(captures_.bands[0].method, "by Maker, by 1 picture of RP04-1924106-OB");
 }
 
+TEST_F(CalibrateByPanelsTest, AsManyAsFollowEachOtherAreFound) {
+  for (const char* capture : {"0", "2", "3"}) {
+    for (const char* band : {"_red.tif", "_nir.tif"})
+      source_.pictures[std::string(capture) + band] = source_.pictures[std::string("1") + band];
+  }
+  CalibrateByPanels(flight_, captures_, source_);
+  EXPECT_THAT(captures_.captures, SizeIs(4));
+  EXPECT_THAT(flight_.photos, SizeIs(4));
+  EXPECT_NEAR(FactorOf("red"), kRed / 0.5, 1e-6);
+}
+
+TEST_F(CalibrateByPanelsTest, OneThatTheCameraMarkedDoesNotHideAnother) {
+  PutApart(1);
+  for (const char* band : {"_red.tif", "_nir.tif"})
+    source_.pictures[std::string("7") + band] = source_.pictures[std::string("1") + band];
+  CalibrateByPanels(flight_, captures_, source_);
+  EXPECT_THAT(captures_.captures, SizeIs(6));
+  EXPECT_THAT(flight_.photos, SizeIs(6));
+  EXPECT_THAT(captures_.panels, SizeIs(4));
+}
+
 TEST_F(CalibrateByPanelsTest, OneInTheMiddleOfTheFlightIsNotLookedFor) {
   std::swap(source_.pictures["1_red.tif"], source_.pictures["4_red.tif"]);
   CalibrateByPanels(flight_, captures_, source_);

@@ -47,6 +47,54 @@ TEST(RadiometryOfMicaSense, WithoutLightSensorIsRadiance) {
   EXPECT_NEAR(ValueAt(radiometry, 0, 0), 0.00008 * (15'200 / 65536.0) * 500.0, 1e-9);
 }
 
+flight::ExifWriter MicaSenseExif(const std::string& model, const std::string& software) {
+  return UsualExif()
+      .Ascii(flight::ExifIfd::kImage, 0x0110, model)
+      .Ascii(flight::ExifIfd::kImage, 0x0131, software);
+}
+
+TEST(RadiometryOfMicaSense, TheGainIsTheIsoSpeed) {
+  constexpr std::uint16_t kIsoSpeed = 0x8833;
+  const std::string calibration = "MicaSense:RadiometricCalibration=\"0.00016,0,0\"";
+  const Radiometry of_two = RadiometryOf(calibration);  // ISO 200
+  const Radiometry of_eight =
+      RadiometryOf(calibration, UsualExif().Long(flight::ExifIfd::kExif, kIsoSpeed, 800));
+  EXPECT_NEAR(ValueAt(of_eight, 0, 0), ValueAt(of_two, 0, 0) / 4.0F, 1e-6);
+}
+
+TEST(RadiometryOfMicaSense, AnExposureTimeThatEarlyFirmwaresWroteWronglyIsRight) {
+  const auto exposed = [](const std::string& model, std::uint32_t one_over) {
+    const auto exif =
+        MicaSenseExif(model, "v2.1.0").Rational(flight::ExifIfd::kExif, kExposureTime, {{1, one_over}});
+    return RadiometryOf("MicaSense:RadiometricCalibration=\"0.00016,0,0\"", exif).rows.exposure_s;
+  };
+  EXPECT_DOUBLE_EQ(exposed("RedEdge", 6329), 0.000274);
+  EXPECT_DOUBLE_EQ(exposed("RedEdge-M", 6329), 0.000274);
+  EXPECT_DOUBLE_EQ(exposed("RedEdge", 6300), 1.0 / 6300.0);
+  EXPECT_DOUBLE_EQ(exposed("Altum", 6329), 1.0 / 6329.0);
+}
+
+TEST(RadiometryOfMicaSense, IrradianceOfAFirmwareThatLevelsItWronglyIsTheSensorsOwn) {
+  const auto scaled = [](const std::string& model, const std::string& software, const std::string& tags) {
+    const Radiometry radiometry = RadiometryOf("MicaSense:RadiometricCalibration=\"0.00016,0,0\" " + tags,
+                                               MicaSenseExif(model, software));
+    EXPECT_EQ(radiometry.calibration, Calibration::kReflectance);
+    return std::numbers::pi * 0.00008 / 65536.0 / radiometry.per_level;  // W/m^2/nm
+  };
+  const std::string both = "DLS:HorizontalIrradiance=\"100\" DLS:SpectralIrradiance=\"80\" ";
+  EXPECT_NEAR(scaled("RedEdge-M", "v5.1.6", both), 0.8, 1e-9);
+  EXPECT_NEAR(scaled("RedEdge-M", "v5.1.7", both), 1.0, 1e-9);
+  EXPECT_NEAR(scaled("RedEdge-M", "v10.0.0", both), 1.0, 1e-9);
+  EXPECT_NEAR(scaled("Altum", "v1.2.2", both), 0.8, 1e-9);
+  EXPECT_NEAR(scaled("Altum-PT", "v1.0.0", both), 1.0, 1e-9);
+  EXPECT_NEAR(scaled("RedEdge-P", "", both), 1.0, 1e-9);
+  // The first light sensor counts in SI units, the second says its own.
+  EXPECT_NEAR(scaled("RedEdge", "v3.3.0", "DLS:SpectralIrradiance=\"1.1\""), 1.1, 1e-9);
+  EXPECT_NEAR(
+      scaled("RedEdge", "v7.0.0", "DLS:SpectralIrradiance=\"80\" Camera:IrradianceScaleToSIUnits=\"0.02\""),
+      1.6, 1e-9);
+}
+
 TEST(RadiometryOfDji, FollowsTheirGuide) {
   const Radiometry radiometry = RadiometryOf(
       "drone-dji:SensorGain=\"2\" drone-dji:ExposureTime=\"1000\" drone-dji:SensorGainAdjustment=\"0.5\" "

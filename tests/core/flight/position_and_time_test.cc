@@ -269,6 +269,23 @@ TEST(ReadPhotoTime, TakesTwoSubSecondDigitsAsHundredths) {
   EXPECT_EQ(photo.clock_minus_utc, 2h);
 }
 
+// MicaSense's cameras write the fraction of the file's own time alone, and count it backwards at times.
+TEST(ReadPhotoTime, TakesTheFractionOfTheFilesTimeWhereBothAreTheSame) {
+  using namespace std::chrono;
+  const auto time_of = [](const std::string& changed_at, const std::string& fraction) {
+    return Read(ExifWriter()
+                    .Ascii(ExifIfd::kImage, 0x0132, changed_at)
+                    .Ascii(ExifIfd::kExif, 0x9003, "2021:06:03 12:34:56")
+                    .Ascii(ExifIfd::kExif, 0x9290, fraction)
+                    .Ascii(ExifIfd::kExif, 0x9011, "+00:00"))
+        .captured_at;
+  };
+  const auto second = sys_days(2021y / 6 / 3) + 12h + 34min + 56s;
+  EXPECT_EQ(time_of("2021:06:03 12:34:56", "25"), second + 250ms);
+  EXPECT_EQ(time_of("2021:06:03 12:34:56", "-25"), second - 250ms);
+  EXPECT_EQ(time_of("2021:06:04 10:00:00", "25"), second) << "the file was changed later";
+}
+
 TEST(ReadPhotoTime, FindsTheZoneFromTheGpsTimeAndKeepsTheClocksSteps) {
   using namespace std::chrono;
   const ExifWriter exif = ExifWriter()

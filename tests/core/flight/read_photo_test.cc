@@ -131,6 +131,28 @@ TEST(ReadPhoto, TellsCamerasApart) {
   EXPECT_NE(key({.exif = exif(45)}), key({.width_px = 2000, .height_px = 1500, .exif = exif(45)}));
 }
 
+TEST(ReadPhoto, NotesWhatAFilterMakesOfTheChannels) {
+  const auto notes_of = [](const char* make, const char* model, const std::string& bands = "") {
+    const Bytes exif =
+        ExifWriter().Ascii(ExifIfd::kImage, 0x010F, make).Ascii(ExifIfd::kImage, 0x0110, model).Write();
+    const std::string tags =
+        "xmlns:Camera=\"http://pix4d.com/camera/1.0/\" Camera:BandName=\"" + bands + "\"";
+    const auto photo =
+        ReadPhotoFromBytes("a.jpg", JpegHeader({.exif = exif, .xmp = bands.empty() ? "" : XmpPacket(tags)}));
+    EXPECT_TRUE(photo.ok());
+    std::string said;
+    for (const std::string& note : InWords(photo->notes)) said += note;
+    return said;
+  };
+  EXPECT_THAT(notes_of("MAPIR", "Survey3W_RGN"), HasSubstr("the channels RGN:"));
+  EXPECT_THAT(notes_of("Maker", "Filtered", "Near infrared, Green, Blue"),
+              HasSubstr("Near infrared, Green, Blue:"));
+  for (const auto& said :
+       {notes_of("MAPIR", "Survey3W_RGB"), notes_of("Parrot", "Sequoia", "Red, Green, Blue"),
+        notes_of("Maker", "Model_RGN"), notes_of("DJI", "FC6360", "RGB")})
+    EXPECT_EQ(said.find("channels"), std::string::npos) << said;
+}
+
 TEST(ReadPhoto, NotesOrientationAndViewersWithoutTurningAnything) {
   const auto photo = ReadPhotoFromBytes(
       "a.jpg", JpegHeader({.exif = ExifWriter()

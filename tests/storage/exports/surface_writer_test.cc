@@ -109,7 +109,7 @@ TEST(SurfaceWriter, CountsHeightsFromWhereASurveyDoes) {
   const geo::LocalFrame frame(kOrigin);
   const surface::SurfaceGrid grid = FarGrid();
   SilentProgress progress;
-  SurfaceWriter writer(folder.path(), frame, grid, 6.0, 1, nullptr, progress, -47.25);
+  SurfaceWriter writer(folder.path(), frame, kMiddle, grid, 6.0, 1, nullptr, progress, -47.25);
   ASSERT_TRUE(writer.Begin());
   ASSERT_TRUE(writer.Put(SlopeBlock(grid, {0, 0, 120, 90})));
   ASSERT_TRUE(writer.Publish());

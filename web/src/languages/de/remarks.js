@@ -77,6 +77,7 @@ export const remark_words = {
   zoom_doubtful: (v) => `Aufgezeichnet ist ein digitaler Zoom von ${fixed(v.zoom_percent, 0)}\u00a0%, und nichts sagt, ob die Brennweite von ${fixed(v.focal_px, 0)}\u00a0px ihn enthält: Sie gilt, wie sie ist, und die Fotos entscheiden, soweit sie können.`,
   crop_of_sensor: (v) => `Nach der auf Kleinbild umgerechneten Brennweite zeigt das Bild einen Teil des Sensors: Die Brennweite ist ${fixed(v.equivalent_px, 0)}\u00a0px, nicht ${fixed(v.sensor_px, 0)}\u00a0px wie beim ganzen Sensor.`,
   focal_lengths_apart: (v) => `Die Brennweite ist nach Objektiv und Sensor ${fixed(v.sensor_px, 0)}\u00a0px, auf Kleinbild umgerechnet ${fixed(v.equivalent_px, 0)}\u00a0px: Die erste gilt, und die Fotos entscheiden, soweit sie können.`,
+  other_channels: (v) => `Ein Filter macht die Kanäle zu ${v.channels}: Was die Karte red, green und blue nennt, sind diese drei, und ihre Indizes von Farbfotos (VARI, GLI, ExG) bedeuten nichts.`,
   no_focal_length: () => 'Keine Brennweite ist aufgezeichnet: Zunächst wird ein übliches Drohnenobjektiv angenommen (60 bis 70° weit), das die Fotos dann verfeinern.',
   other_camera_aside: (v) => `${aside(v)}Beide sahen dieselben Augenblicke.`,
   thermal_aside: (v) => `${aside(v)}Wärmebilder und sichtbare Bilder lassen sich nicht mischen.`,

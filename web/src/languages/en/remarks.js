@@ -76,6 +76,7 @@ export const remark_words = {
   zoom_doubtful: (v) => `A digital zoom of ${fixed(v.zoom_percent, 0)}\u00a0% is recorded, and nothing tells whether the focal length of ${fixed(v.focal_px, 0)}\u00a0px counts it: it was taken as it is, and the photos decide as far as they can.`,
   crop_of_sensor: (v) => `By its 35\u00a0mm equivalent the picture is a part of the sensor: the focal length is ${fixed(v.equivalent_px, 0)}\u00a0px, not ${fixed(v.sensor_px, 0)}\u00a0px as of the whole sensor.`,
   focal_lengths_apart: (v) => `The focal length is ${fixed(v.sensor_px, 0)}\u00a0px by the lens and the sensor, and ${fixed(v.equivalent_px, 0)}\u00a0px by the 35\u00a0mm equivalent: the first was taken, and the photos decide as far as they can.`,
+  other_channels: (v) => `A filter makes the channels ${v.channels}: what the map calls red, green and blue are these three, and its indices of photos in colour (VARI, GLI, ExG) mean nothing.`,
   no_focal_length: () => 'No focal length is recorded: a usual drone lens (60 to 70° wide) is the first guess, which the photos refine.',
   other_camera_aside: (v) => `${aside(v)}both saw the same moments.`,
   thermal_aside: (v) => `${aside(v)}thermal and visible pictures do not mix.`,
