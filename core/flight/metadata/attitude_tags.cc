@@ -97,6 +97,11 @@ RecordedAttitude Gimbal(const Degrees& angles, std::string_view source) {
   return attitude;
 }
 
+// From nadir this would be a look backwards, 60 degrees up from straight down, which no survey's camera
+// takes: such a pitch counts from the horizon, as some firmware writes it under the names of the other
+// scheme.
+constexpr double kFarthestBackDeg = -60.0;
+
 bool IsAutel(const std::string& make) { return LowerCase(make).find("autel") != std::string::npos; }
 
 std::optional<double> Sum(std::optional<double> a, std::optional<double> b) {
@@ -136,10 +141,14 @@ std::optional<RecordedAttitude> AttitudeFromTags(const XmpTags& xmp,
 
   Degrees camera = FromXmp(xmp, "Camera:Yaw", "Camera:Pitch", "Camera:Roll");
   if (IsUsable(camera, "Camera", notes)) {
+    if (*camera.pitch < kFarthestBackDeg) return Gimbal(camera, "Camera");
     if (!IsAutel(make)) return Attitude(AttitudeKind::kAirframe, camera, "Camera");
     *camera.pitch -= 90.0;
     return Gimbal(camera, "Camera");
   }
+  const Degrees phase_one =
+      FromXmp(xmp, "aerialgps:GPSIMUYaw", "aerialgps:GPSIMUPitch", "aerialgps:GPSIMURoll");
+  if (IsUsable(phase_one, "aerialgps", notes)) return Gimbal(phase_one, "aerialgps");
   Degrees sensefly = FromXmp(xmp, "sensefly:Heading", "sensefly:PitchAngle", "sensefly:RollAngle");
   if (!sensefly.any()) sensefly = FromXmp(xmp, "sensefly:Yaw", "sensefly:Pitch", "sensefly:Roll");
   if (IsUsable(sensefly, "sensefly", notes)) return Attitude(AttitudeKind::kAirframe, sensefly, "sensefly");

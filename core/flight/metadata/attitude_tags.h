@@ -7,7 +7,9 @@
 //   Skydio                        drone-skydio:CameraOrientationNED camera, horizon zero      -> kGimbal
 //   Teal                          exif:Platform* + exif:Camera*    summed, horizon zero       -> kGimbal
 //   Autel (old)                   Camera:Yaw/Pitch/Roll            gimbal, nadir zero: pitch - 90 -> kGimbal
+//   Autel (XL715, some firmware)  Camera:Yaw/Pitch/Roll, pitch below -60: horizon zero        -> kGimbal
 //   Sequoia, senseFly, Sentera, Pix4D  Camera:Yaw/Pitch/Roll       nadir zero                 -> kAirframe
+//   Phase One                     aerialgps:GPSIMUYaw/Pitch/Roll   camera, horizon zero       -> kGimbal
 //   senseFly (old)                sensefly:Heading.../Yaw...       nadir zero                 -> kAirframe
 //   DJI without gimbal angles     drone-dji:FlightYawDegree, maker note Yaw: heading only     -> kAirframe
 // Nadir-zero angles turn a camera that looks straight down with the image top forward, by heading, nose up

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "core/flight/bytes/text_fields.h"
 #include "core/geo/geodesic.h"
 
 namespace skyquilt::flight {
@@ -103,11 +104,21 @@ std::optional<double> XmpExifAltitude(const XmpTags& xmp) {
   return -std::abs(*altitude_m);
 }
 
+// By what the photo says of it, else by what the makers say of their aircraft.
 bool IsAbsoluteAltitudeEllipsoidal(const ExifRecord& exif, const XmpTags& xmp) {
   const std::string kind = xmp.Text("drone-dji:AltitudeType");
   if (!kind.empty()) return kind == "RtkAlt";
   if (xmp.Number("drone-dji:RtkFlag").value_or(0.0) > 0.0) return true;
-  return exif.model.find("ANAFI Ai") != std::string::npos || exif.model.find("AnafiAi") != std::string::npos;
+  const std::string make = LowerCase(exif.make);
+  // Autel's older firmware wrote "ellipsoidal" beside heights above the sea.
+  const std::string zero = LowerCase(xmp.Text("Camera:VertCS"));
+  if (!zero.empty() && make.find("autel") == std::string::npos)
+    return zero.starts_with("ellips") || zero == "epsg:4979";
+  // Of the X10 the EXIF altitude; drone-skydio:AbsoluteAltitude is above the sea.
+  const bool is_x10 = exif.model.starts_with("VT300") || exif.model.starts_with("V100");
+  if (make == "skydio" && is_x10) return xmp.Find("drone-skydio:AbsoluteAltitude") == nullptr;
+  return make == "sensefly" || exif.model.find("ANAFI Ai") != std::string::npos ||
+         exif.model.find("AnafiAi") != std::string::npos;
 }
 
 void ChooseHeights(const ExifRecord& exif, const XmpTags& xmp, RecordedPosition& recorded,
@@ -167,8 +178,8 @@ void ChooseSigmas(const ExifRecord& exif, const XmpTags& xmp, RecordedPosition& 
 }  // namespace
 
 std::optional<double> HeightAboveTakeoffFromTags(const XmpTags& xmp) {
-  for (const std::string_view name :
-       {"drone-dji:RelativeAltitude", "drone-skydio:RelativeAltitude", "sensefly:Height"}) {
+  for (const std::string_view name : {"drone-dji:RelativeAltitude", "drone-skydio:RelativeAltitude",
+                                      "sensefly:Height", "aerialgps:GPSAltitudeAboveTakeOff"}) {
     if (const auto height_m = Height(xmp, name)) return height_m;
   }
   return std::nullopt;

@@ -2,7 +2,8 @@
 // The position is EXIF's (it is what other programs correct); XMP fills in where EXIF has none, lacks a
 // hemisphere, or is written in coarser steps. Heights: drone-dji AbsoluteAltitude is above sea level, with
 // RTK above the ellipsoid; RelativeAltitude is above take-off; EXIF's GPSAltitude counts only when nothing
-// contradicts it.
+// contradicts it, from the ellipsoid where Camera:VertCS says so or the maker does (senseFly, Skydio X10,
+// ANAFI Ai), else from the sea.
 #pragma once
 
 #include <optional>

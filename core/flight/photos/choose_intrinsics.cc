@@ -21,15 +21,19 @@ bool IsPlausible(double focal_px, int width_px, int height_px) {
   return std::isfinite(focal_px) && focal_px > 0.13 * side && focal_px < 60.0 * side;
 }
 
+// Of a picture, in its pixels, in x or y.
+bool IsCentre(const std::optional<double>& center_px) {
+  constexpr double kSmallest = 100.0, kLargest = 20000.0;
+  return center_px && *center_px > kSmallest && *center_px < kLargest;
+}
+
+constexpr double kAxesApart = 0.05;  // focal lengths of a calibration, in x and y
+
 // Of an image against the size to which DJI's calibrated pixels belong.
 double DjiScale(int width_px, int height_px, const XmpTags& xmp) {
   const auto center_x = xmp.Number("drone-dji:CalibratedOpticalCenterX");
   const auto center_y = xmp.Number("drone-dji:CalibratedOpticalCenterY");
-  constexpr double kSmallest = 100.0, kLargest = 20000.0;
-  const auto is_sane = [](const std::optional<double>& center) {
-    return center && *center > kSmallest && *center < kLargest;
-  };
-  if (!is_sane(center_x) || !is_sane(center_y)) return 1.0;
+  if (!IsCentre(center_x) || !IsCentre(center_y)) return 1.0;
   return camera::ScaleFromNative(width_px, height_px, static_cast<int>(std::round(2.0 * *center_x)),
                                  static_cast<int>(std::round(2.0 * *center_y)));
 }
@@ -47,7 +51,7 @@ std::optional<Intrinsics> FromDewarpData(int width_px, int height_px, const XmpT
   camera.focal_y_px = *items[1] * scale;
   if (!IsPlausible(camera.focal_x_px, width_px, height_px) ||
       !IsPlausible(camera.focal_y_px, width_px, height_px) ||
-      std::abs(camera.focal_x_px / camera.focal_y_px - 1.0) > 0.05) {
+      std::abs(camera.focal_x_px / camera.focal_y_px - 1.0) > kAxesApart) {
     return std::nullopt;
   }
   const double offset_x_px = *items[2] * scale;
@@ -70,6 +74,31 @@ std::optional<Intrinsics> FromCalibratedFocalLength(int width_px, int height_px,
   const double scaled = *focal_px * DjiScale(width_px, height_px, xmp);
   if (!IsPlausible(scaled, width_px, height_px)) return std::nullopt;
   return Intrinsics::Centered(width_px, height_px, scaled);
+}
+
+// Skydio's, in pixels of the picture as the camera wrote it, whose size the centre tells. Its distortion is
+// left to the images: of which model it is, is not documented.
+std::optional<Intrinsics> FromSkydioCalibration(int width_px, int height_px, const XmpTags& xmp) {
+  const auto focal_x = xmp.Number("drone-skydio:CalibratedFocalLengthX");
+  if (!focal_x) return std::nullopt;
+  const double focal_y = xmp.Number("drone-skydio:CalibratedFocalLengthY").value_or(*focal_x);
+  const auto center_x = xmp.Number("drone-skydio:CalibratedOpticalCenterX");
+  const auto center_y = xmp.Number("drone-skydio:CalibratedOpticalCenterY");
+  double scale = 1.0;
+  if (IsCentre(center_x) && IsCentre(center_y)) {
+    scale = camera::ScaleFromNative(width_px, height_px, static_cast<int>(std::lround(2.0 * *center_x + 1.0)),
+                                    static_cast<int>(std::lround(2.0 * *center_y + 1.0)));
+    constexpr double kOffCentre = 0.05;  // a centre beside the middle is no other size
+    if (std::abs(scale - 1.0) < kOffCentre) scale = 1.0;
+  }
+  Intrinsics camera = Intrinsics::Centered(width_px, height_px, *focal_x * scale);
+  camera.focal_y_px = focal_y * scale;
+  if (!IsPlausible(camera.focal_x_px, width_px, height_px) ||
+      !IsPlausible(camera.focal_y_px, width_px, height_px) ||
+      std::abs(camera.focal_x_px / camera.focal_y_px - 1.0) > kAxesApart) {
+    return std::nullopt;
+  }
+  return camera;
 }
 
 std::optional<Intrinsics> FromXmpCamera(int width_px, int height_px, const ExifRecord& exif,
@@ -283,6 +312,8 @@ ChosenIntrinsics ChooseIntrinsics(int width_px, int height_px, const ExifRecord&
   if (const auto camera = FromDewarpData(width_px, height_px, xmp))
     return CalibratedWithZoom(*camera, FocalSource::kDewarpData, recorded, notes);
   if (const auto camera = FromCalibratedFocalLength(width_px, height_px, xmp))
+    return CalibratedWithZoom(*camera, FocalSource::kCalibrated, recorded, notes);
+  if (const auto camera = FromSkydioCalibration(width_px, height_px, xmp))
     return CalibratedWithZoom(*camera, FocalSource::kCalibrated, recorded, notes);
   ExifRecord exif = recorded;
   if (auto why = WhyPlaneIsWrong(width_px, height_px, recorded)) {

@@ -3,9 +3,12 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <cstddef>
+#include <map>
 #include <string_view>
+#include <tuple>
+#include <utility>
 
 #include "core/base/median.h"
 #include "core/geo/lat_lon.h"
@@ -135,30 +138,69 @@ std::vector<std::optional<Place>> PlacesOf(const std::vector<Photo>& photos) {
   return places;
 }
 
-// 1: every photo looks at the ground below the flight and shares it with the next; 0: none does.
-double Score(const std::vector<Photo>& photos, const std::vector<std::optional<Place>>& places,
-             const Reading& reading) {
-  int seen = 0, angles = 0, shared = 0, pairs = 0;
-  std::optional<std::pair<Eigen::Vector2d, double>> before;
+// Under which names angles were recorded, and by whom: one convention holds for all of a group.
+using AngleNames = std::tuple<AttitudeKind, std::string, std::string>;
+using Members = std::vector<std::size_t>;  // places in the order of capture
+
+std::map<AngleNames, Members> GroupsOf(const std::vector<Photo>& photos) {
+  std::map<AngleNames, Members> groups;
   for (std::size_t i = 0; i < photos.size(); ++i) {
     if (!photos[i].attitude) continue;
-    ++angles;
+    groups[{photos[i].attitude->kind, photos[i].attitude->source, photos[i].make}].push_back(i);
+  }
+  return groups;
+}
+
+// 1: every photo looks at the ground below the flight and shares it with the next; 0: none does.
+double Score(const std::vector<Photo>& photos, const std::vector<std::optional<Place>>& places,
+             const Members& members, const Reading& reading) {
+  int seen = 0, shared = 0, pairs = 0;
+  std::optional<std::pair<Eigen::Vector2d, double>> before;
+  for (std::size_t k = 0; k < members.size(); ++k) {
+    const std::size_t i = members[k];
     const Eigen::Vector3d axis =
         CamFromEnu(reading.of(*photos[i].attitude)).conjugate() * Eigen::Vector3d::UnitZ();
     const bool looks_down = axis.z() < -0.35;  // 20 degrees below the horizon
     seen += looks_down ? 1 : 0;
-    if (!places[i]) continue;
     std::optional<std::pair<Eigen::Vector2d, double>> here;
-    if (looks_down) {
+    if (looks_down && places[i]) {
       here = {places[i]->at - places[i]->height_m / axis.z() * axis.head<2>(), places[i]->footprint_m};
     }
-    pairs += i > 0 ? 1 : 0;
-    if (here && before && (here->first - before->first).norm() < here->second) ++shared;
+    // Photos between which others were taken need not share anything.
+    const bool follows = k > 0 && members[k - 1] + 1 == i && places[i] && places[i - 1];
+    pairs += follows ? 1 : 0;
+    if (follows && here && before && (here->first - before->first).norm() < here->second) ++shared;
     before = here;
   }
-  if (angles == 0) return 0.0;
-  const double by_ground = static_cast<double>(seen) / angles;
+  const double by_ground = static_cast<double>(seen) / static_cast<double>(members.size());
   return pairs == 0 ? by_ground : 0.5 * by_ground + 0.5 * shared / pairs;
+}
+
+// The reading of one group, which is put into its photos.
+ConventionChoice ChooseOfGroup(const std::vector<std::optional<Place>>& places, const AngleNames& names,
+                               const Members& members, std::vector<Photo>& photos) {
+  const AttitudeKind kind = std::get<AttitudeKind>(names);
+  const std::vector<Reading> readings = ReadingsOf(kind);
+  std::vector<double> scores;
+  scores.reserve(readings.size());
+  for (const Reading& reading : readings) scores.push_back(Score(photos, places, members, reading));
+  const auto best = static_cast<std::size_t>(std::max_element(scores.begin(), scores.end()) - scores.begin());
+  // A panorama of few photos may well look at the horizon.
+  constexpr std::size_t kFewPhotos = 5;
+  ConventionChoice choice;
+  choice.is_changed = best != 0 && members.size() >= kFewPhotos && scores[0] < 0.3 && scores[best] > 0.8;
+  const Reading& taken = readings[choice.is_changed ? best : 0];
+  choice.words =
+      fmt::format("{} angles of {} read {} (fit", kind == AttitudeKind::kGimbal ? "camera" : "airframe",
+                  photos[members.front()].attitude->source, taken.name);
+  for (std::size_t i = 0; i < readings.size(); ++i) {
+    choice.words += fmt::format("{} {} {:.2f}", i == 0 ? "" : ",", readings[i].name, scores[i]);
+  }
+  choice.words += ")";
+  if (choice.is_changed) {
+    for (const std::size_t i : members) photos[i].attitude = taken.of(*photos[i].attitude);
+  }
+  return choice;
 }
 
 // "heading minus course -1 deg (half within 2)" for photos that move.
@@ -184,34 +226,25 @@ double HeadingOf(const RecordedAttitude& attitude) { return AnglesOf(CamFromEnu(
 ConventionChoice ChooseConvention(std::vector<Photo>& photos,
                                   const std::vector<std::optional<double>>& airframe_yaw_rad) {
   ConventionChoice choice;
-  const auto first =
-      std::find_if(photos.begin(), photos.end(), [](const Photo& p) { return p.attitude.has_value(); });
-  if (first == photos.end()) return choice;
-  const AttitudeKind kind = first->attitude->kind;
+  const std::map<AngleNames, Members> groups = GroupsOf(photos);
+  if (groups.empty()) return choice;
   const std::vector<std::optional<Place>> places = PlacesOf(photos);
-  const std::vector<Reading> readings = ReadingsOf(kind);
-  std::vector<double> scores;
-  scores.reserve(readings.size());
-  for (const Reading& reading : readings) scores.push_back(Score(photos, places, reading));
-  const auto best = static_cast<std::size_t>(std::max_element(scores.begin(), scores.end()) - scores.begin());
-  // A panorama of few photos may well look at the horizon.
-  constexpr int kFewPhotos = 5;
-  const auto with_angles =
-      std::count_if(photos.begin(), photos.end(), [](const Photo& p) { return p.attitude.has_value(); });
-  choice.is_changed = best != 0 && with_angles >= kFewPhotos && scores[0] < 0.3 && scores[best] > 0.8;
-  const Reading& taken = readings[choice.is_changed ? best : 0];
-  choice.words =
-      fmt::format("{} angles of {} read {} (fit", kind == AttitudeKind::kGimbal ? "camera" : "airframe",
-                  first->attitude->source, taken.name);
-  for (std::size_t i = 0; i < readings.size(); ++i) {
-    choice.words += fmt::format("{} {} {:.2f}", i == 0 ? "" : ",", readings[i].name, scores[i]);
-  }
-  choice.words += ")";
-  if (choice.is_changed) {
-    for (Photo& photo : photos) {
-      if (photo.attitude) photo.attitude = taken.of(*photo.attitude);
+  // Said of a fleet is what was changed, of three makers at most, else how most photos are read.
+  constexpr int kMaxNamed = 3;
+  int named = 0;
+  std::size_t most = 0;
+  std::string words_of_most;
+  for (const auto& [names, members] : groups) {
+    ConventionChoice one = ChooseOfGroup(places, names, members, photos);
+    if (members.size() > most) {
+      most = members.size();
+      words_of_most = one.words;
     }
+    if (!one.is_changed) continue;
+    choice.is_changed = true;
+    if (++named <= kMaxNamed) choice.words += (named > 1 ? "; " : "") + one.words;
   }
+  if (!choice.is_changed) choice.words = words_of_most;
 
   std::vector<Eigen::Vector2d> track;
   std::vector<const Photo*> on_track;

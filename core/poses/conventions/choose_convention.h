@@ -1,9 +1,10 @@
 // ChooseConvention: which reading of the recorded camera angles fits the flight. Makers differ in where pitch
 // is zero, which way it counts, and whether angles are the camera's or the airframe's; a reading is scored by
 // whether photos see the ground and whether neighbours see the same ground, as a mapping flight's do. Another
-// reading than the recorded one is taken only where that one fails and the other plainly holds. Headings are
-// compared with the course and with the log's airframe and reported, never changed: surveys fly sideways, and
-// only pictures tell a turned mount. CoursesFromPositions: that course. Radians. Pure; any thread.
+// reading than the recorded one is taken only where that one fails and the other plainly holds, for each
+// maker of a mixed fleet on its own. Headings are compared with the course and with the log's airframe and
+// reported, never changed: surveys fly sideways, and only pictures tell a turned mount. CoursesFromPositions:
+// that course. Radians. Pure; any thread.
 #pragma once
 
 #include <Eigen/Core>

@@ -151,6 +151,27 @@ TEST(AttitudeFromTags, AgreesForOldAutelsGimbalAndThePix4dSchemeWithoutRoll) {
   EXPECT_LT((NedFromCam(*autel.attitude) - NedFromCam(*other.attitude)).norm(), 1e-12);
 }
 
+TEST(AttitudeFromTags, CountsFromTheHorizonWhatWouldLookBackwardsFromNadir) {
+  const auto tags = [](const std::string& pitch) {
+    return "xmlns:Camera=\"http://pix4d.com/camera/1.0\" Camera:Yaw=\"123\" Camera:Pitch=\"" + pitch +
+           "\" Camera:Roll=\"0.5\"";
+  };
+  for (const char* make : {"Camera", "Autel Robotics", ""}) {  // the XL715 calls its maker "Camera"
+    SCOPED_TRACE(make);
+    ExpectAngles(ReadXmp(tags("-90"), "", make), AttitudeKind::kGimbal, 123.0, -90.0, 0.5);
+    ExpectAngles(ReadXmp(tags("-61"), "", make), AttitudeKind::kGimbal, 123.0, -61.0, 0.5);
+  }
+  ExpectAngles(ReadXmp(tags("-45")), AttitudeKind::kAirframe, 123.0, -45.0, 0.5);  // of an oblique rig
+}
+
+TEST(AttitudeFromTags, ReadsPhaseOnesFractions) {
+  ExpectAngles(ReadXmp("xmlns:aerialgps=\"http://www.phaseone.com/aerialgps/\"",
+                       "<aerialgps:GPSIMUYaw>3015700/10000</aerialgps:GPSIMUYaw>"
+                       "<aerialgps:GPSIMUPitch>-908070/10000</aerialgps:GPSIMUPitch>"
+                       "<aerialgps:GPSIMURoll>2380/10000</aerialgps:GPSIMURoll>"),
+               AttitudeKind::kGimbal, -58.43, -90.807, 0.238);
+}
+
 TEST(AttitudeFromTags, ReadsBothNamesOfOldSensefly) {
   const std::string uri = "xmlns:sensefly=\"http://ns.sensefly.com/sensefly/1.0/\" ";
   ExpectAngles(

@@ -73,6 +73,25 @@ TEST(ChooseIntrinsics, IgnoresEmptyAndAbsurdCalibrations) {
   }
 }
 
+TEST(ChooseIntrinsics, TakesSkydiosCalibrationInThePixelsOfThePicture) {
+  const auto calibrated = [](const std::string& center_x) {
+    return "xmlns:s=\"https://www.skydio.com/drone-skydio/1.0/\" s:CalibratedFocalLengthX=\"6334.2\" "
+           "s:CalibratedFocalLengthY=\"6305.5\" s:CalibratedOpticalCenterX=\"" +
+           center_x + "\" s:CalibratedOpticalCenterY=\"1735.5\"";
+  };
+  for (const char* center_x : {"2311.5", "2329.0"}) {  // the second of a lens that sits beside the middle
+    const auto whole = Choose(4624, 3472, {}, calibrated(center_x));
+    EXPECT_EQ(whole.source, FocalSource::kCalibrated);
+    EXPECT_EQ(whole.intrinsics.focal_x_px, 6334.2);
+    EXPECT_EQ(whole.intrinsics.focal_y_px, 6305.5);
+  }
+  EXPECT_DOUBLE_EQ(Choose(2312, 1736, {}, calibrated("2311.5")).intrinsics.focal_x_px, 3167.1);
+  EXPECT_EQ(Choose(4624, 3472, {},
+                   "xmlns:s=\"https://www.skydio.com/drone-skydio/1.0/\" s:CalibratedFocalLengthX=\"0\"")
+                .source,
+            FocalSource::kAssumed);
+}
+
 TEST(ChooseIntrinsics, ReadsThePix4dSchemesLens) {
   ExifRecord exif;
   exif.focal_plane_x_px_per_mm = exif.focal_plane_y_px_per_mm = 1280 / 4.8;

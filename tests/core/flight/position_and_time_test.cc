@@ -1,8 +1,7 @@
 // Positions, heights and times: the traps of EXIF and XMP, one by one.
-#include <gtest/gtest.h>
-
 #include <chrono>
 #include <cmath>
+#include <gtest/gtest.h>
 
 #include "core/flight/bytes/gps_time.h"
 #include "core/flight/metadata/capture_time.h"
@@ -228,6 +227,46 @@ TEST(ReadPhotoHeights, TakesRtkHeightsAsEllipsoidal) {
     EXPECT_FALSE(Read(ExifWriter().Position(46.0, 7.0), Dji(rtk + "drone-dji:RtkFlag=\"" + flag + "\""))
                      .position->is_rtk_fixed);
   }
+}
+
+// 549 m by EXIF, of a maker's aircraft.
+RecordedPosition At549(const std::string& make, const std::string& model, const std::string& xmp = "") {
+  const Photo photo = Read(ExifWriter()
+                               .Position(46.0, 7.0)
+                               .Rational(ExifIfd::kGps, 6, {{549, 1}})
+                               .Ascii(ExifIfd::kImage, 0x010F, make)
+                               .Ascii(ExifIfd::kImage, 0x0110, model),
+                           xmp.empty() ? "" : XmpPacket(xmp));
+  EXPECT_TRUE(photo.position);
+  return photo.position.value_or(RecordedPosition{});
+}
+
+TEST(ReadPhotoHeights, CountsFromTheZeroThatThePhotoOrItsMakerNames) {
+  const auto zero = [](const std::string& name) {
+    return "xmlns:Camera=\"http://pix4d.com/camera/1.0/\" Camera:VertCS=\"" + name + "\"";
+  };
+  const std::string skydio_sea =
+      "xmlns:s=\"https://www.skydio.com/drone-skydio/1.0/\" s:AbsoluteAltitude=\"500\"";
+  for (const RecordedPosition& above_ellipsoid :
+       {At549("SONY", "DSC-RX1RM2", zero("ellipsoidal")), At549("SONY", "DSC-RX1RM2", zero("EPSG:4979")),
+        At549("senseFly", "S.O.D.A."), At549("Skydio", "VT300-L_93")}) {
+    EXPECT_EQ(above_ellipsoid.height_ellipsoid_m, 549.0);
+    EXPECT_FALSE(above_ellipsoid.height_amsl_m);
+  }
+  for (const RecordedPosition& above_sea :
+       {At549("SONY", "DSC-RX1RM2"), At549("senseFly", "S.O.D.A.", zero("EGM96")),
+        At549("Skydio", "Skydio 2"), At549("Autel Robotics", "XT701", zero("ellipsoidal"))}) {
+    EXPECT_EQ(above_sea.height_amsl_m, 549.0);
+    EXPECT_FALSE(above_sea.height_ellipsoid_m);
+  }
+  EXPECT_EQ(At549("Skydio", "VT300-L_93", skydio_sea).height_amsl_m, 500.0);
+}
+
+TEST(ReadPhotoHeights, ReadsPhaseOnesHeightAboveTakeOff) {
+  const RecordedPosition position = At549("Phase One", "iXM-100",
+                                          "xmlns:aerialgps=\"http://www.phaseone.com/aerialgps/\" "
+                                          "aerialgps:GPSAltitudeAboveTakeOff=\"151615/1000\"");
+  EXPECT_NEAR(position.height_above_takeoff_m.value(), 151.615, 1e-9);
 }
 
 TEST(ReadPhotoHeights, SeesARelativeHeightInTheExifAltitude) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstddef>
 #include <random>
 
 #include "core/geo/lat_lon.h"
@@ -134,6 +135,28 @@ TEST(ChooseConvention, FindsAnotherReadingUnderWhichThePhotosLookDown) {
     std::vector<Photo> photos = Flown(kind, 0.0, pitch_deg);
     EXPECT_TRUE(ChooseConvention(photos, {}).is_changed) << pitch_deg;
     for (const Photo& photo : photos) EXPECT_GT(DownOf(photo), down) << pitch_deg;
+  }
+}
+
+TEST(ChooseConvention, ReadsEachMakerOfAFleetByItsOwnConvention) {
+  // So many count from the horizon and so many from nadir, one behind the other or in turn.
+  const struct {
+    int horizon, nadir;
+    bool in_turn;
+  } fleets[] = {{6, 6, false}, {6, 6, true}, {2, 10, false}};
+  for (const auto& [horizon, nadir, in_turn] : fleets) {
+    SCOPED_TRACE(testing::Message() << horizon << " and " << nadir << (in_turn ? " in turn" : ""));
+    std::vector<Photo> from_horizon = Flown(AttitudeKind::kGimbal, 0.0, -90.0, horizon);
+    for (Photo& photo : from_horizon) photo.make = "One";
+    std::vector<Photo> from_nadir = Flown(AttitudeKind::kGimbal, 0.0, 0.0, nadir);
+    for (Photo& photo : from_nadir) photo.make = "Other";
+    std::vector<Photo> photos = from_horizon;
+    for (std::size_t i = 0; i < from_nadir.size(); ++i) {
+      const std::size_t at = in_turn ? 2 * i + 1 : photos.size();
+      photos.insert(photos.begin() + static_cast<std::ptrdiff_t>(at), from_nadir[i]);
+    }
+    EXPECT_TRUE(ChooseConvention(photos, {}).is_changed);
+    for (const Photo& photo : photos) EXPECT_GT(DownOf(photo), 0.99) << photo.make;
   }
 }
 
