@@ -11,6 +11,8 @@
 
 #include "core/base/median.h"
 #include "core/flight/remarks/remark.h"
+#include "core/geo/lat_lon.h"
+#include "core/pipeline/report/open_lean.h"
 #include "core/poses/evidence/common_error.h"
 #include "core/poses/time/time_sync.h"
 
@@ -222,6 +224,27 @@ bool AreFewPositions(std::size_t count, std::size_t placed) {
                             static_cast<double>(count) < kFewPositionsShare * static_cast<double>(placed));
 }
 
+// Of photos' own positions, each axis.
+struct ErrorOfPositions {
+  double common_m = 0.0;  // with what their scatter leaves
+  bool is_corrected = false;
+  OpenLean lean;  // beside it; photos that lie by their records count their angles already
+};
+
+ErrorOfPositions ErrorOf(const JudgedMap& map, const SupportingPositions& positions) {
+  const poses::CommonError common = poses::CommonErrorOf(positions.records);
+  const bool is_own = OwnErrorM(map) > 0.0;
+  const double noise_m = map.is_forecast || is_own ? 0.0 : NoiseM(positions.misses);
+  // What claims to be corrected and scatters by far more is something else, of which nobody knows how much of
+  // its error is common to all of them.
+  const bool is_false_claim = common.is_corrected && noise_m > kFalseClaim * common.sigma_m;
+  const double of_noise_m = is_false_claim ? noise_m : noise_m * std::sqrt(LeverOf(map, positions.places));
+  ErrorOfPositions error{std::hypot(common.sigma_m, of_noise_m), common.is_corrected && !is_false_claim, {}};
+  if (!is_own)
+    error.lean = OpenLeanOf(map.flight, positions.places, map.is_forecast ? common.sigma_m : noise_m);
+  return error;
+}
+
 AbsoluteAccuracy ByPositions(const JudgedMap& map) {
   const double own_m = OwnErrorM(map) / kCircleSigmas;
   const auto placed = static_cast<std::size_t>(
@@ -244,19 +267,13 @@ AbsoluteAccuracy ByPositions(const JudgedMap& map) {
   if (positions.records.empty() && by_log > 0)
     return {OfTwoDigits(MedianRadiusM(map)), AbsoluteSupport::kHand, static_cast<int>(by_log)};
   if (positions.records.empty()) return {};
-  const poses::CommonError common = poses::CommonErrorOf(positions.records);
-  const double noise_m = map.is_forecast || own_m > 0.0 ? 0.0 : NoiseM(positions.misses);
-  // What claims to be corrected and scatters by far more is something else, of which nobody knows how much of
-  // its error is common to all of them.
-  const bool is_false_claim = common.is_corrected && noise_m > kFalseClaim * common.sigma_m;
-  const AbsoluteSupport by =
-      common.is_corrected && !is_false_claim ? AbsoluteSupport::kRtk : AbsoluteSupport::kGnss;
+  const ErrorOfPositions error = ErrorOf(map, positions);
+  const AbsoluteSupport by = error.is_corrected ? AbsoluteSupport::kRtk : AbsoluteSupport::kGnss;
   const std::size_t count = positions.records.size();
   if (AreFewPositions(count, placed)) return {std::nullopt, by, static_cast<int>(count)};
-  const double of_noise_m = is_false_claim ? noise_m : noise_m * std::sqrt(LeverOf(map, positions.places));
   // Two sources of places that contradict each other: nobody knows which of them is wrong.
   const double doubt_m = map.poses.lists_contradict_m.value_or(0.0);
-  return StatedRadius(std::max({own_m, doubt_m, std::hypot(common.sigma_m, of_noise_m)}), by, count);
+  return StatedRadius(std::max({own_m, doubt_m, std::hypot(error.common_m, error.lean.off_m)}), by, count);
 }
 
 // Where most or many are, the photos that the map follows may be the wrong ones.
@@ -402,6 +419,19 @@ std::vector<MapLimit> LimitsOf(const JudgedMap& map, const AbsoluteAccuracy& abs
 }
 
 }  // namespace
+
+std::optional<flight::Remark> RemarkOnLean(const JudgedMap& map) {
+  const AbsoluteAccuracy absolute = AbsoluteOf(map);
+  if (!IsByReceiver(absolute) || map.poses.log_position_sigma_m) return std::nullopt;
+  const SupportingPositions positions = PositionsOf(map);
+  if (positions.records.empty()) return std::nullopt;
+  const ErrorOfPositions error = ErrorOf(map, positions);
+  if (error.lean.off_m <= error.common_m) return std::nullopt;
+  return flight::Remark{flight::RemarkCode::kLeanOpen,
+                        {{"positions", positions.records.size()},
+                         {"lean_deg", geo::RadToDeg(error.lean.sigma_rad)},
+                         {"off_m", OfTwoDigits(kCircleSigmas * error.lean.off_m)}}};
+}
 
 MapQuality JudgeMap(const JudgedMap& map) {
   MapQuality quality;

@@ -223,6 +223,7 @@ export const remark_words = {
   elevation_model_beside_takeoff: () => 'Das Höhenmodell enthält den Startort nicht; der Boden wird als eben angenommen.',
   elevation_model_too_small: () => 'Das Höhenmodell deckt weniger als die Hälfte der Fotos ab; der Boden wird als eben angenommen.',
   no_ties: () => 'Keine zwei Fotos ließen sich verknüpfen: Die Karte folgt nur den Metadaten und kann Stufen zeigen. Wenn der Boden weder Wasser noch kahl ist, prüfen Sie, ob Positionen, Höhen und Winkel zu diesem Flug gehören.',
+  lean_open: (v) => `Die ${number(v.positions)} Positionen liegen auf einer Linie oder an einer Stelle: Wie weit sich die Kameras um sie neigten, ist auf ${fixed(v.lean_deg, 0)}° bekannt, das sind ${fixed(v.off_m, 1)}\u00a0m am Boden. Eine zweite Linie daneben oder eingemessene Punkte sagen mehr.`,
   groups: (v) => `Die Fotos bilden ${number(v.groups)} Gruppen ohne Verknüpfung; jede liegt dort, wo ihre aufgezeichneten Positionen sie haben.`,
   groups_of_features: (v) => `Die Fotos bilden nach ihren Merkmalen ${number(v.groups)} Gruppen; jede liegt dort, wo ihre aufgezeichneten Positionen sie haben.`,
   control_contradicts: (v) => `Die Passpunkte widersprechen den Fotos: Die Hälfte der ${number(v.points)} verwendeten liegt ${formatDistance(v.apart_m)} oder mehr von der Stelle, an der die Fotos sie zeigen. Prüfen Sie Koordinaten, Koordinatensystem und Markierungen.`,

@@ -222,6 +222,7 @@ export const remark_words = {
   elevation_model_beside_takeoff: () => 'The elevation model does not cover the take-off location; the ground is taken as flat.',
   elevation_model_too_small: () => 'The elevation model covers less than half of the photos; the ground is taken as flat.',
   no_ties: () => 'No two photos could be matched: the map is made by their metadata alone and may show steps. If the ground is not water or bare, check that positions, heights and angles are those of this flight.',
+  lean_open: (v) => `The ${number(v.positions)} positions lie on one line, or at one spot: how far the cameras leaned about it is known to ${fixed(v.lean_deg, 0)}°, ${fixed(v.off_m, 1)}\u00a0m on the ground. A second line beside it, or surveyed points, would tell more.`,
   groups: (v) => `The photos form ${number(v.groups)} groups that are not matched to each other; each lies where its recorded positions say.`,
   groups_of_features: (v) => `The photos form ${number(v.groups)} groups by their features; each lies where its recorded positions say.`,
   control_contradicts: (v) => `The control points contradict the photos: half of the ${number(v.points)} used lie ${formatDistance(v.apart_m)} or more from where the photos show them. Check their coordinates, coordinate system and marks.`,
