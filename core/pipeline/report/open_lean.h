@@ -1,7 +1,7 @@
-// OpenLean: by how much a map may lean though it lies on its positions. Positions on one line, or at one spot,
-// say nothing of a turn about it: there the cameras' angles alone hold the map, and what all of them share (a
-// gimbal that hangs a degree to the side, a camera that flew crabwise) no comparison of the photos shows. The
-// ground then lies off sideways by the height flown times that angle. Pure; any thread.
+// OpenLean: by how much a map may lean though it lies on its positions. Positions on one line, or at one
+// spot, say nothing of a turn about it: there the cameras' angles alone hold the map, and what all of them
+// share (a gimbal that hangs a degree to the side, a camera that flew crabwise) no comparison of the photos
+// shows. The ground then lies off sideways by the height flown times that angle. Pure; any thread.
 #pragma once
 
 #include <vector>

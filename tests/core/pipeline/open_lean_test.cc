@@ -30,8 +30,7 @@ struct LineFlight {
       photo.photo.name = "p" + std::to_string(i);
       photo.placement = alignment::Placement::kAligned;
       photo.height_above_ground_m = 60.0;
-      photo.cam_from_enu =
-          geo::Rigid3::FromRotationAndTargetOrigin(Eigen::Quaterniond::Identity(), center);
+      photo.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(Eigen::Quaterniond::Identity(), center);
       const geo::Wgs84 at = flight.frame.Wgs84FromEnu(center);
       photo.photo.position.emplace().position = {at.lat_deg, at.lon_deg};
       photo.photo.position->is_rtk_fixed = is_corrected;
@@ -48,9 +47,10 @@ TEST(OpenLean, IsMostOfTheErrorOfOneLineByCorrectedPositions) {
   EXPECT_EQ(JudgeMap(line.Forecast()).absolute, JudgeMap(line.Map()).absolute);
   const auto remark = RemarkOnLean(line.Map());
   ASSERT_TRUE(remark);
-  EXPECT_EQ(flight::InWords(*remark),
-            "The 12 positions lie on one line, or at one spot: how far the cameras leaned about it is known to "
-            "1 deg, 1.1 m on the ground. A second line beside it, or surveyed points, would tell more.");
+  EXPECT_EQ(
+      flight::InWords(*remark),
+      "The 12 positions lie on one line, or at one spot: how far the cameras leaned about it is known to "
+      "1 deg, 1.1 m on the ground. A second line beside it, or surveyed points, would tell more.");
 }
 
 TEST(OpenLean, IsHeldByASecondLine) {

@@ -286,6 +286,7 @@ export const remark_words = {
   moved_to_fit: (v) => `dorthin verschoben, wo es zu ${count(v.photos, { one: 'anderen Foto', other: 'anderen Fotos' })} passt`,
   first_of_chain: (v) => `das erste seiner Gruppe, ${fixed(v.misfit_px, 1)}\u00a0px von dem, was eine Kamera sehen könnte`,
   chained: (v) => `nach Merkmalen an ${count(v.photos, photos)} gehängt, ${fixed(v.misfit_px, 1)}\u00a0px von dem, was eine Kamera sehen könnte`,
+  same_pictures: (v) => `${count(v.photos, photos)} zeigen dasselbe Bild wie eines vor ihnen, wie von einem Fluggerät, das steht: ${v.photo} wie ${v.other} und andere.`,
   doubt_copy: (v) => `zeigt dasselbe Bild wie ${v.other}`,
   doubt_blurred: () => 'ist unscharf',
   doubt_other_place: () => 'hat nichts mit den Fotos ringsum gemeinsam: ein anderer Ort oder etwas, das sich bewegt. Nur dort verwendet, wo kein anderes Foto ist',

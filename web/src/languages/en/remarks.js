@@ -285,6 +285,7 @@ export const remark_words = {
   moved_to_fit: (v) => `moved to where it fits ${count(v.photos, { one: 'other photo', other: 'other photos' })}`,
   first_of_chain: (v) => `the first of its group, ${fixed(v.misfit_px, 1)}\u00a0px from what a camera could see`,
   chained: (v) => `joined to ${count(v.photos, photos)} by features, ${fixed(v.misfit_px, 1)}\u00a0px from what a camera could see`,
+  same_pictures: (v) => `${count(v.photos, photos)} show the same picture as one before them, as of an aircraft that hovers: ${v.photo} as ${v.other}, and others.`,
   doubt_copy: (v) => `shows the same picture as ${v.other}`,
   doubt_blurred: () => 'is blurred',
   doubt_other_place: () => 'has nothing in common with the photos around it: another place, or something that moves. Used only where no other photo is',
