@@ -4,7 +4,7 @@
 // recorded positions; nothing.
 //
 // By positions, of each horizontal axis: sigma^2 = common^2 + noise^2 (1/n + spread of the map / spread of
-// the n positions) + lean^2 (of photos' own positions on one line: open_lean.h), where `common` is what all
+// the n positions) + lean^2 (of positions on one line: open_lean.h), where `common` is what all
 // positions of a flight share (core/poses/evidence/common_error.h: assumed, since no comparison among them
 // shows it) and `noise` what the adjusted cameras miss them by, with the four degrees of freedom of a
 // similarity taken off. Fewer than three positions say nothing of turn and scale, and among five or fewer a

@@ -10,10 +10,10 @@
 namespace skyquilt::pipeline {
 namespace {
 
-// As they are placed by (core/poses/place_by_records.cc): a gimbal, a body, no angles at all.
-double SharedAngleDeg(const flight::Photo& photo) {
-  constexpr double kOfGimbalDeg = 1.0, kOfBodyDeg = 2.0, kOfNothingDeg = 5.0;
-  if (!photo.attitude) return kOfNothingDeg;
+// As they are placed by (core/poses/place_by_records.cc).
+double SharedAngleDeg(const flight::Photo& photo, double unsaid_deg) {
+  constexpr double kOfGimbalDeg = 1.0, kOfBodyDeg = 2.0;
+  if (!photo.attitude) return unsaid_deg;
   return photo.attitude->kind == flight::AttitudeKind::kGimbal ? kOfGimbalDeg : kOfBodyDeg;
 }
 
@@ -26,11 +26,11 @@ double HeightNoiseM(double noise_m) {
 }  // namespace
 
 OpenLean OpenLeanOf(const alignment::AlignedFlight& flight, const std::vector<Eigen::Vector2d>& places,
-                    double noise_m) {
+                    double noise_m, double unsaid_deg) {
   if (places.empty()) return {};
   std::vector<double> angles_deg, heights_m;
   for (const alignment::AlignedPhoto& photo : flight.photos) {
-    angles_deg.push_back(SharedAngleDeg(photo.photo));
+    angles_deg.push_back(SharedAngleDeg(photo.photo, unsaid_deg));
     heights_m.push_back(photo.height_above_ground_m);
   }
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();

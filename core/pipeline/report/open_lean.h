@@ -15,8 +15,9 @@ struct OpenLean {
   double off_m = 0.0;      // of the ground, 1 sigma: square mean of both horizontal axes
 };
 
-// `places`: of the positions that place the map, in enu; `noise_m`: how far these err apart, each axis.
+// `places`: of the positions that place the map, in enu; `noise_m`: how far these err apart, each axis;
+// `unsaid_deg`: what the angles of photos that recorded none may share.
 OpenLean OpenLeanOf(const alignment::AlignedFlight& flight, const std::vector<Eigen::Vector2d>& places,
-                    double noise_m);
+                    double noise_m, double unsaid_deg);
 
 }  // namespace skyquilt::pipeline

@@ -67,13 +67,25 @@ TEST(OpenLean, IsLessThanAReceiversErrorWithAGimbalAndMoreWithoutAngles) {
   EXPECT_TRUE(RemarkOnLean(no_angles.Map()));
 }
 
+TEST(OpenLean, CountsWhereALogPlacesTheLineToo) {
+  LineFlight line(0.0, true, false);
+  for (auto& photo : line.flight.photos) photo.photo.position.reset();
+  line.poses.photos_by_log = kPhotos;
+  line.poses.log_position_sigma_m = 0.02;
+  line.poses.log_is_corrected = true;
+  EXPECT_EQ(JudgeMap(line.Map()).absolute, (AbsoluteAccuracy{1.1, AbsoluteSupport::kRtk, kPhotos}));
+  EXPECT_TRUE(RemarkOnLean(line.Map()));
+  for (auto& photo : line.flight.photos) photo.photo.attitude.reset();  // the body's, by the log
+  EXPECT_EQ(JudgeMap(line.Map()).absolute, (AbsoluteAccuracy{2.2, AbsoluteSupport::kRtk, kPhotos}));
+}
+
 TEST(OpenLean, IsOpenBothWaysAtOneSpot) {
   const LineFlight flight(0.0, true, true);
-  const OpenLean line = OpenLeanOf(flight.flight, {{0.0, 0.0}, {0.0, 100.0}}, 0.01);
-  const OpenLean spot = OpenLeanOf(flight.flight, {{0.0, 0.0}, {0.0, 0.0}}, 0.01);
+  const OpenLean line = OpenLeanOf(flight.flight, {{0.0, 0.0}, {0.0, 100.0}}, 0.01, 5.0);
+  const OpenLean spot = OpenLeanOf(flight.flight, {{0.0, 0.0}, {0.0, 0.0}}, 0.01, 5.0);
   EXPECT_NEAR(spot.off_m, 1.047, 0.001);  // 60 m by one degree
   EXPECT_NEAR(line.off_m, 0.741, 0.001);  // of two axes
-  EXPECT_EQ(OpenLeanOf(flight.flight, {}, 0.01).off_m, 0.0);
+  EXPECT_EQ(OpenLeanOf(flight.flight, {}, 0.01, 5.0).off_m, 0.0);
 }
 
 }  // namespace
