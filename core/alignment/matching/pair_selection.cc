@@ -82,8 +82,8 @@ std::vector<CandidatePair> SelectPairs(const std::vector<View>& views,
       if (samples[j].empty() || (middle[i] - middle[j]).norm() > reach[i] + reach[j]) continue;
       if (!AreOfComparableScale(views[i], views[j])) continue;
       // Of two that are unlike the finer one's picture: it sees little of the other in any case.
-      const bool is_turned = AreUnlike(views[i], views[j]) && views[i].GsdM() > views[j].GsdM();
-      const int from = is_turned ? j : i, to = is_turned ? i : j;
+      const bool is_swapped = AreUnlike(views[i], views[j]) && views[i].GsdM() > views[j].GsdM();
+      const int from = is_swapped ? j : i, to = is_swapped ? i : j;
       const double margin_m = 1.5 * std::hypot(ground_sigma_m[i], ground_sigma_m[j]);
       const double margin_px = std::min(0.15 * views[to].intrinsics.width_px, margin_m / views[to].GsdM());
       const auto seen =
