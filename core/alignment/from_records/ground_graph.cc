@@ -21,7 +21,7 @@ constexpr double kTrustWidths[] = {40.0, 20.0, 10.0, 6.0, 4.0, 3.0, 2.0, 1.5, 1.
 constexpr int kMaxPlacesPerPair = 24;
 // Of a photo's ground against its record: pairs allow each other less, and a photo that many false ones tie
 // shrinks to nothing in their middle.
-constexpr double kMaxStretch = 1.5;
+constexpr double kBelievedStretch = 1.5;
 
 double Cauchy(double residual, double scale) { return 1.0 / (1.0 + (residual / scale) * (residual / scale)); }
 
@@ -298,7 +298,7 @@ GroundGraph SolveGroundGraph(const std::vector<GroundPrior>& priors, const std::
   }
   for (std::size_t i = 0; i < count; ++i) {
     const double stretch = std::abs(graph.corrections[i].turn_and_scale);
-    if (stretch <= kMaxStretch && stretch >= 1.0 / kMaxStretch) continue;
+    if (stretch <= kBelievedStretch && stretch >= 1.0 / kBelievedStretch) continue;
     graph.corrections[i] = {};
     for (const int l : pairs_of[i]) graph.is_inlier[l] = false;
   }
