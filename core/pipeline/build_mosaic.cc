@@ -1,10 +1,9 @@
 #include "core/pipeline/build_mosaic.h"
 
-#include <fmt/core.h>
-#include <sys/resource.h>
-
 #include <algorithm>
+#include <fmt/core.h>
 #include <optional>
+#include <sys/resource.h>
 #include <utility>
 
 #include "core/base/try.h"
@@ -138,14 +137,16 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   report.poses_report = facts.poses_report;
   report.is_placed = facts.is_placed;
   report.gsd_m = FinestShownM(plan, planned.gsd_m, aligned);
-  report.quality = JudgeMap({.flight = aligned,
-                             .poses = facts.poses_report,
-                             .alignment = facts.align_report ? &*facts.align_report : nullptr,
-                             .seams = seam_shift,
-                             .gsd_m = report.gsd_m,
-                             .is_placed = facts.is_placed,
-                             .is_by_images = facts.is_by_images,
-                             .is_by_hand = facts.is_by_hand});
+  const JudgedMap judged{.flight = aligned,
+                         .poses = facts.poses_report,
+                         .alignment = facts.align_report ? &*facts.align_report : nullptr,
+                         .seams = seam_shift,
+                         .gsd_m = report.gsd_m,
+                         .is_placed = facts.is_placed,
+                         .is_by_images = facts.is_by_images,
+                         .is_by_hand = facts.is_by_hand};
+  report.quality = JudgeMap(judged);
+  if (auto remark = RemarkOnLean(judged)) report.warnings.push_back(*std::move(remark));
   const double lat_deg = aligned.frame.origin().lat_deg;
   const double ground_per_merc = geo::GroundMetresPerMercMetre(lat_deg);
   report.area_m2 = rendered->covered_merc_m2 * ground_per_merc * ground_per_merc;

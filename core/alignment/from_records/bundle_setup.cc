@@ -151,14 +151,20 @@ MatchingInput MakeMatchingInput(const poses::PosedFlight& posed) {
 }
 
 std::vector<GroundPrior> MakeGroundPriors(const poses::PosedFlight& posed, const MatchingInput& input) {
+  constexpr double kUnlikeWidth = 2.0;  // less is the wander of heights
   std::vector<GroundPrior> priors;
   const Relief flat(posed.ground_z_in_enu_m);
+  const double median_width_m = MedianWidthM(input.views);
   for (std::size_t i = 0; i < posed.photos.size(); ++i) {
     const View& view = input.views[i];
     Eigen::Vector3d middle = view.CenterInEnu();
     const Eigen::Vector2d axis(view.intrinsics.center_x_px, view.intrinsics.center_y_px);
     if (!MeetGround(view, flat, axis, &middle)) middle = view.CenterInEnu();
-    priors.push_back({{middle.x(), middle.y()}, input.ground_sigma_m[i], input.sigma_turn_rad[i]});
+    const double width = view.WidthM() / median_width_m;
+    priors.push_back({{middle.x(), middle.y()},
+                      input.ground_sigma_m[i],
+                      input.sigma_turn_rad[i],
+                      width > kUnlikeWidth ? width : 1.0});
   }
   return priors;
 }

@@ -19,6 +19,9 @@ constexpr double kAgreesWithYawRad = 0.35;
 // agree.
 constexpr double kTrustWidths[] = {40.0, 20.0, 10.0, 6.0, 4.0, 3.0, 2.0, 1.5, 1.5, 1.5};
 constexpr int kMaxPlacesPerPair = 24;
+// Of a photo's ground against its record: pairs allow each other less, and a photo that many false ones tie
+// shrinks to nothing in their middle.
+constexpr double kBelievedStretch = 1.5;
 
 double Cauchy(double residual, double scale) { return 1.0 / (1.0 + (residual / scale) * (residual / scale)); }
 
@@ -110,7 +113,8 @@ double PairResidual(const VerifiedPair& pair, const PairPlaces& places,
 double Unexplained(const std::vector<int>& members, const std::vector<GroundPrior>& priors,
                    const std::vector<VerifiedPair>& pairs, const std::vector<PairPlaces>& places,
                    const std::vector<std::vector<int>>& pairs_of,
-                   const std::vector<GroundCorrection>& corrections, double tolerance_m) {
+                   const std::vector<GroundCorrection>& corrections,
+                   const std::vector<double>& tolerances_m) {
   constexpr double kWideTolerances = 4.0;
   double sum = 0.0;
   for (const int i : members) {
@@ -119,7 +123,7 @@ double Unexplained(const std::vector<int>& members, const std::vector<GroundPrio
     for (const int l : pairs_of[i]) {
       if (pairs[l].first != i) continue;
       const double residual =
-          PairResidual(pairs[l], places[l], priors, corrections) / (kWideTolerances * tolerance_m);
+          PairResidual(pairs[l], places[l], priors, corrections) / (kWideTolerances * tolerances_m[l]);
       sum += std::min(1.0, residual * residual);
     }
   }
@@ -216,6 +220,10 @@ GroundGraph SolveGroundGraph(const std::vector<GroundPrior>& priors, const std::
   std::vector<std::vector<int>> pairs_of(count);
   std::vector<int> agreeing(count, 0);
   std::vector<PairPlaces> places(pairs.size());
+  std::vector<double> tolerances_m;
+  for (const VerifiedPair& pair : pairs)
+    tolerances_m.push_back(tolerance_m *
+                           std::max(priors[pair.first].coarseness, priors[pair.second].coarseness));
   for (std::size_t l = 0; l < pairs.size(); ++l) {
     const VerifiedPair& pair = pairs[l];
     pairs_of[pair.first].push_back(static_cast<int>(l));
@@ -245,7 +253,7 @@ GroundGraph SolveGroundGraph(const std::vector<GroundPrior>& priors, const std::
       // only the whole component shows that.
       std::vector<GroundCorrection> as_recorded = SpreadAlongPairs(roots, priors, pairs, pairs_of);
       const auto unexplained = [&](const std::vector<GroundCorrection>& corrections) {
-        return Unexplained(members, priors, pairs, places, pairs_of, corrections, tolerance_m);
+        return Unexplained(members, priors, pairs, places, pairs_of, corrections, tolerances_m);
       };
       if (!IsTurnedAsAWhole(members, solved) || unexplained(solved) > 0.5 * unexplained(as_recorded)) {
         solved = std::move(as_recorded);
@@ -260,11 +268,11 @@ GroundGraph SolveGroundGraph(const std::vector<GroundPrior>& priors, const std::
   std::vector<double> pair_weights(pairs.size()), turn_weights(count), shift_weights(count);
   std::vector<Complex> expected_turn(count);
   for (const double trust_width : kTrustWidths) {
-    const double width = tolerance_m * trust_width;
     for (std::size_t l = 0; l < pairs.size(); ++l) {
       const double residual = PairResidual(pairs[l], places[l], priors, graph.corrections);
       const double strength = std::min<double>(4.0, static_cast<double>(pairs[l].matches.size()) / 20.0);
-      pair_weights[l] = strength / (tolerance_m * tolerance_m) * Cauchy(residual, width);
+      pair_weights[l] =
+          strength / (tolerances_m[l] * tolerances_m[l]) * Cauchy(residual, tolerances_m[l] * trust_width);
     }
     for (std::size_t i = 0; i < count; ++i) {
       const GroundCorrection& now = graph.corrections[i];
@@ -277,15 +285,22 @@ GroundGraph SolveGroundGraph(const std::vector<GroundPrior>& priors, const std::
                                : Complex(1.0, 0.0);
       const bool turned = std::abs(std::arg(unit)) > std::max(0.35, 3.0 * priors[i].sigma_turn_rad);
       expected_turn[i] = turned ? unit : Complex(1.0, 0.0);
-      const double reach_m = 10.0 * tolerance_m;  // a turn moves things about as far out as this
+      // A turn moves things about as far out as this.
+      const double reach_m = 10.0 * tolerance_m * priors[i].coarseness;
       turn_weights[i] = (reach_m * reach_m) / (sigma * sigma);
     }
     SolveLinear(priors, pairs, places, pair_weights, turn_weights, shift_weights, expected_turn,
                 graph.corrections);
   }
   for (std::size_t l = 0; l < pairs.size(); ++l) {
-    if (PairResidual(pairs[l], places[l], priors, graph.corrections) > 4.0 * tolerance_m)
+    if (PairResidual(pairs[l], places[l], priors, graph.corrections) > 4.0 * tolerances_m[l])
       graph.is_inlier[l] = false;
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    const double stretch = std::abs(graph.corrections[i].turn_and_scale);
+    if (stretch <= kBelievedStretch && stretch >= 1.0 / kBelievedStretch) continue;
+    graph.corrections[i] = {};
+    for (const int l : pairs_of[i]) graph.is_inlier[l] = false;
   }
   return graph;
 }

@@ -19,6 +19,8 @@ struct GroundPrior {
   std::complex<double> middle;  // where its optical axis meets the ground, E + iN
   double sigma_m = 2.0;         // of the middle
   double sigma_turn_rad = 0.05;
+  // By which its pairs may contradict others by more than those of most photos: it was taken from above them.
+  double coarseness = 1.0;
 };
 
 // z -> turn_and_scale * (z - middle) + middle + shift

@@ -123,7 +123,9 @@ std::vector<VerifiedPair> MatchLostPhotos(const MatchingInput& input, const Proj
   std::vector<int> taken(count, 0);
   std::vector<std::pair<int, int>> chosen;
   const auto want = [&](int lost, int first, int second) {
-    if (taken[lost] >= kMaxPairsOfALostPhoto || !input.features[first] || !input.features[second]) return;
+    if (taken[lost] >= kMaxPairsOfALostPhoto || !input.features[first] || !input.features[second] ||
+        !AreOfComparableScale(input.views[first], input.views[second]))
+      return;
     if (!done.emplace(first, second).second) return;
     ++taken[lost];
     chosen.emplace_back(first, second);

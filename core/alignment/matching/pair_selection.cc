@@ -12,6 +12,12 @@ constexpr double kMinPairOverlap = 0.12;
 constexpr int kBestPerPhoto = 6;  // by overlap alone; plus the best of each direction
 constexpr int kSamplesAcross = 7;
 constexpr int kDirections = 8;
+// Of what a pixel shows of the ground. Photos from far above see all of each one far below: were these their
+// best partners, those of their own height would not be compared.
+constexpr double kUnlikeScale = 2.0;
+constexpr int kBestOfUnlike = 3;  // a photo
+// Beyond this the one shows nothing of what the other's features are made of; what matches, does by chance.
+constexpr double kMaxScaleRatio = 6.0;
 
 // Ground points spread over a photo's picture.
 std::vector<Eigen::Vector3d> SampleGround(const View& view, const Relief& relief) {
@@ -36,7 +42,15 @@ bool Sees(const View& view, const Eigen::Vector3d& point, double margin_px) {
   return x > -margin_px && y > -margin_px && x < lens.width_px + margin_px && y < lens.height_px + margin_px;
 }
 
+double ScaleRatio(const View& a, const View& b) {
+  return std::max(a.GsdM(), b.GsdM()) / std::max(1e-9, std::min(a.GsdM(), b.GsdM()));
+}
+
+bool AreUnlike(const View& a, const View& b) { return ScaleRatio(a, b) > kUnlikeScale; }
+
 }  // namespace
+
+bool AreOfComparableScale(const View& a, const View& b) { return ScaleRatio(a, b) <= kMaxScaleRatio; }
 
 std::vector<CandidatePair> SelectPairs(const std::vector<View>& views,
                                        const std::vector<double>& ground_sigma_m, const Relief& relief) {
@@ -66,13 +80,18 @@ std::vector<CandidatePair> SelectPairs(const std::vector<View>& views,
       const int j = by_east[m];
       if (middle[j].x() - middle[i].x() > reach[i] + widest) break;
       if (samples[j].empty() || (middle[i] - middle[j]).norm() > reach[i] + reach[j]) continue;
+      if (!AreOfComparableScale(views[i], views[j])) continue;
+      // Of two that are unlike the finer one's picture: it sees little of the other in any case.
+      const bool is_swapped = AreUnlike(views[i], views[j]) && views[i].GsdM() > views[j].GsdM();
+      const int from = is_swapped ? j : i, to = is_swapped ? i : j;
       const double margin_m = 1.5 * std::hypot(ground_sigma_m[i], ground_sigma_m[j]);
-      const double margin_px = std::min(0.15 * views[j].intrinsics.width_px, margin_m / views[j].GsdM());
+      const double margin_px = std::min(0.15 * views[to].intrinsics.width_px, margin_m / views[to].GsdM());
       const auto seen =
-          std::count_if(samples[i].begin(), samples[i].end(),
-                        [&](const Eigen::Vector3d& point) { return Sees(views[j], point, margin_px); });
-      const double overlap = static_cast<double>(seen) / (kSamplesAcross * kSamplesAcross);
+          std::count_if(samples[from].begin(), samples[from].end(),
+                        [&](const Eigen::Vector3d& point) { return Sees(views[to], point, margin_px); });
+      double overlap = static_cast<double>(seen) / (kSamplesAcross * kSamplesAcross);
       if (overlap < kMinPairOverlap) continue;
+      if (AreUnlike(views[i], views[j])) overlap /= std::pow(ScaleRatio(views[i], views[j]), 2);
       const CandidatePair pair{std::min(i, j), std::max(i, j), overlap};
       of_photo[i].push_back(pair);
       of_photo[j].push_back(pair);
@@ -86,9 +105,14 @@ std::vector<CandidatePair> SelectPairs(const std::vector<View>& views,
       return std::pair(a.first, a.second) < std::pair(b.first, b.second);
     });
     std::array<bool, kDirections> served{};
-    int taken = 0;
+    int taken = 0, taken_of_unlike = 0;
     for (const CandidatePair& pair : of_photo[i]) {
       const int other = pair.first == i ? pair.second : pair.first;
+      if (AreUnlike(views[i], views[other])) {
+        if (taken_of_unlike++ < kBestOfUnlike && chosen.emplace(pair.first, pair.second).second)
+          pairs.push_back(pair);
+        continue;
+      }
       const Eigen::Vector2d away = middle[other] - middle[i];
       const double turn = (std::atan2(away.y(), away.x()) + std::numbers::pi) / (2.0 * std::numbers::pi);
       const int direction = std::min(kDirections - 1, static_cast<int>(turn * kDirections));

@@ -1,7 +1,8 @@
 // SelectPairs: which photos are worth comparing: those whose footprints overlap where the poses put them,
 // grown by what the poses are unsure of; the most overlapping ones and the best in each direction, so that
-// neighbouring lines are tied as well as neighbours in a line. Cost grows with photos times neighbours. Pure;
-// any thread.
+// neighbouring lines are tied as well as neighbours in a line. Photos from far above and far below are chosen
+// beside those of like height, and not at all where no feature can show in both. Cost grows with photos times
+// neighbours. Pure; any thread.
 #pragma once
 
 #include <vector>
@@ -13,7 +14,7 @@ namespace skyquilt::alignment {
 struct CandidatePair {
   int first = 0;  // < second
   int second = 0;
-  double overlap = 0.0;  // share of the first's picture that the second sees
+  double overlap = 0.0;  // share of the one's picture that the other sees; of unlike ones the coarser's
 
   bool operator==(const CandidatePair&) const = default;
 };
@@ -21,5 +22,8 @@ struct CandidatePair {
 // Sorted by (first, second). ground_sigma_m: how far off each photo may lie on the ground, one sigma.
 std::vector<CandidatePair> SelectPairs(const std::vector<View>& views,
                                        const std::vector<double>& ground_sigma_m, const Relief& relief);
+
+// Whether features of the one can be seen in the other, by what a pixel of each shows of the ground.
+bool AreOfComparableScale(const View& a, const View& b);
 
 }  // namespace skyquilt::alignment

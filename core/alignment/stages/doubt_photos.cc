@@ -117,6 +117,29 @@ std::vector<flight::Remark> DoubtsInRemarks(const PhotoDoubt& doubt, const std::
   return remarks;
 }
 
+std::vector<flight::Remark> DoubtsInRemarks(const std::vector<PhotoDoubt>& doubts,
+                                            const std::vector<std::string>& names) {
+  using flight::RemarkCode;
+  constexpr std::ptrdiff_t kNamedApart = 3;  // more of them is one thing to know: the aircraft hovered
+  const auto is_copy = [](const PhotoDoubt& doubt) { return doubt.copy_of.has_value(); };
+  const auto copies = std::count_if(doubts.begin(), doubts.end(), is_copy);
+  std::vector<flight::Remark> remarks;
+  if (copies > kNamedApart) {
+    const auto first = std::find_if(doubts.begin(), doubts.end(), is_copy);
+    remarks.push_back({RemarkCode::kSamePictures,
+                       {{"photos", copies},
+                        {"photo", names[static_cast<std::size_t>(first - doubts.begin())]},
+                        {"other", names[static_cast<std::size_t>(*first->copy_of)]}}});
+  }
+  for (std::size_t i = 0; i < doubts.size(); ++i) {
+    PhotoDoubt doubt = doubts[i];
+    if (copies > kNamedApart) doubt.copy_of.reset();
+    for (flight::Remark& remark : DoubtsInRemarks(doubt, names))
+      remarks.push_back({RemarkCode::kOfPhoto, {{"photo", names[i]}, {"said", std::move(remark)}}});
+  }
+  return remarks;
+}
+
 PhotoSet LeaveOutFarAway(AlignedFlight& flight) {
   const std::size_t count = flight.photos.size();
   PhotoSet far_away(count);

@@ -30,6 +30,10 @@ std::vector<PhotoDoubt> DoubtPhotos(const MatchingInput& input, const std::vecto
 
 // What the user is to know of it, each going on from the photo's name.
 std::vector<flight::Remark> DoubtsInRemarks(const PhotoDoubt& doubt, const std::vector<std::string>& names);
+// Of the whole flight, with the photos' names; more than three copies are one thing to know: the aircraft
+// hovered.
+std::vector<flight::Remark> DoubtsInRemarks(const std::vector<PhotoDoubt>& doubts,
+                                            const std::vector<std::string>& names);
 
 // Takes photos out that no verified pair ties to the others and that lie so far away that the map would be
 // mostly empty; each is listed with the reason. Never takes out more than a tenth. Which ones it took out.

@@ -286,11 +286,7 @@ AlignedFlight PlacePhotos(const ExtractedFlight& extracted, const Attempt& attem
     const PhotoDoubt& doubt = doubts[i];
     photo.sharpness = doubt.sharpness;
     if (doubt.IsAny()) {
-      for (Remark& remark : DoubtsInRemarks(doubt, names)) {
-        said.push_back(remark);
-        report.corrections.push_back(
-            {RemarkCode::kOfPhoto, {{"photo", before.photo.name}, {"said", std::move(remark)}}});
-      }
+      for (Remark& remark : DoubtsInRemarks(doubt, names)) said.push_back(std::move(remark));
       // As good as nowhere: the map takes it only where it has nothing else.
       if (doubt.shows_other_place) {
         photo.error_radius_m = std::max(photo.error_radius_m, before.height_above_ground_m);
@@ -312,6 +308,7 @@ AlignedFlight PlacePhotos(const ExtractedFlight& extracted, const Attempt& attem
     report.aligned += photo.placement == Placement::kAligned ? 1 : 0;
     flight.photos.push_back(std::move(photo));
   }
+  for (Remark& remark : DoubtsInRemarks(doubts, names)) report.corrections.push_back(std::move(remark));
   report.components = static_cast<int>(component_sizes.size());
   if (report.components == 0 && flight.photos.size() > 1) {
     flight.warnings.push_back(RemarkCode::kNoTies);

@@ -11,6 +11,8 @@
 
 #include "core/base/median.h"
 #include "core/flight/remarks/remark.h"
+#include "core/geo/lat_lon.h"
+#include "core/pipeline/report/open_lean.h"
 #include "core/poses/evidence/common_error.h"
 #include "core/poses/time/time_sync.h"
 
@@ -37,7 +39,9 @@ constexpr std::size_t kFewestAgreeing = 3;
 constexpr double kAgreeingShare = 0.1;       // of all positions
 constexpr double kApartOfShift = 1.0 / 3.0;  // two shifts that are one, apart from the noise of receivers
 constexpr double kFalseClaim = 4.0;          // of what corrected positions claim of themselves
-constexpr double kFarOffM = 10.0;            // what a receiver of a phone or a drone is good for
+// Of what all photos may share that recorded no angles: a body's by its log, or any.
+constexpr double kAngleOfLogDeg = 2.0, kAngleOfNothingDeg = 5.0;
+constexpr double kFarOffM = 10.0;  // what a receiver of a phone or a drone is good for
 constexpr int kFewestSeams = 5;
 
 bool IsAnyAligned(const JudgedMap& map) {
@@ -222,41 +226,79 @@ bool AreFewPositions(std::size_t count, std::size_t placed) {
                             static_cast<double>(count) < kFewPositionsShare * static_cast<double>(placed));
 }
 
-AbsoluteAccuracy ByPositions(const JudgedMap& map) {
-  const double own_m = OwnErrorM(map) / kCircleSigmas;
-  const auto placed = static_cast<std::size_t>(
+std::size_t CountJudged(const JudgedMap& map) {
+  return static_cast<std::size_t>(
       std::count_if(map.flight.photos.begin(), map.flight.photos.end(),
                     [&](const AlignedPhoto& photo) { return IsJudged(map, photo); }));
-  const SupportingPositions positions = PositionsOf(map);
-  const auto by_log = static_cast<std::size_t>(std::max(0, map.poses.photos_by_log));
-  if (map.poses.log_position_sigma_m && (2 * by_log >= placed || by_log >= positions.records.size())) {
-    const std::size_t count = std::min(by_log, placed);
-    const AbsoluteSupport by = map.poses.log_is_corrected ? AbsoluteSupport::kRtk : AbsoluteSupport::kGnss;
-    // Of the places on the track nobody knows which are the photos'.
-    if (map.poses.time_sigma_s.value_or(0.0) >= poses::kOpenClockSigmaS) return {std::nullopt, by, 0};
-    if (count == 0 || AreFewPositions(count, placed)) return {std::nullopt, by, static_cast<int>(count)};
-    const double noise_m =
-        map.alignment == nullptr ? 0.0 : map.alignment->position_residual_m / std::sqrt(2.0);
-    const double of_noise_m = noise_m * std::sqrt(2.0 / static_cast<double>(count));
-    return StatedRadius(std::max(own_m, std::hypot(*map.poses.log_position_sigma_m, of_noise_m)), by, count);
+}
+
+std::size_t CountByLog(const JudgedMap& map) {
+  return static_cast<std::size_t>(std::max(0, map.poses.photos_by_log));
+}
+
+bool IsPlacedByLog(const JudgedMap& map, const SupportingPositions& positions) {
+  const std::size_t by_log = CountByLog(map);
+  return map.poses.log_position_sigma_m &&
+         (2 * by_log >= CountJudged(map) || by_log >= positions.records.size());
+}
+
+// Of the positions of photos or of a log, each axis.
+struct ErrorOfPositions {
+  double common_m = 0.0;  // with what their scatter leaves
+  bool is_corrected = false;
+  OpenLean lean;  // beside it; photos that lie by their records count their angles already
+};
+
+ErrorOfPositions ErrorOfLog(const JudgedMap& map) {
+  const double noise_m = map.alignment == nullptr ? 0.0 : map.alignment->position_residual_m / std::sqrt(2.0);
+  const auto count =
+      static_cast<double>(std::max<std::size_t>(1, std::min(CountByLog(map), CountJudged(map))));
+  const double sigma_m = map.poses.log_position_sigma_m.value_or(0.0);
+  ErrorOfPositions error{
+      std::hypot(sigma_m, noise_m * std::sqrt(2.0 / count)), map.poses.log_is_corrected, {}};
+  std::vector<Vector2d> places;
+  for (const AlignedPhoto& photo : map.flight.photos) {
+    if (IsJudged(map, photo)) places.emplace_back(photo.cam_from_enu.TargetOriginInSource().head<2>());
   }
-  // Reckoned from a given place: each photo says how far that may have led it astray.
-  if (positions.records.empty() && by_log > 0)
-    return {OfTwoDigits(MedianRadiusM(map)), AbsoluteSupport::kHand, static_cast<int>(by_log)};
-  if (positions.records.empty()) return {};
+  if (OwnErrorM(map) <= 0.0)
+    error.lean = OpenLeanOf(map.flight, places, map.is_forecast ? sigma_m : noise_m, kAngleOfLogDeg);
+  return error;
+}
+
+ErrorOfPositions ErrorOf(const JudgedMap& map, const SupportingPositions& positions) {
+  if (IsPlacedByLog(map, positions)) return ErrorOfLog(map);
   const poses::CommonError common = poses::CommonErrorOf(positions.records);
-  const double noise_m = map.is_forecast || own_m > 0.0 ? 0.0 : NoiseM(positions.misses);
+  const bool is_own = OwnErrorM(map) > 0.0;
+  const double noise_m = map.is_forecast || is_own ? 0.0 : NoiseM(positions.misses);
   // What claims to be corrected and scatters by far more is something else, of which nobody knows how much of
   // its error is common to all of them.
   const bool is_false_claim = common.is_corrected && noise_m > kFalseClaim * common.sigma_m;
-  const AbsoluteSupport by =
-      common.is_corrected && !is_false_claim ? AbsoluteSupport::kRtk : AbsoluteSupport::kGnss;
-  const std::size_t count = positions.records.size();
-  if (AreFewPositions(count, placed)) return {std::nullopt, by, static_cast<int>(count)};
   const double of_noise_m = is_false_claim ? noise_m : noise_m * std::sqrt(LeverOf(map, positions.places));
+  ErrorOfPositions error{std::hypot(common.sigma_m, of_noise_m), common.is_corrected && !is_false_claim, {}};
+  const double apart_m = map.is_forecast ? common.sigma_m : noise_m;
+  if (!is_own) error.lean = OpenLeanOf(map.flight, positions.places, apart_m, kAngleOfNothingDeg);
+  return error;
+}
+
+AbsoluteAccuracy ByPositions(const JudgedMap& map) {
+  const double own_m = OwnErrorM(map) / kCircleSigmas;
+  const std::size_t placed = CountJudged(map), by_log = CountByLog(map);
+  const SupportingPositions positions = PositionsOf(map);
+  const bool is_by_log = IsPlacedByLog(map, positions);
+  // Reckoned from a given place: each photo says how far that may have led it astray.
+  if (!is_by_log && positions.records.empty() && by_log > 0)
+    return {OfTwoDigits(MedianRadiusM(map)), AbsoluteSupport::kHand, static_cast<int>(by_log)};
+  if (!is_by_log && positions.records.empty()) return {};
+  const ErrorOfPositions error = ErrorOf(map, positions);
+  const AbsoluteSupport by = error.is_corrected ? AbsoluteSupport::kRtk : AbsoluteSupport::kGnss;
+  // Of the places on the track nobody knows which are the photos'.
+  if (is_by_log && map.poses.time_sigma_s.value_or(0.0) >= poses::kOpenClockSigmaS)
+    return {std::nullopt, by, 0};
+  const std::size_t count = is_by_log ? std::min(by_log, placed) : positions.records.size();
+  if (count == 0 || AreFewPositions(count, placed)) return {std::nullopt, by, static_cast<int>(count)};
   // Two sources of places that contradict each other: nobody knows which of them is wrong.
-  const double doubt_m = map.poses.lists_contradict_m.value_or(0.0);
-  return StatedRadius(std::max({own_m, doubt_m, std::hypot(common.sigma_m, of_noise_m)}), by, count);
+  const double doubt_m = is_by_log ? 0.0 : map.poses.lists_contradict_m.value_or(0.0);
+  return StatedRadius(std::max({own_m, doubt_m, std::hypot(error.common_m, error.lean.off_m)}), by, count);
 }
 
 // Where most or many are, the photos that the map follows may be the wrong ones.
@@ -402,6 +444,17 @@ std::vector<MapLimit> LimitsOf(const JudgedMap& map, const AbsoluteAccuracy& abs
 }
 
 }  // namespace
+
+std::optional<flight::Remark> RemarkOnLean(const JudgedMap& map) {
+  const AbsoluteAccuracy absolute = AbsoluteOf(map);
+  if (!IsByReceiver(absolute)) return std::nullopt;
+  const ErrorOfPositions error = ErrorOf(map, PositionsOf(map));
+  if (error.lean.off_m <= error.common_m) return std::nullopt;
+  return flight::Remark{flight::RemarkCode::kLeanOpen,
+                        {{"positions", absolute.count},
+                         {"lean_deg", geo::RadToDeg(error.lean.sigma_rad)},
+                         {"off_m", OfTwoDigits(kCircleSigmas * error.lean.off_m)}}};
+}
 
 MapQuality JudgeMap(const JudgedMap& map) {
   MapQuality quality;

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <string>
+#include <vector>
 
 #include "core/flight/remarks/remark_words.h"
 
@@ -51,6 +53,24 @@ TEST(LeaveOutFarAway, KeepsASecondBlockOfSomeSize) {
   }
   LeaveOutFarAway(flight);
   EXPECT_EQ(flight.photos.size(), 25u);
+}
+
+TEST(DoubtsInRemarks, SayOnceThatTheAircraftHovered) {
+  const std::vector<std::string> names = {"a", "b", "c", "d", "e", "f"};
+  std::vector<PhotoDoubt> doubts(6);
+  doubts[5].is_blurred = true;
+  for (const std::size_t copy : {1U, 2U, 3U}) doubts[copy].copy_of = 0;
+  EXPECT_EQ(InWords(DoubtsInRemarks(doubts, names)),
+            (std::vector<std::string>{"b: shows the same picture as a", "c: shows the same picture as a",
+                                      "d: shows the same picture as a", "f: is blurred"}));
+  doubts[4].copy_of = 1;
+  EXPECT_EQ(
+      InWords(DoubtsInRemarks(doubts, names)),
+      (std::vector<std::string>{"4 photos show the same picture as one before them, as of an aircraft that "
+                                "hovers: b as a, and others.",
+                                "f: is blurred"}));
+  EXPECT_EQ(InWords(DoubtsInRemarks(doubts[4], names)),
+            (std::vector<std::string>{"shows the same picture as b"}));
 }
 
 // As much in all directions and everywhere.

@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <numbers>
+#include <utility>
+#include <vector>
 
 #include "core/alignment/matching/verified_pair.h"
 
@@ -91,6 +93,27 @@ TEST(SolveGroundGraph, FindsACameraMountedTurnedEvenWhereNeighboursStandClose) {
     ExpectTurnedBack(MakeBlock(5.0, 2.0, turns), turns);
     ExpectTurnedBack(MakeBlock(12.0, 2.0, turns), turns);
   }
+}
+
+// As photos from high above, whose chance matches with many from far below say nothing of where they lie.
+TEST(SolveGroundGraph, DoesNotShrinkAPhotoIntoTheMiddleOfFalsePairs) {
+  Block block = MakeBlock(10.0, 2.0, std::vector<double>(12, 0.0));
+  std::erase_if(block.links, [](const VerifiedPair& link) { return link.first == 0; });
+  const std::size_t true_links = block.links.size();
+  block.priors[0].sigma_m = 20.0;
+  for (int other = 4; other < 10; ++other) {
+    VerifiedPair link{0, other, {}, {}, 0.0};
+    const auto middle =
+        static_cast<std::uint16_t>(block.projected[static_cast<std::size_t>(other)].size() / 2);
+    for (std::uint16_t k = 0; k < 24; ++k)
+      link.matches.push_back({static_cast<std::uint16_t>(5 * k), middle});
+    block.links.push_back(std::move(link));
+  }
+  const GroundGraph graph = SolveGroundGraph(block.priors, block.links, block.views, 1.0);
+  EXPECT_EQ(graph.corrections[0].component, -1);
+  EXPECT_EQ(graph.corrections[0].shift, Complex(0.0, 0.0));
+  for (std::size_t l = true_links; l < block.links.size(); ++l) EXPECT_FALSE(graph.is_inlier[l]) << l;
+  for (std::size_t i = 1; i < 12; ++i) EXPECT_GE(graph.corrections[i].component, 0) << i;
 }
 
 }  // namespace

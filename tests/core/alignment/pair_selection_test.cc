@@ -1,0 +1,70 @@
+// Which photos of one flight at two heights are compared.
+#include "core/alignment/matching/pair_selection.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+namespace skyquilt::alignment {
+namespace {
+
+// Straight down, top of the image to the north.
+View LooksDown(double east_m, double north_m, double height_m) {
+  View view;
+  view.intrinsics = camera::Intrinsics::Centered(640, 480, 480.0);
+  view.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(
+      Eigen::Quaterniond(Eigen::AngleAxisd(3.14159265358979, Eigen::Vector3d::UnitX())),
+      {east_m, north_m, height_m});
+  view.height_above_ground_m = height_m;
+  return view;
+}
+
+// Six photos from above, then twenty of the middle of what they show.
+std::vector<View> AtTwoHeights(double high_m, double low_m) {
+  std::vector<View> views;
+  for (const double east : {-0.23, 0.23}) {
+    for (const double north : {-0.25, 0.0, 0.25})
+      views.push_back(LooksDown(east * high_m, north * high_m, high_m));
+  }
+  for (int i = 0; i < 20; ++i)
+    views.push_back(LooksDown(0.5 * low_m * (i % 4 - 1.5), 0.3 * low_m * (i / 4 - 2.0), low_m));
+  return views;
+}
+
+constexpr int kHigh = 6;
+
+std::vector<CandidatePair> Select(const std::vector<View>& views) {
+  return SelectPairs(views, std::vector<double>(views.size(), 2.0), Relief(0.0));
+}
+
+int PairsWithin(const std::vector<CandidatePair>& pairs, int first, int end) {
+  return static_cast<int>(std::count_if(pairs.begin(), pairs.end(), [&](const CandidatePair& pair) {
+    return pair.first >= first && pair.second < end;
+  }));
+}
+
+int PairsAcross(const std::vector<CandidatePair>& pairs, int photo) {
+  return static_cast<int>(std::count_if(pairs.begin(), pairs.end(), [&](const CandidatePair& pair) {
+    const bool is_across = pair.first < kHigh && pair.second >= kHigh;
+    return is_across && (pair.first == photo || pair.second == photo);
+  }));
+}
+
+TEST(SelectPairs, ComparesPhotosOfTheirOwnHeightWhateverTheySeeOfThoseBelow) {
+  for (const double low_m : {8.0, 35.0}) {
+    const std::vector<CandidatePair> pairs = Select(AtTwoHeights(120.0, low_m));
+    EXPECT_GE(PairsWithin(pairs, 0, kHigh), 11) << low_m;
+    EXPECT_GE(PairsWithin(pairs, kHigh, 26), 40) << low_m;
+  }
+}
+
+TEST(SelectPairs, TiesBothHeightsWhereTheirFeaturesCanBeTheSame) {
+  const std::vector<CandidatePair> near = Select(AtTwoHeights(120.0, 35.0));
+  for (int i = 0; i < 26; ++i) EXPECT_GE(PairsAcross(near, i), 1) << i;
+  const std::vector<CandidatePair> far = Select(AtTwoHeights(120.0, 8.0));
+  for (int i = 0; i < 26; ++i) EXPECT_EQ(PairsAcross(far, i), 0) << i;
+}
+
+}  // namespace
+}  // namespace skyquilt::alignment
