@@ -36,7 +36,6 @@ constexpr double kManyRefutedShare = 0.2;
 constexpr std::size_t kFewestAgreeing = 3;
 constexpr double kAgreeingShare = 0.1;       // of all positions
 constexpr double kApartOfShift = 1.0 / 3.0;  // two shifts that are one, apart from the noise of receivers
-constexpr double kFalseClaim = 4.0;          // of what corrected positions claim of themselves
 constexpr double kFarOffM = 10.0;            // what a receiver of a phone or a drone is good for
 constexpr int kFewestSeams = 5;
 
@@ -248,7 +247,7 @@ AbsoluteAccuracy ByPositions(const JudgedMap& map) {
   const double noise_m = map.is_forecast || own_m > 0.0 ? 0.0 : NoiseM(positions.misses);
   // What claims to be corrected and scatters by far more is something else, of which nobody knows how much of
   // its error is common to all of them.
-  const bool is_false_claim = common.is_corrected && noise_m > kFalseClaim * common.sigma_m;
+  const bool is_false_claim = common.is_corrected && noise_m > poses::kFalseClaim * common.sigma_m;
   const AbsoluteSupport by =
       common.is_corrected && !is_false_claim ? AbsoluteSupport::kRtk : AbsoluteSupport::kGnss;
   const std::size_t count = positions.records.size();

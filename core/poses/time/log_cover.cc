@@ -57,9 +57,7 @@ LogCover::LogCover(const flight::FlightLog& log) {
     // Events tell by where they were; one without a place tells nothing, whatever its time.
     LogSpan placed;
     for (const flight::CameraEvent& event : log.events) {
-      if (!event.has_time || !event.position) continue;
-      placed.begin_s = std::min(placed.begin_s, event.t_s);
-      placed.end_s = std::max(placed.end_s, event.t_s);
+      if (event.has_time && event.position) placed.Take(event.t_s);
     }
     if (!placed.IsEmpty()) stretches_.push_back(placed);
   }

@@ -13,6 +13,10 @@ struct LogSpan {
   double end_s = -std::numeric_limits<double>::infinity();
   bool IsEmpty() const { return std::isinf(begin_s); }
   bool Meets(const LogSpan& other) const { return begin_s <= other.end_s && other.begin_s <= end_s; }
+  void Take(double t_s) {
+    begin_s = std::min(begin_s, t_s);
+    end_s = std::max(end_s, t_s);
+  }
   template <typename Sample>
   void Take(const std::vector<Sample>& samples) {
     if (samples.empty()) return;
