@@ -19,50 +19,29 @@ namespace {
 
 using M = CsvMeaning;
 
-struct CanonicalName {
-  std::string_view name;
-  M meaning;
+// Of meanings that follow each other; in lower case, in any order of the columns.
+struct CanonicalNames {
+  M first;
+  std::string_view names;
 };
-
-// In lower case, in any order of the columns.
-constexpr std::array kCanonicalNames = {CanonicalName{"t", M::kTime},
-                                        CanonicalName{"utc", M::kUtc},
-                                        CanonicalName{"wx", M::kGyroX},
-                                        CanonicalName{"wy", M::kGyroY},
-                                        CanonicalName{"wz", M::kGyroZ},
-                                        CanonicalName{"ax", M::kAccelX},
-                                        CanonicalName{"ay", M::kAccelY},
-                                        CanonicalName{"az", M::kAccelZ},
-                                        CanonicalName{"qw", M::kQw},
-                                        CanonicalName{"qx", M::kQx},
-                                        CanonicalName{"qy", M::kQy},
-                                        CanonicalName{"qz", M::kQz},
-                                        CanonicalName{"roll", M::kRoll},
-                                        CanonicalName{"pitch", M::kPitch},
-                                        CanonicalName{"yaw", M::kYaw},
-                                        CanonicalName{"lat", M::kLat},
-                                        CanonicalName{"lon", M::kLon},
-                                        CanonicalName{"alt_ell", M::kHeightEllipsoid},
-                                        CanonicalName{"alt_msl", M::kHeightAmsl},
-                                        CanonicalName{"vn", M::kVelocityNorth},
-                                        CanonicalName{"ve", M::kVelocityEast},
-                                        CanonicalName{"vd", M::kVelocityDown},
-                                        CanonicalName{"sh", M::kSigmaHorizontal},
-                                        CanonicalName{"sv", M::kSigmaVertical},
-                                        CanonicalName{"fix", M::kFix},
-                                        CanonicalName{"baro_alt", M::kBaroHeight},
-                                        CanonicalName{"press", M::kPressure},
-                                        CanonicalName{"range", M::kRange},
-                                        CanonicalName{"rel_alt", M::kHeightAboveTakeoff},
-                                        CanonicalName{"event", M::kEvent},
-                                        CanonicalName{"image", M::kImage},
-                                        CanonicalName{"s_rp", M::kSigmaTilt},
-                                        CanonicalName{"s_yaw", M::kSigmaYaw}};
+constexpr CanonicalNames kCanonicalNames[] = {
+    {M::kTime, "t utc"},
+    {M::kLat, "lat lon"},
+    {M::kHeightEllipsoid, "alt_ell alt_msl rel_alt"},
+    {M::kRange, "range baro_alt press"},
+    {M::kVelocityNorth, "vn ve vd sh sv fix"},
+    {M::kGyroX, "wx wy wz ax ay az qw qx qy qz roll pitch yaw"},
+    {M::kSigmaTilt, "s_rp s_yaw event"},
+    {M::kImage, "image"},
+};
 
 // kIgnored for any other name.
 M MeaningOfCanonical(std::string_view name) {
-  for (const CanonicalName& each : kCanonicalNames) {
-    if (each.name == name) return each.meaning;
+  std::vector<std::string_view> names;
+  for (const CanonicalNames& each : kCanonicalNames) {
+    SplitBlanks(each.names, names);
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found != names.end()) return static_cast<M>(static_cast<int>(each.first) + (found - names.begin()));
   }
   return M::kIgnored;
 }
