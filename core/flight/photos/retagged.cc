@@ -90,11 +90,8 @@ void LeaveOutRetagged(std::vector<Photo>& photos, std::vector<LeftOutPhoto>& lef
       left_out.push_back(LeftAside(photos[i].name, Aside::kOtherTags, photos[best].name));
     }
   }
-  std::vector<Photo> kept;
-  for (std::size_t i = 0; i < photos.size(); ++i) {
-    if (!is_out[i]) kept.push_back(std::move(photos[i]));
-  }
-  photos = std::move(kept);
+  std::size_t k = 0;
+  std::erase_if(photos, [&](const Photo&) { return is_out[k++]; });
 }
 
 }  // namespace skyquilt::flight

@@ -50,6 +50,14 @@ bool IsJudged(const JudgedMap& map, const AlignedPhoto& photo) {
          !IsAnyAligned(map);
 }
 
+std::vector<Vector2d> JudgedCameras(const JudgedMap& map) {
+  std::vector<Vector2d> cameras;
+  for (const AlignedPhoto& photo : map.flight.photos) {
+    if (IsJudged(map, photo)) cameras.emplace_back(photo.cam_from_enu.TargetOriginInSource().head<2>());
+  }
+  return cameras;
+}
+
 struct SupportingPositions {
   std::vector<Vector2d> places;  // of the cameras, as the map has them
   std::vector<Vector2d> misses;  // recorded minus that
@@ -84,13 +92,16 @@ SupportingPositions PositionsOf(const JudgedMap& map) {
   return positions;
 }
 
+double SquareM2(const std::vector<Vector2d>& misses) {
+  double square = 0.0;
+  for (const Vector2d& miss : misses) square += miss.squaredNorm();
+  return square;
+}
+
 // Of each axis; nothing to learn from fewer positions than a move has freedom.
 double NoiseM(const std::vector<Vector2d>& misses) {
   const int freedom = 2 * static_cast<int>(misses.size()) - kFreedomOfMove;
-  if (freedom <= 0) return 0.0;
-  double square = 0.0;
-  for (const Vector2d& miss : misses) square += miss.squaredNorm();
-  return std::sqrt(square / freedom);
+  return freedom <= 0 ? 0.0 : std::sqrt(SquareM2(misses) / freedom);
 }
 
 // 1/n + how much more than the positions' own the map spreads about their middle.
@@ -99,13 +110,9 @@ double LeverOf(const JudgedMap& map, const std::vector<Vector2d>& places) {
   for (const Vector2d& place : places) middle += place / static_cast<double>(places.size());
   double of_positions = 0.0, of_map = 0.0;
   for (const Vector2d& place : places) of_positions += (place - middle).squaredNorm();
-  int count = 0;
-  for (const AlignedPhoto& photo : map.flight.photos) {
-    if (!IsJudged(map, photo)) continue;
-    of_map += (photo.cam_from_enu.TargetOriginInSource().head<2>() - middle).squaredNorm();
-    ++count;
-  }
-  const double mean_of_map = count > 0 ? of_map / count : 0.0;
+  const std::vector<Vector2d> cameras = JudgedCameras(map);
+  for (const Vector2d& camera : cameras) of_map += (camera - middle).squaredNorm();
+  const double mean_of_map = cameras.empty() ? 0.0 : of_map / static_cast<double>(cameras.size());
   constexpr double kOnOnePlaceM2 = 1.0;
   return 1.0 / static_cast<double>(places.size()) + mean_of_map / std::max(kOnOnePlaceM2, of_positions);
 }
@@ -128,9 +135,7 @@ AbsoluteAccuracy StatedRadius(double sigma_of_axis_m, AbsoluteSupport by, std::s
 // Of both axes together, as surveyors state what a map misses its check points by; nothing without points.
 std::optional<double> HorizontalRmsM(const std::vector<Vector2d>& misses) {
   if (misses.empty()) return std::nullopt;
-  double square = 0.0;
-  for (const Vector2d& miss : misses) square += miss.squaredNorm();
-  return std::sqrt(square / static_cast<double>(misses.size()));
+  return std::sqrt(SquareM2(misses) / static_cast<double>(misses.size()));
 }
 
 // What placed the map, or all that is known of it is where it lies against them.
@@ -223,9 +228,7 @@ bool AreFewPositions(std::size_t count, std::size_t placed) {
 
 AbsoluteAccuracy ByPositions(const JudgedMap& map) {
   const double own_m = OwnErrorM(map) / kCircleSigmas;
-  const auto placed = static_cast<std::size_t>(
-      std::count_if(map.flight.photos.begin(), map.flight.photos.end(),
-                    [&](const AlignedPhoto& photo) { return IsJudged(map, photo); }));
+  const std::size_t placed = JudgedCameras(map).size();
   const SupportingPositions positions = PositionsOf(map);
   const auto by_log = static_cast<std::size_t>(std::max(0, map.poses.photos_by_log));
   if (map.poses.log_position_sigma_m && (2 * by_log >= placed || by_log >= positions.records.size())) {
@@ -274,10 +277,7 @@ bool AreManyRefuted(const SupportingPositions& positions) {
 // What the map misses all of them by, of each axis: which are right is not known, so it does not average out.
 // A map that is bent has no photo further off than it is long; a record further away is of another place.
 double SpreadWithRefutedM(const JudgedMap& map, const SupportingPositions& positions) {
-  std::vector<Vector2d> cameras;
-  for (const AlignedPhoto& photo : map.flight.photos) {
-    if (IsJudged(map, photo)) cameras.emplace_back(photo.cam_from_enu.TargetOriginInSource().head<2>());
-  }
+  const std::vector<Vector2d> cameras = JudgedCameras(map);
   double length_m = 0.0;
   for (const Vector2d& camera : cameras) length_m = std::max(length_m, (camera - cameras.front()).norm());
   std::vector<Vector2d> misses = positions.misses;

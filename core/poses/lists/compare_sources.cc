@@ -104,12 +104,10 @@ void DoubtByTime(const FlightLog& log, const std::vector<flight::Photo>& photos,
 std::optional<JudgedList> Judge(const FlightLog& log, const std::vector<flight::Photo>& photos,
                                 const NamedPhotos& named, const OwnRecords& own) {
   JudgedList judged;
-  WrittenList list{.system = log.written_system,
-                   .order_is_named = log.written_order_is_named,
-                   .order_is_assumed = log.written_order_is_assumed,
-                   .is_one_of_photos = true,
-                   .rows = {},
-                   .others = {}};
+  WrittenList list;
+  list.system = log.written_system;
+  list.order_is_named = log.written_order_is_named;
+  list.order_is_assumed = log.written_order_is_assumed;
   OwnPlaces places{.of_row = {}, .of_flight = own.anywhere, .is_stale = own.is_stale};
   std::size_t rows = 0;
   const std::vector<NamedPhotos::Found> found = named.FindAll(log);
@@ -236,12 +234,9 @@ OwnPlaces PlacesAround(const flight::GcpList& list, const MarkedPhotosFound& fou
 std::optional<flight::GcpList> JudgedControl(flight::GcpList list, const NamedPhotos& named,
                                              const OwnRecords& own, Flight& flight) {
   const MarkedPhotosFound found = FindMarkedPhotos(flight.photos, named, list);
-  WrittenList written{.system = list.reference_system,
-                      .order_is_named = false,
-                      .order_is_assumed = false,
-                      .is_one_of_photos = false,
-                      .rows = {},
-                      .others = {}};
+  WrittenList written;
+  written.system = list.reference_system;
+  written.is_one_of_photos = false;
   for (const flight::GcpPoint& point : list.points) written.rows.push_back({point.x, point.y});
   const ListVerdict verdict = JudgeList(written, PlacesAround(list, found, own));
   ListUse use = UseOf(verdict, own);

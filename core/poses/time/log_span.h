@@ -4,9 +4,20 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
+#include "core/base/median.h"
+
 namespace skyquilt::poses {
+
+// The median interval of samples; 0 of fewer than two.
+template <typename Sample>
+double UsualIntervalS(const std::vector<Sample>& samples) {
+  std::vector<double> intervals_s;
+  for (std::size_t i = 1; i < samples.size(); ++i) intervals_s.push_back(samples[i].t_s - samples[i - 1].t_s);
+  return MedianIfAny(std::move(intervals_s)).value_or(0.0);
+}
 
 struct LogSpan {
   double begin_s = std::numeric_limits<double>::infinity();

@@ -102,12 +102,7 @@ CameraEvent EventOf(const CsvRow& row, AttitudeKind kind) {
   event.height_amsl_m = row[M::kHeightAmsl];
   event.height_above_takeoff_m = row[M::kHeightAboveTakeoff];
   TakeAngles(row, kind, event);
-  const auto horizontal = row[M::kSigmaHorizontal];
-  if (horizontal && *horizontal > 0.0) {
-    const double vertical = row[M::kSigmaVertical].value_or(0.0);
-    event.sigma_in_ned_m =
-        Eigen::Vector3d(*horizontal, *horizontal, vertical > 0.0 ? vertical : 2.0 * *horizontal);
-  }
+  event.sigma_in_ned_m = SigmaInNedM(row[M::kSigmaHorizontal], row[M::kSigmaVertical]);
   event.sigma_tilt_rad = row[M::kSigmaTilt];
   event.sigma_yaw_rad = row[M::kSigmaYaw];
   return event;

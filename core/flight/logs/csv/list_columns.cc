@@ -109,17 +109,14 @@ bool MapByNamesOfLists(const NameAndUnit& name, CsvColumn& column) {
 // "Accuracy_X_(m)", "acc", "sigma h": of angles they are not read.
 void MapAccuracy(const NameAndUnit& name, bool has_horizontal, CsvColumn& column) {
   std::string_view of = name.letters;
-  if (of.starts_with("accuracy")) {
-    of.remove_prefix(std::string_view("accuracy").size());
-  } else if (of.starts_with("acc")) {
-    of.remove_prefix(std::string_view("acc").size());
-  } else if (of.starts_with("sigma")) {
-    of.remove_prefix(std::string_view("sigma").size());
-  } else if (of.ends_with("accuracy")) {
-    of.remove_suffix(std::string_view("accuracy").size());
-  } else {
-    return;
-  }
+  constexpr std::array<std::string_view, 3> kBegin = {"accuracy", "acc", "sigma"};
+  const auto begin =
+      std::find_if(kBegin.begin(), kBegin.end(), [&](std::string_view word) { return of.starts_with(word); });
+  if (begin == kBegin.end() && !of.ends_with(kBegin.front())) return;
+  if (begin == kBegin.end())
+    of.remove_suffix(kBegin.front().size());
+  else
+    of.remove_prefix(begin->size());
   constexpr std::array<std::string_view, 14> kHorizontal = {
       "h",  "hor", "horz", "horiz",    "horizontal", "x",    "y",
       "xy", "lat", "lon",  "latitude", "longitude",  "east", "north"};
