@@ -11,6 +11,7 @@
 #include "core/poses/conventions/attitude_convention.h"
 #include "core/poses/photo_rows.h"
 #include "core/poses/time/join_logs.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::poses {
 namespace {
@@ -19,6 +20,7 @@ using flight::CameraEvent;
 using flight::Flight;
 using flight::FlightLog;
 using flight::Photo;
+using test::ValueOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 
@@ -93,14 +95,13 @@ TEST(EstimatePoses, PlacesPhotosWithoutGpsByALogsTrack) {
   Flight flight;
   flight.photos = PhotosEvery2s(10);
   flight.logs = {Track(0.0, 60.0)};
-  const auto posed = Estimate(flight);
-  ASSERT_TRUE(posed.ok()) << posed.error().message;
-  ASSERT_EQ(posed->photos.size(), 10u);
-  EXPECT_EQ(posed->report.photos_by_log, 10);
+  const auto posed = ValueOf(Estimate(flight));
+  ASSERT_EQ(posed.photos.size(), 10u);
+  EXPECT_EQ(posed.report.photos_by_log, 10);
   for (int k = 0; k < 10; ++k) {
-    const PosedPhoto& photo = posed->photos[static_cast<std::size_t>(k)];
+    const PosedPhoto& photo = posed.photos[static_cast<std::size_t>(k)];
     // Clocks as they stand: the camera's is held for good to two seconds, and the radius says so.
-    EXPECT_LT(OffM(*posed, photo, TimeOf(k)), 1.0);
+    EXPECT_LT(OffM(posed, photo, TimeOf(k)), 1.0);
     EXPECT_GT(photo.error_radius_m, 8.0);
     EXPECT_NEAR(photo.clock_sigma_s, 2.0, 0.1);
     EXPECT_EQ(photo.position_source, "track.log");
@@ -151,12 +152,11 @@ TEST(EstimatePoses, TiesPhotosToCameraEventsHoweverWrongTheClock) {
     log.events.push_back(event);
   }
   flight.logs = {log};
-  const auto posed = Estimate(flight);
-  ASSERT_TRUE(posed.ok());
-  ASSERT_EQ(posed->photos.size(), 10u);
-  EXPECT_NEAR(*posed->report.camera_ahead_of_utc_s, 3607.3, 0.02);
-  EXPECT_LT(OffM(*posed, posed->photos[9], TimeOf(9)), 0.5);
-  EXPECT_LT(posed->photos[9].error_radius_m, 6.0);
+  const auto posed = ValueOf(Estimate(flight));
+  ASSERT_EQ(posed.photos.size(), 10u);
+  EXPECT_NEAR(*posed.report.camera_ahead_of_utc_s, 3607.3, 0.02);
+  EXPECT_LT(OffM(posed, posed.photos[9], TimeOf(9)), 0.5);
+  EXPECT_LT(posed.photos[9].error_radius_m, 6.0);
 }
 
 TEST(EstimatePoses, LeavesALogOfAnotherFlightAlone) {
@@ -168,12 +168,11 @@ TEST(EstimatePoses, LeavesALogOfAnotherFlightAlone) {
     StandAt({kField.lat_deg + 0.1 + 1e-4 * k, kField.lon_deg}, photo);  // 11 km from the log
   }
   flight.logs = {Track(0.0, 60.0)};
-  const auto posed = Estimate(flight);
-  ASSERT_TRUE(posed.ok());
-  EXPECT_EQ(posed->report.photos_by_log, 0);
-  EXPECT_EQ(posed->report.photos_by_records, 10);
-  EXPECT_THAT(InWords(posed->warnings), Contains(HasSubstr("track.log")));
-  EXPECT_THAT(posed->report.logs, Contains("track.log (test): no photo is placed by it"));
+  const auto posed = ValueOf(Estimate(flight));
+  EXPECT_EQ(posed.report.photos_by_log, 0);
+  EXPECT_EQ(posed.report.photos_by_records, 10);
+  EXPECT_THAT(InWords(posed.warnings), Contains(HasSubstr("track.log")));
+  EXPECT_THAT(posed.report.logs, Contains("track.log (test): no photo is placed by it"));
 }
 
 TEST(EstimatePoses, LeavesOutPhotosOutsideTheLogThatHaveNoPositionOfTheirOwn) {
@@ -181,12 +180,11 @@ TEST(EstimatePoses, LeavesOutPhotosOutsideTheLogThatHaveNoPositionOfTheirOwn) {
   flight.photos = PhotosEvery2s(10);
   StandAt(TruePlaceAt(TimeOf(9)), flight.photos[9]);
   flight.logs = {Track(0.0, 30.0)};
-  const auto posed = Estimate(flight);
-  ASSERT_TRUE(posed.ok());
-  EXPECT_EQ(posed->report.photos_by_log, 5);
-  EXPECT_EQ(posed->report.photos_by_records, 1);
-  ASSERT_EQ(posed->left_out.size(), 4u);
-  EXPECT_THAT(InWords(posed->left_out[0].reason), HasSubstr("does not cover"));
+  const auto posed = ValueOf(Estimate(flight));
+  EXPECT_EQ(posed.report.photos_by_log, 5);
+  EXPECT_EQ(posed.report.photos_by_records, 1);
+  ASSERT_EQ(posed.left_out.size(), 4u);
+  EXPECT_THAT(InWords(posed.left_out[0].reason), HasSubstr("does not cover"));
 }
 
 TEST(EstimatePoses, TakesPositionsFromAListThatNamesThePhotos) {
@@ -206,11 +204,10 @@ TEST(EstimatePoses, TakesPositionsFromAListThatNamesThePhotos) {
     list.events.push_back(row);
   }
   flight.logs = {list};
-  const auto posed = Estimate(flight);
-  ASSERT_TRUE(posed.ok());
-  ASSERT_EQ(posed->photos.size(), 3u);
-  EXPECT_EQ(posed->photos[0].position_source, "geo.txt");
-  EXPECT_THAT(posed->report.logs, Contains(HasSubstr("names 3 of 3 photos")));
+  const auto posed = ValueOf(Estimate(flight));
+  ASSERT_EQ(posed.photos.size(), 3u);
+  EXPECT_EQ(posed.photos[0].position_source, "geo.txt");
+  EXPECT_THAT(posed.report.logs, Contains(HasSubstr("names 3 of 3 photos")));
 }
 
 // A row a photo, of angles alone.
@@ -278,18 +275,17 @@ TEST(EstimatePoses, KnowsNeighboursBetterAgainstEachOtherThanAgainstTheGround) {
   Flight flight;
   flight.photos = PhotosEvery2s(4);
   for (int k = 0; k < 4; ++k) StandAt(TruePlaceAt(TimeOf(k)), flight.photos[static_cast<std::size_t>(k)]);
-  const auto posed = Estimate(flight);
-  ASSERT_TRUE(posed.ok());
-  for (std::size_t k = 0; k + 1 < posed->photos.size(); ++k) {
-    const Matrix6d& cross = posed->photos[k].covariance_with_next;
-    const Matrix6d own = posed->photos[k].covariance;
-    const Matrix6d difference = own + posed->photos[k + 1].covariance - cross - cross.transpose();
+  const auto posed = ValueOf(Estimate(flight));
+  for (std::size_t k = 0; k + 1 < posed.photos.size(); ++k) {
+    const Matrix6d& cross = posed.photos.at(k).covariance_with_next;
+    const Matrix6d own = posed.photos.at(k).covariance;
+    const Matrix6d difference = own + posed.photos.at(k + 1).covariance - cross - cross.transpose();
     for (int i = 0; i < 6; ++i) {
       EXPECT_GT(difference(i, i), 0.0);
       EXPECT_LT(difference(i, i), (i < 3 ? 0.3 : 0.15) * own(i, i)) << i;
     }
   }
-  EXPECT_EQ(posed->photos.back().covariance_with_next, Matrix6d::Zero());
+  EXPECT_EQ(posed.photos.back().covariance_with_next, Matrix6d::Zero());
 }
 
 // 16 m apart with the usual three quarters of overlap: 78 m up.
@@ -305,14 +301,13 @@ TEST(EstimatePoses, GuessesTheHeightFromTheSpacingWhereNothingSaysIt) {
     if (has_absolute_heights) {
       for (Photo& photo : flight.photos) photo.position->height_amsl_m = 512.0;
     }
-    const auto posed = EstimatePoses(flight, {});
-    ASSERT_TRUE(posed.ok()) << posed.error().message;
-    ASSERT_EQ(posed->photos.size(), 6u);
-    for (const PosedPhoto& photo : posed->photos) {
+    const auto posed = ValueOf(EstimatePoses(flight, {}));
+    ASSERT_EQ(posed.photos.size(), 6u);
+    for (const PosedPhoto& photo : posed.photos) {
       EXPECT_NEAR(photo.height_above_ground_m, 78.2, 0.5);
-      EXPECT_NEAR(photo.cam_from_enu.TargetOriginInSource().z() - posed->ground_z_in_enu_m, 78.2, 0.5);
+      EXPECT_NEAR(photo.cam_from_enu.TargetOriginInSource().z() - posed.ground_z_in_enu_m, 78.2, 0.5);
     }
-    EXPECT_THAT(InWords(AssumptionsByPoses(posed->assumptions)), Contains(HasSubstr("78 m is assumed")));
+    EXPECT_THAT(InWords(AssumptionsByPoses(posed.assumptions)), Contains(HasSubstr("78 m is assumed")));
   }
 }
 
@@ -326,13 +321,12 @@ TEST(EstimatePoses, TakesSurveyedHeightsAgainstEachOtherAndTheBarometerForTheirZ
     position.is_rtk_fixed = true;
     position.height_above_takeoff_m = 60.0 + 0.1 * k + (k % 2 == 0 ? 0.4 : -0.4);  // a barometer's wander
   }
-  const auto posed = Estimate(flight);
-  ASSERT_TRUE(posed.ok());
+  const auto posed = ValueOf(Estimate(flight));
   for (std::size_t k = 1; k < 5; ++k) {
-    EXPECT_NEAR(posed->photos[k].height_above_ground_m - posed->photos[0].height_above_ground_m,
+    EXPECT_NEAR(posed.photos.at(k).height_above_ground_m - posed.photos.at(0).height_above_ground_m,
                 0.1 * static_cast<double>(k), 0.01);
   }
-  EXPECT_NEAR(posed->photos[0].height_above_ground_m, 60.0, 0.5);
+  EXPECT_NEAR(posed.photos.at(0).height_above_ground_m, 60.0, 0.5);
 }
 
 TEST(EstimatePoses, SaysWhatToDoWhereNothingPlacesThePhotos) {
@@ -361,19 +355,17 @@ TEST(EstimatePoses, HandsOnPhotosThatNoMapCanBeDrawnWithWhereTheyWereRecorded) {
     if (k == 3) flight.photos[k].position->height_above_takeoff_m = 6000.0;
   }
   EstimatePosesOptions options;
-  const Result<PosedFlight> refused = EstimatePoses(flight, options);
-  ASSERT_TRUE(refused.ok());
-  EXPECT_EQ(refused->photos.size(), 6U);
-  EXPECT_TRUE(refused->unplaced.empty());
+  const auto refused = ValueOf(EstimatePoses(flight, options));
+  EXPECT_EQ(refused.photos.size(), 6U);
+  EXPECT_TRUE(refused.unplaced.empty());
   options.keep_unplaced = true;
-  const Result<PosedFlight> posed = EstimatePoses(flight, options);
-  ASSERT_TRUE(posed.ok());
-  EXPECT_EQ(posed->photos.size(), 6U);
-  ASSERT_EQ(posed->unplaced.size(), 2U);
-  EXPECT_EQ(posed->unplaced[0].name + ", " + posed->unplaced[1].name, "IMG_5.JPG, IMG_3.JPG");
-  ASSERT_EQ(posed->left_out.size(), 2U);
-  EXPECT_THAT(InWords(posed->left_out[1].reason), HasSubstr("km away"));
-  EXPECT_THAT(InWords(posed->left_out[0].reason), HasSubstr("times as much ground"));
+  const auto posed = ValueOf(EstimatePoses(flight, options));
+  EXPECT_EQ(posed.photos.size(), 6U);
+  ASSERT_EQ(posed.unplaced.size(), 2U);
+  EXPECT_EQ(posed.unplaced[0].name + ", " + posed.unplaced[1].name, "IMG_5.JPG, IMG_3.JPG");
+  ASSERT_EQ(posed.left_out.size(), 2U);
+  EXPECT_THAT(InWords(posed.left_out[1].reason), HasSubstr("km away"));
+  EXPECT_THAT(InWords(posed.left_out[0].reason), HasSubstr("times as much ground"));
 }
 
 TEST(EstimatePoses, CountsHeightsFromTheElevationModel) {
@@ -383,14 +375,14 @@ TEST(EstimatePoses, CountsHeightsFromTheElevationModel) {
   const Slope dem;
   EstimatePosesOptions options;
   options.dem = &dem;
-  const auto posed = Estimate(flight, options);
-  ASSERT_TRUE(posed.ok());
+  const auto posed = ValueOf(Estimate(flight, options));
   for (int k = 0; k < 10; ++k) {
     const double t = TimeOf(k);
-    EXPECT_NEAR(posed->photos[static_cast<std::size_t>(k)].height_above_ground_m, 60.0 - 0.05 * 8.0 * t, 0.6);
+    EXPECT_NEAR(posed.photos.at(static_cast<std::size_t>(k)).height_above_ground_m, 60.0 - 0.05 * 8.0 * t,
+                0.6);
   }
-  EXPECT_NEAR(posed->ground_z_in_enu_m, 0.05 * 8.0 * 30.0, 3.0);
-  EXPECT_THAT(posed->report.height_rule, HasSubstr("elevation model"));
+  EXPECT_NEAR(posed.ground_z_in_enu_m, 0.05 * 8.0 * 30.0, 3.0);
+  EXPECT_THAT(posed.report.height_rule, HasSubstr("elevation model"));
 }
 
 TEST(EstimatePoses, TakesAbsoluteHeightsOverTheElevationModelWhereNoneIsRelative) {
@@ -405,9 +397,8 @@ TEST(EstimatePoses, TakesAbsoluteHeightsOverTheElevationModelWhereNoneIsRelative
   const Slope dem;
   EstimatePosesOptions options;
   options.dem = &dem;
-  const auto posed = Estimate(flight, options);
-  ASSERT_TRUE(posed.ok());
-  EXPECT_NEAR(posed->photos[0].height_above_ground_m, 70.0, 0.5);
+  const auto posed = ValueOf(Estimate(flight, options));
+  EXPECT_NEAR(posed.photos.at(0).height_above_ground_m, 70.0, 0.5);
 }
 
 TEST(JoinLogs, LaysLogsOnOneClockAndFillsWhatTheLeaderLacks) {
