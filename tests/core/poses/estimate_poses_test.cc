@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include "core/flight/remarks/remark_words.h"
 #include "core/geo/geoid.h"
@@ -83,6 +84,13 @@ flight::RecordedPosition& StandAt(const geo::LatLon& place, Photo& photo) {
 
 geo::LatLon TruePlaceAt(double t_s) { return {TrueAt(t_s).lat_deg, TrueAt(t_s).lon_deg}; }
 
+Flight FlightOf(std::vector<Photo> photos, std::vector<FlightLog> logs = {}) {
+  Flight flight;
+  flight.photos = std::move(photos);
+  flight.logs = std::move(logs);
+  return flight;
+}
+
 Result<PosedFlight> Estimate(const Flight& flight, const EstimatePosesOptions& options = {}) {
   return EstimatePoses(flight, options);
 }
@@ -92,9 +100,7 @@ double OffM(const PosedFlight& posed, const PosedPhoto& photo, double t_s) {
 }
 
 TEST(EstimatePoses, PlacesPhotosWithoutGpsByALogsTrack) {
-  Flight flight;
-  flight.photos = PhotosEvery2s(10);
-  flight.logs = {Track(0.0, 60.0)};
+  Flight flight = FlightOf(PhotosEvery2s(10), {Track(0.0, 60.0)});
   const auto posed = ValueOf(Estimate(flight));
   ASSERT_EQ(posed.photos.size(), 10u);
   EXPECT_EQ(posed.report.photos_by_log, 10);
@@ -110,8 +116,7 @@ TEST(EstimatePoses, PlacesPhotosWithoutGpsByALogsTrack) {
 }
 
 TEST(EstimatePoses, TakesASparseTrackToHoldForHalfOfItsInterval) {
-  Flight flight;
-  flight.photos = PhotosEvery2s(10);
+  Flight flight = FlightOf(PhotosEvery2s(10));
   FlightLog log = Track(0.0, 60.0);
   log.baro.clear();
   log.attitude.clear();
@@ -125,9 +130,7 @@ TEST(EstimatePoses, TakesASparseTrackToHoldForHalfOfItsInterval) {
 }
 
 TEST(EstimatePoses, TellsWhatCameOfALogAndHowItAgreesWithThePhotos) {
-  Flight flight;
-  flight.photos = PhotosEvery2s(10);
-  flight.logs = {Track(0.0, 60.0)};
+  Flight flight = FlightOf(PhotosEvery2s(10), {Track(0.0, 60.0)});
   EXPECT_THAT(Estimate(flight)->report.logs,
               Contains("track.log (test): 10 of 10 photos placed by its series"));
   for (int k = 0; k < 10; ++k) {
@@ -143,8 +146,7 @@ TEST(EstimatePoses, TellsWhatCameOfALogAndHowItAgreesWithThePhotos) {
 }
 
 TEST(EstimatePoses, TiesPhotosToCameraEventsHoweverWrongTheClock) {
-  Flight flight;
-  flight.photos = PhotosEvery2s(10, 3607.3);
+  Flight flight = FlightOf(PhotosEvery2s(10, 3607.3));
   FlightLog log = Track(0.0, 60.0);
   for (const Photo& photo : PhotosEvery2s(10)) {
     CameraEvent event;
@@ -160,8 +162,7 @@ TEST(EstimatePoses, TiesPhotosToCameraEventsHoweverWrongTheClock) {
 }
 
 TEST(EstimatePoses, LeavesALogOfAnotherFlightAlone) {
-  Flight flight;
-  flight.photos = PhotosEvery2s(10);
+  Flight flight = FlightOf(PhotosEvery2s(10));
   for (int k = 0; k < 10; ++k) {
     Photo& photo = flight.photos[static_cast<std::size_t>(k)];
     photo.captured_at_is_local = true;
@@ -176,8 +177,7 @@ TEST(EstimatePoses, LeavesALogOfAnotherFlightAlone) {
 }
 
 TEST(EstimatePoses, LeavesOutPhotosOutsideTheLogThatHaveNoPositionOfTheirOwn) {
-  Flight flight;
-  flight.photos = PhotosEvery2s(10);
+  Flight flight = FlightOf(PhotosEvery2s(10));
   StandAt(TruePlaceAt(TimeOf(9)), flight.photos[9]);
   flight.logs = {Track(0.0, 30.0)};
   const auto posed = ValueOf(Estimate(flight));
@@ -188,8 +188,7 @@ TEST(EstimatePoses, LeavesOutPhotosOutsideTheLogThatHaveNoPositionOfTheirOwn) {
 }
 
 TEST(EstimatePoses, TakesPositionsFromAListThatNamesThePhotos) {
-  Flight flight;
-  flight.photos = PhotosEvery2s(3);
+  Flight flight = FlightOf(PhotosEvery2s(3));
   FlightLog list;
   list.format = "geo_txt";
   list.file_name = "geo.txt";
@@ -272,8 +271,7 @@ TEST(ApplyPhotoRows, AsksForFoldersWhereTwoCardsShareTheirNames) {
 }
 
 TEST(EstimatePoses, KnowsNeighboursBetterAgainstEachOtherThanAgainstTheGround) {
-  Flight flight;
-  flight.photos = PhotosEvery2s(4);
+  Flight flight = FlightOf(PhotosEvery2s(4));
   for (int k = 0; k < 4; ++k) StandAt(TruePlaceAt(TimeOf(k)), flight.photos[static_cast<std::size_t>(k)]);
   const auto posed = ValueOf(Estimate(flight));
   for (std::size_t k = 0; k + 1 < posed.photos.size(); ++k) {
@@ -290,8 +288,7 @@ TEST(EstimatePoses, KnowsNeighboursBetterAgainstEachOtherThanAgainstTheGround) {
 
 // 16 m apart with the usual three quarters of overlap: 78 m up.
 TEST(EstimatePoses, GuessesTheHeightFromTheSpacingWhereNothingSaysIt) {
-  Flight flight;
-  flight.photos = PhotosEvery2s(6);
+  Flight flight = FlightOf(PhotosEvery2s(6));
   for (std::size_t i = 0; i < flight.photos.size(); ++i) {
     const geo::Wgs84 at = TrueAt(2.0 * static_cast<double>(i));
     flight::RecordedPosition& position = flight.photos[i].position.emplace();
@@ -312,8 +309,7 @@ TEST(EstimatePoses, GuessesTheHeightFromTheSpacingWhereNothingSaysIt) {
 }
 
 TEST(EstimatePoses, TakesSurveyedHeightsAgainstEachOtherAndTheBarometerForTheirZero) {
-  Flight flight;
-  flight.photos = PhotosEvery2s(5);
+  Flight flight = FlightOf(PhotosEvery2s(5));
   for (int k = 0; k < 5; ++k) {
     Photo& photo = flight.photos[static_cast<std::size_t>(k)];
     flight::RecordedPosition& position = StandAt({kField.lat_deg + 1e-4 * k, kField.lon_deg}, photo);
@@ -330,8 +326,7 @@ TEST(EstimatePoses, TakesSurveyedHeightsAgainstEachOtherAndTheBarometerForTheirZ
 }
 
 TEST(EstimatePoses, SaysWhatToDoWhereNothingPlacesThePhotos) {
-  Flight flight;
-  flight.photos = PhotosEvery2s(3);
+  Flight flight = FlightOf(PhotosEvery2s(3));
   const auto posed = Estimate(flight);
   ASSERT_FALSE(posed.ok());
   EXPECT_THAT(posed.error().message, HasSubstr("flight log"));
@@ -347,8 +342,7 @@ class Slope final : public geo::DemSource {
 
 // What such photos show may place them all the same.
 TEST(EstimatePoses, HandsOnPhotosThatNoMapCanBeDrawnWithWhereTheyWereRecorded) {
-  Flight flight;
-  flight.photos = PhotosEvery2s(8);
+  Flight flight = FlightOf(PhotosEvery2s(8));
   for (std::size_t k = 0; k < flight.photos.size(); ++k) {
     const geo::LatLon at = TruePlaceAt(TimeOf(static_cast<int>(k)));
     StandAt({k == 5 ? -at.lat_deg : at.lat_deg, at.lon_deg}, flight.photos[k]);
@@ -369,9 +363,7 @@ TEST(EstimatePoses, HandsOnPhotosThatNoMapCanBeDrawnWithWhereTheyWereRecorded) {
 }
 
 TEST(EstimatePoses, CountsHeightsFromTheElevationModel) {
-  Flight flight;
-  flight.photos = PhotosEvery2s(10);
-  flight.logs = {Track(0.0, 60.0)};
+  Flight flight = FlightOf(PhotosEvery2s(10), {Track(0.0, 60.0)});
   const Slope dem;
   EstimatePosesOptions options;
   options.dem = &dem;
@@ -386,8 +378,7 @@ TEST(EstimatePoses, CountsHeightsFromTheElevationModel) {
 }
 
 TEST(EstimatePoses, TakesAbsoluteHeightsOverTheElevationModelWhereNoneIsRelative) {
-  Flight flight;
-  flight.photos = PhotosEvery2s(4);
+  Flight flight = FlightOf(PhotosEvery2s(4));
   for (int k = 0; k < 4; ++k) {
     Photo& photo = flight.photos[static_cast<std::size_t>(k)];
     photo.position.emplace();
@@ -440,8 +431,7 @@ TEST(JoinLogs, RefusesLogsWhoseClocksCannotBeCompared) {
 }
 
 TEST(EstimatePoses, NamesWhatWasLeftOutBeforeWhereTheRestHasNoPlace) {
-  Flight flight;
-  flight.photos = PhotosEvery2s(5);
+  Flight flight = FlightOf(PhotosEvery2s(5));
   for (int k = 0; k < 95; ++k)
     flight.left_out.push_back({"PANO_" + std::to_string(k), ErrorCode::kUnprocessable, "A panorama."});
   const auto posed = Estimate(flight);
@@ -452,13 +442,10 @@ TEST(EstimatePoses, NamesWhatWasLeftOutBeforeWhereTheRestHasNoPlace) {
 }
 
 TEST(EstimatePoses, HangsTheFlightOnAGivenTakeoffHeight) {
-  Flight by_records;
-  by_records.photos = PhotosEvery2s(6);
+  Flight by_records = FlightOf(PhotosEvery2s(6));
   for (int k = 0; k < 6; ++k)
     StandAt({kField.lat_deg, kField.lon_deg + 1e-4 * k}, by_records.photos[static_cast<std::size_t>(k)]);
-  Flight by_log;
-  by_log.photos = PhotosEvery2s(6);
-  by_log.logs = {Track(0.0, 60.0)};
+  Flight by_log = FlightOf(PhotosEvery2s(6), {Track(0.0, 60.0)});
   EstimatePosesOptions options;
   options.takeoff_height_amsl_m = 512.0;
   for (const Flight& flight : {by_records, by_log}) {
