@@ -214,29 +214,16 @@ Result<FlightLog> ParseFlightCsv(std::string_view name, LogBytes bytes, const Co
   CsvClockRule rule;
   rule.has_time_column = HasColumn(columns, M::kTime);
   CsvSampler sampler(builder, rule, false, HasColumn(columns, M::kHeightAboveTakeoff));
-  std::string_view line;
-  std::uint64_t rows = 0;
-  std::uint64_t bad = 0;
-  UnreadCells unread;
-  ConsumedSteps steps(consumed);
-  while (lines.Next(line)) {
-    steps.At(lines.offset());
-    if (IsBlankOrComment(line)) continue;
-    SplitFields(line, ',', cells);
-    if (sampler.Take(ReadCsvRow(columns, cells, &unread, lines.line_number())))
-      ++rows;
-    else
-      ++bad;
-  }
-  if (rows == 0) {
+  const SampledRows sampled = SampleRows(columns, ',', lines, consumed, sampler);
+  if (sampled.rows == 0)
     return Because(ErrorCode::kCorrupt, {RemarkCode::kFileWithoutTimes, {{"file", name}}});
-  }
   if (!HasColumn(columns, M::kHeightAboveTakeoff)) builder.BaroStartsAtZero();
   sampler.Finish();
-  builder.Count("row", rows);
+  builder.Count("row", sampled.rows);
   builder.log().mapping = DescribeColumns(columns);
-  unread.Tell(columns, builder);
-  if (bad > 0) builder.Warn({RemarkCode::kRowsWithoutTime, {{"rows", bad}}});
+  sampled.unread.Tell(columns, builder);
+  if (sampled.without_time > 0)
+    builder.Warn({RemarkCode::kRowsWithoutTime, {{"rows", sampled.without_time}}});
   return std::move(builder).Finish();
 }
 
