@@ -21,6 +21,7 @@ namespace skyquilt::flight {
 namespace {
 
 namespace fs = std::filesystem;
+using test::ErrorOf;
 using test::ValueOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
@@ -250,15 +251,11 @@ TEST(ReadFlight, StopsWhenCancelled) {
     void Report(double, std::string_view) override {}
     bool IsCancelled() const override { return true; }
   } progress;
-  const auto flight = ReadFlight({{"a.jpg", "/nonexistent/a.jpg"}}, 0, progress);
-  ASSERT_FALSE(flight.ok());
-  EXPECT_EQ(flight.error().code, ErrorCode::kCancelled);
+  EXPECT_EQ(ErrorOf(ReadFlight({{"a.jpg", "/nonexistent/a.jpg"}}, 0, progress)).code, ErrorCode::kCancelled);
 }
 
 TEST(ListInputFiles, NamesWhatIsMissingAndTakesEachFileOnce) {
-  const auto missing = ListInputFiles({"/nonexistent/folder"});
-  ASSERT_FALSE(missing.ok());
-  EXPECT_THAT(missing.error().message, HasSubstr("/nonexistent/folder"));
+  EXPECT_THAT(ErrorOf(ListInputFiles({"/nonexistent/folder"})).message, HasSubstr("/nonexistent/folder"));
   const Folder folder;
   folder.Write("a.jpg", PhotoAt(1.0, ""));
   const auto twice = ValueOf(ListInputFiles({folder.path(), folder.path() / "a.jpg"}));

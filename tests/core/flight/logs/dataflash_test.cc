@@ -17,6 +17,7 @@ namespace skyquilt::flight {
 namespace {
 
 using geo::DegToRad;
+using test::ErrorOf;
 using test::ValueOf;
 using testing::Bytes;
 using testing::DataflashWriter;
@@ -259,16 +260,13 @@ TEST(ParseDataflashText, TakesTheLastOfTwoLayoutsOfOneType) {
 }
 
 TEST(ParseDataflashText, RefusesLayoutsWithoutMessages) {
-  const auto log = ParseLog("flight.log", BytesOf("FMT, 6, 15, BARO, Qf, TimeUS,Alt\n"));
-  ASSERT_FALSE(log.ok());
-  EXPECT_EQ(log.error().code, ErrorCode::kCorrupt);
+  const Error log = ErrorOf(ParseLog("flight.log", BytesOf("FMT, 6, 15, BARO, Qf, TimeUS,Alt\n")));
+  EXPECT_EQ(log.code, ErrorCode::kCorrupt);
 }
 
 TEST(ParseDataflash, RefusesALogWithoutMessages) {
   DataflashWriter w;
-  const auto log = ParseDataflash("empty.bin", w.bytes());
-  ASSERT_FALSE(log.ok());
-  EXPECT_EQ(log.error().code, ErrorCode::kCorrupt);
+  EXPECT_EQ(ErrorOf(ParseDataflash("empty.bin", w.bytes())).code, ErrorCode::kCorrupt);
 }
 
 }  // namespace

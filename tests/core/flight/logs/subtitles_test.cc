@@ -10,6 +10,7 @@
 namespace skyquilt::flight {
 namespace {
 
+using test::ErrorOf;
 using test::ValueOf;
 using ::testing::HasSubstr;
 
@@ -103,11 +104,10 @@ TEST(ParseAss, TakesTheOrderOfFieldsFromTheFormatLine) {
 }
 
 TEST(ParseAss, QuotesWhatHoldsNoPosition) {
-  const auto none =
-      ParseAss("a.ass", BytesOf(AssFile("Dialogue: 0,0:00:01.50,0:00:02.00,D,,0,0,0,,Hello\\Nthere\n")));
-  ASSERT_FALSE(none.ok());
-  EXPECT_EQ(none.error().code, ErrorCode::kNoPosition);
-  EXPECT_THAT(none.error().message, HasSubstr("\"Hello?there\""));
+  const Error none = ErrorOf(
+      ParseAss("a.ass", BytesOf(AssFile("Dialogue: 0,0:00:01.50,0:00:02.00,D,,0,0,0,,Hello\\Nthere\n"))));
+  EXPECT_EQ(none.code, ErrorCode::kNoPosition);
+  EXPECT_THAT(none.message, HasSubstr("\"Hello?there\""));
   EXPECT_EQ(ParseAss("a.ass", BytesOf(AssFile(""))).error().code, ErrorCode::kCorrupt);
 }
 

@@ -16,6 +16,7 @@ namespace skyquilt::flight {
 namespace {
 
 using geo::DegToRad;
+using test::ErrorOf;
 using test::ValueOf;
 
 TEST(ParseDjiMrk, ReadsExposuresWithTheirSequence) {
@@ -100,9 +101,7 @@ TEST(ParseDjiSrt, ReadsAirframeAndGimbalAngles) {
 }
 
 TEST(ParseDjiSrt, SaysWhenThereIsNoPosition) {
-  const auto log = ParseDjiSrt("e.srt", BytesOf(Srt("ISO:100 Shutter:60")));
-  ASSERT_FALSE(log.ok());
-  EXPECT_EQ(log.error().code, ErrorCode::kNoPosition);
+  EXPECT_EQ(ErrorOf(ParseDjiSrt("e.srt", BytesOf(Srt("ISO:100 Shutter:60")))).code, ErrorCode::kNoPosition);
   EXPECT_FALSE(ParseDjiSrt("f.srt", {}).ok());
 }
 
@@ -151,10 +150,9 @@ TEST(ParseRtklibPos, TakesHeightsTimesAndOriginsAsItsHeaderSays) {
       "%  GPST                 e-baseline(m)  n-baseline(m)  u-baseline(m)   Q  ns\n"
       "2005/04/02 00:00:00.000   12.34  -45.6  80.1  1  9\n";
   ASSERT_TRUE(LooksLikeRtklibPos(BytesOf(from_base)));
-  const auto refused = ParseRtklibPos("b.pos", BytesOf(from_base));
-  ASSERT_FALSE(refused.ok());
-  EXPECT_EQ(refused.error().code, ErrorCode::kUnprocessable);
-  EXPECT_NE(refused.error().message.find("metres from its base station"), std::string::npos);
+  const Error refused = ErrorOf(ParseRtklibPos("b.pos", BytesOf(from_base)));
+  EXPECT_EQ(refused.code, ErrorCode::kUnprocessable);
+  EXPECT_NE(refused.message.find("metres from its base station"), std::string::npos);
 }
 
 TEST(ParseGeoTxt, ReadsProjectedAndGeographicSystems) {
@@ -243,10 +241,9 @@ TEST(ParseGcpList, ReadsRowsBelowNamesOfColumnsHoweverTheyAreCut) {
 TEST(ParseGcpList, AsksForASystemThatIsMissingOrUnknown) {
   const std::string without = "576691.665 5188169.628 158.5 297.01 377.82 A.JPG gcp1\n";
   ASSERT_TRUE(LooksLikeGcpList(BytesOf(without)));
-  const auto refused = ParseGcpList("gcp_list.txt", BytesOf(without));
-  ASSERT_FALSE(refused.ok());
-  EXPECT_NE(refused.error().message.find("EPSG:32632"), std::string::npos) << refused.error().message;
-  EXPECT_EQ(WhyOf(refused.error()).code, RemarkCode::kPointsNameNoSystem);
+  const Error refused = ErrorOf(ParseGcpList("gcp_list.txt", BytesOf(without)));
+  EXPECT_NE(refused.message.find("EPSG:32632"), std::string::npos) << refused.message;
+  EXPECT_EQ(WhyOf(refused).code, RemarkCode::kPointsNameNoSystem);
   const auto written = ValueOf(ParseWrittenGcpList("gcp_list.txt", BytesOf(without)));
   EXPECT_FALSE(written.points.at(0).has_position);
   const std::string unknown = "EPSG:99999\n" + without;
@@ -318,10 +315,9 @@ TEST(ParseGeoTxt, KeepsWhatWasWrittenWhereItIsNoPlace) {
   const std::string bare = "a.jpg 576667.1 5188164.6 198.3\n";
   ASSERT_TRUE(LooksLikeGeoTxt(BytesOf(bare)));
   EXPECT_FALSE(ParseGeoTxt("geo.txt", BytesOf(bare))->events[0].position) << "no system is named";
-  const auto unknown = ParseGeoTxt("geo.txt", BytesOf("my own grid\na.jpg 1 2 3\n"));
-  ASSERT_FALSE(unknown.ok());
-  EXPECT_NE(unknown.error().message.find("\"my own grid\""), std::string::npos);
-  EXPECT_EQ(WhyOf(unknown.error()).code, RemarkCode::kSystemUnknown);
+  const Error unknown = ErrorOf(ParseGeoTxt("geo.txt", BytesOf("my own grid\na.jpg 1 2 3\n")));
+  EXPECT_NE(unknown.message.find("\"my own grid\""), std::string::npos);
+  EXPECT_EQ(WhyOf(unknown).code, RemarkCode::kSystemUnknown);
 }
 
 TEST(NamedPlaces, ReadsTheTwoCoordinatesOfPix4dAsItsHeaderNamesThem) {
