@@ -136,7 +136,6 @@ std::optional<JudgedList> Judge(const FlightLog& log, const std::vector<flight::
   judged.use.system = log.written_system;
   judged.use.order_is_named = log.written_order_is_named;
   judged.use.rows = rows;
-  judged.use.photos_named = judged.events.size();
   DoubtByTime(log, photos, own, judged);
   return judged;
 }

@@ -23,13 +23,16 @@ std::string PathInSmallLetters(std::string_view name) {
 
 std::string_view WithoutEnding(std::string_view name) { return name.substr(0, name.rfind('.')); }
 
+bool IsOneWord(std::string_view text) {
+  return std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isalnum(c) != 0; });
+}
+
 // "arw", not the "1_0018" of "field.1_0018".
 bool HasEndingOfFile(std::string_view name) {
   const std::size_t dot = name.rfind('.');
   if (dot == std::string_view::npos) return false;
   const std::string_view ending = name.substr(dot + 1);
-  return ending.size() >= kShortestEnding && ending.size() <= kLongestEnding &&
-         std::all_of(ending.begin(), ending.end(), [](unsigned char c) { return std::isalnum(c) != 0; });
+  return ending.size() >= kShortestEnding && ending.size() <= kLongestEnding && IsOneWord(ending);
 }
 
 std::string_view WithoutEndingOfFile(std::string_view name) {
@@ -41,10 +44,7 @@ std::string_view WithoutNumber(std::string_view stem) {
   const std::size_t bracket = stem.rfind('(');
   if (bracket == std::string_view::npos || bracket == 0 || !stem.ends_with(')')) return {};
   const std::string_view number = stem.substr(bracket + 1, stem.size() - bracket - 2);
-  if (number.empty() ||
-      !std::all_of(number.begin(), number.end(), [](unsigned char c) { return std::isalnum(c) != 0; }))
-    return {};
-  return flight::Trim(stem.substr(0, bracket));
+  return number.empty() || !IsOneWord(number) ? std::string_view() : flight::Trim(stem.substr(0, bracket));
 }
 
 // What a file of this name may have been called before folders were joined to its name or it was numbered,
