@@ -1,9 +1,8 @@
-// ValueOf, ErrorOf: what a result holds, for tests that need it; where it holds the other, an empty one and a
-// failure.
+// ValueOf, ErrorOf: what a result holds, for tests that need it; a result that holds the other fails the test
+// and ends it.
 #pragma once
 
-#include <gtest/gtest.h>
-
+#include <stdexcept>
 #include <utility>
 
 #include "core/base/result.h"
@@ -12,14 +11,14 @@ namespace skyquilt::test {
 
 template <typename Value>
 Value ValueOf(Result<Value> result) {
-  EXPECT_TRUE(result.ok()) << (result ? "" : result.error().message);
-  return result ? *std::move(result) : Value();
+  if (!result) throw std::runtime_error(result.error().message);
+  return *std::move(result);
 }
 
 template <typename Value>
 Error ErrorOf(const Result<Value>& result) {
-  EXPECT_FALSE(result.ok());
-  return result ? Error() : result.error();
+  if (result) throw std::runtime_error("a value where an error is expected");
+  return result.error();
 }
 
 }  // namespace skyquilt::test
