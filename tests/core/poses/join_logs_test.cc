@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <optional>
 #include <vector>
 
 #include "core/flight/remarks/remark_words.h"
@@ -57,9 +56,7 @@ FlightLog Triggers(double counter_s, double first_s = 20.0) {
 }
 
 JoinedLog Joined(const std::vector<FlightLog>& logs, const std::vector<flight::Photo>& photos = {}) {
-  const std::optional<JoinedLog> joined = JoinLogs(logs, photos);
-  EXPECT_TRUE(joined);
-  return joined.value_or(JoinedLog());
+  return JoinLogs(logs, photos).value();
 }
 
 TEST(JoinLogs, LaysTablesThatCountTheSameSecondsOnOneClock) {
