@@ -21,6 +21,9 @@ Value Median(std::vector<Value> values) {
   return *middle;
 }
 
+// Times the median of what values lie off their middle, their sigma where they are distributed normally.
+inline constexpr double kSigmaOfMedian = 1.4826;
+
 template <typename Value>
 std::optional<Value> MedianIfAny(std::vector<Value> values) {
   if (values.empty()) return std::nullopt;

@@ -33,6 +33,15 @@ struct RecordedPosition {
   std::string source;        // "xmp", "exif", "geo.txt", ...
 };
 
+// One sigma of a horizontal axis, assumed: of a receiver by itself (DJI and u-blox state it), and with fixed
+// corrections: base and antenna, and the moment of the exposure.
+inline constexpr double kPlainSigmaM = 1.5, kFixedSigmaM = 0.03;
+
+// As the position states it, else as assumed: for whoever weighs it.
+inline double SigmaOfRecordM(const RecordedPosition& position) {
+  return position.sigma_horizontal_m.value_or(position.is_rtk_fixed ? kFixedSigmaM : kPlainSigmaM);
+}
+
 enum class AttitudeKind {
   kGimbal,    // the camera's own angles
   kAirframe,  // the body's angles; the camera is fixed to it, looking down, image top forward unless told

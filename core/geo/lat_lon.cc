@@ -18,6 +18,12 @@ Result<LatLon> LatLon::Make(double lat_deg, double lon_deg) {
   return LatLon{lat_deg, lon_deg};
 }
 
+LatLon OnTheWay(const LatLon& from, const LatLon& to, double share) {
+  const double east_deg = std::remainder(to.lon_deg - from.lon_deg, 360.0);
+  return {from.lat_deg + share * (to.lat_deg - from.lat_deg),
+          std::remainder(from.lon_deg + share * east_deg, 360.0)};
+}
+
 Eigen::Vector3d EcefFromWgs84(const Wgs84& wgs84) {
   const double lat_rad = DegToRad(wgs84.lat_deg);
   const double lon_rad = DegToRad(wgs84.lon_deg);

@@ -28,6 +28,10 @@ struct LatLon {
   friend bool operator==(const LatLon&, const LatLon&) = default;
 };
 
+// `share` of the way from one to the other, the short way round the Earth; latitude and longitude grow
+// evenly.
+LatLon OnTheWay(const LatLon& from, const LatLon& to, double share);
+
 struct Wgs84 {
   double lat_deg = 0.0;
   double lon_deg = 0.0;

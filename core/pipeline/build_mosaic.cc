@@ -1,9 +1,10 @@
 #include "core/pipeline/build_mosaic.h"
 
-#include <algorithm>
 #include <fmt/core.h>
-#include <optional>
 #include <sys/resource.h>
+
+#include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "core/base/try.h"

@@ -66,8 +66,7 @@ CameraEvent Between(const CameraEvent& from, const CameraEvent& to, double share
   constexpr double kOffStraight = 0.2, kUnknownSigmaM = 3.0;
   CameraEvent event;
   const geo::LatLon &a = *from.position, &b = *to.position;
-  const double lon_deg = a.lon_deg + share * std::remainder(b.lon_deg - a.lon_deg, 360.0);
-  event.position = geo::LatLon{a.lat_deg + share * (b.lat_deg - a.lat_deg), std::remainder(lon_deg, 360.0)};
+  event.position = geo::OnTheWay(a, b, share);
   event.height_ellipsoid_m = Between(from.height_ellipsoid_m, to.height_ellipsoid_m, share);
   event.height_amsl_m = Between(from.height_amsl_m, to.height_amsl_m, share);
   event.height_above_takeoff_m = Between(from.height_above_takeoff_m, to.height_above_takeoff_m, share);

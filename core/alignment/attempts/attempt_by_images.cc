@@ -19,7 +19,6 @@
 #include "core/flight/remarks/because.h"
 #include "core/flight/remarks/remark_words.h"
 #include "core/poses/conventions/attitude_convention.h"
-#include "core/poses/evidence/common_error.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -97,7 +96,7 @@ PhotoRecord RecordOf(const poses::PosedPhoto& posed, bool is_unplaced, const geo
   const flight::RecordedPosition& position = *own;
   record.center_in_enu = frame.EnuFromWgs84(
       {position.position.lat_deg, position.position.lon_deg, frame.origin().height_ellipsoid_m});
-  const double sigma_m = poses::SigmaOfRecordM(position);
+  const double sigma_m = flight::SigmaOfRecordM(position);
   record.sigma_m = {sigma_m, sigma_m, std::numeric_limits<double>::infinity()};
   return record;
 }

@@ -11,11 +11,12 @@
 #include "core/alignment/scene/keypoints.h"
 #include "core/alignment/scene/photo_set.h"
 #include "core/flight/remarks/remark.h"
+#include "core/poses/evidence/common_error.h"
 
 namespace skyquilt::alignment {
 
 // A record further than this from where the images put its photo contradicts them.
-inline constexpr double kContradictedSigmas = 4.0;
+inline constexpr double kContradictedSigmas = poses::kFalseClaim;
 inline constexpr double kResidualWidthPx = 4000.0;  // of a photo, that residuals are told for
 
 struct AttemptEvidence {

@@ -145,8 +145,7 @@ Result<AlignedFlight> AlignByFeatures(const poses::PosedFlight& posed, const fli
   report.pairs_linked = mosaic.pairs_linked;
   report.solver = "chained homographies";
   const std::map<int, GroundSimilarity> components = PlaceComponents(posed, mosaic);
-  AlignedFlight flight = AlignByPoseOnly(posed);
-  flight.photos.clear();
+  AlignedFlight flight = WithoutPhotos(posed);
   double square_px = 0.0;
   for (std::size_t i = 0; i < posed.photos.size(); ++i) {
     const poses::PosedPhoto& before = posed.photos[i];

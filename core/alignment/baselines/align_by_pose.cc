@@ -4,7 +4,7 @@
 
 namespace skyquilt::alignment {
 
-AlignedFlight AlignByPoseOnly(const poses::PosedFlight& posed) {
+AlignedFlight WithoutPhotos(const poses::PosedFlight& posed) {
   AlignedFlight aligned;
   aligned.frame = posed.frame;
   aligned.ground_z_in_enu_m = posed.ground_z_in_enu_m;
@@ -12,6 +12,11 @@ AlignedFlight AlignByPoseOnly(const poses::PosedFlight& posed) {
   aligned.warnings = posed.warnings;
   const std::vector<flight::Remark> assumed = poses::AssumptionsByPoses(posed.assumptions);
   aligned.warnings.insert(aligned.warnings.end(), assumed.begin(), assumed.end());
+  return aligned;
+}
+
+AlignedFlight AlignByPoseOnly(const poses::PosedFlight& posed) {
+  AlignedFlight aligned = WithoutPhotos(posed);
   aligned.photos.reserve(posed.photos.size());
   for (const poses::PosedPhoto& photo : posed.photos) {
     aligned.photos.push_back({.photo = photo.photo,

@@ -8,6 +8,9 @@
 
 namespace skyquilt::alignment {
 
+// The flight before any photo has its place.
+AlignedFlight WithoutPhotos(const poses::PosedFlight& posed);
+
 AlignedFlight AlignByPoseOnly(const poses::PosedFlight& posed);
 
 }  // namespace skyquilt::alignment

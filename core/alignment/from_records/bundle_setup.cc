@@ -9,6 +9,7 @@
 #include "core/alignment/matching/verified_pair.h"
 #include "core/base/median.h"
 #include "core/geo/height_trend.h"
+#include "core/poses/evidence/common_error.h"
 
 namespace skyquilt::alignment {
 
@@ -19,11 +20,8 @@ constexpr double kMinSigmaRad = 0.003;
 constexpr int kFewPhotos = 30;
 constexpr double kMaxAttitudeGrowth = 8.0;
 constexpr std::size_t kFewestReweighed = 6;  // photos
-// Of what the pictures leave of a claim: less is a lens or a shutter that is modelled a little wrong.
-constexpr double kFalseClaim = 4.0;
-constexpr double kMinFalseClaimM = 0.08;
-constexpr double kPlainSigmaM = 1.5;
-constexpr double kSharedClockS = 0.05;  // clocks that are surer move no photo by more than its own error
+constexpr double kMinFalseClaimM = 0.08;     // less is a lens or a shutter that is modelled a little wrong
+constexpr double kSharedClockS = 0.05;       // clocks that are surer move no photo by more than its own error
 // Of the way that the clock is unsure by: so far nobody flies straight and at one speed.
 constexpr double kClockBend = 0.1;
 
@@ -255,13 +253,12 @@ bool ReweighPositions(BundleProblem& problem) {
     vertical_sigmas.push_back(sigmas.z());
   }
   if (vertical.size() < kFewestReweighed) return false;
-  // 1.48: from the median to a sigma of a normal distribution; a little more, for it was fitted.
-  constexpr double kSigmaOfMedian = 1.8;
-  const double sigma_h = kSigmaOfMedian * Median(horizontal);
-  const double sigma_v = kSigmaOfMedian * Median(vertical);
+  constexpr double kSigmaOfFitted = 1.8;  // kSigmaOfMedian, and a little more, for it was fitted
+  const double sigma_h = kSigmaOfFitted * Median(horizontal);
+  const double sigma_v = kSigmaOfFitted * Median(vertical);
   // By what each claims of itself: how far poor ones lie off says nothing of good ones among them.
-  const bool is_false_h = kSigmaOfMedian * Median(horizontal_sigmas) > kFalseClaim;
-  const bool is_false_v = kSigmaOfMedian * Median(vertical_sigmas) > kFalseClaim;
+  const bool is_false_h = kSigmaOfFitted * Median(horizontal_sigmas) > poses::kFalseClaim;
+  const bool is_false_v = kSigmaOfFitted * Median(vertical_sigmas) > poses::kFalseClaim;
   bool has_grown = false;
   for (BundlePhoto& photo : problem.photos) {
     if (!photo.has_record) continue;
@@ -271,9 +268,9 @@ bool ReweighPositions(BundleProblem& problem) {
       // Positions that claim far more than they hold have bent the pictures to themselves: how far they err
       // shows when they are believed no more than any receiver's.
       const bool is_false =
-          (axis < 2 ? is_false_h : is_false_v) && seen > kFalseClaim * own && seen > kMinFalseClaimM;
+          (axis < 2 ? is_false_h : is_false_v) && seen > poses::kFalseClaim * own && seen > kMinFalseClaimM;
       has_grown = has_grown || is_false;
-      own = is_false ? std::max(seen, kPlainSigmaM) : std::clamp(seen, std::min(0.1, own), own);
+      own = is_false ? std::max(seen, flight::kPlainSigmaM) : std::clamp(seen, std::min(0.1, own), own);
     }
   }
   return has_grown;

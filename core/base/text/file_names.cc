@@ -14,17 +14,10 @@ std::string InSmallLetters(std::string_view name) {
   return small;
 }
 
-std::string_view FileOf(std::string_view path) { return path.substr(path.find_last_of('/') + 1); }
-
-std::string FolderOf(const std::string& path) {
-  const std::size_t end = path.find_last_of('/');
-  return end == std::string::npos ? std::string() : path.substr(0, end);
-}
-
 // What a photo and the files that go with it have in common ("a/DJI_0001.JPG", "a/DJI_0001.JPG.xmp").
 std::string CompanyOf(const std::string& path) {
   const std::string_view file = FileOf(path);
-  return FolderOf(path) + "/" + InSmallLetters(file.substr(0, file.find('.')));
+  return std::string(FolderOf(path)) + "/" + InSmallLetters(file.substr(0, file.find('.')));
 }
 
 // "a/b/c", 2 -> "b/c"
@@ -54,6 +47,13 @@ std::map<std::string, std::string> LabelsOf(const std::set<std::string>& folders
 
 }  // namespace
 
+std::string_view FileOf(std::string_view path) { return path.substr(path.find_last_of('/') + 1); }
+
+std::string_view FolderOf(std::string_view path) {
+  const std::size_t end = path.find_last_of('/');
+  return end == std::string_view::npos ? std::string_view() : path.substr(0, end);
+}
+
 bool IsOfPrograms(std::string_view name) {
   constexpr std::array<std::string_view, 6> kFolders = {
       "@eadir", "@recycle", "#recycle", "$recycle.bin", "system volume information", "__macosx"};
@@ -82,7 +82,7 @@ std::vector<std::string> NamesApart(const std::vector<std::string>& paths) {
   std::map<std::string, std::string> first_folder;  // by plain name
   std::set<std::string> doubled;                    // plain names that files of several folders have
   for (const std::string& path : paths) {
-    const std::string plain = InSmallLetters(FileOf(path)), folder = FolderOf(path);
+    const std::string plain = InSmallLetters(FileOf(path)), folder(FolderOf(path));
     if (first_folder.try_emplace(plain, folder).first->second != folder) doubled.insert(plain);
   }
   const auto is_doubled = [&](const std::string& path) {
@@ -91,7 +91,7 @@ std::vector<std::string> NamesApart(const std::vector<std::string>& paths) {
   std::set<std::string> folders;
   std::map<std::string, bool> is_picture_doubled;  // by company
   for (const std::string& path : paths) {
-    if (is_doubled(path)) folders.insert(FolderOf(path));
+    if (is_doubled(path)) folders.emplace(FolderOf(path));
     if (!IsNamedAsPicture(FileOf(path))) continue;
     bool& is_any_doubled = is_picture_doubled[CompanyOf(path)];
     is_any_doubled = is_any_doubled || is_doubled(path);
@@ -106,7 +106,7 @@ std::vector<std::string> NamesApart(const std::vector<std::string>& paths) {
   std::map<std::string, int> copies;
   for (const std::string& path : paths) {
     std::string name(FileOf(path));
-    const auto label = labels.find(FolderOf(path));
+    const auto label = labels.find(std::string(FolderOf(path)));
     if (label != labels.end() && !label->second.empty() && keeps_folder(path))
       name = label->second + "/" + name;
     const std::string own = name;

@@ -13,6 +13,10 @@ namespace skyquilt {
 // So many folders stand in front of a name at most.
 inline constexpr std::size_t kMaxFoldersOfName = 8;
 
+// "c.jpg" and "a/b" of "a/b/c.jpg".
+std::string_view FileOf(std::string_view path);
+std::string_view FolderOf(std::string_view path);
+
 // Whether a file or folder of this name (without folders) is hidden, or what systems and programs keep for
 // themselves: a Mac's attributes, previews of network drives, deleted files. No way into a flight takes it.
 bool IsOfPrograms(std::string_view name);

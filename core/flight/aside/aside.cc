@@ -15,50 +15,35 @@
 namespace skyquilt::flight {
 namespace {
 
-ErrorCode CodeOf(Aside why) {
-  switch (why) {
-    case Aside::kSameBytes:
-    case Aside::kCopy:
-    case Aside::kOlderMetadata:
-    case Aside::kOtherTags:
-      return ErrorCode::kConflict;
-    case Aside::kRawPicture:
-    case Aside::kThumbnailFirst:
-      return ErrorCode::kUnsupportedFormat;
-    case Aside::kPanorama:
-    case Aside::kOtherCamera:
-    case Aside::kThermal:
-    case Aside::kVisible:
-      break;
-  }
-  return ErrorCode::kUnprocessable;
+struct AsideFacts {
+  Aside why;
+  ErrorCode code;
+  RemarkCode said;
+  std::string_view of;  // the name of that value; beside a camera stands the one that is used instead
+};
+constexpr AsideFacts kAsides[] = {
+    {Aside::kSameBytes, ErrorCode::kConflict, RemarkCode::kLeftSameBytes, "other"},
+    {Aside::kPanorama, ErrorCode::kUnprocessable, RemarkCode::kLeftPanorama, "evidence_words"},
+    {Aside::kRawPicture, ErrorCode::kUnsupportedFormat, RemarkCode::kLeftRawPicture, "format"},
+    {Aside::kThumbnailFirst, ErrorCode::kUnsupportedFormat, RemarkCode::kLeftThumbnailFirst, ""},
+    {Aside::kCopy, ErrorCode::kConflict, RemarkCode::kLeftCopy, "other"},
+    {Aside::kOlderMetadata, ErrorCode::kConflict, RemarkCode::kLeftOlderMetadata, "other"},
+    {Aside::kOtherCamera, ErrorCode::kUnprocessable, RemarkCode::kLeftOtherCamera, "camera"},
+    {Aside::kThermal, ErrorCode::kUnprocessable, RemarkCode::kLeftThermal, "camera"},
+    {Aside::kVisible, ErrorCode::kUnprocessable, RemarkCode::kLeftVisible, "camera"},
+    {Aside::kOtherTags, ErrorCode::kConflict, RemarkCode::kLeftOtherTags, "other"},
+};
+
+const AsideFacts& FactsOf(Aside why) {
+  return *std::find_if(std::begin(kAsides), std::end(kAsides),
+                       [&](const AsideFacts& facts) { return facts.why == why; });
 }
 
-Remark ReasonOf(Aside why, std::string_view of, std::string_view instead) {
-  const std::string its_own(of), other(instead);
-  switch (why) {
-    case Aside::kSameBytes:
-      return {RemarkCode::kLeftSameBytes, {{"other", its_own}}};
-    case Aside::kPanorama:
-      return {RemarkCode::kLeftPanorama, {{"evidence_words", its_own}}};
-    case Aside::kRawPicture:
-      return {RemarkCode::kLeftRawPicture, {{"format", its_own}}};
-    case Aside::kThumbnailFirst:
-      return RemarkCode::kLeftThumbnailFirst;
-    case Aside::kCopy:
-      return {RemarkCode::kLeftCopy, {{"other", its_own}}};
-    case Aside::kOlderMetadata:
-      return {RemarkCode::kLeftOlderMetadata, {{"other", its_own}}};
-    case Aside::kOtherCamera:
-      return {RemarkCode::kLeftOtherCamera, {{"camera", its_own}, {"instead", other}}};
-    case Aside::kThermal:
-      return {RemarkCode::kLeftThermal, {{"camera", its_own}, {"instead", other}}};
-    case Aside::kOtherTags:
-      return {RemarkCode::kLeftOtherTags, {{"other", its_own}}};
-    case Aside::kVisible:
-      break;
-  }
-  return {RemarkCode::kLeftVisible, {{"camera", its_own}, {"instead", other}}};
+Remark ReasonOf(const AsideFacts& facts, std::string_view of, std::string_view instead) {
+  Remark reason = facts.said;
+  if (!facts.of.empty()) reason.values.emplace(facts.of, of);
+  if (facts.of == "camera") reason.values.emplace("instead", instead);
+  return reason;
 }
 
 struct SomeLines {
@@ -90,11 +75,13 @@ SomeLines FirstLines(const std::vector<LeftOutPhoto>& left_out, std::size_t most
 }  // namespace
 
 Error AsideError(Aside why, std::string_view of, std::string_view instead) {
-  return Because(CodeOf(why), ReasonOf(why, of, instead));
+  const AsideFacts& facts = FactsOf(why);
+  return Because(facts.code, ReasonOf(facts, of, instead));
 }
 
 LeftOutPhoto LeftAside(const std::string& name, Aside why, std::string_view of, std::string_view instead) {
-  return {name, CodeOf(why), ReasonOf(why, of, instead)};
+  const AsideFacts& facts = FactsOf(why);
+  return {name, facts.code, ReasonOf(facts, of, instead)};
 }
 
 std::string CameraInWords(const Photo& photo, Lens lens) {

@@ -258,15 +258,12 @@ std::vector<std::optional<CopyOf>> FindCopies(const std::vector<Photo>& photos) 
 
 void LeaveOutCopies(std::vector<Photo>& photos, std::vector<LeftOutPhoto>& left_out) {
   const auto copies = FindCopies(photos);
-  std::vector<Photo> kept;
   for (std::size_t i = 0; i < photos.size(); ++i) {
     if (copies[i])
       left_out.push_back(LeftAside(photos[i].name, copies[i]->why, photos[copies[i]->original].name));
   }
-  for (std::size_t i = 0; i < photos.size(); ++i) {
-    if (!copies[i]) kept.push_back(std::move(photos[i]));
-  }
-  photos = std::move(kept);
+  std::size_t k = 0;
+  std::erase_if(photos, [&](const Photo&) { return copies[k++].has_value(); });
 }
 
 }  // namespace skyquilt::flight

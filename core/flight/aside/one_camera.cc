@@ -272,11 +272,8 @@ void KeepOneCamera(Flight& flight) {
                                                        : RemarkCode::kVisibleAside;
     flight.warnings.push_back({code, {{"pictures", pictures}, {"camera", of}, {"instead", instead}}});
   }
-  std::vector<Photo> kept;
-  for (std::size_t i = 0; i < flight.photos.size(); ++i) {
-    if (!lies_aside[i]) kept.push_back(std::move(flight.photos[i]));
-  }
-  flight.photos = std::move(kept);
+  std::size_t k = 0;
+  std::erase_if(flight.photos, [&](const Photo&) { return lies_aside[k++]; });
   std::sort(flight.left_out.begin(), flight.left_out.end(),
             [](const LeftOutPhoto& a, const LeftOutPhoto& b) { return a.name < b.name; });
 }

@@ -63,7 +63,7 @@ std::optional<ClockPairs::Fit> ClockPairs::Solve() const {
   const double offset_s = Median(offsets);
   for (double& offset : offsets) offset = std::abs(offset - offset_s);
   Fit fit;
-  fit.scatter_s = 1.4826 * Median(offsets);
+  fit.scatter_s = kSigmaOfMedian * Median(offsets);
   const double zero_us = (offset_s - first.t_s) * 1e6;
   if (!(std::abs(zero_us) < 4e18)) return std::nullopt;
   fit.utc_at_zero = UtcTime(microseconds(first.utc_us + std::llround(zero_us)));

@@ -13,6 +13,9 @@ namespace skyquilt::flight {
 
 inline constexpr std::int64_t kGpsEpochUnixUs = 315'964'800'000'000;  // 1980-01-06
 
+// Old receivers count their weeks anew after 1,024: their dates are off by multiples of this.
+inline constexpr double kGpsWeeksRunOverS = 1024.0 * 7.0 * 86'400.0;
+
 // GPS time minus UTC at an instant given on the GPS clock (microseconds since 1980-01-06 00:00:00 GPS).
 int LeapSecondsAtGps(std::int64_t gps_us);
 

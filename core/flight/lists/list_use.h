@@ -53,7 +53,6 @@ struct ListUse {
   std::size_t rows = 0;
   std::size_t rows_used = 0;  // 0 where it does not serve; without those in whose place others hold
   std::string held_by;        // the list whose rows hold in place of some of these; empty: none
-  std::size_t photos_named = 0;
   // What the system's own place on Earth is known to; nothing: to a metre or better.
   std::optional<double> system_error_m;
   bool lacks_grid = false;                   // which would tell it better

@@ -295,6 +295,13 @@ FlightLog LogBuilder::Finish() && {
   return std::move(log_);
 }
 
+std::optional<Eigen::Vector3d> SigmaInNedM(std::optional<double> horizontal_m,
+                                           std::optional<double> vertical_m) {
+  if (!horizontal_m || !(*horizontal_m > 0.0)) return std::nullopt;
+  const bool is_vertical_known = vertical_m && *vertical_m > 0.0;
+  return Eigen::Vector3d(*horizontal_m, *horizontal_m, is_vertical_known ? *vertical_m : 2.0 * *horizontal_m);
+}
+
 CameraEvent EventByName(std::uint64_t row, std::string_view image_name) {
   CameraEvent event;
   event.t_s = static_cast<double>(row);

@@ -96,6 +96,10 @@ class LogBuilder {
 // The exposure in a row (from 0) of a list that names photos and does not say when they were taken.
 CameraEvent EventByName(std::uint64_t row, std::string_view image_name);
 
+// One sigma as a list states it: the vertical one twice the horizontal where it says none.
+std::optional<Eigen::Vector3d> SigmaInNedM(std::optional<double> horizontal_m,
+                                           std::optional<double> vertical_m);
+
 // Z-Y-X angles in radians to the attitude they mean, and back.
 Eigen::Quaterniond NedFromYawPitchRoll(double yaw_rad, double pitch_rad, double roll_rad);
 Eigen::Vector3d YawPitchRollFromNed(const Eigen::Quaterniond& ned_from_body);

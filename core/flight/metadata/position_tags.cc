@@ -168,9 +168,9 @@ void ChooseSigmas(const ExifRecord& exif, const XmpTags& xmp, RecordedPosition& 
   if (!recorded.sigma_vertical_m) recorded.sigma_vertical_m = Sigma(xmp, "Camera:GPSZAccuracy");
   if (!recorded.sigma_horizontal_m) recorded.sigma_horizontal_m = exif.position_error_m;
   // Written in whole seconds, say: what is lost of a step is spread evenly over it.
-  constexpr double kCoarseStepM = 1.0, kReceiverM = 1.5;
+  constexpr double kCoarseStepM = 1.0;
   if (recorded.source == "exif" && exif.position_resolution_m > kCoarseStepM) {
-    recorded.sigma_horizontal_m = std::hypot(recorded.sigma_horizontal_m.value_or(kReceiverM),
+    recorded.sigma_horizontal_m = std::hypot(recorded.sigma_horizontal_m.value_or(kPlainSigmaM),
                                              exif.position_resolution_m / std::sqrt(12.0));
   }
 }

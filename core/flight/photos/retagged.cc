@@ -20,16 +20,6 @@
 namespace skyquilt::flight {
 namespace {
 
-// Of a position that does not say how good it is: what a receiver has by itself, and with fixed corrections,
-// as where photos are placed by them; more, and one written in coarse steps would seem better.
-constexpr double kSigmaOfAnyM = 1.5, kSigmaOfFixedM = 0.03;
-
-double PositionSigmaM(const Photo& photo) {
-  if (!photo.position) return std::numeric_limits<double>::infinity();
-  return photo.position->sigma_horizontal_m.value_or(photo.position->is_rtk_fixed ? kSigmaOfFixedM
-                                                                                  : kSigmaOfAnyM);
-}
-
 struct Named {
   std::string counter;             // "0001_w": the last number of the name, and what follows
   bool is_named_for_tags = false;  // "DJI_0001_geotag.JPG"
@@ -83,7 +73,9 @@ void LeaveOutRetagged(std::vector<Photo>& photos, std::vector<LeftOutPhoto>& lef
   // The smaller the better; of equals the one named for its new tags, then the first given.
   const auto rank = [&](std::size_t i) {
     const Photo& photo = photos[i];
-    return std::tuple(PositionSigmaM(photo), photo.origin.is_edited, -photo.origin.makers_records,
+    const double sigma_m =
+        photo.position ? SigmaOfRecordM(*photo.position) : std::numeric_limits<double>::infinity();
+    return std::tuple(sigma_m, photo.origin.is_edited, -photo.origin.makers_records,
                       !NamedAs(photo.name).is_named_for_tags, i);
   };
   std::vector<bool> is_out(photos.size(), false);
@@ -98,11 +90,8 @@ void LeaveOutRetagged(std::vector<Photo>& photos, std::vector<LeftOutPhoto>& lef
       left_out.push_back(LeftAside(photos[i].name, Aside::kOtherTags, photos[best].name));
     }
   }
-  std::vector<Photo> kept;
-  for (std::size_t i = 0; i < photos.size(); ++i) {
-    if (!is_out[i]) kept.push_back(std::move(photos[i]));
-  }
-  photos = std::move(kept);
+  std::size_t k = 0;
+  std::erase_if(photos, [&](const Photo&) { return is_out[k++]; });
 }
 
 }  // namespace skyquilt::flight

@@ -233,12 +233,14 @@ double CheckedToM(const FlightFacts& facts) {
   return std::max(alignment::kNoSurveyM, kCheckSigmas * common_m);
 }
 
+void Forget(flight::RemarkCode code, std::vector<flight::Remark>& warnings) {
+  std::erase_if(warnings, [&](const flight::Remark& said) { return said.code == code; });
+}
+
 // Said first, or by what comes next no longer.
 void TellOfRecords(FlightFacts& facts) {
   std::vector<flight::Remark>& warnings = facts.flight.warnings;
-  std::erase_if(warnings, [](const flight::Remark& said) {
-    return said.code == flight::RemarkCode::kControlContradictsRecords;
-  });
+  Forget(flight::RemarkCode::kControlContradictsRecords, warnings);
   const auto apart = RecordsApartOf(facts);
   if (!apart || !apart->IsContradiction()) return;
   warnings.insert(warnings.begin(),
@@ -248,8 +250,7 @@ void TellOfRecords(FlightFacts& facts) {
 
 void TellOfChecks(const std::vector<alignment::ControlReport>& checks, FlightFacts& facts) {
   std::vector<flight::Remark>& warnings = facts.flight.warnings;
-  std::erase_if(warnings,
-                [](const flight::Remark& said) { return said.code == flight::RemarkCode::kCheckFarOff; });
+  Forget(flight::RemarkCode::kCheckFarOff, warnings);
   const double checked_to_m = CheckedToM(facts);
   for (const alignment::ControlReport& check : checks) {
     const double apart_m = std::hypot(check.miss_east_m, check.miss_north_m);

@@ -38,7 +38,6 @@ constexpr double kManyRefutedShare = 0.2;
 constexpr std::size_t kFewestAgreeing = 3;
 constexpr double kAgreeingShare = 0.1;       // of all positions
 constexpr double kApartOfShift = 1.0 / 3.0;  // two shifts that are one, apart from the noise of receivers
-constexpr double kFalseClaim = 4.0;          // of what corrected positions claim of themselves
 // Of what all photos may share that recorded no angles: a body's by its log, or any.
 constexpr double kAngleOfLogDeg = 2.0, kAngleOfNothingDeg = 5.0;
 constexpr double kFarOffM = 10.0;  // what a receiver of a phone or a drone is good for
@@ -53,6 +52,14 @@ bool IsAnyAligned(const JudgedMap& map) {
 bool IsJudged(const JudgedMap& map, const AlignedPhoto& photo) {
   return map.is_forecast || map.alignment == nullptr || photo.placement == Placement::kAligned ||
          !IsAnyAligned(map);
+}
+
+std::vector<Vector2d> JudgedCameras(const JudgedMap& map) {
+  std::vector<Vector2d> cameras;
+  for (const AlignedPhoto& photo : map.flight.photos) {
+    if (IsJudged(map, photo)) cameras.emplace_back(photo.cam_from_enu.TargetOriginInSource().head<2>());
+  }
+  return cameras;
 }
 
 struct SupportingPositions {
@@ -89,13 +96,16 @@ SupportingPositions PositionsOf(const JudgedMap& map) {
   return positions;
 }
 
+double SquareM2(const std::vector<Vector2d>& misses) {
+  double square = 0.0;
+  for (const Vector2d& miss : misses) square += miss.squaredNorm();
+  return square;
+}
+
 // Of each axis; nothing to learn from fewer positions than a move has freedom.
 double NoiseM(const std::vector<Vector2d>& misses) {
   const int freedom = 2 * static_cast<int>(misses.size()) - kFreedomOfMove;
-  if (freedom <= 0) return 0.0;
-  double square = 0.0;
-  for (const Vector2d& miss : misses) square += miss.squaredNorm();
-  return std::sqrt(square / freedom);
+  return freedom <= 0 ? 0.0 : std::sqrt(SquareM2(misses) / freedom);
 }
 
 // 1/n + how much more than the positions' own the map spreads about their middle.
@@ -104,13 +114,9 @@ double LeverOf(const JudgedMap& map, const std::vector<Vector2d>& places) {
   for (const Vector2d& place : places) middle += place / static_cast<double>(places.size());
   double of_positions = 0.0, of_map = 0.0;
   for (const Vector2d& place : places) of_positions += (place - middle).squaredNorm();
-  int count = 0;
-  for (const AlignedPhoto& photo : map.flight.photos) {
-    if (!IsJudged(map, photo)) continue;
-    of_map += (photo.cam_from_enu.TargetOriginInSource().head<2>() - middle).squaredNorm();
-    ++count;
-  }
-  const double mean_of_map = count > 0 ? of_map / count : 0.0;
+  const std::vector<Vector2d> cameras = JudgedCameras(map);
+  for (const Vector2d& camera : cameras) of_map += (camera - middle).squaredNorm();
+  const double mean_of_map = cameras.empty() ? 0.0 : of_map / static_cast<double>(cameras.size());
   constexpr double kOnOnePlaceM2 = 1.0;
   return 1.0 / static_cast<double>(places.size()) + mean_of_map / std::max(kOnOnePlaceM2, of_positions);
 }
@@ -133,9 +139,7 @@ AbsoluteAccuracy StatedRadius(double sigma_of_axis_m, AbsoluteSupport by, std::s
 // Of both axes together, as surveyors state what a map misses its check points by; nothing without points.
 std::optional<double> HorizontalRmsM(const std::vector<Vector2d>& misses) {
   if (misses.empty()) return std::nullopt;
-  double square = 0.0;
-  for (const Vector2d& miss : misses) square += miss.squaredNorm();
-  return std::sqrt(square / static_cast<double>(misses.size()));
+  return std::sqrt(SquareM2(misses) / static_cast<double>(misses.size()));
 }
 
 // What placed the map, or all that is known of it is where it lies against them.
@@ -226,12 +230,6 @@ bool AreFewPositions(std::size_t count, std::size_t placed) {
                             static_cast<double>(count) < kFewPositionsShare * static_cast<double>(placed));
 }
 
-std::size_t CountJudged(const JudgedMap& map) {
-  return static_cast<std::size_t>(
-      std::count_if(map.flight.photos.begin(), map.flight.photos.end(),
-                    [&](const AlignedPhoto& photo) { return IsJudged(map, photo); }));
-}
-
 std::size_t CountByLog(const JudgedMap& map) {
   return static_cast<std::size_t>(std::max(0, map.poses.photos_by_log));
 }
@@ -239,7 +237,7 @@ std::size_t CountByLog(const JudgedMap& map) {
 bool IsPlacedByLog(const JudgedMap& map, const SupportingPositions& positions) {
   const std::size_t by_log = CountByLog(map);
   return map.poses.log_position_sigma_m &&
-         (2 * by_log >= CountJudged(map) || by_log >= positions.records.size());
+         (2 * by_log >= JudgedCameras(map).size() || by_log >= positions.records.size());
 }
 
 // Of the positions of photos or of a log, each axis.
@@ -251,17 +249,13 @@ struct ErrorOfPositions {
 
 ErrorOfPositions ErrorOfLog(const JudgedMap& map) {
   const double noise_m = map.alignment == nullptr ? 0.0 : map.alignment->position_residual_m / std::sqrt(2.0);
-  const auto count =
-      static_cast<double>(std::max<std::size_t>(1, std::min(CountByLog(map), CountJudged(map))));
+  const std::vector<Vector2d> cameras = JudgedCameras(map);
+  const auto count = static_cast<double>(std::max<std::size_t>(1, std::min(CountByLog(map), cameras.size())));
   const double sigma_m = map.poses.log_position_sigma_m.value_or(0.0);
   ErrorOfPositions error{
       std::hypot(sigma_m, noise_m * std::sqrt(2.0 / count)), map.poses.log_is_corrected, {}};
-  std::vector<Vector2d> places;
-  for (const AlignedPhoto& photo : map.flight.photos) {
-    if (IsJudged(map, photo)) places.emplace_back(photo.cam_from_enu.TargetOriginInSource().head<2>());
-  }
   if (OwnErrorM(map) <= 0.0)
-    error.lean = OpenLeanOf(map.flight, places, map.is_forecast ? sigma_m : noise_m, kAngleOfLogDeg);
+    error.lean = OpenLeanOf(map.flight, cameras, map.is_forecast ? sigma_m : noise_m, kAngleOfLogDeg);
   return error;
 }
 
@@ -272,7 +266,7 @@ ErrorOfPositions ErrorOf(const JudgedMap& map, const SupportingPositions& positi
   const double noise_m = map.is_forecast || is_own ? 0.0 : NoiseM(positions.misses);
   // What claims to be corrected and scatters by far more is something else, of which nobody knows how much of
   // its error is common to all of them.
-  const bool is_false_claim = common.is_corrected && noise_m > kFalseClaim * common.sigma_m;
+  const bool is_false_claim = common.is_corrected && noise_m > poses::kFalseClaim * common.sigma_m;
   const double of_noise_m = is_false_claim ? noise_m : noise_m * std::sqrt(LeverOf(map, positions.places));
   ErrorOfPositions error{std::hypot(common.sigma_m, of_noise_m), common.is_corrected && !is_false_claim, {}};
   const double apart_m = map.is_forecast ? common.sigma_m : noise_m;
@@ -282,7 +276,7 @@ ErrorOfPositions ErrorOf(const JudgedMap& map, const SupportingPositions& positi
 
 AbsoluteAccuracy ByPositions(const JudgedMap& map) {
   const double own_m = OwnErrorM(map) / kCircleSigmas;
-  const std::size_t placed = CountJudged(map), by_log = CountByLog(map);
+  const std::size_t placed = JudgedCameras(map).size(), by_log = CountByLog(map);
   const SupportingPositions positions = PositionsOf(map);
   const bool is_by_log = IsPlacedByLog(map, positions);
   // Reckoned from a given place: each photo says how far that may have led it astray.
@@ -317,10 +311,7 @@ bool AreManyRefuted(const SupportingPositions& positions) {
 // What the map misses all of them by, of each axis: which are right is not known, so it does not average out.
 // A map that is bent has no photo further off than it is long; a record further away is of another place.
 double SpreadWithRefutedM(const JudgedMap& map, const SupportingPositions& positions) {
-  std::vector<Vector2d> cameras;
-  for (const AlignedPhoto& photo : map.flight.photos) {
-    if (IsJudged(map, photo)) cameras.emplace_back(photo.cam_from_enu.TargetOriginInSource().head<2>());
-  }
+  const std::vector<Vector2d> cameras = JudgedCameras(map);
   double length_m = 0.0;
   for (const Vector2d& camera : cameras) length_m = std::max(length_m, (camera - cameras.front()).norm());
   std::vector<Vector2d> misses = positions.misses;

@@ -61,13 +61,7 @@ double SigmaOfRowM(const flight::CameraEvent& event) {
     const double stated_m = event.sigma_in_ned_m->head<2>().norm() / std::sqrt(2.0);
     if (stated_m >= kMinStatedM) return stated_m;
   }
-  return IsCorrected(event) ? kCorrectedM : CommonError().sigma_m;
-}
-
-double SigmaOfRecordM(const flight::RecordedPosition& position) {
-  constexpr double kCorrectedRecordM = 0.03;  // base and antenna, and the moment of the exposure
-  return position.sigma_horizontal_m.value_or(position.is_rtk_fixed ? kCorrectedRecordM
-                                                                    : CommonError().sigma_m);
+  return IsCorrected(event) ? kCorrectedM : flight::kPlainSigmaM;
 }
 
 CommonError CommonErrorOf(const std::vector<const flight::RecordedPosition*>& positions) {

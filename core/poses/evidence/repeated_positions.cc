@@ -9,7 +9,6 @@
 
 #include "core/base/median.h"
 #include "core/geo/geodesic.h"
-#include "core/poses/evidence/common_error.h"
 
 namespace skyquilt::poses {
 namespace {
@@ -57,12 +56,6 @@ bool IsRepeat(const Stay& stay, const Photo& photo) {
   return &photo != stay.front() && stay.size() > kOneMoment;
 }
 
-geo::LatLon Between(const geo::LatLon& from, const geo::LatLon& to, double share) {
-  const double east_deg = std::remainder(to.lon_deg - from.lon_deg, 360.0);
-  return {from.lat_deg + share * (to.lat_deg - from.lat_deg),
-          std::remainder(from.lon_deg + share * east_deg, 360.0)};
-}
-
 // `next`: null at the end of the flight, where nothing says which way it went on.
 int MoveOn(const Stay& stay, const Stay* next, double step_m) {
   int moved = 0;
@@ -75,7 +68,7 @@ int MoveOn(const Stay& stay, const Stay* next, double step_m) {
     if (next != nullptr) {
       const double share = steps / static_cast<double>(stay.size());
       flown_m = std::max(flown_m, share * ApartM(stay, *next));
-      position.position = Between(from, next->front()->position->position, share);
+      position.position = geo::OnTheWay(from, next->front()->position->position, share);
     }
     position.sigma_horizontal_m = std::hypot(SigmaOfRecordM(position), flown_m);
     position.is_repeated = true;

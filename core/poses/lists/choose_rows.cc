@@ -66,13 +66,14 @@ class Chooser {
     const bool has_track = HasTrack(flight_.logs);
     for (std::size_t l = 0; l < flight_.logs.size(); ++l) {
       const FlightLog& log = flight_.logs[l];
+      const std::vector<NamedPhotos::Found> found = named.FindAll(log);
       std::map<std::size_t, std::size_t> passes;  // by photo
       for (std::size_t e = 0; e < log.events.size(); ++e) {
         const CameraEvent& event = log.events[e];
         if (!event.image_name || !event.position) continue;
         // Beside a track only surveyed rows with times are taken for positions.
         if (event.has_time && has_track && !event.is_rtk_fixed) continue;
-        for (const std::size_t photo : named.Find(*event.image_name).photos) {
+        for (const std::size_t photo : found[e].photos) {
           const std::size_t pass = passes[photo]++;
           if (pass < kMaxPasses)
             rows_of_[photo].push_back({{l, pass}, e});

@@ -9,6 +9,7 @@
 
 #include "core/base/median.h"
 #include "core/base/try.h"
+#include "core/flight/bytes/gps_time.h"
 #include "core/flight/remarks/because.h"
 #include "core/geo/geodesic.h"
 #include "core/poses/heights/flight_heights.h"
@@ -70,12 +71,10 @@ void DropContradicting(const FlightLog& log, JudgedList& judged) {
 }
 
 // The median of how far the times of a list lie from those that a receiver told its photos, in days; nothing
-// where no clock is off by so much. Old receivers count their weeks anew after 1,024: that is no other
-// flight.
+// where no clock is off by so much.
 std::optional<double> DaysApart(const FlightLog& log, const JudgedList& judged,
                                 const std::vector<flight::Photo>& photos) {
-  constexpr double kDayS = 86'400.0, kWeeksCountedS = 1024.0 * 7.0 * kDayS;
-  constexpr double kMaxClockDays = 1.0;
+  constexpr double kDayS = 86'400.0, kMaxClockDays = 1.0;
   if (!log.utc_at_zero) return std::nullopt;
   std::vector<double> apart_days;
   for (std::size_t k = 0; k < judged.events.size(); ++k) {
@@ -84,7 +83,7 @@ std::optional<double> DaysApart(const FlightLog& log, const JudgedList& judged,
     if (!event.has_time || !photo.receiver_time) continue;
     const double apart_s =
         std::chrono::duration<double>(*log.utc_at_zero - *photo.receiver_time).count() + event.t_s;
-    apart_days.push_back(std::abs(std::remainder(apart_s, kWeeksCountedS)) / kDayS);
+    apart_days.push_back(std::abs(std::remainder(apart_s, flight::kGpsWeeksRunOverS)) / kDayS);
   }
   const std::optional<double> days = MedianIfAny(std::move(apart_days));
   return days && *days > kMaxClockDays ? days : std::nullopt;
@@ -105,12 +104,10 @@ void DoubtByTime(const FlightLog& log, const std::vector<flight::Photo>& photos,
 std::optional<JudgedList> Judge(const FlightLog& log, const std::vector<flight::Photo>& photos,
                                 const NamedPhotos& named, const OwnRecords& own) {
   JudgedList judged;
-  WrittenList list{.system = log.written_system,
-                   .order_is_named = log.written_order_is_named,
-                   .order_is_assumed = log.written_order_is_assumed,
-                   .is_one_of_photos = true,
-                   .rows = {},
-                   .others = {}};
+  WrittenList list;
+  list.system = log.written_system;
+  list.order_is_named = log.written_order_is_named;
+  list.order_is_assumed = log.written_order_is_assumed;
   OwnPlaces places{.of_row = {}, .of_flight = own.anywhere, .is_stale = own.is_stale};
   std::size_t rows = 0;
   const std::vector<NamedPhotos::Found> found = named.FindAll(log);
@@ -139,7 +136,6 @@ std::optional<JudgedList> Judge(const FlightLog& log, const std::vector<flight::
   judged.use.system = log.written_system;
   judged.use.order_is_named = log.written_order_is_named;
   judged.use.rows = rows;
-  judged.use.photos_named = judged.events.size();
   DoubtByTime(log, photos, own, judged);
   return judged;
 }
@@ -191,21 +187,23 @@ void Tell(ListUse use, Flight& flight) {
   flight.list_uses.push_back(std::move(use));
 }
 
+void TakeList(JudgedList judged, FlightLog& log, OwnRecords& own, Flight& flight) {
+  TakeReading(judged, log);
+  TellContradicting(judged, log, flight);
+  Learn(judged, own);
+  Tell(std::move(judged.use), flight);
+}
+
 // Those that can be read in two ways, or seem to be of another flight, wait for what the others say.
 Result<void> CompareLists(const NamedPhotos& named, OwnRecords& own, Flight& flight) {
   std::vector<std::size_t> open;
   for (std::size_t i = 0; i < flight.logs.size(); ++i) {
-    FlightLog& log = flight.logs[i];
-    auto judged = Judge(log, flight.photos, named, own);
+    auto judged = Judge(flight.logs[i], flight.photos, named, own);
     if (!judged) continue;
-    if (judged->verdict.is_ambiguous || judged->use.apart_days) {
+    if (judged->verdict.is_ambiguous || judged->use.apart_days)
       open.push_back(i);
-      continue;
-    }
-    TakeReading(*judged, log);
-    TellContradicting(*judged, log, flight);
-    Learn(*judged, own);
-    Tell(std::move(judged->use), flight);
+    else
+      TakeList(*std::move(judged), flight.logs[i], own, flight);
   }
   for (const std::size_t i : open) {
     auto judged = Judge(flight.logs[i], flight.photos, named, own);
@@ -214,10 +212,7 @@ Result<void> CompareLists(const NamedPhotos& named, OwnRecords& own, Flight& fli
       return Error{ErrorCode::kUnprocessable,
                    QuestionOf(judged->use, *verdict.middle, *verdict.other, *verdict.other_middle), ""};
     }
-    TakeReading(*judged, flight.logs[i]);
-    TellContradicting(*judged, flight.logs[i], flight);
-    Learn(*judged, own);
-    Tell(std::move(judged->use), flight);
+    TakeList(*std::move(judged), flight.logs[i], own, flight);
   }
   return {};
 }
@@ -238,12 +233,9 @@ OwnPlaces PlacesAround(const flight::GcpList& list, const MarkedPhotosFound& fou
 std::optional<flight::GcpList> JudgedControl(flight::GcpList list, const NamedPhotos& named,
                                              const OwnRecords& own, Flight& flight) {
   const MarkedPhotosFound found = FindMarkedPhotos(flight.photos, named, list);
-  WrittenList written{.system = list.reference_system,
-                      .order_is_named = false,
-                      .order_is_assumed = false,
-                      .is_one_of_photos = false,
-                      .rows = {},
-                      .others = {}};
+  WrittenList written;
+  written.system = list.reference_system;
+  written.is_one_of_photos = false;
   for (const flight::GcpPoint& point : list.points) written.rows.push_back({point.x, point.y});
   const ListVerdict verdict = JudgeList(written, PlacesAround(list, found, own));
   ListUse use = UseOf(verdict, own);

@@ -33,9 +33,10 @@ constexpr double kShareOfExtent = 0.5;
 constexpr double kMinExtentM = 5.0;  // photos that stand still have no layout
 constexpr std::size_t kMinRowsOfShape = 4;
 constexpr double kOnePlaneM = 100'000.0;  // further away no shape is compared: one plane does not hold both
-// A flight, its take-off and its last fix lie within this; surveyed points are seen by the photos.
-constexpr double kFlightM = 50'000.0;
-constexpr double kSurveyM = 20'000.0;
+// A flight, its take-off and its last fix lie within this; surveyed points are seen by the photos. Where
+// these say where they were, all lie within kFarFromPhotosM; these are for one place of the flight as a
+// whole.
+constexpr double kFlightM = 50'000.0, kSurveyOfFlightM = 20'000.0;
 constexpr double kMinShareOfPlaces = 0.5;
 // Flights at a zone's edge are written in the neighbour's zone; the origin of a zone, where degrees taken for
 // metres land, lies one and a half degrees outside.
@@ -321,7 +322,7 @@ ListVerdict JudgeList(const WrittenList& list, const OwnPlaces& own) {
     verdict.use.fault = lacks_system ? ListFault::kNoSystem : ListFault::kNoPlace;
     return verdict;
   }
-  const double flight_m = list.is_one_of_photos ? kFlightM : kSurveyM;
+  const double flight_m = list.is_one_of_photos ? kFlightM : kSurveyOfFlightM;
   const bool is_comparable = NearestReading(tried, false) != nullptr;
   Choice choice;
   if (is_comparable && own_middle) choice = ChooseByAgreement(tried, plain, kFarFromPhotosM, kReceiverM);

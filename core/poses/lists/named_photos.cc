@@ -21,13 +21,10 @@ std::string PathInSmallLetters(std::string_view name) {
   return path;
 }
 
-std::string_view WithoutFolders(std::string_view path) { return path.substr(path.find_last_of('/') + 1); }
-
 std::string_view WithoutEnding(std::string_view name) { return name.substr(0, name.rfind('.')); }
 
-std::string_view FolderOf(std::string_view path) {
-  const std::size_t end = path.find_last_of('/');
-  return end == std::string_view::npos ? std::string_view() : path.substr(0, end);
+bool IsOneWord(std::string_view text) {
+  return std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isalnum(c) != 0; });
 }
 
 // "arw", not the "1_0018" of "field.1_0018".
@@ -35,8 +32,7 @@ bool HasEndingOfFile(std::string_view name) {
   const std::size_t dot = name.rfind('.');
   if (dot == std::string_view::npos) return false;
   const std::string_view ending = name.substr(dot + 1);
-  return ending.size() >= kShortestEnding && ending.size() <= kLongestEnding &&
-         std::all_of(ending.begin(), ending.end(), [](unsigned char c) { return std::isalnum(c) != 0; });
+  return ending.size() >= kShortestEnding && ending.size() <= kLongestEnding && IsOneWord(ending);
 }
 
 std::string_view WithoutEndingOfFile(std::string_view name) {
@@ -48,10 +44,7 @@ std::string_view WithoutNumber(std::string_view stem) {
   const std::size_t bracket = stem.rfind('(');
   if (bracket == std::string_view::npos || bracket == 0 || !stem.ends_with(')')) return {};
   const std::string_view number = stem.substr(bracket + 1, stem.size() - bracket - 2);
-  if (number.empty() ||
-      !std::all_of(number.begin(), number.end(), [](unsigned char c) { return std::isalnum(c) != 0; }))
-    return {};
-  return flight::Trim(stem.substr(0, bracket));
+  return number.empty() || !IsOneWord(number) ? std::string_view() : flight::Trim(stem.substr(0, bracket));
 }
 
 // What a file of this name may have been called before folders were joined to its name or it was numbered,
@@ -80,7 +73,7 @@ bool LooksLikeNameOfCamera(std::string_view stem) {
 // How many folders the two have in common, counted from the file upwards.
 int FoldersInCommon(std::string_view a, std::string_view b) {
   int common = 0;
-  for (a = FolderOf(a), b = FolderOf(b); !a.empty() && WithoutFolders(a) == WithoutFolders(b); ++common) {
+  for (a = FolderOf(a), b = FolderOf(b); !a.empty() && FileOf(a) == FileOf(b); ++common) {
     a = FolderOf(a);
     b = FolderOf(b);
   }
@@ -89,16 +82,14 @@ int FoldersInCommon(std::string_view a, std::string_view b) {
 
 }  // namespace
 
-std::string PlainFileName(std::string_view name) {
-  return std::string(WithoutFolders(PathInSmallLetters(name)));
-}
+std::string PlainFileName(std::string_view name) { return std::string(FileOf(PathInSmallLetters(name))); }
 
 NamedPhotos::NamedPhotos(const std::vector<flight::Photo>& photos) {
   for (std::size_t i = 0; i < photos.size(); ++i) {
     path_of_.push_back(PathInSmallLetters(photos[i].name));
     Register(path_of_.back(), i);
     for (const std::string& other : photos[i].other_names) Register(PathInSmallLetters(other), i);
-    for (const std::string_view original : OriginalsOf(WithoutFolders(path_of_.back()))) {
+    for (const std::string_view original : OriginalsOf(FileOf(path_of_.back()))) {
       Numbers& doubles = doubles_of_[std::string(original)];
       if (doubles.size() < kEnoughDoubles) doubles.push_back(i);
     }
@@ -106,7 +97,7 @@ NamedPhotos::NamedPhotos(const std::vector<flight::Photo>& photos) {
 }
 
 void NamedPhotos::Register(std::string_view path, std::size_t photo) {
-  const std::string_view plain = WithoutFolders(path);
+  const std::string_view plain = FileOf(path);
   for (const std::string_view name : {plain, WithoutEnding(plain)}) {
     Numbers& called = photos_of_[std::string(name)];
     if (called.empty() || called.back() != photo) called.push_back(photo);
@@ -122,16 +113,16 @@ const NamedPhotos::Numbers* NamedPhotos::Called(std::string_view plain) const {
 // The photos whose names have the folders of `path` joined to them, or those of the list's name: as many as
 // there are.
 const NamedPhotos::Numbers* NamedPhotos::CalledWithFolder(std::string_view path, const List& list) const {
-  const std::string_view plain = WithoutFolders(path);
+  const std::string_view plain = FileOf(path);
   std::vector<std::string> joined;  // from the file upwards
   std::string_view folders = FolderOf(path);
   for (std::size_t k = 0; k < kMaxFoldersOfName && !folders.empty(); ++k) {
     const std::string_view below = joined.empty() ? plain : std::string_view(joined.back());
-    joined.push_back(std::string(WithoutFolders(folders)) + "_" + std::string(below));
+    joined.push_back(std::string(FileOf(folders)) + "_" + std::string(below));
     folders = FolderOf(folders);
   }
   if (joined.empty() && !list.calls_doubles_so) {
-    const std::string_view list_file = WithoutFolders(list.path);
+    const std::string_view list_file = FileOf(list.path);
     std::size_t line = list_file.find('_');
     for (int joint = 0; joint < kMaxJoints && line != std::string_view::npos; ++joint) {
       joined.push_back(std::string(list_file.substr(0, line + 1)) + std::string(plain));
@@ -153,14 +144,12 @@ bool NamedPhotos::HasOtherDouble(std::string_view plain, const Numbers& but) con
 
 // Whether another photo has the name that this one may have had before.
 bool NamedPhotos::IsDouble(std::size_t photo) const {
-  const std::vector<std::string_view> originals = OriginalsOf(WithoutFolders(path_of_[photo]));
+  const std::vector<std::string_view> originals = OriginalsOf(FileOf(path_of_[photo]));
   return std::any_of(originals.begin(), originals.end(), [&](std::string_view original) {
     const auto called = photos_of_.find(original);
     return called != photos_of_.end() && called->second.front() != photo;
   });
 }
-
-NamedPhotos::Found NamedPhotos::Find(std::string_view name) const { return FindAll({}, {name}).front(); }
 
 std::vector<NamedPhotos::Found> NamedPhotos::FindAll(std::string_view list_name,
                                                      const std::vector<std::string_view>& names) const {
@@ -168,7 +157,7 @@ std::vector<NamedPhotos::Found> NamedPhotos::FindAll(std::string_view list_name,
   List list{PathInSmallLetters(list_name), false};
   for (const std::string_view name : names) {
     paths.push_back(PathInSmallLetters(name));
-    const Numbers* called = Called(WithoutFolders(paths.back()));
+    const Numbers* called = Called(FileOf(paths.back()));
     list.calls_doubles_so = list.calls_doubles_so || (called != nullptr && IsDouble(called->front()));
   }
   std::vector<Found> found;
@@ -184,7 +173,7 @@ std::vector<NamedPhotos::Found> NamedPhotos::FindAll(const flight::FlightLog& lo
 }
 
 NamedPhotos::Found NamedPhotos::Find(std::string_view row, const List& list) const {
-  const std::string_view plain = WithoutFolders(row);
+  const std::string_view plain = FileOf(row);
   if (plain.empty()) return {};
   // Rows without folders are of the list's own, unless it calls photos by what the folders were joined to.
   const std::string_view list_folder = list.calls_doubles_so ? std::string_view() : FolderOf(list.path);

@@ -31,8 +31,6 @@ class NamedPhotos {
     std::vector<std::size_t> photos;  // numbers of those given; empty: none, or it is not told which
     bool is_open = false;             // several photos are so called, and nothing tells which one is meant
   };
-  // One name alone, of no list.
-  Found Find(std::string_view name) const;
   // All names of one list, which together tell more.
   std::vector<Found> FindAll(std::string_view list_name, const std::vector<std::string_view>& names) const;
   // By event of the log; nothing for events without a name.

@@ -125,7 +125,7 @@ void Raise(const std::optional<double>& by_m, std::optional<double>& height_m) {
 // False: it was held for as bad before.
 bool DoubtBy(double apart_m, RecordedPosition& position) {
   const double held_m =
-      position.sigma_horizontal_m.value_or(position.is_rtk_fixed ? kWorstCorrectedM : CommonError().sigma_m);
+      position.sigma_horizontal_m.value_or(position.is_rtk_fixed ? kWorstCorrectedM : flight::kPlainSigmaM);
   if (apart_m <= held_m) return false;
   position.sigma_horizontal_m = apart_m;
   if (apart_m > kWorstCorrectedM) position.is_rtk_fixed = false;

@@ -22,12 +22,6 @@ using flight::Photo;
 constexpr int kQuarterMin = 15, kWidestZoneMin = 14 * 60;
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
-struct FittingZone {
-  int zone_min = 0;
-  double offset_s = 0.0;
-  std::size_t covered = 0;
-};
-
 // Where clocks are not whole hours from UTC (IANA time zone database), roughly.
 struct OddZone {
   int zone_min;
@@ -67,9 +61,11 @@ class ZoneSearch {
     if (cover_.IsEmpty() || times_s_.empty()) return std::nullopt;
     // Of ten photos one may fall into a moment without a fix.
     constexpr std::size_t kNearlyAll = 9, kOf = 10;
-    std::vector<FittingZone> whole, standing, parts;
+    std::vector<ZoneChoice> whole, standing, parts;
     for (int zone_min = -kWidestZoneMin; zone_min <= kWidestZoneMin; zone_min += kQuarterMin) {
-      FittingZone zone{zone_min, as_it_stands_s_ - 60.0 * zone_min};
+      ZoneChoice zone;
+      zone.zone_min = zone_min;
+      zone.offset_s = as_it_stands_s_ - 60.0 * zone_min;
       zone.covered = static_cast<std::size_t>(std::count_if(
           times_s_.begin(), times_s_.end(), [&](double t_s) { return cover_.Covers(t_s + zone.offset_s); }));
       if (zone.covered == 0) continue;
@@ -79,7 +75,7 @@ class ZoneSearch {
       else if (moves)
         parts.push_back(zone);
     }
-    const std::optional<FittingZone> part = BestPart(parts);
+    const std::optional<ZoneChoice> part = BestPart(parts);
     if (!whole.empty()) {
       ZoneChoice choice = BestOf(std::move(whole));
       // A log that was cut, in a zone that is the likelier by itself.
@@ -90,36 +86,28 @@ class ZoneSearch {
     // A camera that stands takes photos of one place; or the log was cut in the flight, and stood before.
     if (!part && standing.empty()) return std::nullopt;
     if (!part) return BestOf(std::move(standing));
-    ZoneChoice choice = Chosen(*part, 1 + standing.size());
-    for (const FittingZone& zone : standing) choice.open_with_min.push_back(zone.zone_min);
+    ZoneChoice choice = *part;
+    choice.fitting = 1 + standing.size();
+    for (const ZoneChoice& zone : standing) choice.open_with_min.push_back(zone.zone_min);
     return choice;
   }
 
  private:
-  std::vector<double> TimesIn(const FittingZone& zone) const {
+  std::vector<double> TimesIn(const ZoneChoice& zone) const {
     std::vector<double> times_s(times_s_.begin(), times_s_.end());
     for (double& t_s : times_s) t_s += zone.offset_s;
     return times_s;
   }
 
-  ZoneChoice Chosen(const FittingZone& zone, std::size_t fitting) const {
-    ZoneChoice choice;
-    choice.zone_min = zone.zone_min;
-    choice.offset_s = zone.offset_s;
-    choice.covered = zone.covered;
-    choice.fitting = fitting;
-    return choice;
-  }
-
   // Where a log ends at rest, photos beyond it say that the clock is wrong.
-  bool IsCutWhereItLacks(const FittingZone& zone) const {
+  bool IsCutWhereItLacks(const ZoneChoice& zone) const {
     return std::all_of(times_s_.begin(), times_s_.end(), [&](double t_s) {
       return cover_.Covers(t_s + zone.offset_s) || cover_.IsCutNear(t_s + zone.offset_s);
     });
   }
 
   // A log of a part of the flight, that was cut where photos go on, and no other zone comes near.
-  std::optional<FittingZone> BestPart(const std::vector<FittingZone>& parts) const {
+  std::optional<ZoneChoice> BestPart(const std::vector<ZoneChoice>& parts) const {
     constexpr int kHalfHourMin = 30;
     const auto best = std::max_element(parts.begin(), parts.end(),
                                        [](const auto& a, const auto& b) { return a.covered < b.covered; });
@@ -131,35 +119,30 @@ class ZoneSearch {
     return *best;
   }
 
-  ZoneChoice BestOf(std::vector<FittingZone> zones) const {
-    const std::size_t fitting = zones.size();
-    std::string by;
-    std::optional<FittingZone> decided = Decided(zones, by);
+  ZoneChoice BestOf(std::vector<ZoneChoice> zones) const {
+    for (ZoneChoice& zone : zones) zone.fitting = zones.size();
+    std::optional<ZoneChoice> decided = Decided(zones);
     if (!decided) {
       int lowest = RankOf(zones.front().zone_min);
-      for (const FittingZone& zone : zones) lowest = std::min(lowest, RankOf(zone.zone_min));
+      for (const ZoneChoice& zone : zones) lowest = std::min(lowest, RankOf(zone.zone_min));
       std::erase_if(zones, [&](const auto& zone) { return RankOf(zone.zone_min) > lowest; });
-      decided = Decided(zones, by);
+      decided = Decided(zones);
     }
-    if (decided) {
-      ZoneChoice choice = Chosen(*decided, fitting);
-      choice.decided_by = by;
-      return choice;
-    }
+    if (decided) return *decided;
     const auto likely = std::min_element(zones.begin(), zones.end(), [&](const auto& a, const auto& b) {
       return std::abs(a.zone_min - SunsMin()) < std::abs(b.zone_min - SunsMin());
     });
-    ZoneChoice choice = Chosen(*likely, fitting);
-    for (const FittingZone& zone : zones)
+    ZoneChoice choice = *likely;
+    for (const ZoneChoice& zone : zones)
       if (zone.zone_min != likely->zone_min) choice.open_with_min.push_back(zone.zone_min);
     return choice;
   }
 
   // The one that evidence prefers clearly; the only one.
-  std::optional<FittingZone> Decided(const std::vector<FittingZone>& zones, std::string& by) const {
+  std::optional<ZoneChoice> Decided(const std::vector<ZoneChoice>& zones) const {
     if (zones.size() == 1) return zones.front();
     struct Evidence {
-      double (ZoneSearch::*score)(const FittingZone&) const;
+      double (ZoneSearch::*score)(const ZoneChoice&) const;
       double good, bad;
       const char* words;
     };
@@ -171,21 +154,22 @@ class ZoneSearch {
         {&ZoneSearch::Evenness, kMostlyEven, kHardlyEven, "the even spacing of the photos says"},
     };
     for (const Evidence& evidence : witnesses) {
-      const FittingZone* best = nullptr;
+      const ZoneChoice* best = nullptr;
       std::size_t bad = 0;
-      for (const FittingZone& zone : zones) {
+      for (const ZoneChoice& zone : zones) {
         const double score = (this->*evidence.score)(zone);
         if (score >= evidence.good) best = &zone;
         if (score <= evidence.bad) ++bad;
       }
       if (best == nullptr || bad + 1 != zones.size()) continue;
-      by = evidence.words;
-      return *best;
+      ZoneChoice choice = *best;
+      choice.decided_by = evidence.words;
+      return choice;
     }
     return std::nullopt;
   }
 
-  double Nearness(const FittingZone& zone) const {
+  double Nearness(const ZoneChoice& zone) const {
     std::vector<double> apart_m;
     for (std::size_t k = 0; k < times_s_.size(); ++k) {
       const auto& own = photos_[camera_.photo[k]].position;
@@ -197,7 +181,7 @@ class ZoneSearch {
 
   // 1 where the camera is always turned alike against the course, as one that looks ahead is; nothing where
   // it kept its heading whatever the course.
-  double HeadingFit(const FittingZone& zone) const {
+  double HeadingFit(const ZoneChoice& zone) const {
     constexpr std::size_t kFewest = 6;
     constexpr double kTurns = 0.9, kMovesMps = 1.0;
     std::complex<double> headings = 0.0, against_course = 0.0;
@@ -222,7 +206,7 @@ class ZoneSearch {
 
   // The share of steps between photos that are as long as most are: a flight plan fires by the way flown.
   // Nothing where the camera fired by the clock, which makes even steps of any steady track.
-  double Evenness(const FittingZone& zone) const {
+  double Evenness(const ZoneChoice& zone) const {
     constexpr std::size_t kFewest = 8;
     constexpr double kShortestStepM = 2.0, kEvenTimes = 0.5;
     std::vector<double> steps_m, intervals_s;

@@ -14,7 +14,6 @@
 #include "core/base/median.h"
 #include "core/base/text/printable.h"
 #include "core/flight/remarks/because.h"
-#include "core/geo/local_frame.h"
 #include "core/poses/time/clock_zone.h"
 #include "core/poses/time/event_alignment.h"
 #include "core/poses/time/log_cover.h"
@@ -168,10 +167,11 @@ class OffsetSearch {
         camera_(camera),
         first_(first),
         log_(log),
+        cover_(log),
         refined_(RefineByTriggerInterval(camera.stamp_s, camera.resolution_s)) {
     if (refined_.refined > 0)
       stamps_ = fmt::format("; {} stamps refined by a constant trigger interval", refined_.refined);
-    MakeTrack();
+    for (const auto& sample : log.gnss) track_.push_back({sample.t_s, cover_.InPlane(sample.position)});
   }
 
   Result<TimeSync> Run() {
@@ -187,23 +187,11 @@ class OffsetSearch {
   }
 
  private:
-  void MakeTrack() {
-    if (log_.gnss.empty()) return;
-    const auto& origin = log_.gnss.front().position;
-    frame_.emplace(geo::Wgs84{origin.lat_deg, origin.lon_deg, 0.0});
-    track_.reserve(log_.gnss.size());
-    for (const auto& sample : log_.gnss) track_.push_back({sample.t_s, InPlane(sample.position)});
-  }
-
-  Eigen::Vector2d InPlane(const geo::LatLon& position) const {
-    return frame_->EnuFromWgs84({position.lat_deg, position.lon_deg, 0.0}).head<2>();
-  }
-
   bool ByPositions() {
     std::vector<TimedPosition> timed;
     for (std::size_t k = 0; k < camera_.photo.size(); ++k) {
       const Photo& photo = photos_[camera_.photo[k]];
-      if (photo.position) timed.push_back({refined_.times_s[k], InPlane(photo.position->position)});
+      if (photo.position) timed.push_back({refined_.times_s[k], cover_.InPlane(photo.position->position)});
     }
     const auto found = SearchByPositions(timed, track_);
     // Photos of another flight fit nowhere.
@@ -224,9 +212,8 @@ class OffsetSearch {
     found_.method_in_words = fmt::format("the clocks of camera and log as they stand{}", stamps_);
     if (log_.utc_at_zero && !photos_[camera_.photo.front()].captured_at_is_local) {
       found_.offset_s = as_it_stands;
-      const LogCover cover(log_);
       return std::any_of(refined_.times_s.begin(), refined_.times_s.end(),
-                         [&](double t_s) { return cover.Covers(t_s + as_it_stands); });
+                         [&](double t_s) { return cover_.Covers(t_s + as_it_stands); });
     }
     const auto zone = ChooseZone(photos_, camera_, refined_.times_s, as_it_stands, log_);
     if (!zone) return false;
@@ -259,14 +246,13 @@ class OffsetSearch {
 
   // When the photos were taken, and when the log was written.
   flight::Remark SpansApart() const {
-    const LogCover cover(log_);
     const auto at = [](flight::UtcTime zero, double s) { return DateInWords(LaterBy(zero, s)); };
-    if (cover.IsEmpty()) return RemarkCode::kNotTiedNoEvents;
+    if (cover_.IsEmpty()) return RemarkCode::kNotTiedNoEvents;
     return {RemarkCode::kNotTiedByClocks,
             {{"taken_from", at(first_, camera_.stamp_s.front())},
              {"taken_until", at(first_, camera_.stamp_s.back())},
-             {"log_from", at(ZeroOfLog(), cover.stretches().front().begin_s)},
-             {"log_until", at(ZeroOfLog(), cover.stretches().back().end_s)}}};
+             {"log_from", at(ZeroOfLog(), cover_.stretches().front().begin_s)},
+             {"log_until", at(ZeroOfLog(), cover_.stretches().back().end_s)}}};
   }
 
   Error NotTied(flight::Remark why) const {
@@ -280,9 +266,9 @@ class OffsetSearch {
   const StampedPhotos& camera_;
   flight::UtcTime first_;
   const FlightLog& log_;
+  LogCover cover_;
   RefinedStamps refined_;
   std::string stamps_;  // what was done to them, in words
-  std::optional<geo::LocalFrame> frame_;
   std::vector<TimedPosition> track_;
   TimeSync found_;
 };

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "core/base/median.h"
-
 namespace skyquilt::poses {
 namespace {
 
@@ -18,10 +16,7 @@ constexpr double kCoversBeyondS = 5.0;
 template <typename Sample>
 void AddStretches(const std::vector<Sample>& samples, std::vector<LogSpan>& stretches) {
   if (samples.empty()) return;
-  std::vector<double> intervals_s;
-  for (std::size_t i = 1; i < samples.size(); ++i) intervals_s.push_back(samples[i].t_s - samples[i - 1].t_s);
-  const double hole_s =
-      std::max(kLongestSilenceS, kUsualIntervals * MedianIfAny(std::move(intervals_s)).value_or(0.0));
+  const double hole_s = std::max(kLongestSilenceS, kUsualIntervals * UsualIntervalS(samples));
   LogSpan stretch{samples.front().t_s, samples.front().t_s};
   for (const Sample& sample : samples) {
     if (sample.t_s - stretch.end_s > hole_s) {
@@ -57,9 +52,7 @@ LogCover::LogCover(const flight::FlightLog& log) {
     // Events tell by where they were; one without a place tells nothing, whatever its time.
     LogSpan placed;
     for (const flight::CameraEvent& event : log.events) {
-      if (!event.has_time || !event.position) continue;
-      placed.begin_s = std::min(placed.begin_s, event.t_s);
-      placed.end_s = std::max(placed.end_s, event.t_s);
+      if (event.has_time && event.position) placed.Take(event.t_s);
     }
     if (!placed.IsEmpty()) stretches_.push_back(placed);
   }

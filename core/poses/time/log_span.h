@@ -4,15 +4,30 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
+#include "core/base/median.h"
+
 namespace skyquilt::poses {
+
+// The median interval of samples; 0 of fewer than two.
+template <typename Sample>
+double UsualIntervalS(const std::vector<Sample>& samples) {
+  std::vector<double> intervals_s;
+  for (std::size_t i = 1; i < samples.size(); ++i) intervals_s.push_back(samples[i].t_s - samples[i - 1].t_s);
+  return MedianIfAny(std::move(intervals_s)).value_or(0.0);
+}
 
 struct LogSpan {
   double begin_s = std::numeric_limits<double>::infinity();
   double end_s = -std::numeric_limits<double>::infinity();
   bool IsEmpty() const { return std::isinf(begin_s); }
   bool Meets(const LogSpan& other) const { return begin_s <= other.end_s && other.begin_s <= end_s; }
+  void Take(double t_s) {
+    begin_s = std::min(begin_s, t_s);
+    end_s = std::max(end_s, t_s);
+  }
   template <typename Sample>
   void Take(const std::vector<Sample>& samples) {
     if (samples.empty()) return;

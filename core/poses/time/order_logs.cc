@@ -52,16 +52,10 @@ bool IsThereAChoice(const std::vector<const FlightLog*>& logs, double most_apart
   return are_rivals || are_days_apart;
 }
 
-struct Compared {
-  LogMerit merit;
-  bool moves = false;
-};
-
-Compared Compare(const FlightLog& log, const std::vector<Photo>& photos) {
+LogMerit MeritOf(const FlightLog& log, const std::vector<Photo>& photos) {
   constexpr double kNearM = 30.0;  // a receiver's error, and a second of flight
   constexpr double kFurthestZoneS = 15.0 * 3600.0;
-  Compared found;
-  LogMerit& merit = found.merit;
+  LogMerit merit;
   merit.is_compared = true;
   merit.worth = Worth(log);
   merit.is_fixed = IsMostlyFixed(log.gnss);
@@ -70,9 +64,9 @@ Compared Compare(const FlightLog& log, const std::vector<Photo>& photos) {
     if (sample.sigma_horizontal_m) sigmas_m.push_back(*sample.sigma_horizontal_m);
   if (!sigmas_m.empty()) merit.sigma_m = Median(std::move(sigmas_m));
   const auto sync = MatchPhotosToLog(photos, log);
-  if (!sync) return found;
+  if (!sync) return merit;
   merit.ties = std::abs(sync->camera_ahead_of_utc_s.value_or(0.0)) <= kFurthestZoneS;
-  if (log.gnss.size() < 2) return found;
+  if (log.gnss.size() < 2) return merit;
   const LogCover cover(log);
   std::vector<double> times_s;
   std::size_t covered = 0, near = 0, placed = 0;
@@ -86,10 +80,10 @@ Compared Compare(const FlightLog& log, const std::vector<Photo>& photos) {
     if (photos[i].position && (*at - cover.InPlane(photos[i].position->position)).norm() <= kNearM) ++near;
   }
   std::sort(times_s.begin(), times_s.end());
-  found.moves = cover.WayM(times_s) > kStandsWithinM;
+  merit.moves = cover.WayM(times_s) > kStandsWithinM;
   merit.covered_tenths = static_cast<int>(10 * covered / photos.size());
   if (placed > 0) merit.near_tenths = static_cast<int>(10 * near / placed);
-  return found;
+  return merit;
 }
 
 }  // namespace
@@ -110,9 +104,7 @@ LogSpan SpanOf(const FlightLog& log) {
 
 LogSpan SpanOfEvents(const FlightLog& log, LogSpan span) {
   for (const flight::CameraEvent& event : log.events) {
-    if (!event.has_time) continue;
-    span.begin_s = std::min(span.begin_s, event.t_s);
-    span.end_s = std::max(span.end_s, event.t_s);
+    if (event.has_time) span.Take(event.t_s);
   }
   return span;
 }
@@ -151,17 +143,11 @@ std::vector<RankedLog> OrderLogs(const std::vector<const FlightLog*>& logs,
   if (photos.empty() || logs.size() < 2 || logs.size() > kMaxCompared ||
       !IsThereAChoice(logs, MostApartS(photos), are_days_apart))
     return ranked;
-  std::vector<char> moves;
-  for (RankedLog& one : ranked) {
-    const Compared compared = Compare(*one.log, photos);
-    one.merit = compared.merit;
-    moves.push_back(compared.moves ? 1 : 0);
-  }
-  const bool any_moves = std::find(moves.begin(), moves.end(), 1) != moves.end();
-  for (std::size_t i = 0; i < ranked.size(); ++i) {
-    LogMerit& merit = ranked[i].merit;
-    merit.stands = any_moves && merit.ties && moves[i] == 0 && ranked[i].log->gnss.size() >= 2;
-  }
+  for (RankedLog& one : ranked) one.merit = MeritOf(*one.log, photos);
+  const bool any_moves =
+      std::any_of(ranked.begin(), ranked.end(), [](const RankedLog& one) { return one.merit.moves; });
+  for (auto& [log, merit] : ranked)
+    merit.stands = any_moves && merit.ties && !merit.moves && log->gnss.size() >= 2;
   std::stable_sort(ranked.begin(), ranked.end(), [&](const RankedLog& one, const RankedLog& other) {
     const auto key = [&](const LogMerit& m) {
       return std::tuple(are_days_apart && !m.ties, m.stands, -m.worth, !m.ties, -m.covered_tenths,

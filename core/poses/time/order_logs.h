@@ -27,7 +27,8 @@ bool IsMostlyFixed(const std::vector<flight::GnssSample>& samples);
 // What a log is to the photos. `is_compared`: false where there was nothing to choose, and all else is unset.
 struct LogMerit {
   bool is_compared = false;
-  bool stands = false;  // while photos are taken, and another log's track moves
+  bool moves = false;   // while photos are taken
+  bool stands = false;  // then, while another log's track moves
   bool ties = false;    // to the photos, on a day that their clock can mean
   int worth = 0;
   int covered_tenths = 0;                                    // of the photos

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/median.h"
+#include "core/flight/bytes/gps_time.h"
 #include "core/poses/time/stamped_photos.h"
 
 namespace skyquilt::poses {
@@ -14,15 +15,13 @@ namespace {
 constexpr double kClocksAgreeS = 300.0;
 // Logs whose times name no zone are read as UTC: they are off by halves of hours, and little else.
 constexpr double kHalfHourS = 1800.0, kBesideZoneS = 30.0, kWidestZoneS = 14.0 * 3600.0;
-// Receivers whose count of weeks ran over are this far in the past.
-constexpr double kWeeksRunOverS = 1024.0 * 7.0 * 86400.0;
 // A log whose UTC is no better than this has it from the clock of a ground station, say.
 constexpr double kUnsureUtcS = 2.0;
 // A receiver's times go on with the photos; one time that all photos carry is the last one that it knew.
 constexpr double kGoesOnWithinS = 120.0;
 
 bool CanBeTheSame(double apart_s) {
-  const double of_days_s = std::abs(std::remainder(apart_s, kWeeksRunOverS));
+  const double of_days_s = std::abs(std::remainder(apart_s, flight::kGpsWeeksRunOverS));
   if (of_days_s <= kClocksAgreeS) return true;
   return of_days_s <= kWidestZoneS && std::abs(std::remainder(of_days_s, kHalfHourS)) <= kBesideZoneS;
 }

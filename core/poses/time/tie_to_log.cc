@@ -6,7 +6,6 @@
 #include <cmath>
 #include <utility>
 
-#include "core/base/median.h"
 #include "core/flight/remarks/because.h"
 #include "core/poses/photo_rows.h"
 
@@ -28,14 +27,6 @@ LogSpan MotionSpanOf(const flight::FlightLog& log) {
   span.Take(log.attitude);
   span.Take(log.imu);
   return span;
-}
-
-double BeyondLogS(const flight::FlightLog& log) {
-  std::vector<double> intervals_s;
-  for (std::size_t i = 1; i < log.gnss.size(); ++i)
-    intervals_s.push_back(log.gnss[i].t_s - log.gnss[i - 1].t_s);
-  return std::clamp(0.5 * MedianIfAny(std::move(intervals_s)).value_or(0.0), kBeyondLogS,
-                    kFurthestBeyondLogS);
 }
 
 // Of this photo's time alone: what all share by the camera's clock is stated apart.
@@ -69,7 +60,7 @@ LogTie TieToLog(const flight::FlightLog& log, std::vector<flight::Photo> photos)
   tie.clock_sigma_s = kEventClockSigmaS;
   if (!HasTrackSeries(log)) return tie;
   const LogSpan span = MotionSpanOf(log);
-  const double beyond_s = BeyondLogS(log);
+  const double beyond_s = std::clamp(0.5 * UsualIntervalS(log.gnss), kBeyondLogS, kFurthestBeyondLogS);
   for (std::size_t i = 0; i < tie.photos.size(); ++i) {
     const auto& time = tie.sync->photos[i];
     if (!time || time->t_s < span.begin_s - beyond_s || time->t_s > span.end_s + beyond_s) continue;

@@ -19,7 +19,6 @@ constexpr double kClearly = 0.95, kElsewhereM = 2.5;
 constexpr double kPatchM = 8.0;
 constexpr int kMinPatchCells = 4, kMaxPatchCells = 64;
 constexpr std::size_t kMinPatches = 8;
-constexpr double kSigmaOfMad = 1.4826;
 constexpr int kLevelRounds = 3;
 
 // Between the four cells around a place, NaN unless all of them are known.
@@ -147,7 +146,7 @@ std::optional<double> SpreadOfPatches(const HeightGrid& now, const HeightGrid& t
     }
   }
   if (off_m.size() < kMinPatches) return std::nullopt;
-  return kSigmaOfMad * Median(std::move(off_m));
+  return kSigmaOfMedian * Median(std::move(off_m));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/alignment/align_flight.h"
@@ -12,163 +13,140 @@
 #include "core/ground/model_ground.h"
 #include "tests/core/alignment/simulated_case.h"
 #include "tests/support/rendered_once.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::alignment {
 namespace {
 
-Result<AlignedFlight> Aligned(const simulate::SimulatedFlight& truth, const AlignOptions& options,
-                              AlignReport& report) {
-  SilentProgress progress;
-  return AlignFlight(PosesOf(truth), test::PhotosOf(truth), options, report, progress);
-}
+using flight::RemarkCode;
+
+constexpr double kDegPerMetreNorth = 1.0 / 111'000.0, kDegPerMetreEast = 1.0 / 76'000.0;
+
+// A flight that was aligned by its survey, of which `change` made what the test is about.
+struct Surveyed {
+  simulate::SimulatedFlight truth = SmallTruth(12, 0.0);
+  AlignOptions options;
+  AlignReport report;
+  AlignedFlight flight;
+
+  template <typename Change>
+  explicit Surveyed(const Change& change) {
+    options.control = SurveyControl(truth);
+    EXPECT_EQ(options.control.size(), 5u);
+    change(options.control);
+    SilentProgress progress;
+    flight = test::ValueOf(AlignFlight(PosesOf(truth), test::PhotosOf(truth), options, report, progress));
+    EXPECT_EQ(report.control.size(), options.control.size());
+    report.control.resize(options.control.size());
+  }
+
+  GroundError Error() const {
+    ground::ModelGroundReport ground_report;
+    return MeasureGroundError(truth, flight, ground::ModelGround(flight, ground_report));
+  }
+  bool IsAnyUsed() const {
+    return std::any_of(report.control.begin(), report.control.end(),
+                       [](const ControlReport& point) { return point.is_used; });
+  }
+  std::ptrdiff_t Said(RemarkCode code) const {
+    return std::count_if(flight.warnings.begin(), flight.warnings.end(),
+                         [&](const flight::Remark& said) { return said.code == code; });
+  }
+  void ExpectReason(std::size_t point, RemarkCode code) const {
+    ASSERT_TRUE(report.control[point].reason);
+    EXPECT_EQ(report.control[point].reason->code, code);
+  }
+};
 
 TEST(AlignWithControl, LiesWhereSurveyedPointsSayAndNamesTheOneThatIsWrong) {
-  const simulate::SimulatedFlight truth = SmallTruth(12, 0.0);
-  AlignOptions options;
-  options.control = SurveyControl(truth);
-  ASSERT_GE(options.control.size(), 5u);
-  options.control[1].position.lat_deg += 15.0 / 111'000.0;  // 15 m north of where it is
-  AlignReport report;
-  const auto aligned = Aligned(truth, options, report);
-  ASSERT_TRUE(aligned.ok());
-  ASSERT_EQ(report.control.size(), options.control.size());
-  EXPECT_FALSE(report.control[1].is_used);
-  ASSERT_TRUE(report.control[1].reason);
-  EXPECT_EQ(report.control[1].reason->code, flight::RemarkCode::kPointFarFromOthers);
-  EXPECT_TRUE(report.control[0].is_used);
-  ground::ModelGroundReport ground_report;
-  const GroundError error = MeasureGroundError(truth, *aligned, ground::ModelGround(*aligned, ground_report));
-  EXPECT_LT(error.absolute_ce90_m, 2.0 * truth.GsdM());
+  const Surveyed wrong([](auto& control) { control[1].position.lat_deg += 15.0 * kDegPerMetreNorth; });
+  EXPECT_FALSE(wrong.report.control[1].is_used);
+  wrong.ExpectReason(1, RemarkCode::kPointFarFromOthers);
+  EXPECT_TRUE(wrong.report.control[0].is_used);
+  EXPECT_LT(wrong.Error().absolute_ce90_m, 2.0 * wrong.truth.GsdM());
 }
 
 TEST(AlignWithControl, LeavesOutAMarkThatTheOthersContradict) {
-  const simulate::SimulatedFlight truth = SmallTruth(12, 0.0);
-  AlignOptions options;
-  options.control = SurveyControl(truth);
-  ControlPoint& point = options.control[4];
-  ASSERT_GE(point.sightings.size(), 3u);
-  ControlSighting& wrong = point.sightings[1];
-  wrong.pixel_in_image.x() += wrong.pixel_in_image.x() < 400.0 ? 300.0 : -300.0;
-  AlignReport report;
-  const auto aligned = Aligned(truth, options, report);
-  ASSERT_TRUE(aligned.ok());
-  EXPECT_TRUE(report.control[4].is_used);
-  EXPECT_EQ(report.control[4].reason, flight::Remark(flight::RemarkCode::kPointMarksElsewhere,
-                                                     {{"marks", 1}, {"names", wrong.photo_name}}));
-  EXPECT_LT(std::hypot(report.control[4].miss_east_m, report.control[4].miss_north_m), 2.0 * truth.GsdM());
-  EXPECT_FALSE(report.control[0].reason);
+  const Surveyed mistaken([](auto& control) {
+    double& pixel_x = control[4].sightings.at(1).pixel_in_image.x();
+    pixel_x += pixel_x < 400.0 ? 300.0 : -300.0;
+  });
+  const std::vector<ControlSighting>& marks = mistaken.options.control[4].sightings;
+  ASSERT_GE(marks.size(), 3u);
+  const ControlReport& point = mistaken.report.control[4];
+  EXPECT_TRUE(point.is_used);
+  EXPECT_EQ(point.reason,
+            flight::Remark(RemarkCode::kPointMarksElsewhere, {{"marks", 1}, {"names", marks[1].photo_name}}));
+  EXPECT_LT(std::hypot(point.miss_east_m, point.miss_north_m), 2.0 * mistaken.truth.GsdM());
+  EXPECT_FALSE(mistaken.report.control[0].reason);
 }
 
 TEST(AlignWithControl, IsNotBentToASurveyThatContradictsThePhotos) {
-  const simulate::SimulatedFlight truth = SmallTruth(12, 0.0);
-  AlignOptions options;
-  options.control = SurveyControl(truth);
-  const double errors_m[5][2] = {
-      {1.5, 0.0}, {0.0, 2.0}, {-1.8, 0.5}, {0.4, -1.9}, {1.1, 1.2}};  // a hand-held receiver's
-  ASSERT_EQ(options.control.size(), 5u);
-  for (std::size_t k = 0; k < 5; ++k) {
-    options.control[k].position.lat_deg += errors_m[k][0] / 111'000.0;
-    options.control[k].position.lon_deg += errors_m[k][1] / 76'000.0;
-  }
-  AlignReport report;
-  const auto aligned = Aligned(truth, options, report);
-  ASSERT_TRUE(aligned.ok());
-  ASSERT_FALSE(aligned->warnings.empty());
-  EXPECT_NE(InWords(aligned->warnings.front()).find("CONTRADICT"), std::string::npos)
-      << InWords(aligned->warnings.front());
-  ground::ModelGroundReport ground_report;
-  const GroundError error = MeasureGroundError(truth, *aligned, ground::ModelGround(*aligned, ground_report));
-  EXPECT_LT(error.relative_ce90_m, 1.5 * truth.GsdM());
+  const Surveyed bent([](auto& control) {
+    const double errors_m[5][2] = {
+        {1.5, 0.0}, {0.0, 2.0}, {-1.8, 0.5}, {0.4, -1.9}, {1.1, 1.2}};  // a hand-held receiver's
+    for (std::size_t k = 0; k < 5; ++k) {
+      control[k].position.lat_deg += errors_m[k][0] * kDegPerMetreNorth;
+      control[k].position.lon_deg += errors_m[k][1] * kDegPerMetreEast;
+    }
+  });
+  ASSERT_FALSE(bent.flight.warnings.empty());
+  const std::string first = InWords(bent.flight.warnings.front());
+  EXPECT_NE(first.find("CONTRADICT"), std::string::npos) << first;
+  EXPECT_LT(bent.Error().relative_ce90_m, 1.5 * bent.truth.GsdM());
 }
 
 TEST(AlignWithControl, NamesSurveyedPointsThatMissByFar) {
-  const simulate::SimulatedFlight truth = SmallTruth(12, 0.0);
-  AlignOptions options;
-  options.control = SurveyControl(truth);
-  options.control[1].position.lat_deg += 1.5 / 111'000.0;
-  AlignReport report;
-  const auto aligned = Aligned(truth, options, report);
-  ASSERT_TRUE(aligned.ok());
+  const Surveyed missed([](auto& control) { control[1].position.lat_deg += 1.5 * kDegPerMetreNorth; });
   const auto names = [&](const std::string& point) {
-    return std::count_if(aligned->warnings.begin(), aligned->warnings.end(), [&](const flight::Remark& said) {
-      return InWords(said).find(point + " lies 1.5 m") != std::string::npos;
-    });
+    return std::count_if(missed.flight.warnings.begin(), missed.flight.warnings.end(),
+                         [&](const flight::Remark& said) {
+                           return InWords(said).find(point + " lies 1.5 m") != std::string::npos;
+                         });
   };
   EXPECT_EQ(names("point2"), 1);
   EXPECT_EQ(names("point1"), 0);
 }
 
-bool IsAnyUsed(const AlignReport& report) {
-  return std::any_of(report.control.begin(), report.control.end(),
-                     [](const ControlReport& point) { return point.is_used; });
-}
-
-std::ptrdiff_t Said(const AlignedFlight& flight, flight::RemarkCode code) {
-  return std::count_if(flight.warnings.begin(), flight.warnings.end(),
-                       [&](const flight::Remark& said) { return said.code == code; });
-}
-
 TEST(AlignWithControl, LeavesOutOfTwoSurveyedPointsTheOneThatThePositionsRefute) {
-  const simulate::SimulatedFlight truth = SmallTruth(12, 0.0);
-  AlignOptions options;
-  options.control = SurveyControl(truth);
-  options.control.resize(2);
-  options.control[1].position.lat_deg += 100.0 / 111'000.0;
-  AlignReport report;
-  const auto aligned = Aligned(truth, options, report);
-  ASSERT_TRUE(aligned.ok());
-  EXPECT_TRUE(report.control[0].is_used);
-  EXPECT_FALSE(report.control[1].is_used);
-  ASSERT_TRUE(report.control[1].reason);
-  EXPECT_EQ(report.control[1].reason->code, flight::RemarkCode::kPointFarFromRecords);
-  EXPECT_LT(report.position_bias_m.head<2>().norm(), 10.0);
+  const Surveyed two([](auto& control) {
+    control.resize(2);
+    control[1].position.lat_deg += 100.0 * kDegPerMetreNorth;
+  });
+  EXPECT_TRUE(two.report.control[0].is_used);
+  EXPECT_FALSE(two.report.control[1].is_used);
+  two.ExpectReason(1, RemarkCode::kPointFarFromRecords);
+  EXPECT_LT(two.report.position_bias_m.head<2>().norm(), 10.0);
 }
 
 TEST(AlignWithControl, RefusesSurveyedPointsOfAnotherPlace) {
-  const simulate::SimulatedFlight truth = SmallTruth(12, 0.0);
-  AlignOptions options;
-  options.control = SurveyControl(truth);
-  for (ControlPoint& point : options.control) {
-    point.list = "gcp_list.txt";
-    point.position.lon_deg += 12'000.0 / 76'000.0;
-  }
-  AlignReport report;
-  const auto aligned = Aligned(truth, options, report);
-  ASSERT_TRUE(aligned.ok());
-  EXPECT_FALSE(IsAnyUsed(report));
-  EXPECT_EQ(Said(*aligned, flight::RemarkCode::kControlElsewhere), 1) << "once for all points";
-  EXPECT_EQ(Said(*aligned, flight::RemarkCode::kControlNotUsed), 0);
-  ground::ModelGroundReport ground_report;
-  const GroundError error = MeasureGroundError(truth, *aligned, ground::ModelGround(*aligned, ground_report));
-  EXPECT_LT(error.absolute_ce90_m, 15.0) << "the map is where its positions say";
+  const Surveyed elsewhere([](auto& control) {
+    for (ControlPoint& point : control) {
+      point.list = "gcp_list.txt";
+      point.position.lon_deg += 12'000.0 * kDegPerMetreEast;
+    }
+  });
+  EXPECT_FALSE(elsewhere.IsAnyUsed());
+  EXPECT_EQ(elsewhere.Said(RemarkCode::kControlElsewhere), 1) << "once for all points";
+  EXPECT_EQ(elsewhere.Said(RemarkCode::kControlNotUsed), 0);
+  EXPECT_LT(elsewhere.Error().absolute_ce90_m, 15.0) << "the map is where its positions say";
 }
 
 TEST(AlignWithControl, RefusesMarksThatArePixelsOfSmallerPictures) {
-  const simulate::SimulatedFlight truth = SmallTruth(12, 0.0);
-  AlignOptions options;
-  options.control = SurveyControl(truth);
-  for (ControlPoint& point : options.control) {
-    for (ControlSighting& mark : point.sightings) mark.pixel_in_image *= 0.5;
-  }
-  AlignReport report;
-  const auto aligned = Aligned(truth, options, report);
-  ASSERT_TRUE(aligned.ok());
-  EXPECT_FALSE(IsAnyUsed(report));
-  EXPECT_EQ(Said(*aligned, flight::RemarkCode::kControlOfOtherPixels), 1);
+  const Surveyed halved([](auto& control) {
+    for (ControlPoint& point : control) {
+      for (ControlSighting& mark : point.sightings) mark.pixel_in_image *= 0.5;
+    }
+  });
+  EXPECT_FALSE(halved.IsAnyUsed());
+  EXPECT_EQ(halved.Said(RemarkCode::kControlOfOtherPixels), 1);
 }
 
 TEST(AlignWithControl, TakesNoHeightThatTheOtherSurveyedPointsContradict) {
-  const simulate::SimulatedFlight truth = SmallTruth(12, 0.0);
-  AlignOptions options;
-  options.control = SurveyControl(truth);
-  *options.control[2].height_m += 50.0;
-  AlignReport report;
-  const auto aligned = Aligned(truth, options, report);
-  ASSERT_TRUE(aligned.ok());
-  EXPECT_TRUE(report.control[2].is_used);
-  ASSERT_TRUE(report.control[2].reason);
-  EXPECT_EQ(report.control[2].reason->code, flight::RemarkCode::kPointHeightFarFromOthers);
-  EXPECT_EQ(Said(*aligned, flight::RemarkCode::kControlNoted), 1);
+  const Surveyed raised([](auto& control) { *control[2].height_m += 50.0; });
+  EXPECT_TRUE(raised.report.control[2].is_used);
+  raised.ExpectReason(2, RemarkCode::kPointHeightFarFromOthers);
+  EXPECT_EQ(raised.Said(RemarkCode::kControlNoted), 1);
 }
 
 ControlReport UsedPoint(const std::string& name, double east_m, double up_m) {
@@ -181,7 +159,6 @@ ControlReport UsedPoint(const std::string& name, double east_m, double up_m) {
 }
 
 TEST(RemarksOnControl, NameHeightsAndPairsThatMiss) {
-  using flight::RemarkCode;
   const std::vector<flight::Remark> high =
       RemarksOn({UsedPoint("a", 0.0, 0.1), UsedPoint("b", 0.0, -9.97), UsedPoint("c", 0.1, 0.0)});
   ASSERT_EQ(high.size(), 1u);

@@ -1,7 +1,8 @@
 // Positions, heights and times: the traps of EXIF and XMP, one by one.
+#include <gtest/gtest.h>
+
 #include <chrono>
 #include <cmath>
-#include <gtest/gtest.h>
 
 #include "core/flight/bytes/gps_time.h"
 #include "core/flight/metadata/capture_time.h"

@@ -15,11 +15,14 @@
 #include "core/flight/lists/file_kinds.h"
 #include "core/flight/remarks/remark_words.h"
 #include "tests/core/flight/synthetic_photo.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::flight {
 namespace {
 
 namespace fs = std::filesystem;
+using test::ErrorOf;
+using test::ValueOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 
@@ -115,15 +118,27 @@ TEST(ReadFlight, KeepsTwoPhotosOfOneNameAndDropsTrueDoubles) {
   EXPECT_THAT(InWords(flight.left_out[0].reason), HasSubstr("DJI_0001.JPG"));
 }
 
-// A file of the exposure, and behind its tags the picture that `content` stands for.
+// Behind its tags the picture that `content` stands for.
+Bytes Showing(std::uint8_t content, Bytes photo = JpegHeader({})) {
+  photo[photo.size() - 3] = content;  // before the end marker
+  return photo;
+}
+
+// A file of the exposure.
 Bytes TaggedPhoto(double lat_deg, std::uint32_t error_cm, std::uint8_t content) {
   ExifWriter exif;
   exif.Ascii(ExifIfd::kImage, 0x010F, "DJI").Ascii(ExifIfd::kExif, 0x9003, "2021:06:03 12:00:00");
   if (lat_deg != 0.0) exif.Position(lat_deg, 7.0);
   if (error_cm > 0) exif.Rational(ExifIfd::kGps, 0x1F, {{error_cm, 100}});
-  Bytes bytes = JpegHeader({.exif = exif.Write()});
-  bytes[bytes.size() - 3] = content;  // before the end marker
-  return bytes;
+  return Showing(content, JpegHeader({.exif = exif.Write()}));
+}
+
+// A file beside a photo, at 7 degrees east.
+Bytes SidecarAt(const std::string& lat) {
+  const std::string xmp =
+      XmpPacket("xmlns:exif=\"http://ns.adobe.com/exif/1.0/\" exif:GPSLatitude=\"" + lat +
+                "\" exif:GPSLongitude=\"7,0.0E\" exif:GPSAltitude=\"5105/10\" exif:GPSAltitudeRef=\"0\"");
+  return {xmp.begin(), xmp.end()};
 }
 
 TEST(ReadFlight, UsesOfFilesOfOnePictureTheOneOfTheBestPosition) {
@@ -152,11 +167,9 @@ TEST(ReadFlight, UsesNoPositionInCoarseStepsWhereAFileHasAFineOne) {
   in_tenths.Ascii(ExifIfd::kGps, 1, "N").Ascii(ExifIfd::kGps, 3, "E");
   in_tenths.Rational(ExifIfd::kGps, 2, {{1, 1}, {0, 1}, {1, 10}});
   in_tenths.Rational(ExifIfd::kGps, 4, {{7, 1}, {0, 1}, {1, 10}});
-  Bytes coarse = JpegHeader({.exif = in_tenths.Write()});
-  coarse[coarse.size() - 3] = 1;
   const Folder folder;
   folder.Write("DJI_0001.JPG", TaggedPhoto(1.00003, 0, 1));
-  folder.Write("out/DJI_0001_geotag.JPG", coarse);
+  folder.Write("out/DJI_0001_geotag.JPG", Showing(1, JpegHeader({.exif = in_tenths.Write()})));
   EXPECT_EQ(Names(Read(folder)), (std::vector<std::string>{"DJI_0001.JPG"}));
 }
 
@@ -169,26 +182,15 @@ TEST(ReadFlight, KeepsPicturesOfARigThatHaveOneNameAndSecond) {
 }
 
 TEST(ReadFlight, TakesPositionsOfFilesBesidePhotosThatHaveNone) {
-  const auto beside = [](const std::string& lat) {
-    const std::string xmp =
-        XmpPacket("xmlns:exif=\"http://ns.adobe.com/exif/1.0/\" exif:GPSLatitude=\"" + lat +
-                  "\" exif:GPSLongitude=\"7,0.0E\" exif:GPSAltitude=\"5105/10\" exif:GPSAltitudeRef=\"0\"");
-    return Bytes(xmp.begin(), xmp.end());
-  };
-  const auto without_tags = [](std::uint8_t content) {
-    Bytes bytes = JpegHeader({});
-    bytes[bytes.size() - 3] = content;
-    return bytes;
-  };
   const Folder folder;
-  folder.Write("a.JPG", without_tags(1));
-  folder.Write("a.xmp", beside("46,30.0N"));
-  folder.Write("b.JPG", without_tags(2));
-  folder.Write("b.JPG.XMP", beside("46,30.6N"));
+  folder.Write("a.JPG", Showing(1));
+  folder.Write("a.xmp", SidecarAt("46,30.0N"));
+  folder.Write("b.JPG", Showing(2));
+  folder.Write("b.JPG.XMP", SidecarAt("46,30.6N"));
   folder.Write("c.JPG", PhotoAt(46.52, ""));
-  folder.Write("c.xmp", beside("10,0.0N"));
-  folder.Write("other/d.JPG", without_tags(3));
-  folder.Write("d.xmp", beside("10,0.0N"));
+  folder.Write("c.xmp", SidecarAt("10,0.0N"));
+  folder.Write("other/d.JPG", Showing(3));
+  folder.Write("d.xmp", SidecarAt("10,0.0N"));
   const Flight flight = Read(folder);
   ASSERT_EQ(Names(flight), (std::vector<std::string>{"a.JPG", "b.JPG", "c.JPG", "d.JPG"}));
   ASSERT_TRUE(flight.photos[0].position && flight.photos[1].position);
@@ -212,24 +214,14 @@ TEST(ReadFlight, FindsFilesBesidePhotosUnderNamesWithFolders) {
     folder.Write(stored, bytes);
     files.push_back({name, folder.path() / stored});
   };
-  for (const char* name : {"100_DJI_0001.JPG", "101_DJI_0001.JPG", "DJI_0002.JPG", "0003.JPG"}) {
-    Bytes bytes = JpegHeader({});
-    bytes[bytes.size() - 3] = static_cast<std::uint8_t>(files.size());
-    add(name, bytes);
-  }
+  for (const char* name : {"100_DJI_0001.JPG", "101_DJI_0001.JPG", "DJI_0002.JPG", "0003.JPG"})
+    add(name, Showing(static_cast<std::uint8_t>(files.size())));
   const char* const beside[] = {"100_DJI_0001.xmp", "101_DJI_0001.xmp", "DJI_0002.xmp", "IMG_0003.xmp"};
-  for (int i = 0; i < 4; ++i) {
-    const std::string xmp =
-        XmpPacket(fmt::format("xmlns:exif=\"http://ns.adobe.com/exif/1.0/\" exif:GPSLatitude=\"4{},0.0N\" "
-                              "exif:GPSLongitude=\"7,0.0E\"",
-                              i));
-    add(beside[i], Bytes(xmp.begin(), xmp.end()));
-  }
+  for (int i = 0; i < 4; ++i) add(beside[i], SidecarAt(fmt::format("4{},0.0N", i)));
   SilentProgress progress;
-  const auto flight = ReadFlight(files, 0, progress);
-  ASSERT_TRUE(flight.ok());
+  const auto flight = ValueOf(ReadFlight(files, 0, progress));
   std::map<std::string, double> latitudes;
-  for (const Photo& photo : flight->photos)
+  for (const Photo& photo : flight.photos)
     if (photo.position) latitudes[photo.name] = std::round(photo.position->position.lat_deg);
   EXPECT_EQ(latitudes, (std::map<std::string, double>{
                            {"100_DJI_0001.JPG", 40.0}, {"101_DJI_0001.JPG", 41.0}, {"DJI_0002.JPG", 42.0}}));
@@ -241,18 +233,16 @@ TEST(ReadFlight, MakesGivenNamesUnique) {
   folder.Write("y", PhotoAt(1.1, "2021:06:03 12:00:05"));
   SilentProgress progress;
   const auto flight =
-      ReadFlight({{"a.jpg", folder.path() / "x"}, {"a.jpg", folder.path() / "y"}}, 0, progress);
-  ASSERT_TRUE(flight.ok());
-  EXPECT_EQ(Names(*flight), (std::vector<std::string>{"a.jpg", "a(2).jpg"}));
+      ValueOf(ReadFlight({{"a.jpg", folder.path() / "x"}, {"a.jpg", folder.path() / "y"}}, 0, progress));
+  EXPECT_EQ(Names(flight), (std::vector<std::string>{"a.jpg", "a(2).jpg"}));
 }
 
 TEST(ReadFlight, FailsOnlyWithoutAnyFile) {
   SilentProgress progress;
   EXPECT_FALSE(ReadFlight({}, 0, progress).ok());
-  const auto missing = ReadFlight({{"a.jpg", "/nonexistent/a.jpg"}}, 0, progress);
-  ASSERT_TRUE(missing.ok());
-  ASSERT_EQ(missing->left_out.size(), 1u);
-  EXPECT_EQ(missing->left_out[0].code, ErrorCode::kNotFound);
+  const auto missing = ValueOf(ReadFlight({{"a.jpg", "/nonexistent/a.jpg"}}, 0, progress));
+  ASSERT_EQ(missing.left_out.size(), 1u);
+  EXPECT_EQ(missing.left_out[0].code, ErrorCode::kNotFound);
 }
 
 TEST(ReadFlight, StopsWhenCancelled) {
@@ -261,20 +251,15 @@ TEST(ReadFlight, StopsWhenCancelled) {
     void Report(double, std::string_view) override {}
     bool IsCancelled() const override { return true; }
   } progress;
-  const auto flight = ReadFlight({{"a.jpg", "/nonexistent/a.jpg"}}, 0, progress);
-  ASSERT_FALSE(flight.ok());
-  EXPECT_EQ(flight.error().code, ErrorCode::kCancelled);
+  EXPECT_EQ(ErrorOf(ReadFlight({{"a.jpg", "/nonexistent/a.jpg"}}, 0, progress)).code, ErrorCode::kCancelled);
 }
 
 TEST(ListInputFiles, NamesWhatIsMissingAndTakesEachFileOnce) {
-  const auto missing = ListInputFiles({"/nonexistent/folder"});
-  ASSERT_FALSE(missing.ok());
-  EXPECT_THAT(missing.error().message, HasSubstr("/nonexistent/folder"));
+  EXPECT_THAT(ErrorOf(ListInputFiles({"/nonexistent/folder"})).message, HasSubstr("/nonexistent/folder"));
   const Folder folder;
   folder.Write("a.jpg", PhotoAt(1.0, ""));
-  const auto twice = ListInputFiles({folder.path(), folder.path() / "a.jpg"});
-  ASSERT_TRUE(twice.ok());
-  EXPECT_EQ(twice->size(), 1u);
+  const auto twice = ValueOf(ListInputFiles({folder.path(), folder.path() / "a.jpg"}));
+  EXPECT_EQ(twice.size(), 1u);
 }
 
 TEST(ListInputFiles, PassesOverFoldersOfPrograms) {
@@ -283,10 +268,9 @@ TEST(ListInputFiles, PassesOverFoldersOfPrograms) {
   for (const char* name : {"@eaDir/DJI_0001.JPG/SYNOPHOTO_THUMB_M.jpg", "$RECYCLE.BIN/a.jpg",
                            "#recycle/b.jpg", ".thumbnails/c.jpg", "__MACOSX/d.jpg"})
     folder.Write(name, PhotoAt(1.1, ""));
-  const auto files = ListInputFiles({folder.path()});
-  ASSERT_TRUE(files.ok());
-  ASSERT_EQ(files->size(), 1u);
-  EXPECT_EQ(files->front().name, "DJI_0001.JPG");
+  const auto files = ValueOf(ListInputFiles({folder.path()}));
+  ASSERT_EQ(files.size(), 1u);
+  EXPECT_EQ(files.front().name, "DJI_0001.JPG");
 }
 
 TEST(ReadFlight, ListsWhatIsNoFileAtAll) {

@@ -10,10 +10,12 @@
 #include "core/flight/metadata/xmp.h"
 #include "core/flight/remarks/remark_words.h"
 #include "tests/core/flight/synthetic_photo.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::flight {
 namespace {
 
+using test::ValueOf;
 using ::testing::HasSubstr;
 
 const std::string kAngles = std::string(kDjiNamespace) +
@@ -76,27 +78,24 @@ TEST(ReadPhoto, FindsXmpWhereverItHides) {
       {"TIFF", TiffImage(ExifWriter(), 32, 24, Bytes(32 * 24 * 3, 100), packet)}};
   for (const auto& [where, bytes] : places) {
     SCOPED_TRACE(where);
-    const auto photo = ReadPhotoFromBytes("a", bytes);
-    ASSERT_TRUE(photo.ok()) << photo.error().message;
-    ASSERT_TRUE(photo->attitude);
-    EXPECT_NEAR(photo->attitude->yaw_rad, 12.5 * geo::kPi / 180.0, 1e-12);
+    const auto photo = ValueOf(ReadPhotoFromBytes("a", bytes));
+    ASSERT_TRUE(photo.attitude);
+    EXPECT_NEAR(photo.attitude->yaw_rad, 12.5 * geo::kPi / 180.0, 1e-12);
   }
 }
 
 TEST(ReadPhoto, ReadsPositionAndSizeOfATiff) {
-  const auto photo = ReadPhotoFromBytes(
-      "a.tif", TiffImage(ExifWriter().Position(-12.25, 130.5), 40, 30, Bytes(40 * 30 * 3, 7)));
-  ASSERT_TRUE(photo.ok()) << photo.error().message;
-  EXPECT_EQ(photo->intrinsics.width_px, 40);
-  EXPECT_EQ(photo->intrinsics.height_px, 30);
-  ASSERT_TRUE(photo->position);
-  EXPECT_NEAR(photo->position->position.lat_deg, -12.25, 1e-8);
+  const auto photo = ValueOf(ReadPhotoFromBytes(
+      "a.tif", TiffImage(ExifWriter().Position(-12.25, 130.5), 40, 30, Bytes(40 * 30 * 3, 7))));
+  EXPECT_EQ(photo.intrinsics.width_px, 40);
+  EXPECT_EQ(photo.intrinsics.height_px, 30);
+  ASSERT_TRUE(photo.position);
+  EXPECT_NEAR(photo.position->position.lat_deg, -12.25, 1e-8);
 }
 
 TEST(ReadPhoto, TakesTheHeightAboveTakeOff) {
-  const auto photo = ReadPhotoFromBytes("a.jpg", RichPhoto());
-  ASSERT_TRUE(photo.ok());
-  EXPECT_EQ(photo->position->height_above_takeoff_m, 40.0);
+  const auto photo = ValueOf(ReadPhotoFromBytes("a.jpg", RichPhoto()));
+  EXPECT_EQ(photo.position->height_above_takeoff_m, 40.0);
 }
 
 // Programs that write the EXIF block anew keep the maker note byte for byte.
@@ -107,12 +106,11 @@ TEST(ReadPhoto, ReadsALittleEndianMakerNoteInABigEndianExif) {
           .Undefined(ExifIfd::kExif, 0x927C, DjiNote({{9, -75.0f}, {10, 45.0f}, {11, 0.0f}}))
           .Position(46.5, 7.5);
   for (const bool is_big_endian : {false, true}) {
-    const auto photo = ReadPhotoFromBytes("a.jpg", JpegHeader({.exif = exif.Write(is_big_endian)}));
-    ASSERT_TRUE(photo.ok());
-    ASSERT_TRUE(photo->attitude) << is_big_endian;
-    EXPECT_NEAR(photo->attitude->pitch_rad, geo::DegToRad(-75.0), 1e-6);
-    EXPECT_NEAR(photo->attitude->yaw_rad, geo::DegToRad(45.0), 1e-6);
-    EXPECT_NEAR(photo->position->position.lat_deg, 46.5, 1e-6);
+    const auto photo = ValueOf(ReadPhotoFromBytes("a.jpg", JpegHeader({.exif = exif.Write(is_big_endian)})));
+    ASSERT_TRUE(photo.attitude) << is_big_endian;
+    EXPECT_NEAR(photo.attitude->pitch_rad, geo::DegToRad(-75.0), 1e-6);
+    EXPECT_NEAR(photo.attitude->yaw_rad, geo::DegToRad(45.0), 1e-6);
+    EXPECT_NEAR(photo.position->position.lat_deg, 46.5, 1e-6);
   }
 }
 
@@ -154,15 +152,14 @@ TEST(ReadPhoto, NotesWhatAFilterMakesOfTheChannels) {
 }
 
 TEST(ReadPhoto, NotesOrientationAndViewersWithoutTurningAnything) {
-  const auto photo = ReadPhotoFromBytes(
+  const auto photo = ValueOf(ReadPhotoFromBytes(
       "a.jpg", JpegHeader({.exif = ExifWriter()
                                        .Short(ExifIfd::kImage, 0x0112, 6)
                                        .Ascii(ExifIfd::kImage, 0x0131, "Microsoft Windows Photo Viewer 10.0")
-                                       .Write()}));
-  ASSERT_TRUE(photo.ok());
-  EXPECT_EQ(photo->intrinsics.width_px, 4000);
-  EXPECT_THAT(InWords(photo->notes), ::testing::Contains(HasSubstr("orientation 6")));
-  EXPECT_THAT(InWords(photo->notes), ::testing::Contains(HasSubstr("Re-saved by")));
+                                       .Write()})));
+  EXPECT_EQ(photo.intrinsics.width_px, 4000);
+  EXPECT_THAT(InWords(photo.notes), ::testing::Contains(HasSubstr("orientation 6")));
+  EXPECT_THAT(InWords(photo.notes), ::testing::Contains(HasSubstr("Re-saved by")));
 }
 
 TEST(ReadPhoto, RefusesOtherFilesInWordsThatHelp) {
@@ -264,16 +261,14 @@ TEST(ReadTiffTags, StopsAtLoopsAndHugeCounts) {
   loop.Long(ExifIfd::kImage, 0x8769, 8).Long(ExifIfd::kImage, 0x8825, 8).Long(ExifIfd::kImage, 0x0100, 32);
   Bytes looping = loop.Write();
   MemoryBytes source(looping);
-  const auto table = ReadTiffTags(source);
-  ASSERT_TRUE(table.ok());
-  EXPECT_EQ(table->values().size(), 3u);
+  const auto table = ValueOf(ReadTiffTags(source));
+  EXPECT_EQ(table.values().size(), 3u);
   // One entry that claims four thousand million rationals.
   Bytes huge = ExifWriter().Rational(ExifIfd::kImage, 0x0100, {{1, 1}}).Write();
   for (int i = 0; i < 4; ++i) huge[8 + 2 + 4 + i] = 0xFF;
   MemoryBytes huge_source(huge);
-  const auto huge_table = ReadTiffTags(huge_source);
-  ASSERT_TRUE(huge_table.ok());
-  EXPECT_TRUE(huge_table->values().empty());
+  const auto huge_table = ValueOf(ReadTiffTags(huge_source));
+  EXPECT_TRUE(huge_table.values().empty());
 }
 
 TEST(XmpTags, RefusesBrokenAndBottomlessXml) {

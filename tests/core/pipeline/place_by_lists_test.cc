@@ -10,10 +10,13 @@
 #include "core/flight/remarks/remark_words.h"
 #include "core/pipeline/placing/control_points.h"
 #include "tests/core/pipeline/displaced_flight.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::pipeline {
 namespace {
 
+using test::ErrorOf;
+using test::ValueOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
@@ -201,12 +204,11 @@ std::ptrdiff_t CountOf(const std::vector<std::string>& warnings, const std::stri
 TEST(PlaceByLists, MovesAMapThatHasItsPlaceByFewPointsAndPlacesItByMany) {
   const Shifted flight;
   for (const std::size_t points : {2u, 3u, 5u}) {
-    const auto placed = PlaceByLists(flight.known, flight.Survey(points));
-    ASSERT_TRUE(placed.ok()) << placed.error().message;
-    EXPECT_TRUE(placed->is_placed);
-    EXPECT_EQ(placed->align_report->control.size(), points);
+    const auto placed = ValueOf(PlaceByLists(flight.known, flight.Survey(points)));
+    EXPECT_TRUE(placed.is_placed);
+    EXPECT_EQ(placed.align_report->control.size(), points);
     const geo::Wgs84 said =
-        placed->flight.frame.Wgs84FromEnu(placed->flight.photos[0].cam_from_enu.TargetOriginInSource());
+        placed.flight.frame.Wgs84FromEnu(placed.flight.photos[0].cam_from_enu.TargetOriginInSource());
     EXPECT_LT((flight.truth.frame.EnuFromWgs84(said) -
                flight.truth.photos[0].pose.cam_from_enu.TargetOriginInSource())
                   .head<2>()
@@ -218,14 +220,11 @@ TEST(PlaceByLists, MovesAMapThatHasItsPlaceByFewPointsAndPlacesItByMany) {
 
 TEST(PlaceByLists, SaysWhatIsSoNowAndNotWhatWasSoBefore) {
   const Shifted flight;
-  const auto once = PlaceByLists(flight.known, flight.Survey(5, {25.0, -18.0, 0.0}));
-  ASSERT_TRUE(once.ok());
-  EXPECT_THAT(InWords(once->flight.warnings),
-              Contains(StartsWith("Ground control point point0 is not used")));
-  const auto again = PlaceByLists(*once, flight.Survey(5));
-  ASSERT_TRUE(again.ok());
-  EXPECT_EQ(CountOf(InWords(again->flight.warnings), "Ground control point "), 0);
-  EXPECT_EQ(CountOf(InWords(again->flight.warnings), "The finished map was placed by 5 surveyed points"), 1);
+  const auto once = ValueOf(PlaceByLists(flight.known, flight.Survey(5, {25.0, -18.0, 0.0})));
+  EXPECT_THAT(InWords(once.flight.warnings), Contains(StartsWith("Ground control point point0 is not used")));
+  const auto again = ValueOf(PlaceByLists(once, flight.Survey(5)));
+  EXPECT_EQ(CountOf(InWords(again.flight.warnings), "Ground control point "), 0);
+  EXPECT_EQ(CountOf(InWords(again.flight.warnings), "The finished map was placed by 5 surveyed points"), 1);
 }
 
 // Of a flight by its log this is all that is left of where its records had it.
@@ -244,19 +243,16 @@ TEST(PlaceByLists, AddsUpHowFarPointsMovedTheMap) {
 
 TEST(PlaceByLists, PlacesAMapThatLiesNowhereByThreePoints) {
   const Adrift flight;
-  const auto placed = PlaceByLists(flight.known, flight.Survey(3));
-  ASSERT_TRUE(placed.ok()) << placed.error().message;
-  EXPECT_TRUE(placed->is_placed);
+  const auto placed = ValueOf(PlaceByLists(flight.known, flight.Survey(3)));
+  EXPECT_TRUE(placed.is_placed);
   bool contradict = false;
-  const auto too_few = PlaceByLists(flight.known, flight.Survey(2), &contradict);
-  ASSERT_FALSE(too_few.ok());
+  EXPECT_EQ(ErrorOf(PlaceByLists(flight.known, flight.Survey(2), &contradict)).code,
+            ErrorCode::kUnprocessable);
   EXPECT_FALSE(contradict);
-  EXPECT_EQ(too_few.error().code, ErrorCode::kUnprocessable);
   auto unmarked = flight.Survey(3);
   unmarked.front().sightings.clear();
-  const auto none = PlaceByLists(flight.known, unmarked);
-  ASSERT_FALSE(none.ok());
-  EXPECT_THAT(none.error().message, HasSubstr("No surveyed point is marked"));
+  EXPECT_THAT(ErrorOf(PlaceByLists(flight.known, unmarked)).message,
+              HasSubstr("No surveyed point is marked"));
 }
 
 TEST(TellMarks, SaysHowFarEachMarkLiesOffAndWhichIsContradicted) {
@@ -271,10 +267,9 @@ TEST(TellMarks, SaysHowFarEachMarkLiesOffAndWhichIsContradicted) {
   }
   ASSERT_NE(little, nullptr);
   little->pixel_y += little->pixel_y > 300.0 ? -3.0 : 3.0;
-  auto placed = PlaceByLists(flight.known, lists);
-  ASSERT_TRUE(placed.ok()) << placed.error().message;
-  TellMarks(lists, *placed);
-  const auto& points = placed->align_report->control;
+  auto placed = ValueOf(PlaceByLists(flight.known, lists));
+  TellMarks(lists, placed);
+  const auto& points = placed.align_report->control;
   ASSERT_EQ(points.size(), 4u);
   const auto mark = [&](std::size_t point, const std::string& photo) {
     for (const alignment::ControlMarkReport& one : points[point].marks) {
@@ -369,9 +364,7 @@ TEST(TellMarks, SaysFirstThatPointsContradictThePositions) {
   }
   for (alignment::AlignedPhoto& photo : flight.known.flight.photos)
     photo.photo.position->position.lat_deg += 5'000.0 / 111'200.0;
-  const Result<FlightFacts> refused = PlaceByLists(flight.known, lists);
-  ASSERT_FALSE(refused.ok());
-  EXPECT_THAT(refused.error().message, HasSubstr("gcp_list.txt is not used"));
+  EXPECT_THAT(ErrorOf(PlaceByLists(flight.known, lists)).message, HasSubstr("gcp_list.txt is not used"));
 }
 
 }  // namespace

@@ -7,10 +7,12 @@
 
 #include "core/flight/remarks/remark_words.h"
 #include "tests/core/pipeline/displaced_flight.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::pipeline {
 namespace {
 
+using test::ValueOf;
 using ::testing::Contains;
 using ::testing::Each;
 using ::testing::HasSubstr;
@@ -68,23 +70,22 @@ std::string RefusalOf(const Result<FlightFacts>& placed) {
 TEST(PlaceKnown, SurveyedPointsGivePlaceScaleAndNorth) {
   const Nowhere flight;
   for (const std::size_t points : {3u, 4u, 5u}) {
-    const auto placed = PlaceKnown(flight.known, flight.BySurvey(points));
-    ASSERT_TRUE(placed.ok()) << placed.error().message;
-    EXPECT_LT(flight.WorstOnEarthM(*placed), 0.05) << points;
-    EXPECT_LT(flight.WorstTurnRad(*placed), 1e-3);
-    EXPECT_TRUE(placed->is_placed);
-    EXPECT_FALSE(placed->appearance);
-    EXPECT_NEAR(placed->flight.photos[0].height_above_ground_m,
+    const auto placed = ValueOf(PlaceKnown(flight.known, flight.BySurvey(points)));
+    EXPECT_LT(flight.WorstOnEarthM(placed), 0.05) << points;
+    EXPECT_LT(flight.WorstTurnRad(placed), 1e-3);
+    EXPECT_TRUE(placed.is_placed);
+    EXPECT_FALSE(placed.appearance);
+    EXPECT_NEAR(placed.flight.photos[0].height_above_ground_m,
                 flight.known.flight.photos[0].height_above_ground_m / 0.37, 0.1);
-    EXPECT_LE(placed->flight.photos[0].error_radius_m, 0.05);
-    EXPECT_TRUE(placed->poses_report.is_placed);
-    EXPECT_EQ(placed->poses_report.method, "none");
-    EXPECT_EQ(placed->align_report->control.size(), points);
-    EXPECT_TRUE(placed->align_report->control[0].is_used);
-    EXPECT_EQ(placed->align_report->position_bias_m, Eigen::Vector3d::Zero());
-    EXPECT_THAT(InWords(placed->flight.warnings), Each(Not(HasSubstr("NOT GEOREFERENCED"))));
-    EXPECT_THAT(InWords(placed->flight.warnings), Contains("No records: 20 photos placed."));
-    EXPECT_THAT(InWords(placed->flight.warnings), Contains("3 photos are blurred."));
+    EXPECT_LE(placed.flight.photos[0].error_radius_m, 0.05);
+    EXPECT_TRUE(placed.poses_report.is_placed);
+    EXPECT_EQ(placed.poses_report.method, "none");
+    EXPECT_EQ(placed.align_report->control.size(), points);
+    EXPECT_TRUE(placed.align_report->control[0].is_used);
+    EXPECT_EQ(placed.align_report->position_bias_m, Eigen::Vector3d::Zero());
+    EXPECT_THAT(InWords(placed.flight.warnings), Each(Not(HasSubstr("NOT GEOREFERENCED"))));
+    EXPECT_THAT(InWords(placed.flight.warnings), Contains("No records: 20 photos placed."));
+    EXPECT_THAT(InWords(placed.flight.warnings), Contains("3 photos are blurred."));
   }
 }
 
@@ -92,11 +93,10 @@ TEST(PlaceKnown, PointsWithoutHeightsWillDo) {
   const Nowhere flight;
   PlaceRequest request = flight.BySurvey(4);
   for (flight::GcpPoint& point : request.control.front().points) point.height_m.reset();
-  const auto placed = PlaceKnown(flight.known, request);
-  ASSERT_TRUE(placed.ok()) << placed.error().message;
-  EXPECT_LT(flight.WorstTurnRad(*placed), 1e-3);
+  const auto placed = ValueOf(PlaceKnown(flight.known, request));
+  EXPECT_LT(flight.WorstTurnRad(placed), 1e-3);
   const double height_m =
-      placed->flight.photos[0].cam_from_enu.TargetOriginInSource().z() - placed->ground.MeanHeight();
+      placed.flight.photos[0].cam_from_enu.TargetOriginInSource().z() - placed.ground.MeanHeight();
   EXPECT_NEAR(height_m, flight.truth.photos[0].pose.cam_from_enu.TargetOriginInSource().z() - kGroundZ, 0.1);
 }
 
@@ -114,22 +114,20 @@ TEST(PlaceKnown, PointsWithHeightsTakeATiltBack) {
       heights_m.push_back(static_cast<float>(std::tan(0.03) * (-60.0 + 3.0 * row)));
   }
   flight.known.ground = ground::GroundSurface::Grid({-60.0, -60.0}, 3.0, 41, 41, std::move(heights_m), 0.0);
-  const auto placed = PlaceKnown(flight.known, flight.BySurvey(5));
-  ASSERT_TRUE(placed.ok()) << placed.error().message;
-  EXPECT_LT(flight.WorstOnEarthM(*placed), 0.2);
-  EXPECT_LT(flight.WorstTurnRad(*placed), 2e-3);
-  const double level_m = placed->ground.HeightAt({0.0, 0.0});
+  const auto placed = ValueOf(PlaceKnown(flight.known, flight.BySurvey(5)));
+  EXPECT_LT(flight.WorstOnEarthM(placed), 0.2);
+  EXPECT_LT(flight.WorstTurnRad(placed), 2e-3);
+  const double level_m = placed.ground.HeightAt({0.0, 0.0});
   for (const Eigen::Vector2d& at :
        {Eigen::Vector2d(30.0, 20.0), Eigen::Vector2d(-25.0, 30.0), Eigen::Vector2d(0.0, -40.0)})
-    EXPECT_NEAR(placed->ground.HeightAt(at), level_m, 0.15) << "the ground is level again";
+    EXPECT_NEAR(placed.ground.HeightAt(at), level_m, 0.15) << "the ground is level again";
 }
 
 TEST(PlaceKnown, LeavesOutAPointThatTheOthersContradict) {
   const Nowhere flight;
-  const auto placed = PlaceKnown(flight.known, flight.BySurvey(5, {25.0, -18.0, 0.0}));
-  ASSERT_TRUE(placed.ok()) << placed.error().message;
-  EXPECT_LT(flight.WorstOnEarthM(*placed), 0.1);
-  EXPECT_THAT(InWords(placed->flight.warnings), Contains(HasSubstr("point0 is not used: it lies 30.")));
+  const auto placed = ValueOf(PlaceKnown(flight.known, flight.BySurvey(5, {25.0, -18.0, 0.0})));
+  EXPECT_LT(flight.WorstOnEarthM(placed), 0.1);
+  EXPECT_THAT(InWords(placed.flight.warnings), Contains(HasSubstr("point0 is not used: it lies 30.")));
 }
 
 TEST(PlaceKnown, RefusesPointsThatContradictEachOther) {
@@ -176,12 +174,11 @@ TEST(PlaceKnown, APlaceAScaleAndNorthWillDo) {
   request.origin_photo = third.photo.name;
   request.factor = 1.0 / 0.37;
   request.north_deg = -geo::RadToDeg(2.1);  // turned left on the map, north points left of its top
-  const auto placed = PlaceKnown(flight.known, request);
-  ASSERT_TRUE(placed.ok()) << placed.error().message;
-  EXPECT_LT(flight.WorstTurnRad(*placed), 1e-3);
+  const auto placed = ValueOf(PlaceKnown(flight.known, request));
+  EXPECT_LT(flight.WorstTurnRad(placed), 1e-3);
   for (std::size_t i = 0; i < flight.truth.photos.size(); ++i) {
     const geo::Wgs84 said =
-        placed->flight.frame.Wgs84FromEnu(placed->flight.photos[i].cam_from_enu.TargetOriginInSource());
+        placed.flight.frame.Wgs84FromEnu(placed.flight.photos[i].cam_from_enu.TargetOriginInSource());
     const Eigen::Vector3d off = flight.truth.frame.EnuFromWgs84(said) -
                                 flight.truth.photos[i].pose.cam_from_enu.TargetOriginInSource();
     EXPECT_LT(off.head<2>().norm(), 0.05);
@@ -190,30 +187,27 @@ TEST(PlaceKnown, APlaceAScaleAndNorthWillDo) {
   request.factor.reset();
   request.photo_pixel_m = flight.truth.photos[0].pose.cam_from_enu.TargetOriginInSource().z() /
                           flight.truth.options.intrinsics.MeanFocalPx();
-  const auto by_pixel = PlaceKnown(flight.known, request);
-  ASSERT_TRUE(by_pixel.ok());
-  EXPECT_NEAR(by_pixel->flight.photos[0].height_above_ground_m,
-              placed->flight.photos[0].height_above_ground_m, 0.5);
+  const auto by_pixel = ValueOf(PlaceKnown(flight.known, request));
+  EXPECT_NEAR(by_pixel.flight.photos[0].height_above_ground_m, placed.flight.photos[0].height_above_ground_m,
+              0.5);
 }
 
 TEST(PlaceKnown, TheOriginIsTheMiddleOfThePhotosOrTheTakeOff) {
   Nowhere flight;
   PlaceRequest request;
   request.origin = geo::LatLon{46.8, 7.1};
-  const auto middle = PlaceKnown(flight.known, request);
-  ASSERT_TRUE(middle.ok());
+  const auto middle = ValueOf(PlaceKnown(flight.known, request));
   geo::Bounds2 bounds;
-  for (const auto& photo : middle->flight.photos)
+  for (const auto& photo : middle.flight.photos)
     bounds.Include(photo.cam_from_enu.TargetOriginInSource().head<2>());
   EXPECT_LT((bounds.min + bounds.max).norm(), 1e-6);
   flight.known.is_by_images = false;  // reckoned from the take-off
-  const auto takeoff = PlaceKnown(flight.known, request);
-  ASSERT_TRUE(takeoff.ok());
-  EXPECT_LT((takeoff->flight.photos[0].cam_from_enu.TargetOriginInSource() -
+  const auto takeoff = ValueOf(PlaceKnown(flight.known, request));
+  EXPECT_LT((takeoff.flight.photos[0].cam_from_enu.TargetOriginInSource() -
              flight.known.flight.photos[0].cam_from_enu.TargetOriginInSource())
                 .norm(),
             1e-9);
-  EXPECT_EQ(takeoff->flight.frame.origin().lat_deg, 46.8);
+  EXPECT_EQ(takeoff.flight.frame.origin().lat_deg, 46.8);
 }
 
 TEST(PlaceKnown, RefusesWhatMakesNoSense) {
@@ -258,30 +252,28 @@ PlaceRequest ByPairs(const Nowhere& flight, const std::vector<std::size_t>& phot
 TEST(PlaceKnown, TwoPlacesOnTheMapGivePlaceScaleAndNorth) {
   const Nowhere flight;
   for (const auto& photos : {std::vector<std::size_t>{0, 19}, std::vector<std::size_t>{0, 7, 12, 19}}) {
-    const auto placed = PlaceKnown(flight.known, ByPairs(flight, photos));
-    ASSERT_TRUE(placed.ok()) << placed.error().message;
-    EXPECT_LT(flight.WorstHorizontallyM(*placed), 0.1);
-    EXPECT_LT(flight.WorstTurnRad(*placed), 1e-3);
-    EXPECT_TRUE(placed->is_placed);
-    EXPECT_FALSE(placed->appearance);
-    EXPECT_THAT(InWords(placed->flight.warnings), Each(Not(HasSubstr("NOT GEOREFERENCED"))));
-    EXPECT_THAT(InWords(placed->flight.warnings), Contains(HasSubstr("placed by hand")));
+    const auto placed = ValueOf(PlaceKnown(flight.known, ByPairs(flight, photos)));
+    EXPECT_LT(flight.WorstHorizontallyM(placed), 0.1);
+    EXPECT_LT(flight.WorstTurnRad(placed), 1e-3);
+    EXPECT_TRUE(placed.is_placed);
+    EXPECT_FALSE(placed.appearance);
+    EXPECT_THAT(InWords(placed.flight.warnings), Each(Not(HasSubstr("NOT GEOREFERENCED"))));
+    EXPECT_THAT(InWords(placed.flight.warnings), Contains(HasSubstr("placed by hand")));
   }
 }
 
 TEST(PlaceKnown, OnePlaceShiftsAMapThatHasItsPlace) {
   Nowhere flight;
   flight.known.is_placed = true;
-  const auto placed = PlaceKnown(flight.known, ByPairs(flight, {4}));
-  ASSERT_TRUE(placed.ok()) << placed.error().message;
+  const auto placed = ValueOf(PlaceKnown(flight.known, ByPairs(flight, {4})));
   const auto distance = [](const FlightFacts& facts) {
     return (facts.flight.photos[19].cam_from_enu.TargetOriginInSource() -
             facts.flight.photos[0].cam_from_enu.TargetOriginInSource())
         .norm();
   };
-  EXPECT_NEAR(distance(*placed), distance(flight.known), 0.01);
-  const Eigen::Vector3d here = placed->flight.photos[4].cam_from_enu.TargetOriginInSource();
-  const Eigen::Vector3d there = placed->flight.frame.EnuAtHeight(PairBelow(flight, 4).is, kGroundZ);
+  EXPECT_NEAR(distance(placed), distance(flight.known), 0.01);
+  const Eigen::Vector3d here = placed.flight.photos[4].cam_from_enu.TargetOriginInSource();
+  const Eigen::Vector3d there = placed.flight.frame.EnuAtHeight(PairBelow(flight, 4).is, kGroundZ);
   EXPECT_LT((here - there).head<2>().norm(), 0.05);
 }
 

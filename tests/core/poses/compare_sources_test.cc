@@ -247,30 +247,12 @@ TEST(CompareSources, NeverBelievesAReadingThatIsWrong) {
     Flight flight = FlightAt(place, 12);
     const auto as_metres = In(zone);
     const std::string system = "EPSG:" + std::to_string(zone);
-    switch (pick(random)) {
-      case 0:
-        flight.logs = {ListOf(place, 12, AsLatLon, "EPSG:4326")};
-        break;
-      case 1:
-        flight.logs = {ListOf(place, 12, AsLatLon, system)};
-        break;
-      case 2:
-        flight.logs = {ListOf(place, 12, NorthFirst(as_metres), system)};
-        break;
-      case 3:
-        flight.logs = {ListOf(place, 12, as_metres, "EPSG:4326")};
-        break;
-      case 4:
-        flight.logs = {ListOf(place, 12, NorthFirst(as_metres), "")};
-        break;
-      default:
-        flight.logs = {ListOf(
-            place, 12,
-            [](const LatLon& at) {
-              return flight::WrittenPlace{-at.lon_deg, at.lat_deg};
-            },
-            "")};
-    }
+    const auto west_positive = [](const LatLon& at) { return flight::WrittenPlace{-at.lon_deg, at.lat_deg}; };
+    const FlightLog lists[] = {
+        ListOf(place, 12, AsLatLon, "EPSG:4326"),         ListOf(place, 12, AsLatLon, system),
+        ListOf(place, 12, NorthFirst(as_metres), system), ListOf(place, 12, as_metres, "EPSG:4326"),
+        ListOf(place, 12, NorthFirst(as_metres)),         ListOf(place, 12, west_positive)};
+    flight.logs = {lists[pick(random)]};
     ASSERT_TRUE(CompareSources(flight).ok());
     if (flight.list_uses[0].fault != ListFault::kNone) continue;
     ++taken;

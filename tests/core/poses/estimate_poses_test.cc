@@ -5,12 +5,14 @@
 
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include "core/flight/remarks/remark_words.h"
 #include "core/geo/geoid.h"
 #include "core/poses/conventions/attitude_convention.h"
 #include "core/poses/photo_rows.h"
 #include "core/poses/time/join_logs.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::poses {
 namespace {
@@ -19,6 +21,8 @@ using flight::CameraEvent;
 using flight::Flight;
 using flight::FlightLog;
 using flight::Photo;
+using test::ErrorOf;
+using test::ValueOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 
@@ -81,6 +85,13 @@ flight::RecordedPosition& StandAt(const geo::LatLon& place, Photo& photo) {
 
 geo::LatLon TruePlaceAt(double t_s) { return {TrueAt(t_s).lat_deg, TrueAt(t_s).lon_deg}; }
 
+Flight FlightOf(std::vector<Photo> photos, std::vector<FlightLog> logs = {}) {
+  Flight flight;
+  flight.photos = std::move(photos);
+  flight.logs = std::move(logs);
+  return flight;
+}
+
 Result<PosedFlight> Estimate(const Flight& flight, const EstimatePosesOptions& options = {}) {
   return EstimatePoses(flight, options);
 }
@@ -90,17 +101,14 @@ double OffM(const PosedFlight& posed, const PosedPhoto& photo, double t_s) {
 }
 
 TEST(EstimatePoses, PlacesPhotosWithoutGpsByALogsTrack) {
-  Flight flight;
-  flight.photos = PhotosEvery2s(10);
-  flight.logs = {Track(0.0, 60.0)};
-  const auto posed = Estimate(flight);
-  ASSERT_TRUE(posed.ok()) << posed.error().message;
-  ASSERT_EQ(posed->photos.size(), 10u);
-  EXPECT_EQ(posed->report.photos_by_log, 10);
+  Flight flight = FlightOf(PhotosEvery2s(10), {Track(0.0, 60.0)});
+  const auto posed = ValueOf(Estimate(flight));
+  ASSERT_EQ(posed.photos.size(), 10u);
+  EXPECT_EQ(posed.report.photos_by_log, 10);
   for (int k = 0; k < 10; ++k) {
-    const PosedPhoto& photo = posed->photos[static_cast<std::size_t>(k)];
+    const PosedPhoto& photo = posed.photos[static_cast<std::size_t>(k)];
     // Clocks as they stand: the camera's is held for good to two seconds, and the radius says so.
-    EXPECT_LT(OffM(*posed, photo, TimeOf(k)), 1.0);
+    EXPECT_LT(OffM(posed, photo, TimeOf(k)), 1.0);
     EXPECT_GT(photo.error_radius_m, 8.0);
     EXPECT_NEAR(photo.clock_sigma_s, 2.0, 0.1);
     EXPECT_EQ(photo.position_source, "track.log");
@@ -109,8 +117,7 @@ TEST(EstimatePoses, PlacesPhotosWithoutGpsByALogsTrack) {
 }
 
 TEST(EstimatePoses, TakesASparseTrackToHoldForHalfOfItsInterval) {
-  Flight flight;
-  flight.photos = PhotosEvery2s(10);
+  Flight flight = FlightOf(PhotosEvery2s(10));
   FlightLog log = Track(0.0, 60.0);
   log.baro.clear();
   log.attitude.clear();
@@ -124,9 +131,7 @@ TEST(EstimatePoses, TakesASparseTrackToHoldForHalfOfItsInterval) {
 }
 
 TEST(EstimatePoses, TellsWhatCameOfALogAndHowItAgreesWithThePhotos) {
-  Flight flight;
-  flight.photos = PhotosEvery2s(10);
-  flight.logs = {Track(0.0, 60.0)};
+  Flight flight = FlightOf(PhotosEvery2s(10), {Track(0.0, 60.0)});
   EXPECT_THAT(Estimate(flight)->report.logs,
               Contains("track.log (test): 10 of 10 photos placed by its series"));
   for (int k = 0; k < 10; ++k) {
@@ -142,8 +147,7 @@ TEST(EstimatePoses, TellsWhatCameOfALogAndHowItAgreesWithThePhotos) {
 }
 
 TEST(EstimatePoses, TiesPhotosToCameraEventsHoweverWrongTheClock) {
-  Flight flight;
-  flight.photos = PhotosEvery2s(10, 3607.3);
+  Flight flight = FlightOf(PhotosEvery2s(10, 3607.3));
   FlightLog log = Track(0.0, 60.0);
   for (const Photo& photo : PhotosEvery2s(10)) {
     CameraEvent event;
@@ -151,47 +155,41 @@ TEST(EstimatePoses, TiesPhotosToCameraEventsHoweverWrongTheClock) {
     log.events.push_back(event);
   }
   flight.logs = {log};
-  const auto posed = Estimate(flight);
-  ASSERT_TRUE(posed.ok());
-  ASSERT_EQ(posed->photos.size(), 10u);
-  EXPECT_NEAR(*posed->report.camera_ahead_of_utc_s, 3607.3, 0.02);
-  EXPECT_LT(OffM(*posed, posed->photos[9], TimeOf(9)), 0.5);
-  EXPECT_LT(posed->photos[9].error_radius_m, 6.0);
+  const auto posed = ValueOf(Estimate(flight));
+  ASSERT_EQ(posed.photos.size(), 10u);
+  EXPECT_NEAR(*posed.report.camera_ahead_of_utc_s, 3607.3, 0.02);
+  EXPECT_LT(OffM(posed, posed.photos[9], TimeOf(9)), 0.5);
+  EXPECT_LT(posed.photos[9].error_radius_m, 6.0);
 }
 
 TEST(EstimatePoses, LeavesALogOfAnotherFlightAlone) {
-  Flight flight;
-  flight.photos = PhotosEvery2s(10);
+  Flight flight = FlightOf(PhotosEvery2s(10));
   for (int k = 0; k < 10; ++k) {
     Photo& photo = flight.photos[static_cast<std::size_t>(k)];
     photo.captured_at_is_local = true;
     StandAt({kField.lat_deg + 0.1 + 1e-4 * k, kField.lon_deg}, photo);  // 11 km from the log
   }
   flight.logs = {Track(0.0, 60.0)};
-  const auto posed = Estimate(flight);
-  ASSERT_TRUE(posed.ok());
-  EXPECT_EQ(posed->report.photos_by_log, 0);
-  EXPECT_EQ(posed->report.photos_by_records, 10);
-  EXPECT_THAT(InWords(posed->warnings), Contains(HasSubstr("track.log")));
-  EXPECT_THAT(posed->report.logs, Contains("track.log (test): no photo is placed by it"));
+  const auto posed = ValueOf(Estimate(flight));
+  EXPECT_EQ(posed.report.photos_by_log, 0);
+  EXPECT_EQ(posed.report.photos_by_records, 10);
+  EXPECT_THAT(InWords(posed.warnings), Contains(HasSubstr("track.log")));
+  EXPECT_THAT(posed.report.logs, Contains("track.log (test): no photo is placed by it"));
 }
 
 TEST(EstimatePoses, LeavesOutPhotosOutsideTheLogThatHaveNoPositionOfTheirOwn) {
-  Flight flight;
-  flight.photos = PhotosEvery2s(10);
+  Flight flight = FlightOf(PhotosEvery2s(10));
   StandAt(TruePlaceAt(TimeOf(9)), flight.photos[9]);
   flight.logs = {Track(0.0, 30.0)};
-  const auto posed = Estimate(flight);
-  ASSERT_TRUE(posed.ok());
-  EXPECT_EQ(posed->report.photos_by_log, 5);
-  EXPECT_EQ(posed->report.photos_by_records, 1);
-  ASSERT_EQ(posed->left_out.size(), 4u);
-  EXPECT_THAT(InWords(posed->left_out[0].reason), HasSubstr("does not cover"));
+  const auto posed = ValueOf(Estimate(flight));
+  EXPECT_EQ(posed.report.photos_by_log, 5);
+  EXPECT_EQ(posed.report.photos_by_records, 1);
+  ASSERT_EQ(posed.left_out.size(), 4u);
+  EXPECT_THAT(InWords(posed.left_out[0].reason), HasSubstr("does not cover"));
 }
 
 TEST(EstimatePoses, TakesPositionsFromAListThatNamesThePhotos) {
-  Flight flight;
-  flight.photos = PhotosEvery2s(3);
+  Flight flight = FlightOf(PhotosEvery2s(3));
   FlightLog list;
   list.format = "geo_txt";
   list.file_name = "geo.txt";
@@ -206,11 +204,10 @@ TEST(EstimatePoses, TakesPositionsFromAListThatNamesThePhotos) {
     list.events.push_back(row);
   }
   flight.logs = {list};
-  const auto posed = Estimate(flight);
-  ASSERT_TRUE(posed.ok());
-  ASSERT_EQ(posed->photos.size(), 3u);
-  EXPECT_EQ(posed->photos[0].position_source, "geo.txt");
-  EXPECT_THAT(posed->report.logs, Contains(HasSubstr("names 3 of 3 photos")));
+  const auto posed = ValueOf(Estimate(flight));
+  ASSERT_EQ(posed.photos.size(), 3u);
+  EXPECT_EQ(posed.photos[0].position_source, "geo.txt");
+  EXPECT_THAT(posed.report.logs, Contains(HasSubstr("names 3 of 3 photos")));
 }
 
 // A row a photo, of angles alone.
@@ -275,27 +272,24 @@ TEST(ApplyPhotoRows, AsksForFoldersWhereTwoCardsShareTheirNames) {
 }
 
 TEST(EstimatePoses, KnowsNeighboursBetterAgainstEachOtherThanAgainstTheGround) {
-  Flight flight;
-  flight.photos = PhotosEvery2s(4);
+  Flight flight = FlightOf(PhotosEvery2s(4));
   for (int k = 0; k < 4; ++k) StandAt(TruePlaceAt(TimeOf(k)), flight.photos[static_cast<std::size_t>(k)]);
-  const auto posed = Estimate(flight);
-  ASSERT_TRUE(posed.ok());
-  for (std::size_t k = 0; k + 1 < posed->photos.size(); ++k) {
-    const Matrix6d& cross = posed->photos[k].covariance_with_next;
-    const Matrix6d own = posed->photos[k].covariance;
-    const Matrix6d difference = own + posed->photos[k + 1].covariance - cross - cross.transpose();
+  const auto posed = ValueOf(Estimate(flight));
+  for (std::size_t k = 0; k + 1 < posed.photos.size(); ++k) {
+    const Matrix6d& cross = posed.photos.at(k).covariance_with_next;
+    const Matrix6d own = posed.photos.at(k).covariance;
+    const Matrix6d difference = own + posed.photos.at(k + 1).covariance - cross - cross.transpose();
     for (int i = 0; i < 6; ++i) {
       EXPECT_GT(difference(i, i), 0.0);
       EXPECT_LT(difference(i, i), (i < 3 ? 0.3 : 0.15) * own(i, i)) << i;
     }
   }
-  EXPECT_EQ(posed->photos.back().covariance_with_next, Matrix6d::Zero());
+  EXPECT_EQ(posed.photos.back().covariance_with_next, Matrix6d::Zero());
 }
 
 // 16 m apart with the usual three quarters of overlap: 78 m up.
 TEST(EstimatePoses, GuessesTheHeightFromTheSpacingWhereNothingSaysIt) {
-  Flight flight;
-  flight.photos = PhotosEvery2s(6);
+  Flight flight = FlightOf(PhotosEvery2s(6));
   for (std::size_t i = 0; i < flight.photos.size(); ++i) {
     const geo::Wgs84 at = TrueAt(2.0 * static_cast<double>(i));
     flight::RecordedPosition& position = flight.photos[i].position.emplace();
@@ -305,20 +299,18 @@ TEST(EstimatePoses, GuessesTheHeightFromTheSpacingWhereNothingSaysIt) {
     if (has_absolute_heights) {
       for (Photo& photo : flight.photos) photo.position->height_amsl_m = 512.0;
     }
-    const auto posed = EstimatePoses(flight, {});
-    ASSERT_TRUE(posed.ok()) << posed.error().message;
-    ASSERT_EQ(posed->photos.size(), 6u);
-    for (const PosedPhoto& photo : posed->photos) {
+    const auto posed = ValueOf(EstimatePoses(flight, {}));
+    ASSERT_EQ(posed.photos.size(), 6u);
+    for (const PosedPhoto& photo : posed.photos) {
       EXPECT_NEAR(photo.height_above_ground_m, 78.2, 0.5);
-      EXPECT_NEAR(photo.cam_from_enu.TargetOriginInSource().z() - posed->ground_z_in_enu_m, 78.2, 0.5);
+      EXPECT_NEAR(photo.cam_from_enu.TargetOriginInSource().z() - posed.ground_z_in_enu_m, 78.2, 0.5);
     }
-    EXPECT_THAT(InWords(AssumptionsByPoses(posed->assumptions)), Contains(HasSubstr("78 m is assumed")));
+    EXPECT_THAT(InWords(AssumptionsByPoses(posed.assumptions)), Contains(HasSubstr("78 m is assumed")));
   }
 }
 
 TEST(EstimatePoses, TakesSurveyedHeightsAgainstEachOtherAndTheBarometerForTheirZero) {
-  Flight flight;
-  flight.photos = PhotosEvery2s(5);
+  Flight flight = FlightOf(PhotosEvery2s(5));
   for (int k = 0; k < 5; ++k) {
     Photo& photo = flight.photos[static_cast<std::size_t>(k)];
     flight::RecordedPosition& position = StandAt({kField.lat_deg + 1e-4 * k, kField.lon_deg}, photo);
@@ -326,21 +318,17 @@ TEST(EstimatePoses, TakesSurveyedHeightsAgainstEachOtherAndTheBarometerForTheirZ
     position.is_rtk_fixed = true;
     position.height_above_takeoff_m = 60.0 + 0.1 * k + (k % 2 == 0 ? 0.4 : -0.4);  // a barometer's wander
   }
-  const auto posed = Estimate(flight);
-  ASSERT_TRUE(posed.ok());
+  const auto posed = ValueOf(Estimate(flight));
   for (std::size_t k = 1; k < 5; ++k) {
-    EXPECT_NEAR(posed->photos[k].height_above_ground_m - posed->photos[0].height_above_ground_m,
+    EXPECT_NEAR(posed.photos.at(k).height_above_ground_m - posed.photos.at(0).height_above_ground_m,
                 0.1 * static_cast<double>(k), 0.01);
   }
-  EXPECT_NEAR(posed->photos[0].height_above_ground_m, 60.0, 0.5);
+  EXPECT_NEAR(posed.photos.at(0).height_above_ground_m, 60.0, 0.5);
 }
 
 TEST(EstimatePoses, SaysWhatToDoWhereNothingPlacesThePhotos) {
-  Flight flight;
-  flight.photos = PhotosEvery2s(3);
-  const auto posed = Estimate(flight);
-  ASSERT_FALSE(posed.ok());
-  EXPECT_THAT(posed.error().message, HasSubstr("flight log"));
+  Flight flight = FlightOf(PhotosEvery2s(3));
+  EXPECT_THAT(ErrorOf(Estimate(flight)).message, HasSubstr("flight log"));
 }
 
 class Slope final : public geo::DemSource {
@@ -353,49 +341,43 @@ class Slope final : public geo::DemSource {
 
 // What such photos show may place them all the same.
 TEST(EstimatePoses, HandsOnPhotosThatNoMapCanBeDrawnWithWhereTheyWereRecorded) {
-  Flight flight;
-  flight.photos = PhotosEvery2s(8);
+  Flight flight = FlightOf(PhotosEvery2s(8));
   for (std::size_t k = 0; k < flight.photos.size(); ++k) {
     const geo::LatLon at = TruePlaceAt(TimeOf(static_cast<int>(k)));
     StandAt({k == 5 ? -at.lat_deg : at.lat_deg, at.lon_deg}, flight.photos[k]);
     if (k == 3) flight.photos[k].position->height_above_takeoff_m = 6000.0;
   }
   EstimatePosesOptions options;
-  const Result<PosedFlight> refused = EstimatePoses(flight, options);
-  ASSERT_TRUE(refused.ok());
-  EXPECT_EQ(refused->photos.size(), 6U);
-  EXPECT_TRUE(refused->unplaced.empty());
+  const auto refused = ValueOf(EstimatePoses(flight, options));
+  EXPECT_EQ(refused.photos.size(), 6U);
+  EXPECT_TRUE(refused.unplaced.empty());
   options.keep_unplaced = true;
-  const Result<PosedFlight> posed = EstimatePoses(flight, options);
-  ASSERT_TRUE(posed.ok());
-  EXPECT_EQ(posed->photos.size(), 6U);
-  ASSERT_EQ(posed->unplaced.size(), 2U);
-  EXPECT_EQ(posed->unplaced[0].name + ", " + posed->unplaced[1].name, "IMG_5.JPG, IMG_3.JPG");
-  ASSERT_EQ(posed->left_out.size(), 2U);
-  EXPECT_THAT(InWords(posed->left_out[1].reason), HasSubstr("km away"));
-  EXPECT_THAT(InWords(posed->left_out[0].reason), HasSubstr("times as much ground"));
+  const auto posed = ValueOf(EstimatePoses(flight, options));
+  EXPECT_EQ(posed.photos.size(), 6U);
+  ASSERT_EQ(posed.unplaced.size(), 2U);
+  EXPECT_EQ(posed.unplaced[0].name + ", " + posed.unplaced[1].name, "IMG_5.JPG, IMG_3.JPG");
+  ASSERT_EQ(posed.left_out.size(), 2U);
+  EXPECT_THAT(InWords(posed.left_out[1].reason), HasSubstr("km away"));
+  EXPECT_THAT(InWords(posed.left_out[0].reason), HasSubstr("times as much ground"));
 }
 
 TEST(EstimatePoses, CountsHeightsFromTheElevationModel) {
-  Flight flight;
-  flight.photos = PhotosEvery2s(10);
-  flight.logs = {Track(0.0, 60.0)};
+  Flight flight = FlightOf(PhotosEvery2s(10), {Track(0.0, 60.0)});
   const Slope dem;
   EstimatePosesOptions options;
   options.dem = &dem;
-  const auto posed = Estimate(flight, options);
-  ASSERT_TRUE(posed.ok());
+  const auto posed = ValueOf(Estimate(flight, options));
   for (int k = 0; k < 10; ++k) {
     const double t = TimeOf(k);
-    EXPECT_NEAR(posed->photos[static_cast<std::size_t>(k)].height_above_ground_m, 60.0 - 0.05 * 8.0 * t, 0.6);
+    EXPECT_NEAR(posed.photos.at(static_cast<std::size_t>(k)).height_above_ground_m, 60.0 - 0.05 * 8.0 * t,
+                0.6);
   }
-  EXPECT_NEAR(posed->ground_z_in_enu_m, 0.05 * 8.0 * 30.0, 3.0);
-  EXPECT_THAT(posed->report.height_rule, HasSubstr("elevation model"));
+  EXPECT_NEAR(posed.ground_z_in_enu_m, 0.05 * 8.0 * 30.0, 3.0);
+  EXPECT_THAT(posed.report.height_rule, HasSubstr("elevation model"));
 }
 
 TEST(EstimatePoses, TakesAbsoluteHeightsOverTheElevationModelWhereNoneIsRelative) {
-  Flight flight;
-  flight.photos = PhotosEvery2s(4);
+  Flight flight = FlightOf(PhotosEvery2s(4));
   for (int k = 0; k < 4; ++k) {
     Photo& photo = flight.photos[static_cast<std::size_t>(k)];
     photo.position.emplace();
@@ -405,9 +387,8 @@ TEST(EstimatePoses, TakesAbsoluteHeightsOverTheElevationModelWhereNoneIsRelative
   const Slope dem;
   EstimatePosesOptions options;
   options.dem = &dem;
-  const auto posed = Estimate(flight, options);
-  ASSERT_TRUE(posed.ok());
-  EXPECT_NEAR(posed->photos[0].height_above_ground_m, 70.0, 0.5);
+  const auto posed = ValueOf(Estimate(flight, options));
+  EXPECT_NEAR(posed.photos.at(0).height_above_ground_m, 70.0, 0.5);
 }
 
 TEST(JoinLogs, LaysLogsOnOneClockAndFillsWhatTheLeaderLacks) {
@@ -449,25 +430,20 @@ TEST(JoinLogs, RefusesLogsWhoseClocksCannotBeCompared) {
 }
 
 TEST(EstimatePoses, NamesWhatWasLeftOutBeforeWhereTheRestHasNoPlace) {
-  Flight flight;
-  flight.photos = PhotosEvery2s(5);
+  Flight flight = FlightOf(PhotosEvery2s(5));
   for (int k = 0; k < 95; ++k)
     flight.left_out.push_back({"PANO_" + std::to_string(k), ErrorCode::kUnprocessable, "A panorama."});
-  const auto posed = Estimate(flight);
-  ASSERT_FALSE(posed.ok());
-  EXPECT_THAT(posed.error().message, HasSubstr("None of the files is a photo with a position"));
-  EXPECT_THAT(posed.error().message, HasSubstr("95 of the pictures given can take no part in a map: "
-                                               "PANO_0 and 94 more: A panorama."));
+  const Error posed = ErrorOf(Estimate(flight));
+  EXPECT_THAT(posed.message, HasSubstr("None of the files is a photo with a position"));
+  EXPECT_THAT(posed.message, HasSubstr("95 of the pictures given can take no part in a map: "
+                                       "PANO_0 and 94 more: A panorama."));
 }
 
 TEST(EstimatePoses, HangsTheFlightOnAGivenTakeoffHeight) {
-  Flight by_records;
-  by_records.photos = PhotosEvery2s(6);
+  Flight by_records = FlightOf(PhotosEvery2s(6));
   for (int k = 0; k < 6; ++k)
     StandAt({kField.lat_deg, kField.lon_deg + 1e-4 * k}, by_records.photos[static_cast<std::size_t>(k)]);
-  Flight by_log;
-  by_log.photos = PhotosEvery2s(6);
-  by_log.logs = {Track(0.0, 60.0)};
+  Flight by_log = FlightOf(PhotosEvery2s(6), {Track(0.0, 60.0)});
   EstimatePosesOptions options;
   options.takeoff_height_amsl_m = 512.0;
   for (const Flight& flight : {by_records, by_log}) {

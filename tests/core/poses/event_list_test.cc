@@ -13,12 +13,15 @@
 #include "core/geo/geodesic.h"
 #include "core/poses/estimate_poses.h"
 #include "core/poses/time/time_sync.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::poses {
 namespace {
 
 using flight::FlightLog;
 using flight::Photo;
+using test::ErrorOf;
+using test::ValueOf;
 using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
@@ -125,20 +128,19 @@ TEST(EstimatePoses, PlacesPhotosAtTheRowsOfAnEventList) {
     flight::Flight flight;
     flight.photos = Exposed(times_s);
     flight.logs = {ListOf(Without(times_s, kMissing), name)};
-    const auto posed = EstimatePoses(flight, {});
-    ASSERT_TRUE(posed.ok()) << posed.error().message;
-    ASSERT_EQ(posed->photos.size(), 18u);
+    const auto posed = ValueOf(EstimatePoses(flight, {}));
+    ASSERT_EQ(posed.photos.size(), 18u);
     for (std::size_t i = 0; i < 18; ++i) {
       if (i == kMissing) continue;
-      EXPECT_LT(OffM(posed->photos[i].photo, times_s[i]), 0.01) << i;
+      EXPECT_LT(OffM(posed.photos[i].photo, times_s[i]), 0.01) << i;
     }
-    const Photo& between = posed->photos[kMissing].photo;
+    const Photo& between = posed.photos[kMissing].photo;
     EXPECT_LT(OffM(between, times_s[kMissing]), 4.0) << "half a second at 5 m/s, and the clock";
     EXPECT_GT(*between.position->sigma_horizontal_m, 5.0);
-    EXPECT_LT(*posed->photos[0].photo.position->sigma_horizontal_m, 0.1);
-    EXPECT_NEAR(*posed->report.camera_ahead_of_utc_s, kAheadS, 0.5);
-    EXPECT_THAT(posed->report.logs, Contains(HasSubstr("17 positions are those of camera events")));
-    EXPECT_THAT(posed->report.time_match, AllOf(HasSubstr("17 of 18"), HasSubstr("1 without an event")));
+    EXPECT_LT(*posed.photos[0].photo.position->sigma_horizontal_m, 0.1);
+    EXPECT_NEAR(*posed.report.camera_ahead_of_utc_s, kAheadS, 0.5);
+    EXPECT_THAT(posed.report.logs, Contains(HasSubstr("17 positions are those of camera events")));
+    EXPECT_THAT(posed.report.time_match, AllOf(HasSubstr("17 of 18"), HasSubstr("1 without an event")));
   }
 }
 
@@ -147,11 +149,10 @@ TEST(EstimatePoses, TakesAListWithARowTooManyAndOneBesideATrack) {
   flight::Flight flight;
   flight.photos = Exposed(Without(times_s, 4));
   flight.logs = {ListOf(times_s, "solution.pos"), ListOf(Regular(900, 0.2), "track.pos")};
-  const auto posed = EstimatePoses(flight, {});
-  ASSERT_TRUE(posed.ok()) << posed.error().message;
-  ASSERT_EQ(posed->photos.size(), 17u);
+  const auto posed = ValueOf(EstimatePoses(flight, {}));
+  ASSERT_EQ(posed.photos.size(), 17u);
   const std::vector<double> of_photos_s = Without(times_s, 4);
-  for (std::size_t i = 0; i < 17; ++i) EXPECT_LT(OffM(posed->photos[i].photo, of_photos_s[i]), 0.01) << i;
+  for (std::size_t i = 0; i < 17; ++i) EXPECT_LT(OffM(posed.photos[i].photo, of_photos_s[i]), 0.01) << i;
 }
 
 TEST(MatchPhotosToLog, RefusesToGuessWhichOfEqualIntervalsIsMissing) {
@@ -159,17 +160,14 @@ TEST(MatchPhotosToLog, RefusesToGuessWhichOfEqualIntervalsIsMissing) {
   const std::vector<Photo> photos = Exposed(times_s);
   const auto list = AsEventList(ListOf(Without(times_s, 17), "raw_events.pos"), photos);
   ASSERT_TRUE(list);
-  const auto sync = MatchPhotosToLog(photos, *list);
-  ASSERT_FALSE(sync.ok());
-  EXPECT_THAT(sync.error().message,
+  EXPECT_THAT(ErrorOf(MatchPhotosToLog(photos, *list)).message,
               AllOf(HasSubstr("18 photos"), HasSubstr("17 camera events"), HasSubstr("7.0 s")));
   // A hole in the middle is as good as an interval of its own.
   const auto holed = AsEventList(ListOf(Without(times_s, 9), "raw_events.pos"), photos);
   ASSERT_TRUE(holed);
-  const auto found = MatchPhotosToLog(photos, *holed);
-  ASSERT_TRUE(found.ok()) << found.error().message;
-  EXPECT_FALSE(found->photos[9]->event);
-  EXPECT_EQ(found->photos[10]->event, 9u);
+  const auto found = ValueOf(MatchPhotosToLog(photos, *holed));
+  EXPECT_FALSE(found.photos.at(9)->event);
+  EXPECT_EQ(found.photos.at(10)->event, 9u);
 }
 
 TEST(MatchPhotosToLog, LetsThePhotosOwnPositionsDecideBetweenShifts) {
@@ -183,11 +181,10 @@ TEST(MatchPhotosToLog, LetsThePhotosOwnPositionsDecideBetweenShifts) {
     }
     const auto list = AsEventList(ListOf(Without(times_s, missing), "raw_events.pos"), photos);
     ASSERT_TRUE(list);
-    const auto sync = MatchPhotosToLog(photos, *list);
-    ASSERT_TRUE(sync.ok()) << sync.error().message;
-    EXPECT_FALSE(sync->photos[missing]->event);
-    EXPECT_EQ(sync->photos[5]->event, missing == 0 ? 4u : 5u);
-    EXPECT_LT(sync->sigma_s, 0.5);
+    const auto sync = ValueOf(MatchPhotosToLog(photos, *list));
+    EXPECT_FALSE(sync.photos.at(missing)->event);
+    EXPECT_EQ(sync.photos.at(5)->event, missing == 0 ? 4u : 5u);
+    EXPECT_LT(sync.sigma_s, 0.5);
   }
 }
 
@@ -195,9 +192,8 @@ TEST(MatchPhotosToLog, SaysTheNumbersWhereTheRhythmIsAnother) {
   const std::vector<Photo> photos = Exposed(Irregular(18, 5));
   const auto list = AsEventList(ListOf(Irregular(17, 77), "raw_events.pos"), photos);
   ASSERT_TRUE(list) << "its name says so";
-  const auto sync = MatchPhotosToLog(photos, *list);
-  ASSERT_FALSE(sync.ok());
-  EXPECT_THAT(sync.error().message, AllOf(HasSubstr("18 photos"), HasSubstr("17 camera events")));
+  EXPECT_THAT(ErrorOf(MatchPhotosToLog(photos, *list)).message,
+              AllOf(HasSubstr("18 photos"), HasSubstr("17 camera events")));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <vector>
 
 #include "core/flight/remarks/remark_words.h"
 #include "core/poses/estimate_poses.h"
@@ -54,29 +55,30 @@ FlightLog Triggers(double counter_s, double first_s = 20.0) {
   return log;
 }
 
+JoinedLog Joined(const std::vector<FlightLog>& logs, const std::vector<flight::Photo>& photos = {}) {
+  return JoinLogs(logs, photos).value();
+}
+
 TEST(JoinLogs, LaysTablesThatCountTheSameSecondsOnOneClock) {
-  const auto joined = JoinLogs({Triggers(1000.0), Gnss(1000.0)}, {});
-  ASSERT_TRUE(joined);
-  EXPECT_THAT(joined->warnings, IsEmpty());
-  EXPECT_THAT(joined->notes, Contains(HasSubstr("its times being those that gnss.csv counts")));
-  ASSERT_EQ(joined->log.events.size(), 10u);
-  EXPECT_NEAR(joined->log.events[1].t_s, 22.0, 1e-9) << "on the clock of gnss.csv";
+  const JoinedLog joined = Joined({Triggers(1000.0), Gnss(1000.0)});
+  EXPECT_THAT(joined.warnings, IsEmpty());
+  EXPECT_THAT(joined.notes, Contains(HasSubstr("its times being those that gnss.csv counts")));
+  ASSERT_EQ(joined.log.events.size(), 10u);
+  EXPECT_NEAR(joined.log.events[1].t_s, 22.0, 1e-9) << "on the clock of gnss.csv";
 }
 
 TEST(JoinLogs, SaysWhenTwoTablesCountDifferently) {
-  const auto joined = JoinLogs({Gnss(1000.0), Triggers(5.0)}, {});
-  ASSERT_TRUE(joined);
-  EXPECT_THAT(joined->log.events, IsEmpty());
-  EXPECT_THAT(InWords(joined->warnings),
+  const JoinedLog joined = Joined({Gnss(1000.0), Triggers(5.0)});
+  EXPECT_THAT(joined.log.events, IsEmpty());
+  EXPECT_THAT(InWords(joined.warnings),
               Contains(HasSubstr("its times (25.0 to 43.0 s) are not those of gnss.csv")));
 }
 
 TEST(JoinLogs, DoesNotTakeTwoTracksForOneClock) {
   FlightLog other = Gnss(1000.0);
   other.file_name = "other.csv";
-  const auto joined = JoinLogs({Gnss(1000.0), other}, {});
-  ASSERT_TRUE(joined);
-  EXPECT_THAT(InWords(joined->warnings), Contains(HasSubstr("other.csv is not used")));
+  const JoinedLog joined = Joined({Gnss(1000.0), other});
+  EXPECT_THAT(InWords(joined.warnings), Contains(HasSubstr("other.csv is not used")));
 }
 
 TEST(JoinLogs, PrefersEventsThatNameThePhotos) {
@@ -87,18 +89,16 @@ TEST(JoinLogs, PrefersEventsThatNameThePhotos) {
     event.sequence = i;
     numbered.events.push_back(event);
   }
-  const auto joined = JoinLogs({numbered, Triggers(1000.0)}, {});
-  ASSERT_TRUE(joined);
-  EXPECT_TRUE(joined->log.events.front().image_name);
+  const JoinedLog joined = Joined({numbered, Triggers(1000.0)});
+  EXPECT_TRUE(joined.log.events.front().image_name);
 }
 
 TEST(JoinLogs, SaysWhatAddsNothing) {
   FlightLog leader = Gnss(0.0), second = Gnss(0.0);
   leader.utc_at_zero = second.utc_at_zero = flight::UtcTime(std::chrono::seconds(1717243200));
   second.file_name = "second.csv";
-  const auto joined = JoinLogs({leader, second}, {});
-  ASSERT_TRUE(joined);
-  EXPECT_THAT(InWords(joined->warnings), Contains(HasSubstr("second.csv is not used")));
+  const JoinedLog joined = Joined({leader, second});
+  EXPECT_THAT(InWords(joined.warnings), Contains(HasSubstr("second.csv is not used")));
 }
 
 constexpr flight::UtcTime kAtZero{std::chrono::seconds(1717243200)};
@@ -121,16 +121,14 @@ TEST(JoinLogs, TakesSurveyedEventsInThePlaceOfTheLogsOwn) {
   leader.utc_at_zero = kAtZero;
   leader.events = ListedFrom(0.0, false).events;
   for (flight::CameraEvent& event : leader.events) event.t_s += 20.1;
-  const auto joined = JoinLogs({leader, ListedFrom(20.0, true)}, {});
-  ASSERT_TRUE(joined);
-  ASSERT_EQ(joined->log.events.size(), 10u);
-  for (const flight::CameraEvent& event : joined->log.events) EXPECT_TRUE(event.is_rtk_fixed);
-  EXPECT_NEAR(joined->log.events.front().t_s, 20.0, 1e-9);
+  const JoinedLog joined = Joined({leader, ListedFrom(20.0, true)});
+  ASSERT_EQ(joined.log.events.size(), 10u);
+  for (const flight::CameraEvent& event : joined.log.events) EXPECT_TRUE(event.is_rtk_fixed);
+  EXPECT_NEAR(joined.log.events.front().t_s, 20.0, 1e-9);
   // What the log has already, and no better.
-  const auto same = JoinLogs({leader, ListedFrom(20.0, false)}, {});
-  ASSERT_TRUE(same);
-  EXPECT_EQ(same->log.events.size(), 10u);
-  EXPECT_THAT(InWords(same->warnings), Contains(HasSubstr("20.MRK is not used")));
+  const JoinedLog same = Joined({leader, ListedFrom(20.0, false)});
+  EXPECT_EQ(same.log.events.size(), 10u);
+  EXPECT_THAT(InWords(same.warnings), Contains(HasSubstr("20.MRK is not used")));
 }
 
 TEST(JoinLogs, KeepsTheLogsOwnEventsWhereNoSurveyedListReaches) {
@@ -145,23 +143,20 @@ TEST(JoinLogs, KeepsTheLogsOwnEventsWhereNoSurveyedListReaches) {
   const auto fixed = [](const FlightLog& log) {
     return std::count_if(log.events.begin(), log.events.end(), [](const auto& e) { return e.is_rtk_fixed; });
   };
-  const auto one = JoinLogs({leader, ListedFrom(0.0, true)}, {});
-  ASSERT_TRUE(one);
-  EXPECT_EQ(one->log.events.size(), 20u);
-  EXPECT_EQ(fixed(one->log), 10);
-  const auto both = JoinLogs({leader, ListedFrom(0.0, true), ListedFrom(200.0, true)}, {});
-  ASSERT_TRUE(both);
-  EXPECT_EQ(both->log.events.size(), 20u);
-  EXPECT_EQ(fixed(both->log), 20);
+  const JoinedLog one = Joined({leader, ListedFrom(0.0, true)});
+  EXPECT_EQ(one.log.events.size(), 20u);
+  EXPECT_EQ(fixed(one.log), 10);
+  const JoinedLog both = Joined({leader, ListedFrom(0.0, true), ListedFrom(200.0, true)});
+  EXPECT_EQ(both.log.events.size(), 20u);
+  EXPECT_EQ(fixed(both.log), 20);
 }
 
 TEST(JoinLogs, TakesListsOfTwoPartsBesideOneTrack) {
   FlightLog track = Gnss(0.0);
   track.utc_at_zero = kAtZero;
-  const auto joined = JoinLogs({track, ListedFrom(5.0, true), ListedFrom(30.0, true)}, {});
-  ASSERT_TRUE(joined);
-  EXPECT_EQ(joined->log.events.size(), 20u);
-  EXPECT_THAT(joined->warnings, IsEmpty());
+  const JoinedLog joined = Joined({track, ListedFrom(5.0, true), ListedFrom(30.0, true)});
+  EXPECT_EQ(joined.log.events.size(), 20u);
+  EXPECT_THAT(joined.warnings, IsEmpty());
 }
 
 std::vector<flight::Photo> PhotosEveryFourSeconds() {
@@ -185,11 +180,10 @@ TEST(JoinLogs, TakesTheTrackThatMovesWhilePhotosAreTaken) {
     sample.position = kMeadow;
     sample.is_rtk_fixed = true;
   }
-  const auto joined = JoinLogs({base, TrackNamed("rover.pos")}, PhotosEveryFourSeconds());
-  ASSERT_TRUE(joined);
-  EXPECT_EQ(joined->log.file_name, "rover.pos");
-  EXPECT_GT(joined->log.gnss.back().position.lat_deg, kMeadow.lat_deg + 1e-3);
-  EXPECT_THAT(InWords(joined->warnings), Contains(HasSubstr("base.pos, which stands still")));
+  const JoinedLog joined = Joined({base, TrackNamed("rover.pos")}, PhotosEveryFourSeconds());
+  EXPECT_EQ(joined.log.file_name, "rover.pos");
+  EXPECT_GT(joined.log.gnss.back().position.lat_deg, kMeadow.lat_deg + 1e-3);
+  EXPECT_THAT(InWords(joined.warnings), Contains(HasSubstr("base.pos, which stands still")));
 }
 
 TEST(JoinLogs, TakesTheTrackThatLiesWherePhotosWere) {
@@ -202,20 +196,18 @@ TEST(JoinLogs, TakesTheTrackThatLiesWherePhotosWere) {
     photos[i].position.emplace();
     photos[i].position->position = right.gnss[5 * (10 + 4 * i)].position;
   }
-  const auto joined = JoinLogs({beside, right}, photos);
-  ASSERT_TRUE(joined);
-  EXPECT_EQ(joined->log.file_name, "b.gpx");
-  EXPECT_THAT(InWords(joined->warnings), Contains(HasSubstr("farther from the photos' own positions")));
+  const JoinedLog joined = Joined({beside, right}, photos);
+  EXPECT_EQ(joined.log.file_name, "b.gpx");
+  EXPECT_THAT(InWords(joined.warnings), Contains(HasSubstr("farther from the photos' own positions")));
 }
 
 TEST(JoinLogs, TakesNoListOfAnotherDay) {
   FlightLog last_week = ListedFrom(20.0, true);
   *last_week.utc_at_zero -= std::chrono::days(7);
-  const auto joined = JoinLogs({TrackNamed("t.gpx"), last_week}, PhotosEveryFourSeconds());
-  ASSERT_TRUE(joined);
-  EXPECT_EQ(joined->log.file_name, "t.gpx");
-  EXPECT_THAT(joined->log.events, IsEmpty());
-  EXPECT_THAT(InWords(joined->warnings), Contains(HasSubstr("20.MRK is not used: it begins at 2024-05-25")));
+  const JoinedLog joined = Joined({TrackNamed("t.gpx"), last_week}, PhotosEveryFourSeconds());
+  EXPECT_EQ(joined.log.file_name, "t.gpx");
+  EXPECT_THAT(joined.log.events, IsEmpty());
+  EXPECT_THAT(InWords(joined.warnings), Contains(HasSubstr("20.MRK is not used: it begins at 2024-05-25")));
 }
 
 flight::Flight PhotosWithoutPositions(int count) {

@@ -5,6 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "core/poses/lists/named_photos.h"
 
@@ -12,20 +15,18 @@ namespace skyquilt::poses {
 namespace {
 
 using ::testing::ElementsAre;
-using ::testing::IsEmpty;
 
-flight::RecordedPosition TakenFromList(const std::optional<Eigen::Vector3d>& sigma_in_ned_m, bool is_fixed) {
+// A list of one row, and where it puts the photo.
+flight::RecordedPosition TakenFromList(const std::optional<Eigen::Vector3d>& sigma_in_ned_m, bool is_fixed,
+                                       flight::Photo photo = {}) {
   flight::FlightLog list;
-  list.file_name = "geo.txt";
   flight::CameraEvent& row = list.events.emplace_back();
   row.has_time = false;
-  row.image_name = "a.jpg";
+  row.image_name = photo.name = "a.jpg";
   row.position = geo::LatLon{46.84, -91.99};
-  row.height_ellipsoid_m = 300.0;
   row.sigma_in_ned_m = sigma_in_ned_m;
   row.is_rtk_fixed = is_fixed;
-  std::vector<flight::Photo> photos(1);
-  photos[0].name = "a.jpg";
+  std::vector<flight::Photo> photos{std::move(photo)};
   ApplyPhotoRows({list}, photos);
   return photos[0].position.value_or(flight::RecordedPosition());
 }
@@ -40,25 +41,17 @@ TEST(PhotoRows, ThatStateCentimetresAreOfCorrectedPositions) {
 
 TEST(PhotoRows, ThatStateMoreOrNothingAreNot) {
   EXPECT_FALSE(TakenFromList(std::nullopt, false).is_rtk_fixed);
-  EXPECT_FALSE(TakenFromList(Eigen::Vector3d(1.5, 1.5, 3.0), false).is_rtk_fixed);
-  EXPECT_FALSE(TakenFromList(Eigen::Vector3d(0.05, 0.05, 3.0), false).is_rtk_fixed);
-  EXPECT_FALSE(TakenFromList(Eigen::Vector3d(0.0, 0.0, 0.0), false).is_rtk_fixed) << "a program's default";
-  EXPECT_FALSE(TakenFromList(Eigen::Vector3d(1e-9, 1e-9, 1e-300), false).is_rtk_fixed)
-      << "nobody measured it";
+  // Of a receiver, of a height alone, a program's default, and what nobody measured.
+  for (const Eigen::Vector3d& sigma_in_ned_m :
+       {Eigen::Vector3d(1.5, 1.5, 3.0), Eigen::Vector3d(0.05, 0.05, 3.0), Eigen::Vector3d(0.0, 0.0, 0.0),
+        Eigen::Vector3d(1e-9, 1e-9, 1e-300)})
+    EXPECT_FALSE(TakenFromList(sigma_in_ned_m, false).is_rtk_fixed) << sigma_in_ned_m.transpose();
 }
 
 TEST(PhotoRows, KeepTheHeightOfAPhotoThatHadNoPosition) {
-  flight::FlightLog list;
-  flight::CameraEvent& row = list.events.emplace_back();
-  row.has_time = false;
-  row.image_name = "a.jpg";
-  row.position = geo::LatLon{46.84, -91.99};
-  std::vector<flight::Photo> photos(1);
-  photos[0].name = "a.jpg";
-  photos[0].lone_height_above_takeoff_m = 39.8;
-  ApplyPhotoRows({list}, photos);
-  ASSERT_TRUE(photos[0].position);
-  EXPECT_EQ(photos[0].position->height_above_takeoff_m, 39.8);
+  flight::Photo photo;
+  photo.lone_height_above_takeoff_m = 39.8;
+  EXPECT_EQ(TakenFromList({}, false, photo).height_above_takeoff_m, 39.8);
 }
 
 NamedPhotos Named(const std::vector<std::string>& names) {
@@ -67,57 +60,62 @@ NamedPhotos Named(const std::vector<std::string>& names) {
   return NamedPhotos(photos);
 }
 
+// A row, each by itself, and the numbers of the photos that it means.
+struct Row {
+  const char* name;
+  std::vector<std::size_t> photos;
+  bool is_open = false;
+};
+
+void ExpectFound(const NamedPhotos& named, const std::vector<Row>& rows) {
+  for (const Row& row : rows) {
+    const NamedPhotos::Found found = named.FindAll("", {row.name}).front();
+    EXPECT_EQ(found.photos, row.photos) << row.name;
+    EXPECT_EQ(found.is_open, row.is_open) << row.name;
+  }
+}
+
 TEST(NamedPhotos, IgnoresCaseFoldersAndMissingEndings) {
-  const NamedPhotos named = Named({"DCIM/DJI_0001.JPG", "DJI_0002.jpg", "field.1_0003.JPG"});
-  EXPECT_THAT(named.Find("dji_0001.jpg").photos, ElementsAre(0));
-  EXPECT_THAT(named.Find("C:\\Flights\\May\\DJI_0001.JPG").photos, ElementsAre(0));
-  EXPECT_THAT(named.Find("DJI_0002").photos, ElementsAre(1));
-  EXPECT_THAT(named.Find("field.1_0003").photos, ElementsAre(2));
+  ExpectFound(Named({"DCIM/DJI_0001.JPG", "DJI_0002.jpg", "field.1_0003.JPG"}),
+              {{"dji_0001.jpg", {0}},
+               {"C:\\Flights\\May\\DJI_0001.JPG", {0}},
+               {"DJI_0002", {1}},
+               {"field.1_0003", {2}}});
 }
 
 TEST(NamedPhotos, TakesTheRawFileBesideThePhotoForIt) {
-  const NamedPhotos named = Named({"DSC00001.JPG", "DSC00002.JPG"});
-  EXPECT_THAT(named.Find("DSC00002.ARW").photos, ElementsAre(1));
-  EXPECT_THAT(named.Find("DSC00003.ARW").photos, IsEmpty());
-  EXPECT_THAT(named.Find("DSC00002.1_0001").photos, IsEmpty()) << "that is no ending of a file";
+  ExpectFound(
+      Named({"DSC00001.JPG", "DSC00002.JPG"}),
+      {{"DSC00002.ARW", {1}}, {"DSC00003.ARW", {}}, {"DSC00002.1_0001", {}}});  // that is no ending of a file
 }
 
 TEST(NamedPhotos, FindsNothingThatIsNotThere) {
-  const NamedPhotos named = Named({"DJI_0001.JPG"});
-  for (const char* name : {"", ".", "/", ".jpg", "DJI_0001.JPG/", "DJI_00011.JPG", "DJI_000"}) {
-    EXPECT_THAT(named.Find(name).photos, IsEmpty()) << name;
-    EXPECT_FALSE(named.Find(name).is_open) << name;
-  }
-  EXPECT_THAT(Named({}).Find("DJI_0001.JPG").photos, IsEmpty());
+  for (const char* name : {"", ".", "/", ".jpg", "DJI_0001.JPG/", "DJI_00011.JPG", "DJI_000"})
+    ExpectFound(Named({"DJI_0001.JPG"}), {{name, {}}});
+  ExpectFound(Named({}), {{"DJI_0001.JPG", {}}});
 }
 
 TEST(NamedPhotos, TellsTwoCardsApartByTheirFolders) {
-  const NamedPhotos named =
-      Named({"100MEDIA/DJI_0001.JPG", "101MEDIA/DJI_0001.JPG", "101MEDIA/DJI_0002.JPG"});
-  EXPECT_THAT(named.Find("/home/me/DCIM/101media/dji_0001.jpg").photos, ElementsAre(1));
-  EXPECT_THAT(named.Find("100MEDIA\\DJI_0001").photos, ElementsAre(0));
-  EXPECT_THAT(named.Find("DJI_0001.JPG").photos, IsEmpty()) << "of one card, and it is not said which";
-  EXPECT_TRUE(named.Find("DJI_0001.JPG").is_open);
-  EXPECT_THAT(named.Find("DJI_0002.JPG").photos, ElementsAre(2));
+  ExpectFound(Named({"100MEDIA/DJI_0001.JPG", "101MEDIA/DJI_0001.JPG", "101MEDIA/DJI_0002.JPG"}),
+              {{"/home/me/DCIM/101media/dji_0001.jpg", {1}},
+               {"100MEDIA\\DJI_0001", {0}},
+               {"DJI_0001.JPG", {}, true},  // of one card, and it is not said which
+               {"DJI_0002.JPG", {2}}});
 }
 
 TEST(NamedPhotos, GivesPicturesOfOneExposureTheSameRow) {
-  const NamedPhotos named = Named({"DJI_0001.JPG", "DJI_0001.TIF"});
-  EXPECT_THAT(named.Find("DJI_0001").photos, ElementsAre(0, 1));
-  EXPECT_THAT(named.Find("DJI_0001.TIF").photos, ElementsAre(1));
+  ExpectFound(Named({"DJI_0001.JPG", "DJI_0001.TIF"}), {{"DJI_0001", {0, 1}}, {"DJI_0001.TIF", {1}}});
 }
 
 // As archives and `upload` bring two cards to a server, which takes no folders.
 TEST(NamedPhotos, TellsTwoCardsApartByFoldersJoinedToTheirNames) {
   const NamedPhotos named = Named({"100MEDIA_DJI_0001.JPG", "101MEDIA_DJI_0001.JPG", "DJI_0002.JPG"});
-  EXPECT_THAT(named.Find("DCIM/101MEDIA/DJI_0001.JPG").photos, ElementsAre(1));
-  EXPECT_THAT(named.Find("100MEDIA/DJI_0001").photos, ElementsAre(0));
-  EXPECT_THAT(named.Find("101MEDIA_DJI_0001.JPG").photos, ElementsAre(1));
-  for (const char* row : {"DJI_0001.JPG", "102MEDIA/DJI_0001.JPG"}) {
-    EXPECT_THAT(named.Find(row).photos, IsEmpty()) << row;
-    EXPECT_TRUE(named.Find(row).is_open) << row;
-  }
-  EXPECT_FALSE(named.Find("0001").is_open) << "no camera calls its photos so";
+  ExpectFound(named, {{"DCIM/101MEDIA/DJI_0001.JPG", {1}},
+                      {"100MEDIA/DJI_0001", {0}},
+                      {"101MEDIA_DJI_0001.JPG", {1}},
+                      {"DJI_0001.JPG", {}, true},
+                      {"102MEDIA/DJI_0001.JPG", {}, true},
+                      {"0001", {}}});  // no camera calls its photos so
   for (const char* list : {"101MEDIA_positions.csv", "101MEDIA/positions.csv"}) {
     const auto found = named.FindAll(list, {"DJI_0001.JPG", "DJI_0002.JPG"});
     EXPECT_THAT(found[0].photos, ElementsAre(1)) << list;
@@ -135,21 +133,20 @@ TEST(NamedPhotos, TakesTheFolderOfTheListWhereTheRowsHaveNone) {
 TEST(NamedPhotos, TakesNoPhotoThatHasADoubleForTheOneOfThePlainName) {
   for (const char* double_name : {"101MEDIA_DJI_0001.JPG", "DJI_0001(2).JPG", "DJI_0001 (2).JPG"}) {
     const NamedPhotos named = Named({"DJI_0001.JPG", double_name, "DJI_0002.JPG"});
-    EXPECT_TRUE(named.Find("DJI_0001.JPG").is_open) << double_name;
-    EXPECT_TRUE(named.Find("100MEDIA/DJI_0001.JPG").is_open) << double_name;
-    EXPECT_THAT(named.Find(double_name).photos, ElementsAre(1));
-    EXPECT_THAT(named.Find("DJI_0002.JPG").photos, ElementsAre(2));
+    ExpectFound(named, {{"DJI_0001.JPG", {}, true},
+                        {"100MEDIA/DJI_0001.JPG", {}, true},
+                        {double_name, {1}},
+                        {"DJI_0002.JPG", {2}}});
     const auto found = named.FindAll("101MEDIA_geo.txt", {"DJI_0001.JPG", double_name});
     EXPECT_THAT(found[0].photos, ElementsAre(0)) << "a list that calls the double so calls all by full names";
     EXPECT_THAT(found[1].photos, ElementsAre(1)) << double_name;
   }
-  EXPECT_THAT(Named({"DJI_0001.JPG", "101MEDIA_DJI_0001.JPG"}).Find("101MEDIA/DJI_0001.JPG").photos,
-              ElementsAre(1));
+  ExpectFound(Named({"DJI_0001.JPG", "101MEDIA_DJI_0001.JPG"}), {{"101MEDIA/DJI_0001.JPG", {1}}});
 }
 
 TEST(NamedPhotos, FindsLettersWithMarksInEitherForm) {
-  EXPECT_THAT(Named({"Gr\u00fcn_1.JPG"}).Find("gru\u0308n_1.jpg").photos, ElementsAre(0));
-  EXPECT_THAT(Named({"U\u0308ber_1.JPG"}).Find("\u00dcber_1.JPG").photos, ElementsAre(0));
+  ExpectFound(Named({"Gr\u00fcn_1.JPG", "U\u0308ber_1.JPG"}),
+              {{"gru\u0308n_1.jpg", {0}}, {"\u00dcber_1.JPG", {1}}});
 }
 
 TEST(NamedPhotos, FindsACaptureByAnyOfItsNames) {
@@ -159,16 +156,15 @@ TEST(NamedPhotos, FindsACaptureByAnyOfItsNames) {
     photos[k].name = capture + "_2.tif";
     photos[k].other_names = {capture + "_1.tif", capture + "_5.tif", capture};
   }
-  const NamedPhotos named(photos);
   for (const char* row : {"SIM_0001_1.tif", "sim_0001_2.TIF", "SIM_0001_5", "SIM_0001", "SIM_0001.tif"})
-    EXPECT_THAT(named.Find(row).photos, ElementsAre(1)) << row;
-  EXPECT_THAT(named.Find("SIM_0001_3.tif").photos, IsEmpty());
+    ExpectFound(NamedPhotos(photos), {{row, {1}}});
+  ExpectFound(NamedPhotos(photos), {{"SIM_0001_3.tif", {}}});
 }
 
 TEST(NamedPhotos, DoesNotCompareThousandsOfFoldersForEachRow) {
   std::vector<std::string> names;
   for (int k = 0; k < 5000; ++k) names.push_back(std::to_string(k) + "/IMG.JPG");
-  EXPECT_TRUE(Named(names).Find("IMG.JPG").is_open);
+  ExpectFound(Named(names), {{"IMG.JPG", {}, true}});
 }
 
 }  // namespace

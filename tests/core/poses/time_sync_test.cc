@@ -8,6 +8,7 @@
 
 #include "core/geo/local_frame.h"
 #include "core/poses/time/event_alignment.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::poses {
 namespace {
@@ -16,6 +17,8 @@ using flight::CameraEvent;
 using flight::FlightLog;
 using flight::Photo;
 using flight::UtcTime;
+using test::ErrorOf;
+using test::ValueOf;
 
 constexpr double kZeroUnixS = 1.7e9;  // UTC at the log's zero
 
@@ -118,12 +121,11 @@ TEST(MatchPhotosToLog, FindsAClockAnHourOffFromEventsOfTheSameCount) {
     const Survey survey = Fly(seed, true, 16.0);
     ASSERT_GT(survey.exposures_s.size(), 60u);
     const auto photos = PhotosOf(Jittered(survey.exposures_s, seed, 0.015), 3607.3, 1.0);
-    const auto sync = MatchPhotosToLog(photos, LogOf(survey, survey.exposures_s, 1.0, seed));
-    ASSERT_TRUE(sync.ok());
-    EXPECT_EQ(sync->method, TimeSyncMethod::kEventCount);
-    EXPECT_NEAR(*sync->camera_ahead_of_utc_s, 3607.3, 0.05);
-    EXPECT_LT(sync->sigma_s, 0.05);
-    for (std::size_t i = 0; i < photos.size(); ++i) EXPECT_EQ(sync->photos[i]->event, i);
+    const auto sync = ValueOf(MatchPhotosToLog(photos, LogOf(survey, survey.exposures_s, 1.0, seed)));
+    EXPECT_EQ(sync.method, TimeSyncMethod::kEventCount);
+    EXPECT_NEAR(*sync.camera_ahead_of_utc_s, 3607.3, 0.05);
+    EXPECT_LT(sync.sigma_s, 0.05);
+    for (std::size_t i = 0; i < photos.size(); ++i) EXPECT_EQ(sync.photos.at(i)->event, i);
   }
 }
 
@@ -145,15 +147,14 @@ TEST(MatchPhotosToLog, SurvivesLostAndDoubledEvents) {
     }
     events.push_back(survey.exposures_s.back() + 7.0);  // a photo that was deleted
     const auto photos = PhotosOf(Jittered(survey.exposures_s, seed, 0.015), 3607.3, 1.0);
-    const auto sync = MatchPhotosToLog(photos, LogOf(survey, events, 1.0, seed));
-    ASSERT_TRUE(sync.ok());
-    EXPECT_EQ(sync->method, TimeSyncMethod::kEventPattern);
-    EXPECT_NEAR(*sync->camera_ahead_of_utc_s, 3607.3, 0.05) << seed;
+    const auto sync = ValueOf(MatchPhotosToLog(photos, LogOf(survey, events, 1.0, seed)));
+    EXPECT_EQ(sync.method, TimeSyncMethod::kEventPattern);
+    EXPECT_NEAR(*sync.camera_ahead_of_utc_s, 3607.3, 0.05) << seed;
     std::size_t right = 0;
     for (std::size_t i = 0; i < photos.size(); ++i) {
-      ASSERT_TRUE(sync->photos[i].has_value());
-      EXPECT_NEAR(sync->photos[i]->t_s, survey.exposures_s[i], 0.8) << "seed " << seed << " photo " << i;
-      right += sync->photos[i]->event == truth[i] ? 1 : 0;
+      ASSERT_TRUE(sync.photos.at(i).has_value());
+      EXPECT_NEAR(sync.photos.at(i)->t_s, survey.exposures_s[i], 0.8) << "seed " << seed << " photo " << i;
+      right += sync.photos.at(i)->event == truth[i] ? 1 : 0;
     }
     EXPECT_GE(right * 100, photos.size() * 97) << seed;
   }
@@ -164,10 +165,9 @@ TEST(MatchPhotosToLog, SaysWhenAConstantIntervalLeavesTheShiftOpen) {
   // The first event and the last photo are missing: any shift of one interval fits as well.
   std::vector<double> events(survey.exposures_s.begin() + 1, survey.exposures_s.end());
   const auto photos = PhotosOf({survey.exposures_s.begin(), survey.exposures_s.end() - 1}, 50.0, 1.0);
-  const auto sync = MatchPhotosToLog(photos, LogOf(survey, events, 1.0, 3));
-  ASSERT_TRUE(sync.ok());
-  const double error_s = std::abs(*sync->camera_ahead_of_utc_s - 50.0);
-  EXPECT_LT(error_s, 3.0 * sync->sigma_s + 0.1) << "the sigma admits it";
+  const auto sync = ValueOf(MatchPhotosToLog(photos, LogOf(survey, events, 1.0, 3)));
+  const double error_s = std::abs(*sync.camera_ahead_of_utc_s - 50.0);
+  EXPECT_LT(error_s, 3.0 * sync.sigma_s + 0.1) << "the sigma admits it";
 }
 
 TEST(MatchPhotosToLog, UsesNamesThatEventsCarry) {
@@ -177,10 +177,9 @@ TEST(MatchPhotosToLog, UsesNamesThatEventsCarry) {
   for (std::size_t i = 0; i < photos.size(); ++i)
     log.events[i].image_name = "100MEDIA/img_" + std::to_string(1000 + i) + ".jpg";
   std::reverse(photos.begin(), photos.end());
-  const auto sync = MatchPhotosToLog(photos, log);
-  ASSERT_TRUE(sync.ok());
-  EXPECT_EQ(sync->method, TimeSyncMethod::kEventNames);
-  for (std::size_t i = 0; i < photos.size(); ++i) EXPECT_EQ(sync->photos[i]->event, photos.size() - 1 - i);
+  const auto sync = ValueOf(MatchPhotosToLog(photos, log));
+  EXPECT_EQ(sync.method, TimeSyncMethod::kEventNames);
+  for (std::size_t i = 0; i < photos.size(); ++i) EXPECT_EQ(sync.photos.at(i)->event, photos.size() - 1 - i);
 }
 
 TEST(MatchPhotosToLog, LaysPhotoPositionsOnTheTrackWithoutEvents) {
@@ -195,16 +194,15 @@ TEST(MatchPhotosToLog, LaysPhotoPositionsOnTheTrackWithoutEvents) {
       position.position = At(survey.exposures_m[i] + Eigen::Vector2d(noise(random), noise(random)));
       photos[i].position = position;
     }
-    const auto sync = MatchPhotosToLog(photos, LogOf(survey, {}, 0.3, seed));
-    ASSERT_TRUE(sync.ok());
-    EXPECT_EQ(sync->method, TimeSyncMethod::kPositions);
-    const double error = *sync->camera_ahead_of_utc_s - (-7195.75);
+    const auto sync = ValueOf(MatchPhotosToLog(photos, LogOf(survey, {}, 0.3, seed)));
+    EXPECT_EQ(sync.method, TimeSyncMethod::kPositions);
+    const double error = *sync.camera_ahead_of_utc_s - (-7195.75);
     EXPECT_LT(std::abs(error), 0.13) << "seed " << seed;
-    EXPECT_LT(std::abs(error), 4.0 * sync->sigma_s + 0.02);
+    EXPECT_LT(std::abs(error), 4.0 * sync.sigma_s + 0.02);
     square += error * error;
-    worst_sigma = std::max(worst_sigma, sync->sigma_s);
+    worst_sigma = std::max(worst_sigma, sync.sigma_s);
     for (std::size_t i = 0; i < photos.size(); ++i)
-      EXPECT_NEAR(sync->photos[i]->t_s, survey.exposures_s[i], 0.2);
+      EXPECT_NEAR(sync.photos.at(i)->t_s, survey.exposures_s[i], 0.2);
   }
   EXPECT_LT(std::sqrt(square / 10.0), 0.05);
   EXPECT_LT(worst_sigma, 0.2);
@@ -218,33 +216,29 @@ TEST(MatchPhotosToLog, AdmitsThatWholeSecondIntervalsHideTheFraction) {
     position.position = At(survey.exposures_m[i]);
     photos[i].position = position;
   }
-  const auto sync = MatchPhotosToLog(photos, LogOf(survey, {}, 0.3, 2));
-  ASSERT_TRUE(sync.ok());
-  EXPECT_GT(sync->sigma_s, 0.2);
-  EXPECT_LT(std::abs(*sync->camera_ahead_of_utc_s - 4.25), 0.6);
+  const auto sync = ValueOf(MatchPhotosToLog(photos, LogOf(survey, {}, 0.3, 2)));
+  EXPECT_GT(sync.sigma_s, 0.2);
+  EXPECT_LT(std::abs(*sync.camera_ahead_of_utc_s - 4.25), 0.6);
 }
 
 TEST(MatchPhotosToLog, FallsBackToTheClocksAndSaysSo) {
   const Survey survey = Fly(6, true, 16.0);
   auto photos = PhotosOf(survey.exposures_s, 0.4, 1.0);
-  const auto utc = MatchPhotosToLog(photos, LogOf(survey, {}, 1.0, 6));
-  ASSERT_TRUE(utc.ok());
-  EXPECT_EQ(utc->method, TimeSyncMethod::kClocks);
-  EXPECT_GE(utc->sigma_s, 1.0);
+  const auto utc = ValueOf(MatchPhotosToLog(photos, LogOf(survey, {}, 1.0, 6)));
+  EXPECT_EQ(utc.method, TimeSyncMethod::kClocks);
+  EXPECT_GE(utc.sigma_s, 1.0);
   photos = PhotosOf(survey.exposures_s, 2.0 * 3600.0 + 0.4, 1.0);
   for (Photo& photo : photos) photo.captured_at_is_local = true;
-  const auto local = MatchPhotosToLog(photos, LogOf(survey, {}, 1.0, 6));
-  ASSERT_TRUE(local.ok());
-  EXPECT_NEAR(*local->camera_ahead_of_utc_s, 7200.0, 1.0) << "only one zone puts the photos into the log";
-  EXPECT_FALSE(local->notes.empty());
+  const auto local = ValueOf(MatchPhotosToLog(photos, LogOf(survey, {}, 1.0, 6)));
+  EXPECT_NEAR(*local.camera_ahead_of_utc_s, 7200.0, 1.0) << "only one zone puts the photos into the log";
+  EXPECT_FALSE(local.notes.empty());
 }
 
 TEST(MatchPhotosToLog, ExplainsWhenNothingTiesThem) {
   const Survey survey = Fly(7, true, 16.0);
   std::vector<Photo> photos(5);
-  const auto without_stamps = MatchPhotosToLog(photos, LogOf(survey, survey.exposures_s, 1.0, 7));
-  ASSERT_FALSE(without_stamps.ok());
-  EXPECT_EQ(without_stamps.error().code, ErrorCode::kUnprocessable);
+  const Error without_stamps = ErrorOf(MatchPhotosToLog(photos, LogOf(survey, survey.exposures_s, 1.0, 7)));
+  EXPECT_EQ(without_stamps.code, ErrorCode::kUnprocessable);
   const auto other_day =
       MatchPhotosToLog(PhotosOf(survey.exposures_s, 864'000.0, 1.0), LogOf(survey, {}, 1.0, 7));
   EXPECT_FALSE(other_day.ok());

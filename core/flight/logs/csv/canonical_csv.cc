@@ -19,50 +19,29 @@ namespace {
 
 using M = CsvMeaning;
 
-struct CanonicalName {
-  std::string_view name;
-  M meaning;
+// Of meanings that follow each other; in lower case, in any order of the columns.
+struct CanonicalNames {
+  M first;
+  std::string_view names;
 };
-
-// In lower case, in any order of the columns.
-constexpr std::array kCanonicalNames = {CanonicalName{"t", M::kTime},
-                                        CanonicalName{"utc", M::kUtc},
-                                        CanonicalName{"wx", M::kGyroX},
-                                        CanonicalName{"wy", M::kGyroY},
-                                        CanonicalName{"wz", M::kGyroZ},
-                                        CanonicalName{"ax", M::kAccelX},
-                                        CanonicalName{"ay", M::kAccelY},
-                                        CanonicalName{"az", M::kAccelZ},
-                                        CanonicalName{"qw", M::kQw},
-                                        CanonicalName{"qx", M::kQx},
-                                        CanonicalName{"qy", M::kQy},
-                                        CanonicalName{"qz", M::kQz},
-                                        CanonicalName{"roll", M::kRoll},
-                                        CanonicalName{"pitch", M::kPitch},
-                                        CanonicalName{"yaw", M::kYaw},
-                                        CanonicalName{"lat", M::kLat},
-                                        CanonicalName{"lon", M::kLon},
-                                        CanonicalName{"alt_ell", M::kHeightEllipsoid},
-                                        CanonicalName{"alt_msl", M::kHeightAmsl},
-                                        CanonicalName{"vn", M::kVelocityNorth},
-                                        CanonicalName{"ve", M::kVelocityEast},
-                                        CanonicalName{"vd", M::kVelocityDown},
-                                        CanonicalName{"sh", M::kSigmaHorizontal},
-                                        CanonicalName{"sv", M::kSigmaVertical},
-                                        CanonicalName{"fix", M::kFix},
-                                        CanonicalName{"baro_alt", M::kBaroHeight},
-                                        CanonicalName{"press", M::kPressure},
-                                        CanonicalName{"range", M::kRange},
-                                        CanonicalName{"rel_alt", M::kHeightAboveTakeoff},
-                                        CanonicalName{"event", M::kEvent},
-                                        CanonicalName{"image", M::kImage},
-                                        CanonicalName{"s_rp", M::kSigmaTilt},
-                                        CanonicalName{"s_yaw", M::kSigmaYaw}};
+constexpr CanonicalNames kCanonicalNames[] = {
+    {M::kTime, "t utc"},
+    {M::kLat, "lat lon"},
+    {M::kHeightEllipsoid, "alt_ell alt_msl rel_alt"},
+    {M::kRange, "range baro_alt press"},
+    {M::kVelocityNorth, "vn ve vd sh sv fix"},
+    {M::kGyroX, "wx wy wz ax ay az qw qx qy qz roll pitch yaw"},
+    {M::kSigmaTilt, "s_rp s_yaw event"},
+    {M::kImage, "image"},
+};
 
 // kIgnored for any other name.
 M MeaningOfCanonical(std::string_view name) {
-  for (const CanonicalName& each : kCanonicalNames) {
-    if (each.name == name) return each.meaning;
+  std::vector<std::string_view> names;
+  for (const CanonicalNames& each : kCanonicalNames) {
+    SplitBlanks(each.names, names);
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found != names.end()) return static_cast<M>(static_cast<int>(each.first) + (found - names.begin()));
   }
   return M::kIgnored;
 }
@@ -123,12 +102,7 @@ CameraEvent EventOf(const CsvRow& row, AttitudeKind kind) {
   event.height_amsl_m = row[M::kHeightAmsl];
   event.height_above_takeoff_m = row[M::kHeightAboveTakeoff];
   TakeAngles(row, kind, event);
-  const auto horizontal = row[M::kSigmaHorizontal];
-  if (horizontal && *horizontal > 0.0) {
-    const double vertical = row[M::kSigmaVertical].value_or(0.0);
-    event.sigma_in_ned_m =
-        Eigen::Vector3d(*horizontal, *horizontal, vertical > 0.0 ? vertical : 2.0 * *horizontal);
-  }
+  event.sigma_in_ned_m = SigmaInNedM(row[M::kSigmaHorizontal], row[M::kSigmaVertical]);
   event.sigma_tilt_rad = row[M::kSigmaTilt];
   event.sigma_yaw_rad = row[M::kSigmaYaw];
   return event;
@@ -240,29 +214,16 @@ Result<FlightLog> ParseFlightCsv(std::string_view name, LogBytes bytes, const Co
   CsvClockRule rule;
   rule.has_time_column = HasColumn(columns, M::kTime);
   CsvSampler sampler(builder, rule, false, HasColumn(columns, M::kHeightAboveTakeoff));
-  std::string_view line;
-  std::uint64_t rows = 0;
-  std::uint64_t bad = 0;
-  UnreadCells unread;
-  ConsumedSteps steps(consumed);
-  while (lines.Next(line)) {
-    steps.At(lines.offset());
-    if (IsBlankOrComment(line)) continue;
-    SplitFields(line, ',', cells);
-    if (sampler.Take(ReadCsvRow(columns, cells, &unread, lines.line_number())))
-      ++rows;
-    else
-      ++bad;
-  }
-  if (rows == 0) {
+  const SampledRows sampled = SampleRows(columns, ',', lines, consumed, sampler);
+  if (sampled.rows == 0)
     return Because(ErrorCode::kCorrupt, {RemarkCode::kFileWithoutTimes, {{"file", name}}});
-  }
   if (!HasColumn(columns, M::kHeightAboveTakeoff)) builder.BaroStartsAtZero();
   sampler.Finish();
-  builder.Count("row", rows);
+  builder.Count("row", sampled.rows);
   builder.log().mapping = DescribeColumns(columns);
-  unread.Tell(columns, builder);
-  if (bad > 0) builder.Warn({RemarkCode::kRowsWithoutTime, {{"rows", bad}}});
+  sampled.unread.Tell(columns, builder);
+  if (sampled.without_time > 0)
+    builder.Warn({RemarkCode::kRowsWithoutTime, {{"rows", sampled.without_time}}});
   return std::move(builder).Finish();
 }
 

@@ -177,8 +177,7 @@ bool SaysDegrees(std::string words) {
   SplitBlanks(words, parts);
   return std::all_of(parts.begin(), parts.end(), [&](std::string_view word) {
     const CsvUnit* unit = FindUnit(word, Dimension::kCoordinate);
-    return unit != nullptr ? unit->factor == 1.0
-                           : std::find(kBeside.begin(), kBeside.end(), word) != kBeside.end();
+    return unit != nullptr ? unit->factor == 1.0 : IsOneOf(kBeside, word);
   });
 }
 

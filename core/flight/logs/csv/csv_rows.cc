@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/coordinate_cell.h"
 
 namespace skyquilt::flight {
@@ -289,6 +288,21 @@ void CsvSampler::TakeEvent(const CsvRow& row, double t_s) {
   event.height_above_ground_m = row[M::kHeightAboveGround];
   TakeAngles(row, event.attitude_kind, event);
   builder_.Add(std::move(event));
+}
+
+SampledRows SampleRows(const std::vector<CsvColumn>& columns, char separator, LineReader& lines,
+                       const ConsumedUpTo& consumed, CsvSampler& sampler) {
+  SampledRows sampled;
+  ConsumedSteps steps(consumed);
+  std::string_view line;
+  std::vector<std::string_view> cells;
+  while (NextFilledLine(lines, steps, line)) {
+    if (line.front() == '#') continue;
+    SplitFields(line, separator, cells);
+    const bool has_time = sampler.Take(ReadCsvRow(columns, cells, &sampled.unread, lines.line_number()));
+    ++(has_time ? sampled.rows : sampled.without_time);
+  }
+  return sampled;
 }
 
 void CsvSampler::Finish() {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/flight/bytes/gps_time.h"
+#include "core/flight/bytes/text_fields.h"
 #include "core/flight/logs/csv/csv_columns.h"
 #include "core/flight/logs/csv/unread_cells.h"
 #include "core/flight/logs/log_builder.h"
@@ -78,5 +79,13 @@ class CsvSampler {
   std::string_view last_image_;  // a view into the file's text
   std::int64_t photos_ = 0;
 };
+
+// All rows below the names of their columns.
+struct SampledRows {
+  std::uint64_t rows = 0, without_time = 0;
+  UnreadCells unread;
+};
+SampledRows SampleRows(const std::vector<CsvColumn>& columns, char separator, LineReader& lines,
+                       const ConsumedUpTo& consumed, CsvSampler& sampler);
 
 }  // namespace skyquilt::flight

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <vector>
 
 #include "core/flight/bytes/text_fields.h"
 #include "core/geo/lat_lon.h"
@@ -10,105 +11,62 @@ namespace skyquilt::flight {
 namespace {
 
 constexpr double kDeg = geo::kPi / 180.0;
-constexpr std::array kUnits = {CsvUnit{"s", Dimension::kTime, 1.0},
-                               CsvUnit{"sec", Dimension::kTime, 1.0},
-                               CsvUnit{"second", Dimension::kTime, 1.0},
-                               CsvUnit{"seconds", Dimension::kTime, 1.0},
-                               CsvUnit{"ms", Dimension::kTime, 1e-3},
-                               CsvUnit{"msec", Dimension::kTime, 1e-3},
-                               CsvUnit{"millisecond", Dimension::kTime, 1e-3},
-                               CsvUnit{"milliseconds", Dimension::kTime, 1e-3},
-                               CsvUnit{"us", Dimension::kTime, 1e-6},
-                               CsvUnit{"usec", Dimension::kTime, 1e-6},
-                               CsvUnit{"microseconds", Dimension::kTime, 1e-6},
-                               CsvUnit{"ns", Dimension::kTime, 1e-9},
-                               CsvUnit{"nsec", Dimension::kTime, 1e-9},
-                               CsvUnit{"nanoseconds", Dimension::kTime, 1e-9},
-                               CsvUnit{"m", Dimension::kLength, 1.0},
-                               CsvUnit{"metre", Dimension::kLength, 1.0},
-                               CsvUnit{"metros", Dimension::kLength, 1.0},
-                               CsvUnit{"meter", Dimension::kLength, 1.0},
-                               CsvUnit{"meters", Dimension::kLength, 1.0},
-                               CsvUnit{"metres", Dimension::kLength, 1.0},
-                               CsvUnit{"mm", Dimension::kLength, 1e-3},
-                               CsvUnit{"cm", Dimension::kLength, 1e-2},
-                               CsvUnit{"ft", Dimension::kLength, 0.3048},
-                               CsvUnit{"feet", Dimension::kLength, 0.3048},
-                               CsvUnit{"foot", Dimension::kLength, 0.3048},
-                               CsvUnit{"usft", Dimension::kLength, 1200.0 / 3937.0},
-                               CsvUnit{"us ft", Dimension::kLength, 1200.0 / 3937.0},
-                               CsvUnit{"ftus", Dimension::kLength, 1200.0 / 3937.0},
-                               CsvUnit{"sft", Dimension::kLength, 1200.0 / 3937.0},
-                               CsvUnit{"us survey feet", Dimension::kLength, 1200.0 / 3937.0},
-                               CsvUnit{"us survey foot", Dimension::kLength, 1200.0 / 3937.0},
-                               CsvUnit{"us survey ft", Dimension::kLength, 1200.0 / 3937.0},
-                               CsvUnit{"survey feet", Dimension::kLength, 1200.0 / 3937.0},
-                               CsvUnit{"survey ft", Dimension::kLength, 1200.0 / 3937.0},
-                               CsvUnit{"ft us", Dimension::kLength, 1200.0 / 3937.0},
-                               CsvUnit{"us feet", Dimension::kLength, 1200.0 / 3937.0},
-                               CsvUnit{"ift", Dimension::kLength, 0.3048},
-                               CsvUnit{"m/s", Dimension::kSpeed, 1.0},
-                               CsvUnit{"mps", Dimension::kSpeed, 1.0},
-                               CsvUnit{"cm/s", Dimension::kSpeed, 1e-2},
-                               CsvUnit{"mph", Dimension::kSpeed, 0.44704},
-                               CsvUnit{"km/h", Dimension::kSpeed, 1.0 / 3.6},
-                               CsvUnit{"kmh", Dimension::kSpeed, 1.0 / 3.6},
-                               CsvUnit{"kph", Dimension::kSpeed, 1.0 / 3.6},
-                               CsvUnit{"kn", Dimension::kSpeed, 0.514444},
-                               CsvUnit{"knots", Dimension::kSpeed, 0.514444},
-                               CsvUnit{"ft/s", Dimension::kSpeed, 0.3048},
-                               CsvUnit{"deg", Dimension::kAngle, kDeg},
-                               CsvUnit{"degrees", Dimension::kAngle, kDeg},
-                               CsvUnit{"degree", Dimension::kAngle, kDeg},
-                               CsvUnit{"\xC2\xB0", Dimension::kAngle, kDeg},
-                               CsvUnit{"\xB0", Dimension::kAngle, kDeg},
-                               CsvUnit{"rad", Dimension::kAngle, 1.0},
-                               CsvUnit{"radians", Dimension::kAngle, 1.0},
-                               CsvUnit{"radian", Dimension::kAngle, 1.0},
-                               CsvUnit{"decimal degrees", Dimension::kAngle, kDeg},
-                               CsvUnit{"gon", Dimension::kAngle, 0.9 * kDeg},
-                               CsvUnit{"gons", Dimension::kAngle, 0.9 * kDeg},
-                               CsvUnit{"gradians", Dimension::kAngle, 0.9 * kDeg},
-                               CsvUnit{"deg/s", Dimension::kRate, kDeg},
-                               CsvUnit{"dps", Dimension::kRate, kDeg},
-                               CsvUnit{"deg/sec", Dimension::kRate, kDeg},
-                               CsvUnit{"rad/s", Dimension::kRate, 1.0},
-                               CsvUnit{"radps", Dimension::kRate, 1.0},
-                               CsvUnit{"rad/sec", Dimension::kRate, 1.0},
-                               CsvUnit{"mrad/s", Dimension::kRate, 1e-3},
-                               CsvUnit{"m/s2", Dimension::kAcceleration, 1.0},
-                               CsvUnit{"m/s^2", Dimension::kAcceleration, 1.0},
-                               CsvUnit{"m/s/s", Dimension::kAcceleration, 1.0},
-                               CsvUnit{"mps2", Dimension::kAcceleration, 1.0},
-                               CsvUnit{"g", Dimension::kAcceleration, 9.80665},
-                               CsvUnit{"mg", Dimension::kAcceleration, 9.80665e-3},
-                               CsvUnit{"pa", Dimension::kPressure, 1.0},
-                               CsvUnit{"hpa", Dimension::kPressure, 100.0},
-                               CsvUnit{"mbar", Dimension::kPressure, 100.0},
-                               CsvUnit{"kpa", Dimension::kPressure, 1000.0},
-                               CsvUnit{"deg", Dimension::kCoordinate, 1.0},
-                               CsvUnit{"degree", Dimension::kCoordinate, 1.0},
-                               CsvUnit{"degrees", Dimension::kCoordinate, 1.0},
-                               CsvUnit{"dd", Dimension::kCoordinate, 1.0},
-                               CsvUnit{"\xC2\xB0", Dimension::kCoordinate, 1.0},
-                               CsvUnit{"\xB0", Dimension::kCoordinate, 1.0},
-                               CsvUnit{"decimal degrees", Dimension::kCoordinate, 1.0},
-                               CsvUnit{"decimal", Dimension::kCoordinate, 1.0},
-                               CsvUnit{"grad", Dimension::kCoordinate, 1.0},  // German for degrees
-                               CsvUnit{"dms", Dimension::kCoordinate, 1.0},   // the cell says so itself
-                               CsvUnit{"wgs 84", Dimension::kCoordinate, 1.0},
-                               CsvUnit{"epsg:4326", Dimension::kCoordinate, 1.0},
-                               CsvUnit{"wgs84", Dimension::kCoordinate, 1.0},
-                               CsvUnit{"e7", Dimension::kCoordinate, 1e-7},
-                               CsvUnit{"dege7", Dimension::kCoordinate, 1e-7},
-                               CsvUnit{"1e7", Dimension::kCoordinate, 1e-7},
-                               CsvUnit{"rad", Dimension::kCoordinate, 1.0 / kDeg},
-                               CsvUnit{"radians", Dimension::kCoordinate, 1.0 / kDeg}};
+// Names apart by '|', in lower case; "grad" is German for degrees, of "dms" the cell says so itself.
+struct UnitNames {
+  Dimension dimension;
+  double factor;
+  std::string_view names;
+};
+constexpr UnitNames kUnits[] = {
+    {Dimension::kTime, 1.0, "s|sec|second|seconds"},
+    {Dimension::kTime, 1e-3, "ms|msec|millisecond|milliseconds"},
+    {Dimension::kTime, 1e-6, "us|usec|microseconds"},
+    {Dimension::kTime, 1e-9, "ns|nsec|nanoseconds"},
+    {Dimension::kLength, 1.0, "m|metre|metros|meter|meters|metres"},
+    {Dimension::kLength, 1e-3, "mm"},
+    {Dimension::kLength, 1e-2, "cm"},
+    {Dimension::kLength, 0.3048, "ft|feet|foot|ift"},
+    {Dimension::kLength, 1200.0 / 3937.0,
+     "usft|us ft|ftus|sft|us survey feet|us survey foot|us survey ft|survey feet|survey ft|ft us|us feet"},
+    {Dimension::kSpeed, 1.0, "m/s|mps"},
+    {Dimension::kSpeed, 1e-2, "cm/s"},
+    {Dimension::kSpeed, 0.44704, "mph"},
+    {Dimension::kSpeed, 1.0 / 3.6, "km/h|kmh|kph"},
+    {Dimension::kSpeed, 0.514444, "kn|knots"},
+    {Dimension::kSpeed, 0.3048, "ft/s"},
+    {Dimension::kAngle, kDeg, "deg|degrees|degree|\xC2\xB0|\xB0|decimal degrees"},
+    {Dimension::kAngle, 1.0, "rad|radians|radian"},
+    {Dimension::kAngle, 0.9 * kDeg, "gon|gons|gradians"},
+    {Dimension::kRate, kDeg, "deg/s|dps|deg/sec"},
+    {Dimension::kRate, 1.0, "rad/s|radps|rad/sec"},
+    {Dimension::kRate, 1e-3, "mrad/s"},
+    {Dimension::kAcceleration, 1.0, "m/s2|m/s^2|m/s/s|mps2"},
+    {Dimension::kAcceleration, 9.80665, "g"},
+    {Dimension::kAcceleration, 9.80665e-3, "mg"},
+    {Dimension::kPressure, 1.0, "pa"},
+    {Dimension::kPressure, 100.0, "hpa|mbar"},
+    {Dimension::kPressure, 1000.0, "kpa"},
+    {Dimension::kCoordinate, 1.0,
+     "deg|degree|degrees|dd|\xC2\xB0|\xB0|decimal degrees|decimal|grad|dms|wgs 84|epsg:4326|wgs84"},
+    {Dimension::kCoordinate, 1e-7, "e7|dege7|1e7"},
+    {Dimension::kCoordinate, 1.0 / kDeg, "rad|radians"},
+};
+
+std::vector<CsvUnit> UnitsByName() {
+  std::vector<CsvUnit> units;
+  std::vector<std::string_view> names;
+  for (const UnitNames& unit : kUnits) {
+    SplitFields(unit.names, '|', names);
+    for (const std::string_view name : names) units.push_back({name, unit.dimension, unit.factor});
+  }
+  return units;
+}
 
 }  // namespace
 
 const CsvUnit* FindUnit(std::string_view name, Dimension dimension) {
-  for (const CsvUnit& unit : kUnits) {
+  static const std::vector<CsvUnit> kByName = UnitsByName();
+  for (const CsvUnit& unit : kByName) {
     if (unit.name == name && unit.dimension == dimension) return &unit;
   }
   return nullptr;

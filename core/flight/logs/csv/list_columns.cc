@@ -13,34 +13,21 @@ namespace {
 using M = CsvMeaning;
 constexpr std::size_t kLongestName = 64;
 
-struct NameOfList {
-  std::string_view letters;
+struct NamesOfLists {
+  std::string_view letters;  // apart by blanks
   M meaning;
   PairOrder order = PairOrder::kNamed;
 };
-constexpr std::array kNamesOfLists = {NameOfList{"x", M::kEast, PairOrder::kXThenY},
-                                      NameOfList{"mapx", M::kEast, PairOrder::kXThenY},
-                                      NameOfList{"xcoord", M::kEast, PairOrder::kXThenY},
-                                      NameOfList{"xcoordinate", M::kEast, PairOrder::kXThenY},
-                                      NameOfList{"coordinatex", M::kEast, PairOrder::kXThenY},
-                                      NameOfList{"y", M::kNorth, PairOrder::kXThenY},
-                                      NameOfList{"mapy", M::kNorth, PairOrder::kXThenY},
-                                      NameOfList{"ycoord", M::kNorth, PairOrder::kXThenY},
-                                      NameOfList{"ycoordinate", M::kNorth, PairOrder::kXThenY},
-                                      NameOfList{"coordinatey", M::kNorth, PairOrder::kXThenY},
-                                      NameOfList{"coordinate1", M::kEast, PairOrder::kOpen},
-                                      NameOfList{"coordinate2", M::kNorth, PairOrder::kOpen},
-                                      NameOfList{"z", M::kHeightAmsl},
-                                      NameOfList{"h", M::kHeightAmsl},
-                                      NameOfList{"mapz", M::kHeightAmsl},
-                                      NameOfList{"geoz", M::kHeightAmsl},
-                                      NameOfList{"zcoord", M::kHeightAmsl},
-                                      NameOfList{"zcoordinate", M::kHeightAmsl},
-                                      NameOfList{"coordinatez", M::kHeightAmsl},
-                                      NameOfList{"coordinate3", M::kHeightAmsl},
-                                      NameOfList{"omega", M::kOmega},
-                                      NameOfList{"phi", M::kPhi},
-                                      NameOfList{"kappa", M::kKappa}};
+constexpr NamesOfLists kNamesOfLists[] = {
+    {"x mapx xcoord xcoordinate coordinatex", M::kEast, PairOrder::kXThenY},
+    {"y mapy ycoord ycoordinate coordinatey", M::kNorth, PairOrder::kXThenY},
+    {"coordinate1", M::kEast, PairOrder::kOpen},
+    {"coordinate2", M::kNorth, PairOrder::kOpen},
+    {"z h mapz geoz zcoord zcoordinate coordinatez coordinate3", M::kHeightAmsl},
+    {"omega", M::kOmega},
+    {"phi", M::kPhi},
+    {"kappa", M::kKappa},
+};
 
 std::string LettersOf(std::string_view text) {
   std::string letters;
@@ -70,10 +57,13 @@ NameAndUnit WithUnitBehind(std::string_view header) {
   return {LettersOf(header.substr(0, cut)), "(" + unit + ")"};
 }
 
-const NameOfList* FindNameOfList(std::string_view letters) {
-  const auto found = std::find_if(kNamesOfLists.begin(), kNamesOfLists.end(),
-                                  [&](const NameOfList& name) { return name.letters == letters; });
-  return found == kNamesOfLists.end() ? nullptr : &*found;
+const NamesOfLists* FindNameOfList(std::string_view letters) {
+  std::vector<std::string_view> names;
+  for (const NamesOfLists& each : kNamesOfLists) {
+    SplitBlanks(each.letters, names);
+    if (std::find(names.begin(), names.end(), letters) != names.end()) return &each;
+  }
+  return nullptr;
 }
 
 // As the column of a log that has the same kind of unit.
@@ -102,7 +92,7 @@ void MapUnknownHeight(const NameAndUnit& name, CsvColumn& column) {
 }
 
 bool MapByNamesOfLists(const NameAndUnit& name, CsvColumn& column) {
-  const NameOfList* known = FindNameOfList(name.letters);
+  const NamesOfLists* known = FindNameOfList(name.letters);
   const M in_plane = known == nullptr ? MeaningInPlane(name.letters) : known->meaning;
   if (in_plane == M::kEast || in_plane == M::kNorth) {
     column.meaning = in_plane;  // in the unit of the system, whatever the name says
@@ -119,17 +109,14 @@ bool MapByNamesOfLists(const NameAndUnit& name, CsvColumn& column) {
 // "Accuracy_X_(m)", "acc", "sigma h": of angles they are not read.
 void MapAccuracy(const NameAndUnit& name, bool has_horizontal, CsvColumn& column) {
   std::string_view of = name.letters;
-  if (of.starts_with("accuracy")) {
-    of.remove_prefix(std::string_view("accuracy").size());
-  } else if (of.starts_with("acc")) {
-    of.remove_prefix(std::string_view("acc").size());
-  } else if (of.starts_with("sigma")) {
-    of.remove_prefix(std::string_view("sigma").size());
-  } else if (of.ends_with("accuracy")) {
-    of.remove_suffix(std::string_view("accuracy").size());
-  } else {
-    return;
-  }
+  constexpr std::array<std::string_view, 3> kBegin = {"accuracy", "acc", "sigma"};
+  const auto begin =
+      std::find_if(kBegin.begin(), kBegin.end(), [&](std::string_view word) { return of.starts_with(word); });
+  if (begin == kBegin.end() && !of.ends_with(kBegin.front())) return;
+  if (begin == kBegin.end())
+    of.remove_suffix(kBegin.front().size());
+  else
+    of.remove_prefix(begin->size());
   constexpr std::array<std::string_view, 14> kHorizontal = {
       "h",  "hor", "horz", "horiz",    "horizontal", "x",    "y",
       "xy", "lat", "lon",  "latitude", "longitude",  "east", "north"};
@@ -257,7 +244,7 @@ PairOrder OrderOfPair(const std::vector<CsvColumn>& columns) {
   for (const M meaning : {M::kEast, M::kNorth}) {
     const CsvColumn* column = ColumnOf(columns, meaning);
     if (column == nullptr) return PairOrder::kNamed;
-    const NameOfList* name = FindNameOfList(WithUnitInBrackets(column->header).letters);
+    const NamesOfLists* name = FindNameOfList(WithUnitInBrackets(column->header).letters);
     if (name == nullptr) name = FindNameOfList(WithUnitBehind(column->header).letters);
     if (name == nullptr) return PairOrder::kNamed;
     order = name->order;

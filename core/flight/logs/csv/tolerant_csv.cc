@@ -267,35 +267,23 @@ Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const 
 
   const bool relative = HasColumn(header->columns, M::kHeightAboveTakeoff);
   CsvSampler sampler(builder, findings.clock, findings.axes.imu_z_is_up, relative);
-  std::string_view line;
-  std::vector<std::string_view> cells;
-  std::uint64_t rows = 0;
-  std::uint64_t bad = 0;
-  UnreadCells unread;
-  ConsumedSteps steps(consumed);
-  while (NextFilledLine(lines, steps, line)) {
-    if (line.front() == '#') continue;
-    SplitFields(line, header->separator, cells);
-    if (sampler.Take(ReadCsvRow(header->columns, cells, &unread, lines.line_number())))
-      ++rows;
-    else
-      ++bad;
-  }
-  if (rows == 0) {
-    auto why = unread.WhyNothing(header->columns, M::kTime, M::kTimeOfDay);
+  const SampledRows sampled = SampleRows(header->columns, header->separator, lines, consumed, sampler);
+  if (sampled.rows == 0) {
+    auto why = sampled.unread.WhyNothing(header->columns, M::kTime, M::kTimeOfDay);
     if (!why) return Because(ErrorCode::kCorrupt, {RemarkCode::kTableWithoutTimes, {{"file", name}}});
     return Because(ErrorCode::kCorrupt,
                    {RemarkCode::kTableTimesUnread, {{"file", name}, {"why", *std::move(why)}}});
   }
   if (!relative) builder.BaroStartsAtZero();
   sampler.Finish();
-  builder.Count("row", rows);
+  builder.Count("row", sampled.rows);
   builder.log().mapping = DescribeColumns(header->columns);
   for (const auto* notes : {&std::as_const(settled.notes), &findings.axes.notes})
     builder.log().mapping.insert(builder.log().mapping.end(), notes->begin(), notes->end());
   for (const Remark& warning : settled.warnings) builder.Warn(warning);
-  unread.Tell(header->columns, builder);
-  if (bad > 0) builder.Warn({RemarkCode::kRowsWithoutTime, {{"rows", bad}}});
+  sampled.unread.Tell(header->columns, builder);
+  if (sampled.without_time > 0)
+    builder.Warn({RemarkCode::kRowsWithoutTime, {{"rows", sampled.without_time}}});
   return std::move(builder).Finish();
 }
 

@@ -38,11 +38,7 @@ void TakeAnglesAndSigmas(const std::vector<std::string_view>& cells, CameraEvent
         Eigen::Vector3d(geo::DegToRad(*yaw), geo::DegToRad(*pitch), geo::DegToRad(*roll));
     event.attitude_kind = AttitudeKind::kAirframe;
   }
-  const auto sigma_h = number(7), sigma_v = number(8);
-  if (sigma_h && *sigma_h > 0.0) {
-    event.sigma_in_ned_m =
-        Eigen::Vector3d(*sigma_h, *sigma_h, sigma_v && *sigma_v > 0.0 ? *sigma_v : 2.0 * *sigma_h);
-  }
+  event.sigma_in_ned_m = SigmaInNedM(number(7), number(8));
 }
 
 }  // namespace

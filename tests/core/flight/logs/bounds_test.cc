@@ -7,10 +7,12 @@
 #include "core/flight/logs/texts/gcp_list.h"
 #include "core/flight/remarks/remark_words.h"
 #include "tests/core/flight/logs/log_writers.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::flight {
 namespace {
 
+using test::ValueOf;
 using testing::Bytes;
 using ::testing::Contains;
 using ::testing::HasSubstr;
@@ -87,40 +89,36 @@ TEST(ParseUlog, TakesOnlySoManySubscriptions) {
   testing::Append(payload, std::uint64_t{1'000'000});
   testing::Append(payload, 12.5F);
   writer.Data(0, payload);
-  const auto log = ParseUlog("a.ulg", writer.bytes(), {});
-  ASSERT_TRUE(log.ok()) << log.error().message;
-  EXPECT_EQ(log->baro.size(), 1U);
-  EXPECT_THAT(InWords(log->warnings), Contains(HasSubstr("more than 10000 subscriptions")));
+  const auto log = ValueOf(ParseUlog("a.ulg", writer.bytes(), {}));
+  EXPECT_EQ(log.baro.size(), 1U);
+  EXPECT_THAT(InWords(log.warnings), Contains(HasSubstr("more than 10000 subscriptions")));
 }
 
 TEST(ParseMavlinkTlog, CountsOnlySoManyKinds) {
   TlogWriter writer;
   for (std::uint32_t kind = 0; kind < 5000; ++kind)
     writer.Packet(1'700'000'000'000'000 + kind, 100'000 + kind, 0, Bytes(9, 0), true);
-  const auto log = ParseMavlinkTlog("a.tlog", writer.bytes(), {});
-  ASSERT_TRUE(log.ok()) << log.error().message;
-  EXPECT_LE(log->message_counts.size(), 1001U);
+  const auto log = ValueOf(ParseMavlinkTlog("a.tlog", writer.bytes(), {}));
+  EXPECT_LE(log.message_counts.size(), 1001U);
   std::uint64_t total = 0;
-  for (const auto& [kind, count] : log->message_counts) total += count;
+  for (const auto& [kind, count] : log.message_counts) total += count;
   EXPECT_EQ(total, 5000U);
 }
 
 TEST(ParseGcpList, TakesOnlySoManySightings) {
   std::string text = "EPSG:4326\n";
   for (int i = 0; i < 100'100; ++i) text += "8.5 47.4 400 " + std::to_string(i) + " 5 a.jpg\n";
-  const auto list = ParseGcpList("gcp_list.txt", BytesOf(text));
-  ASSERT_TRUE(list.ok());
-  EXPECT_EQ(list->sightings.size(), 100'000U);
-  EXPECT_THAT(InWords(list->warnings), Contains(HasSubstr("more than 100000 sightings")));
+  const auto list = ValueOf(ParseGcpList("gcp_list.txt", BytesOf(text)));
+  EXPECT_EQ(list.sightings.size(), 100'000U);
+  EXPECT_THAT(InWords(list.warnings), Contains(HasSubstr("more than 100000 sightings")));
 }
 
 TEST(ParseGeoTxt, TakesOnlySoManyRows) {
   std::string text = "EPSG:4326\n";
   for (int i = 0; i < 250'000; ++i) text += "a.jpg 8 47\n";
-  const auto log = ParseGeoTxt("geo.txt", BytesOf(text), {});
-  ASSERT_TRUE(log.ok());
-  EXPECT_EQ(log->events.size(), 200'000U);
-  EXPECT_THAT(InWords(log->warnings), Contains(HasSubstr("more than 200000 rows")));
+  const auto log = ValueOf(ParseGeoTxt("geo.txt", BytesOf(text), {}));
+  EXPECT_EQ(log.events.size(), 200'000U);
+  EXPECT_THAT(InWords(log.warnings), Contains(HasSubstr("more than 200000 rows")));
 }
 
 TEST(ParseGpx, AttributesAreReadOnceAndTagsAreShort) {
@@ -132,11 +130,10 @@ TEST(ParseGpx, AttributesAreReadOnceAndTagsAreShort) {
   };
   for (const char* tag : {"lat=\"47.4\" lon=\"8.5\"", "lon = '8.5'\n lat\t=\n\"47.4\"",
                           "xlat=\"1\" note=\"lat='2'\" lat=\"47.4\" lon=\"8.5\""}) {
-    const auto log = parse(tag);
-    ASSERT_TRUE(log.ok()) << tag;
-    ASSERT_EQ(log->gnss.size(), 1U) << tag;
-    EXPECT_DOUBLE_EQ(log->gnss[0].position.lat_deg, 47.4) << tag;
-    EXPECT_DOUBLE_EQ(log->gnss[0].position.lon_deg, 8.5) << tag;
+    const auto log = ValueOf(parse(tag));
+    ASSERT_EQ(log.gnss.size(), 1U) << tag;
+    EXPECT_DOUBLE_EQ(log.gnss[0].position.lat_deg, 47.4) << tag;
+    EXPECT_DOUBLE_EQ(log.gnss[0].position.lon_deg, 8.5) << tag;
   }
   std::string repeated;
   for (int i = 0; i < 10'000; ++i) repeated += "lat ";

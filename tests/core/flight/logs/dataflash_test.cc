@@ -11,11 +11,14 @@
 #include "core/flight/logs/read_log.h"
 #include "core/flight/remarks/remark_words.h"
 #include "tests/core/flight/logs/log_writers.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::flight {
 namespace {
 
 using geo::DegToRad;
+using test::ErrorOf;
+using test::ValueOf;
 using testing::Bytes;
 using testing::DataflashWriter;
 
@@ -80,14 +83,13 @@ Bytes ModernLog() {
 TEST(ParseDataflash, ReadsTheModernLayoutInSiUnits) {
   const Bytes bytes = ModernLog();
   ASSERT_TRUE(LooksLikeDataflash(bytes));
-  const auto log = ParseDataflash("flight.BIN", bytes);
-  ASSERT_TRUE(log.ok());
-  ASSERT_EQ(log->imu.size(), 600u);
-  EXPECT_NEAR(log->imu[10].specific_force_mps2.z(), -9.8, 1e-6) << "the IMU without clips";
-  EXPECT_NEAR(log->imu[10].angular_rate_radps.y(), -0.02, 1e-8);
-  EXPECT_DOUBLE_EQ(log->imu[10].t_s, 6.0);
-  ASSERT_EQ(log->gnss.size(), 60u);
-  const GnssSample& fix = log->gnss[1];
+  const auto log = ValueOf(ParseDataflash("flight.BIN", bytes));
+  ASSERT_EQ(log.imu.size(), 600u);
+  EXPECT_NEAR(log.imu[10].specific_force_mps2.z(), -9.8, 1e-6) << "the IMU without clips";
+  EXPECT_NEAR(log.imu[10].angular_rate_radps.y(), -0.02, 1e-8);
+  EXPECT_DOUBLE_EQ(log.imu[10].t_s, 6.0);
+  ASSERT_EQ(log.gnss.size(), 60u);
+  const GnssSample& fix = log.gnss[1];
   EXPECT_NEAR(fix.position.lat_deg, -27.5, 1e-9);
   EXPECT_NEAR(fix.position.lon_deg, 153.25001, 1e-9);
   EXPECT_DOUBLE_EQ(*fix.height_amsl_m, 120.5);
@@ -96,21 +98,20 @@ TEST(ParseDataflash, ReadsTheModernLayoutInSiUnits) {
   EXPECT_DOUBLE_EQ(*fix.sigma_horizontal_m, 0.02);
   EXPECT_DOUBLE_EQ(*fix.sigma_vertical_m, 0.04);
   EXPECT_TRUE(fix.is_rtk_fixed);
-  ASSERT_EQ(log->attitude.size(), 60u);
+  ASSERT_EQ(log.attitude.size(), 60u);
   const auto expected = NedFromYawPitchRoll(DegToRad(271.0), DegToRad(3.25), DegToRad(-12.5));
-  EXPECT_LT(expected.angularDistance(log->attitude[0].ned_from_body), 1e-9);
-  EXPECT_NEAR(log->baro[1].height_above_takeoff_m, 1.0, 1e-6);
-  ASSERT_EQ(log->range.size(), 60u);
-  EXPECT_DOUBLE_EQ(log->range[0].distance_m, 20.5);
-  EXPECT_EQ(log->message_counts.at("IMU"), 1200u);
-  EXPECT_EQ(log->message_counts.at("FMT"), 10u);
+  EXPECT_LT(expected.angularDistance(log.attitude[0].ned_from_body), 1e-9);
+  EXPECT_NEAR(log.baro.at(1).height_above_takeoff_m, 1.0, 1e-6);
+  ASSERT_EQ(log.range.size(), 60u);
+  EXPECT_DOUBLE_EQ(log.range[0].distance_m, 20.5);
+  EXPECT_EQ(log.message_counts.at("IMU"), 1200u);
+  EXPECT_EQ(log.message_counts.at("FMT"), 10u);
 }
 
 TEST(ParseDataflash, TakesShutterRowsBeforeCommands) {
-  const auto log = ParseDataflash("flight.BIN", ModernLog());
-  ASSERT_TRUE(log.ok());
-  ASSERT_EQ(log->events.size(), 12u);
-  const CameraEvent& event = log->events[1];
+  const auto log = ValueOf(ParseDataflash("flight.BIN", ModernLog()));
+  ASSERT_EQ(log.events.size(), 12u);
+  const CameraEvent& event = log.events[1];
   EXPECT_TRUE(event.is_feedback);
   EXPECT_DOUBLE_EQ(event.t_s, 12.5);
   EXPECT_DOUBLE_EQ(*event.height_amsl_m, 150.25);
@@ -120,13 +121,12 @@ TEST(ParseDataflash, TakesShutterRowsBeforeCommands) {
 }
 
 TEST(ParseDataflash, KnowsUtcFromTheGpsWeekWithLeapSeconds) {
-  const auto log = ParseDataflash("flight.BIN", ModernLog());
-  ASSERT_TRUE(log.ok());
-  ASSERT_TRUE(log->utc_at_zero.has_value());
+  const auto log = ValueOf(ParseDataflash("flight.BIN", ModernLog()));
+  ASSERT_TRUE(log.utc_at_zero.has_value());
   // Week 2300 began on 2024-02-04; four days in, minus 18 leap seconds, minus the 5 s since boot.
   const auto expected = UtcFromCivil(2024, 2, 7, 23, 59, 37.0);
-  EXPECT_EQ(*log->utc_at_zero, *expected);
-  EXPECT_GE(log->utc_sigma_s, 0.1);
+  EXPECT_EQ(*log.utc_at_zero, *expected);
+  EXPECT_GE(log.utc_sigma_s, 0.1);
 }
 
 TEST(ParseDataflash, ReadsTheOldLayout) {
@@ -145,19 +145,18 @@ TEST(ParseDataflash, ReadsTheOldLayout) {
     if (i == 50) w.Write(4, {100'000 + ms, 1900, 10.0, 20.0, 130, 30, 1, 2, 359});
     w.Write(5, {ms, 1.0, 2.0, 359.0, 0, 0, 0, 0, 0, 0, 0, 0, 0});
   }
-  const auto log = ParseDataflash("old.bin", w.bytes());
-  ASSERT_TRUE(log.ok());
-  ASSERT_EQ(log->imu.size(), 100u);
-  EXPECT_NEAR(log->imu[0].angular_rate_radps.x(), 0.1, 1e-7);
-  EXPECT_DOUBLE_EQ(log->imu[0].t_s, 20.0);
-  ASSERT_EQ(log->gnss.size(), 10u);
-  EXPECT_DOUBLE_EQ(log->gnss[0].t_s, 20.0);
-  EXPECT_DOUBLE_EQ(*log->gnss[0].height_amsl_m, 100.25);
-  EXPECT_NEAR(log->gnss[0].velocity_in_ned_mps->x(), 4.0 * std::cos(DegToRad(45.0)), 1e-6);
-  ASSERT_EQ(log->events.size(), 1u);
-  EXPECT_NEAR(log->events[0].t_s, 21.0, 1e-6) << "placed through GPS time: the row has no time since boot";
-  EXPECT_FALSE(log->events[0].is_feedback);
-  ASSERT_EQ(log->attitude.size(), 100u) << "the filter's attitude where ATT is absent";
+  const auto log = ValueOf(ParseDataflash("old.bin", w.bytes()));
+  ASSERT_EQ(log.imu.size(), 100u);
+  EXPECT_NEAR(log.imu[0].angular_rate_radps.x(), 0.1, 1e-7);
+  EXPECT_DOUBLE_EQ(log.imu[0].t_s, 20.0);
+  ASSERT_EQ(log.gnss.size(), 10u);
+  EXPECT_DOUBLE_EQ(log.gnss[0].t_s, 20.0);
+  EXPECT_DOUBLE_EQ(*log.gnss[0].height_amsl_m, 100.25);
+  EXPECT_NEAR(log.gnss[0].velocity_in_ned_mps->x(), 4.0 * std::cos(DegToRad(45.0)), 1e-6);
+  ASSERT_EQ(log.events.size(), 1u);
+  EXPECT_NEAR(log.events[0].t_s, 21.0, 1e-6) << "placed through GPS time: the row has no time since boot";
+  EXPECT_FALSE(log.events[0].is_feedback);
+  ASSERT_EQ(log.attitude.size(), 100u) << "the filter's attitude where ATT is absent";
 }
 
 TEST(ParseDataflash, PrefersRawSensorsWhereTheyWereLoggedFaster) {
@@ -171,12 +170,11 @@ TEST(ParseDataflash, PrefersRawSensorsWhereTheyWereLoggedFaster) {
     w.Write(3, {us + 900, 0, us, 0.001 * i, 0, -9.8});
     w.Write(2, {us + 950, 0, us + 500, 0.1, 0.2, 0.3});
   }
-  const auto log = ParseDataflash("raw.bin", w.bytes());
-  ASSERT_TRUE(log.ok());
-  ASSERT_EQ(log->imu.size(), 1999u);
-  EXPECT_NEAR(log->imu[100].t_s, 1.1005, 1e-9) << "the time of the sample, not of its writing";
-  EXPECT_NEAR(log->imu[100].specific_force_mps2.x(), 0.1005, 1e-6) << "between its neighbours";
-  EXPECT_NEAR(log->imu[100].angular_rate_radps.z(), 0.3, 1e-6);
+  const auto log = ValueOf(ParseDataflash("raw.bin", w.bytes()));
+  ASSERT_EQ(log.imu.size(), 1999u);
+  EXPECT_NEAR(log.imu[100].t_s, 1.1005, 1e-9) << "the time of the sample, not of its writing";
+  EXPECT_NEAR(log.imu[100].specific_force_mps2.x(), 0.1005, 1e-6) << "between its neighbours";
+  EXPECT_NEAR(log.imu[100].angular_rate_radps.z(), 0.3, 1e-6);
 }
 
 TEST(ParseDataflash, KeepsTheLongestPartWhenTheClockRestarts) {
@@ -184,12 +182,11 @@ TEST(ParseDataflash, KeepsTheLongestPartWhenTheClockRestarts) {
   w.Define(6, "BARO", "Qf", "TimeUS,Alt");
   for (int i = 0; i < 30; ++i) w.Write(6, {100e6 + i * 1e5, 1.0 * i});
   for (int i = 0; i < 200; ++i) w.Write(6, {2e6 + i * 1e5, 2.0 * i});
-  const auto log = ParseDataflash("restart.bin", w.bytes());
-  ASSERT_TRUE(log.ok());
-  ASSERT_EQ(log->baro.size(), 200u);
-  EXPECT_NEAR(log->baro[0].t_s, 2.0, 1e-6);
-  EXPECT_NEAR(log->baro[199].height_above_takeoff_m, 398.0, 1e-6);
-  ASSERT_FALSE(log->warnings.empty());
+  const auto log = ValueOf(ParseDataflash("restart.bin", w.bytes()));
+  ASSERT_EQ(log.baro.size(), 200u);
+  EXPECT_NEAR(log.baro[0].t_s, 2.0, 1e-6);
+  EXPECT_NEAR(log.baro[199].height_above_takeoff_m, 398.0, 1e-6);
+  ASSERT_FALSE(log.warnings.empty());
 }
 
 TEST(ParseDataflash, DropsAStrayTimeStampAndContradictingDuplicates) {
@@ -201,20 +198,18 @@ TEST(ParseDataflash, DropsAStrayTimeStampAndContradictingDuplicates) {
     if (i == 12) w.Write(6, {1e6 + i * 1e5, 1.0 * i});  // the same again: one is kept
     if (i == 15) w.Write(6, {1e6 + i * 1e5, 777.0});    // another value at the same time: neither is
   }
-  const auto log = ParseDataflash("stray.bin", w.bytes());
-  ASSERT_TRUE(log.ok());
-  EXPECT_EQ(log->baro.size(), 19u);
-  for (const BaroSample& sample : log->baro) EXPECT_LT(sample.t_s, 10.0);
+  const auto log = ValueOf(ParseDataflash("stray.bin", w.bytes()));
+  EXPECT_EQ(log.baro.size(), 19u);
+  for (const BaroSample& sample : log.baro) EXPECT_LT(sample.t_s, 10.0);
 }
 
 TEST(ParseDataflash, GoesOnAfterDamage) {
   Bytes bytes = ModernLog();
   for (std::size_t i = bytes.size() / 2; i < bytes.size() / 2 + 500; ++i) bytes[i] = 0x5A;
-  const auto log = ParseDataflash("damaged.bin", bytes);
-  ASSERT_TRUE(log.ok());
-  EXPECT_GT(log->imu.size(), 580u);
-  EXPECT_LT(log->imu.size(), 600u);
-  EXPECT_NE(InWords(log->warnings[0]).find("damaged bytes"), std::string::npos);
+  const auto log = ValueOf(ParseDataflash("damaged.bin", bytes));
+  EXPECT_GT(log.imu.size(), 580u);
+  EXPECT_LT(log.imu.size(), 600u);
+  EXPECT_NE(InWords(log.warnings.at(0)).find("damaged bytes"), std::string::npos);
 }
 
 TEST(ParseDataflashText, ReadsWhatTheLogHeldBeforeItWasConverted) {
@@ -248,12 +243,11 @@ TEST(ParseDataflashText, PassesOverHeadingsWordsAndWhatIsDamaged) {
   text += "FMT, 6, 15, BARO, QfN, TimeUS,Alt,Name\nFMT, 999, 15, HUGE, Q, TimeUS\nFMT, 7\n";
   for (int i = 0; i < 20; ++i) text += fmt::format("BARO, {}, {}, two words\n", 1'000'000 + i * 100'000, i);
   text += "BARO, here, 5, x\nBARO, 3000000\nNONE, 1, 2\nBARO, 3100000, NaN, x\nBARO, 32";
-  const auto log = ParseLog("flight.log", BytesOf(text));
-  ASSERT_TRUE(log.ok());
-  EXPECT_EQ(log->baro.size(), 20u);
-  EXPECT_EQ(log->message_counts.at("BARO"), 21u);
+  const auto log = ValueOf(ParseLog("flight.log", BytesOf(text)));
+  EXPECT_EQ(log.baro.size(), 20u);
+  EXPECT_EQ(log.message_counts.at("BARO"), 21u);
   std::vector<RemarkCode> codes;
-  for (const Remark& warning : log->warnings) codes.push_back(warning.code);
+  for (const Remark& warning : log.warnings) codes.push_back(warning.code);
   EXPECT_THAT(codes, ::testing::IsSupersetOf({RemarkCode::kBytesDamaged, RemarkCode::kCutInMessage}));
 }
 
@@ -261,22 +255,18 @@ TEST(ParseDataflashText, TakesTheLastOfTwoLayoutsOfOneType) {
   std::string text = "FMT, 6, 15, OLD, Qf, TimeUS,Alt\nFMT, 6, 15, BARO, Qf, TimeUS,Alt\n";
   for (int i = 0; i < 20; ++i)
     text += fmt::format("OLD, {0}, 7\nBARO, {0}, {1}\n", 1'000'000 + i * 100'000, i);
-  const auto log = ParseLog("flight.log", BytesOf(text));
-  ASSERT_TRUE(log.ok());
-  EXPECT_EQ(log->message_counts, (std::map<std::string, std::uint64_t>{{"BARO", 20}, {"FMT", 2}}));
+  const auto log = ValueOf(ParseLog("flight.log", BytesOf(text)));
+  EXPECT_EQ(log.message_counts, (std::map<std::string, std::uint64_t>{{"BARO", 20}, {"FMT", 2}}));
 }
 
 TEST(ParseDataflashText, RefusesLayoutsWithoutMessages) {
-  const auto log = ParseLog("flight.log", BytesOf("FMT, 6, 15, BARO, Qf, TimeUS,Alt\n"));
-  ASSERT_FALSE(log.ok());
-  EXPECT_EQ(log.error().code, ErrorCode::kCorrupt);
+  const Error log = ErrorOf(ParseLog("flight.log", BytesOf("FMT, 6, 15, BARO, Qf, TimeUS,Alt\n")));
+  EXPECT_EQ(log.code, ErrorCode::kCorrupt);
 }
 
 TEST(ParseDataflash, RefusesALogWithoutMessages) {
   DataflashWriter w;
-  const auto log = ParseDataflash("empty.bin", w.bytes());
-  ASSERT_FALSE(log.ok());
-  EXPECT_EQ(log.error().code, ErrorCode::kCorrupt);
+  EXPECT_EQ(ErrorOf(ParseDataflash("empty.bin", w.bytes())).code, ErrorCode::kCorrupt);
 }
 
 }  // namespace

@@ -4,10 +4,12 @@
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/remarks/remark_words.h"
 #include "tests/core/flight/logs/log_writers.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::flight {
 namespace {
 
+using test::ValueOf;
 using testing::Append;
 using testing::Bytes;
 using testing::TlogWriter;
@@ -59,52 +61,48 @@ TEST(ParseMavlinkTlog, ReadsBothProtocolsAlike) {
   for (const bool second : {false, true}) {
     const Bytes bytes = Telemetry(second, true);
     ASSERT_TRUE(LooksLikeMavlinkTlog(bytes));
-    const auto log = ParseMavlinkTlog("t.tlog", bytes);
-    ASSERT_TRUE(log.ok());
-    ASSERT_EQ(log->attitude.size(), 100u) << "one vehicle only";
+    const auto log = ValueOf(ParseMavlinkTlog("t.tlog", bytes));
+    ASSERT_EQ(log.attitude.size(), 100u) << "one vehicle only";
     const auto expected = NedFromYawPitchRoll(1.5, -0.2, 0.1);
-    EXPECT_LT(expected.angularDistance(log->attitude[3].ned_from_body), 1e-6);
-    EXPECT_DOUBLE_EQ(log->attitude[3].t_s, 60.75) << "the vehicle's clock, without the delay of the link";
-    ASSERT_EQ(log->gnss.size(), 100u);
-    EXPECT_NEAR(log->gnss[0].position.lat_deg, -35.363261, 1e-9);
-    EXPECT_DOUBLE_EQ(*log->gnss[0].height_amsl_m, 584.0);
-    EXPECT_DOUBLE_EQ(log->baro[0].height_above_takeoff_m, 20.5);
-    EXPECT_EQ(log->message_counts.at("ATTITUDE"), 200u);
+    EXPECT_LT(expected.angularDistance(log.attitude[3].ned_from_body), 1e-6);
+    EXPECT_DOUBLE_EQ(log.attitude[3].t_s, 60.75) << "the vehicle's clock, without the delay of the link";
+    ASSERT_EQ(log.gnss.size(), 100u);
+    EXPECT_NEAR(log.gnss[0].position.lat_deg, -35.363261, 1e-9);
+    EXPECT_DOUBLE_EQ(*log.gnss[0].height_amsl_m, 584.0);
+    EXPECT_DOUBLE_EQ(log.baro.at(0).height_above_takeoff_m, 20.5);
+    EXPECT_EQ(log.message_counts.at("ATTITUDE"), 200u);
   }
 }
 
 TEST(ParseMavlinkTlog, PrefersTheVehiclesUtcToTheGroundStations) {
-  const auto log = ParseMavlinkTlog("t.tlog", Telemetry(true, true));
-  ASSERT_TRUE(log.ok());
-  EXPECT_EQ(log->utc_at_zero->time_since_epoch().count(), static_cast<std::int64_t>(kVehicleUs));
-  EXPECT_LT(log->utc_sigma_s, 1.0);
-  ASSERT_EQ(log->events.size(), 5u);
-  EXPECT_NEAR(log->events[0].t_s, 62.5, 1e-6);
-  EXPECT_TRUE(log->events[0].is_feedback);
-  EXPECT_NEAR((*log->events[0].yaw_pitch_roll_rad)[0], geo::DegToRad(90.0), 1e-6);
+  const auto log = ValueOf(ParseMavlinkTlog("t.tlog", Telemetry(true, true)));
+  EXPECT_EQ(log.utc_at_zero->time_since_epoch().count(), static_cast<std::int64_t>(kVehicleUs));
+  EXPECT_LT(log.utc_sigma_s, 1.0);
+  ASSERT_EQ(log.events.size(), 5u);
+  EXPECT_NEAR(log.events[0].t_s, 62.5, 1e-6);
+  EXPECT_TRUE(log.events[0].is_feedback);
+  EXPECT_NEAR((*log.events[0].yaw_pitch_roll_rad)[0], geo::DegToRad(90.0), 1e-6);
 }
 
 TEST(ParseMavlinkTlog, SaysHowLittleItTrustsTheGroundStation) {
-  const auto log = ParseMavlinkTlog("t.tlog", Telemetry(false, false));
-  ASSERT_TRUE(log.ok());
-  ASSERT_TRUE(log->utc_at_zero.has_value());
-  EXPECT_NEAR(static_cast<double>(log->utc_at_zero->time_since_epoch().count() -
-                                  static_cast<std::int64_t>(kGroundUs)),
-              1e5, 1e5);
-  EXPECT_GE(log->utc_sigma_s, 5.0);
+  const auto log = ValueOf(ParseMavlinkTlog("t.tlog", Telemetry(false, false)));
+  ASSERT_TRUE(log.utc_at_zero.has_value());
+  EXPECT_NEAR(
+      static_cast<double>(log.utc_at_zero->time_since_epoch().count() - static_cast<std::int64_t>(kGroundUs)),
+      1e5, 1e5);
+  EXPECT_GE(log.utc_sigma_s, 5.0);
 }
 
 TEST(ParseMavlinkTlog, SkipsPacketsWithAWrongChecksum) {
   Bytes bytes = Telemetry(true, true);
   bytes[bytes.size() / 2] ^= 0xFF;
-  const auto log = ParseMavlinkTlog("t.tlog", bytes);
-  ASSERT_TRUE(log.ok());
+  const auto log = ValueOf(ParseMavlinkTlog("t.tlog", bytes));
   std::uint64_t messages = 0;
-  for (const auto& [name, count] : log->message_counts) messages += count;
+  for (const auto& [name, count] : log.message_counts) messages += count;
   EXPECT_GE(messages, 503u);
   EXPECT_LE(messages, 504u);
   bool said = false;
-  for (const auto& warning : InWords(log->warnings))
+  for (const auto& warning : InWords(log.warnings))
     said = said || warning.find("damaged") != std::string::npos;
   EXPECT_TRUE(said);
 }

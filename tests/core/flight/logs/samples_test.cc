@@ -8,9 +8,13 @@
 #include "core/flight/logs/read_log.h"
 #include "core/flight/logs/texts/gcp_list.h"
 #include "tests/core/flight/logs/log_writers.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::flight {
 namespace {
+
+using test::ErrorOf;
+using test::ValueOf;
 
 Result<FlightLog> Read(const std::string& sample) {
   const std::filesystem::path path = std::filesystem::path(testing::SampleLogsFolder()) / sample;
@@ -36,39 +40,34 @@ void ExpectCounts(const FlightLog& log, std::uint64_t total,
 
 TEST(SampleLogs, DataflashCountsAgreeWithAnIndependentReader) {
   SKIP_WITHOUT_SAMPLES();
-  const auto first = Read("dataflash/px4tools_16-07-13_17-52-16.bin");
-  ASSERT_TRUE(first.ok());
-  ExpectCounts(*first, 62123,
+  const auto first = ValueOf(Read("dataflash/px4tools_16-07-13_17-52-16.bin"));
+  ExpectCounts(first, 62123,
                {{"IMU", 12772}, {"GPS", 1305}, {"ATT", 2555}, {"BARO", 2555}, {"PARM", 417}, {"FMT", 44}});
-  EXPECT_EQ(first->imu.size(), 12772u);
-  EXPECT_EQ(first->gnss.size(), 1305u);
-  const auto second = Read("dataflash/px4tools_16-07-13_18-04-04.bin");
-  ASSERT_TRUE(second.ok());
-  ExpectCounts(*second, 74969, {{"IMU", 15437}, {"GPS", 1579}, {"ATT", 3088}, {"EKF1", 3088}});
+  EXPECT_EQ(first.imu.size(), 12772u);
+  EXPECT_EQ(first.gnss.size(), 1305u);
+  const auto second = ValueOf(Read("dataflash/px4tools_16-07-13_18-04-04.bin"));
+  ExpectCounts(second, 74969, {{"IMU", 15437}, {"GPS", 1579}, {"ATT", 3088}, {"EKF1", 3088}});
   // The flights began at noon of 13 July 2016 in Brazil; the first stands before the second.
-  EXPECT_LT(*first->utc_at_zero, *second->utc_at_zero);
-  const auto cut = Read("dataflash/pymavlink_test.BIN");
-  ASSERT_TRUE(cut.ok());
-  ExpectCounts(*cut, 1731, {{"IMU", 45}, {"GPS", 5}, {"NKF1", 24}, {"PARM", 809}, {"FMT", 132}});
-  EXPECT_DOUBLE_EQ(*cut->gnss[0].sigma_horizontal_m, 1.61) << "from GPA";
+  EXPECT_LT(*first.utc_at_zero, *second.utc_at_zero);
+  const auto cut = ValueOf(Read("dataflash/pymavlink_test.BIN"));
+  ExpectCounts(cut, 1731, {{"IMU", 45}, {"GPS", 5}, {"NKF1", 24}, {"PARM", 809}, {"FMT", 132}});
+  EXPECT_DOUBLE_EQ(*cut.gnss.at(0).sigma_horizontal_m, 1.61) << "from GPA";
 }
 
 TEST(SampleLogs, UlogCountsAgreeWithAnIndependentReader) {
   SKIP_WITHOUT_SAMPLES();
-  const auto bench = Read("ulog/sample.ulg");
-  ASSERT_TRUE(bench.ok());
-  ExpectCounts(*bench, 64542,
+  const auto bench = ValueOf(Read("ulog/sample.ulg"));
+  ExpectCounts(bench, 64542,
                {{"sensor_combined", 17070}, {"vehicle_attitude", 6461}, {"sensor_preflight", 17072}});
-  EXPECT_NEAR(bench->imu[100].specific_force_mps2.norm(), 9.8, 0.3);
-  const auto small = Read("ulog/sample_log_small.ulg");
-  ASSERT_TRUE(small.ok());
-  ExpectCounts(*small, 14604,
+  EXPECT_NEAR(bench.imu.at(100).specific_force_mps2.norm(), 9.8, 0.3);
+  const auto small = ValueOf(Read("ulog/sample_log_small.ulg"));
+  ExpectCounts(small, 14604,
                {{"sensor_combined", 1298},
                 {"vehicle_gps_position", 32},
                 {"vehicle_imu[2]", 12},
                 {"vehicle_air_data", 120}});
-  EXPECT_NEAR(small->gnss[0].position.lat_deg, 63.417, 0.001);
-  EXPECT_NEAR(*small->gnss[0].height_ellipsoid_m - *small->gnss[0].height_amsl_m, 39.95, 0.5);
+  EXPECT_NEAR(small.gnss.at(0).position.lat_deg, 63.417, 0.001);
+  EXPECT_NEAR(*small.gnss.at(0).height_ellipsoid_m - *small.gnss.at(0).height_amsl_m, 39.95, 0.5);
   const auto empty = Read("ulog/sample_appended.ulg");
   ASSERT_FALSE(empty.ok());
   EXPECT_NE(empty.error().message.find("empty"), std::string::npos);
@@ -76,33 +75,29 @@ TEST(SampleLogs, UlogCountsAgreeWithAnIndependentReader) {
 
 TEST(SampleLogs, TelemetryCountsAgreeWithAnIndependentReader) {
   SKIP_WITHOUT_SAMPLES();
-  const auto log = Read("tlog/vtol.tlog");
-  ASSERT_TRUE(log.ok());
-  ExpectCounts(*log, 23894,
+  const auto log = ValueOf(Read("tlog/vtol.tlog"));
+  ExpectCounts(log, 23894,
                {{"ATTITUDE", 888},
                 {"GPS_RAW_INT", 799},
                 {"GLOBAL_POSITION_INT", 807},
                 {"RAW_IMU", 795},
                 {"MSG_87", 795}});
-  EXPECT_GT(log->attitude.size(), 850u);
-  EXPECT_TRUE(log->imu.empty()) << "4 Hz cannot be integrated";
+  EXPECT_GT(log.attitude.size(), 850u);
+  EXPECT_TRUE(log.imu.empty()) << "4 Hz cannot be integrated";
 }
 
 TEST(SampleLogs, ExposureLogsHaveARowPerPhoto) {
   SKIP_WITHOUT_SAMPLES();
-  const auto dji = Read("mrk/go-rtk_100_0004_Timestamp.MRK");
-  ASSERT_TRUE(dji.ok());
-  EXPECT_EQ(dji->format, "dji_mrk");
-  EXPECT_EQ(dji->events.size(), 163u);
-  EXPECT_FALSE(dji->events[0].is_rtk_fixed);
-  const auto autel = Read("mrk/helenenschacht_101FTASK_Timestamp.mrk");
-  ASSERT_TRUE(autel.ok());
-  EXPECT_EQ(autel->events.size(), 176u);
-  EXPECT_EQ(*autel->events[0].sequence, 2);
-  EXPECT_TRUE(autel->events[0].is_rtk_fixed);
-  const auto solution = Read("mrk/go-rtk_test.pos");
-  ASSERT_TRUE(solution.ok());
-  EXPECT_EQ(solution->gnss.size(), 115u);
+  const auto dji = ValueOf(Read("mrk/go-rtk_100_0004_Timestamp.MRK"));
+  EXPECT_EQ(dji.format, "dji_mrk");
+  EXPECT_EQ(dji.events.size(), 163u);
+  EXPECT_FALSE(dji.events.at(0).is_rtk_fixed);
+  const auto autel = ValueOf(Read("mrk/helenenschacht_101FTASK_Timestamp.mrk"));
+  EXPECT_EQ(autel.events.size(), 176u);
+  EXPECT_EQ(*autel.events.at(0).sequence, 2);
+  EXPECT_TRUE(autel.events.at(0).is_rtk_fixed);
+  const auto solution = ValueOf(Read("mrk/go-rtk_test.pos"));
+  EXPECT_EQ(solution.gnss.size(), 115u);
 }
 
 TEST(SampleLogs, SubtitlesOfEveryDialectGivePositions) {
@@ -112,31 +107,27 @@ TEST(SampleLogs, SubtitlesOfEveryDialectGivePositions) {
       {"matrice_300.srt", {381, 36.6146}}, {"mavic_air2.srt", {25, 41.4207}},
       {"old_format.SRT", {468, -20.2533}}, {"p4_rtk.SRT", {55, -34.2379}}};
   for (const auto& [name, facts] : expected) {
-    const auto log = Read("srt/" + name);
-    ASSERT_TRUE(log.ok()) << name;
-    EXPECT_EQ(log->format, "dji_srt");
-    EXPECT_EQ(log->gnss.size(), facts.first) << name;
-    EXPECT_NEAR(log->gnss[0].position.lat_deg, facts.second, 1e-4) << name;
+    const auto log = ValueOf(Read("srt/" + name));
+    EXPECT_EQ(log.format, "dji_srt");
+    EXPECT_EQ(log.gnss.size(), facts.first) << name;
+    EXPECT_NEAR(log.gnss.at(0).position.lat_deg, facts.second, 1e-4) << name;
   }
   EXPECT_FALSE(Read("srt/Mini_SE.SRT").ok());
 }
 
 TEST(SampleLogs, TablesAreRecognisedAndMapped) {
   SKIP_WITHOUT_SAMPLES();
-  const auto replay = Read("csv/ecl_iris_gps.csv");
-  ASSERT_TRUE(replay.ok());
-  EXPECT_EQ(replay->imu.size(), 7062u);
-  EXPECT_EQ(replay->gnss.size(), 169u);
-  EXPECT_NEAR(replay->gnss[0].position.lat_deg, 47.3977508, 1e-9);
-  const auto geotag = Read("csv/exiftool_geotag_dji.csv");
-  ASSERT_TRUE(geotag.ok());
-  EXPECT_EQ(geotag->format, "tolerant_csv");
-  EXPECT_NEAR(geotag->gnss[0].position.lat_deg, -44.69009395, 1e-9);
-  EXPECT_FALSE(geotag->mapping.empty());
-  const auto geoinfo = Read("csv/snowpeak_geoinfo.txt");
-  ASSERT_TRUE(geoinfo.ok());
-  EXPECT_EQ(geoinfo->format, "sensefly_geoinfo");
-  EXPECT_EQ(*geoinfo->events[0].image_name, "IMG_2166.JPG");
+  const auto replay = ValueOf(Read("csv/ecl_iris_gps.csv"));
+  EXPECT_EQ(replay.imu.size(), 7062u);
+  EXPECT_EQ(replay.gnss.size(), 169u);
+  EXPECT_NEAR(replay.gnss.at(0).position.lat_deg, 47.3977508, 1e-9);
+  const auto geotag = ValueOf(Read("csv/exiftool_geotag_dji.csv"));
+  EXPECT_EQ(geotag.format, "tolerant_csv");
+  EXPECT_NEAR(geotag.gnss.at(0).position.lat_deg, -44.69009395, 1e-9);
+  EXPECT_FALSE(geotag.mapping.empty());
+  const auto geoinfo = ValueOf(Read("csv/snowpeak_geoinfo.txt"));
+  EXPECT_EQ(geoinfo.format, "sensefly_geoinfo");
+  EXPECT_EQ(*geoinfo.events.at(0).image_name, "IMG_2166.JPG");
 }
 
 TEST(SampleLogs, EveryGroundControlListIsRead) {
@@ -153,9 +144,8 @@ TEST(SampleLogs, EveryGroundControlListIsRead) {
       EXPECT_EQ(list->warnings[0].code, RemarkCode::kHeightsNotSurveyed);
       ++without_heights;
     }
-    const auto as_log = ReadLog({entry.path().filename().string(), entry.path()});
-    ASSERT_FALSE(as_log.ok());
-    EXPECT_EQ(as_log.error().code, ErrorCode::kUnsupportedFormat);
+    EXPECT_EQ(ErrorOf(ReadLog({entry.path().filename().string(), entry.path()})).code,
+              ErrorCode::kUnsupportedFormat);
     ++lists;
   }
   EXPECT_EQ(lists, 8);

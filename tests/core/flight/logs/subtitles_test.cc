@@ -5,10 +5,13 @@
 #include "core/flight/logs/formats.h"
 #include "core/flight/logs/read_log.h"
 #include "core/flight/logs/subtitles/cue_text.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::flight {
 namespace {
 
+using test::ErrorOf;
+using test::ValueOf;
 using ::testing::HasSubstr;
 
 TEST(ReadCue, KnowsTheDialectsOfDjiAndAutel) {
@@ -84,36 +87,32 @@ TEST(ParseAss, ReadsDialogues) {
       "ReH:40\\NISO:100\r\nComment: 0,0:00:01.60,0:00:02.00,Default,,0,0,0,,GPS(W: 1, N: 1, 1)\r\n"
       "Dialogue: 0,0:01:01.50,0:01:02.00,Default,,0,0,0,,2016.6.23 16:33:00\\NGPS(W: -91.25, N: 46.5, 199)\r\n"
       "Dialogue: broken\r\n");
-  const auto format = RecogniseLog(BytesOf(text), "MAX_0001.ASS");
-  ASSERT_TRUE(format.ok());
-  EXPECT_EQ(*format, LogFormat::kAss);
-  const auto log = ParseAss("MAX_0001.ASS", BytesOf(text));
-  ASSERT_TRUE(log.ok());
-  ASSERT_EQ(log->gnss.size(), 2U);
-  EXPECT_DOUBLE_EQ(log->gnss[0].t_s, 1.5);
-  EXPECT_DOUBLE_EQ(log->gnss[1].t_s, 61.5);
-  EXPECT_DOUBLE_EQ(log->gnss[0].position.lat_deg, 46.25);
-  EXPECT_DOUBLE_EQ(log->gnss[0].position.lon_deg, -91.5);
-  EXPECT_EQ(log->gnss[1].height_amsl_m, 199.0);
-  ASSERT_EQ(log->baro.size(), 1U);
-  EXPECT_DOUBLE_EQ(log->baro[0].height_above_takeoff_m, 40.0);
-  EXPECT_EQ(log->local_at_zero, UtcFromCivil(2016, 6, 23, 16, 31, 58.5));
+  const auto format = ValueOf(RecogniseLog(BytesOf(text), "MAX_0001.ASS"));
+  EXPECT_EQ(format, LogFormat::kAss);
+  const auto log = ValueOf(ParseAss("MAX_0001.ASS", BytesOf(text)));
+  ASSERT_EQ(log.gnss.size(), 2U);
+  EXPECT_DOUBLE_EQ(log.gnss[0].t_s, 1.5);
+  EXPECT_DOUBLE_EQ(log.gnss[1].t_s, 61.5);
+  EXPECT_DOUBLE_EQ(log.gnss[0].position.lat_deg, 46.25);
+  EXPECT_DOUBLE_EQ(log.gnss[0].position.lon_deg, -91.5);
+  EXPECT_EQ(log.gnss[1].height_amsl_m, 199.0);
+  ASSERT_EQ(log.baro.size(), 1U);
+  EXPECT_DOUBLE_EQ(log.baro[0].height_above_takeoff_m, 40.0);
+  EXPECT_EQ(log.local_at_zero, UtcFromCivil(2016, 6, 23, 16, 31, 58.5));
 }
 
 TEST(ParseAss, TakesTheOrderOfFieldsFromTheFormatLine) {
   const std::string text =
       "[Events]\nFormat: Start, Layer, Text\nDialogue: 0:00:02.25,0,GPS(E: 8.5, N: 47.5, 400), more\n";
-  const auto log = ParseAss("a.ass", BytesOf(text));
-  ASSERT_TRUE(log.ok());
-  EXPECT_DOUBLE_EQ(log->gnss[0].t_s, 2.25);
+  const auto log = ValueOf(ParseAss("a.ass", BytesOf(text)));
+  EXPECT_DOUBLE_EQ(log.gnss.at(0).t_s, 2.25);
 }
 
 TEST(ParseAss, QuotesWhatHoldsNoPosition) {
-  const auto none =
-      ParseAss("a.ass", BytesOf(AssFile("Dialogue: 0,0:00:01.50,0:00:02.00,D,,0,0,0,,Hello\\Nthere\n")));
-  ASSERT_FALSE(none.ok());
-  EXPECT_EQ(none.error().code, ErrorCode::kNoPosition);
-  EXPECT_THAT(none.error().message, HasSubstr("\"Hello?there\""));
+  const Error none = ErrorOf(
+      ParseAss("a.ass", BytesOf(AssFile("Dialogue: 0,0:00:01.50,0:00:02.00,D,,0,0,0,,Hello\\Nthere\n"))));
+  EXPECT_EQ(none.code, ErrorCode::kNoPosition);
+  EXPECT_THAT(none.message, HasSubstr("\"Hello?there\""));
   EXPECT_EQ(ParseAss("a.ass", BytesOf(AssFile(""))).error().code, ErrorCode::kCorrupt);
 }
 
@@ -130,17 +129,14 @@ std::string Lapse(int clock_step_s) {
 }
 
 TEST(ParseDjiSrt, FollowsTheClockWhereTheFilmIsShorter) {
-  const auto steady = ParseDjiSrt("a.srt", BytesOf(Lapse(7)));
-  ASSERT_TRUE(steady.ok());
-  EXPECT_DOUBLE_EQ(steady->gnss.back().t_s, 133.0);
-  const auto lapse = ParseDjiSrt("a.srt", BytesOf(Lapse(30)));
-  ASSERT_TRUE(lapse.ok());
-  ASSERT_EQ(lapse->gnss.size(), 20U);
-  EXPECT_DOUBLE_EQ(lapse->gnss.back().t_s, 570.0);
-  EXPECT_EQ(lapse->local_at_zero, UtcFromCivil(2016, 6, 23, 16, 10, 0.0));
-  const auto film = ParseFilmSubtitles("a.srt", BytesOf(Lapse(30)));
-  ASSERT_TRUE(film.ok());
-  EXPECT_DOUBLE_EQ(film->gnss.back().t_s, 133.0) << "frames of a film are found by its own time";
+  const auto steady = ValueOf(ParseDjiSrt("a.srt", BytesOf(Lapse(7))));
+  EXPECT_DOUBLE_EQ(steady.gnss.back().t_s, 133.0);
+  const auto lapse = ValueOf(ParseDjiSrt("a.srt", BytesOf(Lapse(30))));
+  ASSERT_EQ(lapse.gnss.size(), 20U);
+  EXPECT_DOUBLE_EQ(lapse.gnss.back().t_s, 570.0);
+  EXPECT_EQ(lapse.local_at_zero, UtcFromCivil(2016, 6, 23, 16, 10, 0.0));
+  const auto film = ValueOf(ParseFilmSubtitles("a.srt", BytesOf(Lapse(30))));
+  EXPECT_DOUBLE_EQ(film.gnss.back().t_s, 133.0) << "frames of a film are found by its own time";
 }
 
 TEST(ParseDjiSrt, PassesOverOneStrayDate) {
@@ -148,11 +144,10 @@ TEST(ParseDjiSrt, PassesOverOneStrayDate) {
   const std::size_t at = text.find("16:10:35");
   ASSERT_NE(at, std::string::npos);
   text.replace(at, 8, "17:10:35");
-  const auto log = ParseDjiSrt("a.srt", BytesOf(text));
-  ASSERT_TRUE(log.ok());
-  EXPECT_GE(log->gnss.size(), 19U);
-  EXPECT_DOUBLE_EQ(log->gnss.back().t_s, 133.0);
-  EXPECT_EQ(log->local_at_zero, UtcFromCivil(2016, 6, 23, 16, 10, 0.0));
+  const auto log = ValueOf(ParseDjiSrt("a.srt", BytesOf(text)));
+  EXPECT_GE(log.gnss.size(), 19U);
+  EXPECT_DOUBLE_EQ(log.gnss.back().t_s, 133.0);
+  EXPECT_EQ(log.local_at_zero, UtcFromCivil(2016, 6, 23, 16, 10, 0.0));
 }
 
 TEST(ParseFilmSubtitles, ReadsBothKinds) {

@@ -10,11 +10,14 @@
 #include "core/flight/logs/texts/gcp_list.h"
 #include "core/flight/remarks/because.h"
 #include "core/flight/remarks/remark_words.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::flight {
 namespace {
 
 using geo::DegToRad;
+using test::ErrorOf;
+using test::ValueOf;
 
 TEST(ParseDjiMrk, ReadsExposuresWithTheirSequence) {
   const std::string text =
@@ -24,19 +27,18 @@ TEST(ParseDjiMrk, ReadsExposuresWithTheirSequence) {
       "9\t296289.777625\t[2211]\t     5,N\t     1,E\t    75,V\t0.0,Lat\t0.0,Lon\t0.0,Ellh\t1, 1, 1\t0,Q\r\n"
       "broken row\r\n";
   ASSERT_TRUE(LooksLikeDjiMrk(BytesOf(text)));
-  const auto log = ParseDjiMrk("a.MRK", BytesOf(text));
-  ASSERT_TRUE(log.ok());
-  ASSERT_EQ(log->events.size(), 2u);
-  EXPECT_EQ(*log->events[0].sequence, 7);
-  EXPECT_DOUBLE_EQ(log->events[0].t_s, 0.0);
-  EXPECT_NEAR(log->events[1].t_s, 1.534756, 1e-6);
-  EXPECT_DOUBLE_EQ(log->events[0].position->lat_deg, 47.6436873208);
-  EXPECT_DOUBLE_EQ(*log->events[0].height_ellipsoid_m, 512.998);
-  EXPECT_DOUBLE_EQ((*log->events[0].sigma_in_ned_m)[2], 0.029694);
-  EXPECT_TRUE(log->events[0].is_rtk_fixed);
-  EXPECT_FALSE(log->events[1].position.has_value()) << "no fix";
-  EXPECT_EQ(*log->utc_at_zero, *UtcFromCivil(2022, 5, 25, 10, 17, 50.242869));
-  EXPECT_EQ(log->warnings.size(), 1u);
+  const auto log = ValueOf(ParseDjiMrk("a.MRK", BytesOf(text)));
+  ASSERT_EQ(log.events.size(), 2u);
+  EXPECT_EQ(*log.events[0].sequence, 7);
+  EXPECT_DOUBLE_EQ(log.events[0].t_s, 0.0);
+  EXPECT_NEAR(log.events[1].t_s, 1.534756, 1e-6);
+  EXPECT_DOUBLE_EQ(log.events[0].position->lat_deg, 47.6436873208);
+  EXPECT_DOUBLE_EQ(*log.events[0].height_ellipsoid_m, 512.998);
+  EXPECT_DOUBLE_EQ((*log.events[0].sigma_in_ned_m)[2], 0.029694);
+  EXPECT_TRUE(log.events[0].is_rtk_fixed);
+  EXPECT_FALSE(log.events[1].position.has_value()) << "no fix";
+  EXPECT_EQ(*log.utc_at_zero, *UtcFromCivil(2022, 5, 25, 10, 17, 50.242869));
+  EXPECT_EQ(log.warnings.size(), 1u);
 }
 
 TEST(ParseDjiMrk, TakesNoTableOfNineNumbersForOne) {
@@ -52,17 +54,17 @@ std::string Srt(const std::string& body) {
 }
 
 TEST(ParseDjiSrt, KnowsThatTheOrderOfCoordinatesDependsOnTheDialect) {
-  const auto old_order = ParseDjiSrt("a.srt", BytesOf(Srt("GPS(149.0251,-20.2533,16) BAROMETER:1.9")));
-  ASSERT_TRUE(old_order.ok());
-  EXPECT_DOUBLE_EQ(old_order->gnss[0].position.lat_deg, -20.2533);
-  EXPECT_DOUBLE_EQ(old_order->gnss[0].position.lon_deg, 149.0251);
-  EXPECT_DOUBLE_EQ(old_order->baro[0].height_above_takeoff_m, 1.9);
-  EXPECT_DOUBLE_EQ(old_order->gnss[0].t_s, 1.5);
-  EXPECT_GT(*old_order->gnss[0].sigma_horizontal_m, 3.0) << "four decimals are steps of 11 m";
-  const auto matrice = ParseDjiSrt("b.srt", BytesOf(Srt("GPS(36.6146,-6.1120,0.0M) BAROMETER:0.3M")));
-  ASSERT_TRUE(matrice.ok());
-  EXPECT_DOUBLE_EQ(matrice->gnss[0].position.lat_deg, 36.6146);
-  EXPECT_DOUBLE_EQ(matrice->gnss[0].position.lon_deg, -6.1120);
+  const auto old_order =
+      ValueOf(ParseDjiSrt("a.srt", BytesOf(Srt("GPS(149.0251,-20.2533,16) BAROMETER:1.9"))));
+  EXPECT_DOUBLE_EQ(old_order.gnss.at(0).position.lat_deg, -20.2533);
+  EXPECT_DOUBLE_EQ(old_order.gnss.at(0).position.lon_deg, 149.0251);
+  EXPECT_DOUBLE_EQ(old_order.baro.at(0).height_above_takeoff_m, 1.9);
+  EXPECT_DOUBLE_EQ(old_order.gnss.at(0).t_s, 1.5);
+  EXPECT_GT(*old_order.gnss.at(0).sigma_horizontal_m, 3.0) << "four decimals are steps of 11 m";
+  const auto matrice =
+      ValueOf(ParseDjiSrt("b.srt", BytesOf(Srt("GPS(36.6146,-6.1120,0.0M) BAROMETER:0.3M"))));
+  EXPECT_DOUBLE_EQ(matrice.gnss.at(0).position.lat_deg, 36.6146);
+  EXPECT_DOUBLE_EQ(matrice.gnss.at(0).position.lon_deg, -6.1120);
 }
 
 TEST(ParseDjiSrt, ReadsBracketedValuesAndBothHeights) {
@@ -70,40 +72,36 @@ TEST(ParseDjiSrt, ReadsBracketedValuesAndBothHeights) {
       "\xEF\xBB\xBF" + Srt("<font size=\"28\">FrameCnt: 1, DiffTime: 33ms\n2023-01-02 03:04:05.678\n"
                            "[latitude : 41.424724] [longtitude : 2.234156] [rel_alt: 12.500 abs_alt: "
                            "117.250] [gb_yaw: 45.0 gb_pitch: -90.0 gb_roll: 0.0]</font>");
-  const auto log = ParseDjiSrt("c.srt", BytesOf(text));
-  ASSERT_TRUE(log.ok());
-  EXPECT_DOUBLE_EQ(log->gnss[0].position.lon_deg, 2.234156);
-  EXPECT_DOUBLE_EQ(*log->gnss[0].height_amsl_m, 117.25);
-  EXPECT_LT(*log->gnss[0].sigma_horizontal_m, 2.1);
-  EXPECT_DOUBLE_EQ(log->baro[0].height_above_takeoff_m, 12.5);
-  ASSERT_EQ(log->gimbal.size(), 2u);
-  EXPECT_NEAR(log->gimbal[0].ned_from_body.toRotationMatrix()(2, 0), 1.0, 1e-9)
+  const auto log = ValueOf(ParseDjiSrt("c.srt", BytesOf(text)));
+  EXPECT_DOUBLE_EQ(log.gnss.at(0).position.lon_deg, 2.234156);
+  EXPECT_DOUBLE_EQ(*log.gnss.at(0).height_amsl_m, 117.25);
+  EXPECT_LT(*log.gnss.at(0).sigma_horizontal_m, 2.1);
+  EXPECT_DOUBLE_EQ(log.baro.at(0).height_above_takeoff_m, 12.5);
+  ASSERT_EQ(log.gimbal.size(), 2u);
+  EXPECT_NEAR(log.gimbal[0].ned_from_body.toRotationMatrix()(2, 0), 1.0, 1e-9)
       << "the optical axis points down";
-  EXPECT_FALSE(log->utc_at_zero.has_value()) << "a local clock is not UTC";
-  ASSERT_TRUE(log->local_at_zero.has_value());
+  EXPECT_FALSE(log.utc_at_zero.has_value()) << "a local clock is not UTC";
+  ASSERT_TRUE(log.local_at_zero.has_value());
   // Both subtitles carry one stamp here, at 1.5 s and at 2.5 s.
-  EXPECT_LE(*log->local_at_zero, *UtcFromCivil(2023, 1, 2, 3, 4, 4.178));
-  EXPECT_GE(*log->local_at_zero, *UtcFromCivil(2023, 1, 2, 3, 4, 3.178));
+  EXPECT_LE(*log.local_at_zero, *UtcFromCivil(2023, 1, 2, 3, 4, 4.178));
+  EXPECT_GE(*log.local_at_zero, *UtcFromCivil(2023, 1, 2, 3, 4, 3.178));
 }
 
 TEST(ParseDjiSrt, ReadsAirframeAndGimbalAngles) {
-  const auto log = ParseDjiSrt(
+  const auto log = ValueOf(ParseDjiSrt(
       "d.srt",
       BytesOf(Srt("F/5.6, GPS (-58.851745, -34.237922, 15), H 85.80m, H.S 0.00m/s, F.PRY (2.7\xC2\xB0, "
-                  "-7.0\xC2\xB0, 110.1\xC2\xB0), G.PRY (-24.4\xC2\xB0, 0.0\xC2\xB0, 110.4\xC2\xB0)")));
-  ASSERT_TRUE(log.ok());
-  const Eigen::Vector3d airframe = YawPitchRollFromNed(log->attitude[0].ned_from_body);
+                  "-7.0\xC2\xB0, 110.1\xC2\xB0), G.PRY (-24.4\xC2\xB0, 0.0\xC2\xB0, 110.4\xC2\xB0)"))));
+  const Eigen::Vector3d airframe = YawPitchRollFromNed(log.attitude.at(0).ned_from_body);
   EXPECT_NEAR(airframe[0], DegToRad(110.1), 1e-9);
   EXPECT_NEAR(airframe[1], DegToRad(2.7), 1e-9);
   EXPECT_NEAR(airframe[2], DegToRad(-7.0), 1e-9);
-  EXPECT_NEAR(YawPitchRollFromNed(log->gimbal[0].ned_from_body)[1], DegToRad(-24.4), 1e-9);
-  EXPECT_DOUBLE_EQ(log->baro[0].height_above_takeoff_m, 85.8);
+  EXPECT_NEAR(YawPitchRollFromNed(log.gimbal.at(0).ned_from_body)[1], DegToRad(-24.4), 1e-9);
+  EXPECT_DOUBLE_EQ(log.baro.at(0).height_above_takeoff_m, 85.8);
 }
 
 TEST(ParseDjiSrt, SaysWhenThereIsNoPosition) {
-  const auto log = ParseDjiSrt("e.srt", BytesOf(Srt("ISO:100 Shutter:60")));
-  ASSERT_FALSE(log.ok());
-  EXPECT_EQ(log.error().code, ErrorCode::kNoPosition);
+  EXPECT_EQ(ErrorOf(ParseDjiSrt("e.srt", BytesOf(Srt("ISO:100 Shutter:60")))).code, ErrorCode::kNoPosition);
   EXPECT_FALSE(ParseDjiSrt("f.srt", {}).ok());
 }
 
@@ -113,72 +111,64 @@ TEST(ParseRtklibPos, ReadsItsCoordinateAndTimeForms) {
       "height(m)   Q  ns\n"
       "2005/04/02 00:00:00.000   -35 09 39.11744  139 36 49.83479    31.9009   1   7   0.0058   0.0044   "
       "0.0136 0 0 0 0 0\n";
-  const auto log = ParseRtklibPos("a.pos", BytesOf(dms));
-  ASSERT_TRUE(log.ok());
-  EXPECT_NEAR(log->gnss[0].position.lat_deg, -(35.0 + 9.0 / 60.0 + 39.11744 / 3600.0), 1e-12);
-  EXPECT_TRUE(log->gnss[0].is_rtk_fixed);
-  EXPECT_DOUBLE_EQ(*log->gnss[0].sigma_horizontal_m, 0.0058);
-  EXPECT_EQ(*log->utc_at_zero, *UtcFromCivil(2005, 4, 1, 23, 59, 47.0)) << "GPS time was 13 s ahead";
+  const auto log = ValueOf(ParseRtklibPos("a.pos", BytesOf(dms)));
+  EXPECT_NEAR(log.gnss.at(0).position.lat_deg, -(35.0 + 9.0 / 60.0 + 39.11744 / 3600.0), 1e-12);
+  EXPECT_TRUE(log.gnss.at(0).is_rtk_fixed);
+  EXPECT_DOUBLE_EQ(*log.gnss.at(0).sigma_horizontal_m, 0.0058);
+  EXPECT_EQ(*log.utc_at_zero, *UtcFromCivil(2005, 4, 1, 23, 59, 47.0)) << "GPS time was 13 s ahead";
   const std::string weeks =
       "%  GPST          latitude(deg) longitude(deg)  height(m)   Q  ns\n1316 518400.000   35.160865956  "
       "139.613842997  31.9  2  7 1 2 3\n";
-  const auto by_week = ParseRtklibPos("b.pos", BytesOf(weeks));
-  ASSERT_TRUE(by_week.ok());
-  EXPECT_EQ(*by_week->utc_at_zero, *log->utc_at_zero);
-  EXPECT_FALSE(by_week->gnss[0].is_rtk_fixed);
+  const auto by_week = ValueOf(ParseRtklibPos("b.pos", BytesOf(weeks)));
+  EXPECT_EQ(*by_week.utc_at_zero, *log.utc_at_zero);
+  EXPECT_FALSE(by_week.gnss.at(0).is_rtk_fixed);
   const geo::Wgs84 place{35.16, 139.61, 31.9};
   const Eigen::Vector3d ecef = geo::EcefFromWgs84(place);
   const std::string text =
       "%  UTC   x-ecef(m)      y-ecef(m)      z-ecef(m)   Q  ns\n2005/04/02 00:00:00.000 " +
       std::to_string(ecef.x()) + " " + std::to_string(ecef.y()) + " " + std::to_string(ecef.z()) +
       " 5 7 1 1 1\n";
-  const auto by_ecef = ParseRtklibPos("c.pos", BytesOf(text));
-  ASSERT_TRUE(by_ecef.ok());
-  EXPECT_NEAR(by_ecef->gnss[0].position.lat_deg, 35.16, 1e-9);
-  EXPECT_EQ(*by_ecef->utc_at_zero, *UtcFromCivil(2005, 4, 2, 0, 0, 0.0));
+  const auto by_ecef = ValueOf(ParseRtklibPos("c.pos", BytesOf(text)));
+  EXPECT_NEAR(by_ecef.gnss.at(0).position.lat_deg, 35.16, 1e-9);
+  EXPECT_EQ(*by_ecef.utc_at_zero, *UtcFromCivil(2005, 4, 2, 0, 0, 0.0));
 }
 
 TEST(ParseRtklibPos, TakesHeightsTimesAndOriginsAsItsHeaderSays) {
-  const auto japan = ParseRtklibPos(
+  const auto japan = ValueOf(ParseRtklibPos(
       "a.pos", BytesOf("% (lat/lon/height=WGS84/geodetic,Q=1:fix,2:float)\n"
                        "%  JST                  latitude(deg) longitude(deg)  height(m)   Q  ns\n"
-                       "2005/04/02 09:00:00.000   35.160865956  139.613842997  31.9  1  7 1 2 3\n"));
-  ASSERT_TRUE(japan.ok());
-  EXPECT_EQ(*japan->utc_at_zero, *UtcFromCivil(2005, 4, 2, 0, 0, 0.0));
-  EXPECT_EQ(japan->gnss[0].height_amsl_m, 31.9);
-  EXPECT_FALSE(japan->gnss[0].height_ellipsoid_m);
-  const auto in_a_folder = ParseRtklibPos(
+                       "2005/04/02 09:00:00.000   35.160865956  139.613842997  31.9  1  7 1 2 3\n")));
+  EXPECT_EQ(*japan.utc_at_zero, *UtcFromCivil(2005, 4, 2, 0, 0, 0.0));
+  EXPECT_EQ(japan.gnss.at(0).height_amsl_m, 31.9);
+  EXPECT_FALSE(japan.gnss.at(0).height_ellipsoid_m);
+  const auto in_a_folder = ValueOf(ParseRtklibPos(
       "c.pos", BytesOf("% inp file  : /data/geodetic/site-baseline/e-baseline/r.obs\n"
                        "%  GPST                 latitude(deg) longitude(deg)  height(m)   Q  ns\n"
-                       "2005/04/02 09:00:00.000   35.160865956  139.613842997  31.9  1  7 1 2 3\n"));
-  ASSERT_TRUE(in_a_folder.ok());
-  EXPECT_EQ(in_a_folder->gnss[0].height_ellipsoid_m, 31.9);
+                       "2005/04/02 09:00:00.000   35.160865956  139.613842997  31.9  1  7 1 2 3\n")));
+  EXPECT_EQ(in_a_folder.gnss.at(0).height_ellipsoid_m, 31.9);
   const std::string_view from_base =
       "%  GPST                 e-baseline(m)  n-baseline(m)  u-baseline(m)   Q  ns\n"
       "2005/04/02 00:00:00.000   12.34  -45.6  80.1  1  9\n";
   ASSERT_TRUE(LooksLikeRtklibPos(BytesOf(from_base)));
-  const auto refused = ParseRtklibPos("b.pos", BytesOf(from_base));
-  ASSERT_FALSE(refused.ok());
-  EXPECT_EQ(refused.error().code, ErrorCode::kUnprocessable);
-  EXPECT_NE(refused.error().message.find("metres from its base station"), std::string::npos);
+  const Error refused = ErrorOf(ParseRtklibPos("b.pos", BytesOf(from_base)));
+  EXPECT_EQ(refused.code, ErrorCode::kUnprocessable);
+  EXPECT_NE(refused.message.find("metres from its base station"), std::string::npos);
 }
 
 TEST(ParseGeoTxt, ReadsProjectedAndGeographicSystems) {
   const std::string utm =
       "WGS84 UTM 16N\r\nDJI_0001.JPG 609925.8180680283 4950688.771811823 171.66 92.5 1.5 NaN\n";
-  const auto log = ParseGeoTxt("geo.txt", BytesOf(utm));
-  ASSERT_TRUE(log.ok());
-  EXPECT_NEAR(log->events[0].position->lat_deg, 44.701146315, 1e-8) << "by Krueger's series";
-  EXPECT_NEAR(log->events[0].position->lon_deg, -85.612468690, 1e-8);
-  EXPECT_FALSE(log->events[0].yaw_pitch_roll_rad.has_value()) << "an angle is missing";
-  EXPECT_FALSE(log->events[0].has_time);
+  const auto log = ValueOf(ParseGeoTxt("geo.txt", BytesOf(utm)));
+  EXPECT_NEAR(log.events.at(0).position->lat_deg, 44.701146315, 1e-8) << "by Krueger's series";
+  EXPECT_NEAR(log.events.at(0).position->lon_deg, -85.612468690, 1e-8);
+  EXPECT_FALSE(log.events.at(0).yaw_pitch_roll_rad.has_value()) << "an angle is missing";
+  EXPECT_FALSE(log.events.at(0).has_time);
   const std::string geographic = "EPSG:4326\nb.jpg 16.5 47.5 400 10 0 -5 0.02 0.03\n";
-  const auto degrees = ParseGeoTxt("geo.txt", BytesOf(geographic));
-  ASSERT_TRUE(degrees.ok());
-  EXPECT_DOUBLE_EQ(degrees->events[0].position->lat_deg, 47.5) << "longitude comes first";
-  EXPECT_NEAR((*degrees->events[0].yaw_pitch_roll_rad)[2], DegToRad(-5.0), 1e-12);
-  EXPECT_EQ(degrees->events[0].attitude_kind, AttitudeKind::kAirframe);
-  EXPECT_DOUBLE_EQ((*degrees->events[0].sigma_in_ned_m)[2], 0.03);
+  const auto degrees = ValueOf(ParseGeoTxt("geo.txt", BytesOf(geographic)));
+  EXPECT_DOUBLE_EQ(degrees.events.at(0).position->lat_deg, 47.5) << "longitude comes first";
+  EXPECT_NEAR((*degrees.events.at(0).yaw_pitch_roll_rad)[2], DegToRad(-5.0), 1e-12);
+  EXPECT_EQ(degrees.events.at(0).attitude_kind, AttitudeKind::kAirframe);
+  EXPECT_DOUBLE_EQ((*degrees.events.at(0).sigma_in_ned_m)[2], 0.03);
 }
 
 TEST(WriteGeoTxt, IsReadBackAsWritten) {
@@ -191,17 +181,15 @@ TEST(WriteGeoTxt, IsReadBackAsWritten) {
   events[0].sigma_in_ned_m = Eigen::Vector3d(0.02, 0.01, 0.05);
   events[1].image_name = "b.jpg";
   events[1].position = geo::LatLon{-33.2, 151.9};
-  const auto text = WriteGeoTxt(events);
-  ASSERT_TRUE(text.ok());
-  ASSERT_TRUE(LooksLikeGeoTxt(BytesOf(*text)));
-  const auto log = ParseGeoTxt("geo.txt", BytesOf(*text));
-  ASSERT_TRUE(log.ok());
-  ASSERT_EQ(log->events.size(), 2u);
-  EXPECT_NEAR(log->events[0].position->lat_deg, -33.123456789, 1e-10);
-  EXPECT_NEAR(*log->events[0].height_ellipsoid_m, 123.4567, 1e-4);
-  EXPECT_NEAR((*log->events[0].yaw_pitch_roll_rad)[1], DegToRad(2.0), 1e-9) << "counted from nadir now";
-  EXPECT_DOUBLE_EQ((*log->events[0].sigma_in_ned_m)[0], 0.02);
-  EXPECT_FALSE(log->events[1].height_ellipsoid_m.has_value());
+  const auto text = ValueOf(WriteGeoTxt(events));
+  ASSERT_TRUE(LooksLikeGeoTxt(BytesOf(text)));
+  const auto log = ValueOf(ParseGeoTxt("geo.txt", BytesOf(text)));
+  ASSERT_EQ(log.events.size(), 2u);
+  EXPECT_NEAR(log.events[0].position->lat_deg, -33.123456789, 1e-10);
+  EXPECT_NEAR(*log.events[0].height_ellipsoid_m, 123.4567, 1e-4);
+  EXPECT_NEAR((*log.events[0].yaw_pitch_roll_rad)[1], DegToRad(2.0), 1e-9) << "counted from nadir now";
+  EXPECT_DOUBLE_EQ((*log.events[0].sigma_in_ned_m)[0], 0.02);
+  EXPECT_FALSE(log.events[1].height_ellipsoid_m.has_value());
   events[0].image_name = "a b.jpg";
   EXPECT_FALSE(WriteGeoTxt(events).ok());
 }
@@ -213,14 +201,13 @@ TEST(ParseGcpList, JoinsSightingsOfOnePoint) {
       "16.47619479 47.64346579 461.732 2664.61 2773.97 MAX_0146.JPG B\nnonsense row\n";
   ASSERT_TRUE(LooksLikeGcpList(BytesOf(text)));
   EXPECT_FALSE(LooksLikeGeoTxt(BytesOf(text)));
-  const auto list = ParseGcpList("gcp_list.txt", BytesOf(text));
-  ASSERT_TRUE(list.ok());
-  ASSERT_EQ(list->points.size(), 2u);
-  ASSERT_EQ(list->sightings.size(), 3u);
-  EXPECT_EQ(list->points[1].name, "B");
-  EXPECT_EQ(list->sightings[2].point, 1u);
-  EXPECT_DOUBLE_EQ(list->points[0].position.lat_deg, 47.64350399);
-  EXPECT_EQ(list->warnings.size(), 1u);
+  const auto list = ValueOf(ParseGcpList("gcp_list.txt", BytesOf(text)));
+  ASSERT_EQ(list.points.size(), 2u);
+  ASSERT_EQ(list.sightings.size(), 3u);
+  EXPECT_EQ(list.points[1].name, "B");
+  EXPECT_EQ(list.sightings[2].point, 1u);
+  EXPECT_DOUBLE_EQ(list.points[0].position.lat_deg, 47.64350399);
+  EXPECT_EQ(list.warnings.size(), 1u);
 }
 
 // As surveyors' programs and spreadsheets write them.
@@ -240,28 +227,25 @@ TEST(ParseGcpList, ReadsRowsBelowNamesOfColumnsHoweverTheyAreCut) {
                     "PARAMETER[\"false_northing\",0],UNIT[\"metre\",1]]\n"
                     "576691.665 5188169.628 158.5 297.01 377.82 A.JPG gcp1\n")}) {
     ASSERT_TRUE(LooksLikeGcpList(BytesOf(text))) << text;
-    const auto list = ParseGcpList("gcp_list.txt", BytesOf(text));
-    ASSERT_TRUE(list.ok()) << text << list.error().message;
-    ASSERT_EQ(list->points.size(), 1u) << text;
-    EXPECT_EQ(list->points[0].name, "gcp1") << text;
-    EXPECT_NEAR(list->points[0].position.lat_deg, 46.84265, 1e-4) << text;
-    EXPECT_NEAR(list->points[0].position.lon_deg, -91.99418, 1e-4) << text;
-    EXPECT_DOUBLE_EQ(*list->points[0].height_m, 158.5) << text;
-    ASSERT_EQ(list->sightings.size(), 1u) << text;
-    EXPECT_DOUBLE_EQ(list->sightings[0].pixel_y, 377.82) << text;
+    const auto list = ValueOf(ParseGcpList("gcp_list.txt", BytesOf(text)));
+    ASSERT_EQ(list.points.size(), 1u) << text;
+    EXPECT_EQ(list.points[0].name, "gcp1") << text;
+    EXPECT_NEAR(list.points[0].position.lat_deg, 46.84265, 1e-4) << text;
+    EXPECT_NEAR(list.points[0].position.lon_deg, -91.99418, 1e-4) << text;
+    EXPECT_DOUBLE_EQ(*list.points[0].height_m, 158.5) << text;
+    ASSERT_EQ(list.sightings.size(), 1u) << text;
+    EXPECT_DOUBLE_EQ(list.sightings[0].pixel_y, 377.82) << text;
   }
 }
 
 TEST(ParseGcpList, AsksForASystemThatIsMissingOrUnknown) {
   const std::string without = "576691.665 5188169.628 158.5 297.01 377.82 A.JPG gcp1\n";
   ASSERT_TRUE(LooksLikeGcpList(BytesOf(without)));
-  const auto refused = ParseGcpList("gcp_list.txt", BytesOf(without));
-  ASSERT_FALSE(refused.ok());
-  EXPECT_NE(refused.error().message.find("EPSG:32632"), std::string::npos) << refused.error().message;
-  EXPECT_EQ(WhyOf(refused.error()).code, RemarkCode::kPointsNameNoSystem);
-  const auto written = ParseWrittenGcpList("gcp_list.txt", BytesOf(without));
-  ASSERT_TRUE(written.ok());
-  EXPECT_FALSE(written->points[0].has_position);
+  const Error refused = ErrorOf(ParseGcpList("gcp_list.txt", BytesOf(without)));
+  EXPECT_NE(refused.message.find("EPSG:32632"), std::string::npos) << refused.message;
+  EXPECT_EQ(WhyOf(refused).code, RemarkCode::kPointsNameNoSystem);
+  const auto written = ValueOf(ParseWrittenGcpList("gcp_list.txt", BytesOf(without)));
+  EXPECT_FALSE(written.points.at(0).has_position);
   const std::string unknown = "EPSG:99999\n" + without;
   ASSERT_TRUE(LooksLikeGcpList(BytesOf(unknown)));
   EXPECT_NE(ParseGcpList("gcp_list.txt", BytesOf(unknown)).error().message.find("\"EPSG:99999\""),
@@ -283,83 +267,75 @@ TEST(ParseGeoTxt, LeavesColumnsInAnotherPlaceToTheReaderOfNames) {
   const std::string height_first = "image alt lat lon\na.jpg 500 46.8 8.1\nb.jpg 500 46.9 8.1\n";
   EXPECT_FALSE(LooksLikeGeoTxt(BytesOf(height_first)));
   for (const std::string& text : {timed, height_first}) {
-    const auto log = ParseLog("list.txt", BytesOf(text));
-    ASSERT_TRUE(log.ok()) << text << log.error().message;
-    ASSERT_EQ(log->events.size(), 2u) << text;
-    ASSERT_TRUE(log->events[0].position) << text;
-    EXPECT_DOUBLE_EQ(log->events[0].position->lat_deg, 46.8) << text;
-    EXPECT_DOUBLE_EQ(log->events[0].position->lon_deg, 8.1) << text;
+    const auto log = ValueOf(ParseLog("list.txt", BytesOf(text)));
+    ASSERT_EQ(log.events.size(), 2u) << text;
+    ASSERT_TRUE(log.events[0].position) << text;
+    EXPECT_DOUBLE_EQ(log.events[0].position->lat_deg, 46.8) << text;
+    EXPECT_DOUBLE_EQ(log.events[0].position->lon_deg, 8.1) << text;
   }
 }
 
 TEST(ParseGeoTxt, TakesTheOrderOfTheHemispheresLetters) {
-  const auto log = ParseGeoTxt("geo.txt", BytesOf("EPSG:4326\na.jpg N46.8 E8.1 500\n"));
-  ASSERT_TRUE(log.ok()) << log.error().message;
-  ASSERT_TRUE(log->events[0].position);
-  EXPECT_DOUBLE_EQ(log->events[0].position->lat_deg, 46.8);
-  EXPECT_DOUBLE_EQ(log->events[0].position->lon_deg, 8.1);
-  const auto pix4d = ParsePix4dCsv("p.csv", BytesOf("a.jpg,E8.1,N46.8,500\n"));
-  ASSERT_TRUE(pix4d.ok()) << pix4d.error().message;
-  ASSERT_TRUE(pix4d->events[0].position);
-  EXPECT_DOUBLE_EQ(pix4d->events[0].position->lat_deg, 46.8);
+  const auto log = ValueOf(ParseGeoTxt("geo.txt", BytesOf("EPSG:4326\na.jpg N46.8 E8.1 500\n")));
+  ASSERT_TRUE(log.events.at(0).position);
+  EXPECT_DOUBLE_EQ(log.events.at(0).position->lat_deg, 46.8);
+  EXPECT_DOUBLE_EQ(log.events.at(0).position->lon_deg, 8.1);
+  const auto pix4d = ValueOf(ParsePix4dCsv("p.csv", BytesOf("a.jpg,E8.1,N46.8,500\n")));
+  ASSERT_TRUE(pix4d.events.at(0).position);
+  EXPECT_DOUBLE_EQ(pix4d.events.at(0).position->lat_deg, 46.8);
 }
 
 TEST(ParseGeoTxt, LeavesListsWithNamesOfColumnsToTheReaderOfNames) {
   const std::string text = "EPSG:4326\nimage lon lat alt roll pitch yaw\na.jpg 8.1 46.8 500 1 2 90\n";
   EXPECT_FALSE(LooksLikeGeoTxt(BytesOf(text)));
-  const auto log = ParseLog("geo.txt", BytesOf(text));
-  ASSERT_TRUE(log.ok()) << log.error().message;
-  ASSERT_TRUE(log->events[0].yaw_pitch_roll_rad);
-  EXPECT_NEAR(log->events[0].yaw_pitch_roll_rad->x(), DegToRad(90.0), 1e-12);
-  EXPECT_NEAR(log->events[0].yaw_pitch_roll_rad->z(), DegToRad(1.0), 1e-12);
-  EXPECT_EQ(log->written_system, "EPSG:4326");
+  const auto log = ValueOf(ParseLog("geo.txt", BytesOf(text)));
+  ASSERT_TRUE(log.events.at(0).yaw_pitch_roll_rad);
+  EXPECT_NEAR(log.events.at(0).yaw_pitch_roll_rad->x(), DegToRad(90.0), 1e-12);
+  EXPECT_NEAR(log.events.at(0).yaw_pitch_roll_rad->z(), DegToRad(1.0), 1e-12);
+  EXPECT_EQ(log.written_system, "EPSG:4326");
 }
 
 TEST(ParseGeoTxt, CountsHeightsOfACompoundSystemFromTheSea) {
-  const auto log = ParseGeoTxt("geo.txt", BytesOf("EPSG:32615+5773\na.jpg 576667.1 5188164.6 198.3\n"));
-  ASSERT_TRUE(log.ok()) << log.error().message;
-  ASSERT_TRUE(log->events[0].height_amsl_m);
-  EXPECT_DOUBLE_EQ(*log->events[0].height_amsl_m, 198.3);
-  EXPECT_FALSE(log->events[0].height_ellipsoid_m);
+  const auto log =
+      ValueOf(ParseGeoTxt("geo.txt", BytesOf("EPSG:32615+5773\na.jpg 576667.1 5188164.6 198.3\n")));
+  ASSERT_TRUE(log.events.at(0).height_amsl_m);
+  EXPECT_DOUBLE_EQ(*log.events.at(0).height_amsl_m, 198.3);
+  EXPECT_FALSE(log.events.at(0).height_ellipsoid_m);
 }
 
 TEST(ParseGeoTxt, KeepsWhatWasWrittenWhereItIsNoPlace) {
-  const auto log = ParseGeoTxt("geo.txt", BytesOf("EPSG:4326\n\na.jpg 46.8 -91.9 198.3\n"));
-  ASSERT_TRUE(log.ok());
-  ASSERT_EQ(log->events.size(), 1u);
-  EXPECT_FALSE(log->events[0].position);
-  EXPECT_DOUBLE_EQ(log->events[0].written->x, 46.8);
-  EXPECT_EQ(log->written_system, "EPSG:4326");
-  const auto named = ParseLog("geo.txt", BytesOf("EPSG:4326\nimage latitude longitude\na.jpg 46.8 -91.9\n"));
-  ASSERT_TRUE(named.ok());
-  EXPECT_DOUBLE_EQ(named->events[0].position->lat_deg, 46.8) << "the names of the columns hold";
+  const auto log = ValueOf(ParseGeoTxt("geo.txt", BytesOf("EPSG:4326\n\na.jpg 46.8 -91.9 198.3\n")));
+  ASSERT_EQ(log.events.size(), 1u);
+  EXPECT_FALSE(log.events[0].position);
+  EXPECT_DOUBLE_EQ(log.events[0].written->x, 46.8);
+  EXPECT_EQ(log.written_system, "EPSG:4326");
+  const auto named =
+      ValueOf(ParseLog("geo.txt", BytesOf("EPSG:4326\nimage latitude longitude\na.jpg 46.8 -91.9\n")));
+  EXPECT_DOUBLE_EQ(named.events.at(0).position->lat_deg, 46.8) << "the names of the columns hold";
   const std::string bare = "a.jpg 576667.1 5188164.6 198.3\n";
   ASSERT_TRUE(LooksLikeGeoTxt(BytesOf(bare)));
   EXPECT_FALSE(ParseGeoTxt("geo.txt", BytesOf(bare))->events[0].position) << "no system is named";
-  const auto unknown = ParseGeoTxt("geo.txt", BytesOf("my own grid\na.jpg 1 2 3\n"));
-  ASSERT_FALSE(unknown.ok());
-  EXPECT_NE(unknown.error().message.find("\"my own grid\""), std::string::npos);
-  EXPECT_EQ(WhyOf(unknown.error()).code, RemarkCode::kSystemUnknown);
+  const Error unknown = ErrorOf(ParseGeoTxt("geo.txt", BytesOf("my own grid\na.jpg 1 2 3\n")));
+  EXPECT_NE(unknown.message.find("\"my own grid\""), std::string::npos);
+  EXPECT_EQ(WhyOf(unknown).code, RemarkCode::kSystemUnknown);
 }
 
 TEST(NamedPlaces, ReadsTheTwoCoordinatesOfPix4dAsItsHeaderNamesThem) {
   const std::string east_first = "image,longitude,latitude,altitude\na.jpg,8.5,47.4,500\n";
   ASSERT_TRUE(LooksLikeNamedPlaces(BytesOf(east_first)));
-  const auto log = ParseLog("p.csv", BytesOf(east_first));
-  ASSERT_TRUE(log.ok());
-  EXPECT_DOUBLE_EQ(log->events[0].position->lat_deg, 47.4);
-  EXPECT_TRUE(log->written_order_is_named);
+  const auto log = ValueOf(ParseLog("p.csv", BytesOf(east_first)));
+  EXPECT_DOUBLE_EQ(log.events.at(0).position->lat_deg, 47.4);
+  EXPECT_TRUE(log.written_order_is_named);
   const std::string projected = "#imagename,coordinate1,coordinate2,z\na.jpg,576667.1,5188164.6,198.3\n";
   ASSERT_TRUE(LooksLikeNamedPlaces(BytesOf(projected)));
   EXPECT_FALSE(LooksLikePix4dCsv(BytesOf(projected))) << "that is for lists without names alone";
-  const auto metres = ParseLog("p.csv", BytesOf(projected));
-  ASSERT_TRUE(metres.ok());
-  EXPECT_FALSE(metres->events[0].position);
-  EXPECT_DOUBLE_EQ(metres->events[0].written->x, 576667.1);
-  EXPECT_FALSE(metres->written_order_is_assumed);
-  const auto open = ParseLog("p.csv", BytesOf("image,coordinate1,coordinate2,z\na.jpg,8.5,47.4,500\n"));
-  ASSERT_TRUE(open.ok());
-  EXPECT_TRUE(open->written_order_is_assumed);
+  const auto metres = ValueOf(ParseLog("p.csv", BytesOf(projected)));
+  EXPECT_FALSE(metres.events.at(0).position);
+  EXPECT_DOUBLE_EQ(metres.events.at(0).written->x, 576667.1);
+  EXPECT_FALSE(metres.written_order_is_assumed);
+  const auto open =
+      ValueOf(ParseLog("p.csv", BytesOf("image,coordinate1,coordinate2,z\na.jpg,8.5,47.4,500\n")));
+  EXPECT_TRUE(open.written_order_is_assumed);
 }
 
 TEST(ExplainUnknownList, NamesTheCellThatIsNoNumber) {
@@ -378,30 +354,27 @@ TEST(ParseGcpList, KeepsPointsThatNoPhotoIsMarkedWithAndNamesWithBlanks) {
       "EPSG:32611\n340000.5\t3810000.25\t12.5\t10\t20\tDJI 0001.JPG\tcorner of the shed\n"
       "340010\t3810010\tnan\t0\t0\t-\tunmarked\n340020 3810020 13 0 0 - third\n";
   ASSERT_TRUE(LooksLikeGcpList(BytesOf(text)));
-  const auto list = ParseGcpList("gcp_list.txt", BytesOf(text));
-  ASSERT_TRUE(list.ok());
-  EXPECT_TRUE(list->warnings.empty());
-  ASSERT_EQ(list->points.size(), 3u);
-  EXPECT_EQ(list->points[0].name, "corner of the shed");
-  EXPECT_EQ(list->points[0].x, 340000.5);
-  EXPECT_EQ(list->points[0].y, 3810000.25);
-  EXPECT_EQ(list->points[0].height, 12.5);
-  EXPECT_FALSE(list->points[1].height);
-  EXPECT_EQ(list->points[2].name, "third");
-  ASSERT_EQ(list->sightings.size(), 1u);
-  EXPECT_EQ(list->sightings[0].image_name, "DJI 0001.JPG");
-  const auto unmarked = ParseGcpList("gcp_list.txt", BytesOf("EPSG:4326\n7.1 46.8 500 0 0 - a\n"));
-  ASSERT_TRUE(unmarked.ok()) << "points can be surveyed before any is marked";
-  EXPECT_TRUE(unmarked->sightings.empty());
+  const auto list = ValueOf(ParseGcpList("gcp_list.txt", BytesOf(text)));
+  EXPECT_TRUE(list.warnings.empty());
+  ASSERT_EQ(list.points.size(), 3u);
+  EXPECT_EQ(list.points[0].name, "corner of the shed");
+  EXPECT_EQ(list.points[0].x, 340000.5);
+  EXPECT_EQ(list.points[0].y, 3810000.25);
+  EXPECT_EQ(list.points[0].height, 12.5);
+  EXPECT_FALSE(list.points[1].height);
+  EXPECT_EQ(list.points[2].name, "third");
+  ASSERT_EQ(list.sightings.size(), 1u);
+  EXPECT_EQ(list.sightings[0].image_name, "DJI 0001.JPG");
+  const auto unmarked = ValueOf(ParseGcpList("gcp_list.txt", BytesOf("EPSG:4326\n7.1 46.8 500 0 0 - a\n")));
+  EXPECT_TRUE(unmarked.sightings.empty());
 }
 
 TEST(ParseGcpList, ConvertsHeightsWithTheUnitOfTheSystem) {
   const std::string text =
       "EPSG:2251\n26607594.75468351 -26813.882366498266 563.1987598425 1331 350 DJI_0002.JPG\n";
-  const auto list = ParseGcpList("gcp_list.txt", BytesOf(text));
-  ASSERT_TRUE(list.ok());
-  EXPECT_NEAR(*list->points[0].height_m, 171.663, 0.001) << "international feet";
-  EXPECT_NEAR(list->points[0].position.lat_deg, 44.7, 0.1);
+  const auto list = ValueOf(ParseGcpList("gcp_list.txt", BytesOf(text)));
+  EXPECT_NEAR(*list.points.at(0).height_m, 171.663, 0.001) << "international feet";
+  EXPECT_NEAR(list.points.at(0).position.lat_deg, 44.7, 0.1);
 }
 
 TEST(NamedPlaces, UsesAnglesOnlyWhereTheHeaderNamesThem) {
@@ -411,28 +384,26 @@ TEST(NamedPlaces, UsesAnglesOnlyWhereTheHeaderNamesThem) {
       "[degrees],roll [degrees],accuracy horizontal [meter],accuracy vertical "
       "[meter]\na.jpg,47.5,8.5,500,90,1,2,0.5,1.5\n";
   ASSERT_TRUE(LooksLikeNamedPlaces(BytesOf(named)));
-  const auto log = ParseLog("p.csv", BytesOf(named));
-  ASSERT_TRUE(log.ok());
-  EXPECT_NEAR((*log->events[0].yaw_pitch_roll_rad)[0], DegToRad(90.0), 1e-12);
-  EXPECT_DOUBLE_EQ((*log->events[0].sigma_in_ned_m)[2], 1.5);
-  const auto bare = ParsePix4dCsv("p.csv", BytesOf("a.jpg,47.5,8.5,500,90,1,2\n"));
-  ASSERT_TRUE(bare.ok());
-  EXPECT_FALSE(bare->events[0].yaw_pitch_roll_rad.has_value());
-  EXPECT_EQ(bare->warnings.size(), 1u);
+  const auto log = ValueOf(ParseLog("p.csv", BytesOf(named)));
+  EXPECT_NEAR((*log.events.at(0).yaw_pitch_roll_rad)[0], DegToRad(90.0), 1e-12);
+  EXPECT_DOUBLE_EQ((*log.events.at(0).sigma_in_ned_m)[2], 1.5);
+  const auto bare = ValueOf(ParsePix4dCsv("p.csv", BytesOf("a.jpg,47.5,8.5,500,90,1,2\n")));
+  EXPECT_FALSE(bare.events.at(0).yaw_pitch_roll_rad.has_value());
+  EXPECT_EQ(bare.warnings.size(), 1u);
 }
 
 TEST(NamedPlaces, TurnsOmegaPhiKappaIntoAnglesOfTheAirframe) {
   // Looking straight down with the image's top to the north is (0, 0, 0) in both; kappa counts the other way
   // round.
-  const auto log = ParseLog("p.csv", BytesOf("image,latitude,longitude,altitude,omega,phi,kappa\na.jpg,"
-                                             "47.5,8.5,500,0,0,0\nb.jpg,47.5,8.5,500,0,0,-92.5\n"
-                                             "c.jpg,47.5,8.5,500,10,0,0\n"));
-  ASSERT_TRUE(log.ok());
-  EXPECT_LT(log->events[0].yaw_pitch_roll_rad->norm(), 1e-12);
-  EXPECT_NEAR((*log->events[1].yaw_pitch_roll_rad)[0], DegToRad(92.5), 1e-12);
+  const auto log =
+      ValueOf(ParseLog("p.csv", BytesOf("image,latitude,longitude,altitude,omega,phi,kappa\na.jpg,"
+                                        "47.5,8.5,500,0,0,0\nb.jpg,47.5,8.5,500,0,0,-92.5\n"
+                                        "c.jpg,47.5,8.5,500,10,0,0\n")));
+  EXPECT_LT(log.events.at(0).yaw_pitch_roll_rad->norm(), 1e-12);
+  EXPECT_NEAR((*log.events.at(1).yaw_pitch_roll_rad)[0], DegToRad(92.5), 1e-12);
   // Omega turns the camera about the east axis: its view, (0, 0, -1), leans north; the nose of the airframe
   // rises.
-  EXPECT_NEAR((*log->events[2].yaw_pitch_roll_rad)[1], DegToRad(10.0), 1e-12);
+  EXPECT_NEAR((*log.events.at(2).yaw_pitch_roll_rad)[1], DegToRad(10.0), 1e-12);
 }
 
 TEST(ParseSenseflyGeoinfo, ReadsBothHeights) {
@@ -442,11 +413,10 @@ TEST(ParseSenseflyGeoinfo, ReadsBothHeights) {
       "2\nfileName\tlatitude\tlongitude\taltitude_amsl\taltitude_wgs84\theading\tpitch\troll\n"
       "IMG_2166.JPG\t37.5448893\t139.0398406\t216.59\t255.84\t149.5\t5.25\t-3.75\n";
   ASSERT_TRUE(LooksLikeSenseflyGeoinfo(BytesOf(text)));
-  const auto log = ParseSenseflyGeoinfo("geoinfo.txt", BytesOf(text));
-  ASSERT_TRUE(log.ok());
-  EXPECT_DOUBLE_EQ(*log->events[0].height_amsl_m, 216.59);
-  EXPECT_DOUBLE_EQ(*log->events[0].height_ellipsoid_m, 255.84);
-  EXPECT_NEAR((*log->events[0].yaw_pitch_roll_rad)[2], DegToRad(-3.75), 1e-12);
+  const auto log = ValueOf(ParseSenseflyGeoinfo("geoinfo.txt", BytesOf(text)));
+  EXPECT_DOUBLE_EQ(*log.events.at(0).height_amsl_m, 216.59);
+  EXPECT_DOUBLE_EQ(*log.events.at(0).height_ellipsoid_m, 255.84);
+  EXPECT_NEAR((*log.events.at(0).yaw_pitch_roll_rad)[2], DegToRad(-3.75), 1e-12);
 }
 
 TEST(ParseGpx, ReadsTimedPointsOnly) {
@@ -457,14 +427,13 @@ TEST(ParseGpx, ReadsTimedPointsOnly) {
       "lat=\"47.7\"><time>2021-06-01T10:00:02.5Z</time></trkpt>"
       "</trkseg></trk></gpx>";
   ASSERT_TRUE(LooksLikeGpx(BytesOf(text)));
-  const auto log = ParseGpx("a.gpx", BytesOf(text));
-  ASSERT_TRUE(log.ok());
-  ASSERT_EQ(log->gnss.size(), 2u);
-  EXPECT_DOUBLE_EQ(log->gnss[1].t_s, 2.5);
-  EXPECT_DOUBLE_EQ(log->gnss[1].position.lat_deg, 47.7);
-  EXPECT_DOUBLE_EQ(*log->gnss[0].height_amsl_m, 400.5);
-  EXPECT_EQ(*log->utc_at_zero, *UtcFromCivil(2021, 6, 1, 10, 0, 0.0));
-  EXPECT_EQ(log->warnings.size(), 1u);
+  const auto log = ValueOf(ParseGpx("a.gpx", BytesOf(text)));
+  ASSERT_EQ(log.gnss.size(), 2u);
+  EXPECT_DOUBLE_EQ(log.gnss[1].t_s, 2.5);
+  EXPECT_DOUBLE_EQ(log.gnss[1].position.lat_deg, 47.7);
+  EXPECT_DOUBLE_EQ(*log.gnss[0].height_amsl_m, 400.5);
+  EXPECT_EQ(*log.utc_at_zero, *UtcFromCivil(2021, 6, 1, 10, 0, 0.0));
+  EXPECT_EQ(log.warnings.size(), 1u);
 }
 
 TEST(ParseNmea, JoinsSentencesAcrossMidnightAndChecksThem) {
@@ -474,16 +443,15 @@ TEST(ParseNmea, JoinsSentencesAcrossMidnightAndChecksThem) {
       "$GPGST,235959.00,,,,,0.02,0.03,0.05*62\r\n"
       "$GPGGA,000000.00,4730.0006,N,00830.0000,W,1,12,0.7,401.5,M,48.25,M,,\r\n"
       "$GPGGA,000001.00,4730.0006,N,00830.0000,W,1,12,0.7,401.5,M,48.25,M,,*00\r\n";
-  const auto log = ParseNmea("a.nmea", BytesOf(text));
-  ASSERT_TRUE(log.ok());
-  ASSERT_EQ(log->gnss.size(), 2u) << "the last checksum is wrong";
-  EXPECT_DOUBLE_EQ(log->gnss[0].position.lat_deg, 47.5);
-  EXPECT_DOUBLE_EQ(log->gnss[0].position.lon_deg, -8.5);
-  EXPECT_DOUBLE_EQ(*log->gnss[0].height_ellipsoid_m, 448.75);
-  EXPECT_DOUBLE_EQ(*log->gnss[0].sigma_horizontal_m, 0.03);
-  EXPECT_TRUE(log->gnss[0].is_rtk_fixed);
-  EXPECT_DOUBLE_EQ(log->gnss[1].t_s, 1.0);
-  EXPECT_EQ(*log->utc_at_zero, *UtcFromCivil(2021, 5, 31, 23, 59, 59.0));
+  const auto log = ValueOf(ParseNmea("a.nmea", BytesOf(text)));
+  ASSERT_EQ(log.gnss.size(), 2u) << "the last checksum is wrong";
+  EXPECT_DOUBLE_EQ(log.gnss[0].position.lat_deg, 47.5);
+  EXPECT_DOUBLE_EQ(log.gnss[0].position.lon_deg, -8.5);
+  EXPECT_DOUBLE_EQ(*log.gnss[0].height_ellipsoid_m, 448.75);
+  EXPECT_DOUBLE_EQ(*log.gnss[0].sigma_horizontal_m, 0.03);
+  EXPECT_TRUE(log.gnss[0].is_rtk_fixed);
+  EXPECT_DOUBLE_EQ(log.gnss[1].t_s, 1.0);
+  EXPECT_EQ(*log.utc_at_zero, *UtcFromCivil(2021, 5, 31, 23, 59, 59.0));
 }
 
 }  // namespace

@@ -5,10 +5,12 @@
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/remarks/remark_words.h"
 #include "tests/core/flight/logs/log_writers.h"
+#include "tests/support/value_of.h"
 
 namespace skyquilt::flight {
 namespace {
 
+using test::ValueOf;
 using testing::Append;
 using testing::Bytes;
 using testing::UlogWriter;
@@ -109,22 +111,19 @@ void ExpectTheFlight(const FlightLog& log) {
 }
 
 TEST(ParseUlog, ReadsIntegerAndDoublePositionsAlike) {
-  const auto old_names = ParseUlog("old.ulg", FlightLogBytes(false, true));
-  ASSERT_TRUE(old_names.ok());
-  ExpectTheFlight(*old_names);
-  EXPECT_NEAR(old_names->gnss[0].velocity_in_ned_mps->y(), 2.0, 1e-7);
-  EXPECT_FALSE(old_names->gnss[0].is_rtk_fixed);
-  const auto new_names = ParseUlog("new.ulg", FlightLogBytes(false, false));
-  ASSERT_TRUE(new_names.ok());
-  ExpectTheFlight(*new_names);
-  EXPECT_TRUE(new_names->gnss[0].is_rtk_fixed);
+  const auto old_names = ValueOf(ParseUlog("old.ulg", FlightLogBytes(false, true)));
+  ExpectTheFlight(old_names);
+  EXPECT_NEAR(old_names.gnss.at(0).velocity_in_ned_mps->y(), 2.0, 1e-7);
+  EXPECT_FALSE(old_names.gnss.at(0).is_rtk_fixed);
+  const auto new_names = ValueOf(ParseUlog("new.ulg", FlightLogBytes(false, false)));
+  ExpectTheFlight(new_names);
+  EXPECT_TRUE(new_names.gnss.at(0).is_rtk_fixed);
 }
 
 TEST(ParseUlog, ReadsCameraCaptures) {
-  const auto log = ParseUlog("camera.ulg", FlightLogBytes(true, true));
-  ASSERT_TRUE(log.ok());
-  ASSERT_EQ(log->events.size(), 5u);
-  const CameraEvent& event = log->events[2];
+  const auto log = ValueOf(ParseUlog("camera.ulg", FlightLogBytes(true, true)));
+  ASSERT_EQ(log.events.size(), 5u);
+  const CameraEvent& event = log.events[2];
   EXPECT_TRUE(event.is_feedback);
   EXPECT_EQ(*event.sequence, 2);
   EXPECT_NEAR(event.t_s, 12.0, 1e-9);
@@ -136,13 +135,12 @@ TEST(ParseUlog, ReadsCameraCaptures) {
 }
 
 TEST(ParseUlog, CountsEveryTopicAndTheDropouts) {
-  const auto log = ParseUlog("flight.ulg", FlightLogBytes(true, true));
-  ASSERT_TRUE(log.ok());
-  EXPECT_EQ(log->message_counts.at("sensor_combined"), 1000u);
-  EXPECT_EQ(log->message_counts.at("vehicle_air_data[1]"), 20u);
-  EXPECT_EQ(log->message_counts.at("camera_capture"), 5u);
-  ASSERT_FALSE(log->warnings.empty());
-  EXPECT_NE(InWords(log->warnings[0]).find("0.037 s"), std::string::npos);
+  const auto log = ValueOf(ParseUlog("flight.ulg", FlightLogBytes(true, true)));
+  EXPECT_EQ(log.message_counts.at("sensor_combined"), 1000u);
+  EXPECT_EQ(log.message_counts.at("vehicle_air_data[1]"), 20u);
+  EXPECT_EQ(log.message_counts.at("camera_capture"), 5u);
+  ASSERT_FALSE(log.warnings.empty());
+  EXPECT_NE(InWords(log.warnings[0]).find("0.037 s"), std::string::npos);
 }
 
 TEST(ParseUlog, ReadsASectionAppendedAfterACutOne) {
@@ -160,19 +158,17 @@ TEST(ParseUlog, ReadsASectionAppendedAfterACutOne) {
     return std::make_pair(w.bytes(), at);
   };
   const auto [bytes, ignored] = build(build(1).second);
-  const auto log = ParseUlog("appended.ulg", bytes);
-  ASSERT_TRUE(log.ok());
-  EXPECT_EQ(log->baro.size(), 14u) << "all but the one that was cut";
-  EXPECT_NEAR(log->baro.back().t_s, 2.4, 1e-9);
+  const auto log = ValueOf(ParseUlog("appended.ulg", bytes));
+  EXPECT_EQ(log.baro.size(), 14u) << "all but the one that was cut";
+  EXPECT_NEAR(log.baro.back().t_s, 2.4, 1e-9);
 }
 
 TEST(ParseUlog, GoesOnAfterDamage) {
   Bytes bytes = FlightLogBytes(false, true);
   for (std::size_t i = bytes.size() / 2; i < bytes.size() / 2 + 300; ++i) bytes[i] = 0xFF;
-  const auto log = ParseUlog("damaged.ulg", bytes);
-  ASSERT_TRUE(log.ok());
-  EXPECT_GT(log->imu.size(), 980u);
-  EXPECT_LT(log->imu.size(), 1000u);
+  const auto log = ValueOf(ParseUlog("damaged.ulg", bytes));
+  EXPECT_GT(log.imu.size(), 980u);
+  EXPECT_LT(log.imu.size(), 1000u);
 }
 
 TEST(ParseUlog, RefusesHostileTypeDefinitions) {
@@ -190,9 +186,8 @@ TEST(ParseUlog, RefusesHostileTypeDefinitions) {
   w.Subscribe(1, "huge");
   w.Subscribe(2, "vehicle_air_data");
   w.Data(2, Pack(1'000'000, 5.0f));
-  const auto log = ParseUlog("hostile.ulg", w.bytes());
-  ASSERT_TRUE(log.ok());
-  EXPECT_TRUE(log->baro.empty());
+  const auto log = ValueOf(ParseUlog("hostile.ulg", w.bytes()));
+  EXPECT_TRUE(log.baro.empty());
 }
 
 }  // namespace

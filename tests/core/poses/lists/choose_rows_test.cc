@@ -1,67 +1,45 @@
 // Which of several rows of one photo holds, and what is said of the others.
 #include "core/poses/lists/choose_rows.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <chrono>
-#include <cmath>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
-#include "core/flight/remarks/remark_words.h"
-#include "core/geo/geodesic.h"
-#include "core/poses/lists/compare_sources.h"
-#include "core/poses/lists/list_words.h"
 #include "core/poses/photo_rows.h"
 #include "core/poses/time/join_logs.h"
+#include "tests/core/poses/listed_flight.h"
 
 namespace skyquilt::poses {
 namespace {
 
-using flight::Flight;
-using flight::FlightLog;
-using geo::LatLon;
-using ::testing::Contains;
-using ::testing::HasSubstr;
 using Sigma = std::optional<Eigen::Vector3d>;
 
 constexpr int kListed = 12;
 const Sigma kCentimetres = Eigen::Vector3d(0.02, 0.02, 0.03);
 
-LatLon EastOf(const LatLon& place, double east_m) {
-  return {place.lat_deg, place.lon_deg + east_m / (111'320.0 * std::cos(geo::DegToRad(place.lat_deg)))};
-}
+LatLon EastOfPhoto(int k, double east_m) { return Beside(TakenAt(kZurich, k), east_m, 0.0); }
 
-// Three lines of four, 25 m apart.
-LatLon TakenAt(int k) { return EastOf({47.4 + 25.0 * (k / 4) / 111'200.0, 8.5}, 25.0 * (k % 4)); }
-
-std::string PhotoName(int k) { return "IMG_" + std::to_string(100 + k) + ".JPG"; }
-
-Flight Flown() {
-  Flight flight;
-  for (int k = 0; k < kListed; ++k) {
-    flight::Photo& photo = flight.photos.emplace_back();
-    photo.name = PhotoName(k);
-    photo.position.emplace().position = TakenAt(k);
-    photo.position->source = "exif";
-  }
+Flight Flown(std::vector<FlightLog> lists = {}) {
+  Flight flight = FlightAt(kZurich, kListed);
+  flight.logs = std::move(lists);
   return flight;
 }
 
 void AddRows(double east_m, const Sigma& sigma_in_ned_m, FlightLog& list) {
   for (int k = 0; k < kListed; ++k) {
-    const LatLon at = EastOf(TakenAt(k), east_m);
+    const LatLon at = EastOfPhoto(k, east_m);
     flight::CameraEvent& row = list.events.emplace_back();
     row.has_time = false;
-    row.image_name = PhotoName(k);
-    row.written = flight::WrittenPlace{at.lon_deg, at.lat_deg};
+    row.image_name = NameOf(k);
+    row.written = AsDegrees(at);
     row.position = at;
     row.sigma_in_ned_m = sigma_in_ned_m;
   }
 }
 
-FlightLog ListOf(const std::string& name, double east_m, const Sigma& sigma_in_ned_m = {}) {
+FlightLog NamedList(const std::string& name, double east_m, const Sigma& sigma_in_ned_m = {}) {
   FlightLog list;
   list.format = "geo_txt";
   list.file_name = name;
@@ -80,7 +58,7 @@ void ExpectStand(const Flight& flight, double east_m, const std::string& source)
   for (int k = 0; k < kListed; ++k) {
     const auto& position = flight.photos[static_cast<std::size_t>(k)].position;
     ASSERT_TRUE(position);
-    EXPECT_LT(geo::MetresApart(position->position, EastOf(TakenAt(k), east_m)), 0.1) << k;
+    EXPECT_LT(geo::MetresApart(position->position, EastOfPhoto(k, east_m)), 0.1) << k;
     EXPECT_EQ(position->source, source);
   }
 }
@@ -95,8 +73,7 @@ const flight::ListUse& UseOf(const Flight& flight, const std::string& name) {
 
 TEST(ChooseRows, TakesTheListOfBetterAccuracyWhateverTheFilesAreCalled) {
   for (const auto& [better, other] : {std::pair{"a.csv", "b.csv"}, {"b.csv", "a.csv"}}) {
-    Flight flight = Flown();
-    flight.logs = {ListOf(better, 1.0, kCentimetres), ListOf(other, 30.0)};
+    Flight flight = Flown({NamedList(better, 1.0, kCentimetres), NamedList(other, 30.0)});
     if (std::string(better) > other) std::swap(flight.logs[0], flight.logs[1]);
     TakeLists(flight);
     ExpectStand(flight, 1.0, better);
@@ -111,8 +88,7 @@ TEST(ChooseRows, TakesTheListOfBetterAccuracyWhateverTheFilesAreCalled) {
 
 TEST(ChooseRows, TakesTheNearerListWhereNoneSaysHowGoodItIs) {
   for (const double first_east_m : {3.0, 30.0}) {
-    Flight flight = Flown();
-    flight.logs = {ListOf("a.txt", first_east_m), ListOf("b.txt", 33.0 - first_east_m)};
+    Flight flight = Flown({NamedList("a.txt", first_east_m), NamedList("b.txt", 33.0 - first_east_m)});
     TakeLists(flight);
     ExpectStand(flight, 3.0, first_east_m < 10.0 ? "a.txt" : "b.txt");
     EXPECT_THAT(InWords(flight.warnings), Contains(HasSubstr("nearer to the photos' own positions")));
@@ -120,8 +96,7 @@ TEST(ChooseRows, TakesTheNearerListWhereNoneSaysHowGoodItIs) {
 }
 
 TEST(ChooseRows, SaysNothingOfListsThatAgree) {
-  Flight flight = Flown();
-  flight.logs = {ListOf("a.txt", 1.0), ListOf("b.txt", 2.0)};
+  Flight flight = Flown({NamedList("a.txt", 1.0), NamedList("b.txt", 2.0)});
   TakeLists(flight);
   ExpectStand(flight, 1.0, "a.txt");
   EXPECT_TRUE(flight.warnings.empty());
@@ -129,11 +104,9 @@ TEST(ChooseRows, SaysNothingOfListsThatAgree) {
 
 // By chance each of the two is the nearer one of every second photo.
 TEST(ChooseRows, LetsNoNeighboursHangOnDifferentLists) {
-  Flight flight = Flown();
+  Flight flight = Flown({NamedList("a.txt", 3.0), NamedList("b.txt", -3.0)});
   for (int k = 0; k < kListed; ++k)
-    flight.photos[static_cast<std::size_t>(k)].position->position =
-        EastOf(TakenAt(k), k % 2 == 0 ? 4.0 : -4.0);
-  flight.logs = {ListOf("a.txt", 3.0), ListOf("b.txt", -3.0)};
+    flight.photos[static_cast<std::size_t>(k)].position->position = EastOfPhoto(k, k % 2 == 0 ? 4.0 : -4.0);
   TakeLists(flight);
   for (const flight::Photo& photo : flight.photos)
     EXPECT_EQ(photo.position->source, flight.photos[0].position->source);
@@ -141,10 +114,9 @@ TEST(ChooseRows, LetsNoNeighboursHangOnDifferentLists) {
 
 TEST(ChooseRows, TakesOneOfTwoSolutionsInOneFileAndCountsItAlone) {
   for (const bool is_better_first : {true, false}) {
-    Flight flight = Flown();
-    FlightLog list = ListOf("geo.txt", is_better_first ? 0.5 : 12.0);
+    FlightLog list = NamedList("geo.txt", is_better_first ? 0.5 : 12.0);
     AddRows(is_better_first ? 12.0 : 0.5, {}, list);
-    flight.logs = {list};
+    Flight flight = Flown({list});
     TakeLists(flight);
     ExpectStand(flight, 0.5, "geo.txt");
     EXPECT_EQ(UseOf(flight, "geo.txt").rows, 24u);
@@ -154,8 +126,8 @@ TEST(ChooseRows, TakesOneOfTwoSolutionsInOneFileAndCountsItAlone) {
 }
 
 TEST(ChooseRows, TakesARowOfAFixBeforeOneWithoutInABetterList) {
-  Flight flight = Flown();
-  flight.logs = {ListOf("a.txt", 1.0, kCentimetres), ListOf("b.txt", 1.5, Eigen::Vector3d(0.05, 0.05, 0.1))};
+  Flight flight = Flown(
+      {NamedList("a.txt", 1.0, kCentimetres), NamedList("b.txt", 1.5, Eigen::Vector3d(0.05, 0.05, 0.1))});
   flight.logs[0].events[3].sigma_in_ned_m = Eigen::Vector3d(2.0, 2.0, 3.0);
   TakeLists(flight);
   EXPECT_EQ(flight.photos[2].position->source, "a.txt");
@@ -163,7 +135,7 @@ TEST(ChooseRows, TakesARowOfAFixBeforeOneWithoutInABetterList) {
 }
 
 TEST(JoinLogs, TakesTheListThatKeptItsPositions) {
-  std::vector<FlightLog> logs = {ListOf("a.txt", 1.0), ListOf("b.txt", 2.0)};
+  std::vector<FlightLog> logs = {NamedList("a.txt", 1.0), NamedList("b.txt", 2.0)};
   for (FlightLog& log : logs) {
     log.utc_at_zero = flight::UtcTime(std::chrono::seconds(1'717'243'200));
     for (std::size_t k = 0; k < log.events.size(); ++k) {
