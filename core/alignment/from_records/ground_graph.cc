@@ -20,8 +20,8 @@ constexpr double kAgreesWithYawRad = 0.35;
 constexpr double kTrustWidths[] = {40.0, 20.0, 10.0, 6.0, 4.0, 3.0, 2.0, 1.5, 1.5, 1.5};
 constexpr int kMaxPlacesPerPair = 24;
 // Of a photo's ground against its record: pairs allow each other less, and a photo that many false ones tie
-// shrinks to nothing in their middle.
-constexpr double kBelievedStretch = 1.5;
+// shrinks to nothing in their middle. Valleys and wrong heights stretch by less.
+constexpr double kBelievedStretch = 3.0;
 
 double Cauchy(double residual, double scale) { return 1.0 / (1.0 + (residual / scale) * (residual / scale)); }
 

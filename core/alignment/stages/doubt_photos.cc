@@ -120,16 +120,18 @@ std::vector<flight::Remark> DoubtsInRemarks(const PhotoDoubt& doubt, const std::
 std::vector<flight::Remark> DoubtsInRemarks(const std::vector<PhotoDoubt>& doubts,
                                             const std::vector<std::string>& names) {
   using flight::RemarkCode;
-  constexpr std::ptrdiff_t kNamedApart = 3;  // more of them is one thing to know: the aircraft hovered
-  const auto is_copy = [](const PhotoDoubt& doubt) { return doubt.copy_of.has_value(); };
-  const auto copies = std::count_if(doubts.begin(), doubts.end(), is_copy);
+  constexpr int kNamedApart = 3;  // more of them is one thing to know: the aircraft hovered
+  const PhotoDoubt* first = nullptr;
+  std::string photo;
+  int copies = 0;
+  for (std::size_t i = 0; i < doubts.size(); ++i) {
+    if (!doubts[i].copy_of) continue;
+    if (copies++ == 0) first = &doubts[i], photo = names[i];
+  }
   std::vector<flight::Remark> remarks;
   if (copies > kNamedApart) {
-    const auto first = std::find_if(doubts.begin(), doubts.end(), is_copy);
     remarks.push_back({RemarkCode::kSamePictures,
-                       {{"photos", copies},
-                        {"photo", names[static_cast<std::size_t>(first - doubts.begin())]},
-                        {"other", names[static_cast<std::size_t>(*first->copy_of)]}}});
+                       {{"photos", copies}, {"photo", photo}, {"other", names[*first->copy_of]}}});
   }
   for (std::size_t i = 0; i < doubts.size(); ++i) {
     PhotoDoubt doubt = doubts[i];
