@@ -412,7 +412,7 @@ Result<PlacedFlight> PlaceFlight(const std::vector<InputFile>& files, const Mosa
 
   const std::vector<flight::GcpList> lists = read->gcp_lists;
   PlacedFlight placed;
-  std::optional<FlightFacts> facts;
+  std::optional<FlightFacts> facts, placed_by_hand;
   bool is_told = options.placing.has_value();
   if (is_told) {
     bool contradict = false;
@@ -426,6 +426,7 @@ Result<PlacedFlight> PlaceFlight(const std::vector<InputFile>& files, const Mosa
     }
   } else if (memory != nullptr) {
     std::optional<Recalled> recalled = Recall(*memory, options, inputs);
+    if (recalled && recalled->facts.is_by_hand && read->gcp_lists.empty()) placed_by_hand = recalled->facts;
     if (recalled && HasAllPhotosOf(recalled->facts.flight, *read)) {
       if (recalled->added.empty()) {
         facts = std::move(recalled->facts);
@@ -445,6 +446,8 @@ Result<PlacedFlight> PlaceFlight(const std::vector<InputFile>& files, const Mosa
     SKYQUILT_TRY_ASSIGN(auto anew, PlaceAnew(*std::move(read), options, source, dem, stages, progress,
                                              std::move(found.photos)));
     facts = std::move(anew);
+    if (placed_by_hand && !KeepPlaceByHand(*placed_by_hand, *facts))
+      facts->flight.warnings.push_back(flight::RemarkCode::kHandPlaceLost);
   }
   placed.facts = *std::move(facts);
   placed.captures = std::move(captures);

@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "core/alignment/bundle/control_points.h"
 #include "core/base/median.h"
@@ -261,6 +264,14 @@ Result<FlightFacts> PlaceByControl(const FlightFacts& known, const std::vector<f
   return placed;
 }
 
+// `flight` is where somebody said, whatever its records say.
+void TellPlaced(FlightFacts& flight) {
+  flight.is_placed = flight.poses_report.is_placed = true;
+  std::erase_if(flight.flight.warnings, [](const Remark& said) {
+    return said.code == RemarkCode::kNotGeoreferenced || said.code == RemarkCode::kReckonedFromNowhere;
+  });
+}
+
 }  // namespace
 
 Result<FlightFacts> PlaceKnown(const FlightFacts& known, const PlaceRequest& request, bool* contradict) {
@@ -282,17 +293,38 @@ Result<FlightFacts> PlaceKnown(const FlightFacts& known, const PlaceRequest& req
                                           : !request.pairs.empty()
                                               ? PlaceByPairs(known, request.pairs)
                                               : PlaceByControl(known, request.control, contradict));
-  placed.is_placed = true;
   placed.is_by_hand = request.control.empty();
   if (!request.origin && placed.align_report) {
     placed.align_report->by_images.is_scale_guessed.reset();
     placed.align_report->by_images.is_north_guessed.reset();
   }
-  placed.poses_report.is_placed = true;
-  std::erase_if(placed.flight.warnings, [](const Remark& said) {
-    return said.code == RemarkCode::kNotGeoreferenced || said.code == RemarkCode::kReckonedFromNowhere;
-  });
+  TellPlaced(placed);
   return placed;
+}
+
+bool KeepPlaceByHand(const FlightFacts& placed_by_hand, FlightFacts& anew) {
+  std::map<std::string, Vector3d> centers;
+  for (const AlignedPhoto& photo : placed_by_hand.flight.photos)
+    centers.emplace(photo.photo.name, photo.cam_from_enu.TargetOriginInSource());
+  std::vector<PlacePair> pairs;
+  for (const AlignedPhoto& photo : anew.flight.photos) {
+    const auto before = centers.find(photo.photo.name);
+    if (before == centers.end()) continue;
+    pairs.push_back({.in_source = photo.cam_from_enu.TargetOriginInSource(), .in_target = before->second});
+  }
+  const auto fitted = alignment::FitRobustly(
+      pairs, alignment::UpDirection{.in_source = Vector3d::UnitZ(), .sigma_rad = kSigmaUpRad});
+  if (!fitted) return false;
+  MoveFlight(fitted->target_from_source, anew);
+  anew.flight.frame = placed_by_hand.flight.frame;
+  anew.is_by_hand = true;
+  for (const Remark& said : placed_by_hand.flight.warnings) {
+    if (said.code == RemarkCode::kPlacedByPairs || said.code == RemarkCode::kPairsDisagree ||
+        said.code == RemarkCode::kPlacedByOrigin || said.code == RemarkCode::kPlacedByPhoto)
+      anew.flight.warnings.push_back(said);
+  }
+  TellPlaced(anew);
+  return true;
 }
 
 }  // namespace skyquilt::pipeline

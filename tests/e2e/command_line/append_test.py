@@ -131,8 +131,16 @@ class Append(ScratchCase):
         shutil.copytree(self.finished, out)
         return out
 
-    def place_of_new(self, folder):
-        text = run("locate", folder, "--photo", self.new, "--pixel", "400,300").stdout
+    def unplaced(self, name):
+        """The new photo, without its position."""
+        bare = self.scratch / "bare"
+        if not bare.exists():
+            run("simulate", "-o", bare, "--photos", "20", "--size", "800x600", "--noise", "no-gps", "--exposure-jitter", "0.05",
+                "--vignetting", "0.1", "--no-world")
+        return self.folder_of(name, (bare / "photos" / self.new, self.new))
+
+    def place_of(self, photo, folder):
+        text = run("locate", folder, "--photo", photo, "--pixel", "400,300").stdout
         return [float(word) for word in text.split()[0].split(",")]
 
     def test_a_copy_that_is_read_in_place_of_a_photo_of_the_map(self):
@@ -148,10 +156,7 @@ class Append(ScratchCase):
         self.assertEqual(report["photos"]["total"], 21)
 
     def test_a_photo_without_a_position_is_found_by_what_it_shows(self):
-        run("simulate", "-o", self.scratch / "bare", "--photos", "20", "--size", "800x600", "--noise", "no-gps", "--exposure-jitter", "0.05",
-            "--vignetting", "0.1", "--no-world")
-        more = self.folder_of("unplaced", (self.scratch / "bare" / "photos" / self.new, self.new))
-        report = self.stitch(more, self.copy_of_map("with_unplaced"), "--append")
+        report = self.stitch(self.unplaced("unplaced"), self.copy_of_map("with_unplaced"), "--append")
         self.assertEqual(report["photos"]["aligned"], 20)
         self.assertFalse([line for line in report["warnings"] if line.startswith("0 photos")])
 
@@ -160,9 +165,19 @@ class Append(ScratchCase):
         run("place", out, "--again", "--point", "46.8,7.1=46.803,7.1")  # 330 m
         self.stitch(self.more, out, "--append")
         self.stitch(self.more, stays, "--append")
-        (lon, lat), (lon_was, lat_was) = self.place_of_new(out), self.place_of_new(stays)
+        (lon, lat), (lon_was, lat_was) = self.place_of(self.new, out), self.place_of(self.new, stays)
         self.assertAlmostEqual(lat - lat_was, 0.003, delta=1e-5)
         self.assertAlmostEqual(lon, lon_was, delta=1e-5)
+
+    def test_a_flight_aligned_anew_stays_where_somebody_brought_it(self):
+        out = self.copy_of_map("brought_anew")
+        run("place", out, "--again", "--point", "46.8,7.1=46.803,7.1")  # 330 m
+        was = self.place_of("SIM_0001.JPG", out)
+        report = self.stitch(self.unplaced("unplaced_of_brought"), out, "--append")
+        self.assertEqual(report["photos"]["aligned"], 20)
+        self.assertTrue([line for line in report["warnings"] if line.startswith("The map was placed by hand")])
+        for now, before in zip(self.place_of("SIM_0001.JPG", out), was):
+            self.assertAlmostEqual(now, before, delta=2e-5)
 
     def test_options_of_the_map_stay(self):
         area = self.scratch / "area.geojson"
