@@ -95,7 +95,7 @@ void Run(const ExportArguments& arguments) {
                               progress);
   }());
   fmt::print("{} ({:.1f} MB)\n", out.string(), static_cast<double>(fs::file_size(out, error)) / 1e6);
-  const auto remark = storage::RemarkOnExport(*source, request);
+  const auto remark = storage::RemarkOnExport(source, request);
   if (!remark) Fail(kExportCommand, remark.error());
   if (*remark) fmt::print("{}\n", flight::InWords(**remark));
 }
