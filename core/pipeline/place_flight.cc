@@ -447,7 +447,7 @@ Result<PlacedFlight> PlaceFlight(const std::vector<InputFile>& files, const Mosa
                                              std::move(found.photos)));
     facts = std::move(anew);
     if (placed_by_hand && !KeepPlaceByHand(*placed_by_hand, *facts))
-      facts->flight.warnings.push_back(flight::RemarkCode::kHandPlaceLost);
+      return flight::Because(ErrorCode::kConflict, flight::RemarkCode::kFailMapChanged);
   }
   placed.facts = *std::move(facts);
   placed.captures = std::move(captures);

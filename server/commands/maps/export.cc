@@ -95,9 +95,8 @@ void Run(const ExportArguments& arguments) {
                               progress);
   }());
   fmt::print("{} ({:.1f} MB)\n", out.string(), static_cast<double>(fs::file_size(out, error)) / 1e6);
-  const auto remark = storage::RemarkOnExport(source, request);
-  if (!remark) Fail(kExportCommand, remark.error());
-  if (*remark) fmt::print("{}\n", flight::InWords(**remark));
+  const auto remark = OrFail(kExportCommand, storage::RemarkOnExport(source, request));
+  if (remark) fmt::print("{}\n", flight::InWords(*remark));
 }
 
 }  // namespace

@@ -313,7 +313,6 @@ export const remark_words = {
   pairs_disagree: (v) => `Die Punkte widersprechen sich um bis zu ${fixed(v.apart_m, 2)}\u00a0m.`,
   placed_by_origin: (v) => `Die Karte wurde von Hand platziert: Ihr Ursprung liegt bei ${fixed(v.lat_deg, 7)}, ${fixed(v.lon_deg, 7)}; sie wurde ${turned(v)}. ${check_place}`,
   placed_by_photo: (v) => `Die Karte wurde von Hand platziert: ${v.photo} liegt bei ${fixed(v.lat_deg, 7)}, ${fixed(v.lon_deg, 7)}; sie wurde ${turned(v)}. ${check_place}`,
-  hand_place_lost: () => 'Diese Karte war von Hand platziert. Mit den seither hinzugefügten Fotos liegt sie dort, wo die Aufzeichnungen es sagen. Falls das nicht stimmt, bitte neu platzieren.',
   imported: (v) => `Diese Karte wurde aus ${v.file} importiert. Ort und Genauigkeit sind die jener Datei.`,
   coarser_pixels: (v) => `Die Pixel der Karte zeigen ${fixed(v.pixel_mm, 1)}\u00a0mm statt ${fixed(v.wanted_mm, 1)}\u00a0mm: Feinere Kacheln passen nicht in den Speicher des Servers.`,
   heights_mostly_filled: (v) => `Nur ${fixed(v.measured_percent, 0)}\u00a0% der Höhen wurden gemessen; anderswo zeigen die Fotos nicht dasselbe (Wasser, Baumkronen im Wind, zu wenig Überlappung), und die Höhen wurden aus der Umgebung ergänzt.`,

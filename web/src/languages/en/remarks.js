@@ -312,7 +312,6 @@ export const remark_words = {
   pairs_disagree: (v) => `The points disagree by up to ${fixed(v.apart_m, 2)}\u00a0m.`,
   placed_by_origin: (v) => `The map was placed by hand: its origin lies at ${fixed(v.lat_deg, 7)}, ${fixed(v.lon_deg, 7)}; it was ${turned(v)}. ${check_place}`,
   placed_by_photo: (v) => `The map was placed by hand: ${v.photo} lies at ${fixed(v.lat_deg, 7)}, ${fixed(v.lon_deg, 7)}; the map was ${turned(v)}. ${check_place}`,
-  hand_place_lost: () => 'This map had been placed by hand. With the photos added since, it lies where records say. Place it again if that is wrong.',
   imported: (v) => `This map was imported from ${v.file}. Its place and accuracy are those of that file.`,
   coarser_pixels: (v) => `The pixels of the map are ${fixed(v.pixel_mm, 1)}\u00a0mm instead of ${fixed(v.wanted_mm, 1)}\u00a0mm: finer tiles do not fit into the memory of the server.`,
   heights_mostly_filled: (v) => `Only ${fixed(v.measured_percent, 0)} % of the heights were measured; elsewhere photos do not show the same thing (water, crowns in the wind, too little overlap) and heights were filled from around.`,
