@@ -78,10 +78,10 @@ std::vector<std::string> PartsOf(std::string_view call) {
   if (call.find('.') != std::string_view::npos || words.size() <= kPlaceWords || !is_decimals(words[1]) ||
       !is_decimals(words[3]))
     return parts;
-  const std::string first = parts[0] + "." + parts[1], second = parts[2] + "." + parts[3];
-  parts.erase(parts.begin(), parts.begin() + kPlaceWords);
-  parts.insert(parts.begin(), {first, second});
-  return parts;
+  std::vector<std::string> joined;
+  for (std::size_t i = 0; i < parts.size(); i += 2)
+    joined.push_back(i + 1 < parts.size() ? parts[i] + "." + parts[i + 1] : parts[i]);
+  return joined;
 }
 
 // The three parts of "gps(1.5,2.5,19)" or "f.pry (2.7 deg, ...)"; more may follow.
