@@ -17,8 +17,8 @@ namespace skyquilt::pipeline {
 Result<FlightFacts> PlaceKnown(const FlightFacts& known, const PlaceRequest& request,
                                bool* contradict = nullptr);
 
-// Brings a flight that was aligned anew, with other photos too, to where somebody had placed it before. False:
-// too few photos are of both for that, or these do not lie to each other as they did.
+// Brings a flight that was aligned anew, with other photos too, to where somebody had placed it before.
+// False: too few photos are of both for that, or these do not lie to each other as they did.
 bool KeepPlaceByHand(const FlightFacts& placed_by_hand, FlightFacts& anew);
 
 }  // namespace skyquilt::pipeline
