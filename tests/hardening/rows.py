@@ -89,7 +89,7 @@ ACCESS = ("Who may do what", [
      "one rule for both; a proxy's only if it is a name of the server",
      ["HostName.IsNothingElse", "HttpServerTest.AnswersToNoOtherNameThatAProxyPassesOn", "public_address_fuzz"]),
     ("tags of more than 15 bytes", "pieces of other rows stored and shown", "what a statement is given is copied",
-     ["SqliteDb.KeepsWhatWasBoundThoughItIsGone", "PostgresTest.KeepsWhatWasBoundThoughItIsGone",
+     ["SqliteDbTest.KeepsWhatWasBoundThoughItIsGone", "PostgresTest.KeepsWhatWasBoundThoughItIsGone",
       "CatalogueTest.ChangesWhatIsSaidAndNothingElse"]),
 ])
 
