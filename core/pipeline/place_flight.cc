@@ -21,6 +21,7 @@
 #include "core/base/try.h"
 #include "core/flight/photos/sample_format.h"
 #include "core/flight/remarks/because.h"
+#include "core/flight/remarks/remark_words.h"
 #include "core/ground/model_ground.h"
 #include "core/pipeline/append_photos.h"
 #include "core/pipeline/build_bands.h"
@@ -295,12 +296,20 @@ Result<PlacedFlight> PlaceWhereTold(const flight::Flight& read, const PlaceReque
   FillPhotos(read, recalled->facts.flight);
   PlaceRequest named = request;
   const poses::NamedPhotos photos(read.photos);
+  std::vector<flight::Remark> on_marks;
+  bool is_any_found = false;
   for (flight::GcpList& list : named.control) {
+    const poses::MarkedPhotosFound found = poses::FindMarkedPhotos(read.photos, photos, list);
+    on_marks.insert(on_marks.end(), found.remarks.begin(), found.remarks.end());
+    is_any_found = is_any_found || !list.sightings.empty();
+  }
+  // Without a mark there are no points of which anything else could be said.
+  if (!is_any_found && !on_marks.empty())
+    return flight::Because(ErrorCode::kUnprocessable, flight::InARow(std::move(on_marks)));
+  for (const flight::Remark& told : on_marks) {
     std::vector<flight::Remark>& warnings = recalled->facts.flight.warnings;
-    for (const flight::Remark& told : poses::FindMarkedPhotos(read.photos, photos, list).remarks) {
-      std::erase(warnings, told);  // of an earlier run
-      warnings.push_back(told);
-    }
+    std::erase(warnings, told);  // of an earlier run
+    warnings.push_back(told);
   }
   PlacedFlight placed;
   const double was_m = MedianGsdM(recalled->facts);
