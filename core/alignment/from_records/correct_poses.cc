@@ -175,7 +175,8 @@ void ForgiveTurnsAtBends(const std::vector<poses::PosedPhoto>& recorded,
   std::map<std::string, std::vector<std::size_t>> photos_of_camera;
   for (std::size_t i = 0; i < corrected.size(); ++i)
     photos_of_camera[recorded[i].photo.camera_key].push_back(i);
-  for (const auto& [camera, photos] : photos_of_camera) {
+  for (const auto& of_camera : photos_of_camera) {
+    const std::vector<std::size_t>& photos = of_camera.second;  // Clang 14's lambdas take no bindings
     std::array<std::size_t, 4> lie_so{};
     for (const std::size_t i : photos) ++lie_so[corrected[i].quarter_turns];
     for (std::size_t k = 0; k < photos.size(); ++k) {
