@@ -79,7 +79,7 @@ export const unplacedQuality = (quality) => ({
   status: 'unplaced',
   absolute: { sigma_m: null, by: 'none', count: 0 },
   relative: { ...quality.relative, error_m: null },
-  limits: [{ kind: 'not_georeferenced', count: 0, of: 0 }, { kind: 'scale_guessed', count: 0, of: 0 }, ...quality.limits],
+  limits: [{ kind: 'not_georeferenced', count: 0, of: 0 }, { kind: 'scale_guessed', count: 0, of: 0 }, { kind: 'north_guessed', count: 0, of: 0 }, ...quality.limits],
 });
 
 /** @param {Place} place @param {string[]} names @param {number} max_zoom @param {boolean} [is_whole] */
