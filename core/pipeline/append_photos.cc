@@ -100,6 +100,26 @@ std::vector<poses::PosedPhoto> NewPhotos(const FlightFacts& known, const poses::
   return added;
 }
 
+// Of photos that the finished flight left out, those stay that a new one may bridge to it.
+void DropBeyondReach(const std::set<std::string>& left_out, std::vector<poses::PosedPhoto>& added) {
+  struct Reach {
+    Eigen::Vector2d middle_in_enu;
+    double radius_m = 0.0;
+  };
+  std::vector<Reach> of_new;
+  for (const poses::PosedPhoto& photo : added) {
+    if (!left_out.contains(photo.photo.name))
+      of_new.push_back({photo.cam_from_enu.TargetOriginInSource().head<2>(), kReachWidths * WidthM(photo)});
+  }
+  std::erase_if(added, [&](const poses::PosedPhoto& photo) {
+    const Eigen::Vector2d middle = photo.cam_from_enu.TargetOriginInSource().head<2>();
+    return left_out.contains(photo.photo.name) &&
+           std::none_of(of_new.begin(), of_new.end(), [&](const Reach& reach) {
+             return (reach.middle_in_enu - middle).norm() < reach.radius_m;
+           });
+  });
+}
+
 // Finished photos near the new ones, by number.
 std::set<std::size_t> Around(const FlightFacts& known, const std::vector<poses::PosedPhoto>& added) {
   std::set<std::size_t> around;
@@ -139,9 +159,13 @@ geo::Bounds2 SeenBy(const std::vector<AlignedPhoto>& photos, double ground_z_m) 
   return bounds;
 }
 
-// The figures of the new photos beside those of the finished flight.
+// The figures of the new photos beside those of the finished flight. One that it left out has some there.
 void AddFigures(const alignment::AlignReport& report, const std::set<std::string>& added,
                 alignment::AlignReport& known) {
+  known.photos -=
+      static_cast<int>(std::erase_if(known.photo_reports, [&](const alignment::AlignPhotoReport& photo) {
+        return added.contains(photo.name);
+      }));
   for (const alignment::AlignPhotoReport& photo : report.photo_reports) {
     if (!added.contains(photo.name)) continue;
     ++known.photos;
@@ -177,7 +201,10 @@ Result<std::optional<FlightFacts>> AppendPhotos(const FlightFacts& known, const 
                                                 const flight::PhotoSource& source, Progress& progress) {
   const std::optional<alignment::Similarity3> known_from_posed = KnownFromPosed(known, posed);
   if (!known_from_posed) return std::optional<FlightFacts>();
-  const std::vector<poses::PosedPhoto> added = NewPhotos(known, posed, *known_from_posed);
+  std::set<std::string> left_out;
+  for (const flight::LeftOutPhoto& photo : known.flight.left_out) left_out.insert(photo.name);
+  std::vector<poses::PosedPhoto> added = NewPhotos(known, posed, *known_from_posed);
+  DropBeyondReach(left_out, added);
   const std::set<std::size_t> around = Around(known, added);
   poses::PosedFlight part;
   part.frame = known.flight.frame;
@@ -193,7 +220,7 @@ Result<std::optional<FlightFacts>> AppendPhotos(const FlightFacts& known, const 
   for (const poses::PosedPhoto& photo : added) {
     part.photos.push_back(photo);
     align_options.fixed.Append(false);
-    names.insert(photo.photo.name);
+    if (!left_out.contains(photo.photo.name)) names.insert(photo.photo.name);
   }
   for (const poses::PosedPhoto& photo : posed.photos) recorded[photo.photo.name] = &photo;
 
@@ -203,6 +230,11 @@ Result<std::optional<FlightFacts>> AppendPhotos(const FlightFacts& known, const 
                       options.method == AlignMethod::kImu
                           ? Result<AlignedFlight>(alignment::AlignByPoseOnly(part))
                           : alignment::AlignFlight(part, source, align_options, report, progress));
+  // What nothing ties now either stays left out, for the reason that was given.
+  for (const AlignedPhoto& photo : aligned.photos) {
+    if (left_out.contains(photo.photo.name) && photo.placement == alignment::Placement::kAligned)
+      names.insert(photo.photo.name);
+  }
   std::vector<AlignedPhoto> placed;
   std::size_t tied = 0;
   for (AlignedPhoto& photo : aligned.photos) {
@@ -219,6 +251,8 @@ Result<std::optional<FlightFacts>> AppendPhotos(const FlightFacts& known, const 
   grown.ground = ground::ExtendGround(known.ground, beyond, SeenBy(placed, known.ground.MeanHeight()));
   if (grown.align_report) AddFigures(report, names, *grown.align_report);
   for (AlignedPhoto& photo : placed) grown.flight.photos.push_back(std::move(photo));
+  std::erase_if(grown.flight.left_out,
+                [&](const flight::LeftOutPhoto& photo) { return names.contains(photo.name); });
   for (const flight::LeftOutPhoto& photo : aligned.left_out) {
     if (names.contains(photo.name)) grown.flight.left_out.push_back(photo);
   }

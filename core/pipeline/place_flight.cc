@@ -331,19 +331,23 @@ Result<std::optional<FlightFacts>> PlaceAdded(Recalled recalled, const flight::F
   FillPhotos(read, known.flight);
   std::set<std::string> names;
   for (const NamedDigest& input : recalled.added) names.insert(input.file.name);
+  // Photos that nothing placed are tried again; damaged ones are what they were.
+  std::set<std::string> left_out, tried = names;
+  for (const flight::LeftOutPhoto& photo : known.flight.left_out) {
+    left_out.insert(photo.name);
+    if (photo.code == ErrorCode::kNoPosition) tried.insert(photo.name);
+  }
   flight::Flight whole = read, added;
   KeepSampleRanges(known.flight, whole.photos);
   std::copy_if(whole.photos.begin(), whole.photos.end(), std::back_inserter(added.photos),
-               [&](const flight::Photo& photo) { return names.contains(photo.name); });
-  std::erase_if(whole.photos, [&](const flight::Photo& photo) { return names.contains(photo.name); });
+               [&](const flight::Photo& photo) { return tried.contains(photo.name); });
+  std::erase_if(whole.photos, [&](const flight::Photo& photo) {
+    return tried.contains(photo.name) || left_out.contains(photo.name);
+  });
   whole.left_out.clear();  // told of below, once
   SKYQUILT_TRY_ASSIGN(auto checked, stages.Run("check", [&] {
     return CheckPhotos(std::move(added), source, {}, options.threads, progress);
   }));
-  // Photos that were left out stay so.
-  std::set<std::string> left_out;
-  for (const flight::LeftOutPhoto& photo : known.flight.left_out) left_out.insert(photo.name);
-  std::erase_if(whole.photos, [&](const flight::Photo& photo) { return left_out.contains(photo.name); });
   whole.photos.insert(whole.photos.end(), checked.flight.photos.begin(), checked.flight.photos.end());
   std::stable_sort(whole.photos.begin(), whole.photos.end(),
                    [](const flight::Photo& a, const flight::Photo& b) {

@@ -1,11 +1,13 @@
 // Photos of a recalled flight: what they are read as today, drawn in the range they were drawn in. Photos
-// that are added to a map lie where it lies, also where it was moved since.
+// that are added to a map lie where it lies, also where it was moved since, and may bring in what it left
+// out.
 #include "core/pipeline/append_photos.h"
 
 #include <gtest/gtest.h>
 
 #include "core/flight/photos/photo_decoder.h"
 #include "tests/core/pipeline/displaced_flight.h"
+#include "tests/support/rendered_once.h"
 
 namespace skyquilt::pipeline {
 namespace {
@@ -47,6 +49,23 @@ TEST(HasAllPhotosOf, MissesOneThatIsReadFromAnotherFileNow) {
   EXPECT_FALSE(HasAllPhotosOf(known, read));
 }
 
+// All photos but the `first` ones, as recorded.
+poses::PosedFlight Posed(const simulate::SimulatedFlight& truth, std::size_t first = 0) {
+  poses::PosedFlight posed;
+  posed.frame = truth.frame;
+  for (std::size_t i = first; i < truth.photos.size(); ++i) {
+    poses::PosedPhoto photo;
+    photo.photo = truth.photos[i].photo;
+    photo.photo.intrinsics = truth.options.intrinsics;
+    photo.cam_from_enu = truth.photos[i].pose.cam_from_enu;
+    photo.covariance = 1e-3 * poses::Matrix6d::Identity();
+    photo.height_above_ground_m = photo.cam_from_enu.TargetOriginInSource().z();
+    photo.error_radius_m = 1.5;
+    posed.photos.push_back(photo);
+  }
+  return posed;
+}
+
 // The last three of a flight, which was moved as a whole, are added by their records.
 struct Added : Displaced {
   static constexpr std::size_t kFinished = 17;
@@ -59,22 +78,10 @@ struct Added : Displaced {
   }
 
   FlightFacts Append() const {
-    poses::PosedFlight posed;
-    posed.frame = truth.frame;
-    for (const simulate::SimulatedPhoto& real : truth.photos) {
-      poses::PosedPhoto photo;
-      photo.photo = real.photo;
-      photo.photo.intrinsics = truth.options.intrinsics;
-      photo.cam_from_enu = real.pose.cam_from_enu;
-      photo.covariance.setIdentity();
-      photo.height_above_ground_m = photo.cam_from_enu.TargetOriginInSource().z();
-      photo.error_radius_m = 1.5;
-      posed.photos.push_back(photo);
-    }
     MosaicOptions options;
     options.method = AlignMethod::kImu;
     SilentProgress progress;
-    auto grown = AppendPhotos(known, posed, options, flight::FilePhotoSource(), progress);
+    auto grown = AppendPhotos(known, Posed(truth), options, flight::FilePhotoSource(), progress);
     EXPECT_TRUE(grown && *grown);
     return grown && *grown ? **grown : FlightFacts{};
   }
@@ -119,6 +126,56 @@ TEST(AppendPhotos, GoWhereTheyWereRecordedOnAMapThatErrsAsReceiversDo) {
   EXPECT_LT(near.WorstAddedM(near.AsRecorded()), 1e-6);
   near.known.is_by_hand = true;  // what somebody said holds for them too
   EXPECT_LT(near.WorstAddedM(near.OnMovedMap()), 0.1);
+}
+
+// The last photo of a flight was left out of its map, and comes again with two that are new.
+struct LeftOut : Displaced {
+  static constexpr std::size_t kFirst = 6, kFinished = 17;  // the map's photos: so few are rendered
+  std::string name;
+
+  LeftOut() : Displaced(Displacement{}), name(truth.photos.back().photo.name) {
+    std::vector<alignment::AlignedPhoto>& photos = known.flight.photos;
+    photos.resize(kFinished);
+    photos.erase(photos.begin(), photos.begin() + kFirst);
+    for (alignment::AlignedPhoto& photo : photos) photo.photo.intrinsics = truth.options.intrinsics;
+    known.flight.left_out = {{name, ErrorCode::kNoPosition, flight::RemarkCode::kLeftWithoutPosition}};
+    alignment::AlignReport figures;
+    figures.photos = 12;
+    figures.aligned = 11;
+    figures.photo_reports.resize(1);
+    figures.photo_reports[0].name = name;
+    known.align_report = figures;
+  }
+
+  FlightFacts Append(AlignMethod method) const {
+    MosaicOptions options;
+    options.method = method;
+    options.threads = 2;
+    SilentProgress progress;
+    auto grown = AppendPhotos(known, Posed(truth, kFirst), options, test::PhotosOf(truth), progress);
+    EXPECT_TRUE(grown && *grown);
+    return grown && *grown ? **grown : FlightFacts{};
+  }
+};
+
+TEST(AppendPhotos, TakeInOneThatWasLeftOutWhereItTiesNow) {
+  const LeftOut map;
+  const FlightFacts grown = map.Append(AlignMethod::kAuto);
+  ASSERT_EQ(grown.flight.photos.size(), 14U);
+  EXPECT_EQ(grown.flight.photos.back().photo.name, map.name);
+  EXPECT_EQ(grown.flight.photos.back().placement, alignment::Placement::kAligned);
+  EXPECT_TRUE(grown.flight.left_out.empty());
+  ASSERT_TRUE(grown.align_report);
+  EXPECT_EQ(grown.align_report->photos, 14);
+  EXPECT_EQ(grown.align_report->photo_reports.size(), 3U) << "one of each";
+}
+
+TEST(AppendPhotos, LeaveOutAgainWhatNothingTies) {
+  const LeftOut map;
+  const FlightFacts grown = map.Append(AlignMethod::kImu);
+  EXPECT_EQ(grown.flight.photos.size(), 13U);
+  ASSERT_EQ(grown.flight.left_out.size(), 1U);
+  EXPECT_EQ(grown.flight.left_out[0].name, map.name);
 }
 
 TEST(KeepSampleRanges, GivesNewPhotosTheRangeOfTheirCameraAndKind) {

@@ -160,6 +160,19 @@ class Append(ScratchCase):
         self.assertEqual(report["photos"]["aligned"], 20)
         self.assertFalse([line for line in report["warnings"] if line.startswith("0 photos")])
 
+    def test_a_photo_that_was_left_out_comes_in_with_those_beside_it(self):
+        far = self.scratch / "far"  # 670 m, and another hour
+        run("simulate", "-o", far, "--photos", "6", "--lat", "46.806", "--size", "800x600", "--noise", "xmp", "--seed", "7",
+            "--clock-offset-s", "3600", "--no-world")
+        photos = [(photo, f"FAR_{photo.name}") for photo in sorted((far / "photos").iterdir())]
+        alone, beside = photos[-1], photos[:-1]
+        out = self.scratch / "with_far"
+        report = self.stitch(self.folder_of("one_far", *((photo, photo.name) for photo in sorted(self.first.iterdir())), alone), out)
+        self.assertEqual([photo["name"] for photo in report["left_out_photos"]], [alone[1]])
+        report = self.stitch(self.folder_of("beside_far", *beside), out, "--append")
+        self.assertEqual(report["photos"], {"total": 25, "aligned": 25, "pose_only": 0, "left_out": 0})
+        self.assertEqual(len({photo["name"] for photo in report["alignment"]["photo_reports"]}), report["alignment"]["photos"])
+
     def test_photos_go_where_the_map_was_brought(self):
         out, stays = self.copy_of_map("brought"), self.copy_of_map("stays")
         run("place", out, "--again", "--point", "46.8,7.1=46.803,7.1")  # 330 m
