@@ -15,7 +15,8 @@ MapAppearance PlannedMap::Appearance() const {
           {exposure.light, exposure.photos},
           seams.grid,
           seams.labels,
-          stands_upright};
+          stands_upright,
+          is_gsd_asked};
 }
 
 Result<PlannedMap> PlanMap(const FlightFacts& facts, const std::optional<double>& gsd_m,
@@ -25,6 +26,7 @@ Result<PlannedMap> PlanMap(const FlightFacts& facts, const std::optional<double>
   const ground::GroundSurface& ground = facts.ground;
   PlannedMap map;
   map.stands_upright = upright != nullptr;
+  map.is_gsd_asked = options.gsd_m || (facts.appearance && facts.appearance->is_gsd_asked);
   map.gsd_m = options.gsd_m ? options.gsd_m : gsd_m;
   if (!map.gsd_m && facts.appearance) map.gsd_m = facts.appearance->gsd_m;
   render::PlanOptions plan_options = PlanWithin(options);

@@ -23,6 +23,7 @@ struct PlannedMap {
   render::ExposureModel exposure;
   render::SeamMap seams;
   bool stands_upright = false;
+  bool is_gsd_asked = false;  // by this run's options, or by those of the map that it goes on from
 
   // What the facts remember of it.
   MapAppearance Appearance() const;

@@ -198,6 +198,10 @@ Result<void> TakeOptionsOfMap(const std::filesystem::path& out_dir, const std::s
                  "The map was made over the elevation model " + dem->second + "; give it again with --dem.",
                  ""};
   }
+  if (is_unsaid("--gsd") && facts.appearance && facts.appearance->is_gsd_asked) {
+    options.gsd_m = facts.appearance->gsd_m;
+    options.any_gsd = true;  // however far from the photos it is, it was taken for what is meant
+  }
   if (is_unsaid("--boundary")) options.boundary = facts.boundary;
   std::error_code none;
   for (const render::MapLayer layer : render::kMapLayers) {

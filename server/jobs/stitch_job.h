@@ -44,9 +44,9 @@ Result<pipeline::MosaicReport> StitchToDirectory(const std::vector<flight::Input
 // The files of the finished map in a folder, to which others may be added. Errors: kNotFound (no map with a
 // memory), kCorrupt.
 Result<std::vector<flight::InputFile>> FilesOfMap(const std::filesystem::path& out_dir);
-// What it was made with, boundary, layers and title too, which stays so when photos are added: into
-// `options`, but what `said` has ("--quality"). Errors: as FilesOfMap; kConflict (an elevation model of which
-// nothing is said, and where it lies is not known).
+// What it was made with, a ground size that was asked for, boundary, layers and title too, which stays so
+// when photos are added: into `options`, but what `said` has ("--quality"). Errors: as FilesOfMap; kConflict
+// (an elevation model of which nothing is said, and where it lies is not known).
 Result<void> TakeOptionsOfMap(const std::filesystem::path& out_dir, const std::set<std::string>& said,
                               pipeline::MosaicOptions& options);
 

@@ -84,6 +84,7 @@ Cbor OfAppearance(const MapAppearance& appearance) {
           {"columns", appearance.grid.columns},
           {"rows", appearance.grid.rows},
           {"upright", appearance.stands_upright},
+          {"gsd_asked", appearance.is_gsd_asked},
           {"labels", CborOfValues<Cbor>(runs)}};
 }
 
@@ -100,6 +101,7 @@ MapAppearance ToAppearance(const Cbor& json, std::size_t photos) {
   appearance.grid.columns = json.at("columns");
   appearance.grid.rows = json.at("rows");
   appearance.stands_upright = json.value("upright", false);  // not in maps of earlier versions
+  appearance.is_gsd_asked = json.value("gsd_asked", false);  // nor this
   constexpr int kMaxCells = 1 << 20;                         // a side
   if (appearance.grid.columns < 0 || appearance.grid.rows < 0 || appearance.grid.columns > kMaxCells ||
       appearance.grid.rows > kMaxCells) {

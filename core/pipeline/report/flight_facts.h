@@ -39,6 +39,7 @@ struct MapAppearance {
   render::SeamGrid grid;
   render::SeamLabels labels;
   bool stands_upright = false;  // the labels know what hides what (MapSurface)
+  bool is_gsd_asked = false;    // somebody said gsd_m; false: the photos' own
 };
 
 struct FlightFacts {

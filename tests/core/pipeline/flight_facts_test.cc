@@ -37,6 +37,7 @@ FlightFacts SomeFacts() {
   facts.align_report = FullAlignReport();
   MapAppearance shown;
   shown.gsd_m = 0.031;
+  shown.is_gsd_asked = true;
   shown.exposure.photos = {{{0.9, 1.0 / 3.0, 1.1}, {0.01, 0.0, 1.0 / 3.0}}};
   shown.exposure.light.cameras["key"][1][3] = -0.2;
   shown.exposure.light.of_directions[2][13] = 1.0 / 7.0;
@@ -72,6 +73,7 @@ TEST(FlightFacts, AreReadAgainExactly) {
   EXPECT_EQ(read->ground_choice, facts.ground_choice);
   EXPECT_EQ(read->align_report, facts.align_report);
   ASSERT_TRUE(read->appearance);
+  EXPECT_TRUE(read->appearance->is_gsd_asked);
   EXPECT_EQ(read->appearance->exposure.photos, facts.appearance->exposure.photos);
   EXPECT_EQ(read->appearance->exposure.light, facts.appearance->exposure.light);
   EXPECT_EQ(read->appearance->grid.first_column, facts.appearance->grid.first_column);

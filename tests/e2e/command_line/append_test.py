@@ -204,6 +204,13 @@ class Append(ScratchCase):
         # Placed against it, as asked for the same: the photo is new, and nothing else.
         self.assertTrue([line for line in report["warnings"] if line.startswith("1 photo was added")])
 
+    def test_a_ground_size_that_was_asked_for_stays_when_the_flight_is_aligned_anew(self):
+        out = self.scratch / "coarse"
+        before = self.stitch(self.first, out, "--gsd", "0.2")
+        report = self.stitch(self.unplaced("unplaced_of_coarse"), out, "--append")
+        self.assertFalse([line for line in report["warnings"] if line.startswith("1 photo was added")])
+        self.assertAlmostEqual(report["gsd_m"], before["gsd_m"], delta=0.01 * before["gsd_m"])
+
     def test_a_folder_without_a_map_cannot_be_added_to(self):
         told = run("stitch", self.more, "-o", self.scratch / "nothing", "--append", code=1)
         self.assertIn("no map that can be added to", told.stderr)
