@@ -126,7 +126,8 @@ std::string LayersJson(const std::vector<MapLayer>& layers, const std::vector<st
         break;
       case MapLayer::kHeight:
         entry["shows"] =
-            "the height of the ground in metres, counted from the zero that the flight's heights have";
+            "the height of the ground in metres, counted as the surveyed points' are that place the map; "
+            "without such, from the zero that the flight's heights have";
         entry["encoding"] = "terrarium";
         entry["range_m"] = {heights.min_m, heights.max_m};
         entry["metres"] = "R * 256 + G + B / 256 - 32768";

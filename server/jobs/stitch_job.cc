@@ -95,7 +95,7 @@ Result<void> WriteLayers(const pipeline::BuiltMosaic& built, const pipeline::Mos
   }
   SKYQUILT_TRY_ASSIGN(const render::HeightRange heights,
                       render::RenderLayers(built.flight, built.ShownGround(), built.seams, built.plan, sinks,
-                                           options.threads, progress));
+                                           options.threads, progress, pipeline::RaisedM(built.report)));
   const render::LayerZooms zooms = render::ZoomsOfLayers(built.plan);
   for (std::size_t i = 0; i < sinks.size(); ++i) {
     storage::TilesetMetadata metadata = TilesetMetadataOf(built.report);
@@ -156,7 +156,7 @@ Result<void> WriteReports(const pipeline::BuiltMosaic& built, const std::filesys
        {std::pair{"photos.geojson",
                   pipeline::PhotosGeoJson(built.flight, built.ground, built.report.quality.absolute)},
         std::pair{"cameras.json", pipeline::OdmCamerasJson(built.flight)},
-        std::pair{"geo.txt", pipeline::OdmGeoTxt(built.flight)},
+        std::pair{"geo.txt", pipeline::OdmGeoTxt(built.flight, pipeline::RaisedM(built.report))},
         std::pair{"locate.json",
                   pipeline::LocateJson(built.flight, built.ground, pipeline::RaisedM(built.report))},
         std::pair{"report.json", pipeline::ReportJson(built.report)}}) {

@@ -68,7 +68,7 @@ std::string OdmCamerasJson(const alignment::AlignedFlight& flight) {
   return JsonText(cameras, 2) + "\n";
 }
 
-std::string OdmGeoTxt(const alignment::AlignedFlight& flight) {
+std::string OdmGeoTxt(const alignment::AlignedFlight& flight, double raised_m) {
   std::vector<flight::CameraEvent> events;
   std::size_t unnamed = 0;
   for (const alignment::AlignedPhoto& photo : flight.photos) {
@@ -80,7 +80,7 @@ std::string OdmGeoTxt(const alignment::AlignedFlight& flight) {
     flight::CameraEvent event;
     event.image_name = photo.photo.name;
     event.position = geo::LatLon{center.lat_deg, center.lon_deg};
-    event.height_ellipsoid_m = center.height_ellipsoid_m;
+    event.height_ellipsoid_m = center.height_ellipsoid_m + raised_m;
     event.yaw_pitch_roll_rad = AirframeAngles(photo.cam_from_enu.rotation);
     event.attitude_kind = flight::AttitudeKind::kAirframe;
     event.sigma_in_ned_m = Eigen::Vector3d::Constant(std::max(0.01, photo.error_radius_m));
@@ -88,8 +88,9 @@ std::string OdmGeoTxt(const alignment::AlignedFlight& flight) {
   }
   Result<std::string> text = flight::WriteGeoTxt(events);
   SKYQUILT_CHECK(text.ok(), "names with blanks were left out");
+  // Comments at the end: above the rows they could pass for names of columns.
+  if (raised_m != 0.0) *text += "# Heights count as those of the surveyed points that place the map.\n";
   if (unnamed > 0) {
-    // At the end: above the rows it could pass for names of columns.
     *text += fmt::format("# Not here, for this file cannot hold the blanks in their names: {}\n",
                          Counted(unnamed, "photo"));
   }

@@ -56,12 +56,12 @@ std::vector<std::int32_t> OwnersOf(const WeighedBlock& block, const BlockBoundar
   return owners;
 }
 
-// Heights of the ground at the middles of the layers' pixels.
-std::vector<double> HeightsOf(const BlockGeometry& geometry, const geo::LocalFrame& frame) {
+// Heights of the ground at the middles of the layers' pixels, `raised_m` higher.
+std::vector<double> HeightsOf(const BlockGeometry& geometry, const geo::LocalFrame& frame, double raised_m) {
   std::vector<float> at_nodes;
   at_nodes.reserve(geometry.ground_in_enu.size());
   for (const Eigen::Vector3d& ground : geometry.ground_in_enu) {
-    at_nodes.push_back(static_cast<float>(frame.Wgs84FromEnu(ground).height_ellipsoid_m));
+    at_nodes.push_back(static_cast<float>(frame.Wgs84FromEnu(ground).height_ellipsoid_m + raised_m));
   }
   const double step = static_cast<double>(geometry.size_px) / kLayerTilePx;
   std::vector<double> heights(kPixels);
@@ -132,7 +132,8 @@ LayerZooms ZoomsOfLayers(const MosaicPlan& plan) {
 
 Result<HeightRange> RenderLayers(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground,
                                  const SeamMap& seams, const MosaicPlan& plan,
-                                 const std::vector<LayerSink>& layers, int threads, Progress& progress) {
+                                 const std::vector<LayerSink>& layers, int threads, Progress& progress,
+                                 double raised_m) {
   const std::vector<Rgb> photo_colours = PhotoColours(flight.photos.size());
   const auto draw = [&](const RenderBlock& block) {
     DrawnBlock drawn;
@@ -155,7 +156,7 @@ Result<HeightRange> RenderLayers(const alignment::AlignedFlight& flight, const g
           }));
           break;
         case MapLayer::kHeight: {
-          const std::vector<double> heights = HeightsOf(weighed.geometry, flight.frame);
+          const std::vector<double> heights = HeightsOf(weighed.geometry, flight.frame, raised_m);
           drawn.images.push_back(Draw(owners, [&](std::size_t pixel, std::size_t) {
             drawn.heights.min_m = std::min(drawn.heights.min_m, heights[pixel]);
             drawn.heights.max_m = std::max(drawn.heights.max_m, heights[pixel]);

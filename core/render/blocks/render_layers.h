@@ -29,9 +29,11 @@ struct LayerZooms {
 
 LayerZooms ZoomsOfLayers(const MosaicPlan& plan);
 
-// Gives what the heights of the covered ground lie between; zeros without the layer of heights.
+// Gives what the heights of the covered ground lie between; zeros without the layer of heights. `raised_m` is
+// added to all heights.
 Result<HeightRange> RenderLayers(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground,
                                  const SeamMap& seams, const MosaicPlan& plan,
-                                 const std::vector<LayerSink>& layers, int threads, Progress& progress);
+                                 const std::vector<LayerSink>& layers, int threads, Progress& progress,
+                                 double raised_m = 0.0);
 
 }  // namespace skyquilt::render

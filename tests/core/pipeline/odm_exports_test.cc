@@ -47,6 +47,17 @@ TEST(OdmExports, ReadBackAsThePosesTheyWereWrittenFrom) {
   EXPECT_LT(back.angularDistance(flight.photos[0].cam_from_enu.rotation), 1e-6);
 }
 
+TEST(OdmExports, CountHeightsAsTheSurveyDoesThatPlacesTheMap) {
+  const auto height_m = [](const std::string& text) {
+    const auto log = flight::ParseGeoTxt("geo.txt", flight::BytesOf(text));
+    return log.ok() ? log->events.at(0).height_ellipsoid_m.value_or(0.0) : 0.0;
+  };
+  const std::string recorded = OdmGeoTxt(Flight()), surveyed = OdmGeoTxt(Flight(), -47.25);
+  EXPECT_NEAR(height_m(surveyed), height_m(recorded) - 47.25, 0.001);
+  EXPECT_NE(surveyed.find("surveyed points"), std::string::npos);
+  EXPECT_EQ(recorded.find("surveyed points"), std::string::npos);
+}
+
 TEST(OdmExports, TellTheLensInWidthsOfTheLongerSide) {
   const auto cameras = nlohmann::json::parse(OdmCamerasJson(Flight()));
   ASSERT_EQ(cameras.size(), 1u);

@@ -101,6 +101,21 @@ TEST(RenderLayers, AreTheSameWithOneThreadAndWithTwo) {
   EXPECT_TRUE(one.height.tiles == two.height.tiles);
 }
 
+TEST(RenderLayers, CountHeightsFromWhereTheyAreToldTo) {
+  const test::SimulatedMap map = HillyMap();
+  const SeamMap seams = map.Seams({});
+  test::MemorySink recorded, surveyed;
+  SilentProgress progress;
+  const auto low = RenderLayers(map.flight, map.ground, seams, map.plan, {{MapLayer::kHeight, surveyed}}, 2,
+                                progress, -47.25);
+  const auto high =
+      RenderLayers(map.flight, map.ground, seams, map.plan, {{MapLayer::kHeight, recorded}}, 2, progress);
+  ASSERT_TRUE(low.ok() && high.ok());
+  EXPECT_NEAR(low->min_m, high->min_m - 47.25, 0.001);
+  EXPECT_NEAR(low->max_m, high->max_m - 47.25, 0.001);
+  EXPECT_FALSE(recorded.tiles == surveyed.tiles);
+}
+
 TEST(RenderLayers, StopWhereTheSinkRefuses) {
   class FullDisk final : public pyramid::TileSink {
    public:
