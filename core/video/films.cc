@@ -1,18 +1,24 @@
 #include "core/video/films.h"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
+#include <cmath>
 #include <iterator>
 #include <map>
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 
 #include "core/base/try.h"
 #include "core/flight/bytes/byte_source.h"
 #include "core/flight/bytes/text_fields.h"
 #include "core/flight/lists/file_kinds.h"
+#include "core/flight/lists/sort_files.h"
+#include "core/flight/metadata/capture_time.h"
 #include "core/flight/remarks/because.h"
 #include "core/video/video_file.h"
 
@@ -41,6 +47,55 @@ flight::InputFile WithNameOfItsOwn(flight::InputFile film, std::set<std::string>
   return film;
 }
 
+// From when until when, by the camera's clock, of whatever zone.
+struct Filmed {
+  flight::UtcTime from, until;
+  bool is_by_creation = false;  // which is the end where a camera writes it so
+};
+
+// A time in a film's name is that of its beginning, and its time of creation is so in most cameras.
+std::optional<Filmed> WhenFilmed(const flight::InputFile& film) {
+  const Result<VideoFile> video = VideoFile::Open(film.path, 1);
+  if (!video) return std::nullopt;  // taking its frames says why
+  const VideoFacts& facts = video->facts();
+  const std::optional<flight::NameTime> named = flight::TimeInName(film.name);
+  if (!named && !facts.created_at) return std::nullopt;
+  const flight::UtcTime from = named ? named->time : *facts.created_at;
+  const double lasts_s = std::clamp(facts.duration_s, 0.0, kLongestFilmS);
+  return Filmed{from, from + std::chrono::milliseconds(std::llround(1e3 * lasts_s)), !named};
+}
+
+// None where one film would have begun while another was taken: of a clock that starts anew with each, or of
+// parts that all bear the time of the first.
+std::map<fs::path, Filmed> WhenFilmed(const std::vector<flight::InputFile>& films) {
+  std::map<fs::path, Filmed> filmed;
+  std::vector<Filmed> in_order;
+  for (const flight::InputFile& film : films) {
+    const std::optional<Filmed> when = WhenFilmed(film);
+    if (when && filmed.emplace(film.path, *when).second) in_order.push_back(*when);
+  }
+  std::sort(in_order.begin(), in_order.end(),
+            [](const Filmed& a, const Filmed& b) { return a.from < b.from; });
+  const auto rival = std::adjacent_find(
+      in_order.begin(), in_order.end(),
+      [](const Filmed& a, const Filmed& b) { return b.from + std::chrono::seconds(1) < a.until; });
+  return rival == in_order.end() ? filmed : std::map<fs::path, Filmed>();
+}
+
+// With the name that says the other time it may have begun at.
+flight::Remark TimedByCreation(const flight::InputFile& film, const Filmed& when) {
+  const auto civil = [](flight::UtcTime time) {
+    const auto second = std::chrono::round<std::chrono::seconds>(time);
+    return fmt::gmtime(std::chrono::system_clock::to_time_t(second));
+  };
+  return {flight::RemarkCode::kFilmTimedByCreation,
+          {{"file", film.name},
+           {"at", fmt::format("{:%Y-%m-%d %H:%M:%S}", civil(when.from))},
+           {"film_s", std::chrono::duration<double>(when.until - when.from).count()},
+           {"name", fmt::format("{:%Y%m%d_%H%M%S}{}", civil(when.from - (when.until - when.from)),
+                                fs::path(film.name).extension().string())}}};
+}
+
 }  // namespace
 
 std::vector<flight::InputFile> FilmsAmong(const std::vector<flight::InputFile>& files) {
@@ -63,12 +118,17 @@ Result<FlightFiles> WithFramesOfFilms(const std::vector<flight::InputFile>& file
   std::set<std::string> stems, films_stems;
   std::optional<std::string> without_place;  // the first film of which nothing says where it was taken
   std::vector<flight::InputFile> taken_files;
+  const std::map<fs::path, Filmed> filmed = WhenFilmed(films);
+  std::vector<flight::Remark> timed_by_creation;
   for (const flight::InputFile& film : films) {
     films_stems.insert(Stem(film));
     const auto beside = subtitles.find(Stem(film));
     const std::optional<flight::InputFile> srt =
         beside == subtitles.end() ? std::nullopt : std::optional(beside->second);
-    Result<TakenFrames> taken = TakeFrames(WithNameOfItsOwn(film, stems), srt, folder, options, progress);
+    const auto when = filmed.find(film.path);
+    TakeFramesOptions its_options = options;
+    if (when != filmed.end()) its_options.began_at = when->second.from;
+    Result<TakenFrames> taken = TakeFrames(WithNameOfItsOwn(film, stems), srt, folder, its_options, progress);
     if (!taken && (taken.error().code == ErrorCode::kCancelled || taken.error().code == ErrorCode::kIo))
       return taken.error();
     used.insert(film.path);
@@ -82,6 +142,8 @@ Result<FlightFiles> WithFramesOfFilms(const std::vector<flight::InputFile>& file
       result.sources.push_back(*srt);
     }
     if (!taken->table && !without_place) without_place = film.name;
+    if (!taken->table && when != filmed.end() && when->second.is_by_creation)
+      timed_by_creation.push_back(TimedByCreation(film, when->second));
     result.warnings.insert(result.warnings.end(), taken->warnings.begin(), taken->warnings.end());
     taken_files.insert(taken_files.end(), taken->photos.begin(), taken->photos.end());
     if (taken->table) taken_files.push_back(*taken->table);
@@ -96,6 +158,8 @@ Result<FlightFiles> WithFramesOfFilms(const std::vector<flight::InputFile>& file
   for (const flight::InputFile& file : files) {
     if (!used.contains(file.path)) result.files.push_back(file);
   }
+  if (!timed_by_creation.empty() && !flight::SortFiles(result.files).logs.empty())
+    std::move(timed_by_creation.begin(), timed_by_creation.end(), std::back_inserter(result.warnings));
   result.files.insert(result.files.end(), taken_files.begin(), taken_files.end());
   return result;
 }

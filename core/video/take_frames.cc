@@ -1,14 +1,17 @@
 #include "core/video/take_frames.h"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <fstream>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
+#include <string_view>
 #include <utility>
 
 #include "core/base/try.h"
@@ -121,6 +124,30 @@ Result<void> WriteBytes(const std::filesystem::path& path, const char* bytes, st
   return Error{ErrorCode::kIo, "Could not write " + path.string() + ": check that the disk has room.", ""};
 }
 
+// With its time in XMP, of no zone, in a segment behind the mark that begins a JPEG (ISO 16684-1; part 3 of
+// Adobe's XMP specification, 1.1.3).
+std::vector<std::uint8_t> WithTime(const std::vector<std::uint8_t>& jpeg, flight::UtcTime began_at,
+                                   double time_s) {
+  constexpr std::string_view kHeader("http://ns.adobe.com/xap/1.0/\0", 29);
+  const auto time =
+      began_at + std::chrono::milliseconds(std::llround(1e3 * std::clamp(time_s, 0.0, kLongestFilmS)));
+  const auto second = std::chrono::floor<std::chrono::seconds>(time);
+  const std::string packet = fmt::format(
+      R"(<x:xmpmeta xmlns:x="adobe:ns:meta/"><rdf:RDF xmlns:rdf="http://www.w3.org/1999/02/22-rdf-syntax-ns#">)"
+      R"(<rdf:Description rdf:about="" xmlns:xmp="http://ns.adobe.com/xap/1.0/" )"
+      R"(xmp:CreateDate="{:%Y-%m-%dT%H:%M:%S}.{:03}"/></rdf:RDF></x:xmpmeta>)",
+      fmt::gmtime(std::chrono::system_clock::to_time_t(second)),
+      std::chrono::floor<std::chrono::milliseconds>(time - second).count());
+  const std::size_t length = 2 + kHeader.size() + packet.size();
+  std::vector<std::uint8_t> timed(jpeg.begin(), jpeg.begin() + 2);
+  for (const std::size_t byte : {std::size_t{0xFF}, std::size_t{0xE1}, length >> 8, length & 0xFF})
+    timed.push_back(static_cast<std::uint8_t>(byte));
+  timed.insert(timed.end(), kHeader.begin(), kHeader.end());
+  timed.insert(timed.end(), packet.begin(), packet.end());
+  timed.insert(timed.end(), jpeg.begin() + 2, jpeg.end());
+  return timed;
+}
+
 class Taking {
  public:
   Taking(const flight::InputFile& film, VideoFile& video, const std::filesystem::path& folder,
@@ -182,7 +209,8 @@ class Taking {
     candidate_sharpness_ = kOnlyForTheEnd;
     SKYQUILT_TRY_ASSIGN(const image::DecodedImage frame, video_.Kept());
     const image::PixelRows rows{frame.rgb.data(), frame.width_px, frame.height_px, 3, 3 * frame.width_px};
-    const std::vector<std::uint8_t> jpeg = image::EncodeJpeg(rows, options_.jpeg_quality);
+    std::vector<std::uint8_t> jpeg = image::EncodeJpeg(rows, options_.jpeg_quality);
+    if (options_.began_at) jpeg = WithTime(jpeg, *options_.began_at, candidate_time_s_);
     const std::string name = fmt::format("{}_{:06}.jpg", stem_, candidate_number_);
     SKYQUILT_TRY(WriteBytes(folder_ / name, reinterpret_cast<const char*>(jpeg.data()), jpeg.size()));
     taken_.photos.push_back({name, folder_ / name});

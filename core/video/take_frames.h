@@ -1,7 +1,8 @@
 // TakeFrames: from a film to photos: frames that overlap by a stated share, the sharpest of those in
 // question, written as JPEGs, and beside them a table of where each was taken, from subtitles that the camera
-// wrote into the film or beside it. Both are then read like any photos and any table. Deterministic for any
-// number of threads. Errors: those of VideoFile and of writing; kCancelled.
+// wrote into the film or beside it. Both are then read like any photos and any table. Where it is known when
+// the film began, each frame has its time as a photo of a local clock does. Deterministic for any number of
+// threads. Errors: those of VideoFile and of writing; kCancelled.
 #pragma once
 
 #include <filesystem>
@@ -22,6 +23,7 @@ struct TakeFramesOptions {
   int max_frames = 3000;
   int jpeg_quality = 95;
   int threads = 1;
+  std::optional<flight::UtcTime> began_at;  // the film, by its camera's clock, of whatever zone
 };
 
 struct TakenFrames {

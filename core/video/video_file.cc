@@ -84,12 +84,13 @@ Result<Format> OpenFormat(const std::filesystem::path& path) {
   return format;
 }
 
-// "2023-09-18T11:58:23.000000Z"
+// "2023-09-18T11:58:23.000000Z". A clock that was never set says nothing.
 std::optional<flight::UtcTime> CreatedAt(const AVFormatContext& format) {
   const AVDictionaryEntry* entry = av_dict_get(format.metadata, "creation_time", nullptr, 0);
   if (entry == nullptr) return std::nullopt;
+  constexpr std::int64_t kYear1980Us = 315'532'800'000'000, kYear2100Us = 4'102'444'800'000'000;
   std::int64_t us = 0;
-  if (av_parse_time(&us, entry->value, 0) < 0 || us <= 0) return std::nullopt;
+  if (av_parse_time(&us, entry->value, 0) < 0 || us < kYear1980Us || us >= kYear2100Us) return std::nullopt;
   return flight::UtcTime(std::chrono::microseconds(us));
 }
 

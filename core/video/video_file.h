@@ -18,11 +18,12 @@
 namespace skyquilt::video {
 
 inline constexpr int kMaxFrameSidePx = 8192;
+inline constexpr double kLongestFilmS = 86'400.0;  // what says that it lasts longer is not believed
 
 struct VideoFacts {
   int width_px = 0, height_px = 0;
   double duration_s = 0.0;                    // 0: not said
-  std::optional<flight::UtcTime> created_at;  // when it began or ended, as the camera has it
+  std::optional<flight::UtcTime> created_at;  // when it began or ended, by a clock of whatever zone
 };
 
 struct GrayFrame {

@@ -3,10 +3,15 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
 #include <fstream>
 #include <iterator>
 #include <set>
+#include <vector>
 
+#include "core/flight/photos/read_photo.h"
 #include "core/flight/remarks/remark_words.h"
 #include "tests/core/video/moving_film.h"
 
@@ -23,6 +28,38 @@ std::string Subtitles(int seconds) {
         s + 1, s, s + 1, 47.0 + 1e-5 * s);
   }
   return text;
+}
+
+constexpr flight::UtcTime kFilmedAt{std::chrono::seconds(1'695'038'303)};  // 2023-09-18 11:58:23
+
+std::string BytesOf(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+// As a camera writes it, into the header of the film (ISO/IEC 14496-12, 8.2.2: seconds since 1904).
+void SetCreation(const std::filesystem::path& path, flight::UtcTime time) {
+  std::string bytes = BytesOf(path);
+  const std::size_t header = bytes.find("mvhd");
+  ASSERT_NE(header, std::string::npos);
+  const auto since_1904 = static_cast<std::uint32_t>(
+      std::chrono::floor<std::chrono::seconds>(time).time_since_epoch().count() + 2'082'844'800);
+  for (std::size_t i = 0; i < 4; ++i)
+    bytes[header + 8 + i] = static_cast<char>(since_1904 >> (24 - 8 * i) & 0xFFU);
+  std::ofstream(path, std::ios::binary | std::ios::trunc) << bytes;
+}
+
+std::vector<flight::Photo> PhotosOf(const FlightFiles& given) {
+  std::vector<flight::Photo> photos;
+  for (const flight::InputFile& file : given.files) {
+    if (!file.name.ends_with(".jpg")) continue;
+    const std::string bytes = BytesOf(file.path);
+    const auto photo = flight::ReadPhotoFromBytes(
+        file.name, {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
+    EXPECT_TRUE(photo) << file.name;
+    if (photo) photos.push_back(*photo);
+  }
+  return photos;
 }
 
 class FilmsTest : public testing::Test {
@@ -106,6 +143,59 @@ TEST_F(FilmsTest, SayThatTheirSubtitlesLastLonger) {
   ASSERT_TRUE(given);
   ASSERT_EQ(given->warnings.size(), 1U);
   EXPECT_EQ(given->warnings[0].code, flight::RemarkCode::kSubtitlesOfOtherLength);
+}
+
+TEST_F(FilmsTest, GiveTheirFramesTheTimeOfTheirCreation) {
+  const std::filesystem::path film = folder_.path() / "film.MP4";
+  if (!WriteFilm(film, 60, [](int k) { return 6 * k; })) GTEST_SKIP() << "no MPEG-4 encoder";
+  ASSERT_NO_FATAL_FAILURE(SetCreation(film, kFilmedAt));
+  const auto alone = Replace({File("film.MP4")});
+  ASSERT_TRUE(alone);
+  EXPECT_TRUE(alone->warnings.empty());
+  const std::vector<flight::Photo> photos = PhotosOf(*alone);
+  ASSERT_GE(photos.size(), 2U);
+  EXPECT_EQ(photos.front().captured_at, kFilmedAt);
+  EXPECT_TRUE(photos.front().captured_at_is_local);
+  ASSERT_TRUE(photos.back().captured_at);
+  EXPECT_GT(*photos.back().captured_at, kFilmedAt);
+  EXPECT_LE(*photos.back().captured_at, kFilmedAt + std::chrono::seconds(2));
+  // Beside a track it counts whether that was the beginning or the end.
+  folder_.Write("way.gpx",
+                "<?xml version=\"1.0\"?><gpx xmlns=\"http://www.topografix.com/GPX/1/1\"><trk><trkseg>"
+                "<trkpt lat=\"47\" lon=\"8\"><time>2023-09-18T11:58:20Z</time></trkpt>"
+                "<trkpt lat=\"47.001\" lon=\"8\"><time>2023-09-18T11:58:30Z</time></trkpt>"
+                "</trkseg></trk></gpx>\n");
+  const auto beside = Replace({File("film.MP4"), File("way.gpx")});
+  ASSERT_TRUE(beside);
+  ASSERT_EQ(beside->warnings.size(), 1U);
+  EXPECT_EQ(beside->warnings[0].code, flight::RemarkCode::kFilmTimedByCreation);
+  EXPECT_EQ(beside->warnings[0].values.at("at"), flight::RemarkValue("2023-09-18 11:58:23"));
+  EXPECT_EQ(beside->warnings[0].values.at("name"), flight::RemarkValue("20230918_115821.MP4"));
+}
+
+TEST_F(FilmsTest, BeganWhenTheirNameSays) {
+  const std::filesystem::path film = folder_.path() / "DJI_20230918115823_0001_D.MP4";
+  if (!WriteFilm(film, 60, [](int k) { return 6 * k; })) GTEST_SKIP() << "no MPEG-4 encoder";
+  ASSERT_NO_FATAL_FAILURE(SetCreation(film, kFilmedAt - std::chrono::hours(2) + std::chrono::seconds(2)));
+  const auto given = Replace({File("DJI_20230918115823_0001_D.MP4")});
+  ASSERT_TRUE(given);
+  const std::vector<flight::Photo> photos = PhotosOf(*given);
+  ASSERT_FALSE(photos.empty());
+  EXPECT_EQ(photos.front().captured_at, kFilmedAt);
+}
+
+TEST_F(FilmsTest, HaveNoTimesWhereOneBeganWhileAnotherWasTaken) {
+  const std::vector<flight::InputFile> films{File("a.MP4"), File("b.MP4")};
+  for (const flight::InputFile& film : films) {
+    if (!WriteFilm(film.path, 60, [](int k) { return 6 * k; })) GTEST_SKIP() << "no MPEG-4 encoder";
+    ASSERT_NO_FATAL_FAILURE(SetCreation(film.path, kFilmedAt));
+  }
+  const auto given = Replace(films);
+  ASSERT_TRUE(given);
+  const std::vector<flight::Photo> photos = PhotosOf(*given);
+  EXPECT_FALSE(photos.empty());
+  EXPECT_TRUE(std::none_of(photos.begin(), photos.end(),
+                           [](const flight::Photo& photo) { return photo.captured_at.has_value(); }));
 }
 
 TEST_F(FilmsTest, AreToldFromOtherFiles) {
