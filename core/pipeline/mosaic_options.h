@@ -59,6 +59,7 @@ struct MosaicOptions {
   bool landed_at_start = false;       // --landed-at-start: a flight without any position ended where it began
   MapGround surface = MapGround::kSmooth;  // --surface
   MapHeights heights = MapHeights::kNone;  // --formats dsm, dtm. BuildMosaic writes none
+  bool write_utm = false;                  // --formats utm. BuildMosaic writes none
   std::string dem_path;                    // --dem: a GeoTIFF of the ground's heights; empty: flat ground
   image::TileEncoding encoding = image::TileEncoding::kJpegWebp;  // --format
   int jpeg_quality = 85;                                          // --quality 1..100

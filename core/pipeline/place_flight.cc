@@ -22,6 +22,7 @@
 #include "core/flight/photos/sample_format.h"
 #include "core/flight/remarks/because.h"
 #include "core/flight/remarks/remark_words.h"
+#include "core/geo/crs/reference_system.h"
 #include "core/ground/model_ground.h"
 #include "core/pipeline/append_photos.h"
 #include "core/pipeline/build_bands.h"
@@ -222,6 +223,18 @@ Result<void> CheckBoundaryIsNear(const poses::PosedFlight& posed, const geo::Bou
   return render::BoundaryElsewhere(boundary, {origin.lat_deg, origin.lon_deg});
 }
 
+// What lies in a zone of UTM cannot be written where there is none: better said before photos are compared.
+// Whoever writes it looks at the map again.
+Result<void> CheckUtmByRecords(const poses::PosedFlight& posed, const MosaicOptions& options) {
+  const bool is_wanted = options.write_utm || options.heights != MapHeights::kNone;
+  if (!is_wanted || !posed.is_placed || posed.photos.empty()) return {};
+  for (const poses::PosedPhoto& photo : posed.photos) {
+    const geo::Wgs84 at = posed.frame.Wgs84FromEnu(photo.cam_from_enu.TargetOriginInSource());
+    if (geo::IsWithinUtm({at.lat_deg, at.lon_deg})) return {};
+  }
+  return flight::Because(ErrorCode::kUnprocessable, flight::RemarkCode::kFailBeyondUtm);
+}
+
 // By the heights that were recorded: better said before photos are compared. PlanMap looks again.
 Result<void> CheckGsdByRecords(const poses::PosedFlight& posed, const MosaicOptions& options) {
   std::vector<double> gsds_m;
@@ -243,6 +256,7 @@ Result<FlightFacts> PlaceAnew(flight::Flight read, const MosaicOptions& options,
   if (options.boundary && checked.flight.gcp_lists.empty())
     SKYQUILT_TRY(CheckBoundaryIsNear(posed, *options.boundary));
   SKYQUILT_TRY(CheckGsdByRecords(posed, options));
+  SKYQUILT_TRY(CheckUtmByRecords(posed, options));
   alignment::AlignReport report;
   SKYQUILT_TRY_ASSIGN(auto aligned, stages.Run("align", [&] {
     return Align(posed, checked.flight.gcp_lists, options, source, std::move(checked.features), report,

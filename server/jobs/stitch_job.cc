@@ -73,7 +73,7 @@ Result<void> Export(const std::filesystem::path& mbtiles, const StitchJobOptions
   }
   SKYQUILT_TRY(storage::WriteTilesThumbnail(mbtiles, out_dir / "thumbnail.png", kThumbnailPx));
   if (options.write_kmz) SKYQUILT_TRY(storage::WriteKmz(mbtiles, out_dir / "mosaic.kmz", progress));
-  return options.write_utm ? WriteUtm(mbtiles, options, report, out_dir, progress) : Result<void>();
+  return options.mosaic.write_utm ? WriteUtm(mbtiles, options, report, out_dir, progress) : Result<void>();
 }
 
 // The layers that were asked for, each a tileset of its own, and what their colours mean. Those of an earlier

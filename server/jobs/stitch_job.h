@@ -26,7 +26,6 @@ struct StitchJobOptions {
   // The same pyramid once more; a server makes both from the tiles as they are asked for.
   bool write_cog = false;
   bool write_pmtiles = false;
-  bool write_utm = false;
   bool write_kmz = false;
   bool is_fresh = false;  // nothing is taken from earlier runs
   // A finished map of the same flight: what has not changed is taken from it. Empty: that of the folder

@@ -437,4 +437,6 @@ int UtmCodeOf(const LatLon& place) {
   return (lat_deg < 0.0 ? 32700 : 32600) + zone;
 }
 
+bool IsWithinUtm(const LatLon& place) { return place.lat_deg >= -80.0 && place.lat_deg <= 84.0; }
+
 }  // namespace skyquilt::geo

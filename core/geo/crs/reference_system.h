@@ -62,5 +62,7 @@ class ReferenceSystem {
 // WGS84's UTM zone of a place, as a code of EPSG (32601 to 32660, 32701 to 32760), with the exceptions of
 // Norway and Svalbard.
 int UtmCodeOf(const LatLon& place);
+// Whether UTM is defined there: from 80 degrees south to 84 north.
+bool IsWithinUtm(const LatLon& place);
 
 }  // namespace skyquilt::geo

@@ -120,7 +120,7 @@ StitchJobOptions OptionsOf(const PlaceArguments& arguments) {
   const auto has = [&](const std::string& name) { return fs::exists(arguments.map_dir / name); };
   options.write_cog = has("mosaic.tif");
   options.write_pmtiles = has("mosaic.pmtiles");
-  options.write_utm = has("mosaic_utm.tif");
+  options.mosaic.write_utm = has("mosaic_utm.tif");
   options.write_kmz = has("mosaic.kmz");
   options.mosaic.heights = HeightsIn(arguments.map_dir);
   for (const render::MapLayer layer : render::kMapLayers) {

@@ -188,7 +188,7 @@ void Run(StitchArguments& arguments) {
   };
   arguments.job.write_cog = !arguments.no_cog && is_wanted(OtherFormat::kGeotiff, "mosaic.tif");
   arguments.job.write_pmtiles = !arguments.no_pmtiles && is_wanted(OtherFormat::kPmtiles, "mosaic.pmtiles");
-  arguments.job.write_utm = arguments.utm || is_wanted(OtherFormat::kUtm, "mosaic_utm.tif");
+  arguments.job.mosaic.write_utm = arguments.utm || is_wanted(OtherFormat::kUtm, "mosaic_utm.tif");
   const pipeline::MapHeights asked_heights = is_asked(OtherFormat::kDtm)   ? pipeline::MapHeights::kGround
                                              : is_asked(OtherFormat::kDsm) ? pipeline::MapHeights::kSurface
                                                                            : pipeline::MapHeights::kNone;

@@ -10,6 +10,7 @@
 
 #include "core/base/parallel_for.h"
 #include "core/base/try.h"
+#include "core/flight/remarks/because.h"
 #include "core/geo/crs/reference_system.h"
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
@@ -276,11 +277,8 @@ Result<void> WarpTiles(MapTiles& tiles, const std::filesystem::path& path, const
 }
 
 Result<int> UtmEpsg(const geo::LatLon& position) {
-  if (!(position.lat_deg >= -80.0 && position.lat_deg <= 84.0)) {
-    return Error{ErrorCode::kUnprocessable,
-                 "UTM ends at 80 degrees south and 84 north; leave out --utm, and dsm of --formats, here",
-                 ""};
-  }
+  if (!geo::IsWithinUtm(position))
+    return flight::Because(ErrorCode::kUnprocessable, flight::RemarkCode::kFailBeyondUtm);
   return geo::UtmCodeOf(position);
 }
 

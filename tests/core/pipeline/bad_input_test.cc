@@ -44,9 +44,8 @@ class BadInput : public testing::Test {
     std::ofstream(photos_ / name, std::ios::binary) << bytes;
   }
 
-  Result<BuiltMosaic> Build() {
+  Result<BuiltMosaic> Build(MosaicOptions options = {}) {
     SilentProgress progress;
-    MosaicOptions options;
     options.method = AlignMethod::kImu;
     const auto files = flight::ListInputFiles({photos_});
     if (!files) return files.error();
@@ -122,6 +121,25 @@ TEST_F(BadInput, PhotosOfTwoFarPlacesDoNotMakeAWorldWideMap) {
   elsewhere.origin = {-33.0, 151.0};
   AddFrom(elsewhere, "far.JPG");
   ExpectLeftOut("far.JPG");
+}
+
+TEST_F(BadInput, WhatLiesInAZoneOfUtmIsRefusedBeyondUtm) {
+  std::filesystem::remove_all(photos_);
+  std::filesystem::create_directories(photos_);
+  simulate::SimulateOptions north = Simulated(1);
+  north.origin = {84.5, 7.0};
+  AddFrom(north, "north.JPG");
+  MosaicOptions utm, heights;
+  utm.write_utm = true;
+  heights.heights = MapHeights::kSurface;
+  for (const MosaicOptions& options : {utm, heights}) {
+    const auto refused = Build(options);
+    ASSERT_FALSE(refused.ok());
+    EXPECT_EQ(refused.error().code, ErrorCode::kUnprocessable);
+    EXPECT_NE(refused.error().message.find("beyond UTM"), std::string::npos) << refused.error().message;
+    EXPECT_TRUE(map_.tiles.empty());
+  }
+  EXPECT_TRUE(Build().ok());
 }
 
 }  // namespace

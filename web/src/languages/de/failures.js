@@ -35,6 +35,7 @@ export const failure_words = {
   fail_all_look_up: () => 'Nach den aufgezeichneten Winkeln und Höhen blickt kein Foto auf den Boden. Prüfen Sie die Winkel und wovon die Höhen zählen.',
   fail_no_ground: () => 'Die Fotos wurden platziert, aber keines zeigt Boden.',
   fail_no_ground_in_boundary: () => 'Die Fotos wurden platziert, aber keines zeigt Boden innerhalb der Fläche. Zeichnen Sie die Fläche über dem Flug, oder lassen Sie sie weg.',
+  fail_beyond_utm: () => 'Der Flug liegt jenseits von UTM, das bei 80 Grad Süd und 84 Grad Nord endet. Erstellen Sie die Karte ohne Höhen.',
   fail_boundary_elsewhere: (v) => `Nichts von der Karte liegt in der Fläche: Der Flug liegt um ${place(v.lat_deg, v.lon_deg)}, die Fläche um ${place(v.boundary_lat_deg, v.boundary_lon_deg)}. Zeichnen Sie die Fläche über dem Flug, oder lassen Sie sie weg.`,
   fail_finer_than_photos: (v) => `Gewünscht ist eine Bodenauflösung von ${resolution(v.asked_m)}, die Fotos zeigen aber ${resolution(v.photos_m)}: Feiner als ${resolution(v.finest_m)} würde die Karte nicht mehr zeigen. Wählen Sie eine gröbere Auflösung.`,
   fail_much_coarser: (v) => `Gewünscht ist eine Bodenauflösung von ${resolution(v.asked_m)}, die Fotos zeigen aber ${resolution(v.photos_cm / 100)}, also das ${number(v.times, { maximumFractionDigits: 0 })}-Fache. Wählen Sie eine feinere Auflösung, oder bestätigen Sie, dass eine so grobe Karte gemeint ist.`,

@@ -38,6 +38,7 @@ export const failure_words = {
   fail_all_look_up: () => 'By their recorded angles and heights no photo looks at the ground. Check the angles, and what the heights count from.',
   fail_no_ground: () => 'The photos were placed, but none of them shows any ground.',
   fail_no_ground_in_boundary: () => 'The photos were placed, but none of them shows any ground within the area. Draw the area over the flight, or leave it out.',
+  fail_beyond_utm: () => 'The flight lies beyond UTM, which ends at 80 degrees south and 84 degrees north. Make the map without heights.',
   fail_boundary_elsewhere: (v) => `Nothing of the map lies within the area: the flight is around ${place(v.lat_deg, v.lon_deg)}, the area around ${place(v.boundary_lat_deg, v.boundary_lon_deg)}. Draw the area over the flight, or leave it out.`,
   fail_finer_than_photos: (v) => `A resolution of ${resolution(v.asked_m)} was asked for, but the photos show ${resolution(v.photos_m)}: a map finer than ${resolution(v.finest_m)} would show nothing more. Choose a coarser resolution.`,
   fail_much_coarser: (v) => `A resolution of ${resolution(v.asked_m)} was asked for, but the photos show ${resolution(v.photos_cm / 100)}, which is ${number(v.times, { maximumFractionDigits: 0 })} times finer. Choose a finer resolution, or confirm that so coarse a map is meant.`,
