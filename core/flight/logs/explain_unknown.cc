@@ -11,6 +11,7 @@
 #include "core/flight/logs/coordinate_cell.h"
 #include "core/flight/logs/csv/csv_columns.h"
 #include "core/flight/logs/csv/unread_cells.h"
+#include "core/flight/logs/formats.h"
 #include "core/flight/logs/texts/list_rows.h"
 
 namespace skyquilt::flight {
@@ -218,6 +219,8 @@ std::optional<Remark> ExplainUnknownTrack(LogBytes head, std::string_view name) 
   constexpr std::size_t kQuotedLine = 60;
   const std::string lower = LowerCase(name);
   if (lower.ends_with(".kmz")) return Remark{RemarkCode::kKmzNotRead, {{"file", name}}};
+  if (lower.ends_with(".geojson") && HasGeoJsonAreas(head))
+    return Remark{RemarkCode::kAreasNoTrack, {{"file", name}}};
   const auto named = std::find_if(kNamedTracks.begin(), kNamedTracks.end(),
                                   [&](const NamedTrack& track) { return lower.ends_with(track.ending); });
   if (named == kNamedTracks.end()) return std::nullopt;

@@ -147,6 +147,8 @@ Result<FlightLog> ParseKml(std::string_view name, LogBytes bytes, const Consumed
 // where no place has a time, kCorrupt for what is no JSON. Source: RFC 7946, OGC Moving Features JSON
 // (19-045r3), togeojson and kepler.gl for times.
 bool LooksLikeGeoJson(LogBytes head);
+// Areas, which no aircraft flew: what a map is cut to, whatever they are members of.
+bool HasGeoJsonAreas(LogBytes bytes);
 Result<FlightLog> ParseGeoJson(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed = {});
 
 // NMEA 0183 recordings: GGA and GNS (position, fix, height and geoid separation), RMC (date; the position too

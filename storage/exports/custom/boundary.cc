@@ -205,6 +205,8 @@ Result<Boundary> ParseBoundary(std::string_view geojson) {
 Result<Boundary> ParseBoundaryFile(std::string_view bytes) {
   constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
   if (bytes.starts_with(kByteOrderMark)) bytes.remove_prefix(kByteOrderMark.size());
+  if (bytes.starts_with("PK\x03\x04"))
+    return flight::Because(ErrorCode::kInvalidArgument, flight::RemarkCode::kFailBoundaryZipped);
   const std::size_t first = bytes.find_first_not_of(kWhiteSpace);
   if (first != std::string_view::npos && bytes[first] == '<') return ParseKml(bytes.substr(first));
   return ParseBoundary(bytes);

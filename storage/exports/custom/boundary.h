@@ -1,7 +1,7 @@
 // ParseBoundary: the area that a map or an export is cut to, from GeoJSON (RFC 7946; also a Feature or
 // FeatureCollection of polygons) and from KML (OGC 12-007; its polygons, of whatever placemark). Longitudes
-// and latitudes of WGS 84. Pure; any thread. Errors: kInvalidArgument (neither of them), kUnprocessable (no
-// polygon, another coordinate system, too many corners).
+// and latitudes of WGS 84. Pure; any thread. Errors: kInvalidArgument (neither of them, or a zip around one),
+// kUnprocessable (no polygon, another coordinate system, too many corners).
 #pragma once
 
 #include <cstddef>

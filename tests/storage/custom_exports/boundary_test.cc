@@ -169,6 +169,7 @@ TEST(ParseBoundaryFile, ReadsPolygonsOfKml) {
   const std::pair<std::string, const char*> bad[] = {
       {"<kml>", "neither GeoJSON nor KML"},
       {"<gpx/>", "neither GeoJSON nor KML"},
+      {std::string("PK\x03\x04\x14", 5), "Unzip it"},
       {"<kml></kml>", "no polygon"},
       {"<kml><Polygon></Polygon></kml>", "no outline"},
       {polygon("7,46 8,46 7,46"), "fewer than four"},

@@ -191,6 +191,12 @@ bool LooksLikeGeoJson(LogBytes head) {
                                          text.find("\"FeatureCollection\"") != std::string_view::npos);
 }
 
+bool HasGeoJsonAreas(LogBytes bytes) {
+  const std::string_view text = TextOf(bytes);
+  return text.find("\"Polygon\"") != std::string_view::npos ||
+         text.find("\"MultiPolygon\"") != std::string_view::npos;
+}
+
 Result<FlightLog> ParseGeoJson(std::string_view name, LogBytes bytes, const ConsumedUpTo& /*consumed*/) {
   TrackPoints points("geojson", name, TrackPoints::BareTime::kLocal);
   FeatureReader reader(points);
@@ -205,6 +211,9 @@ Result<FlightLog> ParseGeoJson(std::string_view name, LogBytes bytes, const Cons
   if (reader.unequal() && !log)
     return Because(ErrorCode::kNoPosition,
                    {RemarkCode::kTrackNotUsed, {{"file", name}, {"why", *reader.unequal()}}});
+  const bool is_without_times = !log && WhyOf(log.error()).code == RemarkCode::kTrackWithoutTimes;
+  if (is_without_times && !reader.damaged_at() && HasGeoJsonAreas(bytes))
+    return Because(ErrorCode::kNoPosition, {RemarkCode::kAreasNoTrack, {{"file", name}}});
   if (reader.unequal()) log->warnings.push_back(*reader.unequal());
   if (log && reader.left_out() > 0) {
     log->warnings.push_back(

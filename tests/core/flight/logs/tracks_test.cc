@@ -218,6 +218,8 @@ TEST(ParseGeoJson, SaysWhyItIsNoTrack) {
               HasSubstr("a line of 3 places has 2 times"));
   EXPECT_THAT(said(FeatureOf(R"({"type":"Point","coordinates":[8,47]})", R"({"time":"noon"})")),
               HasSubstr("\"noon\""));
+  EXPECT_THAT(said(FeatureOf(R"({"type":"Polygon","coordinates":[[[8,47],[9,47],[9,48],[8,47]]]})", "{}")),
+              HasSubstr("it holds areas"));
   EXPECT_THAT(said(R"({"type":"FeatureCollection","features":[)" + std::string(100, '[')),
               HasSubstr("nested"));
   EXPECT_THAT(said(R"({"type":"Feature",)"), HasSubstr("no JSON from byte"));
@@ -238,6 +240,9 @@ TEST(ExplainUnknownTrack, NamesWhatIsMissingAndQuotesTheFirstLine) {
   EXPECT_THAT(InWords(*ExplainUnknownTrack(BytesOf("PK\x03\x04"), "a.kmz")), HasSubstr("Unzip"));
   EXPECT_THAT(InWords(*ExplainUnknownTrack(BytesOf(std::string("\0\1", 2)), "a.ass")), HasSubstr("no text"));
   EXPECT_FALSE(ExplainUnknownTrack(BytesOf(page), "a.txt"));
+  const std::string area =
+      R"({"type":"GeometryCollection","geometries":[{"type":"Polygon","coordinates":[]}]})";
+  EXPECT_THAT(InWords(*ExplainUnknownTrack(BytesOf(area), "area.geojson")), HasSubstr("--boundary"));
   EXPECT_FALSE(RecogniseLog(BytesOf(page), "a.gpx")->has_value());
 }
 
