@@ -188,6 +188,34 @@ bool IsAsStored(const ExportRequest& request) {
   return (request.crs.empty() || request.crs.ends_with(":3857")) && !request.resolution_m;
 }
 
+namespace {
+
+// What stands for the code in "EPSG:32633", and in the same as a URN, with a version before it or without
+// (OGC 07-092r1); "32633+5773" of a system that also counts heights.
+std::string_view WrittenCode(std::string_view crs) {
+  constexpr std::string_view kUrn = "urn:ogc:def:crs:EPSG:";
+  if (crs.starts_with(kUrn)) {
+    crs.remove_prefix(kUrn.size());
+    const std::size_t version_end = crs.find(':');
+    return version_end == std::string_view::npos ? std::string_view() : crs.substr(version_end + 1);
+  }
+  const bool is_code = crs.starts_with("EPSG:") || crs.starts_with("epsg:");
+  return is_code ? crs.substr(5) : std::string_view();
+}
+
+std::optional<int> CodeOf(std::string_view digits) {
+  constexpr std::size_t kMaxDigits = 6;
+  int code = 0;
+  const char* end = digits.data() + digits.size();
+  const auto parsed = std::from_chars(digits.data(), end, code);
+  if (digits.empty() || digits.size() > kMaxDigits || parsed.ec != std::errc() || parsed.ptr != end ||
+      code < 1)
+    return std::nullopt;
+  return code;
+}
+
+}  // namespace
+
 Result<int> EpsgOf(const std::string& crs, const geo::LatLon& middle) {
   if (crs.empty()) return 3857;
   if (crs == "utm" || crs == "UTM") {
@@ -195,14 +223,13 @@ Result<int> EpsgOf(const std::string& crs, const geo::LatLon& middle) {
     if (!zone) return Refused(flight::RemarkCode::kExportBeyondUtm);
     return zone;
   }
-  const std::string_view prefix = crs.starts_with("epsg:") ? "epsg:" : "EPSG:";
-  int code = 0;
-  const char* end = crs.data() + crs.size();
-  const bool is_code = crs.starts_with(prefix) && crs.size() <= prefix.size() + 6;
-  const auto parsed = std::from_chars(crs.data() + (is_code ? prefix.size() : crs.size()), end, code);
-  if (!is_code || parsed.ec != std::errc() || parsed.ptr != end || code < 1)
-    return Refused("The coordinate system must be \"utm\" or a code such as \"EPSG:2056\".");
-  return code;
+  const std::string_view written = WrittenCode(crs);
+  const std::size_t plus = written.find('+');
+  const std::optional<int> code = CodeOf(written.substr(0, plus));
+  if (!code) return Refused("The coordinate system must be \"utm\" or a code such as \"EPSG:2056\".");
+  if (plus != std::string_view::npos)
+    return Refused({flight::RemarkCode::kExportSystemCompound, {{"epsg", *code}}});
+  return *code;
 }
 
 std::optional<flight::Remark> RemarkOnCrs(const std::string& crs, const geo::LatLon& middle) {

@@ -30,7 +30,7 @@ std::optional<ExportFormat> ExportFormatOfFile(std::string_view file_name);
 
 struct ExportRequest {
   ExportFormat format = ExportFormat::kGeotiff;
-  std::string crs;  // "EPSG:2056", "utm"; empty: Web Mercator, as the map is served
+  std::string crs;  // "EPSG:2056", its URN, "utm"; empty: Web Mercator, as the map is served
   std::optional<Boundary> boundary;
   std::optional<double> resolution_m;  // of a pixel, on the ground
   // Of a GeoTIFF: its values instead of colours (core/indices); at most one of the two.
@@ -50,7 +50,7 @@ indices::BandExpression ExpressionOf(const ExportRequest& request);
 Result<ExportRequest> ParseExportRequest(std::string_view json);
 // A GeoTIFF on the web map's own pixels: nothing of it is resampled.
 bool IsAsStored(const ExportRequest& request);
-// "utm", or the code of "EPSG:2056". Error: kUnprocessable.
+// "utm", or the code of "EPSG:2056" and "urn:ogc:def:crs:EPSG::2056". Error: kUnprocessable.
 Result<int> EpsgOf(const std::string& crs, const geo::LatLon& middle);
 // What is to be known of a file in that system: that its datum's place on Earth is not known to a metre.
 std::optional<flight::Remark> RemarkOnCrs(const std::string& crs, const geo::LatLon& middle);

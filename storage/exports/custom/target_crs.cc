@@ -3,6 +3,7 @@
 #include <ogr_spatialref.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <map>
 #include <memory>
 #include <string>
@@ -44,6 +45,11 @@ Result<TargetCrs> FindTargetCrs(int epsg, const geo::LatLon& middle) {
   OGRSpatialReference reference;
   if (reference.importFromEPSG(epsg) != OGRERR_NONE)
     return Unfit(epsg, flight::RemarkCode::kExportSystemUnknown);
+  if (reference.IsCompound() && reference.StripVertical() == OGRERR_NONE) {
+    const char* code = reference.GetAuthorityCode(nullptr);
+    const int horizontal = code != nullptr ? std::atoi(code) : 0;
+    if (horizontal > 0) return Unfit(horizontal, flight::RemarkCode::kExportSystemCompound);
+  }
   if ((!reference.IsProjected() && !reference.IsGeographic()) || reference.IsCompound() ||
       reference.GetAxesCount() != 2) {
     return Unfit(epsg, flight::RemarkCode::kExportSystemNoPlane);

@@ -338,6 +338,14 @@ TEST_F(ExportMapTest, WhatCannotBeIsRefusedWithWhatToDo) {
   EXPECT_EQ(Reason(R"({"format":"geotiff","crs":"EPSG:32610"})"), "export_system_elsewhere");
   EXPECT_NE(Refusal(R"({"format":"geotiff","crs":"EPSG:32610"})").find("the map lies at"), std::string::npos);
   EXPECT_EQ(Reason(R"({"format":"geotiff","crs":"EPSG:4978"})"), "export_system_no_plane");
+  for (const char* compound : {"EPSG:25832+7837", "EPSG:5555", "urn:ogc:def:crs:EPSG::5555"}) {
+    const std::string wish = std::string(R"({"format":"geotiff","crs":")") + compound + "\"}";
+    EXPECT_EQ(Reason(wish), "export_system_compound") << compound;
+    EXPECT_NE(Refusal(wish).find("EPSG:25832."), std::string::npos) << Refusal(wish);
+  }
+  EXPECT_EQ(*EpsgOf("urn:ogc:def:crs:EPSG::25832", {46.95, 7.44}), 25832);
+  EXPECT_EQ(*EpsgOf("urn:ogc:def:crs:EPSG:9.9.1:25832", {46.95, 7.44}), 25832);
+  EXPECT_FALSE(EpsgOf("urn:ogc:def:crs:EPSG:", {46.95, 7.44}));
   EXPECT_NE(Refusal(R"({"format":"geotiff","crs":"+proj=utm"})").find("EPSG:2056"), std::string::npos);
   EXPECT_NE(Refusal(R"({"format":"kmz","crs":"utm"})").find("Web Mercator"), std::string::npos);
   EXPECT_EQ(Reason(R"({"format":"geotiff","resolution_m":0.05})"), "export_finer_than_map");

@@ -273,6 +273,7 @@ export const failure_words = {
   export_beyond_map: (v) => `Ein Pixel von ${number(v.asked_m, { maximumSignificantDigits: 4 })}\u00a0m ist größer als die Karte. Wählen Sie eine feinere Auflösung.`,
   export_beyond_utm: () => 'UTM endet bei 80 Grad Süd und 84 Grad Nord. Geben Sie einen EPSG-Code der Region an.',
   export_system_unknown: (v) => `EPSG:${v.epsg} ist nicht bekannt. ${system_of_region}`,
+  export_system_compound: (v) => `Eine Karte hat keine Höhen, und dieses Koordinatensystem zählt auch solche. Geben Sie nur seinen Lageteil an: EPSG:${v.epsg}.`,
   export_system_no_plane: (v) => `EPSG:${v.epsg} ist weder eine Kartenprojektion noch einfache Länge und Breite. ${system_of_region}`,
   export_system_elsewhere: (v) => `EPSG:${v.epsg} gilt für eine andere Region; die Karte liegt bei ${place(v.lat_deg, v.lon_deg)}. ${system_of_region}`,
   export_system_unreachable: (v) => `EPSG:${v.epsg} reicht nicht bis zur Karte. ${system_of_region}`,

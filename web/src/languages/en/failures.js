@@ -276,6 +276,7 @@ export const failure_words = {
   export_beyond_map: (v) => `A pixel of ${number(v.asked_m, { maximumSignificantDigits: 4 })}\u00a0m is larger than the map. Ask for a finer resolution.`,
   export_beyond_utm: () => 'UTM ends at 80 degrees south and 84 degrees north. Give an EPSG code of the region.',
   export_system_unknown: (v) => `EPSG:${v.epsg} is not known. ${system_of_region}`,
+  export_system_compound: (v) => `A map has no heights, and this coordinate system also counts those. Give its horizontal part alone: EPSG:${v.epsg}.`,
   export_system_no_plane: (v) => `EPSG:${v.epsg} is neither a map projection nor plain longitude and latitude. ${system_of_region}`,
   export_system_elsewhere: (v) => `EPSG:${v.epsg} is for another region; the map lies at ${place(v.lat_deg, v.lon_deg)}. ${system_of_region}`,
   export_system_unreachable: (v) => `EPSG:${v.epsg} does not reach the map. ${system_of_region}`,
