@@ -12,6 +12,8 @@
 #include <cmath>
 #include <initializer_list>
 #include <map>
+#include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -50,6 +52,44 @@ Result<void> CheckPixels(GDALDataset& raster, const std::string& name) {
   return {};
 }
 
+// Whether its outline crosses 180 degrees of longitude, where the web map's tiles end: GDAL brings one side
+// of it there, or none. What goes round the Earth or holds a pole has pixels on all columns.
+bool CrossesAntimeridian(GDALDataset& raster) {
+  OGRSpatialReference own(*raster.GetSpatialRef()), wgs84;
+  wgs84.importFromEPSG(4326);
+  for (OGRSpatialReference* system : {&own, &wgs84})
+    system->SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  const std::unique_ptr<OGRCoordinateTransformation> to_wgs84(
+      OGRCreateCoordinateTransformation(&own, &wgs84));
+  std::array<double, 6> transform{};
+  if (!to_wgs84 || raster.GetGeoTransform(transform.data()) != CE_None) return false;
+  constexpr int kStepsOfEdge = 32;
+  constexpr double kInset = 1e-6;  // an edge that lies on 180 degrees does not cross them
+  constexpr double kRoundTheEarthDeg = 350.0;
+  constexpr std::array<std::array<double, 2>, 5> kCorners = {
+      {{0.0, 0.0}, {1.0, 0.0}, {1.0, 1.0}, {0.0, 1.0}, {0.0, 0.0}}};
+  std::optional<double> begin_deg;
+  double lon_deg = 0.0, west_deg = 0.0, east_deg = 0.0;
+  for (std::size_t edge = 0; edge + 1 < kCorners.size(); ++edge) {
+    for (int step = 0; step <= kStepsOfEdge; ++step) {
+      const auto along = [&](std::size_t axis, int size_px) {
+        const double from = kCorners[edge][axis], to = kCorners[edge + 1][axis];
+        return size_px * (kInset + (1.0 - 2.0 * kInset) * (from + (to - from) * step / kStepsOfEdge));
+      };
+      const double column = along(0, raster.GetRasterXSize()), row = along(1, raster.GetRasterYSize());
+      double x = transform[0] + column * transform[1] + row * transform[2];
+      double y = transform[3] + column * transform[4] + row * transform[5];
+      if (!to_wgs84->Transform(1, &x, &y) || !std::isfinite(x)) return false;
+      if (!begin_deg) begin_deg = lon_deg = west_deg = east_deg = std::remainder(x, 360.0);
+      lon_deg += std::remainder(x - lon_deg, 360.0);
+      west_deg = std::min(west_deg, lon_deg);
+      east_deg = std::max(east_deg, lon_deg);
+    }
+  }
+  const bool holds_pole = std::abs(lon_deg - *begin_deg) > 180.0;
+  return !holds_pole && east_deg - west_deg < kRoundTheEarthDeg && (east_deg > 180.0 || west_deg < -180.0);
+}
+
 Result<void> CheckPlace(GDALDataset& raster, const std::string& name) {
   std::array<double, 6> transform{};
   if (raster.GetGeoTransform(transform.data()) != CE_None)
@@ -59,6 +99,8 @@ Result<void> CheckPlace(GDALDataset& raster, const std::string& name) {
     return RasterError(ErrorCode::kUnprocessable, name, flight::RemarkCode::kImportWithoutSystem);
   if (reference->IsLocal())
     return RasterError(ErrorCode::kUnprocessable, name, flight::RemarkCode::kImportLocalSystem);
+  if (CrossesAntimeridian(raster))
+    return RasterError(ErrorCode::kUnprocessable, name, flight::RemarkCode::kImportAcrossAntimeridian);
   return {};
 }
 

@@ -32,16 +32,24 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-// Noise, whose tiles take as many bytes as tiles can. 5 cm pixels in UTM 32 N; or nowhere.
-flight::InputFile WriteNoise(const std::filesystem::path& folder, int side_px, bool is_placed) {
+// Where a picture lies: its system, its north-west corner and the side of a pixel.
+struct PlaceOfPicture {
+  int epsg = 32632;
+  double west = 500'000.0, north = 5'200'000.0, pixel = 0.05;
+};
+
+// Noise, whose tiles take as many bytes as tiles can. 5 cm pixels in UTM 32 N if nothing else is said; or
+// nowhere.
+flight::InputFile WriteNoise(const std::filesystem::path& folder, int side_px,
+                             const std::optional<PlaceOfPicture>& place) {
   GDALAllRegister();
   const std::filesystem::path path = folder / "0k2j";  // as a server stores it
   const std::unique_ptr<GDALDataset> file(GetGDALDriverManager()->GetDriverByName("GTiff")->Create(
       path.c_str(), side_px, side_px, 3, GDT_Byte, nullptr));
-  if (is_placed) {
+  if (place) {
     OGRSpatialReference system;
-    system.importFromEPSG(32632);
-    double corner[6] = {500'000.0, 0.05, 0.0, 5'200'000.0, 0.0, -0.05};
+    system.importFromEPSG(place->epsg);
+    double corner[6] = {place->west, place->pixel, 0.0, place->north, 0.0, -place->pixel};
     file->SetGeoTransform(corner);
     file->SetSpatialRef(&system);
   }
@@ -103,7 +111,7 @@ TEST(ImportForJob, TilesAcrossTheAntimeridianAreOneMap) {
 
 TEST(ImportForJob, MakesTheProductsOfAMap) {
   const test::TemporaryFolder in, out;
-  const auto report = Import(WriteNoise(in.path(), 600, true), "field.tif", {out.path(), true});
+  const auto report = Import(WriteNoise(in.path(), 600, PlaceOfPicture{}), "field.tif", {out.path(), true});
   ASSERT_TRUE(report.ok()) << report.error().message;
   EXPECT_EQ(report->title, "Field");
   EXPECT_THAT(InWords(report->warnings.at(0)), HasSubstr("imported from field.tif"));
@@ -121,9 +129,24 @@ void ChangeReport(const std::filesystem::path& folder, const std::string& what, 
   ASSERT_TRUE(storage::WriteFileAtomically(folder / "report.json", text.replace(at, what.size(), by)));
 }
 
+// 180 degrees lie at 819,451.6 m east of UTM 60 S there.
+TEST(ImportForJob, NamesAPictureThatCrossesTheAntimeridian) {
+  const auto why_not = [](const PlaceOfPicture& place) {
+    const test::TemporaryFolder in, out;
+    const auto made = Import(WriteNoise(in.path(), 400, place), "field.tif", {out.path(), false});
+    if (made) return std::string("made");
+    return std::string(flight::NameOf(flight::WhyOf(made.error()).code));
+  };
+  EXPECT_EQ(why_not({4326, 179.9998, -17.0, 1e-6}), "import_across_antimeridian");
+  EXPECT_EQ(why_not({4326, -180.0002, -17.0, 1e-6}), "import_across_antimeridian");
+  EXPECT_EQ(why_not({32760, 819'441.0, 8'118'000.0, 0.05}), "import_across_antimeridian");
+  EXPECT_EQ(why_not({4326, 179.9995, -17.0, 1e-6}), "made");
+  EXPECT_EQ(why_not({32760, 819'400.0, 8'118'000.0, 0.05}), "made");
+}
+
 TEST(ImportForJob, TakesTheQualityThatTheMapsOwnReportStates) {
   const test::TemporaryFolder in, first;
-  const auto made = Import(WriteNoise(in.path(), 600, true), "field.tif", {first.path(), false});
+  const auto made = Import(WriteNoise(in.path(), 600, PlaceOfPicture{}), "field.tif", {first.path(), false});
   ASSERT_TRUE(made.ok()) << made.error().message;
   EXPECT_EQ(made->quality.status, pipeline::MapStatus::kUnknown) << "nobody says how true it is";
   ASSERT_NO_FATAL_FAILURE(ChangeReport(first.path(), R"("status": "unknown")", R"("status": "ready")"));
@@ -155,7 +178,7 @@ TEST(ImportForJob, TakesTheQualityThatTheMapsOwnReportStates) {
 
 TEST(ImportForJob, CallsAFileByItsNameAndNotByWhereItIs) {
   const test::TemporaryFolder in, out;
-  const flight::InputFile nowhere = WriteNoise(in.path(), 64, false);
+  const flight::InputFile nowhere = WriteNoise(in.path(), 64, std::nullopt);
   const auto refused = Import(nowhere, "field.tif", {out.path(), false});
   ASSERT_FALSE(refused.ok());
   EXPECT_EQ(refused.error().code, ErrorCode::kUnprocessable);
@@ -189,7 +212,7 @@ TEST(ImportForJob, SaysByACodeWhyTilesAreNoMap) {
 
 TEST(ImportForJob, EndsWhereTheDiskHasNoRoomForTheMap) {
   const test::TemporaryFolder in, out;
-  const flight::InputFile file = WriteNoise(in.path(), 4096, true);
+  const flight::InputFile file = WriteNoise(in.path(), 4096, PlaceOfPicture{});
   constexpr rlim_t kRoomBytes = rlim_t{5} << 20;
   rlimit before{};
   ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);

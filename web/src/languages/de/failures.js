@@ -252,6 +252,7 @@ export const failure_words = {
   import_without_system: (v) => `${v.file} sagt nicht, in welchem Koordinatensystem es ist. Schreiben Sie es zuerst in die Datei.`,
   import_local_system: (v) => `${v.file} ist in einem örtlichen Koordinatensystem ohne Ort auf der Erde. Schreiben Sie zuerst das richtige in die Datei.`,
   import_elsewhere: (v) => `${v.file} liegt, wo sich sein Koordinatensystem nicht in das der Webkarte umrechnen lässt. Prüfen Sie, ob das genannte System das richtige ist.`,
+  import_across_antimeridian: (v) => `${v.file} reicht über den 180. Längengrad, an dem die Webkarte endet. Schneiden Sie die Datei dort durch und importieren Sie beide Teile.`,
   import_not_warped: (v) => `${v.file} lässt sich nicht auf das Raster der Webkarte bringen. Wandeln Sie die Datei zuerst in Web-Mercator (EPSG:3857) um.`,
   import_too_large: (v) => `${v.file} ergäbe ${number(v.tiles)} Kacheln; angenommen werden höchstens ${number(v.most)}. Machen Sie die Karte zuerst gröber oder kleiner.`,
   import_transparent: (v) => `${v.file} ist leer: Alle Pixel sind durchsichtig oder ohne Daten.`,

@@ -255,6 +255,7 @@ export const failure_words = {
   import_without_system: (v) => `${v.file} does not say its coordinate system. Write it into the file first.`,
   import_local_system: (v) => `${v.file} is in a local coordinate system without a place on Earth. Write the true one into the file first.`,
   import_elsewhere: (v) => `${v.file} lies where its coordinate system cannot be brought to the web map’s. Check that the system it names is the true one.`,
+  import_across_antimeridian: (v) => `${v.file} crosses 180 degrees of longitude, where the web map ends. Cut it there and import both parts.`,
   import_not_warped: (v) => `${v.file} cannot be brought to the web map’s grid. Convert it to Web Mercator (EPSG:3857) first.`,
   import_too_large: (v) => `${v.file} would become ${number(v.tiles)} tiles, more than the ${number(v.most)} that are taken. Make it coarser or cut it first.`,
   import_transparent: (v) => `${v.file} is empty: all of its pixels are transparent or without data.`,
