@@ -242,10 +242,11 @@ test('photos and logs are chosen, the rest is named with its reason', async () =
     file('old.rar', [1], 'card/old.rar'),
     file('rest.tar.gz', [1], 'card/rest.tar.gz'),
     file('one.gz', [1], 'card/one.gz'),
+    file('two.tar.zst', [1], 'card/two.tar.zst'),
     file('.DS_Store', [1], 'card/.DS_Store'),
   ]);
   assert.deepEqual(chosen.map(({ name }) => name), ['b.JPG', 'flight.MP4', 'log.csv', 'rest.tar.gz']);
-  assert.deepEqual(ignored.map(({ name }) => name), ['card/broken.jpg', 'card/empty.jpg', 'card/film.AVI', 'card/letter.docx', 'card/old.rar', 'card/one.gz']);
+  assert.deepEqual(ignored.map(({ name }) => name), ['card/broken.jpg', 'card/empty.jpg', 'card/film.AVI', 'card/letter.docx', 'card/old.rar', 'card/one.gz', 'card/two.tar.zst']);
   assert.equal(new Set(ignored.map(({ reason }) => reason)).size, 5);
   assert.equal(folder, 'card');
 });

@@ -1,6 +1,7 @@
 #include "core/flight/photos/image_header.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <string_view>
 #include <utility>
@@ -19,7 +20,7 @@ namespace {
 
 constexpr std::uint16_t kXmpTag = 0x02BC;
 
-Error Unsupported(RemarkCode why) { return Because(ErrorCode::kUnsupportedFormat, why); }
+Error Unsupported(Remark why) { return Because(ErrorCode::kUnsupportedFormat, std::move(why)); }
 
 Error DamagedBy(RemarkCode why, std::string detail = "") {
   return Because(ErrorCode::kCorrupt, why, std::move(detail));
@@ -35,6 +36,21 @@ bool IsText(const std::vector<std::uint8_t>& bytes) {
   });
 }
 
+// What is packed, by its first bytes; a tar by those of its first header.
+struct ArchiveMark {
+  std::size_t at;
+  std::string_view bytes;
+  const char* kind;
+};
+constexpr std::array<ArchiveMark, 8> kArchiveMarks = {{{0, "PK\x03\x04", "ZIP"},
+                                                       {0, "7z\xBC\xAF\x27\x1C", "7-Zip"},
+                                                       {0, "Rar!\x1A\x07", "RAR"},
+                                                       {0, "\xFD\x37zXZ", "xz"},
+                                                       {0, "\x28\xB5\x2F\xFD", "Zstandard"},
+                                                       {0, "\x1F\x8B", "gzip"},
+                                                       {0, "BZh", "bzip2"},
+                                                       {257, "ustar", "tar"}}};
+
 Error NotAPhoto(const std::vector<std::uint8_t>& start) {
   const BoxedPicture boxed = BoxedPictureOf(TextOf(start));
   if (boxed == BoxedPicture::kHeic) return Unsupported(RemarkCode::kHeicPicture);
@@ -43,7 +59,8 @@ Error NotAPhoto(const std::vector<std::uint8_t>& start) {
   if (Has(start, 0, "RIFF") && Has(start, 8, "WEBP")) {
     return Unsupported(RemarkCode::kWebpPicture);
   }
-  if (Has(start, 0, "PK\x03\x04")) return Unsupported(RemarkCode::kIsArchive);
+  for (const ArchiveMark& mark : kArchiveMarks)
+    if (Has(start, mark.at, mark.bytes)) return Unsupported({RemarkCode::kIsArchive, {{"kind", mark.kind}}});
   if (IsText(start)) return Unsupported(RemarkCode::kIsText);
   return Unsupported(RemarkCode::kIsNoPicture);
 }

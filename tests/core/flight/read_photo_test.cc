@@ -183,7 +183,15 @@ TEST(ReadPhoto, RefusesOtherFilesInWordsThatHelp) {
   for (const char* brands : {"hevc", "msf1", "mif1    mif1heic"})
     EXPECT_THAT(Refusal(BytesOf(std::string("\0\0\0\x18", 4) + "ftyp" + brands)).message, HasSubstr("HEIC"))
         << brands;
-  EXPECT_THAT(Refusal(BytesOf("PK\x03\x04 rest")).message, HasSubstr("ZIP"));
+  const std::string tar = std::string(257, '\0') + "ustar";
+  for (const auto& [head, kind] :
+       std::initializer_list<std::pair<std::string, const char*>>{{"PK\x03\x04 rest", "ZIP"},
+                                                                  {"7z\xBC\xAF\x27\x1C", "7-Zip"},
+                                                                  {"Rar!\x1A\x07", "RAR"},
+                                                                  {"\xFD\x37zXZ", "xz"},
+                                                                  {"\x28\xB5\x2F\xFD", "Zstandard"},
+                                                                  {tar, "tar"}})
+    EXPECT_THAT(Refusal(BytesOf(head)).message, HasSubstr("an archive (" + std::string(kind) + ")"));
   EXPECT_THAT(Refusal(TiffImage(ExifWriter().Undefined(ExifIfd::kImage, 0xC612, {1, 4, 0, 0}), 32, 24,
                                 Bytes(32 * 24 * 3)))
                   .message,

@@ -18,7 +18,7 @@ const kArchiveName = /\.(zip|tar|tgz|tar\.gz)$/i;
 const kMaxFolders = 8;
 // What network drives and systems keep in folders of their own, hidden ones too: previews of each photo, deleted files.
 const kFolderOfPrograms = /(^|\/)(\.[^/]*|@eadir|[@#]recycle|\$recycle\.bin|system volume information|__macosx)\//i;
-const kOtherArchives = new Set(['7z', 'rar', 'gz', 'bz2', 'xz']);
+const kOtherArchives = new Set(['7z', 'rar', 'gz', 'bz2', 'tbz2', 'xz', 'txz', 'zst']);
 
 /**
  * @param {string} name
