@@ -1,0 +1,45 @@
+// One list by itself: as what its numbers are read.
+#include "core/poses/lists/judge_list.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace skyquilt::poses {
+namespace {
+
+// Surveyed in ETRS89 / UTM zone 32 N, the zone before the easting: 48.860609 N, 9.286313 E and some metres
+// on.
+WrittenList ZonedList(const std::string& system) {
+  WrittenList list;
+  list.system = system;
+  list.order_is_named = true;
+  for (const double on_m : {0.0, 20.0, 40.0, 60.0}) list.rows.push_back({32'521'000.0 + on_m, 5'412'000.0});
+  return list;
+}
+
+void ExpectPlaced(const ListVerdict& verdict) {
+  EXPECT_EQ(verdict.use.fault, flight::ListFault::kNone);
+  ASSERT_EQ(verdict.places.size(), 4U);
+  ASSERT_TRUE(verdict.places[0]);
+  EXPECT_NEAR(verdict.places[0]->lat_deg, 48.8606086, 1e-6);
+  EXPECT_NEAR(verdict.places[0]->lon_deg, 9.2863127, 1e-6);
+}
+
+TEST(JudgeList, ReadsEastingsWithTheZoneBeforeThemInTheZoneThatIsNamed) {
+  for (const char* system : {"EPSG:25832", "EPSG:4647"}) {
+    SCOPED_TRACE(system);
+    ExpectPlaced(JudgeList(ZonedList(system), {}));
+  }
+}
+
+TEST(JudgeList, ReadsEastingsWithTheZoneBeforeThemInTheZoneOfThePhotos) {
+  OwnPlaces own;
+  own.of_flight = geo::LatLon{48.861, 9.287};
+  const ListVerdict verdict = JudgeList(ZonedList(""), own);
+  EXPECT_EQ(verdict.use.reading.counts_in, flight::CountsIn::kUtmOfFlight);
+  ExpectPlaced(verdict);
+}
+
+}  // namespace
+}  // namespace skyquilt::poses
