@@ -23,19 +23,15 @@
 #include "storage/caches/tileset_cache.h"
 #include "storage/catalogue/catalogue.h"
 #include "storage/catalogue/event_log.h"
-#include "storage/catalogue/idempotent_answers.h"
 #include "storage/catalogue/node_tasks.h"
 #include "storage/catalogue/previews.h"
 #include "storage/catalogue/tokens.h"
-#include "storage/catalogue/trash.h"
-#include "storage/catalogue/webhooks.h"
 #include "storage/exports/streamed/streamed_maps.h"
 #include "storage/jobs/job_queue.h"
 #include "storage/jobs/map_exports.h"
 #include "storage/rasters/band_raster.h"
 #include "storage/rasters/height_raster.h"
 #include "storage/rasters/open_rasters.h"
-#include "storage/retention/idle_flights.h"
 #include "storage/tilesets/made_tiles.h"
 #include "storage/uploads/photo_store.h"
 #include "storage/uploads/unpack_archive.h"
@@ -57,13 +53,10 @@ struct Service {
   storage::EventLog events{db};
   storage::NodeTasks node_tasks{db};
   storage::UploadSpool spool{db, catalogue, store};
-  storage::Previews previews{db};
   storage::MapExports exports{db};
-  storage::Trash trash{db, storage::FlightRecords(store.dir())};
   int trash_days = 30;  // that a deleted flight can be restored; 0: not at all
-  storage::IdleFlights idle_flights{db};
-  int keep_days = 0;  // after which a flight that nobody changes goes to the trash; 0: never
-  storage::PreviewCache preview_cache{store.dir(), previews};
+  int keep_days = 0;    // after which a flight that nobody changes goes to the trash; 0: never
+  storage::PreviewCache preview_cache{store.dir(), db};
   storage::MadeTiles made_tiles{};
   storage::StreamedMaps streamed_maps{};
   PerRevision<TileFacts> tile_facts{};
@@ -72,9 +65,7 @@ struct Service {
   storage::OpenRasters<storage::HeightRaster> surface_rasters{}, ground_rasters{};  // dsm.tif, dtm.tif
   // Of two maps' heights against each other, as api/surface/change.h finds them.
   PerRevision<std::variant<surface::HeightShift, surface::ShiftFault>> height_shifts{};
-  std::mutex height_shifts_mutex{};  // held while one is found
-  storage::Webhooks webhooks{db};
-  storage::NodeDeliveries node_deliveries{db};
+  std::mutex height_shifts_mutex{};            // held while one is found
   std::string node_engine = kUsualNodeEngine;  // as which the NodeODM-compatible node answers
   bool sends_webhooks = false;                 // the operator lets this server speak to others
   // To this address, too; asked when one is named, and once more by whoever sends.
@@ -85,7 +76,6 @@ struct Service {
   std::function<bool()> prints_pdf = [] { return false; };
   storage::Tokens tokens{db};
   bool has_keyed_cache = false;  // the operator's cache in front has Authorization and the query in its key
-  storage::IdempotentAnswers idempotent_answers{db};
   RateLimiter rate_limiter{};
   ByteLedger quotas{};
   std::mutex once_mutex{};  // held while a request with an Idempotency-Key is carried out

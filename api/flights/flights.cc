@@ -22,7 +22,8 @@ Result<FlightView> WithJobAndMap(Service& service, storage::Flight flight) {
   view.job = std::move(job);
   SKYQUILT_TRY_ASSIGN(view.revision, service.catalogue.ActiveRevision(flight.id));
   if (!view.revision) {
-    SKYQUILT_TRY_ASSIGN(std::optional<storage::Preview> preview, service.previews.Find(flight.id));
+    SKYQUILT_TRY_ASSIGN(std::optional<storage::Preview> preview,
+                        storage::Previews(service.db).Find(flight.id));
     view.preview = std::move(preview);
   }
   view.flight = std::move(flight);

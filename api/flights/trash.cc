@@ -11,9 +11,14 @@
 #include "api/json/json_codec.h"
 #include "api/routes.h"
 #include "core/base/try.h"
+#include "storage/catalogue/trash.h"
 
 namespace skyquilt::api {
 namespace {
+
+storage::Trash TrashOf(Service& service) {
+  return storage::Trash(service.db, storage::FlightRecords(service.store.dir()));
+}
 
 std::string TrashedJson(const Service& service, const storage::TrashedFlight& flight) {
   const storage::AgeClock& ages = service.db.ages();
@@ -31,7 +36,7 @@ std::string TrashedJson(const Service& service, const storage::TrashedFlight& fl
 }
 
 Result<Response> ListTrash(Service& service, const Request& request) {
-  SKYQUILT_TRY_ASSIGN(const std::vector<storage::TrashedFlight> flights, service.trash.List());
+  SKYQUILT_TRY_ASSIGN(const std::vector<storage::TrashedFlight> flights, TrashOf(service).List());
   std::vector<std::string> items;
   for (const storage::TrashedFlight& flight : flights) {
     // What was deleted is seen by whoever may take it back.
@@ -43,7 +48,7 @@ Result<Response> ListTrash(Service& service, const Request& request) {
 Result<Response> Restore(Service& service, const Request& request) {
   const std::string& id = request.Parameter("flight");
   SKYQUILT_TRY(CheckId(id, "flight"));
-  SKYQUILT_TRY(service.trash.Restore(id));
+  SKYQUILT_TRY(TrashOf(service).Restore(id));
   SKYQUILT_TRY_ASSIGN(FlightView view, ViewFlight(service, id));
   view.may_change = MayChange(request, view.flight.owner);
   view.base_path = request.base_path;
@@ -54,7 +59,7 @@ Result<Response> RemoveForGood(Service& service, const Request& request) {
   const std::string& id = request.Parameter("flight");
   SKYQUILT_TRY(CheckId(id, "flight"));
   // Only what was deleted before: nobody loses a flight by one slip.
-  SKYQUILT_TRY(service.trash.Find(id));
+  SKYQUILT_TRY(TrashOf(service).Find(id));
   SKYQUILT_TRY(RemoveFlight(service, id));
   return NoContent();
 }
@@ -63,7 +68,7 @@ Result<Response> RemoveForGood(Service& service, const Request& request) {
 
 Result<void> DeleteFlight(Service& service, const std::string& id) {
   if (service.trash_days == 0) return RemoveFlight(service, id);
-  SKYQUILT_TRY(service.db.Free([&] { return service.trash.Put(id, storage::Now()); }));
+  SKYQUILT_TRY(service.db.Free([&] { return TrashOf(service).Put(id, storage::Now()); }));
   service.tilesets.Forget(id);
   return {};
 }
@@ -78,8 +83,8 @@ Result<void> RemoveFlight(Service& service, const std::string& id) {
 }
 
 Result<int> RemoveOldTrash(Service& service) {
-  SKYQUILT_TRY_ASSIGN(const auto old, service.trash.DeletedUntil(service.db.ages().Now() -
-                                                                 std::chrono::days(service.trash_days)));
+  SKYQUILT_TRY_ASSIGN(const auto old, TrashOf(service).DeletedUntil(service.db.ages().Now() -
+                                                                    std::chrono::days(service.trash_days)));
   int removed = 0;
   for (const std::string& id : old) {
     const Result<void> done = RemoveFlight(service, id);
@@ -98,7 +103,8 @@ void AddTrashRoutes(Router& router, Service& service) {
 }
 
 Result<void> TrashIdleFlights(Service& service, const std::function<void(const storage::IdleFlight&)>& tell) {
-  if (service.keep_days == 0) return service.idle_flights.Forget();
+  storage::IdleFlights idle_flights(service.db);
+  if (service.keep_days == 0) return idle_flights.Forget();
   if (service.trash_days == 0) {
     return Error{ErrorCode::kUnprocessable, "This server keeps no trash for flights that nobody changes.",
                  ""};
@@ -106,13 +112,13 @@ Result<void> TrashIdleFlights(Service& service, const std::function<void(const s
   const std::chrono::days keep(service.keep_days);
   const storage::Time age = service.db.ages().Now();
   const storage::Time now = storage::Now();
-  SKYQUILT_TRY_ASSIGN(const std::vector<storage::IdleFlight> idle, service.idle_flights.Look(age, now, keep));
+  SKYQUILT_TRY_ASSIGN(const std::vector<storage::IdleFlight> idle, idle_flights.Look(age, now, keep));
   for (const storage::IdleFlight& flight : idle) {
     const auto still_idle = [&](storage::SqlConnection& db) {
       return storage::IdleFlights::IsIdle(db, flight.id, age, now, keep);
     };
     SKYQUILT_TRY_ASSIGN(const bool is_put,
-                        service.db.Free([&] { return service.trash.PutIf(flight.id, now, still_idle); }));
+                        service.db.Free([&] { return TrashOf(service).PutIf(flight.id, now, still_idle); }));
     if (!is_put) continue;
     service.tilesets.Forget(flight.id);
     tell(flight);

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "api/service.h"
+#include "storage/retention/idle_flights.h"
 
 namespace skyquilt::api {
 

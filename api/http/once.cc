@@ -6,6 +6,7 @@
 #include "api/http/digest.h"
 #include "api/http/responses.h"
 #include "core/base/try.h"
+#include "storage/catalogue/idempotent_answers.h"
 
 namespace skyquilt::api {
 namespace {
@@ -44,8 +45,9 @@ Response OnceBy(Service& service, const Request& request, const std::string& fin
   if (!request.headers.Has("Idempotency-Key")) return Answered(carry_out(), request);
   const Result<storage::IdempotencyKey> key = KeyOf(request);
   if (!key) return Problem(key.error(), request);
+  storage::IdempotentAnswers answers(service.db);
   const std::lock_guard lock(service.once_mutex);
-  const auto known = service.idempotent_answers.Find(*key, service.db.ages().Now());
+  const auto known = answers.Find(*key, service.db.ages().Now());
   if (!known) return Problem(known.error(), request);
   if (*known && (*known)->fingerprint != fingerprint) {
     return Problem(
@@ -57,7 +59,7 @@ Response OnceBy(Service& service, const Request& request, const std::string& fin
   Response response = Answered(carry_out(), request);
   // What the machine could not do may be tried again.
   if (response.status >= 500) return response;
-  const Result<void> kept = service.idempotent_answers.Keep(
+  const Result<void> kept = answers.Keep(
       *key, {fingerprint, response.status, std::string(response.headers.Find("Location")), response.body},
       service.db.ages().Now());
   return kept ? std::move(response) : Problem(kept.error(), request);
@@ -71,7 +73,8 @@ Response Once(Service& service, const Request& request, std::string_view body,
 Result<bool> HasKeptAnswer(Service& service, const Request& request) {
   if (!request.headers.Has("Idempotency-Key")) return false;
   SKYQUILT_TRY_ASSIGN(const storage::IdempotencyKey key, KeyOf(request));
-  SKYQUILT_TRY_ASSIGN(const auto known, service.idempotent_answers.Find(key, service.db.ages().Now()));
+  SKYQUILT_TRY_ASSIGN(const auto known,
+                      storage::IdempotentAnswers(service.db).Find(key, service.db.ages().Now()));
   return known.has_value();
 }
 

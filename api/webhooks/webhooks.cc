@@ -13,6 +13,7 @@
 #include "api/routes.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
+#include "storage/catalogue/webhooks.h"
 
 namespace skyquilt::api {
 namespace {
@@ -62,19 +63,19 @@ Result<Response> AddWebhook(Service& service, const Request&, const std::string&
   SKYQUILT_TRY_ASSIGN(const NewWebhook wanted, ParseNewWebhook(body));
   SKYQUILT_TRY(service.check_receiver(wanted.url));
   SKYQUILT_TRY_ASSIGN(const storage::Webhook made,
-                      service.webhooks.Add(wanted.url, wanted.secret, storage::Now()));
+                      storage::Webhooks(service.db).Add(wanted.url, wanted.secret, storage::Now()));
   return Json(201, Described(made, true));
 }
 
-Result<Response> ListWebhooks(storage::Webhooks& webhooks, const Request&) {
-  SKYQUILT_TRY_ASSIGN(const std::vector<storage::Webhook> list, webhooks.List());
+Result<Response> ListWebhooks(storage::CatalogueDb& db, const Request&) {
+  SKYQUILT_TRY_ASSIGN(const std::vector<storage::Webhook> list, storage::Webhooks(db).List());
   std::vector<std::string> items;
   for (const storage::Webhook& webhook : list) items.push_back(Described(webhook, false));
   return Json(200, JsonObject({{"webhooks", JsonArray(items)}}));
 }
 
-Result<Response> RemoveWebhook(storage::Webhooks& webhooks, const Request& request) {
-  SKYQUILT_TRY(webhooks.Remove(request.Parameter("webhook")));
+Result<Response> RemoveWebhook(storage::CatalogueDb& db, const Request& request) {
+  SKYQUILT_TRY(storage::Webhooks(db).Remove(request.Parameter("webhook")));
   return NoContent();
 }
 
@@ -105,9 +106,9 @@ std::string WebhookSignature(const std::string& secret, std::int64_t at_s, const
 void AddWebhookRoutes(Router& router, Service& service) {
   using enum storage::Scope;
   const char* const one = "/api/v1/webhooks/{webhook}";
-  router.Add(Method::kGet, "/api/v1/webhooks", On(service.webhooks, ListWebhooks)).scope = kAdmin;
+  router.Add(Method::kGet, "/api/v1/webhooks", On(service.db, ListWebhooks)).scope = kAdmin;
   router.AddBody(Method::kPost, "/api/v1/webhooks", On(service, AddWebhook)).scope = kAdmin;
-  router.Add(Method::kDelete, one, On(service.webhooks, RemoveWebhook)).scope = kAdmin;
+  router.Add(Method::kDelete, one, On(service.db, RemoveWebhook)).scope = kAdmin;
 }
 
 }  // namespace skyquilt::api

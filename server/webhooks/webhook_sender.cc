@@ -22,7 +22,11 @@ bool MayTell(const Result<bool>& taken) {
 }  // namespace
 
 WebhookSender::WebhookSender(api::Service& service, bool may_go_private)
-    : service_(service), may_go_private_(may_go_private), thread_([this] { Run(); }) {}
+    : service_(service),
+      webhooks_(service.db),
+      node_deliveries_(service.db),
+      may_go_private_(may_go_private),
+      thread_([this] { Run(); }) {}
 
 void WebhookSender::Run() {
   std::chrono::steady_clock::time_point looked;
@@ -35,16 +39,16 @@ void WebhookSender::Run() {
 }
 
 void WebhookSender::TellAllDue() {
-  const auto due = service_.webhooks.Due(service_.db.ages().Now(), kAtOnce);
+  const auto due = webhooks_.Due(service_.db.ages().Now(), kAtOnce);
   if (!due) return LogFailure("-", "webhook", due.error().detail);
   for (const storage::Delivery& delivery : *due) {
-    if (MayTell(service_.webhooks.Take(delivery, service_.db.ages().Now()))) Tell(delivery);
+    if (MayTell(webhooks_.Take(delivery, service_.db.ages().Now()))) Tell(delivery);
     if (thread_.IsEnded()) return;
   }
-  const auto of_tasks = service_.node_deliveries.Due(service_.db.ages().Now(), kAtOnce);
+  const auto of_tasks = node_deliveries_.Due(service_.db.ages().Now(), kAtOnce);
   if (!of_tasks) return LogFailure("-", "webhook", of_tasks.error().detail);
   for (const storage::NodeDelivery& delivery : *of_tasks) {
-    if (MayTell(service_.node_deliveries.Take(delivery, service_.db.ages().Now()))) Tell(delivery);
+    if (MayTell(node_deliveries_.Take(delivery, service_.db.ages().Now()))) Tell(delivery);
     if (thread_.IsEnded()) return;
   }
 }
@@ -62,8 +66,8 @@ void WebhookSender::Tell(const storage::Delivery& delivery) {
   const Result<void> posted = PostMessage(message);
   if (!posted)
     LogFailure(delivery.webhook.id, "webhook", posted.error().message + " " + posted.error().detail);
-  const Result<void> kept = posted ? service_.webhooks.Heard(delivery)
-                                   : service_.webhooks.NotHeard(delivery, service_.db.ages().Now());
+  const Result<void> kept =
+      posted ? webhooks_.Heard(delivery) : webhooks_.NotHeard(delivery, service_.db.ages().Now());
   if (!kept) LogFailure(delivery.webhook.id, "webhook", kept.error().detail);
 }
 
@@ -82,8 +86,8 @@ void WebhookSender::Tell(const storage::NodeDelivery& delivery) {
     told = body.error();
   }
   if (!told) LogFailure(delivery.uuid, "webhook", told.error().message + " " + told.error().detail);
-  const Result<void> kept = told ? service_.node_deliveries.Heard(delivery)
-                                 : service_.node_deliveries.NotHeard(delivery, service_.db.ages().Now());
+  const Result<void> kept =
+      told ? node_deliveries_.Heard(delivery) : node_deliveries_.NotHeard(delivery, service_.db.ages().Now());
   if (!kept) LogFailure(delivery.uuid, "webhook", kept.error().detail);
 }
 

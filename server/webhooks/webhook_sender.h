@@ -4,6 +4,8 @@
 
 #include "api/service.h"
 #include "server/background_thread.h"
+#include "storage/catalogue/node_tasks.h"
+#include "storage/catalogue/webhooks.h"
 
 namespace skyquilt::server {
 
@@ -19,6 +21,8 @@ class WebhookSender {
   void Tell(const storage::NodeDelivery& delivery);
 
   api::Service& service_;
+  storage::Webhooks webhooks_;
+  storage::NodeDeliveries node_deliveries_;
   const bool may_go_private_;
   BackgroundThread thread_;
 };

@@ -102,7 +102,7 @@ class PreviewCache {
   static constexpr std::chrono::milliseconds kFreshFor{100};
   static constexpr std::size_t kMaxOpen = 64;
 
-  PreviewCache(DataDir dir, const Previews& previews) : dir_(std::move(dir)), previews_(previews) {}
+  PreviewCache(DataDir dir, CatalogueDb& db) : dir_(std::move(dir)), previews_(db) {}
   Result<std::shared_ptr<const OpenPreview>> Get(const std::string& flight_id);
 
  private:
@@ -111,7 +111,7 @@ class PreviewCache {
     std::chrono::steady_clock::time_point checked;
   };
   DataDir dir_;
-  const Previews& previews_;
+  const Previews previews_;
   std::mutex mutex_;
   std::map<std::string, Entry> entries_;
 };
