@@ -4,10 +4,11 @@
 
 #include <nlohmann/json.hpp>
 
+#include "api/common/xml_text.h"
 #include "api/http/links.h"
 #include "api/http/responses.h"
-#include "api/ogc/map_view.h"
 #include "api/routes.h"
+#include "api/views/map_view.h"
 #include "api/wmts/wmts_text.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"

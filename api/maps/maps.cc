@@ -6,12 +6,12 @@
 
 #include "api/http/responses.h"
 #include "api/maps/map_request.h"
-#include "api/ogc/map_view.h"
 #include "api/ogc/ogc_format.h"
 #include "api/routes.h"
 #include "api/tiles/map_window.h"
 #include "api/tiles/recode_tile.h"
 #include "api/tiles/tiles.h"
+#include "api/views/map_view.h"
 #include "core/base/try.h"
 #include "core/geo/tile_id.h"
 

@@ -5,9 +5,8 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
-#include "api/http/responses.h"
+#include "api/ogc/ogc_format.h"
 #include "api/tiles/recode_tile.h"
-#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "core/geo/web_mercator.h"
 
@@ -20,8 +19,6 @@ constexpr const char* kMercatorSet = "WebMercatorQuad";
 constexpr const char* kMercatorSetUri = "http://www.opengis.net/def/tilematrixset/OGC/1.0/WebMercatorQuad";
 constexpr const char* kScaleSets = "http://www.opengis.net/def/wkss/OGC/1.0/";
 constexpr int kFinestZoom = 24;
-
-Response SetResponse(const SetJson& value) { return OgcDocument(JsonText(value)); }
 
 SetJson SetLink(const std::string& href, const std::string& rel, const char* title) {
   return {{"href", href}, {"rel", rel}, {"type", "application/json"}, {"title", title}};
@@ -174,12 +171,12 @@ SetJson LimitsOf(const MapView& map, const MapSet& set) {
 }  // namespace
 
 Response MatrixSetList(const Request& request) {
-  const MapView at = Nowhere(request);
   SetJson sets = SetJson::array();
   const auto add = [&](const std::string& id, const std::string& uri) {
     SetJson set = {{"id", id}};
     if (!uri.empty()) set["uri"] = uri;
-    set["links"] = SetJson::array({SetLink(at.Link("/ogc/tileMatrixSets/" + id), "self", "Definition")});
+    set["links"] = SetJson::array(
+        {OgcLink(request, "/ogc/tileMatrixSets/" + id, "self", "application/json", "Definition")});
     sets.push_back(set);
   };
   add(kMercatorSet, kMercatorSetUri);
@@ -187,16 +184,16 @@ Response MatrixSetList(const Request& request) {
   std::vector<MapGrid> grids = {MapGrid::WorldCrs84()};
   for (int zone = 1; zone <= MapGrid::kZones; ++zone) grids.push_back(MapGrid::Utm(zone));
   for (const MapGrid& grid : grids) add(grid.name(), grid.uri());
-  return SetResponse({{"tileMatrixSets", sets}});
+  return OgcDocument({{"tileMatrixSets", sets}});
 }
 
 Result<Response> MatrixSetDocument(const Request& request) {
   const std::string& id = request.Parameter("set");
-  if (const std::optional<int> side_px = MercatorSideOf(id)) return SetResponse(MercatorSet(id, *side_px));
+  if (const std::optional<int> side_px = MercatorSideOf(id)) return OgcDocument(MercatorSet(id, *side_px));
   const std::optional<MapGrid> grid = MapGrid::Named(id);
   if (!grid) return Error{ErrorCode::kNotFound, "There is no such tile matrix set.", ""};
   SKYQUILT_TRY_ASSIGN(const MapCrs crs, grid->Crs());
-  return SetResponse(GridSet(*grid, crs));
+  return OgcDocument(GridSet(*grid, crs));
 }
 
 Response TilesetList(const MapView& map) {
@@ -204,7 +201,7 @@ Response TilesetList(const MapView& map) {
       SetJson::array({SetLink(map.Link("/ogc/collections/" + map.id + "/map/tiles"), "self", "This list")});
   SetJson tilesets = SetJson::array();
   for (const MapSet& set : map.sets()) tilesets.push_back(SummaryOf(map, set));
-  return SetResponse({{"links", links}, {"tilesets", tilesets}});
+  return OgcDocument({{"links", links}, {"tilesets", tilesets}});
 }
 
 Response TilesetDocument(const MapView& map, const MapSet& set) {
@@ -215,7 +212,7 @@ Response TilesetDocument(const MapView& map, const MapSet& set) {
   tileset["boundingBox"] = {{"lowerLeft", {west, south}}, {"upperRight", {east, north}}, {"crs", kCrs84Uri}};
   tileset["centerPoint"] = {{"coordinates", {(west + east) / 2, (south + north) / 2}}, {"crs", kCrs84Uri}};
   if (!limits.empty()) tileset["centerPoint"]["tileMatrix"] = limits.back()["tileMatrix"];
-  return SetResponse(tileset);
+  return OgcDocument(tileset);
 }
 
 }  // namespace skyquilt::api

@@ -2,7 +2,7 @@
 // each, and what a map has in them. Any thread.
 #pragma once
 
-#include "api/ogc/map_view.h"
+#include "api/views/map_view.h"
 
 namespace skyquilt::api {
 

@@ -9,18 +9,16 @@
 #include "api/auth/flight_access.h"
 #include "api/common/find_flight.h"
 #include "api/grids/grid_tiles.h"
-#include "api/http/links.h"
 #include "api/http/parameters.h"
-#include "api/http/responses.h"
 #include "api/json/json_codec.h"
 #include "api/ogc/features.h"
-#include "api/ogc/map_view.h"
 #include "api/ogc/matrix_sets.h"
 #include "api/ogc/ogc_format.h"
 #include "api/routes.h"
 #include "api/surface/map_surface.h"
 #include "api/tiles/tile_path.h"
 #include "api/tiles/tiles.h"
+#include "api/views/map_view.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
 #include "core/geo/web_mercator.h"
@@ -33,12 +31,6 @@ namespace {
 
 using Value = nlohmann::ordered_json;
 
-Response Document(const Value& value) { return OgcDocument(JsonText(value)); }
-
-Value Link(const std::string& href, const std::string& rel, const char* type, const char* title) {
-  return {{"href", href}, {"rel", rel}, {"type", type}, {"title", title}};
-}
-
 // The systems that a map is drawn in without asking twice: its own first, then those of degrees and of its
 // zone.
 Value CrsListOf(const storage::Revision& revision) {
@@ -49,21 +41,20 @@ Value CrsListOf(const storage::Revision& revision) {
 }
 
 Response Landing(const Request& request) {
-  const MapView at = Nowhere(request);
+  const char* const json = "application/json";
   Value links = Value::array();
-  links.push_back(Link(at.Link("/ogc"), "self", "application/json", "This document"));
-  links.push_back(Link(at.Link("/openapi.json"), "service-desc",
-                       "application/vnd.oai.openapi+json;version=3.1", "The API"));
-  links.push_back(Link(at.Link("/docs"), "service-doc", "text/html", "The API, to read"));
+  links.push_back(OgcLink(request, "/ogc", "self", json, "This document"));
+  links.push_back(OgcLink(request, "/openapi.json", "service-desc",
+                          "application/vnd.oai.openapi+json;version=3.1", "The API"));
+  links.push_back(OgcLink(request, "/docs", "service-doc", "text/html", "The API, to read"));
+  for (const std::string& rel : {std::string(), kOgcRel})
+    links.push_back(OgcLink(request, "/ogc/conformance", rel + "conformance", json, "Conformance classes"));
+  for (const std::string& rel : {std::string(), kOgcRel})
+    links.push_back(OgcLink(request, "/ogc/collections", rel + "data", json, "Maps"));
   links.push_back(
-      Link(at.Link("/ogc/conformance"), "conformance", "application/json", "Conformance classes"));
-  links.push_back(
-      Link(at.Link("/ogc/conformance"), kOgcRel + "conformance", "application/json", "Conformance classes"));
-  links.push_back(Link(at.Link("/ogc/collections"), "data", "application/json", "Maps"));
-  links.push_back(Link(at.Link("/ogc/collections"), kOgcRel + "data", "application/json", "Maps"));
-  links.push_back(Link(at.Link("/ogc/tileMatrixSets"), kOgcRel + "tiling-schemes", "application/json",
-                       "Tile matrix sets"));
-  return Document({{"title", "Skyquilt"}, {"description", "Maps made of aerial photos"}, {"links", links}});
+      OgcLink(request, "/ogc/tileMatrixSets", kOgcRel + "tiling-schemes", json, "Tile matrix sets"));
+  return OgcDocument(
+      {{"title", "Skyquilt"}, {"description", "Maps made of aerial photos"}, {"links", links}});
 }
 
 Response Conformance(const Request&) {
@@ -81,7 +72,7 @@ Response Conformance(const Request&) {
                            "crs", "background", "png", "jpeg"}) {
     classes.push_back(std::string("https://www.opengis.net/spec/ogcapi-maps-1/1.0/conf/") + name);
   }
-  return Document({{"conformsTo", classes}});
+  return OgcDocument({{"conformsTo", classes}});
 }
 
 // Imported maps have no photos.
@@ -93,7 +84,7 @@ std::span<const PhotoFeatures> FeaturesOf(const storage::ShownFlight& map) {
 Value Collection(const Request& request, const storage::ShownFlight& map,
                  const std::vector<Surface>& surfaces) {
   const auto link = [&](const std::string& path, const std::string& rel, const char* type,
-                        const char* title) { return Link(LinkTo(request, path), rel, type, title); };
+                        const char* title) { return OgcLink(request, path, rel, type, title); };
   Value links = Value::array();
   const std::string at = "/ogc/collections/" + map.flight_id;
   links.push_back(link(at, "self", "application/json", "This map"));
@@ -139,10 +130,10 @@ Result<Response> DescribeCollection(Service& service, const Request& request) {
   if (!kind) {
     SKYQUILT_TRY_ASSIGN(const std::vector<Surface> surfaces,
                         SurfacesOf(service, shown.flight_id, shown.revision.revision));
-    return Document(Collection(request, shown, surfaces));
+    return OgcDocument(Collection(request, shown, surfaces));
   }
   if (FeaturesOf(shown).empty()) return Error{ErrorCode::kNotFound, "This map was not made of photos.", ""};
-  return Document(ParseOrderedJson(PhotoCollection(request, shown, *kind)));
+  return OgcDocument(ParseOrderedJson(PhotoCollection(request, shown, *kind)));
 }
 
 Result<Response> Collections(Service& service, const Request& request) {
@@ -157,14 +148,13 @@ Result<Response> Collections(Service& service, const Request& request) {
     for (const PhotoFeatures kind : FeaturesOf(map))
       collections.push_back(ParseOrderedJson(PhotoCollection(request, map, kind)));
   }
-  const MapView at = Nowhere(request);
-  Value links = Value::array({Link(at.Link("/ogc/collections"), "self", "application/json", "This list")});
+  Value links = Value::array({OgcLink(request, "/ogc/collections", "self", "application/json", "This list")});
   if (page.next_cursor) {
-    links.push_back(
-        Link(at.Link(fmt::format("/ogc/collections?limit={}&cursor={}", limit, *page.next_cursor)), "next",
-             "application/json", "The next maps"));
+    links.push_back(OgcLink(request,
+                            fmt::format("/ogc/collections?limit={}&cursor={}", limit, *page.next_cursor),
+                            "next", "application/json", "The next maps"));
   }
-  return Document({{"links", links}, {"collections", collections}});
+  return OgcDocument({{"links", links}, {"collections", collections}});
 }
 
 Result<Response> GridTile(Service& service, const Request& request, const MapView& map, const MapGrid& grid,

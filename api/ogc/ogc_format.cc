@@ -1,9 +1,13 @@
 #include "api/ogc/ogc_format.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "api/common/accept.h"
+#include "api/http/links.h"
+#include "api/http/responses.h"
 #include "core/base/check.h"
+#include "core/base/text/json_io.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {
@@ -38,6 +42,15 @@ bool TakesAsStored(std::string_view accept, const storage::Tileset& tileset) {
 }
 
 }  // namespace
+
+Response OgcDocument(const nlohmann::ordered_json& document) {
+  return NoCache(Text(200, JsonText(document), "application/json"));
+}
+
+nlohmann::ordered_json OgcLink(const Request& request, std::string_view path, const std::string& rel,
+                               const char* type, const char* title) {
+  return {{"href", LinkTo(request, path)}, {"rel", rel}, {"type", type}, {"title", title}};
+}
 
 Result<void> CheckTakesJson(const Request& request) {
   constexpr const char* kJson = "application/json";

@@ -11,7 +11,7 @@
 #include "api/jobs/jobs.h"
 #include "api/json/json_codec.h"
 #include "api/json/json_text.h"
-#include "api/ogc/map_view.h"
+#include "api/ogc/ogc_format.h"
 #include "api/routes.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"
@@ -40,11 +40,6 @@ Response Exception(int status, const char* type, const std::string& title, const
                   "application/problem+json");
 }
 
-Value Link(const Request& request, const std::string& path, const std::string& rel, const char* type,
-           const char* title) {
-  return {{"href", LinkTo(request, path)}, {"rel", rel}, {"type", type}, {"title", title}};
-}
-
 Value Summary(const Request& request) {
   Value process;
   process["id"] = kProcess;
@@ -54,17 +49,16 @@ Value Summary(const Request& request) {
   process["jobControlOptions"] = {"async-execute", "dismiss"};
   process["outputTransmission"] = {"reference"};
   process["links"] =
-      Value::array({Link(request, "/ogc/processes/stitch", "self", "application/json", "This process"),
-                    Link(request, "/ogc/processes/stitch/execution", kOgcRel + "execute", "application/json",
-                         "Where to execute it")});
+      Value::array({OgcLink(request, "/ogc/processes/stitch", "self", "application/json", "This process"),
+                    OgcLink(request, "/ogc/processes/stitch/execution", kOgcRel + "execute",
+                            "application/json", "Where to execute it")});
   return process;
 }
 
 Response ListProcesses(const Request& request) {
-  return Document(
-      200, {{"processes", Value::array({Summary(request)})},
-            {"links",
-             Value::array({Link(request, "/ogc/processes", "self", "application/json", "This document")})}});
+  return Document(200, {{"processes", Value::array({Summary(request)})},
+                        {"links", Value::array({OgcLink(request, "/ogc/processes", "self", "application/json",
+                                                        "This document")})}});
 }
 
 Value Output(const char* title, const char* type) {
@@ -103,10 +97,10 @@ Value StatusInfo(const Request& request, const storage::Job& job) {
   if (job.finished) info["finished"] = FormatTime(*job.finished);
   info["progress"] = static_cast<int>(std::lround(100.0 * job.progress));
   const std::string self = "/ogc/jobs/" + job.id;
-  info["links"] = Value::array({Link(request, self, "self", "application/json", "This job")});
+  info["links"] = Value::array({OgcLink(request, self, "self", "application/json", "This job")});
   if (job.state == storage::JobState::kSuccessful) {
     info["links"].push_back(
-        Link(request, self + "/results", kOgcRel + "results", "application/json", "Its results"));
+        OgcLink(request, self + "/results", kOgcRel + "results", "application/json", "Its results"));
   }
   return info;
 }
@@ -156,9 +150,9 @@ Result<Response> Jobs(Service& service, const Request& request) {
   Value list = Value::array();
   for (const storage::Job& job : jobs) list.push_back(StatusInfo(request, job));
   return Document(
-      200,
-      {{"jobs", list},
-       {"links", Value::array({Link(request, "/ogc/jobs", "self", "application/json", "This document")})}});
+      200, {{"jobs", list},
+            {"links",
+             Value::array({OgcLink(request, "/ogc/jobs", "self", "application/json", "This document")})}});
 }
 
 Result<Response> Status(Service& service, const Request& request) {

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "api/http/parameters.h"
-#include "api/ogc/feature_info.h"
+#include "api/views/feature_info.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {

@@ -4,17 +4,18 @@
 
 #include <variant>
 
+#include "api/common/xml_text.h"
 #include "api/flights/point.h"
 #include "api/grids/grid_tiles.h"
 #include "api/http/parameters.h"
 #include "api/http/responses.h"
-#include "api/ogc/feature_info.h"
-#include "api/ogc/listed_maps.h"
-#include "api/ogc/map_view.h"
 #include "api/routes.h"
 #include "api/tiles/tile_answer.h"
 #include "api/tiles/tile_path.h"
 #include "api/tiles/tiles.h"
+#include "api/views/feature_info.h"
+#include "api/views/listed_maps.h"
+#include "api/views/map_view.h"
 #include "api/wmts/wmts_text.h"
 #include "core/base/try.h"
 #include "core/geo/web_mercator.h"

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "api/ogc/listed_maps.h"
+#include "api/views/listed_maps.h"
 
 namespace skyquilt::api {
 

@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "api/common/xml_text.h"
 #include "api/http/digest.h"
-#include "api/ogc/map_view.h"
 #include "core/base/median.h"
 #include "core/base/text/json_io.h"
 #include "core/base/try.h"

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "api/ogc/map_view.h"
 #include "api/service.h"
 #include "api/tiles/tile_facts.h"
+#include "api/views/map_view.h"
 
 namespace skyquilt::api {
 
@@ -36,6 +36,9 @@ struct ListedMaps {
 
 // Of the flight that the address names, else of all: the newest, or those older than the parameter "cursor".
 Result<ListedMaps> ListMapsOf(Service& service, const Request& request);
+// Whatever is not an operation of WMS or WMTS, nothing above all: people paste addresses without parameters,
+// and programs add those of the service that they take it for. What the path is answers.
+bool AsksForCapabilities(std::string_view operation);
 // The flight that a layer of this address means. kNotFound: there is no such layer, or not for this request.
 Result<std::string> FlightOfLayer(const Request& request, std::string_view layer);
 

@@ -1,4 +1,4 @@
-#include "api/ogc/feature_info.h"
+#include "api/views/feature_info.h"
 
 #include <fmt/format.h>
 

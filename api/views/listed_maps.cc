@@ -1,4 +1,4 @@
-#include "api/ogc/listed_maps.h"
+#include "api/views/listed_maps.h"
 
 #include <fmt/format.h>
 
@@ -53,6 +53,14 @@ Result<ListedMaps> ListMapsOf(Service& service, const Request& request) {
     listed.maps.push_back({std::move(layer), std::move(shown), *tiles});
   }
   return listed;
+}
+
+bool AsksForCapabilities(std::string_view operation) {
+  constexpr std::string_view kOthers[] = {"GetMap",       "map",           "GetFeatureInfo",
+                                          "feature_info", "DescribeLayer", "GetLegendGraphic",
+                                          "GetStyles",    "PutStyles",     "GetTile"};
+  return std::none_of(std::begin(kOthers), std::end(kOthers),
+                      [&](std::string_view other) { return EqualsIgnoringCase(operation, other); });
 }
 
 Result<std::string> FlightOfLayer(const Request& request, std::string_view layer) {

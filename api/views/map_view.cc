@@ -1,4 +1,4 @@
-#include "api/ogc/map_view.h"
+#include "api/views/map_view.h"
 
 #include <fmt/format.h>
 
@@ -41,13 +41,6 @@ Result<MapSet> MapView::SetNamed(std::string_view matrix_set) const {
 
 std::string MapView::Link(std::string_view path) const { return WithToken(base_url, path, token); }
 
-MapView Nowhere(const Request& request) {
-  MapView view;
-  view.base_url = request.base_url;
-  view.token = TokenInQuery(request);
-  return view;
-}
-
 Result<MapView> FindMap(Service& service, const Request& request, const std::string& flight_id) {
   SKYQUILT_TRY(CheckId(flight_id, "flight"));
   SKYQUILT_TRY_ASSIGN(const storage::Flight flight, service.catalogue.GetFlight(flight_id));
@@ -85,16 +78,6 @@ std::vector<TileMatrix> MatricesOf(const storage::Revision& revision, int stored
     matrices.push_back(matrix);
   }
   return matrices;
-}
-
-Response OgcDocument(std::string json) { return NoCache(Text(200, std::move(json), "application/json")); }
-
-bool AsksForCapabilities(std::string_view operation) {
-  constexpr std::string_view kOthers[] = {"GetMap",       "map",           "GetFeatureInfo",
-                                          "feature_info", "DescribeLayer", "GetLegendGraphic",
-                                          "GetStyles",    "PutStyles",     "GetTile"};
-  return std::none_of(std::begin(kOthers), std::end(kOthers),
-                      [&](std::string_view other) { return EqualsIgnoringCase(operation, other); });
 }
 
 }  // namespace skyquilt::api

@@ -1,5 +1,5 @@
 // MapView: what every description of a map for other programs says: its name, bounds, zooms, tile size and
-// where its tiles are; and the small pieces of XML and links that these share. Any thread.
+// where its tiles are. Any thread.
 #pragma once
 
 #include <memory>
@@ -8,21 +8,14 @@
 #include <string_view>
 #include <vector>
 
-#include "api/common/xml_text.h"
 #include "api/grids/map_grid.h"
 #include "api/http/http_message.h"
 #include "api/service.h"
 
 namespace skyquilt::api {
 
-// What OGC's own link relations begin with.
-inline const std::string kOgcRel = "http://www.opengis.net/def/rel/ogc/1.0/";
-
 // The side of a pixel as OGC has it in scale denominators.
 inline constexpr double kOgcPixelM = 0.00028;
-
-inline constexpr const char* kMercatorUri = "http://www.opengis.net/def/crs/EPSG/0/3857";
-inline constexpr const char* kCrs84Uri = "http://www.opengis.net/def/crs/OGC/1.3/CRS84";
 
 // A tile matrix set that a map is to be had in: Web Mercator's with tiles of this side, or a grid that its
 // tiles are resampled to.
@@ -53,8 +46,6 @@ struct MapView {
   std::string Link(std::string_view path) const;
 };
 
-// One whose answers need no tileset opened: for links alone.
-MapView Nowhere(const Request& request);
 // Errors: kNotFound (no such flight, or no map yet) and the catalogue's.
 Result<MapView> FindMap(Service& service, const Request& request, const std::string& flight_id);
 
@@ -73,12 +64,5 @@ std::vector<TileMatrix> MatricesOf(const storage::Revision& revision, int stored
 std::vector<int> TileSizesOf(int stored_size_px);
 // "WebMercatorQuad", or with the side of its tiles where that is not 256.
 std::string MatrixSetName(int tile_size_px);
-
-// Which is not kept.
-Response OgcDocument(std::string json);
-
-// Whatever is not an operation of WMS or WMTS, nothing above all: people paste addresses without parameters,
-// and programs add those of the service that they take it for. What the path is answers.
-bool AsksForCapabilities(std::string_view operation);
 
 }  // namespace skyquilt::api
