@@ -137,7 +137,8 @@ Result<Basemap> BasemapFrom(const std::string& text, const std::string& attribut
   return basemap;
 }
 
-void AddBasemapRoutes(Router& router, const Basemap& basemap) {
+void AddBasemapRoutes(Router& router, Service& service) {
+  const Basemap& basemap = service.basemap;
   router
       .Add(Method::kGet, "/basemap.json",
            [basemap](const Request& request) { return Describe(basemap, request); })

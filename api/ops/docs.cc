@@ -69,7 +69,7 @@ std::string Page() {
 
 }  // namespace
 
-void AddDocsRoute(Router& router) {
+void AddDocsRoute(Router& router, Service&) {
   router
       .AddQuick(Method::kGet, "/docs",
                 [](const Request&) {
