@@ -92,15 +92,9 @@ Result<Response> AnswerGridTile(Service& service, const Request& request, const 
   if (wanted.look) key.look = wanted.look->Query();
   key.grid = fmt::format("{}/{}/{}/{}{}", wanted.grid.name(), wanted.level, wanted.row, wanted.column,
                          wanted.format ? "" : "/usual");
-  SKYQUILT_TRY_ASSIGN(const auto made,
-                      Made(service, request, key, [&] { return MakeGridTile(service, *tileset, wanted); }));
-  if (made == nullptr) return DeferTo(Work::kCompute);
-  if (made->bytes.empty()) {
-    return BlankAnswer(request, wanted.empty, MapGrid::kTilePx, CacheControl(request, *tileset));
-  }
-  const image::PictureFormat format =
-      image::PictureFormatOf(made->bytes).value_or(image::PictureFormat::kPng);
-  return AnswerMade(request, *tileset, *made, format, "grid");
+  return AnswerMade(
+      service, request, *tileset, key, "grid", [&] { return MakeGridTile(service, *tileset, wanted); },
+      wanted.empty, MapGrid::kTilePx);
 }
 
 Result<geo::LatLon> PositionInGrid(const MapGrid& grid, std::int64_t level, std::int64_t column,

@@ -57,11 +57,8 @@ Result<Response> AnswerHeightTile(Service& service, const Request& request, cons
   if (tileset == nullptr) return DeferTo(Work::kRead);
   storage::MadeTileKey key{flight_id, tileset->revision.revision, path.tile};
   key.look = fmt::format("{} {}", variant, NameOf(surface));
-  SKYQUILT_TRY_ASSIGN(const auto made, Made(service, request, key, [&]() -> Result<std::string> {
-                        return make(*tileset, surface, path.tile);
-                      }));
-  if (made == nullptr) return DeferTo(Work::kCompute);
-  return AnswerMade(request, *tileset, *made, image::PictureFormat::kPng, variant);
+  return AnswerMade(service, request, *tileset, key, variant,
+                    [&] { return make(*tileset, surface, path.tile); });
 }
 
 Result<Response> AnswerHeightTileJson(Service& service, const Request& request, const char* tiles,

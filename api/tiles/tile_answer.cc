@@ -7,7 +7,6 @@
 
 #include "api/http/conditional.h"
 #include "api/http/responses.h"
-#include "api/tiles/recode_tile.h"
 #include "core/base/try.h"
 #include "core/image/picture_codec.h"
 
@@ -92,12 +91,18 @@ Result<std::shared_ptr<const storage::MadeTile>> Made(Service& service, const Re
   return service.made_tiles.Get(key, make);
 }
 
-Response AnswerMade(const Request& request, const storage::Tileset& tileset, const storage::MadeTile& made,
-                    image::PictureFormat format, std::string_view variant) {
-  Response response = TaggedHead(request, CacheControl(request, tileset), StrongEtag(made.digest, variant));
+Result<Response> AnswerMade(Service& service, const Request& request, const storage::Tileset& tileset,
+                            const storage::MadeTileKey& key, std::string_view variant,
+                            const std::function<Result<std::string>()>& make, EmptyTile empty, int side_px) {
+  SKYQUILT_TRY_ASSIGN(const auto made, Made(service, request, key, make));
+  if (made == nullptr) return DeferTo(Work::kCompute);
+  const char* const cache_control = CacheControl(request, tileset);
+  if (made->bytes.empty()) return BlankAnswer(request, empty, side_px, cache_control);
+  Response response = TaggedHead(request, cache_control, StrongEtag(made->digest, variant));
   if (response.status == 304) return response;
+  const auto format = image::PictureFormatOf(made->bytes).value_or(image::PictureFormat::kPng);
   response.headers.Add("Content-Type", image::ContentTypeOf(format));
-  response.body = made.bytes;
+  response.body = made->bytes;
   return response;
 }
 

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "api/service.h"
+#include "api/tiles/recode_tile.h"
 #include "api/tiles/tiles.h"
 
 namespace skyquilt::api {
@@ -30,8 +31,11 @@ Result<Response> BlankAnswer(const Request& request, EmptyTile otherwise, int si
 Result<std::shared_ptr<const storage::MadeTile>> Made(Service& service, const Request& request,
                                                       const storage::MadeTileKey& key,
                                                       const std::function<Result<std::string>()>& make);
-// `variant`: what kind of made tile it is, for its tag.
-Response AnswerMade(const Request& request, const storage::Tileset& tileset, const storage::MadeTile& made,
-                    image::PictureFormat format, std::string_view variant);
+// The same, answered: deferred where this is not the place. `variant`: what kind of made tile it is, for its
+// tag. Of nothing to be seen (no bytes) a tile is blank, or what `empty` says.
+Result<Response> AnswerMade(Service& service, const Request& request, const storage::Tileset& tileset,
+                            const storage::MadeTileKey& key, std::string_view variant,
+                            const std::function<Result<std::string>()>& make,
+                            EmptyTile empty = EmptyTile::kBlank, int side_px = kUsualTilePx);
 
 }  // namespace skyquilt::api

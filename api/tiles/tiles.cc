@@ -46,12 +46,9 @@ Result<Response> DoubleTile(Service& service, const Request& request, const stor
                             const TileRequest& wanted) {
   if (2 * TileSizePx(tileset) > image::kMaxPictureSidePx) return TooLargeToDouble();
   const image::PictureFormat format = wanted.format.value_or(image::PictureFormat::kPng);
-  SKYQUILT_TRY_ASSIGN(
-      const auto made,
-      Made(service, request, {tileset.flight_id, tileset.revision.revision, wanted.tile, format, 2},
-           [&] { return MakeDoubleTile(tileset, wanted.tile, format); }));
-  if (made == nullptr) return DeferTo(Work::kCompute);
-  return AnswerMade(request, tileset, *made, format, "2x");
+  return AnswerMade(service, request, tileset,
+                    {tileset.flight_id, tileset.revision.revision, wanted.tile, format, 2}, "2x",
+                    [&] { return MakeDoubleTile(tileset, wanted.tile, format); });
 }
 
 // The format in Accept, where the address has none: an exact image type, or else as stored.
@@ -90,56 +87,39 @@ const char* VariantOf(const TileRequest& wanted, const ShownTiles& shown) {
   return shown.is_without_webp ? "nowebp" : "";
 }
 
-// A tile as it is stored, or in the format asked for.
+// A stored tile or a part of it, as it is or in the format asked for.
 Result<Response> Stored(Service& service, const Request& request, const TileRequest& wanted,
-                        storage::FoundTile found, const ShownTiles& shown) {
-  Response response =
-      TaggedHead(request, shown.cache_control, StrongEtag(found.content_id, VariantOf(wanted, shown)));
+                        storage::FoundTile found, const ShownTiles& shown, const TileCut& cut) {
+  const bool is_part = shown.depth > 0;
+  std::string variant = is_part ? fmt::format("{}-{}-{}", cut.side_px, cut.left_px, cut.top_px) : "";
+  variant += VariantOf(wanted, shown);
+  Response response = TaggedHead(request, shown.cache_control, StrongEtag(found.content_id, variant));
   if (response.status == 304) return response;
   SKYQUILT_TRY_ASSIGN(std::string bytes,
                       found.bytes ? *std::move(found.bytes) : shown.source.Load(std::move(found)));
   const std::optional<image::PictureFormat> stored = image::PictureFormatOf(bytes);
   const std::optional<image::PictureFormat> sent = SentFormat(wanted, shown, stored);
-  if (sent != stored) {
-    response.headers.Add("Content-Type", image::ContentTypeOf(*sent));
-    if (shown.tileset == nullptr) {
-      if (request.work < Work::kCompute) return DeferTo(Work::kCompute);
-      SKYQUILT_TRY_ASSIGN(std::string converted, TranscodeTile(bytes, *sent));
-      response.body = std::move(converted);
-      return response;
-    }
-    const storage::MadeTileKey key{shown.tileset->flight_id, shown.tileset->revision.revision, wanted.tile,
-                                   *sent, 1};
-    SKYQUILT_TRY_ASSIGN(const auto made,
-                        Made(service, request, key, [&] { return TranscodeTile(bytes, *sent); }));
-    if (made == nullptr) return DeferTo(Work::kCompute);
-    response.body = made->bytes;
+  if (!is_part && sent == stored) {
+    response.headers.Add("Content-Type", stored ? image::ContentTypeOf(*stored) : "application/octet-stream");
+    response.body = std::move(bytes);
     return response;
   }
-  response.headers.Add("Content-Type", stored ? image::ContentTypeOf(*stored) : "application/octet-stream");
-  response.body = std::move(bytes);
-  return response;
-}
-
-// A part of a stored tile.
-Result<Response> Cut(Service& service, const Request& request, const TileRequest& wanted,
-                     storage::FoundTile found, const ShownTiles& shown, const TileCut& cut) {
-  const std::string etag = StrongEtag(found.content_id, fmt::format("{}-{}-{}{}", cut.side_px, cut.left_px,
-                                                                    cut.top_px, VariantOf(wanted, shown)));
-  Response response = TaggedHead(request, shown.cache_control, etag);
-  if (response.status == 304) return response;
-  SKYQUILT_TRY_ASSIGN(const std::string bytes,
-                      found.bytes ? *std::move(found.bytes) : shown.source.Load(std::move(found)));
-  const image::PictureFormat format =
-      SentFormat(wanted, shown, image::PictureFormatOf(bytes)).value_or(image::PictureFormat::kPng);
-  const storage::MadeTileKey key{
-      shown.tileset->flight_id, shown.tileset->revision.revision, wanted.tile, format, 1, cut.side_px};
-  SKYQUILT_TRY_ASSIGN(const auto made,
-                      Made(service, request, key, [&] { return CutTile(bytes, cut, format); }));
-  if (made == nullptr) return DeferTo(Work::kCompute);
-  if (made->bytes.empty()) return BlankAnswer(request, wanted.empty, cut.side_px, shown.cache_control);
+  const image::PictureFormat format = sent.value_or(image::PictureFormat::kPng);
+  const auto make = [&] { return is_part ? CutTile(bytes, cut, format) : TranscodeTile(bytes, format); };
+  if (shown.tileset != nullptr) {
+    const storage::MadeTileKey key{
+        shown.tileset->flight_id, shown.tileset->revision.revision, wanted.tile, format, 1,
+        is_part ? cut.side_px : 0};
+    SKYQUILT_TRY_ASSIGN(const auto made, Made(service, request, key, make));
+    if (made == nullptr) return DeferTo(Work::kCompute);
+    response.body = made->bytes;
+  } else {
+    if (request.work < Work::kCompute) return DeferTo(Work::kCompute);
+    SKYQUILT_TRY_ASSIGN(response.body, make());
+  }
+  // Of a part nothing may be to be seen.
+  if (response.body.empty()) return BlankAnswer(request, wanted.empty, cut.side_px, shown.cache_control);
   response.headers.Add("Content-Type", image::ContentTypeOf(format));
-  response.body = made->bytes;
   return response;
 }
 
@@ -151,14 +131,11 @@ Result<Response> IndexTile(Service& service, const Request& request, const stora
   const image::PictureFormat format = wanted.format.value_or(image::PictureFormat::kPng);
   storage::MadeTileKey key{tileset.flight_id, tileset.revision.revision, wanted.tile, format, 1, side_px};
   key.look = look.Query();
-  SKYQUILT_TRY_ASSIGN(const auto made, Made(service, request, key, [&]() -> Result<std::string> {
-                        SKYQUILT_TRY_ASSIGN(
-                            const IndexValues values,
-                            ValuesOfTile(service, tileset, look.expression, wanted.tile, side_px));
-                        return EncodeTile(Coloured(values, look), format);
-                      }));
-  if (made == nullptr) return DeferTo(Work::kCompute);
-  return AnswerMade(request, tileset, *made, format, "index");
+  return AnswerMade(service, request, tileset, key, "index", [&]() -> Result<std::string> {
+    SKYQUILT_TRY_ASSIGN(const IndexValues values,
+                        ValuesOfTile(service, tileset, look.expression, wanted.tile, side_px));
+    return EncodeTile(Coloured(values, look), format);
+  });
 }
 
 Result<Response> AnswerFrom(const ShownTiles& shown, Service& service, const Request& request,
@@ -189,9 +166,8 @@ Result<Response> AnswerFrom(const ShownTiles& shown, Service& service, const Req
     return BlankAnswer(request, wanted.empty, side_px, shown.cache_control);
   }
   if (wanted.look) return IndexTile(service, request, *shown.tileset, wanted, side_px);
-  if (shown.depth > 0) return Cut(service, request, wanted, *std::move(found), shown, cut);
   if (is_double) return DoubleTile(service, request, *shown.tileset, wanted);
-  return Stored(service, request, wanted, *std::move(found), shown);
+  return Stored(service, request, wanted, *std::move(found), shown, cut);
 }
 
 // Of the side that was asked for.
