@@ -15,7 +15,8 @@
 #include "api/common/per_revision.h"
 #include "api/events/event_hub.h"
 #include "api/ops/metrics.h"
-#include "api/surface/surface.h"
+#include "api/surface/map_surface.h"
+#include "api/tiles/map_bands.h"
 #include "api/tiles/tile_facts.h"
 #include "core/base/result.h"
 #include "core/flight/bytes/input_file.h"
@@ -29,9 +30,6 @@
 #include "storage/exports/streamed/streamed_maps.h"
 #include "storage/jobs/job_queue.h"
 #include "storage/jobs/map_exports.h"
-#include "storage/rasters/band_raster.h"
-#include "storage/rasters/height_raster.h"
-#include "storage/rasters/open_rasters.h"
 #include "storage/tilesets/made_tiles.h"
 #include "storage/uploads/photo_store.h"
 #include "storage/uploads/unpack_archive.h"
@@ -60,9 +58,8 @@ struct Service {
   storage::MadeTiles made_tiles{};
   storage::StreamedMaps streamed_maps{};
   PerRevision<TileFacts> tile_facts{};
-  storage::OpenRasters<storage::BandRaster> band_rasters{};
-  PerRevision<std::vector<Surface>> surfaces{};  // as api/surface/map_surface.h finds them
-  storage::OpenRasters<storage::HeightRaster> surface_rasters{}, ground_rasters{};  // dsm.tif, dtm.tif
+  MapBands bands{store.blobs()};
+  MapSurfaces surfaces{store.blobs()};
   // Of two maps' heights against each other, as api/surface/change.h finds them.
   PerRevision<std::variant<surface::HeightShift, surface::ShiftFault>> height_shifts{};
   std::mutex height_shifts_mutex{};            // held while one is found

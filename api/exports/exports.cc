@@ -104,7 +104,7 @@ Result<std::string> QueueExport(Service& service, const Request& request, const 
   SKYQUILT_TRY(storage::CheckExport(wish, facts));
   if (wish.IsOfValues()) {
     SKYQUILT_TRY_ASSIGN(const auto tileset, service.tilesets.Get(flight_id));
-    const Result<void> has_bands = CheckBands(service, *tileset, storage::ExpressionOf(wish));
+    const Result<void> has_bands = CheckBands(service.bands, *tileset, storage::ExpressionOf(wish));
     if (!has_bands && has_bands.error().code == ErrorCode::kInvalidArgument)
       return flight::Because(ErrorCode::kUnprocessable, flight::WhyOf(has_bands.error()));
     if (!has_bands) return has_bands.error();

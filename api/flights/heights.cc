@@ -73,9 +73,9 @@ Result<std::string> ProfileJson(Service& service, const std::string& flight_id, 
                                {"height_m", MetresOrNull(sample.height_m)}});
   }
   SKYQUILT_TRY_ASSIGN(const std::vector<Surface> surfaces,
-                      SurfacesOf(service, flight_id, revision->revision));
+                      service.surfaces.Of(flight_id, revision->revision));
   for (const Surface surface : surfaces) {
-    SKYQUILT_TRY_ASSIGN(const auto heights, OpenSurface(service, flight_id, revision->revision, surface));
+    SKYQUILT_TRY_ASSIGN(const auto heights, service.surfaces.Open(flight_id, revision->revision, surface));
     SKYQUILT_TRY_ASSIGN(const std::vector<std::optional<double>> heights_m, heights->HeightsAt(places));
     json["surfaces"].push_back(NameOf(surface));
     for (std::size_t i = 0; i < places.size(); ++i)

@@ -130,9 +130,9 @@ PointValue AsJson(const MapPoint& point) {
 // Of dsm and dtm, where the map has them.
 Result<void> AddSurfaceHeights(Service& service, const MapPoint& point, PointValue& json) {
   SKYQUILT_TRY_ASSIGN(const std::vector<Surface> surfaces,
-                      SurfacesOf(service, point.flight_id, point.revision));
+                      service.surfaces.Of(point.flight_id, point.revision));
   for (const Surface surface : surfaces) {
-    SKYQUILT_TRY_ASSIGN(const auto heights, OpenSurface(service, point.flight_id, point.revision, surface));
+    SKYQUILT_TRY_ASSIGN(const auto heights, service.surfaces.Open(point.flight_id, point.revision, surface));
     SKYQUILT_TRY_ASSIGN(const std::vector<std::optional<double>> found,
                         heights->HeightsAt({&point.position, 1}));
     json[HeightKeyOf(surface)] = found.front() ? PointValue(*found.front()) : PointValue();
@@ -171,13 +171,13 @@ Result<MapPoint> LookAt(Service& service, const std::string& flight_id, const ge
   point.flight_name = flight.name;
   point.revision = tileset->revision.revision;
   point.position = position;
-  if (look) SKYQUILT_TRY(CheckBands(service, *tileset, look->expression));
+  if (look) SKYQUILT_TRY(CheckBands(service.bands, *tileset, look->expression));
   // Beyond the square of the tiles there is no map.
   if (std::abs(position.lat_deg) > 85.0) return point;
   const Eigen::Vector2d merc = geo::MercFromLatLon(position);
   SKYQUILT_TRY_ASSIGN(point.rgba, ColourAt(*tileset, merc));
   if (look) {
-    SKYQUILT_TRY_ASSIGN(point.index_value, ValueAt(service, *tileset, look->expression, merc));
+    SKYQUILT_TRY_ASSIGN(point.index_value, ValueAt(service.bands, *tileset, look->expression, merc));
   }
   if (with_ground) SKYQUILT_TRY(AddGround(service, *tileset, merc, point));
   return point;

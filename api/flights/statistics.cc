@@ -130,9 +130,9 @@ class StatisticsCounter {
 // The values of an index within a polygon.
 class IndexCounter {
  public:
-  IndexCounter(Service& service, const storage::Tileset& tileset, const storage::Boundary& boundary, int zoom,
-               const IndexLook& look)
-      : service_(service),
+  IndexCounter(MapBands& map_bands, const storage::Tileset& tileset, const storage::Boundary& boundary,
+               int zoom, const IndexLook& look)
+      : map_bands_(map_bands),
         tileset_(tileset),
         look_(look),
         side_px_(TileSizePx(tileset)),
@@ -141,7 +141,7 @@ class IndexCounter {
   Result<void> Add(const geo::TileId& tile) {
     if (mask_.Mask(tile, inside_) == storage::Cover::kNone) return {};
     SKYQUILT_TRY_ASSIGN(const IndexValues found,
-                        ValuesOfTile(service_, tileset_, look_.expression, tile, side_px_));
+                        ValuesOfTile(map_bands_, tileset_, look_.expression, tile, side_px_));
     for (std::size_t i = 0; i < found.values.size(); ++i) {
       if (inside_[i] != 0 && found.alphas[i] >= kSolidMapAlpha) values_.push_back(found.values[i]);
     }
@@ -169,7 +169,7 @@ class IndexCounter {
   }
 
  private:
-  Service& service_;
+  MapBands& map_bands_;
   const storage::Tileset& tileset_;
   const IndexLook& look_;
   const int side_px_;
@@ -208,8 +208,8 @@ Result<std::string> MapStatistics(Service& service, const std::string& flight_id
   StatisticsCounter counter(*tileset, boundary, zoom);
   std::optional<IndexCounter> of_index;
   if (look) {
-    SKYQUILT_TRY(CheckBands(service, *tileset, look->expression));
-    of_index.emplace(service, *tileset, boundary, zoom, *look);
+    SKYQUILT_TRY(CheckBands(service.bands, *tileset, look->expression));
+    of_index.emplace(service.bands, *tileset, boundary, zoom, *look);
   }
   if (common) {
     const geo::TileId first = geo::TileId::AtMerc(zoom, {common->min.x(), common->max.y()});

@@ -35,7 +35,7 @@ Result<image::RgbaImage> DrawGridTile(Service& service, const storage::Tileset& 
       WindowOf(crs, box, MapGrid::kTilePx, MapGrid::kTilePx, tileset.revision.bounds.Middle());
   if (!wanted.look) return RenderWindow(tileset, window);
   SKYQUILT_TRY_ASSIGN(const IndexValues values,
-                      ValuesOfWindow(service, tileset, wanted.look->expression, window));
+                      ValuesOfWindow(service.bands, tileset, wanted.look->expression, window));
   return Coloured(values, *wanted.look);
 }
 

@@ -140,7 +140,7 @@ Result<Response> AnswerZones(Service& service, const Request& request) {
   SKYQUILT_TRY_ASSIGN(const storage::MercGrid grid,
                       GridOfZones(tileset->revision.bounds, wanted.resolution_m));
   SKYQUILT_TRY_ASSIGN(const IndexValues values,
-                      ValuesOfWindow(service, *tileset, wanted.look.expression, WindowOn(grid)));
+                      ValuesOfWindow(service.bands, *tileset, wanted.look.expression, WindowOn(grid)));
   std::vector<float> known;
   for (std::size_t i = 0; i < values.values.size(); ++i) {
     if (values.alphas[i] >= kSolidMapAlpha) known.push_back(values.values[i]);
@@ -168,7 +168,7 @@ Result<Response> AnswerBands(Service& service, const Request& request) {
   const std::string& flight_id = request.Parameter("flight");
   SKYQUILT_TRY(CheckId(flight_id, "flight"));
   SKYQUILT_TRY_ASSIGN(const std::shared_ptr<const storage::Tileset> tileset, service.tilesets.Get(flight_id));
-  SKYQUILT_TRY_ASSIGN(const std::vector<std::string> bands, BandsOf(service, *tileset));
+  SKYQUILT_TRY_ASSIGN(const std::vector<std::string> bands, BandsOf(service.bands, *tileset));
   BandsJson json;
   json["revision"] = tileset->revision.revision;
   json["bands"] = bands;

@@ -39,7 +39,7 @@ Result<std::string> KeepHeights(Service& service, const storage::Flight& flight,
   nlohmann::json stated = ParseJson(options);
   if (stated.contains("heights")) return options;
   SKYQUILT_TRY_ASSIGN(const std::vector<Surface> surfaces,
-                      SurfacesOf(service, flight.id, *flight.active_revision));
+                      service.surfaces.Of(flight.id, *flight.active_revision));
   if (surfaces.empty()) return options;
   stated["heights"] = NameOf(surfaces.back());  // with the ground come the others
   return JsonText(stated);

@@ -129,7 +129,7 @@ Result<Response> DescribeCollection(Service& service, const Request& request) {
   const storage::ShownFlight shown = map.shown();
   if (!kind) {
     SKYQUILT_TRY_ASSIGN(const std::vector<Surface> surfaces,
-                        SurfacesOf(service, shown.flight_id, shown.revision.revision));
+                        service.surfaces.Of(shown.flight_id, shown.revision.revision));
     return OgcDocument(Collection(request, shown, surfaces));
   }
   if (FeaturesOf(shown).empty()) return Error{ErrorCode::kNotFound, "This map was not made of photos.", ""};
@@ -143,7 +143,7 @@ Result<Response> Collections(Service& service, const Request& request) {
   Value collections = Value::array();
   for (const storage::ShownFlight& map : page.maps) {
     SKYQUILT_TRY_ASSIGN(const std::vector<Surface> surfaces,
-                        SurfacesOf(service, map.flight_id, map.revision.revision));
+                        service.surfaces.Of(map.flight_id, map.revision.revision));
     collections.push_back(Collection(request, map, surfaces));
     for (const PhotoFeatures kind : FeaturesOf(map))
       collections.push_back(ParseOrderedJson(PhotoCollection(request, map, kind)));

@@ -154,7 +154,7 @@ Result<FoundMaps> Find(Service& service, const Request& request, const StacSearc
 
 Result<std::string> ItemText(Service& service, const Request& request, const storage::ShownFlight& map) {
   SKYQUILT_TRY_ASSIGN(const std::vector<Surface> surfaces,
-                      SurfacesOf(service, map.flight_id, map.revision.revision));
+                      service.surfaces.Of(map.flight_id, map.revision.revision));
   return StacItem(request, map, surfaces);
 }
 

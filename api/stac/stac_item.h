@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "api/http/http_message.h"
-#include "api/surface/surface.h"
+#include "api/surface/map_surface.h"
 #include "storage/catalogue/catalogue.h"
 
 namespace skyquilt::api {

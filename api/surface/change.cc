@@ -148,7 +148,7 @@ Result<Response> ChangeTile(Service& service, const Request& request) {
           [&](const storage::Tileset& shown, Surface surface,
               const geo::TileId& tile) -> Result<std::string> {
             SKYQUILT_TRY_ASSIGN(const std::shared_ptr<storage::HeightRaster> now,
-                                OpenSurface(service, shown.flight_id, shown.revision.revision, surface));
+                                service.surfaces.Open(shown.flight_id, shown.revision.revision, surface));
             SKYQUILT_TRY(CheckHeightZoom(*now, shown.revision, tile));
             SKYQUILT_TRY_ASSIGN(const HeightChange change,
                                 ChangeSince(service, shown, *then, surface, earlier.is_aligned));
@@ -243,9 +243,9 @@ Result<HeightChange> ChangeSince(Service& service, const storage::Tileset& shown
                                  const storage::Tileset& before, Surface surface, bool is_aligned) {
   const storage::Revision &now = shown.revision, &then = before.revision;
   HeightChange change;
-  SKYQUILT_TRY_ASSIGN(change.now, OpenSurface(service, shown.flight_id, now.revision, surface));
+  SKYQUILT_TRY_ASSIGN(change.now, service.surfaces.Open(shown.flight_id, now.revision, surface));
   Result<std::shared_ptr<storage::HeightRaster>> theirs =
-      OpenSurface(service, before.flight_id, then.revision, surface);
+      service.surfaces.Open(before.flight_id, then.revision, surface);
   if (!theirs && theirs.error().code == ErrorCode::kNotFound) {
     SKYQUILT_TRY_ASSIGN(const storage::Flight flight, service.catalogue.GetFlight(before.flight_id));
     return Error{

@@ -70,7 +70,7 @@ Result<Response> AnswerHeightTileJson(Service& service, const Request& request, 
   SKYQUILT_TRY_ASSIGN(const std::shared_ptr<const storage::Tileset> tileset, service.tilesets.Get(flight_id));
   const storage::Revision& revision = tileset->revision;
   SKYQUILT_TRY_ASSIGN(const std::shared_ptr<storage::HeightRaster> heights,
-                      OpenSurface(service, flight_id, revision.revision, surface));
+                      service.surfaces.Open(flight_id, revision.revision, surface));
   const geo::LatLon middle = revision.bounds.Middle();
   const int max_zoom = MaxHeightZoom(*heights, revision);
   nlohmann::ordered_json json;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/try.h"
+#include "storage/files/data_dir.h"
 
 namespace skyquilt::api {
 
@@ -26,14 +27,13 @@ Result<Surface> SurfaceIn(const Request& request) {
   return Error{ErrorCode::kInvalidArgument, "The parameter \"of\" is dsm (what the photos show) or dtm.", ""};
 }
 
-Result<std::vector<Surface>> SurfacesOf(Service& service, const std::string& flight_id,
-                                        std::int64_t revision) {
-  return service.surfaces.Of(flight_id, revision, [&]() -> Result<std::vector<Surface>> {
+Result<std::vector<Surface>> MapSurfaces::Of(const std::string& flight_id, std::int64_t revision) {
+  return found_.Of(flight_id, revision, [&]() -> Result<std::vector<Surface>> {
     std::vector<Surface> surfaces;
     const std::string map = storage::RevisionPrefix(flight_id, revision);
     for (const Surface surface : {Surface::kPhotos, Surface::kGround}) {
       // The file of heights alone may be somebody's elevation model.
-      const Result<storage::BlobInfo> found = service.store.blobs().Find(map + FilesOf(surface).measured);
+      const Result<storage::BlobInfo> found = blobs_.Find(map + FilesOf(surface).measured);
       if (!found && found.error().code != ErrorCode::kNotFound) return found.error();
       if (found) surfaces.push_back(surface);
     }
@@ -41,17 +41,17 @@ Result<std::vector<Surface>> SurfacesOf(Service& service, const std::string& fli
   });
 }
 
-Result<std::shared_ptr<storage::HeightRaster>> OpenSurface(Service& service, const std::string& flight_id,
-                                                           std::int64_t revision, Surface surface) {
+Result<std::shared_ptr<storage::HeightRaster>> MapSurfaces::Open(const std::string& flight_id,
+                                                                 std::int64_t revision, Surface surface) {
   using Raster = std::shared_ptr<storage::HeightRaster>;
   const SurfaceFiles& files = FilesOf(surface);
-  auto& opened = surface == Surface::kPhotos ? service.surface_rasters : service.ground_rasters;
+  auto& opened = surface == Surface::kPhotos ? photos_ : ground_;
   SKYQUILT_TRY_ASSIGN(const Raster raster, opened.Get(flight_id, revision, [&]() -> Result<Raster> {
     const std::string map = storage::RevisionPrefix(flight_id, revision);
-    const Result<storage::LocalBlob> measured = service.store.blobs().Local(map + files.measured);
+    const Result<storage::LocalBlob> measured = blobs_.Local(map + files.measured);
     if (!measured && measured.error().code == ErrorCode::kNotFound) return Raster();
     if (!measured) return measured.error();
-    SKYQUILT_TRY_ASSIGN(const storage::LocalBlob heights, service.store.blobs().Local(map + files.heights));
+    SKYQUILT_TRY_ASSIGN(const storage::LocalBlob heights, blobs_.Local(map + files.heights));
     SKYQUILT_TRY_ASSIGN(Raster found, storage::HeightRaster::Open(heights.path, measured->path));
     return storage::KeepingFile(storage::KeepingFile(std::move(found), heights), *measured);
   }));

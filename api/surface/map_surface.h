@@ -8,13 +8,15 @@
 #include <string>
 #include <vector>
 
+#include "api/common/per_revision.h"
 #include "api/http/http_message.h"
-#include "api/service.h"
-#include "api/surface/surface.h"
 #include "core/base/result.h"
 #include "storage/rasters/height_raster.h"
+#include "storage/rasters/open_rasters.h"
 
 namespace skyquilt::api {
+
+enum class Surface : std::uint8_t { kPhotos, kGround };
 
 struct SurfaceFiles {
   const char* name;  // in addresses and options
@@ -29,10 +31,19 @@ std::string HeightKeyOf(Surface surface);  // dsm_m, dtm_m
 // The parameter "of"; without it, what the photos show.
 Result<Surface> SurfaceIn(const Request& request);
 
-// Those that a map has, without fetching them.
-Result<std::vector<Surface>> SurfacesOf(Service& service, const std::string& flight_id,
-                                        std::int64_t revision);
-Result<std::shared_ptr<storage::HeightRaster>> OpenSurface(Service& service, const std::string& flight_id,
-                                                           std::int64_t revision, Surface surface);
+// Of all maps below a store of blobs.
+class MapSurfaces {
+ public:
+  explicit MapSurfaces(storage::BlobStore& blobs) : blobs_(blobs) {}
+  // Those that a map has, without fetching them.
+  Result<std::vector<Surface>> Of(const std::string& flight_id, std::int64_t revision);
+  Result<std::shared_ptr<storage::HeightRaster>> Open(const std::string& flight_id, std::int64_t revision,
+                                                      Surface surface);
+
+ private:
+  storage::BlobStore& blobs_;
+  PerRevision<std::vector<Surface>> found_;
+  storage::OpenRasters<storage::HeightRaster> photos_, ground_;
+};
 
 }  // namespace skyquilt::api

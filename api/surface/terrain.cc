@@ -35,7 +35,7 @@ Result<Response> TerrainTile(Service& service, const Request& request) {
       service, request, kTerrainTiles,
       [&](const storage::Tileset& shown, Surface surface, const geo::TileId& tile) -> Result<std::string> {
         SKYQUILT_TRY_ASSIGN(const std::shared_ptr<storage::HeightRaster> heights,
-                            OpenSurface(service, shown.flight_id, shown.revision.revision, surface));
+                            service.surfaces.Open(shown.flight_id, shown.revision.revision, surface));
         SKYQUILT_TRY(CheckHeightZoom(*heights, shown.revision, tile));
         return MakeTerrainTile(*heights, tile);
       });

@@ -90,7 +90,7 @@ Result<std::string> VolumeText(Service& service, const std::string& flight_id, s
   if (IsScaleGuessed(*tileset)) return UnusableArea(kNoScale);
   const std::int64_t revision = tileset->revision.revision;
   SKYQUILT_TRY_ASSIGN(const std::shared_ptr<storage::HeightRaster> heights,
-                      OpenSurface(service, flight_id, revision, surface));
+                      service.surfaces.Open(flight_id, revision, surface));
   SKYQUILT_TRY_ASSIGN(const std::optional<storage::HeightCells> cells, heights->Within(area));
   if (!cells) return UnusableArea("the polygon lies beside the map.");
   const surface::AreaHeights inside{cells->columns,   cells->rows,        cells->cell_m,

@@ -78,10 +78,10 @@ Value IndexEntry(const Request& request, const std::string& flight_id, const Ind
 
 // Which bands a map has, and the indices that can be made of them.
 void AddIndices(Service& service, const Request& request, const storage::Tileset& tileset, Value& document) {
-  const std::vector<std::string> bands = BandsAtHand(service, tileset);
+  const std::vector<std::string> bands = BandsAtHand(service.bands, tileset);
   document["bands"] = bands;
-  if (service.store.blobs().IsFolder()) {  // as BandsAtHand
-    const Result<std::optional<geo::Bounds2>> bounds = BoundsOfBands(service, tileset);
+  if (service.bands.AreHere()) {  // as BandsAtHand
+    const Result<std::optional<geo::Bounds2>> bounds = BoundsOfBands(service.bands, tileset);
     if (bounds && *bounds) document["bands_bounds"] = geo::LatLonBoundsFromMerc(**bounds).ToArray();
   }
   document["indices"] = Value::array();
@@ -114,8 +114,8 @@ Result<Value> MapDocument(Service& service, const Request& request, const storag
   }
   SKYQUILT_TRY_ASSIGN(const std::optional<IndexLook> look, LookIn(request));
   if (look) {
-    SKYQUILT_TRY(CheckBands(service, *tileset, look->expression));
-    SKYQUILT_TRY_ASSIGN(const auto bands, BoundsOfBands(service, *tileset));
+    SKYQUILT_TRY(CheckBands(service.bands, *tileset, look->expression));
+    SKYQUILT_TRY_ASSIGN(const auto bands, BoundsOfBands(service.bands, *tileset));
     if (bands) shown.bounds = geo::LatLonBoundsFromMerc(*bands);
     shown.ending = ".png";
     shown.parameters = "&" + look->Query();
@@ -132,7 +132,7 @@ Result<Value> MapDocument(Service& service, const Request& request, const storag
     return document;
   }
   AddIndices(service, request, *tileset, document);
-  SKYQUILT_TRY_ASSIGN(const std::vector<Surface> surfaces, SurfacesOf(service, flight.id, revision.revision));
+  SKYQUILT_TRY_ASSIGN(const std::vector<Surface> surfaces, service.surfaces.Of(flight.id, revision.revision));
   document["heights"] = Value::array();
   for (const Surface surface : surfaces) document["heights"].push_back(NameOf(surface));
   if (!surfaces.empty())

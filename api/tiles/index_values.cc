@@ -16,25 +16,8 @@ namespace {
 using storage::ColourBands;
 using storage::PlacesOf;
 
-constexpr const char* kBandsFile = "bands.tif";
-
 std::size_t PixelCount(int width_px, int height_px) {
   return static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px);
-}
-
-// Null: the map has its colours alone.
-Result<std::shared_ptr<storage::BandRaster>> RasterOf(Service& service, const storage::Tileset& tileset) {
-  const std::int64_t revision = tileset.revision.revision;
-  return service.band_rasters.Get(
-      tileset.flight_id, revision, [&]() -> Result<std::shared_ptr<storage::BandRaster>> {
-        const Result<storage::LocalBlob> file =
-            service.store.blobs().Local(storage::RevisionPrefix(tileset.flight_id, revision) + kBandsFile);
-        if (!file && file.error().code == ErrorCode::kNotFound) return std::shared_ptr<storage::BandRaster>();
-        if (!file) return file.error();
-        SKYQUILT_TRY_ASSIGN(std::shared_ptr<storage::BandRaster> raster,
-                            storage::BandRaster::Open(file->path));
-        return storage::KeepingFile(std::move(raster), *file);
-      });
 }
 
 template <typename Value>
@@ -179,33 +162,33 @@ double GroundPerMercArea(double lat_deg) {
   return along * along * (1.0 - geo::kWgs84EccentricitySquared) / w;
 }
 
-Result<std::vector<std::string>> BandsOf(Service& service, const storage::Tileset& tileset) {
-  SKYQUILT_TRY_ASSIGN(const auto raster, RasterOf(service, tileset));
+Result<std::vector<std::string>> BandsOf(MapBands& map_bands, const storage::Tileset& tileset) {
+  SKYQUILT_TRY_ASSIGN(const auto raster, map_bands.Of(tileset));
   return raster ? raster->bands() : ColourBands();
 }
 
-Result<std::optional<geo::Bounds2>> BoundsOfBands(Service& service, const storage::Tileset& tileset) {
-  SKYQUILT_TRY_ASSIGN(const auto raster, RasterOf(service, tileset));
+Result<std::optional<geo::Bounds2>> BoundsOfBands(MapBands& map_bands, const storage::Tileset& tileset) {
+  SKYQUILT_TRY_ASSIGN(const auto raster, map_bands.Of(tileset));
   return raster ? std::optional(raster->BoundsInMerc()) : std::nullopt;
 }
 
-std::vector<std::string> BandsAtHand(Service& service, const storage::Tileset& tileset) {
-  if (!service.store.blobs().IsFolder()) return ColourBands();
-  const Result<std::vector<std::string>> bands = BandsOf(service, tileset);
+std::vector<std::string> BandsAtHand(MapBands& map_bands, const storage::Tileset& tileset) {
+  if (!map_bands.AreHere()) return ColourBands();
+  const Result<std::vector<std::string>> bands = BandsOf(map_bands, tileset);
   return bands ? *bands : std::vector<std::string>();
 }
 
-Result<void> CheckBands(Service& service, const storage::Tileset& tileset,
+Result<void> CheckBands(MapBands& map_bands, const storage::Tileset& tileset,
                         const indices::BandExpression& expression) {
-  SKYQUILT_TRY_ASSIGN(const std::vector<std::string> bands, BandsOf(service, tileset));
+  SKYQUILT_TRY_ASSIGN(const std::vector<std::string> bands, BandsOf(map_bands, tileset));
   SKYQUILT_TRY(PlacesOf(expression, bands));
   return {};
 }
 
-Result<IndexValues> ValuesOfTile(Service& service, const storage::Tileset& tileset,
+Result<IndexValues> ValuesOfTile(MapBands& map_bands, const storage::Tileset& tileset,
                                  const indices::BandExpression& expression, const geo::TileId& tile,
                                  int side_px) {
-  SKYQUILT_TRY_ASSIGN(const auto raster, RasterOf(service, tileset));
+  SKYQUILT_TRY_ASSIGN(const auto raster, map_bands.Of(tileset));
   const MapWindow window = WindowOfTile(tile, side_px);
   if (raster) return ValuesOfRaster(*raster, expression, GridOver(window));
   SKYQUILT_TRY(PlacesOf(expression, ColourBands()));  // before anything is decoded
@@ -215,9 +198,9 @@ Result<IndexValues> ValuesOfTile(Service& service, const storage::Tileset& tiles
   return ValuesOfColours(expression, picture);
 }
 
-Result<IndexValues> ValuesOfWindow(Service& service, const storage::Tileset& tileset,
+Result<IndexValues> ValuesOfWindow(MapBands& map_bands, const storage::Tileset& tileset,
                                    const indices::BandExpression& expression, const MapWindow& window) {
-  SKYQUILT_TRY_ASSIGN(const auto raster, RasterOf(service, tileset));
+  SKYQUILT_TRY_ASSIGN(const auto raster, map_bands.Of(tileset));
   if (!raster) {
     SKYQUILT_TRY(PlacesOf(expression, ColourBands()));
     SKYQUILT_TRY_ASSIGN(const image::RgbaImage picture, RenderWindow(tileset, window));
@@ -234,11 +217,11 @@ Result<IndexValues> ValuesOfWindow(Service& service, const storage::Tileset& til
   return WithRowsOf(std::move(equal), window, grid);
 }
 
-Result<std::optional<double>> ValueAt(Service& service, const storage::Tileset& tileset,
+Result<std::optional<double>> ValueAt(MapBands& map_bands, const storage::Tileset& tileset,
                                       const indices::BandExpression& expression,
                                       const Eigen::Vector2d& merc) {
   SKYQUILT_TRY_ASSIGN(const IndexValues pixel,
-                      ValuesOfWindow(service, tileset, expression, WindowOfFinestPixel(tileset, merc)));
+                      ValuesOfWindow(map_bands, tileset, expression, WindowOfFinestPixel(tileset, merc)));
   if (pixel.alphas[0] == 0) return std::optional<double>();
   return std::optional<double>(pixel.values[0]);
 }

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "api/common/index_look.h"
-#include "api/service.h"
+#include "api/tiles/map_bands.h"
 #include "api/tiles/map_window.h"
 #include "core/geo/bounds.h"
 #include "core/geo/tile_id.h"
@@ -32,24 +32,24 @@ inline constexpr std::uint8_t kSolidMapAlpha = 128;
 double GroundPerMercArea(double lat_deg);
 
 // The bands of a map, in the order of its file.
-Result<std::vector<std::string>> BandsOf(Service& service, const storage::Tileset& tileset);
+Result<std::vector<std::string>> BandsOf(MapBands& map_bands, const storage::Tileset& tileset);
 // Those that can be told without opening or fetching anything large: what lists of many maps say.
-std::vector<std::string> BandsAtHand(Service& service, const storage::Tileset& tileset);
-Result<void> CheckBands(Service& service, const storage::Tileset& tileset,
+std::vector<std::string> BandsAtHand(MapBands& map_bands, const storage::Tileset& tileset);
+Result<void> CheckBands(MapBands& map_bands, const storage::Tileset& tileset,
                         const indices::BandExpression& expression);
 
 // Where indices may have values: in merc, of bands.tif, which may reach further than the map's tiles do.
 // Absent: where these are.
-Result<std::optional<geo::Bounds2>> BoundsOfBands(Service& service, const storage::Tileset& tileset);
+Result<std::optional<geo::Bounds2>> BoundsOfBands(MapBands& map_bands, const storage::Tileset& tileset);
 
 // Of a tile with so many pixels on a side. Where nothing is known there are no values.
-Result<IndexValues> ValuesOfTile(Service& service, const storage::Tileset& tileset,
+Result<IndexValues> ValuesOfTile(MapBands& map_bands, const storage::Tileset& tileset,
                                  const indices::BandExpression& expression, const geo::TileId& tile,
                                  int side_px);
-Result<IndexValues> ValuesOfWindow(Service& service, const storage::Tileset& tileset,
+Result<IndexValues> ValuesOfWindow(MapBands& map_bands, const storage::Tileset& tileset,
                                    const indices::BandExpression& expression, const MapWindow& window);
 // At the finest pixel there. Absent: no value.
-Result<std::optional<double>> ValueAt(Service& service, const storage::Tileset& tileset,
+Result<std::optional<double>> ValueAt(MapBands& map_bands, const storage::Tileset& tileset,
                                       const indices::BandExpression& expression, const Eigen::Vector2d& merc);
 
 // Straight alpha; transparent where there is no value.

@@ -8,7 +8,7 @@ namespace skyquilt::api {
 
 TileFacts FactsOf(Service& service, const storage::Tileset& tileset) {
   return {TileSizePx(tileset), storage::EncodingOf(tileset.reader->metadata()) == image::TileEncoding::kWebp,
-          BandsAtHand(service, tileset)};
+          BandsAtHand(service.bands, tileset)};
 }
 
 Result<TileFacts> FactsOf(Service& service, const storage::ShownFlight& map) {

@@ -133,7 +133,7 @@ Result<Response> IndexTile(Service& service, const Request& request, const stora
   key.look = look.Query();
   return AnswerMade(service, request, tileset, key, "index", [&]() -> Result<std::string> {
     SKYQUILT_TRY_ASSIGN(const IndexValues values,
-                        ValuesOfTile(service, tileset, look.expression, wanted.tile, side_px));
+                        ValuesOfTile(service.bands, tileset, look.expression, wanted.tile, side_px));
     return EncodeTile(Coloured(values, look), format);
   });
 }
@@ -155,7 +155,7 @@ Result<Response> AnswerFrom(const ShownTiles& shown, Service& service, const Req
   SKYQUILT_TRY_ASSIGN(std::optional<storage::FoundTile> found, shown.source.Find(cut.stored));
   if (!found && wanted.look) {
     if (request.work < Work::kRead) return DeferTo(Work::kRead);
-    SKYQUILT_TRY_ASSIGN(const auto bands, BoundsOfBands(service, *shown.tileset));
+    SKYQUILT_TRY_ASSIGN(const auto bands, BoundsOfBands(service.bands, *shown.tileset));
     if (bands && bands->Intersects(wanted.tile.BoundsInMerc()))
       return IndexTile(service, request, *shown.tileset, wanted, side_px);
   }

@@ -184,7 +184,7 @@ Result<image::RgbaImage> DrawLayer(Service& service, const MapView& map, const s
   const Result<std::optional<IndexLook>> look = LookOfStyle(style);
   if (!look) return refused(look.error());
   if (!*look) return RenderWindow(*map.tileset, window);
-  const Result<IndexValues> values = ValuesOfWindow(service, *map.tileset, (*look)->expression, window);
+  const Result<IndexValues> values = ValuesOfWindow(service.bands, *map.tileset, (*look)->expression, window);
   if (!values) return refused(values.error());
   return Coloured(*values, **look);
 }
