@@ -107,16 +107,6 @@ std::optional<Instant> InstantOf(std::string_view text) {
   return Instant(time->second - *time->ahead_of_utc) + std::chrono::microseconds(microseconds);
 }
 
-std::vector<std::string_view> PartsOf(std::string_view text, char separator) {
-  std::vector<std::string_view> parts;
-  while (true) {
-    const std::size_t end = text.find(separator);
-    parts.push_back(text.substr(0, end));
-    if (end == std::string_view::npos) return parts;
-    text.remove_prefix(end + 1);
-  }
-}
-
 Result<geo::LatLonBounds> BboxOf(const std::vector<double>& numbers) {
   const Error bad = BadQuery(
       "\"bbox\" must be west,south,east,north in degrees: longitudes from -180 to 180, latitudes from -90 to "

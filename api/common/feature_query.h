@@ -44,6 +44,4 @@ bool BoxesMeet(const geo::LatLonBounds& a, const geo::LatLonBounds& b);
 // 1 and more; what is above `most` means as many as there may be.
 Result<int> ParseLimit(std::string_view text, int otherwise, int most);
 
-std::vector<std::string_view> PartsOf(std::string_view text, char separator);
-
 }  // namespace skyquilt::api

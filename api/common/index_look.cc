@@ -4,12 +4,12 @@
 #include <fmt/ranges.h>
 
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <utility>
 
 #include "api/http/header_text.h"
 #include "api/http/links.h"
+#include "api/http/parameters.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {
@@ -29,21 +29,12 @@ Result<std::array<double, 2>> ParseRescale(std::string_view text) {
   const Error refused = BadLook(
       "The parameter \"rescale\" takes two numbers, the lesser first: the values of the ends of the colours, as "
       "in rescale=-0.2,0.9.");
-  std::array<double, 2> ends{};
-  const char* next = text.data();
-  const char* const end = text.data() + text.size();
-  for (std::size_t i = 0; i < ends.size(); ++i) {
-    const auto parsed = std::from_chars(next, end, ends[i]);
-    const bool is_last = i + 1 == ends.size();
-    if (parsed.ec != std::errc() || (parsed.ptr == end) != is_last || (!is_last && *parsed.ptr != ','))
-      return refused;
-    next = parsed.ptr + (is_last ? 0 : 1);
-  }
   constexpr double kMaxEnd = 1e9;
-  // Comparisons with NaN are false.
-  if (!(ends[0] < ends[1]) || !(std::abs(ends[0]) < kMaxEnd) || !(std::abs(ends[1]) < kMaxEnd))
-    return refused;
-  return ends;
+  const std::optional<std::vector<double>> ends = FiniteNumbers(text, 2);
+  if (!ends || ends->size() != 2) return refused;
+  const double least = ends->front(), most = ends->back();
+  if (least >= most || std::abs(least) >= kMaxEnd || std::abs(most) >= kMaxEnd) return refused;
+  return std::array{least, most};
 }
 
 Result<IndexLook> LookNamed(std::string_view name) {

@@ -13,6 +13,26 @@ std::optional<double> ParseFiniteNumber(std::string_view text) {
   return number && std::isfinite(*number) ? number : std::nullopt;
 }
 
+std::vector<std::string_view> PartsOf(std::string_view text, char separator) {
+  std::vector<std::string_view> parts;
+  while (true) {
+    const std::size_t end = text.find(separator);
+    parts.push_back(text.substr(0, end));
+    if (end == std::string_view::npos) return parts;
+    text.remove_prefix(end + 1);
+  }
+}
+
+std::optional<std::vector<double>> FiniteNumbers(std::string_view text, std::size_t most) {
+  std::vector<double> numbers;
+  for (const std::string_view part : PartsOf(text, ',')) {
+    const std::optional<double> number = ParseFiniteNumber(part);
+    if (!number || numbers.size() == most) return std::nullopt;
+    numbers.push_back(*number);
+  }
+  return numbers;
+}
+
 std::optional<std::string> Parameter(const Request& request, std::string_view name) {
   for (const auto& [known, value] : request.query) {
     if (EqualsIgnoringCase(known, name)) return value;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "api/http/http_message.h"
 #include "core/base/result.h"
@@ -22,6 +23,11 @@ std::optional<Number> ParseNumber(std::string_view text) {
 }
 // The same, but for infinities and what is not a number.
 std::optional<double> ParseFiniteNumber(std::string_view text);
+
+// One more than there are separators.
+std::vector<std::string_view> PartsOf(std::string_view text, char separator);
+// With commas between them. Absent: one of them is none, or there are more than `most`.
+std::optional<std::vector<double>> FiniteNumbers(std::string_view text, std::size_t most);
 
 // A parameter by its name in whatever case, as OWS and ArcGIS have them.
 std::optional<std::string> Parameter(const Request& request, std::string_view name);

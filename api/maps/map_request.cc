@@ -32,20 +32,6 @@ Error BadParameter(std::string_view name, std::string_view what) {
   return {ErrorCode::kInvalidArgument, fmt::format("The parameter \"{}\" must be {}.", name, what), ""};
 }
 
-// Absent: one of them is none, or there are more than six.
-std::optional<std::vector<double>> FiniteNumbers(std::string_view text) {
-  std::vector<double> numbers;
-  while (numbers.size() < 6) {
-    const std::size_t comma = text.find(',');
-    const std::optional<double> number = ParseFiniteNumber(text.substr(0, comma));
-    if (!number) return std::nullopt;
-    numbers.push_back(*number);
-    if (comma == std::string_view::npos) return numbers;
-    text.remove_prefix(comma + 1);
-  }
-  return std::nullopt;
-}
-
 // Without the parameter CRS84.
 Result<MapCrs> CrsIn(const Request& request, const char* name) {
   const auto text = request.Query(name);
@@ -77,7 +63,7 @@ Result<GivenBox> CheckedBox(const char* name, MapCrs crs, Eigen::Vector2d low,
 
 Result<GivenBox> BoxOfBbox(const Request& request, std::string_view text) {
   SKYQUILT_TRY_ASSIGN(MapCrs crs, CrsIn(request, "bbox-crs"));
-  const std::optional<std::vector<double>> numbers = FiniteNumbers(text);
+  const std::optional<std::vector<double>> numbers = FiniteNumbers(text, 6);
   if (!numbers || (numbers->size() != 4 && numbers->size() != 6))
     return BadParameter("bbox", "four numbers, or six with heights, with commas between them");
   const std::size_t half = numbers->size() / 2;  // a height stands third in each corner
@@ -184,7 +170,7 @@ Result<std::optional<GivenPlace>> CenterGivenIn(const Request& request) {
   const auto text = request.Query("center");
   if (!text) return std::optional<GivenPlace>();
   SKYQUILT_TRY_ASSIGN(MapCrs crs, CrsIn(request, "center-crs"));
-  const std::optional<std::vector<double>> numbers = FiniteNumbers(*text);
+  const std::optional<std::vector<double>> numbers = FiniteNumbers(*text, 2);
   if (!numbers || numbers->size() != 2)
     return BadParameter("center", "two numbers with a comma between them");
   const Eigen::Vector2d place = Ordered(crs, (*numbers)[0], (*numbers)[1]);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "api/http/parameters.h"
 #include "api/json/json_codec.h"
 #include "api/json/json_text.h"
 #include "core/base/text/json_io.h"

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "api/http/parameters.h"
@@ -12,19 +11,6 @@
 
 namespace skyquilt::api {
 namespace {
-
-std::optional<std::array<double, 4>> FourNumbers(std::string_view text) {
-  std::array<double, 4> numbers{};
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    const std::size_t comma = text.find(',');
-    if ((comma == std::string_view::npos) != (i == 3)) return std::nullopt;
-    const std::optional<double> number = ParseFiniteNumber(text.substr(0, comma));
-    if (!number) return std::nullopt;
-    numbers[i] = *number;
-    text.remove_prefix(comma == std::string_view::npos ? text.size() : comma + 1);
-  }
-  return numbers;
-}
 
 Error BadWms(const char* code, std::string message) {
   return {ErrorCode::kInvalidArgument, std::move(message), code};
@@ -41,28 +27,19 @@ Result<int> Side(const Request& request, const char* name) {
 Result<std::vector<std::string>> LayersIn(const Request& request, const char* name) {
   const std::string text = Parameter(request, name).value_or("");
   if (text.empty()) return BadWms("LayerNotDefined", fmt::format("{} must name a layer.", name));
-  std::vector<std::string> layers;
-  for (std::size_t at = 0; at <= text.size();) {
-    const std::size_t end = std::min(text.find(',', at), text.size());
-    layers.push_back(text.substr(at, end - at));
-    at = end + 1;
-    if (layers.size() > kMaxWmsLayers)
-      return BadWms("", fmt::format("{} must name at most {} layers.", name, kMaxWmsLayers));
-  }
-  return layers;
+  const std::vector<std::string_view> layers = PartsOf(text, ',');
+  if (layers.size() > kMaxWmsLayers)
+    return BadWms("", fmt::format("{} must name at most {} layers.", name, kMaxWmsLayers));
+  return std::vector<std::string>(layers.begin(), layers.end());
 }
 
 Result<std::vector<std::string>> StylesIn(const Request& request, std::size_t layers) {
   const std::string text = Parameter(request, "STYLES").value_or("");
-  std::vector<std::string> styles;
-  for (std::size_t at = 0; at <= text.size() && !text.empty();) {
-    const std::size_t end = std::min(text.find(',', at), text.size());
-    styles.push_back(text.substr(at, end - at));
-    at = end + 1;
-    if (styles.size() > layers)
-      return BadWms("StyleNotDefined", "STYLES names more styles than there are layers.");
-  }
-  return styles;
+  if (text.empty()) return std::vector<std::string>();
+  const std::vector<std::string_view> styles = PartsOf(text, ',');
+  if (styles.size() > layers)
+    return BadWms("StyleNotDefined", "STYLES names more styles than there are layers.");
+  return std::vector<std::string>(styles.begin(), styles.end());
 }
 
 // All but layers, styles and format.
@@ -70,9 +47,9 @@ Result<WmsMap> ParseWindow(const Request& request) {
   WmsMap map;
   const bool is_newer = IsNewerWms(request);
   const std::string crs = Parameter(request, is_newer ? "CRS" : "SRS").value_or("");
-  const auto box = FourNumbers(Parameter(request, "BBOX").value_or(""));
-  if (!box) return BadWms("", "BBOX must be four numbers.");
-  const auto& [first, second, third, fourth] = *box;
+  const auto box = FiniteNumbers(Parameter(request, "BBOX").value_or(""), 4);
+  if (!box || box->size() != 4) return BadWms("", "BBOX must be four numbers.");
+  const double first = (*box)[0], second = (*box)[1], third = (*box)[2], fourth = (*box)[3];
   if (crs == "EPSG:3857" || crs == "EPSG:900913") {
     map = {.west = first, .south = second, .east = third, .north = fourth};
   } else if (crs == "CRS:84" || (crs == "EPSG:4326" && !is_newer)) {
