@@ -31,8 +31,8 @@ Result<Response> BlankAnswer(const Request& request, EmptyTile otherwise, int si
 Result<std::shared_ptr<const storage::MadeTile>> Made(Service& service, const Request& request,
                                                       const storage::MadeTileKey& key,
                                                       const std::function<Result<std::string>()>& make);
-// The same, answered: deferred where this is not the place. `variant`: what kind of made tile it is, for its
-// tag. Of nothing to be seen (no bytes) a tile is blank, or what `empty` says.
+// The same, answered: deferred where this is not the place; where nothing can be seen of it (no bytes), as
+// BlankAnswer has it. `variant`: what kind of made tile it is, for its tag.
 Result<Response> AnswerMade(Service& service, const Request& request, const storage::Tileset& tileset,
                             const storage::MadeTileKey& key, std::string_view variant,
                             const std::function<Result<std::string>()>& make,

@@ -117,7 +117,7 @@ Result<Response> Stored(Service& service, const Request& request, const TileRequ
     if (request.work < Work::kCompute) return DeferTo(Work::kCompute);
     SKYQUILT_TRY_ASSIGN(response.body, make());
   }
-  // Of a part nothing may be to be seen.
+  // A part may show nothing.
   if (response.body.empty()) return BlankAnswer(request, wanted.empty, cut.side_px, shown.cache_control);
   response.headers.Add("Content-Type", image::ContentTypeOf(format));
   return response;
