@@ -11,8 +11,11 @@ if(SKYQUILT_SANITIZE OR SKYQUILT_FUZZ)
   target_compile_definitions(skyquilt_flags INTERFACE EIGEN_MALLOC_ALREADY_ALIGNED=1)
 endif()
 if(SKYQUILT_SANITIZE)
+  # What asks of each pointer whether it may be followed is left to ASan and to the fuzz targets, which are built with
+  # all: through Eigen's templates it was four tenths of the compiler's time (poses 154 CPU-s, 86 without).
   target_compile_options(skyquilt_flags INTERFACE
-    -fsanitize=${SKYQUILT_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=undefined)
+    -fsanitize=${SKYQUILT_SANITIZE} -fno-sanitize=null,alignment,object-size,pointer-overflow,vptr
+    -fno-omit-frame-pointer -fno-sanitize-recover=undefined)
   target_link_options(skyquilt_flags INTERFACE -fsanitize=${SKYQUILT_SANITIZE})
 endif()
 if(SKYQUILT_FUZZ)
