@@ -235,7 +235,7 @@ void RunServer(const ServeOptions& options) {
   }
   const sigset_t signals = BlockSignals();
   RaiseDescriptorLimit();
-  const Result<void> loaded = LoadLate();  // a library that is missing is no surprise of the first request
+  const Result<void> loaded = TryLate();  // a library that is missing is no surprise of the first request
   if (!loaded) Fail("skyquilt serve", loaded.error());
   KeepFreedMemory();
   const storage::CataloguePlace given = PlaceOf("skyquilt serve", options.catalogue);

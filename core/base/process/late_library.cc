@@ -1,12 +1,19 @@
 #include "core/base/process/late_library.h"
 
 #include <dlfcn.h>
+#include <fcntl.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
+
+#include "core/base/process/file_descriptor.h"
 
 // Of the trampolines that are linked; the linker makes both names. Null where there are none.
 // NOLINTBEGIN(readability-identifier-naming): the linker's words
@@ -41,6 +48,35 @@ Result<void> LoadLate(std::initializer_list<std::string_view> names) {
                    ""};
   }
   return {};
+}
+
+Result<void> TryLate() {
+  std::array<int, 2> ends{};
+  if (pipe2(ends.data(), O_CLOEXEC) != 0) return LoadLate();
+  const FileDescriptor said(ends[0]);
+  FileDescriptor to_say(ends[1]);
+  const pid_t child = fork();
+  if (child < 0) return LoadLate();
+  if (child == 0) {
+    const Result<void> loaded = LoadLate();
+    const std::string why = loaded ? "" : loaded.error().message;
+    const bool is_said = write(to_say.get(), why.data(), why.size()) == static_cast<ssize_t>(why.size());
+    _exit(loaded && is_said ? 0 : 1);
+  }
+  to_say.Close();
+  std::string why;
+  std::array<char, 1024> part{};
+  for (ssize_t got = 1; got != 0;) {
+    got = read(said.get(), part.data(), part.size());
+    if (got > 0) why.append(part.data(), static_cast<std::size_t>(got));
+    if (got < 0 && errno != EINTR) break;
+  }
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return {};
+  if (why.empty()) why = "The libraries that Skyquilt needs cannot be loaded. Install them again.";
+  return Error{ErrorCode::kUnavailable, why, ""};
 }
 
 }  // namespace skyquilt

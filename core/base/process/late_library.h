@@ -11,10 +11,12 @@
 
 namespace skyquilt {
 
-// Loads the libraries whose names begin so ("libproj.so"), or all where none is named: by who serves, so that
-// a missing one is found at the start, and by who will soon be allowed to open no files. Nothing to do where
-// all are linked. Error: kUnavailable, with the library's name.
+// Loads the libraries whose names begin so ("libproj.so"), or all where none is named: by who will soon be
+// allowed to open no files. Nothing to do where all are linked. Error: kUnavailable, with the library's name.
 Result<void> LoadLate(std::initializer_list<std::string_view> names = {});
+// Whether all can be loaded, tried in a process of its own: who serves finds a missing one at the start, and
+// most servers never need the 50 MiB that they take. Before the first thread. Error: as LoadLate.
+Result<void> TryLate();
 
 }  // namespace skyquilt
 
