@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "core/flight/photos/photo_decoder.h"
+#include "core/pipeline/placing/recall_flight.h"
 #include "tests/core/pipeline/displaced_flight.h"
 
 namespace skyquilt::pipeline {
