@@ -1,6 +1,5 @@
 #include "core/pipeline/inspect_flight.h"
 
-#include <fmt/chrono.h>
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -13,6 +12,7 @@
 #include "core/base/parallel_for.h"
 #include "core/base/text/printable.h"
 #include "core/camera/footprint.h"
+#include "core/flight/bytes/written_time.h"
 #include "core/flight/remarks/because.h"
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
@@ -33,11 +33,6 @@ using flight::RemarkCode;
 constexpr double kAlignSecondsPerPhoto = 0.45;
 constexpr double kDecodeSecondsPerMegapixel = 0.012;
 constexpr double kRenderSecondsPerMegapixel = 0.10;
-
-std::string IsoSecond(const flight::UtcTime& time) {
-  const auto seconds = std::chrono::floor<std::chrono::seconds>(time);
-  return fmt::format("{:%Y-%m-%dT%H:%M:%S}", fmt::gmtime(std::chrono::system_clock::to_time_t(seconds)));
-}
 
 // Many makers repeat themselves in the model's name.
 std::string CameraName(const flight::Photo& photo) {
@@ -182,7 +177,7 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
     ++verdict.attitude_sources[photo.attitude ? photo.attitude->source : "none"];
     input_megapixels += 1e-6 * lens.width_px * lens.height_px;
     if (!photo.captured_at) continue;
-    const std::string time = IsoSecond(*photo.captured_at);
+    const std::string time = flight::WrittenSecond(*photo.captured_at);
     if (verdict.first_capture.empty() || time < verdict.first_capture) verdict.first_capture = time;
     verdict.last_capture = std::max(verdict.last_capture, time);
   }

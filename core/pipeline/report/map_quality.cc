@@ -10,6 +10,7 @@
 
 #include "core/base/check.h"
 #include "core/base/text/json_io.h"
+#include "core/base/text/printable.h"
 
 namespace skyquilt::pipeline {
 namespace {
@@ -22,10 +23,6 @@ constexpr const char* kUnknownOfImported = "unknown: an imported map";
 
 std::string Number(double value) {
   return value < 100.0 ? fmt::format("{:.2g}", value) : fmt::format("{:.0f}", value);
-}
-
-std::string Counted(int count, const char* what) {
-  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
 // None without a name.

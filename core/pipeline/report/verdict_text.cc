@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "core/base/error_code.h"
 #include "core/base/text/json_io.h"
 #include "core/base/text/printable.h"
 #include "core/flight/aside/aside.h"
@@ -174,13 +173,6 @@ std::string VerdictText(const FlightVerdict& v) {
 }
 
 std::string VerdictJson(const FlightVerdict& v) {
-  Json left_out = Json::array();
-  for (const auto& photo : v.left_out) {
-    left_out.push_back({{"name", photo.name},
-                        {"code", ErrorCodeName(photo.code)},
-                        {"reason", flight::InWords(photo.reason)},
-                        {"remark", flight::JsonOfRemark<Json>(photo.reason)}});
-  }
   Json logs = Json::array();
   for (const flight::LogFacts& log : v.logs) logs.push_back(LogJson(log));
   Json lists = Json::array();
@@ -211,7 +203,7 @@ std::string VerdictJson(const FlightVerdict& v) {
                   {"output_megapixels", v.output_megapixels},
                   {"expected_seconds", v.expected_seconds},
                   {"expected_memory_mib", v.expected_memory_mib},
-                  {"left_out", left_out},
+                  {"left_out", JsonOfLeftOut<Json>(v.left_out)},
                   {"warnings", flight::InWords(v.warnings)},
                   {"remarks", flight::JsonOfRemarks<Json>(v.warnings)}};
   return JsonText(json, 2) + "\n";
