@@ -1,5 +1,6 @@
 // RecallFlight: what an earlier run placed, where the files that it was made of are still there, and what a
-// run may do with it instead of aligning the flight anew. Facts that cannot be read are as good as none. Pure but for DigestsOf, which reads files; any thread.
+// run may do with it instead of aligning the flight anew. Facts that cannot be read are as good as none. Pure
+// but for DigestsOf, which reads files; any thread.
 #pragma once
 
 #include <map>
