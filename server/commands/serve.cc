@@ -226,12 +226,10 @@ void KeepFreedMemory() {
 
 void RunServer(const ServeOptions& options) {
   if (options.keep_days > 0 && options.trash_days == 0) {
-    Fail(
+    Refuse(
         "skyquilt serve",
-        {ErrorCode::kInvalidArgument,
-         "--keep-days puts flights that nobody changes into the trash, and with --trash-days 0 there is none. "
-         "Give --trash-days 1 or more, or leave --keep-days out.",
-         ""});
+        "--keep-days puts flights that nobody changes into the trash, and with --trash-days 0 there is none. "
+        "Give --trash-days 1 or more, or leave --keep-days out.");
   }
   const sigset_t signals = BlockSignals();
   RaiseDescriptorLimit();

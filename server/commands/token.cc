@@ -79,8 +79,7 @@ void Add(const TokenOptions& options) {
   if (!options.flight.empty()) {
     RequireFlight(*db, options.flight);
     if (options.scope != "read") {
-      Fail("skyquilt token",
-           {ErrorCode::kInvalidArgument, "A token for one flight only reads: leave --scope out.", ""});
+      Refuse("skyquilt token", "A token for one flight only reads: leave --scope out.");
     }
   }
   const std::string text = options.flight.empty() ? api::NewTokenText() : api::NewShareText();
