@@ -4,6 +4,10 @@
 
 namespace skyquilt::flight {
 
+std::string MakeAndModel(const Photo& photo) {
+  return photo.model.starts_with(photo.make) ? photo.model : photo.make + " " + photo.model;
+}
+
 bool ComesBefore(const Photo& a, const Photo& b) {
   if (a.captured_at.has_value() != b.captured_at.has_value()) return a.captured_at.has_value();
   return std::tie(a.captured_at, a.name) < std::tie(b.captured_at, b.name);

@@ -289,6 +289,20 @@ Result<std::optional<FlightFacts>> PlaceAdded(Recalled recalled, const flight::F
   return grown;
 }
 
+Result<flight::Flight> Read(const std::vector<InputFile>& files, const MosaicOptions& options,
+                            const flight::PhotoSource& source, bands::Captures& captures,
+                            Progress& progress) {
+  SKYQUILT_TRY_ASSIGN(flight::Flight flight, flight::ReadFlight(files, options.threads, progress));
+  captures = bands::SetBandsApart(flight, options.threads);
+  SKYQUILT_TRY(poses::CompareSources(flight));
+  bands::CalibrateByPanels(flight, captures, source);
+  flight::ChooseSampleRanges(flight.photos, source, options.threads);
+  if (options.readout_s) {
+    for (flight::Photo& photo : flight.photos) photo.readout_s = options.readout_s;
+  }
+  return flight;
+}
+
 // A map that is brought elsewhere stays cut as it was.
 std::optional<geo::Boundary> BoundaryOf(const MosaicOptions& options, const pyramid::MapMemory* memory) {
   if (options.boundary || !options.placing || memory == nullptr) return options.boundary;
@@ -310,19 +324,10 @@ Result<PlacedFlight> PlaceFlight(const std::vector<InputFile>& files, const Mosa
   const LargeBlocksApart features_apart(files.size() >= kManyFiles);
   std::vector<NamedDigest> inputs;
   bands::Captures captures;
-  auto read = stages.Run("read", [&]() -> Result<flight::Flight> {
+  auto read = stages.Run("read", [&] {
     if (memory != nullptr || !found.digests.empty())
       inputs = DigestsOf(files, found.digests, options.threads);
-    Result<flight::Flight> flight = flight::ReadFlight(files, options.threads, progress);
-    if (flight) {
-      captures = bands::SetBandsApart(*flight, options.threads);
-      SKYQUILT_TRY(poses::CompareSources(*flight));
-      bands::CalibrateByPanels(*flight, captures, source);
-      flight::ChooseSampleRanges(flight->photos, source, options.threads);
-    }
-    if (!flight || !options.readout_s) return flight;
-    for (flight::Photo& photo : flight->photos) photo.readout_s = options.readout_s;
-    return flight;
+    return Read(files, options, source, captures, progress);
   });
   if (!read) return read.error();
 
