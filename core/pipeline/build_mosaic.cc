@@ -1,6 +1,5 @@
 #include "core/pipeline/build_mosaic.h"
 
-#include <fmt/core.h>
 #include <sys/resource.h>
 
 #include <algorithm>

@@ -16,7 +16,6 @@
 #include <vector>
 
 #include "api/build_api.h"
-#include "api/nodeodm/nodeodm.h"
 #include "api/uploads/unpack.h"
 #include "core/base/process/late_library.h"
 #include "core/base/text/printable.h"

@@ -1,7 +1,5 @@
 #include "core/pipeline/placing/place_by_lists.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>

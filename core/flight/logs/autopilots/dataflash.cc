@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
-#include <map>
 
 #include "core/flight/bytes/gps_time.h"
 #include "core/flight/logs/autopilots/dataflash_plan.h"
